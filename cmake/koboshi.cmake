@@ -1,0 +1,38 @@
+# How this project declares its targets: one library a second-level folder, one test program a test file's subject.
+
+# What every translation unit is compiled with. Contraction is off so that a run repeats to the bit.
+add_library(koboshi_options INTERFACE)
+target_compile_options(koboshi_options INTERFACE
+  -Wall -Wextra -Wconversion -Wsign-conversion -Wdouble-promotion -Werror -ffp-contract=off)
+target_include_directories(koboshi_options INTERFACE ${PROJECT_SOURCE_DIR})
+
+# What the firmware is compiled with besides, on every board: any float arithmetic is a hard error on the host.
+add_library(koboshi_firmware_options INTERFACE)
+target_compile_options(koboshi_firmware_options INTERFACE
+  -fno-exceptions -fno-rtti -fno-threadsafe-statics -mgeneral-regs-only)
+
+# koboshi_library(NAME [FIRMWARE] [SOURCES ...] [DEPS ...]) makes koboshi::NAME; without sources, an interface library.
+function(koboshi_library name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "FIRMWARE" "" "SOURCES;DEPS")
+  if(arg_SOURCES)
+    add_library(${name} STATIC ${arg_SOURCES})
+    target_link_libraries(${name} PUBLIC koboshi_options ${arg_DEPS})
+    if(arg_FIRMWARE)
+      target_link_libraries(${name} PRIVATE koboshi_firmware_options)
+    endif()
+  else()
+    add_library(${name} INTERFACE)
+    target_link_libraries(${name} INTERFACE koboshi_options ${arg_DEPS})
+  endif()
+  add_library(koboshi::${name} ALIAS ${name})
+endfunction()
+
+# koboshi_test(NAME LABEL label SOURCES ... [DEPS ...]) makes a GoogleTest program whose cases ctest runs under the label.
+function(koboshi_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL" "SOURCES;DEPS")
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE koboshi_options ${arg_DEPS} GTest::gtest GTest::gmock GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE KOBOSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                                             KOBOSHI_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES LABELS ${arg_LABEL})
+endfunction()

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "hal/port/ankle.h"
+#include "hal/port/can.h"
+#include "hal/port/imu.h"
+
+namespace koboshi::hal {
+
+// Everything that one `service` call reads and writes, as one message each way. The board fills a BatchInput, the ports of a
+// BatchBoard serve the firmware from it and collect a BatchOutput. In process the structs are handed over as they are; a board
+// that lives elsewhere sends their encoding. Both see the same, so both runs are the same.
+
+template <typename T, std::size_t kCapacity>
+struct BoundedList {
+  std::array<T, kCapacity> items{};
+  std::uint16_t size = 0;
+
+  [[nodiscard]] constexpr bool push(const T& item) {
+    if (size == kCapacity) return false;
+    items[size++] = item;
+    return true;
+  }
+  [[nodiscard]] constexpr std::span<const T> view() const { return {items.data(), size}; }
+  constexpr void clear() { size = 0; }
+};
+
+struct BatchInput {
+  static constexpr std::size_t kMaxFrames = 64;      // the receive ring
+  static constexpr std::size_t kMaxImuSamples = 16;  // the IMU's FIFO
+
+  std::uint64_t now_us = 0;
+  bool tick = false;  // `tick` follows this `service`
+  CanStatus can_status;
+  std::uint16_t transmit_space = 0;
+  std::uint16_t imu_overruns = 0;
+  BoundedList<CanFrame, kMaxFrames> frames;
+  BoundedList<ImuSample, kMaxImuSamples> imu;
+  std::array<bool, 2> ankle_fresh{};  // by Side
+  std::array<AnkleSample, 2> ankles{};
+};
+
+struct BatchOutput {
+  static constexpr std::size_t kMaxFrames = 64;  // the transmit FIFO
+
+  BoundedList<CanFrame, kMaxFrames> frames;
+  bool recover = false;       // from bus-off
+  bool watchdog_kicked = false;
+  bool drive_enabled = false; // level of the line after the call
+};
+
+// Little-endian, fields in the order above, lists as a 16-bit count and their items; no padding.
+inline constexpr std::size_t kMaxFrameBytes = 2 + 1 + 8;
+inline constexpr std::size_t kMaxBatchInputBytes =
+    8 + 1 + 5 + 2 + 2 + 2 + BatchInput::kMaxFrames * kMaxFrameBytes + 2 + BatchInput::kMaxImuSamples * 16 + 2 + 2 * 16;
+inline constexpr std::size_t kMaxBatchOutputBytes = 2 + BatchOutput::kMaxFrames * kMaxFrameBytes + 1;
+
+// Writes the message to `bytes` and returns its length; 0 when `bytes` is too short.
+[[nodiscard]] std::size_t encode(const BatchInput& input, std::span<std::byte> bytes);
+[[nodiscard]] std::size_t encode(const BatchOutput& output, std::span<std::byte> bytes);
+// False, and the struct undefined, when the message is cut short, too long, or names more items than fit.
+[[nodiscard]] bool decode(std::span<const std::byte> bytes, BatchInput& input);
+[[nodiscard]] bool decode(std::span<const std::byte> bytes, BatchOutput& output);
+
+}  // namespace koboshi::hal

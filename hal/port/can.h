@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace koboshi::hal {
+
+// A classic CAN data frame with an 11-bit identifier (ISO 11898-1). Remote frames carry no data.
+struct CanFrame {
+  std::uint16_t identifier = 0;  // 0..0x7FF
+  std::uint8_t size = 0;         // 0..8; of a remote frame, the size it asks for
+  bool remote = false;
+  std::array<std::uint8_t, 8> data{};
+
+  friend bool operator==(const CanFrame&, const CanFrame&) = default;
+};
+
+// Fault confinement state of a CAN controller (ISO 11898-1, clause 12).
+enum class CanErrorState : std::uint8_t { kErrorActive = 0, kErrorPassive = 1, kBusOff = 2 };
+
+struct CanStatus {
+  CanErrorState state = CanErrorState::kErrorActive;
+  std::uint8_t transmit_error_count = 0;
+  std::uint8_t receive_error_count = 0;
+  std::uint16_t receive_overruns = 0;  // frames lost because the receive ring was full; saturates
+
+  friend bool operator==(const CanStatus&, const CanStatus&) = default;
+};
+
+// A CAN controller with a receive ring and a transmit FIFO. Nothing blocks.
+class CanPort {
+ public:
+  // Takes the oldest received frame. False, and `frame` untouched, when there is none.
+  [[nodiscard]] virtual bool receive(CanFrame& frame) = 0;
+  // Appends to the transmit FIFO; frames leave in this order. False when the FIFO is full.
+  [[nodiscard]] virtual bool transmit(const CanFrame& frame) = 0;
+  // How many frames `transmit` would take now.
+  [[nodiscard]] virtual std::size_t transmit_space() const = 0;
+  [[nodiscard]] virtual CanStatus status() const = 0;
+  // Starts the recovery from bus-off: 128 times 11 recessive bits. No effect in the other states.
+  virtual void recover() = 0;
+
+ protected:
+  ~CanPort() = default;
+};
+
+}  // namespace koboshi::hal

@@ -1,0 +1,136 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace koboshi::sim {
+
+// The robot as its file describes it, in SI units and radians. Frames after REP-103: x forward, y left, z up.
+// Poses are those of the robot at joint zero, in the model frame M, unless a comment says otherwise.
+
+// Contact of a surface with another, as the file gives it: ODE's own parameters at a reference step.
+struct SurfaceDescription {
+  double friction = 0.8;              // Coulomb's mu, first direction
+  double friction_second = 0.8;       // second direction
+  double bounce = 0.0;                // coefficient of restitution, 0..1
+  double bounce_threshold_m_per_s = 0.01;
+  double error_reduction = 0.2;       // ERP at reference_step_s
+  double constraint_force_mixing = 1e-5;  // CFM at reference_step_s, in ODE's unit (s^-1 kg^-1 times step)
+  double reference_step_s = 0.001;
+};
+
+struct BoxDescription {
+  std::string name;
+  Eigen::Isometry3d X_LG = Eigen::Isometry3d::Identity();  // geometry in its link's frame
+  Eigen::Vector3d size_m = Eigen::Vector3d::Ones();
+  SurfaceDescription surface;
+};
+
+// A triangle mesh for looks only.
+struct MeshDescription {
+  std::filesystem::path file;
+  Eigen::Isometry3d X_LG = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+};
+
+struct LinkDescription {
+  std::string name;
+  Eigen::Isometry3d X_ML = Eigen::Isometry3d::Identity();
+  double mass_kg = 0.0;
+  Eigen::Vector3d p_LCom_L = Eigen::Vector3d::Zero();          // centre of mass in the link's frame
+  Eigen::Matrix3d I_LCom_L = Eigen::Matrix3d::Identity();      // inertia about the CoM, axes of the link
+  std::vector<BoxDescription> collisions;
+  std::vector<BoxDescription> visual_boxes;
+  std::vector<MeshDescription> meshes;
+};
+
+// A DC motor with gearbox seen at the output shaft, and the position controller of its drive.
+struct ServoDescription {
+  double torque_constant_Nm_per_A = 1.0027;  // kt, output side
+  double resistance_ohm = 5.477;             // R
+  double supply_V = 7.5;
+  double rotor_inertia_kg_m2 = 0.00116;      // J, output side
+  double coulomb_friction_Nm = 0.0275;       // Kc
+  double viscous_friction_Nm_s = 0.0033;     // Kv
+  double full_voltage_error_rad = 0.122;     // position error at which the controller applies the whole supply
+  double velocity_gain_V_s_per_rad = 0.0;    // additional damping of the controller, on the encoder's speed
+};
+
+struct EncoderDescription {
+  int bits = 12;                 // counts a turn = 2^bits
+  double offset_rad = 0.0;       // mounting error of this encoder
+};
+
+// The CANopen node of a joint's drive.
+struct DriveDescription {
+  std::uint8_t node_id = 0;      // 16..35 on the default robot
+  std::uint32_t serial_number = 0;
+  int sign = 1;                  // shaft turns by sign * joint angle + zero
+  double zero_rad = 0.0;
+};
+
+// Every joint is a hinge.
+struct JointDescription {
+  std::string name;
+  int parent = -1;               // index of a link
+  int child = -1;                // index of a link
+  Eigen::Vector3d p_MJ = Eigen::Vector3d::Zero();      // anchor at joint zero
+  Eigen::Vector3d axis_M = Eigen::Vector3d::UnitZ();   // unit vector at joint zero; positive by the right-hand rule
+  double lower_rad = 0.0;
+  double upper_rad = 0.0;
+  double max_speed_rad_per_s = 0.0;
+  ServoDescription servo;
+  EncoderDescription encoder;
+  DriveDescription drive;
+};
+
+// Errors and dynamics of one sampled axis group; each is a class of its own in sim_board/sensor.
+struct ChannelDescription {
+  double noise_density = 0.0;    // unit / sqrt(Hz)
+  double bias = 0.0;             // largest magnitude of the constant bias, unit; drawn by seed within it
+  double bandwidth_Hz = 98.0;    // of the 2nd-order anti-alias filter
+  double range = 0.0;            // saturates at +-range, unit
+  double resolution = 0.0;       // unit a count
+  double sample_period_s = 0.001;
+  double delay_s = 0.001;
+};
+
+struct ImuDescription {
+  std::string name;
+  int link = -1;
+  Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();
+  ChannelDescription gyro;           // rad/s
+  ChannelDescription accelerometer;  // m/s^2
+};
+
+// Six-axis sensor between shank side and ground side, measuring what crosses `joint` and below; frame S at the sensor.
+struct AnkleSensorDescription {
+  std::string name;
+  int joint = -1;                    // the hinge whose child is the foot
+  Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();  // in the foot link's frame
+  double height_above_sole_m = 0.0;  // d of the paper's equation 1
+  ChannelDescription force;          // N
+  ChannelDescription torque;         // N m
+};
+
+struct RobotDescription {
+  std::string name;
+  std::filesystem::path file;
+  std::vector<LinkDescription> links;    // links[0] is the base (trunk)
+  std::vector<JointDescription> joints;  // in the order of node ids; parents may come in any order
+  std::optional<ImuDescription> imu;
+  std::optional<AnkleSensorDescription> left_ankle;
+  std::optional<AnkleSensorDescription> right_ankle;
+
+  double total_mass_kg() const;
+  // Index of the joint or link with this name, or nothing.
+  std::optional<int> find_joint(const std::string& joint_name) const;
+  std::optional<int> find_link(const std::string& link_name) const;
+};
+
+}  // namespace koboshi::sim
