@@ -10,9 +10,10 @@ namespace koboshi::sim {
 // (without `:LINE` where the trouble is the file itself). The program prints it and exits with status 2.
 class InputError : public std::runtime_error {
  public:
-  InputError(const std::filesystem::path& file, int line, const std::string& found, const std::string& expected)
-      : std::runtime_error(file.string() + (line > 0 ? ":" + std::to_string(line) : std::string()) + ": found " +
-                           found + ", expected " + expected) {}
+  InputError(const std::filesystem::path& file, int line, const std::string& found,
+             const std::string& expected)
+      : std::runtime_error(file.string() + (line > 0 ? ":" + std::to_string(line) : std::string()) +
+                           ": found " + found + ", expected " + expected) {}
 };
 
 }  // namespace koboshi::sim

@@ -1,0 +1,102 @@
+#include "sim_board/input/text.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+
+#include "sim_board/input/error.h"
+
+namespace koboshi::sim {
+namespace {
+
+// Far above any file that a person writes; /dev/zero ends here too.
+constexpr std::size_t kLargestFile = 16u << 20;
+constexpr std::size_t kLongestQuote = 80;
+
+std::string_view trim(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  const auto first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+template <class Value>
+std::optional<Value> parse_whole(std::string_view text) {
+  text = trim(text);
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+  Value value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+template <class Range>
+std::string describe_range(const Range& range, const std::string& kind,
+                           std::string (*to_text)(decltype(Range::min))) {
+  const bool has_min = range.min != Range{}.min;
+  const bool has_max = range.max != Range{}.max;
+  if (has_min && has_max) return kind + " from " + to_text(range.min) + " to " + to_text(range.max);
+  if (has_min) return kind + " of " + to_text(range.min) + " or more";
+  if (has_max) return kind + " of " + to_text(range.max) + " or less";
+  return kind;
+}
+
+}  // namespace
+
+std::string read_text_file(const std::filesystem::path& file, const std::string& expected) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) throw InputError(file, 0, "a folder", expected);
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw InputError(file, 0, errno == ENOENT ? "no such file" : std::strerror(errno), expected);
+  std::string text;
+  std::array<char, 4096> chunk;
+  while (stream.read(chunk.data(), chunk.size()), stream.gcount() > 0) {
+    text.append(chunk.data(), static_cast<std::size_t>(stream.gcount()));
+    if (text.size() > kLargestFile) throw InputError(file, 0, "more than 16 MiB", expected);
+  }
+  return text;
+}
+
+std::optional<double> parse_number(std::string_view text) {
+  const auto value = parse_whole<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+std::optional<std::int64_t> parse_integer(std::string_view text) { return parse_whole<std::int64_t>(text); }
+
+std::string describe(const NumberRange& range) { return describe_range(range, "a number", number_text); }
+
+std::string describe(const IntegerRange& range) {
+  return describe_range<IntegerRange>(range, "an integer",
+                                      [](std::int64_t value) { return std::to_string(value); });
+}
+
+std::string join_alternatives(std::span<const std::string> names) {
+  std::string joined;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) joined += i + 1 == names.size() ? " or " : ", ";
+    joined += names[i];
+  }
+  return joined;
+}
+
+std::string number_text(double value) {
+  std::array<char, 32> buffer;
+  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  return std::string(buffer.data(), result.ptr);
+}
+
+std::string one_line(std::string_view text) {
+  std::string line(text.substr(0, kLongestQuote));
+  for (char& c : line) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
+  }
+  if (text.size() > kLongestQuote) line += "...";
+  return line;
+}
+
+}  // namespace koboshi::sim

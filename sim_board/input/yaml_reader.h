@@ -1,0 +1,114 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
+#include "sim_board/input/yaml_tree.h"
+
+namespace koboshi::sim {
+
+// The strict reader of every YAML file: what is missing, malformed, doubled, unknown, of the wrong type or
+// out of range is an InputError with file and line.
+//
+//   YamlFile file("scenarios/squat.yaml", overrides);
+//   const YamlMap root = file.root();
+//   root.require_version(1);
+//   const double duration_s = root.number("duration_s", {.min = 0.01, .max = 3600});
+//   for (const YamlValue& push : root.list("pushes")) read_push(push.map());
+//   file.finish();  // every key that nobody asked for is an error
+//
+// Maps, lists and values look into their YamlFile and must not outlive it.
+
+class YamlMap;
+
+class YamlValue {
+ public:
+  explicit YamlValue(const YamlNode& node) : node_(&node) {}
+
+  // Each throws InputError unless the value is just that. Numbers are finite and unquoted.
+  double number(const NumberRange& range = {}) const;
+  std::int64_t integer(const IntegerRange& range = {}) const;
+  bool boolean() const;      // true or false
+  std::string text() const;  // not empty
+  std::string one_of(std::span<const std::string> names) const;
+  YamlMap map() const;
+  std::vector<YamlValue> list() const;
+  std::vector<double> numbers(std::size_t count,
+                              const NumberRange& range = {}) const;  // a list of just `count`
+
+  bool is_map() const { return node_->kind == YamlNode::Kind::kMap; }
+  bool is_list() const { return node_->kind == YamlNode::Kind::kList; }
+  // 0 for a value from the command line.
+  int line() const { return node_->line; }
+  // To throw: this value, with its path, is not what was expected.
+  InputError error(const std::string& expected) const;
+  // To throw at this value's line, with words of the caller's.
+  InputError error(const std::string& found, const std::string& expected) const;
+
+ private:
+  const YamlNode* node_;
+};
+
+class YamlMap {
+ public:
+  explicit YamlMap(const YamlNode& node) : node_(&node) {}
+
+  // With a fallback a key may be missing; without, that is an InputError.
+  double number(const std::string& key, const NumberRange& range = {},
+                std::optional<double> fallback = std::nullopt) const;
+  std::int64_t integer(const std::string& key, const IntegerRange& range = {},
+                       std::optional<std::int64_t> fallback = std::nullopt) const;
+  bool boolean(const std::string& key, std::optional<bool> fallback = std::nullopt) const;
+  std::string text(const std::string& key, std::optional<std::string> fallback = std::nullopt) const;
+  std::string one_of(const std::string& key, const std::vector<std::string>& names,
+                     std::optional<std::string> fallback = std::nullopt) const;
+  std::vector<double> numbers(const std::string& key, std::size_t count, const NumberRange& range = {}) const;
+  YamlMap child(const std::string& key) const;
+  std::optional<YamlMap> optional_child(const std::string& key) const;
+  // A missing list is an error, too; ask has() first where it may be missing.
+  std::vector<YamlValue> list(const std::string& key) const;
+  YamlValue value(const std::string& key) const;
+  bool has(const std::string& key) const;
+  // Every key of the map with its value, in the file's order, where the keys are names that only the caller
+  // knows.
+  std::vector<std::pair<std::string, YamlValue>> entries() const;
+  // The key `version`, which must have this value.
+  void require_version(std::int64_t version) const;
+
+  // The line of a key, or of the map if it has no such key.
+  int line_of(const std::string& key) const;
+  // To throw at the key's line.
+  InputError error_at(const std::string& key, const std::string& found, const std::string& expected) const;
+
+ private:
+  const YamlNode* find(const std::string& key) const;
+  const YamlNode& require(const std::string& key, const std::string& expected) const;
+
+  const YamlNode* node_;
+};
+
+class YamlFile {
+ public:
+  // Reads and parses the whole file, then applies the overrides in their order. Throws InputError.
+  explicit YamlFile(std::filesystem::path file, std::span<const Override> overrides = {});
+  YamlFile(const YamlFile&) = delete;
+  YamlFile& operator=(const YamlFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  YamlMap root() const { return YamlMap(root_); }
+  // Throws InputError at the first key that no reader has asked for.
+  void finish() const;
+
+ private:
+  std::filesystem::path path_;
+  YamlNode root_;
+};
+
+}  // namespace koboshi::sim

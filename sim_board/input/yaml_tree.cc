@@ -1,0 +1,233 @@
+#include "sim_board/input/yaml_tree.h"
+
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/exceptions.h>
+#include <yaml-cpp/parser.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
+
+namespace koboshi::sim {
+namespace {
+
+const char* const kOption = "--set";
+
+// A value of the command line has no line.
+int line_of(const YAML::Mark& mark, const std::filesystem::path& source) {
+  return source == kOption ? 0 : mark.line + 1;
+}
+
+// Builds the tree from the parser's events. yaml-cpp's own tree forgets doubled keys and whether a scalar was
+// quoted.
+class TreeBuilder final : public YAML::EventHandler {
+ public:
+  explicit TreeBuilder(const std::filesystem::path& source) : source_(source) {}
+
+  YamlNode take_root() { return std::move(root_); }
+
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override {
+    add_leaf(YamlNode::Kind::kNull, mark, "", false);
+  }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
+    fail(mark, "an alias", "the value itself");
+  }
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
+                const std::string& value) override {
+    const bool quoted = tag == "!";
+    if (!quoted) refuse_tag(mark, tag);
+    add_leaf(YamlNode::Kind::kScalar, mark, value, quoted);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {
+    refuse_tag(mark, tag);
+    open(YamlNode::Kind::kList, mark);
+  }
+  void OnSequenceEnd() override { close(); }
+  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
+                  YAML::EmitterStyle::value) override {
+    refuse_tag(mark, tag);
+    open(YamlNode::Kind::kMap, mark);
+  }
+  void OnMapEnd() override { close(); }
+
+ private:
+  struct Level {
+    YamlNode node;
+    std::string key;  // read, its value still to come
+    int key_line = 0;
+    bool has_key = false;
+
+    bool awaits_key() const { return node.kind == YamlNode::Kind::kMap && !has_key; }
+  };
+
+  [[noreturn]] void fail(const YAML::Mark& mark, const std::string& found,
+                         const std::string& expected) const {
+    throw InputError(source_, line_of(mark, source_), found, expected);
+  }
+  void refuse_tag(const YAML::Mark& mark, const std::string& tag) const {
+    if (!tag.empty() && tag != "?") fail(mark, "the tag " + one_line(tag), "a value without a tag");
+  }
+
+  void add_leaf(YamlNode::Kind kind, const YAML::Mark& mark, const std::string& value, bool quoted) {
+    if (!levels_.empty() && levels_.back().awaits_key()) {
+      take_key(kind, mark, value);
+      return;
+    }
+    YamlNode node = make_node(kind, mark);
+    node.scalar = value;
+    node.quoted = quoted;
+    attach(std::move(node));
+  }
+
+  void take_key(YamlNode::Kind kind, const YAML::Mark& mark, const std::string& key) {
+    if (kind != YamlNode::Kind::kScalar || key.empty()) fail(mark, "an empty key", "a name");
+    Level& level = levels_.back();
+    if (const YamlNode* first = level.node.find(key)) {
+      fail(
+          mark,
+          "a second " + one_line(first->path) + " (the first is in line " + std::to_string(first->line) + ")",
+          "each key once");
+    }
+    level.key = key;
+    level.key_line = line_of(mark, source_);
+    level.has_key = true;
+  }
+
+  void open(YamlNode::Kind kind, const YAML::Mark& mark) {
+    if (!levels_.empty() && levels_.back().awaits_key()) fail(mark, "a map or list as a key", "a name");
+    levels_.push_back({make_node(kind, mark), {}, 0, false});
+  }
+
+  void close() {
+    YamlNode node = std::move(levels_.back().node);
+    levels_.pop_back();
+    attach(std::move(node));
+  }
+
+  YamlNode make_node(YamlNode::Kind kind, const YAML::Mark& mark) const {
+    YamlNode node;
+    node.kind = kind;
+    node.source = source_;
+    node.line = line_of(mark, source_);
+    if (levels_.empty()) return node;
+    const Level& parent = levels_.back();
+    if (parent.node.kind == YamlNode::Kind::kList) {
+      node.path = parent.node.path + "[" + std::to_string(parent.node.items.size()) + "]";
+    } else {
+      // The line of a value is that of its key, where a person looks for it.
+      node.line = parent.key_line;
+      node.key = parent.key;
+      node.path = parent.node.path.empty() ? parent.key : parent.node.path + "." + parent.key;
+    }
+    return node;
+  }
+
+  void attach(YamlNode node) {
+    if (levels_.empty()) {
+      root_ = std::move(node);
+      return;
+    }
+    levels_.back().has_key = false;
+    levels_.back().node.items.push_back(std::move(node));
+  }
+
+  std::filesystem::path source_;
+  std::vector<Level> levels_;
+  YamlNode root_;
+};
+
+YamlNode parse_any(const std::string& text, const std::filesystem::path& source) {
+  TreeBuilder builder(source);
+  TreeBuilder rest(source);
+  try {
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    if (!parser.HandleNextDocument(builder)) return builder.take_root();
+    if (parser.HandleNextDocument(rest)) {
+      throw InputError(source, rest.take_root().line, "a second document", "one document");
+    }
+  } catch (const YAML::Exception& error) {
+    throw InputError(source, line_of(error.mark, source), one_line(error.msg), "well-formed YAML");
+  }
+  return builder.take_root();
+}
+
+// Gives a value from the command line, and what it holds, their place in the tree.
+void relocate(YamlNode& node, const std::string& path) {
+  node.path = path;
+  for (std::size_t i = 0; i < node.items.size(); ++i) {
+    YamlNode& item = node.items[i];
+    relocate(item, item.key.empty() ? path + "[" + std::to_string(i) + "]" : path + "." + item.key);
+  }
+}
+
+YamlNode& step_into_list(YamlNode& list, const std::string& index, const Override& override_value) {
+  const auto number = parse_integer(index);
+  if (!number || *number < 0 || *number >= static_cast<std::int64_t>(list.items.size())) {
+    throw InputError(kOption, 0, one_line(override_value.path),
+                     "an item of " + list.path + ", which has " + std::to_string(list.items.size()));
+  }
+  return list.items[static_cast<std::size_t>(*number)];
+}
+
+YamlNode& step_into_map(YamlNode& map, const std::string& key, const Override& override_value) {
+  if (map.kind == YamlNode::Kind::kNull) map.kind = YamlNode::Kind::kMap;
+  if (map.kind != YamlNode::Kind::kMap) {
+    throw InputError(kOption, 0, one_line(override_value.path), map.path + " to be a map");
+  }
+  const auto place =
+      std::find_if(map.items.begin(), map.items.end(), [&](const YamlNode& item) { return item.key == key; });
+  if (place != map.items.end()) return *place;
+  YamlNode added;
+  added.source = kOption;
+  added.key = key;
+  added.path = map.path.empty() ? key : map.path + "." + key;
+  map.items.push_back(std::move(added));
+  return map.items.back();
+}
+
+}  // namespace
+
+const YamlNode* YamlNode::find(const std::string& name) const {
+  const auto place =
+      std::find_if(items.begin(), items.end(), [&](const YamlNode& item) { return item.key == name; });
+  return place == items.end() ? nullptr : &*place;
+}
+
+Override parse_override(const std::string& argument) {
+  const auto equals = argument.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == argument.size()) {
+    throw InputError(kOption, 0, one_line(argument), "KEY=VALUE");
+  }
+  return {argument.substr(0, equals), argument.substr(equals + 1)};
+}
+
+YamlNode parse_yaml(const std::string& text, const std::filesystem::path& source) {
+  YamlNode root = parse_any(text, source);
+  if (root.kind == YamlNode::Kind::kNull)
+    throw InputError(source, 0, "an empty file", "a map of keys and values");
+  if (root.kind != YamlNode::Kind::kMap) {
+    throw InputError(source, root.line, "a document that is no map", "a map of keys and values");
+  }
+  return root;
+}
+
+void apply_override(YamlNode& root, const Override& override_value) {
+  YamlNode* node = &root;
+  std::istringstream steps(override_value.path);
+  for (std::string step; std::getline(steps, step, '.');) {
+    node = node->kind == YamlNode::Kind::kList ? &step_into_list(*node, step, override_value)
+                                               : &step_into_map(*node, step, override_value);
+  }
+  YamlNode value = parse_any(override_value.value, kOption);
+  value.key = node->key;
+  relocate(value, node->path);
+  *node = std::move(value);
+}
+
+}  // namespace koboshi::sim
