@@ -11,9 +11,10 @@
 
 namespace koboshi::hal {
 
-// Everything that one `service` call reads and writes, as one message each way. The board fills a BatchInput, the ports of a
-// BatchBoard serve the firmware from it and collect a BatchOutput. In process the structs are handed over as they are; a board
-// that lives elsewhere sends their encoding. Both see the same, so both runs are the same.
+// Everything that one `service` call reads and writes, as one message each way. The board fills a BatchInput,
+// the ports of a BatchBoard serve the firmware from it and collect a BatchOutput. In process the structs are
+// handed over as they are; a board that lives elsewhere sends their encoding. Both see the same, so both runs
+// are the same.
 
 template <typename T, std::size_t kCapacity>
 struct BoundedList {
@@ -48,21 +49,26 @@ struct BatchOutput {
   static constexpr std::size_t kMaxFrames = 64;  // the transmit FIFO
 
   BoundedList<CanFrame, kMaxFrames> frames;
-  bool recover = false;       // from bus-off
+  bool recover = false;  // from bus-off
   bool watchdog_kicked = false;
-  bool drive_enabled = false; // level of the line after the call
+  bool drive_enabled = false;  // level of the line after the call
 };
 
-// Little-endian, fields in the order above, lists as a 16-bit count and their items; no padding.
+// Little-endian, fields in the order above, lists as a 16-bit count and their items, truth values as a byte
+// of 0 or 1; no padding. A frame is its identifier, a byte with its size and bit 7 for a remote frame, and 8
+// bytes of data. A BatchOutput ends with a byte of flags: bit 0 recover, bit 1 watchdog_kicked, bit 2
+// drive_enabled.
 inline constexpr std::size_t kMaxFrameBytes = 2 + 1 + 8;
-inline constexpr std::size_t kMaxBatchInputBytes =
-    8 + 1 + 5 + 2 + 2 + 2 + BatchInput::kMaxFrames * kMaxFrameBytes + 2 + BatchInput::kMaxImuSamples * 16 + 2 + 2 * 16;
+inline constexpr std::size_t kMaxBatchInputBytes = 8 + 1 + 5 + 2 + 2 + 2 +
+                                                   BatchInput::kMaxFrames * kMaxFrameBytes + 2 +
+                                                   BatchInput::kMaxImuSamples * 16 + 2 + 2 * 16;
 inline constexpr std::size_t kMaxBatchOutputBytes = 2 + BatchOutput::kMaxFrames * kMaxFrameBytes + 1;
 
 // Writes the message to `bytes` and returns its length; 0 when `bytes` is too short.
 [[nodiscard]] std::size_t encode(const BatchInput& input, std::span<std::byte> bytes);
 [[nodiscard]] std::size_t encode(const BatchOutput& output, std::span<std::byte> bytes);
-// False, and the struct undefined, when the message is cut short, too long, or names more items than fit.
+// False, and the struct undefined, when the message is cut short, too long, names more items than fit, or
+// holds a value that no field can have.
 [[nodiscard]] bool decode(std::span<const std::byte> bytes, BatchInput& input);
 [[nodiscard]] bool decode(std::span<const std::byte> bytes, BatchOutput& output);
 

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "hal/fake/can.h"
+#include "hal/fake/safety.h"
+#include "hal/fake/sensors.h"
+#include "hal/fake/storage.h"
+#include "hal/port/board.h"
+
+namespace koboshi::hal {
+
+// A whole board for a unit test of controller logic: scripted, deterministic, without a clock of its own.
+//
+//   FakeBoard board;
+//   Subject subject(board.ports());
+//   board.can.deliver({.identifier = 0x181, .size = 2, .data = {0x37, 0x16}});
+//   subject.service(1'000);
+//   EXPECT_EQ(board.can.sent().size(), 1);
+//
+struct FakeBoard {
+  FakeCan can;
+  FakeImu imu;
+  FakeAnkles ankles;
+  FakeStorage storage;
+  FakeWatchdog watchdog;
+  FakeDriveEnable drive_enable;
+
+  // What the firmware sees; valid as long as this object lives and stays where it is.
+  [[nodiscard]] Board ports() { return {can, imu, ankles, storage, watchdog, drive_enable}; }
+};
+
+}  // namespace koboshi::hal

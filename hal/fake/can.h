@@ -1,0 +1,74 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "hal/port/batch_board.h"
+#include "hal/port/can.h"
+
+namespace koboshi::hal {
+
+// A CAN controller on an infinitely fast bus: whatever the firmware transmits is sent at once, unless the
+// test limits it.
+class FakeCan final : public CanPort {
+ public:
+  static constexpr std::size_t kReceiveCapacity = 64;
+  static constexpr std::size_t kTransmitCapacity = 64;
+
+  // --- what a test scripts and looks at ---
+
+  // A frame arrives. When the receive ring is full it is lost and counted.
+  void deliver(const CanFrame& frame) {
+    if (received_.push(frame)) return;
+    if (status_.receive_overruns < std::numeric_limits<std::uint16_t>::max()) ++status_.receive_overruns;
+  }
+  // Everything that was sent since the start or the last `clear_sent`, in order.
+  [[nodiscard]] const std::vector<CanFrame>& sent() const { return sent_; }
+  // The latest sent frame with this identifier, if there is one.
+  [[nodiscard]] std::optional<CanFrame> last_sent(std::uint16_t identifier) const {
+    const auto found = std::find_if(sent_.rbegin(), sent_.rend(), [identifier](const CanFrame& frame) {
+      return frame.identifier == identifier;
+    });
+    return found == sent_.rend() ? std::nullopt : std::optional<CanFrame>(*found);
+  }
+  void clear_sent() { sent_.clear(); }
+  // The bus stalls: the FIFO takes this many frames more and then refuses, until `release_transmit`.
+  void limit_transmit(std::size_t frames) { transmit_limit_ = frames; }
+  void release_transmit() { transmit_limit_.reset(); }
+  void set_error_state(CanErrorState state) { status_.state = state; }
+  void set_error_counts(std::uint8_t transmit, std::uint8_t receive) {
+    status_.transmit_error_count = transmit;
+    status_.receive_error_count = receive;
+  }
+  // How often the firmware began to recover from bus-off. The state stays until the test sets another.
+  [[nodiscard]] int recoveries() const { return recoveries_; }
+
+  // --- CanPort ---
+
+  [[nodiscard]] bool receive(CanFrame& frame) override { return received_.pop(frame); }
+  [[nodiscard]] bool transmit(const CanFrame& frame) override {
+    if (transmit_space() == 0) return false;
+    if (transmit_limit_) --*transmit_limit_;
+    sent_.push_back(frame);
+    return true;
+  }
+  [[nodiscard]] std::size_t transmit_space() const override {
+    return transmit_limit_.value_or(kTransmitCapacity);
+  }
+  [[nodiscard]] CanStatus status() const override { return status_; }
+  void recover() override {
+    if (status_.state == CanErrorState::kBusOff) ++recoveries_;
+  }
+
+ private:
+  Fifo<CanFrame, kReceiveCapacity> received_;
+  std::vector<CanFrame> sent_;
+  std::optional<std::size_t> transmit_limit_;
+  CanStatus status_;
+  int recoveries_ = 0;
+};
+
+}  // namespace koboshi::hal

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "hal/port/batch.h"
+#include "hal/port/board.h"
+
+namespace koboshi::hal {
+
+// A first-in first-out queue of compile-time size.
+template <typename T, std::size_t kCapacity>
+class Fifo {
+ public:
+  // False, and the queue as it was, when it is full.
+  [[nodiscard]] bool push(const T& item) {
+    if (size_ == kCapacity) return false;
+    items_[(first_ + size_++) % kCapacity] = item;
+    return true;
+  }
+  // False, and `item` untouched, when the queue is empty.
+  [[nodiscard]] bool pop(T& item) {
+    if (size_ == 0) return false;
+    item = items_[first_];
+    first_ = (first_ + 1) % kCapacity;
+    --size_;
+    return true;
+  }
+
+ private:
+  std::array<T, kCapacity> items_{};
+  std::size_t first_ = 0;
+  std::size_t size_ = 0;
+};
+
+// A board behind messages: between `begin` and `end` its ports serve the firmware from one BatchInput and
+// collect one BatchOutput. The simulated board uses it in process, the Cortex-M4 image on its side of the
+// wire.
+//
+// As on hardware, what the firmware leaves unread waits for the next call: frames and IMU samples in queues
+// as long as the lists of a BatchInput (what no longer fits is lost and counted as an overrun), of each ankle
+// the latest sample. Storage is not part of the messages: every board has its own, and it is only passed on.
+class BatchBoard final : private CanPort,
+                         private ImuPort,
+                         private AnklePort,
+                         private WatchdogPort,
+                         private DriveEnablePort {
+ public:
+  explicit BatchBoard(StoragePort& storage) : storage_(storage) {}
+  BatchBoard(const BatchBoard&) = delete;
+  BatchBoard& operator=(const BatchBoard&) = delete;
+
+  // The ports; valid as long as this object lives.
+  [[nodiscard]] Board board() { return {*this, *this, *this, storage_, *this, *this}; }
+  // Starts a call: takes in the input and clears the output, except the level of the drive-enable line, which
+  // is low at first and then stays as it was set. `input` is not used afterwards.
+  void begin(const BatchInput& input);
+  // Ends the call. The output is valid until the next `begin`.
+  [[nodiscard]] const BatchOutput& end() const { return output_; }
+
+ private:
+  bool receive(CanFrame& frame) override { return frames_.pop(frame); }
+  bool transmit(const CanFrame& frame) override;
+  std::size_t transmit_space() const override;
+  CanStatus status() const override { return status_; }
+  void recover() override;
+  bool read(ImuSample& sample) override { return imu_.pop(sample); }
+  std::uint16_t overruns() const override { return imu_overruns_; }
+  bool read(Side side, AnkleSample& sample) override;
+  void kick(std::uint64_t) override { output_.watchdog_kicked = true; }
+  void set(bool enabled) override { output_.drive_enabled = enabled; }
+
+  StoragePort& storage_;
+  Fifo<CanFrame, BatchInput::kMaxFrames> frames_;
+  Fifo<ImuSample, BatchInput::kMaxImuSamples> imu_;
+  std::uint16_t frames_lost_ = 0;  // here, beside those that the board lost itself
+  std::uint16_t samples_lost_ = 0;
+  CanStatus status_;
+  std::uint16_t imu_overruns_ = 0;
+  std::uint16_t transmit_capacity_ = 0;  // of this call
+  std::array<bool, 2> ankle_fresh_{};
+  std::array<AnkleSample, 2> ankles_{};
+  BatchOutput output_;
+};
+
+}  // namespace koboshi::hal
