@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+namespace koboshi::fixed {
+
+// The one rounding rule of this folder: to nearest, ties away from zero. It is odd, f(-x) = -f(x), so that a
+// robot's left and right side compute mirrored numbers.
+
+// value / 2^shift, rounded. 0 <= shift <= 62, |value| <= 2^62.
+[[nodiscard]] constexpr std::int64_t shift_rounded(std::int64_t value, int shift) {
+  if (shift == 0) return value;
+  const std::int64_t half = std::int64_t{1} << (shift - 1);
+  return (value + half + (value >> 63)) >> shift;
+}
+
+// numerator / denominator, rounded; both at most 2^62 in magnitude. By zero: the extreme with the numerator's
+// sign, and 0 / 0 = 0.
+[[nodiscard]] constexpr std::int64_t divide_rounded(std::int64_t numerator, std::int64_t denominator) {
+  if (denominator == 0) {
+    if (numerator == 0) return 0;
+    return numerator < 0 ? std::numeric_limits<std::int64_t>::min()
+                         : std::numeric_limits<std::int64_t>::max();
+  }
+  const std::int64_t half = (denominator < 0 ? -denominator : denominator) / 2;
+  return (numerator < 0 ? numerator - half : numerator + half) / denominator;
+}
+
+}  // namespace koboshi::fixed

@@ -1,0 +1,156 @@
+#include "firmware/fixed/trigonometry.h"
+
+#include <array>
+#include <bit>
+
+#include "firmware/fixed/arc_tangent_table.h"
+
+namespace koboshi::fixed {
+namespace {
+
+constexpr std::uint32_t kEighthTurn_raw = 1U << 29;
+constexpr std::uint32_t kQuarterTurn_raw = 1U << 30;
+constexpr std::uint32_t kHalfTurn_raw = 1U << 31;
+
+// Sine and cosine of an angle of at most an eighth of a turn, from Chebyshev fits over t = angle / eighth
+// turn in [0, 1]: sin = t (s0 - s1 z + s2 z^2 - ...), cos = 1 - z (c1 - c2 z + ...), z = t^2. Fit errors
+// 0.004 and 0.2 LSB. z in 2^-31 units, coefficients and partial sums in 2^-32 units: the sums stay positive
+// and below 1.
+constexpr std::array<std::uint32_t, 5> kSine = {3373259426, 346799333, 10696157, 157077, 1327};
+constexpr std::array<std::uint32_t, 4> kCosine = {1324675878, 68093864, 1399993, 15213};
+
+constexpr std::uint64_t multiply_q31(std::uint64_t a, std::uint64_t b) { return a * b >> 31; }
+
+constexpr std::int32_t sine_kernel(std::uint32_t angle_raw) {
+  const std::uint64_t t = std::uint64_t{angle_raw} << 2;  // 2^-31 units
+  const std::uint64_t z = multiply_q31(t, t);
+  std::uint64_t sum = kSine[3] - multiply_q31(kSine[4], z);
+  sum = kSine[2] - multiply_q31(sum, z);
+  sum = kSine[1] - multiply_q31(sum, z);
+  sum = kSine[0] - multiply_q31(sum, z);
+  return static_cast<std::int32_t>((sum * t + (1ULL << 32)) >> 33);
+}
+
+constexpr std::int32_t cosine_kernel(std::uint32_t angle_raw) {
+  const std::uint64_t t = std::uint64_t{angle_raw} << 2;
+  const std::uint64_t z = multiply_q31(t, t);
+  std::uint64_t sum = kCosine[2] - multiply_q31(kCosine[3], z);
+  sum = kCosine[1] - multiply_q31(sum, z);
+  sum = kCosine[0] - multiply_q31(sum, z);
+  return static_cast<std::int32_t>(((1ULL << 63) - sum * z + (1ULL << 32)) >> 33);
+}
+
+// Of an angle in [0, 1/4] turn.
+constexpr std::int32_t sine_of_quarter(std::uint32_t angle_raw) {
+  return angle_raw <= kEighthTurn_raw ? sine_kernel(angle_raw) : cosine_kernel(kQuarterTurn_raw - angle_raw);
+}
+
+constexpr std::uint32_t magnitude(std::int32_t value) {
+  return value < 0 ? 0U - static_cast<std::uint32_t>(value) : static_cast<std::uint32_t>(value);
+}
+
+// atan(ratio) for a ratio in [0, 1] in 2^-31 units; in raw Angle, [0, 1/8] turn.
+constexpr std::uint32_t arc_tangent(std::uint32_t ratio) {
+  const std::uint32_t segment = ratio >> 27 < 15 ? ratio >> 27 : 15;
+  const auto& c = kArcTangent[segment];
+  // The distance from the segment's centre in half segments, 2^-31 units.
+  const std::int64_t d = (std::int64_t{ratio} - std::int64_t{(2 * segment + 1) << 26}) << 5;
+  std::int64_t sum = c[3] + (c[4] * d >> 31);
+  sum = c[2] + (sum * d >> 31);
+  sum = c[1] + (sum * d >> 31);
+  sum = c[0] + (sum * d >> 31);
+  return static_cast<std::uint32_t>((sum + 2) >> 2);
+}
+
+// 2^7 / sqrt(i + 1/2) / 2 for the top seven bits i of a number with one of its two top bits set, less the
+// leading 256.
+constexpr auto kInverseRoot = [] {
+  std::array<std::uint8_t, 96> table{};
+  for (std::uint32_t i = 32; i < 128; ++i) {
+    std::uint32_t root = 256;  // the largest root with root^2 (i + 1/2) / 128 <= 2^16
+    while (root < 511 && (root + 1) * (root + 1) * (2 * i + 1) <= 256U << 16) ++root;
+    table[i - 32] = static_cast<std::uint8_t>(root - 256);
+  }
+  return table;
+}();
+
+// 1 / sqrt(f) in 2^-30 units for f in [1/4, 1) in 2^-32 units, to 2^-24 of itself: two Newton steps y <- y (3
+// - f y^2) / 2 from a table of eight bits.
+constexpr std::uint64_t inverse_root(std::uint32_t f) {
+  const std::uint64_t y0 = 256U + kInverseRoot[(f >> 25) - 32];        // 2^-8
+  const std::uint64_t y1 = y0 * ((3ULL << 48) - f * (y0 * y0)) >> 27;  // 2^-30
+  return y1 * (((3ULL << 62) - f * (y1 * y1 >> 30)) >> 32) >> 31;
+}
+
+}  // namespace
+
+Ratio sin(Angle angle) {
+  const std::uint32_t turned = magnitude(angle.raw());
+  const std::int32_t sine = sine_of_quarter(turned <= kQuarterTurn_raw ? turned : kHalfTurn_raw - turned);
+  return Ratio::from_raw(angle.raw() < 0 ? -sine : sine);
+}
+
+Ratio cos(Angle angle) { return sin(kQuarterTurn + angle); }
+
+SineCosine sin_cos(Angle angle) { return {sin(angle), cos(angle)}; }
+
+std::uint32_t integer_square_root(std::uint64_t value) {
+  if (value == 0) return 0;
+  const int shift = std::countl_zero(value) & ~1;
+  const std::uint64_t scaled = value << shift;
+  const auto f = static_cast<std::uint32_t>(scaled >> 32);
+  const std::uint64_t y = inverse_root(f);
+  std::uint64_t root = f * y >> 30;  // to 2^-24 of itself
+  // One Newton step on the root itself, then the last unit.
+  const auto error = static_cast<std::int64_t>(scaled - root * root);
+  root += static_cast<std::uint64_t>((error >> 16) * static_cast<std::int64_t>(y) >> 47);
+  if (root > 0xFFFFFFFF) root = 0xFFFFFFFF;
+  while (root * root > scaled) --root;
+  while (scaled - root * root > 2 * root) ++root;
+  return static_cast<std::uint32_t>(root >> (shift / 2));
+}
+
+std::uint32_t integer_square_root_rounded(std::uint64_t value) {
+  const std::uint32_t root = integer_square_root(value);
+  const bool up = value - std::uint64_t{root} * root > root;
+  return up && root != 0xFFFFFFFF ? root + 1 : root;
+}
+
+Angle atan2_raw(std::int32_t y, std::int32_t x) {
+  const std::uint32_t dx = magnitude(x);
+  const std::uint32_t dy = magnitude(y);
+  const std::uint32_t low = dx < dy ? dx : dy;
+  const std::uint32_t high = dx < dy ? dy : dx;
+  if (high == 0) return Angle();
+  std::uint32_t angle =
+      arc_tangent(static_cast<std::uint32_t>(((std::uint64_t{low} << 31) + high / 2) / high));
+  if (dy > dx) angle = kQuarterTurn_raw - angle;
+  if (x < 0) angle = kHalfTurn_raw - angle;
+  return Angle::from_raw(static_cast<std::int32_t>(y < 0 ? 0U - angle : angle));
+}
+
+namespace {
+
+Ratio clamp_to_one(Ratio ratio) { return ratio < -kOne ? -kOne : ratio > kOne ? kOne : ratio; }
+
+// sqrt(1 - ratio^2) for |ratio| <= 1
+std::int32_t complement_raw(Ratio ratio) {
+  const std::int64_t square = std::int64_t{ratio.raw()} * ratio.raw();
+  return static_cast<std::int32_t>(
+      integer_square_root_rounded(static_cast<std::uint64_t>((1LL << 60) - square)));
+}
+
+}  // namespace
+
+Angle asin(Ratio sine) {
+  const Ratio clamped = clamp_to_one(sine);
+  return atan2_raw(clamped.raw(), complement_raw(clamped));
+}
+
+Angle acos(Ratio cosine) {
+  const Ratio clamped = clamp_to_one(cosine);
+  if (clamped == -kOne) return Angle::max();
+  return atan2_raw(complement_raw(clamped), clamped.raw());
+}
+
+}  // namespace koboshi::fixed
