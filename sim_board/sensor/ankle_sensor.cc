@@ -1,0 +1,45 @@
+#include "sim_board/sensor/ankle_sensor.h"
+
+namespace koboshi::sim {
+namespace {
+
+// The joint's anchor in the frame of its child link, where it does not move.
+Eigen::Vector3d anchor_in_child(const RobotDescription& robot, int joint_index) {
+  const JointDescription& joint = robot.joints.at(static_cast<std::size_t>(joint_index));
+  return robot.links.at(static_cast<std::size_t>(joint.child)).X_ML.inverse() * joint.p_MJ;
+}
+
+}  // namespace
+
+AnkleSensor::AnkleSensor(const AnkleSensorDescription& description, const RobotDescription& robot,
+                         const SensorErrors& errors)
+    : joint_(description.joint),
+      foot_(robot.joints.at(static_cast<std::size_t>(description.joint)).child),
+      R_SL_(description.X_LS.linear().transpose()),
+      p_SJ_S_(description.X_LS.inverse() * anchor_in_child(robot, description.joint)),
+      channels_(description.force, description.torque, description.name + ".force",
+                description.name + ".torque", errors) {}
+
+void AnkleSensor::step(const World& world, std::uint64_t time_us) {
+  step(world.body(foot_), world.joint_wrench(joint_), time_us);
+}
+
+void AnkleSensor::step(const BodyState& foot, const Wrench& joint_W, std::uint64_t time_us) {
+  if (!started_) R_WL_before_ = foot.X_WL.linear();
+  started_ = true;
+  // The solver found the wrench for the poses from before the step, so they are what turns it.
+  const Eigen::Matrix3d R_SW = R_SL_ * R_WL_before_.transpose();
+  const Eigen::Vector3d force_S = R_SW * joint_W.force_N;
+  const Eigen::Vector3d torque_S = R_SW * joint_W.torque_Nm + p_SJ_S_.cross(force_S);
+  channels_.step(force_S, torque_S, time_us);
+  R_WL_before_ = foot.X_WL.linear();
+}
+
+bool AnkleSensor::poll(std::uint64_t now_us, hal::AnkleSample& sample) {
+  SixAxis::Sample raw;
+  if (!channels_.poll(now_us, raw)) return false;
+  sample = {static_cast<std::uint32_t>(raw.time_us), raw.first_raw, raw.second_raw};
+  return true;
+}
+
+}  // namespace koboshi::sim

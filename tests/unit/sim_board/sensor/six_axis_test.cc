@@ -1,0 +1,130 @@
+#include "sim_board/sensor/six_axis.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <vector>
+
+namespace koboshi::sim {
+namespace {
+
+using Sample = SixAxis::Sample;
+
+ChannelDescription clean_channel() {
+  ChannelDescription channel;
+  channel.range = 30.0;
+  channel.resolution = 0.001;
+  return channel;
+}
+
+ChannelDescription noisy_channel() {
+  ChannelDescription channel = clean_channel();
+  channel.noise_density = 0.01;
+  channel.bias = 1.0;
+  return channel;
+}
+
+// A signal that no straight line of the steps below cuts short.
+Eigen::Vector3d ramp(std::uint64_t time_us) {
+  return Eigen::Vector3d(1.0, -2.0, 0.5) * static_cast<double>(time_us) * 1e-6;
+}
+
+std::vector<Sample> run(SixAxis sensor, std::uint64_t step_us, std::uint64_t end_us) {
+  std::vector<Sample> samples;
+  for (std::uint64_t time_us = 0; time_us <= end_us; time_us += step_us) {
+    sensor.step(ramp(time_us), -ramp(time_us), time_us);
+    Sample sample;
+    while (sensor.poll(time_us, sample)) samples.push_back(sample);
+  }
+  return samples;
+}
+
+SixAxis make(const ChannelDescription& channel, SensorErrors errors = {}) {
+  return SixAxis(channel, channel, "imu.gyro", "imu.accelerometer", errors);
+}
+
+bool equal(const Sample& a, const Sample& b) {
+  return a.time_us == b.time_us && a.first_raw == b.first_raw && a.second_raw == b.second_raw;
+}
+
+TEST(SixAxis, SamplesAtItsOwnPeriodWhateverThePhysicsStep) {
+  const std::vector<Sample> reference = run(make(clean_channel()), 1000, 120'000);
+  ASSERT_EQ(reference.size(), 119u);  // those of 1 to 119 ms have arrived, 1 ms later, by 120 ms
+  EXPECT_EQ(reference.front().time_us, 1000u);
+  EXPECT_EQ(reference.back().time_us, 119'000u);
+  for (const std::uint64_t step_us : {100u, 250u, 375u, 4000u}) {
+    const std::vector<Sample> samples = run(make(clean_channel()), step_us, 120'000);
+    ASSERT_EQ(samples.size(), reference.size()) << step_us;
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      EXPECT_TRUE(equal(samples[i], reference[i])) << step_us << ' ' << i;
+  }
+}
+
+TEST(SixAxis, TrailsARampByTheFiltersLag) {
+  const std::vector<Sample> samples = run(make(clean_channel()), 1000, 1'000'000);
+  const double lag_s = 1.0 / (std::numbers::sqrt2 * std::numbers::pi * 98.0);
+  const double expected = static_cast<double>(samples.back().time_us) * 1e-6 - lag_s;
+  EXPECT_NEAR(samples.back().first_raw[0] * 0.001, expected, 0.0005);
+  EXPECT_NEAR(samples.back().second_raw[1] * 0.001, 2.0 * expected, 0.0005);
+}
+
+TEST(SixAxis, DeliversTheDelayAfterTheSamplingInstant) {
+  ChannelDescription channel = clean_channel();
+  channel.delay_s = 0.001237;
+  SixAxis sensor = make(channel);
+  sensor.step(ramp(0), ramp(0), 0);
+  sensor.step(ramp(1000), ramp(1000), 1000);
+  Sample sample;
+  EXPECT_FALSE(sensor.poll(2236, sample));
+  ASSERT_TRUE(sensor.poll(2237, sample));
+  EXPECT_EQ(sample.time_us, 1000u);
+}
+
+TEST(SixAxis, RepeatsItselfForASeed) {
+  const std::vector<Sample> a = run(make(noisy_channel(), {.seed = 5}), 1000, 50'000);
+  const std::vector<Sample> b = run(make(noisy_channel(), {.seed = 5}), 1000, 50'000);
+  const std::vector<Sample> other = run(make(noisy_channel(), {.seed = 6}), 1000, 50'000);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_TRUE(equal(a[i], b[i]));
+  EXPECT_NE(a.front().first_raw, other.front().first_raw);
+}
+
+TEST(SixAxis, DrawsTheSameWhateverItsNeighbourDoes) {
+  const ChannelDescription quiet = clean_channel();
+  const std::vector<Sample> both = run(make(noisy_channel(), {.seed = 5}), 1000, 50'000);
+  const SixAxis half(noisy_channel(), quiet, "imu.gyro", "imu.accelerometer", {.seed = 5});
+  const std::vector<Sample> alone = run(half, 1000, 50'000);
+  for (std::size_t i = 0; i < both.size(); ++i) EXPECT_EQ(both[i].first_raw, alone[i].first_raw);
+}
+
+TEST(SixAxis, ScalesNoiseAndBiasToNothing) {
+  const std::vector<Sample> scaled = run(make(noisy_channel(), {.seed = 5, .scale = 0.0}), 1000, 50'000);
+  const std::vector<Sample> clean = run(make(clean_channel()), 1000, 50'000);
+  for (std::size_t i = 0; i < clean.size(); ++i) EXPECT_TRUE(equal(scaled[i], clean[i]));
+}
+
+TEST(SixAxis, DeliversNothingWhileStopped) {
+  SixAxis sensor = make(clean_channel());
+  Sample sample;
+  for (std::uint64_t time_us = 0; time_us <= 5000; time_us += 1000) sensor.step(ramp(0), ramp(0), time_us);
+  sensor.set_running(false);
+  EXPECT_FALSE(sensor.poll(100'000, sample));
+  sensor.step(ramp(0), ramp(0), 6000);
+  EXPECT_FALSE(sensor.poll(100'000, sample));
+  sensor.set_running(true);
+  sensor.step(ramp(0), ramp(0), 7000);
+  ASSERT_TRUE(sensor.poll(8000, sample));
+  EXPECT_EQ(sample.time_us, 7000u);
+}
+
+TEST(SixAxis, RefusesChannelsOfDifferentClocks) {
+  ChannelDescription slow = clean_channel();
+  slow.sample_period_s = 0.002;
+  EXPECT_THROW(SixAxis(clean_channel(), slow, "a", "b", {}), std::invalid_argument);
+  ChannelDescription late = clean_channel();
+  late.delay_s = 0.002;
+  EXPECT_THROW(SixAxis(clean_channel(), late, "a", "b", {}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace koboshi::sim
