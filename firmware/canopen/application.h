@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "firmware/canopen/abort_code.h"
+#include "firmware/canopen/frame.h"
+#include "firmware/canopen/heartbeat.h"
+#include "firmware/canopen/nmt.h"
+#include "firmware/canopen/object.h"
+
+namespace koboshi::canopen {
+
+// What a node tells its owner, from within the node's calls. An owner overrides what it cares for; it may
+// call the node back.
+class NodeApplication {
+ public:
+  // An SDO client (or write_object) is about to change a value of the owner's table; kNone lets it pass.
+  // `value` is sign-extended if the object is signed. Length, access and limits have been checked already.
+  virtual AbortCode on_write(ObjectAddress, std::uint32_t /*value*/) { return AbortCode::kNone; }
+  // kResetNode (also at start) or kResetCommunication: communication parameters have their defaults again;
+  // now is the time to change them with write_object. On kResetNode the owner's own values go back to theirs.
+  virtual void on_reset(NmtCommand /*reset*/) {}
+  virtual void on_state(NmtState) {}
+  // A SYNC, in pre-operational and operational. Synchronous RPDOs have taken effect; synchronous TPDOs are
+  // packed afterwards.
+  virtual void on_sync(std::uint64_t /*now_us*/) {}
+  // RPDO `number` (from 0) has taken effect.
+  virtual void on_rpdo(std::size_t /*number*/) {}
+  virtual void on_heartbeat(const HeartbeatEvent&) {}
+  // Another node's emergency message.
+  virtual void on_emergency(const Emergency&) {}
+
+ protected:
+  ~NodeApplication() = default;
+};
+
+}  // namespace koboshi::canopen

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <cstdint>
+
+// The words of the drive profile CiA 402-2 that both ends of the bus must read alike: the power drive
+// system's states, how a statusword codes them, and what a controlword asks for. The state machine itself
+// lives in the drive, its use in the controller.
+namespace koboshi::canopen::cia402 {
+
+// Objects, CiA 402-2.
+inline constexpr std::uint16_t kAbortConnectionOption = 0x6007;
+inline constexpr std::uint16_t kErrorCode = 0x603F;
+inline constexpr std::uint16_t kControlword = 0x6040;
+inline constexpr std::uint16_t kStatusword = 0x6041;
+inline constexpr std::uint16_t kQuickStopOption = 0x605A;
+inline constexpr std::uint16_t kFaultReactionOption = 0x605E;
+inline constexpr std::uint16_t kModeOfOperation = 0x6060;
+inline constexpr std::uint16_t kModeOfOperationDisplay = 0x6061;
+inline constexpr std::uint16_t kPositionActual = 0x6064;
+inline constexpr std::uint16_t kTorqueActual = 0x6077;
+inline constexpr std::uint16_t kTargetPosition = 0x607A;
+inline constexpr std::uint16_t kSoftwarePositionLimit = 0x607D;
+inline constexpr std::uint16_t kQuickStopDeceleration = 0x6085;
+inline constexpr std::uint16_t kInterpolationTimePeriod = 0x60C2;
+inline constexpr std::uint16_t kSupportedDriveModes = 0x6502;
+
+inline constexpr std::int8_t kCyclicSynchronousPosition = 8;
+inline constexpr std::uint32_t kDeviceType = 0x0002'0192;  // 0x1000: servo drive, profile 402
+
+// Positions on the bus are in 2^-20 turns of the output shaft, 256 to a count of a 12-bit encoder.
+inline constexpr int kPositionUnitBits = 20;
+
+// Error codes of emergency messages, CiA 301 table 26 and CiA 402-2.
+inline constexpr std::uint16_t kErrorHeartbeatLost = 0x8130;
+inline constexpr std::uint16_t kErrorSyncLost = 0x8700;
+
+enum class State : std::uint8_t {
+  kNotReadyToSwitchOn = 0,
+  kSwitchOnDisabled = 1,
+  kReadyToSwitchOn = 2,
+  kSwitchedOn = 3,
+  kOperationEnabled = 4,
+  kQuickStopActive = 5,
+  kFaultReactionActive = 6,
+  kFault = 7,
+};
+
+// Statusword bits besides those of the state.
+inline constexpr std::uint16_t kVoltageEnabled = 1u << 4;
+inline constexpr std::uint16_t kRemote = 1u << 9;
+inline constexpr std::uint16_t kFollowsCommand = 1u << 12;  // cyclic synchronous modes
+inline constexpr std::uint16_t kTorqueOff = 1u << 14;       // manufacturer: the drive-enable line is low
+
+// The bits of a statusword that code the state (CiA 402-2, table 28); the others zero.
+constexpr std::uint16_t statusword_of(State state) {
+  constexpr std::uint16_t kBits[] = {0x00, 0x40, 0x21, 0x23, 0x27, 0x07, 0x0F, 0x08};
+  return kBits[static_cast<std::uint8_t>(state)];
+}
+
+constexpr State state_of(std::uint16_t statusword) {
+  switch (statusword & 0x4F) {
+    case 0x40:
+      return State::kSwitchOnDisabled;
+    case 0x0F:
+      return State::kFaultReactionActive;
+    case 0x08:
+      return State::kFault;
+    default:
+      break;
+  }
+  switch (statusword & 0x6F) {
+    case 0x21:
+      return State::kReadyToSwitchOn;
+    case 0x23:
+      return State::kSwitchedOn;
+    case 0x27:
+      return State::kOperationEnabled;
+    case 0x07:
+      return State::kQuickStopActive;
+    default:
+      return State::kNotReadyToSwitchOn;
+  }
+}
+
+// What a controlword asks for (CiA 402-2, table 27). Fault reset is the rising edge of kFaultReset and stands
+// beside these.
+enum class Command : std::uint8_t { kShutdown, kSwitchOn, kDisableVoltage, kQuickStop, kEnableOperation };
+
+inline constexpr std::uint16_t kFaultReset = 0x80;
+inline constexpr std::uint16_t kControlDisableVoltage = 0x00;
+inline constexpr std::uint16_t kControlQuickStop = 0x02;
+inline constexpr std::uint16_t kControlShutdown = 0x06;
+inline constexpr std::uint16_t kControlSwitchOn = 0x07;  // in operation enabled: disable operation
+inline constexpr std::uint16_t kControlEnableOperation = 0x0F;
+
+constexpr Command command_of(std::uint16_t controlword) {
+  if ((controlword & 0x02) == 0) return Command::kDisableVoltage;
+  if ((controlword & 0x04) == 0) return Command::kQuickStop;
+  if ((controlword & 0x01) == 0) return Command::kShutdown;
+  return (controlword & 0x08) == 0 ? Command::kSwitchOn : Command::kEnableOperation;
+}
+
+}  // namespace koboshi::canopen::cia402

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+
+namespace koboshi::canopen {
+
+inline constexpr std::uint8_t kMaxNodeId = 127;
+
+// Predefined connection set (CiA 301, 7.3.5): the identifier is the base plus the node's id. A "T" is seen
+// from the node.
+inline constexpr std::uint16_t kNmtCobId = 0x000;
+inline constexpr std::uint16_t kSyncCobId = 0x080;
+inline constexpr std::uint16_t kEmergencyBase = 0x080;
+inline constexpr std::uint16_t kTpdo1Base = 0x180;
+inline constexpr std::uint16_t kRpdo1Base = 0x200;
+inline constexpr std::uint16_t kPdoStep = 0x100;  // from PDO n to PDO n + 1, of 1..4
+inline constexpr std::uint16_t kSdoResponseBase = 0x580;
+inline constexpr std::uint16_t kSdoRequestBase = 0x600;
+inline constexpr std::uint16_t kHeartbeatBase = 0x700;
+
+// Flags of the COB-ID objects (CiA 301, 7.5.2.5, 7.5.2.35, 7.5.2.37).
+inline constexpr std::uint32_t kCobIdInvalid = 1u << 31;   // the PDO or EMCY does not exist
+inline constexpr std::uint32_t kCobIdNoRemote = 1u << 30;  // of a TPDO: no answer to remote frames
+inline constexpr std::uint32_t kCobIdExtended = 1u << 29;  // 29-bit identifier; this stack refuses it
+inline constexpr std::uint32_t kSyncProducer = 1u << 30;   // of 0x1005: this node produces SYNC
+inline constexpr std::uint32_t kCobIdMask = 0x7FF;
+
+// Identifiers that no configuration may choose (CiA 301, table 40).
+constexpr bool is_restricted(std::uint16_t identifier) {
+  return identifier <= 0x07F || (identifier >= 0x101 && identifier <= 0x180) ||
+         (identifier >= 0x581 && identifier <= 0x5FF) || (identifier >= 0x601 && identifier <= 0x67F) ||
+         identifier >= 0x6E0;
+}
+
+}  // namespace koboshi::canopen

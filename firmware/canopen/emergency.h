@@ -1,0 +1,71 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "firmware/canopen/abort_code.h"
+#include "firmware/canopen/dictionary.h"
+#include "firmware/canopen/frame.h"
+
+namespace koboshi::canopen {
+
+// Bits of the error register 0x1001 (CiA 301, table 48). kGeneric is set whenever any error is.
+namespace error_register {
+inline constexpr std::uint8_t kGeneric = 1 << 0;
+inline constexpr std::uint8_t kCurrent = 1 << 1;
+inline constexpr std::uint8_t kVoltage = 1 << 2;
+inline constexpr std::uint8_t kTemperature = 1 << 3;
+inline constexpr std::uint8_t kCommunication = 1 << 4;
+inline constexpr std::uint8_t kProfile = 1 << 5;
+inline constexpr std::uint8_t kManufacturer = 1 << 7;
+}  // namespace error_register
+
+// Emergency error codes of CiA 301, table 26, that the stack raises or its users need.
+namespace error_code {
+inline constexpr std::uint16_t kNoError = 0x0000;
+inline constexpr std::uint16_t kCanOverrun = 0x8110;
+inline constexpr std::uint16_t kCanErrorPassive = 0x8120;
+inline constexpr std::uint16_t kHeartbeat = 0x8130;
+inline constexpr std::uint16_t kBusOffRecovered = 0x8140;
+inline constexpr std::uint16_t kPdoTooShort = 0x8210;
+inline constexpr std::uint16_t kPdoTooLong = 0x8220;
+}  // namespace error_code
+
+// The errors that a node has now, its error register 0x1001 and its history 0x1003. An error is told once
+// when it comes and once when it goes, however often it is reported.
+class ErrorLog {
+ public:
+  static constexpr std::size_t kHistory = 8;
+  static constexpr std::size_t kMaxActive = 8;
+
+  // True when the error is new: an emergency message is due. Of more than kMaxActive errors at once, the rest
+  // is told each time.
+  bool raise(std::uint16_t code, std::uint8_t register_bits, std::uint16_t additional);
+  // True when the error was there.
+  bool clear(std::uint16_t code);
+  void clear_all();
+
+  std::uint8_t error_register() const { return register_; }
+  bool active(std::uint16_t code) const;
+
+  // Object 0x1003: sub-index 0 the number of entries, 1 the newest. Writing 0 to sub-index 0 erases it.
+  AbortCode read_history(std::uint8_t subindex, ObjectValue& value) const;
+  AbortCode write_history(std::uint8_t subindex, std::uint32_t value);
+
+ private:
+  struct Active {
+    std::uint16_t code = 0;
+    std::uint8_t register_bits = 0;
+  };
+  void update_register();
+
+  std::array<std::uint32_t, kHistory>
+      history_{};  // newest first: code in bits 0..15, additional information above
+  std::array<Active, kMaxActive> active_{};
+  std::uint8_t history_size_ = 0;
+  std::uint8_t active_size_ = 0;
+  std::uint8_t register_ = 0;
+};
+
+}  // namespace koboshi::canopen

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "firmware/canopen/abort_code.h"
+#include "firmware/canopen/dictionary.h"
+#include "firmware/canopen/frame.h"
+#include "firmware/canopen/slot_map.h"
+
+namespace koboshi::canopen {
+
+enum class HeartbeatEventKind : std::uint8_t {
+  kFirstSeen,     // the first heartbeat since monitoring began, since a loss, or since a boot-up
+  kStateChanged,  // another state than in the last heartbeat
+  kBootedUp,      // the boot-up message: the node has restarted
+  kLost,          // no heartbeat for the consumer time
+};
+
+struct HeartbeatEvent {
+  std::uint8_t node_id = 0;
+  HeartbeatEventKind kind = HeartbeatEventKind::kFirstSeen;
+  NmtState state = NmtState::kInitialising;  // as last heard
+
+  friend bool operator==(const HeartbeatEvent&, const HeartbeatEvent&) = default;
+};
+
+// What 0x1016 says of one node, and what was heard of it.
+struct HeartbeatConsumer {
+  std::uint8_t node_id = 0;
+  bool alive = false;  // heard of, and since then never silent for longer than time_ms
+  NmtState state = NmtState::kInitialising;
+  std::uint16_t time_ms = 0;  // 0: not monitored
+  std::uint64_t deadline_us = 0;
+};
+
+// The heartbeat consumers of a node (CiA 301, 7.2.8.3.2.2 and object 0x1016). Monitoring of a node starts
+// with its first heartbeat, so a node that is never heard of is never lost.
+class HeartbeatMonitor {
+ public:
+  HeartbeatMonitor(std::span<HeartbeatConsumer> consumers, std::span<SlotMap::Item> slots)
+      : consumers_(consumers), slots_(slots) {}
+
+  // Object 0x1016, sub-indices 1..n: node id in bits 16..23, time in ms in bits 0..15.
+  AbortCode read(std::uint8_t subindex, ObjectValue& value) const;
+  AbortCode write(std::uint8_t subindex, std::uint32_t value, std::size_t size);
+  // Forgets all.
+  void clear();
+
+  // True when the frame's news are an event.
+  bool on_heartbeat(const Heartbeat& heartbeat, std::uint64_t now_us, HeartbeatEvent& event);
+  // True when a node has been lost; to be called again until false.
+  bool check(std::uint64_t now_us, HeartbeatEvent& event);
+
+  // Nothing is known of a node that is not monitored: null.
+  const HeartbeatConsumer* find(std::uint8_t node_id) const;
+
+ private:
+  std::span<HeartbeatConsumer> consumers_;
+  SlotMap slots_;
+};
+
+}  // namespace koboshi::canopen

@@ -1,0 +1,160 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "firmware/canopen/application.h"
+#include "firmware/canopen/dictionary.h"
+#include "firmware/canopen/emergency.h"
+#include "firmware/canopen/frame.h"
+#include "firmware/canopen/heartbeat.h"
+#include "firmware/canopen/nmt.h"
+#include "firmware/canopen/pdo.h"
+#include "firmware/canopen/rpdo.h"
+#include "firmware/canopen/sdo_server.h"
+#include "firmware/canopen/slot_map.h"
+#include "firmware/canopen/tpdo.h"
+#include "firmware/canopen/transmit_queue.h"
+
+namespace koboshi::canopen {
+
+// What all nodes of a kind share; stands in flash.
+struct NodeDescription {
+  std::uint32_t device_type = 0;  // 0x1000
+  std::uint32_t vendor_id = 0;    // 0x1018
+  std::uint32_t product_code = 0;
+  std::uint32_t revision_number = 0;
+  std::string_view device_name;       // 0x1008
+  std::string_view hardware_version;  // 0x1009
+  std::string_view software_version;  // 0x100A
+  std::uint16_t heartbeat_ms = 0;     // 0x1017 after a reset
+  bool sync_producer = false;         // 0x1005 bit 30 after a reset
+  std::uint32_t sync_period_us = 0;   // 0x1006 after a reset; 0: SYNC only by Node::send_sync
+  std::span<const Entry>
+      rows;  // objects from 0x2000 on; the stack itself serves the communication profile area
+  std::span<const PdoConfiguration> rpdos;  // PDOs beyond these are invalid after a reset
+  std::span<const PdoConfiguration> tpdos;
+};
+
+// What one node is.
+struct NodeInstance {
+  std::uint8_t node_id = 0;         // 1..127
+  std::uint32_t serial_number = 0;  // 0x1018:4
+  std::span<std::byte> values;      // of the description's rows; usually std::as_writable_bytes of a struct
+};
+
+// The RAM of a node's services.
+struct NodeBuffers {
+  std::span<Rpdo> rpdos;
+  std::span<SlotMap::Item> rpdo_slots;
+  std::span<Tpdo> tpdos;
+  std::span<HeartbeatConsumer> consumers;
+  std::span<SlotMap::Item> consumer_slots;
+  std::span<hal::CanFrame> backlog;
+};
+
+template <std::size_t kRpdos, std::size_t kTpdos, std::size_t kConsumers, std::size_t kBacklog>
+struct NodeMemory {
+  static_assert(kRpdos <= 255 && kTpdos <= 255 && kConsumers <= 127 && kBacklog >= 1);
+
+  std::array<Rpdo, kRpdos> rpdos{};
+  std::array<SlotMap::Item, kRpdos> rpdo_slots{};
+  std::array<Tpdo, kTpdos> tpdos{};
+  std::array<HeartbeatConsumer, kConsumers> consumers{};
+  std::array<SlotMap::Item, kConsumers> consumer_slots{};
+  std::array<hal::CanFrame, kBacklog> backlog{};
+
+  NodeBuffers buffers() { return {rpdos, rpdo_slots, tpdos, consumers, consumer_slots, backlog}; }
+};
+
+// A CANopen node after CiA 301, of any role: NMT slave, heartbeat producer and consumer, SYNC producer and
+// consumer, PDOs, SDO server, EMCY producer and consumer. It holds no time of its own and never waits;
+// everything happens in its calls, in the caller's thread. Besides its owner's objects
+// (NodeDescription::rows) it serves 0x1000, 0x1001, 0x1003, 0x1005, 0x1006, 0x1008, 0x1009, 0x100A, 0x1014,
+// 0x1016, 0x1017, 0x1018, 0x1200 and the records of its PDOs.
+class Node final : private ObjectServer {
+ public:
+  // All arguments must outlive the node. Silent until start().
+  Node(const NodeDescription& description, const NodeInstance& instance, NodeBuffers buffers, FrameSink& sink,
+       NodeApplication& application);
+
+  // Power-on: reset, boot-up message, pre-operational.
+  void start(std::uint64_t now_us);
+  // A frame from the bus; frames that are not for this node cost a few comparisons.
+  void on_frame(const hal::CanFrame& frame, std::uint64_t now_us);
+  // Whatever is due by now: backlog, heartbeats, event timers, time-outs. Its period bounds their jitter.
+  void process(std::uint64_t now_us);
+
+  // Obeys a command as if the NMT master had sent it; a master starts itself with it.
+  void command(NmtCommand command, std::uint64_t now_us);
+  NmtState state() const { return state_; }
+  std::uint8_t node_id() const { return node_id_; }
+
+  // Tells an event of TPDO `number` (from 0): it is sent as its transmission type and inhibit time say, or,
+  // outside operational, not at all.
+  void trigger_tpdo(std::size_t number, std::uint64_t now_us);
+  // Sends a SYNC, behind everything sent so far, and obeys it. Nothing happens in stopped.
+  void send_sync(std::uint64_t now_us);
+
+  // Reports an error: EMCY message (not in stopped), register, history. Reported again, it does nothing until
+  // it is cleared.
+  void raise_error(std::uint16_t code, std::uint8_t register_bits,
+                   const std::array<std::uint8_t, 5>& manufacturer = {});
+  // Reports that the error is gone. Nothing happens if it was not there.
+  void clear_error(std::uint16_t code);
+  const ErrorLog& errors() const { return errors_; }
+
+  // The whole dictionary as an SDO client sees it, with the same checks and errors. `size` in bytes.
+  AbortCode read_object(ObjectAddress address, ObjectValue& value) override;
+  AbortCode write_object(ObjectAddress address, std::uint32_t value, std::size_t size) override;
+  // A PDO's records at once, whatever its state.
+  AbortCode configure_rpdo(std::size_t number, const PdoConfiguration& configuration);
+  AbortCode configure_tpdo(std::size_t number, const PdoConfiguration& configuration);
+
+  const HeartbeatMonitor& heartbeats() const { return heartbeats_; }
+  // Whoever sends besides this node's services, an SdoClient or an NMT master, does it here: the order of
+  // frames is kept.
+  FrameSink& sink() { return queue_; }
+  // Frames that found no room in the sink and wait, and those that were lost for good.
+  std::size_t backlog() const { return queue_.backlog(); }
+  std::uint16_t lost_frames() const { return queue_.lost(); }
+
+ private:
+  void enter(NmtState state, std::uint64_t now_us);
+  void reset(NmtCommand reset, std::uint64_t now_us);
+  void load_defaults();
+  void on_nmt(const hal::CanFrame& frame, std::uint64_t now_us);
+  void on_sync(std::uint64_t now_us);
+  void on_heartbeat(const hal::CanFrame& frame, std::uint64_t now_us);
+  void on_rpdo(std::size_t number, const hal::CanFrame& frame);
+  void check_length(Rpdo& pdo, std::size_t number, std::uint8_t size);
+  void take_effect(std::size_t number);
+  void produce_heartbeat(std::uint64_t now_us);
+  void produce_sync(std::uint64_t now_us);
+  void send_emergency(std::uint16_t code, const std::array<std::uint8_t, 5>& manufacturer);
+  AbortCode read_communication(ObjectAddress address, ObjectValue& value) const;
+  AbortCode write_communication(ObjectAddress address, std::uint32_t value, std::size_t size);
+
+  const NodeDescription& description_;
+  const std::uint8_t node_id_;
+  NmtState state_ = NmtState::kInitialising;
+  const std::uint32_t serial_number_;
+  Dictionary dictionary_;
+  NodeApplication& application_;
+  TransmitQueue queue_;
+  SdoServer server_;
+  HeartbeatMonitor heartbeats_;
+  RpdoSet rpdos_;
+  TpdoSet tpdos_;
+  ErrorLog errors_;
+  std::uint16_t heartbeat_ms_ = 0;
+  std::uint32_t sync_cob_id_ = 0;
+  std::uint32_t sync_period_us_ = 0;
+  std::uint64_t heartbeat_due_us_ = 0;
+  std::uint64_t sync_due_us_ = 0;
+};
+
+}  // namespace koboshi::canopen

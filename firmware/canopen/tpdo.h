@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "firmware/canopen/frame.h"
+#include "firmware/canopen/pdo.h"
+
+namespace koboshi::canopen {
+
+// A PDO that a node sends.
+struct Tpdo {
+  PdoRecord record{PdoDirection::kTransmit};
+  bool requested =
+      false;  // an event waits for the end of the inhibit time, for room in the queue, or for the SYNC
+  std::uint8_t sync_count = 0;  // SYNCs since the last transmission
+  std::uint64_t inhibited_until_us = 0;
+  std::uint64_t event_due_us = 0;
+};
+
+// When each TPDO is due, by its transmission type (CiA 301, 7.2.2.3): at every n-th SYNC, at the SYNC after
+// an event, or at the event itself and when the event timer has run out, but never sooner than the inhibit
+// time allows.
+class TpdoSet {
+ public:
+  explicit TpdoSet(std::span<Tpdo> pdos) : pdos_(pdos) {}
+
+  std::size_t size() const { return pdos_.size(); }
+  Tpdo& operator[](std::size_t number) { return pdos_[number]; }
+  const Tpdo& operator[](std::size_t number) const { return pdos_[number]; }
+
+  // The node has become operational: counters and event timers begin anew.
+  void start(std::uint64_t now_us);
+  // An event: something in PDO `number` is worth telling.
+  void request(std::size_t number, const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us);
+  void on_sync(const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us);
+  void process(const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us);
+
+ private:
+  void send(Tpdo& pdo, const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us);
+
+  std::span<Tpdo> pdos_;
+};
+
+}  // namespace koboshi::canopen
