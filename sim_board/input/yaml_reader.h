@@ -45,7 +45,8 @@ class YamlValue {
 
   bool is_map() const { return node_->kind == YamlNode::Kind::kMap; }
   bool is_list() const { return node_->kind == YamlNode::Kind::kList; }
-  // 0 for a value from the command line.
+  // Where the value stands: the file, or the option of the command line, whose line is 0.
+  const std::filesystem::path& source() const { return node_->source; }
   int line() const { return node_->line; }
   // To throw: this value, with its path, is not what was expected.
   InputError error(const std::string& expected) const;
