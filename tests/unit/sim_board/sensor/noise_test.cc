@@ -25,7 +25,7 @@ TEST(RandomStream, DiffersForAnotherSeedOrName) {
   EXPECT_EQ(first_draws.size(), 400u);
 }
 
-// Numbers of a second implementation, in Python: another generator or distribution would silently change every recorded run.
+// Numbers of a second implementation, in Python: another algorithm would silently change every recorded run.
 TEST(RandomStream, KeepsItsSequence) {
   RandomStream random(1, "imu.gyro.noise");
   EXPECT_EQ(random.bits(), 4037510125343893620u);
