@@ -1,0 +1,118 @@
+#include "firmware/motion/check.h"
+
+#include <array>
+
+namespace koboshi::motion {
+namespace {
+
+using robot::RobotModel;
+
+MotionStatus check_pose(const Motion& motion, const RobotModel& model, std::size_t pose) {
+  const std::uint32_t mask = motion.joint_mask(pose);
+  if ((mask >> motion.joint_count()) != 0) return MotionStatus::kBadPose;
+  for (std::size_t i = 0; i < motion.joint_count(); ++i) {
+    const fixed::Angle angle = motion.angle(pose, i);
+    if ((mask >> i & 1u) == 0) {
+      if (angle != fixed::Angle()) return MotionStatus::kBadPose;
+    } else if (angle < model.joints[i].lower || angle > model.joints[i].upper) {
+      return MotionStatus::kBeyondLimits;
+    }
+  }
+  return MotionStatus::kOk;
+}
+
+bool uses_operand(Opcode opcode) { return opcode != Opcode::kEnd && opcode != Opcode::kWait; }
+
+MotionStatus check_fields(const Motion& motion, const Step& step) {
+  if (step.opcode > Opcode::kJump) return MotionStatus::kBadOpcode;
+  if (!uses_operand(step.opcode) && step.operand != 0) return MotionStatus::kBadOpcode;
+  if (!takes_time(step.opcode)) return step.time_us == 0 ? MotionStatus::kOk : MotionStatus::kBadOpcode;
+  if (step.time_us < kMinStepTime_us || step.time_us > kMaxStepTime_us) return MotionStatus::kBadStepTime;
+  if (step.opcode == Opcode::kMove && step.operand >= motion.pose_count()) return MotionStatus::kNoSuchPose;
+  return MotionStatus::kOk;
+}
+
+bool loops_nest(const Motion& motion) {
+  std::array<std::size_t, kMaxLoopDepth> open{};
+  std::size_t depth = 0;
+  for (std::size_t i = 0; i < motion.step_count(); ++i) {
+    const Step step = motion.step(i);
+    if (step.opcode == Opcode::kLoopBegin) {
+      if (depth == kMaxLoopDepth) return false;
+      open[depth++] = i;
+    } else if (step.opcode == Opcode::kLoopEnd) {
+      if (depth == 0 || open[--depth] != step.operand) return false;
+    }
+  }
+  return depth == 0;
+}
+
+// From `from` to a later step, as if both were in one loop body: does every loop that begins between them end
+// between them, too?
+bool same_body(const Motion& motion, std::size_t from, std::size_t to) {
+  std::size_t depth = 0;
+  for (std::size_t i = from; i < to; ++i) {
+    const Opcode opcode = motion.step(i).opcode;
+    if (opcode == Opcode::kLoopBegin) ++depth;
+    if (opcode == Opcode::kLoopEnd) {
+      if (depth == 0) return false;
+      --depth;
+    }
+  }
+  return depth == 0;
+}
+
+bool jumps_are_sound(const Motion& motion) {
+  std::size_t jumps = 0;
+  for (std::size_t i = 0; i < motion.step_count(); ++i) {
+    const Step step = motion.step(i);
+    if (step.opcode != Opcode::kJump) continue;
+    const std::size_t target = step.operand;
+    if (++jumps > kMaxJumps || target >= motion.step_count()) return false;
+    if (!same_body(motion, target < i ? target : i, target < i ? i : target)) return false;
+  }
+  return true;
+}
+
+// Walks from a step until one that takes time or ends the motion, leaving loops at their end. At most
+// kMaxZeroTimeSteps. With `within_body`, a loop's end is no way out: what comes there without time could go
+// round for ever.
+bool time_passes_from(const Motion& motion, std::size_t index, bool within_body) {
+  for (std::size_t count = 0; count <= kMaxZeroTimeSteps; ++count) {
+    const Step step = motion.step(index);
+    if (takes_time(step.opcode) || step.opcode == Opcode::kEnd) return true;
+    if (within_body && step.opcode == Opcode::kLoopEnd) return false;
+    index = step.opcode == Opcode::kJump ? step.operand : index + 1;
+  }
+  return false;
+}
+
+// A cycle without time would have to go back through the end of a loop or by jumps alone. The walk from the
+// loop's first step rules out the one, the bounded walk from every step the other.
+bool every_cycle_takes_time(const Motion& motion) {
+  for (std::size_t i = 0; i < motion.step_count(); ++i) {
+    if (!time_passes_from(motion, i, false)) return false;
+    if (motion.step(i).opcode == Opcode::kLoopBegin && !time_passes_from(motion, i + 1, true)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+MotionStatus check_motion(const Motion& motion, const RobotModel& model) {
+  for (std::size_t i = 0; i < motion.pose_count(); ++i) {
+    const MotionStatus status = check_pose(motion, model, i);
+    if (status != MotionStatus::kOk) return status;
+  }
+  for (std::size_t i = 0; i < motion.step_count(); ++i) {
+    const MotionStatus status = check_fields(motion, motion.step(i));
+    if (status != MotionStatus::kOk) return status;
+  }
+  if (motion.step(motion.step_count() - 1).opcode != Opcode::kEnd) return MotionStatus::kNoEnd;
+  if (!loops_nest(motion)) return MotionStatus::kBadLoop;
+  if (!jumps_are_sound(motion)) return MotionStatus::kBadJump;
+  if (!every_cycle_takes_time(motion)) return MotionStatus::kTakesNoTime;
+  return MotionStatus::kOk;
+}
+
+}  // namespace koboshi::motion

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "firmware/fixed/units.h"
+#include "firmware/robot/model.h"
+
+namespace koboshi::motion {
+
+inline constexpr std::uint32_t kMotionMagic = 0x544F4D4Bu;  // "KMOT"
+inline constexpr std::uint16_t kMotionVersion = 1;
+inline constexpr std::size_t kNameSize = 24;
+inline constexpr std::size_t kMaxPoses = 512;
+inline constexpr std::size_t kMaxSteps = 1024;
+inline constexpr std::size_t kMaxLoopDepth = 4;
+inline constexpr std::size_t kMaxJumps = 16;
+// Steps that take no time may follow each other this often.
+inline constexpr std::size_t kMaxZeroTimeSteps = 16;
+inline constexpr std::uint32_t kMinStepTime_us = 1'000;
+inline constexpr std::uint32_t kMaxStepTime_us = 60'000'000;
+
+// What a step does. Values are those of the image; new ones are appended.
+enum class Opcode : std::uint16_t {
+  kEnd = 0,
+  kMove = 1,  // to pose `operand` in time_us, each joint linearly; joints that the pose leaves out stay where
+              // they are
+  kWait = 2,  // time_us
+  kLoopBegin = 3,  // what follows up to its kLoopEnd, `operand` times; 0: until asked to stop
+  kLoopEnd = 4,    // of the kLoopBegin at step `operand`
+  kJump = 5,       // to step `operand` of the same loop body
+};
+
+struct Step {
+  Opcode opcode = Opcode::kEnd;
+  std::uint16_t operand = 0;
+  std::uint32_t time_us = 0;  // zero unless the step takes time
+};
+
+constexpr bool takes_time(Opcode opcode) { return opcode == Opcode::kMove || opcode == Opcode::kWait; }
+
+enum class [[nodiscard]] MotionStatus : std::uint8_t{
+    kOk = 0,
+    kTruncated = 1,  // up to kBadCrc as robot::ImageStatus
+    kBadMagic = 2,
+    kBadVersion = 3,
+    kBadSize = 4,
+    kBadCrc = 5,
+    kOtherRobot = 6,  // bound to another model
+    kBadCount = 7,    // of joints, poses or steps
+    kBadName = 8,     // empty, or not printable ASCII padded with zeros
+    kBadPose = 9,  // a joint that the robot has not, or an angle given for a joint that the pose leaves out
+    kBeyondLimits = 10,  // an angle
+    kBadOpcode = 11,     // unknown, or a field that the opcode does not use is not zero
+    kBadStepTime = 12,   // not within kMinStepTime_us..kMaxStepTime_us
+    kNoSuchPose = 13,
+    kBadLoop = 14,      // not properly nested, too deep, or a kLoopEnd that names another beginning
+    kBadJump = 15,      // past the end, into or out of a loop, or too many
+    kNoEnd = 16,        // the last step is not kEnd
+    kTakesNoTime = 17,  // a loop, or a chain of too many steps, in which no time passes
+};
+
+// A validated motion image, played from where it lies: a view, which must not outlive the bytes nor see them
+// change.
+//
+// Layout after the header of robot/image.h: model id u32; name 24 bytes; joint, pose and step count u16 each;
+// poses of (mask u32, angle i32 for each joint); steps of (opcode u16, operand u16, time_us u32).
+class Motion {
+ public:
+  // An empty motion, which ends at once.
+  constexpr Motion() = default;
+
+  // Validates the image at the start of `bytes` against the robot. `motion` is set on kOk only. Validated
+  // means: it plays for ever without a read outside the image, without a cycle that takes no time, and with
+  // every target within its joint's limits.
+  static MotionStatus open(std::span<const std::byte> bytes, const robot::RobotModel& model, Motion& motion);
+
+  [[nodiscard]] std::string_view name() const;
+  [[nodiscard]] std::size_t joint_count() const { return joint_count_; }
+  [[nodiscard]] std::size_t pose_count() const { return pose_count_; }
+  [[nodiscard]] std::size_t step_count() const { return step_count_; }
+
+  // Bit i: the pose gives an angle for joint i.
+  [[nodiscard]] std::uint32_t joint_mask(std::size_t pose) const;
+  [[nodiscard]] fixed::Angle angle(std::size_t pose, std::size_t joint) const;
+  [[nodiscard]] Step step(std::size_t index) const;
+
+ private:
+  std::span<const std::byte> body_;
+  std::uint16_t joint_count_ = 0;
+  std::uint16_t pose_count_ = 0;
+  std::uint16_t step_count_ = 0;
+};
+
+// Sizes of the layout, for who writes images.
+inline constexpr std::size_t kMotionFixedSize = 4 + kNameSize + 6;
+inline constexpr std::size_t kStepSize = 8;
+constexpr std::size_t pose_size(std::size_t joint_count) { return 4 + 4 * joint_count; }
+
+}  // namespace koboshi::motion

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "firmware/fixed/units.h"
+
+namespace koboshi::robot {
+
+// A vector of one quantity, in the axes that the monogram of its variable names: p_BH_B is from B to H in
+// axes of B.
+template <fixed::AnyQuantity Q>
+struct Vector {
+  Q x;
+  Q y;
+  Q z;
+
+  friend constexpr Vector operator+(Vector a, Vector b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend constexpr Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend constexpr Vector operator-(Vector a) { return {-a.x, -a.y, -a.z}; }
+  friend constexpr bool operator==(const Vector&, const Vector&) = default;
+};
+
+using Position = Vector<fixed::Length>;
+using Direction = Vector<fixed::Ratio>;
+
+inline constexpr Direction kAxisX{.x = fixed::kOne, .y = {}, .z = {}};
+inline constexpr Direction kAxisY{.x = {}, .y = fixed::kOne, .z = {}};
+inline constexpr Direction kAxisZ{.x = {}, .y = {}, .z = fixed::kOne};
+
+// R_AB: turns coordinates in axes of B into coordinates in axes of A. Each product of rotations rounds its
+// elements by half an LSB of Ratio, 5e-10; a kinematic chain stays orthonormal to some 1e-8.
+struct Rotation {
+  std::array<Direction, 3> rows{kAxisX, kAxisY, kAxisZ};
+
+  friend constexpr bool operator==(const Rotation&, const Rotation&) = default;
+};
+
+// X_AB: the frame B as seen from A.
+struct Pose {
+  Rotation R;
+  Position p;
+};
+
+// a . v, rounded once. |a| <= 1 and |v| below 4 in its unit, or the sum may leave the format.
+template <fixed::AnyQuantity Q>
+[[nodiscard]] constexpr Q dot(const Direction& a, const Vector<Q>& v) {
+  const std::int64_t sum_raw = std::int64_t{a.x.raw()} * v.x.raw() + std::int64_t{a.y.raw()} * v.y.raw() +
+                               std::int64_t{a.z.raw()} * v.z.raw();
+  return fixed::from_product_raw<Q, fixed::Ratio, Q>(sum_raw);
+}
+
+template <fixed::AnyQuantity Q>
+[[nodiscard]] constexpr Vector<Q> operator*(const Rotation& R, const Vector<Q>& v) {
+  return {dot(R.rows[0], v), dot(R.rows[1], v), dot(R.rows[2], v)};
+}
+
+[[nodiscard]] constexpr Rotation transpose(const Rotation& R) {
+  const auto& [a, b, c] = R.rows;
+  return {{Direction{a.x, b.x, c.x}, Direction{a.y, b.y, c.y}, Direction{a.z, b.z, c.z}}};
+}
+
+[[nodiscard]] Rotation operator*(const Rotation& R_AB, const Rotation& R_BC);
+[[nodiscard]] Pose operator*(const Pose& X_AB, const Pose& X_BC);
+
+// By the right-hand rule about a unit vector (Rodrigues).
+[[nodiscard]] Rotation rotation_about(const Direction& axis, fixed::Angle angle);
+
+}  // namespace koboshi::robot

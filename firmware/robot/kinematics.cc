@@ -1,0 +1,64 @@
+#include "firmware/robot/kinematics.h"
+
+#include "firmware/fixed/rounding.h"
+
+namespace koboshi::robot {
+
+using fixed::Length;
+using fixed::Mass;
+
+void forward_kinematics(const RobotModel& model, std::span<const fixed::Angle> angles, LinkPoses& X_BLinks) {
+  for (std::size_t step = 0; step < model.joint_count; ++step) {
+    const std::size_t i = model.order[step];
+    const Joint& joint = model.joints[i];
+    const Pose X_ParentLink{rotation_about(joint.axis, angles[i]), joint.anchor};
+    X_BLinks[i] = joint.parent == kBase ? X_ParentLink
+                                        : X_BLinks[static_cast<std::size_t>(joint.parent)] * X_ParentLink;
+  }
+}
+
+Pose sole_pose(const RobotModel& model, hal::Side side, const LinkPoses& X_BLinks) {
+  const Pose& X_BFoot = X_BLinks[model.leg(side)[kLegJoints - 1]];
+  const Length ankle_height = model.feet[static_cast<std::size_t>(side)].ankle_height;
+  return {X_BFoot.R, X_BFoot.p + X_BFoot.R * Position{.x = {}, .y = {}, .z = -ankle_height}};
+}
+
+namespace {
+
+// Sum of mass times coordinate, in units of Mass's LSB times Length's: 5 kg times 32 m are 2^54, 25 links
+// stay below 2^62.
+class MomentSum {
+ public:
+  void add(Mass mass, const Position& p) {
+    mass_raw_ += mass.raw();
+    x_raw_ += std::int64_t{mass.raw()} * p.x.raw();
+    y_raw_ += std::int64_t{mass.raw()} * p.y.raw();
+    z_raw_ += std::int64_t{mass.raw()} * p.z.raw();
+  }
+
+  [[nodiscard]] Position centre() const { return {divided(x_raw_), divided(y_raw_), divided(z_raw_)}; }
+
+ private:
+  [[nodiscard]] Length divided(std::int64_t moment_raw) const {
+    return Length::from_wide_raw(fixed::divide_rounded(moment_raw, mass_raw_));
+  }
+
+  std::int64_t mass_raw_ = 0;
+  std::int64_t x_raw_ = 0;
+  std::int64_t y_raw_ = 0;
+  std::int64_t z_raw_ = 0;
+};
+
+}  // namespace
+
+Position centre_of_mass(const RobotModel& model, const LinkPoses& X_BLinks) {
+  MomentSum sum;
+  sum.add(model.base_mass, model.base_centre_of_mass);
+  for (std::size_t i = 0; i < model.joint_count; ++i) {
+    const Joint& joint = model.joints[i];
+    sum.add(joint.mass, X_BLinks[i].p + X_BLinks[i].R * joint.centre_of_mass);
+  }
+  return sum.centre();
+}
+
+}  // namespace koboshi::robot

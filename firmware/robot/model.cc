@@ -1,0 +1,117 @@
+#include "firmware/robot/model.h"
+
+#include "firmware/fixed/rounding.h"
+#include "firmware/fixed/saturating.h"
+#include "firmware/robot/model_check.h"
+
+namespace koboshi::robot {
+namespace {
+
+// The fields stand in the order of docs/reference/robot-model-format.md.
+constexpr std::size_t kFixedPartSize = 1 + kModelNameSize + 16 + 4 + 36 + 16 + 2 * 32;
+constexpr std::size_t kJointSize = 75;
+
+template <fixed::AnyQuantity Q>
+void read(ImageReader& reader, Q& quantity) {
+  quantity = Q::from_raw(reader.i32());
+}
+
+template <fixed::AnyQuantity Q>
+void read(ImageReader& reader, Vector<Q>& vector) {
+  read(reader, vector.x);
+  read(reader, vector.y);
+  read(reader, vector.z);
+}
+
+void read(ImageReader& reader, Foot& foot) {
+  read(reader, foot.ankle_height);
+  read(reader, foot.back);
+  read(reader, foot.front);
+  read(reader, foot.right);
+  read(reader, foot.left);
+  read(reader, foot.sensor);
+}
+
+void read(ImageReader& reader, Joint& joint) {
+  joint.role = static_cast<JointRole>(reader.u8());
+  joint.parent = reader.i8();
+  joint.mirror = reader.u8();
+  joint.mirror_sign = reader.i8();
+  joint.drive.node_id = reader.u8();
+  joint.drive.sign = reader.i8();
+  joint.drive.position_bits = reader.u8();
+  read(reader, joint.anchor);
+  read(reader, joint.axis);
+  read(reader, joint.lower);
+  read(reader, joint.upper);
+  read(reader, joint.max_speed);
+  read(reader, joint.drive.zero);
+  joint.drive.vendor_id = reader.u32();
+  joint.drive.product_code = reader.u32();
+  joint.drive.serial_number = reader.u32();
+  read(reader, joint.mass);
+  read(reader, joint.centre_of_mass);
+}
+
+void read_fixed_part(ImageReader& reader, RobotModel& model) {
+  for (char& letter : model.name) letter = static_cast<char>(reader.u8());
+  read(reader, model.base_mass);
+  read(reader, model.base_centre_of_mass);
+  read(reader, model.body_height);
+  for (Direction& row : model.R_BI.rows) read(reader, row);
+  read(reader, model.scales.gyro);
+  read(reader, model.scales.accelerometer);
+  read(reader, model.scales.ankle_force);
+  read(reader, model.scales.ankle_torque);
+  for (Foot& foot : model.feet) read(reader, foot);
+}
+
+}  // namespace
+
+ModelStatus load_model(std::span<const std::byte> image_bytes, RobotModel& model) {
+  Image image;
+  const ImageStatus opened = open_image(image_bytes, kModelMagic, kModelVersion, image);
+  if (opened != ImageStatus::kOk) return static_cast<ModelStatus>(opened);
+
+  model = {};
+  model.id = image.crc32;
+  ImageReader reader(image.body);
+  model.joint_count = reader.u8();
+  if (model.joint_count == 0 || model.joint_count > kMaxJoints) return ModelStatus::kBadJointCount;
+  if (image.body.size() != kFixedPartSize + model.joint_count * kJointSize) return ModelStatus::kBadSize;
+
+  read_fixed_part(reader, model);
+  for (std::size_t i = 0; i < model.joint_count; ++i) read(reader, model.joints[i]);
+  return check_model(model);
+}
+
+std::optional<std::uint8_t> RobotModel::find(JointRole role) const {
+  for (std::size_t i = 0; i < joint_count; ++i) {
+    if (joints[i].role == role) return static_cast<std::uint8_t>(i);
+  }
+  return std::nullopt;
+}
+
+std::array<std::uint8_t, kLegJoints> RobotModel::leg(hal::Side side) const {
+  const JointRole first = side == hal::Side::kLeft ? JointRole::kLeftHipYaw : JointRole::kRightHipYaw;
+  std::array<std::uint8_t, kLegJoints> indices{};
+  for (std::size_t i = 0; i < kLegJoints; ++i) {
+    indices[i] = find(static_cast<JointRole>(static_cast<std::size_t>(first) + i)).value_or(0);
+  }
+  return indices;
+}
+
+std::int32_t drive_position(const Drive& drive, fixed::Angle angle) {
+  const std::int64_t shaft_raw = std::int64_t{drive.sign} * angle.raw() + drive.zero.raw();
+  return fixed::saturate<std::int32_t>(
+      fixed::shift_rounded(shaft_raw, fixed::Angle::kFractionBits - drive.position_bits));
+}
+
+fixed::Angle joint_angle(const Drive& drive, std::int32_t position) {
+  const std::int64_t shaft_raw =
+      std::int64_t{position} * (std::int64_t{1} << (fixed::Angle::kFractionBits - drive.position_bits));
+  const std::int64_t angle_raw = drive.sign * (shaft_raw - drive.zero.raw());
+  return fixed::Angle::from_raw(fixed::saturate<std::int32_t>(angle_raw));
+}
+
+}  // namespace koboshi::robot

@@ -1,0 +1,129 @@
+#include "firmware/robot/model_check.h"
+
+#include "firmware/robot/leg.h"
+
+namespace koboshi::robot {
+namespace {
+
+using fixed::Length;
+using fixed::Mass;
+using fixed::Ratio;
+
+constexpr Mass kMaxLinkMass = Mass::from_raw(5 << 24);              // 24 of them stay within Mass
+constexpr std::int64_t kUnitTolerance_raw = std::int64_t{1} << 40;  // of a squared length of 2^60: 1e-6
+
+bool in_range(Length length) { return fixed::abs(length) <= kMaxOffset; }
+bool in_range(const Position& p) { return in_range(p.x) && in_range(p.y) && in_range(p.z); }
+bool in_range(Mass mass) { return mass >= Mass() && mass <= kMaxLinkMass; }
+bool is_sign(std::int8_t sign) { return sign == 1 || sign == -1; }
+
+bool is_unit(const Direction& a) {
+  constexpr std::int64_t kOneSquared_raw = std::int64_t{1} << (2 * Ratio::kFractionBits);
+  std::int64_t rest_raw = kOneSquared_raw;
+  for (const Ratio component : {a.x, a.y, a.z}) {
+    if (fixed::abs(component) > fixed::kOne) return false;
+    rest_raw -= std::int64_t{component.raw()} * component.raw();
+  }
+  return -kUnitTolerance_raw <= rest_raw && rest_raw <= kUnitTolerance_raw;
+}
+
+bool is_rotation(const Rotation& R) {
+  const auto& [a, b, c] = R.rows;
+  if (!is_unit(a) || !is_unit(b) || !is_unit(c)) return false;
+  const Direction a_cross_b{
+      fixed::product_sum<Ratio>(a.y, b.z, -a.z, b.y),
+      fixed::product_sum<Ratio>(a.z, b.x, -a.x, b.z),
+      fixed::product_sum<Ratio>(a.x, b.y, -a.y, b.x),
+  };
+  const auto is_close = [](Ratio p, Ratio q) { return fixed::abs(p - q) < Ratio::from_raw(1 << 12); };
+  return is_close(a_cross_b.x, c.x) && is_close(a_cross_b.y, c.y) && is_close(a_cross_b.z, c.z);
+}
+
+bool has_meaning(const RobotModel& model, const Joint& joint) {
+  const int count = static_cast<int>(model.joint_count);
+  return static_cast<std::size_t>(joint.role) < kRoleCount && joint.parent >= kBase && joint.parent < count &&
+         joint.mirror < count && is_sign(joint.mirror_sign) && is_sign(joint.drive.sign) &&
+         joint.drive.node_id >= 1 && joint.drive.node_id <= 127 && joint.drive.position_bits >= 8 &&
+         joint.drive.position_bits <= 31;
+}
+
+ModelStatus check_joint(const RobotModel& model, const Joint& joint) {
+  if (!has_meaning(model, joint)) return ModelStatus::kBadField;
+  if (!in_range(joint.anchor) || !in_range(joint.centre_of_mass) || !in_range(joint.mass) ||
+      joint.max_speed <= fixed::AngularRate()) {
+    return ModelStatus::kOutOfRange;
+  }
+  if (!is_unit(joint.axis)) return ModelStatus::kNotARotation;
+  if (joint.lower > joint.upper) return ModelStatus::kLimitsReversed;
+  return ModelStatus::kOk;
+}
+
+ModelStatus check_pairs(const RobotModel& model) {
+  for (std::size_t i = 0; i < model.joint_count; ++i) {
+    const Joint& joint = model.joints[i];
+    const Joint& mirror = model.joints[joint.mirror];
+    if (mirror.mirror != i || mirror.mirror_sign != joint.mirror_sign) return ModelStatus::kBadMirror;
+    for (std::size_t j = 0; j < i; ++j) {
+      const Joint& other = model.joints[j];
+      if (joint.drive.node_id == other.drive.node_id) return ModelStatus::kDuplicateNodeId;
+      if (joint.role != JointRole::kOther && joint.role == other.role) return ModelStatus::kDuplicateRole;
+    }
+  }
+  return ModelStatus::kOk;
+}
+
+// Appends joints whose parent is already there until all are; a round without a new one has met a cycle.
+bool sort_tree(RobotModel& model) {
+  std::array<bool, kMaxJoints> placed{};
+  std::size_t count = 0;
+  for (std::size_t round = 0; round < model.joint_count && count < model.joint_count; ++round) {
+    for (std::size_t i = 0; i < model.joint_count; ++i) {
+      const std::int8_t parent = model.joints[i].parent;
+      if (placed[i] || (parent != kBase && !placed[static_cast<std::size_t>(parent)])) continue;
+      placed[i] = true;
+      model.order[count++] = static_cast<std::uint8_t>(i);
+    }
+  }
+  return count == model.joint_count;
+}
+
+bool in_range(const Foot& foot) {
+  return in_range(foot.ankle_height) && in_range(foot.sensor) && in_range(foot.back) &&
+         in_range(foot.front) && in_range(foot.right) && in_range(foot.left) &&
+         foot.ankle_height >= Length() && foot.back < foot.front && foot.right < foot.left;
+}
+
+bool in_range(const SensorScales& scales) {
+  return scales.gyro > fixed::AngularRate() && scales.accelerometer > fixed::Acceleration() &&
+         scales.ankle_force > fixed::Force() && scales.ankle_torque > fixed::Torque();
+}
+
+ModelStatus check_body(const RobotModel& model) {
+  const bool ok = in_range(model.base_centre_of_mass) && in_range(model.base_mass) &&
+                  model.base_mass > Mass() && model.body_height > Length() &&
+                  model.body_height <= kMaxOffset * 2 && in_range(model.scales) && in_range(model.feet[0]) &&
+                  in_range(model.feet[1]);
+  if (!ok) return ModelStatus::kOutOfRange;
+  return is_rotation(model.R_BI) ? ModelStatus::kOk : ModelStatus::kNotARotation;
+}
+
+bool has_leg(const RobotModel& model, hal::Side side) {
+  LegGeometry geometry;
+  return make_leg_geometry(model, side, geometry);
+}
+
+}  // namespace
+
+ModelStatus check_model(RobotModel& model) {
+  if (const ModelStatus status = check_body(model); status != ModelStatus::kOk) return status;
+  for (std::size_t i = 0; i < model.joint_count; ++i) {
+    const ModelStatus status = check_joint(model, model.joints[i]);
+    if (status != ModelStatus::kOk) return status;
+  }
+  if (const ModelStatus status = check_pairs(model); status != ModelStatus::kOk) return status;
+  if (!sort_tree(model)) return ModelStatus::kCyclicTree;
+  if (!has_leg(model, hal::Side::kLeft) || !has_leg(model, hal::Side::kRight)) return ModelStatus::kBadLeg;
+  return ModelStatus::kOk;
+}
+
+}  // namespace koboshi::robot
