@@ -1,0 +1,59 @@
+#pragma once
+
+#include <ode/ode.h>
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "sim_board/robot/description.h"
+#include "sim_board/world/link_tree.h"
+#include "sim_board/world/ode_library.h"
+#include "sim_board/world/ode_world.h"
+#include "sim_board/world/world.h"
+
+namespace koboshi::sim {
+
+// Finds where the boxes of the links touch the ground and each other, and makes ODE's contact joints of it.
+// Links that fewer than three joints part never touch: neighbours overlap at their hinge by construction.
+class Collider {
+ public:
+  // `bodies` by link, each with its frame in the centre of mass and the axes of the link.
+  Collider(dWorldID world, const RobotDescription& robot, const LinkTree& tree,
+           std::span<const OdeBody> bodies, const WorldOptions& options);
+
+  // Replaces the contact joints by those of the bodies' present poses.
+  void touch();
+  // After the solver: reads the forces of the joints that the last touch() made.
+  void read_forces();
+  std::span<const Contact> contacts() const { return contacts_; }
+
+ private:
+  struct Pair {
+    dGeomID geom;
+    dGeomID other_geom;
+    int link;
+    int other_link;  // -1: the ground
+    dSurfaceParameters surface;
+  };
+
+  struct Box {
+    OdeGeom geom;
+    int link;
+    SurfaceDescription surface;
+  };
+
+  static std::vector<Box> make_boxes(const RobotDescription& robot, std::span<const OdeBody> bodies);
+  void make_pairs(const LinkTree& tree, const WorldOptions& options);
+  void touch(const Pair& pair);
+
+  dWorldID world_;
+  OdeJointGroup joints_;
+  OdeGeom ground_;
+  std::vector<Box> boxes_;
+  std::vector<Pair> pairs_;
+  std::vector<Contact> contacts_;
+  std::vector<dJointFeedback> feedbacks_;  // by contact; ODE writes into it, so it never moves
+};
+
+}  // namespace koboshi::sim

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <span>
+#include <vector>
+
+#include "sim_board/robot/description.h"
+
+namespace koboshi::sim {
+
+// The links as a tree whose root is links[0] and whose edges are the joints.
+class LinkTree {
+ public:
+  // Throws std::invalid_argument unless the joints make one tree of all links.
+  explicit LinkTree(const RobotDescription& robot);
+
+  // X_WL of every link, given that of links[0] and the joint positions in rad, by joint.
+  std::vector<Eigen::Isometry3d> poses(const RobotDescription& robot, const Eigen::Isometry3d& X_WB,
+                                       std::span<const double> joint_positions_rad) const;
+  // How many joints lie on the way from one link to the other.
+  int distance(int link, int other_link) const;
+
+ private:
+  std::vector<int> joints_from_root_;  // indices of joints, parents before children
+  std::vector<int> parent_link_;       // by link; -1 for the root
+  std::vector<int> depth_;             // by link
+};
+
+}  // namespace koboshi::sim

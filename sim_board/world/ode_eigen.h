@@ -1,0 +1,42 @@
+#pragma once
+
+#include <ode/ode.h>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace koboshi::sim {
+
+// ODE's arrays (vectors of 3 in 4, rotations as 3 rows of 4) as Eigen's.
+
+inline Eigen::Vector3d vector_of(const dReal* v) { return {v[0], v[1], v[2]}; }
+
+inline Eigen::Matrix3d rotation_of(const dReal* R) {
+  Eigen::Matrix3d rotation;
+  rotation << R[0], R[1], R[2], R[4], R[5], R[6], R[8], R[9], R[10];
+  return rotation;
+}
+
+inline void copy_rotation(const Eigen::Matrix3d& rotation, dMatrix3 R) {
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) R[4 * row + column] = rotation(row, column);
+    R[4 * row + 3] = 0.0;
+  }
+}
+
+// Pose of a body: its frame sits in the centre of mass.
+inline Eigen::Isometry3d pose_of(dBodyID body) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = rotation_of(dBodyGetRotation(body));
+  pose.translation() = vector_of(dBodyGetPosition(body));
+  return pose;
+}
+
+inline void set_pose(dBodyID body, const Eigen::Isometry3d& pose) {
+  dMatrix3 R;
+  copy_rotation(pose.linear(), R);
+  dBodySetRotation(body, R);
+  dBodySetPosition(body, pose.translation().x(), pose.translation().y(), pose.translation().z());
+}
+
+}  // namespace koboshi::sim

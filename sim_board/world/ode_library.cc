@@ -1,0 +1,43 @@
+#include "sim_board/world/ode_library.h"
+
+#include <cstdarg>
+#include <mutex>
+#include <stdexcept>
+
+namespace koboshi::sim {
+namespace {
+
+thread_local std::uint64_t* warnings_of_this_thread = nullptr;
+
+void count_message(int, const char*, va_list) {
+  if (warnings_of_this_thread != nullptr) ++*warnings_of_this_thread;
+}
+
+struct OdeLibrary {
+  OdeLibrary() {
+    if (dInitODE2(0) == 0) throw std::runtime_error("ODE does not start");
+    dSetMessageHandler(count_message);
+  }
+};
+
+}  // namespace
+
+void start_ode_in_this_thread() {
+  static const OdeLibrary library;
+  thread_local const bool ready = dAllocateODEDataForThread(dAllocateMaskAll) != 0;
+  if (!ready) throw std::runtime_error("ODE has no memory for a thread");
+}
+
+OdeWarningCount::OdeWarningCount(std::uint64_t& warnings) { warnings_of_this_thread = &warnings; }
+
+OdeWarningCount::~OdeWarningCount() { warnings_of_this_thread = nullptr; }
+
+void quick_step(dWorldID world, double step_s, unsigned long& seed) {
+  static std::mutex random_numbers;
+  const std::lock_guard lock(random_numbers);
+  dRandSetSeed(seed);
+  dWorldQuickStep(world, step_s);
+  seed = dRandGetSeed();
+}
+
+}  // namespace koboshi::sim

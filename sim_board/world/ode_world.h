@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <memory>
+#include <vector>
+
+#include "sim_board/robot/description.h"
+#include "sim_board/world/world.h"
+
+namespace koboshi::sim {
+
+// An endless plane: the points p with normal_W . p = offset_m.
+struct GroundDescription {
+  bool present = true;
+  Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();  // any length but zero
+  double offset_m = 0.0;
+  SurfaceDescription surface;
+};
+
+// kWorld solves the contact problem exactly and is the reference; kQuick iterates (projected successive
+// over-relaxation).
+enum class Stepper { kWorld, kQuick };
+
+struct WorldOptions {
+  double step_s = 0.001;  // must divide 1 ms
+  Eigen::Vector3d gravity_W_m_per_s2{0.0, 0.0, -9.80665};
+  Stepper stepper = Stepper::kWorld;
+  int quick_iterations = 50;
+  GroundDescription ground;
+  Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();  // links[0] at the start
+  std::vector<double> joint_positions_rad;                 // at the start, by joint; empty: all zero
+  bool fixed_base = false;                                 // links[0] hangs on a stand and never moves
+  double max_speed_m_per_s = 100.0;                        // beyond these a body has blown up
+  double max_rate_rad_per_s = 1000.0;
+};
+
+// The robot at rest in ODE. Throws std::invalid_argument for a description or options that make no world.
+std::unique_ptr<World> make_ode_world(const RobotDescription& robot, const WorldOptions& options);
+
+}  // namespace koboshi::sim
