@@ -14,7 +14,7 @@ namespace koboshi::canopen {
 class ObjectValue {
  public:
   void set_number(std::uint32_t number, std::uint8_t size) {
-    number_ = number;
+    number_ = size < 4 ? number & ((1u << (8 * size)) - 1) : number;
     text_ = {};
     size_ = size;
   }
@@ -26,9 +26,10 @@ class ObjectValue {
   // Little-endian, as SDO and PDO carry it; not sign-extended. 0 for a text.
   std::uint32_t number() const { return number_; }
   std::uint16_t size() const { return size_; }
+  bool is_text() const { return text_.data() != nullptr; }
   // Valid as long as this object.
   std::span<const std::uint8_t> bytes() const {
-    const void* start = text_.empty() ? static_cast<const void*>(&number_) : text_.data();
+    const void* start = is_text() ? text_.data() : static_cast<const void*>(&number_);
     return {static_cast<const std::uint8_t*>(start), size_};
   }
 
@@ -55,8 +56,9 @@ class Dictionary {
   AbortCode find(ObjectAddress address, Location& location) const;
 
   AbortCode read(ObjectAddress address, ObjectValue& value) const;
-  // Whether `value`, of `size` bytes, might be written; nothing changes.
-  AbortCode check_write(ObjectAddress address, std::uint32_t value, std::size_t size,
+  // Whether `value`, of `size` bytes (0: as many as the object has), may be written; sign-extends it if the
+  // object is signed. Nothing is stored yet.
+  AbortCode check_write(ObjectAddress address, std::uint32_t& value, std::size_t size,
                         Location& location) const;
   // Stores what check_write has accepted.
   void store(const Location& location, std::uint32_t value);

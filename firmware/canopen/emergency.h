@@ -24,6 +24,7 @@ inline constexpr std::uint8_t kManufacturer = 1 << 7;
 // Emergency error codes of CiA 301, table 26, that the stack raises or its users need.
 namespace error_code {
 inline constexpr std::uint16_t kNoError = 0x0000;
+inline constexpr std::uint16_t kDataSet = 0x6300;  // a PDO of the NodeDescription cannot be
 inline constexpr std::uint16_t kCanOverrun = 0x8110;
 inline constexpr std::uint16_t kCanErrorPassive = 0x8120;
 inline constexpr std::uint16_t kHeartbeat = 0x8130;

@@ -73,7 +73,6 @@ struct Heartbeat {
 hal::CanFrame encode(const NmtMessage& message);
 hal::CanFrame encode(const Emergency& emergency);
 hal::CanFrame encode(const Heartbeat& heartbeat);
-hal::CanFrame sync_frame();
 
 // Nothing where the frame is not such a message: wrong identifier, length, command or state, or a remote
 // frame.

@@ -44,7 +44,7 @@ class HeartbeatMonitor {
 
   // Object 0x1016, sub-indices 1..n: node id in bits 16..23, time in ms in bits 0..15.
   AbortCode read(std::uint8_t subindex, ObjectValue& value) const;
-  AbortCode write(std::uint8_t subindex, std::uint32_t value, std::size_t size);
+  AbortCode write(std::uint8_t subindex, std::uint32_t value);
   // Forgets all.
   void clear();
 
@@ -57,6 +57,11 @@ class HeartbeatMonitor {
   const HeartbeatConsumer* find(std::uint8_t node_id) const;
 
  private:
+  static bool monitors(const HeartbeatConsumer& consumer) {
+    return consumer.node_id != 0 && consumer.time_ms != 0;
+  }
+  void update_slots();
+
   std::span<HeartbeatConsumer> consumers_;
   SlotMap slots_;
 };

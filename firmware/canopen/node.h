@@ -128,15 +128,20 @@ class Node final : private ObjectServer {
   void load_defaults();
   void on_nmt(const hal::CanFrame& frame, std::uint64_t now_us);
   void on_sync(std::uint64_t now_us);
-  void on_heartbeat(const hal::CanFrame& frame, std::uint64_t now_us);
+  void on_heartbeat(const Heartbeat& heartbeat, std::uint64_t now_us);
   void on_rpdo(std::size_t number, const hal::CanFrame& frame);
-  void check_length(Rpdo& pdo, std::size_t number, std::uint8_t size);
+  void check_length(std::size_t number, Length length);
   void take_effect(std::size_t number);
   void produce_heartbeat(std::uint64_t now_us);
   void produce_sync(std::uint64_t now_us);
   void send_emergency(std::uint16_t code, const std::array<std::uint8_t, 5>& manufacturer);
   AbortCode read_communication(ObjectAddress address, ObjectValue& value) const;
+  AbortCode read_variable(std::uint16_t index, ObjectValue& value) const;
+  AbortCode read_identity(std::uint8_t subindex, ObjectValue& value) const;
+  AbortCode read_sdo_server(std::uint8_t subindex, ObjectValue& value) const;
   AbortCode write_communication(ObjectAddress address, std::uint32_t value, std::size_t size);
+  AbortCode write_parameter(ObjectAddress address, std::uint32_t value, std::size_t size);
+  AbortCode write_sync_cob_id(std::uint32_t value);
 
   const NodeDescription& description_;
   const std::uint8_t node_id_;

@@ -28,7 +28,7 @@ constexpr std::uint32_t mapping(std::uint16_t index, std::uint8_t subindex, std:
 
 // Communication and mapping record of a PDO as it is after a reset.
 struct PdoConfiguration {
-  std::uint32_t cob_id = kCobIdInvalid;  // with the flags of cob_id.h
+  std::uint32_t cob_id = kCobIdInvalid;  // identifier, or kCobIdInvalid
   bool plus_node_id = false;             // add the node's id to it, as the predefined connection set does
   std::uint8_t transmission_type = kEventProfile;
   std::uint16_t inhibit_time_100us = 0;  // TPDO: shortest time between two

@@ -10,10 +10,14 @@
 
 namespace koboshi::canopen {
 
+// How the last frame of an RPDO compares with its mapping.
+enum class Length : std::uint8_t { kRight, kTooShort, kTooLong };
+
+// A PDO that a node receives.
 struct Rpdo {
   PdoRecord record{PdoDirection::kReceive};
-  bool pending = false;       // data wait for the next SYNC
-  bool wrong_length = false;  // the last frame was too short or too long
+  bool pending = false;  // data wait for the next SYNC
+  Length length = Length::kRight;
   std::array<std::uint8_t, 8> data{};
 };
 
@@ -21,8 +25,6 @@ struct Rpdo {
 // others at once.
 class RpdoSet {
  public:
-  enum class Outcome : std::uint8_t { kNotMine, kKept, kTookEffect, kTooShort };
-
   RpdoSet(std::span<Rpdo> pdos, std::span<SlotMap::Item> slots) : pdos_(pdos), slots_(slots) {}
 
   std::size_t size() const { return pdos_.size(); }
@@ -35,8 +37,8 @@ class RpdoSet {
 
   // Slot of the PDO with this identifier, or SlotMap::kNone. O(log n).
   std::size_t find(std::uint16_t identifier) const { return slots_.find(identifier); }
-  // True when some PDO's last frame had a wrong length.
-  bool any_wrong_length() const;
+  // True when the last frame of some PDO had this length.
+  bool any(Length length) const;
 
  private:
   std::span<Rpdo> pdos_;

@@ -48,7 +48,7 @@ class SdoClient {
  private:
   bool begin(const hal::CanFrame& request, std::uint8_t node_id, ObjectAddress address, std::uint64_t now_us);
   void abort(AbortCode code);
-  AbortCode accept(const hal::CanFrame& response);
+  void accept(const hal::CanFrame& response);
 
   FrameSink& sink_;
   std::uint32_t timeout_us_;

@@ -7,6 +7,7 @@
 #include "firmware/canopen/abort_code.h"
 #include "firmware/canopen/dictionary.h"
 #include "firmware/canopen/frame.h"
+#include "firmware/canopen/sdo_protocol.h"
 
 namespace koboshi::canopen {
 
@@ -14,6 +15,7 @@ namespace koboshi::canopen {
 class ObjectServer {
  public:
   virtual AbortCode read_object(ObjectAddress address, ObjectValue& value) = 0;
+  // `size` in bytes; 0 when the client has not told it and the object's own counts.
   virtual AbortCode write_object(ObjectAddress address, std::uint32_t value, std::size_t size) = 0;
 
  protected:
@@ -38,21 +40,25 @@ class SdoServer {
 
  private:
   enum class Transfer : std::uint8_t { kNone, kUpload, kDownload };
-  using Data = std::array<std::uint8_t, 8>;
 
-  AbortCode respond(const Data& request, ObjectServer& objects, Data& response);
-  AbortCode begin_download(const Data& request, ObjectServer& objects, Data& response);
-  AbortCode download_segment(const Data& request, ObjectServer& objects, Data& response);
-  AbortCode begin_upload(const Data& request, ObjectServer& objects, Data& response);
-  AbortCode upload_segment(const Data& request, Data& response);
-  void send(const Data& data, FrameSink& sink);
+  // Each fills the response, or returns why the request is refused.
+  AbortCode respond(const sdo::Data& request, ObjectServer& objects, sdo::Data& response);
+  AbortCode begin_download(const sdo::Data& request, ObjectServer& objects, sdo::Data& response);
+  AbortCode download_segment(const sdo::Data& request, ObjectServer& objects, sdo::Data& response);
+  AbortCode begin_upload(const sdo::Data& request, ObjectServer& objects, sdo::Data& response);
+  AbortCode upload_segment(const sdo::Data& request, sdo::Data& response);
+
+  void begin(ObjectAddress address);
+  AbortCode expect_segment(Transfer transfer, std::uint8_t command);
+  void abort(AbortCode code, FrameSink& sink);
+  void send(const sdo::Data& data, FrameSink& sink);
 
   std::uint16_t request_identifier_;
   std::uint16_t response_identifier_;
   Transfer transfer_ = Transfer::kNone;
   bool toggle_ = false;
   ObjectAddress address_;
-  std::uint16_t position_ = 0;        // bytes transferred so far
+  std::size_t position_ = 0;          // bytes transferred so far
   std::uint32_t announced_size_ = 0;  // of a download; 0: not announced
   ObjectValue upload_;
   std::array<std::uint8_t, 4> download_{};

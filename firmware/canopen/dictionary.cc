@@ -1,0 +1,100 @@
+#include "firmware/canopen/dictionary.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace koboshi::canopen {
+namespace {
+
+// The first row that does not lie wholly below the address.
+std::span<const Entry>::iterator first_candidate(std::span<const Entry> rows, ObjectAddress address) {
+  return std::partition_point(rows.begin(), rows.end(), [address](const Entry& row) {
+    return row.index < address.index ||
+           (row.index == address.index && row.subindex + row.count <= address.subindex);
+  });
+}
+
+// The value as 32 bits: sign-extended if the type is signed, without the bytes above the type's if not.
+std::uint32_t widened(std::uint32_t value, DataType type) {
+  const unsigned spare_bits = 32u - 8u * size_bytes(type);
+  if (!is_signed(type)) return (value << spare_bits) >> spare_bits;
+  return static_cast<std::uint32_t>(static_cast<std::int32_t>(value << spare_bits) >> spare_bits);
+}
+
+AbortCode check_limits(const Entry& row, std::uint32_t value) {
+  if (row.type == DataType::kBoolean && value > 1) return AbortCode::kValueTooHigh;
+  if (!row.limited) return AbortCode::kNone;
+  // Flipping the sign bit makes the order of signed numbers that of unsigned ones.
+  const std::uint32_t bias = is_signed(row.type) ? 0x8000'0000u : 0;
+  if ((value ^ bias) > (row.high ^ bias)) return AbortCode::kValueTooHigh;
+  if ((value ^ bias) < (row.low ^ bias)) return AbortCode::kValueTooLow;
+  return AbortCode::kNone;
+}
+
+AbortCode check_size(DataType type, std::size_t size) {
+  if (size == 0) return AbortCode::kNone;
+  if (size > size_bytes(type)) return AbortCode::kLengthTooHigh;
+  if (size < size_bytes(type)) return AbortCode::kLengthTooLow;
+  return AbortCode::kNone;
+}
+
+}  // namespace
+
+AbortCode Dictionary::find(ObjectAddress address, Location& location) const {
+  const auto row = first_candidate(rows_, address);
+  if (row != rows_.end() && row->index == address.index && row->subindex <= address.subindex) {
+    const unsigned element = address.subindex - static_cast<unsigned>(row->subindex);
+    location.entry = &*row;
+    location.offset = row->offset == Entry::kConstant
+                          ? Entry::kConstant
+                          : static_cast<std::uint16_t>(row->offset + element * row->stride_bytes);
+    return AbortCode::kNone;
+  }
+  const bool index_exists = (row != rows_.end() && row->index == address.index) ||
+                            (row != rows_.begin() && std::prev(row)->index == address.index);
+  return index_exists ? AbortCode::kSubindexDoesNotExist : AbortCode::kObjectDoesNotExist;
+}
+
+AbortCode Dictionary::highest_subindex(std::uint16_t index, ObjectValue& value) const {
+  const auto next = first_candidate(rows_, {static_cast<std::uint16_t>(index + 1), 0});
+  const Entry& last = *std::prev(next);
+  value.set_number(static_cast<std::uint32_t>(last.subindex + last.count - 1), 1);
+  return AbortCode::kNone;
+}
+
+AbortCode Dictionary::read(ObjectAddress address, ObjectValue& value) const {
+  Location location;
+  const AbortCode found = find(address, location);
+  if (found == AbortCode::kSubindexDoesNotExist && address.subindex == 0) {
+    return highest_subindex(address.index, value);
+  }
+  if (found != AbortCode::kNone) return found;
+  const Entry& row = *location.entry;
+  if (row.access == Access::kWriteOnly) return AbortCode::kReadOfWriteOnly;
+  std::uint32_t number = row.low;
+  if (location.offset != Entry::kConstant) {
+    number = 0;
+    std::memcpy(&number, value_at(location.offset), size_bytes(row.type));
+  }
+  value.set_number(number, size_bytes(row.type));
+  return AbortCode::kNone;
+}
+
+AbortCode Dictionary::check_write(ObjectAddress address, std::uint32_t& value, std::size_t size,
+                                  Location& location) const {
+  const AbortCode found = find(address, location);
+  if (found == AbortCode::kSubindexDoesNotExist && address.subindex == 0) return AbortCode::kWriteOfReadOnly;
+  if (found != AbortCode::kNone) return found;
+  const Entry& row = *location.entry;
+  if (row.access == Access::kReadOnly) return AbortCode::kWriteOfReadOnly;
+  const AbortCode sized = check_size(row.type, size);
+  if (sized != AbortCode::kNone) return sized;
+  value = widened(value, row.type);
+  return check_limits(row, value);
+}
+
+void Dictionary::store(const Location& location, std::uint32_t value) {
+  std::memcpy(value_at(location.offset), &value, size_bytes(location.entry->type));
+}
+
+}  // namespace koboshi::canopen

@@ -1,0 +1,61 @@
+#include "firmware/canopen/emergency.h"
+
+#include <algorithm>
+
+namespace koboshi::canopen {
+
+bool ErrorLog::active(std::uint16_t code) const {
+  const auto end = active_.begin() + active_size_;
+  return std::any_of(active_.begin(), end, [code](const Active& error) { return error.code == code; });
+}
+
+bool ErrorLog::raise(std::uint16_t code, std::uint8_t register_bits, std::uint16_t additional) {
+  if (active(code)) return false;
+  if (active_size_ < kMaxActive) active_[active_size_++] = {code, register_bits};
+  update_register();
+  std::copy_backward(history_.begin(), history_.end() - 1, history_.end());
+  history_[0] = code | (static_cast<std::uint32_t>(additional) << 16);
+  if (history_size_ < kHistory) ++history_size_;
+  return true;
+}
+
+bool ErrorLog::clear(std::uint16_t code) {
+  const auto end = active_.begin() + active_size_;
+  const auto kept =
+      std::remove_if(active_.begin(), end, [code](const Active& error) { return error.code == code; });
+  if (kept == end) return false;
+  --active_size_;
+  update_register();
+  return true;
+}
+
+void ErrorLog::clear_all() {
+  active_size_ = 0;
+  update_register();
+}
+
+void ErrorLog::update_register() {
+  register_ = active_size_ > 0 ? error_register::kGeneric : 0;
+  for (std::size_t i = 0; i < active_size_; ++i) register_ |= active_[i].register_bits;
+}
+
+AbortCode ErrorLog::read_history(std::uint8_t subindex, ObjectValue& value) const {
+  if (subindex > kHistory) return AbortCode::kSubindexDoesNotExist;
+  if (subindex > history_size_) return AbortCode::kNoData;
+  if (subindex == 0) {
+    value.set_number(history_size_, 1);
+  } else {
+    value.set_number(history_[subindex - 1u], 4);
+  }
+  return AbortCode::kNone;
+}
+
+AbortCode ErrorLog::write_history(std::uint8_t subindex, std::uint32_t value) {
+  if (subindex > kHistory) return AbortCode::kSubindexDoesNotExist;
+  if (subindex != 0) return AbortCode::kWriteOfReadOnly;
+  if (value != 0) return AbortCode::kInvalidValue;
+  history_size_ = 0;
+  return AbortCode::kNone;
+}
+
+}  // namespace koboshi::canopen

@@ -1,0 +1,21 @@
+#include "firmware/canopen/slot_map.h"
+
+#include <algorithm>
+
+namespace koboshi::canopen {
+
+void SlotMap::insert(std::uint16_t key, std::uint8_t slot) {
+  if (size_ == items_.size()) return;
+  std::size_t place = size_++;
+  for (; place > 0 && items_[place - 1].key > key; --place) items_[place] = items_[place - 1];
+  items_[place] = {key, slot};
+}
+
+std::size_t SlotMap::find(std::uint16_t key) const {
+  const std::span<const Item> used = items_.first(size_);
+  const auto item = std::lower_bound(used.begin(), used.end(), key,
+                                     [](const Item& left, std::uint16_t right) { return left.key < right; });
+  return item != used.end() && item->key == key ? item->slot : kNone;
+}
+
+}  // namespace koboshi::canopen

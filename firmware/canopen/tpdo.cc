@@ -1,0 +1,49 @@
+#include "firmware/canopen/tpdo.h"
+
+namespace koboshi::canopen {
+
+void TpdoSet::start(std::uint64_t now_us) {
+  for (Tpdo& pdo : pdos_) {
+    pdo.requested = false;
+    pdo.sync_count = 0;
+    pdo.inhibited_until_us = now_us;
+    pdo.event_due_us = now_us + pdo.record.event_timer_us();
+  }
+}
+
+void TpdoSet::request(std::size_t number, const Dictionary& dictionary, FrameSink& sink,
+                      std::uint64_t now_us) {
+  Tpdo& pdo = pdos_[number];
+  if (!pdo.record.valid()) return;
+  pdo.requested = true;
+  if (!pdo.record.synchronous() && now_us >= pdo.inhibited_until_us) send(pdo, dictionary, sink, now_us);
+}
+
+void TpdoSet::on_sync(const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us) {
+  for (Tpdo& pdo : pdos_) {
+    if (!pdo.record.valid() || !pdo.record.synchronous()) continue;
+    const std::uint8_t type = pdo.record.transmission_type();
+    const bool due = type == kSynchronousAcyclic ? pdo.requested : ++pdo.sync_count >= type;
+    if (due) send(pdo, dictionary, sink, now_us);
+  }
+}
+
+void TpdoSet::process(const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us) {
+  for (Tpdo& pdo : pdos_) {
+    if (!pdo.record.valid() || pdo.record.synchronous()) continue;
+    if (pdo.record.event_timer_us() != 0 && now_us >= pdo.event_due_us) pdo.requested = true;
+    if (pdo.requested && now_us >= pdo.inhibited_until_us) send(pdo, dictionary, sink, now_us);
+  }
+}
+
+void TpdoSet::send(Tpdo& pdo, const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us) {
+  hal::CanFrame frame{.identifier = pdo.record.identifier(), .size = pdo.record.size_bytes()};
+  pdo.record.pack(dictionary, frame.data.data());
+  pdo.sync_count = 0;
+  pdo.requested = !sink.send(frame);
+  if (pdo.requested) return;
+  pdo.inhibited_until_us = now_us + pdo.record.inhibit_time_us();
+  pdo.event_due_us = now_us + pdo.record.event_timer_us();
+}
+
+}  // namespace koboshi::canopen
