@@ -18,6 +18,7 @@ inline constexpr std::uint16_t kModeOfOperation = 0x6060;
 inline constexpr std::uint16_t kModeOfOperationDisplay = 0x6061;
 inline constexpr std::uint16_t kPositionActual = 0x6064;
 inline constexpr std::uint16_t kTorqueActual = 0x6077;
+inline constexpr std::uint16_t kSupplyVoltage = 0x6079;  // mV
 inline constexpr std::uint16_t kTargetPosition = 0x607A;
 inline constexpr std::uint16_t kSoftwarePositionLimit = 0x607D;
 inline constexpr std::uint16_t kQuickStopDeceleration = 0x6085;

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/canopen/cia402.h"
+#include "firmware/canopen/emergency.h"
+#include "firmware/canopen/frame.h"
+#include "firmware/canopen/heartbeat.h"
+#include "firmware/canopen/sdo_client.h"
+#include "firmware/drive/configuration.h"
+#include "firmware/drive/signals.h"
+#include "firmware/drive/trouble.h"
+#include "firmware/robot/model.h"
+
+namespace koboshi::drive {
+
+// What the drives are to do. They are led there by controlwords, one transition of CiA 402 a cycle.
+enum class Goal : std::uint8_t {
+  kTorqueOff,  // switch on disabled
+  kEnabled,    // operation enabled; all of them make the last step in the same cycle
+  kQuickStop,  // stop on the drive's own ramp, then torque off
+};
+
+// All servo drives of the robot: boots them, leads them to a goal and watches over them. The owner hands it
+// what it hears of them and sends `signals` in each cycle.
+class DriveGroup {
+ public:
+  static constexpr std::uint64_t kBootTimeout_us = 1'000'000;  // from the reset to the last boot-up message
+  static constexpr std::uint64_t kEnableTimeout_us = 500'000;  // from the goal to operation enabled
+
+  // All must outlive the group. Frames go to `sink` as NMT master and SDO client.
+  DriveGroup(const robot::RobotModel& model, canopen::FrameSink& sink, DriveSignals& signals);
+
+  // Resets all nodes, which takes them out of any fault, and boots the drives; forgets every trouble.
+  void boot();
+  void set_goal(Goal goal, std::uint64_t now_us);
+
+  void on_frame(const hal::CanFrame& frame) { client_.on_frame(frame); }
+  void on_heartbeat(const canopen::HeartbeatEvent& event);
+  void on_emergency(const canopen::Emergency& emergency);
+  // Booting and its time-outs; at 1 kHz.
+  void process(std::uint64_t now_us);
+  // Reads the statuswords of the last cycle and writes the controlwords of the next.
+  void tick(std::uint64_t now_us);
+
+  // Targets of all joints, within their limits.
+  void set_target(std::size_t joint, fixed::Angle angle);
+  // Where the joint is, as its drive said last. Meaningful once booted.
+  fixed::Angle angle(std::size_t joint) const;
+  // Its drive's encoder within the joint's limits, give or take `margin`.
+  bool within_limits(std::size_t joint, fixed::Angle margin) const;
+
+  bool booted() const { return phase_ == Phase::kBooted && heard_; }
+  // Every drive in this state, as of the last tick.
+  bool all_in(canopen::cia402::State state) const;
+  // None makes torque, as of the last tick.
+  bool all_limp() const;
+  // The first trouble since the last boot.
+  const JointTrouble& trouble() const { return trouble_; }
+  std::uint32_t supply_mV(std::size_t joint) const { return supply_mV_[joint]; }
+
+ private:
+  enum class Phase : std::uint8_t { kIdle, kResetting, kWaiting, kConfiguring, kStarting, kBooted, kFailed };
+
+  canopen::cia402::State state(std::size_t joint) const {
+    return canopen::cia402::state_of(signals_.statusword[joint]);
+  }
+  std::uint16_t controlword(std::size_t joint, bool all_switched_on) const;
+  bool send(canopen::NmtCommand command);
+  bool find(std::uint8_t node_id, std::size_t& joint) const;
+  void report(Trouble trouble, std::size_t joint, std::uint16_t error_code = 0);
+  void await_boot_ups(std::uint64_t now_us);
+  void configure(std::uint64_t now_us);
+  void watch(std::uint64_t now_us);
+
+  const robot::RobotModel& model_;
+  canopen::FrameSink& sink_;
+  DriveSignals& signals_;
+  canopen::SdoClient client_;
+  Configuration configuration_;
+  Phase phase_ = Phase::kIdle;
+  Goal goal_ = Goal::kTorqueOff;
+  std::uint64_t boot_deadline_us_ = 0;
+  std::uint64_t enable_deadline_us_ = 0;
+  std::size_t configured_ = 0;  // joints that are done
+  std::uint32_t present_ = 0;   // bit i: the boot-up message of joint i's drive has come
+  bool heard_ = false;          // every drive has sent a statusword
+  JointTrouble trouble_;
+  std::array<std::uint32_t, robot::kMaxJoints> supply_mV_{};
+};
+
+}  // namespace koboshi::drive

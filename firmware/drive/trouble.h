@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+
+namespace koboshi::drive {
+
+// Why a drive cannot be used. The values stand in telemetry.
+enum class Trouble : std::uint8_t {
+  kNone = 0,
+  kSilent = 1,         // it never booted up
+  kNoAnswer = 2,       // an SDO request timed out
+  kRefused = 3,        // it aborted an SDO request
+  kWrongIdentity = 4,  // 0x1018 is not what the robot model says
+  kLost = 5,           // its heartbeat stopped
+  kRestarted = 6,      // it booted up again on its own
+  kFault = 7,          // it reports a fault, by statusword or emergency message
+  kNotEnabled = 8,     // it did not reach operation enabled in time
+};
+
+struct JointTrouble {
+  Trouble kind = Trouble::kNone;
+  std::uint8_t joint = 0;
+  std::uint16_t error_code = 0;  // of the emergency message, where there was one
+
+  explicit constexpr operator bool() const { return kind != Trouble::kNone; }
+};
+
+}  // namespace koboshi::drive
