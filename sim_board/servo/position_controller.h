@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+
+#include "sim_board/robot/description.h"
+#include "sim_board/servo/encoder.h"
+
+namespace koboshi::sim {
+
+// The digital position loop of a servo drive, called once a period: voltage proportional to the position
+// error, less a damping on the speed that the encoder shows. At full_voltage_error_rad of error it asks for
+// the whole supply.
+class PositionController {
+ public:
+  static constexpr double kPeriod_s = 0.001;
+
+  explicit PositionController(const ServoDescription& servo)
+      : gain_V_per_rad_(servo.supply_V / servo.full_voltage_error_rad),
+        velocity_gain_V_s_per_rad_(servo.velocity_gain_V_s_per_rad) {}
+
+  // Positions in units of 2^-20 turn, `previous` one period before `position`.
+  double voltage_V(std::int32_t target, std::int32_t position, std::int32_t previous) const {
+    const double error_rad = (static_cast<double>(target) - position) * kRadPerPositionUnit;
+    const double speed_rad_per_s =
+        (static_cast<double>(position) - previous) * kRadPerPositionUnit / kPeriod_s;
+    return gain_V_per_rad_ * error_rad - velocity_gain_V_s_per_rad_ * speed_rad_per_s;
+  }
+
+ private:
+  double gain_V_per_rad_;
+  double velocity_gain_V_s_per_rad_;
+};
+
+}  // namespace koboshi::sim
