@@ -69,6 +69,8 @@ struct EncoderDescription {
 // The CANopen node of a joint's drive.
 struct DriveDescription {
   std::uint8_t node_id = 0;      // 16..35 on the default robot
+  std::uint32_t vendor_id = 0x4B4F4249;  // object 0x1018; no number that CiA has given to anybody
+  std::uint32_t product_code = 1;
   std::uint32_t serial_number = 0;
   int sign = 1;                  // shaft turns by sign * joint angle + zero
   double zero_rad = 0.0;
