@@ -1,0 +1,24 @@
+#include "sim_board/scenario/paths.h"
+
+namespace koboshi::sim {
+
+namespace fs = std::filesystem;
+
+fs::path repository_root(const fs::path& folder) {
+  fs::path candidate = fs::absolute(folder).lexically_normal();
+  while (true) {
+    if (fs::is_directory(candidate / "robots") && fs::is_directory(candidate / "scenarios")) return candidate;
+    if (candidate == candidate.parent_path()) return KOBOSHI_SOURCE_DIR;
+    candidate = candidate.parent_path();
+  }
+}
+
+fs::path find_referenced(const fs::path& folder, const fs::path& path) {
+  for (const fs::path& base : {folder, repository_root(folder)}) {
+    const fs::path file = (base / path).lexically_normal();
+    if (fs::is_regular_file(file)) return file;
+  }
+  return {};
+}
+
+}  // namespace koboshi::sim

@@ -1,0 +1,134 @@
+#include "sim_board/scenario/reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim_board/scenario/events.h"
+#include "sim_board/scenario/paths.h"
+
+namespace koboshi::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kLongestRun_s = 86400.0;
+constexpr double kSteepest_deg = 45.0;
+constexpr double kRadians = std::numbers::pi / 180.0;
+
+fs::path read_path(const YamlValue& value, const fs::path& folder) {
+  const fs::path file = find_referenced(folder, value.text());
+  if (file.empty()) {
+    throw value.error("no file " + value.text(),
+                      "a path relative to the scenario's folder or to the repository's root");
+  }
+  return file;
+}
+
+std::vector<fs::path> read_motions(const YamlMap& root, const fs::path& folder) {
+  std::vector<fs::path> motions;
+  if (!root.has("motions")) return motions;
+  for (const YamlValue& value : root.list("motions")) {
+    const fs::path file = read_path(value, folder);
+    const auto same_name = [&](const fs::path& other) { return other.stem() == file.stem(); };
+    if (std::ranges::any_of(motions, same_name)) {
+      throw value.error("a second motion named " + file.stem().string(), "motions of different names");
+    }
+    motions.push_back(file);
+  }
+  return motions;
+}
+
+// true, false, or a factor.
+double read_noise_scale(const YamlMap& root) {
+  if (!root.has("noise")) return 1.0;
+  const YamlValue value = root.value("noise");
+  const bool is_word =
+      !value.is_map() && !value.is_list() && (value.text() == "true" || value.text() == "false");
+  if (is_word) return value.boolean() ? 1.0 : 0.0;
+  return value.number({.min = 0.0, .max = 100.0});
+}
+
+std::uint64_t read_computing_time_us(const YamlMap& root) {
+  constexpr std::int64_t kDefault_us = 500;
+  const auto controller = root.optional_child("controller");
+  if (!controller) return kDefault_us;
+  return static_cast<std::uint64_t>(
+      controller->integer("computing_time_us", {.min = 0, .max = 9000}, kDefault_us));
+}
+
+Physics read_physics(const YamlMap& root) {
+  Physics physics;
+  const auto map = root.optional_child("physics");
+  if (!map) return physics;
+  const double step_us = 1000.0 * map->number("step_ms", {.min = 0.01, .max = 1.0}, 1.0);
+  physics.step_us = static_cast<std::uint64_t>(std::llround(step_us));
+  if (std::abs(step_us - std::round(step_us)) > 1e-6 || 1000 % physics.step_us != 0) {
+    throw map->value("step_ms").error("a whole number of microseconds that divides 1 ms");
+  }
+  const bool quick = map->one_of("stepper", {"world", "quick"}, "world") == "quick";
+  physics.stepper = quick ? Stepper::kQuick : Stepper::kWorld;
+  physics.quick_iterations =
+      static_cast<int>(map->integer("iterations", {.min = 1, .max = 10000}, physics.quick_iterations));
+  return physics;
+}
+
+Ground read_ground(const YamlMap& root) {
+  Ground ground;
+  const auto map = root.optional_child("ground");
+  if (!map) return ground;
+  if (map->has("friction")) ground.friction = map->number("friction", {.min = 0.0, .max = 10.0});
+  if (map->has("tilt_deg")) {
+    const std::vector<double> tilt =
+        map->numbers("tilt_deg", 2, {.min = -kSteepest_deg, .max = kSteepest_deg});
+    ground.roll_rad = tilt[0] * kRadians;
+    ground.pitch_rad = tilt[1] * kRadians;
+  }
+  return ground;
+}
+
+InitialState read_initial(const YamlMap& root) {
+  InitialState initial;
+  const auto map = root.optional_child("initial");
+  if (!map) return initial;
+  if (map->has("height_m")) initial.base_height_m = map->number("height_m", {.min = 0.0, .max = 10.0});
+  if (map->has("drop_m")) {
+    if (initial.base_height_m) throw map->error_at("drop_m", "drop_m beside height_m", "one of the two");
+    initial.drop_m = map->number("drop_m", {.min = 0.0, .max = 10.0});
+  }
+  initial.fixed_base = map->boolean("fixed_base", false);
+  if (const auto joints = map->optional_child("joints_deg")) {
+    for (const auto& [name, value] : joints->entries()) {
+      const double position_deg = value.number({.min = -360.0, .max = 360.0});
+      initial.joints.push_back({{name, value.source(), value.line()}, position_deg * kRadians});
+    }
+  }
+  return initial;
+}
+
+}  // namespace
+
+Scenario read_scenario(const fs::path& file, std::span<const Override> overrides) {
+  const YamlFile yaml(file, overrides);
+  const YamlMap root = yaml.root();
+  const fs::path folder = file.parent_path();
+  Scenario scenario;
+  scenario.file = file;
+  root.require_version(1);
+  scenario.robot = read_path(root.value("robot"), folder);
+  scenario.motions = read_motions(root, folder);
+  scenario.duration_us = to_us(root.number("duration_s", {.min = 0.01, .max = kLongestRun_s}));
+  scenario.seed = static_cast<std::uint64_t>(root.integer("seed", {.min = 0}, 1));
+  scenario.noise_scale = read_noise_scale(root);
+  scenario.computing_time_us = read_computing_time_us(root);
+  scenario.physics = read_physics(root);
+  scenario.ground = read_ground(root);
+  scenario.initial = read_initial(root);
+  scenario.commands = read_commands(root, scenario.motions);
+  scenario.pushes = read_pushes(root);
+  scenario.faults = read_faults(root);
+  yaml.finish();
+  return scenario;
+}
+
+}  // namespace koboshi::sim

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+#include "sim_board/input/yaml_reader.h"
+#include "sim_board/scenario/scenario.h"
+
+namespace koboshi::sim {
+
+// Reads scenarios/*.yaml (docs/reference/scenario-format.md), with the overrides of the command line. The
+// files that it names exist; names of joints and links are not yet checked, see check(). Throws InputError.
+Scenario read_scenario(const std::filesystem::path& file, std::span<const Override> overrides = {});
+
+}  // namespace koboshi::sim

@@ -1,0 +1,85 @@
+#include "sim_board/scenario/scenario.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
+
+namespace koboshi::sim {
+namespace {
+
+InputError error_at(const SourcedName& name, const std::string& found, const std::string& expected) {
+  return InputError(name.source, name.line, found, expected);
+}
+
+InputError unknown_name(const SourcedName& name, const std::string& what,
+                        const std::vector<std::string>& known) {
+  return error_at(name, "the unknown " + what + " " + one_line(name.text), join_alternatives(known));
+}
+
+template <typename T>
+const T& find_named(const std::vector<T>& items, const SourcedName& name, const std::string& what) {
+  const auto item = std::ranges::find(items, name.text, &T::name);
+  if (item != items.end()) return *item;
+  std::vector<std::string> known;
+  for (const T& each : items) known.push_back(each.name);
+  throw unknown_name(name, what, known);
+}
+
+void check_initial(const InitialJoint& initial, const RobotDescription& robot) {
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  constexpr double kRoundOff_rad = 1e-9;  // a limit given in degrees is itself allowed
+  const JointDescription& joint = find_named(robot.joints, initial.joint, "joint");
+  if (initial.position_rad >= joint.lower_rad - kRoundOff_rad &&
+      initial.position_rad <= joint.upper_rad + kRoundOff_rad) {
+    return;
+  }
+  const NumberRange range_deg{joint.lower_rad * kDegrees, joint.upper_rad * kDegrees};
+  throw error_at(initial.joint, joint.name + " = " + number_text(initial.position_rad * kDegrees),
+                 describe(range_deg) + " degrees, the joint's limits");
+}
+
+void check_fault(const Fault& fault, const RobotDescription& robot) {
+  using Kind = Fault::Kind;
+  if (fault.kind == Kind::kDriveSilent || fault.kind == Kind::kDrivePowerLoss) {
+    find_named(robot.joints, fault.target, "joint");
+  }
+  if (fault.kind == Kind::kImuStop && !robot.imu) {
+    throw error_at(fault.target, "a fault of an IMU", "a robot that has one");
+  }
+  const bool has_ankle =
+      fault.side == hal::Side::kLeft ? robot.left_ankle.has_value() : robot.right_ankle.has_value();
+  if (fault.kind == Kind::kAnkleStop && !has_ankle) {
+    throw error_at(fault.target, "a fault of the " + fault.target.text + " ankle sensor",
+                   "a robot that has one");
+  }
+}
+
+// Integral of sin(pi x) from 0 to `part` of the half wave.
+double half_sine_integral(double part) {
+  return (1.0 - std::cos(std::numbers::pi * part)) / std::numbers::pi;
+}
+
+}  // namespace
+
+Eigen::Vector3d Push::mean_force_W_N(std::uint64_t start_us, std::uint64_t end_us) const {
+  const std::uint64_t from_us = std::max(start_us, at_us);
+  const std::uint64_t to_us = std::min(end_us, at_us + duration_us);
+  if (from_us >= to_us) return Eigen::Vector3d::Zero();
+  const double duration = static_cast<double>(duration_us);
+  const double from = static_cast<double>(from_us - at_us) / duration;
+  const double to = static_cast<double>(to_us - at_us) / duration;
+  const double integral =
+      shape == Shape::kRectangle ? to - from : half_sine_integral(to) - half_sine_integral(from);
+  return force_W_N * (integral * duration / static_cast<double>(end_us - start_us));
+}
+
+void check(const Scenario& scenario, const RobotDescription& robot) {
+  for (const InitialJoint& joint : scenario.initial.joints) check_initial(joint, robot);
+  for (const Push& push : scenario.pushes) find_named(robot.links, push.link, "link");
+  for (const Fault& fault : scenario.faults) check_fault(fault, robot);
+}
+
+}  // namespace koboshi::sim

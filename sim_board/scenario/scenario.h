@@ -1,0 +1,115 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/port/ankle.h"
+#include "sim_board/robot/description.h"
+#include "sim_board/world/ode_world.h"
+
+namespace koboshi::sim {
+
+// What is done to a robot in one run. SI units and radians; the file's own units are in
+// docs/reference/scenario-format.md.
+
+// A name of something in the robot, and where it stands, so that an error can say so.
+struct SourcedName {
+  std::string text;
+  std::filesystem::path source;
+  int line = 0;
+};
+
+struct InitialJoint {
+  SourcedName joint;
+  double position_rad = 0.0;
+};
+
+// The robot before the first step, at rest.
+struct InitialState {
+  std::optional<double>
+      base_height_m;        // of the base link's origin; without it the lowest point touches the ground
+  double drop_m = 0.0;      // how far above touching the ground, without a base height
+  bool fixed_base = false;  // the base link hangs on a stand
+  std::vector<InitialJoint> joints;  // all others are at zero
+};
+
+struct Ground {
+  std::optional<double> friction;  // Coulomb's mu instead of the robot file's, both directions
+  double roll_rad = 0.0;           // the plane turned about x, then about y
+  double pitch_rad = 0.0;
+};
+
+struct Physics {
+  std::uint64_t step_us = 1000;  // divides 1 ms
+  Stepper stepper = Stepper::kWorld;
+  int quick_iterations = 50;
+};
+
+// What an operator tells the controller over the bus.
+struct Command {
+  enum class Kind { kEnable, kPlay, kStop, kEmergencyStop, kReset };
+
+  std::uint64_t at_us = 0;
+  Kind kind = Kind::kEnable;
+  std::size_t motion = 0;  // of kPlay: index into Scenario::motions
+};
+
+// A force on a link for a while.
+struct Push {
+  enum class Shape { kRectangle, kHalfSine };
+
+  std::uint64_t at_us = 0;
+  std::uint64_t duration_us = 0;
+  SourcedName link;
+  Shape shape = Shape::kRectangle;
+  Eigen::Vector3d force_W_N = Eigen::Vector3d::Zero();  // peak, in world axes
+  std::optional<Eigen::Vector3d> p_L_m;                 // in the link's frame; without it the centre of mass
+
+  // The mean force over [start_us, end_us), which is not empty: whatever the physics step, the impulse is the
+  // same.
+  Eigen::Vector3d mean_force_W_N(std::uint64_t start_us, std::uint64_t end_us) const;
+};
+
+// Something that breaks, for the rest of the run.
+struct Fault {
+  enum class Kind {
+    kDriveSilent,        // a drive neither hears nor answers; its motor stays as it is
+    kDrivePowerLoss,     // a drive and its motor are without current
+    kImuStop,            // the inertial unit delivers no samples
+    kAnkleStop,          // an ankle sensor delivers no samples
+    kControllerStop,     // the firmware stops; the board lives on
+    kBusUnacknowledged,  // nobody acknowledges the controller's frames
+  };
+
+  std::uint64_t at_us = 0;
+  Kind kind = Kind::kControllerStop;
+  SourcedName target;  // the joint of kDriveSilent and kDrivePowerLoss; the place of all others
+  hal::Side side = hal::Side::kLeft;  // of kAnkleStop
+};
+
+struct Scenario {
+  std::filesystem::path file;
+  std::filesystem::path robot;
+  std::vector<std::filesystem::path> motions;  // index = the number by which the controller knows it
+  std::uint64_t duration_us = 0;
+  std::uint64_t seed = 1;
+  double noise_scale = 1.0;               // of the sensors' noise and bias
+  std::uint64_t computing_time_us = 500;  // of the controller, a tick
+  Physics physics;
+  Ground ground;
+  InitialState initial;
+  // Each in the order of time; of equal times, in the file's.
+  std::vector<Command> commands;
+  std::vector<Push> pushes;
+  std::vector<Fault> faults;
+};
+
+// Throws InputError at the first name in the scenario that the robot does not have, and at an initial joint
+// position beyond the joint's limits.
+void check(const Scenario& scenario, const RobotDescription& robot);
+
+}  // namespace koboshi::sim
