@@ -1,0 +1,240 @@
+#include "sim_board/scenario/reader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <vector>
+
+#include "tests/unit/sim_board/scenario/temporary_tree.h"
+
+namespace koboshi::sim {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+const char* const kShort =
+    "version: 1\n"
+    "robot: robots/box/robot.sdf\n"
+    "duration_s: 20\n";
+
+const char* const kFull = R"(version: 1
+robot: robots/box/robot.sdf
+motions: [robots/box/motions/bow.yaml, ../robots/box/motions/squat.yaml]
+duration_s: 12.5
+seed: 7
+noise: 0.5
+controller: {computing_time_us: 800}
+physics: {step_ms: 0.25, stepper: quick, iterations: 80}
+ground: {friction: 0.6, tilt_deg: [1, -2]}
+initial: {drop_m: 0.01, fixed_base: true, joints_deg: {left_knee: 40, right_knee: -20}}
+commands:
+  - {at_s: 4, play: squat}
+  - {at_s: 1.5, enable: true}
+  - {at_s: 9, stop: true}
+  - {at_s: 9, emergency_stop: true}
+  - {at_s: 10, reset: true}
+pushes:
+  - {at_s: 6, duration_s: 0.1, link: trunk, force_N: [3, -1, 0.5], at_m: [0, 0, 0.05], shape: half-sine}
+  - {at_s: 7, duration_s: 0.2, link: trunk, force_N: [0, 2, 0]}
+faults:
+  - {at_s: 8, kind: drive_silent, target: left_knee}
+  - {at_s: 8.5, kind: ankle_stop, target: right}
+  - {at_s: 8.6, kind: bus_unacknowledged}
+)";
+
+Scenario read(const TemporaryTree& tree, const std::string& text,
+              const std::vector<std::string>& settings = {}) {
+  std::vector<Override> overrides;
+  for (const std::string& setting : settings) overrides.push_back(parse_override(setting));
+  return read_scenario(tree.write("scenarios/test.yaml", text), overrides);
+}
+
+// The message with which a text is refused; empty if it is not.
+std::string refusal(const std::string& text, const std::vector<std::string>& settings = {}) {
+  const TemporaryTree tree;
+  try {
+    read(tree, text, settings);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ScenarioReader, FillsInWhatAFileLeavesOut) {
+  const TemporaryTree tree;
+  const Scenario scenario = read(tree, kShort);
+  EXPECT_EQ(scenario.robot, tree.root() / "robots/box/robot.sdf");
+  EXPECT_TRUE(scenario.motions.empty());
+  EXPECT_EQ(scenario.duration_us, 20'000'000u);
+  EXPECT_EQ(scenario.seed, 1u);
+  EXPECT_EQ(scenario.noise_scale, 1.0);
+  EXPECT_EQ(scenario.computing_time_us, 500u);
+  EXPECT_EQ(scenario.physics.step_us, 1000u);
+  EXPECT_EQ(scenario.physics.stepper, Stepper::kWorld);
+  EXPECT_FALSE(scenario.ground.friction.has_value());
+  EXPECT_FALSE(scenario.initial.base_height_m.has_value());
+  EXPECT_FALSE(scenario.initial.fixed_base);
+  EXPECT_TRUE(scenario.commands.empty() && scenario.pushes.empty() && scenario.faults.empty());
+}
+
+TEST(ScenarioReader, ReadsEverySetting) {
+  const TemporaryTree tree;
+  const Scenario scenario = read(tree, kFull);
+  ASSERT_EQ(scenario.motions.size(), 2u);
+  EXPECT_EQ(scenario.motions[1], tree.root() / "robots/box/motions/squat.yaml");
+  EXPECT_EQ(scenario.duration_us, 12'500'000u);
+  EXPECT_EQ(scenario.seed, 7u);
+  EXPECT_EQ(scenario.noise_scale, 0.5);
+  EXPECT_EQ(scenario.computing_time_us, 800u);
+  EXPECT_EQ(scenario.physics.step_us, 250u);
+  EXPECT_EQ(scenario.physics.stepper, Stepper::kQuick);
+  EXPECT_EQ(scenario.physics.quick_iterations, 80);
+  EXPECT_EQ(scenario.ground.friction, 0.6);
+  EXPECT_DOUBLE_EQ(scenario.ground.roll_rad, 1.0 * kDegree);
+  EXPECT_DOUBLE_EQ(scenario.ground.pitch_rad, -2.0 * kDegree);
+  EXPECT_EQ(scenario.initial.drop_m, 0.01);
+  EXPECT_TRUE(scenario.initial.fixed_base);
+  ASSERT_EQ(scenario.initial.joints.size(), 2u);
+  EXPECT_EQ(scenario.initial.joints[1].joint.text, "right_knee");
+  EXPECT_EQ(scenario.initial.joints[1].joint.line, 10);
+  EXPECT_DOUBLE_EQ(scenario.initial.joints[1].position_rad, -20.0 * kDegree);
+}
+
+TEST(ScenarioReader, PutsCommandsInTheOrderOfTimeAndOfTheFile) {
+  const TemporaryTree tree;
+  const std::vector<Command> commands = read(tree, kFull).commands;
+  using Kind = Command::Kind;
+  const std::vector<Kind> expected{Kind::kEnable, Kind::kPlay, Kind::kStop, Kind::kEmergencyStop,
+                                   Kind::kReset};
+  ASSERT_EQ(commands.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(commands[i].kind, expected[i]) << i;
+  EXPECT_EQ(commands[0].at_us, 1'500'000u);
+  EXPECT_EQ(commands[1].motion, 1u);
+}
+
+TEST(ScenarioReader, ReadsPushes) {
+  const TemporaryTree tree;
+  const std::vector<Push> pushes = read(tree, kFull).pushes;
+  ASSERT_EQ(pushes.size(), 2u);
+  EXPECT_EQ(pushes[0].at_us, 6'000'000u);
+  EXPECT_EQ(pushes[0].duration_us, 100'000u);
+  EXPECT_EQ(pushes[0].link.text, "trunk");
+  EXPECT_EQ(pushes[0].link.line, 18);
+  EXPECT_EQ(pushes[0].force_W_N, Eigen::Vector3d(3, -1, 0.5));
+  EXPECT_EQ(pushes[0].p_L_m, Eigen::Vector3d(0, 0, 0.05));
+  EXPECT_EQ(pushes[0].shape, Push::Shape::kHalfSine);
+  EXPECT_FALSE(pushes[1].p_L_m.has_value());
+  EXPECT_EQ(pushes[1].shape, Push::Shape::kRectangle);
+}
+
+TEST(ScenarioReader, ReadsFaults) {
+  const TemporaryTree tree;
+  const std::vector<Fault> faults = read(tree, kFull).faults;
+  ASSERT_EQ(faults.size(), 3u);
+  EXPECT_EQ(faults[0].kind, Fault::Kind::kDriveSilent);
+  EXPECT_EQ(faults[0].target.text, "left_knee");
+  EXPECT_EQ(faults[1].kind, Fault::Kind::kAnkleStop);
+  EXPECT_EQ(faults[1].side, hal::Side::kRight);
+  EXPECT_EQ(faults[2].kind, Fault::Kind::kBusUnacknowledged);
+  EXPECT_EQ(faults[2].at_us, 8'600'000u);
+}
+
+TEST(ScenarioReader, KnowsEveryKindOfFault) {
+  const TemporaryTree tree;
+  const std::vector<std::pair<std::string, Fault::Kind>> kinds{
+      {"drive_silent, target: a", Fault::Kind::kDriveSilent},
+      {"drive_power_loss, target: a", Fault::Kind::kDrivePowerLoss},
+      {"imu_stop", Fault::Kind::kImuStop},
+      {"ankle_stop, target: left", Fault::Kind::kAnkleStop},
+      {"controller_stop", Fault::Kind::kControllerStop},
+      {"bus_unacknowledged", Fault::Kind::kBusUnacknowledged}};
+  for (const auto& [text, kind] : kinds) {
+    const Scenario scenario = read(tree, kShort + ("faults: [{at_s: 1, kind: " + text + "}]\n"));
+    EXPECT_EQ(scenario.faults.at(0).kind, kind) << text;
+  }
+}
+
+TEST(ScenarioReader, TakesNoiseAsSwitchOrFactor) {
+  const TemporaryTree tree;
+  EXPECT_EQ(read(tree, kShort, {"noise=true"}).noise_scale, 1.0);
+  EXPECT_EQ(read(tree, kShort, {"noise=false"}).noise_scale, 0.0);
+  EXPECT_EQ(read(tree, kShort, {"noise=2.5"}).noise_scale, 2.5);
+  EXPECT_THAT(refusal(kShort, {"noise=loud"}), HasSubstr("loud"));
+  EXPECT_THAT(refusal(kShort, {"noise=-1"}), HasSubstr("-1"));
+}
+
+TEST(ScenarioReader, LetsTheCommandLineReplaceAndAdd) {
+  const TemporaryTree tree;
+  const Scenario scenario = read(
+      tree, kFull, {"seed=9", "physics.stepper=world", "pushes.1.force_N=[0, -5, 0]", "ground.friction=0.3"});
+  EXPECT_EQ(scenario.seed, 9u);
+  EXPECT_EQ(scenario.physics.stepper, Stepper::kWorld);
+  EXPECT_EQ(scenario.pushes[1].force_W_N.y(), -5.0);
+  EXPECT_EQ(scenario.ground.friction, 0.3);
+}
+
+// Each line alone makes a good file bad; the message names its line (the fourth) and what it found.
+TEST(ScenarioReader, RefusesWhatIsOutOfRangeOrUnknown) {
+  const std::vector<std::pair<std::string, std::string>> bad{
+      {"colour: red", "unknown key colour"},
+      {"seed: -1", "seed = -1"},
+      {"seed: 1.5", "seed = 1.5"},
+      {"motions: [robots/box/motions/jump.yaml]", "no file robots/box/motions/jump.yaml"},
+      {"motions: [robots/box/motions/bow.yaml, robots/box/motions/bow.yaml]", "a second motion named bow"},
+      {"controller: {computing_time_us: 9001}", "9001"},
+      {"physics: {step_ms: 2}", "step_ms = 2"},
+      {"physics: {step_ms: 0.3}", "step_ms = 0.3"},
+      {"physics: {step_ms: 0.0125}", "step_ms = 0.0125"},
+      {"physics: {stepper: fast}", "fast"},
+      {"physics: {iterations: 0}", "iterations = 0"},
+      {"ground: {friction: -0.1}", "-0.1"},
+      {"ground: {tilt_deg: [50, 0]}", "50"},
+      {"ground: {tilt_deg: 5}", "tilt_deg"},
+      {"initial: {height_m: 0.3, drop_m: 0.1}", "drop_m beside height_m"},
+      {"initial: {joints_deg: {left_knee: 400}}", "left_knee = 400"},
+      {"commands: [{at_s: -1, enable: true}]", "at_s = -1"},
+      {"commands: [{at_s: 1, enable: false}]", "enable = false"},
+      {"commands: [{at_s: 1}]", "a command with 0 verbs"},
+      {"commands: [{at_s: 1, stop: true, reset: true}]", "a command with 2 verbs"},
+      {"commands: [{at_s: 1, play: squat}]", "the scenario has none"},
+      {"commands: [{at_s: 1, jump: true}]", "a command with 0 verbs"},
+      {"commands: [{enable: true}]", "no key commands[0].at_s"},
+      {"pushes: [{at_s: 1, duration_s: 0, link: a, force_N: [1, 0, 0]}]", "duration_s = 0"},
+      {"pushes: [{at_s: 1, duration_s: 1, link: a, force_N: [1, 0]}]", "force_N"},
+      {"pushes: [{at_s: 1, duration_s: 1, link: a, force_N: [1, 0, .nan]}]", "nan"},
+      {"pushes: [{at_s: 1, duration_s: 1, link: a, force_N: [1, 0, 0], shape: round}]", "round"},
+      {"pushes: [{at_s: 1, duration_s: 1, link: a, force_N: [1, 0, 0], strength: 1}]", "strength"},
+      {"faults: [{at_s: 1, kind: fire}]", "fire"},
+      {"faults: [{at_s: 1, kind: drive_silent}]", "no key faults[0].target"},
+      {"faults: [{at_s: 1, kind: ankle_stop, target: both}]", "both"},
+      {"faults: [{at_s: 1, kind: imu_stop, target: left}]", "unknown key faults[0].target"},
+      {"faults: none", "none"}};
+  for (const auto& [line, found] : bad) {
+    const std::string message = refusal(kShort + line + "\n");
+    EXPECT_THAT(message, HasSubstr("scenarios/test.yaml:4: found ")) << line;
+    EXPECT_THAT(message, HasSubstr(found)) << line;
+    EXPECT_THAT(message, HasSubstr(", expected ")) << line;
+  }
+}
+
+TEST(ScenarioReader, RefusesAFileWithoutItsEssentials) {
+  EXPECT_THAT(refusal("robot: robots/box/robot.sdf\nduration_s: 1\n"), HasSubstr("version"));
+  EXPECT_THAT(refusal("version: 2\nrobot: robots/box/robot.sdf\nduration_s: 1\n"),
+              HasSubstr(":1: found version = 2"));
+  EXPECT_THAT(refusal("version: 1\nduration_s: 1\n"), HasSubstr("robot"));
+  EXPECT_THAT(refusal("version: 1\nrobot: robots/ball.sdf\nduration_s: 1\n"), HasSubstr(":2: found no file"));
+  EXPECT_THAT(refusal("version: 1\nrobot: robots/box/robot.sdf\n"), HasSubstr("duration_s"));
+  EXPECT_THROW(read_scenario("/no/such/scenario.yaml"), InputError);
+}
+
+TEST(ScenarioReader, RefusesAMotionThatIsNotListed) {
+  const std::string text = kShort + std::string("motions: [robots/box/motions/bow.yaml]\n");
+  EXPECT_THAT(refusal(text + "commands: [{at_s: 1, play: squat}]\n"),
+              HasSubstr("play = squat, expected bow"));
+}
+
+}  // namespace
+}  // namespace koboshi::sim

@@ -1,0 +1,126 @@
+#include "sim_board/scenario/scenario.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "sim_board/input/error.h"
+
+namespace koboshi::sim {
+namespace {
+
+using ::testing::HasSubstr;
+
+Push make_push(Push::Shape shape) {
+  Push push;
+  push.at_us = 10'300;
+  push.duration_us = 5'400;
+  push.shape = shape;
+  push.force_W_N = Eigen::Vector3d(2.0, 0.0, -1.0);
+  return push;
+}
+
+// The impulse along x, N s, in steps of a size that neither begins nor ends with the push.
+double impulse(const Push& push, std::uint64_t step_us) {
+  double sum = 0.0;
+  for (std::uint64_t time_us = 0; time_us < 30'000; time_us += step_us) {
+    sum += push.mean_force_W_N(time_us, time_us + step_us).x() * static_cast<double>(step_us) * 1e-6;
+  }
+  return sum;
+}
+
+TEST(Push, HasTheSameImpulseWhateverTheStep) {
+  for (const std::uint64_t step_us : {1000u, 500u, 250u, 20u}) {
+    EXPECT_NEAR(impulse(make_push(Push::Shape::kRectangle), step_us), 2.0 * 0.0054, 1e-12) << step_us;
+    EXPECT_NEAR(impulse(make_push(Push::Shape::kHalfSine), step_us), 2.0 * 0.0054 * 2.0 / std::numbers::pi,
+                1e-12)
+        << step_us;
+  }
+}
+
+TEST(Push, ActsOnlyInItsTime) {
+  const Push push = make_push(Push::Shape::kRectangle);
+  EXPECT_EQ(push.mean_force_W_N(9'300, 10'300), Eigen::Vector3d::Zero());
+  EXPECT_EQ(push.mean_force_W_N(15'700, 16'700), Eigen::Vector3d::Zero());
+  EXPECT_TRUE(push.mean_force_W_N(11'000, 12'000).isApprox(push.force_W_N));
+  EXPECT_NEAR(push.mean_force_W_N(10'000, 11'000).x(), 2.0 * 0.7, 1e-12);
+}
+
+TEST(Push, PeaksInTheMiddleOfAHalfSine) {
+  const Push push = make_push(Push::Shape::kHalfSine);
+  EXPECT_NEAR(push.mean_force_W_N(12'999, 13'001).x(), 2.0, 1e-6);
+  EXPECT_LT(push.mean_force_W_N(10'300, 10'400).x(), 0.07);
+}
+
+RobotDescription one_knee() {
+  RobotDescription robot;
+  robot.links.resize(2);
+  robot.links[0].name = "trunk";
+  robot.links[1].name = "shank";
+  JointDescription knee;
+  knee.name = "knee";
+  knee.lower_rad = 0.0;
+  knee.upper_rad = 0.5 * std::numbers::pi;
+  robot.joints.push_back(knee);
+  robot.left_ankle.emplace();
+  return robot;
+}
+
+SourcedName at_line(const std::string& name, int line) { return {name, "a.yaml", line}; }
+
+std::string refusal(const Scenario& scenario) {
+  try {
+    check(scenario, one_knee());
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+Scenario with_fault(Fault::Kind kind, const std::string& target, hal::Side side = hal::Side::kLeft) {
+  Scenario scenario;
+  scenario.faults.push_back({.kind = kind, .target = at_line(target, 5), .side = side});
+  return scenario;
+}
+
+TEST(ScenarioCheck, PassesWhatTheRobotHas) {
+  Scenario scenario = with_fault(Fault::Kind::kDriveSilent, "knee");
+  scenario.initial.joints.push_back({at_line("knee", 3), 0.5 * std::numbers::pi});
+  scenario.pushes.push_back(make_push(Push::Shape::kRectangle));
+  scenario.pushes[0].link = at_line("shank", 4);
+  EXPECT_EQ(refusal(scenario), "");
+}
+
+TEST(ScenarioCheck, RefusesAnUnknownLink) {
+  Scenario scenario;
+  scenario.pushes.push_back(make_push(Push::Shape::kRectangle));
+  scenario.pushes[0].link = at_line("tail", 4);
+  EXPECT_EQ(refusal(scenario), "a.yaml:4: found the unknown link tail, expected trunk or shank");
+}
+
+TEST(ScenarioCheck, RefusesAnUnknownJoint) {
+  EXPECT_THAT(refusal(with_fault(Fault::Kind::kDrivePowerLoss, "hip")),
+              HasSubstr("a.yaml:5: found the unknown joint hip"));
+  Scenario scenario;
+  scenario.initial.joints.push_back({at_line("hip", 3), 0.0});
+  EXPECT_THAT(refusal(scenario), HasSubstr("a.yaml:3: found the unknown joint hip"));
+}
+
+TEST(ScenarioCheck, RefusesAPositionBeyondTheLimits) {
+  Scenario scenario;
+  scenario.initial.joints.push_back({at_line("knee", 3), 0.51 * std::numbers::pi});
+  EXPECT_THAT(refusal(scenario), HasSubstr("a.yaml:3: found knee = 91.8"));
+  EXPECT_THAT(refusal(scenario), HasSubstr("from 0 to 90 degrees"));
+}
+
+TEST(ScenarioCheck, RefusesFaultsOfSensorsThatTheRobotLacks) {
+  EXPECT_THAT(refusal(with_fault(Fault::Kind::kImuStop, "imu_stop")), HasSubstr("a.yaml:5"));
+  EXPECT_THAT(refusal(with_fault(Fault::Kind::kAnkleStop, "right", hal::Side::kRight)),
+              HasSubstr("right ankle sensor"));
+  EXPECT_EQ(refusal(with_fault(Fault::Kind::kAnkleStop, "left")), "");
+  EXPECT_EQ(refusal(with_fault(Fault::Kind::kControllerStop, "controller_stop")), "");
+}
+
+}  // namespace
+}  // namespace koboshi::sim
