@@ -22,11 +22,19 @@ struct GroundDescription {
 // over-relaxation).
 enum class Stepper { kWorld, kQuick };
 
+// How the solver learns which joints stick. Both give the same motion, but for round-off.
+enum class FrictionMethod {
+  kRows,         // a bounded row for each slow joint
+  kLockAndCheck  // slow joints are locked; those whose friction would not suffice are released, and the step
+                 // is repeated
+};
+
 struct WorldOptions {
   double step_s = 0.001;  // must divide 1 ms
   Eigen::Vector3d gravity_W_m_per_s2{0.0, 0.0, -9.80665};
   Stepper stepper = Stepper::kWorld;
   int quick_iterations = 50;
+  FrictionMethod friction = FrictionMethod::kLockAndCheck;  // of kWorld; kQuick always takes rows
   GroundDescription ground;
   Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();  // links[0] at the start
   std::vector<double> joint_positions_rad;                 // at the start, by joint; empty: all zero

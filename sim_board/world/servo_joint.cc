@@ -36,6 +36,8 @@ void set(const OdeJoint& motor, int axis, int parameter, double value) {
 ServoJoint::ServoJoint(dWorldID world, const JointDescription& joint, dBodyID child, dBodyID parent,
                        double start_rad, double step_s)
     : step_s_(step_s),
+      lower_rad_(joint.lower_rad),
+      upper_rad_(joint.upper_rad),
       parent_(parent),
       hinge_(dJointCreateHinge(world, nullptr)),
       motor_(dJointCreateAMotor(world, nullptr)),
@@ -67,23 +69,67 @@ void ServoJoint::set_stop(const JointDescription& joint) {
   set(motor_, kStop, dParamStopCFM, stop.constraint_force_mixing);
 }
 
-void ServoJoint::prepare() {
-  const bool sliding = std::abs(state_.speed_rad_per_s) > kSlidingSpeed_rad_per_s;
+void ServoJoint::begin_step() {
+  dJointSetAMotorAngle(motor_.get(), kStop, state_.position_rad);
+  dVector3 axis, anchor;
+  dJointGetHingeAxis(hinge_.get(), axis);
+  dJointGetHingeAnchor(hinge_.get(), anchor);
+  axis_W_ = vector_of(axis);
+  p_AnchorParentCom_W_ = vector_of(dBodyGetPosition(parent_)) - vector_of(anchor);
+
+  // A joint that crept goes on creeping, as the first guess.
+  if (std::abs(state_.speed_rad_per_s) > kSlidingSpeed_rad_per_s) {
+    friction_ = Friction::kSliding;
+    direction_ = std::copysign(1.0, state_.speed_rad_per_s);
+  } else if (friction_ == Friction::kSliding) {
+    friction_ = Friction::kCreeping;
+  } else if (friction_ == Friction::kBounded) {
+    friction_ = Friction::kLocked;
+  }
+}
+
+void ServoJoint::guess_friction() {
+  // At a stop the friction's part of the torque is not known apart from the stop's.
+  const bool at_stop = state_.position_rad <= lower_rad_ || state_.position_rad >= upper_rad_;
+  if (at_stop && friction_ != Friction::kSliding) friction_ = Friction::kBounded;
+  write_rows();
+}
+
+void ServoJoint::bound_friction() {
+  if (friction_ != Friction::kSliding) friction_ = Friction::kBounded;
+  write_rows();
+}
+
+void ServoJoint::write_rows() {
   const double inertial_Nm_s = servo_.rotor_inertia_kg_m2 / step_s_;
-  double a = servo_.drive_Nm + inertial_Nm_s * state_.speed_rad_per_s;
-  if (sliding) a -= std::copysign(servo_.friction_Nm, state_.speed_rad_per_s);
+  const bool slides = friction_ == Friction::kSliding || friction_ == Friction::kCreeping;
+  const bool locked = friction_ == Friction::kLocked && servo_.friction_Nm > 0.0;
+  const double a = servo_.drive_Nm + inertial_Nm_s * state_.speed_rad_per_s -
+                   (slides ? direction_ * servo_.friction_Nm : 0.0);
   const double b = std::max(servo_.damping_Nm_s + inertial_Nm_s, kLeastDamping_Nm_s);
-  const bool driven = a != 0.0 || b > kLeastDamping_Nm_s;
+  const bool driven = !locked && (a != 0.0 || b > kLeastDamping_Nm_s);
 
   set(motor_, kDrive, dParamVel, a / b);
   set(motor_, kDrive, dParamCFM, 1.0 / b);
   set(motor_, kDrive, dParamFMax, driven ? dInfinity : 0.0);
-  set(motor_, kFriction, dParamFMax, sliding ? 0.0 : servo_.friction_Nm);
-  dJointSetAMotorAngle(motor_.get(), kStop, state_.position_rad);
+  set(motor_, kFriction, dParamFMax, locked ? dInfinity : slides ? 0.0 : servo_.friction_Nm);
+}
 
-  dVector3 anchor;
-  dJointGetHingeAnchor(hinge_.get(), anchor);
-  p_AnchorParentCom_W_ = vector_of(dBodyGetPosition(parent_)) - vector_of(anchor);
+bool ServoJoint::confirm_friction() {
+  if (friction_ == Friction::kLocked) {
+    // A locked joint does not move, so of the drive only a is left; the rest of its row's torque is friction.
+    const double drive_Nm = servo_.drive_Nm + servo_.rotor_inertia_kg_m2 / step_s_ * state_.speed_rad_per_s;
+    const double friction_Nm = axis_W_.dot(vector_of(feedbacks_->motor.t1)) - drive_Nm;
+    if (servo_.friction_Nm == 0.0 || std::abs(friction_Nm) <= servo_.friction_Nm) return true;
+    friction_ = Friction::kCreeping;
+    direction_ = -std::copysign(1.0, friction_Nm);
+    return false;
+  }
+  if (friction_ == Friction::kCreeping && direction_ * dJointGetHingeAngleRate(hinge_.get()) < 0.0) {
+    friction_ = Friction::kLocked;
+    return false;
+  }
+  return true;
 }
 
 void ServoJoint::read_state() {

@@ -11,13 +11,13 @@
 namespace koboshi::sim {
 
 // A hinge with a servo inside the constraint solver. ODE solves each row as J v_new = vel - CFM lambda, with
-// lambda in N m bounded by +-FMax. An angular motor with three parallel axes carries three such rows:
+// lambda in N m bounded by +-FMax. An angular motor with three parallel axes carries such rows:
 //   drive     the torque a - b w_new: vel = a/b, CFM = 1/b, no bound. The rotor's inertia J is in it, J/h
 //   w_old in a and
-//             J/h in b, and so is sliding friction, -sign(w_old) Kc in a.
-//   friction  when the joint hardly moves: vel = 0, FMax = Kc. The row stops the joint as long as Kc
-//   suffices. stop      the joint's limits as a spring and damper. Never on the axis of the drive: ODE
-//   applies a powered axis'
+//             J/h in b, and so is sliding friction, -direction Kc in a.
+//   friction  while the joint may stick: vel = 0. See Friction.
+//   stop      the joint's limits as a spring and damper. Never on the axis of the drive: ODE applies a
+//   powered axis'
 //             bound as a torque at its stop.
 class ServoJoint {
  public:
@@ -28,9 +28,19 @@ class ServoJoint {
 
   void set_servo(const ServoTorque& torque) { servo_ = torque; }
   const ServoTorque& servo() const { return servo_; }
-  // Before the solver.
-  void prepare();
-  // After the solver: reads state and wrench.
+
+  // One step is: begin_step, then guess_friction or bound_friction, the solver, and read_state. After a guess
+  // the solver's answer must be confirmed; one that is not calls for another solution from the same state,
+  // with the guess corrected.
+  void begin_step();
+  // Takes friction as known: the joint slides one way, or is locked by a single unbounded row. Cheap for the
+  // solver.
+  void guess_friction();
+  // Leaves it to the solver: a row bounded by Kc. Always right, and dear.
+  void bound_friction();
+  // Whether the solution obeys Coulomb: a locked joint held by less than Kc, a slow slider that did not turn
+  // round. If not, corrects the guess.
+  bool confirm_friction();
   void read_state();
 
   const JointState& state() const { return state_; }
@@ -41,10 +51,19 @@ class ServoJoint {
     dJointFeedback hinge{};
     dJointFeedback motor{};
   };
+  enum class Friction {
+    kSliding,   // fast enough to slide on in its direction, whatever happens in this step
+    kCreeping,  // slow, and guessed to slide
+    kLocked,    // slow, and guessed to stick
+    kBounded    // slow, and the solver decides
+  };
 
   void set_stop(const JointDescription& joint);
+  void write_rows();
 
   double step_s_;
+  double lower_rad_;
+  double upper_rad_;
   dBodyID parent_;
   OdeJoint hinge_;
   OdeJoint motor_;
@@ -52,7 +71,11 @@ class ServoJoint {
   ServoTorque servo_;
   JointState state_;
   Wrench wrench_;
-  Eigen::Vector3d p_AnchorParentCom_W_ = Eigen::Vector3d::Zero();  // when the last step began
+  Friction friction_ = Friction::kLocked;
+  double direction_ = 0.0;  // of sliding or creeping
+  // When the step began:
+  Eigen::Vector3d axis_W_ = Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d p_AnchorParentCom_W_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace koboshi::sim

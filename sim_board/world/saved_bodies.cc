@@ -1,0 +1,40 @@
+#include "sim_board/world/saved_bodies.h"
+
+#include <algorithm>
+
+namespace koboshi::sim {
+namespace {
+
+template <std::size_t kSize>
+void copy(const dReal* from, std::array<dReal, kSize>& to) {
+  std::copy_n(from, kSize, to.begin());
+}
+
+}  // namespace
+
+void SavedBodies::save(std::span<const OdeBody> bodies) {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const dBodyID body = bodies[i].get();
+    copy(dBodyGetPosition(body), bodies_[i].position);
+    copy(dBodyGetQuaternion(body), bodies_[i].quaternion);
+    copy(dBodyGetLinearVel(body), bodies_[i].velocity);
+    copy(dBodyGetAngularVel(body), bodies_[i].rate);
+    copy(dBodyGetForce(body), bodies_[i].force);
+    copy(dBodyGetTorque(body), bodies_[i].torque);
+  }
+}
+
+void SavedBodies::restore(std::span<const OdeBody> bodies) const {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const dBodyID body = bodies[i].get();
+    const Saved& saved = bodies_[i];
+    dBodySetPosition(body, saved.position[0], saved.position[1], saved.position[2]);
+    dBodySetQuaternion(body, saved.quaternion.data());
+    dBodySetLinearVel(body, saved.velocity[0], saved.velocity[1], saved.velocity[2]);
+    dBodySetAngularVel(body, saved.rate[0], saved.rate[1], saved.rate[2]);
+    dBodySetForce(body, saved.force[0], saved.force[1], saved.force[2]);
+    dBodySetTorque(body, saved.torque[0], saved.torque[1], saved.torque[2]);
+  }
+}
+
+}  // namespace koboshi::sim

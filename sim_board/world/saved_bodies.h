@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "sim_board/world/ode_library.h"
+
+namespace koboshi::sim {
+
+// What a step changes in the bodies: state of motion and accumulated forces, to solve the same step again.
+class SavedBodies {
+ public:
+  // Room for so many bodies; save and restore need no more memory.
+  void resize(std::size_t bodies) { bodies_.resize(bodies); }
+  void save(std::span<const OdeBody> bodies);
+  void restore(std::span<const OdeBody> bodies) const;
+
+ private:
+  struct Saved {
+    std::array<dReal, 3> position;
+    std::array<dReal, 4> quaternion;
+    std::array<dReal, 3> velocity;
+    std::array<dReal, 3> rate;
+    std::array<dReal, 3> force;
+    std::array<dReal, 3> torque;
+  };
+
+  std::vector<Saved> bodies_;
+};
+
+}  // namespace koboshi::sim
