@@ -6,7 +6,8 @@
 
 namespace koboshi::sim {
 
-// What stands on the bus: is told of every frame that reaches it, at the microsecond at which its last bit has passed.
+// What stands on the bus: is told of every frame that reaches it, at the microsecond at which its last bit
+// has passed.
 class BusNode {
  public:
   virtual void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) = 0;

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <span>
+#include <vector>
+
+namespace koboshi::sim {
+
+inline constexpr std::size_t kIdentifiers = 2048;
+
+// Which 11-bit identifiers a CAN controller hands to its node.
+class AcceptanceFilter {
+ public:
+  static AcceptanceFilter all() {
+    AcceptanceFilter filter;
+    filter.accepted_.set();
+    return filter;
+  }
+  AcceptanceFilter() = default;  // accepts nothing
+  AcceptanceFilter(std::initializer_list<std::uint16_t> identifiers) {
+    for (const std::uint16_t identifier : identifiers) accept(identifier);
+  }
+
+  void accept(std::uint16_t identifier) { accepted_.set(identifier); }
+  void accept_range(std::uint16_t first, std::uint16_t last) {
+    for (std::size_t identifier = first; identifier <= last; ++identifier) accepted_.set(identifier);
+  }
+  bool accepts(std::uint16_t identifier) const { return accepted_.test(identifier); }
+
+ private:
+  std::bitset<kIdentifiers> accepted_;
+};
+
+// The receivers of each identifier, in the order of their indices: a frame costs only those that want it.
+class ReceiverTable {
+ public:
+  ReceiverTable() { rebuild({}); }
+  void rebuild(std::span<const AcceptanceFilter> filters) {
+    receivers_.clear();
+    for (std::uint16_t identifier = 0; identifier < kIdentifiers; ++identifier) {
+      begin_[identifier] = receivers_.size();
+      for (std::size_t node = 0; node < filters.size(); ++node) {
+        if (filters[node].accepts(identifier)) receivers_.push_back(static_cast<std::uint16_t>(node));
+      }
+    }
+    begin_[kIdentifiers] = receivers_.size();
+  }
+  std::span<const std::uint16_t> of(std::uint16_t identifier) const {
+    const std::size_t begin = begin_[identifier];
+    return {receivers_.data() + begin, begin_[identifier + std::size_t{1}] - begin};
+  }
+
+ private:
+  std::array<std::size_t, kIdentifiers + 1> begin_{};
+  std::vector<std::uint16_t> receivers_;
+};
+
+}  // namespace koboshi::sim

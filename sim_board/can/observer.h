@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+
+#include "hal/port/can.h"
+
+namespace koboshi::sim {
+
+// Sees every sound frame on the bus, in the order in which they end, before any node does. Part of no node:
+// it neither acknowledges nor sends.
+class BusObserver {
+ public:
+  // The frame occupied the wire from `start_us` (SOF) to `end_us` (after the last bit of EOF).
+  virtual void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) = 0;
+
+ protected:
+  ~BusObserver() = default;
+};
+
+// Decides which transmissions a disturbance on the wire destroys; all nodes then see an error frame.
+class BusDisturbance {
+ public:
+  virtual bool destroys(const hal::CanFrame& frame, std::uint64_t start_us) = 0;
+
+ protected:
+  ~BusDisturbance() = default;
+};
+
+}  // namespace koboshi::sim
