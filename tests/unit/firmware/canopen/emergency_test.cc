@@ -1,0 +1,100 @@
+#include "firmware/canopen/emergency.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/firmware/canopen/test_node.h"
+
+namespace koboshi::canopen {
+namespace {
+
+std::uint32_t history(const ErrorLog& log, std::uint8_t subindex) {
+  ObjectValue value;
+  EXPECT_EQ(log.read_history(subindex, value), AbortCode::kNone);
+  return value.number();
+}
+
+TEST(ErrorLog, TellsAnErrorOnceUntilItIsCleared) {
+  ErrorLog log;
+  EXPECT_TRUE(log.raise(0x2310, error_register::kCurrent, 0));
+  EXPECT_FALSE(log.raise(0x2310, error_register::kCurrent, 0));
+  EXPECT_TRUE(log.clear(0x2310));
+  EXPECT_FALSE(log.clear(0x2310));
+  EXPECT_TRUE(log.raise(0x2310, error_register::kCurrent, 0));
+}
+
+TEST(ErrorLog, JoinsTheRegisterOfAllActiveErrors) {
+  ErrorLog log;
+  EXPECT_EQ(log.error_register(), 0);
+  log.raise(0x2310, error_register::kCurrent, 0);
+  log.raise(0x8130, error_register::kCommunication, 0);
+  EXPECT_EQ(log.error_register(), 0x13);
+  log.clear(0x2310);
+  EXPECT_EQ(log.error_register(), 0x11);
+  log.clear(0x8130);
+  EXPECT_EQ(log.error_register(), 0);
+}
+
+TEST(ErrorLog, KeepsTheNewestErrorsFirst) {
+  ErrorLog log;
+  EXPECT_EQ(history(log, 0), 0u);
+  for (std::uint16_t code = 1; code <= 10; ++code) {
+    log.raise(code, 0, static_cast<std::uint16_t>(0x100 + code));
+    log.clear(code);
+  }
+  EXPECT_EQ(history(log, 0), ErrorLog::kHistory);
+  EXPECT_EQ(history(log, 1), 0x010A000Au);
+  EXPECT_EQ(history(log, 8), 0x01030003u);
+}
+
+TEST(ErrorLog, HistoryIsErasedByZeroOnly) {
+  ErrorLog log;
+  log.raise(0x2310, 0, 0);
+  EXPECT_EQ(log.write_history(0, 1), AbortCode::kInvalidValue);
+  EXPECT_EQ(log.write_history(1, 0), AbortCode::kWriteOfReadOnly);
+  EXPECT_EQ(history(log, 0), 1u);
+  EXPECT_EQ(log.write_history(0, 0), AbortCode::kNone);
+  EXPECT_EQ(history(log, 0), 0u);
+  ObjectValue value;
+  EXPECT_EQ(log.read_history(1, value), AbortCode::kNoData);
+  EXPECT_EQ(log.read_history(9, value), AbortCode::kSubindexDoesNotExist);
+  EXPECT_TRUE(log.active(0x2310));
+}
+
+TEST(ErrorLog, StaysDefinedWithMoreErrorsThanItCanTrack) {
+  ErrorLog log;
+  for (std::uint16_t code = 1; code <= 20; ++code) EXPECT_TRUE(log.raise(code, 0, 0));
+  EXPECT_TRUE(log.raise(20, 0, 0));
+  EXPECT_FALSE(log.clear(20));
+  EXPECT_TRUE(log.clear(1));
+}
+
+TEST(NodeEmergency, SendsTheErrorAndItsEnd) {
+  TestNode device;
+  device.make_operational();
+  device.node.raise_error(0x2310, error_register::kCurrent, {1, 2, 3, 4, 5});
+  device.node.raise_error(0x2310, error_register::kCurrent, {1, 2, 3, 4, 5});
+  device.node.clear_error(0x2310);
+  device.node.clear_error(0x2310);
+  EXPECT_EQ(device.sink.take(), (std::vector{can_frame(0x090, {0x10, 0x23, 0x03, 1, 2, 3, 4, 5}),
+                                             can_frame(0x090, {0x00, 0x00, 0x00, 0, 0, 0, 0, 0})}));
+}
+
+TEST(NodeEmergency, RecordsSilentlyInStopped) {
+  TestNode device;
+  device.make_operational();
+  device.node.command(NmtCommand::kStop, 0);
+  device.node.raise_error(0x2310, error_register::kCurrent);
+  EXPECT_TRUE(device.sink.take().empty());
+  EXPECT_EQ(device.node.errors().error_register(), 0x03);
+}
+
+TEST(NodeEmergency, HandsOnThoseOfOthers) {
+  TestNode device;
+  device.make_operational();
+  device.node.on_frame(can_frame(0x081, {0x30, 0x81, 0x11, 1, 0, 0, 0, 0}), 0);
+  ASSERT_EQ(device.emergencies.size(), 1u);
+  EXPECT_EQ(device.emergencies[0], (Emergency{1, 0x8130, 0x11, {1, 0, 0, 0, 0}}));
+}
+
+}  // namespace
+}  // namespace koboshi::canopen

@@ -1,0 +1,156 @@
+#include <gtest/gtest.h>
+
+#include "tests/unit/firmware/canopen/test_node.h"
+
+namespace koboshi::canopen {
+namespace {
+
+using enum NmtState;
+
+TEST(NodeNmt, BootsUpIntoPreOperational) {
+  TestNode device;
+  device.node.start(0);
+  EXPECT_EQ(device.sink.take(), std::vector{can_frame(0x710, {0x00})});
+  EXPECT_EQ(device.node.state(), kPreOperational);
+  EXPECT_EQ(device.resets, std::vector{NmtCommand::kResetNode});
+  EXPECT_EQ(device.states, std::vector{kPreOperational});
+}
+
+TEST(NodeNmt, IsSilentAndDeafBeforeItsStart) {
+  TestNode device;
+  device.node.on_frame(can_frame(0x000, {0x01, 0x00}), 0);
+  device.node.on_frame(can_frame(0x610, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0}), 0);
+  device.node.process(1'000'000);
+  EXPECT_TRUE(device.sink.take().empty());
+  EXPECT_EQ(device.node.state(), kInitialising);
+}
+
+struct Transition {
+  NmtState from;
+  unsigned command;
+  NmtState to;
+};
+
+// CiA 301, figure 48 and table 38.
+constexpr Transition kTransitions[] = {
+    {kPreOperational, 1, kOperational},
+    {kPreOperational, 2, kStopped},
+    {kPreOperational, 128, kPreOperational},
+    {kPreOperational, 129, kPreOperational},
+    {kPreOperational, 130, kPreOperational},
+    {kOperational, 1, kOperational},
+    {kOperational, 2, kStopped},
+    {kOperational, 128, kPreOperational},
+    {kOperational, 129, kPreOperational},
+    {kOperational, 130, kPreOperational},
+    {kStopped, 1, kOperational},
+    {kStopped, 2, kStopped},
+    {kStopped, 128, kPreOperational},
+    {kStopped, 129, kPreOperational},
+    {kStopped, 130, kPreOperational},
+};
+
+void bring_to(TestNode& device, NmtState state) {
+  device.node.start(0);
+  if (state == kOperational) device.node.command(NmtCommand::kStart, 0);
+  if (state == kStopped) device.node.command(NmtCommand::kStop, 0);
+  device.sink.frames.clear();
+  device.resets.clear();
+  ASSERT_EQ(device.node.state(), state);
+}
+
+TEST(NodeNmt, ObeysEveryCommandInEveryState) {
+  for (const Transition& transition : kTransitions) {
+    for (const unsigned addressee : {0x00u, 0x10u}) {
+      SCOPED_TRACE(testing::Message()
+                   << "state " << int(transition.from) << " command " << transition.command);
+      TestNode device;
+      bring_to(device, transition.from);
+      const auto sent = device.ask(can_frame(0x000, {transition.command, addressee}));
+      EXPECT_EQ(device.node.state(), transition.to);
+      const bool resets = transition.command >= 129;
+      EXPECT_EQ(sent, resets ? std::vector{can_frame(0x710, {0x00})} : std::vector<hal::CanFrame>{});
+      EXPECT_EQ(device.resets.size(), resets ? 1u : 0u);
+      if (resets) {
+        EXPECT_EQ(static_cast<unsigned>(device.resets.at(0)), transition.command);
+      }
+    }
+  }
+}
+
+TEST(NodeNmt, IgnoresCommandsToOthersAndMalformedOnes) {
+  TestNode device;
+  bring_to(device, kPreOperational);
+  device.node.on_frame(can_frame(0x000, {0x01, 0x11}), 0);
+  device.node.on_frame(can_frame(0x000, {0x01}), 0);
+  device.node.on_frame(can_frame(0x000, {0x07, 0x10}), 0);
+  EXPECT_EQ(device.node.state(), kPreOperational);
+}
+
+TEST(NodeNmt, ServesSdoInPreOperationalAndOperationalOnly) {
+  const hal::CanFrame request = can_frame(0x610, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
+  for (const NmtState state : {kPreOperational, kOperational, kStopped}) {
+    TestNode device;
+    bring_to(device, state);
+    EXPECT_EQ(device.ask(request).size(), state == kStopped ? 0u : 1u) << int(state);
+  }
+}
+
+TEST(NodeNmt, ExchangesPdosInOperationalOnly) {
+  for (const NmtState state : {kPreOperational, kOperational, kStopped}) {
+    SCOPED_TRACE(int(state));
+    TestNode device;
+    bring_to(device, state);
+    device.node.on_frame(can_frame(0x310, {0x06, 0x00}), 0);
+    device.node.trigger_tpdo(1, 0);
+    const auto after_sync = device.ask(can_frame(0x080, {}));
+    EXPECT_EQ(device.values.controlword, state == kOperational ? 6 : 0);
+    EXPECT_EQ(after_sync.size(), state == kOperational ? 1u : 0u);
+    EXPECT_EQ(device.syncs, state == kStopped ? 0 : 1);
+  }
+}
+
+TEST(NodeNmt, KeepsItsHeartbeatInEveryState) {
+  for (const NmtState state : {kPreOperational, kOperational, kStopped}) {
+    TestNode device;
+    device.node.start(0);
+    ASSERT_EQ(device.node.write_object({0x1017, 0}, 10, 2), AbortCode::kNone);
+    if (state == kOperational) device.node.command(NmtCommand::kStart, 0);
+    if (state == kStopped) device.node.command(NmtCommand::kStop, 0);
+    device.sink.frames.clear();
+    device.node.process(10'000);
+    EXPECT_EQ(device.sink.take(), std::vector{can_frame(0x710, {static_cast<unsigned>(state)})});
+  }
+}
+
+TEST(NodeNmt, ResetCommunicationRestoresCommunicationAndKeepsTheErrors) {
+  TestNode device;
+  device.make_operational();
+  device.node.raise_error(0x2310, error_register::kCurrent);
+  ASSERT_EQ(device.node.write_object({0x1017, 0}, 10, 2), AbortCode::kNone);
+  ASSERT_EQ(device.node.write_object({0x1400, 1}, 0x80000210, 4), AbortCode::kNone);
+  device.node.on_frame(can_frame(0x000, {0x82, 0x10}), 0);
+  ObjectValue value;
+  ASSERT_EQ(device.node.read_object({0x1017, 0}, value), AbortCode::kNone);
+  EXPECT_EQ(value.number(), 0u);
+  ASSERT_EQ(device.node.read_object({0x1400, 1}, value), AbortCode::kNone);
+  EXPECT_EQ(value.number(), 0x210u);
+  EXPECT_TRUE(device.node.errors().active(0x2310));
+  device.node.on_frame(can_frame(0x000, {0x81, 0x10}), 0);
+  EXPECT_FALSE(device.node.errors().active(0x2310));
+}
+
+TEST(NodeNmt, ReportsADescriptionThatCannotBe) {
+  static constexpr PdoConfiguration kImpossible[] = {{.cob_id = 0x180, .mapping = {mapping(0x2001, 0, 8)}}};
+  NodeDescription description = kTestDescription;
+  description.tpdos = kImpossible;
+  TestNode device(0x10, description);
+  device.node.start(0);
+  EXPECT_TRUE(device.node.errors().active(error_code::kDataSet));
+  TestNode sound;
+  sound.node.start(0);
+  EXPECT_EQ(sound.node.errors().error_register(), 0);
+}
+
+}  // namespace
+}  // namespace koboshi::canopen

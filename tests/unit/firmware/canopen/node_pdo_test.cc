@@ -1,0 +1,178 @@
+#include <gtest/gtest.h>
+
+#include "tests/unit/firmware/canopen/test_node.h"
+
+namespace koboshi::canopen {
+namespace {
+
+const hal::CanFrame kSync = can_frame(0x080, {});
+
+TEST(NodeRpdo, SynchronousDataTakeEffectAtTheNextSync) {
+  TestNode device;
+  device.make_operational();
+  device.node.on_frame(can_frame(0x210, {0x0F, 0x00, 0x78, 0x56, 0x34, 0x12}), 0);
+  EXPECT_EQ(device.values.controlword, 0);
+  EXPECT_TRUE(device.rpdos.empty());
+  device.node.on_frame(kSync, 100);
+  EXPECT_EQ(device.values.controlword, 0x000F);
+  EXPECT_EQ(device.values.target, 0x12345678);
+  EXPECT_EQ(device.rpdos, std::vector<std::size_t>{0});
+  device.node.on_frame(kSync, 200);
+  EXPECT_EQ(device.rpdos.size(), 1u);
+}
+
+TEST(NodeRpdo, TheLastOfSeveralBeforeASyncCounts) {
+  TestNode device;
+  device.make_operational();
+  device.node.on_frame(can_frame(0x210, {0x01, 0, 0, 0, 0, 0}), 0);
+  device.node.on_frame(can_frame(0x210, {0x02, 0, 0, 0, 0, 0}), 0);
+  device.node.on_frame(kSync, 0);
+  EXPECT_EQ(device.values.controlword, 2);
+}
+
+TEST(NodeRpdo, EventDrivenDataTakeEffectAtOnce) {
+  TestNode device;
+  device.make_operational();
+  device.node.on_frame(can_frame(0x310, {0x07, 0x00}), 0);
+  EXPECT_EQ(device.values.controlword, 7);
+  EXPECT_EQ(device.rpdos, std::vector<std::size_t>{1});
+}
+
+TEST(NodeRpdo, LeavingOperationalDropsWhatWaits) {
+  TestNode device;
+  device.make_operational();
+  device.node.on_frame(can_frame(0x210, {0x0F, 0, 0, 0, 0, 0}), 0);
+  device.node.command(NmtCommand::kEnterPreOperational, 0);
+  device.node.command(NmtCommand::kStart, 0);
+  device.node.on_frame(kSync, 0);
+  EXPECT_EQ(device.values.controlword, 0);
+}
+
+TEST(NodeRpdo, TooShortIsRefusedAndToldOnce) {
+  TestNode device;
+  device.make_operational();
+  const hal::CanFrame short_frame = can_frame(0x210, {0x0F, 0x00, 0x01});
+  EXPECT_EQ(device.ask(short_frame), std::vector{can_frame(0x090, {0x10, 0x82, 0x11, 1, 0, 0, 0, 0})});
+  EXPECT_TRUE(device.ask(short_frame).empty());
+  device.node.on_frame(kSync, 0);
+  EXPECT_EQ(device.values.controlword, 0);
+  EXPECT_EQ(device.ask(can_frame(0x210, {0x0F, 0, 0, 0, 0, 0})),
+            std::vector{can_frame(0x090, {0, 0, 0, 0, 0, 0, 0, 0})});
+}
+
+TEST(NodeRpdo, TooLongIsObeyedAndTold) {
+  TestNode device;
+  device.make_operational();
+  EXPECT_EQ(device.ask(can_frame(0x310, {0x07, 0x00, 0xAA})),
+            std::vector{can_frame(0x090, {0x20, 0x82, 0x11, 2, 0, 0, 0, 0})});
+  EXPECT_EQ(device.values.controlword, 7);
+  EXPECT_EQ(device.values.target, 0);
+}
+
+TEST(NodeRpdo, IgnoresRemoteFrames) {
+  TestNode device;
+  device.make_operational();
+  hal::CanFrame remote = can_frame(0x310, {0x07, 0x00});
+  remote.remote = true;
+  EXPECT_TRUE(device.ask(remote).empty());
+  EXPECT_EQ(device.values.controlword, 0);
+}
+
+TEST(NodeTpdo, AnswersTheSyncWithWhatTheOwnerUpdatesInIt) {
+  TestNode device;
+  device.make_operational();
+  device.next_statusword = 0x0237;
+  device.values.position = -2;
+  device.values.torque = 0x0102;
+  EXPECT_EQ(device.ask(kSync),
+            std::vector{can_frame(0x190, {0x37, 0x02, 0xFE, 0xFF, 0xFF, 0xFF, 0x02, 0x01})});
+}
+
+TEST(NodeTpdo, AnswersEveryNthSync) {
+  TestNode device;
+  device.make_operational();
+  ASSERT_EQ(device.node.write_object({0x1800, 2}, 3, 1), AbortCode::kNone);
+  std::string answered;
+  for (int i = 0; i < 9; ++i) answered += device.ask(kSync).empty() ? '.' : 'x';
+  EXPECT_EQ(answered, "..x..x..x");
+}
+
+TEST(NodeTpdo, TypeZeroAnswersTheSyncAfterAnEvent) {
+  TestNode device;
+  device.make_operational();
+  ASSERT_EQ(device.node.write_object({0x1800, 2}, 0, 1), AbortCode::kNone);
+  EXPECT_TRUE(device.ask(kSync).empty());
+  device.node.trigger_tpdo(0, 0);
+  EXPECT_TRUE(device.sink.take().empty());
+  EXPECT_EQ(device.ask(kSync).size(), 1u);
+  EXPECT_TRUE(device.ask(kSync).empty());
+}
+
+TEST(NodeTpdo, EventsAreSentAtOnce) {
+  TestNode device;
+  device.make_operational();
+  device.values.statusword = 0x1234;
+  device.node.trigger_tpdo(1, 0);
+  EXPECT_EQ(device.sink.take(), std::vector{can_frame(0x290, {0x34, 0x12})});
+  device.node.trigger_tpdo(2, 0);  // not valid
+  device.node.trigger_tpdo(99, 0);
+  EXPECT_TRUE(device.sink.take().empty());
+}
+
+TEST(NodeTpdo, IsRetriedWhenItFoundNoRoom) {
+  TestNode device;
+  device.make_operational();
+  device.sink.room = 0;
+  for (int i = 0; i < 4; ++i) device.node.trigger_tpdo(1, 0);
+  EXPECT_EQ(device.node.backlog(), 4u);
+  device.values.statusword = 5;
+  device.node.trigger_tpdo(1, 0);
+  EXPECT_EQ(device.node.lost_frames(), 1u);
+  device.sink.room = 100;
+  device.node.process(1'000);
+  const auto sent = device.sink.take();
+  ASSERT_EQ(sent.size(), 5u);
+  EXPECT_EQ(sent.back(), can_frame(0x290, {0x05, 0x00}));
+}
+
+// The standard sequence (CiA 301, 7.5.2.36): destroy, disable, map, enable, create; over SDO as a master does
+// it.
+TEST(NodeTpdo, IsRemappedByTheStandardSequence) {
+  TestNode device;
+  device.make_operational();
+  const hal::CanFrame sequence[] = {
+      can_frame(0x610, {0x23, 0x00, 0x18, 0x01, 0x90, 0x01, 0x00, 0xC0}),  // 0x1800:1 invalid
+      can_frame(0x610, {0x2F, 0x00, 0x1A, 0x00, 0x00, 0x00, 0x00, 0x00}),  // 0x1A00:0 = 0
+      can_frame(0x610, {0x23, 0x00, 0x1A, 0x01, 0x20, 0x00, 0x64, 0x60}),  // 0x6064 first
+      can_frame(0x610, {0x23, 0x00, 0x1A, 0x02, 0x10, 0x00, 0x41, 0x60}),  // then 0x6041
+      can_frame(0x610, {0x2F, 0x00, 0x1A, 0x00, 0x02, 0x00, 0x00, 0x00}),  // 0x1A00:0 = 2
+      can_frame(0x610, {0x2F, 0x00, 0x18, 0x02, 0x01, 0x00, 0x00, 0x00}),  // every SYNC
+      can_frame(0x610, {0x23, 0x00, 0x18, 0x01, 0x91, 0x01, 0x00, 0x40}),  // valid, another identifier
+  };
+  for (const hal::CanFrame& request : sequence) {
+    const auto response = device.ask(request);
+    ASSERT_EQ(response.size(), 1u);
+    ASSERT_EQ(response[0].data[0], 0x60);
+  }
+  device.values.position = 0x01020304;
+  device.next_statusword = 0x0506;
+  EXPECT_EQ(device.ask(kSync), std::vector{can_frame(0x191, {0x04, 0x03, 0x02, 0x01, 0x06, 0x05})});
+}
+
+TEST(NodeRpdo, IsRemappedWithAGap) {
+  TestNode device;
+  device.make_operational();
+  ASSERT_EQ(device.node.write_object({0x1401, 1}, 0x80000310, 4), AbortCode::kNone);
+  ASSERT_EQ(device.node.write_object({0x1601, 0}, 0, 1), AbortCode::kNone);
+  ASSERT_EQ(device.node.write_object({0x1601, 1}, mapping(0x0006, 0, 16), 4), AbortCode::kNone);
+  ASSERT_EQ(device.node.write_object({0x1601, 2}, mapping(0x6040, 0, 16), 4), AbortCode::kNone);
+  ASSERT_EQ(device.node.write_object({0x1601, 0}, 2, 1), AbortCode::kNone);
+  ASSERT_EQ(device.node.write_object({0x1401, 1}, 0x333, 4), AbortCode::kNone);
+  device.node.on_frame(can_frame(0x310, {1, 2, 3, 4}), 0);
+  EXPECT_EQ(device.values.controlword, 0);
+  device.node.on_frame(can_frame(0x333, {1, 2, 3, 4}), 0);
+  EXPECT_EQ(device.values.controlword, 0x0403);
+}
+
+}  // namespace
+}  // namespace koboshi::canopen

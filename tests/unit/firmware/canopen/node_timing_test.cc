@@ -1,0 +1,124 @@
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/unit/firmware/canopen/test_node.h"
+
+namespace koboshi::canopen {
+namespace {
+
+// At which milliseconds a node, processed once a millisecond, sends frames with the identifier.
+std::vector<int> send_times_ms(TestNode& device, std::uint16_t identifier, int from_ms, int until_ms) {
+  std::vector<int> times_ms;
+  for (int now_ms = from_ms; now_ms < until_ms; ++now_ms) {
+    device.node.process(static_cast<std::uint64_t>(now_ms) * 1000);
+    for (const hal::CanFrame& frame : device.sink.take()) {
+      if (frame.identifier == identifier) times_ms.push_back(now_ms);
+    }
+  }
+  return times_ms;
+}
+
+TEST(NodeTiming, HeartbeatKeepsItsPeriod) {
+  NodeDescription description = kTestDescription;
+  description.heartbeat_ms = 10;
+  TestNode device(0x10, description);
+  device.make_operational();
+  EXPECT_EQ(send_times_ms(device, 0x710, 1, 45), (std::vector{10, 20, 30, 40}));
+}
+
+TEST(NodeTiming, HeartbeatStartsAnewWhenItsPeriodIsWritten) {
+  TestNode device;
+  device.make_operational();
+  EXPECT_TRUE(send_times_ms(device, 0x710, 1, 100).empty());
+  ASSERT_EQ(device.node.write_object({0x1017, 0}, 20, 2), AbortCode::kNone);
+  EXPECT_EQ(send_times_ms(device, 0x710, 105, 150), (std::vector{105, 125, 145}));
+}
+
+TEST(NodeTiming, HeartbeatDoesNotCatchUpAfterAPause) {
+  NodeDescription description = kTestDescription;
+  description.heartbeat_ms = 10;
+  TestNode device(0x10, description);
+  device.make_operational();
+  EXPECT_EQ(send_times_ms(device, 0x710, 75, 100), (std::vector{75, 85, 95}));
+}
+
+TEST(NodeTiming, SyncProducerKeepsItsPeriodAndObeysItself) {
+  NodeDescription description = kTestDescription;
+  description.sync_producer = true;
+  description.sync_period_us = 5'000;
+  TestNode device(0x10, description);
+  device.make_operational();
+  device.node.on_frame(can_frame(0x210, {0x0F, 0, 0, 0, 0, 0}), 0);
+  EXPECT_EQ(send_times_ms(device, 0x080, 1, 16), (std::vector{5, 10, 15}));
+  EXPECT_EQ(device.syncs, 3);
+  EXPECT_EQ(device.values.controlword, 0x0F);
+  device.node.command(NmtCommand::kStop, 16'000);
+  EXPECT_TRUE(send_times_ms(device, 0x080, 16, 40).empty());
+}
+
+TEST(NodeTiming, SyncIsProducedOnlyByAProducer) {
+  NodeDescription description = kTestDescription;
+  description.sync_period_us = 5'000;
+  TestNode device(0x10, description);
+  device.make_operational();
+  EXPECT_TRUE(send_times_ms(device, 0x080, 1, 20).empty());
+}
+
+TEST(NodeTiming, SyncOnDemandFollowsWhatWasSentBefore) {
+  TestNode device;
+  device.make_operational();
+  device.node.trigger_tpdo(1, 0);
+  device.node.send_sync(0);
+  const auto sent = device.sink.take();
+  ASSERT_EQ(sent.size(), 3u);
+  EXPECT_EQ(sent[0].identifier, 0x290);
+  EXPECT_EQ(sent[1], can_frame(0x080, {}));
+  EXPECT_EQ(sent[2].identifier, 0x190);
+}
+
+TEST(NodeTiming, InhibitTimeSpacesEvents) {
+  TestNode device;
+  device.node.start(0);
+  ASSERT_EQ(device.node.configure_tpdo(
+                1, {.cob_id = 0x290, .inhibit_time_100us = 50, .mapping = {mapping(0x6041, 0, 16)}}),
+            AbortCode::kNone);
+  device.node.command(NmtCommand::kStart, 0);
+  device.sink.frames.clear();
+  device.node.trigger_tpdo(1, 0);
+  EXPECT_EQ(device.sink.take().size(), 1u);
+  device.node.trigger_tpdo(1, 1'000);
+  device.node.trigger_tpdo(1, 2'000);
+  EXPECT_TRUE(device.sink.take().empty());
+  EXPECT_EQ(send_times_ms(device, 0x290, 2, 30), std::vector{5});
+  device.node.trigger_tpdo(1, 30'000);
+  EXPECT_EQ(device.sink.take().size(), 1u);
+}
+
+TEST(NodeTiming, EventTimerRepeatsAndRestartsAtEachTransmission) {
+  TestNode device;
+  device.node.start(0);
+  ASSERT_EQ(device.node.configure_tpdo(
+                1, {.cob_id = 0x290, .event_timer_ms = 10, .mapping = {mapping(0x6041, 0, 16)}}),
+            AbortCode::kNone);
+  device.node.command(NmtCommand::kStart, 0);
+  device.sink.frames.clear();
+  EXPECT_EQ(send_times_ms(device, 0x290, 1, 25), (std::vector{10, 20}));
+  device.node.trigger_tpdo(1, 25'000);
+  EXPECT_EQ(device.sink.take().size(), 1u);
+  EXPECT_EQ(send_times_ms(device, 0x290, 26, 50), (std::vector{35, 45}));
+}
+
+TEST(NodeTiming, SyncCountersStartAnewWithOperational) {
+  TestNode device;
+  device.make_operational();
+  ASSERT_EQ(device.node.write_object({0x1800, 2}, 2, 1), AbortCode::kNone);
+  EXPECT_TRUE(device.ask(can_frame(0x080, {})).empty());
+  device.node.command(NmtCommand::kEnterPreOperational, 0);
+  device.node.command(NmtCommand::kStart, 0);
+  EXPECT_TRUE(device.ask(can_frame(0x080, {})).empty());
+  EXPECT_EQ(device.ask(can_frame(0x080, {})).size(), 1u);
+}
+
+}  // namespace
+}  // namespace koboshi::canopen

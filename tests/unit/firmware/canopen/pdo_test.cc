@@ -1,0 +1,138 @@
+#include "firmware/canopen/pdo.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/firmware/canopen/test_node.h"
+
+namespace koboshi::canopen {
+namespace {
+
+class PdoRecordTest : public testing::Test {
+ protected:
+  AbortCode map(PdoRecord& record, std::uint8_t subindex, std::uint32_t value) {
+    return record.write_mapping(subindex, value, subindex == 0 ? 1 : 4, dictionary_);
+  }
+  static std::uint32_t communication(const PdoRecord& record, std::uint8_t subindex) {
+    ObjectValue value;
+    EXPECT_EQ(record.read_communication(subindex, value), AbortCode::kNone);
+    return value.number();
+  }
+
+  TestValues values_;
+  Dictionary dictionary_{kTestRows, std::as_writable_bytes(std::span(&values_, 1))};
+  PdoRecord receive_{PdoDirection::kReceive};
+  PdoRecord transmit_{PdoDirection::kTransmit};
+};
+
+TEST_F(PdoRecordTest, StartsInvalidAndUnmapped) {
+  EXPECT_FALSE(receive_.valid());
+  EXPECT_EQ(communication(receive_, 0), 2u);
+  EXPECT_EQ(communication(transmit_, 0), 5u);
+  EXPECT_EQ(receive_.size_bytes(), 0);
+}
+
+TEST_F(PdoRecordTest, ConfiguresItselfFromItsDescription) {
+  ASSERT_EQ(transmit_.configure(kTestTpdos[0], 0x10, dictionary_), AbortCode::kNone);
+  EXPECT_TRUE(transmit_.valid());
+  EXPECT_EQ(communication(transmit_, 1), 0x40000190u);  // no remote requests
+  EXPECT_EQ(communication(transmit_, 2), 1u);
+  EXPECT_EQ(transmit_.size_bytes(), 8);
+  ObjectValue value;
+  ASSERT_EQ(transmit_.read_mapping(2, value), AbortCode::kNone);
+  EXPECT_EQ(value.number(), 0x60640020u);
+  ASSERT_EQ(transmit_.read_mapping(4, value), AbortCode::kNone);
+  EXPECT_EQ(value.number(), 0u);
+}
+
+TEST_F(PdoRecordTest, RefusesRestrictedExtendedAndRemoteIdentifiers) {
+  for (const std::uint32_t cob_id :
+       {0x000u, 0x07Fu, 0x101u, 0x180u, 0x581u, 0x601u, 0x6E0u, 0x701u, 0x7FFu, 0x20000200u, 0x00000800u}) {
+    EXPECT_EQ(receive_.write_communication(1, cob_id, 4), AbortCode::kInvalidValue) << cob_id;
+    EXPECT_EQ(transmit_.write_communication(1, cob_id | kCobIdNoRemote, 4), AbortCode::kInvalidValue)
+        << cob_id;
+  }
+  EXPECT_EQ(transmit_.write_communication(1, 0x190, 4), AbortCode::kInvalidValue);
+  EXPECT_EQ(transmit_.write_communication(1, 0x40000190, 4), AbortCode::kNone);
+}
+
+TEST_F(PdoRecordTest, ChangesIdentifierAndInhibitTimeOnlyWhileInvalid) {
+  ASSERT_EQ(transmit_.write_communication(1, 0x40000190, 4), AbortCode::kNone);
+  EXPECT_EQ(transmit_.write_communication(1, 0x40000191, 4), AbortCode::kInvalidValue);
+  EXPECT_EQ(transmit_.write_communication(3, 10, 2), AbortCode::kInvalidValue);
+  EXPECT_EQ(transmit_.write_communication(5, 10, 2), AbortCode::kNone);
+  ASSERT_EQ(transmit_.write_communication(1, 0xC0000190, 4), AbortCode::kNone);
+  EXPECT_EQ(transmit_.write_communication(3, 10, 2), AbortCode::kNone);
+  EXPECT_EQ(transmit_.write_communication(1, 0x40000191, 4), AbortCode::kNone);
+  EXPECT_EQ(transmit_.inhibit_time_us(), 1'000u);
+}
+
+TEST_F(PdoRecordTest, TakesExactlyTheTransmissionTypesItServes) {
+  for (unsigned type = 0; type <= 255; ++type) {
+    const bool served = type <= 240 || type >= 254;
+    EXPECT_EQ(receive_.write_communication(2, type, 1), served ? AbortCode::kNone : AbortCode::kInvalidValue);
+    EXPECT_EQ(transmit_.write_communication(2, type, 1),
+              served ? AbortCode::kNone : AbortCode::kInvalidValue);
+  }
+}
+
+TEST_F(PdoRecordTest, MapsOnlyWhileInvalidAndDisabled) {
+  ASSERT_EQ(receive_.configure(kTestRpdos[0], 0x10, dictionary_), AbortCode::kNone);
+  const std::uint32_t entry = mapping(0x6040, 0, 16);
+  EXPECT_EQ(map(receive_, 0, 0), AbortCode::kUnsupportedAccess);
+  EXPECT_EQ(map(receive_, 1, entry), AbortCode::kUnsupportedAccess);
+  ASSERT_EQ(receive_.write_communication(1, 0x80000210, 4), AbortCode::kNone);
+  EXPECT_EQ(map(receive_, 1, entry), AbortCode::kUnsupportedAccess);
+  EXPECT_EQ(map(receive_, 0, 0), AbortCode::kNone);
+  EXPECT_EQ(map(receive_, 1, entry), AbortCode::kNone);
+  EXPECT_EQ(map(receive_, 0, 1), AbortCode::kNone);
+  EXPECT_EQ(receive_.size_bytes(), 2);
+}
+
+TEST_F(PdoRecordTest, RefusesWhatCannotBeMapped) {
+  EXPECT_EQ(map(receive_, 1, mapping(0x6050, 0, 16)), AbortCode::kObjectDoesNotExist);
+  EXPECT_EQ(map(receive_, 1, mapping(0x6040, 1, 16)), AbortCode::kSubindexDoesNotExist);
+  EXPECT_EQ(map(receive_, 1, mapping(0x6041, 0, 16)), AbortCode::kNotMappable);
+  EXPECT_EQ(map(transmit_, 1, mapping(0x6040, 0, 16)), AbortCode::kNotMappable);
+  EXPECT_EQ(map(receive_, 1, mapping(0x6040, 0, 8)), AbortCode::kNotMappable);
+  EXPECT_EQ(map(receive_, 1, mapping(0x0007, 0, 16)), AbortCode::kNotMappable);
+  EXPECT_EQ(map(transmit_, 1, mapping(0x0007, 0, 32)), AbortCode::kNotMappable);
+  EXPECT_EQ(map(receive_, 1, mapping(0x0008, 0, 32)), AbortCode::kObjectDoesNotExist);
+  EXPECT_EQ(map(receive_, 9, mapping(0x6040, 0, 16)), AbortCode::kSubindexDoesNotExist);
+}
+
+TEST_F(PdoRecordTest, RefusesMoreThanEightBytesOrUnmappedEntries) {
+  for (std::uint8_t i = 1; i <= 3; ++i)
+    ASSERT_EQ(map(transmit_, i, mapping(0x2000, i, 32)), AbortCode::kNone);
+  EXPECT_EQ(map(transmit_, 0, 3), AbortCode::kPdoLengthExceeded);
+  EXPECT_EQ(map(transmit_, 0, 9), AbortCode::kPdoLengthExceeded);
+  EXPECT_EQ(map(transmit_, 0, 4), AbortCode::kNotMappable);
+  EXPECT_EQ(map(transmit_, 0, 2), AbortCode::kNone);
+  EXPECT_EQ(transmit_.size_bytes(), 8);
+}
+
+TEST_F(PdoRecordTest, ChecksTheSizeOfWhatIsWritten) {
+  EXPECT_EQ(receive_.write_communication(1, 0x210, 2), AbortCode::kLengthTooLow);
+  EXPECT_EQ(receive_.write_communication(2, 1, 4), AbortCode::kLengthTooHigh);
+  EXPECT_EQ(receive_.write_mapping(0, 0, 4, dictionary_), AbortCode::kLengthTooHigh);
+  EXPECT_EQ(receive_.write_communication(0, 2, 1), AbortCode::kWriteOfReadOnly);
+  EXPECT_EQ(receive_.write_communication(3, 2, 2), AbortCode::kSubindexDoesNotExist);
+  EXPECT_EQ(transmit_.write_communication(4, 2, 1), AbortCode::kSubindexDoesNotExist);
+}
+
+TEST_F(PdoRecordTest, PacksAndUnpacksLittleEndian) {
+  ASSERT_EQ(receive_.configure(kTestRpdos[0], 0x10, dictionary_), AbortCode::kNone);
+  const std::uint8_t received[] = {0x34, 0x12, 0x18, 0xFC, 0xFF, 0xFF};
+  receive_.unpack(dictionary_, received);
+  EXPECT_EQ(values_.controlword, 0x1234);
+  EXPECT_EQ(values_.target, -1000);
+  ASSERT_EQ(transmit_.configure(kTestTpdos[0], 0x10, dictionary_), AbortCode::kNone);
+  values_.statusword = 0xA1B2;
+  values_.position = 0x01020304;
+  values_.torque = -1;
+  std::uint8_t sent[8] = {};
+  transmit_.pack(dictionary_, sent);
+  EXPECT_EQ(std::vector(sent, sent + 8), (std::vector<std::uint8_t>{0xB2, 0xA1, 4, 3, 2, 1, 0xFF, 0xFF}));
+}
+
+}  // namespace
+}  // namespace koboshi::canopen

@@ -1,0 +1,97 @@
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "firmware/canopen/sdo_client.h"
+#include "tests/unit/firmware/canopen/test_node.h"
+
+namespace koboshi::canopen {
+namespace {
+
+// xorshift64*: the same numbers on every machine.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+  std::uint32_t next() {
+    state_ ^= state_ >> 12;
+    state_ ^= state_ << 25;
+    state_ ^= state_ >> 27;
+    return static_cast<std::uint32_t>((state_ * 0x2545F4914F6CDD1DULL) >> 32);
+  }
+  std::uint32_t below(std::uint32_t limit) { return next() % limit; }
+
+ private:
+  std::uint64_t state_;
+};
+
+// Half of the frames are noise; the others look like something that this node serves.
+hal::CanFrame random_frame(Random& random) {
+  static constexpr std::uint16_t kServed[] = {0x000, 0x080, 0x081, 0x210, 0x310,
+                                              0x590, 0x610, 0x610, 0x610, 0x701};
+  static constexpr std::uint16_t kIndices[] = {0x1003, 0x1005, 0x1006, 0x1008, 0x1016, 0x1017,
+                                               0x1400, 0x1401, 0x1600, 0x1601, 0x1800, 0x1801,
+                                               0x1A00, 0x1A01, 0x2000, 0x6060};
+  hal::CanFrame frame;
+  for (std::uint8_t& byte : frame.data) byte = static_cast<std::uint8_t>(random.next());
+  const bool noise = random.below(2) == 0;
+  frame.identifier = static_cast<std::uint16_t>(noise ? random.below(0x800) : kServed[random.below(10)]);
+  frame.size = static_cast<std::uint8_t>(noise ? random.below(9) : 8);
+  frame.remote = noise && random.below(8) == 0;
+  if (frame.identifier == 0x000) {
+    frame = encode(NmtMessage{random.below(20) == 0 ? NmtCommand::kResetNode : NmtCommand::kStart, 0});
+  }
+  if (frame.identifier == 0x610 && random.below(2) == 0) {
+    store_u16(&frame.data[1], kIndices[random.below(16)]);
+    frame.data[3] = static_cast<std::uint8_t>(random.below(6));
+    if (random.below(2) == 0) store_u32(&frame.data[4], mapping(0x2000, frame.data[3], 32));
+  }
+  return frame;
+}
+
+// Values between guards, to see a write out of bounds even without a sanitizer.
+struct Guarded {
+  std::array<std::uint8_t, 64> before;
+  TestValues values;
+  std::array<std::uint8_t, 64> after;
+};
+
+TEST(Robustness, SurvivesRandomFrames) {
+  constexpr std::uint64_t kSeed = 20081127;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  Random random(kSeed);
+  Guarded guarded{};
+  guarded.before.fill(0xA5);
+  guarded.after.fill(0x5A);
+  RecordingSink sink;
+  NodeMemory<4, 4, 3, 4> memory;
+  class : public NodeApplication {
+  } application;
+  Node node(kTestDescription,
+            {.node_id = 0x10, .values = std::as_writable_bytes(std::span(&guarded.values, 1))},
+            memory.buffers(), sink, application);
+  SdoClient client(node.sink(), 5'000);
+  node.start(0);
+  std::uint64_t now_us = 0;
+  std::size_t sent = 0;
+  for (int i = 0; i < 100'000; ++i) {
+    now_us += random.below(2'000);
+    const hal::CanFrame frame = random_frame(random);
+    sink.room = random.below(4);
+    node.on_frame(frame, now_us);
+    client.on_frame(frame);
+    static_cast<void>(client.begin_read(0x10, {0x1000, 0}, now_us));
+    if (i % 7 == 0) node.process(now_us);
+    client.process(now_us);
+    sent += sink.take().size();
+    ASSERT_TRUE(
+        std::all_of(guarded.before.begin(), guarded.before.end(), [](auto byte) { return byte == 0xA5; }));
+    ASSERT_TRUE(
+        std::all_of(guarded.after.begin(), guarded.after.end(), [](auto byte) { return byte == 0x5A; }));
+    ASSERT_LE(node.backlog(), 4u);
+  }
+  EXPECT_GT(sent, 10'000u);
+  EXPECT_NE(node.state(), NmtState::kInitialising);
+}
+
+}  // namespace
+}  // namespace koboshi::canopen

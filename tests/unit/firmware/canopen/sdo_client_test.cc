@@ -1,0 +1,96 @@
+#include "firmware/canopen/sdo_client.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/firmware/canopen/test_node.h"
+
+namespace koboshi::canopen {
+namespace {
+
+class SdoClientTest : public testing::Test {
+ protected:
+  RecordingSink sink_;
+  SdoClient client_{sink_, 10'000};
+};
+
+TEST_F(SdoClientTest, WritesExpedited) {
+  ASSERT_TRUE(client_.begin_write(0x22, {0x6040, 0}, 0x0F, 2, 0));
+  EXPECT_EQ(sink_.take(), std::vector{can_frame(0x622, {0x2B, 0x40, 0x60, 0x00, 0x0F, 0x00, 0, 0})});
+  EXPECT_EQ(client_.state(), SdoState::kBusy);
+  EXPECT_TRUE(client_.on_frame(can_frame(0x5A2, {0x60, 0x40, 0x60, 0x00, 0, 0, 0, 0})));
+  EXPECT_EQ(client_.state(), SdoState::kDone);
+}
+
+TEST_F(SdoClientTest, TellsEachSize) {
+  const unsigned commands[] = {0x2F, 0x2B, 0x27, 0x23};
+  for (std::size_t size = 1; size <= 4; ++size) {
+    client_.reset();
+    ASSERT_TRUE(client_.begin_write(1, {0x2000, 1}, 0, size, 0));
+    EXPECT_EQ(sink_.take()[0].data[0], commands[size - 1]);
+  }
+  client_.reset();
+  EXPECT_FALSE(client_.begin_write(1, {0x2000, 1}, 0, 0, 0));
+  EXPECT_FALSE(client_.begin_write(1, {0x2000, 1}, 0, 5, 0));
+}
+
+TEST_F(SdoClientTest, ReadsExpedited) {
+  ASSERT_TRUE(client_.begin_read(0x22, {0x6041, 0}, 0));
+  EXPECT_EQ(sink_.take(), std::vector{can_frame(0x622, {0x40, 0x41, 0x60, 0x00, 0, 0, 0, 0})});
+  EXPECT_TRUE(client_.on_frame(can_frame(0x5A2, {0x4B, 0x41, 0x60, 0x00, 0x37, 0x02, 0xAA, 0xBB})));
+  EXPECT_EQ(client_.state(), SdoState::kDone);
+  EXPECT_EQ(client_.value(), 0x0237u);
+  EXPECT_EQ(client_.size(), 2u);
+}
+
+TEST_F(SdoClientTest, ReportsTheServersRefusal) {
+  ASSERT_TRUE(client_.begin_write(0x22, {0x6041, 0}, 0, 2, 0));
+  client_.on_frame(can_frame(0x5A2, {0x80, 0x41, 0x60, 0x00, 0x02, 0x00, 0x01, 0x06}));
+  EXPECT_EQ(client_.state(), SdoState::kAborted);
+  EXPECT_EQ(client_.abort_code(), AbortCode::kWriteOfReadOnly);
+}
+
+TEST_F(SdoClientTest, GivesUpExactlyAfterItsTime) {
+  ASSERT_TRUE(client_.begin_read(0x22, {0x6041, 0}, 5'000));
+  sink_.take();
+  client_.process(14'999);
+  EXPECT_EQ(client_.state(), SdoState::kBusy);
+  client_.process(15'000);
+  EXPECT_EQ(client_.state(), SdoState::kTimedOut);
+  EXPECT_EQ(sink_.take(), std::vector{can_frame(0x622, {0x80, 0x41, 0x60, 0x00, 0x00, 0x00, 0x04, 0x05})});
+  // The answer that comes too late changes nothing.
+  EXPECT_FALSE(client_.on_frame(can_frame(0x5A2, {0x4B, 0x41, 0x60, 0x00, 0x37, 0x02, 0, 0})));
+  EXPECT_EQ(client_.state(), SdoState::kTimedOut);
+}
+
+TEST_F(SdoClientTest, IgnoresWhatIsNotOfItsTransfer) {
+  ASSERT_TRUE(client_.begin_read(0x22, {0x6041, 0}, 0));
+  EXPECT_FALSE(client_.on_frame(can_frame(0x5A3, {0x4B, 0x41, 0x60, 0x00, 1, 0, 0, 0})));
+  EXPECT_FALSE(client_.on_frame(can_frame(0x5A2, {0x4B, 0x40, 0x60, 0x00, 1, 0, 0, 0})));
+  EXPECT_FALSE(client_.on_frame(can_frame(0x5A2, {0x80, 0x40, 0x60, 0x00, 0, 0, 4, 5})));
+  EXPECT_FALSE(client_.on_frame(can_frame(0x5A2, {0x4B, 0x41, 0x60})));
+  EXPECT_EQ(client_.state(), SdoState::kBusy);
+}
+
+TEST_F(SdoClientTest, AbortsWhatItCannotFollow) {
+  ASSERT_TRUE(client_.begin_read(0x22, {0x1008, 0}, 0));
+  sink_.take();
+  EXPECT_TRUE(client_.on_frame(can_frame(0x5A2, {0x41, 0x08, 0x10, 0x00, 17, 0, 0, 0})));
+  EXPECT_EQ(client_.state(), SdoState::kAborted);
+  EXPECT_EQ(client_.abort_code(), AbortCode::kCommandSpecifierUnknown);
+  EXPECT_EQ(sink_.take(), std::vector{can_frame(0x622, {0x80, 0x08, 0x10, 0x00, 0x01, 0x00, 0x04, 0x05})});
+}
+
+TEST_F(SdoClientTest, DoesOneThingAtATime) {
+  ASSERT_TRUE(client_.begin_read(0x22, {0x6041, 0}, 0));
+  EXPECT_FALSE(client_.begin_read(0x23, {0x6041, 0}, 0));
+  EXPECT_EQ(client_.server(), 0x22);
+}
+
+TEST_F(SdoClientTest, BeginsNothingWithoutRoom) {
+  sink_.room = 0;
+  EXPECT_FALSE(client_.begin_read(0x22, {0x6041, 0}, 0));
+  EXPECT_EQ(client_.state(), SdoState::kIdle);
+}
+
+}  // namespace
+}  // namespace koboshi::canopen

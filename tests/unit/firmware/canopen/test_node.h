@@ -1,0 +1,168 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <ostream>
+#include <span>
+#include <vector>
+
+#include "firmware/canopen/node.h"
+
+namespace koboshi::hal {
+
+// How GoogleTest shows a frame: as candump does.
+inline void PrintTo(const CanFrame& frame, std::ostream* out) {
+  static constexpr char kHex[] = "0123456789ABCDEF";
+  for (int shift = 8; shift >= 0; shift -= 4) *out << kHex[(frame.identifier >> shift) & 15];
+  *out << (frame.remote ? "#R" : "#");
+  for (std::size_t i = 0; i < frame.size; ++i) *out << kHex[frame.data[i] >> 4] << kHex[frame.data[i] & 15];
+}
+
+}  // namespace koboshi::hal
+
+namespace koboshi::canopen {
+
+inline hal::CanFrame can_frame(std::uint16_t identifier, std::initializer_list<unsigned> bytes) {
+  hal::CanFrame frame{.identifier = identifier, .size = static_cast<std::uint8_t>(bytes.size())};
+  std::transform(bytes.begin(), bytes.end(), frame.data.begin(),
+                 [](unsigned byte) { return static_cast<std::uint8_t>(byte); });
+  return frame;
+}
+
+// Keeps what is sent, as long as there is room.
+class RecordingSink final : public FrameSink {
+ public:
+  bool send(const hal::CanFrame& frame) override {
+    if (room == 0) return false;
+    --room;
+    frames.push_back(frame);
+    return true;
+  }
+  // What was sent since the last call.
+  std::vector<hal::CanFrame> take() { return std::exchange(frames, {}); }
+
+  std::size_t room = 1'000'000;
+  std::vector<hal::CanFrame> frames;
+};
+
+// A small device with one object of each sort.
+struct TestValues {
+  std::uint16_t controlword = 0;
+  std::int32_t target = 0;
+  std::uint16_t statusword = 0;
+  std::int32_t position = 0;
+  std::int8_t mode = 0;
+  std::uint8_t secret = 0;
+  bool flag = false;
+  std::int16_t torque = 0;
+  std::uint32_t gains[3] = {};
+};
+
+inline constexpr Entry kTestRows[] = {
+    object(0x2000, 1, KOBOSHI_FIELD(TestValues, gains[0]), Access::kReadWrite, Mappable::kBoth)
+        .repeated(3, sizeof(std::uint32_t)),
+    object(0x2001, 0, KOBOSHI_FIELD(TestValues, secret), Access::kWriteOnly),
+    object(0x2002, 0, KOBOSHI_FIELD(TestValues, flag), Access::kReadWrite),
+    object(0x6040, 0, KOBOSHI_FIELD(TestValues, controlword), Access::kReadWrite, Mappable::kRpdo),
+    object(0x6041, 0, KOBOSHI_FIELD(TestValues, statusword), Access::kReadOnly, Mappable::kTpdo),
+    object(0x6060, 0, KOBOSHI_FIELD(TestValues, mode), Access::kReadWrite).within<std::int8_t>(-1, 10),
+    object(0x6064, 0, KOBOSHI_FIELD(TestValues, position), Access::kReadOnly, Mappable::kTpdo),
+    object(0x6077, 0, KOBOSHI_FIELD(TestValues, torque), Access::kReadOnly, Mappable::kTpdo),
+    object(0x607A, 0, KOBOSHI_FIELD(TestValues, target), Access::kReadWrite, Mappable::kRpdo)
+        .within<std::int32_t>(-1000, 1000),
+    constant<std::uint32_t>(0x6502, 0, 0x80),
+};
+static_assert(is_valid_table(kTestRows, sizeof(TestValues)));
+
+inline constexpr PdoConfiguration kTestRpdos[] = {
+    {.cob_id = kRpdo1Base,
+     .plus_node_id = true,
+     .transmission_type = kSynchronousEverySync,
+     .mapping = {mapping(0x6040, 0, 16), mapping(0x607A, 0, 32)}},
+    {.cob_id = kRpdo1Base + kPdoStep, .plus_node_id = true, .mapping = {mapping(0x6040, 0, 16)}},
+};
+
+inline constexpr PdoConfiguration kTestTpdos[] = {
+    {.cob_id = kTpdo1Base,
+     .plus_node_id = true,
+     .transmission_type = kSynchronousEverySync,
+     .mapping = {mapping(0x6041, 0, 16), mapping(0x6064, 0, 32), mapping(0x6077, 0, 16)}},
+    {.cob_id = kTpdo1Base + kPdoStep, .plus_node_id = true, .mapping = {mapping(0x6041, 0, 16)}},
+};
+
+inline constexpr NodeDescription kTestDescription{
+    .device_type = 0x00020192,
+    .vendor_id = 0x11223344,
+    .product_code = 0x55,
+    .revision_number = 0x00010002,
+    .device_name = "Koboshi test node",
+    .hardware_version = "A",
+    .software_version = "1.0.0",
+    .rows = kTestRows,
+    .rpdos = kTestRpdos,
+    .tpdos = kTestTpdos,
+};
+
+// A node with its owner, which notes what it is told.
+class TestNode final : public NodeApplication {
+ public:
+  explicit TestNode(std::uint8_t node_id = 0x10, const NodeDescription& description = kTestDescription)
+      : TestNode(node_id, description, sink) {}
+  TestNode(std::uint8_t node_id, const NodeDescription& description, FrameSink& other_sink)
+      : node(description,
+             {.node_id = node_id,
+              .serial_number = 0xCAFE,
+              .values = std::as_writable_bytes(std::span(&values, 1))},
+             memory.buffers(), other_sink, *this) {}
+  TestNode(const TestNode&) = delete;
+
+  // Up and running, with the frames of the way there forgotten.
+  void make_operational(std::uint64_t now_us = 0) {
+    node.start(now_us);
+    node.command(NmtCommand::kStart, now_us);
+    sink.frames.clear();
+  }
+  // The frames with which the node answers one.
+  std::vector<hal::CanFrame> ask(const hal::CanFrame& frame, std::uint64_t now_us = 0) {
+    sink.frames.clear();
+    node.on_frame(frame, now_us);
+    return sink.take();
+  }
+
+  AbortCode on_write(ObjectAddress address, std::uint32_t value) override {
+    written.push_back({address, value});
+    return verdict;
+  }
+  void on_reset(NmtCommand reset) override { resets.push_back(reset); }
+  void on_state(NmtState state) override { states.push_back(state); }
+  void on_sync(std::uint64_t) override {
+    ++syncs;
+    values.statusword = next_statusword;
+  }
+  void on_rpdo(std::size_t number) override { rpdos.push_back(number); }
+  void on_heartbeat(const HeartbeatEvent& event) override { heartbeats.push_back(event); }
+  void on_emergency(const Emergency& emergency) override { emergencies.push_back(emergency); }
+
+  struct Write {
+    ObjectAddress address;
+    std::uint32_t value;
+  };
+
+  TestValues values;
+  RecordingSink sink;
+  NodeMemory<4, 4, 3, 4> memory;
+  AbortCode verdict = AbortCode::kNone;
+  std::uint16_t next_statusword = 0;
+  int syncs = 0;
+  std::vector<Write> written;
+  std::vector<NmtCommand> resets;
+  std::vector<NmtState> states;
+  std::vector<std::size_t> rpdos;
+  std::vector<HeartbeatEvent> heartbeats;
+  std::vector<Emergency> emergencies;
+  Node node;
+};
+
+}  // namespace koboshi::canopen

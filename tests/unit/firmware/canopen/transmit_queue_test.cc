@@ -1,0 +1,56 @@
+#include "firmware/canopen/transmit_queue.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "tests/unit/firmware/canopen/test_node.h"
+
+namespace koboshi::canopen {
+namespace {
+
+class TransmitQueueTest : public testing::Test {
+ protected:
+  bool send(std::uint16_t identifier) { return queue_.send({.identifier = identifier}); }
+  std::vector<int> sent() const {
+    std::vector<int> identifiers;
+    for (const hal::CanFrame& frame : sink_.frames) identifiers.push_back(frame.identifier);
+    return identifiers;
+  }
+
+  RecordingSink sink_;
+  std::array<hal::CanFrame, 2> backlog_;
+  TransmitQueue queue_{sink_, backlog_};
+};
+
+TEST_F(TransmitQueueTest, SendsAtOnceWhileThereIsRoom) {
+  EXPECT_TRUE(send(1));
+  EXPECT_EQ(sent(), std::vector<int>{1});
+  EXPECT_EQ(queue_.backlog(), 0u);
+}
+
+TEST_F(TransmitQueueTest, KeepsTheOrderOfWhatHadToWait) {
+  sink_.room = 1;
+  for (const std::uint16_t identifier : std::to_array<std::uint16_t>({1, 2, 3}))
+    EXPECT_TRUE(send(identifier));
+  EXPECT_EQ(queue_.backlog(), 2u);
+  sink_.room = 1;
+  EXPECT_TRUE(send(4));  // 2 leaves and makes room for it
+  sink_.room = 10;
+  queue_.flush();
+  EXPECT_EQ(sent(), (std::vector<int>{1, 2, 3, 4}));
+  EXPECT_EQ(queue_.lost(), 0u);
+}
+
+TEST_F(TransmitQueueTest, CountsWhatItCannotKeep) {
+  sink_.room = 0;
+  EXPECT_TRUE(send(1));
+  EXPECT_TRUE(send(2));
+  EXPECT_FALSE(send(3));
+  EXPECT_EQ(queue_.lost(), 1u);
+  for (int i = 0; i < 70'000; ++i) static_cast<void>(send(4));
+  EXPECT_EQ(queue_.lost(), 0xFFFF);
+}
+
+}  // namespace
+}  // namespace koboshi::canopen
