@@ -30,7 +30,8 @@ void DriveGroup::on_heartbeat(const canopen::HeartbeatEvent& event) {
     if (phase_ > Phase::kWaiting) report(Trouble::kRestarted, joint);
     present_ |= 1u << joint;
   }
-  if (event.kind == canopen::HeartbeatEventKind::kLost) report(Trouble::kLost, joint);
+  if (event.kind == canopen::HeartbeatEventKind::kLost && phase_ > Phase::kWaiting)
+    report(Trouble::kLost, joint);
 }
 
 void DriveGroup::on_emergency(const canopen::Emergency& emergency) {

@@ -51,6 +51,8 @@ class DriveGroup {
   // Its drive's encoder within the joint's limits, give or take `margin`.
   bool within_limits(std::size_t joint, fixed::Angle margin) const;
 
+  // Every drive has its configuration and was told to start; `booted` once each has also answered a SYNC.
+  bool configured() const { return phase_ == Phase::kBooted; }
   bool booted() const { return phase_ == Phase::kBooted && heard_; }
   // Every drive in this state, as of the last tick.
   bool all_in(canopen::cia402::State state) const;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -11,12 +10,12 @@ namespace koboshi::drive {
 // What the controller and its drives exchange in each cycle, as it stands in the controller's object
 // dictionary: by joint, in the drives' own words and units (CiA 402; positions in 2^-position_bits turns of
 // the shaft).
-struct DriveSignals {
-  std::array<std::uint16_t, robot::kMaxJoints> controlword{};
-  std::array<std::int32_t, robot::kMaxJoints> target_position{};
-  std::array<std::uint16_t, robot::kMaxJoints> statusword{};
-  std::array<std::int32_t, robot::kMaxJoints> position{};
-  std::array<std::int16_t, robot::kMaxJoints> torque_permille{};
+struct DriveSignals {  // plain arrays: the dictionary addresses their elements
+  std::uint16_t controlword[robot::kMaxJoints] = {};
+  std::int32_t target_position[robot::kMaxJoints] = {};
+  std::uint16_t statusword[robot::kMaxJoints] = {};
+  std::int32_t position[robot::kMaxJoints] = {};
+  std::int16_t torque_permille[robot::kMaxJoints] = {};
 };
 
 }  // namespace koboshi::drive

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "firmware/app/behaviour.h"
+#include "firmware/app/catalogue.h"
+#include "firmware/app/dictionary.h"
+#include "firmware/balance/inertial.h"
+#include "firmware/canopen/node.h"
+#include "firmware/drive/drive_group.h"
+#include "firmware/motion/interpreter.h"
+#include "firmware/robot/model.h"
+#include "hal/port/board.h"
+
+namespace koboshi::app {
+
+// The firmware as a whole. A board constructs one, calls `service` each millisecond and `tick` after each
+// tenth of them, and does nothing else. Which robot it is on and what motions it knows comes from storage
+// (catalogue.h).
+class Controller final : private canopen::NodeApplication {
+ public:
+  static constexpr std::uint32_t kTick_us = 10'000;
+  static constexpr std::uint32_t kSensorTimeout_us = 50'000;
+  static constexpr std::uint32_t kSensorStart_us = 500'000;  // how long sensors may take to speak first
+
+  explicit Controller(const hal::Board& board);
+
+  // Receives, answers, watches: CAN, the drives' boot, sensors, watchdog. At 1 kHz.
+  void service(std::uint64_t now_us);
+  // One control cycle: behaviour, targets, RPDOs, SYNC, telemetry. At 100 Hz.
+  void tick(std::uint64_t now_us);
+
+  // What the object dictionary shows; for tests and for the record of a run.
+  const ControllerValues& values() const { return values_; }
+  const robot::RobotModel& model() const { return model_; }
+
+ private:
+  using Angles = std::array<fixed::Angle, robot::kMaxJoints>;
+
+  // canopen::NodeApplication
+  canopen::AbortCode on_write(canopen::ObjectAddress address, std::uint32_t value) override;
+  void on_reset(canopen::NmtCommand reset) override;
+  void on_rpdo(std::size_t number) override;
+  void on_heartbeat(const canopen::HeartbeatEvent& event) override { drives_.on_heartbeat(event); }
+  void on_emergency(const canopen::Emergency& emergency) override { drives_.on_emergency(emergency); }
+
+  void start(std::uint64_t now_us);
+  void load_motions();
+  void receive(std::uint64_t now_us);
+  void read_sensors(std::uint64_t now_us);
+  void watch_bus();
+  void watch_sensors(std::uint64_t now_us);
+
+  // Commands, as they arrive; kNone when the command was accepted.
+  Reason obey(Command command, std::int16_t argument);
+  Reason enable();
+  Reason play(std::int16_t number);
+  Reason obey_event(Event event);
+  Reason refusal_to_enable() const;
+
+  // The state machine: one function a state, called each tick while the state lasts.
+  void handle(Event event, Reason reason);
+  void enter(State state, Reason reason);
+  void fail(Reason reason);
+  void run_state(std::uint64_t now_us);
+  void run_boot(std::uint64_t now_us);
+  void run_enabling();
+  void run_soft_start();
+  void run_motion();
+  void run_fault(std::uint64_t now_us);
+
+  void begin_soft_start();
+  void follow_actual();
+  void publish(std::uint64_t now_us);
+  void publish_telemetry();
+
+  hal::Board board_;
+  Catalogue catalogue_;
+  robot::RobotModel model_;
+  bool model_valid_;
+  ControllerValues values_;
+  canopen::CanPortSink sink_;
+  canopen::NodeMemory<1 + robot::kMaxJoints, kTelemetryTpdos + robot::kMaxJoints, robot::kMaxJoints, 32>
+      memory_;
+  canopen::Node node_;
+  drive::DriveGroup drives_;
+  balance::InertialSensor inertial_;
+  motion::Interpreter interpreter_;
+  std::array<std::uint64_t, 2> ankle_us_{};  // when each ankle spoke last
+  std::uint64_t now_us_ = 0;
+  std::uint64_t started_us_ = 0;  // of the boot
+  std::uint64_t fault_us_ = 0;
+  bool started_ = false;
+  Angles targets_{};
+  Angles ramp_from_{};
+  Angles ramp_to_{};
+  std::int32_t ramp_elapsed_us_ = 0;
+  std::int32_t ramp_time_us_ = 0;
+};
+
+}  // namespace koboshi::app

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/app/behaviour.h"
+#include "firmware/canopen/node.h"
+#include "firmware/drive/signals.h"
+#include "firmware/drive/trouble.h"
+
+namespace koboshi::app {
+
+// Commands to the controller, as RPDO 1 (identifier 0x201: command u8, argument i16) or by SDO to object
+// 0x2000.
+enum class Command : std::uint8_t {
+  kNone = 0,
+  kEnable = 1,
+  kLimp = 2,
+  kPlay = 3,  // argument: number of the motion
+  kStop = 4,  // the motion comes to its end
+  kEmergencyStop = 5,
+  kReset = 6,
+};
+
+// The values behind the controller's object dictionary.
+struct ControllerValues {
+  struct {
+    Command command = Command::kNone;
+    std::int16_t argument = 0;
+  } request;  // 0x2000
+  struct {
+    State state = State::kBoot;
+    Reason reason = Reason::kNone;
+    std::uint8_t motion = 0;  // number of the motion being played or played last
+    drive::Trouble trouble = drive::Trouble::kNone;
+    std::uint8_t trouble_joint = 0;
+    std::uint16_t trouble_code = 0;
+    std::uint16_t faults = 0;  // since power-on; saturates
+  } behaviour;                 // 0x2001
+  struct {
+    std::int16_t roll = 0;  // 2^-16 turn
+    std::int16_t pitch = 0;
+    std::int16_t rate[3] = {};          // 2^-12 turn/s, axes of the trunk
+    std::int16_t acceleration[3] = {};  // 2^-8 m/s^2
+  } attitude;                           // 0x2010
+  std::int16_t ankles[2][6] = {};       // 0x2020, 0x2021: force and torque in the sensor's counts
+  struct {
+    std::uint16_t supply_min_mV = 6000;
+    std::uint16_t supply_max_mV = 9000;
+    std::int16_t ramp_rate = 683;  // of the soft start, 2^-12 turn/s: 60 degrees a second
+  } parameters;                    // 0x2100
+  struct {
+    std::uint32_t model_id = 0;
+    std::uint32_t motions = 0;  // bit n: motion n is valid
+    std::uint16_t frames_lost = 0;
+    std::uint16_t imu_overruns = 0;
+    std::uint16_t receive_overruns = 0;
+  } diagnosis;                 // 0x2200
+  drive::DriveSignals drives;  // 0x2300..0x2304, by joint from sub-index 1
+};
+
+inline constexpr std::uint16_t kRequestObject = 0x2000;
+
+// RPDO 0 carries commands, RPDO 1 + i what joint i's drive says; TPDO 0..3 telemetry, TPDO 4 + i what it is
+// told.
+inline constexpr std::size_t kCommandRpdo = 0;
+inline constexpr std::size_t kFirstDriveRpdo = 1;
+inline constexpr std::size_t kTelemetryTpdos = 4;
+inline constexpr std::size_t kFirstDriveTpdo = kTelemetryTpdos;
+
+extern const canopen::NodeDescription kControllerNode;
+
+canopen::PdoConfiguration drive_rpdo(std::size_t joint, std::uint8_t node_id);
+canopen::PdoConfiguration drive_tpdo(std::size_t joint, std::uint8_t node_id);
+
+}  // namespace koboshi::app

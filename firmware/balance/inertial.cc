@@ -1,0 +1,52 @@
+#include "firmware/balance/inertial.h"
+
+#include "firmware/fixed/trigonometry.h"
+
+namespace koboshi::balance {
+namespace {
+
+// A raw sample in units of Q: `full_scale` is what 2^15 counts mean.
+template <fixed::AnyQuantity Q>
+robot::Vector<Q> scaled(const std::array<std::int16_t, 3>& raw, Q full_scale) {
+  const auto value = [&](std::int16_t counts) { return fixed::mul_div(full_scale, counts, 1 << 15); };
+  return {value(raw[0]), value(raw[1]), value(raw[2])};
+}
+
+template <typename Filters, typename Q>
+robot::Vector<Q> filtered(Filters& filters, const robot::Vector<Q>& sample, bool first) {
+  if (first) {
+    filters[0].reset(sample.x);
+    filters[1].reset(sample.y);
+    filters[2].reset(sample.z);
+  }
+  return {filters[0].filter(sample.x), filters[1].filter(sample.y), filters[2].filter(sample.z)};
+}
+
+}  // namespace
+
+InertialSensor::InertialSensor(const robot::RobotModel& model)
+    : model_(model),
+      rate_filters_{fixed::LowPass<fixed::AngularRate>(kInertialLowPass),
+                    fixed::LowPass<fixed::AngularRate>(kInertialLowPass),
+                    fixed::LowPass<fixed::AngularRate>(kInertialLowPass)},
+      acceleration_filters_{fixed::LowPass<fixed::Acceleration>(kInertialLowPass),
+                            fixed::LowPass<fixed::Acceleration>(kInertialLowPass),
+                            fixed::LowPass<fixed::Acceleration>(kInertialLowPass)} {}
+
+void InertialSensor::add(const hal::ImuSample& sample, std::uint64_t now_us) {
+  const auto rates = filtered(rate_filters_, scaled(sample.gyro_raw, model_.scales.gyro), !seen_);
+  const auto accelerations =
+      filtered(acceleration_filters_, scaled(sample.accelerometer_raw, model_.scales.accelerometer), !seen_);
+  rates_ = model_.R_BI * rates;
+  accelerations_ = model_.R_BI * accelerations;
+  last_us_ = now_us;
+  seen_ = true;
+}
+
+fixed::Angle InertialSensor::roll() const { return fixed::atan2(accelerations_.y, accelerations_.z); }
+
+fixed::Angle InertialSensor::pitch() const {
+  return fixed::atan2(-accelerations_.x, fixed::hypotenuse(accelerations_.y, accelerations_.z));
+}
+
+}  // namespace koboshi::balance

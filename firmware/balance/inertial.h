@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/fixed/biquad.h"
+#include "firmware/robot/model.h"
+#include "hal/port/imu.h"
+
+namespace koboshi::balance {
+
+// The second-order low-pass of the paper's section 2.6 for both gyro and inclination sensor: 20 Hz at the 1
+// kHz of the inertial unit. design_low_pass(20, 1000), which a test holds it to.
+inline constexpr fixed::BiquadCoefficients kInertialLowPass{
+    .b0 = fixed::Ratio::from_raw(3888751),
+    .b1 = fixed::Ratio::from_raw(7777502),
+    .b2 = fixed::Ratio::from_raw(3888751),
+    .a1 = fixed::Ratio::from_raw(-1957103773),
+    .a2 = fixed::Ratio::from_raw(898916953),
+};
+
+// Gyro and inclination sensor: from raw samples to filtered quantities in the axes of the trunk B.
+class InertialSensor {
+ public:
+  using Rates = robot::Vector<fixed::AngularRate>;
+  using Accelerations = robot::Vector<fixed::Acceleration>;
+
+  // The model must outlive the sensor.
+  explicit InertialSensor(const robot::RobotModel& model);
+
+  // Takes the next of the samples, which come at 1 kHz. The first settles the filters.
+  void add(const hal::ImuSample& sample, std::uint64_t now_us);
+
+  // A sample came within the last `timeout_us`.
+  bool alive(std::uint64_t now_us, std::uint32_t timeout_us) const {
+    return seen_ && now_us - last_us_ <= timeout_us;
+  }
+  const Rates& rates() const { return rates_; }
+  // Specific force: one g upwards at rest.
+  const Accelerations& accelerations() const { return accelerations_; }
+  // Inclination of the trunk, from the direction of the specific force: true at rest, disturbed by
+  // acceleration. Roll about x, then pitch about y; a trunk that leans forward has positive pitch.
+  fixed::Angle roll() const;
+  fixed::Angle pitch() const;
+
+ private:
+  template <typename Q>
+  using Filters = std::array<fixed::LowPass<Q>, 3>;
+
+  const robot::RobotModel& model_;
+  Filters<fixed::AngularRate> rate_filters_;
+  Filters<fixed::Acceleration> acceleration_filters_;
+  Rates rates_{};
+  Accelerations accelerations_{};
+  std::uint64_t last_us_ = 0;
+  bool seen_ = false;
+};
+
+}  // namespace koboshi::balance
