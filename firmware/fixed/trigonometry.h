@@ -40,11 +40,13 @@ template <AnyQuantity Q>
 [[nodiscard]] Angle acos(Ratio cosine);
 
 // The square root in the unit and format of `Result`, rounded to nearest; of a negative number, zero.
+// Saturates.
 template <AnyQuantity Result, AnyQuantity Q>
 [[nodiscard]] Result square_root(Q square) {
   constexpr int kShift = 2 * Result::kFractionBits - Q::kFractionBits;
-  static_assert(kShift >= 0 && kShift <= 33, "the formats are too far apart");
+  static_assert(kShift >= 0 && kShift <= 62, "the formats are too far apart");
   if (square.raw() <= 0) return Result();
+  if (std::int64_t{square.raw()} >> (62 - kShift) != 0) return Result::max();
   return Result::from_wide_raw(
       integer_square_root_rounded(static_cast<std::uint64_t>(square.raw()) << kShift));
 }
