@@ -91,7 +91,7 @@ void Controller::load_motions() {
   for (std::uint16_t number = 0; number < kMaxMotions; ++number) {
     motion::Motion motion;
     const auto image = catalogue_.find(ItemKind::kMotion, number);
-    if (motion::Motion::open(image, model_, motion) == motion::MotionStatus::kOk) {
+    if (motion::Motion::open(image, model_, motion).ok()) {
       values_.diagnosis.motions |= 1u << number;
     }
   }
@@ -218,7 +218,7 @@ Reason Controller::play(std::int16_t number) {
   motion::Motion motion;
   if (number < 0 || number >= static_cast<std::int16_t>(kMaxMotions)) return Reason::kNoSuchMotion;
   const auto image = catalogue_.find(ItemKind::kMotion, static_cast<std::uint16_t>(number));
-  if (motion::Motion::open(image, model_, motion) != motion::MotionStatus::kOk) return Reason::kNoSuchMotion;
+  if (!motion::Motion::open(image, model_, motion).ok()) return Reason::kNoSuchMotion;
   values_.behaviour.motion = static_cast<std::uint8_t>(number);
   interpreter_.start(motion, {targets_.data(), model_.joint_count});
   return obey_event(Event::kPlay);
@@ -317,7 +317,7 @@ void Controller::begin_soft_start() {
   ramp_to_ = targets_;
   motion::Motion standing;
   const auto image = catalogue_.find(ItemKind::kMotion, 0);
-  const bool known = motion::Motion::open(image, model_, standing) == motion::MotionStatus::kOk;
+  const bool known = motion::Motion::open(image, model_, standing).ok();
   std::int64_t longest_raw = 0;
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     const bool posed = known && standing.pose_count() > 0 && (standing.joint_mask(0) >> joint & 1u) != 0;
