@@ -6,10 +6,11 @@ target_compile_options(koboshi_options INTERFACE
   -Wall -Wextra -Wconversion -Wsign-conversion -Wdouble-promotion -Werror -ffp-contract=off)
 target_include_directories(koboshi_options INTERFACE ${PROJECT_SOURCE_DIR})
 
-# What the firmware is compiled with besides, on every board: any float arithmetic is a hard error on the host.
+# What the firmware is compiled with besides, on every board: any float arithmetic is a hard error on the host. tests/proof
+# reads the types of all variables from the debug information.
+set(KOBOSHI_FIRMWARE_FLAGS -fno-exceptions -fno-rtti -fno-threadsafe-statics -mgeneral-regs-only -g)
 add_library(koboshi_firmware_options INTERFACE)
-target_compile_options(koboshi_firmware_options INTERFACE
-  -fno-exceptions -fno-rtti -fno-threadsafe-statics -mgeneral-regs-only)
+target_compile_options(koboshi_firmware_options INTERFACE ${KOBOSHI_FIRMWARE_FLAGS})
 
 # koboshi_library(NAME [FIRMWARE] [SOURCES ...] [DEPS ...]) makes koboshi::NAME; without sources, an interface library.
 function(koboshi_library name)
@@ -19,6 +20,7 @@ function(koboshi_library name)
     target_link_libraries(${name} PUBLIC koboshi_options ${arg_DEPS})
     if(arg_FIRMWARE)
       target_link_libraries(${name} PRIVATE koboshi_firmware_options)
+      set_property(GLOBAL APPEND PROPERTY KOBOSHI_FIRMWARE_LIBRARIES ${name})
     endif()
   else()
     add_library(${name} INTERFACE)
@@ -34,5 +36,13 @@ function(koboshi_test name)
   target_link_libraries(${name} PRIVATE koboshi_options ${arg_DEPS} GTest::gtest GTest::gmock GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE KOBOSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                              KOBOSHI_BINARY_DIR="${PROJECT_BINARY_DIR}")
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES LABELS ${arg_LABEL})
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${arg_LABEL})
+endfunction()
+
+# koboshi_python_test(NAME LABEL label SCRIPT script [ARGS ...]) runs a Python program with Debian's interpreter.
+function(koboshi_python_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL;SCRIPT" "ARGS")
+  add_test(NAME ${name} COMMAND /usr/bin/python3 -B ${CMAKE_CURRENT_SOURCE_DIR}/${arg_SCRIPT} ${arg_ARGS}
+           WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+  set_tests_properties(${name} PROPERTIES LABELS ${arg_LABEL})
 endfunction()

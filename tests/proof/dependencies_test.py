@@ -1,0 +1,118 @@
+"""Holds the sources to the rules of docs/design/architecture.md about who may know whom, by their #include lines."""
+
+import pathlib
+import re
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+FOLDERS = ("hal", "firmware", "sim_board", "tools", "tests")
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
+
+# The standard headers that make neither heap, float, streams nor exceptions by themselves.
+FIRMWARE_STANDARD = set("""
+    algorithm array bit cassert climits compare concepts cstddef cstdint cstring initializer_list iterator limits numeric
+    optional ratio span string_view tuple type_traits utility version""".split())
+STANDARD = FIRMWARE_STANDARD | set("""
+    any atomic barrier bitset cctype cerrno cfenv cfloat charconv chrono cinttypes clocale cmath codecvt complex
+    condition_variable coroutine csetjmp csignal cstdarg cstdio cstdlib ctime cuchar cwchar cwctype deque exception
+    execution filesystem format forward_list fstream functional future iomanip ios iosfwd iostream istream latch list
+    locale map memory memory_resource mutex new numbers ostream queue random ranges regex scoped_allocator semaphore set
+    shared_mutex source_location sstream stack stdexcept stop_token streambuf string strstream syncstream system_error
+    thread typeindex typeinfo unordered_map unordered_set valarray variant vector""".split())
+ANY = None  # headers of any library
+
+# Which part a file belongs to: the first pattern that its path begins with. Then what it may include: paths of the project
+# that begin so, and headers in angle brackets.
+RULES = [
+    (r"hal/port/", (r"hal/port/",), FIRMWARE_STANDARD),
+    (r"hal/fake/", (r"hal/(port|fake)/",), STANDARD),
+    (r"hal/", (r"hal/", r"firmware/"), ANY),
+    (r"firmware/\w+/host/", (r"hal/port/", r"firmware/"), STANDARD),
+    (r"firmware/", (r"hal/port/", r"firmware/(?!\w+/host/)"), FIRMWARE_STANDARD),
+    (r"sim_board/can/", (r"hal/port/", r"firmware/canopen/", r"sim_board/", r"hal/linux/socketcan\.h$"), ANY),
+    (r"sim_board/", (r"hal/port/", r"firmware/canopen/", r"sim_board/"), ANY),
+    (r"tools/", (r"hal/", r"firmware/", r"sim_board/", r"tools/"), ANY),
+    (r"tests/", (r"",), ANY),
+]
+
+
+def violations(path, text):
+    """Lines `PATH: includes HEADER ...` for what the file at this path of the project may not include."""
+    allowed, libraries = next((allowed, libraries) for prefix, allowed, libraries in RULES if re.match(prefix, path))
+    found = []
+    for bracket, header in INCLUDE.findall(text):
+        if bracket == "<":
+            if libraries is not ANY and header not in libraries:
+                found.append(f"{path}: includes <{header}>, which is not among the headers allowed there")
+        elif not any(re.match(prefix, header) for prefix in allowed):
+            found.append(f'{path}: includes "{header}", which it may not know')
+        elif not (ROOT / header).is_file():
+            found.append(f'{path}: includes "{header}", which is no file from the project\'s root')
+    return found
+
+
+def sources():
+    return [path for folder in FOLDERS for path in sorted((ROOT / folder).rglob("*")) if path.suffix in {".h", ".cc"}]
+
+
+class Sources(unittest.TestCase):
+    maxDiff = None
+
+    def test_include_only_what_they_may_know(self):
+        found = [line for path in sources() for line in violations(path.relative_to(ROOT).as_posix(), path.read_text())]
+        self.assertEqual(found, [])
+
+    def test_are_found_in_every_folder(self):
+        seen = {path.relative_to(ROOT).parts[0] for path in sources()}
+        self.assertEqual(seen, set(FOLDERS))
+
+
+class Checker(unittest.TestCase):
+    FORBIDDEN = [
+        ("hal/port/x.h", '#include "firmware/fixed/quantity.h"'),
+        ("hal/port/x.h", "#include <vector>"),
+        ("hal/fake/x.h", '#include "firmware/fixed/quantity.h"'),
+        ("hal/fake/x.h", "#include <ode/ode.h>"),
+        ("hal/linux/x.cc", '#include "sim_board/can/node.h"'),
+        ("firmware/app/x.cc", '#include "hal/fake/board.h"'),
+        ("firmware/app/x.cc", '#include "sim_board/can/node.h"'),
+        ("firmware/app/x.cc", '#include "firmware/fixed/host/convert.h"'),
+        ("firmware/app/x.cc", "#include <Eigen/Dense>"),
+        ("firmware/app/x.cc", "#include <iostream>"),
+        ("firmware/app/x.cc", "#include <cmath>"),
+        ("firmware/app/x.cc", "  #  include  <string>"),
+        ("firmware/fixed/host/x.h", '#include "sim_board/can/node.h"'),
+        ("firmware/fixed/host/x.h", "#include <Eigen/Dense>"),
+        ("sim_board/board/x.cc", '#include "firmware/fixed/quantity.h"'),
+        ("sim_board/board/x.cc", '#include "hal/fake/board.h"'),
+        ("sim_board/board/x.cc", '#include "hal/linux/socketcan.h"'),
+        ("sim_board/can/x.cc", '#include "hal/linux/timer.h"'),
+        ("sim_board/board/x.cc", '#include "tools/cli/run.h"'),
+        ("sim_board/board/x.cc", '#include "tests/support/model.h"'),
+        ("sim_board/board/x.cc", '#include "board.h"'),
+        ("sim_board/board/x.cc", '#include "sim_board/board/no_such_file.h"'),
+        ("tools/cli/x.cc", '#include "tests/support/model.h"'),
+    ]
+    ALLOWED = [
+        ("hal/port/x.h", '#include "hal/port/can.h"\n#include <array>'),
+        ("hal/fake/x.h", '#include "hal/port/can.h"\n#include <vector>'),
+        ("firmware/app/x.cc", '#include "firmware/fixed/quantity.h"\n#include "hal/port/board.h"\n#include <span>'),
+        ("firmware/app/x.cc", '// #include <vector>'),
+        ("sim_board/world/x.cc", '#include "hal/port/can.h"\n#include <ode/ode.h>\n#include <vector>'),
+        ("tools/cli/x.cc", '#include "firmware/fixed/quantity.h"\n#include "sim_board/can/node.h"'),
+        ("tests/unit/x.cc", '#include "sim_board/can/node.h"\n#include <gtest/gtest.h>'),
+    ]
+
+    def test_finds_every_violation(self):
+        for path, text in self.FORBIDDEN:
+            with self.subTest(path=path, text=text):
+                self.assertEqual(len(violations(path, text)), 1)
+
+    def test_accepts_what_is_allowed(self):
+        for path, text in self.ALLOWED:
+            with self.subTest(path=path, text=text):
+                self.assertEqual(violations(path, text), [])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
