@@ -1,5 +1,6 @@
 #include "firmware/motion/check.h"
 
+#include <algorithm>
 #include <array>
 
 namespace koboshi::motion {
@@ -32,26 +33,32 @@ MotionStatus check_fields(const Motion& motion, const Step& step) {
   return MotionStatus::kOk;
 }
 
-bool loops_nest(const Motion& motion) {
+constexpr MotionVerdict kGood{};
+
+constexpr MotionVerdict refuse(MotionStatus status, std::size_t index) {
+  return {status, static_cast<std::uint16_t>(index)};
+}
+
+MotionVerdict check_loops(const Motion& motion) {
   std::array<std::size_t, kMaxLoopDepth> open{};
   std::size_t depth = 0;
   for (std::size_t i = 0; i < motion.step_count(); ++i) {
     const Step step = motion.step(i);
     if (step.opcode == Opcode::kLoopBegin) {
-      if (depth == kMaxLoopDepth) return false;
+      if (depth == kMaxLoopDepth) return refuse(MotionStatus::kBadLoop, i);
       open[depth++] = i;
     } else if (step.opcode == Opcode::kLoopEnd) {
-      if (depth == 0 || open[--depth] != step.operand) return false;
+      if (depth == 0 || open[--depth] != step.operand) return refuse(MotionStatus::kBadLoop, i);
     }
   }
-  return depth == 0;
+  return depth == 0 ? kGood : refuse(MotionStatus::kBadLoop, open[depth - 1]);
 }
 
-// From `from` to a later step, as if both were in one loop body: does every loop that begins between them end
-// between them, too?
-bool same_body(const Motion& motion, std::size_t from, std::size_t to) {
+// Whether two steps are in one loop body: every loop that begins between them ends between them, and the
+// other way round.
+bool same_body(const Motion& motion, std::size_t first, std::size_t last) {
   std::size_t depth = 0;
-  for (std::size_t i = from; i < to; ++i) {
+  for (std::size_t i = first; i < last; ++i) {
     const Opcode opcode = motion.step(i).opcode;
     if (opcode == Opcode::kLoopBegin) ++depth;
     if (opcode == Opcode::kLoopEnd) {
@@ -62,16 +69,18 @@ bool same_body(const Motion& motion, std::size_t from, std::size_t to) {
   return depth == 0;
 }
 
-bool jumps_are_sound(const Motion& motion) {
+MotionVerdict check_jumps(const Motion& motion) {
   std::size_t jumps = 0;
   for (std::size_t i = 0; i < motion.step_count(); ++i) {
     const Step step = motion.step(i);
     if (step.opcode != Opcode::kJump) continue;
     const std::size_t target = step.operand;
-    if (++jumps > kMaxJumps || target >= motion.step_count()) return false;
-    if (!same_body(motion, target < i ? target : i, target < i ? i : target)) return false;
+    if (++jumps > kMaxJumps || target >= motion.step_count() ||
+        !same_body(motion, std::min(i, target), std::max(i, target))) {
+      return refuse(MotionStatus::kBadJump, i);
+    }
   }
-  return true;
+  return kGood;
 }
 
 // Walks from a step until one that takes time or ends the motion, leaving loops at their end. At most
@@ -89,30 +98,32 @@ bool time_passes_from(const Motion& motion, std::size_t index, bool within_body)
 
 // A cycle without time would have to go back through the end of a loop or by jumps alone. The walk from the
 // loop's first step rules out the one, the bounded walk from every step the other.
-bool every_cycle_takes_time(const Motion& motion) {
+MotionVerdict check_time(const Motion& motion) {
   for (std::size_t i = 0; i < motion.step_count(); ++i) {
-    if (!time_passes_from(motion, i, false)) return false;
-    if (motion.step(i).opcode == Opcode::kLoopBegin && !time_passes_from(motion, i + 1, true)) return false;
+    const bool is_loop = motion.step(i).opcode == Opcode::kLoopBegin;
+    if (!time_passes_from(motion, i, false) || (is_loop && !time_passes_from(motion, i + 1, true))) {
+      return refuse(MotionStatus::kTakesNoTime, i);
+    }
   }
-  return true;
+  return kGood;
 }
 
 }  // namespace
 
-MotionStatus check_motion(const Motion& motion, const RobotModel& model) {
+MotionVerdict check_motion(const Motion& motion, const RobotModel& model) {
   for (std::size_t i = 0; i < motion.pose_count(); ++i) {
     const MotionStatus status = check_pose(motion, model, i);
-    if (status != MotionStatus::kOk) return status;
+    if (status != MotionStatus::kOk) return refuse(status, i);
   }
   for (std::size_t i = 0; i < motion.step_count(); ++i) {
     const MotionStatus status = check_fields(motion, motion.step(i));
-    if (status != MotionStatus::kOk) return status;
+    if (status != MotionStatus::kOk) return refuse(status, i);
   }
-  if (motion.step(motion.step_count() - 1).opcode != Opcode::kEnd) return MotionStatus::kNoEnd;
-  if (!loops_nest(motion)) return MotionStatus::kBadLoop;
-  if (!jumps_are_sound(motion)) return MotionStatus::kBadJump;
-  if (!every_cycle_takes_time(motion)) return MotionStatus::kTakesNoTime;
-  return MotionStatus::kOk;
+  const std::size_t last = motion.step_count() - 1;
+  if (motion.step(last).opcode != Opcode::kEnd) return refuse(MotionStatus::kNoEnd, last);
+  if (const MotionVerdict verdict = check_loops(motion); !verdict.ok()) return verdict;
+  if (const MotionVerdict verdict = check_jumps(motion); !verdict.ok()) return verdict;
+  return check_time(motion);
 }
 
 }  // namespace koboshi::motion

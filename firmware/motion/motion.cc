@@ -23,11 +23,11 @@ bool is_name(std::span<const std::byte> field) {
 
 }  // namespace
 
-MotionStatus Motion::open(std::span<const std::byte> bytes, const robot::RobotModel& model, Motion& motion) {
+MotionVerdict Motion::open(std::span<const std::byte> bytes, const robot::RobotModel& model, Motion& motion) {
   robot::Image image;
   const ImageStatus opened = robot::open_image(bytes, kMotionMagic, kMotionVersion, image);
-  if (opened != ImageStatus::kOk) return static_cast<MotionStatus>(opened);
-  if (image.body.size() < kMotionFixedSize) return MotionStatus::kBadSize;
+  if (opened != ImageStatus::kOk) return {static_cast<MotionStatus>(opened)};
+  if (image.body.size() < kMotionFixedSize) return {MotionStatus::kBadSize};
 
   const std::uint32_t model_id = ImageReader(image.body).u32();
   ImageReader counts(image.body.subspan(4 + kNameSize));
@@ -36,18 +36,18 @@ MotionStatus Motion::open(std::span<const std::byte> bytes, const robot::RobotMo
   candidate.joint_count_ = counts.u16();
   candidate.pose_count_ = counts.u16();
   candidate.step_count_ = counts.u16();
-  if (model_id != model.id) return MotionStatus::kOtherRobot;
+  if (model_id != model.id) return {MotionStatus::kOtherRobot};
   if (candidate.joint_count_ != model.joint_count || candidate.pose_count_ > kMaxPoses ||
       candidate.step_count_ == 0 || candidate.step_count_ > kMaxSteps) {
-    return MotionStatus::kBadCount;
+    return {MotionStatus::kBadCount};
   }
   if (image.body.size() != kMotionFixedSize + candidate.pose_count_ * pose_size(candidate.joint_count_) +
                                candidate.step_count_ * kStepSize) {
-    return MotionStatus::kBadSize;
+    return {MotionStatus::kBadSize};
   }
-  if (!is_name(image.body.subspan(4, kNameSize))) return MotionStatus::kBadName;
-  const MotionStatus checked = check_motion(candidate, model);
-  if (checked == MotionStatus::kOk) motion = candidate;
+  if (!is_name(image.body.subspan(4, kNameSize))) return {MotionStatus::kBadName};
+  const MotionVerdict checked = check_motion(candidate, model);
+  if (checked.ok()) motion = candidate;
   return checked;
 }
 

@@ -41,25 +41,33 @@ struct Step {
 
 constexpr bool takes_time(Opcode opcode) { return opcode == Opcode::kMove || opcode == Opcode::kWait; }
 
-enum class [[nodiscard]] MotionStatus : std::uint8_t{
-    kOk = 0,
-    kTruncated = 1,  // up to kBadCrc as robot::ImageStatus
-    kBadMagic = 2,
-    kBadVersion = 3,
-    kBadSize = 4,
-    kBadCrc = 5,
-    kOtherRobot = 6,  // bound to another model
-    kBadCount = 7,    // of joints, poses or steps
-    kBadName = 8,     // empty, or not printable ASCII padded with zeros
-    kBadPose = 9,  // a joint that the robot has not, or an angle given for a joint that the pose leaves out
-    kBeyondLimits = 10,  // an angle
-    kBadOpcode = 11,     // unknown, or a field that the opcode does not use is not zero
-    kBadStepTime = 12,   // not within kMinStepTime_us..kMaxStepTime_us
-    kNoSuchPose = 13,
-    kBadLoop = 14,      // not properly nested, too deep, or a kLoopEnd that names another beginning
-    kBadJump = 15,      // past the end, into or out of a loop, or too many
-    kNoEnd = 16,        // the last step is not kEnd
-    kTakesNoTime = 17,  // a loop, or a chain of too many steps, in which no time passes
+enum class MotionStatus : std::uint8_t {
+  kOk = 0,
+  kTruncated = 1,  // up to kBadCrc as robot::ImageStatus
+  kBadMagic = 2,
+  kBadVersion = 3,
+  kBadSize = 4,
+  kBadCrc = 5,
+  kOtherRobot = 6,  // bound to another model
+  kBadCount = 7,    // of joints, poses or steps
+  kBadName = 8,     // empty, or not printable ASCII padded with zeros
+  kBadPose = 9,     // a joint that the robot has not, or an angle given for a joint that the pose leaves out
+  kBeyondLimits = 10,  // an angle
+  kBadOpcode = 11,     // unknown, or a field that the opcode does not use is not zero
+  kBadStepTime = 12,   // not within kMinStepTime_us..kMaxStepTime_us
+  kNoSuchPose = 13,
+  kBadLoop = 14,      // not properly nested, too deep, or a kLoopEnd that names another beginning
+  kBadJump = 15,      // past the end, into or out of a loop, or too many
+  kNoEnd = 16,        // the last step is not kEnd
+  kTakesNoTime = 17,  // a loop, or a chain of too many steps, in which no time passes
+};
+
+// Why a motion was refused, and the first pose or step at which it was seen (0 where it is neither).
+struct [[nodiscard]] MotionVerdict {
+  MotionStatus status = MotionStatus::kOk;
+  std::uint16_t index = 0;
+
+  [[nodiscard]] constexpr bool ok() const { return status == MotionStatus::kOk; }
 };
 
 // A validated motion image, played from where it lies: a view, which must not outlive the bytes nor see them
@@ -75,7 +83,7 @@ class Motion {
   // Validates the image at the start of `bytes` against the robot. `motion` is set on kOk only. Validated
   // means: it plays for ever without a read outside the image, without a cycle that takes no time, and with
   // every target within its joint's limits.
-  static MotionStatus open(std::span<const std::byte> bytes, const robot::RobotModel& model, Motion& motion);
+  static MotionVerdict open(std::span<const std::byte> bytes, const robot::RobotModel& model, Motion& motion);
 
   [[nodiscard]] std::string_view name() const;
   [[nodiscard]] std::size_t joint_count() const { return joint_count_; }

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <filesystem>
+
+#include "tools/model/robot_model.h"
+#include "tools/motion/source.h"
+
+namespace koboshi::tools {
+
+// Reads a motion file for this robot. Throws sim::InputError with the line of whatever is missing, unknown,
+// doubled, out of its joint's limits or for another robot.
+[[nodiscard]] MotionSource parse_motion(const std::filesystem::path& file, const NamedModel& robot);
+
+}  // namespace koboshi::tools

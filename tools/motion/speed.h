@@ -1,0 +1,12 @@
+#pragma once
+
+#include "tools/model/robot_model.h"
+#include "tools/motion/source.h"
+
+namespace koboshi::tools {
+
+// Throws sim::InputError at the first move that asks a joint for more than its speed, as far as the joint's
+// angle before the move is known: not before its first pose, and not behind a label.
+void check_speeds(const MotionSource& motion, const NamedModel& robot);
+
+}  // namespace koboshi::tools
