@@ -1,0 +1,139 @@
+#include "tools/plot/figure.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+
+#include "sim_board/input/error.h"
+#include "tools/plot/gnuplot_script.h"
+
+namespace koboshi::tools {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+std::string contents(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+// A squat as a trace would show it.
+void write_trace(const std::filesystem::path& file) {
+  std::ofstream out(file);
+  out << "time_s,base_z_m,knee_target_rad,knee_rad\n";
+  for (int i = 0; i <= 2000; ++i) {
+    const double time_s = 0.01 * i;
+    const double target = time_s < 4.0 ? 0.0 : 0.6 - 0.6 * std::cos(std::numbers::pi * (time_s - 4.0) / 2.0);
+    const double actual = target - 0.02 * std::sin(target) + 0.003 * std::sin(40.0 * time_s);
+    out << time_s << ',' << 0.17 + 0.065 * (2.0 * std::cos(0.5 * actual) - 2.0) << ',' << target << ','
+        << actual << '\n';
+  }
+}
+
+Figure squat_figure() {
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  Figure figure;
+  figure.title = "Squat: 'base' height and left_knee";
+  figure.panels.push_back(
+      {.y_label = "base height [mm]", .series = {{.column = "base_z_m", .label = "base", .factor = 1000.0}}});
+  figure.panels.push_back({.y_label = "left knee [°]",
+                           .series = {{.column = "knee_rad", .label = "actual", .factor = kDegrees},
+                                      {.column = "knee_target_rad",
+                                       .label = "target",
+                                       .style = LineStyle::kDashed,
+                                       .factor = kDegrees}}});
+  figure.marks = {{1.5, "enable"}, {4.0, "play squat"}};
+  return figure;
+}
+
+class Drawing : public ::testing::Test {
+ protected:
+  Drawing() {
+    std::filesystem::create_directories(folder_);
+    write_trace(trace_);
+  }
+  ~Drawing() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("koboshi_figure_" + std::to_string(getpid()));
+  std::filesystem::path trace_ = folder_ / "trace.csv";
+};
+
+TEST_F(Drawing, MakesPngAndSvgAndLeavesNothingElse) {
+  draw(squat_figure(), trace_, folder_ / "squat");
+  EXPECT_THAT(contents(folder_ / "squat.png"), StartsWith("\x89PNG"));
+  const std::string svg = contents(folder_ / "squat.svg");
+  for (const char* text :
+       {"base height [mm]", "left knee [°]", "time [s]", "target", "play squat", "left_knee"}) {
+    EXPECT_THAT(svg, HasSubstr(text));
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "squat.gnuplot"));
+}
+
+TEST_F(Drawing, RepeatsItself) {
+  draw(squat_figure(), trace_, folder_ / "a");
+  draw(squat_figure(), trace_, folder_ / "b");
+  EXPECT_EQ(contents(folder_ / "a.png"), contents(folder_ / "b.png"));
+  EXPECT_EQ(contents(folder_ / "a.svg"), contents(folder_ / "b.svg"));
+}
+
+TEST_F(Drawing, CopesWithConstantAndMissingData) {
+  std::ofstream(trace_) << "time_s,constant,missing\n0,5,\n1,5,\n2,5,\n";
+  Figure figure;
+  figure.panels = {{.y_label = "c", .series = {{.column = "constant"}}},
+                   {.y_label = "m", .series = {{.column = "missing"}}}};
+  EXPECT_NO_THROW(draw(figure, trace_, folder_ / "flat"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "flat.png"));
+}
+
+TEST_F(Drawing, RefusesAColumnThatIsNotThereAndWritesNothing) {
+  Figure figure = squat_figure();
+  figure.panels[0].series[0].column = "tail_m";
+  EXPECT_THROW(draw(figure, trace_, folder_ / "squat"), sim::InputError);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "squat.gnuplot"));
+}
+
+TEST_F(Drawing, SaysSoWhenGnuplotIsNotInstalled) {
+  const std::string path = getenv("PATH");
+  setenv("PATH", folder_.c_str(), 1);
+  std::string message;
+  try {
+    draw(squat_figure(), trace_, folder_ / "squat");
+  } catch (const PlotError& error) {
+    message = error.what();
+  }
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_THAT(message, HasSubstr("gnuplot is not installed"));
+  EXPECT_THAT(message, Not(HasSubstr("\n")));
+}
+
+TEST_F(Drawing, SaysSoWhenGnuplotFails) {
+  std::ofstream(folder_ / "gnuplot") << "#!/bin/sh\nexit 3\n";
+  std::filesystem::permissions(folder_ / "gnuplot", std::filesystem::perms::owner_all);
+  const std::string path = getenv("PATH");
+  setenv("PATH", (folder_.string() + ":" + path).c_str(), 1);
+  EXPECT_THROW(draw(squat_figure(), trace_, folder_ / "squat"), PlotError);
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "squat.gnuplot")) << "the script stays, to be looked at";
+}
+
+TEST(GnuplotScript, KeepsASmallestSpan) {
+  Figure figure;
+  figure.panels = {{.y_label = "y", .series = {{.column = "y"}}, .smallest_span = 10.0}};
+  const Columns columns{{"time_s", {0.0, 1.0}}, {"y", {2.0, 3.0}}};
+  EXPECT_THAT(gnuplot_script(figure, columns, "f"), HasSubstr("set yrange [-3:8]"));
+  figure.panels[0].smallest_span = 0.0;
+  EXPECT_THAT(gnuplot_script(figure, columns, "f"), HasSubstr("set yrange [1.95:3.05]"));
+}
+
+}  // namespace
+}  // namespace koboshi::tools

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace koboshi::tools {
+
+// Curves over a common abscissa, panel above panel, for a page or a screen.
+
+enum class LineStyle { kSolid, kDashed };
+
+struct Series {
+  std::string column{};  // of the CSV file
+  std::string label{};   // in the key; empty: none
+  LineStyle style = LineStyle::kSolid;
+  std::optional<int> colour{};  // 0..7 of a colour-blind-safe palette; without it by position in the panel
+  double factor = 1.0;          // from the column's unit to the panel's, such as 180/pi
+};
+
+struct Panel {
+  std::string y_label{};  // with the unit: "base height [mm]"
+  std::vector<Series> series{};
+  double smallest_span = 0.0;  // of the ordinate, so that a constant's rounding noise does not fill the panel
+};
+
+// A vertical line through all panels, such as the moment of a command.
+struct Mark {
+  double x = 0.0;
+  std::string label{};
+};
+
+struct Figure {
+  std::string title{};
+  std::vector<Panel> panels{};
+  std::vector<Mark> marks{};
+  std::string x_column = "time_s";
+  std::string x_label = "time [s]";
+};
+
+// A figure that could not be drawn although its data are good: no gnuplot, or gnuplot failed. `what()` is
+// one line.
+class PlotError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// Draws columns of a CSV file to `without_extension`.png and .svg. Long curves are thinned to what a page can
+// show, extremes kept. Throws sim::InputError where the file lacks a column or is malformed, PlotError
+// otherwise.
+void draw(const Figure& figure, const std::filesystem::path& csv_file,
+          const std::filesystem::path& without_extension);
+
+}  // namespace koboshi::tools

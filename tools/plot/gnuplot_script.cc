@@ -1,0 +1,174 @@
+#include "tools/plot/gnuplot_script.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "sim_board/input/text.h"
+
+namespace koboshi::tools {
+namespace {
+
+// Okabe and Ito, https://jfly.uni-koeln.de/color, darkest contrast first.
+constexpr std::array kPalette{"#0072B2", "#D55E00", "#009E73", "#CC79A7",
+                              "#E69F00", "#56B4E9", "#000000", "#8C8C8C"};
+constexpr std::size_t kBuckets = 1000;  // about one a pixel
+constexpr int kWidth_px = 1000;
+constexpr int kPanelHeight_px = 240;
+constexpr int kHead_px = 70;  // title and the marks' labels
+constexpr int kFoot_px = 60;  // tics and label of the abscissa
+constexpr int kGap_px = 36;   // between panels, for the key of the lower one
+constexpr int kLeft_px = 90;
+constexpr int kRight_px = 25;
+
+struct Range {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+
+  void include(double value) {
+    if (std::isnan(value)) return;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+};
+
+std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? std::string("''") : std::string(1, c);
+  return result + "'";
+}
+
+std::string block_name(std::size_t panel, std::size_t series) {
+  return "$panel" + std::to_string(panel) + "_series" + std::to_string(series);
+}
+
+void write_curve(std::ostream& out, const std::string& name, const std::vector<Point>& points) {
+  out << name << " << END\n";
+  for (const Point& point : points) {
+    out << sim::number_text(point.x) << ' ' << (std::isnan(point.y) ? "NaN" : sim::number_text(point.y))
+        << '\n';
+  }
+  out << "END\n";
+}
+
+// Some air around the data, and never less than the smallest span.
+Range padded(Range data, double smallest_span) {
+  if (data.low > data.high) data = {0.0, 0.0};
+  double span = std::max(data.high - data.low, smallest_span);
+  if (span == 0.0) span = 1.0;
+  const double middle = 0.5 * (data.low + data.high);
+  return {middle - 0.55 * span, middle + 0.55 * span};
+}
+
+class Script {
+ public:
+  Script(const Figure& figure, const Columns& columns) : figure_(figure), columns_(columns) {}
+
+  std::string write(const std::filesystem::path& without_extension) {
+    write_data();
+    write_style();
+    const std::string size = std::to_string(kWidth_px) + "," + std::to_string(height_px());
+    const std::string font = " noenhanced font 'DejaVu Sans,11' size " + size + "\n";
+    write_page("pngcairo background 'white'" + font, without_extension.string() + ".png");
+    write_page("svg background 'white'" + font, without_extension.string() + ".svg");
+    return out_.str();
+  }
+
+ private:
+  int height_px() const {
+    const int panels = static_cast<int>(figure_.panels.size());
+    return kHead_px + panels * kPanelHeight_px + (panels - 1) * kGap_px + kFoot_px;
+  }
+
+  void write_data() {
+    const std::vector<double>& x = columns_.at(figure_.x_column);
+    for (const double value : x) x_range_.include(value);
+    for (std::size_t p = 0; p < figure_.panels.size(); ++p) {
+      const Panel& panel = figure_.panels[p];
+      Range range;
+      for (std::size_t s = 0; s < panel.series.size(); ++s) {
+        std::vector<double> y = columns_.at(panel.series[s].column);
+        for (double& value : y) value *= panel.series[s].factor;
+        for (const double value : y) range.include(value);
+        write_curve(out_, block_name(p, s), thin(x, y, kBuckets));
+      }
+      y_ranges_.push_back(padded(range, panel.smallest_span));
+    }
+  }
+
+  void write_style() {
+    if (x_range_.low >= x_range_.high) x_range_ = padded(x_range_, 0.0);
+    out_ << "set encoding utf8\n"
+            "set border 3 linecolor '#606060'\n"
+            "set tics nomirror out scale 0.6 textcolor '#303030'\n"
+            "set grid linetype 1 linewidth 0.6 linecolor '#E4E4E4'\n"
+            "set key horizontal right bottom at graph 1,1.01 samplen 2 spacing 1 textcolor '#303030'\n"
+         << "set xrange [" << sim::number_text(x_range_.low) << ":" << sim::number_text(x_range_.high)
+         << "]\n";
+  }
+
+  void write_page(const std::string& terminal, const std::string& file) {
+    out_ << "set terminal " << terminal << "set output " << quoted(file) << "\nset multiplot\n";
+    out_ << "set label 1 " << quoted(figure_.title) << " at screen " << screen_x(kLeft_px) << ", screen "
+         << 1.0 - 22.0 / height_px() << " left font ',14'\n";
+    for (std::size_t p = 0; p < figure_.panels.size(); ++p) write_panel(p);
+    out_ << "unset multiplot\nset output\n";
+  }
+
+  void write_panel(std::size_t p) {
+    const Panel& panel = figure_.panels[p];
+    const bool last = p + 1 == figure_.panels.size();
+    const double top = kHead_px + static_cast<double>(p) * (kPanelHeight_px + kGap_px);
+    out_ << "set lmargin at screen " << screen_x(kLeft_px) << "\nset rmargin at screen "
+         << screen_x(kWidth_px - kRight_px) << "\nset tmargin at screen " << screen_y(top)
+         << "\nset bmargin at screen " << screen_y(top + kPanelHeight_px) << '\n';
+    out_ << "set format x " << (last ? "'%g'" : "''") << "\nset xlabel "
+         << quoted(last ? figure_.x_label : "") << "\nset ylabel " << quoted(panel.y_label)
+         << " offset 0.5,0\nset yrange [" << sim::number_text(y_ranges_[p].low) << ":"
+         << sim::number_text(y_ranges_[p].high) << "]\n";
+    write_marks(p == 0);
+    out_ << "plot ";
+    for (std::size_t s = 0; s < panel.series.size(); ++s) out_ << (s > 0 ? ", " : "") << curve(p, s);
+    out_ << "\nunset label 1\nunset arrow\nunset for [i=2:" << figure_.marks.size() + 1 << "] label i\n";
+  }
+
+  void write_marks(bool with_labels) {
+    for (std::size_t m = 0; m < figure_.marks.size(); ++m) {
+      const std::string x = sim::number_text(figure_.marks[m].x);
+      out_ << "set arrow from first " << x << ", graph 0 to first " << x
+           << ", graph 1 nohead back linewidth 1 linecolor '#A0A0A0' dashtype (4,4)\n";
+      if (!with_labels) continue;
+      out_ << "set label " << m + 2 << ' ' << quoted(figure_.marks[m].label) << " at first " << x
+           << ", graph 1 offset 0,0.6 left font ',9' textcolor '#606060'\n";
+    }
+  }
+
+  std::string curve(std::size_t p, std::size_t s) const {
+    const Series& series = figure_.panels[p].series[s];
+    const std::size_t colour = series.colour ? static_cast<std::size_t>(*series.colour) : s;
+    return block_name(p, s) + " using 1:2 with lines linewidth 1.8 linecolor '" +
+           kPalette.at(colour % kPalette.size()) + "' dashtype " +
+           (series.style == LineStyle::kDashed ? "(6,4)" : "1") +
+           (series.label.empty() ? " notitle" : " title " + quoted(series.label));
+  }
+
+  double screen_x(double from_left_px) const { return from_left_px / kWidth_px; }
+  double screen_y(double from_top_px) const { return 1.0 - from_top_px / height_px(); }
+
+  const Figure& figure_;
+  const Columns& columns_;
+  std::ostringstream out_;
+  Range x_range_;
+  std::vector<Range> y_ranges_;
+};
+
+}  // namespace
+
+std::string gnuplot_script(const Figure& figure, const Columns& columns,
+                           const std::filesystem::path& without_extension) {
+  return Script(figure, columns).write(without_extension);
+}
+
+}  // namespace koboshi::tools
