@@ -22,13 +22,17 @@ void DriveStateMachine::command(std::uint16_t controlword) {
 DriveStateMachine::State DriveStateMachine::on_command(Command command) const {
   if (state_ == State::kNotReadyToSwitchOn || state_ == State::kFaultReactionActive) return state_;
   switch (command) {
-    case Command::kDisableVoltage: return State::kSwitchOnDisabled;
+    case Command::kDisableVoltage:
+      return State::kSwitchOnDisabled;
     case Command::kQuickStop:
-      return state_ == State::kOperationEnabled || state_ == State::kQuickStopActive ? State::kQuickStopActive
-                                                                                     : State::kSwitchOnDisabled;
-    case Command::kShutdown: return state_ == State::kQuickStopActive ? state_ : State::kReadyToSwitchOn;
+      return state_ == State::kOperationEnabled || state_ == State::kQuickStopActive
+                 ? State::kQuickStopActive
+                 : State::kSwitchOnDisabled;
+    case Command::kShutdown:
+      return state_ == State::kQuickStopActive ? state_ : State::kReadyToSwitchOn;
     case Command::kSwitchOn:
-      return state_ == State::kReadyToSwitchOn || state_ == State::kOperationEnabled ? State::kSwitchedOn : state_;
+      return state_ == State::kReadyToSwitchOn || state_ == State::kOperationEnabled ? State::kSwitchedOn
+                                                                                     : state_;
     case Command::kEnableOperation:
       // Ready to switch on passes through switched on (transitions 3 and 4 in one, which the profile allows).
       return state_ == State::kSwitchOnDisabled ? state_ : State::kOperationEnabled;

@@ -6,8 +6,8 @@
 
 namespace koboshi::sim {
 
-// The power drive system finite state automaton of CiA 402-2, figure 5. Quick stop and fault reaction last until
-// their owner reports that the shaft stands.
+// The power drive system finite state automaton of CiA 402-2, figure 5. Quick stop and fault reaction last
+// until their owner reports that the shaft stands.
 class DriveStateMachine {
  public:
   using State = canopen::cia402::State;
@@ -18,11 +18,12 @@ class DriveStateMachine {
            state_ == State::kFaultReactionActive;
   }
 
-  void initialised();                        // transition 1
-  void command(std::uint16_t controlword);   // transitions 2 to 11, 15, 16; edges of fault reset are seen between calls
-  void fault();                              // transition 13
-  void stand_still();                        // transitions 12 and 14: the ramp has ended
-  void torque_off();                         // the drive-enable line fell: transitions 7, 9, 10, 12; ends a fault reaction
+  void initialised();  // transition 1
+  void command(
+      std::uint16_t controlword);  // transitions 2 to 11, 15, 16; edges of fault reset are seen between calls
+  void fault();                    // transition 13
+  void stand_still();              // transitions 12 and 14: the ramp has ended
+  void torque_off();  // the drive-enable line fell: transitions 7, 9, 10, 12; ends a fault reaction
 
  private:
   State on_command(canopen::cia402::Command command) const;

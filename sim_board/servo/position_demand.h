@@ -4,9 +4,10 @@
 
 namespace koboshi::sim {
 
-// The position that a drive asks of its servo between two targets of the bus, in units of the bus (2^-20 turn).
-// Cyclic synchronous position mode: each new target is approached linearly over one interpolation period (CiA 402, 0x60C2),
-// starting where the demand stands. After `stop` the demand's speed falls with a constant deceleration (0x6085).
+// The position that a drive asks of its servo between two targets of the bus, in units of the bus (2^-20
+// turn). Cyclic synchronous position mode: each new target is approached linearly over one interpolation
+// period (CiA 402, 0x60C2), starting where the demand stands. After `stop` the demand's speed falls with a
+// constant deceleration (0x6085).
 class PositionDemand {
  public:
   // Stands at `position`.
@@ -22,11 +23,11 @@ class PositionDemand {
  private:
   double position_at(std::uint64_t now_us) const;
 
-  double start_ = 0.0;                  // position at start_us_
-  double speed_ = 0.0;                  // at start_us_
-  double deceleration_ = 0.0;           // signed: speed(t) = speed_ - deceleration_ * t
+  double start_ = 0.0;         // position at start_us_
+  double speed_ = 0.0;         // at start_us_
+  double deceleration_ = 0.0;  // signed: speed(t) = speed_ - deceleration_ * t
   std::uint64_t start_us_ = 0;
-  std::uint64_t end_us_ = 0;            // from here on the demand stands at end_
+  std::uint64_t end_us_ = 0;  // from here on the demand stands at end_
   double end_ = 0.0;
 };
 

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "firmware/canopen/node.h"
+#include "sim_board/can/bus.h"
+#include "sim_board/servo/drive_dictionary.h"
+#include "sim_board/servo/drive_state.h"
+#include "sim_board/servo/position_demand.h"
+#include "sim_board/servo/servo.h"
+
+namespace koboshi::sim {
+
+// A servo drive: a CANopen node after CiA 402 in cyclic synchronous position mode around the hardware of one
+// servo. It answers frames at the microsecond at which they reach it; its own loop runs at 1 kHz.
+class Drive final : private BusNode, private canopen::FrameSink, private canopen::NodeApplication {
+ public:
+  static constexpr std::uint64_t kBootTime_us = 50'000;  // from power or reset to the boot-up message
+  static constexpr std::uint64_t kSyncTolerance = 5;     // cycles without SYNC that a moving drive bears
+  static constexpr std::uint64_t kStandTime_us =
+      100'000;  // how long it holds after a stop before the torque goes
+  static constexpr std::size_t kTransmitFifo = 16;
+
+  // Stands on the bus from now on, without power until power_on(). The bus must outlive it.
+  Drive(const JointDescription& joint, Bus& bus);
+  Drive(const Drive&) = delete;
+  Drive& operator=(const Drive&) = delete;
+
+  // The drive-enable line: while it is low the drive makes no torque, whatever its state.
+  void set_enable_line(bool high);
+  // Samples the servo and runs the loop once, every PositionController::kPeriod_s. Returns what the joint
+  // feels until the next.
+  ServoTorque update(const JointState& joint, std::uint64_t now_us);
+
+  void power_on(std::uint64_t now_us);
+  void power_off();
+  // A processor that hangs: neither hears nor speaks nor computes; the motor stays as it was driven last.
+  void hang();
+
+  canopen::cia402::State state() const { return state_.state(); }
+  bool makes_torque() const { return powered_ && enable_line_ && state_.makes_torque(); }
+  const DriveValues& values() const { return values_; }
+  double current_A() const { return servo_.current_A(); }
+  double torque_Nm() const { return servo_.torque_Nm(); }
+  NodeHandle bus_handle() const { return handle_; }
+
+ private:
+  void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override;
+  bool send(const hal::CanFrame& frame) override;
+  canopen::AbortCode on_write(canopen::ObjectAddress address, std::uint32_t value) override;
+  void on_reset(canopen::NmtCommand reset) override;
+  void on_sync(std::uint64_t now_us) override;
+  void on_heartbeat(const canopen::HeartbeatEvent& event) override;
+
+  void obey(std::uint16_t controlword);
+  void fault(std::uint16_t error_code, std::uint8_t register_bits);
+  void begin_stop();
+  void finish_stop();
+  void watch_sync();
+  void follow_target();
+  void show();
+
+  const JointDescription& joint_;
+  Bus& bus_;
+  NodeHandle handle_;
+  Servo servo_;
+  DriveStateMachine state_;
+  PositionDemand demand_;
+  canopen::NodeDescription description_;
+  DriveValues values_;
+  canopen::NodeMemory<4, 4, 2, 8> memory_;
+  canopen::Node node_;
+  ServoTorque torque_;
+  bool powered_ = false;
+  bool hanging_ = false;
+  bool started_ = false;
+  bool enable_line_ = false;
+  std::uint64_t start_us_ = 0;  // when the boot-up is due
+  std::uint64_t now_us_ = 0;
+  std::optional<std::uint64_t> last_sync_us_;
+};
+
+}  // namespace koboshi::sim

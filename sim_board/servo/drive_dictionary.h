@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/canopen/node.h"
+#include "sim_board/robot/description.h"
+
+namespace koboshi::sim {
+
+// The values behind a drive's object dictionary, CiA 402. Positions in 2^-20 turn of the shaft.
+struct DriveValues {
+  std::int16_t abort_connection_option = 1;  // 0x6007: a lost controller is a fault
+  std::uint16_t error_code = 0;              // 0x603F
+  std::uint16_t controlword = 0;
+  std::uint16_t statusword = 0;
+  std::int16_t quick_stop_option = 2;      // 0x605A: slow down on the ramp, then switch on disabled
+  std::int16_t fault_reaction_option = 2;  // 0x605E: slow down on the ramp
+  std::int8_t mode = 0;
+  std::int8_t mode_display = 0;
+  std::int32_t position_actual = 0;
+  std::int16_t torque_actual_permille = 0;  // of 0x6076
+  std::uint32_t rated_torque_mNm = 0;       // 0x6076: the stall torque at nominal supply
+  std::uint32_t supply_mV = 0;              // 0x6079
+  std::int32_t target_position = 0;
+  std::int32_t position_limit[2] = {};        // 0x607D: lowest, highest
+  std::uint32_t quick_stop_deceleration = 0;  // 0x6085: 2^-20 turn/s^2
+  std::uint8_t interpolation_period = 10;     // 0x60C2:1
+  std::int8_t interpolation_exponent = -3;    // 0x60C2:2: powers of ten of a second
+};
+
+// What all drives share but their identity, which stands in the robot file.
+canopen::NodeDescription drive_node_description(const DriveDescription& drive);
+
+}  // namespace koboshi::sim
