@@ -17,6 +17,13 @@ inline constexpr int kEndOfFrameBits = 7;
 inline constexpr int kUnstuffedTailBits =
     2 + kAckDelimiterBits + kEndOfFrameBits;  // CRC delimiter and ACK slot first
 inline constexpr int kIntermissionBits = 3;
+inline constexpr int kErrorFlagBits = 6;
+inline constexpr int kErrorDelimiterBits = 8;
+// An error that one node sees first: the others answer its flag with theirs.
+inline constexpr int kErrorFrameBits = 2 * kErrorFlagBits + kErrorDelimiterBits;
+// The recessive bits at the end of every transmission: error delimiter, or ACK delimiter and EOF; then
+// intermission.
+inline constexpr int kRecessiveEndBits = kErrorDelimiterBits + kIntermissionBits;
 inline constexpr int kShortestFrameBits = 44;  // no data, without stuff bits
 inline constexpr int kLongestFrameBits = 132;  // 8 bytes and 24 stuff bits
 

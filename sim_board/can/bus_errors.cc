@@ -1,0 +1,142 @@
+// What goes wrong on the bus: error counts, collisions, nodes that leave and come back.
+
+#include <algorithm>
+#include <utility>
+
+#include "sim_board/can/bus.h"
+#include "sim_board/can/frame_bits.h"
+
+namespace koboshi::sim {
+namespace {
+
+constexpr int kSuspendBits = 8;
+constexpr int kRecoveryBits = 128 * kRecessiveEndBits;
+
+// Of frames with the same identifier: whether the first is dominant in the first bit in which they differ.
+bool stronger(const hal::CanFrame& first, const hal::CanFrame& second) {
+  return std::pair(first.size, first.data) < std::pair(second.size, second.data);
+}
+
+}  // namespace
+
+hal::CanStatus Bus::status(NodeHandle node) const {
+  const ErrorCounters& errors = nodes_[index(node)].errors;
+  return {.state = errors.state(),
+          .transmit_error_count = static_cast<std::uint8_t>(std::min(errors.transmit(), 255)),
+          .receive_error_count = static_cast<std::uint8_t>(errors.receive()),
+          .receive_overruns = 0};
+}
+
+void Bus::power_off(NodeHandle node) {
+  Node& off = nodes_[index(node)];
+  if (off.recovered_us != kNever) --recovering_;
+  off.recovered_us = kNever;
+  off.powered = false;
+  off.queue.clear();
+  off.errors.reset();
+  off.hold_until_us = 0;
+  leave(index(node));
+  if (wire_.has_value() && std::erase(senders_, index(node)) > 0 && senders_.empty()) {
+    wire_->outcome = Outcome::kDestroyed;
+    wire_->end_us = now_us_ + duration_us(kErrorFrameBits);
+  }
+}
+
+void Bus::power_on(NodeHandle node) {
+  Node& on = nodes_[index(node)];
+  if (on.powered) return;
+  on.powered = true;
+  on.online_since_us = now_us_;
+  ++online_;
+}
+
+void Bus::leave(std::size_t node) {
+  if (nodes_[node].online_since_us != kNever) --online_;
+  nodes_[node].online_since_us = kNever;
+  refresh_head(node);
+}
+
+void Bus::recover(NodeHandle node) {
+  Node& off = nodes_[index(node)];
+  if (!off.errors.bus_off() || off.recovered_us != kNever) return;
+  off.recovered_us = std::max(now_us_, idle_from_us_) + duration_us(kRecoveryBits);
+  ++recovering_;
+}
+
+void Bus::complete_recoveries(std::uint64_t until_us) {
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    Node& node = nodes_[i];
+    if (node.recovered_us > until_us) continue;
+    node.errors.reset();
+    node.online_since_us = node.hold_until_us = std::exchange(node.recovered_us, kNever);
+    ++online_;
+    --recovering_;
+    refresh_head(i);
+  }
+}
+
+// Several nodes have won with the same identifier. Returns after how many bits an error flag destroys the
+// frame, or zero when it survives: then only those that send it remain senders. The strongest frame's first
+// sender comes to the front.
+int Bus::settle_collision() {
+  const auto frame_of = [this](std::size_t node) -> const hal::CanFrame& {
+    return nodes_[node].queue.front().frame;
+  };
+  std::iter_swap(senders_.begin(),
+                 std::min_element(senders_.begin(), senders_.end(), [&](std::size_t a, std::size_t b) {
+                   return stronger(frame_of(a), frame_of(b));
+                 }));
+  const hal::CanFrame& strongest = frame_of(senders_.front());
+  int destroyed_after_bits = 0;
+  bool collided = false;
+  for (const std::size_t sender : senders_) {
+    if (frame_of(sender) == strongest) continue;
+    collided = true;
+    if (nodes_[sender].errors.error_passive()) continue;
+    const int bits = bits_to_difference(strongest, frame_of(sender));
+    destroyed_after_bits = destroyed_after_bits == 0 ? bits : std::min(destroyed_after_bits, bits);
+  }
+  if (collided) ++usage_.collisions;
+  if (!collided || destroyed_after_bits > 0) return destroyed_after_bits;
+  std::erase_if(senders_, [&](std::size_t sender) {
+    if (frame_of(sender) == strongest) return false;
+    nodes_[sender].errors.on_transmit_error();
+    if (nodes_[sender].errors.bus_off()) leave(sender);
+    return true;
+  });
+  return 0;
+}
+
+void Bus::count_receptions() {
+  receive_errors_ = false;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    if (nodes_[i].online_since_us != kNever && !is_sender(i)) nodes_[i].errors.on_received();
+    receive_errors_ = receive_errors_ || nodes_[i].errors.receive() > 0;
+  }
+}
+
+void Bus::count_errors(Outcome outcome) {
+  ++usage_.error_frames;
+  for (const std::size_t sender : senders_) {
+    Node& node = nodes_[sender];
+    if (outcome == Outcome::kUnacknowledged) {
+      node.errors.on_missing_acknowledge();
+    } else {
+      node.errors.on_transmit_error();
+    }
+    suspend_if_passive(node);
+    if (node.errors.bus_off()) leave(sender);
+    refresh_head(sender);
+  }
+  if (outcome == Outcome::kUnacknowledged) return;
+  receive_errors_ = true;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    if (nodes_[i].online_since_us != kNever && !is_sender(i)) nodes_[i].errors.on_receive_error();
+  }
+}
+
+void Bus::suspend_if_passive(Node& node) {
+  if (node.errors.error_passive()) node.hold_until_us = idle_from_us_ + duration_us(kSuspendBits);
+}
+
+}  // namespace koboshi::sim
