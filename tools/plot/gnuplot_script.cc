@@ -17,10 +17,13 @@ constexpr std::array kPalette{"#0072B2", "#D55E00", "#009E73", "#CC79A7",
 constexpr std::size_t kBuckets = 1000;  // about one a pixel
 constexpr int kWidth_px = 1000;
 constexpr int kPanelHeight_px = 240;
-constexpr int kHead_px = 70;  // title and the marks' labels
-constexpr int kFoot_px = 60;  // tics and label of the abscissa
-constexpr int kGap_px = 36;   // between panels, for the key of the lower one
+constexpr int kHead_px = 92;   // title, the marks' labels, the first key
+constexpr int kTitle_px = 22;  // from the top to the title's base line
+constexpr int kMarks_px = 56;  // from the top to the base line of the marks' labels
+constexpr int kFoot_px = 60;   // tics and label of the abscissa
+constexpr int kGap_px = 36;    // between panels, for the key of the lower one
 constexpr int kLeft_px = 90;
+constexpr int kYLabel_px = 24;
 constexpr int kRight_px = 25;
 
 struct Range {
@@ -111,8 +114,8 @@ class Script {
 
   void write_page(const std::string& terminal, const std::string& file) {
     out_ << "set terminal " << terminal << "set output " << quoted(file) << "\nset multiplot\n";
-    out_ << "set label 1 " << quoted(figure_.title) << " at screen " << screen_x(kLeft_px) << ", screen "
-         << 1.0 - 22.0 / height_px() << " left font ',14'\n";
+    out_ << "set label " << quoted(figure_.title) << " at screen " << screen_x(kLeft_px) << ", screen "
+         << screen_y(kTitle_px) << " left font ',14'\n";
     for (std::size_t p = 0; p < figure_.panels.size(); ++p) write_panel(p);
     out_ << "unset multiplot\nset output\n";
   }
@@ -125,23 +128,28 @@ class Script {
          << screen_x(kWidth_px - kRight_px) << "\nset tmargin at screen " << screen_y(top)
          << "\nset bmargin at screen " << screen_y(top + kPanelHeight_px) << '\n';
     out_ << "set format x " << (last ? "'%g'" : "''") << "\nset xlabel "
-         << quoted(last ? figure_.x_label : "") << "\nset ylabel " << quoted(panel.y_label)
-         << " offset 0.5,0\nset yrange [" << sim::number_text(y_ranges_[p].low) << ":"
-         << sim::number_text(y_ranges_[p].high) << "]\n";
+         << quoted(last ? figure_.x_label : "") << "\nset yrange [" << sim::number_text(y_ranges_[p].low)
+         << ":" << sim::number_text(y_ranges_[p].high) << "]\n";
+    // A label and no ylabel, which would stand elsewhere in each panel, as wide as its tics' numbers are.
+    out_ << "set label " << quoted(panel.y_label) << " at screen " << screen_x(kYLabel_px)
+         << ", graph 0.5 center rotate\n";
     write_marks(p == 0);
     out_ << "plot ";
     for (std::size_t s = 0; s < panel.series.size(); ++s) out_ << (s > 0 ? ", " : "") << curve(p, s);
-    out_ << "\nunset label 1\nunset arrow\nunset for [i=2:" << figure_.marks.size() + 1 << "] label i\n";
+    out_ << "\nunset label\nunset arrow\n";
   }
 
+  // In the first panel the lines reach up to their labels.
   void write_marks(bool with_labels) {
-    for (std::size_t m = 0; m < figure_.marks.size(); ++m) {
-      const std::string x = sim::number_text(figure_.marks[m].x);
-      out_ << "set arrow from first " << x << ", graph 0 to first " << x
-           << ", graph 1 nohead back linewidth 1 linecolor '#A0A0A0' dashtype (4,4)\n";
+    for (const Mark& mark : figure_.marks) {
+      const std::string x = "first " + sim::number_text(mark.x) + ", ";
+      const std::string top = with_labels ? "screen " + sim::number_text(screen_y(kMarks_px)) : "graph 1";
+      out_ << "set arrow from " << x << "graph 0 to " << x << top
+           << " nohead back linewidth 1 linecolor '#A0A0A0' dashtype (4,4)\n";
       if (!with_labels) continue;
-      out_ << "set label " << m + 2 << ' ' << quoted(figure_.marks[m].label) << " at first " << x
-           << ", graph 1 offset 0,0.6 left font ',9' textcolor '#606060'\n";
+      const bool at_the_end = mark.x > x_range_.low + 0.9 * (x_range_.high - x_range_.low);
+      out_ << "set label " << quoted(mark.label) << " at " << x << top << " offset 0,0.5 "
+           << (at_the_end ? "right" : "left") << " font ',9' textcolor '#606060'\n";
     }
   }
 
@@ -150,7 +158,7 @@ class Script {
     const std::size_t colour = series.colour ? static_cast<std::size_t>(*series.colour) : s;
     return block_name(p, s) + " using 1:2 with lines linewidth 1.8 linecolor '" +
            kPalette.at(colour % kPalette.size()) + "' dashtype " +
-           (series.style == LineStyle::kDashed ? "(6,4)" : "1") +
+           (series.style == LineStyle::kDashed ? "(9,5)" : "1") +
            (series.label.empty() ? " notitle" : " title " + quoted(series.label));
   }
 
