@@ -1,0 +1,127 @@
+#include "sim_board/board/sim_board.h"
+
+#include <cmath>
+
+namespace koboshi::sim {
+namespace {
+
+constexpr std::size_t kOperatorFifo = 64;
+
+}  // namespace
+
+void SimBoard::Receiver::on_frame(const hal::CanFrame& frame, std::uint64_t) {
+  if (input_.frames.push(frame)) return;
+  std::uint16_t& overruns = input_.can_status.receive_overruns;
+  if (overruns < 0xFFFF) ++overruns;
+}
+
+SimBoard::SimBoard(const RobotDescription& robot, const BoardOptions& options, ControllerHost& host)
+    : robot_(robot),
+      options_(options),
+      host_(host),
+      world_(make_ode_world(robot, options.world)),
+      step_us_(static_cast<std::uint64_t>(std::llround(1e6 * world_->step_s()))),
+      controller_(bus_.attach(receiver_, AcceptanceFilter::all(), kTransmitFifo)),
+      operator_(bus_.attach(operator_node_, AcceptanceFilter(), kOperatorFifo)) {
+  const SensorErrors errors{.seed = options.seed, .scale = options.noise_scale};
+  for (const JointDescription& joint : robot.joints) {
+    drives_.push_back(std::make_unique<Drive>(joint, bus_));
+    drives_.back()->power_on(now_us_);
+  }
+  if (robot.imu) {
+    const LinkDescription& link = robot.links[static_cast<std::size_t>(robot.imu->link)];
+    imu_.emplace(*robot.imu, link, options.world.gravity_W_m_per_s2, errors);
+  }
+  if (robot.left_ankle) ankles_[0].emplace(*robot.left_ankle, robot, errors);
+  if (robot.right_ankle) ankles_[1].emplace(*robot.right_ankle, robot, errors);
+  sample_sensors();
+}
+
+void SimBoard::advance() {
+  bus_.advance_to(now_us_);
+  update_drives();
+  collect_samples();
+  if (!controller_stopped_) serve_controller();
+  watch_dog();
+  step_physics();
+}
+
+void SimBoard::update_drives() {
+  for (std::size_t joint = 0; joint < drives_.size(); ++joint) {
+    const int number = static_cast<int>(joint);
+    drives_[joint]->set_enable_line(enable_line_);
+    world_->set_servo(number, drives_[joint]->update(world_->joint(number), now_us_));
+  }
+}
+
+void SimBoard::collect_samples() {
+  hal::ImuSample sample;
+  while (imu_ && imu_->poll(now_us_, sample)) {
+    if (!input_.imu.push(sample) && input_.imu_overruns < 0xFFFF) ++input_.imu_overruns;
+  }
+  for (std::size_t side = 0; side < ankles_.size(); ++side) {
+    while (ankles_[side] && ankles_[side]->poll(now_us_, input_.ankles[side]))
+      input_.ankle_fresh[side] = true;
+  }
+}
+
+void SimBoard::serve_controller() {
+  input_.now_us = now_us_;
+  input_.tick = now_us_ % kTick_us == 0;
+  const std::uint16_t receive_overruns = input_.can_status.receive_overruns;
+  input_.can_status = bus_.status(controller_);
+  input_.can_status.receive_overruns = receive_overruns;
+  input_.transmit_space = static_cast<std::uint16_t>(bus_.transmit_space(controller_));
+  host_.exchange(input_, output_);
+  input_.frames.clear();
+  input_.imu.clear();
+  input_.ankle_fresh = {};
+
+  const std::uint64_t ready_us =
+      now_us_ + (input_.tick ? options_.computing_time_us : options_.service_time_us);
+  // The ports refused what would not fit.
+  for (const hal::CanFrame& frame : output_.frames.view()) {
+    static_cast<void>(bus_.queue(controller_, frame, ready_us));
+  }
+  if (output_.recover) bus_.recover(controller_);
+  if (output_.watchdog_kicked) kicked_us_ = now_us_;
+  enable_line_ = output_.drive_enabled && !bitten_;
+}
+
+void SimBoard::watch_dog() {
+  if (now_us_ - kicked_us_ < kWatchdog_us) return;
+  bitten_ = true;
+  enable_line_ = false;
+}
+
+void SimBoard::step_physics() {
+  for (const std::uint64_t end_us = now_us_ + kService_us; now_us_ < end_us;) {
+    if (step_listener_ != nullptr) step_listener_->before_step(*world_, now_us_, now_us_ + step_us_);
+    world_->step();
+    now_us_ += step_us_;
+    sample_sensors();
+  }
+}
+
+void SimBoard::sample_sensors() {
+  if (imu_) imu_->step(*world_, now_us_);
+  for (auto& ankle : ankles_) {
+    if (ankle) ankle->step(*world_, now_us_);
+  }
+}
+
+void SimBoard::stop_imu() {
+  if (imu_) imu_->set_running(false);
+}
+
+void SimBoard::stop_ankle(hal::Side side) {
+  auto& ankle = ankles_[static_cast<std::size_t>(side)];
+  if (ankle) ankle->set_running(false);
+}
+
+void SimBoard::isolate_controller() {
+  bus_.power_off(operator_);
+  for (const auto& drive : drives_) bus_.power_off(drive->bus_handle());
+}
+
+}  // namespace koboshi::sim

@@ -1,0 +1,131 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "hal/port/batch.h"
+#include "sim_board/board/controller_host.h"
+#include "sim_board/can/bus.h"
+#include "sim_board/robot/description.h"
+#include "sim_board/sensor/ankle_sensor.h"
+#include "sim_board/sensor/imu.h"
+#include "sim_board/servo/drive.h"
+#include "sim_board/world/ode_world.h"
+
+namespace koboshi::sim {
+
+struct BoardOptions {
+  WorldOptions world;
+  std::uint64_t seed = 1;
+  double noise_scale = 1.0;               // of the sensors' noise and bias
+  std::uint64_t computing_time_us = 500;  // from a tick to the first frame it sends
+  std::uint64_t service_time_us = 50;     // the same of a service call without a tick
+};
+
+// Told before each physics step, to disturb the robot in it.
+class StepListener {
+ public:
+  virtual void before_step(World& world, std::uint64_t start_us, std::uint64_t end_us) = 0;
+
+ protected:
+  ~StepListener() = default;
+};
+
+// The robot with all its electronics, and the owner of simulated time: world, drives, sensors and bus on one
+// side, the ports of the firmware on the other. Several may live in one process.
+//
+// One millisecond: the bus is brought up to date, each frame at its own microsecond; the drives run their
+// loops; the firmware is served with what has arrived, and what it sends is ready for the bus after its
+// computing time; physics steps to the end of the millisecond and the sensors sample it.
+class SimBoard {
+ public:
+  static constexpr std::uint64_t kService_us = 1'000;
+  static constexpr std::uint64_t kTick_us = 10'000;
+  static constexpr std::uint64_t kWatchdog_us = 500'000;
+  static constexpr std::size_t kTransmitFifo = 32;
+
+  // Powers everything on at time zero. `robot` and `host` must outlive the board. Throws what make_ode_world
+  // and the sensors throw.
+  SimBoard(const RobotDescription& robot, const BoardOptions& options, ControllerHost& host);
+  SimBoard(const SimBoard&) = delete;
+  SimBoard& operator=(const SimBoard&) = delete;
+
+  // One millisecond. Throws WorldBlewUp, and what the host throws.
+  void advance();
+
+  std::uint64_t now_us() const { return now_us_; }
+  World& world() { return *world_; }
+  const World& world() const { return *world_; }
+  Bus& bus() { return bus_; }
+  const RobotDescription& robot() const { return robot_; }
+  const Drive& drive(std::size_t joint) const { return *drives_[joint]; }
+  bool drive_enable_line() const { return enable_line_; }
+  bool watchdog_bitten() const { return bitten_; }
+  // What the firmware was last given and answered; valid until the next `advance`.
+  const hal::BatchInput& last_input() const { return input_; }
+  const hal::BatchOutput& last_output() const { return output_; }
+
+  // Null for none. It must outlive the board or be taken away before.
+  void set_step_listener(StepListener* listener) { step_listener_ = listener; }
+  // Sends a frame from the operator's PC, a node of the bus beside the robot's own. False when its FIFO is
+  // full.
+  bool send_as_operator(const hal::CanFrame& frame) { return bus_.queue(operator_, frame, now_us_); }
+
+  // What breaks, stays broken.
+  void hang_drive(std::size_t joint) { drives_[joint]->hang(); }
+  void cut_drive_power(std::size_t joint) { drives_[joint]->power_off(); }
+  void stop_imu();
+  void stop_ankle(hal::Side side);
+  void stop_controller() { controller_stopped_ = true; }
+  // Takes every node but the controller off the bus, so that nobody acknowledges its frames.
+  void isolate_controller();
+
+ private:
+  // The controller's CAN receiver: a ring that the firmware empties in each service call.
+  class Receiver final : public BusNode {
+   public:
+    explicit Receiver(hal::BatchInput& input) : input_(input) {}
+    void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override;
+
+   private:
+    hal::BatchInput& input_;
+  };
+  class Operator final : public BusNode {
+   public:
+    void on_frame(const hal::CanFrame&, std::uint64_t) override {}
+  };
+
+  void update_drives();
+  void collect_samples();
+  void serve_controller();
+  void watch_dog();
+  void step_physics();
+  void sample_sensors();
+
+  const RobotDescription& robot_;
+  const BoardOptions options_;
+  ControllerHost& host_;
+  std::uint64_t now_us_ = 0;
+  std::unique_ptr<World> world_;
+  std::uint64_t step_us_;
+  hal::BatchInput input_;
+  hal::BatchOutput output_;
+  Bus bus_;
+  Receiver receiver_{input_};
+  Operator operator_node_;
+  NodeHandle controller_;
+  NodeHandle operator_;
+  std::vector<std::unique_ptr<Drive>> drives_;
+  std::optional<Imu> imu_;
+  std::array<std::optional<AnkleSensor>, 2> ankles_;
+  StepListener* step_listener_ = nullptr;
+  std::uint64_t kicked_us_ = 0;
+  bool enable_line_ = false;
+  bool bitten_ = false;
+  bool controller_stopped_ = false;
+};
+
+}  // namespace koboshi::sim
