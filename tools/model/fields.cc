@@ -130,6 +130,11 @@ class BaseFrame {
   Isometry3d X_BM_;
 };
 
+// A limit of half a turn is often written with a few digits only, and then on either side of it.
+fixed::Angle limit(double angle_rad) {
+  return from_double<fixed::Angle>(std::clamp(angle_rad, -std::numbers::pi, std::numbers::pi));
+}
+
 robot::Joint joint_fields(const RobotDescription& robot, const BaseFrame& frame, std::size_t index) {
   const JointDescription& described = robot.joints[index];
   robot::Joint joint;
@@ -141,8 +146,8 @@ robot::Joint joint_fields(const RobotDescription& robot, const BaseFrame& frame,
                                 : robot.joints[static_cast<std::size_t>(joint.parent)].p_MJ;
   joint.anchor = frame.offset(parent_M, described.p_MJ);
   joint.axis = frame.direction(described.axis_M);
-  joint.lower = from_double<fixed::Angle>(described.lower_rad);
-  joint.upper = from_double<fixed::Angle>(described.upper_rad);
+  joint.lower = limit(described.lower_rad);
+  joint.upper = limit(described.upper_rad);
   joint.max_speed = from_double<fixed::AngularRate>(described.max_speed_rad_per_s);
   joint.drive = drive_fields(described.drive);
   joint.mass = from_double<fixed::Mass>(robot.links.at(static_cast<std::size_t>(described.child)).mass_kg);
@@ -175,7 +180,7 @@ void set_name(const RobotDescription& robot, robot::RobotModel& model) {
 
 void check_joint(const RobotDescription& robot, const JointDescription& joint) {
   const auto whole_turn = [](double angle_rad) {
-    return std::abs(angle_rad) <= std::numbers::pi * (1.0 + 1e-9);
+    return std::abs(angle_rad) <= std::numbers::pi * (1.0 + 1e-6);
   };
   if (!whole_turn(joint.lower_rad) || !whole_turn(joint.upper_rad)) {
     throw InputError(robot.file, 0, "limits of " + joint.name + " beyond half a turn",
