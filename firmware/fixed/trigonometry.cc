@@ -8,45 +8,49 @@
 namespace koboshi::fixed {
 namespace {
 
-constexpr std::uint32_t kEighthTurn_raw = 1U << 29;
-constexpr std::uint32_t kQuarterTurn_raw = 1U << 30;
-constexpr std::uint32_t kHalfTurn_raw = 1U << 31;
+constexpr std::uint32_t kEighthTurnRaw = 1U << 29;
+constexpr std::uint32_t kQuarterTurnRaw = 1U << 30;
+constexpr std::uint32_t kHalfTurnRaw = 1U << 31;
 
 // Sine and cosine of an angle of at most an eighth of a turn, from Chebyshev fits over t = angle / eighth
-// turn in [0, 1]: sin = t (s0 - s1 z + s2 z^2 - ...), cos = 1 - z (c1 - c2 z + ...), z = t^2. Fit errors
-// 0.004 and 0.2 LSB. z in 2^-31 units, coefficients and partial sums in 2^-32 units: the sums stay positive
-// and below 1.
+// turn in [0, 1]: sin = t (s0 - s1 z + s2 z^2 - ...), cos = 1 - z (c0 - c1 z + ...), z = t^2; fit errors
+// 0.004 and 0.0003 LSB. t and z in 2^-31 units, coefficients and partial sums in 2^-32: the sums stay
+// positive and below 1.
 constexpr std::array<std::uint32_t, 5> kSine = {3373259426, 346799333, 10696157, 157077, 1327};
-constexpr std::array<std::uint32_t, 4> kCosine = {1324675878, 68093864, 1399993, 15213};
+constexpr std::array<std::uint32_t, 5> kCosine = {1324675879, 68093890, 1400124, 15422, 104};
+constexpr std::uint64_t kHalfOfShift33 = 1ULL << 32;
 
 constexpr std::uint64_t multiply_q31(std::uint64_t a, std::uint64_t b) { return a * b >> 31; }
 
+constexpr std::uint64_t alternating_sum(const std::array<std::uint32_t, 5>& c, std::uint64_t z) {
+  std::uint64_t sum = c[3] - multiply_q31(c[4], z);
+  sum = c[2] - multiply_q31(sum, z);
+  sum = c[1] - multiply_q31(sum, z);
+  return c[0] - multiply_q31(sum, z);
+}
+
 constexpr std::int32_t sine_kernel(std::uint32_t angle_raw) {
-  const std::uint64_t t = std::uint64_t{angle_raw} << 2;  // 2^-31 units
+  const std::uint64_t t = std::uint64_t{angle_raw} << 2;
   const std::uint64_t z = multiply_q31(t, t);
-  std::uint64_t sum = kSine[3] - multiply_q31(kSine[4], z);
-  sum = kSine[2] - multiply_q31(sum, z);
-  sum = kSine[1] - multiply_q31(sum, z);
-  sum = kSine[0] - multiply_q31(sum, z);
-  return static_cast<std::int32_t>((sum * t + (1ULL << 32)) >> 33);
+  return static_cast<std::int32_t>((alternating_sum(kSine, z) * t + kHalfOfShift33) >> 33);
 }
 
 constexpr std::int32_t cosine_kernel(std::uint32_t angle_raw) {
   const std::uint64_t t = std::uint64_t{angle_raw} << 2;
   const std::uint64_t z = multiply_q31(t, t);
-  std::uint64_t sum = kCosine[2] - multiply_q31(kCosine[3], z);
-  sum = kCosine[1] - multiply_q31(sum, z);
-  sum = kCosine[0] - multiply_q31(sum, z);
-  return static_cast<std::int32_t>(((1ULL << 63) - sum * z + (1ULL << 32)) >> 33);
+  return static_cast<std::int32_t>(((1ULL << 63) - alternating_sum(kCosine, z) * z + kHalfOfShift33) >> 33);
 }
 
-// Of an angle in [0, 1/4] turn.
-constexpr std::int32_t sine_of_quarter(std::uint32_t angle_raw) {
-  return angle_raw <= kEighthTurn_raw ? sine_kernel(angle_raw) : cosine_kernel(kQuarterTurn_raw - angle_raw);
-}
+// Where the two meet either may be taken.
+static_assert(sine_kernel(kEighthTurnRaw) == cosine_kernel(kEighthTurnRaw));
 
 constexpr std::uint32_t magnitude(std::int32_t value) {
   return value < 0 ? 0U - static_cast<std::uint32_t>(value) : static_cast<std::uint32_t>(value);
+}
+
+// An angle in [0, 1/2] turn to the one in [0, 1/4] with the same sine.
+constexpr std::uint32_t fold_to_quarter(std::uint32_t angle_raw) {
+  return angle_raw <= kQuarterTurnRaw ? angle_raw : kHalfTurnRaw - angle_raw;
 }
 
 // atan(ratio) for a ratio in [0, 1] in 2^-31 units; in raw Angle, [0, 1/8] turn.
@@ -62,37 +66,58 @@ constexpr std::uint32_t arc_tangent(std::uint32_t ratio) {
   return static_cast<std::uint32_t>((sum + 2) >> 2);
 }
 
-// 2^7 / sqrt(i + 1/2) / 2 for the top seven bits i of a number with one of its two top bits set, less the
-// leading 256.
+// 1 / sqrt(f) in 2^-8 units, less the 256 that all have, by the top seven bits i of f in [1/4, 1):
+// root^2 (i + 1/2) / 128 <= 2^16.
 constexpr auto kInverseRoot = [] {
   std::array<std::uint8_t, 96> table{};
   for (std::uint32_t i = 32; i < 128; ++i) {
-    std::uint32_t root = 256;  // the largest root with root^2 (i + 1/2) / 128 <= 2^16
-    while (root < 511 && (root + 1) * (root + 1) * (2 * i + 1) <= 256U << 16) ++root;
+    std::uint32_t root = 256;
+    while (root < 511 && (root + 1) * (root + 1) * (2 * i + 1) <= 1U << 24) ++root;
     table[i - 32] = static_cast<std::uint8_t>(root - 256);
   }
   return table;
 }();
 
-// 1 / sqrt(f) in 2^-30 units for f in [1/4, 1) in 2^-32 units, to 2^-24 of itself: two Newton steps y <- y (3
-// - f y^2) / 2 from a table of eight bits.
+// 1 / sqrt(f) in 2^-30 units for f in [1/4, 1) in 2^-32 units, to 2^-24 of itself: two Newton steps
+// y <- y (3 - f y^2) / 2 from a table of eight bits.
 constexpr std::uint64_t inverse_root(std::uint32_t f) {
   const std::uint64_t y0 = 256U + kInverseRoot[(f >> 25) - 32];        // 2^-8
   const std::uint64_t y1 = y0 * ((3ULL << 48) - f * (y0 * y0)) >> 27;  // 2^-30
   return y1 * (((3ULL << 62) - f * (y1 * y1 >> 30)) >> 32) >> 31;
 }
 
+Ratio clamp_to_one(Ratio ratio) { return ratio < -kOne ? -kOne : ratio > kOne ? kOne : ratio; }
+
+// sqrt(1 - ratio^2) for |ratio| <= 1
+std::int32_t complement_raw(Ratio ratio) {
+  const std::int64_t square = std::int64_t{ratio.raw()} * ratio.raw();
+  return static_cast<std::int32_t>(
+      integer_square_root_rounded(static_cast<std::uint64_t>((1LL << 60) - square)));
+}
+
 }  // namespace
 
 Ratio sin(Angle angle) {
-  const std::uint32_t turned = magnitude(angle.raw());
-  const std::int32_t sine = sine_of_quarter(turned <= kQuarterTurn_raw ? turned : kHalfTurn_raw - turned);
+  const std::uint32_t quarter = fold_to_quarter(magnitude(angle.raw()));
+  const std::int32_t sine =
+      quarter <= kEighthTurnRaw ? sine_kernel(quarter) : cosine_kernel(kQuarterTurnRaw - quarter);
   return Ratio::from_raw(angle.raw() < 0 ? -sine : sine);
 }
 
 Ratio cos(Angle angle) { return sin(kQuarterTurn + angle); }
 
-SineCosine sin_cos(Angle angle) { return {sin(angle), cos(angle)}; }
+SineCosine sin_cos(Angle angle) {
+  const std::uint32_t turned = magnitude(angle.raw());
+  const std::uint32_t quarter = fold_to_quarter(turned);
+  const bool steep = quarter <= kEighthTurnRaw;
+  const std::uint32_t eighth = steep ? quarter : kQuarterTurnRaw - quarter;
+  const std::int32_t small = sine_kernel(eighth);
+  const std::int32_t large = cosine_kernel(eighth);
+  const std::int32_t sine = steep ? small : large;
+  const std::int32_t cosine = steep ? large : small;
+  return {Ratio::from_raw(angle.raw() < 0 ? -sine : sine),
+          Ratio::from_raw(turned > kQuarterTurnRaw ? -cosine : cosine)};
+}
 
 std::uint32_t integer_square_root(std::uint64_t value) {
   if (value == 0) return 0;
@@ -105,8 +130,8 @@ std::uint32_t integer_square_root(std::uint64_t value) {
   const auto error = static_cast<std::int64_t>(scaled - root * root);
   root += static_cast<std::uint64_t>((error >> 16) * static_cast<std::int64_t>(y) >> 47);
   if (root > 0xFFFFFFFF) root = 0xFFFFFFFF;
-  while (root * root > scaled) --root;
-  while (scaled - root * root > 2 * root) ++root;
+  if (root * root > scaled) --root;
+  if (scaled - root * root > 2 * root) ++root;
   return static_cast<std::uint32_t>(root >> (shift / 2));
 }
 
@@ -124,23 +149,10 @@ Angle atan2_raw(std::int32_t y, std::int32_t x) {
   if (high == 0) return Angle();
   std::uint32_t angle =
       arc_tangent(static_cast<std::uint32_t>(((std::uint64_t{low} << 31) + high / 2) / high));
-  if (dy > dx) angle = kQuarterTurn_raw - angle;
-  if (x < 0) angle = kHalfTurn_raw - angle;
+  if (dy > dx) angle = kQuarterTurnRaw - angle;
+  if (x < 0) angle = kHalfTurnRaw - angle;
   return Angle::from_raw(static_cast<std::int32_t>(y < 0 ? 0U - angle : angle));
 }
-
-namespace {
-
-Ratio clamp_to_one(Ratio ratio) { return ratio < -kOne ? -kOne : ratio > kOne ? kOne : ratio; }
-
-// sqrt(1 - ratio^2) for |ratio| <= 1
-std::int32_t complement_raw(Ratio ratio) {
-  const std::int64_t square = std::int64_t{ratio.raw()} * ratio.raw();
-  return static_cast<std::int32_t>(
-      integer_square_root_rounded(static_cast<std::uint64_t>((1LL << 60) - square)));
-}
-
-}  // namespace
 
 Angle asin(Ratio sine) {
   const Ratio clamped = clamp_to_one(sine);

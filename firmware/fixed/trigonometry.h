@@ -13,10 +13,10 @@ struct SineCosine {
   Ratio cosine;
 };
 
-// Odd, even and exact at the quarters: sin(0) = 0, cos(0) = sin(kQuarterTurn) = 1.
+// Error at most 1.4 LSB. Odd, even and exact at the quarters: sin(0) = 0, cos(0) = sin(kQuarterTurn) = 1.
 [[nodiscard]] Ratio sin(Angle angle);
 [[nodiscard]] Ratio cos(Angle angle);
-// The same values at little more than the price of one.
+// The same values for less than the price of both.
 [[nodiscard]] SineCosine sin_cos(Angle angle);
 
 // The floor of the root.
@@ -24,8 +24,8 @@ struct SineCosine {
 // The root rounded to nearest; 2^32 does not fit and becomes 2^32 - 1.
 [[nodiscard]] std::uint32_t integer_square_root_rounded(std::uint64_t value);
 
-// The angle of the point (x, y) as raw Angle; only the ratio of the two counts. -1/2 turn on the negative x
-// axis, 0 at the origin.
+// The angle of the point (x, y) from raw numbers of one format; only their ratio counts. Error at most 1.7
+// LSB. -1/2 turn on the negative x axis, 0 at the origin.
 [[nodiscard]] Angle atan2_raw(std::int32_t y, std::int32_t x);
 
 // The angle of the point (x, y), counted from x to y.
@@ -35,7 +35,7 @@ template <AnyQuantity Q>
 }
 
 // In [-1/4, 1/4] and [0, 1/2) turn; the argument is clamped to [-1, 1]. acos(-1) is Angle::max(), one LSB
-// short of 1/2 turn.
+// short of 1/2 turn. Error at most 2 LSB.
 [[nodiscard]] Angle asin(Ratio sine);
 [[nodiscard]] Angle acos(Ratio cosine);
 
