@@ -8,6 +8,7 @@ inline constexpr std::uint8_t kMaxNodeId = 127;
 
 // Predefined connection set (CiA 301, 7.3.5): the identifier is the base plus the node's id. A "T" is seen
 // from the node.
+inline constexpr std::uint16_t kFunctionCodeMask = 0x780;
 inline constexpr std::uint16_t kNmtCobId = 0x000;
 inline constexpr std::uint16_t kSyncCobId = 0x080;
 inline constexpr std::uint16_t kEmergencyBase = 0x080;

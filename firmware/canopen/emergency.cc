@@ -29,11 +29,6 @@ bool ErrorLog::clear(std::uint16_t code) {
   return true;
 }
 
-void ErrorLog::clear_all() {
-  active_size_ = 0;
-  update_register();
-}
-
 void ErrorLog::update_register() {
   register_ = active_size_ > 0 ? error_register::kGeneric : 0;
   for (std::size_t i = 0; i < active_size_; ++i) register_ |= active_[i].register_bits;

@@ -45,7 +45,6 @@ class ErrorLog {
   bool raise(std::uint16_t code, std::uint8_t register_bits, std::uint16_t additional);
   // True when the error was there.
   bool clear(std::uint16_t code);
-  void clear_all();
 
   std::uint8_t error_register() const { return register_; }
   bool active(std::uint16_t code) const;

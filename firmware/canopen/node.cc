@@ -39,8 +39,16 @@ void Node::on_frame(const hal::CanFrame& frame, std::uint64_t now_us) {
     if (permits_sdo(state_)) server_.on_request(frame, *this, queue_, now_us);
     return;
   }
-  if (const auto heartbeat = decode_heartbeat(frame)) return on_heartbeat(*heartbeat, now_us);
-  if (const auto emergency = decode_emergency(frame)) return application_.on_emergency(*emergency);
+  switch (frame.identifier & kFunctionCodeMask) {
+    case kHeartbeatBase:
+      if (const auto heartbeat = decode_heartbeat(frame)) return on_heartbeat(*heartbeat, now_us);
+      break;
+    case kEmergencyBase:
+      if (const auto emergency = decode_emergency(frame)) return application_.on_emergency(*emergency);
+      break;
+    default:
+      break;
+  }
   if (!permits_pdo(state_)) return;
   const std::size_t number = rpdos_.find(frame.identifier);
   if (number != SlotMap::kNone) on_rpdo(number, frame);
@@ -82,7 +90,6 @@ void Node::enter(NmtState state, std::uint64_t now_us) {
 
 void Node::reset(NmtCommand reset, std::uint64_t now_us) {
   enter(NmtState::kInitialising, now_us);
-  server_.reset();
   if (reset == NmtCommand::kResetNode) errors_ = ErrorLog();
   load_defaults();
   application_.on_reset(reset);

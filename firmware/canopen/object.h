@@ -99,7 +99,8 @@ struct Entry {
   std::uint32_t low = 0;  // limits of what may be written, sign-extended for a signed type
   std::uint32_t high = 0;
 
-  // The same row, refusing values outside [minimum, maximum].
+  // The same row, refusing values outside [minimum, maximum] from SDO clients. A PDO cannot be refused: what
+  // arrives in one, the owner limits.
   template <typename T>
   constexpr Entry within(T minimum, T maximum) const {
     Entry row = *this;

@@ -152,7 +152,7 @@ AbortCode PdoRecord::resolve(std::uint32_t entry, const Dictionary& dictionary, 
   const ObjectAddress address{static_cast<std::uint16_t>(entry >> 16), static_cast<std::uint8_t>(entry >> 8)};
   const std::uint32_t size_bits = entry & 0xFF;
   object = {};
-  if (entry == 0) return AbortCode::kNone;
+  if (entry == 0) return AbortCode::kNone;  // removes what was there
   // An RPDO may name a data type instead of an object: a gap of that size (CiA 301, 7.4.7.2).
   const std::uint8_t dummy_size =
       address.index <= 0xFF ? canopen::size_bytes(static_cast<DataType>(address.index)) : std::uint8_t{0};

@@ -55,7 +55,6 @@ AbortCode SdoServer::begin_download(const sdo::Data& request, ObjectServer& obje
   announced_size_ = size_indicated ? sdo::data_of(request) : 0;
   // Longer than any object: the attempt names the first thing that is wrong with it.
   if (announced_size_ > download_.size()) return objects.write_object(address_, 0, announced_size_);
-  download_ = {};
   transfer_ = Transfer::kDownload;
   return AbortCode::kNone;
 }

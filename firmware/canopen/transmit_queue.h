@@ -18,8 +18,6 @@ class TransmitQueue final : public FrameSink {
   bool send(const hal::CanFrame& frame) override;
   // Hands the backlog to the sink as far as it has room.
   void flush();
-  // Forgets the backlog.
-  void clear() { size_ = 0; }
 
   std::size_t backlog() const { return size_; }
   // Frames that were not sent; saturates.

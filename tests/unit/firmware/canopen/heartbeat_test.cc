@@ -98,6 +98,14 @@ TEST_F(HeartbeatMonitorTest, Object1016TellsAndTakesItsConsumers) {
   EXPECT_EQ(monitor_.find(0x10), nullptr);
 }
 
+TEST_F(HeartbeatMonitorTest, ClearForgetsAll) {
+  hear(NmtState::kOperational, 0);
+  monitor_.clear();
+  EXPECT_EQ(monitor_.find(0x10), nullptr);
+  EXPECT_TRUE(hear(NmtState::kStopped, 0).empty());
+  EXPECT_TRUE(check(1'000'000).empty());
+}
+
 TEST(NodeHeartbeat, ReportsFromTheBusToTheOwner) {
   TestNode device;
   device.make_operational();

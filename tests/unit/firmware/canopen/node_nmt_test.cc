@@ -140,6 +140,25 @@ TEST(NodeNmt, ResetCommunicationRestoresCommunicationAndKeepsTheErrors) {
   EXPECT_FALSE(device.node.errors().active(0x2310));
 }
 
+TEST(NodeNmt, StoppedEndsAnSdoTransfer) {
+  TestNode device;
+  bring_to(device, kPreOperational);
+  EXPECT_EQ(device.ask(can_frame(0x610, {0x40, 0x08, 0x10, 0, 0, 0, 0, 0})).size(), 1u);
+  device.node.command(NmtCommand::kStop, 0);
+  device.node.process(2 * SdoServer::kTimeout_us);
+  EXPECT_TRUE(device.sink.take().empty());
+}
+
+TEST(NodeNmt, ResetForgetsTheHeartbeatConsumers) {
+  TestNode device;
+  bring_to(device, kPreOperational);
+  ASSERT_EQ(device.node.write_object({0x1016, 1}, (0x01u << 16) | 20, 4), AbortCode::kNone);
+  device.node.command(NmtCommand::kResetCommunication, 0);
+  EXPECT_EQ(device.node.heartbeats().find(0x01), nullptr);
+  device.node.on_frame(can_frame(0x701, {0x05}), 0);
+  EXPECT_TRUE(device.heartbeats.empty());
+}
+
 TEST(NodeNmt, ReportsADescriptionThatCannotBe) {
   static constexpr PdoConfiguration kImpossible[] = {{.cob_id = 0x180, .mapping = {mapping(0x2001, 0, 8)}}};
   NodeDescription description = kTestDescription;

@@ -48,6 +48,19 @@ TEST(NodeRpdo, LeavingOperationalDropsWhatWaits) {
   EXPECT_EQ(device.values.controlword, 0);
 }
 
+TEST(NodeRpdo, DestroyingOrReconfiguringDropsWhatWaits) {
+  for (const bool reconfigure : {false, true}) {
+    TestNode device;
+    device.make_operational();
+    device.node.on_frame(can_frame(0x210, {0x0F, 0, 0, 0, 0, 0}), 0);
+    ASSERT_EQ(reconfigure ? device.node.configure_rpdo(0, kTestRpdos[0])
+                          : device.node.write_object({0x1400, 1}, 0x80000210, 4),
+              AbortCode::kNone);
+    device.node.on_frame(kSync, 0);
+    EXPECT_EQ(device.values.controlword, 0);
+  }
+}
+
 TEST(NodeRpdo, TooShortIsRefusedAndToldOnce) {
   TestNode device;
   device.make_operational();
@@ -133,6 +146,17 @@ TEST(NodeTpdo, IsRetriedWhenItFoundNoRoom) {
   const auto sent = device.sink.take();
   ASSERT_EQ(sent.size(), 5u);
   EXPECT_EQ(sent.back(), can_frame(0x290, {0x05, 0x00}));
+}
+
+TEST(NodeTpdo, SaysNothingWhileItIsInvalid) {
+  TestNode device;
+  device.make_operational();
+  ASSERT_EQ(device.node.write_object({0x1800, 1}, 0xC0000190, 4), AbortCode::kNone);
+  EXPECT_TRUE(device.ask(kSync).empty());
+  ASSERT_EQ(device.node.write_object({0x1801, 5}, 10, 2), AbortCode::kNone);
+  ASSERT_EQ(device.node.write_object({0x1801, 1}, 0xC0000290, 4), AbortCode::kNone);
+  device.node.process(1'000'000);
+  EXPECT_TRUE(device.sink.take().empty());
 }
 
 // The standard sequence (CiA 301, 7.5.2.36): destroy, disable, map, enable, create; over SDO as a master does

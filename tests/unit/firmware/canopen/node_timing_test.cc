@@ -95,6 +95,52 @@ TEST(NodeTiming, InhibitTimeSpacesEvents) {
   EXPECT_EQ(device.sink.take().size(), 1u);
 }
 
+TEST(NodeTiming, AnEventDoesNotOutliveOperationalOrItsConfiguration) {
+  constexpr PdoConfiguration kSpaced{
+      .cob_id = 0x290, .inhibit_time_100us = 50, .mapping = {mapping(0x6041, 0, 16)}};
+  for (const bool reconfigure : {false, true}) {
+    TestNode device;
+    device.node.start(0);
+    ASSERT_EQ(device.node.configure_tpdo(1, kSpaced), AbortCode::kNone);
+    device.node.command(NmtCommand::kStart, 0);
+    device.node.trigger_tpdo(1, 0);
+    device.node.trigger_tpdo(1, 0);
+    device.sink.frames.clear();
+    if (reconfigure) {
+      ASSERT_EQ(device.node.configure_tpdo(1, kSpaced), AbortCode::kNone);
+    } else {
+      device.node.command(NmtCommand::kEnterPreOperational, 0);
+      device.node.process(10'000);
+      EXPECT_TRUE(device.sink.take().empty());
+      device.node.command(NmtCommand::kStart, 10'000);
+    }
+    device.node.process(20'000);
+    EXPECT_TRUE(device.sink.take().empty());
+  }
+}
+
+TEST(NodeTiming, SyncPeriodStartsAnewWhenItIsWritten) {
+  NodeDescription description = kTestDescription;
+  description.sync_producer = true;
+  TestNode device(0x10, description);
+  device.make_operational();
+  EXPECT_TRUE(send_times_ms(device, 0x080, 1, 50).empty());
+  ASSERT_EQ(device.node.write_object({0x1006, 0}, 20'000, 4), AbortCode::kNone);
+  EXPECT_EQ(send_times_ms(device, 0x080, 50, 95), (std::vector{50, 70, 90}));
+}
+
+TEST(NodeTiming, SyncIdentifierChangesOnlyWhileNotProducing) {
+  TestNode device;
+  device.make_operational();
+  EXPECT_EQ(device.node.write_object({0x1005, 0}, 0x40000080, 4), AbortCode::kNone);
+  EXPECT_EQ(device.node.write_object({0x1005, 0}, 0x40000081, 4), AbortCode::kInvalidValue);
+  EXPECT_EQ(device.node.write_object({0x1005, 0}, 0x00000080, 4), AbortCode::kNone);
+  EXPECT_EQ(device.node.write_object({0x1005, 0}, 0x00000601, 4), AbortCode::kInvalidValue);
+  EXPECT_EQ(device.node.write_object({0x1005, 0}, 0x000000C0, 4), AbortCode::kNone);
+  EXPECT_TRUE(device.ask(can_frame(0x080, {})).empty());
+  EXPECT_EQ(device.ask(can_frame(0x0C0, {})).size(), 1u);
+}
+
 TEST(NodeTiming, EventTimerRepeatsAndRestartsAtEachTransmission) {
   TestNode device;
   device.node.start(0);

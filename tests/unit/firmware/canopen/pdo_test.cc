@@ -88,7 +88,25 @@ TEST_F(PdoRecordTest, MapsOnlyWhileInvalidAndDisabled) {
   EXPECT_EQ(receive_.size_bytes(), 2);
 }
 
+TEST_F(PdoRecordTest, AnEntryOfZeroRemovesWhatWasThere) {
+  ASSERT_EQ(map(receive_, 1, mapping(0x6040, 0, 16)), AbortCode::kNone);
+  ASSERT_EQ(map(receive_, 1, 0), AbortCode::kNone);
+  ObjectValue value;
+  ASSERT_EQ(receive_.read_mapping(1, value), AbortCode::kNone);
+  EXPECT_EQ(value.number(), 0u);
+  EXPECT_EQ(map(receive_, 0, 1), AbortCode::kNotMappable);
+}
+
+TEST_F(PdoRecordTest, StaysInvalidWhenItsDescriptionCannotBe) {
+  ASSERT_EQ(receive_.configure(kTestRpdos[0], 0x10, dictionary_), AbortCode::kNone);
+  PdoConfiguration wrong_type = kTestRpdos[0];
+  wrong_type.transmission_type = 252;
+  EXPECT_EQ(receive_.configure(wrong_type, 0x10, dictionary_), AbortCode::kInvalidValue);
+  EXPECT_FALSE(receive_.valid());
+}
+
 TEST_F(PdoRecordTest, RefusesWhatCannotBeMapped) {
+  EXPECT_EQ(map(receive_, 1, mapping(0x0007, 1, 32)), AbortCode::kNotMappable);
   EXPECT_EQ(map(receive_, 1, mapping(0x6050, 0, 16)), AbortCode::kObjectDoesNotExist);
   EXPECT_EQ(map(receive_, 1, mapping(0x6040, 1, 16)), AbortCode::kSubindexDoesNotExist);
   EXPECT_EQ(map(receive_, 1, mapping(0x6041, 0, 16)), AbortCode::kNotMappable);

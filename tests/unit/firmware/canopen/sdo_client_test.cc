@@ -68,7 +68,17 @@ TEST_F(SdoClientTest, IgnoresWhatIsNotOfItsTransfer) {
   EXPECT_FALSE(client_.on_frame(can_frame(0x5A2, {0x4B, 0x40, 0x60, 0x00, 1, 0, 0, 0})));
   EXPECT_FALSE(client_.on_frame(can_frame(0x5A2, {0x80, 0x40, 0x60, 0x00, 0, 0, 4, 5})));
   EXPECT_FALSE(client_.on_frame(can_frame(0x5A2, {0x4B, 0x41, 0x60})));
+  hal::CanFrame remote = can_frame(0x5A2, {0x4B, 0x41, 0x60, 0x00, 1, 0, 0, 0});
+  remote.remote = true;
+  EXPECT_FALSE(client_.on_frame(remote));
   EXPECT_EQ(client_.state(), SdoState::kBusy);
+}
+
+TEST_F(SdoClientTest, ForgetsTheLastRefusalWhenItBeginsAnew) {
+  ASSERT_TRUE(client_.begin_write(0x22, {0x6041, 0}, 0, 2, 0));
+  client_.on_frame(can_frame(0x5A2, {0x80, 0x41, 0x60, 0x00, 0x02, 0x00, 0x01, 0x06}));
+  ASSERT_TRUE(client_.begin_read(0x22, {0x6041, 0}, 0));
+  EXPECT_EQ(client_.abort_code(), AbortCode::kNone);
 }
 
 TEST_F(SdoClientTest, AbortsWhatItCannotFollow) {

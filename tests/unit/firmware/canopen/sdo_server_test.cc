@@ -75,6 +75,8 @@ TEST_F(SdoServerTest, UploadsTextsInSegments) {
   EXPECT_EQ(ask({0x60, 0, 0, 0, 0, 0, 0, 0}), answer({0x09, 'o', 'd', 'e', 0, 0, 0, 0}));
   EXPECT_EQ(ask({0x40, 0x09, 0x10, 0x00, 0, 0, 0, 0}), answer({0x41, 0x09, 0x10, 0x00, 1, 0, 0, 0}));
   EXPECT_EQ(ask({0x60, 0, 0, 0, 0, 0, 0, 0}), answer({0x0D, 'A', 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(ask({0x40, 0x0A, 0x10, 0x00, 0, 0, 0, 0}), answer({0x41, 0x0A, 0x10, 0x00, 5, 0, 0, 0}));
+  EXPECT_EQ(ask({0x60, 0, 0, 0, 0, 0, 0, 0}), answer({0x05, '1', '.', '0', '.', '0', 0, 0}));
 }
 
 TEST_F(SdoServerTest, DownloadsInSegments) {
