@@ -236,5 +236,15 @@ TEST(ScenarioReader, RefusesAMotionThatIsNotListed) {
               HasSubstr("play = squat, expected bow"));
 }
 
+TEST(ScenarioReader, ReadsTheScenariosOfTheRepository) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(KOBOSHI_SOURCE_DIR "/scenarios")) {
+    if (entry.path().extension() != ".yaml") continue;
+    EXPECT_NO_THROW(read_scenario(entry.path())) << entry.path();
+    ++count;
+  }
+  EXPECT_GT(count, 0);
+}
+
 }  // namespace
 }  // namespace koboshi::sim
