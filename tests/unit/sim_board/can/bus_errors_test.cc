@@ -144,7 +144,6 @@ TEST(Bus, SettlesACollisionOfContentsInFavourOfTheDominantOne) {
   ASSERT_TRUE(bus.queue(node_a, make_frame(0x181, {0x55, 0x81}), 5));
   ASSERT_TRUE(bus.queue(node_b, make_frame(0x181, {0x55, 0x01}), 5));
 
-  // by the encoder.
   const auto first = test::encode(make_frame(0x181, {0x55, 0x81})).wire;
   const auto second = test::encode(make_frame(0x181, {0x55, 0x01})).wire;
   std::uint64_t prefix_us = 0;

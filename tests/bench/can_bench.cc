@@ -1,0 +1,74 @@
+#include <benchmark/benchmark.h>
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "sim_board/can/bus.h"
+#include "sim_board/can/candump_log.h"
+#include "sim_board/can/frame_bits.h"
+
+namespace koboshi::sim {
+namespace {
+
+constexpr std::size_t kDrives = 20;
+
+hal::CanFrame telemetry(std::size_t drive, std::uint64_t cycle) {
+  hal::CanFrame frame{.identifier = static_cast<std::uint16_t>(0x190 + drive),
+                      .size = 8,
+                      .remote = false,
+                      .data = {0x37, 0x12}};
+  for (std::size_t i = 2; i < frame.size; ++i)
+    frame.data[i] = static_cast<std::uint8_t>(cycle >> (8 * (i - 2)));
+  return frame;
+}
+
+class Counter final : public BusNode {
+ public:
+  void on_frame(const hal::CanFrame&, std::uint64_t) override { ++frames; }
+  std::uint64_t frames = 0;
+};
+
+void BM_FrameBits(benchmark::State& state) {
+  std::uint64_t cycle = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(frame_bits(telemetry(3, ++cycle)));
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(BM_FrameBits);
+
+// A bus that never rests: twenty drives whose frames the controller takes, each arbitration among all of
+// them.
+void BM_SaturatedBus(benchmark::State& state) {
+  Bus bus;
+  Counter controller;
+  std::vector<Counter> drives(kDrives);
+  bus.attach(controller, AcceptanceFilter::all(), 64);
+  std::vector<NodeHandle> handles;
+  for (Counter& drive : drives) handles.push_back(bus.attach(drive, {0x080}, 4));
+  std::uint64_t cycle = 0;
+  for (auto _ : state) {
+    ++cycle;
+    const std::uint64_t now_us = bus.now_us();
+    for (std::size_t i = 0; i < kDrives; ++i) {
+      benchmark::DoNotOptimize(bus.queue(handles[i], telemetry(i, cycle), now_us));
+    }
+    bus.advance_to(now_us + 2700);  // more than twenty of the longest frames
+  }
+  state.SetItemsProcessed(static_cast<std::int64_t>(controller.frames));
+}
+BENCHMARK(BM_SaturatedBus);
+
+void BM_FormatLogLine(benchmark::State& state) {
+  std::array<char, kMaxLogLineBytes> line;
+  std::uint64_t time_us = 0;
+  for (auto _ : state) {
+    time_us += 222;
+    benchmark::DoNotOptimize(format_log_line(line, telemetry(5, time_us), time_us));
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(BM_FormatLogLine);
+
+}  // namespace
+}  // namespace koboshi::sim
