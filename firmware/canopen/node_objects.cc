@@ -172,14 +172,15 @@ AbortCode Node::write_parameter(ObjectAddress address, std::uint32_t value, std:
       return write_sync_cob_id(value);
     case 0x1006:
       sync_period_us_ = value;
-      break;
+      sync_due_us_ = 0;  // the new beat starts with the next `process`
+      return AbortCode::kNone;
     case 0x1016:
       return heartbeats_.write(address.subindex, value);
     default:
       heartbeat_ms_ = static_cast<std::uint16_t>(value);
-      break;
+      heartbeat_due_us_ = 0;
+      return AbortCode::kNone;
   }
-  return AbortCode::kNone;
 }
 
 AbortCode Node::write_sync_cob_id(std::uint32_t value) {

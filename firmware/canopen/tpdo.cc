@@ -6,7 +6,6 @@ void TpdoSet::start(std::uint64_t now_us) {
   for (Tpdo& pdo : pdos_) {
     pdo.requested = false;
     pdo.sync_count = 0;
-    pdo.inhibited_until_us = now_us;
     pdo.event_due_us = now_us + pdo.record.event_timer_us();
   }
 }

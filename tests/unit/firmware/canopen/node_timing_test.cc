@@ -33,6 +33,8 @@ TEST(NodeTiming, HeartbeatStartsAnewWhenItsPeriodIsWritten) {
   EXPECT_TRUE(send_times_ms(device, 0x710, 1, 100).empty());
   ASSERT_EQ(device.node.write_object({0x1017, 0}, 20, 2), AbortCode::kNone);
   EXPECT_EQ(send_times_ms(device, 0x710, 105, 150), (std::vector{105, 125, 145}));
+  ASSERT_EQ(device.node.write_object({0x1017, 0}, 2, 2), AbortCode::kNone);
+  EXPECT_EQ(send_times_ms(device, 0x710, 150, 155), (std::vector{150, 152, 154}));
 }
 
 TEST(NodeTiming, HeartbeatDoesNotCatchUpAfterAPause) {
@@ -127,6 +129,8 @@ TEST(NodeTiming, SyncPeriodStartsAnewWhenItIsWritten) {
   EXPECT_TRUE(send_times_ms(device, 0x080, 1, 50).empty());
   ASSERT_EQ(device.node.write_object({0x1006, 0}, 20'000, 4), AbortCode::kNone);
   EXPECT_EQ(send_times_ms(device, 0x080, 50, 95), (std::vector{50, 70, 90}));
+  ASSERT_EQ(device.node.write_object({0x1006, 0}, 2'000, 4), AbortCode::kNone);
+  EXPECT_EQ(send_times_ms(device, 0x080, 95, 100), (std::vector{95, 97, 99}));
 }
 
 TEST(NodeTiming, SyncIdentifierChangesOnlyWhileNotProducing) {
