@@ -15,11 +15,11 @@ namespace koboshi::sim {
 
 // Contact of a surface with another, as the file gives it: ODE's own parameters at a reference step.
 struct SurfaceDescription {
-  double friction = 0.8;              // Coulomb's mu, first direction
-  double friction_second = 0.8;       // second direction
-  double bounce = 0.0;                // coefficient of restitution, 0..1
+  double friction = 0.8;         // Coulomb's mu, first direction
+  double friction_second = 0.8;  // second direction
+  double bounce = 0.0;           // coefficient of restitution, 0..1
   double bounce_threshold_m_per_s = 0.01;
-  double error_reduction = 0.2;       // ERP at reference_step_s
+  double error_reduction = 0.2;           // ERP at reference_step_s
   double constraint_force_mixing = 1e-5;  // CFM at reference_step_s, in ODE's unit (s^-1 kg^-1 times step)
   double reference_step_s = 0.001;
 };
@@ -42,8 +42,8 @@ struct LinkDescription {
   std::string name;
   Eigen::Isometry3d X_ML = Eigen::Isometry3d::Identity();
   double mass_kg = 0.0;
-  Eigen::Vector3d p_LCom_L = Eigen::Vector3d::Zero();          // centre of mass in the link's frame
-  Eigen::Matrix3d I_LCom_L = Eigen::Matrix3d::Identity();      // inertia about the CoM, axes of the link
+  Eigen::Vector3d p_LCom_L = Eigen::Vector3d::Zero();      // centre of mass in the link's frame
+  Eigen::Matrix3d I_LCom_L = Eigen::Matrix3d::Identity();  // inertia about the CoM, axes of the link
   std::vector<BoxDescription> collisions;
   std::vector<BoxDescription> visual_boxes;
   std::vector<MeshDescription> meshes;
@@ -54,35 +54,36 @@ struct ServoDescription {
   double torque_constant_Nm_per_A = 1.0027;  // kt, output side
   double resistance_ohm = 5.477;             // R
   double supply_V = 7.5;
-  double rotor_inertia_kg_m2 = 0.00116;      // J, output side
-  double coulomb_friction_Nm = 0.0275;       // Kc
-  double viscous_friction_Nm_s = 0.0033;     // Kv
-  double full_voltage_error_rad = 0.122;     // position error at which the controller applies the whole supply
-  double velocity_gain_V_s_per_rad = 0.0;    // additional damping of the controller, on the encoder's speed
+  double rotor_inertia_kg_m2 = 0.00116;    // J, output side
+  double coulomb_friction_Nm = 0.0275;     // Kc
+  double viscous_friction_Nm_s = 0.0033;   // Kv
+  double full_voltage_error_rad = 0.122;   // position error at which the controller applies the whole supply
+  double velocity_gain_V_s_per_rad = 0.0;  // additional damping of the controller, on the encoder's speed
 };
 
 struct EncoderDescription {
-  int bits = 12;                 // counts a turn = 2^bits
-  double offset_rad = 0.0;       // mounting error of this encoder
+  int bits = 12;            // counts a turn = 2^bits
+  double offset_rad = 0.0;  // mounting error of this encoder
 };
 
 // The CANopen node of a joint's drive.
 struct DriveDescription {
-  std::uint8_t node_id = 0;      // 16..35 on the default robot
+  std::uint8_t node_id = 0;              // 16..35 on the default robot
   std::uint32_t vendor_id = 0x4B4F4249;  // object 0x1018; no number that CiA has given to anybody
   std::uint32_t product_code = 1;
   std::uint32_t serial_number = 0;
-  int sign = 1;                  // shaft turns by sign * joint angle + zero
+  int sign = 1;  // shaft turns by sign * joint angle + zero
   double zero_rad = 0.0;
 };
 
 // Every joint is a hinge.
 struct JointDescription {
   std::string name;
-  int parent = -1;               // index of a link
-  int child = -1;                // index of a link
-  Eigen::Vector3d p_MJ = Eigen::Vector3d::Zero();      // anchor at joint zero
-  Eigen::Vector3d axis_M = Eigen::Vector3d::UnitZ();   // unit vector at joint zero; positive by the right-hand rule
+  int parent = -1;                                 // index of a link
+  int child = -1;                                  // index of a link
+  Eigen::Vector3d p_MJ = Eigen::Vector3d::Zero();  // anchor at joint zero
+  Eigen::Vector3d axis_M =
+      Eigen::Vector3d::UnitZ();  // unit vector at joint zero; positive by the right-hand rule
   double lower_rad = 0.0;
   double upper_rad = 0.0;
   double max_speed_rad_per_s = 0.0;
@@ -93,11 +94,11 @@ struct JointDescription {
 
 // Errors and dynamics of one sampled axis group; each is a class of its own in sim_board/sensor.
 struct ChannelDescription {
-  double noise_density = 0.0;    // unit / sqrt(Hz)
-  double bias = 0.0;             // largest magnitude of the constant bias, unit; drawn by seed within it
-  double bandwidth_Hz = 98.0;    // of the 2nd-order anti-alias filter
-  double range = 0.0;            // saturates at +-range, unit
-  double resolution = 0.0;       // unit a count
+  double noise_density = 0.0;  // unit / sqrt(Hz)
+  double bias = 0.0;           // largest magnitude of the constant bias, unit; drawn by seed within it
+  double bandwidth_Hz = 98.0;  // of the 2nd-order anti-alias filter
+  double range = 0.0;          // saturates at +-range, unit
+  double resolution = 0.0;     // unit a count
   double sample_period_s = 0.001;
   double delay_s = 0.001;
 };
@@ -110,14 +111,15 @@ struct ImuDescription {
   ChannelDescription accelerometer;  // m/s^2
 };
 
-// Six-axis sensor between shank side and ground side, measuring what crosses `joint` and below; frame S at the sensor.
+// Six-axis sensor between shank side and ground side, measuring what crosses `joint` and below; frame S at
+// the sensor.
 struct AnkleSensorDescription {
   std::string name;
-  int joint = -1;                    // the hinge whose child is the foot
+  int joint = -1;                                          // the hinge whose child is the foot
   Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();  // in the foot link's frame
-  double height_above_sole_m = 0.0;  // d of the paper's equation 1
-  ChannelDescription force;          // N
-  ChannelDescription torque;         // N m
+  double height_above_sole_m = 0.0;                        // d of the paper's equation 1
+  ChannelDescription force;                                // N
+  ChannelDescription torque;                               // N m
 };
 
 struct RobotDescription {

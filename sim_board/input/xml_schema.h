@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim_board/input/text.h"
+
+namespace koboshi::sim {
+
+// What a kind of XML file may hold. Elements and attributes that no rule names are errors.
+
+enum class XmlCount { kOptional, kRequired, kRepeated };
+
+enum class XmlContent {
+  kChildren,  // elements only, those of the rule
+  kText,      // not empty
+  kNumbers,   // as many as the rule says, finite and within its range
+  kInteger,
+  kAnything  // not looked into
+};
+
+struct XmlAttributeRule {
+  std::string name;
+  XmlContent content = XmlContent::kText;
+  bool required = true;
+  NumberRange range = {};
+};
+
+struct XmlRule {
+  std::string name;
+  XmlContent content = XmlContent::kChildren;
+  XmlCount count = XmlCount::kOptional;
+  std::vector<XmlAttributeRule> attributes = {};
+  std::vector<XmlRule> children = {};
+  std::size_t numbers = 1;
+  NumberRange range = {};
+};
+
+}  // namespace koboshi::sim

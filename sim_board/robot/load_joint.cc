@@ -1,0 +1,94 @@
+#include <cmath>
+#include <sdf/JointAxis.hh>
+
+#include "sim_board/robot/load_parts.h"
+
+namespace koboshi::sim {
+namespace {
+
+DriveDescription load_drive(const XmlNode& node) {
+  DriveDescription drive;
+  drive.node_id = static_cast<std::uint8_t>(node.attribute_integer("node_id"));
+  drive.vendor_id = static_cast<std::uint32_t>(node.attribute_integer("vendor_id", drive.vendor_id));
+  drive.product_code = static_cast<std::uint32_t>(node.attribute_integer("product_code", drive.product_code));
+  drive.serial_number = static_cast<std::uint32_t>(node.attribute_integer("serial_number"));
+  drive.sign = static_cast<int>(node.attribute_integer("sign", drive.sign));
+  if (drive.sign == 0) throw node.error("sign = 0", "1 or -1");
+  drive.zero_rad = node.attribute_number("zero_rad", 0.0);
+  return drive;
+}
+
+EncoderDescription load_encoder(const XmlNode& node) {
+  return {.bits = static_cast<int>(node.attribute_integer("bits")),
+          .offset_rad = node.attribute_number("offset_rad", 0.0)};
+}
+
+// The encoder reads one turn: the shaft must stay within it over the joint's whole range.
+void check_range(const JointDescription& joint, const XmlNode& axis_node, const XmlNode& drive_node) {
+  const XmlNode limit = axis_node.child("limit");
+  if (joint.lower_rad >= joint.upper_rad) {
+    throw limit.error("lower " + number_text(joint.lower_rad) + " and upper " + number_text(joint.upper_rad),
+                      "lower below upper");
+  }
+  for (const double limit_rad : {joint.lower_rad, joint.upper_rad}) {
+    const double shaft_rad = joint.drive.sign * limit_rad + joint.drive.zero_rad;
+    if (std::abs(shaft_rad) >= M_PI) {
+      throw drive_node.error("a shaft at " + number_text(shaft_rad) + " rad where joint " + joint.name +
+                                 " is at " + number_text(limit_rad),
+                             "less than half a turn to either side");
+    }
+  }
+}
+
+}  // namespace
+
+ServoTypes load_servo_types(const XmlNode& model_node) {
+  ServoTypes types;
+  for (const XmlNode& node : model_node.children("koboshi:servo_type")) {
+    const ServoDescription servo{.torque_constant_Nm_per_A = node.number("torque_constant_Nm_per_A"),
+                                 .resistance_ohm = node.number("resistance_ohm"),
+                                 .supply_V = node.number("supply_V"),
+                                 .rotor_inertia_kg_m2 = node.number("rotor_inertia_kg_m2"),
+                                 .coulomb_friction_Nm = node.number("coulomb_friction_Nm"),
+                                 .viscous_friction_Nm_s = node.number("viscous_friction_Nm_s"),
+                                 .full_voltage_error_rad = node.number("full_voltage_error_rad"),
+                                 .velocity_gain_V_s_per_rad = node.number("velocity_gain_V_s_per_rad", 0.0)};
+    const std::string name = node.attribute("name");
+    if (!types.emplace(name, servo).second)
+      throw node.error("a second servo type " + one_line(name), "each name once");
+  }
+  return types;
+}
+
+JointDescription load_joint(const sdf::Joint& joint, const XmlNode& node, const RobotDescription& robot,
+                            const ServoTypes& servo_types) {
+  JointDescription description;
+  description.name = joint.Name();
+  description.parent = robot.find_link(node.child("parent").text()).value();
+  description.child = robot.find_link(node.child("child").text()).value();
+  description.p_MJ = resolve_pose(joint.SemanticPose(), "__model__", node).translation();
+
+  const sdf::JointAxis& axis = *joint.Axis(0);
+  ignition::math::Vector3d axis_M;
+  if (const auto errors = axis.ResolveXyz(axis_M, "__model__"); !errors.empty()) {
+    throw node.error(one_line(errors.front().Message()), "an axis in a frame of this model");
+  }
+  description.axis_M = Eigen::Vector3d(axis_M.X(), axis_M.Y(), axis_M.Z()).normalized();
+  description.lower_rad = axis.Lower();
+  description.upper_rad = axis.Upper();
+  description.max_speed_rad_per_s = axis.MaxVelocity();
+
+  const XmlNode servo_node = node.child("koboshi:servo");
+  const auto servo = servo_types.find(servo_node.attribute("type"));
+  if (servo == servo_types.end()) {
+    throw servo_node.error("type = " + one_line(servo_node.attribute("type")),
+                           "the name of a koboshi:servo_type");
+  }
+  description.servo = servo->second;
+  description.encoder = load_encoder(node.child("koboshi:encoder"));
+  description.drive = load_drive(node.child("koboshi:drive"));
+  check_range(description, node.child("axis"), node.child("koboshi:drive"));
+  return description;
+}
+
+}  // namespace koboshi::sim

@@ -1,0 +1,101 @@
+#include <sdf/Collision.hh>
+#include <sdf/Visual.hh>
+
+#include "sim_board/robot/load_parts.h"
+
+namespace koboshi::sim {
+namespace {
+
+Eigen::Vector3d vector_of(const XmlNode& node) {
+  const std::vector<double> values = node.numbers();
+  return {values[0], values[1], values[2]};
+}
+
+SurfaceDescription load_surface(const XmlNode& node) {
+  SurfaceDescription surface;
+  const XmlNode friction = node.child("friction").child("ode");
+  surface.friction = friction.number("mu");
+  surface.friction_second = friction.number("mu2", surface.friction);
+  if (const auto bounce = node.find("bounce")) {
+    surface.bounce = bounce->number("restitution_coefficient");
+    surface.bounce_threshold_m_per_s = bounce->number("threshold");
+  }
+  const XmlNode contact = node.child("contact").child("ode");
+  surface.error_reduction = contact.number("soft_erp");
+  surface.constraint_force_mixing = contact.number("soft_cfm");
+  surface.reference_step_s = node.number("koboshi:reference_step_s", surface.reference_step_s);
+  return surface;
+}
+
+BoxDescription load_collision(const sdf::Collision& collision, const XmlNode& node,
+                              const std::string& link_name) {
+  const auto box_node = node.child("geometry").find("box");
+  if (!box_node) throw node.error("collision " + collision.Name() + " without <box>", "a box");
+  return {.name = collision.Name(),
+          .X_LG = resolve_pose(collision.SemanticPose(), link_name, node),
+          .size_m = vector_of(box_node->child("size")),
+          .surface = load_surface(node.child("surface"))};
+}
+
+MeshDescription load_mesh(const XmlNode& node, const Eigen::Isometry3d& X_LG,
+                          const std::filesystem::path& folder) {
+  const XmlNode uri = node.child("uri");
+  const auto scale = node.find("scale");
+  MeshDescription mesh{.file = folder / uri.text(),
+                       .X_LG = X_LG,
+                       .scale = scale ? vector_of(*scale) : Eigen::Vector3d::Ones()};
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(mesh.file, ignored)) {
+    throw uri.error("<uri> = " + one_line(uri.text()),
+                    "a mesh file that exists, relative to this file's folder");
+  }
+  return mesh;
+}
+
+void load_visual(const sdf::Visual& visual, const XmlNode& node, const std::filesystem::path& folder,
+                 LinkDescription& link) {
+  const Eigen::Isometry3d X_LG = resolve_pose(visual.SemanticPose(), link.name, node);
+  const XmlNode geometry = node.child("geometry");
+  const auto box = geometry.find("box");
+  const auto mesh = geometry.find("mesh");
+  if (box.has_value() == mesh.has_value()) {
+    throw geometry.error("<geometry> of visual " + visual.Name() + " with none or several",
+                         "one box or one mesh");
+  }
+  if (mesh) {
+    link.meshes.push_back(load_mesh(*mesh, X_LG, folder));
+  } else {
+    link.visual_boxes.push_back(
+        {.name = visual.Name(), .X_LG = X_LG, .size_m = vector_of(box->child("size")), .surface = {}});
+  }
+}
+
+}  // namespace
+
+LinkDescription load_link(const sdf::Link& link, const XmlNode& node, const std::filesystem::path& folder) {
+  LinkDescription description;
+  description.name = link.Name();
+  description.X_ML = resolve_pose(link.SemanticPose(), "__model__", node);
+
+  const auto& inertial = link.Inertial();
+  description.mass_kg = inertial.MassMatrix().Mass();
+  description.p_LCom_L = to_isometry(inertial.Pose()).translation();
+  const auto inertia = inertial.Moi();  // about the centre of mass, turned into the link's axes
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      description.I_LCom_L(row, column) =
+          inertia(static_cast<std::size_t>(row), static_cast<std::size_t>(column));
+    }
+  }
+
+  for (const XmlNode& collision : node.children("collision")) {
+    description.collisions.push_back(
+        load_collision(*link.CollisionByName(collision.attribute("name")), collision, description.name));
+  }
+  for (const XmlNode& visual : node.children("visual")) {
+    load_visual(*link.VisualByName(visual.attribute("name")), visual, folder, description);
+  }
+  return description;
+}
+
+}  // namespace koboshi::sim

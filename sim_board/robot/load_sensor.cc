@@ -1,0 +1,99 @@
+#include <algorithm>
+#include <sdf/Sensor.hh>
+
+#include "sim_board/robot/load_parts.h"
+
+namespace koboshi::sim {
+namespace {
+
+ChannelDescription load_channel(const XmlNode& sensor, const std::string& name) {
+  const XmlNode node = sensor.child(name);
+  ChannelDescription channel{.noise_density = node.number("noise_density"),
+                             .bias = node.number("bias"),
+                             .bandwidth_Hz = node.number("bandwidth_Hz"),
+                             .range = node.number("range"),
+                             .resolution = node.number("resolution"),
+                             .sample_period_s = 1.0 / sensor.number("update_rate"),
+                             .delay_s = node.number("delay_s")};
+  // Half a count may be missing at the upper end; two's complement has one more below zero.
+  if (channel.range / channel.resolution > 32768.5) {
+    throw node.error("<" + name + "> of range " + number_text(channel.range) + " at resolution " +
+                         number_text(channel.resolution),
+                     "counts that fit 16 bits");
+  }
+  return channel;
+}
+
+void check_type(const XmlNode& node, const std::string& type) {
+  if (node.attribute("type") != type)
+    throw node.error("a sensor of type " + one_line(node.attribute("type")), type);
+}
+
+// Height of the sensor above the lowest corner of the link's boxes, at joint zero.
+double height_above_sole_m(const LinkDescription& link, const Eigen::Isometry3d& X_LS, const XmlNode& node) {
+  if (link.collisions.empty())
+    throw node.error("an ankle sensor above link " + link.name + " without a box", "a sole");
+  double lowest_m = 0.0;
+  bool first = true;
+  for (const BoxDescription& box : link.collisions) {
+    const Eigen::Isometry3d X_MG = link.X_ML * box.X_LG;
+    const double reach_m = X_MG.linear().row(2).cwiseAbs().dot(box.size_m.transpose()) / 2;
+    const double bottom_m = X_MG.translation().z() - reach_m;
+    lowest_m = first ? bottom_m : std::min(lowest_m, bottom_m);
+    first = false;
+  }
+  return (link.X_ML * X_LS).translation().z() - lowest_m;
+}
+
+// The firmware's ZMP wants what the ground side exerts on the shank side, in the sensor's axes.
+void check_direction(const XmlNode& node) {
+  const XmlNode frame = node.child("force_torque").child("frame");
+  if (frame.text() != "sensor") throw frame.error("<frame> = " + one_line(frame.text()), "sensor");
+  const XmlNode direction = node.child("force_torque").child("measure_direction");
+  if (direction.text() != "child_to_parent") {
+    throw direction.error("<measure_direction> = " + one_line(direction.text()), "child_to_parent");
+  }
+}
+
+}  // namespace
+
+void load_imus(const sdf::Link& link, const XmlNode& link_node, RobotDescription& robot) {
+  for (const XmlNode& node : link_node.children("sensor")) {
+    check_type(node, "imu");
+    if (robot.imu) throw node.error("a second IMU", "one");
+    const sdf::Sensor& sensor = *link.SensorByName(node.attribute("name"));
+    robot.imu = ImuDescription{.name = sensor.Name(),
+                               .link = robot.find_link(link.Name()).value(),
+                               .X_LS = resolve_pose(sensor.SemanticPose(), link.Name(), node),
+                               .gyro = load_channel(node, "koboshi:gyro"),
+                               .accelerometer = load_channel(node, "koboshi:accelerometer")};
+  }
+}
+
+void load_ankle_sensors(const sdf::Joint& joint, const XmlNode& joint_node, RobotDescription& robot) {
+  for (const XmlNode& node : joint_node.children("sensor")) {
+    check_type(node, "force_torque");
+    check_direction(node);
+    const std::string name = node.attribute("name");
+    if (name != "left_ankle" && name != "right_ankle") {
+      throw node.error("a force/torque sensor " + one_line(name), "left_ankle or right_ankle");
+    }
+    auto& slot = name == "left_ankle" ? robot.left_ankle : robot.right_ankle;
+    if (slot) throw node.error("a second sensor " + name, "one");
+    const int joint_index = robot.find_joint(joint.Name()).value();
+    const int foot_index = robot.joints[static_cast<std::size_t>(joint_index)].child;
+    const LinkDescription& foot = robot.links[static_cast<std::size_t>(foot_index)];
+    AnkleSensorDescription sensor{
+        .name = name,
+        .joint = joint_index,
+        // libsdformat 12 gives a joint's sensor no frame to resolve: its pose is that in the joint's frame.
+        .X_LS = resolve_pose(joint.SemanticPose(), foot.name, node) *
+                to_isometry(joint.SensorByName(name)->RawPose()),
+        .force = load_channel(node, "koboshi:force"),
+        .torque = load_channel(node, "koboshi:torque")};
+    sensor.height_above_sole_m = height_above_sole_m(foot, sensor.X_LS, node);
+    slot = sensor;
+  }
+}
+
+}  // namespace koboshi::sim

@@ -1,0 +1,174 @@
+#include "sim_board/robot/sdf_schema.h"
+
+namespace koboshi::sim {
+namespace {
+
+using enum XmlContent;
+using enum XmlCount;
+
+constexpr NumberRange kFraction{.min = 0, .max = 1};
+constexpr NumberRange kNotNegative{.min = 0};
+// Lengths of a robot that stands on a table or beside a person.
+constexpr NumberRange kSize{.min = 1e-4, .max = 10};
+constexpr NumberRange kUnsigned32{.min = 0, .max = 4294967295.0};
+constexpr NumberRange kPosition{.min = -1000, .max = 1000};
+
+XmlRule group(std::string name, XmlCount count, std::vector<XmlRule> children,
+              std::vector<XmlAttributeRule> attributes = {}) {
+  return {.name = std::move(name),
+          .content = kChildren,
+          .count = count,
+          .attributes = std::move(attributes),
+          .children = std::move(children)};
+}
+
+XmlRule number(std::string name, XmlCount count, NumberRange range = {}) {
+  return {.name = std::move(name), .content = kNumbers, .count = count, .range = range};
+}
+
+XmlRule text(std::string name, XmlCount count) {
+  return {.name = std::move(name), .content = kText, .count = count};
+}
+
+// x y z in metres, roll pitch yaw in radians.
+XmlRule fixed_pose() { return {.name = "pose", .content = kNumbers, .numbers = 6, .range = kPosition}; }
+
+XmlRule pose() {
+  XmlRule rule = fixed_pose();
+  rule.attributes = {{.name = "relative_to", .required = false}};
+  return rule;
+}
+
+XmlRule servo_type() {
+  return group("koboshi:servo_type", kRepeated,
+               {number("torque_constant_Nm_per_A", kRequired, {.min = 1e-3, .max = 100}),
+                number("resistance_ohm", kRequired, {.min = 1e-3, .max = 1000}),
+                number("supply_V", kRequired, {.min = 0.1, .max = 1000}),
+                number("rotor_inertia_kg_m2", kRequired, {.min = 0, .max = 10}),
+                number("coulomb_friction_Nm", kRequired, {.min = 0, .max = 100}),
+                number("viscous_friction_Nm_s", kRequired, {.min = 0, .max = 100}),
+                number("full_voltage_error_rad", kRequired, {.min = 1e-4, .max = 10}),
+                number("velocity_gain_V_s_per_rad", kOptional, {.min = 0, .max = 1000})},
+               {{.name = "name"}});
+}
+
+XmlRule inertial() {
+  return group("inertial", kRequired,
+               {fixed_pose(), number("mass", kRequired, {.min = 1e-6, .max = 1000}),
+                group("inertia", kRequired,
+                      {number("ixx", kRequired, kNotNegative), number("iyy", kRequired, kNotNegative),
+                       number("izz", kRequired, kNotNegative), number("ixy", kOptional),
+                       number("ixz", kOptional), number("iyz", kOptional)})});
+}
+
+XmlRule box() {
+  return group("box", kOptional,
+               {{.name = "size", .content = kNumbers, .count = kRequired, .numbers = 3, .range = kSize}});
+}
+
+XmlRule mesh() {
+  return group("mesh", kOptional,
+               {text("uri", kRequired),
+                {.name = "scale", .content = kNumbers, .numbers = 3, .range = {.min = 1e-6, .max = 1000}}});
+}
+
+XmlRule surface() {
+  return group(
+      "surface", kRequired,
+      {group("friction", kRequired,
+             {group("ode", kRequired,
+                    {number("mu", kRequired, {.min = 0, .max = 10}),
+                     number("mu2", kOptional, {.min = 0, .max = 10})})}),
+       group("bounce", kOptional,
+             {number("restitution_coefficient", kRequired, kFraction),
+              number("threshold", kRequired, kNotNegative)}),
+       group("contact", kRequired,
+             {group("ode", kRequired,
+                    {number("soft_cfm", kRequired, kFraction), number("soft_erp", kRequired, kFraction)})}),
+       number("koboshi:reference_step_s", kOptional, {.min = 1e-6, .max = 0.1})});
+}
+
+XmlRule channel(std::string name) {
+  return group(std::move(name), kRequired,
+               {number("noise_density", kRequired, kNotNegative), number("bias", kRequired, kNotNegative),
+                number("bandwidth_Hz", kRequired, {.min = 0.1, .max = 1e5}),
+                number("range", kRequired, {.min = 1e-9, .max = 1e9}),
+                number("resolution", kRequired, {.min = 1e-12, .max = 1e9}),
+                number("delay_s", kRequired, {.min = 0, .max = 1})});
+}
+
+XmlRule update_rate() { return number("update_rate", kRequired, {.min = 1, .max = 1e5}); }
+
+XmlRule imu() {
+  return group("sensor", kRepeated,
+               {pose(), update_rate(), channel("koboshi:gyro"), channel("koboshi:accelerometer")},
+               {{.name = "name"}, {.name = "type"}});
+}
+
+XmlRule force_torque() {
+  return group(
+      "sensor", kRepeated,
+      {fixed_pose(), update_rate(),
+       group("force_torque", kRequired, {text("frame", kRequired), text("measure_direction", kRequired)}),
+       channel("koboshi:force"), channel("koboshi:torque")},
+      {{.name = "name"}, {.name = "type"}});
+}
+
+XmlRule link() {
+  return group("link", kRepeated,
+               {pose(), inertial(),
+                group("collision", kRepeated, {pose(), group("geometry", kRequired, {box()}), surface()},
+                      {{.name = "name"}}),
+                group("visual", kRepeated,
+                      {pose(),
+                       group("geometry", kRequired, {box(), mesh()}),
+                       {.name = "material", .content = kAnything}},
+                      {{.name = "name"}}),
+                imu()},
+               {{.name = "name"}});
+}
+
+XmlRule axis() {
+  XmlRule xyz{.name = "xyz",
+              .content = kNumbers,
+              .count = kRequired,
+              .attributes = {{.name = "expressed_in", .required = false}},
+              .numbers = 3,
+              .range = {.min = -1, .max = 1}};
+  return group("axis", kRequired,
+               {xyz, group("limit", kRequired,
+                           {number("lower", kRequired, {.min = -1000, .max = 1000}),
+                            number("upper", kRequired, {.min = -1000, .max = 1000}),
+                            number("velocity", kRequired, {.min = 1e-3, .max = 1000})})});
+}
+
+XmlRule joint() {
+  const XmlRule servo{.name = "koboshi:servo", .count = kRequired, .attributes = {{.name = "type"}}};
+  const XmlRule encoder{.name = "koboshi:encoder",
+                        .count = kRequired,
+                        .attributes = {{"bits", kInteger, true, {.min = 8, .max = 24}},
+                                       {"offset_rad", kNumbers, false, {.min = -1, .max = 1}}}};
+  const XmlRule drive{.name = "koboshi:drive",
+                      .count = kRequired,
+                      .attributes = {{"node_id", kInteger, true, {.min = 1, .max = 127}},
+                                     {"vendor_id", kInteger, false, kUnsigned32},
+                                     {"product_code", kInteger, false, kUnsigned32},
+                                     {"serial_number", kInteger, true, kUnsigned32},
+                                     {"sign", kInteger, false, {.min = -1, .max = 1}},
+                                     {"zero_rad", kNumbers, false, {.min = -3.2, .max = 3.2}}}};
+  return group("joint", kRepeated,
+               {pose(), text("parent", kRequired), text("child", kRequired), axis(), servo, encoder, drive,
+                force_torque()},
+               {{.name = "name"}, {.name = "type"}});
+}
+
+}  // namespace
+
+const XmlRule& sdf_rule() {
+  static const XmlRule rule = group(
+      "sdf", kOptional, {group("model", kRequired, {servo_type(), link(), joint()}, {{.name = "name"}})},
+      {{.name = "version"}, {.name = "xmlns:koboshi", .required = false}});
+  return rule;
+}
+
+}  // namespace koboshi::sim
