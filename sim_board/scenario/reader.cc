@@ -97,6 +97,11 @@ InitialState read_initial(const YamlMap& root) {
     initial.drop_m = map->number("drop_m", {.min = 0.0, .max = 10.0});
   }
   initial.fixed_base = map->boolean("fixed_base", false);
+  if (map->has("held_until_s")) {
+    if (initial.fixed_base) throw map->error_at("held_until_s", "held_until_s beside fixed_base", "one of the two");
+    initial.fixed_base = true;
+    initial.release_us = to_us(map->number("held_until_s", {.min = 0.0, .max = kLongestRun_s}));
+  }
   if (const auto joints = map->optional_child("joints_deg")) {
     for (const auto& [name, value] : joints->entries()) {
       const double position_deg = value.number({.min = -360.0, .max = 360.0});

@@ -34,6 +34,7 @@ struct InitialState {
       base_height_m;        // of the base link's origin; without it the lowest point touches the ground
   double drop_m = 0.0;      // how far above touching the ground, without a base height
   bool fixed_base = false;  // the base link hangs on a stand
+  std::optional<std::uint64_t> release_us;  // when the stand lets go of it; without it, never
   std::vector<InitialJoint> joints;  // all others are at zero
 };
 

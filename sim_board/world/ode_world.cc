@@ -60,6 +60,7 @@ class OdeWorld final : public World {
 
   void set_servo(int joint, const ServoTorque& torque) override { at(joints_, joint).set_servo(torque); }
   void push(int link, const Eigen::Vector3d& p_L, const Eigen::Vector3d& f_W) override;
+  void release_base() override;
   void step() override;
 
   double step_s() const override { return options_.step_s; }
@@ -147,6 +148,10 @@ void OdeWorld::push(int link, const Eigen::Vector3d& p_L, const Eigen::Vector3d&
     blow_up("body '" + at(robot_.links, link).name + "'", "a push that is not finite or beyond 1e6 N");
   const Eigen::Vector3d p_W = body(link).X_WL * p_L;
   dBodyAddForceAtPos(at(bodies_, link).get(), f_W.x(), f_W.y(), f_W.z(), p_W.x(), p_W.y(), p_W.z());
+}
+
+void OdeWorld::release_base() {
+  if (dBodyIsKinematic(bodies_.front().get()) != 0) dBodySetDynamic(bodies_.front().get());
 }
 
 void OdeWorld::step() {

@@ -38,7 +38,7 @@ struct WorldOptions {
   GroundDescription ground;
   Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();  // links[0] at the start
   std::vector<double> joint_positions_rad;                 // at the start, by joint; empty: all zero
-  bool fixed_base = false;                                 // links[0] hangs on a stand and never moves
+  bool fixed_base = false;                                 // links[0] hangs on a stand until release_base()
   double max_speed_m_per_s = 100.0;                        // beyond these a body has blown up
   double max_rate_rad_per_s = 1000.0;
 };

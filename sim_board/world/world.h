@@ -59,6 +59,8 @@ class World {
   virtual void set_servo(int joint, const ServoTorque& torque) = 0;
   // Force at a point given in the link's frame, for the next step only. Several in one step add up.
   virtual void push(int link, const Eigen::Vector3d& p_L, const Eigen::Vector3d& f_W) = 0;
+  // Lets go of a base that hung on a stand. No effect otherwise.
+  virtual void release_base() = 0;
   // Advances by one step of step_s(). Throws WorldBlewUp.
   virtual void step() = 0;
 

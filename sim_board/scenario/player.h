@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "sim_board/board/sim_board.h"
+#include "sim_board/scenario/scenario.h"
+
+namespace koboshi::sim {
+
+// World and board as a scenario asks for them. The scenario has been checked against the robot.
+BoardOptions board_options(const Scenario& scenario, const RobotDescription& robot);
+
+// Does to a board what its scenario says, each thing in its time: commands from the operator's PC, faults,
+// pushes, and letting go of the stand.
+class ScenarioPlayer final : private StepListener {
+ public:
+  // All must outlive the player. The scenario has been checked against the board's robot.
+  ScenarioPlayer(const Scenario& scenario, SimBoard& board);
+  ~ScenarioPlayer() { board_.set_step_listener(nullptr); }
+  ScenarioPlayer(const ScenarioPlayer&) = delete;
+  ScenarioPlayer& operator=(const ScenarioPlayer&) = delete;
+
+  // One millisecond of board and scenario.
+  void advance();
+  bool finished() const { return board_.now_us() >= scenario_.duration_us; }
+
+ private:
+  void before_step(World& world, std::uint64_t start_us, std::uint64_t end_us) override;
+  void send(const Command& command);
+  void cause(const Fault& fault);
+
+  const Scenario& scenario_;
+  SimBoard& board_;
+  std::vector<int> pushed_links_;  // by push
+  std::size_t next_command_ = 0;
+  std::size_t next_fault_ = 0;
+  bool held_;
+};
+
+}  // namespace koboshi::sim

@@ -1,0 +1,27 @@
+#include "tools/run/simulation.h"
+
+#include "sim_board/robot/load.h"
+#include "tools/motion/compile.h"
+#include "tools/run/storage_contents.h"
+
+namespace koboshi::tools {
+namespace {
+
+sim::RobotDescription load_checked(const sim::Scenario& scenario) {
+  sim::RobotDescription robot = sim::load_robot(scenario.robot);
+  sim::check(scenario, robot);
+  return robot;
+}
+
+}  // namespace
+
+Simulation::Simulation(const sim::Scenario& scenario)
+    : scenario_(scenario), robot_(load_checked(scenario_)), model_(load_named_model(robot_)) {
+  std::vector<std::vector<std::byte>> motions;
+  for (const auto& file : scenario_.motions) motions.push_back(compile_motion(file, model_));
+  host_ = std::make_unique<InProcessHost>(make_storage_contents(model_.image, motions));
+  board_ = std::make_unique<sim::SimBoard>(robot_, sim::board_options(scenario_, robot_), *host_);
+  player_ = std::make_unique<sim::ScenarioPlayer>(scenario_, *board_);
+}
+
+}  // namespace koboshi::tools

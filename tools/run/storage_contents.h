@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace koboshi::tools {
+
+// What a robot's storage holds when it leaves the factory: catalogue (firmware/app/catalogue.h), RobotModel
+// image and motion images, the i-th as motion i.
+[[nodiscard]] std::vector<std::byte> make_storage_contents(std::span<const std::byte> model,
+                                                           std::span<const std::vector<std::byte>> motions);
+
+}  // namespace koboshi::tools
