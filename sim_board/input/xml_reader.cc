@@ -140,13 +140,13 @@ class Checker {
   const std::filesystem::path& file_;
 };
 
-// "mismatched element" of tinyxml2's XML_ERROR_MISMATCHED_ELEMENT.
+// "XML error: mismatched element" of tinyxml2's XML_ERROR_MISMATCHED_ELEMENT.
 std::string describe_error(const tinyxml2::XMLDocument& document) {
   std::string name = document.ErrorName();
   constexpr std::string_view kPrefix = "XML_ERROR_";
   if (name.starts_with(kPrefix)) name.erase(0, kPrefix.size());
   for (char& c : name) c = c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return name;
+  return "XML error: " + name;
 }
 
 }  // namespace

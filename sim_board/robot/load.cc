@@ -1,7 +1,6 @@
 #include "sim_board/robot/load.h"
 
 #include <algorithm>
-#include <sdf/Console.hh>
 #include <sdf/ParserConfig.hh>
 #include <sdf/Root.hh>
 #include <set>
@@ -17,7 +16,6 @@ const char* const kVersion = "1.9";
 
 // Asks libsdformat for the frames of a file that the schema has passed.
 void load_sdf(const XmlFile& file, sdf::Root& root) {
-  sdf::Console::Instance()->SetQuiet(true);
   sdf::ParserConfig config;
   config.SetWarningsPolicy(sdf::EnforcementPolicy::ERR);
   config.SetUnrecognizedElementsPolicy(sdf::EnforcementPolicy::ERR);

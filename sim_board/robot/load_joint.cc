@@ -1,4 +1,5 @@
 #include <cmath>
+#include <numbers>
 #include <sdf/JointAxis.hh>
 
 #include "sim_board/robot/load_parts.h"
@@ -32,7 +33,7 @@ void check_range(const JointDescription& joint, const XmlNode& axis_node, const 
   }
   for (const double limit_rad : {joint.lower_rad, joint.upper_rad}) {
     const double shaft_rad = joint.drive.sign * limit_rad + joint.drive.zero_rad;
-    if (std::abs(shaft_rad) >= M_PI) {
+    if (std::abs(shaft_rad) >= std::numbers::pi) {
       throw drive_node.error("a shaft at " + number_text(shaft_rad) + " rad where joint " + joint.name +
                                  " is at " + number_text(limit_rad),
                              "less than half a turn to either side");

@@ -137,12 +137,12 @@ TEST(LoadRobot, TurnsInertiasIntoTheAxesOfTheLink) {
 }
 
 TEST(LoadRobot, RefusesFilesThatAreNoRobot) {
-  EXPECT_EQ(complaint(""), "FILE: found empty document, expected well-formed XML");
+  EXPECT_EQ(complaint(""), "FILE: found XML error: empty document, expected well-formed XML");
   EXPECT_EQ(complaint("<robot name='urdf'/>"), "FILE:1: found <robot>, expected <sdf>");
   EXPECT_EQ(complaint("<sdf version='1.9'/>"), "FILE:1: found <sdf> without <model>, expected that element");
   EXPECT_EQ(complaint(with("\"1.9\"", "\"1.6\"")), "FILE:1: found SDF version 1.6, expected 1.9");
   EXPECT_EQ(complaint(with("<mass>0.1</mass>", "<mass>0.1</mas>")),
-            "FILE:16: found mismatched element, expected well-formed XML");
+            "FILE:16: found XML error: mismatched element, expected well-formed XML");
   EXPECT_THROW(load_robot("no/such.sdf"), InputError);
 }
 

@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <set>
 
 #include "sim_board/robot/load.h"
@@ -12,7 +13,7 @@
 namespace koboshi::sim {
 namespace {
 
-constexpr double kDegree_rad = M_PI / 180;
+constexpr double kDegree_rad = std::numbers::pi / 180;
 
 const RobotDescription& default_robot() {
   static const RobotDescription robot =
