@@ -1,0 +1,100 @@
+#include "sim_board/record/recorder.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <utility>
+
+#include "sim_board/can/candump_log.h"
+
+namespace koboshi::sim {
+namespace {
+
+enum RecordKind : std::uint32_t { kRow, kFrame };
+
+constexpr std::size_t kFrameWords = 3;
+
+void pack(std::span<std::uint64_t> words, const hal::CanFrame& frame, std::uint64_t time_us) {
+  words[0] = time_us;
+  words[1] = std::bit_cast<std::uint64_t>(frame.data);
+  words[2] =
+      std::uint64_t{frame.identifier} << 16 | std::uint64_t{frame.size} << 8 | (frame.remote ? 1u : 0u);
+}
+
+hal::CanFrame unpack(std::span<const std::uint64_t> words) {
+  return {.identifier = static_cast<std::uint16_t>(words[2] >> 16),
+          .size = static_cast<std::uint8_t>(words[2] >> 8 & 0xFFu),
+          .remote = (words[2] & 1u) != 0,
+          .data = std::bit_cast<std::array<std::uint8_t, 8>>(words[1])};
+}
+
+}  // namespace
+
+Recorder::Recorder(const std::filesystem::path& folder, std::vector<TraceColumn> columns, WhenFull when_full,
+                   std::size_t ring_words)
+    : formatter_(std::move(columns)),
+      trace_(folder / "trace.csv"),
+      log_(folder / "can.log"),
+      ring_(ring_words, when_full) {
+  trace_.write(formatter_.header());
+  writer_ = std::thread([this] { write_records(); });
+}
+
+Recorder::~Recorder() { finish(); }
+
+void Recorder::row(std::uint64_t time_us, std::span<const TraceValue> values) {
+  assert(values.size() == formatter_.columns().size());
+  const std::span<std::uint64_t> words = ring_.claim(kRow, values.size() + 1);
+  if (words.empty()) return;
+  words[0] = time_us;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    assert(values[i].kind == formatter_.columns()[i].kind);
+    words[i + 1] = values[i].bits;
+  }
+  ring_.publish();
+}
+
+void Recorder::on_bus_frame(const hal::CanFrame& frame, std::uint64_t /*start_us*/, std::uint64_t end_us) {
+  const std::span<std::uint64_t> words = ring_.claim(kFrame, kFrameWords);
+  if (words.empty()) return;
+  pack(words, frame, end_us);
+  ring_.publish();
+}
+
+void Recorder::close() {
+  finish();
+  if (error_ != nullptr) std::rethrow_exception(std::exchange(error_, nullptr));
+  trace_.close();
+  log_.close();
+}
+
+void Recorder::finish() {
+  if (!writer_.joinable()) return;
+  ring_.close();
+  writer_.join();
+}
+
+// After an error it goes on emptying the ring: the run ends by itself and hears of it in `close`.
+void Recorder::write_records() {
+  Ring::Record record;
+  while (ring_.read(record)) {
+    try {
+      if (error_ == nullptr) write(record);
+    } catch (...) {
+      error_ = std::current_exception();
+    }
+    ring_.release();
+  }
+}
+
+void Recorder::write(const Ring::Record& record) {
+  if (record.kind == kRow) {
+    trace_.write(formatter_.row(record.words[0], record.words.subspan(1)));
+    return;
+  }
+  std::array<char, kMaxLogLineBytes> line;
+  log_.write({line.data(), format_log_line(line, unpack(record.words), record.words[0])});
+}
+
+}  // namespace koboshi::sim

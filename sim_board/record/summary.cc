@@ -1,0 +1,34 @@
+#include "sim_board/record/summary.h"
+
+#include "sim_board/record/output_file.h"
+
+namespace koboshi::sim {
+
+nlohmann::ordered_json to_json(const RunSummary& summary) {
+  return {{"fell", summary.fell},
+          {"duration_s", summary.duration_s},
+          {"can_bus_load", summary.can_bus_load},
+          {"state_hash", summary.state_hash},
+          {"faults", summary.faults},
+          {"solver_warnings", summary.solver_warnings},
+          {"stepper", summary.stepper},
+          {"base_height_error_max_m", summary.base_height_error_max_m},
+          {"foot_slip_max_m", summary.foot_slip_max_m}};
+}
+
+void write_json(const std::filesystem::path& file, const nlohmann::ordered_json& document) {
+  std::filesystem::path beside = file;
+  beside += ".part";
+  try {
+    OutputFile output(beside);
+    output.write(document.dump(2) + '\n');
+    output.close();
+    std::filesystem::rename(beside, file);
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(beside, ignored);
+    throw;
+  }
+}
+
+}  // namespace koboshi::sim

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace koboshi::sim {
+
+// What a run comes to. The same inputs and seed give the same bytes of summary.json: no path, date or host is
+// in it.
+struct RunSummary {
+  bool fell = false;
+  double duration_s = 0.0;
+  double can_bus_load = 0.0;  // 0..1
+  std::string state_hash;
+  std::uint64_t faults = 0;
+  std::uint64_t solver_warnings = 0;
+  std::string stepper;
+  // While the robot stands or plays a motion on its own feet: largest difference of the trunk's height from
+  // that of the pose it is told to take, and farthest that a loaded foot slid.
+  double base_height_error_max_m = 0.0;
+  double foot_slip_max_m = 0.0;
+};
+
+// The keys of summary.json in their order.
+nlohmann::ordered_json to_json(const RunSummary& summary);
+
+// Writes the document to a file beside and renames it, so that a reader finds the whole or nothing new.
+// Throws std::system_error.
+void write_json(const std::filesystem::path& file, const nlohmann::ordered_json& document);
+
+}  // namespace koboshi::sim

@@ -1,0 +1,57 @@
+#include "sim_board/record/summary.h"
+
+#include <gtest/gtest.h>
+
+#include <system_error>
+
+#include "tests/unit/sim_board/record/temporary_folder.h"
+
+namespace koboshi::sim {
+namespace {
+
+const RunSummary kSummary = {.fell = false,
+                             .duration_s = 60.0,
+                             .can_bus_load = 0.512,
+                             .state_hash = "00000000deadbeef",
+                             .faults = 0,
+                             .solver_warnings = 2,
+                             .stepper = "world",
+                             .base_height_error_max_m = 0.0015,
+                             .foot_slip_max_m = 0.00025};
+
+TEST(Summary, HasItsKeysInOrder) {
+  test::TemporaryFolder folder;
+  write_json(folder.path / "summary.json", to_json(kSummary));
+  EXPECT_EQ(test::read_file(folder.path / "summary.json"),
+            "{\n"
+            "  \"fell\": false,\n"
+            "  \"duration_s\": 60.0,\n"
+            "  \"can_bus_load\": 0.512,\n"
+            "  \"state_hash\": \"00000000deadbeef\",\n"
+            "  \"faults\": 0,\n"
+            "  \"solver_warnings\": 2,\n"
+            "  \"stepper\": \"world\",\n"
+            "  \"base_height_error_max_m\": 0.0015,\n"
+            "  \"foot_slip_max_m\": 0.00025\n"
+            "}\n");
+}
+
+TEST(Summary, ReplacesTheWholeFileAndLeavesNothingBeside) {
+  test::TemporaryFolder folder;
+  test::write_file(folder.path / "timing.json", std::string(10'000, 'x'));
+  write_json(folder.path / "timing.json", {{"real_time_factor", 6.5}});
+  EXPECT_EQ(test::read_file(folder.path / "timing.json"), "{\n  \"real_time_factor\": 6.5\n}\n");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path), {}), 1);
+}
+
+TEST(Summary, KeepsTheOldFileWhenWritingFails) {
+  test::TemporaryFolder folder;
+  test::write_file(folder.path / "summary.json", "old");
+  std::filesystem::create_symlink("/dev/full", folder.path / "summary.json.part");
+  EXPECT_THROW(write_json(folder.path / "summary.json", to_json(kSummary)), std::system_error);
+  EXPECT_EQ(test::read_file(folder.path / "summary.json"), "old");
+  EXPECT_FALSE(std::filesystem::exists(folder.path / "summary.json.part"));
+}
+
+}  // namespace
+}  // namespace koboshi::sim
