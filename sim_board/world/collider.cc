@@ -21,8 +21,8 @@ dSurfaceParameters ode_surface(const SurfaceContact& surface) {
   ode.mu2 = surface.friction_second;
   ode.bounce = surface.bounce;
   ode.bounce_vel = surface.bounce_threshold_m_per_s;
-  ode.soft_erp = surface.error_reduction;
-  ode.soft_cfm = surface.constraint_force_mixing;
+  ode.soft_erp = surface.softness.error_reduction;
+  ode.soft_cfm = surface.softness.constraint_force_mixing;
   return ode;
 }
 

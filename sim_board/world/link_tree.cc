@@ -31,9 +31,18 @@ LinkTree::LinkTree(const RobotDescription& robot) {
 
 std::vector<Eigen::Isometry3d> LinkTree::poses(const RobotDescription& robot, const Eigen::Isometry3d& X_WB,
                                                std::span<const double> joint_positions_rad) const {
-  // X_moved[l] takes a point of link l from where it is at joint zero, in the model frame, to where it is in
-  // the world.
-  std::vector<Eigen::Isometry3d> X_moved(robot.links.size());
+  std::vector<Eigen::Isometry3d> X_WLs;
+  poses(robot, X_WB, joint_positions_rad, X_WLs);
+  return X_WLs;
+}
+
+void LinkTree::poses(const RobotDescription& robot, const Eigen::Isometry3d& X_WB,
+                     std::span<const double> joint_positions_rad,
+                     std::vector<Eigen::Isometry3d>& X_WLs) const {
+  // At first X_moved[l] takes a point of link l from where it is at joint zero, in the model frame, to where
+  // it is in the world.
+  std::vector<Eigen::Isometry3d>& X_moved = X_WLs;
+  X_moved.resize(robot.links.size());
   X_moved[0] = X_WB * robot.links[0].X_ML.inverse();
   for (const int index : joints_from_root_) {
     const JointDescription& joint = robot.joints[static_cast<std::size_t>(index)];
@@ -43,7 +52,6 @@ std::vector<Eigen::Isometry3d> LinkTree::poses(const RobotDescription& robot, co
     X_moved[static_cast<std::size_t>(joint.child)] = X_moved[static_cast<std::size_t>(joint.parent)] * X_turn;
   }
   for (std::size_t l = 0; l < X_moved.size(); ++l) X_moved[l] = X_moved[l] * robot.links[l].X_ML;
-  return X_moved;
 }
 
 int LinkTree::distance(int link, int other_link) const {

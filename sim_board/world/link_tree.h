@@ -17,6 +17,9 @@ class LinkTree {
   // X_WL of every link, given that of links[0] and the joint positions in rad, by joint.
   std::vector<Eigen::Isometry3d> poses(const RobotDescription& robot, const Eigen::Isometry3d& X_WB,
                                        std::span<const double> joint_positions_rad) const;
+  // The same into `X_WLs`, whose memory is used again.
+  void poses(const RobotDescription& robot, const Eigen::Isometry3d& X_WB,
+             std::span<const double> joint_positions_rad, std::vector<Eigen::Isometry3d>& X_WLs) const;
   // How many joints lie on the way from one link to the other.
   int distance(int link, int other_link) const;
 

@@ -17,10 +17,10 @@ constexpr double kSlidingSpeed_rad_per_s = 0.1;
 constexpr double kStickingForceMixing = 1e-10;
 // A constant torque without any damping still needs a CFM: 1e-9 N m of error at 1 rad/s.
 constexpr double kLeastDamping_Nm_s = 1e-9;
-// The stops, at 1 ms: 10 kN m/rad, so that a stalled servo of 1.4 N m bends its stop by 0.14 mrad; damped
-// well beyond critical, so that a joint does not bounce off.
-constexpr SurfaceDescription kHalfStop{
-    .friction = 0.0, .bounce = 0.0, .error_reduction = 0.2, .constraint_force_mixing = 1e-5};
+// The stops: a stalled servo of 1.4 N m bends one by 0.14 mrad. Damped far beyond critical, so that nothing
+// bounces off; what ran past its limit within a step returns in kd/kp = 4 ms.
+constexpr double kStopStiffness_Nm_per_rad = 1e4;
+constexpr double kStopDamping_Nm_s_per_rad = 40.0;
 
 constexpr int kDrive = 0;  // numbers of the axes
 constexpr int kFriction = 1;
@@ -62,7 +62,7 @@ ServoJoint::ServoJoint(dWorldID world, const JointDescription& joint, dBodyID ch
 }
 
 void ServoJoint::set_stop(const JointDescription& joint) {
-  const SurfaceContact stop = meet(kHalfStop, kHalfStop, step_s_);
+  const Softness stop = softness(kStopStiffness_Nm_per_rad, kStopDamping_Nm_s_per_rad, step_s_);
   set(motor_, kStop, dParamLoStop, joint.lower_rad);
   set(motor_, kStop, dParamHiStop, joint.upper_rad);
   set(motor_, kStop, dParamStopERP, stop.error_reduction);

@@ -24,18 +24,21 @@ Compliance compliance(const SurfaceDescription& surface) {
 
 }  // namespace
 
+Softness softness(double stiffness, double damping, double step_s) {
+  const double step_stiffness = step_s * stiffness;
+  return {step_stiffness / (step_stiffness + damping), 1.0 / (step_stiffness + damping)};
+}
+
 SurfaceContact meet(const SurfaceDescription& one, const SurfaceDescription& other, double step_s) {
   const Compliance a = compliance(one);
   const Compliance b = compliance(other);
-  const double step_kp = step_s / (a.spring_m_per_N + b.spring_m_per_N);
-  const double kd = 1.0 / (a.damper_m_per_N_s + b.damper_m_per_N_s);
   const SurfaceDescription& bouncier = one.bounce >= other.bounce ? one : other;
   return {.friction = std::min(one.friction, other.friction),
           .friction_second = std::min(one.friction_second, other.friction_second),
           .bounce = bouncier.bounce,
           .bounce_threshold_m_per_s = bouncier.bounce_threshold_m_per_s,
-          .error_reduction = step_kp / (step_kp + kd),
-          .constraint_force_mixing = 1.0 / (step_kp + kd)};
+          .softness = softness(1.0 / (a.spring_m_per_N + b.spring_m_per_N),
+                               1.0 / (a.damper_m_per_N_s + b.damper_m_per_N_s), step_s)};
 }
 
 }  // namespace koboshi::sim

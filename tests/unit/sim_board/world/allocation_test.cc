@@ -1,0 +1,48 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+
+#include "sim_board/world/ode_world.h"
+#include "tests/unit/sim_board/world/sample_robots.h"
+
+namespace {
+
+thread_local long allocations = 0;
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace koboshi::sim {
+namespace {
+
+// ODE's own arenas, which come from malloc, are not counted.
+TEST(World, StepsWithoutTheHeap) {
+  for (const Stepper stepper : {Stepper::kWorld, Stepper::kQuick}) {
+    WorldOptions options;
+    options.stepper = stepper;
+    options.X_WB.translation().z() = kSampleHumanoidHeight_m + 0.02;
+    const auto world = make_ode_world(sample_humanoid(), options);
+    const long before = allocations;
+    std::size_t most_contacts = 0;
+    for (int i = 0; i < 500; ++i) {  // it drops, folds up and lies
+      for (int j = 0; j < 20; ++j) world->set_servo(j, {.friction_Nm = 0.002});
+      world->push(0, Eigen::Vector3d::Zero(), {0.5, 0.0, 0.0});
+      world->step();
+      most_contacts = std::max(most_contacts, world->contacts().size());
+    }
+    EXPECT_EQ(allocations, before);
+    EXPECT_GT(most_contacts, 8U);
+  }
+}
+
+}  // namespace
+}  // namespace koboshi::sim
