@@ -1,11 +1,26 @@
 #include "sim_board/board/sim_board.h"
 
+#include <chrono>
 #include <cmath>
 
 namespace koboshi::sim {
 namespace {
 
 constexpr std::size_t kOperatorFifo = 64;
+
+// Adds the wall time of its scope to a share.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& share_s) : share_s_(share_s) {}
+  ~Stopwatch() { share_s_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double& share_s_;
+  Clock::time_point start_ = Clock::now();
+};
 
 }  // namespace
 
@@ -38,7 +53,7 @@ SimBoard::SimBoard(const RobotDescription& robot, const BoardOptions& options, C
 }
 
 void SimBoard::advance() {
-  bus_.advance_to(now_us_);
+  advance_bus();
   update_drives();
   collect_samples();
   if (!controller_stopped_) serve_controller();
@@ -46,7 +61,13 @@ void SimBoard::advance() {
   step_physics();
 }
 
+void SimBoard::advance_bus() {
+  const Stopwatch watch(shares_.bus_s);
+  bus_.advance_to(now_us_);
+}
+
 void SimBoard::update_drives() {
+  const Stopwatch watch(shares_.drives_s);
   for (std::size_t joint = 0; joint < drives_.size(); ++joint) {
     const int number = static_cast<int>(joint);
     drives_[joint]->set_enable_line(enable_line_);
@@ -72,7 +93,10 @@ void SimBoard::serve_controller() {
   input_.can_status = bus_.status(controller_);
   input_.can_status.receive_overruns = receive_overruns;
   input_.transmit_space = static_cast<std::uint16_t>(bus_.transmit_space(controller_));
-  host_.exchange(input_, output_);
+  {
+    const Stopwatch watch(shares_.firmware_s);
+    host_.exchange(input_, output_);
+  }
   input_.frames.clear();
   input_.imu.clear();
   input_.ankle_fresh = {};
@@ -97,13 +121,19 @@ void SimBoard::watch_dog() {
 void SimBoard::step_physics() {
   for (const std::uint64_t end_us = now_us_ + kService_us; now_us_ < end_us;) {
     if (step_listener_ != nullptr) step_listener_->before_step(*world_, now_us_, now_us_ + step_us_);
-    world_->step();
+    step_world();
     now_us_ += step_us_;
     sample_sensors();
   }
 }
 
+void SimBoard::step_world() {
+  const Stopwatch watch(shares_.physics_s);
+  world_->step();
+}
+
 void SimBoard::sample_sensors() {
+  const Stopwatch watch(shares_.sensors_s);
   if (imu_) imu_->step(*world_, now_us_);
   for (auto& ankle : ankles_) {
     if (ankle) ankle->step(*world_, now_us_);

@@ -25,6 +25,15 @@ struct BoardOptions {
   std::uint64_t service_time_us = 50;     // the same of a service call without a tick
 };
 
+// Wall time that each part of the board has taken, in seconds. It depends on the machine and enters no run.
+struct TimeShares {
+  double bus_s = 0.0;  // with the drives' answers to frames
+  double drives_s = 0.0;
+  double firmware_s = 0.0;
+  double physics_s = 0.0;
+  double sensors_s = 0.0;
+};
+
 // Told before each physics step, to disturb the robot in it.
 class StepListener {
  public:
@@ -60,8 +69,11 @@ class SimBoard {
   World& world() { return *world_; }
   const World& world() const { return *world_; }
   Bus& bus() { return bus_; }
+  const Bus& bus() const { return bus_; }
+  hal::CanStatus controller_can_status() const { return bus_.status(controller_); }
   const RobotDescription& robot() const { return robot_; }
   const Drive& drive(std::size_t joint) const { return *drives_[joint]; }
+  const TimeShares& time_shares() const { return shares_; }
   bool drive_enable_line() const { return enable_line_; }
   bool watchdog_bitten() const { return bitten_; }
   // What the firmware was last given and answered; valid until the next `advance`.
@@ -98,11 +110,13 @@ class SimBoard {
     void on_frame(const hal::CanFrame&, std::uint64_t) override {}
   };
 
+  void advance_bus();
   void update_drives();
   void collect_samples();
   void serve_controller();
   void watch_dog();
   void step_physics();
+  void step_world();
   void sample_sensors();
 
   const RobotDescription& robot_;
@@ -122,6 +136,7 @@ class SimBoard {
   std::optional<Imu> imu_;
   std::array<std::optional<AnkleSensor>, 2> ankles_;
   StepListener* step_listener_ = nullptr;
+  TimeShares shares_;
   std::uint64_t kicked_us_ = 0;
   bool enable_line_ = false;
   bool bitten_ = false;

@@ -1,0 +1,48 @@
+#include <CLI/CLI.hpp>
+#include <exception>
+
+#include <fmt/core.h>
+
+#include "sim_board/input/error.h"
+#include "tools/cli/motion_command.h"
+#include "tools/cli/run_command.h"
+
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kBadInput = 2;
+
+int run_program(int argc, char** argv) {
+  int exit_status = 0;
+  CLI::App program("The firmware of a small humanoid robot, and the simulated board it runs on.", "koboshi");
+  program.set_version_flag("--version", "koboshi " KOBOSHI_VERSION);
+  program.require_subcommand(1);
+  program.footer(
+      "Begin with\n"
+      "  koboshi run scenarios/squat.yaml\n"
+      "and look into runs/squat. Each command has a --help of its own; docs/guide/ shows what to do with "
+      "them.\n\n"
+      "Exit status: 0 done, 1 the run failed, 2 bad input (one line on standard error says where).\n");
+  koboshi::tools::add_run_command(program, exit_status);
+  koboshi::tools::add_motion_command(program);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return program.exit(error) == 0 ? 0 : kBadInput;
+  }
+  return exit_status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run_program(argc, argv);
+  } catch (const koboshi::sim::InputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return kBadInput;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "koboshi: {}\n", error.what());
+    return kFailed;
+  }
+}

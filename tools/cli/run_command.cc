@@ -1,0 +1,108 @@
+#include "tools/cli/run_command.h"
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "sim_board/scenario/reader.h"
+#include "tools/run/run.h"
+
+namespace koboshi::tools {
+namespace {
+
+struct Arguments {
+  std::filesystem::path scenario;
+  std::filesystem::path out;
+  std::vector<std::string> sets;
+  std::string seed;
+  std::string duration;
+  std::string stepper;
+};
+
+// A bar on a terminal, nothing in a pipe.
+class ProgressBar {
+ public:
+  void show(const RunProgress& progress) {
+    if (!terminal_) return;
+    const int percent = static_cast<int>(100.0 * progress.simulated_s / progress.duration_s);
+    if (percent == percent_) return;
+    percent_ = percent;
+    const int filled = percent * kWidth / 100;
+    fmt::print(stderr, "\r[{:#<{}}{:<{}}] {:7.2f} s of {:.2f} s, {:.1f} x real time ", "", filled, "",
+               kWidth - filled, progress.simulated_s, progress.duration_s,
+               progress.simulated_s / progress.wall_s);
+    if (percent == 100) fmt::print(stderr, "\n");
+  }
+
+ private:
+  static constexpr int kWidth = 40;
+  bool terminal_ = isatty(STDERR_FILENO) != 0;
+  int percent_ = -1;
+};
+
+std::vector<sim::Override> overrides(const Arguments& arguments) {
+  std::vector<sim::Override> all;
+  for (const std::string& set : arguments.sets) all.push_back(sim::parse_override(set));
+  if (!arguments.seed.empty()) all.push_back({"seed", arguments.seed});
+  if (!arguments.duration.empty()) all.push_back({"duration_s", arguments.duration});
+  if (!arguments.stepper.empty()) all.push_back({"physics.stepper", arguments.stepper});
+  return all;
+}
+
+void report(const RunResult& result, const std::filesystem::path& out) {
+  const sim::RunSummary& summary = result.summary;
+  fmt::print("{} after {:.2f} s: {}, {} faults, {} solver warnings, bus load {:.0f} %, state {}\n",
+             result.failure ? "ended early" : "done", summary.duration_s,
+             summary.fell ? "fell" : "did not fall", summary.faults, summary.solver_warnings,
+             100.0 * summary.can_bus_load, summary.state_hash);
+  fmt::print("results in {}\n", out.string());
+  if (result.plot_warning) fmt::print(stderr, "koboshi: no figures: {}\n", *result.plot_warning);
+  if (result.failure) fmt::print(stderr, "koboshi: {}\n", *result.failure);
+}
+
+int run_scenario(const Arguments& arguments) {
+  RunOptions options;
+  options.scenario = sim::read_scenario(arguments.scenario, overrides(arguments));
+  options.out =
+      arguments.out.empty() ? std::filesystem::path("runs") / arguments.scenario.stem() : arguments.out;
+  ProgressBar bar;
+  const RunResult result = run(options, [&](const RunProgress& progress) { bar.show(progress); });
+  report(result, options.out);
+  return result.failure ? 1 : 0;
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& program, int& exit_status) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = program.add_subcommand("run", "Play a scenario: firmware and robot in lockstep");
+  command->footer(
+      "The run goes as fast as it can; the same scenario and seed give the same bytes. It leaves in its "
+      "folder\n"
+      "  trace.csv     firmware state and ground truth, every 10 ms\n"
+      "  can.log       every frame on the bus, as candump -L would log it\n"
+      "  summary.json  what became of it; timing.json: what it cost on this machine\n"
+      "  *.png, *.svg  figures\n\n"
+      "Examples:\n"
+      "  koboshi run scenarios/squat.yaml\n"
+      "  koboshi run scenarios/squat.yaml --seed 7 --set ground.friction=0.4 --out runs/slippery\n");
+  command->add_option("SCENARIO", arguments->scenario, "A scenario file, docs/reference/scenario-format.md")
+      ->required();
+  command->add_option("--out", arguments->out,
+                      "Folder of the results (default: runs/ and the scenario's name)");
+  command->add_option("--seed", arguments->seed, "Seed of every random number in the run");
+  command->add_option("--duration", arguments->duration, "Simulated seconds");
+  command->add_option("--stepper", arguments->stepper, "world: exact contacts (default); quick: iterative");
+  command
+      ->add_option("--set", arguments->sets,
+                   "Override a key of the scenario: physics.step_ms=0.5; may be repeated")
+      ->allow_extra_args(false);
+  command->callback([arguments, &exit_status] { exit_status = run_scenario(*arguments); });
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,83 @@
+#include "tools/run/run.h"
+
+#include <chrono>
+
+#include "sim_board/record/output_folder.h"
+#include "tools/run/run_figures.h"
+#include "tools/run/run_recorder.h"
+#include "tools/run/simulation.h"
+
+namespace koboshi::tools {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// What depends on the machine, and so stands in a file of its own.
+nlohmann::ordered_json timing_json(const sim::SimBoard& board, double wall_s, std::uint64_t dropped) {
+  const double simulated_s = 1e-6 * static_cast<double>(board.now_us());
+  const sim::TimeShares& shares = board.time_shares();
+  const double parts_s =
+      shares.bus_s + shares.drives_s + shares.firmware_s + shares.physics_s + shares.sensors_s;
+  return {{"real_time_factor", simulated_s / wall_s},
+          {"wall_s", wall_s},
+          {"shares",
+           {{"physics", shares.physics_s / wall_s},
+            {"bus", shares.bus_s / wall_s},
+            {"drives", shares.drives_s / wall_s},
+            {"firmware", shares.firmware_s / wall_s},
+            {"sensors", shares.sensors_s / wall_s},
+            {"recording_and_rest", 1.0 - parts_s / wall_s}}},
+          {"records_dropped", dropped}};
+}
+
+// Plays it to its end, or to the error that ends it.
+std::optional<std::string> play(Simulation& simulation, RunRecorder& recorder,
+                                const std::function<void(const RunProgress&)>& progress) {
+  constexpr std::uint64_t kTick_us = sim::SimBoard::kTick_us;
+  const auto start = Clock::now();
+  const double duration_s = 1e-6 * static_cast<double>(simulation.scenario().duration_us);
+  try {
+    while (!simulation.finished()) {
+      simulation.advance();
+      const std::uint64_t now_us = simulation.board().now_us();
+      if (now_us % kTick_us != 0) continue;
+      recorder.record_tick();
+      if (progress) progress({1e-6 * static_cast<double>(now_us), duration_s, seconds_since(start)});
+    }
+  } catch (const sim::WorldBlewUp& error) {
+    return error.what();
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+RunResult run(const RunOptions& options, const std::function<void(const RunProgress&)>& progress) {
+  sim::check_output_folder(options.out);
+  Simulation simulation(options.scenario);
+  sim::make_output_folder(options.out);
+
+  sim::Recorder files(options.out, RunRecorder::columns(simulation.robot()), sim::WhenFull::kWait);
+  RunRecorder recorder(simulation, &files);
+  const auto start = Clock::now();
+  RunResult result;
+  result.failure = play(simulation, recorder, progress);
+  const double wall_s = seconds_since(start);
+  files.close();
+
+  result.summary = recorder.summary();
+  sim::write_json(options.out / "summary.json", sim::to_json(result.summary));
+  sim::write_json(options.out / "timing.json", timing_json(simulation.board(), wall_s, files.dropped()));
+  try {
+    draw_run_figures(options.scenario, options.out);
+  } catch (const PlotError& error) {
+    result.plot_warning = error.what();
+  }
+  return result;
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+#include "sim_board/record/summary.h"
+#include "sim_board/scenario/scenario.h"
+
+namespace koboshi::tools {
+
+struct RunOptions {
+  sim::Scenario scenario;
+  std::filesystem::path out;  // the folder of the results
+};
+
+// How far a run has come, told now and then.
+struct RunProgress {
+  double simulated_s = 0.0;
+  double duration_s = 0.0;
+  double wall_s = 0.0;
+};
+
+struct RunResult {
+  sim::RunSummary summary;
+  std::optional<std::string> failure;  // what ended the run before its time, such as a world that blew up
+  std::optional<std::string> plot_warning;  // why there are no figures
+};
+
+// `koboshi run`: plays a scenario as fast as it goes and leaves trace.csv, can.log, summary.json, timing.json
+// and figures in the folder. Bad input throws sim::InputError before anything is written; a run that fails
+// half-way keeps what it has recorded.
+RunResult run(const RunOptions& options, const std::function<void(const RunProgress&)>& progress);
+
+}  // namespace koboshi::tools

@@ -1,0 +1,134 @@
+#include "tools/run/run_recorder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace koboshi::tools {
+namespace {
+
+// A trunk that leans further than this does not come back by itself.
+constexpr double kFallen_rad = std::numbers::pi / 3.0;
+// The robot settles this long after the stand has let go of it, before its stance is judged.
+constexpr std::uint64_t kSettle_us = 500'000;
+
+std::string_view stepper_name(sim::Stepper stepper) {
+  return stepper == sim::Stepper::kQuick ? "quick" : "world";
+}
+
+}  // namespace
+
+RunRecorder::RunRecorder(Simulation& simulation, sim::Recorder* recorder)
+    : simulation_(simulation),
+      recorder_(recorder),
+      telemetry_(simulation.model().model),
+      truth_(simulation.robot()) {
+  row_.reserve(columns(simulation.robot()).size());
+  simulation_.board().bus().set_observer(this);
+}
+
+std::vector<sim::TraceColumn> RunRecorder::columns(const sim::RobotDescription& robot) {
+  using enum sim::TraceKind;
+  std::vector<sim::TraceColumn> columns{{"state", "", kInteger},      {"reason", "", kInteger},
+                                        {"trouble", "", kInteger},    {"emergencies", "", kInteger},
+                                        {"imu_roll", "rad"},          {"imu_pitch", "rad"},
+                                        {"gyro_x", "rad_per_s"},      {"gyro_y", "rad_per_s"},
+                                        {"gyro_z", "rad_per_s"},      {"left_load", "N"},
+                                        {"right_load", "N"},          {"true_base_x", "m"},
+                                        {"true_base_y", "m"},         {"true_base_z", "m"},
+                                        {"pose_base_z", "m"},         {"true_roll", "rad"},
+                                        {"true_pitch", "rad"},        {"true_yaw", "rad"},
+                                        {"true_rate_x", "rad_per_s"}, {"true_rate_y", "rad_per_s"},
+                                        {"true_rate_z", "rad_per_s"}, {"true_com_x", "m"},
+                                        {"true_com_y", "m"},          {"true_com_z", "m"},
+                                        {"true_left_load", "N"},      {"true_right_load", "N"},
+                                        {"true_left_slip", "m"},      {"true_right_slip", "m"}};
+  for (const sim::JointDescription& joint : robot.joints) {
+    columns.push_back({joint.name + "_target", "rad"});
+    columns.push_back({joint.name + "_encoder", "rad"});
+    columns.push_back({joint.name + "_true", "rad"});
+    columns.push_back({joint.name + "_torque", "permille"});
+  }
+  return columns;
+}
+
+void RunRecorder::on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) {
+  telemetry_.on_bus_frame(frame, start_us, end_us);
+  if (recorder_ != nullptr) recorder_->on_bus_frame(frame, start_us, end_us);
+  hash_.add(end_us);
+  hash_.add(frame.identifier);
+  hash_.add(std::as_bytes(std::span(frame.data).first(frame.remote ? 0u : frame.size)));
+}
+
+void RunRecorder::record_tick() {
+  truth_now_ = &truth_.observe(simulation_.board().world(), telemetry_.now());
+  hash_state();
+  judge();
+  if (recorder_ != nullptr) write_row();
+}
+
+void RunRecorder::hash_state() {
+  const sim::World& world = simulation_.board().world();
+  hash_.add(simulation_.board().now_us());
+  hash_.add(static_cast<std::uint8_t>(simulation_.board().drive_enable_line()));
+  for (std::size_t link = 0; link < simulation_.robot().links.size(); ++link) {
+    const sim::BodyState body = world.body(static_cast<int>(link));
+    for (const double value : body.X_WL.matrix().reshaped()) hash_.add(value);
+    for (const double value : body.v_WCom_W) hash_.add(value);
+    for (const double value : body.w_WL_W) hash_.add(value);
+  }
+}
+
+void RunRecorder::judge() {
+  fell_ = fell_ || truth_now_->tilt_rad > kFallen_rad;
+  const auto state = telemetry_.now().state;
+  const bool on_its_feet = state == app::State::kStanding || state == app::State::kMotion;
+  const std::uint64_t release_us = simulation_.scenario().initial.release_us.value_or(0);
+  if (!on_its_feet || simulation_.board().now_us() < release_us + kSettle_us) return;
+  const double error_m = std::abs(truth_now_->p_WB_W.z() - truth_now_->pose_height_m);
+  base_height_error_m_ = std::max(base_height_error_m_, error_m);
+  for (const double slip_m : truth_now_->foot_slip_m) foot_slip_m_ = std::max(foot_slip_m_, slip_m);
+}
+
+void RunRecorder::write_row() {
+  const Telemetry& said = telemetry_.now();
+  const GroundTruth& truth = *truth_now_;
+  row_.clear();
+  row_.insert(row_.end(), {static_cast<std::uint8_t>(said.state), static_cast<std::uint8_t>(said.reason),
+                           static_cast<std::uint8_t>(said.trouble), said.emergencies});
+  row_.insert(row_.end(), {said.roll_rad, said.pitch_rad});
+  row_.insert(row_.end(), said.rate_rad_per_s.begin(), said.rate_rad_per_s.end());
+  row_.insert(row_.end(), said.foot_load_N.begin(), said.foot_load_N.end());
+  row_.insert(row_.end(), truth.p_WB_W.begin(), truth.p_WB_W.end());
+  row_.push_back(truth.pose_height_m);
+  row_.insert(row_.end(), truth.rpy_rad.begin(), truth.rpy_rad.end());
+  row_.insert(row_.end(), truth.w_WB_W.begin(), truth.w_WB_W.end());
+  row_.insert(row_.end(), truth.p_WCom_W.begin(), truth.p_WCom_W.end());
+  row_.insert(row_.end(), truth.foot_load_N.begin(), truth.foot_load_N.end());
+  row_.insert(row_.end(), truth.foot_slip_m.begin(), truth.foot_slip_m.end());
+  for (std::size_t joint = 0; joint < simulation_.robot().joints.size(); ++joint) {
+    const Telemetry::Joint& drive = said.joints[joint];
+    const double true_rad = simulation_.board().world().joint(static_cast<int>(joint)).position_rad;
+    row_.insert(row_.end(), {drive.target_rad, drive.position_rad, true_rad, drive.torque_permille});
+  }
+  recorder_->row(simulation_.board().now_us(), row_);
+}
+
+sim::RunSummary RunRecorder::summary() const {
+  const sim::SimBoard& board = simulation_.board();
+  sim::RunSummary summary;
+  summary.fell = fell_;
+  summary.duration_s = 1e-6 * static_cast<double>(board.now_us());
+  summary.can_bus_load = sim::bus_load({}, board.bus().usage());
+  summary.state_hash = hash_.hex();
+  // Besides what was said on the bus: what keeps the controller from saying it.
+  const bool mute = board.controller_can_status().state != hal::CanErrorState::kErrorActive;
+  summary.faults = telemetry_.now().emergencies + (mute ? 1 : 0) + (board.watchdog_bitten() ? 1 : 0);
+  summary.solver_warnings = board.world().solver_warnings();
+  summary.stepper = stepper_name(simulation_.scenario().physics.stepper);
+  summary.base_height_error_max_m = base_height_error_m_;
+  summary.foot_slip_max_m = foot_slip_m_;
+  return summary;
+}
+
+}  // namespace koboshi::tools

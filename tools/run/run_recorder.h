@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "sim_board/can/observer.h"
+#include "sim_board/record/recorder.h"
+#include "sim_board/record/state_hash.h"
+#include "sim_board/record/summary.h"
+#include "tools/run/ground_truth.h"
+#include "tools/run/simulation.h"
+#include "tools/run/telemetry.h"
+
+namespace koboshi::tools {
+
+// Watches a simulation: every frame of its bus, and once a tick the state of firmware and world. Makes of it
+// the state hash, the summary and, if given a recorder, trace.csv and can.log.
+class RunRecorder final : private sim::BusObserver {
+ public:
+  // `recorder` may be null; both must outlive this.
+  RunRecorder(Simulation& simulation, sim::Recorder* recorder);
+  ~RunRecorder() { simulation_.board().bus().set_observer(nullptr); }
+  RunRecorder(const RunRecorder&) = delete;
+  RunRecorder& operator=(const RunRecorder&) = delete;
+
+  // The columns of trace.csv for this robot.
+  static std::vector<sim::TraceColumn> columns(const sim::RobotDescription& robot);
+
+  // After each tick of the firmware.
+  void record_tick();
+  sim::RunSummary summary() const;
+
+  const Telemetry& telemetry() const { return telemetry_.now(); }
+  const GroundTruth& truth() const { return *truth_now_; }
+
+ private:
+  void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) override;
+  void hash_state();
+  void judge();
+  void write_row();
+
+  Simulation& simulation_;
+  sim::Recorder* recorder_;
+  TelemetryReader telemetry_;
+  TruthObserver truth_;
+  const GroundTruth* truth_now_ = nullptr;
+  sim::StateHash hash_;
+  std::vector<sim::TraceValue> row_;
+  bool fell_ = false;
+  double base_height_error_m_ = 0.0;  // largest, while the robot stands or moves on its own feet
+  double foot_slip_m_ = 0.0;
+};
+
+}  // namespace koboshi::tools
