@@ -42,37 +42,111 @@ Length root_of_raw(std::int64_t square) {
   return Length::from_wide_raw(fixed::integer_square_root_rounded(static_cast<std::uint64_t>(square)));
 }
 
-struct Knee {
-  Angle angle;  // 0 stretched, to just below half a turn
-  bool reached = false;
+// What misses by so little is the rounding of what fits: a distance, an angle (2^-20 turn, what a drive
+// resolves), a sine.
+constexpr Length kReachTolerance = kMeet;
+constexpr Angle kLimitTolerance = Angle::from_raw(1 << 14);
+constexpr Ratio kTurnTolerance = Ratio::from_raw(1 << 13);
+
+// Below this cosine of the roll, yaw and pitch turn about one axis as far as Ratio can tell; then yaw is
+// zero.
+constexpr Ratio kGimbalLock = Ratio::from_raw(1 << 14);
+
+// Joint by joint from the knee to the ankle to the hip; each is clamped before the next is computed, so that
+// the next makes up for it as far as it can.
+class LegSolver {
+ public:
+  LegSolver(const RobotModel& model, const LegGeometry& leg) : model_(model), leg_(leg) {}
+
+  LegAngles solve(const Pose& X_BSole) {
+    const Position r = hip_from_ankle(X_BSole);
+    bend_knee(r);
+    turn_ankle_roll(r);
+    turn_ankle_pitch(r);
+    turn_hip(X_BSole.R * rotation_about(kAxisX, -ankle_roll_) *
+             rotation_about(kAxisY, -(knee_ + ankle_pitch_)));
+    return result_;
+  }
+
+ private:
+  // In the foot's axes.
+  [[nodiscard]] Position hip_from_ankle(const Pose& X_BSole) const {
+    const Position p_SoleH_B = leg_.p_BH_B - X_BSole.p;
+    const Position pulled_in{pull_in(p_SoleH_B.x), pull_in(p_SoleH_B.y), pull_in(p_SoleH_B.z)};
+    Position r = transpose(X_BSole.R) * pulled_in;
+    r.z -= leg_.ankle_height;
+    return r;
+  }
+
+  // tan(k/2)^2 = ((A+B)^2 - C^2) / (C^2 - (A-B)^2), from the law of cosines.
+  void bend_knee(const Position& r) {
+    const std::int64_t distance_squared = square_raw(r.x) + square_raw(r.y) + square_raw(r.z);
+    const Length longest = leg_.thigh + leg_.shank;
+    const Length shortest = fixed::abs(leg_.thigh - leg_.shank);
+    const Length far = root_of_raw(square_raw(longest) - distance_squared);
+    const Length near = root_of_raw(distance_squared - square_raw(shortest));
+    const Angle below_quarter = Angle::from_raw(fixed::kQuarterTurn.raw() - 1);
+    const Angle wanted = std::min(fixed::atan2(far, near), below_quarter) * 2;
+    if (distance_squared > square_raw(longest + kReachTolerance) || distance_squared < square_raw(shortest)) {
+      result_.reached = false;
+    }
+    const Angle tilt = leg_.thigh_tilt - leg_.shank_tilt;
+    knee_ = set_exactly(kKnee, wanted + tilt) - tilt;
+  }
+
+  void turn_ankle_roll(const Position& r) {
+    Angle wanted = fixed::atan2(r.y, r.z);
+    const bool hip_is_below = fixed::abs(wanted) > fixed::kQuarterTurn;
+    if (hip_is_below) wanted += fixed::kQuarterTurn * 2;
+    ankle_roll_ = set(kAnkleRoll, wanted);
+    const auto [s, c] = fixed::sin_cos(ankle_roll_);
+    if (fixed::abs(product_sum<Length>(r.y, c, -r.z, s)) > kReachTolerance) result_.reached = false;
+  }
+
+  void turn_ankle_pitch(const Position& r) {
+    const auto [sin_roll, cos_roll] = fixed::sin_cos(ankle_roll_);
+    const Angle lean = fixed::atan2(-r.x, product_sum<Length>(r.y, sin_roll, r.z, cos_roll));
+    const auto [sin_knee, cos_knee] = fixed::sin_cos(knee_);
+    const Angle from_shank_to_hip = fixed::atan2(product<Length>(leg_.thigh, sin_knee),
+                                                 leg_.shank + product<Length>(leg_.thigh, cos_knee));
+    ankle_pitch_ = set_exactly(kAnklePitch, lean - from_shank_to_hip + leg_.shank_tilt) - leg_.shank_tilt;
+  }
+
+  // R_BThigh = Rz(yaw) Rx(roll) Ry(pitch). Pitch is what is left after yaw and roll, so that it fits them
+  // where they are ill-conditioned.
+  void turn_hip(const Rotation& R_BThigh) {
+    const auto& [x, y, z] = R_BThigh.rows;
+    const bool locked = fixed::abs(x.y) < kGimbalLock && fixed::abs(y.y) < kGimbalLock;
+    const Angle yaw = set(kHipYaw, locked ? Angle() : fixed::atan2(-x.y, y.y));
+    const auto [s, c] = fixed::sin_cos(yaw);
+    if (fixed::abs(product_sum<Ratio>(c, x.y, s, y.y)) > kTurnTolerance) result_.reached = false;
+    set_exactly(kHipRoll, fixed::atan2(z.y, product_sum<Ratio>(c, y.y, -s, x.y)));
+    const Angle pitch = fixed::atan2(product_sum<Ratio>(c, x.z, s, y.z), product_sum<Ratio>(c, x.x, s, y.x));
+    set_exactly(kHipPitch, pitch - leg_.thigh_tilt);
+  }
+
+  // Clamps an angle about +z, +x or +y to the limits of a joint that may turn the other way. Returns what is
+  // left of it.
+  Angle set(LegJoint index, Angle wanted) {
+    const bool opposite = leg_.signs[index] < 0;
+    const Angle angle = clamp_to_limits(model_.joints[leg_.joints[index]], opposite ? -wanted : wanted);
+    result_.angles[index] = angle;
+    return opposite ? -angle : angle;
+  }
+
+  Angle set_exactly(LegJoint index, Angle wanted) {
+    const Angle angle = set(index, wanted);
+    if (fixed::abs(angle - wanted) > kLimitTolerance) result_.reached = false;
+    return angle;
+  }
+
+  const RobotModel& model_;
+  const LegGeometry& leg_;
+  LegAngles result_{.angles = {}, .reached = true};
+  Angle knee_;  // of the equivalent leg without tilts
+  Angle ankle_roll_;
+  Angle ankle_pitch_;  // of the equivalent leg without tilts
 };
-
-// tan(k/2)^2 = ((A+B)^2 - C^2) / (C^2 - (A-B)^2), from the law of cosines.
-Knee bend_knee(const LegGeometry& leg, const Position& r) {
-  const std::int64_t distance_squared = square_raw(r.x) + square_raw(r.y) + square_raw(r.z);
-  const std::int64_t below_longest = square_raw(leg.thigh + leg.shank) - distance_squared;
-  const std::int64_t above_shortest = distance_squared - square_raw(leg.thigh - leg.shank);
-  const Angle half = fixed::atan2(root_of_raw(below_longest), root_of_raw(above_shortest));
-  const Angle widest = Angle::from_raw(fixed::kQuarterTurn.raw() - 1);
-  return {std::min(half, widest) * 2, below_longest >= 0 && above_shortest >= 0};
-}
-
-struct HipAngles {
-  Angle yaw;
-  Angle roll;
-  Angle pitch;
-};
-
-// R = Rz(yaw) Rx(roll) Ry(pitch). Pitch is what is left after yaw and roll, so that it fits them where they
-// are ill-conditioned.
-HipAngles decompose_hip(const Rotation& R) {
-  const auto& [x, y, z] = R.rows;
-  const Angle yaw = fixed::atan2(-x.y, y.y);
-  const auto [s, c] = fixed::sin_cos(yaw);
-  const Angle roll = fixed::atan2(z.y, product_sum<Ratio>(c, y.y, -s, x.y));
-  const Angle pitch = fixed::atan2(product_sum<Ratio>(c, x.z, s, y.z), product_sum<Ratio>(c, x.x, s, y.x));
-  return {yaw, roll, pitch};
-}
 
 }  // namespace
 
@@ -107,43 +181,7 @@ bool make_leg_geometry(const RobotModel& model, hal::Side side, LegGeometry& geo
 }
 
 LegAngles leg_inverse_kinematics(const RobotModel& model, const LegGeometry& leg, const Pose& X_BSole) {
-  // r: from the ankle to the hip, in the foot's axes.
-  const Position p_HSole_B = X_BSole.p - leg.p_BH_B;
-  const Position p_SoleH_B{-pull_in(p_HSole_B.x), -pull_in(p_HSole_B.y), -pull_in(p_HSole_B.z)};
-  Position r = transpose(X_BSole.R) * p_SoleH_B;
-  r.z -= leg.ankle_height;
-
-  const Knee knee = bend_knee(leg, r);
-  const auto [sin_knee, cos_knee] = fixed::sin_cos(knee.angle);
-  const Angle alpha =
-      fixed::atan2(product<Length>(leg.thigh, sin_knee),  // at the ankle, from AH to the shank
-                   leg.shank + product<Length>(leg.thigh, cos_knee));
-
-  Angle ankle_roll = fixed::atan2(r.y, r.z);
-  const bool wrapped = fixed::abs(ankle_roll) > fixed::kQuarterTurn;  // the hip is lower than the ankle
-  if (wrapped) ankle_roll += fixed::kQuarterTurn * 2;
-  const auto [sin_roll, cos_roll] = fixed::sin_cos(ankle_roll);
-  const Angle lean = fixed::atan2(-r.x, product_sum<Length>(r.y, sin_roll, r.z, cos_roll));
-  const Angle ankle_pitch = lean - alpha;
-
-  const Rotation R_BThigh =
-      X_BSole.R * rotation_about(kAxisX, -ankle_roll) * rotation_about(kAxisY, -(knee.angle + ankle_pitch));
-  const HipAngles hip = decompose_hip(R_BThigh);
-
-  LegAngles result;
-  result.reached = knee.reached;
-  result.angles = {hip.yaw,
-                   hip.roll,
-                   hip.pitch - leg.thigh_tilt,
-                   knee.angle + leg.thigh_tilt - leg.shank_tilt,
-                   ankle_pitch + leg.shank_tilt,
-                   ankle_roll};
-  for (std::size_t i = 0; i < kLegJoints; ++i) {
-    const Angle wanted = leg.signs[i] < 0 ? -result.angles[i] : result.angles[i];
-    result.angles[i] = clamp_to_limits(model.joints[leg.joints[i]], wanted);
-    if (result.angles[i] != wanted) result.reached = false;
-  }
-  return result;
+  return LegSolver(model, leg).solve(X_BSole);
 }
 
 }  // namespace koboshi::robot

@@ -26,8 +26,9 @@ struct LegGeometry {
 
 struct LegAngles {
   std::array<fixed::Angle, kLegJoints> angles{};  // in the order of LegGeometry::joints, signs applied
-  // False where the sole cannot go there: the leg then points at the target, stretched or folded as far as it
-  // goes, the sole keeps its direction, and angles beyond a joint's limits are clamped to them one by one.
+  // False where the sole cannot go there. The leg then points at the target, stretched or folded as far as it
+  // goes, and the sole keeps its direction; where a joint's limit forbids that, the joints after it (knee,
+  // ankle, hip) do what they can.
   bool reached = false;
 };
 
