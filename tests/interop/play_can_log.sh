@@ -1,0 +1,22 @@
+#!/bin/sh
+# play_can_log.sh LOG: canplayer sends the log to vcan0, and what candump sees there is what the log says, frame by frame.
+# Needs a vcan0: see in_uml.sh.
+set -eu
+
+log=$1
+folder=$(mktemp -d -p /mnt)
+
+candump -r 16777216 -L vcan0 >"$folder/seen.log" &
+candump=$!
+until grep -q vcan0 /proc/net/can/rcvlist_all; do sleep 0.05; done
+canplayer -t -I "$log"
+until [ "$(wc -l <"$folder/seen.log")" -ge "$(wc -l <"$log")" ] || [ "${waited:=0}" -ge 100 ]; do
+  waited=$((waited + 1))
+  sleep 0.05
+done
+kill "$candump"
+
+cut -d' ' -f3 "$log" >"$folder/sent"
+cut -d' ' -f3 "$folder/seen.log" >"$folder/seen"
+cmp "$folder/sent" "$folder/seen"
+echo "canplayer: $(wc -l <"$folder/seen") frames sent and seen"
