@@ -1,0 +1,133 @@
+"""Bad input gets one line, FILE:LINE: found ..., expected ..., exit status 2, and nothing is written."""
+
+import pathlib
+import re
+import tempfile
+import unittest
+
+import program as support
+
+PROGRAM = None
+ROBOT = support.ROOT / "robots" / "koboshi"
+MOTION = ROBOT / "motions" / "squat.yaml"
+
+SCENARIO = f"""version: 1
+robot: {ROBOT / "robot.sdf"}
+motions: [{MOTION}]
+duration_s: 1
+"""
+
+# What replaces what in which text, and the line that must be blamed.
+BAD_SCENARIOS = {
+    "unknown key": ("duration_s: 1", "duration_s: 1\nduratoin: 2", 5),
+    "doubled key": ("duration_s: 1", "duration_s: 1\nduration_s: 2", 5),
+    "other version": ("version: 1", "version: 7", 1),
+    "out of range": ("duration_s: 1", "duration_s: -1", 4),
+    "not a number": ("duration_s: 1", "duration_s: long", 4),
+    "malformed": ("duration_s: 1", "duration_s: [1", None),
+    "missing key": ("duration_s: 1\n", "", None),
+    "missing robot": ("robot.sdf", "nobody.sdf", 2),
+    "missing motion": ("squat.yaml", "dance.yaml", 3),
+    "unknown joint": ("duration_s: 1", "duration_s: 1\nfaults: [{at_s: 0, kind: drive_silent, target: tail}]", 5),
+    "unknown link": ("duration_s: 1", "duration_s: 1\npushes: [{at_s: 0, duration_s: 1, link: tail, force_N: [1, 0, 0]}]", 5),
+    "start beyond a limit": ("duration_s: 1", "duration_s: 1\ninitial: {joints_deg: {left_knee: -20}}", 5),
+}
+
+BAD_MOTIONS = {
+    "unknown joint": ("knee: 43.72", "tail: 43.72"),
+    "beyond a limit": ("knee: 43.72", "knee: 163"),
+    "unknown pose": ("{pose: down_1,", "{pose: nowhere,"),
+    "loop without time": ("{wait_s: 0.5}", "{loop: {times: 2, steps: []}}"),
+    "other robot": ("robot: koboshi", "robot: somebody"),
+    "unknown key": ("name: squat", "name: squat\nmood: good"),
+}
+
+BAD_ROBOTS = {
+    "negative mass": (r"<mass>[^<]*</mass>", "<mass>-1</mass>"),
+    "not a number": (r"<lower>[^<]*</lower>", "<lower>left</lower>"),
+    "unknown element": (r"<gravity>[^<]*</gravity>|</model>", "<flying>true</flying></model>"),
+    "malformed": (r"</sdf>", ""),
+}
+
+
+class BadInput(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="koboshi_bad_input_")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def write(self, name, text):
+        file = self.folder / name
+        file.write_text(text)
+        return file
+
+    def refuse(self, file, line, *arguments):
+        before = sorted(self.folder.rglob("*"))
+        result = PROGRAM.run(*arguments, cwd=self.folder)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertEqual(result.stdout, "")
+        lines = result.stderr.splitlines()
+        self.assertEqual(len(lines), 1, result.stderr)
+        where = re.escape(str(file)) + (f":{line}" if line else r"(:\d+)?")
+        self.assertRegex(lines[0], f"^{where}: found .+, expected .+$")
+        self.assertEqual(sorted(self.folder.rglob("*")), before, "something was written")
+
+    def test_scenarios(self):
+        for name, (old, new, line) in BAD_SCENARIOS.items():
+            with self.subTest(name):
+                self.assertIn(old, SCENARIO)
+                file = self.write("scenario.yaml", SCENARIO.replace(old, new))
+                self.refuse(file, line, "run", file, "--out", self.folder / "out")
+
+    def test_motions(self):
+        for name, (old, new) in BAD_MOTIONS.items():
+            with self.subTest(name):
+                text = MOTION.read_text()
+                self.assertIn(old, text)
+                file = self.write("motion.yaml", text.replace(old, new, 1))
+                out = self.folder / "motion.kmot"
+                self.refuse(file, None, "motion", "compile", file, "--robot", ROBOT / "robot.sdf", "-o", out)
+
+    def test_robots(self):
+        for name, (pattern, new) in BAD_ROBOTS.items():
+            with self.subTest(name):
+                text, count = re.subn(pattern, new, (ROBOT / "robot.sdf").read_text(), count=1)
+                self.assertEqual(count, 1)
+                robot = self.write("robot.sdf", text.replace("meshes/", str(ROBOT / "meshes") + "/"))
+                scenario = self.write("scenario.yaml", SCENARIO.replace(str(ROBOT / "robot.sdf"), str(robot)))
+                self.refuse(robot, None, "run", scenario, "--out", self.folder / "out")
+
+    def test_missing_files(self):
+        self.refuse("nothing.yaml", None, "run", "nothing.yaml")
+        self.refuse("nothing.yaml", None, "motion", "compile", "nothing.yaml", "--robot", ROBOT / "robot.sdf")
+
+    def test_overrides(self):
+        file = self.write("scenario.yaml", SCENARIO)
+        for bad in ("ground.mux=1", "duration_s=-1", "duration_s", "physics.step_ms=0.3"):
+            with self.subTest(bad):
+                self.refuse("--set", None, "run", file, "--set", bad)
+
+    def test_a_folder_that_is_not_ours_is_left_alone(self):
+        file = self.write("scenario.yaml", SCENARIO)
+        self.write("letter.txt", "dear reader")
+        self.refuse(self.folder, None, "run", file, "--out", self.folder)
+
+    def test_unknown_options_and_commands(self):
+        for arguments in (["dance"], ["run"], ["run", str(support.SQUAT), "--louder"]):
+            with self.subTest(arguments):
+                self.assertEqual(PROGRAM.run(*arguments).returncode, 2)
+
+
+class Help(unittest.TestCase):
+    def test_help_teaches_and_version_tells(self):
+        self.assertRegex(PROGRAM.run("--version").stdout, r"^koboshi \d+\.\d+\.\d+\n$")
+        self.assertIn("koboshi run scenarios/squat.yaml", PROGRAM.run("--help").stdout)
+        for command in (["run"], ["motion"], ["motion", "compile"]):
+            result = PROGRAM.run(*command, "--help")
+            self.assertEqual(result.returncode, 0, command)
+            self.assertIn("koboshi", result.stdout)
+
+
+if __name__ == "__main__":
+    PROGRAM = support.take_program_argument()
+    unittest.main()

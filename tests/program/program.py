@@ -1,0 +1,29 @@
+"""Runs the koboshi program for the tests beside this file."""
+
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SQUAT = ROOT / "scenarios" / "squat.yaml"
+
+
+class Program:
+    def __init__(self, path):
+        self.path = path
+
+    def run(self, *arguments, cwd=ROOT):
+        command = [self.path, *map(str, arguments)]
+        return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=600, check=False)
+
+    def run_scenario(self, scenario, out, *arguments):
+        """The folder of a run that must succeed."""
+        result = self.run("run", scenario, "--out", out, *arguments)
+        if result.returncode != 0:
+            raise AssertionError(f"koboshi run {scenario} ended with {result.returncode}: {result.stderr}")
+        return out
+
+
+def take_program_argument():
+    """The path of the program, first argument of the test; unittest must not see it."""
+    return Program(pathlib.Path(sys.argv.pop(1)).resolve())
