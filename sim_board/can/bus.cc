@@ -102,13 +102,13 @@ std::uint64_t Bus::next_start_us() const {
 
 // Starts the next transmission if that happens before the given time.
 bool Bus::start_next(std::uint64_t until_us) {
+  if (std::exchange(receivers_stale_, false)) receivers_.rebuild(filters_);
   std::uint64_t start_us = next_start_us();
   if (recovering_ > 0) {
     complete_recoveries(std::min(start_us, until_us));
     start_us = next_start_us();
   }
   if (start_us >= until_us) return false;
-  if (std::exchange(receivers_stale_, false)) receivers_.rebuild(filters_);
   gather_senders(start_us);
   wire_ = make_transmission(start_us);
   return true;

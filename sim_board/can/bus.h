@@ -50,8 +50,8 @@ struct NodeCounters {
 // A frame that no other node acknowledges is repeated without end; its sender becomes error-passive and stays
 // so.
 //
-// Times are in microseconds and never decrease. Memory is taken only when nodes are attached or filters
-// change.
+// Times are in microseconds and never decrease. Memory is taken only when nodes are attached, and by
+// the first advance after that or after a change of filters.
 class Bus {
  public:
   explicit Bus(std::uint64_t bit_time_us = 1);
