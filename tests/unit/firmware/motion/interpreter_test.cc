@@ -1,0 +1,181 @@
+#include "firmware/motion/interpreter.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/firmware/motion/motion_builder.h"
+
+namespace koboshi::motion {
+namespace {
+
+using enum Opcode;
+using fixed::Angle;
+using test::degrees;
+using test::MotionBuilder;
+
+constexpr std::size_t kKnee = 3;
+constexpr std::size_t kPan = 18;
+constexpr std::uint32_t kTick_us = 10'000;
+
+class InterpreterTest : public testing::Test {
+ protected:
+  // Poses 0, 1, 2: left knee at 0, 60, 20 degrees.
+  MotionBuilder knee_poses() const {
+    MotionBuilder builder(model_);
+    builder.pose(kKnee, 0).pose(kKnee, 60).pose(kKnee, 20);
+    return builder;
+  }
+  void start(const MotionBuilder& builder) {
+    image_ = builder.image();
+    Motion motion;
+    ASSERT_TRUE(Motion::open(image_, model_, motion).ok());
+    interpreter_.start(motion, pose_);
+  }
+  double knee_deg() const { return fixed::to_double(interpreter_.targets()[kKnee]) / test::kRadPerDegree; }
+  void advance(std::uint32_t total_us, std::uint32_t tick_us = kTick_us) {
+    for (std::uint32_t time_us = 0; time_us < total_us; time_us += tick_us) interpreter_.advance(tick_us);
+  }
+  // How long it still runs, or 60 s.
+  std::uint32_t time_to_end_us(std::uint32_t tick_us = 1'000) {
+    std::uint32_t time_us = 0;
+    for (; interpreter_.running() && time_us < 60'000'000; time_us += tick_us) interpreter_.advance(tick_us);
+    return time_us;
+  }
+
+  const robot::RobotModel model_ = test::load_test_robot();
+  Interpreter interpreter_{model_};
+  std::vector<std::byte> image_;
+  std::array<Angle, 20> pose_{};
+};
+
+TEST_F(InterpreterTest, InterpolatesLinearlyBetweenPoses) {
+  start(knee_poses().step(kMove, 1, 600'000).step(kMove, 2, 400'000).step(kEnd));
+  for (int tick = 1; tick <= 60; ++tick) {
+    interpreter_.advance(kTick_us);
+    EXPECT_NEAR(knee_deg(), tick, 1e-6);
+  }
+  for (int tick = 1; tick <= 40; ++tick) {
+    interpreter_.advance(kTick_us);
+    EXPECT_NEAR(knee_deg(), 60 - tick, 1e-6);
+  }
+  EXPECT_FALSE(interpreter_.running());
+  EXPECT_EQ(interpreter_.targets()[kKnee], degrees(20));
+}
+
+TEST_F(InterpreterTest, BeginsWhereTheRobotIsAndLeavesOtherJointsThere) {
+  pose_[kKnee] = degrees(30);
+  pose_[kPan] = degrees(-45);
+  start(knee_poses().step(kMove, 1, 300'000).step(kEnd));
+  EXPECT_EQ(interpreter_.targets()[kKnee], degrees(30));
+  advance(150'000);
+  EXPECT_NEAR(knee_deg(), 45, 1e-6);
+  advance(500'000);
+  EXPECT_EQ(interpreter_.targets()[kPan], degrees(-45));
+}
+
+TEST_F(InterpreterTest, ClampsWhereItBeginsToTheLimits) {
+  pose_[kKnee] = degrees(-3);
+  start(knee_poses().step(kMove, 1, 300'000).step(kEnd));
+  EXPECT_EQ(interpreter_.targets()[kKnee], degrees(0));
+}
+
+TEST_F(InterpreterTest, GoesTheLongWayThroughZeroAndNotThroughTheStop) {
+  constexpr std::size_t kShoulder = 12;
+  pose_[kShoulder] = degrees(-170);
+  MotionBuilder builder(model_);
+  start(builder.pose(kShoulder, 170).step(kMove, 0, 1'000'000).step(kEnd));
+  advance(500'000);
+  EXPECT_NEAR(fixed::to_double(interpreter_.targets()[kShoulder]), 0.0, 1e-6);
+}
+
+TEST_F(InterpreterTest, LastsWhatItsStepsAddUpToWhateverTheTicks) {
+  for (const std::uint32_t tick_us : {1'000u, 7'001u, 10'000u, 99'999u}) {
+    MotionBuilder builder = knee_poses();
+    for (int i = 0; i < 100; ++i) builder.step(kMove, static_cast<std::uint16_t>(i % 3), 33'333);
+    start(builder.step(kEnd));
+    EXPECT_EQ(time_to_end_us(tick_us), (100 * 33'333 + tick_us - 1) / tick_us * tick_us);
+  }
+}
+
+TEST_F(InterpreterTest, PlaysSeveralStepsInOneTick) {
+  start(knee_poses()
+            .step(kMove, 1, 2'000)
+            .step(kMove, 2, 2'000)
+            .step(kWait, 0, 2'000)
+            .step(kMove, 0, 8'000)
+            .step(kEnd));
+  interpreter_.advance(kTick_us);
+  EXPECT_NEAR(knee_deg(), 10, 1e-6);
+}
+
+TEST_F(InterpreterTest, DoesNotLeapOverAGap) {
+  start(knee_poses().step(kMove, 1, 600'000).step(kEnd));
+  interpreter_.advance(5'000'000);
+  EXPECT_NEAR(knee_deg(), 10, 1e-6);
+}
+
+TEST_F(InterpreterTest, CountsLoops) {
+  // 3 * (2 * 10 + 5) ms
+  start(knee_poses()
+            .step(kLoopBegin, 3)
+            .step(kLoopBegin, 2)
+            .step(kMove, 1, 10'000)
+            .step(kLoopEnd, 1)
+            .step(kWait, 0, 5'000)
+            .step(kLoopEnd, 0)
+            .step(kEnd));
+  EXPECT_EQ(time_to_end_us(), 75'000u);
+}
+
+TEST_F(InterpreterTest, LoopsUntilStoppedAndThenEndsTheRound) {
+  start(knee_poses()
+            .step(kLoopBegin, 0)
+            .step(kMove, 1, 100'000)
+            .step(kMove, 0, 100'000)
+            .step(kLoopEnd, 0)
+            .step(kMove, 2, 50'000)
+            .step(kEnd));
+  advance(20'000'000);
+  EXPECT_TRUE(interpreter_.running());
+  advance(30'000);
+  interpreter_.stop();
+  EXPECT_EQ(time_to_end_us(), 170'000u + 50'000u);
+  EXPECT_EQ(interpreter_.targets()[kKnee], degrees(20));
+}
+
+TEST_F(InterpreterTest, JumpsUntilStopped) {
+  start(knee_poses()
+            .step(kMove, 1, 10'000)
+            .step(kJump, 3)
+            .step(kMove, 2, 10'000)
+            .step(kWait, 0, 10'000)
+            .step(kJump, 0)
+            .step(kEnd));
+  advance(5'000'000);
+  EXPECT_TRUE(interpreter_.running());
+  EXPECT_NEAR(knee_deg(), 60, 1e-6) << "the step to 20 degrees is jumped over";
+  interpreter_.stop();
+  EXPECT_LE(time_to_end_us(), 20'000u);
+}
+
+TEST_F(InterpreterTest, StaysWhereItIsWhenAborted) {
+  start(knee_poses().step(kMove, 1, 600'000).step(kEnd));
+  advance(300'000);
+  interpreter_.abort();
+  advance(1'000'000);
+  EXPECT_FALSE(interpreter_.running());
+  EXPECT_NEAR(knee_deg(), 30, 1e-6);
+}
+
+TEST_F(InterpreterTest, HoldsTheZeroPoseBeforeAnyMotion) {
+  interpreter_.advance(kTick_us);
+  EXPECT_FALSE(interpreter_.running());
+  for (const Angle target : interpreter_.targets()) EXPECT_EQ(target, Angle());
+}
+
+TEST_F(InterpreterTest, EndsAnEmptyMotionAtOnce) {
+  interpreter_.start(Motion(), pose_);
+  EXPECT_FALSE(interpreter_.running());
+}
+
+}  // namespace
+}  // namespace koboshi::motion

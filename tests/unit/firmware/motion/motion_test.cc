@@ -1,0 +1,182 @@
+#include "firmware/motion/motion.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/firmware/motion/motion_builder.h"
+
+namespace koboshi::motion {
+namespace {
+
+using enum Opcode;
+using enum MotionStatus;
+using test::MotionBuilder;
+
+class MotionTest : public testing::Test {
+ protected:
+  MotionStatus status(const MotionBuilder& builder) { return status(builder.image()); }
+  MotionStatus status(const std::vector<std::byte>& image) { return open(image).status; }
+  MotionVerdict open(const std::vector<std::byte>& image) {
+    Motion motion;
+    const MotionVerdict verdict = Motion::open(image, model_, motion);
+    EXPECT_EQ(verdict.ok(), motion.step_count() != 0);
+    return verdict;
+  }
+  // Pose 0 bends the left knee, pose 1 turns the head.
+  MotionBuilder builder() const {
+    MotionBuilder builder(model_);
+    builder.pose(3, 60).pose(18, 30);
+    return builder;
+  }
+  MotionStatus of_steps(const std::vector<Step>& steps) {
+    MotionBuilder with_steps = builder();
+    with_steps.steps = steps;
+    return status(with_steps);
+  }
+
+  const robot::RobotModel model_ = test::load_test_robot();
+};
+
+constexpr Step kMoveStep{kMove, 0, 10'000};
+constexpr Step kWaitStep{kWait, 0, 10'000};
+constexpr Step kEndStep{kEnd, 0, 0};
+constexpr Step loop(std::uint16_t times) { return {kLoopBegin, times, 0}; }
+constexpr Step loop_end(std::uint16_t begin) { return {kLoopEnd, begin, 0}; }
+constexpr Step jump(std::uint16_t target) { return {kJump, target, 0}; }
+
+TEST_F(MotionTest, ShowsWhatIsInTheImage) {
+  const std::vector<std::byte> image = builder().step(kMove, 1, 40'000).step(kEnd).image();
+  Motion motion;
+  ASSERT_TRUE(Motion::open(image, model_, motion).ok());
+  EXPECT_EQ(motion.name(), "test");
+  EXPECT_EQ(motion.joint_count(), 20u);
+  EXPECT_EQ(motion.pose_count(), 2u);
+  EXPECT_EQ(motion.step_count(), 2u);
+  EXPECT_EQ(motion.joint_mask(0), 1u << 3);
+  EXPECT_EQ(motion.angle(0, 3), test::degrees(60));
+  EXPECT_EQ(motion.step(0).opcode, kMove);
+  EXPECT_EQ(motion.step(0).time_us, 40'000u);
+  EXPECT_EQ(motion.step(99).opcode, kEnd);
+}
+
+TEST_F(MotionTest, IsEmptyUntilOpened) {
+  EXPECT_EQ(Motion().name(), "");
+  EXPECT_EQ(Motion().step(0).opcode, kEnd);
+}
+
+TEST_F(MotionTest, RefusesEveryCutImage) {
+  const std::vector<std::byte> image = builder().step(kEnd).image();
+  for (std::size_t size = 0; size < image.size(); ++size) {
+    EXPECT_EQ(status({image.begin(), image.begin() + static_cast<std::ptrdiff_t>(size)}), kTruncated) << size;
+  }
+}
+
+TEST_F(MotionTest, RefusesWhatIsNotForThisRobotOrVersion) {
+  MotionBuilder other = builder().step(kEnd);
+  other.model_id ^= 1;
+  EXPECT_EQ(status(other), kOtherRobot);
+  std::vector<std::byte> image = builder().step(kEnd).image();
+  image[4] = std::byte{2};
+  test::seal(image);
+  EXPECT_EQ(status(image), kBadVersion);
+  image[0] = std::byte{0};
+  EXPECT_EQ(status(image), kBadMagic);
+}
+
+TEST_F(MotionTest, RefusesCountsThatDoNotFit) {
+  EXPECT_EQ(status(builder()), kBadCount);
+  MotionBuilder long_one = builder();
+  long_one.steps.assign(kMaxSteps, kWaitStep);
+  long_one.steps.back() = kEndStep;
+  EXPECT_EQ(status(long_one), kOk);
+  long_one.steps.push_back(kEndStep);
+  EXPECT_EQ(status(long_one), kBadCount);
+  MotionBuilder fewer = builder().step(kEnd);
+  fewer.joint_count = 19;
+  EXPECT_EQ(status(fewer), kBadCount);
+  std::vector<std::byte> longer = builder().step(kEnd).image();
+  longer.push_back(std::byte{0});
+  test::seal(longer);
+  EXPECT_EQ(status(longer), kBadSize);
+}
+
+TEST_F(MotionTest, RefusesBadNames) {
+  for (const std::string& name : {std::string(), std::string("a\n"), std::string("a\0b", 3)}) {
+    MotionBuilder named = builder().step(kEnd);
+    named.name = name;
+    EXPECT_EQ(status(named), kBadName);
+  }
+}
+
+TEST_F(MotionTest, RefusesPosesBeyondTheRobot) {
+  EXPECT_EQ(status(builder().pose(3, 150.1).step(kEnd)), kBeyondLimits);
+  EXPECT_EQ(status(builder().pose(3, -0.1).step(kEnd)), kBeyondLimits);
+  EXPECT_EQ(status(builder().pose(3, 150).step(kEnd)), kOk);
+  MotionBuilder left_out = builder().step(kEnd);
+  left_out.poses[1].first = 0;
+  EXPECT_EQ(status(left_out), kBadPose);
+  MotionBuilder no_such_joint = builder().step(kEnd);
+  no_such_joint.poses[1].first |= 1u << 20;
+  EXPECT_EQ(status(no_such_joint), kBadPose);
+}
+
+TEST_F(MotionTest, TellsWherePosesAndStepsAreBad) {
+  EXPECT_EQ(open(builder().pose(3, 150.1).step(kEnd).image()).index, 2);
+  EXPECT_EQ(open(builder().step(kWait, 0, 1'000).step(kMove, 7, 1'000).step(kEnd).image()).index, 1);
+}
+
+TEST_F(MotionTest, RefusesBadSteps) {
+  EXPECT_EQ(of_steps({{static_cast<Opcode>(6), 0, 0}, kEndStep}), kBadOpcode);
+  EXPECT_EQ(of_steps({{kEnd, 1, 0}}), kBadOpcode);
+  EXPECT_EQ(of_steps({{kEnd, 0, 1}}), kBadOpcode);
+  EXPECT_EQ(of_steps({{kMove, 2, 10'000}, kEndStep}), kNoSuchPose);
+  EXPECT_EQ(of_steps({{kMove, 0, kMinStepTime_us - 1}, kEndStep}), kBadStepTime);
+  EXPECT_EQ(of_steps({{kWait, 0, kMaxStepTime_us + 1}, kEndStep}), kBadStepTime);
+  EXPECT_EQ(of_steps({kMoveStep}), kNoEnd);
+}
+
+TEST_F(MotionTest, RefusesLoopsThatDoNotNest) {
+  EXPECT_EQ(of_steps({loop(2), kWaitStep, kEndStep}), kBadLoop);
+  EXPECT_EQ(of_steps({kWaitStep, loop_end(0), kEndStep}), kBadLoop);
+  EXPECT_EQ(of_steps({loop(2), loop(2), kWaitStep, loop_end(0), loop_end(1), kEndStep}), kBadLoop);
+  EXPECT_EQ(of_steps({loop(2), loop(2), kWaitStep, loop_end(1), loop_end(0), kEndStep}), kOk);
+  std::vector<Step> deep(kMaxLoopDepth + 1, loop(1));
+  deep.push_back(kWaitStep);
+  for (std::uint16_t depth = kMaxLoopDepth + 1; depth > 0; --depth) {
+    deep.push_back(loop_end(static_cast<std::uint16_t>(depth - 1)));
+  }
+  deep.push_back(kEndStep);
+  EXPECT_EQ(of_steps(deep), kBadLoop);
+}
+
+TEST_F(MotionTest, RefusesJumpsAcrossLoops) {
+  EXPECT_EQ(of_steps({jump(2), kWaitStep, kEndStep}), kOk);
+  EXPECT_EQ(of_steps({kWaitStep, jump(0), kEndStep}), kOk);
+  EXPECT_EQ(of_steps({jump(9), kWaitStep, kEndStep}), kBadJump);
+  EXPECT_EQ(of_steps({jump(2), loop(2), kWaitStep, loop_end(1), kEndStep}), kBadJump);  // into
+  EXPECT_EQ(of_steps({loop(2), kWaitStep, jump(4), loop_end(0), kEndStep}), kBadJump);  // out of
+  EXPECT_EQ(of_steps({loop(2), kWaitStep, loop_end(0), jump(1), kEndStep}), kBadJump);  // back into
+  EXPECT_EQ(of_steps({loop(2), kWaitStep, loop_end(0), jump(2), kEndStep}), kBadJump);  // to its end
+  EXPECT_EQ(of_steps({loop(2), kWaitStep, jump(3), loop_end(0), kEndStep}), kOk);       // to its own end
+  EXPECT_EQ(of_steps({loop(2), kWaitStep, loop_end(0), jump(0), kEndStep}), kOk);       // back over all of it
+  std::vector<Step> many;
+  for (std::uint16_t i = 0; i <= kMaxJumps; ++i) {
+    many.push_back(jump(static_cast<std::uint16_t>(many.size() + 1)));
+    many.push_back(kWaitStep);
+  }
+  many.push_back(kEndStep);
+  EXPECT_EQ(of_steps(many), kBadJump);
+}
+
+TEST_F(MotionTest, RefusesCyclesThatTakeNoTime) {
+  EXPECT_EQ(of_steps({loop(2), loop_end(0), kEndStep}), kTakesNoTime);
+  EXPECT_EQ(of_steps({jump(0), kEndStep}), kTakesNoTime);
+  EXPECT_EQ(of_steps({jump(1), jump(0), kEndStep}), kTakesNoTime);
+  EXPECT_EQ(of_steps({loop(0), loop(2), loop_end(1), kWaitStep, loop_end(0), kEndStep}), kTakesNoTime);
+  // A jump over all that takes time in a loop.
+  EXPECT_EQ(of_steps({loop(0), jump(3), kWaitStep, loop_end(0), kEndStep}), kTakesNoTime);
+  EXPECT_EQ(of_steps({kWaitStep, jump(3), kWaitStep, jump(1), kEndStep}), kTakesNoTime);
+  EXPECT_EQ(of_steps({loop(0), loop(2), kWaitStep, loop_end(1), loop_end(0), kEndStep}), kOk);
+}
+
+}  // namespace
+}  // namespace koboshi::motion
