@@ -32,7 +32,7 @@ enum class Event : std::uint8_t {
   kTrouble,  // a drive, a sensor or the bus failed
 };
 
-// Why the state is what it is, or why a command was refused. The values stand in telemetry.
+// Why the state is what it is, or why the last command was refused. The values stand in telemetry.
 enum class Reason : std::uint8_t {
   kNone = 0,
   kCommand = 1,
@@ -51,6 +51,7 @@ enum class Reason : std::uint8_t {
   kImuImplausible = 35,
   kNoSuchMotion = 36,
   kUnknownCommand = 37,
+  kDriveNotReady = 38,  // a drive is in fault, or has not come to rest since it was enabled last
 };
 
 struct Transition {
@@ -96,8 +97,8 @@ constexpr std::optional<State> next_state(State from, Event event) {
   return std::nullopt;
 }
 
-// Whether the drives may make torque: the level of the drive-enable line, but for the time that a fault's
-// quick stop takes.
+// Whether the drives may make torque: the level of the drive-enable line. Only in kFault it stays as it was
+// until the drives have stopped.
 constexpr bool makes_torque(State state) {
   return state == State::kEnabling || state == State::kSoftStart || state == State::kStanding ||
          state == State::kMotion;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "firmware/app/behaviour.h"
 #include "firmware/app/catalogue.h"
@@ -52,15 +53,18 @@ class Controller final : private canopen::NodeApplication {
   void read_sensors(std::uint64_t now_us);
   void watch_bus();
   void watch_sensors(std::uint64_t now_us);
+  Reason silent_sensor(std::uint64_t now_us) const;
 
-  // Commands, as they arrive; kNone when the command was accepted.
+  // Commands, as they arrive (commands.cc): why one is refused, kNone when it was obeyed.
   Reason obey(Command command, std::int16_t argument);
+  Reason try_to_obey(Command command, std::int16_t argument);
   Reason enable();
   Reason play(std::int16_t number);
+  Reason stop();
   Reason obey_event(Event event);
   Reason refusal_to_enable() const;
 
-  // The state machine: one function a state, called each tick while the state lasts.
+  // The state machine (states.cc): one function a state, called each tick while the state lasts.
   void handle(Event event, Reason reason);
   void enter(State state, Reason reason);
   void fail(Reason reason);
@@ -73,7 +77,10 @@ class Controller final : private canopen::NodeApplication {
 
   void begin_soft_start();
   void follow_actual();
+
+  // What goes onto the bus (output.cc).
   void publish(std::uint64_t now_us);
+  void command_drives(std::uint64_t now_us);
   void publish_telemetry();
 
   hal::Board board_;
@@ -88,7 +95,7 @@ class Controller final : private canopen::NodeApplication {
   drive::DriveGroup drives_;
   balance::InertialSensor inertial_;
   motion::Interpreter interpreter_;
-  std::array<std::uint64_t, 2> ankle_us_{};  // when each ankle spoke last
+  std::array<std::optional<std::uint64_t>, 2> ankle_us_;  // when each ankle spoke last
   std::uint64_t now_us_ = 0;
   std::uint64_t started_us_ = 0;  // of the boot
   std::uint64_t fault_us_ = 0;

@@ -29,6 +29,7 @@ constexpr canopen::Entry kRows[] = {
     object(0x2001, 5, FIELD(behaviour.trouble_joint), Access::kReadOnly, Mappable::kTpdo),
     object(0x2001, 6, FIELD(behaviour.trouble_code), Access::kReadOnly, Mappable::kTpdo),
     object(0x2001, 7, FIELD(behaviour.faults), Access::kReadOnly, Mappable::kTpdo),
+    object(0x2001, 8, FIELD(behaviour.refusal), Access::kReadOnly, Mappable::kTpdo),
     object(0x2010, 1, FIELD(attitude.roll), Access::kReadOnly, Mappable::kTpdo),
     object(0x2010, 2, FIELD(attitude.pitch), Access::kReadOnly, Mappable::kTpdo),
     object(0x2010, 3, FIELD(attitude.rate[0]), Access::kReadOnly, Mappable::kTpdo).repeated(3, 2),
@@ -74,7 +75,7 @@ constexpr PdoConfiguration telemetry(std::size_t number,
 
 constexpr PdoConfiguration kTpdos[kTelemetryTpdos] = {
     telemetry(0, {mapping(0x2001, 1, 8), mapping(0x2001, 2, 8), mapping(0x2001, 3, 8), mapping(0x2001, 4, 8),
-                  mapping(0x2001, 5, 8), mapping(0x2001, 7, 16)}),
+                  mapping(0x2001, 5, 8), mapping(0x2001, 7, 16), mapping(0x2001, 8, 8)}),
     telemetry(
         1, {mapping(0x2010, 1, 16), mapping(0x2010, 2, 16), mapping(0x2010, 3, 16), mapping(0x2010, 4, 16)}),
     telemetry(

@@ -35,8 +35,9 @@ struct ControllerValues {
     drive::Trouble trouble = drive::Trouble::kNone;
     std::uint8_t trouble_joint = 0;
     std::uint16_t trouble_code = 0;
-    std::uint16_t faults = 0;  // since power-on; saturates
-  } behaviour;                 // 0x2001
+    std::uint16_t faults = 0;        // since power-on; saturates
+    Reason refusal = Reason::kNone;  // of the last command; kNone when it was obeyed
+  } behaviour;                       // 0x2001
   struct {
     std::int16_t roll = 0;  // 2^-16 turn
     std::int16_t pitch = 0;

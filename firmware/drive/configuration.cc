@@ -1,6 +1,7 @@
 #include "firmware/drive/configuration.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "firmware/canopen/cia402.h"
 #include "firmware/canopen/cob_id.h"
@@ -13,56 +14,93 @@ using canopen::kCobIdInvalid;
 using canopen::kCobIdNoRemote;
 using canopen::mapping;
 
-// One SDO request. Reads are compared with `value` unless `purpose` says otherwise.
+// One SDO request. Its value is `constant` plus what the joint's drive has of its own.
 struct Configuration::Step {
   enum class Purpose : std::uint8_t { kWrite, kExpect, kSupply };
+  enum class Own : std::uint8_t {
+    kNothing,
+    kNodeId,
+    kVendorId,
+    kProductCode,
+    kSerialNumber,
+    kLowest,
+    kHighest
+  };
 
   Purpose purpose;
   canopen::ObjectAddress address;
-  std::uint32_t value;
   std::uint8_t size;
+  std::uint32_t constant;
+  Own own = Own::kNothing;
 };
 
-Configuration::Step Configuration::step(std::size_t number) const {
-  using enum Step::Purpose;
+namespace {
+
+constexpr std::uint32_t kRpdo = canopen::kRpdo1Base;
+constexpr std::uint32_t kTpdo = canopen::kTpdo1Base | kCobIdNoRemote;
+constexpr std::uint32_t kControllerLost =
+    std::uint32_t{kControllerNodeId} << 16 | kControllerHeartbeatLost_ms;
+
+// A drive that is mounted the other way round has its lowest position at the joint's upper limit.
+std::uint32_t position_limit(const robot::Joint& joint, bool highest) {
+  const auto [low, high] = std::minmax(
+      {robot::drive_position(joint.drive, joint.lower), robot::drive_position(joint.drive, joint.upper)});
+  return static_cast<std::uint32_t>(highest ? high : low);
+}
+
+}  // namespace
+
+constexpr Configuration::Step Configuration::kSteps[] = {
+    {Step::Purpose::kExpect, {0x1018, 1}, 4, 0, Step::Own::kVendorId},
+    {Step::Purpose::kExpect, {0x1018, 2}, 4, 0, Step::Own::kProductCode},
+    {Step::Purpose::kExpect, {0x1018, 4}, 4, 0, Step::Own::kSerialNumber},
+    // RPDO 1: controlword and target position, in effect at SYNC.
+    {Step::Purpose::kWrite, {0x1400, 1}, 4, kRpdo | kCobIdInvalid, Step::Own::kNodeId},
+    {Step::Purpose::kWrite, {0x1400, 2}, 1, canopen::kSynchronousEverySync},
+    {Step::Purpose::kWrite, {0x1600, 0}, 1, 0},
+    {Step::Purpose::kWrite, {0x1600, 1}, 4, mapping(cia402::kControlword, 0, 16)},
+    {Step::Purpose::kWrite, {0x1600, 2}, 4, mapping(cia402::kTargetPosition, 0, 32)},
+    {Step::Purpose::kWrite, {0x1600, 0}, 1, 2},
+    {Step::Purpose::kWrite, {0x1400, 1}, 4, kRpdo, Step::Own::kNodeId},
+    // TPDO 1: statusword, position and torque, sampled at SYNC.
+    {Step::Purpose::kWrite, {0x1800, 1}, 4, kTpdo | kCobIdInvalid, Step::Own::kNodeId},
+    {Step::Purpose::kWrite, {0x1800, 2}, 1, canopen::kSynchronousEverySync},
+    {Step::Purpose::kWrite, {0x1A00, 0}, 1, 0},
+    {Step::Purpose::kWrite, {0x1A00, 1}, 4, mapping(cia402::kStatusword, 0, 16)},
+    {Step::Purpose::kWrite, {0x1A00, 2}, 4, mapping(cia402::kPositionActual, 0, 32)},
+    {Step::Purpose::kWrite, {0x1A00, 3}, 4, mapping(cia402::kTorqueActual, 0, 16)},
+    {Step::Purpose::kWrite, {0x1A00, 0}, 1, 3},
+    {Step::Purpose::kWrite, {0x1800, 1}, 4, kTpdo, Step::Own::kNodeId},
+    // Supervision both ways, and the cycle.
+    {Step::Purpose::kWrite, {0x1016, 1}, 4, kControllerLost},
+    {Step::Purpose::kWrite, {0x1017, 0}, 2, kDriveHeartbeat_ms},
+    {Step::Purpose::kWrite, {0x1006, 0}, 4, kCycle_us},
+    {Step::Purpose::kWrite, {cia402::kInterpolationTimePeriod, 1}, 1, kCycle_us / 1000},
+    {Step::Purpose::kWrite, {cia402::kSoftwarePositionLimit, 1}, 4, 0, Step::Own::kLowest},
+    {Step::Purpose::kWrite, {cia402::kSoftwarePositionLimit, 2}, 4, 0, Step::Own::kHighest},
+    {Step::Purpose::kWrite, {cia402::kModeOfOperation, 0}, 1, cia402::kCyclicSynchronousPosition},
+    {Step::Purpose::kSupply, {cia402::kSupplyVoltage, 0}, 4, 0},
+};
+
+std::uint32_t Configuration::value_of(const Step& step) const {
   const robot::Drive& drive = joint_->drive;
-  const std::uint32_t rpdo = canopen::kRpdo1Base + drive.node_id;
-  const std::uint32_t tpdo = (canopen::kTpdo1Base + drive.node_id) | kCobIdNoRemote;
-  const std::int32_t ends[] = {robot::drive_position(drive, joint_->lower),
-                               robot::drive_position(drive, joint_->upper)};
-  const auto [low, high] = std::minmax(ends[0], ends[1]);
-  const Step steps[kStepCount] = {
-      {kExpect, {0x1018, 1}, drive.vendor_id, 4},
-      {kExpect, {0x1018, 2}, drive.product_code, 4},
-      {kExpect, {0x1018, 4}, drive.serial_number, 4},
-      // RPDO 1: controlword and target position, in effect at SYNC.
-      {kWrite, {0x1400, 1}, rpdo | kCobIdInvalid, 4},
-      {kWrite, {0x1400, 2}, canopen::kSynchronousEverySync, 1},
-      {kWrite, {0x1600, 0}, 0, 1},
-      {kWrite, {0x1600, 1}, mapping(cia402::kControlword, 0, 16), 4},
-      {kWrite, {0x1600, 2}, mapping(cia402::kTargetPosition, 0, 32), 4},
-      {kWrite, {0x1600, 0}, 2, 1},
-      {kWrite, {0x1400, 1}, rpdo, 4},
-      // TPDO 1: statusword, position and torque, sampled at SYNC.
-      {kWrite, {0x1800, 1}, tpdo | kCobIdInvalid, 4},
-      {kWrite, {0x1800, 2}, canopen::kSynchronousEverySync, 1},
-      {kWrite, {0x1A00, 0}, 0, 1},
-      {kWrite, {0x1A00, 1}, mapping(cia402::kStatusword, 0, 16), 4},
-      {kWrite, {0x1A00, 2}, mapping(cia402::kPositionActual, 0, 32), 4},
-      {kWrite, {0x1A00, 3}, mapping(cia402::kTorqueActual, 0, 16), 4},
-      {kWrite, {0x1A00, 0}, 3, 1},
-      {kWrite, {0x1800, 1}, tpdo, 4},
-      // Supervision both ways, and the cycle.
-      {kWrite, {0x1016, 1}, (std::uint32_t{kControllerNodeId} << 16) | kControllerHeartbeatLost_ms, 4},
-      {kWrite, {0x1017, 0}, kDriveHeartbeat_ms, 2},
-      {kWrite, {0x1006, 0}, kCycle_us, 4},
-      {kWrite, {cia402::kInterpolationTimePeriod, 1}, kCycle_us / 1000, 1},
-      {kWrite, {cia402::kSoftwarePositionLimit, 1}, static_cast<std::uint32_t>(low), 4},
-      {kWrite, {cia402::kSoftwarePositionLimit, 2}, static_cast<std::uint32_t>(high), 4},
-      {kWrite, {cia402::kModeOfOperation, 0}, std::uint32_t{cia402::kCyclicSynchronousPosition}, 1},
-      {kSupply, {cia402::kSupplyVoltage, 0}, 0, 4},
-  };
-  return steps[number];
+  switch (step.own) {
+    case Step::Own::kNothing:
+      return step.constant;
+    case Step::Own::kNodeId:
+      return step.constant + drive.node_id;
+    case Step::Own::kVendorId:
+      return drive.vendor_id;
+    case Step::Own::kProductCode:
+      return drive.product_code;
+    case Step::Own::kSerialNumber:
+      return drive.serial_number;
+    case Step::Own::kLowest:
+      return position_limit(*joint_, false);
+    case Step::Own::kHighest:
+      return position_limit(*joint_, true);
+  }
+  return 0;
 }
 
 void Configuration::begin(const robot::Joint& joint) {
@@ -82,9 +120,9 @@ void Configuration::process(std::uint64_t now_us) {
 }
 
 bool Configuration::begin_step(std::uint64_t now_us) {
-  const Step next = step(number_);
+  const Step& next = kSteps[number_];
   if (next.purpose == Step::Purpose::kWrite) {
-    return client_.begin_write(joint_->drive.node_id, next.address, next.value, next.size, now_us);
+    return client_.begin_write(joint_->drive.node_id, next.address, value_of(next), next.size, now_us);
   }
   return client_.begin_read(joint_->drive.node_id, next.address, now_us);
 }
@@ -103,14 +141,14 @@ void Configuration::finish_step() {
     case canopen::SdoState::kDone:
       break;
   }
-  const Step done = step(number_);
-  if (done.purpose == Step::Purpose::kExpect && client_.value() != done.value) {
+  const Step& done = kSteps[number_];
+  if (done.purpose == Step::Purpose::kExpect && client_.value() != value_of(done)) {
     return fail(Trouble::kWrongIdentity);
   }
   if (done.purpose == Step::Purpose::kSupply) supply_mV_ = client_.value();
   requested_ = false;
   attempt_ = 0;
-  if (++number_ == kStepCount) state_ = State::kDone;
+  if (++number_ == std::size(kSteps)) state_ = State::kDone;
 }
 
 void Configuration::fail(Trouble trouble) {

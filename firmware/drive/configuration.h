@@ -40,8 +40,8 @@ class Configuration {
 
  private:
   struct Step;
-  static constexpr std::size_t kStepCount = 26;
-  Step step(std::size_t number) const;
+  static const Step kSteps[];
+  std::uint32_t value_of(const Step& step) const;
   bool begin_step(std::uint64_t now_us);
   void finish_step();
   void fail(Trouble trouble);

@@ -1,5 +1,7 @@
 #include "firmware/drive/drive_group.h"
 
+#include "firmware/fixed/saturating.h"
+
 namespace koboshi::drive {
 
 using canopen::cia402::State;
@@ -13,19 +15,23 @@ void DriveGroup::boot() {
   goal_ = Goal::kTorqueOff;
   configured_ = 0;
   present_ = 0;
-  heard_ = false;
+  heard_ = 0;
+  answered_ = 0;
+  missed_ = {};
+  enabled_ = false;
   trouble_ = {};
   signals_ = {};
 }
 
 void DriveGroup::set_goal(Goal goal, std::uint64_t now_us) {
   goal_ = goal;
+  enabled_ = false;
   enable_deadline_us_ = now_us + kEnableTimeout_us;
 }
 
 void DriveGroup::on_heartbeat(const canopen::HeartbeatEvent& event) {
   std::size_t joint = 0;
-  if (!find(event.node_id, joint)) return;
+  if (phase_ < Phase::kWaiting || !find(event.node_id, joint)) return;
   if (event.kind == canopen::HeartbeatEventKind::kBootedUp) {
     if (phase_ > Phase::kWaiting) report(Trouble::kRestarted, joint);
     present_ |= 1u << joint;
@@ -36,9 +42,9 @@ void DriveGroup::on_heartbeat(const canopen::HeartbeatEvent& event) {
 
 void DriveGroup::on_emergency(const canopen::Emergency& emergency) {
   std::size_t joint = 0;
-  if (emergency.code != canopen::error_code::kNoError && find(emergency.node_id, joint)) {
-    report(Trouble::kFault, joint, emergency.code);
-  }
+  if (emergency.code == canopen::error_code::kNoError || !find(emergency.node_id, joint)) return;
+  // What it says before its boot-up message is about its life before the reset.
+  if ((present_ >> joint & 1u) != 0) report(Trouble::kFault, joint, emergency.code);
 }
 
 void DriveGroup::process(std::uint64_t now_us) {
@@ -79,24 +85,56 @@ void DriveGroup::configure(std::uint64_t now_us) {
   }
 }
 
-void DriveGroup::tick(std::uint64_t now_us) {
+void DriveGroup::observe(std::uint64_t now_us) {
   if (phase_ != Phase::kBooted) return;
-  bool all_switched_on = true;
-  bool heard = true;
+  watch_answers();
+  if (booted()) watch_states(now_us);
+}
+
+// A drive that hangs, or is no longer operational, says nothing any more; its last statusword is then worth
+// nothing.
+void DriveGroup::watch_answers() {
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
+    const bool answered = (answered_ >> joint & 1u) != 0;
+    missed_[joint] = answered ? std::uint8_t{0} : fixed::add_saturated(missed_[joint], std::uint8_t{1});
+    if (missed_[joint] >= kMissedAnswers) report(Trouble::kLost, joint);
+  }
+  heard_ |= answered_;
+  answered_ = 0;
+}
+
+void DriveGroup::watch_states(std::uint64_t now_us) {
+  const bool due = goal_ == Goal::kEnabled && (enabled_ || now_us >= enable_deadline_us_);
+  // Drives that wait for another to be switched on are not to blame.
+  const bool waiting = !enabled_ && !all_switched_on();
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     const State now = state(joint);
-    heard = heard && now != State::kNotReadyToSwitchOn;
-    all_switched_on = all_switched_on && (now == State::kSwitchedOn || now == State::kOperationEnabled);
+    if (now == State::kFault || now == State::kFaultReactionActive) report(Trouble::kFault, joint);
+    const bool follows = waiting ? switched_on(joint) : now == State::kOperationEnabled;
+    if (due && !follows) report(Trouble::kNotEnabled, joint);
   }
-  heard_ = heard_ || heard;
-  if (heard_) watch(now_us);
+  enabled_ = enabled_ || (goal_ == Goal::kEnabled && all_in(State::kOperationEnabled));
+}
+
+void DriveGroup::command() {
+  const bool last_step = all_switched_on();
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
-    signals_.controlword[joint] = controlword(joint, all_switched_on);
+    signals_.controlword[joint] = controlword(joint, last_step);
   }
 }
 
-std::uint16_t DriveGroup::controlword(std::size_t joint, bool all_switched_on) const {
-  const State now = state(joint);
+bool DriveGroup::switched_on(std::size_t joint) const {
+  return state(joint) == State::kSwitchedOn || state(joint) == State::kOperationEnabled;
+}
+
+bool DriveGroup::all_switched_on() const {
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
+    if (!switched_on(joint)) return false;
+  }
+  return true;
+}
+
+std::uint16_t DriveGroup::controlword(std::size_t joint, bool last_step) const {
   switch (goal_) {
     case Goal::kTorqueOff:
       return cia402::kControlDisableVoltage;
@@ -105,18 +143,8 @@ std::uint16_t DriveGroup::controlword(std::size_t joint, bool all_switched_on) c
     case Goal::kEnabled:
       break;
   }
-  if (all_switched_on) return cia402::kControlEnableOperation;
-  return now == State::kSwitchOnDisabled ? cia402::kControlShutdown : cia402::kControlSwitchOn;
-}
-
-void DriveGroup::watch(std::uint64_t now_us) {
-  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
-    const State now = state(joint);
-    if (now == State::kFault || now == State::kFaultReactionActive) report(Trouble::kFault, joint);
-    if (goal_ == Goal::kEnabled && now != State::kOperationEnabled && now_us >= enable_deadline_us_) {
-      report(Trouble::kNotEnabled, joint);
-    }
-  }
+  if (last_step) return cia402::kControlEnableOperation;
+  return state(joint) == State::kSwitchOnDisabled ? cia402::kControlShutdown : cia402::kControlSwitchOn;
 }
 
 void DriveGroup::set_target(std::size_t joint, fixed::Angle angle) {

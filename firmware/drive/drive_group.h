@@ -23,11 +23,13 @@ enum class Goal : std::uint8_t {
 };
 
 // All servo drives of the robot: boots them, leads them to a goal and watches over them. The owner hands it
-// what it hears of them and sends `signals` in each cycle.
+// what it hears of them. In each cycle it calls `observe`, decides, sets goal and targets, calls `command`
+// and sends `signals`: what was decided takes effect in the same cycle.
 class DriveGroup {
  public:
   static constexpr std::uint64_t kBootTimeout_us = 1'000'000;  // from the reset to the last boot-up message
   static constexpr std::uint64_t kEnableTimeout_us = 500'000;  // from the goal to operation enabled
+  static constexpr std::uint8_t kMissedAnswers = 5;  // cycles without an answer after which a drive is lost
 
   // All must outlive the group. Frames go to `sink` as NMT master and SDO client.
   DriveGroup(const robot::RobotModel& model, canopen::FrameSink& sink, DriveSignals& signals);
@@ -39,10 +41,14 @@ class DriveGroup {
   void on_frame(const hal::CanFrame& frame) { client_.on_frame(frame); }
   void on_heartbeat(const canopen::HeartbeatEvent& event);
   void on_emergency(const canopen::Emergency& emergency);
+  // Statusword and position of the joint's drive have come.
+  void on_answer(std::size_t joint) { answered_ |= 1u << joint; }
   // Booting and its time-outs; at 1 kHz.
   void process(std::uint64_t now_us);
-  // Reads the statuswords of the last cycle and writes the controlwords of the next.
-  void tick(std::uint64_t now_us);
+  // Reads what the drives have answered in the last cycle.
+  void observe(std::uint64_t now_us);
+  // Writes the controlwords of the next.
+  void command();
 
   // Targets of all joints, within their limits.
   void set_target(std::size_t joint, fixed::Angle angle);
@@ -53,10 +59,10 @@ class DriveGroup {
 
   // Every drive has its configuration and was told to start; `booted` once each has also answered a SYNC.
   bool configured() const { return phase_ == Phase::kBooted; }
-  bool booted() const { return phase_ == Phase::kBooted && heard_; }
-  // Every drive in this state, as of the last tick.
+  bool booted() const { return phase_ == Phase::kBooted && (all_joints() & ~heard_) == 0; }
+  // Every drive in this state, as each said last.
   bool all_in(canopen::cia402::State state) const;
-  // None makes torque, as of the last tick.
+  // None makes torque, as each said last.
   bool all_limp() const;
   // The first trouble since the last boot.
   const JointTrouble& trouble() const { return trouble_; }
@@ -68,13 +74,17 @@ class DriveGroup {
   canopen::cia402::State state(std::size_t joint) const {
     return canopen::cia402::state_of(signals_.statusword[joint]);
   }
-  std::uint16_t controlword(std::size_t joint, bool all_switched_on) const;
+  std::uint32_t all_joints() const { return (1u << model_.joint_count) - 1; }
+  std::uint16_t controlword(std::size_t joint, bool last_step) const;
+  bool switched_on(std::size_t joint) const;
+  bool all_switched_on() const;
   bool send(canopen::NmtCommand command);
   bool find(std::uint8_t node_id, std::size_t& joint) const;
   void report(Trouble trouble, std::size_t joint, std::uint16_t error_code = 0);
   void await_boot_ups(std::uint64_t now_us);
   void configure(std::uint64_t now_us);
-  void watch(std::uint64_t now_us);
+  void watch_answers();
+  void watch_states(std::uint64_t now_us);
 
   const robot::RobotModel& model_;
   canopen::FrameSink& sink_;
@@ -86,8 +96,12 @@ class DriveGroup {
   std::uint64_t boot_deadline_us_ = 0;
   std::uint64_t enable_deadline_us_ = 0;
   std::size_t configured_ = 0;  // joints that are done
+  static_assert(robot::kMaxJoints < 32);
   std::uint32_t present_ = 0;   // bit i: the boot-up message of joint i's drive has come
-  bool heard_ = false;          // every drive has sent a statusword
+  std::uint32_t heard_ = 0;     // bit i: joint i's drive has answered a SYNC
+  std::uint32_t answered_ = 0;  // the same, in the last cycle
+  std::array<std::uint8_t, robot::kMaxJoints> missed_{};  // cycles since its last answer
+  bool enabled_ = false;                                  // the goal kEnabled was reached
   JointTrouble trouble_;
   std::array<std::uint32_t, robot::kMaxJoints> supply_mV_{};
 };

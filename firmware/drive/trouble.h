@@ -11,10 +11,10 @@ enum class Trouble : std::uint8_t {
   kNoAnswer = 2,       // an SDO request timed out
   kRefused = 3,        // it aborted an SDO request
   kWrongIdentity = 4,  // 0x1018 is not what the robot model says
-  kLost = 5,           // its heartbeat stopped
+  kLost = 5,           // its heartbeat or its answers to SYNC stopped
   kRestarted = 6,      // it booted up again on its own
   kFault = 7,          // it reports a fault, by statusword or emergency message
-  kNotEnabled = 8,     // it did not reach operation enabled in time
+  kNotEnabled = 8,     // it did not reach operation enabled in time, or left it
 };
 
 struct JointTrouble {

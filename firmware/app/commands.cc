@@ -1,0 +1,106 @@
+// What the controller is told over the bus.
+
+#include "firmware/app/controller.h"
+#include "firmware/fixed/literals.h"
+#include "firmware/fixed/trigonometry.h"
+
+namespace koboshi::app {
+
+using namespace fixed::literals;
+using canopen::AbortCode;
+
+namespace {
+
+constexpr std::uint8_t kCommand = 1;  // sub-index of kRequestObject
+// An encoder may stand this far outside the joint's limits: backlash and offset of a robot that leans on its
+// stops. The first target then draws the joint back to its limit.
+constexpr fixed::Angle kEncoderMargin = 2.0_deg;
+// Half and one and a half g: whatever the attitude, a robot at rest measures about one.
+constexpr fixed::Acceleration kMinAcceleration = 4.9_m_per_s2;
+constexpr fixed::Acceleration kMaxAcceleration = 14.7_m_per_s2;
+
+}  // namespace
+
+AbortCode Controller::on_write(canopen::ObjectAddress address, std::uint32_t value) {
+  if (address != canopen::ObjectAddress{kRequestObject, kCommand}) return AbortCode::kNone;
+  const Reason refusal = obey(static_cast<Command>(value), values_.request.argument);
+  if (refusal == Reason::kNone) return AbortCode::kNone;
+  return refusal == Reason::kUnknownCommand ? AbortCode::kInvalidValue : AbortCode::kDeviceState;
+}
+
+void Controller::on_rpdo(std::size_t number) {
+  if (number >= kFirstDriveRpdo) return drives_.on_answer(number - kFirstDriveRpdo);
+  static_cast<void>(obey(values_.request.command, values_.request.argument));
+}
+
+Reason Controller::obey(Command command, std::int16_t argument) {
+  values_.behaviour.refusal = try_to_obey(command, argument);
+  return values_.behaviour.refusal;
+}
+
+Reason Controller::try_to_obey(Command command, std::int16_t argument) {
+  switch (command) {
+    case Command::kNone:
+      return Reason::kNone;
+    case Command::kEnable:
+      return enable();
+    case Command::kLimp:
+      return obey_event(Event::kLimp);
+    case Command::kPlay:
+      return play(argument);
+    case Command::kStop:
+      return stop();
+    case Command::kEmergencyStop:
+      return obey_event(Event::kEmergencyStop);
+    case Command::kReset:
+      return obey_event(Event::kReset);
+  }
+  return Reason::kUnknownCommand;
+}
+
+Reason Controller::obey_event(Event event) {
+  if (!next_state(values_.behaviour.state, event)) return Reason::kNotInThisState;
+  handle(event, Reason::kCommand);
+  return Reason::kNone;
+}
+
+Reason Controller::enable() {
+  if (values_.behaviour.state != State::kLimp) return Reason::kNotInThisState;
+  const Reason refusal = refusal_to_enable();
+  return refusal == Reason::kNone ? obey_event(Event::kEnable) : refusal;
+}
+
+Reason Controller::refusal_to_enable() const {
+  const auto& parameters = values_.parameters;
+  if (!drives_.all_in(canopen::cia402::State::kSwitchOnDisabled)) return Reason::kDriveNotReady;
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
+    if (!drives_.within_limits(joint, kEncoderMargin)) return Reason::kEncoderBeyondLimits;
+    const std::uint32_t supply_mV = drives_.supply_mV(joint);
+    if (supply_mV < parameters.supply_min_mV || supply_mV > parameters.supply_max_mV) {
+      return Reason::kSupplyOutOfRange;
+    }
+  }
+  const auto& a = inertial_.accelerations();
+  const fixed::Acceleration magnitude = fixed::hypotenuse(a.x, a.y, a.z);
+  const bool plausible = magnitude > kMinAcceleration && magnitude < kMaxAcceleration;
+  return plausible ? Reason::kNone : Reason::kImuImplausible;
+}
+
+Reason Controller::play(std::int16_t number) {
+  if (values_.behaviour.state != State::kStanding) return Reason::kNotInThisState;
+  motion::Motion motion;
+  if (number < 0 || number >= static_cast<std::int16_t>(kMaxMotions)) return Reason::kNoSuchMotion;
+  const auto image = catalogue_.find(ItemKind::kMotion, static_cast<std::uint16_t>(number));
+  if (!motion::Motion::open(image, model_, motion).ok()) return Reason::kNoSuchMotion;
+  values_.behaviour.motion = static_cast<std::uint8_t>(number);
+  interpreter_.start(motion, {targets_.data(), model_.joint_count});
+  return obey_event(Event::kPlay);
+}
+
+Reason Controller::stop() {
+  if (values_.behaviour.state != State::kMotion) return Reason::kNotInThisState;
+  interpreter_.stop();
+  return Reason::kNone;
+}
+
+}  // namespace koboshi::app

@@ -1,0 +1,115 @@
+#include "tests/support/controller_bench.h"
+
+#include "firmware/canopen/frame.h"
+#include "tests/support/robot_storage.h"
+#include "tests/unit/firmware/robot/test_robot.h"
+
+namespace koboshi::test {
+namespace {
+
+using motion::Opcode;
+
+constexpr std::uint16_t kCommandIdentifier = 0x201;
+constexpr int kHeartbeat_ms = 100;
+constexpr std::size_t kKnee = 3;
+constexpr std::size_t kHeadTilt = 19;
+
+std::vector<std::byte> factory_storage() {
+  const std::vector<std::byte> model_image = encode(make_test_robot());
+  robot::RobotModel model;
+  if (robot::load_model(model_image, model) != robot::ModelStatus::kOk) std::abort();
+
+  std::vector<fixed::Angle> stand(model.joint_count);
+  stand[kKnee] = degrees(40);
+  std::vector<fixed::Angle> nod = stand;
+  nod[kHeadTilt] = degrees(20);
+  const TestMotion standing{
+      .name = "stand", .poses = {stand}, .steps = {{Opcode::kMove, 0, 500'000}, {Opcode::kEnd}}};
+  const TestMotion nodding{.name = "nod",
+                           .poses = {stand, nod},
+                           .steps = {{Opcode::kLoopBegin, 0},
+                                     {Opcode::kMove, 1, 200'000},
+                                     {Opcode::kMove, 0, 200'000},
+                                     {Opcode::kLoopEnd, 0},
+                                     {Opcode::kEnd}}};
+  const std::vector<std::vector<std::byte>> motions{encode(standing, model.id), encode(nodding, model.id)};
+  return make_storage(model_image, motions);
+}
+
+}  // namespace
+
+ControllerBench::ControllerBench() {
+  // 1 g upwards.
+  imu_sample.accelerometer_raw[2] = static_cast<std::int16_t>(9.81 / 39.2 * 32768);
+  restart(factory_storage());
+  for (std::size_t i = 0; i < model().joint_count; ++i) drives.emplace_back(model().joints[i].drive);
+}
+
+void ControllerBench::restart(std::span<const std::byte> storage) {
+  board.storage.load(0, storage);
+  controller_ = std::make_unique<app::Controller>(board.ports());
+}
+
+void ControllerBench::run_ms(int duration_ms) {
+  for (int i = 0; i < duration_ms; ++i) {
+    feed_sensors();
+    controller_->service(now_us_);
+    if (now_us_ % app::Controller::kTick_us == 0) controller_->tick(now_us_);
+    exchange_frames();
+    now_us_ += 1'000;
+  }
+}
+
+bool ControllerBench::run_until(app::State state, int limit_ms) {
+  for (int i = 0; i < limit_ms && now().state != state; ++i) run_ms(1);
+  return now().state == state;
+}
+
+bool ControllerBench::run_until_standing() {
+  if (!run_until(app::State::kLimp)) return false;
+  run_ms(20);
+  command(app::Command::kEnable);
+  return run_until(app::State::kStanding);
+}
+
+void ControllerBench::command(app::Command command, std::int16_t argument) {
+  hal::CanFrame frame{.identifier = kCommandIdentifier, .size = 3};
+  frame.data[0] = static_cast<std::uint8_t>(command);
+  canopen::store_u16(&frame.data[1], static_cast<std::uint16_t>(argument));
+  board.can.deliver(frame);
+  run_ms(1);
+}
+
+fixed::Angle ControllerBench::target(std::size_t joint) const {
+  return robot::joint_angle(model().joints[joint].drive, values().drives.target_position[joint]);
+}
+
+std::optional<hal::CanFrame> ControllerBench::last_sent(std::uint16_t identifier) const {
+  for (auto it = sent.rbegin(); it != sent.rend(); ++it) {
+    if (it->frame.identifier == identifier) return it->frame;
+  }
+  return std::nullopt;
+}
+
+void ControllerBench::exchange_frames() {
+  std::vector<hal::CanFrame> answers;
+  for (const hal::CanFrame& frame : board.can.sent()) {
+    sent.push_back({now_us_, frame});
+    for (DriveStub& drive : drives) drive.on_frame(frame, answers);
+  }
+  board.can.clear_sent();
+  for (const hal::CanFrame& frame : answers) board.can.deliver(frame);
+  if (now_us_ / 1'000 % kHeartbeat_ms != 5) return;
+  for (const DriveStub& drive : drives) {
+    if (drive.beats && !drive.hangs) board.can.deliver(drive.heartbeat());
+  }
+}
+
+void ControllerBench::feed_sensors() {
+  if (imu_speaks) board.imu.deliver(imu_sample);
+  for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
+    if (ankle_speaks[static_cast<std::size_t>(side)]) board.ankles.deliver(side, {});
+  }
+}
+
+}  // namespace koboshi::test

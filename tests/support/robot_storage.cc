@@ -1,0 +1,62 @@
+#include "tests/support/robot_storage.h"
+
+#include "firmware/app/catalogue.h"
+#include "tests/unit/firmware/robot/test_robot.h"
+
+namespace koboshi::test {
+namespace {
+
+std::vector<std::byte> begin_image(std::uint32_t magic, std::uint16_t version) {
+  std::vector<std::byte> image;
+  put(image, magic, 4);
+  put(image, version, 4);  // and the reserved field
+  image.resize(robot::kImageHeaderSize);
+  return image;
+}
+
+}  // namespace
+
+std::vector<std::byte> encode(const TestMotion& motion, std::uint32_t model_id) {
+  const std::size_t joints = motion.poses.empty() ? 0 : motion.poses.front().size();
+  std::vector<std::byte> image = begin_image(motion::kMotionMagic, motion::kMotionVersion);
+  put(image, model_id, 4);
+  for (const char letter : motion.name) image.push_back(static_cast<std::byte>(letter));
+  image.resize(robot::kImageHeaderSize + 4 + motion::kNameSize);
+  put(image, static_cast<std::uint32_t>(joints), 2);
+  put(image, static_cast<std::uint32_t>(motion.poses.size()), 2);
+  put(image, static_cast<std::uint32_t>(motion.steps.size()), 2);
+  for (const auto& pose : motion.poses) {
+    put(image, (1u << joints) - 1, 4);
+    for (const fixed::Angle angle : pose) put(image, static_cast<std::uint32_t>(angle.raw()), 4);
+  }
+  for (const motion::Step& step : motion.steps) {
+    put(image, static_cast<std::uint32_t>(step.opcode), 2);
+    put(image, step.operand, 2);
+    put(image, step.time_us, 4);
+  }
+  seal(image);
+  return image;
+}
+
+std::vector<std::byte> make_storage(std::span<const std::byte> model,
+                                    std::span<const std::vector<std::byte>> motions) {
+  std::vector<std::byte> catalogue = begin_image(app::kCatalogueMagic, app::kCatalogueVersion);
+  const std::size_t count = 1 + motions.size();
+  std::size_t offset = robot::kImageHeaderSize + 4 + count * app::kCatalogueItemSize;
+  put(catalogue, static_cast<std::uint32_t>(count), 4);  // and the reserved field
+  const auto add = [&](app::ItemKind kind, std::size_t number, std::size_t size) {
+    put(catalogue, static_cast<std::uint32_t>(kind), 2);
+    put(catalogue, static_cast<std::uint32_t>(number), 2);
+    put(catalogue, static_cast<std::uint32_t>(offset), 4);
+    put(catalogue, static_cast<std::uint32_t>(size), 4);
+    offset += size;
+  };
+  add(app::ItemKind::kRobotModel, 0, model.size());
+  for (std::size_t i = 0; i < motions.size(); ++i) add(app::ItemKind::kMotion, i, motions[i].size());
+  seal(catalogue);
+  catalogue.insert(catalogue.end(), model.begin(), model.end());
+  for (const auto& motion : motions) catalogue.insert(catalogue.end(), motion.begin(), motion.end());
+  return catalogue;
+}
+
+}  // namespace koboshi::test

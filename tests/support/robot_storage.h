@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "firmware/motion/motion.h"
+#include "firmware/robot/model.h"
+
+namespace koboshi::test {
+
+// A motion as its image holds it: every pose gives an angle for each joint.
+struct TestMotion {
+  std::string name = "test";
+  std::vector<std::vector<fixed::Angle>> poses;
+  std::vector<motion::Step> steps;
+};
+
+// The image of a motion for the robot with this model id, written after firmware/motion/motion.h.
+std::vector<std::byte> encode(const TestMotion& motion, std::uint32_t model_id);
+
+// What the storage of a robot holds: a catalogue (firmware/app/catalogue.h), the model's image and the
+// motions', the i-th as motion i.
+std::vector<std::byte> make_storage(std::span<const std::byte> model,
+                                    std::span<const std::vector<std::byte>> motions);
+
+}  // namespace koboshi::test

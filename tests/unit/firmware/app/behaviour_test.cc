@@ -1,0 +1,108 @@
+#include "firmware/app/behaviour.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <utility>
+
+#include "tests/support/controller_bench.h"
+
+namespace koboshi::app {
+namespace {
+
+using test::ControllerBench;
+
+constexpr State kStates[] = {State::kBoot,     State::kLimp,   State::kEnabling, State::kSoftStart,
+                             State::kStanding, State::kMotion, State::kFault,    State::kEmergencyStop};
+
+// Brings a fresh controller into the state by what leads there.
+void reach(ControllerBench& bench, State state) {
+  bench.run_ms(25);  // the drives are being configured
+  if (state == State::kBoot) return;
+  if (state == State::kFault || state == State::kEmergencyStop) {
+    ASSERT_TRUE(bench.run_until(State::kLimp));
+    if (state == State::kFault) bench.board.can.deliver(bench.drives[0].emergency(0xFF01));
+    if (state == State::kEmergencyStop) bench.command(Command::kEmergencyStop);
+    bench.run_ms(10);
+    return;
+  }
+  ASSERT_TRUE(bench.run_until(State::kLimp));
+  if (state == State::kLimp) return bench.run_ms(21);
+  bench.run_ms(20);
+  bench.command(Command::kEnable);
+  ASSERT_TRUE(bench.run_until(state == State::kMotion ? State::kStanding : state));
+  if (state == State::kMotion) bench.command(Command::kPlay, 1);
+}
+
+// Events that come from outside, and what a test does to cause them. The others come by themselves.
+struct Cause {
+  Event event;
+  void (*apply)(ControllerBench&);
+};
+constexpr Cause kCauses[] = {
+    {Event::kEnable, [](ControllerBench& bench) { bench.command(Command::kEnable); }},
+    {Event::kLimp, [](ControllerBench& bench) { bench.command(Command::kLimp); }},
+    {Event::kPlay, [](ControllerBench& bench) { bench.command(Command::kPlay, 1); }},
+    {Event::kReset, [](ControllerBench& bench) { bench.command(Command::kReset); }},
+    {Event::kEmergencyStop, [](ControllerBench& bench) { bench.command(Command::kEmergencyStop); }},
+    {Event::kTrouble,
+     [](ControllerBench& bench) {
+       bench.board.can.set_error_state(hal::CanErrorState::kBusOff);
+       bench.run_ms(1);
+     }},
+};
+
+class BehaviourIn : public testing::TestWithParam<State> {};
+
+TEST_P(BehaviourIn, ChangesAsTheTableSaysAndInNoOtherWay) {
+  for (const Cause& cause : kCauses) {
+    SCOPED_TRACE("event " + std::to_string(static_cast<int>(cause.event)));
+    ControllerBench bench;
+    reach(bench, GetParam());
+    ASSERT_EQ(bench.now().state, GetParam());
+    while (bench.now_us() % Controller::kTick_us == 0)
+      bench.run_ms(1);  // no progress in the same millisecond
+    cause.apply(bench);
+    EXPECT_EQ(bench.now().state, next_state(GetParam(), cause.event).value_or(GetParam()));
+  }
+}
+
+TEST_P(BehaviourIn, HasTheLineHighOnlyWhereTorqueIsAllowed) {
+  ControllerBench bench;
+  reach(bench, GetParam());
+  EXPECT_EQ(bench.board.drive_enable.enabled(), makes_torque(GetParam()));
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryState, BehaviourIn, testing::ValuesIn(kStates), [](const auto& info) {
+  return "State" + std::to_string(static_cast<int>(info.param));
+});
+
+TEST(Behaviour, ProgressesFromBootToTheEndOfAMotion) {
+  ControllerBench bench;
+  ASSERT_TRUE(bench.run_until(State::kLimp));  // kReady
+  bench.run_ms(20);
+  bench.command(Command::kEnable);
+  ASSERT_TRUE(bench.run_until(State::kSoftStart));  // kEnabled
+  ASSERT_TRUE(bench.run_until(State::kStanding));   // kArrived
+  bench.command(Command::kPlay, 0);
+  ASSERT_EQ(bench.now().state, State::kMotion);
+  ASSERT_TRUE(bench.run_until(State::kStanding, 600));  // kEnded
+  EXPECT_EQ(bench.now().reason, Reason::kProgress);
+}
+
+TEST(BehaviourTable, HasOneRowForAStateAndEvent) {
+  std::set<std::pair<State, Event>> seen;
+  for (const Transition& row : kTransitions) EXPECT_TRUE(seen.insert({row.from, row.event}).second);
+}
+
+TEST(BehaviourTable, LeadsToTorqueOnlyThroughEnabling) {
+  for (const Transition& row : kTransitions) {
+    if (makes_torque(row.to) && !makes_torque(row.from)) {
+      EXPECT_EQ(row.event, Event::kEnable);
+      EXPECT_EQ(row.from, State::kLimp);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace koboshi::app

@@ -1,0 +1,208 @@
+#include <gtest/gtest.h>
+
+#include "tests/support/controller_bench.h"
+
+namespace koboshi::app {
+namespace {
+
+using drive::Trouble;
+using test::ControllerBench;
+using DriveState = canopen::cia402::State;
+
+constexpr std::uint16_t kQuickStop = 0x02;
+constexpr std::uint16_t kDisableVoltage = 0x00;
+
+class ControllerFault : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(bench.run_until_standing());
+    bench.command(Command::kPlay, 1);
+    ASSERT_EQ(bench.now().state, State::kMotion);
+    bench.run_ms(100);
+  }
+  void expect_trouble(Trouble kind, std::uint8_t joint) const {
+    EXPECT_EQ(bench.now().reason, Reason::kDriveTrouble);
+    EXPECT_EQ(bench.now().trouble, kind);
+    EXPECT_EQ(bench.now().trouble_joint, joint);
+  }
+
+  ControllerBench bench;
+};
+
+TEST_F(ControllerFault, StopsTheDrivesFirstAndThenLowersTheLine) {
+  auto& slow = bench.drives[3];
+  slow.hangs = true;  // a drive that will never say that it has stopped
+  ASSERT_TRUE(bench.run_until(State::kFault, 100));
+  EXPECT_EQ(bench.drives[0].controlword, kQuickStop);  // in the cycle in which the fault was seen
+  EXPECT_TRUE(bench.board.drive_enable.enabled());
+  bench.run_ms(280);
+  EXPECT_TRUE(bench.board.drive_enable.enabled());
+  bench.run_ms(30);
+  EXPECT_FALSE(bench.board.drive_enable.enabled());
+}
+
+TEST_F(ControllerFault, LowersTheLineAsSoonAsAllHaveStopped) {
+  bench.imu_speaks = false;
+  ASSERT_TRUE(bench.run_until(State::kFault, 100));
+  EXPECT_TRUE(bench.board.drive_enable.enabled());
+  bench.run_ms(10);  // the stubs stop at once
+  EXPECT_FALSE(bench.board.drive_enable.enabled());
+}
+
+TEST_F(ControllerFault, NamesADriveThatHangs) {
+  bench.drives[11].hangs = true;
+  ASSERT_TRUE(bench.run_until(State::kFault, 60));  // five cycles, long before its heartbeat is missed
+  expect_trouble(Trouble::kLost, 11);
+}
+
+TEST_F(ControllerFault, NamesADriveWhoseHeartbeatStopsWhileItStillAnswers) {
+  bench.run_ms(10);
+  // Monitoring is by 0x1016; a drive with a longer pause than 250 ms is lost. The stubs beat each 100 ms.
+  for (auto& drive : bench.drives) drive.beats = false;
+  ASSERT_TRUE(bench.run_until(State::kFault, 360));
+  EXPECT_EQ(bench.now().trouble, Trouble::kLost);
+}
+
+TEST_F(ControllerFault, NamesADriveThatStartedAnew) {
+  bench.board.can.deliver(bench.drives[2].boot_up());
+  ASSERT_TRUE(bench.run_until(State::kFault, 10));
+  expect_trouble(Trouble::kRestarted, 2);
+}
+
+TEST_F(ControllerFault, NamesADriveThatReportsAnEmergency) {
+  bench.board.can.deliver(bench.drives[6].emergency(0x2310));
+  ASSERT_TRUE(bench.run_until(State::kFault, 10));
+  expect_trouble(Trouble::kFault, 6);
+  EXPECT_EQ(bench.now().trouble_code, 0x2310);
+}
+
+TEST_F(ControllerFault, NamesADriveWhoseStatuswordShowsAFault) {
+  bench.drives[6].state = DriveState::kFault;
+  ASSERT_TRUE(bench.run_until(State::kFault, 21));
+  expect_trouble(Trouble::kFault, 6);
+}
+
+TEST_F(ControllerFault, DoesNotLeadADriveBackThatDroppedOutOfOperation) {
+  bench.drives[8].state = DriveState::kSwitchOnDisabled;
+  ASSERT_TRUE(bench.run_until(State::kFault, 21));
+  expect_trouble(Trouble::kNotEnabled, 8);
+  EXPECT_EQ(bench.drives[8].state, DriveState::kSwitchOnDisabled);
+  EXPECT_EQ(bench.drives[0].controlword, kQuickStop);
+  bench.run_ms(100);
+  EXPECT_EQ(bench.drives[8].state, DriveState::kSwitchOnDisabled);
+}
+
+TEST_F(ControllerFault, KeepsTheFirstTroubleAndCountsOneFault) {
+  bench.board.can.deliver(bench.drives[6].emergency(0x2310));
+  ASSERT_TRUE(bench.run_until(State::kFault, 10));
+  bench.drives[1].hangs = true;
+  bench.imu_speaks = false;
+  bench.run_ms(500);
+  expect_trouble(Trouble::kFault, 6);
+  EXPECT_EQ(bench.now().faults, 1);
+}
+
+TEST_F(ControllerFault, ComesFromAnInertialUnitThatStops) {
+  bench.imu_speaks = false;
+  EXPECT_FALSE(bench.run_until(State::kFault, 50));
+  ASSERT_TRUE(bench.run_until(State::kFault, 20));
+  EXPECT_EQ(bench.now().reason, Reason::kImuSilent);
+  EXPECT_EQ(bench.now().trouble, Trouble::kNone);
+}
+
+TEST_F(ControllerFault, ComesFromEitherAnkle) {
+  bench.ankle_speaks[0] = false;
+  ASSERT_TRUE(bench.run_until(State::kFault, 70));
+  EXPECT_EQ(bench.now().reason, Reason::kAnkleSilent);
+}
+
+TEST_F(ControllerFault, ComesFromBusOffAndTriesToRecover) {
+  bench.board.can.set_error_state(hal::CanErrorState::kBusOff);
+  bench.run_ms(1);
+  EXPECT_EQ(bench.now().state, State::kFault);
+  EXPECT_EQ(bench.now().reason, Reason::kBusOff);
+  EXPECT_GE(bench.board.can.recoveries(), 1);
+}
+
+TEST_F(ControllerFault, ComesFromABusWithoutAcknowledgement) {
+  bench.board.can.set_error_state(hal::CanErrorState::kErrorPassive);
+  bench.run_ms(1);
+  EXPECT_EQ(bench.now().reason, Reason::kNoAcknowledge);
+}
+
+TEST_F(ControllerFault, ComesFromANodeThatAPcStopped) {
+  bench.board.can.deliver({.identifier = 0x000, .size = 2, .data = {128, 1}});  // enter pre-operational
+  ASSERT_TRUE(bench.run_until(State::kFault, 70));
+  expect_trouble(Trouble::kLost, 0);
+  bench.run_ms(310);
+  EXPECT_FALSE(bench.board.drive_enable.enabled());
+}
+
+TEST_F(ControllerFault, IsLeftOnlyByResetAndThenThroughABoot) {
+  bench.board.can.deliver(bench.drives[6].emergency(0x2310));
+  ASSERT_TRUE(bench.run_until(State::kFault, 10));
+  bench.run_ms(1'000);
+  EXPECT_EQ(bench.now().state, State::kFault);
+  bench.sent.clear();
+  bench.command(Command::kReset);
+  EXPECT_EQ(bench.now().state, State::kBoot);
+  EXPECT_EQ(bench.last_sent(0x000), (hal::CanFrame{.identifier = 0, .size = 2, .data = {129, 0}}));
+  EXPECT_EQ(bench.last_sent(0x081)->data[0], 0);  // the controller's own error is gone
+  EXPECT_TRUE(bench.run_until_standing());
+}
+
+TEST_F(ControllerFault, IgnoresWhatADriveSaidBeforeItsReset) {
+  bench.board.can.deliver(bench.drives[6].emergency(0x2310));
+  ASSERT_TRUE(bench.run_until(State::kFault, 10));
+  bench.board.can.deliver(
+      {.identifier = 0x201, .size = 3, .data = {6}});  // reset, and behind it in the ring:
+  bench.board.can.deliver(bench.drives[6].emergency(0x2310));
+  EXPECT_TRUE(bench.run_until_standing());
+}
+
+// --- Emergency stop
+
+TEST_F(ControllerFault, EmergencyStopLowersTheLineAtOnce) {
+  bench.command(Command::kEmergencyStop);
+  EXPECT_FALSE(bench.board.drive_enable.enabled());
+  EXPECT_EQ(bench.now().state, State::kEmergencyStop);
+  EXPECT_EQ(bench.now().faults, 0);
+  bench.run_ms(20);
+  for (const auto& drive : bench.drives) EXPECT_EQ(drive.controlword, kDisableVoltage);
+}
+
+TEST_F(ControllerFault, EmergencyStopLatchesUntilReset) {
+  bench.command(Command::kEmergencyStop);
+  for (const Command command : {Command::kEnable, Command::kLimp, Command::kPlay, Command::kEmergencyStop}) {
+    bench.command(command);
+    EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
+    bench.run_ms(200);
+    EXPECT_EQ(bench.now().state, State::kEmergencyStop);
+    EXPECT_FALSE(bench.board.drive_enable.enabled());
+  }
+  bench.command(Command::kReset);
+  ASSERT_TRUE(bench.run_until(State::kLimp));
+  bench.run_ms(500);
+  EXPECT_EQ(bench.now().state, State::kLimp);  // and limp it stays until it is enabled
+  EXPECT_TRUE(bench.run_until_standing());
+}
+
+TEST_F(ControllerFault, EmergencyStopWinsOverAnEnableInTheSameMillisecond) {
+  bench.command(Command::kLimp);
+  bench.run_ms(50);
+  bench.board.can.deliver({.identifier = 0x201, .size = 3, .data = {1}});  // enable
+  bench.command(Command::kEmergencyStop);
+  EXPECT_EQ(bench.now().state, State::kEmergencyStop);
+  EXPECT_FALSE(bench.board.drive_enable.enabled());
+}
+
+TEST_F(ControllerFault, EmergencyStopCutsAQuickStopShort) {
+  bench.drives[0].hangs = true;
+  ASSERT_TRUE(bench.run_until(State::kFault, 100));
+  ASSERT_TRUE(bench.board.drive_enable.enabled());
+  bench.command(Command::kEmergencyStop);
+  EXPECT_FALSE(bench.board.drive_enable.enabled());
+}
+
+}  // namespace
+}  // namespace koboshi::app
