@@ -9,7 +9,8 @@ target_include_directories(koboshi_options INTERFACE ${PROJECT_SOURCE_DIR})
 # What the firmware is compiled with besides, on every board: any float arithmetic is a hard error on the host. tests/proof
 # reads the types of all variables from the debug information.
 set(KOBOSHI_FIRMWARE_FLAGS -fno-exceptions -fno-rtti -fno-threadsafe-statics -g)
-if(NOT CMAKE_CXX_CLANG_TIDY)  # clang cannot read the standard headers with it
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "cortex-m4")  # -mfloat-abi=soft; the linked image has no function for it
+elseif(NOT CMAKE_CXX_CLANG_TIDY)  # clang cannot read the standard headers with it
   list(APPEND KOBOSHI_FIRMWARE_FLAGS -mgeneral-regs-only)
 endif()
 add_library(koboshi_firmware_options INTERFACE)

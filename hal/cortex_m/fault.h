@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+
+namespace koboshi::cortex_m {
+
+// What a fault left behind. It lies in RAM that no reset clears (section .noinit) and stays valid until it is
+// cleared or the power goes.
+struct FaultRecord {
+  std::uint32_t exception = 0;      // 2 NMI, 3 hard, 4 memory, 5 bus, 6 usage fault; 16 and more an interrupt
+  std::uint32_t r[13] = {};         // r0..r12 as the program had them
+  std::uint32_t stack_pointer = 0;  // of the program; r0..r3, r12, lr, pc, xpsr are 0 when it lay outside RAM
+  std::uint32_t link_register = 0;
+  std::uint32_t program_counter = 0;
+  std::uint32_t program_status = 0;
+  std::uint32_t configurable_status = 0;  // CFSR
+  std::uint32_t hard_status = 0;          // HFSR
+  std::uint32_t memory_address = 0;       // MMFAR, valid by CFSR bit 7
+  std::uint32_t bus_address = 0;          // BFAR, valid by CFSR bit 15
+  std::uint32_t behaviour_state = 0;      // app::State, as noted last
+  std::uint32_t drive_enable_line = 0;    // as it reads after the handler has pulled it low
+};
+
+// The record of the fault that caused the last reset; null when something else did.
+[[nodiscard]] const FaultRecord* last_fault();
+void clear_fault();
+// Keeps the state of the firmware's behaviour for the record of a fault.
+void note_behaviour_state(std::uint32_t state);
+
+// Of the board: the drive-enable line. Fault handlers pull it low, on a machine that may be broken.
+void set_drive_enable_line(bool high);
+[[nodiscard]] bool drive_enable_line();
+
+}  // namespace koboshi::cortex_m

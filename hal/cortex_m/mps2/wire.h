@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "hal/cortex_m/fault.h"
+#include "hal/port/batch.h"
+
+namespace koboshi::cortex_m::wire {
+
+// The talk between the image and its host, over two pipes: a request, an answer, and so on. A message is its
+// length u16 (without these two bytes), a kind u8 and a body; integers are little-endian. The answer has the
+// kind of the request, or is kFault: the core was reset instead, and waits for kProgram or kStart.
+enum class Kind : std::uint8_t {
+  kProgram = 1,    // offset u32, bytes: put into storage. Answer: nothing
+  kStart = 2,      // starts the firmware on what is in storage. Answer: nothing
+  kServe = 3,      // BatchInput. Answer: SysTick periods u32 that the firmware took, BatchOutput
+  kStackPeak = 4,  // Answer: bytes u32, the deepest that the stack has been since the reset
+  kProvoke = 5,    // Provocation u8: breaks the machine on purpose. Answer: kFault
+  kFault = 6,      // only as an answer: the FaultRecord, its fields as u32
+};
+
+enum class Provocation : std::uint8_t { kUndefinedInstruction = 0, kBadAddress = 1, kStackOverflow = 2 };
+
+// The pipes, as QEMU's process has them.
+inline constexpr const char* kRequestPath = "/dev/fd/3";
+inline constexpr const char* kAnswerPath = "/dev/fd/4";
+
+inline constexpr std::size_t kLengthBytes = 2;
+inline constexpr std::size_t kHeaderBytes = kLengthBytes + 1;
+inline constexpr std::size_t kMaxBodyBytes = 4 + hal::kMaxBatchInputBytes;
+inline constexpr std::size_t kMaxProgramBytes = hal::kMaxBatchInputBytes;  // in one message
+inline constexpr std::size_t kMaxMessageBytes = kHeaderBytes + kMaxBodyBytes;
+static_assert(kMaxBodyBytes >= 4 + hal::kMaxBatchOutputBytes && kMaxBodyBytes >= sizeof(FaultRecord));
+static_assert(kMaxMessageBytes <= 4096, "a message no longer than PIPE_BUF is written and read as a whole");
+
+inline constexpr std::size_t kFaultWords = sizeof(FaultRecord) / sizeof(std::uint32_t);
+
+inline void put_u32(std::span<std::byte> bytes, std::uint32_t value) {
+  for (std::size_t i = 0; i < 4; ++i) bytes[i] = static_cast<std::byte>((value >> (8 * i)) & 0xFF);
+}
+
+[[nodiscard]] inline std::uint32_t get_u32(std::span<const std::byte> bytes) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value |= std::to_integer<std::uint32_t>(bytes[i]) << (8 * i);
+  return value;
+}
+
+}  // namespace koboshi::cortex_m::wire

@@ -1,0 +1,62 @@
+#include "hal/cortex_m/startup.h"
+
+#include "hal/cortex_m/registers.h"
+
+namespace koboshi::cortex_m {
+
+extern "C" void fault_handler();
+
+std::uint32_t stack_peak_bytes() {
+  const std::uint32_t* word = image_stack_bottom;
+  while (word < image_stack_top && *word == kStackPaint) ++word;
+  return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(image_stack_top) -
+                                    reinterpret_cast<std::uintptr_t>(word));
+}
+
+// Makes the kibibyte below RAM, which the stack would run into, a memory fault (ARMv7-M, B3.5).
+void guard_stack() {
+  constexpr std::uint32_t kGuard_bytes = 1024;
+  constexpr std::uint32_t kRegion0 = 1u << 4;        // with the "valid" bit: region 0
+  constexpr std::uint32_t kNoAccess = 9u << 1 | 1u;  // 2^(9 + 1) bytes, never to be executed or touched
+  Registers::protection_base() =
+      (reinterpret_cast<std::uintptr_t>(image_ram_begin) - kGuard_bytes) | kRegion0;
+  Registers::protection_attributes() = kNoAccess;
+  Registers::protection_control() = 0b101;  // on; whatever no region covers is as without it
+}
+
+extern "C" [[noreturn, gnu::used]] void reset_handler() {
+  const auto* const here = static_cast<std::uint32_t*>(__builtin_frame_address(0));
+  for (std::uint32_t* word = image_stack_bottom; word < here - 16; ++word) *word = kStackPaint;
+  const std::uint32_t* load = image_data_load;
+  for (std::uint32_t* word = image_data_begin; word < image_data_end; ++word) *word = *load++;
+  for (std::uint32_t* word = image_bss_begin; word < image_bss_end; ++word) *word = 0;
+  Registers::handler_control() = 0b111 << 16;  // memory, bus and usage faults with their own numbers
+  guard_stack();
+  run_image();
+}
+
+namespace {
+
+using Handler = void (*)();
+
+struct VectorTable {
+  const void* stack_top;
+  Handler handlers[15 + 32];  // of the core, and of the first interrupts; all of those are disabled
+};
+
+constexpr VectorTable make_vector_table() {
+  VectorTable table{image_stack_top, {}};
+  for (Handler& handler : table.handlers) handler = fault_handler;
+  table.handlers[0] = reset_handler;
+  return table;
+}
+
+[[gnu::section(".vectors"), gnu::used]] constinit const VectorTable vector_table = make_vector_table();
+
+}  // namespace
+
+// What the compiler and <cassert> call when the program is wrong: a fault.
+extern "C" [[noreturn]] void __cxa_pure_virtual() { __builtin_trap(); }
+extern "C" [[noreturn]] void __assert_func(const char*, int, const char*, const char*) { __builtin_trap(); }
+
+}  // namespace koboshi::cortex_m
