@@ -22,7 +22,6 @@ using sim::JointDescription;
 using sim::RobotDescription;
 
 constexpr std::uint8_t kDrivePositionBits = 20;  // CiA 402 position unit of our drives: 2^-20 turn
-constexpr double kFullScaleCounts = 32768.0;
 
 // In the order of robot::JointRole.
 constexpr std::array<std::string_view, robot::kRoleCount> kRoleNames{

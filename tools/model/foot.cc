@@ -19,7 +19,6 @@ using sim::InputError;
 using sim::RobotDescription;
 
 constexpr double kFlat_m = 1e-4;  // corners that are no higher than this above the lowest touch the ground
-constexpr double kFullScaleCounts = 32768.0;
 
 // Corners of the link's collision boxes at joint zero, in the base's frame.
 std::vector<Vector3d> corners_B(const RobotDescription& robot, const sim::LinkDescription& link) {

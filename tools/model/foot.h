@@ -7,6 +7,9 @@
 
 namespace koboshi::tools {
 
+// Sensor scales are given for this count.
+inline constexpr double kFullScaleCounts = 32768.0;
+
 [[nodiscard]] robot::Position fixed_position(const Eigen::Vector3d& p_m);
 
 // From the lowest to the highest corner of all collision boxes at joint zero.

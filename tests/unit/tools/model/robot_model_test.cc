@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <numbers>
 
 #include "firmware/fixed/host/convert.h"
 #include "firmware/robot/kinematics.h"

@@ -3,10 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <bit>
 #include <fstream>
+#include <numbers>
 
 #include "firmware/fixed/host/convert.h"
 #include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
 #include "sim_board/robot/load.h"
 
 namespace koboshi::tools {
@@ -114,6 +118,14 @@ TEST_F(MotionCompileTest, LetsALabelStandAtTheEnd) {
   const motion::Motion motion = compile("steps: [{jump: out}, {wait_s: 1}, end, {label: out}]\n");
   EXPECT_EQ(motion.step_count(), 4u);
   EXPECT_EQ(motion.step(0).operand, 3);
+}
+
+TEST_F(MotionCompileTest, TakesTheExampleOfTheReference) {
+  const std::string page =
+      sim::read_text_file(KOBOSHI_SOURCE_DIR "/docs/reference/motion-format.md", "the reference");
+  const std::string opening = "```yaml\n";
+  const std::size_t begin = page.find(opening) + opening.size();
+  EXPECT_EQ(refusal(page.substr(begin, page.find("```", begin) - begin)), "accepted");
 }
 
 TEST_F(MotionCompileTest, GivesTheSameBytesAgain) {
