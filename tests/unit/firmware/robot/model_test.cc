@@ -53,7 +53,8 @@ TEST(RobotModel, RefusesABodyOfAnotherSizeThanItsJointsNeed) {
   image.push_back(std::byte{0});
   test::seal(image);
   EXPECT_EQ(load_model(image, model), ModelStatus::kBadSize);
-  image.resize(image.size() - 2);
+  image.pop_back();
+  image.pop_back();
   test::seal(image);
   EXPECT_EQ(load_model(image, model), ModelStatus::kBadSize);
 }
