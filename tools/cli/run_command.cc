@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "sim_board/scenario/reader.h"
+#include "tools/run/qemu_host.h"
 #include "tools/run/run.h"
 
 namespace koboshi::tools {
@@ -22,6 +23,8 @@ struct Arguments {
   std::string seed;
   std::string duration;
   std::string stepper;
+  std::string controller = "in-process";
+  std::filesystem::path image;
 };
 
 // A bar on a terminal, nothing in a pipe.
@@ -70,6 +73,9 @@ int run_scenario(const Arguments& arguments) {
   options.scenario = sim::read_scenario(arguments.scenario, overrides(arguments));
   options.out =
       arguments.out.empty() ? std::filesystem::path("runs") / arguments.scenario.stem() : arguments.out;
+  if (arguments.controller == "qemu") {
+    options.make_host = in_qemu(arguments.image.empty() ? default_image() : arguments.image);
+  }
   ProgressBar bar;
   const RunResult result = run(options, [&](const RunProgress& progress) { bar.show(progress); });
   report(result, options.out);
@@ -97,6 +103,12 @@ void add_run_command(CLI::App& program, int& exit_status) {
                       "Folder of the results (default: runs/ and the scenario's name)");
   command->add_option("--seed", arguments->seed, "Seed of every random number in the run");
   command->add_option("--duration", arguments->duration, "Simulated seconds");
+  command
+      ->add_option("--controller", arguments->controller,
+                   "Where the firmware runs: in-process (default); qemu: on a Cortex-M4")
+      ->check(CLI::IsMember({"in-process", "qemu"}));
+  command->add_option("--image", arguments->image,
+                      "The image for --controller qemu (default: the one that ./run target builds)");
   command->add_option("--stepper", arguments->stepper, "world: exact contacts (default); quick: iterative");
   command
       ->add_option("--set", arguments->sets,

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
 #include <span>
+#include <vector>
 
 #include "firmware/app/controller.h"
-#include "hal/fake/storage.h"
+#include "hal/flash/flash_model.h"
 #include "hal/port/batch_board.h"
 #include "sim_board/board/controller_host.h"
 
@@ -14,20 +14,16 @@ namespace koboshi::tools {
 // The firmware in this process.
 class InProcessHost final : public sim::ControllerHost {
  public:
-  static constexpr std::size_t kSectorSize_bytes = 2048;
-  static constexpr std::size_t kSectors = 128;
-
   // Throws std::length_error when the contents do not fit into storage.
   explicit InProcessHost(std::span<const std::byte> storage_contents);
 
   void exchange(const hal::BatchInput& input, hal::BatchOutput& output) override;
 
-  const app::Controller& controller() const { return *controller_; }
-
  private:
-  hal::FakeStorage storage_{kSectors, kSectorSize_bytes};
+  std::vector<std::byte> flash_;
+  hal::FlashModel storage_{std::span(flash_).first<hal::FlashModel::kSize_bytes>()};
   hal::BatchBoard board_{storage_};
-  std::unique_ptr<app::Controller> controller_;  // made once storage has its contents
+  app::Controller controller_{board_.board()};
 };
 
 }  // namespace koboshi::tools

@@ -5,7 +5,6 @@
 #include "sim_board/record/output_folder.h"
 #include "tools/run/run_figures.h"
 #include "tools/run/run_recorder.h"
-#include "tools/run/simulation.h"
 
 namespace koboshi::tools {
 namespace {
@@ -48,7 +47,7 @@ std::optional<std::string> play(Simulation& simulation, RunRecorder& recorder,
       recorder.record_tick();
       if (progress) progress({1e-6 * static_cast<double>(now_us), duration_s, seconds_since(start)});
     }
-  } catch (const sim::WorldBlewUp& error) {
+  } catch (const std::runtime_error& error) {
     return error.what();
   }
   return std::nullopt;
@@ -58,7 +57,7 @@ std::optional<std::string> play(Simulation& simulation, RunRecorder& recorder,
 
 RunResult run(const RunOptions& options, const std::function<void(const RunProgress&)>& progress) {
   sim::check_output_folder(options.out);
-  Simulation simulation(options.scenario);
+  Simulation simulation(options.scenario, options.make_host);
   sim::make_output_folder(options.out);
 
   sim::Recorder files(options.out, RunRecorder::columns(simulation.robot()), sim::WhenFull::kWait);

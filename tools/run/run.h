@@ -6,12 +6,14 @@
 
 #include "sim_board/record/summary.h"
 #include "sim_board/scenario/scenario.h"
+#include "tools/run/simulation.h"
 
 namespace koboshi::tools {
 
 struct RunOptions {
   sim::Scenario scenario;
-  std::filesystem::path out;  // the folder of the results
+  std::filesystem::path out;             // the folder of the results
+  HostFactory make_host = in_process();  // where the firmware runs
 };
 
 // How far a run has come, told now and then.
@@ -23,7 +25,8 @@ struct RunProgress {
 
 struct RunResult {
   sim::RunSummary summary;
-  std::optional<std::string> failure;  // what ended the run before its time, such as a world that blew up
+  std::optional<std::string>
+      failure;  // what ended the run before its time, such as a world that blew up or a firmware that faulted
   std::optional<std::string> plot_warning;  // why there are no figures
 };
 

@@ -2,6 +2,7 @@
 
 #include "sim_board/robot/load.h"
 #include "tools/motion/compile.h"
+#include "tools/run/in_process_host.h"
 #include "tools/run/storage_contents.h"
 
 namespace koboshi::tools {
@@ -15,11 +16,15 @@ sim::RobotDescription load_checked(const sim::Scenario& scenario) {
 
 }  // namespace
 
-Simulation::Simulation(const sim::Scenario& scenario)
+HostFactory in_process() {
+  return [](std::span<const std::byte> contents) { return std::make_unique<InProcessHost>(contents); };
+}
+
+Simulation::Simulation(const sim::Scenario& scenario, const HostFactory& make_host)
     : scenario_(scenario), robot_(load_checked(scenario_)), model_(load_named_model(robot_)) {
   std::vector<std::vector<std::byte>> motions;
   for (const auto& file : scenario_.motions) motions.push_back(compile_motion(file, model_));
-  host_ = std::make_unique<InProcessHost>(make_storage_contents(model_.image, motions));
+  host_ = make_host(make_storage_contents(model_.image, motions));
   board_ = std::make_unique<sim::SimBoard>(robot_, sim::board_options(scenario_, robot_), *host_);
   player_ = std::make_unique<sim::ScenarioPlayer>(scenario_, *board_);
 }

@@ -1,22 +1,32 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "sim_board/board/controller_host.h"
 #include "sim_board/board/sim_board.h"
 #include "sim_board/scenario/player.h"
 #include "sim_board/scenario/scenario.h"
 #include "tools/model/robot_model.h"
-#include "tools/run/in_process_host.h"
 
 namespace koboshi::tools {
+
+// Makes the host of the firmware for a board whose storage holds these contents.
+using HostFactory =
+    std::function<std::unique_ptr<sim::ControllerHost>(std::span<const std::byte> storage_contents)>;
+
+// The firmware in this process.
+[[nodiscard]] HostFactory in_process();
 
 // A scenario made ready to run: the robot's files read, its motions compiled, firmware and board put
 // together.
 class Simulation {
  public:
-  // Throws sim::InputError for whatever a file of the scenario has wrong.
-  explicit Simulation(const sim::Scenario& scenario);
+  // Throws sim::InputError for whatever a file of the scenario has wrong, and what `make_host` throws.
+  explicit Simulation(const sim::Scenario& scenario, const HostFactory& make_host = in_process());
 
   void advance() { player_->advance(); }
   bool finished() const { return player_->finished(); }
@@ -24,7 +34,6 @@ class Simulation {
   const sim::Scenario& scenario() const { return scenario_; }
   const sim::RobotDescription& robot() const { return robot_; }
   const NamedModel& model() const { return model_; }
-  const app::Controller& controller() const { return host_->controller(); }
   sim::SimBoard& board() { return *board_; }
   const sim::SimBoard& board() const { return *board_; }
 
@@ -32,7 +41,7 @@ class Simulation {
   const sim::Scenario scenario_;
   const sim::RobotDescription robot_;
   const NamedModel model_;
-  std::unique_ptr<InProcessHost> host_;
+  std::unique_ptr<sim::ControllerHost> host_;
   std::unique_ptr<sim::SimBoard> board_;
   std::unique_ptr<sim::ScenarioPlayer> player_;
 };

@@ -15,19 +15,13 @@ void Link::open() {
 Link::Request Link::receive() {
   const std::size_t received = semihosting::read(requests_, message_);
   if (received == 0) semihosting::exit();
-  const std::size_t length =
-      std::to_integer<std::size_t>(message_[0]) | std::to_integer<std::size_t>(message_[1]) << 8;
-  assert(received >= wire::kHeaderBytes && received == wire::kLengthBytes + length);
-  return {static_cast<wire::Kind>(message_[2]),
-          std::span(message_).first(received).subspan(wire::kHeaderBytes)};
+  const auto message = std::span(message_).first(received);
+  assert(wire::is_message(message));
+  return {wire::kind_of(message), message.subspan(wire::kHeaderBytes)};
 }
 
 void Link::answer(wire::Kind kind, std::size_t body_size) {
-  const std::size_t length = 1 + body_size;
-  message_[0] = static_cast<std::byte>(length & 0xFF);
-  message_[1] = static_cast<std::byte>(length >> 8);
-  message_[2] = static_cast<std::byte>(kind);
-  const auto message = std::span(message_).first(wire::kLengthBytes + length);
+  const auto message = std::span(message_).first(wire::put_header(message_, kind, body_size));
   if (semihosting::write(answers_, message) != message.size()) semihosting::exit();
 }
 

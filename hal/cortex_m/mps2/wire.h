@@ -47,4 +47,24 @@ inline void put_u32(std::span<std::byte> bytes, std::uint32_t value) {
   return value;
 }
 
+// Writes what goes before a body of this size. Returns the size of the whole message.
+[[nodiscard]] inline std::size_t put_header(std::span<std::byte> message, Kind kind, std::size_t body_size) {
+  const std::size_t length = 1 + body_size;
+  message[0] = static_cast<std::byte>(length & 0xFF);
+  message[1] = static_cast<std::byte>(length >> 8);
+  message[2] = static_cast<std::byte>(kind);
+  return kLengthBytes + length;
+}
+
+// Whether the bytes are one message, no more and no less.
+[[nodiscard]] inline bool is_message(std::span<const std::byte> bytes) {
+  if (bytes.size() < kHeaderBytes) return false;
+  const auto length = std::to_integer<std::size_t>(bytes[0]) | std::to_integer<std::size_t>(bytes[1]) << 8;
+  return bytes.size() == kLengthBytes + length;
+}
+
+[[nodiscard]] inline Kind kind_of(std::span<const std::byte> message) {
+  return static_cast<Kind>(message[2]);
+}
+
 }  // namespace koboshi::cortex_m::wire
