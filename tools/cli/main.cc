@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include "sim_board/input/error.h"
+#include "tools/cli/diff_command.h"
 #include "tools/cli/motion_command.h"
 #include "tools/cli/run_command.h"
 
@@ -22,8 +23,10 @@ int run_program(int argc, char** argv) {
       "  koboshi run scenarios/squat.yaml\n"
       "and look into runs/squat. Each command has a --help of its own; docs/guide/ shows what to do with "
       "them.\n\n"
-      "Exit status: 0 done, 1 the run failed, 2 bad input (one line on standard error says where).\n");
+      "Exit status: 0 done, 1 the run failed or the runs differ, 2 bad input (one line on standard error "
+      "says where).\n");
   koboshi::tools::add_run_command(program, exit_status);
+  koboshi::tools::add_diff_command(program, exit_status);
   koboshi::tools::add_motion_command(program);
   try {
     program.parse(argc, argv);

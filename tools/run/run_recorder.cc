@@ -29,20 +29,35 @@ RunRecorder::RunRecorder(Simulation& simulation, sim::Recorder* recorder)
 
 std::vector<sim::TraceColumn> RunRecorder::columns(const sim::RobotDescription& robot) {
   using enum sim::TraceKind;
-  std::vector<sim::TraceColumn> columns{{"state", "", kInteger},      {"reason", "", kInteger},
-                                        {"trouble", "", kInteger},    {"emergencies", "", kInteger},
-                                        {"imu_roll", "rad"},          {"imu_pitch", "rad"},
-                                        {"gyro_x", "rad_per_s"},      {"gyro_y", "rad_per_s"},
-                                        {"gyro_z", "rad_per_s"},      {"left_load", "N"},
-                                        {"right_load", "N"},          {"true_base_x", "m"},
-                                        {"true_base_y", "m"},         {"true_base_z", "m"},
-                                        {"pose_base_z", "m"},         {"true_roll", "rad"},
-                                        {"true_pitch", "rad"},        {"true_yaw", "rad"},
-                                        {"true_rate_x", "rad_per_s"}, {"true_rate_y", "rad_per_s"},
-                                        {"true_rate_z", "rad_per_s"}, {"true_com_x", "m"},
-                                        {"true_com_y", "m"},          {"true_com_z", "m"},
-                                        {"true_left_load", "N"},      {"true_right_load", "N"},
-                                        {"true_left_slip", "m"},      {"true_right_slip", "m"}};
+  std::vector<sim::TraceColumn> columns{{"state", "", kInteger},
+                                        {"reason", "", kInteger},
+                                        {"trouble", "", kInteger},
+                                        {"emergencies", "", kInteger},
+                                        {"drive_enable", "", kInteger},
+                                        {"imu_roll", "rad"},
+                                        {"imu_pitch", "rad"},
+                                        {"gyro_x", "rad_per_s"},
+                                        {"gyro_y", "rad_per_s"},
+                                        {"gyro_z", "rad_per_s"},
+                                        {"left_load", "N"},
+                                        {"right_load", "N"},
+                                        {"true_base_x", "m"},
+                                        {"true_base_y", "m"},
+                                        {"true_base_z", "m"},
+                                        {"pose_base_z", "m"},
+                                        {"true_roll", "rad"},
+                                        {"true_pitch", "rad"},
+                                        {"true_yaw", "rad"},
+                                        {"true_rate_x", "rad_per_s"},
+                                        {"true_rate_y", "rad_per_s"},
+                                        {"true_rate_z", "rad_per_s"},
+                                        {"true_com_x", "m"},
+                                        {"true_com_y", "m"},
+                                        {"true_com_z", "m"},
+                                        {"true_left_load", "N"},
+                                        {"true_right_load", "N"},
+                                        {"true_left_slip", "m"},
+                                        {"true_right_slip", "m"}};
   for (const sim::JointDescription& joint : robot.joints) {
     columns.push_back({joint.name + "_target", "rad"});
     columns.push_back({joint.name + "_encoder", "rad"});
@@ -95,7 +110,8 @@ void RunRecorder::write_row() {
   const GroundTruth& truth = *truth_now_;
   row_.clear();
   row_.insert(row_.end(), {static_cast<std::uint8_t>(said.state), static_cast<std::uint8_t>(said.reason),
-                           static_cast<std::uint8_t>(said.trouble), said.emergencies});
+                           static_cast<std::uint8_t>(said.trouble), said.emergencies,
+                           simulation_.board().drive_enable_line() ? 1 : 0});
   row_.insert(row_.end(), {said.roll_rad, said.pitch_rad});
   row_.insert(row_.end(), said.rate_rad_per_s.begin(), said.rate_rad_per_s.end());
   row_.insert(row_.end(), said.foot_load_N.begin(), said.foot_load_N.end());

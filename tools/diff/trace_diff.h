@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace koboshi::tools {
+
+// A cell of trace.csv as it stands in two runs.
+struct CellDifference {
+  std::string column;
+  std::string a;
+  std::string b;
+
+  friend bool operator==(const CellDifference&, const CellDifference&) = default;
+};
+
+// The first line in which two traces differ.
+struct TraceDifference {
+  int line = 0;                       // 1 for the header
+  std::string time_s;                 // first cell of the line; of the run that has it, if one is longer
+  std::vector<CellDifference> cells;  // those that differ; none when one trace ends before the line
+  std::optional<char> ended;          // 'A' or 'B': the run that ends before the line
+};
+
+// Compares text with text, so that numbers are the same only to the last bit. Throws sim::InputError when a
+// file cannot be read, is empty, or has a line with too many or too few cells.
+std::optional<TraceDifference> compare_traces(const std::filesystem::path& a, const std::filesystem::path& b);
+
+}  // namespace koboshi::tools
