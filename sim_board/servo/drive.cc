@@ -16,6 +16,8 @@ namespace error_register = canopen::error_register;
 
 // From full speed to rest in 50 ms: well within what the motor can do.
 constexpr double kStopTime_s = 0.05;
+// Communication error, generic (CiA 301, table 26).
+constexpr std::uint16_t kErrorCommunication = 0x8100;
 
 DriveValues power_on_values(const JointDescription& joint) {
   DriveValues values;
@@ -123,10 +125,18 @@ void Drive::on_sync(std::uint64_t now_us) {
 }
 
 void Drive::on_heartbeat(const canopen::HeartbeatEvent& event) {
-  if (event.kind != canopen::HeartbeatEventKind::kLost) return;
+  if (event.kind == canopen::HeartbeatEventKind::kLost) abort_connection(cia402::kErrorHeartbeatLost);
+}
+
+void Drive::on_state(canopen::NmtState state) {
+  if (state != canopen::NmtState::kOperational && state_.makes_torque())
+    abort_connection(kErrorCommunication);
+}
+
+void Drive::abort_connection(std::uint16_t error_code) {
   switch (values_.abort_connection_option) {
     case 1:
-      return fault(cia402::kErrorHeartbeatLost, error_register::kCommunication);
+      return fault(error_code, error_register::kCommunication);
     case 2:
       return obey(cia402::kControlDisableVoltage);
     case 3:
@@ -154,6 +164,7 @@ void Drive::obey(std::uint16_t controlword) {
   if (!enable_line_) state_.torque_off();
   const auto after = state_.state();
   if (before == after) return;
+  if (after == cia402::State::kOperationEnabled) demand_.hold(servo_.position_units());
   if (after == cia402::State::kQuickStopActive) begin_stop();
   if (before == cia402::State::kFault) {
     node_.clear_error(values_.error_code);
@@ -182,13 +193,10 @@ void Drive::finish_stop() {
 }
 
 void Drive::follow_target() {
-  if (state_.state() == cia402::State::kOperationEnabled) {
-    const std::int32_t target =
-        std::clamp(values_.target_position, values_.position_limit[0], values_.position_limit[1]);
-    demand_.approach(target, now_us_, values_.interpolation_period * 1000u);
-  } else if (!state_.makes_torque()) {
-    demand_.hold(servo_.position_units());
-  }
+  if (state_.state() != cia402::State::kOperationEnabled) return;
+  const std::int32_t target =
+      std::clamp(values_.target_position, values_.position_limit[0], values_.position_limit[1]);
+  demand_.approach(target, now_us_, values_.interpolation_period * 1000u);
 }
 
 void Drive::show() {

@@ -16,7 +16,7 @@ namespace koboshi::sim {
 // servo. It answers frames at the microsecond at which they reach it; its own loop runs at 1 kHz.
 class Drive final : private BusNode, private canopen::FrameSink, private canopen::NodeApplication {
  public:
-  static constexpr std::uint64_t kBootTime_us = 50'000;  // from power or reset to the boot-up message
+  static constexpr std::uint64_t kBootTime_us = 50'000;  // from power to the boot-up message
   static constexpr std::uint64_t kSyncTolerance = 5;     // cycles without SYNC that a moving drive bears
   static constexpr std::uint64_t kStandTime_us =
       100'000;  // how long it holds after a stop before the torque goes
@@ -51,10 +51,13 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   canopen::AbortCode on_write(canopen::ObjectAddress address, std::uint32_t value) override;
   void on_reset(canopen::NmtCommand reset) override;
   void on_sync(std::uint64_t now_us) override;
+  void on_state(canopen::NmtState state) override;
   void on_heartbeat(const canopen::HeartbeatEvent& event) override;
 
   void obey(std::uint16_t controlword);
   void fault(std::uint16_t error_code, std::uint8_t register_bits);
+  // What 0x6007 asks for when the controller is lost, or takes the node out of operational.
+  void abort_connection(std::uint16_t error_code);
   void begin_stop();
   void finish_stop();
   void watch_sync();

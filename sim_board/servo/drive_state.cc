@@ -35,7 +35,10 @@ DriveStateMachine::State DriveStateMachine::on_command(Command command) const {
                                                                                      : state_;
     case Command::kEnableOperation:
       // Ready to switch on passes through switched on (transitions 3 and 4 in one, which the profile allows).
-      return state_ == State::kSwitchOnDisabled ? state_ : State::kOperationEnabled;
+      // A quick stop ends in switch on disabled, as option code 2 says: transition 16 is for 5 to 8.
+      return state_ == State::kSwitchOnDisabled || state_ == State::kQuickStopActive
+                 ? state_
+                 : State::kOperationEnabled;
   }
   return state_;
 }

@@ -19,11 +19,11 @@ class DriveStateMachine {
   }
 
   void initialised();  // transition 1
-  void command(
-      std::uint16_t controlword);  // transitions 2 to 11, 15, 16; edges of fault reset are seen between calls
-  void fault();                    // transition 13
-  void stand_still();              // transitions 12 and 14: the ramp has ended
-  void torque_off();  // the drive-enable line fell: transitions 7, 9, 10, 12; ends a fault reaction
+  // Transitions 2 to 12 and 15; edges of fault reset are seen between calls.
+  void command(std::uint16_t controlword);
+  void fault();        // transition 13
+  void stand_still();  // transitions 12 and 14: the ramp has ended
+  void torque_off();   // the drive-enable line fell: transitions 7, 9, 10, 12; ends a fault reaction
 
  private:
   State on_command(canopen::cia402::Command command) const;
