@@ -1,0 +1,181 @@
+#include <gtest/gtest.h>
+
+#include "firmware/canopen/cia402.h"
+#include "tests/closed_loop/run.h"
+
+namespace koboshi::test {
+namespace {
+
+using app::Reason;
+using app::State;
+using drive::Trouble;
+using Kind = sim::Fault::Kind;
+using DriveState = canopen::cia402::State;
+
+constexpr std::uint8_t kController = 1;
+constexpr std::uint8_t kFirstDrive = 16;
+constexpr std::uint16_t kBehaviour = 0xFF00;  // the controller's own error
+constexpr std::uint64_t kInMotion_us = 2'000'000;
+// What a drive takes to torque off: 50 ms of ramp at most, 100 ms of holding, its own loop and a cycle.
+constexpr std::uint64_t kStop_us = 165'000;
+
+// State, line and drives as they are half a second after any fault; and what was said of it on the bus.
+void expect_fault(RobotRun& run, std::uint64_t at_us, Reason reason) {
+  run.run_until_us(at_us + 500'000);
+  EXPECT_EQ(run.behaviour().state, State::kFault);
+  EXPECT_EQ(run.behaviour().reason, reason);
+  EXPECT_EQ(run.behaviour().faults, 1);
+  EXPECT_FALSE(run.board().drive_enable_line());
+  EXPECT_EQ(run.torque_count(), 0);
+}
+
+void expect_emergency(const RobotRun& run, State state, Reason reason) {
+  const auto emergencies = run.emergencies(kController, kBehaviour);
+  ASSERT_EQ(emergencies.size(), 1u);
+  EXPECT_EQ(emergencies[0].frame.data[3], static_cast<std::uint8_t>(state));
+  EXPECT_EQ(emergencies[0].frame.data[4], static_cast<std::uint8_t>(reason));
+}
+
+// --- The firmware stops
+
+TEST(FirmwareStops, InMidSquatAndAllDrivesStopQuicklyThenCutTheirTorque) {
+  RobotRun run(with_fault(quick_squat(), Kind::kControllerStop, kMidSquat_us));
+  run.run_until_us(kMidSquat_us);
+  ASSERT_EQ(run.count_in(DriveState::kOperationEnabled), 20);
+
+  // Five cycles without SYNC, or 60 ms without heartbeat; both began up to a cycle or a beat earlier.
+  run.run_until_us(kMidSquat_us + 38'000);
+  EXPECT_EQ(run.count_in(DriveState::kOperationEnabled), 20);
+  run.run_until_us(kMidSquat_us + 52'000);
+  EXPECT_EQ(run.count_in(DriveState::kFaultReactionActive), 20);
+  EXPECT_EQ(run.torque_count(), 20);  // they stop, they do not let go
+  EXPECT_TRUE(run.board().drive_enable_line());
+  run.run_until_us(kMidSquat_us + 52'000 + kStop_us);
+  EXPECT_EQ(run.count_in(DriveState::kFault), 20);
+  EXPECT_EQ(run.torque_count(), 0);
+
+  for (std::uint8_t node = kFirstDrive; node < kFirstDrive + 20; ++node) {
+    auto told = run.emergencies(node, canopen::cia402::kErrorSyncLost);
+    for (const auto& frame : run.emergencies(node, canopen::cia402::kErrorHeartbeatLost))
+      told.push_back(frame);
+    ASSERT_EQ(told.size(), 1u) << int{node};
+    EXPECT_LE(told[0].end_us, kMidSquat_us + 55'000);
+  }
+}
+
+TEST(FirmwareStops, AndTheWatchdogLowersTheLine) {
+  RobotRun run(with_fault(hanging_squat(), Kind::kControllerStop, kInMotion_us));
+  run.run_until_us(kInMotion_us + sim::SimBoard::kWatchdog_us - 1'000);
+  EXPECT_TRUE(run.board().drive_enable_line());
+  run.run_until_us(kInMotion_us + sim::SimBoard::kWatchdog_us + 1'000);
+  EXPECT_FALSE(run.board().drive_enable_line());
+  EXPECT_TRUE(run.board().watchdog_bitten());
+}
+
+// --- Drives
+
+TEST(DriveHangs, FromTheStartAndTheRobotStaysLimp) {
+  RobotRun run(with_fault(hanging_squat(), Kind::kDriveSilent, 0, "left_knee"));
+  ASSERT_TRUE(run.run_until(State::kFault, 1'100'000));
+  EXPECT_EQ(run.behaviour().trouble, Trouble::kSilent);
+  EXPECT_EQ(run.behaviour().trouble_joint, run.joint("left_knee"));
+  expect_fault(run, 1'100'000, Reason::kDriveTrouble);
+  expect_emergency(run, State::kBoot, Reason::kDriveTrouble);
+}
+
+TEST(DriveHangs, InMotionAndTheOthersStop) {
+  RobotRun run(with_fault(hanging_squat(), Kind::kDriveSilent, kInMotion_us, "left_knee"));
+  ASSERT_TRUE(run.run_until(State::kFault, kInMotion_us + 61'000));
+  EXPECT_EQ(run.behaviour().trouble, Trouble::kLost);
+  EXPECT_EQ(run.behaviour().trouble_joint, run.joint("left_knee"));
+  // The motor of the drive that hangs goes on as it was, until the line falls.
+  run.run_until_us(run.now_us() + kStop_us);
+  EXPECT_EQ(run.torque_count(), 1);
+  EXPECT_TRUE(run.board().drive_enable_line());
+  expect_fault(run, kInMotion_us, Reason::kDriveTrouble);
+  expect_emergency(run, State::kMotion, Reason::kDriveTrouble);
+}
+
+TEST(DriveLosesPower, InMotionAndTheOthersStop) {
+  RobotRun run(with_fault(hanging_squat(), Kind::kDrivePowerLoss, kInMotion_us, "right_hip_pitch"));
+  ASSERT_TRUE(run.run_until(State::kFault, kInMotion_us + 61'000));
+  EXPECT_EQ(run.behaviour().trouble, Trouble::kLost);
+  EXPECT_EQ(run.behaviour().trouble_joint, run.joint("right_hip_pitch"));
+  expect_fault(run, kInMotion_us, Reason::kDriveTrouble);
+  expect_emergency(run, State::kMotion, Reason::kDriveTrouble);
+}
+
+// --- Sensors
+
+TEST(InertialUnitStops, InMotion) {
+  RobotRun run(with_fault(hanging_squat(), Kind::kImuStop, kInMotion_us));
+  EXPECT_TRUE(run.run_until(State::kFault, kInMotion_us + 65'000));
+  expect_fault(run, kInMotion_us, Reason::kImuSilent);
+  expect_emergency(run, State::kMotion, Reason::kImuSilent);
+}
+
+TEST(InertialUnitStops, FromTheStart) {
+  RobotRun run(with_fault(hanging_squat(), Kind::kImuStop, 0));
+  ASSERT_TRUE(run.run_until(State::kFault, 600'000));
+  expect_fault(run, 600'000, Reason::kImuSilent);
+}
+
+TEST(AnkleSensorStops, InMotion) {
+  RobotRun run(with_fault(hanging_squat(), Kind::kAnkleStop, kInMotion_us));
+  EXPECT_TRUE(run.run_until(State::kFault, kInMotion_us + 70'000));
+  expect_fault(run, kInMotion_us, Reason::kAnkleSilent);
+  expect_emergency(run, State::kMotion, Reason::kAnkleSilent);
+}
+
+// --- The bus
+
+TEST(BusWithoutAcknowledgement, FromTheStart) {
+  RobotRun run(with_fault(hanging_squat(), Kind::kBusUnacknowledged, 0));
+  ASSERT_TRUE(run.run_until(State::kFault, 210'000));
+  expect_fault(run, 210'000, Reason::kNoAcknowledge);
+  EXPECT_TRUE(run.frames().empty());
+}
+
+TEST(BusWithoutAcknowledgement, InMotionAndTheDrivesStopByThemselves) {
+  RobotRun run(with_fault(hanging_squat(), Kind::kBusUnacknowledged, kInMotion_us));
+  ASSERT_TRUE(run.run_until(State::kFault, kInMotion_us + 30'000));
+  run.run_until_us(kInMotion_us + 61'000);
+  EXPECT_EQ(run.count_in(DriveState::kFaultReactionActive), 20);
+  expect_fault(run, kInMotion_us, Reason::kNoAcknowledge);
+  EXPECT_EQ(run.count_in(DriveState::kFault), 20);
+}
+
+// --- Emergency stop
+
+TEST(EmergencyStop, InMidSquatCutsAllTorqueAtOnce) {
+  auto scenario = quick_squat();
+  scenario.commands.push_back({.at_us = kMidSquat_us, .kind = sim::Command::Kind::kEmergencyStop});
+  RobotRun run(scenario);
+  run.run_until_us(kMidSquat_us);
+  ASSERT_EQ(run.torque_count(), 20);
+  run.run_until_us(kMidSquat_us + 3'000);  // the frame, a service call, the drives' next loop
+  EXPECT_EQ(run.behaviour().state, State::kEmergencyStop);
+  EXPECT_EQ(run.torque_count(), 0);
+  run.run_until_us(kMidSquat_us + 300'000);
+  EXPECT_EQ(run.count_in(DriveState::kSwitchOnDisabled), 20);
+  EXPECT_EQ(run.behaviour().faults, 0);
+}
+
+TEST(EmergencyStop, IsOverAfterResetAndTheRobotEnablesAgain) {
+  auto scenario = hanging_squat();
+  using CommandKind = sim::Command::Kind;
+  scenario.commands.push_back({.at_us = 2'000'000, .kind = CommandKind::kEmergencyStop});
+  scenario.commands.push_back({.at_us = 2'200'000, .kind = CommandKind::kEnable});
+  scenario.commands.push_back({.at_us = 2'400'000, .kind = CommandKind::kReset});
+  scenario.commands.push_back({.at_us = 3'400'000, .kind = CommandKind::kEnable});
+  RobotRun run(scenario);
+  run.run_until_us(2'400'000);
+  EXPECT_EQ(run.behaviour().state, State::kEmergencyStop);
+  EXPECT_EQ(run.behaviour().refusal, Reason::kNotInThisState);
+  ASSERT_TRUE(run.run_until(State::kLimp, 3'400'000));
+  EXPECT_TRUE(run.run_until(State::kStanding, 6'000'000));
+  EXPECT_EQ(run.torque_count(), 20);
+}
+
+}  // namespace
+}  // namespace koboshi::test

@@ -1,0 +1,44 @@
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "tests/closed_loop/run.h"
+
+namespace koboshi::test {
+namespace {
+
+using app::State;
+
+TEST(Squat, BootsLimpAndStandsUpOnlyWhenTold) {
+  RobotRun run(quick_squat());
+  ASSERT_TRUE(run.run_until(State::kLimp, kEnable_us));
+  run.run_until_us(kEnable_us);
+  EXPECT_EQ(run.behaviour().state, State::kLimp);
+  EXPECT_EQ(run.torque_count(), 0);
+  EXPECT_FALSE(run.board().drive_enable_line());
+  ASSERT_TRUE(run.run_until(State::kStanding, kRelease_us));
+  EXPECT_EQ(run.torque_count(), 20);
+}
+
+TEST(Squat, GoesDownByThreeCentimetresAndUpAgainWithoutFaults) {
+  RobotRun run(quick_squat());
+  run.run_until_us(3'400'000);
+  ASSERT_EQ(run.behaviour().state, State::kMotion);
+  const double up_m = run.board().world().body(0).X_WL.translation().z();
+  run.run_until_us(4'530'000);  // the servos are a little behind
+  const double down_m = run.board().world().body(0).X_WL.translation().z();
+  run.run_until_us(5'530'000);
+  const double up_again_m = run.board().world().body(0).X_WL.translation().z();
+
+  EXPECT_NEAR(up_m - down_m, 0.030, 0.003);
+  EXPECT_NEAR(up_again_m, up_m, 0.003);
+  const Eigen::Matrix3d R_WB = run.board().world().body(0).X_WL.linear();
+  EXPECT_GT(R_WB(2, 2), std::cos(5.0 * std::numbers::pi / 180));  // the trunk is upright
+  EXPECT_EQ(run.behaviour().faults, 0);
+  EXPECT_EQ(run.board().world().solver_warnings(), 0u);
+  EXPECT_EQ(run.board().bus().usage().error_frames, 0u);
+  EXPECT_EQ(run.board().bus().usage().collisions, 0u);
+}
+
+}  // namespace
+}  // namespace koboshi::test

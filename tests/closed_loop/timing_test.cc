@@ -1,0 +1,102 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/closed_loop/run.h"
+
+// Holds the simulation to docs/design/timing.md.
+namespace koboshi::test {
+namespace {
+
+constexpr std::uint64_t kCycle_us = 10'000;
+constexpr std::uint16_t kSync = 0x080;
+constexpr std::uint16_t kFirstRpdo = 0x210;
+constexpr std::uint16_t kFirstTpdo = 0x190;
+
+bool is_within(const RobotRun::Frame& frame, std::uint16_t first_identifier) {
+  return frame.frame.identifier >= first_identifier && frame.frame.identifier < first_identifier + 20;
+}
+
+// A second of squats, cycle by cycle.
+class Timing : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    run_ = std::make_unique<RobotRun>(hanging_squat());
+    run_->run_until_us(kFirst_us);
+    before_ = run_->board().bus().usage();
+    run_->run_until_us(kLast_us);
+    after_ = run_->board().bus().usage();
+  }
+  static void TearDownTestSuite() { run_.reset(); }
+
+  // The frames that began in the cycle after a tick's time.
+  static std::vector<RobotRun::Frame> frames_of_cycle(std::uint64_t tick_us) {
+    std::vector<RobotRun::Frame> frames;
+    std::ranges::copy_if(run_->frames(), std::back_inserter(frames), [&](const RobotRun::Frame& frame) {
+      return frame.start_us >= tick_us && frame.start_us < tick_us + kCycle_us;
+    });
+    return frames;
+  }
+
+  static constexpr std::uint64_t kFirst_us = 3'500'000;
+  static constexpr std::uint64_t kLast_us = 4'500'000;
+  static inline std::unique_ptr<RobotRun> run_;
+  static inline sim::BusUsage before_;
+  static inline sim::BusUsage after_;
+};
+
+TEST_F(Timing, EveryCycleIsTwentyRpdosThenSyncThenTwentyAnswers) {
+  for (std::uint64_t tick_us = kFirst_us; tick_us < kLast_us; tick_us += kCycle_us) {
+    std::vector<std::uint16_t> pdos;
+    for (const RobotRun::Frame& frame : frames_of_cycle(tick_us)) {
+      const bool counts =
+          frame.frame.identifier == kSync || is_within(frame, kFirstRpdo) || is_within(frame, kFirstTpdo);
+      if (counts) pdos.push_back(frame.frame.identifier);
+    }
+    ASSERT_EQ(pdos.size(), 41u) << tick_us;
+    for (std::uint16_t i = 0; i < 20; ++i) {
+      EXPECT_EQ(pdos[i], kFirstRpdo + i);
+      EXPECT_EQ(pdos[21u + i], kFirstTpdo + i);
+    }
+    EXPECT_EQ(pdos[20], kSync);
+  }
+}
+
+TEST_F(Timing, TargetsTakeEffectWithinFourTenthsOfAMillisecond) {
+  std::uint64_t earliest_us = kCycle_us;
+  std::uint64_t latest_us = 0;
+  for (const RobotRun::Frame& frame : run_->frames()) {
+    if (frame.frame.identifier != kSync || frame.start_us < kFirst_us) continue;
+    earliest_us = std::min(earliest_us, frame.end_us % kCycle_us);
+    latest_us = std::max(latest_us, frame.end_us % kCycle_us);
+  }
+  EXPECT_GE(earliest_us, 2'500u);
+  EXPECT_LE(latest_us, 2'900u);
+}
+
+TEST_F(Timing, AnswersAndTelemetryAreThereLongBeforeTheNextTick) {
+  std::uint64_t answers_us = 0;
+  std::uint64_t all_us = 0;
+  for (const RobotRun::Frame& frame : run_->frames()) {
+    if (frame.start_us < kFirst_us) continue;
+    const std::uint64_t tick_us = frame.start_us / kCycle_us * kCycle_us;
+    const std::uint16_t identifier = frame.frame.identifier;
+    const bool telemetry =
+        identifier == 0x181 || identifier == 0x281 || identifier == 0x381 || identifier == 0x481;
+    if (is_within(frame, kFirstTpdo)) answers_us = std::max(answers_us, frame.end_us - tick_us);
+    if (telemetry) all_us = std::max(all_us, frame.end_us - tick_us);
+  }
+  EXPECT_LE(answers_us, 5'700u);
+  EXPECT_LE(all_us, 6'200u);
+}
+
+TEST_F(Timing, LoadsTheBusByAboutAHalf) {
+  const double load = sim::bus_load(before_, after_);
+  EXPECT_GE(load, 0.46);
+  EXPECT_LE(load, 0.56);
+  const std::uint64_t frames = after_.frames - before_.frames;
+  EXPECT_NEAR(static_cast<double>(frames), 4'750.0, 5.0);  // 45 a cycle and 250 heartbeats
+}
+
+}  // namespace
+}  // namespace koboshi::test
