@@ -1,0 +1,97 @@
+#include "firmware/balance/inertial.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "firmware/fixed/host/filter_design.h"
+#include "tests/unit/firmware/robot/test_robot.h"
+
+namespace koboshi::balance {
+namespace {
+
+using fixed::to_double;
+
+constexpr std::uint32_t kTimeout_us = 50'000;
+
+class InertialSensorTest : public testing::Test {
+ protected:
+  // Counts of the test robot's scales: 17.45 rad/s and 39.2 m/s^2 at 2^15.
+  static std::int16_t gyro_counts(double rate_rad_per_s) {
+    return static_cast<std::int16_t>(std::lround(rate_rad_per_s / 17.45 * 32768));
+  }
+  static std::int16_t accelerometer_counts(double acceleration_m_per_s2) {
+    return static_cast<std::int16_t>(std::lround(acceleration_m_per_s2 / 39.2 * 32768));
+  }
+  void settle(const hal::ImuSample& sample, int samples = 200) {
+    for (int i = 0; i < samples; ++i) sensor.add(sample, now_us += 1'000);
+  }
+  static double degrees_of(fixed::Angle angle) { return to_double(angle) / test::kRadPerDegree; }
+
+  robot::RobotModel model = test::make_test_robot();
+  InertialSensor sensor{model};
+  std::uint64_t now_us = 0;
+};
+
+TEST(InertialLowPass, IsTwentyHertzAtAKilohertz) {
+  const fixed::BiquadCoefficients designed = fixed::design_low_pass(20, 1'000);
+  EXPECT_EQ(kInertialLowPass.b0, designed.b0);
+  EXPECT_EQ(kInertialLowPass.b1, designed.b1);
+  EXPECT_EQ(kInertialLowPass.b2, designed.b2);
+  EXPECT_EQ(kInertialLowPass.a1, designed.a1);
+  EXPECT_EQ(kInertialLowPass.a2, designed.a2);
+}
+
+TEST_F(InertialSensorTest, ScalesByTheModel) {
+  settle({.gyro_raw = {gyro_counts(1.0), gyro_counts(-2.0), gyro_counts(3.0)},
+          .accelerometer_raw = {accelerometer_counts(1.0), accelerometer_counts(-2.0),
+                                accelerometer_counts(9.81)}});
+  EXPECT_NEAR(to_double(sensor.rates().x), 1.0, 3e-4);  // half a count
+  EXPECT_NEAR(to_double(sensor.rates().y), -2.0, 3e-4);
+  EXPECT_NEAR(to_double(sensor.rates().z), 3.0, 3e-4);
+  EXPECT_NEAR(to_double(sensor.accelerations().x), 1.0, 7e-4);
+  EXPECT_NEAR(to_double(sensor.accelerations().y), -2.0, 7e-4);
+  EXPECT_NEAR(to_double(sensor.accelerations().z), 9.81, 7e-4);
+}
+
+TEST_F(InertialSensorTest, TurnsIntoTheTrunksAxes) {
+  // A unit whose x looks along the trunk's y, and its y against the trunk's x.
+  const auto one = fixed::kOne;
+  const fixed::Ratio zero;
+  model.R_BI.rows = {{{zero, -one, zero}, {one, zero, zero}, {zero, zero, one}}};
+  settle({.gyro_raw = {gyro_counts(1.0), 0, 0}, .accelerometer_raw = {0, accelerometer_counts(2.0), 0}});
+  EXPECT_NEAR(to_double(sensor.rates().y), 1.0, 3e-4);
+  EXPECT_NEAR(to_double(sensor.accelerations().x), -2.0, 7e-4);
+}
+
+TEST_F(InertialSensorTest, ShowsTheFirstSampleAtOnceAndSmoothesTheNext) {
+  sensor.add({.accelerometer_raw = {0, 0, 8'000}}, 1'000);
+  const double first = to_double(sensor.accelerations().z);
+  EXPECT_NEAR(first, 8'000 * 39.2 / 32768, 1e-3);
+  sensor.add({.accelerometer_raw = {0, 0, 16'000}}, 2'000);
+  EXPECT_NEAR(to_double(sensor.accelerations().z) / first, 1.0 + to_double(kInertialLowPass.b0), 1e-4);
+}
+
+TEST_F(InertialSensorTest, ReadsTheInclinationFromGravity) {
+  for (double angle_deg = -80.0; angle_deg <= 80.0; angle_deg += 20.0) {
+    const double sine = 9.81 * std::sin(angle_deg * test::kRadPerDegree);
+    const double cosine = 9.81 * std::cos(angle_deg * test::kRadPerDegree);
+    // Leaning to the right, gravity's reaction points to the left, y.
+    settle({.accelerometer_raw = {0, accelerometer_counts(sine), accelerometer_counts(cosine)}}, 500);
+    EXPECT_NEAR(degrees_of(sensor.roll()), angle_deg, 0.01);
+    EXPECT_NEAR(degrees_of(sensor.pitch()), 0.0, 0.01);
+    // Leaning forward, it points backward, -x.
+    settle({.accelerometer_raw = {accelerometer_counts(-sine), 0, accelerometer_counts(cosine)}}, 500);
+    EXPECT_NEAR(degrees_of(sensor.pitch()), angle_deg, 0.01);
+  }
+}
+
+TEST_F(InertialSensorTest, IsAliveWhileSamplesCome) {
+  EXPECT_FALSE(sensor.alive(0, kTimeout_us));
+  sensor.add({}, 100'000);
+  EXPECT_TRUE(sensor.alive(150'000, kTimeout_us));
+  EXPECT_FALSE(sensor.alive(150'001, kTimeout_us));
+}
+
+}  // namespace
+}  // namespace koboshi::balance

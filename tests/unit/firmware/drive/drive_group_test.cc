@@ -1,0 +1,239 @@
+#include "firmware/drive/drive_group.h"
+
+#include <gtest/gtest.h>
+
+#include "hal/fake/can.h"
+#include "tests/support/drive_stub.h"
+#include "tests/unit/firmware/robot/test_robot.h"
+
+namespace koboshi::drive {
+namespace {
+
+namespace cia402 = canopen::cia402;
+using canopen::HeartbeatEventKind;
+
+// The group with a stub for each drive. SDO and NMT go over a fake bus; cyclic signals are carried by hand.
+class DriveGroupTest : public testing::Test {
+ protected:
+  DriveGroupTest() {
+    for (std::size_t i = 0; i < model.joint_count; ++i) drives.emplace_back(model.joints[i].drive);
+  }
+
+  void run_ms(int duration_ms) {
+    for (int i = 0; i < duration_ms; ++i, now_us += 1'000) {
+      group.process(now_us);
+      std::vector<hal::CanFrame> answers;
+      for (const hal::CanFrame& frame : can.sent()) {
+        for (test::DriveStub& drive : drives) drive.on_frame(frame, answers);
+      }
+      can.clear_sent();
+      for (const hal::CanFrame& answer : answers) hear(answer);
+    }
+  }
+  void hear(const hal::CanFrame& frame) {
+    group.on_frame(frame);
+    if (const auto heartbeat = canopen::decode_heartbeat(frame)) {
+      if (heartbeat->state == canopen::NmtState::kInitialising)
+        tell(heartbeat->node_id, HeartbeatEventKind::kBootedUp);
+    }
+  }
+  void tell(std::uint8_t node_id, HeartbeatEventKind kind) {
+    group.on_heartbeat({.node_id = node_id, .kind = kind});
+  }
+  // A control cycle: what was commanded last is obeyed and answered, then the next is commanded.
+  void cycle() {
+    for (std::size_t i = 0; i < drives.size(); ++i) {
+      if (drives[i].hangs) continue;
+      signals.statusword[i] = drives[i].cycle(signals.controlword[i], signals.target_position[i]);
+      group.on_answer(i);
+    }
+    group.observe(now_us);
+    group.command();
+    now_us += kCycle_us;
+  }
+  void cycles(int count) {
+    for (int i = 0; i < count; ++i) cycle();
+  }
+  void boot() {
+    group.boot();
+    run_ms(700);
+    cycle();
+    ASSERT_TRUE(group.booted());
+    ASSERT_FALSE(group.trouble());
+  }
+  void enable() {
+    boot();
+    group.set_goal(Goal::kEnabled, now_us);
+    cycles(5);
+    ASSERT_TRUE(group.all_in(cia402::State::kOperationEnabled));
+  }
+
+  robot::RobotModel model = test::make_test_robot();
+  hal::FakeCan can;
+  canopen::CanPortSink sink{can};
+  DriveSignals signals;
+  DriveGroup group{model, sink, signals};
+  std::vector<test::DriveStub> drives;
+  std::uint64_t now_us = 0;
+};
+
+TEST_F(DriveGroupTest, IsBootedOnceEveryDriveHasAnswered) {
+  group.boot();
+  run_ms(700);
+  EXPECT_TRUE(group.configured());
+  EXPECT_FALSE(group.booted());
+  cycle();
+  EXPECT_TRUE(group.booted());
+  EXPECT_TRUE(group.all_limp());
+}
+
+TEST_F(DriveGroupTest, WaitsASecondForBootUpMessages) {
+  drives[13].hangs = true;
+  group.boot();
+  run_ms(1'000);
+  EXPECT_FALSE(group.trouble());
+  run_ms(1);
+  EXPECT_EQ(group.trouble().kind, Trouble::kSilent);
+  EXPECT_EQ(group.trouble().joint, 13);
+}
+
+TEST_F(DriveGroupTest, LeadsDrivesToOperationEnabledOneTransitionACycle) {
+  boot();
+  group.set_goal(Goal::kEnabled, now_us);
+  group.command();
+  for (const std::uint16_t expected :
+       {cia402::kControlShutdown, cia402::kControlSwitchOn, cia402::kControlEnableOperation}) {
+    for (std::size_t i = 0; i < drives.size(); ++i) EXPECT_EQ(signals.controlword[i], expected) << i;
+    cycle();
+  }
+  EXPECT_TRUE(group.all_in(cia402::State::kOperationEnabled));
+  EXPECT_FALSE(group.all_limp());
+}
+
+TEST_F(DriveGroupTest, KeepsEveryDriveFromTheLastStepUntilTheSlowestIsThere) {
+  boot();
+  drives[2].enables = false;
+  group.set_goal(Goal::kEnabled, now_us);
+  cycles(20);
+  EXPECT_TRUE(group.all_limp());
+  EXPECT_EQ(drives[0].state, cia402::State::kSwitchedOn);
+  drives[2].enables = true;
+  cycles(3);
+  EXPECT_TRUE(group.all_in(cia402::State::kOperationEnabled));
+}
+
+TEST_F(DriveGroupTest, ReportsTheDriveThatTheOthersWaitFor) {
+  boot();
+  drives[2].enables = false;
+  group.set_goal(Goal::kEnabled, now_us);
+  cycles(50);
+  EXPECT_FALSE(group.trouble());
+  cycles(2);
+  EXPECT_EQ(group.trouble().kind, Trouble::kNotEnabled);
+  EXPECT_EQ(group.trouble().joint, 2);
+}
+
+TEST_F(DriveGroupTest, ReportsADriveThatLeavesOperationAtOnceAndDoesNotLeadItBack) {
+  enable();
+  drives[2].state = cia402::State::kSwitchOnDisabled;
+  cycle();
+  EXPECT_EQ(group.trouble().kind, Trouble::kNotEnabled);
+  EXPECT_EQ(group.trouble().joint, 2);
+}
+
+TEST_F(DriveGroupTest, CommandsAQuickStopOrTorqueOff) {
+  enable();
+  group.set_goal(Goal::kQuickStop, now_us);
+  group.command();
+  for (std::size_t i = 0; i < drives.size(); ++i)
+    EXPECT_EQ(signals.controlword[i], cia402::kControlQuickStop);
+  group.set_goal(Goal::kTorqueOff, now_us);
+  group.command();
+  for (std::size_t i = 0; i < drives.size(); ++i)
+    EXPECT_EQ(signals.controlword[i], cia402::kControlDisableVoltage);
+}
+
+TEST_F(DriveGroupTest, LosesADriveAfterFiveCyclesWithoutAnswer) {
+  enable();
+  drives[4].hangs = true;
+  cycles(4);
+  EXPECT_FALSE(group.trouble());
+  cycle();
+  EXPECT_EQ(group.trouble().kind, Trouble::kLost);
+  EXPECT_EQ(group.trouble().joint, 4);
+}
+
+TEST_F(DriveGroupTest, ForgivesFourMissedAnswersInARow) {
+  enable();
+  for (int i = 0; i < 5; ++i) {
+    drives[4].hangs = true;
+    cycles(4);
+    drives[4].hangs = false;
+    cycle();
+  }
+  EXPECT_FALSE(group.trouble());
+}
+
+TEST_F(DriveGroupTest, LosesADriveWhoseHeartbeatIsLost) {
+  boot();
+  tell(16 + 7, HeartbeatEventKind::kLost);
+  EXPECT_EQ(group.trouble().kind, Trouble::kLost);
+  EXPECT_EQ(group.trouble().joint, 7);
+}
+
+TEST_F(DriveGroupTest, ReportsADriveThatBootsUpOnItsOwn) {
+  boot();
+  tell(16 + 7, HeartbeatEventKind::kBootedUp);
+  EXPECT_EQ(group.trouble().kind, Trouble::kRestarted);
+}
+
+TEST_F(DriveGroupTest, ReportsFaultsByEmergencyMessageWithItsCode) {
+  boot();
+  group.on_emergency({.node_id = 16 + 9, .code = 0x2310});
+  EXPECT_EQ(group.trouble().kind, Trouble::kFault);
+  EXPECT_EQ(group.trouble().joint, 9);
+  EXPECT_EQ(group.trouble().error_code, 0x2310);
+}
+
+TEST_F(DriveGroupTest, ReportsFaultsByStatusword) {
+  boot();
+  drives[9].state = cia402::State::kFault;
+  cycle();
+  EXPECT_EQ(group.trouble().kind, Trouble::kFault);
+  EXPECT_EQ(group.trouble().joint, 9);
+}
+
+TEST_F(DriveGroupTest, IgnoresTheEndOfAnErrorAndOtherNodes) {
+  boot();
+  group.on_emergency({.node_id = 16, .code = 0x0000});
+  group.on_emergency({.node_id = 100, .code = 0x2310});
+  tell(100, HeartbeatEventKind::kLost);
+  EXPECT_FALSE(group.trouble());
+}
+
+TEST_F(DriveGroupTest, KeepsTheFirstTroubleUntilTheNextBoot) {
+  boot();
+  group.on_emergency({.node_id = 16 + 9, .code = 0x2310});
+  tell(16 + 3, HeartbeatEventKind::kLost);
+  EXPECT_EQ(group.trouble().joint, 9);
+  boot();
+}
+
+TEST_F(DriveGroupTest, TranslatesAnglesByTheDrivesSignZeroAndUnit) {
+  robot::Drive& mounted = model.joints[0].drive;
+  mounted.sign = -1;
+  mounted.zero = test::degrees(45);
+  group.set_target(0, test::degrees(30));
+  EXPECT_EQ(signals.target_position[0], 43'691);  // 15 degrees of the shaft in 2^-20 turn
+  signals.position[0] = 43'691;
+  EXPECT_NEAR(fixed::to_double(group.angle(0)), 30 * test::kRadPerDegree, 1e-5);
+}
+
+TEST_F(DriveGroupTest, JudgesLimitsWithAMargin) {
+  signals.position[0] = 264'000;  // 90.6 degrees, 90 allowed
+  EXPECT_FALSE(group.within_limits(0, test::degrees(0.5)));
+  EXPECT_TRUE(group.within_limits(0, test::degrees(0.7)));
+}
+
+}  // namespace
+}  // namespace koboshi::drive
