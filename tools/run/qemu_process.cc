@@ -86,7 +86,7 @@ std::vector<std::string> command(const std::filesystem::path& program, const std
 
 }  // namespace
 
-QemuProcess::QemuProcess(const std::filesystem::path& image) {
+QemuProcess::QemuProcess(const std::filesystem::path& image, int timeout_ms) : timeout_ms_(timeout_ms) {
   if (!std::filesystem::is_regular_file(image)) {
     throw sim::InputError(image, 0, "no such file", "the Cortex-M4 image, which ./run target builds");
   }
@@ -123,15 +123,14 @@ std::span<const std::byte> QemuProcess::ask(std::span<const std::byte> message, 
   // Up to PIPE_BUF bytes go through a pipe in one piece.
   if (write(requests_, message.data(), message.size()) != static_cast<ssize_t>(message.size())) fail("ended");
   pollfd wait{.fd = answers_, .events = POLLIN, .revents = 0};
-  if (poll(&wait, 1, kTimeout_ms) == 0)
-    fail("did not answer for " + std::to_string(kTimeout_ms / 1000) + " s");
+  if (poll(&wait, 1, timeout_ms_) == 0) fail("did not answer for " + std::to_string(timeout_ms_) + " ms");
   const ssize_t size = read(answers_, answer.data(), answer.size());
   if (size <= 0) fail("ended");
   return answer.first(static_cast<std::size_t>(size));
 }
 
 void QemuProcess::fail(const std::string& what) const {
-  std::array<char, 1024> said{};
+  std::array<char, 200> said{};  // the beginning: it may dump all registers
   const ssize_t size = pread(complaints_, said.data(), said.size(), 0);
   std::string words(said.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
   for (char& letter : words) letter = letter == '\n' ? ' ' : letter;

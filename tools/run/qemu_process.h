@@ -17,9 +17,9 @@ class QemuProcess {
   // QEMU answers a message within microseconds; this long, it hangs.
   static constexpr int kTimeout_ms = 30'000;
 
-  // Throws sim::InputError when there is no image, or no QEMU on the PATH; std::system_error when the system
-  // refuses.
-  explicit QemuProcess(const std::filesystem::path& image);
+  // `timeout_ms` is how long an answer may take. Throws sim::InputError when there is no image, or no QEMU on
+  // the PATH; std::system_error when the system refuses.
+  explicit QemuProcess(const std::filesystem::path& image, int timeout_ms = kTimeout_ms);
   ~QemuProcess();
   QemuProcess(const QemuProcess&) = delete;
   QemuProcess& operator=(const QemuProcess&) = delete;
@@ -33,6 +33,7 @@ class QemuProcess {
  private:
   [[noreturn]] void fail(const std::string& what) const;
 
+  int timeout_ms_;
   int requests_ = -1;  // file descriptors
   int answers_ = -1;
   int complaints_ = -1;  // what QEMU says on its standard error

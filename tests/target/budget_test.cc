@@ -1,0 +1,71 @@
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "firmware/app/behaviour.h"
+#include "sim_board/scenario/reader.h"
+#include "tools/run/qemu_host.h"
+#include "tools/run/run_recorder.h"
+#include "tools/run/simulation.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr std::uint32_t kMean = 20'000;  // instructions in the 10 ms of a tick, while the robot moves
+constexpr std::uint32_t kWorst = 35'000;
+constexpr std::uint32_t kStack_bytes = 2048;
+
+// The firmware's instructions in each tick: of the tick and of the ten service calls up to it.
+struct Ticks {
+  std::vector<std::uint32_t> moving;
+  std::uint32_t worst = 0;  // of all, also while booting
+  std::uint32_t stack_peak_bytes = 0;
+};
+
+Ticks measure(std::uint64_t duration_us) {
+  QemuHost* host = nullptr;
+  Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"),
+                        [&](std::span<const std::byte> contents) {
+                          auto made = std::make_unique<QemuHost>(KOBOSHI_IMAGE, contents);
+                          host = made.get();
+                          return made;
+                        });
+  RunRecorder recorder(simulation, nullptr);
+  Ticks ticks;
+  std::uint32_t instructions = 0;
+  while (simulation.board().now_us() < duration_us) {
+    simulation.advance();
+    instructions += host->last_instructions();
+    if (!simulation.board().last_input().tick) continue;
+    recorder.record_tick();
+    if (recorder.telemetry().state == app::State::kMotion) ticks.moving.push_back(instructions);
+    ticks.worst = std::max(ticks.worst, instructions);
+    instructions = 0;
+  }
+  ticks.stack_peak_bytes = host->stack_peak_bytes();
+  return ticks;
+}
+
+TEST(Budget, IsKept) {
+  const Ticks ticks = measure(8'000'000);
+  ASSERT_GT(ticks.moving.size(), 300u);
+  std::uint64_t sum = 0;
+  for (const std::uint32_t instructions : ticks.moving) sum += instructions;
+  const auto mean = static_cast<std::uint32_t>(sum / ticks.moving.size());
+  const std::uint32_t worst = *std::ranges::max_element(ticks.moving);
+  RecordProperty("instructions_mean", static_cast<int>(mean));
+  RecordProperty("instructions_worst", static_cast<int>(worst));
+  RecordProperty("stack_bytes", static_cast<int>(ticks.stack_peak_bytes));
+  std::printf("moving: mean %u, worst %u; worst of all %u; stack %u\n", mean, worst, ticks.worst,
+              ticks.stack_peak_bytes);
+  EXPECT_LE(mean, kMean);
+  EXPECT_GT(mean, kMean / 20);  // less would mean that nothing was counted
+  EXPECT_LE(worst, kWorst);
+  EXPECT_LE(ticks.stack_peak_bytes, kStack_bytes);
+  EXPECT_GT(ticks.stack_peak_bytes, kStack_bytes / 10);
+}
+
+}  // namespace
+}  // namespace koboshi::tools

@@ -1,0 +1,72 @@
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "sim_board/scenario/reader.h"
+#include "tools/run/in_process_host.h"
+#include "tools/run/qemu_host.h"
+#include "tools/run/run.h"
+#include "tools/run/storage_contents.h"
+
+namespace koboshi::tools {
+namespace {
+
+std::string contents(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST(Lockstep, GivesTheSameBytesAsInProcess) {
+  RunOptions options{.scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"), .out = {}};
+  options.scenario.duration_us = 10'000'000;
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("koboshi_lockstep_" + std::to_string(getpid()));
+  options.out = folder / "host";
+  const RunResult host = run(options, nullptr);
+  options.out = folder / "target";
+  options.make_host = in_qemu(KOBOSHI_IMAGE);
+  const RunResult target = run(options, nullptr);
+
+  EXPECT_FALSE(target.failure) << *target.failure;
+  EXPECT_EQ(host.summary.state_hash, target.summary.state_hash);
+  for (const char* const file : {"can.log", "trace.csv", "summary.json"}) {
+    const std::string bytes = contents(folder / "host" / file);
+    EXPECT_GT(bytes.size(), 100u) << file;
+    EXPECT_TRUE(bytes == contents(folder / "target" / file)) << file << " differs; see koboshi diff";
+  }
+  std::filesystem::remove_all(folder);
+}
+
+// A robot that never learns which robot it is, in company of broken bytes.
+TEST(Lockstep, HoldsOnEmptyAndBrokenStorage) {
+  std::vector<std::byte> broken = make_storage_contents(std::vector<std::byte>(3000, std::byte{0x55}), {});
+  for (const std::vector<std::byte>& storage : {std::vector<std::byte>{}, broken}) {
+    InProcessHost host(storage);
+    QemuHost target(KOBOSHI_IMAGE, storage);
+    hal::BatchInput input;
+    input.transmit_space = 32;
+    hal::BatchOutput from_host;
+    hal::BatchOutput from_target;
+    std::size_t frames = 0;
+    for (int i = 0; i < 2000; ++i, input.now_us += 1000) {
+      input.tick = i % 10 == 9;
+      host.exchange(input, from_host);
+      target.exchange(input, from_target);
+      const auto a = from_host.frames.view();
+      const auto b = from_target.frames.view();
+      ASSERT_TRUE(std::ranges::equal(a, b)) << "at " << input.now_us << " us";
+      ASSERT_EQ(from_host.drive_enabled, from_target.drive_enabled);
+      ASSERT_EQ(from_host.watchdog_kicked, from_target.watchdog_kicked);
+      frames += a.size();
+    }
+    EXPECT_GT(frames, 50u);
+  }
+}
+
+}  // namespace
+}  // namespace koboshi::tools
