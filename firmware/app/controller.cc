@@ -129,12 +129,10 @@ Reason Controller::silent_sensor(std::uint64_t now_us) const {
 void Controller::on_reset(NmtCommand) {
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     const std::uint8_t node_id = model_.joints[joint].drive.node_id;
-    const auto subindex = static_cast<std::uint8_t>(joint + 1);
-    const std::uint32_t consumer = (std::uint32_t{node_id} << 16) | drive::kDriveHeartbeatLost_ms;
     // The memory was made for kMaxJoints and the model is valid, so none of these can fail.
     static_cast<void>(node_.configure_rpdo(kFirstDriveRpdo + joint, drive_rpdo(joint, node_id)));
     static_cast<void>(node_.configure_tpdo(kFirstDriveTpdo + joint, drive_tpdo(joint, node_id)));
-    static_cast<void>(node_.write_object({0x1016, subindex}, consumer, 4));
+    static_cast<void>(node_.configure_consumer(joint, node_id, drive::kDriveHeartbeatLost_ms));
   }
 }
 

@@ -130,6 +130,10 @@ AbortCode Node::configure_tpdo(std::size_t number, const PdoConfiguration& confi
   return tpdos_[number].record.configure(configuration, node_id_, dictionary_);
 }
 
+AbortCode Node::configure_consumer(std::size_t number, std::uint8_t node_id, std::uint16_t time_ms) {
+  return heartbeats_.write(static_cast<std::uint8_t>(number + 1), std::uint32_t{node_id} << 16 | time_ms);
+}
+
 void Node::on_nmt(const hal::CanFrame& frame, std::uint64_t now_us) {
   const auto message = decode_nmt(frame);
   if (!message || (message->node_id != 0 && message->node_id != node_id_)) return;

@@ -113,6 +113,8 @@ class Node final : private ObjectServer {
   // A PDO's records at once, whatever its state.
   AbortCode configure_rpdo(std::size_t number, const PdoConfiguration& configuration);
   AbortCode configure_tpdo(std::size_t number, const PdoConfiguration& configuration);
+  // Entry `number` (from 0) of object 0x1016: monitors a node; a time of 0 ends that.
+  AbortCode configure_consumer(std::size_t number, std::uint8_t node_id, std::uint16_t time_ms);
 
   const HeartbeatMonitor& heartbeats() const { return heartbeats_; }
   // Whoever sends besides this node's services, an SdoClient or an NMT master, does it here: the order of
