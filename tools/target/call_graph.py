@@ -1,0 +1,97 @@
+"""Who may call whom in an image, with the calls through pointers bounded by a list, and how deep the stack gets."""
+
+import pathlib
+import re
+
+LISTED = re.compile(r"(?P<caller>\S.*?) (?P<places>\d+): (?P<targets>.*)")
+
+# What the core pushes when it takes an exception: 8 words, and one more to align the stack (ARMv7-M, B1.5.7).
+EXCEPTION_BYTES = 32 + 4
+
+
+def read_list(path):
+    """{caller: (places, [target])}"""
+    entries = {}
+    for line in pathlib.Path(path).read_text().splitlines():
+        if line.strip() and not line.startswith("#"):
+            match = LISTED.fullmatch(line.strip())
+            entries[match["caller"]] = (int(match["places"]), match["targets"].split())
+    return entries
+
+
+class CallGraph:
+    def __init__(self, image, listed):
+        self.image, self.listed = image, listed
+        self.functions = image.functions
+        by_name = {}
+        for function in self.functions.values():
+            by_name.setdefault(function.short_name, []).append(function.address)
+        self.by_name = by_name
+        self.indirect = {
+            function.address: {address for target in self._listed_targets(function) for address in by_name.get(target, [])}
+            for function in self.functions.values() if function.indirect_calls
+        }
+
+    def _listed_targets(self, function):
+        return self.listed.get(function.short_name, (0, []))[1]
+
+    def list_violations(self):
+        """Lines about calls through pointers that the list does not have as they are, and about what it has too much."""
+        found, places = [], {}
+        for function in self.functions.values():
+            if function.indirect_calls:
+                places[function.short_name] = places.get(function.short_name, 0) + function.indirect_calls
+        for caller, count in places.items():
+            expected = self.listed.get(caller, (0, []))[0]
+            if expected != count:
+                found.append(f"indirect: {caller} calls through pointers at {count} places, the list has {expected}")
+        for caller, (_, targets) in self.listed.items():
+            if caller not in places:
+                found.append(f"indirect: {caller} is in the list and calls through no pointer")
+            found += [f"indirect: {target}, which {caller} may call, is not in the image"
+                      for target in targets if target not in self.by_name]
+        return found
+
+    def callees(self, address):
+        function = self.functions[address]
+        return sorted(function.calls | self.indirect.get(address, set()))
+
+    def cycles(self):
+        """Lines about functions that can call themselves, through others or not."""
+        found, done = [], set()
+
+        def visit(address, path):
+            if address in path:
+                names = [self.functions[step].short_name for step in path[path.index(address):] + [address]]
+                found.append("recursion: " + " -> ".join(names))
+                return
+            if address not in done:
+                for callee in self.callees(address):
+                    visit(callee, path + [address])
+                done.add(address)
+
+        for address in self.functions:
+            visit(address, [])
+        return found
+
+    def dynamic_frames(self):
+        """Lines about functions that take stack by an amount known only when they run."""
+        return [f"stack: {function.short_name} takes stack by an amount that is not known beforehand"
+                for function in self.functions.values() if function.dynamic]
+
+    def deepest(self, address):
+        """The most stack in bytes from this function on, and the functions that take it. There must be no cycles."""
+        known = {}
+
+        def visit(address):
+            if address not in known:
+                function = self.functions[address]
+                best = (function.frame_bytes, [address])
+                for callee in self.callees(address):
+                    depth, path = visit(callee)
+                    kept = 0 if callee in function.tail_calls and function.plain else function.frame_bytes
+                    best = max(best, (kept + depth, [address, *path]))
+                known[address] = best
+            return known[address]
+
+        return visit(address)

@@ -1,0 +1,232 @@
+"""Reads a linked Cortex-M4 image: its sections, where its bytes come from, and who calls whom with how much stack.
+
+The calls are read from the disassembly of the image itself, so that inlining, the linker and the compiler's library are
+as they are. The stack of a function is what GCC says of it (-fcallgraph-info=su,da); of library code, which was compiled
+without that, what its pushes add up to.
+"""
+
+import pathlib
+import re
+import subprocess
+from collections import defaultdict
+from dataclasses import dataclass, field
+
+PREFIX = "arm-none-eabi-"
+
+
+def tool(name, *arguments):
+    return subprocess.run([PREFIX + name, *map(str, arguments)], check=True, capture_output=True, text=True).stdout
+
+
+@dataclass
+class Function:
+    address: int
+    name: str  # as the linker knows it; the first of several
+    demangled: str
+    size: int = 0
+    names: set = field(default_factory=set)
+    calls: set = field(default_factory=set)  # addresses; tail calls are in both
+    tail_calls: set = field(default_factory=set)
+    indirect_calls: int = 0  # sites
+    pushed_bytes: int = 0  # the sum of all pushes; no less than what any path through it pushes
+    plain: bool = False  # all its stack is the compiler's doing, which gives it back before it ends in a call
+    instructions: list = field(default_factory=list)  # (mnemonic, operands)
+    frame_bytes: int = 0
+    dynamic: bool = False  # takes stack by an amount that is not known when it is compiled
+
+    @property
+    def short_name(self):
+        """Without namespace koboshi, parameters and the compiler's remark that it is a clone."""
+        return short(self.demangled)
+
+
+def short(demangled):
+    name = re.sub(r" \[clone [^]]*\]", "", demangled).replace("(anonymous namespace)", "{}")
+    name = re.sub(r"\(.*?\)( const)?(?=::|$)", "", name)  # parameters, also of the function that a lambda is in
+    name = re.sub(r"^non-virtual thunk to ", "", name)
+    if "<" in name.split("::")[-1] and " " in name.split("<")[0]:
+        name = name.split(" ", 1)[1]  # a template's return type
+    return name.replace("{}", "(anonymous)").removeprefix("koboshi::")
+
+
+# --- sections and where bytes come from -----------------------------------------------------------------------------------
+
+SECTION = re.compile(r"^ +\d+ (?P<name>\S+) +(?P<size>[0-9a-f]{8}) +(?P<vma>[0-9a-f]{8}) +(?P<lma>[0-9a-f]{8})")
+
+
+def sections(elf):
+    """{name: (address, size)} of what is in the processor's memory or gets there."""
+    found, name = {}, None
+    for line in tool("objdump", "-h", elf).splitlines():
+        if match := SECTION.match(line):
+            name = match
+        elif name and "ALLOC" in line:
+            found[name["name"]] = (int(name["vma"], 16), int(name["size"], 16))
+    return found
+
+
+FLASH_SECTIONS = (".text", ".ARM.exidx", ".ARM.extab", ".init_array", ".data")
+RAM_SECTIONS = (".stack", ".data", ".bss", ".noinit")
+
+
+def total_bytes(elf, names):
+    return sum(size for name, (_, size) in sections(elf).items() if name in names)
+
+
+MAP_LINE = re.compile(r"^ (?P<section>\.\S+|\*fill\*)?\s+0x(?P<address>[0-9a-f]+)\s+0x(?P<size>[0-9a-f]+)(?: (?P<file>\S+))?")
+OUTPUT_SECTION = re.compile(r"^(?P<name>\.\S+)")
+
+
+def folder_of(file):
+    """firmware/app of firmware/app/libfirmware_app.a(controller.cc.obj), libgcc of the compiler's library."""
+    if not file:
+        return "(padding)"
+    if match := re.match(r"/.*/lib(\w+)\.a\(", file):
+        return "lib" + match[1]
+    return "/".join(part for part in pathlib.PurePath(file.split("(")[0]).parts[:-1] if part != "CMakeFiles" and "." not in part)
+
+
+def bytes_by_folder(map_file):
+    """{folder: {"flash_bytes": n, "ram_bytes": n}}, from the linker's map."""
+    result = defaultdict(lambda: {"flash_bytes": 0, "ram_bytes": 0})
+    lines = pathlib.Path(map_file).read_text().split("Linker script and memory map", 1)[1].splitlines()
+    joined = re.sub(r"\n( \.\S+)\n {10,}", r"\n\1 ", "\n" + "\n".join(lines))  # long names stand on a line of their own
+    output = None
+    for line in joined.splitlines():
+        if match := OUTPUT_SECTION.match(line):
+            output = match["name"]
+        match = MAP_LINE.match(line)
+        if not match or not match["section"] or not (match["file"] or match["section"] == "*fill*"):
+            continue
+        folder = "(stack)" if output == ".stack" else folder_of(match["file"])
+        if output in FLASH_SECTIONS:
+            result[folder]["flash_bytes"] += int(match["size"], 16)
+        if output in RAM_SECTIONS:
+            result[folder]["ram_bytes"] += int(match["size"], 16)
+    return {folder: sizes for folder, sizes in sorted(result.items()) if any(sizes.values())}
+
+
+# --- functions ------------------------------------------------------------------------------------------------------------
+
+HEADER = re.compile(r"^(?P<address>[0-9a-f]{8}) <(?P<name>.*)>:$")
+INSTRUCTION = re.compile(r"^ +(?P<address>[0-9a-f]+):\t(?P<mnemonic>[a-z][\w.]*)\t?(?P<operands>[^@;]*)")
+BRANCH = re.compile(r"^(b|bl)(eq|ne|cs|cc|mi|pl|vs|vc|hi|ls|ge|lt|gt|le|hs|lo)?(\.[nw])?$|^cbn?z$")
+REGISTERS = re.compile(r"\{([^}]*)\}")
+
+
+def pushed(mnemonic, operands):
+    """How many bytes the instruction takes from the stack; None when that is not known."""
+    base = mnemonic.split(".")[0]
+    if base == "push" or (base == "stmdb" and operands.startswith("sp!")):
+        total = 0
+        for item in REGISTERS.search(operands)[1].split(","):
+            low, _, high = item.strip().partition("-")
+            total += 4 * (int(high[1:]) - int(low[1:]) + 1 if high else 1)
+        return total
+    if base in ("str", "strd") and (match := re.search(r"\[sp, #-(\d+)\]!", operands)):
+        return int(match[1])
+    if base in ("sub", "subw") and re.match(r"sp,", operands):
+        match = re.fullmatch(r"sp, (?:sp, )?#(\d+)", operands.strip())
+        return int(match[1]) if match else None
+    return 0
+
+
+def read_symbols(elf):
+    """{address: {(mangled, demangled)}} of functions."""
+    found = defaultdict(set)
+    mangled = [line.split() for line in tool("readelf", "-sW", elf).splitlines()]
+    mangled = [words for words in mangled if len(words) >= 8 and words[3] == "FUNC"]
+    names = "\n".join(words[7] for words in mangled) + "\n"
+    plain = subprocess.run([PREFIX + "c++filt"], input=names, check=True, capture_output=True, text=True).stdout.splitlines()
+    for words, name in zip(mangled, plain):
+        found[int(words[1], 16) & ~1].add((words[7], name))
+    return found
+
+
+def disassemble(elf):
+    """{address: Function} of everything in .text that is executed."""
+    symbols = read_symbols(elf)
+    functions, current = {}, None
+    for line in tool("objdump", "-d", "--no-show-raw-insn", elf).splitlines():
+        if match := HEADER.match(line):
+            address, current = int(match["address"], 16), None
+            if aliases := sorted(symbols.get(address, ())):  # constants are disassembled too, and are not looked at
+                current = functions[address] = Function(address, *aliases[0], names={alias[0] for alias in aliases})
+        elif current and (match := INSTRUCTION.match(line)):
+            current.instructions.append((match["mnemonic"], match["operands"].strip()))
+            current.size = int(match["address"], 16) + 4 - current.address
+    for function in functions.values():
+        read_calls(function, functions)
+    return functions
+
+
+def read_calls(function, functions):
+    end = function.address + function.size
+    for mnemonic, operands in function.instructions:
+        base = mnemonic.split(".")[0]
+        taken = pushed(mnemonic, operands)
+        function.dynamic = function.dynamic or taken is None
+        function.pushed_bytes += taken or 0
+        if BRANCH.match(mnemonic):
+            target = int(re.search(r"([0-9a-f]+) <", operands)[1], 16)
+            if base.startswith("bl") and base not in ("bls", "blt", "ble") or not function.address <= target < end:
+                function.calls.add(target)
+                if not base.startswith("bl") or base in ("bls", "blt", "ble"):
+                    function.tail_calls.add(target)
+        elif base.startswith("blx") or (base.startswith("bx") and operands != "lr"):
+            function.indirect_calls += 1
+    unknown = function.calls - functions.keys()
+    if unknown:
+        raise ValueError(f"{function.demangled} branches into the middle of a function: {[hex(a) for a in unknown]}")
+
+
+CI_NODE = re.compile(r'^node: \{ title: "(?P<title>[^"]*)" label: "(?P<label>[^"]*)"')
+CI_FRAME = re.compile(r"(\d+) bytes \(([\w,]+)\)")
+
+
+def read_frames(paths):
+    """{mangled name: (bytes, dynamic)} from GCC's .ci files; of equal names the larger."""
+    frames = {}
+    for path in paths:
+        for line in pathlib.Path(path).read_text().splitlines():
+            match = CI_NODE.match(line)
+            frame = match and CI_FRAME.search(match["label"])
+            if frame:
+                name = match["title"].rsplit(":", 1)[-1]
+                size, dynamic = frames.get(name, (0, False))
+                frames[name] = (max(size, int(frame[1])), dynamic or frame[2] == "dynamic")
+    return frames
+
+
+def words(elf, section):
+    """{address: value} of a section's contents."""
+    found = {}
+    for line in tool("objdump", "-s", "-j", section, elf).splitlines():
+        if match := re.match(r"^ ([0-9a-f]+) ((?:[0-9a-f]{2,8} ){1,4})", line):
+            data = bytes.fromhex(match[2].replace(" ", ""))
+            for offset in range(0, len(data) - 3, 4):
+                found[int(match[1], 16) + offset] = int.from_bytes(data[offset:offset + 4], "little")
+    return found
+
+
+class Image:
+    """An image with the .ci files of what was compiled for it."""
+
+    def __init__(self, elf, ci_files):
+        self.elf = pathlib.Path(elf)
+        self.functions = disassemble(elf)
+        frames = read_frames(ci_files)
+        for function in self.functions.values():
+            known = [frames[name] for name in function.names if name in frames]
+            function.frame_bytes = max([function.pushed_bytes, *(size for size, _ in known)])
+            function.dynamic = any(dynamic for _, dynamic in known) if known else function.dynamic
+            function.plain = max((size for size, _ in known), default=-1) >= function.pushed_bytes
+
+    @classmethod
+    def of_build(cls, build_folder):
+        build_folder = pathlib.Path(build_folder)
+        return cls(build_folder / "bin/koboshi.elf", sorted(build_folder.rglob("*.ci")))
+
+    def named(self, short_name):
+        """All functions of that name: overloads, and thunks to them."""
+        return [function for function in self.functions.values() if function.short_name == short_name]
