@@ -1,0 +1,112 @@
+#include "sim_board/servo/drive_state.h"
+
+#include <gtest/gtest.h>
+
+namespace koboshi::sim {
+namespace {
+
+using State = canopen::cia402::State;
+namespace cia402 = canopen::cia402;
+
+constexpr State kStates[] = {
+    State::kNotReadyToSwitchOn, State::kSwitchOnDisabled, State::kReadyToSwitchOn,     State::kSwitchedOn,
+    State::kOperationEnabled,   State::kQuickStopActive,  State::kFaultReactionActive, State::kFault};
+constexpr std::uint16_t kWords[] = {cia402::kControlDisableVoltage, cia402::kControlQuickStop,
+                                    cia402::kControlShutdown, cia402::kControlSwitchOn,
+                                    cia402::kControlEnableOperation};
+
+DriveStateMachine machine_in(State state) {
+  DriveStateMachine machine;
+  if (state == State::kNotReadyToSwitchOn) return machine;
+  machine.initialised();
+  if (state == State::kFault) machine.fault();
+  if (state == State::kSwitchOnDisabled || state == State::kFault) return machine;
+  machine.command(cia402::kControlShutdown);
+  if (state == State::kReadyToSwitchOn) return machine;
+  machine.command(cia402::kControlSwitchOn);
+  if (state == State::kSwitchedOn) return machine;
+  machine.command(cia402::kControlEnableOperation);
+  if (state == State::kQuickStopActive) machine.command(cia402::kControlQuickStop);
+  if (state == State::kFaultReactionActive) machine.fault();
+  return machine;
+}
+
+// CiA 402-2, figure 5 and table 27, with the numbers of the transitions. Rows: states in the order of
+// kStates; columns: disable voltage, quick stop, shutdown, switch on, enable operation.
+TEST(DriveStateMachine, FollowsEveryCommandFromEveryStateAsTheProfileSays) {
+  using enum State;
+  constexpr State kNext[8][5] = {
+      {kNotReadyToSwitchOn, kNotReadyToSwitchOn, kNotReadyToSwitchOn, kNotReadyToSwitchOn,
+       kNotReadyToSwitchOn},
+      {kSwitchOnDisabled, kSwitchOnDisabled, kReadyToSwitchOn /*2*/, kSwitchOnDisabled, kSwitchOnDisabled},
+      {kSwitchOnDisabled /*7*/, kSwitchOnDisabled /*7*/, kReadyToSwitchOn, kSwitchedOn /*3*/,
+       kOperationEnabled /*3, 4*/},
+      {kSwitchOnDisabled /*10*/, kSwitchOnDisabled /*10*/, kReadyToSwitchOn /*6*/, kSwitchedOn,
+       kOperationEnabled /*4*/},
+      {kSwitchOnDisabled /*9*/, kQuickStopActive /*11*/, kReadyToSwitchOn /*8*/, kSwitchedOn /*5*/,
+       kOperationEnabled},
+      {kSwitchOnDisabled /*12*/, kQuickStopActive, kQuickStopActive, kQuickStopActive, kQuickStopActive},
+      {kFaultReactionActive, kFaultReactionActive, kFaultReactionActive, kFaultReactionActive,
+       kFaultReactionActive},
+      {kFault, kFault, kFault, kFault, kFault},
+  };
+  for (std::size_t state = 0; state < std::size(kStates); ++state) {
+    for (std::size_t word = 0; word < std::size(kWords); ++word) {
+      DriveStateMachine machine = machine_in(kStates[state]);
+      ASSERT_EQ(machine.state(), kStates[state]);
+      machine.command(kWords[word]);
+      EXPECT_EQ(machine.state(), kNext[state][word]) << "state " << state << ", command " << word;
+    }
+  }
+}
+
+TEST(DriveStateMachine, MakesTorqueInThreeStatesOnly) {
+  for (const State state : kStates) {
+    const bool expected = state == State::kOperationEnabled || state == State::kQuickStopActive ||
+                          state == State::kFaultReactionActive;
+    EXPECT_EQ(machine_in(state).makes_torque(), expected);
+  }
+}
+
+TEST(DriveStateMachine, MakesNoTorqueAfterTheLineFellWhateverItsState) {
+  for (const State state : kStates) {
+    DriveStateMachine machine = machine_in(state);
+    machine.torque_off();
+    EXPECT_FALSE(machine.makes_torque());
+    const bool in_fault = state == State::kFault || state == State::kFaultReactionActive;
+    EXPECT_EQ(machine.state() == State::kFault, in_fault);
+  }
+}
+
+TEST(DriveStateMachine, ReactsToAFaultWithAStopWhereItMakesTorque) {
+  for (const State state : kStates) {
+    DriveStateMachine machine = machine_in(state);
+    const bool torque = machine.makes_torque();
+    machine.fault();
+    EXPECT_EQ(machine.state(), torque ? State::kFaultReactionActive : State::kFault);
+    machine.stand_still();
+    EXPECT_EQ(machine.state(), State::kFault);
+  }
+}
+
+TEST(DriveStateMachine, EndsAQuickStopInSwitchOnDisabled) {
+  DriveStateMachine machine = machine_in(State::kQuickStopActive);
+  machine.stand_still();
+  EXPECT_EQ(machine.state(), State::kSwitchOnDisabled);
+}
+
+TEST(DriveStateMachine, LeavesAFaultOnlyByTheRisingEdgeOfFaultReset) {
+  DriveStateMachine machine = machine_in(State::kOperationEnabled);
+  machine.command(cia402::kControlEnableOperation | cia402::kFaultReset);  // held since before the fault
+  machine.fault();
+  machine.stand_still();
+  machine.command(cia402::kControlEnableOperation | cia402::kFaultReset);
+  EXPECT_EQ(machine.state(), State::kFault);
+  machine.command(0);
+  EXPECT_EQ(machine.state(), State::kFault);
+  machine.command(cia402::kFaultReset);
+  EXPECT_EQ(machine.state(), State::kSwitchOnDisabled);
+}
+
+}  // namespace
+}  // namespace koboshi::sim

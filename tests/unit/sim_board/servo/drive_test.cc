@@ -1,0 +1,316 @@
+#include "sim_board/servo/drive.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "firmware/canopen/cia402.h"
+#include "firmware/canopen/frame.h"
+#include "firmware/canopen/sdo_protocol.h"
+
+namespace koboshi::sim {
+namespace {
+
+using State = canopen::cia402::State;
+namespace cia402 = canopen::cia402;
+using canopen::ObjectAddress;
+
+constexpr std::uint8_t kNode = 20;
+constexpr std::uint64_t kLoop_us = 1'000;
+constexpr std::uint64_t kCycle_us = 10'000;
+constexpr std::uint16_t kWayToOperation[] = {cia402::kControlShutdown, cia402::kControlSwitchOn,
+                                             cia402::kControlEnableOperation};
+
+// One drive on a bus, and in place of the controller a node that a test speaks through. The shaft stands
+// where the test puts it.
+class DriveTest : public testing::Test, private BusNode {
+ protected:
+  DriveTest() : controller_(bus.attach(*this, AcceptanceFilter::all(), 64)) {
+    bus.attach(bystander_, AcceptanceFilter(), 1);
+    joint.drive.node_id = kNode;
+    joint.max_speed_rad_per_s = 7.48;
+    drive.emplace(joint, bus);
+    drive->set_enable_line(true);
+    drive->power_on(0);
+    run_ms(60);
+  }
+
+  void run_ms(int duration_ms) {
+    for (int i = 0; i < duration_ms; ++i, now_us += kLoop_us) {
+      bus.advance_to(now_us);
+      if (heartbeats && now_us % 20'000 == 0) say({.identifier = 0x701, .size = 1, .data = {5}});
+      if (syncs && now_us % kCycle_us == 0) {
+        hal::CanFrame words{.identifier = 0x200 + kNode, .size = 6};
+        canopen::store_u16(&words.data[0], controlword);
+        canopen::store_u32(&words.data[2], static_cast<std::uint32_t>(target));
+        say(words);
+        say({.identifier = 0x080});
+      }
+      torque = drive->update(shaft, now_us);
+    }
+  }
+  void say(const hal::CanFrame& frame) { ASSERT_TRUE(bus.queue(controller_, frame, now_us)); }
+  void write(ObjectAddress address, std::uint32_t value, std::size_t size) {
+    hal::CanFrame frame{.identifier = 0x600 + kNode, .size = 8};
+    frame.data = canopen::sdo::message(canopen::sdo::expedited(canopen::sdo::kInitiateDownloadRequest, size),
+                                       address, value);
+    say(frame);
+    run_ms(2);
+  }
+  // As the controller configures it, in short, and operational.
+  void configure() {
+    write({0x1400, 1}, 0x8000'0000u + 0x200 + kNode, 4);
+    write({0x1400, 2}, 1, 1);
+    write({0x1600, 0}, 0, 1);
+    write({0x1600, 1}, 0x6040'0010, 4);
+    write({0x1600, 2}, 0x607A'0020, 4);
+    write({0x1600, 0}, 2, 1);
+    write({0x1400, 1}, 0x200 + kNode, 4);
+    write({0x1016, 1}, 0x0001'003C, 4);
+    write({0x1006, 0}, kCycle_us, 4);
+    write({0x6060, 0}, 8, 1);
+    say({.identifier = 0x000, .size = 2, .data = {1, kNode}});
+    heartbeats = syncs = true;
+    run_ms(25);
+  }
+  void enable() {
+    configure();
+    for (const std::uint16_t word : kWayToOperation) {
+      controlword = word;
+      run_ms(12);  // a SYNC, and the time that it takes
+    }
+    ASSERT_EQ(drive->state(), State::kOperationEnabled);
+  }
+  std::vector<std::uint16_t> emergencies() const {
+    std::vector<std::uint16_t> codes;
+    for (const hal::CanFrame& frame : heard) {
+      if (const auto emergency = canopen::decode_emergency(frame)) codes.push_back(emergency->code);
+    }
+    return codes;
+  }
+  bool is_driven() const { return torque.damping_Nm_s > 0.1; }  // a driven motor brakes by its back EMF
+
+  Bus bus;
+  JointDescription joint;
+  std::optional<Drive> drive;
+  JointState shaft;
+  ServoTorque torque;
+  std::vector<hal::CanFrame> heard;
+  std::uint64_t now_us = 0;
+  std::uint16_t controlword = 0;
+  std::int32_t target = 0;
+  bool heartbeats = false;
+  bool syncs = false;
+
+ private:
+  // Acknowledges frames when the drive does not.
+  class Bystander final : public BusNode {
+    void on_frame(const hal::CanFrame&, std::uint64_t) override {}
+  };
+
+  void on_frame(const hal::CanFrame& frame, std::uint64_t) override { heard.push_back(frame); }
+
+  Bystander bystander_;
+  NodeHandle controller_;
+};
+
+TEST_F(DriveTest, SaysThatItBootedAndIsLimp) {
+  ASSERT_FALSE(heard.empty());
+  EXPECT_EQ(heard[0], (hal::CanFrame{.identifier = 0x700 + kNode, .size = 1, .data = {0}}));
+  EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
+  EXPECT_FALSE(is_driven());
+  EXPECT_EQ(torque.drive_Nm, 0.0);
+}
+
+TEST_F(DriveTest, IsEnabledByControlwordsAtSync) {
+  enable();
+  EXPECT_TRUE(is_driven());
+  EXPECT_EQ(drive->values().statusword & 0x6F, 0x27);
+}
+
+TEST_F(DriveTest, StartsFromWhereTheShaftIsEvenWhenEnabledWithoutSync) {
+  shaft.position_rad = 1.0;
+  run_ms(2);
+  configure();
+  syncs = false;
+  for (const std::uint16_t word : kWayToOperation) write({0x6040, 0}, word, 2);
+  ASSERT_EQ(drive->state(), State::kOperationEnabled);
+  EXPECT_NEAR(torque.drive_Nm, 0.0, 1e-9);
+}
+
+TEST_F(DriveTest, InterpolatesItsTargetsOverACycle) {
+  enable();
+  target = 1'000;
+  run_ms(10);
+  std::vector<double> torques;
+  for (int i = 0; i < 10; ++i) {
+    run_ms(1);
+    torques.push_back(torque.drive_Nm);
+  }
+  // The shaft is held, so that the torque shows the demand.
+  for (std::size_t i = 1; i < torques.size(); ++i) EXPECT_GE(torques[i], torques[i - 1]);
+  EXPECT_GT(torques.back(), 0.0);
+}
+
+TEST_F(DriveTest, KeepsTargetsWithinItsPositionLimits) {
+  configure();
+  write({0x607D, 1}, static_cast<std::uint32_t>(-500), 4);
+  write({0x607D, 2}, 500, 4);
+  enable();
+  target = 100'000;
+  run_ms(40);
+  const double limited_Nm = torque.drive_Nm;
+  target = 500;
+  run_ms(40);
+  EXPECT_GT(limited_Nm, 0.0);
+  EXPECT_EQ(torque.drive_Nm, limited_Nm);
+}
+
+TEST_F(DriveTest, MakesNoTorqueInAnyStateWhileTheLineIsLow) {
+  for (const std::uint16_t word : {cia402::kControlEnableOperation, cia402::kControlQuickStop}) {
+    controlword = 0;
+    drive->set_enable_line(true);
+    enable();
+    controlword = word;
+    run_ms(10);
+    drive->set_enable_line(false);
+    EXPECT_FALSE(drive->makes_torque());
+    run_ms(1);
+    EXPECT_FALSE(is_driven());
+    EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
+  }
+}
+
+TEST_F(DriveTest, CannotBeEnabledWhileTheLineIsLow) {
+  configure();
+  drive->set_enable_line(false);
+  for (const std::uint16_t word : kWayToOperation) {
+    controlword = word;
+    run_ms(20);
+    EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
+    EXPECT_FALSE(is_driven());
+  }
+  EXPECT_NE(drive->values().statusword & cia402::kTorqueOff, 0);
+}
+
+TEST_F(DriveTest, StopsQuicklyHoldsAndThenLetsGo) {
+  enable();
+  target = 20'000;
+  run_ms(15);
+  controlword = 0x02;
+  run_ms(10);
+  ASSERT_EQ(drive->state(), State::kQuickStopActive);
+  EXPECT_TRUE(is_driven());
+  const std::uint64_t start_us = now_us;
+  while (drive->state() == State::kQuickStopActive && now_us < start_us + 1'000'000) run_ms(1);
+  EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
+  EXPECT_FALSE(is_driven());
+  EXPECT_GE(now_us - start_us, 90'000u);   // it holds for 100 ms
+  EXPECT_LE(now_us - start_us, 155'000u);  // after 50 ms of ramp at most
+  EXPECT_TRUE(emergencies().empty());
+}
+
+// --- Losing the controller
+
+struct Loss {
+  const char* name;
+  std::uint16_t code;
+  int within_ms;
+  void (*cause)(bool& heartbeats, bool& syncs);
+};
+class DriveLoses : public DriveTest, public testing::WithParamInterface<Loss> {};
+
+TEST_P(DriveLoses, StopsQuicklyTellsAndCutsItsTorque) {
+  enable();
+  while (now_us % 20'000 != 1'000) run_ms(1);  // both have just been
+  GetParam().cause(heartbeats, syncs);
+  run_ms(GetParam().within_ms - 2);
+  EXPECT_EQ(drive->state(), State::kOperationEnabled);
+  run_ms(4);
+  EXPECT_EQ(drive->state(), State::kFaultReactionActive);
+  EXPECT_TRUE(is_driven());
+  EXPECT_EQ(emergencies(), std::vector{GetParam().code});
+  EXPECT_EQ(drive->values().error_code, GetParam().code);
+  run_ms(155);
+  EXPECT_EQ(drive->state(), State::kFault);
+  EXPECT_FALSE(is_driven());
+
+  // Nothing but a fault reset leads out.
+  heartbeats = syncs = true;
+  controlword = 0x0F;
+  run_ms(50);
+  EXPECT_EQ(drive->state(), State::kFault);
+  controlword = 0x80;
+  run_ms(20);
+  EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
+  EXPECT_EQ(emergencies().back(), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(TheController, DriveLoses,
+                         testing::Values(Loss{"Heartbeat", 0x8130, 60,
+                                              [](bool& heartbeats, bool&) { heartbeats = false; }},
+                                         Loss{"Sync", 0x8700, 50, [](bool&, bool& syncs) { syncs = false; }}),
+                         [](const auto& info) { return info.param.name; });
+
+TEST_F(DriveTest, DoesNotMissSyncWhileItIsLimp) {
+  configure();
+  syncs = false;
+  run_ms(200);
+  EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
+  EXPECT_TRUE(emergencies().empty());
+}
+
+TEST_F(DriveTest, StopsWhenItIsTakenOutOfOperational) {
+  enable();
+  say({.identifier = 0x000, .size = 2, .data = {128, kNode}});
+  run_ms(3);
+  EXPECT_EQ(drive->state(), State::kFaultReactionActive);
+  EXPECT_EQ(emergencies(), std::vector<std::uint16_t>{0x8100});
+  run_ms(160);
+  EXPECT_FALSE(is_driven());
+}
+
+TEST_F(DriveTest, IsLimpAfterAReset) {
+  enable();
+  say({.identifier = 0x000, .size = 2, .data = {129, 0}});
+  run_ms(3);
+  EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
+  EXPECT_FALSE(is_driven());
+}
+
+// --- What breaks
+
+TEST_F(DriveTest, HangsWithItsMotorAsItWasUntilTheLineFalls) {
+  enable();
+  target = 5'000;
+  run_ms(40);
+  const double torque_Nm = torque.drive_Nm;
+  ASSERT_GT(torque_Nm, 0.0);
+  drive->hang();
+  heard.clear();
+  target = -5'000;
+  run_ms(500);
+  EXPECT_EQ(torque.drive_Nm, torque_Nm);
+  EXPECT_TRUE(heard.empty());
+  drive->set_enable_line(false);
+  run_ms(1);
+  EXPECT_FALSE(is_driven());
+}
+
+TEST_F(DriveTest, IsSilentAndLimpWithoutPowerAndBootsAgainWithIt) {
+  enable();
+  drive->power_off();
+  heard.clear();
+  run_ms(100);
+  EXPECT_FALSE(is_driven());
+  EXPECT_TRUE(heard.empty());
+  drive->power_on(now_us);
+  controlword = 0;
+  run_ms(60);
+  ASSERT_FALSE(heard.empty());
+  EXPECT_EQ(heard[0].identifier, 0x700 + kNode);
+  EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
+}
+
+}  // namespace
+}  // namespace koboshi::sim
