@@ -8,7 +8,8 @@
 
 namespace koboshi::hal {
 
-// Everything the firmware knows of the world. The time comes as an argument of each call, in microseconds since reset.
+// Everything the firmware knows of the world. The time comes as an argument of each call, in microseconds
+// since reset.
 struct Board {
   CanPort& can;
   ImuPort& imu;

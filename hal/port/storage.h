@@ -8,11 +8,12 @@ namespace koboshi::hal {
 
 enum class StorageState : std::uint8_t { kIdle = 0, kBusy = 1, kFailed = 2 };
 
-// Non-volatile memory as flash offers it: mapped for reading, erased by sectors to 0xFF, written by clearing bits.
-// Erasing and writing are asynchronous: they are begun here and end when `state` leaves kBusy.
+// Non-volatile memory as flash offers it: mapped for reading, erased by sectors to 0xFF, written by clearing
+// bits. Erasing and writing are asynchronous: they are begun here and end when `state` leaves kBusy.
 class StoragePort {
  public:
-  // The whole memory. The bytes of a sector under erasure, and of a range being written, are undefined until idle.
+  // The whole memory. The bytes of a sector under erasure, and of a range being written, are undefined until
+  // idle.
   [[nodiscard]] virtual std::span<const std::byte> contents() const = 0;
   [[nodiscard]] virtual std::size_t sector_size_bytes() const = 0;
   // Begins to erase the sector that starts at `offset`. False when busy, misaligned or out of range.
