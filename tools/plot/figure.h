@@ -26,7 +26,7 @@ struct Panel {
   double smallest_span = 0.0;  // of the ordinate, so that a constant's rounding noise does not fill the panel
 };
 
-// A vertical line through all panels, such as the moment of a command.
+// A vertical line through all panels, such as the moment of a command. Marks come in the order of x.
 struct Mark {
   double x = 0.0;
   std::string label{};

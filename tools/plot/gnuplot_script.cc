@@ -17,11 +17,13 @@ constexpr std::array kPalette{"#0072B2", "#D55E00", "#009E73", "#CC79A7",
 constexpr std::size_t kBuckets = 1000;  // about one a pixel
 constexpr int kWidth_px = 1000;
 constexpr int kPanelHeight_px = 240;
-constexpr int kHead_px = 92;   // title, the marks' labels, the first key
-constexpr int kTitle_px = 22;  // from the top to the title's base line
-constexpr int kMarks_px = 56;  // from the top to the base line of the marks' labels
-constexpr int kFoot_px = 60;   // tics and label of the abscissa
-constexpr int kGap_px = 36;    // between panels, for the key of the lower one
+constexpr int kHead_px = 92;           // title, the marks' labels, the first key
+constexpr int kTitle_px = 22;          // from the top to the title's base line
+constexpr int kMarks_px = 56;          // from the top to the base line of the marks' labels
+constexpr int kMarkRow_px = 14;        // a label that would run into another stands a row higher
+constexpr double kMarkGlyph_px = 6.2;  // mean width of a label's letter
+constexpr int kFoot_px = 60;           // tics and label of the abscissa
+constexpr int kGap_px = 36;            // between panels, for the key of the lower one
 constexpr int kLeft_px = 90;
 constexpr int kYLabel_px = 24;
 constexpr int kRight_px = 25;
@@ -141,9 +143,14 @@ class Script {
 
   // In the first panel the lines reach up to their labels.
   void write_marks(bool with_labels) {
+    double taken_px = 0.0;  // end of the last label in the lower row
     for (const Mark& mark : figure_.marks) {
+      const double left_px = x_px(mark.x);
+      const bool higher = left_px < taken_px;
+      if (!higher) taken_px = left_px + kMarkGlyph_px * static_cast<double>(mark.label.size());
+      const int label_px = kMarks_px - (higher ? kMarkRow_px : 0);
       const std::string x = "first " + sim::number_text(mark.x) + ", ";
-      const std::string top = with_labels ? "screen " + sim::number_text(screen_y(kMarks_px)) : "graph 1";
+      const std::string top = with_labels ? "screen " + sim::number_text(screen_y(label_px)) : "graph 1";
       out_ << "set arrow from " << x << "graph 0 to " << x << top
            << " nohead back linewidth 1 linecolor '#A0A0A0' dashtype (4,4)\n";
       if (!with_labels) continue;
@@ -162,6 +169,10 @@ class Script {
            (series.label.empty() ? " notitle" : " title " + quoted(series.label));
   }
 
+  double x_px(double x) const {
+    const double part = (x - x_range_.low) / (x_range_.high - x_range_.low);
+    return kLeft_px + part * (kWidth_px - kRight_px - kLeft_px);
+  }
   double screen_x(double from_left_px) const { return from_left_px / kWidth_px; }
   double screen_y(double from_top_px) const { return 1.0 - from_top_px / height_px(); }
 

@@ -1,5 +1,6 @@
 #include "tools/run/run_figures.h"
 
+#include <algorithm>
 #include <numbers>
 #include <string>
 
@@ -35,6 +36,7 @@ std::vector<Mark> marks_of(const sim::Scenario& scenario) {
   }
   for (const sim::Push& push : scenario.pushes)
     marks.push_back({1e-6 * static_cast<double>(push.at_us), "push"});
+  std::ranges::stable_sort(marks, {}, &Mark::x);
   return marks;
 }
 
