@@ -40,5 +40,16 @@ TEST(Squat, GoesDownByThreeCentimetresAndUpAgainWithoutFaults) {
   EXPECT_EQ(run.board().bus().usage().collisions, 0u);
 }
 
+TEST(Squat, EndsWhereItBeganWhenTheOperatorStopsIt) {
+  auto scenario = hanging_squat();
+  scenario.commands.push_back({.at_us = 3'600'000, .kind = sim::Command::Kind::kStop});
+  RobotRun run(scenario);
+  run.run_until_us(3'600'000);
+  ASSERT_EQ(run.behaviour().state, State::kMotion);
+  // The squat of two seconds that has begun, then half a second to the standing pose.
+  EXPECT_FALSE(run.run_until(State::kStanding, 5'900'000));
+  EXPECT_TRUE(run.run_until(State::kStanding, 6'100'000));
+}
+
 }  // namespace
 }  // namespace koboshi::test

@@ -151,6 +151,37 @@ TEST_F(ControllerFault, IsLeftOnlyByResetAndThenThroughABoot) {
   EXPECT_TRUE(bench.run_until_standing());
 }
 
+TEST_F(ControllerFault, IsOverOnceItsCauseIsGoneAndResetCame) {
+  struct Cause {
+    Reason reason;
+    void (*set)(ControllerBench& bench, bool broken);
+  };
+  using hal::CanErrorState;
+  constexpr Cause kCauses[] = {
+      {Reason::kImuSilent, [](ControllerBench& b, bool broken) { b.imu_speaks = !broken; }},
+      {Reason::kAnkleSilent, [](ControllerBench& b, bool broken) { b.ankle_speaks[1] = !broken; }},
+      {Reason::kDriveTrouble, [](ControllerBench& b, bool broken) { b.drives[9].hangs = broken; }},
+      {Reason::kBusOff,
+       [](ControllerBench& b, bool broken) {
+         b.board.can.set_error_state(broken ? CanErrorState::kBusOff : CanErrorState::kErrorActive);
+       }},
+      {Reason::kNoAcknowledge,
+       [](ControllerBench& b, bool broken) {
+         b.board.can.set_error_state(broken ? CanErrorState::kErrorPassive : CanErrorState::kErrorActive);
+       }},
+  };
+  for (const Cause& cause : kCauses) {
+    cause.set(bench, true);
+    ASSERT_TRUE(bench.run_until(State::kFault, 100));
+    EXPECT_EQ(bench.now().reason, cause.reason);
+    bench.run_ms(500);
+    cause.set(bench, false);
+    bench.command(Command::kReset);
+    ASSERT_TRUE(bench.run_until_standing()) << static_cast<int>(cause.reason);
+  }
+  EXPECT_EQ(bench.now().faults, std::size(kCauses));
+}
+
 TEST_F(ControllerFault, IgnoresWhatADriveSaidBeforeItsReset) {
   bench.board.can.deliver(bench.drives[6].emergency(0x2310));
   ASSERT_TRUE(bench.run_until(State::kFault, 10));
