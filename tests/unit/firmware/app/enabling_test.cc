@@ -67,6 +67,7 @@ TEST_F(ControllerEnabling, ForgivesAJointThatLeansOnItsStop) {
   bench.run_ms(20);
   bench.command(Command::kEnable);
   EXPECT_EQ(bench.now().state, State::kEnabling);
+  EXPECT_EQ(bench.target(kKnee), degrees(0));  // no target is ever beyond the limits
 }
 
 TEST_F(ControllerEnabling, IsRefusedWithAnImuThatFeelsNoGravity) {
@@ -135,6 +136,16 @@ TEST_F(ControllerEnabling, HoldsEveryJointWhereItIs) {
     }
   }
   EXPECT_EQ(bench.now().state, State::kSoftStart);
+}
+
+TEST_F(ControllerEnabling, FollowsAJointThatIsMovedBeforeItsDriveIsEnabled) {
+  bench.drives[9].enables = false;  // and so the others wait
+  bench.command(Command::kEnable);
+  bench.run_ms(50);
+  turn(bench, kKnee, 33.0);
+  bench.run_ms(30);
+  ASSERT_EQ(bench.now().state, State::kEnabling);
+  EXPECT_EQ(bench.values().drives.target_position[kKnee], bench.drives[kKnee].position);
 }
 
 // The pose is that of motion 0: all joints at zero, the knee at 40 degrees.

@@ -114,15 +114,28 @@ TEST_F(ConfigurationTest, AsksThreeTimesAndThenGivesUp) {
   EXPECT_EQ(requests, 3u);
 }
 
-TEST_F(ConfigurationTest, GoesOnWhenTheSecondRequestIsAnswered) {
+TEST_F(ConfigurationTest, CountsAttemptsForEachRequestAnew) {
   begin(model.joints[0]);
-  for (int i = 0; i < 5; ++i) exchange();
-  drive->answers_sdo = false;
-  for (int i = 0; i < 150; ++i) exchange();
-  EXPECT_EQ(configuration.state(), State::kBusy);
-  drive->answers_sdo = true;
+  for (int silence = 0; silence < 3; ++silence) {
+    for (int i = 0; i < 5; ++i) exchange();
+    drive->answers_sdo = false;
+    for (int i = 0; i < 150; ++i) exchange();  // two requests are lost, the third will be answered
+    EXPECT_EQ(configuration.state(), State::kBusy);
+    drive->answers_sdo = true;
+    for (int i = 0; i < 52; ++i) exchange();
+  }
   run();
   EXPECT_EQ(configuration.state(), State::kDone);
+}
+
+TEST_F(ConfigurationTest, StartsOverInTheMiddleOfARequest) {
+  begin(model.joints[0]);
+  drive->answers_sdo = false;
+  exchange();
+  begin(model.joints[1]);
+  run();
+  EXPECT_EQ(configuration.state(), State::kDone);
+  EXPECT_LT(now_us, 30'000u);  // it did not wait for the other's time-out
 }
 
 TEST_F(ConfigurationTest, WaitsForRoomOnTheBus) {
