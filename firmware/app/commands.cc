@@ -80,7 +80,7 @@ Reason Controller::refusal_to_enable() const {
       return Reason::kSupplyOutOfRange;
     }
   }
-  const auto& a = inertial_.accelerations();
+  const auto a = inertial_.accelerations();
   const fixed::Acceleration magnitude = fixed::hypotenuse(a.x, a.y, a.z);
   const bool plausible = magnitude > kMinAcceleration && magnitude < kMaxAcceleration;
   return plausible ? Reason::kNone : Reason::kImuImplausible;

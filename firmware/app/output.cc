@@ -31,8 +31,8 @@ void Controller::publish_telemetry() {
   auto& attitude = values_.attitude;
   attitude.roll = narrow(inertial_.roll().raw(), 16);
   attitude.pitch = narrow(inertial_.pitch().raw(), 16);
-  const auto& rates = inertial_.rates();
-  const auto& accelerations = inertial_.accelerations();
+  const auto rates = inertial_.rates();
+  const auto accelerations = inertial_.accelerations();
   const fixed::AngularRate rate[] = {rates.x, rates.y, rates.z};
   const fixed::Acceleration acceleration[] = {accelerations.x, accelerations.y, accelerations.z};
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -34,19 +34,21 @@ InertialSensor::InertialSensor(const robot::RobotModel& model)
                             fixed::LowPass<fixed::Acceleration>(kInertialLowPass)} {}
 
 void InertialSensor::add(const hal::ImuSample& sample, std::uint64_t now_us) {
-  const auto rates = filtered(rate_filters_, scaled(sample.gyro_raw, model_.scales.gyro), !seen_);
-  const auto accelerations =
+  rates_I_ = filtered(rate_filters_, scaled(sample.gyro_raw, model_.scales.gyro), !seen_);
+  accelerations_I_ =
       filtered(acceleration_filters_, scaled(sample.accelerometer_raw, model_.scales.accelerometer), !seen_);
-  rates_ = model_.R_BI * rates;
-  accelerations_ = model_.R_BI * accelerations;
   last_us_ = now_us;
   seen_ = true;
 }
 
-fixed::Angle InertialSensor::roll() const { return fixed::atan2(accelerations_.y, accelerations_.z); }
+fixed::Angle InertialSensor::roll() const {
+  const Accelerations a = accelerations();
+  return fixed::atan2(a.y, a.z);
+}
 
 fixed::Angle InertialSensor::pitch() const {
-  return fixed::atan2(-accelerations_.x, fixed::hypotenuse(accelerations_.y, accelerations_.z));
+  const Accelerations a = accelerations();
+  return fixed::atan2(-a.x, fixed::hypotenuse(a.y, a.z));
 }
 
 }  // namespace koboshi::balance

@@ -35,9 +35,9 @@ class InertialSensor {
   bool alive(std::uint64_t now_us, std::uint32_t timeout_us) const {
     return seen_ && now_us - last_us_ <= timeout_us;
   }
-  const Rates& rates() const { return rates_; }
+  Rates rates() const { return model_.R_BI * rates_I_; }
   // Specific force: one g upwards at rest.
-  const Accelerations& accelerations() const { return accelerations_; }
+  Accelerations accelerations() const { return model_.R_BI * accelerations_I_; }
   // Inclination of the trunk, from the direction of the specific force: true at rest, disturbed by
   // acceleration. Roll about x, then pitch about y; a trunk that leans forward has positive pitch.
   fixed::Angle roll() const;
@@ -50,8 +50,8 @@ class InertialSensor {
   const robot::RobotModel& model_;
   Filters<fixed::AngularRate> rate_filters_;
   Filters<fixed::Acceleration> acceleration_filters_;
-  Rates rates_{};
-  Accelerations accelerations_{};
+  Rates rates_I_{};  // in the inertial unit's axes: turned into those of B only when somebody asks
+  Accelerations accelerations_I_{};
   std::uint64_t last_us_ = 0;
   bool seen_ = false;
 };

@@ -1,6 +1,7 @@
 #include "firmware/canopen/heartbeat.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "firmware/canopen/cob_id.h"
 
@@ -54,6 +55,7 @@ bool HeartbeatMonitor::on_heartbeat(const Heartbeat& heartbeat, std::uint64_t no
   consumer.state = heartbeat.state;
   consumer.alive = heartbeat.state != NmtState::kInitialising;
   consumer.deadline_us = now_us + consumer.time_ms * 1000u;
+  earliest_us_ = std::min(earliest_us_, consumer.deadline_us);
 
   event = {heartbeat.node_id, HeartbeatEventKind::kStateChanged, heartbeat.state};
   if (!consumer.alive) {
@@ -65,12 +67,19 @@ bool HeartbeatMonitor::on_heartbeat(const Heartbeat& heartbeat, std::uint64_t no
 }
 
 bool HeartbeatMonitor::check(std::uint64_t now_us, HeartbeatEvent& event) {
+  if (now_us < earliest_us_) return false;
+  std::uint64_t earliest_us = std::numeric_limits<std::uint64_t>::max();
   for (HeartbeatConsumer& consumer : consumers_) {
-    if (!consumer.alive || now_us < consumer.deadline_us) continue;
+    if (!consumer.alive) continue;
+    if (now_us < consumer.deadline_us) {
+      earliest_us = std::min(earliest_us, consumer.deadline_us);
+      continue;
+    }
     consumer.alive = false;
     event = {consumer.node_id, HeartbeatEventKind::kLost, consumer.state};
     return true;
   }
+  earliest_us_ = earliest_us;
   return false;
 }
 

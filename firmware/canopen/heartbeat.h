@@ -64,6 +64,7 @@ class HeartbeatMonitor {
 
   std::span<HeartbeatConsumer> consumers_;
   SlotMap slots_;
+  std::uint64_t earliest_us_ = 0;  // no node's deadline lies before
 };
 
 }  // namespace koboshi::canopen

@@ -24,6 +24,24 @@ bool is_supported_type(std::uint32_t type) {
   return type <= kMaxSynchronous || type == kEventManufacturer || type == kEventProfile;
 }
 
+// The usual sizes take one load and one store; a call of memcpy takes fifty instructions, forty times a
+// cycle.
+void copy_value(void* to, const void* from, std::size_t size) {
+  switch (size) {
+    case 1:
+      std::memcpy(to, from, 1);
+      return;
+    case 2:
+      std::memcpy(to, from, 2);
+      return;
+    case 4:
+      std::memcpy(to, from, 4);
+      return;
+    default:
+      std::memcpy(to, from, size);
+  }
+}
+
 }  // namespace
 
 AbortCode PdoRecord::configure(const PdoConfiguration& configuration, std::uint8_t node_id,
@@ -179,7 +197,7 @@ AbortCode PdoRecord::resolve(std::uint32_t entry, const Dictionary& dictionary, 
 void PdoRecord::pack(const Dictionary& dictionary, std::uint8_t* data) const {
   for (std::size_t i = 0; i < mapped_count_; ++i) {
     const MappedObject& object = objects_[i];
-    std::memcpy(data, dictionary.value_at(object.offset), object.size_bytes);
+    copy_value(data, dictionary.value_at(object.offset), object.size_bytes);
     data += object.size_bytes;
   }
 }
@@ -188,7 +206,7 @@ void PdoRecord::unpack(Dictionary& dictionary, const std::uint8_t* data) const {
   for (std::size_t i = 0; i < mapped_count_; ++i) {
     const MappedObject& object = objects_[i];
     if (object.offset != MappedObject::kDummy) {
-      std::memcpy(dictionary.value_at(object.offset), data, object.size_bytes);
+      copy_value(dictionary.value_at(object.offset), data, object.size_bytes);
     }
     data += object.size_bytes;
   }

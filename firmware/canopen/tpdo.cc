@@ -1,8 +1,12 @@
 #include "firmware/canopen/tpdo.h"
 
+#include <algorithm>
+#include <limits>
+
 namespace koboshi::canopen {
 
 void TpdoSet::start(std::uint64_t now_us) {
+  due_us_ = 0;
   for (Tpdo& pdo : pdos_) {
     pdo.requested = false;
     pdo.sync_count = 0;
@@ -16,6 +20,7 @@ void TpdoSet::request(std::size_t number, const Dictionary& dictionary, FrameSin
   if (!pdo.record.valid()) return;
   pdo.requested = true;
   if (!pdo.record.synchronous() && now_us >= pdo.inhibited_until_us) send(pdo, dictionary, sink, now_us);
+  if (pdo.requested) due_us_ = 0;
 }
 
 void TpdoSet::on_sync(const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us) {
@@ -28,10 +33,15 @@ void TpdoSet::on_sync(const Dictionary& dictionary, FrameSink& sink, std::uint64
 }
 
 void TpdoSet::process(const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us) {
+  if (now_us < due_us_) return;
+  due_us_ = std::numeric_limits<std::uint64_t>::max();
   for (Tpdo& pdo : pdos_) {
     if (!pdo.record.valid() || pdo.record.synchronous()) continue;
-    if (pdo.record.event_timer_us() != 0 && now_us >= pdo.event_due_us) pdo.requested = true;
+    const bool timed = pdo.record.event_timer_us() != 0;
+    if (timed && now_us >= pdo.event_due_us) pdo.requested = true;
     if (pdo.requested && now_us >= pdo.inhibited_until_us) send(pdo, dictionary, sink, now_us);
+    if (pdo.requested) due_us_ = std::min(due_us_, pdo.inhibited_until_us);
+    if (timed) due_us_ = std::min(due_us_, pdo.event_due_us);
   }
 }
 

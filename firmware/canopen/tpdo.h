@@ -27,7 +27,11 @@ class TpdoSet {
   explicit TpdoSet(std::span<Tpdo> pdos) : pdos_(pdos) {}
 
   std::size_t size() const { return pdos_.size(); }
-  Tpdo& operator[](std::size_t number) { return pdos_[number]; }
+  // For a change: `process` looks at all of them again.
+  Tpdo& operator[](std::size_t number) {
+    due_us_ = 0;
+    return pdos_[number];
+  }
   const Tpdo& operator[](std::size_t number) const { return pdos_[number]; }
 
   // The node has become operational: counters and event timers begin anew.
@@ -41,6 +45,7 @@ class TpdoSet {
   void send(Tpdo& pdo, const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us);
 
   std::span<Tpdo> pdos_;
+  std::uint64_t due_us_ = 0;  // `process` has nothing to do before
 };
 
 }  // namespace koboshi::canopen

@@ -7,7 +7,7 @@ namespace {
 
 constexpr int kFractionBits = Ratio::kFractionBits;  // of a coefficient, and of an output's fraction
 constexpr std::int64_t kHalf = std::int64_t{1} << (kFractionBits - 1);
-constexpr std::uint32_t kFractionMask = (1U << kFractionBits) - 1;
+constexpr std::int32_t kFractionMask = (1 << kFractionBits) - 1;
 constexpr std::int64_t kMaximum = std::int64_t{std::numeric_limits<std::int32_t>::max()} << kFractionBits;
 constexpr std::int64_t kMinimum = -kMaximum - (std::int64_t{1} << kFractionBits);
 
@@ -37,7 +37,7 @@ std::int32_t BiquadFilter::filter(const BiquadCoefficients& c, std::int32_t inpu
   input_1_ = input_raw;
   output_2_ = output_1_;
   output_1_ = {.whole = static_cast<std::int32_t>(output >> kFractionBits),
-               .fraction = static_cast<std::uint32_t>(output) & kFractionMask};
+               .fraction = static_cast<std::int32_t>(output) & kFractionMask};
   return saturate<std::int32_t>((output + kHalf) >> kFractionBits);
 }
 

@@ -31,7 +31,7 @@ class BiquadFilter {
  private:
   struct Output {
     std::int32_t whole = 0;
-    std::uint32_t fraction = 0;  // 2^-30 LSB
+    std::int32_t fraction = 0;  // 2^-30 LSB, never negative
   };
 
   std::int32_t input_1_ = 0;
