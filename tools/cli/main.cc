@@ -7,6 +7,7 @@
 #include "tools/cli/diff_command.h"
 #include "tools/cli/motion_command.h"
 #include "tools/cli/run_command.h"
+#include "tools/cli/target_report_command.h"
 
 namespace {
 
@@ -27,6 +28,7 @@ int run_program(int argc, char** argv) {
       "says where).\n");
   koboshi::tools::add_run_command(program, exit_status);
   koboshi::tools::add_diff_command(program, exit_status);
+  koboshi::tools::add_target_report_command(program);
   koboshi::tools::add_motion_command(program);
   try {
     program.parse(argc, argv);

@@ -40,8 +40,9 @@ cortex_m::FaultRecord decode_fault(std::span<const std::byte> body) {
 FirmwareFault::FirmwareFault(const cortex_m::FaultRecord& record)
     : std::runtime_error(describe(record)), record_(record) {}
 
-QemuHost::QemuHost(const std::filesystem::path& image, std::span<const std::byte> storage_contents)
-    : process_(image) {
+QemuHost::QemuHost(const std::filesystem::path& image, std::span<const std::byte> storage_contents,
+                   std::span<const std::string> more)
+    : process_(image, QemuProcess::kTimeout_ms, more) {
   program(fill_flash(storage_contents));
   start();
 }

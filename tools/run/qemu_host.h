@@ -29,8 +29,10 @@ class FirmwareFault : public std::runtime_error {
 // The firmware as the Cortex-M4 image, inside QEMU (hal/cortex_m/mps2).
 class QemuHost final : public sim::ControllerHost {
  public:
-  // Throws what QemuProcess throws, and std::length_error when the contents do not fit into storage.
-  QemuHost(const std::filesystem::path& image, std::span<const std::byte> storage_contents);
+  // `more` are arguments for QEMU. Throws what QemuProcess throws, and std::length_error when the contents do
+  // not fit into storage.
+  QemuHost(const std::filesystem::path& image, std::span<const std::byte> storage_contents,
+           std::span<const std::string> more = {});
 
   // Throws FirmwareFault besides what QemuProcess::ask throws. After a fault the core waits for `start`.
   void exchange(const hal::BatchInput& input, hal::BatchOutput& output) override;

@@ -86,11 +86,14 @@ std::vector<std::string> command(const std::filesystem::path& program, const std
 
 }  // namespace
 
-QemuProcess::QemuProcess(const std::filesystem::path& image, int timeout_ms) : timeout_ms_(timeout_ms) {
+QemuProcess::QemuProcess(const std::filesystem::path& image, int timeout_ms,
+                         std::span<const std::string> more)
+    : timeout_ms_(timeout_ms) {
   if (!std::filesystem::is_regular_file(image)) {
     throw sim::InputError(image, 0, "no such file", "the Cortex-M4 image, which ./run target builds");
   }
   std::vector<std::string> words = command(find_program(), image);
+  words.insert(words.end(), more.begin(), more.end());
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);

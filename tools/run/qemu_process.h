@@ -17,9 +17,11 @@ class QemuProcess {
   // QEMU answers a message within microseconds; this long, it hangs.
   static constexpr int kTimeout_ms = 30'000;
 
-  // `timeout_ms` is how long an answer may take. Throws sim::InputError when there is no image, or no QEMU on
-  // the PATH; std::system_error when the system refuses.
-  explicit QemuProcess(const std::filesystem::path& image, int timeout_ms = kTimeout_ms);
+  // `timeout_ms` is how long an answer may take, `more` are arguments for QEMU besides those it needs. Throws
+  // sim::InputError when there is no image, or no QEMU on the PATH; std::system_error when the system
+  // refuses.
+  explicit QemuProcess(const std::filesystem::path& image, int timeout_ms = kTimeout_ms,
+                       std::span<const std::string> more = {});
   ~QemuProcess();
   QemuProcess(const QemuProcess&) = delete;
   QemuProcess& operator=(const QemuProcess&) = delete;

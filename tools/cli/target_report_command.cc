@@ -1,0 +1,54 @@
+#include "tools/cli/target_report_command.h"
+
+#include <filesystem>
+#include <memory>
+
+#include <fmt/core.h>
+
+#include "sim_board/record/output_file.h"
+#include "sim_board/scenario/reader.h"
+#include "tools/run/qemu_host.h"
+#include "tools/target/target_report.h"
+
+namespace koboshi::tools {
+namespace {
+
+struct Arguments {
+  std::filesystem::path scenario = "scenarios/squat.yaml";
+  std::filesystem::path image;
+  std::filesystem::path page;
+  bool json = false;
+};
+
+void report_target(const Arguments& arguments) {
+  const auto image = arguments.image.empty() ? default_image() : arguments.image;
+  const TargetReport report = measure_target(sim::read_scenario(arguments.scenario), image);
+  if (!arguments.page.empty()) {
+    sim::OutputFile page(arguments.page);
+    page.write(to_page(report, arguments.scenario));
+    page.close();
+  }
+  fmt::print("{}\n", arguments.json ? to_json(report).dump(2) : to_tables(report));
+}
+
+}  // namespace
+
+void add_target_report_command(CLI::App& program) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = program.add_subcommand(
+      "target-report", "What the firmware takes of a Cortex-M4: instructions, flash, RAM, stack");
+  command->footer(
+      "Plays a scenario with the firmware in QEMU, as ./run target has built it. The same image and "
+      "scenario\n"
+      "give the same report, to the instruction.\n\n"
+      "Examples:\n"
+      "  koboshi target-report\n"
+      "  koboshi target-report --page docs/reference/target.md\n");
+  command->add_option("SCENARIO", arguments->scenario, "A scenario file")->capture_default_str();
+  command->add_option("--image", arguments->image, "The image (default: what ./run target builds)");
+  command->add_flag("--json", arguments->json, "As JSON instead of tables");
+  command->add_option("--page", arguments->page, "Also write the reference page to this file");
+  command->callback([arguments] { report_target(*arguments); });
+}
+
+}  // namespace koboshi::tools

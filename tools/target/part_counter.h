@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/target/parts.h"
+
+namespace koboshi::tools {
+
+// Instructions of a call of the firmware, by Part.
+using PartCounts = std::array<std::uint64_t, kPartNames.size()>;
+
+// Counts the firmware's instructions by part while QEMU executes the image, through a plugin of QEMU
+// (plugin/count_by_part.cc).
+class PartCounter {
+ public:
+  // `functions` is that member of the image's description. Throws std::runtime_error when the plugin is not
+  // beside this program, or the image lacks a function that is to be counted.
+  explicit PartCounter(const nlohmann::ordered_json& functions);
+  ~PartCounter();
+  PartCounter(const PartCounter&) = delete;
+  PartCounter& operator=(const PartCounter&) = delete;
+
+  // Arguments for QEMU.
+  const std::vector<std::string>& arguments() const { return arguments_; }
+  // Of the next call of service and tick, once it has returned, in the order of the calls. Throws
+  // std::runtime_error when the next call was another.
+  PartCounts next_service() { return next(service_address_); }
+  PartCounts next_tick() { return next(tick_address_); }
+
+ private:
+  PartCounts next(std::uint64_t root_address);
+
+  std::filesystem::path folder_;  // of the files that the plugin reads and writes
+  std::vector<std::string> arguments_;
+  std::uint64_t service_address_ = 0;
+  std::uint64_t tick_address_ = 0;
+  std::ifstream counts_;
+};
+
+}  // namespace koboshi::tools
