@@ -69,7 +69,7 @@ def link_fixture(source, folder):
 
 
 def load_fixture(elf, folder):
-    board = [path for path in BUILD.rglob("*.ci") if path.name != "main.cc.ci"]
+    board = [path for path in target_image.ci_files(BUILD) if path.name != "main.cc.ci"]
     return target_image.Image(elf, [*board, *pathlib.Path(folder).glob("*.ci")])
 
 

@@ -211,6 +211,11 @@ def words(elf, section):
     return found
 
 
+def ci_files(build_folder):
+    """Of the firmware and its board, without the programs beside them."""
+    return [path for folder in ("firmware", "hal") for path in sorted(pathlib.Path(build_folder, folder).rglob("*.ci"))]
+
+
 class Image:
     """An image with the .ci files of what was compiled for it."""
 
@@ -226,8 +231,7 @@ class Image:
 
     @classmethod
     def of_build(cls, build_folder):
-        build_folder = pathlib.Path(build_folder)
-        return cls(build_folder / "bin/koboshi.elf", sorted(build_folder.rglob("*.ci")))
+        return cls(pathlib.Path(build_folder) / "bin/koboshi.elf", ci_files(build_folder))
 
     def named(self, short_name):
         """All functions of that name: overloads, and thunks to them."""
