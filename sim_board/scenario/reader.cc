@@ -98,7 +98,8 @@ InitialState read_initial(const YamlMap& root) {
   }
   initial.fixed_base = map->boolean("fixed_base", false);
   if (map->has("held_until_s")) {
-    if (initial.fixed_base) throw map->error_at("held_until_s", "held_until_s beside fixed_base", "one of the two");
+    if (initial.fixed_base)
+      throw map->error_at("held_until_s", "held_until_s beside fixed_base", "one of the two");
     initial.fixed_base = true;
     initial.release_us = to_us(map->number("held_until_s", {.min = 0.0, .max = kLongestRun_s}));
   }

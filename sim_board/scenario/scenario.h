@@ -35,7 +35,7 @@ struct InitialState {
   double drop_m = 0.0;      // how far above touching the ground, without a base height
   bool fixed_base = false;  // the base link hangs on a stand
   std::optional<std::uint64_t> release_us;  // when the stand lets go of it; without it, never
-  std::vector<InitialJoint> joints;  // all others are at zero
+  std::vector<InitialJoint> joints;         // all others are at zero
 };
 
 struct Ground {
