@@ -23,17 +23,22 @@ std::filesystem::path find_plugin() {
   return plugin;
 }
 
-std::filesystem::path make_folder() {
-  std::string name = std::filesystem::temp_directory_path() / "koboshi-XXXXXX";
-  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make a folder " + name);
-  return name;
-}
-
 }  // namespace
 
-PartCounter::PartCounter(const nlohmann::ordered_json& functions) : folder_(make_folder()) {
-  const std::filesystem::path table = folder_ / "functions";
-  const std::filesystem::path counts = folder_ / "counts";
+TemporaryFolder::TemporaryFolder() {
+  std::string name = std::filesystem::temp_directory_path() / "koboshi-XXXXXX";
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make a folder " + name);
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+PartCounter::PartCounter(const nlohmann::ordered_json& functions) {
+  const std::filesystem::path table = folder_.path() / "functions";
+  const std::filesystem::path counts = folder_.path() / "counts";
   std::ofstream file(table);
   for (const auto& function : functions) {
     const auto name = function.at("name").get<std::string>();
@@ -53,11 +58,6 @@ PartCounter::PartCounter(const nlohmann::ordered_json& functions) : folder_(make
                                        counts.string())};
 }
 
-PartCounter::~PartCounter() {
-  std::error_code ignored;
-  std::filesystem::remove_all(folder_, ignored);
-}
-
 PartCounts PartCounter::next(std::uint64_t root_address) {
   counts_.clear();  // it has grown since it was last at its end
   std::uint64_t address = 0;
@@ -65,8 +65,9 @@ PartCounts PartCounter::next(std::uint64_t root_address) {
   PartCounts counts{};
   for (std::uint64_t& count : counts) counts_ >> count;
   counts_.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
-  if (!counts_ || address != root_address)
+  if (!counts_ || address != root_address) {
     throw std::runtime_error("the instructions of a call were not counted");
+  }
   return counts;
 }
 

@@ -16,6 +16,20 @@ namespace koboshi::tools {
 // Instructions of a call of the firmware, by Part.
 using PartCounts = std::array<std::uint64_t, kPartNames.size()>;
 
+// An empty folder of its own, gone with the object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
 // Counts the firmware's instructions by part while QEMU executes the image, through a plugin of QEMU
 // (plugin/count_by_part.cc).
 class PartCounter {
@@ -23,9 +37,6 @@ class PartCounter {
   // `functions` is that member of the image's description. Throws std::runtime_error when the plugin is not
   // beside this program, or the image lacks a function that is to be counted.
   explicit PartCounter(const nlohmann::ordered_json& functions);
-  ~PartCounter();
-  PartCounter(const PartCounter&) = delete;
-  PartCounter& operator=(const PartCounter&) = delete;
 
   // Arguments for QEMU.
   const std::vector<std::string>& arguments() const { return arguments_; }
@@ -37,7 +48,7 @@ class PartCounter {
  private:
   PartCounts next(std::uint64_t root_address);
 
-  std::filesystem::path folder_;  // of the files that the plugin reads and writes
+  TemporaryFolder folder_;  // of the files that the plugin reads and writes
   std::vector<std::string> arguments_;
   std::uint64_t service_address_ = 0;
   std::uint64_t tick_address_ = 0;
