@@ -17,8 +17,8 @@ inline constexpr std::uint16_t kFaultReactionOption = 0x605E;
 inline constexpr std::uint16_t kModeOfOperation = 0x6060;
 inline constexpr std::uint16_t kModeOfOperationDisplay = 0x6061;
 inline constexpr std::uint16_t kPositionActual = 0x6064;
-inline constexpr std::uint16_t kRatedTorque = 0x6076;  // mNm
-inline constexpr std::uint16_t kTorqueActual = 0x6077;  // per mille of it
+inline constexpr std::uint16_t kRatedTorque = 0x6076;    // mNm
+inline constexpr std::uint16_t kTorqueActual = 0x6077;   // per mille of it
 inline constexpr std::uint16_t kSupplyVoltage = 0x6079;  // mV
 inline constexpr std::uint16_t kTargetPosition = 0x607A;
 inline constexpr std::uint16_t kSoftwarePositionLimit = 0x607D;
@@ -58,6 +58,8 @@ constexpr std::uint16_t statusword_of(State state) {
   constexpr std::uint16_t kBits[] = {0x00, 0x40, 0x21, 0x23, 0x27, 0x07, 0x0F, 0x08};
   return kBits[static_cast<std::uint8_t>(state)];
 }
+
+constexpr bool is_operation_enabled(std::uint16_t statusword) { return (statusword & 0x6F) == 0x27; }
 
 constexpr State state_of(std::uint16_t statusword) {
   switch (statusword & 0x4F) {

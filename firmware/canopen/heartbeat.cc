@@ -66,8 +66,7 @@ bool HeartbeatMonitor::on_heartbeat(const Heartbeat& heartbeat, std::uint64_t no
   return event.kind != HeartbeatEventKind::kStateChanged || before.state != heartbeat.state;
 }
 
-bool HeartbeatMonitor::check(std::uint64_t now_us, HeartbeatEvent& event) {
-  if (now_us < earliest_us_) return false;
+bool HeartbeatMonitor::find_lost(std::uint64_t now_us, HeartbeatEvent& event) {
   std::uint64_t earliest_us = std::numeric_limits<std::uint64_t>::max();
   for (HeartbeatConsumer& consumer : consumers_) {
     if (!consumer.alive) continue;

@@ -51,7 +51,9 @@ class HeartbeatMonitor {
   // True when the frame's news are an event.
   bool on_heartbeat(const Heartbeat& heartbeat, std::uint64_t now_us, HeartbeatEvent& event);
   // True when a node has been lost; to be called again until false.
-  bool check(std::uint64_t now_us, HeartbeatEvent& event);
+  bool check(std::uint64_t now_us, HeartbeatEvent& event) {
+    return now_us >= earliest_us_ && find_lost(now_us, event);
+  }
 
   // Nothing is known of a node that is not monitored: null.
   const HeartbeatConsumer* find(std::uint8_t node_id) const;
@@ -60,6 +62,7 @@ class HeartbeatMonitor {
   static bool monitors(const HeartbeatConsumer& consumer) {
     return consumer.node_id != 0 && consumer.time_ms != 0;
   }
+  bool find_lost(std::uint64_t now_us, HeartbeatEvent& event);
   void update_slots();
 
   std::span<HeartbeatConsumer> consumers_;

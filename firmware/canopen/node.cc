@@ -142,9 +142,10 @@ void Node::on_nmt(const hal::CanFrame& frame, std::uint64_t now_us) {
 
 void Node::on_sync(std::uint64_t now_us) {
   if (!permits_sync(state_)) return;
-  for (std::size_t i = 0; i < rpdos_.size(); ++i) {
-    if (rpdos_[i].pending) take_effect(i);
+  for (std::size_t i = 0; rpdo_pending_ && i < rpdos_.size(); ++i) {
+    if (rpdos_[i].pending) take_effect(i, rpdos_[i].data);
   }
+  rpdo_pending_ = false;
   application_.on_sync(now_us);
   if (permits_pdo(state_)) tpdos_.on_sync(dictionary_, queue_, now_us);
 }
@@ -157,25 +158,24 @@ void Node::on_heartbeat(const Heartbeat& heartbeat, std::uint64_t now_us) {
 void Node::on_rpdo(std::size_t number, const hal::CanFrame& frame) {
   Rpdo& pdo = rpdos_[number];
   const std::uint8_t expected = pdo.record.size_bytes();
-  check_length(number, frame.size == expected  ? Length::kRight
-                       : frame.size < expected ? Length::kTooShort
-                                               : Length::kTooLong);
+  const Length length = frame.size == expected  ? Length::kRight
+                        : frame.size < expected ? Length::kTooShort
+                                                : Length::kTooLong;
+  if (length != pdo.length) note_length(number, length);
   if (frame.size < expected) return;
+  if (!pdo.record.synchronous()) return take_effect(number, frame.data);
   pdo.data = frame.data;
   pdo.pending = true;
-  if (!pdo.record.synchronous()) take_effect(number);
+  rpdo_pending_ = true;
 }
 
-void Node::take_effect(std::size_t number) {
-  Rpdo& pdo = rpdos_[number];
-  pdo.pending = false;
-  pdo.record.unpack(dictionary_, pdo.data.data());
+void Node::take_effect(std::size_t number, const std::array<std::uint8_t, 8>& data) {
+  rpdos_[number].pending = false;
+  rpdos_[number].record.unpack(dictionary_, data.data());
   application_.on_rpdo(number);
 }
 
-void Node::check_length(std::size_t number, Length length) {
-  const Length before = rpdos_[number].length;
-  if (length == before) return;
+void Node::note_length(std::size_t number, Length length) {
   rpdos_[number].length = length;
   const std::array<std::uint8_t, 5> which{static_cast<std::uint8_t>(number + 1)};
   if (length == Length::kTooShort)

@@ -132,8 +132,8 @@ class Node final : private ObjectServer {
   void on_sync(std::uint64_t now_us);
   void on_heartbeat(const Heartbeat& heartbeat, std::uint64_t now_us);
   void on_rpdo(std::size_t number, const hal::CanFrame& frame);
-  void check_length(std::size_t number, Length length);
-  void take_effect(std::size_t number);
+  void note_length(std::size_t number, Length length);
+  void take_effect(std::size_t number, const std::array<std::uint8_t, 8>& data);
   void produce_heartbeat(std::uint64_t now_us);
   void produce_sync(std::uint64_t now_us);
   void send_emergency(std::uint16_t code, const std::array<std::uint8_t, 5>& manufacturer);
@@ -155,6 +155,7 @@ class Node final : private ObjectServer {
   SdoServer server_;
   HeartbeatMonitor heartbeats_;
   RpdoSet rpdos_;
+  bool rpdo_pending_ = false;  // data of one or more wait for the SYNC
   TpdoSet tpdos_;
   ErrorLog errors_;
   std::uint16_t heartbeat_ms_ = 0;

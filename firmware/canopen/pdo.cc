@@ -195,20 +195,20 @@ AbortCode PdoRecord::resolve(std::uint32_t entry, const Dictionary& dictionary, 
 }
 
 void PdoRecord::pack(const Dictionary& dictionary, std::uint8_t* data) const {
-  for (std::size_t i = 0; i < mapped_count_; ++i) {
-    const MappedObject& object = objects_[i];
-    copy_value(data, dictionary.value_at(object.offset), object.size_bytes);
-    data += object.size_bytes;
+  const std::byte* const values = dictionary.value_at(0);
+  for (const MappedObject& object : mapped()) {
+    const std::size_t size = object.size_bytes;
+    copy_value(data, values + object.offset, size);
+    data += size;
   }
 }
 
 void PdoRecord::unpack(Dictionary& dictionary, const std::uint8_t* data) const {
-  for (std::size_t i = 0; i < mapped_count_; ++i) {
-    const MappedObject& object = objects_[i];
-    if (object.offset != MappedObject::kDummy) {
-      copy_value(dictionary.value_at(object.offset), data, object.size_bytes);
-    }
-    data += object.size_bytes;
+  std::byte* const values = dictionary.value_at(0);
+  for (const MappedObject& object : mapped()) {
+    const std::size_t size = object.size_bytes;
+    if (object.offset != MappedObject::kDummy) copy_value(values + object.offset, data, size);
+    data += size;
   }
 }
 

@@ -80,6 +80,7 @@ class PdoRecord {
   void unpack(Dictionary& dictionary, const std::uint8_t* data) const;
 
  private:
+  std::span<const MappedObject> mapped() const { return {objects_.data(), mapped_count_}; }
   AbortCode write_cob_id(std::uint32_t cob_id);
   AbortCode write_mapped_count(std::uint32_t count);
   AbortCode resolve(std::uint32_t entry, const Dictionary& dictionary, MappedObject& object) const;

@@ -11,11 +11,13 @@ void SlotMap::insert(std::uint16_t key, std::uint8_t slot) {
   items_[place] = {key, slot};
 }
 
-std::size_t SlotMap::find(std::uint16_t key) const {
+std::size_t SlotMap::search(std::uint16_t key) const {
   const std::span<const Item> used = items_.first(size_);
   const auto item = std::lower_bound(used.begin(), used.end(), key,
                                      [](const Item& left, std::uint16_t right) { return left.key < right; });
-  return item != used.end() && item->key == key ? item->slot : kNone;
+  if (item == used.end() || item->key != key) return kNone;
+  next_ = static_cast<std::size_t>(item - used.begin()) + 1;
+  return item->slot;
 }
 
 }  // namespace koboshi::canopen

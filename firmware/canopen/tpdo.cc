@@ -32,8 +32,7 @@ void TpdoSet::on_sync(const Dictionary& dictionary, FrameSink& sink, std::uint64
   }
 }
 
-void TpdoSet::process(const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us) {
-  if (now_us < due_us_) return;
+void TpdoSet::send_due(const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us) {
   due_us_ = std::numeric_limits<std::uint64_t>::max();
   for (Tpdo& pdo : pdos_) {
     if (!pdo.record.valid() || pdo.record.synchronous()) continue;

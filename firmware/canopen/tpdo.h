@@ -39,13 +39,16 @@ class TpdoSet {
   // An event: something in PDO `number` is worth telling.
   void request(std::size_t number, const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us);
   void on_sync(const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us);
-  void process(const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us);
+  void process(const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us) {
+    if (now_us >= due_us_) send_due(dictionary, sink, now_us);
+  }
 
  private:
+  void send_due(const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us);
   void send(Tpdo& pdo, const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us);
 
   std::span<Tpdo> pdos_;
-  std::uint64_t due_us_ = 0;  // `process` has nothing to do before
+  std::uint64_t due_us_ = 0;  // nothing is to be sent before
 };
 
 }  // namespace koboshi::canopen
