@@ -1,5 +1,8 @@
 #include "firmware/drive/drive_group.h"
 
+#include <algorithm>
+#include <span>
+
 #include "firmware/fixed/saturating.h"
 
 namespace koboshi::drive {
@@ -94,16 +97,26 @@ void DriveGroup::observe(std::uint64_t now_us) {
 // A drive that hangs, or is no longer operational, says nothing any more; its last statusword is then worth
 // nothing.
 void DriveGroup::watch_answers() {
-  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
-    const bool answered = (answered_ >> joint & 1u) != 0;
-    missed_[joint] = answered ? std::uint8_t{0} : fixed::add_saturated(missed_[joint], std::uint8_t{1});
-    if (missed_[joint] >= kMissedAnswers) report(Trouble::kLost, joint);
+  if (answered_ == all_joints()) {  // nearly always
+    missed_ = {};
+  } else {
+    count_missed();
   }
   heard_ |= answered_;
   answered_ = 0;
 }
 
+void DriveGroup::count_missed() {
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
+    const bool answered = (answered_ >> joint & 1u) != 0;
+    missed_[joint] = answered ? std::uint8_t{0} : fixed::add_saturated(missed_[joint], std::uint8_t{1});
+    if (missed_[joint] >= kMissedAnswers) report(Trouble::kLost, joint);
+  }
+}
+
 void DriveGroup::watch_states(std::uint64_t now_us) {
+  const auto words = std::span(signals_.statusword).first(model_.joint_count);
+  if (enabled_ && std::ranges::all_of(words, cia402::is_operation_enabled)) return;  // nearly always
   const bool due = goal_ == Goal::kEnabled && (enabled_ || now_us >= enable_deadline_us_);
   // Drives that wait for another to be switched on are not to blame.
   const bool waiting = !enabled_ && !all_switched_on();
@@ -117,14 +130,15 @@ void DriveGroup::watch_states(std::uint64_t now_us) {
 }
 
 void DriveGroup::command() {
-  const bool last_step = all_switched_on();
+  const bool last_step = enabled_ || all_switched_on();
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     signals_.controlword[joint] = controlword(joint, last_step);
   }
 }
 
 bool DriveGroup::switched_on(std::size_t joint) const {
-  return state(joint) == State::kSwitchedOn || state(joint) == State::kOperationEnabled;
+  const State now = state(joint);
+  return now == State::kSwitchedOn || now == State::kOperationEnabled;
 }
 
 bool DriveGroup::all_switched_on() const {

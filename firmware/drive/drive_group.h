@@ -84,6 +84,7 @@ class DriveGroup {
   void await_boot_ups(std::uint64_t now_us);
   void configure(std::uint64_t now_us);
   void watch_answers();
+  void count_missed();
   void watch_states(std::uint64_t now_us);
 
   const robot::RobotModel& model_;
