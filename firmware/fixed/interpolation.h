@@ -20,7 +20,9 @@ namespace koboshi::fixed {
 template <AnyQuantity Q>
 [[nodiscard]] constexpr Q interpolate(Q from, Q to, Ratio fraction) {
   const std::int64_t difference = std::int64_t{to.raw()} - from.raw();
-  return Q::from_wide_raw(from.raw() + shift_rounded(difference * fraction.raw(), Ratio::kFractionBits));
+  // Lies between the two, so it fits.
+  return Q::from_raw(static_cast<std::int32_t>(
+      from.raw() + shift_rounded(difference * fraction.raw(), Ratio::kFractionBits)));
 }
 
 // The same the short way round: a heading that goes from -170 to 170 degrees passes 180.
