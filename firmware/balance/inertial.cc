@@ -1,5 +1,6 @@
 #include "firmware/balance/inertial.h"
 
+#include "firmware/fixed/rounding.h"
 #include "firmware/fixed/trigonometry.h"
 
 namespace koboshi::balance {
@@ -8,7 +9,10 @@ namespace {
 // A raw sample in units of Q: `full_scale` is what 2^15 counts mean.
 template <fixed::AnyQuantity Q>
 robot::Vector<Q> scaled(const std::array<std::int16_t, 3>& raw, Q full_scale) {
-  const auto value = [&](std::int16_t counts) { return fixed::mul_div(full_scale, counts, 1 << 15); };
+  const auto value = [&](std::int16_t counts) {  // fits, because a full scale is positive
+    const std::int64_t value_raw = fixed::shift_rounded(std::int64_t{full_scale.raw()} * counts, 15);
+    return Q::from_raw(static_cast<std::int32_t>(value_raw));
+  };
   return {value(raw[0]), value(raw[1]), value(raw[2])};
 }
 

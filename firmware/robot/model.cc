@@ -101,12 +101,6 @@ std::array<std::uint8_t, kLegJoints> RobotModel::leg(hal::Side side) const {
   return indices;
 }
 
-std::int32_t drive_position(const Drive& drive, fixed::Angle angle) {
-  const std::int64_t shaft_raw = std::int64_t{drive.sign} * angle.raw() + drive.zero.raw();
-  return fixed::saturate<std::int32_t>(
-      fixed::shift_rounded(shaft_raw, fixed::Angle::kFractionBits - drive.position_bits));
-}
-
 fixed::Angle joint_angle(const Drive& drive, std::int32_t position) {
   const std::int64_t shaft_raw =
       std::int64_t{position} * (std::int64_t{1} << (fixed::Angle::kFractionBits - drive.position_bits));

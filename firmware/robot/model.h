@@ -6,6 +6,8 @@
 #include <optional>
 #include <span>
 
+#include "firmware/fixed/rounding.h"
+#include "firmware/fixed/saturating.h"
 #include "firmware/robot/geometry.h"
 #include "firmware/robot/image.h"
 #include "hal/port/ankle.h"
@@ -142,7 +144,11 @@ inline constexpr fixed::Length kMaxOffset = fixed::Length::from_raw(1 << 24);
 // Target or actual position of the drive's shaft for a joint angle, and back. Rounded to nearest; an angle
 // beyond half a turn saturates, so that an encoder just past a stop at 180 degrees does not seem to be at the
 // other stop.
-[[nodiscard]] std::int32_t drive_position(const Drive& drive, fixed::Angle angle);
+[[nodiscard]] inline std::int32_t drive_position(const Drive& drive, fixed::Angle angle) {
+  const std::int64_t shaft_raw = std::int64_t{drive.sign} * angle.raw() + drive.zero.raw();
+  return fixed::saturate<std::int32_t>(
+      fixed::shift_rounded(shaft_raw, fixed::Angle::kFractionBits - drive.position_bits));
+}
 [[nodiscard]] fixed::Angle joint_angle(const Drive& drive, std::int32_t position);
 
 [[nodiscard]] constexpr fixed::Angle clamp_to_limits(const Joint& joint, fixed::Angle angle) {
