@@ -104,4 +104,10 @@ constexpr bool makes_torque(State state) {
          state == State::kMotion;
 }
 
+// Nothing moves the robot but who carries it: where the gyro's bias is measured.
+constexpr bool rests(State state) { return state == State::kBoot || state == State::kLimp; }
+
+// The robot is on its feet, and the gyro feedback may correct its joints.
+constexpr bool balances(State state) { return state == State::kStanding || state == State::kMotion; }
+
 }  // namespace koboshi::app

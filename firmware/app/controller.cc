@@ -34,6 +34,7 @@ Controller::Controller(const hal::Board& board)
             memory_.buffers(), sink_, *this),
       drives_(model_, node_.sink(), values_.drives),
       inertial_(model_),
+      gyro_feedback_(model_),
       interpreter_(model_) {}
 
 void Controller::service(std::uint64_t now_us) {
@@ -51,6 +52,7 @@ void Controller::tick(std::uint64_t now_us) {
   drives_.observe(now_us);
   if (drives_.trouble()) fail(Reason::kDriveTrouble);
   watch_sensors(now_us);
+  estimate();
   run_state(now_us);
   publish_telemetry();
   publish(now_us);
@@ -86,8 +88,8 @@ void Controller::receive(std::uint64_t now_us) {
 void Controller::read_sensors(std::uint64_t now_us) {
   hal::ImuSample imu;
   for (std::size_t i = 0; i < 16 && board_.imu.read(imu); ++i) inertial_.add(imu, now_us);
+  hal::AnkleSample sample;
   for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
-    hal::AnkleSample sample;
     if (!board_.ankles.read(side, sample)) continue;
     const auto foot = static_cast<std::size_t>(side);
     ankle_us_[foot] = now_us;

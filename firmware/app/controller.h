@@ -8,6 +8,8 @@
 #include "firmware/app/behaviour.h"
 #include "firmware/app/catalogue.h"
 #include "firmware/app/dictionary.h"
+#include "firmware/balance/gyro_bias.h"
+#include "firmware/balance/gyro_feedback.h"
 #include "firmware/balance/inertial.h"
 #include "firmware/canopen/node.h"
 #include "firmware/drive/drive_group.h"
@@ -55,6 +57,10 @@ class Controller final : private canopen::NodeApplication {
   void watch_sensors(std::uint64_t now_us);
   Reason silent_sensor(std::uint64_t now_us) const;
 
+  // What the sensors tell of the robot (estimation.cc).
+  void estimate();
+  void calibrate_gyro(const balance::InertialSensor::Rates& raw);
+
   // Commands, as they arrive (commands.cc): why one is refused, kNone when it was obeyed.
   Reason obey(Command command, std::int16_t argument);
   Reason try_to_obey(Command command, std::int16_t argument);
@@ -94,12 +100,15 @@ class Controller final : private canopen::NodeApplication {
   canopen::Node node_;
   drive::DriveGroup drives_;
   balance::InertialSensor inertial_;
+  balance::GyroBias gyro_bias_;
+  balance::GyroFeedback gyro_feedback_;
   motion::Interpreter interpreter_;
   std::array<std::optional<std::uint64_t>, 2> ankle_us_;  // when each ankle spoke last
   std::uint64_t now_us_ = 0;
   std::uint64_t started_us_ = 0;  // of the boot
   std::uint64_t fault_us_ = 0;
   bool started_ = false;
+  balance::InertialSensor::Rates rates_{};  // of the trunk, in its axes, free of the gyro's bias
   Angles targets_{};
   Angles ramp_from_{};
   Angles ramp_to_{};

@@ -18,6 +18,7 @@ using Values = ControllerValues;
 #define FIELD(member) KOBOSHI_FIELD(Values, member)
 
 constexpr std::size_t kJoints = robot::kMaxJoints;
+constexpr int kMaxGain = 4096;  // one second
 
 constexpr canopen::Entry kRows[] = {
     object(0x2000, 1, FIELD(request.command), Access::kReadWrite, Mappable::kRpdo),
@@ -39,11 +40,17 @@ constexpr canopen::Entry kRows[] = {
     object(0x2100, 1, FIELD(parameters.supply_min_mV), Access::kReadWrite),
     object(0x2100, 2, FIELD(parameters.supply_max_mV), Access::kReadWrite),
     object(0x2100, 3, FIELD(parameters.ramp_rate), Access::kReadWrite).within<std::int16_t>(68, 4096),
+    object(0x2101, 1, FIELD(feedback.ankle_pitch), Access::kReadWrite).within(-kMaxGain, kMaxGain),
+    object(0x2101, 2, FIELD(feedback.ankle_roll), Access::kReadWrite).within(-kMaxGain, kMaxGain),
+    object(0x2101, 3, FIELD(feedback.hip_roll), Access::kReadWrite).within(-kMaxGain, kMaxGain),
+    object(0x2101, 4, FIELD(feedback.knee), Access::kReadWrite).within(-kMaxGain, kMaxGain),
     object(0x2200, 1, FIELD(diagnosis.model_id), Access::kReadOnly),
     object(0x2200, 2, FIELD(diagnosis.motions), Access::kReadOnly),
     object(0x2200, 3, FIELD(diagnosis.frames_lost), Access::kReadOnly),
     object(0x2200, 4, FIELD(diagnosis.imu_overruns), Access::kReadOnly),
     object(0x2200, 5, FIELD(diagnosis.receive_overruns), Access::kReadOnly),
+    object(0x2200, 6, FIELD(diagnosis.gyro_calibrations), Access::kReadOnly),
+    object(0x2200, 7, FIELD(diagnosis.gyro_bias[0]), Access::kReadOnly).repeated(3, 2),
     object(0x2300, 1, FIELD(drives.controlword[0]), Access::kReadOnly, Mappable::kTpdo).repeated(kJoints, 2),
     object(0x2301, 1, FIELD(drives.target_position[0]), Access::kReadOnly, Mappable::kTpdo)
         .repeated(kJoints, 4),

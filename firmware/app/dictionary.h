@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "firmware/app/behaviour.h"
+#include "firmware/balance/gyro_feedback.h"
 #include "firmware/canopen/node.h"
 #include "firmware/drive/signals.h"
 #include "firmware/drive/trouble.h"
@@ -48,16 +49,19 @@ struct ControllerValues {
   struct {
     std::uint16_t supply_min_mV = 6000;
     std::uint16_t supply_max_mV = 9000;
-    std::int16_t ramp_rate = 683;  // of the soft start, 2^-12 turn/s: 60 degrees a second
-  } parameters;                    // 0x2100
+    std::int16_t ramp_rate = 683;   // of the soft start, 2^-12 turn/s: 60 degrees a second
+  } parameters;                     // 0x2100
+  balance::FeedbackGains feedback;  // 0x2101
   struct {
     std::uint32_t model_id = 0;
     std::uint32_t motions = 0;  // bit n: motion n is valid
     std::uint16_t frames_lost = 0;
     std::uint16_t imu_overruns = 0;
     std::uint16_t receive_overruns = 0;
-  } diagnosis;                 // 0x2200
-  drive::DriveSignals drives;  // 0x2300..0x2304, by joint from sub-index 1
+    std::uint16_t gyro_calibrations = 0;  // seconds of rest that gave the gyro's bias; 0: it is not known
+    std::int16_t gyro_bias[3] = {};       // 2^-12 turn/s, axes of the trunk
+  } diagnosis;                            // 0x2200
+  drive::DriveSignals drives;             // 0x2300..0x2304, by joint from sub-index 1
 };
 
 inline constexpr std::uint16_t kRequestObject = 0x2000;

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/fixed/rounding.h"
+#include "firmware/fixed/saturating.h"
+#include "firmware/fixed/units.h"
+
+namespace koboshi::app {
+
+// Quantities as the object dictionary shows them, in 16 bits: rounded, and saturated at the ends.
+
+constexpr std::int16_t narrow_raw(std::int32_t raw, int shift) {
+  return fixed::saturate<std::int16_t>(fixed::shift_rounded(raw, shift));
+}
+constexpr std::int16_t narrow(fixed::Angle angle) { return narrow_raw(angle.raw(), 16); }      // 2^-16 turn
+constexpr std::int16_t narrow(fixed::AngularRate rate) { return narrow_raw(rate.raw(), 12); }  // 2^-12 turn/s
+constexpr std::int16_t narrow(fixed::Acceleration a) { return narrow_raw(a.raw(), 12); }       // 2^-8 m/s^2
+constexpr std::int16_t narrow(fixed::Length length) { return narrow_raw(length.raw(), 9); }    // 2^-15 m
+
+}  // namespace koboshi::app

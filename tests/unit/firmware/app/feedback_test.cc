@@ -1,0 +1,103 @@
+#include <gtest/gtest.h>
+
+#include "tests/support/controller_bench.h"
+#include "tests/unit/firmware/robot/test_robot.h"
+
+namespace koboshi::app {
+namespace {
+
+using test::ControllerBench;
+
+constexpr std::size_t kAnklePitch = 4;
+constexpr std::size_t kKnee = 3;
+constexpr std::int16_t kOneRadPerS = 1878;  // counts of the test robot's gyro, 17.45 rad/s at 2^15
+
+// Expedited download of two bytes to the gains, object 0x2101.
+void set_gain(ControllerBench& bench, std::uint8_t subindex, std::uint8_t low, std::uint8_t high = 0) {
+  bench.board.can.deliver({.identifier = 0x601, .size = 8, .data = {0x2B, 0x01, 0x21, subindex, low, high}});
+  bench.run_ms(1);
+}
+
+class ControllerFeedback : public testing::Test {
+ protected:
+  void pitch_forward() {
+    bench.imu_sample.gyro_raw[1] = kOneRadPerS;
+    bench.run_ms(300);
+  }
+  double target_rad(std::size_t joint) const { return fixed::to_double(bench.target(joint)); }
+
+  ControllerBench bench;
+};
+
+TEST_F(ControllerFeedback, IsOffUntilGainsAreSet) {
+  ASSERT_TRUE(bench.run_until_standing());
+  const auto before = bench.target(kAnklePitch);
+  pitch_forward();
+  EXPECT_EQ(bench.target(kAnklePitch), before);
+}
+
+TEST_F(ControllerFeedback, TurnsTheAnklesOfAStandingRobot) {
+  set_gain(bench, 1, 205);
+  EXPECT_EQ(bench.values().feedback.ankle_pitch, 205);
+  ASSERT_TRUE(bench.run_until_standing());
+  const double before_rad = target_rad(kAnklePitch);
+  pitch_forward();
+  // 205 / 4096 s; the drive resolves 6e-6 rad.
+  EXPECT_NEAR(target_rad(kAnklePitch) - before_rad, 205.0 / 4096 * kOneRadPerS / 32768.0 * 17.45, 1e-5);
+  bench.imu_sample.gyro_raw[1] = 0;
+  bench.run_ms(500);
+  EXPECT_NEAR(target_rad(kAnklePitch), before_rad, 1e-5);
+}
+
+TEST_F(ControllerFeedback, AddsToAMotion) {
+  set_gain(bench, 1, 205);
+  ASSERT_TRUE(bench.run_until_standing());
+  bench.command(Command::kPlay, 1);
+  ASSERT_EQ(bench.now().state, State::kMotion);
+  const double before_rad = target_rad(kAnklePitch);
+  pitch_forward();
+  EXPECT_NEAR(target_rad(kAnklePitch) - before_rad, 0.05, 1e-3);
+}
+
+TEST_F(ControllerFeedback, LeavesNoTargetBeyondItsLimits) {
+  set_gain(bench, 4, 0x00, 0x10);  // one second
+  ASSERT_TRUE(bench.run_until_standing());
+  bench.imu_sample.gyro_raw[1] = -32'768;
+  bench.run_ms(300);
+  EXPECT_GE(bench.target(kKnee), bench.model().joints[kKnee].lower);
+  EXPECT_NEAR(target_rad(kKnee), (40 - 15) * test::kRadPerDegree, 1e-5);
+}
+
+TEST_F(ControllerFeedback, RefusesAGainBeyondASecond) {
+  set_gain(bench, 2, 0x01, 0x10);
+  EXPECT_EQ(bench.values().feedback.ankle_roll, 0);
+  const auto answer = bench.last_sent(0x581);
+  ASSERT_TRUE(answer.has_value());
+  EXPECT_EQ(answer->data[0], 0x80);
+}
+
+TEST_F(ControllerFeedback, KnowsNothingOfTheGyrosBias) {
+  bench.imu_sample.gyro_raw = {0, kOneRadPerS / 3, 0};  // 19 deg/s
+  set_gain(bench, 1, 205);
+  ASSERT_TRUE(bench.run_until(State::kLimp));
+  bench.run_ms(1'100);
+  EXPECT_GE(bench.values().diagnosis.gyro_calibrations, 1);
+  EXPECT_NEAR(bench.values().diagnosis.gyro_bias[1], 17.45 / 3 * kOneRadPerS / 32768 * 4096 / 6.2832, 1.0);
+  EXPECT_EQ(bench.values().attitude.rate[1], 0);
+  ASSERT_TRUE(bench.run_until_standing());
+  EXPECT_NEAR(target_rad(kAnklePitch), 0.0, 1e-5);
+  pitch_forward();
+  EXPECT_NEAR(target_rad(kAnklePitch), 0.05 * 2 / 3, 1e-3);
+}
+
+TEST_F(ControllerFeedback, SaysThatItDoesNotKnowTheBiasWithoutASecondOfRest) {
+  for (int i = 0; i < 200; ++i) {
+    bench.imu_sample.gyro_raw[2] = i % 20 < 10 ? kOneRadPerS : -kOneRadPerS;
+    bench.run_ms(10);
+  }
+  EXPECT_EQ(bench.values().diagnosis.gyro_calibrations, 0);
+  EXPECT_EQ(bench.values().diagnosis.gyro_bias[2], 0);
+}
+
+}  // namespace
+}  // namespace koboshi::app

@@ -1,0 +1,123 @@
+#include "firmware/balance/gyro_feedback.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "firmware/robot/kinematics.h"
+#include "firmware/robot/model_check.h"
+#include "tests/unit/firmware/robot/test_robot.h"
+
+namespace koboshi::balance {
+namespace {
+
+using fixed::Angle;
+using fixed::AngularRate;
+using fixed::from_double;
+using fixed::to_double;
+
+constexpr FeedbackGains kTenthOfASecond{.ankle_pitch = 410, .ankle_roll = 410, .hip_roll = 410, .knee = 410};
+
+robot::Vector<AngularRate> rates(double x_rad_per_s, double y_rad_per_s, double z_rad_per_s) {
+  return {from_double<AngularRate>(x_rad_per_s), from_double<AngularRate>(y_rad_per_s),
+          from_double<AngularRate>(z_rad_per_s)};
+}
+
+class GyroFeedbackTest : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_EQ(robot::check_model(model), robot::ModelStatus::kOk); }
+  std::vector<Angle> corrected(const FeedbackGains& gains, const robot::Vector<AngularRate>& w_WB_B) const {
+    std::vector<Angle> targets = pose;
+    GyroFeedback(model).correct(gains, w_WB_B, targets);
+    return targets;
+  }
+  double change_rad(const std::vector<Angle>& targets, std::size_t joint) const {
+    return to_double(targets[joint] - pose[joint]);
+  }
+  // What the trunk does on a foot that stays where it is: the rotation of B in the sole frame, about axis i.
+  double trunk_turn_rad(const std::vector<Angle>& targets, hal::Side side, std::size_t axis) const {
+    robot::LinkPoses before;
+    robot::LinkPoses after;
+    robot::forward_kinematics(model, pose, before);
+    robot::forward_kinematics(model, targets, after);
+    // R_SoleB after . (R_SoleB before)^T, whose skew part is the small turn.
+    const robot::Rotation turn =
+        robot::transpose(robot::sole_pose(model, side, after).R) * robot::sole_pose(model, side, before).R;
+    return axis == 0 ? to_double(turn.rows[2].y) : to_double(turn.rows[0].z);
+  }
+
+  robot::RobotModel model = test::make_test_robot();
+  std::vector<Angle> pose = [] {
+    std::vector<Angle> squat(20);
+    for (const std::size_t leg : {0u, 6u}) {
+      squat[leg + 2] = test::degrees(-20);
+      squat[leg + 3] = test::degrees(40);
+      squat[leg + 4] = test::degrees(-20);
+    }
+    return squat;
+  }();
+};
+
+TEST_F(GyroFeedbackTest, ChangesNotABitWithoutGains) { EXPECT_EQ(corrected({}, rates(10, -10, 10)), pose); }
+
+TEST_F(GyroFeedbackTest, TurnsByGainTimesRate) {
+  const auto targets =
+      corrected({.ankle_pitch = 205, .ankle_roll = 123, .hip_roll = -82, .knee = 41}, rates(0.5, 1.0, 7.0));
+  for (const std::size_t leg : {0u, 6u}) {
+    EXPECT_NEAR(change_rad(targets, leg + 1), -82.0 / 4096 * 0.5, 1e-8);
+    EXPECT_NEAR(change_rad(targets, leg + 3), 41.0 / 4096 * 1.0, 1e-8);
+    EXPECT_NEAR(change_rad(targets, leg + 4), 205.0 / 4096 * 1.0, 1e-8);
+    EXPECT_NEAR(change_rad(targets, leg + 5), 123.0 / 4096 * 0.5, 1e-8);
+    EXPECT_EQ(targets[leg], pose[leg]);          // hip yaw
+    EXPECT_EQ(targets[leg + 2], pose[leg + 2]);  // hip pitch
+  }
+  for (std::size_t joint = 12; joint < 20; ++joint) EXPECT_EQ(targets[joint], pose[joint]);
+}
+
+// The physics behind the signs, joint by joint: the trunk pitches forward, and each joint that answers turns
+// it back.
+TEST_F(GyroFeedbackTest, TurnsAFallingTrunkBack) {
+  const FeedbackGains each[] = {{.ankle_pitch = 410}, {.knee = 410}, {.ankle_roll = 410}, {.hip_roll = 410}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::size_t axis = i < 2 ? 1 : 0;
+    for (const double rate : {0.5, -0.5}) {
+      const auto targets = corrected(each[i], axis == 0 ? rates(rate, 0, 0) : rates(0, rate, 0));
+      for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
+        EXPECT_NEAR(trunk_turn_rad(targets, side, axis), -410.0 / 4096 * rate, 1e-3) << i << " " << rate;
+      }
+    }
+  }
+}
+
+TEST_F(GyroFeedbackTest, PressesTheToesOfARobotThatFallsForward) {
+  const auto targets = corrected(kTenthOfASecond, rates(0, 1, 0));
+  EXPECT_GT(change_rad(targets, 4), 0.0);  // positive ankle pitch: toes down
+  EXPECT_GT(change_rad(targets, 10), 0.0);
+}
+
+TEST_F(GyroFeedbackTest, FollowsTheAxisOfAJointThatTurnsTheOtherWay) {
+  model.joints[4].axis = -robot::kAxisY;
+  const auto targets = corrected(kTenthOfASecond, rates(0, 1, 0));
+  EXPECT_LT(change_rad(targets, 4), 0.0);
+  EXPECT_GT(change_rad(targets, 10), 0.0);
+}
+
+TEST_F(GyroFeedbackTest, StopsAtItsBound) {
+  const auto targets = corrected(kTenthOfASecond, rates(0, 50, 0));
+  EXPECT_EQ(targets[4] - pose[4], GyroFeedback::kMaxCorrection);
+  EXPECT_EQ(corrected(kTenthOfASecond, rates(0, -50, 0))[4] - pose[4], -GyroFeedback::kMaxCorrection);
+}
+
+TEST_F(GyroFeedbackTest, DoesNotWrapATargetAtHalfATurn) {
+  pose[5] = Angle::max();
+  EXPECT_EQ(corrected(kTenthOfASecond, rates(1, 0, 0))[5], Angle::max());
+}
+
+TEST_F(GyroFeedbackTest, LeavesARobotWithoutLegsAlone) {
+  model.joint_count = 0;
+  EXPECT_EQ(corrected(kTenthOfASecond, rates(1, 1, 1)), pose);
+}
+
+}  // namespace
+}  // namespace koboshi::balance
