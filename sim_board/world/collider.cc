@@ -99,7 +99,8 @@ void Collider::touch(const Pair& pair) {
     const dJointID joint = dJointCreateContact(world_, joints_.get(), &contact);
     dJointAttach(joint, dGeomGetBody(pair.geom), dGeomGetBody(pair.other_geom));
     dJointSetFeedback(joint, &feedbacks_[contacts_.size()]);
-    contacts_.push_back({pair.link, pair.other_link, vector_of(contact.geom.pos), Eigen::Vector3d::Zero()});
+    contacts_.push_back({pair.link, pair.other_link, vector_of(contact.geom.pos),
+                         vector_of(contact.geom.normal), Eigen::Vector3d::Zero()});
   }
 }
 

@@ -15,6 +15,20 @@ CentreOfMass centre_of_mass(const RobotDescription& robot, const World& world) {
   return {sum.p_WCom_W / mass_kg, sum.v_WCom_W / mass_kg};
 }
 
+Eigen::Isometry3d pose_before_step(const RobotDescription& robot, const World& world, int link) {
+  const Eigen::Vector3d& p_LCom_L = robot.links.at(static_cast<std::size_t>(link)).p_LCom_L;
+  const BodyState body = world.body(link);
+  const Eigen::Vector3d turn_W = -world.step_s() * body.w_WL_W;
+  const double angle_rad = turn_W.norm();
+  Eigen::Isometry3d X_WL = body.X_WL;
+  if (angle_rad > 0.0) {
+    X_WL.linear() = Eigen::AngleAxisd(angle_rad, turn_W / angle_rad) * X_WL.linear();
+  }
+  const Eigen::Vector3d p_WCom_W = body.X_WL * p_LCom_L - world.step_s() * body.v_WCom_W;
+  X_WL.translation() = p_WCom_W - X_WL.linear() * p_LCom_L;
+  return X_WL;
+}
+
 double energy_J(const RobotDescription& robot, const World& world,
                 const Eigen::Vector3d& gravity_W_m_per_s2) {
   double energy_J = 0.0;

@@ -16,6 +16,11 @@ struct CentreOfMass {
 
 CentreOfMass centre_of_mass(const RobotDescription& robot, const World& world);
 
+// The pose of a link when the last step began: the solver found contact points, contact forces and joint
+// wrenches for it. The engines move a body with the velocity at the end of a step, so that it can be gone
+// back.
+Eigen::Isometry3d pose_before_step(const RobotDescription& robot, const World& world, int link);
+
 // Kinetic energy of the links (rotors not counted) and potential energy relative to the world's origin.
 double energy_J(const RobotDescription& robot, const World& world, const Eigen::Vector3d& gravity_W_m_per_s2);
 

@@ -40,7 +40,8 @@ struct Contact {
   int link = -1;
   int other_link = -1;  // -1: the ground
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
-  Eigen::Vector3d f_W = Eigen::Vector3d::Zero();  // what `link` feels, N; the other feels the opposite
+  Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();  // unit normal, out of the other and into `link`
+  Eigen::Vector3d f_W = Eigen::Vector3d::Zero();   // what `link` feels, N; the other feels the opposite
 };
 
 // Physics that left the finite: the run ends with this. `what()` names time, body and reason.

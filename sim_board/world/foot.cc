@@ -1,0 +1,72 @@
+#include "sim_board/world/foot.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "sim_board/world/ground_truth.h"
+
+namespace koboshi::sim {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+bool is_of_ground(const Contact& contact, const Foot& foot) {
+  return contact.link == foot.link && contact.other_link < 0;
+}
+
+Foot make_foot(const RobotDescription& robot, const AnkleSensorDescription& sensor) {
+  Foot foot;
+  foot.link = robot.joints.at(static_cast<std::size_t>(sensor.joint)).child;
+  foot.X_LSole = sensor.X_LS * Eigen::Translation3d(0.0, 0.0, -sensor.height_above_sole_m);
+  for (const BoxDescription& box : robot.links.at(static_cast<std::size_t>(foot.link)).collisions) {
+    for (const double x : {-0.5, 0.5}) {
+      for (const double y : {-0.5, 0.5}) {
+        foot.corners_L.push_back(box.X_LG * Vector3d(x, y, -0.5).cwiseProduct(box.size_m));
+      }
+    }
+  }
+  return foot;
+}
+
+}  // namespace
+
+std::array<std::optional<Foot>, 2> feet_of(const RobotDescription& robot) {
+  std::array<std::optional<Foot>, 2> feet;
+  if (robot.left_ankle) feet[0] = make_foot(robot, *robot.left_ankle);
+  if (robot.right_ankle) feet[1] = make_foot(robot, *robot.right_ankle);
+  return feet;
+}
+
+FootPressure foot_pressure(const RobotDescription& robot, const Foot& foot, const World& world) {
+  const Isometry3d X_WSole = pose_before_step(robot, world, foot.link) * foot.X_LSole;
+  const Vector3d normal_W = X_WSole.linear().col(2);
+  FootPressure pressure;
+  Vector3d moment_W = Vector3d::Zero();  // of the normal forces: the sum of force times place
+  for (const Contact& contact : world.contacts()) {
+    if (!is_of_ground(contact, foot)) continue;
+    const double force_N = normal_W.dot(contact.f_W);
+    pressure.load_N += force_N;
+    moment_W += force_N * contact.p_W;
+  }
+  const Vector3d p_W = pressure.load_N > 0.0 ? Vector3d(moment_W / pressure.load_N) : X_WSole.translation();
+  pressure.zmp_S_m = (X_WSole.inverse() * p_W).head<2>();
+  pressure.p_WZmp_W = X_WSole * Vector3d(pressure.zmp_S_m.x(), pressure.zmp_S_m.y(), 0.0);
+  return pressure;
+}
+
+void add_touching_corners(const Foot& foot, const World& world, const RobotDescription& robot,
+                          std::vector<Vector3d>& points_W) {
+  const Isometry3d X_WL = pose_before_step(robot, world, foot.link);
+  for (const Vector3d& corner_L : foot.corners_L) {
+    const Vector3d corner_W = X_WL * corner_L;
+    double height_m = std::numeric_limits<double>::infinity();
+    for (const Contact& contact : world.contacts()) {
+      if (!is_of_ground(contact, foot)) continue;
+      height_m = std::min(height_m, contact.n_W.dot(corner_W - contact.p_W));
+    }
+    if (height_m < kTouching_m) points_W.push_back(corner_W);
+  }
+}
+
+}  // namespace koboshi::sim

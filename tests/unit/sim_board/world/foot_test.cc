@@ -1,0 +1,120 @@
+#include "sim_board/world/foot.h"
+
+#include <gtest/gtest.h>
+
+#include "sim_board/world/ground_truth.h"
+#include "sim_board/world/ode_world.h"
+#include "tests/unit/sim_board/world/sample_robots.h"
+
+namespace koboshi::sim {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kWeight_N = 1.2 * 9.80665;
+const Vector3d kSize_m(0.1, 0.06, 0.02);
+
+// A box that stands, its sole frame `p_LSole_L` off its middle.
+class StandingBox {
+ public:
+  explicit StandingBox(const Vector3d& p_LSole_L = {0.0, 0.0, -0.01},
+                       const Vector3d& ground_normal_W = Vector3d::UnitZ())
+      : robot_(sample_box(1.2, kSize_m)) {
+    foot_.link = 0;
+    foot_.X_LSole = Eigen::Translation3d(p_LSole_L);
+    for (const double x : {-0.05, 0.05})
+      for (const double y : {-0.03, 0.03}) foot_.corners_L.push_back({x, y, -0.01});
+    WorldOptions options;
+    options.ground.normal_W = ground_normal_W;
+    const auto R_WL = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), ground_normal_W);
+    options.X_WB = R_WL * Eigen::Translation3d(0.0, 0.0, 0.01);
+    world_ = make_ode_world(robot_, options);
+  }
+
+  // A force down on the box at this place, until it has come to rest.
+  void load(const Vector3d& p_L, double force_N) {
+    for (int i = 0; i < 500; ++i) {
+      world_->push(0, p_L, {0.0, 0.0, -force_N});
+      world_->step();
+    }
+  }
+  FootPressure pressure() const { return foot_pressure(robot_, foot_, *world_); }
+  std::size_t touching_corners() const {
+    std::vector<Vector3d> corners_W;
+    add_touching_corners(foot_, *world_, robot_, corners_W);
+    return corners_W.size();
+  }
+  World& world() { return *world_; }
+  const RobotDescription& robot() const { return robot_; }
+
+ private:
+  RobotDescription robot_;
+  Foot foot_;
+  std::unique_ptr<World> world_;
+};
+
+TEST(FootPressure, IsUnderTheMiddleOfABoxAndInTheSolesFrame) {
+  StandingBox box({-0.02, 0.01, -0.01});
+  box.load(Vector3d::Zero(), 0.0);
+  EXPECT_NEAR(box.pressure().load_N, kWeight_N, 1e-6);
+  EXPECT_LT((box.pressure().zmp_S_m - Vector2d(0.02, -0.01)).norm(), 1e-6);
+  EXPECT_LT(box.pressure().p_WZmp_W.head<2>().norm(), 1e-6);
+}
+
+TEST(FootPressure, GoesForwardAndLeftWithTheLoad) {
+  StandingBox box;
+  box.load({0.04, 0.02, 0.01}, kWeight_N);  // as much as the box weighs: half way there
+  EXPECT_NEAR(box.pressure().load_N, 2 * kWeight_N, 1e-5);
+  EXPECT_NEAR(box.pressure().zmp_S_m.x(), 0.02, 1e-4);
+  EXPECT_NEAR(box.pressure().zmp_S_m.y(), 0.01, 1e-4);
+}
+
+TEST(FootPressure, GoesDownhillInThePlaneOfATiltedSole) {
+  const double tilt_rad = 0.2;
+  StandingBox box({0.0, 0.0, -0.01}, {std::sin(tilt_rad), 0.0, std::cos(tilt_rad)});  // falls towards +x
+  box.load(Vector3d::Zero(), 0.0);
+  EXPECT_NEAR(box.pressure().load_N, kWeight_N * std::cos(tilt_rad), 1e-3);
+  EXPECT_NEAR(box.pressure().zmp_S_m.x(), 0.01 * std::tan(tilt_rad), 1e-4);
+  EXPECT_NEAR(box.pressure().zmp_S_m.y(), 0.0, 1e-6);
+}
+
+TEST(FootPressure, IsNothingInTheAir) {
+  StandingBox box;
+  EXPECT_EQ(box.pressure().load_N, 0.0);
+  EXPECT_EQ(box.pressure().zmp_S_m, Vector2d(0.0, 0.0));
+  EXPECT_EQ(box.touching_corners(), 0u);
+}
+
+TEST(TouchingCorners, AreAllOfABoxThatStandsAndTwoOfOneThatRollsOverItsEdge) {
+  StandingBox box;
+  box.load({0.04, 0.02, 0.01}, kWeight_N);
+  EXPECT_EQ(box.touching_corners(), 4u);
+  for (int i = 0; i < 50; ++i) {
+    box.world().push(0, {0.07, 0.0, 0.01}, {0.0, 0.0, -4.0 * kWeight_N});
+    box.world().step();
+  }
+  EXPECT_EQ(box.touching_corners(), 2u);
+}
+
+TEST(PoseBeforeStep, IsTheOneThatTheStepBeganWith) {
+  const RobotDescription robot = sample_humanoid();
+  WorldOptions options;
+  options.ground.present = false;
+  const auto world = make_ode_world(robot, options);
+  world->push(0, {0.0, 0.05, 0.1}, {30.0, -20.0, 10.0});
+  for (int i = 0; i < 20; ++i) world->step();  // it tumbles
+  std::vector<Isometry3d> before;
+  for (std::size_t link = 0; link < robot.links.size(); ++link)
+    before.push_back(world->body(static_cast<int>(link)).X_WL);
+  world->step();
+  for (std::size_t link = 0; link < robot.links.size(); ++link) {
+    const int number = static_cast<int>(link);
+    ASSERT_GT((world->body(number).X_WL.matrix() - before[link].matrix()).norm(), 1e-5);
+    EXPECT_LT((pose_before_step(robot, *world, number).matrix() - before[link].matrix()).norm(), 1e-7);
+  }
+}
+
+}  // namespace
+}  // namespace koboshi::sim
