@@ -29,9 +29,9 @@ void AnkleSensor::step(const BodyState& foot, const Wrench& joint_W, std::uint64
   started_ = true;
   // The solver found the wrench for the poses from before the step, so they are what turns it.
   const Eigen::Matrix3d R_SW = R_SL_ * R_WL_before_.transpose();
-  const Eigen::Vector3d force_S = R_SW * joint_W.force_N;
-  const Eigen::Vector3d torque_S = R_SW * joint_W.torque_Nm + p_SJ_S_.cross(force_S);
-  channels_.step(force_S, torque_S, time_us);
+  wrench_S_.force_N = R_SW * joint_W.force_N;
+  wrench_S_.torque_Nm = R_SW * joint_W.torque_Nm + p_SJ_S_.cross(wrench_S_.force_N);
+  channels_.step(wrench_S_.force_N, wrench_S_.torque_Nm, time_us);
   R_WL_before_ = foot.X_WL.linear();
 }
 

@@ -25,6 +25,8 @@ class AnkleSensor {
   void step(const BodyState& foot, const Wrench& joint_W, std::uint64_t time_us);
   // Takes the oldest sample that has arrived by `now_us`. False, and `sample` untouched, when there is none.
   [[nodiscard]] bool poll(std::uint64_t now_us, hal::AnkleSample& sample);
+  // The wrench itself in the last step: neither filtered nor delayed, without any error.
+  const Wrench& wrench_S() const { return wrench_S_; }
   // A stopped sensor delivers nothing.
   void set_running(bool running) { channels_.set_running(running); }
 
@@ -35,6 +37,7 @@ class AnkleSensor {
   Eigen::Vector3d p_SJ_S_;  // from the sensor to the joint's anchor; both are fixed in the foot
   SixAxis channels_;
   Eigen::Matrix3d R_WL_before_ = Eigen::Matrix3d::Identity();  // the foot's axes when the last step began
+  Wrench wrench_S_;
   bool started_ = false;
 };
 
