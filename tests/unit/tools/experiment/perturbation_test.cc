@@ -1,0 +1,120 @@
+#include "tools/experiment/perturbation.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace koboshi::tools {
+namespace {
+
+constexpr int kSeeds = 2000;
+
+sim::RobotDescription two_links() {
+  sim::RobotDescription robot;
+  robot.links.resize(2);
+  robot.links[0].name = "trunk";
+  robot.links[0].mass_kg = 0.5;
+  robot.links[0].I_LCom_L = Eigen::Vector3d(1e-3, 2e-3, 3e-3).asDiagonal();
+  robot.links[1].name = "foot";
+  robot.links[1].mass_kg = 0.05;
+  return robot;
+}
+
+double tilt_rad(const sim::Ground& ground) {
+  const Eigen::Vector3d normal =
+      Eigen::AngleAxisd(ground.pitch_rad, Eigen::Vector3d::UnitY()) *
+      (Eigen::AngleAxisd(ground.roll_rad, Eigen::Vector3d::UnitX()) * Eigen::Vector3d::UnitZ());
+  return std::acos(std::min(1.0, normal.z()));
+}
+
+TEST(Perturbation, KeepsMassesWithinTheirBoundsAndUsesAllOfThem) {
+  double lowest = 1.0;
+  double highest = 1.0;
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    sim::RobotDescription robot = two_links();
+    perturb_robot(robot, {}, seed);
+    const double trunk = robot.links[0].mass_kg / 0.5;
+    const double foot = robot.links[1].mass_kg / 0.05;
+    lowest = std::min({lowest, trunk, foot});
+    highest = std::max({highest, trunk, foot});
+    EXPECT_NE(trunk, foot) << "every link has an error of its own";
+    EXPECT_NEAR(robot.links[0].I_LCom_L(1, 1), 2e-3 * trunk, 1e-12);
+  }
+  EXPECT_GE(lowest, 0.95);
+  EXPECT_LT(lowest, 0.951);
+  EXPECT_LE(highest, 1.05);
+  EXPECT_GT(highest, 1.049);
+}
+
+TEST(Perturbation, KeepsTheGroundWithinItsBoundsAndUsesAllOfThem) {
+  double lowest = 1.0;
+  double highest = 0.5;
+  double steepest_rad = 0.0;
+  std::array<int, 4> quadrants{};
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    sim::Scenario scenario;
+    perturb_scenario(scenario, {}, seed);
+    EXPECT_EQ(scenario.seed, seed);
+    lowest = std::min(lowest, *scenario.ground.friction);
+    highest = std::max(highest, *scenario.ground.friction);
+    steepest_rad = std::max(steepest_rad, tilt_rad(scenario.ground));
+    ++quadrants.at((scenario.ground.roll_rad > 0.0 ? 1u : 0u) + (scenario.ground.pitch_rad > 0.0 ? 2u : 0u));
+  }
+  EXPECT_GE(lowest, 0.5);
+  EXPECT_LT(lowest, 0.51);
+  EXPECT_LT(highest, 1.0);
+  EXPECT_GT(highest, 0.99);
+  EXPECT_LE(steepest_rad, std::numbers::pi / 180.0);
+  EXPECT_GT(steepest_rad, 0.99 * std::numbers::pi / 180.0);
+  for (const int count : quadrants) EXPECT_GT(count, kSeeds / 5);
+}
+
+TEST(Perturbation, IsTheSameForTheSameSeedAndOnEveryMachine) {
+  sim::Scenario scenario;
+  sim::RobotDescription robot = two_links();
+  perturb_scenario(scenario, {}, 7);
+  perturb_robot(robot, {}, 7);
+  // Worked out once from the generators' definitions, in Python.
+  EXPECT_DOUBLE_EQ(*scenario.ground.friction, 0.6712480173769515);
+  EXPECT_DOUBLE_EQ(robot.links[0].mass_kg, 0.4822691125601258);
+  sim::RobotDescription more_links = two_links();
+  more_links.links.insert(more_links.links.begin(), sim::LinkDescription{});
+  perturb_robot(more_links, {}, 7);
+  EXPECT_EQ(more_links.links[1].mass_kg, robot.links[0].mass_kg);
+}
+
+TEST(Pushes, ComeInTimeWithinTheirBounds) {
+  sim::Scenario scenario;
+  scenario.duration_us = 600'000'000;
+  const PushBounds bounds{.first_s = 2.0,
+                          .shortest_s = 1.0,
+                          .longest_s = 3.0,
+                          .lowest_N_s = 0.02,
+                          .highest_N_s = 0.1,
+                          .duration_s = 0.05};
+  add_pushes(scenario, "trunk", 4'000'000, bounds, 3);
+  ASSERT_GT(scenario.pushes.size(), 250u);  // one in 2 s
+  EXPECT_LT(scenario.pushes.size(), 350u);
+  EXPECT_EQ(scenario.pushes.front().at_us, 6'000'000u);
+  std::uint64_t last_us = 5'000'000;
+  Eigen::Vector3d sum_N_s = Eigen::Vector3d::Zero();
+  for (const sim::Push& push : scenario.pushes) {
+    EXPECT_EQ(push.link.text, "trunk");
+    EXPECT_GE(push.at_us - last_us, 1'000'000u);
+    EXPECT_LE(push.at_us - last_us, 3'000'000u);
+    last_us = push.at_us;
+    // Over 0.1 s, which holds the whole push.
+    const Eigen::Vector3d impulse_N_s = 0.1 * push.mean_force_W_N(push.at_us, push.at_us + 100'000);
+    EXPECT_GE(impulse_N_s.norm(), 0.02 - 1e-12);
+    EXPECT_LE(impulse_N_s.norm(), 0.1 + 1e-12);
+    EXPECT_EQ(impulse_N_s.z(), 0.0);
+    sum_N_s += impulse_N_s;
+  }
+  EXPECT_LT(sum_N_s.norm() / static_cast<double>(scenario.pushes.size()), 0.01) << "from all sides";
+}
+
+}  // namespace
+}  // namespace koboshi::tools

@@ -1,0 +1,65 @@
+#include "tools/experiment/perturbation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "sim_board/sensor/random_stream.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+
+double between(sim::RandomStream& random, double low, double high) {
+  return low + (high - low) * random.uniform();
+}
+
+std::uint64_t to_us(double time_s) { return static_cast<std::uint64_t>(std::llround(1e6 * time_s)); }
+
+}  // namespace
+
+void perturb_robot(sim::RobotDescription& robot, const PerturbationBounds& bounds, std::uint64_t seed) {
+  for (sim::LinkDescription& link : robot.links) {
+    sim::RandomStream random(seed, "mass of " + link.name);
+    const double factor = between(random, 1.0 - bounds.mass_share, 1.0 + bounds.mass_share);
+    link.mass_kg *= factor;
+    link.I_LCom_L *= factor;
+  }
+}
+
+void perturb_scenario(sim::Scenario& scenario, const PerturbationBounds& bounds, std::uint64_t seed) {
+  sim::RandomStream friction(seed, "ground friction");
+  scenario.ground.friction = between(friction, bounds.lowest_friction, bounds.highest_friction);
+  // Turned about x, then y, by the parts of a vector of the tilt's length; the whole tilt is not more.
+  sim::RandomStream tilt(seed, "ground tilt");
+  const double tilt_rad = between(tilt, 0.0, bounds.tilt_rad);
+  const double direction_rad = between(tilt, 0.0, kTurn_rad);
+  scenario.ground.roll_rad = tilt_rad * std::cos(direction_rad);
+  scenario.ground.pitch_rad = tilt_rad * std::sin(direction_rad);
+  scenario.seed = seed;
+}
+
+void add_pushes(sim::Scenario& scenario, const std::string& link, std::uint64_t from_us,
+                const PushBounds& bounds, std::uint64_t seed) {
+  sim::RandomStream random(seed, "pushes");
+  std::uint64_t at_us = from_us + to_us(bounds.first_s);
+  while (at_us < scenario.duration_us) {
+    const double impulse_N_s = between(random, bounds.lowest_N_s, bounds.highest_N_s);
+    const double direction_rad = between(random, 0.0, kTurn_rad);
+    // The impulse of half a sine wave is 2/pi of peak times duration.
+    const double peak_N = impulse_N_s * std::numbers::pi / (2.0 * bounds.duration_s);
+    scenario.pushes.push_back(
+        {.at_us = at_us,
+         .duration_us = to_us(bounds.duration_s),
+         .link = {link, "a random push", 0},
+         .shape = sim::Push::Shape::kHalfSine,
+         .force_W_N = {peak_N * std::cos(direction_rad), peak_N * std::sin(direction_rad), 0.0},
+         .p_L_m = std::nullopt});
+    at_us += to_us(between(random, bounds.shortest_s, bounds.longest_s));
+  }
+  std::ranges::stable_sort(scenario.pushes, {}, &sim::Push::at_us);
+}
+
+}  // namespace koboshi::tools

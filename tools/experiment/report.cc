@@ -1,0 +1,166 @@
+#include "tools/experiment/report.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim_board/input/text.h"
+
+namespace koboshi::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// nlohmann writes what is not a number as null.
+Json interval_json(const Interval& interval) { return Json::array({interval.low, interval.high}); }
+
+Json measure_json(const CellResult& cell, const Measure& measure) {
+  if (measure.kind == Measure::Kind::kEvent) {
+    const ShareEstimate share = share_of(cell, measure);
+    return {{"count", share.count},
+            {"events", share.events},
+            {"share", share.share},
+            {"confidence_95", interval_json(share.confidence_95)}};
+  }
+  const MeanEstimate mean = mean_of(cell, measure);
+  return {{"count", mean.count},
+          {"mean", mean.mean},
+          {"standard_deviation", mean.standard_deviation},
+          {"confidence_95", interval_json(mean.confidence_95)}};
+}
+
+std::string_view stop_name(Stop stop) {
+  switch (stop) {
+    case Stop::kAllSeeds:
+      return "all_seeds";
+    case Stop::kTightEnough:
+      return "tight_enough";
+    case Stop::kBudget:
+      return "budget";
+  }
+  return {};
+}
+
+std::string table_cell(const CellResult& cell, const Measure& measure) {
+  if (measure.kind == Measure::Kind::kEvent) {
+    const ShareEstimate share = share_of(cell, measure);
+    if (share.count == 0) return "-";
+    return fmt::format("{} of {} ({:.0f} .. {:.0f} %)", share.events, share.count,
+                       100.0 * share.confidence_95.low, 100.0 * share.confidence_95.high);
+  }
+  const MeanEstimate mean = mean_of(cell, measure);
+  if (mean.count == 0) return "-";
+  const std::string value = fmt::format("{:.{}f}", measure.factor * mean.mean, measure.decimals);
+  if (mean.count == 1) return value;
+  const std::string reach =
+      fmt::format("{:.{}f}", measure.factor * mean.confidence_95.half_width(), measure.decimals);
+  const std::string few = mean.count < cell.played.size() ? fmt::format(" (n = {})", mean.count) : "";
+  return value + " +- " + reach + few;
+}
+
+std::string padded(const std::string& text, std::size_t width, bool first) {
+  return first ? fmt::format("{:<{}}", text, width) : fmt::format("{:>{}}", text, width);
+}
+
+}  // namespace
+
+std::string table_text(const Row& head, const std::vector<Row>& rows, TableStyle style) {
+  const bool markdown = style == TableStyle::kMarkdown;
+  std::vector<std::size_t> widths(head.size());
+  for (std::size_t c = 0; c < head.size(); ++c) {
+    widths[c] = head[c].size();
+    for (const Row& row : rows) widths[c] = std::max(widths[c], row.at(c).size());
+  }
+  const auto line = [&](const Row& row) {
+    std::string text = markdown ? "|" : "";
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      if (markdown) {
+        text += " " + row[c] + " |";
+      } else {
+        text += (c > 0 ? "  " : "") + padded(row[c], widths[c], c == 0);
+      }
+    }
+    return text + "\n";
+  };
+  std::string text = line(head);
+  if (markdown) {
+    text += "|";
+    for (std::size_t c = 0; c < head.size(); ++c) text += c == 0 ? " --- |" : " ---: |";
+    text += "\n";
+  }
+  for (const Row& row : rows) text += line(row);
+  return text;
+}
+
+std::string result_table(const Experiment& experiment, const ExperimentResult& result, TableStyle style) {
+  Row head;
+  for (const auto& [name, value] : experiment.cells.front().settings) head.push_back(name);
+  head.push_back("trials");
+  for (const Measure& measure : experiment.measures) {
+    if (!measure.label.empty()) head.push_back(measure.label);
+  }
+  std::vector<Row> rows;
+  for (std::size_t c = 0; c < experiment.cells.size(); ++c) {
+    Row row;
+    for (const auto& [name, value] : experiment.cells[c].settings) row.push_back(value);
+    row.push_back(std::to_string(result.cells[c].played.size()));
+    for (const Measure& measure : experiment.measures) {
+      if (!measure.label.empty()) row.push_back(table_cell(result.cells[c], measure));
+    }
+    rows.push_back(row);
+  }
+  return table_text(head, rows, style);
+}
+
+std::string stop_notes(const Experiment& experiment, const ExperimentResult& result) {
+  std::string notes;
+  for (std::size_t c = 0; c < experiment.cells.size(); ++c) {
+    const CellResult& cell = result.cells[c];
+    if (cell.stop == Stop::kAllSeeds) continue;
+    notes += fmt::format("{}: stopped after {} of {} seeds, {}\n", experiment.cells[c].name,
+                         cell.played.size(), experiment.seeds,
+                         cell.stop == Stop::kBudget ? "the time was over" : "the intervals are tight enough");
+  }
+  return notes;
+}
+
+Json to_json(const Experiment& experiment, const ExperimentResult& result) {
+  Json cells = Json::array();
+  for (std::size_t c = 0; c < experiment.cells.size(); ++c) {
+    const CellResult& cell = result.cells[c];
+    Json json{{"cell", experiment.cells[c].name}};
+    for (const auto& [name, value] : experiment.cells[c].settings) json[name] = value;
+    json["trials"] = cell.played.size();
+    json["stop"] = stop_name(cell.stop);
+    for (const Measure& measure : experiment.measures) json[measure.name] = measure_json(cell, measure);
+    cells.push_back(json);
+  }
+  return {{"experiment", experiment.name},
+          {"first_seed", experiment.first_seed},
+          {"seeds", experiment.seeds},
+          {"inputs", experiment.inputs},
+          {"cells", cells}};
+}
+
+std::string to_csv(const Experiment& experiment, const ExperimentResult& result) {
+  std::string csv;
+  for (const auto& [name, value] : experiment.cells.front().settings) csv += name + ",";
+  csv += "seed";
+  for (const Measure& measure : experiment.measures) csv += "," + measure.name;
+  csv += "\n";
+  for (std::size_t c = 0; c < experiment.cells.size(); ++c) {
+    for (const Trial& trial : result.cells[c].played) {
+      for (const auto& [name, value] : experiment.cells[c].settings) csv += value + ",";
+      csv += std::to_string(trial.seed);
+      for (const Measure& measure : experiment.measures) {
+        const auto value = trial.values.find(measure.name);
+        csv += "," + (value == trial.values.end() ? std::string() : sim::number_text(value->second));
+      }
+      csv += "\n";
+    }
+  }
+  return csv;
+}
+
+}  // namespace koboshi::tools

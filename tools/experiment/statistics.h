@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+namespace koboshi::tools {
+
+struct Interval {
+  double low = 0.0;
+  double high = 0.0;
+
+  double half_width() const { return 0.5 * (high - low); }
+  friend bool operator==(const Interval&, const Interval&) = default;
+};
+
+// Of independent values of a quantity. Not a number: the mean of no value, and the deviation and interval of
+// fewer than two.
+struct MeanEstimate {
+  std::size_t count = 0;
+  double mean = 0.0;
+  double standard_deviation = 0.0;  // of the values, with n - 1
+  Interval confidence_95;           // of the mean, by Student's t
+};
+
+MeanEstimate estimate_mean(std::span<const double> values);
+
+// Of independent trials that had an event or not.
+struct ShareEstimate {
+  std::size_t count = 0;
+  std::size_t events = 0;
+  double share = 0.0;      // not a number without trials
+  Interval confidence_95;  // Wilson's score interval, which is honest where no trial or every one had it
+};
+
+// `events` of `count`, at most all.
+ShareEstimate estimate_share(std::size_t events, std::size_t count);
+
+}  // namespace koboshi::tools
