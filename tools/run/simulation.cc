@@ -14,14 +14,22 @@ sim::RobotDescription load_checked(const sim::Scenario& scenario) {
   return robot;
 }
 
+sim::RobotDescription changed(sim::RobotDescription robot, const RobotChange& change) {
+  if (change) change(robot);
+  return robot;
+}
+
 }  // namespace
 
 HostFactory in_process() {
   return [](std::span<const std::byte> contents) { return std::make_unique<InProcessHost>(contents); };
 }
 
-Simulation::Simulation(const sim::Scenario& scenario, const HostFactory& make_host)
-    : scenario_(scenario), robot_(load_checked(scenario_)), model_(load_named_model(robot_)) {
+Simulation::Simulation(const sim::Scenario& scenario, const HostFactory& make_host, const RobotChange& change)
+    : scenario_(scenario),
+      nominal_robot_(load_checked(scenario_)),
+      robot_(changed(nominal_robot_, change)),
+      model_(load_named_model(nominal_robot_)) {
   std::vector<std::vector<std::byte>> motions;
   for (const auto& file : scenario_.motions) motions.push_back(compile_motion(file, model_));
   host_ = make_host(make_storage_contents(model_.image, motions));

@@ -21,17 +21,25 @@ using HostFactory =
 // The firmware in this process.
 [[nodiscard]] HostFactory in_process();
 
+// What makes the robot in the world another than its file says, such as heavier. Names, numbers and order of
+// links and joints stay.
+using RobotChange = std::function<void(sim::RobotDescription&)>;
+
 // A scenario made ready to run: the robot's files read, its motions compiled, firmware and board put
 // together.
 class Simulation {
  public:
-  // Throws sim::InputError for whatever a file of the scenario has wrong, and what `make_host` throws.
-  explicit Simulation(const sim::Scenario& scenario, const HostFactory& make_host = in_process());
+  // The firmware and its motions are made for the robot as its file describes it, whatever `change` makes of
+  // the one in the world. Throws sim::InputError for whatever a file of the scenario has wrong, and what
+  // `make_host` throws.
+  explicit Simulation(const sim::Scenario& scenario, const HostFactory& make_host = in_process(),
+                      const RobotChange& change = {});
 
   void advance() { player_->advance(); }
   bool finished() const { return player_->finished(); }
 
   const sim::Scenario& scenario() const { return scenario_; }
+  // The one in the world.
   const sim::RobotDescription& robot() const { return robot_; }
   const NamedModel& model() const { return model_; }
   sim::SimBoard& board() { return *board_; }
@@ -39,6 +47,7 @@ class Simulation {
 
  private:
   const sim::Scenario scenario_;
+  const sim::RobotDescription nominal_robot_;  // as the file describes it, and the firmware knows it
   const sim::RobotDescription robot_;
   const NamedModel model_;
   std::unique_ptr<sim::ControllerHost> host_;
