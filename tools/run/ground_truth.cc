@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "sim_board/world/ground_truth.h"
+#include "sim_board/world/support_polygon.h"
 
 namespace koboshi::tools {
 namespace {
-
-// A foot that carries less than this slides without meaning.
-constexpr double kLoaded_N = 1.0;
 
 Eigen::Vector3d roll_pitch_yaw(const Eigen::Matrix3d& R) {
   return {std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), std::hypot(R(2, 1), R(2, 2))),
@@ -20,15 +17,7 @@ Eigen::Vector3d roll_pitch_yaw(const Eigen::Matrix3d& R) {
 }  // namespace
 
 TruthObserver::TruthObserver(const sim::RobotDescription& robot)
-    : robot_(robot), tree_(robot), targets_rad_(robot.joints.size(), 0.0) {
-  const std::optional<sim::AnkleSensorDescription>* sensors[] = {&robot.left_ankle, &robot.right_ankle};
-  for (std::size_t side = 0; side < feet_.size(); ++side) {
-    if (!*sensors[side]) continue;
-    const sim::AnkleSensorDescription& sensor = **sensors[side];
-    feet_[side].link = robot.joints[static_cast<std::size_t>(sensor.joint)].child;
-    feet_[side].p_LSole_L = sensor.X_LS.translation() - sensor.height_above_sole_m * Eigen::Vector3d::UnitZ();
-  }
-}
+    : robot_(robot), tree_(robot), feet_(sim::feet_of(robot)), targets_rad_(robot.joints.size(), 0.0) {}
 
 const GroundTruth& TruthObserver::observe(const sim::World& world, const Telemetry& telemetry) {
   const sim::BodyState base = world.body(0);
@@ -38,23 +27,44 @@ const GroundTruth& TruthObserver::observe(const sim::World& world, const Telemet
   truth_.p_WCom_W = sim::centre_of_mass(robot_, world).p_WCom_W;
   truth_.tilt_rad = std::acos(std::clamp(base.X_WL.linear()(2, 2), -1.0, 1.0));
   truth_.pose_height_m = pose_height_m(telemetry);
-  for (std::size_t side = 0; side < feet_.size(); ++side) observe_foot(side, world);
+  observe_feet(world);
   return truth_;
 }
 
-void TruthObserver::observe_foot(std::size_t side, const sim::World& world) {
-  Foot& foot = feet_[side];
-  if (foot.link < 0) return;
+void TruthObserver::observe_feet(const sim::World& world) {
   double load_N = 0.0;
-  for (const sim::Contact& contact : world.contacts()) {
-    if (contact.link == foot.link && contact.other_link < 0) load_N += contact.f_W.z();
+  Eigen::Vector3d moment_W = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d> corners_W;
+  for (std::size_t side = 0; side < feet_.size(); ++side) {
+    if (!feet_[side]) continue;
+    const sim::Foot& foot = *feet_[side];
+    const sim::FootPressure pressure = sim::foot_pressure(robot_, foot, world);
+    truth_.X_WSole[side] = world.body(foot.link).X_WL * foot.X_LSole;
+    truth_.foot_load_N[side] = pressure.load_N;
+    observe_slip(side);
+    truth_.foot_zmp_S_m[side].reset();
+    if (pressure.load_N < sim::kLoaded_N) continue;
+    truth_.foot_zmp_S_m[side] = pressure.zmp_S_m;
+    load_N += pressure.load_N;
+    moment_W += pressure.load_N * pressure.p_WZmp_W;
+    sim::add_touching_corners(foot, world, robot_, corners_W);
   }
-  truth_.foot_load_N[side] = load_N;
-  const Eigen::Vector3d p_W = world.body(foot.link).X_WL * foot.p_LSole_L;
-  const bool loaded = load_N >= kLoaded_N;
-  if (loaded && !foot.loaded) foot.anchor_W = p_W;
-  foot.loaded = loaded;
-  truth_.foot_slip_m[side] = loaded ? (p_W - foot.anchor_W).head<2>().norm() : 0.0;
+  truth_.p_WZmp_W.reset();
+  truth_.zmp_margin_m.reset();
+  if (load_N == 0.0) return;
+  truth_.p_WZmp_W = moment_W / load_N;
+  std::vector<Eigen::Vector2d> corners_m;
+  for (const Eigen::Vector3d& corner_W : corners_W) corners_m.push_back(corner_W.head<2>());
+  truth_.zmp_margin_m = sim::distance_inside(sim::convex_hull(corners_m), truth_.p_WZmp_W->head<2>());
+}
+
+void TruthObserver::observe_slip(std::size_t side) {
+  Anchor& anchor = anchors_[side];
+  const Eigen::Vector3d p_W = truth_.X_WSole[side].translation();
+  const bool loaded = truth_.foot_load_N[side] >= sim::kLoaded_N;
+  if (loaded && !anchor.loaded) anchor.p_W = p_W;
+  anchor.loaded = loaded;
+  truth_.foot_slip_m[side] = loaded ? (p_W - anchor.p_W).head<2>().norm() : 0.0;
 }
 
 double TruthObserver::pose_height_m(const Telemetry& telemetry) {
@@ -63,9 +73,10 @@ double TruthObserver::pose_height_m(const Telemetry& telemetry) {
   }
   tree_.poses(robot_, Eigen::Isometry3d::Identity(), targets_rad_, X_BLs_);
   double height_m = 0.0;
-  for (const Foot& foot : feet_) {
-    if (foot.link < 0) continue;
-    height_m = std::max(height_m, -(X_BLs_[static_cast<std::size_t>(foot.link)] * foot.p_LSole_L).z());
+  for (const auto& foot : feet_) {
+    if (!foot) continue;
+    const Eigen::Isometry3d X_BSole = X_BLs_[static_cast<std::size_t>(foot->link)] * foot->X_LSole;
+    height_m = std::max(height_m, -X_BSole.translation().z());
   }
   return height_m;
 }
