@@ -3,10 +3,18 @@
 #include <chrono>
 #include <cmath>
 
+#include "firmware/canopen/cob_id.h"
+
 namespace koboshi::sim {
 namespace {
 
 constexpr std::size_t kOperatorFifo = 64;
+
+AcceptanceFilter sdo_answers() {
+  AcceptanceFilter filter;
+  filter.accept_range(canopen::kSdoResponseBase + 1, canopen::kSdoResponseBase + 127);
+  return filter;
+}
 
 // Adds the wall time of its scope to a share.
 class Stopwatch {
@@ -37,7 +45,7 @@ SimBoard::SimBoard(const RobotDescription& robot, const BoardOptions& options, C
       world_(make_ode_world(robot, options.world)),
       step_us_(static_cast<std::uint64_t>(std::llround(1e6 * world_->step_s()))),
       controller_(bus_.attach(receiver_, AcceptanceFilter::all(), kTransmitFifo)),
-      operator_(bus_.attach(operator_node_, AcceptanceFilter(), kOperatorFifo)) {
+      operator_(bus_.attach(operator_node_, sdo_answers(), kOperatorFifo)) {
   const SensorErrors errors{.seed = options.seed, .scale = options.noise_scale};
   for (const JointDescription& joint : robot.joints) {
     drives_.push_back(std::make_unique<Drive>(joint, bus_));

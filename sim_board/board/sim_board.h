@@ -73,6 +73,11 @@ class SimBoard {
   hal::CanStatus controller_can_status() const { return bus_.status(controller_); }
   const RobotDescription& robot() const { return robot_; }
   const Drive& drive(std::size_t joint) const { return *drives_[joint]; }
+  // Null where the robot has none.
+  const AnkleSensor* ankle_sensor(hal::Side side) const {
+    const auto& ankle = ankles_[static_cast<std::size_t>(side)];
+    return ankle ? &*ankle : nullptr;
+  }
   const TimeShares& time_shares() const { return shares_; }
   bool drive_enable_line() const { return enable_line_; }
   bool watchdog_bitten() const { return bitten_; }
@@ -82,6 +87,8 @@ class SimBoard {
 
   // Null for none. It must outlive the board or be taken away before.
   void set_step_listener(StepListener* listener) { step_listener_ = listener; }
+  // Who hears what SDO servers answer to the operator's PC. Null for none, as above.
+  void set_operator_listener(BusNode* listener) { operator_node_.listener = listener; }
   // Sends a frame from the operator's PC, a node of the bus beside the robot's own. False when its FIFO is
   // full.
   bool send_as_operator(const hal::CanFrame& frame) { return bus_.queue(operator_, frame, now_us_); }
@@ -105,9 +112,11 @@ class SimBoard {
    private:
     hal::BatchInput& input_;
   };
-  class Operator final : public BusNode {
-   public:
-    void on_frame(const hal::CanFrame&, std::uint64_t) override {}
+  struct Operator final : BusNode {
+    void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override {
+      if (listener != nullptr) listener->on_frame(frame, time_us);
+    }
+    BusNode* listener = nullptr;
   };
 
   void advance_bus();

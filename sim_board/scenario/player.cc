@@ -2,30 +2,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <utility>
 
 #include "sim_board/world/link_tree.h"
 
 namespace koboshi::sim {
 namespace {
-
-// Identifier and codes of the controller's commands: RPDO 1 of node 1, object 0x2000 of its dictionary.
-constexpr std::uint16_t kCommandIdentifier = 0x201;
-
-std::uint8_t code_of(Command::Kind kind) {
-  switch (kind) {
-    case Command::Kind::kEnable:
-      return 1;
-    case Command::Kind::kPlay:
-      return 3;
-    case Command::Kind::kStop:
-      return 4;
-    case Command::Kind::kEmergencyStop:
-      return 5;
-    case Command::Kind::kReset:
-      return 6;
-  }
-  return 0;
-}
 
 Eigen::Vector3d ground_normal(const Ground& ground) {
   const Eigen::AngleAxisd roll(ground.roll_rad, Eigen::Vector3d::UnitX());
@@ -78,8 +60,11 @@ BoardOptions board_options(const Scenario& scenario, const RobotDescription& rob
   return options;
 }
 
-ScenarioPlayer::ScenarioPlayer(const Scenario& scenario, SimBoard& board)
-    : scenario_(scenario), board_(board), held_(scenario.initial.release_us.has_value()) {
+ScenarioPlayer::ScenarioPlayer(const Scenario& scenario, SimBoard& board, std::vector<SdoWrite> parameters)
+    : scenario_(scenario),
+      board_(board),
+      operator_(board, std::move(parameters)),
+      held_(scenario.initial.release_us.has_value()) {
   for (const Push& push : scenario.pushes) {
     pushed_links_.push_back(*board.robot().find_link(push.link.text));
   }
@@ -88,9 +73,10 @@ ScenarioPlayer::ScenarioPlayer(const Scenario& scenario, SimBoard& board)
 
 void ScenarioPlayer::advance() {
   const std::uint64_t now_us = board_.now_us();
-  for (; next_command_ < scenario_.commands.size(); ++next_command_) {
+  operator_.advance();
+  for (; operator_.ready() && next_command_ < scenario_.commands.size(); ++next_command_) {
     if (scenario_.commands[next_command_].at_us > now_us) break;
-    send(scenario_.commands[next_command_]);
+    operator_.command(scenario_.commands[next_command_]);
   }
   for (; next_fault_ < scenario_.faults.size(); ++next_fault_) {
     if (scenario_.faults[next_fault_].at_us > now_us) break;
@@ -110,14 +96,6 @@ void ScenarioPlayer::before_step(World& world, std::uint64_t start_us, std::uint
     const LinkDescription& link = board_.robot().links[static_cast<std::size_t>(pushed_links_[i])];
     world.push(pushed_links_[i], push.p_L_m.value_or(link.p_LCom_L), push.mean_force_W_N(start_us, end_us));
   }
-}
-
-void ScenarioPlayer::send(const Command& command) {
-  hal::CanFrame frame{.identifier = kCommandIdentifier, .size = 3};
-  frame.data[0] = code_of(command.kind);
-  frame.data[1] = static_cast<std::uint8_t>(command.motion);
-  // The FIFO is far longer than the commands of a millisecond; a PC without power says nothing.
-  static_cast<void>(board_.send_as_operator(frame));
 }
 
 void ScenarioPlayer::cause(const Fault& fault) {

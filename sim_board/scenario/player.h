@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim_board/board/sim_board.h"
+#include "sim_board/scenario/operator_pc.h"
 #include "sim_board/scenario/scenario.h"
 
 namespace koboshi::sim {
@@ -16,23 +17,24 @@ BoardOptions board_options(const Scenario& scenario, const RobotDescription& rob
 // pushes, and letting go of the stand.
 class ScenarioPlayer final : private StepListener {
  public:
-  // All must outlive the player. The scenario has been checked against the board's robot.
-  ScenarioPlayer(const Scenario& scenario, SimBoard& board);
+  // Scenario and board must outlive the player. The scenario has been checked against the board's robot.
+  // `parameters` are the scenario's, as the controller knows them; they are set before the first command.
+  ScenarioPlayer(const Scenario& scenario, SimBoard& board, std::vector<SdoWrite> parameters = {});
   ~ScenarioPlayer() { board_.set_step_listener(nullptr); }
   ScenarioPlayer(const ScenarioPlayer&) = delete;
   ScenarioPlayer& operator=(const ScenarioPlayer&) = delete;
 
-  // One millisecond of board and scenario.
+  // One millisecond of board and scenario. Throws what the board throws, and SdoFailed.
   void advance();
   bool finished() const { return board_.now_us() >= scenario_.duration_us; }
 
  private:
   void before_step(World& world, std::uint64_t start_us, std::uint64_t end_us) override;
-  void send(const Command& command);
   void cause(const Fault& fault);
 
   const Scenario& scenario_;
   SimBoard& board_;
+  OperatorPc operator_;
   std::vector<int> pushed_links_;  // by push
   std::size_t next_command_ = 0;
   std::size_t next_fault_ = 0;

@@ -112,6 +112,16 @@ InitialState read_initial(const YamlMap& root) {
   return initial;
 }
 
+std::vector<ParameterSetting> read_parameters(const YamlMap& root) {
+  std::vector<ParameterSetting> parameters;
+  const auto map = root.optional_child("parameters");
+  if (!map) return parameters;
+  for (const auto& [name, value] : map->entries()) {
+    parameters.push_back({{name, value.source(), value.line()}, value.number()});
+  }
+  return parameters;
+}
+
 }  // namespace
 
 Scenario read_scenario(const fs::path& file, std::span<const Override> overrides) {
@@ -130,6 +140,7 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
   scenario.physics = read_physics(root);
   scenario.ground = read_ground(root);
   scenario.initial = read_initial(root);
+  scenario.parameters = read_parameters(root);
   scenario.commands = read_commands(root, scenario.motions);
   scenario.pushes = read_pushes(root);
   scenario.faults = read_faults(root);

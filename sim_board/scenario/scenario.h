@@ -50,6 +50,12 @@ struct Physics {
   int quick_iterations = 50;
 };
 
+// A parameter of the controller, in the unit that its name ends with. Which there are, the firmware knows.
+struct ParameterSetting {
+  SourcedName name;
+  double value = 0.0;
+};
+
 // What an operator tells the controller over the bus.
 struct Command {
   enum class Kind { kEnable, kPlay, kStop, kEmergencyStop, kReset };
@@ -103,6 +109,7 @@ struct Scenario {
   Physics physics;
   Ground ground;
   InitialState initial;
+  std::vector<ParameterSetting> parameters;  // set before the first command, in this order
   // Each in the order of time; of equal times, in the file's.
   std::vector<Command> commands;
   std::vector<Push> pushes;

@@ -1,8 +1,11 @@
 #include "tools/run/simulation.h"
 
+#include <utility>
+
 #include "sim_board/robot/load.h"
 #include "tools/motion/compile.h"
 #include "tools/run/in_process_host.h"
+#include "tools/run/parameters.h"
 #include "tools/run/storage_contents.h"
 
 namespace koboshi::tools {
@@ -30,11 +33,12 @@ Simulation::Simulation(const sim::Scenario& scenario, const HostFactory& make_ho
       nominal_robot_(load_checked(scenario_)),
       robot_(changed(nominal_robot_, change)),
       model_(load_named_model(nominal_robot_)) {
+  std::vector<sim::SdoWrite> parameters = resolve_parameters(scenario_.parameters);
   std::vector<std::vector<std::byte>> motions;
   for (const auto& file : scenario_.motions) motions.push_back(compile_motion(file, model_));
   host_ = make_host(make_storage_contents(model_.image, motions));
   board_ = std::make_unique<sim::SimBoard>(robot_, sim::board_options(scenario_, robot_), *host_);
-  player_ = std::make_unique<sim::ScenarioPlayer>(scenario_, *board_);
+  player_ = std::make_unique<sim::ScenarioPlayer>(scenario_, *board_, std::move(parameters));
 }
 
 }  // namespace koboshi::tools

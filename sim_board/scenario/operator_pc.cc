@@ -1,0 +1,71 @@
+#include "sim_board/scenario/operator_pc.h"
+
+#include <cstdio>
+#include <utility>
+
+namespace koboshi::sim {
+namespace {
+
+constexpr std::uint8_t kControllerNodeId = 1;
+// Identifier and codes of the controller's commands: RPDO 1 of node 1, object 0x2000 of its dictionary.
+constexpr std::uint16_t kCommandIdentifier = 0x201;
+
+std::uint8_t code_of(Command::Kind kind) {
+  switch (kind) {
+    case Command::Kind::kEnable:
+      return 1;
+    case Command::Kind::kPlay:
+      return 3;
+    case Command::Kind::kStop:
+      return 4;
+    case Command::Kind::kEmergencyStop:
+      return 5;
+    case Command::Kind::kReset:
+      return 6;
+  }
+  return 0;
+}
+
+}  // namespace
+
+OperatorPc::OperatorPc(SimBoard& board, std::vector<SdoWrite> writes)
+    : board_(board), writes_(std::move(writes)), client_(*this) {
+  board_.set_operator_listener(this);
+}
+
+void OperatorPc::advance() {
+  client_.process(board_.now_us());
+  if (client_.state() == canopen::SdoState::kAborted || client_.state() == canopen::SdoState::kTimedOut) {
+    give_up();
+  }
+  if (client_.state() == canopen::SdoState::kDone) {
+    client_.reset();
+    ++next_;
+  }
+  if (ready() || client_.state() == canopen::SdoState::kBusy) return;
+  const SdoWrite& write = writes_[next_];
+  // The FIFO is far longer than what the PC has to say in a millisecond.
+  static_cast<void>(
+      client_.begin_write(kControllerNodeId, write.address, write.value, write.size_bytes, board_.now_us()));
+}
+
+void OperatorPc::command(const Command& command) {
+  hal::CanFrame frame{.identifier = kCommandIdentifier, .size = 3};
+  frame.data[0] = code_of(command.kind);
+  frame.data[1] = static_cast<std::uint8_t>(command.motion);
+  static_cast<void>(send(frame));
+}
+
+void OperatorPc::on_frame(const hal::CanFrame& frame, std::uint64_t) {
+  static_cast<void>(client_.on_frame(frame));
+}
+
+void OperatorPc::give_up() const {
+  const SourcedName& parameter = writes_[next_].parameter;
+  char code[16];
+  std::snprintf(code, sizeof(code), "0x%08X", static_cast<unsigned>(client_.abort_code()));
+  throw SdoFailed(parameter.source.string() + ":" + std::to_string(parameter.line) +
+                  ": the controller does not take " + parameter.text + " (SDO abort " + code + ")");
+}
+
+}  // namespace koboshi::sim

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+#include "firmware/canopen/sdo_client.h"
+#include "sim_board/board/sim_board.h"
+#include "sim_board/scenario/scenario.h"
+
+namespace koboshi::sim {
+
+// A value for an object of the controller's dictionary, from a setting of a scenario.
+struct SdoWrite {
+  SourcedName parameter;
+  canopen::ObjectAddress address;
+  std::uint8_t size_bytes = 0;  // 1..4
+  std::uint32_t value = 0;
+};
+
+// The controller did not take a value.
+class SdoFailed : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// The operator's PC: sets the controller's parameters by SDO, one after the other, and then tells it what to
+// do.
+class OperatorPc final : private BusNode, private canopen::FrameSink {
+ public:
+  // The board must outlive the PC.
+  OperatorPc(SimBoard& board, std::vector<SdoWrite> writes);
+  ~OperatorPc() { board_.set_operator_listener(nullptr); }
+  OperatorPc(const OperatorPc&) = delete;
+  OperatorPc& operator=(const OperatorPc&) = delete;
+
+  // Before each millisecond of the board. Throws SdoFailed when the controller refuses a value, or has not
+  // answered for 100 ms.
+  void advance();
+  // Every parameter is set: the PC may command.
+  bool ready() const { return next_ == writes_.size(); }
+  void command(const Command& command);
+
+ private:
+  void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override;
+  bool send(const hal::CanFrame& frame) override { return board_.send_as_operator(frame); }
+  [[noreturn]] void give_up() const;
+
+  SimBoard& board_;
+  std::vector<SdoWrite> writes_;
+  std::size_t next_ = 0;  // the write under way
+  canopen::SdoClient client_;
+};
+
+}  // namespace koboshi::sim
