@@ -29,6 +29,8 @@ class RunRecorder final : private sim::BusObserver {
   // After each tick of the firmware.
   void record_tick();
   sim::RunSummary summary() const;
+  // Whether the trunk has leaned further than a robot comes back from.
+  bool fell() const { return fell_; }
 
   const Telemetry& telemetry() const { return telemetry_.now(); }
   const GroundTruth& truth() const { return *truth_now_; }
