@@ -29,16 +29,15 @@ std::vector<Event> read_events(const YamlMap& root, const std::string& key, cons
   return events;
 }
 
-std::size_t find_motion(const YamlValue& value, const std::vector<std::filesystem::path>& motions) {
-  std::vector<std::string> names;
-  for (const std::filesystem::path& motion : motions) names.push_back(motion.stem().string());
-  if (names.empty())
-    throw value.error("a motion to play, but the scenario has none", "a file under the key motions");
-  const std::string name = value.one_of(names);
-  return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+std::size_t find_motion(const YamlValue& value, const std::vector<std::string>& motions) {
+  if (motions.empty())
+    throw value.error("a motion to play, but the scenario has none",
+                      "a file under the key motions, or a gait");
+  const std::string name = value.one_of(motions);
+  return static_cast<std::size_t>(std::ranges::find(motions, name) - motions.begin());
 }
 
-Command read_command(const YamlValue& item, const std::vector<std::filesystem::path>& motions) {
+Command read_command(const YamlValue& item, const std::vector<std::string>& motions) {
   static const std::array<std::pair<std::string, Command::Kind>, 5> kVerbs{
       {{"enable", Command::Kind::kEnable},
        {"play", Command::Kind::kPlay},
@@ -103,7 +102,7 @@ Fault read_fault(const YamlValue& item) {
 
 std::uint64_t to_us(double time_s) { return static_cast<std::uint64_t>(std::llround(time_s * 1e6)); }
 
-std::vector<Command> read_commands(const YamlMap& root, const std::vector<std::filesystem::path>& motions) {
+std::vector<Command> read_commands(const YamlMap& root, const std::vector<std::string>& motions) {
   return read_events<Command>(root, "commands",
                               [&](const YamlValue& item) { return read_command(item, motions); });
 }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
+#include <string>
 #include <vector>
 
 #include "sim_board/input/yaml_reader.h"
@@ -10,8 +10,8 @@
 namespace koboshi::sim {
 
 // The lists of a scenario file whose items have a time. Each may be missing; the results are in the order of
-// time. Throw InputError.
-std::vector<Command> read_commands(const YamlMap& root, const std::vector<std::filesystem::path>& motions);
+// time. Throw InputError. `motions` are the names of those that can be played.
+std::vector<Command> read_commands(const YamlMap& root, const std::vector<std::string>& motions);
 std::vector<Push> read_pushes(const YamlMap& root);
 std::vector<Fault> read_faults(const YamlMap& root);
 

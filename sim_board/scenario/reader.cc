@@ -39,6 +39,30 @@ std::vector<fs::path> read_motions(const YamlMap& root, const fs::path& folder) 
   return motions;
 }
 
+std::optional<GaitChoice> read_gait(const YamlMap& root, const fs::path& folder) {
+  const auto map = root.optional_child("gait");
+  if (!map) return std::nullopt;
+  GaitChoice gait{.file = read_path(map->value("file"), folder), .overrides = {}};
+  gait.feedback = map->boolean("feedback", true);
+  if (map->has("points")) gait.overrides.push_back({"points", map->value("points").text()});
+  if (const auto set = map->optional_child("set")) {
+    for (const auto& [key, value] : set->entries()) gait.overrides.push_back({key, value.text()});
+  }
+  return gait;
+}
+
+// The names by which commands play them, in the order of the controller's numbers.
+std::vector<std::string> motion_names(const Scenario& scenario, const YamlMap& root) {
+  std::vector<std::string> names;
+  for (const fs::path& motion : scenario.motions) names.push_back(motion.stem().string());
+  if (!scenario.gait) return names;
+  if (std::ranges::find(names, kGaitMotion) != names.end()) {
+    throw root.error_at("gait", std::string("a gait beside a motion named ") + kGaitMotion, "one of the two");
+  }
+  names.emplace_back(kGaitMotion);
+  return names;
+}
+
 // true, false, or a factor.
 double read_noise_scale(const YamlMap& root) {
   if (!root.has("noise")) return 1.0;
@@ -133,6 +157,7 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
   root.require_version(1);
   scenario.robot = read_path(root.value("robot"), folder);
   scenario.motions = read_motions(root, folder);
+  scenario.gait = read_gait(root, folder);
   scenario.duration_us = to_us(root.number("duration_s", {.min = 0.01, .max = kLongestRun_s}));
   scenario.seed = static_cast<std::uint64_t>(root.integer("seed", {.min = 0}, 1));
   scenario.noise_scale = read_noise_scale(root);
@@ -141,7 +166,7 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
   scenario.ground = read_ground(root);
   scenario.initial = read_initial(root);
   scenario.parameters = read_parameters(root);
-  scenario.commands = read_commands(root, scenario.motions);
+  scenario.commands = read_commands(root, motion_names(scenario, root));
   scenario.pushes = read_pushes(root);
   scenario.faults = read_faults(root);
   yaml.finish();

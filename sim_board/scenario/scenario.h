@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hal/port/ankle.h"
+#include "sim_board/input/yaml_tree.h"
 #include "sim_board/robot/description.h"
 #include "sim_board/world/ode_world.h"
 
@@ -23,6 +24,15 @@ struct SourcedName {
   int line = 0;
 };
 
+// A walk, generated for the robot from a gait file (docs/reference/gait-format.md) as the motion `walk`,
+// behind all others.
+struct GaitChoice {
+  std::filesystem::path file;
+  std::vector<Override> overrides;  // of the file's values
+  bool feedback = true;             // its gains of the gyro feedback are set in the controller
+};
+inline constexpr const char* kGaitMotion = "walk";
+
 struct InitialJoint {
   SourcedName joint;
   double position_rad = 0.0;
@@ -35,7 +45,7 @@ struct InitialState {
   double drop_m = 0.0;      // how far above touching the ground, without a base height
   bool fixed_base = false;  // the base link hangs on a stand
   std::optional<std::uint64_t> release_us;  // when the stand lets go of it; without it, never
-  std::vector<InitialJoint> joints;         // all others are at zero
+  std::vector<InitialJoint> joints;         // all others are at zero; without any, the stand of the gait
 };
 
 struct Ground {
@@ -102,6 +112,7 @@ struct Scenario {
   std::filesystem::path file;
   std::filesystem::path robot;
   std::vector<std::filesystem::path> motions;  // index = the number by which the controller knows it
+  std::optional<GaitChoice> gait;
   std::uint64_t duration_us = 0;
   std::uint64_t seed = 1;
   double noise_scale = 1.0;               // of the sensors' noise and bias

@@ -15,6 +15,7 @@ void read_pattern(const sim::YamlMap& root, Gait& gait) {
   gait.step_length_m = root.number("step_length_m", {.min = -0.5, .max = 0.5});
   gait.step_width_m = root.number("step_width_m", {.min = 0.001, .max = 1.0});
   gait.step_height_m = root.number("step_height_m", {.min = 0.0, .max = 0.5});
+  gait.swing_ease = root.number("swing_ease", {.min = 0.0, .max = 1.0}, gait.swing_ease);
   gait.com_height_m = root.number("com_height_m", {.min = 0.01, .max = 2.0});
   gait.double_support = root.number("double_support", {.min = 0.01, .max = 0.9});
   gait.trunk_pitch_rad = kRadPerDegree * root.number("trunk_pitch_deg", {.min = -45.0, .max = 45.0}, 0.0);

@@ -33,6 +33,7 @@ struct Gait {
   double step_length_m = 0.03;   // how far a foot lands ahead of the other
   double step_width_m = 0.064;   // between the middle lines of the soles
   double step_height_m = 0.02;   // of the swinging sole
+  double swing_ease = 0.5;       // 1: the sole starts and lands without forward speed, 0: at constant speed
   double com_height_m = 0.17;    // above the ground
   double double_support = 0.2;   // share of a step in which the ZMP goes from foot to foot
   double trunk_pitch_rad = 0.0;  // forward

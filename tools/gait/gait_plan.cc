@@ -20,9 +20,9 @@ Vector2d along(const PendulumState& state, int axis) {
 }
 
 // How far of its way a swinging sole is at `phase`: at rest at both ends (a cycloid).
-double swing_progress(double phase) {
+double swing_progress(double phase, double ease) {
   const double turn = 2.0 * std::numbers::pi * phase;
-  return phase - std::sin(turn) / (2.0 * std::numbers::pi);
+  return phase - ease * std::sin(turn) / (2.0 * std::numbers::pi);
 }
 
 double swing_height(double phase) { return 0.5 * (1.0 - std::cos(2.0 * std::numbers::pi * phase)); }
@@ -205,7 +205,7 @@ GaitInstant GaitPlan::instant(const std::vector<Stage>& stages, double time_s) c
     const double airborne_s = stage->zmp[1].duration_s;
     const double phase = std::clamp((time_s - stage->zmp[0].duration_s) / airborne_s, 0.0, 1.0);
     Vector2d& sole = soles[index(*stage->swing)];
-    sole += swing_progress(phase) * (stage->landing - sole);
+    sole += swing_progress(phase, gait_.swing_ease) * (stage->landing - sole);
     height_m = gait_.step_height_m * swing_height(phase);
   }
   for (const Side side : {Side::kLeft, Side::kRight}) {

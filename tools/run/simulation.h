@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "sim_board/board/sim_board.h"
 #include "sim_board/scenario/player.h"
 #include "sim_board/scenario/scenario.h"
+#include "tools/gait/gait_plan.h"
 #include "tools/model/robot_model.h"
 
 namespace koboshi::tools {
@@ -42,14 +44,20 @@ class Simulation {
   // The one in the world.
   const sim::RobotDescription& robot() const { return robot_; }
   const NamedModel& model() const { return model_; }
+  // What the gait of the scenario intends; null without one.
+  const GaitPlan* gait_plan() const { return gait_plan_ ? &*gait_plan_ : nullptr; }
   sim::SimBoard& board() { return *board_; }
   const sim::SimBoard& board() const { return *board_; }
 
  private:
-  const sim::Scenario scenario_;
+  std::vector<std::vector<std::byte>> compile_motions();
+  std::vector<std::byte> compile_gait(const Gait& gait);
+
+  sim::Scenario scenario_;
   const sim::RobotDescription nominal_robot_;  // as the file describes it, and the firmware knows it
   const sim::RobotDescription robot_;
   const NamedModel model_;
+  std::optional<GaitPlan> gait_plan_;
   std::unique_ptr<sim::ControllerHost> host_;
   std::unique_ptr<sim::SimBoard> board_;
   std::unique_ptr<sim::ScenarioPlayer> player_;

@@ -1,0 +1,75 @@
+#include "tools/cli/gait_command.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "sim_board/record/output_file.h"
+#include "sim_board/robot/load.h"
+#include "tools/gait/gait_figure.h"
+#include "tools/gait/gait_motion.h"
+#include "tools/motion/compile.h"
+#include "tools/plot/figure.h"
+
+namespace koboshi::tools {
+namespace {
+
+struct Arguments {
+  std::filesystem::path gait;
+  std::filesystem::path robot = "robots/koboshi/robot.sdf";
+  std::string points;
+  std::vector<std::string> sets;
+  std::filesystem::path out;
+};
+
+void make_gait(const Arguments& arguments) {
+  std::vector<sim::Override> overrides;
+  for (const std::string& set : arguments.sets) overrides.push_back(sim::parse_override(set));
+  if (!arguments.points.empty()) overrides.push_back({"points", arguments.points});
+  const sim::RobotDescription robot = sim::load_robot(arguments.robot);
+  const NamedModel model = load_named_model(robot);
+  const Gait gait = read_gait(arguments.gait, overrides);
+  const MotionSource motion = make_gait_motion(gait, robot, model);
+  static_cast<void>(compile_motion(motion, model));  // whatever the firmware would refuse, is refused here
+
+  const std::filesystem::path prefix = arguments.out.empty() ? std::filesystem::path("walk") : arguments.out;
+  sim::OutputFile file(prefix.string() + ".yaml");
+  file.write(gait_motion_text(motion, model));
+  file.close();
+  draw_gait(gait, robot, model, prefix);
+  const GaitPlan plan(gait);
+  fmt::print(
+      "{0}.yaml: {1} poses, {2:.2f} s to start, {3:.3f} s and {4:.0f} mm a cycle, {5:.3f} m/s planned\n"
+      "{0}.png, {0}.svg: the profile and its approximation by {6} points; {0}.csv: their numbers\n",
+      prefix.string(), motion.poses.size(), plan.start_s(), plan.cycle_s(), 1000.0 * plan.stride_m(),
+      plan.stride_m() / plan.cycle_s(), gait.points);
+}
+
+}  // namespace
+
+void add_gait_command(CLI::App& program) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = program.add_subcommand("gait", "Make a walking motion by the linear inverted pendulum");
+  command->footer(
+      "Divides the walk that a gait file describes into points, makes a pose of each by inverse kinematics, "
+      "and\n"
+      "writes the motion, its profile and a figure like the paper's figure 6. A scenario with the key "
+      "`gait`\n"
+      "does so by itself.\n\n"
+      "Examples:\n"
+      "  koboshi gait robots/koboshi/gait.yaml\n"
+      "  koboshi gait robots/koboshi/gait.yaml --points 4 --set step_length_m=0.03 --out walk_4\n");
+  command->add_option("GAIT", arguments->gait, "A gait file, docs/reference/gait-format.md")->required();
+  command->add_option("--robot", arguments->robot, "The robot's file")->capture_default_str();
+  command->add_option("--points", arguments->points, "Points of a cycle of two steps, instead of the file's");
+  command->add_option("--set", arguments->sets, "Override a key of the gait: period_s=0.6; may be repeated")
+      ->allow_extra_args(false);
+  command->add_option("-o,--out", arguments->out,
+                      "What the files are called, without ending (default: walk)");
+  command->callback([arguments] { make_gait(*arguments); });
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,136 @@
+#include "tools/gait/gait_figure.h"
+
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "firmware/fixed/host/convert.h"
+#include "sim_board/record/output_file.h"
+#include "tools/gait/gait_motion.h"
+#include "tools/gait/gait_plan.h"
+#include "tools/gait/walking_pose.h"
+#include "tools/plot/figure.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr double kSample_s = 0.002;
+constexpr int kCycles = 2;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double kMillimetres = 1000.0;
+
+struct ShownJoint {
+  robot::JointRole role;
+  const char* column;
+  const char* label;
+};
+constexpr std::array<ShownJoint, 4> kShown{
+    {{robot::JointRole::kLeftHipPitch, "hip_pitch", "left hip pitch"},
+     {robot::JointRole::kLeftKnee, "knee", "left knee"},
+     {robot::JointRole::kLeftHipRoll, "hip_roll", "left hip roll"},
+     {robot::JointRole::kLeftAnklePitch, "ankle_pitch", "left ankle pitch"}}};
+
+// What the interpreter makes of a motion's poses.
+class Approximation {
+ public:
+  explicit Approximation(const MotionSource& motion) : motion_(motion) {
+    points_.push_back({0.0, motion.steps.front().pose});
+    bool cycles_done = false;
+    for (std::size_t i = 1; i < motion.steps.size() && !cycles_done; ++i) {
+      cycles_done = motion.steps[i].kind == StepSource::Kind::kLoop;
+      if (!cycles_done) add(motion.steps[i]);
+      for (int cycle = 0; cycles_done && cycle < kCycles; ++cycle) {
+        for (const StepSource& step : motion.steps[i].body) add(step);
+      }
+    }
+  }
+
+  double end_s() const { return points_.back().time_s; }
+  double angle_rad(std::size_t joint, double time_s) const {
+    const auto to = std::find_if(points_.begin() + 1, points_.end() - 1,
+                                 [&](const TimedPose& point) { return point.time_s >= time_s; });
+    const auto from = std::prev(to);
+    const double share = (time_s - from->time_s) / (to->time_s - from->time_s);
+    return std::lerp(angle_of(*from, joint), angle_of(*to, joint), share);
+  }
+
+ private:
+  struct TimedPose {
+    double time_s;
+    std::size_t pose;
+  };
+
+  void add(const StepSource& step) { points_.push_back({end_s() + 1e-6 * step.time_us, step.pose}); }
+  double angle_of(const TimedPose& point, std::size_t joint) const {
+    return fixed::to_double(*motion_.poses[point.pose].angles[joint]);
+  }
+
+  const MotionSource& motion_;
+  std::vector<TimedPose> points_;
+};
+
+void write_profile(const Gait& gait, const sim::RobotDescription& robot, const NamedModel& model,
+                   const std::filesystem::path& csv) {
+  const GaitPlan plan(gait);
+  const WalkingPose pose(gait, robot, model);
+  const MotionSource motion = make_gait_motion(gait, robot, model);
+  const Approximation approximation(motion);
+  std::string text = "time_s,com_x_m,com_y_m,zmp_x_m,zmp_y_m";
+  for (const ShownJoint& joint : kShown) text += fmt::format(",{0}_rad,{0}_points_rad", joint.column);
+  text += "\n";
+  const int samples = static_cast<int>(std::lround(approximation.end_s() / kSample_s));
+  for (int i = 0; i <= samples; ++i) {
+    const double time_s = i * kSample_s;
+    const GaitInstant instant = plan.at(time_s);
+    const std::vector<double> targets_rad = pose.targets_rad(instant);
+    text += fmt::format("{:.3f},{:.6f},{:.6f},{:.6f},{:.6f}", time_s, instant.com_W_m.x(),
+                        instant.com_W_m.y(), instant.zmp_W_m.x(), instant.zmp_W_m.y());
+    for (const ShownJoint& joint : kShown) {
+      const std::size_t index = *model.model.find(joint.role);
+      text += fmt::format(",{:.6f},{:.6f}", targets_rad[index], approximation.angle_rad(index, time_s));
+    }
+    text += "\n";
+  }
+  sim::OutputFile file(csv);
+  file.write(text);
+  file.close();
+}
+
+Panel pendulum_panel(const std::string& axis, const std::string& label) {
+  return {.y_label = label + " [mm]",
+          .series = {{.column = "com_" + axis + "_m", .label = "centre of mass", .factor = kMillimetres},
+                     {.column = "zmp_" + axis + "_m",
+                      .label = "ZMP",
+                      .style = LineStyle::kDashed,
+                      .factor = kMillimetres}},
+          .smallest_span = 10.0};
+}
+
+}  // namespace
+
+void draw_gait(const Gait& gait, const sim::RobotDescription& robot, const NamedModel& model,
+               const std::filesystem::path& prefix) {
+  const std::filesystem::path csv = prefix.string() + ".csv";
+  write_profile(gait, robot, model, csv);
+  Figure figure{.title = fmt::format("Walking motion, {} points a cycle", gait.points)};
+  figure.panels.push_back(pendulum_panel("x", "ahead"));
+  figure.panels.push_back(pendulum_panel("y", "left"));
+  for (const ShownJoint& joint : kShown) {
+    figure.panels.push_back(
+        {.y_label = std::string(joint.label) + " [deg]",
+         .series = {{.column = std::string(joint.column) + "_rad", .label = "profile", .factor = kDegrees},
+                    {.column = std::string(joint.column) + "_points_rad",
+                     .label = "between points",
+                     .style = LineStyle::kDashed,
+                     .factor = kDegrees}},
+         .smallest_span = 2.0});
+  }
+  draw(figure, csv, prefix);
+}
+
+}  // namespace koboshi::tools
