@@ -1,19 +1,16 @@
 #include "tools/plot/gnuplot_script.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <sstream>
 
 #include "sim_board/input/text.h"
+#include "tools/plot/gnuplot.h"
 
 namespace koboshi::tools {
 namespace {
 
-// Okabe and Ito, https://jfly.uni-koeln.de/color, darkest contrast first.
-constexpr std::array kPalette{"#0072B2", "#D55E00", "#009E73", "#CC79A7",
-                              "#E69F00", "#56B4E9", "#000000", "#8C8C8C"};
 constexpr std::size_t kBuckets = 1000;  // about one a pixel
 constexpr int kWidth_px = 1000;
 constexpr int kPanelHeight_px = 240;
@@ -39,23 +36,8 @@ struct Range {
   }
 };
 
-std::string quoted(const std::string& text) {
-  std::string result = "'";
-  for (const char c : text) result += c == '\'' ? std::string("''") : std::string(1, c);
-  return result + "'";
-}
-
 std::string block_name(std::size_t panel, std::size_t series) {
   return "$panel" + std::to_string(panel) + "_series" + std::to_string(series);
-}
-
-void write_curve(std::ostream& out, const std::string& name, const std::vector<Point>& points) {
-  out << name << " << END\n";
-  for (const Point& point : points) {
-    out << sim::number_text(point.x) << ' ' << (std::isnan(point.y) ? "NaN" : sim::number_text(point.y))
-        << '\n';
-  }
-  out << "END\n";
 }
 
 // Some air around the data, and never less than the smallest span.
@@ -74,10 +56,8 @@ class Script {
   std::string write(const std::filesystem::path& without_extension) {
     write_data();
     write_style();
-    const std::string size = std::to_string(kWidth_px) + "," + std::to_string(height_px());
-    const std::string font = " noenhanced font 'DejaVu Sans,11' size " + size + "\n";
-    write_page("pngcairo background 'white'" + font, without_extension.string() + ".png");
-    write_page("svg background 'white'" + font, without_extension.string() + ".svg");
+    write_page(without_extension.string() + ".png");
+    write_page(without_extension.string() + ".svg");
     return out_.str();
   }
 
@@ -97,7 +77,7 @@ class Script {
         std::vector<double> y = columns_.at(panel.series[s].column);
         for (double& value : y) value *= panel.series[s].factor;
         for (const double value : y) range.include(value);
-        write_curve(out_, block_name(p, s), thin(x, y, kBuckets));
+        write_block(out_, block_name(p, s), thin(x, y, kBuckets));
       }
       y_ranges_.push_back(padded(range, panel.smallest_span));
     }
@@ -105,17 +85,14 @@ class Script {
 
   void write_style() {
     if (x_range_.low >= x_range_.high) x_range_ = padded(x_range_, 0.0);
-    out_ << "set encoding utf8\n"
-            "set border 3 linecolor '#606060'\n"
-            "set tics nomirror out scale 0.6 textcolor '#303030'\n"
-            "set grid linetype 1 linewidth 0.6 linecolor '#E4E4E4'\n"
-            "set key horizontal right bottom at graph 1,1.01 samplen 2 spacing 1 textcolor '#303030'\n"
+    out_ << axes_style()
+         << "set key horizontal right bottom at graph 1,1.01 samplen 2 spacing 1 textcolor '#303030'\n"
          << "set xrange [" << sim::number_text(x_range_.low) << ":" << sim::number_text(x_range_.high)
          << "]\n";
   }
 
-  void write_page(const std::string& terminal, const std::string& file) {
-    out_ << "set terminal " << terminal << "set output " << quoted(file) << "\nset multiplot\n";
+  void write_page(const std::string& file) {
+    out_ << open_page(file, kWidth_px, height_px()) << "set multiplot\n";
     out_ << "set label " << quoted(figure_.title) << " at screen " << screen_x(kLeft_px) << ", screen "
          << screen_y(kTitle_px) << " left font ',14'\n";
     for (std::size_t p = 0; p < figure_.panels.size(); ++p) write_panel(p);
@@ -163,9 +140,8 @@ class Script {
   std::string curve(std::size_t p, std::size_t s) const {
     const Series& series = figure_.panels[p].series[s];
     const std::size_t colour = series.colour ? static_cast<std::size_t>(*series.colour) : s;
-    return block_name(p, s) + " using 1:2 with lines linewidth 1.8 linecolor '" +
-           kPalette.at(colour % kPalette.size()) + "' dashtype " +
-           (series.style == LineStyle::kDashed ? "(9,5)" : "1") +
+    return block_name(p, s) + " using 1:2 with lines linewidth 1.8 linecolor '" + palette_colour(colour) +
+           "' dashtype " + (series.style == LineStyle::kDashed ? "(9,5)" : "1") +
            (series.label.empty() ? " notitle" : " title " + quoted(series.label));
   }
 
