@@ -10,6 +10,8 @@ target_include_directories(koboshi_options INTERFACE ${PROJECT_SOURCE_DIR})
 # reads the types of all variables from the debug information.
 set(KOBOSHI_FIRMWARE_FLAGS -fno-exceptions -fno-rtti -fno-threadsafe-statics -g)
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "cortex-m4")  # -mfloat-abi=soft; the linked image has no function for it
+  # A guess at who is called through a pointer costs more than the call itself.
+  list(APPEND KOBOSHI_FIRMWARE_FLAGS -fno-devirtualize-speculatively)
 elseif(NOT CMAKE_CXX_CLANG_TIDY)  # clang cannot read the standard headers with it
   list(APPEND KOBOSHI_FIRMWARE_FLAGS -mgeneral-regs-only)
 endif()

@@ -26,7 +26,7 @@ Node::Node(const NodeDescription& description, const NodeInstance& instance, Nod
               static_cast<std::uint16_t>(kSdoResponseBase + node_id_)),
       heartbeats_(buffers.consumers, buffers.consumer_slots),
       rpdos_(buffers.rpdos, buffers.rpdo_slots),
-      tpdos_(buffers.tpdos) {}
+      tpdos_(buffers.tpdos, dictionary_, queue_) {}
 
 void Node::start(std::uint64_t now_us) { reset(NmtCommand::kResetNode, now_us); }
 
@@ -34,34 +34,42 @@ void Node::on_frame(const hal::CanFrame& frame, std::uint64_t now_us) {
   // Remote frames would ask for node guarding or a PDO; both are out of use (CiA AN 802).
   if (frame.remote || state_ == NmtState::kInitialising) return;
   if (frame.identifier == (sync_cob_id_ & kCobIdMask)) return on_sync(now_us);
-  if (frame.identifier == kNmtCobId) return on_nmt(frame, now_us);
-  if (frame.identifier == server_.request_identifier()) {
-    if (permits_sdo(state_)) server_.on_request(frame, *this, queue_, now_us);
-    return;
-  }
-  switch (frame.identifier & kFunctionCodeMask) {
-    case kHeartbeatBase:
-      if (const auto heartbeat = decode_heartbeat(frame)) return on_heartbeat(*heartbeat, now_us);
-      break;
-    case kEmergencyBase:
-      if (const auto emergency = decode_emergency(frame)) return application_.on_emergency(*emergency);
-      break;
-    default:
-      break;
-  }
+  // Between these bounds only PDOs lie; an identifier outside them may be a PDO's too.
+  const bool pdo = frame.identifier >= kTpdo1Base && frame.identifier < kSdoResponseBase;
+  if (!pdo && serve(frame, now_us)) return;
   if (!permits_pdo(state_)) return;
   const std::size_t number = rpdos_.find(frame.identifier);
   if (number != SlotMap::kNone) on_rpdo(number, frame);
 }
 
+bool Node::serve(const hal::CanFrame& frame, std::uint64_t now_us) {
+  if (frame.identifier == kNmtCobId) {
+    on_nmt(frame, now_us);
+    return true;
+  }
+  if (frame.identifier == server_.request_identifier()) {
+    if (permits_sdo(state_)) server_.on_request(frame, *this, queue_, now_us);
+    return true;
+  }
+  if (const auto heartbeat = decode_heartbeat(frame)) {
+    on_heartbeat(*heartbeat, now_us);
+    return true;
+  }
+  if (const auto emergency = decode_emergency(frame)) {
+    application_.on_emergency(*emergency);
+    return true;
+  }
+  return false;
+}
+
 void Node::process(std::uint64_t now_us) {
   queue_.flush();
   if (state_ == NmtState::kInitialising) return;
-  produce_heartbeat(now_us);
+  if (now_us >= heartbeat_due_us_) produce_heartbeat(now_us);
   HeartbeatEvent event;
   while (heartbeats_.check(now_us, event)) application_.on_heartbeat(event);
-  produce_sync(now_us);
-  if (permits_pdo(state_)) tpdos_.process(dictionary_, queue_, now_us);
+  if (sync_period_us_ != 0) produce_sync(now_us);
+  if (permits_pdo(state_)) tpdos_.process(now_us);
   server_.process(queue_, now_us);
 }
 
@@ -143,11 +151,11 @@ void Node::on_nmt(const hal::CanFrame& frame, std::uint64_t now_us) {
 void Node::on_sync(std::uint64_t now_us) {
   if (!permits_sync(state_)) return;
   for (std::size_t i = 0; rpdo_pending_ && i < rpdos_.size(); ++i) {
-    if (rpdos_[i].pending) take_effect(i, rpdos_[i].data);
+    if (rpdos_[i].pending) take_effect(i, rpdos_[i], rpdos_[i].data);
   }
   rpdo_pending_ = false;
   application_.on_sync(now_us);
-  if (permits_pdo(state_)) tpdos_.on_sync(dictionary_, queue_, now_us);
+  if (permits_pdo(state_)) tpdos_.on_sync(now_us);
 }
 
 void Node::on_heartbeat(const Heartbeat& heartbeat, std::uint64_t now_us) {
@@ -162,16 +170,16 @@ void Node::on_rpdo(std::size_t number, const hal::CanFrame& frame) {
                         : frame.size < expected ? Length::kTooShort
                                                 : Length::kTooLong;
   if (length != pdo.length) note_length(number, length);
-  if (frame.size < expected) return;
-  if (!pdo.record.synchronous()) return take_effect(number, frame.data);
+  if (length == Length::kTooShort) return;
+  if (!pdo.record.synchronous()) return take_effect(number, pdo, frame.data);
   pdo.data = frame.data;
   pdo.pending = true;
   rpdo_pending_ = true;
 }
 
-void Node::take_effect(std::size_t number, const std::array<std::uint8_t, 8>& data) {
-  rpdos_[number].pending = false;
-  rpdos_[number].record.unpack(dictionary_, data.data());
+void Node::take_effect(std::size_t number, Rpdo& pdo, const std::array<std::uint8_t, 8>& data) {
+  pdo.pending = false;
+  pdo.record.unpack(dictionary_, data.data());
   application_.on_rpdo(number);
 }
 
@@ -186,7 +194,7 @@ void Node::note_length(std::size_t number, Length length) {
 }
 
 void Node::trigger_tpdo(std::size_t number, std::uint64_t now_us) {
-  if (permits_pdo(state_) && number < tpdos_.size()) tpdos_.request(number, dictionary_, queue_, now_us);
+  if (permits_pdo(state_) && number < tpdos_.size()) tpdos_.request(number, now_us);
 }
 
 void Node::send_sync(std::uint64_t now_us) {
@@ -196,14 +204,14 @@ void Node::send_sync(std::uint64_t now_us) {
 }
 
 void Node::produce_sync(std::uint64_t now_us) {
-  const bool produces = (sync_cob_id_ & kSyncProducer) != 0 && sync_period_us_ != 0 && permits_sync(state_);
+  const bool produces = (sync_cob_id_ & kSyncProducer) != 0 && permits_sync(state_);
   if (!produces || now_us < sync_due_us_) return;
   send_sync(now_us);
   sync_due_us_ = next_beat(sync_due_us_, sync_period_us_, now_us);
 }
 
 void Node::produce_heartbeat(std::uint64_t now_us) {
-  if (heartbeat_ms_ == 0 || now_us < heartbeat_due_us_) return;
+  if (heartbeat_ms_ == 0) return;
   static_cast<void>(queue_.send(encode(Heartbeat{node_id_, state_})));
   heartbeat_due_us_ = next_beat(heartbeat_due_us_, heartbeat_ms_ * 1000u, now_us);
 }

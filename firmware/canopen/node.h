@@ -128,12 +128,15 @@ class Node final : private ObjectServer {
   void enter(NmtState state, std::uint64_t now_us);
   void reset(NmtCommand reset, std::uint64_t now_us);
   void load_defaults();
+  // True when the frame was of a service other than SYNC and PDO.
+  bool serve(const hal::CanFrame& frame, std::uint64_t now_us);
   void on_nmt(const hal::CanFrame& frame, std::uint64_t now_us);
   void on_sync(std::uint64_t now_us);
   void on_heartbeat(const Heartbeat& heartbeat, std::uint64_t now_us);
   void on_rpdo(std::size_t number, const hal::CanFrame& frame);
   void note_length(std::size_t number, Length length);
-  void take_effect(std::size_t number, const std::array<std::uint8_t, 8>& data);
+  void take_effect(std::size_t number, Rpdo& pdo, const std::array<std::uint8_t, 8>& data);
+  // When it is due, and when there is a period.
   void produce_heartbeat(std::uint64_t now_us);
   void produce_sync(std::uint64_t now_us);
   void send_emergency(std::uint16_t code, const std::array<std::uint8_t, 5>& manufacturer);

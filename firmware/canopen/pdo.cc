@@ -1,8 +1,5 @@
 #include "firmware/canopen/pdo.h"
 
-#include <algorithm>
-#include <cstring>
-
 namespace koboshi::canopen {
 namespace {
 
@@ -22,24 +19,6 @@ AbortCode expect(std::size_t size, std::size_t expected) {
 // 241..251 are reserved; 252 and 253 wait for remote frames, which this stack does not serve.
 bool is_supported_type(std::uint32_t type) {
   return type <= kMaxSynchronous || type == kEventManufacturer || type == kEventProfile;
-}
-
-// The usual sizes take one load and one store; a call of memcpy takes fifty instructions, forty times a
-// cycle.
-void copy_value(void* to, const void* from, std::size_t size) {
-  switch (size) {
-    case 1:
-      std::memcpy(to, from, 1);
-      return;
-    case 2:
-      std::memcpy(to, from, 2);
-      return;
-    case 4:
-      std::memcpy(to, from, 4);
-      return;
-    default:
-      std::memcpy(to, from, size);
-  }
 }
 
 }  // namespace
@@ -192,24 +171,6 @@ AbortCode PdoRecord::resolve(std::uint32_t entry, const Dictionary& dictionary, 
     return AbortCode::kNotMappable;
   object = {address.index, address.subindex, size, location.offset};
   return AbortCode::kNone;
-}
-
-void PdoRecord::pack(const Dictionary& dictionary, std::uint8_t* data) const {
-  const std::byte* const values = dictionary.value_at(0);
-  for (const MappedObject& object : mapped()) {
-    const std::size_t size = object.size_bytes;
-    copy_value(data, values + object.offset, size);
-    data += size;
-  }
-}
-
-void PdoRecord::unpack(Dictionary& dictionary, const std::uint8_t* data) const {
-  std::byte* const values = dictionary.value_at(0);
-  for (const MappedObject& object : mapped()) {
-    const std::size_t size = object.size_bytes;
-    if (object.offset != MappedObject::kDummy) copy_value(values + object.offset, data, size);
-    data += size;
-  }
 }
 
 }  // namespace koboshi::canopen

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 
 #include "firmware/canopen/abort_code.h"
@@ -76,10 +77,38 @@ class PdoRecord {
   std::uint8_t size_bytes() const { return size_bytes_; }
 
   // Copies the mapped values to or from `size_bytes()` bytes of data.
-  void pack(const Dictionary& dictionary, std::uint8_t* data) const;
-  void unpack(Dictionary& dictionary, const std::uint8_t* data) const;
+  void pack(const Dictionary& dictionary, std::uint8_t* data) const {
+    const std::byte* const values = dictionary.value_at(0);
+    for (const MappedObject& object : mapped()) {
+      const std::size_t size = object.size_bytes;
+      copy_value(data, values + object.offset, size);
+      data += size;
+    }
+  }
+  void unpack(Dictionary& dictionary, const std::uint8_t* data) const {
+    std::byte* const values = dictionary.value_at(0);
+    for (const MappedObject& object : mapped()) {
+      const std::size_t size = object.size_bytes;
+      if (object.offset != MappedObject::kDummy) copy_value(values + object.offset, data, size);
+      data += size;
+    }
+  }
 
  private:
+  // One load and one store: no data type has another size.
+  static void copy_value(void* to, const void* from, std::size_t size) {
+    switch (size) {
+      case 1:
+        std::memcpy(to, from, 1);
+        return;
+      case 2:
+        std::memcpy(to, from, 2);
+        return;
+      case 4:
+        std::memcpy(to, from, 4);
+        return;
+    }
+  }
   std::span<const MappedObject> mapped() const { return {objects_.data(), mapped_count_}; }
   AbortCode write_cob_id(std::uint32_t cob_id);
   AbortCode write_mapped_count(std::uint32_t count);

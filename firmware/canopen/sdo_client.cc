@@ -43,9 +43,8 @@ bool SdoClient::begin(const hal::CanFrame& request, std::uint8_t node_id, Object
   return true;
 }
 
-bool SdoClient::on_frame(const hal::CanFrame& frame) {
-  if (state_ != SdoState::kBusy || frame.identifier != kSdoResponseBase + node_id_) return false;
-  if (frame.remote || frame.size != 8) return false;
+bool SdoClient::answers(const hal::CanFrame& frame) {
+  if (frame.identifier != kSdoResponseBase + node_id_ || frame.remote || frame.size != 8) return false;
   const std::uint8_t command = frame.data[0];
   const bool same_object = sdo::address_of(frame.data) == address_;
   if (command == sdo::kAbort) {
@@ -75,8 +74,7 @@ void SdoClient::accept(const hal::CanFrame& response) {
   }
 }
 
-void SdoClient::process(std::uint64_t now_us) {
-  if (state_ != SdoState::kBusy || now_us < deadline_us_) return;
+void SdoClient::time_out() {
   abort(AbortCode::kTimedOut);
   state_ = SdoState::kTimedOut;
 }

@@ -29,10 +29,12 @@ class SdoClient {
 
   // To be told of every frame; those that are not of the transfer are ignored. True when the frame was of the
   // transfer.
-  bool on_frame(const hal::CanFrame& frame);
+  bool on_frame(const hal::CanFrame& frame) { return state_ == SdoState::kBusy && answers(frame); }
   // Looks at the clock: a server that has not answered in time is told 0504 0000 and the transfer ends in
   // kTimedOut.
-  void process(std::uint64_t now_us);
+  void process(std::uint64_t now_us) {
+    if (state_ == SdoState::kBusy && now_us >= deadline_us_) time_out();
+  }
 
   SdoState state() const { return state_; }
   // Of a transfer that ended in kAborted, by the server or, if its answer made no sense, by us.
@@ -47,6 +49,8 @@ class SdoClient {
 
  private:
   bool begin(const hal::CanFrame& request, std::uint8_t node_id, ObjectAddress address, std::uint64_t now_us);
+  bool answers(const hal::CanFrame& frame);
+  void time_out();
   void abort(AbortCode code);
   void accept(const hal::CanFrame& response);
 

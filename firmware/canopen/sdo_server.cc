@@ -17,10 +17,6 @@ void SdoServer::on_request(const hal::CanFrame& request, ObjectServer& objects, 
   send(response, sink);
 }
 
-void SdoServer::process(FrameSink& sink, std::uint64_t now_us) {
-  if (transfer_ != Transfer::kNone && now_us >= deadline_us_) abort(AbortCode::kTimedOut, sink);
-}
-
 AbortCode SdoServer::respond(const sdo::Data& request, ObjectServer& objects, sdo::Data& response) {
   switch (request[0] & sdo::kSpecifierMask) {
     case sdo::kInitiateDownloadRequest:

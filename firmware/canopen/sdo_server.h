@@ -34,7 +34,9 @@ class SdoServer {
   // Answers a request; every request but an abort has exactly one response.
   void on_request(const hal::CanFrame& request, ObjectServer& objects, FrameSink& sink, std::uint64_t now_us);
   // Aborts a segmented transfer whose client has fallen silent.
-  void process(FrameSink& sink, std::uint64_t now_us);
+  void process(FrameSink& sink, std::uint64_t now_us) {
+    if (transfer_ != Transfer::kNone && now_us >= deadline_us_) abort(AbortCode::kTimedOut, sink);
+  }
   // Ends a transfer without a word.
   void reset() { transfer_ = Transfer::kNone; }
 

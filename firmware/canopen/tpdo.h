@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/canopen/frame.h"
 #include "firmware/canopen/pdo.h"
+#include "firmware/canopen/transmit_queue.h"
 
 namespace koboshi::canopen {
 
@@ -24,7 +24,9 @@ struct Tpdo {
 // time allows.
 class TpdoSet {
  public:
-  explicit TpdoSet(std::span<Tpdo> pdos) : pdos_(pdos) {}
+  // Values of `dictionary` go to `queue`; all must outlive the set.
+  TpdoSet(std::span<Tpdo> pdos, const Dictionary& dictionary, TransmitQueue& queue)
+      : pdos_(pdos), dictionary_(dictionary), queue_(queue) {}
 
   std::size_t size() const { return pdos_.size(); }
   // For a change: `process` looks at all of them again.
@@ -37,17 +39,19 @@ class TpdoSet {
   // The node has become operational: counters and event timers begin anew.
   void start(std::uint64_t now_us);
   // An event: something in PDO `number` is worth telling.
-  void request(std::size_t number, const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us);
-  void on_sync(const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us);
-  void process(const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us) {
-    if (now_us >= due_us_) send_due(dictionary, sink, now_us);
+  void request(std::size_t number, std::uint64_t now_us);
+  void on_sync(std::uint64_t now_us);
+  void process(std::uint64_t now_us) {
+    if (now_us >= due_us_) send_due(now_us);
   }
 
  private:
-  void send_due(const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us);
-  void send(Tpdo& pdo, const Dictionary& dictionary, FrameSink& sink, std::uint64_t now_us);
+  void send_due(std::uint64_t now_us);
+  void send(Tpdo& pdo, std::uint64_t now_us);
 
   std::span<Tpdo> pdos_;
+  const Dictionary& dictionary_;
+  TransmitQueue& queue_;
   std::uint64_t due_us_ = 0;  // nothing is to be sent before
 };
 

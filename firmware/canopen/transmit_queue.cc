@@ -4,9 +4,7 @@
 
 namespace koboshi::canopen {
 
-bool TransmitQueue::send(const hal::CanFrame& frame) {
-  flush();
-  if (size_ == 0 && sink_.send(frame)) return true;
+bool TransmitQueue::keep(const hal::CanFrame& frame) {
   if (size_ == backlog_.size()) {
     if (lost_ < std::numeric_limits<std::uint16_t>::max()) ++lost_;
     return false;
@@ -16,7 +14,7 @@ bool TransmitQueue::send(const hal::CanFrame& frame) {
   return true;
 }
 
-void TransmitQueue::flush() {
+void TransmitQueue::drain() {
   while (size_ > 0 && sink_.send(backlog_[first_])) {
     first_ = (first_ + 1) % backlog_.size();
     --size_;

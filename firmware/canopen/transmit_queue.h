@@ -15,15 +15,23 @@ class TransmitQueue final : public FrameSink {
   TransmitQueue(FrameSink& sink, std::span<hal::CanFrame> backlog) : sink_(sink), backlog_(backlog) {}
 
   // False, and counted in lost(), when sink and backlog are full.
-  bool send(const hal::CanFrame& frame) override;
+  bool send(const hal::CanFrame& frame) override {
+    flush();
+    return (size_ == 0 && sink_.send(frame)) || keep(frame);
+  }
   // Hands the backlog to the sink as far as it has room.
-  void flush();
+  void flush() {
+    if (size_ > 0) drain();
+  }
 
   std::size_t backlog() const { return size_; }
   // Frames that were not sent; saturates.
   std::uint16_t lost() const { return lost_; }
 
  private:
+  void drain();
+  bool keep(const hal::CanFrame& frame);
+
   FrameSink& sink_;
   std::span<hal::CanFrame> backlog_;
   std::size_t first_ = 0;

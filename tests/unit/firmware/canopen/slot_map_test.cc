@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <utility>
 
 namespace koboshi::canopen {
 namespace {
@@ -24,6 +25,36 @@ TEST(SlotMap, LetsTheFirstOfEqualKeysWin) {
   map.insert(7, 1);
   map.insert(7, 0);
   EXPECT_EQ(map.find(7), 1u);
+}
+
+// Each search leaves a guess behind for the next.
+TEST(SlotMap, FindsEveryKeyAfterEveryOther) {
+  std::array<SlotMap::Item, 6> items;
+  SlotMap map(items);
+  const std::uint16_t keys[] = {3, 7, 7, 9, 9, 20};
+  for (std::uint8_t slot = 0; slot < 6; ++slot) map.insert(keys[slot], slot);
+  const std::pair<std::uint16_t, std::size_t> expected[] = {
+      {2, SlotMap::kNone}, {3, 0}, {7, 1}, {8, SlotMap::kNone}, {9, 3}, {20, 5}, {21, SlotMap::kNone}};
+  for (const auto& [first, first_slot] : expected) {
+    for (const auto& [second, second_slot] : expected) {
+      EXPECT_EQ(map.find(first), first_slot);
+      EXPECT_EQ(map.find(second), second_slot) << second << " after " << first;
+    }
+  }
+}
+
+TEST(SlotMap, ForgetsItsGuessWithItsKeys) {
+  std::array<SlotMap::Item, 4> items;
+  SlotMap map(items);
+  for (std::uint8_t slot = 0; slot < 4; ++slot) map.insert(slot, slot);
+  EXPECT_EQ(map.find(2), 2u);
+  map.clear();
+  map.insert(3, 7);
+  EXPECT_EQ(map.find(3), 7u);
+  EXPECT_EQ(map.find(2), SlotMap::kNone);
+  map.insert(1, 8);
+  EXPECT_EQ(map.find(1), 8u);
+  EXPECT_EQ(map.find(3), 7u);
 }
 
 TEST(SlotMap, StaysWithinItsMemory) {
