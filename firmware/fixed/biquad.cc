@@ -17,10 +17,11 @@ std::uint64_t multiply(Ratio coefficient, std::int64_t value) {
 }
 
 std::int64_t saturated(std::int64_t sum) {
-  // Nearly always true, and one comparison instead of two.
-  constexpr auto kLowest = static_cast<std::uint64_t>(kMinimum);
-  if (static_cast<std::uint64_t>(sum) - kLowest <= static_cast<std::uint64_t>(kMaximum) - kLowest) return sum;
-  return sum < 0 ? kMinimum : kMaximum;
+  // Nearly always true; the upper half alone tells.
+  constexpr auto kLowest = static_cast<std::uint32_t>(kMinimum >> 32);
+  constexpr auto kHighest = static_cast<std::uint32_t>(kMaximum >> 32);
+  if (static_cast<std::uint32_t>(sum >> 32) - kLowest < kHighest - kLowest) return sum;
+  return sum < kMinimum ? kMinimum : sum > kMaximum ? kMaximum : sum;
 }
 
 }  // namespace
@@ -34,11 +35,11 @@ std::int32_t BiquadFilter::filter(const BiquadCoefficients& c, std::int32_t inpu
   const std::int64_t from_fractions = (std::int64_t{c.a1.raw()} * output_1_.fraction +
                                        std::int64_t{c.a2.raw()} * output_2_.fraction + kHalf) >>
                                       kFractionBits;
-  const auto sum =
-      static_cast<std::int64_t>(multiply(c.b0, input_raw) + multiply(c.b1, input_1_) +
-                                multiply(c.b2, input_2_) - multiply(c.a1, output_1_.whole) -
-                                multiply(c.a2, output_2_.whole) - static_cast<std::uint64_t>(from_fractions));
-  const std::int64_t output = saturated(sum);
+  const std::uint64_t from_outputs = static_cast<std::uint64_t>(from_fractions) +
+                                     multiply(c.a1, output_1_.whole) + multiply(c.a2, output_2_.whole);
+  const std::uint64_t from_inputs =
+      multiply(c.b0, input_raw) + multiply(c.b1, input_1_) + multiply(c.b2, input_2_);
+  const std::int64_t output = saturated(static_cast<std::int64_t>(from_inputs - from_outputs));
 
   input_2_ = input_1_;
   input_1_ = input_raw;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -17,6 +18,8 @@ namespace {
 using namespace literals;
 
 constexpr double kSampleRate_Hz = 1000.0;
+constexpr std::int32_t kMax = std::numeric_limits<std::int32_t>::max();
+constexpr std::int32_t kMin = std::numeric_limits<std::int32_t>::min();
 constexpr double kCutoffs_Hz[] = {0.1, 1.0, 5.0, 20.0, 98.0, 256.0, 450.0};
 
 // The same filter in double, straight from its difference equation.
@@ -142,6 +145,24 @@ TEST(BiquadFilter, OvershootsAFullScaleStepIntoSaturation) {
     last = out;
   }
   EXPECT_EQ(last, 0x7FFFFFFF);
+}
+
+TEST(BiquadFilter, SaturatesUpToFourTimesFullScale) {
+  const BiquadCoefficients fourfold{.b0 = Ratio::max(), .b1 = Ratio::max(), .b2 = {}, .a1 = {}, .a2 = {}};
+  BiquadFilter filter;
+  for (const std::int32_t in : {kMax, kMax, kMin}) static_cast<void>(filter.filter(fourfold, in));
+  EXPECT_EQ(filter.filter(fourfold, kMin), kMin);
+  EXPECT_EQ(filter.filter(fourfold, kMax), -2);  // nearly 2 of the one, nearly 2 of the other
+  EXPECT_EQ(filter.filter(fourfold, kMax), kMax);
+}
+
+TEST(BiquadFilter, RoundsUpToTheLargestAndNoFurther) {
+  const BiquadCoefficients c{.b0 = Ratio::from_raw(1 << 29), .b1 = kOne, .b2 = {}, .a1 = {}, .a2 = {}};
+  for (const std::int32_t last : {0x3FFFFFFF, 0x40000000}) {  // half an LSB below the largest, and above it
+    BiquadFilter filter;
+    static_cast<void>(filter.filter(c, last));
+    EXPECT_EQ(filter.filter(c, kMax), kMax);
+  }
 }
 
 TEST(BiquadFilter, StaysWhereItIsReset) {
