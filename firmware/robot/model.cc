@@ -103,7 +103,7 @@ std::array<std::uint8_t, kLegJoints> RobotModel::leg(hal::Side side) const {
 
 fixed::Angle joint_angle(const Drive& drive, std::int32_t position) {
   const std::int64_t shaft_raw =
-      std::int64_t{position} * (std::int64_t{1} << (fixed::Angle::kFractionBits - drive.position_bits));
+      std::int64_t{position} * (std::int32_t{1} << (fixed::Angle::kFractionBits - drive.position_bits));
   const std::int64_t angle_raw = drive.sign * (shaft_raw - drive.zero.raw());
   return fixed::Angle::from_raw(fixed::saturate<std::int32_t>(angle_raw));
 }

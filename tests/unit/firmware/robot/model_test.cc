@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <random>
 
@@ -144,6 +146,21 @@ TEST(DriveUnits, TurnShaftAndJointIntoEachOther) {
   EXPECT_NEAR(drive_position(drive, test::degrees(-170)), 260.0 / 360.0 * (1 << 20), 1.0);
   EXPECT_NEAR(fixed::to_double(joint_angle(drive, drive_position(drive, test::degrees(-170)))),
               -170 * test::kRadPerDegree, 1e-5);
+}
+
+TEST(DriveUnits, RoundTheShaftToTheNearestUnitAtEveryResolution) {
+  for (int bits = 8; bits <= 31; ++bits) {
+    for (const double zero_deg : {-179.0, 0.0, 0.001, 179.0}) {
+      for (const double angle_deg : {-180.0, -90.0, -0.0001, 0.0, 33.3, 179.9}) {
+        const Drive drive{
+            .sign = -1, .position_bits = static_cast<std::uint8_t>(bits), .zero = test::degrees(zero_deg)};
+        const fixed::Angle angle = test::degrees(angle_deg);
+        const double shaft_turns = (static_cast<double>(drive.zero.raw()) - angle.raw()) * 0x1p-32;
+        const double units = std::clamp(std::round(std::ldexp(shaft_turns, bits)), -0x1p31, 0x1p31 - 1.0);
+        EXPECT_EQ(drive_position(drive, angle), units) << bits << " bits, " << zero_deg << ", " << angle_deg;
+      }
+    }
+  }
 }
 
 TEST(DriveUnits, SaturateJustPastAStopAtHalfATurn) {
