@@ -225,8 +225,8 @@ GaitInstant GaitPlan::instant(const std::vector<Stage>& stages, double time_s) c
 
   const Vector2d left_zmp = zmp_of(Side::kLeft, soles[0]);
   const Vector2d right_zmp = zmp_of(Side::kRight, soles[1]);
-  const double share =
-      std::clamp((now.zmp_W_m.y() - right_zmp.y()) / (left_zmp.y() - right_zmp.y()), 0.0, 1.0);
+  double share = std::clamp((now.zmp_W_m.y() - right_zmp.y()) / (left_zmp.y() - right_zmp.y()), 0.0, 1.0);
+  if (height_m > 0.0) share = *stage->swing == Side::kLeft ? 0.0 : 1.0;
   now.load_share = {share, 1.0 - share};
   now.support = share >= 0.5 ? Side::kLeft : Side::kRight;
   now.zmp_S_m = now.zmp_W_m - soles[index(now.support)];

@@ -1,0 +1,63 @@
+#include "tools/gait/gait.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "sim_board/input/error.h"
+
+namespace koboshi::tools {
+namespace {
+
+using testing::HasSubstr;
+
+std::filesystem::path write(const std::string& text) {
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) /
+      (std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + ".yaml");
+  std::ofstream(file) << text;
+  return file;
+}
+
+constexpr const char* kGood =
+    "version: 1\nrobot: koboshi\nperiod_s: 0.6\nstep_length_m: 0.04\nstep_width_m: 0.064\n"
+    "step_height_m: 0.015\ncom_height_m: 0.175\ndouble_support: 0.2\n";
+
+std::string refusal(const std::string& text, std::span<const sim::Override> overrides = {}) {
+  try {
+    static_cast<void>(read_gait(write(text), overrides));
+  } catch (const sim::InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Gait, ReadsWhatStandsInTheFileAndDefaultsTheRest) {
+  const Gait gait = read_gait(write(std::string(kGood) + "feedback: {hip_roll_s: 0.03}\n"));
+  EXPECT_DOUBLE_EQ(gait.period_s, 0.6);
+  EXPECT_EQ(gait.points, 8);
+  EXPECT_DOUBLE_EQ(gait.feedback.hip_roll_s, 0.03);
+  EXPECT_DOUBLE_EQ(gait.feedback.knee_s, 0.0);
+}
+
+TEST(Gait, TakesOverrides) {
+  const sim::Override points[] = {{"points", "16"}, {"feedback.knee_s", "0.01"}};
+  const Gait gait = read_gait(write(kGood), points);
+  EXPECT_EQ(gait.points, 16);
+  EXPECT_DOUBLE_EQ(gait.feedback.knee_s, 0.01);
+}
+
+TEST(Gait, NamesTheLineOfWhatIsWrong) {
+  EXPECT_THAT(refusal(std::string(kGood) + "hop: 3\n"), HasSubstr(":9:"));
+  EXPECT_THAT(refusal("version: 2\n"), HasSubstr(":1:"));
+  EXPECT_THAT(refusal("version: 1\nrobot: koboshi\nperiod_s: 0\n"), HasSubstr(":3:"));
+  EXPECT_THAT(refusal(std::string(kGood) + "points: 1\n"), HasSubstr("points"));
+}
+
+TEST(Gait, MissesWhatHasNoDefault) {
+  EXPECT_THAT(refusal("version: 1\nrobot: koboshi\n"), HasSubstr("period_s"));
+}
+
+}  // namespace
+}  // namespace koboshi::tools
