@@ -5,15 +5,26 @@
 namespace koboshi::sim {
 
 nlohmann::ordered_json to_json(const RunSummary& summary) {
-  return {{"fell", summary.fell},
-          {"duration_s", summary.duration_s},
-          {"can_bus_load", summary.can_bus_load},
-          {"state_hash", summary.state_hash},
-          {"faults", summary.faults},
-          {"solver_warnings", summary.solver_warnings},
-          {"stepper", summary.stepper},
-          {"base_height_error_max_m", summary.base_height_error_max_m},
-          {"foot_slip_max_m", summary.foot_slip_max_m}};
+  nlohmann::ordered_json document{{"fell", summary.fell},
+                                  {"duration_s", summary.duration_s},
+                                  {"can_bus_load", summary.can_bus_load},
+                                  {"state_hash", summary.state_hash},
+                                  {"faults", summary.faults},
+                                  {"solver_warnings", summary.solver_warnings},
+                                  {"stepper", summary.stepper},
+                                  {"base_height_error_max_m", summary.base_height_error_max_m},
+                                  {"foot_slip_max_m", summary.foot_slip_max_m}};
+  if (summary.walk) {
+    const WalkSummary& walk = *summary.walk;
+    document.update({{"distance_m", walk.distance_m},
+                     {"speed_m_per_s", walk.speed_m_per_s},
+                     {"lateral_drift_m", walk.lateral_drift_m},
+                     {"heading_drift_rad", walk.heading_drift_rad},
+                     {"zmp_rms_error_m", walk.zmp_rms_error_m},
+                     {"zmp_margin_p05_m", walk.zmp_margin_p05_m},
+                     {"zmp_sensor_vs_truth_rms_m", walk.zmp_sensor_vs_truth_rms_m}});
+  }
+  return document;
 }
 
 void write_json(const std::filesystem::path& file, const nlohmann::ordered_json& document) {

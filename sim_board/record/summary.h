@@ -3,9 +3,21 @@
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 namespace koboshi::sim {
+
+// What a walk comes to. Not a number where there was nothing to measure.
+struct WalkSummary {
+  double distance_m = 0.0;  // net, along the heading at the start
+  double speed_m_per_s = 0.0;
+  double lateral_drift_m = 0.0;  // to the left
+  double heading_drift_rad = 0.0;
+  double zmp_rms_error_m = 0.0;            // measured by the firmware against planned
+  double zmp_margin_p05_m = 0.0;           // 5th percentile of the true ZMP's distance to the support's edge
+  double zmp_sensor_vs_truth_rms_m = 0.0;  // by the ankle sensors against the contact forces
+};
 
 // What a run comes to. The same inputs and seed give the same bytes of summary.json: no path, date or host is
 // in it.
@@ -21,9 +33,10 @@ struct RunSummary {
   // that of the pose it is told to take, and farthest that a loaded foot slid.
   double base_height_error_max_m = 0.0;
   double foot_slip_max_m = 0.0;
+  std::optional<WalkSummary> walk;  // of a run in which one was played
 };
 
-// The keys of summary.json in their order.
+// The keys of summary.json in their order (docs/reference/summary.md).
 nlohmann::ordered_json to_json(const RunSummary& summary);
 
 // Writes the document to a file beside and renames it, so that a reader finds the whole or nothing new.

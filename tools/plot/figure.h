@@ -32,12 +32,18 @@ struct Mark {
   std::string label{};
 };
 
+struct Span {
+  double low = 0.0;
+  double high = 0.0;
+};
+
 struct Figure {
   std::string title{};
   std::vector<Panel> panels{};
   std::vector<Mark> marks{};
   std::string x_column = "time_s";
   std::string x_label = "time [s]";
+  std::optional<Span> x_span{};  // the part that is shown; without it all
 };
 
 // A figure that could not be drawn although its data are good: no gnuplot, or gnuplot failed. `what()` is

@@ -68,14 +68,24 @@ class Script {
   }
 
   void write_data() {
-    const std::vector<double>& x = columns_.at(figure_.x_column);
+    const std::vector<double>& all_x = columns_.at(figure_.x_column);
+    const auto shown = [&](std::size_t i) {
+      return !figure_.x_span || (figure_.x_span->low <= all_x[i] && all_x[i] <= figure_.x_span->high);
+    };
+    const auto cut = [&](const std::vector<double>& values, double factor) {
+      std::vector<double> part;
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        if (shown(i)) part.push_back(factor * values[i]);
+      }
+      return part;
+    };
+    const std::vector<double> x = cut(all_x, 1.0);
     for (const double value : x) x_range_.include(value);
     for (std::size_t p = 0; p < figure_.panels.size(); ++p) {
       const Panel& panel = figure_.panels[p];
       Range range;
       for (std::size_t s = 0; s < panel.series.size(); ++s) {
-        std::vector<double> y = columns_.at(panel.series[s].column);
-        for (double& value : y) value *= panel.series[s].factor;
+        const std::vector<double> y = cut(columns_.at(panel.series[s].column), panel.series[s].factor);
         for (const double value : y) range.include(value);
         write_block(out_, block_name(p, s), thin(x, y, kBuckets));
       }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -12,6 +13,9 @@
 #include "tools/run/telemetry.h"
 
 namespace koboshi::tools {
+
+// A trunk that leans further than this does not come back by itself.
+inline constexpr double kFallen_rad = std::numbers::pi / 3.0;
 
 // What is true of the robot in the world at one instant, beside what the firmware believes.
 struct GroundTruth {

@@ -5,6 +5,7 @@
 #include "sim_board/record/output_folder.h"
 #include "tools/run/run_figures.h"
 #include "tools/run/run_recorder.h"
+#include "tools/run/walk_figures.h"
 
 namespace koboshi::tools {
 namespace {
@@ -73,6 +74,9 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   sim::write_json(options.out / "timing.json", timing_json(simulation.board(), wall_s, files.dropped()));
   try {
     draw_run_figures(options.scenario, options.out);
+    if (const GaitPlan* plan = simulation.gait_plan()) {
+      draw_walk_figures(options.out, simulation.robot(), plan->cycle_s());
+    }
   } catch (const PlotError& error) {
     result.plot_warning = error.what();
   }

@@ -15,7 +15,9 @@ std::string label_of(const sim::Command& command, const sim::Scenario& scenario)
     case sim::Command::Kind::kEnable:
       return "enable";
     case sim::Command::Kind::kPlay:
-      return "play " + scenario.motions[command.motion].stem().string();
+      return "play " + (command.motion < scenario.motions.size()
+                            ? scenario.motions[command.motion].stem().string()
+                            : std::string(sim::kGaitMotion));
     case sim::Command::Kind::kStop:
       return "stop";
     case sim::Command::Kind::kEmergencyStop:

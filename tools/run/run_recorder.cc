@@ -2,15 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <limits>
 
 namespace koboshi::tools {
 namespace {
 
-// A trunk that leans further than this does not come back by itself.
-constexpr double kFallen_rad = std::numbers::pi / 3.0;
 // The robot settles this long after the stand has let go of it, before its stance is judged.
 constexpr std::uint64_t kSettle_us = 500'000;
+
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+const Eigen::Vector3d kNowhere = Eigen::Vector3d::Constant(kNotANumber);
 
 std::string_view stepper_name(sim::Stepper stepper) {
   return stepper == sim::Stepper::kQuick ? "quick" : "world";
@@ -23,6 +24,13 @@ RunRecorder::RunRecorder(Simulation& simulation, sim::Recorder* recorder)
       recorder_(recorder),
       telemetry_(simulation.model().model),
       truth_(simulation.robot()) {
+  if (const GaitPlan* plan = simulation.gait_plan()) {
+    // The walk is the motion behind those that the scenario names.
+    const auto motion = static_cast<std::uint8_t>(simulation.scenario().motions.size());
+    walk_.emplace(
+        simulation.robot(), simulation.scenario(), [plan](double time_s) { return plan->at(time_s); },
+        motion);
+  }
   row_.reserve(columns(simulation.robot()).size());
   simulation_.board().bus().set_observer(this);
 }
@@ -57,7 +65,31 @@ std::vector<sim::TraceColumn> RunRecorder::columns(const sim::RobotDescription& 
                                         {"true_left_load", "N"},
                                         {"true_right_load", "N"},
                                         {"true_left_slip", "m"},
-                                        {"true_right_slip", "m"}};
+                                        {"true_right_slip", "m"},
+                                        {"true_left_sole_x", "m"},
+                                        {"true_left_sole_y", "m"},
+                                        {"true_left_sole_yaw", "rad"},
+                                        {"true_right_sole_x", "m"},
+                                        {"true_right_sole_y", "m"},
+                                        {"true_right_sole_yaw", "rad"},
+                                        {"left_zmp_x", "m"},
+                                        {"left_zmp_y", "m"},
+                                        {"true_left_zmp_x", "m"},
+                                        {"true_left_zmp_y", "m"},
+                                        {"right_zmp_x", "m"},
+                                        {"right_zmp_y", "m"},
+                                        {"true_right_zmp_x", "m"},
+                                        {"true_right_zmp_y", "m"},
+                                        {"zmp_x", "m"},
+                                        {"zmp_y", "m"},
+                                        {"true_zmp_x", "m"},
+                                        {"true_zmp_y", "m"},
+                                        {"true_zmp_margin", "m"},
+                                        {"planned_zmp_x", "m"},
+                                        {"planned_zmp_y", "m"},
+                                        {"com_x", "m"},
+                                        {"com_y", "m"},
+                                        {"com_z", "m"}};
   for (const sim::JointDescription& joint : robot.joints) {
     columns.push_back({joint.name + "_target", "rad"});
     columns.push_back({joint.name + "_encoder", "rad"});
@@ -79,6 +111,7 @@ void RunRecorder::record_tick() {
   truth_now_ = &truth_.observe(simulation_.board().world(), telemetry_.now());
   hash_state();
   judge();
+  if (walk_) walk_->observe(simulation_.board(), *truth_now_, telemetry_.now());
   if (recorder_ != nullptr) write_row();
 }
 
@@ -122,12 +155,43 @@ void RunRecorder::write_row() {
   row_.insert(row_.end(), truth.p_WCom_W.begin(), truth.p_WCom_W.end());
   row_.insert(row_.end(), truth.foot_load_N.begin(), truth.foot_load_N.end());
   row_.insert(row_.end(), truth.foot_slip_m.begin(), truth.foot_slip_m.end());
+  add_feet_to_row();
+  add_zmp_to_row();
   for (std::size_t joint = 0; joint < simulation_.robot().joints.size(); ++joint) {
     const Telemetry::Joint& drive = said.joints[joint];
     const double true_rad = simulation_.board().world().joint(static_cast<int>(joint)).position_rad;
     row_.insert(row_.end(), {drive.target_rad, drive.position_rad, true_rad, drive.torque_permille});
   }
   recorder_->row(simulation_.board().now_us(), row_);
+}
+
+void RunRecorder::add_feet_to_row() {
+  for (const Eigen::Isometry3d& X_WSole : truth_now_->X_WSole) {
+    row_.insert(row_.end(), {X_WSole.translation().x(), X_WSole.translation().y(),
+                             std::atan2(X_WSole.linear()(1, 0), X_WSole.linear()(0, 0))});
+  }
+  for (std::size_t side = 0; side < truth_now_->foot_zmp_S_m.size(); ++side) {
+    const Telemetry::FootZmp& said = telemetry_.now().foot_zmp[side];
+    const Eigen::Vector2d true_S_m = truth_now_->foot_zmp_S_m[side].value_or(kNowhere.head<2>());
+    row_.insert(row_.end(), {said.valid ? said.x_m : kNotANumber, said.valid ? said.y_m : kNotANumber,
+                             true_S_m.x(), true_S_m.y()});
+  }
+}
+
+// What firmware and plan tell in the frame of a sole stands in the world where that sole stands, so that it
+// can be laid over the footprints.
+void RunRecorder::add_zmp_to_row() {
+  const Telemetry& said = telemetry_.now();
+  const Eigen::Isometry3d& X_WSole = truth_now_->X_WSole[static_cast<std::size_t>(said.zmp.frame)];
+  const Eigen::Vector3d measured_W =
+      said.zmp.valid ? Eigen::Vector3d(X_WSole * Eigen::Vector3d(said.zmp.x_m, said.zmp.y_m, 0.0)) : kNowhere;
+  const Eigen::Vector3d true_W = truth_now_->p_WZmp_W.value_or(kNowhere);
+  const Eigen::Vector3d planned_W = walk_ ? walk_->planned_zmp_W(*truth_now_).value_or(kNowhere) : kNowhere;
+  const Eigen::Vector3d com_W =
+      said.zmp.valid ? Eigen::Vector3d(X_WSole * Eigen::Vector3d(said.com_S_m.data())) : kNowhere;
+  row_.insert(row_.end(), {measured_W.x(), measured_W.y(), true_W.x(), true_W.y(),
+                           truth_now_->zmp_margin_m.value_or(kNotANumber), planned_W.x(), planned_W.y()});
+  row_.insert(row_.end(), com_W.begin(), com_W.end());
 }
 
 sim::RunSummary RunRecorder::summary() const {
@@ -144,6 +208,7 @@ sim::RunSummary RunRecorder::summary() const {
   summary.stepper = stepper_name(simulation_.scenario().physics.stepper);
   summary.base_height_error_max_m = base_height_error_m_;
   summary.foot_slip_max_m = foot_slip_m_;
+  if (walk_) summary.walk = walk_->summary();
   return summary;
 }
 

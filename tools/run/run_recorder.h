@@ -1,6 +1,6 @@
 #pragma once
 
-#include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "sim_board/can/observer.h"
@@ -10,6 +10,7 @@
 #include "tools/run/ground_truth.h"
 #include "tools/run/simulation.h"
 #include "tools/run/telemetry.h"
+#include "tools/run/walk_observer.h"
 
 namespace koboshi::tools {
 
@@ -40,11 +41,14 @@ class RunRecorder final : private sim::BusObserver {
   void hash_state();
   void judge();
   void write_row();
+  void add_feet_to_row();
+  void add_zmp_to_row();
 
   Simulation& simulation_;
   sim::Recorder* recorder_;
   TelemetryReader telemetry_;
   TruthObserver truth_;
+  std::optional<WalkObserver> walk_;  // of a scenario with a gait
   const GroundTruth* truth_now_ = nullptr;
   sim::StateHash hash_;
   std::vector<sim::TraceValue> row_;

@@ -7,6 +7,7 @@
 #include "firmware/app/behaviour.h"
 #include "firmware/drive/trouble.h"
 #include "firmware/robot/model.h"
+#include "hal/port/ankle.h"
 #include "sim_board/can/observer.h"
 
 namespace koboshi::tools {
@@ -20,10 +21,23 @@ struct Telemetry {
   std::uint8_t motion = 0;
   drive::Trouble trouble = drive::Trouble::kNone;
   std::uint8_t trouble_joint = 0;
-  double roll_rad = 0.0;  // inclination of the trunk
+  double roll_rad = 0.0;  // attitude of the trunk, from gyro and inclination
   double pitch_rad = 0.0;
-  std::array<double, 3> rate_rad_per_s{};  // filtered gyro
+  std::array<double, 3> rate_rad_per_s{};  // filtered gyro, free of its bias
   std::array<double, 2> foot_load_N{};     // by Side
+  struct FootZmp {
+    double x_m = 0.0;
+    double y_m = 0.0;
+    bool valid = false;
+  };
+  std::array<FootZmp, 2> foot_zmp{};  // by Side, each in its own sole's frame
+  struct {
+    double x_m = 0.0;
+    double y_m = 0.0;
+    bool valid = false;
+    hal::Side frame = hal::Side::kLeft;  // the foot that carries more
+  } zmp;                                 // of both feet, in the sole's frame of one
+  std::array<double, 3> com_S_m{};       // centre of mass by the joints, in the same frame
   struct Joint {
     double target_rad = 0.0;
     double position_rad = 0.0;  // as the encoder shows it
@@ -46,6 +60,7 @@ class TelemetryReader final : public sim::BusObserver {
   static constexpr std::uint8_t kNoJoint = 0xFF;
 
   void read_controller(std::uint16_t base, const hal::CanFrame& frame);
+  void read_balance(std::uint16_t base, const hal::CanFrame& frame);
 
   const robot::RobotModel& model_;
   std::array<std::uint8_t, 128> joint_of_node_;

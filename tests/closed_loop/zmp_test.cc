@@ -1,0 +1,52 @@
+#include <gtest/gtest.h>
+
+#include "tests/closed_loop/run.h"
+#include "tools/run/zmp_sensor_check.h"
+
+namespace koboshi::test {
+namespace {
+
+// The ZMP by the ankle sensors against the engine's contact forces, in every millisecond from `begin_us` on.
+double zmp_error_rms_m(const sim::Scenario& scenario, std::uint64_t begin_us, std::uint64_t end_us) {
+  RobotRun run(scenario);
+  tools::ZmpSensorCheck check(run.robot(), scenario);
+  run.run_until_us(begin_us);
+  while (run.now_us() < end_us) {
+    run.run_until_us(run.now_us() + 1'000);
+    check.observe(run.board());
+  }
+  return check.rms_m();
+}
+
+sim::Scenario pushed_squat() {
+  sim::Scenario scenario = quick_squat();
+  for (const double side : {1.0, -1.0}) {
+    sim::Push push;
+    push.at_us = side > 0.0 ? 3'600'000 : 4'600'000;
+    push.duration_us = 100'000;
+    push.link.text = "trunk";
+    push.force_W_N = side * Eigen::Vector3d(1.5, 2.5, 0.0);
+    scenario.pushes.push_back(push);
+  }
+  return scenario;
+}
+
+TEST(ZmpOfAnkleSensors, IsThatOfTheContactForcesInSquats) {
+  const double error_m = zmp_error_rms_m(quick_squat(), 2'000'000, 6'000'000);
+  EXPECT_LT(error_m, 0.001);
+  EXPECT_GT(error_m, 0.00001);  // the sensors have noise and bias
+}
+
+TEST(ZmpOfAnkleSensors, IsThatOfTheContactForcesUnderPushes) {
+  EXPECT_LT(zmp_error_rms_m(pushed_squat(), 2'000'000, 6'000'000), 0.001);
+}
+
+TEST(ZmpOfAnkleSensors, IsThatOfTheContactForcesOnTiltedGround) {
+  sim::Scenario scenario = pushed_squat();
+  scenario.ground.roll_rad = 0.03;
+  scenario.ground.pitch_rad = -0.03;
+  EXPECT_LT(zmp_error_rms_m(scenario, 2'000'000, 6'000'000), 0.001);
+}
+
+}  // namespace
+}  // namespace koboshi::test

@@ -1,0 +1,180 @@
+#include "tools/run/walk_figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "sim_board/world/foot.h"
+#include "sim_board/world/support_polygon.h"
+#include "tools/plot/columns.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double kMillimetres = 1000.0;
+constexpr double kShownCycles = 3.0;
+constexpr double kLongWalk = 6.0;  // cycles
+// A foot that lets go for less than this still stands, and one that touches for less has not stood.
+constexpr double kStance_s = 0.05;
+
+enum Colour { kBlue = 0, kOrange = 1, kBlack = 6, kGrey = 7 };  // of the palette
+
+// A stretch of rows.
+struct Rows {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+};
+
+Rows rows_within(const std::vector<double>& times_s, Span span) {
+  const auto begin = std::ranges::lower_bound(times_s, span.low);
+  const auto end = std::ranges::upper_bound(times_s, span.high);
+  return {static_cast<std::size_t>(begin - times_s.begin()), static_cast<std::size_t>(end - times_s.begin())};
+}
+
+std::vector<Rows> stances(const std::vector<double>& times_s, const std::vector<double>& loads_N,
+                          Rows shown) {
+  std::vector<Rows> found;
+  for (std::size_t row = shown.begin; row < shown.end; ++row) {
+    if (loads_N[row] < sim::kLoaded_N) continue;
+    const bool goes_on = !found.empty() && times_s[row] - times_s[found.back().end - 1] < kStance_s;
+    if (!goes_on) found.push_back({row, row});
+    found.back().end = row + 1;
+  }
+  std::erase_if(
+      found, [&](const Rows& stance) { return times_s[stance.end - 1] - times_s[stance.begin] < kStance_s; });
+  return found;
+}
+
+std::vector<Eigen::Vector2d> outline_in_sole(const sim::Foot& foot) {
+  std::vector<Eigen::Vector2d> corners_m;
+  for (const Eigen::Vector3d& corner_L : foot.corners_L) {
+    corners_m.push_back((foot.X_LSole.inverse() * corner_L).head<2>());
+  }
+  return sim::convex_hull(corners_m);
+}
+
+void add_footprints(PlaneFigure& figure, const Columns& trace, const sim::Foot& foot, const std::string& side,
+                    Rows shown) {
+  const std::vector<Eigen::Vector2d> outline_m = outline_in_sole(foot);
+  const std::string sole = "true_" + side + "_sole_";
+  for (const Rows& stance : stances(trace.at("time_s"), trace.at("true_" + side + "_load_N"), shown)) {
+    const std::size_t middle = (stance.begin + stance.end) / 2;
+    const Eigen::Translation2d p_W_m(trace.at(sole + "x_m")[middle], trace.at(sole + "y_m")[middle]);
+    const Eigen::Rotation2Dd yaw(trace.at(sole + "yaw_rad")[middle]);
+    Outline footprint{.colour = kGrey, .word = side};
+    for (const Eigen::Vector2d& corner_m : outline_m) {
+      const Eigen::Vector2d at_mm = kMillimetres * (p_W_m * (yaw * corner_m));
+      footprint.corners.push_back({at_mm.x(), at_mm.y()});
+    }
+    figure.outlines.push_back(footprint);
+  }
+}
+
+std::vector<Point> path_mm(const Columns& trace, const std::string& name, Rows shown) {
+  std::vector<Point> points;
+  for (std::size_t row = shown.begin; row < shown.end; ++row) {
+    points.push_back(
+        {kMillimetres * trace.at(name + "_x_m")[row], kMillimetres * trace.at(name + "_y_m")[row]});
+  }
+  return points;
+}
+
+Panel joint_panel(const std::string& joint, const std::string& name) {
+  Panel panel{.y_label = name + " [deg]", .smallest_span = 2.0};
+  for (const auto& [side, colour] : {std::pair("left", kBlue), std::pair("right", kOrange)}) {
+    const std::string column = std::string(side) + "_" + joint;
+    panel.series.push_back({.column = column + "_target_rad",
+                            .label = std::string(side) + ", target",
+                            .style = LineStyle::kDashed,
+                            .colour = colour,
+                            .factor = kDegrees});
+    panel.series.push_back({.column = column + "_true_rad",
+                            .label = std::string(side) + ", true",
+                            .colour = colour,
+                            .factor = kDegrees});
+  }
+  return panel;
+}
+
+Panel attitude_panel(const std::string& y_label, const std::string& told, const std::string& told_label,
+                     const std::string& truth) {
+  return {.y_label = y_label,
+          .series = {{.column = truth, .label = "true", .colour = kBlack, .factor = kDegrees},
+                     {.column = told, .label = told_label, .colour = kBlue, .factor = kDegrees}},
+          .smallest_span = 2.0};
+}
+
+Figure joints_figure(Span time_s) {
+  return {.title = "Joints of the legs while walking",
+          .panels = {joint_panel("hip_roll", "hip roll"), joint_panel("hip_pitch", "hip pitch"),
+                     joint_panel("knee", "knee"), joint_panel("ankle_pitch", "ankle pitch"),
+                     joint_panel("ankle_roll", "ankle roll")},
+          .x_span = time_s};
+}
+
+Figure attitude_figure(Span time_s) {
+  return {.title = "Attitude of the trunk while walking",
+          .panels = {attitude_panel("roll [deg]", "imu_roll_rad", "estimated", "true_roll_rad"),
+                     attitude_panel("pitch [deg]", "imu_pitch_rad", "estimated", "true_pitch_rad"),
+                     attitude_panel("roll rate [deg/s]", "gyro_x_rad_per_s", "filtered gyro",
+                                    "true_rate_x_rad_per_s"),
+                     attitude_panel("pitch rate [deg/s]", "gyro_y_rad_per_s", "filtered gyro",
+                                    "true_rate_y_rad_per_s")},
+          .x_span = time_s};
+}
+
+}  // namespace
+
+std::optional<Span> walk_to_show(const std::filesystem::path& trace, double cycle_s) {
+  const std::vector<std::string> names{"time_s", "planned_zmp_x_m"};
+  const Columns columns = read_columns(trace, names);
+  const std::vector<double>& times_s = columns.at("time_s");
+  const std::vector<double>& planned_m = columns.at("planned_zmp_x_m");
+  std::optional<Span> walk;
+  for (std::size_t row = 0; row < times_s.size(); ++row) {
+    if (std::isnan(planned_m[row])) continue;
+    if (!walk) walk = Span{times_s[row], times_s[row]};
+    walk->high = times_s[row];
+  }
+  if (!walk || walk->high - walk->low < kLongWalk * cycle_s) return walk;
+  const double middle_s = 0.5 * (walk->low + walk->high);
+  return Span{middle_s, middle_s + kShownCycles * cycle_s};
+}
+
+PlaneFigure zmp_figure(const std::filesystem::path& trace, const sim::RobotDescription& robot, Span time_s) {
+  std::vector<std::string> names{"time_s"};
+  for (const char* path : {"zmp", "true_zmp", "planned_zmp"}) {
+    for (const char* axis : {"_x_m", "_y_m"}) names.push_back(std::string(path) + axis);
+  }
+  for (const std::string side : {"left", "right"}) {
+    names.push_back("true_" + side + "_load_N");
+    for (const char* of_sole : {"x_m", "y_m", "yaw_rad"})
+      names.push_back("true_" + side + "_sole_" + of_sole);
+  }
+  const Columns columns = read_columns(trace, names);
+  const Rows shown = rows_within(columns.at("time_s"), time_s);
+  PlaneFigure figure{
+      .title = "ZMP over the footprints", .x_label = "x, ahead [mm]", .y_label = "y, left [mm]"};
+  const auto feet = sim::feet_of(robot);
+  if (feet[0]) add_footprints(figure, columns, *feet[0], "left", shown);
+  if (feet[1]) add_footprints(figure, columns, *feet[1], "right", shown);
+  figure.curves = {{"true", path_mm(columns, "true_zmp", shown), LineStyle::kSolid, kBlack, 1.0},
+                   {"measured", path_mm(columns, "zmp", shown), LineStyle::kSolid, kBlue},
+                   {"planned", path_mm(columns, "planned_zmp", shown), LineStyle::kDashed, kOrange}};
+  return figure;
+}
+
+void draw_walk_figures(const std::filesystem::path& folder, const sim::RobotDescription& robot,
+                       double cycle_s) {
+  const std::filesystem::path trace = folder / "trace.csv";
+  const std::optional<Span> time_s = walk_to_show(trace, cycle_s);
+  if (!time_s) return;
+  draw(zmp_figure(trace, robot, *time_s), folder / "zmp");
+  draw(joints_figure(*time_s), trace, folder / "joints");
+  draw(attitude_figure(*time_s), trace, folder / "attitude");
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,88 @@
+#include "tools/run/walk_observer.h"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "sim_board/board/sim_board.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr double kTick_s = 1e-6 * static_cast<double>(sim::SimBoard::kTick_us);
+// Targets are in effect this long after the tick that computed them, and reached a tick later
+// (docs/design/timing.md). A tick computes them for the end of its cycle. So what the drives pursue at the
+// k-th tick of a motion is what the motion tells for k ticks, less this.
+constexpr double kInEffect_s = 0.00265;
+
+// The measured ZMP in the sole frame of another foot, seen from above its sole.
+Eigen::Vector2d in_sole_of(hal::Side side, const GroundTruth& truth, const Telemetry& said) {
+  const Eigen::Isometry3d& X_WMeasured = truth.X_WSole[static_cast<std::size_t>(said.zmp.frame)];
+  const Eigen::Isometry3d& X_WWanted = truth.X_WSole[static_cast<std::size_t>(side)];
+  const Eigen::Vector3d p_W = X_WMeasured * Eigen::Vector3d(said.zmp.x_m, said.zmp.y_m, 0.0);
+  return (X_WWanted.inverse() * p_W).head<2>();
+}
+
+}  // namespace
+
+WalkObserver::WalkObserver(const sim::RobotDescription& robot, const sim::Scenario& scenario, Plan plan,
+                           std::uint8_t motion)
+    : plan_(std::move(plan)), motion_(motion), sensor_check_(robot, scenario) {}
+
+void WalkObserver::observe(const sim::SimBoard& board, const GroundTruth& truth, const Telemetry& said) {
+  const bool plays = said.state == app::State::kMotion && said.motion == motion_;
+  const bool over = begun_ && !walking_;
+  planned_.reset();
+  walking_ = plays && !over && truth.tilt_rad < kFallen_rad;
+  if (!walking_) return;
+  if (!begun_) {
+    begin(truth);
+  } else {
+    ++ticks_;
+  }
+  planned_ = plan_(kTick_s * ticks_ - kInEffect_s);
+  follow(truth);
+  judge_zmp(truth, said);
+  sensor_check_.observe(board);
+}
+
+void WalkObserver::begin(const GroundTruth& truth) {
+  begun_ = true;
+  start_W_m_ = truth.p_WB_W.head<2>();
+  start_yaw_rad_ = truth.rpy_rad.z();
+  yaw_rad_ = start_yaw_rad_;
+}
+
+void WalkObserver::follow(const GroundTruth& truth) {
+  now_W_m_ = truth.p_WB_W.head<2>();
+  yaw_rad_ += std::remainder(truth.rpy_rad.z() - yaw_rad_, 2.0 * std::numbers::pi);
+}
+
+void WalkObserver::judge_zmp(const GroundTruth& truth, const Telemetry& said) {
+  if (truth.zmp_margin_m) margins_m_.push_back(*truth.zmp_margin_m);
+  if (!said.zmp.valid) return;
+  zmp_error_m_.add((in_sole_of(planned_->support, truth, said) - planned_->zmp_S_m).squaredNorm());
+}
+
+std::optional<Eigen::Vector3d> WalkObserver::planned_zmp_W(const GroundTruth& truth) const {
+  if (!planned_) return std::nullopt;
+  const Eigen::Isometry3d& X_WSole = truth.X_WSole[static_cast<std::size_t>(planned_->support)];
+  return X_WSole * Eigen::Vector3d(planned_->zmp_S_m.x(), planned_->zmp_S_m.y(), 0.0);
+}
+
+std::optional<sim::WalkSummary> WalkObserver::summary() const {
+  if (!begun_) return std::nullopt;
+  // Along and across the heading at the start.
+  const Eigen::Vector2d way_m = Eigen::Rotation2Dd(-start_yaw_rad_) * (now_W_m_ - start_W_m_);
+  sim::WalkSummary summary;
+  summary.distance_m = way_m.x();
+  summary.speed_m_per_s = ticks_ > 0 ? way_m.x() / (kTick_s * ticks_) : 0.0;
+  summary.lateral_drift_m = way_m.y();
+  summary.heading_drift_rad = yaw_rad_ - start_yaw_rad_;
+  summary.zmp_rms_error_m = zmp_error_m_.value();
+  summary.zmp_margin_p05_m = percentile(margins_m_, 0.05);
+  summary.zmp_sensor_vs_truth_rms_m = sensor_check_.rms_m();
+  return summary;
+}
+
+}  // namespace koboshi::tools

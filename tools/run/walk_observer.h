@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "sim_board/record/summary.h"
+#include "tools/gait/gait_plan.h"
+#include "tools/run/ground_truth.h"
+#include "tools/run/statistics.h"
+#include "tools/run/telemetry.h"
+#include "tools/run/zmp_sensor_check.h"
+
+namespace koboshi::tools {
+
+// Judges a walk: what summary.json says of it (docs/reference/summary.md). The walk begins with the first
+// tick whose telemetry tells that the motion plays, and ends when it no longer does, when the robot has
+// fallen, or with the run.
+class WalkObserver {
+ public:
+  // What the walk intends, by the time since its motion began (GaitPlan::at).
+  using Plan = std::function<GaitInstant(double time_s)>;
+
+  // `motion` is the number by which the controller knows the walk. The robot must outlive the observer.
+  WalkObserver(const sim::RobotDescription& robot, const sim::Scenario& scenario, Plan plan,
+               std::uint8_t motion);
+
+  // After each tick, with what was observed then.
+  void observe(const sim::SimBoard& board, const GroundTruth& truth, const Telemetry& said);
+
+  // The ZMP that the walk intended for the last tick, where the foot stands in whose frame it is planned;
+  // nothing unless the robot walks.
+  std::optional<Eigen::Vector3d> planned_zmp_W(const GroundTruth& truth) const;
+  // Nothing before the walk has begun.
+  std::optional<sim::WalkSummary> summary() const;
+
+ private:
+  void begin(const GroundTruth& truth);
+  void follow(const GroundTruth& truth);
+  void judge_zmp(const GroundTruth& truth, const Telemetry& said);
+
+  Plan plan_;
+  std::uint8_t motion_;
+  bool begun_ = false;
+  bool walking_ = false;
+  int ticks_ = 0;  // since the first
+  std::optional<GaitInstant> planned_;
+  Eigen::Vector2d start_W_m_ = Eigen::Vector2d::Zero();
+  double start_yaw_rad_ = 0.0;
+  Eigen::Vector2d now_W_m_ = Eigen::Vector2d::Zero();
+  double yaw_rad_ = 0.0;  // continuous
+  RootMeanSquare zmp_error_m_;
+  std::vector<double> margins_m_;
+  ZmpSensorCheck sensor_check_;
+};
+
+}  // namespace koboshi::tools

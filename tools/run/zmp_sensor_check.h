@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "sim_board/board/sim_board.h"
+#include "sim_board/scenario/scenario.h"
+#include "sim_board/sensor/ankle_zmp.h"
+#include "sim_board/world/foot.h"
+#include "tools/run/statistics.h"
+
+namespace koboshi::tools {
+
+// Holds the ZMP by the ankle sensors (sim_board/sensor/ankle_zmp.h: with their noise and bias, without filter
+// and delay) to the engine's contact forces: each foot in its own sole's frame, whenever both say that it
+// carries at least sim::kLoaded_N.
+class ZmpSensorCheck {
+ public:
+  // The robot must outlive the check.
+  ZmpSensorCheck(const sim::RobotDescription& robot, const sim::Scenario& scenario);
+
+  // After a step of the board's physics, at most once for each.
+  void observe(const sim::SimBoard& board);
+  // Of the distance between the two; not a number when no foot was loaded.
+  double rms_m() const { return error_.value(); }
+
+ private:
+  const sim::RobotDescription& robot_;
+  std::array<std::optional<sim::Foot>, 2> feet_;
+  std::array<std::optional<sim::AnkleZmp>, 2> sensors_;
+  RootMeanSquare error_;
+};
+
+}  // namespace koboshi::tools
