@@ -1,10 +1,13 @@
 #include <CLI/CLI.hpp>
 #include <exception>
+#include <string>
 
 #include <fmt/core.h>
 
 #include "sim_board/input/error.h"
 #include "tools/cli/diff_command.h"
+#include "tools/cli/experiment_command.h"
+#include "tools/cli/gait_command.h"
 #include "tools/cli/motion_command.h"
 #include "tools/cli/run_command.h"
 #include "tools/cli/target_report_command.h"
@@ -13,6 +16,17 @@ namespace {
 
 constexpr int kFailed = 1;
 constexpr int kBadInput = 2;
+
+// As one would type it again; `koboshi` for the path of the program.
+std::string command_line(int argc, char** argv) {
+  std::string line = "koboshi";
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    const bool plain = argument.find_first_of(" \t\n'\"$&|;<>()[]{}*?#!\\`") == std::string::npos;
+    line += plain ? " " + argument : " '" + argument + "'";
+  }
+  return line;
+}
 
 int run_program(int argc, char** argv) {
   int exit_status = 0;
@@ -30,6 +44,8 @@ int run_program(int argc, char** argv) {
   koboshi::tools::add_diff_command(program, exit_status);
   koboshi::tools::add_target_report_command(program);
   koboshi::tools::add_motion_command(program);
+  koboshi::tools::add_gait_command(program);
+  koboshi::tools::add_experiment_command(program, command_line(argc, argv));
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

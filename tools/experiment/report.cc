@@ -113,14 +113,22 @@ std::string result_table(const Experiment& experiment, const ExperimentResult& r
   return table_text(head, rows, style);
 }
 
-std::string stop_notes(const Experiment& experiment, const ExperimentResult& result) {
+std::string notes(const Experiment& experiment, const ExperimentResult& result) {
   std::string notes;
   for (std::size_t c = 0; c < experiment.cells.size(); ++c) {
     const CellResult& cell = result.cells[c];
-    if (cell.stop == Stop::kAllSeeds) continue;
-    notes += fmt::format("{}: stopped after {} of {} seeds, {}\n", experiment.cells[c].name,
-                         cell.played.size(), experiment.seeds,
-                         cell.stop == Stop::kBudget ? "the time was over" : "the intervals are tight enough");
+    const std::string& name = experiment.cells[c].name;
+    if (cell.stop != Stop::kAllSeeds) {
+      notes +=
+          fmt::format("{}: stopped after {} of {} seeds, {}\n", name, cell.played.size(), experiment.seeds,
+                      cell.stop == Stop::kBudget ? "the time was over" : "the intervals are tight enough");
+    }
+    for (const Measure& measure : experiment.measures) {
+      if (measure.kind != Measure::Kind::kEvent || !measure.label.empty()) continue;
+      const ShareEstimate share = share_of(cell, measure);
+      if (share.events > 0)
+        notes += fmt::format("{}: {} of {} {}\n", name, share.events, share.count, measure.name);
+    }
   }
   return notes;
 }

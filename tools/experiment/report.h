@@ -19,8 +19,9 @@ using Row = std::vector<std::string>;
 // with 95 % intervals.
 [[nodiscard]] std::string result_table(const Experiment& experiment, const ExperimentResult& result,
                                        TableStyle style);
-// What a reader of the table must know of how it came about: cells that stopped early. Empty, or lines.
-[[nodiscard]] std::string stop_notes(const Experiment& experiment, const ExperimentResult& result);
+// What a reader of the table must know of how it came about: cells that stopped early, and events that are
+// not in the table. Empty, or lines.
+[[nodiscard]] std::string notes(const Experiment& experiment, const ExperimentResult& result);
 
 // The same for programs, in SI units; nothing that depends on the machine or the time. What is not a number
 // is null.

@@ -39,8 +39,19 @@ TEST(Report, WritesAMarkdownTable) {
 
 TEST(Report, SaysWhichCellsStoppedEarly) {
   StandIn stand_in;
-  EXPECT_EQ(stop_notes(stand_in.experiment, few_trials()),
+  EXPECT_EQ(notes(stand_in.experiment, few_trials()),
             "shaky: stopped after 1 of 25 seeds, the time was over\n");
+}
+
+TEST(Report, TellsOfEventsThatAreInNoColumn) {
+  StandIn stand_in;
+  stand_in.experiment.measures.push_back({.name = "failed", .kind = Measure::Kind::kEvent});
+  ExperimentResult result = few_trials();
+  result.cells[1].stop = Stop::kTightEnough;
+  result.cells[0].played[2].values["failed"] = 1.0;
+  EXPECT_EQ(notes(stand_in.experiment, result),
+            "calm: 1 of 1 failed\n"
+            "shaky: stopped after 1 of 25 seeds, the intervals are tight enough\n");
 }
 
 TEST(Report, WritesALineATrial) {

@@ -1,0 +1,75 @@
+#include "tools/cli/experiment_command.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tools/cli/experiment_session.h"
+#include "tools/cli/tune_gait_command.h"
+#include "tools/experiment/gyro_feedback.h"
+
+namespace koboshi::tools {
+namespace {
+
+struct Arguments {
+  ExperimentArguments common;
+  GyroFeedbackOptions options;
+  std::string feedback = "both";
+};
+
+void play_gyro_feedback(Arguments arguments, const std::string& command_line) {
+  GyroFeedbackOptions& options = arguments.options;
+  options.overrides = overrides(arguments.common);
+  options.first_seed = arguments.common.first_seed;
+  options.seeds = arguments.common.seeds;
+  if (arguments.feedback != "both") options.feedback = {arguments.feedback == "on"};
+  const Experiment experiment = make_gyro_feedback(options);
+  if (arguments.common.out.empty()) arguments.common.out = std::filesystem::path("runs") / experiment.name;
+  const ExperimentResult result = play_session(experiment, arguments.common);
+  write_page(experiment, result, arguments.common, "Gyro feedback and the number of points", command_line,
+             "");
+}
+
+void add_gyro_feedback(CLI::App& parent, const std::string& command_line) {
+  auto arguments = std::make_shared<Arguments>();
+  GyroFeedbackOptions& options = arguments->options;
+  CLI::App* command = parent.add_subcommand(
+      "gyro-feedback", "The paper's section 3: points of the walking pattern, gyro feedback off and on");
+  command->footer(
+      "Every seed makes a world of its own: friction 0.5 to 1, link masses +-5 %, a floor that tilts up to\n"
+      "1 degree, the sensors' noise and bias. The table shows shares and means with 95 % intervals.\n\n"
+      "Examples:\n"
+      "  koboshi experiment gyro-feedback --seeds 20 --duration 30\n"
+      "  koboshi experiment gyro-feedback --points 8 --feedback on --seeds 100 --duration 60 --json fb.json\n"
+      "  koboshi experiment gyro-feedback --disturbed --budget 30\n");
+  command->add_option("SCENARIO", options.scenario, "A scenario that walks")->capture_default_str();
+  add_experiment_options(*command, arguments->common);
+  command->add_option("--points", options.points, "Into which a cycle of two steps is divided: 4,8,16")
+      ->delimiter(',')
+      ->check(CLI::Range(2, 64));
+  command->add_option("--feedback", arguments->feedback, "off, on or both")
+      ->check(CLI::IsMember({"off", "on", "both"}))
+      ->capture_default_str();
+  command->add_flag("--disturbed", options.disturbed, "Push the trunk and tilt the floor up to 3 degrees");
+  command->add_option("--gaits", options.gaits,
+                      "Folder with a gait for each cell: 8-on.yaml, ... (default: the scenario's in all)");
+  command
+      ->add_option("--falls-within", options.falls_within,
+                   "End a cell early where its share of falls is known to within +- this")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->callback([arguments, command_line] { play_gyro_feedback(*arguments, command_line); });
+}
+
+}  // namespace
+
+void add_experiment_command(CLI::App& program, const std::string& command_line) {
+  CLI::App* command =
+      program.add_subcommand("experiment", "Experiments: many trials over the cores, with statistics");
+  command->require_subcommand(1);
+  add_gyro_feedback(*command, command_line);
+  add_tune_gait_command(*command);
+}
+
+}  // namespace koboshi::tools

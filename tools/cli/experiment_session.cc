@@ -1,0 +1,119 @@
+#include "tools/cli/experiment_session.h"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include "sim_board/input/error.h"
+#include "sim_board/record/summary.h"
+#include "tools/experiment/files.h"
+#include "tools/experiment/parallel.h"
+#include "tools/experiment/report.h"
+
+namespace koboshi::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kLogName = "trials.jsonl";
+
+// A line on a terminal, nothing in a pipe.
+class ProgressLine {
+ public:
+  void show(const ExperimentProgress& progress) {
+    if (!terminal_) return;
+    const double done = static_cast<double>(progress.done);
+    const double left_min = progress.wall_s / 60.0 * (static_cast<double>(progress.total) / done - 1.0);
+    fmt::print(stderr, "\r{} of {} trials, {:.1f} min, at most {:.1f} min to go ", progress.done,
+               progress.total, progress.wall_s / 60.0, left_min);
+    std::fflush(stderr);
+  }
+  ~ProgressLine() {
+    if (terminal_) fmt::print(stderr, "\n");
+  }
+
+ private:
+  bool terminal_ = isatty(STDERR_FILENO) != 0;
+};
+
+// A folder of something else is left alone.
+void check_folder(const fs::path& folder) {
+  if (!fs::exists(folder)) return;
+  if (!fs::is_directory(folder)) throw sim::InputError(folder, 0, "a file", "a folder for the results");
+  if (fs::is_empty(folder) || fs::exists(folder / kLogName)) return;
+  throw sim::InputError(folder, 0, "a folder with other files",
+                        "a new or empty folder, or one of an earlier experiment");
+}
+
+void check_file(const fs::path& file) {
+  if (file.empty()) return;
+  const fs::path folder = fs::absolute(file).parent_path();
+  if (!fs::is_directory(folder))
+    throw sim::InputError(file, 0, "no folder to write it in", "one that exists");
+}
+
+}  // namespace
+
+void add_experiment_options(CLI::App& command, ExperimentArguments& arguments) {
+  arguments.jobs = core_count();
+  command.add_option("--seeds", arguments.seeds, "How many seeds each cell is played with")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command.add_option("--first-seed", arguments.first_seed, "The first of them")->capture_default_str();
+  command.add_option("--duration", arguments.duration, "Simulated seconds of a trial");
+  command.add_option("--set", arguments.sets, "Override a key of the scenario in all cells; may be repeated")
+      ->allow_extra_args(false);
+  command.add_option("--jobs", arguments.jobs, "Trials at a time (default: the number of cores)")
+      ->check(CLI::Range(1, 1024));
+  command.add_option("--budget", arguments.budget_min, "Minutes after which no more trials begin")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--out", arguments.out, "Folder of the results; one of an earlier call is gone on with");
+  command.add_option("--json", arguments.json, "Also write the results to this file");
+  CLI::Option* page =
+      command.add_option("--page", arguments.page, "Also write them into this page of Markdown");
+  command.add_option("--section", arguments.section, "The page's section that they replace")->needs(page);
+}
+
+std::vector<sim::Override> overrides(const ExperimentArguments& arguments) {
+  std::vector<sim::Override> all;
+  for (const std::string& set : arguments.sets) all.push_back(sim::parse_override(set));
+  if (!arguments.duration.empty()) all.push_back({"duration_s", arguments.duration});
+  return all;
+}
+
+ExperimentResult play_session(const Experiment& experiment, const ExperimentArguments& arguments) {
+  check_folder(arguments.out);
+  check_file(arguments.json);
+  check_file(arguments.page);
+  fs::create_directories(arguments.out);
+  ExperimentOptions options{.log = arguments.out / kLogName, .jobs = arguments.jobs};
+  if (arguments.budget_min > 0.0) {
+    options.budget = std::chrono::duration<double>(60.0 * arguments.budget_min);
+  }
+  ExperimentResult result;
+  {
+    ProgressLine line;
+    options.progress = [&](const ExperimentProgress& progress) { line.show(progress); };
+    result = play_experiment(experiment, options);
+  }
+  write_whole_file(arguments.out / "trials.csv", to_csv(experiment, result));
+  sim::write_json(arguments.out / "result.json", to_json(experiment, result));
+  if (!arguments.json.empty()) sim::write_json(arguments.json, to_json(experiment, result));
+  fmt::print("{}{}results in {}\n", result_table(experiment, result, TableStyle::kTerminal),
+             notes(experiment, result), arguments.out.string());
+  return result;
+}
+
+void write_page(const Experiment& experiment, const ExperimentResult& result,
+                const ExperimentArguments& arguments, const std::string& title,
+                const std::string& command_line, const std::string& figures) {
+  if (arguments.page.empty()) return;
+  std::string text = fmt::format("\n```console not-run\n$ {}\n```\n\n{}", command_line,
+                                 result_table(experiment, result, TableStyle::kMarkdown));
+  const std::string remarks = notes(experiment, result);
+  if (!remarks.empty()) text += "\n```\n" + remarks + "```\n";
+  if (!figures.empty()) text += "\n" + figures;
+  const std::string& section = arguments.section.empty() ? experiment.name : arguments.section;
+  write_section(arguments.page, title, section, text + "\n");
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim_board/input/yaml_tree.h"
+#include "tools/experiment/experiment.h"
+
+namespace koboshi::tools {
+
+// The options that every experiment has.
+struct ExperimentArguments {
+  std::size_t seeds = 20;
+  std::uint64_t first_seed = 1;
+  std::string duration;
+  std::vector<std::string> sets;
+  std::size_t jobs = 1;
+  double budget_min = 0.0;  // 0: none
+  std::filesystem::path out;
+  std::filesystem::path json;
+  std::filesystem::path page;
+  std::string section;
+};
+
+// Adds them to a subcommand.
+void add_experiment_options(CLI::App& command, ExperimentArguments& arguments);
+
+// What --duration and --set ask for.
+[[nodiscard]] std::vector<sim::Override> overrides(const ExperimentArguments& arguments);
+
+// Checks where the results are to go, plays the experiment with a progress line on a terminal, prints the
+// table and leaves trials.jsonl, trials.csv and result.json in the folder, and what --json asks for. Throws
+// sim::InputError before anything is played.
+[[nodiscard]] ExperimentResult play_session(const Experiment& experiment,
+                                            const ExperimentArguments& arguments);
+
+// The table with the command that made it, as a section of the page that --page asks for; `figures` is
+// Markdown that follows the table.
+void write_page(const Experiment& experiment, const ExperimentResult& result,
+                const ExperimentArguments& arguments, const std::string& title,
+                const std::string& command_line, const std::string& figures);
+
+}  // namespace koboshi::tools

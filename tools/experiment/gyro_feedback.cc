@@ -1,0 +1,111 @@
+#include "tools/experiment/gyro_feedback.h"
+
+#include <memory>
+#include <numbers>
+
+#include "sim_board/input/text.h"
+#include "sim_board/scenario/reader.h"
+#include "tools/experiment/files.h"
+#include "tools/experiment/perturbation.h"
+#include "tools/experiment/scenario_trial.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr double kDegree_rad = std::numbers::pi / 180.0;
+constexpr double kMillimetres = 1000.0;
+// The first push comes when the walk has left its starting steps behind.
+constexpr double kFirstPush_s = 2.0;
+
+std::string cell_name(int points, bool feedback) {
+  return std::to_string(points) + (feedback ? "-on" : "-off");
+}
+
+PerturbationBounds bounds_of(const GyroFeedbackOptions& options) {
+  PerturbationBounds bounds;
+  if (options.disturbed) bounds.tilt_rad = 3.0 * kDegree_rad;
+  return bounds;
+}
+
+// What a robot that fell did before is no walk at some speed: these are left out.
+Values without_a_fallen_walk(Values values) {
+  if (values.at("fell") == 0.0) return values;
+  for (const char* name : {"speed_m_per_s", "lateral_drift_m", "heading_drift_rad"}) values.erase(name);
+  return values;
+}
+
+std::vector<Measure> measures(double falls_within) {
+  using enum Measure::Kind;
+  return {{.name = "fell", .kind = kEvent, .label = "falls", .tight_at = falls_within},
+          {.name = "distance_m", .label = "distance [m]", .decimals = 2},
+          {.name = "speed_m_per_s", .label = "speed [m/s]"},
+          {.name = "lateral_drift_m", .label = "drift [m]", .decimals = 2},
+          {.name = "zmp_rms_error_m", .label = "ZMP error RMS [mm]", .factor = kMillimetres, .decimals = 1},
+          {.name = "zmp_margin_p05_m", .label = "ZMP margin p05 [mm]", .factor = kMillimetres, .decimals = 1},
+          {.name = "heading_drift_rad"},
+          {.name = "foot_slip_max_m"},
+          {.name = "duration_s"},
+          {.name = "failed", .kind = kEvent}};
+}
+
+std::string hash_of(const GyroFeedbackOptions& options, const std::vector<sim::Scenario>& scenarios) {
+  std::vector<std::filesystem::path> files;
+  for (const sim::Scenario& scenario : scenarios) {
+    files.insert(files.end(), {scenario.file, scenario.robot, scenario.gait->file});
+    files.insert(files.end(), scenario.motions.begin(), scenario.motions.end());
+  }
+  std::vector<std::string> texts{options.disturbed ? "disturbed" : "undisturbed"};
+  for (const sim::Override& override_value : options.overrides) {
+    texts.insert(texts.end(), {override_value.path, override_value.value});
+  }
+  return hash_inputs(files, texts);
+}
+
+}  // namespace
+
+sim::Scenario gyro_feedback_scenario(const GyroFeedbackOptions& options, int points, bool feedback) {
+  std::vector<sim::Override> overrides = options.overrides;
+  overrides.push_back({"gait.points", std::to_string(points)});
+  overrides.push_back({"gait.feedback", feedback ? "true" : "false"});
+  if (!options.gaits.empty()) {
+    const auto file = std::filesystem::absolute(options.gaits / (cell_name(points, feedback) + ".yaml"));
+    overrides.push_back({"gait.file", "\"" + file.string() + "\""});
+  }
+  return sim::read_scenario(options.scenario, overrides);
+}
+
+void disturb(sim::Scenario& scenario, const GyroFeedbackOptions& options, std::uint64_t seed) {
+  perturb_scenario(scenario, bounds_of(options), seed);
+  if (!options.disturbed) return;
+  std::uint64_t walk_us = 0;
+  for (const sim::Command& command : scenario.commands) {
+    if (command.kind == sim::Command::Kind::kPlay) walk_us = command.at_us;
+  }
+  add_pushes(scenario, "trunk", walk_us, {.first_s = kFirstPush_s}, seed);
+}
+
+Experiment make_gyro_feedback(const GyroFeedbackOptions& options) {
+  Experiment experiment{.name = options.disturbed ? "gyro-feedback-disturbed" : "gyro-feedback",
+                        .measures = measures(options.falls_within),
+                        .first_seed = options.first_seed,
+                        .seeds = options.seeds};
+  auto scenarios = std::make_shared<std::vector<sim::Scenario>>();
+  for (const int points : options.points) {
+    for (const bool feedback : options.feedback) {
+      scenarios->push_back(gyro_feedback_scenario(options, points, feedback));
+      experiment.cells.push_back(
+          {cell_name(points, feedback),
+           {{"points", std::to_string(points)}, {"feedback", feedback ? "on" : "off"}}});
+    }
+  }
+  experiment.inputs = hash_of(options, *scenarios);
+  experiment.play = [options, scenarios](std::size_t cell, std::uint64_t seed) {
+    sim::Scenario scenario = scenarios->at(cell);
+    disturb(scenario, options, seed);
+    return without_a_fallen_walk(play_scenario(
+        scenario, [&](sim::RobotDescription& robot) { perturb_robot(robot, bounds_of(options), seed); }));
+  };
+  return experiment;
+}
+
+}  // namespace koboshi::tools

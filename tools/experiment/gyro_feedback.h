@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim_board/input/yaml_tree.h"
+#include "sim_board/scenario/scenario.h"
+#include "tools/experiment/experiment.h"
+
+namespace koboshi::tools {
+
+// The paper's section 3: does a walk need more than four points, and what does gyro feedback do to it? Every
+// world differs from the robot's file by its seed (tools/experiment/perturbation.h).
+struct GyroFeedbackOptions {
+  std::filesystem::path scenario = "scenarios/walk.yaml";
+  std::vector<sim::Override> overrides{};  // of the scenario, in all cells
+  std::vector<int> points{4, 8, 16};       // into which the pattern is divided
+  std::vector<bool> feedback{false, true};
+  // With a file for each cell, 8-on.yaml and so on, which were tuned for it. Empty: the scenario's gait.
+  std::filesystem::path gaits{};
+  bool disturbed = false;  // by pushes against the trunk and a tilt of up to 3 degrees
+  std::uint64_t first_seed = 1;
+  std::size_t seeds = 20;
+  double falls_within = 0.015;  // a cell stops where the share of falls is known to +- this
+};
+
+// A cell's scenario before a seed has changed the world.
+[[nodiscard]] sim::Scenario gyro_feedback_scenario(const GyroFeedbackOptions& options, int points,
+                                                   bool feedback);
+// Changes it, and gives what else the seed does: the masses of the world's robot.
+void disturb(sim::Scenario& scenario, const GyroFeedbackOptions& options, std::uint64_t seed);
+
+// Reads and checks everything. Throws sim::InputError.
+[[nodiscard]] Experiment make_gyro_feedback(const GyroFeedbackOptions& options);
+
+}  // namespace koboshi::tools

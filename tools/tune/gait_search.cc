@@ -1,0 +1,151 @@
+#include "tools/tune/gait_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
+#include "sim_board/record/output_file.h"
+#include "tools/experiment/files.h"
+#include "tools/tune/optimiser.h"
+
+namespace koboshi::tools {
+namespace {
+
+// A fall at once, and the best fall there is.
+constexpr double kWorst = -1.0;
+// What a drift as long as the way costs, and a slide of a metre.
+constexpr double kDriftCost_m_per_s = 0.1;
+constexpr double kSlipCost_per_s = 0.5;
+constexpr double kShortestWay_m = 0.1;  // so that who stays where it is does not divide by nothing
+
+// {period_s: 0.5, feedback.knee_s: 0.01}
+std::string flow_map(const GaitNumbers& numbers) {
+  std::string text;
+  for (const auto& [key, value] : numbers) {
+    text += (text.empty() ? "{" : ", ") + key + ": " + sim::number_text(value);
+  }
+  return text + "}";
+}
+
+class GaitSearch {
+ public:
+  GaitSearch(const GaitSearchOptions& options, const std::function<void(const GaitSearchProgress&)>& progress)
+      : options_(options),
+        progress_(progress),
+        text_(sim::read_text_file(options.start, "a gait file")),
+        log_(options.out / "evaluations.csv") {
+    for (const SearchedNumber& number : searched_numbers()) {
+      const bool effective = !number.gain || options.experiment.feedback.front();
+      if (effective && has_number(text_, number.key)) numbers_.push_back(number);
+    }
+    std::string head = "evaluation";
+    for (const SearchedNumber& number : numbers_) head += "," + number.key;
+    log_.write(head + ",reward_m_per_s\n");
+  }
+
+  GaitSearchResult search() {
+    std::vector<double> start;
+    for (const SearchedNumber& number : numbers_) {
+      const double value = gait_number(text_, number.key, options_.start);
+      start.push_back(std::clamp((value - number.low) / (number.high - number.low), 0.0, 1.0));
+    }
+    const std::vector<double> best = minimise([this](const std::vector<double>& x) { return evaluate(x); },
+                                              start, {.evaluations = options_.evaluations});
+    log_.close();
+    GaitSearchResult result{numbers_of(best), best_, {}};
+    result.text = with_numbers(text_, result.numbers, options_.start);
+    write_whole_file(options_.out / "gait.yaml", result.text);
+    return result;
+  }
+
+ private:
+  // Rounded, so that a file is fit to be read and what was evaluated is what it says.
+  GaitNumbers numbers_of(const std::vector<double>& x) const {
+    GaitNumbers result;
+    for (std::size_t i = 0; i < numbers_.size(); ++i) {
+      const double value = numbers_[i].low + x[i] * (numbers_[i].high - numbers_[i].low);
+      result[numbers_[i].key] = std::round(value * 1e5) / 1e5;
+    }
+    return result;
+  }
+
+  double evaluate(const std::vector<double>& x) {
+    const GaitNumbers numbers = numbers_of(x);
+    const double reward = mean_reward(numbers);
+    best_ = std::max(best_, reward);
+    std::string line = std::to_string(++done_);
+    for (const SearchedNumber& number : numbers_) line += "," + sim::number_text(numbers.at(number.key));
+    log_.write(line + "," + sim::number_text(reward) + "\n");
+    if (progress_) progress_({done_, options_.evaluations, reward, best_});
+    return -reward;
+  }
+
+  double mean_reward(const GaitNumbers& numbers) {
+    GyroFeedbackOptions options = options_.experiment;
+    options.overrides.push_back(
+        {"gait.file", "\"" + std::filesystem::absolute(options_.start).string() + "\""});
+    options.overrides.push_back({"gait.set", flow_map(numbers)});
+    const Experiment experiment = make_gyro_feedback(options);
+    const double duration_s =
+        1e-6 *
+        static_cast<double>(
+            gyro_feedback_scenario(options, options.points.front(), options.feedback.front()).duration_us);
+    try {
+      const ExperimentResult result = play_experiment(
+          experiment, {.log = options_.out / "trials.jsonl", .jobs = options_.jobs, .batch = options.seeds});
+      double sum = 0.0;
+      for (const Trial& trial : result.cells.front().played) sum += reward(trial.values, duration_s);
+      return sum / static_cast<double>(options.seeds);
+    } catch (const sim::InputError&) {
+      if (done_ == 0) throw;  // the file that the search begins with is wrong
+      return kWorst;
+    }
+  }
+
+  const GaitSearchOptions& options_;
+  const std::function<void(const GaitSearchProgress&)>& progress_;
+  const std::string text_;
+  sim::OutputFile log_;
+  std::vector<SearchedNumber> numbers_;
+  std::size_t done_ = 0;
+  double best_ = -std::numeric_limits<double>::infinity();
+};
+
+}  // namespace
+
+std::vector<SearchedNumber> searched_numbers() {
+  return {{"period_s", 0.3, 1.0},
+          {"step_length_m", 0.01, 0.08},
+          {"step_width_m", 0.055, 0.085},
+          {"step_height_m", 0.008, 0.035},
+          {"swing_ease", 0.0, 1.0},
+          {"com_height_m", 0.15, 0.19},
+          {"double_support", 0.03, 0.6},
+          {"trunk_pitch_deg", -4.0, 12.0},
+          {"zmp_ahead_m", -0.015, 0.03},
+          {"zmp_inward_m", -0.01, 0.02},
+          {"sag_compensation", 0.0, 1.2},
+          {"feedback.ankle_pitch_s", 0.0, 0.12, true},
+          {"feedback.ankle_roll_s", 0.0, 0.12, true},
+          {"feedback.hip_roll_s", 0.0, 0.12, true},
+          {"feedback.knee_s", 0.0, 0.12, true}};
+}
+
+double reward(const Values& values, double duration_s) {
+  if (!values.contains("distance_m")) return kWorst;  // it has not even begun
+  if (values.at("fell") != 0.0) return kWorst * (1.0 - values.at("duration_s") / duration_s);
+  const double way_m = std::max(std::abs(values.at("distance_m")), kShortestWay_m);
+  const double drift = std::min(1.0, std::abs(values.at("lateral_drift_m")) / way_m);
+  return values.at("speed_m_per_s") - kDriftCost_m_per_s * drift -
+         kSlipCost_per_s * values.at("foot_slip_max_m");
+}
+
+GaitSearchResult search_gait(const GaitSearchOptions& options,
+                             const std::function<void(const GaitSearchProgress&)>& progress) {
+  std::filesystem::create_directories(options.out);
+  return GaitSearch(options, progress).search();
+}
+
+}  // namespace koboshi::tools

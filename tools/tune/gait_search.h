@@ -1,0 +1,61 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tools/experiment/experiment.h"
+#include "tools/experiment/gyro_feedback.h"
+#include "tools/tune/gait_text.h"
+
+namespace koboshi::tools {
+
+// A number of the gait file that the search may change, and how far.
+struct SearchedNumber {
+  std::string key;  // dotted where it stands within a map
+  double low = 0.0;
+  double high = 0.0;
+  bool gain = false;  // of the feedback: stays as it is while feedback is off
+};
+
+// Of the robot koboshi: about what its legs can do. A search leaves alone what its gait file does not name.
+[[nodiscard]] std::vector<SearchedNumber> searched_numbers();
+
+// How well a robot walked, to be made large, as a speed in m/s. One that fell gets less than any that did
+// not, more the longer it walked; of the others the slower, the one that drifts and the one that slides get
+// less. `duration_s` is what the trial would have lasted.
+[[nodiscard]] double reward(const Values& values, double duration_s);
+
+struct GaitSearchOptions {
+  GyroFeedbackOptions
+      experiment;               // one number of points, feedback off or on; its seeds are those searched on
+  std::filesystem::path start;  // the gait file that the search begins with
+  std::filesystem::path out;    // folder of the log and the result
+  std::size_t evaluations = 300;
+  std::size_t jobs = 1;
+};
+
+struct GaitSearchProgress {
+  std::size_t done = 0;
+  std::size_t total = 0;
+  double reward = 0.0;
+  double best = 0.0;
+};
+
+struct GaitSearchResult {
+  GaitNumbers numbers;
+  double reward = 0.0;  // on the seeds that were searched on: more than it will get on others
+  std::string text;     // of the gait file
+};
+
+// Searches for the numbers of one case with the same worlds in each evaluation. Leaves evaluations.csv (each
+// evaluation, its numbers, its reward), trials.jsonl, from which a search that was interrupted goes on, and
+// gait.yaml in the folder. A gait that the legs cannot walk counts as a fall at once. Throws sim::InputError.
+[[nodiscard]] GaitSearchResult search_gait(const GaitSearchOptions& options,
+                                           const std::function<void(const GaitSearchProgress&)>& progress);
+
+}  // namespace koboshi::tools
