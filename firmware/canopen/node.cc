@@ -193,10 +193,6 @@ void Node::note_length(std::size_t number, Length length) {
   if (!rpdos_.any(Length::kTooLong)) clear_error(error_code::kPdoTooLong);
 }
 
-void Node::trigger_tpdo(std::size_t number, std::uint64_t now_us) {
-  if (permits_pdo(state_) && number < tpdos_.size()) tpdos_.request(number, now_us);
-}
-
 void Node::send_sync(std::uint64_t now_us) {
   if (!permits_sync(state_)) return;
   static_cast<void>(queue_.send({.identifier = static_cast<std::uint16_t>(sync_cob_id_ & kCobIdMask)}));

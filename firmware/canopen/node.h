@@ -95,7 +95,9 @@ class Node final : private ObjectServer {
 
   // Tells an event of TPDO `number` (from 0): it is sent as its transmission type and inhibit time say, or,
   // outside operational, not at all.
-  void trigger_tpdo(std::size_t number, std::uint64_t now_us);
+  void trigger_tpdo(std::size_t number, std::uint64_t now_us) {
+    if (permits_pdo(state_) && number < tpdos_.size()) tpdos_.request(number, now_us);
+  }
   // Sends a SYNC, behind everything sent so far, and obeys it. Nothing happens in stopped.
   void send_sync(std::uint64_t now_us);
 

@@ -74,6 +74,8 @@ class PdoRecord {
   std::uint8_t transmission_type() const { return transmission_type_; }
   std::uint32_t inhibit_time_us() const { return inhibit_time_100us_ * 100u; }
   std::uint32_t event_timer_us() const { return event_timer_ms_ * 1000u; }
+  // Neither inhibit time nor event timer: it goes whenever it is asked for.
+  bool untimed() const { return (inhibit_time_100us_ | event_timer_ms_) == 0; }
   std::uint8_t size_bytes() const { return size_bytes_; }
 
   // Copies the mapped values to or from `size_bytes()` bytes of data.

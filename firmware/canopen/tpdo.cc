@@ -48,7 +48,7 @@ void TpdoSet::send(Tpdo& pdo, std::uint64_t now_us) {
   pdo.record.pack(dictionary_, frame.data.data());
   pdo.sync_count = 0;
   pdo.requested = !queue_.send(frame);
-  if (pdo.requested) return;
+  if (pdo.requested || pdo.record.untimed()) return;
   pdo.inhibited_until_us = now_us + pdo.record.inhibit_time_us();
   pdo.event_due_us = now_us + pdo.record.event_timer_us();
 }
