@@ -161,10 +161,6 @@ std::uint16_t DriveGroup::controlword(std::size_t joint, bool last_step) const {
   return state(joint) == State::kSwitchOnDisabled ? cia402::kControlShutdown : cia402::kControlSwitchOn;
 }
 
-void DriveGroup::set_target(std::size_t joint, fixed::Angle angle) {
-  signals_.target_position[joint] = robot::drive_position(model_.joints[joint].drive, angle);
-}
-
 fixed::Angle DriveGroup::angle(std::size_t joint) const {
   return robot::joint_angle(model_.joints[joint].drive, signals_.position[joint]);
 }

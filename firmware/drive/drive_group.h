@@ -51,7 +51,9 @@ class DriveGroup {
   void command();
 
   // Targets of all joints, within their limits.
-  void set_target(std::size_t joint, fixed::Angle angle);
+  void set_target(std::size_t joint, fixed::Angle angle) {
+    signals_.target_position[joint] = robot::drive_position(model_.joints[joint].drive, angle);
+  }
   // Where the joint is, as its drive said last. Meaningful once booted.
   fixed::Angle angle(std::size_t joint) const;
   // Its drive's encoder within the joint's limits, give or take `margin`.
