@@ -35,6 +35,9 @@ Controller::Controller(const hal::Board& board)
       drives_(model_, node_.sink(), values_.drives),
       inertial_(model_),
       gyro_feedback_(model_),
+      posture_(model_),
+      foot_sensors_{balance::FootSensor(model_, hal::Side::kLeft),
+                    balance::FootSensor(model_, hal::Side::kRight)},
       interpreter_(model_) {}
 
 void Controller::service(std::uint64_t now_us) {

@@ -8,9 +8,12 @@
 #include "firmware/app/behaviour.h"
 #include "firmware/app/catalogue.h"
 #include "firmware/app/dictionary.h"
+#include "firmware/balance/attitude.h"
 #include "firmware/balance/gyro_bias.h"
 #include "firmware/balance/gyro_feedback.h"
 #include "firmware/balance/inertial.h"
+#include "firmware/balance/posture.h"
+#include "firmware/balance/zmp.h"
 #include "firmware/canopen/node.h"
 #include "firmware/drive/drive_group.h"
 #include "firmware/motion/interpreter.h"
@@ -59,7 +62,9 @@ class Controller final : private canopen::NodeApplication {
 
   // What the sensors tell of the robot (estimation.cc).
   void estimate();
+  void estimate_attitude();
   void calibrate_gyro(const balance::InertialSensor::Rates& raw);
+  void estimate_balance();
 
   // Commands, as they arrive (commands.cc): why one is refused, kNone when it was obeyed.
   Reason obey(Command command, std::int16_t argument);
@@ -101,7 +106,10 @@ class Controller final : private canopen::NodeApplication {
   drive::DriveGroup drives_;
   balance::InertialSensor inertial_;
   balance::GyroBias gyro_bias_;
+  balance::AttitudeEstimator attitude_;
   balance::GyroFeedback gyro_feedback_;
+  balance::Posture posture_;
+  std::array<balance::FootSensor, 2> foot_sensors_;  // by Side
   motion::Interpreter interpreter_;
   std::array<std::optional<std::uint64_t>, 2> ankle_us_;  // when each ankle spoke last
   std::uint64_t now_us_ = 0;
@@ -109,6 +117,7 @@ class Controller final : private canopen::NodeApplication {
   std::uint64_t fault_us_ = 0;
   bool started_ = false;
   balance::InertialSensor::Rates rates_{};  // of the trunk, in its axes, free of the gyro's bias
+  balance::InertialSensor::Accelerations accelerations_{};
   Angles targets_{};
   Angles ramp_from_{};
   Angles ramp_to_{};

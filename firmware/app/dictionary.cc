@@ -35,6 +35,10 @@ constexpr canopen::Entry kRows[] = {
     object(0x2010, 2, FIELD(attitude.pitch), Access::kReadOnly, Mappable::kTpdo),
     object(0x2010, 3, FIELD(attitude.rate[0]), Access::kReadOnly, Mappable::kTpdo).repeated(3, 2),
     object(0x2010, 6, FIELD(attitude.acceleration[0]), Access::kReadOnly, Mappable::kTpdo).repeated(3, 2),
+    object(0x2011, 1, FIELD(balance.foot_zmp[0][0]), Access::kReadOnly, Mappable::kTpdo).repeated(4, 2),
+    object(0x2011, 5, FIELD(balance.zmp[0]), Access::kReadOnly, Mappable::kTpdo).repeated(2, 2),
+    object(0x2011, 7, FIELD(balance.com[0]), Access::kReadOnly, Mappable::kTpdo).repeated(3, 2),
+    object(0x2011, 10, FIELD(balance.flags), Access::kReadOnly, Mappable::kTpdo),
     object(0x2020, 1, FIELD(ankles[0][0]), Access::kReadOnly, Mappable::kTpdo).repeated(6, 2),
     object(0x2021, 1, FIELD(ankles[1][0]), Access::kReadOnly, Mappable::kTpdo).repeated(6, 2),
     object(0x2100, 1, FIELD(parameters.supply_min_mV), Access::kReadWrite),
@@ -71,10 +75,13 @@ constexpr PdoConfiguration kRpdos[] = {
      .mapping = {mapping(0x2000, 1, 8), mapping(0x2000, 2, 16)}},
 };
 
+// The predefined connection set has four TPDOs a node. The next are those of node 2, which the robot does not
+// have.
 constexpr PdoConfiguration telemetry(std::size_t number,
                                      std::array<std::uint32_t, canopen::kMaxMappedObjects> objects) {
-  return {.cob_id = static_cast<std::uint32_t>(canopen::kTpdo1Base + number * canopen::kPdoStep) |
-                    canopen::kCobIdNoRemote,
+  return {.cob_id =
+              static_cast<std::uint32_t>(canopen::kTpdo1Base + number % 4 * canopen::kPdoStep + number / 4) |
+              canopen::kCobIdNoRemote,
           .plus_node_id = true,
           .transmission_type = canopen::kSynchronousEverySync,
           .mapping = objects};
@@ -89,6 +96,11 @@ constexpr PdoConfiguration kTpdos[kTelemetryTpdos] = {
         2, {mapping(0x2020, 3, 16), mapping(0x2020, 4, 16), mapping(0x2020, 5, 16), mapping(0x2010, 5, 16)}),
     telemetry(
         3, {mapping(0x2021, 3, 16), mapping(0x2021, 4, 16), mapping(0x2021, 5, 16), mapping(0x2010, 8, 16)}),
+    telemetry(
+        4, {mapping(0x2011, 1, 16), mapping(0x2011, 2, 16), mapping(0x2011, 3, 16), mapping(0x2011, 4, 16)}),
+    telemetry(
+        5, {mapping(0x2011, 5, 16), mapping(0x2011, 6, 16), mapping(0x2011, 7, 16), mapping(0x2011, 8, 16)}),
+    telemetry(6, {mapping(0x2011, 9, 16), mapping(0x2011, 10, 8)}),
 };
 
 }  // namespace

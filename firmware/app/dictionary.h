@@ -45,7 +45,13 @@ struct ControllerValues {
     std::int16_t rate[3] = {};          // 2^-12 turn/s, axes of the trunk
     std::int16_t acceleration[3] = {};  // 2^-8 m/s^2
   } attitude;                           // 0x2010
-  std::int16_t ankles[2][6] = {};       // 0x2020, 0x2021: force and torque in the sensor's counts
+  struct {
+    std::int16_t foot_zmp[2][2] = {};  // x, y of each foot in its sole's frame; 2^-15 m, as all here
+    std::int16_t zmp[2] = {};          // x, y of both feet, in the frame of the sole that carries more
+    std::int16_t com[3] = {};          // centre of mass by the joints, in the same frame
+    std::uint8_t flags = 0;            // kLeftZmpValid and its like; what is not valid is zero
+  } balance;                           // 0x2011
+  std::int16_t ankles[2][6] = {};      // 0x2020, 0x2021: force and torque in the sensor's counts
   struct {
     std::uint16_t supply_min_mV = 6000;
     std::uint16_t supply_max_mV = 9000;
@@ -66,11 +72,17 @@ struct ControllerValues {
 
 inline constexpr std::uint16_t kRequestObject = 0x2000;
 
-// RPDO 0 carries commands, RPDO 1 + i what joint i's drive says; TPDO 0..3 telemetry, TPDO 4 + i what it is
+// Bits of the balance's flags: which ZMPs are valid, and whether the right sole is the frame.
+inline constexpr std::uint8_t kLeftZmpValid = 1 << 0;
+inline constexpr std::uint8_t kRightZmpValid = 1 << 1;
+inline constexpr std::uint8_t kZmpValid = 1 << 2;
+inline constexpr std::uint8_t kFrameIsRight = 1 << 3;
+
+// RPDO 0 carries commands, RPDO 1 + i what joint i's drive says; TPDO 0..6 telemetry, TPDO 7 + i what it is
 // told.
 inline constexpr std::size_t kCommandRpdo = 0;
 inline constexpr std::size_t kFirstDriveRpdo = 1;
-inline constexpr std::size_t kTelemetryTpdos = 4;
+inline constexpr std::size_t kTelemetryTpdos = 7;
 inline constexpr std::size_t kFirstDriveTpdo = kTelemetryTpdos;
 
 extern const canopen::NodeDescription kControllerNode;

@@ -7,13 +7,22 @@
 namespace koboshi::app {
 
 void Controller::estimate() {
+  estimate_attitude();
+  estimate_balance();
+}
+
+void Controller::estimate_attitude() {
+  const bool resting = rests(values_.behaviour.state);
   const auto raw = inertial_.rates();
-  if (rests(values_.behaviour.state)) {
+  if (resting) {
     calibrate_gyro(raw);
   } else {
     gyro_bias_.interrupt();
   }
   rates_ = raw - gyro_bias_.bias();
+  accelerations_ = inertial_.accelerations();
+  using enum balance::AttitudeEstimator::Condition;
+  attitude_.update(inertial_.take_turn(gyro_bias_.bias()), accelerations_, resting ? kResting : kMoving);
 }
 
 void Controller::calibrate_gyro(const balance::InertialSensor::Rates& raw) {
@@ -24,6 +33,30 @@ void Controller::calibrate_gyro(const balance::InertialSensor::Rates& raw) {
   diagnosis.gyro_bias[0] = narrow(bias.x);
   diagnosis.gyro_bias[1] = narrow(bias.y);
   diagnosis.gyro_bias[2] = narrow(bias.z);
+}
+
+void Controller::estimate_balance() {
+  Angles angles;
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) angles[joint] = drives_.angle(joint);
+  posture_.update(angles);
+
+  auto& shown = values_.balance;
+  std::array<balance::FootPressure, 2> feet;
+  for (std::size_t side = 0; side < feet.size(); ++side) {
+    feet[side] = foot_sensors_[side].pressure(values_.ankles[side]);
+    shown.foot_zmp[side][0] = narrow(feet[side].x);
+    shown.foot_zmp[side][1] = narrow(feet[side].y);
+  }
+  const balance::Pressure both = balance::combine(feet, posture_);
+  shown.zmp[0] = narrow(both.x);
+  shown.zmp[1] = narrow(both.y);
+  const robot::Position com = posture_.centre_of_mass(both.frame);
+  shown.com[0] = narrow(com.x);
+  shown.com[1] = narrow(com.y);
+  shown.com[2] = narrow(com.z);
+  shown.flags = static_cast<std::uint8_t>(
+      (feet[0].valid ? kLeftZmpValid : 0) | (feet[1].valid ? kRightZmpValid : 0) |
+      (both.valid ? kZmpValid : 0) | (both.frame == hal::Side::kRight ? kFrameIsRight : 0));
 }
 
 }  // namespace koboshi::app

@@ -23,11 +23,10 @@ void Controller::command_drives(std::uint64_t now_us) {
 
 void Controller::publish_telemetry() {
   auto& attitude = values_.attitude;
-  attitude.roll = narrow(inertial_.roll());
-  attitude.pitch = narrow(inertial_.pitch());
-  const auto accelerations = inertial_.accelerations();
+  attitude.roll = narrow(attitude_.roll());
+  attitude.pitch = narrow(attitude_.pitch());
   const fixed::AngularRate rate[] = {rates_.x, rates_.y, rates_.z};
-  const fixed::Acceleration acceleration[] = {accelerations.x, accelerations.y, accelerations.z};
+  const fixed::Acceleration acceleration[] = {accelerations_.x, accelerations_.y, accelerations_.z};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     attitude.rate[axis] = narrow(rate[axis]);
     attitude.acceleration[axis] = narrow(acceleration[axis]);

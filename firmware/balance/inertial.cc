@@ -1,10 +1,15 @@
 #include "firmware/balance/inertial.h"
 
+#include "firmware/fixed/literals.h"
 #include "firmware/fixed/rounding.h"
-#include "firmware/fixed/trigonometry.h"
 
 namespace koboshi::balance {
+
+using namespace fixed::literals;
+
 namespace {
+
+constexpr fixed::Ratio kRadPerTurnAndSample = 0.00628318530718_ratio;  // 2 pi / 1000
 
 // A raw sample in units of Q: `full_scale` is what 2^15 counts mean.
 template <fixed::AnyQuantity Q>
@@ -41,18 +46,26 @@ void InertialSensor::add(const hal::ImuSample& sample, std::uint64_t now_us) {
   rates_I_ = filtered(rate_filters_, scaled(sample.gyro_raw, model_.scales.gyro), !seen_);
   accelerations_I_ =
       filtered(acceleration_filters_, scaled(sample.accelerometer_raw, model_.scales.accelerometer), !seen_);
+  for (std::size_t axis = 0; axis < 3; ++axis) gyro_sum_[axis] += sample.gyro_raw[axis];
+  ++summed_;
   last_us_ = now_us;
   seen_ = true;
 }
 
-fixed::Angle InertialSensor::roll() const {
-  const Accelerations a = accelerations();
-  return fixed::atan2(a.y, a.z);
-}
-
-fixed::Angle InertialSensor::pitch() const {
-  const Accelerations a = accelerations();
-  return fixed::atan2(-a.x, fixed::hypotenuse(a.y, a.z));
+robot::Vector<fixed::Ratio> InertialSensor::take_turn(const Rates& bias) {
+  const auto sum = [&](std::int32_t counts) {
+    return fixed::AngularRate::from_wide_raw(
+        fixed::shift_rounded(std::int64_t{model_.scales.gyro.raw()} * counts, 15));
+  };
+  const Rates sums = model_.R_BI * Rates{sum(gyro_sum_[0]), sum(gyro_sum_[1]), sum(gyro_sum_[2])};
+  const auto turn = [&](fixed::AngularRate shown, fixed::AngularRate offset) {
+    return fixed::product<fixed::Ratio>(shown - offset * summed_, kRadPerTurnAndSample);
+  };
+  const robot::Vector<fixed::Ratio> turn_B_rad{turn(sums.x, bias.x), turn(sums.y, bias.y),
+                                               turn(sums.z, bias.z)};
+  gyro_sum_ = {};
+  summed_ = 0;
+  return turn_B_rad;
 }
 
 }  // namespace koboshi::balance

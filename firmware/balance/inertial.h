@@ -38,10 +38,9 @@ class InertialSensor {
   Rates rates() const { return model_.R_BI * rates_I_; }
   // Specific force: one g upwards at rest.
   Accelerations accelerations() const { return model_.R_BI * accelerations_I_; }
-  // Inclination of the trunk, from the direction of the specific force: true at rest, disturbed by
-  // acceleration. Roll about x, then pitch about y; a trunk that leans forward has positive pitch.
-  fixed::Angle roll() const;
-  fixed::Angle pitch() const;
+  // The rotation vector of the trunk since the last call, in rad and axes of B: the sum of the samples, each
+  // of which stands for a millisecond, without the filter and its delay, less the gyro's bias.
+  robot::Vector<fixed::Ratio> take_turn(const Rates& bias);
 
  private:
   template <typename Q>
@@ -52,6 +51,8 @@ class InertialSensor {
   Filters<fixed::Acceleration> acceleration_filters_;
   Rates rates_I_{};  // in the inertial unit's axes: turned into those of B only when somebody asks
   Accelerations accelerations_I_{};
+  std::array<std::int32_t, 3> gyro_sum_{};  // counts
+  std::int32_t summed_ = 0;                 // samples
   std::uint64_t last_us_ = 0;
   bool seen_ = false;
 };

@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "firmware/app/dictionary.h"
 #include "firmware/canopen/cob_id.h"
 #include "firmware/canopen/frame.h"
 #include "firmware/drive/configuration.h"
@@ -12,7 +13,15 @@ namespace {
 
 constexpr double kRadPerTurn = 2.0 * std::numbers::pi;
 constexpr double kRadPerAngleUnit = kRadPerTurn / (1 << 16);  // units of the telemetry PDOs
+constexpr double kMetrePerLengthUnit = 1.0 / (1 << 15);
 constexpr double kRadPerSPerRateUnit = kRadPerTurn / (1 << 12);
+
+// The controller's TPDOs beyond its fourth have the identifiers of this node, which the robot does not have.
+constexpr std::uint8_t kBalanceNode = drive::kControllerNodeId + 1;
+
+constexpr std::uint16_t kTpdo2Base = canopen::kTpdo1Base + canopen::kPdoStep;
+constexpr std::uint16_t kTpdo3Base = kTpdo2Base + canopen::kPdoStep;
+constexpr std::uint16_t kTpdo4Base = kTpdo3Base + canopen::kPdoStep;
 
 double signed_16(const hal::CanFrame& frame, std::size_t at) {
   return static_cast<std::int16_t>(canopen::load_u16(&frame.data[at]));
@@ -39,6 +48,7 @@ void TelemetryReader::on_bus_frame(const hal::CanFrame& frame, std::uint64_t, st
     return;
   }
   if (node == drive::kControllerNodeId) return read_controller(base, frame);
+  if (node == kBalanceNode) return read_balance(base, frame);
   const std::uint8_t index = joint_of_node_[node];
   if (index == kNoJoint) return;
   Telemetry::Joint& joint = telemetry_.joints[index];
@@ -53,9 +63,6 @@ void TelemetryReader::on_bus_frame(const hal::CanFrame& frame, std::uint64_t, st
 }
 
 void TelemetryReader::read_controller(std::uint16_t base, const hal::CanFrame& frame) {
-  constexpr std::uint16_t kTpdo2Base = canopen::kTpdo1Base + canopen::kPdoStep;
-  constexpr std::uint16_t kTpdo3Base = kTpdo2Base + canopen::kPdoStep;
-  constexpr std::uint16_t kTpdo4Base = kTpdo3Base + canopen::kPdoStep;
   const auto load_N = [&] {
     return fixed::to_double(model_.scales.ankle_force) * signed_16(frame, 0) / (1 << 15);
   };
@@ -80,6 +87,36 @@ void TelemetryReader::read_controller(std::uint16_t base, const hal::CanFrame& f
     case kTpdo4Base:
       telemetry_.foot_load_N[1] = load_N();
       break;
+    default:
+      break;
+  }
+}
+
+// Flags come last; where they say that a ZMP is not valid, its numbers are zero.
+void TelemetryReader::read_balance(std::uint16_t base, const hal::CanFrame& frame) {
+  const auto length_m = [&](std::size_t at) { return kMetrePerLengthUnit * signed_16(frame, at); };
+  switch (base) {
+    case canopen::kTpdo1Base:
+      for (std::size_t side = 0; side < 2; ++side) {
+        telemetry_.foot_zmp[side].x_m = length_m(4 * side);
+        telemetry_.foot_zmp[side].y_m = length_m(4 * side + 2);
+      }
+      break;
+    case kTpdo2Base:
+      telemetry_.zmp.x_m = length_m(0);
+      telemetry_.zmp.y_m = length_m(2);
+      telemetry_.com_S_m[0] = length_m(4);
+      telemetry_.com_S_m[1] = length_m(6);
+      break;
+    case kTpdo3Base: {
+      const std::uint8_t flags = frame.data[2];
+      telemetry_.com_S_m[2] = length_m(0);
+      telemetry_.foot_zmp[0].valid = (flags & app::kLeftZmpValid) != 0;
+      telemetry_.foot_zmp[1].valid = (flags & app::kRightZmpValid) != 0;
+      telemetry_.zmp.valid = (flags & app::kZmpValid) != 0;
+      telemetry_.zmp.frame = (flags & app::kFrameIsRight) != 0 ? hal::Side::kRight : hal::Side::kLeft;
+      break;
+    }
     default:
       break;
   }

@@ -26,7 +26,6 @@ class InertialSensorTest : public testing::Test {
   void settle(const hal::ImuSample& sample, int samples = 200) {
     for (int i = 0; i < samples; ++i) sensor.add(sample, now_us += 1'000);
   }
-  static double degrees_of(fixed::Angle angle) { return to_double(angle) / test::kRadPerDegree; }
 
   robot::RobotModel model = test::make_test_robot();
   InertialSensor sensor{model};
@@ -72,18 +71,19 @@ TEST_F(InertialSensorTest, ShowsTheFirstSampleAtOnceAndSmoothesTheNext) {
   EXPECT_NEAR(to_double(sensor.accelerations().z) / first, 1.0 + to_double(kInertialLowPass.b0), 1e-4);
 }
 
-TEST_F(InertialSensorTest, ReadsTheInclinationFromGravity) {
-  for (double angle_deg = -80.0; angle_deg <= 80.0; angle_deg += 20.0) {
-    const double sine = 9.81 * std::sin(angle_deg * test::kRadPerDegree);
-    const double cosine = 9.81 * std::cos(angle_deg * test::kRadPerDegree);
-    // Leaning to the right, gravity's reaction points to the left, y.
-    settle({.accelerometer_raw = {0, accelerometer_counts(sine), accelerometer_counts(cosine)}}, 500);
-    EXPECT_NEAR(degrees_of(sensor.roll()), angle_deg, 0.01);
-    EXPECT_NEAR(degrees_of(sensor.pitch()), 0.0, 0.01);
-    // Leaning forward, it points backward, -x.
-    settle({.accelerometer_raw = {accelerometer_counts(-sine), 0, accelerometer_counts(cosine)}}, 500);
-    EXPECT_NEAR(degrees_of(sensor.pitch()), angle_deg, 0.01);
+TEST_F(InertialSensorTest, SumsTheTurnOfItsSamplesLessTheBias) {
+  const auto turn = [&](double bias_rad_per_s) {
+    const auto bias = fixed::from_double<fixed::AngularRate>(bias_rad_per_s);
+    return sensor.take_turn({{}, bias, {}});
+  };
+  for (int i = 0; i < 10; ++i) {
+    sensor.add({.gyro_raw = {0, gyro_counts(i % 2 == 0 ? 2.0 : 1.0), gyro_counts(-3.0)}}, now_us += 1'000);
   }
+  const auto first = turn(0.5);
+  EXPECT_NEAR(to_double(first.x), 0.0, 1e-9);
+  EXPECT_NEAR(to_double(first.y), 0.010, 3e-6);  // the counts' resolution
+  EXPECT_NEAR(to_double(first.z), -0.030, 3e-6);
+  EXPECT_EQ(turn(0.5).y, fixed::Ratio());  // no sample, no time
 }
 
 TEST_F(InertialSensorTest, IsAliveWhileSamplesCome) {

@@ -56,6 +56,25 @@ TEST_F(TelemetryOfFrames, ShowsTheLoadOfEachFoot) {
   EXPECT_NEAR(reader_.now().foot_load_N[1], -12.5, 1e-9);
 }
 
+TEST_F(TelemetryOfFrames, ShowsZmpAndCentreOfMassInTheSolesFrames) {
+  // 2^-15 m: 0x0400 is 1/32 m.
+  hear(0x182, 8, {0x00, 0x04, 0x00, 0xFC, 0x00, 0x02, 0x00, 0xFE});
+  hear(0x282, 8, {0x00, 0x01, 0x00, 0xFF, 0x80, 0x00, 0x80, 0xFF});
+  hear(0x382, 3, {0x00, 0x18, 0x0E});
+  const Telemetry& said = reader_.now();
+  EXPECT_FALSE(said.foot_zmp[0].valid);
+  EXPECT_EQ(said.foot_zmp[0].x_m, 1.0 / 32);
+  EXPECT_EQ(said.foot_zmp[0].y_m, -1.0 / 32);
+  EXPECT_TRUE(said.foot_zmp[1].valid);
+  EXPECT_EQ(said.foot_zmp[1].x_m, 1.0 / 64);
+  EXPECT_EQ(said.foot_zmp[1].y_m, -1.0 / 64);
+  EXPECT_TRUE(said.zmp.valid);
+  EXPECT_EQ(said.zmp.x_m, 1.0 / 128);
+  EXPECT_EQ(said.zmp.y_m, -1.0 / 128);
+  EXPECT_EQ(said.zmp.frame, hal::Side::kRight);
+  EXPECT_EQ(said.com_S_m, (std::array{1.0 / 256, -1.0 / 256, 3.0 / 16}));
+}
+
 TEST_F(TelemetryOfFrames, ShowsTargetsAndPositionsAsJointAngles) {
   hear(0x210, 6, {0x0F, 0x00, 0x00, 0x00, 0x02, 0x00});  // 2^17 units: an eighth of a turn
   hear(0x191, 8,
