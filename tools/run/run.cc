@@ -58,7 +58,7 @@ std::optional<std::string> play(Simulation& simulation, RunRecorder& recorder,
 
 RunResult run(const RunOptions& options, const std::function<void(const RunProgress&)>& progress) {
   sim::check_output_folder(options.out);
-  Simulation simulation(options.scenario, options.make_host);
+  Simulation simulation(options.scenario, options.make_host, options.change);
   sim::make_output_folder(options.out);
 
   sim::Recorder files(options.out, RunRecorder::columns(simulation.robot()), sim::WhenFull::kWait);

@@ -14,6 +14,7 @@ struct RunOptions {
   sim::Scenario scenario;
   std::filesystem::path out;             // the folder of the results
   HostFactory make_host = in_process();  // where the firmware runs
+  RobotChange change{};                  // of the robot in the world
 };
 
 // How far a run has come, told now and then.
