@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sim_board/world/link_tree.h"
+#include "sim_board/world/surface_contact.h"
 
 namespace koboshi::sim {
 namespace {
@@ -47,6 +48,13 @@ BoardOptions board_options(const Scenario& scenario, const RobotDescription& rob
   world.ground.normal_W = ground_normal(scenario.ground);
   if (scenario.ground.friction) {
     world.ground.surface.friction = world.ground.surface.friction_second = *scenario.ground.friction;
+  }
+  if (scenario.ground.softness) {
+    SurfaceDescription& surface = world.ground.surface;
+    const Softness soft = softness(scenario.ground.softness->stiffness_N_per_m,
+                                   scenario.ground.softness->damping_N_s_per_m, surface.reference_step_s);
+    surface.error_reduction = soft.error_reduction;
+    surface.constraint_force_mixing = soft.constraint_force_mixing;
   }
   world.joint_positions_rad.assign(robot.joints.size(), 0.0);
   for (const InitialJoint& joint : scenario.initial.joints) {

@@ -102,6 +102,10 @@ Ground read_ground(const YamlMap& root) {
   const auto map = root.optional_child("ground");
   if (!map) return ground;
   if (map->has("friction")) ground.friction = map->number("friction", {.min = 0.0, .max = 10.0});
+  if (map->has("stiffness_N_per_m")) {
+    ground.softness = {map->number("stiffness_N_per_m", {.min = 100.0, .max = 1e8}),
+                       map->number("damping_N_s_per_m", {.min = 0.0, .max = 1e6})};
+  }
   if (map->has("tilt_deg")) {
     const std::vector<double> tilt =
         map->numbers("tilt_deg", 2, {.min = -kSteepest_deg, .max = kSteepest_deg});

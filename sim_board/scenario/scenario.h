@@ -50,7 +50,12 @@ struct InitialState {
 
 struct Ground {
   std::optional<double> friction;  // Coulomb's mu instead of the robot file's, both directions
-  double roll_rad = 0.0;           // the plane turned about x, then about y
+  struct Softness {
+    double stiffness_N_per_m = 0.0;  // of one contact point; a sole has four
+    double damping_N_s_per_m = 0.0;
+  };
+  std::optional<Softness> softness;  // instead of a hard floor's
+  double roll_rad = 0.0;             // the plane turned about x, then about y
   double pitch_rad = 0.0;
 };
 

@@ -28,7 +28,7 @@ seed: 7
 noise: 0.5
 controller: {computing_time_us: 800}
 physics: {step_ms: 0.25, stepper: quick, iterations: 80}
-ground: {friction: 0.6, tilt_deg: [1, -2]}
+ground: {friction: 0.6, stiffness_N_per_m: 3000, damping_N_s_per_m: 20, tilt_deg: [1, -2]}
 initial: {drop_m: 0.01, fixed_base: true, joints_deg: {left_knee: 40, right_knee: -20}}
 commands:
   - {at_s: 4, play: squat}
@@ -93,6 +93,9 @@ TEST(ScenarioReader, ReadsEverySetting) {
   EXPECT_EQ(scenario.physics.stepper, Stepper::kQuick);
   EXPECT_EQ(scenario.physics.quick_iterations, 80);
   EXPECT_EQ(scenario.ground.friction, 0.6);
+  ASSERT_TRUE(scenario.ground.softness);
+  EXPECT_EQ(scenario.ground.softness->stiffness_N_per_m, 3000.0);
+  EXPECT_EQ(scenario.ground.softness->damping_N_s_per_m, 20.0);
   EXPECT_DOUBLE_EQ(scenario.ground.roll_rad, 1.0 * kDegree);
   EXPECT_DOUBLE_EQ(scenario.ground.pitch_rad, -2.0 * kDegree);
   EXPECT_EQ(scenario.initial.drop_m, 0.01);
@@ -191,6 +194,8 @@ TEST(ScenarioReader, RefusesWhatIsOutOfRangeOrUnknown) {
       {"physics: {stepper: fast}", "fast"},
       {"physics: {iterations: 0}", "iterations = 0"},
       {"ground: {friction: -0.1}", "-0.1"},
+      {"ground: {stiffness_N_per_m: 3000}", "damping_N_s_per_m"},
+      {"ground: {damping_N_s_per_m: 20}", "damping_N_s_per_m"},
       {"ground: {tilt_deg: [50, 0]}", "50"},
       {"ground: {tilt_deg: 5}", "tilt_deg"},
       {"initial: {height_m: 0.3, drop_m: 0.1}", "drop_m beside height_m"},
