@@ -112,8 +112,24 @@ class BadInput(unittest.TestCase):
         self.write("letter.txt", "dear reader")
         self.refuse(self.folder, None, "run", file, "--out", self.folder)
 
+    def test_experiments(self):
+        letter = self.write("letter.txt", "dear reader")
+        walk = support.ROOT / "scenarios" / "walk.yaml"
+        command = ["experiment", "gyro-feedback", walk, "--seeds", "1"]
+        self.refuse(self.folder, None, *command, "--out", self.folder)
+        self.refuse(letter, None, *command, "--out", letter)
+        missing = self.folder / "missing" / "result.json"
+        self.refuse(missing, None, *command, "--out", self.folder / "out", "--json", missing)
+        self.refuse("nothing.yaml", None, "experiment", "gyro-feedback", "nothing.yaml")
+        squat = ["experiment", "gyro-feedback", support.SQUAT, "--out", self.folder / "out"]
+        self.refuse("--set", None, *squat)
+
     def test_unknown_options_and_commands(self):
-        for arguments in (["dance"], ["run"], ["run", str(support.SQUAT), "--louder"]):
+        gyro_feedback = ["experiment", "gyro-feedback"]
+        for arguments in (["dance"], ["run"], ["run", str(support.SQUAT), "--louder"], ["experiment"],
+                          [*gyro_feedback, "--seeds", "0"], [*gyro_feedback, "--points", "8,many"],
+                          [*gyro_feedback, "--feedback", "maybe"], [*gyro_feedback, "--section", "level"],
+                          ["experiment", "tune-gait", "--evaluations", "1"]):
             with self.subTest(arguments):
                 self.assertEqual(PROGRAM.run(*arguments).returncode, 2)
 

@@ -1,5 +1,8 @@
 #include "tools/cli/experiment_command.h"
 
+#include <fmt/core.h>
+
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -8,6 +11,8 @@
 #include "tools/cli/experiment_session.h"
 #include "tools/cli/tune_gait_command.h"
 #include "tools/experiment/gyro_feedback.h"
+#include "tools/experiment/report.h"
+#include "tools/run/run.h"
 
 namespace koboshi::tools {
 namespace {
@@ -18,6 +23,31 @@ struct Arguments {
   std::string feedback = "both";
 };
 
+// The paper's figure 8, off beside on: the first seed's walks of 8 points (or of what there is), each with
+// everything that `koboshi run` leaves of it. Markdown that shows them on the page; empty without a page.
+std::string draw_figures(const Arguments& arguments) {
+  const GyroFeedbackOptions& options = arguments.options;
+  const bool has_eight = std::ranges::find(options.points, 8) != options.points.end();
+  const int points = has_eight ? 8 : options.points.front();
+  Row names;
+  Row images;
+  for (const bool feedback : options.feedback) {
+    const SeededWorld world =
+        seeded_world(gyro_feedback_scenario(options, points, feedback), options, options.first_seed);
+    const std::string name = fmt::format("{}-{}", points, feedback ? "on" : "off");
+    const std::filesystem::path folder = arguments.common.out / name;
+    const RunResult walk = run({.scenario = world.scenario, .out = folder, .change = world.change}, {});
+    if (walk.plot_warning) fmt::print(stderr, "koboshi: no figures: {}\n", *walk.plot_warning);
+    if (arguments.common.page.empty() || !std::filesystem::exists(folder / "zmp.png")) continue;
+    const std::string image = arguments.common.section + "-" + name + ".png";
+    std::filesystem::copy_file(folder / "zmp.png", arguments.common.page.parent_path() / image,
+                               std::filesystem::copy_options::overwrite_existing);
+    names.push_back(fmt::format("{} points, feedback {}", points, feedback ? "on" : "off"));
+    images.push_back(fmt::format("![ZMP trace over the feet]({})", image));
+  }
+  return names.empty() ? std::string() : table_text(names, {images}, TableStyle::kMarkdown);
+}
+
 void play_gyro_feedback(Arguments arguments, const std::string& command_line) {
   GyroFeedbackOptions& options = arguments.options;
   options.overrides = overrides(arguments.common);
@@ -26,9 +56,10 @@ void play_gyro_feedback(Arguments arguments, const std::string& command_line) {
   if (arguments.feedback != "both") options.feedback = {arguments.feedback == "on"};
   const Experiment experiment = make_gyro_feedback(options);
   if (arguments.common.out.empty()) arguments.common.out = std::filesystem::path("runs") / experiment.name;
+  if (arguments.common.section.empty()) arguments.common.section = experiment.name;
   const ExperimentResult result = play_session(experiment, arguments.common);
   write_page(experiment, result, arguments.common, "Gyro feedback and the number of points", command_line,
-             "");
+             draw_figures(arguments));
 }
 
 void add_gyro_feedback(CLI::App& parent, const std::string& command_line) {
@@ -51,7 +82,11 @@ void add_gyro_feedback(CLI::App& parent, const std::string& command_line) {
   command->add_option("--feedback", arguments->feedback, "off, on or both")
       ->check(CLI::IsMember({"off", "on", "both"}))
       ->capture_default_str();
-  command->add_flag("--disturbed", options.disturbed, "Push the trunk and tilt the floor up to 3 degrees");
+  command->add_flag("--disturbed", options.disturbed,
+                    "Push the trunk; soft ground that tilts up to 3 degrees");
+  command->add_option("--push", options.push_N_s, "The strongest push of the disturbed form, in N s")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
   command->add_option("--gaits", options.gaits,
                       "Folder with a gait for each cell: 8-on.yaml, ... (default: the scenario's in all)");
   command

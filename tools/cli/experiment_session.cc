@@ -112,8 +112,7 @@ void write_page(const Experiment& experiment, const ExperimentResult& result,
   const std::string remarks = notes(experiment, result);
   if (!remarks.empty()) text += "\n```\n" + remarks + "```\n";
   if (!figures.empty()) text += "\n" + figures;
-  const std::string& section = arguments.section.empty() ? experiment.name : arguments.section;
-  write_section(arguments.page, title, section, text + "\n");
+  write_section(arguments.page, title, arguments.section, text + "\n");
 }
 
 }  // namespace koboshi::tools

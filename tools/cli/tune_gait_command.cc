@@ -18,7 +18,7 @@ struct Arguments {
   GaitSearchOptions options;
   int points = 8;
   std::string feedback = "on";
-  std::string duration = "12";
+  std::string duration = "10";
   std::filesystem::path result;
 };
 
@@ -54,7 +54,7 @@ void add_tune_gait_command(CLI::App& experiment) {
   GaitSearchOptions& options = arguments->options;
   options.start = "robots/koboshi/gait.yaml";
   options.experiment.first_seed = 9000;
-  options.experiment.seeds = 4;
+  options.experiment.seeds = 3;
   options.jobs = core_count();
   CLI::App* command = experiment.add_subcommand(
       "tune-gait", "Search for the numbers of a gait with which the robot walks fast and does not fall");

@@ -43,8 +43,9 @@ struct Experiment {
   std::vector<Measure> measures{};  // the first column first
   std::vector<Cell> cells{};
   std::uint64_t first_seed = 1;
-  std::size_t seeds = 1;  // of each cell, unless it stops early
-  std::string inputs{};   // a hash of whatever else a trial depends on
+  std::size_t seeds = 1;                                          // of each cell, unless it stops early
+  std::vector<std::pair<std::string, std::string>> conditions{};  // the same in all cells, for the reader
+  std::string inputs{};  // a hash of whatever else a trial depends on
   // Plays the trial of a cell, by number, and a seed. Called from several threads at a time.
   std::function<Values(std::size_t cell, std::uint64_t seed)> play{};
 };

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <numbers>
+#include <utility>
 
 #include "sim_board/input/text.h"
 #include "sim_board/scenario/reader.h"
@@ -23,7 +24,10 @@ std::string cell_name(int points, bool feedback) {
 
 PerturbationBounds bounds_of(const GyroFeedbackOptions& options) {
   PerturbationBounds bounds;
-  if (options.disturbed) bounds.tilt_rad = 3.0 * kDegree_rad;
+  if (!options.disturbed) return bounds;
+  bounds.tilt_rad = 3.0 * kDegree_rad;
+  bounds.softest_N_per_m = 1000.0;  // on one foot it sinks by 3 mm
+  bounds.stiffest_N_per_m = 5000.0;
   return bounds;
 }
 
@@ -54,7 +58,7 @@ std::string hash_of(const GyroFeedbackOptions& options, const std::vector<sim::S
     files.insert(files.end(), {scenario.file, scenario.robot, scenario.gait->file});
     files.insert(files.end(), scenario.motions.begin(), scenario.motions.end());
   }
-  std::vector<std::string> texts{options.disturbed ? "disturbed" : "undisturbed"};
+  std::vector<std::string> texts{options.disturbed ? "push " + sim::number_text(options.push_N_s) : "level"};
   for (const sim::Override& override_value : options.overrides) {
     texts.insert(texts.end(), {override_value.path, override_value.value});
   }
@@ -74,14 +78,18 @@ sim::Scenario gyro_feedback_scenario(const GyroFeedbackOptions& options, int poi
   return sim::read_scenario(options.scenario, overrides);
 }
 
-void disturb(sim::Scenario& scenario, const GyroFeedbackOptions& options, std::uint64_t seed) {
-  perturb_scenario(scenario, bounds_of(options), seed);
-  if (!options.disturbed) return;
-  std::uint64_t walk_us = 0;
-  for (const sim::Command& command : scenario.commands) {
-    if (command.kind == sim::Command::Kind::kPlay) walk_us = command.at_us;
+SeededWorld seeded_world(sim::Scenario scenario, const GyroFeedbackOptions& options, std::uint64_t seed) {
+  const PerturbationBounds bounds = bounds_of(options);
+  perturb_scenario(scenario, bounds, seed);
+  if (options.disturbed) {
+    std::uint64_t walk_us = 0;
+    for (const sim::Command& command : scenario.commands) {
+      if (command.kind == sim::Command::Kind::kPlay) walk_us = command.at_us;
+    }
+    add_pushes(scenario, "trunk", walk_us, {.first_s = kFirstPush_s, .highest_N_s = options.push_N_s}, seed);
   }
-  add_pushes(scenario, "trunk", walk_us, {.first_s = kFirstPush_s}, seed);
+  return {std::move(scenario),
+          [bounds, seed](sim::RobotDescription& robot) { perturb_robot(robot, bounds, seed); }};
 }
 
 Experiment make_gyro_feedback(const GyroFeedbackOptions& options) {
@@ -98,12 +106,13 @@ Experiment make_gyro_feedback(const GyroFeedbackOptions& options) {
            {{"points", std::to_string(points)}, {"feedback", feedback ? "on" : "off"}}});
     }
   }
+  experiment.conditions = {
+      {"duration_s", sim::number_text(1e-6 * static_cast<double>(scenarios->front().duration_us))},
+      {"disturbed", options.disturbed ? "yes" : "no"}};
   experiment.inputs = hash_of(options, *scenarios);
   experiment.play = [options, scenarios](std::size_t cell, std::uint64_t seed) {
-    sim::Scenario scenario = scenarios->at(cell);
-    disturb(scenario, options, seed);
-    return without_a_fallen_walk(play_scenario(
-        scenario, [&](sim::RobotDescription& robot) { perturb_robot(robot, bounds_of(options), seed); }));
+    const SeededWorld world = seeded_world(scenarios->at(cell), options, seed);
+    return without_a_fallen_walk(play_scenario(world.scenario, world.change));
   };
   return experiment;
 }

@@ -7,6 +7,7 @@
 #include "sim_board/input/yaml_tree.h"
 #include "sim_board/scenario/scenario.h"
 #include "tools/experiment/experiment.h"
+#include "tools/run/simulation.h"
 
 namespace koboshi::tools {
 
@@ -19,7 +20,9 @@ struct GyroFeedbackOptions {
   std::vector<bool> feedback{false, true};
   // With a file for each cell, 8-on.yaml and so on, which were tuned for it. Empty: the scenario's gait.
   std::filesystem::path gaits{};
-  bool disturbed = false;  // by pushes against the trunk and a tilt of up to 3 degrees
+  // By pushes against the trunk, soft ground and a tilt of up to 3 degrees.
+  bool disturbed = false;
+  double push_N_s = 0.1;  // the strongest push of the disturbed form
   std::uint64_t first_seed = 1;
   std::size_t seeds = 20;
   double falls_within = 0.015;  // a cell stops where the share of falls is known to +- this
@@ -28,8 +31,14 @@ struct GyroFeedbackOptions {
 // A cell's scenario before a seed has changed the world.
 [[nodiscard]] sim::Scenario gyro_feedback_scenario(const GyroFeedbackOptions& options, int points,
                                                    bool feedback);
-// Changes it, and gives what else the seed does: the masses of the world's robot.
-void disturb(sim::Scenario& scenario, const GyroFeedbackOptions& options, std::uint64_t seed);
+
+// What a seed makes of it: of the scenario, and of the robot in the world.
+struct SeededWorld {
+  sim::Scenario scenario;
+  RobotChange change;
+};
+[[nodiscard]] SeededWorld seeded_world(sim::Scenario scenario, const GyroFeedbackOptions& options,
+                                       std::uint64_t seed);
 
 // Reads and checks everything. Throws sim::InputError.
 [[nodiscard]] Experiment make_gyro_feedback(const GyroFeedbackOptions& options);

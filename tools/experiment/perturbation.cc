@@ -11,6 +11,10 @@ namespace koboshi::tools {
 namespace {
 
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+// Soft ground gives way like felt, without much of a rebound, under a robot of 1.2 kg on a sole's four
+// points.
+constexpr double kDampingRatio = 0.5;
+constexpr double kMassAbove_kg = 0.3;
 
 double between(sim::RandomStream& random, double low, double high) {
   return low + (high - low) * random.uniform();
@@ -38,6 +42,12 @@ void perturb_scenario(sim::Scenario& scenario, const PerturbationBounds& bounds,
   const double direction_rad = between(tilt, 0.0, kTurn_rad);
   scenario.ground.roll_rad = tilt_rad * std::cos(direction_rad);
   scenario.ground.pitch_rad = tilt_rad * std::sin(direction_rad);
+  if (bounds.stiffest_N_per_m > 0.0) {
+    sim::RandomStream softness(seed, "ground stiffness");
+    const double stiffness_N_per_m = between(softness, bounds.softest_N_per_m, bounds.stiffest_N_per_m);
+    scenario.ground.softness = {stiffness_N_per_m,
+                                2.0 * kDampingRatio * std::sqrt(stiffness_N_per_m * kMassAbove_kg)};
+  }
   scenario.seed = seed;
 }
 

@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
+#include <optional>
 
 #include "sim_board/input/text.h"
 
@@ -28,6 +28,12 @@ Json measure_json(const CellResult& cell, const Measure& measure) {
           {"mean", mean.mean},
           {"standard_deviation", mean.standard_deviation},
           {"confidence_95", interval_json(mean.confidence_95)}};
+}
+
+// Settings are text; programs get those that are numbers as numbers.
+Json setting_json(const std::string& value) {
+  const std::optional<double> number = sim::parse_number(value);
+  return number ? Json(*number) : Json(value);
 }
 
 std::string_view stop_name(Stop stop) {
@@ -138,17 +144,19 @@ Json to_json(const Experiment& experiment, const ExperimentResult& result) {
   for (std::size_t c = 0; c < experiment.cells.size(); ++c) {
     const CellResult& cell = result.cells[c];
     Json json{{"cell", experiment.cells[c].name}};
-    for (const auto& [name, value] : experiment.cells[c].settings) json[name] = value;
+    for (const auto& [name, value] : experiment.cells[c].settings) json[name] = setting_json(value);
     json["trials"] = cell.played.size();
     json["stop"] = stop_name(cell.stop);
     for (const Measure& measure : experiment.measures) json[measure.name] = measure_json(cell, measure);
     cells.push_back(json);
   }
-  return {{"experiment", experiment.name},
-          {"first_seed", experiment.first_seed},
-          {"seeds", experiment.seeds},
-          {"inputs", experiment.inputs},
-          {"cells", cells}};
+  Json json{{"experiment", experiment.name},
+            {"first_seed", experiment.first_seed},
+            {"seeds", experiment.seeds},
+            {"inputs", experiment.inputs}};
+  for (const auto& [name, value] : experiment.conditions) json[name] = setting_json(value);
+  json["cells"] = cells;
+  return json;
 }
 
 std::string to_csv(const Experiment& experiment, const ExperimentResult& result) {

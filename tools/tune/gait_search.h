@@ -35,7 +35,7 @@ struct GaitSearchOptions {
       experiment;               // one number of points, feedback off or on; its seeds are those searched on
   std::filesystem::path start;  // the gait file that the search begins with
   std::filesystem::path out;    // folder of the log and the result
-  std::size_t evaluations = 300;
+  std::size_t evaluations = 150;
   std::size_t jobs = 1;
 };
 

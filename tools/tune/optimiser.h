@@ -11,7 +11,7 @@ namespace koboshi::tools {
 using Objective = std::function<double(const std::vector<double>& x)>;
 
 struct OptimiserOptions {
-  std::size_t evaluations = 300;  // of the objective: as many whole generations as that is enough for
+  std::size_t evaluations = 150;  // of the objective: as many whole generations as that is enough for
   std::size_t population = 12;    // at least 5
   double spread = 0.15;           // standard deviation of the first generation about the start
   std::uint32_t seed = 1;

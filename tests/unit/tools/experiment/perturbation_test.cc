@@ -72,6 +72,19 @@ TEST(Perturbation, KeepsTheGroundWithinItsBoundsAndUsesAllOfThem) {
   for (const int count : quadrants) EXPECT_GT(count, kSeeds / 5);
 }
 
+TEST(Perturbation, LeavesTheGroundHardUnlessToldOtherwise) {
+  sim::Scenario scenario;
+  perturb_scenario(scenario, {}, 1);
+  EXPECT_FALSE(scenario.ground.softness);
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    perturb_scenario(scenario, {.softest_N_per_m = 1000.0, .stiffest_N_per_m = 5000.0}, seed);
+    ASSERT_TRUE(scenario.ground.softness);
+    EXPECT_GE(scenario.ground.softness->stiffness_N_per_m, 1000.0);
+    EXPECT_LE(scenario.ground.softness->stiffness_N_per_m, 5000.0);
+    EXPECT_GT(scenario.ground.softness->damping_N_s_per_m, 0.0);
+  }
+}
+
 TEST(Perturbation, IsTheSameForTheSameSeedAndOnEveryMachine) {
   sim::Scenario scenario;
   sim::RobotDescription robot = two_links();

@@ -66,9 +66,12 @@ TEST(Report, WritesALineATrial) {
 
 TEST(Report, GivesProgramsSIUnitsAndNullForWhatIsNoNumber) {
   StandIn stand_in;
+  stand_in.experiment.conditions = {{"duration_s", "30"}, {"disturbed", "no"}};
   const auto json = nlohmann::ordered_json::parse(to_json(stand_in.experiment, few_trials()).dump());
   EXPECT_EQ(json["experiment"], "stand-in");
   EXPECT_EQ(json["first_seed"], 100);
+  EXPECT_EQ(json["duration_s"], 30);
+  EXPECT_EQ(json["disturbed"], "no");
   const auto& cell = json["cells"][0];
   EXPECT_EQ(cell["cell"], "calm");
   EXPECT_EQ(cell["ground"], "even");

@@ -1,0 +1,62 @@
+// Trials of the real robot: what an experiment builds on.
+
+#include <gtest/gtest.h>
+
+#include "sim_board/scenario/reader.h"
+#include "tools/experiment/gyro_feedback.h"
+#include "tools/experiment/report.h"
+
+namespace koboshi::tools {
+namespace {
+
+const std::filesystem::path kWalk = std::filesystem::path(KOBOSHI_SOURCE_DIR) / "scenarios/walk.yaml";
+
+TEST(GyroFeedback, ComesToTheSameOnOneCoreAndOnTwo) {
+  const Experiment experiment = make_gyro_feedback({.scenario = kWalk,
+                                                    .overrides = {{"duration_s", "5.5"}},
+                                                    .points = {8},
+                                                    .feedback = {true},
+                                                    .disturbed = true,
+                                                    .seeds = 2});
+  const std::string alone = to_csv(experiment, play_experiment(experiment, {.jobs = 1}));
+  EXPECT_EQ(to_csv(experiment, play_experiment(experiment, {.jobs = 2})), alone);
+  const std::size_t first = alone.find("\n8,on,1,");
+  const std::size_t second = alone.find("\n8,on,2,");
+  ASSERT_NE(second, std::string::npos) << alone;
+  EXPECT_NE(alone.substr(first + 8, second - first - 8), alone.substr(second + 8))
+      << "seeds make no difference";
+}
+
+TEST(GyroFeedback, ChangesTheWorldAndNotWhatTheFirmwareKnows) {
+  const GyroFeedbackOptions options{.scenario = kWalk, .disturbed = true};
+  const sim::Scenario plain = gyro_feedback_scenario(options, 8, true);
+  const SeededWorld world = seeded_world(plain, options, 5);
+  const Simulation nominal(plain);
+  const Simulation changed(world.scenario, in_process(), world.change);
+  EXPECT_EQ(changed.model().image, nominal.model().image);
+  const double mass_kg = nominal.robot().total_mass_kg();
+  EXPECT_NE(changed.robot().total_mass_kg(), mass_kg);
+  EXPECT_NEAR(changed.robot().total_mass_kg(), mass_kg, 0.05 * mass_kg);
+  EXPECT_FALSE(world.scenario.pushes.empty());
+}
+
+// Height of the trunk when the robot stands by itself, just before it walks.
+double standing_height_m(const sim::Scenario& scenario) {
+  Simulation simulation(scenario);
+  while (!simulation.finished()) simulation.advance();
+  return simulation.board().world().body(0).X_WL.translation().z();
+}
+
+TEST(SoftGround, GivesWayByWeightOverStiffness) {
+  const std::vector<sim::Override> overrides{{"duration_s", "3.45"}};
+  sim::Scenario scenario = sim::read_scenario(kWalk, overrides);
+  const double hard_m = standing_height_m(scenario);
+  constexpr double kStiffness_N_per_m = 2000.0;
+  constexpr double kContacts = 8.0;  // four a sole
+  scenario.ground.softness = {kStiffness_N_per_m, 30.0};
+  const double weight_N = Simulation(scenario).robot().total_mass_kg() * 9.80665;
+  EXPECT_NEAR(hard_m - standing_height_m(scenario), weight_N / (kContacts * kStiffness_N_per_m), 1e-4);
+}
+
+}  // namespace
+}  // namespace koboshi::tools
