@@ -33,7 +33,7 @@ struct RunSummary {
   // that of the pose it is told to take, and farthest that a loaded foot slid.
   double base_height_error_max_m = 0.0;
   double foot_slip_max_m = 0.0;
-  std::optional<WalkSummary> walk;  // of a run in which one was played
+  std::optional<WalkSummary> walk{};  // of a run in which one was played
 };
 
 // The keys of summary.json in their order (docs/reference/summary.md).

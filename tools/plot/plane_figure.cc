@@ -69,13 +69,8 @@ std::string range(double low, double high) {
 
 void write_words(std::ostream& out, const PlaneFigure& figure) {
   for (const Outline& outline : figure.outlines) {
-    Point middle;
-    for (const Point& corner : outline.corners) {
-      middle.x += corner.x / static_cast<double>(outline.corners.size());
-      middle.y += corner.y / static_cast<double>(outline.corners.size());
-    }
-    out << "set label " << quoted(outline.word) << " at " << sim::number_text(middle.x) << ","
-        << sim::number_text(middle.y) << " center font ',9' textcolor '#909090'\n";
+    out << "set label " << quoted(outline.word) << " at " << sim::number_text(outline.word_at.x) << ","
+        << sim::number_text(outline.word_at.y) << " center font ',9' textcolor '#909090'\n";
   }
 }
 

@@ -19,11 +19,12 @@ struct PlaneCurve {
   double width = 1.8;
 };
 
-// A polygon, closed and lightly filled, with a word in its middle.
+// A polygon, closed and lightly filled, with a word at a place of its own.
 struct Outline {
   std::vector<Point> corners{};
   int colour = 7;
   std::string word{};
+  Point word_at{};
 };
 
 struct PlaneFigure {

@@ -44,8 +44,8 @@ std::optional<std::string> play(Simulation& simulation, RunRecorder& recorder,
     while (!simulation.finished()) {
       simulation.advance();
       const std::uint64_t now_us = simulation.board().now_us();
+      recorder.record();
       if (now_us % kTick_us != 0) continue;
-      recorder.record_tick();
       if (progress) progress({1e-6 * static_cast<double>(now_us), duration_s, seconds_since(start)});
     }
   } catch (const std::runtime_error& error) {

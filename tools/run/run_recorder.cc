@@ -107,11 +107,16 @@ void RunRecorder::on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_u
   hash_.add(std::as_bytes(std::span(frame.data).first(frame.remote ? 0u : frame.size)));
 }
 
+void RunRecorder::record() {
+  if (walk_) walk_->observe_sensors(simulation_.board());
+  if (simulation_.board().now_us() % sim::SimBoard::kTick_us == 0) record_tick();
+}
+
 void RunRecorder::record_tick() {
   truth_now_ = &truth_.observe(simulation_.board().world(), telemetry_.now());
   hash_state();
   judge();
-  if (walk_) walk_->observe(simulation_.board(), *truth_now_, telemetry_.now());
+  if (walk_) walk_->observe_tick(*truth_now_, telemetry_.now());
   if (recorder_ != nullptr) write_row();
 }
 

@@ -27,7 +27,9 @@ class RunRecorder final : private sim::BusObserver {
   // The columns of trace.csv for this robot.
   static std::vector<sim::TraceColumn> columns(const sim::RobotDescription& robot);
 
-  // After each tick of the firmware.
+  // After each millisecond of the simulation: what is observed then, and after each tick the tick.
+  void record();
+  // A tick alone; of a walk, the check of the ankle sensors is missing then.
   void record_tick();
   sim::RunSummary summary() const;
   // Whether the trunk has leaned further than a robot comes back from.

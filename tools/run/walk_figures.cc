@@ -19,6 +19,7 @@ constexpr double kShownCycles = 3.0;
 constexpr double kLongWalk = 6.0;  // cycles
 // A foot that lets go for less than this still stands, and one that touches for less has not stood.
 constexpr double kStance_s = 0.05;
+constexpr double kWordFromHeel_m = 0.012;
 
 enum Colour { kBlue = 0, kOrange = 1, kBlack = 6, kGrey = 7 };  // of the palette
 
@@ -59,16 +60,20 @@ std::vector<Eigen::Vector2d> outline_in_sole(const sim::Foot& foot) {
 void add_footprints(PlaneFigure& figure, const Columns& trace, const sim::Foot& foot, const std::string& side,
                     Rows shown) {
   const std::vector<Eigen::Vector2d> outline_m = outline_in_sole(foot);
+  // Near the heel, where the ZMP seldom comes.
+  const double heel_m = std::ranges::min(outline_m, {}, [](const auto& p) { return p.x(); }).x();
+  const Eigen::Vector2d word_S_m(heel_m + kWordFromHeel_m, 0.0);
   const std::string sole = "true_" + side + "_sole_";
   for (const Rows& stance : stances(trace.at("time_s"), trace.at("true_" + side + "_load_N"), shown)) {
     const std::size_t middle = (stance.begin + stance.end) / 2;
     const Eigen::Translation2d p_W_m(trace.at(sole + "x_m")[middle], trace.at(sole + "y_m")[middle]);
     const Eigen::Rotation2Dd yaw(trace.at(sole + "yaw_rad")[middle]);
-    Outline footprint{.colour = kGrey, .word = side};
-    for (const Eigen::Vector2d& corner_m : outline_m) {
-      const Eigen::Vector2d at_mm = kMillimetres * (p_W_m * (yaw * corner_m));
-      footprint.corners.push_back({at_mm.x(), at_mm.y()});
-    }
+    const auto place = [&](const Eigen::Vector2d& p_S_m) {
+      const Eigen::Vector2d at_mm = kMillimetres * (p_W_m * (yaw * p_S_m));
+      return Point{at_mm.x(), at_mm.y()};
+    };
+    Outline footprint{.colour = kGrey, .word = side, .word_at = place(word_S_m)};
+    for (const Eigen::Vector2d& corner_m : outline_m) footprint.corners.push_back(place(corner_m));
     figure.outlines.push_back(footprint);
   }
 }

@@ -29,7 +29,11 @@ WalkObserver::WalkObserver(const sim::RobotDescription& robot, const sim::Scenar
                            std::uint8_t motion)
     : plan_(std::move(plan)), motion_(motion), sensor_check_(robot, scenario) {}
 
-void WalkObserver::observe(const sim::SimBoard& board, const GroundTruth& truth, const Telemetry& said) {
+void WalkObserver::observe_sensors(const sim::SimBoard& board) {
+  if (walking_) sensor_check_.observe(board);
+}
+
+void WalkObserver::observe_tick(const GroundTruth& truth, const Telemetry& said) {
   const bool plays = said.state == app::State::kMotion && said.motion == motion_;
   const bool over = begun_ && !walking_;
   planned_.reset();
@@ -43,7 +47,6 @@ void WalkObserver::observe(const sim::SimBoard& board, const GroundTruth& truth,
   planned_ = plan_(kTick_s * ticks_ - kInEffect_s);
   follow(truth);
   judge_zmp(truth, said);
-  sensor_check_.observe(board);
 }
 
 void WalkObserver::begin(const GroundTruth& truth) {

@@ -26,8 +26,10 @@ class WalkObserver {
   WalkObserver(const sim::RobotDescription& robot, const sim::Scenario& scenario, Plan plan,
                std::uint8_t motion);
 
+  // After each millisecond of the board.
+  void observe_sensors(const sim::SimBoard& board);
   // After each tick, with what was observed then.
-  void observe(const sim::SimBoard& board, const GroundTruth& truth, const Telemetry& said);
+  void observe_tick(const GroundTruth& truth, const Telemetry& said);
 
   // The ZMP that the walk intended for the last tick, where the foot stands in whose frame it is planned;
   // nothing unless the robot walks.

@@ -13,9 +13,14 @@ namespace koboshi::tools {
 
 // Holds the ZMP by the ankle sensors (sim_board/sensor/ankle_zmp.h: with their noise and bias, without filter
 // and delay) to the engine's contact forces: each foot in its own sole's frame, whenever both say that it
-// carries at least sim::kLoaded_N.
+// carries at least kLeastLoad_N.
 class ZmpSensorCheck {
  public:
+  // A sixth of the robot. The sensor does not see what the foot's own mass takes when it touches down: of the
+  // ZMP of a foot that has just taken a newton that is millimetres (in a walk 1.0 mm RMS above 1 N, 0.8 mm
+  // above 2 N, and with the foot's acceleration known less than 0.1 um), so that it says little.
+  static constexpr double kLeastLoad_N = 2.0;
+
   // The robot must outlive the check.
   ZmpSensorCheck(const sim::RobotDescription& robot, const sim::Scenario& scenario);
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include <system_error>
 
 #include "tests/unit/sim_board/record/temporary_folder.h"
@@ -34,6 +36,24 @@ TEST(Summary, HasItsKeysInOrder) {
             "  \"base_height_error_max_m\": 0.0015,\n"
             "  \"foot_slip_max_m\": 0.00025\n"
             "}\n");
+}
+
+TEST(Summary, TellsOfAWalkOnlyWhereThereWasOne) {
+  EXPECT_FALSE(to_json(kSummary).contains("distance_m"));
+  RunSummary walked = kSummary;
+  walked.walk = {.distance_m = 3.0,
+                 .speed_m_per_s = 0.2,
+                 .lateral_drift_m = -0.1,
+                 .heading_drift_rad = 0.05,
+                 .zmp_rms_error_m = 0.02,
+                 .zmp_margin_p05_m = std::numeric_limits<double>::quiet_NaN(),
+                 .zmp_sensor_vs_truth_rms_m = 0.0008};
+  const std::string text = to_json(walked).dump();
+  EXPECT_TRUE(
+      text.ends_with("\"foot_slip_max_m\":0.00025,\"distance_m\":3.0,\"speed_m_per_s\":0.2,"
+                     "\"lateral_drift_m\":-0.1,\"heading_drift_rad\":0.05,\"zmp_rms_error_m\":0.02,"
+                     "\"zmp_margin_p05_m\":null,\"zmp_sensor_vs_truth_rms_m\":0.0008}"))
+      << text;
 }
 
 TEST(Summary, ReplacesTheWholeFileAndLeavesNothingBeside) {

@@ -12,6 +12,7 @@
 
 #include "sim_board/input/error.h"
 #include "tools/plot/gnuplot_script.h"
+#include "tools/plot/plane_figure.h"
 
 namespace koboshi::tools {
 namespace {
@@ -95,6 +96,32 @@ TEST_F(Drawing, CopesWithConstantAndMissingData) {
   EXPECT_TRUE(std::filesystem::exists(folder_ / "flat.png"));
 }
 
+TEST_F(Drawing, ShowsPathsOverTheGroundWithEqualAxes) {
+  const PlaneFigure figure{
+      .title = "path",
+      .x_label = "x [mm]",
+      .y_label = "y [mm]",
+      .outlines = {{.corners = {{0, 0}, {400, 0}, {400, 100}, {0, 100}}, .word = "left"}},
+      .curves = {{"measured", {{10, 10}, {NAN, NAN}, {390, 90}}}}};
+  draw(figure, folder_ / "path");
+  EXPECT_THAT(contents(folder_ / "path.png"), StartsWith("\x89PNG"));
+  const std::string svg = contents(folder_ / "path.svg");
+  for (const char* text : {"x [mm]", "y [mm]", "left", "measured"}) EXPECT_THAT(svg, HasSubstr(text));
+  // The plane is 885 pixels wide for 432 mm, margins included, and so 270 high for 132 mm, and 126 more.
+  EXPECT_THAT(svg, HasSubstr("width=\"1000\" height=\"396\""));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "path.gnuplot"));
+}
+
+TEST_F(Drawing, NeedsNoLocaleForItsLetters) {
+  const char* const before = getenv("LC_ALL");
+  const std::string kept = before != nullptr ? before : "";
+  setenv("LC_ALL", "C", 1);
+  testing::internal::CaptureStderr();
+  draw(squat_figure(), trace_, folder_ / "squat");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  before != nullptr ? setenv("LC_ALL", kept.c_str(), 1) : unsetenv("LC_ALL");
+}
+
 TEST_F(Drawing, RefusesAColumnThatIsNotThereAndWritesNothing) {
   Figure figure = squat_figure();
   figure.panels[0].series[0].column = "tail_m";
@@ -124,6 +151,16 @@ TEST_F(Drawing, SaysSoWhenGnuplotFails) {
   EXPECT_THROW(draw(squat_figure(), trace_, folder_ / "squat"), PlotError);
   setenv("PATH", path.c_str(), 1);
   EXPECT_TRUE(std::filesystem::exists(folder_ / "squat.gnuplot")) << "the script stays, to be looked at";
+}
+
+TEST(GnuplotScript, ShowsThePartThatIsAskedFor) {
+  Figure figure;
+  figure.panels = {{.y_label = "y", .series = {{.column = "y"}}}};
+  figure.x_span = {1.0, 2.0};
+  const Columns columns{{"time_s", {0.0, 1.0, 2.0, 3.0}}, {"y", {900.0, 1.0, 2.0, 900.0}}};
+  const std::string script = gnuplot_script(figure, columns, "f");
+  EXPECT_THAT(script, HasSubstr("set xrange [1:2]"));
+  EXPECT_THAT(script, Not(HasSubstr("900")));
 }
 
 TEST(GnuplotScript, KeepsASmallestSpan) {

@@ -20,8 +20,8 @@ class StagedWorld final : public sim::World {
   void pose(const Eigen::Isometry3d& X_WB) {
     X_WLs_ = tree_.poses(robot_, X_WB, std::vector<double>(robot_.joints.size(), 0.0));
   }
-  void load(int link, double force_N) {
-    contacts_.push_back({.link = link, .f_W = Eigen::Vector3d(0.0, 0.0, force_N)});
+  void load(int link, double force_N, const Eigen::Vector3d& p_W = Eigen::Vector3d::Zero()) {
+    contacts_.push_back({.link = link, .p_W = p_W, .f_W = Eigen::Vector3d(0.0, 0.0, force_N)});
   }
   void unload() { contacts_.clear(); }
 
@@ -90,6 +90,26 @@ TEST_F(Truth, SlipIsCountedFromWhereAFootTookLoad) {
   EXPECT_EQ(observer_.observe(world_, telemetry_).foot_slip_m[0], 0.0);
   world_.load(left_foot_, 6.0);
   EXPECT_EQ(observer_.observe(world_, telemetry_).foot_slip_m[0], 0.0);
+}
+
+TEST_F(Truth, ZmpOfBothFeetLiesBetweenThemByTheirLoads) {
+  const int right_foot = robot_.joints[static_cast<std::size_t>(robot_.right_ankle->joint)].child;
+  world_.load(left_foot_, 9.0, {0.01, 0.035, 0.0});
+  world_.load(right_foot, 3.0, {0.03, -0.03, 0.0});
+  const GroundTruth& truth = observer_.observe(world_, telemetry_);
+  EXPECT_LT((*truth.foot_zmp_S_m[0] - Eigen::Vector2d(0.01, 0.005)).norm(), 1e-12);
+  EXPECT_LT((*truth.foot_zmp_S_m[1] - Eigen::Vector2d(0.03, 0.0)).norm(), 1e-12);
+  EXPECT_LT((*truth.p_WZmp_W - Eigen::Vector3d(0.015, 0.01875, 0.0)).norm(), 1e-12);
+  // The soles reach from 38 mm behind the ankles to 62 mm ahead, and 28 mm to either side of 30 mm.
+  EXPECT_NEAR(*truth.zmp_margin_m, 0.058 - 0.01875, 1e-9);
+}
+
+TEST_F(Truth, ThereIsNoZmpBelowTheThreshold) {
+  world_.load(left_foot_, 0.9, {0.01, 0.03, 0.0});
+  const GroundTruth& truth = observer_.observe(world_, telemetry_);
+  EXPECT_FALSE(truth.foot_zmp_S_m[0]);
+  EXPECT_FALSE(truth.p_WZmp_W);
+  EXPECT_FALSE(truth.zmp_margin_m);
 }
 
 }  // namespace

@@ -1,0 +1,124 @@
+#include "tools/run/walk_observer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "sim_board/robot/load.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr std::uint8_t kWalk = 3;
+
+// A walk as the test tells it, tick by tick. The plan rests on the right foot, its ZMP at (0.01, 0) there.
+class Walk : public testing::Test {
+ protected:
+  Walk() {
+    said_.state = app::State::kMotion;
+    said_.motion = kWalk;
+    truth_.X_WSole = {Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.03, 0.0)),
+                      Eigen::Isometry3d(Eigen::Translation3d(0.0, -0.03, 0.0))};
+  }
+
+  GaitInstant plan(double time_s) {
+    planned_for_s_.push_back(time_s);
+    GaitInstant instant;
+    instant.support = hal::Side::kRight;
+    instant.zmp_S_m = {0.01, 0.0};
+    return instant;
+  }
+  void tick(double x_m, double y_m, double yaw_rad) {
+    truth_.p_WB_W = {x_m, y_m, 0.17};
+    truth_.rpy_rad.z() = yaw_rad;
+    observer_.observe_tick(truth_, said_);
+  }
+
+  const sim::RobotDescription robot_ = sim::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
+  Telemetry said_;
+  GroundTruth truth_;
+  std::vector<double> planned_for_s_;
+  WalkObserver observer_{robot_, {}, [this](double time_s) { return plan(time_s); }, kWalk};
+};
+
+TEST_F(Walk, BeginsWithItsMotionAndNoOther) {
+  said_.state = app::State::kStanding;
+  tick(0.0, 0.0, 0.0);
+  said_.state = app::State::kMotion;
+  said_.motion = kWalk - 1;
+  tick(0.0, 0.0, 0.0);
+  EXPECT_FALSE(observer_.summary());
+  said_.motion = kWalk;
+  tick(0.0, 0.0, 0.0);
+  EXPECT_TRUE(observer_.summary());
+}
+
+TEST_F(Walk, GoesAlongTheHeadingAtItsStart) {
+  const double heading_rad = 0.5;
+  const Eigen::Vector2d ahead(std::cos(heading_rad), std::sin(heading_rad));
+  const Eigen::Vector2d left(-ahead.y(), ahead.x());
+  for (int i = 0; i <= 100; ++i) {
+    const Eigen::Vector2d p_m = Eigen::Vector2d(3.0, 2.0) + 0.002 * i * ahead - 0.0001 * i * left;
+    tick(p_m.x(), p_m.y(), heading_rad + 0.001 * i);
+  }
+  const auto summary = observer_.summary();
+  EXPECT_NEAR(summary->distance_m, 0.2, 1e-12);
+  EXPECT_NEAR(summary->speed_m_per_s, 0.2, 1e-12);
+  EXPECT_NEAR(summary->lateral_drift_m, -0.01, 1e-12);
+  EXPECT_NEAR(summary->heading_drift_rad, 0.1, 1e-12);
+}
+
+TEST_F(Walk, CountsTurnsBeyondHalfAround) {
+  for (int i = 0; i <= 40; ++i) tick(0.0, 0.0, std::remainder(0.1 * i, 2.0 * M_PI));
+  EXPECT_NEAR(observer_.summary()->heading_drift_rad, 4.0, 1e-12);
+}
+
+TEST_F(Walk, EndsWithItsMotionOrAFallForGood) {
+  tick(0.0, 0.0, 0.0);
+  tick(0.1, 0.0, 0.0);
+  said_.state = app::State::kStanding;
+  tick(0.2, 0.0, 0.0);
+  said_.state = app::State::kMotion;
+  tick(0.3, 0.0, 0.0);
+  EXPECT_NEAR(observer_.summary()->distance_m, 0.1, 1e-12);
+  EXPECT_FALSE(observer_.planned_zmp_W(truth_));
+
+  WalkObserver falls(
+      robot_, {}, [this](double time_s) { return plan(time_s); }, kWalk);
+  truth_.p_WB_W.x() = 0.0;
+  falls.observe_tick(truth_, said_);
+  truth_.tilt_rad = 1.1;
+  truth_.p_WB_W.x() = 0.5;
+  falls.observe_tick(truth_, said_);
+  EXPECT_EQ(falls.summary()->distance_m, 0.0);
+}
+
+TEST_F(Walk, AsksThePlanForWhatTheDrivesPursue) {
+  for (int i = 0; i < 3; ++i) tick(0.0, 0.0, 0.0);
+  ASSERT_EQ(planned_for_s_.size(), 3u);
+  EXPECT_NEAR(planned_for_s_[0], -0.00265, 1e-12);
+  EXPECT_NEAR(planned_for_s_[2], 0.01735, 1e-12);
+}
+
+TEST_F(Walk, ComparesZmpsInThePlannedSupportsFrameWhileValid) {
+  tick(0.0, 0.0, 0.0);
+  EXPECT_TRUE(std::isnan(observer_.summary()->zmp_rms_error_m));
+  said_.zmp = {.x_m = 0.013, .y_m = -0.06 + 0.004, .valid = true, .frame = hal::Side::kLeft};
+  tick(0.0, 0.0, 0.0);
+  EXPECT_NEAR(observer_.summary()->zmp_rms_error_m, 0.005, 1e-12);
+  EXPECT_LT((*observer_.planned_zmp_W(truth_) - Eigen::Vector3d(0.01, -0.03, 0.0)).norm(), 1e-12);
+}
+
+TEST_F(Walk, TakesTheFifthPercentileOfTheMargin) {
+  for (int i = 0; i <= 100; ++i) {
+    truth_.zmp_margin_m = 0.001 * (100 - i);
+    tick(0.0, 0.0, 0.0);
+  }
+  truth_.zmp_margin_m.reset();  // in the air
+  tick(0.0, 0.0, 0.0);
+  EXPECT_NEAR(observer_.summary()->zmp_margin_p05_m, 0.005, 1e-12);
+}
+
+}  // namespace
+}  // namespace koboshi::tools
