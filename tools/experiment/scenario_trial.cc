@@ -21,7 +21,7 @@ bool play_to_end_or_fall(Simulation& simulation, RunRecorder& recorder) {
   try {
     while (!simulation.finished() && !recorder.fell()) {
       simulation.advance();
-      if (simulation.board().now_us() % sim::SimBoard::kTick_us == 0) recorder.record_tick();
+      recorder.record();
     }
     return true;
   } catch (const std::runtime_error&) {
