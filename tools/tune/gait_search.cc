@@ -119,7 +119,7 @@ std::vector<SearchedNumber> searched_numbers() {
   return {{"period_s", 0.3, 1.0},
           {"step_length_m", 0.01, 0.08},
           {"step_width_m", 0.055, 0.085},
-          {"step_height_m", 0.012, 0.035},
+          {"step_height_m", 0.011, 0.035},
           {"swing_ease", 0.0, 1.0},
           {"com_height_m", 0.15, 0.19},
           {"double_support", 0.03, 0.6},
