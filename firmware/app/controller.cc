@@ -47,13 +47,14 @@ void Controller::service(std::uint64_t now_us) {
   receive(now_us);
   node_.process(now_us);
   drives_.process(now_us);
-  read_sensors(now_us);
-  watch_bus();
+  read_inertial_unit(now_us);
 }
 
 void Controller::tick(std::uint64_t now_us) {
   drives_.observe(now_us);
   if (drives_.trouble()) fail(Reason::kDriveTrouble);
+  watch_bus();
+  read_ankles(now_us);
   watch_sensors(now_us);
   estimate();
   run_state(now_us);
@@ -88,9 +89,12 @@ void Controller::receive(std::uint64_t now_us) {
   }
 }
 
-void Controller::read_sensors(std::uint64_t now_us) {
-  hal::ImuSample imu;
-  for (std::size_t i = 0; i < 16 && board_.imu.read(imu); ++i) inertial_.add(imu, now_us);
+void Controller::read_inertial_unit(std::uint64_t now_us) {
+  hal::ImuSample sample;
+  for (std::size_t i = 0; i < 16 && board_.imu.read(sample); ++i) inertial_.add(sample, now_us);
+}
+
+void Controller::read_ankles(std::uint64_t now_us) {
   hal::AnkleSample sample;
   for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
     if (!board_.ankles.read(side, sample)) continue;

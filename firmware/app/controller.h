@@ -55,7 +55,8 @@ class Controller final : private canopen::NodeApplication {
   void start(std::uint64_t now_us);
   void load_motions();
   void receive(std::uint64_t now_us);
-  void read_sensors(std::uint64_t now_us);
+  void read_inertial_unit(std::uint64_t now_us);
+  void read_ankles(std::uint64_t now_us);
   void watch_bus();
   void watch_sensors(std::uint64_t now_us);
   Reason silent_sensor(std::uint64_t now_us) const;

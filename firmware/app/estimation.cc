@@ -36,9 +36,7 @@ void Controller::calibrate_gyro(const balance::InertialSensor::Rates& raw) {
 }
 
 void Controller::estimate_balance() {
-  Angles angles;
-  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) angles[joint] = drives_.angle(joint);
-  posture_.update(angles);
+  posture_.update([this](std::size_t joint) { return drives_.angle(joint); });
 
   auto& shown = values_.balance;
   std::array<balance::FootPressure, 2> feet;

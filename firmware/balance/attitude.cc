@@ -20,15 +20,6 @@ constexpr Ratio kHalf = 0.5_ratio;
 constexpr Ratio kMovingShare = 0.005_ratio;
 constexpr Ratio kRestingShare = 0.1_ratio;
 
-// For |b| <= 1.
-Direction cross(const Direction& a, const Direction& b) {
-  const auto difference = [](Ratio p0, Ratio q0, Ratio p1, Ratio q1) {
-    return fixed::from_product_raw<Ratio, Ratio, Ratio>(std::int64_t{p0.raw()} * q0.raw() -
-                                                        std::int64_t{p1.raw()} * q1.raw());
-  };
-  return {difference(a.y, b.z, a.z, b.y), difference(a.z, b.x, a.x, b.z), difference(a.x, b.y, a.y, b.x)};
-}
-
 Direction scaled(Ratio factor, const Direction& v) {
   return {fixed::product<Ratio>(factor, v.x), fixed::product<Ratio>(factor, v.y),
           fixed::product<Ratio>(factor, v.z)};
@@ -60,9 +51,9 @@ void AttitudeEstimator::update(const robot::Vector<Ratio>& turn_B_rad, const Acc
 
 // What is fixed in the world turns the other way in axes of B: to second order, v - t x v + t x (t x v) / 2.
 void AttitudeEstimator::turn(const robot::Vector<Ratio>& turn_B_rad) {
-  const Direction first = cross(turn_B_rad, up_B_);
+  const Direction first = robot::cross(turn_B_rad, up_B_);
   const Direction half = scaled(kHalf, first);
-  up_B_ = up_B_ - first + cross(turn_B_rad, half);
+  up_B_ = up_B_ - first + robot::cross(turn_B_rad, half);
 }
 
 void AttitudeEstimator::correct(const Acceleration& force_B, Condition condition) {

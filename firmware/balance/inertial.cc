@@ -11,24 +11,28 @@ namespace {
 
 constexpr fixed::Ratio kRadPerTurnAndSample = 0.00628318530718_ratio;  // 2 pi / 1000
 
-// A raw sample in units of Q: `full_scale` is what 2^15 counts mean.
+// The mean of two raw samples in units of Q: `full_scale` is what 2^15 counts mean.
 template <fixed::AnyQuantity Q>
-robot::Vector<Q> scaled(const std::array<std::int16_t, 3>& raw, Q full_scale) {
-  const auto value = [&](std::int16_t counts) {  // fits, because a full scale is positive
-    const std::int64_t value_raw = fixed::shift_rounded(std::int64_t{full_scale.raw()} * counts, 15);
-    return Q::from_raw(static_cast<std::int32_t>(value_raw));
+robot::Vector<Q> mean(const std::array<std::int16_t, 3>& a, const std::array<std::int16_t, 3>& b,
+                      Q full_scale) {
+  const auto value = [&](std::int32_t sum) {  // fits, because a full scale is positive
+    return Q::from_raw(
+        static_cast<std::int32_t>(fixed::shift_rounded(std::int64_t{full_scale.raw()} * sum, 16)));
   };
-  return {value(raw[0]), value(raw[1]), value(raw[2])};
+  return {value(a[0] + b[0]), value(a[1] + b[1]), value(a[2] + b[2])};
 }
 
 template <typename Filters, typename Q>
-robot::Vector<Q> filtered(Filters& filters, const robot::Vector<Q>& sample, bool first) {
-  if (first) {
-    filters[0].reset(sample.x);
-    filters[1].reset(sample.y);
-    filters[2].reset(sample.z);
-  }
-  return {filters[0].filter(sample.x), filters[1].filter(sample.y), filters[2].filter(sample.z)};
+robot::Vector<Q> settled(Filters& filters, const robot::Vector<Q>& value) {
+  filters[0].reset(value.x);
+  filters[1].reset(value.y);
+  filters[2].reset(value.z);
+  return value;
+}
+
+template <typename Filters, typename Q>
+robot::Vector<Q> filtered(Filters& filters, const robot::Vector<Q>& value) {
+  return {filters[0].filter(value.x), filters[1].filter(value.y), filters[2].filter(value.z)};
 }
 
 }  // namespace
@@ -43,13 +47,33 @@ InertialSensor::InertialSensor(const robot::RobotModel& model)
                             fixed::LowPass<fixed::Acceleration>(kInertialLowPass)} {}
 
 void InertialSensor::add(const hal::ImuSample& sample, std::uint64_t now_us) {
-  rates_I_ = filtered(rate_filters_, scaled(sample.gyro_raw, model_.scales.gyro), !seen_);
-  accelerations_I_ =
-      filtered(acceleration_filters_, scaled(sample.accelerometer_raw, model_.scales.accelerometer), !seen_);
   for (std::size_t axis = 0; axis < 3; ++axis) gyro_sum_[axis] += sample.gyro_raw[axis];
   ++summed_;
+  if (!seen_) {
+    settle(sample);
+  } else if (waits_) {
+    filter(waiting_, sample);
+    waits_ = false;
+  } else {
+    waiting_ = sample;
+    waits_ = true;
+  }
   last_us_ = now_us;
   seen_ = true;
+}
+
+void InertialSensor::settle(const hal::ImuSample& sample) {
+  const auto& gyro = sample.gyro_raw;
+  const auto& accelerometer = sample.accelerometer_raw;
+  rates_I_ = settled(rate_filters_, mean(gyro, gyro, model_.scales.gyro));
+  accelerations_I_ =
+      settled(acceleration_filters_, mean(accelerometer, accelerometer, model_.scales.accelerometer));
+}
+
+void InertialSensor::filter(const hal::ImuSample& a, const hal::ImuSample& b) {
+  rates_I_ = filtered(rate_filters_, mean(a.gyro_raw, b.gyro_raw, model_.scales.gyro));
+  accelerations_I_ = filtered(acceleration_filters_,
+                              mean(a.accelerometer_raw, b.accelerometer_raw, model_.scales.accelerometer));
 }
 
 robot::Vector<fixed::Ratio> InertialSensor::take_turn(const Rates& bias) {

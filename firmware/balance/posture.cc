@@ -23,31 +23,21 @@ struct Moment {
     y_raw += mass_raw * p.y.raw();
     z_raw += mass_raw * p.z.raw();
   }
-  Position over(std::int64_t mass_raw) const {
-    const auto length = [&](std::int64_t raw) {
-      return Length::from_wide_raw(fixed::divide_rounded(raw, mass_raw));
+  std::array<std::int32_t, 3> over(std::int64_t mass_raw) const {
+    const auto length_raw = [&](std::int64_t raw) {
+      return fixed::saturate<std::int32_t>(fixed::divide_rounded(raw, mass_raw));
     };
-    return {length(x_raw), length(y_raw), length(z_raw)};
+    return {length_raw(x_raw), length_raw(y_raw), length_raw(z_raw)};
   }
 };
 
-// c a - s b and s a + c b, rounded once. Fits, because a turn makes no vector longer and no length in a robot
-// comes near the end of its format.
 template <fixed::AnyQuantity Q>
-void turn_plane(Ratio sine, Ratio cosine, Q& a, Q& b) {
-  const std::int64_t s_raw = sine.raw();
-  const std::int64_t c_raw = cosine.raw();
-  const auto rounded = [](std::int64_t sum_raw) {
-    return Q::from_raw(static_cast<std::int32_t>(fixed::shift_rounded(sum_raw, Ratio::kFractionBits)));
-  };
-  const Q first = rounded(c_raw * a.raw() - s_raw * b.raw());
-  b = rounded(s_raw * a.raw() + c_raw * b.raw());
-  a = first;
+robot::Vector<Q> to_vector(const std::array<std::int32_t, 3>& raw) {
+  return {Q::from_raw(raw[0]), Q::from_raw(raw[1]), Q::from_raw(raw[2])};
 }
 
-Direction cross(const Direction& a, const Direction& b) {
-  return {fixed::product_sum<Ratio>(a.y, b.z, -a.z, b.y), fixed::product_sum<Ratio>(a.z, b.x, -a.x, b.z),
-          fixed::product_sum<Ratio>(a.x, b.y, -a.y, b.x)};
+void add(std::array<std::int32_t, 3>& sum, const std::array<std::int32_t, 3>& v) {
+  for (std::size_t i = 0; i < 3; ++i) sum[i] += v[i];
 }
 
 }  // namespace
@@ -71,21 +61,23 @@ std::size_t Posture::collect_limb(std::size_t first, std::size_t root) {
     const Joint joint = make_joint(index, first, end);
     if (index == root || joint.parent >= 0) joints_[end++] = joint;
   }
-  limbs_[limb_count_++] = {static_cast<std::uint8_t>(first), static_cast<std::uint8_t>(end), {}};
+  limbs_[limb_count_++] = {static_cast<std::uint8_t>(first), static_cast<std::uint8_t>(end)};
   return end;
 }
 
 // Its parent is sought among the places first..end-1.
 Posture::Joint Posture::make_joint(std::size_t index, std::size_t first, std::size_t end) const {
   const robot::Joint& joint = model_.joints[index];
-  Joint made{.index = static_cast<std::uint8_t>(index)};
+  Joint made;
+  made.index = static_cast<std::uint8_t>(index);
+  made.anchor = {joint.anchor.x.raw(), joint.anchor.y.raw(), joint.anchor.z.raw()};
   for (std::size_t place = first; place < end; ++place) {
     if (joints_[place].index == joint.parent) made.parent = static_cast<std::int8_t>(place);
   }
   const std::array<Direction, 3> axes{robot::kAxisX, robot::kAxisY, robot::kAxisZ};
   for (std::size_t i = 0; i < axes.size(); ++i) {
     if (joint.axis != axes[i] && joint.axis != -axes[i]) continue;
-    made.axis = static_cast<Axis>(i);
+    made.axis = static_cast<std::uint8_t>(i);
     made.negative = joint.axis != axes[i];
   }
   for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
@@ -116,72 +108,62 @@ void Posture::collect_constants() {
   }
 }
 
-void Posture::update(Angles angles) {
-  if (limb_count_ == 0) return;
-  update_limb(next_leg_, angles);
-  next_leg_ = (next_leg_ + 1) % kLegs;
-  if (limb_count_ == kLegs) return;
-  update_limb(next_other_, angles);
-  next_other_ = next_other_ + 1 < limb_count_ ? next_other_ + 1 : kLegs;
+// All by the turn of the joint's child against its parent. What turns fits, because no vector becomes longer,
+// and no length in a robot comes near the end of its format.
+void Posture::turn(const Joint& joint, std::span<Raw> vectors) const {
+  if (joint.axis > 2) return turn_obliquely(joint, vectors);
+  const auto rounded = [](std::int64_t sum_raw) {
+    return static_cast<std::int32_t>(fixed::shift_rounded(sum_raw, Ratio::kFractionBits));
+  };
+  const auto [sine, cosine] = fixed::sin_cos(joint.angle);
+  const std::int32_t s = joint.negative ? -sine.raw() : sine.raw();
+  const std::int32_t c = cosine.raw();
+  const std::size_t from = joint.axis == 2 ? 0 : joint.axis + 1;
+  const std::size_t to = from == 2 ? 0 : from + 1;
+  for (Raw& v : vectors) {
+    const std::int32_t a = v[from];
+    const std::int32_t b = v[to];
+    v[from] = rounded(std::int64_t{c} * a - std::int64_t{s} * b);
+    v[to] = rounded(std::int64_t{s} * a + std::int64_t{c} * b);
+  }
 }
 
-void Posture::update_limb(std::size_t number, Angles angles) {
-  Limb& limb = limbs_[number];
-  Sole sole;
-  Direction& sole_x = sole.R_SoleB.rows[0];
-  Direction& sole_y = sole.R_SoleB.rows[1];
-  if (number < kLegs) sole.p_BSole.z = -model_.feet[number].ankle_height;
+void Posture::turn_obliquely(const Joint& joint, std::span<Raw> vectors) const {
+  const robot::Rotation R = robot::rotation_about(model_.joints[joint.index].axis, joint.angle);
+  for (Raw& v : vectors) {
+    const Position turned = R * to_vector<Length>(v);
+    v = {turned.x.raw(), turned.y.raw(), turned.z.raw()};
+  }
+}
+
+void Posture::update_limb(std::size_t number) {
+  const Limb limb = limbs_[number];
+  // What is carried from the end to the trunk: the moment, and of a leg the sole's origin and two axes.
+  std::array<Raw, 4> carried{};
+  auto& [moment, sole, x, y] = carried;
+  if (number < kLegs) sole[2] = -model_.feet[number].ankle_height.raw();
+  x[0] = y[1] = fixed::kOne.raw();
   for (std::size_t place = limb.first; place < limb.end; ++place) {
     joints_[place].moment = joints_[place].constant;
   }
   for (std::size_t place = limb.end; place-- > limb.first;) {
-    const Joint& joint = joints_[place];
-    const Turn turn = turn_of(joint, angles[joint.index]);
-    const Position moment = turned(turn, joint.moment);
-    if (joint.parent < 0) {
-      limb.moment = moment;
-    } else {
-      Position& sum = joints_[static_cast<std::size_t>(joint.parent)].moment;
-      sum = sum + moment;
-    }
-    if (!joint.bears_foot) continue;
-    sole.p_BSole = model_.joints[joint.index].anchor + turned(turn, sole.p_BSole);
-    sole_x = turned(turn, sole_x);
-    sole_y = turned(turn, sole_y);
+    Joint& joint = joints_[place];
+    moment = joint.moment;
+    turn(joint, std::span(carried).first(joint.bears_foot ? 4 : 1));
+    if (joint.bears_foot) add(sole, joint.anchor);
+    if (joint.parent >= 0) add(joints_[static_cast<std::size_t>(joint.parent)].moment, moment);
   }
+  joints_[limb.first].moment = moment;
   if (number >= kLegs) return;
-  sole.R_SoleB.rows[2] = cross(sole_x, sole_y);
-  soles_[number] = sole;
-}
-
-Posture::Turn Posture::turn_of(const Joint& joint, fixed::Angle angle) const {
-  const auto [sine, cosine] = fixed::sin_cos(angle);
-  return {joint.axis, joint.negative ? -sine : sine, cosine, angle, model_.joints[joint.index].axis};
-}
-
-template <fixed::AnyQuantity Q>
-robot::Vector<Q> Posture::turned(const Turn& turn, const robot::Vector<Q>& v) {
-  robot::Vector<Q> result = v;
-  switch (turn.axis) {
-    case Axis::kX:
-      turn_plane(turn.sine, turn.cosine, result.y, result.z);
-      break;
-    case Axis::kY:
-      turn_plane(turn.sine, turn.cosine, result.z, result.x);
-      break;
-    case Axis::kZ:
-      turn_plane(turn.sine, turn.cosine, result.x, result.y);
-      break;
-    case Axis::kOther:
-      return robot::rotation_about(turn.direction, turn.angle) * v;
-  }
-  return result;
+  const Direction x_axis = to_vector<Ratio>(x);
+  const Direction y_axis = to_vector<Ratio>(y);
+  soles_[number] = {to_vector<Length>(sole), {{x_axis, y_axis, robot::cross(x_axis, y_axis)}}};
 }
 
 Position Posture::centre_of_mass(hal::Side side) const {
-  Position p_BCom = trunk_constant_;
-  for (std::size_t limb = 0; limb < limb_count_; ++limb) p_BCom = p_BCom + limbs_[limb].moment;
-  return sole(side).R_SoleB * (p_BCom - sole(side).p_BSole);
+  Raw p_BCom = trunk_constant_;
+  for (std::size_t limb = 0; limb < limb_count_; ++limb) add(p_BCom, joints_[limbs_[limb].first].moment);
+  return sole(side).R_SoleB * (to_vector<Length>(p_BCom) - sole(side).p_BSole);
 }
 
 }  // namespace koboshi::balance

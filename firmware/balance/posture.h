@@ -21,13 +21,25 @@ namespace koboshi::balance {
 class Posture {
  public:
   static constexpr std::size_t kLegs = 2;
-  using Angles = std::span<const fixed::Angle>;
 
   // The model must outlive this.
   explicit Posture(const robot::RobotModel& model);
 
-  // In each 100 Hz cycle, with an angle for each joint of the model.
-  void update(Angles angles);
+  // In each 100 Hz cycle. `angle_of` gives the angle of a joint of the model; it is asked only for those of
+  // the limbs whose turn it is.
+  template <typename AngleOf>
+  void update(AngleOf angle_of) {
+    if (limb_count_ == 0) return;
+    for (const std::size_t number : {next_leg_, next_other_}) {
+      Limb& limb = limbs_[number];
+      for (std::size_t place = limb.first; place < limb.end; ++place) {
+        joints_[place].angle = angle_of(std::size_t{joints_[place].index});
+      }
+      update_limb(number);
+    }
+    next_leg_ = (next_leg_ + 1) % kLegs;
+    next_other_ = next_other_ + 1 < limb_count_ ? next_other_ + 1 : kLegs;
+  }
 
   // The sole in the trunk's frame. Its rotation is the one into axes of the sole, R_SoleB.
   struct Sole {
@@ -40,38 +52,35 @@ class Posture {
   robot::Position centre_of_mass(hal::Side side) const;
 
  private:
-  enum class Axis : std::uint8_t { kX, kY, kZ, kOther };
+  // Coordinates by axis, in LSB of whatever they are.
+  using Raw = std::array<std::int32_t, 3>;
 
   struct Joint {
     std::uint8_t index = 0;   // in the model
     std::int8_t parent = -1;  // place in joints_; -1: the trunk
-    Axis axis = Axis::kOther;
-    bool negative = false;       // turns about the negative principal axis
-    bool bears_foot = false;     // on the way from the trunk to a sole
-    robot::Position constant{};  // k
-    robot::Position moment{};    // m
+    // A turn about a principal axis leaves it alone and turns the next two, from the first to the second.
+    // 3 where the axis is none of them.
+    std::uint8_t axis = 3;
+    bool negative = false;    // turns about the negative principal axis
+    bool bears_foot = false;  // on the way from the trunk to a sole
+    fixed::Angle angle;
+    Raw anchor{};
+    Raw constant{};  // k
+    Raw moment{};    // m; of the first of a limb, once that is done, R m
   };
-  // Joints that hang on one joint of the trunk: places first..end-1 of joints_, each after its parent.
+  // Joints that hang on one joint of the trunk, which is the first: places first..end-1 of joints_, each
+  // after its parent.
   struct Limb {
     std::uint8_t first = 0;
     std::uint8_t end = 0;
-    robot::Position moment;  // R m, in axes of B
-  };
-  struct Turn {
-    Axis axis;
-    fixed::Ratio sine;
-    fixed::Ratio cosine;
-    fixed::Angle angle;
-    const robot::Direction& direction;
   };
 
   Joint make_joint(std::size_t index, std::size_t first, std::size_t end) const;
   std::size_t collect_limb(std::size_t first, std::size_t root);
   void collect_constants();
-  Turn turn_of(const Joint& joint, fixed::Angle angle) const;
-  template <fixed::AnyQuantity Q>
-  static robot::Vector<Q> turned(const Turn& turn, const robot::Vector<Q>& v);
-  void update_limb(std::size_t number, Angles angles);
+  void update_limb(std::size_t number);
+  void turn(const Joint& joint, std::span<Raw> vectors) const;
+  void turn_obliquely(const Joint& joint, std::span<Raw> vectors) const;
 
   const robot::RobotModel& model_;
   std::array<Joint, robot::kMaxJoints> joints_{};
@@ -80,7 +89,7 @@ class Posture {
   std::size_t limb_count_ = 0;
   std::size_t next_leg_ = 0;
   std::size_t next_other_ = kLegs;
-  robot::Position trunk_constant_{};
+  Raw trunk_constant_{};
   std::array<Sole, 2> soles_{};
 };
 

@@ -34,7 +34,8 @@ Length lever(Torque torque, Force force, Length arm, Force load) {
 Position in_trunk(const Posture::Sole& sole, const FootPressure& foot) {
   const auto& [x, y, z] = sole.R_SoleB.rows;
   const auto coordinate = [&](Ratio x_axis, Ratio y_axis) {
-    return fixed::product_sum<Length>(foot.x, x_axis, foot.y, y_axis);
+    return fixed::from_product_raw<Length, Length, Ratio>(std::int64_t{foot.x.raw()} * x_axis.raw() +
+                                                          std::int64_t{foot.y.raw()} * y_axis.raw());
   };
   return sole.p_BSole + Position{coordinate(x.x, y.x), coordinate(x.y, y.y), coordinate(x.z, y.z)};
 }

@@ -14,31 +14,34 @@ constexpr std::uint32_t kHalfTurnRaw = 1U << 31;
 
 // Sine and cosine of an angle of at most an eighth of a turn, from Chebyshev fits over t = angle / eighth
 // turn in [0, 1]: sin = t (s0 - s1 z + s2 z^2 - ...), cos = 1 - z (c0 - c1 z + ...), z = t^2; fit errors
-// 0.004 and 0.0003 LSB. t and z in 2^-31 units, coefficients and partial sums in 2^-32: the sums stay
-// positive and below 1.
-constexpr std::array<std::uint32_t, 5> kSine = {3373259426, 346799333, 10696157, 157077, 1327};
-constexpr std::array<std::uint32_t, 5> kCosine = {1324675879, 68093890, 1400124, 15422, 104};
-constexpr std::uint64_t kHalfOfShift33 = 1ULL << 32;
+// 0.004 and 0.0003 LSB. t and z in 2^-31 units; coefficient k and its partial sum, which stays positive and
+// below 1, in 2^-(32 + k): the unit of the upper word of z times the sum after it.
+constexpr std::array<std::uint32_t, 5> kSine = {3373259426, 693598667, 42784630, 1256618, 21234};
+constexpr std::array<std::uint32_t, 5> kCosine = {1324675879, 136187780, 5600496, 123372, 1672};
 
-constexpr std::uint64_t multiply_q31(std::uint64_t a, std::uint64_t b) { return a * b >> 31; }
+constexpr std::uint32_t upper_word(std::uint32_t a, std::uint32_t b) {
+  return static_cast<std::uint32_t>(std::uint64_t{a} * b >> 32);
+}
 
-constexpr std::uint64_t alternating_sum(const std::array<std::uint32_t, 5>& c, std::uint64_t z) {
-  std::uint64_t sum = c[3] - multiply_q31(c[4], z);
-  sum = c[2] - multiply_q31(sum, z);
-  sum = c[1] - multiply_q31(sum, z);
-  return c[0] - multiply_q31(sum, z);
+constexpr std::uint32_t square_q31(std::uint32_t t) {
+  return static_cast<std::uint32_t>(std::uint64_t{t} * t >> 31);
+}
+
+constexpr std::uint32_t alternating_sum(const std::array<std::uint32_t, 5>& c, std::uint32_t z) {
+  std::uint32_t sum = c[3] - upper_word(c[4], z);
+  sum = c[2] - upper_word(sum, z);
+  sum = c[1] - upper_word(sum, z);
+  return c[0] - upper_word(sum, z);
 }
 
 constexpr std::int32_t sine_kernel(std::uint32_t angle_raw) {
-  const std::uint64_t t = std::uint64_t{angle_raw} << 2;
-  const std::uint64_t z = multiply_q31(t, t);
-  return static_cast<std::int32_t>((alternating_sum(kSine, z) * t + kHalfOfShift33) >> 33);
+  const std::uint32_t t = angle_raw << 2;
+  return static_cast<std::int32_t>((upper_word(alternating_sum(kSine, square_q31(t)), t) + 1) >> 1);
 }
 
 constexpr std::int32_t cosine_kernel(std::uint32_t angle_raw) {
-  const std::uint64_t t = std::uint64_t{angle_raw} << 2;
-  const std::uint64_t z = multiply_q31(t, t);
-  return static_cast<std::int32_t>(((1ULL << 63) - alternating_sum(kCosine, z) * z + kHalfOfShift33) >> 33);
+  const std::uint32_t z = square_q31(angle_raw << 2);
+  return static_cast<std::int32_t>(((1U << 31) - upper_word(alternating_sum(kCosine, z), z) + 1) >> 1);
 }
 
 // Where the two meet either may be taken.

@@ -50,6 +50,15 @@ template <fixed::AnyQuantity Q>
   return fixed::from_product_raw<Q, fixed::Ratio, Q>(sum_raw);
 }
 
+// a x b, each element rounded once. |a| < 2 and |b| <= 1.
+[[nodiscard]] constexpr Direction cross(const Direction& a, const Direction& b) {
+  const auto element = [](fixed::Ratio p, fixed::Ratio q, fixed::Ratio r, fixed::Ratio s) {
+    return fixed::from_product_raw<fixed::Ratio, fixed::Ratio, fixed::Ratio>(std::int64_t{p.raw()} * q.raw() -
+                                                                             std::int64_t{r.raw()} * s.raw());
+  };
+  return {element(a.y, b.z, a.z, b.y), element(a.z, b.x, a.x, b.z), element(a.x, b.y, a.y, b.x)};
+}
+
 template <fixed::AnyQuantity Q>
 [[nodiscard]] constexpr Vector<Q> operator*(const Rotation& R, const Vector<Q>& v) {
   return {dot(R.rows[0], v), dot(R.rows[1], v), dot(R.rows[2], v)};

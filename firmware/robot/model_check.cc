@@ -30,11 +30,7 @@ bool is_unit(const Direction& a) {
 bool is_rotation(const Rotation& R) {
   const auto& [a, b, c] = R.rows;
   if (!is_unit(a) || !is_unit(b) || !is_unit(c)) return false;
-  const Direction a_cross_b{
-      fixed::product_sum<Ratio>(a.y, b.z, -a.z, b.y),
-      fixed::product_sum<Ratio>(a.z, b.x, -a.x, b.z),
-      fixed::product_sum<Ratio>(a.x, b.y, -a.y, b.x),
-  };
+  const Direction a_cross_b = cross(a, b);
   const auto is_close = [](Ratio p, Ratio q) { return fixed::abs(p - q) < Ratio::from_raw(1 << 12); };
   return is_close(a_cross_b.x, c.x) && is_close(a_cross_b.y, c.y) && is_close(a_cross_b.z, c.z);
 }

@@ -10,10 +10,12 @@ struct Rule {
 
 // The first that fits.
 constexpr Rule kRules[] = {
-    {"app::Controller::read_sensors", Part::kSensors},
+    {"app::Controller::read_inertial_unit", Part::kSensors},
+    {"app::Controller::read_ankles", Part::kSensors},
     {"app::Controller::watch_sensors", Part::kSensors},
     {"app::Controller::silent_sensor", Part::kSensors},
     {"balance::InertialSensor::add", Part::kSensors},
+    {"balance::InertialSensor::filter", Part::kSensors},
     {"balance::", Part::kEstimation},
     {"app::", Part::kBehaviour},
     {"motion::", Part::kInterpreter},

@@ -48,7 +48,7 @@ constexpr Cause kCauses[] = {
     {Event::kTrouble,
      [](ControllerBench& bench) {
        bench.board.can.set_error_state(hal::CanErrorState::kBusOff);
-       bench.run_ms(1);
+       bench.run_ms(Controller::kTick_us / 1'000);
      }},
 };
 

@@ -118,7 +118,7 @@ TEST_F(ControllerFault, ComesFromEitherAnkle) {
 
 TEST_F(ControllerFault, ComesFromBusOffAndTriesToRecover) {
   bench.board.can.set_error_state(hal::CanErrorState::kBusOff);
-  bench.run_ms(1);
+  bench.run_ms(10);
   EXPECT_EQ(bench.now().state, State::kFault);
   EXPECT_EQ(bench.now().reason, Reason::kBusOff);
   EXPECT_GE(bench.board.can.recoveries(), 1);
@@ -126,7 +126,7 @@ TEST_F(ControllerFault, ComesFromBusOffAndTriesToRecover) {
 
 TEST_F(ControllerFault, ComesFromABusWithoutAcknowledgement) {
   bench.board.can.set_error_state(hal::CanErrorState::kErrorPassive);
-  bench.run_ms(1);
+  bench.run_ms(10);
   EXPECT_EQ(bench.now().reason, Reason::kNoAcknowledge);
 }
 

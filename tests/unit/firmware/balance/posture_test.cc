@@ -45,11 +45,11 @@ TEST(Posture, FindsSolesAndCentreOfMassAsDoubleDoes) {
 int updates_until_seen(std::size_t joint, int updates_before) {
   RandomPosture robot;
   robot.draw();
-  for (int i = 0; i < updates_before; ++i) robot.posture.update(robot.angles);
+  for (int i = 0; i < updates_before; ++i) robot.update();
   const auto before = robot.posture.centre_of_mass(hal::Side::kLeft);
   robot.angles[joint] = robot.angles[joint] + test::degrees(30);
   for (int update = 1; update <= 10; ++update) {
-    robot.posture.update(robot.angles);
+    robot.update();
     if (robot.posture.centre_of_mass(hal::Side::kLeft) != before) return update;
   }
   return 11;
@@ -66,7 +66,7 @@ TEST(Posture, IsAtMostTwoCyclesOldInALegAndThreeInAnyOtherLimb) {
 TEST(Posture, OfARobotWithoutAModelIsNothing) {
   const robot::RobotModel none;
   Posture posture(none);
-  posture.update({});
+  posture.update([](std::size_t) { return fixed::Angle(); });
   EXPECT_EQ(posture.centre_of_mass(hal::Side::kRight), robot::Position{});
 }
 

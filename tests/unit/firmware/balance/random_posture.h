@@ -35,7 +35,11 @@ struct RandomPosture {
           fixed::from_double<fixed::Angle>(std::uniform_real_distribution(lower_rad, upper_rad)(random));
       angles_rad[i] = fixed::to_double(angles[i]);
     }
-    for (int cycle = 0; cycle < 6; ++cycle) posture.update(angles);
+    for (int cycle = 0; cycle < 6; ++cycle) update();
+  }
+
+  void update() {
+    posture.update([this](std::size_t joint) { return angles[joint]; });
   }
 
   Point com_B() const {

@@ -14,7 +14,7 @@ TEST(PartOf, GoesByTheFolderOfAFunction) {
 
 TEST(PartOf, TellsReadingSensorsFromEstimating) {
   EXPECT_EQ(part_of("balance::InertialSensor::add"), Part::kSensors);
-  EXPECT_EQ(part_of("app::Controller::read_sensors"), Part::kSensors);
+  EXPECT_EQ(part_of("app::Controller::read_ankles"), Part::kSensors);
   EXPECT_EQ(part_of("balance::InertialSensor::pitch"), Part::kEstimation);
 }
 
