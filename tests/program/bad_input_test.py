@@ -137,7 +137,7 @@ class BadInput(unittest.TestCase):
 class Help(unittest.TestCase):
     def test_help_teaches_and_version_tells(self):
         self.assertRegex(PROGRAM.run("--version").stdout, r"^koboshi \d+\.\d+\.\d+\n$")
-        self.assertIn("koboshi run scenarios/squat.yaml", PROGRAM.run("--help").stdout)
+        self.assertIn("koboshi run scenarios/walk.yaml", PROGRAM.run("--help").stdout)
         for command in (["run"], ["motion"], ["motion", "compile"]):
             result = PROGRAM.run(*command, "--help")
             self.assertEqual(result.returncode, 0, command)

@@ -26,7 +26,7 @@ struct Ticks {
 
 Ticks measure(std::uint64_t duration_us) {
   QemuHost* host = nullptr;
-  Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"),
+  Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"),
                         [&](std::span<const std::byte> contents) {
                           auto made = std::make_unique<QemuHost>(KOBOSHI_IMAGE, contents);
                           host = made.get();

@@ -22,7 +22,7 @@ std::string contents(const std::filesystem::path& file) {
 }
 
 TEST(Lockstep, GivesTheSameBytesAsInProcess) {
-  RunOptions options{.scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"), .out = {}};
+  RunOptions options{.scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"), .out = {}};
   options.scenario.duration_us = 10'000'000;
   const auto folder =
       std::filesystem::temp_directory_path() / ("koboshi_lockstep_" + std::to_string(getpid()));

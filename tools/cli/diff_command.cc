@@ -23,8 +23,8 @@ void add_diff_command(CLI::App& program, int& exit_status) {
   command->footer(
       "Compares trace.csv and can.log to the last bit. Exit status: 0 the same, 1 different, 2 bad input.\n\n"
       "Example:\n"
-      "  koboshi run scenarios/squat.yaml --out runs/host\n"
-      "  koboshi run scenarios/squat.yaml --out runs/target --controller qemu\n"
+      "  koboshi run scenarios/walk.yaml --out runs/host\n"
+      "  koboshi run scenarios/walk.yaml --out runs/target --controller qemu\n"
       "  koboshi diff runs/host runs/target\n");
   command->add_option("RUN_A", arguments->a, "The folder of a run's results")->required();
   command->add_option("RUN_B", arguments->b, "Another")->required();

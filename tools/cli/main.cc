@@ -35,8 +35,8 @@ int run_program(int argc, char** argv) {
   program.require_subcommand(1);
   program.footer(
       "Begin with\n"
-      "  koboshi run scenarios/squat.yaml\n"
-      "and look into runs/squat. Each command has a --help of its own; docs/guide/ shows what to do with "
+      "  koboshi run scenarios/walk.yaml\n"
+      "and look into runs/walk. Each command has a --help of its own; docs/guide/ shows what to do with "
       "them.\n\n"
       "Exit status: 0 done, 1 the run failed or the runs differ, 2 bad input (one line on standard error "
       "says where).\n");

@@ -95,8 +95,8 @@ void add_run_command(CLI::App& program, int& exit_status) {
       "  summary.json  what became of it; timing.json: what it cost on this machine\n"
       "  *.png, *.svg  figures\n\n"
       "Examples:\n"
-      "  koboshi run scenarios/squat.yaml\n"
-      "  koboshi run scenarios/squat.yaml --seed 7 --set ground.friction=0.4 --out runs/slippery\n");
+      "  koboshi run scenarios/walk.yaml\n"
+      "  koboshi run scenarios/walk.yaml --seed 7 --set ground.friction=0.4 --out runs/slippery\n");
   command->add_option("SCENARIO", arguments->scenario, "A scenario file, docs/reference/scenario-format.md")
       ->required();
   command->add_option("--out", arguments->out,
