@@ -6,6 +6,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SQUAT = ROOT / "scenarios" / "squat.yaml"
+WALK = ROOT / "scenarios" / "walk.yaml"
 
 
 class Program:
