@@ -61,12 +61,13 @@ class GaitSearch {
   }
 
  private:
-  // Rounded, so that a file is fit to be read and what was evaluated is what it says.
+  // On their grids, so that a file is fit to be read and what was evaluated is what it says.
   GaitNumbers numbers_of(const std::vector<double>& x) const {
     GaitNumbers result;
     for (std::size_t i = 0; i < numbers_.size(); ++i) {
       const double value = numbers_[i].low + x[i] * (numbers_[i].high - numbers_[i].low);
-      result[numbers_[i].key] = std::round(value * 1e5) / 1e5;
+      const double per_unit = std::round(1.0 / numbers_[i].grid);  // exact, as 0.02 is not
+      result[numbers_[i].key] = std::round(value * per_unit) / per_unit;
     }
     return result;
   }
@@ -116,7 +117,10 @@ class GaitSearch {
 }  // namespace
 
 std::vector<SearchedNumber> searched_numbers() {
-  return {{"period_s", 0.3, 1.0},
+  // Half a period is a whole number of ticks: otherwise left and right steps are sampled differently, and
+  // the robot turns.
+  constexpr double kTwoTicks_s = 0.02;
+  return {{"period_s", 0.3, 1.0, false, kTwoTicks_s},
           {"step_length_m", 0.01, 0.08},
           {"step_width_m", 0.055, 0.085},
           {"step_height_m", 0.011, 0.035},

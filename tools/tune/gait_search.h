@@ -20,6 +20,8 @@ struct SearchedNumber {
   double low = 0.0;
   double high = 0.0;
   bool gain = false;  // of the feedback: stays as it is while feedback is off
+  // What it is a multiple of.
+  double grid = 1e-5;
 };
 
 // Of the robot koboshi: about what its legs can do. A search leaves alone what its gait file does not name.
