@@ -82,11 +82,7 @@ void add_gyro_feedback(CLI::App& parent, const std::string& command_line) {
   command->add_option("--feedback", arguments->feedback, "off, on or both")
       ->check(CLI::IsMember({"off", "on", "both"}))
       ->capture_default_str();
-  command->add_flag("--disturbed", options.disturbed,
-                    "Push the trunk; soft ground that tilts up to 3 degrees");
-  command->add_option("--push", options.push_N_s, "The strongest push of the disturbed form, in N s")
-      ->check(CLI::Range(0.0, 10.0))
-      ->capture_default_str();
+  add_disturbance_options(*command, options);
   command->add_option("--gaits", options.gaits,
                       "Folder with a gait for each cell: 8-on.yaml, ... (default: the scenario's in all)");
   command

@@ -73,6 +73,14 @@ void add_experiment_options(CLI::App& command, ExperimentArguments& arguments) {
   command.add_option("--section", arguments.section, "The page's section that they replace")->needs(page);
 }
 
+void add_disturbance_options(CLI::App& command, GyroFeedbackOptions& options) {
+  command.add_flag("--disturbed", options.disturbed,
+                   "Push the trunk; soft ground that tilts up to 3 degrees");
+  command.add_option("--push", options.push_N_s, "The strongest push of the disturbed form, in N s")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+}
+
 std::vector<sim::Override> overrides(const ExperimentArguments& arguments) {
   std::vector<sim::Override> all;
   for (const std::string& set : arguments.sets) all.push_back(sim::parse_override(set));

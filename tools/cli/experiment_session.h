@@ -9,6 +9,7 @@
 
 #include "sim_board/input/yaml_tree.h"
 #include "tools/experiment/experiment.h"
+#include "tools/experiment/gyro_feedback.h"
 
 namespace koboshi::tools {
 
@@ -28,6 +29,9 @@ struct ExperimentArguments {
 
 // Adds them to a subcommand.
 void add_experiment_options(CLI::App& command, ExperimentArguments& arguments);
+
+// Adds --disturbed and --push, to whatever plays the worlds of the gyro-feedback experiment.
+void add_disturbance_options(CLI::App& command, GyroFeedbackOptions& options);
 
 // What --duration and --set ask for.
 [[nodiscard]] std::vector<sim::Override> overrides(const ExperimentArguments& arguments);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "tools/cli/experiment_session.h"
 #include "tools/experiment/files.h"
 #include "tools/experiment/parallel.h"
 #include "tools/tune/gait_search.h"
@@ -59,12 +60,10 @@ void add_tune_gait_command(CLI::App& experiment) {
   CLI::App* command = experiment.add_subcommand(
       "tune-gait", "Search for the numbers of a gait with which the robot walks fast and does not fall");
   command->footer(
-      "CMA-ES, started from a gait file; keys that it does not have, and the gains where the feedback is "
-      "off,\n"
-      "are left alone. All cases get the\n"
-      "same number of evaluations, each on the same worlds. A search that was interrupted goes on when it "
-      "is\n"
-      "called again. evaluations.csv in the folder of the results lists every evaluation.\n\n"
+      "CMA-ES, started from a gait file; keys that it does not have, and the gains where the feedback is\n"
+      "off, are left alone. All cases get the same number of evaluations, each on the same worlds. A search\n"
+      "that was interrupted goes on when it is called again. evaluations.csv in the folder of the results\n"
+      "lists every evaluation.\n\n"
       "Example:\n"
       "  koboshi experiment tune-gait --points 8 --feedback off --gait robots/koboshi/gaits/8-off.yaml\n");
   command->add_option("SCENARIO", options.experiment.scenario, "A scenario that walks")
@@ -75,6 +74,7 @@ void add_tune_gait_command(CLI::App& experiment) {
   command->add_option("--feedback", arguments->feedback, "off or on")
       ->check(CLI::IsMember({"off", "on"}))
       ->capture_default_str();
+  add_disturbance_options(*command, options.experiment);
   command->add_option("--start", options.start, "The gait file to begin with")->capture_default_str();
   command->add_option("--gait", arguments->result, "Also write the gait that was found to this file");
   command->add_option("--evaluations", options.evaluations, "How many gaits are tried")
