@@ -80,6 +80,11 @@ void add_tune_gait_command(CLI::App& experiment) {
   command->add_option("--evaluations", options.evaluations, "How many gaits are tried")
       ->check(CLI::Range(24, 1'000'000))
       ->capture_default_str();
+  command
+      ->add_option("--spread", options.spread,
+                   "How widely the first gaits lie about the start, as a share of what each number may be")
+      ->check(CLI::Range(0.001, 0.5))
+      ->capture_default_str();
   command->add_option("--seeds", options.experiment.seeds, "Worlds in which each is tried")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

@@ -51,8 +51,9 @@ class GaitSearch {
       const double value = gait_number(text_, number.key, options_.start);
       start.push_back(std::clamp((value - number.low) / (number.high - number.low), 0.0, 1.0));
     }
-    const std::vector<double> best = minimise([this](const std::vector<double>& x) { return evaluate(x); },
-                                              start, {.evaluations = options_.evaluations});
+    const std::vector<double> best =
+        minimise([this](const std::vector<double>& x) { return evaluate(x); }, start,
+                 {.evaluations = options_.evaluations, .spread = options_.spread});
     log_.close();
     GaitSearchResult result{numbers_of(best), best_, {}};
     result.text = with_numbers(text_, result.numbers, options_.start);

@@ -38,6 +38,7 @@ struct GaitSearchOptions {
   std::filesystem::path start;  // the gait file that the search begins with
   std::filesystem::path out;    // folder of the log and the result
   std::size_t evaluations = 150;
+  double spread = 0.15;  // of the first gaits about the start: standard deviation, as a share of the ranges
   std::size_t jobs = 1;
 };
 

@@ -12,7 +12,7 @@ using Objective = std::function<double(const std::vector<double>& x)>;
 
 struct OptimiserOptions {
   std::size_t evaluations = 150;  // of the objective: as many whole generations as that is enough for
-  std::size_t population = 12;    // at least 5
+  std::size_t population = 8;     // at least 5
   double spread = 0.15;           // standard deviation of the first generation about the start
   std::uint32_t seed = 1;
 };
