@@ -75,7 +75,7 @@ TEST_F(GaitMotionTest, DividesTheCycleIntoAsManyPointsAsAsked) {
   for (const int points : {4, 7, 8, 16}) {
     gait_.points = points;
     const double slowly = points < 8 ? 1.0 : 0.0;
-    gait_.period_s = 0.5 + slowly;
+    gait_.period_s = 0.8 + slowly;
     const MotionSource motion = make_gait_motion(gait_, robot_, model_);
     const auto loop = std::ranges::find(motion.steps, StepSource::Kind::kLoop, &StepSource::kind);
     ASSERT_NE(loop, motion.steps.end());
