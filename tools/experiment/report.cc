@@ -48,6 +48,13 @@ std::string_view stop_name(Stop stop) {
   return {};
 }
 
+// A mean of a hair less than zero is zero, not -0.0.
+std::string fixed_text(double value, int decimals) {
+  std::string text = fmt::format("{:.{}f}", value, decimals);
+  if (text.starts_with('-') && text.find_first_not_of("-0.") == std::string::npos) text.erase(0, 1);
+  return text;
+}
+
 std::string table_cell(const CellResult& cell, const Measure& measure) {
   if (measure.kind == Measure::Kind::kEvent) {
     const ShareEstimate share = share_of(cell, measure);
@@ -57,7 +64,7 @@ std::string table_cell(const CellResult& cell, const Measure& measure) {
   }
   const MeanEstimate mean = mean_of(cell, measure);
   if (mean.count == 0) return "-";
-  const std::string value = fmt::format("{:.{}f}", measure.factor * mean.mean, measure.decimals);
+  const std::string value = fixed_text(measure.factor * mean.mean, measure.decimals);
   if (mean.count == 1) return value;
   const std::string reach =
       fmt::format("{:.{}f}", measure.factor * mean.confidence_95.half_width(), measure.decimals);
