@@ -72,6 +72,11 @@ class BadInput(unittest.TestCase):
         self.assertRegex(lines[0], f"^{where}: found .+, expected .+$")
         self.assertEqual(sorted(self.folder.rglob("*")), before, "something was written")
 
+    def test_more_motions_than_the_controller_knows(self):
+        motions = [self.write(f"squat_{number}.yaml", MOTION.read_text()) for number in range(33)]
+        scenario = self.write("scenario.yaml", SCENARIO.replace(str(MOTION), ", ".join(map(str, motions))))
+        self.refuse(scenario, None, "run", scenario, "--out", self.folder / "out")
+
     def test_scenarios(self):
         for name, (old, new, line) in BAD_SCENARIOS.items():
             with self.subTest(name):

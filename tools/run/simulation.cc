@@ -1,8 +1,11 @@
 #include "tools/run/simulation.h"
 
+#include <string>
 #include <utility>
 
+#include "firmware/app/catalogue.h"
 #include "firmware/fixed/host/convert.h"
+#include "sim_board/input/error.h"
 #include "sim_board/robot/load.h"
 #include "tools/gait/gait_motion.h"
 #include "tools/motion/compile.h"
@@ -42,6 +45,11 @@ Simulation::Simulation(const sim::Scenario& scenario, const HostFactory& make_ho
 }
 
 std::vector<std::vector<std::byte>> Simulation::compile_motions() {
+  const std::size_t count = scenario_.motions.size() + (scenario_.gait ? 1 : 0);
+  if (count > app::kMaxMotions) {
+    throw sim::InputError(scenario_.file, 0, std::to_string(count) + " motions",
+                          "at most " + std::to_string(app::kMaxMotions) + ", a gait's included");
+  }
   std::vector<std::vector<std::byte>> motions;
   for (const auto& file : scenario_.motions) motions.push_back(compile_motion(file, model_));
   if (scenario_.gait)
