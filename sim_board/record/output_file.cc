@@ -22,4 +22,19 @@ void OutputFile::fail() const {
   throw std::system_error(errno, std::generic_category(), "cannot write " + file_.string());
 }
 
+void write_whole_file(const std::filesystem::path& file, std::string_view text) {
+  std::filesystem::path beside = file;
+  beside += ".part";
+  try {
+    OutputFile output(beside);
+    output.write(text);
+    output.close();
+    std::filesystem::rename(beside, file);
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(beside, ignored);
+    throw;
+  }
+}
+
 }  // namespace koboshi::sim

@@ -29,4 +29,8 @@ class OutputFile {
   std::unique_ptr<std::FILE, Close> stream_;
 };
 
+// Writes the text to a file beside and renames it, so that a reader finds the whole or nothing new. Throws
+// std::system_error.
+void write_whole_file(const std::filesystem::path& file, std::string_view text);
+
 }  // namespace koboshi::sim

@@ -28,18 +28,7 @@ nlohmann::ordered_json to_json(const RunSummary& summary) {
 }
 
 void write_json(const std::filesystem::path& file, const nlohmann::ordered_json& document) {
-  std::filesystem::path beside = file;
-  beside += ".part";
-  try {
-    OutputFile output(beside);
-    output.write(document.dump(2) + '\n');
-    output.close();
-    std::filesystem::rename(beside, file);
-  } catch (...) {
-    std::error_code ignored;
-    std::filesystem::remove(beside, ignored);
-    throw;
-  }
+  write_whole_file(file, document.dump(2) + '\n');
 }
 
 }  // namespace koboshi::sim

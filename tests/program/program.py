@@ -3,6 +3,7 @@
 import pathlib
 import subprocess
 import sys
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SQUAT = ROOT / "scenarios" / "squat.yaml"
@@ -23,6 +24,13 @@ class Program:
         if result.returncode != 0:
             raise AssertionError(f"koboshi run {scenario} ended with {result.returncode}: {result.stderr}")
         return out
+
+
+def temporary_folder(test_class):
+    """A folder that goes when the class's tests are over."""
+    folder = tempfile.TemporaryDirectory(prefix=f"koboshi_{test_class.__name__.lower()}_")
+    test_class.addClassCleanup(folder.cleanup)
+    return pathlib.Path(folder.name)
 
 
 def take_program_argument():

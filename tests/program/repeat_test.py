@@ -5,7 +5,6 @@ import pathlib
 import re
 import subprocess
 import sys
-import tempfile
 import unittest
 
 import program as support
@@ -19,9 +18,7 @@ DURATION = ("--duration", "7")  # boot, standing and the first half of a squat
 class Repeat(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory(prefix="koboshi_repeat_")
-        cls.addClassCleanup(folder.cleanup)
-        cls.folder = pathlib.Path(folder.name)
+        cls.folder = support.temporary_folder(cls)
         cls.first = PROGRAM.run_scenario(support.SQUAT, cls.folder / "first", *DURATION)
 
     def assert_same(self, other):

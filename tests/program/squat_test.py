@@ -2,8 +2,6 @@
 
 import csv
 import json
-import pathlib
-import tempfile
 import unittest
 
 import program as support
@@ -14,10 +12,8 @@ PROGRAM = None
 class Squat(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory(prefix="koboshi_squat_")
-        cls.addClassCleanup(folder.cleanup)
         cls.run_folder = PROGRAM.run_scenario(
-            support.SQUAT, pathlib.Path(folder.name) / "out", "--duration", "60")
+            support.SQUAT, support.temporary_folder(cls) / "out", "--duration", "60")
         cls.summary = json.loads((cls.run_folder / "summary.json").read_text())
 
     def test_stays_on_its_feet_without_faults(self):

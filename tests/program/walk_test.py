@@ -2,8 +2,6 @@
 
 import csv
 import json
-import pathlib
-import tempfile
 import unittest
 
 import program as support
@@ -11,16 +9,10 @@ import program as support
 PROGRAM = None
 
 
-def new_folder(test_class):
-    folder = tempfile.TemporaryDirectory(prefix="koboshi_walk_")
-    test_class.addClassCleanup(folder.cleanup)
-    return pathlib.Path(folder.name)
-
-
 class Walk(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.run_folder = PROGRAM.run_scenario(support.WALK, new_folder(cls) / "out", "--set", "noise=false")
+        cls.run_folder = PROGRAM.run_scenario(support.WALK, support.temporary_folder(cls) / "out", "--set", "noise=false")
         cls.summary = json.loads((cls.run_folder / "summary.json").read_text())
 
     def test_stays_on_its_feet_without_faults(self):
@@ -63,7 +55,7 @@ class Walk(unittest.TestCase):
 class Gait(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.folder = new_folder(cls)
+        cls.folder = support.temporary_folder(cls)
 
     def make(self, name, *arguments):
         out = self.folder / name

@@ -34,7 +34,7 @@ std::string draw_figures(const Arguments& arguments) {
   for (const bool feedback : options.feedback) {
     const SeededWorld world =
         seeded_world(gyro_feedback_scenario(options, points, feedback), options, options.first_seed);
-    const std::string name = fmt::format("{}-{}", points, feedback ? "on" : "off");
+    const std::string name = gyro_feedback_cell(points, feedback);
     const std::filesystem::path folder = arguments.common.out / name;
     const RunResult walk = run({.scenario = world.scenario, .out = folder, .change = world.change}, {});
     if (walk.plot_warning) fmt::print(stderr, "koboshi: no figures: {}\n", *walk.plot_warning);

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "sim_board/input/error.h"
+#include "sim_board/record/output_file.h"
 #include "sim_board/record/summary.h"
 #include "tools/experiment/files.h"
 #include "tools/experiment/parallel.h"
@@ -103,7 +104,7 @@ ExperimentResult play_session(const Experiment& experiment, const ExperimentArgu
     options.progress = [&](const ExperimentProgress& progress) { line.show(progress); };
     result = play_experiment(experiment, options);
   }
-  write_whole_file(arguments.out / "trials.csv", to_csv(experiment, result));
+  sim::write_whole_file(arguments.out / "trials.csv", to_csv(experiment, result));
   sim::write_json(arguments.out / "result.json", to_json(experiment, result));
   if (!arguments.json.empty()) sim::write_json(arguments.json, to_json(experiment, result));
   fmt::print("{}{}results in {}\n", result_table(experiment, result, TableStyle::kTerminal),

@@ -7,8 +7,8 @@
 #include <memory>
 #include <string>
 
+#include "sim_board/record/output_file.h"
 #include "tools/cli/experiment_session.h"
-#include "tools/experiment/files.h"
 #include "tools/experiment/parallel.h"
 #include "tools/tune/gait_search.h"
 
@@ -35,7 +35,7 @@ void tune_gait(Arguments arguments) {
   options.experiment.feedback = {arguments.feedback == "on"};
   options.experiment.overrides.push_back({"duration_s", arguments.duration});
   if (options.out.empty()) {
-    options.out = fmt::format("runs/tune-gait/{}-{}", arguments.points, arguments.feedback);
+    options.out = "runs/tune-gait/" + gyro_feedback_cell(arguments.points, arguments.feedback == "on");
   }
   const bool terminal = isatty(STDERR_FILENO) != 0;
   const GaitSearchResult result = search_gait(options, [&](const GaitSearchProgress& progress) {
@@ -45,7 +45,7 @@ void tune_gait(Arguments arguments) {
   for (const auto& [key, value] : result.numbers) fmt::print("{}: {}\n", key, value);
   fmt::print("{:.4f} m/s on the seeds that it was tuned on; results in {}\n", result.reward,
              options.out.string());
-  if (!arguments.result.empty()) write_whole_file(arguments.result, result.text);
+  if (!arguments.result.empty()) sim::write_whole_file(arguments.result, result.text);
 }
 
 }  // namespace

@@ -1,9 +1,7 @@
 #include "tools/experiment/files.h"
 
-#include <algorithm>
 #include <fstream>
 #include <iterator>
-#include <system_error>
 
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
@@ -22,21 +20,6 @@ std::string bytes_of(const fs::path& file) {
 }
 
 }  // namespace
-
-void write_whole_file(const fs::path& file, std::string_view text) {
-  fs::path beside = file;
-  beside += ".part";
-  try {
-    sim::OutputFile output(beside);
-    output.write(text);
-    output.close();
-    fs::rename(beside, file);
-  } catch (...) {
-    std::error_code ignored;
-    fs::remove(beside, ignored);
-    throw;
-  }
-}
 
 std::string hash_inputs(std::span<const fs::path> files, std::span<const std::string> texts) {
   sim::StateHash hash;
@@ -66,7 +49,7 @@ void write_section(const fs::path& page, const std::string& title, const std::st
     throw sim::InputError(page, 0, "one comment of the two about the section " + name,
                           "both, in their order");
   }
-  write_whole_file(page, content);
+  sim::write_whole_file(page, content);
 }
 
 }  // namespace koboshi::tools

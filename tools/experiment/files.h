@@ -7,10 +7,6 @@
 
 namespace koboshi::tools {
 
-// Writes the text to a file beside and renames it, so that a reader finds the whole or nothing new. Throws
-// std::system_error.
-void write_whole_file(const std::filesystem::path& file, std::string_view text);
-
 // A hash of what is in these files, of these texts, and of the running program, which may compute otherwise
 // once it is built anew. 16 digits. Throws sim::InputError where a file cannot be read.
 [[nodiscard]] std::string hash_inputs(std::span<const std::filesystem::path> files,

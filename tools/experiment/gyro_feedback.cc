@@ -18,10 +18,6 @@ constexpr double kMillimetres = 1000.0;
 // The first push comes when the walk has left its starting steps behind.
 constexpr double kFirstPush_s = 2.0;
 
-std::string cell_name(int points, bool feedback) {
-  return std::to_string(points) + (feedback ? "-on" : "-off");
-}
-
 PerturbationBounds bounds_of(const GyroFeedbackOptions& options) {
   PerturbationBounds bounds;
   if (!options.disturbed) return bounds;
@@ -67,12 +63,17 @@ std::string hash_of(const GyroFeedbackOptions& options, const std::vector<sim::S
 
 }  // namespace
 
+std::string gyro_feedback_cell(int points, bool feedback) {
+  return std::to_string(points) + (feedback ? "-on" : "-off");
+}
+
 sim::Scenario gyro_feedback_scenario(const GyroFeedbackOptions& options, int points, bool feedback) {
   std::vector<sim::Override> overrides = options.overrides;
   overrides.push_back({"gait.points", std::to_string(points)});
   overrides.push_back({"gait.feedback", feedback ? "true" : "false"});
   if (!options.gaits.empty()) {
-    const auto file = std::filesystem::absolute(options.gaits / (cell_name(points, feedback) + ".yaml"));
+    const auto file =
+        std::filesystem::absolute(options.gaits / (gyro_feedback_cell(points, feedback) + ".yaml"));
     overrides.push_back({"gait.file", "\"" + file.string() + "\""});
   }
   return sim::read_scenario(options.scenario, overrides);
@@ -102,7 +103,7 @@ Experiment make_gyro_feedback(const GyroFeedbackOptions& options) {
     for (const bool feedback : options.feedback) {
       scenarios->push_back(gyro_feedback_scenario(options, points, feedback));
       experiment.cells.push_back(
-          {cell_name(points, feedback),
+          {gyro_feedback_cell(points, feedback),
            {{"points", std::to_string(points)}, {"feedback", feedback ? "on" : "off"}}});
     }
   }

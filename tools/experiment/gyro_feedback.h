@@ -28,6 +28,9 @@ struct GyroFeedbackOptions {
   double falls_within = 0.015;  // a cell stops where the share of falls is known to +- this
 };
 
+// "8-on": of the cell, of its gait's file, of its figures.
+[[nodiscard]] std::string gyro_feedback_cell(int points, bool feedback);
+
 // A cell's scenario before a seed has changed the world.
 [[nodiscard]] sim::Scenario gyro_feedback_scenario(const GyroFeedbackOptions& options, int points,
                                                    bool feedback);

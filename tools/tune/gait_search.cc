@@ -7,7 +7,6 @@
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
-#include "tools/experiment/files.h"
 #include "tools/tune/optimiser.h"
 
 namespace koboshi::tools {
@@ -29,12 +28,19 @@ std::string flow_map(const GaitNumbers& numbers) {
   return text + "}";
 }
 
+double duration_of(const GyroFeedbackOptions& options) {
+  const sim::Scenario scenario =
+      gyro_feedback_scenario(options, options.points.front(), options.feedback.front());
+  return 1e-6 * static_cast<double>(scenario.duration_us);
+}
+
 class GaitSearch {
  public:
   GaitSearch(const GaitSearchOptions& options, const std::function<void(const GaitSearchProgress&)>& progress)
       : options_(options),
         progress_(progress),
         text_(sim::read_text_file(options.start, "a gait file")),
+        duration_s_(duration_of(options.experiment)),
         log_(options.out / "evaluations.csv") {
     for (const SearchedNumber& number : searched_numbers()) {
       const bool effective = !number.gain || options.experiment.feedback.front();
@@ -57,7 +63,7 @@ class GaitSearch {
     log_.close();
     GaitSearchResult result{numbers_of(best), best_, {}};
     result.text = with_numbers(text_, result.numbers, options_.start);
-    write_whole_file(options_.out / "gait.yaml", result.text);
+    sim::write_whole_file(options_.out / "gait.yaml", result.text);
     return result;
   }
 
@@ -90,15 +96,11 @@ class GaitSearch {
         {"gait.file", "\"" + std::filesystem::absolute(options_.start).string() + "\""});
     options.overrides.push_back({"gait.set", flow_map(numbers)});
     const Experiment experiment = make_gyro_feedback(options);
-    const double duration_s =
-        1e-6 *
-        static_cast<double>(
-            gyro_feedback_scenario(options, options.points.front(), options.feedback.front()).duration_us);
     try {
       const ExperimentResult result = play_experiment(
           experiment, {.log = options_.out / "trials.jsonl", .jobs = options_.jobs, .batch = options.seeds});
       double sum = 0.0;
-      for (const Trial& trial : result.cells.front().played) sum += reward(trial.values, duration_s);
+      for (const Trial& trial : result.cells.front().played) sum += reward(trial.values, duration_s_);
       return sum / static_cast<double>(options.seeds);
     } catch (const sim::InputError&) {
       if (done_ == 0) throw;  // the file that the search begins with is wrong
@@ -109,6 +111,7 @@ class GaitSearch {
   const GaitSearchOptions& options_;
   const std::function<void(const GaitSearchProgress&)>& progress_;
   const std::string text_;
+  const double duration_s_;  // of a trial that does not end with a fall
   sim::OutputFile log_;
   std::vector<SearchedNumber> numbers_;
   std::size_t done_ = 0;

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <system_error>
-
 #include "sim_board/input/error.h"
 #include "tests/unit/sim_board/record/temporary_folder.h"
 
@@ -14,15 +12,6 @@ namespace fs = std::filesystem;
 using sim::test::read_file;
 using sim::test::TemporaryFolder;
 using sim::test::write_file;
-
-TEST(WholeFile, ReplacesAndLeavesNothingBeside) {
-  const TemporaryFolder folder;
-  write_whole_file(folder.path / "a.txt", "old");
-  write_whole_file(folder.path / "a.txt", "new");
-  EXPECT_EQ(read_file(folder.path / "a.txt"), "new");
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()), 1);
-  EXPECT_THROW(write_whole_file(folder.path / "missing" / "a.txt", "text"), std::system_error);
-}
 
 TEST(InputHash, TellsFilesAndTextsApart) {
   const TemporaryFolder folder;
