@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "firmware/canopen/cob_id.h"
+#include "sim_board/engine/make_world.h"
 
 namespace koboshi::sim {
 namespace {
@@ -42,7 +43,7 @@ SimBoard::SimBoard(const RobotDescription& robot, const BoardOptions& options, C
     : robot_(robot),
       options_(options),
       host_(host),
-      world_(make_ode_world(robot, options.world)),
+      world_(make_world(robot, options.world)),
       step_us_(static_cast<std::uint64_t>(std::llround(1e6 * world_->step_s()))),
       controller_(bus_.attach(receiver_, AcceptanceFilter::all(), kTransmitFifo)),
       operator_(bus_.attach(operator_node_, sdo_answers(), kOperatorFifo)) {

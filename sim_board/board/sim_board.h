@@ -13,7 +13,7 @@
 #include "sim_board/sensor/ankle_sensor.h"
 #include "sim_board/sensor/imu.h"
 #include "sim_board/servo/drive.h"
-#include "sim_board/world/ode_world.h"
+#include "sim_board/world/options.h"
 
 namespace koboshi::sim {
 
@@ -56,7 +56,7 @@ class SimBoard {
   static constexpr std::uint64_t kWatchdog_us = 500'000;
   static constexpr std::size_t kTransmitFifo = 32;
 
-  // Powers everything on at time zero. `robot` and `host` must outlive the board. Throws what make_ode_world
+  // Powers everything on at time zero. `robot` and `host` must outlive the board. Throws what make_world
   // and the sensors throw.
   SimBoard(const RobotDescription& robot, const BoardOptions& options, ControllerHost& host);
   SimBoard(const SimBoard&) = delete;

@@ -10,7 +10,7 @@
 #include "hal/port/ankle.h"
 #include "sim_board/input/yaml_tree.h"
 #include "sim_board/robot/description.h"
-#include "sim_board/world/ode_world.h"
+#include "sim_board/world/options.h"
 
 namespace koboshi::sim {
 

@@ -21,6 +21,9 @@ struct ServoTorque {
 struct JointState {
   double position_rad = 0.0;  // continuous: counts turns beyond +-pi
   double speed_rad_per_s = 0.0;
+  // What the servo (motor, friction, rotor) gave the joint's child in the last step, about the axis; its
+  // gears carry the opposite. The joint's stops are not in it.
+  double servo_Nm = 0.0;
 };
 
 struct BodyState {

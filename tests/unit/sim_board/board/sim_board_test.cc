@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "tests/unit/sim_board/world/sample_robots.h"
+#include "tests/support/sample_robots.h"
 
 namespace koboshi::sim {
 namespace {

@@ -10,9 +10,9 @@
 #include <numbers>
 #include <vector>
 
+#include "sim_board/engine/make_world.h"
 #include "sim_board/servo/servo.h"
-#include "sim_board/world/ode_world.h"
-#include "tests/unit/sim_board/world/sample_robots.h"
+#include "tests/support/sample_robots.h"
 
 namespace koboshi::sim {
 namespace {
@@ -49,7 +49,7 @@ Motion simulate(const Experiment& experiment, double step_s) {
   options.gravity_W_m_per_s2.setZero();
   options.ground.present = false;
   options.fixed_base = true;
-  const auto world = make_ode_world(sample_hinge({.inertia_kg_m2 = kLinkInertia}), options);
+  const auto world = make_world(sample_hinge({.inertia_kg_m2 = kLinkInertia}), options);
   Servo servo(joint_of(experiment));
   Motion motion;
   const auto steps_a_ms = std::lround(0.001 / step_s);

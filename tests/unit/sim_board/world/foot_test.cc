@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "sim_board/engine/make_world.h"
 #include "sim_board/world/ground_truth.h"
-#include "sim_board/world/ode_world.h"
-#include "tests/unit/sim_board/world/sample_robots.h"
+#include "tests/support/sample_robots.h"
 
 namespace koboshi::sim {
 namespace {
@@ -30,7 +30,7 @@ class StandingBox {
     options.ground.normal_W = ground_normal_W;
     const auto R_WL = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), ground_normal_W);
     options.X_WB = R_WL * Eigen::Translation3d(0.0, 0.0, 0.01);
-    world_ = make_ode_world(robot_, options);
+    world_ = make_world(robot_, options);
   }
 
   // A force down on the box at this place, until it has come to rest.
@@ -102,7 +102,7 @@ TEST(PoseBeforeStep, IsTheOneThatTheStepBeganWith) {
   const RobotDescription robot = sample_humanoid();
   WorldOptions options;
   options.ground.present = false;
-  const auto world = make_ode_world(robot, options);
+  const auto world = make_world(robot, options);
   world->push(0, {0.0, 0.05, 0.1}, {30.0, -20.0, 10.0});
   for (int i = 0; i < 20; ++i) world->step();  // it tumbles
   std::vector<Isometry3d> before;

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "tests/unit/sim_board/world/sample_robots.h"
+#include "tests/support/sample_robots.h"
 
 namespace koboshi::sim {
 namespace {

@@ -2,11 +2,9 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <memory>
 #include <vector>
 
 #include "sim_board/robot/description.h"
-#include "sim_board/world/world.h"
 
 namespace koboshi::sim {
 
@@ -18,11 +16,12 @@ struct GroundDescription {
   SurfaceDescription surface;
 };
 
-// kWorld solves the contact problem exactly and is the reference; kQuick iterates (projected successive
-// over-relaxation).
+// Who solves the equations of motion.
+//   kWorld  ODE, the contact problem solved exactly: the reference
+//   kQuick  ODE, iterated (projected successive over-relaxation)
 enum class Stepper { kWorld, kQuick };
 
-// How the solver learns which joints stick. Both give the same motion, but for round-off.
+// How ODE learns which joints stick. Both give the same motion, but for round-off.
 enum class FrictionMethod {
   kRows,         // a bounded row for each slow joint
   kLockAndCheck  // slow joints are locked; those whose friction would not suffice are released, and the step
@@ -43,7 +42,8 @@ struct WorldOptions {
   double max_rate_rad_per_s = 1000.0;
 };
 
-// The robot at rest in ODE. Throws std::invalid_argument for a description or options that make no world.
-std::unique_ptr<World> make_ode_world(const RobotDescription& robot, const WorldOptions& options);
+// The options with all that may be left out filled in. Throws std::invalid_argument for those that make no
+// world of this robot.
+WorldOptions checked(WorldOptions options, const RobotDescription& robot);
 
 }  // namespace koboshi::sim

@@ -1,4 +1,4 @@
-#include "sim_board/world/ode_world.h"
+#include "sim_board/engine/ode/ode_world.h"
 
 #include <ode/ode.h>
 
@@ -6,12 +6,12 @@
 #include <stdexcept>
 #include <string>
 
-#include "sim_board/world/collider.h"
+#include "sim_board/engine/ode/collider.h"
+#include "sim_board/engine/ode/eigen.h"
+#include "sim_board/engine/ode/library.h"
+#include "sim_board/engine/ode/saved_bodies.h"
+#include "sim_board/engine/ode/servo_joint.h"
 #include "sim_board/world/link_tree.h"
-#include "sim_board/world/ode_eigen.h"
-#include "sim_board/world/ode_library.h"
-#include "sim_board/world/saved_bodies.h"
-#include "sim_board/world/servo_joint.h"
 
 namespace koboshi::sim {
 namespace {
@@ -22,18 +22,6 @@ constexpr double kLargestForce = 1e6;  // N or N m
 
 // Then the solver decides. Squats need a second guess in 1 % of the steps, falls in 11 %.
 constexpr int kMostGuesses = 4;
-
-WorldOptions checked(WorldOptions options, const RobotDescription& robot) {
-  const double steps_a_ms = 0.001 / options.step_s;
-  if (!(options.step_s > 0.0) || std::abs(steps_a_ms - std::round(steps_a_ms)) > 1e-9 || steps_a_ms < 0.5)
-    throw std::invalid_argument("a step of " + std::to_string(options.step_s) + " s does not divide 1 ms");
-  if (options.quick_iterations < 1) throw std::invalid_argument("the quick stepper needs an iteration");
-  if (!(options.ground.normal_W.norm() > 0.0)) throw std::invalid_argument("the ground's normal is zero");
-  if (options.joint_positions_rad.empty()) options.joint_positions_rad.assign(robot.joints.size(), 0.0);
-  if (options.joint_positions_rad.size() != robot.joints.size())
-    throw std::invalid_argument("not as many starting positions as joints");
-  return options;
-}
 
 dMass ode_mass(const LinkDescription& link) {
   const Eigen::Matrix3d& I = link.I_LCom_L;

@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
+#include "sim_board/engine/ode/library.h"
 #include "sim_board/robot/description.h"
-#include "sim_board/world/ode_library.h"
 #include "sim_board/world/world.h"
 
 namespace koboshi::sim {

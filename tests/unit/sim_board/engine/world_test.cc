@@ -5,9 +5,9 @@
 #include <limits>
 #include <stdexcept>
 
+#include "sim_board/engine/make_world.h"
 #include "sim_board/world/ground_truth.h"
-#include "sim_board/world/ode_world.h"
-#include "tests/unit/sim_board/world/sample_robots.h"
+#include "tests/support/sample_robots.h"
 
 namespace koboshi::sim {
 namespace {
@@ -28,7 +28,7 @@ void run(World& world, double duration_s) {
 }
 
 TEST(World, DropsABodyAsGravityDictates) {
-  const auto world = make_ode_world(sample_box(0.7, {0.1, 0.2, 0.3}), in_the_air());
+  const auto world = make_world(sample_box(0.7, {0.1, 0.2, 0.3}), in_the_air());
   run(*world, 1.0);
   EXPECT_NEAR(world->time_s(), 1.0, 1e-12);
   // Semi-implicit Euler falls g h t / 2 further than the parabola.
@@ -41,7 +41,7 @@ TEST(World, PushesForOneStepAtTheGivenPoint) {
   options.gravity_W_m_per_s2.setZero();
   options.X_WB.linear() = Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitZ()).toRotationMatrix();
   const RobotDescription box = sample_box(0.5, {0.1, 0.2, 0.3});
-  const auto world = make_ode_world(box, options);
+  const auto world = make_world(box, options);
   const Vector3d f_W(0, 0, 4.0), p_L(0.05, 0, 0);  // the point is at y = 0.05 in the world
   world->push(0, p_L, f_W);
   world->push(0, p_L, f_W);
@@ -57,10 +57,10 @@ TEST(World, StartsWhereTheOptionsSay) {
   options.X_WB = Eigen::Translation3d(1, 2, 3) * Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized());
   for (std::size_t j = 0; j < robot.joints.size(); ++j)
     options.joint_positions_rad.push_back(0.1 * (static_cast<double>(j) - 10.0));
-  const auto world = make_ode_world(robot, options);
+  const auto world = make_world(robot, options);
   EXPECT_TRUE(world->body(0).X_WL.isApprox(options.X_WB, 1e-12));
   options.gravity_W_m_per_s2.setZero();
-  const auto weightless = make_ode_world(robot, options);
+  const auto weightless = make_world(robot, options);
   weightless->step();
   for (int j = 0; j < 20; ++j) {
     EXPECT_NEAR(world->joint(j).position_rad, options.joint_positions_rad[static_cast<std::size_t>(j)],
@@ -75,7 +75,7 @@ TEST(World, TurnsAPositiveJointByTheRightHandRule) {
   WorldOptions options = in_the_air();
   options.fixed_base = true;
   options.joint_positions_rad = {0.5};
-  const auto world = make_ode_world(sample_hinge({.arm_m = 0.1, .axis = Vector3d::UnitZ()}), options);
+  const auto world = make_world(sample_hinge({.arm_m = 0.1, .axis = Vector3d::UnitZ()}), options);
   const BodyState arm = world->body(1);
   EXPECT_NEAR(arm.X_WL.linear()(1, 0), std::sin(0.5), 1e-12);  // its x axis has turned towards y
 }
@@ -83,7 +83,7 @@ TEST(World, TurnsAPositiveJointByTheRightHandRule) {
 TEST(World, KeepsAFixedBase) {
   WorldOptions options = in_the_air();
   options.fixed_base = true;
-  const auto world = make_ode_world(sample_humanoid(), options);
+  const auto world = make_world(sample_humanoid(), options);
   run(*world, 0.5);
   EXPECT_TRUE(world->body(0).X_WL.isApprox(Eigen::Isometry3d::Identity(), 1e-12));
 }
@@ -91,7 +91,7 @@ TEST(World, KeepsAFixedBase) {
 TEST(World, MovesTheCentreOfMassByExternalForcesOnly) {
   const RobotDescription robot = sample_humanoid();
   WorldOptions options = in_the_air();
-  const auto world = make_ode_world(robot, options);
+  const auto world = make_world(robot, options);
   const CentreOfMass start = centre_of_mass(robot, *world);
   for (int j = 0; j < 20; ++j) world->set_servo(j, {.drive_Nm = 0.01 * (j - 7), .damping_Nm_s = 0.05});
   run(*world, 0.2);
@@ -102,7 +102,7 @@ TEST(World, MovesTheCentreOfMassByExternalForcesOnly) {
 }
 
 TEST(World, EndsWithTimeBodyAndReasonWhenABodyIsTooFast) {
-  const auto world = make_ode_world(sample_box(0.001, {0.1, 0.1, 0.1}), in_the_air());
+  const auto world = make_world(sample_box(0.001, {0.1, 0.1, 0.1}), in_the_air());
   run(*world, 0.25);
   world->push(0, Vector3d::Zero(), {0, 0, 1e3});
   try {
@@ -115,7 +115,7 @@ TEST(World, EndsWithTimeBodyAndReasonWhenABodyIsTooFast) {
 
 TEST(World, RefusesWhatIsNotFinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const auto world = make_ode_world(sample_hinge({}), in_the_air());
+  const auto world = make_world(sample_hinge({}), in_the_air());
   EXPECT_THROW(world->push(1, Vector3d::Zero(), {nan, 0, 0}), WorldBlewUp);
   EXPECT_THROW(world->push(1, {0, nan, 0}, {1, 0, 0}), WorldBlewUp);
   world->set_servo(0, {.drive_Nm = nan});
@@ -129,20 +129,20 @@ TEST(World, RefusesOptionsThatMakeNoWorld) {
   for (const double step_s : {0.0, -0.001, 0.002, 0.0003, 0.0007}) {
     WorldOptions options;
     options.step_s = step_s;
-    EXPECT_THROW(make_ode_world(robot, options), std::invalid_argument) << step_s;
+    EXPECT_THROW(make_world(robot, options), std::invalid_argument) << step_s;
   }
   WorldOptions options;
   options.joint_positions_rad = {0.0, 0.0};
-  EXPECT_THROW(make_ode_world(robot, options), std::invalid_argument);
+  EXPECT_THROW(make_world(robot, options), std::invalid_argument);
   RobotDescription light = robot;
   light.links[1].mass_kg = 0.0;
-  EXPECT_THROW(make_ode_world(light, {}), std::invalid_argument);
+  EXPECT_THROW(make_world(light, {}), std::invalid_argument);
   RobotDescription loop = robot;
   loop.joints.push_back(loop.joints[0]);
-  EXPECT_THROW(make_ode_world(loop, {}), std::invalid_argument);
+  EXPECT_THROW(make_world(loop, {}), std::invalid_argument);
   RobotDescription apart = robot;
   apart.joints.clear();
-  EXPECT_THROW(make_ode_world(apart, {}), std::invalid_argument);
+  EXPECT_THROW(make_world(apart, {}), std::invalid_argument);
 }
 
 }  // namespace

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include "sim_board/engine/make_world.h"
 #include "sim_board/world/ground_truth.h"
-#include "sim_board/world/ode_world.h"
 #include "sim_board/world/surface_contact.h"
-#include "tests/unit/sim_board/world/sample_robots.h"
+#include "tests/support/sample_robots.h"
 
 namespace koboshi::sim {
 namespace {
@@ -35,7 +35,7 @@ struct Slope {
     options.ground.normal_W = {std::sin(slope_rad), 0.0, std::cos(slope_rad)};
     options.ground.surface.friction = options.ground.surface.friction_second = friction;
     options.X_WB = Eigen::AngleAxisd(slope_rad, Vector3d::UnitY()) * Eigen::Translation3d(0, 0, 0.005);
-    world = make_ode_world(robot, options);
+    world = make_world(robot, options);
   }
 };
 
@@ -103,7 +103,7 @@ TEST(Contact, SinksAsDeepAtAHalvedStep) {
     RobotDescription box = sample_box(1.2, {0.1, 0.056, 0.01});
     box.links[0].collisions[0].surface = options.ground.surface;
     options.X_WB.translation().z() = 0.005;
-    const auto world = make_ode_world(box, options);
+    const auto world = make_world(box, options);
     run(*world, 1.0);
     const double depth = 0.005 - world->body(0).X_WL.translation().z();
     EXPECT_NEAR(depth, 1.2 * kGravity / (4 * 75e3), 1e-7) << step_s;
@@ -115,7 +115,7 @@ TEST(Contact, BouncesByTheCoefficientOfRestitution) {
   options.X_WB.translation().z() = 0.1 + 0.05;
   RobotDescription box = sample_box(1.0, {0.1, 0.1, 0.1});
   box.links[0].collisions[0].surface.bounce = 0.5;
-  const auto world = make_ode_world(box, options);
+  const auto world = make_world(box, options);
   const double impact = std::sqrt(2 * kGravity * 0.1);
   double fastest_up = 0.0;
   for (int i = 0; i < 300; ++i) {
@@ -129,7 +129,7 @@ TEST(Contact, NeverAddsEnergyToATumblingBox) {
   const RobotDescription box = sample_box(1.2, {0.1, 0.2, 0.3});
   WorldOptions options;
   options.X_WB = Eigen::Translation3d(0, 0, 0.5) * Eigen::AngleAxisd(0.6, Vector3d(1, 2, 0).normalized());
-  const auto world = make_ode_world(box, options);
+  const auto world = make_world(box, options);
   double energy = energy_J(box, *world, options.gravity_W_m_per_s2);
   const double allowed = 1e-3 * energy;
   double least = energy;
@@ -157,7 +157,7 @@ TEST(Contact, IgnoresLinksWithinTwoJointsAndFindsFartherOnes) {
     }
     WorldOptions options;
     options.ground.present = false;
-    const auto world = make_ode_world(chain, options);
+    const auto world = make_world(chain, options);
     world->step();
     EXPECT_EQ(world->contacts().empty(), joints == 2);
     for (const Contact& contact : world->contacts()) {

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
+#include "sim_board/engine/make_world.h"
 #include "sim_board/world/ground_truth.h"
-#include "sim_board/world/ode_world.h"
-#include "tests/unit/sim_board/world/sample_robots.h"
+#include "tests/support/sample_robots.h"
 
 namespace koboshi::sim {
 namespace {
@@ -29,7 +29,7 @@ std::unique_ptr<World> make_rig(const HingeRig& rig, FrictionMethod friction = F
   options.friction = friction;
   options.joint_positions_rad = {start_rad};
   if (rig.arm_m == 0.0) options.gravity_W_m_per_s2.setZero();
-  return make_ode_world(sample_hinge(rig), options);
+  return make_world(sample_hinge(rig), options);
 }
 
 class FrictionOfJoint : public testing::TestWithParam<FrictionMethod> {};

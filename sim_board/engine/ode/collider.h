@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "sim_board/engine/ode/library.h"
 #include "sim_board/robot/description.h"
 #include "sim_board/world/link_tree.h"
-#include "sim_board/world/ode_library.h"
-#include "sim_board/world/ode_world.h"
+#include "sim_board/world/options.h"
 #include "sim_board/world/world.h"
 
 namespace koboshi::sim {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "sim_board/world/ode_library.h"
+#include "sim_board/engine/ode/library.h"
 
 namespace koboshi::sim {
 

@@ -1,8 +1,8 @@
-#include "sim_board/world/collider.h"
+#include "sim_board/engine/ode/collider.h"
 
 #include <array>
 
-#include "sim_board/world/ode_eigen.h"
+#include "sim_board/engine/ode/eigen.h"
 #include "sim_board/world/surface_contact.h"
 
 namespace koboshi::sim {

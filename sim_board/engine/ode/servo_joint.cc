@@ -1,9 +1,9 @@
-#include "sim_board/world/servo_joint.h"
+#include "sim_board/engine/ode/servo_joint.h"
 
 #include <cmath>
 #include <numbers>
 
-#include "sim_board/world/ode_eigen.h"
+#include "sim_board/engine/ode/eigen.h"
 #include "sim_board/world/surface_contact.h"
 
 namespace koboshi::sim {
@@ -42,7 +42,7 @@ ServoJoint::ServoJoint(dWorldID world, const JointDescription& joint, dBodyID ch
       hinge_(dJointCreateHinge(world, nullptr)),
       motor_(dJointCreateAMotor(world, nullptr)),
       feedbacks_(std::make_unique<Feedbacks>()),
-      state_{start_rad, 0.0} {
+      state_{.position_rad = start_rad} {
   dJointAttach(hinge_.get(), child, parent);
   dJointSetHingeAnchor(hinge_.get(), joint.p_MJ.x(), joint.p_MJ.y(), joint.p_MJ.z());
   dJointSetHingeAxis(hinge_.get(), joint.axis_M.x(), joint.axis_M.y(), joint.axis_M.z());
@@ -137,6 +137,7 @@ void ServoJoint::read_state() {
   const double turn = dJointGetHingeAngle(hinge_.get()) - state_.position_rad;
   state_.position_rad += std::remainder(turn, 2.0 * std::numbers::pi);
   state_.speed_rad_per_s = dJointGetHingeAngleRate(hinge_.get());
+  state_.servo_Nm = axis_W_.dot(vector_of(feedbacks_->motor.t1));
 
   // The second body is the parent; ODE's torques are about its centre of mass, at the pose before the step.
   wrench_.force_N = vector_of(feedbacks_->hinge.f2) + vector_of(feedbacks_->motor.f2);

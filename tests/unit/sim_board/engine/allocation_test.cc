@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <new>
 
-#include "sim_board/world/ode_world.h"
-#include "tests/unit/sim_board/world/sample_robots.h"
+#include "sim_board/engine/make_world.h"
+#include "tests/support/sample_robots.h"
 
 namespace {
 
@@ -30,7 +30,7 @@ TEST(World, StepsWithoutTheHeap) {
     WorldOptions options;
     options.stepper = stepper;
     options.X_WB.translation().z() = kSampleHumanoidHeight_m + 0.02;
-    const auto world = make_ode_world(sample_humanoid(), options);
+    const auto world = make_world(sample_humanoid(), options);
     const long before = allocations;
     std::size_t most_contacts = 0;
     for (int i = 0; i < 500; ++i) {  // it drops, folds up and lies

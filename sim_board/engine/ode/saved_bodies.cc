@@ -1,4 +1,4 @@
-#include "sim_board/world/saved_bodies.h"
+#include "sim_board/engine/ode/saved_bodies.h"
 
 #include <algorithm>
 

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <thread>
 
+#include "sim_board/engine/make_world.h"
 #include "sim_board/world/ground_truth.h"
-#include "sim_board/world/ode_world.h"
-#include "tests/unit/sim_board/world/sample_robots.h"
+#include "tests/support/sample_robots.h"
 
 namespace koboshi::sim {
 namespace {
@@ -22,7 +22,7 @@ class Humanoid {
  public:
   explicit Humanoid(WorldOptions options = {}, double depth_rad = 0.0) : depth_rad_(depth_rad) {
     options.X_WB.translation().z() = kSampleHumanoidHeight_m;
-    world_ = make_ode_world(robot_, options);
+    world_ = make_world(robot_, options);
   }
 
   World& world() { return *world_; }

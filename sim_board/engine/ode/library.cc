@@ -1,4 +1,4 @@
-#include "sim_board/world/ode_library.h"
+#include "sim_board/engine/ode/library.h"
 
 #include <cstdarg>
 #include <mutex>
