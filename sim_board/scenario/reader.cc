@@ -90,8 +90,7 @@ Physics read_physics(const YamlMap& root) {
   if (std::abs(step_us - std::round(step_us)) > 1e-6 || 1000 % physics.step_us != 0) {
     throw map->value("step_ms").error("a whole number of microseconds that divides 1 ms");
   }
-  const bool quick = map->one_of("stepper", {"world", "quick"}, "world") == "quick";
-  physics.stepper = quick ? Stepper::kQuick : Stepper::kWorld;
+  physics.stepper = *stepper_named(map->one_of("stepper", stepper_names(), "world"));
   physics.quick_iterations =
       static_cast<int>(map->integer("iterations", {.min = 1, .max = 10000}, physics.quick_iterations));
   return physics;

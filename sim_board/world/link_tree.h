@@ -20,13 +20,15 @@ class LinkTree {
   // The same into `X_WLs`, whose memory is used again.
   void poses(const RobotDescription& robot, const Eigen::Isometry3d& X_WB,
              std::span<const double> joint_positions_rad, std::vector<Eigen::Isometry3d>& X_WLs) const;
+  // Indices of the joints, parents before children.
+  const std::vector<int>& joints_from_root() const { return joints_from_root_; }
   // How many joints lie on the way from one link to the other.
   int distance(int link, int other_link) const;
 
  private:
-  std::vector<int> joints_from_root_;  // indices of joints, parents before children
-  std::vector<int> parent_link_;       // by link; -1 for the root
-  std::vector<int> depth_;             // by link
+  std::vector<int> joints_from_root_;
+  std::vector<int> parent_link_;  // by link; -1 for the root
+  std::vector<int> depth_;        // by link
 };
 
 }  // namespace koboshi::sim

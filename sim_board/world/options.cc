@@ -1,10 +1,26 @@
 #include "sim_board/world/options.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
 namespace koboshi::sim {
+
+// In the order of the enumeration.
+const std::vector<std::string>& stepper_names() {
+  static const std::vector<std::string> names{"world", "lumped", "quick"};
+  return names;
+}
+
+std::string_view name_of(Stepper stepper) { return stepper_names()[static_cast<std::size_t>(stepper)]; }
+
+std::optional<Stepper> stepper_named(std::string_view name) {
+  const auto& names = stepper_names();
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end()) return std::nullopt;
+  return static_cast<Stepper>(found - names.begin());
+}
 
 WorldOptions checked(WorldOptions options, const RobotDescription& robot) {
   const double steps_a_ms = 0.001 / options.step_s;

@@ -2,6 +2,9 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim_board/robot/description.h"
@@ -18,8 +21,15 @@ struct GroundDescription {
 
 // Who solves the equations of motion.
 //   kWorld  ODE, the contact problem solved exactly: the reference
+//   kLumped ODE, solved as exactly; hinges that meet in one point are one joint, and the links between them
+//           ride on their neighbours: half the rows
 //   kQuick  ODE, iterated (projected successive over-relaxation)
-enum class Stepper { kWorld, kQuick };
+enum class Stepper { kWorld, kLumped, kQuick };
+
+// By the names that scenarios, options and summaries use: world, lumped, quick.
+const std::vector<std::string>& stepper_names();
+std::string_view name_of(Stepper stepper);
+std::optional<Stepper> stepper_named(std::string_view name);
 
 // How ODE learns which joints stick. Both give the same motion, but for round-off.
 enum class FrictionMethod {
@@ -33,7 +43,7 @@ struct WorldOptions {
   Eigen::Vector3d gravity_W_m_per_s2{0.0, 0.0, -9.80665};
   Stepper stepper = Stepper::kWorld;
   int quick_iterations = 50;
-  FrictionMethod friction = FrictionMethod::kLockAndCheck;  // of kWorld; kQuick always takes rows
+  FrictionMethod friction = FrictionMethod::kLockAndCheck;  // kQuick always takes rows
   GroundDescription ground;
   Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();  // links[0] at the start
   std::vector<double> joint_positions_rad;                 // at the start, by joint; empty: all zero

@@ -13,10 +13,6 @@ constexpr std::uint64_t kSettle_us = 500'000;
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 const Eigen::Vector3d kNowhere = Eigen::Vector3d::Constant(kNotANumber);
 
-std::string_view stepper_name(sim::Stepper stepper) {
-  return stepper == sim::Stepper::kQuick ? "quick" : "world";
-}
-
 }  // namespace
 
 RunRecorder::RunRecorder(Simulation& simulation, sim::Recorder* recorder)
@@ -210,7 +206,7 @@ sim::RunSummary RunRecorder::summary() const {
   const bool mute = board.controller_can_status().state != hal::CanErrorState::kErrorActive;
   summary.faults = telemetry_.now().emergencies + (mute ? 1 : 0) + (board.watchdog_bitten() ? 1 : 0);
   summary.solver_warnings = board.world().solver_warnings();
-  summary.stepper = stepper_name(simulation_.scenario().physics.stepper);
+  summary.stepper = sim::name_of(simulation_.scenario().physics.stepper);
   summary.base_height_error_max_m = base_height_error_m_;
   summary.foot_slip_max_m = foot_slip_m_;
   if (walk_) summary.walk = walk_->summary();

@@ -41,8 +41,8 @@ bool apart(dGeomID geom, dGeomID other) {
 
 }  // namespace
 
-Collider::Collider(dWorldID world, const RobotDescription& robot, const LinkTree& tree,
-                   std::span<const OdeBody> bodies, const WorldOptions& options)
+Collider::Collider(dWorldID world, const RobotDescription& robot, const LinkTree& tree, const Bodies& bodies,
+                   const WorldOptions& options)
     : world_(world), joints_(dJointGroupCreate(0)), boxes_(make_boxes(robot, bodies)) {
   if (options.ground.present) ground_ = make_ground(options.ground);
   make_pairs(tree, options);
@@ -50,15 +50,14 @@ Collider::Collider(dWorldID world, const RobotDescription& robot, const LinkTree
   feedbacks_.resize(pairs_.size() * kMaxContactsOfPair);
 }
 
-std::vector<Collider::Box> Collider::make_boxes(const RobotDescription& robot,
-                                                std::span<const OdeBody> bodies) {
+std::vector<Collider::Box> Collider::make_boxes(const RobotDescription& robot, const Bodies& bodies) {
   std::vector<Box> boxes;
   for (std::size_t l = 0; l < robot.links.size(); ++l) {
     const LinkDescription& link = robot.links[l];
     for (const BoxDescription& box : link.collisions) {
       OdeGeom geom(dCreateBox(nullptr, box.size_m.x(), box.size_m.y(), box.size_m.z()));
-      dGeomSetBody(geom.get(), bodies[l].get());
-      const Eigen::Vector3d p_ComG = box.X_LG.translation() - link.p_LCom_L;
+      dGeomSetBody(geom.get(), bodies.of(static_cast<int>(l)));
+      const Eigen::Vector3d p_ComG = box.X_LG.translation() - bodies.p_LCom_L(static_cast<int>(l));
       dGeomSetOffsetPosition(geom.get(), p_ComG.x(), p_ComG.y(), p_ComG.z());
       dMatrix3 R;
       copy_rotation(box.X_LG.linear(), R);

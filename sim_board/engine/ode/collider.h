@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "sim_board/engine/ode/bodies.h"
 #include "sim_board/engine/ode/library.h"
 #include "sim_board/robot/description.h"
 #include "sim_board/world/link_tree.h"
@@ -18,9 +19,9 @@ namespace koboshi::sim {
 // Links that fewer than three joints part never touch: neighbours overlap at their hinge by construction.
 class Collider {
  public:
-  // `bodies` by link, each with its frame in the centre of mass and the axes of the link.
-  Collider(dWorldID world, const RobotDescription& robot, const LinkTree& tree,
-           std::span<const OdeBody> bodies, const WorldOptions& options);
+  // Links without a body of their own have no boxes.
+  Collider(dWorldID world, const RobotDescription& robot, const LinkTree& tree, const Bodies& bodies,
+           const WorldOptions& options);
 
   // Replaces the contact joints by those of the bodies' present poses.
   void touch();
@@ -43,7 +44,7 @@ class Collider {
     SurfaceDescription surface;
   };
 
-  static std::vector<Box> make_boxes(const RobotDescription& robot, std::span<const OdeBody> bodies);
+  static std::vector<Box> make_boxes(const RobotDescription& robot, const Bodies& bodies);
   void make_pairs(const LinkTree& tree, const WorldOptions& options);
   void touch(const Pair& pair);
 

@@ -6,11 +6,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim_board/engine/ode/bodies.h"
 #include "sim_board/engine/ode/collider.h"
 #include "sim_board/engine/ode/eigen.h"
+#include "sim_board/engine/ode/hinge_chains.h"
+#include "sim_board/engine/ode/joint_chain.h"
 #include "sim_board/engine/ode/library.h"
 #include "sim_board/engine/ode/saved_bodies.h"
-#include "sim_board/engine/ode/servo_joint.h"
 #include "sim_board/world/link_tree.h"
 
 namespace koboshi::sim {
@@ -23,20 +25,6 @@ constexpr double kLargestForce = 1e6;  // N or N m
 // Then the solver decides. Squats need a second guess in 1 % of the steps, falls in 11 %.
 constexpr int kMostGuesses = 4;
 
-dMass ode_mass(const LinkDescription& link) {
-  const Eigen::Matrix3d& I = link.I_LCom_L;
-  if (!(link.mass_kg > 0.0) || I.llt().info() != Eigen::Success)
-    throw std::invalid_argument("link '" + link.name + "' has no positive mass and inertia");
-  dMass mass;
-  dMassSetParameters(&mass, link.mass_kg, 0.0, 0.0, 0.0, I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2),
-                     I(1, 2));
-  return mass;
-}
-
-Eigen::Isometry3d centre_of_mass_frame(const Eigen::Isometry3d& X_WL, const LinkDescription& link) {
-  return X_WL * Eigen::Translation3d(link.p_LCom_L);
-}
-
 template <typename List>
 auto& at(List& list, int index) {
   return list.at(static_cast<std::size_t>(index));
@@ -46,26 +34,36 @@ class OdeWorld final : public World {
  public:
   OdeWorld(const RobotDescription& robot, const WorldOptions& options);
 
-  void set_servo(int joint, const ServoTorque& torque) override { at(joints_, joint).set_servo(torque); }
+  void set_servo(int joint, const ServoTorque& torque) override {
+    chain_of(joint).motor(at(places_, joint).hinge).set_servo(torque);
+  }
   void push(int link, const Eigen::Vector3d& p_L, const Eigen::Vector3d& f_W) override;
   void release_base() override;
   void step() override;
 
   double step_s() const override { return options_.step_s; }
   double time_s() const override { return static_cast<double>(steps_) * options_.step_s; }
-  JointState joint(int joint) const override { return at(joints_, joint).state(); }
+  JointState joint(int joint) const override {
+    return chain_of(joint).motor(at(places_, joint).hinge).state();
+  }
   BodyState body(int link) const override;
-  Wrench joint_wrench(int joint) const override { return at(joints_, joint).wrench(); }
+  Wrench joint_wrench(int joint) const override;
   std::span<const Contact> contacts() const override { return collider_->contacts(); }
   std::uint64_t solver_warnings() const override { return solver_warnings_; }
 
  private:
+  struct Place {
+    std::size_t chain = 0;
+    std::size_t hinge = 0;  // in the chain
+  };
+
   void make_world();
-  void make_bodies();
-  void make_joints();
+  void make_joints(std::span<const HingeChain> chains);
   bool solve_guessing_friction();
   void solve_bounding_friction();
   void pose_bodies(const std::vector<Eigen::Isometry3d>& X_WLs);
+  JointChain& chain_of(int joint) { return chains_[at(places_, joint).chain]; }
+  const JointChain& chain_of(int joint) const { return chains_[at(places_, joint).chain]; }
   void check_inputs() const;
   void check_bodies() const;
   [[noreturn]] void blow_up(const std::string& what, const std::string& reason) const;
@@ -78,21 +76,26 @@ class OdeWorld final : public World {
   SavedBodies saved_;
   OdeThreading threading_;
   OdeWorldHandle world_;
-  std::vector<OdeBody> bodies_;
-  std::vector<ServoJoint> joints_;
+  std::unique_ptr<Bodies> bodies_;
+  std::vector<JointChain> chains_;
+  std::vector<Place> places_;     // by joint
+  std::vector<int> joint_above_;  // by link; the base has none
   std::unique_ptr<Collider> collider_;
 };
 
 OdeWorld::OdeWorld(const RobotDescription& robot, const WorldOptions& options)
     : robot_(robot), options_(checked(options, robot)) {
   const LinkTree tree(robot_);
+  const std::vector<HingeChain> chains =
+      options_.stepper == Stepper::kLumped ? lumped_hinges(robot_, tree) : single_hinges(tree);
   start_ode_in_this_thread();
   make_world();
-  make_bodies();
-  make_joints();
-  saved_.resize(bodies_.size());
+  bodies_ = std::make_unique<Bodies>(world_.get(), robot_, chains);
+  make_joints(chains);
+  saved_.resize(bodies_->all().size());
   pose_bodies(tree.poses(robot_, options_.X_WB, options_.joint_positions_rad));
-  collider_ = std::make_unique<Collider>(world_.get(), robot_, tree, bodies_, options_);
+  if (options_.fixed_base) dBodySetKinematic(bodies_->of(0));
+  collider_ = std::make_unique<Collider>(world_.get(), robot_, tree, *bodies_, options_);
 }
 
 void OdeWorld::make_world() {
@@ -107,72 +110,68 @@ void OdeWorld::make_world() {
   dWorldSetQuickStepNumIterations(world_.get(), options_.quick_iterations);
 }
 
-void OdeWorld::make_bodies() {
-  for (const LinkDescription& link : robot_.links) {
-    bodies_.emplace_back(dBodyCreate(world_.get()));
-    const dMass mass = ode_mass(link);
-    dBodySetMass(bodies_.back().get(), &mass);
-    set_pose(bodies_.back().get(), centre_of_mass_frame(link.X_ML, link));
-  }
-  if (options_.fixed_base) dBodySetKinematic(bodies_.front().get());
-}
-
-void OdeWorld::make_joints() {
-  joints_.reserve(robot_.joints.size());
-  for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
-    const JointDescription& joint = robot_.joints[j];
-    joints_.emplace_back(world_.get(), joint, at(bodies_, joint.child).get(), at(bodies_, joint.parent).get(),
-                         options_.joint_positions_rad[j], options_.step_s);
+void OdeWorld::make_joints(std::span<const HingeChain> chains) {
+  chains_.reserve(chains.size());
+  places_.resize(robot_.joints.size());
+  joint_above_.assign(robot_.links.size(), -1);
+  for (std::size_t j = 0; j < robot_.joints.size(); ++j)
+    at(joint_above_, robot_.joints[j].child) = static_cast<int>(j);
+  for (const HingeChain& chain : chains) {
+    for (std::size_t i = 0; i < chain.joints.size(); ++i) at(places_, chain.joints[i]) = {chains_.size(), i};
+    chains_.emplace_back(world_.get(), robot_, chain, *bodies_, options_.joint_positions_rad,
+                         options_.step_s);
   }
 }
 
 void OdeWorld::pose_bodies(const std::vector<Eigen::Isometry3d>& X_WLs) {
-  for (std::size_t l = 0; l < bodies_.size(); ++l)
-    set_pose(bodies_[l].get(), centre_of_mass_frame(X_WLs[l], robot_.links[l]));
+  for (std::size_t l = 0; l < X_WLs.size(); ++l) {
+    const int link = static_cast<int>(l);
+    if (bodies_->has_own(link)) bodies_->set_pose(link, X_WLs[l]);
+  }
 }
 
 void OdeWorld::push(int link, const Eigen::Vector3d& p_L, const Eigen::Vector3d& f_W) {
   if (!(f_W.cwiseAbs().maxCoeff() <= kLargestForce) || !p_L.allFinite())
     blow_up("body '" + at(robot_.links, link).name + "'", "a push that is not finite or beyond 1e6 N");
   const Eigen::Vector3d p_W = body(link).X_WL * p_L;
-  dBodyAddForceAtPos(at(bodies_, link).get(), f_W.x(), f_W.y(), f_W.z(), p_W.x(), p_W.y(), p_W.z());
+  dBodyAddForceAtPos(bodies_->of(link), f_W.x(), f_W.y(), f_W.z(), p_W.x(), p_W.y(), p_W.z());
 }
 
 void OdeWorld::release_base() {
-  if (dBodyIsKinematic(bodies_.front().get()) != 0) dBodySetDynamic(bodies_.front().get());
+  if (dBodyIsKinematic(bodies_->of(0)) != 0) dBodySetDynamic(bodies_->of(0));
 }
 
 void OdeWorld::step() {
   start_ode_in_this_thread();
   check_inputs();
-  for (ServoJoint& joint : joints_) joint.begin_step();
+  for (JointChain& chain : chains_) chain.begin_step();
   {
     const OdeWarningCount count(solver_warnings_);
     collider_->touch();
     if (!solve_guessing_friction()) solve_bounding_friction();
   }
   ++steps_;
-  for (ServoJoint& joint : joints_) joint.read_state();
+  for (JointChain& chain : chains_) chain.finish_step();
   collider_->read_forces();
   check_bodies();
 }
 
 bool OdeWorld::solve_guessing_friction() {
   if (options_.stepper == Stepper::kQuick || options_.friction == FrictionMethod::kRows) return false;
-  saved_.save(bodies_);
+  saved_.save(bodies_->all());
   for (int guess = 0; guess < kMostGuesses; ++guess) {
-    for (ServoJoint& joint : joints_) joint.guess_friction();
+    for (JointChain& chain : chains_) chain.guess_friction();
     dWorldStep(world_.get(), options_.step_s);
     bool confirmed = true;
-    for (ServoJoint& joint : joints_) confirmed = joint.confirm_friction() && confirmed;
+    for (JointChain& chain : chains_) confirmed = chain.confirm_friction() && confirmed;
     if (confirmed) return true;
-    saved_.restore(bodies_);
+    saved_.restore(bodies_->all());
   }
   return false;
 }
 
 void OdeWorld::solve_bounding_friction() {
-  for (ServoJoint& joint : joints_) joint.bound_friction();
+  for (JointChain& chain : chains_) chain.bound_friction();
   if (options_.stepper == Stepper::kQuick) {
     quick_step(world_.get(), options_.step_s, quick_seed_);
   } else {
@@ -181,14 +180,19 @@ void OdeWorld::solve_bounding_friction() {
 }
 
 BodyState OdeWorld::body(int link) const {
-  const dBodyID body = at(bodies_, link).get();
-  return {pose_of(body) * Eigen::Translation3d(-at(robot_.links, link).p_LCom_L),
-          vector_of(dBodyGetLinearVel(body)), vector_of(dBodyGetAngularVel(body))};
+  if (bodies_->has_own(link)) return bodies_->state(robot_, link);
+  const Place& place = at(places_, at(joint_above_, link));
+  return chains_[place.chain].link_between(place.hinge);
+}
+
+Wrench OdeWorld::joint_wrench(int joint) const {
+  if (steps_ == 0) return {};
+  return chain_of(joint).wrench(at(places_, joint).hinge, options_.gravity_W_m_per_s2);
 }
 
 void OdeWorld::check_inputs() const {
-  for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const ServoTorque& servo = joints_[j].servo();
+  for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
+    const ServoTorque& servo = chains_[places_[j].chain].motor(places_[j].hinge).servo();
     const bool sane = std::abs(servo.drive_Nm) <= kLargestForce && servo.damping_Nm_s >= 0.0 &&
                       servo.damping_Nm_s <= kLargestForce && servo.rotor_inertia_kg_m2 >= 0.0 &&
                       servo.rotor_inertia_kg_m2 <= kLargestForce && servo.friction_Nm >= 0.0 &&
@@ -199,18 +203,18 @@ void OdeWorld::check_inputs() const {
 }
 
 void OdeWorld::check_bodies() const {
-  for (std::size_t l = 0; l < bodies_.size(); ++l) {
-    const dBodyID body = bodies_[l].get();
+  for (std::size_t b = 0; b < bodies_->all().size(); ++b) {
+    const dBodyID body = bodies_->all()[b].get();
     const double speed_m_per_s = vector_of(dBodyGetLinearVel(body)).norm();
     const double rate_rad_per_s = vector_of(dBodyGetAngularVel(body)).norm();
     const bool finite = pose_of(body).matrix().allFinite();
     if (finite && speed_m_per_s <= options_.max_speed_m_per_s &&
         rate_rad_per_s <= options_.max_rate_rad_per_s)
       continue;
-    blow_up("body '" + robot_.links[l].name + "'", finite ? "moves at " + std::to_string(speed_m_per_s) +
-                                                                " m/s and " + std::to_string(rate_rad_per_s) +
-                                                                " rad/s"
-                                                          : "its pose is not finite");
+    blow_up("body '" + at(robot_.links, bodies_->link_of(b)).name + "'",
+            finite ? "moves at " + std::to_string(speed_m_per_s) + " m/s and " +
+                         std::to_string(rate_rad_per_s) + " rad/s"
+                   : "its pose is not finite");
   }
 }
 

@@ -1,0 +1,85 @@
+#include "sim_board/engine/ode/bodies.h"
+
+#include <stdexcept>
+
+#include "sim_board/engine/ode/eigen.h"
+
+namespace koboshi::sim {
+namespace {
+
+// Inertia of a unit mass at `r` about the origin.
+Eigen::Matrix3d of_point(const Eigen::Vector3d& r) {
+  return r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose();
+}
+
+}  // namespace
+
+void Bodies::Inertia::add(const Inertia& other) {
+  const double sum_kg = mass_kg + other.mass_kg;
+  const Eigen::Vector3d com = (mass_kg * p_LCom_L + other.mass_kg * other.p_LCom_L) / sum_kg;
+  I_LCom_L +=
+      mass_kg * of_point(p_LCom_L - com) + other.I_LCom_L + other.mass_kg * of_point(other.p_LCom_L - com);
+  p_LCom_L = com;
+  mass_kg = sum_kg;
+}
+
+Bodies::Bodies(dWorldID world, const RobotDescription& robot, std::span<const HingeChain> chains) {
+  for (const LinkDescription& link : robot.links) {
+    if (!(link.mass_kg > 0.0) || link.I_LCom_L.llt().info() != Eigen::Success)
+      throw std::invalid_argument("link '" + link.name + "' has no positive mass and inertia");
+    entries_.push_back({.inertia = {link.mass_kg, link.p_LCom_L, link.I_LCom_L}});
+  }
+  const auto joint = [&](int index) { return robot.joints.at(static_cast<std::size_t>(index)); };
+  for (const HingeChain& chain : chains) {
+    for (std::size_t i = 0; i + 1 < chain.joints.size(); ++i) {
+      const int carrier =
+          i < chain.cut ? joint(chain.joints.front()).parent : joint(chain.joints.back()).child;
+      let_ride(robot, joint(chain.joints[i]).child, carrier);
+    }
+  }
+  for (std::size_t l = 0; l < entries_.size(); ++l) {
+    if (entries_[l].rides_on >= 0) continue;
+    const Inertia& inertia = entries_[l].inertia;
+    const Eigen::Matrix3d& I = inertia.I_LCom_L;
+    entries_[l].body = bodies_.size();
+    links_.push_back(static_cast<int>(l));
+    bodies_.emplace_back(dBodyCreate(world));
+    dMass mass;
+    dMassSetParameters(&mass, inertia.mass_kg, 0.0, 0.0, 0.0, I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2),
+                       I(1, 2));
+    dBodySetMass(bodies_.back().get(), &mass);
+    set_pose(static_cast<int>(l), robot.links[l].X_ML);
+  }
+}
+
+void Bodies::let_ride(const RobotDescription& robot, int link, int carrier) {
+  const auto& links = robot.links;
+  const Eigen::Isometry3d X_CL =
+      links[static_cast<std::size_t>(carrier)].X_ML.inverse() * links[static_cast<std::size_t>(link)].X_ML;
+  const Inertia& own = at(link).inertia;
+  at(carrier).inertia.add({.mass_kg = own.mass_kg,
+                           .p_LCom_L = X_CL * own.p_LCom_L,
+                           .I_LCom_L = X_CL.linear() * own.I_LCom_L * X_CL.linear().transpose()});
+  at(link).rides_on = carrier;
+}
+
+dBodyID Bodies::of(int link) const {
+  const Entry& entry = at(link);
+  return bodies_[entry.rides_on < 0 ? entry.body : at(entry.rides_on).body].get();
+}
+
+void Bodies::set_pose(int link, const Eigen::Isometry3d& X_WL) {
+  sim::set_pose(of(link), X_WL * Eigen::Translation3d(p_LCom_L(link)));
+}
+
+BodyState Bodies::state(const RobotDescription& robot, int link) const {
+  const dBodyID body = of(link);
+  const Eigen::Vector3d w_W = vector_of(dBodyGetAngularVel(body));
+  const Eigen::Isometry3d X_WBody = pose_of(body);
+  const Eigen::Vector3d& p_LLinkCom_L = robot.links[static_cast<std::size_t>(link)].p_LCom_L;
+  return {X_WBody * Eigen::Translation3d(-p_LCom_L(link)),
+          vector_of(dBodyGetLinearVel(body)) + w_W.cross(X_WBody.linear() * (p_LLinkCom_L - p_LCom_L(link))),
+          w_W};
+}
+
+}  // namespace koboshi::sim

@@ -1,0 +1,101 @@
+#include "sim_board/engine/ode/hinge_chains.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace koboshi::sim {
+namespace {
+
+constexpr std::size_t kMostHinges = 3;
+constexpr double kSamePlace_m = 1e-6;
+constexpr double kPerpendicular = 1e-6;  // cosine between axes
+
+const JointDescription& joint_of(const RobotDescription& robot, int joint) {
+  return robot.joints.at(static_cast<std::size_t>(joint));
+}
+const LinkDescription& link_of(const RobotDescription& robot, int link) {
+  return robot.links.at(static_cast<std::size_t>(link));
+}
+
+bool carries_sensor(const RobotDescription& robot, int link) { return robot.imu && robot.imu->link == link; }
+
+// The joint that goes on from this link, if the link is nothing but what joins two hinges; else -1.
+int only_joint_behind(const RobotDescription& robot, int link) {
+  if (!link_of(robot, link).collisions.empty() || carries_sensor(robot, link)) return -1;
+  int behind = -1;
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    if (robot.joints[j].parent != link) continue;
+    if (behind >= 0) return -1;
+    behind = static_cast<int>(j);
+  }
+  return behind;
+}
+
+bool perpendicular(const JointDescription& one, const JointDescription& other) {
+  return std::abs(one.axis_M.dot(other.axis_M)) < kPerpendicular;
+}
+
+bool fits(const RobotDescription& robot, const HingeChain& chain, int next) {
+  if (next < 0 || chain.joints.size() == kMostHinges) return false;
+  const JointDescription& joint = joint_of(robot, next);
+  return std::ranges::all_of(chain.joints, [&](int before) {
+    return perpendicular(joint_of(robot, before), joint) &&
+           (joint_of(robot, before).p_MJ - joint.p_MJ).norm() < kSamePlace_m;
+  });
+}
+
+// How far wrong a link may be placed, kg m, when the hinge between it and what it rides on turns.
+double misplacement(const LinkDescription& link, const JointDescription& hinge) {
+  const Eigen::Vector3d p_JCom_M = link.X_ML * link.p_LCom_L - hinge.p_MJ;
+  const double arm_m = p_JCom_M.cross(hinge.axis_M).norm();
+  return link.mass_kg * arm_m * std::min(hinge.upper_rad - hinge.lower_rad, std::numbers::pi);
+}
+
+// Every link between the hinges turns, against the link that carries it, by all hinges between the two.
+std::size_t best_cut(const RobotDescription& robot, const HingeChain& chain) {
+  std::size_t best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t cut = 0; cut < chain.joints.size(); ++cut) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i + 1 < chain.joints.size(); ++i) {
+      const LinkDescription& link = link_of(robot, joint_of(robot, chain.joints[i]).child);
+      const std::size_t first = i < cut ? 0 : i + 1;
+      const std::size_t last = i < cut ? i : chain.joints.size() - 1;
+      for (std::size_t j = first; j <= last; ++j) sum += misplacement(link, joint_of(robot, chain.joints[j]));
+    }
+    if (sum < least) {
+      least = sum;
+      best = cut;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<HingeChain> single_hinges(const LinkTree& tree) {
+  std::vector<HingeChain> chains;
+  for (const int joint : tree.joints_from_root()) chains.push_back({.joints = {joint}});
+  return chains;
+}
+
+std::vector<HingeChain> lumped_hinges(const RobotDescription& robot, const LinkTree& tree) {
+  std::vector<HingeChain> chains;
+  std::vector<bool> taken(robot.joints.size(), false);
+  for (const int first : tree.joints_from_root()) {
+    if (taken[static_cast<std::size_t>(first)]) continue;
+    HingeChain chain{.joints = {first}};
+    for (int next = only_joint_behind(robot, joint_of(robot, first).child); fits(robot, chain, next);
+         next = only_joint_behind(robot, joint_of(robot, next).child)) {
+      chain.joints.push_back(next);
+    }
+    for (const int joint : chain.joints) taken[static_cast<std::size_t>(joint)] = true;
+    chain.cut = best_cut(robot, chain);
+    chains.push_back(chain);
+  }
+  return chains;
+}
+
+}  // namespace koboshi::sim

@@ -1,0 +1,208 @@
+#include "sim_board/engine/ode/joint_chain.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "sim_board/engine/ode/eigen.h"
+
+namespace koboshi::sim {
+namespace {
+
+constexpr double kLeastVolume = 0.05;  // of the axes' parallelepiped: sine of 3 degrees
+
+OdeJoint make_constraint(dWorldID world, std::size_t hinges, dBodyID child, dBodyID parent,
+                         const Eigen::Vector3d& p, const Eigen::Matrix3d& R_MF) {
+  const Eigen::Vector3d first = R_MF.col(0);
+  const Eigen::Vector3d second = R_MF.col(1);
+  if (hinges == 1) {
+    OdeJoint joint(dJointCreateHinge(world, nullptr));
+    dJointAttach(joint.get(), child, parent);
+    dJointSetHingeAnchor(joint.get(), p.x(), p.y(), p.z());
+    dJointSetHingeAxis(joint.get(), first.x(), first.y(), first.z());
+    return joint;
+  }
+  if (hinges == 2) {
+    OdeJoint joint(dJointCreateUniversal(world, nullptr));
+    dJointAttach(joint.get(), child, parent);
+    dJointSetUniversalAnchor(joint.get(), p.x(), p.y(), p.z());
+    dJointSetUniversalAxis1(joint.get(), second.x(), second.y(), second.z());  // fixed in the child
+    dJointSetUniversalAxis2(joint.get(), first.x(), first.y(), first.z());
+    return joint;
+  }
+  OdeJoint joint(dJointCreateBall(world, nullptr));
+  dJointAttach(joint.get(), child, parent);
+  dJointSetBallAnchor(joint.get(), p.x(), p.y(), p.z());
+  return joint;
+}
+
+double turn(double from_rad, double to_rad) {
+  return std::abs(std::remainder(to_rad - from_rad, 2.0 * std::numbers::pi));
+}
+
+}  // namespace
+
+JointChain::JointChain(dWorldID world, const RobotDescription& robot, const HingeChain& chain,
+                       const Bodies& bodies, std::span<const double> starts_rad, double step_s)
+    : robot_(robot),
+      chain_(chain),
+      parent_(bodies.of(joint(0).parent)),
+      child_(bodies.of(joint(size() - 1).child)),
+      step_s_(step_s),
+      R_ParentM_(rotation_of(dBodyGetRotation(parent_)).transpose()),
+      R_ChildM_(rotation_of(dBodyGetRotation(child_)).transpose()),
+      p_ParentAnchor_(R_ParentM_ * (joint(0).p_MJ - vector_of(dBodyGetPosition(parent_)))),
+      feedback_(std::make_unique<dJointFeedback>()) {
+  R_MF_.col(0) = joint(0).axis_M;
+  R_MF_.col(1) = size() > 1 ? joint(1).axis_M : joint(0).axis_M.unitOrthogonal();
+  R_MF_.col(2) = R_MF_.col(0).cross(R_MF_.col(1));
+  if (size() > 2) third_sign_ = std::copysign(1.0, R_MF_.col(2).dot(joint(2).axis_M));
+
+  constraint_ = make_constraint(world, size(), child_, parent_, joint(0).p_MJ, R_MF_);
+  dJointSetFeedback(constraint_.get(), feedback_.get());
+  motors_.reserve(size());
+  for (std::size_t i = 0; i < size(); ++i) {
+    motors_.emplace_back(world, joint(i), child_, parent_,
+                         starts_rad[static_cast<std::size_t>(chain_.joints[i])], step_s);
+  }
+}
+
+const JointDescription& JointChain::joint(std::size_t i) const {
+  return robot_.joints[static_cast<std::size_t>(chain_.joints[i])];
+}
+
+const LinkDescription& JointChain::link(std::size_t i) const {
+  return robot_.links[static_cast<std::size_t>(joint(i).child)];
+}
+
+Eigen::Matrix3d JointChain::R_WParent() const { return rotation_of(dBodyGetRotation(parent_)) * R_ParentM_; }
+
+Eigen::Matrix3d JointChain::R_WChild() const { return rotation_of(dBodyGetRotation(child_)) * R_ChildM_; }
+
+Eigen::Vector3d JointChain::relative_rate_W() const {
+  return vector_of(dBodyGetAngularVel(child_)) - vector_of(dBodyGetAngularVel(parent_));
+}
+
+Eigen::Vector3d JointChain::p_WAnchor_W() const {
+  return vector_of(dBodyGetPosition(parent_)) + rotation_of(dBodyGetRotation(parent_)) * p_ParentAnchor_;
+}
+
+// With alpha, beta, gamma about the columns of F, child against parent is turned by
+//   Rx(alpha) Ry(beta) Rz(gamma) = [  cb cg           -cb sg           sb
+//                                     sa sb cg + ca sg  ca cg - sa sb sg  -sa cb
+//                                     sa sg - ca sb cg  ca sb sg + sa cg   ca cb ].
+std::array<double, JointChain::kMostHinges> JointChain::positions_rad() const {
+  const Eigen::Matrix3d R = (R_WParent() * R_MF_).transpose() * (R_WChild() * R_MF_);
+  if (size() == 1) return {std::atan2(R(2, 1), R(1, 1))};
+  if (size() == 2) return {std::atan2(R(2, 1), R(1, 1)), std::atan2(R(0, 2), R(0, 0))};
+  // The same turn has two sets of angles; the joint goes on from where it was.
+  const double beta_rad = std::atan2(R(0, 2), std::hypot(R(0, 0), R(0, 1)));
+  const double pi = std::numbers::pi;
+  const bool near =
+      turn(motors_[1].state().position_rad, beta_rad) < turn(motors_[1].state().position_rad, pi - beta_rad);
+  const double side = near ? 1.0 : -1.0;
+  return {std::atan2(-side * R(1, 2), side * R(2, 2)), near ? beta_rad : pi - beta_rad,
+          third_sign_ * std::atan2(-side * R(0, 1), side * R(0, 0))};
+}
+
+JointChain::Vectors JointChain::axes_W() const {
+  const Eigen::Matrix3d R_WP = R_WParent();
+  Vectors axes;
+  axes[0] = R_WP * joint(0).axis_M;
+  if (size() == 2) axes[1] = R_WChild() * joint(1).axis_M;
+  if (size() == 3) {
+    const Eigen::AngleAxisd first(motors_[0].state().position_rad, joint(0).axis_M);
+    axes[1] = R_WP * (first * joint(1).axis_M);
+    axes[2] = R_WChild() * joint(2).axis_M;
+  }
+  return axes;
+}
+
+JointChain::Vectors JointChain::duals(const Vectors& axes_W) const {
+  if (size() < 3) return axes_W;  // perpendicular unit vectors
+  const Eigen::Vector3d first = axes_W[1].cross(axes_W[2]);
+  const double volume = axes_W[0].dot(first);
+  const double divisor = std::copysign(std::max(std::abs(volume), kLeastVolume), volume);
+  return {first / divisor, axes_W[1], axes_W[0].cross(axes_W[1]) / divisor};
+}
+
+JointChain::Motion JointChain::motion(std::size_t i) const {
+  const Vectors axes = axes_W();
+  Eigen::Matrix3d R_WM = R_WParent();
+  Motion motion;
+  motion.w_W = vector_of(dBodyGetAngularVel(parent_));
+  const Eigen::Vector3d p_ParentAnchor_W = rotation_of(dBodyGetRotation(parent_)) * p_ParentAnchor_;
+  const Eigen::Vector3d v_WAnchor_W =
+      vector_of(dBodyGetLinearVel(parent_)) + motion.w_W.cross(p_ParentAnchor_W);
+  for (std::size_t k = 0; k <= i; ++k) {
+    const JointState& state = motors_[k].state();
+    R_WM = R_WM * Eigen::AngleAxisd(state.position_rad, joint(k).axis_M);
+    motion.w_W += axes[k] * state.speed_rad_per_s;
+  }
+  motion.R_WL = R_WM * link(i).X_ML.linear();
+  motion.p_ACom_W = R_WM * (link(i).X_ML * link(i).p_LCom_L - joint(0).p_MJ);
+  motion.v_WCom_W = v_WAnchor_W + motion.w_W.cross(motion.p_ACom_W);
+  return motion;
+}
+
+BodyState JointChain::link_between(std::size_t i) const {
+  const Motion motion = this->motion(i);
+  BodyState state{.v_WCom_W = motion.v_WCom_W, .w_WL_W = motion.w_W};
+  state.X_WL.linear() = motion.R_WL;
+  state.X_WL.translation() = p_WAnchor_W() + motion.p_ACom_W - motion.R_WL * link(i).p_LCom_L;
+  return state;
+}
+
+void JointChain::begin_step() {
+  const Vectors b = duals(axes_W());
+  for (std::size_t i = 0; i < size(); ++i) motors_[i].begin_step(b[i]);
+  p_AnchorParentCom_W_ = vector_of(dBodyGetPosition(parent_)) - p_WAnchor_W();
+  for (std::size_t i = 0; i + 1 < size(); ++i) before_[i] = motion(i);
+}
+
+void JointChain::guess_friction() {
+  for (ServoMotor& motor : motors_) motor.guess_friction();
+}
+
+void JointChain::bound_friction() {
+  for (ServoMotor& motor : motors_) motor.bound_friction();
+}
+
+bool JointChain::confirm_friction() {
+  const Eigen::Vector3d w_W = relative_rate_W();
+  bool confirmed = true;
+  for (ServoMotor& motor : motors_) confirmed = motor.confirm_friction(w_W) && confirmed;
+  return confirmed;
+}
+
+void JointChain::finish_step() {
+  const std::array<double, kMostHinges> positions = positions_rad();
+  for (std::size_t i = 0; i < size(); ++i) motors_[i].set_position(positions[i]);
+  const Vectors b = duals(axes_W());
+  const Eigen::Vector3d w_W = relative_rate_W();
+  for (std::size_t i = 0; i < size(); ++i) motors_[i].set_speed(b[i].dot(w_W));
+}
+
+// At the cut the solver tells the wrench. From one hinge to the next it changes by what the link between them
+// takes: m (a - g), and the rate of its angular momentum about the anchor less the moment of its weight.
+Wrench JointChain::wrench(std::size_t i, const Eigen::Vector3d& gravity_W_m_per_s2) const {
+  Wrench wrench{.force_N = vector_of(feedback_->f2), .torque_Nm = vector_of(feedback_->t2)};
+  for (const ServoMotor& motor : motors_) wrench.torque_Nm += motor.on_parent_Nm();
+  wrench.torque_Nm += p_AnchorParentCom_W_.cross(wrench.force_N);
+
+  const std::size_t from = std::min(i, chain_.cut);
+  const std::size_t to = std::max(i, chain_.cut);
+  const double sign = i > chain_.cut ? 1.0 : -1.0;
+  for (std::size_t k = from; k < to; ++k) {
+    const Motion& before = before_[k];
+    const Motion after = motion(k);
+    const Eigen::Matrix3d I_W = before.R_WL * link(k).I_LCom_L * before.R_WL.transpose();
+    const Eigen::Vector3d force_N =
+        link(k).mass_kg * ((after.v_WCom_W - before.v_WCom_W) / step_s_ - gravity_W_m_per_s2);
+    wrench.force_N += sign * force_N;
+    wrench.torque_Nm += sign * (I_W * (after.w_W - before.w_W) / step_s_ +
+                                before.w_W.cross(I_W * before.w_W) + before.p_ACom_W.cross(force_N));
+  }
+  return wrench;
+}
+
+}  // namespace koboshi::sim

@@ -1,0 +1,136 @@
+#include "sim_board/engine/ode/servo_motor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim_board/engine/ode/eigen.h"
+#include "sim_board/world/surface_contact.h"
+
+namespace koboshi::sim {
+namespace {
+
+// Faster than this a joint slides, with the friction known from its sign; slower it may stick, and the solver
+// decides. Kc h / J of a small servo is 0.03 rad/s: a sliding joint cannot jump across the band. 0.01 to 0.3
+// behave alike.
+constexpr double kSlidingSpeed_rad_per_s = 0.1;
+// Leaves the friction row solvable beside others; creep under 0.03 N m: 3e-12 rad/s.
+constexpr double kStickingForceMixing = 1e-10;
+// A constant torque without any damping still needs a CFM: 1e-9 N m of error at 1 rad/s.
+constexpr double kLeastDamping_Nm_s = 1e-9;
+// The stops: a stalled servo of 1.4 N m bends one by 0.14 mrad. Damped far beyond critical, so that nothing
+// bounces off; what ran past its limit within a step returns in kd/kp = 4 ms.
+constexpr double kStopStiffness_Nm_per_rad = 1e4;
+constexpr double kStopDamping_Nm_s_per_rad = 40.0;
+
+constexpr int kDrive = 0;  // numbers of the motor's axes
+constexpr int kFriction = 1;
+constexpr int kInWorld = 0;  // what an axis is fixed to
+
+void set(const OdeJoint& motor, int axis, int parameter, double value) {
+  dJointSetAMotorParam(motor.get(), axis * dParamGroup + parameter, value);
+}
+
+OdeJoint make_motor(dWorldID world, dBodyID child, dBodyID parent, int axes, dJointFeedback& feedback) {
+  OdeJoint motor(dJointCreateAMotor(world, nullptr));
+  dJointAttach(motor.get(), child, parent);
+  dJointSetAMotorMode(motor.get(), dAMotorUser);
+  dJointSetAMotorNumAxes(motor.get(), axes);
+  dJointSetFeedback(motor.get(), &feedback);
+  return motor;
+}
+
+}  // namespace
+
+ServoMotor::ServoMotor(dWorldID world, const JointDescription& joint, dBodyID child, dBodyID parent,
+                       double start_rad, double step_s)
+    : step_s_(step_s),
+      lower_rad_(joint.lower_rad),
+      upper_rad_(joint.upper_rad),
+      feedbacks_(std::make_unique<Feedbacks>()),
+      state_{.position_rad = start_rad} {
+  motor_ = make_motor(world, child, parent, 2, feedbacks_->servo);
+  set(motor_, kFriction, dParamVel, 0.0);
+  stop_ = make_motor(world, child, parent, 1, feedbacks_->stop);
+  set(stop_, 0, dParamStopERP,
+      softness(kStopStiffness_Nm_per_rad, kStopDamping_Nm_s_per_rad, step_s_).error_reduction);
+}
+
+void ServoMotor::set_direction(const Eigen::Vector3d& b_W) {
+  b_W_ = b_W;
+  scale_ = b_W.norm();
+  for (int axis : {kDrive, kFriction})
+    dJointSetAMotorAxis(motor_.get(), axis, kInWorld, b_W.x(), b_W.y(), b_W.z());
+  dJointSetAMotorAxis(stop_.get(), 0, kInWorld, b_W.x(), b_W.y(), b_W.z());
+}
+
+void ServoMotor::begin_step(const Eigen::Vector3d& b_W) {
+  set_direction(b_W);
+  const Softness stop = softness(kStopStiffness_Nm_per_rad, kStopDamping_Nm_s_per_rad, step_s_);
+  set(stop_, 0, dParamLoStop, lower_rad_ / scale_);
+  set(stop_, 0, dParamHiStop, upper_rad_ / scale_);
+  set(stop_, 0, dParamStopCFM, stop.constraint_force_mixing / (scale_ * scale_));
+  dJointSetAMotorAngle(stop_.get(), 0, state_.position_rad / scale_);
+  *feedbacks_ = {};  // ODE leaves that of a motor without a row alone
+
+  // A joint that crept goes on creeping, as the first guess.
+  if (std::abs(state_.speed_rad_per_s) > kSlidingSpeed_rad_per_s) {
+    friction_ = Friction::kSliding;
+    direction_ = std::copysign(1.0, state_.speed_rad_per_s);
+  } else if (friction_ == Friction::kSliding) {
+    friction_ = Friction::kCreeping;
+  } else if (friction_ == Friction::kBounded) {
+    friction_ = Friction::kLocked;
+  }
+}
+
+void ServoMotor::bound_friction() {
+  if (friction_ != Friction::kSliding) friction_ = Friction::kBounded;
+  write_rows();
+}
+
+void ServoMotor::write_rows() {
+  const double inertial_Nm_s = servo_.rotor_inertia_kg_m2 / step_s_;
+  const bool slides = friction_ == Friction::kSliding || friction_ == Friction::kCreeping;
+  const bool locked = friction_ == Friction::kLocked && servo_.friction_Nm > 0.0;
+  const double a = servo_.drive_Nm + inertial_Nm_s * state_.speed_rad_per_s -
+                   (slides ? direction_ * servo_.friction_Nm : 0.0);
+  const double b = std::max(servo_.damping_Nm_s + inertial_Nm_s, kLeastDamping_Nm_s);
+  const bool driven = !locked && (a != 0.0 || b > kLeastDamping_Nm_s);
+
+  set(motor_, kDrive, dParamVel, a / b / scale_);
+  set(motor_, kDrive, dParamCFM, 1.0 / (b * scale_ * scale_));
+  set(motor_, kDrive, dParamFMax, driven ? dInfinity : 0.0);
+  set(motor_, kFriction, dParamCFM, kStickingForceMixing / (scale_ * scale_));
+  set(motor_, kFriction, dParamFMax, locked ? dInfinity : slides ? 0.0 : servo_.friction_Nm * scale_);
+}
+
+double ServoMotor::servo_Nm() const { return b_W_.dot(vector_of(feedbacks_->servo.t1)) / (scale_ * scale_); }
+
+bool ServoMotor::confirm_friction(const Eigen::Vector3d& w_W) {
+  if (friction_ == Friction::kLocked) {
+    // A locked joint does not move, so of the drive only a is left; the rest of its row's torque is friction.
+    const double drive_Nm = servo_.drive_Nm + servo_.rotor_inertia_kg_m2 / step_s_ * state_.speed_rad_per_s;
+    const double friction_Nm = servo_Nm() - drive_Nm;
+    if (servo_.friction_Nm == 0.0 || std::abs(friction_Nm) <= servo_.friction_Nm) return true;
+    friction_ = Friction::kCreeping;
+    direction_ = -std::copysign(1.0, friction_Nm);
+    return false;
+  }
+  if (friction_ == Friction::kCreeping && direction_ * b_W_.dot(w_W) < 0.0) {
+    friction_ = Friction::kLocked;
+    return false;
+  }
+  return true;
+}
+
+void ServoMotor::set_position(double position_rad) {
+  state_.position_rad += std::remainder(position_rad - state_.position_rad, 2.0 * std::numbers::pi);
+  state_.servo_Nm = servo_Nm();
+}
+
+Eigen::Vector3d ServoMotor::on_parent_Nm() const {  // the second body
+  return vector_of(feedbacks_->servo.t2) + vector_of(feedbacks_->stop.t2);
+}
+
+}  // namespace koboshi::sim
