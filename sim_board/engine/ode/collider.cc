@@ -47,6 +47,7 @@ Collider::Collider(dWorldID world, const RobotDescription& robot, const LinkTree
   if (options.ground.present) ground_ = make_ground(options.ground);
   make_pairs(tree, options);
   contacts_.reserve(pairs_.size() * kMaxContactsOfPair);
+  touches_.reserve(pairs_.size() * kMaxContactsOfPair);
   feedbacks_.resize(pairs_.size() * kMaxContactsOfPair);
 }
 
@@ -83,6 +84,7 @@ void Collider::make_pairs(const LinkTree& tree, const WorldOptions& options) {
 void Collider::touch() {
   dJointGroupEmpty(joints_.get());
   contacts_.clear();
+  touches_.clear();
   for (const Pair& pair : pairs_)
     if (pair.other_link < 0 || !apart(pair.geom, pair.other_geom)) touch(pair);
 }
@@ -98,6 +100,7 @@ void Collider::touch(const Pair& pair) {
     const dJointID joint = dJointCreateContact(world_, joints_.get(), &contact);
     dJointAttach(joint, dGeomGetBody(pair.geom), dGeomGetBody(pair.other_geom));
     dJointSetFeedback(joint, &feedbacks_[contacts_.size()]);
+    touches_.push_back({joint, contact.geom.depth, contact.surface});
     contacts_.push_back({pair.link, pair.other_link, vector_of(contact.geom.pos),
                          vector_of(contact.geom.normal), Eigen::Vector3d::Zero()});
   }
@@ -105,6 +108,10 @@ void Collider::touch(const Pair& pair) {
 
 void Collider::read_forces() {
   for (std::size_t i = 0; i < contacts_.size(); ++i) contacts_[i].f_W = vector_of(feedbacks_[i].f1);
+}
+
+void Collider::set_forces(std::size_t first, std::span<const Eigen::Vector3d> forces_W) {
+  for (std::size_t i = 0; i < forces_W.size(); ++i) contacts_[first + i].f_W = forces_W[i];
 }
 
 }  // namespace koboshi::sim

@@ -15,6 +15,13 @@
 
 namespace koboshi::sim {
 
+// What ODE knows of a contact.
+struct Touch {
+  dJointID joint;
+  double depth_m;
+  dSurfaceParameters surface;
+};
+
 // Finds where the boxes of the links touch the ground and each other, and makes ODE's contact joints of it.
 // Links that fewer than three joints part never touch: neighbours overlap at their hinge by construction.
 class Collider {
@@ -28,6 +35,10 @@ class Collider {
   // After the solver: reads the forces of the joints that the last touch() made.
   void read_forces();
   std::span<const Contact> contacts() const { return contacts_; }
+  // Beside each contact.
+  std::span<const Touch> touches() const { return touches_; }
+  // Where others than the contact joints held: what the links feel at the contacts from `first` on.
+  void set_forces(std::size_t first, std::span<const Eigen::Vector3d> forces_W);
 
  private:
   struct Pair {
@@ -54,6 +65,7 @@ class Collider {
   std::vector<Box> boxes_;
   std::vector<Pair> pairs_;
   std::vector<Contact> contacts_;
+  std::vector<Touch> touches_;
   std::vector<dJointFeedback> feedbacks_;  // by contact; ODE writes into it, so it never moves
 };
 

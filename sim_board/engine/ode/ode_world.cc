@@ -3,6 +3,7 @@
 #include <ode/ode.h>
 
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -13,6 +14,7 @@
 #include "sim_board/engine/ode/joint_chain.h"
 #include "sim_board/engine/ode/library.h"
 #include "sim_board/engine/ode/saved_bodies.h"
+#include "sim_board/engine/ode/soles.h"
 #include "sim_board/world/link_tree.h"
 
 namespace koboshi::sim {
@@ -81,6 +83,7 @@ class OdeWorld final : public World {
   std::vector<Place> places_;     // by joint
   std::vector<int> joint_above_;  // by link; the base has none
   std::unique_ptr<Collider> collider_;
+  std::optional<Soles> soles_;  // of the stepper that holds them
 };
 
 OdeWorld::OdeWorld(const RobotDescription& robot, const WorldOptions& options)
@@ -96,6 +99,7 @@ OdeWorld::OdeWorld(const RobotDescription& robot, const WorldOptions& options)
   pose_bodies(tree.poses(robot_, options_.X_WB, options_.joint_positions_rad));
   if (options_.fixed_base) dBodySetKinematic(bodies_->of(0));
   collider_ = std::make_unique<Collider>(world_.get(), robot_, tree, *bodies_, options_);
+  if (options_.stepper == Stepper::kLumped) soles_.emplace(world_.get(), robot_, *bodies_, options_.step_s);
 }
 
 void OdeWorld::make_world() {
@@ -148,11 +152,13 @@ void OdeWorld::step() {
   {
     const OdeWarningCount count(solver_warnings_);
     collider_->touch();
+    if (soles_) soles_->guess(*collider_);
     if (!solve_guessing_friction()) solve_bounding_friction();
   }
   ++steps_;
   for (JointChain& chain : chains_) chain.finish_step();
   collider_->read_forces();
+  if (soles_) soles_->finish_step(*collider_);
   check_bodies();
 }
 
@@ -164,6 +170,7 @@ bool OdeWorld::solve_guessing_friction() {
     dWorldStep(world_.get(), options_.step_s);
     bool confirmed = true;
     for (JointChain& chain : chains_) confirmed = chain.confirm_friction() && confirmed;
+    if (soles_) confirmed = soles_->confirm() && confirmed;
     if (confirmed) return true;
     saved_.restore(bodies_->all());
   }
@@ -172,6 +179,7 @@ bool OdeWorld::solve_guessing_friction() {
 
 void OdeWorld::solve_bounding_friction() {
   for (JointChain& chain : chains_) chain.bound_friction();
+  if (soles_) soles_->let_go();
   if (options_.stepper == Stepper::kQuick) {
     quick_step(world_.get(), options_.step_s, quick_seed_);
   } else {

@@ -1,0 +1,154 @@
+#include "sim_board/engine/ode/soles.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim_board/engine/ode/eigen.h"
+
+namespace koboshi::sim {
+namespace {
+
+constexpr std::size_t kLeastPoints = 3;
+constexpr std::size_t kMostPoints = 16;
+constexpr double kSameDirection = 1e-9;  // 1 - cosine
+// Points closer to a line than this hold no sole.
+constexpr double kLeastWidth_m = 1e-3;
+// What friction rows let creep is far below; what slides, above.
+constexpr double kAtRest_m_per_s = 1e-6;
+
+bool can_be_held(const Touch& touch) {
+  constexpr int kNeither = dContactSlip1 | dContactSlip2 | dContactMotion1 | dContactMotion2;
+  return touch.surface.bounce == 0.0 && (touch.surface.mode & kNeither) == 0;
+}
+
+bool alike(const Touch& one, const Touch& other) {
+  return one.surface.soft_erp == other.surface.soft_erp && one.surface.soft_cfm == other.surface.soft_cfm;
+}
+
+double friction(const Touch& touch) {
+  return (touch.surface.mode & dContactMu2) != 0 ? std::min(touch.surface.mu, touch.surface.mu2)
+                                                 : touch.surface.mu;
+}
+
+// Whether the points span an area: some two of them seen from the first.
+bool is_wide(std::span<const Contact> contacts) {
+  Eigen::Vector3d longest = Eigen::Vector3d::Zero();
+  for (const Contact& contact : contacts) {
+    const Eigen::Vector3d way = contact.p_W - contacts.front().p_W;
+    if (way.squaredNorm() > longest.squaredNorm()) longest = way;
+  }
+  const double length_m = longest.norm();
+  return length_m > kLeastWidth_m && std::ranges::any_of(contacts, [&](const Contact& contact) {
+           return longest.cross(contact.p_W - contacts.front().p_W).norm() > kLeastWidth_m * length_m;
+         });
+}
+
+}  // namespace
+
+Soles::Soles(dWorldID world, const RobotDescription& robot, const Bodies& bodies, double step_s)
+    : step_s_(step_s), sole_of_link_(robot.links.size(), -1) {
+  for (std::size_t l = 0; l < robot.links.size(); ++l) {
+    if (robot.links[l].collisions.empty()) continue;
+    sole_of_link_[l] = static_cast<int>(soles_.size());
+    const dBodyID body = bodies.of(static_cast<int>(l));
+    soles_.push_back({.held = HeldSole(world, body), .body = body, .joints = {}});
+    soles_.back().joints.reserve(kMostPoints);
+  }
+  points_.reserve(kMostPoints);
+}
+
+// The contacts of one link with the ground follow each other.
+void Soles::guess(const Collider& collider) {
+  for (Sole& sole : soles_) {
+    sole.count = 0;
+    sole.joints.clear();
+  }
+  const std::span<const Contact> contacts = collider.contacts();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (contacts[i].other_link >= 0) continue;
+    Sole& sole = soles_[static_cast<std::size_t>(sole_of_link_[static_cast<std::size_t>(contacts[i].link)])];
+    if (sole.count == 0) sole.first = i;
+    ++sole.count;
+  }
+  for (Sole& sole : soles_) {
+    look_at(sole, collider);
+    if (sole.eligible && sole.stands) {
+      hold(sole, collider);
+    } else {
+      sole.held.let_go();
+    }
+  }
+}
+
+void Soles::look_at(Sole& sole, const Collider& collider) {
+  sole.eligible = false;
+  if (sole.count < kLeastPoints || sole.count > kMostPoints) return;
+  const auto contacts = collider.contacts().subspan(sole.first, sole.count);
+  const auto touches = collider.touches().subspan(sole.first, sole.count);
+  sole.friction = dInfinity;
+  for (std::size_t i = 0; i < sole.count; ++i) {
+    if (contacts[i].link != contacts[0].link || contacts[i].other_link >= 0) return;
+    if (!can_be_held(touches[i]) || !alike(touches[i], touches[0])) return;
+    if (contacts[i].n_W.dot(contacts[0].n_W) < 1.0 - kSameDirection) return;
+    sole.friction = std::min(sole.friction, friction(touches[i]));
+  }
+  sole.eligible = is_wide(contacts);
+}
+
+void Soles::hold(Sole& sole, const Collider& collider) {
+  const auto contacts = collider.contacts().subspan(sole.first, sole.count);
+  const auto touches = collider.touches().subspan(sole.first, sole.count);
+  points_.clear();
+  for (std::size_t i = 0; i < sole.count; ++i) {
+    points_.push_back({contacts[i].p_W, touches[i].depth_m});
+    sole.joints.push_back(touches[i].joint);
+    dJointDisable(touches[i].joint);
+  }
+  const dSurfaceParameters& surface = touches[0].surface;
+  sole.held.hold(points_, contacts[0].n_W, surface.soft_erp, surface.soft_cfm, step_s_);
+}
+
+void Soles::let_go(Sole& sole) {
+  if (!sole.held.holds()) return;
+  sole.held.let_go();
+  for (const dJointID joint : sole.joints) dJointEnable(joint);
+}
+
+bool Soles::confirm() {
+  bool confirmed = true;
+  for (Sole& sole : soles_) {
+    if (!sole.held.holds() || sole.held.is_possible(sole.friction)) continue;
+    let_go(sole);
+    confirmed = false;
+  }
+  return confirmed;
+}
+
+void Soles::let_go() {
+  for (Sole& sole : soles_) let_go(sole);
+}
+
+void Soles::finish_step(Collider& collider) {
+  for (Sole& sole : soles_) {
+    if (sole.held.holds()) {
+      collider.set_forces(sole.first, sole.held.forces_W());
+    } else {
+      sole.stands = sole.eligible && rests(sole, collider);
+    }
+  }
+}
+
+// Points are those of the step's beginning; a sole at rest has not gone from them.
+bool Soles::rests(const Sole& sole, const Collider& collider) const {
+  const Eigen::Vector3d v_W = vector_of(dBodyGetLinearVel(sole.body));
+  const Eigen::Vector3d w_W = vector_of(dBodyGetAngularVel(sole.body));
+  const Eigen::Vector3d p_WCom_W = vector_of(dBodyGetPosition(sole.body));
+  const auto contacts = collider.contacts().subspan(sole.first, sole.count);
+  return std::ranges::all_of(contacts, [&](const Contact& contact) {
+    const Eigen::Vector3d v_WPoint_W = v_W + w_W.cross(contact.p_W - p_WCom_W);
+    const Eigen::Vector3d& n_W = contact.n_W;
+    return contact.f_W.dot(n_W) > 0.0 && (v_WPoint_W - n_W.dot(v_WPoint_W) * n_W).norm() < kAtRest_m_per_s;
+  });
+}
+
+}  // namespace koboshi::sim
