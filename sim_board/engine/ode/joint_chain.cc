@@ -167,10 +167,16 @@ void JointChain::bound_friction() {
   for (ServoMotor& motor : motors_) motor.bound_friction();
 }
 
-bool JointChain::confirm_friction() {
+bool JointChain::confirm_friction(int most, int& corrections) {
   const Eigen::Vector3d w_W = relative_rate_W();
   bool confirmed = true;
-  for (ServoMotor& motor : motors_) confirmed = motor.confirm_friction(w_W) && confirmed;
+  for (ServoMotor& motor : motors_) {
+    if (motor.friction_is_right(w_W)) continue;
+    confirmed = false;
+    if (corrections == most) continue;
+    motor.correct_friction();
+    ++corrections;
+  }
   return confirmed;
 }
 

@@ -41,7 +41,8 @@ class JointChain {
   void begin_step();
   void guess_friction();
   void bound_friction();
-  bool confirm_friction();
+  // Corrects what is wrong while fewer than `most` corrections have been made; counts them.
+  bool confirm_friction(int most, int& corrections);
   void finish_step();
 
   // World::joint_wrench of hinge i, in a world of this gravity.

@@ -107,21 +107,26 @@ void ServoMotor::write_rows() {
 
 double ServoMotor::servo_Nm() const { return b_W_.dot(vector_of(feedbacks_->servo.t1)) / (scale_ * scale_); }
 
-bool ServoMotor::confirm_friction(const Eigen::Vector3d& w_W) {
+// Of what the servo gave in a solution that ended with this speed, the part that dry friction has.
+double ServoMotor::friction_Nm(double speed_rad_per_s) const {
+  const double inertial_Nm_s = servo_.rotor_inertia_kg_m2 / step_s_;
+  return servo_Nm() - servo_.drive_Nm - inertial_Nm_s * state_.speed_rad_per_s +
+         (servo_.damping_Nm_s + inertial_Nm_s) * speed_rad_per_s;
+}
+
+bool ServoMotor::friction_is_right(const Eigen::Vector3d& w_W) const {
+  if (friction_ == Friction::kLocked)
+    return servo_.friction_Nm == 0.0 || std::abs(friction_Nm(0.0)) <= servo_.friction_Nm;
+  return friction_ != Friction::kCreeping || direction_ * b_W_.dot(w_W) >= 0.0;
+}
+
+void ServoMotor::correct_friction() {
   if (friction_ == Friction::kLocked) {
-    // A locked joint does not move, so of the drive only a is left; the rest of its row's torque is friction.
-    const double drive_Nm = servo_.drive_Nm + servo_.rotor_inertia_kg_m2 / step_s_ * state_.speed_rad_per_s;
-    const double friction_Nm = servo_Nm() - drive_Nm;
-    if (servo_.friction_Nm == 0.0 || std::abs(friction_Nm) <= servo_.friction_Nm) return true;
     friction_ = Friction::kCreeping;
-    direction_ = -std::copysign(1.0, friction_Nm);
-    return false;
-  }
-  if (friction_ == Friction::kCreeping && direction_ * b_W_.dot(w_W) < 0.0) {
+    direction_ = -std::copysign(1.0, friction_Nm(0.0));
+  } else {
     friction_ = Friction::kLocked;
-    return false;
   }
-  return true;
 }
 
 void ServoMotor::set_position(double position_rad) {

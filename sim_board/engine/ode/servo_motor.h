@@ -40,8 +40,10 @@ class ServoMotor {
   // Leaves it to the solver: a row bounded by Kc. Always right, and dear.
   void bound_friction();
   // Whether the solution obeys Coulomb: a locked joint held by less than Kc, a slow slider that did not turn
-  // round. If not, corrects the guess. `w_W` is the solution's angular velocity of child against parent.
-  bool confirm_friction(const Eigen::Vector3d& w_W);
+  // round. `w_W` is the solution's angular velocity of child against parent.
+  bool friction_is_right(const Eigen::Vector3d& w_W) const;
+  // After a solution that does not obey: the other guess.
+  void correct_friction();
   // Where the hinge is after the step, but for whole turns.
   void set_position(double position_rad);
   void set_speed(double speed_rad_per_s) { state_.speed_rad_per_s = speed_rad_per_s; }
@@ -65,6 +67,7 @@ class ServoMotor {
   void set_direction(const Eigen::Vector3d& b_W);
   void write_rows();
   double servo_Nm() const;
+  double friction_Nm(double speed_rad_per_s) const;
 
   double step_s_;
   double lower_rad_;
