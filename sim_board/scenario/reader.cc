@@ -91,6 +91,8 @@ Physics read_physics(const YamlMap& root) {
     throw map->value("step_ms").error("a whole number of microseconds that divides 1 ms");
   }
   physics.stepper = *stepper_named(map->one_of("stepper", stepper_names(), "world"));
+  const std::string friction = map->one_of("friction", {"rows", "lock_and_check"}, "lock_and_check");
+  physics.friction = friction == "rows" ? FrictionMethod::kRows : FrictionMethod::kLockAndCheck;
   physics.quick_iterations =
       static_cast<int>(map->integer("iterations", {.min = 1, .max = 10000}, physics.quick_iterations));
   return physics;

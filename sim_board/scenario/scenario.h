@@ -63,6 +63,7 @@ struct Physics {
   std::uint64_t step_us = 1000;  // divides 1 ms
   Stepper stepper = Stepper::kWorld;
   int quick_iterations = 50;
+  FrictionMethod friction = FrictionMethod::kLockAndCheck;
 };
 
 // A parameter of the controller, in the unit that its name ends with. Which there are, the firmware knows.
