@@ -20,7 +20,7 @@ namespace koboshi::sim {
 struct BoardOptions {
   WorldOptions world;
   std::uint64_t seed = 1;
-  double noise_scale = 1.0;               // of the sensors' noise and bias
+  double noise_scale = 1.0;               // of the sensors' random errors
   std::uint64_t computing_time_us = 500;  // from a tick to the first frame it sends
   std::uint64_t service_time_us = 50;     // the same of a service call without a tick
 };

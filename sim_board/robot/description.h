@@ -92,14 +92,20 @@ struct JointDescription {
   DriveDescription drive;
 };
 
-// Errors and dynamics of one sampled axis group; each is a class of its own in sim_board/sensor.
+// Errors and dynamics of one sampled axis group; each is a class of its own in sim_board/sensor, and
+// docs/reference/sensors.md tells how they act together.
 struct ChannelDescription {
-  double noise_density = 0.0;  // unit / sqrt(Hz)
-  double bias = 0.0;           // largest magnitude of the constant bias, unit; drawn by seed within it
-  double bandwidth_Hz = 98.0;  // of the 2nd-order anti-alias filter
-  double range = 0.0;          // saturates at +-range, unit
-  double resolution = 0.0;     // unit a count
+  double noise_density = 0.0;     // one-sided, unit / sqrt(Hz)
+  double bias = 0.0;              // largest magnitude of the constant bias, unit; drawn by seed within it
+  double bias_instability = 0.0;  // B of IEEE Std 952, unit
+  double random_walk = 0.0;       // K of IEEE Std 952, unit / sqrt(s)
+  double scale_error = 0.0;       // largest error of an axis' scale, as a share; drawn by seed within it
+  double cross_axis = 0.0;        // largest share of an axis that another one shows; drawn by seed within it
+  double bandwidth_Hz = 98.0;     // of the 2nd-order anti-alias filter
+  double range = 0.0;             // saturates at +-range, unit
+  double resolution = 0.0;        // unit a count
   double sample_period_s = 0.001;
+  double jitter_s = 0.0;  // largest deviation of a sampling instant; less than half the sampling period
   double delay_s = 0.001;
 };
 
@@ -109,6 +115,7 @@ struct ImuDescription {
   Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();
   ChannelDescription gyro;           // rad/s
   ChannelDescription accelerometer;  // m/s^2
+  double g_sensitivity = 0.0;  // largest rate that a gyro's axis shows of an acceleration's, rad/s per m/s^2
 };
 
 // Six-axis sensor between shank side and ground side, measuring what crosses `joint` and below; frame S at
@@ -120,6 +127,8 @@ struct AnkleSensorDescription {
   double height_above_sole_m = 0.0;                        // d of the paper's equation 1
   ChannelDescription force;                                // N
   ChannelDescription torque;                               // N m
+  double crosstalk =
+      0.0;  // largest share of its range that a force shows of a torque at its range, or reverse
 };
 
 struct RobotDescription {

@@ -6,14 +6,31 @@
 namespace koboshi::sim {
 namespace {
 
+// Two samples never change places.
+double load_jitter_s(const XmlNode& sensor) {
+  const double jitter_s = sensor.number("koboshi:jitter_s", 0.0);
+  const double half_period_s = 0.5 / sensor.number("update_rate");
+  if (jitter_s >= half_period_s) {
+    throw sensor.child("koboshi:jitter_s")
+        .error("<koboshi:jitter_s> = " + number_text(jitter_s),
+               "less than half the sampling period, " + number_text(half_period_s));
+  }
+  return jitter_s;
+}
+
 ChannelDescription load_channel(const XmlNode& sensor, const std::string& name) {
   const XmlNode node = sensor.child(name);
   ChannelDescription channel{.noise_density = node.number("noise_density"),
                              .bias = node.number("bias"),
+                             .bias_instability = node.number("bias_instability", 0.0),
+                             .random_walk = node.number("random_walk", 0.0),
+                             .scale_error = node.number("scale_error", 0.0),
+                             .cross_axis = node.number("cross_axis", 0.0),
                              .bandwidth_Hz = node.number("bandwidth_Hz"),
                              .range = node.number("range"),
                              .resolution = node.number("resolution"),
                              .sample_period_s = 1.0 / sensor.number("update_rate"),
+                             .jitter_s = load_jitter_s(sensor),
                              .delay_s = node.number("delay_s")};
   // Half a count may be missing at the upper end; two's complement has one more below zero.
   if (channel.range / channel.resolution > 32768.5) {
@@ -66,7 +83,8 @@ void load_imus(const sdf::Link& link, const XmlNode& link_node, RobotDescription
                                .link = robot.find_link(link.Name()).value(),
                                .X_LS = resolve_pose(sensor.SemanticPose(), link.Name(), node),
                                .gyro = load_channel(node, "koboshi:gyro"),
-                               .accelerometer = load_channel(node, "koboshi:accelerometer")};
+                               .accelerometer = load_channel(node, "koboshi:accelerometer"),
+                               .g_sensitivity = node.child("koboshi:gyro").number("g_sensitivity", 0.0)};
   }
 }
 
@@ -90,7 +108,8 @@ void load_ankle_sensors(const sdf::Joint& joint, const XmlNode& joint_node, Robo
         .X_LS = resolve_pose(joint.SemanticPose(), foot.name, node) *
                 to_isometry(joint.SensorByName(name)->RawPose()),
         .force = load_channel(node, "koboshi:force"),
-        .torque = load_channel(node, "koboshi:torque")};
+        .torque = load_channel(node, "koboshi:torque"),
+        .crosstalk = node.number("koboshi:crosstalk", 0.0)};
     sensor.height_above_sole_m = height_above_sole_m(foot, sensor.X_LS, node);
     slot = sensor;
   }

@@ -8,6 +8,8 @@ using enum XmlCount;
 
 constexpr NumberRange kFraction{.min = 0, .max = 1};
 constexpr NumberRange kNotNegative{.min = 0};
+// Of an error: a sensor that is wrong by more is broken.
+constexpr NumberRange kShare{.min = 0, .max = 0.5};
 // Lengths of a robot that stands on a table or beside a person.
 constexpr NumberRange kSize{.min = 1e-4, .max = 10};
 constexpr NumberRange kUnsigned32{.min = 0, .max = 4294967295.0};
@@ -89,28 +91,39 @@ XmlRule surface() {
 }
 
 XmlRule channel(std::string name) {
-  return group(std::move(name), kRequired,
-               {number("noise_density", kRequired, kNotNegative), number("bias", kRequired, kNotNegative),
-                number("bandwidth_Hz", kRequired, {.min = 0.1, .max = 1e5}),
-                number("range", kRequired, {.min = 1e-9, .max = 1e9}),
-                number("resolution", kRequired, {.min = 1e-12, .max = 1e9}),
-                number("delay_s", kRequired, {.min = 0, .max = 1})});
+  return group(
+      std::move(name), kRequired,
+      {number("noise_density", kRequired, kNotNegative), number("bias", kRequired, kNotNegative),
+       number("bias_instability", kOptional, kNotNegative), number("random_walk", kOptional, kNotNegative),
+       number("scale_error", kOptional, kShare), number("cross_axis", kOptional, kShare),
+       number("bandwidth_Hz", kRequired, {.min = 0.1, .max = 1e5}),
+       number("range", kRequired, {.min = 1e-9, .max = 1e9}),
+       number("resolution", kRequired, {.min = 1e-12, .max = 1e9}),
+       number("delay_s", kRequired, {.min = 0, .max = 1})});
 }
 
 XmlRule update_rate() { return number("update_rate", kRequired, {.min = 1, .max = 1e5}); }
 
+XmlRule jitter() { return number("koboshi:jitter_s", kOptional, {.min = 0, .max = 0.5}); }
+
+XmlRule gyro() {
+  XmlRule rule = channel("koboshi:gyro");
+  rule.children.push_back(number("g_sensitivity", kOptional, {.min = 0, .max = 1}));
+  return rule;
+}
+
 XmlRule imu() {
   return group("sensor", kRepeated,
-               {pose(), update_rate(), channel("koboshi:gyro"), channel("koboshi:accelerometer")},
+               {pose(), update_rate(), jitter(), gyro(), channel("koboshi:accelerometer")},
                {{.name = "name"}, {.name = "type"}});
 }
 
 XmlRule force_torque() {
   return group(
       "sensor", kRepeated,
-      {fixed_pose(), update_rate(),
+      {fixed_pose(), update_rate(), jitter(),
        group("force_torque", kRequired, {text("frame", kRequired), text("measure_direction", kRequired)}),
-       channel("koboshi:force"), channel("koboshi:torque")},
+       channel("koboshi:force"), channel("koboshi:torque"), number("koboshi:crosstalk", kOptional, kShare)},
       {{.name = "name"}, {.name = "type"}});
 }
 

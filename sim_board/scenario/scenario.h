@@ -121,7 +121,7 @@ struct Scenario {
   std::optional<GaitChoice> gait;
   std::uint64_t duration_us = 0;
   std::uint64_t seed = 1;
-  double noise_scale = 1.0;               // of the sensors' noise and bias
+  double noise_scale = 1.0;               // of the sensors' random errors
   std::uint64_t computing_time_us = 500;  // of the controller, a tick
   Physics physics;
   Ground ground;

@@ -17,8 +17,9 @@ AnkleSensor::AnkleSensor(const AnkleSensorDescription& description, const RobotD
       foot_(robot.joints.at(static_cast<std::size_t>(description.joint)).child),
       R_SL_(description.X_LS.linear().transpose()),
       p_SJ_S_(description.X_LS.inverse() * anchor_in_child(robot, description.joint)),
+      crosstalk_(description, errors),
       channels_(description.force, description.torque, description.name + ".force",
-                description.name + ".torque", errors) {}
+                description.name + ".torque", description.name, errors) {}
 
 void AnkleSensor::step(const World& world, std::uint64_t time_us) {
   step(world.body(foot_), world.joint_wrench(joint_), time_us);
@@ -31,7 +32,8 @@ void AnkleSensor::step(const BodyState& foot, const Wrench& joint_W, std::uint64
   const Eigen::Matrix3d R_SW = R_SL_ * R_WL_before_.transpose();
   wrench_S_.force_N = R_SW * joint_W.force_N;
   wrench_S_.torque_Nm = R_SW * joint_W.torque_Nm + p_SJ_S_.cross(wrench_S_.force_N);
-  channels_.step(wrench_S_.force_N, wrench_S_.torque_Nm, time_us);
+  const Wrench felt_S = crosstalk_.apply(wrench_S_);
+  channels_.step(felt_S.force_N, felt_S.torque_Nm, time_us);
   R_WL_before_ = foot.X_WL.linear();
 }
 

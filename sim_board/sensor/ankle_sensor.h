@@ -5,6 +5,7 @@
 
 #include "hal/port/ankle.h"
 #include "sim_board/robot/description.h"
+#include "sim_board/sensor/ankle_crosstalk.h"
 #include "sim_board/sensor/six_axis.h"
 #include "sim_board/world/world.h"
 
@@ -35,6 +36,7 @@ class AnkleSensor {
   int foot_;
   Eigen::Matrix3d R_SL_;
   Eigen::Vector3d p_SJ_S_;  // from the sensor to the joint's anchor; both are fixed in the foot
+  AnkleCrosstalk crosstalk_;
   SixAxis channels_;
   Eigen::Matrix3d R_WL_before_ = Eigen::Matrix3d::Identity();  // the foot's axes when the last step began
   Wrench wrench_S_;

@@ -29,13 +29,15 @@ AnkleZmp::AnkleZmp(const AnkleSensorDescription& description, const RobotDescrip
       foot_weight_S_(weight_below(description, robot, gravity_m_per_s2)),
       force_resolution_N_(description.force.resolution),
       torque_resolution_Nm_(description.torque.resolution),
+      crosstalk_(description, errors),
       force_(description.force, description.name + ".force", errors),
       torque_(description.torque, description.name + ".torque", errors) {}
 
 AnkleZmp::Reading AnkleZmp::read(const Wrench& wrench_S) {
-  const Eigen::Vector3d f_N = shown(force_, wrench_S.force_N, force_resolution_N_) + foot_weight_S_.force_N;
+  const Wrench felt_S = crosstalk_.apply(wrench_S);
+  const Eigen::Vector3d f_N = shown(force_, felt_S.force_N, force_resolution_N_) + foot_weight_S_.force_N;
   const Eigen::Vector3d tau_Nm =
-      shown(torque_, wrench_S.torque_Nm, torque_resolution_Nm_) + foot_weight_S_.torque_Nm;
+      shown(torque_, felt_S.torque_Nm, torque_resolution_Nm_) + foot_weight_S_.torque_Nm;
   if (!(f_N.z() > 0.0)) return {f_N.z(), Eigen::Vector2d::Zero()};
   return {f_N.z(),
           Eigen::Vector2d(-tau_Nm.y() - f_N.x() * height_m_, tau_Nm.x() - f_N.y() * height_m_) / f_N.z()};

@@ -3,13 +3,14 @@
 #include <Eigen/Core>
 
 #include "sim_board/robot/description.h"
+#include "sim_board/sensor/ankle_crosstalk.h"
 #include "sim_board/sensor/channel.h"
 #include "sim_board/world/world.h"
 
 namespace koboshi::sim {
 
 // The ZMP of a foot by the wrench at its ankle sensor, in double precision. Of the sensor's errors it has
-// noise, bias, range and resolution, but neither filter nor delay: the best that any firmware could know.
+// all but filter, jitter and delay: the best that any firmware could know.
 //
 // The wrench is corrected for what hangs below the sensor, as if the foot stood level and at rest; then
 //   p_x = (-tau_y - f_x d) / f_z,  p_y = (tau_x - f_y d) / f_z
@@ -25,7 +26,8 @@ class AnkleZmp {
   AnkleZmp(const AnkleSensorDescription& description, const RobotDescription& robot, double gravity_m_per_s2,
            const SensorErrors& errors);
 
-  // `wrench_S` is what AnkleSensor::wrench_S tells. Each reading has noise of its own.
+  // `wrench_S` is what AnkleSensor::wrench_S tells. Each reading has noise of its own and drifts on by one
+  // sampling period.
   Reading read(const Wrench& wrench_S);
 
  private:
@@ -33,6 +35,7 @@ class AnkleZmp {
   Wrench foot_weight_S_;  // what the sensor misses of the ground's wrench
   double force_resolution_N_;
   double torque_resolution_Nm_;
+  AnkleCrosstalk crosstalk_;
   Channel force_;
   Channel torque_;
 };

@@ -7,19 +7,23 @@
 
 #include "sim_board/robot/description.h"
 #include "sim_board/sensor/converter.h"
+#include "sim_board/sensor/drift.h"
 #include "sim_board/sensor/low_pass.h"
 #include "sim_board/sensor/noise.h"
+#include "sim_board/sensor/sensitivity.h"
 
 namespace koboshi::sim {
 
 // What makes a robot's sensors imperfect, and by how much.
 struct SensorErrors {
   std::uint64_t seed = 1;
-  double scale = 1.0;  // of noise and bias: 0 leaves bandwidth, range and resolution only
+  double scale = 1.0;  // of all that is random: 0 leaves bandwidth, range, resolution, rate and delay only
 };
 
 // Three axes of one quantity on their way from the world to counts:
-// anti-alias filter, noise, bias, range, resolution. Units as in the description.
+// anti-alias filter, scale and cross axis, bias and its drift, noise, range, resolution. Units as in the
+// description. (Scale and cross axis belong to the sensing element, in front of the filter; as it is linear
+// and alike for the three axes, to turn what comes out of it is the same and takes a product a sample only.)
 class Channel {
  public:
   // `name` tells this channel's random streams from all others'. Throws std::invalid_argument for a
@@ -32,8 +36,11 @@ class Channel {
 
  private:
   LowPass filter_;
-  WhiteNoise noise_;
+  AxisGains gains_;
   Bias bias_;
+  BiasInstability instability_;
+  RandomWalk walk_;
+  WhiteNoise noise_;
   Saturation saturation_;
   Quantiser quantiser_;
 };

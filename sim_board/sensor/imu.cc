@@ -8,8 +8,10 @@ Imu::Imu(const ImuDescription& description, const LinkDescription& link, const E
       R_SL_(description.X_LS.linear().transpose()),
       p_ComS_L_(description.X_LS.translation() - link.p_LCom_L),
       g_W_(g_W),
+      g_sensitivity_(description.g_sensitivity * errors.scale, errors.seed,
+                     description.name + ".gyro.g_sensitivity"),
       channels_(description.gyro, description.accelerometer, description.name + ".gyro",
-                description.name + ".accelerometer", errors) {}
+                description.name + ".accelerometer", description.name, errors) {}
 
 void Imu::step(const BodyState& link, std::uint64_t time_us) {
   const Eigen::Matrix3d R_WL = link.X_WL.linear();
@@ -21,7 +23,7 @@ void Imu::step(const BodyState& link, std::uint64_t time_us) {
     const Eigen::Vector3d a_WS_W = (now.v_WS_W - last_.v_WS_W) / duration_s;
     specific_force_S = 0.5 * (last_.R_SW + now.R_SW) * (a_WS_W - g_W_);
   }
-  channels_.step(gyro_S, specific_force_S, time_us);
+  channels_.step(gyro_S + g_sensitivity_.value() * specific_force_S, specific_force_S, time_us);
   last_ = now;
   started_ = true;
 }

@@ -5,6 +5,7 @@
 
 #include "hal/port/imu.h"
 #include "sim_board/robot/description.h"
+#include "sim_board/sensor/sensitivity.h"
 #include "sim_board/sensor/six_axis.h"
 #include "sim_board/world/world.h"
 
@@ -19,7 +20,8 @@ inline constexpr double kStandardGravity_m_per_s2 = 9.80665;  // ISO 80000-3
 //
 // where a_WS is the velocity difference of the sensor's point over the last physics step divided by it. That
 // mean contains the centripetal and the tangential term and is the acceleration at the middle of the step, so
-// it is turned into the sensor's axes as they are there; the gyro's rate is that at the end of the step.
+// it is turned into the sensor's axes as they are there; the gyro's rate is that at the end of the step. To
+// it comes what the vibrating masses of a real gyro take acceleration for (g-sensitivity).
 class Imu {
  public:
   // `link` is the one that the sensor sits on; `g_W` the world's gravity, m/s^2. Throws as SixAxis does.
@@ -46,6 +48,7 @@ class Imu {
   Eigen::Matrix3d R_SL_;
   Eigen::Vector3d p_ComS_L_;  // from the link's centre of mass to the sensor
   Eigen::Vector3d g_W_;
+  CrossSensitivity g_sensitivity_;
   SixAxis channels_;
   Motion last_;
   bool started_ = false;

@@ -17,7 +17,7 @@ Eigen::Vector3d WhiteNoise::sample() {
 
 Bias::Bias(double largest, std::uint64_t seed, std::string_view name) {
   RandomStream random(seed, name);
-  for (double& axis : value_) axis = largest * (2.0 * random.uniform() - 1.0);
+  for (double& axis : value_) axis = random.within(largest);
 }
 
 }  // namespace koboshi::sim

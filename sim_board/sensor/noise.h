@@ -12,6 +12,9 @@ namespace koboshi::sim {
 //
 //   sigma of a sample = density * sqrt(rate / 2).
 //
+// This is the angle random walk of a gyro, the velocity random walk of an accelerometer: IEEE Std 952 counts
+// the density on both sides, N = density / sqrt(2), and the Allan deviation is N / sqrt(tau).
+//
 // It is added behind the anti-alias filter, so its density is right at every frequency that a sample can
 // carry.
 class WhiteNoise {

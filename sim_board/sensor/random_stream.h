@@ -18,6 +18,8 @@ class RandomStream {
   std::uint64_t bits();
   // Uniform in [0, 1), with 53 bits.
   double uniform();
+  // Uniform within +-bound.
+  double within(double bound) { return bound * (2.0 * uniform() - 1.0); }
   // Normal with mean 0 and standard deviation 1, by Marsaglia's polar method.
   double normal();
 

@@ -17,15 +17,17 @@ namespace koboshi::sim {
 class SixAxis {
  public:
   struct Sample {
-    std::uint64_t time_us = 0;  // sampling instant
+    std::uint64_t time_us = 0;  // nominal sampling instant: a sensor does not know its jitter
     std::array<std::int16_t, 3> first_raw{};
     std::array<std::int16_t, 3> second_raw{};
   };
 
-  // Throws std::invalid_argument for what Channel refuses, and where sampling period or delay of the two
-  // differ. Both are rounded to whole microseconds.
+  // The names tell the random streams of the two channels and of their clock apart. Throws
+  // std::invalid_argument for what Channel refuses, and where sampling period, jitter or delay of the two
+  // differ. These are rounded to whole microseconds; jitter that errors.scale takes to half a sampling period
+  // is cut to less.
   SixAxis(const ChannelDescription& first, const ChannelDescription& second, std::string_view first_name,
-          std::string_view second_name, const SensorErrors& errors);
+          std::string_view second_name, std::string_view name, const SensorErrors& errors);
 
   // What the two measure at `time_us`, and on a straight line since the last call. Takes the samples that
   // fall due. The first call settles the filters and takes none. Times increase.

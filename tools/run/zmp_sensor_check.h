@@ -11,8 +11,8 @@
 
 namespace koboshi::tools {
 
-// Holds the ZMP by the ankle sensors (sim_board/sensor/ankle_zmp.h: with their noise and bias, without filter
-// and delay) to the engine's contact forces: each foot in its own sole's frame, whenever both say that it
+// Holds the ZMP by the ankle sensors (sim_board/sensor/ankle_zmp.h: with their errors, without filter and
+// delay) to the engine's contact forces: each foot in its own sole's frame, whenever both say that it
 // carries at least kLeastLoad_N.
 class ZmpSensorCheck {
  public:

@@ -121,5 +121,21 @@ TEST(AnkleSensor, TurnsAWrenchByThePoseFromBeforeTheStep) {
   EXPECT_NEAR(sample.force_raw[1] * kForceResolution, -5.0 * std::sin(0.1), 2e-2);
 }
 
+TEST(AnkleSensor, ShowsItsCrosstalkAndKeepsItFromTheTruth) {
+  AnkleSensorDescription description = clean_sensor();
+  description.crosstalk = 0.05;
+  const Wrench joint_W{{1.0, -2.0, 12.0}, {0.1, -0.05, 0.02}};
+  const Wrench true_S = read(clean_sensor(), BodyState{}, joint_W);
+  const Wrench shown = read(description, BodyState{}, joint_W);
+  const Wrench expected = AnkleCrosstalk(description, {}).apply(true_S);
+  EXPECT_GT((expected.torque_Nm - true_S.torque_Nm).norm(), 0.001);
+  EXPECT_GT((expected.force_N - true_S.force_N).norm(), 0.1);
+  EXPECT_LT((shown.force_N - expected.force_N).cwiseAbs().maxCoeff(), 1.1 * kForceResolution);
+  EXPECT_LT((shown.torque_Nm - expected.torque_Nm).cwiseAbs().maxCoeff(), 1.1 * kTorqueResolution);
+  AnkleSensor sensor(description, two_links(), {});
+  sensor.step(BodyState{}, joint_W, 0);
+  EXPECT_LT((sensor.wrench_S().torque_Nm - true_S.torque_Nm).cwiseAbs().maxCoeff(), kTorqueResolution);
+}
+
 }  // namespace
 }  // namespace koboshi::sim

@@ -60,6 +60,22 @@ TEST(AnkleZmp, HasTheSensorsBias) {
   EXPECT_LT(error_m, 0.0015);
 }
 
+// A force straight through the ankle that reads as a torque as well.
+TEST(AnkleZmp, HasTheSensorsCrosstalk) {
+  Rig rig;
+  rig.sensor.crosstalk = 0.1;
+  const AnkleCrosstalk crosstalk(rig.sensor, {.seed = 1});
+  const Vector3d f_N(0.0, 0.0, 10.0);
+  const Vector3d weight_N(0.0, 0.0, -0.1 * kGravity_m_per_s2);
+  const Wrench felt = crosstalk.apply({f_N + weight_N, p_SCom_S.cross(weight_N)});
+  const Vector3d tau_Nm = felt.torque_Nm - p_SCom_S.cross(weight_N);
+  const Vector3d f_felt_N = felt.force_N - weight_N;
+  const Vector2d expected_m =
+      Vector2d(-tau_Nm.y() - f_felt_N.x() * kHeight_m, tau_Nm.x() - f_felt_N.y() * kHeight_m) / f_felt_N.z();
+  EXPECT_GT(expected_m.norm(), 0.0005);
+  EXPECT_LT((rig.on_ground(f_N, {0.0, 0.0}, 1.0).zmp_S_m - expected_m).norm(), 0.00005);
+}
+
 TEST(AnkleZmp, IsTheSolesOriginWithoutLoad) {
   EXPECT_EQ(Rig().on_ground(Vector3d::Zero(), {0.03, 0.0}).zmp_S_m, Vector2d(0.0, 0.0));
 }

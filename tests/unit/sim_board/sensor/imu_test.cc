@@ -123,6 +123,36 @@ TEST(Imu, FeelsTheTangentialAccelerationOfARigThatSpeedsUp) {
               kGyroResolution);
 }
 
+TEST(Imu, ShowsGravityInItsGyroByItsGSensitivity) {
+  constexpr double kSensitivity = 0.01;  // rad/s per m/s^2
+  ImuDescription description = clean_imu();
+  description.g_sensitivity = kSensitivity;
+  const Eigen::Matrix3d expected = CrossSensitivity(kSensitivity, 1, "imu.gyro.g_sensitivity").value();
+  const Eigen::Vector3d up(0.0, 0.0, kStandardGravity_m_per_s2);
+  const Eigen::Matrix3d turns[] = {Eigen::AngleAxisd(0.0, Eigen::Vector3d::UnitX()).toRotationMatrix(),
+                                   Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitX()).toRotationMatrix(),
+                                   Eigen::AngleAxisd(2.5, Eigen::Vector3d(0.6, 0.8, 0.0)).toRotationMatrix()};
+  for (const Eigen::Matrix3d& R_WL : turns) {
+    BodyState state;
+    state.X_WL.linear() = R_WL;
+    const Reading reading = read(description, {}, [&](double) { return state; });
+    const Eigen::Vector3d shown = expected * (R_WL.transpose() * up);
+    EXPECT_GT(shown.norm(), 0.01);
+    expect_near(reading.gyro, shown, 0.51 * kGyroResolution);
+    expect_near(reading.accelerometer, R_WL.transpose() * up, 0.51 * kAccelerometerResolution);
+  }
+}
+
+TEST(Imu, AddsTheGSensitivityToItsRate) {
+  ImuDescription description = clean_imu();
+  description.g_sensitivity = 0.01;
+  const auto spin = [](double time_s) { return turned(3.0 * time_s, 3.0, Eigen::Vector3d::Zero()); };
+  const auto rest = [](double) { return BodyState{}; };
+  // About the vertical, so that gravity stays along the sensor's z.
+  expect_near(read(description, {}, spin).gyro - read(description, {}, rest).gyro, {0.0, 0.0, 3.0},
+              1.01 * kGyroResolution);
+}
+
 TEST(Imu, CarriesTheLowBitsOfTime) {
   Imu imu(clean_imu(), {}, kGravity, {});
   const std::uint64_t start_us = (std::uint64_t{1} << 32) - 200;

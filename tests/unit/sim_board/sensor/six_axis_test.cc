@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <vector>
 
@@ -40,7 +42,7 @@ std::vector<Sample> run(SixAxis sensor, std::uint64_t step_us, std::uint64_t end
 }
 
 SixAxis make(const ChannelDescription& channel, SensorErrors errors = {}) {
-  return SixAxis(channel, channel, "imu.gyro", "imu.accelerometer", errors);
+  return SixAxis(channel, channel, "imu.gyro", "imu.accelerometer", "imu", errors);
 }
 
 bool equal(const Sample& a, const Sample& b) {
@@ -92,7 +94,7 @@ TEST(SixAxis, RepeatsItselfForASeed) {
 TEST(SixAxis, DrawsTheSameWhateverItsNeighbourDoes) {
   const ChannelDescription quiet = clean_channel();
   const std::vector<Sample> both = run(make(noisy_channel(), {.seed = 5}), 1000, 50'000);
-  const SixAxis half(noisy_channel(), quiet, "imu.gyro", "imu.accelerometer", {.seed = 5});
+  const SixAxis half(noisy_channel(), quiet, "imu.gyro", "imu.accelerometer", "imu", {.seed = 5});
   const std::vector<Sample> alone = run(half, 1000, 50'000);
   for (std::size_t i = 0; i < both.size(); ++i) EXPECT_EQ(both[i].first_raw, alone[i].first_raw);
 }
@@ -117,13 +119,73 @@ TEST(SixAxis, DeliversNothingWhileStopped) {
   EXPECT_EQ(sample.time_us, 7000u);
 }
 
+ChannelDescription jittery_channel() {
+  ChannelDescription channel = clean_channel();
+  channel.jitter_s = 0.0002;
+  return channel;
+}
+
+// A ramp tells when it was sampled; the sensor itself tells the time at which it should have been.
+TEST(SixAxis, SamplesOffItsNominalInstantsByItsJitter) {
+  constexpr double kResolution = 1e-4;
+  ChannelDescription fine = clean_channel();
+  fine.resolution = kResolution;
+  ChannelDescription jittery = fine;
+  jittery.jitter_s = 0.0004;
+  const std::vector<Sample> straight = run(make(fine), 1000, 1'000'000);
+  const std::vector<Sample> samples = run(make(jittery), 1000, 1'000'000);
+  ASSERT_GE(samples.size() + 1, straight.size());  // the last may be late
+  double largest_s = 0.0;
+  double square_s2 = 0.0;
+  constexpr std::size_t kSettled = 30;  // samples until the filter follows the ramp
+  for (std::size_t i = kSettled; i < samples.size(); ++i) {
+    EXPECT_EQ(samples[i].time_us, straight[i].time_us);
+    // The second channel's y rises by 2 a second.
+    const double miss_s = 0.5 * kResolution * (samples[i].second_raw[1] - straight[i].second_raw[1]);
+    largest_s = std::max(largest_s, std::abs(miss_s));
+    square_s2 += miss_s * miss_s / static_cast<double>(samples.size() - kSettled);
+  }
+  EXPECT_LE(largest_s, 0.0004 + 0.5 * kResolution);
+  EXPECT_GT(largest_s, 0.00035);
+  const double count_s2 = 0.25 * kResolution * kResolution / 6.0;  // two roundings
+  const double expected_s2 = 0.0004 * 0.0004 / 3.0 + count_s2;
+  EXPECT_NEAR(square_s2 / expected_s2, 1.0, 4.0 * std::sqrt(0.8 / 970.0));
+}
+
+TEST(SixAxis, DrawsTheSameJitterWhateverThePhysicsStep) {
+  ChannelDescription channel = jittery_channel();
+  channel.jitter_s = 0.00049;
+  channel.resolution = 0.0001;
+  channel.delay_s = 0.002;
+  const std::vector<Sample> reference = run(make(channel), 1000, 120'000);
+  ASSERT_EQ(reference.size(), 118u);
+  for (const std::uint64_t step_us : {100u, 250u, 375u, 4000u}) {
+    const std::vector<Sample> samples = run(make(channel), step_us, 120'000);
+    ASSERT_EQ(samples.size(), reference.size()) << step_us;
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      EXPECT_TRUE(equal(samples[i], reference[i])) << step_us << ' ' << i;
+  }
+}
+
+TEST(SixAxis, ScalesJitterToNothingAndNeverToDisorder) {
+  const std::vector<Sample> clean = run(make(clean_channel()), 1000, 50'000);
+  const std::vector<Sample> still = run(make(jittery_channel(), {.scale = 0.0}), 1000, 50'000);
+  for (std::size_t i = 0; i < clean.size(); ++i) EXPECT_TRUE(equal(still[i], clean[i]));
+  const std::vector<Sample> wild = run(make(jittery_channel(), {.scale = 100.0}), 1000, 50'000);
+  ASSERT_GE(wild.size() + 1, clean.size());
+  for (std::size_t i = 1; i < wild.size(); ++i) EXPECT_GE(wild[i].second_raw[1], wild[i - 1].second_raw[1]);
+}
+
 TEST(SixAxis, RefusesChannelsOfDifferentClocks) {
   ChannelDescription slow = clean_channel();
   slow.sample_period_s = 0.002;
-  EXPECT_THROW(SixAxis(clean_channel(), slow, "a", "b", {}), std::invalid_argument);
+  EXPECT_THROW(SixAxis(clean_channel(), slow, "a", "b", "ab", {}), std::invalid_argument);
   ChannelDescription late = clean_channel();
   late.delay_s = 0.002;
-  EXPECT_THROW(SixAxis(clean_channel(), late, "a", "b", {}), std::invalid_argument);
+  EXPECT_THROW(SixAxis(clean_channel(), late, "a", "b", "ab", {}), std::invalid_argument);
+  ChannelDescription restless = clean_channel();
+  restless.jitter_s = 0.0001;
+  EXPECT_THROW(SixAxis(clean_channel(), restless, "a", "b", "ab", {}), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,0 +1,24 @@
+#include "sim_board/sensor/sensitivity.h"
+
+#include <string>
+
+namespace koboshi::sim {
+
+AxisGains::AxisGains(double scale_error, double cross_axis, std::uint64_t seed, std::string_view name) {
+  RandomStream scale(seed, std::string(name) + ".scale");
+  RandomStream cross(seed, std::string(name) + ".cross_axis");
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      value_(row, column) = row == column ? 1.0 + scale.within(scale_error) : cross.within(cross_axis);
+    }
+  }
+}
+
+CrossSensitivity::CrossSensitivity(double largest, std::uint64_t seed, std::string_view name) {
+  RandomStream random(seed, name);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) value_(row, column) = random.within(largest);
+  }
+}
+
+}  // namespace koboshi::sim
