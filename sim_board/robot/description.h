@@ -131,6 +131,17 @@ struct AnkleSensorDescription {
       0.0;  // largest share of its range that a force shows of a torque at its range, or reverse
 };
 
+// A slow quantity of one value, as a supply's voltage or a motor's temperature; ScalarSensor measures it.
+struct ScalarSensorDescription {
+  double noise = 0.0;        // standard deviation of a sample, unit
+  double offset = 0.0;       // largest magnitude of the constant offset, unit; drawn by seed within it
+  double scale_error = 0.0;  // largest error of the scale, as a share; drawn by seed within it
+  double lowest = 0.0;       // what it can show, unit
+  double highest = 0.0;
+  double resolution = 0.0;  // unit a count
+  double sample_period_s = 0.01;
+};
+
 struct RobotDescription {
   std::string name;
   std::filesystem::path file;
