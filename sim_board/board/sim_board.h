@@ -72,6 +72,7 @@ class SimBoard {
   const Bus& bus() const { return bus_; }
   hal::CanStatus controller_can_status() const { return bus_.status(controller_); }
   const RobotDescription& robot() const { return robot_; }
+  const GroundDescription& ground() const { return options_.world.ground; }
   const Drive& drive(std::size_t joint) const { return *drives_[joint]; }
   // Null where the robot has none.
   const AnkleSensor* ankle_sensor(hal::Side side) const {

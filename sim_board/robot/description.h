@@ -22,6 +22,11 @@ struct SurfaceDescription {
   double error_reduction = 0.2;           // ERP at reference_step_s
   double constraint_force_mixing = 1e-5;  // CFM at reference_step_s, in ODE's unit (s^-1 kg^-1 times step)
   double reference_step_s = 0.001;
+  double slip_m_per_N_s = 0.0;  // speed of sliding that a newton of friction at a contact point brings
+  // The first direction of friction, of any length but zero, in the frame of the box or of the piece of
+  // ground; a plane's is the world's. Without it, the ground's x axis.
+  std::optional<Eigen::Vector3d> friction_direction;
+  std::string material;  // by which pairs of materials know it (sim_board/world/surface_contact.h)
 };
 
 struct BoxDescription {

@@ -16,6 +16,12 @@ SurfaceDescription load_surface(const XmlNode& node) {
   const XmlNode friction = node.child("friction").child("ode");
   surface.friction = friction.number("mu");
   surface.friction_second = friction.number("mu2", surface.friction);
+  if (const auto direction = friction.find("fdir1")) {
+    surface.friction_direction = vector_of(*direction);
+    if (surface.friction_direction->norm() < 1e-4) {
+      throw direction->error("<fdir1> = " + one_line(direction->text()), "a direction, any but zero");
+    }
+  }
   if (const auto bounce = node.find("bounce")) {
     surface.bounce = bounce->number("restitution_coefficient");
     surface.bounce_threshold_m_per_s = bounce->number("threshold");
@@ -24,6 +30,7 @@ SurfaceDescription load_surface(const XmlNode& node) {
   surface.error_reduction = contact.number("soft_erp");
   surface.constraint_force_mixing = contact.number("soft_cfm");
   surface.reference_step_s = node.number("koboshi:reference_step_s", surface.reference_step_s);
+  if (const auto material = node.find("koboshi:material")) surface.material = material->text();
   return surface;
 }
 

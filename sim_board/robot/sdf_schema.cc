@@ -80,14 +80,16 @@ XmlRule surface() {
       {group("friction", kRequired,
              {group("ode", kRequired,
                     {number("mu", kRequired, {.min = 0, .max = 10}),
-                     number("mu2", kOptional, {.min = 0, .max = 10})})}),
+                     number("mu2", kOptional, {.min = 0, .max = 10}),
+                     {.name = "fdir1", .content = kNumbers, .numbers = 3, .range = {.min = -1, .max = 1}}})}),
        group("bounce", kOptional,
              {number("restitution_coefficient", kRequired, kFraction),
               number("threshold", kRequired, kNotNegative)}),
        group("contact", kRequired,
              {group("ode", kRequired,
                     {number("soft_cfm", kRequired, kFraction), number("soft_erp", kRequired, kFraction)})}),
-       number("koboshi:reference_step_s", kOptional, {.min = 1e-6, .max = 0.1})});
+       number("koboshi:reference_step_s", kOptional, {.min = 1e-6, .max = 0.1}),
+       text("koboshi:material", kOptional)});
 }
 
 XmlRule channel(std::string name) {

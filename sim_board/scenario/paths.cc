@@ -21,4 +21,13 @@ fs::path find_referenced(const fs::path& folder, const fs::path& path) {
   return {};
 }
 
+fs::path read_path(const YamlValue& value, const fs::path& folder) {
+  const fs::path file = find_referenced(folder, value.text());
+  if (file.empty()) {
+    throw value.error("no file " + value.text(),
+                      "a path relative to the scenario's folder or to the repository's root");
+  }
+  return file;
+}
+
 }  // namespace koboshi::sim

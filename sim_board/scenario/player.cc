@@ -1,38 +1,12 @@
 #include "sim_board/scenario/player.h"
 
-#include <Eigen/Geometry>
-#include <algorithm>
 #include <utility>
 
+#include "sim_board/scenario/make_ground.h"
 #include "sim_board/world/link_tree.h"
-#include "sim_board/world/surface_contact.h"
+#include "sim_board/world/placement.h"
 
 namespace koboshi::sim {
-namespace {
-
-Eigen::Vector3d ground_normal(const Ground& ground) {
-  const Eigen::AngleAxisd roll(ground.roll_rad, Eigen::Vector3d::UnitX());
-  const Eigen::AngleAxisd pitch(ground.pitch_rad, Eigen::Vector3d::UnitY());
-  return pitch * (roll * Eigen::Vector3d::UnitZ());
-}
-
-// How far the lowest corner of the robot's boxes lies below the ground plane, for a base at the origin.
-double depth_below(const RobotDescription& robot, const Eigen::Vector3d& normal_W,
-                   const WorldOptions& options) {
-  double depth_m = 0.0;
-  const auto X_WLs = LinkTree(robot).poses(robot, options.X_WB, options.joint_positions_rad);
-  for (std::size_t l = 0; l < robot.links.size(); ++l) {
-    for (const BoxDescription& box : robot.links[l].collisions) {
-      const Eigen::Isometry3d X_WG = X_WLs[l] * box.X_LG;
-      const double centre_m = normal_W.dot(X_WG.translation());
-      const double reach_m = (X_WG.linear().transpose() * normal_W).cwiseAbs().dot(0.5 * box.size_m);
-      depth_m = std::max(depth_m, reach_m - centre_m);
-    }
-  }
-  return depth_m;
-}
-
-}  // namespace
 
 BoardOptions board_options(const Scenario& scenario, const RobotDescription& robot) {
   BoardOptions options;
@@ -46,26 +20,19 @@ BoardOptions board_options(const Scenario& scenario, const RobotDescription& rob
   world.quick_iterations = scenario.physics.quick_iterations;
   world.friction = scenario.physics.friction;
   world.fixed_base = scenario.initial.fixed_base;
-  world.ground.normal_W = ground_normal(scenario.ground);
-  if (scenario.ground.friction) {
-    world.ground.surface.friction = world.ground.surface.friction_second = *scenario.ground.friction;
-  }
-  if (scenario.ground.softness) {
-    SurfaceDescription& surface = world.ground.surface;
-    const Softness soft = softness(scenario.ground.softness->stiffness_N_per_m,
-                                   scenario.ground.softness->damping_N_s_per_m, surface.reference_step_s);
-    surface.error_reduction = soft.error_reduction;
-    surface.constraint_force_mixing = soft.constraint_force_mixing;
-  }
+  world.ground = make_ground(scenario.ground, scenario.seed);
+  for (const NamedMaterialPair& named : scenario.materials) world.material_pairs.push_back(named.pair);
   world.joint_positions_rad.assign(robot.joints.size(), 0.0);
   for (const InitialJoint& joint : scenario.initial.joints) {
     world.joint_positions_rad[static_cast<std::size_t>(*robot.find_joint(joint.joint.text))] =
         joint.position_rad;
   }
-  const double height_m = scenario.initial.base_height_m.value_or(
-      (depth_below(robot, world.ground.normal_W, world) / world.ground.normal_W.z()) +
-      scenario.initial.drop_m);
-  world.X_WB.translation().z() = height_m;
+  if (scenario.initial.base_height_m) {
+    world.X_WB.translation().z() = *scenario.initial.base_height_m;
+  } else {
+    const auto X_WLs = LinkTree(robot).poses(robot, world.X_WB, world.joint_positions_rad);
+    world.X_WB.translation().z() = lift_onto_ground(robot, X_WLs, world.ground) + scenario.initial.drop_m;
+  }
   return options;
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "sim_board/scenario/events.h"
+#include "sim_board/scenario/ground_reader.h"
 #include "sim_board/scenario/paths.h"
 
 namespace koboshi::sim {
@@ -13,17 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kLongestRun_s = 86400.0;
-constexpr double kSteepest_deg = 45.0;
 constexpr double kRadians = std::numbers::pi / 180.0;
-
-fs::path read_path(const YamlValue& value, const fs::path& folder) {
-  const fs::path file = find_referenced(folder, value.text());
-  if (file.empty()) {
-    throw value.error("no file " + value.text(),
-                      "a path relative to the scenario's folder or to the repository's root");
-  }
-  return file;
-}
 
 std::vector<fs::path> read_motions(const YamlMap& root, const fs::path& folder) {
   std::vector<fs::path> motions;
@@ -98,24 +89,6 @@ Physics read_physics(const YamlMap& root) {
   return physics;
 }
 
-Ground read_ground(const YamlMap& root) {
-  Ground ground;
-  const auto map = root.optional_child("ground");
-  if (!map) return ground;
-  if (map->has("friction")) ground.friction = map->number("friction", {.min = 0.0, .max = 10.0});
-  if (map->has("stiffness_N_per_m")) {
-    ground.softness = {map->number("stiffness_N_per_m", {.min = 100.0, .max = 1e8}),
-                       map->number("damping_N_s_per_m", {.min = 0.0, .max = 1e6})};
-  }
-  if (map->has("tilt_deg")) {
-    const std::vector<double> tilt =
-        map->numbers("tilt_deg", 2, {.min = -kSteepest_deg, .max = kSteepest_deg});
-    ground.roll_rad = tilt[0] * kRadians;
-    ground.pitch_rad = tilt[1] * kRadians;
-  }
-  return ground;
-}
-
 InitialState read_initial(const YamlMap& root) {
   InitialState initial;
   const auto map = root.optional_child("initial");
@@ -168,7 +141,8 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
   scenario.noise_scale = read_noise_scale(root);
   scenario.computing_time_us = read_computing_time_us(root);
   scenario.physics = read_physics(root);
-  scenario.ground = read_ground(root);
+  scenario.ground = read_ground(root, folder);
+  scenario.materials = read_materials(root);
   scenario.initial = read_initial(root);
   scenario.parameters = read_parameters(root);
   scenario.commands = read_commands(root, motion_names(scenario, root));

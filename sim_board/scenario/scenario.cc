@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
@@ -57,6 +58,27 @@ void check_fault(const Fault& fault, const RobotDescription& robot) {
   }
 }
 
+std::vector<std::string> materials_of(const Scenario& scenario, const RobotDescription& robot) {
+  std::set<std::string> materials{scenario.ground.material};
+  for (const GroundShape& shape : scenario.ground.shapes) materials.insert(shape.surface.material);
+  for (const LinkDescription& link : robot.links)
+    for (const BoxDescription& box : link.collisions) materials.insert(box.surface.material);
+  materials.erase("");
+  return {materials.begin(), materials.end()};
+}
+
+void check_materials(const Scenario& scenario, const RobotDescription& robot) {
+  const std::vector<std::string> known = materials_of(scenario, robot);
+  for (const NamedMaterialPair& pair : scenario.materials) {
+    for (const SourcedName& name : pair.names) {
+      if (std::ranges::find(known, name.text) != known.end()) continue;
+      if (known.empty())
+        throw error_at(name, "the material " + one_line(name.text), "a robot or ground that is made of one");
+      throw unknown_name(name, "material", known);
+    }
+  }
+}
+
 // Integral of sin(pi x) from 0 to `part` of the half wave.
 double half_sine_integral(double part) {
   return (1.0 - std::cos(std::numbers::pi * part)) / std::numbers::pi;
@@ -80,6 +102,7 @@ void check(const Scenario& scenario, const RobotDescription& robot) {
   for (const InitialJoint& joint : scenario.initial.joints) check_initial(joint, robot);
   for (const Push& push : scenario.pushes) find_named(robot.links, push.link, "link");
   for (const Fault& fault : scenario.faults) check_fault(fault, robot);
+  check_materials(scenario, robot);
 }
 
 }  // namespace koboshi::sim

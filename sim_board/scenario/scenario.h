@@ -1,10 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "hal/port/ankle.h"
@@ -48,15 +50,50 @@ struct InitialState {
   std::vector<InitialJoint> joints;         // all others are at zero; without any, the stand of the gait
 };
 
-struct Ground {
-  std::optional<double> friction;  // Coulomb's mu instead of the robot file's, both directions
+// What the ground or a piece of it is like. What is not given is as on the plane, and on the plane itself as
+// on a hard floor.
+struct GroundSurface {
   struct Softness {
     double stiffness_N_per_m = 0.0;  // of one contact point; a sole has four
     double damping_N_s_per_m = 0.0;
   };
-  std::optional<Softness> softness;  // instead of a hard floor's
-  double roll_rad = 0.0;             // the plane turned about x, then about y
+
+  std::string material;                          // empty: not given
+  std::optional<double> friction;                // Coulomb's mu; the robot file's may be less
+  std::optional<double> friction_second;         // across the first direction; without it, as along it
+  std::optional<double> friction_direction_rad;  // from the piece's x axis, about its z
+  std::optional<Softness> softness;
+  std::optional<double> bounce;  // coefficient of restitution
+  std::optional<double> bounce_threshold_m_per_s;
+  std::optional<double> slip_m_per_N_s;
+};
+
+// A height field that is made by chance: waves of one length from all sides, down to nothing at the rim.
+struct RoughGround {
+  Eigen::Isometry3d X_WF = Eigen::Isometry3d::Identity();
+  Eigen::Vector2d size_m = Eigen::Vector2d::Ones();
+  double spacing_m = 0.01;  // of the grid, about
+  double height_m = 0.01;   // from its lowest to its highest point, the rim aside
+  double wavelength_m = 0.05;
+  std::optional<std::uint64_t> seed;  // without it, the scenario's
+};
+
+// A piece of ground on the plane. Its pose is in the plane's frame: origin in the world's, z the normal.
+struct GroundShape {
+  std::variant<FrictionPatch, GroundBox, HeightField, RoughGround> shape;
+  GroundSurface surface;
+};
+
+struct Ground : GroundSurface {
+  double roll_rad = 0.0;  // the plane turned about x, then about y
   double pitch_rad = 0.0;
+  std::vector<GroundShape> shapes;
+};
+
+// How two materials meet, and where the scenario names them.
+struct NamedMaterialPair {
+  std::array<SourcedName, 2> names;
+  MaterialPair pair;
 };
 
 struct Physics {
@@ -125,6 +162,7 @@ struct Scenario {
   std::uint64_t computing_time_us = 500;  // of the controller, a tick
   Physics physics;
   Ground ground;
+  std::vector<NamedMaterialPair> materials;
   InitialState initial;
   std::vector<ParameterSetting> parameters;  // set before the first command, in this order
   // Each in the order of time; of equal times, in the file's.
@@ -133,8 +171,8 @@ struct Scenario {
   std::vector<Fault> faults;
 };
 
-// Throws InputError at the first name in the scenario that the robot does not have, and at an initial joint
-// position beyond the joint's limits.
+// Throws InputError at the first name in the scenario that the robot does not have, at a material that
+// neither robot nor ground is of, and at an initial joint position beyond the joint's limits.
 void check(const Scenario& scenario, const RobotDescription& robot);
 
 }  // namespace koboshi::sim

@@ -55,8 +55,8 @@ FootPressure foot_pressure(const RobotDescription& robot, const Foot& foot, cons
   return pressure;
 }
 
-void add_touching_corners(const Foot& foot, const World& world, const RobotDescription& robot,
-                          std::vector<Vector3d>& points_W) {
+void add_support_points(const Foot& foot, const World& world, const RobotDescription& robot,
+                        const GroundDescription& ground, std::vector<Vector3d>& points_W) {
   const Isometry3d X_WL = pose_before_step(robot, world, foot.link);
   for (const Vector3d& corner_L : foot.corners_L) {
     const Vector3d corner_W = X_WL * corner_L;
@@ -65,7 +65,17 @@ void add_touching_corners(const Foot& foot, const World& world, const RobotDescr
       if (!is_of_ground(contact, foot)) continue;
       height_m = std::min(height_m, contact.n_W.dot(corner_W - contact.p_W));
     }
-    if (height_m < kTouching_m) points_W.push_back(corner_W);
+    if (height_m >= kTouching_m) continue;
+    if (ground.is_only_a_plane() || height_above(ground, corner_W) < kTouching_m)
+      points_W.push_back(corner_W);
+  }
+  if (ground.is_only_a_plane()) return;
+  for (const Contact& contact : world.contacts()) {
+    if (!is_of_ground(contact, foot)) continue;
+    const auto near_contact = [&](const Vector3d& corner_L) {
+      return (X_WL * corner_L - contact.p_W).norm() < kTouching_m;
+    };
+    if (std::ranges::none_of(foot.corners_L, near_contact)) points_W.push_back(contact.p_W);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim_board/robot/description.h"
+#include "sim_board/world/ground.h"
 #include "sim_board/world/world.h"
 
 namespace koboshi::sim {
@@ -37,9 +38,11 @@ FootPressure foot_pressure(const RobotDescription& robot, const Foot& foot, cons
 
 // Where a foot rests: those of its corners that are closer than this to the ground that it touched in the
 // last step. A foot that stands flat and bears more on one side lifts the other by micrometres; one that
-// rolls over an edge by millimetres. Appended to `points_W`.
+// rolls over an edge by millimetres. Where the ground is more than a plane, a corner may hang over the edge
+// of a step or between two bumps: it rests on nothing, and the points of contact that are not near a corner
+// count, too. Appended to `points_W`.
 inline constexpr double kTouching_m = 0.001;
-void add_touching_corners(const Foot& foot, const World& world, const RobotDescription& robot,
-                          std::vector<Eigen::Vector3d>& points_W);
+void add_support_points(const Foot& foot, const World& world, const RobotDescription& robot,
+                        const GroundDescription& ground, std::vector<Eigen::Vector3d>& points_W);
 
 }  // namespace koboshi::sim

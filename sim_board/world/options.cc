@@ -27,7 +27,7 @@ WorldOptions checked(WorldOptions options, const RobotDescription& robot) {
   if (!(options.step_s > 0.0) || std::abs(steps_a_ms - std::round(steps_a_ms)) > 1e-9 || steps_a_ms < 0.5)
     throw std::invalid_argument("a step of " + std::to_string(options.step_s) + " s does not divide 1 ms");
   if (options.quick_iterations < 1) throw std::invalid_argument("the quick stepper needs an iteration");
-  if (!(options.ground.normal_W.norm() > 0.0)) throw std::invalid_argument("the ground's normal is zero");
+  check(options.ground);
   if (options.joint_positions_rad.empty()) options.joint_positions_rad.assign(robot.joints.size(), 0.0);
   if (options.joint_positions_rad.size() != robot.joints.size())
     throw std::invalid_argument("not as many starting positions as joints");

@@ -8,16 +8,10 @@
 #include <vector>
 
 #include "sim_board/robot/description.h"
+#include "sim_board/world/ground.h"
+#include "sim_board/world/surface_contact.h"
 
 namespace koboshi::sim {
-
-// An endless plane: the points p with normal_W . p = offset_m.
-struct GroundDescription {
-  bool present = true;
-  Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();  // any length but zero
-  double offset_m = 0.0;
-  SurfaceDescription surface;
-};
 
 // Who solves the equations of motion.
 //   kWorld  ODE, the contact problem solved exactly: the reference
@@ -45,6 +39,7 @@ struct WorldOptions {
   int quick_iterations = 50;
   FrictionMethod friction = FrictionMethod::kLockAndCheck;  // kQuick always takes rows
   GroundDescription ground;
+  std::vector<MaterialPair> material_pairs;
   Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();  // links[0] at the start
   std::vector<double> joint_positions_rad;                 // at the start, by joint; empty: all zero
   bool fixed_base = false;                                 // links[0] hangs on a stand until release_base()

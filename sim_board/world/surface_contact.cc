@@ -22,6 +22,22 @@ Compliance compliance(const SurfaceDescription& surface) {
   return {surface.reference_step_s * cfm / erp, cfm / (1.0 - erp)};
 }
 
+bool is_between(const MaterialPair& pair, const std::string& one, const std::string& other) {
+  return pair.between == std::array{one, other} || pair.between == std::array{other, one};
+}
+
+void apply(const MaterialPair& pair, double step_s, SurfaceContact& contact) {
+  if (pair.friction) {
+    contact.friction = (*pair.friction)[0];
+    contact.friction_second = (*pair.friction)[1];
+  }
+  contact.bounce = pair.bounce.value_or(contact.bounce);
+  contact.bounce_threshold_m_per_s = pair.bounce_threshold_m_per_s.value_or(contact.bounce_threshold_m_per_s);
+  if (pair.spring)
+    contact.softness = softness(pair.spring->stiffness_N_per_m, pair.spring->damping_N_s_per_m, step_s);
+  contact.slip_m_per_N_s = pair.slip_m_per_N_s.value_or(contact.slip_m_per_N_s);
+}
+
 }  // namespace
 
 Softness softness(double stiffness, double damping, double step_s) {
@@ -29,16 +45,21 @@ Softness softness(double stiffness, double damping, double step_s) {
   return {step_stiffness / (step_stiffness + damping), 1.0 / (step_stiffness + damping)};
 }
 
-SurfaceContact meet(const SurfaceDescription& one, const SurfaceDescription& other, double step_s) {
+SurfaceContact meet(const SurfaceDescription& one, const SurfaceDescription& other, double step_s,
+                    std::span<const MaterialPair> pairs) {
   const Compliance a = compliance(one);
   const Compliance b = compliance(other);
   const SurfaceDescription& bouncier = one.bounce >= other.bounce ? one : other;
-  return {.friction = std::min(one.friction, other.friction),
-          .friction_second = std::min(one.friction_second, other.friction_second),
-          .bounce = bouncier.bounce,
-          .bounce_threshold_m_per_s = bouncier.bounce_threshold_m_per_s,
-          .softness = softness(1.0 / (a.spring_m_per_N + b.spring_m_per_N),
-                               1.0 / (a.damper_m_per_N_s + b.damper_m_per_N_s), step_s)};
+  SurfaceContact contact{.friction = std::min(one.friction, other.friction),
+                         .friction_second = std::min(one.friction_second, other.friction_second),
+                         .bounce = bouncier.bounce,
+                         .bounce_threshold_m_per_s = bouncier.bounce_threshold_m_per_s,
+                         .softness = softness(1.0 / (a.spring_m_per_N + b.spring_m_per_N),
+                                              1.0 / (a.damper_m_per_N_s + b.damper_m_per_N_s), step_s),
+                         .slip_m_per_N_s = one.slip_m_per_N_s + other.slip_m_per_N_s};
+  for (const MaterialPair& pair : pairs)
+    if (is_between(pair, one.material, other.material)) apply(pair, step_s, contact);
+  return contact;
 }
 
 }  // namespace koboshi::sim

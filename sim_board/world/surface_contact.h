@@ -1,5 +1,10 @@
 #pragma once
 
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+
 #include "sim_board/robot/description.h"
 
 namespace koboshi::sim {
@@ -22,12 +27,32 @@ struct SurfaceContact {
   double bounce = 0.0;
   double bounce_threshold_m_per_s = 0.0;
   Softness softness;
+  double slip_m_per_N_s = 0.0;
+
+  bool has_direction() const { return friction != friction_second; }
+};
+
+// How two materials meet. What is given counts in place of what their surfaces make of it by themselves.
+struct MaterialPair {
+  struct Spring {
+    double stiffness_N_per_m = 0.0;  // of one contact point
+    double damping_N_s_per_m = 0.0;
+  };
+
+  std::array<std::string, 2> between;             // in either order
+  std::optional<std::array<double, 2>> friction;  // Coulomb's mu in both directions
+  std::optional<double> bounce;
+  std::optional<double> bounce_threshold_m_per_s;
+  std::optional<Spring> spring;
+  std::optional<double> slip_m_per_N_s;
 };
 
 // A file gives ERP and CFM at its reference step h; solved for the material, which is the same at any step,
 //   1/kp = h CFM / ERP,  1/kd = CFM / (1 - ERP).
-// Two surfaces lie in series: their compliances 1/kp and 1/kd add. Friction is that of the more slippery,
-// bounce and its threshold that of the bouncier. A surface given as rigid (CFM 0) is taken as CFM 1e-9.
-SurfaceContact meet(const SurfaceDescription& one, const SurfaceDescription& other, double step_s);
+// Two surfaces lie in series: their compliances 1/kp and 1/kd add, and so do their slips. Friction is that of
+// the more slippery, bounce and its threshold that of the bouncier. A surface given as rigid (CFM 0) is taken
+// as CFM 1e-9. Of the pairs, the one of the two materials counts.
+SurfaceContact meet(const SurfaceDescription& one, const SurfaceDescription& other, double step_s,
+                    std::span<const MaterialPair> pairs = {});
 
 }  // namespace koboshi::sim

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sim_board/world/ground_truth.h"
 #include "sim_board/world/support_polygon.h"
@@ -16,8 +17,12 @@ Eigen::Vector3d roll_pitch_yaw(const Eigen::Matrix3d& R) {
 
 }  // namespace
 
-TruthObserver::TruthObserver(const sim::RobotDescription& robot)
-    : robot_(robot), tree_(robot), feet_(sim::feet_of(robot)), targets_rad_(robot.joints.size(), 0.0) {}
+TruthObserver::TruthObserver(const sim::RobotDescription& robot, sim::GroundDescription ground)
+    : robot_(robot),
+      ground_(std::move(ground)),
+      tree_(robot),
+      feet_(sim::feet_of(robot)),
+      targets_rad_(robot.joints.size(), 0.0) {}
 
 const GroundTruth& TruthObserver::observe(const sim::World& world, const Telemetry& telemetry) {
   const sim::BodyState base = world.body(0);
@@ -47,7 +52,7 @@ void TruthObserver::observe_feet(const sim::World& world) {
     truth_.foot_zmp_S_m[side] = pressure.zmp_S_m;
     load_N += pressure.load_N;
     moment_W += pressure.load_N * pressure.p_WZmp_W;
-    sim::add_touching_corners(foot, world, robot_, corners_W);
+    sim::add_support_points(foot, world, robot_, ground_, corners_W);
   }
   truth_.p_WZmp_W.reset();
   truth_.zmp_margin_m.reset();

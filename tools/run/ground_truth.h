@@ -8,6 +8,7 @@
 
 #include "sim_board/robot/description.h"
 #include "sim_board/world/foot.h"
+#include "sim_board/world/ground.h"
 #include "sim_board/world/link_tree.h"
 #include "sim_board/world/world.h"
 #include "tools/run/telemetry.h"
@@ -33,7 +34,7 @@ struct GroundTruth {
   std::array<std::optional<Eigen::Vector2d>, 2> foot_zmp_S_m;
   std::optional<Eigen::Vector3d> p_WZmp_W;
   // Distance of the latter from the edge of the support polygon, seen from above; positive inside. The
-  // polygon is the convex hull of the corners on which the loaded feet rest (sim_board/world/foot.h).
+  // polygon is the convex hull of the points on which the loaded feet rest (sim_board/world/foot.h).
   std::optional<double> zmp_margin_m;
 };
 
@@ -41,7 +42,7 @@ struct GroundTruth {
 class TruthObserver {
  public:
   // The robot must outlive the observer.
-  explicit TruthObserver(const sim::RobotDescription& robot);
+  explicit TruthObserver(const sim::RobotDescription& robot, sim::GroundDescription ground = {});
 
   // Once a tick, in the order of time.
   const GroundTruth& observe(const sim::World& world, const Telemetry& telemetry);
@@ -57,6 +58,7 @@ class TruthObserver {
   double pose_height_m(const Telemetry& telemetry);
 
   const sim::RobotDescription& robot_;
+  const sim::GroundDescription ground_;
   sim::LinkTree tree_;
   std::array<std::optional<sim::Foot>, 2> feet_;
   std::array<Anchor, 2> anchors_;

@@ -19,7 +19,7 @@ RunRecorder::RunRecorder(Simulation& simulation, sim::Recorder* recorder)
     : simulation_(simulation),
       recorder_(recorder),
       telemetry_(simulation.model().model),
-      truth_(simulation.robot()) {
+      truth_(simulation.robot(), simulation.board().ground()) {
   if (const GaitPlan* plan = simulation.gait_plan()) {
     // The walk is the motion behind those that the scenario names.
     const auto motion = static_cast<std::uint8_t>(simulation.scenario().motions.size());

@@ -1,5 +1,6 @@
 #include "sim_board/engine/ode/collider.h"
 
+#include <algorithm>
 #include <array>
 
 #include "sim_board/engine/ode/eigen.h"
@@ -23,12 +24,39 @@ dSurfaceParameters ode_surface(const SurfaceContact& surface) {
   ode.bounce_vel = surface.bounce_threshold_m_per_s;
   ode.soft_erp = surface.softness.error_reduction;
   ode.soft_cfm = surface.softness.constraint_force_mixing;
+  if (surface.slip_m_per_N_s > 0.0) {
+    ode.mode |= dContactSlip1 | dContactSlip2;
+    ode.slip1 = ode.slip2 = surface.slip_m_per_N_s;
+  }
+  if (surface.has_direction()) ode.mode |= dContactFDir1;
   return ode;
 }
 
-OdeGeom make_ground(const GroundDescription& ground) {
+OdeGeom make_plane(const GroundDescription& ground) {
   const Eigen::Vector3d normal = ground.normal_W.normalized();
   return OdeGeom(dCreatePlane(nullptr, normal.x(), normal.y(), normal.z(), ground.offset_m));
+}
+
+OdeGeom make_ground_box(const GroundBox& box) {
+  OdeGeom geom(dCreateBox(nullptr, box.size_m.x(), box.size_m.y(), box.size_m.z()));
+  const Eigen::Vector3d& p_W = box.X_WG.translation();
+  dGeomSetPosition(geom.get(), p_W.x(), p_W.y(), p_W.z());
+  dMatrix3 R;
+  copy_rotation(box.X_WG.linear(), R);
+  dGeomSetRotation(geom.get(), R);
+  return geom;
+}
+
+// Lays the first direction of friction into the plane of the contact. False where it stands upright on it:
+// then ODE chooses one.
+bool set_direction(const Eigen::Vector3d& direction, dGeomID frame, dContact& contact) {
+  const Eigen::Vector3d direction_W =
+      frame != nullptr ? Eigen::Vector3d(rotation_of(dGeomGetRotation(frame)) * direction) : direction;
+  const Eigen::Vector3d normal_W = vector_of(contact.geom.normal);
+  const Eigen::Vector3d in_plane_W = direction_W - normal_W.dot(direction_W) * normal_W;
+  if (in_plane_W.norm() < 1e-6 * direction_W.norm()) return false;
+  copy_vector(in_plane_W.normalized(), contact.fdir1);
+  return true;
 }
 
 bool apart(dGeomID geom, dGeomID other) {
@@ -43,12 +71,14 @@ bool apart(dGeomID geom, dGeomID other) {
 
 Collider::Collider(dWorldID world, const RobotDescription& robot, const LinkTree& tree, const Bodies& bodies,
                    const WorldOptions& options)
-    : world_(world), joints_(dJointGroupCreate(0)), boxes_(make_boxes(robot, bodies)) {
-  if (options.ground.present) ground_ = make_ground(options.ground);
-  make_pairs(tree, options);
-  contacts_.reserve(pairs_.size() * kMaxContactsOfPair);
-  touches_.reserve(pairs_.size() * kMaxContactsOfPair);
-  feedbacks_.resize(pairs_.size() * kMaxContactsOfPair);
+    : world_(world), options_(options), joints_(dJointGroupCreate(0)), boxes_(make_boxes(robot, bodies)) {
+  make_ground();
+  make_pairs(tree);
+  make_fields();
+  const std::size_t most_contacts = (pairs_.size() + fields_.size() * boxes_.size()) * kMaxContactsOfPair;
+  contacts_.reserve(most_contacts);
+  touches_.reserve(most_contacts);
+  feedbacks_.resize(most_contacts);
 }
 
 std::vector<Collider::Box> Collider::make_boxes(const RobotDescription& robot, const Bodies& bodies) {
@@ -63,22 +93,67 @@ std::vector<Collider::Box> Collider::make_boxes(const RobotDescription& robot, c
       dMatrix3 R;
       copy_rotation(box.X_LG.linear(), R);
       dGeomSetOffsetRotation(geom.get(), R);
-      boxes.push_back({std::move(geom), static_cast<int>(l), box.surface});
+      boxes.push_back({std::move(geom), static_cast<int>(l), 0.5 * box.size_m, box.surface});
     }
   }
   return boxes;
 }
 
-void Collider::make_pairs(const LinkTree& tree, const WorldOptions& options) {
+void Collider::make_ground() {
+  if (options_.ground.present) plane_ = make_plane(options_.ground);
+  for (const GroundBox& box : options_.ground.boxes) ground_boxes_.push_back(make_ground_box(box));
+}
+
+void Collider::make_pairs(const LinkTree& tree) {
   for (auto box = boxes_.begin(); box != boxes_.end(); ++box) {
-    if (ground_)
-      pairs_.push_back({box->geom.get(), ground_.get(), box->link, -1,
-                        ode_surface(meet(box->surface, options.ground.surface, options.step_s))});
+    make_ground_pairs(*box);
     for (auto other = box + 1; other != boxes_.end(); ++other)
       if (tree.distance(box->link, other->link) >= kLeastJointsBetween)
-        pairs_.push_back({box->geom.get(), other->geom.get(), box->link, other->link,
-                          ode_surface(meet(box->surface, other->surface, options.step_s))});
+        pairs_.push_back(
+            {box->geom.get(), other->geom.get(), box->link, other->link, meet_box(*box, *other), false});
   }
+}
+
+void Collider::make_ground_pairs(const Box& box) {
+  const GroundDescription& ground = options_.ground;
+  if (plane_) {
+    const std::size_t meeting = meet_ground(box, ground.surface, Eigen::Matrix3d::Identity());
+    for (const FrictionPatch& patch : ground.patches) meet_ground(box, patch.surface, patch.X_WP.linear());
+    pairs_.push_back({box.geom.get(), plane_.get(), box.link, -1, meeting, true});
+  }
+  for (std::size_t i = 0; i < ground_boxes_.size(); ++i) {
+    const std::size_t meeting = meet_ground(box, ground.boxes[i].surface, ground.boxes[i].X_WG.linear());
+    pairs_.push_back({box.geom.get(), ground_boxes_[i].get(), box.link, -1, meeting, false});
+  }
+}
+
+void Collider::make_fields() {
+  Eigen::Vector3d largest_half_m = Eigen::Vector3d::Zero();
+  for (const Box& box : boxes_) largest_half_m = largest_half_m.cwiseMax(box.half_m);
+  for (const HeightField& field : options_.ground.height_fields) {
+    fields_.push_back({HeightFieldContact(field, largest_half_m), meetings_.size()});
+    for (const Box& box : boxes_) meet_ground(box, field.surface, field.X_WF.linear());
+  }
+}
+
+std::size_t Collider::meet_ground(const Box& box, const SurfaceDescription& ground,
+                                  const Eigen::Matrix3d& R_W) {
+  Meeting meeting;
+  meeting.surface = ode_surface(meet(box.surface, ground, options_.step_s, options_.material_pairs));
+  const bool is_of_box = box.surface.friction_direction.has_value();
+  meeting.direction = is_of_box ? *box.surface.friction_direction
+                                : R_W * ground.friction_direction.value_or(Eigen::Vector3d::UnitX());
+  meeting.direction_frame = is_of_box ? box.geom.get() : nullptr;
+  meetings_.push_back(meeting);
+  return meetings_.size() - 1;
+}
+
+std::size_t Collider::meet_box(const Box& box, const Box& other) {
+  const Box& directed = box.surface.friction_direction ? box : other;
+  meetings_.push_back(
+      {ode_surface(meet(box.surface, other.surface, options_.step_s, options_.material_pairs)),
+       directed.surface.friction_direction.value_or(Eigen::Vector3d::UnitX()), directed.geom.get()});
+  return meetings_.size() - 1;
 }
 
 void Collider::touch() {
@@ -86,7 +161,8 @@ void Collider::touch() {
   contacts_.clear();
   touches_.clear();
   for (const Pair& pair : pairs_)
-    if (pair.other_link < 0 || !apart(pair.geom, pair.other_geom)) touch(pair);
+    if (pair.is_plane || !apart(pair.geom, pair.other_geom)) touch(pair);
+  touch_fields();
 }
 
 void Collider::touch(const Pair& pair) {
@@ -94,16 +170,56 @@ void Collider::touch(const Pair& pair) {
   const int count =
       dCollide(pair.geom, pair.other_geom, kMaxContactsOfPair, points.data(), sizeof(dContactGeom));
   for (int i = 0; i < count; ++i) {
-    dContact contact{};
-    contact.surface = pair.surface;
-    contact.geom = points[static_cast<std::size_t>(i)];
-    const dJointID joint = dJointCreateContact(world_, joints_.get(), &contact);
-    dJointAttach(joint, dGeomGetBody(pair.geom), dGeomGetBody(pair.other_geom));
-    dJointSetFeedback(joint, &feedbacks_[contacts_.size()]);
-    touches_.push_back({joint, contact.geom.depth, contact.surface});
-    contacts_.push_back({pair.link, pair.other_link, vector_of(contact.geom.pos),
-                         vector_of(contact.geom.normal), Eigen::Vector3d::Zero()});
+    const dContactGeom& point = points[static_cast<std::size_t>(i)];
+    add_contact(point, pair.link, pair.other_link, dGeomGetBody(pair.geom), dGeomGetBody(pair.other_geom),
+                meeting_at(pair, point));
   }
+}
+
+void Collider::touch_fields() {
+  for (Field& field : fields_) {
+    for (std::size_t i = 0; i < boxes_.size(); ++i) {
+      const Box& box = boxes_[i];
+      Eigen::Isometry3d X_WG = Eigen::Isometry3d::Identity();
+      X_WG.linear() = rotation_of(dGeomGetRotation(box.geom.get()));
+      X_WG.translation() = vector_of(dGeomGetPosition(box.geom.get()));
+      for (const HeightFieldContact::Point& point :
+           field.contact.touch(X_WG, box.half_m, kMaxContactsOfPair)) {
+        dContactGeom geom{};
+        copy_vector(point.p_W, geom.pos);
+        copy_vector(point.n_W, geom.normal);
+        geom.depth = point.depth_m;
+        geom.g1 = box.geom.get();
+        add_contact(geom, box.link, -1, dGeomGetBody(box.geom.get()), nullptr,
+                    meetings_[field.first_meeting + i]);
+      }
+    }
+  }
+}
+
+const Collider::Meeting& Collider::meeting_at(const Pair& pair, const dContactGeom& point) const {
+  if (pair.is_plane) {
+    const std::vector<FrictionPatch>& patches = options_.ground.patches;
+    for (std::size_t i = patches.size(); i > 0; --i)
+      if (patches[i - 1].holds(vector_of(point.pos))) return meetings_[pair.meeting + i];
+  }
+  return meetings_[pair.meeting];
+}
+
+void Collider::add_contact(const dContactGeom& point, int link, int other_link, dBodyID body,
+                           dBodyID other_body, const Meeting& meeting) {
+  dContact contact{};
+  contact.surface = meeting.surface;
+  contact.geom = point;
+  if ((meeting.surface.mode & dContactFDir1) != 0 &&
+      !set_direction(meeting.direction, meeting.direction_frame, contact))
+    contact.surface.mode &= ~dContactFDir1;
+  const dJointID joint = dJointCreateContact(world_, joints_.get(), &contact);
+  dJointAttach(joint, body, other_body);
+  dJointSetFeedback(joint, &feedbacks_[contacts_.size()]);
+  touches_.push_back({joint, contact.geom.depth, contact.surface});
+  contacts_.push_back({link, other_link, vector_of(contact.geom.pos), vector_of(contact.geom.normal),
+                       Eigen::Vector3d::Zero()});
 }
 
 void Collider::read_forces() {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim_board/engine/ode/bodies.h"
+#include "sim_board/engine/ode/height_field_contact.h"
 #include "sim_board/engine/ode/library.h"
 #include "sim_board/robot/description.h"
 #include "sim_board/world/link_tree.h"
@@ -26,7 +27,7 @@ struct Touch {
 // Links that fewer than three joints part never touch: neighbours overlap at their hinge by construction.
 class Collider {
  public:
-  // Links without a body of their own have no boxes.
+  // Links without a body of their own have no boxes. The options must outlive the collider.
   Collider(dWorldID world, const RobotDescription& robot, const LinkTree& tree, const Bodies& bodies,
            const WorldOptions& options);
 
@@ -41,29 +42,58 @@ class Collider {
   void set_forces(std::size_t first, std::span<const Eigen::Vector3d> forces_W);
 
  private:
+  // How two shapes meet.
+  struct Meeting {
+    dSurfaceParameters surface;
+    // Where friction has directions, the first.
+    Eigen::Vector3d direction;
+    dGeomID direction_frame;  // null: the world
+  };
+
   struct Pair {
     dGeomID geom;
     dGeomID other_geom;
     int link;
-    int other_link;  // -1: the ground
-    dSurfaceParameters surface;
+    int other_link;       // -1: the ground
+    std::size_t meeting;  // index into meetings_
+    bool is_plane;        // then the meetings with its patches follow the one with the plane
   };
 
   struct Box {
     OdeGeom geom;
     int link;
+    Eigen::Vector3d half_m;
     SurfaceDescription surface;
   };
 
+  struct Field {
+    HeightFieldContact contact;
+    std::size_t first_meeting;  // by box from here on
+  };
+
   static std::vector<Box> make_boxes(const RobotDescription& robot, const Bodies& bodies);
-  void make_pairs(const LinkTree& tree, const WorldOptions& options);
+  void make_ground();
+  void make_pairs(const LinkTree& tree);
+  void make_ground_pairs(const Box& box);
+  void make_fields();
+  // Each appends to meetings_. `R_W` turns the direction of the ground's surface into the world.
+  std::size_t meet_ground(const Box& box, const SurfaceDescription& ground, const Eigen::Matrix3d& R_W);
+  std::size_t meet_box(const Box& box, const Box& other);
   void touch(const Pair& pair);
+  void touch_fields();
+  const Meeting& meeting_at(const Pair& pair, const dContactGeom& point) const;
+  void add_contact(const dContactGeom& point, int link, int other_link, dBodyID body, dBodyID other_body,
+                   const Meeting& meeting);
 
   dWorldID world_;
+  const WorldOptions& options_;
   OdeJointGroup joints_;
-  OdeGeom ground_;
+  OdeGeom plane_;
+  std::vector<OdeGeom> ground_boxes_;  // as in the options
   std::vector<Box> boxes_;
   std::vector<Pair> pairs_;
+  std::vector<Field> fields_;  // as in the options
+  std::vector<Meeting> meetings_;
   std::vector<Contact> contacts_;
   std::vector<Touch> touches_;
   std::vector<dJointFeedback> feedbacks_;  // by contact; ODE writes into it, so it never moves

@@ -11,6 +11,11 @@ namespace koboshi::sim {
 
 inline Eigen::Vector3d vector_of(const dReal* v) { return {v[0], v[1], v[2]}; }
 
+inline void copy_vector(const Eigen::Vector3d& from, dVector3 to) {
+  for (int i = 0; i < 3; ++i) to[i] = from[i];
+  to[3] = 0.0;
+}
+
 inline Eigen::Matrix3d rotation_of(const dReal* R) {
   Eigen::Matrix3d rotation;
   rotation << R[0], R[1], R[2], R[4], R[5], R[6], R[8], R[9], R[10];

@@ -16,11 +16,12 @@ using Eigen::Vector3d;
 constexpr double kWeight_N = 1.2 * 9.80665;
 const Vector3d kSize_m(0.1, 0.06, 0.02);
 
-// A box that stands, its sole frame `p_LSole_L` off its middle.
+// A box that stands, its sole frame `p_LSole_L` off its middle. On boxes, if there are any, and the plane is
+// out of reach.
 class StandingBox {
  public:
   explicit StandingBox(const Vector3d& p_LSole_L = {0.0, 0.0, -0.01},
-                       const Vector3d& ground_normal_W = Vector3d::UnitZ())
+                       const Vector3d& ground_normal_W = Vector3d::UnitZ(), std::vector<GroundBox> boxes = {})
       : robot_(sample_box(1.2, kSize_m)) {
     foot_.link = 0;
     foot_.X_LSole = Eigen::Translation3d(p_LSole_L);
@@ -28,6 +29,9 @@ class StandingBox {
       for (const double y : {-0.03, 0.03}) foot_.corners_L.push_back({x, y, -0.01});
     WorldOptions options;
     options.ground.normal_W = ground_normal_W;
+    if (!boxes.empty()) options.ground.offset_m = -1.0;
+    options.ground.boxes = std::move(boxes);
+    ground_ = options.ground;
     const auto R_WL = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), ground_normal_W);
     options.X_WB = R_WL * Eigen::Translation3d(0.0, 0.0, 0.01);
     world_ = make_world(robot_, options);
@@ -41,10 +45,10 @@ class StandingBox {
     }
   }
   FootPressure pressure() const { return foot_pressure(robot_, foot_, *world_); }
-  std::size_t touching_corners() const {
-    std::vector<Vector3d> corners_W;
-    add_touching_corners(foot_, *world_, robot_, corners_W);
-    return corners_W.size();
+  std::vector<Vector3d> support_points() const {
+    std::vector<Vector3d> points_W;
+    add_support_points(foot_, *world_, robot_, ground_, points_W);
+    return points_W;
   }
   World& world() { return *world_; }
   const RobotDescription& robot() const { return robot_; }
@@ -52,6 +56,7 @@ class StandingBox {
  private:
   RobotDescription robot_;
   Foot foot_;
+  GroundDescription ground_;
   std::unique_ptr<World> world_;
 };
 
@@ -84,18 +89,35 @@ TEST(FootPressure, IsNothingInTheAir) {
   StandingBox box;
   EXPECT_EQ(box.pressure().load_N, 0.0);
   EXPECT_EQ(box.pressure().zmp_S_m, Vector2d(0.0, 0.0));
-  EXPECT_EQ(box.touching_corners(), 0u);
+  EXPECT_EQ(box.support_points().size(), 0u);
 }
 
-TEST(TouchingCorners, AreAllOfABoxThatStandsAndTwoOfOneThatRollsOverItsEdge) {
+TEST(SupportPoints, AreAllOfABoxThatStandsAndTwoOfOneThatRollsOverItsEdge) {
   StandingBox box;
   box.load({0.04, 0.02, 0.01}, kWeight_N);
-  EXPECT_EQ(box.touching_corners(), 4u);
+  EXPECT_EQ(box.support_points().size(), 4u);
   for (int i = 0; i < 50; ++i) {
     box.world().push(0, {0.07, 0.0, 0.01}, {0.0, 0.0, -4.0 * kWeight_N});
     box.world().step();
   }
-  EXPECT_EQ(box.touching_corners(), 2u);
+  EXPECT_EQ(box.support_points().size(), 2u);
+}
+
+// A step's edge lies across the sole, 20 mm before its front: what hangs over it does not carry.
+TEST(SupportPoints, EndAtTheEdgeOfAStep) {
+  GroundBox step;
+  step.size_m = {1.0, 1.0, 0.1};
+  step.X_WG = Eigen::Translation3d(0.03 - 0.5, 0.0, -0.05);
+  StandingBox box({0.0, 0.0, -0.01}, Vector3d::UnitZ(), {step});
+  box.load(Vector3d::Zero(), 0.0);
+  double front_m = -1.0;
+  double back_m = 1.0;
+  for (const Vector3d& p_W : box.support_points()) {
+    front_m = std::max(front_m, p_W.x());
+    back_m = std::min(back_m, p_W.x());
+  }
+  EXPECT_NEAR(front_m, 0.03, 1e-4);
+  EXPECT_NEAR(back_m, -0.05, 1e-4);
 }
 
 TEST(PoseBeforeStep, IsTheOneThatTheStepBeganWith) {

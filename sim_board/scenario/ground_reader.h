@@ -1,0 +1,16 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "sim_board/input/yaml_reader.h"
+#include "sim_board/scenario/scenario.h"
+
+namespace koboshi::sim {
+
+// The keys `ground` and `materials` of a scenario file; each may be missing. Files that the ground names are
+// relative to `folder`, as in read_path(). Throw InputError.
+Ground read_ground(const YamlMap& root, const std::filesystem::path& folder);
+std::vector<NamedMaterialPair> read_materials(const YamlMap& root);
+
+}  // namespace koboshi::sim

@@ -1,0 +1,147 @@
+#include "sim_board/scenario/make_ground.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "sim_board/sensor/random_stream.h"
+#include "sim_board/world/surface_contact.h"
+
+namespace koboshi::sim {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+// Enough that no direction stands out.
+constexpr std::size_t kWaves = 24;
+
+SurfaceDescription apply(const GroundSurface& given, SurfaceDescription surface) {
+  if (!given.material.empty()) surface.material = given.material;
+  if (given.friction) {
+    surface.friction = *given.friction;
+    surface.friction_second = given.friction_second.value_or(*given.friction);
+  }
+  if (given.friction_direction_rad) {
+    const double angle_rad = *given.friction_direction_rad;
+    surface.friction_direction = Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0.0);
+  }
+  if (given.softness) {
+    const Softness soft = softness(given.softness->stiffness_N_per_m, given.softness->damping_N_s_per_m,
+                                   surface.reference_step_s);
+    surface.error_reduction = soft.error_reduction;
+    surface.constraint_force_mixing = soft.constraint_force_mixing;
+  }
+  surface.bounce = given.bounce.value_or(surface.bounce);
+  surface.bounce_threshold_m_per_s =
+      given.bounce_threshold_m_per_s.value_or(surface.bounce_threshold_m_per_s);
+  surface.slip_m_per_N_s = given.slip_m_per_N_s.value_or(surface.slip_m_per_N_s);
+  return surface;
+}
+
+struct Wave {
+  Vector2d rad_per_m;
+  double phase_rad;
+};
+
+std::array<Wave, kWaves> draw_waves(double wavelength_m, std::uint64_t seed, std::size_t number) {
+  RandomStream random(seed, "rough ground " + std::to_string(number));
+  std::array<Wave, kWaves> waves{};
+  for (Wave& wave : waves) {
+    const double direction_rad = kTurn_rad * random.uniform();
+    wave.rad_per_m = kTurn_rad / wavelength_m * Vector2d(std::cos(direction_rad), std::sin(direction_rad));
+    wave.phase_rad = kTurn_rad * random.uniform();
+  }
+  return waves;
+}
+
+// From 0 at the rim to 1 a wavelength inside, without a kink.
+double rim(const Vector2d& xy_F, const RoughGround& rough) {
+  const double inside_m = (0.5 * rough.size_m - xy_F.cwiseAbs()).minCoeff();
+  const double part = std::clamp(inside_m / rough.wavelength_m, 0.0, 1.0);
+  return part * part * (3.0 - 2.0 * part);
+}
+
+HeightField make_rough(const RoughGround& rough, std::uint64_t seed, std::size_t number) {
+  const std::array<Wave, kWaves> waves = draw_waves(rough.wavelength_m, rough.seed.value_or(seed), number);
+  HeightField field;
+  field.X_WF = rough.X_WF;
+  field.size_m = rough.size_m;
+  field.columns = std::max(2, 1 + static_cast<int>(std::lround(rough.size_m.x() / rough.spacing_m)));
+  field.rows = std::max(2, 1 + static_cast<int>(std::lround(rough.size_m.y() / rough.spacing_m)));
+  field.heights_m.assign(static_cast<std::size_t>(field.columns) * static_cast<std::size_t>(field.rows), 0.0);
+  std::size_t index = 0;
+  for (int row = 0; row < field.rows; ++row) {
+    for (int column = 0; column < field.columns; ++column, ++index) {
+      const Vector2d xy_F = field.point_F(column, row).head<2>();
+      for (const Wave& wave : waves)
+        field.heights_m[index] += std::cos(wave.rad_per_m.dot(xy_F) + wave.phase_rad);
+    }
+  }
+  const auto [lowest, highest] = std::ranges::minmax(field.heights_m);
+  index = 0;
+  for (int row = 0; row < field.rows; ++row)
+    for (int column = 0; column < field.columns; ++column, ++index)
+      field.heights_m[index] = rough.height_m * rim(field.point_F(column, row).head<2>(), rough) *
+                               (field.heights_m[index] - lowest) / (highest - lowest);
+  return field;
+}
+
+// Puts the shapes of a scenario into the world.
+class Builder {
+ public:
+  Builder(GroundDescription& ground, const Isometry3d& X_WG, std::uint64_t seed)
+      : ground_(ground), X_WG_(X_WG), seed_(seed) {}
+
+  void add(const GroundShape& shape) {
+    surface_ = apply(shape.surface, ground_.surface);
+    std::visit(*this, shape.shape);
+  }
+  void operator()(FrictionPatch patch) {
+    patch.X_WP = X_WG_ * patch.X_WP;
+    patch.surface = surface_;
+    ground_.patches.push_back(patch);
+  }
+  void operator()(GroundBox box) {
+    box.X_WG = X_WG_ * box.X_WG;
+    box.surface = surface_;
+    ground_.boxes.push_back(box);
+  }
+  void operator()(HeightField field) {
+    field.X_WF = X_WG_ * field.X_WF;
+    field.surface = surface_;
+    ground_.height_fields.push_back(std::move(field));
+  }
+  void operator()(const RoughGround& rough) {
+    (*this)(make_rough(rough, seed_, ground_.height_fields.size()));
+  }
+
+ private:
+  GroundDescription& ground_;
+  const Isometry3d X_WG_;
+  const std::uint64_t seed_;
+  SurfaceDescription surface_;
+};
+
+}  // namespace
+
+GroundDescription make_ground(const Ground& ground, std::uint64_t seed) {
+  const Eigen::AngleAxisd roll(ground.roll_rad, Vector3d::UnitX());
+  const Eigen::AngleAxisd pitch(ground.pitch_rad, Vector3d::UnitY());
+  const Isometry3d X_WG(pitch * roll);
+  GroundDescription made;
+  made.normal_W = pitch * (roll * Vector3d::UnitZ());
+  made.surface = apply(ground, made.surface);
+  Builder builder(made, X_WG, seed);
+  for (const GroundShape& shape : ground.shapes) builder.add(shape);
+  // A plane's direction is the world's; the pieces', which may be as on the plane, are their own.
+  if (made.surface.friction_direction)
+    made.surface.friction_direction = X_WG.linear() * *made.surface.friction_direction;
+  return made;
+}
+
+}  // namespace koboshi::sim
