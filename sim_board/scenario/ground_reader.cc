@@ -50,9 +50,9 @@ std::optional<double> read_optional(const YamlMap& map, const std::string& key, 
   return map.number(key, range);
 }
 
-// Stiffness and damping, one not without the other.
+// A spring needs a damper; a damper alone is an unknown key.
 std::optional<std::array<double, 2>> read_spring(const YamlMap& map) {
-  if (!map.has("stiffness_N_per_m") && !map.has("damping_N_s_per_m")) return std::nullopt;
+  if (!map.has("stiffness_N_per_m")) return std::nullopt;
   return std::array{map.number("stiffness_N_per_m", kStiffness_N_per_m),
                     map.number("damping_N_s_per_m", kDamping_N_s_per_m)};
 }

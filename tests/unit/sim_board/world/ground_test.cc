@@ -98,7 +98,7 @@ TEST(HeightAbove, TakesTheHighestGround) {
   EXPECT_NEAR(height_above(ground, {0.0, 0.0, 0.1}), 0.06, 1e-12);
   EXPECT_NEAR(height_above(ground, {0.0, 0.0, 0.03}), -0.01, 1e-12);  // inside the box
   ground.boxes[0].X_WG = Translation3d(0.0, 0.0, 1.0);                // a roof
-  EXPECT_NEAR(height_above(ground, {0.0, -0.05, 0.1}), 0.1, 1e-12);
+  EXPECT_NEAR(height_above(ground, {-0.05, -0.05, 0.1}), 0.1 / std::hypot(1.0, 0.2), 1e-12);
   ground.present = false;
   EXPECT_TRUE(std::isinf(height_above(ground, {5.0, 0.0, 0.1})));
 }
