@@ -39,10 +39,11 @@ const char* const kSmallRobot = R"(<sdf version="1.9" xmlns:koboshi="https://kob
         <pose>0 0 0.05 0 0 0</pose>
         <geometry><box><size>0.02 0.03 0.1</size></box></geometry>
         <surface>
-          <friction><ode><mu>0.7</mu></ode></friction>
+          <friction><ode><mu>0.7</mu><fdir1>0 1 0</fdir1></ode></friction>
           <bounce><restitution_coefficient>0.3</restitution_coefficient><threshold>0.05</threshold></bounce>
           <contact><ode><soft_cfm>2e-5</soft_cfm><soft_erp>0.4</soft_erp></ode></contact>
           <koboshi:reference_step_s>0.002</koboshi:reference_step_s>
+          <koboshi:material>rubber</koboshi:material>
         </surface>
       </collision>
     </link>
@@ -111,6 +112,8 @@ TEST(LoadRobot, ReadsEveryNumber) {
   EXPECT_EQ(box.surface.error_reduction, 0.4);
   EXPECT_EQ(box.surface.constraint_force_mixing, 2e-5);
   EXPECT_EQ(box.surface.reference_step_s, 0.002);
+  EXPECT_EQ(box.surface.friction_direction, Eigen::Vector3d(0, 1, 0));
+  EXPECT_EQ(box.surface.material, "rubber");
 
   const JointDescription& wrist = robot.joints.at(0);
   EXPECT_EQ(wrist.parent, 0);
@@ -280,6 +283,14 @@ std::string default_robot_text() {
 std::string sensor_complaint(const std::string& from, const std::string& to) {
   std::string text = default_robot_text();
   return complaint(text.replace(text.find(from), from.size(), to));
+}
+
+TEST(LoadRobot, RefusesAFrictionWithoutDirectionOrMaterialWithoutName) {
+  EXPECT_THAT(complaint(with("0 1 0</fdir1>", "0 0 0</fdir1>")),
+              MatchesRegex("FILE:[0-9]+: found <fdir1> = 0 0 0, expected a direction, any but zero"));
+  EXPECT_THAT(complaint(with("0 1 0</fdir1>", "0 2 0</fdir1>")),
+              MatchesRegex("FILE:[0-9]+: .*from -1 to 1.*"));
+  EXPECT_THAT(complaint(with(">rubber<", "><")), MatchesRegex("FILE:[0-9]+: .*koboshi:material.*"));
 }
 
 TEST(LoadRobot, RefusesSensorsItCannotSimulate) {
