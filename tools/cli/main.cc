@@ -12,6 +12,7 @@
 #include "tools/cli/motion_command.h"
 #include "tools/cli/run_command.h"
 #include "tools/cli/target_report_command.h"
+#include "tools/cli/validate_command.h"
 
 namespace {
 
@@ -39,7 +40,8 @@ int run_program(int argc, char** argv) {
       "  koboshi run scenarios/walk.yaml\n"
       "and look into runs/walk. Each command has a --help of its own; docs/guide/ shows what to do with "
       "them.\n\n"
-      "Exit status: 0 done, 1 the run failed or the runs differ, 2 bad input (one line on standard error "
+      "Exit status: 0 done, 1 the run failed, the runs differ or a check did, 2 bad input (one line on "
+      "standard error "
       "says where).\n");
   koboshi::tools::add_run_command(program, exit_status);
   koboshi::tools::add_diff_command(program, exit_status);
@@ -48,6 +50,7 @@ int run_program(int argc, char** argv) {
   koboshi::tools::add_gait_command(program);
   koboshi::tools::add_bench_command(program);
   koboshi::tools::add_experiment_command(program, command_line(argc, argv));
+  koboshi::tools::add_validate_command(program, exit_status, command_line(argc, argv));
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -10,7 +10,7 @@ namespace koboshi::tools {
 
 // Curves over a common abscissa, panel above panel, for a page or a screen.
 
-enum class LineStyle { kSolid, kDashed };
+enum class LineStyle { kSolid, kDashed, kPoints, kLinesPoints };
 
 struct Series {
   std::string column{};  // of the CSV file
@@ -44,6 +44,7 @@ struct Figure {
   std::string x_column = "time_s";
   std::string x_label = "time [s]";
   std::optional<Span> x_span{};  // the part that is shown; without it all
+  bool log_log = false;          // both axes logarithmic; all values are positive
 };
 
 // A figure that could not be drawn although its data are good: no gnuplot, or gnuplot failed. `what()` is

@@ -40,6 +40,22 @@ std::string block_name(std::size_t panel, std::size_t series) {
   return "$panel" + std::to_string(panel) + "_series" + std::to_string(series);
 }
 
+// Some air around positive data on a logarithmic axis.
+Range padded_log(Range data) {
+  if (data.low > data.high) data = {1.0, 1.0};
+  const double margin = std::pow(data.high / data.low, 0.08) * 1.1;
+  return {data.low / margin, data.high * margin};
+}
+
+// The part of a plot command that says what a line looks like.
+std::string with_style(LineStyle style, const std::string& colour) {
+  const std::string points = " pointtype 7 pointsize 0.9";
+  const std::string line = " linewidth 1.8 linecolor '" + colour + "'";
+  if (style == LineStyle::kPoints) return "with points" + line + points;
+  if (style == LineStyle::kLinesPoints) return "with linespoints" + line + points;
+  return "with lines" + line + " dashtype " + (style == LineStyle::kDashed ? "(9,5)" : "1");
+}
+
 // Some air around the data, and never less than the smallest span.
 Range padded(Range data, double smallest_span) {
   if (data.low > data.high) data = {0.0, 0.0};
@@ -89,13 +105,17 @@ class Script {
         for (const double value : y) range.include(value);
         write_block(out_, block_name(p, s), thin(x, y, kBuckets));
       }
-      y_ranges_.push_back(padded(range, panel.smallest_span));
+      y_ranges_.push_back(figure_.log_log ? padded_log(range) : padded(range, panel.smallest_span));
     }
   }
 
   void write_style() {
-    if (x_range_.low >= x_range_.high) x_range_ = padded(x_range_, 0.0);
-    out_ << axes_style()
+    if (figure_.log_log) {
+      x_range_ = padded_log(x_range_);
+    } else if (x_range_.low >= x_range_.high) {
+      x_range_ = padded(x_range_, 0.0);
+    }
+    out_ << axes_style() << (figure_.log_log ? "set logscale xy\n" : "")
          << "set key horizontal right bottom at graph 1,1.01 samplen 2 spacing 1 textcolor '#303030'\n"
          << "set xrange [" << sim::number_text(x_range_.low) << ":" << sim::number_text(x_range_.high)
          << "]\n";
@@ -150,8 +170,7 @@ class Script {
   std::string curve(std::size_t p, std::size_t s) const {
     const Series& series = figure_.panels[p].series[s];
     const std::size_t colour = series.colour ? static_cast<std::size_t>(*series.colour) : s;
-    return block_name(p, s) + " using 1:2 with lines linewidth 1.8 linecolor '" + palette_colour(colour) +
-           "' dashtype " + (series.style == LineStyle::kDashed ? "(9,5)" : "1") +
+    return block_name(p, s) + " using 1:2 " + with_style(series.style, palette_colour(colour)) +
            (series.label.empty() ? " notitle" : " title " + quoted(series.label));
   }
 

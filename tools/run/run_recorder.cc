@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sim_board/world/options.h"
+
 namespace koboshi::tools {
 namespace {
 

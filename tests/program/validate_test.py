@@ -1,0 +1,84 @@
+"""The physics against theory, in its short form, and what `koboshi validate` leaves and refuses."""
+
+import csv
+import json
+import pathlib
+import unittest
+
+import program as support
+
+PROGRAM = None
+EXPERIMENTS = ["free-fall", "bounce", "slope", "pendulum", "tennis-racket", "momentum", "inverted-pendulum", "servo",
+               "friction", "zmp", "convergence"]
+
+
+class Validate(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = support.temporary_folder(cls)
+        cls.result = PROGRAM.run("validate", "--short", "--out", cls.folder / "out")
+        cls.summary = json.loads((cls.folder / "out" / "summary.json").read_text())
+
+    def checks(self):
+        return [(experiment["experiment"], check) for experiment in self.summary["experiments"]
+                for check in experiment["checks"]]
+
+    def test_physics_is_within_tolerance(self):
+        for name, check in self.checks():
+            with self.subTest(name, quantity=check["quantity"]):
+                self.assertTrue(check["passed"], check)
+        self.assertEqual(self.result.returncode, 0, self.result.stdout)
+
+    def test_every_experiment_took_place(self):
+        self.assertEqual([experiment["experiment"] for experiment in self.summary["experiments"]], EXPERIMENTS)
+        self.assertEqual((self.summary["stepper"], self.summary["step_s"]), ("world", 0.001))
+
+    def test_something_was_measured(self):
+        """A method of first order is not exact: if it were, theory would have been held to itself."""
+        for name in EXPERIMENTS:
+            errors = [abs(check["error"]) for experiment, check in self.checks() if experiment == name]
+            self.assertGreater(max(errors), 0.0, name)
+
+    def test_table_says_the_same_as_files(self):
+        with open(self.folder / "out" / "checks.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([row["quantity"] for row in rows], [check["quantity"] for _, check in self.checks()])
+        for row in rows:
+            self.assertIn(row["quantity"], self.result.stdout)
+
+
+class Results(unittest.TestCase):
+    def setUp(self):
+        self.folder = support.temporary_folder(type(self))
+
+    def test_figures_and_page(self):
+        page = self.folder / "page.md"
+        result = PROGRAM.run("validate", "--only", "slope", "--out", self.folder / "out", "--page", page,
+                             "--json", self.folder / "slope.json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertTrue((self.folder / "out" / "slope.svg").exists())
+        self.assertTrue((self.folder / "page" / "slope.png").exists())
+        self.assertIn("](page/slope.png)", page.read_text())
+        self.assertEqual((self.folder / "slope.json").read_bytes(), (self.folder / "out" / "summary.json").read_bytes())
+
+    def test_another_stepper_is_named_and_may_fail(self):
+        """The iterative stepper lets a box creep down its slope."""
+        result = PROGRAM.run("validate", "--short", "--only", "slope", "--stepper", "quick", "--out", self.folder / "out")
+        summary = json.loads((self.folder / "out" / "summary.json").read_text())
+        self.assertEqual(summary["stepper"], "quick")
+        self.assertEqual(result.returncode, 0 if summary["passed"] else 1)
+        self.assertEqual("NO" in result.stdout, not summary["passed"])
+
+    def test_bad_arguments(self):
+        for bad in (["--stepper", "perfect"], ["--step-ms", "0.3"], ["--step-ms", "2"], ["--only", "magic"],
+                    ["--short", "--page", str(self.folder / "page.md")], ["--json", str(self.folder / "no" / "a.json")],
+                    ["--only", "zmp", "--scenario", "nothing.yaml"]):
+            with self.subTest(bad):
+                result = PROGRAM.run("validate", "--out", self.folder / "out", *bad)
+                self.assertEqual(result.returncode, 2, result.stderr)
+                self.assertFalse((self.folder / "out").exists())
+
+
+if __name__ == "__main__":
+    PROGRAM = support.take_program_argument()
+    unittest.main()

@@ -1,0 +1,167 @@
+#include "tools/validate/pendulum_swing.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim_board/world/ground_truth.h"
+#include "tools/validate/pendulum_theory.h"
+#include "tools/validate/runge_kutta.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr HangingLink kLink{.mass_kg = 0.2, .inertia_kg_m2 = 5e-4, .arm_m = 0.15, .length_m = 0.2};
+constexpr double kLarge_rad = 1.5;
+
+const Eigen::Vector3d kDown(0.0, 0.0, -kGravity_m_per_s2);
+
+// Times at which the pendulum passes the bottom in the direction of its start.
+std::vector<double> passages_s(sim::World& world, int count, double longest_s) {
+  std::vector<double> times_s;
+  double before_rad = world.joint(0).position_rad;
+  while (static_cast<int>(times_s.size()) < count && world.time_s() < longest_s) {
+    world.step();
+    const double now_rad = world.joint(0).position_rad;
+    if (before_rad < 0.0 && now_rad >= 0.0) {
+      times_s.push_back(world.time_s() - world.step_s() * now_rad / (now_rad - before_rad));
+    }
+    before_rad = now_rad;
+  }
+  return times_s;
+}
+
+void check_swing(double amplitude_rad, int periods, const ValidationSetup& setup, Findings& findings) {
+  const double length_m = reduced_length_m(kLink);
+  const double theory_s = pendulum_period_s(length_m, amplitude_rad);
+  const double h = setup.world.step_s;
+  const auto robot = chain_rig({kLink});
+  const auto world = hang(robot, {amplitude_rad}, setup);
+  const double energy_start_J = sim::energy_J(robot, *world, kDown);
+  const std::vector<double> times_s = passages_s(*world, periods + 1, (periods + 3) * theory_s);
+  const bool complete = static_cast<int>(times_s.size()) == periods + 1;
+  const double simulated_s = complete ? (times_s.back() - times_s.front()) / periods : std::nan("");
+
+  // Oscillating part: w^2 h^2/24 of semi-implicit Euler. Hinge: a step along the tangent leaves the circle by
+  // r (w h)^2/2, of which an error reduction of 0.2 leaves five times, so that the pendulum is longer by 2.5
+  // (w h)^2 and its period by half of that.
+  const double natural = std::sqrt(kGravity_m_per_s2 / length_m);
+  const double fastest = 2.0 * natural * std::sin(0.5 * amplitude_rad);
+  const double relative = std::pow(natural * h, 2) / 24.0 + 1.25 * std::pow(fastest * h, 2);
+  findings.checks.push_back({fmt::format("period at {} rad, mean of {}", amplitude_rad, periods), "s",
+                             theory_s, simulated_s, theory_s * relative + 1e-9});
+
+  // Semi-implicit Euler keeps another energy, H - (h/2) w dV/dq, but for h^2.
+  const double energy_J = sim::energy_J(robot, *world, kDown);
+  const double most_power_W = kLink.mass_kg * kGravity_m_per_s2 * kLink.arm_m * fastest;
+  findings.checks.push_back({fmt::format("energy lost at {} rad, {} periods", amplitude_rad, periods), "J",
+                             0.0, energy_J - energy_start_J, 0.5 * h * most_power_W});
+}
+
+constexpr HangingLink kUpper{.mass_kg = 0.2, .inertia_kg_m2 = 5e-4, .arm_m = 0.1, .length_m = 0.2};
+constexpr HangingLink kLower{.mass_kg = 0.1, .inertia_kg_m2 = 2e-4, .arm_m = 0.1, .length_m = 0.2};
+
+// Held to Runge-Kutta for a second, to its energy for ten.
+void check_double(const ValidationSetup& setup, Findings& findings) {
+  const auto robot = chain_rig({kUpper, kLower});
+  const auto world = hang(robot, {1.2, 0.6}, setup);
+  const double h = setup.world.step_s;
+  const double energy_start_J = sim::energy_J(robot, *world, kDown);
+  constexpr double kCompared_s = 1.0;
+  constexpr double kFine_s = 1e-5;
+  const long fine_steps = std::lround(h / kFine_s);
+  Eigen::Vector4d state(1.2, 0.6, 0.0, 0.0);
+  double largest_rad = 0.0, fastest = 0.0, most_power_W = 0.0, energy_off_J = 0.0;
+  std::vector<double> time_s, upper_rad, lower_rad, upper_theory_rad, lower_theory_rad, off_mJ;
+  const double duration_s = setup.short_form ? 2.0 : 10.0;
+  for (long i = steps_of(duration_s, *world); i > 0; --i) {
+    world->step();
+    const bool compared = world->time_s() <= kCompared_s + 0.5 * h;
+    if (compared) {
+      for (long k = 0; k < fine_steps; ++k) {
+        state = runge_kutta_step(state, kFine_s, [](const Eigen::Vector4d& y) {
+          return double_pendulum_derivative(kUpper, kLower, y);
+        });
+      }
+      fastest = std::max({fastest, std::abs(state[2]), std::abs(state[3])});
+      for (int j = 0; j < 2; ++j) {
+        largest_rad = std::max(largest_rad, std::abs(world->joint(j).position_rad - state[j]));
+      }
+    }
+    const double now_J = sim::energy_J(robot, *world, kDown) - energy_start_J;
+    energy_off_J = std::abs(now_J) > std::abs(energy_off_J) ? now_J : energy_off_J;
+    const double power_W = kGravity_m_per_s2 * (kUpper.mass_kg * world->body(1).v_WCom_W.z() +
+                                                kLower.mass_kg * world->body(2).v_WCom_W.z());
+    most_power_W = std::max(most_power_W, std::abs(power_W));
+    time_s.push_back(world->time_s());
+    upper_rad.push_back(world->joint(0).position_rad);
+    lower_rad.push_back(world->joint(1).position_rad);
+    upper_theory_rad.push_back(compared ? state[0] : std::nan(""));
+    lower_theory_rad.push_back(compared ? state[1] : std::nan(""));
+    off_mJ.push_back(1e3 * now_J);
+  }
+  findings.checks.push_back(
+      {"double pendulum: angles in the first second", "rad", 0.0, largest_rad, h * fastest});
+  findings.checks.push_back({"double pendulum: energy", "J", 0.0, energy_off_J, h * most_power_W});
+  findings.plots.push_back(
+      {.name = "double-pendulum",
+       .caption =
+           "The first second is held to Runge-Kutta (dashed). The energy error swings with the motion, as "
+           "that of a semi-implicit method does.",
+       .columns = {{"time_s", time_s},
+                   {"upper_rad", upper_rad},
+                   {"lower_rad", lower_rad},
+                   {"upper_theory_rad", upper_theory_rad},
+                   {"lower_theory_rad", lower_theory_rad},
+                   {"energy_error_mJ", off_mJ}},
+       .figure = {
+           .title = "Double pendulum, let go at 1.2 and 0.6 rad",
+           .panels = {{.y_label = "joint angle [rad]",
+                       .series = {{.column = "upper_rad", .label = "upper"},
+                                  {.column = "lower_rad", .label = "lower"},
+                                  {.column = "upper_theory_rad",
+                                   .label = "Runge-Kutta",
+                                   .style = LineStyle::kDashed,
+                                   .colour = 6},
+                                  {.column = "lower_theory_rad", .style = LineStyle::kDashed, .colour = 6}}},
+                      {.y_label = "energy error [mJ]", .series = {{.column = "energy_error_mJ"}}}}}});
+}
+
+Findings run(const ValidationSetup& setup) {
+  Findings findings;
+  const int periods = setup.short_form ? 5 : 20;
+  check_swing(0.05, periods, setup, findings);
+  check_swing(kLarge_rad, periods, setup, findings);
+  check_swing(2.8, periods, setup, findings);
+  check_double(setup, findings);
+  return findings;
+}
+
+}  // namespace
+
+double pendulum_error_rad(const ValidationSetup& setup) {
+  constexpr double kDuration_s = 1.0;
+  const auto world = hang(chain_rig({kLink}), {kLarge_rad}, setup);
+  run_for(*world, kDuration_s);
+  return world->joint(0).position_rad - pendulum_angle_rad(reduced_length_m(kLink), kLarge_rad, kDuration_s);
+}
+
+Validation pendulum_swing() {
+  return {.name = "pendulum",
+          .title = "Pendulums",
+          .theory =
+              "A rigid link of 0.2 kg, its centre of mass 0.15 m below the hinge, swings like a simple "
+              "pendulum of l = (I + m r^2)/(m r): T = 4 sqrt(l/g) K(sin(a/2)), K the complete elliptic "
+              "integral of the first kind (Landau and Lifshitz, Mechanics, section 11). Nothing takes its "
+              "energy. A double pendulum is held to its Lagrangian, integrated by Runge-Kutta in steps of 10 "
+              "us.",
+          .tolerances =
+              "Period: w^2 h^2/24 of semi-implicit Euler, and 1.25 (w h)^2 of a hinge that is left along "
+              "the tangent and drawn back by a fifth a step. Energy: such a method keeps H - (h/2) dV/dt "
+              "instead of H, so that H is off by h/2 times the largest power of gravity (double pendulum: "
+              "h). Angles of the double pendulum: one step late, h times the largest speed.",
+          .run = run};
+}
+
+}  // namespace koboshi::tools
