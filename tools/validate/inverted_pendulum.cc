@@ -58,7 +58,7 @@ double tolerance_m(double start_acceleration, double distance_m, double time_s, 
   return late_m * (1.0 + ratio) + std::abs(distance_m) * ratio * ratio * time_s / kTimeConstant_s + 1e-9;
 }
 
-const PendulumState kStart{.position_m = {-0.02, 0.01}, .velocity_m_per_s = {0.16, -0.06}};
+const PendulumState kStart{.position_m = {-0.02, 0.01}, .velocity_m_per_s = {0.24, -0.06}};
 const ZmpPiece kStep{.duration_s = 0.4, .from_m = {0.0, 0.0}, .to_m = {0.01, 0.006}};
 
 void check_leg(const ValidationSetup& setup, Findings& findings) {
@@ -75,8 +75,9 @@ void check_leg(const ValidationSetup& setup, Findings& findings) {
   Plot plot{
       .name = "inverted-pendulum",
       .caption =
-          "A step of the walk: the mass comes in, slows down over the foot and leaves, as the gait's "
-          "pendulum (dashed) says.",
+          "A step of the walk: the mass comes in, slows down over the foot and leaves (x), and sways to "
+          "the foot and back (y), as the gait's pendulum (dashed) says; at 0.4 s the error of a step of 1 "
+          "ms has grown to what theory says of it.",
       .columns =
           {{"time_s", way.time_s}, {"x_mm", {}}, {"x_theory_mm", {}}, {"y_mm", {}}, {"y_theory_mm", {}}},
       .figure = {

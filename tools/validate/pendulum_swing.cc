@@ -63,17 +63,18 @@ void check_swing(double amplitude_rad, int periods, const ValidationSetup& setup
   const double natural = std::sqrt(kGravity_m_per_s2 / length_m);
   const double fastest = 2.0 * natural * std::sin(0.5 * amplitude_rad);
   const double relative = std::pow(natural * h, 2) / 24.0 + 1.25 * std::pow(fastest * h, 2);
-  // Semi-implicit Euler keeps another energy, H - (h/2) w dV/dq. The hinge's part, summed over the four quarters
-  // of each period.
+  // Semi-implicit Euler keeps another energy, H - (h/2) w dV/dq. The hinge's part, summed over the four
+  // quarters of each period.
   const double weight_Nm = kLink.mass_kg * kGravity_m_per_s2 * kLink.arm_m;
   const double swung_J = 0.5 * h * weight_Nm * fastest;
   const double moment = kLink.mass_kg * kLink.arm_m * kLink.arm_m;
   const double lost_J = periods * 4.0 * hinge_loss_J(moment, fastest * fastest, 0.5 * fastest * fastest, h);
-  findings.checks.push_back({fmt::format("period at {} rad, mean of {}", amplitude_rad, periods), "s", theory_s,
-                             simulated_s, theory_s * relative + quicker_s(length_m, amplitude_rad, lost_J / weight_Nm) + 1e-9});
+  findings.checks.push_back(
+      {fmt::format("period at {} rad, mean of {}", amplitude_rad, periods), "s", theory_s, simulated_s,
+       theory_s * relative + quicker_s(length_m, amplitude_rad, lost_J / weight_Nm) + 1e-9});
   const double energy_J = sim::energy_J(robot, *world, kDown);
-  findings.checks.push_back({fmt::format("energy lost at {} rad, {} periods", amplitude_rad, periods), "J", 0.0,
-                             energy_J - energy_start_J, swung_J + lost_J});
+  findings.checks.push_back({fmt::format("energy error at {} rad after {} periods", amplitude_rad, periods),
+                             "J", 0.0, energy_J - energy_start_J, swung_J + lost_J});
 }
 
 constexpr HangingLink kUpper{.mass_kg = 0.2, .inertia_kg_m2 = 5e-4, .arm_m = 0.1, .length_m = 0.2};
@@ -91,9 +92,9 @@ void check_double(const ValidationSetup& setup, Findings& findings) {
   Eigen::Vector4d state(1.2, 0.6, 0.0, 0.0);
   double largest_rad = 0.0, fastest = 0.0, most_power_W = 0.0, energy_off_J = 0.0, lost_J = 0.0;
   // About the upper hinge the lower link counts as a point where it hangs.
-  const std::array moments{kUpper.mass_kg * kUpper.arm_m * kUpper.arm_m +
-                               kLower.mass_kg * kUpper.length_m * kUpper.length_m,
-                           kLower.mass_kg * kLower.arm_m * kLower.arm_m};
+  const std::array moments{
+      kUpper.mass_kg * kUpper.arm_m * kUpper.arm_m + kLower.mass_kg * kUpper.length_m * kUpper.length_m,
+      kLower.mass_kg * kLower.arm_m * kLower.arm_m};
   std::array speeds_squared{0.0, 0.0};
   std::vector<double> time_s, upper_rad, lower_rad, upper_theory_rad, lower_theory_rad, off_mJ;
   const double duration_s = setup.short_form ? 2.0 : 10.0;
@@ -130,27 +131,30 @@ void check_double(const ValidationSetup& setup, Findings& findings) {
   }
   findings.checks.push_back(
       {"double pendulum: angles in the first second", "rad", 0.0, largest_rad, h * fastest});
-  findings.checks.push_back({"double pendulum: energy", "J", 0.0, energy_off_J, 0.5 * h * most_power_W + lost_J});
+  findings.checks.push_back(
+      {"double pendulum: energy", "J", 0.0, energy_off_J, 0.5 * h * most_power_W + lost_J});
   findings.plots.push_back(
       {.name = "double-pendulum",
-       .caption = "The first second is held to Runge-Kutta (dashed). The energy error swings with the motion, as "
-                  "that of a semi-implicit method does, and the hinges take a little for good.",
+       .caption =
+           "The first second is held to Runge-Kutta (dashed). The energy error swings with the motion, as "
+           "that of a semi-implicit method does, and the hinges take a little for good.",
        .columns = {{"time_s", time_s},
                    {"upper_rad", upper_rad},
                    {"lower_rad", lower_rad},
                    {"upper_theory_rad", upper_theory_rad},
                    {"lower_theory_rad", lower_theory_rad},
                    {"energy_error_mJ", off_mJ}},
-       .figure = {.title = "Double pendulum, let go at 1.2 and 0.6 rad",
-                  .panels = {{.y_label = "joint angle [rad]",
-                              .series = {{.column = "upper_rad", .label = "upper"},
-                                         {.column = "lower_rad", .label = "lower"},
-                                         {.column = "upper_theory_rad",
-                                          .label = "Runge-Kutta",
-                                          .style = LineStyle::kDashed,
-                                          .colour = 6},
-                                         {.column = "lower_theory_rad", .style = LineStyle::kDashed, .colour = 6}}},
-                             {.y_label = "energy error [mJ]", .series = {{.column = "energy_error_mJ"}}}}}});
+       .figure = {
+           .title = "Double pendulum, let go at 1.2 and 0.6 rad",
+           .panels = {{.y_label = "joint angle [rad]",
+                       .series = {{.column = "upper_rad", .label = "upper"},
+                                  {.column = "lower_rad", .label = "lower"},
+                                  {.column = "upper_theory_rad",
+                                   .label = "Runge-Kutta",
+                                   .style = LineStyle::kDashed,
+                                   .colour = 6},
+                                  {.column = "lower_theory_rad", .style = LineStyle::kDashed, .colour = 6}}},
+                      {.y_label = "energy error [mJ]", .series = {{.column = "energy_error_mJ"}}}}}});
 }
 
 Findings run(const ValidationSetup& setup) {
@@ -169,23 +173,24 @@ double pendulum_error_rad(const ValidationSetup& setup) {
   constexpr double kDuration_s = 1.0;
   const auto world = hang(chain_rig({kLink}), {kLarge_rad}, setup);
   run_for(*world, kDuration_s);
-  return world->joint(0).position_rad -
-         pendulum_angle_rad(reduced_length_m(kLink), kLarge_rad, kDuration_s);
+  return world->joint(0).position_rad - pendulum_angle_rad(reduced_length_m(kLink), kLarge_rad, kDuration_s);
 }
 
 Validation pendulum_swing() {
   return {.name = "pendulum",
           .title = "Pendulums",
-          .theory = "A rigid link of 0.2 kg, its centre of mass 0.15 m below the hinge, swings like a simple "
-                    "pendulum of l = (I + m r^2)/(m r): T = 4 sqrt(l/g) K(sin(a/2)), K the complete elliptic "
-                    "integral of the first kind (Landau and Lifshitz, Mechanics, section 11). Nothing takes its "
-                    "energy. A double pendulum is held to its Lagrangian, integrated by Runge-Kutta in steps of 10 "
-                    "us.",
-          .tolerances = "Period: w^2 h^2/24 of semi-implicit Euler, and 1.25 (w h)^2 of a hinge that is left along "
-                        "the tangent and drawn back by a fifth a step, and what the energy that may be lost makes of "
-                        "it. Energy: such a method keeps H - (h/2) dV/dt instead of H, so that H is off by h/2 times "
-                        "the largest power of gravity; the hinge gives back five steps late what it took, 5 m r^2 "
-                        "h^2 w^4 a period. Angles of the double pendulum: one step late, h times the largest speed.",
+          .theory =
+              "A rigid link of 0.2 kg, its centre of mass 0.15 m below the hinge, swings like a simple "
+              "pendulum of l = (I + m r^2)/(m r): T = 4 sqrt(l/g) K(sin(a/2)), K the complete elliptic "
+              "integral of the first kind (Landau and Lifshitz, Mechanics, section 11). Nothing takes its "
+              "energy. A double pendulum is held to its Lagrangian, integrated by Runge-Kutta in steps of 10 "
+              "us.",
+          .tolerances =
+              "Period: w^2 h^2/24 of semi-implicit Euler, and 1.25 (w h)^2 of a hinge that is left along "
+              "the tangent and drawn back by a fifth a step, and what the energy that may be lost makes of "
+              "it. Energy: such a method keeps H - (h/2) dV/dt instead of H, so that H is off by h/2 times "
+              "the largest power of gravity; the hinge gives back five steps late what it took, 5 m r^2 "
+              "h^2 w^4 a period. Angles of the double pendulum: one step late, h times the largest speed.",
           .run = run};
 }
 

@@ -48,8 +48,8 @@ Vector3d momentum_in_world(const sim::World& world) {
 }
 
 // What a method of first order may lose or gain in a time: of the energy (h/2) int w' I w' dt, of the
-// momentum's magnitude (h/2) int |L'|^2/L dt, and of it as a vector (h/2) int |w| |L'| dt, L' as the body sees
-// it. Along the true motion, which `each` is shown.
+// momentum's magnitude (h/2) int |L'|^2/L dt, and of it as a vector (h/2) int |w| |L'| dt, L' as the body
+// sees it. Along the true motion, which `each` is shown.
 struct Drift {
   double energy_J = 0.0;
   double momentum = 0.0;
@@ -78,8 +78,8 @@ double flip_tolerance_s(const FreeBodyConstants& constants, const Drift& drift) 
   for (const double energy_sign : {-1.0, 1.0}) {
     for (const double momentum_sign : {-1.0, 1.0}) {
       const double momentum = std::sqrt(constants.momentum_squared) + momentum_sign * drift.momentum;
-      const double off_s = flip_time_s(kMoments, {constants.energy_J + energy_sign * drift.energy_J,
-                                                  momentum * momentum});
+      const double off_s =
+          flip_time_s(kMoments, {constants.energy_J + energy_sign * drift.energy_J, momentum * momentum});
       most_s = std::max(most_s, std::abs(off_s - exact_s));
     }
   }
@@ -139,16 +139,18 @@ void check_flips(const ValidationSetup& setup, Findings& findings) {
                              next_order * until.momentum_vector / momentum});
   findings.plots.push_back(
       {.name = "tennis-racket",
-       .caption = "The body turns steadily, then flips over, again and again. The simulated one drifts in energy and "
-                  "momentum by the order of the step, and so flips a little sooner each time.",
+       .caption =
+           "The body turns steadily, then flips over, again and again. The first flip comes in time; then "
+           "the energy and momentum that a step of 1 ms has lost and gained tell, and it flips sooner each "
+           "time.",
        .columns = {{"time_s", time_s}, {"simulated", simulated}, {"theory", exact}},
-       .figure = {.title = "Rotation about the intermediate axis, moments of inertia 1 : 2 : 3",
-                  .panels = {{.y_label = "rate about the axis [rad/s]",
-                              .series = {{.column = "simulated", .label = "simulated"},
-                                         {.column = "theory",
-                                          .label = "theory",
-                                          .style = LineStyle::kDashed,
-                                          .colour = 1}}}}}});
+       .figure = {
+           .title = "Rotation about the intermediate axis, moments of inertia 1 : 2 : 3",
+           .panels = {
+               {.y_label = "rate about the axis [rad/s]",
+                .series = {
+                    {.column = "simulated", .label = "simulated"},
+                    {.column = "theory", .label = "theory", .style = LineStyle::kDashed, .colour = 1}}}}}});
 }
 
 // Small deviations from rotation about a stable axis go round an ellipse; the largest seen is its longer
@@ -177,10 +179,9 @@ void check_stable(int axis, const ValidationSetup& setup, Findings& findings) {
   const double w_other = kDeviation * kDeviation, w_2 = across * across;
   const double amplified = (Io * (Io + I) * w_other + I2 * (I2 + I) * w_2) /
                            std::abs(Io * (Io - I) * w_other + I2 * (I2 - I) * w_2);
-  const double growth =
-      std::expm1(0.5 * setup.world.step_s * nutation * nutation * amplified * duration_s);
-  findings.checks.push_back({fmt::format("{} axis: largest deviation", axis == 0 ? "minor" : "major"), "rad/s",
-                             theory, largest, theory * growth + 1e-4 * theory});
+  const double growth = std::expm1(0.5 * setup.world.step_s * nutation * nutation * amplified * duration_s);
+  findings.checks.push_back({fmt::format("{} axis: largest deviation", axis == 0 ? "minor" : "major"),
+                             "rad/s", theory, largest, theory * growth + 1e-4 * theory});
 }
 
 Findings run(const ValidationSetup& setup) {
@@ -196,16 +197,18 @@ Findings run(const ValidationSetup& setup) {
 Validation tennis_racket() {
   return {.name = "tennis-racket",
           .title = "Tennis-racket theorem",
-          .theory = "Euler's equations of a free body with moments of inertia 1, 2 and 3 g m^2. Begun at 10 rad/s "
-                    "about the intermediate axis and 1 rad/s about the major one, w2 passes zero each 2 K(k)/p "
-                    "(Landau and Lifshitz, Mechanics, section 37). About the minor and the major axis a deviation "
-                    "of 0.1 rad/s goes round an ellipse. Energy and angular momentum stay.",
-          .tolerances = "A method of first order, explicit or linearly implicit, gains or loses the energy (h/2) int "
-                        "w' I w' dt and the momentum (h/2) int |L'|^2/L dt (as a vector (h/2) int |w| |L'| dt), here "
-                        "along the true motion, and a part 10 h w of the next order; the times may be off by what "
-                        "such constants do to 2 K/p. On L^2 - 2 E I, I the stable axis' moment, both drifts act "
-                        "together: a deviation of frequency n grows by exp(h n^2 t/2 sum Ii (Ii + I) wi^2 / sum Ii "
-                        "|Ii - I| wi^2) at most.",
+          .theory =
+              "Euler's equations of a free body with moments of inertia 1, 2 and 3 g m^2. Begun at 10 rad/s "
+              "about the intermediate axis and 1 rad/s about the major one, w2 passes zero each 2 K(k)/p "
+              "(Landau and Lifshitz, Mechanics, section 37). About the minor and the major axis a deviation "
+              "of 0.1 rad/s goes round an ellipse. Energy and angular momentum stay.",
+          .tolerances =
+              "A method of first order, explicit or linearly implicit, gains or loses the energy (h/2) int "
+              "w' I w' dt and the momentum (h/2) int |L'|^2/L dt (as a vector (h/2) int |w| |L'| dt), here "
+              "along the true motion, and a part 10 h w of the next order; the times may be off by what "
+              "such constants do to 2 K/p. On L^2 - 2 E I, I the stable axis' moment, both drifts act "
+              "together: a deviation of frequency n grows by exp(h n^2 t/2 sum Ii (Ii + I) wi^2 / sum Ii "
+              "|Ii - I| wi^2) at most.",
           .run = run};
 }
 
