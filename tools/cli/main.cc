@@ -40,9 +40,8 @@ int run_program(int argc, char** argv) {
       "  koboshi run scenarios/walk.yaml\n"
       "and look into runs/walk. Each command has a --help of its own; docs/guide/ shows what to do with "
       "them.\n\n"
-      "Exit status: 0 done, 1 the run failed, the runs differ or a check did, 2 bad input (one line on "
-      "standard error "
-      "says where).\n");
+      "Exit status: 0 done, 1 a run or a check failed or runs differ, 2 bad input (one line on standard "
+      "error says where).\n");
   koboshi::tools::add_run_command(program, exit_status);
   koboshi::tools::add_diff_command(program, exit_status);
   koboshi::tools::add_target_report_command(program);

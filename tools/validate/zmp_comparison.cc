@@ -126,10 +126,11 @@ Plot figure(const Comparison& comparison) {
   return {
       .name = "zmp",
       .caption =
-          "Three ways to the same ZMP, on the way down. It jumps by 2 mm from one millisecond to the next as "
-          "the encoders' counts come in. The sensors are off by their bias and noise; below, what remains "
-          "without them: their resolution, and nearly nothing between contact forces and the motion of all "
-          "links.",
+          "Three ways to the same ZMP, on the way down; it jumps by up to 3 mm from one millisecond to the "
+          "next. "
+          "The sensors are off by their bias and noise; below, what remains without them: their resolution, "
+          "and "
+          "nearly nothing between contact forces and the motion of all links.",
       .columns = comparison.columns(),
       .figure = {.title = "ZMP of the robot in squats, forward",
                  .panels = {{.y_label = "ZMP x [mm]",
