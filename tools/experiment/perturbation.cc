@@ -5,7 +5,7 @@
 #include <numbers>
 #include <string>
 
-#include "sim_board/sensor/random_stream.h"
+#include "sim_board/random/random_stream.h"
 
 namespace koboshi::tools {
 namespace {

@@ -7,7 +7,7 @@
 #include <pagmo/problem.hpp>
 #include <utility>
 
-#include "sim_board/sensor/random_stream.h"
+#include "sim_board/random/random_stream.h"
 
 namespace koboshi::tools {
 namespace {

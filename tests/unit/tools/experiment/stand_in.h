@@ -2,7 +2,7 @@
 
 #include <atomic>
 
-#include "sim_board/sensor/random_stream.h"
+#include "sim_board/random/random_stream.h"
 #include "tools/experiment/experiment.h"
 
 namespace koboshi::tools::test {

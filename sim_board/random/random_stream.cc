@@ -1,4 +1,4 @@
-#include "sim_board/sensor/random_stream.h"
+#include "sim_board/random/random_stream.h"
 
 #include <bit>
 #include <cmath>
