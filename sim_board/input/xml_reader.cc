@@ -213,6 +213,14 @@ InputError XmlNode::error(const std::string& found, const std::string& expected)
   return InputError(*file_, line(), found, expected);
 }
 
+std::string xml_root_name(const std::filesystem::path& file) {
+  const std::string text = read_text_file(file, "an XML file");
+  tinyxml2::XMLDocument document;
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) return {};
+  const XMLElement* root = document.RootElement();
+  return root ? root->Name() : std::string();
+}
+
 XmlFile::XmlFile(std::filesystem::path file, const XmlRule& root_rule)
     : path_(std::move(file)), document_(std::make_unique<tinyxml2::XMLDocument>()) {
   const std::string text = read_text_file(path_, "an XML file");

@@ -52,6 +52,10 @@ class XmlNode {
   const std::filesystem::path* file_;
 };
 
+// What the file's root element is called, for a reader of more than one kind of file; empty where the file is
+// malformed. Throws InputError where it cannot be read.
+std::string xml_root_name(const std::filesystem::path& file);
+
 // The strict reader of every XML file: malformed text, unknown or doubled elements and attributes, missing
 // ones, bad numbers and numbers out of range are InputErrors with file and line.
 class XmlFile {

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,21 +55,69 @@ struct LinkDescription {
   std::vector<MeshDescription> meshes;
 };
 
-// A DC motor with gearbox seen at the output shaft, and the position controller of its drive.
+// What goes with the torque of the motor, and what with the torque that the robot puts on the output.
+struct LoadShares {
+  double motor = 0.0;
+  double external = 0.0;
+};
+
+struct StribeckDescription {
+  double friction_Nm = 0.0;      // Kcs
+  double speed_rad_per_s = 1.0;  // ws: where the effect has fallen to 1/e
+  double exponent = 1.0;         // a
+};
+
+// The copper of a motor, one thermal node between its losses and the air.
+struct WindingDescription {
+  double thermal_resistance_K_per_W = 0.0;  // to the air
+  double heat_capacity_J_per_K = 0.0;
+  double ambient_C = 25.0;     // of the air, and of the winding at the start; resistance_ohm is meant there
+  double derating_C = 80.0;    // from here on the drive gives less voltage,
+  double shutdown_C = 100.0;   // down to derated_share here, where it goes to fault
+  double derated_share = 0.5;  // 0..1
+  double copper_per_K = 0.00393;  // rise of the resistance
+};
+
+// How targets reach the position loop, and positions the bus.
+struct CommandDescription {
+  int period_ms = 1;       // the servo looks for a new target once in this time
+  int write_delay_ms = 0;  // a target takes effect so much later
+  int read_delay_ms = 0;   // the position on the bus is so old
+  double dead_band_rad = 0.0;
+};
+
+// A DC motor with gearbox seen at the output shaft, and the position controller of its drive. What follows
+// the velocity gain has no effect with the values here. Equations: docs/reference/servo.md.
 struct ServoDescription {
   double torque_constant_Nm_per_A = 1.0027;  // kt, output side
   double resistance_ohm = 5.477;             // R
-  double supply_V = 7.5;
-  double rotor_inertia_kg_m2 = 0.00116;    // J, output side
-  double coulomb_friction_Nm = 0.0275;     // Kc
-  double viscous_friction_Nm_s = 0.0033;   // Kv
+  double supply_V = 7.5;                     // nominal; what there is where the robot has no battery
+  double rotor_inertia_kg_m2 = 0.00116;      // J, output side
+  double coulomb_friction_Nm = 0.0275;       // Kc
+  double viscous_friction_Nm_s = 0.0033;     // Kv
   double full_voltage_error_rad = 0.122;   // position error at which the controller applies the whole supply
   double velocity_gain_V_s_per_rad = 0.0;  // additional damping of the controller, on the encoder's speed
+  double max_duty = 1.0;                   // largest part of the supply that the bridge can give
+  double current_limit_A = std::numeric_limits<double>::infinity();
+  StribeckDescription stribeck = {};
+  LoadShares load_friction = {};                   // Km, Ke; equal in model M4
+  LoadShares stribeck_load_friction = {};          // Kms, Kes
+  LoadShares quadratic_load_friction_per_Nm = {};  // Kmq, Keq
+  double backlash_rad = 0.0;                       // of the output against the rotor, from edge to edge
+  std::optional<WindingDescription> winding = {};  // none: stays at its resistance, however hot
+  CommandDescription command = {};
+};
+
+// What all servos hang on: a voltage behind a resistance (cells, switch and wires).
+struct BatteryDescription {
+  double open_circuit_V = 0.0;
+  double internal_resistance_ohm = 0.0;
 };
 
 struct EncoderDescription {
-  int bits = 12;            // counts a turn = 2^bits
-  double offset_rad = 0.0;  // mounting error of this encoder
+  int bits = 12;              // counts a turn = 2^bits
+  double offset_rad = 0.0;    // mounting error of this encoder
+  double noise_counts = 0.0;  // standard deviation
 };
 
 // The CANopen node of a joint's drive.
@@ -150,8 +199,9 @@ struct ScalarSensorDescription {
 struct RobotDescription {
   std::string name;
   std::filesystem::path file;
-  std::vector<LinkDescription> links;    // links[0] is the base (trunk)
-  std::vector<JointDescription> joints;  // in the order of node ids; parents may come in any order
+  std::vector<LinkDescription> links;         // links[0] is the base (trunk)
+  std::vector<JointDescription> joints;       // in the order of node ids; parents may come in any order
+  std::optional<BatteryDescription> battery;  // none: each servo has a supply of its own
   std::optional<ImuDescription> imu;
   std::optional<AnkleSensorDescription> left_ankle;
   std::optional<AnkleSensorDescription> right_ankle;

@@ -69,7 +69,7 @@ void check_tree(const RobotDescription& robot, const XmlNode& model_node) {
 }
 
 void load_joints(const sdf::Model& model, const XmlNode& model_node, RobotDescription& robot) {
-  const ServoTypes servo_types = load_servo_types(model_node);
+  const ServoTypes servo_types = load_servo_types(model_node, robot.file.parent_path());
   std::set<int> children;
   std::set<int> node_ids;
   for (const XmlNode& node : model_node.children("joint")) {
@@ -133,6 +133,10 @@ RobotDescription load_robot(const std::filesystem::path& file) {
   robot.file = file;
   load_links(model, model_node, robot);
   load_joints(model, model_node, robot);
+  if (const auto battery = model_node.find("koboshi:battery")) {
+    robot.battery = {.open_circuit_V = battery->attribute_number("open_circuit_V", 0.0),
+                     .internal_resistance_ohm = battery->attribute_number("internal_resistance_ohm", 0.0)};
+  }
   load_sensors(model, model_node, robot);
   return robot;
 }

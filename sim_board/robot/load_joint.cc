@@ -21,7 +21,8 @@ DriveDescription load_drive(const XmlNode& node) {
 
 EncoderDescription load_encoder(const XmlNode& node) {
   return {.bits = static_cast<int>(node.attribute_integer("bits")),
-          .offset_rad = node.attribute_number("offset_rad", 0.0)};
+          .offset_rad = node.attribute_number("offset_rad", 0.0),
+          .noise_counts = node.attribute_number("noise_counts", 0.0)};
 }
 
 // The encoder reads one turn: the shaft must stay within it over the joint's whole range.
@@ -42,24 +43,6 @@ void check_range(const JointDescription& joint, const XmlNode& axis_node, const 
 }
 
 }  // namespace
-
-ServoTypes load_servo_types(const XmlNode& model_node) {
-  ServoTypes types;
-  for (const XmlNode& node : model_node.children("koboshi:servo_type")) {
-    const ServoDescription servo{.torque_constant_Nm_per_A = node.number("torque_constant_Nm_per_A"),
-                                 .resistance_ohm = node.number("resistance_ohm"),
-                                 .supply_V = node.number("supply_V"),
-                                 .rotor_inertia_kg_m2 = node.number("rotor_inertia_kg_m2"),
-                                 .coulomb_friction_Nm = node.number("coulomb_friction_Nm"),
-                                 .viscous_friction_Nm_s = node.number("viscous_friction_Nm_s"),
-                                 .full_voltage_error_rad = node.number("full_voltage_error_rad"),
-                                 .velocity_gain_V_s_per_rad = node.number("velocity_gain_V_s_per_rad", 0.0)};
-    const std::string name = node.attribute("name");
-    if (!types.emplace(name, servo).second)
-      throw node.error("a second servo type " + one_line(name), "each name once");
-  }
-  return types;
-}
 
 JointDescription load_joint(const sdf::Joint& joint, const XmlNode& node, const RobotDescription& robot,
                             const ServoTypes& servo_types) {

@@ -41,7 +41,45 @@ XmlRule pose() {
   return rule;
 }
 
+// An element that is all attributes.
+XmlRule attributes_only(std::string name, std::vector<XmlAttributeRule> attributes) {
+  return {.name = std::move(name), .attributes = std::move(attributes)};
+}
+
+XmlRule load_shares(std::string name, const std::string& unit, NumberRange range) {
+  return attributes_only(
+      std::move(name), {{"motor" + unit, kNumbers, true, range}, {"external" + unit, kNumbers, true, range}});
+}
+
+XmlRule stribeck() {
+  return attributes_only("stribeck", {{"friction_Nm", kNumbers, true, {.min = 0, .max = 100}},
+                                      {"speed_rad_per_s", kNumbers, true, {.min = 1e-3, .max = 1000}},
+                                      {"exponent", kNumbers, true, {.min = 0.1, .max = 20}}});
+}
+
+XmlRule winding() {
+  constexpr NumberRange kTemperature_C{.min = -50, .max = 300};
+  return attributes_only("winding",
+                         {{"thermal_resistance_K_per_W", kNumbers, true, {.min = 0.01, .max = 1000}},
+                          {"heat_capacity_J_per_K", kNumbers, true, {.min = 0.01, .max = 1e4}},
+                          {"ambient_C", kNumbers, false, kTemperature_C},
+                          {"derating_C", kNumbers, true, kTemperature_C},
+                          {"shutdown_C", kNumbers, true, kTemperature_C},
+                          {"derated_share", kNumbers, false, kFraction},
+                          {"copper_per_K", kNumbers, false, {.min = 0, .max = 0.01}}});
+}
+
+XmlRule command() {
+  constexpr NumberRange kDelay_ms{.min = 0, .max = 100};
+  return attributes_only("command", {{"period_ms", kInteger, false, {.min = 1, .max = 100}},
+                                     {"write_delay_ms", kInteger, false, kDelay_ms},
+                                     {"read_delay_ms", kInteger, false, kDelay_ms},
+                                     {"dead_band_rad", kNumbers, false, {.min = 0, .max = 1}}});
+}
+
 XmlRule servo_type() {
+  // Of a share of 1 and more, friction would grow faster than the load that causes it.
+  constexpr NumberRange kShare{.min = 0, .max = 0.99};
   return group("koboshi:servo_type", kRepeated,
                {number("torque_constant_Nm_per_A", kRequired, {.min = 1e-3, .max = 100}),
                 number("resistance_ohm", kRequired, {.min = 1e-3, .max = 1000}),
@@ -50,8 +88,24 @@ XmlRule servo_type() {
                 number("coulomb_friction_Nm", kRequired, {.min = 0, .max = 100}),
                 number("viscous_friction_Nm_s", kRequired, {.min = 0, .max = 100}),
                 number("full_voltage_error_rad", kRequired, {.min = 1e-4, .max = 10}),
-                number("velocity_gain_V_s_per_rad", kOptional, {.min = 0, .max = 1000})},
+                number("velocity_gain_V_s_per_rad", kOptional, {.min = 0, .max = 1000}),
+                number("max_duty", kOptional, {.min = 0.01, .max = 1}),
+                number("current_limit_A", kOptional, {.min = 1e-3, .max = 1000}), stribeck(),
+                load_shares("load_friction", "", kShare), load_shares("stribeck_load_friction", "", kShare),
+                load_shares("quadratic_load_friction", "_per_Nm", {.min = 0, .max = 10}),
+                number("backlash_rad", kOptional, {.min = 0, .max = 0.5}), winding(), command()},
                {{.name = "name"}});
+}
+
+XmlRule battery() {
+  return attributes_only("koboshi:battery",
+                         {{"open_circuit_V", kNumbers, true, {.min = 0.1, .max = 1000}},
+                          {"internal_resistance_ohm", kNumbers, true, {.min = 0, .max = 100}}});
+}
+
+// Takes over the servo types of a library.
+XmlRule servo_library() {
+  return {.name = "koboshi:servo_types", .count = kRepeated, .attributes = {{.name = "file"}}};
 }
 
 XmlRule inertial() {
@@ -162,7 +216,8 @@ XmlRule joint() {
   const XmlRule encoder{.name = "koboshi:encoder",
                         .count = kRequired,
                         .attributes = {{"bits", kInteger, true, {.min = 8, .max = 24}},
-                                       {"offset_rad", kNumbers, false, {.min = -1, .max = 1}}}};
+                                       {"offset_rad", kNumbers, false, {.min = -1, .max = 1}},
+                                       {"noise_counts", kNumbers, false, {.min = 0, .max = 1e4}}}};
   const XmlRule drive{.name = "koboshi:drive",
                       .count = kRequired,
                       .attributes = {{"node_id", kInteger, true, {.min = 1, .max = 127}},
@@ -180,9 +235,17 @@ XmlRule joint() {
 }  // namespace
 
 const XmlRule& sdf_rule() {
-  static const XmlRule rule = group(
-      "sdf", kOptional, {group("model", kRequired, {servo_type(), link(), joint()}, {{.name = "name"}})},
-      {{.name = "version"}, {.name = "xmlns:koboshi", .required = false}});
+  static const XmlRule rule =
+      group("sdf", kOptional,
+            {group("model", kRequired, {servo_library(), servo_type(), battery(), link(), joint()},
+                   {{.name = "name"}})},
+            {{.name = "version"}, {.name = "xmlns:koboshi", .required = false}});
+  return rule;
+}
+
+const XmlRule& servo_library_rule() {
+  static const XmlRule rule =
+      group("koboshi:servo_types", kOptional, {servo_type()}, {{.name = "xmlns:koboshi", .required = false}});
   return rule;
 }
 

@@ -1,0 +1,113 @@
+#include "sim_board/robot/load_parts.h"
+#include "sim_board/robot/sdf_schema.h"
+#include "sim_board/robot/servo_types.h"
+
+namespace koboshi::sim {
+namespace {
+
+LoadShares load_shares(const XmlNode& servo_node, const std::string& name, const std::string& unit) {
+  const auto node = servo_node.find(name);
+  if (!node) return {};
+  return {.motor = node->attribute_number("motor" + unit, 0.0),
+          .external = node->attribute_number("external" + unit, 0.0)};
+}
+
+StribeckDescription load_stribeck(const XmlNode& servo_node) {
+  StribeckDescription stribeck;
+  if (const auto node = servo_node.find("stribeck")) {
+    stribeck.friction_Nm = node->attribute_number("friction_Nm", 0.0);
+    stribeck.speed_rad_per_s = node->attribute_number("speed_rad_per_s", 0.0);
+    stribeck.exponent = node->attribute_number("exponent", 0.0);
+  }
+  return stribeck;
+}
+
+std::optional<WindingDescription> load_winding(const XmlNode& servo_node) {
+  const auto node = servo_node.find("winding");
+  if (!node) return std::nullopt;
+  WindingDescription winding;
+  winding.thermal_resistance_K_per_W = node->attribute_number("thermal_resistance_K_per_W", 0.0);
+  winding.heat_capacity_J_per_K = node->attribute_number("heat_capacity_J_per_K", 0.0);
+  winding.ambient_C = node->attribute_number("ambient_C", winding.ambient_C);
+  winding.derating_C = node->attribute_number("derating_C", 0.0);
+  winding.shutdown_C = node->attribute_number("shutdown_C", 0.0);
+  winding.derated_share = node->attribute_number("derated_share", winding.derated_share);
+  winding.copper_per_K = node->attribute_number("copper_per_K", winding.copper_per_K);
+  if (!(winding.ambient_C < winding.derating_C && winding.derating_C < winding.shutdown_C)) {
+    throw node->error("ambient_C = " + number_text(winding.ambient_C) +
+                          ", derating_C = " + number_text(winding.derating_C) +
+                          " and shutdown_C = " + number_text(winding.shutdown_C),
+                      "each above the one before");
+  }
+  return winding;
+}
+
+CommandDescription load_command(const XmlNode& servo_node) {
+  CommandDescription command;
+  if (const auto node = servo_node.find("command")) {
+    command.period_ms = static_cast<int>(node->attribute_integer("period_ms", command.period_ms));
+    command.write_delay_ms = static_cast<int>(node->attribute_integer("write_delay_ms", 0));
+    command.read_delay_ms = static_cast<int>(node->attribute_integer("read_delay_ms", 0));
+    command.dead_band_rad = node->attribute_number("dead_band_rad", 0.0);
+  }
+  return command;
+}
+
+ServoDescription load_servo(const XmlNode& node) {
+  ServoDescription servo{
+      .torque_constant_Nm_per_A = node.number("torque_constant_Nm_per_A"),
+      .resistance_ohm = node.number("resistance_ohm"),
+      .supply_V = node.number("supply_V"),
+      .rotor_inertia_kg_m2 = node.number("rotor_inertia_kg_m2"),
+      .coulomb_friction_Nm = node.number("coulomb_friction_Nm"),
+      .viscous_friction_Nm_s = node.number("viscous_friction_Nm_s"),
+      .full_voltage_error_rad = node.number("full_voltage_error_rad"),
+      .velocity_gain_V_s_per_rad = node.number("velocity_gain_V_s_per_rad", 0.0),
+      .stribeck = load_stribeck(node),
+      .load_friction = load_shares(node, "load_friction", ""),
+      .stribeck_load_friction = load_shares(node, "stribeck_load_friction", ""),
+      .quadratic_load_friction_per_Nm = load_shares(node, "quadratic_load_friction", "_per_Nm"),
+      .backlash_rad = node.number("backlash_rad", 0.0),
+      .winding = load_winding(node),
+      .command = load_command(node)};
+  servo.max_duty = node.number("max_duty", servo.max_duty);
+  servo.current_limit_A = node.number("current_limit_A", servo.current_limit_A);
+  if (servo.backlash_rad > 0.0 && servo.rotor_inertia_kg_m2 == 0.0) {
+    throw node.child("backlash_rad")
+        .error("backlash_rad = " + number_text(servo.backlash_rad) + " with rotor_inertia_kg_m2 = 0",
+               "a rotor with inertia, which moves within its backlash");
+  }
+  return servo;
+}
+
+void add_types(const XmlNode& parent, ServoTypes& types) {
+  for (const XmlNode& node : parent.children("koboshi:servo_type")) {
+    const std::string name = node.attribute("name");
+    if (!types.emplace(name, load_servo(node)).second)
+      throw node.error("a second servo type " + one_line(name), "each name once");
+  }
+}
+
+}  // namespace
+
+ServoTypes load_servo_types(const XmlNode& model_node, const std::filesystem::path& folder) {
+  ServoTypes types;
+  add_types(model_node, types);
+  for (const XmlNode& node : model_node.children("koboshi:servo_types")) {
+    const XmlFile library(folder / node.attribute("file"), servo_library_rule());
+    add_types(library.root(), types);
+  }
+  return types;
+}
+
+ServoTypes read_servo_types(const std::filesystem::path& file) {
+  if (xml_root_name(file) == servo_library_rule().name) {
+    ServoTypes types;
+    add_types(XmlFile(file, servo_library_rule()).root(), types);
+    return types;
+  }
+  const XmlFile robot(file, sdf_rule());
+  return load_servo_types(robot.root().child("model"), file.parent_path());
+}
+
+}  // namespace koboshi::sim
