@@ -48,8 +48,11 @@ SimBoard::SimBoard(const RobotDescription& robot, const BoardOptions& options, C
       controller_(bus_.attach(receiver_, AcceptanceFilter::all(), kTransmitFifo)),
       operator_(bus_.attach(operator_node_, sdo_answers(), kOperatorFifo)) {
   const SensorErrors errors{.seed = options.seed, .scale = options.noise_scale};
+  const ServoOptions servo_options{
+      .step_s = world_->step_s(), .seed = options.seed, .noise_scale = options.noise_scale};
+  if (robot.battery) battery_.emplace(*robot.battery);
   for (const JointDescription& joint : robot.joints) {
-    drives_.push_back(std::make_unique<Drive>(joint, bus_));
+    drives_.push_back(std::make_unique<Drive>(joint, bus_, servo_options));
     drives_.back()->power_on(now_us_);
   }
   if (robot.imu) {
@@ -80,7 +83,19 @@ void SimBoard::update_drives() {
   for (std::size_t joint = 0; joint < drives_.size(); ++joint) {
     const int number = static_cast<int>(joint);
     drives_[joint]->set_enable_line(enable_line_);
-    world_->set_servo(number, drives_[joint]->update(world_->joint(number), now_us_));
+    drives_[joint]->update(world_->joint(number), now_us_);
+  }
+}
+
+void SimBoard::drive_servos() {
+  const Stopwatch watch(shares_.drives_s);
+  SupplyLoad load;
+  for (std::size_t joint = 0; joint < drives_.size(); ++joint) {
+    load += drives_[joint]->draw(world_->joint(static_cast<int>(joint)));
+  }
+  for (std::size_t joint = 0; joint < drives_.size(); ++joint) {
+    const double supply_V = battery_ ? battery_->voltage_V(load) : robot_.joints[joint].servo.supply_V;
+    world_->set_servo(static_cast<int>(joint), drives_[joint]->torque(supply_V));
   }
 }
 
@@ -130,6 +145,7 @@ void SimBoard::watch_dog() {
 void SimBoard::step_physics() {
   for (const std::uint64_t end_us = now_us_ + kService_us; now_us_ < end_us;) {
     if (step_listener_ != nullptr) step_listener_->before_step(*world_, now_us_, now_us_ + step_us_);
+    drive_servos();
     step_world();
     now_us_ += step_us_;
     sample_sensors();

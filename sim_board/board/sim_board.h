@@ -20,7 +20,7 @@ namespace koboshi::sim {
 struct BoardOptions {
   WorldOptions world;
   std::uint64_t seed = 1;
-  double noise_scale = 1.0;               // of the sensors' random errors
+  double noise_scale = 1.0;               // of all random errors of sensors and encoders
   std::uint64_t computing_time_us = 500;  // from a tick to the first frame it sends
   std::uint64_t service_time_us = 50;     // the same of a service call without a tick
 };
@@ -48,7 +48,8 @@ class StepListener {
 //
 // One millisecond: the bus is brought up to date, each frame at its own microsecond; the drives run their
 // loops; the firmware is served with what has arrived, and what it sends is ready for the bus after its
-// computing time; physics steps to the end of the millisecond and the sensors sample it.
+// computing time; physics steps to the end of the millisecond, supply, motors and gears with it, and the
+// sensors sample it.
 class SimBoard {
  public:
   static constexpr std::uint64_t kService_us = 1'000;
@@ -125,6 +126,7 @@ class SimBoard {
   void collect_samples();
   void serve_controller();
   void watch_dog();
+  void drive_servos();
   void step_physics();
   void step_world();
   void sample_sensors();
@@ -143,6 +145,7 @@ class SimBoard {
   NodeHandle controller_;
   NodeHandle operator_;
   std::vector<std::unique_ptr<Drive>> drives_;
+  std::optional<Battery> battery_;
   std::optional<Imu> imu_;
   std::array<std::optional<AnkleSensor>, 2> ankles_;
   StepListener* step_listener_ = nullptr;

@@ -1,24 +1,29 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "sim_board/robot/description.h"
 #include "sim_board/world/world.h"
 
 namespace koboshi::sim {
 
-// What stands between a voltage and the output shaft, one effect a class. Each adds its part to what the
-// solver is asked. Model and letters after Rhoban BAM (arXiv 2410.08650), friction model M1.
+// What stands between the duty cycle that a position loop asks for and the output shaft, one effect a class.
+// Voltages, torques and speeds are those of the shaft. Letters after Rhoban BAM (arXiv 2410.08650).
 
-// Full PWM is the supply, and no more.
-class VoltageLimit {
+// The bridge of transistors: it gives at most a part of the supply, less when the winding is hot.
+class Bridge {
  public:
-  explicit VoltageLimit(const ServoDescription& servo) : supply_V_(servo.supply_V) {}
+  explicit Bridge(const ServoDescription& servo) : max_duty_(servo.max_duty) {}
 
-  double limit_V(double voltage_V) const { return std::clamp(voltage_V, -supply_V_, supply_V_); }
+  // A duty of +-1 is the whole supply.
+  double limit(double duty, double share) const {
+    const double largest = max_duty_ * share;
+    return std::clamp(duty, -largest, largest);
+  }
 
  private:
-  double supply_V_;
+  double max_duty_;
 };
 
 // A DC motor seen at the output shaft: current i = (V - kt w) / R, torque kt i. Its inductance is left out:
@@ -28,18 +33,39 @@ class Motor {
   explicit Motor(const ServoDescription& servo)
       : torque_constant_Nm_per_A_(servo.torque_constant_Nm_per_A), resistance_ohm_(servo.resistance_ohm) {}
 
+  // As the winding warms.
+  void set_resistance(double resistance_ohm) { resistance_ohm_ = resistance_ohm; }
+  double resistance_ohm() const { return resistance_ohm_; }
+
   void apply(double voltage_V, ServoTorque& torque) const {
     torque.drive_Nm += torque_constant_Nm_per_A_ * voltage_V / resistance_ohm_;
     torque.damping_Nm_s += torque_constant_Nm_per_A_ * torque_constant_Nm_per_A_ / resistance_ohm_;
   }
+  double generated_V(double speed_rad_per_s) const { return torque_constant_Nm_per_A_ * speed_rad_per_s; }
   double current_A(double voltage_V, double speed_rad_per_s) const {
-    return (voltage_V - torque_constant_Nm_per_A_ * speed_rad_per_s) / resistance_ohm_;
+    return (voltage_V - generated_V(speed_rad_per_s)) / resistance_ohm_;
   }
   double torque_Nm(double current_A) const { return torque_constant_Nm_per_A_ * current_A; }
 
  private:
   double torque_constant_Nm_per_A_;
   double resistance_ohm_;
+};
+
+// The drive holds the current down by its voltage: |V - kt w| <= R i_max. Behind a limit of the torque itself
+// the back EMF would be lost, and with it what keeps the solver stable.
+class CurrentLimit {
+ public:
+  explicit CurrentLimit(const ServoDescription& servo) : limit_A_(servo.current_limit_A) {}
+
+  double limit_V(double voltage_V, const Motor& motor, double speed_rad_per_s) const {
+    const double middle_V = motor.generated_V(speed_rad_per_s);
+    const double span_V = motor.resistance_ohm() * limit_A_;
+    return std::clamp(voltage_V, middle_V - span_V, middle_V + span_V);
+  }
+
+ private:
+  double limit_A_;
 };
 
 // Kv: grease and bearings.
@@ -51,17 +77,6 @@ class ViscousFriction {
 
  private:
   double coefficient_Nm_s_;
-};
-
-// Kc: bounds the torque that stops the joint, and holds it while it stands.
-class DryFriction {
- public:
-  explicit DryFriction(const ServoDescription& servo) : bound_Nm_(servo.coulomb_friction_Nm) {}
-
-  void apply(ServoTorque& torque) const { torque.friction_Nm += bound_Nm_; }
-
- private:
-  double bound_Nm_;
 };
 
 // The rotor, geared: its inertia at the output exceeds that of most links.

@@ -18,6 +18,8 @@ namespace error_register = canopen::error_register;
 constexpr double kStopTime_s = 0.05;
 // Communication error, generic (CiA 301, table 26).
 constexpr std::uint16_t kErrorCommunication = 0x8100;
+// Excess temperature of the drive (CiA 402-2, table of error codes).
+constexpr std::uint16_t kErrorTemperature = 0x4310;
 
 DriveValues power_on_values(const JointDescription& joint) {
   DriveValues values;
@@ -34,11 +36,11 @@ DriveValues power_on_values(const JointDescription& joint) {
 
 }  // namespace
 
-Drive::Drive(const JointDescription& joint, Bus& bus)
+Drive::Drive(const JointDescription& joint, Bus& bus, const ServoOptions& options)
     : joint_(joint),
       bus_(bus),
       handle_(bus.attach(*this, AcceptanceFilter::all(), kTransmitFifo)),
-      servo_(joint),
+      servo_(joint, options),
       description_(drive_node_description(joint.drive)),
       values_(power_on_values(joint)),
       node_(description_,
@@ -72,10 +74,10 @@ void Drive::set_enable_line(bool high) {
   if (!high && powered_ && !hanging_) state_.torque_off();
 }
 
-ServoTorque Drive::update(const JointState& joint, std::uint64_t now_us) {
+void Drive::update(const JointState& joint, std::uint64_t now_us) {
   now_us_ = now_us;
   servo_.sense(joint);
-  if (hanging_ && enable_line_ && powered_) return torque_;
+  if (hanging_ && enable_line_ && powered_) return;
   if (powered_ && !hanging_) {
     if (!started_ && now_us >= start_us_) {
       started_ = true;
@@ -84,11 +86,15 @@ ServoTorque Drive::update(const JointState& joint, std::uint64_t now_us) {
     if (started_) {
       node_.process(now_us);
       watch_sync();
+      watch_temperature();
       finish_stop();
     }
   }
-  torque_ = makes_torque() ? servo_.drive(demand_.at(now_us)) : servo_.release();
-  return torque_;
+  if (makes_torque()) {
+    servo_.drive(demand_.at(now_us));
+  } else {
+    servo_.release();
+  }
 }
 
 // --- The bus
@@ -155,6 +161,10 @@ void Drive::watch_sync() {
   }
 }
 
+void Drive::watch_temperature() {
+  if (servo_.winding().too_hot()) fault(kErrorTemperature, error_register::kTemperature);
+}
+
 // --- The state machine
 // ------------------------------------------------------------------------------------------
 
@@ -162,6 +172,8 @@ void Drive::obey(std::uint16_t controlword) {
   const auto before = state_.state();
   state_.command(controlword);
   if (!enable_line_) state_.torque_off();
+  if (before == cia402::State::kFault && servo_.winding().too_hot())
+    state_.fault();  // no reset before it cools
   const auto after = state_.state();
   if (before == after) return;
   if (after == cia402::State::kOperationEnabled) demand_.hold(servo_.position_units());
@@ -204,7 +216,8 @@ void Drive::show() {
   if (state_.makes_torque()) values_.statusword |= cia402::kVoltageEnabled;
   if (state_.state() == cia402::State::kOperationEnabled) values_.statusword |= cia402::kFollowsCommand;
   if (!enable_line_) values_.statusword |= cia402::kTorqueOff;
-  values_.position_actual = servo_.position_units();
+  values_.position_actual = servo_.reported_units();
+  values_.supply_mV = static_cast<std::uint32_t>(std::lround(1000.0 * servo_.supply_V()));
   const double permille = 1e6 * servo_.torque_Nm() / values_.rated_torque_mNm;
   values_.torque_actual_permille =
       static_cast<std::int16_t>(std::lround(std::clamp(permille, -32768.0, 32767.0)));

@@ -23,15 +23,17 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   static constexpr std::size_t kTransmitFifo = 16;
 
   // Stands on the bus from now on, without power until power_on(). The bus must outlive it.
-  Drive(const JointDescription& joint, Bus& bus);
+  Drive(const JointDescription& joint, Bus& bus, const ServoOptions& options = {});
   Drive(const Drive&) = delete;
   Drive& operator=(const Drive&) = delete;
 
   // The drive-enable line: while it is low the drive makes no torque, whatever its state.
   void set_enable_line(bool high);
-  // Samples the servo and runs the loop once, every PositionController::kPeriod_s. Returns what the joint
-  // feels until the next.
-  ServoTorque update(const JointState& joint, std::uint64_t now_us);
+  // Samples the servo and runs the loop once, every PositionController::kPeriod_s.
+  void update(const JointState& joint, std::uint64_t now_us);
+  // Motor and gears in the next physics step: what they draw of the supply, and what the joint feels.
+  SupplyLoad draw(const JointState& joint) { return servo_.draw(joint); }
+  ServoTorque torque(double supply_V) { return servo_.torque(supply_V); }
 
   void power_on(std::uint64_t now_us);
   void power_off();
@@ -43,6 +45,7 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   const DriveValues& values() const { return values_; }
   double current_A() const { return servo_.current_A(); }
   double torque_Nm() const { return servo_.torque_Nm(); }
+  double winding_C() const { return servo_.winding().temperature_C(); }
   NodeHandle bus_handle() const { return handle_; }
 
  private:
@@ -61,6 +64,7 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   void begin_stop();
   void finish_stop();
   void watch_sync();
+  void watch_temperature();
   void follow_target();
   void show();
 
@@ -74,7 +78,6 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   DriveValues values_;
   canopen::NodeMemory<4, 4, 2, 8> memory_;
   canopen::Node node_;
-  ServoTorque torque_;
   bool powered_ = false;
   bool hanging_ = false;
   bool started_ = false;

@@ -20,7 +20,7 @@ struct DriveValues {
   std::int32_t position_actual = 0;
   std::int16_t torque_actual_permille = 0;  // of 0x6076
   std::uint32_t rated_torque_mNm = 0;       // 0x6076: the stall torque at nominal supply
-  std::uint32_t supply_mV = 0;              // 0x6079
+  std::uint32_t supply_mV = 0;              // 0x6079: what there is at present
   std::int32_t target_position = 0;
   std::int32_t position_limit[2] = {};        // 0x607D: lowest, highest
   std::uint32_t quick_stop_deceleration = 0;  // 0x6085: 2^-20 turn/s^2

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <string_view>
 
+#include "sim_board/random/random_stream.h"
 #include "sim_board/robot/description.h"
 
 namespace koboshi::sim {
@@ -12,22 +14,31 @@ namespace koboshi::sim {
 inline constexpr int kPositionBits = 20;
 inline constexpr double kRadPerPositionUnit = 2.0 * std::numbers::pi / (1 << kPositionBits);
 
-// The absolute encoder on a servo's output shaft. It rounds to the nearest count and keeps account of turns.
+// The absolute encoder on a servo's output shaft: mounting error, noise, rounding to the nearest count. It
+// keeps account of turns.
 class Encoder {
  public:
-  // 1 to kPositionBits bits a turn.
-  explicit Encoder(const EncoderDescription& encoder)
-      : bits_(encoder.bits), offset_rad_(encoder.offset_rad) {}
+  // 1 to kPositionBits bits a turn. Noise is `noise_scale` times that of the description, of a stream with
+  // this seed and name.
+  explicit Encoder(const EncoderDescription& encoder, std::uint64_t seed = 1, double noise_scale = 1.0,
+                   std::string_view name = "encoder")
+      : bits_(encoder.bits),
+        offset_rad_(encoder.offset_rad),
+        noise_counts_(noise_scale * encoder.noise_counts),
+        random_(seed, name) {}
 
-  std::int32_t read_counts(double shaft_rad) const {
+  std::int32_t read_counts(double shaft_rad) {
     const double turns = (shaft_rad + offset_rad_) / (2.0 * std::numbers::pi);
-    return static_cast<std::int32_t>(std::floor(std::ldexp(turns, bits_) + 0.5));
+    const double noise = noise_counts_ == 0.0 ? 0.0 : noise_counts_ * random_.normal();
+    return static_cast<std::int32_t>(std::floor(std::ldexp(turns, bits_) + noise + 0.5));
   }
   std::int32_t position_units(std::int32_t counts) const { return counts * (1 << (kPositionBits - bits_)); }
 
  private:
   int bits_;
   double offset_rad_;
+  double noise_counts_;
+  RandomStream random_;
 };
 
 }  // namespace koboshi::sim

@@ -7,28 +7,28 @@
 
 namespace koboshi::sim {
 
-// The digital position loop of a servo drive, called once a period: voltage proportional to the position
-// error, less a damping on the speed that the encoder shows. At full_voltage_error_rad of error it asks for
-// the whole supply.
+// The digital position loop of a servo drive, called once a period: duty cycle of its bridge proportional to
+// the position error, less a damping on the speed that the encoder shows. At full_voltage_error_rad of error
+// it asks for the whole supply, 1.
 class PositionController {
  public:
   static constexpr double kPeriod_s = 0.001;
 
   explicit PositionController(const ServoDescription& servo)
-      : gain_V_per_rad_(servo.supply_V / servo.full_voltage_error_rad),
-        velocity_gain_V_s_per_rad_(servo.velocity_gain_V_s_per_rad) {}
+      : gain_per_rad_(1.0 / servo.full_voltage_error_rad),
+        velocity_gain_s_per_rad_(servo.velocity_gain_V_s_per_rad / servo.supply_V) {}
 
   // Positions in units of 2^-20 turn, `previous` one period before `position`.
-  double voltage_V(std::int32_t target, std::int32_t position, std::int32_t previous) const {
+  double duty(std::int32_t target, std::int32_t position, std::int32_t previous) const {
     const double error_rad = (static_cast<double>(target) - position) * kRadPerPositionUnit;
     const double speed_rad_per_s =
         (static_cast<double>(position) - previous) * kRadPerPositionUnit / kPeriod_s;
-    return gain_V_per_rad_ * error_rad - velocity_gain_V_s_per_rad_ * speed_rad_per_s;
+    return gain_per_rad_ * error_rad - velocity_gain_s_per_rad_ * speed_rad_per_s;
   }
 
  private:
-  double gain_V_per_rad_;
-  double velocity_gain_V_s_per_rad_;
+  double gain_per_rad_;
+  double velocity_gain_s_per_rad_;
 };
 
 }  // namespace koboshi::sim

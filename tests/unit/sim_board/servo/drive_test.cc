@@ -46,7 +46,9 @@ class DriveTest : public testing::Test, private BusNode {
         say(words);
         say({.identifier = 0x080});
       }
-      torque = drive->update(shaft, now_us);
+      drive->update(shaft, now_us);
+      drive->draw(shaft);
+      torque = drive->torque(joint.servo.supply_V);
     }
   }
   void say(const hal::CanFrame& frame) { ASSERT_TRUE(bus.queue(controller_, frame, now_us)); }

@@ -50,14 +50,20 @@ Motion simulate(const Experiment& experiment, double step_s) {
   options.ground.present = false;
   options.fixed_base = true;
   const auto world = make_world(sample_hinge({.inertia_kg_m2 = kLinkInertia}), options);
-  Servo servo(joint_of(experiment));
+  Servo servo(joint_of(experiment), {.step_s = step_s});
   Motion motion;
   const auto steps_a_ms = std::lround(0.001 / step_s);
   for (int ms = 0; ms < experiment.duration_ms; ++ms) {
     servo.sense(world->joint(0));
     const auto target = static_cast<std::int32_t>(std::lround(experiment.target_rad(ms) * kUnitsPerRad));
-    world->set_servo(0, experiment.driven ? servo.drive(target) : servo.release());
+    if (experiment.driven) {
+      servo.drive(target);
+    } else {
+      servo.release();
+    }
     for (long i = 0; i < steps_a_ms; ++i) {
+      servo.draw(world->joint(0));
+      world->set_servo(0, servo.torque(7.5));
       // A couple: the lever of 0.1 m turns with the arm, so the force does too.
       const double angle = world->joint(0).position_rad;
       const Eigen::Vector3d across(-std::sin(angle), 0.0, -std::cos(angle));

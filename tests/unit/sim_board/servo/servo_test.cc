@@ -11,7 +11,7 @@ constexpr double kRadPerCount = 2.0 * std::numbers::pi / 4096;
 constexpr std::int32_t kUnitsPerCount = 256;
 
 TEST(Encoder, RoundsToTheNearestCountOnEitherSideOfZero) {
-  const Encoder encoder({.bits = 12});
+  Encoder encoder({.bits = 12});
   EXPECT_EQ(encoder.read_counts(0.0), 0);
   EXPECT_EQ(encoder.read_counts(0.49 * kRadPerCount), 0);
   EXPECT_EQ(encoder.read_counts(0.51 * kRadPerCount), 1);
@@ -21,7 +21,7 @@ TEST(Encoder, RoundsToTheNearestCountOnEitherSideOfZero) {
 }
 
 TEST(Encoder, ShowsItsMountingError) {
-  const Encoder encoder({.bits = 12, .offset_rad = 10 * kRadPerCount});
+  Encoder encoder({.bits = 12, .offset_rad = 10 * kRadPerCount});
   EXPECT_EQ(encoder.read_counts(0.0), 10);
 }
 
@@ -33,28 +33,36 @@ TEST(Encoder, GivesPositionsInUnitsOfTheBus) {
 TEST(PositionController, AsksForTheWholeSupplyAtItsFullError) {
   const ServoDescription servo{.supply_V = 7.5, .full_voltage_error_rad = 0.25 * std::numbers::pi};
   const PositionController controller(servo);
-  EXPECT_NEAR(controller.voltage_V((1 << 20) / 8, 0, 0), 7.5, 1e-12);
-  EXPECT_NEAR(controller.voltage_V(0, (1 << 20) / 16, (1 << 20) / 16), -3.75, 1e-12);
+  EXPECT_NEAR(controller.duty((1 << 20) / 8, 0, 0), 1.0, 1e-12);
+  EXPECT_NEAR(controller.duty(0, (1 << 20) / 16, (1 << 20) / 16), -0.5, 1e-12);
 }
 
 TEST(PositionController, DampsOnTheEncodersSpeed) {
-  const PositionController controller({.velocity_gain_V_s_per_rad = 0.5});
+  const PositionController controller({.supply_V = 5.0, .velocity_gain_V_s_per_rad = 0.5});
   const double one_count_a_period = kRadPerCount / 0.001;
-  EXPECT_NEAR(controller.voltage_V(kUnitsPerCount, kUnitsPerCount, 0), -0.5 * one_count_a_period, 1e-12);
+  EXPECT_NEAR(controller.duty(kUnitsPerCount, kUnitsPerCount, 0), -0.1 * one_count_a_period, 1e-12);
 }
 
-TEST(VoltageLimit, IsTheSupply) {
-  const VoltageLimit limit({.supply_V = 6.0});
-  EXPECT_EQ(limit.limit_V(7.0), 6.0);
-  EXPECT_EQ(limit.limit_V(-7.0), -6.0);
-  EXPECT_EQ(limit.limit_V(5.0), 5.0);
+TEST(Bridge, GivesTheSupplyOrTheLargestDuty) {
+  EXPECT_EQ(Bridge(ServoDescription{}).limit(1.5, 1.0), 1.0);
+  const Bridge bridge({.max_duty = 0.9});
+  EXPECT_EQ(bridge.limit(-1.5, 1.0), -0.9);
+  EXPECT_EQ(bridge.limit(1.5, 0.5), 0.45);
+  EXPECT_EQ(bridge.limit(0.3, 0.5), 0.3);
+}
+
+ServoTorque driven(Servo& servo, std::int32_t target_units, const JointState& joint = {},
+                   double supply_V = 7.5) {
+  servo.sense(joint);
+  servo.drive(target_units);
+  servo.draw(joint);
+  return servo.torque(supply_V);
 }
 
 TEST(Servo, StallsWithTheWholeSupplyOverItsResistance) {
   JointDescription joint;
   Servo servo(joint);
-  servo.sense({});
-  const ServoTorque torque = servo.drive(1 << 18);
+  const ServoTorque torque = driven(servo, 1 << 18);
   EXPECT_NEAR(torque.drive_Nm, 1.373, 5e-4);  // KONDO's stall torque
   EXPECT_NEAR(torque.damping_Nm_s, 1.0027 * 1.0027 / 5.477 + 0.0033, 1e-12);
   EXPECT_EQ(torque.friction_Nm, 0.0275);
@@ -67,18 +75,26 @@ TEST(Servo, StallsWithTheWholeSupplyOverItsResistance) {
 TEST(Servo, DrawsLessCurrentTheFasterItTurns) {
   JointDescription joint;
   Servo servo(joint);
-  servo.sense({});
-  servo.drive(1 << 18);
+  driven(servo, 1 << 18);
   servo.sense({.position_rad = 0.0, .speed_rad_per_s = 7.48});  // no load
   EXPECT_NEAR(servo.current_A(), 0.0, 2e-3);
+}
+
+TEST(Servo, MakesOfItsDutyAPartOfThePresentSupply) {
+  JointDescription joint;
+  Servo servo(joint);
+  const std::int32_t target_units = 1 << 13;  // 0.049 rad, less than half the full error
+  const double nominal_Nm = driven(servo, target_units).drive_Nm;
+  EXPECT_NEAR(driven(servo, target_units, {}, 6.0).drive_Nm / nominal_Nm, 6.0 / 7.5, 1e-12);
 }
 
 TEST(Servo, WhenReleasedKeepsFrictionAndRotorOnly) {
   JointDescription joint;
   Servo servo(joint);
-  servo.sense({});
-  servo.drive(1 << 18);
-  const ServoTorque torque = servo.release();
+  driven(servo, 1 << 18);
+  servo.release();
+  servo.draw({});
+  const ServoTorque torque = servo.torque(7.5);
   EXPECT_EQ(torque.drive_Nm, 0.0);
   EXPECT_EQ(torque.damping_Nm_s, 0.0033);
   EXPECT_EQ(torque.friction_Nm, 0.0275);
@@ -92,10 +108,10 @@ TEST(Servo, MountedTheOtherWayRoundTurnsTheJointBackwards) {
   joint.drive.sign = -1;
   joint.drive.zero_rad = std::numbers::pi;
   Servo servo(joint);
-  servo.sense({.position_rad = 0.5 * std::numbers::pi, .speed_rad_per_s = 1.0});
+  const JointState state{.position_rad = 0.5 * std::numbers::pi, .speed_rad_per_s = 1.0};
+  EXPECT_LT(driven(servo, (1 << 20) / 2, state).drive_Nm, 0.0);
   EXPECT_EQ(servo.position_units(), (1 << 20) / 4);  // pi - pi/2 of the shaft
-  EXPECT_LT(servo.drive((1 << 20) / 2).drive_Nm, 0.0);
-  servo.sense({.position_rad = 0.5 * std::numbers::pi, .speed_rad_per_s = 1.0});
+  servo.sense(state);
   EXPECT_GT(servo.current_A(), 7.5 / 5.477);  // the shaft turns against its voltage
 }
 
@@ -104,7 +120,7 @@ TEST(Servo, SeesNoSpeedInItsFirstSample) {
   joint.servo.velocity_gain_V_s_per_rad = 1.0;
   Servo servo(joint);
   servo.sense({.position_rad = 1.0});
-  EXPECT_EQ(servo.drive(servo.position_units()).drive_Nm, 0.0);
+  EXPECT_EQ(driven(servo, servo.position_units(), {.position_rad = 1.0}).drive_Nm, 0.0);
 }
 
 }  // namespace
