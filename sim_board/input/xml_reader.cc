@@ -222,8 +222,10 @@ std::string xml_root_name(const std::filesystem::path& file) {
 }
 
 XmlFile::XmlFile(std::filesystem::path file, const XmlRule& root_rule)
+    : XmlFile(file, read_text_file(file, "an XML file"), root_rule) {}
+
+XmlFile::XmlFile(std::filesystem::path file, const std::string& text, const XmlRule& root_rule)
     : path_(std::move(file)), document_(std::make_unique<tinyxml2::XMLDocument>()) {
-  const std::string text = read_text_file(path_, "an XML file");
   if (document_->Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
     throw InputError(path_, document_->ErrorLineNum(), describe_error(*document_), "well-formed XML");
   }

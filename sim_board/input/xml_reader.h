@@ -62,6 +62,8 @@ class XmlFile {
  public:
   // Reads the whole file and holds it against the rule of its root element. Throws InputError.
   XmlFile(std::filesystem::path file, const XmlRule& root_rule);
+  // The same of a text that is in no file, or not yet; errors name `file`.
+  XmlFile(std::filesystem::path file, const std::string& text, const XmlRule& root_rule);
   XmlFile(const XmlFile&) = delete;
   XmlFile& operator=(const XmlFile&) = delete;
   ~XmlFile();

@@ -11,6 +11,7 @@
 #include "tools/cli/gait_command.h"
 #include "tools/cli/motion_command.h"
 #include "tools/cli/run_command.h"
+#include "tools/cli/servo_command.h"
 #include "tools/cli/target_report_command.h"
 #include "tools/cli/validate_command.h"
 
@@ -48,6 +49,7 @@ int run_program(int argc, char** argv) {
   koboshi::tools::add_motion_command(program);
   koboshi::tools::add_gait_command(program);
   koboshi::tools::add_bench_command(program);
+  koboshi::tools::add_servo_command(program);
   koboshi::tools::add_experiment_command(program, command_line(argc, argv));
   koboshi::tools::add_validate_command(program, exit_status, command_line(argc, argv));
   try {

@@ -25,7 +25,8 @@ constexpr std::uint16_t kWayToOperation[] = {cia402::kControlShutdown, cia402::k
 // where the test puts it.
 class DriveTest : public testing::Test, private BusNode {
  protected:
-  DriveTest() : controller_(bus.attach(*this, AcceptanceFilter::all(), 64)) {
+  explicit DriveTest(const JointDescription& description = {})
+      : joint(description), controller_(bus.attach(*this, AcceptanceFilter::all(), 64)) {
     bus.attach(bystander_, AcceptanceFilter(), 1);
     joint.drive.node_id = kNode;
     joint.max_speed_rad_per_s = 7.48;
@@ -48,7 +49,7 @@ class DriveTest : public testing::Test, private BusNode {
       }
       drive->update(shaft, now_us);
       drive->draw(shaft);
-      torque = drive->torque(joint.servo.supply_V);
+      torque = drive->torque(supply_V);
     }
   }
   void say(const hal::CanFrame& frame) { ASSERT_TRUE(bus.queue(controller_, frame, now_us)); }
@@ -98,6 +99,7 @@ class DriveTest : public testing::Test, private BusNode {
   JointState shaft;
   ServoTorque torque;
   std::vector<hal::CanFrame> heard;
+  double supply_V = joint.servo.supply_V;
   std::uint64_t now_us = 0;
   std::uint16_t controlword = 0;
   std::int32_t target = 0;
@@ -278,6 +280,67 @@ TEST_F(DriveTest, IsLimpAfterAReset) {
   run_ms(3);
   EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
   EXPECT_FALSE(is_driven());
+}
+
+// --- What its servo feels
+
+JointDescription joint_that_heats() {
+  JointDescription joint;
+  joint.servo.winding = {.thermal_resistance_K_per_W = 20.0,
+                         .heat_capacity_J_per_K = 0.05,
+                         .derating_C = 60.0,
+                         .shutdown_C = 80.0,
+                         .derated_share = 0.9};
+  return joint;
+}
+
+class HotDriveTest : public DriveTest {
+ protected:
+  HotDriveTest() : DriveTest(joint_that_heats()) {}
+};
+
+TEST_F(HotDriveTest, ShutsDownTellsAndCanBeResetWhenItHasCooled) {
+  enable();
+  target = 100'000;  // the shaft is held
+  run_ms(2'000);     // time to fault, and to cool
+  EXPECT_EQ(drive->state(), State::kFault);
+  EXPECT_LT(drive->winding_C(), 60.0);
+  EXPECT_FALSE(is_driven());
+  EXPECT_EQ(emergencies(), std::vector<std::uint16_t>{0x4310});
+  EXPECT_EQ(drive->values().error_code, 0x4310);
+  controlword = 0x80;
+  run_ms(20);
+  EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
+  EXPECT_EQ(emergencies().back(), 0);
+  EXPECT_EQ(drive->values().error_code, 0);
+}
+
+TEST_F(HotDriveTest, IsNotResetWhileItIsHot) {
+  enable();
+  target = 100'000;
+  while (drive->state() != State::kFault && now_us < 5'000'000) run_ms(1);
+  ASSERT_GT(drive->winding_C(), 60.0);
+  controlword = 0x80;
+  run_ms(30);
+  ASSERT_GT(drive->winding_C(), 60.0);
+  EXPECT_EQ(drive->state(), State::kFault);
+  EXPECT_EQ(emergencies(), std::vector<std::uint16_t>{0x4310});
+  run_ms(2'000);
+  ASSERT_LT(drive->winding_C(), 60.0);
+  EXPECT_EQ(drive->state(), State::kFault);  // the edge came too early
+  controlword = 0x00;
+  run_ms(20);
+  controlword = 0x80;
+  run_ms(20);
+  EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
+}
+
+TEST_F(DriveTest, ShowsItsPresentSupply) {
+  enable();
+  EXPECT_EQ(drive->values().supply_mV, 7500u);
+  supply_V = 6.9;
+  run_ms(20);
+  EXPECT_EQ(drive->values().supply_mV, 6900u);
 }
 
 // --- What breaks

@@ -1,0 +1,148 @@
+#include "tools/cli/servo_command.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
+#include "sim_board/robot/servo_types.h"
+#include "tools/servo/datasheet.h"
+#include "tools/servo/servo_figures.h"
+
+namespace koboshi::tools {
+namespace {
+
+bool is_plain(const std::string& name) {
+  return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-';
+  });
+}
+
+// --- plot
+
+struct PlotArguments {
+  std::filesystem::path file;
+  std::string type;
+  std::filesystem::path out = "runs/servo";
+};
+
+// The file's types, or the one of them that is asked for.
+sim::ServoTypes asked_types(const PlotArguments& arguments) {
+  sim::ServoTypes types = sim::read_servo_types(arguments.file);
+  std::vector<std::string> names;
+  for (const auto& [name, servo] : types) {
+    // Each becomes a folder's name.
+    if (!is_plain(name))
+      throw sim::InputError(arguments.file, 0, "servo type " + sim::one_line(name),
+                            "a name of letters, digits, _ and -");
+    names.push_back(name);
+  }
+  if (types.empty()) throw sim::InputError(arguments.file, 0, "no servo type", "one or more");
+  if (arguments.type.empty()) return types;
+  const auto asked = types.find(arguments.type);
+  if (asked == types.end())
+    throw sim::InputError("--type", 0, sim::one_line(arguments.type), sim::join_alternatives(names));
+  return {*asked};
+}
+
+void plot(const PlotArguments& arguments) {
+  const sim::ServoTypes types = asked_types(arguments);
+  if (std::filesystem::exists(arguments.out) && !std::filesystem::is_directory(arguments.out))
+    throw sim::InputError(arguments.out, 0, "a file", "a folder, or nothing yet");
+  for (const auto& [name, servo] : types) {
+    draw_servo(name, servo, arguments.out / name);
+    fmt::print("{}: torque_speed, step, sine, friction_speed, friction_load, backlash (csv, png, svg)\n",
+               (arguments.out / name).string());
+  }
+}
+
+void add_plot_command(CLI::App& servo) {
+  auto arguments = std::make_shared<PlotArguments>();
+  CLI::App* command = servo.add_subcommand("plot", "Show what servos do on a test bench");
+  command->footer(
+      "Simulates each servo type with the robot's own model and physics: torque over speed, a step, a sine\n"
+      "under load, friction over speed and load, and the play of the shaft.\n\n"
+      "Examples:\n"
+      "  koboshi servo plot robots/koboshi/robot.sdf\n"
+      "  koboshi servo plot robots/servos/bam.xml --type mx_64_m6 --out mx_64");
+  command
+      ->add_option("FILE", arguments->file,
+                   "A robot's file, or a library of servo types, docs/reference/servo.md")
+      ->required();
+  command->add_option("--type", arguments->type, "Only this type");
+  command->add_option("-o,--out", arguments->out, "The folder of the figures, one in it for each type")
+      ->capture_default_str();
+  command->callback([arguments] { plot(*arguments); });
+}
+
+// --- from-datasheet
+
+void check(const std::string& option, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  throw sim::InputError(option, 0, sim::number_text(value), sim::describe(sim::NumberRange{low, high}));
+}
+
+void print_servo_type(const Datasheet& sheet) {
+  if (!is_plain(sheet.name))
+    throw sim::InputError("--name", 0, sim::one_line(sheet.name), "letters, digits, _ and -");
+  check("--stall-torque-Nm", sheet.stall_torque_Nm, 1e-3, 100.0);
+  check("--no-load-speed-rad-per-s", sheet.no_load_speed_rad_per_s, 0.01, 1000.0);
+  check("--voltage-V", sheet.voltage_V, 0.1, 1000.0);
+  check("--ratio", sheet.ratio, 1.0, 1e5);
+  check("--dry-friction-share", sheet.dry_friction_share, 0.0, 0.5);
+  check("--viscous-friction-share", sheet.viscous_friction_share, 0.0, 0.5);
+  check("--time-constant-s", sheet.time_constant_s, 0.0, 1.0);
+  check("--full-voltage-error-rad", sheet.full_voltage_error_rad, 1e-4, 10.0);
+  fmt::print("{}", servo_type_from(sheet));
+}
+
+void add_datasheet_command(CLI::App& servo) {
+  auto sheet = std::make_shared<Datasheet>();
+  CLI::App* command = servo.add_subcommand("from-datasheet", "Make a servo type of what a data sheet says");
+  command->footer(
+      "Prints a library of one koboshi:servo_type, with its assumptions as comments. Robot files take it "
+      "over\n"
+      "(docs/reference/servo.md), `koboshi servo plot` shows it.\n\n"
+      "Example, a KONDO KRS-2552RHV:\n"
+      "  koboshi servo from-datasheet --stall-torque-Nm 1.373 --no-load-speed-rad-per-s 7.48 --voltage-V 7.5 "
+      "\\\n"
+      "      --ratio 276 --name krs_2552 > krs_2552.xml\n"
+      "  koboshi servo plot krs_2552.xml");
+  command->add_option("--stall-torque-Nm", sheet->stall_torque_Nm, "Torque at rest")->required();
+  command->add_option("--no-load-speed-rad-per-s", sheet->no_load_speed_rad_per_s, "Speed without load")
+      ->required();
+  command->add_option("--voltage-V", sheet->voltage_V, "Supply at which both are meant")->required();
+  command->add_option("--ratio", sheet->ratio, "Turns of the rotor a turn of the output")->required();
+  command->add_option("--name", sheet->name, "What the type is called")->capture_default_str();
+  command->add_option("--dry-friction-share", sheet->dry_friction_share, "Of the stall torque")
+      ->capture_default_str();
+  command
+      ->add_option("--viscous-friction-share", sheet->viscous_friction_share,
+                   "Of the stall torque, at no-load speed")
+      ->capture_default_str();
+  command
+      ->add_option("--time-constant-s", sheet->time_constant_s, "Mechanical, of motor and gears: J R / kt^2")
+      ->capture_default_str();
+  command
+      ->add_option("--full-voltage-error-rad", sheet->full_voltage_error_rad,
+                   "Position error at which the drive gives its whole voltage")
+      ->capture_default_str();
+  command->callback([sheet] { print_servo_type(*sheet); });
+}
+
+}  // namespace
+
+void add_servo_command(CLI::App& program) {
+  CLI::App* servo = program.add_subcommand("servo", "Look at servo models, and make them");
+  servo->require_subcommand(1);
+  add_plot_command(*servo);
+  add_datasheet_command(*servo);
+}
+
+}  // namespace koboshi::tools

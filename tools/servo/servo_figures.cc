@@ -1,0 +1,242 @@
+#include "tools/servo/servo_figures.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "sim_board/servo/dry_friction.h"
+#include "tools/plot/figure.h"
+#include "tools/servo/rig.h"
+#include "tools/servo/table.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+class ServoFigures {
+ public:
+  ServoFigures(const std::string& name, const sim::ServoDescription& servo,
+               const std::filesystem::path& folder)
+      : name_(name), servo_(servo), friction_(servo), folder_(folder) {}
+
+  void draw_all() {
+    draw_torque_speed();
+    draw_step();
+    draw_sine();
+    draw_friction_over_speed();
+    draw_friction_over_load();
+    draw_backlash();
+  }
+
+ private:
+  // Without friction, at the largest duty and within the current limit.
+  double stall_Nm() const {
+    const double current_A = servo_.max_duty * servo_.supply_V / servo_.resistance_ohm;
+    return servo_.torque_constant_Nm_per_A * std::min(current_A, servo_.current_limit_A);
+  }
+  double no_load_rad_per_s() const {
+    return servo_.max_duty * servo_.supply_V / servo_.torque_constant_Nm_per_A;
+  }
+  // An inertia that neither the rotor nor the load rules alone.
+  double inertia_kg_m2() const { return std::max(servo_.rotor_inertia_kg_m2, 1e-4); }
+
+  void finish(const std::string& what, const Table& table, Figure figure) {
+    const std::filesystem::path csv = folder_ / (what + ".csv");
+    table.write(csv);
+    figure.title = name_ + ": " + figure.title;
+    draw(figure, csv, folder_ / what);
+  }
+
+  void draw_torque_speed() {
+    constexpr int kLoads = 40;
+    constexpr int kSettle_ms = 800;
+    Table table(
+        {"load_Nm", "speed_rad_per_s", "ideal_rad_per_s", "current_A", "electrical_W", "mechanical_W"});
+    for (int i = 0; i <= kLoads; ++i) {
+      const double load_Nm = stall_Nm() * i / kLoads;
+      ServoRig rig(servo_, {.inertia_kg_m2 = inertia_kg_m2()});
+      // Up to speed first, then under load: what a servo can carry on with, not what it can start.
+      for (int ms = 0; ms < kSettle_ms; ++ms) rig.drive_fully(0.0);
+      for (int ms = 0; ms < kSettle_ms && rig.speed_rad_per_s() > 0.0; ++ms) rig.drive_fully(-load_Nm);
+      if (rig.speed_rad_per_s() <= 1e-6) break;  // from here on the load drives it back, or it sticks
+      const double current_A = rig.servo().current_A();
+      table.add({load_Nm, rig.speed_rad_per_s(), no_load_rad_per_s() * (1.0 - load_Nm / ideal_stall_Nm()),
+                 current_A, servo_.max_duty * servo_.supply_V * current_A, load_Nm * rig.speed_rad_per_s()});
+    }
+    finish("torque_speed", table,
+           {.title = "what it drives, at its whole duty",
+            .panels = {{.y_label = "speed [rad/s]",
+                        .series = {{.column = "speed_rad_per_s", .label = "simulated"},
+                                   {.column = "ideal_rad_per_s",
+                                    .label = "motor without friction or limits",
+                                    .style = LineStyle::kDashed}}},
+                       {.y_label = "current [A]", .series = {{.column = "current_A"}}},
+                       {.y_label = "power [W]",
+                        .series = {{.column = "electrical_W", .label = "taken"},
+                                   {.column = "mechanical_W", .label = "given to the load"}}}},
+            .x_column = "load_Nm",
+            .x_label = "load [N m]"});
+  }
+  double ideal_stall_Nm() const {
+    return servo_.torque_constant_Nm_per_A * servo_.max_duty * servo_.supply_V / servo_.resistance_ohm;
+  }
+
+  // The target and what comes of it, for as long as asked.
+  void draw_motion(const std::string& what, const std::string& title, const RigLoad& load, int duration_ms,
+                   const std::function<double(double)>& target_rad) {
+    Table table({"time_s", "target_rad", "position_rad", "error_rad", "speed_rad_per_s", "motor_Nm",
+                 "output_Nm", "friction_Nm"});
+    ServoRig rig(servo_, load);
+    for (int ms = 0; ms < duration_ms; ++ms) {
+      const double time_s = 0.001 * ms;
+      const double target = target_rad(time_s);
+      const double position_rad = rig.position_rad();
+      const double speed_rad_per_s = rig.speed_rad_per_s();
+      const double output_Nm = rig.output_Nm();
+      rig.drive_to(target, 0.0);
+      const double motor_Nm = rig.servo().torque_Nm();
+      table.add({time_s, target, position_rad, target - position_rad, speed_rad_per_s, motor_Nm, output_Nm,
+                 friction_.bound_Nm(motor_Nm, -output_Nm, speed_rad_per_s)});
+    }
+    finish(what, table,
+           {.title = title,
+            .panels = {{.y_label = "angle [deg]",
+                        .series = {{.column = "target_rad",
+                                    .label = "target",
+                                    .style = LineStyle::kDashed,
+                                    .factor = kDegrees},
+                                   {.column = "position_rad", .label = "shaft", .factor = kDegrees}}},
+                       {.y_label = "error [deg]", .series = {{.column = "error_rad", .factor = kDegrees}}},
+                       {.y_label = "speed [rad/s]", .series = {{.column = "speed_rad_per_s"}}},
+                       {.y_label = "torque [N m]",
+                        .series = {{.column = "motor_Nm", .label = "motor"},
+                                   {.column = "output_Nm", .label = "on the arm"},
+                                   {.column = "friction_Nm",
+                                    .label = "bound of dry friction",
+                                    .style = LineStyle::kDashed}}}}});
+  }
+
+  void draw_step() {
+    const RigLoad load{.inertia_kg_m2 = inertia_kg_m2()};
+    draw_motion("step",
+                fmt::format("a step of its target, with {:.2g} kg m^2 on the shaft", load.inertia_kg_m2),
+                load, 1000, [](double time_s) { return time_s < 0.1 || time_s >= 0.6 ? 0.0 : 0.5; });
+  }
+
+  void draw_sine() {
+    const RigLoad load{.inertia_kg_m2 = inertia_kg_m2(), .weight_Nm = 0.2 * stall_Nm()};
+    draw_motion("sine", fmt::format("a sine of its target, lifting and lowering {:.2g} N m", load.weight_Nm),
+                load, 4000,
+                [](double time_s) { return 0.5 * std::sin(2.0 * std::numbers::pi * 0.5 * time_s); });
+  }
+
+  void draw_friction_over_speed() {
+    constexpr std::array kLoads{0.0, 0.25, 0.5, 0.75};  // of the stall torque
+    constexpr int kSpeeds = 400;
+    std::vector<std::string> columns{"speed_rad_per_s"};
+    Panel panel{.y_label = "bound of dry friction [N m]"};
+    for (const double load : kLoads) {
+      columns.push_back(fmt::format("load_{:.0f}_percent_Nm", 100.0 * load));
+      panel.series.push_back(
+          {.column = columns.back(), .label = fmt::format("{:.2g} N m", load * stall_Nm())});
+    }
+    Table table(columns);
+    for (int i = -kSpeeds; i <= kSpeeds; ++i) {
+      const double speed_rad_per_s = no_load_rad_per_s() * i / kSpeeds;
+      std::vector<double> row{speed_rad_per_s};
+      for (const double load : kLoads) {
+        row.push_back(friction_.bound_Nm(load * stall_Nm(), -load * stall_Nm(), speed_rad_per_s));
+      }
+      table.add(row);
+    }
+    finish("friction_speed", table,
+           {.title = "dry friction over speed, where motor and load are in balance",
+            .panels = {panel},
+            .x_column = "speed_rad_per_s",
+            .x_label = "speed [rad/s]"});
+  }
+
+  // The load at which friction at rest just holds: `direction` 1 for the greatest load that the motor cannot
+  // be driven back by, -1 for the greatest that it lifts. Nothing where friction grows as the load does.
+  double holding_limit_Nm(double motor_Nm, double direction) const {
+    const auto holds = [&](double load_Nm) {
+      return std::abs(load_Nm - motor_Nm) <= friction_.bound_Nm(motor_Nm, -load_Nm, 0.0);
+    };
+    double inside_Nm = motor_Nm;
+    double outside_Nm = motor_Nm + direction * 10.0 * stall_Nm();
+    if (holds(outside_Nm)) return std::nan("");
+    for (int i = 0; i < 60; ++i) {
+      const double middle_Nm = 0.5 * (inside_Nm + outside_Nm);
+      (holds(middle_Nm) ? inside_Nm : outside_Nm) = middle_Nm;
+    }
+    return inside_Nm;
+  }
+
+  void draw_friction_over_load() {
+    constexpr int kTorques = 200;
+    Table table({"motor_Nm", "at_rest_Nm", "moving_Nm", "balance_Nm", "lifts_Nm", "driven_back_Nm"});
+    for (int i = 0; i <= kTorques; ++i) {
+      const double motor_Nm = stall_Nm() * i / kTorques;
+      table.add({motor_Nm, friction_.bound_Nm(motor_Nm, -motor_Nm, 0.0),
+                 friction_.bound_Nm(motor_Nm, -motor_Nm, 0.5 * no_load_rad_per_s()), motor_Nm,
+                 holding_limit_Nm(motor_Nm, -1.0), holding_limit_Nm(motor_Nm, 1.0)});
+    }
+    finish("friction_load", table,
+           {.title = "dry friction over load",
+            .panels = {{.y_label = "bound in balance [N m]",
+                        .series = {{.column = "at_rest_Nm", .label = "at rest"},
+                                   {.column = "moving_Nm", .label = "at half its no-load speed"}}},
+                       {.y_label = "load [N m]",
+                        .series = {{.column = "driven_back_Nm", .label = "just drives it back"},
+                                   {.column = "balance_Nm",
+                                    .label = "balances the motor",
+                                    .style = LineStyle::kDashed},
+                                   {.column = "lifts_Nm", .label = "is just lifted"}}}},
+            .x_column = "motor_Nm",
+            .x_label = "torque of the motor [N m]"});
+  }
+
+  void draw_backlash() {
+    constexpr int kPeriod_ms = 4000;
+    const double largest_Nm = 0.3 * stall_Nm();
+    Table table({"outer_Nm", "position_rad", "rotor_rad"});
+    ServoRig rig(servo_, {.inertia_kg_m2 = inertia_kg_m2()});
+    // Up, down and up again: the first quarter leads into the loop.
+    for (int ms = 0; ms <= kPeriod_ms + kPeriod_ms / 4; ++ms) {
+      const double phase = 2.0 * std::numbers::pi * ms / kPeriod_ms;
+      const double outer_Nm = largest_Nm * 2.0 / std::numbers::pi * std::asin(std::sin(phase));
+      rig.drive_to(0.0, outer_Nm);
+      table.add({outer_Nm, rig.position_rad(), rig.position_rad() + rig.servo().backlash().lead_rad()});
+    }
+    finish("backlash", table,
+           {.title = "holding its position under a torque from outside",
+            .panels = {{.y_label = "angle [deg]",
+                        .series = {{.column = "position_rad", .label = "shaft", .factor = kDegrees},
+                                   {.column = "rotor_rad",
+                                    .label = "rotor, geared",
+                                    .style = LineStyle::kDashed,
+                                    .factor = kDegrees}}}},
+            .x_column = "outer_Nm",
+            .x_label = "torque from outside [N m]"});
+  }
+
+  std::string name_;
+  sim::ServoDescription servo_;
+  sim::DryFriction friction_;
+  std::filesystem::path folder_;
+};
+
+}  // namespace
+
+void draw_servo(const std::string& name, const sim::ServoDescription& servo,
+                const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  ServoFigures(name, servo, folder).draw_all();
+}
+
+}  // namespace koboshi::tools
