@@ -65,8 +65,10 @@ class ServoFigures {
       for (int ms = 0; ms < kSettle_ms && rig.speed_rad_per_s() > 0.0; ++ms) rig.drive_fully(-load_Nm);
       if (rig.speed_rad_per_s() <= 1e-6) break;  // from here on the load drives it back, or it sticks
       const double current_A = rig.servo().current_A();
+      const double voltage_V = rig.servo().winding().resistance_ohm() * current_A +
+                               servo_.torque_constant_Nm_per_A * rig.speed_rad_per_s();
       table.add({load_Nm, rig.speed_rad_per_s(), no_load_rad_per_s() * (1.0 - load_Nm / ideal_stall_Nm()),
-                 current_A, servo_.max_duty * servo_.supply_V * current_A, load_Nm * rig.speed_rad_per_s()});
+                 current_A, voltage_V * current_A, load_Nm * rig.speed_rad_per_s()});
     }
     finish("torque_speed", table,
            {.title = "what it drives, at its whole duty",
