@@ -47,6 +47,9 @@ BAD_ROBOTS = {
     "not a number": (r"<lower>[^<]*</lower>", "<lower>left</lower>"),
     "unknown element": (r"<gravity>[^<]*</gravity>|</model>", "<flying>true</flying></model>"),
     "malformed": (r"</sdf>", ""),
+    "backlash of a turn": (r"</koboshi:servo_type>", "<backlash_rad>6.28</backlash_rad></koboshi:servo_type>"),
+    "missing servo library": (r"<link ", '<koboshi:servo_types file="nobody.xml"/><link '),
+    "battery without voltage": (r"<link ", '<koboshi:battery internal_resistance_ohm="0.1"/><link '),
 }
 
 
