@@ -94,8 +94,13 @@ ServoTypes load_servo_types(const XmlNode& model_node, const std::filesystem::pa
   ServoTypes types;
   add_types(model_node, types);
   for (const XmlNode& node : model_node.children("koboshi:servo_types")) {
-    const XmlFile library(folder / node.attribute("file"), servo_library_rule());
-    add_types(library.root(), types);
+    const std::filesystem::path file = folder / node.attribute("file");
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored)) {
+      throw node.error("file = " + one_line(node.attribute("file")),
+                       "a library of servo types that exists, relative to this file's folder");
+    }
+    add_types(XmlFile(file, servo_library_rule()).root(), types);
   }
   return types;
 }

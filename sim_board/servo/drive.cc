@@ -77,6 +77,7 @@ void Drive::set_enable_line(bool high) {
 void Drive::update(const JointState& joint, std::uint64_t now_us) {
   now_us_ = now_us;
   servo_.sense(joint);
+  values_.supply_mV = static_cast<std::uint32_t>(std::lround(1000.0 * servo_.supply_V()));
   if (hanging_ && enable_line_ && powered_) return;
   if (powered_ && !hanging_) {
     if (!started_ && now_us >= start_us_) {
@@ -217,7 +218,6 @@ void Drive::show() {
   if (state_.state() == cia402::State::kOperationEnabled) values_.statusword |= cia402::kFollowsCommand;
   if (!enable_line_) values_.statusword |= cia402::kTorqueOff;
   values_.position_actual = servo_.reported_units();
-  values_.supply_mV = static_cast<std::uint32_t>(std::lround(1000.0 * servo_.supply_V()));
   const double permille = 1e6 * servo_.torque_Nm() / values_.rated_torque_mNm;
   values_.torque_actual_permille =
       static_cast<std::int16_t>(std::lround(std::clamp(permille, -32768.0, 32767.0)));

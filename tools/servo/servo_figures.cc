@@ -141,7 +141,7 @@ class ServoFigures {
     constexpr std::array kLoads{0.0, 0.25, 0.5, 0.75};  // of the stall torque
     constexpr int kSpeeds = 400;
     std::vector<std::string> columns{"speed_rad_per_s"};
-    Panel panel{.y_label = "bound of dry friction [N m]"};
+    Panel panel{.y_label = "bound of dry friction [N m]", .smallest_span = 2.0 * servo_.coulomb_friction_Nm};
     for (const double load : kLoads) {
       columns.push_back(fmt::format("load_{:.0f}_percent_Nm", 100.0 * load));
       panel.series.push_back(
@@ -192,7 +192,8 @@ class ServoFigures {
            {.title = "dry friction over load",
             .panels = {{.y_label = "bound in balance [N m]",
                         .series = {{.column = "at_rest_Nm", .label = "at rest"},
-                                   {.column = "moving_Nm", .label = "at half its no-load speed"}}},
+                                   {.column = "moving_Nm", .label = "at half its no-load speed"}},
+                        .smallest_span = 2.0 * servo_.coulomb_friction_Nm},
                        {.y_label = "load [N m]",
                         .series = {{.column = "driven_back_Nm", .label = "just drives it back"},
                                    {.column = "balance_Nm",

@@ -243,6 +243,13 @@ TEST(LoadRobot, TakesServoTypesOverFromALibrary) {
   EXPECT_EQ(types.at("small").supply_V, 7.5);
 }
 
+TEST(LoadRobot, RefusesAServoLibraryThatIsNotThere) {
+  EXPECT_EQ(
+      complaint(with("<link name=\"hand\">", "<koboshi:servo_types file='no.xml'/><link name=\"hand\">")),
+      "FILE:12: found file = no.xml, "
+      "expected a library of servo types that exists, relative to this file's folder");
+}
+
 TEST(ServoTypes, AreReadFromALibraryAlone) {
   const ScratchFile library("xml", kLibrary);
   const ServoTypes types = read_servo_types(library.path());
