@@ -6,7 +6,7 @@
 #include <numbers>
 #include <string>
 
-#include "sim_board/sensor/random_stream.h"
+#include "sim_board/random/random_stream.h"
 #include "sim_board/world/surface_contact.h"
 
 namespace koboshi::sim {

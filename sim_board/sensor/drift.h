@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "sim_board/sensor/random_stream.h"
+#include "sim_board/random/random_stream.h"
 
 namespace koboshi::sim {
 

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <string_view>
 
+#include "sim_board/random/random_stream.h"
 #include "sim_board/robot/description.h"
 #include "sim_board/sensor/channel.h"
-#include "sim_board/sensor/random_stream.h"
 #include "sim_board/sensor/sampler.h"
 
 namespace koboshi::sim {
