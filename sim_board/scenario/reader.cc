@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim_board/engine/make_world.h"
 #include "sim_board/scenario/events.h"
 #include "sim_board/scenario/ground_reader.h"
 #include "sim_board/scenario/paths.h"
@@ -72,6 +73,15 @@ std::uint64_t read_computing_time_us(const YamlMap& root) {
       controller->integer("computing_time_us", {.min = 0, .max = 9000}, kDefault_us));
 }
 
+Stepper read_stepper(const YamlMap& physics) {
+  const Stepper stepper = *stepper_named(physics.one_of("stepper", stepper_names(), "world"));
+  if (stepper == Stepper::kMujoco && !has_mujoco()) {
+    throw physics.error_at("stepper", "mujoco, which this program was built without",
+                           "world, lumped or quick, or a program built where libmujoco-dev is installed");
+  }
+  return stepper;
+}
+
 Physics read_physics(const YamlMap& root) {
   Physics physics;
   const auto map = root.optional_child("physics");
@@ -81,7 +91,7 @@ Physics read_physics(const YamlMap& root) {
   if (std::abs(step_us - std::round(step_us)) > 1e-6 || 1000 % physics.step_us != 0) {
     throw map->value("step_ms").error("a whole number of microseconds that divides 1 ms");
   }
-  physics.stepper = *stepper_named(map->one_of("stepper", stepper_names(), "world"));
+  physics.stepper = read_stepper(*map);
   const std::string friction = map->one_of("friction", {"rows", "lock_and_check"}, "lock_and_check");
   physics.friction = friction == "rows" ? FrictionMethod::kRows : FrictionMethod::kLockAndCheck;
   physics.quick_iterations =

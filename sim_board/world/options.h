@@ -18,9 +18,10 @@ namespace koboshi::sim {
 //   kLumped ODE, solved as exactly; hinges that meet in one point are one joint, and the links between them
 //           ride on their neighbours: half the rows
 //   kQuick  ODE, iterated (projected successive over-relaxation)
-enum class Stepper { kWorld, kLumped, kQuick };
+//   kMujoco MuJoCo, the second engine: joint coordinates, elliptic friction cones
+enum class Stepper { kWorld, kLumped, kQuick, kMujoco };
 
-// By the names that scenarios, options and summaries use: world, lumped, quick.
+// By the names that scenarios, options and summaries use: world, lumped, quick, mujoco.
 const std::vector<std::string>& stepper_names();
 std::string_view name_of(Stepper stepper);
 std::optional<Stepper> stepper_named(std::string_view name);

@@ -1,0 +1,237 @@
+#include "sim_board/engine/mujoco/model_text.h"
+
+#include <tinyxml2.h>
+
+#include <array>
+#include <charconv>
+#include <initializer_list>
+
+#include "sim_board/engine/mujoco/constraint_row.h"
+
+namespace koboshi::sim {
+namespace {
+
+using tinyxml2::XMLPrinter;
+
+// Neighbours, and neighbours of neighbours, overlap where their hinges cross.
+constexpr int kLeastJointsBetween = 3;
+
+// Dry friction: as in ODE a row that stops the joint, bounded by Kc. A joint that sticks creeps by CFM times
+// the torque, 3e-9 rad/s for a small servo; smaller numbers cost the solver iterations.
+constexpr Softness kStickingJoint{.error_reduction = 0.0, .constraint_force_mixing = 1e-7};
+
+// The stops, as in ODE: a stalled servo of 1.4 N m bends one by 0.14 mrad; what ran past its limit within a
+// step returns in kd/kp = 4 ms.
+constexpr double kStopStiffness_Nm_per_rad = 1e4;
+constexpr double kStopDamping_Nm_s_per_rad = 40.0;
+
+// In the tangents of a contact MuJoCo's row is this many times as hard as along the normal. A foot creeps by
+// CFM / ratio times the force across it.
+constexpr double kTangentHardness = 10.0;
+
+constexpr int kRowsOfContact = 3;
+constexpr int kRowsOfJoint = 2;  // friction, stop
+
+std::string text_of(std::initializer_list<double> numbers) {
+  std::string text;
+  for (const double number : numbers) {
+    std::array<char, 32> digits{};  // the shortest that reads back as the same number
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
+    text.append(text.empty() ? "" : " ").append(digits.data(), end);
+  }
+  return text;
+}
+
+std::string vector_text(const Eigen::Vector3d& v) { return text_of({v.x(), v.y(), v.z()}); }
+
+std::string quaternion_text(const Eigen::Matrix3d& R) {
+  const Eigen::Quaterniond q(R);
+  return text_of({q.w(), q.x(), q.y(), q.z()});
+}
+
+void push(XMLPrinter& xml, const char* name, const std::string& value) {
+  xml.PushAttribute(name, value.c_str());
+}
+
+void push_row(XMLPrinter& xml, const std::string& suffix, const ConstraintRow& row) {
+  push(xml, ("solref" + suffix).c_str(), text_of({row.solref_stiffness, row.solref_damping}));
+  // The impedance is the same at any depth.
+  push(xml, ("solimp" + suffix).c_str(), text_of({row.impedance, row.impedance, 0.001, 0.5, 2.0}));
+}
+
+void push_pose(XMLPrinter& xml, const Eigen::Isometry3d& X) {
+  push(xml, "pos", vector_text(X.translation()));
+  push(xml, "quat", quaternion_text(X.linear()));
+}
+
+class Writer {
+ public:
+  Writer(XMLPrinter& xml, const RobotDescription& robot, const WorldOptions& options)
+      : xml_(xml), robot_(robot), options_(options), boxes_(boxes_of(robot)) {}
+
+  void add_options();
+  void add_ground();
+  void add_link(int link, const Eigen::Isometry3d& X_PL, const JointDescription* joint, Base base);
+  void add_pair(const TouchingPair& pair);
+
+ private:
+  void add_inertia(const LinkDescription& link);
+  void add_joint(const JointDescription& joint, const Eigen::Isometry3d& X_ML);
+  void add_boxes(int link);
+
+  XMLPrinter& xml_;
+  const RobotDescription& robot_;
+  const WorldOptions& options_;
+  const std::vector<NumberedBox> boxes_;
+};
+
+void Writer::add_options() {
+  xml_.OpenElement("compiler");
+  push(xml_, "angle", "radian");
+  push(xml_, "inertiafromgeom", "false");
+  xml_.CloseElement();
+  xml_.OpenElement("option");
+  push(xml_, "timestep", text_of({options_.step_s}));
+  push(xml_, "gravity", vector_text(options_.gravity_W_m_per_s2));
+  push(xml_, "collision", "predefined");
+  push(xml_, "cone", "elliptic");
+  push(xml_, "solver", "Newton");
+  push(xml_, "impratio", text_of({kTangentHardness}));
+  push(xml_, "iterations", "100");
+  push(xml_, "tolerance", "1e-10");
+  xml_.CloseElement();
+  xml_.OpenElement("size");
+  xml_.PushAttribute("nconmax", kMostContacts);
+  xml_.PushAttribute("njmax",
+                     kRowsOfContact * kMostContacts + kRowsOfJoint * static_cast<int>(robot_.joints.size()));
+  xml_.CloseElement();
+}
+
+void Writer::add_ground() {
+  const Eigen::Vector3d normal = options_.ground.normal_W.normalized();
+  xml_.OpenElement("geom");
+  push(xml_, "name", "ground");
+  push(xml_, "type", "plane");
+  push(xml_, "size", "0 0 1");
+  push(xml_, "pos", vector_text(options_.ground.offset_m * normal));
+  push(xml_, "quat",
+       quaternion_text(
+           Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal).toRotationMatrix()));
+  xml_.CloseElement();
+}
+
+// A body and, within it, those that hang on it.
+void Writer::add_link(int number, const Eigen::Isometry3d& X_PL, const JointDescription* joint, Base base) {
+  const LinkDescription& link = robot_.links[static_cast<std::size_t>(number)];
+  xml_.OpenElement("body");
+  push(xml_, "name", "link" + std::to_string(number));
+  push_pose(xml_, X_PL);
+  if (joint != nullptr) {
+    add_joint(*joint, link.X_ML);
+  } else if (base == Base::kFree) {
+    xml_.OpenElement("freejoint");
+    xml_.CloseElement();
+  }
+  add_inertia(link);
+  add_boxes(number);
+  for (const JointDescription& next : robot_.joints) {
+    if (next.parent != number) continue;
+    const LinkDescription& child = robot_.links[static_cast<std::size_t>(next.child)];
+    add_link(next.child, link.X_ML.inverse() * child.X_ML, &next, base);
+  }
+  xml_.CloseElement();
+}
+
+void Writer::add_inertia(const LinkDescription& link) {
+  const Eigen::Matrix3d& I = link.I_LCom_L;
+  xml_.OpenElement("inertial");
+  push(xml_, "pos", vector_text(link.p_LCom_L));
+  push(xml_, "mass", text_of({link.mass_kg}));
+  push(xml_, "fullinertia", text_of({I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)}));
+  xml_.CloseElement();
+}
+
+void Writer::add_joint(const JointDescription& joint, const Eigen::Isometry3d& X_ML) {
+  const Softness stop = softness(kStopStiffness_Nm_per_rad, kStopDamping_Nm_s_per_rad, options_.step_s);
+  xml_.OpenElement("joint");
+  push(xml_, "name", "joint" + std::to_string(&joint - robot_.joints.data()));
+  push(xml_, "type", "hinge");
+  push(xml_, "pos", vector_text(X_ML.inverse() * joint.p_MJ));
+  push(xml_, "axis", vector_text(X_ML.linear().transpose() * joint.axis_M));
+  push(xml_, "limited", "true");
+  push(xml_, "range", text_of({joint.lower_rad, joint.upper_rad}));
+  push_row(xml_, "limit", constraint_row(stop, 1, options_.step_s));
+  push_row(xml_, "friction", constraint_row(kStickingJoint, 1, options_.step_s));
+  xml_.CloseElement();
+}
+
+void Writer::add_boxes(int link) {
+  for (std::size_t i = 0; i < boxes_.size(); ++i) {
+    if (boxes_[i].link != link) continue;
+    xml_.OpenElement("geom");
+    push(xml_, "name", "box" + std::to_string(i));
+    push(xml_, "type", "box");
+    push_pose(xml_, boxes_[i].box->X_LG);
+    push(xml_, "size", vector_text(0.5 * boxes_[i].box->size_m));
+    xml_.CloseElement();
+  }
+}
+
+void Writer::add_pair(const TouchingPair& pair) {
+  const bool with_ground = pair.other_box == TouchingPair::kGround;
+  const double first = pair.surface.friction;
+  const double second = pair.surface.friction_second;
+  xml_.OpenElement("pair");
+  push(xml_, "geom1", "box" + std::to_string(pair.box));
+  push(xml_, "geom2", with_ground ? std::string("ground") : "box" + std::to_string(pair.other_box));
+  push(xml_, "condim", "3");
+  push(xml_, "friction", text_of({first, second, 0.0, 0.0, 0.0}));
+  push_row(xml_, "", constraint_row(pair.surface.softness, with_ground ? 1 : 2, options_.step_s));
+  xml_.CloseElement();
+}
+
+}  // namespace
+
+std::vector<NumberedBox> boxes_of(const RobotDescription& robot) {
+  std::vector<NumberedBox> boxes;
+  for (std::size_t l = 0; l < robot.links.size(); ++l)
+    for (const BoxDescription& box : robot.links[l].collisions) boxes.push_back({static_cast<int>(l), &box});
+  return boxes;
+}
+
+std::vector<TouchingPair> touching_pairs(const RobotDescription& robot, const LinkTree& tree,
+                                         const WorldOptions& options) {
+  const std::vector<NumberedBox> boxes = boxes_of(robot);
+  const int count = static_cast<int>(boxes.size());
+  std::vector<TouchingPair> pairs;
+  for (int i = 0; i < count; ++i) {
+    const auto& [link, box] = boxes[static_cast<std::size_t>(i)];
+    if (options.ground.present)
+      pairs.push_back({i, TouchingPair::kGround, meet(box->surface, options.ground.surface, options.step_s)});
+    for (int j = i + 1; j < count; ++j) {
+      const auto& [other_link, other] = boxes[static_cast<std::size_t>(j)];
+      if (tree.distance(link, other_link) >= kLeastJointsBetween)
+        pairs.push_back({i, j, meet(box->surface, other->surface, options.step_s)});
+    }
+  }
+  return pairs;
+}
+
+std::string model_text(const RobotDescription& robot, const std::vector<TouchingPair>& pairs,
+                       const WorldOptions& options, Base base) {
+  XMLPrinter xml(nullptr, true);
+  Writer writer(xml, robot, options);
+  xml.OpenElement("mujoco");
+  writer.add_options();
+  xml.OpenElement("worldbody");
+  if (options.ground.present) writer.add_ground();
+  writer.add_link(0, options.X_WB, nullptr, base);
+  xml.CloseElement();
+  xml.OpenElement("contact");
+  for (const TouchingPair& pair : pairs) writer.add_pair(pair);
+  xml.CloseElement();
+  xml.CloseElement();
+  return xml.CStr();
+}
+
+}  // namespace koboshi::sim

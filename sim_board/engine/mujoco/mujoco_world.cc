@@ -1,0 +1,167 @@
+#include "sim_board/engine/mujoco/mujoco_world.h"
+
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "sim_board/engine/make_world.h"
+#include "sim_board/engine/mujoco/scene.h"
+
+namespace koboshi::sim {
+namespace {
+
+// No push or torque of a real scenario comes near.
+constexpr double kLargestForce = 1e6;  // N or N m
+
+class MujocoWorld final : public World {
+ public:
+  MujocoWorld(const RobotDescription& robot, const WorldOptions& options);
+
+  void set_servo(int joint, const ServoTorque& torque) override { servos_.at(at(joint)) = torque; }
+  void push(int link, const Eigen::Vector3d& p_L, const Eigen::Vector3d& f_W) override;
+  void release_base() override;
+  void step() override;
+
+  double step_s() const override { return options_.step_s; }
+  double time_s() const override { return static_cast<double>(steps_) * options_.step_s; }
+  JointState joint(int joint) const override;
+  BodyState body(int link) const override { return scene_->body(link); }
+  Wrench joint_wrench(int joint) const override { return wrenches_.at(at(joint)); }
+  std::span<const Contact> contacts() const override { return contacts_; }
+  std::uint64_t solver_warnings() const override { return earlier_warnings_ + scene_->warnings(); }
+
+ private:
+  static std::size_t at(int number) { return static_cast<std::size_t>(number); }
+  void check_links() const;
+  void solve();
+  void read_solution();
+  void check_inputs() const;
+  void check_bodies() const;
+  [[noreturn]] void blow_up(const std::string& what, const std::string& reason) const;
+
+  const RobotDescription robot_;
+  const WorldOptions options_;
+  std::vector<TouchingPair> pairs_;
+  std::optional<Scene> scene_;
+  bool held_;  // the base, on its stand
+  std::uint64_t steps_ = 0;
+  std::uint64_t earlier_warnings_ = 0;  // of the scene before the base was released
+  // By joint:
+  std::vector<ServoTorque> servos_;
+  std::vector<double> servo_Nm_;
+  std::vector<Wrench> wrenches_;
+  std::vector<Contact> contacts_;
+};
+
+MujocoWorld::MujocoWorld(const RobotDescription& robot, const WorldOptions& options)
+    : robot_(robot), options_(checked(options, robot)), held_(options_.fixed_base) {
+  check_links();
+  pairs_ = touching_pairs(robot_, LinkTree(robot_), options_);
+  scene_.emplace(robot_, pairs_, options_, held_ ? Base::kFixed : Base::kFree);
+  servos_.resize(robot_.joints.size());
+  servo_Nm_.resize(robot_.joints.size());
+  wrenches_.resize(robot_.joints.size());
+  contacts_.reserve(kMostContacts);
+}
+
+void MujocoWorld::check_links() const {
+  for (const LinkDescription& link : robot_.links)
+    if (!(link.mass_kg > 0.0) || link.I_LCom_L.llt().info() != Eigen::Success)
+      throw std::invalid_argument("link '" + link.name + "' has no positive mass and inertia");
+}
+
+void MujocoWorld::push(int link, const Eigen::Vector3d& p_L, const Eigen::Vector3d& f_W) {
+  if (!(f_W.cwiseAbs().maxCoeff() <= kLargestForce) || !p_L.allFinite())
+    blow_up("body '" + robot_.links.at(at(link)).name + "'", "a push that is not finite or beyond 1e6 N");
+  scene_->push(link, body(link).X_WL * p_L, f_W);
+}
+
+// A base that hangs on a stand is a part of the world; one that is let go belongs to another model.
+void MujocoWorld::release_base() {
+  if (!held_) return;
+  held_ = false;
+  earlier_warnings_ += scene_->warnings();
+  Scene free(robot_, pairs_, options_, Base::kFree);
+  free.take_joints_from(*scene_);
+  scene_.emplace(std::move(free));
+}
+
+void MujocoWorld::step() {
+  check_inputs();
+  for (std::size_t j = 0; j < servos_.size(); ++j) scene_->set_servo(static_cast<int>(j), servos_[j]);
+  ++steps_;
+  solve();
+  read_solution();
+  scene_->move();
+  check_bodies();
+}
+
+void MujocoWorld::solve() {
+  try {
+    scene_->solve();
+  } catch (const MujocoError& error) {
+    blow_up("MuJoCo", error.what());
+  }
+  if (!scene_->is_finite()) blow_up("MuJoCo", "an acceleration that is not finite");
+}
+
+void MujocoWorld::read_solution() {
+  for (std::size_t j = 0; j < servos_.size(); ++j) {
+    servo_Nm_[j] = scene_->servo_Nm(static_cast<int>(j), servos_[j]);
+    wrenches_[j] = scene_->joint_wrench(static_cast<int>(j));
+  }
+  contacts_.clear();
+  scene_->read_contacts(contacts_);
+}
+
+JointState MujocoWorld::joint(int joint) const {
+  return {scene_->position_rad(joint), scene_->speed_rad_per_s(joint), servo_Nm_.at(at(joint))};
+}
+
+void MujocoWorld::check_inputs() const {
+  for (std::size_t j = 0; j < servos_.size(); ++j) {
+    const ServoTorque& servo = servos_[j];
+    const bool sane = std::abs(servo.drive_Nm) <= kLargestForce && servo.damping_Nm_s >= 0.0 &&
+                      servo.damping_Nm_s <= kLargestForce && servo.rotor_inertia_kg_m2 >= 0.0 &&
+                      servo.rotor_inertia_kg_m2 <= kLargestForce && servo.friction_Nm >= 0.0 &&
+                      servo.friction_Nm <= kLargestForce;
+    if (!sane)
+      blow_up("joint '" + robot_.joints[j].name + "'", "a servo torque that is not finite or beyond 1e6");
+  }
+}
+
+void MujocoWorld::check_bodies() const {
+  for (std::size_t l = 0; l < robot_.links.size(); ++l) {
+    const BodyState state = body(static_cast<int>(l));
+    const double speed_m_per_s = state.v_WCom_W.norm();
+    const double rate_rad_per_s = state.w_WL_W.norm();
+    const bool finite = state.X_WL.matrix().allFinite();
+    if (finite && speed_m_per_s <= options_.max_speed_m_per_s &&
+        rate_rad_per_s <= options_.max_rate_rad_per_s)
+      continue;
+    blow_up("body '" + robot_.links[l].name + "'", finite ? "moves at " + std::to_string(speed_m_per_s) +
+                                                                " m/s and " + std::to_string(rate_rad_per_s) +
+                                                                " rad/s"
+                                                          : "its pose is not finite");
+  }
+}
+
+void MujocoWorld::blow_up(const std::string& what, const std::string& reason) const {
+  throw WorldBlewUp("the world blew up at " + std::to_string(time_s()) + " s: " + what + ": " + reason);
+}
+
+}  // namespace
+
+bool has_mujoco() { return true; }
+
+std::unique_ptr<World> make_mujoco_world(const RobotDescription& robot, const WorldOptions& options) {
+  try {
+    return std::make_unique<MujocoWorld>(robot, options);
+  } catch (const MujocoError& error) {
+    throw std::invalid_argument(std::string("MuJoCo makes no world of robot '") + robot.name +
+                                "': " + error.what());
+  }
+}
+
+}  // namespace koboshi::sim

@@ -1,0 +1,16 @@
+#include <stdexcept>
+
+#include "sim_board/engine/make_world.h"
+#include "sim_board/engine/mujoco/mujoco_world.h"
+
+namespace koboshi::sim {
+
+// Instead of all else in this folder, where MuJoCo was not found.
+
+bool has_mujoco() { return false; }
+
+std::unique_ptr<World> make_mujoco_world(const RobotDescription&, const WorldOptions&) {
+  throw std::invalid_argument("this program was built without MuJoCo");
+}
+
+}  // namespace koboshi::sim

@@ -1,0 +1,199 @@
+#include "sim_board/engine/mujoco/scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim_board/engine/mujoco/constraint_row.h"
+
+namespace koboshi::sim {
+namespace {
+
+using Eigen::Map;
+using Eigen::Vector3d;
+using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+int named(const mjModel& model, mjtObj kind, const std::string& name) {
+  return mj_name2id(&model, kind, name.c_str());
+}
+
+int geom_of(const mjModel& model, int box) {
+  return named(model, mjOBJ_GEOM, box < 0 ? std::string("ground") : "box" + std::to_string(box));
+}
+
+// The i-th vector of an array of vectors.
+Map<const Vector3d> vector_at(const mjtNum* array, int i) { return Map<const Vector3d>(array + 3 * i); }
+
+// A contact's axes: normal, from its first geom into its second, and two tangents, as columns.
+Eigen::Matrix3d axes_of(const mjContact& contact) { return Map<const RowMajor3d>(contact.frame).transpose(); }
+
+}  // namespace
+
+Scene::Scene(const RobotDescription& robot, const std::vector<TouchingPair>& pairs,
+             const WorldOptions& options, Base base) {
+  start_mujoco();
+  model_ = load_model(model_text(robot, pairs, options, base));
+  data_ = make_data(*model_);
+  // What the softness of the rows was computed for (constraint_row.h); the world has none.
+  std::fill_n(model_->body_invweight0 + 2, 2 * (model_->nbody - 1), kInverseInertia);
+  std::fill_n(model_->dof_invweight0, model_->nv, kInverseInertia);
+  find_numbers(robot);
+  bouncing_of_geoms_.assign(index(model_->ngeom * model_->ngeom), -1);
+  for (const TouchingPair& pair : pairs) {
+    if (pair.surface.bounce == 0.0) continue;
+    const int geom = geom_of(*model_, pair.box);
+    const int other = geom_of(*model_, pair.other_box);
+    const int place = static_cast<int>(bouncing_.size());
+    bouncing_of_geoms_[index(geom * model_->ngeom + other)] = place;
+    bouncing_of_geoms_[index(other * model_->ngeom + geom)] = place;
+    bouncing_.push_back(pair);
+  }
+  for (std::size_t j = 0; j < numbers_.size(); ++j)
+    data_->qpos[numbers_[j].position] = options.joint_positions_rad[j];
+  update_poses();
+}
+
+void Scene::find_numbers(const RobotDescription& robot) {
+  for (std::size_t l = 0; l < robot.links.size(); ++l)
+    bodies_.push_back(named(*model_, mjOBJ_BODY, "link" + std::to_string(l)));
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    const int joint = named(*model_, mjOBJ_JOINT, "joint" + std::to_string(j));
+    numbers_.push_back(
+        {joint, model_->jnt_qposadr[joint], model_->jnt_dofadr[joint], body_of(robot.joints[j].child)});
+  }
+  links_.resize(index(model_->ngeom));
+  for (int geom = 0; geom < model_->ngeom; ++geom) {
+    const auto body = std::ranges::find(bodies_, model_->geom_bodyid[geom]);
+    links_[index(geom)] = body == bodies_.end() ? -1 : static_cast<int>(body - bodies_.begin());
+  }
+}
+
+void Scene::take_joints_from(const Scene& other) {
+  for (std::size_t j = 0; j < numbers_.size(); ++j) {
+    data_->qpos[numbers_[j].position] = other.data_->qpos[other.numbers_[j].position];
+    data_->qvel[numbers_[j].speed] = other.data_->qvel[other.numbers_[j].speed];
+    data_->qacc_warmstart[numbers_[j].speed] = other.data_->qacc_warmstart[other.numbers_[j].speed];
+  }
+  update_poses();
+}
+
+void Scene::set_servo(int joint, const ServoTorque& servo) {
+  const int dof = numbers_[index(joint)].speed;
+  model_->dof_armature[dof] = servo.rotor_inertia_kg_m2 + model_->opt.timestep * servo.damping_Nm_s;
+  model_->dof_frictionloss[dof] = servo.friction_Nm;
+  data_->qfrc_applied[dof] = servo.drive_Nm - servo.damping_Nm_s * data_->qvel[dof];
+}
+
+void Scene::push(int link, const Vector3d& p_W, const Vector3d& f_W) {
+  const int body = body_of(link);
+  mjtNum* wrench = data_->xfrc_applied + 6 * body;  // at the centre of mass
+  Map<Vector3d> force(wrench);
+  Map<Vector3d> torque(wrench + 3);
+  force += f_W;
+  torque += (p_W - vector_at(data_->xipos, body)).cross(f_W);
+}
+
+// The stages of mj_step, without those that this model has no use for: kinematics is done when a step ends,
+// and there are no tendons, actuators and sensors.
+void Scene::solve() {
+  mj_crb(model_.get(), data_.get());
+  mj_factorM(model_.get(), data_.get());
+  mj_collision(model_.get(), data_.get());
+  mj_makeConstraint(model_.get(), data_.get());
+  mj_fwdVelocity(model_.get(), data_.get());
+  bounce();
+  mj_fwdAcceleration(model_.get(), data_.get());
+  mj_fwdConstraint(model_.get(), data_.get());
+  mj_rnePostConstraint(model_.get(), data_.get());
+  if (data_->solver_iter >= model_->opt.iterations) ++unconverged_;
+}
+
+// MuJoCo knows no restitution. Where surfaces that bounce meet fast enough, the row aims at the speed with
+// which they part, if that is more than what the overlap asks for, as ODE's does.
+void Scene::bounce() {
+  if (bouncing_.empty()) return;
+  for (int i = 0; i < data_->ncon; ++i) {
+    const mjContact& contact = data_->contact[i];
+    const int place = bouncing_of_geoms_[index(contact.geom1 * model_->ngeom + contact.geom2)];
+    if (place < 0 || contact.efc_address < 0) continue;
+    const SurfaceContact& surface = bouncing_[index(place)].surface;
+    const double speed_m_per_s = data_->efc_vel[contact.efc_address];
+    if (speed_m_per_s > -surface.bounce_threshold_m_per_s) continue;
+    mjtNum& aim = data_->efc_aref[contact.efc_address];
+    aim = std::max(aim, -(1.0 + surface.bounce) * speed_m_per_s / model_->opt.timestep);
+  }
+}
+
+bool Scene::is_finite() const {
+  return std::all_of(data_->qacc, data_->qacc + model_->nv, [](mjtNum a) { return std::isfinite(a); });
+}
+
+double Scene::servo_Nm(int joint, const ServoTorque& servo) const {
+  const int dof = numbers_[index(joint)].speed;
+  const double acceleration = data_->qacc[dof];
+  const double new_speed = data_->qvel[dof] + model_->opt.timestep * acceleration;
+  double friction_Nm = 0.0;
+  for (int row = data_->ne; row < data_->ne + data_->nf; ++row)
+    if (data_->efc_id[row] == dof) friction_Nm = data_->efc_force[row];
+  return servo.drive_Nm - servo.damping_Nm_s * new_speed - servo.rotor_inertia_kg_m2 * acceleration +
+         friction_Nm;
+}
+
+Wrench Scene::joint_wrench(int joint) const {
+  const JointNumbers& numbers = numbers_[index(joint)];
+  // What the parent exerts on the child, torque first, about the centre of mass of the whole tree.
+  const Vector3d p_WCom_W = vector_at(data_->subtree_com, model_->body_rootid[numbers.child]);
+  const Vector3d torque_Nm = vector_at(data_->cfrc_int, 2 * numbers.child);
+  const Vector3d force_N = vector_at(data_->cfrc_int, 2 * numbers.child + 1);
+  const Vector3d p_AnchorCom_W = p_WCom_W - vector_at(data_->xanchor, numbers.joint);
+  return {-force_N, -torque_Nm - p_AnchorCom_W.cross(force_N)};
+}
+
+void Scene::read_contacts(std::vector<Contact>& contacts) const {
+  for (int i = 0; i < data_->ncon; ++i) {
+    const mjContact& contact = data_->contact[i];
+    if (contact.efc_address < 0) continue;
+    std::array<mjtNum, 6> wrench{};
+    mj_contactForce(model_.get(), data_.get(), i, wrench.data());
+    const Eigen::Matrix3d axes_W = axes_of(contact);
+    const Vector3d f_W = axes_W * Map<const Vector3d>(wrench.data());  // on the second geom
+    const int first = links_[index(contact.geom1)];
+    const int second = links_[index(contact.geom2)];
+    const bool into_second = first < 0 || second < first;
+    const double sign = into_second ? 1.0 : -1.0;
+    contacts.push_back({into_second ? second : first, into_second ? first : second,
+                        Map<const Vector3d>(contact.pos), sign * axes_W.col(0), sign * f_W});
+  }
+}
+
+void Scene::move() {
+  std::fill_n(data_->xfrc_applied, 6 * model_->nbody, 0.0);
+  mj_Euler(model_.get(), data_.get());
+  update_poses();
+}
+
+void Scene::update_poses() {
+  mj_kinematics(model_.get(), data_.get());
+  mj_comPos(model_.get(), data_.get());
+  mj_comVel(model_.get(), data_.get());
+}
+
+BodyState Scene::body(int link) const {
+  const int body = body_of(link);
+  BodyState state;
+  state.X_WL.translation() = vector_at(data_->xpos, body);
+  state.X_WL.linear() = Map<const RowMajor3d>(data_->xmat + 9 * body);
+  // The velocity of the body at the centre of mass of the whole tree, rate first.
+  const Vector3d p_WCom_W = vector_at(data_->subtree_com, model_->body_rootid[body]);
+  state.w_WL_W = vector_at(data_->cvel, 2 * body);
+  state.v_WCom_W =
+      vector_at(data_->cvel, 2 * body + 1) + state.w_WL_W.cross(vector_at(data_->xipos, body) - p_WCom_W);
+  return state;
+}
+
+std::uint64_t Scene::warnings() const {
+  std::uint64_t warnings = unconverged_;
+  for (const mjWarningStat& warning : data_->warning) warnings += static_cast<std::uint64_t>(warning.number);
+  return warnings;
+}
+
+}  // namespace koboshi::sim
