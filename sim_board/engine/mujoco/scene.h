@@ -22,6 +22,8 @@ namespace koboshi::sim {
 //   (J + h b) (w' - w)/h = a - b w + ...
 // is J (w' - w)/h = a - b w' + ..., so that the joint's armature is J + h b and the force a - b w. The solver
 // of the contacts so knows them, which it does not know of MuJoCo's own damping: that is added afterwards.
+//
+// Dry friction is a force on a joint that slides, and a bounded row of the solver on one that may stick.
 class Scene {
  public:
   // The robot at rest as the options say. Throws MujocoError for a robot that MuJoCo takes for none.
@@ -65,12 +67,13 @@ class Scene {
   int body_of(int link) const { return bodies_.at(index(link)); }
   void find_numbers(const RobotDescription& robot);
   void update_poses();
-  void bounce();
+  void aim_contacts();
 
   MujocoModel model_;
   MujocoData data_;
   std::vector<int> bodies_;            // by link
   std::vector<JointNumbers> numbers_;  // by joint
+  std::vector<double> sliding_Nm_;     // by joint: friction that is no row
   std::vector<int> links_;             // by geom; -1: the ground
   std::vector<TouchingPair> bouncing_;
   std::vector<int> bouncing_of_geoms_;  // by one geom times their number plus the other; -1: does not bounce

@@ -5,6 +5,7 @@
 
 #include "sim_board/engine/make_world.h"
 #include "tests/support/sample_robots.h"
+#include "tests/unit/sim_board/engine/engines.h"
 
 namespace {
 
@@ -26,7 +27,9 @@ namespace {
 
 // ODE's own arenas, which come from malloc, are not counted.
 TEST(World, StepsWithoutTheHeap) {
-  for (const Stepper stepper : {Stepper::kWorld, Stepper::kQuick}) {
+  std::vector<Stepper> steppers = engines();
+  steppers.push_back(Stepper::kQuick);
+  for (const Stepper stepper : steppers) {
     WorldOptions options;
     options.stepper = stepper;
     options.X_WB.translation().z() = kSampleHumanoidHeight_m + 0.02;

@@ -6,6 +6,7 @@
 #include "sim_board/world/ground_truth.h"
 #include "sim_board/world/surface_contact.h"
 #include "tests/support/sample_robots.h"
+#include "tests/unit/sim_board/engine/engines.h"
 
 namespace koboshi::sim {
 namespace {
@@ -25,13 +26,14 @@ double force_on_ground_N(const World& world) {
   return force_N;
 }
 
+class ContactInEachEngine : public EachEngine {};
+
 // A foot-sized box of 1.2 kg on ground that is tilted about y by slope_rad.
 struct Slope {
   RobotDescription robot = sample_box(1.2, {0.1, 0.056, 0.01});
   std::unique_ptr<World> world;
 
-  Slope(double slope_rad, double friction) {
-    WorldOptions options;
+  Slope(WorldOptions options, double slope_rad, double friction) {
     options.ground.normal_W = {std::sin(slope_rad), 0.0, std::cos(slope_rad)};
     options.ground.surface.friction = options.ground.surface.friction_second = friction;
     options.X_WB = Eigen::AngleAxisd(slope_rad, Vector3d::UnitY()) * Eigen::Translation3d(0, 0, 0.005);
@@ -39,8 +41,8 @@ struct Slope {
   }
 };
 
-TEST(Contact, CarriesTheWeightWithoutSinking) {
-  Slope flat(0.0, 0.8);
+TEST_P(ContactInEachEngine, CarriesTheWeightWithoutSinking) {
+  Slope flat(options(), 0.0, 0.8);
   run(*flat.world, 1.0);
   EXPECT_EQ(flat.world->contacts().size(), 4U);
   for (const Contact& contact : flat.world->contacts()) {
@@ -53,17 +55,17 @@ TEST(Contact, CarriesTheWeightWithoutSinking) {
   EXPECT_EQ(flat.world->solver_warnings(), 0U);
 }
 
-TEST(Contact, HoldsOnASlopeBelowTheFrictionAngle) {
-  Slope slope(std::atan(0.75), 0.8);
+TEST_P(ContactInEachEngine, HoldsOnASlopeBelowTheFrictionAngle) {
+  Slope slope(options(), std::atan(0.75), 0.8);
   run(*slope.world, 0.1);
   const Vector3d start = slope.world->body(0).X_WL.translation();
   run(*slope.world, 2.0);
   EXPECT_LT((slope.world->body(0).X_WL.translation() - start).norm(), 1e-5);
 }
 
-TEST(Contact, SlidesOnASlopeBeyondTheFrictionAngle) {
+TEST_P(ContactInEachEngine, SlidesOnASlopeBeyondTheFrictionAngle) {
   const double slope_rad = std::atan(0.9);
-  Slope slope(slope_rad, 0.5);
+  Slope slope(options(), slope_rad, 0.5);
   run(*slope.world, 0.5);
   const double expected = kGravity * (std::sin(slope_rad) - 0.5 * std::cos(slope_rad)) * 0.5;
   EXPECT_NEAR(slope.world->body(0).v_WCom_W.norm(), expected, 0.01 * expected);
@@ -94,9 +96,9 @@ TEST(Contact, KeepsSpringAndDamperAtAnyStep) {
   EXPECT_NEAR(meet(soft, soft, 0.001).softness.error_reduction, 0.3, 1e-12);
 }
 
-TEST(Contact, SinksAsDeepAtAHalvedStep) {
+TEST_P(ContactInEachEngine, SinksAsDeepAtAHalvedStep) {
   for (const double step_s : {0.001, 0.0005, 0.00025}) {
-    WorldOptions options;
+    WorldOptions options = this->options();
     options.step_s = step_s;
     options.ground.surface.error_reduction = 0.3;
     options.ground.surface.constraint_force_mixing = 2e-3;  // kp 150 kN/m a point
@@ -110,8 +112,8 @@ TEST(Contact, SinksAsDeepAtAHalvedStep) {
   }
 }
 
-TEST(Contact, BouncesByTheCoefficientOfRestitution) {
-  WorldOptions options;
+TEST_P(ContactInEachEngine, BouncesByTheCoefficientOfRestitution) {
+  WorldOptions options = this->options();
   options.X_WB.translation().z() = 0.1 + 0.05;
   RobotDescription box = sample_box(1.0, {0.1, 0.1, 0.1});
   box.links[0].collisions[0].surface.bounce = 0.5;
@@ -125,9 +127,9 @@ TEST(Contact, BouncesByTheCoefficientOfRestitution) {
   EXPECT_NEAR(fastest_up, 0.5 * impact, 0.05 * impact);
 }
 
-TEST(Contact, NeverAddsEnergyToATumblingBox) {
+TEST_P(ContactInEachEngine, NeverAddsEnergyToATumblingBox) {
   const RobotDescription box = sample_box(1.2, {0.1, 0.2, 0.3});
-  WorldOptions options;
+  WorldOptions options = this->options();
   options.X_WB = Eigen::Translation3d(0, 0, 0.5) * Eigen::AngleAxisd(0.6, Vector3d(1, 2, 0).normalized());
   const auto world = make_world(box, options);
   double energy = energy_J(box, *world, options.gravity_W_m_per_s2);
@@ -142,7 +144,7 @@ TEST(Contact, NeverAddsEnergyToATumblingBox) {
   EXPECT_LT(world->body(0).v_WCom_W.norm(), 1e-3);  // it has come to rest
 }
 
-TEST(Contact, IgnoresLinksWithinTwoJointsAndFindsFartherOnes) {
+TEST_P(ContactInEachEngine, IgnoresLinksWithinTwoJointsAndFindsFartherOnes) {
   // A chain of boxes in one place.
   for (const int joints : {2, 3}) {
     RobotDescription chain = sample_box(0.1, {0.02, 0.02, 0.02});
@@ -155,7 +157,7 @@ TEST(Contact, IgnoresLinksWithinTwoJointsAndFindsFartherOnes) {
       joint.upper_rad = 1.0;
       chain.joints.push_back(joint);
     }
-    WorldOptions options;
+    WorldOptions options = this->options();
     options.ground.present = false;
     const auto world = make_world(chain, options);
     world->step();
@@ -166,6 +168,8 @@ TEST(Contact, IgnoresLinksWithinTwoJointsAndFindsFartherOnes) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Engines, ContactInEachEngine, testing::ValuesIn(engines()), engine_name);
 
 }  // namespace
 }  // namespace koboshi::sim

@@ -5,6 +5,7 @@
 #include "sim_board/engine/make_world.h"
 #include "sim_board/world/ground_truth.h"
 #include "tests/support/sample_robots.h"
+#include "tests/unit/sim_board/engine/engines.h"
 
 namespace koboshi::sim {
 namespace {
@@ -20,19 +21,25 @@ void run(World& world, double duration_s) {
 }
 
 // One link on a hinge whose bearing stands still; no gravity unless the rig has an arm.
-std::unique_ptr<World> make_rig(const HingeRig& rig, FrictionMethod friction = FrictionMethod::kLockAndCheck,
-                                double step_s = 0.001, double start_rad = 0.0) {
-  WorldOptions options;
-  options.step_s = step_s;
+std::unique_ptr<World> make_rig(const HingeRig& rig, WorldOptions options, double start_rad = 0.0) {
   options.ground.present = false;
   options.fixed_base = true;
-  options.friction = friction;
   options.joint_positions_rad = {start_rad};
   if (rig.arm_m == 0.0) options.gravity_W_m_per_s2.setZero();
   return make_world(sample_hinge(rig), options);
 }
 
-class FrictionOfJoint : public testing::TestWithParam<FrictionMethod> {};
+// The ways of solving dry friction: two in ODE, one in MuJoCo.
+std::vector<WorldOptions> friction_methods() {
+  std::vector<WorldOptions> methods(2);
+  methods[0].friction = FrictionMethod::kRows;
+  methods[1].friction = FrictionMethod::kLockAndCheck;
+  if (has_mujoco()) methods.emplace_back().stepper = Stepper::kMujoco;
+  return methods;
+}
+
+class JointInEachEngine : public EachEngine {};
+class FrictionOfJoint : public testing::TestWithParam<WorldOptions> {};
 
 TEST_P(FrictionOfJoint, HoldsAgainstLessThanItsBound) {
   const auto world = make_rig({}, GetParam());
@@ -62,22 +69,22 @@ TEST_P(FrictionOfJoint, StopsASlidingJointAndKeepsItThere) {
   EXPECT_LT(std::abs(world->joint(0).speed_rad_per_s), 1e-9);
 }
 
-INSTANTIATE_TEST_SUITE_P(BothMethods, FrictionOfJoint,
-                         testing::Values(FrictionMethod::kRows, FrictionMethod::kLockAndCheck),
+INSTANTIATE_TEST_SUITE_P(Methods, FrictionOfJoint, testing::ValuesIn(friction_methods()),
                          [](const auto& info) {
-                           return info.param == FrictionMethod::kRows ? "Rows" : "LockAndCheck";
+                           if (info.param.stepper == Stepper::kMujoco) return "Mujoco";
+                           return info.param.friction == FrictionMethod::kRows ? "Rows" : "LockAndCheck";
                          });
 
-TEST(Joint, GivesABlowToLinkAndRotorTogether) {
-  const auto world = make_rig({.inertia_kg_m2 = 1e-4});
+TEST_P(JointInEachEngine, GivesABlowToLinkAndRotorTogether) {
+  const auto world = make_rig({.inertia_kg_m2 = 1e-4}, options());
   world->set_servo(0, {.rotor_inertia_kg_m2 = 0.00116});
   world->push(1, {0.1, 0, 0}, {0, 0, -60.0});  // 6 N m about +y for one step
   world->step();
   EXPECT_NEAR(world->joint(0).speed_rad_per_s, 6.0 * 0.001 / (0.00116 + 1e-4), 1e-6);  // 4.76
 }
 
-TEST(Joint, TakesATorqueThatIsAffineInTheNewSpeed) {
-  const auto world = make_rig({.inertia_kg_m2 = 1e-4});
+TEST_P(JointInEachEngine, TakesATorqueThatIsAffineInTheNewSpeed) {
+  const auto world = make_rig({.inertia_kg_m2 = 1e-4}, options());
   const double a = 0.3, b = 0.2, inertia = 1e-4 + 0.00116;
   world->set_servo(0, {.drive_Nm = a, .damping_Nm_s = b, .rotor_inertia_kg_m2 = 0.00116});
   double w = 0.0;
@@ -88,20 +95,20 @@ TEST(Joint, TakesATorqueThatIsAffineInTheNewSpeed) {
   }
 }
 
-TEST(Joint, SwingsFreelyWithoutAServo) {
+TEST_P(JointInEachEngine, SwingsFreelyWithoutAServo) {
   const HingeRig rig{.mass_kg = 0.05, .inertia_kg_m2 = 1e-5, .arm_m = 0.1};
   const RobotDescription robot = sample_hinge(rig);
   const double start_rad = kPi / 2 - 0.05;  // nearly hanging: +y turns x down
-  const auto world = make_rig(rig, FrictionMethod::kLockAndCheck, 0.001, start_rad);
+  const auto world = make_rig(rig, options(), start_rad);
   const double period_s = 2 * kPi * std::sqrt((1e-5 + 0.05 * 0.01) / (0.05 * kGravity * 0.1));
   run(*world, std::round(10 * period_s * 1000) / 1000);
   EXPECT_NEAR(world->joint(0).position_rad, start_rad, 0.05 * 0.05);
   EXPECT_NEAR(world->joint(0).speed_rad_per_s, 0.0, 0.05 * 0.05 * 2 * kPi / period_s * 2);
 }
 
-TEST(Joint, HoldsAtItsStops) {
+TEST_P(JointInEachEngine, HoldsAtItsStops) {
   for (const double direction : {-1.0, 1.0}) {
-    const auto world = make_rig({.lower_rad = -0.5, .upper_rad = 0.5});
+    const auto world = make_rig({.lower_rad = -0.5, .upper_rad = 0.5}, options());
     world->set_servo(0, {.drive_Nm = direction * 1.373,
                          .damping_Nm_s = 0.187,
                          .rotor_inertia_kg_m2 = 0.00116,
@@ -118,8 +125,8 @@ TEST(Joint, HoldsAtItsStops) {
   }
 }
 
-TEST(Joint, CountsTurnsAndStopsBeyondHalfATurn) {
-  const auto world = make_rig({.lower_rad = -1.0, .upper_rad = 7.5});
+TEST_P(JointInEachEngine, CountsTurnsAndStopsBeyondHalfATurn) {
+  const auto world = make_rig({.lower_rad = -1.0, .upper_rad = 7.5}, options());
   world->set_servo(0, {.drive_Nm = 0.5, .damping_Nm_s = 0.1, .rotor_inertia_kg_m2 = 0.00116});
   run(*world, 1.0);
   EXPECT_NEAR(world->joint(0).position_rad, 5.0, 0.1);  // 5 rad/s
@@ -140,7 +147,7 @@ TEST(Joint, TransmitsTheWeightOfAStaticArm) {
     HingeRig rig;
     ServoTorque servo;
   } cases[] = {{hanging, motor}, {hanging, friction}, {hanging, half}, {on_stop, {}}, {on_stop, half}};
-  for (const auto method : {FrictionMethod::kRows, FrictionMethod::kLockAndCheck}) {
+  for (const WorldOptions& method : friction_methods()) {
     for (const auto& [rig, servo] : cases) {
       const auto world = make_rig(rig, method);
       world->set_servo(0, servo);
@@ -153,6 +160,8 @@ TEST(Joint, TransmitsTheWeightOfAStaticArm) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Engines, JointInEachEngine, testing::ValuesIn(engines()), engine_name);
 
 }  // namespace
 }  // namespace koboshi::sim

@@ -9,6 +9,7 @@
 #include "sim_board/engine/make_world.h"
 #include "sim_board/world/ground_truth.h"
 #include "tests/support/sample_robots.h"
+#include "tests/unit/sim_board/engine/engines.h"
 
 namespace koboshi::sim {
 namespace {
@@ -71,14 +72,16 @@ class Humanoid {
   std::unique_ptr<World> world_;
 };
 
+class StandingInEachEngine : public EachEngine {};
+
 int foot(const RobotDescription& robot, const char* name) {
   for (std::size_t l = 0; l < robot.links.size(); ++l)
     if (robot.links[l].name == name) return static_cast<int>(l);
   return -1;
 }
 
-TEST(Standing, CarriesTheWeightThroughTheAnkles) {
-  Humanoid humanoid;
+TEST_P(StandingInEachEngine, CarriesTheWeightThroughTheAnkles) {
+  Humanoid humanoid(options());
   humanoid.run(1.0);
   double mass_kg = 0.0;
   for (const LinkDescription& link : humanoid.robot().links) mass_kg += link.mass_kg;
@@ -93,8 +96,8 @@ TEST(Standing, CarriesTheWeightThroughTheAnkles) {
 }
 
 // The wrench at the ankle and the contacts below it tell the same centre of pressure, moving or not.
-TEST(Standing, AgreesWithTheContactsOnTheWrenchAtTheAnkle) {
-  Humanoid humanoid({}, 0.4);
+TEST_P(StandingInEachEngine, AgreesWithTheContactsOnTheWrenchAtTheAnkle) {
+  Humanoid humanoid(options(), 0.4);
   const int left = foot(humanoid.robot(), "left_foot");
   const LinkDescription& link = humanoid.robot().links[static_cast<std::size_t>(left)];
   for (int i = 0; i < 20; ++i) {
@@ -121,8 +124,8 @@ TEST(Standing, AgreesWithTheContactsOnTheWrenchAtTheAnkle) {
   }
 }
 
-TEST(Standing, SquatsWithoutSlipOrWarning) {
-  Humanoid humanoid({}, 0.4);
+TEST_P(StandingInEachEngine, SquatsWithoutSlipOrWarning) {
+  Humanoid humanoid(options(), 0.4);
   humanoid.run(0.1);
   const int left = foot(humanoid.robot(), "left_foot");
   const Eigen::Vector3d start = humanoid.world().body(left).X_WL.translation();
@@ -147,11 +150,11 @@ TEST(Standing, MovesAlikeWhicheverWayFrictionIsSolved) {
   }
 }
 
-TEST(Standing, ConvergesOnTheFineStep) {
-  WorldOptions fine;
+TEST_P(StandingInEachEngine, ConvergesOnTheFineStep) {
+  WorldOptions fine = options();
   fine.step_s = 0.00025;
   Humanoid one(fine, 0.4);
-  Humanoid other({}, 0.4);
+  Humanoid other(options(), 0.4);
   one.run(0.5);
   other.run(0.5);
   EXPECT_NEAR(one.world().body(0).X_WL.translation().z(), other.world().body(0).X_WL.translation().z(), 2e-4);
@@ -175,8 +178,13 @@ TEST_P(SeveralWorlds, InParallelAreBitIdenticalToOneAlone) {
   for (const std::uint64_t hash : parallel) EXPECT_EQ(hash, alone);
 }
 
-INSTANTIATE_TEST_SUITE_P(BothSteppers, SeveralWorlds, testing::Values(Stepper::kWorld, Stepper::kQuick),
-                         [](const auto& info) { return info.param == Stepper::kWorld ? "World" : "Quick"; });
+std::vector<Stepper> steppers() {
+  std::vector<Stepper> steppers = engines();
+  steppers.push_back(Stepper::kQuick);
+  return steppers;
+}
+
+INSTANTIATE_TEST_SUITE_P(Steppers, SeveralWorlds, testing::ValuesIn(steppers()), engine_name);
 
 TEST(SeveralWorlds, InOneThreadTakeTurnsWithoutDisturbingEachOther) {
   WorldOptions quick;
@@ -198,6 +206,8 @@ TEST(SeveralWorlds, MayMoveFromThreadToThread) {
   std::thread([&moved] { moved.run(0.05); }).join();
   EXPECT_EQ(moved.hash(), alone.hash());
 }
+
+INSTANTIATE_TEST_SUITE_P(Engines, StandingInEachEngine, testing::ValuesIn(engines()), engine_name);
 
 }  // namespace
 }  // namespace koboshi::sim
