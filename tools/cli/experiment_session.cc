@@ -61,6 +61,7 @@ void add_experiment_options(CLI::App& command, ExperimentArguments& arguments) {
       ->capture_default_str();
   command.add_option("--first-seed", arguments.first_seed, "The first of them")->capture_default_str();
   command.add_option("--duration", arguments.duration, "Simulated seconds of a trial");
+  command.add_option("--stepper", arguments.stepper, "Of the physics in all cells, as in koboshi run");
   command.add_option("--set", arguments.sets, "Override a key of the scenario in all cells; may be repeated")
       ->allow_extra_args(false);
   command.add_option("--jobs", arguments.jobs, "Trials at a time (default: the number of cores)")
@@ -86,6 +87,7 @@ std::vector<sim::Override> overrides(const ExperimentArguments& arguments) {
   std::vector<sim::Override> all;
   for (const std::string& set : arguments.sets) all.push_back(sim::parse_override(set));
   if (!arguments.duration.empty()) all.push_back({"duration_s", arguments.duration});
+  if (!arguments.stepper.empty()) all.push_back({"physics.stepper", arguments.stepper});
   return all;
 }
 

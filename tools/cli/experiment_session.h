@@ -18,6 +18,7 @@ struct ExperimentArguments {
   std::size_t seeds = 20;
   std::uint64_t first_seed = 1;
   std::string duration;
+  std::string stepper;
   std::vector<std::string> sets;
   std::size_t jobs = 1;
   double budget_min = 0.0;  // 0: none
@@ -33,7 +34,7 @@ void add_experiment_options(CLI::App& command, ExperimentArguments& arguments);
 // Adds --disturbed and --push, to whatever plays the worlds of the gyro-feedback experiment.
 void add_disturbance_options(CLI::App& command, GyroFeedbackOptions& options);
 
-// What --duration and --set ask for.
+// What --duration, --stepper and --set ask for.
 [[nodiscard]] std::vector<sim::Override> overrides(const ExperimentArguments& arguments);
 
 // Checks where the results are to go, plays the experiment with a progress line on a terminal, prints the

@@ -109,8 +109,10 @@ void add_run_command(CLI::App& program, int& exit_status) {
       ->check(CLI::IsMember({"in-process", "qemu"}));
   command->add_option("--image", arguments->image,
                       "The image for --controller qemu (default: the one that ./run target builds)");
-  command->add_option("--stepper", arguments->stepper,
-                      "world: exact contacts (default); quick: iterative; mujoco: the second engine, fast");
+  command->add_option(
+      "--stepper", arguments->stepper,
+      "world: exact contacts (default); lumped: the same with fewer joints; quick: iterative;\n"
+      "mujoco: the second engine, fast");
   command
       ->add_option("--set", arguments->sets,
                    "Override a key of the scenario: physics.step_ms=0.5; may be repeated")

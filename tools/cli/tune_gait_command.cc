@@ -20,6 +20,7 @@ struct Arguments {
   int points = 8;
   std::string feedback = "on";
   std::string duration = "10";
+  std::string stepper;
   std::filesystem::path result;
 };
 
@@ -34,6 +35,9 @@ void tune_gait(Arguments arguments) {
   options.experiment.points = {arguments.points};
   options.experiment.feedback = {arguments.feedback == "on"};
   options.experiment.overrides.push_back({"duration_s", arguments.duration});
+  if (!arguments.stepper.empty()) {
+    options.experiment.overrides.push_back({"physics.stepper", arguments.stepper});
+  }
   if (options.out.empty()) {
     options.out = "runs/tune-gait/" + gyro_feedback_cell(arguments.points, arguments.feedback == "on");
   }
@@ -94,6 +98,8 @@ void add_tune_gait_command(CLI::App& experiment) {
       ->capture_default_str();
   command->add_option("--duration", arguments->duration, "Simulated seconds of a trial")
       ->capture_default_str();
+  command->add_option("--stepper", arguments->stepper,
+                      "Of the physics: mujoco is fast; confirm what it finds with world");
   command->add_option("--jobs", options.jobs, "Trials at a time (default: the number of cores)")
       ->check(CLI::Range(1, 1024));
   command->add_option("--out", options.out,

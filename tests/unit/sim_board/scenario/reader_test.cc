@@ -169,6 +169,15 @@ TEST(ScenarioReader, TakesNoiseAsSwitchOrFactor) {
   EXPECT_THAT(refusal(kShort, {"noise=-1"}), HasSubstr("-1"));
 }
 
+TEST(ScenarioReader, TakesTheSecondEngineOnlyWhereThereIsOne) {
+  const TemporaryTree tree;
+  if (has_mujoco()) {
+    EXPECT_EQ(read(tree, kShort, {"physics.stepper=mujoco"}).physics.stepper, Stepper::kMujoco);
+  } else {
+    EXPECT_THAT(refusal(kShort, {"physics.stepper=mujoco"}), HasSubstr("libmujoco-dev"));
+  }
+}
+
 TEST(ScenarioReader, LetsTheCommandLineReplaceAndAdd) {
   const TemporaryTree tree;
   const Scenario scenario = read(
