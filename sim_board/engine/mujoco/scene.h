@@ -67,7 +67,9 @@ class Scene {
   int body_of(int link) const { return bodies_.at(index(link)); }
   void find_numbers(const RobotDescription& robot);
   void update_poses();
-  void aim_contacts();
+  void bounce();
+  void solve_sliding();
+  bool lower_aims(double tolerance_m_per_s);
 
   MujocoModel model_;
   MujocoData data_;
@@ -77,6 +79,8 @@ class Scene {
   std::vector<int> links_;             // by geom; -1: the ground
   std::vector<TouchingPair> bouncing_;
   std::vector<int> bouncing_of_geoms_;  // by one geom times their number plus the other; -1: does not bounce
+  std::vector<double> lift_m_per_s_;    // by contact: mu |v_t|, as its normal row knows it
+  std::vector<double> row_acceleration_;  // of the constraints, m/s^2 or rad/s^2
   std::uint64_t unconverged_ = 0;
 };
 

@@ -79,7 +79,7 @@ TEST(Mujoco, SlidesWithoutTakingOff) {
     highest_m = std::max(highest_m, world->body(0).X_WL.translation().z());
   }
   const double way_m = 0.5 / (0.8 * 9.80665);
-  EXPECT_LT(highest_m, 0.00501);
+  EXPECT_LT(highest_m, 0.0051);  // 17 mm when the blow is left out of the contacts, 0.05 mm with it
   EXPECT_NEAR(world->body(0).X_WL.translation().x(), way_m, 0.02 * way_m);
 }
 
