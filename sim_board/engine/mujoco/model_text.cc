@@ -5,6 +5,7 @@
 #include <array>
 #include <charconv>
 #include <initializer_list>
+#include <stdexcept>
 
 #include "sim_board/engine/mujoco/constraint_row.h"
 
@@ -70,7 +71,8 @@ class Writer {
       : xml_(xml), robot_(robot), options_(options), boxes_(boxes_of(robot)) {}
 
   void add_options();
-  void add_ground();
+  void add_plane();
+  void add_ground_box(int number, const GroundBox& box);
   void add_link(int link, const Eigen::Isometry3d& X_PL, const JointDescription* joint, Base base);
   void add_pair(const TouchingPair& pair);
 
@@ -108,16 +110,25 @@ void Writer::add_options() {
   xml_.CloseElement();
 }
 
-void Writer::add_ground() {
+void Writer::add_plane() {
   const Eigen::Vector3d normal = options_.ground.normal_W.normalized();
   xml_.OpenElement("geom");
-  push(xml_, "name", "ground");
+  push(xml_, "name", geom_name(TouchingPair::kPlane));
   push(xml_, "type", "plane");
   push(xml_, "size", "0 0 1");
   push(xml_, "pos", vector_text(options_.ground.offset_m * normal));
   push(xml_, "quat",
        quaternion_text(
            Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal).toRotationMatrix()));
+  xml_.CloseElement();
+}
+
+void Writer::add_ground_box(int number, const GroundBox& box) {
+  xml_.OpenElement("geom");
+  push(xml_, "name", geom_name(TouchingPair::ground_box(number)));
+  push(xml_, "type", "box");
+  push_pose(xml_, box.X_WG);
+  push(xml_, "size", vector_text(0.5 * box.size_m));
   xml_.CloseElement();
 }
 
@@ -170,7 +181,7 @@ void Writer::add_boxes(int link) {
   for (std::size_t i = 0; i < boxes_.size(); ++i) {
     if (boxes_[i].link != link) continue;
     xml_.OpenElement("geom");
-    push(xml_, "name", "box" + std::to_string(i));
+    push(xml_, "name", geom_name(static_cast<int>(i)));
     push(xml_, "type", "box");
     push_pose(xml_, boxes_[i].box->X_LG);
     push(xml_, "size", vector_text(0.5 * boxes_[i].box->size_m));
@@ -179,19 +190,30 @@ void Writer::add_boxes(int link) {
 }
 
 void Writer::add_pair(const TouchingPair& pair) {
-  const bool with_ground = pair.other_box == TouchingPair::kGround;
   const double first = pair.surface.friction;
   const double second = pair.surface.friction_second;
   xml_.OpenElement("pair");
-  push(xml_, "geom1", "box" + std::to_string(pair.box));
-  push(xml_, "geom2", with_ground ? std::string("ground") : "box" + std::to_string(pair.other_box));
+  push(xml_, "geom1", geom_name(pair.box));
+  push(xml_, "geom2", geom_name(pair.other_box));
   push(xml_, "condim", "3");
   push(xml_, "friction", text_of({first, second, 0.0, 0.0, 0.0}));
-  push_row(xml_, "", constraint_row(pair.surface.softness, with_ground ? 1 : 2, options_.step_s));
+  push_row(xml_, "", constraint_row(pair.surface.softness, pair.with_ground() ? 1 : 2, options_.step_s));
   xml_.CloseElement();
 }
 
+void check(const SurfaceContact& surface) {
+  if (surface.has_direction() || surface.slip_m_per_N_s > 0.0)
+    throw std::invalid_argument(
+        "MuJoCo's surfaces are alike in all directions, and do not slip as they stick");
+}
+
 }  // namespace
+
+std::string geom_name(int box) {
+  if (box >= 0) return "box" + std::to_string(box);
+  return box == TouchingPair::kPlane ? "ground"
+                                     : "ground_box" + std::to_string(TouchingPair::kPlane - 1 - box);
+}
 
 std::vector<NumberedBox> boxes_of(const RobotDescription& robot) {
   std::vector<NumberedBox> boxes;
@@ -202,17 +224,25 @@ std::vector<NumberedBox> boxes_of(const RobotDescription& robot) {
 
 std::vector<TouchingPair> touching_pairs(const RobotDescription& robot, const LinkTree& tree,
                                          const WorldOptions& options) {
+  const GroundDescription& ground = options.ground;
+  if (!ground.patches.empty() || !ground.height_fields.empty())
+    throw std::invalid_argument("MuJoCo's ground has a plane and boxes, no patches and no height fields");
   const std::vector<NumberedBox> boxes = boxes_of(robot);
   const int count = static_cast<int>(boxes.size());
   std::vector<TouchingPair> pairs;
+  const auto add = [&](int box, int other_box, const SurfaceDescription& other) {
+    const SurfaceDescription& one = boxes[static_cast<std::size_t>(box)].box->surface;
+    pairs.push_back({box, other_box, meet(one, other, options.step_s, options.material_pairs)});
+    check(pairs.back().surface);
+  };
   for (int i = 0; i < count; ++i) {
-    const auto& [link, box] = boxes[static_cast<std::size_t>(i)];
-    if (options.ground.present)
-      pairs.push_back({i, TouchingPair::kGround, meet(box->surface, options.ground.surface, options.step_s)});
+    if (ground.present) add(i, TouchingPair::kPlane, ground.surface);
+    for (std::size_t g = 0; g < ground.boxes.size(); ++g)
+      add(i, TouchingPair::ground_box(static_cast<int>(g)), ground.boxes[g].surface);
     for (int j = i + 1; j < count; ++j) {
       const auto& [other_link, other] = boxes[static_cast<std::size_t>(j)];
-      if (tree.distance(link, other_link) >= kLeastJointsBetween)
-        pairs.push_back({i, j, meet(box->surface, other->surface, options.step_s)});
+      if (tree.distance(boxes[static_cast<std::size_t>(i)].link, other_link) >= kLeastJointsBetween)
+        add(i, j, other->surface);
     }
   }
   return pairs;
@@ -225,7 +255,9 @@ std::string model_text(const RobotDescription& robot, const std::vector<Touching
   xml.OpenElement("mujoco");
   writer.add_options();
   xml.OpenElement("worldbody");
-  if (options.ground.present) writer.add_ground();
+  if (options.ground.present) writer.add_plane();
+  for (std::size_t i = 0; i < options.ground.boxes.size(); ++i)
+    writer.add_ground_box(static_cast<int>(i), options.ground.boxes[i]);
   writer.add_link(0, options.X_WB, nullptr, base);
   xml.CloseElement();
   xml.OpenElement("contact");

@@ -25,9 +25,7 @@ int named(const mjModel& model, mjtObj kind, const std::string& name) {
   return mj_name2id(&model, kind, name.c_str());
 }
 
-int geom_of(const mjModel& model, int box) {
-  return named(model, mjOBJ_GEOM, box < 0 ? std::string("ground") : "box" + std::to_string(box));
-}
+int geom_of(const mjModel& model, int box) { return named(model, mjOBJ_GEOM, geom_name(box)); }
 
 // The i-th vector of an array of vectors.
 Map<const Vector3d> vector_at(const mjtNum* array, int i) { return Map<const Vector3d>(array + 3 * i); }
