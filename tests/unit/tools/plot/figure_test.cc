@@ -163,6 +163,21 @@ TEST(GnuplotScript, ShowsThePartThatIsAskedFor) {
   EXPECT_THAT(script, Not(HasSubstr("900")));
 }
 
+TEST(GnuplotScript, DrawsPointsOnLogarithmicAxes) {
+  const Columns columns{{"step", {0.1, 1.0}}, {"error", {1e-4, 1e-2}}};
+  Figure figure{.panels = {{.series = {{.column = "error", .style = LineStyle::kLinesPoints}}}},
+                .x_column = "step"};
+  EXPECT_THAT(gnuplot_script(figure, columns, "f"), Not(HasSubstr("logscale")));
+  figure.log_log = true;
+  const std::string script = gnuplot_script(figure, columns, "f");
+  EXPECT_THAT(script, HasSubstr("set logscale xy\n"));
+  EXPECT_THAT(script, HasSubstr("with linespoints"));
+  // Below the smallest value, but above zero.
+  const double low = std::stod(script.substr(script.find("set yrange [") + 12));
+  EXPECT_GT(low, 0.0);
+  EXPECT_LT(low, 1e-4);
+}
+
 TEST(GnuplotScript, KeepsASmallestSpan) {
   Figure figure;
   figure.panels = {{.y_label = "y", .series = {{.column = "y"}}, .smallest_span = 10.0}};
