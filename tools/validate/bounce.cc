@@ -137,7 +137,8 @@ void check_edge(const ValidationSetup& setup, Findings& findings) {
   const double inertia = box_moments_kg_m2(kMass_kg, size_m).y();
   const double impulse_a_speed =
       (1.0 + kEdgeRestitution) / (1.0 / kMass_kg + p_edge.x() * p_edge.x() / inertia);
-  const double speed_off = kGravity_m_per_s2 * setup.world.step_s;
+  // Up to a step late, and gravity of the impact's own step is taken up by the impulse.
+  const double speed_off = kGravity_m_per_s2 * setup.world.step_s * (1.0 + 1.0 / (1.0 + kEdgeRestitution));
   findings.checks.push_back({"rod on its edge: speed after", "m/s",
                              (impulse_a_speed / kMass_kg - 1.0) * speed, body.v_WCom_W.z(),
                              speed_off * (std::abs(impulse_a_speed / kMass_kg - 1.0) + 1.0)});
@@ -156,17 +157,19 @@ Findings run(const ValidationSetup& setup) {
 }  // namespace
 
 Validation bounce() {
-  return {.name = "bounce",
-          .title = "Impact and bounce",
-          .theory =
-              "Newton's law of restitution, v' = -e v: a cube of 0.1 m dropped from 0.5 m, e = 0.7, rises to "
-              "e^(2n) 0.5 m, with 2 e^n v0/g between impacts. A rod of 0.5 kg, 0.3 m long and tilted by 0.5 "
-              "rad, falls 0.2 m onto the edge of its end, e = 0.6, no friction: an impulse j = (1 + e) v / "
-              "(1/m + x^2/I) at x from its centre. Surfaces as hard as the engine has them.",
-          .tolerances =
-              "An impact is noticed up to a step late: g h faster and up to v h below the ground; from "
-              "bounce to bounce what this does to speed, height and time adds up.",
-          .run = run};
+  return {
+      .name = "bounce",
+      .title = "Impact and bounce",
+      .theory =
+          "Newton's law of restitution, v' = -e v: a cube of 0.1 m dropped from 0.5 m, e = 0.7, rises to "
+          "e^(2n) 0.5 m, with 2 e^n v0/g between impacts. A rod of 0.5 kg, 0.3 m long and tilted by 0.5 "
+          "rad, falls 0.2 m onto the edge of its end, e = 0.6, no friction: an impulse j = (1 + e) v / "
+          "(1/m + x^2/I) at x from its centre. Surfaces as hard as the engine has them.",
+      .tolerances =
+          "An impact is noticed up to a step late: g h faster and up to v h below the ground; from "
+          "bounce to bounce what this does to speed, height and time adds up. On the rod's edge gravity of "
+          "the impact's own step is taken up by the impulse as well.",
+      .run = run};
 }
 
 }  // namespace koboshi::tools
