@@ -75,9 +75,9 @@ void check_leg(const ValidationSetup& setup, Findings& findings) {
   Plot plot{
       .name = "inverted-pendulum",
       .caption =
-          "A step of the walk: the mass comes in, slows down over the foot and leaves (x), and sways to "
-          "the foot and back (y), as the gait's pendulum (dashed) says; at 0.4 s the error of a step of 1 "
-          "ms has grown to what theory says of it.",
+          "A step of the walk: the mass comes in, slows down over the foot and leaves (x), and draws "
+          "near to it (y), as the gait's pendulum (dashed) says; at 0.4 s the error of a step of 1 ms "
+          "has grown to what theory says of it.",
       .columns =
           {{"time_s", way.time_s}, {"x_mm", {}}, {"x_theory_mm", {}}, {"y_mm", {}}, {"y_theory_mm", {}}},
       .figure = {

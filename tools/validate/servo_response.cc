@@ -122,8 +122,7 @@ Findings run(const ValidationSetup& setup) {
                                          step_of(1.5), setup));
   findings.plots.push_back(
       motion_figure("servo-sine", "Sine of 0.3 rad at 4 Hz",
-                    "The servo lags and saturates as the equations say; dry friction flattens "
-                    "the turning points.",
+                    "The servo lags as the equations say, its voltage saturated on the steepest part.",
                     sine_of(0.3, 4.0), setup));
   check_line(setup, findings);
   return findings;
