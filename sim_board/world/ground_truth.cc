@@ -29,16 +29,20 @@ Eigen::Isometry3d pose_before_step(const RobotDescription& robot, const World& w
   return X_WL;
 }
 
+double link_energy_J(const RobotDescription& robot, const World& world, int link,
+                     const Eigen::Vector3d& gravity_W_m_per_s2) {
+  const LinkDescription& description = robot.links[static_cast<std::size_t>(link)];
+  const BodyState body = world.body(link);
+  const Eigen::Vector3d w_L = body.X_WL.linear().transpose() * body.w_WL_W;
+  return 0.5 * description.mass_kg * body.v_WCom_W.squaredNorm() + 0.5 * w_L.dot(description.I_LCom_L * w_L) -
+         description.mass_kg * gravity_W_m_per_s2.dot(body.X_WL * description.p_LCom_L);
+}
+
 double energy_J(const RobotDescription& robot, const World& world,
                 const Eigen::Vector3d& gravity_W_m_per_s2) {
   double energy_J = 0.0;
-  for (std::size_t l = 0; l < robot.links.size(); ++l) {
-    const LinkDescription& link = robot.links[l];
-    const BodyState body = world.body(static_cast<int>(l));
-    const Eigen::Vector3d w_L = body.X_WL.linear().transpose() * body.w_WL_W;
-    energy_J += 0.5 * link.mass_kg * body.v_WCom_W.squaredNorm() + 0.5 * w_L.dot(link.I_LCom_L * w_L) -
-                link.mass_kg * gravity_W_m_per_s2.dot(body.X_WL * link.p_LCom_L);
-  }
+  for (std::size_t l = 0; l < robot.links.size(); ++l)
+    energy_J += link_energy_J(robot, world, static_cast<int>(l), gravity_W_m_per_s2);
   return energy_J;
 }
 

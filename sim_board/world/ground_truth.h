@@ -21,7 +21,10 @@ CentreOfMass centre_of_mass(const RobotDescription& robot, const World& world);
 // back.
 Eigen::Isometry3d pose_before_step(const RobotDescription& robot, const World& world, int link);
 
-// Kinetic energy of the links (rotors not counted) and potential energy relative to the world's origin.
+// Kinetic energy of a link, or of all (rotors not counted), and potential energy relative to the world's
+// origin.
+double link_energy_J(const RobotDescription& robot, const World& world, int link,
+                     const Eigen::Vector3d& gravity_W_m_per_s2);
 double energy_J(const RobotDescription& robot, const World& world, const Eigen::Vector3d& gravity_W_m_per_s2);
 
 }  // namespace koboshi::sim

@@ -46,6 +46,9 @@ struct WorldOptions {
   bool fixed_base = false;                                 // links[0] hangs on a stand until release_base()
   double max_speed_m_per_s = 100.0;                        // beyond these a body has blown up
   double max_rate_rad_per_s = 1000.0;
+  // Energy from nowhere, J for each kg of the robot, beyond which the run ends (engine/guarded_world.h);
+  // zero: nobody looks.
+  double energy_tolerance_J_per_kg = 0.05;
 };
 
 // The options with all that may be left out filled in. Throws std::invalid_argument for those that make no

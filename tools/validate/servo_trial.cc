@@ -64,13 +64,15 @@ ServoMotion simulated(const ServoTrial& trial, const ValidationSetup& setup) {
   sim::JointDescription joint = rig.joints[0];
   joint.servo = trial.servo;
   joint.encoder.bits = trial.encoder_bits;
-  sim::Servo servo(joint);
+  sim::Servo servo(joint, {.step_s = world->step_s()});
   ServoMotion motion;
   const long steps = steps_of(kPeriod_s, *world);
   for (long ms = 0; ms < std::lround(trial.duration_s / kPeriod_s); ++ms) {
     servo.sense(world->joint(0));
-    world->set_servo(0, servo.drive(units(trial.target_rad(kPeriod_s * static_cast<double>(ms)))));
+    servo.drive(units(trial.target_rad(kPeriod_s * static_cast<double>(ms))));
     for (long i = 0; i < steps; ++i) {
+      static_cast<void>(servo.draw(world->joint(0)));  // the supply stands whatever it draws
+      world->set_servo(0, servo.torque(trial.servo.supply_V));
       // Across a lever that turns with the link.
       const Eigen::Vector3d f_L(-trial.load_Nm / kLever_m, 0.0, 0.0);
       world->push(1, {0.0, 0.0, -kLever_m}, world->body(1).X_WL.linear() * f_L);

@@ -1,0 +1,187 @@
+#include "sim_board/engine/guarded_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim_board/world/ground_truth.h"
+
+namespace koboshi::sim {
+namespace {
+
+constexpr double kCheck_s = 0.01;
+constexpr std::size_t kMostPushes = 64;
+// What is left after a check of what springs of the ground may still give back.
+constexpr double kForget = 0.9;
+
+// The softest spring that a contact point between a link and the ground can have, N/m.
+double softest_spring_N_per_m(const RobotDescription& robot, const WorldOptions& options) {
+  double softest = std::numeric_limits<double>::infinity();
+  const auto meet_all = [&](const SurfaceDescription& ground) {
+    for (const LinkDescription& link : robot.links) {
+      for (const BoxDescription& box : link.collisions) {
+        const Softness soft = meet(box.surface, ground, options.step_s, options.material_pairs).softness;
+        softest = std::min(softest, soft.error_reduction / (options.step_s * soft.constraint_force_mixing));
+      }
+    }
+  };
+  meet_all(options.ground.surface);
+  for (const FrictionPatch& patch : options.ground.patches) meet_all(patch.surface);
+  for (const GroundBox& box : options.ground.boxes) meet_all(box.surface);
+  for (const HeightField& field : options.ground.height_fields) meet_all(field.surface);
+  return softest;
+}
+
+class GuardedWorld final : public World {
+ public:
+  GuardedWorld(std::unique_ptr<World> world, const RobotDescription& robot, const WorldOptions& options);
+
+  void set_servo(int joint, const ServoTorque& torque) override { world_->set_servo(joint, torque); }
+  void push(int link, const Eigen::Vector3d& p_L, const Eigen::Vector3d& f_W) override;
+  void release_base() override { world_->release_base(); }
+  void step() override;
+
+  double step_s() const override { return world_->step_s(); }
+  double time_s() const override { return world_->time_s(); }
+  JointState joint(int joint) const override { return world_->joint(joint); }
+  BodyState body(int link) const override { return world_->body(link); }
+  Wrench joint_wrench(int joint) const override { return world_->joint_wrench(joint); }
+  std::span<const Contact> contacts() const override { return world_->contacts(); }
+  std::uint64_t solver_warnings() const override { return world_->solver_warnings(); }
+
+ private:
+  struct Push {
+    int link;
+    Eigen::Vector3d p_L;
+    Eigen::Vector3d f_W;
+    double power_W;  // when the step begins
+  };
+
+  double power_W(const Push& push) const;
+  void add_work();
+  double elastic_J() const;
+  void check();
+  std::string cause(int link) const;
+
+  const std::unique_ptr<World> world_;
+  const RobotDescription robot_;
+  const Eigen::Vector3d gravity_W_m_per_s2_;
+  const double tolerance_J_;
+  const double spring_N_per_m_;
+  const int steps_a_check_;
+  int steps_ = 0;
+  std::vector<double> speeds_rad_per_s_;  // by joint, before the step
+  std::vector<Push> pushes_;              // of the next step
+  double work_J_ = 0.0;                   // put in since the beginning
+  double lowest_J_ = std::numeric_limits<double>::infinity();
+  double returnable_J_ = 0.0;       // that the ground's springs hold or held a moment ago
+  std::vector<double> energies_J_;  // by link, at the last check
+};
+
+GuardedWorld::GuardedWorld(std::unique_ptr<World> world, const RobotDescription& robot,
+                           const WorldOptions& options)
+    : world_(std::move(world)),
+      robot_(robot),
+      gravity_W_m_per_s2_(options.gravity_W_m_per_s2),
+      tolerance_J_(options.energy_tolerance_J_per_kg * robot.total_mass_kg()),
+      spring_N_per_m_(softest_spring_N_per_m(robot, options)),
+      steps_a_check_(static_cast<int>(std::lround(kCheck_s / options.step_s))),
+      speeds_rad_per_s_(robot.joints.size(), 0.0) {
+  pushes_.reserve(kMostPushes);
+  energies_J_.resize(robot.links.size());
+  check();
+}
+
+double GuardedWorld::power_W(const Push& push) const {
+  const BodyState body = world_->body(push.link);
+  const Eigen::Vector3d& p_LCom_L = robot_.links.at(static_cast<std::size_t>(push.link)).p_LCom_L;
+  const Eigen::Vector3d v_WPoint_W =
+      body.v_WCom_W + body.w_WL_W.cross(body.X_WL.linear() * (push.p_L - p_LCom_L));
+  return push.f_W.dot(v_WPoint_W);
+}
+
+void GuardedWorld::push(int link, const Eigen::Vector3d& p_L, const Eigen::Vector3d& f_W) {
+  world_->push(link, p_L, f_W);
+  pushes_.push_back({link, p_L, f_W, 0.0});
+  pushes_.back().power_W = power_W(pushes_.back());
+}
+
+void GuardedWorld::step() {
+  world_->step();
+  add_work();
+  if (++steps_ % steps_a_check_ == 0) check();
+}
+
+void GuardedWorld::add_work() {
+  const double half_s = 0.5 * world_->step_s();
+  for (std::size_t j = 0; j < speeds_rad_per_s_.size(); ++j) {
+    const JointState joint = world_->joint(static_cast<int>(j));
+    work_J_ += half_s * joint.servo_Nm * (speeds_rad_per_s_[j] + joint.speed_rad_per_s);
+    speeds_rad_per_s_[j] = joint.speed_rad_per_s;
+  }
+  for (const Push& push : pushes_) work_J_ += half_s * (push.power_W + power_W(push));
+  pushes_.clear();
+}
+
+// An upper bound: as if dampers took no part in the forces.
+double GuardedWorld::elastic_J() const {
+  double sum_N2 = 0.0;
+  for (const Contact& contact : world_->contacts()) sum_N2 += std::pow(contact.f_W.dot(contact.n_W), 2);
+  return sum_N2 / (2.0 * spring_N_per_m_);
+}
+
+void GuardedWorld::check() {
+  double sum_J = 0.0;
+  double largest_gain_J = -std::numeric_limits<double>::infinity();
+  int gainer = 0;
+  for (std::size_t l = 0; l < energies_J_.size(); ++l) {
+    const double energy_J = link_energy_J(robot_, *world_, static_cast<int>(l), gravity_W_m_per_s2_);
+    if (energy_J - energies_J_[l] > largest_gain_J) {
+      largest_gain_J = energy_J - energies_J_[l];
+      gainer = static_cast<int>(l);
+    }
+    energies_J_[l] = energy_J;
+    sum_J += energy_J;
+  }
+  const double unexplained_J = sum_J - work_J_;
+  lowest_J_ = std::min(lowest_J_, unexplained_J);
+  returnable_J_ = std::max(kForget * returnable_J_, elastic_J());
+  const double gain_J = unexplained_J - lowest_J_ - returnable_J_;
+  static struct P {
+    double m = 0;
+    ~P() { fprintf(stderr, "GAIN %g\n", m); }
+  } g;
+  g.m = std::max(g.m, gain_J);
+  if (gain_J <= tolerance_J_) return;
+  throw WorldBlewUp("the world gained energy at " + std::to_string(time_s()) + " s: body '" +
+                    robot_.links[static_cast<std::size_t>(gainer)].name + "': " + std::to_string(gain_J) +
+                    " J more than servos and pushes put in, where " + std::to_string(tolerance_J_) +
+                    " J are borne; " + cause(gainer));
+}
+
+std::string GuardedWorld::cause(int link) const {
+  double force_N = 0.0;
+  const Contact* strongest = nullptr;
+  for (const Contact& contact : world_->contacts()) {
+    if ((contact.link != link && contact.other_link != link) || contact.f_W.norm() < force_N) continue;
+    force_N = contact.f_W.norm();
+    strongest = &contact;
+  }
+  if (strongest == nullptr) return "it touches nothing, so its joints did it";
+  const int other = strongest->link == link ? strongest->other_link : strongest->link;
+  const std::string name =
+      other < 0 ? "the ground" : "'" + robot_.links[static_cast<std::size_t>(other)].name + "'";
+  return "it touches " + name + " with " + std::to_string(force_N) + " N";
+}
+
+}  // namespace
+
+std::unique_ptr<World> guard_energy(std::unique_ptr<World> world, const RobotDescription& robot,
+                                    const WorldOptions& options) {
+  return std::make_unique<GuardedWorld>(std::move(world), robot, options);
+}
+
+}  // namespace koboshi::sim

@@ -1,0 +1,252 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim_board/engine/make_world.h"
+#include "sim_board/engine/ode/hinge_chains.h"
+#include "sim_board/world/link_tree.h"
+#include "tests/support/sample_robots.h"
+
+namespace koboshi::sim {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kGravity = 9.80665;
+
+// A bearing, then hinges about z, x and y (the first `hinges` of them) in one point, then a lopsided link.
+RobotDescription gimbal(std::size_t hinges, double ring_kg, const Vector3d& ring_com = Vector3d::Zero()) {
+  const std::vector<Vector3d> axes{Vector3d::UnitZ(), Vector3d::UnitX(), Vector3d::UnitY()};
+  RobotDescription robot;
+  robot.name = "gimbal";
+  LinkDescription link;
+  link.name = "bearing";
+  link.mass_kg = 1.0;
+  robot.links.push_back(link);
+  for (std::size_t i = 0; i < hinges; ++i) {
+    const bool last = i + 1 == hinges;
+    link.name = last ? "bob" : "ring " + std::to_string(i);
+    link.mass_kg = last ? 0.1 : ring_kg;
+    link.p_LCom_L = last ? Vector3d(0.02, 0.01, -0.06) : ring_com;
+    link.I_LCom_L = (last ? Vector3d(1e-4, 2e-4, 3e-4) : Vector3d(1, 1, 1) * 1e-5 * ring_kg).asDiagonal();
+    robot.links.push_back(link);
+    JointDescription joint;
+    joint.name = "hinge " + std::to_string(i);
+    joint.parent = static_cast<int>(i);
+    joint.child = static_cast<int>(i) + 1;
+    joint.p_MJ = {0.01, 0.02, 0.03};
+    joint.axis_M = axes[i];
+    joint.lower_rad = -3.0;
+    joint.upper_rad = 3.0;
+    robot.joints.push_back(joint);
+  }
+  return robot;
+}
+
+std::unique_ptr<World> hung(const RobotDescription& robot, Stepper stepper,
+                            const std::vector<double>& starts_rad, double step_s = 0.001) {
+  WorldOptions options;
+  options.stepper = stepper;
+  options.step_s = step_s;
+  options.ground.present = false;
+  options.fixed_base = true;
+  options.joint_positions_rad = starts_rad;
+  return make_world(robot, options);
+}
+
+const std::vector<ServoTorque> kServos{
+    {.drive_Nm = 0.03, .damping_Nm_s = 0.01, .rotor_inertia_kg_m2 = 0.0004, .friction_Nm = 0.004},
+    {.drive_Nm = -0.05, .damping_Nm_s = 0.02, .rotor_inertia_kg_m2 = 0.0006, .friction_Nm = 0.01},
+    {.drive_Nm = 0.08, .damping_Nm_s = 0.005, .rotor_inertia_kg_m2 = 0.0008, .friction_Nm = 0.002}};
+
+void drive(World& world, std::size_t hinges) {
+  for (std::size_t j = 0; j < hinges; ++j) world.set_servo(static_cast<int>(j), kServos[j]);
+}
+
+class Gimbal : public testing::TestWithParam<std::size_t> {};
+INSTANTIATE_TEST_SUITE_P(OfHinges, Gimbal, testing::Values(2, 3), testing::PrintToStringParamName());
+
+TEST_P(Gimbal, IsOneChain) {
+  const RobotDescription robot = gimbal(GetParam(), 0.01);
+  const auto chains = lumped_hinges(robot, LinkTree(robot));
+  ASSERT_EQ(chains.size(), 1u);
+  EXPECT_EQ(chains[0].joints.size(), GetParam());
+}
+
+// With rings that weigh nothing both worlds have the same equations; what is left is of the second order.
+TEST_P(Gimbal, MovesAsItsHingesDoOneByOne) {
+  const RobotDescription robot = gimbal(GetParam(), 1e-5);
+  std::vector<double> starts_rad{0.3, 0.9, -0.5};
+  starts_rad.resize(GetParam());
+  const auto lumped = hung(robot, Stepper::kLumped, starts_rad, 0.00025);
+  const auto world = hung(robot, Stepper::kWorld, starts_rad, 0.00025);
+  drive(*lumped, GetParam());
+  drive(*world, GetParam());
+  double way_rad = 0.0;
+  for (int i = 0; i < 4000; ++i) {
+    lumped->step();
+    world->step();
+    for (int j = 0; j < static_cast<int>(GetParam()); ++j) {
+      ASSERT_NEAR(lumped->joint(j).position_rad, world->joint(j).position_rad, 1e-3) << j << " at " << i;
+      ASSERT_NEAR(lumped->joint(j).speed_rad_per_s, world->joint(j).speed_rad_per_s, 2e-2) << j;
+      way_rad += std::abs(world->joint(j).speed_rad_per_s) * 0.00025;
+    }
+  }
+  EXPECT_GT(way_rad, 1.0);
+}
+
+TEST_P(Gimbal, TellsWhereTheLinksBetweenAre) {
+  const RobotDescription robot = gimbal(GetParam(), 0.01, {0.01, -0.02, 0.005});
+  std::vector<double> starts_rad{0.3, 0.9, -0.5};
+  starts_rad.resize(GetParam());
+  const auto world = hung(robot, Stepper::kLumped, starts_rad);
+  drive(*world, GetParam());
+  std::vector<BodyState> before;
+  for (int i = 0; i < 200; ++i) {
+    before.clear();
+    for (int l = 0; l < static_cast<int>(robot.links.size()); ++l) before.push_back(world->body(l));
+    world->step();
+  }
+  std::vector<double> positions_rad;
+  for (int j = 0; j < static_cast<int>(GetParam()); ++j)
+    positions_rad.push_back(world->joint(j).position_rad);
+  const auto X_WLs = LinkTree(robot).poses(robot, world->body(0).X_WL, positions_rad);
+  for (std::size_t l = 0; l < X_WLs.size(); ++l) {
+    const BodyState body = world->body(static_cast<int>(l));
+    EXPECT_TRUE(body.X_WL.isApprox(X_WLs[l], 1e-6)) << l;
+    const Vector3d p_LCom_L = robot.links[l].p_LCom_L;
+    const Vector3d moved_W = body.X_WL * p_LCom_L - before[l].X_WL * p_LCom_L;
+    EXPECT_TRUE((moved_W / 0.001).isApprox(body.v_WCom_W, 0.02) || body.v_WCom_W.norm() < 1e-9) << l;
+  }
+}
+
+// The weight of each ring is carried by the hinges above it only; at joint zero a ring rides where it is.
+TEST_P(Gimbal, CarriesTheWeightOfWhatHangsBelowEachHinge) {
+  const double ring_kg = 0.02;
+  const Vector3d ring_com(0.015, 0.0, 0.0);
+  const RobotDescription robot = gimbal(GetParam(), ring_kg, ring_com);
+  const auto world = hung(robot, Stepper::kLumped, std::vector<double>(GetParam(), 0.0));
+  for (int j = 0; j < static_cast<int>(GetParam()); ++j) world->set_servo(j, {.friction_Nm = 1.0});
+  for (int i = 0; i < 100; ++i) world->step();
+  for (std::size_t j = 0; j < GetParam(); ++j) {
+    const double rings = static_cast<double>(GetParam() - 1 - j);
+    const Wrench wrench = world->joint_wrench(static_cast<int>(j));
+    EXPECT_NEAR(wrench.force_N.z(), -(0.1 + rings * ring_kg) * kGravity, 1e-6) << j;
+    const Vector3d arms = 0.1 * Vector3d(0.02, 0.01, -0.06) + rings * ring_kg * ring_com;
+    EXPECT_TRUE(wrench.torque_Nm.isApprox(arms.cross(Vector3d(0, 0, -kGravity)), 1e-5)) << j;
+  }
+}
+
+TEST(GimbalLock, StaysFiniteWhereItsAxesFallTogether) {
+  const RobotDescription robot = gimbal(3, 0.01);
+  const auto world = hung(robot, Stepper::kLumped, {0.1, 1.2, 0.1});
+  drive(*world, 3);
+  world->set_servo(1, {.drive_Nm = 0.3, .damping_Nm_s = 0.1, .rotor_inertia_kg_m2 = 0.001});
+  for (int i = 0; i < 2000; ++i) {
+    world->step();
+    for (int j = 0; j < 3; ++j) ASSERT_TRUE(std::isfinite(world->joint(j).position_rad));
+  }
+  EXPECT_GT(world->joint(1).position_rad, 1.5708);  // it went through
+}
+
+// The humanoid with nothing but a frame between the hinges of its hips, ankles and shoulders.
+RobotDescription framed_humanoid() {
+  RobotDescription robot = sample_humanoid();
+  for (LinkDescription& link : robot.links) {
+    const bool between = link.name.ends_with("hip_yaw") || link.name.ends_with("hip_roll") ||
+                         link.name.ends_with("ankle") || link.name.ends_with("shoulder");
+    if (between) link.collisions.clear();
+  }
+  return robot;
+}
+
+TEST(Lumped, PutsHipsAnklesAndShouldersTogether) {
+  const RobotDescription robot = framed_humanoid();
+  std::vector<std::size_t> sizes(4, 0);
+  for (const HingeChain& chain : lumped_hinges(robot, LinkTree(robot))) ++sizes[chain.joints.size()];
+  EXPECT_EQ(sizes[3], 2u);
+  EXPECT_EQ(sizes[2], 4u);
+  EXPECT_EQ(sizes[1], 6u);
+  // With boxes that could collide nothing can be left out.
+  const RobotDescription boxed = sample_humanoid();
+  EXPECT_EQ(lumped_hinges(boxed, LinkTree(boxed)).size(), 20u);
+}
+
+class Standing {
+ public:
+  Standing(Stepper stepper, double friction, double tilt_rad) {
+    WorldOptions options;
+    options.stepper = stepper;
+    options.X_WB.translation().z() = kSampleHumanoidHeight_m;
+    options.gravity_W_m_per_s2 = {kGravity * std::sin(tilt_rad), 0.0, -kGravity * std::cos(tilt_rad)};
+    options.ground.surface.friction = options.ground.surface.friction_second = friction;
+    world_ = make_world(robot_, options);
+  }
+  World& world() { return *world_; }
+  void run(double duration_s, const Vector3d& push_N = Vector3d::Zero()) {
+    for (double t_s = 0.0; t_s < duration_s; t_s += 0.001) {
+      for (int j = 0; j < 20; ++j) {
+        const JointState joint = world_->joint(j);
+        world_->set_servo(j, {.drive_Nm = -10.0 * joint.position_rad,
+                              .damping_Nm_s = 0.2,
+                              .rotor_inertia_kg_m2 = 0.0012,
+                              .friction_Nm = 0.03});
+      }
+      if (!push_N.isZero()) world_->push(0, {0, 0, -0.15}, push_N);
+      world_->step();
+    }
+  }
+  Vector3d ground_force_N() const {
+    Vector3d sum = Vector3d::Zero();
+    for (const Contact& contact : world_->contacts()) sum += contact.f_W;
+    return sum;
+  }
+
+ private:
+  const RobotDescription robot_ = framed_humanoid();
+  std::unique_ptr<World> world_;
+};
+
+TEST(Lumped, HeldSolesBearTheRobotAsContactJointsDo) {
+  Standing lumped(Stepper::kLumped, 0.8, 0.05);
+  Standing world(Stepper::kWorld, 0.8, 0.05);
+  lumped.run(1.0);
+  world.run(1.0);
+  const double weight_N = framed_humanoid().total_mass_kg() * kGravity;
+  EXPECT_NEAR(lumped.ground_force_N().z(), weight_N * std::cos(0.05), 0.02 * weight_N);
+  EXPECT_NEAR(lumped.ground_force_N().x(), -weight_N * std::sin(0.05), 0.02 * weight_N);
+  EXPECT_LT((lumped.world().body(0).X_WL.translation() - world.world().body(0).X_WL.translation()).norm(),
+            1e-5);
+  for (const Contact& contact : lumped.world().contacts()) {
+    const double normal_N = contact.f_W.z();
+    EXPECT_GE(normal_N, 0.0);
+    EXPECT_LE(contact.f_W.head<2>().norm(), 0.8 * normal_N + 1e-9);
+  }
+}
+
+// A push below the friction's limit moves nothing, one beyond it slides both worlds alike.
+TEST(Lumped, HeldSolesLetGoWhereFrictionDoesNotSuffice) {
+  const double weight_N = framed_humanoid().total_mass_kg() * kGravity;
+  for (const double share : {0.8, 1.5}) {
+    Standing lumped(Stepper::kLumped, 0.2, 0.0);
+    Standing world(Stepper::kWorld, 0.2, 0.0);
+    for (Standing* standing : {&lumped, &world}) {
+      standing->run(0.5);
+      standing->run(0.3, {0.2 * share * weight_N, 0, 0});
+    }
+    const double way_m = lumped.world().body(0).X_WL.translation().x();
+    const double way_of_world_m = world.world().body(0).X_WL.translation().x();
+    if (share < 1.0) {
+      EXPECT_LT(std::abs(way_m - way_of_world_m), 1e-4);
+    } else {
+      EXPECT_GT(way_m, 0.02);
+      EXPECT_NEAR(way_m, way_of_world_m, 0.05 * way_of_world_m);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace koboshi::sim
