@@ -122,15 +122,17 @@ void GuardedWorld::add_work() {
     work_J_ += half_s * joint.servo_Nm * (speeds_rad_per_s_[j] + joint.speed_rad_per_s);
     speeds_rad_per_s_[j] = joint.speed_rad_per_s;
   }
+  returnable_J_ = std::max(returnable_J_, elastic_J());
   for (const Push& push : pushes_) work_J_ += half_s * (push.power_W + power_W(push));
   pushes_.clear();
 }
 
-// An upper bound: as if dampers took no part in the forces.
+// What springs under these forces hold, and a quarter more: the forces are those of a step's end, less deep
+// than its deepest, and dampers have a part in them.
 double GuardedWorld::elastic_J() const {
   double sum_N2 = 0.0;
   for (const Contact& contact : world_->contacts()) sum_N2 += std::pow(contact.f_W.dot(contact.n_W), 2);
-  return sum_N2 / (2.0 * spring_N_per_m_);
+  return 1.25 * sum_N2 / (2.0 * spring_N_per_m_);
 }
 
 void GuardedWorld::check() {
@@ -148,13 +150,10 @@ void GuardedWorld::check() {
   }
   const double unexplained_J = sum_J - work_J_;
   lowest_J_ = std::min(lowest_J_, unexplained_J);
-  returnable_J_ = std::max(kForget * returnable_J_, elastic_J());
-  const double gain_J = unexplained_J - lowest_J_ - returnable_J_;
-  static struct P {
-    double m = 0;
-    ~P() { fprintf(stderr, "GAIN %g\n", m); }
-  } g;
-  g.m = std::max(g.m, gain_J);
+  const double returned_J = std::min(unexplained_J - lowest_J_, returnable_J_);
+  lowest_J_ += returned_J;
+  returnable_J_ = kForget * (returnable_J_ - returned_J);
+  const double gain_J = unexplained_J - lowest_J_;
   if (gain_J <= tolerance_J_) return;
   throw WorldBlewUp("the world gained energy at " + std::to_string(time_s()) + " s: body '" +
                     robot_.links[static_cast<std::size_t>(gainer)].name + "': " + std::to_string(gain_J) +

@@ -37,8 +37,15 @@ bool perpendicular(const JointDescription& one, const JointDescription& other) {
   return std::abs(one.axis_M.dot(other.axis_M)) < kPerpendicular;
 }
 
+// Beyond a quarter turn of the middle hinge the outer axes have fallen together on the way.
+bool passes_gimbal_lock(const JointDescription& middle) {
+  constexpr double kQuarterTurn_rad = std::numbers::pi / 2.0 + 1e-6;
+  return middle.lower_rad < -kQuarterTurn_rad || middle.upper_rad > kQuarterTurn_rad;
+}
+
 bool fits(const RobotDescription& robot, const HingeChain& chain, int next) {
   if (next < 0 || chain.joints.size() == kMostHinges) return false;
+  if (chain.joints.size() == 2 && passes_gimbal_lock(joint_of(robot, chain.joints[1]))) return false;
   const JointDescription& joint = joint_of(robot, next);
   return std::ranges::all_of(chain.joints, [&](int before) {
     return perpendicular(joint_of(robot, before), joint) &&

@@ -20,8 +20,8 @@ struct HingeChain {
 std::vector<HingeChain> single_hinges(const LinkTree& tree);
 
 // As many hinges as can be are put together: their anchors coincide, each axis is perpendicular to the next
-// (of three, all to each other at joint zero), and the links between have neither boxes to collide nor
-// sensors.
+// (of three, all to each other at joint zero, and the middle one turns by a quarter turn at most), and the
+// links between have neither boxes to collide nor sensors.
 //
 // A link that rides on another keeps the place that it has at joint zero, so its centre of mass is off by
 // 2 r sin(q/2) when the hinge between them is at q, r from the axis. The cut is where the sum of mass times r

@@ -8,7 +8,7 @@
 namespace koboshi::sim {
 namespace {
 
-constexpr double kLeastVolume = 0.05;  // of the axes' parallelepiped: sine of 3 degrees
+constexpr double kLeastVolume = 0.02;  // of the axes' parallelepiped: cosine of the middle hinge's position
 
 OdeJoint make_constraint(dWorldID world, std::size_t hinges, dBodyID child, dBodyID parent,
                          const Eigen::Vector3d& p, const Eigen::Matrix3d& R_MF) {
@@ -33,10 +33,6 @@ OdeJoint make_constraint(dWorldID world, std::size_t hinges, dBodyID child, dBod
   dJointAttach(joint.get(), child, parent);
   dJointSetBallAnchor(joint.get(), p.x(), p.y(), p.z());
   return joint;
-}
-
-double turn(double from_rad, double to_rad) {
-  return std::abs(std::remainder(to_rad - from_rad, 2.0 * std::numbers::pi));
 }
 
 }  // namespace
@@ -94,14 +90,14 @@ std::array<double, JointChain::kMostHinges> JointChain::positions_rad() const {
   const Eigen::Matrix3d R = (R_WParent() * R_MF_).transpose() * (R_WChild() * R_MF_);
   if (size() == 1) return {std::atan2(R(2, 1), R(1, 1))};
   if (size() == 2) return {std::atan2(R(2, 1), R(1, 1)), std::atan2(R(0, 2), R(0, 0))};
-  // The same turn has two sets of angles; the joint goes on from where it was.
-  const double beta_rad = std::atan2(R(0, 2), std::hypot(R(0, 0), R(0, 1)));
-  const double pi = std::numbers::pi;
-  const bool near =
-      turn(motors_[1].state().position_rad, beta_rad) < turn(motors_[1].state().position_rad, pi - beta_rad);
-  const double side = near ? 1.0 : -1.0;
-  return {std::atan2(-side * R(1, 2), side * R(2, 2)), near ? beta_rad : pi - beta_rad,
-          third_sign_ * std::atan2(-side * R(0, 1), side * R(0, 0))};
+  if (near_gimbal_lock()) {
+    const JointState& first = motors_[0].state();
+    const double alpha_rad = first.position_rad + step_s_ * first.speed_rad_per_s;
+    const Eigen::Matrix3d rest = Eigen::AngleAxisd(-alpha_rad, Eigen::Vector3d::UnitX()) * R;
+    return {alpha_rad, std::atan2(rest(0, 2), rest(2, 2)), third_sign_ * std::atan2(rest(1, 0), rest(1, 1))};
+  }
+  return {std::atan2(-R(1, 2), R(2, 2)), std::atan2(R(0, 2), std::hypot(R(0, 0), R(0, 1))),
+          third_sign_ * std::atan2(-R(0, 1), R(0, 0))};
 }
 
 JointChain::Vectors JointChain::axes_W() const {
@@ -120,10 +116,27 @@ JointChain::Vectors JointChain::axes_W() const {
 JointChain::Vectors JointChain::duals(const Vectors& axes_W) const {
   if (size() < 3) return axes_W;  // perpendicular unit vectors
   const Eigen::Vector3d first = axes_W[1].cross(axes_W[2]);
-  const double volume = axes_W[0].dot(first);
-  const double divisor = std::copysign(std::max(std::abs(volume), kLeastVolume), volume);
-  return {first / divisor, axes_W[1], axes_W[0].cross(axes_W[1]) / divisor};
+  const double volume = near_gimbal_lock() ? third_sign_ * kLeastVolume : axes_W[0].dot(first);
+  return {first / volume, axes_W[1], axes_W[0].cross(axes_W[1]) / volume};
 }
+
+// sum of da_i/dt speed_i, the part of dw/dt that no speed's change has: with w_P of the parent,
+//   da_1/dt = w_P x a_1,  da_2/dt = (w_P + a_1 speed_1) x a_2,  and so on.
+// A hinge by itself has none along its axis.
+Eigen::Vector3d JointChain::turning_of_axes_W(const Vectors& axes_W) const {
+  Eigen::Vector3d turning_W = Eigen::Vector3d::Zero();
+  if (size() == 1 || (size() == 3 && near_gimbal_lock())) return turning_W;
+  Eigen::Vector3d w_W = vector_of(dBodyGetAngularVel(parent_));
+  for (std::size_t i = 0; i < size(); ++i) {
+    const Eigen::Vector3d along_W = axes_W[i] * motors_[i].state().speed_rad_per_s;
+    turning_W += w_W.cross(along_W);
+    w_W += along_W;
+  }
+  return turning_W;
+}
+
+// The middle hinge does not go far beyond a quarter turn (hinge_chains.h), so cosines are not negative.
+bool JointChain::near_gimbal_lock() const { return std::cos(motors_[1].state().position_rad) < kLeastVolume; }
 
 JointChain::Motion JointChain::motion(std::size_t i) const {
   const Vectors axes = axes_W();
@@ -153,8 +166,10 @@ BodyState JointChain::link_between(std::size_t i) const {
 }
 
 void JointChain::begin_step() {
-  const Vectors b = duals(axes_W());
-  for (std::size_t i = 0; i < size(); ++i) motors_[i].begin_step(b[i]);
+  const Vectors axes = axes_W();
+  const Vectors b = duals(axes);
+  const Eigen::Vector3d turning_W = turning_of_axes_W(axes);
+  for (std::size_t i = 0; i < size(); ++i) motors_[i].begin_step(b[i], -step_s_ * b[i].dot(turning_W));
   p_AnchorParentCom_W_ = vector_of(dBodyGetPosition(parent_)) - p_WAnchor_W();
   for (std::size_t i = 0; i + 1 < size(); ++i) before_[i] = motion(i);
 }

@@ -50,7 +50,6 @@ ServoMotor::ServoMotor(dWorldID world, const JointDescription& joint, dBodyID ch
       feedbacks_(std::make_unique<Feedbacks>()),
       state_{.position_rad = start_rad} {
   motor_ = make_motor(world, child, parent, 2, feedbacks_->servo);
-  set(motor_, kFriction, dParamVel, 0.0);
   stop_ = make_motor(world, child, parent, 1, feedbacks_->stop);
   set(stop_, 0, dParamStopERP,
       softness(kStopStiffness_Nm_per_rad, kStopDamping_Nm_s_per_rad, step_s_).error_reduction);
@@ -64,8 +63,9 @@ void ServoMotor::set_direction(const Eigen::Vector3d& b_W) {
   dJointSetAMotorAxis(stop_.get(), 0, kInWorld, b_W.x(), b_W.y(), b_W.z());
 }
 
-void ServoMotor::begin_step(const Eigen::Vector3d& b_W) {
+void ServoMotor::begin_step(const Eigen::Vector3d& b_W, double drift_rad_per_s) {
   set_direction(b_W);
+  drift_rad_per_s_ = drift_rad_per_s;
   const Softness stop = softness(kStopStiffness_Nm_per_rad, kStopDamping_Nm_s_per_rad, step_s_);
   set(stop_, 0, dParamLoStop, lower_rad_ / scale_);
   set(stop_, 0, dParamHiStop, upper_rad_ / scale_);
@@ -96,11 +96,13 @@ void ServoMotor::write_rows() {
   const double a = servo_.drive_Nm + inertial_Nm_s * state_.speed_rad_per_s -
                    (slides ? direction_ * servo_.friction_Nm : 0.0);
   const double b = std::max(servo_.damping_Nm_s + inertial_Nm_s, kLeastDamping_Nm_s);
+  const double target_rad_per_s = a / b - drift_rad_per_s_;
   const bool driven = !locked && (a != 0.0 || b > kLeastDamping_Nm_s);
 
-  set(motor_, kDrive, dParamVel, a / b / scale_);
+  set(motor_, kDrive, dParamVel, target_rad_per_s / scale_);
   set(motor_, kDrive, dParamCFM, 1.0 / (b * scale_ * scale_));
   set(motor_, kDrive, dParamFMax, driven ? dInfinity : 0.0);
+  set(motor_, kFriction, dParamVel, -drift_rad_per_s_ / scale_);
   set(motor_, kFriction, dParamCFM, kStickingForceMixing / (scale_ * scale_));
   set(motor_, kFriction, dParamFMax, locked ? dInfinity : slides ? 0.0 : servo_.friction_Nm * scale_);
 }
@@ -117,7 +119,7 @@ double ServoMotor::friction_Nm(double speed_rad_per_s) const {
 bool ServoMotor::friction_is_right(const Eigen::Vector3d& w_W) const {
   if (friction_ == Friction::kLocked)
     return servo_.friction_Nm == 0.0 || std::abs(friction_Nm(0.0)) <= servo_.friction_Nm;
-  return friction_ != Friction::kCreeping || direction_ * b_W_.dot(w_W) >= 0.0;
+  return friction_ != Friction::kCreeping || direction_ * (b_W_.dot(w_W) + drift_rad_per_s_) >= 0.0;
 }
 
 void ServoMotor::correct_friction() {

@@ -33,7 +33,8 @@ class ServoMotor {
   // One step is: begin_step, then guess_friction or bound_friction, the solver, set_position and set_speed.
   // After a guess the solver's answer must be confirmed; one that is not calls for another solution from the
   // same state, with the guess corrected.
-  void begin_step(const Eigen::Vector3d& b_W);
+  // Speed after the step is b . w_new + drift, the drift being what b's own turning adds within the step.
+  void begin_step(const Eigen::Vector3d& b_W, double drift_rad_per_s);
   // Takes friction as known: the joint slides one way, or is locked by a single unbounded row. Cheap for the
   // solver.
   void guess_friction() { write_rows(); }
@@ -80,7 +81,8 @@ class ServoMotor {
   Friction friction_ = Friction::kLocked;
   double direction_ = 0.0;                          // of sliding or creeping
   Eigen::Vector3d b_W_ = Eigen::Vector3d::UnitZ();  // when the step began
-  double scale_ = 1.0;                              // its length
+  double drift_rad_per_s_ = 0.0;
+  double scale_ = 1.0;  // its length
 };
 
 }  // namespace koboshi::sim

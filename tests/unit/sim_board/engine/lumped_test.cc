@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -16,6 +17,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kGravity = 9.80665;
+constexpr double kQuarterTurn_rad = 1.5707963267948966;
+const Vector3d kAnchor_M(0.01, 0.02, 0.03);
 
 // A bearing, then hinges about z, x and y (the first `hinges` of them) in one point, then a lopsided link.
 RobotDescription gimbal(std::size_t hinges, double ring_kg, const Vector3d& ring_com = Vector3d::Zero()) {
@@ -37,18 +40,20 @@ RobotDescription gimbal(std::size_t hinges, double ring_kg, const Vector3d& ring
     joint.name = "hinge " + std::to_string(i);
     joint.parent = static_cast<int>(i);
     joint.child = static_cast<int>(i) + 1;
-    joint.p_MJ = {0.01, 0.02, 0.03};
+    joint.p_MJ = kAnchor_M;
     joint.axis_M = axes[i];
-    joint.lower_rad = -3.0;
-    joint.upper_rad = 3.0;
+    joint.lower_rad = i == 1 ? -kQuarterTurn_rad : -3.0;
+    joint.upper_rad = i == 1 ? kQuarterTurn_rad : 3.0;
     robot.joints.push_back(joint);
   }
   return robot;
 }
 
 std::unique_ptr<World> hung(const RobotDescription& robot, Stepper stepper,
-                            const std::vector<double>& starts_rad, double step_s = 0.001) {
+                            const std::vector<double>& starts_rad, double step_s = 0.001,
+                            double energy_tolerance_J_per_kg = 0.05) {
   WorldOptions options;
+  options.energy_tolerance_J_per_kg = energy_tolerance_J_per_kg;
   options.stepper = stepper;
   options.step_s = step_s;
   options.ground.present = false;
@@ -76,26 +81,34 @@ TEST_P(Gimbal, IsOneChain) {
   EXPECT_EQ(chains[0].joints.size(), GetParam());
 }
 
-// With rings that weigh nothing both worlds have the same equations; what is left is of the second order.
-TEST_P(Gimbal, MovesAsItsHingesDoOneByOne) {
-  const RobotDescription robot = gimbal(GetParam(), 1e-5);
+// With rings that weigh nothing both worlds have the same equations, but for what a step leaves out: the
+// difference shrinks with the step.
+double largest_difference_rad(std::size_t hinges, double step_s) {
+  const RobotDescription robot = gimbal(hinges, 1e-5);
   std::vector<double> starts_rad{0.3, 0.9, -0.5};
-  starts_rad.resize(GetParam());
-  const auto lumped = hung(robot, Stepper::kLumped, starts_rad, 0.00025);
-  const auto world = hung(robot, Stepper::kWorld, starts_rad, 0.00025);
-  drive(*lumped, GetParam());
-  drive(*world, GetParam());
-  double way_rad = 0.0;
-  for (int i = 0; i < 4000; ++i) {
+  starts_rad.resize(hinges);
+  const auto lumped = hung(robot, Stepper::kLumped, starts_rad, step_s);
+  const auto world = hung(robot, Stepper::kWorld, starts_rad, step_s);
+  drive(*lumped, hinges);
+  drive(*world, hinges);
+  double largest_rad = 0.0;
+  for (double t_s = 0.0; t_s < 0.8; t_s += step_s) {
     lumped->step();
     world->step();
-    for (int j = 0; j < static_cast<int>(GetParam()); ++j) {
-      ASSERT_NEAR(lumped->joint(j).position_rad, world->joint(j).position_rad, 1e-3) << j << " at " << i;
-      ASSERT_NEAR(lumped->joint(j).speed_rad_per_s, world->joint(j).speed_rad_per_s, 2e-2) << j;
-      way_rad += std::abs(world->joint(j).speed_rad_per_s) * 0.00025;
+    for (int j = 0; j < static_cast<int>(hinges); ++j) {
+      largest_rad =
+          std::max(largest_rad, std::abs(lumped->joint(j).position_rad - world->joint(j).position_rad));
     }
   }
-  EXPECT_GT(way_rad, 1.0);
+  EXPECT_GT(std::abs(world->joint(0).position_rad - starts_rad[0]), 0.1);  // it moved
+  return largest_rad;
+}
+
+TEST_P(Gimbal, MovesAsItsHingesDoOneByOne) {
+  const double coarse_rad = largest_difference_rad(GetParam(), 0.0005);
+  const double fine_rad = largest_difference_rad(GetParam(), 0.00005);
+  EXPECT_LT(coarse_rad, 0.01);
+  EXPECT_LT(fine_rad, 0.15 * coarse_rad + 1e-6);
 }
 
 TEST_P(Gimbal, TellsWhereTheLinksBetweenAre) {
@@ -116,7 +129,7 @@ TEST_P(Gimbal, TellsWhereTheLinksBetweenAre) {
   const auto X_WLs = LinkTree(robot).poses(robot, world->body(0).X_WL, positions_rad);
   for (std::size_t l = 0; l < X_WLs.size(); ++l) {
     const BodyState body = world->body(static_cast<int>(l));
-    EXPECT_TRUE(body.X_WL.isApprox(X_WLs[l], 1e-6)) << l;
+    EXPECT_LT((body.X_WL.matrix() - X_WLs[l].matrix()).norm(), 1e-4) << l;
     const Vector3d p_LCom_L = robot.links[l].p_LCom_L;
     const Vector3d moved_W = body.X_WL * p_LCom_L - before[l].X_WL * p_LCom_L;
     EXPECT_TRUE((moved_W / 0.001).isApprox(body.v_WCom_W, 0.02) || body.v_WCom_W.norm() < 1e-9) << l;
@@ -135,21 +148,31 @@ TEST_P(Gimbal, CarriesTheWeightOfWhatHangsBelowEachHinge) {
     const double rings = static_cast<double>(GetParam() - 1 - j);
     const Wrench wrench = world->joint_wrench(static_cast<int>(j));
     EXPECT_NEAR(wrench.force_N.z(), -(0.1 + rings * ring_kg) * kGravity, 1e-6) << j;
-    const Vector3d arms = 0.1 * Vector3d(0.02, 0.01, -0.06) + rings * ring_kg * ring_com;
+    const Vector3d arms =
+        0.1 * (Vector3d(0.02, 0.01, -0.06) - kAnchor_M) + rings * ring_kg * (ring_com - kAnchor_M);
     EXPECT_TRUE(wrench.torque_Nm.isApprox(arms.cross(Vector3d(0, 0, -kGravity)), 1e-5)) << j;
   }
 }
 
-TEST(GimbalLock, StaysFiniteWhereItsAxesFallTogether) {
+TEST(GimbalLock, KeepsAChainOfThreeFromForming) {
+  RobotDescription robot = gimbal(3, 0.01);
+  robot.joints[1].upper_rad = 2.0;
+  const auto chains = lumped_hinges(robot, LinkTree(robot));
+  ASSERT_EQ(chains.size(), 2u);
+  EXPECT_EQ(chains[0].joints.size(), 2u);
+}
+
+// Driven against each other there, the outer hinges spin the rings, whose energy is no longer right.
+TEST(GimbalLock, IsBorneAtTheStopOfTheMiddleHinge) {
   const RobotDescription robot = gimbal(3, 0.01);
-  const auto world = hung(robot, Stepper::kLumped, {0.1, 1.2, 0.1});
+  const auto world = hung(robot, Stepper::kLumped, {0.1, 1.2, 0.1}, 0.001, 0.0);
   drive(*world, 3);
   world->set_servo(1, {.drive_Nm = 0.3, .damping_Nm_s = 0.1, .rotor_inertia_kg_m2 = 0.001});
   for (int i = 0; i < 2000; ++i) {
     world->step();
     for (int j = 0; j < 3; ++j) ASSERT_TRUE(std::isfinite(world->joint(j).position_rad));
   }
-  EXPECT_GT(world->joint(1).position_rad, 1.5708);  // it went through
+  EXPECT_NEAR(world->joint(1).position_rad, kQuarterTurn_rad, 0.01);
 }
 
 // The humanoid with nothing but a frame between the hinges of its hips, ankles and shoulders.
@@ -159,6 +182,9 @@ RobotDescription framed_humanoid() {
     const bool between = link.name.ends_with("hip_yaw") || link.name.ends_with("hip_roll") ||
                          link.name.ends_with("ankle") || link.name.ends_with("shoulder");
     if (between) link.collisions.clear();
+  }
+  for (JointDescription& joint : robot.joints) {
+    if (joint.name.ends_with("hip_roll")) joint.lower_rad = -(joint.upper_rad = kQuarterTurn_rad);
   }
   return robot;
 }
