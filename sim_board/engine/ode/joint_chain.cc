@@ -1,5 +1,6 @@
 #include "sim_board/engine/ode/joint_chain.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -8,7 +9,8 @@
 namespace koboshi::sim {
 namespace {
 
-constexpr double kLeastVolume = 0.02;  // of the axes' parallelepiped: cosine of the middle hinge's position
+// Five degrees short of a quarter turn.
+constexpr double kMostOfMiddle_rad = std::numbers::pi / 2.0 * 85.0 / 90.0;
 
 OdeJoint make_constraint(dWorldID world, std::size_t hinges, dBodyID child, dBodyID parent,
                          const Eigen::Vector3d& p, const Eigen::Matrix3d& R_MF) {
@@ -57,7 +59,12 @@ JointChain::JointChain(dWorldID world, const RobotDescription& robot, const Hing
   dJointSetFeedback(constraint_.get(), feedback_.get());
   motors_.reserve(size());
   for (std::size_t i = 0; i < size(); ++i) {
-    motors_.emplace_back(world, joint(i), child_, parent_,
+    JointDescription description = joint(i);
+    if (size() == 3 && i == 1) {
+      description.lower_rad = std::max(description.lower_rad, -kMostOfMiddle_rad);
+      description.upper_rad = std::min(description.upper_rad, kMostOfMiddle_rad);
+    }
+    motors_.emplace_back(world, description, child_, parent_,
                          starts_rad[static_cast<std::size_t>(chain_.joints[i])], step_s);
   }
 }
@@ -90,12 +97,6 @@ std::array<double, JointChain::kMostHinges> JointChain::positions_rad() const {
   const Eigen::Matrix3d R = (R_WParent() * R_MF_).transpose() * (R_WChild() * R_MF_);
   if (size() == 1) return {std::atan2(R(2, 1), R(1, 1))};
   if (size() == 2) return {std::atan2(R(2, 1), R(1, 1)), std::atan2(R(0, 2), R(0, 0))};
-  if (near_gimbal_lock()) {
-    const JointState& first = motors_[0].state();
-    const double alpha_rad = first.position_rad + step_s_ * first.speed_rad_per_s;
-    const Eigen::Matrix3d rest = Eigen::AngleAxisd(-alpha_rad, Eigen::Vector3d::UnitX()) * R;
-    return {alpha_rad, std::atan2(rest(0, 2), rest(2, 2)), third_sign_ * std::atan2(rest(1, 0), rest(1, 1))};
-  }
   return {std::atan2(-R(1, 2), R(2, 2)), std::atan2(R(0, 2), std::hypot(R(0, 0), R(0, 1))),
           third_sign_ * std::atan2(-R(0, 1), R(0, 0))};
 }
@@ -116,7 +117,7 @@ JointChain::Vectors JointChain::axes_W() const {
 JointChain::Vectors JointChain::duals(const Vectors& axes_W) const {
   if (size() < 3) return axes_W;  // perpendicular unit vectors
   const Eigen::Vector3d first = axes_W[1].cross(axes_W[2]);
-  const double volume = near_gimbal_lock() ? third_sign_ * kLeastVolume : axes_W[0].dot(first);
+  const double volume = axes_W[0].dot(first);
   return {first / volume, axes_W[1], axes_W[0].cross(axes_W[1]) / volume};
 }
 
@@ -125,7 +126,7 @@ JointChain::Vectors JointChain::duals(const Vectors& axes_W) const {
 // A hinge by itself has none along its axis.
 Eigen::Vector3d JointChain::turning_of_axes_W(const Vectors& axes_W) const {
   Eigen::Vector3d turning_W = Eigen::Vector3d::Zero();
-  if (size() == 1 || (size() == 3 && near_gimbal_lock())) return turning_W;
+  if (size() == 1) return turning_W;
   Eigen::Vector3d w_W = vector_of(dBodyGetAngularVel(parent_));
   for (std::size_t i = 0; i < size(); ++i) {
     const Eigen::Vector3d along_W = axes_W[i] * motors_[i].state().speed_rad_per_s;
@@ -134,9 +135,6 @@ Eigen::Vector3d JointChain::turning_of_axes_W(const Vectors& axes_W) const {
   }
   return turning_W;
 }
-
-// The middle hinge does not go far beyond a quarter turn (hinge_chains.h), so cosines are not negative.
-bool JointChain::near_gimbal_lock() const { return std::cos(motors_[1].state().position_rad) < kLeastVolume; }
 
 JointChain::Motion JointChain::motion(std::size_t i) const {
   const Vectors axes = axes_W();

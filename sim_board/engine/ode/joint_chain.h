@@ -23,9 +23,8 @@ namespace koboshi::sim {
 // The hinges' axes a_i, as they stand, give the angular velocity w = sum a_i speed_i of child against parent.
 // It changes by a_i of the speeds' changes, and as the axes turn. Torques are dual to speeds: a servo's
 // torque tau_i acts as tau_i b_i, where b_i . a_j = 1 for i = j and 0 otherwise. With a ball the middle axis
-// is perpendicular to both others, and b_1, b_3 grow as 1/cos of the middle hinge's position. Within a
-// degree of a quarter turn, the gimbal lock, they are held so that the motion stays finite, the first hinge's
-// position is the sum of its speed, and the links between cannot spin by themselves.
+// is perpendicular to both others, and b_1, b_3 grow as 1/cos of the middle hinge's position: it has its
+// stops at 85 degrees at the latest, before the gimbal lock.
 class JointChain {
  public:
   static constexpr std::size_t kMostHinges = 3;
@@ -73,7 +72,6 @@ class JointChain {
   Vectors axes_W() const;  // for the positions of the last step
   Vectors duals(const Vectors& axes_W) const;
   Eigen::Vector3d turning_of_axes_W(const Vectors& axes_W) const;
-  bool near_gimbal_lock() const;  // at the positions of the last step
   Motion motion(std::size_t i) const;
 
   const RobotDescription& robot_;
