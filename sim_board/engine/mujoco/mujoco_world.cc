@@ -5,14 +5,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim_board/engine/limits.h"
 #include "sim_board/engine/make_world.h"
 #include "sim_board/engine/mujoco/scene.h"
 
 namespace koboshi::sim {
 namespace {
-
-// No push or torque of a real scenario comes near.
-constexpr double kLargestForce = 1e6;  // N or N m
 
 class MujocoWorld final : public World {
  public:
@@ -121,12 +119,7 @@ JointState MujocoWorld::joint(int joint) const {
 
 void MujocoWorld::check_inputs() const {
   for (std::size_t j = 0; j < servos_.size(); ++j) {
-    const ServoTorque& servo = servos_[j];
-    const bool sane = std::abs(servo.drive_Nm) <= kLargestForce && servo.damping_Nm_s >= 0.0 &&
-                      servo.damping_Nm_s <= kLargestForce && servo.rotor_inertia_kg_m2 >= 0.0 &&
-                      servo.rotor_inertia_kg_m2 <= kLargestForce && servo.friction_Nm >= 0.0 &&
-                      servo.friction_Nm <= kLargestForce;
-    if (!sane)
+    if (!within_limits(servos_[j]))
       blow_up("joint '" + robot_.joints[j].name + "'", "a servo torque that is not finite or beyond 1e6");
   }
 }

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim_board/engine/limits.h"
 #include "sim_board/engine/ode/bodies.h"
 #include "sim_board/engine/ode/collider.h"
 #include "sim_board/engine/ode/eigen.h"
@@ -19,10 +20,6 @@
 
 namespace koboshi::sim {
 namespace {
-
-// No push or torque of a real scenario comes near; far beyond it ODE's own arithmetic overflows inside a
-// step.
-constexpr double kLargestForce = 1e6;  // N or N m
 
 constexpr unsigned kStepMemory_bytes = 1u << 20;
 
@@ -211,12 +208,7 @@ Wrench OdeWorld::joint_wrench(int joint) const {
 
 void OdeWorld::check_inputs() const {
   for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
-    const ServoTorque& servo = chains_[places_[j].chain].motor(places_[j].hinge).servo();
-    const bool sane = std::abs(servo.drive_Nm) <= kLargestForce && servo.damping_Nm_s >= 0.0 &&
-                      servo.damping_Nm_s <= kLargestForce && servo.rotor_inertia_kg_m2 >= 0.0 &&
-                      servo.rotor_inertia_kg_m2 <= kLargestForce && servo.friction_Nm >= 0.0 &&
-                      servo.friction_Nm <= kLargestForce;
-    if (!sane)
+    if (!within_limits(chains_[places_[j].chain].motor(places_[j].hinge).servo()))
       blow_up("joint '" + robot_.joints[j].name + "'", "a servo torque that is not finite or beyond 1e6");
   }
 }
