@@ -1,4 +1,5 @@
 #include "sim_board/scenario/reader.h"
+#include "sim_board/engine/make_world.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
