@@ -2,29 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sim_board/sensor/sampler.h"
-
 namespace koboshi::sim {
 namespace {
-
-TEST(Sampler, TicksAtMultiplesOfItsPeriod) {
-  Sampler sampler(1000);
-  EXPECT_FALSE(sampler.due(999));
-  EXPECT_TRUE(sampler.due(1000));
-  EXPECT_EQ(sampler.take(), 1000u);
-  EXPECT_FALSE(sampler.due(1999));
-  EXPECT_EQ(sampler.take(), 2000u);
-}
-
-TEST(Sampler, StartsWithTheFirstMultipleAfterATime) {
-  Sampler sampler(300);
-  sampler.start(1000);
-  EXPECT_EQ(sampler.take(), 1200u);
-  sampler.start(1200);
-  EXPECT_EQ(sampler.take(), 1500u);
-}
-
-TEST(Sampler, RefusesAPeriodOfZero) { EXPECT_THROW(Sampler(0), std::invalid_argument); }
 
 TEST(Delay, DeliversToTheMicrosecond) {
   Delay<int> delay(1234, 4);

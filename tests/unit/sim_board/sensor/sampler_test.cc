@@ -18,6 +18,14 @@ TEST(Sampler, IsDueAtMultiplesOfItsPeriod) {
   EXPECT_EQ(sampler.take().actual_us, 4000u);
 }
 
+TEST(Sampler, StartsWithTheFirstMultipleAfterATime) {
+  Sampler sampler(300, {0, 1, "imu"});
+  sampler.start(1000);
+  EXPECT_EQ(sampler.take().actual_us, 1200u);
+  sampler.start(1200);
+  EXPECT_EQ(sampler.take().actual_us, 1500u);
+}
+
 TEST(Sampler, MissesEachInstantUniformlyWithinItsJitter) {
   constexpr std::int64_t kJitter_us = 7;
   constexpr int kInstants = 30'000;
