@@ -294,11 +294,11 @@ TEST(LoadRobot, RefusesUnknownDoubledAndMissingElements) {
   EXPECT_EQ(complaint(with("<mass>0.1</mass>", "")),
             "FILE:14: found <inertial> without <mass>, expected that element");
   EXPECT_THAT(complaint(with("sign=", "sing=")),
-              StartsWith("FILE:46: found the unknown attribute sing of <koboshi:drive>, expected node_id, "));
+              StartsWith("FILE:47: found the unknown attribute sing of <koboshi:drive>, expected node_id, "));
   EXPECT_EQ(complaint(with(" node_id=\"17\"", "")),
-            "FILE:46: found <koboshi:drive> without node_id, expected that attribute");
+            "FILE:47: found <koboshi:drive> without node_id, expected that attribute");
   EXPECT_EQ(complaint(with("<koboshi:servo type=\"small\"/>", "")),
-            "FILE:37: found <joint> without <koboshi:servo>, expected that element");
+            "FILE:38: found <joint> without <koboshi:servo>, expected that element");
   EXPECT_EQ(complaint(with("<box><size>0.02 0.03 0.1</size></box>", "<sphere><radius>1</radius></sphere>")),
             "FILE:21: found the unknown element <sphere> in <geometry>, expected box");
 }
@@ -311,8 +311,8 @@ TEST(LoadRobot, RefusesBadNumbers) {
   EXPECT_EQ(complaint(with("0.02 0.03 0.1", "0.02 0.03")),
             "FILE:21: found <size> = 0.02 0.03, expected 3 times a number from 1e-04 to 10");
   EXPECT_EQ(complaint(with("node_id=\"17\"", "node_id=\"128\"")),
-            "FILE:46: found node_id = 128, expected a whole number from 1 to 127");
-  EXPECT_EQ(complaint(with("sign=\"-1\"", "sign=\"0\"")), "FILE:46: found sign = 0, expected 1 or -1");
+            "FILE:47: found node_id = 128, expected a whole number from 1 to 127");
+  EXPECT_EQ(complaint(with("sign=\"-1\"", "sign=\"0\"")), "FILE:47: found sign = 0, expected 1 or -1");
 }
 
 TEST(LoadRobot, RefusesBodiesThatCannotBe) {
@@ -325,18 +325,18 @@ TEST(LoadRobot, RefusesBodiesThatCannotBe) {
 
 TEST(LoadRobot, RefusesJointsThatCannotBe) {
   EXPECT_EQ(complaint(with("\"revolute\"", "\"prismatic\"")),
-            "FILE:37: found joint wrist of type prismatic, expected revolute");
+            "FILE:38: found joint wrist of type prismatic, expected revolute");
   EXPECT_EQ(complaint(with("<xyz>1 0 0", "<xyz>1 0 0.1")),
-            "FILE:41: found <xyz> = 1 0 0.1, of length 1.004987562112089, expected a unit vector");
+            "FILE:42: found <xyz> = 1 0 0.1, of length 1.004987562112089, expected a unit vector");
   EXPECT_EQ(complaint(with("<lower>-1", "<lower>3")),
-            "FILE:42: found lower 3 and upper 2, expected lower below upper");
+            "FILE:43: found lower 3 and upper 2, expected lower below upper");
   EXPECT_EQ(complaint(with("<lower>-1", "<lower>-2.8")),
-            "FILE:46: found a shaft at 3.3 rad where joint wrist is at -2.8, "
+            "FILE:47: found a shaft at 3.3 rad where joint wrist is at -2.8, "
             "expected less than half a turn to either side");
   EXPECT_EQ(complaint(with("type=\"small\"", "type=\"large\"")),
-            "FILE:44: found type = large, expected the name of a koboshi:servo_type");
+            "FILE:45: found type = large, expected the name of a koboshi:servo_type");
   EXPECT_EQ(complaint(with("<parent>base", "<parent>bass")),
-            "FILE:38: found <parent> = bass, expected the name of a link");
+            "FILE:39: found <parent> = bass, expected the name of a link");
 }
 
 // The hinge of kSmallRobot once more, between other links.
@@ -363,33 +363,33 @@ std::string another_link(const std::string& name) {
 
 TEST(LoadRobot, RefusesWhatIsNoTree) {
   EXPECT_EQ(complaint(with("</model>", another_joint("elbow", "base", "hand", 18) + "</model>")),
-            "FILE:48: found a second joint that moves link hand, expected one joint a link");
+            "FILE:49: found a second joint that moves link hand, expected one joint a link");
   EXPECT_EQ(
       complaint(with("</model>", another_joint("elbow", "hand", "base", 18) + "</model>")),
       "FILE:2: found no link that is no joint's child, expected a base from which the joints make a tree");
   EXPECT_EQ(complaint(with("</model>", another_link("lost") + "</model>")),
-            "FILE:48: found link lost, no joint's child, expected only base to be that");
+            "FILE:49: found link lost, no joint's child, expected only base to be that");
   EXPECT_EQ(
       complaint(with("</model>", another_link("a") + another_link("b") + another_joint("j", "a", "b", 18) +
                                      another_joint("k", "b", "a", 19) + "</model>")),
-      "FILE:48: found link a in a ring of joints, expected a tree from base");
+      "FILE:49: found link a in a ring of joints, expected a tree from base");
 }
 
 TEST(LoadRobot, RefusesNamesAndNodesUsedTwice) {
   EXPECT_EQ(complaint(with("</model>", another_link("hand") + "</model>")),
-            "FILE:48: found a second hand, expected each name once");
+            "FILE:49: found a second hand, expected each name once");
   EXPECT_EQ(complaint(with("</model>", another_link("wrist") + "</model>")),
-            "FILE:37: found a second wrist, expected each name once");
+            "FILE:38: found a second wrist, expected each name once");
   EXPECT_EQ(complaint(with("</model>",
                            another_link("tip") + another_joint("elbow", "hand", "tip", 17) + "</model>")),
-            "FILE:58: found a second node_id 17, expected each node id once");
+            "FILE:59: found a second node_id 17, expected each node id once");
 }
 
 TEST(LoadRobot, RefusesPosesThatHangInTheAir) {
   EXPECT_EQ(complaint(with("relative_to=\"base\"", "relative_to=\"moon\"")),
             "FILE:13: found relative_to = moon, expected the name of a link or joint");
   EXPECT_EQ(complaint(with("<xyz>", "<xyz expressed_in=\"moon\">")),
-            "FILE:41: found expressed_in = moon, expected the name of a link or joint");
+            "FILE:42: found expressed_in = moon, expected the name of a link or joint");
   EXPECT_THAT(complaint(with("relative_to=\"base\"", "relative_to=\"hand\"")),
               MatchesRegex("FILE:[0-9]+: found .*, expected a model that libsdformat accepts"));
 }
