@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim_board/engine/forwarding_world.h"
 #include "sim_board/world/ground_truth.h"
 
 namespace koboshi::sim {
@@ -35,22 +36,12 @@ double softest_spring_N_per_m(const RobotDescription& robot, const WorldOptions&
   return softest;
 }
 
-class GuardedWorld final : public World {
+class GuardedWorld final : public ForwardingWorld {
  public:
   GuardedWorld(std::unique_ptr<World> world, const RobotDescription& robot, const WorldOptions& options);
 
-  void set_servo(int joint, const ServoTorque& torque) override { world_->set_servo(joint, torque); }
   void push(int link, const Eigen::Vector3d& p_L, const Eigen::Vector3d& f_W) override;
-  void release_base() override { world_->release_base(); }
   void step() override;
-
-  double step_s() const override { return world_->step_s(); }
-  double time_s() const override { return world_->time_s(); }
-  JointState joint(int joint) const override { return world_->joint(joint); }
-  BodyState body(int link) const override { return world_->body(link); }
-  Wrench joint_wrench(int joint) const override { return world_->joint_wrench(joint); }
-  std::span<const Contact> contacts() const override { return world_->contacts(); }
-  std::uint64_t solver_warnings() const override { return world_->solver_warnings(); }
 
  private:
   struct Push {
@@ -66,7 +57,6 @@ class GuardedWorld final : public World {
   void check();
   std::string cause(int link) const;
 
-  const std::unique_ptr<World> world_;
   const RobotDescription robot_;
   const Eigen::Vector3d gravity_W_m_per_s2_;
   const double tolerance_J_;
@@ -83,7 +73,7 @@ class GuardedWorld final : public World {
 
 GuardedWorld::GuardedWorld(std::unique_ptr<World> world, const RobotDescription& robot,
                            const WorldOptions& options)
-    : world_(std::move(world)),
+    : ForwardingWorld(std::move(world)),
       robot_(robot),
       gravity_W_m_per_s2_(options.gravity_W_m_per_s2),
       tolerance_J_(options.energy_tolerance_J_per_kg * robot.total_mass_kg()),
@@ -96,31 +86,31 @@ GuardedWorld::GuardedWorld(std::unique_ptr<World> world, const RobotDescription&
 }
 
 double GuardedWorld::power_W(const Push& push) const {
-  const BodyState body = world_->body(push.link);
+  const BodyState state = body(push.link);
   const Eigen::Vector3d& p_LCom_L = robot_.links.at(static_cast<std::size_t>(push.link)).p_LCom_L;
   const Eigen::Vector3d v_WPoint_W =
-      body.v_WCom_W + body.w_WL_W.cross(body.X_WL.linear() * (push.p_L - p_LCom_L));
+      state.v_WCom_W + state.w_WL_W.cross(state.X_WL.linear() * (push.p_L - p_LCom_L));
   return push.f_W.dot(v_WPoint_W);
 }
 
 void GuardedWorld::push(int link, const Eigen::Vector3d& p_L, const Eigen::Vector3d& f_W) {
-  world_->push(link, p_L, f_W);
+  ForwardingWorld::push(link, p_L, f_W);
   pushes_.push_back({link, p_L, f_W, 0.0});
   pushes_.back().power_W = power_W(pushes_.back());
 }
 
 void GuardedWorld::step() {
-  world_->step();
+  ForwardingWorld::step();
   add_work();
   if (++steps_ % steps_a_check_ == 0) check();
 }
 
 void GuardedWorld::add_work() {
-  const double half_s = 0.5 * world_->step_s();
+  const double half_s = 0.5 * step_s();
   for (std::size_t j = 0; j < speeds_rad_per_s_.size(); ++j) {
-    const JointState joint = world_->joint(static_cast<int>(j));
-    work_J_ += half_s * joint.servo_Nm * (speeds_rad_per_s_[j] + joint.speed_rad_per_s);
-    speeds_rad_per_s_[j] = joint.speed_rad_per_s;
+    const JointState state = joint(static_cast<int>(j));
+    work_J_ += half_s * state.servo_Nm * (speeds_rad_per_s_[j] + state.speed_rad_per_s);
+    speeds_rad_per_s_[j] = state.speed_rad_per_s;
   }
   returnable_J_ = std::max(returnable_J_, elastic_J());
   for (const Push& push : pushes_) work_J_ += half_s * (push.power_W + power_W(push));
@@ -131,7 +121,7 @@ void GuardedWorld::add_work() {
 // than its deepest, and dampers have a part in them.
 double GuardedWorld::elastic_J() const {
   double sum_N2 = 0.0;
-  for (const Contact& contact : world_->contacts()) sum_N2 += std::pow(contact.f_W.dot(contact.n_W), 2);
+  for (const Contact& contact : contacts()) sum_N2 += std::pow(contact.f_W.dot(contact.n_W), 2);
   return 1.25 * sum_N2 / (2.0 * spring_N_per_m_);
 }
 
@@ -140,7 +130,7 @@ void GuardedWorld::check() {
   double largest_gain_J = -std::numeric_limits<double>::infinity();
   int gainer = 0;
   for (std::size_t l = 0; l < energies_J_.size(); ++l) {
-    const double energy_J = link_energy_J(robot_, *world_, static_cast<int>(l), gravity_W_m_per_s2_);
+    const double energy_J = link_energy_J(robot_, *this, static_cast<int>(l), gravity_W_m_per_s2_);
     if (energy_J - energies_J_[l] > largest_gain_J) {
       largest_gain_J = energy_J - energies_J_[l];
       gainer = static_cast<int>(l);
@@ -164,7 +154,7 @@ void GuardedWorld::check() {
 std::string GuardedWorld::cause(int link) const {
   double force_N = 0.0;
   const Contact* strongest = nullptr;
-  for (const Contact& contact : world_->contacts()) {
+  for (const Contact& contact : contacts()) {
     if ((contact.link != link && contact.other_link != link) || contact.f_W.norm() < force_N) continue;
     force_N = contact.f_W.norm();
     strongest = &contact;

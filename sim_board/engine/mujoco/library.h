@@ -6,19 +6,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim_board/engine/delete_by.h"
+
 namespace koboshi::sim {
 
 // MuJoCo's objects with their owners.
-template <auto kDelete>
-struct MujocoDelete {
-  template <typename T>
-  void operator()(T* object) const {
-    kDelete(object);
-  }
-};
-
-using MujocoModel = std::unique_ptr<mjModel, MujocoDelete<mj_deleteModel>>;
-using MujocoData = std::unique_ptr<mjData, MujocoDelete<mj_deleteData>>;
+using MujocoModel = std::unique_ptr<mjModel, DeleteBy<mj_deleteModel>>;
+using MujocoData = std::unique_ptr<mjData, DeleteBy<mj_deleteData>>;
 
 // What MuJoCo holds for an error of its caller, or an arena that is full.
 class MujocoError : public std::runtime_error {

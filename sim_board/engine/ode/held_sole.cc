@@ -7,7 +7,6 @@
 namespace koboshi::sim {
 namespace {
 
-constexpr std::size_t kMostPoints = 8;
 // Leaves the rows of two soles that stand solvable beside each other; creep under 10 N: 1e-9 m/s.
 constexpr double kStickingForceMixing = 1e-10;
 constexpr double kLength_m = 1.0;

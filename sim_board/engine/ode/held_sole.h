@@ -31,11 +31,13 @@ struct SolePoint {
 // The rest, sliding in two directions and turning about the normal, is zero.
 class HeldSole {
  public:
+  static constexpr std::size_t kMostPoints = 16;
+
   // Of the body against the world; nothing is held yet.
   HeldSole(dWorldID world, dBodyID body);
 
-  // Holds the points for the next solution. They are at least three, not in a line, and share the normal,
-  // which points out of the ground. ERP and CFM are those of one point at this step.
+  // Holds the points for the next solution. They are three to kMostPoints, not in a line, and share the
+  // normal, which points out of the ground. ERP and CFM are those of one point at this step.
   void hold(std::span<const SolePoint> points, const Eigen::Vector3d& n_W, double error_reduction,
             double force_mixing, double step_s);
   void let_go();

@@ -136,8 +136,7 @@ Eigen::Vector3d JointChain::turning_of_axes_W(const Vectors& axes_W) const {
   return turning_W;
 }
 
-JointChain::Motion JointChain::motion(std::size_t i) const {
-  const Vectors axes = axes_W();
+JointChain::Motion JointChain::motion(std::size_t i, const Vectors& axes_W) const {
   Eigen::Matrix3d R_WM = R_WParent();
   Motion motion;
   motion.w_W = vector_of(dBodyGetAngularVel(parent_));
@@ -147,7 +146,7 @@ JointChain::Motion JointChain::motion(std::size_t i) const {
   for (std::size_t k = 0; k <= i; ++k) {
     const JointState& state = motors_[k].state();
     R_WM = R_WM * Eigen::AngleAxisd(state.position_rad, joint(k).axis_M);
-    motion.w_W += axes[k] * state.speed_rad_per_s;
+    motion.w_W += axes_W[k] * state.speed_rad_per_s;
   }
   motion.R_WL = R_WM * link(i).X_ML.linear();
   motion.p_ACom_W = R_WM * (link(i).X_ML * link(i).p_LCom_L - joint(0).p_MJ);
@@ -156,7 +155,7 @@ JointChain::Motion JointChain::motion(std::size_t i) const {
 }
 
 BodyState JointChain::link_between(std::size_t i) const {
-  const Motion motion = this->motion(i);
+  const Motion motion = this->motion(i, axes_W());
   BodyState state{.v_WCom_W = motion.v_WCom_W, .w_WL_W = motion.w_W};
   state.X_WL.linear() = motion.R_WL;
   state.X_WL.translation() = p_WAnchor_W() + motion.p_ACom_W - motion.R_WL * link(i).p_LCom_L;
@@ -169,7 +168,7 @@ void JointChain::begin_step() {
   const Eigen::Vector3d turning_W = turning_of_axes_W(axes);
   for (std::size_t i = 0; i < size(); ++i) motors_[i].begin_step(b[i], -step_s_ * b[i].dot(turning_W));
   p_AnchorParentCom_W_ = vector_of(dBodyGetPosition(parent_)) - p_WAnchor_W();
-  for (std::size_t i = 0; i + 1 < size(); ++i) before_[i] = motion(i);
+  for (std::size_t i = 0; i + 1 < size(); ++i) before_[i] = motion(i, axes);
 }
 
 void JointChain::guess_friction() {
@@ -213,7 +212,7 @@ Wrench JointChain::wrench(std::size_t i, const Eigen::Vector3d& gravity_W_m_per_
   const double sign = i > chain_.cut ? 1.0 : -1.0;
   for (std::size_t k = from; k < to; ++k) {
     const Motion& before = before_[k];
-    const Motion after = motion(k);
+    const Motion after = motion(k, axes_W());
     const Eigen::Matrix3d I_W = before.R_WL * link(k).I_LCom_L * before.R_WL.transpose();
     const Eigen::Vector3d force_N =
         link(k).mass_kg * ((after.v_WCom_W - before.v_WCom_W) / step_s_ - gravity_W_m_per_s2);

@@ -72,7 +72,7 @@ class JointChain {
   Vectors axes_W() const;  // for the positions of the last step
   Vectors duals(const Vectors& axes_W) const;
   Eigen::Vector3d turning_of_axes_W(const Vectors& axes_W) const;
-  Motion motion(std::size_t i) const;
+  Motion motion(std::size_t i, const Vectors& axes_W) const;
 
   const RobotDescription& robot_;
   const HingeChain chain_;

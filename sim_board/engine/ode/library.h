@@ -5,23 +5,17 @@
 #include <cstdint>
 #include <memory>
 
+#include "sim_board/engine/delete_by.h"
+
 namespace koboshi::sim {
 
 // ODE's objects with their owners.
-template <auto kDestroy>
-struct OdeDelete {
-  template <typename T>
-  void operator()(T* object) const {
-    kDestroy(object);
-  }
-};
-
-using OdeThreading = std::unique_ptr<dxThreadingImplementation, OdeDelete<dThreadingFreeImplementation>>;
-using OdeWorldHandle = std::unique_ptr<dxWorld, OdeDelete<dWorldDestroy>>;
-using OdeBody = std::unique_ptr<dxBody, OdeDelete<dBodyDestroy>>;
-using OdeJoint = std::unique_ptr<dxJoint, OdeDelete<dJointDestroy>>;
-using OdeJointGroup = std::unique_ptr<dxJointGroup, OdeDelete<dJointGroupDestroy>>;
-using OdeGeom = std::unique_ptr<dxGeom, OdeDelete<dGeomDestroy>>;
+using OdeThreading = std::unique_ptr<dxThreadingImplementation, DeleteBy<dThreadingFreeImplementation>>;
+using OdeWorldHandle = std::unique_ptr<dxWorld, DeleteBy<dWorldDestroy>>;
+using OdeBody = std::unique_ptr<dxBody, DeleteBy<dBodyDestroy>>;
+using OdeJoint = std::unique_ptr<dxJoint, DeleteBy<dJointDestroy>>;
+using OdeJointGroup = std::unique_ptr<dxJointGroup, DeleteBy<dJointGroupDestroy>>;
+using OdeGeom = std::unique_ptr<dxGeom, DeleteBy<dGeomDestroy>>;
 
 // What ODE keeps once for a process, arranged so that several worlds do not disturb each other: start-up,
 // per-thread data, the message handler and the random numbers.

@@ -51,8 +51,9 @@ ServoMotor::ServoMotor(dWorldID world, const JointDescription& joint, dBodyID ch
       state_{.position_rad = start_rad} {
   motor_ = make_motor(world, child, parent, 2, feedbacks_->servo);
   stop_ = make_motor(world, child, parent, 1, feedbacks_->stop);
-  set(stop_, 0, dParamStopERP,
-      softness(kStopStiffness_Nm_per_rad, kStopDamping_Nm_s_per_rad, step_s_).error_reduction);
+  const Softness stop = softness(kStopStiffness_Nm_per_rad, kStopDamping_Nm_s_per_rad, step_s_);
+  set(stop_, 0, dParamStopERP, stop.error_reduction);
+  stop_force_mixing_ = stop.constraint_force_mixing;
 }
 
 void ServoMotor::set_direction(const Eigen::Vector3d& b_W) {
@@ -66,10 +67,9 @@ void ServoMotor::set_direction(const Eigen::Vector3d& b_W) {
 void ServoMotor::begin_step(const Eigen::Vector3d& b_W, double drift_rad_per_s) {
   set_direction(b_W);
   drift_rad_per_s_ = drift_rad_per_s;
-  const Softness stop = softness(kStopStiffness_Nm_per_rad, kStopDamping_Nm_s_per_rad, step_s_);
   set(stop_, 0, dParamLoStop, lower_rad_ / scale_);
   set(stop_, 0, dParamHiStop, upper_rad_ / scale_);
-  set(stop_, 0, dParamStopCFM, stop.constraint_force_mixing / (scale_ * scale_));
+  set(stop_, 0, dParamStopCFM, stop_force_mixing_ / (scale_ * scale_));
   dJointSetAMotorAngle(stop_.get(), 0, state_.position_rad / scale_);
   *feedbacks_ = {};  // ODE leaves that of a motor without a row alone
 

@@ -73,6 +73,7 @@ class ServoMotor {
   double step_s_;
   double lower_rad_;
   double upper_rad_;
+  double stop_force_mixing_;
   OdeJoint motor_;
   OdeJoint stop_;
   std::unique_ptr<Feedbacks> feedbacks_;  // ODE writes into it, so it never moves

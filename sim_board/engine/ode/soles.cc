@@ -9,7 +9,6 @@ namespace koboshi::sim {
 namespace {
 
 constexpr std::size_t kLeastPoints = 3;
-constexpr std::size_t kMostPoints = 16;
 constexpr double kSameDirection = 1e-9;  // 1 - cosine
 // Points closer to a line than this hold no sole.
 constexpr double kLeastWidth_m = 1e-3;
@@ -52,9 +51,9 @@ Soles::Soles(dWorldID world, const RobotDescription& robot, const Bodies& bodies
     sole_of_link_[l] = static_cast<int>(soles_.size());
     const dBodyID body = bodies.of(static_cast<int>(l));
     soles_.push_back({.held = HeldSole(world, body), .body = body, .joints = {}});
-    soles_.back().joints.reserve(kMostPoints);
+    soles_.back().joints.reserve(HeldSole::kMostPoints);
   }
-  points_.reserve(kMostPoints);
+  points_.reserve(HeldSole::kMostPoints);
 }
 
 // The contacts of one link with the ground follow each other.
@@ -82,7 +81,7 @@ void Soles::guess(const Collider& collider) {
 
 void Soles::look_at(Sole& sole, const Collider& collider) {
   sole.eligible = false;
-  if (sole.count < kLeastPoints || sole.count > kMostPoints) return;
+  if (sole.count < kLeastPoints || sole.count > HeldSole::kMostPoints) return;
   const auto contacts = collider.contacts().subspan(sole.first, sole.count);
   const auto touches = collider.touches().subspan(sole.first, sole.count);
   sole.friction = dInfinity;

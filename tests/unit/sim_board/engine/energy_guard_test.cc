@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "sim_board/engine/forwarding_world.h"
 #include "sim_board/engine/guarded_world.h"
 #include "sim_board/engine/make_world.h"
 #include "tests/support/sample_robots.h"
@@ -11,29 +12,17 @@ namespace koboshi::sim {
 namespace {
 
 // A world in which something goes wrong: the robot is thrown up by a force of which the guard hears nothing.
-class Cheating final : public World {
+class Cheating final : public ForwardingWorld {
  public:
-  Cheating(std::unique_ptr<World> world, double force_N) : world_(std::move(world)), force_N_(force_N) {}
+  Cheating(std::unique_ptr<World> world, double force_N)
+      : ForwardingWorld(std::move(world)), force_N_(force_N) {}
 
-  void set_servo(int joint, const ServoTorque& torque) override { world_->set_servo(joint, torque); }
-  void push(int link, const Eigen::Vector3d& p_L, const Eigen::Vector3d& f_W) override {
-    world_->push(link, p_L, f_W);
-  }
-  void release_base() override { world_->release_base(); }
   void step() override {
-    world_->push(0, Eigen::Vector3d::Zero(), {0, 0, force_N_});
-    world_->step();
+    push(0, Eigen::Vector3d::Zero(), {0, 0, force_N_});
+    ForwardingWorld::step();
   }
-  double step_s() const override { return world_->step_s(); }
-  double time_s() const override { return world_->time_s(); }
-  JointState joint(int joint) const override { return world_->joint(joint); }
-  BodyState body(int link) const override { return world_->body(link); }
-  Wrench joint_wrench(int joint) const override { return world_->joint_wrench(joint); }
-  std::span<const Contact> contacts() const override { return world_->contacts(); }
-  std::uint64_t solver_warnings() const override { return world_->solver_warnings(); }
 
  private:
-  std::unique_ptr<World> world_;
   double force_N_;
 };
 

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "sim_board/world/world.h"
+
+namespace koboshi::sim {
+
+// Another world, as it is: for worlds that add something to one, and override what they change.
+class ForwardingWorld : public World {
+ public:
+  explicit ForwardingWorld(std::unique_ptr<World> world) : world_(std::move(world)) {}
+
+  void set_servo(int joint, const ServoTorque& torque) override { world_->set_servo(joint, torque); }
+  void push(int link, const Eigen::Vector3d& p_L, const Eigen::Vector3d& f_W) override {
+    world_->push(link, p_L, f_W);
+  }
+  void release_base() override { world_->release_base(); }
+  void step() override { world_->step(); }
+
+  double step_s() const override { return world_->step_s(); }
+  double time_s() const override { return world_->time_s(); }
+  JointState joint(int joint) const override { return world_->joint(joint); }
+  BodyState body(int link) const override { return world_->body(link); }
+  Wrench joint_wrench(int joint) const override { return world_->joint_wrench(joint); }
+  std::span<const Contact> contacts() const override { return world_->contacts(); }
+  std::uint64_t solver_warnings() const override { return world_->solver_warnings(); }
+
+ private:
+  std::unique_ptr<World> world_;
+};
+
+}  // namespace koboshi::sim
