@@ -1,7 +1,9 @@
 #pragma once
 
-#include <cmath>
+#include <string>
 
+#include "sim_board/robot/description.h"
+#include "sim_board/world/options.h"
 #include "sim_board/world/world.h"
 
 namespace koboshi::sim {
@@ -10,10 +12,15 @@ namespace koboshi::sim {
 // a step.
 inline constexpr double kLargestForce = 1e6;  // N or N m
 
-inline bool within_limits(const ServoTorque& servo) {
-  const auto is_amount = [](double value) { return value >= 0.0 && value <= kLargestForce; };
-  return std::abs(servo.drive_Nm) <= kLargestForce && is_amount(servo.damping_Nm_s) &&
-         is_amount(servo.rotor_inertia_kg_m2) && is_amount(servo.friction_Nm);
-}
+// Ends a run, with its time: `what` (a body, a joint, a library) and the reason. Throws WorldBlewUp.
+[[noreturn]] void blow_up(double time_s, const std::string& what, const std::string& reason);
+
+// They blow up on what is beyond the limits or not a finite number.
+void check_servo(double time_s, const JointDescription& joint, const ServoTorque& servo);
+void check_push(double time_s, const LinkDescription& link, const Eigen::Vector3d& p_L,
+                const Eigen::Vector3d& f_W);
+// Not finite, or faster than the options bear.
+void check_body(double time_s, const LinkDescription& link, const WorldOptions& options,
+                const Eigen::Isometry3d& X, const Eigen::Vector3d& v_W, const Eigen::Vector3d& w_W);
 
 }  // namespace koboshi::sim

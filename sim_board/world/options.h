@@ -15,8 +15,8 @@ namespace koboshi::sim {
 
 // Who solves the equations of motion.
 //   kWorld  ODE, the contact problem solved exactly: the reference
-//   kLumped ODE, solved as exactly; hinges that meet in one point are one joint, and the links between them
-//           ride on their neighbours: half the rows
+//   kLumped ODE, solved as exactly; hinges that meet in one point are one joint, the links between them ride
+//           on their neighbours, and a sole that stands is one constraint: half the rows
 //   kQuick  ODE, iterated (projected successive over-relaxation)
 //   kMujoco MuJoCo, the second engine: joint coordinates, elliptic friction cones
 enum class Stepper { kWorld, kLumped, kQuick, kMujoco };
@@ -30,7 +30,7 @@ std::optional<Stepper> stepper_named(std::string_view name);
 enum class FrictionMethod {
   kRows,         // a bounded row for each slow joint
   kLockAndCheck  // slow joints are locked; those whose friction would not suffice are released, and the step
-                 // is repeated
+                 // is repeated; joints that were guessed wrong have a bounded row for a while
 };
 
 struct WorldOptions {

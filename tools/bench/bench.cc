@@ -1,11 +1,13 @@
 #include "tools/bench/bench.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <ctime>
 #include <memory>
 #include <thread>
 
+#include "sim_board/engine/make_world.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/bench/memory.h"
 #include "tools/run/run_recorder.h"
@@ -25,9 +27,7 @@ double processor_s() {
 }
 
 double wall_s() {
-  timespec time{};
-  clock_gettime(CLOCK_MONOTONIC, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 sim::Scenario read(const std::filesystem::path& file, const sim::Physics& physics, double duration_s) {
@@ -140,6 +140,7 @@ std::vector<BenchStepper> bench_steppers() {
   std::vector<BenchStepper> steppers;
   for (const std::string& name : sim::stepper_names()) {
     const sim::Stepper stepper = *sim::stepper_named(name);
+    if (stepper == sim::Stepper::kMujoco && !sim::has_mujoco()) continue;
     if (stepper == sim::Stepper::kQuick) {
       for (const int iterations : {20, 50, 200}) {
         steppers.push_back({.name = name + "_" + std::to_string(iterations),

@@ -17,11 +17,11 @@ struct BenchStepper {
   std::string name;
   sim::Physics physics;
 
-  bool is_ode() const { return name != "mujoco"; }
+  bool is_ode() const { return physics.stepper != sim::Stepper::kMujoco; }
 };
 
-// All there are: the named steppers at 1 ms, `world` with friction by rows, `quick` with three numbers of
-// iterations.
+// All there are in this program: the named steppers at 1 ms, `world` with friction by rows, `quick` with
+// three numbers of iterations.
 std::vector<BenchStepper> bench_steppers();
 
 // What a squat that holds the accuracy stays below.

@@ -36,7 +36,6 @@ class MujocoWorld final : public World {
   void read_solution();
   void check_inputs() const;
   void check_bodies() const;
-  [[noreturn]] void blow_up(const std::string& what, const std::string& reason) const;
 
   const RobotDescription robot_;
   const WorldOptions options_;
@@ -70,8 +69,7 @@ void MujocoWorld::check_links() const {
 }
 
 void MujocoWorld::push(int link, const Eigen::Vector3d& p_L, const Eigen::Vector3d& f_W) {
-  if (!(f_W.cwiseAbs().maxCoeff() <= kLargestForce) || !p_L.allFinite())
-    blow_up("body '" + robot_.links.at(at(link)).name + "'", "a push that is not finite or beyond 1e6 N");
+  check_push(time_s(), robot_.links.at(at(link)), p_L, f_W);
   scene_->push(link, body(link).X_WL * p_L, f_W);
 }
 
@@ -99,9 +97,9 @@ void MujocoWorld::solve() {
   try {
     scene_->solve();
   } catch (const MujocoError& error) {
-    blow_up("MuJoCo", error.what());
+    blow_up(time_s(), "MuJoCo", error.what());
   }
-  if (!scene_->is_finite()) blow_up("MuJoCo", "an acceleration that is not finite");
+  if (!scene_->is_finite()) blow_up(time_s(), "MuJoCo", "an acceleration that is not finite");
 }
 
 void MujocoWorld::read_solution() {
@@ -118,30 +116,14 @@ JointState MujocoWorld::joint(int joint) const {
 }
 
 void MujocoWorld::check_inputs() const {
-  for (std::size_t j = 0; j < servos_.size(); ++j) {
-    if (!within_limits(servos_[j]))
-      blow_up("joint '" + robot_.joints[j].name + "'", "a servo torque that is not finite or beyond 1e6");
-  }
+  for (std::size_t j = 0; j < servos_.size(); ++j) check_servo(time_s(), robot_.joints[j], servos_[j]);
 }
 
 void MujocoWorld::check_bodies() const {
   for (std::size_t l = 0; l < robot_.links.size(); ++l) {
     const BodyState state = body(static_cast<int>(l));
-    const double speed_m_per_s = state.v_WCom_W.norm();
-    const double rate_rad_per_s = state.w_WL_W.norm();
-    const bool finite = state.X_WL.matrix().allFinite();
-    if (finite && speed_m_per_s <= options_.max_speed_m_per_s &&
-        rate_rad_per_s <= options_.max_rate_rad_per_s)
-      continue;
-    blow_up("body '" + robot_.links[l].name + "'", finite ? "moves at " + std::to_string(speed_m_per_s) +
-                                                                " m/s and " + std::to_string(rate_rad_per_s) +
-                                                                " rad/s"
-                                                          : "its pose is not finite");
+    check_body(time_s(), robot_.links[l], options_, state.X_WL, state.v_WCom_W, state.w_WL_W);
   }
-}
-
-void MujocoWorld::blow_up(const std::string& what, const std::string& reason) const {
-  throw WorldBlewUp("the world blew up at " + std::to_string(time_s()) + " s: " + what + ": " + reason);
 }
 
 }  // namespace

@@ -179,15 +179,13 @@ void JointChain::bound_friction() {
   for (ServoMotor& motor : motors_) motor.bound_friction();
 }
 
-bool JointChain::confirm_friction(int most, int& corrections) {
+bool JointChain::confirm_friction() {
   const Eigen::Vector3d w_W = relative_rate_W();
   bool confirmed = true;
   for (ServoMotor& motor : motors_) {
     if (motor.friction_is_right(w_W)) continue;
     confirmed = false;
-    if (corrections == most) continue;
     motor.correct_friction();
-    ++corrections;
   }
   return confirmed;
 }

@@ -42,8 +42,8 @@ class JointChain {
   void begin_step();
   void guess_friction();
   void bound_friction();
-  // Corrects what is wrong while fewer than `most` corrections have been made; counts them.
-  bool confirm_friction(int most, int& corrections);
+  // Whether the solution obeys Coulomb at all hinges; corrects the guess of those where it does not.
+  bool confirm_friction();
   void finish_step();
 
   // World::joint_wrench of hinge i, in a world of this gravity.

@@ -14,6 +14,9 @@ namespace {
 // decides. Kc h / J of a small servo is 0.03 rad/s: a sliding joint cannot jump across the band. 0.01 to 0.3
 // behave alike.
 constexpr double kSlidingSpeed_rad_per_s = 0.1;
+// After two wrong guesses within so long the solver decides, until as long has passed: a joint whose encoder
+// flickers, or two that hold each other through the feet, would be guessed wrong again and again.
+constexpr double kDoubt_s = 0.03;
 // Leaves the friction row solvable beside others; creep under 0.03 N m: 3e-12 rad/s.
 constexpr double kStickingForceMixing = 1e-10;
 // A constant torque without any damping still needs a CFM: 1e-9 N m of error at 1 rad/s.
@@ -73,13 +76,13 @@ void ServoMotor::begin_step(const Eigen::Vector3d& b_W, double drift_rad_per_s) 
   dJointSetAMotorAngle(stop_.get(), 0, state_.position_rad / scale_);
   *feedbacks_ = {};  // ODE leaves that of a motor without a row alone
 
-  // A joint that crept goes on creeping, as the first guess.
+  if (doubted_steps_ > 0) --doubted_steps_;
   if (std::abs(state_.speed_rad_per_s) > kSlidingSpeed_rad_per_s) {
     friction_ = Friction::kSliding;
     direction_ = std::copysign(1.0, state_.speed_rad_per_s);
   } else if (friction_ == Friction::kSliding) {
-    friction_ = Friction::kCreeping;
-  } else if (friction_ == Friction::kBounded) {
+    friction_ = Friction::kCreeping;  // and one that crept goes on creeping, as the first guess
+  } else if (friction_ == Friction::kBounded && doubted_steps_ == 0) {
     friction_ = Friction::kLocked;
   }
 }
@@ -123,12 +126,15 @@ bool ServoMotor::friction_is_right(const Eigen::Vector3d& w_W) const {
 }
 
 void ServoMotor::correct_friction() {
-  if (friction_ == Friction::kLocked) {
+  if (doubted_steps_ > 0) {
+    friction_ = Friction::kBounded;
+  } else if (friction_ == Friction::kLocked) {
     friction_ = Friction::kCreeping;
     direction_ = -std::copysign(1.0, friction_Nm(0.0));
   } else {
     friction_ = Friction::kLocked;
   }
+  doubted_steps_ = static_cast<int>(std::ceil(kDoubt_s / step_s_));
 }
 
 void ServoMotor::set_position(double position_rad) {

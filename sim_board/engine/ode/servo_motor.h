@@ -43,7 +43,7 @@ class ServoMotor {
   // Whether the solution obeys Coulomb: a locked joint held by less than Kc, a slow slider that did not turn
   // round. `w_W` is the solution's angular velocity of child against parent.
   bool friction_is_right(const Eigen::Vector3d& w_W) const;
-  // After a solution that does not obey: the other guess.
+  // After a solution that does not obey: the other guess; after a second one, soon, the solver's decision.
   void correct_friction();
   // Where the hinge is after the step, but for whole turns.
   void set_position(double position_rad);
@@ -80,6 +80,7 @@ class ServoMotor {
   ServoTorque servo_;
   JointState state_;
   Friction friction_ = Friction::kLocked;
+  int doubted_steps_ = 0;
   double direction_ = 0.0;                          // of sliding or creeping
   Eigen::Vector3d b_W_ = Eigen::Vector3d::UnitZ();  // when the step began
   double drift_rad_per_s_ = 0.0;

@@ -12,6 +12,8 @@ constexpr std::size_t kLeastPoints = 3;
 constexpr double kSameDirection = 1e-9;  // 1 - cosine
 // Points closer to a line than this hold no sole.
 constexpr double kLeastWidth_m = 1e-3;
+// A sole is held when it has rested so long: one whose load wanders to an edge, and was let go, not at once.
+constexpr double kRest_s = 0.01;
 // What friction rows let creep is far below; what slides, above.
 constexpr double kAtRest_m_per_s = 1e-6;
 
@@ -118,6 +120,7 @@ bool Soles::confirm() {
   for (Sole& sole : soles_) {
     if (!sole.held.holds() || sole.held.is_possible(sole.friction)) continue;
     let_go(sole);
+    sole.resting_steps = 0;
     confirmed = false;
   }
   return confirmed;
@@ -132,7 +135,8 @@ void Soles::finish_step(Collider& collider) {
     if (sole.held.holds()) {
       collider.set_forces(sole.first, sole.held.forces_W());
     } else {
-      sole.stands = sole.eligible && rests(sole, collider);
+      sole.resting_steps = sole.eligible && rests(sole, collider) ? sole.resting_steps + 1 : 0;
+      sole.stands = sole.resting_steps * step_s_ >= kRest_s;
     }
   }
 }

@@ -32,6 +32,7 @@ class Soles {
     HeldSole held;
     dBodyID body = nullptr;
     bool stands = false;    // the guess for the next step
+    int resting_steps = 0;  // since it came to rest or was let go
     bool eligible = false;  // its contacts of this step could be held
     std::size_t first = 0;  // contacts of this step
     std::size_t count = 0;
