@@ -86,6 +86,17 @@ struct CommandDescription {
   double dead_band_rad = 0.0;
 };
 
+// A slow quantity of one value, as a supply's voltage or a motor's temperature; ScalarSensor measures it.
+struct ScalarSensorDescription {
+  double noise = 0.0;        // standard deviation of a sample, unit
+  double offset = 0.0;       // largest magnitude of the constant offset, unit; drawn by seed within it
+  double scale_error = 0.0;  // largest error of the scale, as a share; drawn by seed within it
+  double lowest = 0.0;       // what it can show, unit
+  double highest = 0.0;
+  double resolution = 0.0;  // unit a count
+  double sample_period_s = 0.01;
+};
+
 // A DC motor with gearbox seen at the output shaft, and the position controller of its drive. What follows
 // the velocity gain has no effect with the values here. Equations: docs/reference/servo.md.
 struct ServoDescription {
@@ -106,6 +117,9 @@ struct ServoDescription {
   double backlash_rad = 0.0;                       // of the output against the rotor, from edge to edge
   std::optional<WindingDescription> winding = {};  // none: stays at its resistance, however hot
   CommandDescription command = {};
+  // Of the drive's own; none: it knows the values themselves.
+  std::optional<ScalarSensorDescription> voltmeter = {};    // V
+  std::optional<ScalarSensorDescription> thermometer = {};  // C, of the winding
 };
 
 // What all servos hang on: a voltage behind a resistance (cells, switch and wires).
@@ -183,17 +197,6 @@ struct AnkleSensorDescription {
   ChannelDescription torque;                               // N m
   double crosstalk =
       0.0;  // largest share of its range that a force shows of a torque at its range, or reverse
-};
-
-// A slow quantity of one value, as a supply's voltage or a motor's temperature; ScalarSensor measures it.
-struct ScalarSensorDescription {
-  double noise = 0.0;        // standard deviation of a sample, unit
-  double offset = 0.0;       // largest magnitude of the constant offset, unit; drawn by seed within it
-  double scale_error = 0.0;  // largest error of the scale, as a share; drawn by seed within it
-  double lowest = 0.0;       // what it can show, unit
-  double highest = 0.0;
-  double resolution = 0.0;  // unit a count
-  double sample_period_s = 0.01;
 };
 
 struct RobotDescription {

@@ -53,6 +53,26 @@ CommandDescription load_command(const XmlNode& servo_node) {
   return command;
 }
 
+std::optional<ScalarSensorDescription> load_meter(const XmlNode& servo_node, const std::string& name,
+                                                  const std::string& unit, const std::string& difference) {
+  const auto node = servo_node.find(name);
+  if (!node) return std::nullopt;
+  ScalarSensorDescription meter;
+  meter.lowest = node->attribute_number("lowest_" + unit, 0.0);
+  meter.highest = node->attribute_number("highest_" + unit, 0.0);
+  meter.resolution = node->attribute_number("resolution_" + difference, 0.0);
+  meter.noise = node->attribute_number("noise_" + difference, 0.0);
+  meter.offset = node->attribute_number("offset_" + difference, 0.0);
+  meter.scale_error = node->attribute_number("scale_error", 0.0);
+  meter.sample_period_s = node->attribute_number("sample_period_s", meter.sample_period_s);
+  if (!(meter.lowest < meter.highest)) {
+    throw node->error("lowest_" + unit + " = " + number_text(meter.lowest) + " and highest_" + unit + " = " +
+                          number_text(meter.highest),
+                      "the highest above the lowest");
+  }
+  return meter;
+}
+
 ServoDescription load_servo(const XmlNode& node) {
   ServoDescription servo{
       .torque_constant_Nm_per_A = node.number("torque_constant_Nm_per_A"),
@@ -69,7 +89,9 @@ ServoDescription load_servo(const XmlNode& node) {
       .quadratic_load_friction_per_Nm = load_shares(node, "quadratic_load_friction", "_per_Nm"),
       .backlash_rad = node.number("backlash_rad", 0.0),
       .winding = load_winding(node),
-      .command = load_command(node)};
+      .command = load_command(node),
+      .voltmeter = load_meter(node, "voltmeter", "V", "V"),
+      .thermometer = load_meter(node, "thermometer", "C", "K")};
   servo.max_duty = node.number("max_duty", servo.max_duty);
   servo.current_limit_A = node.number("current_limit_A", servo.current_limit_A);
   if (servo.backlash_rad > 0.0 && servo.rotor_inertia_kg_m2 == 0.0) {

@@ -77,6 +77,20 @@ XmlRule command() {
                                      {"dead_band_rad", kNumbers, false, {.min = 0, .max = 1}}});
 }
 
+// Of one quantity; `unit` is that of its values, `difference` that of what is added to them.
+XmlRule meter(std::string name, const std::string& unit, const std::string& difference) {
+  constexpr NumberRange kValue{.min = -1000, .max = 1000};
+  constexpr NumberRange kError{.min = 0, .max = 100};
+  return attributes_only(std::move(name),
+                         {{"lowest_" + unit, kNumbers, true, kValue},
+                          {"highest_" + unit, kNumbers, true, kValue},
+                          {"resolution_" + difference, kNumbers, true, {.min = 1e-6, .max = 100}},
+                          {"noise_" + difference, kNumbers, false, kError},
+                          {"offset_" + difference, kNumbers, false, kError},
+                          {"scale_error", kNumbers, false, kShare},
+                          {"sample_period_s", kNumbers, false, {.min = 1e-3, .max = 100}}});
+}
+
 XmlRule servo_type() {
   // Of a share of 1 and more, friction would grow faster than the load that causes it.
   constexpr NumberRange kShare{.min = 0, .max = 0.99};
@@ -93,7 +107,8 @@ XmlRule servo_type() {
                 number("current_limit_A", kOptional, {.min = 1e-3, .max = 1000}), stribeck(),
                 load_shares("load_friction", "", kShare), load_shares("stribeck_load_friction", "", kShare),
                 load_shares("quadratic_load_friction", "_per_Nm", {.min = 0, .max = 10}),
-                number("backlash_rad", kOptional, {.min = 0, .max = 0.5}), winding(), command()},
+                number("backlash_rad", kOptional, {.min = 0, .max = 0.5}), winding(), command(),
+                meter("voltmeter", "V", "V"), meter("thermometer", "C", "K")},
                {{.name = "name"}});
 }
 

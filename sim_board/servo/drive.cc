@@ -21,6 +21,12 @@ constexpr std::uint16_t kErrorCommunication = 0x8100;
 // Excess temperature of the drive (CiA 402-2, table of error codes).
 constexpr std::uint16_t kErrorTemperature = 0x4310;
 
+std::optional<ScalarSensor> make_meter(const std::optional<ScalarSensorDescription>& description,
+                                       const std::string& name, const ServoOptions& options) {
+  if (!description) return std::nullopt;
+  return ScalarSensor(*description, name, {.seed = options.seed, .scale = options.noise_scale});
+}
+
 DriveValues power_on_values(const JointDescription& joint) {
   DriveValues values;
   const ServoDescription& servo = joint.servo;
@@ -41,6 +47,8 @@ Drive::Drive(const JointDescription& joint, Bus& bus, const ServoOptions& option
       bus_(bus),
       handle_(bus.attach(*this, AcceptanceFilter::all(), kTransmitFifo)),
       servo_(joint, options),
+      voltmeter_(make_meter(joint.servo.voltmeter, joint.name + ".voltmeter", options)),
+      thermometer_(make_meter(joint.servo.thermometer, joint.name + ".thermometer", options)),
       description_(drive_node_description(joint.drive)),
       values_(power_on_values(joint)),
       node_(description_,
@@ -77,7 +85,7 @@ void Drive::set_enable_line(bool high) {
 void Drive::update(const JointState& joint, std::uint64_t now_us) {
   now_us_ = now_us;
   servo_.sense(joint);
-  values_.supply_mV = static_cast<std::uint32_t>(std::lround(1000.0 * servo_.supply_V()));
+  measure();
   if (hanging_ && enable_line_ && powered_) return;
   if (powered_ && !hanging_) {
     if (!started_ && now_us >= start_us_) {
@@ -96,6 +104,15 @@ void Drive::update(const JointState& joint, std::uint64_t now_us) {
   } else {
     servo_.release();
   }
+}
+
+void Drive::measure() {
+  if (voltmeter_) voltmeter_->step(servo_.supply_V(), now_us_);
+  if (thermometer_) thermometer_->step(winding_C(), now_us_);
+  const double supply_V = voltmeter_ ? voltmeter_->reading() : servo_.supply_V();
+  const double shown_C = thermometer_ ? thermometer_->reading() : winding_C();
+  values_.supply_mV = static_cast<std::uint32_t>(std::lround(1000.0 * std::max(supply_V, 0.0)));
+  values_.winding_dC = static_cast<std::int16_t>(std::lround(10.0 * shown_C));
 }
 
 // --- The bus

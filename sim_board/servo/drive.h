@@ -5,6 +5,7 @@
 
 #include "firmware/canopen/node.h"
 #include "sim_board/can/bus.h"
+#include "sim_board/sensor/scalar_sensor.h"
 #include "sim_board/servo/drive_dictionary.h"
 #include "sim_board/servo/drive_state.h"
 #include "sim_board/servo/position_demand.h"
@@ -65,6 +66,7 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   void finish_stop();
   void watch_sync();
   void watch_temperature();
+  void measure();
   void follow_target();
   void show();
 
@@ -72,6 +74,8 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   Bus& bus_;
   NodeHandle handle_;
   Servo servo_;
+  std::optional<ScalarSensor> voltmeter_;
+  std::optional<ScalarSensor> thermometer_;
   DriveStateMachine state_;
   PositionDemand demand_;
   canopen::NodeDescription description_;

@@ -17,6 +17,7 @@ namespace cia402 = canopen::cia402;
 #define FIELD(member) KOBOSHI_FIELD(DriveValues, member)
 
 constexpr canopen::Entry kRows[] = {
+    object(kWindingTemperature, 0, FIELD(winding_dC), Access::kReadOnly, Mappable::kTpdo),
     object(cia402::kAbortConnectionOption, 0, FIELD(abort_connection_option), Access::kReadWrite)
         .within<std::int16_t>(0, 3),
     object(cia402::kErrorCode, 0, FIELD(error_code), Access::kReadOnly, Mappable::kTpdo),

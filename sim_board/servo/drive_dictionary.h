@@ -20,13 +20,17 @@ struct DriveValues {
   std::int32_t position_actual = 0;
   std::int16_t torque_actual_permille = 0;  // of 0x6076
   std::uint32_t rated_torque_mNm = 0;       // 0x6076: the stall torque at nominal supply
-  std::uint32_t supply_mV = 0;              // 0x6079: what there is at present
+  std::uint32_t supply_mV = 0;              // 0x6079: what the voltmeter shows
+  std::int16_t winding_dC = 0;              // kWindingTemperature: 0.1 C, what the thermometer shows
   std::int32_t target_position = 0;
   std::int32_t position_limit[2] = {};        // 0x607D: lowest, highest
   std::uint32_t quick_stop_deceleration = 0;  // 0x6085: 2^-20 turn/s^2
   std::uint8_t interpolation_period = 10;     // 0x60C2:1
   std::int8_t interpolation_exponent = -3;    // 0x60C2:2: powers of ten of a second
 };
+
+// The winding's temperature, manufacturer-specific: CiA 402 has none.
+inline constexpr std::uint16_t kWindingTemperature = 0x2000;
 
 // What all drives share but their identity, which stands in the robot file.
 canopen::NodeDescription drive_node_description(const DriveDescription& drive);

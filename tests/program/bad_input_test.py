@@ -30,6 +30,9 @@ BAD_SCENARIOS = {
     "missing motion": ("squat.yaml", "dance.yaml", 3),
     "unknown joint": ("duration_s: 1", "duration_s: 1\nfaults: [{at_s: 0, kind: drive_silent, target: tail}]", 5),
     "unknown link": ("duration_s: 1", "duration_s: 1\npushes: [{at_s: 0, duration_s: 1, link: tail, force_N: [1, 0, 0]}]", 5),
+    "friction out of range": ("duration_s: 1", "duration_s: 1\nground: {friction: [0.5, 11]}", 5),
+    "unknown shape": ("duration_s: 1", "duration_s: 1\nground: {shapes: [{cone: {position_m: [0, 0]}}]}", 5),
+    "unknown material": ("duration_s: 1", "duration_s: 1\nmaterials: [{between: [rubber, cheese], friction: 0.1}]", 5),
     "start beyond a limit": ("duration_s: 1", "duration_s: 1\ninitial: {joints_deg: {left_knee: -20}}", 5),
 }
 

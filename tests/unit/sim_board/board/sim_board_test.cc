@@ -71,6 +71,15 @@ class SimBoardTest : public testing::Test {
   std::optional<SimBoard> board;
 };
 
+TEST_F(SimBoardTest, FeedsItsDrivesFromItsBatteryOrEachFromItsOwnSupply) {
+  run_ms(5);
+  EXPECT_EQ(board->drive(0).values().supply_mV, 7500u);
+  robot.battery = {.open_circuit_V = 8.1, .internal_resistance_ohm = 0.2};
+  make();
+  run_ms(5);
+  EXPECT_EQ(board->drive(0).values().supply_mV, 8100u);
+}
+
 TEST_F(SimBoardTest, ServesEachMillisecondAndTicksEachTenth) {
   run_ms(25);
   ASSERT_EQ(host.inputs.size(), 25u);

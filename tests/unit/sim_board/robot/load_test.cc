@@ -3,94 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-
 #include "sim_board/input/error.h"
-#include "sim_board/robot/servo_types.h"
 #include "tests/unit/sim_board/input/scratch_file.h"
+#include "tests/unit/sim_board/robot/small_robot.h"
 
 namespace koboshi::sim {
 namespace {
 
 using testing::MatchesRegex;
 using testing::StartsWith;
-
-// Two links and a hinge, with frames that take some turning.
-const char* const kSmallRobot = R"(<sdf version="1.9" xmlns:koboshi="https://koboshi.invalid/sdf">
-  <model name="arm">
-    <koboshi:servo_type name="small">
-      <torque_constant_Nm_per_A>1</torque_constant_Nm_per_A>
-      <resistance_ohm>5</resistance_ohm>
-      <supply_V>7.5</supply_V>
-      <rotor_inertia_kg_m2>0.001</rotor_inertia_kg_m2>
-      <coulomb_friction_Nm>0.02</coulomb_friction_Nm>
-      <viscous_friction_Nm_s>0.003</viscous_friction_Nm_s>
-      <full_voltage_error_rad>0.1</full_voltage_error_rad>
-    </koboshi:servo_type>
-    <link name="hand">
-      <pose relative_to="base">0 0 0.1 0 0 1.5707963267948966</pose>
-      <inertial>
-        <pose>0 0 0.05 0 0 0</pose>
-        <mass>0.1</mass>
-        <inertia><ixx>2e-4</ixx><iyy>3e-4</iyy><izz>4e-4</izz></inertia>
-      </inertial>
-      <collision name="box">
-        <pose>0 0 0.05 0 0 0</pose>
-        <geometry><box><size>0.02 0.03 0.1</size></box></geometry>
-        <surface>
-          <friction><ode><mu>0.7</mu><fdir1>0 1 0</fdir1></ode></friction>
-          <bounce><restitution_coefficient>0.3</restitution_coefficient><threshold>0.05</threshold></bounce>
-          <contact><ode><soft_cfm>2e-5</soft_cfm><soft_erp>0.4</soft_erp></ode></contact>
-          <koboshi:reference_step_s>0.002</koboshi:reference_step_s>
-          <koboshi:material>rubber</koboshi:material>
-        </surface>
-      </collision>
-    </link>
-    <link name="base">
-      <pose>1 2 3 0 0 0</pose>
-      <inertial>
-        <mass>0.2</mass>
-        <inertia><ixx>1e-4</ixx><iyy>1e-4</iyy><izz>1e-4</izz></inertia>
-      </inertial>
-    </link>
-    <joint name="wrist" type="revolute">
-      <parent>base</parent>
-      <child>hand</child>
-      <axis>
-        <xyz>1 0 0</xyz>
-        <limit><lower>-1</lower><upper>2</upper><velocity>7</velocity></limit>
-      </axis>
-      <koboshi:servo type="small"/>
-      <koboshi:encoder bits="14" offset_rad="0.01"/>
-      <koboshi:drive node_id="17" serial_number="4294967295" sign="-1" zero_rad="0.5"/>
-    </joint>
-  </model>
-</sdf>
-)";
-
-std::string with(const std::string& from, const std::string& to) {
-  std::string text = kSmallRobot;
-  const auto place = text.find(from);
-  EXPECT_NE(place, std::string::npos) << from;
-  return text.replace(place, from.size(), to);
-}
-
-// What loading `text` complains about, with the file's name as FILE; "nothing" if it does not.
-std::string complaint(const std::string& text) {
-  const ScratchFile scratch("sdf", text);
-  try {
-    load_robot(scratch.path());
-  } catch (const InputError& error) {
-    std::string message = error.what();
-    if (message.starts_with(scratch.path().string()))
-      message.replace(0, scratch.path().string().size(), "FILE");
-    return message;
-  }
-  return "nothing";
-}
 
 TEST(LoadRobot, ReadsEveryNumber) {
   const ScratchFile scratch("sdf", kSmallRobot);
@@ -132,141 +53,6 @@ TEST(LoadRobot, ReadsEveryNumber) {
   EXPECT_EQ(wrist.drive.serial_number, 4294967295u);
   EXPECT_EQ(wrist.drive.sign, -1);
   EXPECT_EQ(wrist.drive.zero_rad, 0.5);
-}
-
-const char* const kEffects = R"(<full_voltage_error_rad>0.1</full_voltage_error_rad>
-      <max_duty>0.9</max_duty>
-      <current_limit_A>1.5</current_limit_A>
-      <stribeck friction_Nm="0.02" speed_rad_per_s="2" exponent="1.7"/>
-      <load_friction motor="0.1" external="0.2"/>
-      <stribeck_load_friction motor="0.3" external="0.4"/>
-      <quadratic_load_friction motor_per_Nm="0.01" external_per_Nm="0.02"/>
-      <backlash_rad>0.01</backlash_rad>
-      <winding thermal_resistance_K_per_W="10" heat_capacity_J_per_K="5" ambient_C="20" derating_C="70" shutdown_C="90"
-               derated_share="0.3" copper_per_K="0.004"/>
-      <command period_ms="10" write_delay_ms="2" read_delay_ms="3" dead_band_rad="0.004"/>)";
-
-std::string with_effects(const std::string& from, const std::string& to) {
-  std::string text = with("<full_voltage_error_rad>0.1</full_voltage_error_rad>", kEffects);
-  const auto place = text.find(from);
-  EXPECT_NE(place, std::string::npos) << from;
-  return text.replace(place, from.size(), to);
-}
-
-TEST(LoadRobot, ReadsTheEffectsOfAServo) {
-  const ScratchFile scratch("sdf",
-                            with_effects("<link name=\"hand\">", R"(<koboshi:battery open_circuit_V="7.8"
-      internal_resistance_ohm="0.05"/><link name="hand">)"));
-  const RobotDescription robot = load_robot(scratch.path());
-  const ServoDescription& servo = robot.joints.at(0).servo;
-  EXPECT_EQ(servo.max_duty, 0.9);
-  EXPECT_EQ(servo.current_limit_A, 1.5);
-  EXPECT_EQ(servo.stribeck.friction_Nm, 0.02);
-  EXPECT_EQ(servo.stribeck.speed_rad_per_s, 2.0);
-  EXPECT_EQ(servo.stribeck.exponent, 1.7);
-  EXPECT_EQ(servo.load_friction.motor, 0.1);
-  EXPECT_EQ(servo.load_friction.external, 0.2);
-  EXPECT_EQ(servo.stribeck_load_friction.motor, 0.3);
-  EXPECT_EQ(servo.stribeck_load_friction.external, 0.4);
-  EXPECT_EQ(servo.quadratic_load_friction_per_Nm.motor, 0.01);
-  EXPECT_EQ(servo.quadratic_load_friction_per_Nm.external, 0.02);
-  EXPECT_EQ(servo.backlash_rad, 0.01);
-  ASSERT_TRUE(servo.winding);
-  EXPECT_EQ(servo.winding->thermal_resistance_K_per_W, 10.0);
-  EXPECT_EQ(servo.winding->heat_capacity_J_per_K, 5.0);
-  EXPECT_EQ(servo.winding->ambient_C, 20.0);
-  EXPECT_EQ(servo.winding->derating_C, 70.0);
-  EXPECT_EQ(servo.winding->shutdown_C, 90.0);
-  EXPECT_EQ(servo.winding->derated_share, 0.3);
-  EXPECT_EQ(servo.winding->copper_per_K, 0.004);
-  EXPECT_EQ(servo.command.period_ms, 10);
-  EXPECT_EQ(servo.command.write_delay_ms, 2);
-  EXPECT_EQ(servo.command.read_delay_ms, 3);
-  EXPECT_EQ(servo.command.dead_band_rad, 0.004);
-  ASSERT_TRUE(robot.battery);
-  EXPECT_EQ(robot.battery->open_circuit_V, 7.8);
-  EXPECT_EQ(robot.battery->internal_resistance_ohm, 0.05);
-}
-
-TEST(LoadRobot, HasNoEffectThatItsFileDoesNotName) {
-  const ScratchFile scratch("sdf", kSmallRobot);
-  const RobotDescription robot = load_robot(scratch.path());
-  const ServoDescription& servo = robot.joints.at(0).servo;
-  EXPECT_FALSE(robot.battery);
-  EXPECT_FALSE(servo.winding);
-  EXPECT_EQ(servo.backlash_rad, 0.0);
-  EXPECT_EQ(servo.max_duty, 1.0);
-  EXPECT_TRUE(std::isinf(servo.current_limit_A));
-  EXPECT_EQ(robot.joints.at(0).encoder.noise_counts, 0.0);
-}
-
-TEST(LoadRobot, RefusesEffectsThatCannotBe) {
-  EXPECT_EQ(complaint(with_effects("friction_Nm=\"0.02\"", "friction_Nm=\"-1\"")),
-            "FILE:13: found friction_Nm = -1, expected a number from 0 to 100");
-  EXPECT_EQ(complaint(with_effects("load_friction motor=\"0.1\"", "load_friction motor=\"1\"")),
-            "FILE:14: found motor = 1, expected a number from 0 to 0.99");
-  EXPECT_EQ(complaint(with_effects("period_ms=\"10\"", "period_ms=\"0.5\"")),
-            "FILE:20: found period_ms = 0.5, expected a whole number from 1 to 100");
-  EXPECT_EQ(complaint(with_effects("<backlash_rad>0.01", "<backlash_rad>1")),
-            "FILE:17: found <backlash_rad> = 1, expected a number from 0 to 0.5");
-  EXPECT_EQ(complaint(with_effects("derating_C=\"70\"", "derating_C=\"95\"")),
-            "FILE:18: found ambient_C = 20, derating_C = 95 and shutdown_C = 90, expected each above the one "
-            "before");
-  EXPECT_EQ(complaint(with_effects("<rotor_inertia_kg_m2>0.001", "<rotor_inertia_kg_m2>0")),
-            "FILE:17: found backlash_rad = 0.01 with rotor_inertia_kg_m2 = 0, "
-            "expected a rotor with inertia, which moves within its backlash");
-}
-
-const char* const kLibrary = R"(<koboshi:servo_types xmlns:koboshi="https://koboshi.invalid/sdf">
-  <koboshi:servo_type name="large">
-    <torque_constant_Nm_per_A>2</torque_constant_Nm_per_A>
-    <resistance_ohm>3</resistance_ohm>
-    <supply_V>15</supply_V>
-    <rotor_inertia_kg_m2>0.02</rotor_inertia_kg_m2>
-    <coulomb_friction_Nm>0.1</coulomb_friction_Nm>
-    <viscous_friction_Nm_s>0.05</viscous_friction_Nm_s>
-    <full_voltage_error_rad>0.2</full_voltage_error_rad>
-  </koboshi:servo_type>
-</koboshi:servo_types>
-)";
-
-TEST(LoadRobot, TakesServoTypesOverFromALibrary) {
-  const ScratchFile library("xml", kLibrary);
-  const std::string take =
-      "<koboshi:servo_types file=\"" + library.path().filename().string() + "\"/><link name=\"hand\">";
-  std::string text = with("type=\"small\"", "type=\"large\"");
-  const std::string link = "<link name=\"hand\">";
-  const ScratchFile scratch("sdf", text.replace(text.find(link), link.size(), take));
-  EXPECT_EQ(load_robot(scratch.path()).joints.at(0).servo.supply_V, 15.0);
-  const ServoTypes types = read_servo_types(scratch.path());
-  EXPECT_EQ(types.size(), 2u);
-  EXPECT_EQ(types.at("small").supply_V, 7.5);
-}
-
-TEST(LoadRobot, RefusesAServoLibraryThatIsNotThere) {
-  EXPECT_EQ(
-      complaint(with("<link name=\"hand\">", "<koboshi:servo_types file='no.xml'/><link name=\"hand\">")),
-      "FILE:12: found file = no.xml, "
-      "expected a library of servo types that exists, relative to this file's folder");
-}
-
-TEST(ServoTypes, AreReadFromALibraryAlone) {
-  const ScratchFile library("xml", kLibrary);
-  const ServoTypes types = read_servo_types(library.path());
-  ASSERT_EQ(types.size(), 1u);
-  EXPECT_EQ(types.at("large").torque_constant_Nm_per_A, 2.0);
-}
-
-TEST(ServoTypes, OfBamAreAllThere) {
-  const ServoTypes types =
-      read_servo_types(std::filesystem::path(KOBOSHI_SOURCE_DIR) / "robots/servos/bam.xml");
-  EXPECT_EQ(types.size(), 9u);
-  // M1 knows no load, M4 does not know from which side it comes, M6 does.
-  EXPECT_EQ(types.at("xl_320_m1").load_friction.motor, 0.0);
-  EXPECT_EQ(types.at("mx_106_m4").stribeck_load_friction.motor,
-            types.at("mx_106_m4").stribeck_load_friction.external);
-  EXPECT_GT(types.at("mx_106_m6").load_friction.motor, types.at("mx_106_m6").load_friction.external);
-  EXPECT_GT(types.at("mx_106_m6").quadratic_load_friction_per_Nm.motor, 0.0);
 }
 
 TEST(LoadRobot, TurnsInertiasIntoTheAxesOfTheLink) {
@@ -402,110 +188,12 @@ TEST(LoadRobot, RefusesMeshesThatAreNotThere) {
       "FILE:19: found <uri> = no.stl, expected a mesh file that exists, relative to this file's folder");
 }
 
-// The file of the default robot, its meshes where they are.
-std::string default_robot_text() {
-  const auto folder = std::filesystem::path(KOBOSHI_SOURCE_DIR) / "robots/koboshi";
-  std::ostringstream text;
-  text << std::ifstream(folder / "robot.sdf").rdbuf();
-  std::string changed = text.str();
-  for (auto place = changed.find("meshes/"); place != std::string::npos;
-       place = changed.find("meshes/", place + 1)) {
-    const std::string absolute = (folder / "meshes/").string();
-    changed.replace(place, 7, absolute);
-    place += absolute.size();
-  }
-  return changed;
-}
-
-std::string sensor_complaint(const std::string& from, const std::string& to) {
-  std::string text = default_robot_text();
-  return complaint(text.replace(text.find(from), from.size(), to));
-}
-
 TEST(LoadRobot, RefusesAFrictionWithoutDirectionOrMaterialWithoutName) {
   EXPECT_THAT(complaint(with("0 1 0</fdir1>", "0 0 0</fdir1>")),
               MatchesRegex("FILE:[0-9]+: found <fdir1> = 0 0 0, expected a direction, any but zero"));
   EXPECT_THAT(complaint(with("0 1 0</fdir1>", "0 2 0</fdir1>")),
               MatchesRegex("FILE:[0-9]+: .*from -1 to 1.*"));
   EXPECT_THAT(complaint(with(">rubber<", "><")), MatchesRegex("FILE:[0-9]+: .*koboshi:material.*"));
-}
-
-TEST(LoadRobot, RefusesSensorsItCannotSimulate) {
-  EXPECT_EQ(sensor_complaint("koboshi", "koboshi"), "nothing");
-  EXPECT_THAT(sensor_complaint("type=\"imu\"", "type=\"sonar\""),
-              MatchesRegex("FILE:[0-9]+: found a sensor of type sonar, expected imu"));
-  EXPECT_THAT(
-      sensor_complaint("child_to_parent", "parent_to_child"),
-      MatchesRegex("FILE:[0-9]+: found <measure_direction> = parent_to_child, expected child_to_parent"));
-  EXPECT_THAT(sensor_complaint("<frame>sensor", "<frame>parent"),
-              MatchesRegex("FILE:[0-9]+: found <frame> = parent, expected sensor"));
-  EXPECT_THAT(sensor_complaint("\"right_ankle\"", "\"left_ankle\""),
-              MatchesRegex("FILE:[0-9]+: found a second sensor left_ankle, expected one"));
-  EXPECT_THAT(sensor_complaint("<range>17.4533", "<range>174.533"),
-              MatchesRegex(
-                  "FILE:[0-9]+: found <koboshi:gyro> of range 174.533 .*, expected counts that fit 16 bits"));
-}
-
-// Gives an optional element of a sensor a value, whether the text has it or not: in front of `place`.
-void set_sensor_error(std::string& text, const std::string& place, const std::string& name,
-                      const std::string& value) {
-  const std::string end = "</" + name + ">";
-  const auto present = text.find("<" + name + ">");
-  if (present != std::string::npos) text.erase(present, text.find(end, present) + end.size() - present);
-  text.insert(text.find(place), "<" + name + ">" + value + end);
-}
-
-std::string error_complaint(const std::string& place, const std::string& name, const std::string& value) {
-  std::string text = default_robot_text();
-  set_sensor_error(text, place, name, value);
-  return complaint(text);
-}
-
-TEST(LoadRobot, ReadsTheErrorsOfSensors) {
-  std::string text = default_robot_text();
-  const std::string gyro = "<bandwidth_Hz>98";  // the first in the file
-  set_sensor_error(text, gyro, "bias_instability", "3e-5");
-  set_sensor_error(text, gyro, "random_walk", "1e-6");
-  set_sensor_error(text, gyro, "scale_error", "0.04");
-  set_sensor_error(text, gyro, "cross_axis", "0.05");
-  set_sensor_error(text, gyro, "g_sensitivity", "2e-4");
-  set_sensor_error(text, "<koboshi:gyro>", "koboshi:jitter_s", "2e-5");
-  set_sensor_error(text, "<force_torque>", "koboshi:crosstalk", "0.07");
-  const ScratchFile scratch("sdf", text);
-  const RobotDescription robot = load_robot(scratch.path());
-  EXPECT_EQ(robot.imu->gyro.bias_instability, 3e-5);
-  EXPECT_EQ(robot.imu->gyro.random_walk, 1e-6);
-  EXPECT_EQ(robot.imu->gyro.scale_error, 0.04);
-  EXPECT_EQ(robot.imu->gyro.cross_axis, 0.05);
-  EXPECT_EQ(robot.imu->g_sensitivity, 2e-4);
-  EXPECT_EQ(robot.imu->gyro.jitter_s, 2e-5);
-  EXPECT_EQ(robot.imu->accelerometer.jitter_s, 2e-5);
-  EXPECT_EQ(robot.left_ankle->crosstalk, 0.07);
-  EXPECT_EQ(robot.left_ankle->force.jitter_s, 0.0);
-}
-
-TEST(LoadRobot, NamesFieldValueAndRangeOfBadSensorErrors) {
-  const std::string gyro = "<bandwidth_Hz>98";  // the first in the file
-  const std::string ankle = "<force_torque>";
-  for (const char* name : {"koboshi:jitter_s", "koboshi:crosstalk"}) {
-    EXPECT_THAT(error_complaint(ankle, name, "-1"), MatchesRegex("FILE:[0-9]+: found <" + std::string(name) +
-                                                                 "> = -1, expected a number from 0 to 0.5"));
-  }
-  for (const char* name : {"bias_instability", "random_walk"}) {
-    EXPECT_THAT(error_complaint(gyro, name, "-1"), MatchesRegex("FILE:[0-9]+: found <" + std::string(name) +
-                                                                "> = -1, expected a number of 0 or more"));
-  }
-  for (const char* name : {"scale_error", "cross_axis"}) {
-    EXPECT_THAT(error_complaint(gyro, name, "0.6"), MatchesRegex("FILE:[0-9]+: found <" + std::string(name) +
-                                                                 "> = 0.6, expected a number from 0 to 0.5"));
-  }
-  EXPECT_THAT(error_complaint(gyro, "g_sensitivity", "2"),
-              MatchesRegex("FILE:[0-9]+: found <g_sensitivity> = 2, expected a number from 0 to 1"));
-  EXPECT_THAT(error_complaint("<koboshi:gyro>", "koboshi:jitter_s", "0.0005"),
-              MatchesRegex("FILE:[0-9]+: found <koboshi:jitter_s> = 5e-04, expected less than half the "
-                           "sampling period, 5e-04"));
-  EXPECT_THAT(error_complaint("<koboshi:gyro>", "koboshi:crosstalk", "0.01"),
-              MatchesRegex("FILE:[0-9]+: found the unknown element <koboshi:crosstalk> in <sensor>.*"));
 }
 
 }  // namespace

@@ -343,6 +343,45 @@ TEST_F(DriveTest, ShowsItsPresentSupply) {
   EXPECT_EQ(drive->values().supply_mV, 6900u);
 }
 
+JointDescription with_meters() {
+  JointDescription joint;
+  joint.servo.voltmeter = {.highest = 15.0, .resolution = 0.1};
+  joint.servo.thermometer = {.lowest = -40.0, .highest = 125.0, .resolution = 0.5, .sample_period_s = 0.1};
+  joint.servo.winding = {.thermal_resistance_K_per_W = 15.0,
+                         .heat_capacity_J_per_K = 0.5,
+                         .ambient_C = 25.2,
+                         .derating_C = 200.0,
+                         .shutdown_C = 250.0};
+  return joint;
+}
+
+class MeasuringDriveTest : public DriveTest {
+ protected:
+  MeasuringDriveTest() : DriveTest(with_meters()) {}
+};
+
+TEST_F(MeasuringDriveTest, ShowsWhatItsMetersShow) {
+  EXPECT_EQ(drive->values().winding_dC, 250);
+  enable();
+  supply_V = 6.96;
+  run_ms(20);
+  EXPECT_EQ(drive->values().supply_mV, 7000u);
+  target = 100'000;  // against a shaft that does not turn
+  run_ms(3'000);
+  EXPECT_GT(drive->winding_C(), 60.0);
+  EXPECT_NEAR(0.1 * drive->values().winding_dC, drive->winding_C(), 2.0);  // a tenth of a second old
+  EXPECT_EQ(drive->values().winding_dC % 5, 0);
+}
+
+TEST_F(MeasuringDriveTest, AnswersForItsTemperatureOnTheBus) {
+  hal::CanFrame question{.identifier = 0x600 + kNode, .size = 8, .data = {0x40, 0x00, 0x20, 0x00}};
+  heard.clear();
+  say(question);
+  run_ms(5);
+  ASSERT_EQ(heard.size(), 1u);
+  EXPECT_EQ(heard[0].data, (std::array<std::uint8_t, 8>{0x4B, 0x00, 0x20, 0x00, 250, 0, 0, 0}));
+}
+
 // --- What breaks
 
 TEST_F(DriveTest, HangsWithItsMotorAsItWasUntilTheLineFalls) {

@@ -1,0 +1,31 @@
+#include "tests/unit/sim_board/robot/small_robot.h"
+
+#include <gtest/gtest.h>
+
+#include "sim_board/input/error.h"
+#include "sim_board/robot/load.h"
+#include "tests/unit/sim_board/input/scratch_file.h"
+
+namespace koboshi::sim {
+
+std::string with(const std::string& from, const std::string& to) {
+  std::string text = kSmallRobot;
+  const auto place = text.find(from);
+  EXPECT_NE(place, std::string::npos) << from;
+  return text.replace(place, from.size(), to);
+}
+
+std::string complaint(const std::string& text) {
+  const ScratchFile scratch("sdf", text);
+  try {
+    load_robot(scratch.path());
+  } catch (const InputError& error) {
+    std::string message = error.what();
+    if (message.starts_with(scratch.path().string()))
+      message.replace(0, scratch.path().string().size(), "FILE");
+    return message;
+  }
+  return "nothing";
+}
+
+}  // namespace koboshi::sim
