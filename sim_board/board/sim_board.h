@@ -101,6 +101,8 @@ class SimBoard {
   void stop_imu();
   void stop_ankle(hal::Side side);
   void stop_controller() { controller_stopped_ = true; }
+  // Takes the controller off the bus, for a board that has none of its own.
+  void unplug_controller() { bus_.power_off(controller_); }
   // Takes every node but the controller off the bus, so that nobody acknowledges its frames.
   void isolate_controller();
 

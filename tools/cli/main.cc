@@ -1,11 +1,14 @@
 #include <CLI/CLI.hpp>
 #include <exception>
+#include <stdexcept>
 #include <string>
 
 #include <fmt/core.h>
 
 #include "sim_board/input/error.h"
 #include "tools/cli/bench_command.h"
+#include "tools/cli/board_command.h"
+#include "tools/cli/can_command.h"
 #include "tools/cli/diff_command.h"
 #include "tools/cli/experiment_command.h"
 #include "tools/cli/gait_command.h"
@@ -44,6 +47,8 @@ int run_program(int argc, char** argv) {
       "Exit status: 0 done, 1 a run or a check failed or runs differ, 2 bad input (one line on standard "
       "error says where).\n");
   koboshi::tools::add_run_command(program, exit_status);
+  koboshi::tools::add_board_command(program);
+  koboshi::tools::add_can_command(program);
   koboshi::tools::add_diff_command(program, exit_status);
   koboshi::tools::add_target_report_command(program);
   koboshi::tools::add_motion_command(program);
@@ -67,6 +72,9 @@ int main(int argc, char** argv) {
     return run_program(argc, argv);
   } catch (const koboshi::sim::InputError& error) {
     fmt::print(stderr, "{}\n", error.what());
+    return kBadInput;
+  } catch (const std::invalid_argument& error) {
+    fmt::print(stderr, "koboshi: {}\n", error.what());
     return kBadInput;
   } catch (const std::exception& error) {
     fmt::print(stderr, "koboshi: {}\n", error.what());

@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "sim_board/scenario/reader.h"
+#include "tools/cli/live_arguments.h"
 #include "tools/run/qemu_host.h"
 #include "tools/run/run.h"
 
@@ -25,6 +26,7 @@ struct Arguments {
   std::string stepper;
   std::string controller = "in-process";
   std::filesystem::path image;
+  LiveOptions live;
 };
 
 // A bar on a terminal, nothing in a pipe.
@@ -64,6 +66,7 @@ void report(const RunResult& result, const std::filesystem::path& out) {
              summary.fell ? "fell" : "did not fall", summary.faults, summary.solver_warnings,
              100.0 * summary.can_bus_load, summary.state_hash);
   fmt::print("results in {}\n", out.string());
+  tell_overruns(result.live);
   if (result.plot_warning) fmt::print(stderr, "koboshi: no figures: {}\n", *result.plot_warning);
   if (result.failure) fmt::print(stderr, "koboshi: {}\n", *result.failure);
 }
@@ -76,6 +79,8 @@ int run_scenario(const Arguments& arguments) {
   if (arguments.controller == "qemu") {
     options.make_host = in_qemu(arguments.image.empty() ? default_image() : arguments.image);
   }
+  options.live = arguments.live;
+  options.ready = tell_where;
   ProgressBar bar;
   const RunResult result = run(options, [&](const RunProgress& progress) { bar.show(progress); });
   report(result, options.out);
@@ -117,6 +122,7 @@ void add_run_command(CLI::App& program, int& exit_status) {
       ->add_option("--set", arguments->sets,
                    "Override a key of the scenario: physics.step_ms=0.5; may be repeated")
       ->allow_extra_args(false);
+  add_live_options(*command, arguments->live);
   command->callback([arguments, &exit_status] { exit_status = run_scenario(*arguments); });
 }
 

@@ -17,7 +17,8 @@ double seconds_since(Clock::time_point start) {
 }
 
 // What depends on the machine, and so stands in a file of its own.
-nlohmann::ordered_json timing_json(const sim::SimBoard& board, double wall_s, std::uint64_t dropped) {
+nlohmann::ordered_json timing_json(const sim::SimBoard& board, double wall_s, std::uint64_t dropped,
+                                   const LiveLink& live) {
   const double simulated_s = 1e-6 * static_cast<double>(board.now_us());
   const sim::TimeShares& shares = board.time_shares();
   const double parts_s =
@@ -31,20 +32,23 @@ nlohmann::ordered_json timing_json(const sim::SimBoard& board, double wall_s, st
             {"firmware", shares.firmware_s / wall_s},
             {"sensors", shares.sensors_s / wall_s},
             {"recording_and_rest", 1.0 - parts_s / wall_s}}},
-          {"records_dropped", dropped}};
+          {"records_dropped", dropped},
+          {"live", live.report()}};
 }
 
 // Plays it to its end, or to the error that ends it.
-std::optional<std::string> play(Simulation& simulation, RunRecorder& recorder,
+std::optional<std::string> play(Simulation& simulation, RunRecorder& recorder, LiveLink& live,
                                 const std::function<void(const RunProgress&)>& progress) {
   constexpr std::uint64_t kTick_us = sim::SimBoard::kTick_us;
   const auto start = Clock::now();
   const double duration_s = 1e-6 * static_cast<double>(simulation.scenario().duration_us);
   try {
-    while (!simulation.finished()) {
+    while (!simulation.finished() && !live.interrupted()) {
+      live.before(simulation.board().now_us());
       simulation.advance();
       const std::uint64_t now_us = simulation.board().now_us();
       recorder.record();
+      live.after(now_us);
       if (now_us % kTick_us != 0) continue;
       if (progress) progress({1e-6 * static_cast<double>(now_us), duration_s, seconds_since(start)});
     }
@@ -58,20 +62,26 @@ std::optional<std::string> play(Simulation& simulation, RunRecorder& recorder,
 
 RunResult run(const RunOptions& options, const std::function<void(const RunProgress&)>& progress) {
   sim::check_output_folder(options.out);
+  LiveLink live(options.live);
   Simulation simulation(options.scenario, options.make_host, options.change);
   sim::make_output_folder(options.out);
 
-  sim::Recorder files(options.out, RunRecorder::columns(simulation.robot()), sim::WhenFull::kWait);
+  sim::Recorder files(options.out, RunRecorder::columns(simulation.robot()),
+                      live.is_live() ? sim::WhenFull::kDrop : sim::WhenFull::kWait);
   RunRecorder recorder(simulation, &files);
+  live.attach(simulation.board().bus());
+  if (options.ready) options.ready(live);
   const auto start = Clock::now();
   RunResult result;
-  result.failure = play(simulation, recorder, progress);
+  result.failure = play(simulation, recorder, live, progress);
   const double wall_s = seconds_since(start);
+  result.live = live.report();
   files.close();
 
   result.summary = recorder.summary();
   sim::write_json(options.out / "summary.json", sim::to_json(result.summary));
-  sim::write_json(options.out / "timing.json", timing_json(simulation.board(), wall_s, files.dropped()));
+  sim::write_json(options.out / "timing.json",
+                  timing_json(simulation.board(), wall_s, files.dropped(), live));
   try {
     draw_run_figures(options.scenario, options.out);
     if (const GaitPlan* plan = simulation.gait_plan()) {

@@ -6,6 +6,7 @@
 
 #include "sim_board/record/summary.h"
 #include "sim_board/scenario/scenario.h"
+#include "tools/run/live_link.h"
 #include "tools/run/simulation.h"
 
 namespace koboshi::tools {
@@ -15,6 +16,8 @@ struct RunOptions {
   std::filesystem::path out;             // the folder of the results
   HostFactory make_host = in_process();  // where the firmware runs
   RobotChange change{};                  // of the robot in the world
+  LiveOptions live{};
+  std::function<void(const LiveLink&)> ready{};  // told when the bus can be reached from outside
 };
 
 // How far a run has come, told now and then.
@@ -28,12 +31,13 @@ struct RunResult {
   sim::RunSummary summary;
   std::optional<std::string>
       failure;  // what ended the run before its time, such as a world that blew up or a firmware that faulted
+  nlohmann::ordered_json live;              // LiveLink::report
   std::optional<std::string> plot_warning;  // why there are no figures
 };
 
-// `koboshi run`: plays a scenario as fast as it goes and leaves trace.csv, can.log, summary.json, timing.json
-// and figures in the folder. Bad input throws sim::InputError before anything is written; a run that fails
-// half-way keeps what it has recorded.
+// `koboshi run`: plays a scenario, as fast as it goes or by the clock on the wall, and leaves trace.csv,
+// can.log, summary.json, timing.json and figures in the folder. Bad input throws sim::InputError before
+// anything is written; a run that fails half-way keeps what it has recorded.
 RunResult run(const RunOptions& options, const std::function<void(const RunProgress&)>& progress);
 
 }  // namespace koboshi::tools

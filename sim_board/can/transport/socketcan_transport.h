@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "hal/linux/socketcan.h"
+#include "sim_board/can/transport/transport.h"
+
+namespace koboshi::sim {
+
+// Linux' own CAN.
+class SocketCanTransport final : public Transport {
+ public:
+  // Throws std::system_error.
+  explicit SocketCanTransport(const std::string& interface) : interface_(interface), socket_(interface) {}
+
+  bool send(const hal::CanFrame& frame, std::uint64_t) override { return socket_.send(frame); }
+  std::optional<hal::CanFrame> receive() override { return socket_.receive(); }
+  std::string place() const override { return interface_; }
+  int descriptor() const override { return socket_.descriptor(); }
+
+ private:
+  std::string interface_;
+  hal::SocketCan socket_;
+};
+
+}  // namespace koboshi::sim

@@ -1,0 +1,141 @@
+"""A CANopen master that knows the drives from their EDS alone: boots them, enables them and moves each by five degrees.
+
+board_master.py EDS INTERFACE CHANNEL, as python-can names them: socketcan vcan0, udp_multicast 239.74.163.2. The bus is
+that of `koboshi board`.
+"""
+
+import configparser
+import struct
+import sys
+import threading
+import time
+
+import can
+
+NODES = range(16, 36)
+TURN = 1 << 20
+STEP = TURN * 5 // 360
+SHUTDOWN, SWITCH_ON, ENABLE = 0x06, 0x07, 0x0F
+FORMATS = {2: "<b", 3: "<h", 4: "<i", 5: "<B", 6: "<H", 7: "<I"}  # by data type of CiA 301
+
+
+class Objects:
+    """The objects of an EDS, by their names."""
+
+    def __init__(self, path):
+        eds = configparser.ConfigParser(strict=True, interpolation=None)
+        with open(path, encoding="ascii") as file:
+            eds.read_file(file)
+        self.by_name = {}
+        for section in eds.sections():
+            if not eds.has_option(section, "DataType"):
+                continue
+            index, _, sub = section.lower().partition("sub")
+            address = int(index, 16), int(sub or "0", 16)
+            self.by_name[eds[section]["ParameterName"].lower()] = address, int(eds[section]["DataType"], 0)
+
+    def __getitem__(self, name):
+        return self.by_name[name.lower()]
+
+
+class Master:
+    def __init__(self, bus, objects):
+        self.bus, self.objects = bus, objects
+        self.booted = set()
+        self.syncing = threading.Event()
+        self.ended = threading.Event()
+
+    def sync_forever(self):
+        due = time.monotonic()
+        while not self.ended.is_set():
+            if self.syncing.is_set():
+                self.send(0x080, b"")
+            due += 0.01
+            time.sleep(max(0.0, due - time.monotonic()))
+
+    def send(self, identifier, data):
+        self.bus.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False))
+
+    def receive(self, wanted, timeout_s=2.0):
+        end = time.monotonic() + timeout_s
+        while time.monotonic() < end:
+            message = self.bus.recv(0.1)
+            if message is None:
+                continue
+            if 0x700 < message.arbitration_id < 0x780 and bytes(message.data) == b"\0":
+                self.booted.add(message.arbitration_id - 0x700)
+            if message.arbitration_id == wanted:
+                return bytes(message.data)
+        raise TimeoutError(f"no frame with identifier {wanted:03X}")
+
+    def sdo(self, node, request):
+        self.send(0x600 + node, request)
+        answer = self.receive(0x580 + node)
+        if answer[0] == 0x80:
+            raise RuntimeError(f"node {node}: SDO abort {struct.unpack_from('<I', answer, 4)[0]:08X}")
+        return answer
+
+    def read(self, node, name):
+        (index, sub), data_type = self.objects[name]
+        answer = self.sdo(node, struct.pack("<BHBI", 0x40, index, sub, 0))
+        return struct.unpack_from(FORMATS[data_type], answer, 4)[0]
+
+    def write(self, node, name, value):
+        (index, sub), data_type = self.objects[name]
+        data = struct.pack(FORMATS[data_type], value)
+        command = 0x23 | (4 - len(data)) << 2
+        self.sdo(node, struct.pack("<BHB", command, index, sub) + data.ljust(4, b"\0"))
+
+    def wait_for_boot(self):
+        """Resets the nodes, and hears each of them come up."""
+        self.send(0x000, bytes([0x81, 0]))
+        self.booted.clear()
+        end = time.monotonic() + 5.0
+        while not self.booted.issuperset(NODES):
+            if time.monotonic() > end:
+                raise TimeoutError(f"no boot-up of {sorted(set(NODES) - self.booted)}")
+            try:
+                self.receive(None, 0.2)
+            except TimeoutError:
+                pass
+
+    def enable(self, node):
+        self.write(node, "Modes of operation", 8)
+        self.send(0x000, bytes([0x01, node]))
+        for word, state in ((SHUTDOWN, 0x21), (SWITCH_ON, 0x23), (ENABLE, 0x27)):
+            self.write(node, "Controlword", word)
+            time.sleep(0.015)
+            found = self.read(node, "Statusword") & 0x6F
+            if found != state:
+                raise RuntimeError(f"node {node}: statusword {found:02X} after controlword {word:02X}")
+
+    def move(self, node):
+        start = self.read(node, "Position actual value")
+        for part in range(1, 11):
+            self.write(node, "Target position", start + STEP * part // 10)
+            time.sleep(0.02)
+        time.sleep(0.3)
+        return self.read(node, "Position actual value") - start
+
+
+def main():
+    eds, interface, channel = sys.argv[1:]
+    with can.Bus(interface=interface, channel=channel) as bus:
+        master = Master(bus, Objects(eds))
+        thread = threading.Thread(target=master.sync_forever, daemon=True)
+        thread.start()
+        master.wait_for_boot()
+        master.syncing.set()
+        for node in NODES:
+            master.enable(node)
+        for node in NODES:
+            moved = master.move(node)
+            if not 0.7 * STEP < moved < 1.1 * STEP:
+                raise RuntimeError(f"node {node}: moved by {moved * 360 / TURN:.2f} degrees")
+        master.ended.set()
+        thread.join()
+    print("20 drives booted, enabled and moved")
+
+
+if __name__ == "__main__":
+    main()

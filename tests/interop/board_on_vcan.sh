@@ -1,0 +1,24 @@
+#!/bin/sh
+# board_on_vcan.sh KOBOSHI EDS: the simulated board on vcan0, and a master of python-can's that boots, enables and moves its drives, while
+# candump listens. Needs a vcan0: see in_uml.sh.
+set -eu
+
+koboshi=$1
+eds=$2
+here=$(dirname "$0")
+log=$(mktemp -p /mnt)
+
+candump -r 16777216 -L vcan0 >"$log" &
+until grep -q vcan0 /proc/net/can/rcvlist_all; do sleep 0.05; done
+"$koboshi" board --can socketcan:vcan0 --set physics.stepper=lumped >/mnt/board 2>&1 &
+board=$!
+until grep -q 'CAN bus on' /mnt/board; do
+  kill -0 "$board" || { cat /mnt/board; exit 1; }
+  sleep 0.05
+done
+/usr/bin/python3 -B "$here/board_master.py" "$eds" socketcan vcan0
+kill -INT "$board"
+wait "$board"
+cat /mnt/board
+sleep 0.2
+echo "$(wc -l <"$log") frames in candump"

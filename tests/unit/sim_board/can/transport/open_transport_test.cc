@@ -1,0 +1,55 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+#include "sim_board/can/transport/transport.h"
+
+namespace koboshi::sim {
+namespace {
+
+std::string complaint(const std::string& name) {
+  try {
+    open_transport(name);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "nothing";
+}
+
+TEST(OpenTransport, KnowsNoneAndSlcan) {
+  EXPECT_EQ(open_transport("none"), nullptr);
+  const auto slcan = open_transport("slcan");
+  EXPECT_TRUE(slcan->is_live());
+  EXPECT_THAT(slcan->place(), testing::StartsWith("/dev/pts/"));
+}
+
+TEST(OpenTransport, SaysWhatItExpects) {
+  for (const char* name : {"", "can0", "socketcan", "socketcan:", "serial:/dev/ttyUSB0", "log:"}) {
+    EXPECT_EQ(complaint(name), "found the CAN transport '" + std::string(name) +
+                                   "', expected none, socketcan:INTERFACE, udp:GROUP:PORT, slcan or log:FILE");
+  }
+  for (const char* name : {"udp:239.74.163.2", "udp:239.74.163.2:", "udp:239.74.163.2:0", "udp:239.74.163.2:70000"}) {
+    EXPECT_EQ(complaint(name), std::string(name) + " is not udp:GROUP:PORT, such as udp:239.74.163.2:43113");
+  }
+  EXPECT_EQ(complaint("udp:10.0.0.1:43113"), "10.0.0.1 is no IPv4 multicast address");
+}
+
+// Whatever it is that the machine lacks, the interface or CAN itself, the name of the interface is told.
+TEST(OpenTransport, TellsWhatTheSystemRefuses) {
+  try {
+    open_transport("socketcan:nocan0", true);
+    FAIL();
+  } catch (const std::system_error& error) {
+    EXPECT_THAT(error.what(), testing::AnyOf(testing::HasSubstr("nocan0"), testing::HasSubstr("SocketCAN")));
+  }
+}
+
+TEST(OpenTransport, RefusesAnInterfaceThatMayBeReal) {
+  EXPECT_THAT(complaint("socketcan:lo"), testing::HasSubstr("--real-bus"));
+}
+
+}  // namespace
+}  // namespace koboshi::sim

@@ -1,0 +1,104 @@
+#include "sim_board/can/transport/slcan.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+
+namespace koboshi::sim {
+namespace {
+
+const hal::CanFrame kFrame{.identifier = 0x181, .size = 3, .data = {0x01, 0x2F, 0xFF}};
+
+// What the manual's examples say (CANUSB manual, "CANUSB ASCII commands").
+TEST(SlcanProtocol, AnswersCommandsWithCarriageReturnAndWhatItDoesNotKnowWithBell) {
+  SlcanProtocol protocol;
+  EXPECT_EQ(protocol.take("\r\rS8\rV\rF\rN\r"), "\rV1013\rF00\rNKBSH\r");
+  EXPECT_EQ(protocol.take("G\r"), "\a");
+}
+
+TEST(SlcanProtocol, SendsOnlyWhileItsChannelIsOpen) {
+  SlcanProtocol protocol;
+  EXPECT_EQ(protocol.take("t10021133\r"), "\a");
+  EXPECT_EQ(protocol.take("O\r"), "\r");
+  EXPECT_EQ(protocol.take("O\r"), "\a");
+  EXPECT_EQ(protocol.take("t10021133\r"), "z\r");
+  ASSERT_EQ(protocol.frames().size(), 1u);
+  EXPECT_EQ(protocol.frames()[0], (hal::CanFrame{.identifier = 0x100, .size = 2, .data = {0x11, 0x33}}));
+  EXPECT_EQ(protocol.take("C\r"), "\r");
+  EXPECT_EQ(protocol.take("t10021133\r"), "\a");
+  EXPECT_EQ(protocol.take("L\rt1000\r"), "\r\a");
+}
+
+TEST(SlcanProtocol, TakesCommandsInPieces) {
+  SlcanProtocol protocol;
+  EXPECT_EQ(protocol.take("O\rr12"), "\r");
+  EXPECT_EQ(protocol.take("33"), "");
+  EXPECT_EQ(protocol.take("\r"), "z\r");
+  EXPECT_EQ(protocol.frames().at(0), (hal::CanFrame{.identifier = 0x123, .size = 3, .remote = true}));
+}
+
+TEST(SlcanProtocol, RefusesFramesThatAreNone) {
+  SlcanProtocol protocol;
+  protocol.take("O\r");
+  for (const char* bad : {"t", "t100", "t8000", "t1009", "t10021", "t100211", "t1002113", "t10021133FF", "t100xGG",
+                          "r123911", "T000001002FF", "R00000100"}) {
+    EXPECT_EQ(protocol.take(std::string(bad) + "\r"), "\a") << bad;
+  }
+  EXPECT_TRUE(protocol.frames().empty());
+  EXPECT_EQ(protocol.take(std::string(10'000, 't') + "\r"), "\a");
+}
+
+TEST(SlcanProtocol, WritesFramesAndStamps) {
+  SlcanProtocol protocol;
+  EXPECT_EQ(protocol.line_of(kFrame, 0), "");
+  protocol.take("O\r");
+  EXPECT_EQ(protocol.line_of(kFrame, 0), "t1813012FFF\r");
+  EXPECT_EQ(protocol.line_of({.identifier = 0x701, .size = 1, .remote = true}, 0), "r7011\r");
+  protocol.take("Z1\r");
+  EXPECT_EQ(protocol.line_of(kFrame, 61'002'999), "t1813012FFF03EA\r");
+}
+
+TEST(Slcan, IsATerminalThatHostsOpen) {
+  Slcan slcan;
+  EXPECT_FALSE(slcan.send(kFrame, 0));  // nobody has opened the channel
+  const hal::FileDescriptor host(::open(slcan.place().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK));
+  ASSERT_GE(host.number(), 0);
+  constexpr std::string_view kGreeting = "O\rt20121234\r";
+  ASSERT_EQ(::write(host.number(), kGreeting.data(), kGreeting.size()), static_cast<ssize_t>(kGreeting.size()));
+  EXPECT_EQ(slcan.receive(), (hal::CanFrame{.identifier = 0x201, .size = 2, .data = {0x12, 0x34}}));
+  EXPECT_EQ(slcan.receive(), std::nullopt);
+  EXPECT_TRUE(slcan.send(kFrame, 0));
+  std::array<char, 64> text{};
+  const ssize_t got = ::read(host.number(), text.data(), text.size());
+  EXPECT_EQ(std::string(text.data(), static_cast<std::size_t>(got)), "\rz\rt1813012FFF\r");
+}
+
+TEST(Slcan, IsNotHeldUpByAHostThatDoesNotRead) {
+  Slcan slcan;
+  const hal::FileDescriptor host(::open(slcan.place().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK));
+  ASSERT_EQ(::write(host.number(), "O\r", 2), 2);
+  EXPECT_EQ(slcan.receive(), std::nullopt);
+  int sent = 0;
+  while (sent < 100'000 && slcan.send(kFrame, 0)) ++sent;
+  EXPECT_LT(sent, 100'000);
+  // Once it reads again, it finds whole lines.
+  std::string text;
+  std::array<char, 4096> part{};
+  for (ssize_t got = 0; (got = ::read(host.number(), part.data(), part.size())) > 0;)
+    text.append(part.data(), static_cast<std::size_t>(got));
+  while (!slcan.send(kFrame, 0)) {
+    const ssize_t got = ::read(host.number(), part.data(), part.size());
+    if (got > 0) text.append(part.data(), static_cast<std::size_t>(got));
+  }
+  for (ssize_t got = 0; (got = ::read(host.number(), part.data(), part.size())) > 0;)
+    text.append(part.data(), static_cast<std::size_t>(got));
+  text.erase(0, 1);  // the answer to O
+  const std::string line = "t1813012FFF\r";
+  ASSERT_EQ(text.size() % line.size(), 0u);
+  for (std::size_t i = 0; i < text.size(); i += line.size()) ASSERT_EQ(text.substr(i, line.size()), line);
+}
+
+}  // namespace
+}  // namespace koboshi::sim

@@ -1,0 +1,80 @@
+#include "sim_board/can/transport/udp_multicast.h"
+
+#include <gtest/gtest.h>
+
+#include <charconv>
+#include <stdexcept>
+#include <string_view>
+
+namespace koboshi::sim {
+namespace {
+
+// What pack_message of python-can 4.1 makes of Message(arbitration_id=0x181, data=[1, 2, 255], is_extended_id=False,
+// timestamp=1.5).
+constexpr std::string_view kDataOfPython =
+    "8ba974696d657374616d70cb3ff8000000000000ae6172626974726174696f6e5f6964cd0181ae69735f657874"
+    "656e6465645f6964c2af69735f72656d6f74655f6672616d65c2ae69735f6572726f725f6672616d65c2a76368"
+    "616e6e656cc0a3646c6303a464617461c4030102ffa569735f6664c2ae626974726174655f737769746368c2b5"
+    "6572726f725f73746174655f696e64696361746f72c2";
+// And of Message(arbitration_id=0x701, dlc=1, is_remote_frame=True, is_extended_id=False).
+constexpr std::string_view kRemoteOfPython =
+    "8ba974696d657374616d70cb0000000000000000ae6172626974726174696f6e5f6964cd0701ae69735f657874"
+    "656e6465645f6964c2af69735f72656d6f74655f6672616d65c3ae69735f6572726f725f6672616d65c2a76368"
+    "616e6e656cc0a3646c6301a464617461c400a569735f6664c2ae626974726174655f737769746368c2b5657272"
+    "6f725f73746174655f696e64696361746f72c2";
+
+const hal::CanFrame kData{.identifier = 0x181, .size = 3, .data = {1, 2, 255}};
+const hal::CanFrame kRemote{.identifier = 0x701, .size = 1, .remote = true};
+
+std::vector<std::uint8_t> bytes_of(std::string_view hex) {
+  std::vector<std::uint8_t> bytes(hex.size() / 2);
+  for (std::size_t i = 0; i < bytes.size(); ++i)
+    std::from_chars(hex.data() + 2 * i, hex.data() + 2 * i + 2, bytes[i], 16);
+  return bytes;
+}
+
+TEST(Datagram, IsReadAsPythonWritesIt) {
+  EXPECT_EQ(unpack_datagram(bytes_of(kDataOfPython)), kData);
+  EXPECT_EQ(unpack_datagram(bytes_of(kRemoteOfPython)), kRemote);
+}
+
+TEST(Datagram, IsReadBack) {
+  EXPECT_EQ(unpack_datagram(pack_datagram(kData, 1.5)), kData);
+  EXPECT_EQ(unpack_datagram(pack_datagram(kRemote, 0.0)), kRemote);
+  EXPECT_EQ(unpack_datagram(pack_datagram({.identifier = 0x080}, 0.0)), hal::CanFrame{.identifier = 0x080});
+  EXPECT_EQ(pack_datagram(kData, 1.5).size(), bytes_of(kDataOfPython).size());
+}
+
+TEST(Datagram, IsNothingWhereItIsNoClassicFrame) {
+  EXPECT_EQ(unpack_datagram({}), std::nullopt);
+  const std::vector<std::uint8_t> whole = bytes_of(kDataOfPython);
+  for (std::size_t size = 0; size < whole.size(); ++size)
+    EXPECT_EQ(unpack_datagram(std::span(whole).first(size)), std::nullopt) << size;
+  std::vector<std::uint8_t> extended = whole;
+  extended[53] = 0xC3;
+  EXPECT_EQ(unpack_datagram(extended), std::nullopt);
+  std::vector<std::uint8_t> longer = whole;  // dlc 4 of 3 bytes
+  longer[100] = 0x04;
+  EXPECT_EQ(unpack_datagram(longer), std::nullopt);
+}
+
+// Whatever each byte of a datagram is, nothing worse happens than that it is none.
+TEST(Datagram, MayHoldAnything) {
+  const std::vector<std::uint8_t> whole = bytes_of(kDataOfPython);
+  for (std::size_t place = 0; place < whole.size(); ++place) {
+    for (int value = 0; value < 256; ++value) {
+      std::vector<std::uint8_t> changed = whole;
+      changed[place] = static_cast<std::uint8_t>(value);
+      const auto frame = unpack_datagram(changed);
+      if (frame) EXPECT_LE(frame->size, 8);
+    }
+  }
+}
+
+TEST(UdpMulticast, RefusesAGroupThatIsNone) {
+  EXPECT_THROW(UdpMulticast("10.0.0.1", 43113), std::invalid_argument);
+  EXPECT_THROW(UdpMulticast("somewhere", 43113), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace koboshi::sim

@@ -1,0 +1,202 @@
+#include "tools/can/describe.h"
+
+#include <fmt/core.h>
+
+#include "firmware/canopen/abort_code.h"
+#include "firmware/canopen/cob_id.h"
+#include "firmware/canopen/sdo_protocol.h"
+#include "tools/can/sdo_transfer.h"
+
+namespace koboshi::tools {
+namespace {
+
+using canopen::load_u16;
+namespace sdo = canopen::sdo;
+
+std::string node_name(int node) { return node == 0 ? "all nodes" : fmt::format("node {}", node); }
+
+const char* command_name(std::uint8_t command) {
+  switch (command) {
+    case 1:
+      return "start";
+    case 2:
+      return "stop";
+    case 128:
+      return "enter pre-operational";
+    case 129:
+      return "reset node";
+    case 130:
+      return "reset communication";
+    default:
+      return "unknown command";
+  }
+}
+
+const char* state_name(std::uint8_t state) {
+  switch (state & 0x7F) {
+    case 0:
+      return "boot-up";
+    case 4:
+      return "stopped";
+    case 5:
+      return "operational";
+    case 127:
+      return "pre-operational";
+    default:
+      return "unknown state";
+  }
+}
+
+// CiA 301, table 26, by classes of codes.
+const char* emergency_class(std::uint16_t code) {
+  switch (code >> 8) {
+    case 0x00:
+      return "error reset or no error";
+    case 0x10:
+      return "generic error";
+    case 0x20:
+    case 0x21:
+    case 0x22:
+    case 0x23:
+      return "current";
+    case 0x30:
+    case 0x31:
+    case 0x32:
+    case 0x33:
+      return "voltage";
+    case 0x40:
+    case 0x41:
+    case 0x42:
+    case 0x43:
+      return "temperature";
+    case 0x50:
+      return "device hardware";
+    case 0x60:
+    case 0x61:
+    case 0x62:
+    case 0x63:
+      return "device software";
+    case 0x70:
+    case 0x71:
+    case 0x73:
+      return "additional modules";
+    case 0x80:
+    case 0x81:
+      return "communication";
+    case 0x82:
+      return "protocol";
+    case 0x84:
+    case 0x85:
+    case 0x86:
+      return "velocity or position control";
+    case 0x90:
+      return "external error";
+    case 0xFF:
+      return "device specific";
+    default:
+      return "error";
+  }
+}
+
+std::string address_text(const sdo::Data& data) {
+  const canopen::ObjectAddress address = sdo::address_of(data);
+  return fmt::format("{:04X}:{:02X}", address.index, address.subindex);
+}
+
+std::string expedited_text(const sdo::Data& data) {
+  std::string text = "0x";
+  for (std::size_t i = sdo::expedited_size(data[0]); i-- > 0;) text += fmt::format("{:02X}", data[4 + i]);
+  return text;
+}
+
+std::string initiate_text(const char* what, const sdo::Data& data, std::uint8_t initiate, bool carries) {
+  std::string text = fmt::format("{} {}", what, address_text(data));
+  if (!carries) return text;
+  if (sdo::is_expedited(data[0], initiate)) return text + " = " + expedited_text(data);
+  return (data[0] & sdo::kSizeIndicated) != 0 ? fmt::format("{}, {} bytes", text, sdo::data_of(data)) : text;
+}
+
+std::string sdo_text(const hal::CanFrame& frame, bool request) {
+  const sdo::Data& data = frame.data;
+  if (data[0] == sdo::kAbort) {
+    const auto code = static_cast<canopen::AbortCode>(sdo::data_of(data));
+    return fmt::format("abort {}: {:08X} {}", address_text(data), static_cast<std::uint32_t>(code),
+                       text_of(code));
+  }
+  switch (data[0] & sdo::kSpecifierMask) {
+    case 0x00:
+      return request ? "write segment" : "read segment answered";
+    case 0x20:
+      return request ? initiate_text("write", data, sdo::kInitiateDownloadRequest, true)
+                     : "write segment done";
+    case 0x40:
+      return request ? initiate_text("read", data, 0, false)
+                     : initiate_text("read answered", data, sdo::kInitiateUploadResponse, true);
+    case 0x60:
+      return request ? "read segment" : initiate_text("write done", data, 0, false);
+    default:
+      return "block transfer";
+  }
+}
+
+std::string emergency_text(const hal::CanFrame& frame) {
+  const std::uint16_t code = load_u16(frame.data.data());
+  return fmt::format("{:04X} {}, register {:02X}", code, code == 0 ? "no error" : emergency_class(code),
+                     frame.data[2]);
+}
+
+}  // namespace
+
+FrameKind kind_of(const hal::CanFrame& frame) {
+  const std::uint16_t identifier = frame.identifier;
+  if (identifier == canopen::kNmtCobId) return FrameKind::kNmt;
+  if (identifier == canopen::kSyncCobId) return FrameKind::kSync;
+  if (identifier == 0x100) return FrameKind::kTime;
+  switch (identifier & canopen::kFunctionCodeMask) {
+    case canopen::kEmergencyBase:
+      return FrameKind::kEmergency;
+    case canopen::kSdoResponseBase:
+    case canopen::kSdoRequestBase:
+      return FrameKind::kSdo;
+    case canopen::kHeartbeatBase:
+      return FrameKind::kHeartbeat;
+    default:
+      return identifier >= 0x181 && identifier < canopen::kSdoResponseBase ? FrameKind::kPdo
+                                                                           : FrameKind::kOther;
+  }
+}
+
+int node_of(const hal::CanFrame& frame) {
+  const FrameKind kind = kind_of(frame);
+  if (kind == FrameKind::kNmt) return frame.size > 1 ? frame.data[1] : 0;
+  return kind == FrameKind::kSync || kind == FrameKind::kTime ? 0 : frame.identifier & 0x7F;
+}
+
+std::string describe(const hal::CanFrame& frame) {
+  const int node = node_of(frame);
+  if (frame.remote) return fmt::format("remote request of {}", node_name(node));
+  switch (kind_of(frame)) {
+    case FrameKind::kNmt:
+      return frame.size == 2 ? fmt::format("NMT {}: {}", node_name(node), command_name(frame.data[0]))
+                             : "NMT of wrong length";
+    case FrameKind::kSync:
+      return frame.size == 0 ? "SYNC" : fmt::format("SYNC {}", frame.data[0]);
+    case FrameKind::kEmergency:
+      return frame.size == 8 ? fmt::format("EMCY {}: {}", node_name(node), emergency_text(frame))
+                             : "EMCY of wrong length";
+    case FrameKind::kTime:
+      return "TIME";
+    case FrameKind::kHeartbeat:
+      return frame.size == 1 ? fmt::format("heartbeat {}: {}", node_name(node), state_name(frame.data[0]))
+                             : "heartbeat of wrong length";
+    case FrameKind::kSdo: {
+      const bool request = (frame.identifier & canopen::kFunctionCodeMask) == canopen::kSdoRequestBase;
+      return frame.size == 8 ? fmt::format("SDO {}: {}", node_name(node), sdo_text(frame, request))
+                             : "SDO of wrong length";
+    }
+    default:
+      return {};
+  }
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,273 @@
+#include "tools/can/sdo_transfer.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/crc.hpp>
+#include <chrono>
+#include <utility>
+
+#include "firmware/canopen/cob_id.h"
+#include "firmware/canopen/sdo_protocol.h"
+#include "tools/can/source.h"
+
+namespace koboshi::tools {
+namespace {
+
+using canopen::AbortCode;
+using canopen::ObjectAddress;
+namespace sdo = canopen::sdo;
+using Clock = std::chrono::steady_clock;
+
+// Block transfer (CiA 301, 7.2.4.3.9 to 7.2.4.3.15): command bytes, with the bits that we set.
+constexpr std::uint8_t kBlockUploadRequest = 0xA4;  // with checksum
+constexpr std::uint8_t kBlockUploadStart = 0xA3;
+constexpr std::uint8_t kBlockAnswer = 0xA2;  // to a block, of either direction
+constexpr std::uint8_t kBlockEnd = 0xA1;     // the last word of either direction
+constexpr std::uint8_t kBlockUploadResponse = 0xC0;
+constexpr std::uint8_t kBlockDownloadRequest = 0xC6;  // with checksum and size
+constexpr std::uint8_t kBlockDownloadResponse = 0xA0;
+constexpr std::uint8_t kBlockSizeIndicated = 0x02;
+constexpr std::uint8_t kLastOfAll = 0x80;
+
+std::uint16_t crc16(std::span<const std::uint8_t> data) {
+  boost::crc_optimal<16, 0x1021, 0, 0, false, false> crc;
+  crc.process_bytes(data.data(), data.size());
+  return static_cast<std::uint16_t>(crc.checksum());
+}
+
+std::size_t segments_of(std::size_t bytes) { return (bytes + sdo::kSegmentBytes - 1) / sdo::kSegmentBytes; }
+
+constexpr std::pair<AbortCode, const char*> kTexts[] = {
+    {AbortCode::kToggleBitNotAlternated, "toggle bit not alternated"},
+    {AbortCode::kTimedOut, "SDO protocol timed out"},
+    {AbortCode::kCommandSpecifierUnknown, "command specifier not valid or unknown"},
+    {AbortCode::kInvalidBlockSize, "invalid block size"},
+    {AbortCode::kInvalidSequenceNumber, "invalid sequence number"},
+    {AbortCode::kCrcError, "CRC error"},
+    {AbortCode::kOutOfMemory, "out of memory"},
+    {AbortCode::kUnsupportedAccess, "unsupported access to an object"},
+    {AbortCode::kReadOfWriteOnly, "attempt to read a write-only object"},
+    {AbortCode::kWriteOfReadOnly, "attempt to write a read-only object"},
+    {AbortCode::kObjectDoesNotExist, "object does not exist"},
+    {AbortCode::kNotMappable, "object cannot be mapped to the PDO"},
+    {AbortCode::kPdoLengthExceeded, "the objects would exceed the length of a PDO"},
+    {AbortCode::kParameterIncompatibility, "general parameter incompatibility"},
+    {AbortCode::kInternalIncompatibility, "general internal incompatibility in the device"},
+    {AbortCode::kHardwareError, "access failed due to a hardware error"},
+    {AbortCode::kLengthMismatch, "data type does not match, length of parameter does not match"},
+    {AbortCode::kLengthTooHigh, "data type does not match, length of parameter too high"},
+    {AbortCode::kLengthTooLow, "data type does not match, length of parameter too low"},
+    {AbortCode::kSubindexDoesNotExist, "sub-index does not exist"},
+    {AbortCode::kInvalidValue, "invalid value for parameter"},
+    {AbortCode::kValueTooHigh, "value of parameter too high"},
+    {AbortCode::kValueTooLow, "value of parameter too low"},
+    {AbortCode::kMaximumBelowMinimum, "maximum value is less than minimum value"},
+    {AbortCode::kResourceNotAvailable, "resource not available: SDO connection"},
+    {AbortCode::kGeneralError, "general error"},
+    {AbortCode::kCannotTransfer, "data cannot be transferred or stored to the application"},
+    {AbortCode::kLocalControl, "data cannot be transferred or stored because of local control"},
+    {AbortCode::kDeviceState, "data cannot be transferred or stored because of the present device state"},
+    {AbortCode::kNoDictionary, "no object dictionary is present"},
+    {AbortCode::kNoData, "no data available"},
+};
+
+}  // namespace
+
+std::string text_of(AbortCode code) {
+  const auto* found = std::ranges::find(kTexts, code, &std::pair<AbortCode, const char*>::first);
+  return found == std::end(kTexts) ? "a code that CiA 301 does not know" : found->second;
+}
+
+SdoAborted::SdoAborted(AbortCode code)
+    : std::runtime_error(
+          fmt::format("SDO abort 0x{:08X}: {}", static_cast<std::uint32_t>(code), text_of(code))),
+      code_(code) {}
+
+SdoTransfer::SdoTransfer(sim::Transport& transport, std::uint8_t node_id)
+    : SdoTransfer(transport, static_cast<std::uint16_t>(canopen::kSdoRequestBase + node_id),
+                  static_cast<std::uint16_t>(canopen::kSdoResponseBase + node_id)) {}
+
+// --- One message
+
+void SdoTransfer::send(const Data& data) {
+  const hal::CanFrame frame{.identifier = request_, .size = 8, .data = data};
+  const Clock::time_point start = Clock::now();
+  while (!transport_.send(frame, 0)) {
+    if (Clock::now() - start > std::chrono::microseconds(kTimeout_us))
+      throw std::runtime_error("the bus takes no frames");
+    wait_for_frames(transport_, 100);
+  }
+}
+
+SdoTransfer::Data SdoTransfer::receive() {
+  const Clock::time_point deadline = Clock::now() + std::chrono::microseconds(kTimeout_us);
+  while (Clock::now() < deadline) {
+    const auto frame = transport_.receive();
+    if (frame && frame->identifier == response_ && frame->size == 8 && !frame->remote) return frame->data;
+    if (!frame) wait_for_frames(transport_, 1'000);
+  }
+  throw std::runtime_error(
+      fmt::format("no SDO answer with identifier 0x{:03X} within {} ms", response_, kTimeout_us / 1000));
+}
+
+SdoTransfer::Data SdoTransfer::ask(const Data& data, std::uint8_t specifier) {
+  send(data);
+  const Data answer = receive();
+  if (answer[0] == sdo::kAbort) throw SdoAborted(static_cast<AbortCode>(sdo::data_of(answer)));
+  if ((answer[0] & sdo::kSpecifierMask) != specifier) abort(AbortCode::kCommandSpecifierUnknown);
+  return answer;
+}
+
+void SdoTransfer::abort(AbortCode code) {
+  send(sdo::message(sdo::kAbort, address_, static_cast<std::uint32_t>(code)));
+  throw SdoAborted(code);
+}
+
+// --- Expedited and by segments
+
+std::vector<std::uint8_t> SdoTransfer::read(ObjectAddress address) {
+  address_ = address;
+  const Data answer =
+      ask(sdo::message(sdo::kInitiateUploadRequest, address, 0), sdo::kInitiateUploadResponse);
+  if (sdo::is_expedited(answer[0], sdo::kInitiateUploadResponse)) {
+    const auto first = answer.begin() + 4;
+    return {first, first + static_cast<std::ptrdiff_t>(sdo::expedited_size(answer[0]))};
+  }
+  return read_segments((answer[0] & sdo::kSizeIndicated) != 0 ? sdo::data_of(answer) : 0);
+}
+
+std::vector<std::uint8_t> SdoTransfer::read_segments(std::size_t size) {
+  std::vector<std::uint8_t> data;
+  for (std::uint8_t toggle = 0;; toggle ^= sdo::kToggle) {
+    Data request{};
+    request[0] = static_cast<std::uint8_t>(sdo::kUploadSegmentRequest | toggle);
+    const Data answer = ask(request, sdo::kUploadSegmentResponse);
+    if ((answer[0] & sdo::kToggle) != toggle) abort(AbortCode::kToggleBitNotAlternated);
+    data.insert(data.end(), answer.begin() + 1,
+                answer.begin() + 1 + static_cast<std::ptrdiff_t>(sdo::segment_size(answer[0])));
+    if ((answer[0] & sdo::kLastSegment) != 0) break;
+  }
+  if (size != 0 && data.size() != size) abort(AbortCode::kLengthMismatch);
+  return data;
+}
+
+void SdoTransfer::write(ObjectAddress address, std::span<const std::uint8_t> data) {
+  address_ = address;
+  if (data.size() <= 4 && !data.empty()) {
+    Data request = sdo::message(sdo::expedited(sdo::kInitiateDownloadRequest, data.size()), address, 0);
+    std::ranges::copy(data, request.begin() + 4);
+    ask(request, sdo::kInitiateDownloadResponse);
+    return;
+  }
+  ask(sdo::message(sdo::kInitiateDownloadRequest | sdo::kSizeIndicated, address,
+                   static_cast<std::uint32_t>(data.size())),
+      sdo::kInitiateDownloadResponse);
+  write_segments(data);
+}
+
+void SdoTransfer::write_segments(std::span<const std::uint8_t> data) {
+  std::uint8_t toggle = 0;
+  do {
+    const std::size_t count = std::min(data.size(), sdo::kSegmentBytes);
+    const std::uint8_t last = count == data.size() ? sdo::kLastSegment : 0;
+    Data request{};
+    request[0] = static_cast<std::uint8_t>(sdo::kDownloadSegmentRequest | toggle |
+                                           (sdo::kSegmentBytes - count) << 1 | last);
+    std::ranges::copy(data.first(count), request.begin() + 1);
+    const Data answer = ask(request, sdo::kDownloadSegmentResponse);
+    if ((answer[0] & sdo::kToggle) != toggle) abort(AbortCode::kToggleBitNotAlternated);
+    toggle ^= sdo::kToggle;
+    data = data.subspan(count);
+  } while (!data.empty());
+}
+
+// --- By blocks
+
+std::vector<std::uint8_t> SdoTransfer::upload(ObjectAddress address, const SdoProgress& progress) {
+  address_ = address;
+  Data request = sdo::message(kBlockUploadRequest, address, 0);
+  request[4] = kBlock;
+  const Data answer = ask(request, kBlockUploadResponse);
+  const std::size_t size = (answer[0] & kBlockSizeIndicated) != 0 ? sdo::data_of(answer) : 0;
+  send({kBlockUploadStart});
+  return read_blocks(size, progress);
+}
+
+std::vector<std::uint8_t> SdoTransfer::read_blocks(std::size_t size, const SdoProgress& progress) {
+  std::vector<std::uint8_t> data;
+  for (;;) {
+    std::uint8_t expected = 1;
+    bool last = false;
+    for (std::uint8_t sequence = 0; !last && sequence < kBlock;) {
+      const Data segment = receive();
+      if (segment[0] == sdo::kAbort && data.empty() && expected == 1)
+        throw SdoAborted(static_cast<AbortCode>(sdo::data_of(segment)));
+      sequence = segment[0] & 0x7F;
+      if (sequence != expected) {
+        if ((segment[0] & kLastOfAll) != 0) break;  // the last, with some lost before it: asked for again
+        continue;
+      }
+      last = (segment[0] & kLastOfAll) != 0;
+      data.insert(data.end(), segment.begin() + 1, segment.end());
+      ++expected;
+    }
+    send({kBlockAnswer, static_cast<std::uint8_t>(expected - 1), kBlock});
+    if (progress) progress(data.size(), size);
+    if (last) break;
+  }
+  end_upload(data);
+  if (size != 0 && data.size() != size) abort(AbortCode::kLengthMismatch);
+  return data;
+}
+
+void SdoTransfer::end_upload(std::vector<std::uint8_t>& data) {
+  const Data end = receive();
+  if (end[0] == sdo::kAbort) throw SdoAborted(static_cast<AbortCode>(sdo::data_of(end)));
+  if ((end[0] & 0xE1) != 0xC1) abort(AbortCode::kCommandSpecifierUnknown);
+  data.resize(data.size() - std::min<std::size_t>(data.size(), (end[0] >> 2) & 7u));
+  if (canopen::load_u16(&end[1]) != crc16(data)) abort(AbortCode::kCrcError);
+  send({kBlockEnd});
+}
+
+void SdoTransfer::download(ObjectAddress address, std::span<const std::uint8_t> data,
+                           const SdoProgress& progress) {
+  address_ = address;
+  const Data answer =
+      ask(sdo::message(kBlockDownloadRequest, address, static_cast<std::uint32_t>(data.size())),
+          kBlockDownloadResponse);
+  write_blocks(data, answer[4], progress);
+  const std::size_t rest = data.size() % sdo::kSegmentBytes;
+  const std::size_t unused = rest == 0 && !data.empty() ? 0 : sdo::kSegmentBytes - rest;
+  Data end{};
+  end[0] = static_cast<std::uint8_t>(0xC1 | unused << 2);
+  canopen::store_u16(&end[1], crc16(data));
+  ask(end, kBlockDownloadResponse);
+}
+
+void SdoTransfer::write_blocks(std::span<const std::uint8_t> data, std::uint8_t block,
+                               const SdoProgress& progress) {
+  std::size_t done = 0;  // segments that the server has
+  const std::size_t all = std::max<std::size_t>(segments_of(data.size()), 1);
+  while (done < all) {
+    if (block == 0 || block > kBlock) abort(AbortCode::kInvalidBlockSize);
+    const std::size_t count = std::min<std::size_t>(block, all - done);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t begin = (done + i) * sdo::kSegmentBytes;
+      const auto part = data.subspan(begin, std::min(sdo::kSegmentBytes, data.size() - begin));
+      Data segment{};
+      segment[0] = static_cast<std::uint8_t>((i + 1) | (done + i + 1 == all ? kLastOfAll : 0));
+      std::ranges::copy(part, segment.begin() + 1);
+      send(segment);
+    }
+    const Data answer = receive();
+    if (answer[0] == sdo::kAbort) throw SdoAborted(static_cast<AbortCode>(sdo::data_of(answer)));
+    if (answer[0] != kBlockAnswer || answer[1] > count) abort(AbortCode::kInvalidSequenceNumber);
+    done += answer[1];
+    block = answer[2];
+    if (progress) progress(std::min(done * sdo::kSegmentBytes, data.size()), data.size());
+  }
+}
+
+}  // namespace koboshi::tools

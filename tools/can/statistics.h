@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "tools/can/source.h"
+
+namespace koboshi::tools {
+
+// How one identifier came: by how many frames, in what periods.
+struct IdentifierStatistics {
+  std::uint64_t frames = 0;
+  std::uint64_t bits = 0;  // with stuff bits and intermission
+  std::uint64_t first_us = 0;
+  std::uint64_t last_us = 0;
+  std::uint64_t shortest_us = UINT64_MAX;  // between two frames
+  std::uint64_t longest_us = 0;
+  // After the SYNC before it; of frames between two SYNCs.
+  std::uint64_t earliest_after_sync_us = UINT64_MAX;
+  std::uint64_t latest_after_sync_us = 0;
+
+  double mean_period_us() const {
+    return frames > 1 ? static_cast<double>(last_us - first_us) / static_cast<double>(frames - 1) : 0.0;
+  }
+};
+
+// Rate, load and jitter of a bus of 1 Mbit/s.
+class BusStatistics {
+ public:
+  void add(const TimedFrame& timed);
+
+  std::uint64_t frames() const { return frames_; }
+  double duration_s() const { return 1e-6 * static_cast<double>(last_us_ - first_us_); }
+  // Share of the time that the bus was busy, 0 to 1.
+  double load() const;
+  const std::map<std::uint16_t, IdentifierStatistics>& identifiers() const { return identifiers_; }
+
+ private:
+  std::map<std::uint16_t, IdentifierStatistics> identifiers_;
+  std::uint64_t frames_ = 0;
+  std::uint64_t bits_ = 0;
+  std::uint64_t first_us_ = 0;
+  std::uint64_t last_us_ = 0;
+  std::optional<std::uint64_t> sync_us_;
+};
+
+// A table, a line for each identifier.
+std::string statistics_table(const BusStatistics& statistics);
+
+}  // namespace koboshi::tools

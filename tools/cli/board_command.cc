@@ -1,0 +1,66 @@
+#include "tools/cli/board_command.h"
+
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim_board/scenario/reader.h"
+#include "tools/cli/live_arguments.h"
+#include "tools/run/bare_board.h"
+
+namespace koboshi::tools {
+namespace {
+
+struct Arguments {
+  std::filesystem::path scenario = "scenarios/board.yaml";
+  std::vector<std::string> sets;
+  std::string duration;
+  LiveOptions live;
+};
+
+void play_board(const Arguments& arguments) {
+  std::vector<sim::Override> overrides;
+  for (const std::string& set : arguments.sets) overrides.push_back(sim::parse_override(set));
+  if (!arguments.duration.empty()) overrides.push_back({"duration_s", arguments.duration});
+  LiveLink live(arguments.live);
+  BareBoard bare(sim::read_scenario(arguments.scenario, overrides));
+  sim::SimBoard& board = bare.board();
+  live.attach(board.bus());
+  tell_where(live);
+  while (!bare.finished() && !live.interrupted()) {
+    live.before(board.now_us());
+    bare.advance();
+    live.after(board.now_us());
+  }
+  const sim::BusUsage usage = board.bus().usage();
+  fmt::print("{:.2f} s, {} frames, bus load {:.0f} %\n", 1e-6 * static_cast<double>(board.now_us()),
+             usage.frames, 100.0 * sim::bus_load({}, usage));
+  tell_overruns(live.report());
+}
+
+}  // namespace
+
+void add_board_command(CLI::App& program) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      program.add_subcommand("board", "The simulated robot without controller, for any CANopen master");
+  command->footer(
+      "Drives (CiA 402) on a CAN bus, on a robot that hangs on a stand; it ends after the scenario's time or "
+      "by\n"
+      "Ctrl-C.\n\n"
+      "Examples:\n"
+      "  koboshi board --can socketcan:vcan0\n"
+      "  koboshi board --can udp:239.74.163.2:43113 --set initial.held_until_s=5\n");
+  command->add_option("SCENARIO", arguments->scenario,
+                      "A scenario without commands, motions and gait (default: scenarios/board.yaml)");
+  command->add_option("--duration", arguments->duration, "Simulated seconds");
+  command->add_option("--set", arguments->sets, "Override a key of the scenario; may be repeated")
+      ->allow_extra_args(false);
+  add_live_options(*command, arguments->live);
+  command->callback([arguments] { play_board(*arguments); });
+}
+
+}  // namespace koboshi::tools

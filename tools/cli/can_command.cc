@@ -1,0 +1,162 @@
+#include "tools/cli/can_command.h"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include "firmware/canopen/nmt.h"
+#include "sim_board/can/transport/transport.h"
+#include "tools/can/frame_text.h"
+#include "tools/can/source.h"
+#include "tools/can/statistics.h"
+#include "tools/cli/can_dump_command.h"
+#include "tools/cli/can_options.h"
+#include "tools/cli/can_sdo_command.h"
+#include "tools/run/interrupt.h"
+#include "tools/run/pacer.h"
+
+namespace koboshi::tools {
+namespace {
+
+// A frame that finds no room waits for it: who sends by hand wants it sent.
+void send_surely(sim::Transport& transport, const hal::CanFrame& frame) {
+  constexpr int kMostWaits = 10'000;
+  for (int waits = 0; !transport.send(frame, 0); ++waits) {
+    if (waits == kMostWaits) throw std::runtime_error("the bus takes no frames");
+    std::this_thread::sleep_for(std::chrono::microseconds(100));
+  }
+}
+
+void add_send(CLI::App& can) {
+  struct Arguments {
+    std::vector<std::string> frames;
+    CanOptions can;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = can.add_subcommand("send", "Send frames: 201#0100, 000#0110, 123#R");
+  command->add_option("FRAME", arguments->frames, "ID#DATA in hexadecimal, as cansend takes it")->required();
+  add_can_options(*command, arguments->can);
+  command->callback([arguments] {
+    std::vector<hal::CanFrame> frames;
+    for (const std::string& text : arguments->frames) frames.push_back(parse_frame(text));
+    const auto transport = open_can(arguments->can);
+    for (const hal::CanFrame& frame : frames) send_surely(*transport, frame);
+  });
+}
+
+void add_nmt(CLI::App& can) {
+  struct Arguments {
+    std::string order;
+    std::string node;
+    CanOptions can;
+  };
+  static const std::map<std::string, int> kOrders{
+      {"start", 1}, {"stop", 2}, {"pre-operational", 128}, {"reset", 129}, {"reset-communication", 130}};
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = can.add_subcommand("nmt", "Command the state of a node or of all");
+  std::vector<std::string> names;
+  for (const auto& [name, code] : kOrders) names.push_back(name);
+  command
+      ->add_option("COMMAND", arguments->order, "start, stop, pre-operational, reset or reset-communication")
+      ->required()
+      ->check(CLI::IsMember(names));
+  command->add_option("NODE", arguments->node, "1 to 127, or all")->required();
+  add_can_options(*command, arguments->can);
+  command->callback([arguments] {
+    const std::uint64_t node = arguments->node == "all" ? 0 : parse_node(arguments->node);
+    hal::CanFrame frame{.identifier = 0, .size = 2};
+    frame.data[0] = static_cast<std::uint8_t>(kOrders.at(arguments->order));
+    frame.data[1] = static_cast<std::uint8_t>(node);
+    send_surely(*open_can(arguments->can), frame);
+  });
+}
+
+void add_statistics(CLI::App& can) {
+  struct Arguments {
+    std::filesystem::path log;
+    double duration_s = 10.0;
+    CanOptions can;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = can.add_subcommand("stats", "Rate, load, and the jitter of SYNC and PDOs");
+  command->add_option("LOG", arguments->log,
+                      "A log as of candump -L, or the folder of a run; without it, live");
+  command->add_option("--duration", arguments->duration_s, "Seconds to listen to a live bus (default: 10)")
+      ->check(CLI::Range(0.1, 86400.0));
+  add_can_options(*command, arguments->can);
+  command->callback([arguments] {
+    const OpenedSource opened = open_source(arguments->log, arguments->can);
+    const auto end_us = static_cast<std::uint64_t>(1e6 * arguments->duration_s);
+    Interrupt interrupt;
+    BusStatistics statistics;
+    for (std::uint64_t last_us = 0; !interrupt.requested();) {
+      if (opened.source->is_live() && last_us >= end_us) break;
+      const auto timed = opened.source->next(end_us - std::min(last_us, end_us));
+      if (!timed) break;
+      last_us = timed->time_us;
+      statistics.add(*timed);
+    }
+    fmt::print("{}", statistics_table(statistics));
+  });
+}
+
+void add_replay(CLI::App& can) {
+  struct Arguments {
+    std::filesystem::path log;
+    double speed = 1.0;
+    CanOptions can;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = can.add_subcommand("replay", "Send a log's frames at their times");
+  command->add_option("LOG", arguments->log, "A log as of candump -L, or the folder of a run")->required();
+  command->add_option("--speed", arguments->speed, "Times as fast as it was (default: 1)")
+      ->check(CLI::Range(0.01, 1000.0));
+  add_can_options(*command, arguments->can);
+  command->callback([arguments] {
+    const auto source = open_log(arguments->log);
+    const auto transport = open_can(arguments->can);
+    Interrupt interrupt;
+    std::optional<std::uint64_t> first_us;
+    Pacer pacer(0);
+    std::uint64_t frames = 0;
+    while (const auto timed = source->next(0)) {
+      if (interrupt.requested()) break;
+      if (!first_us) first_us = timed->time_us;
+      pacer.wait_for(
+          static_cast<std::uint64_t>(static_cast<double>(timed->time_us - *first_us) / arguments->speed));
+      send_surely(*transport, timed->frame);
+      ++frames;
+    }
+    fmt::print("{} frames sent\n", frames);
+  });
+}
+
+}  // namespace
+
+void add_can_command(CLI::App& program) {
+  CLI::App* can = program.add_subcommand("can", "Watch a CAN bus and talk to it");
+  can->require_subcommand(1);
+  can->footer(
+      "Examples:\n"
+      "  koboshi can dump runs/walk                        the log of a run, in words\n"
+      "  koboshi can dump --can socketcan:vcan0 --node 16\n"
+      "  koboshi can send 201#0100                         tells the controller to enable the drives\n"
+      "  koboshi can sdo read 1 0x1008\n"
+      "  koboshi can nmt start all\n"
+      "  koboshi can stats runs/walk\n"
+      "  koboshi can replay runs/walk/can.log --can udp:239.74.163.2:43113\n");
+  add_can_dump_command(*can);
+  add_send(*can);
+  add_can_sdo_command(*can);
+  add_nmt(*can);
+  add_statistics(*can);
+  add_replay(*can);
+}
+
+}  // namespace koboshi::tools

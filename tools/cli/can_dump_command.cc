@@ -1,0 +1,129 @@
+#include "tools/cli/can_dump_command.h"
+
+#include <fmt/color.h>
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tools/can/describe.h"
+#include "tools/can/frame_text.h"
+#include "tools/cli/can_options.h"
+#include "tools/run/interrupt.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr std::uint64_t kPatience_us = 100'000;  // between two looks at Ctrl-C
+
+struct Arguments {
+  std::filesystem::path log;
+  std::vector<std::string> nodes;
+  std::vector<std::string> kinds;
+  std::vector<std::string> identifiers;
+  std::uint64_t count = 0;
+  CanOptions can;
+};
+
+const std::map<std::string, FrameKind>& kinds() {
+  static const std::map<std::string, FrameKind> names{
+      {"nmt", FrameKind::kNmt}, {"sync", FrameKind::kSync}, {"emcy", FrameKind::kEmergency},
+      {"pdo", FrameKind::kPdo}, {"sdo", FrameKind::kSdo},   {"heartbeat", FrameKind::kHeartbeat}};
+  return names;
+}
+
+// What a person asked for; everything, where nothing was asked.
+class Filter {
+ public:
+  explicit Filter(const Arguments& arguments) {
+    for (const std::string& text : arguments.nodes) nodes_.insert(parse_node(text));
+    for (const std::string& name : arguments.kinds) kinds_.insert(kinds().at(name));
+    for (const std::string& text : arguments.identifiers)
+      identifiers_.insert(parse_number(text.starts_with("0x") ? text : "0x" + text, "the identifier", 0x7FF));
+  }
+
+  bool passes(const hal::CanFrame& frame) const {
+    return (nodes_.empty() || nodes_.contains(node_of(frame))) &&
+           (kinds_.empty() || kinds_.contains(kind_of(frame))) &&
+           (identifiers_.empty() || identifiers_.contains(frame.identifier));
+  }
+
+ private:
+  std::set<int> nodes_;
+  std::set<FrameKind> kinds_;
+  std::set<std::uint64_t> identifiers_;
+};
+
+fmt::color color_of(FrameKind kind) {
+  switch (kind) {
+    case FrameKind::kEmergency:
+      return fmt::color::orange_red;
+    case FrameKind::kNmt:
+      return fmt::color::gold;
+    case FrameKind::kSdo:
+      return fmt::color::sky_blue;
+    case FrameKind::kPdo:
+      return fmt::color::light_green;
+    default:
+      return fmt::color::gray;
+  }
+}
+
+void print(const TimedFrame& timed, bool colored) {
+  const std::string text = describe(timed.frame);
+  const std::string line = fmt::format("{:12.6f}  {:<22}{}{}\n", 1e-6 * static_cast<double>(timed.time_us),
+                                       frame_text(timed.frame), text.empty() ? "" : "  ", text);
+  if (colored) {
+    fmt::print(fmt::fg(color_of(kind_of(timed.frame))), "{}", line);
+  } else {
+    std::fwrite(line.data(), 1, line.size(), stdout);
+  }
+}
+
+void dump(const Arguments& arguments) {
+  const Filter filter(arguments);
+  const OpenedSource opened = open_source(arguments.log, arguments.can);
+  const bool colored = isatty(STDOUT_FILENO) != 0;
+  Interrupt interrupt;
+  for (std::uint64_t shown = 0; arguments.count == 0 || shown < arguments.count;) {
+    const auto timed = opened.source->next(kPatience_us);
+    if (interrupt.requested() || (!timed && !opened.source->is_live())) return;
+    if (!timed) {
+      std::fflush(stdout);
+      continue;
+    }
+    if (!filter.passes(timed->frame)) continue;
+    print(*timed, colored);
+    ++shown;
+  }
+}
+
+}  // namespace
+
+void add_can_dump_command(CLI::App& can) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = can.add_subcommand("dump", "Show frames, with their meaning");
+  command->add_option("LOG", arguments->log,
+                      "A log as of candump -L, or the folder of a run; without it, live");
+  command->add_option("--node", arguments->nodes, "Only of this node; may be repeated")
+      ->allow_extra_args(false);
+  std::vector<std::string> names;
+  for (const auto& [name, kind] : kinds()) names.push_back(name);
+  command
+      ->add_option("--kind", arguments->kinds, "Only nmt, sync, emcy, pdo, sdo or heartbeat; may be repeated")
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(names));
+  command->add_option("--id", arguments->identifiers, "Only this identifier, in hexadecimal; may be repeated")
+      ->allow_extra_args(false);
+  command->add_option("--count", arguments->count, "End after so many frames");
+  add_can_options(*command, arguments->can);
+  command->callback([arguments] { dump(*arguments); });
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,42 @@
+#include "tools/run/bare_board.h"
+
+#include "sim_board/input/error.h"
+#include "sim_board/robot/load.h"
+
+namespace koboshi::tools {
+namespace {
+
+const sim::Scenario& without_controller(const sim::Scenario& scenario) {
+  const char* found = !scenario.commands.empty()     ? "commands"
+                      : !scenario.parameters.empty() ? "parameters"
+                      : !scenario.motions.empty()    ? "motions"
+                      : scenario.gait                ? "a gait"
+                                                     : nullptr;
+  if (found != nullptr)
+    throw sim::InputError(scenario.file, 0, found,
+                          "none of them: a board without controller has no use for them");
+  return scenario;
+}
+
+sim::RobotDescription load_checked(const sim::Scenario& scenario) {
+  sim::RobotDescription robot = sim::load_robot(scenario.robot);
+  sim::check(scenario, robot);
+  return robot;
+}
+
+}  // namespace
+
+void BareBoard::NoController::exchange(const hal::BatchInput&, hal::BatchOutput& output) {
+  output = {};
+  output.watchdog_kicked = true;
+  output.drive_enabled = true;
+}
+
+BareBoard::BareBoard(const sim::Scenario& scenario)
+    : scenario_(without_controller(scenario)), robot_(load_checked(scenario_)) {
+  board_ = std::make_unique<sim::SimBoard>(robot_, sim::board_options(scenario_, robot_), host_);
+  board_->unplug_controller();
+  player_ = std::make_unique<sim::ScenarioPlayer>(scenario_, *board_);
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,21 @@
+#include "tools/run/interrupt.h"
+
+#include <ctime>
+
+namespace koboshi::tools {
+
+Interrupt::Interrupt() {
+  sigemptyset(&signals_);
+  sigaddset(&signals_, SIGINT);
+  sigaddset(&signals_, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals_, &before_);
+}
+
+Interrupt::~Interrupt() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+
+bool Interrupt::requested() {
+  const timespec at_once{};
+  return sigtimedwait(&signals_, nullptr, &at_once) > 0;
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,34 @@
+#include "tools/run/live_link.h"
+
+namespace koboshi::tools {
+
+LiveLink::LiveLink(const LiveOptions& options)
+    : transport_(sim::open_transport(options.can, options.real_bus)),
+      live_(options.realtime || (transport_ && transport_->is_live())) {
+  // Before any thread is started, so that none of them is ended by Ctrl-C.
+  if (live_) interrupt_.emplace();
+}
+
+void LiveLink::attach(sim::Bus& bus) {
+  if (transport_) node_.emplace(bus, *transport_);
+  if (live_) pacer_.emplace(bus.now_us());
+}
+
+nlohmann::ordered_json LiveLink::report() const {
+  nlohmann::ordered_json json;
+  if (node_) {
+    const sim::TransportNode::Counters& counters = node_->counters();
+    json["can"] = {{"transport", transport_->place()},
+                   {"frames_sent", counters.sent},
+                   {"frames_lost", counters.lost},
+                   {"frames_received", counters.received},
+                   {"frames_refused", counters.refused}};
+  }
+  if (pacer_) {
+    json["overruns"] = pacer_->overruns();
+    json["largest_delay_us"] = pacer_->largest_delay_us();
+  }
+  return json;
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "sim_board/can/transport/transport_node.h"
+#include "tools/run/interrupt.h"
+#include "tools/run/pacer.h"
+
+namespace koboshi::tools {
+
+// How a simulation is joined to the world outside.
+struct LiveOptions {
+  std::string can = "none";  // see sim::open_transport
+  bool real_bus = false;     // allows an interface that is neither vcan nor vxcan
+  bool realtime = false;     // by the clock on the wall; always so with a live transport
+
+  friend bool operator==(const LiveOptions&, const LiveOptions&) = default;
+};
+
+// Joins the bus of a simulation to a transport, and its time to the clock on the wall.
+class LiveLink {
+ public:
+  // Opens the transport. Throws what sim::open_transport throws.
+  explicit LiveLink(const LiveOptions& options);
+
+  // Begins, with a bus that stands at its present time.
+  void attach(sim::Bus& bus);
+  // Before and after each millisecond of the simulation.
+  void before(std::uint64_t now_us) {
+    if (node_) node_->poll(now_us);
+  }
+  void after(std::uint64_t now_us) {
+    if (pacer_) pacer_->wait_for(now_us);
+  }
+  // Whether the user wants an end, by Ctrl-C; never without a live link.
+  bool interrupted() { return interrupt_ && interrupt_->requested(); }
+
+  bool is_live() const { return live_; }
+  // Where others find the bus; null without a transport.
+  const sim::Transport* transport() const { return transport_.get(); }
+  // What became of it: frames, overruns. Null when there was neither transport nor pacing.
+  nlohmann::ordered_json report() const;
+
+ private:
+  std::unique_ptr<sim::Transport> transport_;
+  bool live_;
+  std::optional<sim::TransportNode> node_;
+  std::optional<Pacer> pacer_;
+  std::optional<Interrupt> interrupt_;
+};
+
+}  // namespace koboshi::tools

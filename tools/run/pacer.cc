@@ -1,0 +1,21 @@
+#include "tools/run/pacer.h"
+
+#include <algorithm>
+#include <thread>
+
+namespace koboshi::tools {
+
+void Pacer::wait_for(std::uint64_t now_us) {
+  const Clock::time_point due = start_ + std::chrono::microseconds(now_us - start_us_);
+  const Clock::time_point now = Clock::now();
+  if (now < due) {
+    std::this_thread::sleep_until(due);
+    return;
+  }
+  const auto delay_us =
+      static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(now - due).count());
+  largest_delay_us_ = std::max(largest_delay_us_, delay_us);
+  if (delay_us > kTolerance_us) ++overruns_;
+}
+
+}  // namespace koboshi::tools
