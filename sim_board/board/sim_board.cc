@@ -61,6 +61,7 @@ SimBoard::SimBoard(const RobotDescription& robot, const BoardOptions& options, C
   }
   if (robot.left_ankle) ankles_[0].emplace(*robot.left_ankle, robot, errors);
   if (robot.right_ankle) ankles_[1].emplace(*robot.right_ankle, robot, errors);
+  if (options.sensors_on_bus) attach_sensor_nodes();
   sample_sensors();
 }
 
@@ -68,6 +69,7 @@ void SimBoard::advance() {
   advance_bus();
   update_drives();
   collect_samples();
+  update_sensor_nodes();
   if (!controller_stopped_) serve_controller();
   watch_dog();
   step_physics();
@@ -101,12 +103,39 @@ void SimBoard::drive_servos() {
 
 void SimBoard::collect_samples() {
   hal::ImuSample sample;
-  while (imu_ && imu_->poll(now_us_, sample)) {
-    if (!input_.imu.push(sample) && input_.imu_overruns < 0xFFFF) ++input_.imu_overruns;
+  while (imu_ && imu_->poll(now_us_, sample)) take(sample);
+  hal::AnkleSample ankle;
+  for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
+    auto& sensor = ankles_[static_cast<std::size_t>(side)];
+    while (sensor && sensor->poll(now_us_, ankle)) take(side, ankle);
   }
+}
+
+void SimBoard::take(const hal::ImuSample& sample) {
+  if (imu_node_) return imu_node_->take(sample);
+  if (!input_.imu.push(sample) && input_.imu_overruns < 0xFFFF) ++input_.imu_overruns;
+}
+
+void SimBoard::take(hal::Side side, const hal::AnkleSample& sample) {
+  const auto number = static_cast<std::size_t>(side);
+  if (ankle_nodes_[number]) return ankle_nodes_[number]->take(sample);
+  input_.ankles[number] = sample;
+  input_.ankle_fresh[number] = true;
+}
+
+void SimBoard::attach_sensor_nodes() {
+  if (imu_) imu_node_ = std::make_unique<SensorNode>(SensorKind::kInertial, kInertialNode, bus_);
+  constexpr std::array kNodes{kLeftAnkleNode, kRightAnkleNode};
   for (std::size_t side = 0; side < ankles_.size(); ++side) {
-    while (ankles_[side] && ankles_[side]->poll(now_us_, input_.ankles[side]))
-      input_.ankle_fresh[side] = true;
+    if (ankles_[side])
+      ankle_nodes_[side] = std::make_unique<SensorNode>(SensorKind::kForceTorque, kNodes[side], bus_);
+  }
+}
+
+void SimBoard::update_sensor_nodes() {
+  if (imu_node_) imu_node_->update(now_us_);
+  for (const auto& node : ankle_nodes_) {
+    if (node) node->update(now_us_);
   }
 }
 

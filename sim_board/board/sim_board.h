@@ -12,6 +12,7 @@
 #include "sim_board/robot/description.h"
 #include "sim_board/sensor/ankle_sensor.h"
 #include "sim_board/sensor/imu.h"
+#include "sim_board/sensor/sensor_node.h"
 #include "sim_board/servo/drive.h"
 #include "sim_board/world/options.h"
 
@@ -23,6 +24,7 @@ struct BoardOptions {
   double noise_scale = 1.0;               // of all random errors of sensors and encoders
   std::uint64_t computing_time_us = 500;  // from a tick to the first frame it sends
   std::uint64_t service_time_us = 50;     // the same of a service call without a tick
+  bool sensors_on_bus = false;  // inertial unit and ankle sensors are CANopen nodes, not the controller's own
 };
 
 // Wall time that each part of the board has taken, in seconds. It depends on the machine and enters no run.
@@ -126,6 +128,10 @@ class SimBoard {
   void advance_bus();
   void update_drives();
   void collect_samples();
+  void attach_sensor_nodes();
+  void take(const hal::ImuSample& sample);
+  void take(hal::Side side, const hal::AnkleSample& sample);
+  void update_sensor_nodes();
   void serve_controller();
   void watch_dog();
   void drive_servos();
@@ -150,6 +156,9 @@ class SimBoard {
   std::optional<Battery> battery_;
   std::optional<Imu> imu_;
   std::array<std::optional<AnkleSensor>, 2> ankles_;
+  // Null where the robot has no such sensor, or the controller has it.
+  std::unique_ptr<SensorNode> imu_node_;
+  std::array<std::unique_ptr<SensorNode>, 2> ankle_nodes_;
   StepListener* step_listener_ = nullptr;
   TimeShares shares_;
   std::uint64_t kicked_us_ = 0;

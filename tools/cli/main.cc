@@ -11,6 +11,7 @@
 #include "tools/cli/can_command.h"
 #include "tools/cli/diff_command.h"
 #include "tools/cli/experiment_command.h"
+#include "tools/cli/firmware_command.h"
 #include "tools/cli/gait_command.h"
 #include "tools/cli/motion_command.h"
 #include "tools/cli/run_command.h"
@@ -49,6 +50,7 @@ int run_program(int argc, char** argv) {
   koboshi::tools::add_run_command(program, exit_status);
   koboshi::tools::add_board_command(program);
   koboshi::tools::add_can_command(program);
+  koboshi::tools::add_firmware_command(program);
   koboshi::tools::add_diff_command(program, exit_status);
   koboshi::tools::add_target_report_command(program);
   koboshi::tools::add_motion_command(program);

@@ -34,7 +34,9 @@ void BareBoard::NoController::exchange(const hal::BatchInput&, hal::BatchOutput&
 
 BareBoard::BareBoard(const sim::Scenario& scenario)
     : scenario_(without_controller(scenario)), robot_(load_checked(scenario_)) {
-  board_ = std::make_unique<sim::SimBoard>(robot_, sim::board_options(scenario_, robot_), host_);
+  sim::BoardOptions options = sim::board_options(scenario_, robot_);
+  options.sensors_on_bus = true;
+  board_ = std::make_unique<sim::SimBoard>(robot_, options, host_);
   board_->unplug_controller();
   player_ = std::make_unique<sim::ScenarioPlayer>(scenario_, *board_);
 }

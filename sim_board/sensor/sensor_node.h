@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/canopen/node.h"
+#include "hal/port/ankle.h"
+#include "hal/port/imu.h"
+#include "sim_board/can/bus.h"
+#include "sim_board/sensor/sensor_dictionary.h"
+
+namespace koboshi::sim {
+
+// Node ids on a board whose sensors stand on the bus.
+inline constexpr std::uint8_t kInertialNode = 36;
+inline constexpr std::uint8_t kLeftAnkleNode = 37;
+inline constexpr std::uint8_t kRightAnkleNode = 38;
+
+// A sensor as a CANopen node: it sends its latest sample, an inertial unit by its own clock and an ankle at
+// each SYNC.
+class SensorNode final : private BusNode, private canopen::FrameSink, private canopen::NodeApplication {
+ public:
+  static constexpr std::uint64_t kBootTime_us = 50'000;  // from power to the boot-up message
+  static constexpr std::size_t kTransmitFifo = 8;
+
+  // On the bus, and powered, from now on. The bus must outlive it.
+  SensorNode(SensorKind kind, std::uint8_t node_id, Bus& bus);
+  SensorNode(const SensorNode&) = delete;
+  SensorNode& operator=(const SensorNode&) = delete;
+
+  // What was measured last.
+  void take(const hal::ImuSample& sample) {
+    store(sample.gyro_raw, values_.gyro, sample.accelerometer_raw, values_.accelerometer);
+  }
+  void take(const hal::AnkleSample& sample) {
+    store(sample.force_raw, values_.force, sample.torque_raw, values_.torque);
+  }
+  // Once a millisecond: what the node does by itself.
+  void update(std::uint64_t now_us);
+
+ private:
+  using Axes = std::array<std::int16_t, 3>;
+
+  void store(const Axes& first, std::int16_t (&first_values)[3], const Axes& second,
+             std::int16_t (&second_values)[3]);
+  void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override;
+  bool send(const hal::CanFrame& frame) override { return bus_.queue(handle_, frame, now_us_); }
+
+  Bus& bus_;
+  NodeHandle handle_;
+  canopen::NodeDescription description_;
+  SensorValues values_;
+  canopen::NodeMemory<1, kSensorTpdos, 1, 8> memory_;
+  canopen::Node node_;
+  bool started_ = false;
+  std::uint64_t now_us_ = 0;
+};
+
+}  // namespace koboshi::sim

@@ -1,0 +1,83 @@
+#include "tools/cli/firmware_command.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim_board/scenario/reader.h"
+#include "tools/cli/can_options.h"
+#include "tools/run/firmware_process.h"
+#include "tools/run/interrupt.h"
+#include "tools/run/pacer.h"
+#include "tools/run/simulation.h"
+
+namespace koboshi::tools {
+namespace {
+
+struct Arguments {
+  std::filesystem::path scenario;
+  double duration_s = 86400.0;
+  CanOptions can;
+};
+
+// What the robot's storage holds: its model and the motions of the scenario.
+std::vector<std::byte> storage_contents(const sim::Scenario& scenario) {
+  std::vector<std::byte> contents;
+  const Simulation simulation(scenario, [&contents](std::span<const std::byte> made) {
+    contents.assign(made.begin(), made.end());
+    return in_process()(made);
+  });
+  return contents;
+}
+
+void run_firmware(const Arguments& arguments) {
+  const std::vector<std::byte> contents = storage_contents(sim::read_scenario(arguments.scenario));
+  const auto transport = open_can(arguments.can);
+  Interrupt interrupt;
+  FirmwareProcess firmware(contents, *transport);
+  fmt::print("firmware on {}\n", transport->place());
+  std::fflush(stdout);
+  const auto end_us = static_cast<std::uint64_t>(1e6 * arguments.duration_s);
+  Pacer pacer(0);
+  for (std::uint64_t now_us = 0; now_us < end_us && !interrupt.requested();
+       now_us += sim::SimBoard::kService_us) {
+    pacer.wait_for(now_us);
+    firmware.service(now_us);
+  }
+  if (pacer.overruns() > 0) {
+    fmt::print(stderr, "koboshi: {} times more than {} ms behind the clock, {} ms at most\n",
+               pacer.overruns(), Pacer::kTolerance_us / 1000, pacer.largest_delay_us() / 1000);
+  }
+  if (firmware.frames_lost() > 0)
+    fmt::print(stderr, "koboshi: {} frames found no room on the bus\n", firmware.frames_lost());
+}
+
+}  // namespace
+
+void add_firmware_command(CLI::App& program) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      program.add_subcommand("firmware", "The controller's firmware as a process of its own on a CAN bus");
+  command->footer(
+      "Drives and sensors are on the same bus: those of `koboshi board`, or real ones. The controller boots "
+      "limp\n"
+      "and waits for commands over the bus (docs/guide/can.md).\n\n"
+      "Examples:\n"
+      "  koboshi board --can socketcan:vcan0 &\n"
+      "  koboshi firmware scenarios/squat.yaml --can socketcan:vcan0\n");
+  command
+      ->add_option("SCENARIO", arguments->scenario,
+                   "Whose robot and motions the storage holds; the rest has no meaning")
+      ->required();
+  command->add_option("--duration", arguments->duration_s, "Seconds (default: until Ctrl-C)")
+      ->check(CLI::Range(0.001, 86400.0));
+  add_can_options(*command, arguments->can);
+  command->callback([arguments] { run_firmware(*arguments); });
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,55 @@
+#include "tools/run/firmware_process.h"
+
+#include "firmware/canopen/cob_id.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr std::uint64_t kServicesATick = 10;
+constexpr std::uint8_t kNmtStart = 1;
+
+}  // namespace
+
+void FirmwareProcess::service(std::uint64_t now_us) {
+  input_.frames.clear();
+  input_.imu.clear();
+  input_.ankle_fresh = {};
+  receive(now_us);
+  start_sensors();
+  input_.now_us = now_us;
+  input_.tick = services_++ % kServicesATick == 0;
+  input_.transmit_space = hal::BatchOutput::kMaxFrames;
+  if (const auto sample = sensors_.inertial(now_us))
+    static_cast<void>(input_.imu.push(*sample));  // the list is empty
+  for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
+    const auto sample = sensors_.take_ankle(side);
+    if (!sample) continue;
+    input_.ankles[static_cast<std::size_t>(side)] = *sample;
+    input_.ankle_fresh[static_cast<std::size_t>(side)] = true;
+  }
+  host_.exchange(input_, output_);
+  for (const hal::CanFrame& frame : output_.frames.view()) send(frame);
+}
+
+void FirmwareProcess::receive(std::uint64_t now_us) {
+  while (const auto frame = transport_.receive()) {
+    if (sensors_.on_frame(*frame, now_us) || input_.frames.push(*frame)) continue;
+    if (input_.can_status.receive_overruns < 0xFFFF) ++input_.can_status.receive_overruns;
+  }
+}
+
+// The firmware starts its drives itself; of sensors on the bus it knows nothing.
+void FirmwareProcess::start_sensors() {
+  for (std::uint8_t node = 0; (node = sensors_.take_booted()) != 0;) {
+    hal::CanFrame frame{.identifier = canopen::kNmtCobId, .size = 2};
+    frame.data[0] = kNmtStart;
+    frame.data[1] = node;
+    send(frame);
+  }
+}
+
+void FirmwareProcess::send(const hal::CanFrame& frame) {
+  if (!transport_.send(frame, 0)) ++frames_lost_;
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "hal/linux/can_sensors.h"
+#include "sim_board/can/transport/transport.h"
+#include "tools/run/in_process_host.h"
+
+namespace koboshi::tools {
+
+// The firmware by itself on a bus, with drives and sensors that stand there too, simulated or real. Its time
+// is that of the wall. The drive-enable line of a board is no part of a bus: nobody hears of it here, and
+// whoever builds the robot gives the drives another one.
+class FirmwareProcess {
+ public:
+  // Storage as make_storage_contents makes it. The transport must outlive this.
+  FirmwareProcess(std::span<const std::byte> storage_contents, sim::Transport& transport)
+      : host_(storage_contents), transport_(transport) {}
+
+  // Once a millisecond; every tenth call is a tick. Microseconds since the start.
+  void service(std::uint64_t now_us);
+
+  std::uint64_t frames_lost() const { return frames_lost_; }  // for which the bus had no room
+  bool drive_enabled() const { return output_.drive_enabled; }
+
+ private:
+  void receive(std::uint64_t now_us);
+  void start_sensors();
+  void send(const hal::CanFrame& frame);
+
+  InProcessHost host_;
+  sim::Transport& transport_;
+  hal::CanSensors sensors_;
+  hal::BatchInput input_;
+  hal::BatchOutput output_;
+  std::uint64_t services_ = 0;
+  std::uint64_t frames_lost_ = 0;
+};
+
+}  // namespace koboshi::tools
