@@ -17,7 +17,7 @@ inline constexpr canopen::ValueName kSensorKindNames[] = {
     canopen::value_name(SensorKind::kForceTorque, "force/torque sensor"),
 };
 
-inline constexpr canopen::Unit kGyroCount{.name = "rad/s", .resolution = canopen::Resolution::kGyro};
+inline constexpr canopen::Unit kGyroCount{.name = "deg/s", .resolution = canopen::Resolution::kGyro};
 inline constexpr canopen::Unit kAccelerometerCount{.name = "m/s^2",
                                                    .resolution = canopen::Resolution::kAccelerometer};
 inline constexpr canopen::Unit kForceCount{.name = "N", .resolution = canopen::Resolution::kForce};

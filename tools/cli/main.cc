@@ -6,6 +6,7 @@
 
 #include "sim_board/input/error.h"
 #include "tools/cli/bench_command.h"
+#include "tools/cli/dictionary_command.h"
 #include "tools/cli/diff_command.h"
 #include "tools/cli/experiment_command.h"
 #include "tools/cli/gait_command.h"
@@ -48,6 +49,7 @@ int run_program(int argc, char** argv) {
   koboshi::tools::add_target_report_command(program);
   koboshi::tools::add_motion_command(program);
   koboshi::tools::add_gait_command(program);
+  koboshi::tools::add_dictionary_command(program);
   koboshi::tools::add_bench_command(program);
   koboshi::tools::add_servo_command(program);
   koboshi::tools::add_experiment_command(program, command_line(argc, argv));
