@@ -45,7 +45,7 @@ inline constexpr ValueName kErrorCodeNames[] = {
     value_name(error_code::kPdoTooShort, "PDO too short"),
     value_name(error_code::kPdoTooLong, "PDO too long"),
     value_name(cia402::kErrorSyncLost, "SYNC lost"),
-    {0xFF00, "behaviour: see its reason"},
+    {0xFF00, "behaviour fault"},
 };
 
 namespace cia402 {
@@ -73,20 +73,20 @@ inline constexpr std::string_view kTorqueOffStateNames[] = {
     "fault reaction active, torque off",  "fault, torque off",
 };
 
-// Whole statuswords, since a value's name cannot leave bits out: the states with the other bits that go with
-// them, and with the drive-enable line high or low.
+// Whole statuswords, since a value's name cannot leave bits out: the states with the bits that go with them,
+// and with the drive-enable line high or low.
 inline constexpr auto kStatuswordNames = [] {
   constexpr std::size_t kStates = std::size(kStateNames);
-  std::array<ValueName, 2 * 2 * kStates> names{};
-  std::size_t i = 0;
+  std::array<ValueName, 2 * kStates> names{};
   for (std::uint8_t number = 0; number < kStates; ++number) {
     const auto state = static_cast<State>(number);
-    const unsigned follows = state == State::kOperationEnabled ? kFollowsCommand : 0u;
-    const unsigned word = statusword_of(state) | kRemote | follows;
-    for (const unsigned voltage : {0u, unsigned{kVoltageEnabled}}) {
-      names[i++] = value_name(word | voltage, kStateNames[number]);
-      names[i++] = value_name(word | voltage | kTorqueOff, kTorqueOffStateNames[number]);
-    }
+    const bool enabled = state == State::kOperationEnabled;
+    const bool makes_torque =
+        enabled || state == State::kQuickStopActive || state == State::kFaultReactionActive;
+    const unsigned word = statusword_of(state) | kRemote | (makes_torque ? kVoltageEnabled : 0u) |
+                          (enabled ? kFollowsCommand : 0u);
+    names[number] = value_name(word, kStateNames[number]);
+    names[kStates + number] = value_name(word | kTorqueOff, kTorqueOffStateNames[number]);
   }
   return names;
 }();

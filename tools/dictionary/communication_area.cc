@@ -113,6 +113,7 @@ Object sync_counter() {
 Object error_behaviour() {
   ObjectItem value = item(0x1029, 1, "Communication error", DataType::kUnsigned8, "rw", "0");
   value.limits = {0, 2};
+  value.comment = "0: pre-operational; 1: no change; 2: stopped.";
   value.values = kErrorBehaviourNames;
   Object made =
       record(0x1029, "Error behaviour", {value},
@@ -135,7 +136,7 @@ Object second_sdo_server() {
       {item(0x1201, 1, "COB-ID client to server", DataType::kUnsigned32, "rw", hex(canopen::kCobIdInvalid)),
        item(0x1201, 2, "COB-ID server to client", DataType::kUnsigned32, "rw", hex(canopen::kCobIdInvalid)),
        item(0x1201, 3, "Node-ID of the SDO client", DataType::kUnsigned8, "rw")},
-      "A second channel, for another client; bit 31: it is not in use.");
+      "Of the controller only: a channel for a second client; bit 31: it is not in use.");
 }
 
 std::string cob_id(const PdoConfiguration& pdo) {

@@ -19,8 +19,8 @@ void add_head(std::string& dbc, const Network& network) {
 }
 
 void add_signal(std::string& dbc, const Signal& signal) {
-  fmt::format_to(Text(dbc), " SG_ {} : {}|{}@1{} ({},0) [{}|{}] \"{}\" ", signal.name, signal.start_bit,
-                 signal.size_bits, signal.is_signed ? '-' : '+', signal.factor,
+  fmt::format_to(Text(dbc), " SG_ {} : {}|{}@1{} ({},0) [{:.15g}|{:.15g}] \"{}\" ", signal.name,
+                 signal.start_bit, signal.size_bits, signal.is_signed ? '-' : '+', signal.factor,
                  static_cast<double>(signal.low_raw) * signal.factor,
                  static_cast<double>(signal.high_raw) * signal.factor, signal.unit);
   dbc += signal.receivers.empty() ? kNobody : fmt::format("{}", fmt::join(signal.receivers, ","));

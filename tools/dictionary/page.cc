@@ -21,10 +21,12 @@ made of: `firmware/app/controller_objects.h`, `sim_board/servo/drive_objects.h` 
 The same in the formats that other programs read: [controller.eds](controller.eds), [drive.eds](drive.eds),
 [sensor.eds](sensor.eds) (CiA 306), and [koboshi.dbc](koboshi.dbc) with every message on the bus.
 
-Numbers of objects and identifiers are hexadecimal. A value on the bus is a count of its *unit*: with 0.1 %, 123 means
+Indices, sub-indices and identifiers are hexadecimal. A value on the bus is a count of its *unit*: with 0.1 %, 123 means
 12.3 %. *PDO* is where it may be mapped. Sub-index 0 of an index that has others tells the highest of them, or in a
 mapping how many objects are mapped. `const` and `ro` are read only; `rww` may be written by SDO and by an RPDO.
 )";
+
+constexpr std::uint16_t kFirstOwnIndex = 0x2000;
 
 // Values of which a page shows names: once each, however many objects have them.
 using ValueTable = std::span<const canopen::ValueName>;
@@ -98,37 +100,66 @@ void add_object(std::string& page, const Object& object) {
   add_items(page, object);
 }
 
-// Records of PDOs that differ in their numbers, and in defaults that the list of PDOs tells better.
-void add_family(std::string& page, const Object& first, const Object& last) {
-  fmt::format_to(Text(page), "| {:04X} to {:04X} | | **{}** | | | | | | | |\n", first.index, last.index,
-                 first.family);
+// Records of PDOs, of which a node has as many as its chapter says.
+void add_family(std::string& page, const Object& first) {
+  fmt::format_to(Text(page), "| {:04X} ... | | **{}** | | | | | | | One record for each PDO. |\n",
+                 first.index, first.family);
   Object shown = first;
   for (ObjectItem& item : shown.items) item.default_value.clear();
   add_items(page, shown);
 }
 
-void add_objects(std::string& page, const NodeKind& kind) {
+// All objects with from <= index < end.
+void add_objects(std::string& page, std::span<const Object> objects, std::uint16_t from, std::uint16_t end) {
   page +=
       "| index | sub | name | type | access | PDO | default | range | unit | |\n"
       "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
-  for (auto first = kind.objects.begin(); first != kind.objects.end();) {
-    const auto end = first->family.empty()
-                         ? first + 1
-                         : std::find_if(first, kind.objects.end(),
-                                        [&](const Object& object) { return object.family != first->family; });
-    if (first->family.empty()) {
-      add_object(page, *first);
-    } else {
-      add_family(page, *first, *(end - 1));
+  std::string family;
+  for (const Object& object : objects) {
+    if (object.index < from || object.index >= end) continue;
+    if (object.family.empty()) {
+      add_object(page, object);
+    } else if (object.family != family) {
+      add_family(page, object);
     }
-    first = end;
+    family = object.family;
   }
+}
+
+// The communication profile area once for all kinds: the first has all of it; defaults that not all share
+// stand in the nodes' chapters.
+void add_common_objects(std::string& page, std::span<const NodeKind> kinds) {
+  std::vector<Object> objects = kinds.front().objects;
+  for (Object& object : objects) {
+    for (ObjectItem& item : object.items) {
+      const bool shared = std::all_of(kinds.begin(), kinds.end(), [&](const NodeKind& kind) {
+        const ObjectItem* same = kind.find(item.address);
+        return same == nullptr || same->default_value == item.default_value;
+      });
+      if (!shared) item.default_value.clear();
+    }
+  }
+  page += "\n## Every node\n\n";
+  add_objects(page, objects, 0x1000, kFirstOwnIndex);
+}
+
+void add_identity(std::string& page, const NodeKind& kind) {
+  const canopen::NodeDescription& node = kind.description;
+  const NodeCapacity& capacity = kind.capacity;
+  fmt::format_to(Text(page),
+                 "\"{}\": device type 0x{:08X}, vendor 0x{:08X}, product 0x{:08X}, revision 0x{:08X}, ",
+                 node.device_name, node.device_type, node.vendor_id, node.product_code, node.revision_number);
+  fmt::format_to(Text(page), "heartbeat after a reset {} ms.\n", node.heartbeat_ms);
+  fmt::format_to(Text(page), "It has {} RPDOs, {} TPDOs and {} heartbeat consumers{}.\n\n", capacity.rpdos,
+                 capacity.tpdos, capacity.heartbeat_consumers,
+                 node.sync_producer ? ", and produces SYNC" : "");
 }
 
 void add_value_names(std::string& page, const NodeKind& kind) {
   std::vector<ValueTable> shown;
   page += "\n### Names of values\n\n";
   for (const Object& object : kind.objects) {
+    if (object.index < kFirstOwnIndex) continue;
     for (const ObjectItem& item : object.items) {
       const auto same = [&](ValueTable table) { return table.data() == item.values.data(); };
       if (item.values.empty() || std::any_of(shown.begin(), shown.end(), same)) continue;
@@ -151,7 +182,7 @@ void add_message(std::string& page, const Message& message) {
   for (const Signal& signal : message.signals) {
     const bool has_unit = !signal.unit.empty();
     fmt::format_to(Text(page), " {} {}{}{},", signal.name, signal.is_signed ? 'i' : 'u', signal.size_bits,
-                   has_unit ? fmt::format(" ({} {})", signal.factor, signal.unit) : std::string());
+                   has_unit ? fmt::format(" ({:.6g} {})", signal.factor, signal.unit) : std::string());
   }
   page.back() = ' ';
   page += "|\n";
@@ -196,11 +227,13 @@ void add_network(std::string& page, const NodeKind& kind, const Network& network
 
 std::string page_text(std::span<const NodeKind> kinds, const Network& network) {
   std::string page(kIntroduction);
+  add_common_objects(page, kinds);
   for (const NodeKind& kind : kinds) {
     std::string title = kind.name;
     title.front() = static_cast<char>(title.front() - 'a' + 'A');
     fmt::format_to(Text(page), "\n## {}\n\n", title);
-    add_objects(page, kind);
+    add_identity(page, kind);
+    add_objects(page, kind.objects, kFirstOwnIndex, 0xA000);
     add_value_names(page, kind);
     add_network(page, kind, network);
   }
