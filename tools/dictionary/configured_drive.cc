@@ -82,11 +82,13 @@ ConfiguredDrive configure_drive(const robot::Joint& joint, const sim::DriveDescr
   canopen::SdoClient client(wire);
   drive::Configuration configuration(client);
   configuration.begin(joint);
-  while (configuration.state() == drive::Configuration::State::kBusy) {
-    configuration.process(0);
+  for (std::uint64_t now_us = 0; configuration.state() == drive::Configuration::State::kBusy;
+       now_us += 1000) {
+    configuration.process(now_us);
     for (const hal::CanFrame& request : wire.take()) {
       for (const hal::CanFrame& response : node.answer(request)) client.on_frame(response);
     }
+    client.process(now_us);
   }
   if (configuration.state() != drive::Configuration::State::kDone) {
     throw std::logic_error("the firmware could not configure a drive with its own objects");
