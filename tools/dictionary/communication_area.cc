@@ -139,14 +139,16 @@ Object second_sdo_server() {
       "Of the controller only: a channel for a second client; bit 31: it is not in use.");
 }
 
-std::string cob_id(const PdoConfiguration& pdo) {
-  return pdo.plus_node_id ? with_node_id(pdo.cob_id) : hex(pdo.cob_id);
+// The stack answers no remote frames, and says so of every TPDO.
+std::string cob_id(const PdoConfiguration& pdo, bool transmit) {
+  const std::uint32_t value = pdo.cob_id | (transmit ? canopen::kCobIdNoRemote : 0u);
+  return pdo.plus_node_id ? with_node_id(value) : hex(value);
 }
 
 Object pdo_communication(std::uint16_t index, std::string_view family, std::size_t number,
                          const PdoConfiguration& pdo, bool transmit) {
   std::vector<ObjectItem> items{
-      item(index, 1, "COB-ID", DataType::kUnsigned32, "rw", cob_id(pdo)),
+      item(index, 1, "COB-ID", DataType::kUnsigned32, "rw", cob_id(pdo, transmit)),
       item(index, 2, "Transmission type", DataType::kUnsigned8, "rw", decimal(pdo.transmission_type))};
   items[0].comment = "Bit 31: the PDO is not in use.";
   items[1].comment = "1 to 240: every n-th SYNC; 254, 255: event.";
