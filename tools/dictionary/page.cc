@@ -218,7 +218,10 @@ void add_network(std::string& page, const NodeKind& kind, const Network& network
         network.nodes.at(1).node_id);
     add_pdos(page, network, 1, 1);
   } else {
-    page += "\nWhat a count means is the default robot's.\n";
+    page +=
+        "\nOf an inertial unit, and of the ankles' sensors (product 0x00004B03), which differ from it in the "
+        "mapping "
+        "after a\nreset. What a count means is the default robot's.\n";
     add_pdos(page, network, first_sensor, network.nodes.size() - 1 - first_sensor);
   }
 }
