@@ -35,8 +35,6 @@ DriveValues power_on_values(const JointDescription& joint) {
   values.supply_mV = static_cast<std::uint32_t>(std::lround(1000.0 * servo.supply_V));
   values.quick_stop_deceleration =
       static_cast<std::uint32_t>(std::lround(joint.max_speed_rad_per_s / kStopTime_s / kRadPerPositionUnit));
-  values.position_limit[0] = std::numeric_limits<std::int32_t>::min();
-  values.position_limit[1] = std::numeric_limits<std::int32_t>::max();
   return values;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "firmware/canopen/node.h"
 #include "sim_board/robot/description.h"
@@ -23,7 +24,9 @@ struct DriveValues {
   std::uint32_t supply_mV = 0;              // 0x6079: what the voltmeter shows
   std::int16_t winding_dC = 0;              // kWindingTemperature: 0.1 C, what the thermometer shows
   std::int32_t target_position = 0;
-  std::int32_t position_limit[2] = {};        // 0x607D: lowest, highest
+  // 0x607D: lowest, highest; none before the controller has set them
+  std::int32_t position_limit[2] = {std::numeric_limits<std::int32_t>::min(),
+                                    std::numeric_limits<std::int32_t>::max()};
   std::uint32_t quick_stop_deceleration = 0;  // 0x6085: 2^-20 turn/s^2
   std::uint8_t interpolation_period = 10;     // 0x60C2:1
   std::int8_t interpolation_exponent = -3;    // 0x60C2:2: powers of ten of a second

@@ -9,6 +9,7 @@
 #include "tools/cli/bench_command.h"
 #include "tools/cli/board_command.h"
 #include "tools/cli/can_command.h"
+#include "tools/cli/dictionary_command.h"
 #include "tools/cli/diff_command.h"
 #include "tools/cli/experiment_command.h"
 #include "tools/cli/firmware_command.h"
@@ -55,6 +56,7 @@ int run_program(int argc, char** argv) {
   koboshi::tools::add_target_report_command(program);
   koboshi::tools::add_motion_command(program);
   koboshi::tools::add_gait_command(program);
+  koboshi::tools::add_dictionary_command(program);
   koboshi::tools::add_bench_command(program);
   koboshi::tools::add_servo_command(program);
   koboshi::tools::add_experiment_command(program, command_line(argc, argv));

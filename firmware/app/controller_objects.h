@@ -1,0 +1,211 @@
+#pragma once
+
+#include "firmware/app/dictionary.h"
+#include "firmware/canopen/described_object.h"
+#include "firmware/canopen/object.h"
+#include "firmware/canopen/value_names.h"
+
+// The controller's objects: from this table come the rows in flash, controller.eds, koboshi.dbc and the page
+// docs/reference/object-dictionary.md (`koboshi dictionary write`).
+namespace koboshi::app {
+
+inline constexpr canopen::ValueName kCommandNames[] = {
+    canopen::value_name(Command::kNone, "none"),
+    canopen::value_name(Command::kEnable, "enable"),
+    canopen::value_name(Command::kLimp, "limp"),
+    canopen::value_name(Command::kPlay, "play"),
+    canopen::value_name(Command::kStop, "stop"),
+    canopen::value_name(Command::kEmergencyStop, "emergency stop"),
+    canopen::value_name(Command::kReset, "reset"),
+};
+
+inline constexpr canopen::ValueName kStateNames[] = {
+    canopen::value_name(State::kBoot, "boot"),
+    canopen::value_name(State::kLimp, "limp"),
+    canopen::value_name(State::kEnabling, "enabling"),
+    canopen::value_name(State::kSoftStart, "soft start"),
+    canopen::value_name(State::kStanding, "standing"),
+    canopen::value_name(State::kMotion, "motion"),
+    canopen::value_name(State::kFault, "fault"),
+    canopen::value_name(State::kEmergencyStop, "emergency stop"),
+};
+
+inline constexpr canopen::ValueName kReasonNames[] = {
+    canopen::value_name(Reason::kNone, "none"),
+    canopen::value_name(Reason::kCommand, "command"),
+    canopen::value_name(Reason::kProgress, "progress"),
+    canopen::value_name(Reason::kModelInvalid, "model invalid"),
+    canopen::value_name(Reason::kDriveTrouble, "drive trouble"),
+    canopen::value_name(Reason::kImuSilent, "IMU silent"),
+    canopen::value_name(Reason::kAnkleSilent, "ankle sensor silent"),
+    canopen::value_name(Reason::kBusOff, "bus-off"),
+    canopen::value_name(Reason::kNoAcknowledge, "no acknowledge"),
+    canopen::value_name(Reason::kNotInThisState, "not in this state"),
+    canopen::value_name(Reason::kEncoderBeyondLimits, "encoder beyond limits"),
+    canopen::value_name(Reason::kSupplyOutOfRange, "supply out of range"),
+    canopen::value_name(Reason::kImuImplausible, "IMU implausible"),
+    canopen::value_name(Reason::kNoSuchMotion, "no such motion"),
+    canopen::value_name(Reason::kUnknownCommand, "unknown command"),
+    canopen::value_name(Reason::kDriveNotReady, "drive not ready"),
+};
+
+inline constexpr canopen::ValueName kTroubleNames[] = {
+    canopen::value_name(drive::Trouble::kNone, "none"),
+    canopen::value_name(drive::Trouble::kSilent, "silent"),
+    canopen::value_name(drive::Trouble::kNoAnswer, "no answer"),
+    canopen::value_name(drive::Trouble::kRefused, "refused"),
+    canopen::value_name(drive::Trouble::kWrongIdentity, "wrong identity"),
+    canopen::value_name(drive::Trouble::kLost, "lost"),
+    canopen::value_name(drive::Trouble::kRestarted, "restarted"),
+    canopen::value_name(drive::Trouble::kFault, "fault"),
+    canopen::value_name(drive::Trouble::kNotEnabled, "not enabled"),
+};
+
+// Those of firmware/app/telemetry_units.h, and of the drives.
+inline constexpr canopen::Unit kAngleUnit{"deg", 360, 1 << 16};
+inline constexpr canopen::Unit kRateUnit{"deg/s", 360, 1 << 12};
+inline constexpr canopen::Unit kAccelerationUnit{"m/s^2", 1, 1 << 8};
+inline constexpr canopen::Unit kLengthUnit{"mm", 1000, 1 << 15};
+inline constexpr canopen::Unit kGainUnit{"s", 1, 1 << 12};
+inline constexpr canopen::Unit kVoltageUnit{"mV"};
+inline constexpr canopen::Unit kShaftUnit{"deg", 360, 1 << canopen::cia402::kPositionUnitBits};
+inline constexpr canopen::Unit kTorqueShareUnit{"%", 1, 10};
+inline constexpr canopen::Unit kForceCount{.name = "N", .resolution = canopen::Resolution::kForce};
+inline constexpr canopen::Unit kTorqueCount{.name = "N m", .resolution = canopen::Resolution::kTorque};
+
+inline constexpr std::string_view kPlane[] = {"x", "y"};
+inline constexpr std::string_view kFootZmps[] = {"left x", "left y", "right x", "right y"};
+
+inline constexpr std::size_t kJoints = robot::kMaxJoints;
+inline constexpr int kMaxGain = 4096;  // one second
+
+#define FIELD(member) KOBOSHI_FIELD(ControllerValues, member)
+#define OBJECT(index, subindex, member, ...) canopen::object(index, subindex, FIELD(member), __VA_ARGS__)
+
+using enum canopen::Access;
+using enum canopen::Mappable;
+
+inline constexpr canopen::DescribedObject kControllerObjects[] = {
+    canopen::heading(kRequestObject, "Request",
+                     "The command is what acts: by SDO, write the argument first."),
+    {OBJECT(0x2000, 1, request.command, kReadWrite, kRpdo), {.name = "Command", .values = kCommandNames}},
+    {OBJECT(0x2000, 2, request.argument, kReadWrite, kRpdo),
+     {.name = "Argument", .comment = "Of play: the number of the motion."}},
+    canopen::heading(0x2001, "Behaviour", "What the robot as a whole is doing, and why."),
+    {OBJECT(0x2001, 1, behaviour.state, kReadOnly, kTpdo), {.name = "State", .values = kStateNames}},
+    {OBJECT(0x2001, 2, behaviour.reason, kReadOnly, kTpdo),
+     {.name = "Reason", .values = kReasonNames, .comment = "Why the state is what it is."}},
+    {OBJECT(0x2001, 3, behaviour.motion, kReadOnly, kTpdo),
+     {.name = "Motion", .comment = "Number of the motion being played or played last."}},
+    {OBJECT(0x2001, 4, behaviour.trouble, kReadOnly, kTpdo),
+     {.name = "Drive trouble", .values = kTroubleNames, .comment = "Why a drive cannot be used."}},
+    {OBJECT(0x2001, 5, behaviour.trouble_joint, kReadOnly, kTpdo),
+     {.name = "Trouble joint", .comment = "The joint of that drive, from 0."}},
+    {OBJECT(0x2001, 6, behaviour.trouble_code, kReadOnly, kTpdo),
+     {.name = "Trouble code",
+      .values = canopen::kErrorCodeNames,
+      .comment = "Of that drive's emergency message."}},
+    {OBJECT(0x2001, 7, behaviour.faults, kReadOnly, kTpdo),
+     {.name = "Faults", .comment = "Since power-on; saturates."}},
+    {OBJECT(0x2001, 8, behaviour.refusal, kReadOnly, kTpdo),
+     {.name = "Refusal", .values = kReasonNames, .comment = "Of the last command; none when it was obeyed."}},
+    canopen::heading(0x2010, "Attitude",
+                     "Of the trunk, and what the inertial unit measures, in the trunk's axes."),
+    {OBJECT(0x2010, 1, attitude.roll, kReadOnly, kTpdo), {.name = "Roll", .unit = kAngleUnit}},
+    {OBJECT(0x2010, 2, attitude.pitch, kReadOnly, kTpdo), {.name = "Pitch", .unit = kAngleUnit}},
+    {OBJECT(0x2010, 3, attitude.rate[0], kReadOnly, kTpdo).repeated(3, 2),
+     {.name = "Rate", .unit = kRateUnit, .elements = canopen::kAxes}},
+    {OBJECT(0x2010, 6, attitude.acceleration[0], kReadOnly, kTpdo).repeated(3, 2),
+     {.name = "Acceleration", .unit = kAccelerationUnit, .elements = canopen::kAxes}},
+    canopen::heading(0x2011, "Balance", "Zero moment point and centre of mass; what is not valid is zero."),
+    {OBJECT(0x2011, 1, balance.foot_zmp[0][0], kReadOnly, kTpdo).repeated(4, 2),
+     {.name = "ZMP",
+      .unit = kLengthUnit,
+      .elements = kFootZmps,
+      .comment = "Of each foot, in its sole's frame."}},
+    {OBJECT(0x2011, 5, balance.zmp[0], kReadOnly, kTpdo).repeated(2, 2),
+     {.name = "ZMP",
+      .unit = kLengthUnit,
+      .elements = kPlane,
+      .comment = "Of both feet, in the frame of the sole that carries more."}},
+    {OBJECT(0x2011, 7, balance.com[0], kReadOnly, kTpdo).repeated(3, 2),
+     {.name = "CoM",
+      .unit = kLengthUnit,
+      .elements = canopen::kAxes,
+      .comment = "By the joints, in the same frame."}},
+    {OBJECT(0x2011, 10, balance.flags, kReadOnly, kTpdo),
+     {.name = "Balance flags",
+      .comment = "Bit 0: the left foot's ZMP is valid; 1: the right's; 2: that of both; 3: the frame is the "
+                 "right sole's."}},
+    canopen::heading(0x2020, "Left ankle", "The wrench that the ground side exerts, in the sensor's frame."),
+    {OBJECT(0x2020, 1, ankles[0][0], kReadOnly, kTpdo).repeated(3, 2),
+     {.name = "Left force", .unit = kForceCount, .elements = canopen::kAxes}},
+    {OBJECT(0x2020, 4, ankles[0][3], kReadOnly, kTpdo).repeated(3, 2),
+     {.name = "Left torque", .unit = kTorqueCount, .elements = canopen::kAxes}},
+    canopen::heading(0x2021, "Right ankle", "The wrench that the ground side exerts, in the sensor's frame."),
+    {OBJECT(0x2021, 1, ankles[1][0], kReadOnly, kTpdo).repeated(3, 2),
+     {.name = "Right force", .unit = kForceCount, .elements = canopen::kAxes}},
+    {OBJECT(0x2021, 4, ankles[1][3], kReadOnly, kTpdo).repeated(3, 2),
+     {.name = "Right torque", .unit = kTorqueCount, .elements = canopen::kAxes}},
+    canopen::heading(0x2100, "Parameters"),
+    {OBJECT(0x2100, 1, parameters.supply_min_mV, kReadWrite),
+     {.name = "Lowest supply",
+      .unit = kVoltageUnit,
+      .comment = "With less the robot refuses to be enabled."}},
+    {OBJECT(0x2100, 2, parameters.supply_max_mV, kReadWrite),
+     {.name = "Highest supply",
+      .unit = kVoltageUnit,
+      .comment = "With more the robot refuses to be enabled."}},
+    {OBJECT(0x2100, 3, parameters.ramp_rate, kReadWrite).within<std::int16_t>(68, 4096),
+     {.name = "Ramp rate", .unit = kRateUnit, .comment = "Of every joint in the soft start."}},
+    canopen::heading(0x2101, "Gyro feedback",
+                     "A joint is turned by its gain times the trunk's rate; 0 is off."),
+    {OBJECT(0x2101, 1, feedback.ankle_pitch, kReadWrite).within(-kMaxGain, kMaxGain),
+     {.name = "Ankle pitch gain", .unit = kGainUnit}},
+    {OBJECT(0x2101, 2, feedback.ankle_roll, kReadWrite).within(-kMaxGain, kMaxGain),
+     {.name = "Ankle roll gain", .unit = kGainUnit}},
+    {OBJECT(0x2101, 3, feedback.hip_roll, kReadWrite).within(-kMaxGain, kMaxGain),
+     {.name = "Hip roll gain", .unit = kGainUnit}},
+    {OBJECT(0x2101, 4, feedback.knee, kReadWrite).within(-kMaxGain, kMaxGain),
+     {.name = "Knee gain", .unit = kGainUnit}},
+    canopen::heading(0x2200, "Diagnosis", "Counters saturate."),
+    {OBJECT(0x2200, 1, diagnosis.model_id, kReadOnly),
+     {.name = "Model id", .comment = "Of the robot model in storage."}},
+    {OBJECT(0x2200, 2, diagnosis.motions, kReadOnly),
+     {.name = "Motions", .comment = "Bit n: motion n in storage is valid."}},
+    {OBJECT(0x2200, 3, diagnosis.frames_lost, kReadOnly),
+     {.name = "Frames lost", .comment = "That found no room to be sent."}},
+    {OBJECT(0x2200, 4, diagnosis.imu_overruns, kReadOnly),
+     {.name = "IMU overruns", .comment = "Samples of the inertial unit that nobody read in time."}},
+    {OBJECT(0x2200, 5, diagnosis.receive_overruns, kReadOnly),
+     {.name = "Receive overruns", .comment = "Frames lost because the receive ring was full."}},
+    {OBJECT(0x2200, 6, diagnosis.gyro_calibrations, kReadOnly),
+     {.name = "Gyro calibrations",
+      .unit = {"s"},
+      .comment = "Seconds of rest that gave the gyro's bias; 0: it is not known."}},
+    {OBJECT(0x2200, 7, diagnosis.gyro_bias[0], kReadOnly).repeated(3, 2),
+     {.name = "Gyro bias", .unit = kRateUnit, .elements = canopen::kAxes, .comment = "In the trunk's axes."}},
+    // What goes to and comes from the drives, in their own words, by joint.
+    canopen::heading(0x2300, "Drive controlwords"),
+    {OBJECT(0x2300, 1, drives.controlword[0], kReadOnly, kTpdo).repeated(kJoints, 2),
+     {.name = "Controlword of joint", .values = canopen::cia402::kControlwordNames}},
+    canopen::heading(0x2301, "Drive target positions"),
+    {OBJECT(0x2301, 1, drives.target_position[0], kReadOnly, kTpdo).repeated(kJoints, 4),
+     {.name = "Target position of joint", .unit = kShaftUnit}},
+    // What arrives in PDOs must be writable for them; by SDO it would be overwritten in the next cycle.
+    canopen::heading(0x2302, "Drive statuswords"),
+    {OBJECT(0x2302, 1, drives.statusword[0], kReadWrite, kRpdo).repeated(kJoints, 2),
+     {.name = "Statusword of joint", .values = canopen::cia402::kStatuswordNames}},
+    canopen::heading(0x2303, "Drive positions"),
+    {OBJECT(0x2303, 1, drives.position[0], kReadWrite, kRpdo).repeated(kJoints, 4),
+     {.name = "Position of joint", .unit = kShaftUnit}},
+    canopen::heading(0x2304, "Drive torques"),
+    {OBJECT(0x2304, 1, drives.torque_permille[0], kReadWrite, kRpdo).repeated(kJoints, 2),
+     {.name = "Torque of joint", .unit = kTorqueShareUnit, .comment = "Of the drive's rated torque."}},
+};
+static_assert(canopen::is_described(kControllerObjects));
+
+#undef OBJECT
+#undef FIELD
+
+}  // namespace koboshi::app

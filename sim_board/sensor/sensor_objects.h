@@ -1,0 +1,50 @@
+#pragma once
+
+#include "firmware/canopen/described_object.h"
+#include "firmware/canopen/object.h"
+#include "firmware/canopen/value_names.h"
+#include "sim_board/sensor/sensor_dictionary.h"
+
+// A sensor node's objects, of both kinds: from this table come the node's rows, sensor.eds, its part of
+// koboshi.dbc and of the page docs/reference/object-dictionary.md (`koboshi dictionary write`).
+namespace koboshi::sim {
+
+using enum canopen::Access;
+using enum canopen::Mappable;
+
+inline constexpr canopen::ValueName kSensorKindNames[] = {
+    canopen::value_name(SensorKind::kInertial, "inertial unit"),
+    canopen::value_name(SensorKind::kForceTorque, "force/torque sensor"),
+};
+
+inline constexpr canopen::Unit kGyroCount{.name = "deg/s", .resolution = canopen::Resolution::kGyro};
+inline constexpr canopen::Unit kAccelerometerCount{.name = "m/s^2",
+                                                   .resolution = canopen::Resolution::kAccelerometer};
+inline constexpr canopen::Unit kForceCount{.name = "N", .resolution = canopen::Resolution::kForce};
+inline constexpr canopen::Unit kTorqueCount{.name = "N m", .resolution = canopen::Resolution::kTorque};
+
+#define OBJECT(index, subindex, member, ...) \
+  canopen::object(index, subindex, KOBOSHI_FIELD(SensorValues, member), __VA_ARGS__)
+
+inline constexpr canopen::DescribedObject kSensorObjects[] = {
+    {OBJECT(0x2000, 0, kind, kReadOnly), {.name = "Sensor kind", .values = kSensorKindNames}},
+    {OBJECT(0x2001, 0, sample, kReadOnly, kTpdo),
+     {.name = "Sample", .comment = "Number of the sample; wraps. Both PDOs of a sample carry it."}},
+    canopen::heading(0x2010, "Gyro", "Of an inertial unit, in the sensor's frame."),
+    {OBJECT(0x2010, 1, gyro[0], kReadOnly, kTpdo).repeated(3, 2),
+     {.name = "Gyro", .unit = kGyroCount, .elements = canopen::kAxes}},
+    canopen::heading(0x2011, "Accelerometer", "Specific force of an inertial unit: +1 g upwards at rest."),
+    {OBJECT(0x2011, 1, accelerometer[0], kReadOnly, kTpdo).repeated(3, 2),
+     {.name = "Accelerometer", .unit = kAccelerometerCount, .elements = canopen::kAxes}},
+    canopen::heading(0x2020, "Force", "Of an ankle: what the ground side exerts on the shank side."),
+    {OBJECT(0x2020, 1, force[0], kReadOnly, kTpdo).repeated(3, 2),
+     {.name = "Force", .unit = kForceCount, .elements = canopen::kAxes}},
+    canopen::heading(0x2021, "Torque", "Of an ankle, about the sensor's origin."),
+    {OBJECT(0x2021, 1, torque[0], kReadOnly, kTpdo).repeated(3, 2),
+     {.name = "Torque", .unit = kTorqueCount, .elements = canopen::kAxes}},
+};
+static_assert(canopen::is_described(kSensorObjects));
+
+#undef OBJECT
+
+}  // namespace koboshi::sim

@@ -1,0 +1,86 @@
+#pragma once
+
+#include "firmware/canopen/cia402.h"
+#include "firmware/canopen/described_object.h"
+#include "firmware/canopen/object.h"
+#include "firmware/canopen/value_names.h"
+#include "sim_board/servo/drive_dictionary.h"
+
+// A drive's objects, CiA 402: from this table come the drive's rows, drive.eds, its part of koboshi.dbc and
+// of the page docs/reference/object-dictionary.md (`koboshi dictionary write`).
+namespace koboshi::sim {
+
+namespace cia402 = canopen::cia402;
+using enum canopen::Access;
+using enum canopen::Mappable;
+
+inline constexpr canopen::ValueName kAbortConnectionNames[] = {
+    {0, "no action"}, {1, "fault"}, {2, "disable voltage"}, {3, "quick stop"}};
+inline constexpr canopen::ValueName kStopNames[] = {{2, "slow down on the quick stop ramp"}};
+
+inline constexpr canopen::Unit kShaftUnit{"deg", 360, 1 << cia402::kPositionUnitBits};
+inline constexpr canopen::Unit kShaftAccelerationUnit{"deg/s^2", 360, 1 << cia402::kPositionUnitBits};
+inline constexpr canopen::Unit kTorqueShareUnit{"%", 1, 10};
+
+inline constexpr std::string_view kLimitEnds[] = {"minimum", "maximum"};
+
+#define OBJECT(index, subindex, member, ...) \
+  canopen::object(cia402::index, subindex, KOBOSHI_FIELD(DriveValues, member), __VA_ARGS__)
+
+inline constexpr canopen::DescribedObject kDriveObjects[] = {
+    {canopen::object(kWindingTemperature, 0, KOBOSHI_FIELD(DriveValues, winding_dC), kReadOnly, kTpdo),
+     {.name = "Winding temperature", .unit = {"C", 1, 10}, .comment = "What the drive's thermometer shows."}},
+    {OBJECT(kAbortConnectionOption, 0, abort_connection_option, kReadWrite).within<std::int16_t>(0, 3),
+     {.name = "Abort connection option code",
+      .values = kAbortConnectionNames,
+      .comment = "What the drive does when the controller is lost."}},
+    {OBJECT(kErrorCode, 0, error_code, kReadOnly, kTpdo),
+     {.name = "Error code", .values = canopen::kErrorCodeNames, .comment = "Of the last fault."}},
+    {OBJECT(kControlword, 0, controlword, kReadWrite, kRpdo),
+     {.name = "Controlword", .values = cia402::kControlwordNames}},
+    {OBJECT(kStatusword, 0, statusword, kReadOnly, kTpdo),
+     {.name = "Statusword",
+      .values = cia402::kStatuswordNames,
+      .comment = "Bit 14: the drive-enable line is low, there is no torque."}},
+    {OBJECT(kQuickStopOption, 0, quick_stop_option, kReadWrite).within<std::int16_t>(2, 2),
+     {.name = "Quick stop option code", .values = kStopNames, .comment = "Switch on disabled follows."}},
+    {OBJECT(kFaultReactionOption, 0, fault_reaction_option, kReadWrite).within<std::int16_t>(2, 2),
+     {.name = "Fault reaction option code", .values = kStopNames}},
+    {OBJECT(kModeOfOperation, 0, mode, kReadWrite, kRpdo)
+         .within<std::int8_t>(cia402::kCyclicSynchronousPosition, cia402::kCyclicSynchronousPosition),
+     {.name = "Modes of operation", .values = cia402::kModeNames}},
+    {OBJECT(kModeOfOperationDisplay, 0, mode_display, kReadOnly, kTpdo),
+     {.name = "Modes of operation display", .values = cia402::kModeNames}},
+    {OBJECT(kPositionActual, 0, position_actual, kReadOnly, kTpdo),
+     {.name = "Position actual value", .unit = kShaftUnit}},
+    {OBJECT(kRatedTorque, 0, rated_torque_mNm, kReadOnly),
+     {.name = "Motor rated torque", .unit = {"mN m"}, .comment = "The stall torque at nominal supply."}},
+    {OBJECT(kTorqueActual, 0, torque_actual_permille, kReadOnly, kTpdo),
+     {.name = "Torque actual value", .unit = kTorqueShareUnit, .comment = "Of the rated torque."}},
+    {OBJECT(kSupplyVoltage, 0, supply_mV, kReadOnly, kTpdo),
+     {.name = "DC link circuit voltage", .unit = {"mV"}, .comment = "What the drive's voltmeter shows."}},
+    {OBJECT(kTargetPosition, 0, target_position, kReadWrite, kRpdo),
+     {.name = "Target position", .unit = kShaftUnit, .comment = "Reached by interpolation over a cycle."}},
+    canopen::heading(cia402::kSoftwarePositionLimit, "Software position limit", "No target lies beyond."),
+    {OBJECT(kSoftwarePositionLimit, 1, position_limit[0], kReadWrite).repeated(2, 4),
+     {.name = "Position limit", .unit = kShaftUnit, .elements = kLimitEnds}},
+    {OBJECT(kQuickStopDeceleration, 0, quick_stop_deceleration, kReadWrite)
+         .within<std::uint32_t>(1'000, 0x7FFF'FFFF),
+     {.name = "Quick stop deceleration",
+      .unit = kShaftAccelerationUnit,
+      .comment = "After a reset from the joint's highest speed, see the robot's file."}},
+    canopen::heading(cia402::kInterpolationTimePeriod, "Interpolation time period",
+                     "The cycle: value * 10^index seconds."),
+    {OBJECT(kInterpolationTimePeriod, 1, interpolation_period, kReadWrite).within<std::uint8_t>(1, 250),
+     {.name = "Interpolation time period value"}},
+    {OBJECT(kInterpolationTimePeriod, 2, interpolation_exponent, kReadWrite).within<std::int8_t>(-3, -3),
+     {.name = "Interpolation time index"}},
+    {canopen::constant<std::uint32_t>(cia402::kSupportedDriveModes, 0,
+                                      1u << (cia402::kCyclicSynchronousPosition - 1)),
+     {.name = "Supported drive modes", .comment = "Bit 7: cyclic synchronous position."}},
+};
+static_assert(canopen::is_described(kDriveObjects));
+
+#undef OBJECT
+
+}  // namespace koboshi::sim

@@ -1,0 +1,23 @@
+// decode_log ROBOT LOG: what our decoder reads from a log of candump, one signal a line, for dbc_test.py:
+// number of the frame, signal, raw value, value, the value's name.
+
+#include <cstdio>
+
+#include <fmt/core.h>
+
+#include "sim_board/can/candump_log.h"
+#include "sim_board/robot/load.h"
+#include "tools/dictionary/network.h"
+
+int main(int argc, char** argv) {
+  if (argc != 3) return 2;
+  const koboshi::tools::Network network = koboshi::tools::make_network(koboshi::sim::load_robot(argv[1]));
+  koboshi::sim::CandumpReader log(argv[2]);
+  for (int number = 0; const auto logged = log.next(); ++number) {
+    for (const koboshi::tools::Reading& reading : koboshi::tools::decode(network, logged->frame)) {
+      fmt::print("{}\t{}\t{}\t{}\t{}\n", number, reading.signal->name, reading.raw, reading.value,
+                 reading.name);
+    }
+  }
+  return 0;
+}

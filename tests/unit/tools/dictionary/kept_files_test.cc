@@ -1,0 +1,31 @@
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "sim_board/robot/load.h"
+#include "tools/dictionary/files.h"
+
+namespace koboshi::tools {
+namespace {
+
+const std::filesystem::path kRoot = KOBOSHI_SOURCE_DIR;
+
+std::string contents(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST(DictionaryFiles, InTheRepositoryAreThoseOfTheTables) {
+  const auto files = dictionary_files(sim::load_robot(kRoot / "robots/koboshi/robot.sdf"));
+  EXPECT_EQ(files.size(), 5u);
+  for (const GeneratedFile& file : files) {
+    EXPECT_TRUE(contents(kRoot / "docs/reference" / file.name) == file.text)
+        << "docs/reference/" << file.name << " is stale: run koboshi dictionary write";
+  }
+}
+
+}  // namespace
+}  // namespace koboshi::tools

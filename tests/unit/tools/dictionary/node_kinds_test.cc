@@ -1,0 +1,144 @@
+#include "tools/dictionary/node_kinds.h"
+
+#include <map>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "firmware/app/dictionary.h"
+#include "sim_board/sensor/sensor_dictionary.h"
+#include "sim_board/servo/drive_dictionary.h"
+
+namespace koboshi::tools {
+namespace {
+
+using canopen::AbortCode;
+
+constexpr std::uint8_t kNodeId = 5;
+
+// Objects of CiA 301 that are described before the stack serves them.
+const std::set<std::uint16_t> kToCome{0x1010, 0x1011, 0x1019, 0x1029, 0x1201};
+
+class NoSink final : public canopen::FrameSink {
+ public:
+  bool send(const hal::CanFrame&) override { return true; }
+};
+
+// A node of the kind as it is on the bus, with the application's part left out.
+template <typename Values, typename Memory>
+class RealNode final : private canopen::NodeApplication {
+ public:
+  explicit RealNode(const NodeKind& kind)
+      : node(kind.description,
+             {.node_id = kNodeId,
+              .serial_number = 7,
+              .values = std::as_writable_bytes(std::span(&values_, 1))},
+             memory_.buffers(), sink_, *this) {
+    node.start(0);
+  }
+
+ private:
+  Values values_;
+  Memory memory_;
+  NoSink sink_;
+
+ public:
+  canopen::Node node;
+};
+
+std::int64_t number_of(const std::string& text) {
+  const std::string prefix = "$NODEID+";
+  if (text.starts_with(prefix)) return kNodeId + std::stoll(text.substr(prefix.size()), nullptr, 0);
+  return std::stoll(text, nullptr, 0);
+}
+
+void expect_default(const ObjectItem& item, const canopen::ObjectValue& value) {
+  if (item.default_value.empty()) return;
+  if (item.data_type == kVisibleString) {
+    const auto bytes = value.bytes();
+    EXPECT_EQ(std::string(bytes.begin(), bytes.end()), item.default_value);
+    return;
+  }
+  const std::uint64_t mask = (std::uint64_t{1} << size_bits(item.data_type)) - 1;
+  EXPECT_EQ(value.number(), static_cast<std::uint64_t>(number_of(item.default_value)) & mask);
+}
+
+void expect_item(canopen::Node& node, const ObjectItem& item) {
+  canopen::ObjectValue value;
+  const AbortCode read = node.read_object(item.address, value);
+  if (read == AbortCode::kObjectDoesNotExist && kToCome.contains(item.address.index)) return;
+  if (read == AbortCode::kNoData) return;  // an error history that is empty yet
+  ASSERT_EQ(read, AbortCode::kNone);
+  if (item.data_type != kVisibleString) {
+    EXPECT_EQ(8u * value.size(), size_bits(item.data_type));
+  }
+  expect_default(item, value);
+  const bool read_only = item.access == "ro" || item.access == "const";
+  EXPECT_EQ(node.write_object(item.address, value.number(), 0) == AbortCode::kWriteOfReadOnly, read_only);
+}
+
+void expect_all_described(canopen::Node& node, const NodeKind& kind) {
+  for (unsigned index = 0x1000; index < 0xA000; ++index) {
+    for (unsigned subindex = 0; subindex < 255; ++subindex) {
+      const canopen::ObjectAddress address{static_cast<std::uint16_t>(index),
+                                           static_cast<std::uint8_t>(subindex)};
+      canopen::ObjectValue value;
+      const AbortCode read = node.read_object(address, value);
+      if (read == AbortCode::kObjectDoesNotExist) break;
+      if (read != AbortCode::kNone) continue;
+      EXPECT_NE(kind.find(address), nullptr) << std::hex << index << " sub " << subindex;
+    }
+  }
+}
+
+template <typename Values, typename Memory>
+void expect_true(const NodeKind& kind) {
+  RealNode<Values, Memory> real(kind);
+  expect_all_described(real.node, kind);
+  for (const Object& object : kind.objects) {
+    for (const ObjectItem& item : object.items) {
+      SCOPED_TRACE(testing::Message() << kind.name << " " << std::hex << item.address.index << " sub "
+                                      << int{item.address.subindex} << ": " << item.name);
+      expect_item(real.node, item);
+    }
+  }
+}
+
+TEST(Controller, HasTheObjectsOfItsDataSheetAndNoOthers) {
+  expect_true<app::ControllerValues,
+              canopen::NodeMemory<1 + robot::kMaxJoints, app::kTelemetryTpdos + robot::kMaxJoints,
+                                  robot::kMaxJoints, 32>>(controller_kind());
+}
+
+TEST(Drive, HasTheObjectsOfItsDataSheetAndNoOthers) {
+  expect_true<sim::DriveValues, canopen::NodeMemory<4, 4, 2, 8>>(drive_kind());
+}
+
+TEST(Sensor, HasTheObjectsOfItsDataSheetAndNoOthers) {
+  expect_true<sim::SensorValues, canopen::NodeMemory<0, 2, 2, 8>>(inertial_kind());
+  expect_true<sim::SensorValues, canopen::NodeMemory<0, 2, 2, 8>>(ankle_kind());
+}
+
+TEST(NodeKind, NamesItsObjects) {
+  const NodeKind kind = controller_kind();
+  EXPECT_EQ(kind.find({0x2010, 4})->name, "Rate y");
+  EXPECT_EQ(kind.find({0x2300, 24})->name, "Controlword of joint 24");
+  EXPECT_EQ(kind.find({0x2300, 25}), nullptr);
+  EXPECT_EQ(kind.find({0x2FFF, 0}), nullptr);
+  EXPECT_EQ(kind.find({0x2300, 0})->default_value, "24");
+}
+
+TEST(NodeKind, IsAnArrayWhereAllIsOfOneRow) {
+  const std::map<std::uint16_t, ObjectType> expected{
+      {0x607D, ObjectType::kArray}, {0x60C2, ObjectType::kRecord}, {0x6040, ObjectType::kVariable}};
+  for (const Object& object : drive_kind().objects) {
+    const auto known = expected.find(object.index);
+    if (known != expected.end()) {
+      EXPECT_EQ(object.type, known->second) << std::hex << object.index;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace koboshi::tools

@@ -1,0 +1,68 @@
+#include "tools/cli/dictionary_command.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "sim_board/record/output_file.h"
+#include "sim_board/robot/load.h"
+#include "tools/dictionary/files.h"
+
+namespace koboshi::tools {
+namespace {
+
+struct Arguments {
+  std::filesystem::path robot = "robots/koboshi/robot.sdf";
+  std::filesystem::path folder = "docs/reference";
+  std::string kind;
+};
+
+std::vector<GeneratedFile> files(const Arguments& arguments) {
+  return dictionary_files(sim::load_robot(arguments.robot));
+}
+
+void print_file(const Arguments& arguments, const std::string& name) {
+  for (const GeneratedFile& file : files(arguments)) {
+    if (file.name == name) fmt::print("{}", file.text);
+  }
+}
+
+void write_files(const Arguments& arguments) {
+  for (const GeneratedFile& file : files(arguments)) {
+    sim::write_whole_file(arguments.folder / file.name, file.text);
+    fmt::print("{}\n", (arguments.folder / file.name).string());
+  }
+}
+
+}  // namespace
+
+void add_dictionary_command(CLI::App& program) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = program.add_subcommand("dictionary", "The nodes' objects as EDS, DBC and page");
+  command->require_subcommand(1);
+  command->footer(
+      "All of it comes from the tables that the nodes themselves are made of. After a change of one:\n"
+      "  koboshi dictionary write\n"
+      "A test fails while docs/reference/ says anything else.\n");
+  command->add_option("--robot", arguments->robot, "The robot's file: names of nodes, worth of counts")
+      ->capture_default_str();
+
+  CLI::App* eds =
+      command->add_subcommand("eds", "Print the electronic data sheet of a kind of node (CiA 306)");
+  eds->add_option("KIND", arguments->kind, "controller, drive or sensor")
+      ->required()
+      ->check(CLI::IsMember({"controller", "drive", "sensor"}));
+  eds->callback([arguments] { print_file(*arguments, arguments->kind + ".eds"); });
+  CLI::App* dbc = command->add_subcommand("dbc", "Print the messages on the robot's bus for CAN tools");
+  dbc->callback([arguments] { print_file(*arguments, "koboshi.dbc"); });
+  CLI::App* page = command->add_subcommand("page", "Print the reference page");
+  page->callback([arguments] { print_file(*arguments, "object-dictionary.md"); });
+  CLI::App* write = command->add_subcommand("write", "Write all of them");
+  write->add_option("--folder", arguments->folder, "Where to")->capture_default_str();
+  write->callback([arguments] { write_files(*arguments); });
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,100 @@
+#include "tools/dictionary/configured_drive.h"
+
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include "firmware/canopen/node.h"
+#include "firmware/canopen/sdo_client.h"
+#include "firmware/drive/configuration.h"
+#include "sim_board/servo/drive_dictionary.h"
+
+namespace koboshi::tools {
+namespace {
+
+class Wire final : public canopen::FrameSink {
+ public:
+  bool send(const hal::CanFrame& frame) override {
+    frames_.push_back(frame);
+    return true;
+  }
+  std::vector<hal::CanFrame> take() { return std::exchange(frames_, {}); }
+
+ private:
+  std::vector<hal::CanFrame> frames_;
+};
+
+class DriveNode final : private canopen::NodeApplication {
+ public:
+  explicit DriveNode(const sim::DriveDescription& drive)
+      : description_(sim::drive_node_description(drive)),
+        node_(description_,
+              {.node_id = drive.node_id,
+               .serial_number = drive.serial_number,
+               .values = std::as_writable_bytes(std::span(&values_, 1))},
+              memory_.buffers(), wire_, *this) {
+    node_.start(0);
+    static_cast<void>(wire_.take());
+  }
+
+  std::vector<hal::CanFrame> answer(const hal::CanFrame& frame) {
+    node_.on_frame(frame, 0);
+    return wire_.take();
+  }
+
+  std::uint32_t read(std::uint16_t index, std::uint8_t subindex) {
+    canopen::ObjectValue value;
+    return node_.read_object({index, subindex}, value) == canopen::AbortCode::kNone ? value.number() : 0;
+  }
+
+  // The PDOs in use of those whose records begin at these indices.
+  std::vector<canopen::PdoConfiguration> pdos(std::uint16_t communication, std::uint16_t mapping) {
+    std::vector<canopen::PdoConfiguration> used;
+    canopen::ObjectValue value;
+    while (node_.read_object({communication, 1}, value) == canopen::AbortCode::kNone) {
+      canopen::PdoConfiguration pdo{.cob_id = value.number()};
+      pdo.transmission_type = static_cast<std::uint8_t>(read(communication, 2));
+      pdo.event_timer_ms = static_cast<std::uint16_t>(read(communication, 5));
+      const std::uint32_t count = read(mapping, 0);
+      for (std::uint8_t i = 0; i < count; ++i) {
+        pdo.mapping[i] = read(mapping, static_cast<std::uint8_t>(i + 1));
+      }
+      if ((pdo.cob_id & canopen::kCobIdInvalid) == 0) used.push_back(pdo);
+      ++communication;
+      ++mapping;
+    }
+    return used;
+  }
+
+ private:
+  sim::DriveValues values_;
+  canopen::NodeDescription description_;
+  canopen::NodeMemory<4, 4, 2, 8> memory_;
+  Wire wire_;
+  canopen::Node node_;
+};
+
+}  // namespace
+
+ConfiguredDrive configure_drive(const robot::Joint& joint, const sim::DriveDescription& drive) {
+  DriveNode node(drive);
+  Wire wire;
+  canopen::SdoClient client(wire);
+  drive::Configuration configuration(client);
+  configuration.begin(joint);
+  for (std::uint64_t now_us = 0; configuration.state() == drive::Configuration::State::kBusy;
+       now_us += 1000) {
+    configuration.process(now_us);
+    for (const hal::CanFrame& request : wire.take()) {
+      for (const hal::CanFrame& response : node.answer(request)) client.on_frame(response);
+    }
+    client.process(now_us);
+  }
+  if (configuration.state() != drive::Configuration::State::kDone) {
+    throw std::logic_error("the firmware could not configure a drive with its own objects");
+  }
+  return {node.pdos(0x1400, 0x1600), node.pdos(0x1800, 0x1A00),
+          static_cast<std::uint16_t>(node.read(0x1017, 0))};
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim_board/robot/description.h"
+
+namespace koboshi::tools {
+
+struct GeneratedFile {
+  std::string name;
+  std::string text;
+};
+
+// What docs/reference keeps of the tables of objects: the data sheets of all kinds of nodes, koboshi.dbc of
+// the robot's network, and the page. Throws sim::InputError as make_network does.
+std::vector<GeneratedFile> dictionary_files(const sim::RobotDescription& robot);
+
+}  // namespace koboshi::tools

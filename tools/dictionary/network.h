@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/canopen/described_object.h"
+#include "hal/port/can.h"
+#include "sim_board/robot/description.h"
+
+namespace koboshi::tools {
+
+// A value in the data of a frame: little-endian, `raw * factor` of its unit.
+struct Signal {
+  std::string name;
+  unsigned start_bit = 0;
+  unsigned size_bits = 0;
+  bool is_signed = false;
+  double factor = 1.0;
+  std::int64_t low_raw = 0;
+  std::int64_t high_raw = 0;
+  std::string unit = {};
+  std::span<const canopen::ValueName> values = {};
+  std::string comment = {};
+  std::vector<std::string> receivers = {};
+};
+
+struct Message {
+  std::uint16_t identifier = 0;
+  std::string name;
+  unsigned size_bytes = 0;
+  std::string sender;
+  std::uint32_t cycle_time_ms = 0;  // 0: when something happens
+  std::string comment;
+  std::vector<Signal> signals;
+};
+
+struct NetworkNode {
+  std::uint8_t node_id = 0;  // 0: no CANopen node
+  std::string name;
+};
+
+// Everything that can be seen on a robot's bus in operation.
+struct Network {
+  std::vector<NetworkNode> nodes;
+  std::vector<Message> messages;  // by identifier, ascending
+
+  // Null where there is none.
+  const Message* find(std::uint16_t identifier) const;
+};
+
+// The network of a robot: the controller, its drives by the names of their joints, its sensors. The drives'
+// PDOs are those that the firmware configures. Throws sim::InputError for a robot that the firmware cannot
+// express.
+Network make_network(const sim::RobotDescription& robot);
+
+// A signal of a frame that came.
+struct Reading {
+  const Signal* signal = nullptr;
+  std::int64_t raw = 0;
+  double value = 0.0;          // of signal->unit
+  std::string_view name = {};  // of the raw value, where it has one
+};
+
+// What a frame says, in the order of its bytes. Signals that a short frame leaves out are left out; nothing
+// where the network has no such message. The network must outlive the readings.
+std::vector<Reading> decode(const Network& network, const hal::CanFrame& frame);
+
+}  // namespace koboshi::tools

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "firmware/canopen/described_object.h"
+#include "firmware/canopen/node.h"
+
+namespace koboshi::tools {
+
+// The whole object dictionary of a kind of node, as CiA 306 describes one: the objects of its own table and
+// those of the communication profile area, which the CANopen stack serves.
+
+inline constexpr std::uint8_t kVisibleString = 0x09;  // data type, CiA 301 table 44
+
+enum class ObjectType : std::uint8_t { kVariable = 7, kArray = 8, kRecord = 9 };
+
+struct ValueLimits {
+  std::int64_t low = 0;
+  std::int64_t high = 0;
+};
+
+// A value: an index without sub-indices, or one of its sub-indices.
+struct ObjectItem {
+  canopen::ObjectAddress address;
+  std::string name;
+  std::uint8_t data_type = 0;  // a canopen::DataType, or kVisibleString
+  std::string access;          // as an EDS says it: const, ro, rw, or rww where an RPDO may write it
+  canopen::Mappable mappable = canopen::Mappable::kNo;
+  std::string
+      default_value;  // as an EDS says it, `$NODEID+0x180`; empty where instances differ or it is measured
+  std::optional<ValueLimits> limits;
+  canopen::Unit unit;
+  std::span<const canopen::ValueName> values;
+  std::string comment;
+  std::string family;  // of consecutive items that differ only in their number; else empty
+};
+
+struct Object {
+  std::uint16_t index = 0;
+  ObjectType type = ObjectType::kVariable;
+  std::string name;
+  std::vector<ObjectItem> items;  // with sub-index 0, where there are sub-indices
+  std::string comment;
+  std::string family;  // of consecutive objects that differ only in their number; else empty
+};
+
+// How many services of a sort the node's stack has room for.
+struct NodeCapacity {
+  std::size_t rpdos = 0;
+  std::size_t tpdos = 0;
+  std::size_t heartbeat_consumers = 0;
+  std::size_t second_sdo_servers = 0;  // 0 or 1
+};
+
+struct NodeKind {
+  std::string name;
+  canopen::NodeDescription description;
+  NodeCapacity capacity;
+  std::vector<Object> objects;  // ascending
+
+  // Null where there is none.
+  const ObjectItem* find(canopen::ObjectAddress address) const;
+};
+
+// All objects of a kind of node. `values` are those that the table's rows have after a reset.
+NodeKind make_node_kind(std::string name, const canopen::NodeDescription& description,
+                        const NodeCapacity& capacity, std::span<const canopen::DescribedObject> table,
+                        std::span<const std::byte> values);
+
+// 8, 16, 32; 0 for a text.
+unsigned size_bits(std::uint8_t data_type);
+bool is_signed(std::uint8_t data_type);
+// INTEGER16, as CiA 301 writes it.
+std::string data_type_name(std::uint8_t data_type);
+
+}  // namespace koboshi::tools

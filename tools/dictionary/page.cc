@@ -1,0 +1,246 @@
+#include "tools/dictionary/page.h"
+
+#include <algorithm>
+#include <iterator>
+#include <string_view>
+#include <vector>
+
+#include <fmt/core.h>
+
+namespace koboshi::tools {
+namespace {
+
+using Text = std::back_insert_iterator<std::string>;
+
+constexpr std::string_view kIntroduction =
+    R"(# Object dictionary
+
+What the nodes on the bus show of themselves, over SDO and in PDOs: the controller (node 1), the servo drives (16 to 35,
+CiA 402) and the sensors (36 to 38). Written by `koboshi dictionary write` from the tables that the nodes themselves are
+made of: `firmware/app/controller_objects.h`, `sim_board/servo/drive_objects.h` and `sim_board/sensor/sensor_objects.h`.
+The same in the formats that other programs read: [controller.eds](controller.eds), [drive.eds](drive.eds),
+[sensor.eds](sensor.eds) (CiA 306), and [koboshi.dbc](koboshi.dbc) with every message on the bus.
+
+Indices, sub-indices and identifiers are hexadecimal. A value on the bus is a count of its *unit*: with 0.1 %, 123 means
+12.3 %. *PDO* is where it may be mapped. Sub-index 0 of an index that has others tells the highest of them, or in a
+mapping how many objects are mapped. `const` and `ro` are read only; `rww` may be written by SDO and by an RPDO.
+)";
+
+constexpr std::uint16_t kFirstOwnIndex = 0x2000;
+
+// Values of which a page shows names: once each, however many objects have them.
+using ValueTable = std::span<const canopen::ValueName>;
+
+std::string bounds(const ObjectItem& item) {
+  return item.limits ? fmt::format("{} to {}", item.limits->low, item.limits->high) : std::string();
+}
+
+std::string pdo(canopen::Mappable mappable) {
+  switch (mappable) {
+    case canopen::Mappable::kNo:
+      return "";
+    case canopen::Mappable::kTpdo:
+      return "TPDO";
+    case canopen::Mappable::kRpdo:
+      return "RPDO";
+    case canopen::Mappable::kBoth:
+      return "both";
+  }
+  return "";
+}
+
+// 360/65536 deg; for a sensor's counts only the unit.
+std::string unit_text(const canopen::Unit& unit) {
+  if (unit.resolution != canopen::Resolution::kNone) return fmt::format("counts, in {}", unit.name);
+  if (unit.denominator == 1 && unit.numerator == 1) return std::string(unit.name);
+  if (unit.denominator == 10 && unit.numerator == 1) return fmt::format("0.1 {}", unit.name);
+  return fmt::format("{}/{} {}", unit.numerator, unit.denominator, unit.name);
+}
+
+void add_item(std::string& page, const ObjectItem& item, std::string_view index, std::string_view subindex,
+              std::string_view name, std::string_view default_value) {
+  fmt::format_to(Text(page), "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", index, subindex, name,
+                 data_type_name(item.data_type), item.access, pdo(item.mappable), default_value, bounds(item),
+                 unit_text(item.unit), item.comment);
+}
+
+// Sub-index 0 says nothing of its own unless it may be written and counts.
+bool is_plain_count(const ObjectItem& item) { return item.address.subindex == 0 && item.access == "const"; }
+
+void add_items(std::string& page, const Object& object) {
+  for (auto first = object.items.begin(); first != object.items.end();) {
+    const auto end = first->family.empty()
+                         ? first + 1
+                         : std::find_if(first, object.items.end(),
+                                        [&](const ObjectItem& item) { return item.family != first->family; });
+    const ObjectItem& last = *(end - 1);
+    if (first + 1 == end) {
+      if (!is_plain_count(*first)) {
+        add_item(page, *first, "", fmt::format("{:X}", first->address.subindex), first->name,
+                 first->default_value);
+      }
+    } else {
+      const bool alike = std::all_of(
+          first, end, [&](const ObjectItem& item) { return item.default_value == first->default_value; });
+      add_item(page, *first, "", fmt::format("{:X} to {:X}", first->address.subindex, last.address.subindex),
+               first->family, alike ? first->default_value : std::string());
+    }
+    first = end;
+  }
+}
+
+void add_object(std::string& page, const Object& object) {
+  const std::string index = fmt::format("{:04X}", object.index);
+  if (object.type == ObjectType::kVariable) {
+    ObjectItem item = object.items.front();
+    if (item.comment.empty()) item.comment = object.comment;
+    return add_item(page, item, index, "", item.name, item.default_value);
+  }
+  fmt::format_to(Text(page), "| {} | | **{}** | | | | | | | {} |\n", index, object.name, object.comment);
+  add_items(page, object);
+}
+
+// Records of PDOs, of which a node has as many as its chapter says.
+void add_family(std::string& page, const Object& first) {
+  fmt::format_to(Text(page), "| {:04X} ... | | **{}** | | | | | | | One record for each PDO. |\n",
+                 first.index, first.family);
+  Object shown = first;
+  for (ObjectItem& item : shown.items) item.default_value.clear();
+  add_items(page, shown);
+}
+
+// All objects with from <= index < end.
+void add_objects(std::string& page, std::span<const Object> objects, std::uint16_t from, std::uint16_t end) {
+  page +=
+      "| index | sub | name | type | access | PDO | default | range | unit | |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+  std::string family;
+  for (const Object& object : objects) {
+    if (object.index < from || object.index >= end) continue;
+    if (object.family.empty()) {
+      add_object(page, object);
+    } else if (object.family != family) {
+      add_family(page, object);
+    }
+    family = object.family;
+  }
+}
+
+// The communication profile area once for all kinds: the first has all of it; defaults that not all share
+// stand in the nodes' chapters.
+void add_common_objects(std::string& page, std::span<const NodeKind> kinds) {
+  std::vector<Object> objects = kinds.front().objects;
+  for (Object& object : objects) {
+    for (ObjectItem& item : object.items) {
+      const bool shared = std::all_of(kinds.begin(), kinds.end(), [&](const NodeKind& kind) {
+        const ObjectItem* same = kind.find(item.address);
+        return same == nullptr || same->default_value == item.default_value;
+      });
+      if (!shared) item.default_value.clear();
+    }
+  }
+  page += "\n## Every node\n\n";
+  add_objects(page, objects, 0x1000, kFirstOwnIndex);
+}
+
+void add_identity(std::string& page, const NodeKind& kind) {
+  const canopen::NodeDescription& node = kind.description;
+  const NodeCapacity& capacity = kind.capacity;
+  fmt::format_to(Text(page),
+                 "\"{}\": device type 0x{:08X}, vendor 0x{:08X}, product 0x{:08X}, revision 0x{:08X}, ",
+                 node.device_name, node.device_type, node.vendor_id, node.product_code, node.revision_number);
+  fmt::format_to(Text(page), "heartbeat after a reset {} ms.\n", node.heartbeat_ms);
+  fmt::format_to(Text(page), "It has {} RPDOs, {} TPDOs and {} heartbeat consumers{}.\n\n", capacity.rpdos,
+                 capacity.tpdos, capacity.heartbeat_consumers,
+                 node.sync_producer ? ", and produces SYNC" : "");
+}
+
+void add_value_names(std::string& page, const NodeKind& kind) {
+  std::vector<ValueTable> shown;
+  page += "\n### Names of values\n\n";
+  for (const Object& object : kind.objects) {
+    if (object.index < kFirstOwnIndex) continue;
+    for (const ObjectItem& item : object.items) {
+      const auto same = [&](ValueTable table) { return table.data() == item.values.data(); };
+      if (item.values.empty() || std::any_of(shown.begin(), shown.end(), same)) continue;
+      shown.push_back(item.values);
+      fmt::format_to(Text(page), "- {}:", item.family.empty() ? item.name : item.family);
+      for (const canopen::ValueName& value : item.values) {
+        const bool word = item.values.back().value > 99;
+        page += word ? fmt::format(" {:04X} {};", value.value, value.name)
+                     : fmt::format(" {} {};", value.value, value.name);
+      }
+      page.back() = '\n';
+    }
+  }
+}
+
+void add_message(std::string& page, const Message& message) {
+  fmt::format_to(Text(page), "| {:03X} | {} | {} | {} |", message.identifier, message.name,
+                 message.cycle_time_ms > 0 ? fmt::format("{} ms", message.cycle_time_ms) : "event",
+                 message.size_bytes);
+  for (const Signal& signal : message.signals) {
+    const bool has_unit = !signal.unit.empty();
+    fmt::format_to(Text(page), " {} {}{}{},", signal.name, signal.is_signed ? 'i' : 'u', signal.size_bits,
+                   has_unit ? fmt::format(" ({:.6g} {})", signal.factor, signal.unit) : std::string());
+  }
+  page.back() = ' ';
+  page += "|\n";
+}
+
+// PDOs of the nodes from `first` on, `count` of them.
+void add_pdos(std::string& page, const Network& network, std::size_t first, std::size_t count) {
+  page += "\n| identifier | PDO | sent each | bytes | signals |\n| --- | --- | --- | --- | --- |\n";
+  for (std::size_t i = first; i < first + count; ++i) {
+    const std::string& node = network.nodes.at(i).name;
+    for (const Message& message : network.messages) {
+      if (message.name.starts_with(node + "_RPDO") || message.name.starts_with(node + "_TPDO")) {
+        add_message(page, message);
+      }
+    }
+  }
+}
+
+// The network's nodes are in the order of controller, drives, sensors, and an operator's PC.
+void add_network(std::string& page, const NodeKind& kind, const Network& network) {
+  const auto is_sensor = [](const NetworkNode& node) { return node.node_id == 36; };
+  const auto sensor = std::find_if(network.nodes.begin(), network.nodes.end(), is_sensor);
+  const auto first_sensor = static_cast<std::size_t>(sensor - network.nodes.begin());
+  page += "\n### PDOs in operation\n";
+  if (kind.name == "controller") {
+    page += "\nBesides these the controller sends each drive its RPDO and receives its TPDO.\n";
+    add_pdos(page, network, 0, 1);
+  } else if (kind.name == "drive") {
+    fmt::format_to(
+        Text(page),
+        "\nOf node {}; those of the other drives have identifiers that differ as the node ids do. The "
+        "controller\nconfigures them at each start (`firmware/drive/configuration.cc`).\n",
+        network.nodes.at(1).node_id);
+    add_pdos(page, network, 1, 1);
+  } else {
+    page +=
+        "\nOf an inertial unit, and of the ankles' sensors (product 0x00004B03), which differ from it in the "
+        "mapping "
+        "after a\nreset. What a count means is the default robot's.\n";
+    add_pdos(page, network, first_sensor, network.nodes.size() - 1 - first_sensor);
+  }
+}
+
+}  // namespace
+
+std::string page_text(std::span<const NodeKind> kinds, const Network& network) {
+  std::string page(kIntroduction);
+  add_common_objects(page, kinds);
+  for (const NodeKind& kind : kinds) {
+    std::string title = kind.name;
+    title.front() = static_cast<char>(title.front() - 'a' + 'A');
+    fmt::format_to(Text(page), "\n## {}\n\n", title);
+    add_identity(page, kind);
+    add_objects(page, kind.objects, kFirstOwnIndex, 0xA000);
+    add_value_names(page, kind);
+    add_network(page, kind, network);
+  }
+  return page;
+}
+
+}  // namespace koboshi::tools
