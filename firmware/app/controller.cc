@@ -107,6 +107,7 @@ void Controller::read_ankles(std::uint64_t now_us) {
 
 void Controller::watch_bus() {
   const hal::CanStatus status = board_.can.status();
+  node_.on_can_status(status, now_us_);
   values_.diagnosis.receive_overruns = status.receive_overruns;
   values_.diagnosis.imu_overruns = board_.imu.overruns();
   values_.diagnosis.frames_lost = node_.lost_frames();
