@@ -7,21 +7,19 @@
 namespace koboshi::canopen {
 namespace {
 
-constexpr std::uint16_t kRpdoCommunication = 0x1400;
-constexpr std::uint16_t kRpdoMapping = 0x1600;
-constexpr std::uint16_t kTpdoCommunication = 0x1800;
-constexpr std::uint16_t kTpdoMapping = 0x1A00;
+// From here on there are records of PDOs, 0x200 of a kind (CiA 301, 7.5.2.35 to 7.5.2.38).
+constexpr std::uint16_t kFirstRpdoRecord = 0x1400;
+constexpr std::uint16_t kFirstTpdoRecord = 0x1800;
+constexpr std::uint16_t kEndOfPdoRecords = 0x1C00;
+
+bool is_mapping_record(std::uint16_t index) { return (index & 0x200) != 0; }
+std::size_t pdo_number(std::uint16_t index) { return index & 0x1FFu; }
 
 // Signatures of 0x1010 and 0x1011: "save" and "load" as they lie on the bus.
 constexpr std::uint32_t kSave = 0x6576'6173;
 constexpr std::uint32_t kLoad = 0x6461'6F6C;
 
 bool is_communication_area(std::uint16_t index) { return index >= 0x1000 && index <= 0x1FFF; }
-
-// Whether the index is that of one of `count` records from `first` on.
-bool is_record(std::uint16_t index, std::uint16_t first, std::size_t count) {
-  return index >= first && index - first < static_cast<int>(count);
-}
 
 // What is written only as a whole record or array is read-only in sub-index 0, its length; the number of
 // objects of a PDO mapping and the size of the error history are not.
@@ -46,8 +44,7 @@ bool is_writable(ObjectAddress address) {
     default:
       break;
   }
-  const bool mapping = (address.index & 0xFE00) == kRpdoMapping || (address.index & 0xFE00) == kTpdoMapping;
-  return address.index >= kRpdoCommunication && (mapping || address.subindex != 0);
+  return address.index >= kFirstRpdoRecord && (is_mapping_record(address.index) || address.subindex != 0);
 }
 
 AbortCode number(ObjectValue& value, std::uint32_t number, std::uint8_t size) {
@@ -112,28 +109,20 @@ AbortCode Node::open_domain(ObjectAddress address, Access access, Domain*& domai
 }
 
 AbortCode Node::read_communication(ObjectAddress address, ObjectValue& value) const {
-  if (address.index >= kRpdoCommunication) return read_record(address, value);
+  if (address.index >= kFirstRpdoRecord) return read_record(address, value);
   const AbortCode read = read_variable(address.index, value);
   if (read == AbortCode::kObjectDoesNotExist) return read_array(address, value);
   return address.subindex != 0 ? AbortCode::kSubindexDoesNotExist : read;
 }
 
 AbortCode Node::read_record(ObjectAddress address, ObjectValue& value) const {
-  const std::uint16_t index = address.index;
-  const std::uint8_t subindex = address.subindex;
-  if (is_record(index, kRpdoCommunication, rpdos_.size())) {
-    return rpdos_[index - kRpdoCommunication].record.read_communication(subindex, value);
-  }
-  if (is_record(index, kRpdoMapping, rpdos_.size())) {
-    return rpdos_[index - kRpdoMapping].record.read_mapping(subindex, value);
-  }
-  if (is_record(index, kTpdoCommunication, tpdos_.size())) {
-    return tpdos_[index - kTpdoCommunication].record.read_communication(subindex, value);
-  }
-  if (is_record(index, kTpdoMapping, tpdos_.size())) {
-    return tpdos_[index - kTpdoMapping].record.read_mapping(subindex, value);
-  }
-  return AbortCode::kObjectDoesNotExist;
+  const std::size_t number = pdo_number(address.index);
+  const bool receive = address.index < kFirstTpdoRecord;
+  const std::size_t count = receive ? rpdos_.size() : tpdos_.size();
+  if (address.index >= kEndOfPdoRecords || number >= count) return AbortCode::kObjectDoesNotExist;
+  const PdoRecord& record = receive ? rpdos_[number].record : tpdos_[number].record;
+  return is_mapping_record(address.index) ? record.read_mapping(address.subindex, value)
+                                          : record.read_communication(address.subindex, value);
 }
 
 AbortCode Node::read_variable(std::uint16_t index, ObjectValue& value) const {
@@ -225,29 +214,24 @@ AbortCode Node::write_communication(ObjectAddress address, std::uint32_t value, 
   const AbortCode sized = check_size(size, present.size());
   if (sized != AbortCode::kNone) return sized;
   present.set_number(value, static_cast<std::uint8_t>(present.size()));  // without bytes above the object's
-  return address.index >= kRpdoCommunication ? write_record(address, present.number())
-                                             : write_parameter(address, present.number());
+  return address.index >= kFirstRpdoRecord ? write_record(address, present.number())
+                                           : write_parameter(address, present.number());
 }
 
 AbortCode Node::write_record(ObjectAddress address, std::uint32_t value) {
-  const std::uint16_t index = address.index;
-  const std::uint8_t subindex = address.subindex;
-  if (is_record(index, kRpdoCommunication, rpdos_.size())) {
-    const std::size_t number = index - kRpdoCommunication;
-    const AbortCode written = rpdos_[number].record.write_communication(subindex, value);
-    if (written == AbortCode::kNone) on_rpdo_changed(number);
-    return written;
+  const std::size_t number = pdo_number(address.index);
+  const bool receive = address.index < kFirstTpdoRecord;
+  PdoRecord& record = receive ? rpdos_[number].record : tpdos_[number].record;
+  const AbortCode written = is_mapping_record(address.index)
+                                ? record.write_mapping(address.subindex, value, dictionary_)
+                                : record.write_communication(address.subindex, value);
+  if (written != AbortCode::kNone) return written;
+  if (receive) {
+    on_rpdo_changed(number);
+  } else {
+    tpdos_.on_changed(number);
   }
-  if (is_record(index, kRpdoMapping, rpdos_.size())) {
-    return rpdos_[index - kRpdoMapping].record.write_mapping(subindex, value, dictionary_);
-  }
-  if (is_record(index, kTpdoCommunication, tpdos_.size())) {
-    const std::size_t number = index - kTpdoCommunication;
-    const AbortCode written = tpdos_[number].record.write_communication(subindex, value);
-    if (written == AbortCode::kNone) tpdos_.on_changed(number);
-    return written;
-  }
-  return tpdos_[index - kTpdoMapping].record.write_mapping(subindex, value, dictionary_);
+  return AbortCode::kNone;
 }
 
 AbortCode Node::write_parameter(ObjectAddress address, std::uint32_t value) {

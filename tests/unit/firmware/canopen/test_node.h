@@ -119,7 +119,7 @@ class TestDomain final : public Domain {
   std::size_t read(std::uint32_t position, std::span<std::uint8_t> out) override {
     const std::size_t size =
         std::min(out.size(), bytes.size() - std::min<std::size_t>(position, bytes.size()));
-    std::copy_n(bytes.begin() + position, size, out.begin());
+    std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(position), size, out.begin());
     return size;
   }
   AbortCode begin_download(std::uint32_t size_bytes) override {
