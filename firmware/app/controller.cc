@@ -106,7 +106,14 @@ void Controller::read_ankles(std::uint64_t now_us) {
 }
 
 void Controller::watch_bus() {
-  const hal::CanStatus status = board_.can.status();
+  hal::CanStatus status = board_.can.status();
+  // A lone node becomes error passive and stays so: nobody acknowledges what it says. While the drives boot,
+  // that is no error.
+  const bool booting = now_us_ - started_us_ < kBusTimeout_us;
+  if (booting && status.state == hal::CanErrorState::kErrorPassive) {
+    status.state = hal::CanErrorState::kErrorActive;
+  }
+  node_.on_can_status(status, now_us_);
   values_.diagnosis.receive_overruns = status.receive_overruns;
   values_.diagnosis.imu_overruns = board_.imu.overruns();
   values_.diagnosis.frames_lost = node_.lost_frames();
@@ -114,10 +121,7 @@ void Controller::watch_bus() {
     board_.can.recover();
     fail(Reason::kBusOff);
   }
-  // A lone node becomes error-passive and stays so: nobody acknowledges what it says.
-  if (status.state == hal::CanErrorState::kErrorPassive && now_us_ - started_us_ >= kBusTimeout_us) {
-    fail(Reason::kNoAcknowledge);
-  }
+  if (status.state == hal::CanErrorState::kErrorPassive) fail(Reason::kNoAcknowledge);
 }
 
 void Controller::watch_sensors(std::uint64_t now_us) {

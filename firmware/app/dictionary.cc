@@ -61,6 +61,8 @@ const canopen::NodeDescription kControllerNode{
     .software_version = "0.1.0",
     .heartbeat_ms = drive::kControllerHeartbeat_ms,
     .sync_producer = true,
+    // The behaviour state machine decides what a lost drive or bus means; until it has, the drives want SYNC.
+    .communication_error = canopen::CommunicationError::kNoChange,
     .rows = kRows,
     .rpdos = kRpdos,
     .tpdos = kTpdos,

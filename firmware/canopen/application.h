@@ -4,12 +4,21 @@
 #include <cstdint>
 
 #include "firmware/canopen/abort_code.h"
+#include "firmware/canopen/domain.h"
 #include "firmware/canopen/frame.h"
 #include "firmware/canopen/heartbeat.h"
 #include "firmware/canopen/nmt.h"
 #include "firmware/canopen/object.h"
 
 namespace koboshi::canopen {
+
+// What "save" to 0x1010 and "load" to 0x1011 are about, by sub-index (CiA 301, 7.5.2.13).
+enum class ParameterGroup : std::uint8_t {
+  kAll = 1,
+  kCommunication = 2,  // 0x1000 to 0x1FFF
+  kApplication = 3,    // 0x6000 to 0x9FFF
+  kManufacturer = 4,   // 0x2000 to 0x5FFF
+};
 
 // What a node tells its owner, from within the node's calls. An owner overrides what it cares for; it may
 // call the node back.
@@ -18,6 +27,13 @@ class NodeApplication {
   // An SDO client (or write_object) is about to change a value of the owner's table; kNone lets it pass.
   // `value` is sign-extended if the object is signed. Length, access and limits have been checked already.
   virtual AbortCode on_write(ObjectAddress, std::uint32_t /*value*/) { return AbortCode::kNone; }
+  // The bytes behind a DOMAIN row of the owner's table; null: not now, the client sees 060A 0023. They must
+  // outlive the node. The node never has two transfers of one domain at a time.
+  virtual Domain* domain(ObjectAddress) { return nullptr; }
+  // Store the parameters of a group so that they survive a restart, or let those of the factory have effect
+  // after the next reset. NodeDescription::stores_parameters says whether the owner can.
+  virtual AbortCode on_store(ParameterGroup) { return AbortCode::kCannotTransfer; }
+  virtual AbortCode on_restore(ParameterGroup) { return AbortCode::kCannotTransfer; }
   // kResetNode (also at start) or kResetCommunication: communication parameters have their defaults again;
   // now is the time to change them with write_object. On kResetNode the owner's own values go back to theirs.
   virtual void on_reset(NmtCommand /*reset*/) {}

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "firmware/canopen/abort_code.h"
+
 namespace koboshi::canopen {
 
 inline constexpr std::uint8_t kMaxNodeId = 127;
@@ -31,6 +33,18 @@ constexpr bool is_restricted(std::uint16_t identifier) {
   return identifier <= 0x07F || (identifier >= 0x101 && identifier <= 0x180) ||
          (identifier >= 0x581 && identifier <= 0x5FF) || (identifier >= 0x601 && identifier <= 0x67F) ||
          identifier >= 0x6E0;
+}
+
+// Whether a COB-ID object may go from `present` to `wanted`. The identifier changes only while bit 31 says
+// that there is none (CiA 301, 7.5.2.17, 7.5.2.33, 7.5.2.35); other bits than that and `flags` are refused.
+constexpr AbortCode check_cob_id(std::uint32_t present, std::uint32_t wanted, std::uint32_t flags = 0) {
+  const bool valid = (wanted & kCobIdInvalid) == 0;
+  const bool was_valid = (present & kCobIdInvalid) == 0;
+  if ((wanted & ~(kCobIdInvalid | kCobIdMask | flags)) != 0) return AbortCode::kInvalidValue;
+  if (valid && is_restricted(static_cast<std::uint16_t>(wanted & kCobIdMask)))
+    return AbortCode::kInvalidValue;
+  if (valid && was_valid && wanted != present) return AbortCode::kInvalidValue;
+  return AbortCode::kNone;
 }
 
 }  // namespace koboshi::canopen

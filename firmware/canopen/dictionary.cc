@@ -31,13 +31,6 @@ AbortCode check_limits(const Entry& row, std::uint32_t value) {
   return AbortCode::kNone;
 }
 
-AbortCode check_size(DataType type, std::size_t size) {
-  if (size == 0) return AbortCode::kNone;
-  if (size > size_bytes(type)) return AbortCode::kLengthTooHigh;
-  if (size < size_bytes(type)) return AbortCode::kLengthTooLow;
-  return AbortCode::kNone;
-}
-
 }  // namespace
 
 AbortCode Dictionary::find(ObjectAddress address, Location& location) const {
@@ -71,6 +64,7 @@ AbortCode Dictionary::read(ObjectAddress address, ObjectValue& value) const {
   if (found != AbortCode::kNone) return found;
   const Entry& row = *location.entry;
   if (row.access == Access::kWriteOnly) return AbortCode::kReadOfWriteOnly;
+  if (row.type == DataType::kDomain) return AbortCode::kUnsupportedAccess;
   std::uint32_t number = row.low;
   if (location.offset != Entry::kConstant) {
     number = 0;
@@ -87,7 +81,8 @@ AbortCode Dictionary::check_write(ObjectAddress address, std::uint32_t& value, s
   if (found != AbortCode::kNone) return found;
   const Entry& row = *location.entry;
   if (row.access == Access::kReadOnly) return AbortCode::kWriteOfReadOnly;
-  const AbortCode sized = check_size(row.type, size);
+  if (row.type == DataType::kDomain) return AbortCode::kUnsupportedAccess;
+  const AbortCode sized = check_size(size, size_bytes(row.type));
   if (sized != AbortCode::kNone) return sized;
   value = widened(value, row.type);
   return check_limits(row, value);

@@ -39,6 +39,12 @@ class ObjectValue {
   std::uint16_t size_ = 0;
 };
 
+// Whether a client that sends `size` bytes (0: it has not told) means an object of `expected` bytes.
+constexpr AbortCode check_size(std::size_t size, std::size_t expected) {
+  if (size == 0 || size == expected) return AbortCode::kNone;
+  return size > expected ? AbortCode::kLengthTooHigh : AbortCode::kLengthTooLow;
+}
+
 // An entry found for an address, and the offset of its value (or Entry::kConstant).
 struct Location {
   const Entry* entry = nullptr;
@@ -55,6 +61,7 @@ class Dictionary {
   // kObjectDoesNotExist or kSubindexDoesNotExist when there is no such row. O(log n).
   AbortCode find(ObjectAddress address, Location& location) const;
 
+  // kUnsupportedAccess for a DOMAIN, here and below: it is no value.
   AbortCode read(ObjectAddress address, ObjectValue& value) const;
   // Whether `value`, of `size` bytes (0: as many as the object has), may be written; sign-extends it if the
   // object is signed. Nothing is stored yet.

@@ -9,9 +9,16 @@ bool ErrorLog::active(std::uint16_t code) const {
   return std::any_of(active_.begin(), end, [code](const Active& error) { return error.code == code; });
 }
 
-bool ErrorLog::raise(std::uint16_t code, std::uint8_t register_bits, std::uint16_t additional) {
-  if (active(code)) return false;
-  if (active_size_ < kMaxActive) active_[active_size_++] = {code, register_bits};
+bool ErrorLog::raise(std::uint16_t code, std::uint8_t register_bits, std::uint16_t additional,
+                     ErrorReporter reporter) {
+  const auto bit = static_cast<std::uint8_t>(reporter);
+  const auto end = active_.begin() + active_size_;
+  const auto known = std::find_if(active_.begin(), end, [code](const Active& e) { return e.code == code; });
+  if (known != end) {
+    known->reporters |= bit;
+    return false;
+  }
+  if (active_size_ < kMaxActive) active_[active_size_++] = {code, register_bits, bit};
   update_register();
   std::copy_backward(history_.begin(), history_.end() - 1, history_.end());
   history_[0] = code | (static_cast<std::uint32_t>(additional) << 16);
@@ -19,11 +26,13 @@ bool ErrorLog::raise(std::uint16_t code, std::uint8_t register_bits, std::uint16
   return true;
 }
 
-bool ErrorLog::clear(std::uint16_t code) {
+bool ErrorLog::clear(std::uint16_t code, ErrorReporter reporter) {
   const auto end = active_.begin() + active_size_;
-  const auto kept =
-      std::remove_if(active_.begin(), end, [code](const Active& error) { return error.code == code; });
-  if (kept == end) return false;
+  const auto known = std::find_if(active_.begin(), end, [code](const Active& e) { return e.code == code; });
+  if (known == end) return false;
+  known->reporters &= static_cast<std::uint8_t>(~static_cast<unsigned>(reporter));
+  if (known->reporters != 0) return false;
+  std::copy(known + 1, end, known);
   --active_size_;
   update_register();
   return true;

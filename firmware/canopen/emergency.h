@@ -31,20 +31,27 @@ inline constexpr std::uint16_t kHeartbeat = 0x8130;
 inline constexpr std::uint16_t kBusOffRecovered = 0x8140;
 inline constexpr std::uint16_t kPdoTooShort = 0x8210;
 inline constexpr std::uint16_t kPdoTooLong = 0x8220;
+inline constexpr std::uint16_t kSyncLength = 0x8240;
+inline constexpr std::uint16_t kRpdoTimeout = 0x8250;
 }  // namespace error_code
+
+// Who reports an error: the stack itself or the node's owner. Both may see the same one, a lost heartbeat
+// say; it is gone when neither does.
+enum class ErrorReporter : std::uint8_t { kOwner = 1, kStack = 2 };
 
 // The errors that a node has now, its error register 0x1001 and its history 0x1003. An error is told once
 // when it comes and once when it goes, however often it is reported.
 class ErrorLog {
  public:
   static constexpr std::size_t kHistory = 8;
-  static constexpr std::size_t kMaxActive = 8;
+  static constexpr std::size_t kMaxActive = 16;
 
   // True when the error is new: an emergency message is due. Of more than kMaxActive errors at once, the rest
   // is told each time.
-  bool raise(std::uint16_t code, std::uint8_t register_bits, std::uint16_t additional);
-  // True when the error was there.
-  bool clear(std::uint16_t code);
+  bool raise(std::uint16_t code, std::uint8_t register_bits, std::uint16_t additional,
+             ErrorReporter reporter = ErrorReporter::kOwner);
+  // True when the error was there and now is gone.
+  bool clear(std::uint16_t code, ErrorReporter reporter = ErrorReporter::kOwner);
 
   std::uint8_t error_register() const { return register_; }
   bool active(std::uint16_t code) const;
@@ -57,6 +64,7 @@ class ErrorLog {
   struct Active {
     std::uint16_t code = 0;
     std::uint8_t register_bits = 0;
+    std::uint8_t reporters = 0;
   };
   void update_register();
 

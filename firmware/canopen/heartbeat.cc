@@ -52,6 +52,7 @@ bool HeartbeatMonitor::on_heartbeat(const Heartbeat& heartbeat, std::uint64_t no
   if (slot == SlotMap::kNone) return false;
   HeartbeatConsumer& consumer = consumers_[slot];
   const HeartbeatConsumer before = consumer;
+  consumer.lost = false;
   consumer.state = heartbeat.state;
   consumer.alive = heartbeat.state != NmtState::kInitialising;
   consumer.deadline_us = now_us + consumer.time_ms * 1000u;
@@ -75,11 +76,16 @@ bool HeartbeatMonitor::find_lost(std::uint64_t now_us, HeartbeatEvent& event) {
       continue;
     }
     consumer.alive = false;
+    consumer.lost = true;
     event = {consumer.node_id, HeartbeatEventKind::kLost, consumer.state};
     return true;
   }
   earliest_us_ = earliest_us;
   return false;
+}
+
+bool HeartbeatMonitor::any_lost() const {
+  return std::ranges::any_of(consumers_, [](const HeartbeatConsumer& consumer) { return consumer.lost; });
 }
 
 const HeartbeatConsumer* HeartbeatMonitor::find(std::uint8_t node_id) const {

@@ -30,6 +30,7 @@ struct HeartbeatEvent {
 struct HeartbeatConsumer {
   std::uint8_t node_id = 0;
   bool alive = false;  // heard of, and since then never silent for longer than time_ms
+  bool lost = false;   // silent for longer, and not heard of since
   NmtState state = NmtState::kInitialising;
   std::uint16_t time_ms = 0;  // 0: not monitored
   std::uint64_t deadline_us = 0;
@@ -57,6 +58,8 @@ class HeartbeatMonitor {
 
   // Nothing is known of a node that is not monitored: null.
   const HeartbeatConsumer* find(std::uint8_t node_id) const;
+  // True while some node is lost.
+  bool any_lost() const;
 
  private:
   static bool monitors(const HeartbeatConsumer& consumer) {

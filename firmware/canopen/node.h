@@ -9,6 +9,7 @@
 #include "firmware/canopen/application.h"
 #include "firmware/canopen/dictionary.h"
 #include "firmware/canopen/emergency.h"
+#include "firmware/canopen/emergency_producer.h"
 #include "firmware/canopen/frame.h"
 #include "firmware/canopen/heartbeat.h"
 #include "firmware/canopen/nmt.h"
@@ -16,10 +17,18 @@
 #include "firmware/canopen/rpdo.h"
 #include "firmware/canopen/sdo_server.h"
 #include "firmware/canopen/slot_map.h"
+#include "firmware/canopen/sync.h"
 #include "firmware/canopen/tpdo.h"
 #include "firmware/canopen/transmit_queue.h"
 
 namespace koboshi::canopen {
+
+// What a node does to its own state when it loses a heartbeat or goes bus-off (CiA 301, object 0x1029:1).
+enum class CommunicationError : std::uint8_t {
+  kEnterPreOperational = 0,  // from operational only
+  kNoChange = 1,
+  kStop = 2,
+};
 
 // What all nodes of a kind share; stands in flash.
 struct NodeDescription {
@@ -33,8 +42,11 @@ struct NodeDescription {
   std::uint16_t heartbeat_ms = 0;     // 0x1017 after a reset
   bool sync_producer = false;         // 0x1005 bit 30 after a reset
   std::uint32_t sync_period_us = 0;   // 0x1006 after a reset; 0: SYNC only by Node::send_sync
-  std::span<const Entry>
-      rows;  // objects from 0x2000 on; the stack itself serves the communication profile area
+  CommunicationError communication_error = CommunicationError::kEnterPreOperational;  // 0x1029:1
+  bool stores_parameters = false;  // 0x1010, 0x1011: NodeApplication::on_store and on_restore work
+  SdoChannel second_sdo{};         // 0x1201
+  // Objects from 0x2000 on; the stack itself serves the communication profile area.
+  std::span<const Entry> rows;
   std::span<const PdoConfiguration> rpdos;  // PDOs beyond these are invalid after a reset
   std::span<const PdoConfiguration> tpdos;
 };
@@ -71,10 +83,10 @@ struct NodeMemory {
 };
 
 // A CANopen node after CiA 301, of any role: NMT slave, heartbeat producer and consumer, SYNC producer and
-// consumer, PDOs, SDO server, EMCY producer and consumer. It holds no time of its own and never waits;
-// everything happens in its calls, in the caller's thread. Besides its owner's objects
-// (NodeDescription::rows) it serves 0x1000, 0x1001, 0x1003, 0x1005, 0x1006, 0x1008, 0x1009, 0x100A, 0x1014,
-// 0x1016, 0x1017, 0x1018, 0x1200 and the records of its PDOs.
+// consumer, PDOs, two SDO servers, EMCY producer and consumer; no node guarding and no remote frames. It
+// holds no time of its own and never waits; everything happens in its calls, in the caller's thread. Besides
+// its owner's objects (NodeDescription::rows) it serves 0x1000, 0x1001, 0x1003, 0x1005 to 0x100A, 0x1010,
+// 0x1011, 0x1014 to 0x1019, 0x1029, 0x1200, 0x1201 and the records of its PDOs.
 class Node final : private ObjectServer {
  public:
   // All arguments must outlive the node. Silent until start().
@@ -87,6 +99,11 @@ class Node final : private ObjectServer {
   void on_frame(const hal::CanFrame& frame, std::uint64_t now_us);
   // Whatever is due by now: backlog, heartbeats, event timers, time-outs. Its period bounds their jitter.
   void process(std::uint64_t now_us);
+
+  // What the CAN controller says of itself, as often as the owner likes: EMCY 0x8110 while frames are lost,
+  // 0x8120 while it is error passive, 0x8140 once it has come back from bus-off; bus-off itself is a
+  // communication error (0x1029).
+  void on_can_status(const hal::CanStatus& status, std::uint64_t now_us);
 
   // Obeys a command as if the NMT master had sent it; a master starts itself with it.
   void command(NmtCommand command, std::uint64_t now_us);
@@ -112,6 +129,7 @@ class Node final : private ObjectServer {
   // The whole dictionary as an SDO client sees it, with the same checks and errors. `size` in bytes.
   AbortCode read_object(ObjectAddress address, ObjectValue& value) override;
   AbortCode write_object(ObjectAddress address, std::uint32_t value, std::size_t size) override;
+  AbortCode open_domain(ObjectAddress address, Access access, Domain*& domain) override;
   // A PDO's records at once, whatever its state.
   AbortCode configure_rpdo(std::size_t number, const PdoConfiguration& configuration);
   AbortCode configure_tpdo(std::size_t number, const PdoConfiguration& configuration);
@@ -133,22 +151,34 @@ class Node final : private ObjectServer {
   // True when the frame was of a service other than SYNC and PDO.
   bool serve(const hal::CanFrame& frame, std::uint64_t now_us);
   void on_nmt(const hal::CanFrame& frame, std::uint64_t now_us);
-  void on_sync(std::uint64_t now_us);
+  void on_sync(const hal::CanFrame& frame, std::uint64_t now_us);
   void on_heartbeat(const Heartbeat& heartbeat, std::uint64_t now_us);
-  void on_rpdo(std::size_t number, const hal::CanFrame& frame);
-  void note_length(std::size_t number, Length length);
+  void on_rpdo(std::size_t number, const hal::CanFrame& frame, std::uint64_t now_us);
   void take_effect(std::size_t number, Rpdo& pdo, const std::array<std::uint8_t, 8>& data);
-  // When it is due, and when there is a period.
   void produce_heartbeat(std::uint64_t now_us);
-  void produce_sync(std::uint64_t now_us);
+
+  // Errors that the stack itself sees (node_errors.cc). `detail` goes into the message's manufacturer field.
+  void report(std::uint16_t code, bool present, std::uint8_t detail = 0);
+  void note_reception(std::size_t number, Reception reception);
+  void watch_heartbeats(std::uint64_t now_us);
+  void on_rpdo_changed(std::size_t number);
+  void watch_rpdos(std::uint64_t now_us);
+  void on_communication_error(std::uint64_t now_us);
   void send_emergency(std::uint16_t code, const std::array<std::uint8_t, 5>& manufacturer);
+
+  // The communication profile area (node_objects.cc).
   AbortCode read_communication(ObjectAddress address, ObjectValue& value) const;
+  AbortCode read_record(ObjectAddress address, ObjectValue& value) const;
+  AbortCode read_array(ObjectAddress address, ObjectValue& value) const;
   AbortCode read_variable(std::uint16_t index, ObjectValue& value) const;
   AbortCode read_identity(std::uint8_t subindex, ObjectValue& value) const;
-  AbortCode read_sdo_server(std::uint8_t subindex, ObjectValue& value) const;
+  AbortCode read_sdo_server(std::size_t server, std::uint8_t subindex, ObjectValue& value) const;
   AbortCode write_communication(ObjectAddress address, std::uint32_t value, std::size_t size);
-  AbortCode write_parameter(ObjectAddress address, std::uint32_t value, std::size_t size);
-  AbortCode write_sync_cob_id(std::uint32_t value);
+  AbortCode write_record(ObjectAddress address, std::uint32_t value);
+  AbortCode write_parameter(ObjectAddress address, std::uint32_t value);
+  AbortCode write_consumer(std::uint8_t subindex, std::uint32_t value);
+  AbortCode write_second_sdo(std::uint8_t subindex, std::uint32_t value);
+  AbortCode store_or_restore(ObjectAddress address, std::uint32_t signature);
 
   const NodeDescription& description_;
   const std::uint8_t node_id_;
@@ -157,17 +187,19 @@ class Node final : private ObjectServer {
   Dictionary dictionary_;
   NodeApplication& application_;
   TransmitQueue queue_;
-  SdoServer server_;
+  std::array<SdoServer, 2> servers_;  // of 0x1200 and 0x1201
   HeartbeatMonitor heartbeats_;
   RpdoSet rpdos_;
   bool rpdo_pending_ = false;  // data of one or more wait for the SYNC
   TpdoSet tpdos_;
+  Sync sync_;
   ErrorLog errors_;
+  EmergencyProducer emergencies_;
+  hal::CanStatus can_status_;  // as told last
+  CommunicationError communication_error_ = CommunicationError::kEnterPreOperational;
+  std::uint8_t second_client_ = 0;  // 0x1201:3
   std::uint16_t heartbeat_ms_ = 0;
-  std::uint32_t sync_cob_id_ = 0;
-  std::uint32_t sync_period_us_ = 0;
   std::uint64_t heartbeat_due_us_ = 0;
-  std::uint64_t sync_due_us_ = 0;
 };
 
 }  // namespace koboshi::canopen

@@ -7,20 +7,44 @@
 namespace koboshi::canopen {
 namespace {
 
-constexpr std::uint16_t kRpdoCommunication = 0x1400;
-constexpr std::uint16_t kRpdoMapping = 0x1600;
-constexpr std::uint16_t kTpdoCommunication = 0x1800;
-constexpr std::uint16_t kTpdoMapping = 0x1A00;
+// From here on there are records of PDOs, 0x200 of a kind (CiA 301, 7.5.2.35 to 7.5.2.38).
+constexpr std::uint16_t kFirstRpdoRecord = 0x1400;
+constexpr std::uint16_t kFirstTpdoRecord = 0x1800;
+constexpr std::uint16_t kEndOfPdoRecords = 0x1C00;
+
+bool is_mapping_record(std::uint16_t index) { return (index & 0x200) != 0; }
+std::size_t pdo_number(std::uint16_t index) { return index & 0x1FFu; }
+
+// Signatures of 0x1010 and 0x1011: "save" and "load" as they lie on the bus.
+constexpr std::uint32_t kSave = 0x6576'6173;
+constexpr std::uint32_t kLoad = 0x6461'6F6C;
 
 bool is_communication_area(std::uint16_t index) { return index >= 0x1000 && index <= 0x1FFF; }
 
-// Whether the index is that of one of `count` records from `first` on.
-bool is_record(std::uint16_t index, std::uint16_t first, std::size_t count) {
-  return index >= first && index - first < static_cast<int>(count);
-}
-
-bool is_writable_variable(std::uint16_t index) {
-  return index == 0x1005 || index == 0x1006 || index == 0x1017;
+// What is written only as a whole record or array is read-only in sub-index 0, its length; the number of
+// objects of a PDO mapping and the size of the error history are not.
+bool is_writable(ObjectAddress address) {
+  switch (address.index) {
+    case 0x1003:
+      return address.subindex == 0;
+    case 0x1005:
+    case 0x1006:
+    case 0x1007:
+    case 0x1014:
+    case 0x1015:
+    case 0x1017:
+    case 0x1019:
+      return true;
+    case 0x1010:
+    case 0x1011:
+    case 0x1016:
+    case 0x1029:
+    case 0x1201:
+      return address.subindex != 0;
+    default:
+      break;
+  }
+  return address.index >= kFirstRpdoRecord && (is_mapping_record(address.index) || address.subindex != 0);
 }
 
 AbortCode number(ObjectValue& value, std::uint32_t number, std::uint8_t size) {
@@ -28,9 +52,18 @@ AbortCode number(ObjectValue& value, std::uint32_t number, std::uint8_t size) {
   return AbortCode::kNone;
 }
 
+// A device without a name has no such object.
 AbortCode text(ObjectValue& value, std::string_view text) {
+  if (text.empty()) return AbortCode::kObjectDoesNotExist;
   value.set_text(text);
   return AbortCode::kNone;
+}
+
+// An array of `count` equal numbers.
+AbortCode array(ObjectValue& value, std::uint8_t subindex, std::uint8_t count, std::uint32_t element,
+                std::uint8_t size) {
+  if (subindex > count) return AbortCode::kSubindexDoesNotExist;
+  return subindex == 0 ? number(value, count, 1) : number(value, element, size);
 }
 
 }  // namespace
@@ -50,35 +83,46 @@ AbortCode Node::write_object(ObjectAddress address, std::uint32_t value, std::si
   return accepted;
 }
 
+AbortCode Node::open_domain(ObjectAddress address, Access access, Domain*& domain) {
+  domain = nullptr;
+  if (is_communication_area(address.index)) {
+    ObjectValue value;
+    const AbortCode read = read_communication(address, value);
+    return read == AbortCode::kNoData ? AbortCode::kNone : read;
+  }
+  Location location;
+  const AbortCode found = dictionary_.find(address, location);
+  // Sub-index 0 of an array has no row.
+  if (found == AbortCode::kSubindexDoesNotExist && address.subindex == 0) return AbortCode::kNone;
+  if (found != AbortCode::kNone) return found;
+  const Entry& row = *location.entry;
+  if (row.type != DataType::kDomain) return AbortCode::kNone;
+  if (access == Access::kReadOnly && row.access == Access::kWriteOnly) return AbortCode::kReadOfWriteOnly;
+  if (access == Access::kWriteOnly && row.access == Access::kReadOnly) return AbortCode::kWriteOfReadOnly;
+  Domain* const candidate = application_.domain(address);
+  if (candidate == nullptr) return AbortCode::kResourceNotAvailable;
+  for (const SdoServer& server : servers_) {
+    if (server.uses(*candidate)) return AbortCode::kDeviceState;
+  }
+  domain = candidate;
+  return AbortCode::kNone;
+}
+
 AbortCode Node::read_communication(ObjectAddress address, ObjectValue& value) const {
-  const std::uint16_t index = address.index;
-  const std::uint8_t subindex = address.subindex;
-  if (is_record(index, kRpdoCommunication, rpdos_.size())) {
-    return rpdos_[index - kRpdoCommunication].record.read_communication(subindex, value);
-  }
-  if (is_record(index, kRpdoMapping, rpdos_.size())) {
-    return rpdos_[index - kRpdoMapping].record.read_mapping(subindex, value);
-  }
-  if (is_record(index, kTpdoCommunication, tpdos_.size())) {
-    return tpdos_[index - kTpdoCommunication].record.read_communication(subindex, value);
-  }
-  if (is_record(index, kTpdoMapping, tpdos_.size())) {
-    return tpdos_[index - kTpdoMapping].record.read_mapping(subindex, value);
-  }
-  switch (index) {
-    case 0x1003:
-      return errors_.read_history(subindex, value);
-    case 0x1016:
-      return heartbeats_.read(subindex, value);
-    case 0x1018:
-      return read_identity(subindex, value);
-    case 0x1200:
-      return read_sdo_server(subindex, value);
-    default:
-      break;
-  }
-  const AbortCode read = read_variable(index, value);
-  return read == AbortCode::kNone && subindex != 0 ? AbortCode::kSubindexDoesNotExist : read;
+  if (address.index >= kFirstRpdoRecord) return read_record(address, value);
+  const AbortCode read = read_variable(address.index, value);
+  if (read == AbortCode::kObjectDoesNotExist) return read_array(address, value);
+  return address.subindex != 0 ? AbortCode::kSubindexDoesNotExist : read;
+}
+
+AbortCode Node::read_record(ObjectAddress address, ObjectValue& value) const {
+  const std::size_t number = pdo_number(address.index);
+  const bool receive = address.index < kFirstTpdoRecord;
+  const std::size_t count = receive ? rpdos_.size() : tpdos_.size();
+  if (address.index >= kEndOfPdoRecords || number >= count) return AbortCode::kObjectDoesNotExist;
+  const PdoRecord& record = receive ? rpdos_[number].record : tpdos_[number].record;
+  return is_mapping_record(address.index) ? record.read_mapping(address.subindex, value)
+                                          : record.read_communication(address.subindex, value);
 }
 
 AbortCode Node::read_variable(std::uint16_t index, ObjectValue& value) const {
@@ -87,10 +131,6 @@ AbortCode Node::read_variable(std::uint16_t index, ObjectValue& value) const {
       return number(value, description_.device_type, 4);
     case 0x1001:
       return number(value, errors_.error_register(), 1);
-    case 0x1005:
-      return number(value, sync_cob_id_, 4);
-    case 0x1006:
-      return number(value, sync_period_us_, 4);
     case 0x1008:
       return text(value, description_.device_name);
     case 0x1009:
@@ -98,9 +138,35 @@ AbortCode Node::read_variable(std::uint16_t index, ObjectValue& value) const {
     case 0x100A:
       return text(value, description_.software_version);
     case 0x1014:
-      return number(value, static_cast<std::uint32_t>(kEmergencyBase + node_id_), 4);
+      return number(value, emergencies_.cob_id(), 4);
+    case 0x1015:
+      return number(value, emergencies_.inhibit_time_100us(), 2);
     case 0x1017:
       return number(value, heartbeat_ms_, 2);
+    default:
+      return sync_.read(index, value);
+  }
+}
+
+AbortCode Node::read_array(ObjectAddress address, ObjectValue& value) const {
+  constexpr auto kGroups = static_cast<std::uint8_t>(ParameterGroup::kManufacturer);
+  const std::uint8_t subindex = address.subindex;
+  switch (address.index) {
+    case 0x1003:
+      return errors_.read_history(subindex, value);
+    case 0x1010:  // bit 0: stores on command
+    case 0x1011:  // bit 0: restores
+      return array(value, subindex, kGroups, description_.stores_parameters ? 1 : 0, 4);
+    case 0x1016:
+      return heartbeats_.read(subindex, value);
+    case 0x1018:
+      return read_identity(subindex, value);
+    case 0x1029:
+      return array(value, subindex, 1, static_cast<std::uint8_t>(communication_error_), 1);
+    case 0x1200:
+      return read_sdo_server(0, subindex, value);
+    case 0x1201:
+      return read_sdo_server(1, subindex, value);
     default:
       return AbortCode::kObjectDoesNotExist;
   }
@@ -123,73 +189,105 @@ AbortCode Node::read_identity(std::uint8_t subindex, ObjectValue& value) const {
   }
 }
 
-AbortCode Node::read_sdo_server(std::uint8_t subindex, ObjectValue& value) const {
+// The client of the default channel is whoever speaks: 0x1200 has no sub-index 3.
+AbortCode Node::read_sdo_server(std::size_t server, std::uint8_t subindex, ObjectValue& value) const {
+  const std::uint8_t highest = server == 0 ? 2 : 3;
+  if (subindex > highest) return AbortCode::kSubindexDoesNotExist;
   switch (subindex) {
     case 0:
-      return number(value, 2, 1);
+      return number(value, highest, 1);
     case 1:
-      return number(value, static_cast<std::uint32_t>(kSdoRequestBase + node_id_), 4);
+      return number(value, servers_[server].channel().request_cob_id, 4);
     case 2:
-      return number(value, static_cast<std::uint32_t>(kSdoResponseBase + node_id_), 4);
+      return number(value, servers_[server].channel().response_cob_id, 4);
     default:
-      return AbortCode::kSubindexDoesNotExist;
+      return number(value, second_client_, 1);
   }
 }
 
 AbortCode Node::write_communication(ObjectAddress address, std::uint32_t value, std::size_t size) {
-  const std::uint16_t index = address.index;
-  const std::uint8_t subindex = address.subindex;
-  if (is_record(index, kRpdoCommunication, rpdos_.size())) {
-    Rpdo& pdo = rpdos_[index - kRpdoCommunication];
-    const AbortCode written = pdo.record.write_communication(subindex, value, size);
-    if (!pdo.record.valid()) pdo.pending = false;
-    rpdos_.update_identifiers();
-    return written;
-  }
-  if (is_record(index, kRpdoMapping, rpdos_.size())) {
-    return rpdos_[index - kRpdoMapping].record.write_mapping(subindex, value, size, dictionary_);
-  }
-  if (is_record(index, kTpdoCommunication, tpdos_.size())) {
-    return tpdos_[index - kTpdoCommunication].record.write_communication(subindex, value, size);
-  }
-  if (is_record(index, kTpdoMapping, tpdos_.size())) {
-    return tpdos_[index - kTpdoMapping].record.write_mapping(subindex, value, size, dictionary_);
-  }
-  if (index == 0x1003) return errors_.write_history(subindex, value);
-  return write_parameter(address, value, size);
-}
-
-AbortCode Node::write_parameter(ObjectAddress address, std::uint32_t value, std::size_t size) {
   ObjectValue present;
   const AbortCode read = read_communication(address, present);
-  if (read != AbortCode::kNone) return read;
-  const bool writable_array = address.index == 0x1016 && address.subindex != 0;
-  if (!writable_array && !is_writable_variable(address.index)) return AbortCode::kWriteOfReadOnly;
-  if (size > present.size()) return AbortCode::kLengthTooHigh;
-  if (size != 0 && size < present.size()) return AbortCode::kLengthTooLow;
+  // An entry of the history that is not there yet exists nevertheless.
+  if (read != AbortCode::kNone && read != AbortCode::kNoData) return read;
+  if (!is_writable(address)) return AbortCode::kWriteOfReadOnly;
+  const AbortCode sized = check_size(size, present.size());
+  if (sized != AbortCode::kNone) return sized;
+  present.set_number(value, static_cast<std::uint8_t>(present.size()));  // without bytes above the object's
+  return address.index >= kFirstRpdoRecord ? write_record(address, present.number())
+                                           : write_parameter(address, present.number());
+}
+
+AbortCode Node::write_record(ObjectAddress address, std::uint32_t value) {
+  const std::size_t number = pdo_number(address.index);
+  const bool receive = address.index < kFirstTpdoRecord;
+  PdoRecord& record = receive ? rpdos_[number].record : tpdos_[number].record;
+  const AbortCode written = is_mapping_record(address.index)
+                                ? record.write_mapping(address.subindex, value, dictionary_)
+                                : record.write_communication(address.subindex, value);
+  if (written != AbortCode::kNone) return written;
+  if (receive) {
+    on_rpdo_changed(number);
+  } else {
+    tpdos_.on_changed(number);
+  }
+  return AbortCode::kNone;
+}
+
+AbortCode Node::write_parameter(ObjectAddress address, std::uint32_t value) {
   switch (address.index) {
-    case 0x1005:
-      return write_sync_cob_id(value);
-    case 0x1006:
-      sync_period_us_ = value;
-      sync_due_us_ = 0;  // the new beat starts with the next `process`
+    case 0x1003:
+      return errors_.write_history(address.subindex, value);
+    case 0x1010:
+    case 0x1011:
+      return store_or_restore(address, value);
+    case 0x1014:
+      return emergencies_.write_cob_id(value);
+    case 0x1015:
+      emergencies_.set_inhibit_time(static_cast<std::uint16_t>(value));
       return AbortCode::kNone;
     case 0x1016:
-      return heartbeats_.write(address.subindex, value);
-    default:
+      return write_consumer(address.subindex, value);
+    case 0x1017:
       heartbeat_ms_ = static_cast<std::uint16_t>(value);
-      heartbeat_due_us_ = 0;
+      heartbeat_due_us_ = 0;  // the new time counts from the next `process`
       return AbortCode::kNone;
+    case 0x1029:
+      if (value > static_cast<std::uint8_t>(CommunicationError::kStop)) return AbortCode::kInvalidValue;
+      communication_error_ = static_cast<CommunicationError>(value);
+      return AbortCode::kNone;
+    case 0x1201:
+      return write_second_sdo(address.subindex, value);
+    default:
+      return sync_.write(address.index, value);
   }
 }
 
-AbortCode Node::write_sync_cob_id(std::uint32_t value) {
-  const auto identifier = static_cast<std::uint16_t>(value & kCobIdMask);
-  const bool producing = (sync_cob_id_ & kSyncProducer) != 0;
-  if ((value & kCobIdExtended) != 0 || is_restricted(identifier)) return AbortCode::kInvalidValue;
-  if (producing && identifier != (sync_cob_id_ & kCobIdMask)) return AbortCode::kInvalidValue;
-  sync_cob_id_ = identifier | (value & kSyncProducer);
+AbortCode Node::write_consumer(std::uint8_t subindex, std::uint32_t value) {
+  const AbortCode written = heartbeats_.write(subindex, value);
+  if (!heartbeats_.any_lost()) report(error_code::kHeartbeat, false);
+  return written;
+}
+
+AbortCode Node::write_second_sdo(std::uint8_t subindex, std::uint32_t value) {
+  if (subindex == 3) {
+    second_client_ = static_cast<std::uint8_t>(value);
+    return AbortCode::kNone;
+  }
+  SdoChannel channel = servers_[1].channel();
+  std::uint32_t& cob_id = subindex == 1 ? channel.request_cob_id : channel.response_cob_id;
+  const AbortCode checked = check_cob_id(cob_id, value);
+  if (checked != AbortCode::kNone) return checked;
+  cob_id = value;
+  servers_[1].configure(channel);
   return AbortCode::kNone;
+}
+
+AbortCode Node::store_or_restore(ObjectAddress address, std::uint32_t signature) {
+  const auto group = static_cast<ParameterGroup>(address.subindex);
+  const bool stores = address.index == 0x1010;
+  if (signature != (stores ? kSave : kLoad)) return AbortCode::kCannotTransfer;
+  return stores ? application_.on_store(group) : application_.on_restore(group);
 }
 
 }  // namespace koboshi::canopen

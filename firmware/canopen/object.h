@@ -29,9 +29,10 @@ enum class DataType : std::uint8_t {
   kUnsigned8 = 0x05,
   kUnsigned16 = 0x06,
   kUnsigned32 = 0x07,
+  kDomain = 0x0F,  // any number of bytes; they stand behind a Domain of the node's owner
 };
 
-// 0 for a number that is none of the types above.
+// 0 for a DOMAIN and for a number that is none of the types above.
 constexpr std::uint8_t size_bytes(DataType type) {
   switch (type) {
     case DataType::kBoolean:
@@ -44,6 +45,8 @@ constexpr std::uint8_t size_bytes(DataType type) {
     case DataType::kInteger32:
     case DataType::kUnsigned32:
       return 4;
+    case DataType::kDomain:
+      break;
   }
   return 0;
 }
@@ -85,7 +88,7 @@ struct Field {
 // stand in flash, sorted by address; the values stand in the RAM of the node's owner. Sub-index 0 of an array
 // or record ("highest sub-index supported") has no row: it follows from the other rows.
 struct Entry {
-  static constexpr std::uint16_t kConstant = 0xFFFF;
+  static constexpr std::uint16_t kConstant = 0xFFFF;  // there is no value in RAM
 
   std::uint16_t index = 0;
   std::uint8_t subindex = 0;
@@ -137,6 +140,15 @@ constexpr Entry constant(std::uint16_t index, std::uint8_t subindex, T value) {
           .offset = Entry::kConstant,
           .type = data_type_of<T>(),
           .low = static_cast<std::uint32_t>(value)};
+}
+
+// A DOMAIN. NodeApplication::domain says where its bytes are.
+constexpr Entry domain(std::uint16_t index, std::uint8_t subindex, Access access) {
+  return {.index = index,
+          .subindex = subindex,
+          .offset = Entry::kConstant,
+          .type = DataType::kDomain,
+          .access = access};
 }
 
 }  // namespace koboshi::canopen

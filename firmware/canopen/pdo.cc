@@ -10,11 +10,7 @@ constexpr std::uint8_t kCobIdSubindex = 1;
 constexpr std::uint8_t kTypeSubindex = 2;
 constexpr std::uint8_t kInhibitSubindex = 3;
 constexpr std::uint8_t kEventSubindex = 5;
-
-AbortCode expect(std::size_t size, std::size_t expected) {
-  if (size == 0 || size == expected) return AbortCode::kNone;
-  return size > expected ? AbortCode::kLengthTooHigh : AbortCode::kLengthTooLow;
-}
+constexpr std::uint8_t kSyncStartSubindex = 6;
 
 // 241..251 are reserved; 252 and 253 wait for remote frames, which this stack does not serve.
 bool is_supported_type(std::uint32_t type) {
@@ -30,6 +26,7 @@ AbortCode PdoRecord::configure(const PdoConfiguration& configuration, std::uint8
   transmission_type_ = configuration.transmission_type;
   inhibit_time_100us_ = configuration.inhibit_time_100us;
   event_timer_ms_ = configuration.event_timer_ms;
+  sync_start_ = configuration.sync_start;
   std::uint32_t count = 0;
   for (; count < kMaxMappedObjects && configuration.mapping[count] != 0; ++count) {
     const AbortCode mapped = resolve(configuration.mapping[count], dictionary, objects_[count]);
@@ -45,13 +42,16 @@ AbortCode PdoRecord::read_communication(std::uint8_t subindex, ObjectValue& valu
   const bool transmit = direction_ == PdoDirection::kTransmit;
   switch (subindex) {
     case 0:
-      value.set_number(transmit ? kEventSubindex : kTypeSubindex, 1);
+      value.set_number(transmit ? kSyncStartSubindex : kEventSubindex, 1);
       return AbortCode::kNone;
     case kCobIdSubindex:
       value.set_number(cob_id_, 4);
       return AbortCode::kNone;
     case kTypeSubindex:
       value.set_number(transmission_type_, 1);
+      return AbortCode::kNone;
+    case kEventSubindex:
+      value.set_number(event_timer_ms_, 2);
       return AbortCode::kNone;
     default:
       break;
@@ -61,21 +61,19 @@ AbortCode PdoRecord::read_communication(std::uint8_t subindex, ObjectValue& valu
     case kInhibitSubindex:
       value.set_number(inhibit_time_100us_, 2);
       return AbortCode::kNone;
-    case kEventSubindex:
-      value.set_number(event_timer_ms_, 2);
+    case kSyncStartSubindex:
+      value.set_number(sync_start_, 1);
       return AbortCode::kNone;
     default:
       return AbortCode::kSubindexDoesNotExist;
   }
 }
 
-AbortCode PdoRecord::write_communication(std::uint8_t subindex, std::uint32_t value, std::size_t size) {
+AbortCode PdoRecord::write_communication(std::uint8_t subindex, std::uint32_t value) {
   ObjectValue present;
   const AbortCode exists = read_communication(subindex, present);
   if (exists != AbortCode::kNone) return exists;
   if (subindex == 0) return AbortCode::kWriteOfReadOnly;
-  const AbortCode sized = expect(size, present.size());
-  if (sized != AbortCode::kNone) return sized;
   switch (subindex) {
     case kCobIdSubindex:
       return write_cob_id(value);
@@ -87,6 +85,10 @@ AbortCode PdoRecord::write_communication(std::uint8_t subindex, std::uint32_t va
       if (valid()) return AbortCode::kInvalidValue;
       inhibit_time_100us_ = static_cast<std::uint16_t>(value);
       return AbortCode::kNone;
+    case kSyncStartSubindex:
+      if (valid() || value > kMaxSynchronous) return AbortCode::kInvalidValue;
+      sync_start_ = static_cast<std::uint8_t>(value);
+      return AbortCode::kNone;
     default:
       event_timer_ms_ = static_cast<std::uint16_t>(value);
       return AbortCode::kNone;
@@ -96,14 +98,10 @@ AbortCode PdoRecord::write_communication(std::uint8_t subindex, std::uint32_t va
 AbortCode PdoRecord::write_cob_id(std::uint32_t cob_id) {
   // A TPDO that leaves bit 30 clear asks for remote requests to be answered.
   const bool asks_for_remote = direction_ == PdoDirection::kTransmit && (cob_id & kCobIdNoRemote) == 0;
-  const bool invalid = (cob_id & kCobIdInvalid) != 0;
-  if ((cob_id & ~(kCobIdInvalid | kCobIdNoRemote | kCobIdMask)) != 0) return AbortCode::kInvalidValue;
-  if (!invalid && (asks_for_remote || is_restricted(static_cast<std::uint16_t>(cob_id & kCobIdMask)))) {
-    return AbortCode::kInvalidValue;
-  }
-  if (!invalid && valid() && cob_id != cob_id_) return AbortCode::kInvalidValue;
-  cob_id_ = cob_id;
-  return AbortCode::kNone;
+  if (asks_for_remote && (cob_id & kCobIdInvalid) == 0) return AbortCode::kInvalidValue;
+  const AbortCode checked = check_cob_id(cob_id_, cob_id, kCobIdNoRemote);
+  if (checked == AbortCode::kNone) cob_id_ = cob_id;
+  return checked;
 }
 
 AbortCode PdoRecord::read_mapping(std::uint8_t subindex, ObjectValue& value) const {
@@ -118,11 +116,8 @@ AbortCode PdoRecord::read_mapping(std::uint8_t subindex, ObjectValue& value) con
   return AbortCode::kNone;
 }
 
-AbortCode PdoRecord::write_mapping(std::uint8_t subindex, std::uint32_t value, std::size_t size,
-                                   const Dictionary& dictionary) {
+AbortCode PdoRecord::write_mapping(std::uint8_t subindex, std::uint32_t value, const Dictionary& dictionary) {
   if (subindex > kMaxMappedObjects) return AbortCode::kSubindexDoesNotExist;
-  const AbortCode sized = expect(size, subindex == 0 ? 1 : 4);
-  if (sized != AbortCode::kNone) return sized;
   if (valid()) return AbortCode::kUnsupportedAccess;
   if (subindex == 0) return write_mapped_count(value & 0xFF);
   if (mapped_count_ != 0) return AbortCode::kUnsupportedAccess;
@@ -167,7 +162,7 @@ AbortCode PdoRecord::resolve(std::uint32_t entry, const Dictionary& dictionary, 
   const auto wanted =
       static_cast<unsigned>(direction_ == PdoDirection::kReceive ? Mappable::kRpdo : Mappable::kTpdo);
   const std::uint8_t size = canopen::size_bytes(row.type);
-  if ((static_cast<unsigned>(row.mappable) & wanted) == 0 || size_bits != 8u * size)
+  if ((static_cast<unsigned>(row.mappable) & wanted) == 0 || size == 0 || size_bits != 8u * size)
     return AbortCode::kNotMappable;
   object = {address.index, address.subindex, size, location.offset};
   return AbortCode::kNone;

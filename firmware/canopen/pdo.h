@@ -33,7 +33,9 @@ struct PdoConfiguration {
   bool plus_node_id = false;             // add the node's id to it, as the predefined connection set does
   std::uint8_t transmission_type = kEventProfile;
   std::uint16_t inhibit_time_100us = 0;  // TPDO: shortest time between two
-  std::uint16_t event_timer_ms = 0;      // TPDO, event-driven: longest time between two; 0: none
+  // TPDO, event-driven: longest time between two. RPDO: longest silence, then EMCY 0x8250. 0: none.
+  std::uint16_t event_timer_ms = 0;
+  std::uint8_t sync_start = 0;  // TPDO, every n-th SYNC: counter of the SYNC to count from; 0: the next
   std::array<std::uint32_t, kMaxMappedObjects> mapping{};  // ends at the first 0
 };
 
@@ -52,8 +54,8 @@ struct MappedObject {
 enum class PdoDirection : std::uint8_t { kReceive, kTransmit };
 
 // Communication and mapping record of one PDO: the objects 0x1400 + n and 0x1600 + n, or 0x1800 + n and
-// 0x1A00 + n. Writes obey CiA 301: identifier and timing change only while the PDO is invalid, the mapping
-// only while it is invalid and its number of objects is 0.
+// 0x1A00 + n. The size of what is written has been checked before. Writes obey CiA 301: identifier and timing
+// change only while the PDO is invalid, the mapping only while it is invalid and its number of objects is 0.
 class PdoRecord {
  public:
   explicit PdoRecord(PdoDirection direction) : direction_(direction) {}
@@ -63,10 +65,9 @@ class PdoRecord {
                       const Dictionary& dictionary);
 
   AbortCode read_communication(std::uint8_t subindex, ObjectValue& value) const;
-  AbortCode write_communication(std::uint8_t subindex, std::uint32_t value, std::size_t size);
+  AbortCode write_communication(std::uint8_t subindex, std::uint32_t value);
   AbortCode read_mapping(std::uint8_t subindex, ObjectValue& value) const;
-  AbortCode write_mapping(std::uint8_t subindex, std::uint32_t value, std::size_t size,
-                          const Dictionary& dictionary);
+  AbortCode write_mapping(std::uint8_t subindex, std::uint32_t value, const Dictionary& dictionary);
 
   bool valid() const { return (cob_id_ & kCobIdInvalid) == 0; }
   std::uint16_t identifier() const { return static_cast<std::uint16_t>(cob_id_ & kCobIdMask); }
@@ -74,6 +75,7 @@ class PdoRecord {
   std::uint8_t transmission_type() const { return transmission_type_; }
   std::uint32_t inhibit_time_us() const { return inhibit_time_100us_ * 100u; }
   std::uint32_t event_timer_us() const { return event_timer_ms_ * 1000u; }
+  std::uint8_t sync_start() const { return sync_start_; }
   // Neither inhibit time nor event timer: it goes whenever it is asked for.
   bool untimed() const { return (inhibit_time_100us_ | event_timer_ms_) == 0; }
   std::uint8_t size_bytes() const { return size_bytes_; }
@@ -120,6 +122,7 @@ class PdoRecord {
   std::uint16_t inhibit_time_100us_ = 0;
   std::uint16_t event_timer_ms_ = 0;
   std::uint8_t transmission_type_ = kEventProfile;
+  std::uint8_t sync_start_ = 0;
   std::uint8_t mapped_count_ = 0;
   std::uint8_t size_bytes_ = 0;
   PdoDirection direction_;

@@ -24,6 +24,10 @@ inline constexpr std::uint8_t kDownloadSegmentResponse = 0x20;
 inline constexpr std::uint8_t kInitiateUploadResponse = 0x40;
 inline constexpr std::uint8_t kInitiateDownloadResponse = 0x60;
 inline constexpr std::uint8_t kAbort = 0x80;
+inline constexpr std::uint8_t kBlockDownloadRequest = 0xC0;
+inline constexpr std::uint8_t kBlockDownloadResponse = 0xA0;
+inline constexpr std::uint8_t kBlockUploadRequest = 0xA0;
+inline constexpr std::uint8_t kBlockUploadResponse = 0xC0;
 
 // Variable bits of an initiate message.
 inline constexpr std::uint8_t kExpedited = 0x02;
@@ -32,6 +36,23 @@ inline constexpr std::uint8_t kSizeIndicated = 0x01;
 inline constexpr std::uint8_t kToggle = 0x10;
 inline constexpr std::uint8_t kLastSegment = 0x01;
 inline constexpr std::size_t kSegmentBytes = 7;
+
+// Variable bits of block transfers (CiA 301, 7.2.4.3.9 to 7.2.4.3.15). The sub-command stands in bits 0 and
+// 1, in requests of a download in bit 0 alone; of an end message, bits 2..4 count the unused bytes of the
+// last segment.
+inline constexpr std::uint8_t kBlockSubcommandMask = 0x03;
+inline constexpr std::uint8_t kBlockInitiate = 0x00;
+inline constexpr std::uint8_t kBlockEnd = 0x01;
+inline constexpr std::uint8_t kBlockConfirm = 0x02;
+inline constexpr std::uint8_t kBlockStartUpload = 0x03;
+inline constexpr std::uint8_t kBlockSizeIndicated = 0x02;
+inline constexpr std::uint8_t kBlockCrc = 0x04;  // the sender can generate and check the CRC
+// A segment of a block has a sequence number, from 1 on, instead of a command.
+inline constexpr std::uint8_t kBlockLastSegment = 0x80;
+inline constexpr std::uint8_t kMaxBlockSize = 127;
+
+constexpr bool is_block_size(std::uint8_t segments) { return segments >= 1 && segments <= kMaxBlockSize; }
+constexpr std::size_t block_end_size(std::uint8_t command) { return kSegmentBytes - ((command >> 2) & 7u); }
 
 // `size` in 1..4.
 constexpr std::uint8_t expedited(std::uint8_t command, std::size_t size) {

@@ -2,107 +2,130 @@
 
 #include <algorithm>
 
-#include "firmware/canopen/sdo_protocol.h"
-
 namespace koboshi::canopen {
 
-void SdoServer::on_request(const hal::CanFrame& request, ObjectServer& objects, FrameSink& sink,
-                           std::uint64_t now_us) {
-  if (request.size != request.data.size()) return;
-  if (request.data[0] == sdo::kAbort) return reset();
-  sdo::Data response{};
-  const AbortCode refusal = respond(request.data, objects, response);
-  if (refusal != AbortCode::kNone) return abort(refusal, sink);
-  deadline_us_ = now_us + kTimeout_us;
-  send(response, sink);
+void SdoServer::configure(const SdoChannel& channel) {
+  reset();
+  channel_ = channel;
+  const bool valid = ((channel.request_cob_id | channel.response_cob_id) & kCobIdInvalid) == 0;
+  request_identifier_ =
+      valid ? static_cast<std::uint16_t>(channel.request_cob_id & kCobIdMask) : kNoIdentifier;
 }
 
-AbortCode SdoServer::respond(const sdo::Data& request, ObjectServer& objects, sdo::Data& response) {
+void SdoServer::on_request(const hal::CanFrame& request, std::uint64_t now_us) {
+  if (request.size != request.data.size()) return;
+  if (request.data[0] == sdo::kAbort) return reset();
+  deadline_us_ = now_us + kTimeout_us;
+  const AbortCode refusal =
+      state_ == State::kBlockDownload ? block_segment(request.data) : respond(request.data);
+  if (refusal != AbortCode::kNone) return abort(refusal);
+  if (state_ == State::kBlockDownload) deadline_us_ = now_us + kBlockTimeout_us;
+}
+
+AbortCode SdoServer::respond(const sdo::Data& request) {
   switch (request[0] & sdo::kSpecifierMask) {
     case sdo::kInitiateDownloadRequest:
-      return begin_download(request, objects, response);
+      return begin_download(request);
     case sdo::kDownloadSegmentRequest:
-      return download_segment(request, objects, response);
+      return download_segment(request);
     case sdo::kInitiateUploadRequest:
-      return begin_upload(request, objects, response);
+      return begin_upload(request);
     case sdo::kUploadSegmentRequest:
-      return upload_segment(request, response);
+      return upload_segment(request);
+    case sdo::kBlockDownloadRequest:
+      return respond_block_download(request);
+    case sdo::kBlockUploadRequest:
+      return respond_block_upload(request);
     default:
       begin(sdo::address_of(request));
       return AbortCode::kCommandSpecifierUnknown;
   }
 }
 
-void SdoServer::begin(ObjectAddress address) {
-  transfer_ = Transfer::kNone;
-  toggle_ = false;
-  address_ = address;
-  position_ = 0;
-}
+// --- Expedited and segmented transfers (CiA 301, 7.2.4.3.3 to 7.2.4.3.8)
 
-AbortCode SdoServer::begin_download(const sdo::Data& request, ObjectServer& objects, sdo::Data& response) {
+AbortCode SdoServer::begin_download(const sdo::Data& request) {
   begin(sdo::address_of(request));
-  response = sdo::message(sdo::kInitiateDownloadResponse, address_, 0);
-  const bool size_indicated = (request[0] & sdo::kSizeIndicated) != 0;
-  if (sdo::is_expedited(request[0], sdo::kInitiateDownloadRequest)) {
-    const std::size_t size = size_indicated ? sdo::expedited_size(request[0]) : 0;
-    return objects.write_object(address_, sdo::data_of(request), size);
-  }
-  announced_size_ = size_indicated ? sdo::data_of(request) : 0;
-  // Longer than any object: the attempt names the first thing that is wrong with it.
-  if (announced_size_ > download_.size()) return objects.write_object(address_, 0, announced_size_);
-  transfer_ = Transfer::kDownload;
+  if (sdo::is_expedited(request[0], sdo::kInitiateDownloadRequest)) return download_expedited(request);
+  const bool announced = (request[0] & sdo::kSizeIndicated) != 0;
+  const AbortCode begun =
+      transfer_.begin_download(address_, announced ? sdo::data_of(request) : Domain::kUnknownSize);
+  if (begun != AbortCode::kNone) return begun;
+  state_ = State::kDownload;
+  send(sdo::message(sdo::kInitiateDownloadResponse, address_, 0));
   return AbortCode::kNone;
 }
 
-AbortCode SdoServer::download_segment(const sdo::Data& request, ObjectServer& objects, sdo::Data& response) {
-  const AbortCode expected = expect_segment(Transfer::kDownload, request[0]);
-  if (expected != AbortCode::kNone) return expected;
-  const std::size_t size = sdo::segment_size(request[0]);
-  if (position_ + size > download_.size()) return AbortCode::kLengthTooHigh;
-  std::copy_n(request.begin() + 1, size, download_.begin() + static_cast<std::ptrdiff_t>(position_));
-  position_ += size;
-  response[0] = static_cast<std::uint8_t>(sdo::kDownloadSegmentResponse | (request[0] & sdo::kToggle));
-  if ((request[0] & sdo::kLastSegment) == 0) return AbortCode::kNone;
-  transfer_ = Transfer::kNone;
-  if (announced_size_ != 0 && position_ != announced_size_) return AbortCode::kLengthMismatch;
-  if (position_ == 0) return AbortCode::kLengthTooLow;
-  return objects.write_object(address_, load_u32(download_.data()), position_);
+AbortCode SdoServer::download_expedited(const sdo::Data& request) {
+  const std::size_t size = sdo::expedited_size(request[0]);
+  const bool announced = (request[0] & sdo::kSizeIndicated) != 0;
+  AbortCode code =
+      transfer_.begin_download(address_, announced ? static_cast<std::uint32_t>(size) : Domain::kUnknownSize);
+  if (code == AbortCode::kNone) code = transfer_.write(std::span(request).subspan(4, size));
+  if (code == AbortCode::kNone) code = transfer_.commit(announced);
+  if (code != AbortCode::kNone) return code;
+  reset();
+  send(sdo::message(sdo::kInitiateDownloadResponse, address_, 0));
+  return AbortCode::kNone;
 }
 
-AbortCode SdoServer::begin_upload(const sdo::Data& request, ObjectServer& objects, sdo::Data& response) {
+AbortCode SdoServer::download_segment(const sdo::Data& request) {
+  const AbortCode expected = expect_segment(State::kDownload, request[0]);
+  if (expected != AbortCode::kNone) return expected;
+  const AbortCode written = transfer_.write(std::span(request).subspan(1, sdo::segment_size(request[0])));
+  if (written != AbortCode::kNone) return written;
+  if ((request[0] & sdo::kLastSegment) != 0) {
+    const AbortCode committed = transfer_.commit();
+    if (committed != AbortCode::kNone) return committed;
+    reset();
+  }
+  send({static_cast<std::uint8_t>(sdo::kDownloadSegmentResponse | (request[0] & sdo::kToggle))});
+  return AbortCode::kNone;
+}
+
+AbortCode SdoServer::begin_upload(const sdo::Data& request) {
   begin(sdo::address_of(request));
-  const AbortCode read = objects.read_object(address_, upload_);
-  if (read != AbortCode::kNone) return read;
-  const std::uint16_t size = upload_.size();
-  if (size >= 1 && size <= 4 && !upload_.is_text()) {
-    response = sdo::message(sdo::expedited(sdo::kInitiateUploadResponse, size), address_, upload_.number());
+  const AbortCode begun = transfer_.begin_upload(address_);
+  return begun == AbortCode::kNone ? respond_upload() : begun;
+}
+
+AbortCode SdoServer::respond_upload() {
+  if (transfer_.fits_expedited()) {
+    const ObjectValue& value = transfer_.value();
+    const std::uint8_t command = sdo::expedited(sdo::kInitiateUploadResponse, value.size());
+    send(sdo::message(command, address_, value.number()));
+    reset();
     return AbortCode::kNone;
   }
-  response = sdo::message(sdo::kInitiateUploadResponse | sdo::kSizeIndicated, address_, size);
-  transfer_ = Transfer::kUpload;
+  const bool known = transfer_.size() != Domain::kUnknownSize;
+  const int command = sdo::kInitiateUploadResponse | (known ? sdo::kSizeIndicated : 0);
+  send(sdo::message(static_cast<std::uint8_t>(command), address_, known ? transfer_.size() : 0));
+  state_ = State::kUpload;
   return AbortCode::kNone;
 }
 
-AbortCode SdoServer::upload_segment(const sdo::Data& request, sdo::Data& response) {
-  const AbortCode expected = expect_segment(Transfer::kUpload, request[0]);
+AbortCode SdoServer::upload_segment(const sdo::Data& request) {
+  const AbortCode expected = expect_segment(State::kUpload, request[0]);
   if (expected != AbortCode::kNone) return expected;
-  const auto rest = upload_.bytes().subspan(position_);
-  const std::size_t size = std::min(rest.size(), sdo::kSegmentBytes);
-  std::copy_n(rest.begin(), size, response.begin() + 1);
-  position_ += size;
-  response[0] = static_cast<std::uint8_t>(sdo::kUploadSegmentResponse | (request[0] & sdo::kToggle) |
-                                          ((sdo::kSegmentBytes - size) << 1));
-  if (size == rest.size()) {
-    response[0] |= sdo::kLastSegment;
-    transfer_ = Transfer::kNone;
-  }
+  // One byte more than the segment takes tells whether it is the last.
+  sdo::Data bytes;
+  const std::size_t found = transfer_.read(position_, bytes);
+  const std::size_t size = std::min(found, sdo::kSegmentBytes);
+  const bool last = found <= sdo::kSegmentBytes;
+  sdo::Data response{};
+  response[0] =
+      static_cast<std::uint8_t>(sdo::kUploadSegmentResponse | (request[0] & sdo::kToggle) |
+                                ((sdo::kSegmentBytes - size) << 1) | (last ? sdo::kLastSegment : 0));
+  std::copy_n(bytes.begin(), size, response.begin() + 1);
+  position_ += static_cast<std::uint32_t>(size);
+  send(response);
+  if (last) reset();
   return AbortCode::kNone;
 }
 
-AbortCode SdoServer::expect_segment(Transfer transfer, std::uint8_t command) {
-  if (transfer_ != transfer) {
-    if (transfer_ == Transfer::kNone) begin({});
+AbortCode SdoServer::expect_segment(State state, std::uint8_t command) {
+  if (state_ != state) {
+    if (state_ == State::kIdle) begin({});
     return AbortCode::kCommandSpecifierUnknown;
   }
   if (((command & sdo::kToggle) != 0) != toggle_) return AbortCode::kToggleBitNotAlternated;
@@ -110,14 +133,51 @@ AbortCode SdoServer::expect_segment(Transfer transfer, std::uint8_t command) {
   return AbortCode::kNone;
 }
 
-void SdoServer::abort(AbortCode code, FrameSink& sink) {
-  transfer_ = Transfer::kNone;
-  send(sdo::message(sdo::kAbort, address_, static_cast<std::uint32_t>(code)), sink);
+// --- What all transfers share
+
+void SdoServer::go_on(std::uint64_t now_us) {
+  for (int i = 0; i < kSegmentsPerProcess && state_ == State::kBlockUpload; ++i) {
+    if (!send_block_segment()) break;
+    deadline_us_ = now_us + kTimeout_us;
+  }
+  if (now_us >= deadline_us_) on_silence(now_us);
 }
 
-void SdoServer::send(const sdo::Data& data, FrameSink& sink) {
-  // Without room the client is left to its time-out; the sink has counted the loss.
-  static_cast<void>(sink.send({.identifier = response_identifier_, .size = 8, .data = data}));
+void SdoServer::on_silence(std::uint64_t now_us) {
+  const bool within_block = state_ == State::kBlockDownload && !block_.prompted;
+  if (!within_block) return abort(AbortCode::kTimedOut);
+  confirm_block();
+  block_.prompted = true;
+  deadline_us_ = now_us + kTimeout_us - kBlockTimeout_us;
+}
+
+void SdoServer::begin(ObjectAddress address) {
+  reset();
+  address_ = address;
+  toggle_ = false;
+  position_ = 0;
+  block_ = {};
+}
+
+void SdoServer::reset() {
+  state_ = State::kIdle;
+  transfer_.end();
+}
+
+void SdoServer::abort(AbortCode code) {
+  reset();
+  send(sdo::message(sdo::kAbort, address_, static_cast<std::uint32_t>(code)));
+}
+
+hal::CanFrame SdoServer::frame_of(const sdo::Data& data) const {
+  return {.identifier = static_cast<std::uint16_t>(channel_.response_cob_id & kCobIdMask),
+          .size = 8,
+          .data = data};
+}
+
+void SdoServer::send(const sdo::Data& data) {
+  // Without room the client is left to its time-out; the queue has counted the loss.
+  static_cast<void>(queue_.send(frame_of(data)));
 }
 
 }  // namespace koboshi::canopen

@@ -5,66 +5,119 @@
 #include <cstdint>
 
 #include "firmware/canopen/abort_code.h"
-#include "firmware/canopen/dictionary.h"
-#include "firmware/canopen/frame.h"
+#include "firmware/canopen/cob_id.h"
+#include "firmware/canopen/object_server.h"
 #include "firmware/canopen/sdo_protocol.h"
+#include "firmware/canopen/sdo_transfer.h"
+#include "firmware/canopen/transmit_queue.h"
 
 namespace koboshi::canopen {
 
-// The objects behind an SDO server.
-class ObjectServer {
- public:
-  virtual AbortCode read_object(ObjectAddress address, ObjectValue& value) = 0;
-  // `size` in bytes; 0 when the client has not told it and the object's own counts.
-  virtual AbortCode write_object(ObjectAddress address, std::uint32_t value, std::size_t size) = 0;
-
- protected:
-  ~ObjectServer() = default;
+// The identifiers of an SDO channel, as seen from the server; bit 31 of either: there is no such channel.
+struct SdoChannel {
+  std::uint32_t request_cob_id = kCobIdInvalid;   // from client to server
+  std::uint32_t response_cob_id = kCobIdInvalid;  // from server to client
 };
 
-// One SDO channel from the server's side (CiA 301, 7.2.4): expedited and segmented transfers.
+// One SDO channel from the server's side (CiA 301, 7.2.4): expedited, segmented and block transfers, one at a
+// time. A request that begins a transfer ends the one before.
 class SdoServer {
  public:
-  static constexpr std::uint32_t kTimeout_us = 1'000'000;  // between two segments
+  static constexpr std::uint32_t kTimeout_us = 1'000'000;  // silence of a client in a transfer
+  // After half of it within a block, what has arrived is confirmed: the last segments may be lost.
+  static constexpr std::uint32_t kBlockTimeout_us = kTimeout_us / 2;
+  // Segments of an uploaded block to a call of `process`, which is to say a millisecond. Frames leave in the
+  // order in which they were sent, so a SYNC waits for these: two take 0.27 ms at 1 Mbit/s.
+  static constexpr int kSegmentsPerProcess = 2;
 
-  SdoServer(std::uint16_t request_identifier, std::uint16_t response_identifier)
-      : request_identifier_(request_identifier), response_identifier_(response_identifier) {}
+  SdoServer(ObjectServer& objects, TransmitQueue& queue) : transfer_(objects), queue_(queue) {}
 
-  std::uint16_t request_identifier() const { return request_identifier_; }
-  // Answers a request; every request but an abort has exactly one response.
-  void on_request(const hal::CanFrame& request, ObjectServer& objects, FrameSink& sink, std::uint64_t now_us);
-  // Aborts a segmented transfer whose client has fallen silent.
-  void process(FrameSink& sink, std::uint64_t now_us) {
-    if (transfer_ != Transfer::kNone && now_us >= deadline_us_) abort(AbortCode::kTimedOut, sink);
+  // Ends a transfer of the channel before, without a word.
+  void configure(const SdoChannel& channel);
+  const SdoChannel& channel() const { return channel_; }
+
+  bool takes(const hal::CanFrame& frame) const { return frame.identifier == request_identifier_; }
+  void on_request(const hal::CanFrame& request, std::uint64_t now_us);
+  // Sends what is left of a block, and looks after a client that has fallen silent.
+  void process(std::uint64_t now_us) {
+    if (state_ != State::kIdle) go_on(now_us);
   }
   // Ends a transfer without a word.
-  void reset() { transfer_ = Transfer::kNone; }
+  void reset();
+  bool uses(const Domain& domain) const { return transfer_.uses(domain); }
 
  private:
-  enum class Transfer : std::uint8_t { kNone, kUpload, kDownload };
+  enum class State : std::uint8_t {
+    kIdle,
+    kUpload,              // waits for the request of a segment
+    kDownload,            // waits for a segment
+    kBlockDownload,       // waits for segments of a block
+    kBlockDownloadEnd,    // waits for the end message
+    kBlockUploadStart,    // waits for the client's start
+    kBlockUpload,         // sends segments of a block
+    kBlockUploadConfirm,  // waits for the block's confirmation
+    kBlockUploadEnd,      // waits for the answer to the end message
+  };
 
-  // Each fills the response, or returns why the request is refused.
-  AbortCode respond(const sdo::Data& request, ObjectServer& objects, sdo::Data& response);
-  AbortCode begin_download(const sdo::Data& request, ObjectServer& objects, sdo::Data& response);
-  AbortCode download_segment(const sdo::Data& request, ObjectServer& objects, sdo::Data& response);
-  AbortCode begin_upload(const sdo::Data& request, ObjectServer& objects, sdo::Data& response);
-  AbortCode upload_segment(const sdo::Data& request, sdo::Data& response);
+  // How far a block transfer has come.
+  struct Block {
+    std::uint32_t start = 0;      // upload: bytes before this block
+    std::uint32_t crc_bytes = 0;  // upload: bytes that the CRC covers; those of repeated segments count once
+    std::uint16_t crc = 0;
+    std::uint8_t size = 0;       // segments to a block
+    std::uint8_t sequence = 0;   // number of the last segment sent, or received in order
+    std::uint8_t last_size = 0;  // upload: bytes in the last segment
+    bool last = false;           // the last segment was sent or received
+    bool with_crc = false;       // the client knows CRCs too
+    bool holds = false;          // download: `held` waits to be told how many of its bytes count
+    bool prompted = false;       // download: a silent client was told what has arrived
+    std::array<std::uint8_t, sdo::kSegmentBytes> held{};
+  };
 
+  // Each answers, or returns why the request is refused.
+  AbortCode respond(const sdo::Data& request);
+  AbortCode begin_download(const sdo::Data& request);
+  AbortCode download_expedited(const sdo::Data& request);
+  AbortCode download_segment(const sdo::Data& request);
+  AbortCode begin_upload(const sdo::Data& request);
+  AbortCode respond_upload();
+  AbortCode upload_segment(const sdo::Data& request);
+  AbortCode expect_segment(State state, std::uint8_t command);
+
+  // sdo_block_download.cc
+  AbortCode respond_block_download(const sdo::Data& request);
+  AbortCode begin_block_download(const sdo::Data& request);
+  AbortCode block_segment(const sdo::Data& segment);
+  AbortCode pass_on_held(std::size_t size);
+  void confirm_block();
+  AbortCode end_block_download(const sdo::Data& request);
+
+  // sdo_block_upload.cc
+  AbortCode respond_block_upload(const sdo::Data& request);
+  AbortCode begin_block_upload(const sdo::Data& request);
+  AbortCode on_block_confirmed(const sdo::Data& request);
+  bool send_block_segment();
+  void end_block_upload();
+
+  void go_on(std::uint64_t now_us);
+  void on_silence(std::uint64_t now_us);
   void begin(ObjectAddress address);
-  AbortCode expect_segment(Transfer transfer, std::uint8_t command);
-  void abort(AbortCode code, FrameSink& sink);
-  void send(const sdo::Data& data, FrameSink& sink);
+  void abort(AbortCode code);
+  void send(const sdo::Data& data);
+  hal::CanFrame frame_of(const sdo::Data& data) const;
 
-  std::uint16_t request_identifier_;
-  std::uint16_t response_identifier_;
-  Transfer transfer_ = Transfer::kNone;
+  static constexpr std::uint16_t kNoIdentifier = 0xFFFF;
+
+  SdoChannel channel_;
+  std::uint16_t request_identifier_ = kNoIdentifier;
+  State state_ = State::kIdle;
   bool toggle_ = false;
   ObjectAddress address_;
-  std::size_t position_ = 0;          // bytes transferred so far
-  std::uint32_t announced_size_ = 0;  // of a download; 0: not announced
-  ObjectValue upload_;
-  std::array<std::uint8_t, 4> download_{};
+  SdoTransfer transfer_;
+  TransmitQueue& queue_;
+  std::uint32_t position_ = 0;  // bytes uploaded in segments so far
   std::uint64_t deadline_us_ = 0;
+  Block block_;
 };
 
 }  // namespace koboshi::canopen

@@ -5,11 +5,16 @@
 
 namespace koboshi::canopen {
 
-void TpdoSet::start(std::uint64_t now_us) {
+void TpdoSet::on_changed(std::size_t number) {
   due_us_ = 0;
+  pdos_[number].requested = false;
+  pdos_[number].counting = false;
+  pdos_[number].sync_count = 0;
+}
+
+void TpdoSet::start(std::uint64_t now_us) {
+  for (std::size_t i = 0; i < pdos_.size(); ++i) on_changed(i);
   for (Tpdo& pdo : pdos_) {
-    pdo.requested = false;
-    pdo.sync_count = 0;
     pdo.event_due_us = now_us + pdo.record.event_timer_us();
   }
 }
@@ -22,13 +27,20 @@ void TpdoSet::request(std::size_t number, std::uint64_t now_us) {
   if (pdo.requested) due_us_ = 0;
 }
 
-void TpdoSet::on_sync(std::uint64_t now_us) {
+void TpdoSet::on_sync(std::uint8_t counter, std::uint64_t now_us) {
   for (Tpdo& pdo : pdos_) {
-    if (!pdo.record.valid() || !pdo.record.synchronous()) continue;
-    const std::uint8_t type = pdo.record.transmission_type();
-    const bool due = type == kSynchronousAcyclic ? pdo.requested : ++pdo.sync_count >= type;
-    if (due) send(pdo, now_us);
+    if (pdo.record.valid() && pdo.record.synchronous() && is_due(pdo, counter)) send(pdo, now_us);
   }
+}
+
+bool TpdoSet::is_due(Tpdo& pdo, std::uint8_t counter) {
+  const std::uint8_t type = pdo.record.transmission_type();
+  if (type == kSynchronousAcyclic) return pdo.requested;
+  // A start value needs a counter; the SYNC that has it is the first (CiA 301, 7.5.2.37).
+  const std::uint8_t start = counter != 0 ? pdo.record.sync_start() : std::uint8_t{0};
+  if (!pdo.counting && start != 0 && counter != start) return false;
+  pdo.counting = true;
+  return ++pdo.sync_count >= type;
 }
 
 void TpdoSet::send_due(std::uint64_t now_us) {

@@ -12,16 +12,17 @@ namespace koboshi::canopen {
 // A PDO that a node sends.
 struct Tpdo {
   PdoRecord record{PdoDirection::kTransmit};
-  bool requested =
-      false;  // an event waits for the end of the inhibit time, for room in the queue, or for the SYNC
+  // An event waits for the end of the inhibit time, for room in the queue, or for the SYNC.
+  bool requested = false;
+  bool counting = false;        // the SYNC with the start value has come, if there is one
   std::uint8_t sync_count = 0;  // SYNCs since the last transmission
   std::uint64_t inhibited_until_us = 0;
   std::uint64_t event_due_us = 0;
 };
 
-// When each TPDO is due, by its transmission type (CiA 301, 7.2.2.3): at every n-th SYNC, at the SYNC after
-// an event, or at the event itself and when the event timer has run out, but never sooner than the inhibit
-// time allows.
+// When each TPDO is due, by its transmission type (CiA 301, 7.2.2.3): at every n-th SYNC, counted from the
+// one with the start value, at the SYNC after an event, or at the event itself and when the event timer has
+// run out, but never sooner than the inhibit time allows.
 class TpdoSet {
  public:
   // Values of `dictionary` go to `queue`; all must outlive the set.
@@ -29,23 +30,23 @@ class TpdoSet {
       : pdos_(pdos), dictionary_(dictionary), queue_(queue) {}
 
   std::size_t size() const { return pdos_.size(); }
-  // For a change: `process` looks at all of them again.
-  Tpdo& operator[](std::size_t number) {
-    due_us_ = 0;
-    return pdos_[number];
-  }
+  Tpdo& operator[](std::size_t number) { return pdos_[number]; }
   const Tpdo& operator[](std::size_t number) const { return pdos_[number]; }
 
+  // To be called when record `number` has changed: what waited is dropped, its SYNCs are counted anew.
+  void on_changed(std::size_t number);
   // The node has become operational: counters and event timers begin anew.
   void start(std::uint64_t now_us);
   // An event: something in PDO `number` is worth telling.
   void request(std::size_t number, std::uint64_t now_us);
-  void on_sync(std::uint64_t now_us);
+  // `counter` of the SYNC, 1..240; 0 when it carries none.
+  void on_sync(std::uint8_t counter, std::uint64_t now_us);
   void process(std::uint64_t now_us) {
     if (now_us >= due_us_) send_due(now_us);
   }
 
  private:
+  static bool is_due(Tpdo& pdo, std::uint8_t counter);
   void send_due(std::uint64_t now_us);
   void send(Tpdo& pdo, std::uint64_t now_us);
 

@@ -15,9 +15,11 @@ class TransmitQueue final : public FrameSink {
   TransmitQueue(FrameSink& sink, std::span<hal::CanFrame> backlog) : sink_(sink), backlog_(backlog) {}
 
   // False, and counted in lost(), when sink and backlog are full.
-  bool send(const hal::CanFrame& frame) override {
+  bool send(const hal::CanFrame& frame) override { return offer(frame) || keep(frame); }
+  // Only for a sink that has room now; for frames that can wait. Never counted as lost.
+  bool offer(const hal::CanFrame& frame) {
     flush();
-    return (size_ == 0 && sink_.send(frame)) || keep(frame);
+    return size_ == 0 && sink_.send(frame);
   }
   // Hands the backlog to the sink as far as it has room.
   void flush() {

@@ -39,6 +39,8 @@ canopen::NodeDescription drive_node_description(const DriveDescription& drive) {
       .hardware_version = "simulated",
       .software_version = "0.1.0",
       .heartbeat_ms = 0,
+      // What a lost controller means is the drive profile's (0x6007); its statusword must stay to be seen.
+      .communication_error = canopen::CommunicationError::kNoChange,
       .rows = kRows,
       .rpdos = kRpdos,
       .tpdos = kTpdos,

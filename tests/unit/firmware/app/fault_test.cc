@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/support/controller_bench.h"
 
 namespace koboshi::app {
@@ -128,6 +130,9 @@ TEST_F(ControllerFault, ComesFromABusWithoutAcknowledgement) {
   bench.board.can.set_error_state(hal::CanErrorState::kErrorPassive);
   bench.run_ms(10);
   EXPECT_EQ(bench.now().reason, Reason::kNoAcknowledge);
+  EXPECT_TRUE(std::ranges::any_of(bench.sent, [](const auto& sent) {
+    return sent.frame.identifier == 0x081 && canopen::load_u16(sent.frame.data.data()) == 0x8120;
+  }));
 }
 
 TEST_F(ControllerFault, ComesFromANodeThatAPcStopped) {

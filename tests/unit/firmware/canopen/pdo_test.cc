@@ -10,7 +10,7 @@ namespace {
 class PdoRecordTest : public testing::Test {
  protected:
   AbortCode map(PdoRecord& record, std::uint8_t subindex, std::uint32_t value) {
-    return record.write_mapping(subindex, value, subindex == 0 ? 1 : 4, dictionary_);
+    return record.write_mapping(subindex, value, dictionary_);
   }
   static std::uint32_t communication(const PdoRecord& record, std::uint8_t subindex) {
     ObjectValue value;
@@ -26,8 +26,8 @@ class PdoRecordTest : public testing::Test {
 
 TEST_F(PdoRecordTest, StartsInvalidAndUnmapped) {
   EXPECT_FALSE(receive_.valid());
-  EXPECT_EQ(communication(receive_, 0), 2u);
-  EXPECT_EQ(communication(transmit_, 0), 5u);
+  EXPECT_EQ(communication(receive_, 0), 5u);
+  EXPECT_EQ(communication(transmit_, 0), 6u);
   EXPECT_EQ(receive_.size_bytes(), 0);
 }
 
@@ -47,31 +47,29 @@ TEST_F(PdoRecordTest, ConfiguresItselfFromItsDescription) {
 TEST_F(PdoRecordTest, RefusesRestrictedExtendedAndRemoteIdentifiers) {
   for (const std::uint32_t cob_id :
        {0x000u, 0x07Fu, 0x101u, 0x180u, 0x581u, 0x601u, 0x6E0u, 0x701u, 0x7FFu, 0x20000200u, 0x00000800u}) {
-    EXPECT_EQ(receive_.write_communication(1, cob_id, 4), AbortCode::kInvalidValue) << cob_id;
-    EXPECT_EQ(transmit_.write_communication(1, cob_id | kCobIdNoRemote, 4), AbortCode::kInvalidValue)
-        << cob_id;
+    EXPECT_EQ(receive_.write_communication(1, cob_id), AbortCode::kInvalidValue) << cob_id;
+    EXPECT_EQ(transmit_.write_communication(1, cob_id | kCobIdNoRemote), AbortCode::kInvalidValue) << cob_id;
   }
-  EXPECT_EQ(transmit_.write_communication(1, 0x190, 4), AbortCode::kInvalidValue);
-  EXPECT_EQ(transmit_.write_communication(1, 0x40000190, 4), AbortCode::kNone);
+  EXPECT_EQ(transmit_.write_communication(1, 0x190), AbortCode::kInvalidValue);
+  EXPECT_EQ(transmit_.write_communication(1, 0x40000190), AbortCode::kNone);
 }
 
 TEST_F(PdoRecordTest, ChangesIdentifierAndInhibitTimeOnlyWhileInvalid) {
-  ASSERT_EQ(transmit_.write_communication(1, 0x40000190, 4), AbortCode::kNone);
-  EXPECT_EQ(transmit_.write_communication(1, 0x40000191, 4), AbortCode::kInvalidValue);
-  EXPECT_EQ(transmit_.write_communication(3, 10, 2), AbortCode::kInvalidValue);
-  EXPECT_EQ(transmit_.write_communication(5, 10, 2), AbortCode::kNone);
-  ASSERT_EQ(transmit_.write_communication(1, 0xC0000190, 4), AbortCode::kNone);
-  EXPECT_EQ(transmit_.write_communication(3, 10, 2), AbortCode::kNone);
-  EXPECT_EQ(transmit_.write_communication(1, 0x40000191, 4), AbortCode::kNone);
+  ASSERT_EQ(transmit_.write_communication(1, 0x40000190), AbortCode::kNone);
+  EXPECT_EQ(transmit_.write_communication(1, 0x40000191), AbortCode::kInvalidValue);
+  EXPECT_EQ(transmit_.write_communication(3, 10), AbortCode::kInvalidValue);
+  EXPECT_EQ(transmit_.write_communication(5, 10), AbortCode::kNone);
+  ASSERT_EQ(transmit_.write_communication(1, 0xC0000190), AbortCode::kNone);
+  EXPECT_EQ(transmit_.write_communication(3, 10), AbortCode::kNone);
+  EXPECT_EQ(transmit_.write_communication(1, 0x40000191), AbortCode::kNone);
   EXPECT_EQ(transmit_.inhibit_time_us(), 1'000u);
 }
 
 TEST_F(PdoRecordTest, TakesExactlyTheTransmissionTypesItServes) {
   for (unsigned type = 0; type <= 255; ++type) {
     const bool served = type <= 240 || type >= 254;
-    EXPECT_EQ(receive_.write_communication(2, type, 1), served ? AbortCode::kNone : AbortCode::kInvalidValue);
-    EXPECT_EQ(transmit_.write_communication(2, type, 1),
-              served ? AbortCode::kNone : AbortCode::kInvalidValue);
+    EXPECT_EQ(receive_.write_communication(2, type), served ? AbortCode::kNone : AbortCode::kInvalidValue);
+    EXPECT_EQ(transmit_.write_communication(2, type), served ? AbortCode::kNone : AbortCode::kInvalidValue);
   }
 }
 
@@ -80,7 +78,7 @@ TEST_F(PdoRecordTest, MapsOnlyWhileInvalidAndDisabled) {
   const std::uint32_t entry = mapping(0x6040, 0, 16);
   EXPECT_EQ(map(receive_, 0, 0), AbortCode::kUnsupportedAccess);
   EXPECT_EQ(map(receive_, 1, entry), AbortCode::kUnsupportedAccess);
-  ASSERT_EQ(receive_.write_communication(1, 0x80000210, 4), AbortCode::kNone);
+  ASSERT_EQ(receive_.write_communication(1, 0x80000210), AbortCode::kNone);
   EXPECT_EQ(map(receive_, 1, entry), AbortCode::kUnsupportedAccess);
   EXPECT_EQ(map(receive_, 0, 0), AbortCode::kNone);
   EXPECT_EQ(map(receive_, 1, entry), AbortCode::kNone);
@@ -128,13 +126,17 @@ TEST_F(PdoRecordTest, RefusesMoreThanEightBytesOrUnmappedEntries) {
   EXPECT_EQ(transmit_.size_bytes(), 8);
 }
 
-TEST_F(PdoRecordTest, ChecksTheSizeOfWhatIsWritten) {
-  EXPECT_EQ(receive_.write_communication(1, 0x210, 2), AbortCode::kLengthTooLow);
-  EXPECT_EQ(receive_.write_communication(2, 1, 4), AbortCode::kLengthTooHigh);
-  EXPECT_EQ(receive_.write_mapping(0, 0, 4, dictionary_), AbortCode::kLengthTooHigh);
-  EXPECT_EQ(receive_.write_communication(0, 2, 1), AbortCode::kWriteOfReadOnly);
-  EXPECT_EQ(receive_.write_communication(3, 2, 2), AbortCode::kSubindexDoesNotExist);
-  EXPECT_EQ(transmit_.write_communication(4, 2, 1), AbortCode::kSubindexDoesNotExist);
+TEST_F(PdoRecordTest, HasTheSubindicesOfItsDirection) {
+  EXPECT_EQ(receive_.write_communication(0, 2), AbortCode::kWriteOfReadOnly);
+  EXPECT_EQ(receive_.write_communication(5, 100), AbortCode::kNone);
+  for (const std::uint8_t subindex : std::initializer_list<std::uint8_t>{3, 4, 6, 7}) {
+    EXPECT_EQ(receive_.write_communication(subindex, 2), AbortCode::kSubindexDoesNotExist);
+  }
+  EXPECT_EQ(transmit_.write_communication(6, 240), AbortCode::kNone);
+  EXPECT_EQ(transmit_.write_communication(6, 241), AbortCode::kInvalidValue);
+  for (const std::uint8_t subindex : std::initializer_list<std::uint8_t>{4, 7}) {
+    EXPECT_EQ(transmit_.write_communication(subindex, 2), AbortCode::kSubindexDoesNotExist);
+  }
 }
 
 TEST_F(PdoRecordTest, PacksAndUnpacksLittleEndian) {

@@ -1,16 +1,21 @@
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "firmware/canopen/sdo_protocol.h"
 #include "tests/unit/firmware/canopen/test_node.h"
 
 namespace koboshi::canopen {
 namespace {
 
-// A misuse: requests to node 0x10, of which the last is answered with the abort code.
+// A misuse: requests to node 0x10, of which the last is answered with the abort code, or the silence behind
+// it.
 struct Misuse {
   const char* what;
   std::vector<hal::CanFrame> requests;
   std::uint32_t abort_code;
+  void (*prepare)(TestNode& device) = nullptr;
+  bool falls_silent = false;
 };
 
 hal::CanFrame request(std::initializer_list<unsigned> bytes) { return can_frame(0x610, bytes); }
@@ -74,6 +79,101 @@ const Misuse kMisuses[] = {
     {"a value too high", {request({0x2F, 0x60, 0x60, 0, 11, 0, 0, 0})}, 0x06090031},
     {"a value too low", {request({0x2F, 0x60, 0x60, 0, 0xFE, 0, 0, 0})}, 0x06090032},
     {"an entry of an empty history", {request({0x40, 0x03, 0x10, 1, 0, 0, 0, 0})}, 0x08000024},
+    {"a client that falls silent in an upload",
+     {request({0x40, 0x08, 0x10, 0, 0, 0, 0, 0})},
+     0x05040000,
+     nullptr,
+     true},
+    {"a client that falls silent before the end of a block download",
+     {request({0xC2, 0x00, 0x21, 1, 1, 0, 0, 0}), request({0x81, 1, 0, 0, 0, 0, 0, 0})},
+     0x05040000,
+     nullptr,
+     true},
+    {"a client that does not start a block upload",
+     {request({0xA0, 0x08, 0x10, 0, 10, 0, 0, 0})},
+     0x05040000,
+     nullptr,
+     true},
+    {"a confirmation without a block upload", {request({0xA2, 1, 10, 0, 0, 0, 0, 0})}, 0x05040001},
+    {"a start without a block upload", {request({0xA3, 0, 0, 0, 0, 0, 0, 0})}, 0x05040001},
+    {"an end without a block download", {request({0xC1, 0, 0, 0, 0, 0, 0, 0})}, 0x05040001},
+    {"a segment request in a block upload",
+     {request({0xA0, 0x08, 0x10, 0, 10, 0, 0, 0}), request({0x60, 0, 0, 0, 0, 0, 0, 0})},
+     0x05040001},
+    {"a block of no segments", {request({0xA0, 0x08, 0x10, 0, 0, 0, 0, 0})}, 0x05040002},
+    {"a block of too many segments", {request({0xA0, 0x08, 0x10, 0, 128, 0, 0, 0})}, 0x05040002},
+    {"a next block of no segments",
+     {request({0xA0, 0x08, 0x10, 0, 10, 0, 0, 0}), request({0xA3, 0, 0, 0, 0, 0, 0, 0}),
+      request({0xA2, 0, 0, 0, 0, 0, 0, 0})},
+     0x05040002},
+    {"confirming segments that were not sent",
+     {request({0xA0, 0x08, 0x10, 0, 10, 0, 0, 0}), request({0xA3, 0, 0, 0, 0, 0, 0, 0}),
+      request({0xA2, 3, 10, 0, 0, 0, 0, 0})},
+     0x05040003},
+    {"a segment without a number",
+     {request({0xC2, 0x00, 0x21, 1, 10, 0, 0, 0}), request({0x00, 1, 2, 3, 4, 5, 6, 7})},
+     0x05040003},
+    {"a block with a wrong CRC",
+     {request({0xC6, 0x00, 0x21, 1, 7, 0, 0, 0}), request({0x81, 1, 2, 3, 4, 5, 6, 7}),
+      request({0xC1, 0x12, 0x34, 0, 0, 0, 0, 0})},
+     0x05040004},
+    {"a domain without room",
+     {request({0xC2, 0x00, 0x21, 1, 0, 0, 1, 0})},
+     0x05040005,
+     [](TestNode& device) { device.bytes.begin_verdict = AbortCode::kOutOfMemory; }},
+    {"a domain that does not like what is in it",
+     {request({0x21, 0x00, 0x21, 1, 2, 0, 0, 0}), request({0x0B, 1, 2, 0, 0, 0, 0, 0})},
+     0x06040047,
+     [](TestNode& device) { device.bytes.write_verdict = AbortCode::kInternalIncompatibility; }},
+    {"a domain that fails to store",
+     {request({0x21, 0x00, 0x21, 1, 2, 0, 0, 0}), request({0x0B, 1, 2, 0, 0, 0, 0, 0})},
+     0x08000000,
+     [](TestNode& device) { device.bytes.commit_verdict = AbortCode::kGeneralError; }},
+    {"reading a write-only domain", {request({0xA0, 0x00, 0x21, 3, 10, 0, 0, 0})}, 0x06010001},
+    {"writing a read-only domain", {request({0xC0, 0x00, 0x21, 2, 0, 0, 0, 0})}, 0x06010002},
+    {"writing the length of an array", {request({0x2F, 0x10, 0x10, 0, 1, 0, 0, 0})}, 0x06010002},
+    {"writing the default SDO channel", {request({0x23, 0x00, 0x12, 1, 0, 0, 0, 0x80})}, 0x06010002},
+    {"writing the error register with a wrong size",
+     {request({0x23, 0x01, 0x10, 0, 1, 0, 0, 0})},
+     0x06010002},
+    {"asking for node guarding", {request({0x2B, 0x0C, 0x10, 0, 1, 0, 0, 0})}, 0x06020000},
+    {"beginning to write what is not there", {request({0x21, 0x00, 0x30, 0, 2, 0, 0, 0})}, 0x06020000},
+    {"block upload of what is not there", {request({0xA0, 0x00, 0x30, 0, 10, 0, 0, 0})}, 0x06020000},
+    {"mapping a domain",
+     {request({0x23, 0x00, 0x14, 1, 0x10, 2, 0, 0x80}), request({0x2F, 0x00, 0x16, 0, 0, 0, 0, 0}),
+      request({0x23, 0x00, 0x16, 1, 0, 1, 0x00, 0x21})},
+     0x06040041},
+    {"a block of more bytes than announced",
+     {request({0xC2, 0x00, 0x21, 1, 3, 0, 0, 0}), request({0x81, 1, 2, 3, 4, 5, 6, 7}),
+      request({0xC1, 0, 0, 0, 0, 0, 0, 0})},
+     0x06070010},
+    {"a block of fewer bytes than announced",
+     {request({0xC2, 0x00, 0x21, 1, 9, 0, 0, 0}), request({0x81, 1, 2, 3, 4, 5, 6, 7}),
+      request({0xC1, 0, 0, 0, 0, 0, 0, 0})},
+     0x06070010},
+    {"a block of too many bytes for a number",
+     {request({0xC0, 0x40, 0x60, 0, 0, 0, 0, 0}), request({0x01, 1, 2, 3, 4, 5, 6, 7}),
+      request({0x02, 1, 2, 3, 4, 5, 6, 7})},
+     0x06070012},
+    {"a sub-index of the SDO server", {request({0x40, 0x01, 0x12, 4, 0, 0, 0, 0})}, 0x06090011},
+    {"a reserved transmission type", {request({0x2F, 0x00, 0x18, 2, 0xF1, 0, 0, 0})}, 0x06090030},
+    {"a reserved error behaviour", {request({0x2F, 0x29, 0x10, 1, 3, 0, 0, 0})}, 0x06090030},
+    {"a counter of one", {request({0x2F, 0x19, 0x10, 0, 1, 0, 0, 0})}, 0x06090030},
+    {"an identifier of EMCY while it is in use", {request({0x23, 0x14, 0x10, 0, 0x91, 0, 0, 0})}, 0x06090030},
+    {"a domain that is not there now", {request({0x40, 0x00, 0x21, 4, 0, 0, 0, 0})}, 0x060A0023},
+    {"storing without the signature", {request({0x23, 0x10, 0x10, 1, 1, 0, 0, 0})}, 0x08000020},
+    {"restoring with that of storing", {request({0x23, 0x11, 0x10, 1, 's', 'a', 'v', 'e'})}, 0x08000020},
+    {"an owner who is in control himself",
+     {request({0x2F, 0x60, 0x60, 0, 1, 0, 0, 0})},
+     0x08000021,
+     [](TestNode& device) { device.verdict = AbortCode::kLocalControl; }},
+    {"a counter while SYNCs are produced",
+     {request({0x23, 0x06, 0x10, 0, 0x10, 0x27, 0, 0}), request({0x2F, 0x19, 0x10, 0, 10, 0, 0, 0})},
+     0x08000022},
+    {"storing when the owner cannot",
+     {request({0x23, 0x10, 0x10, 1, 's', 'a', 'v', 'e'})},
+     0x08000022,
+     [](TestNode& device) { device.verdict = AbortCode::kDeviceState; }},
 };
 
 TEST(SdoAbort, NamesEachMisuse) {
@@ -81,14 +181,18 @@ TEST(SdoAbort, NamesEachMisuse) {
     SCOPED_TRACE(misuse.what);
     TestNode device;
     device.make_operational();
+    if (misuse.prepare != nullptr) misuse.prepare(device);
     std::vector<hal::CanFrame> answers;
     for (const hal::CanFrame& frame : misuse.requests) {
-      if (!answers.empty()) {
-        EXPECT_NE(answers[0].data[0], 0x80) << "refused too early";
-      }
+      for (const hal::CanFrame& answer : answers) EXPECT_NE(answer.data[0], 0x80) << "refused too early";
       answers = device.ask(frame);
-      ASSERT_EQ(answers.size(), 1u);
     }
+    if (misuse.falls_silent) {
+      device.node.process(SdoServer::kTimeout_us);
+      answers = device.sink.take();
+    }
+    ASSERT_EQ(answers.size(), 1u);
+    EXPECT_EQ(device.bytes.open, 0);
     const hal::CanFrame expected{
         .identifier = 0x590,
         .size = 8,
@@ -98,6 +202,16 @@ TEST(SdoAbort, NamesEachMisuse) {
     EXPECT_EQ(device.ask(request({0x40, 0x02, 0x65, 0, 0, 0, 0, 0})),
               std::vector{can_frame(0x590, {0x43, 0x02, 0x65, 0, 0x80, 0, 0, 0})});
   }
+}
+
+TEST(SdoAbort, KnowsEveryCodeThatAServerMayNeed) {
+  std::set<std::uint32_t> missing{0x05030000, 0x05040000, 0x05040001, 0x05040002, 0x05040003, 0x05040004,
+                                  0x05040005, 0x06010000, 0x06010001, 0x06010002, 0x06020000, 0x06040041,
+                                  0x06040042, 0x06040043, 0x06040047, 0x06070010, 0x06070012, 0x06070013,
+                                  0x06090011, 0x06090030, 0x06090031, 0x06090032, 0x060A0023, 0x08000000,
+                                  0x08000020, 0x08000021, 0x08000022, 0x08000024};
+  for (const Misuse& misuse : kMisuses) missing.erase(misuse.abort_code);
+  EXPECT_EQ(missing, std::set<std::uint32_t>{});
 }
 
 TEST(SdoAbort, NamesTheObjectOfTheTransfer) {

@@ -65,6 +65,10 @@ inline constexpr Entry kTestRows[] = {
         .repeated(3, sizeof(std::uint32_t)),
     object(0x2001, 0, KOBOSHI_FIELD(TestValues, secret), Access::kWriteOnly),
     object(0x2002, 0, KOBOSHI_FIELD(TestValues, flag), Access::kReadWrite),
+    domain(0x2100, 1, Access::kReadWrite),
+    domain(0x2100, 2, Access::kReadOnly),
+    domain(0x2100, 3, Access::kWriteOnly),
+    domain(0x2100, 4, Access::kReadWrite),
     object(0x6040, 0, KOBOSHI_FIELD(TestValues, controlword), Access::kReadWrite, Mappable::kRpdo),
     object(0x6041, 0, KOBOSHI_FIELD(TestValues, statusword), Access::kReadOnly, Mappable::kTpdo),
     object(0x6060, 0, KOBOSHI_FIELD(TestValues, mode), Access::kReadWrite).within<std::int8_t>(-1, 10),
@@ -105,6 +109,56 @@ inline constexpr NodeDescription kTestDescription{
     .tpdos = kTestTpdos,
 };
 
+// A DOMAIN in memory, with verdicts to refuse by.
+class TestDomain final : public Domain {
+ public:
+  AbortCode begin_upload(std::uint32_t& size_bytes) override {
+    if (announces) size_bytes = static_cast<std::uint32_t>(bytes.size());
+    return begun(begin_verdict);
+  }
+  std::size_t read(std::uint32_t position, std::span<std::uint8_t> out) override {
+    const std::size_t size =
+        std::min(out.size(), bytes.size() - std::min<std::size_t>(position, bytes.size()));
+    std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(position), size, out.begin());
+    return size;
+  }
+  AbortCode begin_download(std::uint32_t size_bytes) override {
+    announced = size_bytes;
+    arriving.clear();
+    return begun(begin_verdict);
+  }
+  AbortCode write(std::span<const std::uint8_t> piece) override {
+    arriving.insert(arriving.end(), piece.begin(), piece.end());
+    return write_verdict;
+  }
+  AbortCode commit() override {
+    if (commit_verdict == AbortCode::kNone) bytes = arriving;
+    return commit_verdict;
+  }
+  void release() override { --open; }
+
+  std::vector<std::uint8_t> bytes;
+  std::vector<std::uint8_t> arriving;
+  bool announces = true;
+  std::uint32_t announced = 0;
+  int open = 0;  // transfers that have begun and not been released
+  AbortCode begin_verdict = AbortCode::kNone;
+  AbortCode write_verdict = AbortCode::kNone;
+  AbortCode commit_verdict = AbortCode::kNone;
+
+ private:
+  AbortCode begun(AbortCode verdict) {
+    if (verdict == AbortCode::kNone) ++open;
+    return verdict;
+  }
+};
+
+inline std::vector<std::uint8_t> counted_bytes(std::size_t count) {
+  std::vector<std::uint8_t> bytes(count);
+  for (std::size_t i = 0; i < count; ++i) bytes[i] = static_cast<std::uint8_t>(i * 7 + i / 256);
+  return bytes;
+}
+
 // A node with its owner, which notes what it is told.
 class TestNode final : public NodeApplication {
  public:
@@ -135,6 +189,15 @@ class TestNode final : public NodeApplication {
     written.push_back({address, value});
     return verdict;
   }
+  Domain* domain(ObjectAddress address) override { return address.subindex == 4 ? nullptr : &bytes; }
+  AbortCode on_store(ParameterGroup group) override {
+    stored.push_back(group);
+    return verdict;
+  }
+  AbortCode on_restore(ParameterGroup group) override {
+    restored.push_back(group);
+    return verdict;
+  }
   void on_reset(NmtCommand reset) override { resets.push_back(reset); }
   void on_state(NmtState state) override { states.push_back(state); }
   void on_sync(std::uint64_t) override {
@@ -151,6 +214,9 @@ class TestNode final : public NodeApplication {
   };
 
   TestValues values;
+  TestDomain bytes;
+  std::vector<ParameterGroup> stored;
+  std::vector<ParameterGroup> restored;
   RecordingSink sink;
   NodeMemory<4, 4, 3, 4> memory;
   AbortCode verdict = AbortCode::kNone;

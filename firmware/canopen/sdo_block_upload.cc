@@ -1,0 +1,97 @@
+// SDO block upload from the server's side (CiA 301, 7.2.4.3.12 to 7.2.4.3.15): the server sends as many
+// segments as the client asked for, the client confirms how many arrived in order, and the server goes on
+// behind those.
+
+#include <algorithm>
+
+#include "firmware/canopen/crc16.h"
+#include "firmware/canopen/sdo_server.h"
+
+namespace koboshi::canopen {
+
+AbortCode SdoServer::respond_block_upload(const sdo::Data& request) {
+  const std::uint8_t subcommand = request[0] & sdo::kBlockSubcommandMask;
+  if (subcommand == sdo::kBlockInitiate) return begin_block_upload(request);
+  if (subcommand == sdo::kBlockConfirm &&
+      (state_ == State::kBlockUpload || state_ == State::kBlockUploadConfirm)) {
+    return on_block_confirmed(request);
+  }
+  if (subcommand == sdo::kBlockStartUpload && state_ == State::kBlockUploadStart) {
+    state_ = State::kBlockUpload;
+    return AbortCode::kNone;
+  }
+  if (subcommand == sdo::kBlockEnd && state_ == State::kBlockUploadEnd) {
+    reset();
+    return AbortCode::kNone;
+  }
+  return AbortCode::kCommandSpecifierUnknown;
+}
+
+AbortCode SdoServer::begin_block_upload(const sdo::Data& request) {
+  begin(sdo::address_of(request));
+  const std::uint8_t block_size = request[4];
+  const std::uint8_t switch_threshold = request[5];
+  if (!sdo::is_block_size(block_size)) return AbortCode::kInvalidBlockSize;
+  const AbortCode begun = transfer_.begin_upload(address_);
+  if (begun != AbortCode::kNone) return begun;
+  // So few bytes go the ordinary way; a threshold of 0 forbids that.
+  if (transfer_.size() <= switch_threshold && switch_threshold != 0) return respond_upload();
+  block_.size = block_size;
+  block_.with_crc = (request[0] & sdo::kBlockCrc) != 0;
+  state_ = State::kBlockUploadStart;
+  const bool known = transfer_.size() != Domain::kUnknownSize;
+  const int command = sdo::kBlockUploadResponse | sdo::kBlockCrc | (known ? sdo::kBlockSizeIndicated : 0);
+  send(sdo::message(static_cast<std::uint8_t>(command), address_, known ? transfer_.size() : 0));
+  return AbortCode::kNone;
+}
+
+// False when there is no room on the way to the bus.
+bool SdoServer::send_block_segment() {
+  const auto position = block_.start + static_cast<std::uint32_t>(block_.sequence * sdo::kSegmentBytes);
+  // One byte more than the segment takes tells whether it is the last.
+  std::array<std::uint8_t, sdo::kSegmentBytes + 1> bytes;
+  const std::size_t found = transfer_.read(position, bytes);
+  const std::size_t size = std::min(found, sdo::kSegmentBytes);
+  const bool last = found <= sdo::kSegmentBytes;
+  sdo::Data segment{};
+  segment[0] = static_cast<std::uint8_t>((block_.sequence + 1) | (last ? sdo::kBlockLastSegment : 0));
+  std::copy_n(bytes.begin(), size, segment.begin() + 1);
+  if (!queue_.offer(frame_of(segment))) return false;
+  if (position == block_.crc_bytes) {
+    block_.crc = crc16(block_.crc, std::span(bytes).first(size));
+    block_.crc_bytes += static_cast<std::uint32_t>(size);
+  }
+  ++block_.sequence;
+  block_.last = last;
+  block_.last_size = static_cast<std::uint8_t>(size);
+  if (last || block_.sequence == block_.size) state_ = State::kBlockUploadConfirm;
+  return true;
+}
+
+AbortCode SdoServer::on_block_confirmed(const sdo::Data& request) {
+  const std::uint8_t arrived = request[1];
+  const std::uint8_t next_size = request[2];
+  if (arrived > block_.sequence) return AbortCode::kInvalidSequenceNumber;
+  if (!sdo::is_block_size(next_size)) return AbortCode::kInvalidBlockSize;
+  if (block_.last && arrived == block_.sequence) {
+    end_block_upload();
+    return AbortCode::kNone;
+  }
+  block_.start += static_cast<std::uint32_t>(arrived * sdo::kSegmentBytes);
+  block_.sequence = 0;
+  block_.last = false;
+  block_.size = next_size;
+  state_ = State::kBlockUpload;
+  return AbortCode::kNone;
+}
+
+void SdoServer::end_block_upload() {
+  sdo::Data end{};
+  end[0] = static_cast<std::uint8_t>(sdo::kBlockUploadResponse | sdo::kBlockEnd |
+                                     ((sdo::kSegmentBytes - block_.last_size) << 2));
+  if (block_.with_crc) store_u16(&end[1], block_.crc);
+  state_ = State::kBlockUploadEnd;
+  send(end);
+}
+
+}  // namespace koboshi::canopen

@@ -1,0 +1,140 @@
+#include <gtest/gtest.h>
+
+#include "tests/unit/firmware/canopen/test_node.h"
+
+namespace koboshi::canopen {
+namespace {
+
+using hal::CanErrorState;
+
+std::vector<hal::CanFrame> tell(TestNode& device, hal::CanStatus status) {
+  device.sink.frames.clear();
+  device.node.on_can_status(status, 0);
+  return device.sink.take();
+}
+
+hal::CanFrame emergency(unsigned code, unsigned error_register, unsigned detail = 0) {
+  return can_frame(0x090, {code & 0xFF, code >> 8, error_register, detail, 0, 0, 0, 0});
+}
+
+TEST(NodeCanStatus, TellsErrorPassiveWhileItLasts) {
+  TestNode device;
+  device.make_operational();
+  EXPECT_TRUE(tell(device, {}).empty());
+  EXPECT_EQ(tell(device, {.state = CanErrorState::kErrorPassive}), std::vector{emergency(0x8120, 0x11)});
+  EXPECT_TRUE(tell(device, {.state = CanErrorState::kErrorPassive}).empty());
+  EXPECT_EQ(tell(device, {}), std::vector{emergency(0, 0)});
+}
+
+TEST(NodeCanStatus, TellsEveryOverrun) {
+  TestNode device;
+  device.make_operational();
+  EXPECT_EQ(tell(device, {.receive_overruns = 3}), std::vector{emergency(0x8110, 0x11)});
+  EXPECT_TRUE(tell(device, {.receive_overruns = 5}).empty());
+  EXPECT_EQ(tell(device, {.receive_overruns = 5}), std::vector{emergency(0, 0)});
+  EXPECT_EQ(tell(device, {.receive_overruns = 6}), std::vector{emergency(0x8110, 0x11)});
+}
+
+TEST(NodeCanStatus, TellsTheRecoveryFromBusOff) {
+  TestNode device;
+  device.make_operational();
+  tell(device, {.state = CanErrorState::kBusOff});
+  EXPECT_EQ(device.node.state(), NmtState::kPreOperational);
+  EXPECT_EQ(tell(device, {}), (std::vector{emergency(0x8140, 0x11), emergency(0, 0x11)}));
+  EXPECT_EQ(tell(device, {}), std::vector{emergency(0, 0)});
+  EXPECT_EQ(device.node.state(), NmtState::kPreOperational);
+}
+
+// CiA 301, object 0x1029, from each state that can lose a heartbeat.
+TEST(NodeErrorBehaviour, ActsOnALostHeartbeat) {
+  struct Case {
+    unsigned behaviour;
+    NmtState before;
+    NmtState after;
+  };
+  using enum NmtState;
+  constexpr Case kCases[] = {
+      {0, kOperational, kPreOperational}, {0, kPreOperational, kPreOperational}, {0, kStopped, kStopped},
+      {1, kOperational, kOperational},    {1, kPreOperational, kPreOperational}, {1, kStopped, kStopped},
+      {2, kOperational, kStopped},        {2, kPreOperational, kStopped},        {2, kStopped, kStopped},
+  };
+  for (const Case& test : kCases) {
+    SCOPED_TRACE(testing::Message() << test.behaviour << " in " << int(test.before));
+    TestNode device;
+    device.make_operational();
+    ASSERT_EQ(device.node.write_object({0x1029, 1}, test.behaviour, 1), AbortCode::kNone);
+    ASSERT_EQ(device.node.configure_consumer(0, 1, 100), AbortCode::kNone);
+    if (test.before == kPreOperational) device.node.command(NmtCommand::kEnterPreOperational, 0);
+    if (test.before == kStopped) device.node.command(NmtCommand::kStop, 0);
+    device.node.on_frame(can_frame(0x701, {5}), 0);
+    device.node.process(100'000);
+    EXPECT_EQ(device.node.state(), test.after);
+  }
+}
+
+TEST(NodeErrorBehaviour, TellsTheLossAndTheReturn) {
+  TestNode device;
+  device.make_operational();
+  ASSERT_EQ(device.node.configure_consumer(0, 1, 100), AbortCode::kNone);
+  ASSERT_EQ(device.node.configure_consumer(1, 2, 100), AbortCode::kNone);
+  device.node.on_frame(can_frame(0x701, {5}), 0);
+  device.node.on_frame(can_frame(0x702, {5}), 0);
+  device.node.process(100'000);
+  EXPECT_EQ(device.sink.take(), std::vector{emergency(0x8130, 0x11, 1)});
+  EXPECT_TRUE(device.ask(can_frame(0x701, {5}), 110'000).empty());
+  EXPECT_EQ(device.ask(can_frame(0x702, {5}), 110'000), std::vector{emergency(0, 0)});
+}
+
+TEST(NodeErrorBehaviour, KeepsAnErrorThatItsOwnerStillSees) {
+  TestNode device;
+  device.make_operational();
+  ASSERT_EQ(device.node.configure_consumer(0, 1, 100), AbortCode::kNone);
+  device.node.on_frame(can_frame(0x701, {5}), 0);
+  device.node.process(100'000);
+  device.node.raise_error(error_code::kHeartbeat, error_register::kCommunication);
+  EXPECT_EQ(device.sink.take().size(), 1u);
+  EXPECT_TRUE(device.ask(can_frame(0x701, {5}), 110'000).empty());
+  device.node.clear_error(error_code::kHeartbeat);
+  EXPECT_EQ(device.sink.take(), std::vector{emergency(0, 0)});
+}
+
+TEST(NodeErrorBehaviour, AnErrorGoesWithTheConsumerThatSawIt) {
+  TestNode device;
+  device.make_operational();
+  ASSERT_EQ(device.node.configure_consumer(0, 1, 100), AbortCode::kNone);
+  device.node.on_frame(can_frame(0x701, {5}), 0);
+  device.node.process(100'000);
+  device.sink.frames.clear();
+  ASSERT_EQ(device.node.write_object({0x1016, 1}, 0, 4), AbortCode::kNone);
+  EXPECT_EQ(device.sink.take(), std::vector{emergency(0, 0)});
+}
+
+TEST(NodeRpdoTimer, TellsAPdoThatFallsSilent) {
+  TestNode device;
+  device.make_operational();
+  ASSERT_EQ(device.node.write_object({0x1401, 5}, 10, 2), AbortCode::kNone);
+  device.node.process(50'000);
+  EXPECT_TRUE(device.sink.take().empty());  // it runs from the first reception on
+  device.node.on_frame(can_frame(0x310, {7, 0}), 50'000);
+  device.node.on_frame(can_frame(0x310, {7, 0}), 55'000);
+  device.node.process(64'999);
+  EXPECT_TRUE(device.sink.take().empty());
+  device.node.process(65'000);
+  EXPECT_EQ(device.sink.take(), std::vector{emergency(0x8250, 0x11, 2)});
+  device.node.process(200'000);
+  EXPECT_TRUE(device.sink.take().empty());
+  EXPECT_EQ(device.ask(can_frame(0x310, {7, 0}), 200'000), std::vector{emergency(0, 0)});
+}
+
+TEST(NodeRpdoTimer, RestsOutsideOperational) {
+  TestNode device;
+  device.make_operational();
+  ASSERT_EQ(device.node.write_object({0x1401, 5}, 10, 2), AbortCode::kNone);
+  device.node.on_frame(can_frame(0x310, {7, 0}), 0);
+  device.node.command(NmtCommand::kEnterPreOperational, 5'000);
+  device.node.process(20'000);
+  EXPECT_TRUE(device.sink.take().empty());
+}
+
+}  // namespace
+}  // namespace koboshi::canopen

@@ -1,0 +1,105 @@
+#include "firmware/canopen/sync.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/firmware/canopen/test_node.h"
+
+namespace koboshi::canopen {
+namespace {
+
+TEST(Sync, CountsFromOneToItsOverflow) {
+  Sync sync;
+  sync.load_defaults(true, 0);
+  ASSERT_EQ(sync.write(0x1019, 3), AbortCode::kNone);
+  sync.start(0);
+  for (const unsigned counter : {1u, 2u, 3u, 1u}) EXPECT_EQ(sync.next(), can_frame(0x080, {counter}));
+  sync.start(0);
+  EXPECT_EQ(sync.next(), can_frame(0x080, {1}));
+}
+
+TEST(Sync, TakesTheOverflowsOfTheStandardOnlyWithoutAPeriod) {
+  for (unsigned overflow = 0; overflow <= 255; ++overflow) {
+    Sync sync;
+    const bool allowed = overflow == 0 || (overflow >= 2 && overflow <= 240);
+    EXPECT_EQ(sync.write(0x1019, overflow), allowed ? AbortCode::kNone : AbortCode::kInvalidValue);
+    ASSERT_EQ(sync.write(0x1006, 10'000), AbortCode::kNone);
+    EXPECT_EQ(sync.write(0x1019, overflow), AbortCode::kDeviceState);
+  }
+}
+
+TEST(Sync, CountsAnewWhenItBecomesTheProducer) {
+  Sync sync;
+  sync.load_defaults(true, 0);
+  ASSERT_EQ(sync.write(0x1019, 3), AbortCode::kNone);
+  static_cast<void>(sync.next());
+  ASSERT_EQ(sync.write(0x1005, 0x080), AbortCode::kNone);
+  ASSERT_EQ(sync.write(0x1005, 0x4000'0080), AbortCode::kNone);
+  EXPECT_EQ(sync.next(), can_frame(0x080, {1}));
+}
+
+TEST(NodeSync, CountsAnewAfterStopped) {
+  NodeDescription description = kTestDescription;
+  description.sync_producer = true;
+  TestNode device(0x10, description);
+  device.make_operational();
+  ASSERT_EQ(device.node.write_object({0x1019, 0}, 10, 1), AbortCode::kNone);
+  device.node.send_sync(0);
+  device.node.send_sync(0);
+  device.node.command(NmtCommand::kEnterPreOperational, 0);
+  device.sink.frames.clear();
+  device.node.send_sync(0);
+  EXPECT_EQ(device.sink.take(), std::vector{can_frame(0x080, {3})});
+  device.node.command(NmtCommand::kStop, 0);
+  device.node.command(NmtCommand::kEnterPreOperational, 0);
+  device.node.send_sync(0);
+  EXPECT_EQ(device.sink.take(), std::vector{can_frame(0x080, {1})});
+}
+
+TEST(NodeSync, OfAnUnexpectedLengthIsNoneAndIsTold) {
+  for (const unsigned overflow : {0u, 10u}) {
+    TestNode device;
+    device.make_operational();
+    ASSERT_EQ(device.node.write_object({0x1019, 0}, overflow, 1), AbortCode::kNone);
+    const auto wrong = overflow == 0 ? can_frame(0x080, {1}) : can_frame(0x080, {});
+    const auto right = overflow == 0 ? can_frame(0x080, {}) : can_frame(0x080, {1});
+    EXPECT_EQ(device.ask(wrong),
+              std::vector{can_frame(0x090, {0x40, 0x82, 0x11, overflow == 0 ? 1u : 0u, 0, 0, 0, 0})});
+    EXPECT_TRUE(device.ask(wrong).empty());
+    EXPECT_EQ(device.syncs, 0);
+    const auto answers = device.ask(right);
+    ASSERT_EQ(answers.size(), 2u);
+    EXPECT_EQ(answers[0], can_frame(0x090, {0, 0, 0, 0, 0, 0, 0, 0}));
+    EXPECT_EQ(answers[1].identifier, 0x190);
+  }
+}
+
+TEST(NodeSync, StartValueSaysFromWhichSyncATpdoCounts) {
+  TestNode device;
+  device.node.start(0);
+  ASSERT_EQ(device.node.write_object({0x1019, 0}, 10, 1), AbortCode::kNone);
+  EXPECT_EQ(device.node.write_object({0x1800, 6}, 3, 1), AbortCode::kInvalidValue);  // while it is valid
+  ASSERT_EQ(device.node.write_object({0x1800, 1}, 0xC000'0190, 4), AbortCode::kNone);
+  ASSERT_EQ(device.node.write_object({0x1800, 2}, 2, 1), AbortCode::kNone);
+  ASSERT_EQ(device.node.write_object({0x1800, 6}, 3, 1), AbortCode::kNone);
+  ASSERT_EQ(device.node.write_object({0x1800, 1}, 0x4000'0190, 4), AbortCode::kNone);
+  device.node.command(NmtCommand::kStart, 0);
+  std::string answered;
+  for (const unsigned counter : {1u, 2u, 3u, 4u, 5u, 6u, 7u}) {
+    answered += device.ask(can_frame(0x080, {counter})).empty() ? '.' : 'x';
+  }
+  EXPECT_EQ(answered, "...x.x.");
+}
+
+TEST(NodeSync, WindowBoundsWhatMayWaitForTheNext) {
+  TestNode device;
+  device.make_operational();
+  ASSERT_EQ(device.node.write_object({0x1007, 0}, 1'000, 4), AbortCode::kNone);
+  device.node.on_frame(can_frame(0x080, {}), 10'000);
+  device.node.on_frame(can_frame(0x210, {1, 0, 0, 0, 0, 0}), 11'000);
+  device.node.on_frame(can_frame(0x210, {2, 0, 0, 0, 0, 0}), 11'001);
+  device.node.on_frame(can_frame(0x080, {}), 20'000);
+  EXPECT_EQ(device.values.controlword, 1);
+}
+
+}  // namespace
+}  // namespace koboshi::canopen
