@@ -27,7 +27,9 @@ TEST(LogTransport, IsReadBack) {
   EXPECT_EQ(reader.next(), std::nullopt);
 }
 
-TEST(LogTransport, NeedsAFileThatCanBeWritten) { EXPECT_THROW(LogTransport("/no/such/folder/can.log"), std::system_error); }
+TEST(LogTransport, NeedsAFileThatCanBeWritten) {
+  EXPECT_THROW(LogTransport("/no/such/folder/can.log"), std::system_error);
+}
 
 }  // namespace
 }  // namespace koboshi::sim

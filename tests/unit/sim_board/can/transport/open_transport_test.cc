@@ -28,10 +28,12 @@ TEST(OpenTransport, KnowsNoneAndSlcan) {
 
 TEST(OpenTransport, SaysWhatItExpects) {
   for (const char* name : {"", "can0", "socketcan", "socketcan:", "serial:/dev/ttyUSB0", "log:"}) {
-    EXPECT_EQ(complaint(name), "found the CAN transport '" + std::string(name) +
-                                   "', expected none, socketcan:INTERFACE, udp:GROUP:PORT, slcan or log:FILE");
+    EXPECT_EQ(complaint(name),
+              "found the CAN transport '" + std::string(name) +
+                  "', expected none, socketcan:INTERFACE, udp:GROUP:PORT, slcan or log:FILE");
   }
-  for (const char* name : {"udp:239.74.163.2", "udp:239.74.163.2:", "udp:239.74.163.2:0", "udp:239.74.163.2:70000"}) {
+  for (const char* name :
+       {"udp:239.74.163.2", "udp:239.74.163.2:", "udp:239.74.163.2:0", "udp:239.74.163.2:70000"}) {
     EXPECT_EQ(complaint(name), std::string(name) + " is not udp:GROUP:PORT, such as udp:239.74.163.2:43113");
   }
   EXPECT_EQ(complaint("udp:10.0.0.1:43113"), "10.0.0.1 is no IPv4 multicast address");

@@ -42,8 +42,8 @@ TEST(SlcanProtocol, TakesCommandsInPieces) {
 TEST(SlcanProtocol, RefusesFramesThatAreNone) {
   SlcanProtocol protocol;
   protocol.take("O\r");
-  for (const char* bad : {"t", "t100", "t8000", "t1009", "t10021", "t100211", "t1002113", "t10021133FF", "t100xGG",
-                          "r123911", "T000001002FF", "R00000100"}) {
+  for (const char* bad : {"t", "t100", "t8000", "t1009", "t10021", "t100211", "t1002113", "t10021133FF",
+                          "t100xGG", "r123911", "T000001002FF", "R00000100"}) {
     EXPECT_EQ(protocol.take(std::string(bad) + "\r"), "\a") << bad;
   }
   EXPECT_TRUE(protocol.frames().empty());
@@ -66,7 +66,8 @@ TEST(Slcan, IsATerminalThatHostsOpen) {
   const hal::FileDescriptor host(::open(slcan.place().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK));
   ASSERT_GE(host.number(), 0);
   constexpr std::string_view kGreeting = "O\rt20121234\r";
-  ASSERT_EQ(::write(host.number(), kGreeting.data(), kGreeting.size()), static_cast<ssize_t>(kGreeting.size()));
+  ASSERT_EQ(::write(host.number(), kGreeting.data(), kGreeting.size()),
+            static_cast<ssize_t>(kGreeting.size()));
   EXPECT_EQ(slcan.receive(), (hal::CanFrame{.identifier = 0x201, .size = 2, .data = {0x12, 0x34}}));
   EXPECT_EQ(slcan.receive(), std::nullopt);
   EXPECT_TRUE(slcan.send(kFrame, 0));

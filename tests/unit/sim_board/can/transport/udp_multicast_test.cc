@@ -9,8 +9,8 @@
 namespace koboshi::sim {
 namespace {
 
-// What pack_message of python-can 4.1 makes of Message(arbitration_id=0x181, data=[1, 2, 255], is_extended_id=False,
-// timestamp=1.5).
+// What pack_message of python-can 4.1 makes of Message(arbitration_id=0x181, data=[1, 2, 255],
+// is_extended_id=False, timestamp=1.5).
 constexpr std::string_view kDataOfPython =
     "8ba974696d657374616d70cb3ff8000000000000ae6172626974726174696f6e5f6964cd0181ae69735f657874"
     "656e6465645f6964c2af69735f72656d6f74655f6672616d65c2ae69735f6572726f725f6672616d65c2a76368"
