@@ -30,7 +30,7 @@ chmod +x "$folder/init"
 # It keeps its sockets in the home folder.
 PATH=$PATH:/usr/sbin:/sbin HOME=$folder
 export PATH HOME
-timeout 120 linux.uml rootfstype=hostfs rootflags=/ rw init="$folder/init" mem=256M con=null con0=fd:0,fd:1 \
+timeout 120 linux.uml rootfstype=hostfs rootflags=/ rw init="$folder/init" mem=512M con=null con0=fd:0,fd:1 \
   </dev/null >"$folder/console" 2>&1 || true
 cat "$folder/output" 2>/dev/null || cat "$folder/console"
 exit "$(cat "$folder/status" 2>/dev/null || echo 70)"

@@ -1,0 +1,24 @@
+#!/bin/sh
+# board_by_slcand.sh KOBOSHI EDS: the simulated board as a serial CAN adapter, which slcand makes an interface of, and a master of python-can's
+# on that interface. For User-mode Linux: see in_uml.sh.
+set -eu
+
+insmod /usr/lib/uml/modules/*/kernel/drivers/net/can/slcan/slcan.ko
+mount -t devpts -o ptmxmode=0666 devpts /dev/pts
+mount --bind /dev/pts/ptmx /dev/ptmx
+"$1" board --can slcan --set physics.stepper=lumped >/mnt/board 2>&1 &
+board=$!
+until grep -q 'CAN bus on' /mnt/board; do
+  kill -0 "$board" || { cat /mnt/board; exit 1; }
+  sleep 0.05
+done
+slcand -o -s8 -F "$(sed -n 's/CAN bus on //p' /mnt/board)" slcan0 >/mnt/slcand 2>&1 &
+until ip link show slcan0 >/dev/null 2>&1; do
+  kill -0 $! || { cat /mnt/slcand; exit 1; }
+  sleep 0.05
+done
+ip link set slcan0 up
+/usr/bin/python3 -B "$(dirname "$0")/board_master.py" "$2" socketcan slcan0
+kill -INT "$board"
+wait "$board"
+cat /mnt/board

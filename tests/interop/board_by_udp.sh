@@ -1,0 +1,23 @@
+#!/bin/sh
+# board_by_udp.sh KOBOSHI EDS: the simulated board on python-can's udp_multicast, in a network namespace of its own, and a master of
+# python-can's that boots, enables and moves its drives.
+set -eu
+
+if [ "${3:-}" != inside ]; then
+  exec timeout 200 unshare --map-root-user --net "$0" "$1" "$2" inside
+fi
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+ip link set lo up
+ip route add 239.0.0.0/8 dev lo
+
+"$1" board --can udp:239.74.163.2:43113 --set physics.stepper=lumped >"$folder/board" 2>&1 &
+board=$!
+until grep -q 'CAN bus on' "$folder/board"; do
+  kill -0 "$board" || { cat "$folder/board"; exit 1; }
+  sleep 0.05
+done
+/usr/bin/python3 -B "$(dirname "$0")/board_master.py" "$2" udp_multicast 239.74.163.2
+kill -INT "$board"
+wait "$board"
+cat "$folder/board"

@@ -1,0 +1,48 @@
+#include "tools/can/describe.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tools/can/frame_text.h"
+
+namespace koboshi::tools {
+namespace {
+
+std::string words(const char* text) { return describe(parse_frame(text)); }
+
+TEST(Describe, TellsTheServicesOfTheNetwork) {
+  EXPECT_EQ(words("000#0100"), "NMT all nodes: start");
+  EXPECT_EQ(words("000#8110"), "NMT node 16: reset node");
+  EXPECT_EQ(words("080#"), "SYNC");
+  EXPECT_EQ(words("080#07"), "SYNC 7");
+  EXPECT_EQ(words("701#05"), "heartbeat node 1: operational");
+  EXPECT_EQ(words("710#00"), "heartbeat node 16: boot-up");
+  EXPECT_EQ(words("090#1043090000000000"), "EMCY node 16: 4310 temperature, register 09");
+  EXPECT_EQ(words("090#0000000000000000"), "EMCY node 16: 0000 no error, register 00");
+  EXPECT_EQ(words("701#R"), "remote request of node 1");
+  EXPECT_EQ(words("190#0102"), "");
+}
+
+TEST(Describe, TellsWhatSdosCarry) {
+  EXPECT_EQ(words("601#4018100100000000"), "SDO node 1: read 1018:01");
+  EXPECT_EQ(words("581#4318100192010200"), "SDO node 1: read answered 1018:01 = 0x00020192");
+  EXPECT_EQ(words("610#2F60600008000000"), "SDO node 16: write 6060:00 = 0x08");
+  EXPECT_EQ(words("590#6060600000000000"), "SDO node 16: write done 6060:00");
+  EXPECT_EQ(words("581#4108100011000000"), "SDO node 1: read answered 1008:00, 17 bytes");
+  EXPECT_EQ(words("581#8000200002000106"), "SDO node 1: abort 2000:00: 06010002 attempt to write a read-only object");
+}
+
+TEST(Describe, SurvivesAnything) {
+  std::mt19937 random(1);  // the seed
+  for (int i = 0; i < 100'000; ++i) {
+    hal::CanFrame frame{.identifier = static_cast<std::uint16_t>(random() & 0x7FF),
+                        .size = static_cast<std::uint8_t>(random() % 9),
+                        .remote = random() % 16 == 0};
+    for (auto& byte : frame.data) byte = static_cast<std::uint8_t>(random());
+    EXPECT_LT(describe(frame).size(), 200u);
+  }
+}
+
+}  // namespace
+}  // namespace koboshi::tools

@@ -1,0 +1,44 @@
+#include "tools/can/frame_text.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+
+namespace koboshi::tools {
+namespace {
+
+TEST(FrameText, IsReadAndWrittenAsCansendDoes) {
+  const hal::CanFrame frame{.identifier = 0x201, .size = 2, .data = {0x01, 0xAB}};
+  EXPECT_EQ(parse_frame("201#01AB"), frame);
+  EXPECT_EQ(parse_frame("201#01ab"), frame);
+  EXPECT_EQ(frame_text(frame), "201#01AB");
+  EXPECT_EQ(parse_frame("0#"), hal::CanFrame{});
+  EXPECT_EQ(frame_text({.identifier = 0x80}), "080#");
+  EXPECT_EQ(parse_frame("701#R1"), (hal::CanFrame{.identifier = 0x701, .size = 1, .remote = true}));
+  EXPECT_EQ(frame_text(parse_frame("701#R1")), "701#R1");
+  EXPECT_EQ(frame_text(parse_frame("701#R")), "701#R");
+}
+
+TEST(FrameText, RefusesWhatIsNoFrame) {
+  for (const char* bad : {"", "201", "#01", "800#01", "0201#01", "201#0", "201#0G", "201#010203040506070809", "201#R9",
+                          "201##01", "2x1#01", "-01#01"}) {
+    EXPECT_THROW(parse_frame(bad), std::invalid_argument) << bad;
+  }
+}
+
+TEST(Number, IsDecimalOrHexadecimalWithinItsBounds) {
+  EXPECT_EQ(parse_number("127", "the node", 127), 127u);
+  EXPECT_EQ(parse_number("0x7F", "the node", 127), 127u);
+  try {
+    parse_number("128", "the node", 127);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_EQ(std::string(error.what()), "found the node '128', expected a number up to 127");
+  }
+  for (const char* bad : {"", "0x", "1.5", "12 ", "-1", "99999999999999999999"})
+    EXPECT_THROW(parse_number(bad, "it", 1'000'000), std::invalid_argument) << bad;
+}
+
+}  // namespace
+}  // namespace koboshi::tools

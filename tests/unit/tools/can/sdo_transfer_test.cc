@@ -1,0 +1,124 @@
+#include "tools/can/sdo_transfer.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <numeric>
+
+#include "tests/unit/firmware/canopen/test_node.h"
+
+namespace koboshi::tools {
+namespace {
+
+using canopen::AbortCode;
+
+// Our server, at the other end of a cable that may lose frames.
+class Cable final : public sim::Transport {
+ public:
+  bool send(const hal::CanFrame& frame, std::uint64_t) override {
+    if (++sent_ == lost_request) return true;
+    for (const hal::CanFrame& answer : device.ask(frame)) answers_.push_back(answer);
+    // Of a block it sends what its queue takes; the rest with the next call.
+    for (;;) {
+      device.node.process(0);
+      const auto more = device.sink.take();
+      if (more.empty()) return true;
+      answers_.insert(answers_.end(), more.begin(), more.end());
+    }
+  }
+  std::optional<hal::CanFrame> receive() override {
+    if (answers_.empty()) return std::nullopt;
+    const hal::CanFrame frame = answers_.front();
+    answers_.pop_front();
+    return frame;
+  }
+  std::string place() const override { return "a cable"; }
+
+  canopen::TestNode device{5};
+  int lost_request = -1;
+
+ private:
+  std::deque<hal::CanFrame> answers_;
+  int sent_ = 0;
+};
+
+class SdoTransferTest : public testing::Test {
+ protected:
+  SdoTransferTest() {
+    cable.device.node.start(0);
+    cable.device.sink.take();
+  }
+  static std::vector<std::uint8_t> pattern(std::size_t size) {
+    std::vector<std::uint8_t> bytes(size);
+    std::iota(bytes.begin(), bytes.end(), std::uint8_t{1});
+    return bytes;
+  }
+  AbortCode code_of(const std::function<void()>& action) {
+    try {
+      action();
+    } catch (const SdoAborted& aborted) {
+      return aborted.code();
+    }
+    return AbortCode::kNone;
+  }
+
+  Cable cable;
+  SdoTransfer transfer{cable, 5};
+};
+
+TEST_F(SdoTransferTest, ReadsNumbersAndTexts) {
+  EXPECT_EQ(transfer.read({0x1018, 2}), (std::vector<std::uint8_t>{0x55, 0, 0, 0}));
+  const std::vector<std::uint8_t> name = transfer.read({0x1008, 0});
+  EXPECT_EQ(std::string(name.begin(), name.end()), "Koboshi test node");
+}
+
+TEST_F(SdoTransferTest, WritesNumbers) {
+  transfer.write({0x2000, 2}, std::vector<std::uint8_t>{1, 2, 3, 4});
+  EXPECT_EQ(cable.device.values.gains[1], 0x04030201u);
+}
+
+TEST_F(SdoTransferTest, TellsWhyItWasRefused) {
+  EXPECT_EQ(code_of([&] { transfer.read({0x5000, 0}); }), AbortCode::kObjectDoesNotExist);
+  EXPECT_EQ(code_of([&] { transfer.write({0x6041, 0}, pattern(2)); }), AbortCode::kWriteOfReadOnly);
+  EXPECT_EQ(code_of([&] { transfer.upload({0x2001, 0}); }), AbortCode::kReadOfWriteOnly);
+}
+
+TEST_F(SdoTransferTest, MovesBytesBySegmentsAndByBlocks) {
+  auto& domain = cable.device.bytes;
+  for (const std::size_t size : {1u, 6u, 7u, 8u, 100u, 889u, 890u, 5'000u}) {
+    transfer.download({0x2100, 1}, pattern(size));
+    EXPECT_EQ(domain.bytes, pattern(size));
+    EXPECT_EQ(transfer.upload({0x2100, 1}), pattern(size));
+    EXPECT_EQ(transfer.read({0x2100, 1}), pattern(size));
+    transfer.write({0x2100, 1}, pattern(size));
+    EXPECT_EQ(domain.bytes, pattern(size));
+    EXPECT_EQ(domain.open, 0);
+  }
+}
+
+TEST_F(SdoTransferTest, RepeatsWhatWasLost) {
+  auto& domain = cable.device.bytes;
+  cable.lost_request = 20;  // a segment of the download's first block
+  transfer.download({0x2100, 1}, pattern(3'000));
+  EXPECT_EQ(domain.bytes, pattern(3'000));
+}
+
+TEST_F(SdoTransferTest, TellsHowFarItHasCome) {
+  std::vector<std::size_t> done;
+  const SdoProgress progress = [&](std::size_t bytes, std::size_t total) {
+    EXPECT_EQ(total, 3'000u);
+    done.push_back(bytes);
+  };
+  transfer.download({0x2100, 1}, pattern(3'000), progress);
+  ASSERT_GE(done.size(), 3u);
+  EXPECT_EQ(done.back(), 3'000u);
+  EXPECT_TRUE(std::ranges::is_sorted(done));
+}
+
+TEST_F(SdoTransferTest, GivesUpOnSilence) {
+  SdoTransfer nobody(cable, 6);
+  EXPECT_THROW(nobody.read({0x1000, 0}), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace koboshi::tools
