@@ -34,7 +34,7 @@ class SdoBlockUpload : public testing::Test {
   }
   void expect_end(const std::vector<hal::CanFrame>& end) {
     ASSERT_EQ(end.size(), 1u);
-    received_.resize(received_.size() - (end[0].data[0] >> 2 & 7u));
+    for (int unused = end[0].data[0] >> 2 & 7; unused > 0; --unused) received_.pop_back();
     EXPECT_EQ(end[0].data[0] & 0xE3, 0xC1);
     EXPECT_EQ(load_u16(&end[0].data[1]), crc16(0, received_));
     EXPECT_EQ(received_, device_.bytes.bytes);
