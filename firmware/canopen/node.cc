@@ -113,7 +113,12 @@ void Node::load_defaults() {
   emergencies_.load_defaults(node_id_);
   servers_[0].configure({static_cast<std::uint32_t>(kSdoRequestBase + node_id_),
                          static_cast<std::uint32_t>(kSdoResponseBase + node_id_)});
-  servers_[1].configure(description_.second_sdo);
+  SdoChannel second = description_.second_sdo;
+  if (second.plus_node_id) {
+    second.request_cob_id += node_id_;
+    second.response_cob_id += node_id_;
+  }
+  servers_[1].configure(second);
   second_client_ = 0;
   heartbeats_.clear();
   report(error_code::kHeartbeat, false);

@@ -17,6 +17,7 @@ namespace koboshi::canopen {
 struct SdoChannel {
   std::uint32_t request_cob_id = kCobIdInvalid;   // from client to server
   std::uint32_t response_cob_id = kCobIdInvalid;  // from server to client
+  bool plus_node_id = false;                      // in a NodeDescription: both are bases
 };
 
 // One SDO channel from the server's side (CiA 301, 7.2.4): expedited, segmented and block transfers, one at a

@@ -1,9 +1,9 @@
 #include "hal/linux/socketcan.h"
 
-#include <linux/can.h>
 #include <linux/can/raw.h>
 #include <net/if.h>
 #include <sys/socket.h>
+#include <sys/uio.h>
 
 #include <algorithm>
 
@@ -43,25 +43,54 @@ SocketCan::SocketCan(const std::string& interface) {
 }
 
 bool SocketCan::send(const CanFrame& frame) {
-  can_frame raw{};
+  if (outgoing_count_ == kBatch) flush();
+  if (outgoing_count_ == kBatch) return false;
+  can_frame& raw = outgoing_[outgoing_count_++];
+  raw = {};
   raw.can_id = frame.identifier | (frame.remote ? CAN_RTR_FLAG : 0u);
   raw.can_dlc = frame.size;
   std::copy_n(frame.data.begin(), frame.size, raw.data);
-  const ssize_t sent = ::write(socket_.number(), &raw, sizeof raw);
-  if (sent == static_cast<ssize_t>(sizeof raw)) return true;
+  return true;
+}
+
+void SocketCan::flush() {
+  if (outgoing_count_ == 0) return;
+  std::array<iovec, kBatch> parts{};
+  std::array<mmsghdr, kBatch> messages{};
+  for (std::size_t i = 0; i < outgoing_count_; ++i) {
+    parts[i] = {&outgoing_[i], sizeof(can_frame)};
+    messages[i].msg_hdr.msg_iov = &parts[i];
+    messages[i].msg_hdr.msg_iovlen = 1;
+  }
+  const int sent = ::sendmmsg(socket_.number(), messages.data(), static_cast<unsigned>(outgoing_count_), 0);
   if (sent < 0 && errno != ENOBUFS && errno != EAGAIN) checked(-1, "sending on a CAN interface");
-  return false;
+  const auto done = static_cast<std::size_t>(std::max(sent, 0));
+  std::copy(outgoing_.begin() + static_cast<std::ptrdiff_t>(done),
+            outgoing_.begin() + static_cast<std::ptrdiff_t>(outgoing_count_), outgoing_.begin());
+  outgoing_count_ -= done;
 }
 
 std::optional<CanFrame> SocketCan::receive() {
-  can_frame raw{};
   for (;;) {
-    const ssize_t got = ::read(socket_.number(), &raw, sizeof raw);
-    if (got < 0 && errno == EAGAIN) return std::nullopt;
-    checked(static_cast<int>(got), "receiving from a CAN interface");
-    if (got != static_cast<ssize_t>(sizeof raw)) continue;
-    if (const auto frame = from_kernel(raw)) return frame;
+    if (incoming_next_ == incoming_count_ && !fetch()) return std::nullopt;
+    if (const auto frame = from_kernel(incoming_[incoming_next_++])) return frame;
   }
+}
+
+// False when the kernel has none.
+bool SocketCan::fetch() {
+  std::array<iovec, kBatch> parts{};
+  std::array<mmsghdr, kBatch> messages{};
+  for (std::size_t i = 0; i < kBatch; ++i) {
+    parts[i] = {&incoming_[i], sizeof(can_frame)};
+    messages[i].msg_hdr.msg_iov = &parts[i];
+    messages[i].msg_hdr.msg_iovlen = 1;
+  }
+  incoming_next_ = incoming_count_ = 0;
+  const int got = ::recvmmsg(socket_.number(), messages.data(), kBatch, MSG_DONTWAIT, nullptr);
+  if (got < 0 && errno == EAGAIN) return false;
+  incoming_count_ = static_cast<std::size_t>(checked(got, "receiving from a CAN interface"));
+  return incoming_count_ > 0;
 }
 
 }  // namespace koboshi::hal

@@ -27,7 +27,8 @@ struct BoardOptions {
   bool sensors_on_bus = false;  // inertial unit and ankle sensors are CANopen nodes, not the controller's own
 };
 
-// Wall time that each part of the board has taken, in seconds. It depends on the machine and enters no run.
+// Wall time that each part of the board has taken, in seconds, by samples. It depends on the machine and
+// enters no run.
 struct TimeShares {
   double bus_s = 0.0;  // with the drives' answers to frames
   double drives_s = 0.0;

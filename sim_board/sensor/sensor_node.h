@@ -49,7 +49,7 @@ class SensorNode final : private BusNode, private canopen::FrameSink, private ca
   NodeHandle handle_;
   canopen::NodeDescription description_;
   SensorValues values_;
-  canopen::NodeMemory<1, kSensorTpdos, 1, 8> memory_;
+  canopen::NodeMemory<0, kSensorTpdos, 2, 8> memory_;
   canopen::Node node_;
   bool started_ = false;
   std::uint64_t now_us_ = 0;

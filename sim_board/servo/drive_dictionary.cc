@@ -27,6 +27,14 @@ constexpr canopen::PdoConfiguration kTpdos[] = {
      .mapping = {mapping(cia402::kStatusword, 0, 16)}},
 };
 
+// None where it would meet another one's. Without a node id the description is that of the kind.
+canopen::SdoChannel pc_channel(std::uint8_t node_id) {
+  constexpr std::uint8_t kFirst = 16;
+  constexpr std::uint8_t kLast = 35;
+  if (node_id != 0 && (node_id < kFirst || node_id > kLast)) return {};
+  return {.request_cob_id = kPcSdoRequestBase, .response_cob_id = kPcSdoResponseBase, .plus_node_id = true};
+}
+
 }  // namespace
 
 canopen::NodeDescription drive_node_description(const DriveDescription& drive) {
@@ -41,6 +49,7 @@ canopen::NodeDescription drive_node_description(const DriveDescription& drive) {
       .heartbeat_ms = 0,
       // What a lost controller means is the drive profile's (0x6007); its statusword must stay to be seen.
       .communication_error = canopen::CommunicationError::kNoChange,
+      .second_sdo = pc_channel(drive.node_id),
       .rows = kRows,
       .rpdos = kRpdos,
       .tpdos = kTpdos,

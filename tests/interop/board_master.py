@@ -66,7 +66,7 @@ class Master:
                 self.booted.add(message.arbitration_id - 0x700)
             if message.arbitration_id == wanted:
                 return bytes(message.data)
-        raise TimeoutError(f"no frame with identifier {wanted:03X}")
+        raise TimeoutError("no frame" if wanted is None else f"no frame with identifier {wanted:03X}")
 
     def sdo(self, node, request):
         self.send(0x600 + node, request)
@@ -130,7 +130,8 @@ def main():
             master.enable(node)
         for node in NODES:
             moved = master.move(node)
-            if not 0.7 * STEP < moved < 1.1 * STEP:
+            # Under the weight of a leg a proportional position loop gives way by two degrees.
+            if not 0.5 * STEP < moved < 1.1 * STEP:
                 raise RuntimeError(f"node {node}: moved by {moved * 360 / TURN:.2f} degrees")
         master.ended.set()
         thread.join()

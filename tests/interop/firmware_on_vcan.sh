@@ -1,21 +1,21 @@
 #!/bin/sh
 # firmware_on_vcan.sh KOBOSHI: firmware and board, two processes on vcan0; a person enables the drives with cansend, and candump sees the robot
-# stand. Needs a vcan0: see in_uml.sh.
+# stand. Both go at a tenth of real time: User-mode Linux has one processor, and slow system calls. Needs a vcan0: see in_uml.sh.
 set -eu
 
 koboshi=$1
 
-"$koboshi" board --can socketcan:vcan0 --set physics.stepper=lumped >/mnt/board 2>&1 &
+"$koboshi" board --can socketcan:vcan0 --speed 0.1 --set physics.stepper=lumped >/mnt/board 2>&1 &
 board=$!
 until grep -q 'CAN bus on' /mnt/board; do
   kill -0 "$board" || { cat /mnt/board; exit 1; }
   sleep 0.05
 done
-"$koboshi" firmware scenarios/squat.yaml --can socketcan:vcan0 >/mnt/firmware 2>&1 &
+"$koboshi" firmware scenarios/squat.yaml --can socketcan:vcan0 --speed 0.1 >/mnt/firmware 2>&1 &
 firmware=$!
 # state_is HEX: waits until the controller's telemetry shows it.
 state_is() {
-  for _ in $(seq 100); do
+  for _ in $(seq 300); do
     candump -T 1000 -n 1 vcan0,181:7FF | grep -q "\[8\]  $1" && return
   done
   echo "the controller is not in state $1:" && candump -T 1000 -n 3 vcan0,181:7FF
@@ -23,10 +23,10 @@ state_is() {
   exit 1
 }
 state_is 01
-sleep 1
+sleep 10
 cansend vcan0 201#010000
 state_is 04
-"$koboshi" can stats --can socketcan:vcan0 --duration 2
+"$koboshi" can stats --can socketcan:vcan0 --duration 5
 kill -INT "$firmware"
 wait "$firmware"
 kill -INT "$board"

@@ -10,7 +10,7 @@ candump -r 16777216 -L vcan0 >"$folder/seen.log" &
 candump=$!
 until grep -q vcan0 /proc/net/can/rcvlist_all; do sleep 0.05; done
 canplayer -t -I "$log"
-until [ "$(wc -l <"$folder/seen.log")" -ge "$(wc -l <"$log")" ] || [ "${waited:=0}" -ge 100 ]; do
+until [ "$(wc -l <"$folder/seen.log")" -ge "$(wc -l <"$log")" ] || [ "${waited:=0}" -ge 600 ]; do
   waited=$((waited + 1))
   sleep 0.05
 done

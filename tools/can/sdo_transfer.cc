@@ -99,6 +99,7 @@ void SdoTransfer::send(const Data& data) {
       throw std::runtime_error("the bus takes no frames");
     wait_for_frames(transport_, 100);
   }
+  transport_.flush();
 }
 
 SdoTransfer::Data SdoTransfer::receive() {

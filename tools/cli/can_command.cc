@@ -31,6 +31,7 @@ void send_surely(sim::Transport& transport, const hal::CanFrame& frame) {
     if (waits == kMostWaits) throw std::runtime_error("the bus takes no frames");
     std::this_thread::sleep_for(std::chrono::microseconds(100));
   }
+  transport.flush();
 }
 
 void add_send(CLI::App& can) {

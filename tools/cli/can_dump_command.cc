@@ -12,9 +12,11 @@
 #include <string>
 #include <vector>
 
+#include "sim_board/robot/load.h"
 #include "tools/can/describe.h"
 #include "tools/can/frame_text.h"
 #include "tools/cli/can_options.h"
+#include "tools/dictionary/network.h"
 #include "tools/run/interrupt.h"
 
 namespace koboshi::tools {
@@ -28,6 +30,7 @@ struct Arguments {
   std::vector<std::string> kinds;
   std::vector<std::string> identifiers;
   std::uint64_t count = 0;
+  std::filesystem::path robot = "robots/koboshi/robot.sdf";
   CanOptions can;
 };
 
@@ -75,8 +78,22 @@ fmt::color color_of(FrameKind kind) {
   }
 }
 
-void print(const TimedFrame& timed, bool colored) {
-  const std::string text = describe(timed.frame);
+// A PDO by the robot's tables of objects: the sender's name for it, and each value with its unit or its name.
+std::string values_text(const Network& network, const hal::CanFrame& frame) {
+  const Message* message = network.find(frame.identifier);
+  if (message == nullptr) return {};
+  std::string text = message->name + ":";
+  for (const Reading& reading : decode(network, frame)) {
+    text += fmt::format(" {}=", reading.signal->name);
+    text += reading.name.empty() ? fmt::format("{:.6g}", reading.value) : fmt::format("'{}'", reading.name);
+    if (reading.name.empty() && !reading.signal->unit.empty()) text += " " + reading.signal->unit;
+  }
+  return text;
+}
+
+void print(const TimedFrame& timed, const Network& network, bool colored) {
+  std::string text = describe(timed.frame);
+  if (text.empty()) text = values_text(network, timed.frame);
   const std::string line = fmt::format("{:12.6f}  {:<22}{}{}\n", 1e-6 * static_cast<double>(timed.time_us),
                                        frame_text(timed.frame), text.empty() ? "" : "  ", text);
   if (colored) {
@@ -88,6 +105,7 @@ void print(const TimedFrame& timed, bool colored) {
 
 void dump(const Arguments& arguments) {
   const Filter filter(arguments);
+  const Network network = make_network(sim::load_robot(arguments.robot));
   const OpenedSource opened = open_source(arguments.log, arguments.can);
   const bool colored = isatty(STDOUT_FILENO) != 0;
   Interrupt interrupt;
@@ -99,7 +117,7 @@ void dump(const Arguments& arguments) {
       continue;
     }
     if (!filter.passes(timed->frame)) continue;
-    print(*timed, colored);
+    print(*timed, network, colored);
     ++shown;
   }
 }
@@ -121,6 +139,8 @@ void add_can_dump_command(CLI::App& can) {
       ->check(CLI::IsMember(names));
   command->add_option("--id", arguments->identifiers, "Only this identifier, in hexadecimal; may be repeated")
       ->allow_extra_args(false);
+  command->add_option("--robot", arguments->robot,
+                      "The robot whose PDOs are shown (default: robots/koboshi/robot.sdf)");
   command->add_option("--count", arguments->count, "End after so many frames");
   add_can_options(*command, arguments->can);
   command->callback([arguments] { dump(*arguments); });

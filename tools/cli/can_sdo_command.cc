@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
@@ -10,7 +11,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "sim_board/record/output_folder.h"
+#include "sim_board/servo/drive_dictionary.h"
 #include "tools/can/frame_text.h"
 #include "tools/can/sdo_transfer.h"
 #include "tools/cli/can_options.h"
@@ -24,8 +25,17 @@ struct Arguments {
   std::string value;
   std::string type;
   std::filesystem::path file;
+  bool second = false;
   CanOptions can;
 };
+
+// The channel asked for.
+SdoTransfer open_transfer(const Arguments& arguments, sim::Transport& transport) {
+  const std::uint8_t node = parse_node(arguments.node);
+  if (!arguments.second) return {transport, node};
+  return {transport, static_cast<std::uint16_t>(sim::kPcSdoRequestBase + node),
+          static_cast<std::uint16_t>(sim::kPcSdoResponseBase + node)};
+}
 
 // 0x2101:1, 2101:1 or 0x1008.
 canopen::ObjectAddress parse_object(const std::string& text) {
@@ -116,6 +126,8 @@ CLI::App* add(CLI::App& sdo, const char* name, const char* text,
   CLI::App* command = sdo.add_subcommand(name, text);
   command->add_option("NODE", arguments->node, "1 to 127")->required();
   command->add_option("OBJECT", arguments->object, "Index and sub-index, such as 0x1018:1")->required();
+  command->add_flag("--second", arguments->second,
+                    "By the second channel of a drive (0x1201), which leaves the controller's alone");
   add_can_options(*command, arguments->can);
   return command;
 }
@@ -129,9 +141,8 @@ void add_can_sdo_command(CLI::App& can) {
 
   add(*sdo, "read", "Show the value of an object", arguments)->callback([arguments] {
     const auto address = parse_object(arguments->object);
-    const auto node = parse_node(arguments->node);
     const auto transport = open_can(arguments->can);
-    print_value(SdoTransfer(*transport, node).read(address));
+    print_value(open_transfer(*arguments, *transport).read(address));
   });
 
   CLI::App* write = add(*sdo, "write", "Give an object a value", arguments);
@@ -142,9 +153,8 @@ void add_can_sdo_command(CLI::App& can) {
       ->check(CLI::IsMember({"u8", "i8", "u16", "i16", "u32", "i32", "text"}));
   write->callback([arguments] {
     const auto address = parse_object(arguments->object);
-    const auto node = parse_node(arguments->node);
     const auto transport = open_can(arguments->can);
-    SdoTransfer transfer(*transport, node);
+    SdoTransfer transfer = open_transfer(*arguments, *transport);
     transfer.write(address, value_bytes(*arguments, transfer, address));
   });
 
@@ -152,19 +162,17 @@ void add_can_sdo_command(CLI::App& can) {
   upload->add_option("FILE", arguments->file, "Where to")->required();
   upload->callback([arguments] {
     const auto address = parse_object(arguments->object);
-    const auto node = parse_node(arguments->node);
     const auto transport = open_can(arguments->can);
-    write_file(arguments->file, SdoTransfer(*transport, node).upload(address, progress_of("read")));
+    write_file(arguments->file, open_transfer(*arguments, *transport).upload(address, progress_of("read")));
   });
 
   CLI::App* download = add(*sdo, "download", "Write a file into a large object, by blocks", arguments);
   download->add_option("FILE", arguments->file, "What")->required();
   download->callback([arguments] {
     const auto address = parse_object(arguments->object);
-    const auto node = parse_node(arguments->node);
     const std::vector<std::uint8_t> data = read_file(arguments->file);
     const auto transport = open_can(arguments->can);
-    SdoTransfer(*transport, node).download(address, data, progress_of("wrote"));
+    open_transfer(*arguments, *transport).download(address, data, progress_of("wrote"));
   });
 }
 

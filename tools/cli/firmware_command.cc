@@ -44,10 +44,10 @@ void run_firmware(const Arguments& arguments) {
   std::fflush(stdout);
   const auto end_us = static_cast<std::uint64_t>(1e6 * arguments.duration_s);
   Pacer pacer(0);
-  for (std::uint64_t now_us = 0; now_us < end_us && !interrupt.requested();
-       now_us += sim::SimBoard::kService_us) {
+  for (std::uint64_t now_us = 0; now_us < end_us; now_us += sim::SimBoard::kService_us) {
     pacer.wait_for(now_us);
     firmware.service(now_us);
+    if (now_us % sim::SimBoard::kTick_us == 0 && interrupt.requested()) break;
   }
   if (pacer.overruns() > 0) {
     fmt::print(stderr, "koboshi: {} times more than {} ms behind the clock, {} ms at most\n",

@@ -87,7 +87,7 @@ Object stored_parameters(std::uint16_t index, std::string_view name, std::string
                          std::string_view comment) {
   std::vector<ObjectItem> items;
   std::uint8_t subindex = 1;
-  for (const std::string_view part : {"all", "communication", "application"}) {
+  for (const std::string_view part : {"all", "communication", "application", "manufacturer"}) {
     const std::string item_name = fmt::format("{} {} parameters", verb, part);
     items.push_back(item(index, subindex++, item_name, DataType::kUnsigned32, "rw"));
   }
@@ -110,8 +110,9 @@ Object sync_counter() {
   return variable(std::move(value), "0: SYNC carries no counter; else 2 to 240.");
 }
 
-Object error_behaviour() {
-  ObjectItem value = item(0x1029, 1, "Communication error", DataType::kUnsigned8, "rw", "0");
+Object error_behaviour(canopen::CommunicationError behaviour) {
+  ObjectItem value = item(0x1029, 1, "Communication error", DataType::kUnsigned8, "rw",
+                          decimal(static_cast<std::uint8_t>(behaviour)));
   value.limits = {0, 2};
   value.comment = "0: pre-operational; 1: no change; 2: stopped.";
   value.values = kErrorBehaviourNames;
@@ -130,13 +131,18 @@ Object sdo_server() {
                       with_node_id(canopen::kSdoResponseBase))});
 }
 
-Object second_sdo_server() {
+Object second_sdo_server(const canopen::SdoChannel& channel) {
+  const auto cob_id = [&](std::uint32_t value) {
+    return channel.plus_node_id ? with_node_id(value) : hex(value);
+  };
   return record(
       0x1201, "SDO server parameter",
-      {item(0x1201, 1, "COB-ID client to server", DataType::kUnsigned32, "rw", hex(canopen::kCobIdInvalid)),
-       item(0x1201, 2, "COB-ID server to client", DataType::kUnsigned32, "rw", hex(canopen::kCobIdInvalid)),
+      {item(0x1201, 1, "COB-ID client to server", DataType::kUnsigned32, "rw",
+            cob_id(channel.request_cob_id)),
+       item(0x1201, 2, "COB-ID server to client", DataType::kUnsigned32, "rw",
+            cob_id(channel.response_cob_id)),
        item(0x1201, 3, "Node-ID of the SDO client", DataType::kUnsigned8, "rw")},
-      "Of the controller only: a channel for a second client; bit 31: it is not in use.");
+      "A channel for a second client, beside the first and independent of it; bit 31: it is not in use.");
 }
 
 // The stack answers no remote frames, and says so of every TPDO.
@@ -156,8 +162,14 @@ Object pdo_communication(std::uint16_t index, std::string_view family, std::size
     items.push_back(
         item(index, 3, "Inhibit time", DataType::kUnsigned16, "rw", decimal(pdo.inhibit_time_100us)));
     items.back().unit = {"ms", 1, 10};
-    items.push_back(item(index, 5, "Event timer", DataType::kUnsigned16, "rw", decimal(pdo.event_timer_ms)));
-    items.back().unit = {"ms"};
+  }
+  items.push_back(item(index, 5, "Event timer", DataType::kUnsigned16, "rw", decimal(pdo.event_timer_ms)));
+  items.back().unit = {"ms"};
+  if (transmit) {
+    items.push_back(item(index, 6, "SYNC start value", DataType::kUnsigned8, "rw", decimal(pdo.sync_start)));
+    items.back().comment = "0: the counter of SYNC does not matter.";
+  } else {
+    items.back().comment = "Longer silence is error 8250.";
   }
   Object made = record(index, fmt::format("{} {}", family, number + 1), std::move(items));
   made.family = family;
@@ -216,13 +228,17 @@ void add_services(std::vector<Object>& objects, const canopen::NodeDescription& 
   objects.push_back(variable(item(0x1006, 0, "Communication cycle period", DataType::kUnsigned32, "rw",
                                   decimal(node.sync_period_us)),
                              "Of SYNC; 0: as the application sends it.", "us"));
+  objects.push_back(variable(item(0x1007, 0, "Synchronous window length", DataType::kUnsigned32, "rw", "0"),
+                             "0: as long as the cycle.", "us"));
   objects.push_back(text(0x1008, "Manufacturer device name", node.device_name));
   objects.push_back(text(0x1009, "Manufacturer hardware version", node.hardware_version));
   objects.push_back(text(0x100A, "Manufacturer software version", node.software_version));
   objects.push_back(stored_parameters(0x1010, "Store parameters", "Save", kSaveComment));
   objects.push_back(stored_parameters(0x1011, "Restore default parameters", "Restore", kLoadComment));
   objects.push_back(variable(
-      item(0x1014, 0, "COB-ID EMCY", DataType::kUnsigned32, "ro", with_node_id(canopen::kEmergencyBase))));
+      item(0x1014, 0, "COB-ID EMCY", DataType::kUnsigned32, "rw", with_node_id(canopen::kEmergencyBase))));
+  objects.push_back(variable(item(0x1015, 0, "Inhibit time EMCY", DataType::kUnsigned16, "rw", "0"),
+                             "At least so long between two messages.", "100 us"));
 }
 
 }  // namespace
@@ -242,9 +258,9 @@ std::vector<Object> communication_area(const canopen::NodeDescription& node, con
       "0: none.", "ms"));
   objects.push_back(identity(node));
   objects.push_back(sync_counter());
-  objects.push_back(error_behaviour());
+  objects.push_back(error_behaviour(node.communication_error));
   objects.push_back(sdo_server());
-  if (capacity.second_sdo_servers > 0) objects.push_back(second_sdo_server());
+  objects.push_back(second_sdo_server(node.second_sdo));
   add_pdos(objects, "RPDO", {0x1400, 0x1600, false}, node.rpdos, capacity.rpdos);
   add_pdos(objects, "TPDO", {0x1800, 0x1A00, true}, node.tpdos, capacity.tpdos);
   return objects;

@@ -13,8 +13,7 @@ namespace {
 // As much as the nodes' own NodeMemory holds.
 constexpr NodeCapacity kControllerCapacity{.rpdos = 1 + robot::kMaxJoints,
                                            .tpdos = app::kTelemetryTpdos + robot::kMaxJoints,
-                                           .heartbeat_consumers = robot::kMaxJoints,
-                                           .second_sdo_servers = 1};
+                                           .heartbeat_consumers = robot::kMaxJoints};
 constexpr NodeCapacity kDriveCapacity{.rpdos = 4, .tpdos = 4, .heartbeat_consumers = 2};
 constexpr NodeCapacity kSensorCapacity{.rpdos = 0, .tpdos = 2, .heartbeat_consumers = 2};
 

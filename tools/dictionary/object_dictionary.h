@@ -54,7 +54,6 @@ struct NodeCapacity {
   std::size_t rpdos = 0;
   std::size_t tpdos = 0;
   std::size_t heartbeat_consumers = 0;
-  std::size_t second_sdo_servers = 0;  // 0 or 1
 };
 
 struct NodeKind {

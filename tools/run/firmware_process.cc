@@ -29,6 +29,7 @@ void FirmwareProcess::service(std::uint64_t now_us) {
   }
   host_.exchange(input_, output_);
   for (const hal::CanFrame& frame : output_.frames.view()) send(frame);
+  transport_.flush();
 }
 
 void FirmwareProcess::receive(std::uint64_t now_us) {

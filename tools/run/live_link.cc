@@ -4,14 +4,15 @@ namespace koboshi::tools {
 
 LiveLink::LiveLink(const LiveOptions& options)
     : transport_(sim::open_transport(options.can, options.real_bus)),
-      live_(options.realtime || (transport_ && transport_->is_live())) {
+      live_(options.realtime || (transport_ && transport_->is_live())),
+      speed_(options.speed) {
   // Before any thread is started, so that none of them is ended by Ctrl-C.
   if (live_) interrupt_.emplace();
 }
 
 void LiveLink::attach(sim::Bus& bus) {
   if (transport_) node_.emplace(bus, *transport_);
-  if (live_) pacer_.emplace(bus.now_us());
+  if (live_) pacer_.emplace(bus.now_us(), speed_);
 }
 
 nlohmann::ordered_json LiveLink::report() const {

@@ -16,6 +16,7 @@ struct LiveOptions {
   std::string can = "none";  // see sim::open_transport
   bool real_bus = false;     // allows an interface that is neither vcan nor vxcan
   bool realtime = false;     // by the clock on the wall; always so with a live transport
+  double speed = 1.0;        // simulated seconds in one of the wall, where it goes by that
 
   friend bool operator==(const LiveOptions&, const LiveOptions&) = default;
 };
@@ -33,10 +34,11 @@ class LiveLink {
     if (node_) node_->poll(now_us);
   }
   void after(std::uint64_t now_us) {
+    if (transport_) transport_->flush();
     if (pacer_) pacer_->wait_for(now_us);
   }
   // Whether the user wants an end, by Ctrl-C; never without a live link.
-  bool interrupted() { return interrupt_ && interrupt_->requested(); }
+  bool interrupted() { return interrupt_ && ++asked_ % kAsksACheck == 0 && interrupt_->requested(); }
 
   bool is_live() const { return live_; }
   // Where others find the bus; null without a transport.
@@ -45,11 +47,15 @@ class LiveLink {
   nlohmann::ordered_json report() const;
 
  private:
+  static constexpr std::uint64_t kAsksACheck = 50;  // milliseconds, as a run asks
+
   std::unique_ptr<sim::Transport> transport_;
   bool live_;
+  double speed_;
   std::optional<sim::TransportNode> node_;
   std::optional<Pacer> pacer_;
   std::optional<Interrupt> interrupt_;
+  std::uint64_t asked_ = 0;
 };
 
 }  // namespace koboshi::tools

@@ -6,7 +6,9 @@
 namespace koboshi::tools {
 
 void Pacer::wait_for(std::uint64_t now_us) {
-  const Clock::time_point due = start_ + std::chrono::microseconds(now_us - start_us_);
+  const Clock::time_point due =
+      start_ +
+      std::chrono::microseconds(static_cast<std::int64_t>(static_cast<double>(now_us - start_us_) / speed_));
   const Clock::time_point now = Clock::now();
   if (now < due) {
     std::this_thread::sleep_until(due);

@@ -11,7 +11,9 @@ class Pacer {
   // Later than this is an overrun.
   static constexpr std::uint64_t kTolerance_us = 2'000;
 
-  explicit Pacer(std::uint64_t now_us) : start_us_(now_us), start_(Clock::now()) {}
+  // `speed` is how many simulated seconds one of the wall has.
+  explicit Pacer(std::uint64_t now_us, double speed = 1.0)
+      : start_us_(now_us), speed_(speed), start_(Clock::now()) {}
 
   // Returns when the wall has reached this simulated time; at once when it is later already. Time that was
   // lost is made up for as fast as the simulation can.
@@ -24,6 +26,7 @@ class Pacer {
   using Clock = std::chrono::steady_clock;
 
   std::uint64_t start_us_;
+  double speed_;
   Clock::time_point start_;
   std::uint64_t overruns_ = 0;
   std::uint64_t largest_delay_us_ = 0;

@@ -14,6 +14,7 @@ class SocketCanTransport final : public Transport {
   explicit SocketCanTransport(const std::string& interface) : interface_(interface), socket_(interface) {}
 
   bool send(const hal::CanFrame& frame, std::uint64_t) override { return socket_.send(frame); }
+  void flush() override { socket_.flush(); }
   std::optional<hal::CanFrame> receive() override { return socket_.receive(); }
   std::string place() const override { return interface_; }
   int descriptor() const override { return socket_.descriptor(); }

@@ -18,6 +18,8 @@ class Transport {
   // Hands over a frame that was on the bus at this simulated time. False when there is no room for it: it is
   // lost for those who listen here, and for nobody else.
   [[nodiscard]] virtual bool send(const hal::CanFrame& frame, std::uint64_t time_us) = 0;
+  // Lets go of frames that were gathered. To be called once a millisecond, and after the last one.
+  virtual void flush() {}
   // The oldest frame that came in.
   [[nodiscard]] virtual std::optional<hal::CanFrame> receive() = 0;
   // For the person who opened it, where to find it; such as the name of a pseudo-terminal.

@@ -42,7 +42,6 @@ TEST(Datagram, IsReadBack) {
   EXPECT_EQ(unpack_datagram(pack_datagram(kData, 1.5)), kData);
   EXPECT_EQ(unpack_datagram(pack_datagram(kRemote, 0.0)), kRemote);
   EXPECT_EQ(unpack_datagram(pack_datagram({.identifier = 0x080}, 0.0)), hal::CanFrame{.identifier = 0x080});
-  EXPECT_EQ(pack_datagram(kData, 1.5).size(), bytes_of(kDataOfPython).size());
 }
 
 TEST(Datagram, IsNothingWhereItIsNoClassicFrame) {
@@ -66,7 +65,7 @@ TEST(Datagram, MayHoldAnything) {
       std::vector<std::uint8_t> changed = whole;
       changed[place] = static_cast<std::uint8_t>(value);
       const auto frame = unpack_datagram(changed);
-      if (frame) EXPECT_LE(frame->size, 8);
+      EXPECT_LE(frame.value_or(hal::CanFrame{}).size, 8);
     }
   }
 }
