@@ -124,13 +124,12 @@ void add_replay(CLI::App& can) {
     const auto transport = open_can(arguments->can);
     Interrupt interrupt;
     std::optional<std::uint64_t> first_us;
-    Pacer pacer(0);
+    Pacer pacer(0, arguments->speed);
     std::uint64_t frames = 0;
     while (const auto timed = source->next(0)) {
       if (interrupt.requested()) break;
       if (!first_us) first_us = timed->time_us;
-      pacer.wait_for(
-          static_cast<std::uint64_t>(static_cast<double>(timed->time_us - *first_us) / arguments->speed));
+      pacer.wait_for(timed->time_us - *first_us);
       send_surely(*transport, timed->frame);
       ++frames;
     }

@@ -22,6 +22,7 @@ namespace {
 struct Arguments {
   std::filesystem::path scenario;
   double duration_s = 86400.0;
+  double speed = 1.0;
   CanOptions can;
 };
 
@@ -43,7 +44,7 @@ void run_firmware(const Arguments& arguments) {
   fmt::print("firmware on {}\n", transport->place());
   std::fflush(stdout);
   const auto end_us = static_cast<std::uint64_t>(1e6 * arguments.duration_s);
-  Pacer pacer(0);
+  Pacer pacer(0, arguments.speed);
   for (std::uint64_t now_us = 0; now_us < end_us; now_us += sim::SimBoard::kService_us) {
     pacer.wait_for(now_us);
     firmware.service(now_us);
@@ -76,6 +77,10 @@ void add_firmware_command(CLI::App& program) {
       ->required();
   command->add_option("--duration", arguments->duration_s, "Seconds (default: until Ctrl-C)")
       ->check(CLI::Range(0.001, 86400.0));
+  command
+      ->add_option("--speed", arguments->speed,
+                   "Its seconds in one of the wall (default: 1), as of a board that goes slower")
+      ->check(CLI::Range(0.01, 100.0));
   add_can_options(*command, arguments->can);
   command->callback([arguments] { run_firmware(*arguments); });
 }

@@ -13,6 +13,10 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
                      "log:FILE (as candump -L)");
   command.add_flag("--realtime", options.realtime,
                    "Goes by the clock on the wall; always so with socketcan, udp and slcan");
+  command
+      .add_option("--speed", options.speed,
+                  "Simulated seconds in one of that clock (default: 1); less for a machine that is too slow")
+      ->check(CLI::Range(0.01, 100.0));
   command.add_flag(
       "--real-bus", options.real_bus,
       "Allows an interface that is neither vcan nor vxcan. What is sent there may move real servos");

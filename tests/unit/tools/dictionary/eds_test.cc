@@ -30,7 +30,7 @@ TEST(Eds, RefersToTheNodesId) {
               HasSubstr("\n[1800sub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\n"
                         "DefaultValue=$NODEID+0x40000180\n"));
   EXPECT_THAT(
-      eds, HasSubstr("\n[1014]\nParameterName=COB-ID EMCY\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\n"
+      eds, HasSubstr("\n[1014]\nParameterName=COB-ID EMCY\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\n"
                      "DefaultValue=$NODEID+0x80\n"));
 }
 
