@@ -59,7 +59,8 @@ inline constexpr ValueName kControlwordNames[] = {
     value_name(kFaultReset, "fault reset"),
 };
 
-inline constexpr ValueName kModeNames[] = {{0, "none"},
+inline constexpr ValueName kModeNames[] = {{kNoMode, "none"},
+                                           {kProfilePosition, "profile position"},
                                            {kCyclicSynchronousPosition, "cyclic synchronous position"}};
 
 inline constexpr std::string_view kStateNames[] = {

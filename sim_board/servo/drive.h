@@ -9,12 +9,15 @@
 #include "sim_board/servo/drive_dictionary.h"
 #include "sim_board/servo/drive_state.h"
 #include "sim_board/servo/position_demand.h"
+#include "sim_board/servo/position_watch.h"
+#include "sim_board/servo/profile_position.h"
 #include "sim_board/servo/servo.h"
 
 namespace koboshi::sim {
 
-// A servo drive: a CANopen node after CiA 402 in cyclic synchronous position mode around the hardware of one
-// servo. It answers frames at the microsecond at which they reach it; its own loop runs at 1 kHz.
+// A servo drive: a CANopen node after CiA 402, in cyclic synchronous position mode or profile position mode,
+// around the hardware of one servo. It answers frames at the microsecond at which they reach it; its own loop
+// runs at 1 kHz.
 class Drive final : private BusNode, private canopen::FrameSink, private canopen::NodeApplication {
  public:
   static constexpr std::uint64_t kBootTime_us = 50'000;  // from power to the boot-up message
@@ -64,10 +67,14 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   void abort_connection(std::uint16_t error_code);
   void begin_stop();
   void finish_stop();
+  void run_loop();
+  void change_mode();
   void watch_sync();
   void watch_temperature();
+  void watch_position();
   void measure();
   void follow_target();
+  std::uint16_t mode_bits() const;  // of the statusword
   void show();
 
   const JointDescription& joint_;
@@ -78,6 +85,8 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   std::optional<ScalarSensor> thermometer_;
   DriveStateMachine state_;
   PositionDemand demand_;
+  ProfilePosition profile_;
+  PositionWatch watch_;
   canopen::NodeDescription description_;
   DriveValues values_;
   canopen::NodeMemory<4, 4, 2, 8> memory_;

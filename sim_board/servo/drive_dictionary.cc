@@ -29,6 +29,11 @@ constexpr canopen::PdoConfiguration kTpdos[] = {
 
 }  // namespace
 
+bool is_supported_mode(std::int32_t mode) {
+  return mode == cia402::kNoMode || mode == cia402::kProfilePosition ||
+         mode == cia402::kCyclicSynchronousPosition;
+}
+
 canopen::NodeDescription drive_node_description(const DriveDescription& drive) {
   return {
       .device_type = cia402::kDeviceType,

@@ -1,0 +1,93 @@
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/canopen/cia402.h"
+#include "sim_board/servo/drive.h"
+
+// What a drive does with its shaft: states, modes of operation, stops, and what it shows of them.
+namespace koboshi::sim {
+
+namespace cia402 = canopen::cia402;
+
+void Drive::obey(std::uint16_t controlword) {
+  const auto before = state_.state();
+  state_.command(controlword);
+  if (!enable_line_) state_.torque_off();
+  if (before == cia402::State::kFault && servo_.winding().too_hot())
+    state_.fault();  // no reset before it cools
+  const auto after = state_.state();
+  if (before == after) return;
+  if (after == cia402::State::kOperationEnabled) {
+    demand_.hold(servo_.position_units());
+    profile_.restart(servo_.position_units(), controlword);
+  }
+  if (after == cia402::State::kQuickStopActive) begin_stop();
+  if (before == cia402::State::kFault) {
+    node_.clear_error(values_.error_code);
+    values_.error_code = 0;
+  }
+}
+
+void Drive::fault(std::uint16_t error_code, std::uint8_t register_bits) {
+  if (state_.state() == cia402::State::kFault || state_.state() == cia402::State::kFaultReactionActive)
+    return;
+  values_.error_code = error_code;
+  state_.fault();
+  begin_stop();
+  show();
+  node_.raise_error(error_code, register_bits);
+}
+
+void Drive::begin_stop() { demand_.stop(now_us_, values_.quick_stop_deceleration); }
+
+void Drive::finish_stop() {
+  const bool stopping = state_.state() == cia402::State::kQuickStopActive ||
+                        state_.state() == cia402::State::kFaultReactionActive;
+  if (!stopping || !demand_.stands(now_us_ - std::min(now_us_, kStandTime_us))) return;
+  state_.stand_still();
+  show();
+}
+
+void Drive::follow_target() {
+  if (state_.state() != cia402::State::kOperationEnabled) return;
+  if (values_.mode_display != cia402::kCyclicSynchronousPosition) return;
+  demand_.approach(within_limits(values_, values_.target_position), now_us_,
+                   values_.interpolation_period * 1000u);
+}
+
+// A drive in operation changes its mode only at rest, so that no motion ends in a jerk.
+void Drive::change_mode() {
+  if (values_.mode == values_.mode_display || !is_supported_mode(values_.mode)) return;
+  if (state_.makes_torque() && !demand_.at_rest(now_us_)) return;
+  values_.mode_display = values_.mode;
+  profile_.restart(demand_.at(now_us_), values_.controlword);
+}
+
+void Drive::watch_position() {
+  if (!makes_torque()) return watch_.restart();
+  const bool arrived = profile_.halted() ? demand_.stands(now_us_) : profile_.arrived();
+  const std::int32_t target = profile_.halted() ? demand_.at(now_us_) : profile_.target();
+  watch_.step(values_, demand_.at(now_us_), servo_.position_units(), target, arrived, now_us_);
+}
+
+std::uint16_t Drive::mode_bits() const {
+  if (state_.state() != cia402::State::kOperationEnabled) return 0;
+  if (values_.mode_display == cia402::kCyclicSynchronousPosition) return cia402::kFollowsCommand;
+  if (values_.mode_display != cia402::kProfilePosition) return 0;
+  return static_cast<std::uint16_t>((watch_.target_reached() ? cia402::kTargetReached : 0u) |
+                                    (profile_.acknowledges() ? cia402::kSetPointAcknowledge : 0u));
+}
+
+void Drive::show() {
+  values_.statusword = static_cast<std::uint16_t>(cia402::statusword_of(state_.state()) | cia402::kRemote);
+  if (state_.makes_torque()) values_.statusword |= cia402::kVoltageEnabled;
+  values_.statusword |= mode_bits();
+  if (!enable_line_) values_.statusword |= cia402::kTorqueOff;
+  values_.position_demand = makes_torque() ? demand_.at(now_us_) : servo_.position_units();
+  values_.position_actual = servo_.reported_units();
+  const double permille = 1e6 * servo_.torque_Nm() / values_.rated_torque_mNm;
+  values_.torque_actual_permille =
+      static_cast<std::int16_t>(std::lround(std::clamp(permille, -32768.0, 32767.0)));
+}
+
+}  // namespace koboshi::sim
