@@ -19,6 +19,8 @@ inline constexpr std::uint16_t kModeOfOperation = 0x6060;
 inline constexpr std::uint16_t kModeOfOperationDisplay = 0x6061;
 inline constexpr std::uint16_t kPositionDemand = 0x6062;
 inline constexpr std::uint16_t kPositionActual = 0x6064;
+inline constexpr std::uint16_t kFollowingErrorWindow = 0x6065;
+inline constexpr std::uint16_t kFollowingErrorTimeOut = 0x6066;  // ms
 inline constexpr std::uint16_t kPositionWindow = 0x6067;
 inline constexpr std::uint16_t kPositionWindowTime = 0x6068;  // ms
 inline constexpr std::uint16_t kRatedTorque = 0x6076;         // mNm
@@ -31,6 +33,7 @@ inline constexpr std::uint16_t kProfileAcceleration = 0x6083;
 inline constexpr std::uint16_t kProfileDeceleration = 0x6084;
 inline constexpr std::uint16_t kQuickStopDeceleration = 0x6085;
 inline constexpr std::uint16_t kInterpolationTimePeriod = 0x60C2;
+inline constexpr std::uint16_t kFollowingErrorActual = 0x60F4;
 inline constexpr std::uint16_t kSupportedDriveModes = 0x6502;
 
 inline constexpr std::int8_t kNoMode = 0;
@@ -46,6 +49,11 @@ inline constexpr std::int16_t kStopOnSlowDownRamp = 1;   // 0x6084
 inline constexpr std::int16_t kStopOnQuickStopRamp = 2;  // 0x6085
 
 // Error codes of emergency messages, CiA 301 table 26 and CiA 402-2.
+inline constexpr std::uint16_t kErrorOverCurrent = 0x2310;   // continuous, at the device's output
+inline constexpr std::uint16_t kErrorUnderVoltage = 0x3220;  // of the DC link
+inline constexpr std::uint16_t kErrorTemperature = 0x4310;   // excess temperature of the drive
+inline constexpr std::uint16_t kErrorEncoder = 0x7305;       // incremental sensor 1
+inline constexpr std::uint16_t kErrorFollowing = 0x8611;
 inline constexpr std::uint16_t kErrorHeartbeatLost = 0x8130;
 inline constexpr std::uint16_t kErrorSyncLost = 0x8700;
 
@@ -66,6 +74,7 @@ inline constexpr std::uint16_t kRemote = 1u << 9;
 inline constexpr std::uint16_t kTargetReached = 1u << 10;        // profile position mode
 inline constexpr std::uint16_t kFollowsCommand = 1u << 12;       // cyclic synchronous modes
 inline constexpr std::uint16_t kSetPointAcknowledge = 1u << 12;  // profile position mode
+inline constexpr std::uint16_t kFollowingError = 1u << 13;       // position modes
 inline constexpr std::uint16_t kTorqueOff = 1u << 14;            // manufacturer: the drive-enable line is low
 
 // The bits of a statusword that code the state (CiA 402-2, table 28); the others zero.

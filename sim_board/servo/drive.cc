@@ -20,8 +20,6 @@ constexpr double kStopTime_s = 0.05;
 constexpr double kProfileTime_s = 0.25;
 // Communication error, generic (CiA 301, table 26).
 constexpr std::uint16_t kErrorCommunication = 0x8100;
-// Excess temperature of the drive (CiA 402-2, table of error codes).
-constexpr std::uint16_t kErrorTemperature = 0x4310;
 
 std::optional<ScalarSensor> make_meter(const std::optional<ScalarSensorDescription>& description,
                                        const std::string& name, const ServoOptions& options) {
@@ -206,7 +204,7 @@ void Drive::watch_sync() {
 }
 
 void Drive::watch_temperature() {
-  if (servo_.winding().too_hot()) fault(kErrorTemperature, error_register::kTemperature);
+  if (servo_.winding().too_hot()) fault(cia402::kErrorTemperature, error_register::kTemperature);
 }
 
 }  // namespace koboshi::sim

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "firmware/canopen/cia402.h"
+#include "firmware/canopen/emergency.h"
 #include "sim_board/servo/drive.h"
 
 // What a drive does with its shaft: states, modes of operation, stops, and what it shows of them.
@@ -68,6 +69,8 @@ void Drive::watch_position() {
   const bool arrived = profile_.halted() ? demand_.stands(now_us_) : profile_.arrived();
   const std::int32_t target = profile_.halted() ? demand_.at(now_us_) : profile_.target();
   watch_.step(values_, demand_.at(now_us_), servo_.position_units(), target, arrived, now_us_);
+  if (watch_.following_fault() && state_.state() == cia402::State::kOperationEnabled)
+    fault(cia402::kErrorFollowing, canopen::error_register::kProfile);
 }
 
 std::uint16_t Drive::mode_bits() const {
@@ -83,6 +86,8 @@ void Drive::show() {
   if (state_.makes_torque()) values_.statusword |= cia402::kVoltageEnabled;
   values_.statusword |= mode_bits();
   if (!enable_line_) values_.statusword |= cia402::kTorqueOff;
+  if (watch_.following_fault()) values_.statusword |= cia402::kFollowingError;
+  values_.following_error = watch_.following_error();
   values_.position_demand = makes_torque() ? demand_.at(now_us_) : servo_.position_units();
   values_.position_actual = servo_.reported_units();
   const double permille = 1e6 * servo_.torque_Nm() / values_.rated_torque_mNm;
