@@ -63,6 +63,7 @@ Drive::Drive(const JointDescription& joint, Bus& bus, const ServoOptions& option
       servo_(joint, options),
       voltmeter_(make_meter(joint.servo.voltmeter, joint.name + ".voltmeter", options)),
       thermometer_(make_meter(joint.servo.thermometer, joint.name + ".thermometer", options)),
+      monitor_(joint.servo),
       description_(drive_node_description(joint.drive)),
       values_(power_on_values(joint)),
       node_(description_,
@@ -121,7 +122,7 @@ void Drive::run_loop() {
   if (values_.mode_display == cia402::kProfilePosition && state_.state() == cia402::State::kOperationEnabled)
     profile_.step(values_, now_us_, demand_);
   watch_sync();
-  watch_temperature();
+  watch_servo();
   watch_position();
   finish_stop();
   // In the cyclic mode the values are those of the SYNC; here the hand-shake must go on without one.
@@ -203,8 +204,11 @@ void Drive::watch_sync() {
   }
 }
 
-void Drive::watch_temperature() {
-  if (servo_.winding().too_hot()) fault(cia402::kErrorTemperature, error_register::kTemperature);
+void Drive::watch_servo() {
+  if (const auto found = monitor_.step(servo_, makes_torque(), now_us_))
+    fault(found->error_code, found->register_bits);
+  // Even in the middle of a ramp.
+  if (servo_.encoder_broken() && state_.makes_torque()) state_.torque_off();
 }
 
 }  // namespace koboshi::sim

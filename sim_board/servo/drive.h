@@ -12,6 +12,7 @@
 #include "sim_board/servo/position_watch.h"
 #include "sim_board/servo/profile_position.h"
 #include "sim_board/servo/servo.h"
+#include "sim_board/servo/servo_monitor.h"
 
 namespace koboshi::sim {
 
@@ -43,6 +44,8 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   void power_off();
   // A processor that hangs: neither hears nor speaks nor computes; the motor stays as it was driven last.
   void hang();
+  // A cable that tears: the position is no longer read, and without it the drive cannot stop on a ramp.
+  void break_encoder() { servo_.break_encoder(); }
 
   canopen::cia402::State state() const { return state_.state(); }
   bool makes_torque() const { return powered_ && enable_line_ && state_.makes_torque(); }
@@ -70,7 +73,7 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   void run_loop();
   void change_mode();
   void watch_sync();
-  void watch_temperature();
+  void watch_servo();
   void watch_position();
   void measure();
   void follow_target();
@@ -87,6 +90,7 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   PositionDemand demand_;
   ProfilePosition profile_;
   PositionWatch watch_;
+  ServoMonitor monitor_;
   canopen::NodeDescription description_;
   DriveValues values_;
   canopen::NodeMemory<4, 4, 2, 8> memory_;

@@ -14,8 +14,7 @@ void Drive::obey(std::uint16_t controlword) {
   const auto before = state_.state();
   state_.command(controlword);
   if (!enable_line_) state_.torque_off();
-  if (before == cia402::State::kFault && servo_.winding().too_hot())
-    state_.fault();  // no reset before it cools
+  if (before == cia402::State::kFault && monitor_.forbids_reset(servo_)) state_.fault();
   const auto after = state_.state();
   if (before == after) return;
   if (after == cia402::State::kOperationEnabled) {
@@ -34,6 +33,7 @@ void Drive::fault(std::uint16_t error_code, std::uint8_t register_bits) {
     return;
   values_.error_code = error_code;
   state_.fault();
+  if (servo_.encoder_broken()) state_.torque_off();
   begin_stop();
   show();
   node_.raise_error(error_code, register_bits);
