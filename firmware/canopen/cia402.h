@@ -13,6 +13,8 @@ inline constexpr std::uint16_t kErrorCode = 0x603F;
 inline constexpr std::uint16_t kControlword = 0x6040;
 inline constexpr std::uint16_t kStatusword = 0x6041;
 inline constexpr std::uint16_t kQuickStopOption = 0x605A;
+inline constexpr std::uint16_t kShutdownOption = 0x605B;
+inline constexpr std::uint16_t kDisableOperationOption = 0x605C;
 inline constexpr std::uint16_t kHaltOption = 0x605D;
 inline constexpr std::uint16_t kFaultReactionOption = 0x605E;
 inline constexpr std::uint16_t kModeOfOperation = 0x6060;
@@ -45,6 +47,7 @@ inline constexpr std::uint32_t kDeviceType = 0x0002'0192;  // 0x1000: servo driv
 inline constexpr int kPositionUnitBits = 20;
 
 // Option codes 0x605A to 0x605E.
+inline constexpr std::int16_t kDisableDrive = 0;         // at once: the motor runs out
 inline constexpr std::int16_t kStopOnSlowDownRamp = 1;   // 0x6084
 inline constexpr std::int16_t kStopOnQuickStopRamp = 2;  // 0x6085
 

@@ -49,6 +49,12 @@ bool is_supported(std::uint16_t index, std::int32_t value) {
       return is_supported_mode(value);
     case cia402::kHaltOption:
       return value == cia402::kStopOnSlowDownRamp || value == cia402::kStopOnQuickStopRamp;
+    case cia402::kShutdownOption:
+    case cia402::kDisableOperationOption:
+      return value == cia402::kDisableDrive || value == cia402::kStopOnSlowDownRamp;
+    case cia402::kQuickStopOption:
+    case cia402::kFaultReactionOption:
+      return value >= cia402::kDisableDrive && value <= cia402::kStopOnQuickStopRamp;
     default:
       return true;
   }
@@ -119,7 +125,7 @@ void Drive::update(const JointState& joint, std::uint64_t now_us) {
 void Drive::run_loop() {
   node_.process(now_us_);
   change_mode();
-  if (values_.mode_display == cia402::kProfilePosition && state_.state() == cia402::State::kOperationEnabled)
+  if (values_.mode_display == cia402::kProfilePosition && follows_targets())
     profile_.step(values_, now_us_, demand_);
   watch_sync();
   watch_servo();

@@ -68,7 +68,11 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   void fault(std::uint16_t error_code, std::uint8_t register_bits);
   // What 0x6007 asks for when the controller is lost, or takes the node out of operational.
   void abort_connection(std::uint16_t error_code);
-  void begin_stop();
+  bool slows_down_before(std::uint16_t controlword);
+  bool follows_targets() const {
+    return state_.state() == canopen::cia402::State::kOperationEnabled && !leaving_by_;
+  }
+  void begin_stop(std::int16_t option);
   void finish_stop();
   void run_loop();
   void change_mode();
@@ -87,6 +91,7 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   std::optional<ScalarSensor> voltmeter_;
   std::optional<ScalarSensor> thermometer_;
   DriveStateMachine state_;
+  std::optional<std::uint16_t> leaving_by_;  // the controlword that takes effect at the end of a ramp
   PositionDemand demand_;
   ProfilePosition profile_;
   PositionWatch watch_;

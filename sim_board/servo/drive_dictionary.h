@@ -18,9 +18,11 @@ struct DriveValues {
   std::uint16_t error_code = 0;              // 0x603F
   std::uint16_t controlword = 0;
   std::uint16_t statusword = 0;
-  std::int16_t quick_stop_option = 2;      // 0x605A: slow down on the ramp, then switch on disabled
-  std::int16_t fault_reaction_option = 2;  // 0x605E: slow down on the ramp
-  std::int16_t halt_option = 1;            // 0x605D: slow down on the profile's ramp
+  std::int16_t quick_stop_option = 2;         // 0x605A: slow down on the ramp, then switch on disabled
+  std::int16_t shutdown_option = 0;           // 0x605B: without a ramp
+  std::int16_t disable_operation_option = 0;  // 0x605C: the same; CiA 402-2 would have the ramp
+  std::int16_t fault_reaction_option = 2;     // 0x605E: slow down on the ramp
+  std::int16_t halt_option = 1;               // 0x605D: slow down on the profile's ramp
   std::int8_t mode = 0;
   std::int8_t mode_display = 0;
   std::int32_t position_demand = 0;  // 0x6062

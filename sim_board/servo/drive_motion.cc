@@ -11,6 +11,7 @@ namespace koboshi::sim {
 namespace cia402 = canopen::cia402;
 
 void Drive::obey(std::uint16_t controlword) {
+  if (slows_down_before(controlword)) return;
   const auto before = state_.state();
   state_.command(controlword);
   if (!enable_line_) state_.torque_off();
@@ -21,36 +22,63 @@ void Drive::obey(std::uint16_t controlword) {
     demand_.hold(servo_.position_units());
     profile_.restart(servo_.position_units(), controlword);
   }
-  if (after == cia402::State::kQuickStopActive) begin_stop();
+  if (after == cia402::State::kQuickStopActive) begin_stop(values_.quick_stop_option);
   if (before == cia402::State::kFault) {
     node_.clear_error(values_.error_code);
     values_.error_code = 0;
   }
 }
 
+// Transitions 5 and 8 wait for a ramp where 0x605C and 0x605B say so; any other command ends the wait.
+bool Drive::slows_down_before(std::uint16_t controlword) {
+  using canopen::cia402::Command;
+  const Command command = cia402::command_of(controlword);
+  const std::int16_t option = command == Command::kShutdown   ? values_.shutdown_option
+                              : command == Command::kSwitchOn ? values_.disable_operation_option
+                                                              : cia402::kDisableDrive;
+  if (state_.state() != cia402::State::kOperationEnabled || option == cia402::kDisableDrive) {
+    if (leaving_by_) profile_.restart(demand_.at(now_us_), controlword);
+    leaving_by_.reset();
+    return false;
+  }
+  if (!leaving_by_) begin_stop(option);
+  leaving_by_ = controlword;
+  return true;
+}
+
 void Drive::fault(std::uint16_t error_code, std::uint8_t register_bits) {
   if (state_.state() == cia402::State::kFault || state_.state() == cia402::State::kFaultReactionActive)
     return;
   values_.error_code = error_code;
+  leaving_by_.reset();
   state_.fault();
-  if (servo_.encoder_broken()) state_.torque_off();
-  begin_stop();
+  begin_stop(servo_.encoder_broken() ? cia402::kDisableDrive : values_.fault_reaction_option);
   show();
   node_.raise_error(error_code, register_bits);
 }
 
-void Drive::begin_stop() { demand_.stop(now_us_, values_.quick_stop_deceleration); }
+void Drive::begin_stop(std::int16_t option) {
+  if (option == cia402::kDisableDrive) return state_.torque_off();
+  const bool quick = option == cia402::kStopOnQuickStopRamp;
+  demand_.stop(now_us_, quick ? values_.quick_stop_deceleration : std::max(values_.profile_deceleration, 1u));
+}
 
 void Drive::finish_stop() {
-  const bool stopping = state_.state() == cia402::State::kQuickStopActive ||
+  if (state_.state() != cia402::State::kOperationEnabled) leaving_by_.reset();
+  const bool stopping = leaving_by_ || state_.state() == cia402::State::kQuickStopActive ||
                         state_.state() == cia402::State::kFaultReactionActive;
   if (!stopping || !demand_.stands(now_us_ - std::min(now_us_, kStandTime_us))) return;
-  state_.stand_still();
+  if (leaving_by_) {
+    state_.command(*leaving_by_);
+    leaving_by_.reset();
+  } else {
+    state_.stand_still();
+  }
   show();
 }
 
 void Drive::follow_target() {
-  if (state_.state() != cia402::State::kOperationEnabled) return;
+  if (!follows_targets()) return;
   if (values_.mode_display != cia402::kCyclicSynchronousPosition) return;
   demand_.approach(within_limits(values_, values_.target_position), now_us_,
                    values_.interpolation_period * 1000u);
@@ -74,7 +102,7 @@ void Drive::watch_position() {
 }
 
 std::uint16_t Drive::mode_bits() const {
-  if (state_.state() != cia402::State::kOperationEnabled) return 0;
+  if (!follows_targets()) return 0;
   if (values_.mode_display == cia402::kCyclicSynchronousPosition) return cia402::kFollowsCommand;
   if (values_.mode_display != cia402::kProfilePosition) return 0;
   return static_cast<std::uint16_t>((watch_.target_reached() ? cia402::kTargetReached : 0u) |

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "firmware/canopen/cia402.h"
 #include "firmware/canopen/described_object.h"
 #include "firmware/canopen/object.h"
@@ -16,9 +18,11 @@ using enum canopen::Mappable;
 
 inline constexpr canopen::ValueName kAbortConnectionNames[] = {
     {0, "no action"}, {1, "fault"}, {2, "disable voltage"}, {3, "quick stop"}};
-inline constexpr canopen::ValueName kStopNames[] = {{2, "slow down on the quick stop ramp"}};
-inline constexpr canopen::ValueName kHaltNames[] = {{1, "slow down on the profile's ramp"},
+inline constexpr canopen::ValueName kStopNames[] = {{0, "disable the drive at once"},
+                                                    {1, "slow down on the profile's ramp"},
                                                     {2, "slow down on the quick stop ramp"}};
+inline constexpr auto kDisableNames = std::span(kStopNames).first<2>();
+inline constexpr auto kHaltNames = std::span(kStopNames).last<2>();
 
 inline constexpr canopen::Unit kShaftUnit{"deg", 360, 1 << cia402::kPositionUnitBits};
 inline constexpr canopen::Unit kShaftSpeedUnit{"deg/s", 360, 1 << cia402::kPositionUnitBits};
@@ -45,14 +49,20 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
      {.name = "Statusword",
       .values = cia402::kStatuswordNames,
       .comment = "Bit 14: the drive-enable line is low, there is no torque."}},
-    {OBJECT(kQuickStopOption, 0, quick_stop_option, kReadWrite).within<std::int16_t>(2, 2),
+    {OBJECT(kQuickStopOption, 0, quick_stop_option, kReadWrite),
      {.name = "Quick stop option code", .values = kStopNames, .comment = "Switch on disabled follows."}},
+    {OBJECT(kShutdownOption, 0, shutdown_option, kReadWrite),
+     {.name = "Shutdown option code", .values = kDisableNames, .comment = "From operation enabled."}},
+    {OBJECT(kDisableOperationOption, 0, disable_operation_option, kReadWrite),
+     {.name = "Disable operation option code", .values = kDisableNames}},
     {OBJECT(kHaltOption, 0, halt_option, kReadWrite),
      {.name = "Halt option code",
       .values = kHaltNames,
       .comment = "Profile position mode; operation stays enabled."}},
-    {OBJECT(kFaultReactionOption, 0, fault_reaction_option, kReadWrite).within<std::int16_t>(2, 2),
-     {.name = "Fault reaction option code", .values = kStopNames}},
+    {OBJECT(kFaultReactionOption, 0, fault_reaction_option, kReadWrite),
+     {.name = "Fault reaction option code",
+      .values = kStopNames,
+      .comment = "Without a position the drive is disabled at once."}},
     {OBJECT(kModeOfOperation, 0, mode, kReadWrite, kRpdo),
      {.name = "Modes of operation",
       .values = cia402::kModeNames,
