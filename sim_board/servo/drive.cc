@@ -32,6 +32,8 @@ DriveValues power_on_values(const JointDescription& joint) {
   const ServoDescription& servo = joint.servo;
   const double stall_torque_Nm = servo.torque_constant_Nm_per_A * servo.supply_V / servo.resistance_ohm;
   values.rated_torque_mNm = static_cast<std::uint32_t>(std::lround(1000.0 * stall_torque_Nm));
+  values.rated_current_mA =
+      static_cast<std::uint32_t>(std::lround(1000.0 * servo.supply_V / servo.resistance_ohm));
   values.supply_mV = static_cast<std::uint32_t>(std::lround(1000.0 * servo.supply_V));
   const double highest_speed = joint.max_speed_rad_per_s / kRadPerPositionUnit;
   values.profile_velocity = static_cast<std::uint32_t>(std::lround(highest_speed));
@@ -136,6 +138,7 @@ void Drive::run_loop() {
 }
 
 void Drive::measure() {
+  velocity_.step(servo_.position_units());
   if (voltmeter_) voltmeter_->step(servo_.supply_V(), now_us_);
   if (thermometer_) thermometer_->step(winding_C(), now_us_);
   const double supply_V = voltmeter_ ? voltmeter_->reading() : servo_.supply_V();

@@ -13,6 +13,7 @@
 #include "sim_board/servo/profile_position.h"
 #include "sim_board/servo/servo.h"
 #include "sim_board/servo/servo_monitor.h"
+#include "sim_board/servo/velocity_estimate.h"
 
 namespace koboshi::sim {
 
@@ -95,6 +96,7 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   PositionDemand demand_;
   ProfilePosition profile_;
   PositionWatch watch_;
+  VelocityEstimate velocity_;
   ServoMonitor monitor_;
   canopen::NodeDescription description_;
   DriveValues values_;

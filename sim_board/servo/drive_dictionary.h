@@ -27,6 +27,9 @@ struct DriveValues {
   std::int8_t mode_display = 0;
   std::int32_t position_demand = 0;  // 0x6062
   std::int32_t position_actual = 0;
+  std::int32_t velocity_actual = 0;             // 0x606C: 2^-20 turn/s
+  std::uint32_t rated_current_mA = 0;           // 0x6075: the stall current at nominal supply
+  std::int16_t current_actual_permille = 0;     // 0x6078: of 0x6075
   std::int16_t torque_actual_permille = 0;      // of 0x6076
   std::uint32_t rated_torque_mNm = 0;           // 0x6076: the stall torque at nominal supply
   std::uint32_t supply_mV = 0;                  // 0x6079: what the voltmeter shows

@@ -10,6 +10,15 @@ namespace koboshi::sim {
 
 namespace cia402 = canopen::cia402;
 
+namespace {
+
+// `rated` in thousandths of the value's unit.
+std::int16_t share_permille(double value, std::uint32_t rated) {
+  return static_cast<std::int16_t>(std::lround(std::clamp(1e6 * value / rated, -32768.0, 32767.0)));
+}
+
+}  // namespace
+
 void Drive::obey(std::uint16_t controlword) {
   if (slows_down_before(controlword)) return;
   const auto before = state_.state();
@@ -118,9 +127,9 @@ void Drive::show() {
   values_.following_error = watch_.following_error();
   values_.position_demand = makes_torque() ? demand_.at(now_us_) : servo_.position_units();
   values_.position_actual = servo_.reported_units();
-  const double permille = 1e6 * servo_.torque_Nm() / values_.rated_torque_mNm;
-  values_.torque_actual_permille =
-      static_cast<std::int16_t>(std::lround(std::clamp(permille, -32768.0, 32767.0)));
+  values_.velocity_actual = velocity_.units_per_s();
+  values_.torque_actual_permille = share_permille(servo_.torque_Nm(), values_.rated_torque_mNm);
+  values_.current_actual_permille = share_permille(servo_.current_A(), values_.rated_current_mA);
 }
 
 }  // namespace koboshi::sim

@@ -27,7 +27,7 @@ inline constexpr auto kHaltNames = std::span(kStopNames).last<2>();
 inline constexpr canopen::Unit kShaftUnit{"deg", 360, 1 << cia402::kPositionUnitBits};
 inline constexpr canopen::Unit kShaftSpeedUnit{"deg/s", 360, 1 << cia402::kPositionUnitBits};
 inline constexpr canopen::Unit kShaftAccelerationUnit{"deg/s^2", 360, 1 << cia402::kPositionUnitBits};
-inline constexpr canopen::Unit kTorqueShareUnit{"%", 1, 10};
+inline constexpr canopen::Unit kShareUnit{"%", 1, 10};
 
 inline constexpr std::string_view kLimitEnds[] = {"minimum", "maximum"};
 
@@ -89,10 +89,16 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
       .comment = "Of target reached, to either side; FFFFFFFFh: the demand counts, not the shaft."}},
     {OBJECT(kPositionWindowTime, 0, position_window_ms, kReadWrite),
      {.name = "Position window time", .unit = {"ms"}}},
+    {OBJECT(kVelocityActual, 0, velocity_actual, kReadOnly, kTpdo),
+     {.name = "Velocity actual value", .unit = kShaftSpeedUnit, .comment = "Over the last 8 ms."}},
+    {OBJECT(kRatedCurrent, 0, rated_current_mA, kReadOnly),
+     {.name = "Motor rated current", .unit = {"mA"}, .comment = "The stall current at nominal supply."}},
     {OBJECT(kRatedTorque, 0, rated_torque_mNm, kReadOnly),
      {.name = "Motor rated torque", .unit = {"mN m"}, .comment = "The stall torque at nominal supply."}},
     {OBJECT(kTorqueActual, 0, torque_actual_permille, kReadOnly, kTpdo),
-     {.name = "Torque actual value", .unit = kTorqueShareUnit, .comment = "Of the rated torque."}},
+     {.name = "Torque actual value", .unit = kShareUnit, .comment = "Of the rated torque."}},
+    {OBJECT(kCurrentActual, 0, current_actual_permille, kReadOnly, kTpdo),
+     {.name = "Current actual value", .unit = kShareUnit, .comment = "Of the rated current."}},
     {OBJECT(kSupplyVoltage, 0, supply_mV, kReadOnly, kTpdo),
      {.name = "DC link circuit voltage", .unit = {"mV"}, .comment = "What the drive's voltmeter shows."}},
     {OBJECT(kTargetPosition, 0, target_position, kReadWrite, kRpdo),

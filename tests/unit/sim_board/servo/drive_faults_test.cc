@@ -41,6 +41,57 @@ TEST_F(DriveTest, FaultsWhenItsShaftDoesNotFollowForLongerThanTheTimeOut) {
   EXPECT_EQ(emergencies().back(), 0);
 }
 
+JointDescription joint_that_heats() {
+  JointDescription joint;
+  joint.servo.winding = {.thermal_resistance_K_per_W = 20.0,
+                         .heat_capacity_J_per_K = 0.05,
+                         .derating_C = 60.0,
+                         .shutdown_C = 80.0,
+                         .derated_share = 0.9};
+  return joint;
+}
+
+class HotDriveTest : public DriveTest {
+ protected:
+  HotDriveTest() : DriveTest(joint_that_heats()) {}
+};
+
+TEST_F(HotDriveTest, ShutsDownTellsAndCanBeResetWhenItHasCooled) {
+  enable();
+  target = 100'000;  // the shaft is held
+  run_ms(2'000);     // time to fault, and to cool
+  EXPECT_EQ(drive->state(), State::kFault);
+  EXPECT_LT(drive->winding_C(), 60.0);
+  EXPECT_FALSE(is_driven());
+  EXPECT_EQ(emergencies(), std::vector<std::uint16_t>{0x4310});
+  EXPECT_EQ(drive->values().error_code, 0x4310);
+  controlword = 0x80;
+  run_ms(20);
+  EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
+  EXPECT_EQ(emergencies().back(), 0);
+  EXPECT_EQ(drive->values().error_code, 0);
+}
+
+TEST_F(HotDriveTest, IsNotResetWhileItIsHot) {
+  enable();
+  target = 100'000;
+  while (drive->state() != State::kFault && now_us < 5'000'000) run_ms(1);
+  ASSERT_GT(drive->winding_C(), 60.0);
+  controlword = 0x80;
+  run_ms(30);
+  ASSERT_GT(drive->winding_C(), 60.0);
+  EXPECT_EQ(drive->state(), State::kFault);
+  EXPECT_EQ(emergencies(), std::vector<std::uint16_t>{0x4310});
+  run_ms(2'000);
+  ASSERT_LT(drive->winding_C(), 60.0);
+  EXPECT_EQ(drive->state(), State::kFault);  // the edge came too early
+  controlword = 0x00;
+  run_ms(20);
+  controlword = 0x80;
+  run_ms(20);
+  EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
+}
+
 TEST_F(DriveTest, FaultsWhenItsSupplyIsLowForLonger) {
   enable();
   supply_V = 3.7;  // half of 7.5 V is 3.75

@@ -169,63 +169,28 @@ TEST_F(DriveTest, IsLimpAfterAReset) {
 
 // --- What its servo feels
 
-JointDescription joint_that_heats() {
-  JointDescription joint;
-  joint.servo.winding = {.thermal_resistance_K_per_W = 20.0,
-                         .heat_capacity_J_per_K = 0.05,
-                         .derating_C = 60.0,
-                         .shutdown_C = 80.0,
-                         .derated_share = 0.9};
-  return joint;
-}
-
-class HotDriveTest : public DriveTest {
- protected:
-  HotDriveTest() : DriveTest(joint_that_heats()) {}
-};
-
-TEST_F(HotDriveTest, ShutsDownTellsAndCanBeResetWhenItHasCooled) {
-  enable();
-  target = 100'000;  // the shaft is held
-  run_ms(2'000);     // time to fault, and to cool
-  EXPECT_EQ(drive->state(), State::kFault);
-  EXPECT_LT(drive->winding_C(), 60.0);
-  EXPECT_FALSE(is_driven());
-  EXPECT_EQ(emergencies(), std::vector<std::uint16_t>{0x4310});
-  EXPECT_EQ(drive->values().error_code, 0x4310);
-  controlword = 0x80;
-  run_ms(20);
-  EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
-  EXPECT_EQ(emergencies().back(), 0);
-  EXPECT_EQ(drive->values().error_code, 0);
-}
-
-TEST_F(HotDriveTest, IsNotResetWhileItIsHot) {
-  enable();
-  target = 100'000;
-  while (drive->state() != State::kFault && now_us < 5'000'000) run_ms(1);
-  ASSERT_GT(drive->winding_C(), 60.0);
-  controlword = 0x80;
-  run_ms(30);
-  ASSERT_GT(drive->winding_C(), 60.0);
-  EXPECT_EQ(drive->state(), State::kFault);
-  EXPECT_EQ(emergencies(), std::vector<std::uint16_t>{0x4310});
-  run_ms(2'000);
-  ASSERT_LT(drive->winding_C(), 60.0);
-  EXPECT_EQ(drive->state(), State::kFault);  // the edge came too early
-  controlword = 0x00;
-  run_ms(20);
-  controlword = 0x80;
-  run_ms(20);
-  EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
-}
-
 TEST_F(DriveTest, ShowsItsPresentSupply) {
   enable();
   EXPECT_EQ(drive->values().supply_mV, 7500u);
   supply_V = 6.9;
   run_ms(20);
   EXPECT_EQ(drive->values().supply_mV, 6900u);
+}
+
+TEST_F(DriveTest, ShowsItsVelocityAndCurrent) {
+  enable();
+  EXPECT_EQ(drive->values().velocity_actual, 0);
+  EXPECT_EQ(drive->values().rated_current_mA, 1369u);  // 7.5 V / 5.477 ohm
+  for (int i = 0; i < 40; ++i) {
+    shaft.position_rad -= 0.001;
+    run_ms(1);
+  }
+  // 1 rad/s is 166'886 units/s; a count in 8 ms is 32'000.
+  EXPECT_NEAR(drive->values().velocity_actual, -166'886, 32'000);
+  target = 100'000;  // far enough for the whole supply
+  run_ms(60);
+  EXPECT_NEAR(drive->values().current_actual_permille, 1e6 * drive->current_A() / 1369.0, 1.0);
+  EXPECT_NEAR(drive->values().current_actual_permille, 1'000, 2);
 }
 
 JointDescription with_meters() {
