@@ -13,26 +13,53 @@ inline constexpr std::uint16_t kErrorCode = 0x603F;
 inline constexpr std::uint16_t kControlword = 0x6040;
 inline constexpr std::uint16_t kStatusword = 0x6041;
 inline constexpr std::uint16_t kQuickStopOption = 0x605A;
+inline constexpr std::uint16_t kShutdownOption = 0x605B;
+inline constexpr std::uint16_t kDisableOperationOption = 0x605C;
+inline constexpr std::uint16_t kHaltOption = 0x605D;
 inline constexpr std::uint16_t kFaultReactionOption = 0x605E;
 inline constexpr std::uint16_t kModeOfOperation = 0x6060;
 inline constexpr std::uint16_t kModeOfOperationDisplay = 0x6061;
+inline constexpr std::uint16_t kPositionDemand = 0x6062;
 inline constexpr std::uint16_t kPositionActual = 0x6064;
+inline constexpr std::uint16_t kFollowingErrorWindow = 0x6065;
+inline constexpr std::uint16_t kFollowingErrorTimeOut = 0x6066;  // ms
+inline constexpr std::uint16_t kPositionWindow = 0x6067;
+inline constexpr std::uint16_t kPositionWindowTime = 0x6068;  // ms
+inline constexpr std::uint16_t kVelocityActual = 0x606C;
+inline constexpr std::uint16_t kRatedCurrent = 0x6075;   // mA
 inline constexpr std::uint16_t kRatedTorque = 0x6076;    // mNm
 inline constexpr std::uint16_t kTorqueActual = 0x6077;   // per mille of it
+inline constexpr std::uint16_t kCurrentActual = 0x6078;  // per mille of the rated current
 inline constexpr std::uint16_t kSupplyVoltage = 0x6079;  // mV
 inline constexpr std::uint16_t kTargetPosition = 0x607A;
 inline constexpr std::uint16_t kSoftwarePositionLimit = 0x607D;
+inline constexpr std::uint16_t kProfileVelocity = 0x6081;
+inline constexpr std::uint16_t kProfileAcceleration = 0x6083;
+inline constexpr std::uint16_t kProfileDeceleration = 0x6084;
 inline constexpr std::uint16_t kQuickStopDeceleration = 0x6085;
 inline constexpr std::uint16_t kInterpolationTimePeriod = 0x60C2;
+inline constexpr std::uint16_t kFollowingErrorActual = 0x60F4;
 inline constexpr std::uint16_t kSupportedDriveModes = 0x6502;
 
+inline constexpr std::int8_t kNoMode = 0;
+inline constexpr std::int8_t kProfilePosition = 1;
 inline constexpr std::int8_t kCyclicSynchronousPosition = 8;
 inline constexpr std::uint32_t kDeviceType = 0x0002'0192;  // 0x1000: servo drive, profile 402
 
 // Positions on the bus are in 2^-20 turns of the output shaft, 256 to a count of a 12-bit encoder.
 inline constexpr int kPositionUnitBits = 20;
 
+// Option codes 0x605A to 0x605E.
+inline constexpr std::int16_t kDisableDrive = 0;         // at once: the motor runs out
+inline constexpr std::int16_t kStopOnSlowDownRamp = 1;   // 0x6084
+inline constexpr std::int16_t kStopOnQuickStopRamp = 2;  // 0x6085
+
 // Error codes of emergency messages, CiA 301 table 26 and CiA 402-2.
+inline constexpr std::uint16_t kErrorOverCurrent = 0x2310;   // continuous, at the device's output
+inline constexpr std::uint16_t kErrorUnderVoltage = 0x3220;  // of the DC link
+inline constexpr std::uint16_t kErrorTemperature = 0x4310;   // excess temperature of the drive
+inline constexpr std::uint16_t kErrorEncoder = 0x7305;       // incremental sensor 1
+inline constexpr std::uint16_t kErrorFollowing = 0x8611;
 inline constexpr std::uint16_t kErrorHeartbeatLost = 0x8130;
 inline constexpr std::uint16_t kErrorSyncLost = 0x8700;
 
@@ -50,8 +77,11 @@ enum class State : std::uint8_t {
 // Statusword bits besides those of the state.
 inline constexpr std::uint16_t kVoltageEnabled = 1u << 4;
 inline constexpr std::uint16_t kRemote = 1u << 9;
-inline constexpr std::uint16_t kFollowsCommand = 1u << 12;  // cyclic synchronous modes
-inline constexpr std::uint16_t kTorqueOff = 1u << 14;       // manufacturer: the drive-enable line is low
+inline constexpr std::uint16_t kTargetReached = 1u << 10;        // profile position mode
+inline constexpr std::uint16_t kFollowsCommand = 1u << 12;       // cyclic synchronous modes
+inline constexpr std::uint16_t kSetPointAcknowledge = 1u << 12;  // profile position mode
+inline constexpr std::uint16_t kFollowingError = 1u << 13;       // position modes
+inline constexpr std::uint16_t kTorqueOff = 1u << 14;            // manufacturer: the drive-enable line is low
 
 // The bits of a statusword that code the state (CiA 402-2, table 28); the others zero.
 constexpr std::uint16_t statusword_of(State state) {
@@ -96,6 +126,12 @@ inline constexpr std::uint16_t kControlQuickStop = 0x02;
 inline constexpr std::uint16_t kControlShutdown = 0x06;
 inline constexpr std::uint16_t kControlSwitchOn = 0x07;  // in operation enabled: disable operation
 inline constexpr std::uint16_t kControlEnableOperation = 0x0F;
+
+// Further bits of a controlword, of profile position mode.
+inline constexpr std::uint16_t kNewSetPoint = 1u << 4;  // its rising edge
+inline constexpr std::uint16_t kChangeImmediately = 1u << 5;
+inline constexpr std::uint16_t kRelative = 1u << 6;
+inline constexpr std::uint16_t kHalt = 1u << 8;
 
 constexpr Command command_of(std::uint16_t controlword) {
   if ((controlword & 0x02) == 0) return Command::kDisableVoltage;

@@ -36,8 +36,11 @@ inline constexpr ValueName kNmtCommandNames[] = {
 // CiA 301, table 26, and CiA 402-2: those that nodes of this robot can tell.
 inline constexpr ValueName kErrorCodeNames[] = {
     value_name(error_code::kNoError, "no error"),
-    {0x4310, "drive too hot"},
+    value_name(cia402::kErrorOverCurrent, "over-current"),
+    value_name(cia402::kErrorUnderVoltage, "under-voltage"),
+    value_name(cia402::kErrorTemperature, "drive too hot"),
     value_name(error_code::kDataSet, "data set"),
+    value_name(cia402::kErrorEncoder, "encoder"),
     value_name(error_code::kCanOverrun, "CAN overrun"),
     value_name(error_code::kCanErrorPassive, "CAN error passive"),
     value_name(error_code::kHeartbeat, "heartbeat lost"),
@@ -45,6 +48,7 @@ inline constexpr ValueName kErrorCodeNames[] = {
     value_name(error_code::kPdoTooShort, "PDO too short"),
     value_name(error_code::kPdoTooLong, "PDO too long"),
     value_name(cia402::kErrorSyncLost, "SYNC lost"),
+    value_name(cia402::kErrorFollowing, "following error"),
     {0xFF00, "behaviour fault"},
 };
 
@@ -59,7 +63,8 @@ inline constexpr ValueName kControlwordNames[] = {
     value_name(kFaultReset, "fault reset"),
 };
 
-inline constexpr ValueName kModeNames[] = {{0, "none"},
+inline constexpr ValueName kModeNames[] = {{kNoMode, "none"},
+                                           {kProfilePosition, "profile position"},
                                            {kCyclicSynchronousPosition, "cyclic synchronous position"}};
 
 inline constexpr std::string_view kStateNames[] = {

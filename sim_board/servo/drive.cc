@@ -16,10 +16,10 @@ namespace error_register = canopen::error_register;
 
 // From full speed to rest in 50 ms: well within what the motor can do.
 constexpr double kStopTime_s = 0.05;
+// A profile that nobody has changed gets there in five times that: a motion that is easy on the gears.
+constexpr double kProfileTime_s = 0.25;
 // Communication error, generic (CiA 301, table 26).
 constexpr std::uint16_t kErrorCommunication = 0x8100;
-// Excess temperature of the drive (CiA 402-2, table of error codes).
-constexpr std::uint16_t kErrorTemperature = 0x4310;
 
 std::optional<ScalarSensor> make_meter(const std::optional<ScalarSensorDescription>& description,
                                        const std::string& name, const ServoOptions& options) {
@@ -32,10 +32,34 @@ DriveValues power_on_values(const JointDescription& joint) {
   const ServoDescription& servo = joint.servo;
   const double stall_torque_Nm = servo.torque_constant_Nm_per_A * servo.supply_V / servo.resistance_ohm;
   values.rated_torque_mNm = static_cast<std::uint32_t>(std::lround(1000.0 * stall_torque_Nm));
+  values.rated_current_mA =
+      static_cast<std::uint32_t>(std::lround(1000.0 * servo.supply_V / servo.resistance_ohm));
   values.supply_mV = static_cast<std::uint32_t>(std::lround(1000.0 * servo.supply_V));
+  const double highest_speed = joint.max_speed_rad_per_s / kRadPerPositionUnit;
+  values.profile_velocity = static_cast<std::uint32_t>(std::lround(highest_speed));
+  values.profile_acceleration = static_cast<std::uint32_t>(std::lround(highest_speed / kProfileTime_s));
+  values.profile_deceleration = values.profile_acceleration;
   values.quick_stop_deceleration =
       static_cast<std::uint32_t>(std::lround(joint.max_speed_rad_per_s / kStopTime_s / kRadPerPositionUnit));
   return values;
+}
+
+// Modes and option codes: CiA 402-2 has more of them than this drive.
+bool is_supported(std::uint16_t index, std::int32_t value) {
+  switch (index) {
+    case cia402::kModeOfOperation:
+      return is_supported_mode(value);
+    case cia402::kHaltOption:
+      return value == cia402::kStopOnSlowDownRamp || value == cia402::kStopOnQuickStopRamp;
+    case cia402::kShutdownOption:
+    case cia402::kDisableOperationOption:
+      return value == cia402::kDisableDrive || value == cia402::kStopOnSlowDownRamp;
+    case cia402::kQuickStopOption:
+    case cia402::kFaultReactionOption:
+      return value >= cia402::kDisableDrive && value <= cia402::kStopOnQuickStopRamp;
+    default:
+      return true;
+  }
 }
 
 }  // namespace
@@ -47,6 +71,7 @@ Drive::Drive(const JointDescription& joint, Bus& bus, const ServoOptions& option
       servo_(joint, options),
       voltmeter_(make_meter(joint.servo.voltmeter, joint.name + ".voltmeter", options)),
       thermometer_(make_meter(joint.servo.thermometer, joint.name + ".thermometer", options)),
+      monitor_(joint.servo),
       description_(drive_node_description(joint.drive)),
       values_(power_on_values(joint)),
       node_(description_,
@@ -90,12 +115,7 @@ void Drive::update(const JointState& joint, std::uint64_t now_us) {
       started_ = true;
       node_.start(now_us);
     }
-    if (started_) {
-      node_.process(now_us);
-      watch_sync();
-      watch_temperature();
-      finish_stop();
-    }
+    if (started_) run_loop();
   }
   if (makes_torque()) {
     servo_.drive(demand_.at(now_us));
@@ -104,7 +124,21 @@ void Drive::update(const JointState& joint, std::uint64_t now_us) {
   }
 }
 
+void Drive::run_loop() {
+  node_.process(now_us_);
+  change_mode();
+  if (values_.mode_display == cia402::kProfilePosition && follows_targets())
+    profile_.step(values_, now_us_, demand_);
+  watch_sync();
+  watch_servo();
+  watch_position();
+  finish_stop();
+  // In the cyclic mode the values are those of the SYNC; here the hand-shake must go on without one.
+  if (values_.mode_display == cia402::kProfilePosition) show();
+}
+
 void Drive::measure() {
+  velocity_.step(servo_.position_units());
   if (voltmeter_) voltmeter_->step(servo_.supply_V(), now_us_);
   if (thermometer_) thermometer_->step(winding_C(), now_us_);
   const double supply_V = voltmeter_ ? voltmeter_->reading() : servo_.supply_V();
@@ -129,13 +163,15 @@ void Drive::on_reset(NmtCommand reset) {
   values_ = power_on_values(joint_);
   state_ = DriveStateMachine();
   state_.initialised();
+  profile_.restart(0, 0);
+  watch_.restart();
   show();
 }
 
 AbortCode Drive::on_write(canopen::ObjectAddress address, std::uint32_t value) {
   if (address.index == cia402::kControlword) obey(static_cast<std::uint16_t>(value));
-  if (address.index == cia402::kModeOfOperation) values_.mode_display = static_cast<std::int8_t>(value);
-  return AbortCode::kNone;
+  return is_supported(address.index, static_cast<std::int32_t>(value)) ? AbortCode::kNone
+                                                                       : AbortCode::kInvalidValue;
 }
 
 void Drive::on_sync(std::uint64_t now_us) {
@@ -177,65 +213,11 @@ void Drive::watch_sync() {
   }
 }
 
-void Drive::watch_temperature() {
-  if (servo_.winding().too_hot()) fault(kErrorTemperature, error_register::kTemperature);
-}
-
-// --- The state machine
-// ------------------------------------------------------------------------------------------
-
-void Drive::obey(std::uint16_t controlword) {
-  const auto before = state_.state();
-  state_.command(controlword);
-  if (!enable_line_) state_.torque_off();
-  if (before == cia402::State::kFault && servo_.winding().too_hot())
-    state_.fault();  // no reset before it cools
-  const auto after = state_.state();
-  if (before == after) return;
-  if (after == cia402::State::kOperationEnabled) demand_.hold(servo_.position_units());
-  if (after == cia402::State::kQuickStopActive) begin_stop();
-  if (before == cia402::State::kFault) {
-    node_.clear_error(values_.error_code);
-    values_.error_code = 0;
-  }
-}
-
-void Drive::fault(std::uint16_t error_code, std::uint8_t register_bits) {
-  if (state_.state() == cia402::State::kFault || state_.state() == cia402::State::kFaultReactionActive)
-    return;
-  values_.error_code = error_code;
-  state_.fault();
-  begin_stop();
-  show();
-  node_.raise_error(error_code, register_bits);
-}
-
-void Drive::begin_stop() { demand_.stop(now_us_, values_.quick_stop_deceleration); }
-
-void Drive::finish_stop() {
-  const bool stopping = state_.state() == cia402::State::kQuickStopActive ||
-                        state_.state() == cia402::State::kFaultReactionActive;
-  if (!stopping || !demand_.stands(now_us_ - std::min(now_us_, kStandTime_us))) return;
-  state_.stand_still();
-  show();
-}
-
-void Drive::follow_target() {
-  if (state_.state() != cia402::State::kOperationEnabled) return;
-  const std::int32_t target =
-      std::clamp(values_.target_position, values_.position_limit[0], values_.position_limit[1]);
-  demand_.approach(target, now_us_, values_.interpolation_period * 1000u);
-}
-
-void Drive::show() {
-  values_.statusword = static_cast<std::uint16_t>(cia402::statusword_of(state_.state()) | cia402::kRemote);
-  if (state_.makes_torque()) values_.statusword |= cia402::kVoltageEnabled;
-  if (state_.state() == cia402::State::kOperationEnabled) values_.statusword |= cia402::kFollowsCommand;
-  if (!enable_line_) values_.statusword |= cia402::kTorqueOff;
-  values_.position_actual = servo_.reported_units();
-  const double permille = 1e6 * servo_.torque_Nm() / values_.rated_torque_mNm;
-  values_.torque_actual_permille =
-      static_cast<std::int16_t>(std::lround(std::clamp(permille, -32768.0, 32767.0)));
+void Drive::watch_servo() {
+  if (const auto found = monitor_.step(servo_, makes_torque(), now_us_))
+    fault(found->error_code, found->register_bits);
+  // Even in the middle of a ramp.
+  if (servo_.encoder_broken() && state_.makes_torque()) state_.torque_off();
 }
 
 }  // namespace koboshi::sim

@@ -9,12 +9,17 @@
 #include "sim_board/servo/drive_dictionary.h"
 #include "sim_board/servo/drive_state.h"
 #include "sim_board/servo/position_demand.h"
+#include "sim_board/servo/position_watch.h"
+#include "sim_board/servo/profile_position.h"
 #include "sim_board/servo/servo.h"
+#include "sim_board/servo/servo_monitor.h"
+#include "sim_board/servo/velocity_estimate.h"
 
 namespace koboshi::sim {
 
-// A servo drive: a CANopen node after CiA 402 in cyclic synchronous position mode around the hardware of one
-// servo. It answers frames at the microsecond at which they reach it; its own loop runs at 1 kHz.
+// A servo drive: a CANopen node after CiA 402, in cyclic synchronous position mode or profile position mode,
+// around the hardware of one servo. It answers frames at the microsecond at which they reach it; its own loop
+// runs at 1 kHz.
 class Drive final : private BusNode, private canopen::FrameSink, private canopen::NodeApplication {
  public:
   static constexpr std::uint64_t kBootTime_us = 50'000;  // from power to the boot-up message
@@ -40,6 +45,8 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   void power_off();
   // A processor that hangs: neither hears nor speaks nor computes; the motor stays as it was driven last.
   void hang();
+  // A cable that tears: the position is no longer read, and without it the drive cannot stop on a ramp.
+  void break_encoder() { servo_.break_encoder(); }
 
   canopen::cia402::State state() const { return state_.state(); }
   bool makes_torque() const { return powered_ && enable_line_ && state_.makes_torque(); }
@@ -62,12 +69,20 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   void fault(std::uint16_t error_code, std::uint8_t register_bits);
   // What 0x6007 asks for when the controller is lost, or takes the node out of operational.
   void abort_connection(std::uint16_t error_code);
-  void begin_stop();
+  bool slows_down_before(std::uint16_t controlword);
+  bool follows_targets() const {
+    return state_.state() == canopen::cia402::State::kOperationEnabled && !leaving_by_;
+  }
+  void begin_stop(std::int16_t option);
   void finish_stop();
+  void run_loop();
+  void change_mode();
   void watch_sync();
-  void watch_temperature();
+  void watch_servo();
+  void watch_position();
   void measure();
   void follow_target();
+  std::uint16_t mode_bits() const;  // of the statusword
   void show();
 
   const JointDescription& joint_;
@@ -77,7 +92,12 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   std::optional<ScalarSensor> voltmeter_;
   std::optional<ScalarSensor> thermometer_;
   DriveStateMachine state_;
+  std::optional<std::uint16_t> leaving_by_;  // the controlword that takes effect at the end of a ramp
   PositionDemand demand_;
+  ProfilePosition profile_;
+  PositionWatch watch_;
+  VelocityEstimate velocity_;
+  ServoMonitor monitor_;
   canopen::NodeDescription description_;
   DriveValues values_;
   canopen::NodeMemory<4, 4, 2, 8> memory_;

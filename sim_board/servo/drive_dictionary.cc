@@ -37,6 +37,11 @@ canopen::SdoChannel pc_channel(std::uint8_t node_id) {
 
 }  // namespace
 
+bool is_supported_mode(std::int32_t mode) {
+  return mode == cia402::kNoMode || mode == cia402::kProfilePosition ||
+         mode == cia402::kCyclicSynchronousPosition;
+}
+
 canopen::NodeDescription drive_node_description(const DriveDescription& drive) {
   return {
       .device_type = cia402::kDeviceType,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 
@@ -8,29 +9,56 @@
 
 namespace koboshi::sim {
 
+// 0x6065 and 0x6067: nothing is watched.
+inline constexpr std::uint32_t kWindowOff = 0xFFFF'FFFF;
+
 // The values behind a drive's object dictionary, CiA 402. Positions in 2^-20 turn of the shaft.
 struct DriveValues {
   std::int16_t abort_connection_option = 1;  // 0x6007: a lost controller is a fault
   std::uint16_t error_code = 0;              // 0x603F
   std::uint16_t controlword = 0;
   std::uint16_t statusword = 0;
-  std::int16_t quick_stop_option = 2;      // 0x605A: slow down on the ramp, then switch on disabled
-  std::int16_t fault_reaction_option = 2;  // 0x605E: slow down on the ramp
+  std::int16_t quick_stop_option = 2;         // 0x605A: slow down on the ramp, then switch on disabled
+  std::int16_t shutdown_option = 0;           // 0x605B: without a ramp
+  std::int16_t disable_operation_option = 0;  // 0x605C: the same; CiA 402-2 would have the ramp
+  std::int16_t fault_reaction_option = 2;     // 0x605E: slow down on the ramp
+  std::int16_t halt_option = 1;               // 0x605D: slow down on the profile's ramp
   std::int8_t mode = 0;
   std::int8_t mode_display = 0;
+  std::int32_t position_demand = 0;  // 0x6062
   std::int32_t position_actual = 0;
-  std::int16_t torque_actual_permille = 0;  // of 0x6076
-  std::uint32_t rated_torque_mNm = 0;       // 0x6076: the stall torque at nominal supply
-  std::uint32_t supply_mV = 0;              // 0x6079: what the voltmeter shows
-  std::int16_t winding_dC = 0;              // kWindingTemperature: 0.1 C, what the thermometer shows
+  std::int32_t velocity_actual = 0;             // 0x606C: 2^-20 turn/s
+  std::uint32_t rated_current_mA = 0;           // 0x6075: the stall current at nominal supply
+  std::int16_t current_actual_permille = 0;     // 0x6078: of 0x6075
+  std::int16_t torque_actual_permille = 0;      // of 0x6076
+  std::uint32_t rated_torque_mNm = 0;           // 0x6076: the stall torque at nominal supply
+  std::uint32_t supply_mV = 0;                  // 0x6079: what the voltmeter shows
+  std::int16_t winding_dC = 0;                  // kWindingTemperature: 0.1 C, what the thermometer shows
+  std::uint32_t following_window = kWindowOff;  // 0x6065: of the following error
+  std::uint16_t following_timeout_ms = 0;       // 0x6066: how long it may be larger
+  std::uint32_t position_window = kWindowOff;   // 0x6067: of the shaft around a target that it has reached
+  std::uint16_t position_window_ms = 0;         // 0x6068: how long it must have been there
   std::int32_t target_position = 0;
   // 0x607D: lowest, highest; none before the controller has set them
   std::int32_t position_limit[2] = {std::numeric_limits<std::int32_t>::min(),
                                     std::numeric_limits<std::int32_t>::max()};
-  std::uint32_t quick_stop_deceleration = 0;  // 0x6085: 2^-20 turn/s^2
+  std::uint32_t profile_velocity = 0;         // 0x6081: 2^-20 turn/s
+  std::uint32_t profile_acceleration = 0;     // 0x6083: 2^-20 turn/s^2
+  std::uint32_t profile_deceleration = 0;     // 0x6084
+  std::uint32_t quick_stop_deceleration = 0;  // 0x6085
   std::uint8_t interpolation_period = 10;     // 0x60C2:1
+  std::int32_t following_error = 0;           // 0x60F4
   std::int8_t interpolation_exponent = -3;    // 0x60C2:2: powers of ten of a second
 };
+
+// Profile position, cyclic synchronous position, and none of them.
+bool is_supported_mode(std::int32_t mode);
+
+// What the software position limits leave of a target.
+inline std::int32_t within_limits(const DriveValues& values, std::int64_t target) {
+  return static_cast<std::int32_t>(
+      std::clamp<std::int64_t>(target, values.position_limit[0], values.position_limit[1]));
+}
 
 // The winding's temperature, manufacturer-specific: CiA 402 has none.
 inline constexpr std::uint16_t kWindingTemperature = 0x2000;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "firmware/canopen/cia402.h"
 #include "firmware/canopen/described_object.h"
 #include "firmware/canopen/object.h"
@@ -16,11 +18,16 @@ using enum canopen::Mappable;
 
 inline constexpr canopen::ValueName kAbortConnectionNames[] = {
     {0, "no action"}, {1, "fault"}, {2, "disable voltage"}, {3, "quick stop"}};
-inline constexpr canopen::ValueName kStopNames[] = {{2, "slow down on the quick stop ramp"}};
+inline constexpr canopen::ValueName kStopNames[] = {{0, "disable the drive at once"},
+                                                    {1, "slow down on the profile's ramp"},
+                                                    {2, "slow down on the quick stop ramp"}};
+inline constexpr auto kDisableNames = std::span(kStopNames).first<2>();
+inline constexpr auto kHaltNames = std::span(kStopNames).last<2>();
 
 inline constexpr canopen::Unit kShaftUnit{"deg", 360, 1 << cia402::kPositionUnitBits};
+inline constexpr canopen::Unit kShaftSpeedUnit{"deg/s", 360, 1 << cia402::kPositionUnitBits};
 inline constexpr canopen::Unit kShaftAccelerationUnit{"deg/s^2", 360, 1 << cia402::kPositionUnitBits};
-inline constexpr canopen::Unit kTorqueShareUnit{"%", 1, 10};
+inline constexpr canopen::Unit kShareUnit{"%", 1, 10};
 
 inline constexpr std::string_view kLimitEnds[] = {"minimum", "maximum"};
 
@@ -42,28 +49,73 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
      {.name = "Statusword",
       .values = cia402::kStatuswordNames,
       .comment = "Bit 14: the drive-enable line is low, there is no torque."}},
-    {OBJECT(kQuickStopOption, 0, quick_stop_option, kReadWrite).within<std::int16_t>(2, 2),
+    {OBJECT(kQuickStopOption, 0, quick_stop_option, kReadWrite),
      {.name = "Quick stop option code", .values = kStopNames, .comment = "Switch on disabled follows."}},
-    {OBJECT(kFaultReactionOption, 0, fault_reaction_option, kReadWrite).within<std::int16_t>(2, 2),
-     {.name = "Fault reaction option code", .values = kStopNames}},
-    {OBJECT(kModeOfOperation, 0, mode, kReadWrite, kRpdo)
-         .within<std::int8_t>(cia402::kCyclicSynchronousPosition, cia402::kCyclicSynchronousPosition),
-     {.name = "Modes of operation", .values = cia402::kModeNames}},
+    {OBJECT(kShutdownOption, 0, shutdown_option, kReadWrite),
+     {.name = "Shutdown option code", .values = kDisableNames, .comment = "From operation enabled."}},
+    {OBJECT(kDisableOperationOption, 0, disable_operation_option, kReadWrite),
+     {.name = "Disable operation option code", .values = kDisableNames}},
+    {OBJECT(kHaltOption, 0, halt_option, kReadWrite),
+     {.name = "Halt option code",
+      .values = kHaltNames,
+      .comment = "Profile position mode; operation stays enabled."}},
+    {OBJECT(kFaultReactionOption, 0, fault_reaction_option, kReadWrite),
+     {.name = "Fault reaction option code",
+      .values = kStopNames,
+      .comment = "Without a position the drive is disabled at once."}},
+    {OBJECT(kModeOfOperation, 0, mode, kReadWrite, kRpdo),
+     {.name = "Modes of operation",
+      .values = cia402::kModeNames,
+      .comment = "Takes effect when no motion is under way, see the display."}},
     {OBJECT(kModeOfOperationDisplay, 0, mode_display, kReadOnly, kTpdo),
      {.name = "Modes of operation display", .values = cia402::kModeNames}},
+    {OBJECT(kPositionDemand, 0, position_demand, kReadOnly, kTpdo),
+     {.name = "Position demand value",
+      .unit = kShaftUnit,
+      .comment = "Of the profile or the interpolation."}},
     {OBJECT(kPositionActual, 0, position_actual, kReadOnly, kTpdo),
      {.name = "Position actual value", .unit = kShaftUnit}},
+    {OBJECT(kFollowingErrorWindow, 0, following_window, kReadWrite),
+     {.name = "Following error window",
+      .unit = kShaftUnit,
+      .comment = "To either side of the demand; FFFFFFFFh: not watched."}},
+    {OBJECT(kFollowingErrorTimeOut, 0, following_timeout_ms, kReadWrite),
+     {.name = "Following error time out",
+      .unit = {"ms"},
+      .comment = "Out of the window for longer: a fault."}},
+    {OBJECT(kPositionWindow, 0, position_window, kReadWrite),
+     {.name = "Position window",
+      .unit = kShaftUnit,
+      .comment = "Of target reached, to either side; FFFFFFFFh: the demand counts, not the shaft."}},
+    {OBJECT(kPositionWindowTime, 0, position_window_ms, kReadWrite),
+     {.name = "Position window time", .unit = {"ms"}}},
+    {OBJECT(kVelocityActual, 0, velocity_actual, kReadOnly, kTpdo),
+     {.name = "Velocity actual value", .unit = kShaftSpeedUnit, .comment = "Over the last 8 ms."}},
+    {OBJECT(kRatedCurrent, 0, rated_current_mA, kReadOnly),
+     {.name = "Motor rated current", .unit = {"mA"}, .comment = "The stall current at nominal supply."}},
     {OBJECT(kRatedTorque, 0, rated_torque_mNm, kReadOnly),
      {.name = "Motor rated torque", .unit = {"mN m"}, .comment = "The stall torque at nominal supply."}},
     {OBJECT(kTorqueActual, 0, torque_actual_permille, kReadOnly, kTpdo),
-     {.name = "Torque actual value", .unit = kTorqueShareUnit, .comment = "Of the rated torque."}},
+     {.name = "Torque actual value", .unit = kShareUnit, .comment = "Of the rated torque."}},
+    {OBJECT(kCurrentActual, 0, current_actual_permille, kReadOnly, kTpdo),
+     {.name = "Current actual value", .unit = kShareUnit, .comment = "Of the rated current."}},
     {OBJECT(kSupplyVoltage, 0, supply_mV, kReadOnly, kTpdo),
      {.name = "DC link circuit voltage", .unit = {"mV"}, .comment = "What the drive's voltmeter shows."}},
     {OBJECT(kTargetPosition, 0, target_position, kReadWrite, kRpdo),
-     {.name = "Target position", .unit = kShaftUnit, .comment = "Reached by interpolation over a cycle."}},
+     {.name = "Target position",
+      .unit = kShaftUnit,
+      .comment = "Reached by interpolation over a cycle, or by a profile."}},
     canopen::heading(cia402::kSoftwarePositionLimit, "Software position limit", "No target lies beyond."),
     {OBJECT(kSoftwarePositionLimit, 1, position_limit[0], kReadWrite).repeated(2, 4),
      {.name = "Position limit", .unit = kShaftUnit, .elements = kLimitEnds}},
+    {OBJECT(kProfileVelocity, 0, profile_velocity, kReadWrite, kRpdo).within<std::uint32_t>(1, 0x7FFF'FFFF),
+     {.name = "Profile velocity", .unit = kShaftSpeedUnit}},
+    {OBJECT(kProfileAcceleration, 0, profile_acceleration, kReadWrite, kRpdo)
+         .within<std::uint32_t>(1'000, 0x7FFF'FFFF),
+     {.name = "Profile acceleration", .unit = kShaftAccelerationUnit}},
+    {OBJECT(kProfileDeceleration, 0, profile_deceleration, kReadWrite, kRpdo)
+         .within<std::uint32_t>(1'000, 0x7FFF'FFFF),
+     {.name = "Profile deceleration", .unit = kShaftAccelerationUnit, .comment = "Of slow-down ramps, too."}},
     {OBJECT(kQuickStopDeceleration, 0, quick_stop_deceleration, kReadWrite)
          .within<std::uint32_t>(1'000, 0x7FFF'FFFF),
      {.name = "Quick stop deceleration",
@@ -75,9 +127,11 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
      {.name = "Interpolation time period value"}},
     {OBJECT(kInterpolationTimePeriod, 2, interpolation_exponent, kReadWrite).within<std::int8_t>(-3, -3),
      {.name = "Interpolation time index"}},
-    {canopen::constant<std::uint32_t>(cia402::kSupportedDriveModes, 0,
-                                      1u << (cia402::kCyclicSynchronousPosition - 1)),
-     {.name = "Supported drive modes", .comment = "Bit 7: cyclic synchronous position."}},
+    {canopen::constant<std::uint32_t>(
+         cia402::kSupportedDriveModes, 0,
+         1u << (cia402::kProfilePosition - 1) | 1u << (cia402::kCyclicSynchronousPosition - 1)),
+     {.name = "Supported drive modes",
+      .comment = "Bit 0: profile position; bit 7: cyclic synchronous position."}},
 };
 static_assert(canopen::is_described(kDriveObjects));
 

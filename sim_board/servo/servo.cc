@@ -31,7 +31,8 @@ JointState Servo::shaft_of(const JointState& joint) const {
 
 void Servo::sense(const JointState& joint) {
   const JointState shaft = shaft_of(joint);
-  const std::int32_t position = encoder_.position_units(encoder_.read_counts(shaft.position_rad));
+  const std::int32_t position =
+      encoder_broken_ ? position_units_ : encoder_.position_units(encoder_.read_counts(shaft.position_rad));
   previous_units_ = sensed_ ? position_units_ : position;  // the first sample shows no speed
   position_units_ = position;
   reported_units_ = read_delay_.shift(position);

@@ -39,6 +39,9 @@ class Servo {
   void sense(const JointState& joint);
   std::int32_t position_units() const { return position_units_; }  // 2^-20 turn; multiples of a count
   std::int32_t reported_units() const { return reported_units_; }  // what the bus gets to know: older
+  // From now on the encoder cannot be read: positions stay what they were.
+  void break_encoder() { encoder_broken_ = true; }
+  bool encoder_broken() const { return encoder_broken_; }
   double current_A() const { return current_A_; }
   double torque_Nm() const { return motor_.torque_Nm(current_A_); }  // of the motor, before friction
   double supply_V() const { return supply_V_; }
@@ -76,6 +79,7 @@ class Servo {
   Backlash backlash_;
 
   bool sensed_ = false;
+  bool encoder_broken_ = false;
   bool driven_ = false;
   double asked_duty_ = 0.0;
   double duty_ = 0.0;       // that the bridge makes in this step

@@ -11,9 +11,9 @@ namespace cia402 = canopen::cia402;
 constexpr State kStates[] = {
     State::kNotReadyToSwitchOn, State::kSwitchOnDisabled, State::kReadyToSwitchOn,     State::kSwitchedOn,
     State::kOperationEnabled,   State::kQuickStopActive,  State::kFaultReactionActive, State::kFault};
-constexpr std::uint16_t kWords[] = {cia402::kControlDisableVoltage, cia402::kControlQuickStop,
-                                    cia402::kControlShutdown, cia402::kControlSwitchOn,
-                                    cia402::kControlEnableOperation};
+constexpr std::uint16_t kWords[] = {cia402::kControlDisableVoltage,  cia402::kControlQuickStop,
+                                    cia402::kControlShutdown,        cia402::kControlSwitchOn,
+                                    cia402::kControlEnableOperation, cia402::kFaultReset};
 
 DriveStateMachine machine_in(State state) {
   DriveStateMachine machine;
@@ -32,23 +32,25 @@ DriveStateMachine machine_in(State state) {
 }
 
 // CiA 402-2, figure 5 and table 27, with the numbers of the transitions. Rows: states in the order of
-// kStates; columns: disable voltage, quick stop, shutdown, switch on, enable operation.
+// kStates; columns: disable voltage, quick stop, shutdown, switch on, enable operation, fault reset.
 TEST(DriveStateMachine, FollowsEveryCommandFromEveryStateAsTheProfileSays) {
   using enum State;
-  constexpr State kNext[8][5] = {
+  constexpr State kNext[8][6] = {
       {kNotReadyToSwitchOn, kNotReadyToSwitchOn, kNotReadyToSwitchOn, kNotReadyToSwitchOn,
-       kNotReadyToSwitchOn},
-      {kSwitchOnDisabled, kSwitchOnDisabled, kReadyToSwitchOn /*2*/, kSwitchOnDisabled, kSwitchOnDisabled},
+       kNotReadyToSwitchOn, kNotReadyToSwitchOn},
+      {kSwitchOnDisabled, kSwitchOnDisabled, kReadyToSwitchOn /*2*/, kSwitchOnDisabled, kSwitchOnDisabled,
+       kSwitchOnDisabled},
       {kSwitchOnDisabled /*7*/, kSwitchOnDisabled /*7*/, kReadyToSwitchOn, kSwitchedOn /*3*/,
-       kOperationEnabled /*3, 4*/},
+       kOperationEnabled /*3, 4*/, kSwitchOnDisabled /*7*/},
       {kSwitchOnDisabled /*10*/, kSwitchOnDisabled /*10*/, kReadyToSwitchOn /*6*/, kSwitchedOn,
-       kOperationEnabled /*4*/},
+       kOperationEnabled /*4*/, kSwitchOnDisabled /*10*/},
       {kSwitchOnDisabled /*9*/, kQuickStopActive /*11*/, kReadyToSwitchOn /*8*/, kSwitchedOn /*5*/,
-       kOperationEnabled},
-      {kSwitchOnDisabled /*12*/, kQuickStopActive, kQuickStopActive, kQuickStopActive, kQuickStopActive},
+       kOperationEnabled, kSwitchOnDisabled /*9*/},
+      {kSwitchOnDisabled /*12*/, kQuickStopActive, kQuickStopActive, kQuickStopActive, kQuickStopActive,
+       kSwitchOnDisabled /*12*/},
       {kFaultReactionActive, kFaultReactionActive, kFaultReactionActive, kFaultReactionActive,
-       kFaultReactionActive},
-      {kFault, kFault, kFault, kFault, kFault},
+       kFaultReactionActive, kFaultReactionActive},
+      {kFault, kFault, kFault, kFault, kFault, kSwitchOnDisabled /*15*/},
   };
   for (std::size_t state = 0; state < std::size(kStates); ++state) {
     for (std::size_t word = 0; word < std::size(kWords); ++word) {

@@ -1,0 +1,135 @@
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/canopen/cia402.h"
+#include "firmware/canopen/emergency.h"
+#include "sim_board/servo/drive.h"
+
+// What a drive does with its shaft: states, modes of operation, stops, and what it shows of them.
+namespace koboshi::sim {
+
+namespace cia402 = canopen::cia402;
+
+namespace {
+
+// `rated` in thousandths of the value's unit.
+std::int16_t share_permille(double value, std::uint32_t rated) {
+  return static_cast<std::int16_t>(std::lround(std::clamp(1e6 * value / rated, -32768.0, 32767.0)));
+}
+
+}  // namespace
+
+void Drive::obey(std::uint16_t controlword) {
+  if (slows_down_before(controlword)) return;
+  const auto before = state_.state();
+  state_.command(controlword);
+  if (!enable_line_) state_.torque_off();
+  if (before == cia402::State::kFault && monitor_.forbids_reset(servo_)) state_.fault();
+  const auto after = state_.state();
+  if (before == after) return;
+  if (after == cia402::State::kOperationEnabled) {
+    demand_.hold(servo_.position_units());
+    profile_.restart(servo_.position_units(), controlword);
+  }
+  if (after == cia402::State::kQuickStopActive) begin_stop(values_.quick_stop_option);
+  if (before == cia402::State::kFault) {
+    node_.clear_error(values_.error_code);
+    values_.error_code = 0;
+  }
+}
+
+// Transitions 5 and 8 wait for a ramp where 0x605C and 0x605B say so; any other command ends the wait.
+bool Drive::slows_down_before(std::uint16_t controlword) {
+  using canopen::cia402::Command;
+  const Command command = cia402::command_of(controlword);
+  const std::int16_t option = command == Command::kShutdown   ? values_.shutdown_option
+                              : command == Command::kSwitchOn ? values_.disable_operation_option
+                                                              : cia402::kDisableDrive;
+  if (state_.state() != cia402::State::kOperationEnabled || option == cia402::kDisableDrive) {
+    if (leaving_by_) profile_.restart(demand_.at(now_us_), controlword);
+    leaving_by_.reset();
+    return false;
+  }
+  if (!leaving_by_) begin_stop(option);
+  leaving_by_ = controlword;
+  return true;
+}
+
+void Drive::fault(std::uint16_t error_code, std::uint8_t register_bits) {
+  if (state_.state() == cia402::State::kFault || state_.state() == cia402::State::kFaultReactionActive)
+    return;
+  values_.error_code = error_code;
+  leaving_by_.reset();
+  state_.fault();
+  begin_stop(servo_.encoder_broken() ? cia402::kDisableDrive : values_.fault_reaction_option);
+  show();
+  node_.raise_error(error_code, register_bits);
+}
+
+void Drive::begin_stop(std::int16_t option) {
+  if (option == cia402::kDisableDrive) return state_.torque_off();
+  const bool quick = option == cia402::kStopOnQuickStopRamp;
+  demand_.stop(now_us_, quick ? values_.quick_stop_deceleration : std::max(values_.profile_deceleration, 1u));
+}
+
+void Drive::finish_stop() {
+  if (state_.state() != cia402::State::kOperationEnabled) leaving_by_.reset();
+  const bool stopping = leaving_by_ || state_.state() == cia402::State::kQuickStopActive ||
+                        state_.state() == cia402::State::kFaultReactionActive;
+  if (!stopping || !demand_.stands(now_us_ - std::min(now_us_, kStandTime_us))) return;
+  if (leaving_by_) {
+    state_.command(*leaving_by_);
+    leaving_by_.reset();
+  } else {
+    state_.stand_still();
+  }
+  show();
+}
+
+void Drive::follow_target() {
+  if (!follows_targets()) return;
+  if (values_.mode_display != cia402::kCyclicSynchronousPosition) return;
+  demand_.approach(within_limits(values_, values_.target_position), now_us_,
+                   values_.interpolation_period * 1000u);
+}
+
+// A drive in operation changes its mode only at rest, so that no motion ends in a jerk.
+void Drive::change_mode() {
+  if (values_.mode == values_.mode_display || !is_supported_mode(values_.mode)) return;
+  if (state_.makes_torque() && !demand_.at_rest(now_us_)) return;
+  values_.mode_display = values_.mode;
+  profile_.restart(demand_.at(now_us_), values_.controlword);
+}
+
+void Drive::watch_position() {
+  if (!makes_torque()) return watch_.restart();
+  const bool arrived = profile_.halted() ? demand_.stands(now_us_) : profile_.arrived();
+  const std::int32_t target = profile_.halted() ? demand_.at(now_us_) : profile_.target();
+  watch_.step(values_, demand_.at(now_us_), servo_.position_units(), target, arrived, now_us_);
+  if (watch_.following_fault() && state_.state() == cia402::State::kOperationEnabled)
+    fault(cia402::kErrorFollowing, canopen::error_register::kProfile);
+}
+
+std::uint16_t Drive::mode_bits() const {
+  if (!follows_targets()) return 0;
+  if (values_.mode_display == cia402::kCyclicSynchronousPosition) return cia402::kFollowsCommand;
+  if (values_.mode_display != cia402::kProfilePosition) return 0;
+  return static_cast<std::uint16_t>((watch_.target_reached() ? cia402::kTargetReached : 0u) |
+                                    (profile_.acknowledges() ? cia402::kSetPointAcknowledge : 0u));
+}
+
+void Drive::show() {
+  values_.statusword = static_cast<std::uint16_t>(cia402::statusword_of(state_.state()) | cia402::kRemote);
+  if (state_.makes_torque()) values_.statusword |= cia402::kVoltageEnabled;
+  values_.statusword |= mode_bits();
+  if (!enable_line_) values_.statusword |= cia402::kTorqueOff;
+  if (watch_.following_fault()) values_.statusword |= cia402::kFollowingError;
+  values_.following_error = watch_.following_error();
+  values_.position_demand = makes_torque() ? demand_.at(now_us_) : servo_.position_units();
+  values_.position_actual = servo_.reported_units();
+  values_.velocity_actual = velocity_.units_per_s();
+  values_.torque_actual_permille = share_permille(servo_.torque_Nm(), values_.rated_torque_mNm);
+  values_.current_actual_permille = share_permille(servo_.current_A(), values_.rated_current_mA);
+}
+
+}  // namespace koboshi::sim
