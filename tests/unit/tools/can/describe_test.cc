@@ -30,7 +30,8 @@ TEST(Describe, TellsWhatSdosCarry) {
   EXPECT_EQ(words("610#2F60600008000000"), "SDO node 16: write 6060:00 = 0x08");
   EXPECT_EQ(words("590#6060600000000000"), "SDO node 16: write done 6060:00");
   EXPECT_EQ(words("581#4108100011000000"), "SDO node 1: read answered 1008:00, 17 bytes");
-  EXPECT_EQ(words("581#8000200002000106"), "SDO node 1: abort 2000:00: 06010002 attempt to write a read-only object");
+  EXPECT_EQ(words("581#8000200002000106"),
+            "SDO node 1: abort 2000:00: 06010002 attempt to write a read-only object");
 }
 
 TEST(Describe, SurvivesAnything) {

@@ -21,8 +21,8 @@ TEST(FrameText, IsReadAndWrittenAsCansendDoes) {
 }
 
 TEST(FrameText, RefusesWhatIsNoFrame) {
-  for (const char* bad : {"", "201", "#01", "800#01", "0201#01", "201#0", "201#0G", "201#010203040506070809", "201#R9",
-                          "201##01", "2x1#01", "-01#01"}) {
+  for (const char* bad : {"", "201", "#01", "800#01", "0201#01", "201#0", "201#0G", "201#010203040506070809",
+                          "201#R9", "201##01", "2x1#01", "-01#01"}) {
     EXPECT_THROW(parse_frame(bad), std::invalid_argument) << bad;
   }
 }
