@@ -4,8 +4,8 @@
 set -eu
 
 insmod /usr/lib/uml/modules/*/kernel/drivers/net/can/slcan/slcan.ko
-mount -t devpts -o ptmxmode=0666 devpts /dev/pts
-mount --bind /dev/pts/ptmx /dev/ptmx
+mkdir -p /dev/pts
+mount -t devpts devpts /dev/pts
 "$1" board --can slcan --set physics.stepper=lumped >/mnt/board 2>&1 &
 board=$!
 until grep -q 'CAN bus on' /mnt/board; do

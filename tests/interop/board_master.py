@@ -104,10 +104,10 @@ class Master:
         self.send(0x000, bytes([0x01, node]))
         for word, state in ((SHUTDOWN, 0x21), (SWITCH_ON, 0x23), (ENABLE, 0x27)):
             self.write(node, "Controlword", word)
-            time.sleep(0.015)
-            found = self.read(node, "Statusword") & 0x6F
-            if found != state:
-                raise RuntimeError(f"node {node}: statusword {found:02X} after controlword {word:02X}")
+            end = time.monotonic() + 2.0
+            while (found := self.read(node, "Statusword") & 0x6F) != state:
+                if time.monotonic() > end:
+                    raise RuntimeError(f"node {node}: statusword {found:02X} after controlword {word:02X}")
 
     def move(self, node):
         start = self.read(node, "Position actual value")
