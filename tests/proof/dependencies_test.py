@@ -29,7 +29,7 @@ RULES = [
     (r"hal/", (r"hal/", r"firmware/"), ANY),
     (r"firmware/\w+/host/", (r"hal/port/", r"firmware/"), STANDARD),
     (r"firmware/", (r"hal/port/", r"firmware/(?!\w+/host/)"), FIRMWARE_STANDARD),
-    (r"sim_board/can/", (r"hal/port/", r"firmware/canopen/", r"sim_board/", r"hal/linux/socketcan\.h$"), ANY),
+    (r"sim_board/can/transport/", (r"hal/(port|linux)/", r"firmware/canopen/", r"sim_board/"), ANY),
     (r"sim_board/", (r"hal/port/", r"firmware/canopen/", r"sim_board/"), ANY),
     (r"tools/", (r"hal/", r"firmware/", r"sim_board/", r"tools/"), ANY),
     (r"tests/", (r"",), ANY),
