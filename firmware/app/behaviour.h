@@ -52,6 +52,7 @@ enum class Reason : std::uint8_t {
   kNoSuchMotion = 36,
   kUnknownCommand = 37,
   kDriveNotReady = 38,  // a drive is in fault, or has not come to rest since it was enabled last
+  kVelocityOutOfRange = 39,
 };
 
 struct Transition {

@@ -12,6 +12,12 @@ using canopen::AbortCode;
 namespace {
 
 constexpr std::uint8_t kCommand = 1;  // sub-index of kRequestObject
+// By sub-index, from 1.
+constexpr std::int16_t Velocity::*kVelocityParts[] = {&Velocity::forward_mm_per_s, &Velocity::left_mm_per_s,
+                                                      &Velocity::turn_mrad_per_s};
+constexpr std::int16_t VelocityLimits::*kVelocityLimits[] = {
+    &VelocityLimits::forward_mm_per_s, &VelocityLimits::backward_mm_per_s, &VelocityLimits::sideways_mm_per_s,
+    &VelocityLimits::turn_mrad_per_s};
 // An encoder may stand this far outside the joint's limits: backlash and offset of a robot that leans on its
 // stops. The first target then draws the joint back to its limit.
 constexpr fixed::Angle kEncoderMargin = 2.0_deg;
@@ -22,6 +28,12 @@ constexpr fixed::Acceleration kMaxAcceleration = 14.7_m_per_s2;
 }  // namespace
 
 AbortCode Controller::on_write(canopen::ObjectAddress address, std::uint32_t value) {
+  if (address.index == kVelocityObject) {
+    return set_velocity(address.subindex, static_cast<std::int16_t>(value));
+  }
+  if (address.index == kVelocityLimitsObject) {
+    set_velocity_limit(address.subindex, static_cast<std::int16_t>(value));
+  }
   if (address != canopen::ObjectAddress{kRequestObject, kCommand}) return AbortCode::kNone;
   const Reason refusal = obey(static_cast<Command>(value), values_.request.argument);
   if (refusal == Reason::kNone) return AbortCode::kNone;
@@ -30,7 +42,36 @@ AbortCode Controller::on_write(canopen::ObjectAddress address, std::uint32_t val
 
 void Controller::on_rpdo(std::size_t number) {
   if (number >= kFirstDriveRpdo) return drives_.on_answer(number - kFirstDriveRpdo);
+  if (number == kVelocityRpdo) return take_velocity();
   static_cast<void>(obey(values_.request.command, values_.request.argument));
+}
+
+AbortCode Controller::set_velocity(std::uint8_t subindex, std::int16_t value) {
+  const auto part = kVelocityParts[subindex - 1];
+  if (value > values_.velocity_limits.highest().*part) return AbortCode::kValueTooHigh;
+  if (value < values_.velocity_limits.lowest().*part) return AbortCode::kValueTooLow;
+  velocity_.*part = value;
+  return AbortCode::kNone;
+}
+
+void Controller::set_velocity_limit(std::uint8_t subindex, std::int16_t value) {
+  VelocityLimits limits = values_.velocity_limits;
+  limits.*kVelocityLimits[subindex - 1] = value;
+  velocity_ = clamped(velocity_, limits);
+  values_.velocity = velocity_;
+}
+
+// A PDO has put the velocity into its place already. One that is obeyed withdraws the refusal of a velocity
+// only: they come often, and the refusal of a command is to be seen.
+void Controller::take_velocity() {
+  Reason& refusal = values_.behaviour.refusal;
+  if (clamped(values_.velocity, values_.velocity_limits) == values_.velocity) {
+    velocity_ = values_.velocity;
+    if (refusal == Reason::kVelocityOutOfRange) refusal = Reason::kNone;
+  } else {
+    values_.velocity = velocity_;
+    refusal = Reason::kVelocityOutOfRange;
+  }
 }
 
 Reason Controller::obey(Command command, std::int16_t argument) {

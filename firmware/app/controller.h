@@ -75,6 +75,10 @@ class Controller final : private canopen::NodeApplication {
   Reason stop();
   Reason obey_event(Event event);
   Reason refusal_to_enable() const;
+  // An SDO client's velocity, or a limit of it, in one of its parts (a sub-index).
+  canopen::AbortCode set_velocity(std::uint8_t subindex, std::int16_t value);
+  void set_velocity_limit(std::uint8_t subindex, std::int16_t value);
+  void take_velocity();
 
   // The state machine (states.cc): one function a state, called each tick while the state lasts.
   void handle(Event event, Reason reason);
@@ -101,7 +105,8 @@ class Controller final : private canopen::NodeApplication {
   bool model_valid_;
   ControllerValues values_;
   canopen::CanPortSink sink_;
-  canopen::NodeMemory<1 + robot::kMaxJoints, kTelemetryTpdos + robot::kMaxJoints, robot::kMaxJoints, 32>
+  canopen::NodeMemory<kFirstDriveRpdo + robot::kMaxJoints, kTelemetryTpdos + robot::kMaxJoints,
+                      robot::kMaxJoints, 32>
       memory_;
   canopen::Node node_;
   drive::DriveGroup drives_;
@@ -119,6 +124,7 @@ class Controller final : private canopen::NodeApplication {
   bool started_ = false;
   balance::InertialSensor::Rates rates_{};  // of the trunk, in its axes, free of the gyro's bias
   balance::InertialSensor::Accelerations accelerations_{};
+  Velocity velocity_;  // the last that was obeyed
   Angles targets_{};
   Angles ramp_from_{};
   Angles ramp_to_{};

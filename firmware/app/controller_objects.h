@@ -47,6 +47,7 @@ inline constexpr canopen::ValueName kReasonNames[] = {
     canopen::value_name(Reason::kNoSuchMotion, "no such motion"),
     canopen::value_name(Reason::kUnknownCommand, "unknown command"),
     canopen::value_name(Reason::kDriveNotReady, "drive not ready"),
+    canopen::value_name(Reason::kVelocityOutOfRange, "velocity out of range"),
 };
 
 inline constexpr canopen::ValueName kTroubleNames[] = {
@@ -68,6 +69,8 @@ inline constexpr canopen::Unit kAccelerationUnit{"m/s^2", 1, 1 << 8};
 inline constexpr canopen::Unit kLengthUnit{"mm", 1000, 1 << 15};
 inline constexpr canopen::Unit kGainUnit{"s", 1, 1 << 12};
 inline constexpr canopen::Unit kVoltageUnit{"mV"};
+inline constexpr canopen::Unit kSpeedUnit{"mm/s"};
+inline constexpr canopen::Unit kTurnUnit{"mrad/s"};
 inline constexpr canopen::Unit kShaftUnit{"deg", 360, 1 << canopen::cia402::kPositionUnitBits};
 inline constexpr canopen::Unit kTorqueShareUnit{"%", 1, 10};
 inline constexpr canopen::Unit kForceCount{.name = "N", .resolution = canopen::Resolution::kForce};
@@ -78,6 +81,9 @@ inline constexpr std::string_view kFootZmps[] = {"left x", "left y", "right x", 
 
 inline constexpr std::size_t kJoints = robot::kMaxJoints;
 inline constexpr int kMaxGain = 4096;  // one second
+// No more than a robot of this size can be built to do; what this one does, the limits say.
+inline constexpr int kMaxSpeed_mm_per_s = 2'000;
+inline constexpr int kMaxTurn_mrad_per_s = 6'000;
 
 #define FIELD(member) KOBOSHI_FIELD(ControllerValues, member)
 #define OBJECT(index, subindex, member, ...) canopen::object(index, subindex, FIELD(member), __VA_ARGS__)
@@ -168,6 +174,27 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
      {.name = "Hip roll gain", .unit = kGainUnit}},
     {OBJECT(0x2101, 4, feedback.knee, kReadWrite).within(-kMaxGain, kMaxGain),
      {.name = "Knee gain", .unit = kGainUnit}},
+    canopen::heading(kVelocityObject, "Velocity", "The velocity to walk with, in the trunk's axes."),
+    {OBJECT(kVelocityObject, 1, velocity.forward_mm_per_s, kReadWrite, kBoth),
+     {.name = "Velocity forward", .unit = kSpeedUnit}},
+    {OBJECT(kVelocityObject, 2, velocity.left_mm_per_s, kReadWrite, kBoth),
+     {.name = "Velocity left", .unit = kSpeedUnit}},
+    {OBJECT(kVelocityObject, 3, velocity.turn_mrad_per_s, kReadWrite, kBoth),
+     {.name = "Velocity turn", .unit = kTurnUnit, .comment = "Counter-clockwise."}},
+    canopen::heading(kVelocityLimitsObject, "Velocity limits",
+                     "A velocity beyond them is refused; one in force is reduced to them."),
+    {OBJECT(kVelocityLimitsObject, 1, velocity_limits.forward_mm_per_s, kReadWrite)
+         .within(0, kMaxSpeed_mm_per_s),
+     {.name = "Highest velocity forward", .unit = kSpeedUnit}},
+    {OBJECT(kVelocityLimitsObject, 2, velocity_limits.backward_mm_per_s, kReadWrite)
+         .within(0, kMaxSpeed_mm_per_s),
+     {.name = "Highest velocity backward", .unit = kSpeedUnit}},
+    {OBJECT(kVelocityLimitsObject, 3, velocity_limits.sideways_mm_per_s, kReadWrite)
+         .within(0, kMaxSpeed_mm_per_s),
+     {.name = "Highest velocity sideways", .unit = kSpeedUnit}},
+    {OBJECT(kVelocityLimitsObject, 4, velocity_limits.turn_mrad_per_s, kReadWrite)
+         .within(0, kMaxTurn_mrad_per_s),
+     {.name = "Highest turn", .unit = kTurnUnit}},
     canopen::heading(0x2200, "Diagnosis", "Counters saturate."),
     {OBJECT(0x2200, 1, diagnosis.model_id, kReadOnly),
      {.name = "Model id", .comment = "Of the robot model in storage."}},

@@ -1,5 +1,7 @@
 #include "firmware/app/dictionary.h"
 
+#include <iterator>
+
 #include "firmware/app/controller_objects.h"
 #include "firmware/canopen/object.h"
 #include "firmware/canopen/pdo.h"
@@ -19,7 +21,12 @@ constexpr PdoConfiguration kRpdos[] = {
      .plus_node_id = true,
      .transmission_type = canopen::kEventProfile,
      .mapping = {mapping(0x2000, 1, 8), mapping(0x2000, 2, 16)}},
+    {.cob_id = canopen::kRpdo1Base + canopen::kPdoStep,
+     .plus_node_id = true,
+     .transmission_type = canopen::kEventProfile,
+     .mapping = {mapping(0x2110, 1, 16), mapping(0x2110, 2, 16), mapping(0x2110, 3, 16)}},
 };
+static_assert(std::size(kRpdos) == kFirstDriveRpdo);
 
 // The predefined connection set has four TPDOs a node. The next are those of node 2, which the robot does not
 // have.

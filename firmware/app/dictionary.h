@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "firmware/app/behaviour.h"
+#include "firmware/app/velocity.h"
 #include "firmware/balance/gyro_feedback.h"
 #include "firmware/canopen/node.h"
 #include "firmware/drive/signals.h"
@@ -58,6 +59,8 @@ struct ControllerValues {
     std::int16_t ramp_rate = 683;   // of the soft start, 2^-12 turn/s: 60 degrees a second
   } parameters;                     // 0x2100
   balance::FeedbackGains feedback;  // 0x2101
+  Velocity velocity;                // 0x2110; always within its limits
+  VelocityLimits velocity_limits;   // 0x2111
   struct {
     std::uint32_t model_id = 0;
     std::uint32_t motions = 0;  // bit n: motion n is valid
@@ -71,6 +74,8 @@ struct ControllerValues {
 };
 
 inline constexpr std::uint16_t kRequestObject = 0x2000;
+inline constexpr std::uint16_t kVelocityObject = 0x2110;
+inline constexpr std::uint16_t kVelocityLimitsObject = 0x2111;
 
 // Bits of the balance's flags: which ZMPs are valid, and whether the right sole is the frame.
 inline constexpr std::uint8_t kLeftZmpValid = 1 << 0;
@@ -78,10 +83,11 @@ inline constexpr std::uint8_t kRightZmpValid = 1 << 1;
 inline constexpr std::uint8_t kZmpValid = 1 << 2;
 inline constexpr std::uint8_t kFrameIsRight = 1 << 3;
 
-// RPDO 0 carries commands, RPDO 1 + i what joint i's drive says; TPDO 0..6 telemetry, TPDO 7 + i what it is
-// told.
+// RPDO 0 (identifier 0x201) carries commands, RPDO 1 (0x301) the velocity, RPDO 2 + i what joint i's drive
+// says; TPDO 0..6 telemetry, TPDO 7 + i what it is told.
 inline constexpr std::size_t kCommandRpdo = 0;
-inline constexpr std::size_t kFirstDriveRpdo = 1;
+inline constexpr std::size_t kVelocityRpdo = 1;
+inline constexpr std::size_t kFirstDriveRpdo = 2;
 inline constexpr std::size_t kTelemetryTpdos = 7;
 inline constexpr std::size_t kFirstDriveTpdo = kTelemetryTpdos;
 
