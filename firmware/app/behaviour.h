@@ -17,6 +17,7 @@ enum class State : std::uint8_t {
   kMotion = 5,
   kFault = 6,          // the drives stop quickly, then limp
   kEmergencyStop = 7,  // limp at once, by the drive-enable line; latched
+  kWalking = 8,        // where the velocity says
 };
 
 enum class Event : std::uint8_t {
@@ -24,11 +25,12 @@ enum class Event : std::uint8_t {
   kEnable,  // commands
   kLimp,
   kPlay,
+  kWalk,
   kReset,
   kEmergencyStop,
   kEnabled,  // every drive is in operation enabled
   kArrived,  // at the standing pose
-  kEnded,    // of a motion
+  kEnded,    // of a motion or a walk
   kTrouble,  // a drive, a sensor or the bus failed
 };
 
@@ -70,10 +72,13 @@ inline constexpr Transition kTransitions[] = {
     {State::kSoftStart, Event::kArrived, State::kStanding},
     {State::kStanding, Event::kPlay, State::kMotion},
     {State::kMotion, Event::kEnded, State::kStanding},
+    {State::kStanding, Event::kWalk, State::kWalking},
+    {State::kWalking, Event::kEnded, State::kStanding},
     {State::kEnabling, Event::kLimp, State::kLimp},
     {State::kSoftStart, Event::kLimp, State::kLimp},
     {State::kStanding, Event::kLimp, State::kLimp},
     {State::kMotion, Event::kLimp, State::kLimp},
+    {State::kWalking, Event::kLimp, State::kLimp},
     {State::kFault, Event::kReset, State::kBoot},
     {State::kEmergencyStop, Event::kReset, State::kBoot},
     {State::kBoot, Event::kTrouble, State::kFault},
@@ -82,12 +87,14 @@ inline constexpr Transition kTransitions[] = {
     {State::kSoftStart, Event::kTrouble, State::kFault},
     {State::kStanding, Event::kTrouble, State::kFault},
     {State::kMotion, Event::kTrouble, State::kFault},
+    {State::kWalking, Event::kTrouble, State::kFault},
     {State::kBoot, Event::kEmergencyStop, State::kEmergencyStop},
     {State::kLimp, Event::kEmergencyStop, State::kEmergencyStop},
     {State::kEnabling, Event::kEmergencyStop, State::kEmergencyStop},
     {State::kSoftStart, Event::kEmergencyStop, State::kEmergencyStop},
     {State::kStanding, Event::kEmergencyStop, State::kEmergencyStop},
     {State::kMotion, Event::kEmergencyStop, State::kEmergencyStop},
+    {State::kWalking, Event::kEmergencyStop, State::kEmergencyStop},
     {State::kFault, Event::kEmergencyStop, State::kEmergencyStop},
 };
 
@@ -102,13 +109,15 @@ constexpr std::optional<State> next_state(State from, Event event) {
 // until the drives have stopped.
 constexpr bool makes_torque(State state) {
   return state == State::kEnabling || state == State::kSoftStart || state == State::kStanding ||
-         state == State::kMotion;
+         state == State::kMotion || state == State::kWalking;
 }
 
 // Nothing moves the robot but who carries it: where the gyro's bias is measured.
 constexpr bool rests(State state) { return state == State::kBoot || state == State::kLimp; }
 
 // The robot is on its feet, and the gyro feedback may correct its joints.
-constexpr bool balances(State state) { return state == State::kStanding || state == State::kMotion; }
+constexpr bool balances(State state) {
+  return state == State::kStanding || state == State::kMotion || state == State::kWalking;
+}
 
 }  // namespace koboshi::app

@@ -13,11 +13,11 @@ namespace {
 
 constexpr std::uint8_t kCommand = 1;  // sub-index of kRequestObject
 // By sub-index, from 1.
-constexpr std::int16_t Velocity::*kVelocityParts[] = {&Velocity::forward_mm_per_s, &Velocity::left_mm_per_s,
-                                                      &Velocity::turn_mrad_per_s};
-constexpr std::int16_t VelocityLimits::*kVelocityLimits[] = {
-    &VelocityLimits::forward_mm_per_s, &VelocityLimits::backward_mm_per_s, &VelocityLimits::sideways_mm_per_s,
-    &VelocityLimits::turn_mrad_per_s};
+constexpr std::int16_t walk::Velocity::*kVelocityParts[] = {
+    &walk::Velocity::forward_mm_per_s, &walk::Velocity::left_mm_per_s, &walk::Velocity::turn_mrad_per_s};
+constexpr std::int16_t walk::VelocityLimits::*kVelocityLimits[] = {
+    &walk::VelocityLimits::forward_mm_per_s, &walk::VelocityLimits::backward_mm_per_s,
+    &walk::VelocityLimits::sideways_mm_per_s, &walk::VelocityLimits::turn_mrad_per_s};
 // An encoder may stand this far outside the joint's limits: backlash and offset of a robot that leans on its
 // stops. The first target then draws the joint back to its limit.
 constexpr fixed::Angle kEncoderMargin = 2.0_deg;
@@ -55,7 +55,7 @@ AbortCode Controller::set_velocity(std::uint8_t subindex, std::int16_t value) {
 }
 
 void Controller::set_velocity_limit(std::uint8_t subindex, std::int16_t value) {
-  VelocityLimits limits = values_.velocity_limits;
+  walk::VelocityLimits limits = values_.velocity_limits;
   limits.*kVelocityLimits[subindex - 1] = value;
   velocity_ = clamped(velocity_, limits);
   values_.velocity = velocity_;
@@ -91,6 +91,8 @@ Reason Controller::try_to_obey(Command command, std::int16_t argument) {
       return play(argument);
     case Command::kStop:
       return stop();
+    case Command::kWalk:
+      return walk();
     case Command::kEmergencyStop:
       return obey_event(Event::kEmergencyStop);
     case Command::kReset:
@@ -138,10 +140,29 @@ Reason Controller::play(std::int16_t number) {
   return obey_event(Event::kPlay);
 }
 
+// A robot that walks already only hears its velocity, and forgets that it was to stop.
+Reason Controller::walk() {
+  if (values_.behaviour.state == State::kWalking) {
+    walker_.go_on();
+    return Reason::kNone;
+  }
+  if (values_.behaviour.state == State::kStanding) {
+    walker_.start(values_.walk, {targets_.data(), model_.joint_count});
+  }
+  return obey_event(Event::kWalk);
+}
+
 Reason Controller::stop() {
-  if (values_.behaviour.state != State::kMotion) return Reason::kNotInThisState;
-  interpreter_.stop();
-  return Reason::kNone;
+  switch (values_.behaviour.state) {
+    case State::kMotion:
+      interpreter_.stop();
+      return Reason::kNone;
+    case State::kWalking:
+      walker_.stop();
+      return Reason::kNone;
+    default:
+      return Reason::kNotInThisState;
+  }
 }
 
 }  // namespace koboshi::app

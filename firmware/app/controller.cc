@@ -38,7 +38,8 @@ Controller::Controller(const hal::Board& board)
       posture_(model_),
       foot_sensors_{balance::FootSensor(model_, hal::Side::kLeft),
                     balance::FootSensor(model_, hal::Side::kRight)},
-      interpreter_(model_) {}
+      interpreter_(model_),
+      walker_(model_) {}
 
 void Controller::service(std::uint64_t now_us) {
   now_us_ = now_us;

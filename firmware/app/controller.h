@@ -18,6 +18,7 @@
 #include "firmware/drive/drive_group.h"
 #include "firmware/motion/interpreter.h"
 #include "firmware/robot/model.h"
+#include "firmware/walk/walker.h"
 #include "hal/port/board.h"
 
 namespace koboshi::app {
@@ -73,6 +74,7 @@ class Controller final : private canopen::NodeApplication {
   Reason enable();
   Reason play(std::int16_t number);
   Reason stop();
+  Reason walk();
   Reason obey_event(Event event);
   Reason refusal_to_enable() const;
   // An SDO client's velocity, or a limit of it, in one of its parts (a sub-index).
@@ -89,6 +91,7 @@ class Controller final : private canopen::NodeApplication {
   void run_enabling();
   void run_soft_start();
   void run_motion();
+  void run_walking();
   void run_fault(std::uint64_t now_us);
 
   void begin_soft_start();
@@ -117,6 +120,8 @@ class Controller final : private canopen::NodeApplication {
   balance::Posture posture_;
   std::array<balance::FootSensor, 2> foot_sensors_;  // by Side
   motion::Interpreter interpreter_;
+  walk::Walker walker_;
+  std::array<fixed::Force, 2> foot_loads_{};              // by Side
   std::array<std::optional<std::uint64_t>, 2> ankle_us_;  // when each ankle spoke last
   std::uint64_t now_us_ = 0;
   std::uint64_t started_us_ = 0;  // of the boot
@@ -124,7 +129,7 @@ class Controller final : private canopen::NodeApplication {
   bool started_ = false;
   balance::InertialSensor::Rates rates_{};  // of the trunk, in its axes, free of the gyro's bias
   balance::InertialSensor::Accelerations accelerations_{};
-  Velocity velocity_;  // the last that was obeyed
+  walk::Velocity velocity_;  // the last that was obeyed
   Angles targets_{};
   Angles ramp_from_{};
   Angles ramp_to_{};

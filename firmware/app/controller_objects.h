@@ -17,6 +17,7 @@ inline constexpr canopen::ValueName kCommandNames[] = {
     canopen::value_name(Command::kStop, "stop"),
     canopen::value_name(Command::kEmergencyStop, "emergency stop"),
     canopen::value_name(Command::kReset, "reset"),
+    canopen::value_name(Command::kWalk, "walk"),
 };
 
 inline constexpr canopen::ValueName kStateNames[] = {
@@ -28,6 +29,7 @@ inline constexpr canopen::ValueName kStateNames[] = {
     canopen::value_name(State::kMotion, "motion"),
     canopen::value_name(State::kFault, "fault"),
     canopen::value_name(State::kEmergencyStop, "emergency stop"),
+    canopen::value_name(State::kWalking, "walking"),
 };
 
 inline constexpr canopen::ValueName kReasonNames[] = {
@@ -71,6 +73,13 @@ inline constexpr canopen::Unit kGainUnit{"s", 1, 1 << 12};
 inline constexpr canopen::Unit kVoltageUnit{"mV"};
 inline constexpr canopen::Unit kSpeedUnit{"mm/s"};
 inline constexpr canopen::Unit kTurnUnit{"mrad/s"};
+inline constexpr canopen::Unit kTimeUnit{"ms"};
+inline constexpr canopen::Unit kShortLengthUnit{"mm", 1, 10};
+inline constexpr canopen::Unit kShareUnit{"%", 1, 10};
+inline constexpr canopen::Unit kSpeedUpUnit{"mm/s^2"};
+inline constexpr canopen::Unit kTurnUpUnit{"mrad/s^2"};
+inline constexpr canopen::Unit kBendUnit{"rad/m", 1, 1000};
+inline constexpr canopen::Unit kForceUnit{"N", 1, 100};
 inline constexpr canopen::Unit kShaftUnit{"deg", 360, 1 << canopen::cia402::kPositionUnitBits};
 inline constexpr canopen::Unit kTorqueShareUnit{"%", 1, 10};
 inline constexpr canopen::Unit kForceCount{.name = "N", .resolution = canopen::Resolution::kForce};
@@ -195,6 +204,71 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
     {OBJECT(kVelocityLimitsObject, 4, velocity_limits.turn_mrad_per_s, kReadWrite)
          .within(0, kMaxTurn_mrad_per_s),
      {.name = "Highest turn", .unit = kTurnUnit}},
+    canopen::heading(0x2130, "Steps", "How the robot walks; in force when it begins to walk the next time."),
+    {OBJECT(0x2130, 1, walk.step.time_ms, kReadWrite).within(100, 600),
+     {.name = "Step time", .unit = kTimeUnit, .comment = "Cut down to whole cycles of 10 ms."}},
+    {OBJECT(0x2130, 2, walk.step.double_support, kReadWrite).within(0, 500),
+     {.name = "Double support", .unit = kShareUnit, .comment = "Share of a step in which both soles rest."}},
+    {OBJECT(0x2130, 3, walk.step.width, kReadWrite).within(400, 1500),
+     {.name = "Step width", .unit = kShortLengthUnit, .comment = "Between the middle lines of the soles."}},
+    {OBJECT(0x2130, 4, walk.step.height, kReadWrite).within(0, 600),
+     {.name = "Step height", .unit = kShortLengthUnit, .comment = "Of the swinging sole."}},
+    {OBJECT(0x2130, 5, walk.step.ease, kReadWrite).within(0, 1000),
+     {.name = "Swing ease",
+      .unit = kShareUnit,
+      .comment = "100: the swinging sole starts and lands without speed; 0: its speed is constant."}},
+    {OBJECT(0x2130, 6, walk.step.acceleration[0], kReadWrite).within(10, 5000),
+     {.name = "Acceleration forward", .unit = kSpeedUpUnit}},
+    {OBJECT(0x2130, 7, walk.step.acceleration[1], kReadWrite).within(10, 5000),
+     {.name = "Acceleration sideways", .unit = kSpeedUpUnit}},
+    {OBJECT(0x2130, 8, walk.step.acceleration[2], kReadWrite).within(10, 20000),
+     {.name = "Acceleration of turn", .unit = kTurnUpUnit}},
+    canopen::heading(0x2131, "Walking posture", "In force when the robot begins to walk the next time."),
+    {OBJECT(0x2131, 1, walk.posture.com_height, kReadWrite).within(500, 10000),
+     {.name = "CoM height",
+      .unit = kShortLengthUnit,
+      .comment = "Of the centre of mass above the soles: the length of the pendulum."}},
+    {OBJECT(0x2131, 2, walk.posture.zmp_ahead, kReadWrite).within(-500, 500),
+     {.name = "ZMP ahead", .unit = kShortLengthUnit, .comment = "Of the planned ZMP, before the ankle."}},
+    {OBJECT(0x2131, 3, walk.posture.zmp_inward, kReadWrite).within(-200, 200),
+     {.name = "ZMP inward",
+      .unit = kShortLengthUnit,
+      .comment = "Of the planned ZMP, from the sole's middle line towards the other foot."}},
+    {OBJECT(0x2131, 4, walk.posture.trunk_pitch, kReadWrite).within(-4096, 4096),
+     {.name = "Trunk pitch", .unit = kAngleUnit, .comment = "Lean ahead."}},
+    {OBJECT(0x2131, 5, walk.posture.trunk_pitch_by_speed, kReadWrite).within(-16384, 16384),
+     {.name = "Trunk pitch by speed", .unit = kAngleUnit, .comment = "More of it for each m/s ahead."}},
+    {OBJECT(0x2131, 6, walk.posture.pitch_compliance, kReadWrite).within(0, 1900),
+     {.name = "Pitch compliance",
+      .unit = kBendUnit,
+      .comment = "Sag of hip, knee and ankle under the robot's weight, that targets make up for."}},
+    {OBJECT(0x2131, 7, walk.posture.roll_compliance, kReadWrite).within(0, 1900),
+     {.name = "Roll compliance", .unit = kBendUnit, .comment = "The same of hip and ankle to the side."}},
+    {OBJECT(0x2131, 8, walk.posture.arm_swing, kReadWrite).within(-1900, 1900),
+     {.name = "Arm swing",
+      .unit = kBendUnit,
+      .comment = "Of a shoulder, by how far the other side's foot is ahead."}},
+    canopen::heading(0x2132, "Walking reactions", "In force when the robot begins to walk the next time."),
+    {OBJECT(0x2132, 1, walk.reaction.capture_ahead, kReadWrite).within(0, 1500),
+     {.name = "Capture ahead",
+      .unit = kShareUnit,
+      .comment = "Share of the measured error of the mass's motion by which the next foothold moves."}},
+    {OBJECT(0x2132, 2, walk.reaction.capture_aside, kReadWrite).within(0, 1500),
+     {.name = "Capture aside", .unit = kShareUnit, .comment = "The same to the side."}},
+    {OBJECT(0x2132, 3, walk.reaction.dead_band, kReadWrite).within(0, 1000),
+     {.name = "Capture dead band", .unit = kShortLengthUnit, .comment = "Of that error."}},
+    {OBJECT(0x2132, 4, walk.reaction.smoothing, kReadWrite).within(0, 990),
+     {.name = "Capture smoothing",
+      .unit = kShareUnit,
+      .comment = "Share of the last cycle's error that is kept."}},
+    {OBJECT(0x2132, 5, walk.reaction.touch_down_load_cN, kReadWrite).within(0, 5000),
+     {.name = "Touch-down load",
+      .unit = kForceUnit,
+      .comment = "Of the swinging foot, which ends a step before its time; 0: no load does."}},
+    {OBJECT(0x2132, 6, walk.reaction.heading_hold, kReadWrite).within(0, 1000),
+     {.name = "Heading hold",
+      .unit = kShareUnit,
+      .comment = "Share of the heading's error by which a step turns back; 0: off."}},
     canopen::heading(0x2200, "Diagnosis", "Counters saturate."),
     {OBJECT(0x2200, 1, diagnosis.model_id, kReadOnly),
      {.name = "Model id", .comment = "Of the robot model in storage."}},

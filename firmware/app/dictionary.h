@@ -4,11 +4,12 @@
 #include <cstdint>
 
 #include "firmware/app/behaviour.h"
-#include "firmware/app/velocity.h"
 #include "firmware/balance/gyro_feedback.h"
 #include "firmware/canopen/node.h"
 #include "firmware/drive/signals.h"
 #include "firmware/drive/trouble.h"
+#include "firmware/walk/gait.h"
+#include "firmware/walk/velocity.h"
 
 namespace koboshi::app {
 
@@ -19,9 +20,10 @@ enum class Command : std::uint8_t {
   kEnable = 1,
   kLimp = 2,
   kPlay = 3,  // argument: number of the motion
-  kStop = 4,  // the motion comes to its end
+  kStop = 4,  // the motion or the walk comes to its end
   kEmergencyStop = 5,
   kReset = 6,
+  kWalk = 7,  // with the velocity of object 0x2110, until kStop
 };
 
 // The values behind the controller's object dictionary.
@@ -56,11 +58,12 @@ struct ControllerValues {
   struct {
     std::uint16_t supply_min_mV = 6000;
     std::uint16_t supply_max_mV = 9000;
-    std::int16_t ramp_rate = 683;   // of the soft start, 2^-12 turn/s: 60 degrees a second
-  } parameters;                     // 0x2100
-  balance::FeedbackGains feedback;  // 0x2101
-  Velocity velocity;                // 0x2110; always within its limits
-  VelocityLimits velocity_limits;   // 0x2111
+    std::int16_t ramp_rate = 683;        // of the soft start, 2^-12 turn/s: 60 degrees a second
+  } parameters;                          // 0x2100
+  balance::FeedbackGains feedback;       // 0x2101
+  walk::Velocity velocity;               // 0x2110; always within its limits
+  walk::VelocityLimits velocity_limits;  // 0x2111
+  walk::WalkParameters walk;             // 0x2130 to 0x2132
   struct {
     std::uint32_t model_id = 0;
     std::uint32_t motions = 0;  // bit n: motion n is valid

@@ -42,6 +42,7 @@ void Controller::estimate_balance() {
   std::array<balance::FootPressure, 2> feet;
   for (std::size_t side = 0; side < feet.size(); ++side) {
     feet[side] = foot_sensors_[side].pressure(values_.ankles[side]);
+    foot_loads_[side] = feet[side].load;
     shown.foot_zmp[side][0] = narrow(feet[side].x);
     shown.foot_zmp[side][1] = narrow(feet[side].y);
   }

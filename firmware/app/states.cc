@@ -56,6 +56,7 @@ void Controller::enter(State state, Reason reason) {
     case State::kLimp:
     case State::kEmergencyStop:
       interpreter_.abort();
+      walker_.abort();
       drives_.set_goal(drive::Goal::kTorqueOff, now_us_);
       break;
     case State::kEnabling:
@@ -66,9 +67,11 @@ void Controller::enter(State state, Reason reason) {
       break;
     case State::kStanding:
     case State::kMotion:
+    case State::kWalking:
       break;
     case State::kFault:
       interpreter_.abort();
+      walker_.abort();
       fault_us_ = now_us_;
       drives_.set_goal(drive::Goal::kQuickStop, now_us_);
       break;
@@ -85,6 +88,8 @@ void Controller::run_state(std::uint64_t now_us) {
       return run_soft_start();
     case State::kMotion:
       return run_motion();
+    case State::kWalking:
+      return run_walking();
     case State::kFault:
       return run_fault(now_us);
     case State::kLimp:
@@ -140,6 +145,14 @@ void Controller::run_motion() {
   interpreter_.advance(kTick_us);
   std::ranges::copy(interpreter_.targets(), targets_.begin());
   if (!interpreter_.running()) handle(Event::kEnded, Reason::kProgress);
+}
+
+void Controller::run_walking() {
+  walker_.advance(
+      values_.velocity,
+      {.roll = attitude_.roll(), .pitch = attitude_.pitch(), .rates = rates_, .loads = foot_loads_});
+  std::ranges::copy(walker_.targets(), targets_.begin());
+  if (!walker_.running()) handle(Event::kEnded, Reason::kProgress);
 }
 
 void Controller::run_fault(std::uint64_t now_us) {

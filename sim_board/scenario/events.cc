@@ -37,10 +37,17 @@ std::size_t find_motion(const YamlValue& value, const std::vector<std::string>& 
   return static_cast<std::size_t>(std::ranges::find(motions, name) - motions.begin());
 }
 
+Eigen::Vector3d read_velocity(const YamlMap& map) {
+  constexpr NumberRange kSpeed{.min = -2.0, .max = 2.0};
+  return {map.number("forward_m_per_s", kSpeed, 0.0), map.number("left_m_per_s", kSpeed, 0.0),
+          map.number("turn_rad_per_s", {.min = -6.0, .max = 6.0}, 0.0)};
+}
+
 Command read_command(const YamlValue& item, const std::vector<std::string>& motions) {
-  static const std::array<std::pair<std::string, Command::Kind>, 5> kVerbs{
+  static const std::array<std::pair<std::string, Command::Kind>, 6> kVerbs{
       {{"enable", Command::Kind::kEnable},
        {"play", Command::Kind::kPlay},
+       {"walk", Command::Kind::kWalk},
        {"stop", Command::Kind::kStop},
        {"emergency_stop", Command::Kind::kEmergencyStop},
        {"reset", Command::Kind::kReset}}};
@@ -55,13 +62,15 @@ Command read_command(const YamlValue& item, const std::vector<std::string>& moti
     const YamlValue value = map.value(verb);
     if (kind == Command::Kind::kPlay) {
       command.motion = find_motion(value, motions);
+    } else if (kind == Command::Kind::kWalk) {
+      command.velocity = read_velocity(value.map());
     } else if (!value.boolean()) {
       throw value.error("true");
     }
   }
   if (verbs != 1) {
     throw item.error("a command with " + std::to_string(verbs) + " verbs",
-                     "just one of enable, play, stop, emergency_stop or reset");
+                     "just one of enable, play, walk, stop, emergency_stop or reset");
   }
   return command;
 }

@@ -1,5 +1,6 @@
 #include "sim_board/scenario/operator_pc.h"
 
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
@@ -9,6 +10,7 @@ namespace {
 constexpr std::uint8_t kControllerNodeId = 1;
 // Identifier and codes of the controller's commands: RPDO 1 of node 1, object 0x2000 of its dictionary.
 constexpr std::uint16_t kCommandIdentifier = 0x201;
+constexpr std::uint16_t kVelocityIdentifier = 0x301;  // RPDO 2: object 0x2110, in mm/s and mrad/s
 
 std::uint8_t code_of(Command::Kind kind) {
   switch (kind) {
@@ -22,6 +24,8 @@ std::uint8_t code_of(Command::Kind kind) {
       return 5;
     case Command::Kind::kReset:
       return 6;
+    case Command::Kind::kWalk:
+      return 7;
   }
   return 0;
 }
@@ -49,7 +53,17 @@ void OperatorPc::advance() {
       client_.begin_write(kControllerNodeId, write.address, write.value, write.size_bytes, board_.now_us()));
 }
 
+// Whoever walks hears the velocity first.
 void OperatorPc::command(const Command& command) {
+  if (command.kind == Command::Kind::kWalk) {
+    hal::CanFrame velocity{.identifier = kVelocityIdentifier, .size = 6};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto thousandths =
+          static_cast<std::int16_t>(std::lround(1000.0 * command.velocity[static_cast<int>(axis)]));
+      canopen::store_u16(velocity.data.data() + 2 * axis, static_cast<std::uint16_t>(thousandths));
+    }
+    static_cast<void>(send(velocity));
+  }
   hal::CanFrame frame{.identifier = kCommandIdentifier, .size = 3};
   frame.data[0] = code_of(command.kind);
   frame.data[1] = static_cast<std::uint8_t>(command.motion);

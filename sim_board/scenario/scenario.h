@@ -111,11 +111,13 @@ struct ParameterSetting {
 
 // What an operator tells the controller over the bus.
 struct Command {
-  enum class Kind { kEnable, kPlay, kStop, kEmergencyStop, kReset };
+  enum class Kind { kEnable, kPlay, kWalk, kStop, kEmergencyStop, kReset };
 
   std::uint64_t at_us = 0;
   Kind kind = Kind::kEnable;
   std::size_t motion = 0;  // of kPlay: index into Scenario::motions
+  // Of kWalk: m/s ahead and to the left, rad/s counter-clockwise.
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
 };
 
 // A force on a link for a while.

@@ -2,43 +2,33 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <cctype>
 #include <cmath>
-#include <limits>
-#include <numbers>
+#include <map>
 #include <string>
 
-#include "firmware/app/dictionary.h"
+#include "firmware/app/controller_objects.h"
 #include "sim_board/input/error.h"
 
 namespace koboshi::tools {
 namespace {
 
-// By what name and in what unit people know an object of the controller. Type and range stand in its
-// dictionary.
-struct Parameter {
-  const char* name;
-  canopen::ObjectAddress address;
-  double raw_per_unit;
-};
-
-constexpr double kRatePerRadPerS = 4096.0 / (2.0 * std::numbers::pi);  // 2^-12 turn/s
-
-constexpr Parameter kParameters[] = {
-    {"feedback_ankle_pitch_s", {0x2101, 1}, 4096.0},
-    {"feedback_ankle_roll_s", {0x2101, 2}, 4096.0},
-    {"feedback_hip_roll_s", {0x2101, 3}, 4096.0},
-    {"feedback_knee_s", {0x2101, 4}, 4096.0},
-    {"supply_min_V", {0x2100, 1}, 1000.0},
-    {"supply_max_V", {0x2100, 2}, 1000.0},
-    {"ramp_rate_rad_per_s", {0x2100, 3}, kRatePerRadPerS},
-};
-
-const canopen::Entry& object_of(const Parameter& parameter) {
-  const auto rows = app::kControllerNode.rows;
-  return *std::ranges::find_if(rows, [&](const canopen::Entry& row) {
-    return row.index == parameter.address.index && row.subindex == parameter.address.subindex;
-  });
+// An object of the controller that a client may write, under the name that its dictionary gives it, in the
+// dictionary's unit; type and range stand there too.
+const std::map<std::string, const canopen::DescribedObject*>& parameters() {
+  static const auto kByName = [] {
+    std::map<std::string, const canopen::DescribedObject*> by_name;
+    for (const canopen::DescribedObject& object : app::kControllerObjects) {
+      if (object.is_heading() || object.entry.count > 1 || object.entry.access != canopen::Access::kReadWrite)
+        continue;
+      std::string name(object.text.name);
+      for (char& c : name)
+        c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? static_cast<char>(std::tolower(c)) : '_';
+      by_name.emplace(name, &object);
+    }
+    return by_name;
+  }();
+  return kByName;
 }
 
 sim::InputError error_at(const sim::SourcedName& name, const std::string& found,
@@ -46,12 +36,11 @@ sim::InputError error_at(const sim::SourcedName& name, const std::string& found,
   return {name.source, name.line, found, expected};
 }
 
-const Parameter& find(const sim::SourcedName& name) {
-  const auto found =
-      std::ranges::find_if(kParameters, [&](const Parameter& known) { return name.text == known.name; });
-  if (found != std::end(kParameters)) return *found;
+const canopen::DescribedObject& find(const sim::SourcedName& name) {
+  const auto found = parameters().find(name.text);
+  if (found != parameters().end()) return *found->second;
   std::string names;
-  for (const Parameter& known : kParameters) names += (names.empty() ? "" : ", ") + std::string(known.name);
+  for (const auto& [known, object] : parameters()) names += (names.empty() ? "" : ", ") + known;
   throw error_at(name, "parameter " + name.text, "one of " + names);
 }
 
@@ -72,17 +61,19 @@ Range range_of(const canopen::Entry& object) {
 }
 
 sim::SdoWrite resolve(const sim::ParameterSetting& setting) {
-  const Parameter& parameter = find(setting.name);
-  const canopen::Entry& object = object_of(parameter);
+  const canopen::DescribedObject& parameter = find(setting.name);
+  const canopen::Entry& object = parameter.entry;
   const auto [low, high] = range_of(object);
-  const double raw = std::round(setting.value * parameter.raw_per_unit);
+  const double raw_per_unit =
+      static_cast<double>(parameter.text.unit.denominator) / parameter.text.unit.numerator;
+  const double raw = std::round(setting.value * raw_per_unit);
   if (!(raw >= static_cast<double>(low) && raw <= static_cast<double>(high))) {
-    throw error_at(setting.name, fmt::format("{} = {}", parameter.name, setting.value),
-                   fmt::format("{:.6g} to {:.6g}", static_cast<double>(low) / parameter.raw_per_unit,
-                               static_cast<double>(high) / parameter.raw_per_unit));
+    throw error_at(setting.name, fmt::format("{} = {}", setting.name.text, setting.value),
+                   fmt::format("{:.6g} to {:.6g} {}", static_cast<double>(low) / raw_per_unit,
+                               static_cast<double>(high) / raw_per_unit, parameter.text.unit.name));
   }
   return {.parameter = setting.name,
-          .address = parameter.address,
+          .address = {object.index, object.subindex},
           .size_bytes = canopen::size_bytes(object.type),
           .value = static_cast<std::uint32_t>(static_cast<std::int64_t>(raw))};
 }

@@ -14,6 +14,8 @@ std::string label_of(const sim::Command& command, const sim::Scenario& scenario)
   switch (command.kind) {
     case sim::Command::Kind::kEnable:
       return "enable";
+    case sim::Command::Kind::kWalk:
+      return "walk";
     case sim::Command::Kind::kPlay:
       return "play " + (command.motion < scenario.motions.size()
                             ? scenario.motions[command.motion].stem().string()

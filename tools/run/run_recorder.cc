@@ -28,6 +28,8 @@ RunRecorder::RunRecorder(Simulation& simulation, sim::Recorder* recorder)
     walk_.emplace(
         simulation.robot(), simulation.scenario(), [plan](double time_s) { return plan->at(time_s); },
         motion);
+  } else {
+    walk_.emplace(simulation.robot(), simulation.scenario());
   }
   row_.reserve(columns(simulation.robot()).size());
   simulation_.board().bus().set_observer(this);
@@ -133,7 +135,7 @@ void RunRecorder::hash_state() {
 void RunRecorder::judge() {
   fell_ = fell_ || truth_now_->tilt_rad > kFallen_rad;
   const auto state = telemetry_.now().state;
-  const bool on_its_feet = state == app::State::kStanding || state == app::State::kMotion;
+  const bool on_its_feet = app::balances(state);
   const std::uint64_t release_us = simulation_.scenario().initial.release_us.value_or(0);
   if (!on_its_feet || simulation_.board().now_us() < release_us + kSettle_us) return;
   const double error_m = std::abs(truth_now_->p_WB_W.z() - truth_now_->pose_height_m);

@@ -50,7 +50,7 @@ class RunRecorder final : private sim::BusObserver {
   sim::Recorder* recorder_;
   TelemetryReader telemetry_;
   TruthObserver truth_;
-  std::optional<WalkObserver> walk_;  // of a scenario with a gait
+  std::optional<WalkObserver> walk_;
   const GroundTruth* truth_now_ = nullptr;
   sim::StateHash hash_;
   std::vector<sim::TraceValue> row_;

@@ -26,7 +26,7 @@ Eigen::Vector2d in_sole_of(hal::Side side, const GroundTruth& truth, const Telem
 }  // namespace
 
 WalkObserver::WalkObserver(const sim::RobotDescription& robot, const sim::Scenario& scenario, Plan plan,
-                           std::uint8_t motion)
+                           std::optional<std::uint8_t> motion)
     : plan_(std::move(plan)), motion_(motion), sensor_check_(robot, scenario) {}
 
 void WalkObserver::observe_sensors(const sim::SimBoard& board) {
@@ -34,7 +34,8 @@ void WalkObserver::observe_sensors(const sim::SimBoard& board) {
 }
 
 void WalkObserver::observe_tick(const GroundTruth& truth, const Telemetry& said) {
-  const bool plays = said.state == app::State::kMotion && said.motion == motion_;
+  const bool plays = said.state == app::State::kWalking ||
+                     (said.state == app::State::kMotion && motion_ && said.motion == *motion_);
   const bool over = begun_ && !walking_;
   planned_.reset();
   walking_ = plays && !over && truth.tilt_rad < kFallen_rad;
@@ -44,7 +45,7 @@ void WalkObserver::observe_tick(const GroundTruth& truth, const Telemetry& said)
   } else {
     ++ticks_;
   }
-  planned_ = plan_(kTick_s * ticks_ - kInEffect_s);
+  if (said.state == app::State::kMotion) planned_ = plan_(kTick_s * ticks_ - kInEffect_s);
   follow(truth);
   judge_zmp(truth, said);
 }
@@ -63,7 +64,7 @@ void WalkObserver::follow(const GroundTruth& truth) {
 
 void WalkObserver::judge_zmp(const GroundTruth& truth, const Telemetry& said) {
   if (truth.zmp_margin_m) margins_m_.push_back(*truth.zmp_margin_m);
-  if (!said.zmp.valid) return;
+  if (!said.zmp.valid || !planned_) return;
   zmp_error_m_.add((in_sole_of(planned_->support, truth, said) - planned_->zmp_S_m).squaredNorm());
 }
 

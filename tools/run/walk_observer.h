@@ -15,16 +15,17 @@
 namespace koboshi::tools {
 
 // Judges a walk: what summary.json says of it (docs/reference/summary.md). The walk begins with the first
-// tick whose telemetry tells that the motion plays, and ends when it no longer does, when the robot has
-// fallen, or with the run.
+// tick whose telemetry tells that the robot walks, on the gait's motion or by command, and ends when it no
+// longer does, when the robot has fallen, or with the run.
 class WalkObserver {
  public:
   // What the walk intends, by the time since its motion began (GaitPlan::at).
   using Plan = std::function<GaitInstant(double time_s)>;
 
-  // `motion` is the number by which the controller knows the walk. The robot must outlive the observer.
-  WalkObserver(const sim::RobotDescription& robot, const sim::Scenario& scenario, Plan plan,
-               std::uint8_t motion);
+  // `motion` is the number by which the controller knows the gait of the plan; without one, the robot walks
+  // by command only. The robot must outlive the observer.
+  WalkObserver(const sim::RobotDescription& robot, const sim::Scenario& scenario, Plan plan = {},
+               std::optional<std::uint8_t> motion = {});
 
   // After each millisecond of the board.
   void observe_sensors(const sim::SimBoard& board);
@@ -43,7 +44,7 @@ class WalkObserver {
   void judge_zmp(const GroundTruth& truth, const Telemetry& said);
 
   Plan plan_;
-  std::uint8_t motion_;
+  std::optional<std::uint8_t> motion_;
   bool begun_ = false;
   bool walking_ = false;
   int ticks_ = 0;  // since the first

@@ -1,4 +1,4 @@
-#include "firmware/app/velocity.h"
+#include "firmware/walk/velocity.h"
 
 #include <gtest/gtest.h>
 

@@ -29,28 +29,28 @@ std::string refusal(const std::string& name, double value) {
 }
 
 TEST(Parameters, BecomeWhatTheControllerHolds) {
-  const sim::SdoWrite write = resolve("feedback_knee_s", 0.05);
+  const sim::SdoWrite write = resolve("knee_gain", 0.05);
   EXPECT_EQ(write.address, (canopen::ObjectAddress{0x2101, 4}));
   EXPECT_EQ(write.size_bytes, 2);
   EXPECT_EQ(write.value, 205u);  // 0.05 * 4096, rounded
-  EXPECT_EQ(write.parameter.text, "feedback_knee_s");
-  EXPECT_EQ(resolve("feedback_ankle_roll_s", -1.0).value, 0xFFFF'F000u);
-  EXPECT_EQ(resolve("supply_min_V", 6.5).value, 6500u);
-  EXPECT_EQ(resolve("ramp_rate_rad_per_s", 1.0).value, 652u);  // 4096 / 2 pi
+  EXPECT_EQ(write.parameter.text, "knee_gain");
+  EXPECT_EQ(resolve("ankle_roll_gain", -1.0).value, 0xFFFF'F000u);
+  EXPECT_EQ(resolve("lowest_supply", 6500).value, 6500u);
+  EXPECT_EQ(resolve("ramp_rate", 90.0).value, 1024u);
 }
 
 TEST(Parameters, AreRefusedByAnUnknownName) {
-  const std::string message = refusal("feedback_elbow_s", 0.1);
-  EXPECT_THAT(message, HasSubstr("walk.yaml:12: found parameter feedback_elbow_s"));
-  EXPECT_THAT(message, HasSubstr("feedback_ankle_pitch_s"));  // what there is
+  const std::string message = refusal("elbow_gain", 0.1);
+  EXPECT_THAT(message, HasSubstr("walk.yaml:12: found parameter elbow_gain"));
+  EXPECT_THAT(message, HasSubstr("ankle_pitch_gain"));  // what there is
 }
 
 TEST(Parameters, AreRefusedBeyondTheRangeOfTheControllersDictionary) {
-  EXPECT_THAT(refusal("feedback_knee_s", 1.01),
-              HasSubstr("walk.yaml:12: found feedback_knee_s = 1.01, expected -1 to 1"));
-  EXPECT_NE(refusal("supply_max_V", 70.0), "");
-  EXPECT_NE(refusal("supply_max_V", -1.0), "");
-  EXPECT_NE(refusal("ramp_rate_rad_per_s", 0.0), "");
+  EXPECT_THAT(refusal("knee_gain", 1.01),
+              HasSubstr("walk.yaml:12: found knee_gain = 1.01, expected -1 to 1 s"));
+  EXPECT_NE(refusal("highest_supply", 70000.0), "");
+  EXPECT_NE(refusal("highest_supply", -1.0), "");
+  EXPECT_NE(refusal("ramp_rate", 0.0), "");
 }
 
 }  // namespace

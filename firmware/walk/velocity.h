@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace koboshi::app {
+namespace koboshi::walk {
 
 // How the robot is to move over the ground, in the axes of its trunk: x forward, y left, z up.
 struct Velocity {
@@ -36,4 +36,4 @@ constexpr Velocity clamped(const Velocity& velocity, const VelocityLimits& limit
           std::clamp(velocity.turn_mrad_per_s, low.turn_mrad_per_s, high.turn_mrad_per_s)};
 }
 
-}  // namespace koboshi::app
+}  // namespace koboshi::walk

@@ -1,0 +1,146 @@
+#include "firmware/walk/body.h"
+
+#include <algorithm>
+
+#include "firmware/fixed/trigonometry.h"
+#include "firmware/walk/radians.h"
+
+namespace koboshi::walk {
+
+using fixed::Angle;
+using fixed::Length;
+using fixed::Mass;
+using fixed::product;
+using fixed::product_sum;
+using fixed::Ratio;
+using fixed::SineCosine;
+using robot::Position;
+
+namespace {
+
+enum LegJoint : std::size_t { kHipYaw, kHipRoll, kHipPitch, kKnee, kAnklePitch, kAnkleRoll };
+
+Position scaled(const Position& p, Ratio factor) {
+  return {product<Length>(p.x, factor), product<Length>(p.y, factor), product<Length>(p.z, factor)};
+}
+
+// R_SB v, where B leans ahead by the pitch and is then turned to the left by the yaw.
+Position from_trunk(const Position& v, SineCosine yaw, SineCosine pitch) {
+  const Length ahead = product_sum<Length>(v.x, pitch.cosine, v.z, pitch.sine);
+  return {product_sum<Length>(ahead, yaw.cosine, -v.y, yaw.sine),
+          product_sum<Length>(ahead, yaw.sine, v.y, yaw.cosine),
+          product_sum<Length>(v.z, pitch.cosine, -v.x, pitch.sine)};
+}
+
+Position into_trunk(const Position& v, SineCosine yaw, SineCosine pitch) {
+  const Length ahead = product_sum<Length>(v.x, yaw.cosine, v.y, yaw.sine);
+  return {product_sum<Length>(ahead, pitch.cosine, -v.z, pitch.sine),
+          product_sum<Length>(v.y, yaw.cosine, -v.x, yaw.sine),
+          product_sum<Length>(v.z, pitch.cosine, ahead, pitch.sine)};
+}
+
+// Of a sole that is level and turned to the left by `yaw` against the trunk.
+robot::Rotation level_in_trunk(Angle yaw, SineCosine pitch) {
+  const auto [s, c] = fixed::sin_cos(yaw);
+  return {{robot::Direction{product<Ratio>(pitch.cosine, c), -product<Ratio>(pitch.cosine, s), -pitch.sine},
+           robot::Direction{s, c, Ratio()},
+           robot::Direction{product<Ratio>(pitch.sine, c), -product<Ratio>(pitch.sine, s), pitch.cosine}}};
+}
+
+Angle signed_by(std::int8_t sign, Angle angle) { return sign < 0 ? -angle : angle; }
+
+Position at_height(Point p, Length height) { return {p.x, p.y, height}; }
+
+// Masses as shares of the robot's, which sum up to its centre of mass.
+class Shares {
+ public:
+  explicit Shares(const robot::RobotModel& model) : total_(model.base_mass) {
+    for (std::size_t i = 0; i < model.joint_count; ++i) total_ += model.joints[i].mass;
+  }
+  [[nodiscard]] Ratio of(Mass mass) const { return fixed::quotient<Ratio>(mass, total_); }
+
+ private:
+  Mass total_;
+};
+
+}  // namespace
+
+Body::Body(const robot::RobotModel& model) : model_(model) {
+  if (model.joint_count == 0) return;
+  const Shares shares(model);
+  // At joint zero all links have the trunk's axes, so that each is where the anchors down to it add up to.
+  std::array<Position, robot::kMaxJoints> p_BLinks;
+  Position centre = scaled(model.base_centre_of_mass, shares.of(model.base_mass));
+  for (std::size_t step = 0; step < model.joint_count; ++step) {
+    const std::size_t i = model.order[step];
+    const robot::Joint& joint = model.joints[i];
+    p_BLinks[i] = joint.parent == robot::kBase
+                      ? joint.anchor
+                      : p_BLinks[static_cast<std::size_t>(joint.parent)] + joint.anchor;
+    centre = centre + scaled(p_BLinks[i] + joint.centre_of_mass, shares.of(joint.mass));
+  }
+  Ratio both_legs;
+  Position soles{};
+  for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
+    robot::LegGeometry& leg = legs_[static_cast<std::size_t>(side)];
+    // A loaded model has legs of this shape (ModelStatus::kBadLeg).
+    static_cast<void>(robot::make_leg_geometry(model, side, leg));
+    Position p_BSole = p_BLinks[leg.joints[kAnkleRoll]];
+    p_BSole.z -= leg.ankle_height;
+    for (const std::size_t i : leg.joints) {
+      const Length place = p_BLinks[i].z + model.joints[i].centre_of_mass.z;
+      const Ratio along = fixed::quotient<Ratio>(leg.p_BH_B.z - place, leg.p_BH_B.z - p_BSole.z);
+      both_legs += product<Ratio>(shares.of(model.joints[i].mass), along);
+    }
+    soles = soles + p_BSole;
+  }
+  foot_share_ = both_legs / 2;
+  inverse_share_ = fixed::quotient<Ratio>(fixed::kOne, fixed::kOne - both_legs);
+  constant_B_ = centre - scaled(soles, foot_share_);
+}
+
+void Body::solve(const Stance& stance, const Compliance& compliance, std::span<Angle> targets) const {
+  const SineCosine yaw = fixed::sin_cos(stance.yaw);
+  const SineCosine pitch = fixed::sin_cos(stance.pitch);
+  const Position feet =
+      at_height(stance.soles[0].p + stance.soles[1].p, stance.heights[0] + stance.heights[1]);
+  const Position p_SB =
+      scaled(stance.centre_of_mass - from_trunk(constant_B_, yaw, pitch) - scaled(feet, foot_share_),
+             inverse_share_);
+  for (std::size_t side = 0; side < legs_.size(); ++side) {
+    const robot::LegGeometry& geometry = legs_[side];
+    const Foothold& sole = stance.soles[side];
+    const Position p_SSole = at_height(sole.p, stance.heights[side]);
+    robot::LegAngles leg = robot::leg_inverse_kinematics(
+        model_, geometry,
+        {.R = level_in_trunk(sole.yaw - stance.yaw, pitch), .p = into_trunk(p_SSole - p_SB, yaw, pitch)});
+    compensate(side, stance, compliance, p_SB + from_trunk(geometry.p_BH_B, yaw, pitch), leg);
+    for (std::size_t i = 0; i < robot::kLegJoints; ++i) targets[geometry.joints[i]] = leg.angles[i];
+  }
+}
+
+// The ground's force through the ZMP, upwards, turns what is below a joint by force times lever; the joint
+// gives way by the compliance, and its target goes as far the other way. The weight below the joint, a small
+// part, is left out, and so is the turn of the sole against the frame.
+void Body::compensate(std::size_t side, const Stance& stance, const Compliance& compliance,
+                      const Position& p_SH, robot::LegAngles& leg) const {
+  const robot::LegGeometry& geometry = legs_[side];
+  const Ratio share = stance.load_shares[side];
+  if (share == Ratio()) return;
+  const Point sole = stance.soles[side].p;
+  // In double support each foot bears its share about its own place.
+  const Point zmp = share == fixed::kOne ? stance.zmp : sole;
+  const Angle lean = geometry.shank_tilt - signed_by(geometry.signs[kAnklePitch], leg.angles[kAnklePitch]);
+  const Length knee = sole.x + product<Length>(geometry.shank, fixed::sin(lean));
+  const auto turn = [&](LegJoint joint, Length lever, Ratio give) {
+    const Angle sag = from_rad(product<Ratio>(product<Ratio>(lever, give), share));
+    leg.angles[joint] -= signed_by(geometry.signs[joint], sag);
+  };
+  turn(kHipPitch, p_SH.x - zmp.x, compliance.pitch);
+  turn(kKnee, knee - zmp.x, compliance.pitch);
+  turn(kAnklePitch, sole.x - zmp.x, compliance.pitch);
+  turn(kHipRoll, zmp.y - p_SH.y, compliance.roll);
+  turn(kAnkleRoll, zmp.y - sole.y, compliance.roll);
+}
+
+}  // namespace koboshi::walk

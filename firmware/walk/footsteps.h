@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/walk/plane.h"
+#include "hal/port/ankle.h"
+
+namespace koboshi::walk {
+
+// Where the robot is told to go: by how much a step takes it there.
+struct Stride {
+  Point way;
+  fixed::Angle turn;
+};
+
+[[nodiscard]] constexpr hal::Side other(hal::Side side) {
+  return side == hal::Side::kLeft ? hal::Side::kRight : hal::Side::kLeft;
+}
+
+// The steps of a walk that goes on as it is: both feet in turn, the one that the robot goes or turns to opens
+// by twice the way, and the other closes. Of the pendulum on it the one motion that repeats itself every two
+// steps.
+class Footsteps {
+ public:
+  // `width` between the places of the ZMP under both feet; `growth` of the divergent motion in a step.
+  Footsteps(fixed::Length width, fixed::Gain growth) : width_(width), growth_(growth) {}
+
+  // From the ZMP under the foot that stands to that under the foot that swings, and the turn of its sole.
+  [[nodiscard]] Foothold step(hal::Side swing, const Stride& stride) const;
+
+  // Where the divergent part has to be when a step onto `stance` begins, from the ZMP under it.
+  [[nodiscard]] Point offset(hal::Side stance, const Stride& stride) const;
+
+ private:
+  fixed::Length width_;
+  fixed::Gain growth_;
+};
+
+}  // namespace koboshi::walk

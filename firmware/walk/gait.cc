@@ -1,0 +1,79 @@
+#include "firmware/walk/gait.h"
+
+#include <algorithm>
+
+#include "firmware/fixed/rounding.h"
+#include "firmware/walk/pendulum.h"
+
+namespace koboshi::walk {
+
+using fixed::Angle;
+using fixed::Force;
+using fixed::Length;
+using fixed::Ratio;
+
+namespace {
+
+constexpr std::int32_t kTick_ms = 10;
+constexpr std::int64_t kAngleInARad_raw = 683'565'276;  // 2^32 / (2 pi)
+
+Length tenths_of_mm(std::int16_t value) { return fixed::mul_div(Length::from_raw(1 << 24), value, 10'000); }
+Ratio permille(std::int16_t value) { return fixed::mul_div(fixed::kOne, value, 1000); }
+Angle angle(std::int16_t value) { return Angle::from_raw(std::int32_t{value} << 16); }
+Force hundredths_of_N(std::int16_t value) { return fixed::mul_div(Force::from_raw(1 << 16), value, 100); }
+
+// value * time, in 10^-8 of the unit, to a raw number of which `unit_raw` are one unit.
+std::int32_t way_raw(std::int32_t value, std::int32_t time_ms, std::int64_t unit_raw) {
+  return fixed::saturate<std::int32_t>(
+      fixed::divide_rounded(std::int64_t{value} * time_ms * unit_raw, 100'000'000));
+}
+
+}  // namespace
+
+Gait::Gait(const WalkParameters& parameters) {
+  const auto& [step, posture, reaction] = parameters;
+  step_ticks = std::clamp<std::int32_t>(step.time_ms / kTick_ms, 1, Pendulum::kMaxTicks);
+  double_ticks = std::clamp<std::int32_t>(step_ticks * step.double_support / 1000, 0, step_ticks - 1);
+  step_width = tenths_of_mm(step.width);
+  step_height = tenths_of_mm(step.height);
+  ease = permille(step.ease);
+  std::ranges::copy(step.acceleration, acceleration.begin());
+  com_height = tenths_of_mm(posture.com_height);
+  zmp_ahead = tenths_of_mm(posture.zmp_ahead);
+  zmp_inward = tenths_of_mm(posture.zmp_inward);
+  pitch = angle(posture.trunk_pitch);
+  pitch_at_1_m_per_s = angle(posture.trunk_pitch_by_speed);
+  compliance = {.pitch = permille(posture.pitch_compliance), .roll = permille(posture.roll_compliance)};
+  arm_swing = permille(posture.arm_swing);
+  capture_ahead = permille(reaction.capture_ahead);
+  capture_aside = permille(reaction.capture_aside);
+  dead_band = tenths_of_mm(reaction.dead_band);
+  smoothing = permille(reaction.smoothing);
+  touch_down_load = hundredths_of_N(reaction.touch_down_load_cN);
+  heading_hold = permille(reaction.heading_hold);
+}
+
+// mm/s^2 over a cycle of 10 ms are hundredths of a mm/s.
+void Speed::approach(const Velocity& command, const Gait& gait) {
+  const std::array<std::int16_t, 3> wanted{command.forward_mm_per_s, command.left_mm_per_s,
+                                           command.turn_mrad_per_s};
+  for (std::size_t axis = 0; axis < values_.size(); ++axis) {
+    const std::int32_t most = gait.acceleration[axis];
+    values_[axis] += std::clamp(wanted[axis] * 100 - values_[axis], -most, most);
+  }
+}
+
+Stride Speed::stride(const Gait& gait) const {
+  const std::int32_t time_ms = gait.step_ticks * kTick_ms;
+  const auto length = [&](std::int32_t value) { return Length::from_raw(way_raw(value, time_ms, 1 << 24)); };
+  return {.way = {length(values_[0]), length(values_[1])},
+          .turn = Angle::from_raw(way_raw(values_[2], time_ms, kAngleInARad_raw))};
+}
+
+Angle Speed::lean(const Gait& gait) const {
+  return gait.pitch + fixed::mul_div(gait.pitch_at_1_m_per_s, values_[0], 100'000);
+}
+
+Angle Speed::turn() const { return Angle::from_raw(way_raw(values_[2], kTick_ms, kAngleInARad_raw)); }
+
+}  // namespace koboshi::walk

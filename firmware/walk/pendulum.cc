@@ -1,0 +1,56 @@
+#include "firmware/walk/pendulum.h"
+
+#include <algorithm>
+
+#include "firmware/fixed/literals.h"
+#include "firmware/fixed/trigonometry.h"
+
+namespace koboshi::walk {
+
+using fixed::Gain;
+using fixed::Length;
+using fixed::Ratio;
+using namespace fixed::literals;
+
+namespace {
+
+constexpr Length kLowest = 0.05_m;
+constexpr Length kHighest = 1.0_m;
+// 1 / g in s^2/m, so that height / g is a ratio: T_c^2 in s^2.
+constexpr Ratio kInverseGravity = 0.101971621_ratio;
+constexpr Ratio kTick_s = 0.01_ratio;
+
+// e^x by its series, for |x| <= 0.15: the first term left out is below 2^-30.
+Ratio exponential(Ratio x) {
+  Ratio sum = fixed::kOne;
+  for (int term = 6; term > 0; --term) sum = fixed::kOne + fixed::product<Ratio>(x, sum) / term;
+  return sum;
+}
+
+Length toward(Length from, Length value, Ratio factor) {
+  return from + fixed::product<Length>(value - from, factor);
+}
+
+}  // namespace
+
+Pendulum::Pendulum(Length height) {
+  const Length bounded = std::clamp(height, kLowest, kHighest);
+  time_constant_s_ = fixed::square_root<Ratio>(fixed::product<Ratio>(bounded, kInverseGravity));
+  const Ratio x = fixed::quotient<Ratio>(kTick_s, time_constant_s_);
+  growth_of_a_tick_ = exponential(x);
+  decay_of_a_tick_ = exponential(-x);
+  growth_[0] = 1.0_gain;
+  for (std::size_t tick = 1; tick <= kMaxTicks; ++tick) {
+    growth_[tick] = fixed::product<Gain>(growth_[tick - 1], growth_of_a_tick_);
+  }
+}
+
+void Pendulum::advance(PendulumState& state, Point zmp) const {
+  const auto advanced = [&](Point p, Ratio factor) {
+    return Point{toward(zmp.x, p.x, factor), toward(zmp.y, p.y, factor)};
+  };
+  state.divergent = advanced(state.divergent, growth_of_a_tick_);
+  state.convergent = advanced(state.convergent, decay_of_a_tick_);
+}
+
+}  // namespace koboshi::walk

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "firmware/fixed/literals.h"
+#include "firmware/fixed/units.h"
+
+namespace koboshi::walk {
+
+// An angle of the ratio's range, 2 rad either way, as a ratio in rad, and back. The two formats are two bits
+// apart: the factors are a quarter of 2 pi, and its inverse.
+[[nodiscard]] constexpr fixed::Ratio in_rad(fixed::Angle angle) {
+  constexpr fixed::Ratio kFactor = fixed::literals::operator""_ratio(1.5707963267948966L);
+  return fixed::product<fixed::Ratio>(fixed::Ratio::from_raw(angle.raw()), kFactor);
+}
+[[nodiscard]] constexpr fixed::Angle from_rad(fixed::Ratio rad) {
+  constexpr fixed::Ratio kFactor = fixed::literals::operator""_ratio(0.63661977236758134L);
+  return fixed::Angle::from_raw(fixed::product<fixed::Ratio>(rad, kFactor).raw());
+}
+
+}  // namespace koboshi::walk
