@@ -19,14 +19,15 @@ Foothold Footsteps::step(Side swing, const Stride& stride) const {
           .yaw = turns_out ? stride.turn * 2 : Angle()};
 }
 
-// From one step to the next the offset b obeys b_next = growth b - step; a motion of two steps that repeats
-// itself has b = (growth step_1 + step_2) / (growth^2 - 1).
+// With c = b + lag * last step, from one step to the next growth * c = step * (1 - lag) + c_next. The motion
+// of two steps that repeats itself has c = (1 - lag) (growth * step_1 + step_2) / (growth^2 - 1).
 Point Footsteps::offset(Side stance, const Stride& stride) const {
   const Point first = step(other(stance), stride).p;
   const Point second = step(stance, stride).p;
   const Gain divisor = fixed::product<Gain>(growth_, growth_) - 1.0_gain;
   const auto along = [&](Length a, Length b) {
-    return fixed::quotient<Length>(fixed::product<Length>(a, growth_) + b, divisor);
+    const Length at_once = fixed::quotient<Length>(fixed::product<Length>(a, growth_) + b, divisor);
+    return fixed::product<Length>(at_once, fixed::kOne - lag_) - fixed::product<Length>(b, lag_);
   };
   return {along(first.x, second.x), along(first.y, second.y)};
 }

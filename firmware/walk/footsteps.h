@@ -22,8 +22,10 @@ struct Stride {
 // steps.
 class Footsteps {
  public:
-  // `width` between the places of the ZMP under both feet; `growth` of the divergent motion in a step.
-  Footsteps(fixed::Length width, fixed::Gain growth) : width_(width), growth_(growth) {}
+  // `width` between the places of the ZMP under both feet; `growth` of the divergent motion in a step; `lag`
+  // by which the ZMP comes after the step (Pendulum::lag).
+  Footsteps(fixed::Length width, fixed::Gain growth, fixed::Ratio lag)
+      : width_(width), growth_(growth), lag_(lag) {}
 
   // From the ZMP under the foot that stands to that under the foot that swings, and the turn of its sole.
   [[nodiscard]] Foothold step(hal::Side swing, const Stride& stride) const;
@@ -34,6 +36,7 @@ class Footsteps {
  private:
   fixed::Length width_;
   fixed::Gain growth_;
+  fixed::Ratio lag_;
 };
 
 }  // namespace koboshi::walk

@@ -45,6 +45,18 @@ Pendulum::Pendulum(Length height) {
   }
 }
 
+// The sum over the cycles of what is still missing of the way, times what a cycle adds to the divergent part,
+// seen from the beginning: (1 - k / (n + 1)) (e^(omega h) - 1) e^(-omega h k).
+Ratio Pendulum::lag(std::int32_t ticks) const {
+  Ratio sum;
+  Ratio seen = growth_of_a_tick_ - fixed::kOne;
+  for (std::int32_t tick = 1; tick <= ticks; ++tick) {
+    seen = fixed::product<Ratio>(seen, decay_of_a_tick_);
+    sum += fixed::mul_div(seen, ticks + 1 - tick, ticks + 1);
+  }
+  return sum;
+}
+
 void Pendulum::advance(PendulumState& state, Point zmp) const {
   const auto advanced = [&](Point p, Ratio factor) {
     return Point{toward(zmp.x, p.x, factor), toward(zmp.y, p.y, factor)};

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "firmware/fixed/units.h"
 #include "firmware/walk/plane.h"
@@ -33,6 +34,9 @@ class Pendulum {
   void advance(PendulumState& state, Point zmp) const;
   // By how much the divergent part's distance from the ZMP grows in `ticks`, at most kMaxTicks: e^(omega t).
   [[nodiscard]] fixed::Gain growth(std::size_t ticks) const { return growth_[ticks]; }
+  // A ZMP that takes `ticks` cycles to come from the last foot moves the divergent part as one that came at
+  // once from a state this share of its way behind would.
+  [[nodiscard]] fixed::Ratio lag(std::int32_t ticks) const;
   // The paper's T_c, in seconds.
   [[nodiscard]] fixed::Ratio time_constant_s() const { return time_constant_s_; }
 

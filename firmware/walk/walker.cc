@@ -55,7 +55,7 @@ Point seen_from(const Foothold& sole, Point p) { return turned(p - sole.p, -sole
 }  // namespace
 
 Walker::Walker(const robot::RobotModel& model)
-    : model_(model), body_(model), pendulum_(gait_.com_height), footsteps_({}, {}) {
+    : model_(model), body_(model), pendulum_(gait_.com_height), footsteps_({}, {}, {}) {
   using enum robot::JointRole;
   const std::array roles{kLeftShoulderPitch, kRightShoulderPitch};
   for (std::size_t side = 0; side < roles.size(); ++side) {
@@ -70,7 +70,8 @@ void Walker::start(const WalkParameters& parameters, std::span<const Angle> targ
   gait_ = Gait(parameters);
   pendulum_ = Pendulum(gait_.com_height);
   footsteps_ = Footsteps(gait_.step_width - gait_.zmp_inward * 2,
-                         pendulum_.growth(static_cast<std::size_t>(gait_.step_ticks)));
+                         pendulum_.growth(static_cast<std::size_t>(gait_.step_ticks)),
+                         pendulum_.lag(gait_.double_ticks));
   std::ranges::copy(targets, standing_targets_.begin());
   targets_ = standing_targets_;
   stops_ = false;
