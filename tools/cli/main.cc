@@ -18,6 +18,7 @@
 #include "tools/cli/run_command.h"
 #include "tools/cli/servo_command.h"
 #include "tools/cli/target_report_command.h"
+#include "tools/cli/tune_command.h"
 #include "tools/cli/validate_command.h"
 
 namespace {
@@ -56,6 +57,7 @@ int run_program(int argc, char** argv) {
   koboshi::tools::add_target_report_command(program);
   koboshi::tools::add_motion_command(program);
   koboshi::tools::add_gait_command(program);
+  koboshi::tools::add_tune_command(program);
   koboshi::tools::add_dictionary_command(program);
   koboshi::tools::add_bench_command(program);
   koboshi::tools::add_servo_command(program);

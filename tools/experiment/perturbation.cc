@@ -31,6 +31,9 @@ void perturb_robot(sim::RobotDescription& robot, const PerturbationBounds& bound
     link.mass_kg *= factor;
     link.I_LCom_L *= factor;
   }
+  sim::RandomStream supply(seed, "supply");
+  const double factor = between(supply, 1.0 - bounds.supply_share, 1.0 + bounds.supply_share);
+  if (robot.battery) robot.battery->open_circuit_V *= factor;
 }
 
 void perturb_scenario(sim::Scenario& scenario, const PerturbationBounds& bounds, std::uint64_t seed) {

@@ -13,6 +13,7 @@ struct PerturbationBounds {
   double lowest_friction = 0.5;  // Coulomb's mu between foot and ground
   double highest_friction = 1.0;
   double mass_share = 0.05;   // of a link's mass, either way; its inertia goes along
+  double supply_share = 0.0;  // of the supply's voltage, either way
   double tilt_rad = 0.01745;  // of the ground, largest, in any direction: 1 degree
   // Of soft ground under one contact point, a sole has four; both 0: the ground stays as hard as it is.
   double softest_N_per_m = 0.0;

@@ -1,0 +1,82 @@
+#include "tools/cli/tune_command.h"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "tools/experiment/parallel.h"
+#include "tools/tune/study_search.h"
+
+namespace koboshi::tools {
+namespace {
+
+struct Arguments {
+  std::filesystem::path study;
+  StudyOptions options;
+  std::string stepper;
+};
+
+void tune(Arguments arguments) {
+  const Study study = read_study(arguments.study);
+  StudyOptions& options = arguments.options;
+  if (!arguments.stepper.empty()) options.overrides.push_back({"physics.stepper", arguments.stepper});
+  if (options.out.empty()) options.out = "runs/tune" / arguments.study.stem();
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  const StudyResult result = search_study(study, options, [&](const StudyProgress& progress) {
+    if (!terminal) return;
+    fmt::print(stderr, "\r{} of {} evaluations, worth {:.4f}, best {:.4f} ", progress.done, progress.total,
+               progress.worth, progress.best);
+    std::fflush(stderr);
+  });
+  if (terminal) fmt::print(stderr, "\n");
+  for (const auto& [path, value] : result.numbers) fmt::print("{}: {}\n", path, value);
+  fmt::print("worth {:.4f} on the seeds that it was tuned on; results in {}\n", result.worth,
+             options.out.string());
+}
+
+}  // namespace
+
+void add_tune_command(CLI::App& program) {
+  auto arguments = std::make_shared<Arguments>();
+  StudyOptions& options = arguments->options;
+  options.jobs = core_count();
+  CLI::App* command = program.add_subcommand("tune", "Search for the numbers of a study that are worth most");
+  command->footer(
+      "CMA-ES over numbers of a scenario: parameters of the controller, of a gait, or of the world. Each "
+      "evaluation\n"
+      "plays the study's trials in the same worlds. A search that was interrupted goes on when it is called "
+      "again.\n"
+      "docs/reference/study-format.md describes the file.\n\n"
+      "Example:\n"
+      "  koboshi tune studies/walk.yaml --stepper mujoco --evaluations 400\n");
+  command->add_option("STUDY", arguments->study, "The study's file")->required();
+  command->add_option("--evaluations", options.evaluations, "How many sets of numbers are tried")
+      ->check(CLI::Range(16, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--population", options.population, "Of them in a generation")
+      ->check(CLI::Range(5, 1000))
+      ->capture_default_str();
+  command
+      ->add_option("--spread", options.spread,
+                   "How widely the first lie about the start, as a share of the ranges")
+      ->check(CLI::Range(0.001, 0.5))
+      ->capture_default_str();
+  command->add_option("--seeds", options.seeds, "Worlds in which each is tried")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command
+      ->add_option("--first-seed", options.first_seed, "The first of them; take others to judge the result")
+      ->capture_default_str();
+  command->add_option("--stepper", arguments->stepper,
+                      "Of the physics: mujoco is fast; confirm what it finds with world");
+  command->add_option("--jobs", options.jobs, "Trials at a time (default: the number of cores)")
+      ->check(CLI::Range(1, 1024));
+  command->add_option("--out", options.out,
+                      "Folder of the results (default: runs/tune/ and the study's name)");
+  command->callback([arguments] { tune(*arguments); });
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/tune/study.h"
+
+namespace koboshi::tools {
+
+struct StudyOptions {
+  std::vector<sim::Override> overrides{};  // of the scenario, in all trials
+  std::filesystem::path out;               // folder of the log and the result
+  std::uint64_t first_seed = 9000;
+  std::size_t seeds = 3;
+  std::size_t evaluations = 200;
+  std::size_t population = 8;
+  double spread = 0.15;
+  std::size_t jobs = 1;
+};
+
+struct StudyProgress {
+  std::size_t done = 0;
+  std::size_t total = 0;
+  double worth = 0.0;
+  double best = 0.0;
+};
+
+struct StudyResult {
+  std::vector<std::pair<std::string, double>> numbers;  // by path
+  double worth = 0.0;  // mean over trials and seeds that were searched on: more than it will get on others
+};
+
+// Searches for the numbers of a study with the same worlds in each evaluation. Leaves evaluations.csv,
+// trials.jsonl, from which a search that was interrupted goes on, and best.yaml, the numbers found as a
+// scenario has them, in the folder. Throws sim::InputError.
+[[nodiscard]] StudyResult search_study(const Study& study, const StudyOptions& options,
+                                       const std::function<void(const StudyProgress&)>& progress);
+
+}  // namespace koboshi::tools
