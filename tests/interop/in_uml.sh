@@ -17,6 +17,7 @@ export PATH=$PATH HOME=$folder
 mount -t proc proc /proc
 mount -t sysfs sysfs /sys
 mount -t tmpfs tmpfs /mnt
+[ -e /dev/fd ] || ln -s /proc/self/fd /dev/fd
 for module in net/can/can net/can/can-raw drivers/net/can/dev/can-dev drivers/net/can/vcan; do
   insmod $modules/\$module.ko
 done
