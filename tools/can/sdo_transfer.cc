@@ -75,14 +75,7 @@ SdoTransfer::SdoTransfer(sim::Transport& transport, std::uint8_t node_id)
 // --- One message
 
 void SdoTransfer::send(const Data& data) {
-  const hal::CanFrame frame{.identifier = request_, .size = 8, .data = data};
-  const Clock::time_point start = Clock::now();
-  while (!transport_.send(frame, 0)) {
-    if (Clock::now() - start > std::chrono::microseconds(kTimeout_us))
-      throw std::runtime_error("the bus takes no frames");
-    wait_for_frames(transport_, 100);
-  }
-  transport_.flush();
+  send_surely(transport_, {.identifier = request_, .size = 8, .data = data});
 }
 
 SdoTransfer::Data SdoTransfer::receive() {
