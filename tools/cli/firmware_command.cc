@@ -52,7 +52,7 @@ void add_firmware_command(CLI::App& program) {
   command->footer(
       "Drives and sensors are on the same bus: those of `koboshi board`, or real ones. The controller boots "
       "limp\n"
-      "and waits for commands over the bus (docs/guide/can.md).\n\n"
+      "and waits for commands over the bus (docs/guide/live-bus.md).\n\n"
       "Examples:\n"
       "  koboshi board --can socketcan:vcan0 &\n"
       "  koboshi firmware scenarios/squat.yaml --can socketcan:vcan0\n");
