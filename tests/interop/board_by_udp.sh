@@ -7,11 +7,10 @@ if [ "${3:-}" != inside ]; then
   exec timeout 200 unshare --map-root-user --net "$0" "$1" "$2" inside
 fi
 folder=$(mktemp -d)
+trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$folder"' EXIT  # whatever fails, no board stays behind
 ip link set lo up
 ip route add 239.0.0.0/8 dev lo
 
-board=
-trap 'kill $board 2>/dev/null; rm -rf "$folder"' EXIT
 "$1" board --can udp:239.74.163.2:43113 --set physics.stepper=lumped >"$folder/board" 2>&1 &
 board=$!
 until grep -q 'CAN bus on' "$folder/board"; do
@@ -21,5 +20,4 @@ done
 /usr/bin/python3 -B "$(dirname "$0")/board_master.py" "$2" udp_multicast 239.74.163.2
 kill -INT "$board"
 wait "$board"
-board=
 cat "$folder/board"
