@@ -40,6 +40,8 @@ class DriveGroup {
 
   void on_frame(const hal::CanFrame& frame) { client_.on_frame(frame); }
   void on_heartbeat(const canopen::HeartbeatEvent& event);
+  // A warning about communication is only kept: what is lost shows in missing answers, and a drive that it
+  // stopped says so in its statusword.
   void on_emergency(const canopen::Emergency& emergency);
   // Statusword and position of the joint's drive have come.
   void on_answer(std::size_t joint) { answered_ |= 1u << joint; }
@@ -107,6 +109,7 @@ class DriveGroup {
   bool enabled_ = false;                                  // the goal kEnabled was reached
   JointTrouble trouble_;
   std::array<std::uint32_t, robot::kMaxJoints> supply_mV_{};
+  std::array<std::uint16_t, robot::kMaxJoints> error_code_{};  // that each drive told last and still has
 };
 
 }  // namespace koboshi::drive
