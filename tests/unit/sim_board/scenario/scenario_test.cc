@@ -122,5 +122,13 @@ TEST(ScenarioCheck, RefusesFaultsOfSensorsThatTheRobotLacks) {
   EXPECT_EQ(refusal(with_fault(Fault::Kind::kControllerStop, "controller_stop")), "");
 }
 
+TEST(ScenarioCheck, KnowsWhoseFramesAFaultMayConcern) {
+  EXPECT_EQ(refusal(with_fault(Fault::Kind::kFramesLost, "")), "");
+  EXPECT_EQ(refusal(with_fault(Fault::Kind::kFramesLost, "controller")), "");
+  EXPECT_EQ(refusal(with_fault(Fault::Kind::kFramesDoubled, "knee")), "");
+  EXPECT_THAT(refusal(with_fault(Fault::Kind::kFramesDoubled, "hip")),
+              HasSubstr("a.yaml:5: found the unknown joint hip"));
+}
+
 }  // namespace
 }  // namespace koboshi::sim
