@@ -13,15 +13,15 @@ namespace cia402 = canopen::cia402;
 namespace {
 
 // Communication and protocol errors, 0x81xx and 0x82xx (CiA 301, table 26), of a drive whose error register
-// tells of nothing else (table 48; bit 0 is set with every error). A drive goes on with its work in spite of
-// them, as long as its profile's option code 0x6007 does not make them a fault. Only one that has not got its
-// targets for so long (0x8250) has no work any more.
+// tells of nothing else (table 48; bit 0 is set with every error): it goes on with its work. Not so the two
+// time-outs, which tell that the controller or its targets are lost for the drive.
 bool is_warning(const canopen::Emergency& emergency) {
   constexpr auto kHarmless =
       static_cast<std::uint8_t>(canopen::error_register::kGeneric | canopen::error_register::kCommunication);
   const unsigned group = emergency.code >> 8;
-  if (emergency.code == canopen::error_code::kRpdoTimeout) return false;
-  return (group == 0x81 || group == 0x82) && (emergency.error_register & ~kHarmless) == 0;
+  const bool lasting = emergency.code == canopen::error_code::kHeartbeat ||
+                       emergency.code == canopen::error_code::kRpdoTimeout;
+  return !lasting && (group == 0x81 || group == 0x82) && (emergency.error_register & ~kHarmless) == 0;
 }
 
 }  // namespace
@@ -110,6 +110,7 @@ void DriveGroup::configure(std::uint64_t now_us) {
 }
 
 void DriveGroup::observe(std::uint64_t now_us) {
+  answering_ = phase_ == Phase::kBooted && answered_ != 0;
   if (phase_ != Phase::kBooted) return;
   watch_answers();
   if (booted()) watch_states(now_us);
