@@ -80,7 +80,10 @@ std::string refusal(const Scenario& scenario) {
 
 Scenario with_fault(Fault::Kind kind, const std::string& target, hal::Side side = hal::Side::kLeft) {
   Scenario scenario;
-  scenario.faults.push_back({.kind = kind, .target = at_line(target, 5), .side = side});
+  Fault& fault = scenario.faults.emplace_back();
+  fault.kind = kind;
+  fault.target = at_line(target, 5);
+  fault.side = side;
   return scenario;
 }
 
