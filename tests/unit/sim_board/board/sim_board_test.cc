@@ -190,6 +190,20 @@ TEST_F(SimBoardTest, LeavesTheControllerAloneOnTheBus) {
   run_ms(30);
   EXPECT_TRUE(log.items.empty());
   EXPECT_EQ(host.inputs.back().can_status.state, hal::CanErrorState::kErrorPassive);
+
+  board->rejoin_controller();
+  run_ms(20);
+  EXPECT_FALSE(log.items.empty());
+  EXPECT_EQ(host.inputs.back().can_status.state, hal::CanErrorState::kErrorActive);
+}
+
+TEST_F(SimBoardTest, LeavesADeadDriveOffTheBusThatTheControllerRejoins) {
+  board->cut_drive_power(0);
+  board->isolate_controller();
+  board->rejoin_controller();
+  EXPECT_FALSE(board->bus().powered(board->drive(0).bus_handle()));
+  board->restart_drive(0);
+  EXPECT_TRUE(board->bus().powered(board->drive(0).bus_handle()));
 }
 
 }  // namespace
