@@ -104,6 +104,9 @@ void DriveGroup::configure(std::uint64_t now_us) {
   supply_mV_[configured_++] = configuration_.supply_mV();
   if (configured_ < model_.joint_count) {
     configuration_.begin(model_.joints[configured_]);
+    // At once: 27 requests then take just three cycles, of which each tick has a millisecond for itself. So
+    // all drives' heartbeats, which count from here, keep one phase in the cycle, behind the answers.
+    configuration_.process(now_us);
   } else {
     phase_ = Phase::kStarting;
   }
