@@ -122,7 +122,8 @@ void Controller::watch_bus() {
     board_.can.recover();
     fail(Reason::kBusOff);
   }
-  if (status.state == hal::CanErrorState::kErrorPassive) fail(Reason::kNoAcknowledge);
+  // With answers it is a bus that is disturbed and works, and the emergency message is enough.
+  if (status.state == hal::CanErrorState::kErrorPassive && !drives_.answering()) fail(Reason::kNoAcknowledge);
 }
 
 void Controller::watch_sensors(std::uint64_t now_us) {

@@ -21,6 +21,13 @@ struct ValueName {
   std::string_view name;
 };
 
+// What a value is called; empty where it has no name.
+constexpr std::string_view name_of(std::span<const ValueName> names, std::int64_t value) {
+  const auto named =
+      std::ranges::find_if(names, [value](const ValueName& candidate) { return candidate.value == value; });
+  return named == names.end() ? std::string_view() : named->name;
+}
+
 // Sensors whose counts the robot's file gives a worth: Unit::name is then the unit, and the file has the
 // factor.
 enum class Resolution : std::uint8_t { kNone, kGyro, kAccelerometer, kForce, kTorque };

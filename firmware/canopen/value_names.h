@@ -47,6 +47,8 @@ inline constexpr ValueName kErrorCodeNames[] = {
     value_name(error_code::kBusOffRecovered, "recovered from bus-off"),
     value_name(error_code::kPdoTooShort, "PDO too short"),
     value_name(error_code::kPdoTooLong, "PDO too long"),
+    value_name(error_code::kSyncLength, "SYNC length"),
+    value_name(error_code::kRpdoTimeout, "RPDO timeout"),
     value_name(cia402::kErrorSyncLost, "SYNC lost"),
     value_name(cia402::kErrorFollowing, "following error"),
     {0xFF00, "behaviour fault"},

@@ -57,6 +57,7 @@ constexpr Configuration::Step Configuration::kSteps[] = {
     // RPDO 1: controlword and target position, in effect at SYNC.
     {Step::Purpose::kWrite, {0x1400, 1}, 4, kRpdo | kCobIdInvalid, Step::Own::kNodeId},
     {Step::Purpose::kWrite, {0x1400, 2}, 1, canopen::kSynchronousEverySync},
+    {Step::Purpose::kWrite, {0x1400, 5}, 2, kTargetsLost_ms},
     {Step::Purpose::kWrite, {0x1600, 0}, 1, 0},
     {Step::Purpose::kWrite, {0x1600, 1}, 4, mapping(cia402::kControlword, 0, 16)},
     {Step::Purpose::kWrite, {0x1600, 2}, 4, mapping(cia402::kTargetPosition, 0, 32)},

@@ -14,6 +14,9 @@ inline constexpr std::uint16_t kControllerHeartbeat_ms = 20;      // what the co
 inline constexpr std::uint16_t kControllerHeartbeatLost_ms = 60;  // what the drives tolerate
 inline constexpr std::uint16_t kDriveHeartbeat_ms = 100;
 inline constexpr std::uint16_t kDriveHeartbeatLost_ms = 250;
+// A drive without targets says so a cycle after one without SYNC would: that is told first when both are
+// gone.
+inline constexpr std::uint16_t kTargetsLost_ms = 60;
 inline constexpr std::uint32_t kCycle_us = 10'000;
 
 // Writes into one drive after the other, over SDO, what it must know before it may move: it checks the

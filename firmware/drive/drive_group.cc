@@ -10,6 +10,22 @@ namespace koboshi::drive {
 using canopen::cia402::State;
 namespace cia402 = canopen::cia402;
 
+namespace {
+
+// Communication and protocol errors, 0x81xx and 0x82xx (CiA 301, table 26), of a drive whose error register
+// tells of nothing else (table 48; bit 0 is set with every error): it goes on with its work. Not so the two
+// time-outs, which tell that the controller or its targets are lost for the drive.
+bool is_warning(const canopen::Emergency& emergency) {
+  constexpr auto kHarmless =
+      static_cast<std::uint8_t>(canopen::error_register::kGeneric | canopen::error_register::kCommunication);
+  const unsigned group = emergency.code >> 8;
+  const bool lasting = emergency.code == canopen::error_code::kHeartbeat ||
+                       emergency.code == canopen::error_code::kRpdoTimeout;
+  return !lasting && (group == 0x81 || group == 0x82) && (emergency.error_register & ~kHarmless) == 0;
+}
+
+}  // namespace
+
 DriveGroup::DriveGroup(const robot::RobotModel& model, canopen::FrameSink& sink, DriveSignals& signals)
     : model_(model), sink_(sink), signals_(signals), client_(sink), configuration_(client_) {}
 
@@ -23,6 +39,7 @@ void DriveGroup::boot() {
   missed_ = {};
   enabled_ = false;
   trouble_ = {};
+  error_code_ = {};
   signals_ = {};
 }
 
@@ -45,9 +62,13 @@ void DriveGroup::on_heartbeat(const canopen::HeartbeatEvent& event) {
 
 void DriveGroup::on_emergency(const canopen::Emergency& emergency) {
   std::size_t joint = 0;
-  if (emergency.code == canopen::error_code::kNoError || !find(emergency.node_id, joint)) return;
+  if (!find(emergency.node_id, joint)) return;
   // What it says before its boot-up message is about its life before the reset.
-  if ((present_ >> joint & 1u) != 0) report(Trouble::kFault, joint, emergency.code);
+  if ((present_ >> joint & 1u) == 0) return;
+  const bool ended = emergency.code == canopen::error_code::kNoError;
+  // The end of one error while the register still shows another tells nothing of the other.
+  if (!ended || emergency.error_register == 0) error_code_[joint] = emergency.code;
+  if (!ended && !is_warning(emergency)) report(Trouble::kFault, joint, emergency.code);
 }
 
 void DriveGroup::process(std::uint64_t now_us) {
@@ -83,12 +104,16 @@ void DriveGroup::configure(std::uint64_t now_us) {
   supply_mV_[configured_++] = configuration_.supply_mV();
   if (configured_ < model_.joint_count) {
     configuration_.begin(model_.joints[configured_]);
+    // At once: 27 requests then take just three cycles, of which each tick has a millisecond for itself. So
+    // all drives' heartbeats, which count from here, keep one phase in the cycle, behind the answers.
+    configuration_.process(now_us);
   } else {
     phase_ = Phase::kStarting;
   }
 }
 
 void DriveGroup::observe(std::uint64_t now_us) {
+  answering_ = phase_ == Phase::kBooted && answered_ != 0;
   if (phase_ != Phase::kBooted) return;
   watch_answers();
   if (booted()) watch_states(now_us);
@@ -122,7 +147,8 @@ void DriveGroup::watch_states(std::uint64_t now_us) {
   const bool waiting = !enabled_ && !all_switched_on();
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     const State now = state(joint);
-    if (now == State::kFault || now == State::kFaultReactionActive) report(Trouble::kFault, joint);
+    if (now == State::kFault || now == State::kFaultReactionActive)
+      report(Trouble::kFault, joint, error_code_[joint]);
     const bool follows = waiting ? switched_on(joint) : now == State::kOperationEnabled;
     if (due && !follows) report(Trouble::kNotEnabled, joint);
   }

@@ -40,6 +40,8 @@ class DriveGroup {
 
   void on_frame(const hal::CanFrame& frame) { client_.on_frame(frame); }
   void on_heartbeat(const canopen::HeartbeatEvent& event);
+  // A warning about communication is only kept: what is lost shows in missing answers, and a drive that is
+  // stopped says so in its statusword.
   void on_emergency(const canopen::Emergency& emergency);
   // Statusword and position of the joint's drive have come.
   void on_answer(std::size_t joint) { answered_ |= 1u << joint; }
@@ -62,6 +64,8 @@ class DriveGroup {
   // Every drive has its configuration and was told to start; `booted` once each has also answered a SYNC.
   bool configured() const { return phase_ == Phase::kBooted; }
   bool booted() const { return phase_ == Phase::kBooted && (all_joints() & ~heard_) == 0; }
+  // Some drive has answered in the last cycle: the bus carries frames both ways.
+  bool answering() const { return answering_; }
   // Every drive in this state, as each said last.
   bool all_in(canopen::cia402::State state) const;
   // None makes torque, as each said last.
@@ -103,10 +107,12 @@ class DriveGroup {
   std::uint32_t present_ = 0;   // bit i: the boot-up message of joint i's drive has come
   std::uint32_t heard_ = 0;     // bit i: joint i's drive has answered a SYNC
   std::uint32_t answered_ = 0;  // the same, in the last cycle
+  bool answering_ = false;
   std::array<std::uint8_t, robot::kMaxJoints> missed_{};  // cycles since its last answer
   bool enabled_ = false;                                  // the goal kEnabled was reached
   JointTrouble trouble_;
   std::array<std::uint32_t, robot::kMaxJoints> supply_mV_{};
+  std::array<std::uint16_t, robot::kMaxJoints> error_code_{};  // that each drive told last and still has
 };
 
 }  // namespace koboshi::drive

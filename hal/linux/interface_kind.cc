@@ -44,9 +44,14 @@ std::string kind_of(const nlmsghdr* answer) {
 
 }  // namespace
 
-std::string interface_kind(const std::string& interface) {
+int interface_index(const std::string& interface) {
   const unsigned index = if_nametoindex(interface.c_str());
   if (index == 0) throw std::system_error(errno, std::generic_category(), "the CAN interface " + interface);
+  return static_cast<int>(index);
+}
+
+std::string interface_kind(const std::string& interface) {
+  const int index = interface_index(interface);
   const FileDescriptor socket(
       checked(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE), "rtnetlink"));
   LinkRequest request{};
@@ -54,7 +59,7 @@ std::string interface_kind(const std::string& interface) {
   request.header.nlmsg_type = RTM_GETLINK;
   request.header.nlmsg_flags = NLM_F_REQUEST;
   request.link.ifi_family = AF_UNSPEC;
-  request.link.ifi_index = static_cast<int>(index);
+  request.link.ifi_index = index;
   checked(static_cast<int>(::send(socket.number(), &request, request.header.nlmsg_len, 0)), "rtnetlink");
   alignas(nlmsghdr) std::array<char, 16384> answer{};
   const auto length =

@@ -1,11 +1,14 @@
 #include "hal/linux/socketcan.h"
 
 #include <linux/can/raw.h>
-#include <net/if.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
 
 #include <algorithm>
+#include <span>
+
+#include "hal/linux/interface_kind.h"
+#include "hal/linux/socket_option.h"
 
 namespace koboshi::hal {
 namespace {
@@ -13,9 +16,24 @@ namespace {
 // Half a second of a full bus, at the kernel's reckoning of 0.5 KiB and more a frame.
 constexpr int kBuffer_bytes = 4 << 20;
 
-void set(const FileDescriptor& socket, int level, int option, int value) {
-  checked(::setsockopt(socket.number(), level, option, &value, sizeof value), "an option of a CAN socket");
-}
+// A message to or from the kernel for each of these frames, which must outlive it.
+class Messages {
+ public:
+  explicit Messages(std::span<can_frame> frames) : count_(static_cast<unsigned>(frames.size())) {
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      parts_[i] = {&frames[i], sizeof(can_frame)};
+      headers_[i].msg_hdr.msg_iov = &parts_[i];
+      headers_[i].msg_hdr.msg_iovlen = 1;
+    }
+  }
+  mmsghdr* headers() { return headers_.data(); }
+  unsigned count() const { return count_; }
+
+ private:
+  std::array<iovec, SocketCan::kBatch> parts_{};
+  std::array<mmsghdr, SocketCan::kBatch> headers_{};
+  unsigned count_;
+};
 
 std::optional<CanFrame> from_kernel(const can_frame& raw) {
   if ((raw.can_id & (CAN_EFF_FLAG | CAN_ERR_FLAG)) != 0 || raw.can_dlc > CAN_MAX_DLEN) return std::nullopt;
@@ -31,13 +49,11 @@ std::optional<CanFrame> from_kernel(const can_frame& raw) {
 SocketCan::SocketCan(const std::string& interface) {
   socket_ = FileDescriptor(
       checked(::socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW), "SocketCAN"));
-  const unsigned index = if_nametoindex(interface.c_str());
-  if (index == 0) throw std::system_error(errno, std::generic_category(), "the CAN interface " + interface);
-  set(socket_, SOL_SOCKET, SO_RCVBUF, kBuffer_bytes);
-  set(socket_, SOL_SOCKET, SO_SNDBUF, kBuffer_bytes);
+  set_option(socket_, SOL_SOCKET, SO_RCVBUF, kBuffer_bytes);
+  set_option(socket_, SOL_SOCKET, SO_SNDBUF, kBuffer_bytes);
   sockaddr_can address{};
   address.can_family = AF_CAN;
-  address.can_ifindex = static_cast<int>(index);
+  address.can_ifindex = interface_index(interface);
   checked(::bind(socket_.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address),
           "the CAN interface " + interface);
 }
@@ -55,14 +71,8 @@ bool SocketCan::send(const CanFrame& frame) {
 
 void SocketCan::flush() {
   if (outgoing_count_ == 0) return;
-  std::array<iovec, kBatch> parts{};
-  std::array<mmsghdr, kBatch> messages{};
-  for (std::size_t i = 0; i < outgoing_count_; ++i) {
-    parts[i] = {&outgoing_[i], sizeof(can_frame)};
-    messages[i].msg_hdr.msg_iov = &parts[i];
-    messages[i].msg_hdr.msg_iovlen = 1;
-  }
-  const int sent = ::sendmmsg(socket_.number(), messages.data(), static_cast<unsigned>(outgoing_count_), 0);
+  Messages messages{std::span(outgoing_).first(outgoing_count_)};
+  const int sent = ::sendmmsg(socket_.number(), messages.headers(), messages.count(), 0);
   if (sent < 0 && errno != ENOBUFS && errno != EAGAIN) checked(-1, "sending on a CAN interface");
   const auto done = static_cast<std::size_t>(std::max(sent, 0));
   std::copy(outgoing_.begin() + static_cast<std::ptrdiff_t>(done),
@@ -79,15 +89,9 @@ std::optional<CanFrame> SocketCan::receive() {
 
 // False when the kernel has none.
 bool SocketCan::fetch() {
-  std::array<iovec, kBatch> parts{};
-  std::array<mmsghdr, kBatch> messages{};
-  for (std::size_t i = 0; i < kBatch; ++i) {
-    parts[i] = {&incoming_[i], sizeof(can_frame)};
-    messages[i].msg_hdr.msg_iov = &parts[i];
-    messages[i].msg_hdr.msg_iovlen = 1;
-  }
+  Messages messages{incoming_};
   incoming_next_ = incoming_count_ = 0;
-  const int got = ::recvmmsg(socket_.number(), messages.data(), kBatch, MSG_DONTWAIT, nullptr);
+  const int got = ::recvmmsg(socket_.number(), messages.headers(), messages.count(), MSG_DONTWAIT, nullptr);
   if (got < 0 && errno == EAGAIN) return false;
   incoming_count_ = static_cast<std::size_t>(checked(got, "receiving from a CAN interface"));
   return incoming_count_ > 0;

@@ -1,5 +1,6 @@
 #include "sim_board/board/sim_board.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -55,7 +56,8 @@ SimBoard::SimBoard(const RobotDescription& robot, const BoardOptions& options, C
       world_(make_world(robot, options.world)),
       step_us_(static_cast<std::uint64_t>(std::llround(1e6 * world_->step_s()))),
       controller_(bus_.attach(receiver_, AcceptanceFilter::all(), kTransmitFifo)),
-      operator_(bus_.attach(operator_node_, sdo_answers(), kOperatorFifo)) {
+      operator_(bus_.attach(operator_node_, sdo_answers(), kOperatorFifo)),
+      bus_faults_(options.seed) {
   const SensorErrors errors{.seed = options.seed, .scale = options.noise_scale};
   const ServoOptions servo_options{
       .step_s = world_->step_s(), .seed = options.seed, .noise_scale = options.noise_scale};
@@ -86,6 +88,7 @@ void SimBoard::advance() {
 
 void SimBoard::advance_bus() {
   const Stopwatch watch(shares_.bus_s, now_us_);
+  for (const auto& babbler : babblers_) babbler->advance(now_us_);
   bus_.advance_to(now_us_);
 }
 
@@ -105,7 +108,8 @@ void SimBoard::drive_servos() {
     load += drives_[joint]->draw(world_->joint(static_cast<int>(joint)));
   }
   for (std::size_t joint = 0; joint < drives_.size(); ++joint) {
-    const double supply_V = battery_ ? battery_->voltage_V(load) : robot_.joints[joint].servo.supply_V;
+    const double whole_V = battery_ ? battery_->voltage_V(load) : robot_.joints[joint].servo.supply_V;
+    const double supply_V = std::min(whole_V, highest_supply_V_.value_or(whole_V));
     world_->set_servo(static_cast<int>(joint), drives_[joint]->torque(supply_V));
   }
 }
@@ -203,18 +207,30 @@ void SimBoard::sample_sensors() {
   }
 }
 
-void SimBoard::stop_imu() {
-  if (imu_) imu_->set_running(false);
+void SimBoard::set_imu_running(bool running) {
+  if (imu_) imu_->set_running(running);
 }
 
-void SimBoard::stop_ankle(hal::Side side) {
+void SimBoard::set_ankle_running(hal::Side side, bool running) {
   auto& ankle = ankles_[static_cast<std::size_t>(side)];
-  if (ankle) ankle->set_running(false);
+  if (ankle) ankle->set_running(running);
+}
+
+void SimBoard::add_frame_fault(const FrameFault& fault) {
+  bus_faults_.add(fault);
+  bus_.set_disturbance(&bus_faults_);
 }
 
 void SimBoard::isolate_controller() {
   bus_.power_off(operator_);
   for (const auto& drive : drives_) bus_.power_off(drive->bus_handle());
+}
+
+void SimBoard::rejoin_controller() {
+  bus_.power_on(operator_);
+  for (const auto& drive : drives_) {
+    if (drive->listens()) bus_.power_on(drive->bus_handle());
+  }
 }
 
 }  // namespace koboshi::sim

@@ -8,7 +8,9 @@
 
 #include "hal/port/batch.h"
 #include "sim_board/board/controller_host.h"
+#include "sim_board/can/babbler.h"
 #include "sim_board/can/bus.h"
+#include "sim_board/can/bus_faults.h"
 #include "sim_board/robot/description.h"
 #include "sim_board/sensor/ankle_sensor.h"
 #include "sim_board/sensor/imu.h"
@@ -74,6 +76,7 @@ class SimBoard {
   const World& world() const { return *world_; }
   Bus& bus() { return bus_; }
   const Bus& bus() const { return bus_; }
+  NodeHandle controller_bus_handle() const { return controller_; }
   hal::CanStatus controller_can_status() const { return bus_.status(controller_); }
   const RobotDescription& robot() const { return robot_; }
   const GroundDescription& ground() const { return options_.world.ground; }
@@ -98,16 +101,27 @@ class SimBoard {
   // full.
   bool send_as_operator(const hal::CanFrame& frame) { return bus_.queue(operator_, frame, now_us_); }
 
-  // What breaks, stays broken.
+  // What breaks stays broken until it is mended.
   void hang_drive(std::size_t joint) { drives_[joint]->hang(); }
   void cut_drive_power(std::size_t joint) { drives_[joint]->power_off(); }
-  void stop_imu();
-  void stop_ankle(hal::Side side);
-  void stop_controller() { controller_stopped_ = true; }
+  // Power returns to a drive, or its own watchdog resets one that hangs.
+  void restart_drive(std::size_t joint) { drives_[joint]->power_on(now_us_); }
+  void break_encoder(std::size_t joint) { drives_[joint]->break_encoder(); }
+  void overheat_drive(std::size_t joint) { drives_[joint]->overheat(); }
+  // What a voltage regulator that fails leaves of the supply of all servos; none: what battery or robot file
+  // give.
+  void limit_supply(std::optional<double> highest_V) { highest_supply_V_ = highest_V; }
+  void set_imu_running(bool running);
+  void set_ankle_running(hal::Side side, bool running);
+  void set_controller_running(bool running) { controller_stopped_ = !running; }
+  void add_frame_fault(const FrameFault& fault);
+  void add_babbler(const Babble& babble) { babblers_.push_back(std::make_unique<Babbler>(bus_, babble)); }
   // Takes the controller off the bus, for a board that has none of its own.
   void unplug_controller() { bus_.power_off(controller_); }
   // Takes every node but the controller off the bus, so that nobody acknowledges its frames.
   void isolate_controller();
+  // Puts them back.
+  void rejoin_controller();
 
  private:
   // The controller's CAN receiver: a ring that the firmware empties in each service call.
@@ -160,6 +174,9 @@ class SimBoard {
   // Null where the robot has no such sensor, or the controller has it.
   std::unique_ptr<SensorNode> imu_node_;
   std::array<std::unique_ptr<SensorNode>, 2> ankle_nodes_;
+  BusFaults bus_faults_;
+  std::vector<std::unique_ptr<Babbler>> babblers_;
+  std::optional<double> highest_supply_V_;
   StepListener* step_listener_ = nullptr;
   TimeShares shares_;
   std::uint64_t kicked_us_ = 0;

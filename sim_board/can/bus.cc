@@ -62,12 +62,14 @@ bool Bus::queue(NodeHandle node, const hal::CanFrame& frame, std::uint64_t ready
 void Bus::advance_to(std::uint64_t time_us) {
   assert(time_us >= now_us_);
   for (;;) {
-    if (wire_.has_value()) {
-      if (wire_->end_us > time_us) break;
+    const std::uint64_t until_us = std::min(time_us, next_late_us());
+    if (wire_.has_value() && wire_->end_us <= until_us) {
       now_us_ = wire_->end_us;
       finish();
-    } else if (!start_next(time_us)) {
-      break;
+    } else if (wire_.has_value() || !start_next(until_us)) {
+      if (next_late_us() > time_us) break;
+      now_us_ = next_late_us();
+      deliver_late();
     }
   }
   now_us_ = time_us;
@@ -125,25 +127,42 @@ void Bus::gather_senders(std::uint64_t start_us) {
   }
 }
 
+// What follows the end of a transmission on the wire before the next may start.
+int Bus::bits_after(Outcome outcome) {
+  // The receivers' overload flags begin a bit after the sender's error flag.
+  constexpr int kSendersErrorBits = kErrorFlagBits + 1 + kErrorDelimiterBits;
+  return outcome == Outcome::kDoubled ? kSendersErrorBits + kIntermissionBits : kIntermissionBits;
+}
+
+// Of a frame that does not collide.
+Bus::Outcome Bus::outcome_of(const hal::CanFrame& frame, std::uint64_t start_us) {
+  const WireEffect effect =
+      disturbance_ == nullptr
+          ? WireEffect::kNone
+          : disturbance_->on_transmission(frame, static_cast<NodeHandle>(senders_.front()), start_us);
+  if (effect == WireEffect::kDestroyed) return Outcome::kDestroyed;
+  if (online_ == senders_.size()) return Outcome::kUnacknowledged;
+  return effect == WireEffect::kDoubled ? Outcome::kDoubled : Outcome::kDelivered;
+}
+
 Bus::Transmission Bus::make_transmission(std::uint64_t start_us) {
   const int destroyed_after_bits = senders_.size() > 1 ? settle_collision() : 0;
   const hal::CanFrame& frame = nodes_[senders_.front()].queue.front().frame;
+  const bool collides = destroyed_after_bits > 0;
+  const Outcome outcome = collides ? Outcome::kDestroyed : outcome_of(frame, start_us);
   int bits = frame_bits(frame);
-  Outcome outcome = Outcome::kDelivered;
-  if (destroyed_after_bits > 0) {
-    outcome = Outcome::kDestroyed;
+  if (collides) {
     bits = destroyed_after_bits + kErrorFrameBits;
-  } else if (disturbance_ != nullptr && disturbance_->destroys(frame, start_us)) {
-    outcome = Outcome::kDestroyed;
+  } else if (outcome == Outcome::kDestroyed) {
     bits = bits - kUnstuffedTailBits + kErrorFrameBits;  // found at the end of the CRC sequence
-  } else if (online_ == senders_.size()) {
-    outcome = Outcome::kUnacknowledged;  // the ACK slot stays recessive; nobody else adds an error flag
+  } else if (outcome == Outcome::kUnacknowledged) {
+    // The ACK slot stays recessive; nobody else adds an error flag.
     bits = bits - kAckDelimiterBits - kEndOfFrameBits + kErrorFlagBits + kErrorDelimiterBits;
   }
   if (recovering_ > 0) {
     for (Node& node : nodes_) {
       if (node.recovered_us != kNever)
-        node.recovered_us += duration_us(bits + kIntermissionBits - kRecessiveEndBits);
+        node.recovered_us += duration_us(bits + bits_after(outcome) - kRecessiveEndBits);
     }
   }
   return {frame, start_us, start_us + duration_us(bits), outcome};
@@ -152,13 +171,12 @@ Bus::Transmission Bus::make_transmission(std::uint64_t start_us) {
 void Bus::finish() {
   const Transmission done = *wire_;
   wire_.reset();
-  idle_from_us_ = done.end_us + duration_us(kIntermissionBits);
+  idle_from_us_ = done.end_us + duration_us(bits_after(done.outcome));
   usage_.busy_us += idle_from_us_ - done.start_us;
-  if (done.outcome != Outcome::kDelivered) {
-    count_errors(done.outcome);
-    return;
-  }
-  count_sent();
+  if (done.outcome != Outcome::kDelivered) count_errors(done.outcome);
+  if (done.outcome == Outcome::kDestroyed || done.outcome == Outcome::kUnacknowledged) return;
+  ++usage_.frames;
+  if (done.outcome == Outcome::kDelivered) count_sent();
   if (receive_errors_) count_receptions();
   if (observer_ != nullptr) observer_->on_bus_frame(done.frame, done.start_us, done.end_us);
   deliver(done);
@@ -166,15 +184,32 @@ void Bus::finish() {
 
 void Bus::deliver(const Transmission& done) {
   for (const std::uint16_t receiver : receivers_.of(done.frame.identifier)) {
-    Node& node = nodes_[receiver];
-    if (node.online_since_us > done.start_us || is_sender(receiver)) continue;
-    ++node.counters.received;
-    node.node->on_frame(done.frame, done.end_us);
+    if (nodes_[receiver].online_since_us > done.start_us || is_sender(receiver)) continue;
+    if (disturbance_ != nullptr) {
+      const Reception reception =
+          disturbance_->on_reception(done.frame, static_cast<NodeHandle>(receiver), done.start_us);
+      if (reception.delay_us > 0 && !reception.lost)
+        late_.emplace(done.end_us + reception.delay_us, LateFrame{receiver, done.frame, done.start_us});
+      if (reception.lost || reception.delay_us > 0) continue;
+    }
+    hand_over(receiver, done.frame);
   }
 }
 
+void Bus::deliver_late() {
+  const LateFrame late = late_.begin()->second;
+  late_.erase(late_.begin());
+  // What was in the controller is gone when it has left the bus since.
+  if (nodes_[late.receiver].online_since_us <= late.start_us) hand_over(late.receiver, late.frame);
+}
+
+void Bus::hand_over(std::size_t receiver, const hal::CanFrame& frame) {
+  Node& node = nodes_[receiver];
+  ++node.counters.received;
+  node.node->on_frame(frame, now_us_);
+}
+
 void Bus::count_sent() {
-  ++usage_.frames;
   for (const std::size_t sender : senders_) {
     Node& node = nodes_[sender];
     node.queue.pop();

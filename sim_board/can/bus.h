@@ -3,19 +3,19 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <optional>
 #include <vector>
 
 #include "hal/port/can.h"
 #include "sim_board/can/acceptance.h"
+#include "sim_board/can/disturbance.h"
 #include "sim_board/can/error_counters.h"
 #include "sim_board/can/node.h"
 #include "sim_board/can/observer.h"
 #include "sim_board/can/transmit_queue.h"
 
 namespace koboshi::sim {
-
-enum class NodeHandle : std::uint16_t {};
 
 // What happened on the bus since it was made, up to `time_us`.
 struct BusUsage {
@@ -50,8 +50,10 @@ struct NodeCounters {
 // A frame that no other node acknowledges is repeated without end; its sender becomes error-passive and stays
 // so.
 //
-// Times are in microseconds and never decrease. Memory is taken only when nodes are attached, and by
-// the first advance after that or after a change of filters.
+// A disturbance may destroy, double, lose and delay frames.
+//
+// Times are in microseconds and never decrease. Memory is taken only when nodes are attached, by the first
+// advance after that or after a change of filters, and for frames that a disturbance delays.
 class Bus {
  public:
   explicit Bus(std::uint64_t bit_time_us = 1);
@@ -111,7 +113,7 @@ class Bus {
     std::uint32_t priority = 0;  // identifier and RTR bit; the lowest wins
   };
 
-  enum class Outcome { kDelivered, kUnacknowledged, kDestroyed };
+  enum class Outcome { kDelivered, kDoubled, kUnacknowledged, kDestroyed };
 
   struct Transmission {
     hal::CanFrame frame;
@@ -120,17 +122,29 @@ class Bus {
     Outcome outcome;
   };
 
+  // A frame of which a receiver is told only after its end.
+  struct LateFrame {
+    std::size_t receiver;
+    hal::CanFrame frame;
+    std::uint64_t start_us;
+  };
+
   static constexpr std::size_t index(NodeHandle node) { return static_cast<std::size_t>(node); }
   std::uint64_t duration_us(int bits) const { return static_cast<std::uint64_t>(bits) * bit_time_us_; }
 
+  static int bits_after(Outcome outcome);
+  std::uint64_t next_late_us() const { return late_.empty() ? kNever : late_.begin()->first; }
   void refresh_head(std::size_t node);
   std::uint64_t next_start_us() const;
   bool start_next(std::uint64_t until_us);
   void gather_senders(std::uint64_t start_us);
   int settle_collision();
   Transmission make_transmission(std::uint64_t start_us);
+  Outcome outcome_of(const hal::CanFrame& frame, std::uint64_t start_us);
   void finish();
   void deliver(const Transmission& done);
+  void deliver_late();
+  void hand_over(std::size_t receiver, const hal::CanFrame& frame);
   void count_sent();
   void count_receptions();
   void count_errors(Outcome outcome);
@@ -151,7 +165,8 @@ class Bus {
   std::size_t recovering_ = 0;
   bool receive_errors_ = false;  // some node's receive error count is not zero
   std::optional<Transmission> wire_;
-  std::vector<std::size_t> senders_;  // of the transmission on the wire
+  std::vector<std::size_t> senders_;              // of the transmission on the wire
+  std::multimap<std::uint64_t, LateFrame> late_;  // by the time at which the receiver is told
   BusUsage usage_;
   BusObserver* observer_ = nullptr;
   BusDisturbance* disturbance_ = nullptr;

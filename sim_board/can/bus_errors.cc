@@ -128,7 +128,7 @@ void Bus::count_errors(Outcome outcome) {
     if (node.errors.bus_off()) leave(sender);
     refresh_head(sender);
   }
-  if (outcome == Outcome::kUnacknowledged) return;
+  if (outcome != Outcome::kDestroyed) return;
   receive_errors_ = true;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     if (nodes_[i].online_since_us != kNever && !is_sender(i)) nodes_[i].errors.on_receive_error();

@@ -6,6 +6,9 @@
 
 namespace koboshi::sim {
 
+// A node's place on its bus.
+enum class NodeHandle : std::uint16_t {};
+
 // What stands on the bus: is told of every frame that reaches it, at the microsecond at which its last bit
 // has passed.
 class BusNode {

@@ -17,13 +17,4 @@ class BusObserver {
   ~BusObserver() = default;
 };
 
-// Decides which transmissions a disturbance on the wire destroys; all nodes then see an error frame.
-class BusDisturbance {
- public:
-  virtual bool destroys(const hal::CanFrame& frame, std::uint64_t start_us) = 0;
-
- protected:
-  ~BusDisturbance() = default;
-};
-
 }  // namespace koboshi::sim

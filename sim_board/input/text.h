@@ -30,6 +30,8 @@ std::string read_text_file(const std::filesystem::path& file, const std::string&
 // of the locale.
 std::optional<double> parse_number(std::string_view text);
 std::optional<std::int64_t> parse_integer(std::string_view text);
+// 0x and hexadecimal digits (YAML 1.2.2, core schema); nothing for others, and from 2^32 on.
+std::optional<std::int64_t> parse_hexadecimal(std::string_view text);
 
 // "a number from 0.01 to 3600", "an integer of 1 or more", ...
 std::string describe(const NumberRange& range);

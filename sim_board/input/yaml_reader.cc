@@ -43,7 +43,8 @@ double YamlValue::number(const NumberRange& range) const {
 }
 
 std::int64_t YamlValue::integer(const IntegerRange& range) const {
-  const auto value = is_plain(*node_) ? parse_integer(node_->scalar) : std::nullopt;
+  auto value = is_plain(*node_) ? parse_integer(node_->scalar) : std::nullopt;
+  if (!value && is_plain(*node_)) value = parse_hexadecimal(node_->scalar);
   if (!value || *value < range.min || *value > range.max) throw error(describe(range));
   return *value;
 }

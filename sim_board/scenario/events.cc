@@ -88,22 +88,92 @@ Push read_push(const YamlValue& item) {
   return push;
 }
 
+std::uint16_t read_identifier(const YamlValue& value) {
+  return static_cast<std::uint16_t>(value.integer({.min = 0, .max = 0x7FF}));
+}
+
+// One identifier, or the first and the last of several.
+void read_identifiers(const YamlMap& map, FrameFault& frames) {
+  if (!map.has("identifier")) return;
+  const YamlValue value = map.value("identifier");
+  if (!value.is_list()) {
+    frames.first_identifier = frames.last_identifier = read_identifier(value);
+    return;
+  }
+  const std::vector<YamlValue> bounds = value.list();
+  if (bounds.size() != 2) throw value.error("one identifier, or a list of the first and the last");
+  frames.first_identifier = read_identifier(bounds[0]);
+  frames.last_identifier = read_identifier(bounds[1]);
+  if (frames.first_identifier > frames.last_identifier)
+    throw bounds[1].error("no identifier below the first");
+}
+
+void read_frames(const YamlMap& map, FrameFault::Effect effect, Fault& fault) {
+  fault.target = map.has("target") ? read_name(map.value("target")) : SourcedName{};
+  fault.frames.effect = effect;
+  read_identifiers(map, fault.frames);
+  fault.frames.share = map.number("share", {.min = 0.0, .max = 1.0}, 1.0);
+  if (map.has("count"))
+    fault.frames.count = static_cast<std::uint64_t>(map.integer("count", {.min = 1, .max = 1'000'000'000}));
+  if (effect == FrameFault::Effect::kDelayed)
+    fault.frames.delay_us = to_us(1e-3 * map.number("delay_ms", {.min = 0.001, .max = 10'000.0}));
+}
+
+void read_babble(const YamlMap& map, Fault& fault) {
+  fault.babble.frame.identifier = read_identifier(map.value("identifier"));
+  fault.babble.frame.size = static_cast<std::uint8_t>(map.integer("size", {.min = 0, .max = 8}, 8));
+  if (!map.has("rate_per_s")) return;
+  const double rate_per_s = map.number("rate_per_s", {.min = 1.0, .max = 20'000.0});
+  fault.babble.interval_us = to_us(1.0 / rate_per_s);
+}
+
+// What a kind of fault says of itself besides its times.
+void read_details(const YamlMap& map, Fault& fault) {
+  using Effect = FrameFault::Effect;
+  switch (fault.kind) {
+    case Fault::Kind::kDriveSilent:
+    case Fault::Kind::kDrivePowerLoss:
+    case Fault::Kind::kEncoderBreak:
+    case Fault::Kind::kDriveOverheat:
+      fault.target = read_name(map.value("target"));
+      return;
+    case Fault::Kind::kAnkleStop:
+      fault.side = map.one_of("target", {"left", "right"}) == "left" ? hal::Side::kLeft : hal::Side::kRight;
+      fault.target = read_name(map.value("target"));
+      return;
+    case Fault::Kind::kSupplyDrop:
+      fault.highest_V = map.number("supply_V", {.min = 0.0, .max = 1000.0});
+      return;
+    case Fault::Kind::kImuStop:
+    case Fault::Kind::kControllerStop:
+    case Fault::Kind::kBusUnacknowledged:
+      return;
+    case Fault::Kind::kFramesLost:
+      return read_frames(map, Effect::kLost, fault);
+    case Fault::Kind::kFramesCorrupted:
+      return read_frames(map, Effect::kCorrupted, fault);
+    case Fault::Kind::kFramesDelayed:
+      return read_frames(map, Effect::kDelayed, fault);
+    case Fault::Kind::kFramesDoubled:
+      return read_frames(map, Effect::kDoubled, fault);
+    case Fault::Kind::kBabblingNode:
+      return read_babble(map, fault);
+  }
+}
+
 Fault read_fault(const YamlValue& item) {
-  static const std::vector<std::string> kKinds{"drive_silent", "drive_power_loss", "imu_stop",
-                                               "ankle_stop",   "controller_stop",  "bus_unacknowledged"};
   const YamlMap map = item.map();
   Fault fault;
   fault.at_us = read_time_us(map);
-  const std::string kind = map.one_of("kind", kKinds);
-  fault.kind = static_cast<Fault::Kind>(std::ranges::find(kKinds, kind) - kKinds.begin());
+  const std::string kind = map.one_of("kind", Fault::kind_names());
+  fault.kind =
+      static_cast<Fault::Kind>(std::ranges::find(Fault::kind_names(), kind) - Fault::kind_names().begin());
   fault.target = read_name(map.value("kind"));
-  if (fault.kind == Fault::Kind::kDriveSilent || fault.kind == Fault::Kind::kDrivePowerLoss) {
-    fault.target = read_name(map.value("target"));
-  }
-  if (fault.kind == Fault::Kind::kAnkleStop) {
-    fault.side = map.one_of("target", {"left", "right"}) == "left" ? hal::Side::kLeft : hal::Side::kRight;
-    fault.target = read_name(map.value("target"));
-  }
+  // A cable that has torn stays torn, and copper cools when it does.
+  const bool may_end = fault.kind != Fault::Kind::kEncoderBreak && fault.kind != Fault::Kind::kDriveOverheat;
+  if (may_end && map.has("duration_s"))
+    fault.duration_us = to_us(map.number("duration_s", {.min = 1e-6, .max = 86400.0}));
+  read_details(map, fault);
   return fault;
 }
 

@@ -1,5 +1,7 @@
 #include "sim_board/scenario/player.h"
 
+#include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "sim_board/scenario/make_ground.h"
@@ -44,6 +46,14 @@ ScenarioPlayer::ScenarioPlayer(const Scenario& scenario, SimBoard& board, std::v
   for (const Push& push : scenario.pushes) {
     pushed_links_.push_back(*board.robot().find_link(push.link.text));
   }
+  for (std::size_t i = 0; i < scenario.faults.size(); ++i) {
+    const Fault& fault = scenario.faults[i];
+    fault_events_.push_back({fault.at_us, true, i});
+    if (fault.duration_us) fault_events_.push_back({fault.end_us(), false, i});
+  }
+  std::ranges::sort(fault_events_, {}, [](const FaultEvent& event) {
+    return std::tuple(event.at_us, event.begins, event.fault);
+  });
   board_.set_step_listener(this);
 }
 
@@ -54,9 +64,15 @@ void ScenarioPlayer::advance() {
     if (scenario_.commands[next_command_].at_us > now_us) break;
     operator_.command(scenario_.commands[next_command_]);
   }
-  for (; next_fault_ < scenario_.faults.size(); ++next_fault_) {
-    if (scenario_.faults[next_fault_].at_us > now_us) break;
-    cause(scenario_.faults[next_fault_]);
+  for (; next_fault_event_ < fault_events_.size(); ++next_fault_event_) {
+    const FaultEvent& event = fault_events_[next_fault_event_];
+    if (event.at_us > now_us) break;
+    const Fault& fault = scenario_.faults[event.fault];
+    if (event.begins) {
+      cause(fault);
+    } else {
+      mend(fault);
+    }
   }
   if (held_ && now_us >= *scenario_.initial.release_us) {
     board_.world().release_base();
@@ -74,21 +90,81 @@ void ScenarioPlayer::before_step(World& world, std::uint64_t start_us, std::uint
   }
 }
 
+std::size_t ScenarioPlayer::joint_of(const Fault& fault) const {
+  return static_cast<std::size_t>(*board_.robot().find_joint(fault.target.text));
+}
+
 void ScenarioPlayer::cause(const Fault& fault) {
-  const auto joint = [&] { return static_cast<std::size_t>(*board_.robot().find_joint(fault.target.text)); };
   switch (fault.kind) {
     case Fault::Kind::kDriveSilent:
-      return board_.hang_drive(joint());
+      return board_.hang_drive(joint_of(fault));
     case Fault::Kind::kDrivePowerLoss:
-      return board_.cut_drive_power(joint());
+      return board_.cut_drive_power(joint_of(fault));
+    case Fault::Kind::kEncoderBreak:
+      return board_.break_encoder(joint_of(fault));
+    case Fault::Kind::kDriveOverheat:
+      return board_.overheat_drive(joint_of(fault));
+    case Fault::Kind::kSupplyDrop:
+      return board_.limit_supply(fault.highest_V);
     case Fault::Kind::kImuStop:
-      return board_.stop_imu();
+      return board_.set_imu_running(false);
     case Fault::Kind::kAnkleStop:
-      return board_.stop_ankle(fault.side);
+      return board_.set_ankle_running(fault.side, false);
     case Fault::Kind::kControllerStop:
-      return board_.stop_controller();
+      return board_.set_controller_running(false);
     case Fault::Kind::kBusUnacknowledged:
       return board_.isolate_controller();
+    case Fault::Kind::kFramesLost:
+    case Fault::Kind::kFramesCorrupted:
+    case Fault::Kind::kFramesDelayed:
+    case Fault::Kind::kFramesDoubled:
+      return disturb_frames(fault);
+    case Fault::Kind::kBabblingNode: {
+      Babble babble = fault.babble;
+      babble.from_us = fault.at_us;
+      babble.until_us = fault.end_us();
+      return board_.add_babbler(babble);
+    }
+  }
+}
+
+void ScenarioPlayer::disturb_frames(const Fault& fault) {
+  FrameFault frames = fault.frames;
+  if (fault.target.text == kControllerTarget) {
+    frames.node = board_.controller_bus_handle();
+  } else if (!fault.target.text.empty()) {
+    frames.node = board_.drive(joint_of(fault)).bus_handle();
+  }
+  frames.from_us = fault.at_us;
+  frames.until_us = fault.end_us();
+  board_.add_frame_fault(frames);
+}
+
+void ScenarioPlayer::mend(const Fault& fault) {
+  switch (fault.kind) {
+    case Fault::Kind::kDriveSilent:
+    case Fault::Kind::kDrivePowerLoss:
+      return board_.restart_drive(joint_of(fault));
+    case Fault::Kind::kSupplyDrop:
+      return board_.limit_supply(std::nullopt);
+    case Fault::Kind::kImuStop:
+      return board_.set_imu_running(true);
+    case Fault::Kind::kAnkleStop:
+      return board_.set_ankle_running(fault.side, true);
+    case Fault::Kind::kControllerStop:
+      return board_.set_controller_running(true);
+    case Fault::Kind::kBusUnacknowledged:
+      return board_.rejoin_controller();
+    // They know their end, to the microsecond.
+    case Fault::Kind::kFramesLost:
+    case Fault::Kind::kFramesCorrupted:
+    case Fault::Kind::kFramesDelayed:
+    case Fault::Kind::kFramesDoubled:
+    case Fault::Kind::kBabblingNode:
+    // They have none.
+    case Fault::Kind::kEncoderBreak:
+    case Fault::Kind::kDriveOverheat:
+      return;
   }
 }
 

@@ -31,13 +31,23 @@ class ScenarioPlayer final : private StepListener {
  private:
   void before_step(World& world, std::uint64_t start_us, std::uint64_t end_us) override;
   void cause(const Fault& fault);
+  void disturb_frames(const Fault& fault);
+  void mend(const Fault& fault);
+  std::size_t joint_of(const Fault& fault) const;
 
   const Scenario& scenario_;
   SimBoard& board_;
   OperatorPc operator_;
   std::vector<int> pushed_links_;  // by push
   std::size_t next_command_ = 0;
-  std::size_t next_fault_ = 0;
+  // Faults begin and end; in the order of time, of equal times the ends first.
+  struct FaultEvent {
+    std::uint64_t at_us;
+    bool begins;
+    std::size_t fault;
+  };
+  std::vector<FaultEvent> fault_events_;
+  std::size_t next_fault_event_ = 0;
   bool held_;
 };
 

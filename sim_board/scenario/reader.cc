@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "sim_board/engine/make_world.h"
+#include "sim_board/robot/load.h"
 #include "sim_board/scenario/events.h"
 #include "sim_board/scenario/ground_reader.h"
 #include "sim_board/scenario/paths.h"
@@ -160,6 +161,12 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
   scenario.faults = read_faults(root);
   yaml.finish();
   return scenario;
+}
+
+RobotDescription read_robot(const Scenario& scenario) {
+  RobotDescription robot = load_robot(scenario.robot);
+  check(scenario, robot);
+  return robot;
 }
 
 }  // namespace koboshi::sim

@@ -12,4 +12,7 @@ namespace koboshi::sim {
 // files that it names exist; names of joints and links are not yet checked, see check(). Throws InputError.
 Scenario read_scenario(const std::filesystem::path& file, std::span<const Override> overrides = {});
 
+// Reads the robot of a scenario and checks the scenario against it. Throws InputError.
+RobotDescription read_robot(const Scenario& scenario);
+
 }  // namespace koboshi::sim

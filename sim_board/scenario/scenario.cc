@@ -42,10 +42,22 @@ void check_initial(const InitialJoint& initial, const RobotDescription& robot) {
                  describe(range_deg) + " degrees, the joint's limits");
 }
 
+bool concerns_frames(Fault::Kind kind) {
+  return kind >= Fault::Kind::kFramesLost && kind <= Fault::Kind::kFramesDoubled;
+}
+
+bool names_joint(const SourcedName& target) {
+  return !target.text.empty() && target.text != kControllerTarget;
+}
+
 void check_fault(const Fault& fault, const RobotDescription& robot) {
   using Kind = Fault::Kind;
-  if (fault.kind == Kind::kDriveSilent || fault.kind == Kind::kDrivePowerLoss) {
-    find_named(robot.joints, fault.target, "joint");
+  const bool of_drive = fault.kind == Kind::kDriveSilent || fault.kind == Kind::kDrivePowerLoss ||
+                        fault.kind == Kind::kEncoderBreak || fault.kind == Kind::kDriveOverheat;
+  if (of_drive || (concerns_frames(fault.kind) && names_joint(fault.target))) {
+    const JointDescription& joint = find_named(robot.joints, fault.target, "joint");
+    if (fault.kind == Kind::kDriveOverheat && !joint.servo.winding)
+      throw error_at(fault.target, "a servo without a winding", "one whose type says how it warms");
   }
   if (fault.kind == Kind::kImuStop && !robot.imu) {
     throw error_at(fault.target, "a fault of an IMU", "a robot that has one");
@@ -85,6 +97,14 @@ double half_sine_integral(double part) {
 }
 
 }  // namespace
+
+const std::vector<std::string>& Fault::kind_names() {
+  static const std::vector<std::string> kNames{
+      "drive_silent",     "drive_power_loss", "encoder_break",   "drive_overheat",     "supply_drop",
+      "imu_stop",         "ankle_stop",       "controller_stop", "bus_unacknowledged", "frames_lost",
+      "frames_corrupted", "frames_delayed",   "frames_doubled",  "babbling_node"};
+  return kNames;
+}
 
 Eigen::Vector3d Push::mean_force_W_N(std::uint64_t start_us, std::uint64_t end_us) const {
   const std::uint64_t from_us = std::max(start_us, at_us);

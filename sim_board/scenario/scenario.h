@@ -4,12 +4,15 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "hal/port/ankle.h"
+#include "sim_board/can/babbler.h"
+#include "sim_board/can/bus_faults.h"
 #include "sim_board/input/yaml_tree.h"
 #include "sim_board/robot/description.h"
 #include "sim_board/world/options.h"
@@ -136,22 +139,43 @@ struct Push {
   Eigen::Vector3d mean_force_W_N(std::uint64_t start_us, std::uint64_t end_us) const;
 };
 
-// Something that breaks, for the rest of the run.
+// Something that breaks, for a while or for the rest of the run.
 struct Fault {
   enum class Kind {
     kDriveSilent,        // a drive neither hears nor answers; its motor stays as it is
     kDrivePowerLoss,     // a drive and its motor are without current
+    kEncoderBreak,       // a drive no longer knows where its shaft is
+    kDriveOverheat,      // the winding of a motor is too hot
+    kSupplyDrop,         // the supply of all servos is limited
     kImuStop,            // the inertial unit delivers no samples
     kAnkleStop,          // an ankle sensor delivers no samples
     kControllerStop,     // the firmware stops; the board lives on
     kBusUnacknowledged,  // nobody acknowledges the controller's frames
+    kFramesLost,         // receivers' controllers drop frames that were acknowledged
+    kFramesCorrupted,    // bit errors on the wire
+    kFramesDelayed,      // receivers are told late
+    kFramesDoubled,      // receivers are told twice
+    kBabblingNode,       // a further node floods the bus
   };
+  // What the file calls them, in their order.
+  static const std::vector<std::string>& kind_names();
 
   std::uint64_t at_us = 0;
+  std::optional<std::uint64_t> duration_us;  // none: for the rest of the run
   Kind kind = Kind::kControllerStop;
-  SourcedName target;  // the joint of kDriveSilent and kDrivePowerLoss; the place of all others
+  // The joint of faults of a drive. Of faults of frames, whose they are: a joint, kControllerTarget, or empty
+  // for everybody's. The place of all others.
+  SourcedName target;
   hal::Side side = hal::Side::kLeft;  // of kAnkleStop
+  double highest_V = 0.0;             // of kSupplyDrop
+  FrameFault frames;                  // of faults of frames; its node and times are those above
+  Babble babble;                      // of kBabblingNode; so are its times
+
+  std::uint64_t end_us() const {
+    return duration_us ? at_us + *duration_us : std::numeric_limits<std::uint64_t>::max();
+  }
 };
+inline constexpr const char* kControllerTarget = "controller";
 
 struct Scenario {
   std::filesystem::path file;

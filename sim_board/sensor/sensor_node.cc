@@ -28,7 +28,11 @@ void SensorNode::update(std::uint64_t now_us) {
     started_ = true;
     node_.start(now_us);
   }
-  if (started_) node_.process(now_us);
+  if (!started_) return;
+  const hal::CanStatus status = bus_.status(handle_);
+  node_.on_can_status(status, now_us);
+  bus_off_.step(bus_, handle_, status, now_us);
+  node_.process(now_us);
 }
 
 void SensorNode::on_frame(const hal::CanFrame& frame, std::uint64_t time_us) {

@@ -6,6 +6,7 @@
 #include "hal/port/ankle.h"
 #include "hal/port/imu.h"
 #include "sim_board/can/bus.h"
+#include "sim_board/can/bus_off_pause.h"
 #include "sim_board/sensor/sensor_dictionary.h"
 
 namespace koboshi::sim {
@@ -51,6 +52,7 @@ class SensorNode final : private BusNode, private canopen::FrameSink, private ca
   SensorValues values_;
   canopen::NodeMemory<0, kSensorTpdos, 2, 8> memory_;
   canopen::Node node_;
+  BusOffPause bus_off_;
   bool started_ = false;
   std::uint64_t now_us_ = 0;
 };

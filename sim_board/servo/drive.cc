@@ -125,6 +125,7 @@ void Drive::update(const JointState& joint, std::uint64_t now_us) {
 }
 
 void Drive::run_loop() {
+  watch_bus();
   node_.process(now_us_);
   change_mode();
   if (values_.mode_display == cia402::kProfilePosition && follows_targets())
@@ -202,6 +203,13 @@ void Drive::abort_connection(std::uint16_t error_code) {
     default:
       return;
   }
+}
+
+// Bus-off is one of the events of 0x6007 (CiA 402-2). Its message waits for the recovery.
+void Drive::watch_bus() {
+  const hal::CanStatus status = bus_.status(handle_);
+  node_.on_can_status(status, now_us_);
+  if (bus_off_.step(bus_, handle_, status, now_us_)) abort_connection(canopen::error_code::kBusOffRecovered);
 }
 
 void Drive::watch_sync() {

@@ -5,6 +5,7 @@
 
 #include "firmware/canopen/node.h"
 #include "sim_board/can/bus.h"
+#include "sim_board/can/bus_off_pause.h"
 #include "sim_board/sensor/scalar_sensor.h"
 #include "sim_board/servo/drive_dictionary.h"
 #include "sim_board/servo/drive_state.h"
@@ -47,7 +48,11 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   void hang();
   // A cable that tears: the position is no longer read, and without it the drive cannot stop on a ramp.
   void break_encoder() { servo_.break_encoder(); }
+  // A winding that is too hot, from whatever cause.
+  void overheat() { servo_.overheat(); }
 
+  // Has power and does not hang.
+  bool listens() const { return powered_ && !hanging_; }
   canopen::cia402::State state() const { return state_.state(); }
   bool makes_torque() const { return powered_ && enable_line_ && state_.makes_torque(); }
   const DriveValues& values() const { return values_; }
@@ -77,6 +82,7 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   void finish_stop();
   void run_loop();
   void change_mode();
+  void watch_bus();
   void watch_sync();
   void watch_servo();
   void watch_position();
@@ -109,6 +115,7 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   std::uint64_t start_us_ = 0;  // when the boot-up is due
   std::uint64_t now_us_ = 0;
   std::optional<std::uint64_t> last_sync_us_;
+  BusOffPause bus_off_;
 };
 
 }  // namespace koboshi::sim

@@ -41,6 +41,7 @@ class Servo {
   std::int32_t reported_units() const { return reported_units_; }  // what the bus gets to know: older
   // From now on the encoder cannot be read: positions stay what they were.
   void break_encoder() { encoder_broken_ = true; }
+  void overheat() { winding_.overheat(); }
   bool encoder_broken() const { return encoder_broken_; }
   double current_A() const { return current_A_; }
   double torque_Nm() const { return motor_.torque_Nm(current_A_); }  // of the motor, before friction

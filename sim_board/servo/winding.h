@@ -33,6 +33,12 @@ class Winding {
     if (temperature_C_ <= description_.derating_C) too_hot_ = false;
   }
 
+  // As hot as it may be at most, at once.
+  void overheat() {
+    temperature_C_ = description_.shutdown_C;
+    too_hot_ = true;
+  }
+
   double temperature_C() const { return temperature_C_; }
   double resistance_ohm() const {
     if (!warms_) return cold_resistance_ohm_;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim_board/can/bus.h"
+#include "sim_board/can/bus_faults.h"
 #include "sim_board/can/candump_log.h"
 #include "sim_board/can/frame_bits.h"
 #include "sim_board/record/recorder.h"
@@ -58,6 +59,28 @@ void BM_SaturatedBus(benchmark::State& state) {
   state.SetItemsProcessed(static_cast<std::int64_t>(controller.frames));
 }
 BENCHMARK(BM_SaturatedBus);
+
+// The same, with every frame told to every node, as CANopen nodes want it, and a disturbance that is asked
+// for each of them.
+void BM_SaturatedBusOfListeners(benchmark::State& state) {
+  Bus bus;
+  BusFaults faults(1);
+  faults.add({.effect = FrameFault::Effect::kLost, .first_identifier = 0x080, .last_identifier = 0x080});
+  bus.set_disturbance(&faults);
+  std::vector<Counter> nodes(1 + kDrives);
+  std::vector<NodeHandle> handles;
+  for (Counter& node : nodes) handles.push_back(bus.attach(node, AcceptanceFilter::all(), 4));
+  std::uint64_t cycle = 0;
+  for (auto _ : state) {
+    ++cycle;
+    const std::uint64_t now_us = bus.now_us();
+    for (std::size_t i = 0; i < kDrives; ++i)
+      benchmark::DoNotOptimize(bus.queue(handles[i + 1], telemetry(i, cycle), now_us));
+    bus.advance_to(now_us + 2700);
+  }
+  state.SetItemsProcessed(static_cast<std::int64_t>(nodes.front().frames));
+}
+BENCHMARK(BM_SaturatedBusOfListeners);
 
 void BM_FormatLogLine(benchmark::State& state) {
   std::array<char, kMaxLogLineBytes> line;

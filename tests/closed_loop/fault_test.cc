@@ -145,6 +145,33 @@ TEST(BusWithoutAcknowledgement, InMotionAndTheDrivesStopByThemselves) {
   EXPECT_EQ(run.count_in(DriveState::kFault), 20);
 }
 
+// A robot that walks on its own feet, while in every second dozens of frames are lost, doubled, late or sent
+// again.
+TEST(BadBus, DoesNotStopAWalkingRobot) {
+  const std::vector<sim::Override> faults{
+      {"faults",
+       "[{at_s: 2, kind: frames_lost, share: 0.01}, {at_s: 2, kind: frames_doubled, share: 0.01},"
+       " {at_s: 2, kind: frames_corrupted, share: 0.02},"
+       " {at_s: 2, kind: frames_delayed, share: 0.02, delay_ms: 3}]"},
+      {"physics.stepper", "lumped"}};
+  sim::Scenario scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml", faults);
+  scenario.initial.release_us = kRelease_us;
+  scenario.commands = {{.at_us = kEnable_us, .kind = sim::Command::Kind::kEnable},
+                       {.at_us = 2'000'000, .kind = sim::Command::Kind::kPlay, .motion = 0}};
+  RobotRun run(scenario);
+  run.run_until_us(2'000'000);
+  const Eigen::Vector3d start_W = run.board().world().body(0).X_WL.translation();
+  run.run_until_us(6'000'000);
+  const Eigen::Vector3d end_W = run.board().world().body(0).X_WL.translation();
+  EXPECT_EQ(run.behaviour().state, State::kMotion);
+  EXPECT_EQ(run.behaviour().faults, 0);
+  EXPECT_EQ(run.torque_count(), 20);
+  EXPECT_GT(end_W.x() - start_W.x(), 0.2);
+  EXPECT_NEAR(end_W.z(), start_W.z(), 0.03);
+  // A hundredth and more of some twenty thousand frames.
+  EXPECT_GT(run.board().bus().usage().error_frames, 200u);
+}
+
 // --- Emergency stop
 
 TEST(EmergencyStop, InMidSquatCutsAllTorqueAtOnce) {

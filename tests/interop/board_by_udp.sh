@@ -7,7 +7,7 @@ if [ "${3:-}" != inside ]; then
   exec timeout 200 unshare --map-root-user --net "$0" "$1" "$2" inside
 fi
 folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
+trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$folder"' EXIT  # whatever fails, no board stays behind
 ip link set lo up
 ip route add 239.0.0.0/8 dev lo
 

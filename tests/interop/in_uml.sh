@@ -1,6 +1,7 @@
 #!/bin/sh
 # in_uml.sh COMMAND [ARGUMENT...]: runs a command where there is a vcan0, in User-mode Linux, whatever the kernel outside.
-# The files are the host's; /mnt is an empty memory file system. Exits with the command's status.
+# The files are the host's; /mnt is an empty memory file system. Exits with the command's status; after two minutes, or
+# KOBOSHI_UML_TIMEOUT_S seconds, it gives up.
 set -eu
 
 folder=$(mktemp -d)
@@ -17,6 +18,7 @@ export PATH=$PATH HOME=$folder
 mount -t proc proc /proc
 mount -t sysfs sysfs /sys
 mount -t tmpfs tmpfs /mnt
+[ -e /dev/fd ] || ln -s /proc/self/fd /dev/fd
 for module in net/can/can net/can/can-raw drivers/net/can/dev/can-dev drivers/net/can/vcan; do
   insmod $modules/\$module.ko
 done
@@ -30,7 +32,7 @@ chmod +x "$folder/init"
 # It keeps its sockets in the home folder.
 PATH=$PATH:/usr/sbin:/sbin HOME=$folder
 export PATH HOME
-timeout 120 linux.uml rootfstype=hostfs rootflags=/ rw init="$folder/init" mem=512M con=null con0=fd:0,fd:1 \
+timeout "${KOBOSHI_UML_TIMEOUT_S:-120}" linux.uml rootfstype=hostfs rootflags=/ rw init="$folder/init" mem=512M con=null con0=fd:0,fd:1 \
   </dev/null >"$folder/console" 2>&1 || true
 cat "$folder/output" 2>/dev/null || cat "$folder/console"
 exit "$(cat "$folder/status" 2>/dev/null || echo 70)"

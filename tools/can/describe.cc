@@ -5,6 +5,7 @@
 #include "firmware/canopen/abort_code.h"
 #include "firmware/canopen/cob_id.h"
 #include "firmware/canopen/sdo_protocol.h"
+#include "firmware/canopen/value_names.h"
 #include "tools/can/sdo_transfer.h"
 
 namespace koboshi::tools {
@@ -15,36 +16,18 @@ namespace sdo = canopen::sdo;
 
 std::string node_name(int node) { return node == 0 ? "all nodes" : fmt::format("node {}", node); }
 
-const char* command_name(std::uint8_t command) {
-  switch (command) {
-    case 1:
-      return "start";
-    case 2:
-      return "stop";
-    case 128:
-      return "enter pre-operational";
-    case 129:
-      return "reset node";
-    case 130:
-      return "reset communication";
-    default:
-      return "unknown command";
-  }
+std::string name_or(std::span<const canopen::ValueName> names, std::uint8_t value, const char* unknown) {
+  const std::string_view name = canopen::name_of(names, value);
+  return std::string(name.empty() ? unknown : name);
 }
 
-const char* state_name(std::uint8_t state) {
-  switch (state & 0x7F) {
-    case 0:
-      return "boot-up";
-    case 4:
-      return "stopped";
-    case 5:
-      return "operational";
-    case 127:
-      return "pre-operational";
-    default:
-      return "unknown state";
-  }
+std::string command_name(std::uint8_t command) {
+  return name_or(canopen::kNmtCommandNames, command, "unknown command");
+}
+
+std::string state_name(std::uint8_t state) {
+  return name_or(canopen::kNmtStateNames, state & 0x7F,
+                 "unknown state");  // bit 7 is the toggle of node guarding
 }
 
 // CiA 301, table 26, by classes of codes.

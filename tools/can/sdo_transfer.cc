@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/crc.hpp>
 #include <chrono>
 #include <utility>
 
 #include "firmware/canopen/cob_id.h"
+#include "firmware/canopen/crc16.h"
 #include "firmware/canopen/sdo_protocol.h"
 #include "tools/can/source.h"
 
@@ -19,23 +19,6 @@ using canopen::AbortCode;
 using canopen::ObjectAddress;
 namespace sdo = canopen::sdo;
 using Clock = std::chrono::steady_clock;
-
-// Block transfer (CiA 301, 7.2.4.3.9 to 7.2.4.3.15): command bytes, with the bits that we set.
-constexpr std::uint8_t kBlockUploadRequest = 0xA4;  // with checksum
-constexpr std::uint8_t kBlockUploadStart = 0xA3;
-constexpr std::uint8_t kBlockAnswer = 0xA2;  // to a block, of either direction
-constexpr std::uint8_t kBlockEnd = 0xA1;     // the last word of either direction
-constexpr std::uint8_t kBlockUploadResponse = 0xC0;
-constexpr std::uint8_t kBlockDownloadRequest = 0xC6;  // with checksum and size
-constexpr std::uint8_t kBlockDownloadResponse = 0xA0;
-constexpr std::uint8_t kBlockSizeIndicated = 0x02;
-constexpr std::uint8_t kLastOfAll = 0x80;
-
-std::uint16_t crc16(std::span<const std::uint8_t> data) {
-  boost::crc_optimal<16, 0x1021, 0, 0, false, false> crc;
-  crc.process_bytes(data.data(), data.size());
-  return static_cast<std::uint16_t>(crc.checksum());
-}
 
 std::size_t segments_of(std::size_t bytes) { return (bytes + sdo::kSegmentBytes - 1) / sdo::kSegmentBytes; }
 
@@ -92,14 +75,7 @@ SdoTransfer::SdoTransfer(sim::Transport& transport, std::uint8_t node_id)
 // --- One message
 
 void SdoTransfer::send(const Data& data) {
-  const hal::CanFrame frame{.identifier = request_, .size = 8, .data = data};
-  const Clock::time_point start = Clock::now();
-  while (!transport_.send(frame, 0)) {
-    if (Clock::now() - start > std::chrono::microseconds(kTimeout_us))
-      throw std::runtime_error("the bus takes no frames");
-    wait_for_frames(transport_, 100);
-  }
-  transport_.flush();
+  send_surely(transport_, {.identifier = request_, .size = 8, .data = data});
 }
 
 SdoTransfer::Data SdoTransfer::receive() {
@@ -188,11 +164,11 @@ void SdoTransfer::write_segments(std::span<const std::uint8_t> data) {
 
 std::vector<std::uint8_t> SdoTransfer::upload(ObjectAddress address, const SdoProgress& progress) {
   address_ = address;
-  Data request = sdo::message(kBlockUploadRequest, address, 0);
-  request[4] = kBlock;
-  const Data answer = ask(request, kBlockUploadResponse);
-  const std::size_t size = (answer[0] & kBlockSizeIndicated) != 0 ? sdo::data_of(answer) : 0;
-  send({kBlockUploadStart});
+  Data request = sdo::message(sdo::kBlockUploadRequest | sdo::kBlockCrc, address, 0);
+  request[4] = sdo::kMaxBlockSize;
+  const Data answer = ask(request, sdo::kBlockUploadResponse);
+  const std::size_t size = (answer[0] & sdo::kBlockSizeIndicated) != 0 ? sdo::data_of(answer) : 0;
+  send({sdo::kBlockUploadRequest | sdo::kBlockStartUpload});
   return read_blocks(size, progress);
 }
 
@@ -201,20 +177,22 @@ std::vector<std::uint8_t> SdoTransfer::read_blocks(std::size_t size, const SdoPr
   for (;;) {
     std::uint8_t expected = 1;
     bool last = false;
-    for (std::uint8_t sequence = 0; !last && sequence < kBlock;) {
+    for (std::uint8_t sequence = 0; !last && sequence < sdo::kMaxBlockSize;) {
       const Data segment = receive();
       if (segment[0] == sdo::kAbort && data.empty() && expected == 1)
         throw SdoAborted(static_cast<AbortCode>(sdo::data_of(segment)));
-      sequence = segment[0] & 0x7F;
+      sequence = segment[0] & ~sdo::kBlockLastSegment & 0xFF;
       if (sequence != expected) {
-        if ((segment[0] & kLastOfAll) != 0) break;  // the last, with some lost before it: asked for again
+        // The last, with some lost before it: asked for again.
+        if ((segment[0] & sdo::kBlockLastSegment) != 0) break;
         continue;
       }
-      last = (segment[0] & kLastOfAll) != 0;
+      last = (segment[0] & sdo::kBlockLastSegment) != 0;
       data.insert(data.end(), segment.begin() + 1, segment.end());
       ++expected;
     }
-    send({kBlockAnswer, static_cast<std::uint8_t>(expected - 1), kBlock});
+    send({sdo::kBlockUploadRequest | sdo::kBlockConfirm, static_cast<std::uint8_t>(expected - 1),
+          sdo::kMaxBlockSize});
     if (progress) progress(data.size(), size);
     if (last) break;
   }
@@ -226,25 +204,26 @@ std::vector<std::uint8_t> SdoTransfer::read_blocks(std::size_t size, const SdoPr
 void SdoTransfer::end_upload(std::vector<std::uint8_t>& data) {
   const Data end = receive();
   if (end[0] == sdo::kAbort) throw SdoAborted(static_cast<AbortCode>(sdo::data_of(end)));
-  if ((end[0] & 0xE1) != 0xC1) abort(AbortCode::kCommandSpecifierUnknown);
-  data.resize(data.size() - std::min<std::size_t>(data.size(), (end[0] >> 2) & 7u));
-  if (canopen::load_u16(&end[1]) != crc16(data)) abort(AbortCode::kCrcError);
-  send({kBlockEnd});
+  if ((end[0] & (sdo::kSpecifierMask | sdo::kBlockEnd)) != (sdo::kBlockUploadResponse | sdo::kBlockEnd))
+    abort(AbortCode::kCommandSpecifierUnknown);
+  data.resize(data.size() - sdo::kSegmentBytes + sdo::block_end_size(end[0]));
+  if (canopen::load_u16(&end[1]) != canopen::crc16(0, data)) abort(AbortCode::kCrcError);
+  send({sdo::kBlockUploadRequest | sdo::kBlockEnd});
 }
 
 void SdoTransfer::download(ObjectAddress address, std::span<const std::uint8_t> data,
                            const SdoProgress& progress) {
   address_ = address;
-  const Data answer =
-      ask(sdo::message(kBlockDownloadRequest, address, static_cast<std::uint32_t>(data.size())),
-          kBlockDownloadResponse);
+  const Data answer = ask(sdo::message(sdo::kBlockDownloadRequest | sdo::kBlockCrc | sdo::kBlockSizeIndicated,
+                                       address, static_cast<std::uint32_t>(data.size())),
+                          sdo::kBlockDownloadResponse);
   write_blocks(data, answer[4], progress);
   const std::size_t rest = data.size() % sdo::kSegmentBytes;
   const std::size_t unused = rest == 0 && !data.empty() ? 0 : sdo::kSegmentBytes - rest;
   Data end{};
-  end[0] = static_cast<std::uint8_t>(0xC1 | unused << 2);
-  canopen::store_u16(&end[1], crc16(data));
-  ask(end, kBlockDownloadResponse);
+  end[0] = static_cast<std::uint8_t>(sdo::kBlockDownloadRequest | sdo::kBlockEnd | unused << 2);
+  canopen::store_u16(&end[1], canopen::crc16(0, data));
+  ask(end, sdo::kBlockDownloadResponse);
 }
 
 void SdoTransfer::write_blocks(std::span<const std::uint8_t> data, std::uint8_t block,
@@ -252,19 +231,20 @@ void SdoTransfer::write_blocks(std::span<const std::uint8_t> data, std::uint8_t 
   std::size_t done = 0;  // segments that the server has
   const std::size_t all = std::max<std::size_t>(segments_of(data.size()), 1);
   while (done < all) {
-    if (block == 0 || block > kBlock) abort(AbortCode::kInvalidBlockSize);
+    if (!sdo::is_block_size(block)) abort(AbortCode::kInvalidBlockSize);
     const std::size_t count = std::min<std::size_t>(block, all - done);
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t begin = (done + i) * sdo::kSegmentBytes;
       const auto part = data.subspan(begin, std::min(sdo::kSegmentBytes, data.size() - begin));
       Data segment{};
-      segment[0] = static_cast<std::uint8_t>((i + 1) | (done + i + 1 == all ? kLastOfAll : 0));
+      segment[0] = static_cast<std::uint8_t>((i + 1) | (done + i + 1 == all ? sdo::kBlockLastSegment : 0));
       std::ranges::copy(part, segment.begin() + 1);
       send(segment);
     }
     const Data answer = receive();
     if (answer[0] == sdo::kAbort) throw SdoAborted(static_cast<AbortCode>(sdo::data_of(answer)));
-    if (answer[0] != kBlockAnswer || answer[1] > count) abort(AbortCode::kInvalidSequenceNumber);
+    if (answer[0] != (sdo::kBlockDownloadResponse | sdo::kBlockConfirm) || answer[1] > count)
+      abort(AbortCode::kInvalidSequenceNumber);
     done += answer[1];
     block = answer[2];
     if (progress) progress(std::min(done * sdo::kSegmentBytes, data.size()), data.size());

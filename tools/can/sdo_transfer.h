@@ -34,7 +34,6 @@ using SdoProgress = std::function<void(std::size_t done, std::size_t total)>;
 class SdoTransfer {
  public:
   static constexpr std::uint64_t kTimeout_us = 1'000'000;  // for each answer
-  static constexpr std::uint8_t kBlock = 127;              // segments of a block, the most there are
 
   // On the node's default channel. The transport must outlive it.
   SdoTransfer(sim::Transport& transport, std::uint8_t node_id);

@@ -3,6 +3,8 @@
 #include <poll.h>
 
 #include <chrono>
+#include <stdexcept>
+#include <thread>
 
 #include "sim_board/can/candump_log.h"
 
@@ -10,6 +12,8 @@ namespace koboshi::tools {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr std::uint64_t kRoomTimeout_us = 1'000'000;
 
 std::uint64_t since_us(Clock::time_point start) {
   return static_cast<std::uint64_t>(
@@ -59,6 +63,15 @@ std::unique_ptr<FrameSource> open_log(const std::filesystem::path& place) {
 
 std::unique_ptr<FrameSource> listen_to(sim::Transport& transport) {
   return std::make_unique<LiveSource>(transport);
+}
+
+void send_surely(sim::Transport& transport, const hal::CanFrame& frame) {
+  const Clock::time_point start = Clock::now();
+  while (!transport.send(frame, 0)) {
+    if (since_us(start) > kRoomTimeout_us) throw std::runtime_error("the bus takes no frames");
+    std::this_thread::sleep_for(std::chrono::microseconds(100));
+  }
+  transport.flush();
 }
 
 void wait_for_frames(const sim::Transport& transport, std::uint64_t timeout_us) {

@@ -31,6 +31,10 @@ std::unique_ptr<FrameSource> open_log(const std::filesystem::path& place);
 // What comes in on a transport, which must outlive the source.
 std::unique_ptr<FrameSource> listen_to(sim::Transport& transport);
 
+// Hands over a frame at once, waiting for room as long as a second. Throws std::runtime_error where there is
+// none.
+void send_surely(sim::Transport& transport, const hal::CanFrame& frame);
+
 // Waits until something may have come in on a transport, or this time has passed.
 void wait_for_frames(const sim::Transport& transport, std::uint64_t timeout_us);
 

@@ -9,6 +9,7 @@
 
 #include "sim_board/scenario/reader.h"
 #include "tools/cli/live_arguments.h"
+#include "tools/cli/overrides.h"
 #include "tools/run/bare_board.h"
 
 namespace koboshi::tools {
@@ -22,9 +23,7 @@ struct Arguments {
 };
 
 void play_board(const Arguments& arguments) {
-  std::vector<sim::Override> overrides;
-  for (const std::string& set : arguments.sets) overrides.push_back(sim::parse_override(set));
-  if (!arguments.duration.empty()) overrides.push_back({"duration_s", arguments.duration});
+  const auto overrides = overrides_of(arguments.sets, {{"duration_s", arguments.duration}});
   LiveLink live(arguments.live);
   BareBoard bare(sim::read_scenario(arguments.scenario, overrides));
   sim::SimBoard& board = bare.board();
@@ -38,7 +37,7 @@ void play_board(const Arguments& arguments) {
   const sim::BusUsage usage = board.bus().usage();
   fmt::print("{:.2f} s, {} frames, bus load {:.0f} %\n", 1e-6 * static_cast<double>(board.now_us()),
              usage.frames, 100.0 * sim::bus_load({}, usage));
-  tell_overruns(live.report());
+  tell_troubles(live.report());
 }
 
 }  // namespace

@@ -2,16 +2,15 @@
 
 #include <fmt/core.h>
 
-#include <array>
-#include <cstdio>
+#include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
-#include <stdexcept>
+#include <optional>
 #include <string>
-#include <thread>
+#include <vector>
 
-#include "firmware/canopen/nmt.h"
-#include "sim_board/can/transport/transport.h"
+#include "firmware/canopen/frame.h"
 #include "tools/can/frame_text.h"
 #include "tools/can/source.h"
 #include "tools/can/statistics.h"
@@ -24,15 +23,7 @@
 namespace koboshi::tools {
 namespace {
 
-// A frame that finds no room waits for it: who sends by hand wants it sent.
-void send_surely(sim::Transport& transport, const hal::CanFrame& frame) {
-  constexpr int kMostWaits = 10'000;
-  for (int waits = 0; !transport.send(frame, 0); ++waits) {
-    if (waits == kMostWaits) throw std::runtime_error("the bus takes no frames");
-    std::this_thread::sleep_for(std::chrono::microseconds(100));
-  }
-  transport.flush();
-}
+using canopen::NmtCommand;
 
 void add_send(CLI::App& can) {
   struct Arguments {
@@ -57,12 +48,16 @@ void add_nmt(CLI::App& can) {
     std::string node;
     CanOptions can;
   };
-  static const std::map<std::string, int> kOrders{
-      {"start", 1}, {"stop", 2}, {"pre-operational", 128}, {"reset", 129}, {"reset-communication", 130}};
+  static const std::map<std::string, NmtCommand> kOrders{
+      {"start", NmtCommand::kStart},
+      {"stop", NmtCommand::kStop},
+      {"pre-operational", NmtCommand::kEnterPreOperational},
+      {"reset", NmtCommand::kResetNode},
+      {"reset-communication", NmtCommand::kResetCommunication}};
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = can.add_subcommand("nmt", "Command the state of a node or of all");
   std::vector<std::string> names;
-  for (const auto& [name, code] : kOrders) names.push_back(name);
+  for (const auto& [name, order] : kOrders) names.push_back(name);
   command
       ->add_option("COMMAND", arguments->order, "start, stop, pre-operational, reset or reset-communication")
       ->required()
@@ -70,11 +65,9 @@ void add_nmt(CLI::App& can) {
   command->add_option("NODE", arguments->node, "1 to 127, or all")->required();
   add_can_options(*command, arguments->can);
   command->callback([arguments] {
-    const std::uint64_t node = arguments->node == "all" ? 0 : parse_node(arguments->node);
-    hal::CanFrame frame{.identifier = 0, .size = 2};
-    frame.data[0] = static_cast<std::uint8_t>(kOrders.at(arguments->order));
-    frame.data[1] = static_cast<std::uint8_t>(node);
-    send_surely(*open_can(arguments->can), frame);
+    const std::uint8_t node = arguments->node == "all" ? std::uint8_t{0} : parse_node(arguments->node);
+    const canopen::NmtMessage message{kOrders.at(arguments->order), node};
+    send_surely(*open_can(arguments->can), canopen::encode(message));
   });
 }
 

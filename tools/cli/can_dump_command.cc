@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "sim_board/robot/load.h"
+#include "sim_board/scenario/paths.h"
 #include "tools/can/describe.h"
 #include "tools/can/frame_text.h"
 #include "tools/cli/can_options.h"
@@ -23,6 +24,7 @@ namespace koboshi::tools {
 namespace {
 
 constexpr std::uint64_t kPatience_us = 100'000;  // between two looks at Ctrl-C
+constexpr const char* kRobot = "robots/koboshi/robot.sdf";
 
 struct Arguments {
   std::filesystem::path log;
@@ -30,7 +32,7 @@ struct Arguments {
   std::vector<std::string> kinds;
   std::vector<std::string> identifiers;
   std::uint64_t count = 0;
-  std::filesystem::path robot = "robots/koboshi/robot.sdf";
+  std::filesystem::path robot;
   CanOptions can;
 };
 
@@ -103,9 +105,17 @@ void print(const TimedFrame& timed, const Network& network, bool colored) {
   }
 }
 
+// Of the robot asked for, else of the repository's; without one, there are no names.
+Network network_of(const Arguments& arguments) {
+  const std::filesystem::path robot = arguments.robot.empty()
+                                          ? sim::find_referenced(std::filesystem::current_path(), kRobot)
+                                          : arguments.robot;
+  return robot.empty() ? Network{} : make_network(sim::load_robot(robot));
+}
+
 void dump(const Arguments& arguments) {
   const Filter filter(arguments);
-  const Network network = make_network(sim::load_robot(arguments.robot));
+  const Network network = network_of(arguments);
   const OpenedSource opened = open_source(arguments.log, arguments.can);
   const bool colored = isatty(STDOUT_FILENO) != 0;
   Interrupt interrupt;
@@ -139,8 +149,10 @@ void add_can_dump_command(CLI::App& can) {
       ->check(CLI::IsMember(names));
   command->add_option("--id", arguments->identifiers, "Only this identifier, in hexadecimal; may be repeated")
       ->allow_extra_args(false);
-  command->add_option("--robot", arguments->robot,
-                      "The robot whose PDOs are shown (default: robots/koboshi/robot.sdf)");
+  command->add_option(
+      "--robot", arguments->robot,
+      "The robot whose PDOs are told by name (default: Koboshi, of the repository of this folder or of the\n"
+      "program)");
   command->add_option("--count", arguments->count, "End after so many frames");
   add_can_options(*command, arguments->can);
   command->callback([arguments] { dump(*arguments); });

@@ -6,6 +6,7 @@
 #include "sim_board/input/error.h"
 #include "sim_board/record/output_file.h"
 #include "sim_board/record/summary.h"
+#include "tools/cli/overrides.h"
 #include "tools/experiment/files.h"
 #include "tools/experiment/parallel.h"
 #include "tools/experiment/report.h"
@@ -84,11 +85,8 @@ void add_disturbance_options(CLI::App& command, GyroFeedbackOptions& options) {
 }
 
 std::vector<sim::Override> overrides(const ExperimentArguments& arguments) {
-  std::vector<sim::Override> all;
-  for (const std::string& set : arguments.sets) all.push_back(sim::parse_override(set));
-  if (!arguments.duration.empty()) all.push_back({"duration_s", arguments.duration});
-  if (!arguments.stepper.empty()) all.push_back({"physics.stepper", arguments.stepper});
-  return all;
+  return overrides_of(arguments.sets,
+                      {{"duration_s", arguments.duration}, {"physics.stepper", arguments.stepper}});
 }
 
 ExperimentResult play_session(const Experiment& experiment, const ExperimentArguments& arguments) {

@@ -2,19 +2,18 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <string>
-#include <vector>
 
+#include "sim_board/board/sim_board.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/cli/can_options.h"
+#include "tools/cli/live_arguments.h"
 #include "tools/run/firmware_process.h"
 #include "tools/run/interrupt.h"
 #include "tools/run/pacer.h"
-#include "tools/run/simulation.h"
+#include "tools/run/prepared_scenario.h"
 
 namespace koboshi::tools {
 namespace {
@@ -26,21 +25,11 @@ struct Arguments {
   CanOptions can;
 };
 
-// What the robot's storage holds: its model and the motions of the scenario.
-std::vector<std::byte> storage_contents(const sim::Scenario& scenario) {
-  std::vector<std::byte> contents;
-  const Simulation simulation(scenario, [&contents](std::span<const std::byte> made) {
-    contents.assign(made.begin(), made.end());
-    return in_process()(made);
-  });
-  return contents;
-}
-
 void run_firmware(const Arguments& arguments) {
-  const std::vector<std::byte> contents = storage_contents(sim::read_scenario(arguments.scenario));
+  const PreparedScenario prepared = prepare(sim::read_scenario(arguments.scenario));
   const auto transport = open_can(arguments.can);
   Interrupt interrupt;
-  FirmwareProcess firmware(contents, *transport);
+  FirmwareProcess firmware(prepared.storage_contents, *transport);
   fmt::print("firmware on {}\n", transport->place());
   std::fflush(stdout);
   const auto end_us = static_cast<std::uint64_t>(1e6 * arguments.duration_s);
@@ -50,12 +39,8 @@ void run_firmware(const Arguments& arguments) {
     firmware.service(now_us);
     if (now_us % sim::SimBoard::kTick_us == 0 && interrupt.requested()) break;
   }
-  if (pacer.overruns() > 0) {
-    fmt::print(stderr, "koboshi: {} times more than {} ms behind the clock, {} ms at most\n",
-               pacer.overruns(), Pacer::kTolerance_us / 1000, pacer.largest_delay_us() / 1000);
-  }
-  if (firmware.frames_lost() > 0)
-    fmt::print(stderr, "koboshi: {} frames found no room on the bus\n", firmware.frames_lost());
+  tell_overruns(pacer.overruns(), pacer.largest_delay_us());
+  tell_lost(firmware.frames_lost());
 }
 
 }  // namespace
@@ -67,7 +52,7 @@ void add_firmware_command(CLI::App& program) {
   command->footer(
       "Drives and sensors are on the same bus: those of `koboshi board`, or real ones. The controller boots "
       "limp\n"
-      "and waits for commands over the bus (docs/guide/can.md).\n\n"
+      "and waits for commands over the bus (docs/guide/live-bus.md).\n\n"
       "Examples:\n"
       "  koboshi board --can socketcan:vcan0 &\n"
       "  koboshi firmware scenarios/squat.yaml --can socketcan:vcan0\n");

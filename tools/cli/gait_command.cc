@@ -9,6 +9,7 @@
 
 #include "sim_board/record/output_file.h"
 #include "sim_board/robot/load.h"
+#include "tools/cli/overrides.h"
 #include "tools/gait/gait_figure.h"
 #include "tools/gait/gait_motion.h"
 #include "tools/motion/compile.h"
@@ -26,9 +27,7 @@ struct Arguments {
 };
 
 void make_gait(const Arguments& arguments) {
-  std::vector<sim::Override> overrides;
-  for (const std::string& set : arguments.sets) overrides.push_back(sim::parse_override(set));
-  if (!arguments.points.empty()) overrides.push_back({"points", arguments.points});
+  const auto overrides = overrides_of(arguments.sets, {{"points", arguments.points}});
   const sim::RobotDescription robot = sim::load_robot(arguments.robot);
   const NamedModel model = load_named_model(robot);
   const Gait gait = read_gait(arguments.gait, overrides);

@@ -28,16 +28,19 @@ void tell_where(const LiveLink& link) {
   std::fflush(stdout);
 }
 
-void tell_overruns(const nlohmann::ordered_json& report) {
-  if (report.contains("overruns") && report["overruns"] > 0) {
-    fmt::print(stderr, "koboshi: {} times more than {} ms behind the clock, {} ms at most\n",
-               report["overruns"].get<std::uint64_t>(), Pacer::kTolerance_us / 1000,
-               report["largest_delay_us"].get<std::uint64_t>() / 1000);
-  }
-  if (report.contains("can") && report["can"]["frames_lost"] > 0) {
-    fmt::print(stderr, "koboshi: {} frames found no room outside\n",
-               report["can"]["frames_lost"].get<std::uint64_t>());
-  }
+void tell_overruns(std::uint64_t overruns, std::uint64_t largest_delay_us) {
+  if (overruns == 0) return;
+  fmt::print(stderr, "koboshi: {} times more than {} ms behind the clock, {} ms at most\n", overruns,
+             Pacer::kTolerance_us / 1000, largest_delay_us / 1000);
+}
+
+void tell_lost(std::uint64_t frames) {
+  if (frames > 0) fmt::print(stderr, "koboshi: {} frames found no room outside\n", frames);
+}
+
+void tell_troubles(const nlohmann::ordered_json& report) {
+  if (report.contains("overruns")) tell_overruns(report["overruns"], report["largest_delay_us"]);
+  if (report.contains("can")) tell_lost(report["can"]["frames_lost"]);
 }
 
 }  // namespace koboshi::tools

@@ -12,7 +12,11 @@ void add_live_options(CLI::App& command, LiveOptions& options);
 
 // One line with the place where others find the bus.
 void tell_where(const LiveLink& link);
-// One line for overruns and frames that found no room, of LiveLink::report; none when there were none.
-void tell_overruns(const nlohmann::ordered_json& report);
+// One line, none when there were none: times that the clock on the wall was ahead, and frames that found no
+// room.
+void tell_overruns(std::uint64_t overruns, std::uint64_t largest_delay_us);
+void tell_lost(std::uint64_t frames);
+// Both, of LiveLink::report.
+void tell_troubles(const nlohmann::ordered_json& report);
 
 }  // namespace koboshi::tools

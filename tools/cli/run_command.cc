@@ -11,6 +11,7 @@
 
 #include "sim_board/scenario/reader.h"
 #include "tools/cli/live_arguments.h"
+#include "tools/cli/overrides.h"
 #include "tools/run/qemu_host.h"
 #include "tools/run/run.h"
 
@@ -51,12 +52,9 @@ class ProgressBar {
 };
 
 std::vector<sim::Override> overrides(const Arguments& arguments) {
-  std::vector<sim::Override> all;
-  for (const std::string& set : arguments.sets) all.push_back(sim::parse_override(set));
-  if (!arguments.seed.empty()) all.push_back({"seed", arguments.seed});
-  if (!arguments.duration.empty()) all.push_back({"duration_s", arguments.duration});
-  if (!arguments.stepper.empty()) all.push_back({"physics.stepper", arguments.stepper});
-  return all;
+  return overrides_of(
+      arguments.sets,
+      {{"seed", arguments.seed}, {"duration_s", arguments.duration}, {"physics.stepper", arguments.stepper}});
 }
 
 void report(const RunResult& result, const std::filesystem::path& out) {
@@ -66,7 +64,7 @@ void report(const RunResult& result, const std::filesystem::path& out) {
              summary.fell ? "fell" : "did not fall", summary.faults, summary.solver_warnings,
              100.0 * summary.can_bus_load, summary.state_hash);
   fmt::print("results in {}\n", out.string());
-  tell_overruns(result.live);
+  tell_troubles(result.live);
   if (result.plot_warning) fmt::print(stderr, "koboshi: no figures: {}\n", *result.plot_warning);
   if (result.failure) fmt::print(stderr, "koboshi: {}\n", *result.failure);
 }

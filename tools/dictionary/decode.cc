@@ -14,12 +14,6 @@ std::int64_t raw_value(const Signal& signal, const hal::CanFrame& frame) {
                           : static_cast<std::int64_t>(shifted >> unused);
 }
 
-std::string_view name_of(const Signal& signal, std::int64_t raw) {
-  const auto named = std::find_if(signal.values.begin(), signal.values.end(),
-                                  [raw](const canopen::ValueName& value) { return value.value == raw; });
-  return named == signal.values.end() ? std::string_view() : named->name;
-}
-
 }  // namespace
 
 const Message* Network::find(std::uint16_t identifier) const {
@@ -36,7 +30,8 @@ std::vector<Reading> decode(const Network& network, const hal::CanFrame& frame) 
   for (const Signal& signal : message->signals) {
     if (signal.start_bit + signal.size_bits > 8u * frame.size) continue;
     const std::int64_t raw = raw_value(signal, frame);
-    readings.push_back({&signal, raw, static_cast<double>(raw) * signal.factor, name_of(signal, raw)});
+    readings.push_back(
+        {&signal, raw, static_cast<double>(raw) * signal.factor, canopen::name_of(signal.values, raw)});
   }
   return readings;
 }

@@ -11,6 +11,7 @@
 #include "firmware/app/dictionary.h"
 #include "firmware/drive/configuration.h"
 #include "sim_board/input/error.h"
+#include "sim_board/sensor/sensor_node.h"
 #include "tools/dictionary/configured_drive.h"
 #include "tools/dictionary/node_kinds.h"
 #include "tools/dictionary/services.h"
@@ -23,7 +24,6 @@ using canopen::PdoConfiguration;
 
 constexpr std::string_view kController = "controller";
 constexpr std::string_view kOperator = "operator";  // a PC at the bus
-constexpr std::uint8_t kFirstSensorNodeId = 36;     // the inertial unit, then the ankles
 
 // What a count of the robot's sensors is worth.
 class Resolutions {
@@ -188,12 +188,9 @@ void add_sensor(Builder& builder, const NodeKind& kind, const NetworkNode& node)
 }
 
 void add_sensors(Builder& builder, const sim::RobotDescription& robot) {
-  if (robot.imu) add_sensor(builder, inertial_kind(), {kFirstSensorNodeId, robot.imu->name});
-  std::uint8_t node_id = kFirstSensorNodeId;
-  for (const auto& ankle : {robot.left_ankle, robot.right_ankle}) {
-    ++node_id;
-    if (ankle) add_sensor(builder, ankle_kind(), {node_id, ankle->name});
-  }
+  if (robot.imu) add_sensor(builder, inertial_kind(), {sim::kInertialNode, robot.imu->name});
+  if (robot.left_ankle) add_sensor(builder, ankle_kind(), {sim::kLeftAnkleNode, robot.left_ankle->name});
+  if (robot.right_ankle) add_sensor(builder, ankle_kind(), {sim::kRightAnkleNode, robot.right_ankle->name});
 }
 
 }  // namespace

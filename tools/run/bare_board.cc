@@ -1,7 +1,7 @@
 #include "tools/run/bare_board.h"
 
 #include "sim_board/input/error.h"
-#include "sim_board/robot/load.h"
+#include "sim_board/scenario/reader.h"
 
 namespace koboshi::tools {
 namespace {
@@ -18,12 +18,6 @@ const sim::Scenario& without_controller(const sim::Scenario& scenario) {
   return scenario;
 }
 
-sim::RobotDescription load_checked(const sim::Scenario& scenario) {
-  sim::RobotDescription robot = sim::load_robot(scenario.robot);
-  sim::check(scenario, robot);
-  return robot;
-}
-
 }  // namespace
 
 void BareBoard::NoController::exchange(const hal::BatchInput&, hal::BatchOutput& output) {
@@ -33,7 +27,7 @@ void BareBoard::NoController::exchange(const hal::BatchInput&, hal::BatchOutput&
 }
 
 BareBoard::BareBoard(const sim::Scenario& scenario)
-    : scenario_(without_controller(scenario)), robot_(load_checked(scenario_)) {
+    : scenario_(without_controller(scenario)), robot_(sim::read_robot(scenario_)) {
   sim::BoardOptions options = sim::board_options(scenario_, robot_);
   options.sensors_on_bus = true;
   board_ = std::make_unique<sim::SimBoard>(robot_, options, host_);

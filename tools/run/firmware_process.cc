@@ -1,12 +1,17 @@
 #include "tools/run/firmware_process.h"
 
-#include "firmware/canopen/cob_id.h"
+#include "firmware/canopen/frame.h"
+#include "sim_board/sensor/sensor_node.h"
 
 namespace koboshi::tools {
 namespace {
 
 constexpr std::uint64_t kServicesATick = 10;
-constexpr std::uint8_t kNmtStart = 1;
+
+// The sensors of a simulated board stand where those of a real robot do.
+static_assert(hal::CanSensors::kInertialNode == sim::kInertialNode &&
+              hal::CanSensors::kLeftAnkleNode == sim::kLeftAnkleNode &&
+              hal::CanSensors::kRightAnkleNode == sim::kRightAnkleNode);
 
 }  // namespace
 
@@ -41,12 +46,8 @@ void FirmwareProcess::receive(std::uint64_t now_us) {
 
 // The firmware starts its drives itself; of sensors on the bus it knows nothing.
 void FirmwareProcess::start_sensors() {
-  for (std::uint8_t node = 0; (node = sensors_.take_booted()) != 0;) {
-    hal::CanFrame frame{.identifier = canopen::kNmtCobId, .size = 2};
-    frame.data[0] = kNmtStart;
-    frame.data[1] = node;
-    send(frame);
-  }
+  for (std::uint8_t node = 0; (node = sensors_.take_booted()) != 0;)
+    send(canopen::encode(canopen::NmtMessage{canopen::NmtCommand::kStart, node}));
 }
 
 void FirmwareProcess::send(const hal::CanFrame& frame) {

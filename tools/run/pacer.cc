@@ -1,17 +1,16 @@
 #include "tools/run/pacer.h"
 
 #include <algorithm>
-#include <thread>
 
 namespace koboshi::tools {
 
 void Pacer::wait_for(std::uint64_t now_us) {
-  const Clock::time_point due =
+  const WallClock::Time due =
       start_ +
       std::chrono::microseconds(static_cast<std::int64_t>(static_cast<double>(now_us - start_us_) / speed_));
-  const Clock::time_point now = Clock::now();
+  const WallClock::Time now = wall_.now();
   if (now < due) {
-    std::this_thread::sleep_until(due);
+    wall_.sleep_until(due);
     return;
   }
   const auto delay_us =

@@ -2,8 +2,19 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
+#include <thread>
+#include <utility>
 
 namespace koboshi::tools {
+
+// The clock on the wall; a test has one of its own.
+struct WallClock {
+  using Time = std::chrono::steady_clock::time_point;
+
+  std::function<Time()> now = std::chrono::steady_clock::now;
+  std::function<void(Time)> sleep_until = [](Time due) { std::this_thread::sleep_until(due); };
+};
 
 // Holds simulated time back to the clock on the wall.
 class Pacer {
@@ -12,8 +23,8 @@ class Pacer {
   static constexpr std::uint64_t kTolerance_us = 2'000;
 
   // `speed` is how many simulated seconds one of the wall has.
-  explicit Pacer(std::uint64_t now_us, double speed = 1.0)
-      : start_us_(now_us), speed_(speed), start_(Clock::now()) {}
+  explicit Pacer(std::uint64_t now_us, double speed = 1.0, WallClock wall = {})
+      : start_us_(now_us), speed_(speed), wall_(std::move(wall)), start_(wall_.now()) {}
 
   // Returns when the wall has reached this simulated time; at once when it is later already. Time that was
   // lost is made up for as fast as the simulation can.
@@ -23,11 +34,10 @@ class Pacer {
   std::uint64_t largest_delay_us() const { return largest_delay_us_; }
 
  private:
-  using Clock = std::chrono::steady_clock;
-
   std::uint64_t start_us_;
   double speed_;
-  Clock::time_point start_;
+  WallClock wall_;
+  WallClock::Time start_;
   std::uint64_t overruns_ = 0;
   std::uint64_t largest_delay_us_ = 0;
 };

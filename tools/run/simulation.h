@@ -3,16 +3,12 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
-#include <vector>
 
 #include "sim_board/board/controller_host.h"
 #include "sim_board/board/sim_board.h"
 #include "sim_board/scenario/player.h"
-#include "sim_board/scenario/scenario.h"
-#include "tools/gait/gait_plan.h"
-#include "tools/model/robot_model.h"
+#include "tools/run/prepared_scenario.h"
 
 namespace koboshi::tools {
 
@@ -40,24 +36,18 @@ class Simulation {
   void advance() { player_->advance(); }
   bool finished() const { return player_->finished(); }
 
-  const sim::Scenario& scenario() const { return scenario_; }
+  const sim::Scenario& scenario() const { return prepared_.scenario; }
   // The one in the world.
   const sim::RobotDescription& robot() const { return robot_; }
-  const NamedModel& model() const { return model_; }
+  const NamedModel& model() const { return prepared_.model; }
   // What the gait of the scenario intends; null without one.
-  const GaitPlan* gait_plan() const { return gait_plan_ ? &*gait_plan_ : nullptr; }
+  const GaitPlan* gait_plan() const { return prepared_.gait_plan ? &*prepared_.gait_plan : nullptr; }
   sim::SimBoard& board() { return *board_; }
   const sim::SimBoard& board() const { return *board_; }
 
  private:
-  std::vector<std::vector<std::byte>> compile_motions();
-  std::vector<std::byte> compile_gait(const Gait& gait);
-
-  sim::Scenario scenario_;
-  const sim::RobotDescription nominal_robot_;  // as the file describes it, and the firmware knows it
+  const PreparedScenario prepared_;
   const sim::RobotDescription robot_;
-  const NamedModel model_;
-  std::optional<GaitPlan> gait_plan_;
   std::unique_ptr<sim::ControllerHost> host_;
   std::unique_ptr<sim::SimBoard> board_;
   std::unique_ptr<sim::ScenarioPlayer> player_;

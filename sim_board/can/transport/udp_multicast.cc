@@ -10,11 +10,14 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "hal/linux/socket_option.h"
+
 namespace koboshi::sim {
 namespace {
 
 using Json = nlohmann::json;
 using hal::checked;
+using hal::set_option;
 
 constexpr int kBuffer_bytes = 4 << 20;
 constexpr std::size_t kLargestDatagram_bytes = 1500;
@@ -30,11 +33,6 @@ sockaddr_in address_of(in_addr host, std::uint16_t port) {
   address.sin_addr = host;
   address.sin_port = htons(port);
   return address;
-}
-
-template <typename T>
-void set(const hal::FileDescriptor& socket, int level, int option, const T& value) {
-  checked(::setsockopt(socket.number(), level, option, &value, sizeof value), "an option of a UDP socket");
 }
 
 hal::FileDescriptor udp_socket() {
@@ -91,16 +89,16 @@ UdpMulticast::UdpMulticast(const std::string& group, std::uint16_t port)
   in_addr host{};
   if (inet_pton(AF_INET, group.c_str(), &host) != 1 || !IN_MULTICAST(ntohl(host.s_addr)))
     throw std::invalid_argument(group + " is no IPv4 multicast address");
-  set(receiver_, SOL_SOCKET, SO_REUSEADDR, 1);
-  set(receiver_, SOL_SOCKET, SO_RCVBUF, kBuffer_bytes);
+  set_option(receiver_, SOL_SOCKET, SO_REUSEADDR, 1);
+  set_option(receiver_, SOL_SOCKET, SO_RCVBUF, kBuffer_bytes);
   const sockaddr_in here = address_of({htonl(INADDR_ANY)}, port);
   checked(::bind(receiver_.number(), reinterpret_cast<const sockaddr*>(&here), sizeof here),
           "UDP port of " + place_);
-  set(receiver_, IPPROTO_IP, IP_ADD_MEMBERSHIP,
-      ip_mreq{.imr_multiaddr = host, .imr_interface = {htonl(INADDR_ANY)}});
+  set_option(receiver_, IPPROTO_IP, IP_ADD_MEMBERSHIP,
+             ip_mreq{.imr_multiaddr = host, .imr_interface = {htonl(INADDR_ANY)}});
 
-  set(sender_, SOL_SOCKET, SO_SNDBUF, kBuffer_bytes);
-  set(sender_, IPPROTO_IP, IP_MULTICAST_TTL, 1);
+  set_option(sender_, SOL_SOCKET, SO_SNDBUF, kBuffer_bytes);
+  set_option(sender_, IPPROTO_IP, IP_MULTICAST_TTL, 1);
   const sockaddr_in there = address_of(host, port);
   checked(::connect(sender_.number(), reinterpret_cast<const sockaddr*>(&there), sizeof there),
           "a route to " + place_);

@@ -15,7 +15,7 @@ TEST(ControllerBoot, BecomesLimpOnceAllDrivesAndSensorsSpeak) {
   ControllerBench bench;
   ASSERT_TRUE(bench.run_until(State::kLimp));
   EXPECT_EQ(bench.now().reason, Reason::kProgress);
-  EXPECT_LT(bench.now_us(), 700'000u);  // 20 drives, 26 requests each, one a millisecond
+  EXPECT_LT(bench.now_us(), 700'000u);  // 20 drives, 27 requests each, one a millisecond
   EXPECT_TRUE(bench.board.drive_enable.changes().empty());
   for (const auto& drive : bench.drives) EXPECT_TRUE(drive.operational());
 }

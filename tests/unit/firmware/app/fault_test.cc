@@ -126,7 +126,19 @@ TEST_F(ControllerFault, ComesFromBusOffAndTriesToRecover) {
   EXPECT_GE(bench.board.can.recoveries(), 1);
 }
 
+TEST_F(ControllerFault, IsNotABusThatIsDisturbedAndWorks) {
+  bench.board.can.set_error_state(hal::CanErrorState::kErrorPassive);
+  bench.run_ms(500);
+  EXPECT_EQ(bench.now().state, State::kMotion);
+  EXPECT_TRUE(std::ranges::any_of(bench.sent, [](const auto& sent) {
+    return sent.frame.identifier == 0x081 && canopen::load_u16(sent.frame.data.data()) == 0x8120;
+  }));
+}
+
 TEST_F(ControllerFault, ComesFromABusWithoutAcknowledgement) {
+  for (auto& drive : bench.drives) drive.hangs = true;
+  bench.run_ms(10);  // a cycle without any answer
+  EXPECT_EQ(bench.now().state, State::kMotion);
   bench.board.can.set_error_state(hal::CanErrorState::kErrorPassive);
   bench.run_ms(10);
   EXPECT_EQ(bench.now().reason, Reason::kNoAcknowledge);
@@ -173,6 +185,7 @@ TEST_F(ControllerFault, IsOverOnceItsCauseIsGoneAndResetCame) {
       {Reason::kNoAcknowledge,
        [](ControllerBench& b, bool broken) {
          b.board.can.set_error_state(broken ? CanErrorState::kErrorPassive : CanErrorState::kErrorActive);
+         for (auto& drive : b.drives) drive.hangs = broken;
        }},
   };
   for (const Cause& cause : kCauses) {

@@ -50,6 +50,7 @@ TEST_F(ConfigurationTest, SaysExactlyThisToADrive) {
       {0x40, 0x18, 0x10, 0x04},                          //
       {0x23, 0x00, 0x14, 0x01, 0x10, 0x02, 0x00, 0x80},  // RPDO 1 invalid
       {0x2F, 0x00, 0x14, 0x02, 0x01},                    // at every SYNC
+      {0x2B, 0x00, 0x14, 0x05, 0x3C, 0x00},              // missed after 60 ms
       {0x2F, 0x00, 0x16, 0x00, 0x00},                    // no objects
       {0x23, 0x00, 0x16, 0x01, 0x10, 0x00, 0x40, 0x60},  // controlword, 16 bits
       {0x23, 0x00, 0x16, 0x02, 0x20, 0x00, 0x7A, 0x60},  // target position, 32 bits
@@ -99,7 +100,7 @@ TEST_F(ConfigurationTest, TurnsTheLimitsRoundForADriveMountedTheOtherWay) {
 TEST_F(ConfigurationTest, TakesOneMillisecondARequest) {
   begin(model.joints[0]);
   run();
-  EXPECT_EQ(now_us, 27'000u);  // 26 requests, and a look at the last answer
+  EXPECT_EQ(now_us, 28'000u);  // 27 requests, and a look at the last answer
 }
 
 TEST_F(ConfigurationTest, AsksThreeTimesAndThenGivesUp) {

@@ -195,6 +195,53 @@ TEST_F(DriveGroupTest, ReportsFaultsByEmergencyMessageWithItsCode) {
   EXPECT_EQ(group.trouble().error_code, 0x2310);
 }
 
+// Codes of CiA 301, table 26, with the register's bits for generic and communication.
+TEST_F(DriveGroupTest, BearsWarningsAboutCommunication) {
+  enable();
+  for (const std::uint16_t code :
+       std::array<std::uint16_t, 6>{0x8110, 0x8120, 0x8140, 0x8210, 0x8220, 0x8240}) {
+    group.on_emergency({.node_id = 16 + 9, .code = code, .error_register = 0x11});
+    cycle();
+    EXPECT_FALSE(group.trouble()) << std::hex << code;
+  }
+}
+
+TEST_F(DriveGroupTest, TakesACommunicationErrorOfADriveWithOtherErrorsForAFault) {
+  boot();
+  group.on_emergency({.node_id = 16 + 9, .code = 0x8120, .error_register = 0x11 | 0x08});
+  EXPECT_EQ(group.trouble().kind, Trouble::kFault);
+  EXPECT_EQ(group.trouble().error_code, 0x8120);
+}
+
+TEST_F(DriveGroupTest, TakesALostControllerForAFault) {
+  for (const std::uint16_t code : std::array<std::uint16_t, 3>{0x8700, 0x8130, 0x8250}) {
+    boot();
+    group.on_emergency({.node_id = 16 + 9, .code = code, .error_register = 0x11});
+    EXPECT_EQ(group.trouble().kind, Trouble::kFault);
+    EXPECT_EQ(group.trouble().error_code, code);
+  }
+}
+
+TEST_F(DriveGroupTest, NamesTheWarningThatADriveMadeAFault) {
+  enable();
+  group.on_emergency({.node_id = 16 + 9, .code = 0x8140, .error_register = 0x11});
+  group.on_emergency({.node_id = 16 + 9, .code = 0x0000, .error_register = 0x11});  // of some other error
+  drives[9].state = cia402::State::kFault;
+  cycle();
+  EXPECT_EQ(group.trouble().kind, Trouble::kFault);
+  EXPECT_EQ(group.trouble().joint, 9);
+  EXPECT_EQ(group.trouble().error_code, 0x8140);
+}
+
+TEST_F(DriveGroupTest, ForgetsAWarningThatIsOver) {
+  enable();
+  group.on_emergency({.node_id = 16 + 9, .code = 0x8120, .error_register = 0x11});
+  group.on_emergency({.node_id = 16 + 9, .code = 0x0000, .error_register = 0x00});
+  drives[9].state = cia402::State::kFault;
+  cycle();
+  EXPECT_EQ(group.trouble().error_code, 0);
+}
+
 TEST_F(DriveGroupTest, ReportsFaultsByStatusword) {
   boot();
   drives[9].state = cia402::State::kFault;

@@ -139,7 +139,7 @@ TEST_F(SimBoardTest, DeliversOneInertialSampleEachMillisecondUntilTheUnitStops) 
   for (const auto& input : host.inputs) samples += input.imu.size;
   EXPECT_NEAR(static_cast<double>(samples), 9.0, 1.0);  // one sample of delay
   EXPECT_NEAR(host.inputs.back().imu.items[0].accelerometer_raw[2], 9.81 / 39.2 * 32768, 100);
-  board->stop_imu();
+  board->set_imu_running(false);
   run_ms(2);
   host.inputs.clear();
   run_ms(10);
@@ -172,7 +172,7 @@ TEST_F(SimBoardTest, LowersTheLineForGoodWhenTheWatchdogStarves) {
 }
 
 TEST_F(SimBoardTest, CountsWhatAStoppedFirmwareDoesNotReceive) {
-  board->stop_controller();
+  board->set_controller_running(false);
   for (int i = 0; i < 10; ++i) {
     for (int j = 0; j < 10; ++j) ASSERT_TRUE(board->send_as_operator({.identifier = 0x7FF}));
     run_ms(1);
@@ -190,6 +190,20 @@ TEST_F(SimBoardTest, LeavesTheControllerAloneOnTheBus) {
   run_ms(30);
   EXPECT_TRUE(log.items.empty());
   EXPECT_EQ(host.inputs.back().can_status.state, hal::CanErrorState::kErrorPassive);
+
+  board->rejoin_controller();
+  run_ms(20);
+  EXPECT_FALSE(log.items.empty());
+  EXPECT_EQ(host.inputs.back().can_status.state, hal::CanErrorState::kErrorActive);
+}
+
+TEST_F(SimBoardTest, LeavesADeadDriveOffTheBusThatTheControllerRejoins) {
+  board->cut_drive_power(0);
+  board->isolate_controller();
+  board->rejoin_controller();
+  EXPECT_FALSE(board->bus().powered(board->drive(0).bus_handle()));
+  board->restart_drive(0);
+  EXPECT_TRUE(board->bus().powered(board->drive(0).bus_handle()));
 }
 
 }  // namespace

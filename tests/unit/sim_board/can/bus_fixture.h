@@ -46,7 +46,10 @@ class ListeningObserver final : public BusObserver {
 // Destroys as many frames as it is told to.
 class Destroyer final : public BusDisturbance {
  public:
-  bool destroys(const hal::CanFrame&, std::uint64_t) override { return left > 0 && left-- > 0; }
+  WireEffect on_transmission(const hal::CanFrame&, NodeHandle, std::uint64_t) override {
+    return left > 0 && left-- > 0 ? WireEffect::kDestroyed : WireEffect::kNone;
+  }
+  Reception on_reception(const hal::CanFrame&, NodeHandle, std::uint64_t) override { return {}; }
 
   int left = 0;
 };

@@ -150,6 +150,12 @@ TEST(YamlReader, RejectsWrongTypes) {
             "FILE:1: found x = 1.5, expected an integer of 1 or more");
   EXPECT_EQ(complaint("x: 99999999999999999999\n", [](const YamlMap& root) { root.integer("x"); }),
             "FILE:1: found x = 99999999999999999999, expected an integer");
+  for (const std::string bad : {"0x", "0x1g", "0x-1", "0x100000000", "x1"}) {
+    EXPECT_EQ(complaint("x: " + bad + "\n", [](const YamlMap& root) { root.integer("x"); }),
+              "FILE:1: found x = " + bad + ", expected an integer");
+  }
+  EXPECT_EQ(complaint("x: 0x7fF\n", [](const YamlMap& root) { EXPECT_EQ(root.integer("x"), 0x7FF); }),
+            "nothing");
   EXPECT_EQ(complaint("x: yes\n", [](const YamlMap& root) { root.boolean("x"); }),
             "FILE:1: found x = yes, expected true or false");
   EXPECT_EQ(complaint("x: [a]\n", [](const YamlMap& root) { root.text("x"); }),

@@ -26,10 +26,7 @@ const char* const kEffects = R"(<full_voltage_error_rad>0.1</full_voltage_error_
       <thermometer lowest_C="-40" highest_C="125" resolution_K="0.5" noise_K="0.2" offset_K="2" sample_period_s="0.1"/>)";
 
 std::string with_effects(const std::string& from, const std::string& to) {
-  std::string text = with("<full_voltage_error_rad>0.1</full_voltage_error_rad>", kEffects);
-  const auto place = text.find(from);
-  EXPECT_NE(place, std::string::npos) << from;
-  return text.replace(place, from.size(), to);
+  return replaced(with("<full_voltage_error_rad>0.1</full_voltage_error_rad>", kEffects), from, to);
 }
 
 TEST(LoadServo, ReadsTheEffectsOfAServo) {
@@ -134,9 +131,8 @@ TEST(LoadServo, TakesServoTypesOverFromALibrary) {
   const ScratchFile library("xml", kLibrary);
   const std::string take =
       "<koboshi:servo_types file=\"" + library.path().filename().string() + "\"/><link name=\"hand\">";
-  std::string text = with("type=\"small\"", "type=\"large\"");
-  const std::string link = "<link name=\"hand\">";
-  const ScratchFile scratch("sdf", text.replace(text.find(link), link.size(), take));
+  const ScratchFile scratch("sdf",
+                            replaced(with("type=\"small\"", "type=\"large\""), "<link name=\"hand\">", take));
   EXPECT_EQ(load_robot(scratch.path()).joints.at(0).servo.supply_V, 15.0);
   const ServoTypes types = read_servo_types(scratch.path());
   EXPECT_EQ(types.size(), 2u);

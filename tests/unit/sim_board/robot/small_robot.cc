@@ -8,12 +8,13 @@
 
 namespace koboshi::sim {
 
-std::string with(const std::string& from, const std::string& to) {
-  std::string text = kSmallRobot;
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
   const auto place = text.find(from);
   EXPECT_NE(place, std::string::npos) << from;
   return text.replace(place, from.size(), to);
 }
+
+std::string with(const std::string& from, const std::string& to) { return replaced(kSmallRobot, from, to); }
 
 std::string complaint(const std::string& text) {
   const ScratchFile scratch("sdf", text);

@@ -57,6 +57,9 @@ inline constexpr const char* kSmallRobot = R"(<sdf version="1.9" xmlns:koboshi="
 </sdf>
 )";
 
+// `text` with `to` in the place of `from`, which must be there.
+std::string replaced(std::string text, const std::string& from, const std::string& to);
+
 // kSmallRobot with `to` in the place of `from`.
 std::string with(const std::string& from, const std::string& to);
 

@@ -151,14 +151,69 @@ TEST(ScenarioReader, KnowsEveryKindOfFault) {
   const std::vector<std::pair<std::string, Fault::Kind>> kinds{
       {"drive_silent, target: a", Fault::Kind::kDriveSilent},
       {"drive_power_loss, target: a", Fault::Kind::kDrivePowerLoss},
+      {"encoder_break, target: a", Fault::Kind::kEncoderBreak},
+      {"drive_overheat, target: a", Fault::Kind::kDriveOverheat},
+      {"supply_drop, supply_V: 3", Fault::Kind::kSupplyDrop},
       {"imu_stop", Fault::Kind::kImuStop},
       {"ankle_stop, target: left", Fault::Kind::kAnkleStop},
       {"controller_stop", Fault::Kind::kControllerStop},
-      {"bus_unacknowledged", Fault::Kind::kBusUnacknowledged}};
+      {"bus_unacknowledged", Fault::Kind::kBusUnacknowledged},
+      {"frames_lost", Fault::Kind::kFramesLost},
+      {"frames_corrupted", Fault::Kind::kFramesCorrupted},
+      {"frames_delayed, delay_ms: 1", Fault::Kind::kFramesDelayed},
+      {"frames_doubled", Fault::Kind::kFramesDoubled},
+      {"babbling_node, identifier: 0", Fault::Kind::kBabblingNode}};
+  EXPECT_EQ(kinds.size(), Fault::kind_names().size());
   for (const auto& [text, kind] : kinds) {
     const Scenario scenario = read(tree, kShort + ("faults: [{at_s: 1, kind: " + text + "}]\n"));
     EXPECT_EQ(scenario.faults.at(0).kind, kind) << text;
   }
+}
+
+TEST(ScenarioReader, ReadsWhatAFaultOfFramesConcerns) {
+  const TemporaryTree tree;
+  const Scenario scenario =
+      read(tree,
+           kShort + std::string("faults:\n"
+                                "  - {at_s: 1, kind: frames_lost}\n"
+                                "  - {at_s: 2, duration_s: 0.5, kind: frames_delayed, target: controller, "
+                                "identifier: [0x190, 0x1a3], share: 0.25, count: 7, delay_ms: 2.5}\n"
+                                "  - {at_s: 3, kind: frames_doubled, target: left_knee, identifier: 128}\n"));
+  const Fault& every = scenario.faults.at(0);
+  EXPECT_EQ(every.target.text, "");
+  EXPECT_FALSE(every.duration_us);
+  EXPECT_EQ(every.frames.effect, FrameFault::Effect::kLost);
+  EXPECT_EQ(every.frames.first_identifier, 0);
+  EXPECT_EQ(every.frames.last_identifier, 0x7FF);
+  EXPECT_EQ(every.frames.share, 1.0);
+  EXPECT_EQ(every.frames.count, FrameFault::kUnlimited);
+  const Fault& some = scenario.faults.at(1);
+  EXPECT_EQ(some.target.text, "controller");
+  EXPECT_EQ(some.end_us(), 2'500'000u);
+  EXPECT_EQ(some.frames.effect, FrameFault::Effect::kDelayed);
+  EXPECT_EQ(some.frames.first_identifier, 0x190);
+  EXPECT_EQ(some.frames.last_identifier, 0x1A3);
+  EXPECT_EQ(some.frames.share, 0.25);
+  EXPECT_EQ(some.frames.count, 7u);
+  EXPECT_EQ(some.frames.delay_us, 2500u);
+  const Fault& one = scenario.faults.at(2);
+  EXPECT_EQ(one.target.text, "left_knee");
+  EXPECT_EQ(one.frames.first_identifier, 0x080);
+  EXPECT_EQ(one.frames.last_identifier, 0x080);
+}
+
+TEST(ScenarioReader, ReadsWhatABabblingNodeSays) {
+  const TemporaryTree tree;
+  const Scenario scenario =
+      read(tree, kShort + std::string("faults:\n"
+                                      "  - {at_s: 1, kind: babbling_node, identifier: 0x010}\n"
+                                      "  - {at_s: 2, kind: babbling_node, identifier: 0x7FF, size: 0, "
+                                      "rate_per_s: 2000}\n"));
+  EXPECT_EQ(scenario.faults.at(0).babble.frame.identifier, 0x010);
+  EXPECT_EQ(scenario.faults.at(0).babble.frame.size, 8);
+  EXPECT_EQ(scenario.faults.at(0).babble.interval_us, 0u);
+  EXPECT_EQ(scenario.faults.at(1).babble.frame.size, 0);
+  EXPECT_EQ(scenario.faults.at(1).babble.interval_us, 500u);
 }
 
 TEST(ScenarioReader, TakesNoiseAsSwitchOrFactor) {
@@ -226,6 +281,22 @@ TEST(ScenarioReader, RefusesWhatIsOutOfRangeOrUnknown) {
       {"faults: [{at_s: 1, kind: drive_silent}]", "no key faults[0].target"},
       {"faults: [{at_s: 1, kind: ankle_stop, target: both}]", "both"},
       {"faults: [{at_s: 1, kind: imu_stop, target: left}]", "unknown key faults[0].target"},
+      {"faults: [{at_s: 1, kind: imu_stop, duration_s: 0}]", "duration_s = 0"},
+      {"faults: [{at_s: 1, kind: imu_stop, share: 1}]", "unknown key faults[0].share"},
+      {"faults: [{at_s: 1, kind: encoder_break, target: a, duration_s: 1}]",
+       "unknown key faults[0].duration_s"},
+      {"faults: [{at_s: 1, kind: supply_drop}]", "no key faults[0].supply_V"},
+      {"faults: [{at_s: 1, kind: frames_lost, identifier: 0x800}]", "identifier = 0x800"},
+      {"faults: [{at_s: 1, kind: frames_lost, identifier: 0xg}]", "identifier = 0xg"},
+      {"faults: [{at_s: 1, kind: frames_lost, identifier: [1, 2, 3]}]", "faults[0].identifier"},
+      {"faults: [{at_s: 1, kind: frames_lost, identifier: [2, 1]}]", "identifier[1] = 1"},
+      {"faults: [{at_s: 1, kind: frames_lost, share: 1.5}]", "share = 1.5"},
+      {"faults: [{at_s: 1, kind: frames_lost, count: 0}]", "count = 0"},
+      {"faults: [{at_s: 1, kind: frames_lost, delay_ms: 1}]", "unknown key faults[0].delay_ms"},
+      {"faults: [{at_s: 1, kind: frames_delayed}]", "no key faults[0].delay_ms"},
+      {"faults: [{at_s: 1, kind: babbling_node}]", "no key faults[0].identifier"},
+      {"faults: [{at_s: 1, kind: babbling_node, identifier: 0, rate_per_s: 0}]", "rate_per_s = 0"},
+      {"faults: [{at_s: 1, kind: babbling_node, identifier: 0, size: 9}]", "size = 9"},
       {"faults: none", "none"}};
   for (const auto& [line, found] : bad) {
     const std::string message = refusal(kShort + line + "\n");

@@ -80,7 +80,10 @@ std::string refusal(const Scenario& scenario) {
 
 Scenario with_fault(Fault::Kind kind, const std::string& target, hal::Side side = hal::Side::kLeft) {
   Scenario scenario;
-  scenario.faults.push_back({.kind = kind, .target = at_line(target, 5), .side = side});
+  Fault& fault = scenario.faults.emplace_back();
+  fault.kind = kind;
+  fault.target = at_line(target, 5);
+  fault.side = side;
   return scenario;
 }
 
@@ -120,6 +123,14 @@ TEST(ScenarioCheck, RefusesFaultsOfSensorsThatTheRobotLacks) {
               HasSubstr("right ankle sensor"));
   EXPECT_EQ(refusal(with_fault(Fault::Kind::kAnkleStop, "left")), "");
   EXPECT_EQ(refusal(with_fault(Fault::Kind::kControllerStop, "controller_stop")), "");
+}
+
+TEST(ScenarioCheck, KnowsWhoseFramesAFaultMayConcern) {
+  EXPECT_EQ(refusal(with_fault(Fault::Kind::kFramesLost, "")), "");
+  EXPECT_EQ(refusal(with_fault(Fault::Kind::kFramesLost, "controller")), "");
+  EXPECT_EQ(refusal(with_fault(Fault::Kind::kFramesDoubled, "knee")), "");
+  EXPECT_THAT(refusal(with_fault(Fault::Kind::kFramesDoubled, "hip")),
+              HasSubstr("a.yaml:5: found the unknown joint hip"));
 }
 
 }  // namespace

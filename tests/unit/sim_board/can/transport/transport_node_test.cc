@@ -2,33 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <deque>
 #include <vector>
+
+#include "tests/unit/sim_board/can/transport/outside.h"
 
 namespace koboshi::sim {
 namespace {
-
-class Outside final : public Transport {
- public:
-  bool send(const hal::CanFrame& frame, std::uint64_t time_us) override {
-    if (full) return false;
-    heard.push_back(frame);
-    times_us.push_back(time_us);
-    return true;
-  }
-  std::optional<hal::CanFrame> receive() override {
-    if (said.empty()) return std::nullopt;
-    const hal::CanFrame frame = said.front();
-    said.pop_front();
-    return frame;
-  }
-  std::string place() const override { return "outside"; }
-
-  std::vector<hal::CanFrame> heard;
-  std::vector<std::uint64_t> times_us;
-  std::deque<hal::CanFrame> said;
-  bool full = false;
-};
 
 class Inside final : public BusNode {
  public:
@@ -39,7 +18,7 @@ class Inside final : public BusNode {
 class TransportNodeTest : public testing::Test {
  protected:
   const hal::CanFrame frame{.identifier = 0x123, .size = 1, .data = {7}};
-  Outside outside;
+  test::Outside outside;
   Inside inside;
   Bus bus;
   TransportNode node{bus, outside};

@@ -1,0 +1,26 @@
+#include "sim_board/can/babbler.h"
+
+namespace koboshi::sim {
+
+Babbler::Babbler(Bus& bus, const Babble& babble)
+    : bus_(bus),
+      babble_(babble),
+      handle_(bus.attach(*this, AcceptanceFilter(), kTransmitFifo)),
+      next_us_(babble.from_us) {
+  bus_.power_off(handle_);
+}
+
+void Babbler::advance(std::uint64_t end_us) {
+  if (bus_.now_us() >= babble_.until_us) return bus_.power_off(handle_);
+  if (end_us <= babble_.from_us) return;
+  bus_.power_on(handle_);
+  if (babble_.interval_us == 0) {
+    while (bus_.transmit_space(handle_) > 0) static_cast<void>(bus_.queue(handle_, babble_.frame, next_us_));
+    return;
+  }
+  // What finds no room is lost: it does not wait.
+  for (; next_us_ < end_us && next_us_ < babble_.until_us; next_us_ += babble_.interval_us)
+    static_cast<void>(bus_.queue(handle_, babble_.frame, next_us_));
+}
+
+}  // namespace koboshi::sim

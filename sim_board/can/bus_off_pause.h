@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+
+#include "sim_board/can/bus.h"
+
+namespace koboshi::sim {
+
+// How a simulated node comes back from bus-off: after a pause, so that one with a broken transceiver cannot
+// fill the bus with error frames. Its length is what Linux users give `ip link set can0 type can restart-ms`.
+class BusOffPause {
+ public:
+  static constexpr std::uint64_t kPause_us = 100'000;
+
+  // One look at the node's status; recovers it when the pause is over. True when it has gone bus-off since
+  // the last look.
+  bool step(Bus& bus, NodeHandle node, const hal::CanStatus& status, std::uint64_t now_us) {
+    const bool was_off = off_;
+    off_ = status.state == hal::CanErrorState::kBusOff;
+    if (off_ && !was_off) since_us_ = now_us;
+    if (off_ && now_us - since_us_ >= kPause_us) bus.recover(node);
+    return off_ && !was_off;
+  }
+
+ private:
+  bool off_ = false;
+  std::uint64_t since_us_ = 0;
+};
+
+}  // namespace koboshi::sim

@@ -1,0 +1,197 @@
+// docs/reference/faults.md, row by row.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "firmware/app/controller_objects.h"
+#include "tests/closed_loop/run.h"
+
+namespace koboshi::test {
+namespace {
+
+constexpr std::uint64_t kFault_us = 2'000'000;
+constexpr std::uint64_t kEnd_us = kFault_us + 1'200'000;
+constexpr std::uint8_t kController = 1;
+const std::filesystem::path kPage = KOBOSHI_SOURCE_DIR "/docs/reference/faults.md";
+
+struct Row {
+  int line;
+  std::string faults;  // items of a scenario's list of faults, without their times
+  std::string emergencies;
+  std::string controller;
+  std::string drives;
+};
+
+// How googletest names a row that fails.
+void PrintTo(const Row& row, std::ostream* out) { *out << kPage.string() << ":" << row.line; }
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" `");
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" `") - first + 1);
+}
+
+// The rows whose first cell is a fault; the second, in words, is for readers only.
+std::vector<Row> read_rows() {
+  std::vector<Row> rows;
+  std::ifstream page(kPage);
+  std::string text;
+  for (int line = 1; std::getline(page, text); ++line) {
+    if (!text.starts_with("| `{")) continue;
+    std::vector<std::string> cells;
+    for (std::size_t begin = 1; begin < text.size();) {
+      const std::size_t end = std::min(text.find('|', begin), text.size());
+      cells.push_back(trimmed(text.substr(begin, end - begin)));
+      begin = end + 1;
+    }
+    cells.resize(5);
+    rows.push_back({line, cells[0], cells[2], cells[3], cells[4]});
+  }
+  return rows;
+}
+
+std::vector<sim::Fault> read_faults(const Row& row) {
+  const std::string at = fmt::format("{{at_s: {}, ", 1e-6 * kFault_us);
+  std::string items;
+  for (const char c : row.faults) {
+    if (c == '{') items += at;
+    if (c != '{' && c != '`') items += c;
+  }
+  const std::vector<sim::Override> overrides{{"faults", "[" + items + "]"}};
+  return sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml", overrides).faults;
+}
+
+std::string name_of(std::span<const canopen::ValueName> names, auto value) {
+  const auto found = std::ranges::find(names, static_cast<std::int32_t>(value), &canopen::ValueName::value);
+  return std::string(found->name);
+}
+
+// A run with the fault of one row, and what is to be told of it.
+class FaultRun {
+ public:
+  explicit FaultRun(const Row& row) : run_(scenario(row)), target_(read_faults(row).at(0).target.text) {
+    run_.run_until_us(kEnd_us);
+  }
+
+  RobotRun& run() { return run_; }
+
+  std::string emergencies() const {
+    std::map<std::uint8_t, std::vector<std::string>> codes;  // by node
+    for (const RobotRun::Frame& frame : run_.frames()) {
+      const auto emergency = canopen::decode_emergency(frame.frame);
+      if (!emergency || frame.start_us < kFault_us || emergency->code == canopen::error_code::kNoError)
+        continue;
+      auto& of_node = codes[emergency->node_id];
+      const std::string code = fmt::format("0x{:04X}", emergency->code);
+      if (std::ranges::find(of_node, code) == of_node.end()) of_node.push_back(code);
+    }
+    std::vector<std::string> words;
+    if (codes.contains(kController))
+      words.push_back(fmt::format("controller {}", fmt::join(codes[kController], ", ")));
+    const auto of_drives = by_drive([&](std::size_t joint) {
+      return fmt::format("{}", fmt::join(codes[run_.robot().joints[joint].drive.node_id], ", "));
+    });
+    if (!of_drives.empty()) words.push_back(of_drives);
+    return words.empty() ? "none" : fmt::format("{}", fmt::join(words, "; "));
+  }
+
+  std::string controller() const {
+    const auto& behaviour = run_.behaviour();
+    if (run_.board().watchdog_bitten()) return "dead";
+    const std::string state = name_of(app::kStateNames, behaviour.state);
+    if (behaviour.state != app::State::kFault) return state;
+    const std::string reason = name_of(app::kReasonNames, behaviour.reason);
+    if (behaviour.reason != app::Reason::kDriveTrouble) return fmt::format("{}: {}", state, reason);
+    const std::string code =
+        behaviour.trouble_code == 0 ? "" : fmt::format(" 0x{:04X}", behaviour.trouble_code);
+    return fmt::format("{}: {} {}{}", state, run_.robot().joints[behaviour.trouble_joint].name,
+                       name_of(app::kTroubleNames, behaviour.trouble), code);
+  }
+
+  std::string drives() const {
+    return by_drive([&](std::size_t joint) -> std::string {
+      const sim::Drive& drive = run_.board().drive(joint);
+      if (!drive.listens()) return "dead";
+      return std::string(canopen::cia402::kStateNames[static_cast<std::size_t>(drive.state())]);
+    });
+  }
+
+ private:
+  static sim::Scenario scenario(const Row& row) {
+    sim::Scenario scenario = hanging_squat();
+    scenario.physics.stepper = sim::Stepper::kLumped;
+    scenario.faults = read_faults(row);
+    return scenario;
+  }
+
+  // What each drive tells, those together that tell the same; who tells nothing is left out.
+  std::string by_drive(const std::function<std::string(std::size_t)>& tell) const {
+    std::map<std::string, std::vector<std::string>> joints;
+    for (std::size_t i = 0; i < run_.robot().joints.size(); ++i)
+      joints[tell(i)].push_back(run_.robot().joints[i].name);
+    std::vector<std::string> words;
+    for (const bool one : {true, false}) {  // the one that is broken first
+      for (const auto& [told, names] : joints) {
+        if ((names == std::vector{target_}) != one || told.empty()) continue;
+        words.push_back(group(names) + " " + told);
+      }
+    }
+    return fmt::format("{}", fmt::join(words, "; "));
+  }
+
+  std::string group(const std::vector<std::string>& names) const {
+    const std::size_t all = run_.robot().joints.size();
+    const bool has_target = std::ranges::find(names, target_) != names.end();
+    if (names.size() == all) return "all";
+    if (names.size() + 1 == all && !has_target && run_.robot().find_joint(target_)) return "others";
+    if (names.size() > 2) return std::to_string(names.size());
+    return fmt::format("{}", fmt::join(names, ", "));
+  }
+
+  RobotRun run_;
+  std::string target_;
+};
+
+class FaultMatrix : public testing::TestWithParam<Row> {};
+
+TEST_P(FaultMatrix, SaysWhatHappens) {
+  FaultRun fault(GetParam());
+  EXPECT_EQ(fault.emergencies(), GetParam().emergencies);
+  EXPECT_EQ(fault.controller(), GetParam().controller);
+  EXPECT_EQ(fault.drives(), GetParam().drives);
+  RobotRun& run = fault.run();
+  // What the words stand for: in a fault no torque at all, else the whole robot as before.
+  const bool stopped = run.behaviour().state == app::State::kFault || run.board().watchdog_bitten();
+  EXPECT_EQ(run.torque_count(), stopped ? 0 : 20);
+  EXPECT_EQ(run.board().drive_enable_line(), !stopped);
+}
+
+std::string test_name(const testing::TestParamInfo<Row>& info) {
+  std::string name;
+  for (const char c : info.param.faults) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) name += c;
+    if (c == '.') name += 'p';
+  }
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Page, FaultMatrix, testing::ValuesIn(read_rows()), test_name);
+
+TEST(FaultMatrixPage, HasEveryKindOfFault) {
+  std::set<sim::Fault::Kind> kinds;
+  for (const Row& row : read_rows()) {
+    for (const sim::Fault& fault : read_faults(row)) kinds.insert(fault.kind);
+  }
+  EXPECT_EQ(kinds.size(), sim::Fault::kind_names().size());
+}
+
+}  // namespace
+
+}  // namespace koboshi::test

@@ -1,0 +1,94 @@
+// How fast a large object comes over the bus of a walking robot, in simulated time.
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <deque>
+
+#include "sim_board/scenario/reader.h"
+#include "tests/unit/firmware/canopen/test_node.h"
+#include "tools/can/sdo_transfer.h"
+#include "tools/run/simulation.h"
+
+namespace koboshi {
+namespace {
+
+constexpr std::uint8_t kServer = 2;  // beside the controller
+constexpr std::size_t kSize_bytes = 32 << 10;
+constexpr double kWanted_bytes_per_s = 10 << 10;
+
+// A node of the same stack as the controller's, served as often; 0x2100 is its domain.
+class Server final : private sim::BusNode, private canopen::FrameSink {
+ public:
+  explicit Server(sim::Bus& bus) : bus_(bus), handle_(bus.attach(*this, sim::AcceptanceFilter::all(), 8)) {
+    device_.bytes.bytes = canopen::counted_bytes(kSize_bytes);
+    device_.node.start(bus.now_us());
+  }
+  void process() { device_.node.process(bus_.now_us()); }
+  const std::vector<std::uint8_t>& bytes() const { return device_.bytes.bytes; }
+
+ private:
+  void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override {
+    device_.node.on_frame(frame, time_us);
+  }
+  bool send(const hal::CanFrame& frame) override { return bus_.queue(handle_, frame, bus_.now_us()); }
+
+  sim::Bus& bus_;
+  sim::NodeHandle handle_;
+  canopen::TestNode device_{kServer, canopen::kTestDescription, *this};
+};
+
+// A PC at the bus. While it waits, the robot goes on walking.
+class Pc final : public sim::Transport, private sim::BusNode {
+ public:
+  Pc(tools::Simulation& simulation, Server& server)
+      : simulation_(simulation),
+        server_(server),
+        handle_(simulation.board().bus().attach(*this, sim::AcceptanceFilter::all(), 64)) {}
+
+  bool send(const hal::CanFrame& frame, std::uint64_t) override {
+    return simulation_.board().bus().queue(handle_, frame, simulation_.board().now_us());
+  }
+  std::optional<hal::CanFrame> receive() override {
+    if (heard_.empty()) advance();
+    if (heard_.empty()) return std::nullopt;
+    const hal::CanFrame frame = heard_.front();
+    heard_.pop_front();
+    return frame;
+  }
+  void advance() {
+    simulation_.advance();
+    server_.process();
+  }
+  std::string place() const override { return "the simulation"; }
+
+ private:
+  void on_frame(const hal::CanFrame& frame, std::uint64_t) override {
+    if (frame.identifier == canopen::kSdoResponseBase + kServer) heard_.push_back(frame);
+  }
+
+  tools::Simulation& simulation_;
+  Server& server_;
+  sim::NodeHandle handle_;
+  std::deque<hal::CanFrame> heard_;
+};
+
+TEST(SdoUpload, ByBlocksIsQuickBesideAWalk) {
+  const std::vector<sim::Override> lumped{{"physics.stepper", "lumped"}};
+  tools::Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml", lumped));
+  sim::SimBoard& board = simulation.board();
+  Server server(board.bus());
+  Pc pc(simulation, server);
+  while (board.now_us() < 5'000'000) pc.advance();  // it walks
+  const sim::BusUsage before = board.bus().usage();
+  const std::vector<std::uint8_t> data = tools::SdoTransfer(pc, kServer).upload({0x2100, 1});
+  const double duration_s = 1e-6 * static_cast<double>(board.now_us() - before.time_us);
+  const double speed_bytes_per_s = static_cast<double>(data.size()) / duration_s;
+  EXPECT_EQ(data, server.bytes());
+  EXPECT_GE(speed_bytes_per_s, kWanted_bytes_per_s);
+  EXPECT_LT(sim::bus_load(before, board.bus().usage()), 0.9);
+  std::printf("%.0f bytes/s, bus load %.2f\n", speed_bytes_per_s, sim::bus_load(before, board.bus().usage()));
+}
+
+}  // namespace
+}  // namespace koboshi

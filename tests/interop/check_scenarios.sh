@@ -1,0 +1,21 @@
+#!/bin/sh
+# check_scenarios.sh KOBOSHI [SECONDS]: by hand, what the tests do with the log of one run, with those of all scenarios.
+set -eu
+
+koboshi=$1
+seconds=${2:-10}
+here=$(dirname "$0")
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+for scenario in scenarios/*.yaml; do
+  name=$(basename "$scenario" .yaml)
+  log=$folder/$name/can.log
+  if [ "$name" = board ]; then  # it has no controller, and so is nothing for `koboshi run`
+    mkdir "$folder/$name"
+    "$koboshi" board "$scenario" --can "log:$log" --duration "$seconds"
+  else
+    "$koboshi" run "$scenario" --duration "$seconds" --out "$folder/$name"
+  fi
+  "$here/check_can_log.sh" "$log"
+  /usr/bin/python3 -B "$here/canopen_test.py" "$koboshi" "$log"
+done

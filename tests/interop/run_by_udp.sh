@@ -1,0 +1,46 @@
+#!/bin/sh
+# run_by_udp.sh KOBOSHI [SECONDS]: a walk by the clock on the wall, by UDP multicast in a network namespace of its own; python-can hears as
+# many frames as the run says that it sent. By hand with a minute of walking, for docs/experiment/bus.md; as root, who may give the listener
+# a buffer that is large enough.
+set -eu
+
+if [ "${3:-}" != inside ]; then
+  exec unshare $([ "$(id -u)" -eq 0 ] || echo --map-root-user) --net "$0" "$1" "${2:-3}" inside
+fi
+koboshi=$1
+seconds=$2
+folder=$(mktemp -d)
+trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$folder"' EXIT
+ip link set lo up
+ip route add 239.0.0.0/8 dev lo
+
+/usr/bin/python3 -B - "$folder" <<'PYTHON' &
+import os
+import pathlib
+import socket
+import sys
+
+import can
+
+SO_RCVBUFFORCE = 33  # asm-generic/socket.h
+BUFFER_BYTES = 16 << 20  # some seconds of frames, as candump -r has in run_on_vcan.sh
+
+folder = pathlib.Path(sys.argv[1])
+heard = 0
+with can.Bus(interface="udp_multicast", channel="239.74.163.2") as bus:
+    with socket.socket(fileno=os.dup(bus.fileno())) as receiver:
+        receiver.setsockopt(socket.SOL_SOCKET, SO_RCVBUFFORCE, BUFFER_BYTES)
+    (folder / "listens").touch()
+    while bus.recv(timeout=3 if heard else 60) is not None:  # until the bus falls silent
+        heard += 1
+(folder / "heard").write_text(str(heard))
+PYTHON
+listener=$!
+until [ -e "$folder/listens" ]; do
+  kill -0 "$listener"
+  sleep 0.05
+done
+"$koboshi" run scenarios/walk.yaml --set physics.stepper=lumped --can udp:239.74.163.2:43113 --duration "$seconds" --out "$folder/run"
+wait "$listener"
+
+/usr/bin/python3 -B "$(dirname "$0")/compare_heard.py" "$folder/run/timing.json" "$(cat "$folder/heard")"

@@ -1,0 +1,105 @@
+#include "sim_board/sensor/sensor_node.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "firmware/canopen/cob_id.h"
+#include "hal/linux/can_sensors.h"
+#include "tests/unit/sim_board/can/bus_fixture.h"
+
+namespace koboshi::sim {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+// A sensor's node and a master on a bus.
+class SensorNodeTest : public testing::Test {
+ protected:
+  explicit SensorNodeTest(SensorKind kind, std::uint8_t node_id) : sensor_(kind, node_id, bus_) {
+    master_.answer = [this](const hal::CanFrame& frame, std::uint64_t time_us) {
+      reader_.on_frame(frame, time_us);
+      identifiers_.push_back(frame.identifier);
+    };
+  }
+
+  void play_until(std::uint64_t end_us) {
+    for (; now_us_ < end_us; now_us_ += 1'000) {
+      sensor_.update(now_us_);
+      bus_.advance_to(now_us_ + 1'000);
+    }
+  }
+  void send(const hal::CanFrame& frame) { ASSERT_TRUE(bus_.queue(handle_, frame, now_us_)); }
+  // Past its boot, in operation, with nothing heard yet.
+  void start() {
+    play_until(SensorNode::kBootTime_us + 1'000);
+    send(canopen::encode(canopen::NmtMessage{canopen::NmtCommand::kStart, 0}));
+    play_until(now_us_ + 1'000);
+    identifiers_.clear();
+  }
+
+  test::ListeningNode master_;
+  Bus bus_;
+  NodeHandle handle_ = bus_.attach(master_, AcceptanceFilter::all(), 4);
+  SensorNode sensor_;
+  hal::CanSensors reader_;  // of the firmware's process
+  std::vector<std::uint16_t> identifiers_;
+  std::uint64_t now_us_ = 0;
+};
+
+class InertialSensorNode : public SensorNodeTest {
+ protected:
+  InertialSensorNode() : SensorNodeTest(SensorKind::kInertial, kInertialNode) {}
+};
+
+class AnkleSensorNode : public SensorNodeTest {
+ protected:
+  AnkleSensorNode() : SensorNodeTest(SensorKind::kForceTorque, kLeftAnkleNode) {}
+};
+
+TEST_F(InertialSensorNode, TellsThatItBootsAndThenWaits) {
+  play_until(SensorNode::kBootTime_us);
+  EXPECT_THAT(identifiers_, IsEmpty());
+  play_until(SensorNode::kBootTime_us + 20'000);
+  EXPECT_THAT(identifiers_, ElementsAre(canopen::kHeartbeatBase + kInertialNode));
+  EXPECT_EQ(reader_.take_booted(), kInertialNode);
+}
+
+TEST_F(InertialSensorNode, SendsItsLatestSampleByItsOwnClock) {
+  start();
+  sensor_.take(hal::ImuSample{.gyro_raw = {1, 2, 3}, .accelerometer_raw = {4, 5, 6}});
+  sensor_.take(hal::ImuSample{.gyro_raw = {-7, 8, 9}, .accelerometer_raw = {10, 11, -12}});
+  play_until(now_us_ + 10'000);  // two periods, wherever the first begins
+  EXPECT_THAT(identifiers_, ElementsAre(0x1A4, 0x2A4, 0x1A4, 0x2A4));
+  const auto sample = reader_.inertial(now_us_);
+  ASSERT_TRUE(sample);
+  EXPECT_THAT(sample->gyro_raw, ElementsAre(-7, 8, 9));
+  EXPECT_THAT(sample->accelerometer_raw, ElementsAre(10, 11, -12));
+}
+
+TEST_F(AnkleSensorNode, SendsItsLatestSampleAtEachSync) {
+  start();
+  sensor_.take(hal::AnkleSample{.force_raw = {1, 2, -3}, .torque_raw = {4, -5, 6}});
+  play_until(now_us_ + 10'000);
+  EXPECT_THAT(identifiers_, IsEmpty());
+  send({.identifier = canopen::kSyncCobId});
+  play_until(now_us_ + 2'000);
+  EXPECT_THAT(identifiers_, ElementsAre(0x1A5, 0x2A5));
+  const auto sample = reader_.take_ankle(hal::Side::kLeft);
+  ASSERT_TRUE(sample);
+  EXPECT_THAT(sample->force_raw, ElementsAre(1, 2, -3));
+  EXPECT_THAT(sample->torque_raw, ElementsAre(4, -5, 6));
+}
+
+TEST_F(AnkleSensorNode, AnswersSdo) {
+  start();
+  send({.identifier = 0x625, .size = 8, .data = {0x40, 0x00, 0x20}});
+  play_until(now_us_ + 2'000);
+  ASSERT_THAT(master_.seen, testing::Not(IsEmpty()));
+  const hal::CanFrame answer = master_.seen.back().frame;
+  EXPECT_EQ(answer.identifier, 0x5A5);
+  EXPECT_EQ(answer.data[4], static_cast<std::uint8_t>(SensorKind::kForceTorque));
+}
+
+}  // namespace
+}  // namespace koboshi::sim

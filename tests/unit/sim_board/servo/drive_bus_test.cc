@@ -1,0 +1,72 @@
+#include "sim_board/can/bus_faults.h"
+#include "tests/unit/sim_board/servo/drive_bench.h"
+
+// What a drive makes of the state of its own CAN controller.
+namespace koboshi::sim {
+namespace {
+
+using hal::CanErrorState;
+
+class DriveOnABadBus : public DriveTest {
+ protected:
+  DriveOnABadBus() { bus.set_disturbance(&faults); }
+  // Errors in so many attempts of the drive to send.
+  void corrupt(std::uint64_t count) {
+    faults.add({.effect = FrameFault::Effect::kCorrupted,
+                .node = drive->bus_handle(),
+                .count = count,
+                .from_us = now_us});
+  }
+  CanErrorState bus_state() const { return bus.status(drive->bus_handle()).state; }
+
+  BusFaults faults{1};
+};
+
+TEST_F(DriveOnABadBus, SaysThatItIsErrorPassiveAndGoesOn) {
+  write({0x1800, 2}, 1, 1);  // answers each SYNC
+  enable();
+  corrupt(17);
+  run_ms(20);
+  EXPECT_EQ(bus_state(), CanErrorState::kErrorPassive);
+  EXPECT_EQ(emergencies(), std::vector<std::uint16_t>{0x8120});
+  EXPECT_EQ(drive->state(), State::kOperationEnabled);
+  run_ms(200);  // a frame sent takes one off the count
+  EXPECT_EQ(bus_state(), CanErrorState::kErrorActive);
+  EXPECT_EQ(emergencies(), (std::vector<std::uint16_t>{0x8120, 0x0000}));
+  EXPECT_EQ(drive->state(), State::kOperationEnabled);
+}
+
+TEST_F(DriveOnABadBus, StopsAtBusOffAndComesBackAfterAPause) {
+  write({0x1800, 2}, 1, 1);
+  enable();
+  corrupt(40);
+  run_ms(20);
+  EXPECT_EQ(bus_state(), CanErrorState::kBusOff);
+  EXPECT_EQ(drive->state(), State::kFaultReactionActive);
+  EXPECT_EQ(drive->values().error_code, 0x8140);
+  EXPECT_TRUE(emergencies().empty());
+  run_ms(70);
+  EXPECT_EQ(bus_state(), CanErrorState::kBusOff);
+  run_ms(120);
+  EXPECT_EQ(bus_state(), CanErrorState::kErrorActive);
+  EXPECT_EQ(drive->state(), State::kFault);
+  const auto told = emergencies();
+  EXPECT_EQ(std::ranges::count(told, 0x8140), 1);
+  controlword = cia402::kFaultReset;
+  run_ms(20);
+  EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
+  EXPECT_EQ(emergencies().back(), 0);
+}
+
+TEST_F(DriveOnABadBus, DoesAtBusOffWhatItsOptionCodeSays) {
+  write({0x6007, 0}, 0, 2);  // nothing
+  write({0x1800, 2}, 1, 1);
+  enable();
+  corrupt(40);
+  run_ms(20);
+  EXPECT_EQ(bus_state(), CanErrorState::kBusOff);
+  EXPECT_EQ(drive->state(), State::kOperationEnabled);
+}
+
+}  // namespace
+}  // namespace koboshi::sim

@@ -1,0 +1,94 @@
+#include "tools/run/live_link.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <stdexcept>
+
+#include "tests/unit/sim_board/can/bus_fixture.h"
+#include "tests/unit/sim_board/input/scratch_file.h"
+
+namespace koboshi::tools {
+namespace {
+
+class LiveLinkTest : public testing::Test {
+ protected:
+  // A second of the simulation in a hundredth of the wall's, and no longer.
+  static constexpr double kSpeed = 100.0;
+
+  void play(LiveLink& link, std::uint64_t end_us) {
+    link.attach(bus_);
+    for (std::uint64_t now_us = 0; now_us < end_us; now_us += 1'000) {
+      link.before(now_us);
+      ASSERT_TRUE(bus_.queue(handle_, {.identifier = 0x123, .size = 0}, now_us));
+      bus_.advance_to(now_us + 1'000);
+      link.after(now_us + 1'000);
+    }
+  }
+  // Within as many asks as a twentieth of a second of simulation has.
+  static bool is_interrupted(LiveLink& link) {
+    for (int i = 0; i < 50; ++i) {
+      if (link.interrupted()) return true;
+    }
+    return false;
+  }
+
+  sim::test::ListeningNode inside_;
+  sim::test::ListeningNode another_;  // acknowledges
+  sim::Bus bus_;
+  sim::NodeHandle handle_ = bus_.attach(inside_, sim::AcceptanceFilter::all(), 4);
+  sim::NodeHandle other_handle_ = bus_.attach(another_, sim::AcceptanceFilter::all(), 4);
+};
+
+TEST_F(LiveLinkTest, IsNothingUnlessAskedFor) {
+  LiveLink link({});
+  play(link, 10'000);
+  EXPECT_FALSE(link.is_live());
+  EXPECT_EQ(link.transport(), nullptr);
+  EXPECT_TRUE(link.report().is_null());
+  EXPECT_FALSE(is_interrupted(link));
+}
+
+TEST_F(LiveLinkTest, CountsWhatWentOutside) {
+  const sim::ScratchFile log("log", "");
+  LiveLink link({.can = "log:" + log.path().string()});
+  play(link, 10'000);
+  EXPECT_FALSE(link.is_live());
+  EXPECT_EQ(link.report(), (nlohmann::ordered_json{{"can",
+                                                    {{"transport", log.path().string()},
+                                                     {"frames_sent", 10},
+                                                     {"frames_lost", 0},
+                                                     {"frames_received", 0},
+                                                     {"frames_refused", 0}}}}));
+}
+
+TEST_F(LiveLinkTest, GoesByTheClockWhereItIsToldTo) {
+  LiveLink link({.realtime = true, .speed = kSpeed});
+  play(link, 100'000);
+  EXPECT_TRUE(link.is_live());
+  EXPECT_FALSE(link.report().contains("can"));
+  EXPECT_TRUE(link.report().contains("overruns"));
+  EXPECT_TRUE(link.report().contains("largest_delay_us"));
+}
+
+TEST_F(LiveLinkTest, GoesByTheClockWithALiveTransport) {
+  LiveLink link({.can = "slcan", .speed = kSpeed});
+  play(link, 100'000);
+  EXPECT_TRUE(link.is_live());
+  EXPECT_EQ(link.report()["can"]["frames_lost"], 100);  // no host has opened the channel
+  EXPECT_TRUE(link.report().contains("overruns"));
+}
+
+TEST_F(LiveLinkTest, EndsByCtrlC) {
+  LiveLink link({.realtime = true, .speed = kSpeed});
+  EXPECT_FALSE(is_interrupted(link));
+  raise(SIGINT);
+  EXPECT_TRUE(is_interrupted(link));
+}
+
+TEST_F(LiveLinkTest, RefusesATransportThatItDoesNotKnow) {
+  EXPECT_THROW(LiveLink({.can = "pigeon:1"}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace koboshi::tools
