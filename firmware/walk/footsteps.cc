@@ -20,16 +20,25 @@ Foothold Footsteps::step(Side swing, const Stride& stride) const {
 }
 
 // With c = b + lag * last step, from one step to the next growth * c = step * (1 - lag) + c_next. The motion
-// of two steps that repeats itself has c = (1 - lag) (growth * step_1 + step_2) / (growth^2 - 1).
-Point Footsteps::offset(Side stance, const Stride& stride) const {
+// of two steps that repeats itself has c = (1 - lag) (growth * step_1 + step_2) / (growth^2 - 1), and that
+// without (1 - lag) where the ZMP comes at once.
+Point Footsteps::offset_at_once(Side stance, const Stride& stride) const {
   const Point first = step(other(stance), stride).p;
   const Point second = step(stance, stride).p;
   const Gain divisor = fixed::product<Gain>(growth_, growth_) - 1.0_gain;
   const auto along = [&](Length a, Length b) {
-    const Length at_once = fixed::quotient<Length>(fixed::product<Length>(a, growth_) + b, divisor);
-    return fixed::product<Length>(at_once, fixed::kOne - lag_) - fixed::product<Length>(b, lag_);
+    return fixed::quotient<Length>(fixed::product<Length>(a, growth_) + b, divisor);
   };
   return {along(first.x, second.x), along(first.y, second.y)};
+}
+
+Point Footsteps::offset(Side stance, const Stride& stride) const {
+  const Point at_once = offset_at_once(stance, stride);
+  const Point last = step(stance, stride).p;
+  const auto along = [&](Length c, Length b) {
+    return fixed::product<Length>(c, fixed::kOne - lag_) - fixed::product<Length>(b, lag_);
+  };
+  return {along(at_once.x, last.x), along(at_once.y, last.y)};
 }
 
 }  // namespace koboshi::walk

@@ -30,8 +30,15 @@ class Footsteps {
   // From the ZMP under the foot that stands to that under the foot that swings, and the turn of its sole.
   [[nodiscard]] Foothold step(hal::Side swing, const Stride& stride) const;
 
-  // Where the divergent part has to be when a step onto `stance` begins, from the ZMP under it.
+  // Where the divergent part has to be when a step onto `stance` begins, from the ZMP under it, after a step
+  // as the last one of this stride was.
   [[nodiscard]] Point offset(hal::Side stance, const Stride& stride) const;
+  // The same for a ZMP that would come at once. From there on the divergent part moves as it should after any
+  // last step: one that ends `end` from the ZMP has to go to end * widening() - offset_at_once().
+  [[nodiscard]] Point offset_at_once(hal::Side stance, const Stride& stride) const;
+  [[nodiscard]] fixed::Gain widening() const {
+    return fixed::quotient<fixed::Gain>(fixed::kOne, fixed::kOne - lag_);
+  }
 
  private:
   fixed::Length width_;

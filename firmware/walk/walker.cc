@@ -207,8 +207,9 @@ void Walker::aim() {
   const Gain growth = pendulum_.growth(static_cast<std::size_t>(gait_.step_ticks - tick_));
   const Point captured{product<Length>(outside(error_.x, gait_.dead_band), gait_.capture_ahead),
                        product<Length>(outside(error_.y, gait_.dead_band), gait_.capture_aside)};
-  const Point end = stance_.zmp + scaled(mass_.divergent + captured - stance_.zmp, growth);
-  const Point zmp = end - turned(footsteps_.offset(swing, stride_), nominal.yaw / 2);
+  const Point end = scaled(mass_.divergent + captured - stance_.zmp, growth);
+  const Point zmp = stance_.zmp + scaled(end, footsteps_.widening()) -
+                    turned(footsteps_.offset_at_once(swing, stride_), nominal.yaw / 2);
   const bool left = swing == Side::kLeft;
   const Point under{gait_.zmp_ahead, left ? -gait_.zmp_inward : gait_.zmp_inward};
   const Point sole = zmp - turned(under, nominal.yaw);
