@@ -121,14 +121,27 @@ void Walker::run_readying() {
   if (tick_ >= kRampTicks) enter(Phase::kSwaying);
 }
 
-// About a ZMP under the foot that is to swing first, until the mass is where a step onto the other begins.
+// About a ZMP under the foot that is to swing first, until the mass is where a step onto the other begins. In
+// the last cycle the ZMP is only as far away as takes the mass there: what it went too far, the first step
+// would multiply.
 void Walker::run_swaying() {
-  const Point zmp = zmp_under(swinging());
-  pendulum_.advance(mass_, zmp);
-  stand_on_both(zmp);
+  const Point foot = zmp_under(swinging());
   const Length begins = zmp_under(standing_).y + footsteps_.offset(standing_, stride_).y;
-  if (mass_.divergent.y < begins && tick_ < kMaxSwayTicks) return;
-  zmp_from_ = zmp;
+  const PendulumState before = mass_;
+  Point zmp = foot;
+  pendulum_.advance(mass_, zmp);
+  const bool arrived = mass_.divergent.y >= begins;
+  if (arrived) {
+    const Ratio share = std::clamp(
+        fixed::quotient<Ratio>(begins - before.divergent.y, mass_.divergent.y - before.divergent.y), Ratio(),
+        kOne);
+    zmp = interpolated(before.divergent, foot, share);
+    mass_ = before;
+    pendulum_.advance(mass_, zmp);
+  }
+  stand_on_both(zmp);
+  if (!arrived && tick_ < kMaxSwayTicks) return;
+  zmp_from_ = foot;
   swung_from_ = swings_to_ = stance_.soles[index(swinging())];
   enter(Phase::kStepping);
 }
