@@ -42,30 +42,13 @@ struct RandomPosture {
     posture.update([this](std::size_t joint) { return angles[joint]; });
   }
 
-  Point com_B() const {
-    double mass_kg = fixed::to_double(model.base_mass);
-    Point moment = mass_kg * to_point(model.base_centre_of_mass);
-    for (std::size_t i = 0; i < model.joint_count; ++i) {
-      const double link_kg = fixed::to_double(model.joints[i].mass);
-      moment = moment + link_kg * to_base(model, angles_rad, static_cast<int>(i),
-                                          to_point(model.joints[i].centre_of_mass));
-      mass_kg += link_kg;
-    }
-    return (1.0 / mass_kg) * moment;
-  }
-  // A point of a sole's frame as B sees it, and back.
-  Point from_sole(hal::Side side, Point p_Sole) const {
-    p_Sole.z -= fixed::to_double(model.feet[static_cast<std::size_t>(side)].ankle_height);
-    return to_base(model, angles_rad, ankle(side), p_Sole);
+  Point com_B() const { return centre_of_mass(model, angles_rad); }
+  Point from_sole(hal::Side side, const Point& p_Sole) const {
+    return test::from_sole(model, angles_rad, side, p_Sole);
   }
   Point to_sole(hal::Side side, const Point& p_B) const {
-    const Point r = p_B - from_sole(side, {});
-    const auto axis = [&](const Point& unit) {
-      return dot(r, to_base(model, angles_rad, ankle(side), unit, true));
-    };
-    return {axis({1, 0, 0}), axis({0, 1, 0}), axis({0, 0, 1})};
+    return test::to_sole(model, angles_rad, side, p_B);
   }
-  int ankle(hal::Side side) const { return model.leg(side)[robot::kLegJoints - 1]; }
 
   robot::RobotModel model = make_model();
   std::mt19937 random{20081};

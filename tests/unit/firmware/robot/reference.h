@@ -47,4 +47,31 @@ inline Point to_base(const robot::RobotModel& model, std::span<const double> ang
   return p;
 }
 
+// Centre of mass of the whole robot, in B.
+inline Point centre_of_mass(const robot::RobotModel& model, std::span<const double> angles_rad) {
+  double mass_kg = fixed::to_double(model.base_mass);
+  Point moment = mass_kg * to_point(model.base_centre_of_mass);
+  for (std::size_t i = 0; i < model.joint_count; ++i) {
+    const double link_kg = fixed::to_double(model.joints[i].mass);
+    moment = moment + link_kg * to_base(model, angles_rad, static_cast<int>(i),
+                                        to_point(model.joints[i].centre_of_mass));
+    mass_kg += link_kg;
+  }
+  return (1.0 / mass_kg) * moment;
+}
+
+// A point of a sole's frame as B sees it, and back.
+inline Point from_sole(const robot::RobotModel& model, std::span<const double> angles_rad, hal::Side side,
+                       Point p_Sole) {
+  p_Sole.z -= fixed::to_double(model.feet[static_cast<std::size_t>(side)].ankle_height);
+  return to_base(model, angles_rad, model.leg(side)[robot::kLegJoints - 1], p_Sole);
+}
+inline Point to_sole(const robot::RobotModel& model, std::span<const double> angles_rad, hal::Side side,
+                     const Point& p_B) {
+  const int ankle = model.leg(side)[robot::kLegJoints - 1];
+  const Point r = p_B - from_sole(model, angles_rad, side, {});
+  const auto axis = [&](const Point& unit) { return dot(r, to_base(model, angles_rad, ankle, unit, true)); };
+  return {axis({1, 0, 0}), axis({0, 1, 0}), axis({0, 0, 1})};
+}
+
 }  // namespace koboshi::test

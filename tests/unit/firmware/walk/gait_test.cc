@@ -1,0 +1,118 @@
+#include "firmware/walk/gait.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "firmware/fixed/host/convert.h"
+#include "firmware/walk/pendulum.h"
+
+namespace koboshi::walk {
+namespace {
+
+using fixed::to_double;
+
+constexpr double kLengthLsb_m = 1.0 / (1 << 24);
+constexpr double kTick_s = 0.01;
+
+Gait with_steps(const decltype(WalkParameters::step)& step) {
+  WalkParameters parameters;
+  parameters.step = step;
+  return Gait(parameters);
+}
+
+TEST(Gait, IsTheParametersInQuantities) {
+  const Gait gait({.step = {.time_ms = 240,
+                            .double_support = 250,
+                            .width = 771,
+                            .height = 283,
+                            .ease = 450,
+                            .acceleration = {1, 2, 3}},
+                   .posture = {.com_height = 1675,
+                               .zmp_ahead = -94,
+                               .zmp_inward = -6,
+                               .trunk_pitch = 0x1000,
+                               .trunk_pitch_by_speed = -0x2000,
+                               .pitch_compliance = 1285,
+                               .roll_compliance = 399,
+                               .arm_swing = -150},
+                   .reaction = {.capture_ahead = 270,
+                                .capture_aside = 1500,
+                                .dead_band = 59,
+                                .smoothing = 360,
+                                .touch_down_load_cN = 250,
+                                .heading_hold = 125}});
+  EXPECT_EQ(gait.step_ticks, 24);
+  EXPECT_EQ(gait.double_ticks, 6);
+  EXPECT_NEAR(to_double(gait.step_width), 0.0771, kLengthLsb_m);
+  EXPECT_NEAR(to_double(gait.step_height), 0.0283, kLengthLsb_m);
+  EXPECT_NEAR(to_double(gait.ease), 0.45, 1e-9);
+  EXPECT_EQ(gait.acceleration, (std::array{1, 2, 3}));
+  EXPECT_NEAR(to_double(gait.com_height), 0.1675, kLengthLsb_m);
+  EXPECT_NEAR(to_double(gait.zmp_ahead), -0.0094, kLengthLsb_m);
+  EXPECT_NEAR(to_double(gait.zmp_inward), -0.0006, kLengthLsb_m);
+  EXPECT_NEAR(to_double(gait.pitch), 2.0 * M_PI / 16, 1e-9);
+  EXPECT_NEAR(to_double(gait.pitch_at_1_m_per_s), -2.0 * M_PI / 8, 1e-9);
+  EXPECT_NEAR(to_double(gait.compliance.pitch), 1.285, 1e-9);
+  EXPECT_NEAR(to_double(gait.compliance.roll), 0.399, 1e-9);
+  EXPECT_NEAR(to_double(gait.arm_swing), -0.15, 1e-9);
+  EXPECT_NEAR(to_double(gait.capture_ahead), 0.27, 1e-9);
+  EXPECT_NEAR(to_double(gait.capture_aside), 1.5, 1e-9);
+  EXPECT_NEAR(to_double(gait.dead_band), 0.0059, kLengthLsb_m);
+  EXPECT_NEAR(to_double(gait.smoothing), 0.36, 1e-9);
+  EXPECT_NEAR(to_double(gait.touch_down_load), 2.5, 1e-4);
+  EXPECT_NEAR(to_double(gait.heading_hold), 0.125, 1e-9);
+}
+
+TEST(Gait, CutsTimesDownToWholeCyclesAndLeavesOneToSwing) {
+  EXPECT_EQ(with_steps({.time_ms = 269}).step_ticks, 26);
+  EXPECT_EQ(with_steps({.time_ms = 0}).step_ticks, 1);
+  EXPECT_EQ(with_steps({.time_ms = 32'000}).step_ticks, std::int32_t{Pendulum::kMaxTicks});
+  EXPECT_EQ(with_steps({.time_ms = 260, .double_support = 150}).double_ticks, 3);
+  EXPECT_EQ(with_steps({.time_ms = 260, .double_support = 1000}).double_ticks, 25);
+  EXPECT_EQ(with_steps({.time_ms = 260, .double_support = -1}).double_ticks, 0);
+}
+
+TEST(Speed, GainsNoMoreThanTheAccelerationInACycle) {
+  const Gait gait = with_steps({.time_ms = 200, .acceleration = {300, 200, 1500}});
+  Speed speed;
+  EXPECT_TRUE(speed.is_zero());
+  const double step_s = 0.2;
+  for (int tick = 1; tick <= 50; ++tick) {
+    speed.approach({400, -200, 1500}, gait);
+    const double time_s = kTick_s * tick;
+    const Stride stride = speed.stride(gait);
+    EXPECT_NEAR(to_double(stride.way.x), 0.3 * time_s * step_s, kLengthLsb_m);
+    EXPECT_NEAR(to_double(stride.way.y), -0.2 * time_s * step_s, kLengthLsb_m);
+    EXPECT_NEAR(to_double(stride.turn), 1.5 * time_s * step_s, 2e-9);
+  }
+  EXPECT_FALSE(speed.is_zero());
+}
+
+TEST(Speed, ArrivesAtItsCommandAndStaysThere) {
+  const Gait gait =
+      with_steps({.time_ms = 200, .acceleration = {70, 70, 70}});  // does not divide what is wanted
+  Speed speed;
+  const Velocity wanted{100, -33, 7};
+  for (int tick = 0; tick < 200; ++tick) speed.approach(wanted, gait);
+  EXPECT_NEAR(to_double(speed.stride(gait).way.x), 0.1 * 0.2, kLengthLsb_m);
+  EXPECT_NEAR(to_double(speed.stride(gait).way.y), -0.033 * 0.2, kLengthLsb_m);
+  EXPECT_NEAR(to_double(speed.stride(gait).turn), 0.007 * 0.2, 2e-9);
+  EXPECT_NEAR(to_double(speed.turn()), 0.007 * kTick_s, 2e-9);
+  for (int tick = 0; tick < 200; ++tick) speed.approach({}, gait);
+  EXPECT_TRUE(speed.is_zero());
+}
+
+TEST(Speed, LeansByHowFastItGoes) {
+  WalkParameters parameters;
+  parameters.posture.trunk_pitch = 0x100;
+  parameters.posture.trunk_pitch_by_speed = 0x1000;
+  const Gait gait(parameters);
+  Speed speed;
+  EXPECT_EQ(speed.lean(gait), gait.pitch);
+  for (int tick = 0; tick < 100; ++tick) speed.approach({-250, 100, 100}, gait);
+  EXPECT_NEAR(to_double(speed.lean(gait)), to_double(gait.pitch) - 0.25 * 2.0 * M_PI / 16, 2e-9);
+}
+
+}  // namespace
+}  // namespace koboshi::walk

@@ -1,0 +1,22 @@
+#include "firmware/walk/radians.h"
+
+#include <gtest/gtest.h>
+
+#include "firmware/fixed/host/convert.h"
+
+namespace koboshi::walk {
+namespace {
+
+using fixed::from_double;
+using fixed::to_double;
+
+TEST(Radians, AreRightToTheBitsOfBothFormatsAndBack) {
+  for (double rad = -1.99; rad < 2.0; rad += 0.0037) {
+    const auto angle = from_double<fixed::Angle>(rad);
+    EXPECT_NEAR(to_double(in_rad(angle)), rad, 3e-9);
+    EXPECT_NEAR(to_double(from_rad(from_double<fixed::Ratio>(rad))), rad, 3e-9);
+  }
+}
+
+}  // namespace
+}  // namespace koboshi::walk

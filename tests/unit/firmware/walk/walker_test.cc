@@ -1,0 +1,285 @@
+#include "firmware/walk/walker.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/unit/firmware/walk/walking_robot.h"
+
+namespace koboshi::walk {
+namespace {
+
+using fixed::Angle;
+using fixed::to_double;
+using hal::Side;
+using test::rigid;
+using test::WalkingRobot;
+
+constexpr double kTick_s = 0.01;
+constexpr int kRampTicks = 50;
+constexpr double kWidth_m = 0.066;
+constexpr double kStep_s = 0.26;
+
+TEST(Walker, StandsIdleBeforeItIsStarted) {
+  const robot::RobotModel model = test::load_test_robot();
+  Walker walker(model);
+  EXPECT_FALSE(walker.running());
+  walker.advance({100, 0, 0}, {});
+  EXPECT_FALSE(walker.running());
+}
+
+TEST(Walker, BendsItsKneesBeforeItLiftsAFoot) {
+  WalkingRobot robot;
+  EXPECT_EQ(robot.targets(), robot.standing);
+  for (int tick = 0; tick < kRampTicks; ++tick) {
+    robot.advance();
+    EXPECT_FALSE(robot.swinging());
+  }
+  const test::Point com = robot.posed().com(Side::kLeft);
+  EXPECT_NEAR(com.y, -kWidth_m / 2, 0.2e-3);
+  EXPECT_NEAR(com.z, 0.17, 2e-3);
+}
+
+TEST(Walker, SwaysToTheLeftAndThenStepsWithTheRightFirst) {
+  WalkingRobot robot;
+  double furthest_right_m = 0.0;
+  while (!robot.swinging()) {
+    ASSERT_LT(robot.tick, kRampTicks + 60);
+    robot.advance();
+    furthest_right_m = std::min(furthest_right_m, robot.posed().com(Side::kLeft).y + kWidth_m / 2);
+  }
+  EXPECT_EQ(robot.swinging(), Side::kRight);
+  EXPECT_GT(robot.posed().com(Side::kLeft).y, -kWidth_m / 2);
+  EXPECT_GT(furthest_right_m, -3e-3);  // it falls to where the foot is that stands, not away from it
+}
+
+TEST(Walker, MarchesOnTheSpotInTime) {
+  WalkingRobot robot;
+  for (int step = 0; step < 20; ++step) ASSERT_TRUE(robot.advance_until_landing());
+  for (std::size_t i = 1; i < robot.landings.size(); ++i) {
+    const auto& landing = robot.landings[i];
+    EXPECT_EQ(landing.side, other(robot.landings[i - 1].side));
+    EXPECT_EQ(landing.tick - robot.landings[i - 1].tick, 26);
+    EXPECT_NEAR(landing.p.x, 0.0, 50e-6);
+    EXPECT_NEAR(std::abs(landing.p.y), kWidth_m, 50e-6);
+    EXPECT_NEAR(landing.yaw_rad, 0.0, 1e-6);
+  }
+}
+
+// However long both feet stand, a step that is not the planned one is made up for by the next.
+TEST(Walker, MarchesOnTheSpotWithAnyDoubleSupport) {
+  for (const int permille : {0, 100, 200, 300, 400, 500}) {
+    auto parameters = rigid();
+    parameters.step.double_support = static_cast<std::int16_t>(permille);
+    WalkingRobot robot(parameters);
+    for (int step = 0; step < 20; ++step) ASSERT_TRUE(robot.advance_until_landing()) << permille;
+    for (std::size_t i = 2; i < robot.landings.size(); ++i) {
+      EXPECT_NEAR(std::abs(robot.landings[i].p.y), kWidth_m, 50e-6) << permille;
+    }
+  }
+}
+
+// Way and turn of every two steps, when the speed has come up.
+void expect_pace(const Velocity& command, double forward_m_per_s, double left_m_per_s,
+                 double turn_rad_per_s) {
+  WalkingRobot robot;
+  for (int step = 0; step < 30; ++step) ASSERT_TRUE(robot.advance_until_landing(command));
+  for (std::size_t i = 20; i + 1 < robot.landings.size(); i += 2) {
+    const auto& first = robot.landings[i];
+    const auto& second = robot.landings[i + 1];
+    EXPECT_NEAR(first.p.x + second.p.x, 2 * kStep_s * forward_m_per_s, 0.1e-3);
+    EXPECT_NEAR(first.p.y + second.p.y, 2 * kStep_s * left_m_per_s, 0.1e-3);
+    EXPECT_NEAR(first.yaw_rad + second.yaw_rad, 2 * kStep_s * turn_rad_per_s, 1e-5);
+  }
+}
+
+TEST(Walker, GoesAsFastAsItIsTold) {
+  expect_pace({200, 0, 0}, 0.2, 0, 0);
+  expect_pace({-150, 0, 0}, -0.15, 0, 0);
+  expect_pace({0, 80, 0}, 0, 0.08, 0);
+  expect_pace({0, -80, 0}, 0, -0.08, 0);
+  expect_pace({100, 50, 0}, 0.1, 0.05, 0);
+}
+
+TEST(Walker, TurnsAsFastAsItIsTold) {
+  for (const std::int16_t turn_mrad_per_s : {std::int16_t{1'000}, std::int16_t{-1'000}}) {
+    WalkingRobot robot;
+    for (int step = 0; step < 30; ++step) ASSERT_TRUE(robot.advance_until_landing({0, 0, turn_mrad_per_s}));
+    for (std::size_t i = 20; i + 1 < robot.landings.size(); i += 2) {
+      const double turned_rad = robot.landings[i].yaw_rad + robot.landings[i + 1].yaw_rad;
+      EXPECT_NEAR(turned_rad, 2 * kStep_s * 1e-3 * turn_mrad_per_s, 1e-5);
+    }
+  }
+}
+
+// A hundred steps of velocities that change at any time.
+template <typename Check>
+void walk_at_random(WalkingRobot& robot, std::uint32_t seed, const Velocity& most, const Check& check) {
+  std::mt19937 random(seed);
+  const auto draw = [&](int most_of_it) {
+    return static_cast<std::int16_t>(std::uniform_int_distribution(-most_of_it, most_of_it)(random));
+  };
+  Velocity command;
+  while (robot.tick < 100 + 100 * 26) {
+    if (draw(25) == 0)
+      command = {draw(most.forward_mm_per_s), draw(most.left_mm_per_s), draw(most.turn_mrad_per_s)};
+    robot.advance(command);
+    ASSERT_NO_FATAL_FAILURE(check()) << "seed " << seed << ", tick " << robot.tick;
+  }
+}
+
+void expect_within_limits(const WalkingRobot& robot) {
+  for (std::size_t joint = 0; joint < robot.model.joint_count; ++joint) {
+    ASSERT_GE(robot.walker.targets()[joint], robot.model.joints[joint].lower) << "joint " << joint;
+    ASSERT_LE(robot.walker.targets()[joint], robot.model.joints[joint].upper) << "joint " << joint;
+  }
+}
+
+// All that the limits of the velocity let through.
+TEST(Walker, KeepsToTheJointsLimitsAtAnyVelocity) {
+  for (const std::uint32_t seed : {1u, 2u, 3u}) {
+    WalkingRobot robot;
+    walk_at_random(robot, seed, VelocityLimits().highest(), [&] { expect_within_limits(robot); });
+  }
+}
+
+// What its legs reach with the default parameters: the mass stays between the feet and at its height, and no
+// target leaps further than a servo may be late.
+TEST(Walker, KeepsItsMassOverItsFeetForAHundredStepsOfAnyVelocity) {
+  constexpr double kFastest_rad_per_s = 2 * 7.48;
+  for (const std::uint32_t seed : {1u, 2u, 3u}) {
+    WalkingRobot robot;
+    auto last = robot.targets();
+    walk_at_random(robot, seed, {200, 60, 800}, [&] {
+      expect_within_limits(robot);
+      const auto swings = robot.swinging();
+      const Side stands = swings ? other(*swings) : Side::kLeft;
+      const test::Point com = robot.posed().com(stands);
+      ASSERT_NEAR(com.z, robot.tick <= kRampTicks ? 0.175 : 0.171, 5e-3);
+      ASSERT_LT(std::abs(com.x), 0.1);
+      ASSERT_LT(std::abs(com.y), 0.08);
+      const auto targets = robot.targets();
+      for (std::size_t joint = 0; joint < targets.size(); ++joint) {
+        const double way_rad = std::abs(to_double(targets[joint] - last[joint]));
+        ASSERT_LE(way_rad, kFastest_rad_per_s * kTick_s) << "joint " << joint;
+      }
+      last = targets;
+    });
+    EXPECT_GE(robot.landings.size(), 99u);
+    for (const auto& landing : robot.landings) {
+      EXPECT_LE(std::abs(landing.p.x), 0.1301);
+      EXPECT_LE(std::abs(landing.p.y), 0.1301);
+      EXPECT_GE(std::abs(landing.p.y), 0.0579);
+    }
+  }
+}
+
+TEST(Walker, EndsAtTheStandingTargetsWhenToldToStop) {
+  for (const int after_ticks : {0, 20, 60, 75, 130, 300, 307, 314, 321}) {
+    WalkingRobot robot{WalkParameters()};
+    for (int tick = 0; tick < after_ticks; ++tick) robot.advance({200, 50, 300});
+    ASSERT_TRUE(robot.walker.running());
+    EXPECT_NE(robot.targets(), after_ticks == 0 ? std::vector<Angle>() : robot.standing);
+    robot.walker.stop();
+    ASSERT_TRUE(robot.advance_to_the_end({200, 50, 300})) << after_ticks;  // whatever it is told besides
+    EXPECT_EQ(robot.targets(), robot.standing) << after_ticks;
+  }
+}
+
+TEST(Walker, PutsItsFeetSideBySideBeforeItEnds) {
+  WalkingRobot robot;
+  for (int tick = 0; tick < 400; ++tick) robot.advance({200, 60, 500});
+  robot.walker.stop();
+  ASSERT_TRUE(robot.advance_to_the_end());
+  const auto& last = robot.landings.back();
+  EXPECT_NEAR(last.p.x, 0.0, 5e-3);
+  EXPECT_NEAR(std::abs(last.p.y), kWidth_m, 5e-3);
+  EXPECT_NEAR(last.yaw_rad, 0.0, 0.02);
+}
+
+TEST(Walker, GoesOnWhenTheStopIsTakenBack) {
+  WalkingRobot robot;
+  for (int tick = 0; tick < 200; ++tick) robot.advance({200, 0, 0});
+  robot.walker.stop();
+  for (int tick = 0; tick < 30; ++tick) robot.advance({200, 0, 0});
+  robot.walker.go_on();
+  EXPECT_FALSE(robot.advance_to_the_end({200, 0, 0}));
+  const auto& landings = robot.landings;
+  EXPECT_NEAR(landings[landings.size() - 1].p.x + landings[landings.size() - 2].p.x, 2 * kStep_s * 0.2,
+              0.1e-3);
+}
+
+TEST(Walker, DoesNotGoOnOnceTheFeetAreSideBySide) {
+  WalkingRobot robot;
+  for (int tick = 0; tick < 200; ++tick) robot.advance();
+  robot.walker.stop();
+  ASSERT_TRUE(robot.advance_until_landing());
+  robot.advance();
+  robot.walker.go_on();
+  EXPECT_TRUE(robot.advance_to_the_end());
+}
+
+TEST(Walker, LeavesItsTargetsAloneAfterAnAbort) {
+  WalkingRobot robot;
+  for (int tick = 0; tick < 200; ++tick) robot.advance({100, 0, 0});
+  robot.walker.abort();
+  EXPECT_FALSE(robot.walker.running());
+  const auto targets = robot.targets();
+  robot.advance({100, 0, 0});
+  EXPECT_EQ(robot.targets(), targets);
+}
+
+TEST(Walker, WalksTheSameTwiceAndAfterAnotherWalk) {
+  WalkParameters lively;
+  lively.reaction = {
+      .capture_ahead = 500, .capture_aside = 500, .touch_down_load_cN = 200, .heading_hold = 300};
+  const auto play = [](WalkingRobot& robot) {
+    std::mt19937 random(7);
+    std::vector<std::vector<Angle>> told;
+    for (int tick = 0; tick < 600; ++tick) {
+      const auto draw = [&](int most) {
+        return static_cast<std::int16_t>(std::uniform_int_distribution(-most, most)(random));
+      };
+      const Observation seen{.roll = Angle::from_raw(draw(30'000) * 1'000),
+                             .pitch = Angle::from_raw(draw(30'000) * 1'000),
+                             .rates = {{}, {}, fixed::AngularRate::from_raw(draw(30'000) * 10)},
+                             .loads = {fixed::Force::from_raw(draw(30'000) * 10), {}}};
+      robot.advance({draw(200), draw(100), draw(800)}, seen);
+      told.push_back(robot.targets());
+    }
+    return told;
+  };
+  WalkingRobot once{lively};
+  const auto told = play(once);
+  WalkingRobot again{lively};
+  EXPECT_TRUE(play(again) == told);
+  again.walker.start(lively, again.standing);  // in the middle of the walk
+  EXPECT_TRUE(play(again) == told);
+}
+
+TEST(Walker, SwingsAnArmWithTheFootOfTheOtherSide) {
+  auto parameters = rigid();
+  parameters.posture.arm_swing = 1'000;
+  WalkingRobot robot(parameters);
+  for (int tick = 0; tick < 400; ++tick) {
+    robot.advance({200, 0, 0});
+    if (robot.tick <= kRampTicks) continue;
+    const double left_ahead_m = robot.posed().sole(Side::kLeft, Side::kRight).x;
+    EXPECT_NEAR(to_double(robot.walker.targets()[12] - robot.standing[12]), left_ahead_m, 1e-5);
+    EXPECT_NEAR(to_double(robot.walker.targets()[15] - robot.standing[15]), -left_ahead_m, 1e-5);
+  }
+}
+
+TEST(Walker, LeansFurtherTheFasterItGoes) {
+  auto parameters = rigid();
+  parameters.posture.trunk_pitch_by_speed = 0x1000;
+  WalkingRobot robot(parameters);
+  for (int tick = 0; tick < 400; ++tick) robot.advance({200, 0, 0});
+  EXPECT_NEAR(to_double(robot.walker.pitch()), 2.0 * M_PI * (546.0 / 65536 + 0.2 / 16), 1e-6);
+  const test::Point up = robot.posed().trunk_axis({0, 0, 1}, Side::kLeft);
+  EXPECT_NEAR(std::atan2(up.x, up.z), to_double(robot.walker.pitch()), 1e-4);
+}
+
+}  // namespace
+}  // namespace koboshi::walk

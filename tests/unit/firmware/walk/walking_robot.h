@@ -1,0 +1,94 @@
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "firmware/walk/walker.h"
+#include "tests/unit/firmware/walk/posed.h"
+
+namespace koboshi::test {
+
+// Joints that do not give, so that the soles are where the targets say.
+inline walk::WalkParameters rigid() {
+  walk::WalkParameters parameters;
+  parameters.posture.pitch_compliance = 0;
+  parameters.posture.roll_compliance = 0;
+  return parameters;
+}
+
+// A walker on the test robot, whose joints are always at their targets and whose trunk leans as it is to.
+class WalkingRobot {
+ public:
+  // A foot that came down: where, seen from the other.
+  struct Landing {
+    int tick;
+    hal::Side side;
+    Point p;
+    double yaw_rad;
+  };
+
+  explicit WalkingRobot(const walk::WalkParameters& parameters = rigid())
+      : standing(model.joint_count), walker(model) {
+    for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
+      const auto leg = model.leg(side);
+      standing[leg[2]] = degrees(-16);
+      standing[leg[3]] = degrees(44);
+      standing[leg[4]] = degrees(-28);
+    }
+    standing[13] = degrees(8);  // the arms a little from the trunk
+    standing[16] = degrees(-8);
+    walker.start(parameters, standing);
+  }
+
+  // A cycle, of which the sensors tell that it went as planned but for what is added to it.
+  void advance(const walk::Velocity& command = {}, walk::Observation more = {}) {
+    more.pitch += walker.pitch();
+    walker.advance(command, more);
+    ++tick;
+    note_landing();
+  }
+  bool advance_until_landing(const walk::Velocity& command = {}, const walk::Observation& more = {}) {
+    const std::size_t before = landings.size();
+    for (int i = 0; i < 200 && landings.size() == before && walker.running(); ++i) advance(command, more);
+    return landings.size() > before;
+  }
+  // False when it does not come to its end in ten seconds.
+  bool advance_to_the_end(const walk::Velocity& command = {}) {
+    for (int i = 0; i < 1'000 && walker.running(); ++i) advance(command);
+    return !walker.running();
+  }
+
+  Posed posed() const { return {model, walker.targets()}; }
+  // The foot in the air.
+  std::optional<hal::Side> swinging() const {
+    const double height_m = posed().sole(hal::Side::kRight, hal::Side::kLeft).z;
+    if (std::abs(height_m) < kOnTheGround_m) return {};
+    return height_m > 0 ? hal::Side::kRight : hal::Side::kLeft;
+  }
+  std::vector<fixed::Angle> targets() const { return {walker.targets().begin(), walker.targets().end()}; }
+
+  robot::RobotModel model = load_test_robot();
+  std::vector<fixed::Angle> standing;
+  walk::Walker walker;
+  std::vector<Landing> landings;
+  int tick = 0;
+
+ private:
+  static constexpr double kOnTheGround_m = 0.02e-3;
+
+  void note_landing() {
+    const auto now = swinging();
+    if (swung_ && now != swung_) {
+      const hal::Side other = walk::other(*swung_);
+      const Posed pose = posed();
+      landings.push_back(
+          {tick, *swung_, pose.sole(*swung_, other), yaw_rad(pose.sole_axis(*swung_, {1, 0, 0}, other))});
+    }
+    swung_ = now;
+  }
+
+  std::optional<hal::Side> swung_;
+};
+
+}  // namespace koboshi::test
