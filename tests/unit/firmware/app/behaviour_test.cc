@@ -12,8 +12,9 @@ namespace {
 
 using test::ControllerBench;
 
-constexpr State kStates[] = {State::kBoot,     State::kLimp,   State::kEnabling, State::kSoftStart,
-                             State::kStanding, State::kMotion, State::kFault,    State::kEmergencyStop};
+constexpr State kStates[] = {State::kBoot,      State::kLimp,          State::kEnabling,
+                             State::kSoftStart, State::kStanding,      State::kMotion,
+                             State::kFault,     State::kEmergencyStop, State::kWalking};
 
 // Brings a fresh controller into the state by what leads there.
 void reach(ControllerBench& bench, State state) {
@@ -30,8 +31,10 @@ void reach(ControllerBench& bench, State state) {
   if (state == State::kLimp) return bench.run_ms(21);
   bench.run_ms(20);
   bench.command(Command::kEnable);
-  ASSERT_TRUE(bench.run_until(state == State::kMotion ? State::kStanding : state));
+  const bool from_standing = state == State::kMotion || state == State::kWalking;
+  ASSERT_TRUE(bench.run_until(from_standing ? State::kStanding : state));
   if (state == State::kMotion) bench.command(Command::kPlay, 1);
+  if (state == State::kWalking) bench.command(Command::kWalk);
 }
 
 // Events that come from outside, and what a test does to cause them. The others come by themselves.
@@ -43,6 +46,7 @@ constexpr Cause kCauses[] = {
     {Event::kEnable, [](ControllerBench& bench) { bench.command(Command::kEnable); }},
     {Event::kLimp, [](ControllerBench& bench) { bench.command(Command::kLimp); }},
     {Event::kPlay, [](ControllerBench& bench) { bench.command(Command::kPlay, 1); }},
+    {Event::kWalk, [](ControllerBench& bench) { bench.command(Command::kWalk); }},
     {Event::kReset, [](ControllerBench& bench) { bench.command(Command::kReset); }},
     {Event::kEmergencyStop, [](ControllerBench& bench) { bench.command(Command::kEmergencyStop); }},
     {Event::kTrouble,

@@ -9,6 +9,8 @@ namespace koboshi::app {
 namespace {
 
 using test::ControllerBench;
+using walk::Velocity;
+using walk::VelocityLimits;
 
 constexpr std::uint16_t kVelocityIdentifier = 0x301;
 constexpr std::uint16_t kSdoResponse = 0x581;

@@ -1,0 +1,157 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "firmware/canopen/frame.h"
+#include "firmware/fixed/host/convert.h"
+#include "tests/support/controller_bench.h"
+
+namespace koboshi::app {
+namespace {
+
+using test::ControllerBench;
+using walk::Velocity;
+
+constexpr int kGetsReady_ms = 1'200;  // the knees bent, the mass over the first foot
+constexpr int kComesToItsEnd_ms = 5'000;
+
+class ControllerWalk : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(bench.run_until_standing()); }
+
+  void send(const Velocity& velocity) {
+    hal::CanFrame frame{.identifier = 0x301, .size = 6};
+    canopen::store_u16(&frame.data[0], static_cast<std::uint16_t>(velocity.forward_mm_per_s));
+    canopen::store_u16(&frame.data[2], static_cast<std::uint16_t>(velocity.left_mm_per_s));
+    canopen::store_u16(&frame.data[4], static_cast<std::uint16_t>(velocity.turn_mrad_per_s));
+    bench.board.can.deliver(frame);
+    bench.run_ms(1);
+  }
+  std::vector<fixed::Angle> targets() const {
+    std::vector<fixed::Angle> angles;
+    for (std::size_t joint = 0; joint < bench.model().joint_count; ++joint)
+      angles.push_back(bench.target(joint));
+    return angles;
+  }
+  // The largest difference of the hip pitches in two steps: how long they are.
+  double stride_rad() {
+    double widest_rad = 0.0;
+    for (int tick = 0; tick < 52; ++tick) {
+      bench.run_ms(10);
+      const double hips_rad = fixed::to_double(bench.target(2)) - fixed::to_double(bench.target(8));
+      widest_rad = std::max(widest_rad, std::abs(hips_rad));
+    }
+    return widest_rad;
+  }
+
+  ControllerBench bench;
+};
+
+TEST_F(ControllerWalk, WalksWhenToldTo) {
+  const auto standing = targets();
+  bench.command(Command::kWalk);
+  EXPECT_EQ(bench.now().state, State::kWalking);
+  EXPECT_EQ(bench.now().reason, Reason::kCommand);
+  EXPECT_EQ(bench.now().refusal, Reason::kNone);
+  bench.run_ms(kGetsReady_ms);
+  EXPECT_EQ(bench.now().state, State::kWalking);
+  EXPECT_NE(targets(), standing);
+}
+
+TEST_F(ControllerWalk, HearsItsVelocityWhileItWalks) {
+  bench.command(Command::kWalk);
+  bench.run_ms(kGetsReady_ms);
+  const double on_the_spot_rad = stride_rad();
+  send({200, 0, 0});
+  bench.run_ms(2'000);
+  EXPECT_GT(stride_rad(), 1.5 * on_the_spot_rad);
+}
+
+TEST_F(ControllerWalk, EndsAtTheStandingTargetsWhenToldToStop) {
+  const auto standing = targets();
+  send({150, 30, 300});
+  bench.command(Command::kWalk);
+  bench.run_ms(3'000);
+  bench.command(Command::kStop);
+  EXPECT_EQ(bench.now().refusal, Reason::kNone);
+  EXPECT_EQ(bench.now().state, State::kWalking);
+  ASSERT_TRUE(bench.run_until(State::kStanding, kComesToItsEnd_ms));
+  EXPECT_EQ(bench.now().reason, Reason::kProgress);
+  bench.run_ms(20);
+  EXPECT_EQ(targets(), standing);
+}
+
+TEST_F(ControllerWalk, TakesTheStopBackWhenToldToWalkAgain) {
+  send({150, 0, 0});
+  bench.command(Command::kWalk);
+  bench.run_ms(3'000);
+  bench.command(Command::kStop);
+  bench.run_ms(100);
+  bench.command(Command::kWalk);
+  EXPECT_EQ(bench.now().refusal, Reason::kNone);
+  EXPECT_FALSE(bench.run_until(State::kStanding, kComesToItsEnd_ms));
+}
+
+TEST_F(ControllerWalk, WalksAgainAfterItHasStood) {
+  for (int walk = 0; walk < 2; ++walk) {
+    bench.command(Command::kWalk);
+    ASSERT_EQ(bench.now().state, State::kWalking);
+    bench.run_ms(2'000);
+    bench.command(Command::kStop);
+    ASSERT_TRUE(bench.run_until(State::kStanding, kComesToItsEnd_ms));
+  }
+}
+
+TEST_F(ControllerWalk, PlaysNoMotionMeanwhile) {
+  bench.command(Command::kWalk);
+  bench.run_ms(kGetsReady_ms);
+  bench.command(Command::kPlay, 1);
+  EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
+  EXPECT_EQ(bench.now().state, State::kWalking);
+}
+
+TEST_F(ControllerWalk, IsRefusedWhileAMotionPlays) {
+  bench.command(Command::kPlay, 1);
+  bench.command(Command::kWalk);
+  EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
+  EXPECT_EQ(bench.now().state, State::kMotion);
+}
+
+TEST_F(ControllerWalk, EndsInTroubleLimpOrEmergencyStopAndStaysThere) {
+  const auto ends = [&](const auto& cause, State state) {
+    ControllerBench walks;
+    ASSERT_TRUE(walks.run_until_standing());
+    walks.command(Command::kWalk);
+    walks.run_ms(kGetsReady_ms);
+    cause(walks);
+    walks.run_ms(20);
+    EXPECT_EQ(walks.now().state, state);
+    walks.run_ms(1'000);
+    EXPECT_EQ(walks.now().state, state);
+    EXPECT_FALSE(walks.board.drive_enable.enabled());
+  };
+  ends([](ControllerBench& b) { b.command(Command::kLimp); }, State::kLimp);
+  ends([](ControllerBench& b) { b.command(Command::kEmergencyStop); }, State::kEmergencyStop);
+  ends([](ControllerBench& b) { b.board.can.deliver(b.drives[0].emergency(0xFF01)); }, State::kFault);
+  ends(
+      [](ControllerBench& b) {
+        b.imu_speaks = false;
+        b.run_ms(100);
+      },
+      State::kFault);
+}
+
+TEST(ControllerWalkCommand, IsRefusedWhereTheRobotDoesNotStand) {
+  ControllerBench bench;
+  bench.run_ms(25);
+  bench.command(Command::kWalk);
+  EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
+  ASSERT_TRUE(bench.run_until(State::kLimp));
+  bench.command(Command::kWalk);
+  EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
+  EXPECT_EQ(bench.now().state, State::kLimp);
+}
+
+}  // namespace
+}  // namespace koboshi::app
