@@ -1,0 +1,91 @@
+// scenarios/go.yaml: the robot walks where it is told to.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "firmware/canopen/frame.h"
+#include "tests/closed_loop/run.h"
+
+namespace koboshi::test {
+namespace {
+
+using app::State;
+
+sim::Scenario go() {
+  sim::Scenario scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/go.yaml");
+  scenario.physics.stepper = sim::Stepper::kLumped;
+  return scenario;
+}
+
+struct Place {
+  Eigen::Vector2d p_m;
+  double yaw_rad;
+  double up;  // cosine of the trunk's tilt
+};
+
+Place place(const RobotRun& run) {
+  const Eigen::Isometry3d X_WB = run.board().world().body(0).X_WL;
+  return {X_WB.translation().head<2>(), std::atan2(X_WB.linear()(1, 0), X_WB.linear()(0, 0)),
+          X_WB.linear()(2, 2)};
+}
+
+// From one place to the other along the heading at the first, and to its left.
+Eigen::Vector2d way_m(const Place& from, const Place& to) {
+  return Eigen::Rotation2Dd(-from.yaw_rad) * (to.p_m - from.p_m);
+}
+
+TEST(WalkByCommand, GoesAheadAndRoundACurveAndStandsStill) {
+  RobotRun run(go());
+  run.run_until_us(3'900'000);
+  ASSERT_EQ(run.behaviour().state, State::kStanding);
+  run.run_until_us(7'000'000);
+  ASSERT_EQ(run.behaviour().state, State::kWalking);
+  const Place straight = place(run);
+  run.run_until_us(12'000'000);
+  const Place curve = place(run);
+  const Eigen::Vector2d ahead_m = way_m(straight, curve);
+  EXPECT_NEAR(ahead_m.x(), 5.0 * 0.15, 0.15);
+  EXPECT_LT(std::abs(ahead_m.y()), 0.15);
+
+  double turned_rad = 0.0;
+  for (double yaw_rad = curve.yaw_rad; run.now_us() < 17'000'000;) {
+    run.run_until_us(run.now_us() + 100'000);
+    turned_rad += std::remainder(place(run).yaw_rad - yaw_rad, 2.0 * std::numbers::pi);
+    yaw_rad = place(run).yaw_rad;
+  }
+  EXPECT_NEAR(turned_rad, 5.0 * 0.4, 0.45);
+
+  ASSERT_TRUE(run.run_until(State::kStanding, 19'500'000));
+  const Place stands = place(run);
+  run.run_until_us(20'500'000);
+  EXPECT_GT(place(run).up, std::cos(3.0 * std::numbers::pi / 180.0));
+  EXPECT_LT(way_m(stands, place(run)).norm(), 3e-3);
+  EXPECT_EQ(run.behaviour().faults, 0);
+  EXPECT_EQ(run.behaviour().refusal, app::Reason::kNone);
+  EXPECT_EQ(run.torque_count(), 20);
+}
+
+TEST(WalkByCommand, IsToldTheVelocityBeforeTheCommand) {
+  sim::Scenario scenario = go();
+  scenario.initial.release_us.reset();
+  scenario.initial.fixed_base = true;
+  scenario.commands = {
+      {.at_us = 50'000, .kind = sim::Command::Kind::kWalk, .motion = 0, .velocity = {0.15, -0.02, 0.4}}};
+  RobotRun run(scenario);
+  run.run_until_us(60'000);
+  std::vector<hal::CanFrame> told;
+  for (const RobotRun::Frame& frame : run.frames()) {
+    if (frame.frame.identifier == 0x201 || frame.frame.identifier == 0x301) told.push_back(frame.frame);
+  }
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_EQ(told[0],
+            (hal::CanFrame{.identifier = 0x301, .size = 6, .data = {150, 0, 0xEC, 0xFF, 0x90, 0x01}}));
+  EXPECT_EQ(told[1].identifier, 0x201);
+  EXPECT_EQ(told[1].size, 3);
+  EXPECT_EQ(told[1].data[0], 7);
+}
+
+}  // namespace
+}  // namespace koboshi::test
