@@ -119,6 +119,19 @@ TEST(ScenarioReader, PutsCommandsInTheOrderOfTimeAndOfTheFile) {
   EXPECT_EQ(commands[1].motion, 1u);
 }
 
+TEST(ScenarioReader, ReadsTheVelocityToWalkWith) {
+  const TemporaryTree tree;
+  const std::vector<Command> commands = read(tree, std::string(kShort) + R"(commands:
+  - {at_s: 4, walk: {}}
+  - {at_s: 6, walk: {forward_m_per_s: 0.15, left_m_per_s: -0.05, turn_rad_per_s: 0.4}}
+)")
+                                            .commands;
+  ASSERT_EQ(commands.size(), 2u);
+  EXPECT_EQ(commands[0].kind, Command::Kind::kWalk);
+  EXPECT_EQ(commands[0].velocity, Eigen::Vector3d::Zero());
+  EXPECT_EQ(commands[1].velocity, Eigen::Vector3d(0.15, -0.05, 0.4));
+}
+
 TEST(ScenarioReader, ReadsPushes) {
   const TemporaryTree tree;
   const std::vector<Push> pushes = read(tree, kFull).pushes;
@@ -267,6 +280,11 @@ TEST(ScenarioReader, RefusesWhatIsOutOfRangeOrUnknown) {
       {"initial: {joints_deg: {left_knee: 400}}", "left_knee = 400"},
       {"commands: [{at_s: -1, enable: true}]", "at_s = -1"},
       {"commands: [{at_s: 1, enable: false}]", "enable = false"},
+      {"commands: [{at_s: 1, walk: {forward_m_per_s: 2.1}}]", "forward_m_per_s = 2.1"},
+      {"commands: [{at_s: 1, walk: {turn_rad_per_s: -7}}]", "turn_rad_per_s = -7"},
+      {"commands: [{at_s: 1, walk: {speed: 1}}]", "speed"},
+      {"commands: [{at_s: 1, walk: true}]", "walk"},
+      {"commands: [{at_s: 1, walk: {}, stop: true}]", "a command with 2 verbs"},
       {"commands: [{at_s: 1}]", "a command with 0 verbs"},
       {"commands: [{at_s: 1, stop: true, reset: true}]", "a command with 2 verbs"},
       {"commands: [{at_s: 1, play: squat}]", "the scenario has none"},

@@ -110,6 +110,26 @@ TEST_F(Walk, ComparesZmpsInThePlannedSupportsFrameWhileValid) {
   EXPECT_LT((*observer_.planned_zmp_W(truth_) - Eigen::Vector3d(0.01, -0.03, 0.0)).norm(), 1e-12);
 }
 
+TEST_F(Walk, ByCommandNeedsNoPlan) {
+  WalkObserver observer(robot_, {});
+  const auto tick_at = [&](double x_m) {
+    truth_.p_WB_W = {x_m, 0.0, 0.17};
+    observer.observe_tick(truth_, said_);
+  };
+  tick_at(0.0);  // a motion, whichever
+  EXPECT_FALSE(observer.summary());
+  said_.state = app::State::kWalking;
+  said_.zmp = {.x_m = 0.013, .y_m = 0.0, .valid = true, .frame = hal::Side::kLeft};
+  for (int i = 0; i <= 100; ++i) tick_at(0.3 + 0.001 * i);
+  EXPECT_FALSE(observer.planned_zmp_W(truth_));
+  said_.state = app::State::kStanding;
+  tick_at(0.5);
+  const auto summary = observer.summary();
+  EXPECT_NEAR(summary->distance_m, 0.1, 1e-12);
+  EXPECT_NEAR(summary->speed_m_per_s, 0.1, 1e-12);
+  EXPECT_TRUE(std::isnan(summary->zmp_rms_error_m));
+}
+
 TEST_F(Walk, TakesTheFifthPercentileOfTheMargin) {
   for (int i = 0; i <= 100; ++i) {
     truth_.zmp_margin_m = 0.001 * (100 - i);
