@@ -111,4 +111,7 @@ constexpr bool rests(State state) { return state == State::kBoot || state == Sta
 // The robot is on its feet, and the gyro feedback may correct its joints.
 constexpr bool balances(State state) { return state == State::kStanding || state == State::kMotion; }
 
+// Storage may be written: nothing plays from it, and nobody waits for the robot to move on.
+constexpr bool may_store(State state) { return state == State::kLimp || state == State::kStanding; }
+
 }  // namespace koboshi::app

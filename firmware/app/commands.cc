@@ -40,6 +40,14 @@ AbortCode Controller::on_write(canopen::ObjectAddress address, std::uint32_t val
   return refusal == Reason::kUnknownCommand ? AbortCode::kInvalidValue : AbortCode::kDeviceState;
 }
 
+AbortCode Controller::on_store(canopen::ParameterGroup) {
+  return parameters_.store(ParameterStore::Wanted::kPresent, may_store(values_.behaviour.state));
+}
+
+AbortCode Controller::on_restore(canopen::ParameterGroup) {
+  return parameters_.store(ParameterStore::Wanted::kFactory, may_store(values_.behaviour.state));
+}
+
 void Controller::on_rpdo(std::size_t number) {
   if (number >= kFirstDriveRpdo) return drives_.on_answer(number - kFirstDriveRpdo);
   if (number == kVelocityRpdo) return take_velocity();

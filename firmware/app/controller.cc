@@ -25,6 +25,7 @@ bool load(const Catalogue& catalogue, robot::RobotModel& model) {
 Controller::Controller(const hal::Board& board)
     : board_(board),
       catalogue_(board.storage.contents()),
+      items_(board.storage),
       model_valid_(load(catalogue_, model_)),
       sink_(board.can),
       node_(kControllerNode,
@@ -32,6 +33,7 @@ Controller::Controller(const hal::Board& board)
              .serial_number = 1,
              .values = std::as_writable_bytes(std::span(&values_, 1))},
             memory_.buffers(), sink_, *this),
+      parameters_(items_, node_),
       drives_(model_, node_.sink(), values_.drives),
       inertial_(model_),
       gyro_feedback_(model_),
@@ -47,6 +49,8 @@ void Controller::service(std::uint64_t now_us) {
   receive(now_us);
   node_.process(now_us);
   drives_.process(now_us);
+  items_.process();
+  parameters_.process();
   read_inertial_unit(now_us);
 }
 
@@ -78,6 +82,14 @@ void Controller::load_motions() {
       values_.diagnosis.motions |= 1u << number;
     }
   }
+}
+
+// Those of the factory, then what storage has of others.
+void Controller::load_parameters() {
+  values_.parameters = {};
+  values_.feedback = {};
+  values_.velocity_limits = {};
+  parameters_.load();
 }
 
 void Controller::receive(std::uint64_t now_us) {
@@ -139,7 +151,8 @@ Reason Controller::silent_sensor(std::uint64_t now_us) const {
   return Reason::kNone;
 }
 
-void Controller::on_reset(NmtCommand) {
+void Controller::on_reset(NmtCommand reset) {
+  if (reset == NmtCommand::kResetNode) load_parameters();
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     const std::uint8_t node_id = model_.joints[joint].drive.node_id;
     // The memory was made for kMaxJoints and the model is valid, so none of these can fail.

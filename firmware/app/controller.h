@@ -8,6 +8,8 @@
 #include "firmware/app/behaviour.h"
 #include "firmware/app/catalogue.h"
 #include "firmware/app/dictionary.h"
+#include "firmware/app/item_store.h"
+#include "firmware/app/parameter_store.h"
 #include "firmware/balance/attitude.h"
 #include "firmware/balance/gyro_bias.h"
 #include "firmware/balance/gyro_feedback.h"
@@ -47,6 +49,8 @@ class Controller final : private canopen::NodeApplication {
 
   // canopen::NodeApplication
   canopen::AbortCode on_write(canopen::ObjectAddress address, std::uint32_t value) override;
+  canopen::AbortCode on_store(canopen::ParameterGroup group) override;
+  canopen::AbortCode on_restore(canopen::ParameterGroup group) override;
   void on_reset(canopen::NmtCommand reset) override;
   void on_rpdo(std::size_t number) override;
   void on_heartbeat(const canopen::HeartbeatEvent& event) override { drives_.on_heartbeat(event); }
@@ -54,6 +58,7 @@ class Controller final : private canopen::NodeApplication {
 
   void start(std::uint64_t now_us);
   void load_motions();
+  void load_parameters();
   void receive(std::uint64_t now_us);
   void read_inertial_unit(std::uint64_t now_us);
   void read_ankles(std::uint64_t now_us);
@@ -101,6 +106,7 @@ class Controller final : private canopen::NodeApplication {
 
   hal::Board board_;
   Catalogue catalogue_;
+  ItemStore items_;
   robot::RobotModel model_;
   bool model_valid_;
   ControllerValues values_;
@@ -109,6 +115,7 @@ class Controller final : private canopen::NodeApplication {
                       robot::kMaxJoints, 32>
       memory_;
   canopen::Node node_;
+  ParameterStore parameters_;
   drive::DriveGroup drives_;
   balance::InertialSensor inertial_;
   balance::GyroBias gyro_bias_;
