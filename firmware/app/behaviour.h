@@ -53,6 +53,7 @@ enum class Reason : std::uint8_t {
   kUnknownCommand = 37,
   kDriveNotReady = 38,  // a drive is in fault, or has not come to rest since it was enabled last
   kVelocityOutOfRange = 39,
+  kNotAtRest = 40,  // the robot moved in the second of its calibration
 };
 
 struct Transition {

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "firmware/app/behaviour.h"
+#include "firmware/app/calibration.h"
 #include "firmware/app/velocity.h"
 #include "firmware/balance/gyro_feedback.h"
 #include "firmware/canopen/node.h"
@@ -22,6 +23,8 @@ enum class Command : std::uint8_t {
   kStop = 4,  // the motion comes to its end
   kEmergencyStop = 5,
   kReset = 6,
+  // 7 is that of walking.
+  kCalibrate = 8,  // the gyro's bias at rest goes into the parameters
 };
 
 // The values behind the controller's object dictionary.
@@ -61,6 +64,7 @@ struct ControllerValues {
   balance::FeedbackGains feedback;  // 0x2101
   Velocity velocity;                // 0x2110; always within its limits
   VelocityLimits velocity_limits;   // 0x2111
+  Calibration calibration;          // 0x2120..0x2122
   struct {
     std::uint32_t model_id = 0;
     std::uint32_t motions = 0;  // bit n: motion n is valid
@@ -76,6 +80,10 @@ struct ControllerValues {
 inline constexpr std::uint16_t kRequestObject = 0x2000;
 inline constexpr std::uint16_t kVelocityObject = 0x2110;
 inline constexpr std::uint16_t kVelocityLimitsObject = 0x2111;
+inline constexpr std::uint16_t kTrimObject = 0x2120;
+inline constexpr std::uint16_t kMountingObject = 0x2121;
+inline constexpr std::uint16_t kGyroBiasObject = 0x2122;
+inline constexpr std::uint16_t kMotionObject = 0x2400;  // motion n at sub-index n + 1
 
 // Bits of the balance's flags: which ZMPs are valid, and whether the right sole is the frame.
 inline constexpr std::uint8_t kLeftZmpValid = 1 << 0;

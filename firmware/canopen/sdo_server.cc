@@ -15,16 +15,16 @@ void SdoServer::configure(const SdoChannel& channel) {
 void SdoServer::on_request(const hal::CanFrame& request, std::uint64_t now_us) {
   if (request.size != request.data.size()) return;
   if (request.data[0] == sdo::kAbort) return reset();
-  deadline_us_ = now_us + kTimeout_us;
-  answer(request.data);
-  if (state_ == State::kBlockDownload) deadline_us_ = now_us + kBlockTimeout_us;
+  answer(request.data, now_us);
 }
 
-void SdoServer::answer(const sdo::Data& request) {
+void SdoServer::answer(const sdo::Data& request, std::uint64_t now_us) {
+  deadline_us_ = now_us + kTimeout_us;
   const AbortCode refusal = state_ == State::kBlockDownload ? block_segment(request) : respond(request);
   waits_ = refusal == AbortCode::kBusy;
   if (waits_) request_ = request;
   if (!waits_ && refusal != AbortCode::kNone) abort(refusal);
+  if (state_ == State::kBlockDownload) deadline_us_ = now_us + kBlockTimeout_us;
 }
 
 AbortCode SdoServer::respond(const sdo::Data& request) {
@@ -144,10 +144,7 @@ AbortCode SdoServer::expect_segment(State state, std::uint8_t command) {
 // --- What all transfers share
 
 void SdoServer::go_on(std::uint64_t now_us) {
-  if (waits_) {
-    deadline_us_ = now_us + kTimeout_us;
-    return answer(request_);
-  }
+  if (waits_) return answer(request_, now_us);
   for (int i = 0; i < kSegmentsPerProcess && state_ == State::kBlockUpload; ++i) {
     if (!send_block_segment()) break;
     deadline_us_ = now_us + kTimeout_us;

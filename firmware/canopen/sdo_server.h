@@ -103,7 +103,7 @@ class SdoServer {
   bool send_block_segment();
   void end_block_upload();
 
-  void answer(const sdo::Data& request);
+  void answer(const sdo::Data& request, std::uint64_t now_us);
   void go_on(std::uint64_t now_us);
   void on_silence(std::uint64_t now_us);
   void begin(ObjectAddress address);

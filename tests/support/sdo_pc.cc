@@ -134,6 +134,7 @@ std::vector<std::byte> SdoPc::upload(ObjectAddress address) {
   if (!ask(sdo::message(sdo::kInitiateUploadRequest, address, 0), answer)) return {};
   for (std::uint8_t toggle = 0;; toggle ^= sdo::kToggle) {
     if (!ask({static_cast<std::uint8_t>(sdo::kUploadSegmentRequest | toggle)}, answer)) return {};
+    if ((answer[0] & sdo::kSpecifierMask) != sdo::kUploadSegmentResponse) return {};
     for (std::size_t i = 0; i < sdo::segment_size(answer[0]); ++i) bytes.push_back(std::byte{answer[1 + i]});
     if ((answer[0] & sdo::kLastSegment) != 0) return bytes;
   }
