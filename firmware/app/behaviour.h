@@ -52,6 +52,8 @@ enum class Reason : std::uint8_t {
   kNoSuchMotion = 36,
   kUnknownCommand = 37,
   kDriveNotReady = 38,  // a drive is in fault, or has not come to rest since it was enabled last
+  kVelocityOutOfRange = 39,
+  kNotAtRest = 40,  // the robot moved in the second of its calibration
 };
 
 struct Transition {
@@ -109,5 +111,8 @@ constexpr bool rests(State state) { return state == State::kBoot || state == Sta
 
 // The robot is on its feet, and the gyro feedback may correct its joints.
 constexpr bool balances(State state) { return state == State::kStanding || state == State::kMotion; }
+
+// Storage may be written: nothing plays from it, and nobody waits for the robot to move on.
+constexpr bool may_store(State state) { return state == State::kLimp || state == State::kStanding; }
 
 }  // namespace koboshi::app

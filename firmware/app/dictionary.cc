@@ -1,5 +1,7 @@
 #include "firmware/app/dictionary.h"
 
+#include <iterator>
+
 #include "firmware/app/controller_objects.h"
 #include "firmware/canopen/object.h"
 #include "firmware/canopen/pdo.h"
@@ -19,7 +21,12 @@ constexpr PdoConfiguration kRpdos[] = {
      .plus_node_id = true,
      .transmission_type = canopen::kEventProfile,
      .mapping = {mapping(0x2000, 1, 8), mapping(0x2000, 2, 16)}},
+    {.cob_id = canopen::kRpdo1Base + canopen::kPdoStep,
+     .plus_node_id = true,
+     .transmission_type = canopen::kEventProfile,
+     .mapping = {mapping(0x2110, 1, 16), mapping(0x2110, 2, 16), mapping(0x2110, 3, 16)}},
 };
+static_assert(std::size(kRpdos) == kFirstDriveRpdo);
 
 // The predefined connection set has four TPDOs a node. The next are those of node 2, which the robot does not
 // have.
@@ -63,6 +70,10 @@ const canopen::NodeDescription kControllerNode{
     .sync_producer = true,
     // The behaviour state machine decides what a lost drive or bus means; until it has, the drives want SYNC.
     .communication_error = canopen::CommunicationError::kNoChange,
+    // There are no parameters but those of kManufacturer, and no group has less than all of them.
+    .stored_groups = canopen::group_bit(canopen::ParameterGroup::kAll) |
+                     canopen::group_bit(canopen::ParameterGroup::kApplication) |
+                     canopen::group_bit(canopen::ParameterGroup::kManufacturer),
     .rows = kRows,
     .rpdos = kRpdos,
     .tpdos = kTpdos,

@@ -4,6 +4,8 @@
 #include <cstdint>
 
 #include "firmware/app/behaviour.h"
+#include "firmware/app/calibration.h"
+#include "firmware/app/velocity.h"
 #include "firmware/balance/gyro_feedback.h"
 #include "firmware/canopen/node.h"
 #include "firmware/drive/signals.h"
@@ -21,6 +23,8 @@ enum class Command : std::uint8_t {
   kStop = 4,  // the motion comes to its end
   kEmergencyStop = 5,
   kReset = 6,
+  // 7 is that of walking.
+  kCalibrate = 8,  // the gyro's bias at rest goes into the parameters
 };
 
 // The values behind the controller's object dictionary.
@@ -58,6 +62,9 @@ struct ControllerValues {
     std::int16_t ramp_rate = 683;   // of the soft start, 2^-12 turn/s: 60 degrees a second
   } parameters;                     // 0x2100
   balance::FeedbackGains feedback;  // 0x2101
+  Velocity velocity;                // 0x2110; always within its limits
+  VelocityLimits velocity_limits;   // 0x2111
+  Calibration calibration;          // 0x2120..0x2122
   struct {
     std::uint32_t model_id = 0;
     std::uint32_t motions = 0;  // bit n: motion n is valid
@@ -71,6 +78,12 @@ struct ControllerValues {
 };
 
 inline constexpr std::uint16_t kRequestObject = 0x2000;
+inline constexpr std::uint16_t kVelocityObject = 0x2110;
+inline constexpr std::uint16_t kVelocityLimitsObject = 0x2111;
+inline constexpr std::uint16_t kTrimObject = 0x2120;
+inline constexpr std::uint16_t kMountingObject = 0x2121;
+inline constexpr std::uint16_t kGyroBiasObject = 0x2122;
+inline constexpr std::uint16_t kMotionObject = 0x2400;  // motion n at sub-index n + 1
 
 // Bits of the balance's flags: which ZMPs are valid, and whether the right sole is the frame.
 inline constexpr std::uint8_t kLeftZmpValid = 1 << 0;
@@ -78,10 +91,11 @@ inline constexpr std::uint8_t kRightZmpValid = 1 << 1;
 inline constexpr std::uint8_t kZmpValid = 1 << 2;
 inline constexpr std::uint8_t kFrameIsRight = 1 << 3;
 
-// RPDO 0 carries commands, RPDO 1 + i what joint i's drive says; TPDO 0..6 telemetry, TPDO 7 + i what it is
-// told.
+// RPDO 0 (identifier 0x201) carries commands, RPDO 1 (0x301) the velocity, RPDO 2 + i what joint i's drive
+// says; TPDO 0..6 telemetry, TPDO 7 + i what it is told.
 inline constexpr std::size_t kCommandRpdo = 0;
-inline constexpr std::size_t kFirstDriveRpdo = 1;
+inline constexpr std::size_t kVelocityRpdo = 1;
+inline constexpr std::size_t kFirstDriveRpdo = 2;
 inline constexpr std::size_t kTelemetryTpdos = 7;
 inline constexpr std::size_t kFirstDriveTpdo = kTelemetryTpdos;
 

@@ -11,7 +11,7 @@ namespace koboshi::tools {
 namespace {
 
 // As much as the nodes' own NodeMemory holds.
-constexpr NodeCapacity kControllerCapacity{.rpdos = 1 + robot::kMaxJoints,
+constexpr NodeCapacity kControllerCapacity{.rpdos = app::kFirstDriveRpdo + robot::kMaxJoints,
                                            .tpdos = app::kTelemetryTpdos + robot::kMaxJoints,
                                            .heartbeat_consumers = robot::kMaxJoints};
 constexpr NodeCapacity kDriveCapacity{.rpdos = 4, .tpdos = 4, .heartbeat_consumers = 2};

@@ -107,6 +107,7 @@ TEST_F(ControllerMotion, KeepsTargetsWithinTheLimits) {
 
 TEST_F(ControllerMotion, UnknownCommandsAreRefusedAndChangeNothing) {
   for (int code = 7; code < 256; ++code) {
+    if (code == static_cast<int>(Command::kCalibrate)) continue;
     bench.command(static_cast<Command>(code));
     EXPECT_EQ(bench.now().refusal, Reason::kUnknownCommand);
     EXPECT_EQ(bench.now().state, State::kStanding);

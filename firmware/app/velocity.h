@@ -1,0 +1,39 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+namespace koboshi::app {
+
+// How the robot is to move over the ground, in the axes of its trunk: x forward, y left, z up.
+struct Velocity {
+  std::int16_t forward_mm_per_s = 0;
+  std::int16_t left_mm_per_s = 0;
+  std::int16_t turn_mrad_per_s = 0;  // counter-clockwise
+
+  friend bool operator==(const Velocity&, const Velocity&) = default;
+};
+
+// The largest velocities that are obeyed, none of them negative.
+struct VelocityLimits {
+  std::int16_t forward_mm_per_s = 400;
+  std::int16_t backward_mm_per_s = 300;
+  std::int16_t sideways_mm_per_s = 200;  // to either side
+  std::int16_t turn_mrad_per_s = 1500;   // either way
+
+  constexpr Velocity lowest() const {
+    return {static_cast<std::int16_t>(-backward_mm_per_s), static_cast<std::int16_t>(-sideways_mm_per_s),
+            static_cast<std::int16_t>(-turn_mrad_per_s)};
+  }
+  constexpr Velocity highest() const { return {forward_mm_per_s, sideways_mm_per_s, turn_mrad_per_s}; }
+};
+
+constexpr Velocity clamped(const Velocity& velocity, const VelocityLimits& limits) {
+  const Velocity low = limits.lowest();
+  const Velocity high = limits.highest();
+  return {std::clamp(velocity.forward_mm_per_s, low.forward_mm_per_s, high.forward_mm_per_s),
+          std::clamp(velocity.left_mm_per_s, low.left_mm_per_s, high.left_mm_per_s),
+          std::clamp(velocity.turn_mrad_per_s, low.turn_mrad_per_s, high.turn_mrad_per_s)};
+}
+
+}  // namespace koboshi::app

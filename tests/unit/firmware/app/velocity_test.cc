@@ -1,0 +1,108 @@
+#include "firmware/app/velocity.h"
+
+#include <gtest/gtest.h>
+
+#include "firmware/canopen/frame.h"
+#include "tests/support/controller_bench.h"
+
+namespace koboshi::app {
+namespace {
+
+using test::ControllerBench;
+
+constexpr std::uint16_t kVelocityIdentifier = 0x301;
+constexpr std::uint16_t kSdoResponse = 0x581;
+
+void send(ControllerBench& bench, const Velocity& velocity) {
+  hal::CanFrame frame{.identifier = kVelocityIdentifier, .size = 6};
+  canopen::store_u16(&frame.data[0], static_cast<std::uint16_t>(velocity.forward_mm_per_s));
+  canopen::store_u16(&frame.data[2], static_cast<std::uint16_t>(velocity.left_mm_per_s));
+  canopen::store_u16(&frame.data[4], static_cast<std::uint16_t>(velocity.turn_mrad_per_s));
+  bench.board.can.deliver(frame);
+  bench.run_ms(1);
+}
+
+// Expedited download of two bytes; the code of the abort, 0 when it was taken.
+std::uint32_t write(ControllerBench& bench, std::uint16_t index, std::uint8_t subindex, std::int16_t value) {
+  hal::CanFrame frame{.identifier = 0x601, .size = 8, .data = {0x2B}};
+  canopen::store_u16(&frame.data[1], index);
+  frame.data[3] = subindex;
+  canopen::store_u16(&frame.data[4], static_cast<std::uint16_t>(value));
+  bench.sent.clear();
+  bench.board.can.deliver(frame);
+  bench.run_ms(1);
+  const auto response = bench.last_sent(kSdoResponse);
+  EXPECT_TRUE(response.has_value());
+  return response->data[0] == 0x80 ? canopen::load_u32(&response->data[4]) : 0;
+}
+
+TEST(VelocityLimits, ReduceEachPartToItsOwn) {
+  const VelocityLimits limits{400, 300, 200, 1500};
+  EXPECT_EQ(clamped({401, -201, 1501}, limits), (Velocity{400, -200, 1500}));
+  EXPECT_EQ(clamped({-301, 201, -1501}, limits), (Velocity{-300, 200, -1500}));
+  EXPECT_EQ(clamped({-300, 200, -1500}, limits), (Velocity{-300, 200, -1500}));
+}
+
+TEST(ControllerVelocity, ComesInOneFrame) {
+  ControllerBench bench;
+  bench.run_ms(10);
+  send(bench, {400, -200, 1500});
+  EXPECT_EQ(bench.values().velocity, (Velocity{400, -200, 1500}));
+  send(bench, {-300, 200, -1500});
+  EXPECT_EQ(bench.values().velocity, (Velocity{-300, 200, -1500}));
+  EXPECT_EQ(bench.now().refusal, Reason::kNone);
+}
+
+TEST(ControllerVelocity, OutOfRangeInAFrameIsRefusedAsAWhole) {
+  ControllerBench bench;
+  bench.run_ms(10);
+  send(bench, {100, 20, -30});
+  for (const Velocity& wrong : {Velocity{401, 0, 0}, Velocity{-301, 0, 0}, Velocity{0, 201, 0},
+                                Velocity{0, -201, 0}, Velocity{0, 0, 1501}, Velocity{0, 0, -1501}}) {
+    send(bench, {100, 20, -30});
+    EXPECT_EQ(bench.now().refusal, Reason::kNone);
+    send(bench, wrong);
+    EXPECT_EQ(bench.now().refusal, Reason::kVelocityOutOfRange);
+    EXPECT_EQ(bench.values().velocity, (Velocity{100, 20, -30}));
+  }
+}
+
+TEST(ControllerVelocity, DoesNotHideTheRefusalOfACommand) {
+  ControllerBench bench;
+  bench.run_ms(10);
+  bench.command(Command::kPlay, 1);
+  ASSERT_EQ(bench.now().refusal, Reason::kNotInThisState);
+  send(bench, {100, 20, -30});
+  EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
+}
+
+TEST(ControllerVelocity, IsCheckedFromAnSdoClientToo) {
+  ControllerBench bench;
+  bench.run_ms(10);
+  EXPECT_EQ(write(bench, kVelocityObject, 1, 401), 0x0609'0031u);
+  EXPECT_EQ(write(bench, kVelocityObject, 1, -301), 0x0609'0032u);
+  EXPECT_EQ(write(bench, kVelocityObject, 2, 201), 0x0609'0031u);
+  EXPECT_EQ(write(bench, kVelocityObject, 3, -1501), 0x0609'0032u);
+  EXPECT_EQ(bench.values().velocity, Velocity{});
+  EXPECT_EQ(write(bench, kVelocityObject, 2, -200), 0u);
+  EXPECT_EQ(bench.values().velocity, (Velocity{0, -200, 0}));
+  send(bench, {401, 0, 0});  // and what it wrote is what a refused frame leaves
+  EXPECT_EQ(bench.values().velocity, (Velocity{0, -200, 0}));
+}
+
+TEST(ControllerVelocity, FollowsItsLimits) {
+  ControllerBench bench;
+  bench.run_ms(10);
+  send(bench, {400, -200, 1500});
+  EXPECT_EQ(write(bench, kVelocityLimitsObject, 1, 250), 0u);
+  EXPECT_EQ(write(bench, kVelocityLimitsObject, 3, 0), 0u);
+  EXPECT_EQ(bench.values().velocity, (Velocity{250, 0, 1500}));
+  EXPECT_EQ(write(bench, kVelocityLimitsObject, 4, -1), 0x0609'0032u);
+  EXPECT_EQ(write(bench, kVelocityLimitsObject, 4, 6'001), 0x0609'0031u);
+  EXPECT_EQ(write(bench, kVelocityLimitsObject, 1, 600), 0u);
+  send(bench, {600, 0, 0});
+  EXPECT_EQ(bench.values().velocity, (Velocity{600, 0, 0}));
+}
+
+}  // namespace
+}  // namespace koboshi::app
