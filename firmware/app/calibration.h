@@ -9,7 +9,8 @@ namespace koboshi::app {
 
 // In what this robot differs from its model.
 struct Calibration {
-  // How much further each joint's servo is turned than its encoder says, 2^-16 turn of the joint.
+  // Added to each joint's commanded angle and taken from its measured one, 2^-16 turn: how far the joint is
+  // short of what its encoder says.
   std::int16_t trims[robot::kMaxJoints] = {};
   // Roll, pitch and yaw of the inertial unit in the trunk, on top of the model's, 2^-16 turn: about the
   // trunk's fixed axes x, y and z in this order (REP-103).

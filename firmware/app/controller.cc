@@ -96,13 +96,18 @@ bool Controller::open_motion(std::uint16_t number, motion::Motion& motion) const
 
 // Those of the factory, then what storage has of others.
 void Controller::load_parameters() {
+  const Calibration before = values_.calibration;
   values_.parameters = {};
   values_.feedback = {};
   values_.velocity_limits = {};
-  for (std::size_t joint = 0; joint < robot::kMaxJoints; ++joint) set_trim(joint, 0);
   values_.calibration = {};
-  apply_calibration(values_.calibration);
   parameters_.load();
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
+    change_trim(model_.joints[joint].drive, before.trims[joint], values_.calibration.trims[joint]);
+  }
+  apply_calibration(values_.calibration);
+  velocity_ = clamped(velocity_, values_.velocity_limits);
+  values_.velocity = velocity_;
 }
 
 void Controller::receive(std::uint64_t now_us) {

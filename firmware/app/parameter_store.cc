@@ -67,7 +67,7 @@ void ParameterStore::load() {
     });
     // Another firmware's may be unknown here, or out of range.
     if (row == kControllerNode.rows.end()) continue;
-    static_cast<void>(node_.write_object(record.address(), record.value(), record.bytes[3]));
+    static_cast<void>(node_.set_value(record.address(), record.value(), record.bytes[3]));
   }
 }
 

@@ -22,7 +22,8 @@ class ParameterStore {
   // it does; then kNone, or why it failed. Nothing is written that is there already, and nothing begun when
   // storage may not be written now: kDeviceState.
   canopen::AbortCode store(Wanted wanted, bool may_begin);
-  // Gives the node what storage holds of its parameters, each checked as an SDO client's would be.
+  // Gives the node what storage holds of its parameters, each checked as an SDO client's would be. The
+  // controller is not asked: it makes what follows from all of them when they are there.
   void load();
   // Once a millisecond.
   void process();

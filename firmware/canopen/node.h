@@ -131,6 +131,8 @@ class Node final : private ObjectServer {
   AbortCode read_object(ObjectAddress address, ObjectValue& value) override;
   AbortCode write_object(ObjectAddress address, std::uint32_t value, std::size_t size) override;
   AbortCode open_domain(ObjectAddress address, Access access, Domain*& domain) override;
+  // The owner changes one of its own values, with the same checks, and is not asked.
+  AbortCode set_value(ObjectAddress address, std::uint32_t value, std::size_t size);
   // A PDO's records at once, whatever its state.
   AbortCode configure_rpdo(std::size_t number, const PdoConfiguration& configuration);
   AbortCode configure_tpdo(std::size_t number, const PdoConfiguration& configuration);

@@ -83,6 +83,13 @@ AbortCode Node::write_object(ObjectAddress address, std::uint32_t value, std::si
   return accepted;
 }
 
+AbortCode Node::set_value(ObjectAddress address, std::uint32_t value, std::size_t size) {
+  Location location;
+  const AbortCode checked = dictionary_.check_write(address, value, size, location);
+  if (checked == AbortCode::kNone) dictionary_.store(location, value);
+  return checked;
+}
+
 AbortCode Node::open_domain(ObjectAddress address, Access access, Domain*& domain) {
   domain = nullptr;
   if (is_communication_area(address.index)) {
