@@ -55,6 +55,7 @@ enum class Reason : std::uint8_t {
   kUnknownCommand = 37,
   kDriveNotReady = 38,  // a drive is in fault, or has not come to rest since it was enabled last
   kVelocityOutOfRange = 39,
+  kNotAtRest = 40,  // the robot moved in the second of its calibration
 };
 
 struct Transition {
@@ -119,5 +120,8 @@ constexpr bool rests(State state) { return state == State::kBoot || state == Sta
 constexpr bool balances(State state) {
   return state == State::kStanding || state == State::kMotion || state == State::kWalking;
 }
+
+// Storage may be written: nothing plays from it, and nobody waits for the robot to move on.
+constexpr bool may_store(State state) { return state == State::kLimp || state == State::kStanding; }
 
 }  // namespace koboshi::app

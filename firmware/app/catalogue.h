@@ -16,7 +16,7 @@ inline constexpr std::uint16_t kCatalogueVersion = 1;
 inline constexpr std::size_t kCatalogueItemSize = 12;
 inline constexpr std::size_t kMaxMotions = 32;
 
-enum class ItemKind : std::uint16_t { kRobotModel = 1, kMotion = 2 };
+enum class ItemKind : std::uint16_t { kRobotModel = 1, kMotion = 2, kParameters = 3 };
 
 class Catalogue {
  public:

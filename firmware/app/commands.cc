@@ -34,16 +34,69 @@ AbortCode Controller::on_write(canopen::ObjectAddress address, std::uint32_t val
   if (address.index == kVelocityLimitsObject) {
     set_velocity_limit(address.subindex, static_cast<std::int16_t>(value));
   }
+  if (address.index >= kTrimObject && address.index <= kGyroBiasObject) {
+    return set_calibration(address, static_cast<std::int32_t>(value));
+  }
   if (address != canopen::ObjectAddress{kRequestObject, kCommand}) return AbortCode::kNone;
   const Reason refusal = obey(static_cast<Command>(value), values_.request.argument);
   if (refusal == Reason::kNone) return AbortCode::kNone;
   return refusal == Reason::kUnknownCommand ? AbortCode::kInvalidValue : AbortCode::kDeviceState;
 }
 
+canopen::Domain* Controller::domain(canopen::ObjectAddress address) {
+  const auto number = static_cast<std::uint16_t>(address.subindex - 1);
+  motion_transfer_.select(number, motion_image(number), may_store(values_.behaviour.state));
+  return &motion_transfer_;
+}
+
+AbortCode Controller::on_store(canopen::ParameterGroup) {
+  return parameters_.store(ParameterStore::Wanted::kPresent, may_store(values_.behaviour.state));
+}
+
+AbortCode Controller::on_restore(canopen::ParameterGroup) {
+  return parameters_.store(ParameterStore::Wanted::kFactory, may_store(values_.behaviour.state));
+}
+
 void Controller::on_rpdo(std::size_t number) {
   if (number >= kFirstDriveRpdo) return drives_.on_answer(number - kFirstDriveRpdo);
   if (number == kVelocityRpdo) return take_velocity();
   static_cast<void>(obey(values_.request.command, values_.request.argument));
+}
+
+AbortCode Controller::set_calibration(canopen::ObjectAddress address, std::int32_t value) {
+  const std::size_t number = address.subindex - 1u;
+  if (address.index == kTrimObject) {
+    set_trim(number, static_cast<std::int16_t>(value));
+    return AbortCode::kNone;
+  }
+  // They turn the attitude and what the gyro feedback makes of it.
+  if (makes_torque(values_.behaviour.state)) return AbortCode::kDeviceState;
+  Calibration calibration = values_.calibration;
+  if (address.index == kMountingObject) calibration.mounting[number] = static_cast<std::int16_t>(value);
+  if (address.index == kGyroBiasObject) calibration.gyro_bias[number] = value;
+  apply_calibration(calibration);
+  return AbortCode::kNone;
+}
+
+void Controller::set_trim(std::size_t joint, std::int16_t trim) {
+  std::int16_t& present = values_.calibration.trims[joint];
+  change_trim(model_.joints[joint].drive, present, trim);
+  present = trim;
+}
+
+void Controller::apply_calibration(const Calibration& calibration) {
+  model_.R_BI = mounted(R_BI_, calibration.mounting);
+  const auto& bias = calibration.gyro_bias;
+  gyro_bias_.assume({fixed::AngularRate::from_raw(bias[0]), fixed::AngularRate::from_raw(bias[1]),
+                     fixed::AngularRate::from_raw(bias[2])});
+}
+
+// The second begins now. Should the robot move in it, the refusal comes later.
+Reason Controller::calibrate() {
+  if (!rests(values_.behaviour.state)) return Reason::kNotInThisState;
+  gyro_bias_.interrupt();
+  calibrating_ = true;
+  return Reason::kNone;
 }
 
 AbortCode Controller::set_velocity(std::uint8_t subindex, std::int16_t value) {
@@ -97,6 +150,8 @@ Reason Controller::try_to_obey(Command command, std::int16_t argument) {
       return obey_event(Event::kEmergencyStop);
     case Command::kReset:
       return obey_event(Event::kReset);
+    case Command::kCalibrate:
+      return calibrate();
   }
   return Reason::kUnknownCommand;
 }
@@ -133,8 +188,7 @@ Reason Controller::play(std::int16_t number) {
   if (values_.behaviour.state != State::kStanding) return Reason::kNotInThisState;
   motion::Motion motion;
   if (number < 0 || number >= static_cast<std::int16_t>(kMaxMotions)) return Reason::kNoSuchMotion;
-  const auto image = catalogue_.find(ItemKind::kMotion, static_cast<std::uint16_t>(number));
-  if (!motion::Motion::open(image, model_, motion).ok()) return Reason::kNoSuchMotion;
+  if (!open_motion(static_cast<std::uint16_t>(number), motion)) return Reason::kNoSuchMotion;
   values_.behaviour.motion = static_cast<std::uint8_t>(number);
   interpreter_.start(motion, {targets_.data(), model_.joint_count});
   return obey_event(Event::kPlay);

@@ -25,13 +25,17 @@ bool load(const Catalogue& catalogue, robot::RobotModel& model) {
 Controller::Controller(const hal::Board& board)
     : board_(board),
       catalogue_(board.storage.contents()),
+      items_(board.storage),
       model_valid_(load(catalogue_, model_)),
+      R_BI_(model_.R_BI),
       sink_(board.can),
       node_(kControllerNode,
             {.node_id = drive::kControllerNodeId,
              .serial_number = 1,
              .values = std::as_writable_bytes(std::span(&values_, 1))},
             memory_.buffers(), sink_, *this),
+      parameters_(items_, node_),
+      motion_transfer_(items_, model_, values_.diagnosis.motions),
       drives_(model_, node_.sink(), values_.drives),
       inertial_(model_),
       gyro_feedback_(model_),
@@ -48,6 +52,8 @@ void Controller::service(std::uint64_t now_us) {
   receive(now_us);
   node_.process(now_us);
   drives_.process(now_us);
+  items_.process();
+  parameters_.process();
   read_inertial_unit(now_us);
 }
 
@@ -74,11 +80,36 @@ void Controller::start(std::uint64_t now_us) {
 void Controller::load_motions() {
   for (std::uint16_t number = 0; number < kMaxMotions; ++number) {
     motion::Motion motion;
-    const auto image = catalogue_.find(ItemKind::kMotion, number);
-    if (motion::Motion::open(image, model_, motion).ok()) {
-      values_.diagnosis.motions |= 1u << number;
-    }
+    if (open_motion(number, motion)) values_.diagnosis.motions |= 1u << number;
   }
+}
+
+std::span<const std::byte> Controller::motion_image(std::uint16_t number) const {
+  const auto stored = items_.find(ItemKind::kMotion, number);
+  return stored.empty() ? catalogue_.find(ItemKind::kMotion, number) : stored;
+}
+
+bool Controller::open_motion(std::uint16_t number, motion::Motion& motion) const {
+  // One that was stored for another model makes way for the factory's.
+  return motion::Motion::open(items_.find(ItemKind::kMotion, number), model_, motion).ok() ||
+         motion::Motion::open(catalogue_.find(ItemKind::kMotion, number), model_, motion).ok();
+}
+
+// Those of the factory, then what storage has of others.
+void Controller::load_parameters() {
+  const Calibration before = values_.calibration;
+  values_.parameters = {};
+  values_.feedback = {};
+  values_.velocity_limits = {};
+  values_.calibration = {};
+  values_.walk = {};
+  parameters_.load();
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
+    change_trim(model_.joints[joint].drive, before.trims[joint], values_.calibration.trims[joint]);
+  }
+  apply_calibration(values_.calibration);
+  velocity_ = walk::clamped(velocity_, values_.velocity_limits);
+  values_.velocity = velocity_;
 }
 
 void Controller::receive(std::uint64_t now_us) {
@@ -141,7 +172,9 @@ Reason Controller::silent_sensor(std::uint64_t now_us) const {
   return Reason::kNone;
 }
 
-void Controller::on_reset(NmtCommand) {
+void Controller::on_reset(NmtCommand reset) {
+  // A robot that stands keeps what it stands by.
+  if (reset == NmtCommand::kResetNode && !makes_torque(values_.behaviour.state)) load_parameters();
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     const std::uint8_t node_id = model_.joints[joint].drive.node_id;
     // The memory was made for kMaxJoints and the model is valid, so none of these can fail.

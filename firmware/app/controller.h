@@ -8,6 +8,9 @@
 #include "firmware/app/behaviour.h"
 #include "firmware/app/catalogue.h"
 #include "firmware/app/dictionary.h"
+#include "firmware/app/item_store.h"
+#include "firmware/app/motion_transfer.h"
+#include "firmware/app/parameter_store.h"
 #include "firmware/balance/attitude.h"
 #include "firmware/balance/gyro_bias.h"
 #include "firmware/balance/gyro_feedback.h"
@@ -48,6 +51,9 @@ class Controller final : private canopen::NodeApplication {
 
   // canopen::NodeApplication
   canopen::AbortCode on_write(canopen::ObjectAddress address, std::uint32_t value) override;
+  canopen::Domain* domain(canopen::ObjectAddress address) override;
+  canopen::AbortCode on_store(canopen::ParameterGroup group) override;
+  canopen::AbortCode on_restore(canopen::ParameterGroup group) override;
   void on_reset(canopen::NmtCommand reset) override;
   void on_rpdo(std::size_t number) override;
   void on_heartbeat(const canopen::HeartbeatEvent& event) override { drives_.on_heartbeat(event); }
@@ -55,6 +61,9 @@ class Controller final : private canopen::NodeApplication {
 
   void start(std::uint64_t now_us);
   void load_motions();
+  void load_parameters();
+  std::span<const std::byte> motion_image(std::uint16_t number) const;
+  bool open_motion(std::uint16_t number, motion::Motion& motion) const;
   void receive(std::uint64_t now_us);
   void read_inertial_unit(std::uint64_t now_us);
   void read_ankles(std::uint64_t now_us);
@@ -66,6 +75,7 @@ class Controller final : private canopen::NodeApplication {
   void estimate();
   void estimate_attitude();
   void calibrate_gyro(const balance::InertialSensor::Rates& raw);
+  void give_up_calibration();
   void estimate_balance();
 
   // Commands, as they arrive (commands.cc): why one is refused, kNone when it was obeyed.
@@ -81,6 +91,11 @@ class Controller final : private canopen::NodeApplication {
   canopen::AbortCode set_velocity(std::uint8_t subindex, std::int16_t value);
   void set_velocity_limit(std::uint8_t subindex, std::int16_t value);
   void take_velocity();
+  // A part of the calibration, at a sub-index; kDeviceState when it may not change now.
+  canopen::AbortCode set_calibration(canopen::ObjectAddress address, std::int32_t value);
+  void set_trim(std::size_t joint, std::int16_t trim);
+  void apply_calibration(const Calibration& calibration);
+  Reason calibrate();
 
   // The state machine (states.cc): one function a state, called each tick while the state lasts.
   void handle(Event event, Reason reason);
@@ -104,17 +119,22 @@ class Controller final : private canopen::NodeApplication {
 
   hal::Board board_;
   Catalogue catalogue_;
+  ItemStore items_;
   robot::RobotModel model_;
   bool model_valid_;
+  robot::Rotation R_BI_;  // the model's, without the mounting
   ControllerValues values_;
   canopen::CanPortSink sink_;
   canopen::NodeMemory<kFirstDriveRpdo + robot::kMaxJoints, kTelemetryTpdos + robot::kMaxJoints,
                       robot::kMaxJoints, 32>
       memory_;
   canopen::Node node_;
+  ParameterStore parameters_;
+  MotionTransfer motion_transfer_;
   drive::DriveGroup drives_;
   balance::InertialSensor inertial_;
   balance::GyroBias gyro_bias_;
+  bool calibrating_ = false;  // the next second of rest is for the parameters too
   balance::AttitudeEstimator attitude_;
   balance::GyroFeedback gyro_feedback_;
   balance::Posture posture_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "firmware/app/catalogue.h"
 #include "firmware/app/dictionary.h"
 #include "firmware/canopen/described_object.h"
 #include "firmware/canopen/object.h"
@@ -18,6 +19,7 @@ inline constexpr canopen::ValueName kCommandNames[] = {
     canopen::value_name(Command::kEmergencyStop, "emergency stop"),
     canopen::value_name(Command::kReset, "reset"),
     canopen::value_name(Command::kWalk, "walk"),
+    canopen::value_name(Command::kCalibrate, "calibrate"),
 };
 
 inline constexpr canopen::ValueName kStateNames[] = {
@@ -50,6 +52,7 @@ inline constexpr canopen::ValueName kReasonNames[] = {
     canopen::value_name(Reason::kUnknownCommand, "unknown command"),
     canopen::value_name(Reason::kDriveNotReady, "drive not ready"),
     canopen::value_name(Reason::kVelocityOutOfRange, "velocity out of range"),
+    canopen::value_name(Reason::kNotAtRest, "not at rest"),
 };
 
 inline constexpr canopen::ValueName kTroubleNames[] = {
@@ -67,6 +70,7 @@ inline constexpr canopen::ValueName kTroubleNames[] = {
 // Those of firmware/app/telemetry_units.h, and of the drives.
 inline constexpr canopen::Unit kAngleUnit{"deg", 360, 1 << 16};
 inline constexpr canopen::Unit kRateUnit{"deg/s", 360, 1 << 12};
+inline constexpr canopen::Unit kBiasUnit{"deg/s", 360, 1 << 24};
 inline constexpr canopen::Unit kAccelerationUnit{"m/s^2", 1, 1 << 8};
 inline constexpr canopen::Unit kLengthUnit{"mm", 1000, 1 << 15};
 inline constexpr canopen::Unit kGainUnit{"s", 1, 1 << 12};
@@ -91,6 +95,10 @@ inline constexpr std::string_view kFootZmps[] = {"left x", "left y", "right x", 
 inline constexpr std::size_t kJoints = robot::kMaxJoints;
 inline constexpr int kMaxGain = 4096;  // one second
 // No more than a robot of this size can be built to do; what this one does, the limits say.
+inline constexpr int kMaxTrim = (10 << 16) / 360;      // 10 degrees
+inline constexpr int kMaxMounting = (30 << 16) / 360;  // a unit put in askew; another way up is another model
+inline constexpr int kMaxGyroBias = (40 << 24) / 360;  // 40 deg/s, twice that of an MPU-6050
+inline constexpr std::string_view kMountingAngles[] = {"roll", "pitch", "yaw"};
 inline constexpr int kMaxSpeed_mm_per_s = 2'000;
 inline constexpr int kMaxTurn_mrad_per_s = 6'000;
 
@@ -204,6 +212,26 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
     {OBJECT(kVelocityLimitsObject, 4, velocity_limits.turn_mrad_per_s, kReadWrite)
          .within(0, kMaxTurn_mrad_per_s),
      {.name = "Highest turn", .unit = kTurnUnit}},
+    canopen::heading(kTrimObject, "Trims",
+                     "Added to each joint's commanded angle, and taken from its measured one."),
+    {OBJECT(kTrimObject, 1, calibration.trims[0], kReadWrite)
+         .within(-kMaxTrim, kMaxTrim)
+         .repeated(kJoints, sizeof(std::int16_t)),
+     {.name = "Trim of joint",
+      .unit = kAngleUnit,
+      .comment = "The limits that the drive itself watches follow with its next boot."}},
+    canopen::heading(kMountingObject, "Mounting of the inertial unit",
+                     "About the trunk's axes, on top of the model's; written only while the robot is limp."),
+    {OBJECT(kMountingObject, 1, calibration.mounting[0], kReadWrite)
+         .within(-kMaxMounting, kMaxMounting)
+         .repeated(3, sizeof(std::int16_t)),
+     {.name = "Mounting", .unit = kAngleUnit, .elements = kMountingAngles}},
+    canopen::heading(kGyroBiasObject, "Gyro bias at rest",
+                     "Used until the robot has rested for a second; written only while it is limp."),
+    {OBJECT(kGyroBiasObject, 1, calibration.gyro_bias[0], kReadWrite)
+         .within(-kMaxGyroBias, kMaxGyroBias)
+         .repeated(3, sizeof(std::int32_t)),
+     {.name = "Known gyro bias", .unit = kBiasUnit, .elements = canopen::kAxes}},
     canopen::heading(0x2130, "Steps", "How the robot walks; in force when it begins to walk the next time."),
     {OBJECT(0x2130, 1, walk.step.time_ms, kReadWrite).within(100, 600),
      {.name = "Step time", .unit = kTimeUnit, .comment = "Cut down to whole cycles of 10 ms."}},
@@ -303,6 +331,10 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
     canopen::heading(0x2304, "Drive torques"),
     {OBJECT(0x2304, 1, drives.torque_permille[0], kReadWrite, kRpdo).repeated(kJoints, 2),
      {.name = "Torque of joint", .unit = kTorqueShareUnit, .comment = "Of the drive's rated torque."}},
+    canopen::heading(kMotionObject, "Motion images",
+                     "Motion n at sub-index n + 1; kept in storage once it is complete and valid."),
+    {canopen::domain(kMotionObject, 1, kReadWrite).repeated(kMaxMotions, 0),
+     {.name = "Image of motion", .comment = "Written only while the robot stands or is limp."}},
 };
 static_assert(canopen::is_described(kControllerObjects));
 

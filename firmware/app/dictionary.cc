@@ -70,6 +70,10 @@ const canopen::NodeDescription kControllerNode{
     .sync_producer = true,
     // The behaviour state machine decides what a lost drive or bus means; until it has, the drives want SYNC.
     .communication_error = canopen::CommunicationError::kNoChange,
+    // There are no parameters but those of kManufacturer, and no group has less than all of them.
+    .stored_groups = canopen::group_bit(canopen::ParameterGroup::kAll) |
+                     canopen::group_bit(canopen::ParameterGroup::kApplication) |
+                     canopen::group_bit(canopen::ParameterGroup::kManufacturer),
     .rows = kRows,
     .rpdos = kRpdos,
     .tpdos = kTpdos,

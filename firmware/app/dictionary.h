@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "firmware/app/behaviour.h"
+#include "firmware/app/calibration.h"
 #include "firmware/balance/gyro_feedback.h"
 #include "firmware/canopen/node.h"
 #include "firmware/drive/signals.h"
@@ -23,7 +24,8 @@ enum class Command : std::uint8_t {
   kStop = 4,  // the motion or the walk comes to its end
   kEmergencyStop = 5,
   kReset = 6,
-  kWalk = 7,  // with the velocity of object 0x2110, until kStop
+  kWalk = 7,       // with the velocity of object 0x2110, until kStop
+  kCalibrate = 8,  // the gyro's bias at rest goes into the parameters
 };
 
 // The values behind the controller's object dictionary.
@@ -63,6 +65,7 @@ struct ControllerValues {
   balance::FeedbackGains feedback;       // 0x2101
   walk::Velocity velocity;               // 0x2110; always within its limits
   walk::VelocityLimits velocity_limits;  // 0x2111
+  Calibration calibration;               // 0x2120..0x2122
   walk::WalkParameters walk;             // 0x2130 to 0x2132
   struct {
     std::uint32_t model_id = 0;
@@ -79,6 +82,10 @@ struct ControllerValues {
 inline constexpr std::uint16_t kRequestObject = 0x2000;
 inline constexpr std::uint16_t kVelocityObject = 0x2110;
 inline constexpr std::uint16_t kVelocityLimitsObject = 0x2111;
+inline constexpr std::uint16_t kTrimObject = 0x2120;
+inline constexpr std::uint16_t kMountingObject = 0x2121;
+inline constexpr std::uint16_t kGyroBiasObject = 0x2122;
+inline constexpr std::uint16_t kMotionObject = 0x2400;  // motion n at sub-index n + 1
 
 // Bits of the balance's flags: which ZMPs are valid, and whether the right sole is the frame.
 inline constexpr std::uint8_t kLeftZmpValid = 1 << 0;

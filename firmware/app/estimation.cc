@@ -18,6 +18,7 @@ void Controller::estimate_attitude() {
     calibrate_gyro(raw);
   } else {
     gyro_bias_.interrupt();
+    give_up_calibration();
   }
   rates_ = raw - gyro_bias_.bias();
   accelerations_ = inertial_.accelerations();
@@ -26,13 +27,27 @@ void Controller::estimate_attitude() {
 }
 
 void Controller::calibrate_gyro(const balance::InertialSensor::Rates& raw) {
-  if (!gyro_bias_.observe(raw)) return;
+  if (!gyro_bias_.observe(raw)) {
+    if (gyro_bias_.interrupted()) give_up_calibration();
+    return;
+  }
   auto& diagnosis = values_.diagnosis;
   diagnosis.gyro_calibrations = fixed::add_saturated(diagnosis.gyro_calibrations, std::uint16_t{1});
   const auto& bias = gyro_bias_.bias();
   diagnosis.gyro_bias[0] = narrow(bias.x);
   diagnosis.gyro_bias[1] = narrow(bias.y);
   diagnosis.gyro_bias[2] = narrow(bias.z);
+  if (calibrating_) {
+    values_.calibration.gyro_bias[0] = bias.x.raw();
+    values_.calibration.gyro_bias[1] = bias.y.raw();
+    values_.calibration.gyro_bias[2] = bias.z.raw();
+  }
+  calibrating_ = false;
+}
+
+void Controller::give_up_calibration() {
+  if (calibrating_) values_.behaviour.refusal = Reason::kNotAtRest;
+  calibrating_ = false;
 }
 
 void Controller::estimate_balance() {

@@ -116,8 +116,7 @@ void Controller::begin_soft_start() {
   ramp_from_ = targets_;
   ramp_to_ = targets_;
   motion::Motion standing;
-  const auto image = catalogue_.find(ItemKind::kMotion, 0);
-  const bool known = motion::Motion::open(image, model_, standing).ok();
+  const bool known = open_motion(0, standing);
   std::int64_t longest_raw = 0;
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     const bool posed = known && standing.pose_count() > 0 && (standing.joint_mask(0) >> joint & 1u) != 0;

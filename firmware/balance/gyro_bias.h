@@ -25,8 +25,12 @@ class GyroBias {
   bool observe(const Rates& rates);
   // Torque has come: what was begun is thrown away.
   void interrupt() { count_ = 0; }
+  // What was begun has been thrown away: nothing yet counts for the next second.
+  bool interrupted() const { return count_ == 0; }
+  // A bias that is known from elsewhere, until the next second of rest.
+  void assume(const Rates& bias) { bias_ = bias; }
 
-  // Zero before the first second of rest.
+  // Zero before the first second of rest, unless another was assumed.
   const Rates& bias() const { return bias_; }
 
  private:

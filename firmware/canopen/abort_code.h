@@ -4,9 +4,11 @@
 
 namespace koboshi::canopen {
 
-// Why an SDO transfer was refused or broken off (CiA 301, table 22). kNone is ours: nothing went wrong.
+// Why an SDO transfer was refused or broken off (CiA 301, table 22). Two are ours: kNone, nothing went wrong;
+// and kBusy, which never reaches the bus: not done yet, to be asked again in a millisecond.
 enum class [[nodiscard]] AbortCode : std::uint32_t{
     kNone = 0,
+    kBusy = 1,
     kToggleBitNotAlternated = 0x05030000,
     kTimedOut = 0x05040000,
     kCommandSpecifierUnknown = 0x05040001,

@@ -20,6 +20,11 @@ enum class ParameterGroup : std::uint8_t {
   kManufacturer = 4,   // 0x2000 to 0x5FFF
 };
 
+// The bits of NodeDescription::stored_groups.
+constexpr std::uint8_t group_bit(ParameterGroup group) {
+  return static_cast<std::uint8_t>(1u << (static_cast<unsigned>(group) - 1));
+}
+
 // What a node tells its owner, from within the node's calls. An owner overrides what it cares for; it may
 // call the node back.
 class NodeApplication {
@@ -31,7 +36,8 @@ class NodeApplication {
   // outlive the node. The node never has two transfers of one domain at a time.
   virtual Domain* domain(ObjectAddress) { return nullptr; }
   // Store the parameters of a group so that they survive a restart, or let those of the factory have effect
-  // after the next reset. NodeDescription::stores_parameters says whether the owner can.
+  // after the next reset. NodeDescription::stored_groups says which the owner can. While it says kBusy the
+  // client waits, and the owner is asked again, until all is done (CiA 301, 7.5.2.13).
   virtual AbortCode on_store(ParameterGroup) { return AbortCode::kCannotTransfer; }
   virtual AbortCode on_restore(ParameterGroup) { return AbortCode::kCannotTransfer; }
   // kResetNode (also at start) or kResetCommunication: communication parameters have their defaults again;

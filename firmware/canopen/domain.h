@@ -10,8 +10,9 @@ namespace koboshi::canopen {
 
 // What stands behind an object of type DOMAIN (CiA 301, 7.4.5): any number of bytes that its owner keeps, a
 // motion in flash or a log. An SDO server moves them in pieces and buffers none of them; the owner refuses
-// with the code that the client is to see. Each transfer that has begun ends with `release`, whatever became
-// of it; before, there is no second one.
+// with the code that the client is to see, or says kBusy to what begins, writes or commits: it has done
+// nothing and is asked again. Each transfer that has begun ends with `release`, whatever became of it;
+// before, there is no second one.
 class Domain {
  public:
   static constexpr std::uint32_t kUnknownSize = ~std::uint32_t{0};

@@ -43,8 +43,9 @@ struct NodeDescription {
   bool sync_producer = false;         // 0x1005 bit 30 after a reset
   std::uint32_t sync_period_us = 0;   // 0x1006 after a reset; 0: SYNC only by Node::send_sync
   CommunicationError communication_error = CommunicationError::kEnterPreOperational;  // 0x1029:1
-  bool stores_parameters = false;  // 0x1010, 0x1011: NodeApplication::on_store and on_restore work
-  SdoChannel second_sdo{};         // 0x1201
+  // 0x1010, 0x1011: bit g - 1 for each ParameterGroup g that NodeApplication::on_store and on_restore know.
+  std::uint8_t stored_groups = 0;
+  SdoChannel second_sdo{};  // 0x1201
   // Objects from 0x2000 on; the stack itself serves the communication profile area.
   std::span<const Entry> rows;
   std::span<const PdoConfiguration> rpdos;  // PDOs beyond these are invalid after a reset
@@ -130,6 +131,8 @@ class Node final : private ObjectServer {
   AbortCode read_object(ObjectAddress address, ObjectValue& value) override;
   AbortCode write_object(ObjectAddress address, std::uint32_t value, std::size_t size) override;
   AbortCode open_domain(ObjectAddress address, Access access, Domain*& domain) override;
+  // The owner changes one of its own values, with the same checks, and is not asked.
+  AbortCode set_value(ObjectAddress address, std::uint32_t value, std::size_t size);
   // A PDO's records at once, whatever its state.
   AbortCode configure_rpdo(std::size_t number, const PdoConfiguration& configuration);
   AbortCode configure_tpdo(std::size_t number, const PdoConfiguration& configuration);
@@ -179,6 +182,7 @@ class Node final : private ObjectServer {
   AbortCode write_consumer(std::uint8_t subindex, std::uint32_t value);
   AbortCode write_second_sdo(std::uint8_t subindex, std::uint32_t value);
   AbortCode store_or_restore(ObjectAddress address, std::uint32_t signature);
+  bool stores(std::uint8_t group) const { return (description_.stored_groups << 1 >> group & 1) != 0; }
 
   const NodeDescription& description_;
   const std::uint8_t node_id_;

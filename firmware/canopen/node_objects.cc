@@ -83,6 +83,13 @@ AbortCode Node::write_object(ObjectAddress address, std::uint32_t value, std::si
   return accepted;
 }
 
+AbortCode Node::set_value(ObjectAddress address, std::uint32_t value, std::size_t size) {
+  Location location;
+  const AbortCode checked = dictionary_.check_write(address, value, size, location);
+  if (checked == AbortCode::kNone) dictionary_.store(location, value);
+  return checked;
+}
+
 AbortCode Node::open_domain(ObjectAddress address, Access access, Domain*& domain) {
   domain = nullptr;
   if (is_communication_area(address.index)) {
@@ -156,7 +163,7 @@ AbortCode Node::read_array(ObjectAddress address, ObjectValue& value) const {
       return errors_.read_history(subindex, value);
     case 0x1010:  // bit 0: stores on command
     case 0x1011:  // bit 0: restores
-      return array(value, subindex, kGroups, description_.stores_parameters ? 1 : 0, 4);
+      return array(value, subindex, kGroups, stores(subindex) ? 1 : 0, 4);
     case 0x1016:
       return heartbeats_.read(subindex, value);
     case 0x1018:
@@ -285,9 +292,9 @@ AbortCode Node::write_second_sdo(std::uint8_t subindex, std::uint32_t value) {
 
 AbortCode Node::store_or_restore(ObjectAddress address, std::uint32_t signature) {
   const auto group = static_cast<ParameterGroup>(address.subindex);
-  const bool stores = address.index == 0x1010;
-  if (signature != (stores ? kSave : kLoad)) return AbortCode::kCannotTransfer;
-  return stores ? application_.on_store(group) : application_.on_restore(group);
+  const bool saves = address.index == 0x1010;
+  if (signature != (saves ? kSave : kLoad) || !stores(address.subindex)) return AbortCode::kCannotTransfer;
+  return saves ? application_.on_store(group) : application_.on_restore(group);
 }
 
 }  // namespace koboshi::canopen

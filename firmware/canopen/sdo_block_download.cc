@@ -30,14 +30,18 @@ AbortCode SdoServer::block_segment(const sdo::Data& segment) {
   const bool last = (segment[0] & sdo::kBlockLastSegment) != 0;
   if (sequence == 0 || sequence > block_.size) return AbortCode::kInvalidSequenceNumber;
   block_.prompted = false;
-  // What follows a lost segment is dropped; the confirmation makes the client repeat it.
+  // What follows a lost segment, or finds the object busy, is dropped; the confirmation makes the client
+  // repeat it.
   if (sequence == block_.sequence + 1) {
     const AbortCode passed = pass_on_held(sdo::kSegmentBytes);
-    if (passed != AbortCode::kNone) return passed;
-    std::copy_n(segment.begin() + 1, sdo::kSegmentBytes, block_.held.begin());
-    block_.holds = true;
-    block_.sequence = sequence;
-    block_.last = last;
+    if (passed == AbortCode::kNone) {
+      std::copy_n(segment.begin() + 1, sdo::kSegmentBytes, block_.held.begin());
+      block_.holds = true;
+      block_.sequence = sequence;
+      block_.last = last;
+    } else if (passed != AbortCode::kBusy) {
+      return passed;
+    }
   }
   if (last || sequence == block_.size) confirm_block();
   return AbortCode::kNone;
@@ -47,9 +51,11 @@ AbortCode SdoServer::block_segment(const sdo::Data& segment) {
 AbortCode SdoServer::pass_on_held(std::size_t size) {
   if (!block_.holds) return AbortCode::kNone;
   const auto bytes = std::span(block_.held).first(size);
+  const AbortCode written = transfer_.write(bytes);
+  if (written != AbortCode::kNone) return written;
   block_.holds = false;
   block_.crc = crc16(block_.crc, bytes);
-  return transfer_.write(bytes);
+  return AbortCode::kNone;
 }
 
 void SdoServer::confirm_block() {

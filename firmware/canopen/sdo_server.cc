@@ -15,10 +15,15 @@ void SdoServer::configure(const SdoChannel& channel) {
 void SdoServer::on_request(const hal::CanFrame& request, std::uint64_t now_us) {
   if (request.size != request.data.size()) return;
   if (request.data[0] == sdo::kAbort) return reset();
+  answer(request.data, now_us);
+}
+
+void SdoServer::answer(const sdo::Data& request, std::uint64_t now_us) {
   deadline_us_ = now_us + kTimeout_us;
-  const AbortCode refusal =
-      state_ == State::kBlockDownload ? block_segment(request.data) : respond(request.data);
-  if (refusal != AbortCode::kNone) return abort(refusal);
+  const AbortCode refusal = state_ == State::kBlockDownload ? block_segment(request) : respond(request);
+  waits_ = refusal == AbortCode::kBusy;
+  if (waits_) request_ = request;
+  if (!waits_ && refusal != AbortCode::kNone) abort(refusal);
   if (state_ == State::kBlockDownload) deadline_us_ = now_us + kBlockTimeout_us;
 }
 
@@ -70,11 +75,15 @@ AbortCode SdoServer::download_expedited(const sdo::Data& request) {
 }
 
 AbortCode SdoServer::download_segment(const sdo::Data& request) {
-  const AbortCode expected = expect_segment(State::kDownload, request[0]);
-  if (expected != AbortCode::kNone) return expected;
-  const AbortCode written = transfer_.write(std::span(request).subspan(1, sdo::segment_size(request[0])));
-  if (written != AbortCode::kNone) return written;
-  if ((request[0] & sdo::kLastSegment) != 0) {
+  if (state_ != State::kDownloadEnd) {
+    const AbortCode expected = expect_segment(State::kDownload, request[0]);
+    if (expected != AbortCode::kNone) return expected;
+    const AbortCode written = transfer_.write(std::span(request).subspan(1, sdo::segment_size(request[0])));
+    if (written != AbortCode::kNone) return written;
+    toggle_ = !toggle_;
+    if ((request[0] & sdo::kLastSegment) != 0) state_ = State::kDownloadEnd;
+  }
+  if (state_ == State::kDownloadEnd) {
     const AbortCode committed = transfer_.commit();
     if (committed != AbortCode::kNone) return committed;
     reset();
@@ -107,6 +116,7 @@ AbortCode SdoServer::respond_upload() {
 AbortCode SdoServer::upload_segment(const sdo::Data& request) {
   const AbortCode expected = expect_segment(State::kUpload, request[0]);
   if (expected != AbortCode::kNone) return expected;
+  toggle_ = !toggle_;
   // One byte more than the segment takes tells whether it is the last.
   sdo::Data bytes;
   const std::size_t found = transfer_.read(position_, bytes);
@@ -128,14 +138,13 @@ AbortCode SdoServer::expect_segment(State state, std::uint8_t command) {
     if (state_ == State::kIdle) begin({});
     return AbortCode::kCommandSpecifierUnknown;
   }
-  if (((command & sdo::kToggle) != 0) != toggle_) return AbortCode::kToggleBitNotAlternated;
-  toggle_ = !toggle_;
-  return AbortCode::kNone;
+  return ((command & sdo::kToggle) != 0) == toggle_ ? AbortCode::kNone : AbortCode::kToggleBitNotAlternated;
 }
 
 // --- What all transfers share
 
 void SdoServer::go_on(std::uint64_t now_us) {
+  if (waits_) return answer(request_, now_us);
   for (int i = 0; i < kSegmentsPerProcess && state_ == State::kBlockUpload; ++i) {
     if (!send_block_segment()) break;
     deadline_us_ = now_us + kTimeout_us;
@@ -161,6 +170,7 @@ void SdoServer::begin(ObjectAddress address) {
 
 void SdoServer::reset() {
   state_ = State::kIdle;
+  waits_ = false;
   transfer_.end();
 }
 

@@ -21,7 +21,9 @@ struct SdoChannel {
 };
 
 // One SDO channel from the server's side (CiA 301, 7.2.4): expedited, segmented and block transfers, one at a
-// time. A request that begins a transfer ends the one before.
+// time. A request that begins a transfer ends the one before. One that its object is too busy for is repeated
+// in each `process` and answered when the object has taken it; a segment of a block is dropped instead, as if
+// it had been lost, and the client told to send it again.
 class SdoServer {
  public:
   static constexpr std::uint32_t kTimeout_us = 1'000'000;  // silence of a client in a transfer
@@ -41,7 +43,7 @@ class SdoServer {
   void on_request(const hal::CanFrame& request, std::uint64_t now_us);
   // Sends what is left of a block, and looks after a client that has fallen silent.
   void process(std::uint64_t now_us) {
-    if (state_ != State::kIdle) go_on(now_us);
+    if (state_ != State::kIdle || waits_) go_on(now_us);
   }
   // Ends a transfer without a word.
   void reset();
@@ -52,6 +54,7 @@ class SdoServer {
     kIdle,
     kUpload,              // waits for the request of a segment
     kDownload,            // waits for a segment
+    kDownloadEnd,         // waits for the object, which has all bytes
     kBlockDownload,       // waits for segments of a block
     kBlockDownloadEnd,    // waits for the end message
     kBlockUploadStart,    // waits for the client's start
@@ -100,6 +103,7 @@ class SdoServer {
   bool send_block_segment();
   void end_block_upload();
 
+  void answer(const sdo::Data& request, std::uint64_t now_us);
   void go_on(std::uint64_t now_us);
   void on_silence(std::uint64_t now_us);
   void begin(ObjectAddress address);
@@ -118,6 +122,8 @@ class SdoServer {
   TransmitQueue& queue_;
   std::uint32_t position_ = 0;  // bytes uploaded in segments so far
   std::uint64_t deadline_us_ = 0;
+  bool waits_ = false;  // `request_`, for its object
+  sdo::Data request_{};
   Block block_;
 };
 

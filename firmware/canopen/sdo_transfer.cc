@@ -56,8 +56,9 @@ AbortCode SdoTransfer::write(std::span<const std::uint8_t> bytes) {
     if (position_ + bytes.size() > number_.size()) return AbortCode::kLengthTooHigh;
     std::copy(bytes.begin(), bytes.end(), number_.begin() + static_cast<std::ptrdiff_t>(position_));
   }
-  position_ += static_cast<std::uint32_t>(bytes.size());
-  return domain_ != nullptr ? domain_->write(bytes) : AbortCode::kNone;
+  const AbortCode written = domain_ != nullptr ? domain_->write(bytes) : AbortCode::kNone;
+  if (written == AbortCode::kNone) position_ += static_cast<std::uint32_t>(bytes.size());
+  return written;
 }
 
 AbortCode SdoTransfer::commit(bool size_told) {

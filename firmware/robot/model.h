@@ -96,7 +96,8 @@ struct SensorScales {
   fixed::Torque ankle_torque;
 };
 
-// Which robot the firmware is on. Read from an image; nothing else changes it.
+// Which robot the firmware is on. Read from an image; only its calibration changes the drives' zeros and
+// R_BI.
 struct RobotModel {
   std::uint32_t id = 0;                     // the image's CRC-32: motions are bound to it
   std::array<char, kModelNameSize> name{};  // padded with zeros

@@ -20,7 +20,7 @@ struct FakeBoard {
   FakeCan can;
   FakeImu imu;
   FakeAnkles ankles;
-  FakeStorage storage;
+  FakeStorage storage{128, 2048};  // as hal/flash has it
   FakeWatchdog watchdog;
   FakeDriveEnable drive_enable;
 

@@ -3,12 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
-#include <deque>
 
 #include "sim_board/scenario/reader.h"
+#include "tests/closed_loop/pc.h"
 #include "tests/unit/firmware/canopen/test_node.h"
 #include "tools/can/sdo_transfer.h"
-#include "tools/run/simulation.h"
 
 namespace koboshi {
 namespace {
@@ -38,48 +37,13 @@ class Server final : private sim::BusNode, private canopen::FrameSink {
   canopen::TestNode device_{kServer, canopen::kTestDescription, *this};
 };
 
-// A PC at the bus. While it waits, the robot goes on walking.
-class Pc final : public sim::Transport, private sim::BusNode {
- public:
-  Pc(tools::Simulation& simulation, Server& server)
-      : simulation_(simulation),
-        server_(server),
-        handle_(simulation.board().bus().attach(*this, sim::AcceptanceFilter::all(), 64)) {}
-
-  bool send(const hal::CanFrame& frame, std::uint64_t) override {
-    return simulation_.board().bus().queue(handle_, frame, simulation_.board().now_us());
-  }
-  std::optional<hal::CanFrame> receive() override {
-    if (heard_.empty()) advance();
-    if (heard_.empty()) return std::nullopt;
-    const hal::CanFrame frame = heard_.front();
-    heard_.pop_front();
-    return frame;
-  }
-  void advance() {
-    simulation_.advance();
-    server_.process();
-  }
-  std::string place() const override { return "the simulation"; }
-
- private:
-  void on_frame(const hal::CanFrame& frame, std::uint64_t) override {
-    if (frame.identifier == canopen::kSdoResponseBase + kServer) heard_.push_back(frame);
-  }
-
-  tools::Simulation& simulation_;
-  Server& server_;
-  sim::NodeHandle handle_;
-  std::deque<hal::CanFrame> heard_;
-};
-
 TEST(SdoUpload, ByBlocksIsQuickBesideAWalk) {
   const std::vector<sim::Override> lumped{{"physics.stepper", "lumped"}};
   tools::Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml", lumped));
   sim::SimBoard& board = simulation.board();
   Server server(board.bus());
-  Pc pc(simulation, server);
-  while (board.now_us() < 5'000'000) pc.advance();  // it walks
+  test::Pc pc(simulation, kServer, [&] { server.process(); });
+  pc.advance_until_us(5'000'000);  // it walks
   const sim::BusUsage before = board.bus().usage();
   const std::vector<std::uint8_t> data = tools::SdoTransfer(pc, kServer).upload({0x2100, 1});
   const double duration_s = 1e-6 * static_cast<double>(board.now_us() - before.time_us);

@@ -52,8 +52,8 @@ class ControllerBench {
   // The latest sent frame with this identifier since `sent` was cleared.
   std::optional<hal::CanFrame> last_sent(std::uint16_t identifier) const;
 
-  // Takes the place of the storage's contents and starts the firmware anew.
-  void restart(std::span<const std::byte> storage);
+  // Takes the place of the storage's contents, as far as it goes, and starts the firmware anew.
+  void restart(std::span<const std::byte> storage = {});
 
   // --- what a test scripts and looks at ---
   hal::FakeBoard board;

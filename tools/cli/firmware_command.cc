@@ -22,6 +22,7 @@ struct Arguments {
   std::filesystem::path scenario;
   double duration_s = 86400.0;
   double speed = 1.0;
+  std::filesystem::path storage;
   CanOptions can;
 };
 
@@ -29,7 +30,7 @@ void run_firmware(const Arguments& arguments) {
   const PreparedScenario prepared = prepare(sim::read_scenario(arguments.scenario));
   const auto transport = open_can(arguments.can);
   Interrupt interrupt;
-  FirmwareProcess firmware(prepared.storage_contents, *transport);
+  FirmwareProcess firmware(prepared.storage_contents, *transport, arguments.storage);
   fmt::print("firmware on {}\n", transport->place());
   std::fflush(stdout);
   const auto end_us = static_cast<std::uint64_t>(1e6 * arguments.duration_s);
@@ -66,6 +67,9 @@ void add_firmware_command(CLI::App& program) {
       ->add_option("--speed", arguments->speed,
                    "Its seconds in one of the wall (default: 1), as of a board that goes slower")
       ->check(CLI::Range(0.01, 100.0));
+  command->add_option(
+      "--storage", arguments->storage,
+      "File that keeps the flash: parameters and motions that were stored before (default: none)");
   add_can_options(*command, arguments->can);
   command->callback([arguments] { run_firmware(*arguments); });
 }

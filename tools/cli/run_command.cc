@@ -9,6 +9,7 @@
 
 #include <fmt/core.h>
 
+#include "sim_board/input/error.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/cli/live_arguments.h"
 #include "tools/cli/overrides.h"
@@ -27,6 +28,7 @@ struct Arguments {
   std::string stepper;
   std::string controller = "in-process";
   std::filesystem::path image;
+  std::filesystem::path storage;
   LiveOptions live;
 };
 
@@ -74,7 +76,10 @@ int run_scenario(const Arguments& arguments) {
   options.scenario = sim::read_scenario(arguments.scenario, overrides(arguments));
   options.out =
       arguments.out.empty() ? std::filesystem::path("runs") / arguments.scenario.stem() : arguments.out;
+  options.make_host = in_process(arguments.storage);
   if (arguments.controller == "qemu") {
+    if (!arguments.storage.empty())
+      throw sim::InputError("--storage", 0, "--controller qemu", "--controller in-process");
     options.make_host = in_qemu(arguments.image.empty() ? default_image() : arguments.image);
   }
   options.live = arguments.live;
@@ -112,6 +117,9 @@ void add_run_command(CLI::App& program, int& exit_status) {
       ->check(CLI::IsMember({"in-process", "qemu"}));
   command->add_option("--image", arguments->image,
                       "The image for --controller qemu (default: the one that ./run target builds)");
+  command->add_option(
+      "--storage", arguments->storage,
+      "File that keeps the flash: parameters and motions that were stored before (default: none)");
   command->add_option(
       "--stepper", arguments->stepper,
       "world: exact contacts (default); lumped: the same with fewer joints; quick: iterative;\n"

@@ -71,8 +71,9 @@ Section section_of(std::uint16_t index) {
 }
 
 void add_value(std::string& eds, const ObjectItem& item) {
-  fmt::format_to(Text(eds), "ObjectType=0x7\nDataType=0x{:04X}\nAccessType={}\n", item.data_type,
-                 item.access);
+  const bool domain = item.data_type == static_cast<std::uint8_t>(canopen::DataType::kDomain);
+  fmt::format_to(Text(eds), "ObjectType=0x{}\nDataType=0x{:04X}\nAccessType={}\n", domain ? 2 : 7,
+                 item.data_type, item.access);
   if (item.limits) {
     fmt::format_to(Text(eds), "LowLimit={}\nHighLimit={}\n", item.limits->low, item.limits->high);
   }

@@ -22,7 +22,7 @@ std::int64_t sign_extended(std::uint32_t value, DataType type) {
 }
 
 std::string access_of(const Entry& row) {
-  if (row.offset == Entry::kConstant) return "const";
+  if (row.offset == Entry::kConstant && row.type != DataType::kDomain) return "const";
   switch (row.access) {
     case canopen::Access::kReadOnly:
       return "ro";
@@ -120,6 +120,7 @@ bool is_signed(std::uint8_t data_type) { return canopen::is_signed(static_cast<D
 std::string data_type_name(std::uint8_t data_type) {
   if (data_type == kVisibleString) return "VISIBLE_STRING";
   if (data_type == static_cast<std::uint8_t>(DataType::kBoolean)) return "BOOLEAN";
+  if (data_type == static_cast<std::uint8_t>(DataType::kDomain)) return "DOMAIN";
   return fmt::format("{}{}", is_signed(data_type) ? "INTEGER" : "UNSIGNED", size_bits(data_type));
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <span>
 
@@ -16,9 +17,11 @@ namespace koboshi::tools {
 // whoever builds the robot gives the drives another one.
 class FirmwareProcess {
  public:
-  // Storage as make_storage_contents makes it. The transport must outlive this.
-  FirmwareProcess(std::span<const std::byte> storage_contents, sim::Transport& transport)
-      : host_(storage_contents), transport_(transport) {}
+  // Storage as make_storage_contents makes it, in a file if one is named (FlashMemory). The transport must
+  // outlive this.
+  FirmwareProcess(std::span<const std::byte> storage_contents, sim::Transport& transport,
+                  const std::filesystem::path& storage_file = {})
+      : host_(storage_contents, storage_file), transport_(transport) {}
 
   // Once a millisecond; every tenth call is a tick. Microseconds since the start.
   void service(std::uint64_t now_us);

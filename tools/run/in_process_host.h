@@ -1,27 +1,30 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <span>
-#include <vector>
 
 #include "firmware/app/controller.h"
 #include "hal/flash/flash_model.h"
 #include "hal/port/batch_board.h"
 #include "sim_board/board/controller_host.h"
+#include "tools/run/flash_memory.h"
 
 namespace koboshi::tools {
 
 // The firmware in this process.
 class InProcessHost final : public sim::ControllerHost {
  public:
-  // Throws std::length_error when the contents do not fit into storage.
-  explicit InProcessHost(std::span<const std::byte> storage_contents);
+  // Storage as FlashMemory makes it.
+  explicit InProcessHost(std::span<const std::byte> storage_contents,
+                         const std::filesystem::path& storage_file = {})
+      : flash_(storage_contents, storage_file) {}
 
   void exchange(const hal::BatchInput& input, hal::BatchOutput& output) override;
 
  private:
-  std::vector<std::byte> flash_;
-  hal::FlashModel storage_{std::span(flash_).first<hal::FlashModel::kSize_bytes>()};
+  FlashMemory flash_;
+  hal::FlashModel storage_{flash_.bytes()};
   hal::BatchBoard board_{storage_};
   app::Controller controller_{board_.board()};
 };

@@ -6,7 +6,7 @@
 
 #include <fmt/core.h>
 
-#include "tools/run/storage_contents.h"
+#include "tools/run/flash_memory.h"
 
 namespace koboshi::tools {
 namespace {
@@ -43,7 +43,7 @@ FirmwareFault::FirmwareFault(const cortex_m::FaultRecord& record)
 QemuHost::QemuHost(const std::filesystem::path& image, std::span<const std::byte> storage_contents,
                    std::span<const std::string> more)
     : process_(image, QemuProcess::kTimeout_ms, more) {
-  program(fill_flash(storage_contents));
+  program(FlashMemory(storage_contents).bytes());
   start();
 }
 

@@ -13,8 +13,10 @@ sim::RobotDescription changed(sim::RobotDescription robot, const RobotChange& ch
 
 }  // namespace
 
-HostFactory in_process() {
-  return [](std::span<const std::byte> contents) { return std::make_unique<InProcessHost>(contents); };
+HostFactory in_process(const std::filesystem::path& storage_file) {
+  return [storage_file](std::span<const std::byte> contents) {
+    return std::make_unique<InProcessHost>(contents, storage_file);
+  };
 }
 
 Simulation::Simulation(const sim::Scenario& scenario, const HostFactory& make_host, const RobotChange& change)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <span>
@@ -16,8 +17,8 @@ namespace koboshi::tools {
 using HostFactory =
     std::function<std::unique_ptr<sim::ControllerHost>(std::span<const std::byte> storage_contents)>;
 
-// The firmware in this process.
-[[nodiscard]] HostFactory in_process();
+// The firmware in this process, its storage in a file if one is named (FlashMemory).
+[[nodiscard]] HostFactory in_process(const std::filesystem::path& storage_file = {});
 
 // What makes the robot in the world another than its file says, such as heavier. Names, numbers and order of
 // links and joints stay.

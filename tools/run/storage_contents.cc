@@ -1,10 +1,6 @@
 #include "tools/run/storage_contents.h"
 
-#include <algorithm>
-#include <stdexcept>
-
 #include "firmware/app/catalogue.h"
-#include "hal/flash/flash_model.h"
 #include "tools/model/image_writer.h"
 
 namespace koboshi::tools {
@@ -46,17 +42,6 @@ std::vector<std::byte> make_storage_contents(std::span<const std::byte> model,
     contents.insert(contents.end(), item.bytes.begin(), item.bytes.end());
   }
   return contents;
-}
-
-std::vector<std::byte> fill_flash(std::span<const std::byte> contents) {
-  constexpr std::size_t kSize_bytes = hal::FlashModel::kSize_bytes;
-  if (contents.size() > kSize_bytes) {
-    throw std::length_error("model and motions take " + std::to_string(contents.size()) +
-                            " bytes, more than the storage's " + std::to_string(kSize_bytes));
-  }
-  std::vector<std::byte> flash(kSize_bytes, std::byte{0xFF});
-  std::ranges::copy(contents, flash.begin());
-  return flash;
 }
 
 }  // namespace koboshi::tools

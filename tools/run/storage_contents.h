@@ -11,8 +11,4 @@ namespace koboshi::tools {
 [[nodiscard]] std::vector<std::byte> make_storage_contents(std::span<const std::byte> model,
                                                            std::span<const std::vector<std::byte>> motions);
 
-// The whole flash of a robot's board (hal/flash) with these contents from its start on, erased behind them.
-// Throws std::length_error when they do not fit.
-[[nodiscard]] std::vector<std::byte> fill_flash(std::span<const std::byte> contents);
-
 }  // namespace koboshi::tools

@@ -106,7 +106,7 @@ TEST_F(ControllerMotion, KeepsTargetsWithinTheLimits) {
 }
 
 TEST_F(ControllerMotion, UnknownCommandsAreRefusedAndChangeNothing) {
-  for (int code = 8; code < 256; ++code) {
+  for (int code = 9; code < 256; ++code) {
     bench.command(static_cast<Command>(code));
     EXPECT_EQ(bench.now().refusal, Reason::kUnknownCommand);
     EXPECT_EQ(bench.now().state, State::kStanding);

@@ -58,9 +58,9 @@ TEST_F(NodeObjects, AreNotThereWithoutAName) {
 }
 
 TEST_F(NodeObjects, StoreAndRestoreAskTheOwner) {
-  EXPECT_EQ(read(0x1010, 1), 0u);
+  EXPECT_EQ(read(0x1010, 4), 0u);
   NodeDescription description = kTestDescription;
-  description.stores_parameters = true;
+  description.stored_groups = group_bit(ParameterGroup::kAll) | group_bit(ParameterGroup::kManufacturer);
   TestNode storing(0x10, description);
   storing.make_operational();
   ObjectValue value;
@@ -68,6 +68,9 @@ TEST_F(NodeObjects, StoreAndRestoreAskTheOwner) {
   EXPECT_EQ(value.number(), 1u);
   EXPECT_EQ(storing.node.write_object({0x1010, 1}, 0x65766173, 4), AbortCode::kNone);
   EXPECT_EQ(storing.node.write_object({0x1011, 4}, 0x64616F6C, 4), AbortCode::kNone);
+  EXPECT_EQ(storing.node.write_object({0x1010, 2}, 0x65766173, 4), AbortCode::kCannotTransfer);
+  ASSERT_EQ(storing.node.read_object({0x1010, 2}, value), AbortCode::kNone);
+  EXPECT_EQ(value.number(), 0u);
   EXPECT_EQ(storing.stored, std::vector{ParameterGroup::kAll});
   EXPECT_EQ(storing.restored, std::vector{ParameterGroup::kManufacturer});
 }

@@ -170,6 +170,7 @@ const Misuse kMisuses[] = {
     {"a counter while SYNCs are produced",
      {request({0x23, 0x06, 0x10, 0, 0x10, 0x27, 0, 0}), request({0x2F, 0x19, 0x10, 0, 10, 0, 0, 0})},
      0x08000022},
+    {"storing what is not stored", {request({0x23, 0x10, 0x10, 2, 's', 'a', 'v', 'e'})}, 0x08000020},
     {"storing when the owner cannot",
      {request({0x23, 0x10, 0x10, 1, 's', 'a', 'v', 'e'})},
      0x08000022,

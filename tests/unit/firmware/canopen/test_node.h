@@ -104,6 +104,7 @@ inline constexpr NodeDescription kTestDescription{
     .device_name = "Koboshi test node",
     .hardware_version = "A",
     .software_version = "1.0.0",
+    .stored_groups = group_bit(ParameterGroup::kAll),
     .rows = kTestRows,
     .rpdos = kTestRpdos,
     .tpdos = kTestTpdos,
@@ -128,7 +129,7 @@ class TestDomain final : public Domain {
     return begun(begin_verdict);
   }
   AbortCode write(std::span<const std::uint8_t> piece) override {
-    arriving.insert(arriving.end(), piece.begin(), piece.end());
+    if (write_verdict != AbortCode::kBusy) arriving.insert(arriving.end(), piece.begin(), piece.end());
     return write_verdict;
   }
   AbortCode commit() override {

@@ -1,0 +1,63 @@
+#include "firmware/app/motion_transfer.h"
+
+#include <algorithm>
+
+#include "firmware/motion/motion.h"
+
+namespace koboshi::app {
+
+using canopen::AbortCode;
+
+void MotionTransfer::select(std::uint16_t number, std::span<const std::byte> image, bool may_store) {
+  if (activity_ != Activity::kNone) return;
+  number_ = number;
+  image_ = image;
+  may_store_ = may_store;
+}
+
+AbortCode MotionTransfer::begin_upload(std::uint32_t& size_bytes) {
+  if (image_.empty()) return AbortCode::kNoData;
+  size_bytes = static_cast<std::uint32_t>(image_.size());
+  activity_ = Activity::kUpload;
+  return AbortCode::kNone;
+}
+
+std::size_t MotionTransfer::read(std::uint32_t position, std::span<std::uint8_t> bytes) {
+  const auto rest = image_.subspan(std::min<std::size_t>(position, image_.size()));
+  const auto piece = rest.first(std::min(rest.size(), bytes.size()));
+  std::ranges::transform(piece, bytes.begin(), std::to_integer<std::uint8_t>);
+  return piece.size();
+}
+
+AbortCode MotionTransfer::begin_download(std::uint32_t size_bytes) {
+  if (!may_store_) return AbortCode::kDeviceState;
+  if (size_bytes != kUnknownSize && size_bytes > ItemStore::kMaxItemSize) return AbortCode::kLengthTooHigh;
+  const AbortCode begun = items_.begin(ItemKind::kMotion, number_);
+  if (begun == AbortCode::kNone) activity_ = Activity::kDownload;
+  checked_ = false;
+  return begun;
+}
+
+AbortCode MotionTransfer::write(std::span<const std::uint8_t> bytes) {
+  return items_.append(std::as_bytes(bytes));
+}
+
+AbortCode MotionTransfer::commit() {
+  if (!checked_) {
+    const AbortCode flushed = items_.flush();
+    if (flushed != AbortCode::kNone) return flushed;
+    motion::Motion motion;
+    if (!motion::Motion::open(items_.written(), model_, motion).ok()) return AbortCode::kInvalidValue;
+    checked_ = true;
+  }
+  const AbortCode committed = items_.commit();
+  if (committed == AbortCode::kNone) valid_motions_ |= 1u << number_;
+  return committed;
+}
+
+void MotionTransfer::release() {
+  if (activity_ == Activity::kDownload) items_.release();
+  activity_ = Activity::kNone;
+}
+
+}  // namespace koboshi::app

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <deque>
+#include <functional>
+
+#include "sim_board/can/transport/transport.h"
+#include "tools/run/simulation.h"
+
+namespace koboshi::test {
+
+// A PC at the bus of a simulation, for the tools that talk over a transport. While it waits, the robot goes
+// on.
+class Pc final : public sim::Transport, private sim::BusNode {
+ public:
+  // Hears what the node with this id answers by SDO. `meanwhile` is done after each millisecond. All must
+  // outlive the PC.
+  Pc(
+      tools::Simulation& simulation, std::uint8_t node_id, std::function<void()> meanwhile = [] {})
+      : simulation_(simulation),
+        node_id_(node_id),
+        meanwhile_(std::move(meanwhile)),
+        handle_(simulation.board().bus().attach(*this, sim::AcceptanceFilter::all(), 64)) {}
+
+  bool send(const hal::CanFrame& frame, std::uint64_t) override {
+    // A controller's FIFO is emptied by the bus, whose time goes on only here.
+    constexpr int kPatience_ms = 100;
+    for (int waited_ms = 0; waited_ms < kPatience_ms; ++waited_ms) {
+      if (simulation_.board().bus().queue(handle_, frame, simulation_.board().now_us())) return true;
+      advance();
+    }
+    return false;
+  }
+  std::optional<hal::CanFrame> receive() override {
+    if (heard_.empty()) advance();
+    if (heard_.empty()) return std::nullopt;
+    const hal::CanFrame frame = heard_.front();
+    heard_.pop_front();
+    return frame;
+  }
+  void advance() {
+    simulation_.advance();
+    meanwhile_();
+  }
+  void advance_until_us(std::uint64_t end_us) {
+    while (simulation_.board().now_us() < end_us) advance();
+  }
+  std::string place() const override { return "the simulation"; }
+
+ private:
+  void on_frame(const hal::CanFrame& frame, std::uint64_t) override {
+    if (frame.identifier == canopen::kSdoResponseBase + node_id_) heard_.push_back(frame);
+  }
+
+  tools::Simulation& simulation_;
+  std::uint8_t node_id_;
+  std::function<void()> meanwhile_;
+  sim::NodeHandle handle_;
+  std::deque<hal::CanFrame> heard_;
+};
+
+}  // namespace koboshi::test

@@ -1,0 +1,113 @@
+// What a PC puts into the robot's storage, over the bus: motions and parameters.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "firmware/app/dictionary.h"
+#include "sim_board/scenario/reader.h"
+#include "tests/closed_loop/pc.h"
+#include "tools/can/sdo_transfer.h"
+#include "tools/motion/compile.h"
+
+namespace koboshi {
+namespace {
+
+constexpr std::uint8_t kController = 1;
+constexpr canopen::ObjectAddress kSecondMotion{0x2400, 2};
+constexpr canopen::ObjectAddress kCommand{0x2000, 1};
+constexpr canopen::ObjectAddress kArgument{0x2000, 2};
+constexpr canopen::ObjectAddress kState{0x2001, 1};
+constexpr std::uint64_t kStanding_us = 4'000'000;
+
+// The robot of scenarios/squat.yaml, which knows the stand alone.
+sim::Scenario stand() {
+  const std::vector<sim::Override> overrides{{"physics.stepper", "lumped"},
+                                             {"motions", "[robots/koboshi/motions/stand.yaml]"},
+                                             {"commands", "[{at_s: 2, enable: true}]"}};
+  return sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml", overrides);
+}
+
+std::vector<std::uint8_t> squat(const tools::Simulation& simulation) {
+  const auto image =
+      tools::compile_motion(KOBOSHI_SOURCE_DIR "/robots/koboshi/motions/squat.yaml", simulation.model());
+  std::vector<std::uint8_t> bytes(image.size());
+  std::ranges::transform(image, bytes.begin(), std::to_integer<std::uint8_t>);
+  return bytes;
+}
+
+canopen::AbortCode refusal(const std::function<void()>& transfer) {
+  try {
+    transfer();
+  } catch (const tools::SdoAborted& aborted) {
+    return aborted.code();
+  }
+  return canopen::AbortCode::kNone;
+}
+
+TEST(Storage, PlaysAMotionThatCameOverTheBus) {
+  tools::Simulation simulation(stand());
+  test::Pc pc(simulation, kController);
+  tools::SdoTransfer sdo(pc, kController);
+  const std::vector<std::uint8_t> image = squat(simulation);
+  pc.advance_until_us(kStanding_us);
+
+  std::vector<std::uint8_t> broken = image;
+  broken[broken.size() / 2] ^= 1;
+  EXPECT_EQ(refusal([&] { sdo.download(kSecondMotion, broken); }), canopen::AbortCode::kInvalidValue);
+  sdo.download(kSecondMotion, image);
+  EXPECT_EQ(sdo.upload(kSecondMotion), image);
+
+  sdo.write(kArgument, std::array<std::uint8_t, 2>{1, 0});
+  sdo.write(kCommand, std::array<std::uint8_t, 1>{static_cast<std::uint8_t>(app::Command::kPlay)});
+  const double standing_m = simulation.board().world().body(0).X_WL.translation().z();
+  double lowest_m = standing_m;
+  const std::uint64_t end_us = simulation.board().now_us() + 4'000'000;
+  while (simulation.board().now_us() < end_us) {
+    pc.advance();
+    lowest_m = std::min(lowest_m, simulation.board().world().body(0).X_WL.translation().z());
+  }
+  EXPECT_EQ(sdo.read(kState).at(0), static_cast<std::uint8_t>(app::State::kMotion));
+  EXPECT_NEAR(standing_m - lowest_m, 0.030, 0.004);  // as deep as the motion's file says
+  // While it moves nothing is written.
+  EXPECT_EQ(refusal([&] { sdo.download(kSecondMotion, image); }), canopen::AbortCode::kDeviceState);
+}
+
+// Both ankles' servos sit on another tooth, two degrees short of what their encoders say: the robot leans,
+// until it is told.
+TEST(Storage, TrimsMakeUpForServosThatAreOff) {
+  constexpr double kOff_rad = 0.035;
+  constexpr auto kTrim = static_cast<std::uint16_t>(kOff_rad / (2.0 * std::numbers::pi) * 65536.0 + 0.5);
+  const std::string ankles[] = {"left_ankle_pitch", "right_ankle_pitch"};
+  const auto pitch_rad = [&](bool trimmed) {
+    tools::Simulation simulation(stand(), tools::in_process(), [&](sim::RobotDescription& robot) {
+      for (const std::string& name : ankles) {
+        sim::JointDescription& joint = robot.joints[static_cast<std::size_t>(*robot.find_joint(name))];
+        joint.encoder.offset_rad += joint.drive.sign * kOff_rad;  // of the shaft
+      }
+    });
+    test::Pc pc(simulation, kController);
+    tools::SdoTransfer sdo(pc, kController);
+    pc.advance_until_us(1'500'000);  // limp
+    for (const std::string& name : ankles) {
+      if (!trimmed) continue;
+      const auto joint = static_cast<std::uint8_t>(*simulation.robot().find_joint(name));
+      sdo.write({0x2120, static_cast<std::uint8_t>(joint + 1)},
+                std::array<std::uint8_t, 2>{kTrim & 0xFF, kTrim >> 8});
+    }
+    pc.advance_until_us(6'000'000);
+    const Eigen::Matrix3d R_WB = simulation.board().world().body(0).X_WL.linear();
+    return std::asin(-R_WB(2, 0));
+  };
+  EXPECT_GT(std::abs(pitch_rad(false)), 0.8 * kOff_rad);
+  EXPECT_LT(std::abs(pitch_rad(true)), 0.1 * kOff_rad);
+}
+
+}  // namespace
+}  // namespace koboshi
