@@ -35,15 +35,17 @@ StandingStart read_standing_start(const std::filesystem::path& scenario,
 }
 
 Experiment begin_experiment(const std::string& name, const CommandedWalkOptions& options,
-                            const sim::Scenario& scenario) {
-  const std::vector<std::filesystem::path> files{scenario.file, scenario.robot};
+                            const sim::Scenario& scenario,
+                            const std::vector<std::pair<std::string, std::string>>& conditions) {
+  Experiment experiment{.name = name, .first_seed = options.first_seed, .seeds = options.seeds};
+  experiment.conditions = {{"stepper", std::string(sim::name_of(scenario.physics.stepper))}};
+  experiment.conditions.insert(experiment.conditions.end(), conditions.begin(), conditions.end());
   std::vector<std::string> texts;
+  for (const auto& [key, value] : experiment.conditions) texts.insert(texts.end(), {key, value});
   for (const sim::Override& item : options.overrides) texts.insert(texts.end(), {item.path, item.value});
-  return {.name = name,
-          .first_seed = options.first_seed,
-          .seeds = options.seeds,
-          .conditions = {{"stepper", std::string(sim::name_of(scenario.physics.stepper))}},
-          .inputs = hash_inputs(files, texts)};
+  const std::vector<std::filesystem::path> files{scenario.file, scenario.robot};
+  experiment.inputs = hash_inputs(files, texts);
+  return experiment;
 }
 
 }  // namespace koboshi::tools

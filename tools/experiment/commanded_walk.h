@@ -4,6 +4,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "sim_board/input/yaml_tree.h"
 #include "sim_board/scenario/scenario.h"
@@ -40,8 +43,10 @@ struct CommandedWalkOptions {
   std::size_t seeds = 100;
 };
 
-// The experiment without its cells, measures and trials; `inputs` tells what all scenarios are read from.
+// The experiment without its cells, measures and trials. Its conditions are part of what its trials depend
+// on.
 [[nodiscard]] Experiment begin_experiment(const std::string& name, const CommandedWalkOptions& options,
-                                          const sim::Scenario& scenario);
+                                          const sim::Scenario& scenario,
+                                          const std::vector<std::pair<std::string, std::string>>& conditions);
 
 }  // namespace koboshi::tools

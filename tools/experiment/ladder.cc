@@ -51,7 +51,7 @@ class Climber {
     std::vector<std::size_t> climbing;
     std::vector<std::size_t> cells;
     for (std::size_t ladder = 0; ladder < ladders_.size(); ++ladder) {
-      if (!climbs_[ladder].climbs || level == ladders_[ladder].cells.size()) continue;
+      if (!climbs_[ladder].climbs || level >= ladders_[ladder].cells.size()) continue;
       climbing.push_back(ladder);
       cells.push_back(ladders_[ladder].cells[level]);
     }

@@ -171,15 +171,12 @@ Experiment make_push_recovery(const PushRecoveryOptions& options) {
     }
   }
   const sim::Scenario& scenario = trials->front().start.scenario;
-  Experiment experiment = begin_experiment(
-      fmt::format("push-recovery-{}-in-{}", sim::number_text(options.highest_N_s_per_kg), options.halvings),
-      options, scenario);
+  Experiment experiment =
+      begin_experiment("push-recovery", options, scenario,
+                       {{"highest_N_s_per_kg", sim::number_text(options.highest_N_s_per_kg)},
+                        {"halvings", std::to_string(options.halvings)}});
   experiment.measures = {{.name = kImpulse, .label = "survived [N s/kg]"}, {.name = kPhase}};
   experiment.cells = std::move(cells);
-  experiment.conditions.insert(experiment.conditions.end(),
-                               {{"highest_N_s_per_kg", sim::number_text(options.highest_N_s_per_kg)},
-                                {"halvings", std::to_string(options.halvings)},
-                                {"phase_bins", std::to_string(options.phase_bins)}});
   experiment.play = [options, trials, robot = sim::read_robot(scenario)](std::size_t cell,
                                                                          std::uint64_t seed) {
     return play(trials->at(cell), options, robot, seed);

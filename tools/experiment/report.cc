@@ -147,7 +147,7 @@ std::string notes(const Experiment& experiment, const ExperimentResult& result) 
   for (std::size_t c = 0; c < experiment.cells.size(); ++c) {
     const CellResult& cell = result.cells[c];
     const std::string& name = experiment.cells[c].name;
-    if (cell.stop != Stop::kAllSeeds) {
+    if (cell.stop != Stop::kAllSeeds && cell.played.size() < experiment.seeds) {
       notes += fmt::format("{}: stopped after {} of {} seeds, {}\n", name, cell.played.size(),
                            experiment.seeds, reason(cell.stop));
     }

@@ -104,14 +104,11 @@ Terrain make_terrain(const TerrainOptions& options) {
       cells.push_back({kind.name + "-" + text, {{"ground", kind.name}, {"level", text}}});
     }
   }
-  const std::string speed = sim::number_text(options.speed_m_per_s);
-  const std::string way = sim::number_text(options.way_m);
-  // Speed and way belong to the name by which the log knows its trials.
-  terrain.experiment = begin_experiment("terrain-" + way + "-at-" + speed, options, starts->front().scenario);
+  terrain.experiment = begin_experiment("terrain", options, starts->front().scenario,
+                                        {{"speed_m_per_s", sim::number_text(options.speed_m_per_s)},
+                                         {"way_m", sim::number_text(options.way_m)}});
   terrain.experiment.measures = measures();
   terrain.experiment.cells = std::move(cells);
-  terrain.experiment.conditions.insert(terrain.experiment.conditions.end(),
-                                       {{"speed_m_per_s", speed}, {"way_m", way}});
   terrain.experiment.play = [options, starts](std::size_t cell, std::uint64_t seed) {
     return play(starts->at(cell), options, seed);
   };

@@ -106,11 +106,11 @@ WalkingSpeed make_walking_speed(const WalkingSpeedOptions& options) {
   const auto start =
       std::make_shared<const StandingStart>(read_standing_start(options.scenario, options.overrides));
   auto trials = std::make_shared<std::vector<SpeedTrial>>();
-  WalkingSpeed speed{.experiment = begin_experiment("walking-speed", options, start->scenario),
-                     .ladders = {}};
+  WalkingSpeed speed;
+  speed.experiment = begin_experiment(
+      "walking-speed", options, start->scenario,
+      {{"way_m", sim::number_text(options.way_m)}, {"turns", sim::number_text(options.turns)}});
   speed.experiment.measures = measures();
-  speed.experiment.conditions.emplace_back("way_m", sim::number_text(options.way_m));
-  speed.experiment.conditions.emplace_back("turns", sim::number_text(options.turns));
   for (const SpeedLadder& ladder : options.ladders) {
     const std::string& name = SpeedLadder::names().at(static_cast<std::size_t>(ladder.direction));
     const double way = ladder.direction == Direction::kTurn ? kTurn_rad * options.turns : options.way_m;
@@ -120,9 +120,7 @@ WalkingSpeed make_walking_speed(const WalkingSpeedOptions& options) {
       speed.ladders.back().cells.push_back(trials->size());
       trials->push_back({ladder.direction, command, way});
       const std::string text = sim::number_text(command);
-      // Its way belongs to the name by which the log knows a trial.
-      speed.experiment.cells.push_back(
-          {name + "-" + text + "-over-" + sim::number_text(way), {{"direction", name}, {"command", text}}});
+      speed.experiment.cells.push_back({name + "-" + text, {{"direction", name}, {"command", text}}});
     }
   }
   speed.experiment.play = [start, trials](std::size_t cell, std::uint64_t seed) {
