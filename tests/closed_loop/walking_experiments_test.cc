@@ -23,36 +23,36 @@ Options short_form() {
 // Slowly over a short way, and then at a command that the robot does not follow by half.
 TEST(WalkingSpeed, SustainsASlowWalkAndNoImpossibleOne) {
   WalkingSpeedOptions options = short_form<WalkingSpeedOptions>();
-  options.way_m = 0.2;
-  options.ladders = {{.direction = SpeedLadder::Direction::kForward, .commands = {0.1, 2.0}}};
+  options.way_m = 0.5;
+  options.ladders = {{.direction = SpeedLadder::Direction::kForward, .commands = {0.15, 2.0}}};
   const WalkingSpeed speed = make_walking_speed(options);
   const ClimbResult result = climb(speed.experiment, speed.ladders, {});
   const Conclusions conclusions = walking_speed_conclusions(speed, result);
-  EXPECT_EQ(result.climbs[0].highest, 0u);
+  ASSERT_EQ(result.climbs[0].highest, 0u);
   EXPECT_EQ(result.climbs[0].stop, Stop::kTooMany);
   const double made_m_per_s = conclusions.values.at("forward_m_per_s");
   EXPECT_GT(made_m_per_s, 0.05);
-  EXPECT_LT(made_m_per_s, 0.13) << "faster than it was told to";
+  EXPECT_LT(made_m_per_s, 0.15) << "faster than it was told to";
   EXPECT_GT(result.result.cells[0].played[0].values.at("energy_J_per_m"), 1.0);
 }
 
 TEST(PushRecovery, SurvivesASmallPushAndNoLargeOne) {
   PushRecoveryOptions options = short_form<PushRecoveryOptions>();
   options.directions = 1;
-  options.highest_N_s_per_kg = 2.0;
-  options.halvings = 3;
+  options.highest_N_s_per_kg = 1.0;
+  options.halvings = 2;
   const Experiment experiment = make_push_recovery(options);
   const ExperimentResult result = play_experiment(experiment, {});
   const Conclusions conclusions = push_recovery_conclusions(survived_pushes(options, experiment, result));
   const double standing = conclusions.values.at("standing_min_Ns_per_kg");
   EXPECT_GE(standing, 0.25);
-  EXPECT_LE(standing, 1.0) << "1.75 is all that was asked";
-  EXPECT_LE(conclusions.values.at("walking_min_Ns_per_kg"), 1.0);
+  EXPECT_LE(standing, 0.5) << "0.75 is all that was asked";
+  EXPECT_LE(conclusions.values.at("walking_min_Ns_per_kg"), 0.5);
 }
 
 TEST(Terrain, PassesAFloorAndNotASteepSlope) {
   TerrainOptions options = short_form<TerrainOptions>();
-  options.way_m = 0.15;
+  options.way_m = 0.4;
   Terrain terrain = make_terrain(options);
   Ladder& uphill = terrain.ladders[1];
   ASSERT_EQ(uphill.name, "uphill");
