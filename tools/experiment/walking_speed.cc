@@ -14,7 +14,7 @@ using Direction = SpeedLadder::Direction;
 
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 // Who takes longer than so many times what the command promises does not sustain it.
-constexpr double kPatience = 2.0;
+constexpr double kPatience = 4.0;
 
 constexpr const char* kFailure = "not_sustained";
 

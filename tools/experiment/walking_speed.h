@@ -30,7 +30,7 @@ struct SpeedLadder {
 struct WalkingSpeedOptions : CommandedWalkOptions {
   std::vector<SpeedLadder> ladders{};
   double way_m = 10.0 * kBodyHeight_m;
-  double turns = 2.0;  // on the spot
+  double turns = 1.0;  // on the spot
 };
 
 struct WalkingSpeed {
