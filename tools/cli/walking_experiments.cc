@@ -99,8 +99,9 @@ void add_walking_speed(CLI::App& parent, const std::string& command_line) {
   CLI::App* command = add_command(parent, "walking-speed",
                                   "The highest speeds that are sustained over 10 body heights", *arguments);
   command->footer(
-      std::string("The command is raised in each direction until more than 5 of 100 seeds fall, or make less than a "
-                  "quarter\nof it. Odd seeds go to the left, even ones to the right. ") +
+      std::string(
+          "The command is raised in each direction until more than 5 of 100 seeds fall, or make less than a "
+          "quarter\nof it. Odd seeds go to the left, even ones to the right. ") +
       kWorlds +
       "\nExamples:\n"
       "  koboshi experiment walking-speed --seeds 20 --stepper mujoco\n"
