@@ -66,6 +66,7 @@ SimBoard::SimBoard(const RobotDescription& robot, const BoardOptions& options, C
     drives_.push_back(std::make_unique<Drive>(joint, bus_, servo_options));
     drives_.back()->power_on(now_us_);
   }
+  loads_.resize(drives_.size());
   if (robot.imu) {
     const LinkDescription& link = robot.links[static_cast<std::size_t>(robot.imu->link)];
     imu_.emplace(*robot.imu, link, options.world.gravity_W_m_per_s2, errors);
@@ -105,11 +106,13 @@ void SimBoard::drive_servos() {
   const Stopwatch watch(shares_.drives_s, now_us_);
   SupplyLoad load;
   for (std::size_t joint = 0; joint < drives_.size(); ++joint) {
-    load += drives_[joint]->draw(world_->joint(static_cast<int>(joint)));
+    loads_[joint] = drives_[joint]->draw(world_->joint(static_cast<int>(joint)));
+    load += loads_[joint];
   }
   for (std::size_t joint = 0; joint < drives_.size(); ++joint) {
     const double whole_V = battery_ ? battery_->voltage_V(load) : robot_.joints[joint].servo.supply_V;
     const double supply_V = std::min(whole_V, highest_supply_V_.value_or(whole_V));
+    drawn_J_ += world_->step_s() * supply_V * loads_[joint].current_A(supply_V);
     world_->set_servo(static_cast<int>(joint), drives_[joint]->torque(supply_V));
   }
 }

@@ -86,6 +86,8 @@ class SimBoard {
     const auto& ankle = ankles_[static_cast<std::size_t>(side)];
     return ankle ? &*ankle : nullptr;
   }
+  // What the servos have taken from their supply since time zero, less what they have given back to it.
+  double drawn_J() const { return drawn_J_; }
   const TimeShares& time_shares() const { return shares_; }
   bool drive_enable_line() const { return enable_line_; }
   bool watchdog_bitten() const { return bitten_; }
@@ -177,6 +179,8 @@ class SimBoard {
   BusFaults bus_faults_;
   std::vector<std::unique_ptr<Babbler>> babblers_;
   std::optional<double> highest_supply_V_;
+  std::vector<SupplyLoad> loads_;  // of each servo, in this physics step
+  double drawn_J_ = 0.0;
   StepListener* step_listener_ = nullptr;
   TimeShares shares_;
   std::uint64_t kicked_us_ = 0;

@@ -20,6 +20,7 @@ nlohmann::ordered_json to_json(const RunSummary& summary) {
                      {"speed_m_per_s", walk.speed_m_per_s},
                      {"lateral_drift_m", walk.lateral_drift_m},
                      {"heading_drift_rad", walk.heading_drift_rad},
+                     {"energy_J", walk.energy_J},
                      {"zmp_rms_error_m", walk.zmp_rms_error_m},
                      {"zmp_margin_p05_m", walk.zmp_margin_p05_m},
                      {"zmp_sensor_vs_truth_rms_m", walk.zmp_sensor_vs_truth_rms_m}});

@@ -14,6 +14,7 @@ struct WalkSummary {
   double speed_m_per_s = 0.0;
   double lateral_drift_m = 0.0;  // to the left
   double heading_drift_rad = 0.0;
+  double energy_J = 0.0;                   // that the servos took from their supply, net
   double zmp_rms_error_m = 0.0;            // measured by the firmware against planned
   double zmp_margin_p05_m = 0.0;           // 5th percentile of the true ZMP's distance to the support's edge
   double zmp_sensor_vs_truth_rms_m = 0.0;  // by the ankle sensors against the contact forces

@@ -12,6 +12,7 @@ struct SupplyLoad {
   double conductance_S = 0.0;
   double generated_A = 0.0;
 
+  double current_A(double supply_V) const { return conductance_S * supply_V - generated_A; }
   SupplyLoad& operator+=(const SupplyLoad& other) {
     conductance_S += other.conductance_S;
     generated_A += other.generated_A;

@@ -134,6 +134,8 @@ class BadInput(unittest.TestCase):
         self.refuse("nothing.yaml", None, "experiment", "gyro-feedback", "nothing.yaml")
         squat = ["experiment", "gyro-feedback", support.SQUAT, "--out", self.folder / "out"]
         self.refuse("--set", None, *squat)
+        for name in ("walking-speed", "push-recovery", "terrain"):
+            self.refuse(support.SQUAT, None, "experiment", name, support.SQUAT, "--out", self.folder / "out")
 
     def test_unknown_options_and_commands(self):
         gyro_feedback = ["experiment", "gyro-feedback"]

@@ -10,6 +10,7 @@
 
 #include "tools/cli/experiment_session.h"
 #include "tools/cli/tune_gait_command.h"
+#include "tools/cli/walking_experiments.h"
 #include "tools/experiment/gyro_feedback.h"
 #include "tools/experiment/report.h"
 #include "tools/run/run.h"
@@ -57,7 +58,9 @@ void play_gyro_feedback(Arguments arguments, const std::string& command_line) {
   const Experiment experiment = make_gyro_feedback(options);
   if (arguments.common.out.empty()) arguments.common.out = std::filesystem::path("runs") / experiment.name;
   if (arguments.common.section.empty()) arguments.common.section = experiment.name;
-  const ExperimentResult result = play_session(experiment, arguments.common);
+  const ExperimentResult result = play_with_progress(
+      arguments.common, [&](const ExperimentOptions& how) { return play_experiment(experiment, how); });
+  leave_results(experiment, result, arguments.common);
   write_page(experiment, result, arguments.common, "Gyro feedback and the number of points", command_line,
              draw_figures(arguments));
 }
@@ -73,9 +76,10 @@ void add_gyro_feedback(CLI::App& parent, const std::string& command_line) {
       "Examples:\n"
       "  koboshi experiment gyro-feedback --seeds 20 --duration 30\n"
       "  koboshi experiment gyro-feedback --points 8 --feedback on --seeds 100 --duration 60 --json fb.json\n"
-      "  koboshi experiment gyro-feedback --disturbed --budget 30\n");
+      "  koboshi experiment gyro-feedback --disturbed --budget-s 1800\n");
   command->add_option("SCENARIO", options.scenario, "A scenario that walks")->capture_default_str();
   add_experiment_options(*command, arguments->common);
+  command->add_option("--duration", arguments->common.duration, "Simulated seconds of a trial");
   command->add_option("--points", options.points, "Into which a cycle of two steps is divided: 4,8,16")
       ->delimiter(',')
       ->check(CLI::Range(2, 64));
@@ -100,6 +104,7 @@ void add_experiment_command(CLI::App& program, const std::string& command_line) 
       program.add_subcommand("experiment", "Experiments: many trials over the cores, with statistics");
   command->require_subcommand(1);
   add_gyro_feedback(*command, command_line);
+  add_walking_experiments(*command, command_line);
   add_tune_gait_command(*command);
 }
 

@@ -18,25 +18,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kLogName = "trials.jsonl";
 
-// A line on a terminal, nothing in a pipe.
-class ProgressLine {
- public:
-  void show(const ExperimentProgress& progress) {
-    if (!terminal_) return;
-    const double done = static_cast<double>(progress.done);
-    const double left_min = progress.wall_s / 60.0 * (static_cast<double>(progress.total) / done - 1.0);
-    fmt::print(stderr, "\r{} of {} trials, {:.1f} min, at most {:.1f} min to go ", progress.done,
-               progress.total, progress.wall_s / 60.0, left_min);
-    std::fflush(stderr);
-  }
-  ~ProgressLine() {
-    if (terminal_) fmt::print(stderr, "\n");
-  }
-
- private:
-  bool terminal_ = isatty(STDERR_FILENO) != 0;
-};
-
 // A folder of something else is left alone.
 void check_folder(const fs::path& folder) {
   if (!fs::exists(folder)) return;
@@ -53,6 +34,11 @@ void check_file(const fs::path& file) {
     throw sim::InputError(file, 0, "no folder to write it in", "one that exists");
 }
 
+std::string table_of(const Experiment& experiment, const ExperimentResult& result,
+                     const Conclusions& conclusions, TableStyle style) {
+  return conclusions.table ? conclusions.table(style) : result_table(experiment, result, style);
+}
+
 }  // namespace
 
 void add_experiment_options(CLI::App& command, ExperimentArguments& arguments) {
@@ -61,13 +47,12 @@ void add_experiment_options(CLI::App& command, ExperimentArguments& arguments) {
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   command.add_option("--first-seed", arguments.first_seed, "The first of them")->capture_default_str();
-  command.add_option("--duration", arguments.duration, "Simulated seconds of a trial");
   command.add_option("--stepper", arguments.stepper, "Of the physics in all cells, as in koboshi run");
   command.add_option("--set", arguments.sets, "Override a key of the scenario in all cells; may be repeated")
       ->allow_extra_args(false);
   command.add_option("--jobs", arguments.jobs, "Trials at a time (default: the number of cores)")
       ->check(CLI::Range(1, 1024));
-  command.add_option("--budget", arguments.budget_min, "Minutes after which no more trials begin")
+  command.add_option("--budget-s", arguments.budget_s, "Seconds after which no more trials begin")
       ->check(CLI::PositiveNumber);
   command.add_option("--out", arguments.out, "Folder of the results; one of an earlier call is gone on with");
   command.add_option("--json", arguments.json, "Also write the results to this file");
@@ -89,36 +74,50 @@ std::vector<sim::Override> overrides(const ExperimentArguments& arguments) {
                       {{"duration_s", arguments.duration}, {"physics.stepper", arguments.stepper}});
 }
 
-ExperimentResult play_session(const Experiment& experiment, const ExperimentArguments& arguments) {
+ProgressLine::ProgressLine() : terminal_(isatty(STDERR_FILENO) != 0) {}
+
+ProgressLine::~ProgressLine() {
+  if (terminal_) fmt::print(stderr, "\n");
+}
+
+void ProgressLine::show(const ExperimentProgress& progress) {
+  if (!terminal_) return;
+  const double done = static_cast<double>(progress.done);
+  const double left_min = progress.wall_s / 60.0 * (static_cast<double>(progress.total) / done - 1.0);
+  fmt::print(stderr, "\r{} of {} trials, {:.1f} min, at most {:.1f} min to go ", progress.done,
+             progress.total, progress.wall_s / 60.0, left_min);
+  std::fflush(stderr);
+}
+
+ExperimentOptions options_of(const ExperimentArguments& arguments, ProgressLine& line) {
   check_folder(arguments.out);
   check_file(arguments.json);
   check_file(arguments.page);
   fs::create_directories(arguments.out);
   ExperimentOptions options{.log = arguments.out / kLogName, .jobs = arguments.jobs};
-  if (arguments.budget_min > 0.0) {
-    options.budget = std::chrono::duration<double>(60.0 * arguments.budget_min);
-  }
-  ExperimentResult result;
-  {
-    ProgressLine line;
-    options.progress = [&](const ExperimentProgress& progress) { line.show(progress); };
-    result = play_experiment(experiment, options);
-  }
+  if (arguments.budget_s > 0.0) options.budget = std::chrono::duration<double>(arguments.budget_s);
+  options.progress = [&line](const ExperimentProgress& progress) { line.show(progress); };
+  return options;
+}
+
+void leave_results(const Experiment& experiment, const ExperimentResult& result,
+                   const ExperimentArguments& arguments, const Conclusions& conclusions) {
+  nlohmann::ordered_json json = to_json(experiment, result);
+  json.update(conclusions.values);
   sim::write_whole_file(arguments.out / "trials.csv", to_csv(experiment, result));
-  sim::write_json(arguments.out / "result.json", to_json(experiment, result));
-  if (!arguments.json.empty()) sim::write_json(arguments.json, to_json(experiment, result));
-  fmt::print("{}{}results in {}\n", result_table(experiment, result, TableStyle::kTerminal),
-             notes(experiment, result), arguments.out.string());
-  return result;
+  sim::write_json(arguments.out / "result.json", json);
+  if (!arguments.json.empty()) sim::write_json(arguments.json, json);
+  fmt::print("{}{}{}results in {}\n", table_of(experiment, result, conclusions, TableStyle::kTerminal),
+             conclusions.lines, notes(experiment, result), arguments.out.string());
 }
 
 void write_page(const Experiment& experiment, const ExperimentResult& result,
                 const ExperimentArguments& arguments, const std::string& title,
-                const std::string& command_line, const std::string& figures) {
+                const std::string& command_line, const std::string& figures, const Conclusions& conclusions) {
   if (arguments.page.empty()) return;
   std::string text = fmt::format("\n```console not-run\n$ {}\n```\n\n{}", command_line,
-                                 result_table(experiment, result, TableStyle::kMarkdown));
-  const std::string remarks = notes(experiment, result);
+                                 table_of(experiment, result, conclusions, TableStyle::kMarkdown));
+  const std::string remarks = conclusions.lines + notes(experiment, result);
   if (!remarks.empty()) text += "\n```\n" + remarks + "```\n";
   if (!figures.empty()) text += "\n" + figures;
   write_section(arguments.page, title, arguments.section, text + "\n");

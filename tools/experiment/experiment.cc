@@ -26,7 +26,7 @@ class Session {
   ExperimentResult play() {
     for (std::size_t begin = 0; begin < experiment_.seeds && !out_of_time_; begin += options_.batch) {
       play_batch(begin, std::min(begin + options_.batch, experiment_.seeds));
-      close_tight_cells();
+      close_cells();
     }
     return std::move(result_);
   }
@@ -70,12 +70,18 @@ class Session {
     options_.progress({done_, experiment_.cells.size() * experiment_.seeds, wall.count()});
   }
 
-  void close_tight_cells() {
+  void close_cells() {
     for (std::size_t cell = 0; cell < open_.size(); ++cell) {
-      if (!open_[cell] || out_of_time_) continue;
-      if (result_.cells[cell].played.size() == experiment_.seeds || !is_tight(result_.cells[cell])) continue;
+      if (!open_[cell]) continue;
+      CellResult& played = result_.cells[cell];
+      if (has_too_many(experiment_, played)) {
+        played.stop = Stop::kTooMany;
+      } else if (!out_of_time_ && played.played.size() < experiment_.seeds && is_tight(played)) {
+        played.stop = Stop::kTightEnough;
+      } else {
+        continue;
+      }
       open_[cell] = false;
-      result_.cells[cell].stop = Stop::kTightEnough;
     }
   }
 
@@ -115,6 +121,14 @@ std::vector<double> values_of(const CellResult& cell, const Measure& measure) {
     if (value != trial.values.end()) values.push_back(value->second);
   }
   return values;
+}
+
+bool has_too_many(const Experiment& experiment, const CellResult& cell) {
+  return std::ranges::any_of(experiment.measures, [&](const Measure& measure) {
+    if (measure.kind != Measure::Kind::kEvent || measure.most_share >= 1.0) return false;
+    const double most = std::floor(measure.most_share * static_cast<double>(experiment.seeds) + 1e-9);
+    return static_cast<double>(share_of(cell, measure).events) > most;
+  });
 }
 
 ShareEstimate share_of(const CellResult& cell, const Measure& event) {

@@ -28,6 +28,8 @@ struct Measure {
   double factor = 1.0;    // from SI to the label's unit
   int decimals = 3;       // in tables
   double tight_at = 0.0;  // a cell stops where all its intervals are within +- this of SI; 0: never mind
+  // Of an event: a cell stops where more than this share of all its seeds have had it.
+  double most_share = 1.0;
 };
 
 struct Cell {
@@ -74,7 +76,7 @@ struct ExperimentOptions {
 };
 
 // Why a cell has no more trials.
-enum class Stop { kAllSeeds, kTightEnough, kBudget };
+enum class Stop { kAllSeeds, kTightEnough, kTooMany, kBudget };
 
 struct CellResult {
   Stop stop = Stop::kAllSeeds;
@@ -92,6 +94,8 @@ struct ExperimentResult {
 
 // The values of a measure in the trials that have one.
 [[nodiscard]] std::vector<double> values_of(const CellResult& cell, const Measure& measure);
+// Whether more trials than Measure::most_share allows had an event.
+[[nodiscard]] bool has_too_many(const Experiment& experiment, const CellResult& cell);
 [[nodiscard]] ShareEstimate share_of(const CellResult& cell, const Measure& event);
 [[nodiscard]] MeanEstimate mean_of(const CellResult& cell, const Measure& quantity);
 

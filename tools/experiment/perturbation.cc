@@ -24,6 +24,17 @@ std::uint64_t to_us(double time_s) { return static_cast<std::uint64_t>(std::llro
 
 }  // namespace
 
+sim::Push half_sine_push(const std::string& link, std::uint64_t at_us, double duration_s,
+                         const Eigen::Vector3d& impulse_W_N_s) {
+  // The impulse of half a sine wave is 2/pi of peak times duration.
+  return {.at_us = at_us,
+          .duration_us = to_us(duration_s),
+          .link = {link, "a push of an experiment", 0},
+          .shape = sim::Push::Shape::kHalfSine,
+          .force_W_N = std::numbers::pi / (2.0 * duration_s) * impulse_W_N_s,
+          .p_L_m = std::nullopt};
+}
+
 void perturb_robot(sim::RobotDescription& robot, const PerturbationBounds& bounds, std::uint64_t seed) {
   for (sim::LinkDescription& link : robot.links) {
     sim::RandomStream random(seed, "mass of " + link.name);
@@ -34,6 +45,13 @@ void perturb_robot(sim::RobotDescription& robot, const PerturbationBounds& bound
   sim::RandomStream supply(seed, "supply");
   const double factor = between(supply, 1.0 - bounds.supply_share, 1.0 + bounds.supply_share);
   if (robot.battery) robot.battery->open_circuit_V *= factor;
+  for (sim::JointDescription& joint : robot.joints) {
+    sim::RandomStream offset(seed, "encoder offset of " + joint.name);
+    joint.encoder.offset_rad += offset.within(bounds.encoder_offset_rad);
+    if (bounds.backlash_rad == 0.0 || joint.servo.rotor_inertia_kg_m2 == 0.0) continue;
+    sim::RandomStream backlash(seed, "backlash of " + joint.name);
+    joint.servo.backlash_rad = between(backlash, 0.0, bounds.backlash_rad);
+  }
 }
 
 void perturb_scenario(sim::Scenario& scenario, const PerturbationBounds& bounds, std::uint64_t seed) {
@@ -43,8 +61,8 @@ void perturb_scenario(sim::Scenario& scenario, const PerturbationBounds& bounds,
   sim::RandomStream tilt(seed, "ground tilt");
   const double tilt_rad = between(tilt, 0.0, bounds.tilt_rad);
   const double direction_rad = between(tilt, 0.0, kTurn_rad);
-  scenario.ground.roll_rad = tilt_rad * std::cos(direction_rad);
-  scenario.ground.pitch_rad = tilt_rad * std::sin(direction_rad);
+  scenario.ground.roll_rad += tilt_rad * std::cos(direction_rad);
+  scenario.ground.pitch_rad += tilt_rad * std::sin(direction_rad);
   if (bounds.stiffest_N_per_m > 0.0) {
     sim::RandomStream softness(seed, "ground stiffness");
     const double stiffness_N_per_m = between(softness, bounds.softest_N_per_m, bounds.stiffest_N_per_m);
@@ -61,15 +79,9 @@ void add_pushes(sim::Scenario& scenario, const std::string& link, std::uint64_t 
   while (at_us < scenario.duration_us) {
     const double impulse_N_s = between(random, bounds.lowest_N_s, bounds.highest_N_s);
     const double direction_rad = between(random, 0.0, kTurn_rad);
-    // The impulse of half a sine wave is 2/pi of peak times duration.
-    const double peak_N = impulse_N_s * std::numbers::pi / (2.0 * bounds.duration_s);
     scenario.pushes.push_back(
-        {.at_us = at_us,
-         .duration_us = to_us(bounds.duration_s),
-         .link = {link, "a random push", 0},
-         .shape = sim::Push::Shape::kHalfSine,
-         .force_W_N = {peak_N * std::cos(direction_rad), peak_N * std::sin(direction_rad), 0.0},
-         .p_L_m = std::nullopt});
+        half_sine_push(link, at_us, bounds.duration_s,
+                       impulse_N_s * Eigen::Vector3d(std::cos(direction_rad), std::sin(direction_rad), 0.0)));
     at_us += to_us(between(random, bounds.shortest_s, bounds.longest_s));
   }
   std::ranges::stable_sort(scenario.pushes, {}, &sim::Push::at_us);

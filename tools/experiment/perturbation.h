@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <string>
 
 #include "sim_board/robot/description.h"
 #include "sim_board/scenario/scenario.h"
@@ -14,11 +16,24 @@ struct PerturbationBounds {
   double highest_friction = 1.0;
   double mass_share = 0.05;   // of a link's mass, either way; its inertia goes along
   double supply_share = 0.0;  // of the supply's voltage, either way
-  double tilt_rad = 0.01745;  // of the ground, largest, in any direction: 1 degree
+  double tilt_rad = 0.01745;  // of the ground, largest, in any direction, beside the scenario's: 1 degree
+  double backlash_rad = 0.0;  // of each servo's gears, largest, from edge to edge
+  double encoder_offset_rad = 0.0;  // of each joint, either way, beside the robot file's
   // Of soft ground under one contact point, a sole has four; both 0: the ground stays as hard as it is.
   double softest_N_per_m = 0.0;
   double stiffest_N_per_m = 0.0;
 };
+
+// What a robot has to bear that is not made for one floor and one set of parts. Kit servos have a backlash of
+// about 0.01 rad (the models of RoboCup's Humanoid League Virtual Season); a joint that is trimmed by eye
+// against the edge of a link of 65 mm is off by some tenths of a millimetre there, 0.005 rad.
+inline constexpr PerturbationBounds kRoughWorld{.lowest_friction = 0.4,
+                                                .highest_friction = 1.0,
+                                                .mass_share = 0.1,
+                                                .supply_share = 0.1,
+                                                .tilt_rad = 0.0349,  // 2 degrees
+                                                .backlash_rad = 0.01,
+                                                .encoder_offset_rad = 0.005};
 
 // Pushes against the trunk at random times and in random level directions.
 struct PushBounds {
@@ -30,8 +45,13 @@ struct PushBounds {
   double duration_s = 0.05;  // half a sine wave
 };
 
-// The links' masses of the world with this seed. The same seed gives the same masses on every machine, and
-// so for everything below; each thing has a stream of its own, so that one more does not change the others.
+// A push at the centre of mass of `link`, half a sine wave long.
+[[nodiscard]] sim::Push half_sine_push(const std::string& link, std::uint64_t at_us, double duration_s,
+                                       const Eigen::Vector3d& impulse_W_N_s);
+
+// The links' masses, the supply and the servos of the world with this seed. The same seed gives the same
+// masses on every machine, and so for everything below; each thing has a stream of its own, so that one more
+// does not change the others.
 void perturb_robot(sim::RobotDescription& robot, const PerturbationBounds& bounds, std::uint64_t seed);
 
 // Its ground, and the sensors' noise and bias.

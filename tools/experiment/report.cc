@@ -36,14 +36,16 @@ Json setting_json(const std::string& value) {
   return number ? Json(*number) : Json(value);
 }
 
-std::string_view stop_name(Stop stop) {
+std::string_view reason(Stop stop) {
   switch (stop) {
     case Stop::kAllSeeds:
-      return "all_seeds";
+      return "all are played";
     case Stop::kTightEnough:
-      return "tight_enough";
+      return "the intervals are tight enough";
+    case Stop::kTooMany:
+      return "too many had failed";
     case Stop::kBudget:
-      return "budget";
+      return "the time was over";
   }
   return {};
 }
@@ -77,6 +79,20 @@ std::string padded(const std::string& text, std::size_t width, bool first) {
 }
 
 }  // namespace
+
+std::string stop_name(Stop stop) {
+  switch (stop) {
+    case Stop::kAllSeeds:
+      return "all_seeds";
+    case Stop::kTightEnough:
+      return "tight_enough";
+    case Stop::kTooMany:
+      return "too_many";
+    case Stop::kBudget:
+      return "budget";
+  }
+  return {};
+}
 
 std::string table_text(const Row& head, const std::vector<Row>& rows, TableStyle style) {
   const bool markdown = style == TableStyle::kMarkdown;
@@ -131,10 +147,9 @@ std::string notes(const Experiment& experiment, const ExperimentResult& result) 
   for (std::size_t c = 0; c < experiment.cells.size(); ++c) {
     const CellResult& cell = result.cells[c];
     const std::string& name = experiment.cells[c].name;
-    if (cell.stop != Stop::kAllSeeds) {
-      notes +=
-          fmt::format("{}: stopped after {} of {} seeds, {}\n", name, cell.played.size(), experiment.seeds,
-                      cell.stop == Stop::kBudget ? "the time was over" : "the intervals are tight enough");
+    if (cell.stop != Stop::kAllSeeds && cell.played.size() < experiment.seeds) {
+      notes += fmt::format("{}: stopped after {} of {} seeds, {}\n", name, cell.played.size(),
+                           experiment.seeds, reason(cell.stop));
     }
     for (const Measure& measure : experiment.measures) {
       if (measure.kind != Measure::Kind::kEvent || !measure.label.empty()) continue;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -23,6 +24,15 @@ using Row = std::vector<std::string>;
 // not in the table. Empty, or lines.
 [[nodiscard]] std::string notes(const Experiment& experiment, const ExperimentResult& result);
 
+// What an experiment concludes from its cells.
+struct Conclusions {
+  nlohmann::ordered_json values = nlohmann::ordered_json::object();  // for programs, beside the cells
+  std::string lines{};                                               // for readers, below the table
+  std::function<std::string(TableStyle)> table{};                    // instead of a row a cell
+};
+
+// "too_many": for programs.
+[[nodiscard]] std::string stop_name(Stop stop);
 // The same for programs, in SI units; nothing that depends on the machine or the time. What is not a number
 // is null.
 [[nodiscard]] nlohmann::ordered_json to_json(const Experiment& experiment, const ExperimentResult& result);

@@ -2,9 +2,6 @@
 
 #include <memory>
 #include <mutex>
-#include <optional>
-
-#include "tools/run/run_recorder.h"
 
 namespace koboshi::tools {
 namespace {
@@ -17,9 +14,9 @@ std::unique_ptr<Simulation> make_simulation(const sim::Scenario& scenario, const
 }
 
 // False when an error ended it.
-bool play_to_end_or_fall(Simulation& simulation, RunRecorder& recorder) {
+bool play_to_end_or_fall(Simulation& simulation, RunRecorder& recorder, const IsOver& is_over) {
   try {
-    while (!simulation.finished() && !recorder.fell()) {
+    while (!simulation.finished() && !recorder.fell() && !(is_over && is_over(recorder))) {
       simulation.advance();
       recorder.record();
     }
@@ -31,10 +28,10 @@ bool play_to_end_or_fall(Simulation& simulation, RunRecorder& recorder) {
 
 }  // namespace
 
-Values play_scenario(const sim::Scenario& scenario, const RobotChange& change) {
+Values play_scenario(const sim::Scenario& scenario, const RobotChange& change, const IsOver& is_over) {
   const std::unique_ptr<Simulation> simulation = make_simulation(scenario, change);
   RunRecorder recorder(*simulation, nullptr);
-  const bool ended_well = play_to_end_or_fall(*simulation, recorder);
+  const bool ended_well = play_to_end_or_fall(*simulation, recorder, is_over);
   Values values;
   const nlohmann::ordered_json summary = sim::to_json(recorder.summary());
   for (const auto& [key, value] : summary.items()) {
@@ -44,6 +41,13 @@ Values play_scenario(const sim::Scenario& scenario, const RobotChange& change) {
   values["failed"] = ended_well ? 0.0 : 1.0;
   if (!ended_well) values["fell"] = 1.0;
   return values;
+}
+
+Values play_in_world(sim::Scenario scenario, const PerturbationBounds& bounds, std::uint64_t seed,
+                     const IsOver& is_over) {
+  perturb_scenario(scenario, bounds, seed);
+  return play_scenario(
+      scenario, [&](sim::RobotDescription& robot) { perturb_robot(robot, bounds, seed); }, is_over);
 }
 
 }  // namespace koboshi::tools

@@ -1,15 +1,28 @@
 #pragma once
 
+#include <cstdint>
+#include <functional>
+
 #include "sim_board/scenario/scenario.h"
 #include "tools/experiment/experiment.h"
+#include "tools/experiment/perturbation.h"
+#include "tools/run/run_recorder.h"
 #include "tools/run/simulation.h"
 
 namespace koboshi::tools {
 
-// Plays a scenario in this process, without leaving files, to its end or until the robot has fallen. The
-// values are the numbers and truths of summary.json, and `failed`, 1 where the run ended with an error, such
-// as a world that blew up; that counts as a fall. May be called from several threads at a time. Throws
-// sim::InputError.
-[[nodiscard]] Values play_scenario(const sim::Scenario& scenario, const RobotChange& change);
+// Asked after each millisecond whether there is nothing left to see.
+using IsOver = std::function<bool(const RunRecorder&)>;
+
+// Plays a scenario in this process, without leaving files, to its end or until it is over or the robot has
+// fallen. The values are the numbers and truths of summary.json, and `failed`, 1 where the run ended with an
+// error, such as a world that blew up; that counts as a fall. May be called from several threads at a time.
+// Throws sim::InputError.
+[[nodiscard]] Values play_scenario(const sim::Scenario& scenario, const RobotChange& change,
+                                   const IsOver& is_over = {});
+
+// The same in the world that a seed draws within these bounds.
+[[nodiscard]] Values play_in_world(sim::Scenario scenario, const PerturbationBounds& bounds,
+                                   std::uint64_t seed, const IsOver& is_over = {});
 
 }  // namespace koboshi::tools

@@ -1,11 +1,13 @@
 #include "tools/experiment/statistics.h"
 
 #include <algorithm>
+#include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <vector>
 
 namespace koboshi::tools {
 namespace {
@@ -43,6 +45,22 @@ ShareEstimate estimate_share(std::size_t events, std::size_t count) {
   const double low = events == 0 ? 0.0 : std::max(0.0, middle - reach);
   const double high = events == count ? 1.0 : std::min(1.0, middle + reach);
   return {count, events, share, {low, high}};
+}
+
+QuantileEstimate estimate_quantile(std::span<const double> values, double share) {
+  if (values.empty()) return {0, kNotANumber, {kNotANumber, kNotANumber}};
+  std::vector<double> sorted(values.begin(), values.end());
+  std::ranges::sort(sorted);
+  const auto at = [&](double rank) {
+    return sorted[static_cast<std::size_t>(std::clamp(rank, 0.0, static_cast<double>(sorted.size() - 1)))];
+  };
+  // How many of the values lie below the quantile is binomial.
+  const double n = static_cast<double>(sorted.size());
+  const boost::math::binomial below(n, share);
+  return {sorted.size(),
+          at(std::floor(share * n + 1e-9)),
+          {at(std::floor(boost::math::quantile(below, 1.0 - kUpperQuantile)) - 1.0),
+           at(std::ceil(boost::math::quantile(below, kUpperQuantile)))}};
 }
 
 }  // namespace koboshi::tools

@@ -35,4 +35,14 @@ struct ShareEstimate {
 // `events` of `count`, at most all.
 ShareEstimate estimate_share(std::size_t events, std::size_t count);
 
+// The value below which a share of all values of a quantity lies.
+struct QuantileEstimate {
+  std::size_t count = 0;
+  double value = 0.0;  // the smallest that at least 1 - share of the values reach; not a number without any
+  Interval
+      confidence_95;  // from ranks by the binomial law; at most the extremes, which few values do not earn
+};
+
+QuantileEstimate estimate_quantile(std::span<const double> values, double share);
+
 }  // namespace koboshi::tools

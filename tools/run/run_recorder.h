@@ -37,6 +37,7 @@ class RunRecorder final : private sim::BusObserver {
 
   const Telemetry& telemetry() const { return telemetry_.now(); }
   const GroundTruth& truth() const { return *truth_now_; }
+  const WalkObserver& walk() const { return *walk_; }
 
  private:
   void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) override;

@@ -30,7 +30,11 @@ WalkObserver::WalkObserver(const sim::RobotDescription& robot, const sim::Scenar
     : plan_(std::move(plan)), motion_(motion), sensor_check_(robot, scenario) {}
 
 void WalkObserver::observe_sensors(const sim::SimBoard& board) {
-  if (walking_) sensor_check_.observe(board);
+  if (walking_) {
+    sensor_check_.observe(board);
+    energy_J_ += board.drawn_J() - drawn_J_;
+  }
+  drawn_J_ = board.drawn_J();
 }
 
 void WalkObserver::observe_tick(const GroundTruth& truth, const Telemetry& said) {
@@ -74,15 +78,20 @@ std::optional<Eigen::Vector3d> WalkObserver::planned_zmp_W(const GroundTruth& tr
   return X_WSole * Eigen::Vector3d(planned_->zmp_S_m.x(), planned_->zmp_S_m.y(), 0.0);
 }
 
+Eigen::Vector3d WalkObserver::made_good() const {
+  const Eigen::Vector2d way_m = Eigen::Rotation2Dd(-start_yaw_rad_) * (now_W_m_ - start_W_m_);
+  return {way_m.x(), way_m.y(), yaw_rad_ - start_yaw_rad_};
+}
+
 std::optional<sim::WalkSummary> WalkObserver::summary() const {
   if (!begun_) return std::nullopt;
-  // Along and across the heading at the start.
-  const Eigen::Vector2d way_m = Eigen::Rotation2Dd(-start_yaw_rad_) * (now_W_m_ - start_W_m_);
+  const Eigen::Vector3d way = made_good();
   sim::WalkSummary summary;
-  summary.distance_m = way_m.x();
-  summary.speed_m_per_s = ticks_ > 0 ? way_m.x() / (kTick_s * ticks_) : 0.0;
-  summary.lateral_drift_m = way_m.y();
-  summary.heading_drift_rad = yaw_rad_ - start_yaw_rad_;
+  summary.distance_m = way.x();
+  summary.speed_m_per_s = ticks_ > 0 ? way.x() / (kTick_s * ticks_) : 0.0;
+  summary.lateral_drift_m = way.y();
+  summary.heading_drift_rad = way.z();
+  summary.energy_J = energy_J_;
   summary.zmp_rms_error_m = zmp_error_m_.value();
   summary.zmp_margin_p05_m = percentile(margins_m_, 0.05);
   summary.zmp_sensor_vs_truth_rms_m = sensor_check_.rms_m();

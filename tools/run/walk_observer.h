@@ -35,6 +35,9 @@ class WalkObserver {
   // The ZMP that the walk intended for the last tick, where the foot stands in whose frame it is planned;
   // nothing unless the robot walks.
   std::optional<Eigen::Vector3d> planned_zmp_W(const GroundTruth& truth) const;
+  // How far the walk has come: ahead and to the left of the heading at its start [m], and turned [rad]; zero
+  // before.
+  Eigen::Vector3d made_good() const;
   // Nothing before the walk has begun.
   std::optional<sim::WalkSummary> summary() const;
 
@@ -53,6 +56,8 @@ class WalkObserver {
   double start_yaw_rad_ = 0.0;
   Eigen::Vector2d now_W_m_ = Eigen::Vector2d::Zero();
   double yaw_rad_ = 0.0;  // continuous
+  double drawn_J_ = 0.0;  // as SimBoard::drawn_J
+  double energy_J_ = 0.0;
   RootMeanSquare zmp_error_m_;
   std::vector<double> margins_m_;
   ZmpSensorCheck sensor_check_;

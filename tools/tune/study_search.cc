@@ -113,10 +113,7 @@ class StudySearch {
     const std::filesystem::path files[] = {study_.file, study_.scenario, scenarios->front().robot};
     experiment.inputs = hash_inputs(files, texts);
     experiment.play = [scenarios, world = study_.world](std::size_t cell, std::uint64_t seed) {
-      sim::Scenario scenario = (*scenarios)[cell];
-      perturb_scenario(scenario, world, seed);
-      return play_scenario(scenario,
-                           [&](sim::RobotDescription& robot) { perturb_robot(robot, world, seed); });
+      return play_in_world((*scenarios)[cell], world, seed);
     };
     return experiment;
   }

@@ -49,6 +49,39 @@ TEST(Perturbation, KeepsMassesWithinTheirBoundsAndUsesAllOfThem) {
   EXPECT_GT(highest, 1.049);
 }
 
+TEST(Perturbation, GivesEveryServoABacklashAndAnEncoderOffsetOfItsOwn) {
+  double largest_rad = 0.0;
+  double farthest_rad = 0.0;
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    sim::RobotDescription robot = two_links();
+    robot.joints.resize(2);
+    robot.joints[0].name = "hip";
+    robot.joints[1].name = "knee";
+    sim::RobotDescription nominal = robot;
+    perturb_robot(nominal, {}, seed);
+    EXPECT_EQ(nominal.joints[0].servo.backlash_rad, 0.0) << "unless told otherwise";
+    EXPECT_EQ(nominal.joints[0].encoder.offset_rad, 0.0);
+    perturb_robot(robot, kRoughWorld, seed);
+    const double backlash_rad = robot.joints[0].servo.backlash_rad;
+    EXPECT_NE(backlash_rad, robot.joints[1].servo.backlash_rad);
+    EXPECT_GE(backlash_rad, 0.0);
+    largest_rad = std::max(largest_rad, backlash_rad);
+    farthest_rad = std::max(farthest_rad, std::abs(robot.joints[1].encoder.offset_rad));
+  }
+  EXPECT_LE(largest_rad, 0.01);
+  EXPECT_GT(largest_rad, 0.0099);
+  EXPECT_LE(farthest_rad, 0.005);
+  EXPECT_GT(farthest_rad, 0.00495);
+}
+
+TEST(Perturbation, TiltsTheScenariosOwnSlope) {
+  sim::Scenario scenario;
+  scenario.ground.pitch_rad = 0.2;
+  perturb_scenario(scenario, {.tilt_rad = 0.01}, 1);
+  EXPECT_NEAR(scenario.ground.pitch_rad, 0.2, 0.01);
+  EXPECT_NE(scenario.ground.pitch_rad, 0.2);
+}
+
 TEST(Perturbation, KeepsTheGroundWithinItsBoundsAndUsesAllOfThem) {
   double lowest = 1.0;
   double highest = 0.5;

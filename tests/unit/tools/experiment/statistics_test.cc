@@ -58,5 +58,17 @@ TEST(ShareEstimate, KnowsNothingWithoutTrials) {
   EXPECT_EQ(estimate_share(0, 0).confidence_95, (Interval{0.0, 1.0}));
 }
 
+TEST(Quantile, IsWhatAllButAShareReach) {
+  std::vector<double> values;
+  for (int i = 100; i >= 1; --i) values.push_back(i);
+  const QuantileEstimate estimate = estimate_quantile(values, 0.05);
+  EXPECT_EQ(estimate.value, 6.0) << "95 values are 6 or more";
+  EXPECT_LT(estimate.confidence_95.low, 6.0);
+  EXPECT_GT(estimate.confidence_95.high, 6.0);
+  EXPECT_LE(estimate.confidence_95.high, 12.0);
+  EXPECT_EQ(estimate_quantile(std::vector<double>{3.0, 2.0}, 0.05).value, 2.0) << "of few, all";
+  EXPECT_TRUE(std::isnan(estimate_quantile({}, 0.05).value));
+}
+
 }  // namespace
 }  // namespace koboshi::tools

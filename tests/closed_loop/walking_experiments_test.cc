@@ -1,0 +1,67 @@
+// The experiments on walking by command in short: trials of the real robot that can go either way.
+
+#include <gtest/gtest.h>
+
+#include "tools/experiment/push_recovery.h"
+#include "tools/experiment/terrain.h"
+#include "tools/experiment/walking_speed.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr const char* kGo = KOBOSHI_SOURCE_DIR "/scenarios/go.yaml";
+
+template <typename Options>
+Options short_form() {
+  Options options;
+  options.scenario = kGo;
+  options.overrides = {{"physics.stepper", "lumped"}};
+  options.seeds = 1;
+  return options;
+}
+
+// Slowly over a short way, and then at a command that the robot does not follow by half.
+TEST(WalkingSpeed, SustainsASlowWalkAndNoImpossibleOne) {
+  WalkingSpeedOptions options = short_form<WalkingSpeedOptions>();
+  options.way_m = 0.5;
+  options.ladders = {{.direction = SpeedLadder::Direction::kForward, .commands = {0.15, 2.0}}};
+  const WalkingSpeed speed = make_walking_speed(options);
+  const ClimbResult result = climb(speed.experiment, speed.ladders, {});
+  const Conclusions conclusions = walking_speed_conclusions(speed, result);
+  ASSERT_EQ(result.climbs[0].highest, 0u);
+  EXPECT_EQ(result.climbs[0].stop, Stop::kTooMany);
+  const double made_m_per_s = conclusions.values.at("forward_m_per_s");
+  EXPECT_GT(made_m_per_s, 0.05);
+  EXPECT_LT(made_m_per_s, 0.15) << "faster than it was told to";
+  EXPECT_GT(result.result.cells[0].played[0].values.at("energy_J_per_m"), 1.0);
+}
+
+TEST(PushRecovery, SurvivesASmallPushAndNoLargeOne) {
+  PushRecoveryOptions options = short_form<PushRecoveryOptions>();
+  options.directions = 1;
+  options.highest_N_s_per_kg = 1.0;
+  options.halvings = 2;
+  const Experiment experiment = make_push_recovery(options);
+  const ExperimentResult result = play_experiment(experiment, {});
+  const Conclusions conclusions = push_recovery_conclusions(survived_pushes(options, experiment, result));
+  const double standing = conclusions.values.at("standing_min_Ns_per_kg");
+  EXPECT_GE(standing, 0.25);
+  EXPECT_LE(standing, 0.5) << "0.75 is all that was asked";
+  EXPECT_LE(conclusions.values.at("walking_min_Ns_per_kg"), 0.5);
+}
+
+TEST(Terrain, PassesAFloorAndNotASteepSlope) {
+  TerrainOptions options = short_form<TerrainOptions>();
+  options.way_m = 0.4;
+  Terrain terrain = make_terrain(options);
+  Ladder& uphill = terrain.ladders[1];
+  ASSERT_EQ(uphill.name, "uphill");
+  uphill.cells = {uphill.cells.front(), uphill.cells.back()};
+  terrain.ladders = {uphill};
+  const ClimbResult result = climb(terrain.experiment, terrain.ladders, {});
+  ASSERT_EQ(result.climbs[0].highest, 0u);
+  EXPECT_EQ(terrain_conclusions(terrain, result).values.at("uphill_passed"), 0.0);
+}
+
+}  // namespace
+}  // namespace koboshi::tools

@@ -1,0 +1,247 @@
+#include "tools/experiment/push_recovery.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <tuple>
+
+#include "firmware/walk/gait.h"
+#include "sim_board/input/text.h"
+#include "sim_board/random/random_stream.h"
+#include "sim_board/scenario/reader.h"
+#include "tools/experiment/scenario_trial.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+constexpr double kPush_s = 0.1;
+constexpr double kStand_s = 0.5;      // before it is pushed, standing;
+constexpr double kWalk_s = 3.0;       // and walking, at least
+constexpr double kAftermath_s = 3.0;  // a robot of this height that is going to fall lies after one second
+constexpr double kStillFall = 0.05;   // of 95 of 100 that survive
+
+constexpr const char* kImpulse = "impulse_N_s_per_kg";
+constexpr const char* kPhase = "phase";
+constexpr const char* kStanding = "standing";
+constexpr const char* kWalking = "walking";
+constexpr const char* kNothing = "nothing";
+
+double cycle_s(const sim::Scenario& scenario) {
+  double step_ms = walk::WalkParameters().step.time_ms;
+  for (const sim::ParameterSetting& parameter : scenario.parameters) {
+    if (parameter.name.text == "step_time") step_ms = parameter.value;
+  }
+  return 2.0 * 1e-3 * step_ms;
+}
+
+struct PushTrial {
+  StandingStart start;
+  bool walks = false;
+  double direction_rad = 0.0;
+};
+
+// The largest impulse that this robot survives in the seed's world.
+Values play(const PushTrial& trial, const PushRecoveryOptions& options, const sim::RobotDescription& robot,
+            std::uint64_t seed) {
+  sim::RandomStream random(seed, "phase of the push");
+  const double phase = random.uniform();
+  const double wait_s = trial.walks ? kWalk_s + phase * cycle_s(trial.start.scenario) : kStand_s;
+  const double for_s = wait_s + kPush_s + kAftermath_s;
+  sim::RobotDescription in_world = robot;
+  perturb_robot(in_world, kRoughWorld, seed);
+  const Eigen::Vector3d along(std::cos(trial.direction_rad), std::sin(trial.direction_rad), 0.0);
+  const auto survives = [&](double impulse_N_s_per_kg) {
+    sim::Scenario scenario =
+        trial.walks ? trial.start.walking(Eigen::Vector3d::Zero(), for_s) : trial.start.standing(for_s);
+    const std::uint64_t at_us = trial.start.ready_us + static_cast<std::uint64_t>(std::llround(1e6 * wait_s));
+    scenario.pushes = {half_sine_push(robot.links.front().name, at_us, kPush_s,
+                                      impulse_N_s_per_kg * in_world.total_mass_kg() * along)};
+    return play_in_world(scenario, kRoughWorld, seed).at("fell") == 0.0;
+  };
+  return {{kImpulse, largest_survived(options.highest_N_s_per_kg, options.halvings, survives)},
+          {kPhase, phase}};
+}
+
+// Of all values, or by phase the estimate that is least.
+QuantileEstimate survived_by_95_of_100(const CellResult& cell, std::size_t bins) {
+  std::vector<std::vector<double>> by_phase(bins);
+  for (const Trial& trial : cell.played) {
+    const auto bin = static_cast<std::size_t>(trial.values.at(kPhase) * static_cast<double>(bins));
+    by_phase[std::min(bin, bins - 1)].push_back(trial.values.at(kImpulse));
+  }
+  QuantileEstimate least = estimate_quantile({}, kStillFall);
+  for (const std::vector<double>& values : by_phase) {
+    const QuantileEstimate estimate = estimate_quantile(values, kStillFall);
+    if (estimate.count > 0 && (least.count == 0 || estimate.value < least.value)) least = estimate;
+  }
+  return least;
+}
+
+// "walking", "walking without capture".
+std::string column(const SurvivedPush& push) {
+  return push.without == kNothing ? push.state : push.state + " without " + push.without;
+}
+
+std::string degrees(double angle_rad) { return fmt::format("{:.1f}", angle_rad * 360.0 / kTurn_rad); }
+
+// The pushes of each column, in the order of directions.
+std::vector<std::vector<SurvivedPush>> by_column(const std::vector<SurvivedPush>& pushes) {
+  std::vector<std::vector<SurvivedPush>> columns;
+  for (const SurvivedPush& push : pushes) {
+    if (columns.empty() || column(columns.back().front()) != column(push)) columns.emplace_back();
+    columns.back().push_back(push);
+  }
+  return columns;
+}
+
+std::string push_table(const std::vector<SurvivedPush>& pushes, TableStyle style) {
+  const auto columns = by_column(pushes);
+  Row head{"pushed towards [deg]"};
+  std::vector<Row> rows(columns.front().size());
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = {degrees(columns.front()[i].direction_rad)};
+  for (const auto& of_column : columns) {
+    head.push_back(column(of_column.front()) + " [N s/kg]");
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const QuantileEstimate& impulse = of_column[i].impulse_N_s_per_kg;
+      rows[i].push_back(impulse.count == 0
+                            ? "-"
+                            : fmt::format("{:.3f} ({:.3f} .. {:.3f})", impulse.value,
+                                          impulse.confidence_95.low, impulse.confidence_95.high));
+    }
+  }
+  return table_text(head, rows, style);
+}
+
+PlaneCurve ring(double radius) {
+  PlaneCurve curve{.colour = 7, .width = 0.5};
+  for (int i = 0; i <= 72; ++i) {
+    const double angle_rad = kTurn_rad * i / 72;
+    curve.points.push_back({radius * std::cos(angle_rad), radius * std::sin(angle_rad)});
+  }
+  return curve;
+}
+
+}  // namespace
+
+const std::vector<Feedback>& feedbacks() {
+  static const std::vector<Feedback> kFeedbacks{
+      {"gyro", {"ankle_pitch_gain", "ankle_roll_gain", "hip_roll_gain", "knee_gain"}},
+      {"capture", {"capture_ahead", "capture_aside"}},
+      {"touch-down", {"touch_down_load"}},
+      {"heading", {"heading_hold"}}};
+  return kFeedbacks;
+}
+
+double largest_survived(double highest, int halvings, const std::function<bool(double)>& survives) {
+  double low = 0.0;
+  double high = highest;
+  for (int i = 0; i < halvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (survives(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+Experiment make_push_recovery(const PushRecoveryOptions& options) {
+  auto trials = std::make_shared<std::vector<PushTrial>>();
+  std::vector<Cell> cells;
+  std::vector<std::string> without{kNothing};
+  without.insert(without.end(), options.ablate.begin(), options.ablate.end());
+  for (const char* state : {kStanding, kWalking}) {
+    for (const std::string& name : without) {
+      std::vector<sim::Override> overrides = options.overrides;
+      const auto off = std::ranges::find(feedbacks(), name, &Feedback::name);
+      if (off != feedbacks().end()) {
+        for (const std::string& parameter : off->parameters) {
+          overrides.push_back({"parameters." + parameter, "0"});
+        }
+      }
+      const StandingStart start = read_standing_start(options.scenario, overrides);
+      for (std::size_t i = 0; i < options.directions; ++i) {
+        const double direction_rad =
+            kTurn_rad * static_cast<double>(i) / static_cast<double>(options.directions);
+        trials->push_back({.start = start, .walks = state == kWalking, .direction_rad = direction_rad});
+        cells.push_back({fmt::format("{}-without-{}-{}", state, name, degrees(direction_rad)),
+                         {{"state", state}, {"without", name}, {"direction_deg", degrees(direction_rad)}}});
+      }
+    }
+  }
+  const sim::Scenario& scenario = trials->front().start.scenario;
+  Experiment experiment =
+      begin_experiment("push-recovery", options, scenario,
+                       {{"highest_N_s_per_kg", sim::number_text(options.highest_N_s_per_kg)},
+                        {"halvings", std::to_string(options.halvings)}});
+  experiment.measures = {{.name = kImpulse, .label = "survived [N s/kg]"}, {.name = kPhase}};
+  experiment.cells = std::move(cells);
+  experiment.play = [options, trials, robot = sim::read_robot(scenario)](std::size_t cell,
+                                                                         std::uint64_t seed) {
+    return play(trials->at(cell), options, robot, seed);
+  };
+  return experiment;
+}
+
+std::vector<SurvivedPush> survived_pushes(const PushRecoveryOptions& options, const Experiment& experiment,
+                                          const ExperimentResult& result) {
+  std::vector<SurvivedPush> pushes;
+  for (std::size_t cell = 0; cell < experiment.cells.size(); ++cell) {
+    const auto& settings = experiment.cells[cell].settings;
+    const std::string& state = settings[0].second;
+    const std::size_t direction = cell % options.directions;
+    pushes.push_back({.state = state,
+                      .without = settings[1].second,
+                      .direction_rad = kTurn_rad * static_cast<double>(direction) /
+                                       static_cast<double>(options.directions),
+                      .impulse_N_s_per_kg = survived_by_95_of_100(
+                          result.cells[cell], state == kWalking ? options.phase_bins : 1)});
+  }
+  return pushes;
+}
+
+Conclusions push_recovery_conclusions(const std::vector<SurvivedPush>& pushes) {
+  Conclusions conclusions;
+  conclusions.table = [pushes](TableStyle style) { return push_table(pushes, style); };
+  for (const std::vector<SurvivedPush>& of_column : by_column(pushes)) {
+    const auto played = [](const SurvivedPush& push) { return push.impulse_N_s_per_kg.count > 0; };
+    if (!std::ranges::all_of(of_column, played)) {
+      conclusions.lines += column(of_column.front()) + ": some directions were not played\n";
+      continue;
+    }
+    const SurvivedPush& least = *std::ranges::min_element(
+        of_column, {}, [](const SurvivedPush& push) { return push.impulse_N_s_per_kg.value; });
+    const QuantileEstimate& impulse = least.impulse_N_s_per_kg;
+    conclusions.lines += fmt::format("{}: 95 of 100 survive {:.3f} N s/kg, the least towards {} degrees\n",
+                                     column(least), impulse.value, degrees(least.direction_rad));
+    const std::string key = least.without == kNothing
+                                ? least.state + "_min_Ns_per_kg"
+                                : least.state + "_without_" + least.without + "_min_Ns_per_kg";
+    conclusions.values[key] = impulse.value;
+    conclusions.values[key + "_confidence_95"] = {impulse.confidence_95.low, impulse.confidence_95.high};
+  }
+  return conclusions;
+}
+
+PlaneFigure polar_figure(const std::vector<SurvivedPush>& pushes) {
+  PlaneFigure figure{.title = "Impulses that 95 of 100 survive [N s/kg], by the direction of the push",
+                     .x_label = "to the right",
+                     .y_label = "forward"};
+  for (const double radius : {0.1, 0.2, 0.3, 0.4}) figure.curves.push_back(ring(radius));
+  int colour = 0;
+  for (const std::vector<SurvivedPush>& of_column : by_column(pushes)) {
+    PlaneCurve curve{.label = column(of_column.front()),
+                     .style = of_column.front().without == kNothing ? LineStyle::kSolid : LineStyle::kDashed,
+                     .colour = colour++};
+    for (const SurvivedPush& push : of_column) {
+      const double radius = push.impulse_N_s_per_kg.value;
+      curve.points.push_back({-radius * std::sin(push.direction_rad), radius * std::cos(push.direction_rad)});
+    }
+    curve.points.push_back(curve.points.front());
+    figure.curves.push_back(std::move(curve));
+  }
+  return figure;
+}
+
+}  // namespace koboshi::tools
