@@ -154,7 +154,7 @@ void ItemStore::release() {
   state_ = State::kIdle;
 }
 
-void ItemStore::process() {
+void ItemStore::go_on() {
   if (operating_) {
     const hal::StorageState now = storage_.state();
     if (now == hal::StorageState::kBusy) return;

@@ -49,9 +49,12 @@ class ItemStore {
   void release();
 
   // Once a millisecond.
-  void process();
+  void process() {
+    if (operating_ || state_ == State::kOpen) go_on();
+  }
 
  private:
+  void go_on();
   enum class State : std::uint8_t {
     kIdle,
     kErasing,  // for whoever begins first

@@ -93,8 +93,7 @@ AbortCode ParameterStore::store(Wanted wanted, bool may_begin) {
   return AbortCode::kBusy;
 }
 
-void ParameterStore::process() {
-  if (!busy_) return;
+void ParameterStore::go_on() {
   const AbortCode code = advance();
   if (code == AbortCode::kBusy) return;
   if (begun_) items_.release();

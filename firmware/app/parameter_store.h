@@ -26,9 +26,12 @@ class ParameterStore {
   // controller is not asked: it makes what follows from all of them when they are there.
   void load();
   // Once a millisecond.
-  void process();
+  void process() {
+    if (busy_) go_on();
+  }
 
  private:
+  void go_on();
   struct Record;
 
   bool find(std::size_t number, Record& record) const;

@@ -26,7 +26,7 @@ bool ErrorLog::raise(std::uint16_t code, std::uint8_t register_bits, std::uint16
   return true;
 }
 
-bool ErrorLog::clear(std::uint16_t code, ErrorReporter reporter) {
+bool ErrorLog::withdraw(std::uint16_t code, ErrorReporter reporter) {
   const auto end = active_.begin() + active_size_;
   const auto known = std::find_if(active_.begin(), end, [code](const Active& e) { return e.code == code; });
   if (known == end) return false;

@@ -51,7 +51,9 @@ class ErrorLog {
   bool raise(std::uint16_t code, std::uint8_t register_bits, std::uint16_t additional,
              ErrorReporter reporter = ErrorReporter::kOwner);
   // True when the error was there and now is gone.
-  bool clear(std::uint16_t code, ErrorReporter reporter = ErrorReporter::kOwner);
+  bool clear(std::uint16_t code, ErrorReporter reporter = ErrorReporter::kOwner) {
+    return active_size_ > 0 && withdraw(code, reporter);
+  }
 
   std::uint8_t error_register() const { return register_; }
   bool active(std::uint16_t code) const;
@@ -61,6 +63,8 @@ class ErrorLog {
   AbortCode write_history(std::uint8_t subindex, std::uint32_t value);
 
  private:
+  bool withdraw(std::uint16_t code, ErrorReporter reporter);
+
   struct Active {
     std::uint16_t code = 0;
     std::uint8_t register_bits = 0;

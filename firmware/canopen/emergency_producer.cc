@@ -25,7 +25,7 @@ void EmergencyProducer::send(const Emergency& emergency) {
   ++size_;
 }
 
-void EmergencyProducer::process(std::uint64_t now_us) {
+void EmergencyProducer::send_pending(std::uint64_t now_us) {
   while (size_ > 0 && now_us >= inhibited_until_us_) {
     transmit(pending_[first_]);
     first_ = (first_ + 1) % pending_.size();

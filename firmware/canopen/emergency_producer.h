@@ -26,11 +26,14 @@ class EmergencyProducer {
 
   // Without an inhibit time it goes at once, otherwise with `process`.
   void send(const Emergency& emergency);
-  void process(std::uint64_t now_us);
+  void process(std::uint64_t now_us) {
+    if (size_ > 0) send_pending(now_us);
+  }
   // Forgets what waits: the state of the node forbids it.
   void clear() { size_ = 0; }
 
  private:
+  void send_pending(std::uint64_t now_us);
   void transmit(const Emergency& emergency);
 
   FrameSink& sink_;

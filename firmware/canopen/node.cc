@@ -23,18 +23,26 @@ void Node::start(std::uint64_t now_us) { reset(NmtCommand::kResetNode, now_us); 
 void Node::on_frame(const hal::CanFrame& frame, std::uint64_t now_us) {
   // Remote frames would ask for node guarding or a PDO; both are out of use (CiA AN 802).
   if (frame.remote || state_ == NmtState::kInitialising) return;
+  // Most of all frames are PDOs that are wanted; between these bounds only PDOs lie.
+  const bool pdo = frame.identifier >= kTpdo1Base && frame.identifier < kSdoResponseBase;
+  if (pdo && take_pdo(frame, now_us)) return;
   if (sync_.identifies(frame)) return on_sync(frame, now_us);
   for (SdoServer& server : servers_) {
     if (!server.takes(frame)) continue;
     if (permits_sdo(state_)) server.on_request(frame, now_us);
     return;
   }
-  // Between these bounds only PDOs lie; an identifier outside them may be a PDO's too.
-  const bool pdo = frame.identifier >= kTpdo1Base && frame.identifier < kSdoResponseBase;
-  if (!pdo && serve(frame, now_us)) return;
-  if (!permits_pdo(state_)) return;
+  // An identifier outside the bounds may be a PDO's too.
+  if (!pdo && !serve(frame, now_us)) static_cast<void>(take_pdo(frame, now_us));
+}
+
+// False when it is none that the node takes now.
+bool Node::take_pdo(const hal::CanFrame& frame, std::uint64_t now_us) {
+  if (!permits_pdo(state_)) return false;
   const std::size_t number = rpdos_.find(frame.identifier);
-  if (number != SlotMap::kNone) on_rpdo(number, frame, now_us);
+  if (number == SlotMap::kNone) return false;
+  on_rpdo(number, frame, now_us);
+  return true;
 }
 
 bool Node::serve(const hal::CanFrame& frame, std::uint64_t now_us) {

@@ -153,6 +153,7 @@ class Node final : private ObjectServer {
   void load_defaults();
   // True when the frame was of a service other than SYNC and PDO.
   bool serve(const hal::CanFrame& frame, std::uint64_t now_us);
+  bool take_pdo(const hal::CanFrame& frame, std::uint64_t now_us);
   void on_nmt(const hal::CanFrame& frame, std::uint64_t now_us);
   void on_sync(const hal::CanFrame& frame, std::uint64_t now_us);
   void on_heartbeat(const Heartbeat& heartbeat, std::uint64_t now_us);

@@ -99,18 +99,14 @@ class PdoRecord {
   }
 
  private:
-  // One load and one store: no data type has another size.
+  // One load and one store: no data type has another size than 1, 2 and 4. Most values have 2 bytes.
   static void copy_value(void* to, const void* from, std::size_t size) {
-    switch (size) {
-      case 1:
-        std::memcpy(to, from, 1);
-        return;
-      case 2:
-        std::memcpy(to, from, 2);
-        return;
-      case 4:
-        std::memcpy(to, from, 4);
-        return;
+    if (size == 2) {
+      std::memcpy(to, from, 2);
+    } else if (size == 4) {
+      std::memcpy(to, from, 4);
+    } else {
+      std::memcpy(to, from, 1);
     }
   }
   std::span<const MappedObject> mapped() const { return {objects_.data(), mapped_count_}; }

@@ -87,8 +87,8 @@ bool Sync::accept(const hal::CanFrame& frame, std::uint64_t now_us) {
   return true;
 }
 
-bool Sync::take_due(std::uint64_t now_us) {
-  if (!producer() || period_us_ == 0 || now_us < due_us_) return false;
+bool Sync::take_beat(std::uint64_t now_us) {
+  if (!producer() || now_us < due_us_) return false;
   due_us_ = next_beat(due_us_, period_us_, now_us);
   return true;
 }

@@ -31,11 +31,12 @@ class Sync {
   bool window_open(std::uint64_t now_us) const { return window_us_ == 0 || now_us - last_us_ <= window_us_; }
 
   // True when the producer's next SYNC is due by its period, once for each.
-  bool take_due(std::uint64_t now_us);
+  bool take_due(std::uint64_t now_us) { return period_us_ != 0 && take_beat(now_us); }
   // The SYNC that comes next, whoever asks for it.
   hal::CanFrame next();
 
  private:
+  bool take_beat(std::uint64_t now_us);
   bool producer() const { return (cob_id_ & kSyncProducer) != 0; }
   AbortCode write_cob_id(std::uint32_t value);
   AbortCode write_overflow(std::uint32_t value);

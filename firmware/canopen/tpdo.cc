@@ -6,15 +6,23 @@
 namespace koboshi::canopen {
 
 void TpdoSet::on_changed(std::size_t number) {
+  forget(pdos_[number]);
+  synchronous_end_ = 0;
+  for (std::size_t i = 0; i < pdos_.size(); ++i) {
+    if (pdos_[i].record.valid() && pdos_[i].record.synchronous()) synchronous_end_ = i + 1;
+  }
+}
+
+void TpdoSet::forget(Tpdo& pdo) {
   due_us_ = 0;
-  pdos_[number].requested = false;
-  pdos_[number].counting = false;
-  pdos_[number].sync_count = 0;
+  pdo.requested = false;
+  pdo.counting = false;
+  pdo.sync_count = 0;
 }
 
 void TpdoSet::start(std::uint64_t now_us) {
-  for (std::size_t i = 0; i < pdos_.size(); ++i) on_changed(i);
   for (Tpdo& pdo : pdos_) {
+    forget(pdo);
     pdo.event_due_us = now_us + pdo.record.event_timer_us();
   }
 }
@@ -28,7 +36,7 @@ void TpdoSet::request(std::size_t number, std::uint64_t now_us) {
 }
 
 void TpdoSet::on_sync(std::uint8_t counter, std::uint64_t now_us) {
-  for (Tpdo& pdo : pdos_) {
+  for (Tpdo& pdo : pdos_.first(synchronous_end_)) {
     if (pdo.record.valid() && pdo.record.synchronous() && is_due(pdo, counter)) send(pdo, now_us);
   }
 }

@@ -46,6 +46,7 @@ class TpdoSet {
   }
 
  private:
+  void forget(Tpdo& pdo);
   static bool is_due(Tpdo& pdo, std::uint8_t counter);
   void send_due(std::uint64_t now_us);
   void send(Tpdo& pdo, std::uint64_t now_us);
@@ -53,7 +54,8 @@ class TpdoSet {
   std::span<Tpdo> pdos_;
   const Dictionary& dictionary_;
   TransmitQueue& queue_;
-  std::uint64_t due_us_ = 0;  // nothing is to be sent before
+  std::uint64_t due_us_ = 0;         // nothing is to be sent before
+  std::size_t synchronous_end_ = 0;  // behind the last that goes with SYNC
 };
 
 }  // namespace koboshi::canopen

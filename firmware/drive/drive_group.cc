@@ -156,6 +156,8 @@ void DriveGroup::watch_states(std::uint64_t now_us) {
 }
 
 void DriveGroup::command() {
+  if (enabled_ && told_enabled_) return;  // nearly always: the words of the last cycle hold
+  told_enabled_ = enabled_;
   const bool last_step = enabled_ || all_switched_on();
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     signals_.controlword[joint] = controlword(joint, last_step);

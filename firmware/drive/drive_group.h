@@ -109,7 +109,8 @@ class DriveGroup {
   std::uint32_t answered_ = 0;  // the same, in the last cycle
   bool answering_ = false;
   std::array<std::uint8_t, robot::kMaxJoints> missed_{};  // cycles since its last answer
-  bool enabled_ = false;                                  // the goal kEnabled was reached
+  bool told_enabled_ = false;  // the controlwords are those of the goal kEnabled, reached
+  bool enabled_ = false;       // the goal kEnabled was reached
   JointTrouble trouble_;
   std::array<std::uint32_t, robot::kMaxJoints> supply_mV_{};
   std::array<std::uint16_t, robot::kMaxJoints> error_code_{};  // that each drive told last and still has

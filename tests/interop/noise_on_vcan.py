@@ -41,8 +41,10 @@ def send(bus, identifier, *data):
 
 
 def statusword(bus, drive):
-    """By SDO. A flood may have left the server in the middle of a transfer, which an abort ends."""
+    """By SDO. A flood may have stopped the drive by NMT, or left its server in the middle of a transfer, which an abort ends; and while
+    the board still works off a flood, the queue of its socket overflows, so that any of these frames may be lost."""
     for _ in range(ATTEMPTS):
+        send(bus, 0x000, 0x80, drive)
         send(bus, 0x600 + drive, 0x80, 0x41, 0x60, 0, 0, 0, 0, 0)
         send(bus, 0x600 + drive, 0x40, 0x41, 0x60, 0, 0, 0, 0, 0)
         end = time.monotonic() + 1.0
@@ -65,7 +67,6 @@ def flood(board, bus, name, command):
     subprocess.run(command, check=True)
     if board.poll() is not None:
         raise RuntimeError(f"the board ended in a flood of {name}")
-    send(bus, 0x000, 0x80, 0)  # pre-operational: whatever NMT command was among it, they answer again
     counts = collections.Counter(state(statusword(bus, drive)) for drive in DRIVES)
     print(f"{name}: " + ", ".join(f"{count} {known}" for known, count in counts.items()), flush=True)
 

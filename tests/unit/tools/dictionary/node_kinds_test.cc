@@ -61,6 +61,13 @@ void expect_default(const ObjectItem& item, const canopen::ObjectValue& value) {
 }
 
 void expect_item(canopen::Node& node, const ObjectItem& item) {
+  if (item.data_type == static_cast<std::uint8_t>(canopen::DataType::kDomain)) {
+    // The node knows it, but nobody has its bytes here.
+    canopen::Domain* domain = nullptr;
+    EXPECT_EQ(node.open_domain(item.address, canopen::Access::kReadOnly, domain),
+              AbortCode::kResourceNotAvailable);
+    return;
+  }
   canopen::ObjectValue value;
   const AbortCode read = node.read_object(item.address, value);
   if (read == AbortCode::kNoData) return;  // an error history that is empty yet
@@ -102,8 +109,9 @@ void expect_true(const NodeKind& kind) {
 
 TEST(Controller, HasTheObjectsOfItsDataSheetAndNoOthers) {
   expect_true<app::ControllerValues,
-              canopen::NodeMemory<1 + robot::kMaxJoints, app::kTelemetryTpdos + robot::kMaxJoints,
-                                  robot::kMaxJoints, 32>>(controller_kind());
+              canopen::NodeMemory<app::kFirstDriveRpdo + robot::kMaxJoints,
+                                  app::kTelemetryTpdos + robot::kMaxJoints, robot::kMaxJoints, 32>>(
+      controller_kind());
 }
 
 TEST(Drive, HasTheObjectsOfItsDataSheetAndNoOthers) {
