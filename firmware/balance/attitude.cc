@@ -47,6 +47,8 @@ void AttitudeEstimator::update(const robot::Vector<Ratio>& turn_B_rad, const Acc
   turn(turn_B_rad);
   correct(force_B, condition);
   normalise();
+  roll_ = fixed::atan2(up_B_.y, up_B_.z);
+  pitch_ = fixed::atan2(-up_B_.x, fixed::hypotenuse(up_B_.y, up_B_.z));
 }
 
 // What is fixed in the world turns the other way in axes of B: to second order, v - t x v + t x (t x v) / 2.
@@ -74,12 +76,6 @@ void AttitudeEstimator::correct(const Acceleration& force_B, Condition condition
 void AttitudeEstimator::normalise() {
   const Ratio excess = robot::dot(up_B_, up_B_) - fixed::kOne;
   up_B_ = up_B_ - scaled(fixed::product<Ratio>(kHalf, excess), up_B_);
-}
-
-fixed::Angle AttitudeEstimator::roll() const { return fixed::atan2(up_B_.y, up_B_.z); }
-
-fixed::Angle AttitudeEstimator::pitch() const {
-  return fixed::atan2(-up_B_.x, fixed::hypotenuse(up_B_.y, up_B_.z));
 }
 
 }  // namespace koboshi::balance

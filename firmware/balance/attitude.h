@@ -27,8 +27,8 @@ class AttitudeEstimator {
   const robot::Direction& up_B() const { return up_B_; }
   // Roll about x, then pitch about y; a trunk that leans forward has positive pitch, one that leans to the
   // right positive roll. Roll in [-1/2, 1/2) turn, pitch in [-1/4, 1/4].
-  fixed::Angle roll() const;
-  fixed::Angle pitch() const;
+  fixed::Angle roll() const { return roll_; }
+  fixed::Angle pitch() const { return pitch_; }
 
  private:
   void turn(const robot::Vector<fixed::Ratio>& turn_B_rad);
@@ -36,6 +36,8 @@ class AttitudeEstimator {
   void normalise();
 
   robot::Direction up_B_ = robot::kAxisZ;
+  fixed::Angle roll_;
+  fixed::Angle pitch_;
   bool known_ = false;
 };
 

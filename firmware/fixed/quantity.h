@@ -44,15 +44,15 @@ class Quantity {
   constexpr Quantity& operator+=(Quantity other) { return *this = *this + other; }
   constexpr Quantity& operator-=(Quantity other) { return *this = *this - other; }
 
-  friend constexpr Quantity operator+(Quantity a, Quantity b) {
+  [[gnu::always_inline]] friend constexpr Quantity operator+(Quantity a, Quantity b) {
     return Quantity(kOverflow == Overflow::kWrap ? add_wrapped(a.raw_, b.raw_)
                                                  : add_saturated(a.raw_, b.raw_));
   }
-  friend constexpr Quantity operator-(Quantity a, Quantity b) {
+  [[gnu::always_inline]] friend constexpr Quantity operator-(Quantity a, Quantity b) {
     return Quantity(kOverflow == Overflow::kWrap ? subtract_wrapped(a.raw_, b.raw_)
                                                  : subtract_saturated(a.raw_, b.raw_));
   }
-  friend constexpr Quantity operator-(Quantity a) { return Quantity() - a; }
+  [[gnu::always_inline]] friend constexpr Quantity operator-(Quantity a) { return Quantity() - a; }
 
   template <ScalingInteger Integer>
   friend constexpr Quantity operator*(Quantity a, Integer factor) {
@@ -65,11 +65,11 @@ class Quantity {
   // Rounds to nearest, ties away from zero.
   template <ScalingInteger Integer>
   friend constexpr Quantity operator/(Quantity a, Integer divisor) {
-    return from_wide_raw(divide_rounded(a.raw_, std::int64_t{divisor}));
+    return from_wide_raw(divide_rounded_32(a.raw_, std::int32_t{divisor}));
   }
 
   // Angles compare by representation, as numbers in [-1/2, 1/2) turn.
-  friend constexpr auto operator<=>(Quantity, Quantity) = default;
+  [[gnu::always_inline]] friend constexpr auto operator<=>(Quantity, Quantity) = default;
 
  private:
   explicit constexpr Quantity(std::int32_t raw) : raw_(raw) {}
@@ -102,13 +102,17 @@ template <AnyQuantity Result, AnyQuantity A, AnyQuantity B>
   return from_product_raw<Result, A, B>(std::int64_t{a.raw()} * b.raw());
 }
 
-// a0 * b0 + a1 * b1, rounded once: a turned coordinate.
+// a0 * b0 + a1 * b1, rounded once: a turned coordinate. Saturates.
 template <AnyQuantity Result, AnyQuantity A, AnyQuantity B>
 [[nodiscard]] constexpr Result product_sum(A a0, B b0, A a1, B b1) {
-  constexpr std::int64_t kLimit = std::int64_t{1} << 62;
-  const std::int64_t sum =
-      add_saturated(std::int64_t{a0.raw()} * b0.raw(), std::int64_t{a1.raw()} * b1.raw());
-  return from_product_raw<Result, A, B>(sum < -kLimit ? -kLimit : sum > kLimit ? kLimit : sum);
+  static_assert(Result::kOverflow == Overflow::kSaturate);
+  static_assert(A::kFractionBits + B::kFractionBits - Result::kFractionBits <= 31, "2^62 is in the range");
+  const std::int64_t first = std::int64_t{a0.raw()} * b0.raw();
+  const std::int64_t sum = add_wrapped(first, std::int64_t{a1.raw()} * b1.raw());
+  // Beyond 2^62, which neither of them exceeds alone, both have one sign.
+  if (sum >> 62 != sum >> 63) [[unlikely]]
+    return first < 0 ? Result::min() : Result::max();
+  return from_product_raw<Result, A, B>(sum);
 }
 
 // a / b in the unit and format of `Result`, rounded once, to nearest, ties away from zero.

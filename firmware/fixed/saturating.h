@@ -3,6 +3,7 @@
 #include <concepts>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 namespace koboshi::fixed {
@@ -10,9 +11,10 @@ namespace koboshi::fixed {
 // The value of `To` nearest to `value`.
 template <std::integral To, std::integral From>
 [[nodiscard]] constexpr To saturate(From value) {
-  if (std::cmp_less(value, std::numeric_limits<To>::min())) return std::numeric_limits<To>::min();
-  if (std::cmp_greater(value, std::numeric_limits<To>::max())) return std::numeric_limits<To>::max();
-  return static_cast<To>(value);
+  const To kept = static_cast<To>(value);
+  if (std::cmp_equal(kept, value)) [[likely]]
+    return kept;  // one comparison, for nearly all values
+  return value < From{} ? std::numeric_limits<To>::min() : std::numeric_limits<To>::max();
 }
 
 // The value of `To` that is congruent to `value` modulo 2 to the width of `To`: the low bits.
@@ -21,8 +23,16 @@ template <std::integral To, std::integral From>
   return static_cast<To>(value);
 }
 
+// A Cortex-M4 has an instruction for 32 bits, which its compiler does not find by itself (ACLE,
+// section 8.4.2).
 template <std::integral T>
 [[nodiscard]] constexpr T add_saturated(T a, T b) {
+#ifdef __ARM_FEATURE_DSP
+  if constexpr (sizeof(T) == sizeof(int) && std::signed_integral<T>) {
+    if (!std::is_constant_evaluated())
+      return static_cast<T>(__builtin_arm_qadd(static_cast<int>(a), static_cast<int>(b)));
+  }
+#endif
   T sum{};
   if (!__builtin_add_overflow(a, b, &sum)) return sum;
   return b < T{} ? std::numeric_limits<T>::min() : std::numeric_limits<T>::max();
@@ -30,6 +40,12 @@ template <std::integral T>
 
 template <std::integral T>
 [[nodiscard]] constexpr T subtract_saturated(T a, T b) {
+#ifdef __ARM_FEATURE_DSP
+  if constexpr (sizeof(T) == sizeof(int) && std::signed_integral<T>) {
+    if (!std::is_constant_evaluated())
+      return static_cast<T>(__builtin_arm_qsub(static_cast<int>(a), static_cast<int>(b)));
+  }
+#endif
   T difference{};
   if (!__builtin_sub_overflow(a, b, &difference)) return difference;
   return std::signed_integral<T> && b < T{} ? std::numeric_limits<T>::max() : std::numeric_limits<T>::min();

@@ -56,17 +56,24 @@ constexpr std::uint32_t fold_to_quarter(std::uint32_t angle_raw) {
   return angle_raw <= kQuarterTurnRaw ? angle_raw : kHalfTurnRaw - angle_raw;
 }
 
+// a * b in 2^-31 units, rounded down.
+constexpr std::int32_t product_q31(std::int32_t a, std::int32_t b) {
+  return static_cast<std::int32_t>(std::int64_t{a} * b >> 31);
+}
+
 // atan(ratio) for a ratio in [0, 1] in 2^-31 units; in raw Angle, [0, 1/8] turn.
 constexpr std::uint32_t arc_tangent(std::uint32_t ratio) {
-  const std::uint32_t segment = ratio >> 27 < 15 ? ratio >> 27 : 15;
+  if (ratio >> 31 != 0) return kEighthTurnRaw;
+  const std::uint32_t segment = ratio >> 27;
   const auto& c = kArcTangent[segment];
   // The distance from the segment's centre in half segments, 2^-31 units.
-  const std::int64_t d = (std::int64_t{ratio} - std::int64_t{(2 * segment + 1) << 26}) << 5;
-  std::int64_t sum = c[3] + (c[4] * d >> 31);
-  sum = c[2] + (sum * d >> 31);
-  sum = c[1] + (sum * d >> 31);
-  sum = c[0] + (sum * d >> 31);
-  return static_cast<std::uint32_t>((sum + 2) >> 2);
+  const std::int32_t d =
+      (static_cast<std::int32_t>(ratio) - static_cast<std::int32_t>((2 * segment + 1) << 26)) * 32;
+  std::int32_t sum = c[3] + product_q31(c[4], d);
+  sum = c[2] + product_q31(sum, d);
+  sum = c[1] + product_q31(sum, d);
+  sum = c[0] + product_q31(sum, d);
+  return (static_cast<std::uint32_t>(sum) + 2) >> 2;
 }
 
 // 1 / sqrt(f) in 2^-8 units, less the 256 that all have, by the top seven bits i of f in [1/4, 1):
@@ -88,6 +95,36 @@ constexpr std::uint64_t inverse_root(std::uint32_t f) {
   const std::uint64_t y1 = y0 * ((3ULL << 48) - f * (y0 * y0)) >> 27;  // 2^-30
   return y1 * (((3ULL << 62) - f * (y1 * y1 >> 30)) >> 32) >> 31;
 }
+
+// low / high in 2^-31 units, rounded, for low <= high, high > 0: long division by two digits of 16 bits
+// (Knuth, The Art of Computer Programming, vol. 2, 4.3.1, algorithm D), with the one divide instruction of 32
+// bits that a Cortex-M has.
+constexpr std::uint32_t ratio_q31(std::uint32_t low, std::uint32_t high) {
+  const int shift = std::countl_zero(high);
+  const std::uint32_t divisor = high << shift;
+  std::uint64_t rest = ((std::uint64_t{low} << 31) + high / 2) << shift;
+  const std::uint32_t upper = divisor >> 16;
+  const std::uint32_t lower = divisor & 0xFFFF;
+  std::uint32_t quotient = 0;
+  for (int digit = 0; digit < 2; ++digit) {
+    const auto top = static_cast<std::uint32_t>(rest >> 32);
+    std::uint32_t guess = top / upper;
+    std::uint32_t left = top - guess * upper;
+    const auto next = static_cast<std::uint32_t>(rest) >> 16;
+    while (guess > 0xFFFF || guess * lower > (left << 16 | next)) {
+      --guess;
+      left += upper;
+      if (left > 0xFFFF) break;
+    }
+    quotient = quotient << 16 | guess;
+    rest = std::uint64_t{(top << 16 | next) - guess * divisor} << 32 | (rest << 16 & 0xFFFF0000);
+  }
+  return quotient;
+}
+static_assert(ratio_q31(1, 3) == 715827883 && ratio_q31(5, 5) == 1U << 31 &&
+              ratio_q31(1U << 31, 1U << 31) == 1U << 31);
+static_assert(ratio_q31(0x7FFFFFFE, 0x7FFFFFFF) == 0x7FFFFFFF && ratio_q31(0, 1) == 0 &&
+              ratio_q31(3, 0x80000000) == 3);
 
 Ratio clamp_to_one(Ratio ratio) { return ratio < -kOne ? -kOne : ratio > kOne ? kOne : ratio; }
 
@@ -150,8 +187,7 @@ Angle atan2_raw(std::int32_t y, std::int32_t x) {
   const std::uint32_t low = dx < dy ? dx : dy;
   const std::uint32_t high = dx < dy ? dy : dx;
   if (high == 0) return Angle();
-  std::uint32_t angle =
-      arc_tangent(static_cast<std::uint32_t>(((std::uint64_t{low} << 31) + high / 2) / high));
+  std::uint32_t angle = arc_tangent(ratio_q31(low, high));
   if (dy > dx) angle = kQuarterTurnRaw - angle;
   if (x < 0) angle = kHalfTurnRaw - angle;
   return Angle::from_raw(static_cast<std::int32_t>(y < 0 ? 0U - angle : angle));

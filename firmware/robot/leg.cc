@@ -63,8 +63,7 @@ class LegSolver {
     bend_knee(r);
     turn_ankle_roll(r);
     turn_ankle_pitch(r);
-    turn_hip(X_BSole.R * rotation_about(kAxisX, -ankle_roll_) *
-             rotation_about(kAxisY, -(knee_ + ankle_pitch_)));
+    turn_hip(X_BSole.R);
     return result_;
   }
 
@@ -98,29 +97,50 @@ class LegSolver {
     Angle wanted = fixed::atan2(r.y, r.z);
     const bool hip_is_below = fixed::abs(wanted) > fixed::kQuarterTurn;
     if (hip_is_below) wanted += fixed::kQuarterTurn * 2;
-    ankle_roll_ = set(kAnkleRoll, wanted);
-    const auto [s, c] = fixed::sin_cos(ankle_roll_);
-    if (fixed::abs(product_sum<Length>(r.y, c, -r.z, s)) > kReachTolerance) result_.reached = false;
+    roll_ = fixed::sin_cos(set(kAnkleRoll, wanted));
+    if (fixed::abs(product_sum<Length>(r.y, roll_.cosine, -r.z, roll_.sine)) > kReachTolerance) {
+      result_.reached = false;
+    }
   }
 
   void turn_ankle_pitch(const Position& r) {
-    const auto [sin_roll, cos_roll] = fixed::sin_cos(ankle_roll_);
-    const Angle lean = fixed::atan2(-r.x, product_sum<Length>(r.y, sin_roll, r.z, cos_roll));
-    const auto [sin_knee, cos_knee] = fixed::sin_cos(knee_);
-    const Angle from_shank_to_hip = fixed::atan2(product<Length>(leg_.thigh, sin_knee),
-                                                 leg_.shank + product<Length>(leg_.thigh, cos_knee));
-    ankle_pitch_ = set_exactly(kAnklePitch, lean - from_shank_to_hip + leg_.shank_tilt) - leg_.shank_tilt;
+    const Angle lean = fixed::atan2(-r.x, product_sum<Length>(r.y, roll_.sine, r.z, roll_.cosine));
+    ankle_pitch_ = set_exactly(kAnklePitch, lean - from_shank_to_hip() + leg_.shank_tilt) - leg_.shank_tilt;
+  }
+
+  // B + A e^(i k) = e^(i k/2) ((A + B) cos(k/2) + i (A - B) sin(k/2)): half the bend, and more for a thigh
+  // that is longer than the shank.
+  [[nodiscard]] Angle from_shank_to_hip() const {
+    const Angle half = knee_ / 2;
+    if (leg_.thigh == leg_.shank) return half;
+    const auto [s, c] = fixed::sin_cos(half);
+    return half + fixed::atan2(product<Length>(leg_.thigh - leg_.shank, s),
+                               product<Length>(leg_.thigh + leg_.shank, c));
+  }
+
+  // A row of R_BThigh = R_BSole Rx(-ankle roll) Ry(-(knee + ankle pitch)). Neither matrix is written out,
+  // since two thirds of their elements are zero or one.
+  [[nodiscard]] Direction row_of_thigh(const Direction& sole, fixed::SineCosine pitch) const {
+    const Ratio z = product_sum<Ratio>(sole.y, roll_.sine, sole.z, roll_.cosine);
+    return {product_sum<Ratio>(sole.x, pitch.cosine, z, pitch.sine), across_shank(sole),
+            product_sum<Ratio>(z, pitch.cosine, -sole.x, pitch.sine)};
+  }
+  [[nodiscard]] Ratio across_shank(const Direction& sole) const {
+    return product_sum<Ratio>(sole.y, roll_.cosine, -sole.z, roll_.sine);
   }
 
   // R_BThigh = Rz(yaw) Rx(roll) Ry(pitch). Pitch is what is left after yaw and roll, so that it fits them
   // where they are ill-conditioned.
-  void turn_hip(const Rotation& R_BThigh) {
-    const auto& [x, y, z] = R_BThigh.rows;
+  void turn_hip(const Rotation& R_BSole) {
+    const fixed::SineCosine bend = fixed::sin_cos(knee_ + ankle_pitch_);
+    const Direction x = row_of_thigh(R_BSole.rows[0], bend);
+    const Direction y = row_of_thigh(R_BSole.rows[1], bend);
+    const Ratio up = across_shank(R_BSole.rows[2]);
     const bool locked = fixed::abs(x.y) < kGimbalLock && fixed::abs(y.y) < kGimbalLock;
     const Angle yaw = set(kHipYaw, locked ? Angle() : fixed::atan2(-x.y, y.y));
     const auto [s, c] = fixed::sin_cos(yaw);
     if (fixed::abs(product_sum<Ratio>(c, x.y, s, y.y)) > kTurnTolerance) result_.reached = false;
-    set_exactly(kHipRoll, fixed::atan2(z.y, product_sum<Ratio>(c, y.y, -s, x.y)));
+    set_exactly(kHipRoll, fixed::atan2(up, product_sum<Ratio>(c, y.y, -s, x.y)));
     const Angle pitch = fixed::atan2(product_sum<Ratio>(c, x.z, s, y.z), product_sum<Ratio>(c, x.x, s, y.x));
     set_exactly(kHipPitch, pitch - leg_.thigh_tilt);
   }
@@ -143,9 +163,9 @@ class LegSolver {
   const RobotModel& model_;
   const LegGeometry& leg_;
   LegAngles result_{.angles = {}, .reached = true};
-  Angle knee_;  // of the equivalent leg without tilts
-  Angle ankle_roll_;
-  Angle ankle_pitch_;  // of the equivalent leg without tilts
+  Angle knee_;              // of the equivalent leg without tilts
+  fixed::SineCosine roll_;  // of the ankle
+  Angle ankle_pitch_;       // of the equivalent leg without tilts
 };
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "firmware/fixed/trigonometry.h"
-#include "firmware/walk/radians.h"
 
 namespace koboshi::walk {
 
@@ -132,15 +131,16 @@ void Body::compensate(std::size_t side, const Stance& stance, const Compliance& 
   const Point zmp = share == fixed::kOne ? stance.zmp : sole;
   const Angle lean = geometry.shank_tilt - signed_by(geometry.signs[kAnklePitch], leg.angles[kAnklePitch]);
   const Length knee = sole.x + product<Length>(geometry.shank, fixed::sin(lean));
-  const auto turn = [&](LegJoint joint, Length lever, Ratio give) {
-    const Angle sag = from_rad(product<Ratio>(product<Ratio>(lever, give), share));
-    leg.angles[joint] -= signed_by(geometry.signs[joint], sag);
+  const auto turn = [&](LegJoint joint, Length lever, Angle of_a_metre) {
+    leg.angles[joint] -= signed_by(geometry.signs[joint], product<Angle>(lever, of_a_metre));
   };
-  turn(kHipPitch, p_SH.x - zmp.x, compliance.pitch);
-  turn(kKnee, knee - zmp.x, compliance.pitch);
-  turn(kAnklePitch, sole.x - zmp.x, compliance.pitch);
-  turn(kHipRoll, zmp.y - p_SH.y, compliance.roll);
-  turn(kAnkleRoll, zmp.y - sole.y, compliance.roll);
+  const Angle pitch = product<Angle>(share, compliance.pitch);
+  const Angle roll = product<Angle>(share, compliance.roll);
+  turn(kHipPitch, p_SH.x - zmp.x, pitch);
+  turn(kKnee, knee - zmp.x, pitch);
+  turn(kAnklePitch, sole.x - zmp.x, pitch);
+  turn(kHipRoll, zmp.y - p_SH.y, roll);
+  turn(kAnkleRoll, zmp.y - sole.y, roll);
 }
 
 }  // namespace koboshi::walk

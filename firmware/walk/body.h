@@ -20,10 +20,10 @@ struct Stance {
   Point zmp;
 };
 
-// How far joints turn under the robot's weight at a lever of one metre, in rad.
+// How far joints turn under the robot's weight at a lever of one metre.
 struct Compliance {
-  fixed::Ratio pitch;
-  fixed::Ratio roll;
+  fixed::Angle pitch;
+  fixed::Angle roll;
 };
 
 // The joint angles of the legs that put centre of mass, trunk and soles where they are to be.

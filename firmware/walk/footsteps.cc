@@ -10,6 +10,13 @@ using fixed::Length;
 using hal::Side;
 using namespace fixed::literals;
 
+Footsteps::Footsteps(Length width, Gain growth, fixed::Ratio lag)
+    : width_(width),
+      growth_(growth),
+      lag_(lag),
+      share_(fixed::quotient<fixed::Ratio>(1.0_gain, fixed::product<Gain>(growth, growth) - 1.0_gain)),
+      widening_(fixed::quotient<Gain>(fixed::kOne, fixed::kOne - lag)) {}
+
 Foothold Footsteps::step(Side swing, const Stride& stride) const {
   const bool left = swing == Side::kLeft;
   const bool opens = left == (stride.way.y > Length());
@@ -25,9 +32,8 @@ Foothold Footsteps::step(Side swing, const Stride& stride) const {
 Point Footsteps::offset_at_once(Side stance, const Stride& stride) const {
   const Point first = step(other(stance), stride).p;
   const Point second = step(stance, stride).p;
-  const Gain divisor = fixed::product<Gain>(growth_, growth_) - 1.0_gain;
   const auto along = [&](Length a, Length b) {
-    return fixed::quotient<Length>(fixed::product<Length>(a, growth_) + b, divisor);
+    return fixed::product<Length>(fixed::product<Length>(a, growth_) + b, share_);
   };
   return {along(first.x, second.x), along(first.y, second.y)};
 }

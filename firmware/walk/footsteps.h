@@ -24,8 +24,7 @@ class Footsteps {
  public:
   // `width` between the places of the ZMP under both feet; `growth` of the divergent motion in a step; `lag`
   // by which the ZMP comes after the step (Pendulum::lag).
-  Footsteps(fixed::Length width, fixed::Gain growth, fixed::Ratio lag)
-      : width_(width), growth_(growth), lag_(lag) {}
+  Footsteps(fixed::Length width, fixed::Gain growth, fixed::Ratio lag);
 
   // From the ZMP under the foot that stands to that under the foot that swings, and the turn of its sole.
   [[nodiscard]] Foothold step(hal::Side swing, const Stride& stride) const;
@@ -36,14 +35,14 @@ class Footsteps {
   // The same for a ZMP that would come at once. From there on the divergent part moves as it should after any
   // last step: one that ends `end` from the ZMP has to go to end * widening() - offset_at_once().
   [[nodiscard]] Point offset_at_once(hal::Side stance, const Stride& stride) const;
-  [[nodiscard]] fixed::Gain widening() const {
-    return fixed::quotient<fixed::Gain>(fixed::kOne, fixed::kOne - lag_);
-  }
+  [[nodiscard]] fixed::Gain widening() const { return widening_; }
 
  private:
   fixed::Length width_;
   fixed::Gain growth_;
   fixed::Ratio lag_;
+  fixed::Ratio share_;    // 1 / (growth^2 - 1), which is below 2 for steps of 30 ms and more
+  fixed::Gain widening_;  // 1 / (1 - lag)
 };
 
 }  // namespace koboshi::walk

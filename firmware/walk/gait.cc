@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include "firmware/fixed/literals.h"
 #include "firmware/fixed/rounding.h"
 #include "firmware/walk/pendulum.h"
+#include "firmware/walk/radians.h"
 
 namespace koboshi::walk {
 
@@ -11,21 +13,35 @@ using fixed::Angle;
 using fixed::Force;
 using fixed::Length;
 using fixed::Ratio;
+using namespace fixed::literals;
 
 namespace {
 
 constexpr std::int32_t kTick_ms = 10;
-constexpr std::int64_t kAngleInARad_raw = 683'565'276;  // 2^32 / (2 pi)
+constexpr Ratio kTick_s = 0.01_ratio;
 
 Length tenths_of_mm(std::int16_t value) { return fixed::mul_div(Length::from_raw(1 << 24), value, 10'000); }
 Ratio permille(std::int16_t value) { return fixed::mul_div(fixed::kOne, value, 1000); }
 Angle angle(std::int16_t value) { return Angle::from_raw(std::int32_t{value} << 16); }
 Force hundredths_of_N(std::int16_t value) { return fixed::mul_div(Force::from_raw(1 << 16), value, 100); }
 
-// value * time, in 10^-8 of the unit, to a raw number of which `unit_raw` are one unit.
-std::int32_t way_raw(std::int32_t value, std::int32_t time_ms, std::int64_t unit_raw) {
+// What a hundredth of a mm or mrad is in raw numbers of which `unit_raw` are a metre or rad, in 2^-16 of
+// them.
+constexpr std::int64_t hundredth(std::int64_t unit_raw) {
+  return fixed::divide_rounded(unit_raw << 16, 100'000);
+}
+constexpr std::int64_t kLength = hundredth(1 << 24);
+constexpr std::int64_t kAngle = hundredth(683'565'276);  // 2^32 / (2 pi)
+constexpr std::int64_t kRatio = hundredth(1 << 30);
+
+std::int64_t in_raw(std::int32_t value, std::int64_t hundredth) {
+  return fixed::shift_rounded(value * hundredth, 16);
+}
+
+// How far it takes a speed in so many seconds.
+std::int32_t way_raw(std::int32_t value, std::int64_t hundredth, Ratio time_s) {
   return fixed::saturate<std::int32_t>(
-      fixed::divide_rounded(std::int64_t{value} * time_ms * unit_raw, 100'000'000));
+      fixed::shift_rounded(in_raw(value, hundredth) * time_s.raw(), Ratio::kFractionBits));
 }
 
 }  // namespace
@@ -33,6 +49,7 @@ std::int32_t way_raw(std::int32_t value, std::int32_t time_ms, std::int64_t unit
 Gait::Gait(const WalkParameters& parameters) {
   const auto& [step, posture, reaction] = parameters;
   step_ticks = std::clamp<std::int32_t>(step.time_ms / kTick_ms, 1, Pendulum::kMaxTicks);
+  step_s = fixed::mul_div(fixed::kOne, step_ticks, 100);
   double_ticks = std::clamp<std::int32_t>(step_ticks * step.double_support / 1000, 0, step_ticks - 1);
   step_width = tenths_of_mm(step.width);
   step_height = tenths_of_mm(step.height);
@@ -43,7 +60,8 @@ Gait::Gait(const WalkParameters& parameters) {
   zmp_inward = tenths_of_mm(posture.zmp_inward);
   pitch = angle(posture.trunk_pitch);
   pitch_at_1_m_per_s = angle(posture.trunk_pitch_by_speed);
-  compliance = {.pitch = permille(posture.pitch_compliance), .roll = permille(posture.roll_compliance)};
+  compliance = {.pitch = from_rad(permille(posture.pitch_compliance)),
+                .roll = from_rad(permille(posture.roll_compliance))};
   arm_swing = permille(posture.arm_swing);
   capture_ahead = permille(reaction.capture_ahead);
   capture_aside = permille(reaction.capture_aside);
@@ -64,16 +82,18 @@ void Speed::approach(const Velocity& command, const Gait& gait) {
 }
 
 Stride Speed::stride(const Gait& gait) const {
-  const std::int32_t time_ms = gait.step_ticks * kTick_ms;
-  const auto length = [&](std::int32_t value) { return Length::from_raw(way_raw(value, time_ms, 1 << 24)); };
+  const auto length = [&](std::int32_t value) {
+    return Length::from_raw(way_raw(value, kLength, gait.step_s));
+  };
   return {.way = {length(values_[0]), length(values_[1])},
-          .turn = Angle::from_raw(way_raw(values_[2], time_ms, kAngleInARad_raw))};
+          .turn = Angle::from_raw(way_raw(values_[2], kAngle, gait.step_s))};
 }
 
 Angle Speed::lean(const Gait& gait) const {
-  return gait.pitch + fixed::mul_div(gait.pitch_at_1_m_per_s, values_[0], 100'000);
+  return gait.pitch +
+         fixed::product<Angle>(gait.pitch_at_1_m_per_s, Ratio::from_wide_raw(in_raw(values_[0], kRatio)));
 }
 
-Angle Speed::turn() const { return Angle::from_raw(way_raw(values_[2], kTick_ms, kAngleInARad_raw)); }
+Angle Speed::turn() const { return Angle::from_raw(way_raw(values_[2], kAngle, kTick_s)); }
 
 }  // namespace koboshi::walk

@@ -52,6 +52,7 @@ struct Gait {
   explicit Gait(const WalkParameters& parameters);
 
   std::int32_t step_ticks;
+  fixed::Ratio step_s;        // the same as a time
   std::int32_t double_ticks;  // of them, in double support
   fixed::Length step_width;
   fixed::Length step_height;

@@ -58,7 +58,8 @@ std::vector<Tick> play(const sim::Scenario& scenario, const std::filesystem::pat
     if (!simulation.board().last_input().tick) continue;
     add(tick.parts, counter.next_tick());
     recorder.record_tick();
-    tick.moving = recorder.telemetry().state == app::State::kMotion;
+    const app::State state = recorder.telemetry().state;
+    tick.moving = state == app::State::kMotion || state == app::State::kWalking;
     ticks.push_back(tick);
     tick = {};
   }

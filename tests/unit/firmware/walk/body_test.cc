@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "firmware/walk/radians.h"
 #include "tests/unit/firmware/walk/posed.h"
 
 namespace koboshi::walk {
@@ -167,7 +168,7 @@ TEST_F(BodyTest, StaysWithinTheJointsLimitsWhereALegDoesNotReach) {
 // How far each joint's target goes beyond the angle that is wanted, in rad.
 class CompliantBody : public BodyTest {
  protected:
-  static constexpr Compliance kSoft{.pitch = fixed::kOne / 2, .roll = fixed::kOne / 4};
+  static constexpr Compliance kSoft{.pitch = from_rad(fixed::kOne / 2), .roll = from_rad(fixed::kOne / 4)};
 
   // On `side` at the origin, the other foot in the air.
   static Stance on_one_foot(Side side) {
