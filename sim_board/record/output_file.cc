@@ -14,6 +14,10 @@ void OutputFile::write(std::string_view bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), stream_.get()) != bytes.size()) fail();
 }
 
+void OutputFile::flush() {
+  if (std::fflush(stream_.get()) != 0) fail();
+}
+
 void OutputFile::close() {
   if (std::fclose(stream_.release()) != 0) fail();
 }

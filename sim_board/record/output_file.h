@@ -14,6 +14,8 @@ class OutputFile {
   explicit OutputFile(const std::filesystem::path& file);
 
   void write(std::string_view bytes);
+  // Hands over what is in the buffer, so that it stays when the program is killed.
+  void flush();
   // Only after this is everything known to be written. Without it the destructor closes the file and says
   // nothing.
   void close();

@@ -84,7 +84,7 @@ as numbers.
 
 ## Instructions
 
-The firmware was the Cortex-M4 image in QEMU, in lockstep with the robot of `{}`: {} ticks, in {} of which a motion played. A
+The firmware was the Cortex-M4 image in QEMU, in lockstep with the robot of `{}`: {} ticks, in {} of which it moved. A
 tick here is everything that the firmware executes in its 10 ms: ten calls of `service`, and `tick`. The counts are exact, and
 the same in each run: under `-icount` SysTick counts instructions. They are instructions, not cycles; a Cortex-M4 takes one to
 two cycles for one, more where its flash is slow. The first tick, after power-on, checks the motions in storage.

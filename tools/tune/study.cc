@@ -38,7 +38,7 @@ StudiedTrial read_trial(const sim::YamlValue& value) {
 }
 
 PerturbationBounds read_world(const sim::YamlMap& root) {
-  PerturbationBounds world;
+  PerturbationBounds world = kRoughWorld;
   const auto map = root.optional_child("world");
   if (!map) return world;
   if (map->has("friction")) {

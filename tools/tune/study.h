@@ -38,7 +38,7 @@ struct StudiedTrial {
 struct Study {
   std::filesystem::path file;
   std::filesystem::path scenario;
-  PerturbationBounds world;
+  PerturbationBounds world = kRoughWorld;
   std::vector<StudiedNumber> numbers;
   std::vector<StudiedTrial> trials;
 };

@@ -87,6 +87,7 @@ class StudySearch {
     const double mean = sum / weights;
     best_ = std::max(best_, mean);
     log_.write(line + "," + sim::number_text(mean) + "\n");
+    log_.flush();  // an evaluation takes minutes
     if (progress_) progress_({done_, options_.evaluations, mean, best_});
     return mean;
   }
