@@ -9,39 +9,39 @@
 
 namespace koboshi::walk {
 
-// How the robot walks, as it stands in the object dictionary. Lengths in 0.1 mm, angles in 2^-16 turn, shares
-// in permille. What is changed takes effect when the robot begins to walk the next time.
+// How the robot walks, as it stands in the object dictionary; the values are those of studies/walk.yaml.
+// Lengths in 0.1 mm, angles in 2^-16 turn, shares in permille. What is changed takes effect when the robot
+// begins to walk the next time.
 struct WalkParameters {
   struct {
-    std::int16_t time_ms = 260;         // cut down to whole cycles of 10 ms
-    std::int16_t double_support = 150;  // share of a step in which both soles rest
-    std::int16_t width = 660;           // between the middle lines of the soles
-    std::int16_t height = 200;          // of the swinging sole
-    std::int16_t ease =
-        300;  // 1000: the swinging sole starts and lands without speed; 0: its speed is constant
+    std::int16_t time_ms = 220;        // cut down to whole cycles of 10 ms
+    std::int16_t double_support = 90;  // share of a step in which both soles rest
+    std::int16_t width = 772;          // between the middle lines of the soles
+    std::int16_t height = 282;         // of the swinging sole
+    std::int16_t ease = 500;  // 1000: the swinging sole starts and lands without speed; 0: at constant speed
     std::int16_t acceleration[3] = {300, 200, 1500};  // ahead and aside in mm/s^2, of the turn in mrad/s^2
   } step;                                             // 0x2130
   struct {
-    std::int16_t com_height = 1700;  // of the centre of mass above the soles: the length of the pendulum
-    std::int16_t zmp_ahead = 80;     // of the planned ZMP, before the ankle
-    std::int16_t zmp_inward = 20;    // of the planned ZMP, from the sole's middle line towards the other foot
-    std::int16_t trunk_pitch = 546;  // lean ahead
-    std::int16_t trunk_pitch_by_speed = 0;  // more of it, for each m/s ahead
-    std::int16_t pitch_compliance =
-        400;  // sag of hip, knee and ankle under the robot's weight: mrad for each metre of lever
-    std::int16_t roll_compliance = 400;  // the same of hip and ankle to the side
-    std::int16_t arm_swing = 0;  // of a shoulder, mrad for each metre that the other side's foot is ahead
-  } posture;                     // 0x2131
+    std::int16_t com_height = 1675;  // of the centre of mass above the soles: the length of the pendulum
+    std::int16_t zmp_ahead = 94;     // of the planned ZMP, before the ankle
+    std::int16_t zmp_inward = -6;    // of the planned ZMP, from the sole's middle line towards the other foot
+    std::int16_t trunk_pitch = 634;  // lean ahead
+    std::int16_t trunk_pitch_by_speed = 1438;  // more of it, for each m/s ahead
+    // Sag under the robot's weight, mrad for each metre of lever: of hip, knee and ankle, and of hip and
+    // ankle to the side.
+    std::int16_t pitch_compliance = 1285;
+    std::int16_t roll_compliance = 399;
+    std::int16_t arm_swing = -20;  // of a shoulder, mrad for each metre that the other side's foot is ahead
+  } posture;                       // 0x2131
   struct {
-    std::int16_t capture_ahead =
-        0;  // share of the measured error of the mass's motion by which the next foothold moves
-    std::int16_t capture_aside = 0;  // the same to the side
-    std::int16_t dead_band = 50;     // of that error
-    std::int16_t smoothing = 500;    // share of the last cycle's error that is kept
-    std::int16_t touch_down_load_cN =
-        0;  // of the swinging foot, which ends a step before its time; 0: no load does
-    std::int16_t heading_hold = 0;  // share of the heading's error by which a step turns back
-  } reaction;                       // 0x2132
+    // Share of the measured error of the mass's motion by which the next foothold moves.
+    std::int16_t capture_ahead = 0;
+    std::int16_t capture_aside = 150;
+    std::int16_t dead_band = 59;          // of that error
+    std::int16_t smoothing = 360;         // share of the last cycle's error that is kept
+    std::int16_t touch_down_load_cN = 0;  // of the swinging foot, which ends a step early; 0: no load does
+    std::int16_t heading_hold = 0;        // share of the heading's error by which a step turns back
+  } reaction;                             // 0x2132
 
   friend bool operator==(const WalkParameters&, const WalkParameters&) = default;
 };

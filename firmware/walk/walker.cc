@@ -35,6 +35,8 @@ constexpr Angle kMostLean = 30.0_deg;
 // Before this share of its way a swinging foot that feels a load has not landed but stumbled.
 constexpr Ratio kEarliestTouchDown = 0.6_ratio;
 constexpr Angle kMostHeadingError = 20.0_deg;
+// Of a cycle, in what the error usually is: a time constant of 1.5 s, several steps.
+constexpr Ratio kNews = 0.0066667_ratio;
 
 std::size_t index(Side side) { return static_cast<std::size_t>(side); }
 
@@ -77,7 +79,7 @@ void Walker::start(const WalkParameters& parameters, std::span<const Angle> targ
   stops_ = false;
   speed_ = Speed();
   stride_ = Stride();
-  error_ = Point();
+  usual_ = error_ = Point();
   heading_ = Angle();
   standing_ = Side::kLeft;
   stance_ = Stance();
@@ -195,7 +197,8 @@ void Walker::run_settling() {
 }
 
 // A body that leans by an angle more than planned, and turns at a rate, is ahead of its plan by height times
-// both: the error of the divergent part.
+// both: the error of the divergent part. What stays is no push, but a floor that slopes or servos that sag:
+// to step after it would make the robot wander off.
 void Walker::observe(const Observation& seen) {
   const auto along = [&](Angle angle, AngularRate rate) {
     const Angle soon = Angle::from_raw(fixed::saturate<std::int32_t>(
@@ -206,7 +209,8 @@ void Walker::observe(const Observation& seen) {
     return product<Length>(gait_.com_height, in_rad(lean));
   };
   const Point measured{along(seen.pitch - stance_.pitch, seen.rates.y), -along(seen.roll, seen.rates.x)};
-  error_ = interpolated(measured, error_, gait_.smoothing);
+  usual_ = interpolated(usual_, measured, kNews);
+  error_ = interpolated(measured - usual_, error_, gait_.smoothing);
   heading_ += fixed::rotation(seen.rates.z, kTick_us);
 }
 

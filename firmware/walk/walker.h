@@ -98,7 +98,8 @@ class Walker {
   Point zmp_from_;       // where the ZMP was when the step began
   Foothold swung_from_;  // where the swinging sole was then
   Foothold swings_to_;
-  Point error_;  // of the divergent part, measured
+  Point usual_;  // error of the divergent part, measured
+  Point error_;  // beside it
   Stride stride_;
   Speed speed_;
   fixed::Angle heading_;  // by the gyro, less what was told: how far the robot has turned too much

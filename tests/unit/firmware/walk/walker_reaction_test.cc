@@ -58,24 +58,27 @@ WalkParameters capturing(std::int16_t ahead, std::int16_t aside) {
   return parameters;
 }
 
+// What is left of a lean's news after a step of it.
+const double kNews = std::pow(1.0 - 1.0 / 150.0, 26);
+
 TEST(WalkerCapture, MovesTheFootholdTowardsALeanAhead) {
   for (const double lean_rad : {0.1, -0.1}) {
     const double sign = lean_rad > 0 ? 1.0 : -1.0;
     const test::Point moved = shift(capturing(500, 500), Side::kLeft, leaning(0, lean_rad));
-    EXPECT_NEAR(moved.x, sign * 0.5 * (kComHeight_m * 0.1 - 0.005), 0.1e-3);
+    EXPECT_NEAR(moved.x, sign * 0.5 * (kNews * kComHeight_m * 0.1 - 0.005), 0.1e-3);
     EXPECT_NEAR(moved.y, 0.0, 0.1e-3);
   }
 }
 
 TEST(WalkerCapture, MovesTheFootholdOutTowardsALeanAside) {
   // A roll to the right is positive about x, ahead: the mass falls to the right.
-  const double way_m = 0.5 * (kComHeight_m * 0.1 - 0.005);
+  const double way_m = 0.5 * (kNews * kComHeight_m * 0.1 - 0.005);
   EXPECT_NEAR(shift(capturing(500, 500), Side::kRight, leaning(0.1, 0)).y, -way_m, 0.1e-3);
   EXPECT_NEAR(shift(capturing(500, 500), Side::kLeft, leaning(-0.1, 0)).y, way_m, 0.1e-3);
 }
 
 TEST(WalkerCapture, CountsARateByThePendulumsTimeConstant) {
-  const double way_m = 0.5 * (kComHeight_m * kTimeConstant_s * 0.5 - 0.005);
+  const double way_m = 0.5 * (kNews * kComHeight_m * kTimeConstant_s * 0.5 - 0.005);
   EXPECT_NEAR(shift(capturing(500, 0), Side::kLeft, turning(0.5, 0)).x, way_m, 0.1e-3);
 }
 
@@ -95,9 +98,17 @@ TEST(WalkerCapture, DoesNothingWithinTheDeadBandOrWithoutAShare) {
   }
 }
 
+TEST(WalkerCapture, DoesNotStepAfterALeanThatStays) {
+  WalkingRobot robot(capturing(500, 500));
+  for (int tick = 0; tick < 1'200; ++tick) robot.advance({}, leaning(0.05, 0.05));
+  const test::Point last = robot.landings.back().p;
+  EXPECT_NEAR(last.x, 0.0, 0.1e-3);
+  EXPECT_NEAR(std::abs(last.y), 0.066, 0.1e-3);
+}
+
 TEST(WalkerCapture, DoesNotBelieveALeanThatNoStepCatches) {
   WalkParameters parameters = capturing(100, 0);
-  const double most_m = 0.1 * (kComHeight_m * 30.0 * M_PI / 180.0 - 0.005);
+  const double most_m = 0.1 * (kNews * kComHeight_m * 30.0 * M_PI / 180.0 - 0.005);
   EXPECT_NEAR(shift(parameters, Side::kLeft, leaning(0, 1.5)).x, most_m, 0.1e-3);
 }
 
@@ -105,7 +116,9 @@ TEST(WalkerCapture, SmoothsWhatItSees) {
   WalkParameters parameters = capturing(500, 0);
   parameters.reaction.dead_band = 0;
   parameters.reaction.smoothing = 900;
-  const double share = 1.0 - std::pow(0.9, 26);  // of what it sees, after a step of it
+  // A tenth of each cycle's news, of which those of the first are a_1 = 149 / 150.
+  const double fading = 1.0 - 1.0 / 150.0;
+  const double share = 0.1 * fading * (kNews - std::pow(0.9, 26)) / (fading - 0.9);
   const test::Point moved = shift(parameters, Side::kLeft, leaning(0, 0.1));
   EXPECT_NEAR(moved.x, share * 0.5 * kComHeight_m * 0.1, 0.1e-3);
 }

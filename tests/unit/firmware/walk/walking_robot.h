@@ -9,12 +9,19 @@
 
 namespace koboshi::test {
 
-// Joints that do not give, so that the soles are where the targets say.
+// A gait of round numbers, whatever the robot walks with, on joints that do not give: the soles are where the
+// targets say.
 inline walk::WalkParameters rigid() {
-  walk::WalkParameters parameters;
-  parameters.posture.pitch_compliance = 0;
-  parameters.posture.roll_compliance = 0;
-  return parameters;
+  return {.step = {.time_ms = 260, .double_support = 150, .width = 660, .height = 200, .ease = 300},
+          .posture = {.com_height = 1700,
+                      .zmp_ahead = 80,
+                      .zmp_inward = 20,
+                      .trunk_pitch = 546,
+                      .trunk_pitch_by_speed = 0,
+                      .pitch_compliance = 0,
+                      .roll_compliance = 0,
+                      .arm_swing = 0},
+          .reaction = {.capture_ahead = 0, .capture_aside = 0, .dead_band = 50, .smoothing = 500}};
 }
 
 // A walker on the test robot, whose joints are always at their targets and whose trunk leans as it is to.
