@@ -42,10 +42,10 @@ ScenarioPlayer::ScenarioPlayer(const Scenario& scenario, SimBoard& board, std::v
     : scenario_(scenario),
       board_(board),
       operator_(board, std::move(parameters)),
+      commands_(scenario.commands),
+      pushes_(scenario.pushes),
       held_(scenario.initial.release_us.has_value()) {
-  for (const Push& push : scenario.pushes) {
-    pushed_links_.push_back(*board.robot().find_link(push.link.text));
-  }
+  for (const Push& push : pushes_) pushed_links_.push_back(*board.robot().find_link(push.link.text));
   for (std::size_t i = 0; i < scenario.faults.size(); ++i) {
     const Fault& fault = scenario.faults[i];
     fault_events_.push_back({fault.at_us, true, i});
@@ -60,9 +60,9 @@ ScenarioPlayer::ScenarioPlayer(const Scenario& scenario, SimBoard& board, std::v
 void ScenarioPlayer::advance() {
   const std::uint64_t now_us = board_.now_us();
   operator_.advance();
-  for (; operator_.ready() && next_command_ < scenario_.commands.size(); ++next_command_) {
-    if (scenario_.commands[next_command_].at_us > now_us) break;
-    operator_.command(scenario_.commands[next_command_]);
+  for (; operator_.ready() && next_command_ < commands_.size(); ++next_command_) {
+    if (commands_[next_command_].at_us > now_us) break;
+    operator_.command(commands_[next_command_]);
   }
   for (; next_fault_event_ < fault_events_.size(); ++next_fault_event_) {
     const FaultEvent& event = fault_events_[next_fault_event_];
@@ -81,9 +81,22 @@ void ScenarioPlayer::advance() {
   board_.advance();
 }
 
+void ScenarioPlayer::command(Command command) {
+  command.at_us = board_.now_us();
+  commands_.insert(std::ranges::upper_bound(commands_, command.at_us, {}, &Command::at_us), command);
+}
+
+void ScenarioPlayer::push(Push push) {
+  push.at_us = board_.now_us();
+  const auto place = std::ranges::upper_bound(pushes_, push.at_us, {}, &Push::at_us);
+  pushed_links_.insert(pushed_links_.begin() + (place - pushes_.begin()),
+                       *board_.robot().find_link(push.link.text));
+  pushes_.insert(place, std::move(push));
+}
+
 void ScenarioPlayer::before_step(World& world, std::uint64_t start_us, std::uint64_t end_us) {
-  for (std::size_t i = 0; i < scenario_.pushes.size(); ++i) {
-    const Push& push = scenario_.pushes[i];
+  for (std::size_t i = 0; i < pushes_.size(); ++i) {
+    const Push& push = pushes_[i];
     if (push.at_us >= end_us || push.at_us + push.duration_us <= start_us) continue;
     const LinkDescription& link = board_.robot().links[static_cast<std::size_t>(pushed_links_[i])];
     world.push(pushed_links_[i], push.p_L_m.value_or(link.p_LCom_L), push.mean_force_W_N(start_us, end_us));

@@ -14,7 +14,7 @@ namespace koboshi::sim {
 BoardOptions board_options(const Scenario& scenario, const RobotDescription& robot);
 
 // Does to a board what its scenario says, each thing in its time: commands from the operator's PC, faults,
-// pushes, and letting go of the stand.
+// pushes, and letting go of the stand. An operator who takes part in the run may command and push besides.
 class ScenarioPlayer final : private StepListener {
  public:
   // Scenario and board must outlive the player. The scenario has been checked against the board's robot.
@@ -28,6 +28,13 @@ class ScenarioPlayer final : private StepListener {
   void advance();
   bool finished() const { return board_.now_us() >= scenario_.duration_us; }
 
+  // With the next advance(), as if it stood in the scenario with the time that it is now.
+  void command(Command command);
+  void push(Push push);
+  // The scenario's and these, in the order of time.
+  const std::vector<Command>& commands() const { return commands_; }
+  const std::vector<Push>& pushes() const { return pushes_; }
+
  private:
   void before_step(World& world, std::uint64_t start_us, std::uint64_t end_us) override;
   void cause(const Fault& fault);
@@ -38,6 +45,8 @@ class ScenarioPlayer final : private StepListener {
   const Scenario& scenario_;
   SimBoard& board_;
   OperatorPc operator_;
+  std::vector<Command> commands_;
+  std::vector<Push> pushes_;
   std::vector<int> pushed_links_;  // by push
   std::size_t next_command_ = 0;
   // Faults begin and end; in the order of time, of equal times the ends first.

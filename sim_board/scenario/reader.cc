@@ -151,6 +151,7 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
   scenario.seed = static_cast<std::uint64_t>(root.integer("seed", {.min = 0}, 1));
   scenario.noise_scale = read_noise_scale(root);
   scenario.computing_time_us = read_computing_time_us(root);
+  scenario.teleop = root.boolean("teleop", false);
   scenario.physics = read_physics(root);
   scenario.ground = read_ground(root, folder);
   scenario.materials = read_materials(root);

@@ -186,6 +186,7 @@ struct Scenario {
   std::uint64_t seed = 1;
   double noise_scale = 1.0;               // of the sensors' random errors
   std::uint64_t computing_time_us = 500;  // of the controller, a tick
+  bool teleop = false;                    // an operator takes part in the run
   Physics physics;
   Ground ground;
   std::vector<NamedMaterialPair> materials;

@@ -7,6 +7,7 @@
 
 #include "firmware/canopen/frame.h"
 #include "tests/closed_loop/run.h"
+#include "tools/run/run_recorder.h"
 
 namespace koboshi::test {
 namespace {
@@ -65,6 +66,44 @@ TEST(WalkByCommand, GoesAheadAndRoundACurveAndStandsStill) {
   EXPECT_EQ(run.behaviour().faults, 0);
   EXPECT_EQ(run.behaviour().refusal, app::Reason::kNone);
   EXPECT_EQ(run.torque_count(), 20);
+}
+
+// What an operator does in the midst of a run is done as if the scenario had said so.
+TEST(WalkByCommand, RepeatsWhatAnOperatorDid) {
+  using Kind = sim::Command::Kind;
+  sim::Scenario scenario = go();
+  scenario.duration_us = 1'500'000;
+  scenario.parameters = {{{"step_time", scenario.file, 0}, 250.0}};
+  scenario.commands = {{.at_us = 1'000'000, .kind = Kind::kStop}};
+  sim::Push push;
+  push.duration_us = 100'000;
+  push.link.text = "trunk";
+  push.force_W_N = {3.0, -1.0, 0.0};
+  const auto advance_until = [](tools::Simulation& simulation, std::uint64_t end_us) {
+    while (simulation.board().now_us() < end_us) simulation.advance();
+  };
+  tools::Simulation operated(scenario);
+  tools::RunRecorder operated_recorder(operated, nullptr);
+  operated.command({.kind = Kind::kReset});  // before the parameters are set
+  advance_until(operated, 700'000);
+  operated.command({.kind = Kind::kEnable});
+  operated.push(push);
+  advance_until(operated, 1'000'000);
+  operated.command({.kind = Kind::kWalk, .velocity = {0.02, 0.0, -0.1}});
+  advance_until(operated, 1'500'000);
+  operated_recorder.record_tick();
+
+  const sim::Scenario played = operated.played();
+  ASSERT_EQ(played.commands.size(), 4u);
+  EXPECT_EQ(played.commands[2].kind, Kind::kStop);
+  EXPECT_EQ(played.commands[3].at_us, 1'000'000u);
+  ASSERT_EQ(played.pushes.size(), 1u);
+  EXPECT_EQ(played.pushes[0].at_us, 700'000u);
+  tools::Simulation repeated(played);
+  tools::RunRecorder repeated_recorder(repeated, nullptr);
+  advance_until(repeated, 1'500'000);
+  repeated_recorder.record_tick();
+  EXPECT_EQ(repeated_recorder.summary().state_hash, operated_recorder.summary().state_hash);
 }
 
 TEST(WalkByCommand, IsToldTheVelocityBeforeTheCommand) {

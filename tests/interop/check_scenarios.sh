@@ -13,6 +13,8 @@ for scenario in scenarios/*.yaml; do
   if [ "$name" = board ]; then  # it has no controller, and so is nothing for `koboshi run`
     mkdir "$folder/$name"
     "$koboshi" board "$scenario" --can "log:$log" --duration "$seconds"
+  elif [ "$name" = teleop ]; then  # here is nobody at its keys
+    "$koboshi" run "$scenario" --set teleop=false --duration "$seconds" --out "$folder/$name"
   else
     "$koboshi" run "$scenario" --duration "$seconds" --out "$folder/$name"
   fi

@@ -24,6 +24,7 @@ BAD_SCENARIOS = {
     "other version": ("version: 1", "version: 7", 1),
     "out of range": ("duration_s: 1", "duration_s: -1", 4),
     "not a number": ("duration_s: 1", "duration_s: long", 4),
+    "neither true nor false": ("duration_s: 1", "duration_s: 1\nteleop: perhaps", 5),
     "malformed": ("duration_s: 1", "duration_s: [1", None),
     "missing key": ("duration_s: 1\n", "", None),
     "missing robot": ("robot.sdf", "nobody.sdf", 2),

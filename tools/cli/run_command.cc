@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "tools/cli/overrides.h"
 #include "tools/run/qemu_host.h"
 #include "tools/run/run.h"
+#include "tools/teleop/teleop.h"
 
 namespace koboshi::tools {
 namespace {
@@ -71,6 +73,19 @@ void report(const RunResult& result, const std::filesystem::path& out) {
   if (result.failure) fmt::print(stderr, "koboshi: {}\n", *result.failure);
 }
 
+// The operator needs a terminal, and a run that is no faster than he.
+void give_operator(RunOptions& options) {
+  if (!Terminal::is_there()) {
+    throw sim::InputError(options.scenario.file, 0,
+                          "teleop: true, but no terminal on standard input and output",
+                          "one, whose keys drive the robot, or --set teleop=false");
+  }
+  options.live.realtime = true;
+  options.make_operator = [](Simulation& simulation, const RunRecorder& recorder, const LiveLink& live) {
+    return std::make_unique<Teleop>(simulation, recorder, live);
+  };
+}
+
 int run_scenario(const Arguments& arguments) {
   RunOptions options;
   options.scenario = sim::read_scenario(arguments.scenario, overrides(arguments));
@@ -84,8 +99,14 @@ int run_scenario(const Arguments& arguments) {
   }
   options.live = arguments.live;
   options.ready = tell_where;
-  ProgressBar bar;
-  const RunResult result = run(options, [&](const RunProgress& progress) { bar.show(progress); });
+  std::function<void(const RunProgress&)> show = [bar = ProgressBar()](const RunProgress& progress) mutable {
+    bar.show(progress);
+  };
+  if (options.scenario.teleop) {
+    give_operator(options);
+    show = {};  // the operator has the screen
+  }
+  const RunResult result = run(options, show);
   report(result, options.out);
   return result.failure ? 1 : 0;
 }
@@ -104,7 +125,8 @@ void add_run_command(CLI::App& program, int& exit_status) {
       "  *.png, *.svg  figures\n\n"
       "Examples:\n"
       "  koboshi run scenarios/walk.yaml\n"
-      "  koboshi run scenarios/walk.yaml --seed 7 --set ground.friction=0.4 --out runs/slippery\n");
+      "  koboshi run scenarios/walk.yaml --seed 7 --set ground.friction=0.4 --out runs/slippery\n"
+      "  koboshi run scenarios/teleop.yaml --realtime\n");
   command->add_option("SCENARIO", arguments->scenario, "A scenario file, docs/reference/scenario-format.md")
       ->required();
   command->add_option("--out", arguments->out,

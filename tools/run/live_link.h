@@ -43,6 +43,8 @@ class LiveLink {
   bool is_live() const { return live_; }
   // Where others find the bus; null without a transport.
   const sim::Transport* transport() const { return transport_.get(); }
+  // What holds the time back; null where nothing does, and before attach().
+  const Pacer* pacer() const { return pacer_ ? &*pacer_ : nullptr; }
   // What became of it: frames, overruns. Null when there was neither transport nor pacing.
   nlohmann::ordered_json report() const;
 

@@ -2,7 +2,9 @@
 
 #include <chrono>
 
+#include "sim_board/record/output_file.h"
 #include "sim_board/record/output_folder.h"
+#include "sim_board/scenario/events_text.h"
 #include "tools/run/run_figures.h"
 #include "tools/run/run_recorder.h"
 #include "tools/run/walk_figures.h"
@@ -38,11 +40,13 @@ nlohmann::ordered_json timing_json(const sim::SimBoard& board, double wall_s, st
 
 // Plays it to its end, or to the error that ends it.
 std::optional<std::string> play(Simulation& simulation, RunRecorder& recorder, LiveLink& live,
+                                const OperatorFactory& make_operator,
                                 const std::function<void(const RunProgress&)>& progress) {
   constexpr std::uint64_t kTick_us = sim::SimBoard::kTick_us;
   const auto start = Clock::now();
   const double duration_s = 1e-6 * static_cast<double>(simulation.scenario().duration_us);
   try {
+    const auto run_operator = make_operator ? make_operator(simulation, recorder, live) : nullptr;
     while (!simulation.finished() && !live.interrupted()) {
       live.before(simulation.board().now_us());
       simulation.advance();
@@ -50,12 +54,20 @@ std::optional<std::string> play(Simulation& simulation, RunRecorder& recorder, L
       recorder.record();
       live.after(now_us);
       if (now_us % kTick_us != 0) continue;
+      if (run_operator && !run_operator->tick()) break;
       if (progress) progress({1e-6 * static_cast<double>(now_us), duration_s, seconds_since(start)});
     }
   } catch (const std::runtime_error& error) {
     return error.what();
   }
   return std::nullopt;
+}
+
+// What repeats a run that an operator took part in.
+void write_played(const sim::Scenario& played, const std::filesystem::path& folder) {
+  sim::write_whole_file(folder / "played.yaml",
+                        "# In place of the same keys of " + played.file.filename().string() +
+                            ", and with teleop: false, this repeats the run.\n" + sim::events_text(played));
 }
 
 }  // namespace
@@ -73,7 +85,7 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   if (options.ready) options.ready(live);
   const auto start = Clock::now();
   RunResult result;
-  result.failure = play(simulation, recorder, live, progress);
+  result.failure = play(simulation, recorder, live, options.make_operator, progress);
   const double wall_s = seconds_since(start);
   result.live = live.report();
   files.close();
@@ -82,8 +94,10 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   sim::write_json(options.out / "summary.json", sim::to_json(result.summary));
   sim::write_json(options.out / "timing.json",
                   timing_json(simulation.board(), wall_s, files.dropped(), live));
+  const sim::Scenario played = simulation.played();
+  if (options.make_operator) write_played(played, options.out);
   try {
-    draw_run_figures(options.scenario, options.out);
+    draw_run_figures(played, options.out);
     if (const GaitPlan* plan = simulation.gait_plan()) {
       draw_walk_figures(options.out, simulation.robot(), plan->cycle_s());
     }

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 
 #include "sim_board/record/summary.h"
@@ -11,6 +12,21 @@
 
 namespace koboshi::tools {
 
+class RunRecorder;
+
+// Takes part in a run as long as it lives.
+class RunOperator {
+ public:
+  virtual ~RunOperator() = default;
+
+  // After each tick of the simulation, which it may command. False ends the run.
+  virtual bool tick() = 0;
+};
+
+// All of them outlive the operator.
+using OperatorFactory =
+    std::function<std::unique_ptr<RunOperator>(Simulation&, const RunRecorder&, const LiveLink&)>;
+
 struct RunOptions {
   sim::Scenario scenario;
   std::filesystem::path out;             // the folder of the results
@@ -18,6 +34,7 @@ struct RunOptions {
   RobotChange change{};                  // of the robot in the world
   LiveOptions live{};
   std::function<void(const LiveLink&)> ready{};  // told when the bus can be reached from outside
+  OperatorFactory make_operator{};               // nobody, without
 };
 
 // How far a run has come, told now and then.
@@ -36,8 +53,8 @@ struct RunResult {
 };
 
 // `koboshi run`: plays a scenario, as fast as it goes or by the clock on the wall, and leaves trace.csv,
-// can.log, summary.json, timing.json and figures in the folder. Bad input throws sim::InputError before
-// anything is written; a run that fails half-way keeps what it has recorded.
+// can.log, summary.json, timing.json and figures in the folder; after an operator also played.yaml. Bad input
+// throws sim::InputError before anything is written; a run that fails half-way keeps what it has recorded.
 RunResult run(const RunOptions& options, const std::function<void(const RunProgress&)>& progress);
 
 }  // namespace koboshi::tools

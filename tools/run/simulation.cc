@@ -27,4 +27,13 @@ Simulation::Simulation(const sim::Scenario& scenario, const HostFactory& make_ho
                                                   resolve_parameters(prepared_.scenario.parameters));
 }
 
+sim::Scenario Simulation::played() const {
+  sim::Scenario played = prepared_.scenario;
+  played.teleop = false;
+  played.duration_us = board_->now_us();
+  played.commands = player_->commands();
+  played.pushes = player_->pushes();
+  return played;
+}
+
 }  // namespace koboshi::tools

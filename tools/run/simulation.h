@@ -36,6 +36,11 @@ class Simulation {
 
   void advance() { player_->advance(); }
   bool finished() const { return player_->finished(); }
+  // What an operator does besides the scenario (sim::ScenarioPlayer).
+  void command(const sim::Command& command) { player_->command(command); }
+  void push(const sim::Push& push) { player_->push(push); }
+  // The scenario as it was played so far: with what the operator did, and nobody to do more.
+  sim::Scenario played() const;
 
   const sim::Scenario& scenario() const { return prepared_.scenario; }
   // The one in the world.

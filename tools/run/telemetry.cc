@@ -73,6 +73,7 @@ void TelemetryReader::read_controller(std::uint16_t base, const hal::CanFrame& f
       telemetry_.motion = frame.data[2];
       telemetry_.trouble = static_cast<drive::Trouble>(frame.data[3]);
       telemetry_.trouble_joint = frame.data[4];
+      telemetry_.refusal = static_cast<app::Reason>(frame.data[7]);
       break;
     case kTpdo2Base:
       telemetry_.roll_rad = kRadPerAngleUnit * signed_16(frame, 0);

@@ -18,6 +18,7 @@ namespace koboshi::tools {
 struct Telemetry {
   app::State state = app::State::kBoot;
   app::Reason reason = app::Reason::kNone;
+  app::Reason refusal = app::Reason::kNone;  // why the last command was refused; none if it was not
   std::uint8_t motion = 0;
   drive::Trouble trouble = drive::Trouble::kNone;
   std::uint8_t trouble_joint = 0;

@@ -1,5 +1,6 @@
 #include "sim_board/scenario/reader.h"
 #include "sim_board/engine/make_world.h"
+#include "sim_board/scenario/events_text.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,6 +29,7 @@ duration_s: 12.5
 seed: 7
 noise: 0.5
 controller: {computing_time_us: 800}
+teleop: true
 physics: {step_ms: 0.25, stepper: quick, iterations: 80}
 ground: {friction: 0.6, stiffness_N_per_m: 3000, damping_N_s_per_m: 20, tilt_deg: [1, -2]}
 initial: {drop_m: 0.01, fixed_base: true, joints_deg: {left_knee: 40, right_knee: -20}}
@@ -73,6 +75,7 @@ TEST(ScenarioReader, FillsInWhatAFileLeavesOut) {
   EXPECT_EQ(scenario.seed, 1u);
   EXPECT_EQ(scenario.noise_scale, 1.0);
   EXPECT_EQ(scenario.computing_time_us, 500u);
+  EXPECT_FALSE(scenario.teleop);
   EXPECT_EQ(scenario.physics.step_us, 1000u);
   EXPECT_EQ(scenario.physics.stepper, Stepper::kWorld);
   EXPECT_FALSE(scenario.ground.friction.has_value());
@@ -89,6 +92,7 @@ TEST(ScenarioReader, ReadsEverySetting) {
   EXPECT_EQ(scenario.duration_us, 12'500'000u);
   EXPECT_EQ(scenario.seed, 7u);
   EXPECT_EQ(scenario.noise_scale, 0.5);
+  EXPECT_TRUE(scenario.teleop);
   EXPECT_EQ(scenario.computing_time_us, 800u);
   EXPECT_EQ(scenario.physics.step_us, 250u);
   EXPECT_EQ(scenario.physics.stepper, Stepper::kQuick);
@@ -103,7 +107,7 @@ TEST(ScenarioReader, ReadsEverySetting) {
   EXPECT_TRUE(scenario.initial.fixed_base);
   ASSERT_EQ(scenario.initial.joints.size(), 2u);
   EXPECT_EQ(scenario.initial.joints[1].joint.text, "right_knee");
-  EXPECT_EQ(scenario.initial.joints[1].joint.line, 10);
+  EXPECT_EQ(scenario.initial.joints[1].joint.line, 11);
   EXPECT_DOUBLE_EQ(scenario.initial.joints[1].position_rad, -20.0 * kDegree);
 }
 
@@ -139,7 +143,7 @@ TEST(ScenarioReader, ReadsPushes) {
   EXPECT_EQ(pushes[0].at_us, 6'000'000u);
   EXPECT_EQ(pushes[0].duration_us, 100'000u);
   EXPECT_EQ(pushes[0].link.text, "trunk");
-  EXPECT_EQ(pushes[0].link.line, 18);
+  EXPECT_EQ(pushes[0].link.line, 19);
   EXPECT_EQ(pushes[0].force_W_N, Eigen::Vector3d(3, -1, 0.5));
   EXPECT_EQ(pushes[0].p_L_m, Eigen::Vector3d(0, 0, 0.05));
   EXPECT_EQ(pushes[0].shape, Push::Shape::kHalfSine);
@@ -247,6 +251,37 @@ TEST(ScenarioReader, TakesTheSecondEngineOnlyWhereThereIsOne) {
   }
 }
 
+TEST(ScenarioEvents, AreReadAgainAsTheyWereWritten) {
+  const TemporaryTree tree;
+  Scenario written = read(tree, kFull, {"commands.2.at_s=9.123456"});
+  written.commands.push_back(
+      {.at_us = 11'000'000, .kind = Command::Kind::kWalk, .velocity = {0.1, -0.02, 1e-3}});
+  written.pushes[0].force_W_N = {1.0 / 3.0, -1e-17, 1e4};
+  const std::string text = events_text(written);
+  const Scenario again =
+      read(tree,
+           "version: 1\nrobot: robots/box/robot.sdf\nmotions: [robots/box/motions/bow.yaml, "
+           "../robots/box/motions/squat.yaml]\n" +
+               text);
+  EXPECT_EQ(again.duration_us, written.duration_us);
+  ASSERT_EQ(again.commands.size(), written.commands.size());
+  for (std::size_t i = 0; i < written.commands.size(); ++i) {
+    EXPECT_EQ(again.commands[i].at_us, written.commands[i].at_us);
+    EXPECT_EQ(again.commands[i].kind, written.commands[i].kind);
+    EXPECT_EQ(again.commands[i].motion, written.commands[i].motion);
+    EXPECT_EQ(again.commands[i].velocity, written.commands[i].velocity);
+  }
+  ASSERT_EQ(again.pushes.size(), written.pushes.size());
+  for (std::size_t i = 0; i < written.pushes.size(); ++i) {
+    EXPECT_EQ(again.pushes[i].at_us, written.pushes[i].at_us);
+    EXPECT_EQ(again.pushes[i].duration_us, written.pushes[i].duration_us);
+    EXPECT_EQ(again.pushes[i].link.text, written.pushes[i].link.text);
+    EXPECT_EQ(again.pushes[i].shape, written.pushes[i].shape);
+    EXPECT_EQ(again.pushes[i].force_W_N, written.pushes[i].force_W_N);
+    EXPECT_EQ(again.pushes[i].p_L_m, written.pushes[i].p_L_m);
+  }
+}
+
 TEST(ScenarioReader, LetsTheCommandLineReplaceAndAdd) {
   const TemporaryTree tree;
   const Scenario scenario = read(
@@ -263,6 +298,7 @@ TEST(ScenarioReader, RefusesWhatIsOutOfRangeOrUnknown) {
       {"colour: red", "unknown key colour"},
       {"seed: -1", "seed = -1"},
       {"seed: 1.5", "seed = 1.5"},
+      {"teleop: 2", "teleop = 2"},
       {"motions: [robots/box/motions/jump.yaml]", "no file robots/box/motions/jump.yaml"},
       {"motions: [robots/box/motions/bow.yaml, robots/box/motions/bow.yaml]", "a second motion named bow"},
       {"controller: {computing_time_us: 9001}", "9001"},

@@ -1,0 +1,146 @@
+"""Drives scenarios/teleop.yaml by keys through a pseudo-terminal. Waits for what the screen shows, not for times."""
+
+import fcntl
+import json
+import os
+import pty
+import re
+import select
+import struct
+import subprocess
+import termios
+import time
+import unittest
+
+import program as support
+
+PROGRAM = None
+TELEOP = support.ROOT / "scenarios" / "teleop.yaml"
+PATIENCE_S = 240.0  # of each wait; a run goes by the clock on the wall, but not on every machine
+UP, DOWN, LEFT = "\x1b[A", "\x1b[B", "\x1b[D"
+# A drawing begins in the first row and ends by clearing what is below it.
+DRAWING = re.compile(r"\x1b\[1;1H((?:(?!\x1b\[1;1H).)*)\x1b\[J", re.DOTALL)
+
+
+class Operator:
+    """Someone at a terminal in which the program runs."""
+
+    def __init__(self, out):
+        self.master, self.slave = pty.openpty()
+        fcntl.ioctl(self.slave, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+        self.before = termios.tcgetattr(self.slave)
+        self.text = ""
+        command = [PROGRAM.path, "run", TELEOP, "--realtime", "--out", out]
+        self.process = subprocess.Popen(command, cwd=support.ROOT, stdin=self.slave, stdout=self.slave, stderr=self.slave,
+                                        start_new_session=True,  # so that Ctrl-C in it means the program
+                                        preexec_fn=lambda: fcntl.ioctl(self.slave, termios.TIOCSCTTY, 0))
+
+    def press(self, keys):
+        os.write(self.master, keys.encode())
+
+    def look(self):
+        """The lines of the last drawing, without control sequences; reads on for a moment."""
+        if select.select([self.master], [], [], 0.1)[0]:
+            self.text += os.read(self.master, 65536).decode(errors="replace")
+        drawings = DRAWING.findall(self.text)
+        return re.sub(r"\x1b\[\d+;1H", "\n", drawings[-1]).replace("\x1b[K", "") if drawings else ""
+
+    def wait_for(self, pattern):
+        end = time.monotonic() + PATIENCE_S
+        while time.monotonic() < end:
+            found = re.search(pattern, self.look(), re.MULTILINE)
+            if found:
+                return found
+            if self.process.poll() is not None:
+                break
+        raise AssertionError(f"never saw {pattern}, but {self.text[-3000:]!r}")
+
+    def wait_for_end(self):
+        """The exit status."""
+        end = time.monotonic() + PATIENCE_S
+        while self.process.poll() is None and time.monotonic() < end:
+            self.look()
+        self.look()
+        return self.process.poll()
+
+    def close(self):
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        os.close(self.master)
+        os.close(self.slave)
+
+
+class Teleop(unittest.TestCase):
+    def setUp(self):
+        self.out = support.temporary_folder(type(self)) / self.id().rsplit(".", 1)[-1]
+        self.operator = Operator(self.out)
+        self.addCleanup(self.operator.close)
+
+    def assert_ended_well(self):
+        self.assertEqual(self.operator.wait_for_end(), 0, self.operator.text[-3000:])
+        self.assertEqual(termios.tcgetattr(self.operator.slave), self.operator.before)
+        tail = self.operator.text[self.operator.text.rindex("\x1b[?1049l"):]  # back on the screen of before
+        self.assertIn("\x1b[?25h", self.operator.text)
+        self.assertRegex(tail, r"done after .* did not fall, 0 faults")
+
+    def assert_repeats(self):
+        """The same run without an operator, of what the run says was played."""
+        scenario = self.out.parent / "again.yaml"
+        without_events = re.sub(r"(?m)^(duration_s|commands):.*\n(  - .*\n)*", "", TELEOP.read_text())
+        with_paths = without_events.replace("robots/", f"{support.ROOT}/robots/")
+        scenario.write_text(with_paths + (self.out / "played.yaml").read_text())
+        again = PROGRAM.run_scenario(scenario, self.out.parent / "again", "--set", "teleop=false")
+        hashes = [json.loads((run / "summary.json").read_text())["state_hash"] for run in (self.out, again)]
+        self.assertEqual(*hashes)
+
+    def test_walks_ahead_and_stops(self):
+        operator = self.operator
+        operator.wait_for(r"^state +boot|^state +limp")
+        self.assertFalse(termios.tcgetattr(operator.slave)[3] & termios.ECHO)
+        operator.wait_for(r"^state +standing, by progress\n(.*\n)*load(?!.*held)")
+        operator.press(UP * 4)
+        operator.wait_for(r"^state +walking, by command\ncommanded +ahead \+0\.08 m/s, left \+0\.00 m/s")
+        operator.wait_for(r"^measured +ahead \+0\.(0[5-9]|1\d) m/s")
+        operator.press(DOWN)
+        operator.wait_for(r"^commanded +ahead \+0\.06 m/s")
+        operator.press(" ")
+        operator.wait_for(r"^state +standing, by .*\ncommanded +ahead \+0\.00 m/s")
+        operator.press("--p")
+        operator.wait_for(r"^push +0\.10 N s, where to\?")
+        operator.press(LEFT)
+        operator.wait_for(r"^push +0\.10 N s\nlast key +turn left")
+        operator.press("q")
+        self.assert_ended_well()
+        log = (self.out / "can.log").read_text()
+        self.assertIn(" 301#500000000000", log)  # 80 mm/s ahead, told on the bus
+        self.assertRegex(log, r" 301#3C0000000000\n(.*\n)*.* 201#040000")
+        self.assert_repeats()
+
+    def test_ctrl_c_gives_the_terminal_back(self):
+        operator = self.operator
+        operator.wait_for(r"^state +limp")
+        operator.press("e")
+        operator.wait_for(r"^state +emergency stop, by command")
+        operator.press("\x03")
+        self.assert_ended_well()
+
+
+class WithoutATerminal(unittest.TestCase):
+    def setUp(self):
+        self.out = support.temporary_folder(type(self)) / "out"
+
+    def test_is_refused_in_one_line(self):
+        result = PROGRAM.run("run", TELEOP, "--realtime", "--out", self.out)
+        self.assertEqual(result.returncode, 2)
+        self.assertRegex(result.stderr, r"^.*teleop\.yaml: found .*no terminal.*, expected .*\n$")
+        self.assertFalse(self.out.exists())
+
+    def test_the_scenario_runs_by_itself(self):
+        out = PROGRAM.run_scenario(TELEOP, self.out, "--set", "teleop=false", "--duration", "0.1")
+        self.assertTrue((out / "can.log").is_file())
+
+
+if __name__ == "__main__":
+    PROGRAM = support.take_program_argument()
+    unittest.main()

@@ -1,0 +1,133 @@
+#include "tools/teleop/pilot.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "firmware/app/dictionary.h"
+#include "tools/run/parameters.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr std::uint64_t kPushDuration_us = 100'000;
+
+std::int16_t step(std::int16_t value, int by, std::int16_t lowest, std::int16_t highest) {
+  return static_cast<std::int16_t>(std::clamp<int>(value + by, lowest, highest));
+}
+
+// Ahead and to the left; none for keys that point nowhere.
+std::optional<Eigen::Vector2d> direction_of(Key key) {
+  switch (key) {
+    case Key::kForward:
+      return Eigen::Vector2d(1.0, 0.0);
+    case Key::kBackward:
+      return Eigen::Vector2d(-1.0, 0.0);
+    case Key::kLeft:
+    case Key::kTurnLeft:
+      return Eigen::Vector2d(0.0, 1.0);
+    case Key::kRight:
+    case Key::kTurnRight:
+      return Eigen::Vector2d(0.0, -1.0);
+    default:
+      return std::nullopt;
+  }
+}
+
+sim::Command command(sim::Command::Kind kind) { return {.kind = kind}; }
+
+sim::Command walk_command(const walk::Velocity& velocity) {
+  return {.kind = sim::Command::Kind::kWalk,
+          .velocity = 1e-3 * Eigen::Vector3d(velocity.forward_mm_per_s, velocity.left_mm_per_s,
+                                             velocity.turn_mrad_per_s)};
+}
+
+}  // namespace
+
+sim::Push BodyPush::on(const std::string& link, double heading_rad) const {
+  sim::Push push;
+  push.duration_us = kPushDuration_us;
+  push.link.text = link;
+  push.shape = sim::Push::Shape::kHalfSine;
+  // The mean of a half sine is 2/pi of its peak.
+  const double peak_per_impulse_per_s = 0.5 * std::numbers::pi / (1e-6 * kPushDuration_us);
+  push.force_W_N.head<2>() = peak_per_impulse_per_s * (Eigen::Rotation2Dd(heading_rad) * impulse_B_N_s);
+  return push;
+}
+
+Order Pilot::press(Key key, app::State state) {
+  using Kind = sim::Command::Kind;
+  const bool on_its_feet = state == app::State::kStanding || state == app::State::kWalking;
+  if (!on_its_feet) velocity_ = {};
+  const bool aimed = std::exchange(aims_, key == Key::kPush);
+  if (const auto direction = direction_of(key)) {
+    if (aimed) return BodyPush{push_N_s() * *direction};
+    if (!on_its_feet) return {};
+    change_velocity(key);
+    return walk_command(velocity_);
+  }
+  switch (key) {
+    case Key::kGo:
+      return walk_command(velocity_);
+    case Key::kStop:
+      velocity_ = {};
+      return command(Kind::kStop);
+    case Key::kPushMore:
+      push_mN_s_ = std::min(push_mN_s_ + kPushStep_mN_s, kLargestPush_mN_s);
+      return {};
+    case Key::kPushLess:
+      push_mN_s_ = std::max(push_mN_s_ - kPushStep_mN_s, kPushStep_mN_s);
+      return {};
+    case Key::kEnable:
+      return command(Kind::kEnable);
+    case Key::kEmergencyStop:
+      velocity_ = {};
+      return command(Kind::kEmergencyStop);
+    case Key::kReset:
+      return command(Kind::kReset);
+    case Key::kEnd:
+      return EndOfRun{};
+    default:
+      return {};
+  }
+}
+
+void Pilot::change_velocity(Key key) {
+  const walk::Velocity lowest = limits_.lowest();
+  const walk::Velocity highest = limits_.highest();
+  const auto change = [&](std::int16_t walk::Velocity::*axis, int by) {
+    velocity_.*axis = step(velocity_.*axis, by, lowest.*axis, highest.*axis);
+  };
+  switch (key) {
+    case Key::kForward:
+      return change(&walk::Velocity::forward_mm_per_s, kSpeedStep_mm_per_s);
+    case Key::kBackward:
+      return change(&walk::Velocity::forward_mm_per_s, -kSpeedStep_mm_per_s);
+    case Key::kLeft:
+      return change(&walk::Velocity::left_mm_per_s, kSpeedStep_mm_per_s);
+    case Key::kRight:
+      return change(&walk::Velocity::left_mm_per_s, -kSpeedStep_mm_per_s);
+    case Key::kTurnLeft:
+      return change(&walk::Velocity::turn_mrad_per_s, kTurnStep_mrad_per_s);
+    case Key::kTurnRight:
+      return change(&walk::Velocity::turn_mrad_per_s, -kTurnStep_mrad_per_s);
+    default:
+      return;
+  }
+}
+
+walk::VelocityLimits velocity_limits(const sim::Scenario& scenario) {
+  walk::VelocityLimits limits;
+  const std::array fields{&limits.forward_mm_per_s, &limits.backward_mm_per_s, &limits.sideways_mm_per_s,
+                          &limits.turn_mrad_per_s};
+  for (const sim::SdoWrite& write : resolve_parameters(scenario.parameters)) {
+    if (write.address.index != app::kVelocityLimitsObject) continue;
+    *fields.at(write.address.subindex - 1u) = static_cast<std::int16_t>(write.value);
+  }
+  return limits;
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <variant>
+
+#include "firmware/app/behaviour.h"
+#include "firmware/walk/velocity.h"
+#include "sim_board/scenario/scenario.h"
+#include "tools/teleop/key.h"
+
+namespace koboshi::tools {
+
+// A push as the operator means it: ahead and to the left of the robot.
+struct BodyPush {
+  Eigen::Vector2d impulse_B_N_s = Eigen::Vector2d::Zero();
+
+  // On a link of a robot that heads there, counter-clockwise from the world's x axis. A half sine of 0.1 s.
+  [[nodiscard]] sim::Push on(const std::string& link, double heading_rad) const;
+};
+
+// What a key leads to: nothing, a command for the controller, a push, or the end of the run.
+struct EndOfRun {};
+using Order = std::variant<std::monostate, sim::Command, BodyPush, EndOfRun>;
+
+// Makes orders of keys. Knows the velocity that it has commanded last, and neither terminal nor robot.
+class Pilot {
+ public:
+  static constexpr std::int16_t kSpeedStep_mm_per_s = 20;
+  static constexpr std::int16_t kTurnStep_mrad_per_s = 100;
+  static constexpr int kPushStep_mN_s = 50;
+  static constexpr int kLargestPush_mN_s = 2000;
+
+  explicit Pilot(const walk::VelocityLimits& limits) : limits_(limits) {}
+
+  // In this state of the controller. Off its feet the robot takes no velocity, and begins anew from zero.
+  [[nodiscard]] Order press(Key key, app::State state);
+
+  const walk::Velocity& velocity() const { return velocity_; }
+  double push_N_s() const { return 1e-3 * push_mN_s_; }
+  // The next direction is that of a push.
+  bool aims() const { return aims_; }
+
+ private:
+  void change_velocity(Key key);
+
+  walk::VelocityLimits limits_;
+  walk::Velocity velocity_;
+  // Of the 1.2 kg of koboshi, 0.17 N s/kg: one that it survives standing and walking, from all sides
+  // (docs/experiment/push-recovery.md, November 2026).
+  int push_mN_s_ = 200;
+  bool aims_ = false;
+};
+
+// Those that the controller begins with and a scenario's parameters leave (object 2111). Throws
+// sim::InputError for parameters that the controller does not have.
+[[nodiscard]] walk::VelocityLimits velocity_limits(const sim::Scenario& scenario);
+
+}  // namespace koboshi::tools

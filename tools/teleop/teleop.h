@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "tools/run/run.h"
+#include "tools/teleop/pilot.h"
+#include "tools/teleop/sliding_rate.h"
+#include "tools/teleop/status.h"
+#include "tools/teleop/terminal.h"
+
+namespace koboshi::tools {
+
+// An operator at the keyboard of this terminal: keys become commands on the simulated bus, which come from
+// the same PC as those of the scenario, and pushes of the base link. The screen shows what the robot does.
+class Teleop final : public RunOperator {
+ public:
+  // Takes the terminal until the end. Throws what Terminal and velocity_limits throw.
+  Teleop(Simulation& simulation, const RunRecorder& recorder, const LiveLink& live);
+
+  bool tick() override;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  // False when the key ends the run.
+  bool obey(Key key);
+  void measure();
+  double now_s() const { return 1e-6 * static_cast<double>(simulation_.board().now_us()); }
+  TeleopStatus status() const;
+
+  Simulation& simulation_;
+  const RunRecorder& recorder_;
+  const LiveLink& live_;
+  Pilot pilot_;
+  KeyDecoder decoder_;
+  std::string last_key_;
+  const Clock::time_point start_ = Clock::now();
+  Clock::time_point next_drawing_ = start_;
+  SlidingRate<1> pace_;
+  SlidingRate<3> velocity_;
+  // The way so far: each tick's ahead and to the left of the trunk's heading in it [m], and its turn [rad].
+  std::array<double, 3> way_{};
+  std::optional<Eigen::Vector3d> place_;  // x, y and yaw in the world
+  Terminal terminal_;
+};
+
+}  // namespace koboshi::tools
