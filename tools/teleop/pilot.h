@@ -47,8 +47,7 @@ class Pilot {
 
   walk::VelocityLimits limits_;
   walk::Velocity velocity_;
-  // Of the 1.2 kg of koboshi, 0.17 N s/kg: one that it survives standing and walking, from all sides
-  // (docs/experiment/push-recovery.md, November 2026).
+  // 0.17 N s/kg of koboshi's 1.2 kg.
   int push_mN_s_ = 200;
   bool aims_ = false;
 };
