@@ -1,21 +1,12 @@
-#include <gtest/gtest.h>
-
 #include "firmware/canopen/crc16.h"
-#include "tests/unit/firmware/canopen/test_node.h"
+#include "tests/unit/firmware/canopen/sdo_conversation.h"
 
 namespace koboshi::canopen {
 namespace {
 
 // Block downloads after CiA 301, 7.2.4.3.9 to 7.2.4.3.11, into the domain 0x2100:1 of node 0x10.
-class SdoBlockDownload : public testing::Test {
+class SdoBlockDownload : public SdoConversation {
  protected:
-  void SetUp() override { device_.make_operational(); }
-  std::vector<hal::CanFrame> ask(std::initializer_list<unsigned> bytes) {
-    return device_.ask(can_frame(0x610, bytes), now_us_);
-  }
-  static std::vector<hal::CanFrame> answer(std::initializer_list<unsigned> bytes) {
-    return {can_frame(0x590, bytes)};
-  }
   // Segment number `sequence` of a block whose first byte is at `start`.
   std::vector<hal::CanFrame> send_segment(const std::vector<std::uint8_t>& data, std::size_t start,
                                           unsigned sequence) {
@@ -35,9 +26,6 @@ class SdoBlockDownload : public testing::Test {
     EXPECT_EQ(ask({0xC6, 0x00, 0x21, 1, bytes & 0xFF, bytes >> 8, 0, 0}),
               answer({0xA4, 0x00, 0x21, 1, 127, 0, 0, 0}));
   }
-
-  TestNode device_;
-  std::uint64_t now_us_ = 0;
 };
 
 TEST_F(SdoBlockDownload, MovesAnyNumberOfBytes) {

@@ -1,21 +1,12 @@
-#include <gtest/gtest.h>
-
 #include "firmware/canopen/crc16.h"
-#include "tests/unit/firmware/canopen/test_node.h"
+#include "tests/unit/firmware/canopen/sdo_conversation.h"
 
 namespace koboshi::canopen {
 namespace {
 
 // Block uploads after CiA 301, 7.2.4.3.12 to 7.2.4.3.15, from the domain 0x2100:1 of node 0x10.
-class SdoBlockUpload : public testing::Test {
+class SdoBlockUpload : public SdoConversation {
  protected:
-  void SetUp() override { device_.make_operational(); }
-  std::vector<hal::CanFrame> ask(std::initializer_list<unsigned> bytes) {
-    return device_.ask(can_frame(0x610, bytes), now_us_);
-  }
-  static std::vector<hal::CanFrame> answer(std::initializer_list<unsigned> bytes) {
-    return {can_frame(0x590, bytes)};
-  }
   // The segments of the block that the node sends now.
   std::vector<hal::CanFrame> take_block() {
     std::vector<hal::CanFrame> block;
@@ -42,8 +33,6 @@ class SdoBlockUpload : public testing::Test {
     EXPECT_EQ(device_.bytes.open, 0);
   }
 
-  TestNode device_;
-  std::uint64_t now_us_ = 0;
   std::vector<std::uint8_t> received_;
 };
 

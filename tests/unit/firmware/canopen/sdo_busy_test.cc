@@ -1,29 +1,17 @@
-#include <gtest/gtest.h>
-
 #include "firmware/canopen/crc16.h"
-#include "tests/unit/firmware/canopen/test_node.h"
+#include "tests/unit/firmware/canopen/sdo_conversation.h"
 
 namespace koboshi::canopen {
 namespace {
 
 // Downloads into an object that says kBusy for a while, as flash does: the client of node 0x10 waits.
-class SdoBusy : public testing::Test {
+class SdoBusy : public SdoConversation {
  protected:
-  void SetUp() override { device_.make_operational(); }
-  std::vector<hal::CanFrame> ask(std::initializer_list<unsigned> bytes) {
-    return device_.ask(can_frame(0x610, bytes), now_us_);
-  }
-  static std::vector<hal::CanFrame> answer(std::initializer_list<unsigned> bytes) {
-    return {can_frame(0x590, bytes)};
-  }
   std::vector<hal::CanFrame> pass(std::uint64_t time_us) {
     now_us_ += time_us;
     device_.node.process(now_us_);
     return device_.sink.take();
   }
-
-  TestNode device_;
-  std::uint64_t now_us_ = 0;
 };
 
 TEST_F(SdoBusy, BeginningIsAnsweredOnceTheObjectIsReady) {
