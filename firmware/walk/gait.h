@@ -17,8 +17,8 @@ struct WalkParameters {
     std::int16_t time_ms = 220;        // cut down to whole cycles of 10 ms
     std::int16_t double_support = 90;  // share of a step in which both soles rest
     std::int16_t width = 772;          // between the middle lines of the soles
-    std::int16_t height = 282;         // of the swinging sole
-    std::int16_t ease = 500;  // 1000: the swinging sole starts and lands without speed; 0: at constant speed
+    std::int16_t height = 200;         // of the swinging sole
+    std::int16_t ease = 800;  // 1000: the swinging sole starts and lands without speed; 0: at constant speed
     std::int16_t acceleration[3] = {300, 200, 1500};  // ahead and aside in mm/s^2, of the turn in mrad/s^2
   } step;                                             // 0x2130
   struct {
