@@ -22,6 +22,8 @@ namespace {
 
 constexpr std::int32_t kTick_us = 10'000;
 constexpr std::int32_t kRampTicks = 50;
+// By which servos come after their targets.
+constexpr std::int32_t kArrivalTicks = 20;
 // How long the mass may take to go over to a foot, or back to the middle: three times what it takes.
 constexpr std::int32_t kMaxSwayTicks = 60;
 // After which it rests in the middle: e^-(omega t) is a twentieth.
@@ -189,11 +191,11 @@ void Walker::run_gathering() {
 }
 
 void Walker::run_settling() {
-  const Ratio fraction = fixed::elapsed_fraction(tick_, kRampTicks);
+  const Ratio fraction = fixed::elapsed_fraction(std::min(tick_, kRampTicks), kRampTicks);
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     targets_[joint] = fixed::interpolate(ramp_[joint], standing_targets_[joint], fraction);
   }
-  if (tick_ >= kRampTicks) enter(Phase::kIdle);
+  if (tick_ >= kRampTicks + kArrivalTicks) enter(Phase::kIdle);
 }
 
 // A body that leans by an angle more than planned, and turns at a rate, is ahead of its plan by height times
