@@ -25,7 +25,8 @@ GyroFeedback::GyroFeedback(const robot::RobotModel& model) {
     robot::LegGeometry geometry;
     if (!robot::make_leg_geometry(model, side, geometry)) continue;
     const auto joint = [&](std::size_t i) { return Joint{geometry.joints[i], geometry.signs[i]}; };
-    legs_[static_cast<std::size_t>(side)] = {joint(1), joint(3), joint(4), joint(5)};
+    legs_[static_cast<std::size_t>(side)] = {joint(robot::kHipRoll), joint(robot::kKnee),
+                                             joint(robot::kAnklePitch), joint(robot::kAnkleRoll)};
   }
 }
 

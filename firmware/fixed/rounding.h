@@ -30,12 +30,14 @@ namespace koboshi::fixed {
   return (numerator < 0 ? numerator - half : numerator + half) / denominator;
 }
 
-// The same for 32 bits, for which a Cortex-M has an instruction.
+// |value|, also of the least one.
+[[nodiscard]] constexpr std::uint32_t magnitude(std::int32_t value) {
+  return value < 0 ? 0U - static_cast<std::uint32_t>(value) : static_cast<std::uint32_t>(value);
+}
+
+// numerator / denominator for 32 bits, for which a Cortex-M has an instruction.
 [[nodiscard]] constexpr std::int64_t divide_rounded_32(std::int32_t numerator, std::int32_t denominator) {
   if (denominator == 0) return divide_rounded(numerator, 0);
-  const auto magnitude = [](std::int32_t value) {
-    return value < 0 ? 0U - static_cast<std::uint32_t>(value) : static_cast<std::uint32_t>(value);
-  };
   const std::uint32_t divisor = magnitude(denominator);
   const std::int64_t quotient = (magnitude(numerator) + divisor / 2) / divisor;
   return (numerator < 0) == (denominator < 0) ? quotient : -quotient;

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "firmware/fixed/arc_tangent_table.h"
+#include "firmware/fixed/rounding.h"
 
 namespace koboshi::fixed {
 namespace {
@@ -46,10 +47,6 @@ constexpr std::int32_t cosine_kernel(std::uint32_t angle_raw) {
 
 // Where the two meet either may be taken.
 static_assert(sine_kernel(kEighthTurnRaw) == cosine_kernel(kEighthTurnRaw));
-
-constexpr std::uint32_t magnitude(std::int32_t value) {
-  return value < 0 ? 0U - static_cast<std::uint32_t>(value) : static_cast<std::uint32_t>(value);
-}
 
 // An angle in [0, 1/2] turn to the one in [0, 1/4] with the same sine.
 constexpr std::uint32_t fold_to_quarter(std::uint32_t angle_raw) {

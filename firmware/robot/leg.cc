@@ -13,8 +13,6 @@ using fixed::product;
 using fixed::product_sum;
 using fixed::Ratio;
 
-enum LegJoint : std::size_t { kHipYaw, kHipRoll, kHipPitch, kKnee, kAnklePitch, kAnkleRoll };
-
 constexpr std::array<Direction, kLegJoints> kLegAxes{kAxisZ, kAxisX, kAxisY, kAxisY, kAxisY, kAxisX};
 
 // Axes that should meet may miss each other by this much, rounding of the model file's numbers.

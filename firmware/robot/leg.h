@@ -1,17 +1,21 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 #include "firmware/robot/model.h"
 
 namespace koboshi::robot {
+
+// The places of a leg's joints, from the trunk down.
+enum LegJoint : std::size_t { kHipYaw, kHipRoll, kHipPitch, kKnee, kAnklePitch, kAnkleRoll };
 
 // What the closed-form inverse kinematics needs of a leg whose three hip axes (z, x, y) meet in the point H,
 // whose two ankle axes (y, x) meet in the point A, and whose knee axis (y) lies in the plane y = 0 of both at
 // joint zero. The knee may lie before or behind the line HA: thigh and shank then lean by their tilts at
 // joint zero, positive backwards down, as pitch is.
 struct LegGeometry {
-  std::array<std::uint8_t, kLegJoints> joints{};  // hip yaw, roll, pitch, knee, ankle pitch, roll
+  std::array<std::uint8_t, kLegJoints> joints{};  // by LegJoint
   std::array<std::int8_t, kLegJoints> signs{};    // +1 where a joint's axis is +z, +x or +y
   Position p_BH_B;
   fixed::Length thigh;

@@ -14,10 +14,9 @@ using fixed::product_sum;
 using fixed::Ratio;
 using fixed::SineCosine;
 using robot::Position;
+using enum robot::LegJoint;
 
 namespace {
-
-enum LegJoint : std::size_t { kHipYaw, kHipRoll, kHipPitch, kKnee, kAnklePitch, kAnkleRoll };
 
 Position scaled(const Position& p, Ratio factor) {
   return {product<Length>(p.x, factor), product<Length>(p.y, factor), product<Length>(p.z, factor)};
@@ -131,7 +130,7 @@ void Body::compensate(std::size_t side, const Stance& stance, const Compliance& 
   const Point zmp = share == fixed::kOne ? stance.zmp : sole;
   const Angle lean = geometry.shank_tilt - signed_by(geometry.signs[kAnklePitch], leg.angles[kAnklePitch]);
   const Length knee = sole.x + product<Length>(geometry.shank, fixed::sin(lean));
-  const auto turn = [&](LegJoint joint, Length lever, Angle of_a_metre) {
+  const auto turn = [&](robot::LegJoint joint, Length lever, Angle of_a_metre) {
     leg.angles[joint] -= signed_by(geometry.signs[joint], product<Angle>(lever, of_a_metre));
   };
   const Angle pitch = product<Angle>(share, compliance.pitch);
