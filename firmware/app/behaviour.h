@@ -18,6 +18,7 @@ enum class State : std::uint8_t {
   kFault = 6,          // the drives stop quickly, then limp
   kEmergencyStop = 7,  // limp at once, by the drive-enable line; latched
   kWalking = 8,        // where the velocity says
+  kLowBattery = 9,     // stands, and does nothing else before it was limp
 };
 
 enum class Event : std::uint8_t {
@@ -31,6 +32,7 @@ enum class Event : std::uint8_t {
   kEnabled,  // every drive is in operation enabled
   kArrived,  // at the standing pose
   kEnded,    // of a motion or a walk
+  kLowBattery,
   kTrouble,  // a drive, a sensor or the bus failed
 };
 
@@ -39,6 +41,7 @@ enum class Reason : std::uint8_t {
   kNone = 0,
   kCommand = 1,
   kProgress = 2,  // the last state had come to its end
+  kSupplyLow = 3,  // for two seconds
   // Troubles that lead to kFault.
   kModelInvalid = 16,  // no valid RobotModel in storage
   kDriveTrouble = 17,  // see the trouble's kind, joint and error code beside it
@@ -75,11 +78,13 @@ inline constexpr Transition kTransitions[] = {
     {State::kMotion, Event::kEnded, State::kStanding},
     {State::kStanding, Event::kWalk, State::kWalking},
     {State::kWalking, Event::kEnded, State::kStanding},
+    {State::kStanding, Event::kLowBattery, State::kLowBattery},
     {State::kEnabling, Event::kLimp, State::kLimp},
     {State::kSoftStart, Event::kLimp, State::kLimp},
     {State::kStanding, Event::kLimp, State::kLimp},
     {State::kMotion, Event::kLimp, State::kLimp},
     {State::kWalking, Event::kLimp, State::kLimp},
+    {State::kLowBattery, Event::kLimp, State::kLimp},
     {State::kFault, Event::kReset, State::kBoot},
     {State::kEmergencyStop, Event::kReset, State::kBoot},
     {State::kBoot, Event::kTrouble, State::kFault},
@@ -89,6 +94,7 @@ inline constexpr Transition kTransitions[] = {
     {State::kStanding, Event::kTrouble, State::kFault},
     {State::kMotion, Event::kTrouble, State::kFault},
     {State::kWalking, Event::kTrouble, State::kFault},
+    {State::kLowBattery, Event::kTrouble, State::kFault},
     {State::kBoot, Event::kEmergencyStop, State::kEmergencyStop},
     {State::kLimp, Event::kEmergencyStop, State::kEmergencyStop},
     {State::kEnabling, Event::kEmergencyStop, State::kEmergencyStop},
@@ -96,6 +102,7 @@ inline constexpr Transition kTransitions[] = {
     {State::kStanding, Event::kEmergencyStop, State::kEmergencyStop},
     {State::kMotion, Event::kEmergencyStop, State::kEmergencyStop},
     {State::kWalking, Event::kEmergencyStop, State::kEmergencyStop},
+    {State::kLowBattery, Event::kEmergencyStop, State::kEmergencyStop},
     {State::kFault, Event::kEmergencyStop, State::kEmergencyStop},
 };
 
@@ -110,15 +117,16 @@ constexpr std::optional<State> next_state(State from, Event event) {
 // until the drives have stopped.
 constexpr bool makes_torque(State state) {
   return state == State::kEnabling || state == State::kSoftStart || state == State::kStanding ||
-         state == State::kMotion || state == State::kWalking;
+         state == State::kMotion || state == State::kWalking || state == State::kLowBattery;
 }
 
 // Nothing moves the robot but who carries it: where the gyro's bias is measured.
 constexpr bool rests(State state) { return state == State::kBoot || state == State::kLimp; }
 
-// The robot is on its feet, and the gyro feedback may correct its joints.
+// The robot is on its feet, and feedback may correct its joints.
 constexpr bool balances(State state) {
-  return state == State::kStanding || state == State::kMotion || state == State::kWalking;
+  return state == State::kStanding || state == State::kMotion || state == State::kWalking ||
+         state == State::kLowBattery;
 }
 
 // Storage may be written: nothing plays from it, and nobody waits for the robot to move on.

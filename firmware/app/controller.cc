@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "firmware/drive/configuration.h"
+#include "firmware/fixed/saturating.h"
 
 namespace koboshi::app {
 
@@ -38,7 +39,7 @@ Controller::Controller(const hal::Board& board)
       motion_transfer_(items_, model_, values_.diagnosis.motions),
       drives_(model_, node_.sink(), values_.drives),
       inertial_(model_),
-      gyro_feedback_(model_),
+      feedback_(model_),
       posture_(model_),
       foot_sensors_{balance::FootSensor(model_, hal::Side::kLeft),
                     balance::FootSensor(model_, hal::Side::kRight)},
@@ -63,6 +64,7 @@ void Controller::tick(std::uint64_t now_us) {
   watch_bus();
   read_ankles(now_us);
   watch_sensors(now_us);
+  watch_battery();
   estimate();
   run_state(now_us);
   publish_telemetry();
@@ -155,6 +157,14 @@ void Controller::watch_bus() {
   }
   // With answers it is a bus that is disturbed and works, and the emergency message is enough.
   if (status.state == hal::CanErrorState::kErrorPassive && !drives_.answering()) fail(Reason::kNoAcknowledge);
+}
+
+// What counts is what the drives tell in two seconds: one step under load draws any battery down.
+void Controller::watch_battery() {
+  const std::optional<std::uint32_t> supply_mV = drives_.take_supply_mV();
+  if (!supply_mV) return;
+  const bool low = *supply_mV < values_.parameters.supply_low_mV;
+  low_readings_ = low ? fixed::add_saturated(low_readings_, std::uint8_t{1}) : std::uint8_t{0};
 }
 
 void Controller::watch_sensors(std::uint64_t now_us) {

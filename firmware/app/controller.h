@@ -13,7 +13,7 @@
 #include "firmware/app/parameter_store.h"
 #include "firmware/balance/attitude.h"
 #include "firmware/balance/gyro_bias.h"
-#include "firmware/balance/gyro_feedback.h"
+#include "firmware/balance/feedback.h"
 #include "firmware/balance/inertial.h"
 #include "firmware/balance/posture.h"
 #include "firmware/balance/zmp.h"
@@ -33,6 +33,7 @@ class Controller final : private canopen::NodeApplication {
  public:
   static constexpr std::uint32_t kTick_us = 10'000;
   static constexpr std::uint32_t kSensorTimeout_us = 50'000;
+  static constexpr std::uint8_t kLowReadings = 8;             // of the supply, in two seconds
   static constexpr std::uint32_t kSensorStart_us = 500'000;  // how long sensors may take to speak first
 
   explicit Controller(const hal::Board& board);
@@ -69,6 +70,8 @@ class Controller final : private canopen::NodeApplication {
   void read_ankles(std::uint64_t now_us);
   void watch_bus();
   void watch_sensors(std::uint64_t now_us);
+  void watch_battery();
+  bool battery_low() const { return low_readings_ >= kLowReadings; }
   Reason silent_sensor(std::uint64_t now_us) const;
 
   // What the sensors tell of the robot (estimation.cc).
@@ -105,6 +108,7 @@ class Controller final : private canopen::NodeApplication {
   void run_boot(std::uint64_t now_us);
   void run_enabling();
   void run_soft_start();
+  void run_standing();
   void run_motion();
   void run_walking();
   void run_fault(std::uint64_t now_us);
@@ -115,6 +119,7 @@ class Controller final : private canopen::NodeApplication {
   // What goes onto the bus (output.cc).
   void publish(std::uint64_t now_us);
   void command_drives(std::uint64_t now_us);
+  void balance(Angles& targets) const;
   void publish_telemetry();
 
   hal::Board board_;
@@ -136,13 +141,14 @@ class Controller final : private canopen::NodeApplication {
   balance::GyroBias gyro_bias_;
   bool calibrating_ = false;  // the next second of rest is for the parameters too
   balance::AttitudeEstimator attitude_;
-  balance::GyroFeedback gyro_feedback_;
+  balance::Feedback feedback_;
   balance::Posture posture_;
   std::array<balance::FootSensor, 2> foot_sensors_;  // by Side
   motion::Interpreter interpreter_;
   walk::Walker walker_;
   std::array<fixed::Force, 2> foot_loads_{};              // by Side
   std::array<std::optional<std::uint64_t>, 2> ankle_us_;  // when each ankle spoke last
+  std::uint8_t low_readings_ = 0;  // of the supply, in a row
   std::uint64_t now_us_ = 0;
   std::uint64_t started_us_ = 0;  // of the boot
   std::uint64_t fault_us_ = 0;

@@ -32,12 +32,14 @@ inline constexpr canopen::ValueName kStateNames[] = {
     canopen::value_name(State::kFault, "fault"),
     canopen::value_name(State::kEmergencyStop, "emergency stop"),
     canopen::value_name(State::kWalking, "walking"),
+    canopen::value_name(State::kLowBattery, "low battery"),
 };
 
 inline constexpr canopen::ValueName kReasonNames[] = {
     canopen::value_name(Reason::kNone, "none"),
     canopen::value_name(Reason::kCommand, "command"),
     canopen::value_name(Reason::kProgress, "progress"),
+    canopen::value_name(Reason::kSupplyLow, "supply low"),
     canopen::value_name(Reason::kModelInvalid, "model invalid"),
     canopen::value_name(Reason::kDriveTrouble, "drive trouble"),
     canopen::value_name(Reason::kImuSilent, "IMU silent"),
@@ -74,6 +76,7 @@ inline constexpr canopen::Unit kBiasUnit{"deg/s", 360, 1 << 24};
 inline constexpr canopen::Unit kAccelerationUnit{"m/s^2", 1, 1 << 8};
 inline constexpr canopen::Unit kLengthUnit{"mm", 1000, 1 << 15};
 inline constexpr canopen::Unit kGainUnit{"s", 1, 1 << 12};
+inline constexpr canopen::Unit kFactorUnit{"", 1, 1 << 12};
 inline constexpr canopen::Unit kVoltageUnit{"mV"};
 inline constexpr canopen::Unit kSpeedUnit{"mm/s"};
 inline constexpr canopen::Unit kTurnUnit{"mrad/s"};
@@ -93,11 +96,13 @@ inline constexpr std::string_view kPlane[] = {"x", "y"};
 inline constexpr std::string_view kFootZmps[] = {"left x", "left y", "right x", "right y"};
 
 inline constexpr std::size_t kJoints = robot::kMaxJoints;
-inline constexpr int kMaxGain = 4096;  // one second
+inline constexpr int kMaxGain = 4096;  // one second, and one
 // No more than a robot of this size can be built to do; what this one does, the limits say.
 inline constexpr int kMaxTrim = (10 << 16) / 360;      // 10 degrees
 inline constexpr int kMaxMounting = (30 << 16) / 360;  // a unit put in askew; another way up is another model
 inline constexpr int kMaxGyroBias = (40 << 24) / 360;  // 40 deg/s, twice that of an MPU-6050
+inline constexpr std::string_view kFeedbackJoints[] = {"ankle pitch", "ankle roll", "hip roll", "knee",
+                                                       "hip pitch"};
 inline constexpr std::string_view kMountingAngles[] = {"roll", "pitch", "yaw"};
 inline constexpr int kMaxSpeed_mm_per_s = 2'000;
 inline constexpr int kMaxTurn_mrad_per_s = 6'000;
@@ -181,16 +186,39 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
       .comment = "With more the robot refuses to be enabled."}},
     {OBJECT(0x2100, 3, parameters.ramp_rate, kReadWrite).within<std::int16_t>(68, 4096),
      {.name = "Ramp rate", .unit = kRateUnit, .comment = "Of every joint in the soft start."}},
+    {OBJECT(0x2100, 4, parameters.supply_low_mV, kReadWrite),
+     {.name = "Low supply",
+      .unit = kVoltageUnit,
+      .comment = "With less for two seconds the robot ends its motion or walk, and stands until it was limp."}},
     canopen::heading(0x2101, "Gyro feedback",
-                     "A joint is turned by its gain times the trunk's rate; 0 is off."),
-    {OBJECT(0x2101, 1, feedback.ankle_pitch, kReadWrite).within(-kMaxGain, kMaxGain),
+                     "In a motion or a walk a joint is turned by its gain times the trunk's rate; 0 is off."),
+    {OBJECT(0x2101, 1, feedback.moving.rate.ankle_pitch, kReadWrite).within(-kMaxGain, kMaxGain),
      {.name = "Ankle pitch gain", .unit = kGainUnit}},
-    {OBJECT(0x2101, 2, feedback.ankle_roll, kReadWrite).within(-kMaxGain, kMaxGain),
+    {OBJECT(0x2101, 2, feedback.moving.rate.ankle_roll, kReadWrite).within(-kMaxGain, kMaxGain),
      {.name = "Ankle roll gain", .unit = kGainUnit}},
-    {OBJECT(0x2101, 3, feedback.hip_roll, kReadWrite).within(-kMaxGain, kMaxGain),
+    {OBJECT(0x2101, 3, feedback.moving.rate.hip_roll, kReadWrite).within(-kMaxGain, kMaxGain),
      {.name = "Hip roll gain", .unit = kGainUnit}},
-    {OBJECT(0x2101, 4, feedback.knee, kReadWrite).within(-kMaxGain, kMaxGain),
+    {OBJECT(0x2101, 4, feedback.moving.rate.knee, kReadWrite).within(-kMaxGain, kMaxGain),
      {.name = "Knee gain", .unit = kGainUnit}},
+    {OBJECT(0x2101, 5, feedback.moving.rate.hip_pitch, kReadWrite).within(-kMaxGain, kMaxGain),
+     {.name = "Hip pitch gain", .unit = kGainUnit}},
+    canopen::heading(0x2102, "Gyro feedback while standing"),
+    {OBJECT(0x2102, 1, feedback.standing.rate.ankle_pitch, kReadWrite)
+         .within(-kMaxGain, kMaxGain)
+         .repeated(std::size(kFeedbackJoints), sizeof(std::int16_t)),
+     {.name = "Standing gain", .unit = kGainUnit, .elements = kFeedbackJoints}},
+    canopen::heading(0x2103, "Attitude feedback",
+                     "In a walk a joint is turned by its gain times the angle by which the trunk leans more "
+                     "than planned; 0 is off."),
+    {OBJECT(0x2103, 1, feedback.moving.lean.ankle_pitch, kReadWrite)
+         .within(-kMaxGain, kMaxGain)
+         .repeated(std::size(kFeedbackJoints), sizeof(std::int16_t)),
+     {.name = "Lean gain", .unit = kFactorUnit, .elements = kFeedbackJoints}},
+    canopen::heading(0x2104, "Attitude feedback while standing"),
+    {OBJECT(0x2104, 1, feedback.standing.lean.ankle_pitch, kReadWrite)
+         .within(-kMaxGain, kMaxGain)
+         .repeated(std::size(kFeedbackJoints), sizeof(std::int16_t)),
+     {.name = "Standing lean gain", .unit = kFactorUnit, .elements = kFeedbackJoints}},
     canopen::heading(kVelocityObject, "Velocity", "The velocity to walk with, in the trunk's axes."),
     {OBJECT(kVelocityObject, 1, velocity.forward_mm_per_s, kReadWrite, kBoth),
      {.name = "Velocity forward", .unit = kSpeedUnit}},

@@ -5,7 +5,7 @@
 
 #include "firmware/app/behaviour.h"
 #include "firmware/app/calibration.h"
-#include "firmware/balance/gyro_feedback.h"
+#include "firmware/balance/feedback.h"
 #include "firmware/canopen/node.h"
 #include "firmware/drive/signals.h"
 #include "firmware/drive/trouble.h"
@@ -61,8 +61,12 @@ struct ControllerValues {
     std::uint16_t supply_min_mV = 6000;
     std::uint16_t supply_max_mV = 9000;
     std::int16_t ramp_rate = 683;        // of the soft start, 2^-12 turn/s: 60 degrees a second
+    std::uint16_t supply_low_mV = 6300;  // what the battery should not fall below
   } parameters;                          // 0x2100
-  balance::FeedbackGains feedback;       // 0x2101
+  struct {
+    balance::FeedbackGains moving;  // in a motion, where only the rates count, and in a walk
+    balance::FeedbackGains standing;
+  } feedback;                            // 0x2101 to 0x2104
   walk::Velocity velocity;               // 0x2110; always within its limits
   walk::VelocityLimits velocity_limits;  // 0x2111
   Calibration calibration;               // 0x2120..0x2122

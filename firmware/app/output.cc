@@ -14,10 +14,30 @@ void Controller::publish(std::uint64_t now_us) {
 void Controller::command_drives(std::uint64_t now_us) {
   drives_.command();
   Angles commanded = targets_;
-  if (balances(values_.behaviour.state)) gyro_feedback_.correct(values_.feedback, rates_, commanded);
+  balance(commanded);
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     drives_.set_target(joint, robot::clamp_to_limits(model_.joints[joint], commanded[joint]));
     node_.trigger_tpdo(kFirstDriveTpdo + joint, now_us);
+  }
+}
+
+// What a motion means the trunk to lean, nobody knows.
+void Controller::balance(Angles& targets) const {
+  balance::TrunkMotion trunk{.roll_rate = rates_.x, .pitch_rate = rates_.y, .roll = {}, .pitch = {}};
+  switch (values_.behaviour.state) {
+    case State::kStanding:
+    case State::kLowBattery:
+      trunk.roll = attitude_.roll();
+      trunk.pitch = attitude_.pitch();
+      return feedback_.correct(values_.feedback.standing, trunk, targets);
+    case State::kWalking:
+      trunk.roll = attitude_.roll();
+      trunk.pitch = attitude_.pitch() - walker_.pitch();
+      return feedback_.correct(values_.feedback.moving, trunk, targets);
+    case State::kMotion:
+      return feedback_.correct(values_.feedback.moving, trunk, targets);
+    default:
+      return;
   }
 }
 

@@ -55,6 +55,7 @@ void Controller::enter(State state, Reason reason) {
       break;
     case State::kLimp:
     case State::kEmergencyStop:
+      node_.clear_error(cia402::kErrorUnderVoltage);
       interpreter_.abort();
       walker_.abort();
       drives_.set_goal(drive::Goal::kTorqueOff, now_us_);
@@ -68,6 +69,9 @@ void Controller::enter(State state, Reason reason) {
     case State::kStanding:
     case State::kMotion:
     case State::kWalking:
+      break;
+    case State::kLowBattery:
+      node_.raise_error(cia402::kErrorUnderVoltage, canopen::error_register::kVoltage, {});
       break;
     case State::kFault:
       interpreter_.abort();
@@ -96,6 +100,8 @@ void Controller::run_state(std::uint64_t now_us) {
     case State::kEmergencyStop:
       return follow_actual();
     case State::kStanding:
+      return run_standing();
+    case State::kLowBattery:
       return;
   }
 }
@@ -140,13 +146,19 @@ void Controller::run_soft_start() {
   if (ramp_elapsed_us_ >= ramp_time_us_) handle(Event::kArrived, Reason::kProgress);
 }
 
+void Controller::run_standing() {
+  if (battery_low()) handle(Event::kLowBattery, Reason::kSupplyLow);
+}
+
 void Controller::run_motion() {
+  if (battery_low()) interpreter_.stop();
   interpreter_.advance(kTick_us);
   std::ranges::copy(interpreter_.targets(), targets_.begin());
   if (!interpreter_.running()) handle(Event::kEnded, Reason::kProgress);
 }
 
 void Controller::run_walking() {
+  if (battery_low()) walker_.stop();
   walker_.advance(
       values_.velocity,
       {.roll = attitude_.roll(), .pitch = attitude_.pitch(), .rates = rates_, .loads = foot_loads_});

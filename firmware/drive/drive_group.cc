@@ -79,7 +79,11 @@ void DriveGroup::process(std::uint64_t now_us) {
   }
   if (phase_ == Phase::kWaiting) await_boot_ups(now_us);
   if (phase_ == Phase::kConfiguring) configure(now_us);
-  if (phase_ == Phase::kStarting && send(canopen::NmtCommand::kStart)) phase_ = Phase::kBooted;
+  if (phase_ == Phase::kStarting && send(canopen::NmtCommand::kStart)) {
+    phase_ = Phase::kBooted;
+    client_.reset();
+  }
+  if (phase_ == Phase::kBooted) read_supply(now_us);
 }
 
 void DriveGroup::await_boot_ups(std::uint64_t now_us) {
@@ -110,6 +114,22 @@ void DriveGroup::configure(std::uint64_t now_us) {
   } else {
     phase_ = Phase::kStarting;
   }
+}
+
+// A drive that does not answer is left out: whether it still works, others watch.
+void DriveGroup::read_supply(std::uint64_t now_us) {
+  if (client_.state() == canopen::SdoState::kDone) {
+    supply_mV_[supplied_] = client_.value();
+    told_supply_mV_ = client_.value();
+  }
+  if (client_.state() == canopen::SdoState::kBusy) return;
+  client_.reset();
+  if (now_us < supply_due_us_) return;
+  supply_due_us_ = now_us + kSupplyPeriod_us;
+  supplied_ = supplied_ + 1 < model_.joint_count ? supplied_ + 1 : 0;
+  // A queue that is full has no room for questions.
+  static_cast<void>(client_.begin_read(model_.joints[supplied_].drive.node_id,
+                                       {cia402::kSupplyVoltage, 0}, now_us));
 }
 
 void DriveGroup::observe(std::uint64_t now_us) {

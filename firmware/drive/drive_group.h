@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <utility>
 
 #include "firmware/canopen/cia402.h"
 #include "firmware/canopen/emergency.h"
@@ -29,6 +31,7 @@ class DriveGroup {
  public:
   static constexpr std::uint64_t kBootTimeout_us = 1'000'000;  // from the reset to the last boot-up message
   static constexpr std::uint64_t kEnableTimeout_us = 500'000;  // from the goal to operation enabled
+  static constexpr std::uint64_t kSupplyPeriod_us = 250'000;   // from one drive's supply to the next one's
   static constexpr std::uint8_t kMissedAnswers = 5;  // cycles without an answer after which a drive is lost
 
   // All must outlive the group. Frames go to `sink` as NMT master and SDO client.
@@ -72,7 +75,10 @@ class DriveGroup {
   bool all_limp() const;
   // The first trouble since the last boot.
   const JointTrouble& trouble() const { return trouble_; }
+  // What the joint's drive told of its supply last.
   std::uint32_t supply_mV(std::size_t joint) const { return supply_mV_[joint]; }
+  // The supply that a drive has told since this was asked last: all do in turn, one each kSupplyPeriod_us.
+  std::optional<std::uint32_t> take_supply_mV() { return std::exchange(told_supply_mV_, std::nullopt); }
 
  private:
   enum class Phase : std::uint8_t { kIdle, kResetting, kWaiting, kConfiguring, kStarting, kBooted, kFailed };
@@ -89,6 +95,7 @@ class DriveGroup {
   void report(Trouble trouble, std::size_t joint, std::uint16_t error_code = 0);
   void await_boot_ups(std::uint64_t now_us);
   void configure(std::uint64_t now_us);
+  void read_supply(std::uint64_t now_us);
   void watch_answers();
   void count_missed();
   void watch_states(std::uint64_t now_us);
@@ -113,6 +120,9 @@ class DriveGroup {
   bool enabled_ = false;       // the goal kEnabled was reached
   JointTrouble trouble_;
   std::array<std::uint32_t, robot::kMaxJoints> supply_mV_{};
+  std::optional<std::uint32_t> told_supply_mV_;
+  std::uint64_t supply_due_us_ = 0;
+  std::size_t supplied_ = 0;  // the joint whose drive is asked next
   std::array<std::uint16_t, robot::kMaxJoints> error_code_{};  // that each drive told last and still has
 };
 

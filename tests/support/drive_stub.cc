@@ -39,8 +39,9 @@ DriveStub::DriveStub(const robot::Drive& drive) : node_id_(drive.node_id) {
 void DriveStub::on_frame(const hal::CanFrame& frame, std::vector<hal::CanFrame>& answers) {
   if (hangs) return;
   if (frame.identifier == canopen::kNmtCobId) return on_nmt(frame, answers);
-  if (frame.identifier == canopen::kSdoRequestBase + node_id_ && answers_sdo)
-    answers.push_back(answer(frame));
+  const bool asked =
+      frame.identifier == canopen::kSdoRequestBase + node_id_ && frame.data[0] != canopen::sdo::kAbort;
+  if (asked && answers_sdo) answers.push_back(answer(frame));
   if (!operational_) return;
   if (frame.identifier == canopen::kRpdo1Base + node_id_) {
     next_controlword_ = canopen::load_u16(&frame.data[0]);

@@ -13,18 +13,32 @@
 namespace koboshi::tools {
 namespace {
 
-// An object of the controller that a client may write, under the name that its dictionary gives it, in the
-// dictionary's unit; type and range stand there too.
-const std::map<std::string, const canopen::DescribedObject*>& parameters() {
+// An object of the controller that a client may write, or one element of it; type, range and unit stand in
+// its dictionary.
+struct Parameter {
+  const canopen::DescribedObject* object;
+  std::uint8_t element;
+};
+
+// As the dictionary names it, in small letters and without blanks.
+std::string parameter_name(const canopen::DescribedObject& object, std::size_t element) {
+  std::string name(object.text.name);
+  if (object.entry.count > 1) name.append(" ").append(object.text.elements[element]);
+  for (char& c : name) {
+    c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? static_cast<char>(std::tolower(c)) : '_';
+  }
+  return name;
+}
+
+const std::map<std::string, Parameter>& parameters() {
   static const auto kByName = [] {
-    std::map<std::string, const canopen::DescribedObject*> by_name;
+    std::map<std::string, Parameter> by_name;
     for (const canopen::DescribedObject& object : app::kControllerObjects) {
-      if (object.is_heading() || object.entry.count > 1 || object.entry.access != canopen::Access::kReadWrite)
-        continue;
-      std::string name(object.text.name);
-      for (char& c : name)
-        c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? static_cast<char>(std::tolower(c)) : '_';
-      by_name.emplace(name, &object);
+      if (object.is_heading() || object.entry.access != canopen::Access::kReadWrite) continue;
+      if (object.entry.count > 1 && object.text.elements.empty()) continue;
+      for (std::uint8_t element = 0; element < object.entry.count; ++element) {
+        by_name.emplace(parameter_name(object, element), Parameter{&object, element});
+      }
     }
     return by_name;
   }();
@@ -36,11 +50,11 @@ sim::InputError error_at(const sim::SourcedName& name, const std::string& found,
   return {name.source, name.line, found, expected};
 }
 
-const canopen::DescribedObject& find(const sim::SourcedName& name) {
+Parameter find(const sim::SourcedName& name) {
   const auto found = parameters().find(name.text);
-  if (found != parameters().end()) return *found->second;
+  if (found != parameters().end()) return found->second;
   std::string names;
-  for (const auto& [known, object] : parameters()) names += (names.empty() ? "" : ", ") + known;
+  for (const auto& [known, parameter] : parameters()) names += (names.empty() ? "" : ", ") + known;
   throw error_at(name, "parameter " + name.text, "one of " + names);
 }
 
@@ -61,19 +75,19 @@ Range range_of(const canopen::Entry& object) {
 }
 
 sim::SdoWrite resolve(const sim::ParameterSetting& setting) {
-  const canopen::DescribedObject& parameter = find(setting.name);
-  const canopen::Entry& object = parameter.entry;
+  const auto [described, element] = find(setting.name);
+  const canopen::Entry& object = described->entry;
+  const canopen::Unit& unit = described->text.unit;
   const auto [low, high] = range_of(object);
-  const double raw_per_unit =
-      static_cast<double>(parameter.text.unit.denominator) / parameter.text.unit.numerator;
+  const double raw_per_unit = static_cast<double>(unit.denominator) / unit.numerator;
   const double raw = std::round(setting.value * raw_per_unit);
   if (!(raw >= static_cast<double>(low) && raw <= static_cast<double>(high))) {
     throw error_at(setting.name, fmt::format("{} = {}", setting.name.text, setting.value),
                    fmt::format("{:.6g} to {:.6g} {}", static_cast<double>(low) / raw_per_unit,
-                               static_cast<double>(high) / raw_per_unit, parameter.text.unit.name));
+                               static_cast<double>(high) / raw_per_unit, unit.name));
   }
   return {.parameter = setting.name,
-          .address = {object.index, object.subindex},
+          .address = {object.index, static_cast<std::uint8_t>(object.subindex + element)},
           .size_bytes = canopen::size_bytes(object.type),
           .value = static_cast<std::uint32_t>(static_cast<std::int64_t>(raw))};
 }

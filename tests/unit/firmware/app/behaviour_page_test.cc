@@ -13,13 +13,14 @@
 namespace koboshi::app {
 namespace {
 
-constexpr std::array<std::pair<Event, const char*>, 11> kEvents{{{Event::kReady, "ready"},
+constexpr std::array<std::pair<Event, const char*>, 12> kEvents{{{Event::kReady, "ready"},
                                                                  {Event::kEnable, "enable"},
                                                                  {Event::kEnabled, "enabled"},
                                                                  {Event::kArrived, "arrived"},
                                                                  {Event::kPlay, "play"},
                                                                  {Event::kWalk, "walk"},
                                                                  {Event::kEnded, "ended"},
+                                                                 {Event::kLowBattery, "low battery"},
                                                                  {Event::kLimp, "limp"},
                                                                  {Event::kTrouble, "trouble"},
                                                                  {Event::kEmergencyStop, "emergency stop"},

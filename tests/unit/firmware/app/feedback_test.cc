@@ -12,9 +12,13 @@ constexpr std::size_t kAnklePitch = 4;
 constexpr std::size_t kKnee = 3;
 constexpr std::int16_t kOneRadPerS = 1878;  // counts of the test robot's gyro, 17.45 rad/s at 2^15
 
-// Expedited download of two bytes to the gains, object 0x2101.
-void set_gain(ControllerBench& bench, std::uint8_t subindex, std::uint8_t low, std::uint8_t high = 0) {
-  bench.board.can.deliver({.identifier = 0x601, .size = 8, .data = {0x2B, 0x01, 0x21, subindex, low, high}});
+// The objects of the gains, 0x2101 to 0x2104.
+enum Gains : std::uint8_t { kMovingRate = 0x01, kStandingRate, kMovingLean, kStandingLean };
+
+// Expedited download of two bytes to one of them.
+void set_gain(ControllerBench& bench, Gains gains, std::uint8_t subindex, std::uint8_t low,
+              std::uint8_t high = 0) {
+  bench.board.can.deliver({.identifier = 0x601, .size = 8, .data = {0x2B, gains, 0x21, subindex, low, high}});
   bench.run_ms(1);
 }
 
@@ -37,8 +41,8 @@ TEST_F(ControllerFeedback, IsOffUntilGainsAreSet) {
 }
 
 TEST_F(ControllerFeedback, TurnsTheAnklesOfAStandingRobot) {
-  set_gain(bench, 1, 205);
-  EXPECT_EQ(bench.values().feedback.ankle_pitch, 205);
+  set_gain(bench, kStandingRate, 1, 205);
+  EXPECT_EQ(bench.values().feedback.standing.rate.ankle_pitch, 205);
   ASSERT_TRUE(bench.run_until_standing());
   const double before_rad = target_rad(kAnklePitch);
   pitch_forward();
@@ -49,8 +53,33 @@ TEST_F(ControllerFeedback, TurnsTheAnklesOfAStandingRobot) {
   EXPECT_NEAR(target_rad(kAnklePitch), before_rad, 1e-5);
 }
 
+// The test robot's attitude follows its gyro: 0.3 s of one rad/s.
+TEST_F(ControllerFeedback, AnswersToTheLeanOfAStandingRobot) {
+  set_gain(bench, kStandingLean, 1, 0x00, 0x08);  // one half
+  set_gain(bench, kMovingLean, 1, 0x00, 0x10);
+  ASSERT_TRUE(bench.run_until_standing());
+  const double before_rad = target_rad(kAnklePitch);
+  pitch_forward();
+  bench.imu_sample.gyro_raw[1] = 0;
+  bench.run_ms(20);
+  const double lean_rad = bench.values().attitude.pitch * 2 * 3.14159265 / 65536;
+  EXPECT_GT(lean_rad, 0.1);
+  EXPECT_NEAR(target_rad(kAnklePitch) - before_rad, 0.5 * lean_rad, 1e-3);
+}
+
+TEST_F(ControllerFeedback, DoesNotJudgeTheLeanOfAMotion) {
+  set_gain(bench, kStandingLean, 1, 0x00, 0x10);
+  set_gain(bench, kMovingLean, 1, 0x00, 0x10);
+  ASSERT_TRUE(bench.run_until_standing());
+  bench.command(Command::kPlay, 1);
+  ASSERT_EQ(bench.now().state, State::kMotion);
+  const double before_rad = target_rad(kAnklePitch);
+  pitch_forward();
+  EXPECT_NEAR(target_rad(kAnklePitch), before_rad, 1e-5);
+}
+
 TEST_F(ControllerFeedback, AddsToAMotion) {
-  set_gain(bench, 1, 205);
+  set_gain(bench, kMovingRate, 1, 205);
   ASSERT_TRUE(bench.run_until_standing());
   bench.command(Command::kPlay, 1);
   ASSERT_EQ(bench.now().state, State::kMotion);
@@ -60,7 +89,7 @@ TEST_F(ControllerFeedback, AddsToAMotion) {
 }
 
 TEST_F(ControllerFeedback, LeavesNoTargetBeyondItsLimits) {
-  set_gain(bench, 4, 0x00, 0x10);  // one second
+  set_gain(bench, kStandingRate, 4, 0x00, 0x10);  // one second
   ASSERT_TRUE(bench.run_until_standing());
   bench.imu_sample.gyro_raw[1] = -32'768;
   bench.run_ms(300);
@@ -69,8 +98,8 @@ TEST_F(ControllerFeedback, LeavesNoTargetBeyondItsLimits) {
 }
 
 TEST_F(ControllerFeedback, RefusesAGainBeyondASecond) {
-  set_gain(bench, 2, 0x01, 0x10);
-  EXPECT_EQ(bench.values().feedback.ankle_roll, 0);
+  set_gain(bench, kMovingRate, 2, 0x01, 0x10);
+  EXPECT_EQ(bench.values().feedback.moving.rate.ankle_roll, 0);
   const auto answer = bench.last_sent(0x581);
   ASSERT_TRUE(answer.has_value());
   EXPECT_EQ(answer->data[0], 0x80);
@@ -78,7 +107,7 @@ TEST_F(ControllerFeedback, RefusesAGainBeyondASecond) {
 
 TEST_F(ControllerFeedback, KnowsNothingOfTheGyrosBias) {
   bench.imu_sample.gyro_raw = {0, kOneRadPerS / 3, 0};  // 19 deg/s
-  set_gain(bench, 1, 205);
+  set_gain(bench, kStandingRate, 1, 205);
   ASSERT_TRUE(bench.run_until(State::kLimp));
   bench.run_ms(1'100);
   EXPECT_GE(bench.values().diagnosis.gyro_calibrations, 1);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "hal/fake/can.h"
 #include "tests/support/drive_stub.h"
 #include "tests/unit/firmware/robot/test_robot.h"
@@ -85,6 +87,25 @@ TEST_F(DriveGroupTest, IsBootedOnceEveryDriveHasAnswered) {
   cycle();
   EXPECT_TRUE(group.booted());
   EXPECT_TRUE(group.all_limp());
+}
+
+TEST_F(DriveGroupTest, AsksOneDriveAfterTheOtherForItsSupply) {
+  boot();
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    drives[i].set_object(0x6079, 0, 7'000 + static_cast<std::uint32_t>(i));
+  }
+  std::vector<std::uint32_t> told;
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    run_ms(250);
+    if (const auto supply_mV = group.take_supply_mV()) told.push_back(*supply_mV);
+    EXPECT_EQ(group.take_supply_mV(), std::nullopt);
+  }
+  std::ranges::sort(told);
+  ASSERT_EQ(told.size(), drives.size());
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    EXPECT_EQ(told[i], 7'000 + i);
+    EXPECT_EQ(group.supply_mV(i), 7'000 + i);
+  }
 }
 
 TEST_F(DriveGroupTest, WaitsASecondForBootUpMessages) {

@@ -1,0 +1,64 @@
+#include "firmware/balance/feedback.h"
+
+#include <algorithm>
+
+#include "firmware/fixed/rounding.h"
+#include "firmware/fixed/saturating.h"
+#include "firmware/robot/leg.h"
+
+namespace koboshi::balance {
+namespace {
+
+constexpr int kGainFractionBits = 12;
+
+fixed::Angle correction(std::int16_t rate_gain, fixed::AngularRate rate, std::int16_t lean_gain,
+                        fixed::Angle lean) {
+  constexpr int kRateShift = fixed::Angle::kFractionBits - fixed::AngularRate::kFractionBits;
+  constexpr std::int64_t kMax_raw = Feedback::kMaxCorrection.raw();
+  const std::int64_t product =
+      (std::int64_t{rate_gain} * rate.raw() << kRateShift) + std::int64_t{lean_gain} * lean.raw();
+  const std::int64_t angle_raw = fixed::shift_rounded(product, kGainFractionBits);
+  return fixed::Angle::from_raw(static_cast<std::int32_t>(std::clamp(angle_raw, -kMax_raw, kMax_raw)));
+}
+
+}  // namespace
+
+Feedback::Feedback(const robot::RobotModel& model) {
+  for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
+    robot::LegGeometry geometry;
+    if (!robot::make_leg_geometry(model, side, geometry)) continue;
+    const auto joint = [&](std::size_t i) { return Joint{geometry.joints[i], geometry.signs[i]}; };
+    legs_[static_cast<std::size_t>(side)] = {joint(robot::kHipRoll), joint(robot::kHipPitch),
+                                             joint(robot::kKnee), joint(robot::kAnklePitch),
+                                             joint(robot::kAnkleRoll)};
+  }
+}
+
+void Feedback::correct(const FeedbackGains& gains, const TrunkMotion& trunk,
+                       std::span<fixed::Angle> targets) const {
+  const auto& [rate, lean] = gains;
+  const auto in_roll = [&](std::int16_t JointGains::* joint) {
+    return correction(rate.*joint, trunk.roll_rate, lean.*joint, trunk.roll);
+  };
+  const auto in_pitch = [&](std::int16_t JointGains::* joint) {
+    return correction(rate.*joint, trunk.pitch_rate, lean.*joint, trunk.pitch);
+  };
+  const fixed::Angle hip_roll = in_roll(&JointGains::hip_roll);
+  const fixed::Angle hip_pitch = in_pitch(&JointGains::hip_pitch);
+  const fixed::Angle knee = in_pitch(&JointGains::knee);
+  const fixed::Angle ankle_pitch = in_pitch(&JointGains::ankle_pitch);
+  const fixed::Angle ankle_roll = in_roll(&JointGains::ankle_roll);
+  const auto turn = [&](Joint joint, fixed::Angle angle) {
+    fixed::Angle& target = targets[joint.index];
+    target = fixed::Angle::from_raw(fixed::add_saturated(target.raw(), joint.sign * angle.raw()));
+  };
+  for (const Leg& leg : legs_) {
+    turn(leg.hip_roll, hip_roll);
+    turn(leg.hip_pitch, hip_pitch);
+    turn(leg.knee, knee);
+    turn(leg.ankle_pitch, ankle_pitch);
+    turn(leg.ankle_roll, ankle_roll);
+  }
+}
+
+}  // namespace koboshi::balance
