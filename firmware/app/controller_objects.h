@@ -76,7 +76,7 @@ inline constexpr canopen::Unit kBiasUnit{"deg/s", 360, 1 << 24};
 inline constexpr canopen::Unit kAccelerationUnit{"m/s^2", 1, 1 << 8};
 inline constexpr canopen::Unit kLengthUnit{"mm", 1000, 1 << 15};
 inline constexpr canopen::Unit kGainUnit{"s", 1, 1 << 12};
-inline constexpr canopen::Unit kFactorUnit{"", 1, 1 << 12};
+inline constexpr canopen::Unit kLeanGainUnit{"%", 100, 1 << 12};
 inline constexpr canopen::Unit kVoltageUnit{"mV"};
 inline constexpr canopen::Unit kSpeedUnit{"mm/s"};
 inline constexpr canopen::Unit kTurnUnit{"mrad/s"};
@@ -213,12 +213,12 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
     {OBJECT(0x2103, 1, feedback.moving.lean.ankle_pitch, kReadWrite)
          .within(-kMaxGain, kMaxGain)
          .repeated(std::size(kFeedbackJoints), sizeof(std::int16_t)),
-     {.name = "Lean gain", .unit = kFactorUnit, .elements = kFeedbackJoints}},
+     {.name = "Lean gain", .unit = kLeanGainUnit, .elements = kFeedbackJoints}},
     canopen::heading(0x2104, "Attitude feedback while standing"),
     {OBJECT(0x2104, 1, feedback.standing.lean.ankle_pitch, kReadWrite)
          .within(-kMaxGain, kMaxGain)
          .repeated(std::size(kFeedbackJoints), sizeof(std::int16_t)),
-     {.name = "Standing lean gain", .unit = kFactorUnit, .elements = kFeedbackJoints}},
+     {.name = "Standing lean gain", .unit = kLeanGainUnit, .elements = kFeedbackJoints}},
     canopen::heading(kVelocityObject, "Velocity", "The velocity to walk with, in the trunk's axes."),
     {OBJECT(kVelocityObject, 1, velocity.forward_mm_per_s, kReadWrite, kBoth),
      {.name = "Velocity forward", .unit = kSpeedUnit}},

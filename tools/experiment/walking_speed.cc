@@ -27,7 +27,7 @@ std::vector<Measure> measures() {
           {.name = "drift_m", .label = "drift [m]", .decimals = 2},
           {.name = "energy_J_per_m", .label = "energy [J/m]", .decimals = 0},
           {.name = "energy_J_per_rad", .label = "energy [J/rad]", .decimals = 1},
-          {.name = "heading_drift_rad"},
+          {.name = "heading_off_deg", .label = "heading off [deg]", .decimals = 1},
           {.name = "failed", .kind = kEvent}};
 }
 
@@ -98,7 +98,7 @@ Values judge_walk(Direction direction, double way, double sign, double time_s,
   judged["drift_m"] =
       turns ? made.head<2>().norm() : std::abs(made.head<2>().dot(ahead.head<2>().unitOrthogonal()));
   judged[turns ? "energy_J_per_rad" : "energy_J_per_m"] = scenario_values.at("energy_J") / made_way;
-  if (!turns) judged["heading_drift_rad"] = made.z();
+  if (!turns) judged["heading_off_deg"] = std::abs(made.z()) * 360.0 / kTurn_rad;
   return judged;
 }
 
@@ -140,10 +140,13 @@ Conclusions walking_speed_conclusions(const WalkingSpeed& speed, const ClimbResu
     conclusions.values[key] = 0.0;
     conclusions.values[name + "_ended_by"] = stop_name(climb.stop);
     if (!climb.highest) continue;
-    const Measure measure{.name = turns ? "turn_rad_per_s" : "speed_m_per_s"};
-    const MeanEstimate made = mean_of(result.result.cells[*climb.highest], measure);
+    const CellResult& highest = result.result.cells[*climb.highest];
+    const MeanEstimate made =
+        mean_of(highest, {.name = turns ? "turn_rad_per_s" : "speed_m_per_s"});
     conclusions.values[key] = made.mean;
     conclusions.values[key + "_confidence_95"] = {made.confidence_95.low, made.confidence_95.high};
+    if (turns) continue;
+    conclusions.values[name + "_heading_off_deg"] = mean_of(highest, {.name = "heading_off_deg"}).mean;
   }
   return conclusions;
 }

@@ -39,6 +39,13 @@ TEST(Parameters, BecomeWhatTheControllerHolds) {
   EXPECT_EQ(resolve("ramp_rate", 90.0).value, 1024u);
 }
 
+TEST(Parameters, AreElementsOfAnObjectByTheirNames) {
+  const sim::SdoWrite write = resolve("standing_lean_gain_hip_roll", -50.0);
+  EXPECT_EQ(write.address, (canopen::ObjectAddress{0x2104, 3}));
+  EXPECT_EQ(write.value, 0xFFFF'F800u);  // half of 4096
+  EXPECT_EQ(resolve("mounting_yaw", 10.0).address, (canopen::ObjectAddress{0x2121, 3}));
+}
+
 TEST(Parameters, AreRefusedByAnUnknownName) {
   const std::string message = refusal("elbow_gain", 0.1);
   EXPECT_THAT(message, HasSubstr("walk.yaml:12: found parameter elbow_gain"));
