@@ -40,7 +40,7 @@ enum class Event : std::uint8_t {
 enum class Reason : std::uint8_t {
   kNone = 0,
   kCommand = 1,
-  kProgress = 2,  // the last state had come to its end
+  kProgress = 2,   // the last state had come to its end
   kSupplyLow = 3,  // for two seconds
   // Troubles that lead to kFault.
   kModelInvalid = 16,  // no valid RobotModel in storage

@@ -12,8 +12,8 @@
 #include "firmware/app/motion_transfer.h"
 #include "firmware/app/parameter_store.h"
 #include "firmware/balance/attitude.h"
-#include "firmware/balance/gyro_bias.h"
 #include "firmware/balance/feedback.h"
+#include "firmware/balance/gyro_bias.h"
 #include "firmware/balance/inertial.h"
 #include "firmware/balance/posture.h"
 #include "firmware/balance/zmp.h"
@@ -33,7 +33,7 @@ class Controller final : private canopen::NodeApplication {
  public:
   static constexpr std::uint32_t kTick_us = 10'000;
   static constexpr std::uint32_t kSensorTimeout_us = 50'000;
-  static constexpr std::uint8_t kLowReadings = 8;             // of the supply, in two seconds
+  static constexpr std::uint8_t kLowReadings = 8;            // of the supply, in two seconds
   static constexpr std::uint32_t kSensorStart_us = 500'000;  // how long sensors may take to speak first
 
   explicit Controller(const hal::Board& board);
@@ -148,7 +148,7 @@ class Controller final : private canopen::NodeApplication {
   walk::Walker walker_;
   std::array<fixed::Force, 2> foot_loads_{};              // by Side
   std::array<std::optional<std::uint64_t>, 2> ankle_us_;  // when each ankle spoke last
-  std::uint8_t low_readings_ = 0;  // of the supply, in a row
+  std::uint8_t low_readings_ = 0;                         // of the supply, in a row
   std::uint64_t now_us_ = 0;
   std::uint64_t started_us_ = 0;  // of the boot
   std::uint64_t fault_us_ = 0;

@@ -189,36 +189,42 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
     {OBJECT(0x2100, 4, parameters.supply_low_mV, kReadWrite),
      {.name = "Low supply",
       .unit = kVoltageUnit,
-      .comment = "With less for two seconds the robot ends its motion or walk, and stands until it was limp."}},
-    canopen::heading(0x2101, "Gyro feedback",
-                     "In a motion or a walk a joint is turned by its gain times the trunk's rate; 0 is off."),
-    {OBJECT(0x2101, 1, feedback.moving.rate.ankle_pitch, kReadWrite).within(-kMaxGain, kMaxGain),
+      .comment =
+          "With less for two seconds the robot ends its motion or walk, and stands until it was limp."}},
+    canopen::heading(0x2101, "Gyro feedback in motions",
+                     "A joint is turned by its gain times the trunk's rate; 0 is off."),
+    {OBJECT(0x2101, 1, feedback.motion.ankle_pitch, kReadWrite).within(-kMaxGain, kMaxGain),
      {.name = "Ankle pitch gain", .unit = kGainUnit}},
-    {OBJECT(0x2101, 2, feedback.moving.rate.ankle_roll, kReadWrite).within(-kMaxGain, kMaxGain),
+    {OBJECT(0x2101, 2, feedback.motion.ankle_roll, kReadWrite).within(-kMaxGain, kMaxGain),
      {.name = "Ankle roll gain", .unit = kGainUnit}},
-    {OBJECT(0x2101, 3, feedback.moving.rate.hip_roll, kReadWrite).within(-kMaxGain, kMaxGain),
+    {OBJECT(0x2101, 3, feedback.motion.hip_roll, kReadWrite).within(-kMaxGain, kMaxGain),
      {.name = "Hip roll gain", .unit = kGainUnit}},
-    {OBJECT(0x2101, 4, feedback.moving.rate.knee, kReadWrite).within(-kMaxGain, kMaxGain),
+    {OBJECT(0x2101, 4, feedback.motion.knee, kReadWrite).within(-kMaxGain, kMaxGain),
      {.name = "Knee gain", .unit = kGainUnit}},
-    {OBJECT(0x2101, 5, feedback.moving.rate.hip_pitch, kReadWrite).within(-kMaxGain, kMaxGain),
+    {OBJECT(0x2101, 5, feedback.motion.hip_pitch, kReadWrite).within(-kMaxGain, kMaxGain),
      {.name = "Hip pitch gain", .unit = kGainUnit}},
     canopen::heading(0x2102, "Gyro feedback while standing"),
     {OBJECT(0x2102, 1, feedback.standing.rate.ankle_pitch, kReadWrite)
          .within(-kMaxGain, kMaxGain)
          .repeated(std::size(kFeedbackJoints), sizeof(std::int16_t)),
      {.name = "Standing gain", .unit = kGainUnit, .elements = kFeedbackJoints}},
-    canopen::heading(0x2103, "Attitude feedback",
-                     "In a walk a joint is turned by its gain times the angle by which the trunk leans more "
-                     "than planned; 0 is off."),
-    {OBJECT(0x2103, 1, feedback.moving.lean.ankle_pitch, kReadWrite)
-         .within(-kMaxGain, kMaxGain)
-         .repeated(std::size(kFeedbackJoints), sizeof(std::int16_t)),
-     {.name = "Lean gain", .unit = kLeanGainUnit, .elements = kFeedbackJoints}},
-    canopen::heading(0x2104, "Attitude feedback while standing"),
-    {OBJECT(0x2104, 1, feedback.standing.lean.ankle_pitch, kReadWrite)
+    canopen::heading(0x2103, "Attitude feedback while standing",
+                     "A joint is turned by its gain times the angle by which the trunk leans; 0 is off."),
+    {OBJECT(0x2103, 1, feedback.standing.lean.ankle_pitch, kReadWrite)
          .within(-kMaxGain, kMaxGain)
          .repeated(std::size(kFeedbackJoints), sizeof(std::int16_t)),
      {.name = "Standing lean gain", .unit = kLeanGainUnit, .elements = kFeedbackJoints}},
+    canopen::heading(0x2104, "Gyro feedback while walking"),
+    {OBJECT(0x2104, 1, feedback.walking.rate.ankle_pitch, kReadWrite)
+         .within(-kMaxGain, kMaxGain)
+         .repeated(std::size(kFeedbackJoints), sizeof(std::int16_t)),
+     {.name = "Walking gain", .unit = kGainUnit, .elements = kFeedbackJoints}},
+    canopen::heading(0x2105, "Attitude feedback while walking",
+                     "Of the angle by which the trunk leans more than planned."),
+    {OBJECT(0x2105, 1, feedback.walking.lean.ankle_pitch, kReadWrite)
+         .within(-kMaxGain, kMaxGain)
+         .repeated(std::size(kFeedbackJoints), sizeof(std::int16_t)),
+     {.name = "Walking lean gain", .unit = kLeanGainUnit, .elements = kFeedbackJoints}},
     canopen::heading(kVelocityObject, "Velocity", "The velocity to walk with, in the trunk's axes."),
     {OBJECT(kVelocityObject, 1, velocity.forward_mm_per_s, kReadWrite, kBoth),
      {.name = "Velocity forward", .unit = kSpeedUnit}},

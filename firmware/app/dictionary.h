@@ -28,6 +28,15 @@ enum class Command : std::uint8_t {
   kCalibrate = 8,  // the gyro's bias at rest goes into the parameters
 };
 
+// Found by studies/stand.yaml.
+inline constexpr balance::FeedbackGains kStandingGains{
+    .rate = {.ankle_pitch = 70, .ankle_roll = 188, .hip_roll = -37, .knee = 242, .hip_pitch = 393},
+    .lean = {.ankle_pitch = 819, .ankle_roll = -737, .hip_roll = 2150, .knee = -102, .hip_pitch = -901}};
+// Found by studies/walk.yaml.
+inline constexpr balance::FeedbackGains kWalkingGains{
+    .rate = {.ankle_pitch = 61, .ankle_roll = 203, .hip_roll = 82, .knee = 123, .hip_pitch = 0},
+    .lean = {.ankle_pitch = 0, .ankle_roll = 0, .hip_roll = 0, .knee = 0, .hip_pitch = -614}};
+
 // The values behind the controller's object dictionary.
 struct ControllerValues {
   struct {
@@ -64,9 +73,10 @@ struct ControllerValues {
     std::uint16_t supply_low_mV = 6300;  // what the battery should not fall below
   } parameters;                          // 0x2100
   struct {
-    balance::FeedbackGains moving;  // in a motion, where only the rates count, and in a walk
-    balance::FeedbackGains standing;
-  } feedback;                            // 0x2101 to 0x2104
+    balance::JointGains motion;  // of the rate: what a motion means the trunk to lean, nobody knows
+    balance::FeedbackGains standing = kStandingGains;
+    balance::FeedbackGains walking = kWalkingGains;
+  } feedback;                            // 0x2101 to 0x2105
   walk::Velocity velocity;               // 0x2110; always within its limits
   walk::VelocityLimits velocity_limits;  // 0x2111
   Calibration calibration;               // 0x2120..0x2122

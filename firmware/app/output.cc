@@ -21,21 +21,19 @@ void Controller::command_drives(std::uint64_t now_us) {
   }
 }
 
-// What a motion means the trunk to lean, nobody knows.
 void Controller::balance(Angles& targets) const {
-  balance::TrunkMotion trunk{.roll_rate = rates_.x, .pitch_rate = rates_.y, .roll = {}, .pitch = {}};
+  const auto& gains = values_.feedback;
+  balance::TrunkMotion trunk{
+      .roll_rate = rates_.x, .pitch_rate = rates_.y, .roll = attitude_.roll(), .pitch = attitude_.pitch()};
   switch (values_.behaviour.state) {
     case State::kStanding:
     case State::kLowBattery:
-      trunk.roll = attitude_.roll();
-      trunk.pitch = attitude_.pitch();
-      return feedback_.correct(values_.feedback.standing, trunk, targets);
+      return feedback_.correct(gains.standing, trunk, targets);
     case State::kWalking:
-      trunk.roll = attitude_.roll();
-      trunk.pitch = attitude_.pitch() - walker_.pitch();
-      return feedback_.correct(values_.feedback.moving, trunk, targets);
+      trunk.pitch -= walker_.pitch();
+      return feedback_.correct(gains.walking, trunk, targets);
     case State::kMotion:
-      return feedback_.correct(values_.feedback.moving, trunk, targets);
+      return feedback_.correct({.rate = gains.motion, .lean = {}}, trunk, targets);
     default:
       return;
   }

@@ -37,10 +37,10 @@ Feedback::Feedback(const robot::RobotModel& model) {
 void Feedback::correct(const FeedbackGains& gains, const TrunkMotion& trunk,
                        std::span<fixed::Angle> targets) const {
   const auto& [rate, lean] = gains;
-  const auto in_roll = [&](std::int16_t JointGains::* joint) {
+  const auto in_roll = [&](std::int16_t JointGains::*joint) {
     return correction(rate.*joint, trunk.roll_rate, lean.*joint, trunk.roll);
   };
-  const auto in_pitch = [&](std::int16_t JointGains::* joint) {
+  const auto in_pitch = [&](std::int16_t JointGains::*joint) {
     return correction(rate.*joint, trunk.pitch_rate, lean.*joint, trunk.pitch);
   };
   const fixed::Angle hip_roll = in_roll(&JointGains::hip_roll);

@@ -128,8 +128,8 @@ void DriveGroup::read_supply(std::uint64_t now_us) {
   supply_due_us_ = now_us + kSupplyPeriod_us;
   supplied_ = supplied_ + 1 < model_.joint_count ? supplied_ + 1 : 0;
   // A queue that is full has no room for questions.
-  static_cast<void>(client_.begin_read(model_.joints[supplied_].drive.node_id,
-                                       {cia402::kSupplyVoltage, 0}, now_us));
+  static_cast<void>(
+      client_.begin_read(model_.joints[supplied_].drive.node_id, {cia402::kSupplyVoltage, 0}, now_us));
 }
 
 void DriveGroup::observe(std::uint64_t now_us) {

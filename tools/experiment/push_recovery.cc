@@ -130,13 +130,14 @@ PlaneCurve ring(double radius) {
 const std::vector<Feedback>& feedbacks() {
   static const std::vector<Feedback> kFeedbacks{
       {"gyro",
-       {"ankle_pitch_gain", "ankle_roll_gain", "hip_roll_gain", "knee_gain", "hip_pitch_gain",
-        "standing_gain_ankle_pitch", "standing_gain_ankle_roll", "standing_gain_hip_roll", "standing_gain_knee",
-        "standing_gain_hip_pitch"}},
+       {"standing_gain_ankle_pitch", "standing_gain_ankle_roll", "standing_gain_hip_roll",
+        "standing_gain_knee", "standing_gain_hip_pitch", "walking_gain_ankle_pitch",
+        "walking_gain_ankle_roll", "walking_gain_hip_roll", "walking_gain_knee", "walking_gain_hip_pitch"}},
       {"attitude",
-       {"lean_gain_ankle_pitch", "lean_gain_ankle_roll", "lean_gain_hip_roll", "lean_gain_knee",
-        "lean_gain_hip_pitch", "standing_lean_gain_ankle_pitch", "standing_lean_gain_ankle_roll",
-        "standing_lean_gain_hip_roll", "standing_lean_gain_knee", "standing_lean_gain_hip_pitch"}},
+       {"standing_lean_gain_ankle_pitch", "standing_lean_gain_ankle_roll", "standing_lean_gain_hip_roll",
+        "standing_lean_gain_knee", "standing_lean_gain_hip_pitch", "walking_lean_gain_ankle_pitch",
+        "walking_lean_gain_ankle_roll", "walking_lean_gain_hip_roll", "walking_lean_gain_knee",
+        "walking_lean_gain_hip_pitch"}},
       {"capture", {"capture_ahead", "capture_aside"}},
       {"touch-down", {"touch_down_load"}},
       {"heading", {"heading_hold"}}};

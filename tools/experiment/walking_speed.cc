@@ -141,8 +141,7 @@ Conclusions walking_speed_conclusions(const WalkingSpeed& speed, const ClimbResu
     conclusions.values[name + "_ended_by"] = stop_name(climb.stop);
     if (!climb.highest) continue;
     const CellResult& highest = result.result.cells[*climb.highest];
-    const MeanEstimate made =
-        mean_of(highest, {.name = turns ? "turn_rad_per_s" : "speed_m_per_s"});
+    const MeanEstimate made = mean_of(highest, {.name = turns ? "turn_rad_per_s" : "speed_m_per_s"});
     conclusions.values[key] = made.mean;
     conclusions.values[key + "_confidence_95"] = {made.confidence_95.low, made.confidence_95.high};
     if (turns) continue;

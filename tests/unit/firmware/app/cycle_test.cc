@@ -43,8 +43,7 @@ TEST(ControllerCycle, SendsNoPdoBetweenTicks) {
   for (const auto& [time_us, frame] : bench.sent) {
     const bool heartbeat = frame.identifier == 0x701;
     const bool sdo = frame.identifier >= 0x600 && frame.identifier < 0x680;
-    EXPECT_TRUE(time_us % Controller::kTick_us == 0 || heartbeat || sdo)
-        << std::hex << frame.identifier;
+    EXPECT_TRUE(time_us % Controller::kTick_us == 0 || heartbeat || sdo) << std::hex << frame.identifier;
   }
 }
 

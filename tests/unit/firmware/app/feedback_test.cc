@@ -12,8 +12,8 @@ constexpr std::size_t kAnklePitch = 4;
 constexpr std::size_t kKnee = 3;
 constexpr std::int16_t kOneRadPerS = 1878;  // counts of the test robot's gyro, 17.45 rad/s at 2^15
 
-// The objects of the gains, 0x2101 to 0x2104.
-enum Gains : std::uint8_t { kMovingRate = 0x01, kStandingRate, kMovingLean, kStandingLean };
+// The objects of the gains, 0x2101 to 0x2105.
+enum Gains : std::uint8_t { kMotionRate = 0x01, kStandingRate, kStandingLean, kWalkingRate, kWalkingLean };
 
 // Expedited download of two bytes to one of them.
 void set_gain(ControllerBench& bench, Gains gains, std::uint8_t subindex, std::uint8_t low,
@@ -24,6 +24,12 @@ void set_gain(ControllerBench& bench, Gains gains, std::uint8_t subindex, std::u
 
 class ControllerFeedback : public testing::Test {
  protected:
+  // All off: each test switches on what it is about.
+  void SetUp() override {
+    for (const Gains gains : {kStandingRate, kStandingLean, kWalkingRate, kWalkingLean}) {
+      for (std::uint8_t joint = 1; joint <= 5; ++joint) set_gain(bench, gains, joint, 0);
+    }
+  }
   void pitch_forward() {
     bench.imu_sample.gyro_raw[1] = kOneRadPerS;
     bench.run_ms(300);
@@ -33,7 +39,7 @@ class ControllerFeedback : public testing::Test {
   ControllerBench bench;
 };
 
-TEST_F(ControllerFeedback, IsOffUntilGainsAreSet) {
+TEST_F(ControllerFeedback, IsOffWithoutGains) {
   ASSERT_TRUE(bench.run_until_standing());
   const auto before = bench.target(kAnklePitch);
   pitch_forward();
@@ -53,10 +59,24 @@ TEST_F(ControllerFeedback, TurnsTheAnklesOfAStandingRobot) {
   EXPECT_NEAR(target_rad(kAnklePitch), before_rad, 1e-5);
 }
 
+TEST_F(ControllerFeedback, TurnsTheAnklesOfAWalkingRobotByGainsOfItsOwn) {
+  const auto walks_to_rad = [](Gains gains) {
+    ControllerBench bench;
+    set_gain(bench, gains, 1, 0, 4);  // a quarter
+    EXPECT_TRUE(bench.run_until_standing());
+    bench.command(Command::kWalk);
+    bench.imu_sample.gyro_raw[1] = kOneRadPerS;
+    bench.run_ms(200);
+    return fixed::to_double(bench.target(kAnklePitch));
+  };
+  const double without_rad = walks_to_rad(kStandingRate);
+  EXPECT_NEAR(walks_to_rad(kWalkingRate) - without_rad, 0.25, 0.03);
+}
+
 // The test robot's attitude follows its gyro: 0.3 s of one rad/s.
 TEST_F(ControllerFeedback, AnswersToTheLeanOfAStandingRobot) {
   set_gain(bench, kStandingLean, 1, 0x00, 0x08);  // one half
-  set_gain(bench, kMovingLean, 1, 0x00, 0x10);
+  set_gain(bench, kWalkingLean, 1, 0x00, 0x10);
   ASSERT_TRUE(bench.run_until_standing());
   const double before_rad = target_rad(kAnklePitch);
   pitch_forward();
@@ -69,7 +89,7 @@ TEST_F(ControllerFeedback, AnswersToTheLeanOfAStandingRobot) {
 
 TEST_F(ControllerFeedback, DoesNotJudgeTheLeanOfAMotion) {
   set_gain(bench, kStandingLean, 1, 0x00, 0x10);
-  set_gain(bench, kMovingLean, 1, 0x00, 0x10);
+  set_gain(bench, kWalkingLean, 1, 0x00, 0x10);
   ASSERT_TRUE(bench.run_until_standing());
   bench.command(Command::kPlay, 1);
   ASSERT_EQ(bench.now().state, State::kMotion);
@@ -79,7 +99,7 @@ TEST_F(ControllerFeedback, DoesNotJudgeTheLeanOfAMotion) {
 }
 
 TEST_F(ControllerFeedback, AddsToAMotion) {
-  set_gain(bench, kMovingRate, 1, 205);
+  set_gain(bench, kMotionRate, 1, 205);
   ASSERT_TRUE(bench.run_until_standing());
   bench.command(Command::kPlay, 1);
   ASSERT_EQ(bench.now().state, State::kMotion);
@@ -98,8 +118,8 @@ TEST_F(ControllerFeedback, LeavesNoTargetBeyondItsLimits) {
 }
 
 TEST_F(ControllerFeedback, RefusesAGainBeyondASecond) {
-  set_gain(bench, kMovingRate, 2, 0x01, 0x10);
-  EXPECT_EQ(bench.values().feedback.moving.rate.ankle_roll, 0);
+  set_gain(bench, kMotionRate, 2, 0x01, 0x10);
+  EXPECT_EQ(bench.values().feedback.motion.ankle_roll, 0);
   const auto answer = bench.last_sent(0x581);
   ASSERT_TRUE(answer.has_value());
   EXPECT_EQ(answer->data[0], 0x80);

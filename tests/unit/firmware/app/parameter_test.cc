@@ -43,7 +43,7 @@ TEST_F(ControllerParameters, SurviveAPowerCycleOnceTheyAreSaved) {
   EXPECT_GT(pc.answer_ms, 22);  // the answer says that it is done
   power_cycle();
   EXPECT_EQ(bench.values().parameters.supply_min_mV, 6'500);
-  EXPECT_EQ(bench.values().feedback.moving.rate.knee, -300);
+  EXPECT_EQ(bench.values().feedback.motion.knee, -300);
 }
 
 TEST_F(ControllerParameters, AreThoseOfTheFactoryAgainAfterRestoreAndReset) {

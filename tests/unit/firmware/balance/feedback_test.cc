@@ -73,10 +73,10 @@ class FeedbackTest : public testing::Test {
 TEST_F(FeedbackTest, ChangesNotABitWithoutGains) { EXPECT_EQ(corrected({}, rates(10, -10)), pose); }
 
 TEST_F(FeedbackTest, TurnsByGainTimesRate) {
-  const auto targets =
-      corrected({.rate = {.ankle_pitch = 205, .ankle_roll = 123, .hip_roll = -82, .knee = 41, .hip_pitch = 20},
-                 .lean = {}},
-                rates(0.5, 1.0));
+  const auto targets = corrected(
+      {.rate = {.ankle_pitch = 205, .ankle_roll = 123, .hip_roll = -82, .knee = 41, .hip_pitch = 20},
+       .lean = {}},
+      rates(0.5, 1.0));
   for (const std::size_t leg : {0u, 6u}) {
     EXPECT_NEAR(change_rad(targets, leg + 1), -82.0 / 4096 * 0.5, 1e-8);
     EXPECT_NEAR(change_rad(targets, leg + 3), 41.0 / 4096 * 1.0, 1e-8);
@@ -117,7 +117,8 @@ TEST_F(FeedbackTest, TurnsAFallingTrunkBack) {
   for (std::size_t i = 0; i < std::size(each); ++i) {
     const std::size_t axis = i < 3 ? 1 : 0;
     for (const double rate : {0.5, -0.5}) {
-      const auto targets = corrected({.rate = each[i], .lean = {}}, axis == 0 ? rates(rate, 0) : rates(0, rate));
+      const auto targets =
+          corrected({.rate = each[i], .lean = {}}, axis == 0 ? rates(rate, 0) : rates(0, rate));
       for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
         EXPECT_NEAR(trunk_turn_rad(targets, side, axis), -410.0 / 4096 * rate, 1e-3) << i << " " << rate;
       }

@@ -27,7 +27,8 @@ TEST(JudgedWalk, IsMeasuredAlongTheHeadingAtItsStart) {
   EXPECT_DOUBLE_EQ(forward.at("drift_m"), 0.3);
   EXPECT_DOUBLE_EQ(forward.at("energy_J_per_m"), 25.0);
   EXPECT_NEAR(forward.at("heading_off_deg"), 5.73, 0.01);
-  EXPECT_GT(judge_walk(Direction::kForward, 4.0, 1.0, 20.0, walked(4.0, 0.0, -0.1)).at("heading_off_deg"), 0.0);
+  EXPECT_GT(judge_walk(Direction::kForward, 4.0, 1.0, 20.0, walked(4.0, 0.0, -0.1)).at("heading_off_deg"),
+            0.0);
   const Values backward = judge_walk(Direction::kBackward, 4.0, 1.0, 40.0, walked(-4.0, 0.5, 0.0));
   EXPECT_DOUBLE_EQ(backward.at("speed_m_per_s"), 0.1);
   EXPECT_FALSE(backward.contains("turn_rad_per_s"));

@@ -41,7 +41,7 @@ TEST(Parameters, BecomeWhatTheControllerHolds) {
 
 TEST(Parameters, AreElementsOfAnObjectByTheirNames) {
   const sim::SdoWrite write = resolve("standing_lean_gain_hip_roll", -50.0);
-  EXPECT_EQ(write.address, (canopen::ObjectAddress{0x2104, 3}));
+  EXPECT_EQ(write.address, (canopen::ObjectAddress{0x2103, 3}));
   EXPECT_EQ(write.value, 0xFFFF'F800u);  // half of 4096
   EXPECT_EQ(resolve("mounting_yaw", 10.0).address, (canopen::ObjectAddress{0x2121, 3}));
 }
