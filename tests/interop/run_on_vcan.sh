@@ -8,7 +8,7 @@ seconds=${2:-3}
 speed=${3:-1}
 stepper=${4:-lumped}
 
-# There may be one processor for both, and candump takes half of it: it goes first, and hears 15 s late without a loss.
+# There may be one processor for both, and candump takes half of it: it goes first, and may be some seconds late.
 nice -n -20 candump -r 67108864 -L vcan0 >/mnt/can.log &
 candump=$!
 until grep -q vcan0 /proc/net/can/rcvlist_all; do sleep 0.05; done

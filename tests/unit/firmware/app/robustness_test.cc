@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
+#include <iterator>
+#include <span>
 
 #include "firmware/app/dictionary.h"
 #include "firmware/drive/configuration.h"
