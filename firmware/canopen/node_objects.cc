@@ -163,6 +163,7 @@ AbortCode Node::read_array(ObjectAddress address, ObjectValue& value) const {
       return errors_.read_history(subindex, value);
     case 0x1010:  // bit 0: stores on command
     case 0x1011:  // bit 0: restores
+      if (subindex > kGroups) return AbortCode::kSubindexDoesNotExist;
       return array(value, subindex, kGroups, stores(subindex) ? 1 : 0, 4);
     case 0x1016:
       return heartbeats_.read(subindex, value);

@@ -54,10 +54,11 @@ struct DriveValues {
 // Profile position, cyclic synchronous position, and none of them.
 bool is_supported_mode(std::int32_t mode);
 
-// What the software position limits leave of a target.
+// What the software position limits leave of a target. While a client has written only one of two new limits,
+// the lower one may be above the other; then the upper one holds.
 inline std::int32_t within_limits(const DriveValues& values, std::int64_t target) {
-  return static_cast<std::int32_t>(
-      std::clamp<std::int64_t>(target, values.position_limit[0], values.position_limit[1]));
+  const std::int64_t from_below = std::max<std::int64_t>(target, values.position_limit[0]);
+  return static_cast<std::int32_t>(std::min<std::int64_t>(from_below, values.position_limit[1]));
 }
 
 // The winding's temperature, manufacturer-specific: CiA 402 has none.

@@ -1,17 +1,22 @@
 // What a live transport costs a tick of 10 ms in wall time: two runs of the same walk side by side, tick by
-// tick, one of them on the transport. Nobody waits for the clock. Prints one JSON document.
+// tick, one of them on the transport. Nobody waits for the clock. Beside them, a loop by which to compare
+// machines and their load: as many datagrams through the kernel as a tick has frames. Prints one JSON
+// document.
 //
 //   live_bench TRANSPORT [SIMULATED_SECONDS]
 
 #include <fmt/core.h>
+#include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdlib>
 #include <exception>
 #include <string>
 #include <vector>
 
+#include "hal/linux/file_descriptor.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/run/live_link.h"
 #include "tools/run/simulation.h"
@@ -54,25 +59,61 @@ class Walk {
   tools::Simulation simulation_;
 };
 
+// The least that the kernel can be asked for each frame: to take it from one socket to another.
+class Calibration {
+ public:
+  Calibration() {
+    std::array<int, 2> ends{};
+    hal::checked(::socketpair(AF_UNIX, SOCK_DGRAM, 0, ends.data()), "a pair of sockets");
+    sender_ = hal::FileDescriptor(ends[0]);
+    receiver_ = hal::FileDescriptor(ends[1]);
+  }
+
+  double tick_us() {
+    const auto start = Clock::now();
+    for (int i = 0; i < kFrames; ++i) {
+      hal::checked(static_cast<int>(::send(sender_.number(), frame_.data(), frame_.size(), 0)), "send");
+      hal::checked(static_cast<int>(::recv(receiver_.number(), frame_.data(), frame_.size(), 0)), "recv");
+    }
+    return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+  }
+
+ private:
+  static constexpr int kFrames = 48;  // of a tick of the walk
+
+  hal::FileDescriptor sender_;
+  hal::FileDescriptor receiver_;
+  std::array<char, 16> frame_{};  // as large as Linux' can_frame
+};
+
 void measure(const std::string& transport, const std::string& seconds) {
   const std::vector<sim::Override> overrides{{"physics.stepper", "lumped"}, {"duration_s", seconds}};
   const sim::Scenario scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml", overrides);
   Walk alone(scenario, "none");
   Walk live(scenario, transport);
+  Calibration calibration;
+  std::vector<double> calibration_us;
   std::vector<double> alone_us;
   std::vector<double> live_us;
   std::vector<double> extra_us;
   while (!live.finished()) {
+    calibration_us.push_back(calibration.tick_us());
     alone_us.push_back(alone.tick_us());
     live_us.push_back(live.tick_us());
     extra_us.push_back(live_us.back() - alone_us.back());
   }
-  fmt::print(
-      "{{\"transport\": \"{}\", \"ticks\": {}, \"alone_us\": {:.1f}, \"live_us\": {:.1f}, \"extra_us\": "
-      "{:.1f}, "
-      "\"ratio\": {:.3f}, \"link\": {}}}\n",
-      transport, alone_us.size(), median(alone_us), median(live_us), median(extra_us),
-      median(live_us) / median(alone_us), live.report().dump());
+  const double extra = median(extra_us);
+  const double bare = median(calibration_us);
+  const nlohmann::ordered_json json = {{"transport", transport},
+                                       {"ticks", alone_us.size()},
+                                       {"alone_us", median(alone_us)},
+                                       {"live_us", median(live_us)},
+                                       {"extra_us", extra},
+                                       {"calibration_us", bare},
+                                       {"extra_by_calibration", extra / bare},
+                                       {"ratio", median(live_us) / median(alone_us)},
+                                       {"link", live.report()}};
+  fmt::print("{}\n", json.dump());
 }
 
 }  // namespace

@@ -5,14 +5,12 @@
 set -eu
 
 if [ "${3:-}" != inside ]; then
-  exec unshare $([ "$(id -u)" -eq 0 ] || echo --map-root-user) --net "$0" "$1" "${2:-3}" inside
+  exec "$(dirname "$0")/in_network.sh" "$0" "$1" "${2:-3}" inside
 fi
 koboshi=$1
 seconds=$2
 folder=$(mktemp -d)
 trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$folder"' EXIT
-ip link set lo up
-ip route add 239.0.0.0/8 dev lo
 
 /usr/bin/python3 -B - "$folder" <<'PYTHON' &
 import os

@@ -1,14 +1,19 @@
 #include "sim_board/can/transport/udp_multicast.h"
 
 #include <arpa/inet.h>
+#include <linux/filter.h>
 #include <netinet/in.h>
+#include <netinet/udp.h>
 #include <sys/socket.h>
+#include <sys/uio.h>
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <chrono>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <string_view>
 
 #include "hal/linux/socket_option.h"
 
@@ -20,7 +25,6 @@ using hal::checked;
 using hal::set_option;
 
 constexpr int kBuffer_bytes = 4 << 20;
-constexpr std::size_t kLargestDatagram_bytes = 1500;
 constexpr unsigned kStandardIdentifiers = 0x800;
 
 double epoch_s() {
@@ -43,23 +47,108 @@ hal::FileDescriptor udp_socket() {
 // Of a field that may be missing.
 bool is_true(const Json& message, const char* name) { return message.value(name, false); }
 
+// Appends to a datagram what MessagePack has for each type; all numbers are big-endian.
+class Packer {
+ public:
+  explicit Packer(Datagram& datagram) : datagram_(datagram) {}
+
+  void byte(unsigned value) { datagram_.bytes[datagram_.size++] = static_cast<std::uint8_t>(value); }
+  void bytes(const void* data, std::size_t size) {
+    std::memcpy(datagram_.bytes.data() + datagram_.size, data, size);
+    datagram_.size += size;
+  }
+  void number(std::uint64_t value, int size) {
+    while (--size >= 0) byte(static_cast<unsigned>(value >> 8 * size & 0xFF));
+  }
+  void key(std::string_view name) {  // of up to 31 characters
+    byte(0xA0u | static_cast<unsigned>(name.size()));
+    bytes(name.data(), name.size());
+  }
+  void truth(std::string_view name, bool value) {
+    key(name);
+    byte(value ? 0xC3 : 0xC2);
+  }
+
+ private:
+  Datagram& datagram_;
+};
+
+// Datagrams as the kernel takes them: a message for each train, which is one whose datagrams are all of one
+// size and named in its control data, or for each datagram. They must outlive it.
+class Messages {
+ public:
+  Messages(std::span<Datagram> datagrams, bool trains) {
+    for (std::size_t i = 0; i < datagrams.size(); ++i) {
+      parts_[i] = {datagrams[i].bytes.data(), datagrams[i].size};
+      if (i > 0 && trains && datagrams[i].size == datagrams[i - 1].size) {
+        msghdr& train = headers_[count_ - 1].msg_hdr;
+        if (++train.msg_iovlen == 2) name_size(train, datagrams[i].size);
+      } else {
+        msghdr& first = headers_[count_++].msg_hdr;
+        first.msg_iov = &parts_[i];
+        first.msg_iovlen = 1;
+      }
+    }
+  }
+  // How many datagrams the kernel has taken; -1 for none, with errno.
+  int send(const hal::FileDescriptor& socket) {
+    const int sent = ::sendmmsg(socket.number(), headers_.data(), count_, 0);
+    if (sent < 0) return sent;
+    std::size_t datagrams = 0;
+    for (int i = 0; i < sent; ++i) datagrams += headers_[static_cast<std::size_t>(i)].msg_hdr.msg_iovlen;
+    return static_cast<int>(datagrams);
+  }
+
+ private:
+  struct Control {
+    alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(std::uint16_t))> bytes;
+  };
+
+  void name_size(msghdr& train, std::size_t size) {
+    train.msg_control = controls_[count_ - 1].bytes.data();
+    train.msg_controllen = sizeof(Control);
+    cmsghdr* const control = CMSG_FIRSTHDR(&train);
+    control->cmsg_level = SOL_UDP;
+    control->cmsg_type = UDP_SEGMENT;
+    control->cmsg_len = CMSG_LEN(sizeof(std::uint16_t));
+    const auto segment = static_cast<std::uint16_t>(size);
+    std::memcpy(CMSG_DATA(control), &segment, sizeof segment);
+  }
+
+  std::array<iovec, UdpMulticast::kBatch> parts_;
+  std::array<mmsghdr, UdpMulticast::kBatch> headers_{};
+  std::array<Control, UdpMulticast::kBatch> controls_;
+  unsigned count_ = 0;
+};
+
 }  // namespace
 
-std::vector<std::uint8_t> pack_datagram(const hal::CanFrame& frame, double timestamp_s) {
-  std::vector<std::uint8_t> data;
-  if (!frame.remote) data.assign(frame.data.begin(), frame.data.begin() + frame.size);
-  const Json message{{"timestamp", timestamp_s},
-                     {"arbitration_id", frame.identifier},
-                     {"is_extended_id", false},
-                     {"is_remote_frame", frame.remote},
-                     {"is_error_frame", false},
-                     {"channel", nullptr},
-                     {"dlc", frame.size},
-                     {"data", Json::binary(std::move(data))},
-                     {"is_fd", false},
-                     {"bitrate_switch", false},
-                     {"error_state_indicator", false}};
-  return Json::to_msgpack(message);
+Datagram pack_datagram(const hal::CanFrame& frame, double timestamp_s) {
+  const std::size_t size = frame.remote ? 0 : frame.size;
+  Datagram datagram;
+  Packer pack(datagram);
+  pack.byte(0x8B);  // a map of eleven
+  pack.key("timestamp");
+  pack.byte(0xCB);
+  pack.number(std::bit_cast<std::uint64_t>(timestamp_s), 8);
+  pack.key("arbitration_id");
+  pack.byte(0xCD);
+  pack.number(frame.identifier, 2);
+  pack.truth("is_extended_id", false);
+  pack.truth("is_remote_frame", frame.remote);
+  pack.truth("is_error_frame", false);
+  pack.key("channel");
+  pack.byte(0xC0);  // nil
+  pack.key("dlc");
+  pack.byte(frame.size);
+  pack.key("data");
+  pack.byte(0xC4);
+  pack.byte(static_cast<unsigned>(size));
+  pack.bytes(frame.data.data(), size);
+  pack.truth("is_fd", false);
+  pack.truth("bitrate_switch", false);
+  pack.truth("error_state_indicator", false);
+  return datagram;
 }
 
 std::optional<hal::CanFrame> unpack_datagram(std::span<const std::uint8_t> datagram) {
@@ -102,30 +191,79 @@ UdpMulticast::UdpMulticast(const std::string& group, std::uint16_t port)
   const sockaddr_in there = address_of(host, port);
   checked(::connect(sender_.number(), reinterpret_cast<const sockaddr*>(&there), sizeof there),
           "a route to " + place_);
+  // A system that knows no trains says so here; each names the size of its own.
+  const int none = 0;
+  trains_ = ::setsockopt(sender_.number(), SOL_UDP, UDP_SEGMENT, &none, sizeof none) == 0;
+  // Without it, the kernel takes our own apart before it looks at the filter.
+  const int whole = 1;
+  static_cast<void>(::setsockopt(receiver_.number(), SOL_UDP, UDP_GRO, &whole, sizeof whole));
+  drop_own_datagrams();
+}
+
+// The group gives back what is sent to it. By a filter, it costs neither a copy nor a call to throw away.
+void UdpMulticast::drop_own_datagrams() {
   sockaddr_in own{};
   socklen_t length = sizeof own;
   checked(::getsockname(sender_.number(), reinterpret_cast<sockaddr*>(&own), &length), "a UDP socket");
-  sender_port_ = own.sin_port;
+  sock_filter program[] = {
+      BPF_STMT(BPF_LD | BPF_H | BPF_ABS, 0),  // the source port, first in the header of UDP
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, ntohs(own.sin_port), 0, 1),
+      BPF_STMT(BPF_RET | BPF_K, 0),
+      BPF_STMT(BPF_RET | BPF_K, UINT32_MAX),
+  };
+  set_option(receiver_, SOL_SOCKET, SO_ATTACH_FILTER,
+             sock_fprog{.len = std::size(program), .filter = program});
 }
 
 bool UdpMulticast::send(const hal::CanFrame& frame, std::uint64_t) {
-  const std::vector<std::uint8_t> datagram = pack_datagram(frame, epoch_s());
-  const ssize_t sent = ::send(sender_.number(), datagram.data(), datagram.size(), 0);
-  return sent == static_cast<ssize_t>(datagram.size());
+  if (outgoing_count_ == kBatch) flush();
+  if (outgoing_count_ == kBatch) return false;
+  outgoing_[outgoing_count_++] = pack_datagram(frame, epoch_s());
+  return true;
+}
+
+void UdpMulticast::flush() {
+  if (outgoing_count_ == 0) return;
+  const auto outgoing = std::span(outgoing_).first(outgoing_count_);
+  int sent = Messages(outgoing, trains_).send(sender_);
+  // An interface that leaves the checksums to the system takes no trains.
+  if (sent < 0 && trains_ && errno == EIO) {
+    trains_ = false;
+    sent = Messages(outgoing, trains_).send(sender_);
+  }
+  if (sent <= 0) return;
+  std::ranges::copy(outgoing.subspan(static_cast<std::size_t>(sent)), outgoing_.begin());
+  outgoing_count_ -= static_cast<std::size_t>(sent);
 }
 
 std::optional<hal::CanFrame> UdpMulticast::receive() {
-  std::array<std::uint8_t, kLargestDatagram_bytes> datagram{};
-  for (;;) {
-    sockaddr_in from{};
-    socklen_t length = sizeof from;
-    const ssize_t got = ::recvfrom(receiver_.number(), datagram.data(), datagram.size(), 0,
-                                   reinterpret_cast<sockaddr*>(&from), &length);
-    if (got < 0) return std::nullopt;
-    if (from.sin_port == sender_port_) continue;
-    if (const auto frame = unpack_datagram(std::span(datagram).first(static_cast<std::size_t>(got))))
-      return frame;
+  while (!incoming_.empty() || fetch()) {
+    const auto datagram = incoming_.first(std::min(incoming_size_, incoming_.size()));
+    incoming_ = incoming_.subspan(datagram.size());
+    if (const auto frame = unpack_datagram(datagram)) return frame;
   }
+  return std::nullopt;
+}
+
+// A datagram, or a train with the size of each but its last. False when there is none.
+bool UdpMulticast::fetch() {
+  iovec part{incoming_bytes_.data(), incoming_bytes_.size()};
+  alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(int))> control_bytes;
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = control_bytes.data();
+  message.msg_controllen = control_bytes.size();
+  const ssize_t got = ::recvmsg(receiver_.number(), &message, 0);
+  if (got < 0) return false;
+  incoming_ = std::span(incoming_bytes_).first(static_cast<std::size_t>(got));
+  incoming_size_ = incoming_.size();
+  const cmsghdr* const control = CMSG_FIRSTHDR(&message);
+  if (control == nullptr || control->cmsg_level != SOL_UDP || control->cmsg_type != UDP_GRO) return true;
+  int size = 0;
+  std::memcpy(&size, CMSG_DATA(control), sizeof size);
+  incoming_size_ = static_cast<std::size_t>(size);
+  return true;
 }
 
 }  // namespace koboshi::sim

@@ -75,6 +75,18 @@ TEST_F(NodeObjects, StoreAndRestoreAskTheOwner) {
   EXPECT_EQ(storing.restored, std::vector{ParameterGroup::kManufacturer});
 }
 
+// The sub-index comes from the bus; past 31 it is more than the bits that it names (seen by the sanitizer).
+TEST_F(NodeObjects, HaveNoParameterGroupsBeyondTheirs) {
+  ObjectValue value;
+  for (int subindex = 5; subindex < 256; ++subindex) {
+    for (const std::uint16_t index : {std::uint16_t{0x1010}, std::uint16_t{0x1011}}) {
+      const ObjectAddress address{index, static_cast<std::uint8_t>(subindex)};
+      ASSERT_EQ(device_.node.read_object(address, value), AbortCode::kSubindexDoesNotExist);
+      ASSERT_EQ(device_.node.write_object(address, 0x65766173, 4), AbortCode::kSubindexDoesNotExist);
+    }
+  }
+}
+
 TEST_F(NodeObjects, AnOwnerThatCannotStoreRefuses) {
   class : public NodeApplication {
   } application;

@@ -1,29 +1,15 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cstdlib>
 
 #include "firmware/canopen/sdo_client.h"
+#include "tests/support/random_frames.h"
 #include "tests/unit/firmware/canopen/test_node.h"
 
 namespace koboshi::canopen {
 namespace {
 
-// xorshift64*: the same numbers on every machine.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  std::uint32_t next() {
-    state_ ^= state_ >> 12;
-    state_ ^= state_ << 25;
-    state_ ^= state_ >> 27;
-    return static_cast<std::uint32_t>((state_ * 0x2545F4914F6CDD1DULL) >> 32);
-  }
-  std::uint32_t below(std::uint32_t limit) { return next() % limit; }
-
- private:
-  std::uint64_t state_;
-};
+using test::Random;
 
 // Half of the frames are noise; the others look like something that this node serves.
 hal::CanFrame random_frame(Random& random) {
@@ -59,14 +45,8 @@ struct Guarded {
   std::array<std::uint8_t, 64> after;
 };
 
-// A moment's worth; by hand, as many as KOBOSHI_FUZZ_FRAMES says.
-std::uint64_t frames_to_survive() {
-  const char* const wanted = std::getenv("KOBOSHI_FUZZ_FRAMES");
-  return wanted == nullptr ? 100'000 : std::strtoull(wanted, nullptr, 10);
-}
-
 TEST(Robustness, SurvivesRandomFrames) {
-  const std::uint64_t frames = frames_to_survive();
+  const std::uint64_t frames = test::frames_to_survive();
   constexpr std::uint64_t kSeed = 20081127;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   Random random(kSeed);

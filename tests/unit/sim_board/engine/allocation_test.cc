@@ -1,29 +1,14 @@
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <new>
-
 #include "sim_board/engine/make_world.h"
+#include "tests/support/allocations.h"
 #include "tests/support/sample_robots.h"
 #include "tests/unit/sim_board/engine/engines.h"
 
-namespace {
-
-thread_local long allocations = 0;
-
-}  // namespace
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-
 namespace koboshi::sim {
 namespace {
+
+using test::allocations;
 
 // ODE's own arenas, which come from malloc, are not counted.
 TEST(World, StepsWithoutTheHeap) {
@@ -34,7 +19,7 @@ TEST(World, StepsWithoutTheHeap) {
     options.stepper = stepper;
     options.X_WB.translation().z() = kSampleHumanoidHeight_m + 0.02;
     const auto world = make_world(sample_humanoid(), options);
-    const long before = allocations;
+    const long before = allocations();
     std::size_t most_contacts = 0;
     for (int i = 0; i < 500; ++i) {  // it drops, folds up and lies
       for (int j = 0; j < 20; ++j) world->set_servo(j, {.friction_Nm = 0.002});
@@ -42,7 +27,7 @@ TEST(World, StepsWithoutTheHeap) {
       world->step();
       most_contacts = std::max(most_contacts, world->contacts().size());
     }
-    EXPECT_EQ(allocations, before);
+    EXPECT_EQ(allocations(), before);
     EXPECT_GT(most_contacts, 8U);
   }
 }
@@ -60,13 +45,13 @@ TEST(World, StepsOnEveryKindOfGroundWithoutTheHeap) {
   field.columns = field.rows = 101;
   for (int i = 0; i < 101 * 101; ++i) field.heights_m.push_back(i % 3 == 0 ? 0.02 : 0.015);
   const auto world = make_world(sample_humanoid(), options);
-  const long before = allocations;
+  const long before = allocations();
   std::size_t most_contacts = 0;
   for (int i = 0; i < 300; ++i) {
     world->step();
     most_contacts = std::max(most_contacts, world->contacts().size());
   }
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(allocations(), before);
   EXPECT_GT(most_contacts, 16U);
 }
 

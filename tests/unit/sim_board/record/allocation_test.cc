@@ -1,30 +1,16 @@
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <new>
 #include <vector>
 
 #include "sim_board/can/bus.h"
 #include "sim_board/record/recorder.h"
+#include "tests/support/allocations.h"
 #include "tests/unit/sim_board/record/temporary_folder.h"
-
-namespace {
-
-thread_local int allocations = 0;
-
-}  // namespace
-
-// Every allocation of this test program comes through here; the recorder's own thread does not count.
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace koboshi::sim {
 namespace {
+
+using koboshi::test::allocations;
 
 class Sender final : public BusNode {
  public:
@@ -42,8 +28,8 @@ TEST(Step, AllocatesNothingOnTheBusAndForItsRecord) {
   for (Sender& node : nodes) handles.push_back(bus.attach(node, AcceptanceFilter::all(), 4));
   bus.advance_to(1000);
 
-  // The first advance built the table of receivers.
-  const int before = allocations;
+  // The first advance built the table of receivers. The recorder's own thread does not count.
+  const long before = allocations();
   ASSERT_GT(before, 21) << "the counter counts";
   for (std::uint64_t cycle = 1; cycle <= 1000; ++cycle) {
     for (std::size_t i = 0; i < handles.size(); ++i) {
@@ -54,7 +40,7 @@ TEST(Step, AllocatesNothingOnTheBusAndForItsRecord) {
     bus.advance_to(cycle * 10'000);
     recorder.row(cycle * 10'000, row);
   }
-  const int during = allocations - before;
+  const long during = allocations() - before;
   EXPECT_EQ(during, 0);
   EXPECT_EQ(bus.usage().frames, 21'000u);
 }

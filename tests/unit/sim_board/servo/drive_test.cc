@@ -55,6 +55,21 @@ TEST_F(DriveTest, KeepsTargetsWithinItsPositionLimits) {
   EXPECT_EQ(torque.drive_Nm, limited_Nm);
 }
 
+// As between the two writes of new limits that lie below the old ones.
+TEST_F(DriveTest, HoldsTheUpperPositionLimitWhereTheLowerOneIsAboveIt) {
+  configure();
+  write({0x607D, 1}, 500, 4);
+  write({0x607D, 2}, static_cast<std::uint32_t>(-500), 4);
+  enable();
+  target = 100'000;
+  run_ms(40);
+  const double limited_Nm = torque.drive_Nm;
+  target = -500;
+  run_ms(40);
+  EXPECT_LT(limited_Nm, 0.0);
+  EXPECT_EQ(torque.drive_Nm, limited_Nm);
+}
+
 TEST_F(DriveTest, MakesNoTorqueInAnyStateWhileTheLineIsLow) {
   for (const std::uint16_t word : {cia402::kControlEnableOperation, cia402::kControlQuickStop}) {
     controlword = 0;

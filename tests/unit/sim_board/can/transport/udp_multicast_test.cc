@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <charconv>
 #include <stdexcept>
 #include <string_view>
@@ -38,10 +39,30 @@ TEST(Datagram, IsReadAsPythonWritesIt) {
   EXPECT_EQ(unpack_datagram(bytes_of(kRemoteOfPython)), kRemote);
 }
 
+TEST(Datagram, IsWrittenAsPythonWritesIt) {
+  EXPECT_TRUE(std::ranges::equal(pack_datagram(kData, 1.5).view(), bytes_of(kDataOfPython)));
+  EXPECT_TRUE(std::ranges::equal(pack_datagram(kRemote, 0.0).view(), bytes_of(kRemoteOfPython)));
+}
+
 TEST(Datagram, IsReadBack) {
-  EXPECT_EQ(unpack_datagram(pack_datagram(kData, 1.5)), kData);
-  EXPECT_EQ(unpack_datagram(pack_datagram(kRemote, 0.0)), kRemote);
-  EXPECT_EQ(unpack_datagram(pack_datagram({.identifier = 0x080}, 0.0)), hal::CanFrame{.identifier = 0x080});
+  for (std::uint16_t identifier = 0; identifier < 0x800; ++identifier) {
+    for (std::uint8_t size = 0; size <= 8; ++size) {
+      hal::CanFrame frame{.identifier = identifier, .size = size};
+      for (std::uint8_t i = 0; i < size; ++i) frame.data[i] = static_cast<std::uint8_t>(identifier + 31 * i);
+      ASSERT_EQ(unpack_datagram(pack_datagram(frame, 1.7e9).view()), frame);
+    }
+  }
+}
+
+// Else those of one millisecond would not make a train. The largest fill their place.
+TEST(Datagram, IsAsLongAsAllOthersWithAsMuchData) {
+  for (std::uint8_t size = 0; size <= 8; ++size) {
+    const std::size_t expected = pack_datagram({.identifier = 0x7FF, .size = size}, 1.5).size;
+    for (const int identifier : {0x000, 0x07F, 0x080, 0x0FF, 0x100})
+      EXPECT_EQ(pack_datagram({.identifier = static_cast<std::uint16_t>(identifier), .size = size}, 0.0).size,
+                expected);
+  }
+  EXPECT_EQ(pack_datagram({.size = 8}, 0.0).size, Datagram::kCapacity_bytes);
 }
 
 TEST(Datagram, IsNothingWhereItIsNoClassicFrame) {

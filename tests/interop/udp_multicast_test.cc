@@ -1,0 +1,52 @@
+// Ends of a multicast group in this process; needs a network with a route to it: in_network.sh.
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "sim_board/can/transport/udp_multicast.h"
+
+namespace koboshi::sim {
+namespace {
+
+constexpr const char* kGroup = "239.74.163.2";
+constexpr std::uint16_t kPort = 43113;
+
+// As many frames as a walk has in half a second, of all sizes: trains of any length.
+std::vector<hal::CanFrame> frames_of_all_sizes() {
+  std::vector<hal::CanFrame> frames;
+  for (unsigned i = 0; i < 2'500; ++i) {
+    hal::CanFrame frame{.identifier = static_cast<std::uint16_t>(i % 0x800),
+                        .size = static_cast<std::uint8_t>(i * i / 64 % 9)};
+    for (std::uint8_t byte = 0; byte < frame.size; ++byte)
+      frame.data[byte] = static_cast<std::uint8_t>(i + byte);
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+TEST(UdpMulticast, ReachesTheOthersInOrderAndNotItself) {
+  UdpMulticast one(kGroup, kPort);
+  UdpMulticast other(kGroup, kPort);
+  UdpMulticast third(kGroup, kPort);
+  const std::vector<hal::CanFrame> frames = frames_of_all_sizes();
+  std::vector<hal::CanFrame> heard;
+  std::size_t sent = 0;
+  for (std::size_t burst = 1; sent < frames.size(); burst = burst % 100 + 1) {  // more than a batch, too
+    for (std::size_t i = 0; i < burst && sent < frames.size(); ++i) ASSERT_TRUE(one.send(frames[sent++], 0));
+    one.flush();
+    while (const auto frame = other.receive()) heard.push_back(*frame);
+    ASSERT_EQ(one.receive(), std::nullopt);
+  }
+  EXPECT_EQ(heard, frames);
+  ASSERT_TRUE(other.send(frames[9], 0));
+  EXPECT_EQ(one.receive(), std::nullopt) << "before the flush";
+  other.flush();
+  EXPECT_EQ(one.receive(), frames[9]);
+  std::size_t heard_by_third = 0;
+  while (third.receive()) ++heard_by_third;
+  EXPECT_EQ(heard_by_third, frames.size() + 1);
+}
+
+}  // namespace
+}  // namespace koboshi::sim
