@@ -34,8 +34,8 @@ inline constexpr balance::FeedbackGains kStandingGains{
     .lean = {.ankle_pitch = 819, .ankle_roll = -737, .hip_roll = 2150, .knee = -102, .hip_pitch = -901}};
 // Found by studies/walk.yaml.
 inline constexpr balance::FeedbackGains kWalkingGains{
-    .rate = {.ankle_pitch = 61, .ankle_roll = 203, .hip_roll = 82, .knee = 123, .hip_pitch = 0},
-    .lean = {.ankle_pitch = 0, .ankle_roll = 0, .hip_roll = 0, .knee = 0, .hip_pitch = -614}};
+    .rate = {.ankle_pitch = 25, .ankle_roll = 252, .hip_roll = 82, .knee = 70, .hip_pitch = 59},
+    .lean = {.ankle_pitch = -410, .ankle_roll = 287, .hip_roll = 922, .knee = -614, .hip_pitch = -307}};
 
 // The values behind the controller's object dictionary.
 struct ControllerValues {

@@ -23,10 +23,10 @@ struct WalkParameters {
   } step;                                             // 0x2130
   struct {
     std::int16_t com_height = 1675;  // of the centre of mass above the soles: the length of the pendulum
-    std::int16_t zmp_ahead = 94;     // of the planned ZMP, before the ankle
+    std::int16_t zmp_ahead = 73;     // of the planned ZMP, before the ankle
     std::int16_t zmp_inward = -6;    // of the planned ZMP, from the sole's middle line towards the other foot
-    std::int16_t trunk_pitch = 634;  // lean ahead
-    std::int16_t trunk_pitch_by_speed = 1438;  // more of it, for each m/s ahead
+    std::int16_t trunk_pitch = 644;  // lean ahead
+    std::int16_t trunk_pitch_by_speed = 382;  // more of it, for each m/s ahead
     // Sag under the robot's weight, mrad for each metre of lever: of hip, knee and ankle, and of hip and
     // ankle to the side.
     std::int16_t pitch_compliance = 1285;
@@ -36,11 +36,11 @@ struct WalkParameters {
   struct {
     // Share of the measured error of the mass's motion by which the next foothold moves.
     std::int16_t capture_ahead = 0;
-    std::int16_t capture_aside = 150;
+    std::int16_t capture_aside = 40;
     std::int16_t dead_band = 59;          // of that error
     std::int16_t smoothing = 360;         // share of the last cycle's error that is kept
     std::int16_t touch_down_load_cN = 0;  // of the swinging foot, which ends a step early; 0: no load does
-    std::int16_t heading_hold = 0;        // share of the heading's error by which a step turns back
+    std::int16_t heading_hold = 210;        // share of the heading's error by which a step turns back
   } reaction;                             // 0x2132
 
   friend bool operator==(const WalkParameters&, const WalkParameters&) = default;

@@ -48,10 +48,10 @@ TEST(VelocityLimits, ReduceEachPartToItsOwn) {
 TEST(ControllerVelocity, ComesInOneFrame) {
   ControllerBench bench;
   bench.run_ms(10);
-  send(bench, {400, -200, 1500});
-  EXPECT_EQ(bench.values().velocity, (Velocity{400, -200, 1500}));
-  send(bench, {-300, 200, -1500});
-  EXPECT_EQ(bench.values().velocity, (Velocity{-300, 200, -1500}));
+  send(bench, {300, -100, 1000});
+  EXPECT_EQ(bench.values().velocity, (Velocity{300, -100, 1000}));
+  send(bench, {-250, 100, -1000});
+  EXPECT_EQ(bench.values().velocity, (Velocity{-250, 100, -1000}));
   EXPECT_EQ(bench.now().refusal, Reason::kNone);
 }
 
@@ -59,8 +59,8 @@ TEST(ControllerVelocity, OutOfRangeInAFrameIsRefusedAsAWhole) {
   ControllerBench bench;
   bench.run_ms(10);
   send(bench, {100, 20, -30});
-  for (const Velocity& wrong : {Velocity{401, 0, 0}, Velocity{-301, 0, 0}, Velocity{0, 201, 0},
-                                Velocity{0, -201, 0}, Velocity{0, 0, 1501}, Velocity{0, 0, -1501}}) {
+  for (const Velocity& wrong : {Velocity{301, 0, 0}, Velocity{-251, 0, 0}, Velocity{0, 101, 0},
+                                Velocity{0, -101, 0}, Velocity{0, 0, 1001}, Velocity{0, 0, -1001}}) {
     send(bench, {100, 20, -30});
     EXPECT_EQ(bench.now().refusal, Reason::kNone);
     send(bench, wrong);
@@ -81,24 +81,24 @@ TEST(ControllerVelocity, DoesNotHideTheRefusalOfACommand) {
 TEST(ControllerVelocity, IsCheckedFromAnSdoClientToo) {
   ControllerBench bench;
   bench.run_ms(10);
-  EXPECT_EQ(write(bench, kVelocityObject, 1, 401), 0x0609'0031u);
-  EXPECT_EQ(write(bench, kVelocityObject, 1, -301), 0x0609'0032u);
-  EXPECT_EQ(write(bench, kVelocityObject, 2, 201), 0x0609'0031u);
-  EXPECT_EQ(write(bench, kVelocityObject, 3, -1501), 0x0609'0032u);
+  EXPECT_EQ(write(bench, kVelocityObject, 1, 301), 0x0609'0031u);
+  EXPECT_EQ(write(bench, kVelocityObject, 1, -251), 0x0609'0032u);
+  EXPECT_EQ(write(bench, kVelocityObject, 2, 101), 0x0609'0031u);
+  EXPECT_EQ(write(bench, kVelocityObject, 3, -1001), 0x0609'0032u);
   EXPECT_EQ(bench.values().velocity, Velocity{});
-  EXPECT_EQ(write(bench, kVelocityObject, 2, -200), 0u);
-  EXPECT_EQ(bench.values().velocity, (Velocity{0, -200, 0}));
-  send(bench, {401, 0, 0});  // and what it wrote is what a refused frame leaves
-  EXPECT_EQ(bench.values().velocity, (Velocity{0, -200, 0}));
+  EXPECT_EQ(write(bench, kVelocityObject, 2, -100), 0u);
+  EXPECT_EQ(bench.values().velocity, (Velocity{0, -100, 0}));
+  send(bench, {301, 0, 0});  // and what it wrote is what a refused frame leaves
+  EXPECT_EQ(bench.values().velocity, (Velocity{0, -100, 0}));
 }
 
 TEST(ControllerVelocity, FollowsItsLimits) {
   ControllerBench bench;
   bench.run_ms(10);
-  send(bench, {400, -200, 1500});
+  send(bench, {300, -100, 1000});
   EXPECT_EQ(write(bench, kVelocityLimitsObject, 1, 250), 0u);
   EXPECT_EQ(write(bench, kVelocityLimitsObject, 3, 0), 0u);
-  EXPECT_EQ(bench.values().velocity, (Velocity{250, 0, 1500}));
+  EXPECT_EQ(bench.values().velocity, (Velocity{250, 0, 1000}));
   EXPECT_EQ(write(bench, kVelocityLimitsObject, 4, -1), 0x0609'0032u);
   EXPECT_EQ(write(bench, kVelocityLimitsObject, 4, 6'001), 0x0609'0031u);
   EXPECT_EQ(write(bench, kVelocityLimitsObject, 1, 600), 0u);

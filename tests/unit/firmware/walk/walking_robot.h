@@ -21,7 +21,11 @@ inline walk::WalkParameters rigid() {
                       .pitch_compliance = 0,
                       .roll_compliance = 0,
                       .arm_swing = 0},
-          .reaction = {.capture_ahead = 0, .capture_aside = 0, .dead_band = 50, .smoothing = 500}};
+          .reaction = {.capture_ahead = 0,
+                       .capture_aside = 0,
+                       .dead_band = 50,
+                       .smoothing = 500,
+                       .heading_hold = 0}};  // the trunk's gyro tells of no turn
 }
 
 // A walker on the test robot, whose joints are always at their targets and whose trunk leans as it is to.
