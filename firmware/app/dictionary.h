@@ -30,8 +30,8 @@ enum class Command : std::uint8_t {
 
 // Found by studies/stand.yaml.
 inline constexpr balance::FeedbackGains kStandingGains{
-    .rate = {.ankle_pitch = 70, .ankle_roll = 188, .hip_roll = -37, .knee = 242, .hip_pitch = 393},
-    .lean = {.ankle_pitch = 819, .ankle_roll = -737, .hip_roll = 2150, .knee = -102, .hip_pitch = -901}};
+    .rate = {.ankle_pitch = 70, .ankle_roll = 106, .hip_roll = 61, .knee = 242, .hip_pitch = 393},
+    .lean = {.ankle_pitch = 819, .ankle_roll = 20, .hip_roll = 2212, .knee = -102, .hip_pitch = -901}};
 // Found by studies/walk.yaml.
 inline constexpr balance::FeedbackGains kWalkingGains{
     .rate = {.ankle_pitch = 25, .ankle_roll = 252, .hip_roll = 82, .knee = 70, .hip_pitch = 59},

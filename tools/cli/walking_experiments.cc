@@ -151,6 +151,9 @@ void add_push_recovery(CLI::App& parent, const std::string& command_line) {
       "\nExamples:\n"
       "  koboshi experiment push-recovery --seeds 20 --stepper mujoco\n"
       "  koboshi experiment push-recovery --directions 4 --ablate gyro,capture --json push.json\n");
+  command->add_option("--only", options.states, "Some of the states: standing, walking")
+      ->delimiter(',')
+      ->check(CLI::IsMember(pushed_states()));
   std::vector<std::string> names;
   for (const Feedback& feedback : feedbacks()) names.push_back(feedback.name);
   command->add_option("--ablate", options.ablate, "Also without these feedbacks, one at a time")

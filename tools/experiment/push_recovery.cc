@@ -127,6 +127,11 @@ PlaneCurve ring(double radius) {
 
 }  // namespace
 
+const std::vector<std::string>& pushed_states() {
+  static const std::vector<std::string> kStates{kStanding, kWalking};
+  return kStates;
+}
+
 const std::vector<Feedback>& feedbacks() {
   static const std::vector<Feedback> kFeedbacks{
       {"gyro",
@@ -159,7 +164,7 @@ Experiment make_push_recovery(const PushRecoveryOptions& options) {
   std::vector<Cell> cells;
   std::vector<std::string> without{kNothing};
   without.insert(without.end(), options.ablate.begin(), options.ablate.end());
-  for (const char* state : {kStanding, kWalking}) {
+  for (const std::string& state : options.states) {
     for (const std::string& name : without) {
       std::vector<sim::Override> overrides = options.overrides;
       const auto off = std::ranges::find(feedbacks(), name, &Feedback::name);

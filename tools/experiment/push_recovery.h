@@ -24,7 +24,11 @@ struct Feedback {
 };
 [[nodiscard]] const std::vector<Feedback>& feedbacks();
 
+// What a robot does that is pushed: "standing", or "walking" on the spot.
+[[nodiscard]] const std::vector<std::string>& pushed_states();
+
 struct PushRecoveryOptions : CommandedWalkOptions {
+  std::vector<std::string> states = pushed_states();
   std::vector<std::string> ablate{};  // feedbacks that are switched off, one at a time, beside all on
   std::size_t directions = 16;
   double highest_N_s_per_kg = 0.8;  // of which all impulses are less

@@ -80,6 +80,8 @@ TEST(Feedbacks, AreParametersOfTheController) {
     options.ablate = {feedback.name};
     const Experiment experiment = make_push_recovery(options);
     EXPECT_EQ(experiment.cells.size(), 64u);
+    options.states = {"standing"};
+    EXPECT_EQ(make_push_recovery(options).cells.size(), 32u);
   }
 }
 
