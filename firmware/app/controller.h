@@ -38,10 +38,12 @@ class Controller final : private canopen::NodeApplication {
 
   explicit Controller(const hal::Board& board);
 
+  // Both are never inlined, so that they can be found in an image and measured.
+  //
   // Receives, answers, watches: CAN, the drives' boot, sensors, watchdog. At 1 kHz.
-  void service(std::uint64_t now_us);
+  [[gnu::noinline]] void service(std::uint64_t now_us);
   // One control cycle: behaviour, targets, RPDOs, SYNC, telemetry. At 100 Hz.
-  void tick(std::uint64_t now_us);
+  [[gnu::noinline]] void tick(std::uint64_t now_us);
 
   // What the object dictionary shows; for tests and for the record of a run.
   const ControllerValues& values() const { return values_; }
