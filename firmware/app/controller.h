@@ -139,6 +139,7 @@ class Controller final : private canopen::NodeApplication {
   ParameterStore parameters_;
   MotionTransfer motion_transfer_;
   drive::DriveGroup drives_;
+  hal::ImuSample imu_sample_;  // here, so that it need not be cleared each millisecond
   balance::InertialSensor inertial_;
   balance::GyroBias gyro_bias_;
   bool calibrating_ = false;  // the next second of rest is for the parameters too

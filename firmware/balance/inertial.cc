@@ -15,11 +15,12 @@ constexpr fixed::Ratio kRadPerTurnAndSample = 0.00628318530718_ratio;  // 2 pi /
 template <fixed::AnyQuantity Q>
 robot::Vector<Q> mean(const std::array<std::int16_t, 3>& a, const std::array<std::int16_t, 3>& b,
                       Q full_scale) {
-  const auto value = [&](std::int32_t sum) {  // fits, because a full scale is positive
-    return Q::from_raw(
-        static_cast<std::int32_t>(fixed::shift_rounded(std::int64_t{full_scale.raw()} * sum, 16)));
-  };
-  return {value(a[0] + b[0]), value(a[1] + b[1]), value(a[2] + b[2])};
+  std::array<Q, 3> value;
+  for (std::size_t axis = 0; axis < 3; ++axis) {  // fits, because a full scale is positive
+    value[axis] = Q::from_raw(static_cast<std::int32_t>(
+        fixed::shift_rounded(std::int64_t{full_scale.raw()} * (a[axis] + b[axis]), 16)));
+  }
+  return {value[0], value[1], value[2]};
 }
 
 template <typename Filters, typename Q>

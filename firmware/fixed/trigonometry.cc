@@ -99,22 +99,24 @@ constexpr std::uint64_t inverse_root(std::uint32_t f) {
 constexpr std::uint32_t ratio_q31(std::uint32_t low, std::uint32_t high) {
   const int shift = std::countl_zero(high);
   const std::uint32_t divisor = high << shift;
-  std::uint64_t rest = ((std::uint64_t{low} << 31) + high / 2) << shift;
   const std::uint32_t upper = divisor >> 16;
   const std::uint32_t lower = divisor & 0xFFFF;
+  // (low * 2^31 + high / 2) * 2^shift, in words; the two parts of the lower do not overlap.
+  std::uint32_t top = low << shift >> 1;
+  std::uint32_t rest = low << shift << 31 | high / 2 << shift;
   std::uint32_t quotient = 0;
   for (int digit = 0; digit < 2; ++digit) {
-    const auto top = static_cast<std::uint32_t>(rest >> 32);
+    const std::uint32_t next = rest >> 16;
     std::uint32_t guess = top / upper;
     std::uint32_t left = top - guess * upper;
-    const auto next = static_cast<std::uint32_t>(rest) >> 16;
     while (guess > 0xFFFF || guess * lower > (left << 16 | next)) {
       --guess;
       left += upper;
       if (left > 0xFFFF) break;
     }
     quotient = quotient << 16 | guess;
-    rest = std::uint64_t{(top << 16 | next) - guess * divisor} << 32 | (rest << 16 & 0xFFFF0000);
+    top = (top << 16 | next) - guess * divisor;
+    rest <<= 16;
   }
   return quotient;
 }
