@@ -28,19 +28,20 @@ constexpr std::uint32_t square_q31(std::uint32_t t) {
   return static_cast<std::uint32_t>(std::uint64_t{t} * t >> 31);
 }
 
-constexpr std::uint32_t alternating_sum(const std::array<std::uint32_t, 5>& c, std::uint32_t z) {
+[[gnu::always_inline]] constexpr std::uint32_t alternating_sum(const std::array<std::uint32_t, 5>& c,
+                                                               std::uint32_t z) {
   std::uint32_t sum = c[3] - upper_word(c[4], z);
   sum = c[2] - upper_word(sum, z);
   sum = c[1] - upper_word(sum, z);
   return c[0] - upper_word(sum, z);
 }
 
-constexpr std::int32_t sine_kernel(std::uint32_t angle_raw) {
+[[gnu::always_inline]] constexpr std::int32_t sine_kernel(std::uint32_t angle_raw) {
   const std::uint32_t t = angle_raw << 2;
   return static_cast<std::int32_t>((upper_word(alternating_sum(kSine, square_q31(t)), t) + 1) >> 1);
 }
 
-constexpr std::int32_t cosine_kernel(std::uint32_t angle_raw) {
+[[gnu::always_inline]] constexpr std::int32_t cosine_kernel(std::uint32_t angle_raw) {
   const std::uint32_t z = square_q31(angle_raw << 2);
   return static_cast<std::int32_t>(((1U << 31) - upper_word(alternating_sum(kCosine, z), z) + 1) >> 1);
 }
@@ -136,14 +137,9 @@ std::int32_t complement_raw(Ratio ratio) {
 
 }  // namespace
 
-Ratio sin(Angle angle) {
-  const std::uint32_t quarter = fold_to_quarter(magnitude(angle.raw()));
-  const std::int32_t sine =
-      quarter <= kEighthTurnRaw ? sine_kernel(quarter) : cosine_kernel(kQuarterTurnRaw - quarter);
-  return Ratio::from_raw(angle.raw() < 0 ? -sine : sine);
-}
+Ratio sin(Angle angle) { return sin_cos(angle).sine; }
 
-Ratio cos(Angle angle) { return sin(kQuarterTurn + angle); }
+Ratio cos(Angle angle) { return sin_cos(angle).cosine; }
 
 SineCosine sin_cos(Angle angle) {
   const std::uint32_t turned = magnitude(angle.raw());
