@@ -124,8 +124,7 @@ void Controller::receive(std::uint64_t now_us) {
 }
 
 void Controller::read_inertial_unit(std::uint64_t now_us) {
-  hal::ImuSample sample;
-  for (std::size_t i = 0; i < 16 && board_.imu.read(sample); ++i) inertial_.add(sample, now_us);
+  for (std::size_t i = 0; i < 16 && board_.imu.read(imu_sample_); ++i) inertial_.add(imu_sample_, now_us);
 }
 
 void Controller::read_ankles(std::uint64_t now_us) {

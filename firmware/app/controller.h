@@ -38,10 +38,12 @@ class Controller final : private canopen::NodeApplication {
 
   explicit Controller(const hal::Board& board);
 
+  // Both are never inlined, so that they can be found in an image and measured.
+  //
   // Receives, answers, watches: CAN, the drives' boot, sensors, watchdog. At 1 kHz.
-  void service(std::uint64_t now_us);
+  [[gnu::noinline]] void service(std::uint64_t now_us);
   // One control cycle: behaviour, targets, RPDOs, SYNC, telemetry. At 100 Hz.
-  void tick(std::uint64_t now_us);
+  [[gnu::noinline]] void tick(std::uint64_t now_us);
 
   // What the object dictionary shows; for tests and for the record of a run.
   const ControllerValues& values() const { return values_; }
@@ -137,6 +139,7 @@ class Controller final : private canopen::NodeApplication {
   ParameterStore parameters_;
   MotionTransfer motion_transfer_;
   drive::DriveGroup drives_;
+  hal::ImuSample imu_sample_;  // here, so that it need not be cleared each millisecond
   balance::InertialSensor inertial_;
   balance::GyroBias gyro_bias_;
   bool calibrating_ = false;  // the next second of rest is for the parameters too

@@ -11,15 +11,18 @@ namespace {
 
 constexpr fixed::Ratio kRadPerTurnAndSample = 0.00628318530718_ratio;  // 2 pi / 1000
 
-// The mean of two raw samples in units of Q: `full_scale` is what 2^15 counts mean.
+// Half of `sum` in units of Q: `full_scale` is what 2^15 counts mean. Fits, because that is positive.
+template <fixed::AnyQuantity Q>
+[[gnu::always_inline]] inline Q half(std::int32_t sum, Q full_scale) {
+  return Q::from_raw(
+      static_cast<std::int32_t>(fixed::shift_rounded(std::int64_t{full_scale.raw()} * sum, 16)));
+}
+
+// The mean of two raw samples.
 template <fixed::AnyQuantity Q>
 robot::Vector<Q> mean(const std::array<std::int16_t, 3>& a, const std::array<std::int16_t, 3>& b,
                       Q full_scale) {
-  const auto value = [&](std::int32_t sum) {  // fits, because a full scale is positive
-    return Q::from_raw(
-        static_cast<std::int32_t>(fixed::shift_rounded(std::int64_t{full_scale.raw()} * sum, 16)));
-  };
-  return {value(a[0] + b[0]), value(a[1] + b[1]), value(a[2] + b[2])};
+  return {half(a[0] + b[0], full_scale), half(a[1] + b[1], full_scale), half(a[2] + b[2], full_scale)};
 }
 
 template <typename Filters, typename Q>

@@ -89,7 +89,7 @@ template <AnyQuantity Q>
 // The raw value that two factors have in the format of `Result`, from `sum_raw` in the product's own format;
 // |sum_raw| <= 2^62.
 template <AnyQuantity Result, AnyQuantity A, AnyQuantity B>
-[[nodiscard]] constexpr Result from_product_raw(std::int64_t sum_raw) {
+[[nodiscard, gnu::always_inline]] constexpr Result from_product_raw(std::int64_t sum_raw) {
   constexpr int kShift = A::kFractionBits + B::kFractionBits - Result::kFractionBits;
   static_assert(kShift >= 0 && kShift <= 62, "the result has a finer format than its factors together");
   return Result::from_wide_raw(shift_rounded(sum_raw, kShift));

@@ -28,19 +28,20 @@ constexpr std::uint32_t square_q31(std::uint32_t t) {
   return static_cast<std::uint32_t>(std::uint64_t{t} * t >> 31);
 }
 
-constexpr std::uint32_t alternating_sum(const std::array<std::uint32_t, 5>& c, std::uint32_t z) {
+[[gnu::always_inline]] constexpr std::uint32_t alternating_sum(const std::array<std::uint32_t, 5>& c,
+                                                               std::uint32_t z) {
   std::uint32_t sum = c[3] - upper_word(c[4], z);
   sum = c[2] - upper_word(sum, z);
   sum = c[1] - upper_word(sum, z);
   return c[0] - upper_word(sum, z);
 }
 
-constexpr std::int32_t sine_kernel(std::uint32_t angle_raw) {
+[[gnu::always_inline]] constexpr std::int32_t sine_kernel(std::uint32_t angle_raw) {
   const std::uint32_t t = angle_raw << 2;
   return static_cast<std::int32_t>((upper_word(alternating_sum(kSine, square_q31(t)), t) + 1) >> 1);
 }
 
-constexpr std::int32_t cosine_kernel(std::uint32_t angle_raw) {
+[[gnu::always_inline]] constexpr std::int32_t cosine_kernel(std::uint32_t angle_raw) {
   const std::uint32_t z = square_q31(angle_raw << 2);
   return static_cast<std::int32_t>(((1U << 31) - upper_word(alternating_sum(kCosine, z), z) + 1) >> 1);
 }
@@ -99,22 +100,24 @@ constexpr std::uint64_t inverse_root(std::uint32_t f) {
 constexpr std::uint32_t ratio_q31(std::uint32_t low, std::uint32_t high) {
   const int shift = std::countl_zero(high);
   const std::uint32_t divisor = high << shift;
-  std::uint64_t rest = ((std::uint64_t{low} << 31) + high / 2) << shift;
   const std::uint32_t upper = divisor >> 16;
   const std::uint32_t lower = divisor & 0xFFFF;
+  // (low * 2^31 + high / 2) * 2^shift, in words; the two parts of the lower do not overlap.
+  std::uint32_t top = low << shift >> 1;
+  std::uint32_t rest = low << shift << 31 | high / 2 << shift;
   std::uint32_t quotient = 0;
   for (int digit = 0; digit < 2; ++digit) {
-    const auto top = static_cast<std::uint32_t>(rest >> 32);
+    const std::uint32_t next = rest >> 16;
     std::uint32_t guess = top / upper;
     std::uint32_t left = top - guess * upper;
-    const auto next = static_cast<std::uint32_t>(rest) >> 16;
     while (guess > 0xFFFF || guess * lower > (left << 16 | next)) {
       --guess;
       left += upper;
       if (left > 0xFFFF) break;
     }
     quotient = quotient << 16 | guess;
-    rest = std::uint64_t{(top << 16 | next) - guess * divisor} << 32 | (rest << 16 & 0xFFFF0000);
+    top = (top << 16 | next) - guess * divisor;
+    rest <<= 16;
   }
   return quotient;
 }
@@ -134,14 +137,9 @@ std::int32_t complement_raw(Ratio ratio) {
 
 }  // namespace
 
-Ratio sin(Angle angle) {
-  const std::uint32_t quarter = fold_to_quarter(magnitude(angle.raw()));
-  const std::int32_t sine =
-      quarter <= kEighthTurnRaw ? sine_kernel(quarter) : cosine_kernel(kQuarterTurnRaw - quarter);
-  return Ratio::from_raw(angle.raw() < 0 ? -sine : sine);
-}
+Ratio sin(Angle angle) { return sin_cos(angle).sine; }
 
-Ratio cos(Angle angle) { return sin(kQuarterTurn + angle); }
+Ratio cos(Angle angle) { return sin_cos(angle).cosine; }
 
 SineCosine sin_cos(Angle angle) {
   const std::uint32_t turned = magnitude(angle.raw());

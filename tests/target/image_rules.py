@@ -34,8 +34,8 @@ def section_violations(elf):
 
 def instruction_violations(image):
     """All instructions whose name begins with v belong to the floating-point unit (ARMv7-M, A7.5)."""
-    return [f"float: {mnemonic} in {function.short_name}"
-            for function in image.functions.values() for mnemonic, _ in function.instructions if mnemonic.startswith("v")]
+    return [f"float: {instruction.mnemonic} in {function.short_name}" for function in image.functions.values()
+            for instruction in function.instructions if instruction.mnemonic.startswith("v")]
 
 
 RELOCATION = re.compile(r"([0-9a-f]{8})  [0-9a-f]{8} R_ARM_(ABS32|TARGET1|REL32|\S*MOV\S*)\b")

@@ -21,8 +21,8 @@ std::string contents(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-TEST(Lockstep, GivesTheSameBytesAsInProcess) {
-  RunOptions options{.scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"), .out = {}};
+void expect_same_bytes(const char* scenario) {
+  RunOptions options{.scenario = sim::read_scenario(scenario), .out = {}};
   options.scenario.duration_us = 10'000'000;
   const auto folder =
       std::filesystem::temp_directory_path() / ("koboshi_lockstep_" + std::to_string(getpid()));
@@ -40,6 +40,13 @@ TEST(Lockstep, GivesTheSameBytesAsInProcess) {
     EXPECT_TRUE(bytes == contents(folder / "target" / file)) << file << " differs; see koboshi diff";
   }
   std::filesystem::remove_all(folder);
+}
+
+TEST(Lockstep, GivesTheSameBytesAsInProcess) { expect_same_bytes(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"); }
+
+// The walk that the firmware computes itself is most of its arithmetic.
+TEST(Lockstep, GivesTheSameBytesWalkingByCommand) {
+  expect_same_bytes(KOBOSHI_SOURCE_DIR "/scenarios/go.yaml");
 }
 
 // A robot that never learns which robot it is, in company of broken bytes.

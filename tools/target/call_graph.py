@@ -23,6 +23,8 @@ def read_list(path):
 
 
 class CallGraph:
+    """The list names functions of the source, which are the same wherever the compiler has inlined them."""
+
     def __init__(self, image, listed):
         self.image, self.listed = image, listed
         self.functions = image.functions
@@ -30,26 +32,27 @@ class CallGraph:
         for function in self.functions.values():
             by_name.setdefault(function.short_name, []).append(function.address)
         self.by_name = by_name
-        self.indirect = {
-            function.address: {address for target in self._listed_targets(function) for address in by_name.get(target, [])}
-            for function in self.functions.values() if function.indirect_calls
-        }
+        self.places = {}  # {caller: {line of the source}}
+        self.indirect = {function.address: self._may_call(function) for function in self.functions.values()}
 
-    def _listed_targets(self, function):
-        return self.listed.get(function.short_name, (0, []))[1]
+    def _may_call(self, function):
+        """What the function's calls through pointers reach, by the list."""
+        reached = set()
+        for call in function.indirect_calls:
+            caller = call.frames[0].name if call.frames else function.short_name
+            self.places.setdefault(caller, set()).add((call.frames[0].file, call.frames[0].line) if call.frames else call.address)
+            reached |= {address for target in self.listed.get(caller, (0, []))[1] for address in self.by_name.get(target, [])}
+        return reached
 
     def list_violations(self):
         """Lines about calls through pointers that the list does not have as they are, and about what it has too much."""
-        found, places = [], {}
-        for function in self.functions.values():
-            if function.indirect_calls:
-                places[function.short_name] = places.get(function.short_name, 0) + function.indirect_calls
-        for caller, count in places.items():
+        found = []
+        for caller, lines in self.places.items():
             expected = self.listed.get(caller, (0, []))[0]
-            if expected != count:
-                found.append(f"indirect: {caller} calls through pointers at {count} places, the list has {expected}")
+            if expected != len(lines):
+                found.append(f"indirect: {caller} calls through pointers at {len(lines)} places, the list has {expected}")
         for caller, (_, targets) in self.listed.items():
-            if caller not in places and caller != NOBODY:
+            if caller not in self.places and caller != NOBODY:
                 found.append(f"indirect: {caller} is in the list and calls through no pointer")
             found += [f"indirect: {target}, which {caller} may call, is not in the image"
                       for target in targets if target not in self.by_name]
@@ -57,7 +60,7 @@ class CallGraph:
 
     def callees(self, address):
         function = self.functions[address]
-        return sorted(function.calls | self.indirect.get(address, set()))
+        return sorted(function.calls | self.indirect[address])
 
     def cycles(self):
         """Lines about functions that can call themselves, through others or not."""

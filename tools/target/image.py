@@ -3,6 +3,9 @@
 The calls are read from the disassembly of the image itself, so that inlining, the linker and the compiler's library are
 as they are. The stack of a function is what GCC says of it (-fcallgraph-info=su,da); of library code, which was compiled
 without that, what its pushes add up to.
+
+The image is optimised as a whole: a function of the image holds those that were inlined into it, from any folder. Which of
+them wrote an instruction is read from the debug information.
 """
 
 import bisect
@@ -19,19 +22,44 @@ def tool(name, *arguments):
     return subprocess.run([PREFIX + name, *map(str, arguments)], check=True, capture_output=True, text=True).stdout
 
 
+def run_with_input(name, text, *arguments):
+    command = [PREFIX + name, *map(str, arguments)]
+    return subprocess.run(command, input=text, check=True, capture_output=True, text=True).stdout.splitlines()
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A function of the source that an instruction is of, inlined or not, and the line that the instruction is of."""
+    name: str  # short
+    file: str  # from the project's root
+    line: str
+
+
+@dataclass
+class Instruction:
+    address: int
+    size: int
+    mnemonic: str
+    operands: str
+    frames: list = field(default_factory=list)  # innermost first; none in the compiler's library
+
+    def origins(self):
+        """The functions of source files that it is of: what a header's functions do is work of who uses them."""
+        return [frame for frame in self.frames if frame.file.endswith(".cc")] or self.frames[-1:]
+
+
 @dataclass
 class Function:
     address: int
     name: str  # as the linker knows it; the first of several
     demangled: str
-    size: int = 0
     names: set = field(default_factory=set)
     calls: set = field(default_factory=set)  # addresses; tail calls are in both
     tail_calls: set = field(default_factory=set)
-    indirect_calls: int = 0  # sites
+    indirect_calls: list = field(default_factory=list)  # instructions
     pushed_bytes: int = 0  # the sum of all pushes; no less than what any path through it pushes
     plain: bool = False  # all its stack is the compiler's doing, which gives it back before it ends in a call
-    instructions: list = field(default_factory=list)  # (mnemonic, operands)
+    instructions: list = field(default_factory=list)
     frame_bytes: int = 0
     dynamic: bool = False  # takes stack by an amount that is not known when it is compiled
 
@@ -50,7 +78,7 @@ def short(demangled):
     return name.replace("{}", "(anonymous)").removeprefix("koboshi::")
 
 
-# --- sections and where bytes come from -----------------------------------------------------------------------------------
+# --- sections -------------------------------------------------------------------------------------------------------------
 
 SECTION = re.compile(r"^ +\d+ (?P<name>\S+) +(?P<size>[0-9a-f]{8}) +(?P<vma>[0-9a-f]{8}) +(?P<lma>[0-9a-f]{8})")
 
@@ -74,43 +102,11 @@ def total_bytes(elf, names):
     return sum(size for name, (_, size) in sections(elf).items() if name in names)
 
 
-MAP_LINE = re.compile(r"^ (?P<section>\.\S+|\*fill\*)?\s+0x(?P<address>[0-9a-f]+)\s+0x(?P<size>[0-9a-f]+)(?: (?P<file>\S+))?")
-OUTPUT_SECTION = re.compile(r"^(?P<name>\.\S+)")
-
-
-def folder_of(file):
-    """firmware/app of firmware/app/libfirmware_app.a(controller.cc.obj), libgcc of the compiler's library."""
-    if not file:
-        return "(padding)"
-    if match := re.match(r"/.*/lib(\w+)\.a\(", file):
-        return "lib" + match[1]
-    return "/".join(part for part in pathlib.PurePath(file.split("(")[0]).parts[:-1] if part != "CMakeFiles" and "." not in part)
-
-
-def bytes_by_folder(map_file):
-    """{folder: {"flash_bytes": n, "ram_bytes": n}}, from the linker's map."""
-    result = defaultdict(lambda: {"flash_bytes": 0, "ram_bytes": 0})
-    lines = pathlib.Path(map_file).read_text().split("Linker script and memory map", 1)[1].splitlines()
-    joined = re.sub(r"\n( \.\S+)\n {10,}", r"\n\1 ", "\n" + "\n".join(lines))  # long names stand on a line of their own
-    output = None
-    for line in joined.splitlines():
-        if match := OUTPUT_SECTION.match(line):
-            output = match["name"]
-        match = MAP_LINE.match(line)
-        if not match or not match["section"] or not (match["file"] or match["section"] == "*fill*"):
-            continue
-        folder = "(stack)" if output == ".stack" else folder_of(match["file"])
-        if output in FLASH_SECTIONS:
-            result[folder]["flash_bytes"] += int(match["size"], 16)
-        if output in RAM_SECTIONS:
-            result[folder]["ram_bytes"] += int(match["size"], 16)
-    return {folder: sizes for folder, sizes in sorted(result.items()) if any(sizes.values())}
-
-
 # --- functions ------------------------------------------------------------------------------------------------------------
 
 HEADER = re.compile(r"^(?P<address>[0-9a-f]{8}) <(?P<name>.*)>:$")
-INSTRUCTION = re.compile(r"^ +(?P<address>[0-9a-f]+):\t(?P<mnemonic>[a-z][\w.]*)\t?(?P<operands>[^@;]*)")
+INSTRUCTION = re.compile(r"^ +(?P<address>[0-9a-f]+):\t(?P<code>[0-9a-f]{4}(?: [0-9a-f]{4})?) +\t"
+                         r"(?P<mnemonic>[a-z][\w.]*)\t?(?P<operands>[^@;]*)")
 CONDITION = "(eq|ne|cs|cc|mi|pl|vs|vc|hi|ls|ge|lt|gt|le)?"
 CALL = re.compile(rf"^bl{CONDITION}(\.w)?$")
 BRANCH = re.compile(rf"^bl?{CONDITION}(\.[nw])?$|^cbn?z$")
@@ -134,30 +130,50 @@ def pushed(mnemonic, operands):
     return 0
 
 
-def read_symbols(elf):
-    """{address: {(mangled, demangled)}} of functions."""
+def read_symbols(elf, kind):
+    """{address: {(mangled, demangled)}} of all that are FUNC or OBJECT."""
     found = defaultdict(set)
-    mangled = [line.split() for line in tool("readelf", "-sW", elf).splitlines()]
-    mangled = [words for words in mangled if len(words) >= 8 and words[3] == "FUNC"]
-    names = "\n".join(words[7] for words in mangled) + "\n"
-    plain = subprocess.run([PREFIX + "c++filt"], input=names, check=True, capture_output=True, text=True).stdout.splitlines()
-    for words, name in zip(mangled, plain):
-        found[int(words[1], 16) & ~1].add((words[7], name))
+    table = [line.split() for line in tool("readelf", "-sW", elf).splitlines()]
+    mangled = [words for words in table if len(words) >= 8 and words[3] == kind]
+    names = "".join(words[7] + "\n" for words in mangled)
+    for words, name in zip(mangled, run_with_input("c++filt", names)):
+        found[int(words[1], 16) & (~1 if kind == "FUNC" else ~0)].add((words[7], name))
     return found
+
+
+def read_sources(elf, functions):
+    """Fills in the frames of all instructions, from the debug information. What has none goes with what is before it."""
+    instructions = [instruction for function in functions.values() for instruction in function.instructions]
+    addresses = "".join(f"{instruction.address:#x}\n" for instruction in instructions)
+    by_address = {f"{instruction.address:#010x}": instruction for instruction in instructions}
+    current = None
+    lines = iter(run_with_input("addr2line", addresses, "-a", "-f", "-i", "-C", "-e", elf))
+    for line in lines:
+        if line in by_address:
+            current = by_address[line]
+        else:
+            file, _, number = next(lines).rpartition(":")
+            if file not in ("", "??"):
+                current.frames.append(Frame(short(line), file.removeprefix("./"), number.split()[0]))
+    for function in functions.values():
+        known = next((instruction.frames[-1:] for instruction in function.instructions if instruction.frames), [])
+        for instruction in function.instructions:  # the compiler leaves out the first here and there
+            instruction.frames = known = instruction.frames or known
 
 
 def disassemble(elf):
     """{address: Function} of everything in .text that is executed."""
-    symbols = read_symbols(elf)
+    symbols = read_symbols(elf, "FUNC")
     functions, current = {}, None
-    for line in tool("objdump", "-d", "--no-show-raw-insn", elf).splitlines():
+    for line in tool("objdump", "-d", elf).splitlines():
         if match := HEADER.match(line):
             address, current = int(match["address"], 16), None
             if aliases := sorted(symbols.get(address, ())):  # constants are disassembled too, and are not looked at
                 current = functions[address] = Function(address, *aliases[0], names={alias[0] for alias in aliases})
         elif current and (match := INSTRUCTION.match(line)):
-            current.instructions.append((match["mnemonic"], match["operands"].strip()))
-            current.size = int(match["address"], 16) + 4 - current.address
+            address, size = int(match["address"], 16), len(match["code"].replace(" ", "")) // 2
+            current.instructions.append(Instruction(address, size, match["mnemonic"], match["operands"].strip()))
+    read_sources(elf, functions)
     starts = sorted(functions)
     for function in functions.values():
         read_calls(function, starts)
@@ -165,7 +181,8 @@ def disassemble(elf):
 
 
 def read_calls(function, starts):
-    for mnemonic, operands in function.instructions:
+    for instruction in function.instructions:
+        mnemonic, operands = instruction.mnemonic, instruction.operands
         base = mnemonic.split(".")[0]
         taken = pushed(mnemonic, operands)
         function.dynamic = function.dynamic or taken is None
@@ -179,14 +196,14 @@ def read_calls(function, starts):
             if not is_call and callee != function.address:
                 function.tail_calls.add(callee)
         elif base.startswith("blx") or (base.startswith("bx") and operands != "lr"):
-            function.indirect_calls += 1
+            function.indirect_calls.append(instruction)
 
 
 CI_NODE = re.compile(r'^node: \{ title: "(?P<title>[^"]*)" label: "(?P<label>[^"]*)"')
 CI_FRAME = re.compile(r"(\d+) bytes \(([\w,]+)\)")
 
 
-def read_frames(paths):
+def read_stack(paths):
     """{mangled name: (bytes, dynamic)} from GCC's .ci files; of equal names the larger."""
     frames = {}
     for path in paths:
@@ -211,18 +228,14 @@ def words(elf, section):
     return found
 
 
-def ci_files(build_folder):
-    """Of the firmware and its board, without the programs beside them."""
-    return [path for folder in ("firmware", "hal") for path in sorted(pathlib.Path(build_folder, folder).rglob("*.ci"))]
-
-
 class Image:
-    """An image with the .ci files of what was compiled for it."""
+    """An image with what its link has left beside it: the .ci file of its one unit, and the linker's map."""
 
-    def __init__(self, elf, ci_files):
+    def __init__(self, elf):
         self.elf = pathlib.Path(elf)
         self.functions = disassemble(elf)
-        frames = read_frames(ci_files)
+        self.objects = {address: sorted(names)[0][1] for address, names in read_symbols(elf, "OBJECT").items()}
+        frames = read_stack(sorted(self.elf.parent.glob(f"{self.elf.name}.*.ci")))
         for function in self.functions.values():
             known = [frames[name] for name in function.names if name in frames]
             function.frame_bytes = max([function.pushed_bytes, *(size for size, _ in known)])
@@ -231,8 +244,94 @@ class Image:
 
     @classmethod
     def of_build(cls, build_folder):
-        return cls(pathlib.Path(build_folder) / "bin/koboshi.elf", ci_files(build_folder))
+        return cls(pathlib.Path(build_folder) / "bin/koboshi.elf")
 
     def named(self, short_name):
         """All functions of that name: overloads, and thunks to them."""
         return [function for function in self.functions.values() if function.short_name == short_name]
+
+
+# --- where bytes come from ------------------------------------------------------------------------------------------------
+
+MAP_LINE = re.compile(r"^ (?P<section>\.\S+|\*fill\*)?\s+0x(?P<address>[0-9a-f]+)\s+0x(?P<size>[0-9a-f]+)(?: (?P<file>\S+))?")
+OUTPUT_SECTION = re.compile(r"^(?P<name>\.\S+)")
+SCOPE = re.compile(r"^(vtable|guard variable) for |\(anonymous namespace\)::")
+
+
+def mapped(map_file):
+    """(output section, section, address, size, file) of each piece of the image, from the linker's map."""
+    lines = pathlib.Path(map_file).read_text().split("Linker script and memory map", 1)[1].splitlines()
+    joined = re.sub(r"\n( \.\S+)\n {10,}", r"\n\1 ", "\n" + "\n".join(lines))  # long names stand on a line of their own
+    output = None
+    for line in joined.splitlines():
+        if match := OUTPUT_SECTION.match(line):
+            output = match["name"]
+        match = MAP_LINE.match(line)
+        if match and match["section"] and (match["file"] or match["section"] == "*fill*"):
+            yield output, match["section"], int(match["address"], 16), int(match["size"], 16), match["file"]
+
+
+def folder_of(file):
+    """firmware/app of firmware/app/controller.cc, libgcc of the compiler's library, libstdc++ of its headers."""
+    if match := re.match(r"/.*/lib(\w+)\.a\(", file):
+        return "lib" + match[1]
+    return "libstdc++" if "/c++/" in file else str(pathlib.PurePath(file).parent)
+
+
+class Folders:
+    """The folders of the sources that an image's bytes come from."""
+
+    def __init__(self, image):
+        self.image = image
+        self.starts = sorted(image.functions)
+        self.of_scope = defaultdict(lambda: defaultdict(int))  # {namespace, class or function: {folder: bytes of code}}
+        for function in image.functions.values():
+            for instruction in function.instructions:
+                for frame in instruction.frames[-1:]:
+                    parts = re.sub(r"\(anonymous\)::", "", frame.name).split("::")
+                    for count in range(1, len(parts) + 1):
+                        self.of_scope["::".join(parts[:count])][folder_of(frame.file)] += instruction.size
+
+    def of_code(self, address, size):
+        """{folder: bytes} of the functions there. Constants between instructions belong to the function that they are in."""
+        result = defaultdict(int)
+        first, last = bisect.bisect_left(self.starts, address), bisect.bisect_left(self.starts, address + size)
+        for number in range(first, last):
+            function = self.image.functions[self.starts[number]]
+            end = self.starts[number + 1] if number + 1 < last else address + size
+            for instruction in function.instructions:
+                result[folder_of(instruction.origins()[0].file)] += instruction.size
+            rest = end - function.address - sum(instruction.size for instruction in function.instructions)
+            result[folder_of(function.instructions[0].frames[-1].file)] += rest
+        return result
+
+    def of_data(self, address):
+        """Of an object, where the code of the function, the class or the namespace is that it is in."""
+        parts = short(SCOPE.sub("", self.image.objects.get(address, ""))).split("::")
+        for count in range(len(parts), 0, -1):
+            if folders := self.of_scope.get("::".join(parts[:count])):
+                return min(folders, key=lambda folder: (folder.count("/"), -folders[folder]))
+        return "(constants)"
+
+
+def bytes_by_folder(image):
+    """{folder: {"flash_bytes": n, "ram_bytes": n}}: what the linker placed, split by the sources of its instructions."""
+    result = defaultdict(lambda: {"flash_bytes": 0, "ram_bytes": 0})
+    folders = Folders(image)
+    for output, section, address, size, file in mapped(f"{image.elf}.map"):
+        if output == ".stack":
+            shares = {"(stack)": size}
+        elif section == "*fill*":
+            shares = {"(padding)": size}
+        elif file.startswith("/") and ".a(" in file:
+            shares = {folder_of(file): size}
+        elif section.startswith(".text"):
+            shares = folders.of_code(address, size)
+        else:
+            shares = {folders.of_data(address): size}
+        for folder, share in shares.items():
+            if output in FLASH_SECTIONS:
+                result[folder]["flash_bytes"] += share
+            if output in RAM_SECTIONS:
+                result[folder]["ram_bytes"] += share
+    return {folder: sizes for folder, sizes in sorted(result.items()) if any(sizes.values())}

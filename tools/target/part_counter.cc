@@ -15,6 +15,14 @@ constexpr const char* kService = "app::Controller::service";
 constexpr const char* kTick = "app::Controller::tick";
 constexpr int kPartOfCaller = -1;
 
+// That of the innermost function which has one.
+int part_number(const nlohmann::ordered_json& functions) {
+  for (const auto& function : functions) {
+    if (const auto part = part_of(function.get<std::string>())) return static_cast<int>(*part);
+  }
+  return kPartOfCaller;
+}
+
 std::filesystem::path find_plugin() {
   const auto plugin = std::filesystem::read_symlink("/proc/self/exe").parent_path() / kPlugin;
   if (!std::filesystem::exists(plugin)) {
@@ -36,26 +44,25 @@ TemporaryFolder::~TemporaryFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
-PartCounter::PartCounter(const nlohmann::ordered_json& functions) {
-  const std::filesystem::path table = folder_.path() / "functions";
+PartCounter::PartCounter(const nlohmann::ordered_json& image) {
+  const std::filesystem::path table = folder_.path() / "code";
   const std::filesystem::path counts = folder_.path() / "counts";
+  const auto address_of = [&](const char* call) {
+    return image.at("by_entry_point").at(call).at("address").get<std::uint64_t>();
+  };
+  service_address_ = address_of(kService);
+  tick_address_ = address_of(kTick);
   std::ofstream file(table);
-  for (const auto& function : functions) {
-    const auto name = function.at("name").get<std::string>();
-    const auto address = function.at("address").get<std::uint64_t>();
-    if (name == kService) service_address_ = address;
-    if (name == kTick) tick_address_ = address;
-    const auto part = part_of(name);
-    file << fmt::format("{} {} {} {}\n", address, function.at("size_bytes").get<std::uint64_t>(),
-                        part ? static_cast<int>(*part) : kPartOfCaller,
-                        name == kService || name == kTick ? 1 : 0);
+  for (const auto& stretch : image.at("code")) {
+    const auto address = stretch.at("address").get<std::uint64_t>();
+    file << fmt::format("{} {} {} {}\n", address, stretch.at("size_bytes").get<std::uint64_t>(),
+                        part_number(stretch.at("of")),
+                        address == service_address_ || address == tick_address_ ? 1 : 0);
   }
-  if (service_address_ == 0 || tick_address_ == 0)
-    throw std::runtime_error("the image lacks service or tick");
   std::ofstream(counts).close();  // so that it can be opened before the plugin writes it
   counts_.open(counts);
-  arguments_ = {"-plugin", fmt::format("{},functions={},counts={}", find_plugin().string(), table.string(),
-                                       counts.string())};
+  arguments_ = {"-plugin",
+                fmt::format("{},code={},counts={}", find_plugin().string(), table.string(), counts.string())};
 }
 
 PartCounts PartCounter::next(std::uint64_t root_address) {

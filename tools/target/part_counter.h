@@ -34,9 +34,8 @@ class TemporaryFolder {
 // (plugin/count_by_part.cc).
 class PartCounter {
  public:
-  // `functions` is that member of the image's description. Throws std::runtime_error when the plugin is not
-  // beside this program, or the image lacks a function that is to be counted.
-  explicit PartCounter(const nlohmann::ordered_json& functions);
+  // `image` is its description. Throws std::runtime_error when the plugin is not beside this program.
+  explicit PartCounter(const nlohmann::ordered_json& image);
 
   // Arguments for QEMU.
   const std::vector<std::string>& arguments() const { return arguments_; }

@@ -89,15 +89,18 @@ tick here is everything that the firmware executes in its 10 ms: ten calls of `s
 the same in each run: under `-icount` SysTick counts instructions. They are instructions, not cycles; a Cortex-M4 takes one to
 two cycles for one, more where its flash is slow. The first tick, after power-on, checks the motions in storage.
 
-An instruction belongs to the part of its function, and work done for it by arithmetic, the ports or the compiler's library to
-the part that asked for it. A plugin of QEMU tells them apart from outside, so that the image that is measured is the image that
-runs. *rest* is what is in the total and in no part: reading the timer before and after each exchange.
+The image is optimised as a whole, and functions are inlined from one part into another. An instruction belongs to the part of the
+function that it was written in, which the debug information tells; work done for it by arithmetic, the ports or the compiler's
+library to the part that asked for it. A plugin of QEMU tells them apart from outside, so that the image that is measured is the
+image that runs. *rest* is what is in the total and in no part: reading the timer before and after each exchange.
 
 {}
 ## Flash and RAM
 
-Of the image, without the robot's model and its motions, which lie in a flash of their own. Objects of the firmware live in
-`hal/cortex_m/mps2`, which makes them.
+Of the image, without the robot's model and its motions, which lie in a flash of their own. Code belongs to the folder of the source
+file that it was written in, wherever it was inlined; what a header has, to the source that uses it. A table belongs where the code
+of its class or namespace is; *(constants)* are those without a name. Objects of the firmware live in `hal/cortex_m/mps2`, which
+makes them.
 
 {}
 ## Stack

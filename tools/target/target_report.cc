@@ -89,7 +89,7 @@ Distribution distribution(std::vector<std::uint64_t> values) {
 TargetReport measure_target(const sim::Scenario& scenario, const std::filesystem::path& image) {
   TargetReport report;
   report.image = read_description(image);
-  PartCounter counter(report.image.at("functions"));
+  PartCounter counter(report.image);
   const std::vector<Tick> ticks = play(scenario, image, counter, report.stack_peak_bytes);
   std::vector<Tick> moving;
   std::ranges::copy_if(ticks, std::back_inserter(moving), &Tick::moving);

@@ -2,13 +2,13 @@
 // watches the image from outside, so that the image is the same with and without it, and not one instruction
 // more.
 //
-// An instruction belongs to the part of its function; of a function that is of no part, such as those of the
+// An instruction belongs to the part of the code that it is in; of code that is of no part, such as the
 // compiler's library, to the part that has called it. Who has called is known from the calls and returns that
 // are executed.
 //
-// Arguments: functions=FILE, whose lines say ADDRESS SIZE PART ROOT: PART is a number or -1, ROOT is 1 for a
-// function that is to be measured. counts=FILE, where each return from a root leaves a line with its address
-// and the instructions of each part.
+// Arguments: code=FILE, whose lines say ADDRESS SIZE PART ROOT of each stretch of code: PART is a number or
+// -1, ROOT is 1 where a function begins that is to be measured. counts=FILE, where each return from a root
+// leaves a line with its address and the instructions of each part.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -26,7 +26,7 @@ namespace {
 constexpr int kPartOfCaller = -1;
 constexpr std::size_t kMaxParts = 8;
 
-struct Function {
+struct Stretch {
   std::uint64_t address = 0;
   std::uint64_t size = 0;
   int part = kPartOfCaller;
@@ -37,23 +37,23 @@ struct Instruction {
   std::uint64_t address = 0;
   std::uint64_t end = 0;
   bool calls = false;
-  const Function* function = nullptr;  // null outside all
+  const Stretch* stretch = nullptr;  // null outside all
 };
 
 class Counter {
  public:
-  bool open(const char* functions, const char* counts) {
-    std::ifstream file(functions);
-    for (Function f; file >> f.address >> f.size >> f.part >> f.root;) functions_.push_back(f);
-    std::ranges::sort(functions_, {}, &Function::address);
+  bool open(const char* code, const char* counts) {
+    std::ifstream file(code);
+    for (Stretch s; file >> s.address >> s.size >> s.part >> s.root;) code_.push_back(s);
+    std::ranges::sort(code_, {}, &Stretch::address);
     out_ = std::fopen(counts, "w");
-    return !functions_.empty() && out_ != nullptr && std::setvbuf(out_, nullptr, _IOLBF, BUFSIZ) == 0;
+    return !code_.empty() && out_ != nullptr && std::setvbuf(out_, nullptr, _IOLBF, BUFSIZ) == 0;
   }
 
   Instruction* add(Instruction instruction) {
-    const auto after = std::ranges::upper_bound(functions_, instruction.address, {}, &Function::address);
-    if (after != functions_.begin() && instruction.address < (after - 1)->address + (after - 1)->size) {
-      instruction.function = &*(after - 1);
+    const auto after = std::ranges::upper_bound(code_, instruction.address, {}, &Stretch::address);
+    if (after != code_.begin() && instruction.address < (after - 1)->address + (after - 1)->size) {
+      instruction.stretch = &*(after - 1);
     }
     return &instructions_.emplace_back(instruction);
   }
@@ -62,12 +62,12 @@ class Counter {
     while (!calls_.empty() && calls_.back().returns_to == now.address) leave();
     const bool called = before_.calls && now.address != before_.end;
     if (calls_.empty()) {
-      if (called && now.function != nullptr && now.function->root) begin(*now.function);
+      if (called && now.stretch != nullptr && now.stretch->root) begin(*now.stretch);
     } else if (called) {
       calls_.push_back({before_.end, part_});
     }
     if (!calls_.empty()) {
-      if (now.function != before_.function) enter(now.function);
+      if (now.stretch != before_.stretch) enter(now.stretch);
       ++counts_[static_cast<std::size_t>(part_)];
     }
     before_ = now;
@@ -79,15 +79,15 @@ class Counter {
     int caller_part;
   };
 
-  void begin(const Function& root) {
+  void begin(const Stretch& root) {
     root_ = root.address;
     part_ = 0;
     counts_.fill(0);
     calls_.push_back({before_.end, part_});
   }
 
-  void enter(const Function* function) {
-    if (function != nullptr && function->part != kPartOfCaller) part_ = function->part;
+  void enter(const Stretch* stretch) {
+    if (stretch != nullptr && stretch->part != kPartOfCaller) part_ = stretch->part;
   }
 
   void leave() {
@@ -100,7 +100,7 @@ class Counter {
     std::fputc('\n', out_);
   }
 
-  std::vector<Function> functions_;
+  std::vector<Stretch> code_;
   std::deque<Instruction> instructions_;  // addresses stay
   std::FILE* out_ = nullptr;
   Instruction before_;
@@ -146,7 +146,7 @@ const char* value(int argc, char** argv, std::string_view key) {
 }  // namespace
 
 int qemu_plugin_install(qemu_plugin_id_t id, const qemu_info_t*, int argc, char** argv) {
-  if (!counter.open(value(argc, argv, "functions="), value(argc, argv, "counts="))) return 1;
+  if (!counter.open(value(argc, argv, "code="), value(argc, argv, "counts="))) return 1;
   qemu_plugin_register_vcpu_tb_trans_cb(id, on_translated);
   return 0;
 }
