@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "firmware/canopen/frame.h"
 #include "tests/closed_loop/run.h"
@@ -14,8 +15,8 @@ namespace {
 
 using app::State;
 
-sim::Scenario go() {
-  sim::Scenario scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/go.yaml");
+sim::Scenario go(const std::vector<sim::Override>& overrides = {}) {
+  sim::Scenario scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/go.yaml", overrides);
   scenario.physics.stepper = sim::Stepper::kLumped;
   return scenario;
 }
@@ -124,6 +125,15 @@ TEST(WalkByCommand, IsToldTheVelocityBeforeTheCommand) {
   EXPECT_EQ(told[1].identifier, 0x201);
   EXPECT_EQ(told[1].size, 3);
   EXPECT_EQ(told[1].data[0], 7);
+}
+
+TEST(WalkByCommand, EndsWhenTheBatteryIsLow) {
+  RobotRun run(go({{"faults", "[{at_s: 7, kind: supply_drop, supply_V: 6.2}]"}}));
+  run.run_until_us(8'500'000);
+  EXPECT_EQ(run.behaviour().state, State::kWalking);
+  run.run_until_us(13'000'000);
+  EXPECT_EQ(run.behaviour().state, State::kLowBattery);
+  EXPECT_GT(place(run).up, 0.98);
 }
 
 }  // namespace
