@@ -40,7 +40,7 @@ struct WalkParameters {
     std::int16_t dead_band = 59;          // of that error
     std::int16_t smoothing = 360;         // share of the last cycle's error that is kept
     std::int16_t touch_down_load_cN = 0;  // of the swinging foot, which ends a step early; 0: no load does
-    std::int16_t heading_hold = 210;        // share of the heading's error by which a step turns back
+    std::int16_t heading_hold = 210;      // share of the heading's error by which a step turns back
   } reaction;                             // 0x2132
 
   friend bool operator==(const WalkParameters&, const WalkParameters&) = default;

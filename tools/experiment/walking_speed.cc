@@ -109,8 +109,7 @@ WalkingSpeed make_walking_speed(const WalkingSpeedOptions& options) {
                                        {"parameters.highest_velocity_sideways", "2000"},
                                        {"parameters.highest_turn", "6000"}};
   overrides.insert(overrides.end(), options.overrides.begin(), options.overrides.end());
-  const auto start =
-      std::make_shared<const StandingStart>(read_standing_start(options.scenario, overrides));
+  const auto start = std::make_shared<const StandingStart>(read_standing_start(options.scenario, overrides));
   auto trials = std::make_shared<std::vector<SpeedTrial>>();
   WalkingSpeed speed;
   speed.experiment = begin_experiment(
