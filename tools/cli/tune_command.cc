@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -45,14 +46,22 @@ void add_tune_command(CLI::App& program) {
   options.jobs = core_count();
   CLI::App* command = program.add_subcommand("tune", "Search for the numbers of a study that are worth most");
   command->footer(
-      "CMA-ES over numbers of a scenario: parameters of the controller, of a gait, or of the world. Each "
-      "evaluation\n"
-      "plays the study's trials in the same worlds. A search that was interrupted goes on when it is called "
+      "CMA-ES or NSGA-II over numbers of a scenario: parameters of the controller, of a gait, or of the "
+      "world. "
+      "Each\n"
+      "evaluation plays the study's trials in the same worlds. A search that was interrupted goes on when it "
+      "is called "
       "again.\n"
       "docs/reference/study-format.md describes the file.\n\n"
       "Example:\n"
       "  koboshi tune studies/walk.yaml --stepper mujoco --evaluations 400\n");
   command->add_option("STUDY", arguments->study, "The study's file")->required();
+  command
+      ->add_option("--search", options.search,
+                   "For the largest mean worth (cma-es), or for each trial's (nsga-2)")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Search>{{"cma-es", Search::kCmaEs}, {"nsga-2", Search::kNsga2}}))
+      ->default_str("cma-es");
   command->add_option("--evaluations", options.evaluations, "How many sets of numbers are tried")
       ->check(CLI::Range(16, 1'000'000))
       ->capture_default_str();

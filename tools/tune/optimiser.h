@@ -23,4 +23,17 @@ struct OptimiserOptions {
 [[nodiscard]] std::vector<double> minimise(const Objective& objective, const std::vector<double>& start,
                                            const OptimiserOptions& options);
 
+// Several, each to be made small over the unit box.
+using Objectives = std::function<std::vector<double>(const std::vector<double>& x)>;
+
+// Evaluates points on the way to where none of the `count` objectives gets smaller but at another's cost, by
+// NSGA-II (Deb et al., 2002) as in libpagmo. Who wants them keeps what the objectives are asked for. The
+// population is rounded up to a multiple of four, and the start is the first, as above.
+void minimise_each(const Objectives& objectives, std::size_t count, const std::vector<double>& start,
+                   const OptimiserOptions& options);
+
+// The places of those values of which no other is smaller in one objective and larger in none, in their
+// order.
+[[nodiscard]] std::vector<std::size_t> non_dominated(const std::vector<std::vector<double>>& values);
+
 }  // namespace koboshi::tools

@@ -1,15 +1,20 @@
 #include "tools/tune/study_search.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/experiment/files.h"
+#include "tools/experiment/report.h"
 #include "tools/experiment/scenario_trial.h"
+#include "tools/plot/figure.h"
 #include "tools/tune/optimiser.h"
 
 namespace koboshi::tools {
@@ -27,31 +32,116 @@ class StudySearch {
   StudySearch(const Study& study, const StudyOptions& options,
               const std::function<void(const StudyProgress&)>& progress)
       : study_(study), options_(options), progress_(progress), log_(options.out / "evaluations.csv") {
-    std::string head = "evaluation";
-    for (const StudiedNumber& number : study.numbers) head += "," + number.path;
-    for (const StudiedTrial& trial : study.trials) head += "," + trial.name;
-    log_.write(head + ",worth\n");
+    log_.write(head());
   }
 
   StudyResult search() {
     std::vector<double> start;
     for (const StudiedNumber& n : study_.numbers) start.push_back((n.start - n.low) / (n.high - n.low));
-    const std::vector<double> best = minimise(
-        [this](const std::vector<double>& x) { return -evaluate(numbers_of(x)); }, start,
-        {.evaluations = options_.evaluations, .population = options_.population, .spread = options_.spread});
+    const OptimiserOptions how{
+        .evaluations = options_.evaluations, .population = options_.population, .spread = options_.spread};
+    if (options_.search == Search::kCmaEs) {
+      static_cast<void>(minimise([this](const auto& x) { return -evaluate(x).worth; }, start, how));
+    } else {
+      minimise_each([this](const auto& x) { return losses(evaluate(x)); }, study_.trials.size(), start, how);
+    }
     log_.close();
-    StudyResult result{.numbers = {}, .worth = best_};
+    const Evaluation& best = *std::ranges::max_element(evaluations_, {}, &Evaluation::worth);
+    StudyResult result{.numbers = {}, .worth = best.worth};
     std::string text;
-    const std::vector<double> numbers = numbers_of(best);
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      result.numbers.emplace_back(study_.numbers[i].path, numbers[i]);
-      text += study_.numbers[i].path + ": " + sim::number_text(numbers[i]) + "\n";
+    for (std::size_t i = 0; i < best.numbers.size(); ++i) {
+      result.numbers.emplace_back(study_.numbers[i].path, best.numbers[i]);
+      text += study_.numbers[i].path + ": " + sim::number_text(best.numbers[i]) + "\n";
     }
     sim::write_whole_file(options_.out / "best.yaml", text);
+    if (options_.search == Search::kNsga2) write_front();
+    write_report(best);
     return result;
   }
 
  private:
+  struct Evaluation {
+    std::vector<double> numbers;
+    std::vector<double> worths;  // by trial
+    double worth = 0.0;          // their weighted mean
+  };
+
+  // To be made small, by trial.
+  static std::vector<double> losses(const Evaluation& evaluation) {
+    std::vector<double> losses = evaluation.worths;
+    for (double& value : losses) value = -value;
+    return losses;
+  }
+
+  std::string head() const {
+    std::string head = "evaluation";
+    for (const StudiedNumber& number : study_.numbers) head += "," + number.path;
+    for (const StudiedTrial& trial : study_.trials) head += "," + trial.name;
+    return head + ",worth\n";
+  }
+
+  std::string line(std::size_t number) const {
+    const Evaluation& evaluation = evaluations_[number];
+    std::string line = std::to_string(number + 1);
+    for (const double value : evaluation.numbers) line += "," + sim::number_text(value);
+    for (const double value : evaluation.worths) line += "," + sim::number_text(value);
+    return line + "," + sim::number_text(evaluation.worth) + "\n";
+  }
+
+  void write_front() const {
+    std::vector<std::vector<double>> values;
+    for (const Evaluation& evaluation : evaluations_) values.push_back(losses(evaluation));
+    std::string text = head();
+    for (const std::size_t number : non_dominated(values)) text += line(number);
+    sim::write_whole_file(options_.out / "front.csv", text);
+  }
+
+  void write_report(const Evaluation& best) const {
+    const Evaluation& first = evaluations_.front();
+    std::vector<Row> numbers;
+    for (std::size_t i = 0; i < study_.numbers.size(); ++i) {
+      const StudiedNumber& n = study_.numbers[i];
+      numbers.push_back({n.path, sim::number_text(n.low) + " to " + sim::number_text(n.high),
+                         sim::number_text(first.numbers[i]), sim::number_text(best.numbers[i])});
+    }
+    std::vector<Row> trials;
+    for (std::size_t i = 0; i < study_.trials.size(); ++i) {
+      trials.push_back({study_.trials[i].name, sim::number_text(study_.trials[i].weight),
+                        fmt::format("{:.4f}", first.worths[i]), fmt::format("{:.4f}", best.worths[i])});
+    }
+    trials.push_back({"mean", "", fmt::format("{:.4f}", first.worth), fmt::format("{:.4f}", best.worth)});
+    const std::string figure = draw_course() ? "![Worth of each evaluation](figure.png)\n\n" : "";
+    sim::write_whole_file(
+        options_.out / "report.md",
+        fmt::format(
+            "# {}\n\n{} evaluations in {} worlds each, seeds {} to {}: judge what was found on others.\n\n",
+            study_.file.filename().string(), evaluations_.size(), options_.seeds, options_.first_seed,
+            options_.first_seed + options_.seeds - 1) +
+            figure + table_text({"number", "range", "start", "found"}, numbers, TableStyle::kMarkdown) +
+            "\n" +
+            table_text({"trial", "weight", "worth of the start", "of what was found"}, trials,
+                       TableStyle::kMarkdown));
+  }
+
+  // The worth of each evaluation and of each trial in it; false where nothing can draw.
+  bool draw_course() const {
+    Figure figure{
+        .title = study_.file.filename().string(), .x_column = "evaluation", .x_label = "evaluation"};
+    figure.panels.push_back(
+        {.y_label = "worth", .series = {{.column = "worth", .style = LineStyle::kPoints}}});
+    Panel each{.y_label = "worth of each trial"};
+    for (const StudiedTrial& trial : study_.trials) {
+      each.series.push_back({.column = trial.name, .label = trial.name, .style = LineStyle::kPoints});
+    }
+    figure.panels.push_back(std::move(each));
+    try {
+      draw(figure, options_.out / "evaluations.csv", options_.out / "figure");
+      return true;
+    } catch (const PlotError&) {
+      return false;
+    }
+  }
+
   // On their grids, so that what is written down is what was tried.
   std::vector<double> numbers_of(const std::vector<double>& x) const {
     std::vector<double> numbers;
@@ -66,12 +156,12 @@ class StudySearch {
     return numbers;
   }
 
-  double evaluate(const std::vector<double>& numbers) {
+  const Evaluation& evaluate(const std::vector<double>& x) {
+    const std::vector<double> numbers = numbers_of(x);
     const Experiment experiment = make_experiment(numbers);
     const ExperimentResult result = play_experiment(
         experiment, {.log = options_.out / "trials.jsonl", .jobs = options_.jobs, .batch = options_.seeds});
-    std::string line = std::to_string(++done_);
-    for (const double number : numbers) line += "," + sim::number_text(number);
+    Evaluation evaluation{.numbers = numbers, .worths = {}};
     double sum = 0.0;
     double weights = 0.0;
     for (std::size_t cell = 0; cell < study_.trials.size(); ++cell) {
@@ -80,16 +170,17 @@ class StudySearch {
         worth_of_cell += worth(study_.trials[cell], trial.values, durations_s_[cell]);
       }
       worth_of_cell /= static_cast<double>(options_.seeds);
-      line += "," + sim::number_text(worth_of_cell);
+      evaluation.worths.push_back(worth_of_cell);
       sum += study_.trials[cell].weight * worth_of_cell;
       weights += study_.trials[cell].weight;
     }
-    const double mean = sum / weights;
-    best_ = std::max(best_, mean);
-    log_.write(line + "," + sim::number_text(mean) + "\n");
+    evaluation.worth = sum / weights;
+    best_ = std::max(best_, evaluation.worth);
+    evaluations_.push_back(std::move(evaluation));
+    log_.write(line(evaluations_.size() - 1));
     log_.flush();  // an evaluation takes minutes
-    if (progress_) progress_({done_, options_.evaluations, mean, best_});
-    return mean;
+    if (progress_) progress_({evaluations_.size(), options_.evaluations, evaluations_.back().worth, best_});
+    return evaluations_.back();
   }
 
   Experiment make_experiment(const std::vector<double>& numbers) {
@@ -124,7 +215,7 @@ class StudySearch {
   const std::function<void(const StudyProgress&)>& progress_;
   sim::OutputFile log_;
   std::vector<double> durations_s_;  // of the trials that do not end with a fall
-  std::size_t done_ = 0;
+  std::vector<Evaluation> evaluations_;
   double best_ = -std::numeric_limits<double>::infinity();
 };
 

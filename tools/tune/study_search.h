@@ -12,7 +12,13 @@
 
 namespace koboshi::tools {
 
+enum class Search {
+  kCmaEs,  // for the largest mean worth of all trials
+  kNsga2,  // for the worth of each trial, where none gets more but at another's cost
+};
+
 struct StudyOptions {
+  Search search = Search::kCmaEs;
   std::vector<sim::Override> overrides{};  // of the scenario, in all trials
   std::filesystem::path out;               // folder of the log and the result
   std::uint64_t first_seed = 9000;
@@ -35,9 +41,11 @@ struct StudyResult {
   double worth = 0.0;  // mean over trials and seeds that were searched on: more than it will get on others
 };
 
-// Searches for the numbers of a study with the same worlds in each evaluation. Leaves evaluations.csv,
-// trials.jsonl, from which a search that was interrupted goes on, and best.yaml, the numbers found as a
-// scenario has them, in the folder. Throws sim::InputError.
+// Searches for the numbers of a study with the same worlds in each evaluation. Leaves in the folder:
+// evaluations.csv and trials.jsonl, from which a search that was interrupted goes on; best.yaml, the numbers
+// of the largest mean worth as a scenario has them; report.md with figure.png, what they are and what each
+// trial is worth with them; front.csv, of NSGA-II, the evaluations that no other beats in every trial. Throws
+// sim::InputError.
 [[nodiscard]] StudyResult search_study(const Study& study, const StudyOptions& options,
                                        const std::function<void(const StudyProgress&)>& progress);
 

@@ -6,6 +6,7 @@
 #include "firmware/fixed/host/convert.h"
 #include "firmware/motion/interpreter.h"
 #include "firmware/robot/kinematics.h"
+#include "firmware/walk/gait.h"
 #include "sim_board/robot/load.h"
 #include "tools/motion/compile.h"
 
@@ -45,12 +46,17 @@ class KoboshiMotionsTest : public testing::Test {
   robot::LinkPoses X_BLinks_;
 };
 
-TEST_F(KoboshiMotionsTest, StandIsUprightOverTheMiddleOfTheFeet) {
+TEST_F(KoboshiMotionsTest, StandIsUprightOnFeetAsWideApartAsItWalks) {
   start("stand");
   advance(2'000'000);
   EXPECT_FALSE(interpreter_.running());
   EXPECT_NEAR(base_above_ankle_m(), 0.120, 1e-4);
-  EXPECT_NEAR(centre_of_mass_ahead_of_ankle_m(), 0.012, 2e-4);
+  EXPECT_NEAR(centre_of_mass_ahead_of_ankle_m(), 0.009, 3e-4) << "the middle of the feet is at 0.012";
+  const robot::Pose left = sole(hal::Side::kLeft);
+  EXPECT_NEAR(to_double(left.R.rows[0].z), 0.0, 2e-4);
+  EXPECT_NEAR(to_double(left.R.rows[1].z), 0.0, 2e-4);
+  const double width_m = 1e-4 * walk::WalkParameters().step.width;
+  EXPECT_NEAR(to_double(left.p.y - sole(hal::Side::kRight).p.y), width_m, 1e-3);
 }
 
 TEST_F(KoboshiMotionsTest, SquatGoesUpAndDownAsARaisedCosineOnFlatFeet) {

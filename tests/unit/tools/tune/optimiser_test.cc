@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace koboshi::tools {
@@ -56,6 +57,35 @@ TEST(Optimiser, DoesNotStopOnFlatGround) {
   const auto flat = [&](const std::vector<double>&) { return static_cast<double>(++evaluations * 0); };
   static_cast<void>(minimise(flat, {0.5, 0.5}, {.evaluations = 240}));
   EXPECT_EQ(evaluations, 240);
+}
+
+// Near the one corner each wants something else: all on the line between is as good as any.
+TEST(Optimiser, SpreadsOverWhatCostsAnother) {
+  std::vector<std::vector<double>> values;
+  const auto objectives = [&](const std::vector<double>& x) {
+    const double beside = std::pow(x[1] - 0.3, 2.0);
+    values.push_back({x[0] * x[0] + beside, std::pow(x[0] - 1.0, 2.0) + beside});
+    return values.back();
+  };
+  minimise_each(objectives, 2, {0.5, 0.9}, {.evaluations = 1200, .population = 22});
+  EXPECT_EQ(values.size(), 1200u / 24 * 24);
+  EXPECT_DOUBLE_EQ(values.front()[0], 0.25 + 0.36);
+  const auto front = non_dominated(values);
+  double least = 1.0;
+  double most = 0.0;
+  for (const std::size_t i : front) {
+    EXPECT_NEAR(std::sqrt(values[i][0]) + std::sqrt(values[i][1]), 1.0, 0.05);
+    least = std::min(least, values[i][0]);
+    most = std::max(most, values[i][0]);
+  }
+  EXPECT_LT(least, 0.02);
+  EXPECT_GT(most, 0.9);
+}
+
+TEST(NonDominated, AreThoseThatNoOtherBeats) {
+  EXPECT_EQ(non_dominated({{1, 5}, {2, 2}, {3, 3}, {5, 1}, {2, 6}}), (std::vector<std::size_t>{0, 1, 3}));
+  EXPECT_EQ(non_dominated({{1, 5}}), std::vector<std::size_t>{0});
+  EXPECT_TRUE(non_dominated({}).empty());
 }
 
 }  // namespace

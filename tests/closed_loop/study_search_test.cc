@@ -1,0 +1,82 @@
+// A search over runs of the real robot, each so short that it only boots.
+
+#include "tools/tune/study_search.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "tests/unit/sim_board/scenario/temporary_tree.h"
+
+namespace koboshi::tools {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string contents(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::ptrdiff_t lines(const std::filesystem::path& file) { return std::ranges::count(contents(file), '\n'); }
+
+class StudySearch : public testing::Test {
+ protected:
+  StudySearch() {
+    study_.file = tree_.root() / "boot.yaml";
+    study_.scenario = KOBOSHI_SOURCE_DIR "/scenarios/go.yaml";
+    study_.numbers = {{.path = "parameters.step_height", .low = 14, .high = 35, .grid = 0.1, .start = 20},
+                      {.path = "parameters.step_width", .low = 58, .high = 85, .grid = 0.1, .start = 77.2}};
+    study_.trials = {{.name = "boots", .set = {{"duration_s", "0.2"}}},
+                     {.name = "boots_on", .set = {{"duration_s", "0.3"}}, .weight = 2.0}};
+    options_ = {.overrides = {{"physics.stepper", "lumped"}},
+                .out = tree_.root() / "out",
+                .seeds = 1,
+                .evaluations = 16};
+  }
+  StudyResult search(Search with) {
+    options_.search = with;
+    return search_study(study_, options_, [this](const StudyProgress& progress) { progress_ = progress; });
+  }
+
+  sim::TemporaryTree tree_;
+  Study study_;
+  StudyOptions options_;
+  StudyProgress progress_;
+};
+
+TEST_F(StudySearch, LeavesWhatItTriedAndWhatItFound) {
+  const StudyResult result = search(Search::kCmaEs);
+  EXPECT_EQ(result.worth, 1.0);
+  EXPECT_EQ(progress_.done, 16u);
+  EXPECT_EQ(lines(options_.out / "evaluations.csv"), 17);
+  const std::string evaluations = contents(options_.out / "evaluations.csv");
+  EXPECT_THAT(evaluations, HasSubstr("\n1,20,77.2,1,1,1\n"));
+  EXPECT_EQ(contents(options_.out / "best.yaml"),
+            "parameters.step_height: 20\nparameters.step_width: 77.2\n");
+  const std::string report = contents(options_.out / "report.md");
+  EXPECT_THAT(report, HasSubstr("parameters.step_width"));
+  EXPECT_THAT(report, HasSubstr("boots_on"));
+  EXPECT_FALSE(std::filesystem::exists(options_.out / "front.csv"));
+}
+
+TEST_F(StudySearch, GoesOnFromItsLogToTheSameEnd) {
+  static_cast<void>(search(Search::kCmaEs));
+  const std::string first = contents(options_.out / "evaluations.csv");
+  const auto played = lines(options_.out / "trials.jsonl");
+  static_cast<void>(search(Search::kCmaEs));
+  EXPECT_EQ(contents(options_.out / "evaluations.csv"), first);
+  EXPECT_EQ(lines(options_.out / "trials.jsonl"), played) << "nothing is played twice";
+}
+
+TEST_F(StudySearch, OfEachTrialTellsWhatNoOtherBeats) {
+  static_cast<void>(search(Search::kNsga2));
+  EXPECT_EQ(lines(options_.out / "evaluations.csv"), 17);
+  EXPECT_EQ(lines(options_.out / "front.csv"), 17) << "all that stand are worth the same";
+}
+
+}  // namespace
+}  // namespace koboshi::tools
