@@ -13,7 +13,7 @@ inline constexpr std::uint8_t kControllerNodeId = 1;
 inline constexpr std::uint16_t kControllerHeartbeat_ms = 20;      // what the controller produces
 inline constexpr std::uint16_t kControllerHeartbeatLost_ms = 60;  // what the drives tolerate
 inline constexpr std::uint16_t kDriveHeartbeat_ms = 100;
-inline constexpr std::uint16_t kDriveHeartbeatLost_ms = 250;
+inline constexpr std::uint16_t kDriveHeartbeatLost_ms = 350;  // two may be lost on a bad bus
 // A drive without targets says so a cycle after one without SYNC would: that is told first when both are
 // gone.
 inline constexpr std::uint16_t kTargetsLost_ms = 60;

@@ -59,7 +59,7 @@ TEST_F(ControllerFault, NamesADriveThatHangs) {
 
 TEST_F(ControllerFault, NamesADriveWhoseHeartbeatStopsWhileItStillAnswers) {
   bench.run_ms(10);
-  // Monitoring is by 0x1016; a drive with a longer pause than 250 ms is lost. The stubs beat each 100 ms.
+  // Monitoring is by 0x1016; a drive with a longer pause than 350 ms is lost. The stubs beat each 100 ms.
   for (auto& drive : bench.drives) drive.beats = false;
   ASSERT_TRUE(bench.run_until(State::kFault, 360));
   EXPECT_EQ(bench.now().trouble, Trouble::kLost);
