@@ -31,7 +31,7 @@ enum class Command : std::uint8_t {
 // Found by studies/stand.yaml and by hand: with more in knees or hips a robot that was pushed goes on
 // swaying.
 inline constexpr balance::FeedbackGains kStandingGains{
-    .rate = {.ankle_pitch = 164, .ankle_roll = 106, .hip_roll = 61, .knee = 328, .hip_pitch = 102},
+    .rate = {.ankle_pitch = 164, .ankle_roll = 106, .hip_roll = 61, .knee = 328, .hip_pitch = 41},
     .lean = {.ankle_pitch = 819, .ankle_roll = 0, .hip_roll = 2212, .knee = 0, .hip_pitch = 0}};
 // Found by studies/walk.yaml.
 inline constexpr balance::FeedbackGains kWalkingGains{
