@@ -28,11 +28,6 @@ enum class Command : std::uint8_t {
   kCalibrate = 8,  // the gyro's bias at rest goes into the parameters
 };
 
-// Found by studies/stand.yaml and by hand: with more in knees or hips a robot that was pushed goes on
-// swaying.
-inline constexpr balance::FeedbackGains kStandingGains{
-    .rate = {.ankle_pitch = 164, .ankle_roll = 106, .hip_roll = 61, .knee = 328, .hip_pitch = 41},
-    .lean = {.ankle_pitch = 819, .ankle_roll = 0, .hip_roll = 2212, .knee = 0, .hip_pitch = 0}};
 // Found by studies/walk.yaml.
 inline constexpr balance::FeedbackGains kWalkingGains{
     .rate = {.ankle_pitch = 25, .ankle_roll = 252, .hip_roll = 82, .knee = 70, .hip_pitch = 59},
@@ -75,7 +70,7 @@ struct ControllerValues {
   } parameters;                          // 0x2100
   struct {
     balance::JointGains motion;  // of the rate: what a motion means the trunk to lean, nobody knows
-    balance::FeedbackGains standing = kStandingGains;
+    balance::FeedbackGains standing;
     balance::FeedbackGains walking = kWalkingGains;
   } feedback;                            // 0x2101 to 0x2105
   walk::Velocity velocity;               // 0x2110; always within its limits
