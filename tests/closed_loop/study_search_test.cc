@@ -26,7 +26,7 @@ std::ptrdiff_t lines(const std::filesystem::path& file) { return std::ranges::co
 class StudySearch : public testing::Test {
  protected:
   StudySearch() {
-    study_.file = tree_.root() / "boot.yaml";
+    study_.file = tree_.write("boot.yaml", "");  // what a search goes on from depends on it
     study_.scenario = KOBOSHI_SOURCE_DIR "/scenarios/go.yaml";
     study_.numbers = {{.path = "parameters.step_height", .low = 14, .high = 35, .grid = 0.1, .start = 20},
                       {.path = "parameters.step_width", .low = 58, .high = 85, .grid = 0.1, .start = 77.2}};
