@@ -33,7 +33,8 @@ class Controller final : private canopen::NodeApplication {
  public:
   static constexpr std::uint32_t kTick_us = 10'000;
   static constexpr std::uint32_t kSensorTimeout_us = 50'000;
-  static constexpr std::uint8_t kLowReadings = 8;            // of the supply, in two seconds
+  // Of the supply in a row: two seconds.
+  static constexpr std::uint8_t kLowReadings = 2'000'000 / drive::DriveGroup::kSupplyPeriod_us;
   static constexpr std::uint32_t kSensorStart_us = 500'000;  // how long sensors may take to speak first
 
   explicit Controller(const hal::Board& board);

@@ -122,7 +122,7 @@ class DriveGroup {
   std::array<std::uint32_t, robot::kMaxJoints> supply_mV_{};
   std::optional<std::uint32_t> told_supply_mV_;
   std::uint64_t supply_due_us_ = 0;
-  std::size_t supplied_ = 0;                                   // the joint whose drive is asked next
+  std::size_t supplied_ = 0;                                   // the joint whose drive was asked last
   std::array<std::uint16_t, robot::kMaxJoints> error_code_{};  // that each drive told last and still has
 };
 
