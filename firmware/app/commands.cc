@@ -152,6 +152,8 @@ Reason Controller::try_to_obey(Command command, std::int16_t argument) {
       return obey_event(Event::kReset);
     case Command::kCalibrate:
       return calibrate();
+    case Command::kGetUp:
+      return get_up();
   }
   return Reason::kUnknownCommand;
 }
@@ -204,6 +206,13 @@ Reason Controller::walk() {
     walker_.start(values_.walk, {targets_.data(), model_.joint_count});
   }
   return obey_event(Event::kWalk);
+}
+
+Reason Controller::get_up() {
+  if (values_.behaviour.state != State::kLimp) return Reason::kNotInThisState;
+  values_.behaviour.attempts = 0;
+  const Reason refusal = refusal_to_enable();
+  return refusal == Reason::kNone ? obey_event(Event::kGetUp) : refusal;
 }
 
 Reason Controller::stop() {

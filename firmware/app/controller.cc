@@ -36,14 +36,15 @@ Controller::Controller(const hal::Board& board)
              .values = std::as_writable_bytes(std::span(&values_, 1))},
             memory_.buffers(), sink_, *this),
       parameters_(items_, node_),
-      motion_transfer_(items_, model_, values_.diagnosis.motions),
+      motion_index_(values_.diagnosis.motions),
+      motion_transfer_(items_, model_, motion_index_),
       drives_(model_, node_.sink(), values_.drives),
       inertial_(model_),
       feedback_(model_),
       posture_(model_),
       foot_sensors_{balance::FootSensor(model_, hal::Side::kLeft),
                     balance::FootSensor(model_, hal::Side::kRight)},
-      interpreter_(model_),
+      interpreter_(model_, attitude_.up_B()),
       walker_(model_) {}
 
 void Controller::service(std::uint64_t now_us) {
@@ -66,6 +67,7 @@ void Controller::tick(std::uint64_t now_us) {
   watch_sensors(now_us);
   watch_battery();
   estimate();
+  watch_for_falls();
   run_state(now_us);
   publish_telemetry();
   publish(now_us);
@@ -82,7 +84,7 @@ void Controller::start(std::uint64_t now_us) {
 void Controller::load_motions() {
   for (std::uint16_t number = 0; number < kMaxMotions; ++number) {
     motion::Motion motion;
-    if (open_motion(number, motion)) values_.diagnosis.motions |= 1u << number;
+    if (open_motion(number, motion)) motion_index_.add(number, motion);
   }
 }
 
@@ -105,6 +107,7 @@ void Controller::load_parameters() {
   values_.velocity_limits = {};
   values_.calibration = {};
   values_.walk = {};
+  values_.recovery = {};
   parameters_.load();
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     change_trim(model_.joints[joint].drive, before.trims[joint], values_.calibration.trims[joint]);

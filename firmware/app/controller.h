@@ -9,6 +9,7 @@
 #include "firmware/app/catalogue.h"
 #include "firmware/app/dictionary.h"
 #include "firmware/app/item_store.h"
+#include "firmware/app/motion_index.h"
 #include "firmware/app/motion_transfer.h"
 #include "firmware/app/parameter_store.h"
 #include "firmware/balance/attitude.h"
@@ -20,6 +21,10 @@
 #include "firmware/canopen/node.h"
 #include "firmware/drive/drive_group.h"
 #include "firmware/motion/interpreter.h"
+#include "firmware/recovery/fall_watch.h"
+#include "firmware/recovery/lying.h"
+#include "firmware/recovery/motions.h"
+#include "firmware/recovery/stillness.h"
 #include "firmware/robot/model.h"
 #include "firmware/walk/walker.h"
 #include "hal/port/board.h"
@@ -37,7 +42,7 @@ class Controller final : private canopen::NodeApplication {
   static constexpr std::uint8_t kLowReadings = 2'000'000 / drive::DriveGroup::kSupplyPeriod_us;
   static constexpr std::uint32_t kSensorStart_us = 500'000;  // how long sensors may take to speak first
 
-  explicit Controller(const hal::Board& board);
+  [[gnu::cold]] explicit Controller(const hal::Board& board);
 
   // Both are never inlined, so that they can be found in an image and measured.
   //
@@ -58,14 +63,14 @@ class Controller final : private canopen::NodeApplication {
   canopen::Domain* domain(canopen::ObjectAddress address) override;
   canopen::AbortCode on_store(canopen::ParameterGroup group) override;
   canopen::AbortCode on_restore(canopen::ParameterGroup group) override;
-  void on_reset(canopen::NmtCommand reset) override;
+  [[gnu::cold]] void on_reset(canopen::NmtCommand reset) override;
   void on_rpdo(std::size_t number) override;
   void on_heartbeat(const canopen::HeartbeatEvent& event) override { drives_.on_heartbeat(event); }
   void on_emergency(const canopen::Emergency& emergency) override { drives_.on_emergency(emergency); }
 
-  void start(std::uint64_t now_us);
-  void load_motions();
-  void load_parameters();
+  [[gnu::cold]] void start(std::uint64_t now_us);
+  [[gnu::cold]] void load_motions();
+  [[gnu::cold]] void load_parameters();
   std::span<const std::byte> motion_image(std::uint16_t number) const;
   bool open_motion(std::uint16_t number, motion::Motion& motion) const;
   void receive(std::uint64_t now_us);
@@ -91,6 +96,7 @@ class Controller final : private canopen::NodeApplication {
   Reason play(std::int16_t number);
   Reason stop();
   Reason walk();
+  Reason get_up();
   Reason obey_event(Event event);
   Reason refusal_to_enable() const;
   // An SDO client's velocity, or a limit of it, in one of its parts (a sub-index).
@@ -115,6 +121,19 @@ class Controller final : private canopen::NodeApplication {
   void run_motion();
   void run_walking();
   void run_fault(std::uint64_t now_us);
+  // Of a fall and what comes after it (recovery.cc).
+  void watch_for_falls();
+  void begin_falling(recovery::FallDirection direction);
+  bool begin_recovery_motion(recovery::Role role);
+  void run_falling(std::uint64_t now_us);
+  void run_fallen(std::uint64_t now_us);
+  void run_righting();
+  void right_lying();
+  void turn_from_side(recovery::Role roll, Reason side);
+  void rise(recovery::Role role, Reason lying);
+  void run_getting_up();
+  void run_steadying(std::uint64_t now_us);
+  std::uint32_t pace_percent() const;
 
   void begin_soft_start();
   void follow_actual();
@@ -138,6 +157,7 @@ class Controller final : private canopen::NodeApplication {
       memory_;
   canopen::Node node_;
   ParameterStore parameters_;
+  MotionIndex motion_index_;
   MotionTransfer motion_transfer_;
   drive::DriveGroup drives_;
   hal::ImuSample imu_sample_;  // here, so that it need not be cleared each millisecond
@@ -152,10 +172,13 @@ class Controller final : private canopen::NodeApplication {
   walk::Walker walker_;
   std::array<fixed::Force, 2> foot_loads_{};              // by Side
   std::array<std::optional<std::uint64_t>, 2> ankle_us_;  // when each ankle spoke last
+  recovery::FallWatch fall_watch_;
+  recovery::Stillness stillness_;
+  bool has_rolled_ = false;       // in this attempt to get up
+  std::uint64_t entered_us_ = 0;  // when the present state began
   std::uint8_t low_readings_ = 0;                         // of the supply, in a row
   std::uint64_t now_us_ = 0;
   std::uint64_t started_us_ = 0;  // of the boot
-  std::uint64_t fault_us_ = 0;
   bool started_ = false;
   balance::InertialSensor::Rates rates_{};  // of the trunk, in its axes, free of the gyro's bias
   balance::InertialSensor::Accelerations accelerations_{};

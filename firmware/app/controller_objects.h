@@ -20,6 +20,7 @@ inline constexpr canopen::ValueName kCommandNames[] = {
     canopen::value_name(Command::kReset, "reset"),
     canopen::value_name(Command::kWalk, "walk"),
     canopen::value_name(Command::kCalibrate, "calibrate"),
+    canopen::value_name(Command::kGetUp, "get up"),
 };
 
 inline constexpr canopen::ValueName kStateNames[] = {
@@ -33,6 +34,12 @@ inline constexpr canopen::ValueName kStateNames[] = {
     canopen::value_name(State::kEmergencyStop, "emergency stop"),
     canopen::value_name(State::kWalking, "walking"),
     canopen::value_name(State::kLowBattery, "low battery"),
+    canopen::value_name(State::kFalling, "falling"),
+    canopen::value_name(State::kFallen, "fallen"),
+    canopen::value_name(State::kRighting, "righting"),
+    canopen::value_name(State::kRolling, "rolling"),
+    canopen::value_name(State::kRising, "rising"),
+    canopen::value_name(State::kSteadying, "steadying"),
 };
 
 inline constexpr canopen::ValueName kReasonNames[] = {
@@ -40,12 +47,20 @@ inline constexpr canopen::ValueName kReasonNames[] = {
     canopen::value_name(Reason::kCommand, "command"),
     canopen::value_name(Reason::kProgress, "progress"),
     canopen::value_name(Reason::kSupplyLow, "supply low"),
+    canopen::value_name(Reason::kFallForeseen, "fall foreseen"),
+    canopen::value_name(Reason::kBodyElsewhere, "body elsewhere"),
+    canopen::value_name(Reason::kProne, "prone"),
+    canopen::value_name(Reason::kSupine, "supine"),
+    canopen::value_name(Reason::kOnLeftSide, "on left side"),
+    canopen::value_name(Reason::kOnRightSide, "on right side"),
+    canopen::value_name(Reason::kHeldUpright, "upright"),
     canopen::value_name(Reason::kModelInvalid, "model invalid"),
     canopen::value_name(Reason::kDriveTrouble, "drive trouble"),
     canopen::value_name(Reason::kImuSilent, "IMU silent"),
     canopen::value_name(Reason::kAnkleSilent, "ankle sensor silent"),
     canopen::value_name(Reason::kBusOff, "bus-off"),
     canopen::value_name(Reason::kNoAcknowledge, "no acknowledge"),
+    canopen::value_name(Reason::kCannotGetUp, "cannot get up"),
     canopen::value_name(Reason::kNotInThisState, "not in this state"),
     canopen::value_name(Reason::kEncoderBeyondLimits, "encoder beyond limits"),
     canopen::value_name(Reason::kSupplyOutOfRange, "supply out of range"),
@@ -106,6 +121,7 @@ inline constexpr std::string_view kFeedbackJoints[] = {"ankle pitch", "ankle rol
 inline constexpr std::string_view kMountingAngles[] = {"roll", "pitch", "yaw"};
 inline constexpr int kMaxSpeed_mm_per_s = 2'000;
 inline constexpr int kMaxTurn_mrad_per_s = 6'000;
+inline constexpr int kMaxLean = (90 << 16) / 360;
 
 #define FIELD(member) KOBOSHI_FIELD(ControllerValues, member)
 #define OBJECT(index, subindex, member, ...) canopen::object(index, subindex, FIELD(member), __VA_ARGS__)
@@ -137,6 +153,8 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
      {.name = "Faults", .comment = "Since power-on; saturates."}},
     {OBJECT(0x2001, 8, behaviour.refusal, kReadOnly, kTpdo),
      {.name = "Refusal", .values = kReasonNames, .comment = "Of the last command; none when it was obeyed."}},
+    {OBJECT(0x2001, 9, behaviour.attempts, kReadOnly, kTpdo),
+     {.name = "Attempts", .comment = "To get up, since the robot stood last."}},
     canopen::heading(0x2010, "Attitude",
                      "Of the trunk, and what the inertial unit measures, in the trunk's axes."),
     {OBJECT(0x2010, 1, attitude.roll, kReadOnly, kTpdo), {.name = "Roll", .unit = kAngleUnit}},
@@ -331,6 +349,27 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
      {.name = "Heading hold",
       .unit = kShareUnit,
       .comment = "Share of the heading's error by which a step turns back; 0: off."}},
+    canopen::heading(0x2140, "Fall detection",
+                     "A fall is foreseen when the lean, as it will be by its rate, leaves an ellipse."),
+    {OBJECT(0x2140, 1, recovery.fall.front, kReadWrite).within(0, kMaxLean),
+     {.name = "Fall to the front", .unit = kAngleUnit, .comment = "0: falls are not looked for."}},
+    {OBJECT(0x2140, 2, recovery.fall.back, kReadWrite).within(1, kMaxLean),
+     {.name = "Fall to the back", .unit = kAngleUnit}},
+    {OBJECT(0x2140, 3, recovery.fall.side, kReadWrite).within(1, kMaxLean),
+     {.name = "Fall to the side", .unit = kAngleUnit}},
+    {OBJECT(0x2140, 4, recovery.fall.lead_ms, kReadWrite).within(0, 500),
+     {.name = "Fall lead", .unit = kTimeUnit, .comment = "How far ahead the lean is predicted."}},
+    {OBJECT(0x2140, 5, recovery.fall.least_lean, kReadWrite).within(1, kMaxLean),
+     {.name = "Least lean of a fall", .unit = kAngleUnit, .comment = "With less, no rate makes a fall."}},
+    {OBJECT(0x2140, 6, recovery.fall.cycles, kReadWrite).within(1, 100),
+     {.name = "Cycles of a fall", .comment = "Of 10 ms, in a row."}},
+    canopen::heading(0x2141, "Getting up"),
+    {OBJECT(0x2141, 1, recovery.getting_up.attempts, kReadWrite).within(0, 20),
+     {.name = "Attempts to get up", .comment = "0: a robot that fell stays down, in fault."}},
+    {OBJECT(0x2141, 2, recovery.getting_up.slower, kReadWrite).within(0, 50),
+     {.name = "Slower attempts",
+      .unit = {"%"},
+      .comment = "Of the first one's pace, which each further attempt has less; never below 30 %."}},
     canopen::heading(0x2200, "Diagnosis", "Counters saturate."),
     {OBJECT(0x2200, 1, diagnosis.model_id, kReadOnly),
      {.name = "Model id", .comment = "Of the robot model in storage."}},
@@ -348,6 +387,10 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
       .comment = "Seconds of rest that gave the gyro's bias; 0: it is not known."}},
     {OBJECT(0x2200, 7, diagnosis.gyro_bias[0], kReadOnly).repeated(3, 2),
      {.name = "Gyro bias", .unit = kRateUnit, .elements = canopen::kAxes, .comment = "In the trunk's axes."}},
+    {OBJECT(0x2200, 10, diagnosis.falls, kReadOnly),
+     {.name = "Falls", .comment = "That were foreseen, since power-on."}},
+    {OBJECT(0x2200, 11, diagnosis.risen, kReadOnly),
+     {.name = "Risen", .comment = "How often the robot got up, since power-on."}},
     // What goes to and comes from the drives, in their own words, by joint.
     canopen::heading(0x2300, "Drive controlwords"),
     {OBJECT(0x2300, 1, drives.controlword[0], kReadOnly, kTpdo).repeated(kJoints, 2),

@@ -9,6 +9,7 @@
 #include "firmware/canopen/node.h"
 #include "firmware/drive/signals.h"
 #include "firmware/drive/trouble.h"
+#include "firmware/recovery/parameters.h"
 #include "firmware/walk/gait.h"
 #include "firmware/walk/velocity.h"
 
@@ -26,6 +27,7 @@ enum class Command : std::uint8_t {
   kReset = 6,
   kWalk = 7,       // with the velocity of object 0x2110, until kStop
   kCalibrate = 8,  // the gyro's bias at rest goes into the parameters
+  kGetUp = 9,      // as after a fall
 };
 
 // Found by studies/walk.yaml.
@@ -48,6 +50,7 @@ struct ControllerValues {
     std::uint16_t trouble_code = 0;
     std::uint16_t faults = 0;        // since power-on; saturates
     Reason refusal = Reason::kNone;  // of the last command; kNone when it was obeyed
+    std::uint8_t attempts = 0;       // to get up since the robot stood last
   } behaviour;                       // 0x2001
   struct {
     std::int16_t roll = 0;  // 2^-16 turn
@@ -77,6 +80,7 @@ struct ControllerValues {
   walk::VelocityLimits velocity_limits;  // 0x2111
   Calibration calibration;               // 0x2120..0x2122
   walk::WalkParameters walk;             // 0x2130 to 0x2132
+  recovery::RecoveryParameters recovery;  // 0x2140 and 0x2141
   struct {
     std::uint32_t model_id = 0;
     std::uint32_t motions = 0;  // bit n: motion n is valid
@@ -85,6 +89,8 @@ struct ControllerValues {
     std::uint16_t receive_overruns = 0;
     std::uint16_t gyro_calibrations = 0;  // seconds of rest that gave the gyro's bias; 0: it is not known
     std::int16_t gyro_bias[3] = {};       // 2^-12 turn/s, axes of the trunk
+    std::uint16_t falls = 0;              // since power-on; saturates, as the next
+    std::uint16_t risen = 0;
   } diagnosis;                            // 0x2200
   drive::DriveSignals drives;             // 0x2300..0x2304, by joint from sub-index 1
 };

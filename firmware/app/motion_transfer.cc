@@ -34,7 +34,7 @@ AbortCode MotionTransfer::begin_download(std::uint32_t size_bytes) {
   if (size_bytes != kUnknownSize && size_bytes > ItemStore::kMaxItemSize) return AbortCode::kLengthTooHigh;
   const AbortCode begun = items_.begin(ItemKind::kMotion, number_);
   if (begun == AbortCode::kNone) activity_ = Activity::kDownload;
-  checked_ = false;
+  checked_ = {};
   return begun;
 }
 
@@ -43,15 +43,13 @@ AbortCode MotionTransfer::write(std::span<const std::uint8_t> bytes) {
 }
 
 AbortCode MotionTransfer::commit() {
-  if (!checked_) {
+  if (checked_.step_count() == 0) {
     const AbortCode flushed = items_.flush();
     if (flushed != AbortCode::kNone) return flushed;
-    motion::Motion motion;
-    if (!motion::Motion::open(items_.written(), model_, motion).ok()) return AbortCode::kInvalidValue;
-    checked_ = true;
+    if (!motion::Motion::open(items_.written(), model_, checked_).ok()) return AbortCode::kInvalidValue;
   }
   const AbortCode committed = items_.commit();
-  if (committed == AbortCode::kNone) valid_motions_ |= 1u << number_;
+  if (committed == AbortCode::kNone) motions_.add(number_, checked_);
   return committed;
 }
 

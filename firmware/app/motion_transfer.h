@@ -4,6 +4,7 @@
 #include <span>
 
 #include "firmware/app/item_store.h"
+#include "firmware/app/motion_index.h"
 #include "firmware/canopen/domain.h"
 #include "firmware/robot/model.h"
 
@@ -13,9 +14,9 @@ namespace koboshi::app {
 // into a spare slot and counts only once it is complete and plays on this robot.
 class MotionTransfer final : public canopen::Domain {
  public:
-  // `valid_motions`: bit n is set when motion n has been stored. All must outlive the transfer.
-  MotionTransfer(ItemStore& items, const robot::RobotModel& model, std::uint32_t& valid_motions)
-      : items_(items), model_(model), valid_motions_(valid_motions) {}
+  // `motions` hears of what has been stored. All must outlive the transfer.
+  MotionTransfer(ItemStore& items, const robot::RobotModel& model, MotionIndex& motions)
+      : items_(items), model_(model), motions_(motions) {}
 
   // Which motion the next transfer is about, its bytes as they are (none: there is none), and whether it may
   // be replaced. Nothing happens while a transfer is under way.
@@ -33,12 +34,12 @@ class MotionTransfer final : public canopen::Domain {
 
   ItemStore& items_;
   const robot::RobotModel& model_;
-  std::uint32_t& valid_motions_;
+  MotionIndex& motions_;
   std::span<const std::byte> image_;
   std::uint16_t number_ = 0;
   bool may_store_ = false;
   Activity activity_ = Activity::kNone;
-  bool checked_ = false;  // what was downloaded is a valid motion
+  motion::Motion checked_;  // what was downloaded and is valid; empty before
 };
 
 }  // namespace koboshi::app

@@ -28,6 +28,7 @@ void Controller::balance(Angles& targets) const {
   switch (values_.behaviour.state) {
     case State::kStanding:
     case State::kLowBattery:
+    case State::kSteadying:
       return feedback_.correct(gains.standing, trunk, targets);
     case State::kWalking:
       trunk.pitch -= walker_.pitch();

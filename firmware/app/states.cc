@@ -43,6 +43,7 @@ void Controller::fail(Reason reason) {
 void Controller::enter(State state, Reason reason) {
   values_.behaviour.state = state;
   values_.behaviour.reason = reason;
+  entered_us_ = now_us_;
   if (state != State::kFault) board_.drive_enable.set(makes_torque(state));
   switch (state) {
     case State::kBoot:
@@ -55,12 +56,16 @@ void Controller::enter(State state, Reason reason) {
       break;
     case State::kLimp:
     case State::kEmergencyStop:
+    case State::kFallen:
       node_.clear_error(cia402::kErrorUnderVoltage);
       interpreter_.abort();
       walker_.abort();
+      fall_watch_.disarm();
+      stillness_.restart();
       drives_.set_goal(drive::Goal::kTorqueOff, now_us_);
       break;
     case State::kEnabling:
+    case State::kRighting:
       drives_.set_goal(drive::Goal::kEnabled, now_us_);
       break;
     case State::kSoftStart:
@@ -69,6 +74,12 @@ void Controller::enter(State state, Reason reason) {
     case State::kStanding:
     case State::kMotion:
     case State::kWalking:
+    case State::kFalling:
+    case State::kRolling:
+    case State::kRising:
+      break;
+    case State::kSteadying:
+      stillness_.restart();
       break;
     case State::kLowBattery:
       node_.raise_error(cia402::kErrorUnderVoltage, canopen::error_register::kVoltage, {});
@@ -76,7 +87,6 @@ void Controller::enter(State state, Reason reason) {
     case State::kFault:
       interpreter_.abort();
       walker_.abort();
-      fault_us_ = now_us_;
       drives_.set_goal(drive::Goal::kQuickStop, now_us_);
       break;
   }
@@ -103,6 +113,17 @@ void Controller::run_state(std::uint64_t now_us) {
       return run_standing();
     case State::kLowBattery:
       return;
+    case State::kFalling:
+      return run_falling(now_us);
+    case State::kFallen:
+      return run_fallen(now_us);
+    case State::kRighting:
+      return run_righting();
+    case State::kRolling:
+    case State::kRising:
+      return run_getting_up();
+    case State::kSteadying:
+      return run_steadying(now_us);
   }
 }
 
@@ -167,7 +188,7 @@ void Controller::run_walking() {
 }
 
 void Controller::run_fault(std::uint64_t now_us) {
-  if (drives_.all_limp() || now_us - fault_us_ >= kQuickStop_us) board_.drive_enable.set(false);
+  if (drives_.all_limp() || now_us - entered_us_ >= kQuickStop_us) board_.drive_enable.set(false);
 }
 
 void Controller::follow_actual() {

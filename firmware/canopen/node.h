@@ -91,7 +91,7 @@ struct NodeMemory {
 class Node final : private ObjectServer {
  public:
   // All arguments must outlive the node. Silent until start().
-  Node(const NodeDescription& description, const NodeInstance& instance, NodeBuffers buffers, FrameSink& sink,
+  [[gnu::cold]] Node(const NodeDescription& description, const NodeInstance& instance, NodeBuffers buffers, FrameSink& sink,
        NodeApplication& application);
 
   // Power-on: reset, boot-up message, pre-operational.
@@ -149,8 +149,8 @@ class Node final : private ObjectServer {
 
  private:
   void enter(NmtState state, std::uint64_t now_us);
-  void reset(NmtCommand reset, std::uint64_t now_us);
-  void load_defaults();
+  [[gnu::cold]] void reset(NmtCommand reset, std::uint64_t now_us);
+  [[gnu::cold]] void load_defaults();
   // True when the frame was of a service other than SYNC and PDO.
   bool serve(const hal::CanFrame& frame, std::uint64_t now_us);
   bool take_pdo(const hal::CanFrame& frame, std::uint64_t now_us);

@@ -93,8 +93,8 @@ class DriveGroup {
   bool send(canopen::NmtCommand command);
   bool find(std::uint8_t node_id, std::size_t& joint) const;
   void report(Trouble trouble, std::size_t joint, std::uint16_t error_code = 0);
-  void await_boot_ups(std::uint64_t now_us);
-  void configure(std::uint64_t now_us);
+  [[gnu::cold]] void await_boot_ups(std::uint64_t now_us);
+  [[gnu::cold]] void configure(std::uint64_t now_us);
   void read_supply(std::uint64_t now_us);
   void watch_answers();
   void count_missed();

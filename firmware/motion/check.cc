@@ -24,9 +24,19 @@ MotionStatus check_pose(const Motion& motion, const RobotModel& model, std::size
 
 bool uses_operand(Opcode opcode) { return opcode != Opcode::kEnd && opcode != Opcode::kWait; }
 
+MotionStatus check_attitude(const Step& step) {
+  constexpr int kLeastSquare = 100 * 100;
+  constexpr int kLargestSquare = 154 * 154;
+  int square = 0;
+  for (const int part : ExpectedAttitude::of(step).up_B) square += part * part;
+  const bool is_direction = square >= kLeastSquare && square <= kLargestSquare && step.time_us >> 24 == 0;
+  return is_direction ? MotionStatus::kOk : MotionStatus::kBadAttitude;
+}
+
 MotionStatus check_fields(const Motion& motion, const Step& step) {
-  if (step.opcode > Opcode::kJump) return MotionStatus::kBadOpcode;
+  if (step.opcode > Opcode::kExpect) return MotionStatus::kBadOpcode;
   if (!uses_operand(step.opcode) && step.operand != 0) return MotionStatus::kBadOpcode;
+  if (step.opcode == Opcode::kExpect) return check_attitude(step);
   if (!takes_time(step.opcode)) return step.time_us == 0 ? MotionStatus::kOk : MotionStatus::kBadOpcode;
   if (step.time_us < kMinStepTime_us || step.time_us > kMaxStepTime_us) return MotionStatus::kBadStepTime;
   if (step.opcode == Opcode::kMove && step.operand >= motion.pose_count()) return MotionStatus::kNoSuchPose;

@@ -9,7 +9,8 @@ namespace koboshi::motion {
 using fixed::Angle;
 using robot::clamp_to_limits;
 
-Interpreter::Interpreter(const robot::RobotModel& model) : model_(model) {
+Interpreter::Interpreter(const robot::RobotModel& model, const robot::Direction& up_B)
+    : model_(model), up_B_(up_B) {
   for (std::size_t i = 0; i < model_.joint_count; ++i)
     targets_[i] = clamp_to_limits(model_.joints[i], Angle());
   from_ = targets_;
@@ -20,6 +21,7 @@ void Interpreter::start(const Motion& motion, std::span<const Angle> pose) {
   motion_ = motion;
   running_ = true;
   stopping_ = false;
+  failed_ = false;
   loop_depth_ = 0;
   for (std::size_t i = 0; i < model_.joint_count; ++i)
     targets_[i] = clamp_to_limits(model_.joints[i], pose[i]);
@@ -51,7 +53,7 @@ void Interpreter::enter(std::uint16_t index) {
   for (std::size_t count = 0; count < kMaxSteps; ++count) {
     step_index_ = index;
     const Step step = motion_.step(index);
-    step_time_us_ = step.time_us;
+    step_time_us_ = takes_time(step.opcode) ? step.time_us : 0;
     switch (step.opcode) {
       case Opcode::kMove:
         return begin_move(step);
@@ -65,6 +67,14 @@ void Interpreter::enter(std::uint16_t index) {
         break;
       case Opcode::kJump:
         index = next_of_jump(index, step);
+        break;
+      case Opcode::kExpect:
+        failed_ = !ExpectedAttitude::of(step).is_met_by(up_B_);
+        if (failed_) {
+          running_ = false;
+          return;
+        }
+        ++index;
         break;
       case Opcode::kEnd:
         running_ = false;

@@ -13,9 +13,10 @@ namespace koboshi::motion {
 // steps add up to, whatever the ticks.
 class Interpreter {
  public:
-  // The robot outlives the interpreter. Until a motion is started, the targets are zero clamped to the
+  // `up_B`: the direction against gravity in the trunk's axes, looked at where a motion expects an attitude.
+  // It and the robot outlive the interpreter. Until a motion is started, the targets are zero clamped to the
   // limits.
-  explicit Interpreter(const robot::RobotModel& model);
+  Interpreter(const robot::RobotModel& model, const robot::Direction& up_B);
 
   // Begins at `pose`, one angle a joint of the robot, clamped to the limits: the targets in force, so that
   // nothing jumps. `motion` was opened for this robot, and its bytes stay until it has ended or another is
@@ -32,6 +33,8 @@ class Interpreter {
   void advance(std::uint32_t elapsed_us);
 
   [[nodiscard]] bool running() const { return running_; }
+  // The motion has ended because the robot did not lie or stand as it expected.
+  [[nodiscard]] bool failed() const { return failed_; }
   // One target a joint, within its limits; after the end, the last.
   [[nodiscard]] std::span<const fixed::Angle> targets() const {
     return {targets_.data(), model_.joint_count};
@@ -52,9 +55,11 @@ class Interpreter {
   void interpolate();
 
   const robot::RobotModel& model_;
+  const robot::Direction& up_B_;
   Motion motion_;
   bool running_ = false;
   bool stopping_ = false;
+  bool failed_ = false;
   std::uint16_t step_index_ = 0;
   std::uint32_t step_time_us_ = 0;
   std::uint32_t step_elapsed_us_ = 0;

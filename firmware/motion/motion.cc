@@ -51,6 +51,14 @@ MotionVerdict Motion::open(std::span<const std::byte> bytes, const robot::RobotM
   return checked;
 }
 
+bool ExpectedAttitude::is_met_by(const robot::Direction& up_B_now) const {
+  const std::int64_t projection_raw = std::int64_t{up_B_now.x.raw()} * up_B[0] +
+                                      std::int64_t{up_B_now.y.raw()} * up_B[1] +
+                                      std::int64_t{up_B_now.z.raw()} * up_B[2];
+  constexpr int kShift = fixed::Ratio::kFractionBits - 15;
+  return projection_raw >= (std::int64_t{least_cosine} * 127 << kShift);
+}
+
 std::string_view Motion::name() const {
   if (body_.empty()) return {};
   const std::span<const std::byte> field = body_.subspan(4, kNameSize);

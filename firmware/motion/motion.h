@@ -1,11 +1,13 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
 
 #include "firmware/fixed/units.h"
+#include "firmware/robot/geometry.h"
 #include "firmware/robot/model.h"
 
 namespace koboshi::motion {
@@ -31,12 +33,33 @@ enum class Opcode : std::uint16_t {
   kLoopBegin = 3,  // what follows up to its kLoopEnd, `operand` times; 0: until asked to stop
   kLoopEnd = 4,    // of the kLoopBegin at step `operand`
   kJump = 5,       // to step `operand` of the same loop body
+  kExpect = 6,     // that the trunk is as `attitude` says; else the motion fails here
 };
 
 struct Step {
   Opcode opcode = Opcode::kEnd;
   std::uint16_t operand = 0;
-  std::uint32_t time_us = 0;  // zero unless the step takes time
+  std::uint32_t time_us = 0;  // zero unless the step takes time, or expects an attitude
+};
+
+// What a kExpect step holds: the direction against gravity in the trunk's axes, and how far off it may be.
+struct ExpectedAttitude {
+  std::array<std::int8_t, 3> up_B{};  // a unit vector of 127 (100 to 154, as it was rounded)
+  std::int16_t least_cosine = 0;      // of the angle between it and the real one, times 2^15
+
+  constexpr Step step() const {
+    std::uint32_t packed = 0;
+    for (std::size_t i = 0; i < up_B.size(); ++i) packed |= std::uint32_t{static_cast<std::uint8_t>(up_B[i])} << 8 * i;
+    return {Opcode::kExpect, static_cast<std::uint16_t>(least_cosine), packed};
+  }
+  static constexpr ExpectedAttitude of(const Step& step) {
+    ExpectedAttitude expected;
+    for (std::size_t i = 0; i < expected.up_B.size(); ++i)
+      expected.up_B[i] = static_cast<std::int8_t>(step.time_us >> 8 * i);
+    expected.least_cosine = static_cast<std::int16_t>(step.operand);
+    return expected;
+  }
+  bool is_met_by(const robot::Direction& up_B_now) const;
 };
 
 constexpr bool takes_time(Opcode opcode) { return opcode == Opcode::kMove || opcode == Opcode::kWait; }
@@ -60,6 +83,7 @@ enum class MotionStatus : std::uint8_t {
   kBadJump = 15,      // past the end, into or out of a loop, or too many
   kNoEnd = 16,        // the last step is not kEnd
   kTakesNoTime = 17,  // a loop, or a chain of too many steps, in which no time passes
+  kBadAttitude = 18,  // of a kExpect: no direction
 };
 
 // Why a motion was refused, and the first pose or step at which it was seen (0 where it is neither).

@@ -44,11 +44,12 @@ Eigen::Vector3d read_velocity(const YamlMap& map) {
 }
 
 Command read_command(const YamlValue& item, const std::vector<std::string>& motions) {
-  static const std::array<std::pair<std::string, Command::Kind>, 6> kVerbs{
+  static const std::array<std::pair<std::string, Command::Kind>, 7> kVerbs{
       {{"enable", Command::Kind::kEnable},
        {"play", Command::Kind::kPlay},
        {"walk", Command::Kind::kWalk},
        {"stop", Command::Kind::kStop},
+       {"get_up", Command::Kind::kGetUp},
        {"emergency_stop", Command::Kind::kEmergencyStop},
        {"reset", Command::Kind::kReset}}};
   const YamlMap map = item.map();
@@ -70,7 +71,7 @@ Command read_command(const YamlValue& item, const std::vector<std::string>& moti
   }
   if (verbs != 1) {
     throw item.error("a command with " + std::to_string(verbs) + " verbs",
-                     "just one of enable, play, walk, stop, emergency_stop or reset");
+                     "just one of enable, play, walk, stop, get_up, emergency_stop or reset");
   }
   return command;
 }

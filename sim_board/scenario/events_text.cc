@@ -27,6 +27,8 @@ std::string verb_text(const Command& command, const Scenario& scenario) {
              ", turn_rad_per_s: " + number_text(command.velocity.z()) + "}";
     case Command::Kind::kStop:
       return "stop: true";
+    case Command::Kind::kGetUp:
+      return "get_up: true";
     case Command::Kind::kEmergencyStop:
       return "emergency_stop: true";
     case Command::Kind::kReset:

@@ -26,6 +26,8 @@ std::uint8_t code_of(Command::Kind kind) {
       return 6;
     case Command::Kind::kWalk:
       return 7;
+    case Command::Kind::kGetUp:
+      return 9;
   }
   return 0;
 }

@@ -114,7 +114,7 @@ struct ParameterSetting {
 
 // What an operator tells the controller over the bus.
 struct Command {
-  enum class Kind { kEnable, kPlay, kWalk, kStop, kEmergencyStop, kReset };
+  enum class Kind { kEnable, kPlay, kWalk, kStop, kGetUp, kEmergencyStop, kReset };
 
   std::uint64_t at_us = 0;
   Kind kind = Kind::kEnable;

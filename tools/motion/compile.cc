@@ -16,7 +16,7 @@ using motion::Opcode;
 using sim::InputError;
 using Kind = StepSource::Kind;
 
-constexpr std::array<std::string_view, 18> kMotionStatusTexts{
+constexpr std::array<std::string_view, 19> kMotionStatusTexts{
     "a good motion",
     "a motion cut short",
     "something that is no motion image",
@@ -35,6 +35,7 @@ constexpr std::array<std::string_view, 18> kMotionStatusTexts{
     "a jump out of its loop or past the end, or too many jumps",
     "no end",
     "a loop or a chain of jumps in which no time passes",
+    "an attitude that is no direction",
 };
 
 // The steps in the firmware's order, each with its line.
@@ -87,6 +88,8 @@ class StepWriter {
       case Kind::kJump:
         jumps_.emplace_back(steps_.size(), &step);
         return add({Opcode::kJump, 0, 0}, step.line);
+      case Kind::kExpect:
+        return add(step.attitude.step(), step.line);
       case Kind::kEnd:
         return add({Opcode::kEnd, 0, 0}, step.line);
     }

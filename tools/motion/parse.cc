@@ -1,6 +1,7 @@
 #include "tools/motion/parse.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -43,6 +44,7 @@ class MotionParser {
   StepSource parse_step(const YamlValue& value) const;
   StepSource parse_loop(const YamlMap& map) const;
   StepSource parse_move(const YamlMap& map) const;
+  static StepSource parse_expect(const YamlMap& map);
   void set_name(const YamlMap& root);
 
   sim::YamlFile file_;
@@ -149,6 +151,7 @@ StepSource MotionParser::parse_step(const YamlValue& value) const {
   const YamlMap map = value.map();
   if (map.has("pose")) return parse_move(map);
   if (map.has("loop")) return parse_loop(map.child("loop"));
+  if (map.has("expect")) return parse_expect(map.child("expect"));
   if (map.has("wait_s")) {
     step.kind = Kind::kWait;
     step.time_us = time_us(map, "wait_s");
@@ -159,7 +162,7 @@ StepSource MotionParser::parse_step(const YamlValue& value) const {
     step.kind = Kind::kJump;
     step.label = map.text("jump");
   } else {
-    throw value.error("a step of another kind", "pose with time_s, wait_s, loop, label, jump or end");
+    throw value.error("a step of another kind", "pose with time_s, wait_s, loop, label, jump, expect or end");
   }
   return step;
 }
@@ -174,6 +177,22 @@ StepSource MotionParser::parse_move(const YamlMap& map) const {
   }
   step.pose = found->second;
   step.time_us = time_us(map, "time_s");
+  return step;
+}
+
+// A trunk with roll about x, then pitch about y has the world's upright at (-sin p, sin r cos p, cos r cos p).
+StepSource MotionParser::parse_expect(const YamlMap& map) {
+  const double roll = map.number("roll_deg", {.min = -180.0, .max = 180.0}, 0.0) * kRadPerDegree;
+  const double pitch = map.number("pitch_deg", {.min = -90.0, .max = 90.0}, 0.0) * kRadPerDegree;
+  const double within = map.number("within_deg", {.min = 1.0, .max = 179.0}) * kRadPerDegree;
+  const std::array<double, 3> up_B{-std::sin(pitch), std::sin(roll) * std::cos(pitch),
+                                   std::cos(roll) * std::cos(pitch)};
+  StepSource step;
+  step.kind = StepSource::Kind::kExpect;
+  for (std::size_t i = 0; i < up_B.size(); ++i) {
+    step.attitude.up_B[i] = static_cast<std::int8_t>(std::lround(up_B[i] * 127.0));
+  }
+  step.attitude.least_cosine = static_cast<std::int16_t>(std::lround(std::cos(within) * 32'767.0));
   return step;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "firmware/fixed/units.h"
+#include "firmware/motion/motion.h"
 
 namespace koboshi::tools {
 
@@ -20,7 +21,7 @@ struct PoseSource {
 };
 
 struct StepSource {
-  enum class Kind { kMove, kWait, kLoop, kLabel, kJump, kEnd };
+  enum class Kind { kMove, kWait, kLoop, kLabel, kJump, kExpect, kEnd };
 
   Kind kind = Kind::kEnd;
   int line = 0;
@@ -29,6 +30,7 @@ struct StepSource {
   std::uint16_t times = 0;       // kLoop; 0: until stopped
   std::vector<StepSource> body;  // kLoop
   std::string label;             // kLabel, kJump
+  motion::ExpectedAttitude attitude;  // kExpect
 };
 
 struct MotionSource {

@@ -22,6 +22,8 @@ std::string label_of(const sim::Command& command, const sim::Scenario& scenario)
                             : std::string(sim::kGaitMotion));
     case sim::Command::Kind::kStop:
       return "stop";
+    case sim::Command::Kind::kGetUp:
+      return "get up";
     case sim::Command::Kind::kEmergencyStop:
       return "emergency stop";
     case sim::Command::Kind::kReset:

@@ -46,6 +46,8 @@ std::optional<Key> letter(char byte) {
       return Key::kPushLess;
     case 'n':
       return Key::kEnable;
+    case 'u':
+      return Key::kGetUp;
     case 'e':
       return Key::kEmergencyStop;
     case 'r':
@@ -86,6 +88,8 @@ std::string_view name_of(Key key) {
       return "push less";
     case Key::kEnable:
       return "enable";
+    case Key::kGetUp:
+      return "get up";
     case Key::kEmergencyStop:
       return "emergency stop";
     case Key::kReset:

@@ -19,6 +19,7 @@ enum class Key {
   kPushMore,
   kPushLess,
   kEnable,
+  kGetUp,
   kEmergencyStop,
   kReset,
   kEnd,

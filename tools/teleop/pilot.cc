@@ -83,6 +83,8 @@ Order Pilot::press(Key key, app::State state) {
       return {};
     case Key::kEnable:
       return command(Kind::kEnable);
+    case Key::kGetUp:
+      return command(Kind::kGetUp);
     case Key::kEmergencyStop:
       velocity_ = {};
       return command(Kind::kEmergencyStop);

@@ -13,7 +13,7 @@
 namespace koboshi::app {
 namespace {
 
-constexpr std::array<std::pair<Event, const char*>, 12> kEvents{{{Event::kReady, "ready"},
+constexpr std::array<std::pair<Event, const char*>, 20> kEvents{{{Event::kReady, "ready"},
                                                                  {Event::kEnable, "enable"},
                                                                  {Event::kEnabled, "enabled"},
                                                                  {Event::kArrived, "arrived"},
@@ -21,6 +21,14 @@ constexpr std::array<std::pair<Event, const char*>, 12> kEvents{{{Event::kReady,
                                                                  {Event::kWalk, "walk"},
                                                                  {Event::kEnded, "ended"},
                                                                  {Event::kLowBattery, "low battery"},
+                                                                 {Event::kFall, "fall"},
+                                                                 {Event::kDown, "down"},
+                                                                 {Event::kGetUp, "get up"},
+                                                                 {Event::kStill, "still"},
+                                                                 {Event::kLiesFlat, "lies flat"},
+                                                                 {Event::kLiesAside, "lies aside"},
+                                                                 {Event::kUpright, "upright"},
+                                                                 {Event::kElsewhere, "elsewhere"},
                                                                  {Event::kLimp, "limp"},
                                                                  {Event::kTrouble, "trouble"},
                                                                  {Event::kEmergencyStop, "emergency stop"},

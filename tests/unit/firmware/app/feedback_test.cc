@@ -24,8 +24,9 @@ void set_gain(ControllerBench& bench, Gains gains, std::uint8_t subindex, std::u
 
 class ControllerFeedback : public testing::Test {
  protected:
-  // All off: each test switches on what it is about.
+  // All off: each test switches on what it is about. Falls are not looked for: the trunk turns far.
   void SetUp() override {
+    bench.board.can.deliver({.identifier = 0x601, .size = 8, .data = {0x2B, 0x40, 0x21, 1, 0, 0}});
     for (const Gains gains : {kStandingRate, kStandingLean, kWalkingRate, kWalkingLean}) {
       for (std::uint8_t joint = 1; joint <= 5; ++joint) set_gain(bench, gains, joint, 0);
     }

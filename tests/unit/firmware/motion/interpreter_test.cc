@@ -42,7 +42,8 @@ class InterpreterTest : public testing::Test {
   }
 
   const robot::RobotModel model_ = test::load_test_robot();
-  Interpreter interpreter_{model_};
+  robot::Direction up_B_ = robot::kAxisZ;
+  Interpreter interpreter_{model_, up_B_};
   std::vector<std::byte> image_;
   std::array<Angle, 20> pose_{};
 };
@@ -59,6 +60,27 @@ TEST_F(InterpreterTest, InterpolatesLinearlyBetweenPoses) {
   }
   EXPECT_FALSE(interpreter_.running());
   EXPECT_EQ(interpreter_.targets()[kKnee], degrees(20));
+}
+
+TEST_F(InterpreterTest, FailsWhereTheTrunkIsNotAsExpected) {
+  const Step upright = ExpectedAttitude{.up_B = {0, 0, 127}, .least_cosine = 28'378}.step();  // 30 degrees
+  const auto builder =
+      knee_poses().step(kMove, 1, 300'000).step(kExpect, upright.operand, upright.time_us).step(kMove, 2, 300'000).step(kEnd);
+  start(builder);
+  advance(600'000);
+  EXPECT_FALSE(interpreter_.running());
+  EXPECT_FALSE(interpreter_.failed());
+  EXPECT_EQ(interpreter_.targets()[kKnee], degrees(20));
+  start(builder);
+  advance(150'000);
+  up_B_ = robot::kAxisX;  // supine, but only looked at when its time has come
+  EXPECT_TRUE(interpreter_.running());
+  advance(150'000);
+  EXPECT_FALSE(interpreter_.running());
+  EXPECT_TRUE(interpreter_.failed());
+  EXPECT_NEAR(knee_deg(), 60, 1e-6);
+  start(knee_poses().step(kMove, 1, 300'000).step(kEnd));
+  EXPECT_FALSE(interpreter_.failed());
 }
 
 TEST_F(InterpreterTest, BeginsWhereTheRobotIsAndLeavesOtherJointsThere) {

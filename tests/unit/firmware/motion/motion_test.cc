@@ -125,13 +125,26 @@ TEST_F(MotionTest, TellsWherePosesAndStepsAreBad) {
 }
 
 TEST_F(MotionTest, RefusesBadSteps) {
-  EXPECT_EQ(of_steps({{static_cast<Opcode>(6), 0, 0}, kEndStep}), kBadOpcode);
+  EXPECT_EQ(of_steps({{static_cast<Opcode>(7), 0, 0}, kEndStep}), kBadOpcode);
   EXPECT_EQ(of_steps({{kEnd, 1, 0}}), kBadOpcode);
   EXPECT_EQ(of_steps({{kEnd, 0, 1}}), kBadOpcode);
   EXPECT_EQ(of_steps({{kMove, 2, 10'000}, kEndStep}), kNoSuchPose);
   EXPECT_EQ(of_steps({{kMove, 0, kMinStepTime_us - 1}, kEndStep}), kBadStepTime);
   EXPECT_EQ(of_steps({{kWait, 0, kMaxStepTime_us + 1}, kEndStep}), kBadStepTime);
   EXPECT_EQ(of_steps({kMoveStep}), kNoEnd);
+}
+
+TEST_F(MotionTest, RefusesAnAttitudeThatIsNoDirection) {
+  const auto expect = [](std::int8_t x, std::int8_t y, std::int8_t z) {
+    return ExpectedAttitude{.up_B = {x, y, z}, .least_cosine = 20'000}.step();
+  };
+  EXPECT_EQ(of_steps({expect(0, 0, 127), kEndStep}), kOk);
+  EXPECT_EQ(of_steps({expect(-127, 0, 0), kEndStep}), kOk);
+  EXPECT_EQ(of_steps({expect(73, -73, 73), kEndStep}), kOk);
+  EXPECT_EQ(of_steps({expect(0, 0, 0), kEndStep}), kBadAttitude);
+  EXPECT_EQ(of_steps({expect(0, 50, 0), kEndStep}), kBadAttitude);
+  EXPECT_EQ(of_steps({expect(127, 127, 127), kEndStep}), kBadAttitude);
+  EXPECT_EQ(of_steps({{kExpect, 0, 0x0100'007F}, kEndStep}), kBadAttitude);
 }
 
 TEST_F(MotionTest, RefusesLoopsThatDoNotNest) {

@@ -114,6 +114,19 @@ TEST_F(MotionCompileTest, WritesEveryKindOfStep) {
   }
 }
 
+TEST_F(MotionCompileTest, WritesAnAttitudeAsADirection) {
+  const motion::Motion motion = compile(
+      "steps:\n"
+      "  - {expect: {pitch_deg: 90, within_deg: 60}}\n"
+      "  - {expect: {roll_deg: -90, within_deg: 120}}\n");
+  const auto prone = motion::ExpectedAttitude::of(motion.step(0));
+  EXPECT_THAT(prone.up_B, testing::ElementsAre(-127, 0, 0));
+  EXPECT_NEAR(prone.least_cosine, 16'384, 1);
+  const auto on_left_side = motion::ExpectedAttitude::of(motion.step(1));
+  EXPECT_THAT(on_left_side.up_B, testing::ElementsAre(0, -127, 0));
+  EXPECT_NEAR(on_left_side.least_cosine, -16'384, 1);
+}
+
 TEST_F(MotionCompileTest, LetsALabelStandAtTheEnd) {
   const motion::Motion motion = compile("steps: [{jump: out}, {wait_s: 1}, end, {label: out}]\n");
   EXPECT_EQ(motion.step_count(), 4u);
@@ -162,6 +175,9 @@ TEST_F(MotionCompileTest, RefusesBadStepsWithTheirLine) {
   EXPECT_THAT(refusal_of_steps("steps:\n  - halt\n"), HasSubstr("expected a step: a map, or the word end"));
   EXPECT_THAT(refusal_of_steps("steps:\n  - {}\n"), HasSubstr("found a step of another kind"));
   EXPECT_THAT(refusal_of_steps("steps:\n  - {loop: {times: 0, steps: [end]}}\n"), HasSubstr(":7: found"));
+  EXPECT_THAT(refusal_of_steps("steps:\n  - {expect: {pitch_deg: 91, within_deg: 10}}\n"),
+              HasSubstr("a number from -90 to 90"));
+  EXPECT_THAT(refusal_of_steps("steps:\n  - {expect: {pitch_deg: 9}}\n"), HasSubstr(":7: found"));
   EXPECT_THAT(refusal_of_steps("steps:\n  - {jump: there}\n"), HasSubstr(":7: found a jump to 'there'"));
   EXPECT_THAT(refusal_of_steps("steps:\n  - {label: a}\n  - {label: a}\n"),
               HasSubstr(":8: found a second label 'a'"));

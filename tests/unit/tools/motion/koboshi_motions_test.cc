@@ -41,7 +41,7 @@ class KoboshiMotionsTest : public testing::Test {
   }
 
   const NamedModel named_ = load_named_model(sim::load_robot(std::string(kRobotFolder) + "robot.sdf"));
-  motion::Interpreter interpreter_{named_.model};
+  motion::Interpreter interpreter_{named_.model, robot::kAxisZ};
   std::vector<std::byte> image_;
   robot::LinkPoses X_BLinks_;
 };

@@ -1,0 +1,304 @@
+// From a fall that is foreseen to the stand, on a fake board: what the robot decides, not how it moves.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "firmware/recovery/motions.h"
+#include "tests/support/controller_bench.h"
+#include "tests/support/robot_storage.h"
+#include "tests/support/sdo_pc.h"
+#include "tests/unit/firmware/robot/test_robot.h"
+
+namespace koboshi::app {
+namespace {
+
+using motion::ExpectedAttitude;
+using motion::Opcode;
+using recovery::Role;
+using test::ControllerBench;
+using test::SdoPc;
+
+constexpr double kRadPerDegree = 3.14159265358979 / 180.0;
+constexpr double kCountsPerG = 9.81 / 39.2 * 32'768;
+constexpr double kCountsPerRadPerS = 1'878;  // of the test robot's gyro
+constexpr std::uint8_t kFirstMotion = 8;
+constexpr ExpectedAttitude kUprightAttitude{.up_B = {0, 0, 127}, .least_cosine = 28'378};  // within 30 degrees
+
+class RecoveryTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    bench.board.storage.complete_after(1);
+    ASSERT_TRUE(bench.run_until(State::kLimp));
+    for (std::size_t role = 0; role < recovery::kMotionNames.size(); ++role) give(static_cast<Role>(role), {});
+    bench.run_ms(1'100);  // the gyro's bias is known
+  }
+  // A motion of 0.2 s that ends with these steps.
+  void give(Role role, const std::vector<motion::Step>& last_steps) {
+    const auto index = static_cast<std::size_t>(role);
+    std::vector<fixed::Angle> pose(bench.model().joint_count);
+    pose[3] = test::degrees(10);
+    test::TestMotion motion{.name = std::string(recovery::kMotionNames[index]),
+                            .poses = {pose},
+                            .steps = {{Opcode::kMove, 0, 200'000}}};
+    motion.steps.insert(motion.steps.end(), last_steps.begin(), last_steps.end());
+    motion.steps.push_back({Opcode::kEnd});
+    const canopen::ObjectAddress object{kMotionObject, static_cast<std::uint8_t>(kFirstMotion + index + 1)};
+    ASSERT_EQ(pc.download_blocks(object, test::encode(motion, bench.model().id)), canopen::AbortCode::kNone);
+  }
+  std::uint8_t number_of(Role role) const { return kFirstMotion + static_cast<std::uint8_t>(role); }
+  void stand() {
+    bench.command(Command::kEnable);
+    ASSERT_TRUE(bench.run_until(State::kStanding));
+  }
+  // Turns the trunk there within `time_ms`, which the gyro sees, and leaves it there.
+  void turn_to(double roll_deg, double pitch_deg, int time_ms = 200) {
+    const double per_s = 1e3 / time_ms;
+    bench.imu_sample.gyro_raw[0] = counts((roll_deg - roll_deg_) * kRadPerDegree * per_s * kCountsPerRadPerS);
+    bench.imu_sample.gyro_raw[1] = counts((pitch_deg - pitch_deg_) * kRadPerDegree * per_s * kCountsPerRadPerS);
+    bench.run_ms(time_ms);
+    bench.imu_sample.gyro_raw = {};
+    roll_deg_ = roll_deg;
+    pitch_deg_ = pitch_deg;
+    const double roll = roll_deg * kRadPerDegree;
+    const double pitch = pitch_deg * kRadPerDegree;
+    bench.imu_sample.accelerometer_raw = {counts(-std::sin(pitch) * kCountsPerG),
+                                          counts(std::sin(roll) * std::cos(pitch) * kCountsPerG),
+                                          counts(std::cos(roll) * std::cos(pitch) * kCountsPerG)};
+  }
+  static std::int16_t counts(double value) { return static_cast<std::int16_t>(std::lround(value)); }
+  void expect_state(State state, Reason reason) const {
+    EXPECT_EQ(bench.now().state, state);
+    EXPECT_EQ(bench.now().reason, reason);
+  }
+  void lie_limp_from_standing(double roll_deg, double pitch_deg) {
+    stand();
+    turn_to(roll_deg, pitch_deg);
+    ASSERT_TRUE(bench.run_until(State::kFallen, 100));
+  }
+
+  ControllerBench bench;
+  SdoPc pc{bench};
+
+ private:
+  double roll_deg_ = 0.0;
+  double pitch_deg_ = 0.0;
+};
+
+TEST_F(RecoveryTest, MeetsTheGroundInThePoseOfItsDirectionAndGoesLimp) {
+  stand();
+  turn_to(0, 30);
+  expect_state(State::kFalling, Reason::kFallForeseen);
+  EXPECT_EQ(bench.now().motion, number_of(Role::kFallFront));
+  EXPECT_TRUE(bench.board.drive_enable.enabled());
+  turn_to(0, 65, 100);
+  ASSERT_TRUE(bench.run_until(State::kFallen, 50));
+  EXPECT_FALSE(bench.board.drive_enable.enabled());
+  EXPECT_EQ(bench.values().diagnosis.falls, 1);
+}
+
+TEST_F(RecoveryTest, RisesFromChestBackAndSides) {
+  const struct {
+    double roll_deg, pitch_deg;
+    Role falls, rises;
+    Reason lies;
+  } kCases[] = {{0, 90, Role::kFallFront, Role::kRiseProne, Reason::kProne},
+                {0, -90, Role::kFallBack, Role::kRiseSupine, Reason::kSupine}};
+  for (const auto& lying : kCases) {
+    lie_limp_from_standing(lying.roll_deg, lying.pitch_deg);
+    ASSERT_TRUE(bench.run_until(State::kRighting, 400));
+    EXPECT_EQ(bench.now().attempts, 1);
+    ASSERT_TRUE(bench.run_until(State::kRising, 100));
+    EXPECT_EQ(bench.now().reason, lying.lies);
+    EXPECT_EQ(bench.now().motion, number_of(lying.rises));
+    turn_to(0, 0, 180);
+    ASSERT_TRUE(bench.run_until(State::kSteadying, 100));
+    ASSERT_TRUE(bench.run_until(State::kStanding, 400));
+    EXPECT_EQ(bench.now().attempts, 0);
+    bench.command(Command::kLimp);
+    bench.run_ms(50);
+  }
+  EXPECT_EQ(bench.values().diagnosis.risen, 2);
+}
+
+TEST_F(RecoveryTest, RollsOverFromASideFirst) {
+  lie_limp_from_standing(-90, 0);
+  ASSERT_TRUE(bench.run_until(State::kRolling, 500));
+  EXPECT_EQ(bench.now().reason, Reason::kOnLeftSide);
+  EXPECT_EQ(bench.now().motion, number_of(Role::kRollLeft));
+  turn_to(0, 0, 100);
+  turn_to(0, -90, 100);
+  ASSERT_TRUE(bench.run_until(State::kRising, 100));
+  EXPECT_EQ(bench.now().motion, number_of(Role::kRiseSupine));
+  EXPECT_EQ(bench.now().attempts, 1);
+}
+
+TEST_F(RecoveryTest, TriesAgainSlowerAndGivesUpInFault) {
+  lie_limp_from_standing(90, 0);  // and stays on its right side, whatever it does
+  int rolling_ms = 0;
+  for (int attempt = 1; attempt <= 3; ++attempt) {
+    ASSERT_TRUE(bench.run_until(State::kRolling, 600)) << attempt;
+    EXPECT_EQ(bench.now().attempts, attempt);
+    const std::uint64_t begun_us = bench.now_us();
+    ASSERT_TRUE(bench.run_until(State::kFallen, 600));
+    EXPECT_EQ(bench.now().reason, Reason::kBodyElsewhere);
+    const int took_ms = static_cast<int>((bench.now_us() - begun_us) / 1'000);
+    EXPECT_GT(took_ms, rolling_ms);
+    rolling_ms = took_ms;
+  }
+  ASSERT_TRUE(bench.run_until(State::kFault, 400));
+  EXPECT_EQ(bench.now().reason, Reason::kCannotGetUp);
+  EXPECT_FALSE(bench.board.drive_enable.enabled());
+  EXPECT_TRUE(bench.last_sent(0x081).has_value());
+}
+
+TEST_F(RecoveryTest, LeavesAMotionWhoseExpectationFails) {
+  give(Role::kRiseProne, {kUprightAttitude.step(), {Opcode::kWait, 0, 5'000'000}});
+  lie_limp_from_standing(0, 90);
+  ASSERT_TRUE(bench.run_until(State::kRising, 500));
+  ASSERT_TRUE(bench.run_until(State::kFallen, 230));
+  EXPECT_EQ(bench.now().reason, Reason::kBodyElsewhere);
+}
+
+TEST_F(RecoveryTest, DoesNotCallItStandingBeforeItIsUprightAndStill) {
+  lie_limp_from_standing(0, 90);
+  ASSERT_TRUE(bench.run_until(State::kRising, 500));
+  turn_to(0, 40, 150);
+  ASSERT_TRUE(bench.run_until(State::kSteadying, 200));
+  bench.run_ms(1'000);
+  EXPECT_EQ(bench.now().state, State::kSteadying);
+  ASSERT_TRUE(bench.run_until(State::kFallen, 2'100));
+  expect_state(State::kFallen, Reason::kBodyElsewhere);
+}
+
+TEST_F(RecoveryTest, StandsAtOnceWhenSomebodyHoldsItUpright) {
+  lie_limp_from_standing(0, 90);
+  turn_to(0, 0, 100);
+  ASSERT_TRUE(bench.run_until(State::kSoftStart, 600));
+  EXPECT_EQ(bench.now().reason, Reason::kHeldUpright);
+  EXPECT_TRUE(bench.run_until(State::kStanding, 3'000));
+}
+
+TEST_F(RecoveryTest, WaitsUntilItLiesStill) {
+  lie_limp_from_standing(0, 90);
+  for (int i = 0; i < 5; ++i) {
+    turn_to(0, i % 2 == 0 ? 80 : 90, 100);
+    EXPECT_EQ(bench.now().state, State::kFallen);
+  }
+  EXPECT_TRUE(bench.run_until(State::kRighting, 400));
+}
+
+TEST_F(RecoveryTest, GetsUpByCommandOnlyWhereItIsLimp) {
+  bench.command(Command::kGetUp);
+  EXPECT_EQ(bench.now().state, State::kFallen);
+  ASSERT_TRUE(bench.run_until(State::kStanding, 4'000));  // it was upright
+  bench.command(Command::kGetUp);
+  EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
+}
+
+TEST_F(RecoveryTest, WithoutAttemptsStaysDownInFault) {
+  ASSERT_EQ(pc.write({0x2141, 1}, 0, 1), canopen::AbortCode::kNone);
+  lie_limp_from_standing(0, -90);
+  ASSERT_TRUE(bench.run_until(State::kFault, 400));
+  EXPECT_EQ(bench.now().reason, Reason::kCannotGetUp);
+}
+
+TEST(RecoveryWithoutMotions, FallsAsItIsAndStaysDownInFault) {
+  ControllerBench bench;
+  ASSERT_TRUE(bench.run_until_standing());
+  bench.imu_sample.gyro_raw[1] = 4 * 1'878;
+  ASSERT_TRUE(bench.run_until(State::kFalling, 200));
+  ASSERT_TRUE(bench.run_until(State::kFallen, 300));
+  bench.imu_sample.gyro_raw = {};
+  bench.imu_sample.accelerometer_raw = {static_cast<std::int16_t>(-kCountsPerG), 0, 0};
+  ASSERT_TRUE(bench.run_until(State::kFault, 1'000));
+  EXPECT_EQ(bench.now().reason, Reason::kCannotGetUp);
+}
+
+// Whatever breaks or is commanded, at each state of a fall and of getting up.
+class RecoveryState : public RecoveryTest, public testing::WithParamInterface<State> {
+ protected:
+  void SetUp() override {
+    RecoveryTest::SetUp();
+    give(Role::kRiseProne, {{Opcode::kWait, 0, 300'000}});
+    stand();
+    const State wanted = GetParam();
+    if (wanted == State::kRolling) {
+      turn_to(-90, 0);
+    } else {
+      turn_to(0, 40);
+      if (wanted != State::kFalling) turn_to(0, 90, 100);
+    }
+    if (wanted == State::kSteadying) {
+      ASSERT_TRUE(bench.run_until(State::kRising, 1'000));
+      turn_to(0, 0, 300);
+    }
+    ASSERT_TRUE(bench.run_until(wanted, 1'000));
+  }
+  void expect_limp(State state) {
+    bench.run_ms(320);
+    EXPECT_EQ(bench.now().state, state);
+    EXPECT_FALSE(bench.board.drive_enable.enabled());
+    bench.run_ms(1'000);
+    EXPECT_EQ(bench.now().state, state);
+  }
+};
+
+TEST_P(RecoveryState, EndsInFaultWhenADriveIsLost) {
+  bench.drives[5].hangs = true;
+  ASSERT_TRUE(bench.run_until(State::kFault, 400));
+  EXPECT_EQ(bench.now().reason, Reason::kDriveTrouble);
+  expect_limp(State::kFault);
+}
+
+TEST_P(RecoveryState, EndsInFaultWhenADriveFails) {
+  bench.board.can.deliver(bench.drives[0].emergency(0xFF01));
+  ASSERT_TRUE(bench.run_until(State::kFault, 20));
+  expect_limp(State::kFault);
+}
+
+TEST_P(RecoveryState, EndsInFaultWithoutABus) {
+  bench.board.can.set_error_state(hal::CanErrorState::kBusOff);
+  ASSERT_TRUE(bench.run_until(State::kFault, 20));
+  EXPECT_EQ(bench.now().reason, Reason::kBusOff);
+}
+
+TEST_P(RecoveryState, EndsInFaultWithoutTheInertialUnit) {
+  bench.imu_speaks = false;
+  ASSERT_TRUE(bench.run_until(State::kFault, 100));
+  EXPECT_EQ(bench.now().reason, Reason::kImuSilent);
+  expect_limp(State::kFault);
+}
+
+TEST_P(RecoveryState, EndsInFaultWithoutAnAnkleSensor) {
+  bench.ankle_speaks[1] = false;
+  ASSERT_TRUE(bench.run_until(State::kFault, 100));
+  EXPECT_EQ(bench.now().reason, Reason::kAnkleSilent);
+  expect_limp(State::kFault);
+}
+
+TEST_P(RecoveryState, StopsInAnEmergency) {
+  bench.command(Command::kEmergencyStop);
+  EXPECT_FALSE(bench.board.drive_enable.enabled());
+  expect_limp(State::kEmergencyStop);
+}
+
+TEST_P(RecoveryState, GoesLimpByCommand) {
+  bench.command(Command::kLimp);
+  expect_limp(State::kLimp);
+}
+
+TEST_P(RecoveryState, RefusesEverythingElse) {
+  for (const Command command : {Command::kEnable, Command::kPlay, Command::kWalk, Command::kGetUp, Command::kReset}) {
+    bench.command(command);
+    EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryState, RecoveryState,
+                         testing::Values(State::kFalling, State::kFallen, State::kRighting, State::kRolling,
+                                         State::kRising, State::kSteadying),
+                         [](const auto& info) { return "State" + std::to_string(static_cast<int>(info.param)); });
+
+}  // namespace
+}  // namespace koboshi::app

@@ -1,0 +1,57 @@
+#include "firmware/recovery/lying.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "firmware/fixed/host/convert.h"
+
+namespace koboshi::recovery {
+namespace {
+
+// Roll about x, then pitch about y.
+robot::Direction up(double roll_deg, double pitch_deg) {
+  const double roll = roll_deg * std::numbers::pi / 180.0;
+  const double pitch = pitch_deg * std::numbers::pi / 180.0;
+  const auto ratio = [](double value) { return fixed::from_double<fixed::Ratio>(value); };
+  return {.x = ratio(-std::sin(pitch)),
+          .y = ratio(std::sin(roll) * std::cos(pitch)),
+          .z = ratio(std::cos(roll) * std::cos(pitch))};
+}
+
+TEST(LyingTest, HasAName) {
+  EXPECT_EQ(classify(up(0, 0)), Lying::kUpright);
+  EXPECT_EQ(classify(up(0, 90)), Lying::kProne);
+  EXPECT_EQ(classify(up(0, -90)), Lying::kSupine);
+  EXPECT_EQ(classify(up(-90, 0)), Lying::kLeftSide);
+  EXPECT_EQ(classify(up(90, 0)), Lying::kRightSide);
+}
+
+TEST(LyingTest, BetweenTwoIsTheNearerOneAndASideFromItsShoulderOn) {
+  EXPECT_EQ(classify(up(0, 14)), Lying::kUpright);
+  EXPECT_EQ(classify(up(0, 16)), Lying::kProne);
+  EXPECT_EQ(classify(up(0, -16)), Lying::kSupine);
+  for (const double roll : {-89.0, 89.0}) {
+    EXPECT_EQ(classify(up(roll, 50)), Lying::kProne);
+    EXPECT_EQ(classify(up(roll, -50)), Lying::kSupine);
+    EXPECT_EQ(classify(up(roll, 30)), roll < 0 ? Lying::kLeftSide : Lying::kRightSide);
+  }
+}
+
+TEST(LyingTest, OnTheHeadIsWhereItLeansTo) {
+  EXPECT_EQ(classify(up(180, 20)), Lying::kProne);
+  EXPECT_EQ(classify(up(180, -20)), Lying::kSupine);
+  EXPECT_EQ(classify(up(150, 0)), Lying::kRightSide);
+}
+
+TEST(LyingTest, IsDownBeyondSixtyDegrees) {
+  EXPECT_FALSE(is_down(up(0, 59)));
+  EXPECT_TRUE(is_down(up(0, 61)));
+  EXPECT_TRUE(is_down(up(-61, 0)));
+  EXPECT_TRUE(is_down(up(180, 0)));
+  EXPECT_FALSE(is_down(up(0, 0)));
+}
+
+}  // namespace
+}  // namespace koboshi::recovery
