@@ -29,6 +29,7 @@ BoardOptions board_options(const Scenario& scenario, const RobotDescription& rob
     world.joint_positions_rad[static_cast<std::size_t>(*robot.find_joint(joint.joint.text))] =
         joint.position_rad;
   }
+  world.X_WB.linear() = scenario.initial.R_WB;
   if (scenario.initial.base_height_m) {
     world.X_WB.translation().z() = *scenario.initial.base_height_m;
   } else {

@@ -1,5 +1,6 @@
 #include "sim_board/scenario/reader.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -100,6 +101,17 @@ Physics read_physics(const YamlMap& root) {
   return physics;
 }
 
+// Fixed angles, as a pose in SDF: about the world's x, then y, then z axis.
+Eigen::Matrix3d read_attitude(const YamlMap& map) {
+  constexpr NumberRange kTurn{.min = -360.0, .max = 360.0};
+  const auto about = [&](const char* name, const Eigen::Vector3d& axis_W) {
+    return Eigen::AngleAxisd(map.number(name, kTurn, 0.0) * kRadians, axis_W);
+  };
+  return (about("yaw", Eigen::Vector3d::UnitZ()) * about("pitch", Eigen::Vector3d::UnitY()) *
+          about("roll", Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
 InitialState read_initial(const YamlMap& root) {
   InitialState initial;
   const auto map = root.optional_child("initial");
@@ -109,6 +121,7 @@ InitialState read_initial(const YamlMap& root) {
     if (initial.base_height_m) throw map->error_at("drop_m", "drop_m beside height_m", "one of the two");
     initial.drop_m = map->number("drop_m", {.min = 0.0, .max = 10.0});
   }
+  if (const auto attitude = map->optional_child("attitude_deg")) initial.R_WB = read_attitude(*attitude);
   initial.fixed_base = map->boolean("fixed_base", false);
   if (map->has("held_until_s")) {
     if (initial.fixed_base)

@@ -46,11 +46,12 @@ struct InitialJoint {
 // The robot before the first step, at rest.
 struct InitialState {
   std::optional<double>
-      base_height_m;        // of the base link's origin; without it the lowest point touches the ground
-  double drop_m = 0.0;      // how far above touching the ground, without a base height
-  bool fixed_base = false;  // the base link hangs on a stand
-  std::optional<std::uint64_t> release_us;  // when the stand lets go of it; without it, never
-  std::vector<InitialJoint> joints;         // all others are at zero; without any, the stand of the gait
+      base_height_m;    // of the base link's origin; without it the lowest point touches the ground
+  double drop_m = 0.0;  // how far above touching the ground, without a base height
+  Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();  // how the base link lies or stands
+  bool fixed_base = false;                             // the base link hangs on a stand
+  std::optional<std::uint64_t> release_us;             // when the stand lets go of it; without it, never
+  std::vector<InitialJoint> joints;  // all others are at zero; without any, the stand of the gait
 };
 
 // What the ground or a piece of it is like. What is not given is as on the plane, and on the plane itself as

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include <numbers>
 #include <vector>
@@ -109,6 +110,20 @@ TEST(ScenarioReader, ReadsEverySetting) {
   EXPECT_EQ(scenario.initial.joints[1].joint.text, "right_knee");
   EXPECT_EQ(scenario.initial.joints[1].joint.line, 11);
   EXPECT_DOUBLE_EQ(scenario.initial.joints[1].position_rad, -20.0 * kDegree);
+}
+
+TEST(ScenarioReader, TurnsTheBaseAboutTheAxesOfTheWorld) {
+  const TemporaryTree tree;
+  EXPECT_EQ(read(tree, kShort).initial.R_WB, Eigen::Matrix3d::Identity());
+  const auto turned = [&](const std::string& attitude) {
+    return read(tree, kShort + ("initial: {attitude_deg: " + attitude + "}\n")).initial.R_WB;
+  };
+  using Eigen::Vector3d;
+  // On its face, on its right side, and on its face with the head to the left.
+  EXPECT_TRUE((turned("{pitch: 90}") * Vector3d::UnitX()).isApprox(-Vector3d::UnitZ()));
+  EXPECT_TRUE((turned("{roll: 90}") * Vector3d::UnitY()).isApprox(Vector3d::UnitZ()));
+  EXPECT_TRUE((turned("{pitch: 90, yaw: 90}") * Vector3d::UnitZ()).isApprox(Vector3d::UnitY()));
+  EXPECT_TRUE((turned("{roll: 90, pitch: 90}") * Vector3d::UnitY()).isApprox(Vector3d::UnitX()));
 }
 
 TEST(ScenarioReader, PutsCommandsInTheOrderOfTimeAndOfTheFile) {
@@ -314,6 +329,8 @@ TEST(ScenarioReader, RefusesWhatIsOutOfRangeOrUnknown) {
       {"ground: {tilt_deg: 5}", "tilt_deg"},
       {"initial: {height_m: 0.3, drop_m: 0.1}", "drop_m beside height_m"},
       {"initial: {joints_deg: {left_knee: 400}}", "left_knee = 400"},
+      {"initial: {attitude_deg: {pitch: 361}}", "pitch = 361"},
+      {"initial: {attitude_deg: {lean: 10}}", "unknown key initial.attitude_deg.lean"},
       {"commands: [{at_s: -1, enable: true}]", "at_s = -1"},
       {"commands: [{at_s: 1, enable: false}]", "enable = false"},
       {"commands: [{at_s: 1, walk: {forward_m_per_s: 2.1}}]", "forward_m_per_s = 2.1"},

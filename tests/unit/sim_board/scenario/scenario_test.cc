@@ -2,10 +2,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include <numbers>
 
 #include "sim_board/input/error.h"
+#include "sim_board/scenario/player.h"
+#include "tests/support/sample_robots.h"
 
 namespace koboshi::sim {
 namespace {
@@ -131,6 +134,18 @@ TEST(ScenarioCheck, KnowsWhoseFramesAFaultMayConcern) {
   EXPECT_EQ(refusal(with_fault(Fault::Kind::kFramesDoubled, "knee")), "");
   EXPECT_THAT(refusal(with_fault(Fault::Kind::kFramesDoubled, "hip")),
               HasSubstr("a.yaml:5: found the unknown joint hip"));
+}
+
+TEST(BoardOptions, LayTheLowestPointOnTheGround) {
+  const RobotDescription box = sample_box(1.0, {0.1, 0.06, 0.02});
+  Scenario scenario;
+  scenario.initial.drop_m = 0.003;
+  EXPECT_NEAR(board_options(scenario, box).world.X_WB.translation().z(), 0.01 + 0.003, 1e-12);
+  scenario.initial.R_WB =
+      Eigen::AngleAxisd(0.5 * std::numbers::pi, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  const Eigen::Isometry3d X_WB = board_options(scenario, box).world.X_WB;
+  EXPECT_NEAR(X_WB.translation().z(), 0.05 + 0.003, 1e-12);
+  EXPECT_TRUE(X_WB.linear().isApprox(scenario.initial.R_WB));
 }
 
 }  // namespace
