@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tools/cli/experiment_session.h"
+#include "tools/cli/recovery_experiments.h"
 #include "tools/cli/tune_gait_command.h"
 #include "tools/cli/walking_experiments.h"
 #include "tools/experiment/gyro_feedback.h"
@@ -105,6 +106,7 @@ void add_experiment_command(CLI::App& program, const std::string& command_line) 
   command->require_subcommand(1);
   add_gyro_feedback(*command, command_line);
   add_walking_experiments(*command, command_line);
+  add_recovery_experiments(*command, command_line);
   add_tune_gait_command(*command);
 }
 

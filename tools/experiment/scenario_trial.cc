@@ -14,9 +14,9 @@ std::unique_ptr<Simulation> make_simulation(const sim::Scenario& scenario, const
 }
 
 // False when an error ended it.
-bool play_to_end_or_fall(Simulation& simulation, RunRecorder& recorder, const IsOver& is_over) {
+bool play_until(Simulation& simulation, RunRecorder& recorder, const Watch& is_over) {
   try {
-    while (!simulation.finished() && !recorder.fell() && !(is_over && is_over(recorder))) {
+    while (!simulation.finished() && !is_over(simulation, recorder)) {
       simulation.advance();
       recorder.record();
     }
@@ -26,12 +26,10 @@ bool play_to_end_or_fall(Simulation& simulation, RunRecorder& recorder, const Is
   }
 }
 
-}  // namespace
-
-Values play_scenario(const sim::Scenario& scenario, const RobotChange& change, const IsOver& is_over) {
+Values watch_scenario(const sim::Scenario& scenario, const RobotChange& change, const Watch& is_over) {
   const std::unique_ptr<Simulation> simulation = make_simulation(scenario, change);
   RunRecorder recorder(*simulation, nullptr);
-  const bool ended_well = play_to_end_or_fall(*simulation, recorder, is_over);
+  const bool ended_well = play_until(*simulation, recorder, is_over);
   Values values;
   const nlohmann::ordered_json summary = sim::to_json(recorder.summary());
   for (const auto& [key, value] : summary.items()) {
@@ -43,11 +41,28 @@ Values play_scenario(const sim::Scenario& scenario, const RobotChange& change, c
   return values;
 }
 
+RobotChange robot_of(const PerturbationBounds& bounds, std::uint64_t seed) {
+  return [&bounds, seed](sim::RobotDescription& robot) { perturb_robot(robot, bounds, seed); };
+}
+
+}  // namespace
+
+Values play_scenario(const sim::Scenario& scenario, const RobotChange& change, const IsOver& is_over) {
+  return watch_scenario(scenario, change, [&](const Simulation&, const RunRecorder& recorder) {
+    return recorder.fell() || (is_over && is_over(recorder));
+  });
+}
+
+Values watch_in_world(sim::Scenario scenario, const PerturbationBounds& bounds, std::uint64_t seed,
+                      const Watch& is_over) {
+  perturb_scenario(scenario, bounds, seed);
+  return watch_scenario(scenario, robot_of(bounds, seed), is_over);
+}
+
 Values play_in_world(sim::Scenario scenario, const PerturbationBounds& bounds, std::uint64_t seed,
                      const IsOver& is_over) {
   perturb_scenario(scenario, bounds, seed);
-  return play_scenario(
-      scenario, [&](sim::RobotDescription& robot) { perturb_robot(robot, bounds, seed); }, is_over);
+  return play_scenario(scenario, robot_of(bounds, seed), is_over);
 }
 
 }  // namespace koboshi::tools

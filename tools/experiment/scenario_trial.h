@@ -13,6 +13,8 @@ namespace koboshi::tools {
 
 // Asked after each millisecond whether there is nothing left to see.
 using IsOver = std::function<bool(const RunRecorder&)>;
+// The same of who looks at more than is recorded.
+using Watch = std::function<bool(Simulation&, const RunRecorder&)>;
 
 // Plays a scenario in this process, without leaving files, to its end or until it is over or the robot has
 // fallen. The values are the numbers and truths of summary.json, and `failed`, 1 where the run ended with an
@@ -24,5 +26,9 @@ using IsOver = std::function<bool(const RunRecorder&)>;
 // The same in the world that a seed draws within these bounds.
 [[nodiscard]] Values play_in_world(sim::Scenario scenario, const PerturbationBounds& bounds,
                                    std::uint64_t seed, const IsOver& is_over = {});
+
+// The same, to its end or until the watch says so: who falls may get up again.
+[[nodiscard]] Values watch_in_world(sim::Scenario scenario, const PerturbationBounds& bounds,
+                                    std::uint64_t seed, const Watch& is_over);
 
 }  // namespace koboshi::tools
