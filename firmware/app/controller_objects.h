@@ -243,6 +243,12 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
          .within(-kMaxGain, kMaxGain)
          .repeated(std::size(kFeedbackJoints), sizeof(std::int16_t)),
      {.name = "Walking lean gain", .unit = kLeanGainUnit, .elements = kFeedbackJoints}},
+    canopen::heading(0x2106, "Quiet standing",
+                     "Backlash and a quick feedback make a robot that sways for good; a slow sway is left alone."),
+    {OBJECT(0x2106, 1, feedback.standing_dead_band, kReadWrite).within(0, 4096),
+     {.name = "Standing dead band",
+      .unit = kRateUnit,
+      .comment = "What the gyro feedback while standing takes off the trunk's rate."}},
     canopen::heading(kVelocityObject, "Velocity", "The velocity to walk with, in the trunk's axes."),
     {OBJECT(kVelocityObject, 1, velocity.forward_mm_per_s, kReadWrite, kBoth),
      {.name = "Velocity forward", .unit = kSpeedUnit}},

@@ -75,7 +75,8 @@ struct ControllerValues {
     balance::JointGains motion;  // of the rate: what a motion means the trunk to lean, nobody knows
     balance::FeedbackGains standing;
     balance::FeedbackGains walking = kWalkingGains;
-  } feedback;                            // 0x2101 to 0x2105
+    std::int16_t standing_dead_band = 0;  // 2^-12 turn/s
+  } feedback;                             // 0x2101 to 0x2106
   walk::Velocity velocity;               // 0x2110; always within its limits
   walk::VelocityLimits velocity_limits;  // 0x2111
   Calibration calibration;               // 0x2120..0x2122

@@ -5,6 +5,15 @@
 
 namespace koboshi::app {
 
+namespace {
+
+constexpr fixed::AngularRate beyond(fixed::AngularRate rate, fixed::AngularRate dead_band) {
+  if (rate > dead_band) return rate - dead_band;
+  return rate < -dead_band ? rate + dead_band : fixed::AngularRate();
+}
+
+}  // namespace
+
 void Controller::publish(std::uint64_t now_us) {
   if (node_.state() != canopen::NmtState::kOperational) return;
   if (drives_.configured()) command_drives(now_us);
@@ -28,8 +37,12 @@ void Controller::balance(Angles& targets) const {
   switch (values_.behaviour.state) {
     case State::kStanding:
     case State::kLowBattery:
-    case State::kSteadying:
+    case State::kSteadying: {
+      const auto quiet = fixed::AngularRate::from_raw(gains.standing_dead_band << 12);
+      trunk.roll_rate = beyond(trunk.roll_rate, quiet);
+      trunk.pitch_rate = beyond(trunk.pitch_rate, quiet);
       return feedback_.correct(gains.standing, trunk, targets);
+    }
     case State::kWalking:
       trunk.pitch -= walker_.pitch();
       return feedback_.correct(gains.walking, trunk, targets);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <numbers>
 
+#include "sim_board/engine/make_world.h"
 #include "sim_board/input/text.h"
 #include "sim_board/random/random_stream.h"
 #include "sim_board/robot/load.h"
@@ -38,6 +39,31 @@ Eigen::Quaterniond random_rotation(sim::RandomStream& random) {
           std::sqrt(u) * std::sin(b)};
 }
 
+// Whether links of the robot are inside each other.
+bool is_tangled(const sim::RobotDescription& robot, const std::vector<double>& angles_rad) {
+  sim::WorldOptions options;
+  options.fixed_base = true;
+  options.X_WB.translation().z() = 1.0;
+  options.joint_positions_rad = angles_rad;
+  const std::unique_ptr<sim::World> world = sim::make_world(robot, options);
+  world->step();
+  return !world->contacts().empty();
+}
+
+// The first of the seed's poses that a robot can be in.
+std::vector<double> random_pose(const sim::RobotDescription& robot, double share, std::uint64_t seed) {
+  sim::RandomStream random(seed, "pose of the drop");
+  std::vector<double> angles_rad(robot.joints.size());
+  do {
+    for (std::size_t i = 0; i < angles_rad.size(); ++i) {
+      const sim::JointDescription& joint = robot.joints[i];
+      const double half_range_rad = 0.5 * share * (joint.upper_rad - joint.lower_rad);
+      angles_rad[i] = 0.5 * (joint.lower_rad + joint.upper_rad) + random.within(half_range_rad);
+    }
+  } while (is_tangled(robot, angles_rad));
+  return angles_rad;
+}
+
 sim::Scenario dropped(const sim::Scenario& start, const sim::RobotDescription& robot,
                       const StandUpOptions& options, std::uint64_t seed) {
   sim::Scenario scenario = start;
@@ -45,12 +71,10 @@ sim::Scenario dropped(const sim::Scenario& start, const sim::RobotDescription& r
   scenario.initial = {};
   scenario.initial.drop_m = options.drop_m;
   scenario.initial.R_WB = random_rotation(attitude).toRotationMatrix();
-  for (const sim::JointDescription& joint : robot.joints) {
-    sim::RandomStream angle(seed, "dropped angle of " + joint.name);
-    const double middle_rad = 0.5 * (joint.lower_rad + joint.upper_rad);
-    const double half_range_rad = 0.5 * options.joint_share * (joint.upper_rad - joint.lower_rad);
-    scenario.initial.joints.push_back({.joint = {joint.name, "a drop of an experiment", 0},
-                                       .position_rad = middle_rad + angle.within(half_range_rad)});
+  const std::vector<double> angles_rad = random_pose(robot, options.joint_share, seed);
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    scenario.initial.joints.push_back({.joint = {robot.joints[i].name, "a drop of an experiment", 0},
+                                       .position_rad = angles_rad[i]});
   }
   scenario.commands = {{.at_us = kCommand_us, .kind = sim::Command::Kind::kGetUp}};
   scenario.duration_us = kCommand_us + static_cast<std::uint64_t>(1e6 * kPatience_s);
