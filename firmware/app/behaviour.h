@@ -64,6 +64,7 @@ enum class Reason : std::uint8_t {
   kOnLeftSide = 8,
   kOnRightSide = 9,
   kHeldUpright = 10,
+  kCaughtItself = 11,  // it came to rest on its feet after all
   // Troubles that lead to kFault.
   kModelInvalid = 16,  // no valid RobotModel in storage
   kDriveTrouble = 17,  // see the trouble's kind, joint and error code beside it
@@ -102,12 +103,14 @@ inline constexpr Transition kTransitions[] = {
     {State::kStanding, Event::kWalk, State::kWalking},
     {State::kWalking, Event::kEnded, State::kStanding},
     {State::kStanding, Event::kLowBattery, State::kLowBattery},
+    {State::kSoftStart, Event::kFall, State::kFalling},
     {State::kStanding, Event::kFall, State::kFalling},
     {State::kMotion, Event::kFall, State::kFalling},
     {State::kWalking, Event::kFall, State::kFalling},
     {State::kLowBattery, Event::kFall, State::kFalling},
     {State::kSteadying, Event::kFall, State::kFalling},
     {State::kFalling, Event::kDown, State::kFallen},
+    {State::kFalling, Event::kUpright, State::kSoftStart},
     {State::kLimp, Event::kGetUp, State::kFallen},
     {State::kFallen, Event::kStill, State::kRighting},
     {State::kRighting, Event::kLiesAside, State::kRolling},
@@ -197,6 +200,8 @@ constexpr bool balances(State state) {
   return state == State::kStanding || state == State::kMotion || state == State::kWalking ||
          state == State::kLowBattery || state == State::kSteadying;
 }
+
+constexpr bool may_fall(State state) { return balances(state) || state == State::kSoftStart; }
 
 // Storage may be written: nothing plays from it, and nobody waits for the robot to move on.
 constexpr bool may_store(State state) { return state == State::kLimp || state == State::kStanding; }

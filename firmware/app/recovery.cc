@@ -36,7 +36,7 @@ constexpr Role role_of(FallDirection direction) {
 }  // namespace
 
 void Controller::watch_for_falls() {
-  if (!balances(values_.behaviour.state)) return;
+  if (!may_fall(values_.behaviour.state)) return;
   recovery::Lean lean{.roll = attitude_.roll(),
                       .pitch = attitude_.pitch(),
                       .roll_rate = rates_.x,
@@ -65,11 +65,13 @@ bool Controller::begin_recovery_motion(Role role) {
 }
 
 // Stiff until the body is about to land, so that the pose is reached; then limp, so that the ground drives no
-// gear.
+// gear. Who bends low enough may not fall at all.
 void Controller::run_falling(std::uint64_t now_us) {
   if (interpreter_.running()) {
     interpreter_.advance(kTick_us);
     std::ranges::copy(interpreter_.targets(), targets_.begin());
+  } else if (stillness_.update(rates_)) {
+    return handle(Event::kUpright, Reason::kCaughtItself);
   }
   if (recovery::is_down(attitude_.up_B()) || now_us - entered_us_ >= kLongestFall_us) {
     handle(Event::kDown, Reason::kProgress);

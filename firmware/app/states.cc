@@ -74,10 +74,10 @@ void Controller::enter(State state, Reason reason) {
     case State::kStanding:
     case State::kMotion:
     case State::kWalking:
-    case State::kFalling:
     case State::kRolling:
     case State::kRising:
       break;
+    case State::kFalling:
     case State::kSteadying:
       stillness_.restart();
       break;

@@ -8,9 +8,9 @@ namespace koboshi::recovery {
 
 // When a lean is a fall. Angles in units of 2^-16 turn.
 struct FallLimits {
-  std::int16_t front = 4'187;       // 23 degrees of predicted lean; 0: falls are not looked for
-  std::int16_t back = 4'187;        // 23
-  std::int16_t side = 4'551;        // 25
+  std::int16_t front = 4'733;       // 26 degrees of predicted lean; 0: falls are not looked for
+  std::int16_t back = 4'733;        // 26
+  std::int16_t side = 5'097;        // 28
   std::int16_t lead_ms = 135;       // how far ahead a lean is predicted: the pendulum's time constant
   std::int16_t least_lean = 1'820;  // 10: with less, no rate makes a fall
   std::int16_t cycles = 2;          // of 10 ms, in a row

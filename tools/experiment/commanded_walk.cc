@@ -31,6 +31,7 @@ StandingStart read_standing_start(const std::filesystem::path& scenario,
     throw sim::InputError(scenario, 0, "no command to walk", "a scenario that walks by command");
   start.ready_us = walk->at_us;
   commands.erase(walk, commands.end());
+  std::erase_if(start.scenario.pushes, [&](const sim::Push& push) { return push.at_us >= start.ready_us; });
   return start;
 }
 

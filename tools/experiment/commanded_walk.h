@@ -19,7 +19,7 @@ namespace koboshi::tools {
 
 inline constexpr double kBodyHeight_m = 0.38;
 
-// A scenario up to its first command to walk, and when that comes.
+// A scenario up to its first command to walk, and when that comes; pushes of later are left out.
 struct StandingStart {
   sim::Scenario scenario;
   std::uint64_t ready_us = 0;

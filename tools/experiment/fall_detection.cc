@@ -25,6 +25,8 @@ constexpr double kStand_s = 1.0;      // the same of a robot that stands
 constexpr double kAftermath_s = 5.0;  // in which a disturbed robot falls or not
 constexpr double kPush_s = 0.1;
 constexpr double kSlowPush_s = 1.5;
+// Its peak is as the pull of a floor that tilts to 10 to 17 degrees.
+constexpr double kSlowPushFactor = 3.2;
 constexpr double kLongerSettled_s = 1.0;  // after the first touch, trunk and head are down too
 constexpr double kDegreesPerUnit = 360.0 / 65'536.0;
 
@@ -109,7 +111,7 @@ class Disturbance {
       }
       case Cause::kSlowPush: {
         sim::Scenario scenario = start_.standing(kStand_s + kAftermath_s);
-        push(scenario, kStand_s, kSlowPush_s, 4.0 * options_.standing_N_s_per_kg, random, seed);
+        push(scenario, kStand_s, kSlowPush_s, kSlowPushFactor * options_.standing_N_s_per_kg, random, seed);
         return scenario;
       }
       case Cause::kTrip: {
