@@ -12,7 +12,7 @@ std::string vector_text(const Eigen::Vector3d& v) {
 }
 
 std::string motion_name(const Scenario& scenario, std::size_t motion) {
-  return motion < scenario.motions.size() ? scenario.motions[motion].stem().string() : kGaitMotion;
+  return motion < scenario.motions.size() ? scenario.motions[motion].name() : kGaitMotion;
 }
 
 std::string verb_text(const Command& command, const Scenario& scenario) {

@@ -9,6 +9,7 @@
 #include "sim_board/robot/load.h"
 #include "sim_board/scenario/events.h"
 #include "sim_board/scenario/ground_reader.h"
+#include "sim_board/scenario/motion_set_reader.h"
 #include "sim_board/scenario/paths.h"
 
 namespace koboshi::sim {
@@ -19,17 +20,17 @@ namespace fs = std::filesystem;
 constexpr double kLongestRun_s = 86400.0;
 constexpr double kRadians = std::numbers::pi / 180.0;
 
-std::vector<fs::path> read_motions(const YamlMap& root, const fs::path& folder) {
-  std::vector<fs::path> motions;
+std::vector<MotionChoice> read_motions(const YamlMap& root, const fs::path& folder) {
+  std::vector<MotionChoice> motions;
   if (!root.has("motions")) return motions;
   for (const YamlValue& value : root.list("motions")) {
-    const fs::path file = read_path(value, folder);
-    const auto same_name = [&](const fs::path& other) { return other.stem() == file.stem(); };
-    if (std::ranges::any_of(motions, same_name)) {
-      throw value.error("a second motion named " + file.stem().string(), "motions of different names");
+    const MotionChoice motion{.file = read_path(value, folder)};
+    if (std::ranges::find(motions, motion.name(), &MotionChoice::name) != motions.end()) {
+      throw value.error("a second motion named " + motion.name(), "motions of different names");
     }
-    motions.push_back(file);
+    motions.push_back(motion);
   }
+  read_motion_set(root, motions);
   return motions;
 }
 
@@ -48,7 +49,7 @@ std::optional<GaitChoice> read_gait(const YamlMap& root, const fs::path& folder)
 // The names by which commands play them, in the order of the controller's numbers.
 std::vector<std::string> motion_names(const Scenario& scenario, const YamlMap& root) {
   std::vector<std::string> names;
-  for (const fs::path& motion : scenario.motions) names.push_back(motion.stem().string());
+  for (const MotionChoice& motion : scenario.motions) names.push_back(motion.name());
   if (!scenario.gait) return names;
   if (std::ranges::find(names, kGaitMotion) != names.end()) {
     throw root.error_at("gait", std::string("a gait beside a motion named ") + kGaitMotion, "one of the two");

@@ -29,6 +29,13 @@ struct SourcedName {
   int line = 0;
 };
 
+struct MotionChoice {
+  std::filesystem::path file;
+  std::vector<Override> overrides{};  // of the file's values
+
+  std::string name() const { return file.stem().string(); }
+};
+
 // A walk, generated for the robot from a gait file (docs/reference/gait-format.md) as the motion `walk`,
 // behind all others.
 struct GaitChoice {
@@ -181,7 +188,7 @@ inline constexpr const char* kControllerTarget = "controller";
 struct Scenario {
   std::filesystem::path file;
   std::filesystem::path robot;
-  std::vector<std::filesystem::path> motions;  // index = the number by which the controller knows it
+  std::vector<MotionChoice> motions;  // index = the number by which the controller knows it
   std::optional<GaitChoice> gait;
   std::uint64_t duration_us = 0;
   std::uint64_t seed = 1;

@@ -52,7 +52,7 @@ std::string hash_of(const GyroFeedbackOptions& options, const std::vector<sim::S
   std::vector<std::filesystem::path> files;
   for (const sim::Scenario& scenario : scenarios) {
     files.insert(files.end(), {scenario.file, scenario.robot, scenario.gait->file});
-    files.insert(files.end(), scenario.motions.begin(), scenario.motions.end());
+    for (const sim::MotionChoice& motion : scenario.motions) files.push_back(motion.file);
   }
   std::vector<std::string> texts{options.disturbed ? "push " + sim::number_text(options.push_N_s) : "level"};
   for (const sim::Override& override_value : options.overrides) {

@@ -180,8 +180,9 @@ std::vector<std::byte> compile_motion(const MotionSource& motion, const NamedMod
   return image;
 }
 
-std::vector<std::byte> compile_motion(const std::filesystem::path& file, const NamedModel& robot) {
-  return compile_motion(parse_motion(file, robot), robot);
+std::vector<std::byte> compile_motion(const std::filesystem::path& file, const NamedModel& robot,
+                                      std::span<const sim::Override> overrides) {
+  return compile_motion(parse_motion(file, robot, overrides), robot);
 }
 
 }  // namespace koboshi::tools

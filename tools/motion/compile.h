@@ -2,10 +2,12 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "firmware/motion/motion.h"
+#include "sim_board/input/yaml_tree.h"
 #include "tools/model/robot_model.h"
 #include "tools/motion/source.h"
 
@@ -16,9 +18,10 @@ namespace koboshi::tools {
 // a loop in which no time passes, or whatever else the firmware would refuse.
 [[nodiscard]] std::vector<std::byte> compile_motion(const MotionSource& motion, const NamedModel& robot);
 
-// Reads and compiles a motion file.
+// Reads and compiles a motion file, some of its values replaced.
 [[nodiscard]] std::vector<std::byte> compile_motion(const std::filesystem::path& file,
-                                                    const NamedModel& robot);
+                                                    const NamedModel& robot,
+                                                    std::span<const sim::Override> overrides = {});
 
 // Why the firmware refuses a motion, in words.
 [[nodiscard]] std::string describe(motion::MotionStatus status);

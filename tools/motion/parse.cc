@@ -31,7 +31,8 @@ std::string degrees_text(Angle angle) { return sim::number_text(std::round(degre
 
 class MotionParser {
  public:
-  MotionParser(std::filesystem::path file, const NamedModel& robot) : file_(std::move(file)), robot_(robot) {}
+  MotionParser(std::filesystem::path file, const NamedModel& robot, std::span<const sim::Override> overrides)
+      : file_(std::move(file), overrides), robot_(robot) {}
 
   MotionSource parse();
 
@@ -180,7 +181,8 @@ StepSource MotionParser::parse_move(const YamlMap& map) const {
   return step;
 }
 
-// A trunk with roll about x, then pitch about y has the world's upright at (-sin p, sin r cos p, cos r cos p).
+// A trunk with roll about x, then pitch about y has the world's upright at (-sin p, sin r cos p, cos r cos
+// p).
 StepSource MotionParser::parse_expect(const YamlMap& map) {
   const double roll = map.number("roll_deg", {.min = -180.0, .max = 180.0}, 0.0) * kRadPerDegree;
   const double pitch = map.number("pitch_deg", {.min = -90.0, .max = 90.0}, 0.0) * kRadPerDegree;
@@ -211,8 +213,9 @@ StepSource MotionParser::parse_loop(const YamlMap& map) const {
 
 }  // namespace
 
-MotionSource parse_motion(const std::filesystem::path& file, const NamedModel& robot) {
-  return MotionParser(file, robot).parse();
+MotionSource parse_motion(const std::filesystem::path& file, const NamedModel& robot,
+                          std::span<const sim::Override> overrides) {
+  return MotionParser(file, robot, overrides).parse();
 }
 
 }  // namespace koboshi::tools

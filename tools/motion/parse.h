@@ -1,7 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 
+#include "sim_board/input/yaml_tree.h"
 #include "tools/model/robot_model.h"
 #include "tools/motion/source.h"
 
@@ -9,6 +11,7 @@ namespace koboshi::tools {
 
 // Reads a motion file for this robot. Throws sim::InputError with the line of whatever is missing, unknown,
 // doubled, out of its joint's limits or for another robot.
-[[nodiscard]] MotionSource parse_motion(const std::filesystem::path& file, const NamedModel& robot);
+[[nodiscard]] MotionSource parse_motion(const std::filesystem::path& file, const NamedModel& robot,
+                                        std::span<const sim::Override> overrides = {});
 
 }  // namespace koboshi::tools

@@ -46,7 +46,9 @@ std::vector<std::vector<std::byte>> compile_motions(PreparedScenario& prepared) 
                           "at most " + std::to_string(app::kMaxMotions) + ", a gait's included");
   }
   std::vector<std::vector<std::byte>> motions;
-  for (const auto& file : scenario.motions) motions.push_back(compile_motion(file, prepared.model));
+  for (const sim::MotionChoice& motion : scenario.motions) {
+    motions.push_back(compile_motion(motion.file, prepared.model, motion.overrides));
+  }
   if (scenario.gait)
     motions.push_back(compile_gait(read_gait(scenario.gait->file, scenario.gait->overrides), prepared));
   return motions;

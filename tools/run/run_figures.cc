@@ -17,9 +17,8 @@ std::string label_of(const sim::Command& command, const sim::Scenario& scenario)
     case sim::Command::Kind::kWalk:
       return "walk";
     case sim::Command::Kind::kPlay:
-      return "play " + (command.motion < scenario.motions.size()
-                            ? scenario.motions[command.motion].stem().string()
-                            : std::string(sim::kGaitMotion));
+      return "play " + (command.motion < scenario.motions.size() ? scenario.motions[command.motion].name()
+                                                                 : std::string(sim::kGaitMotion));
     case sim::Command::Kind::kStop:
       return "stop";
     case sim::Command::Kind::kGetUp:

@@ -24,7 +24,8 @@ StudiedNumber read_number(const std::string& path, const sim::YamlValue& value) 
 }
 
 StudiedTrial read_trial(const sim::YamlValue& value) {
-  static const std::vector<std::string> kRewards{"forward", "backward", "left", "turn", "survival"};
+  static const std::vector<std::string> kRewards{"forward", "backward", "left",
+                                                 "turn",    "survival", "stand_up"};
   const sim::YamlMap map = value.map();
   StudiedTrial trial{.name = map.text("name")};
   if (const auto set = map.optional_child("set")) {
@@ -77,6 +78,10 @@ Study read_study(const std::filesystem::path& file) {
 double worth(const StudiedTrial& trial, const Values& values, double duration_s) {
   using enum StudiedTrial::Reward;
   constexpr double kStrayCost = 0.25;  // of a way off the wanted one that is as long
+  if (trial.reward == kStandUp) {
+    if (values.at("stood") == 0.0) return values.at("uprightness") - 1.0;
+    return trial.wanted / std::max(values.at("stood_s"), trial.wanted);
+  }
   if (values.at("fell") != 0.0) return values.at("duration_s") / duration_s - 1.0;
   if (trial.reward == kSurvival) return 1.0;
   if (!values.contains("distance_m")) return -1.0;  // it has not even begun
@@ -102,6 +107,7 @@ double worth(const StudiedTrial& trial, const Values& values, double duration_s)
       strayed = std::hypot(ahead_m, left_m);
       break;
     case kSurvival:
+    case kStandUp:
       break;
   }
   return std::min(made / time_s / trial.wanted, 1.0) -

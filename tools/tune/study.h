@@ -24,13 +24,13 @@ struct StudiedNumber {
 // A run of the scenario that counts for a set of numbers, and by what.
 struct StudiedTrial {
   // What is to become large: the speed made good along an axis of the heading at the start, to the left or
-  // round, 1 for who is still on its feet at the end, or nothing but that.
-  enum class Reward { kForward, kBackward, kLeft, kTurn, kSurvival };
+  // round; 1 for who is still on its feet at the end; or how soon who lay stands.
+  enum class Reward { kForward, kBackward, kLeft, kTurn, kSurvival, kStandUp };
 
   std::string name;
   std::vector<sim::Override> set{};
   Reward reward = Reward::kSurvival;
-  double wanted = 1.0;  // that much of it is worth 1; more is worth no more than 1
+  double wanted = 1.0;  // that much of it is worth 1, more is worth no more; of kStandUp, so soon, in s
   double weight = 1.0;
 };
 
@@ -47,7 +47,8 @@ struct Study {
 [[nodiscard]] Study read_study(const std::filesystem::path& file);
 
 // What a trial is worth: one that fell is worth -1 to 0, more the longer it stayed up; others what they come
-// to, less what they stray from the way.
+// to, less what they stray from the way. Who does not come to stand up is worth -1 to 0, too, more the
+// further it came.
 [[nodiscard]] double worth(const StudiedTrial& trial, const Values& values, double duration_s);
 
 }  // namespace koboshi::tools

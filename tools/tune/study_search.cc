@@ -12,6 +12,7 @@
 #include "sim_board/record/output_file.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/experiment/files.h"
+#include "tools/experiment/getting_up.h"
 #include "tools/experiment/report.h"
 #include "tools/experiment/scenario_trial.h"
 #include "tools/plot/figure.h"
@@ -22,9 +23,16 @@ namespace {
 
 std::vector<Measure> measures() {
   using enum Measure::Kind;
-  return {{.name = "fell", .kind = kEvent},  {.name = "distance_m"},        {.name = "speed_m_per_s"},
-          {.name = "lateral_drift_m"},       {.name = "heading_drift_rad"}, {.name = "duration_s"},
-          {.name = "failed", .kind = kEvent}};
+  return {{.name = "fell", .kind = kEvent},
+          {.name = "distance_m"},
+          {.name = "speed_m_per_s"},
+          {.name = "lateral_drift_m"},
+          {.name = "heading_drift_rad"},
+          {.name = "duration_s"},
+          {.name = "failed", .kind = kEvent},
+          {.name = "stood", .kind = kEvent},
+          {.name = "stood_s"},
+          {.name = "uprightness"}};
 }
 
 class StudySearch {
@@ -183,6 +191,18 @@ class StudySearch {
     return evaluations_.back();
   }
 
+  Values play(const StudiedTrial& trial, const sim::Scenario& scenario, std::uint64_t seed) const {
+    if (trial.reward != StudiedTrial::Reward::kStandUp) return play_in_world(scenario, study_.world, seed);
+    try {
+      return play_getting_up(scenario, study_.world, seed);
+    } catch (const sim::InputError&) {
+      // Numbers that make a motion faster than the joints are worth nothing. Those of the start are a
+      // mistake.
+      if (evaluations_.empty()) throw;
+      return {{"failed", 1.0}, {"stood", 0.0}, {"uprightness", 0.0}};
+    }
+  }
+
   Experiment make_experiment(const std::vector<double>& numbers) {
     std::vector<std::string> texts;
     std::vector<sim::Override> shared = options_.overrides;
@@ -202,10 +222,11 @@ class StudySearch {
     }
     experiment.first_seed = options_.first_seed;
     experiment.seeds = options_.seeds;
-    const std::filesystem::path files[] = {study_.file, study_.scenario, scenarios->front().robot};
+    std::vector<std::filesystem::path> files{study_.file, study_.scenario, scenarios->front().robot};
+    for (const sim::MotionChoice& motion : scenarios->front().motions) files.push_back(motion.file);
     experiment.inputs = hash_inputs(files, texts);
-    experiment.play = [scenarios, world = study_.world](std::size_t cell, std::uint64_t seed) {
-      return play_in_world((*scenarios)[cell], world, seed);
+    experiment.play = [this, scenarios](std::size_t cell, std::uint64_t seed) {
+      return play(study_.trials[cell], (*scenarios)[cell], seed);
     };
     return experiment;
   }

@@ -89,7 +89,7 @@ TEST(ScenarioReader, ReadsEverySetting) {
   const TemporaryTree tree;
   const Scenario scenario = read(tree, kFull);
   ASSERT_EQ(scenario.motions.size(), 2u);
-  EXPECT_EQ(scenario.motions[1], tree.root() / "robots/box/motions/squat.yaml");
+  EXPECT_EQ(scenario.motions[1].file, tree.root() / "robots/box/motions/squat.yaml");
   EXPECT_EQ(scenario.duration_us, 12'500'000u);
   EXPECT_EQ(scenario.seed, 7u);
   EXPECT_EQ(scenario.noise_scale, 0.5);
@@ -110,6 +110,38 @@ TEST(ScenarioReader, ReadsEverySetting) {
   EXPECT_EQ(scenario.initial.joints[1].joint.text, "right_knee");
   EXPECT_EQ(scenario.initial.joints[1].joint.line, 11);
   EXPECT_DOUBLE_EQ(scenario.initial.joints[1].position_rad, -20.0 * kDegree);
+}
+
+TEST(ScenarioReader, ReplacesNumbersOfItsMotions) {
+  const TemporaryTree tree;
+  tree.write("robots/box/motions/bow.yaml",
+             "poses:\n  down: {hip: -40}\nsteps:\n  - {pose: down, time_s: 1}\n");
+  const std::string text = std::string(kShort) + "motions: [robots/box/motions/bow.yaml]\n";
+  EXPECT_TRUE(read(tree, text).motions[0].overrides.empty());
+  const std::vector<Override> overrides =
+      read(tree, text, {"motion_set.bow.poses.down.hip=-50", "motion_set.bow.steps.0.time_s=0.5"})
+          .motions[0]
+          .overrides;
+  ASSERT_EQ(overrides.size(), 2u);
+  EXPECT_EQ(overrides[0].path, "poses.down.hip");
+  EXPECT_EQ(overrides[0].value, "-50");
+  EXPECT_EQ(overrides[1].path, "steps.0.time_s");
+  // What the file does not have is not added, line 5 of the scenario tells.
+  const auto refused = [&](const std::string& set) {
+    try {
+      static_cast<void>(read(tree, text + "motion_set: {" + set + "}\n"));
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(refused("bow: {poses: {up: {hip: 1}}}"),
+              HasSubstr("test.yaml:5: found poses.up, expected a number of bow.yaml"));
+  EXPECT_THAT(refused("bow: {poses: {down: {knee: 1}}}"), HasSubstr("poses.down.knee"));
+  EXPECT_THAT(refused("bow: {poses: {down: 1}}"), HasSubstr("found poses.down,"));
+  EXPECT_THAT(refused("bow: {steps: {1: {time_s: 1}}}"), HasSubstr("found steps.1,"));
+  EXPECT_THAT(refused("bow: {poses: {down: {hip: far}}}"), HasSubstr("far"));
+  EXPECT_THAT(refused("squat: {}"), HasSubstr("found the motion squat, expected one of the scenario's"));
 }
 
 TEST(ScenarioReader, TurnsTheBaseAboutTheAxesOfTheWorld) {

@@ -145,6 +145,22 @@ TEST(Worth, TakesOffWhatStrays) {
             worth(trial(kTurn, 1.0), came(0.0, 0.0, 5.0), kDuration_s));
 }
 
+TEST(Worth, OfStandingUpIsHowSoonElseHowFar) {
+  const StudiedTrial rise = trial(StudiedTrial::Reward::kStandUp, 2.0);
+  const auto stood = [&](double after_s) {
+    return worth(rise, {{"fell", 1.0}, {"stood", 1.0}, {"stood_s", after_s}, {"uprightness", 1.0}},
+                 kDuration_s);
+  };
+  EXPECT_EQ(stood(1.0), 1.0);
+  EXPECT_NEAR(stood(4.0), 0.5, 1e-12);
+  const auto came_to = [&](double uprightness) {
+    return worth(rise, {{"fell", 1.0}, {"stood", 0.0}, {"uprightness", uprightness}}, kDuration_s);
+  };
+  EXPECT_EQ(came_to(0.0), -1.0);
+  EXPECT_NEAR(came_to(0.7), -0.3, 1e-12);
+  EXPECT_LE(came_to(1.0), 0.0);  // upright, and yet not still
+}
+
 TEST(Worth, PutsEveryFallBelowEverySurvivalAndALateOneBeforeAnEarlyOne) {
   using enum StudiedTrial::Reward;
   const auto fell = [](double after_s) {
