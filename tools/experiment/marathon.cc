@@ -69,7 +69,7 @@ Values play(const StandingStart& start, const sim::RobotDescription& robot, cons
         end_s = simulation.board().world().time_s();
         // By the tenth of a second, so that swaying is no distance.
         if (simulation.board().now_us() % 100'000 == 0) {
-          const Eigen::Vector2d now_W = recorder.truth().p_WB_W.head<2>();
+          const Eigen::Vector2d now_W = simulation.board().world().body(0).X_WL.translation().head<2>();
           if (was_W && state == app::State::kWalking) distance_m += (now_W - *was_W).norm();
           was_W = now_W;
         }
