@@ -23,7 +23,6 @@ GettingUp::GettingUp(const sim::Scenario& scenario) : begin_us_(scenario.duratio
 }
 
 bool GettingUp::observe(const GroundTruth& truth, std::uint64_t now_us) {
-  now_us_ = now_us;
   const double height = std::clamp(truth.p_WB_W.z() / truth.pose_height_m, 0.0, 1.0);
   uprightness_ = 0.25 * (1.0 + std::cos(truth.tilt_rad)) + 0.5 * height;
   const bool stands = now_us >= begin_us_ && truth.tilt_rad < kUpright_rad && height > kLeastHeight &&

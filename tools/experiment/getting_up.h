@@ -26,7 +26,6 @@ class GettingUp {
 
  private:
   std::uint64_t begin_us_;
-  std::uint64_t now_us_ = 0;
   std::optional<std::uint64_t> stands_since_us_;
   double uprightness_ = 0.0;
 };

@@ -83,7 +83,10 @@ TEST_F(StudyReader, FillsInWhatATrialLeavesOut) {
 }
 
 TEST_F(StudyReader, ReadsTheStudiesOfTheRepository) {
-  EXPECT_FALSE(read_study(KOBOSHI_SOURCE_DIR "/studies/walk.yaml").numbers.empty());
+  for (const char* name : {"walk", "stand", "rise_prone", "rise_supine", "roll"}) {
+    const std::string file = KOBOSHI_SOURCE_DIR "/studies/" + std::string(name) + ".yaml";
+    EXPECT_FALSE(read_study(file).numbers.empty()) << name;
+  }
 }
 
 TEST_F(StudyReader, SaysInWhichLineItFoundWhat) {
