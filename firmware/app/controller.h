@@ -126,6 +126,7 @@ class Controller final : private canopen::NodeApplication {
   void begin_falling(recovery::FallDirection direction);
   bool begin_recovery_motion(recovery::Role role);
   void run_falling(std::uint64_t now_us);
+  void stand_up_straight(Reason reason);
   void run_fallen(std::uint64_t now_us);
   void run_righting();
   void right_lying();

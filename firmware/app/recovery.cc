@@ -70,12 +70,17 @@ void Controller::run_falling(std::uint64_t now_us) {
   if (interpreter_.running()) {
     interpreter_.advance(kTick_us);
     std::ranges::copy(interpreter_.targets(), targets_.begin());
-  } else if (stillness_.update(rates_)) {
-    return handle(Event::kUpright, Reason::kCaughtItself);
   }
-  if (recovery::is_down(attitude_.up_B()) || now_us - entered_us_ >= kLongestFall_us) {
+  const bool rests = !interpreter_.running() && stillness_.update(rates_);
+  if (rests && recovery::is_up(attitude_.up_B())) return stand_up_straight(Reason::kCaughtItself);
+  if (rests || recovery::is_down(attitude_.up_B()) || now_us - entered_us_ >= kLongestFall_us) {
     handle(Event::kDown, Reason::kProgress);
   }
+}
+
+void Controller::stand_up_straight(Reason reason) {
+  fall_watch_.arm();
+  handle(Event::kUpright, reason);
 }
 
 void Controller::run_fallen(std::uint64_t now_us) {
@@ -96,7 +101,7 @@ void Controller::run_righting() {
 void Controller::right_lying() {
   switch (recovery::classify(attitude_.up_B())) {
     case Lying::kUpright:
-      return handle(Event::kUpright, Reason::kHeldUpright);
+      return stand_up_straight(Reason::kHeldUpright);
     case Lying::kProne:
       return rise(Role::kRiseProne, Reason::kProne);
     case Lying::kSupine:

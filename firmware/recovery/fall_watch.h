@@ -36,6 +36,8 @@ class FallWatch {
   FallDirection update(const FallLimits& limits, const Lean& lean);
   // The robot is put down or carried: nothing is a fall before it was upright again.
   void disarm();
+  // It has to be on its feet now: should it lie, it has fallen.
+  void arm() { armed_ = true; }
 
  private:
   bool armed_ = false;

@@ -9,7 +9,8 @@ using namespace fixed::literals;
 namespace {
 
 constexpr fixed::Ratio kUprightCosine = 0.966_ratio;  // 15 degrees
-constexpr fixed::Ratio kDownCosine = 0.5_ratio;       // 60 degrees from upright
+constexpr fixed::Ratio kUpCosine = 0.866_ratio;       // 30
+constexpr fixed::Ratio kDownCosine = 0.5_ratio;       // 60
 // A trunk that lies on a shoulder and its chest rolls on to its chest by itself as soon as an arm moves: a
 // side counts from 55 degrees of turn, tan 55 = 1.43 = 10 / 7.
 constexpr int kSideNumerator = 7;
@@ -26,5 +27,7 @@ Lying classify(const robot::Direction& up_B) {
 }
 
 bool is_down(const robot::Direction& up_B) { return up_B.z < kDownCosine; }
+
+bool is_up(const robot::Direction& up_B) { return up_B.z > kUpCosine; }
 
 }  // namespace koboshi::recovery

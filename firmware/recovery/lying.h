@@ -18,7 +18,10 @@ enum class Lying : std::uint8_t {
 // get the nearest one; a trunk on its head or its seat lies by what it leans to.
 [[nodiscard]] Lying classify(const robot::Direction& up_B);
 
-// Within 60 degrees of lying flat: nothing but links that are no feet can hold it now.
+// It leans by more than 60 degrees: nothing but links that are no feet can hold it now.
 [[nodiscard]] bool is_down(const robot::Direction& up_B);
+
+// It leans by less than 30 degrees: what rests so can rest on its feet.
+[[nodiscard]] bool is_up(const robot::Direction& up_B);
 
 }  // namespace koboshi::recovery

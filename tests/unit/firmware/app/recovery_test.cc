@@ -97,7 +97,26 @@ TEST_F(RecoveryTest, MeetsTheGroundInThePoseOfItsDirectionAndGoesLimp) {
   EXPECT_EQ(bench.values().diagnosis.falls, 1);
 }
 
-TEST_F(RecoveryTest, RisesFromChestBackAndSides) {
+TEST_F(RecoveryTest, StandsUpStraightWhenItBentLowAndDidNotFall) {
+  stand();
+  turn_to(0, 28);
+  EXPECT_EQ(bench.now().state, State::kFalling);
+  turn_to(0, 20, 100);
+  ASSERT_TRUE(bench.run_until(State::kSoftStart, 600));
+  EXPECT_EQ(bench.now().reason, Reason::kCaughtItself);
+  turn_to(0, 35, 100);  // and then after all
+  EXPECT_TRUE(bench.run_until(State::kFalling, 100));
+}
+
+TEST_F(RecoveryTest, HasFallenWhereItRestsOnItsSeat) {
+  stand();
+  turn_to(0, -50, 100);
+  ASSERT_TRUE(bench.run_until(State::kFallen, 600));
+  ASSERT_TRUE(bench.run_until(State::kRising, 600));
+  EXPECT_EQ(bench.now().reason, Reason::kSupine);
+}
+
+TEST_F(RecoveryTest, RisesFromChestAndBack) {
   const struct {
     double roll_deg, pitch_deg;
     Role falls, rises;

@@ -42,16 +42,16 @@ class FallWatchTest : public testing::Test {
 };
 
 TEST_F(FallWatchTest, NamesWhereTheRobotFallsTo) {
-  EXPECT_EQ(after_standing({.pitch = 24}), FallDirection::kFront);
-  EXPECT_EQ(after_standing({.pitch = -24}), FallDirection::kBack);
-  EXPECT_EQ(after_standing({.roll = 26}), FallDirection::kRight);
-  EXPECT_EQ(after_standing({.roll = -26}), FallDirection::kLeft);
+  EXPECT_EQ(after_standing({.pitch = 27}), FallDirection::kFront);
+  EXPECT_EQ(after_standing({.pitch = -27}), FallDirection::kBack);
+  EXPECT_EQ(after_standing({.roll = 29}), FallDirection::kRight);
+  EXPECT_EQ(after_standing({.roll = -29}), FallDirection::kLeft);
 }
 
 TEST_F(FallWatchTest, HasItsLimitsWhereTheParametersSay) {
-  EXPECT_EQ(after_standing({.pitch = 22.9}, 10), FallDirection::kNone);
-  EXPECT_EQ(after_standing({.pitch = -22.9}, 10), FallDirection::kNone);
-  EXPECT_EQ(after_standing({.roll = 24.9}, 10), FallDirection::kNone);
+  EXPECT_EQ(after_standing({.pitch = 25.9}, 10), FallDirection::kNone);
+  EXPECT_EQ(after_standing({.pitch = -25.9}, 10), FallDirection::kNone);
+  EXPECT_EQ(after_standing({.roll = 27.9}, 10), FallDirection::kNone);
   limits_.front = 10 * 65'536 / 360;
   limits_.least_lean = 5 * 65'536 / 360;
   EXPECT_EQ(after_standing({.pitch = 10.2}), FallDirection::kFront);
@@ -59,18 +59,18 @@ TEST_F(FallWatchTest, HasItsLimitsWhereTheParametersSay) {
 }
 
 TEST_F(FallWatchTest, TakesRateAndAngleTogether) {
-  // 12 + 0.135 * 90 = 24.2 degrees.
-  EXPECT_EQ(after_standing({.pitch = 12, .pitch_rate = 90}), FallDirection::kFront);
-  EXPECT_EQ(after_standing({.pitch = 12, .pitch_rate = 70}, 10), FallDirection::kNone);
-  EXPECT_EQ(after_standing({.roll = -12, .roll_rate = -100}), FallDirection::kLeft);
+  // 12 + 0.135 * 110 = 26.9 degrees.
+  EXPECT_EQ(after_standing({.pitch = 12, .pitch_rate = 110}), FallDirection::kFront);
+  EXPECT_EQ(after_standing({.pitch = 12, .pitch_rate = 95}, 10), FallDirection::kNone);
+  EXPECT_EQ(after_standing({.roll = -12, .roll_rate = -130}), FallDirection::kLeft);
   // It leans far and comes back.
-  EXPECT_EQ(after_standing({.pitch = 25, .pitch_rate = -60}, 10), FallDirection::kNone);
+  EXPECT_EQ(after_standing({.pitch = 28, .pitch_rate = -60}, 10), FallDirection::kNone);
 }
 
 TEST_F(FallWatchTest, FallsBetweenTheAxesByTheEllipse) {
-  EXPECT_EQ(after_standing({.roll = 17, .pitch = 16}, 10), FallDirection::kNone);
-  EXPECT_EQ(after_standing({.roll = 17, .pitch = 17.5}), FallDirection::kFront);
-  EXPECT_EQ(after_standing({.roll = 19, .pitch = -16}), FallDirection::kRight);
+  EXPECT_EQ(after_standing({.roll = 19, .pitch = 18}, 10), FallDirection::kNone);
+  EXPECT_EQ(after_standing({.roll = 19, .pitch = 20}), FallDirection::kFront);
+  EXPECT_EQ(after_standing({.roll = 22, .pitch = -18}), FallDirection::kRight);
 }
 
 TEST_F(FallWatchTest, BelievesNoRateWithoutALean) {
@@ -90,6 +90,13 @@ TEST_F(FallWatchTest, SeesOneFallOnceAndNoneBeforeTheRobotWasUpright) {
   for (int i = 0; i < 20; ++i) EXPECT_EQ(see({.pitch = 90}), FallDirection::kNone);
   EXPECT_EQ(after_standing({.pitch = 30}), FallDirection::kFront);
   for (int i = 0; i < 20; ++i) EXPECT_EQ(see({.pitch = 90}), FallDirection::kNone);
+}
+
+TEST_F(FallWatchTest, SeesAFallOfARobotThatHasToBeOnItsFeet) {
+  EXPECT_EQ(see({.pitch = 90}), FallDirection::kNone);
+  watch_.arm();
+  EXPECT_EQ(see({.pitch = 90}), FallDirection::kNone);
+  EXPECT_EQ(see({.pitch = 90}), FallDirection::kFront);
 }
 
 TEST_F(FallWatchTest, LooksForNoneWithoutALimit) {

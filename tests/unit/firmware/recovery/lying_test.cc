@@ -53,5 +53,12 @@ TEST(LyingTest, IsDownBeyondSixtyDegrees) {
   EXPECT_FALSE(is_down(up(0, 0)));
 }
 
+TEST(LyingTest, IsUpWithinThirtyDegrees) {
+  EXPECT_TRUE(is_up(up(0, 29)));
+  EXPECT_TRUE(is_up(up(-29, 0)));
+  EXPECT_FALSE(is_up(up(0, -31)));
+  EXPECT_FALSE(is_up(up(180, 0)));
+}
+
 }  // namespace
 }  // namespace koboshi::recovery
