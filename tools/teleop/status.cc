@@ -21,7 +21,7 @@ constexpr std::string_view kKeys[] = {
     "up, down      faster ahead, back        space  stop: back to the stand",
     "left, right   turn                      g      go: walk, at first in place",
     "a, d or , .   to the left, right        p      push, then a direction; + - size",
-    "e  emergency stop    r  reset    n  enable              q or Ctrl-C  end",
+    "e  emergency stop    r  reset    n  enable    u  get up   q or Ctrl-C  end",
 };
 
 template <typename T>

@@ -1,0 +1,64 @@
+// The experiments on falling and getting up in short.
+
+#include <gtest/gtest.h>
+
+#include "tools/experiment/fall_detection.h"
+#include "tools/experiment/marathon.h"
+#include "tools/experiment/stand_up.h"
+
+namespace koboshi::tools {
+namespace {
+
+template <typename Options>
+Options short_form(std::size_t seeds) {
+  Options options;
+  options.scenario = KOBOSHI_SOURCE_DIR "/scenarios/get_up.yaml";
+  options.overrides = {{"physics.stepper", "lumped"}};
+  options.seeds = seeds;
+  return options;
+}
+
+TEST(StandUp, GetsUpFromWhereItWasDropped) {
+  const auto options = short_form<StandUpOptions>(2);
+  const Experiment experiment = make_stand_up(options);
+  const ExperimentResult result = play_experiment(experiment, {});
+  const Conclusions conclusions = stand_up_conclusions(experiment, result);
+  EXPECT_EQ(conclusions.values.at("success_rate"), 1.0);
+  for (const Trial& trial : result.cells[0].played) {
+    EXPECT_GT(trial.values.at("time_s"), 1.5);
+    EXPECT_GT(trial.values.at("peak_torque_Nm"), 0.5);
+  }
+}
+
+TEST(StandUp, StaysDownWithoutItsMotions) {
+  auto options = short_form<StandUpOptions>(1);
+  options.overrides.push_back({"motions", "[robots/koboshi/motions/stand.yaml]"});
+  const Experiment experiment = make_stand_up(options);
+  const ExperimentResult result = play_experiment(experiment, {});
+  EXPECT_EQ(stand_up_conclusions(experiment, result).values.at("success_rate"), 0.0);
+}
+
+TEST(FallDetection, ForeseesPushesAndNoWalk) {
+  auto options = short_form<FallDetectionOptions>(1);
+  options.walk_s = 6.0;
+  const Experiment experiment = make_fall_detection(options);
+  const ExperimentResult result = play_experiment(experiment, {});
+  const Conclusions conclusions = fall_detection_conclusions(options, experiment, result);
+  EXPECT_EQ(conclusions.values.at("false_alarms_per_10_min"), 0.0);
+  EXPECT_NEAR(conclusions.values.at("walked_s").get<double>(), 10.0, 0.1);
+  EXPECT_GT(conclusions.values.at("lead_mean_s").get<double>(), 0.1);
+  EXPECT_EQ(result.cells[0].played[0].values.at("fell"), 1.0);
+}
+
+TEST(Marathon, StandsAtTheEnd) {
+  auto options = short_form<MarathonOptions>(1);
+  options.hours = 0.03;
+  const Experiment experiment = make_marathon(options);
+  const ExperimentResult result = play_experiment(experiment, {});
+  const Conclusions conclusions = marathon_conclusions(experiment, result);
+  EXPECT_EQ(conclusions.values.at("stands_at_the_end"), 1);
+  EXPECT_GT(conclusions.values.at("distance_m_total").get<double>(), 0.5);
+}
+
+}  // namespace
+}  // namespace koboshi::tools
