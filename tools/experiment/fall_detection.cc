@@ -42,6 +42,8 @@ constexpr std::array<NamedCause, 6> kCauses{{{Cause::kPushStanding, "push-standi
                                              {Cause::kTrip, "trip"},
                                              {Cause::kSlip, "slip"},
                                              {Cause::kDriveFailure, "drive-failure"}}};
+// Of these also how hard the robot comes down when nothing is done about it; indices of kCauses.
+constexpr std::array<std::size_t, 3> kUnprotected{0, 1, 3};
 constexpr const char* kWalk = "walk";
 
 struct Case {
@@ -247,8 +249,8 @@ std::vector<std::pair<Cell, Case>> cases(const FallDetectionOptions& options) {
   };
   for (const NamedCause& named : kCauses) add(named.name, {.cause = named.cause});
   add(kWalk, {.cause = Cause::kNone});
-  for (const NamedCause& named : {kCauses[0], kCauses[1]}) {
-    add(named.name, {.cause = named.cause, .looked_for = false});
+  for (const std::size_t i : kUnprotected) {
+    add(kCauses[i].name, {.cause = kCauses[i].cause, .looked_for = false});
   }
   for (const double scale : options.scales) {
     add(kCauses[1].name, {.cause = Cause::kPushWalking, .scale = scale});
@@ -374,15 +376,15 @@ Conclusions fall_detection_conclusions(const FallDetectionOptions& options, cons
   conclusions.values["walked_s"] = walked_s;
   conclusions.lines += fmt::format("{:.2f} false alarms in 10 minutes, of {:.1f} minutes of walking\n", alarms,
                                    walked_s / 60.0);
-  for (std::size_t i : {0u, 1u}) {
-    const double ratio = impact_ratio(result.cells[i], result.cells[walk + 1 + i]);
-    conclusions.values["impact_ratio_" + setting(cells[i], "cause")] = number_or_null(ratio);
-    conclusions.lines += fmt::format("{}: trunk or head comes down with {:.2f} of the speed without\n",
-                                     setting(cells[i], "cause"), ratio);
+  for (std::size_t i = 0; i < kUnprotected.size(); ++i) {
+    const std::string cause = kCauses[kUnprotected[i]].name;
+    const double ratio = impact_ratio(result.cells[kUnprotected[i]], result.cells[walk + 1 + i]);
+    conclusions.values["impact_ratio_" + cause] = number_or_null(ratio);
+    conclusions.lines += fmt::format("{}: trunk or head comes down with {:.2f} of the speed without\n", cause, ratio);
   }
   conclusions.values["roc"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < options.scales.size(); ++i) {
-    const std::size_t first = walk + 3 + 2 * i;
+    const std::size_t first = walk + 1 + kUnprotected.size() + 2 * i;
     Leads of_scale;
     add_leads(result.cells[first], of_scale);
     const MeanEstimate lead = estimate_mean(of_scale.all);

@@ -18,6 +18,7 @@ constexpr Rule kRules[] = {
     {"balance::InertialSensor::filter", Part::kSensors},
     {"balance::", Part::kEstimation},
     {"app::", Part::kBehaviour},
+    {"recovery::", Part::kBehaviour},
     {"motion::", Part::kInterpreter},
     {"canopen::", Part::kCanopen},
     {"drive::", Part::kDrives},
