@@ -52,12 +52,6 @@ struct Case {
   bool looked_for = true;
 };
 
-double between(sim::RandomStream& random, double low, double high) {
-  return low + (high - low) * random.uniform();
-}
-
-std::uint64_t to_us(double time_s) { return static_cast<std::uint64_t>(std::llround(1e6 * time_s)); }
-
 sim::ParameterSetting parameter(const std::string& name, double value) {
   return {.name = {name, "an experiment", 0}, .value = value};
 }
@@ -283,15 +277,11 @@ void add_leads(const CellResult& cell, Leads& leads) {
   }
 }
 
-nlohmann::ordered_json number_or_null(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-
 void tell_leads(const std::string& name, const std::vector<double>& leads_s, Conclusions& conclusions) {
   const MeanEstimate mean = estimate_mean(leads_s);
   const QuantileEstimate p05 = estimate_quantile(leads_s, 0.05);
-  conclusions.values["lead" + name + "_mean_s"] = number_or_null(mean.mean);
-  conclusions.values["lead" + name + "_p05_s"] = number_or_null(p05.value);
+  conclusions.values["lead" + name + "_mean_s"] = mean.mean;
+  conclusions.values["lead" + name + "_p05_s"] = p05.value;
   conclusions.lines += fmt::format("lead{}: {} falls, mean {:.0f} ms, 95 of 100 have {:.0f} ms ({:.0f} .. {:.0f})\n",
                                    name, leads_s.size(), 1e3 * mean.mean, 1e3 * p05.value,
                                    1e3 * p05.confidence_95.low, 1e3 * p05.confidence_95.high);
@@ -372,14 +362,14 @@ Conclusions fall_detection_conclusions(const FallDetectionOptions& options, cons
     return std::pair{600.0 * alarms / walked_s, walked_s};
   };
   const auto [alarms, walked_s] = alarms_per_10_min(result.cells[walk]);
-  conclusions.values["false_alarms_per_10_min"] = number_or_null(alarms);
+  conclusions.values["false_alarms_per_10_min"] = alarms;
   conclusions.values["walked_s"] = walked_s;
   conclusions.lines += fmt::format("{:.2f} false alarms in 10 minutes, of {:.1f} minutes of walking\n", alarms,
                                    walked_s / 60.0);
   for (std::size_t i = 0; i < kUnprotected.size(); ++i) {
     const std::string cause = kCauses[kUnprotected[i]].name;
     const double ratio = impact_ratio(result.cells[kUnprotected[i]], result.cells[walk + 1 + i]);
-    conclusions.values["impact_ratio_" + cause] = number_or_null(ratio);
+    conclusions.values["impact_ratio_" + cause] = ratio;
     conclusions.lines += fmt::format("{}: trunk or head comes down with {:.2f} of the speed without\n", cause, ratio);
   }
   conclusions.values["roc"] = nlohmann::ordered_json::array();
@@ -390,8 +380,8 @@ Conclusions fall_detection_conclusions(const FallDetectionOptions& options, cons
     const MeanEstimate lead = estimate_mean(of_scale.all);
     const double false_alarms = alarms_per_10_min(result.cells[first + 1]).first;
     conclusions.values["roc"].push_back({{"thresholds", options.scales[i]},
-                                         {"lead_mean_s", number_or_null(lead.mean)},
-                                         {"false_alarms_per_10_min", number_or_null(false_alarms)}});
+                                         {"lead_mean_s", lead.mean},
+                                         {"false_alarms_per_10_min", false_alarms}});
     conclusions.lines += fmt::format("thresholds times {}: lead {:.0f} ms, {:.2f} false alarms in 10 minutes\n",
                                      options.scales[i], 1e3 * lead.mean, false_alarms);
   }

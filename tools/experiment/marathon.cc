@@ -19,12 +19,6 @@ constexpr double kQuietEnd_s = 60.0;
 constexpr double kShortestCommand_s = 2.0;
 constexpr double kLongestCommand_s = 10.0;
 
-double between(sim::RandomStream& random, double low, double high) {
-  return low + (high - low) * random.uniform();
-}
-
-std::uint64_t to_us(double time_s) { return static_cast<std::uint64_t>(std::llround(1e6 * time_s)); }
-
 // Walks, turns and stops; a robot that lies refuses them.
 void add_commands(sim::Scenario& scenario, std::uint64_t from_us, std::uint64_t until_us, std::uint64_t seed) {
   sim::RandomStream random(seed, "commands of a marathon");

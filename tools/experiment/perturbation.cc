@@ -16,13 +16,13 @@ constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 constexpr double kDampingRatio = 0.5;
 constexpr double kMassAbove_kg = 0.3;
 
+}  // namespace
+
 double between(sim::RandomStream& random, double low, double high) {
   return low + (high - low) * random.uniform();
 }
 
 std::uint64_t to_us(double time_s) { return static_cast<std::uint64_t>(std::llround(1e6 * time_s)); }
-
-}  // namespace
 
 sim::Push half_sine_push(const std::string& link, std::uint64_t at_us, double duration_s,
                          const Eigen::Vector3d& impulse_W_N_s) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "sim_board/random/random_stream.h"
 #include "sim_board/robot/description.h"
 #include "sim_board/scenario/scenario.h"
 
@@ -44,6 +45,11 @@ struct PushBounds {
   double highest_N_s = 0.1;
   double duration_s = 0.05;  // half a sine wave
 };
+
+// Uniform from `low` on, below `high`.
+[[nodiscard]] double between(sim::RandomStream& random, double low, double high);
+
+[[nodiscard]] std::uint64_t to_us(double time_s);
 
 // A push at the centre of mass of `link`, half a sine wave long.
 [[nodiscard]] sim::Push half_sine_push(const std::string& link, std::uint64_t at_us, double duration_s,

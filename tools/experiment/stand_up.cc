@@ -114,10 +114,6 @@ std::vector<Trial> that_lay(const CellResult& cell, app::Reason pose) {
   return trials;
 }
 
-nlohmann::ordered_json number_or_null(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-
 }  // namespace
 
 Experiment make_stand_up(const StandUpOptions& options) {
@@ -147,9 +143,9 @@ Conclusions stand_up_conclusions(const Experiment& experiment, const ExperimentR
   const ShareEstimate down = share_of(cell, experiment.measures[0]);
   const ShareEstimate not_at_once = share_of(cell, experiment.measures[1]);
   Conclusions conclusions;
-  conclusions.values["success_rate"] = number_or_null(1.0 - down.share);
-  conclusions.values["first_attempt_rate"] = number_or_null(1.0 - not_at_once.share);
-  conclusions.values["attempts_mean"] = number_or_null(mean_of(cell, experiment.measures[2]).mean);
+  conclusions.values["success_rate"] = 1.0 - down.share;
+  conclusions.values["first_attempt_rate"] = 1.0 - not_at_once.share;
+  conclusions.values["attempts_mean"] = mean_of(cell, experiment.measures[2]).mean;
   conclusions.lines = fmt::format("stands in {} of {}, at the first attempt in {}\n", down.count - down.events,
                                   down.count, down.count - not_at_once.events);
   for (const auto& [name, pose] : lying_poses()) {
@@ -157,7 +153,7 @@ Conclusions stand_up_conclusions(const Experiment& experiment, const ExperimentR
     const QuantileEstimate median = estimate_quantile(values_of(lay, experiment.measures[3]), 0.5);
     const ShareEstimate stays = share_of(lay, experiment.measures[0]);
     const ShareEstimate again = share_of(lay, experiment.measures[1]);
-    conclusions.values[name + "_median_s"] = number_or_null(median.count > 0 ? median.value : std::nan(""));
+    conclusions.values[name + "_median_s"] = median.count > 0 ? median.value : std::nan("");
     conclusions.values[name + "_trials"] = stays.count;
     conclusions.values[name + "_down"] = stays.events;
     conclusions.values[name + "_not_at_once"] = again.events;
