@@ -59,6 +59,8 @@ TEST(Recovery, ForeseesAFallToTheFrontAndOneToTheBackAndGetsUp) {
   EXPECT_EQ(run.behaviour().state, State::kStanding);
 }
 
+constexpr const char* kLyingNames[] = {"Chest", "Back", "RightSide", "LeftSide"};
+
 class RisesFrom : public testing::TestWithParam<const char*> {};
 
 TEST_P(RisesFrom, WhereItLies) {
@@ -73,10 +75,7 @@ TEST_P(RisesFrom, WhereItLies) {
 
 INSTANTIATE_TEST_SUITE_P(Recovery, RisesFrom,
                          testing::Values("{pitch: 90}", "{pitch: -90}", "{roll: 90}", "{roll: -90}"),
-                         [](const auto& info) {
-                           static constexpr const char* kNames[] = {"Chest", "Back", "RightSide", "LeftSide"};
-                           return kNames[info.index];
-                         });
+                         [](const auto& info) { return kLyingNames[info.index]; });
 
 TEST(Recovery, EndsLimpInFaultWhenADriveDiesWhileItRises) {
   sim::Scenario scenario = read("rise.yaml");
