@@ -35,8 +35,11 @@ constexpr Role role_of(FallDirection direction) {
 
 }  // namespace
 
+// A gyro whose bias nobody knows leans the attitude by up to forty degrees.
 void Controller::watch_for_falls() {
-  if (!may_fall(values_.behaviour.state)) return;
+  const auto& stored = values_.calibration.gyro_bias;
+  const bool knows_gyro = values_.diagnosis.gyro_calibrations != 0 || (stored[0] | stored[1] | stored[2]) != 0;
+  if (!knows_gyro || !may_fall(values_.behaviour.state)) return;
   recovery::Lean lean{.roll = attitude_.roll(),
                       .pitch = attitude_.pitch(),
                       .roll_rate = rates_.x,

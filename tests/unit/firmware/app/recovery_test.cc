@@ -224,6 +224,7 @@ TEST_F(RecoveryTest, WithoutAttemptsStaysDownInFault) {
 
 TEST(RecoveryWithoutMotions, FallsAsItIsAndStaysDownInFault) {
   ControllerBench bench;
+  bench.run_ms(2'000);
   ASSERT_TRUE(bench.run_until_standing());
   bench.imu_sample.gyro_raw[1] = 4 * 1'878;
   ASSERT_TRUE(bench.run_until(State::kFalling, 200));
@@ -232,6 +233,15 @@ TEST(RecoveryWithoutMotions, FallsAsItIsAndStaysDownInFault) {
   bench.imu_sample.accelerometer_raw = {static_cast<std::int16_t>(-kCountsPerG), 0, 0};
   ASSERT_TRUE(bench.run_until(State::kFault, 1'000));
   EXPECT_EQ(bench.now().reason, Reason::kCannotGetUp);
+}
+
+TEST(RecoveryWithoutGyroBias, LooksForNoFalls) {
+  ControllerBench bench;
+  ASSERT_TRUE(bench.run_until_standing());
+  ASSERT_EQ(bench.values().diagnosis.gyro_calibrations, 0);
+  bench.imu_sample.gyro_raw[1] = 4 * 1'878;
+  bench.run_ms(500);
+  EXPECT_EQ(bench.now().state, State::kStanding);
 }
 
 // Whatever breaks or is commanded, at each state of a fall and of getting up.
