@@ -24,7 +24,7 @@ enum class State : std::uint8_t {
   kRighting = 12,      // the drives go to operation enabled again, each holding the position it has
   kRolling = 13,       // from a side to chest or back
   kRising = 14,
-  kSteadying = 15,     // has risen, and is to come to rest
+  kSteadying = 15,  // has risen, and is to come to rest
 };
 
 enum class Event : std::uint8_t {
@@ -38,7 +38,7 @@ enum class Event : std::uint8_t {
   kEnabled,  // every drive is in operation enabled
   kArrived,  // at the standing pose
   kGetUp,
-  kEnded,    // of a motion or a walk
+  kEnded,  // of a motion or a walk
   kLowBattery,
   kFall,       // is foreseen
   kDown,       // on the ground, or as good as
@@ -47,7 +47,7 @@ enum class Event : std::uint8_t {
   kLiesAside,  // on a side
   kUpright,    // does not lie at all
   kElsewhere,  // the body is not where it should be by now
-  kTrouble,  // a drive, a sensor or the bus failed
+  kTrouble,    // a drive, a sensor or the bus failed
 };
 
 // Why the state is what it is, or why the last command was refused. The values stand in telemetry.

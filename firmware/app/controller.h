@@ -175,9 +175,9 @@ class Controller final : private canopen::NodeApplication {
   std::array<std::optional<std::uint64_t>, 2> ankle_us_;  // when each ankle spoke last
   recovery::FallWatch fall_watch_;
   recovery::Stillness stillness_;
-  bool has_rolled_ = false;       // in this attempt to get up
-  std::uint64_t entered_us_ = 0;  // when the present state began
-  std::uint8_t low_readings_ = 0;                         // of the supply, in a row
+  bool has_rolled_ = false;        // in this attempt to get up
+  std::uint64_t entered_us_ = 0;   // when the present state began
+  std::uint8_t low_readings_ = 0;  // of the supply, in a row
   std::uint64_t now_us_ = 0;
   std::uint64_t started_us_ = 0;  // of the boot
   bool started_ = false;

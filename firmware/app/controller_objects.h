@@ -244,8 +244,9 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
          .within(-kMaxGain, kMaxGain)
          .repeated(std::size(kFeedbackJoints), sizeof(std::int16_t)),
      {.name = "Walking lean gain", .unit = kLeanGainUnit, .elements = kFeedbackJoints}},
-    canopen::heading(0x2106, "Quiet standing",
-                     "Backlash and a quick feedback make a robot that sways for good; a slow sway is left alone."),
+    canopen::heading(
+        0x2106, "Quiet standing",
+        "Backlash and a quick feedback make a robot that sways for good; a slow sway is left alone."),
     {OBJECT(0x2106, 1, feedback.standing_dead_band, kReadWrite).within(0, 4096),
      {.name = "Standing dead band",
       .unit = kRateUnit,

@@ -77,10 +77,10 @@ struct ControllerValues {
     balance::FeedbackGains walking = kWalkingGains;
     std::int16_t standing_dead_band = 0;  // 2^-12 turn/s
   } feedback;                             // 0x2101 to 0x2106
-  walk::Velocity velocity;               // 0x2110; always within its limits
-  walk::VelocityLimits velocity_limits;  // 0x2111
-  Calibration calibration;               // 0x2120..0x2122
-  walk::WalkParameters walk;             // 0x2130 to 0x2132
+  walk::Velocity velocity;                // 0x2110; always within its limits
+  walk::VelocityLimits velocity_limits;   // 0x2111
+  Calibration calibration;                // 0x2120..0x2122
+  walk::WalkParameters walk;              // 0x2130 to 0x2132
   recovery::RecoveryParameters recovery;  // 0x2140 and 0x2141
   struct {
     std::uint32_t model_id = 0;
@@ -92,8 +92,8 @@ struct ControllerValues {
     std::int16_t gyro_bias[3] = {};       // 2^-12 turn/s, axes of the trunk
     std::uint16_t falls = 0;              // since power-on; saturates, as the next
     std::uint16_t risen = 0;
-  } diagnosis;                            // 0x2200
-  drive::DriveSignals drives;             // 0x2300..0x2304, by joint from sub-index 1
+  } diagnosis;                 // 0x2200
+  drive::DriveSignals drives;  // 0x2300..0x2304, by joint from sub-index 1
 };
 
 inline constexpr std::uint16_t kRequestObject = 0x2000;

@@ -91,8 +91,8 @@ struct NodeMemory {
 class Node final : private ObjectServer {
  public:
   // All arguments must outlive the node. Silent until start().
-  [[gnu::cold]] Node(const NodeDescription& description, const NodeInstance& instance, NodeBuffers buffers, FrameSink& sink,
-       NodeApplication& application);
+  [[gnu::cold]] Node(const NodeDescription& description, const NodeInstance& instance, NodeBuffers buffers,
+                     FrameSink& sink, NodeApplication& application);
 
   // Power-on: reset, boot-up message, pre-operational.
   void start(std::uint64_t now_us);

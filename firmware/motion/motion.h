@@ -49,7 +49,8 @@ struct ExpectedAttitude {
 
   constexpr Step step() const {
     std::uint32_t packed = 0;
-    for (std::size_t i = 0; i < up_B.size(); ++i) packed |= std::uint32_t{static_cast<std::uint8_t>(up_B[i])} << 8 * i;
+    for (std::size_t i = 0; i < up_B.size(); ++i)
+      packed |= std::uint32_t{static_cast<std::uint8_t>(up_B[i])} << 8 * i;
     return {Opcode::kExpect, static_cast<std::uint16_t>(least_cosine), packed};
   }
   static constexpr ExpectedAttitude of(const Step& step) {

@@ -19,8 +19,8 @@ enum class Role : std::uint8_t {
   kRiseSupine,
 };
 
-inline constexpr std::array<std::string_view, 8> kMotionNames{"fall_front",  "fall_back",  "fall_left",
-                                                              "fall_right",  "roll_left",  "roll_right",
+inline constexpr std::array<std::string_view, 8> kMotionNames{"fall_front", "fall_back",  "fall_left",
+                                                              "fall_right", "roll_left",  "roll_right",
                                                               "rise_prone", "rise_supine"};
 
 }  // namespace koboshi::recovery

@@ -64,7 +64,8 @@ constexpr const char* kLyingNames[] = {"Chest", "Back", "RightSide", "LeftSide"}
 class RisesFrom : public testing::TestWithParam<const char*> {};
 
 TEST_P(RisesFrom, WhereItLies) {
-  RobotRun run(read("rise.yaml", {{"initial.attitude_deg", GetParam()}, {"parameters.attempts_to_get_up", "2"}}));
+  RobotRun run(
+      read("rise.yaml", {{"initial.attitude_deg", GetParam()}, {"parameters.attempts_to_get_up", "2"}}));
   run.run_until_us(3'100'000);
   EXPECT_GT(tilt_deg(run), 60.0);
   ASSERT_TRUE(run.run_until(State::kStanding, 14'000'000));

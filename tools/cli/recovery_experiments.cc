@@ -29,13 +29,15 @@ void add_stand_up(CLI::App& parent, const std::string& command_line) {
   options.scenario = kScenario;
   CLI::App* command =
       add_command(parent, "stand-up", "Whether it gets up from however it was dropped", *arguments);
-  command->footer(std::string("The robot is dropped limp with a random attitude and random joint angles, settles, "
-                              "and is told to get up.\n") +
-                  kWorlds + "\nExample:\n  koboshi experiment stand-up --seeds 200 --stepper mujoco\n");
+  command->footer(
+      std::string("The robot is dropped limp with a random attitude and random joint angles, settles, "
+                  "and is told to get up.\n") +
+      kWorlds + "\nExample:\n  koboshi experiment stand-up --seeds 200 --stepper mujoco\n");
   command->add_option("--drop", options.drop_m, "From this height, m")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command->add_option("--joint-share", options.joint_share, "Of each joint's range, in which its angle is drawn")
+  command
+      ->add_option("--joint-share", options.joint_share, "Of each joint's range, in which its angle is drawn")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command->callback([arguments, command_line] {
@@ -50,13 +52,15 @@ void add_fall_detection(CLI::App& parent, const std::string& command_line) {
   auto arguments = std::make_shared<Arguments<FallDetectionOptions>>();
   FallDetectionOptions& options = arguments->options;
   options.scenario = kScenario;
-  CLI::App* command = add_command(parent, "fall-detection",
-                                  "How long before the ground it foresees a fall, and how often in vain", *arguments);
-  command->footer(std::string("Pushes of 1.2 to 2 times what is survived, from all sides; bars in the way, slippery "
-                              "floors, a push that lasts,\ndrives that fail; and walks with pushes that are "
-                              "survived.\n") +
-                  kWorlds +
-                  "\nExample:\n  koboshi experiment fall-detection --seeds 60 --stepper mujoco --roc 0.8,1.25\n");
+  CLI::App* command =
+      add_command(parent, "fall-detection",
+                  "How long before the ground it foresees a fall, and how often in vain", *arguments);
+  command->footer(
+      std::string("Pushes of 1.2 to 2 times what is survived, from all sides; bars in the way, slippery "
+                  "floors, a push that lasts,\ndrives that fail; and walks with pushes that are "
+                  "survived.\n") +
+      kWorlds +
+      "\nExample:\n  koboshi experiment fall-detection --seeds 60 --stepper mujoco --roc 0.8,1.25\n");
   command->add_option("--standing", options.standing_N_s_per_kg, "What is survived standing, N s/kg")
       ->check(CLI::Range(0.01, 10.0))
       ->capture_default_str();
@@ -75,9 +79,10 @@ void add_fall_detection(CLI::App& parent, const std::string& command_line) {
   command->callback([arguments, command_line] {
     settle(*arguments, "fall-detection");
     const Experiment experiment = make_fall_detection(arguments->options);
-    play(experiment, arguments->common, "How it foresees falls", command_line, [&](const ExperimentResult& result) {
-      return fall_detection_conclusions(arguments->options, experiment, result);
-    });
+    play(experiment, arguments->common, "How it foresees falls", command_line,
+         [&](const ExperimentResult& result) {
+           return fall_detection_conclusions(arguments->options, experiment, result);
+         });
   });
 }
 
@@ -89,7 +94,9 @@ void add_marathon(CLI::App& parent, const std::string& command_line) {
   CLI::App* command = add_command(parent, "marathon", "An hour of random commands and pushes", *arguments);
   command->footer(std::string("Nobody helps it up.\n") + kWorlds +
                   "\nExample:\n  koboshi experiment marathon --stepper mujoco --hours 0.1\n");
-  command->add_option("--hours", options.hours, "How long")->check(CLI::Range(0.01, 100.0))->capture_default_str();
+  command->add_option("--hours", options.hours, "How long")
+      ->check(CLI::Range(0.01, 100.0))
+      ->capture_default_str();
   command->add_option("--highest", options.highest_N_s_per_kg, "Of the pushes, N s/kg")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();

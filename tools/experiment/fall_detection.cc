@@ -48,7 +48,7 @@ constexpr const char* kWalk = "walk";
 
 struct Case {
   Cause cause = Cause::kNone;
-  double scale = 1.0;   // of the thresholds
+  double scale = 1.0;  // of the thresholds
   bool looked_for = true;
 };
 
@@ -282,9 +282,9 @@ void tell_leads(const std::string& name, const std::vector<double>& leads_s, Con
   const QuantileEstimate p05 = estimate_quantile(leads_s, 0.05);
   conclusions.values["lead" + name + "_mean_s"] = mean.mean;
   conclusions.values["lead" + name + "_p05_s"] = p05.value;
-  conclusions.lines += fmt::format("lead{}: {} falls, mean {:.0f} ms, 95 of 100 have {:.0f} ms ({:.0f} .. {:.0f})\n",
-                                   name, leads_s.size(), 1e3 * mean.mean, 1e3 * p05.value,
-                                   1e3 * p05.confidence_95.low, 1e3 * p05.confidence_95.high);
+  conclusions.lines += fmt::format(
+      "lead{}: {} falls, mean {:.0f} ms, 95 of 100 have {:.0f} ms ({:.0f} .. {:.0f})\n", name, leads_s.size(),
+      1e3 * mean.mean, 1e3 * p05.value, 1e3 * p05.confidence_95.low, 1e3 * p05.confidence_95.high);
 }
 
 // Of the seeds in which trunk or head came down in both.
@@ -364,13 +364,14 @@ Conclusions fall_detection_conclusions(const FallDetectionOptions& options, cons
   const auto [alarms, walked_s] = alarms_per_10_min(result.cells[walk]);
   conclusions.values["false_alarms_per_10_min"] = alarms;
   conclusions.values["walked_s"] = walked_s;
-  conclusions.lines += fmt::format("{:.2f} false alarms in 10 minutes, of {:.1f} minutes of walking\n", alarms,
-                                   walked_s / 60.0);
+  conclusions.lines += fmt::format("{:.2f} false alarms in 10 minutes, of {:.1f} minutes of walking\n",
+                                   alarms, walked_s / 60.0);
   for (std::size_t i = 0; i < kUnprotected.size(); ++i) {
     const std::string cause = kCauses[kUnprotected[i]].name;
     const double ratio = impact_ratio(result.cells[kUnprotected[i]], result.cells[walk + 1 + i]);
     conclusions.values["impact_ratio_" + cause] = ratio;
-    conclusions.lines += fmt::format("{}: trunk or head comes down with {:.2f} of the speed without\n", cause, ratio);
+    conclusions.lines +=
+        fmt::format("{}: trunk or head comes down with {:.2f} of the speed without\n", cause, ratio);
   }
   conclusions.values["roc"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < options.scales.size(); ++i) {
@@ -382,8 +383,9 @@ Conclusions fall_detection_conclusions(const FallDetectionOptions& options, cons
     conclusions.values["roc"].push_back({{"thresholds", options.scales[i]},
                                          {"lead_mean_s", lead.mean},
                                          {"false_alarms_per_10_min", false_alarms}});
-    conclusions.lines += fmt::format("thresholds times {}: lead {:.0f} ms, {:.2f} false alarms in 10 minutes\n",
-                                     options.scales[i], 1e3 * lead.mean, false_alarms);
+    conclusions.lines +=
+        fmt::format("thresholds times {}: lead {:.0f} ms, {:.2f} false alarms in 10 minutes\n",
+                    options.scales[i], 1e3 * lead.mean, false_alarms);
   }
   return conclusions;
 }

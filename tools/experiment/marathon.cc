@@ -20,7 +20,8 @@ constexpr double kShortestCommand_s = 2.0;
 constexpr double kLongestCommand_s = 10.0;
 
 // Walks, turns and stops; a robot that lies refuses them.
-void add_commands(sim::Scenario& scenario, std::uint64_t from_us, std::uint64_t until_us, std::uint64_t seed) {
+void add_commands(sim::Scenario& scenario, std::uint64_t from_us, std::uint64_t until_us,
+                  std::uint64_t seed) {
   sim::RandomStream random(seed, "commands of a marathon");
   std::uint64_t at_us = from_us;
   while (at_us < until_us) {
@@ -46,9 +47,10 @@ Values play(const StandingStart& start, const sim::RobotDescription& robot, cons
   add_commands(scenario, start.ready_us, quiet_us, seed);
   scenario.duration_us = quiet_us;
   const double highest_N_s = options.highest_N_s_per_kg * robot.total_mass_kg();
-  add_pushes(scenario, robot.links.front().name, start.ready_us,
-             {.first_s = 5.0, .shortest_s = 5.0, .longest_s = 30.0, .highest_N_s = highest_N_s, .duration_s = 0.1},
-             seed);
+  add_pushes(
+      scenario, robot.links.front().name, start.ready_us,
+      {.first_s = 5.0, .shortest_s = 5.0, .longest_s = 30.0, .highest_N_s = highest_N_s, .duration_s = 0.1},
+      seed);
   scenario.duration_us = end_us;
 
   FallObserver observer;
@@ -56,8 +58,8 @@ Values play(const StandingStart& start, const sim::RobotDescription& robot, cons
   std::optional<Eigen::Vector2d> was_W;
   app::State state = app::State::kBoot;
   double end_s = 0.0;
-  const Values played =
-      watch_in_world(std::move(scenario), kRoughWorld, seed, [&](const Simulation& simulation, const RunRecorder& recorder) {
+  const Values played = watch_in_world(
+      std::move(scenario), kRoughWorld, seed, [&](const Simulation& simulation, const RunRecorder& recorder) {
         observer.observe(simulation, recorder);
         state = recorder.telemetry().state;
         end_s = simulation.board().world().time_s();
@@ -84,11 +86,13 @@ Values play(const StandingStart& start, const sim::RobotDescription& robot, cons
 }  // namespace
 
 Experiment make_marathon(const MarathonOptions& options) {
-  const auto start = std::make_shared<StandingStart>(read_standing_start(options.scenario, options.overrides));
+  const auto start =
+      std::make_shared<StandingStart>(read_standing_start(options.scenario, options.overrides));
   const auto robot = std::make_shared<sim::RobotDescription>(sim::load_robot(start->scenario.robot));
-  Experiment experiment = begin_experiment("marathon", options, start->scenario,
-                                           {{"hours", sim::number_text(options.hours)},
-                                            {"highest_N_s_per_kg", sim::number_text(options.highest_N_s_per_kg)}});
+  Experiment experiment =
+      begin_experiment("marathon", options, start->scenario,
+                       {{"hours", sim::number_text(options.hours)},
+                        {"highest_N_s_per_kg", sim::number_text(options.highest_N_s_per_kg)}});
   using enum Measure::Kind;
   experiment.measures = {{.name = "down", .kind = kEvent, .label = "does not stand at the end"},
                          {.name = "falls", .label = "falls", .decimals = 1},

@@ -73,8 +73,8 @@ sim::Scenario dropped(const sim::Scenario& start, const sim::RobotDescription& r
   scenario.initial.R_WB = random_rotation(attitude).toRotationMatrix();
   const std::vector<double> angles_rad = random_pose(robot, options.joint_share, seed);
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    scenario.initial.joints.push_back({.joint = {robot.joints[i].name, "a drop of an experiment", 0},
-                                       .position_rad = angles_rad[i]});
+    scenario.initial.joints.push_back(
+        {.joint = {robot.joints[i].name, "a drop of an experiment", 0}, .position_rad = angles_rad[i]});
   }
   scenario.commands = {{.at_us = kCommand_us, .kind = sim::Command::Kind::kGetUp}};
   scenario.duration_us = kCommand_us + static_cast<std::uint64_t>(1e6 * kPatience_s);
@@ -85,16 +85,16 @@ Values play(const sim::Scenario& start, const sim::RobotDescription& robot, cons
             std::uint64_t seed) {
   FallObserver observer;
   double stood_s = 0.0;
-  const Values played = watch_in_world(
-      dropped(start, robot, options, seed), kRoughWorld, seed,
-      [&](const Simulation& simulation, const RunRecorder& recorder) {
-        observer.observe(simulation, recorder);
-        if (observer.stands() > 0 && stood_s == 0.0) {
-          const bool upright = recorder.truth().tilt_rad < kUpright_rad;
-          if (upright) stood_s = simulation.board().world().time_s();
-        }
-        return stood_s > 0.0 || recorder.telemetry().state == app::State::kFault;
-      });
+  const Values played =
+      watch_in_world(dropped(start, robot, options, seed), kRoughWorld, seed,
+                     [&](const Simulation& simulation, const RunRecorder& recorder) {
+                       observer.observe(simulation, recorder);
+                       if (observer.stands() > 0 && stood_s == 0.0) {
+                         const bool upright = recorder.truth().tilt_rad < kUpright_rad;
+                         if (upright) stood_s = simulation.board().world().time_s();
+                       }
+                       return stood_s > 0.0 || recorder.telemetry().state == app::State::kFault;
+                     });
   Values values{{"failed", played.at("failed")},
                 {"down", stood_s > 0.0 ? 0.0 : 1.0},
                 {"not_at_once", stood_s > 0.0 && observer.attempts() == 1 ? 0.0 : 1.0},
@@ -117,11 +117,12 @@ std::vector<Trial> that_lay(const CellResult& cell, app::Reason pose) {
 }  // namespace
 
 Experiment make_stand_up(const StandUpOptions& options) {
-  const auto start = std::make_shared<StandingStart>(read_standing_start(options.scenario, options.overrides));
+  const auto start =
+      std::make_shared<StandingStart>(read_standing_start(options.scenario, options.overrides));
   const auto robot = std::make_shared<sim::RobotDescription>(sim::load_robot(start->scenario.robot));
-  Experiment experiment = begin_experiment("stand-up", options, start->scenario,
-                                           {{"drop_m", sim::number_text(options.drop_m)},
-                                            {"joint_share", sim::number_text(options.joint_share)}});
+  Experiment experiment = begin_experiment(
+      "stand-up", options, start->scenario,
+      {{"drop_m", sim::number_text(options.drop_m)}, {"joint_share", sim::number_text(options.joint_share)}});
   using enum Measure::Kind;
   experiment.measures = {{.name = "down", .kind = kEvent, .label = "stays down"},
                          {.name = "not_at_once", .kind = kEvent, .label = "not at the first attempt"},
@@ -146,8 +147,8 @@ Conclusions stand_up_conclusions(const Experiment& experiment, const ExperimentR
   conclusions.values["success_rate"] = 1.0 - down.share;
   conclusions.values["first_attempt_rate"] = 1.0 - not_at_once.share;
   conclusions.values["attempts_mean"] = mean_of(cell, experiment.measures[2]).mean;
-  conclusions.lines = fmt::format("stands in {} of {}, at the first attempt in {}\n", down.count - down.events,
-                                  down.count, down.count - not_at_once.events);
+  conclusions.lines = fmt::format("stands in {} of {}, at the first attempt in {}\n",
+                                  down.count - down.events, down.count, down.count - not_at_once.events);
   for (const auto& [name, pose] : lying_poses()) {
     const CellResult lay{.played = that_lay(cell, pose)};
     const QuantileEstimate median = estimate_quantile(values_of(lay, experiment.measures[3]), 0.5);

@@ -25,11 +25,11 @@ struct StepSource {
 
   Kind kind = Kind::kEnd;
   int line = 0;
-  std::size_t pose = 0;          // kMove: index of a pose
-  std::uint32_t time_us = 0;     // kMove, kWait
-  std::uint16_t times = 0;       // kLoop; 0: until stopped
-  std::vector<StepSource> body;  // kLoop
-  std::string label;             // kLabel, kJump
+  std::size_t pose = 0;               // kMove: index of a pose
+  std::uint32_t time_us = 0;          // kMove, kWait
+  std::uint16_t times = 0;            // kLoop; 0: until stopped
+  std::vector<StepSource> body;       // kLoop
+  std::string label;                  // kLabel, kJump
   motion::ExpectedAttitude attitude;  // kExpect
 };
 

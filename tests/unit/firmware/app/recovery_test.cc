@@ -23,14 +23,16 @@ constexpr double kRadPerDegree = 3.14159265358979 / 180.0;
 constexpr double kCountsPerG = 9.81 / 39.2 * 32'768;
 constexpr double kCountsPerRadPerS = 1'878;  // of the test robot's gyro
 constexpr std::uint8_t kFirstMotion = 8;
-constexpr ExpectedAttitude kUprightAttitude{.up_B = {0, 0, 127}, .least_cosine = 28'378};  // within 30 degrees
+constexpr ExpectedAttitude kUprightAttitude{.up_B = {0, 0, 127},
+                                            .least_cosine = 28'378};  // within 30 degrees
 
 class RecoveryTest : public testing::Test {
  protected:
   void SetUp() override {
     bench.board.storage.complete_after(1);
     ASSERT_TRUE(bench.run_until(State::kLimp));
-    for (std::size_t role = 0; role < recovery::kMotionNames.size(); ++role) give(static_cast<Role>(role), {});
+    for (std::size_t role = 0; role < recovery::kMotionNames.size(); ++role)
+      give(static_cast<Role>(role), {});
     bench.run_ms(1'100);  // the gyro's bias is known
   }
   // A motion of 0.2 s that ends with these steps.
@@ -55,7 +57,8 @@ class RecoveryTest : public testing::Test {
   void turn_to(double roll_deg, double pitch_deg, int time_ms = 200) {
     const double per_s = 1e3 / time_ms;
     bench.imu_sample.gyro_raw[0] = counts((roll_deg - roll_deg_) * kRadPerDegree * per_s * kCountsPerRadPerS);
-    bench.imu_sample.gyro_raw[1] = counts((pitch_deg - pitch_deg_) * kRadPerDegree * per_s * kCountsPerRadPerS);
+    bench.imu_sample.gyro_raw[1] =
+        counts((pitch_deg - pitch_deg_) * kRadPerDegree * per_s * kCountsPerRadPerS);
     bench.run_ms(time_ms);
     bench.imu_sample.gyro_raw = {};
     roll_deg_ = roll_deg;
@@ -318,7 +321,8 @@ TEST_P(RecoveryState, GoesLimpByCommand) {
 }
 
 TEST_P(RecoveryState, RefusesEverythingElse) {
-  for (const Command command : {Command::kEnable, Command::kPlay, Command::kWalk, Command::kGetUp, Command::kReset}) {
+  for (const Command command :
+       {Command::kEnable, Command::kPlay, Command::kWalk, Command::kGetUp, Command::kReset}) {
     bench.command(command);
     EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
   }
@@ -327,7 +331,9 @@ TEST_P(RecoveryState, RefusesEverythingElse) {
 INSTANTIATE_TEST_SUITE_P(EveryState, RecoveryState,
                          testing::Values(State::kFalling, State::kFallen, State::kRighting, State::kRolling,
                                          State::kRising, State::kSteadying),
-                         [](const auto& info) { return "State" + std::to_string(static_cast<int>(info.param)); });
+                         [](const auto& info) {
+                           return "State" + std::to_string(static_cast<int>(info.param));
+                         });
 
 }  // namespace
 }  // namespace koboshi::app

@@ -15,7 +15,8 @@ TEST(StillnessTest, IsAWhileWithoutATurnAboutAnyAxis) {
 }
 
 TEST(StillnessTest, BeginsAnewWithEachTurn) {
-  const Stillness::Rates turns[] = {{0.16_rad_per_s, {}, {}}, {{}, -0.16_rad_per_s, {}}, {{}, {}, 0.16_rad_per_s}};
+  const Stillness::Rates turns[] = {
+      {0.16_rad_per_s, {}, {}}, {{}, -0.16_rad_per_s, {}}, {{}, {}, 0.16_rad_per_s}};
   for (const auto& turn : turns) {
     Stillness stillness;
     for (int i = 0; i < Stillness::kCycles; ++i) static_cast<void>(stillness.update({}));
