@@ -103,6 +103,8 @@ void Controller::run_righting() {
 void Controller::right_lying() {
   switch (recovery::classify(attitude_.up_B())) {
     case Lying::kUpright:
+      // Who was upright and fell again sat, and has to lie down first.
+      if (values_.behaviour.attempts > 1) return rise(Role::kRiseSupine, Reason::kSupine);
       return stand_up_straight(Reason::kHeldUpright);
     case Lying::kProne:
       return rise(Role::kRiseProne, Reason::kProne);
