@@ -65,6 +65,7 @@ enum class Reason : std::uint8_t {
   kOnRightSide = 9,
   kHeldUpright = 10,
   kCaughtItself = 11,  // it came to rest on its feet after all
+  kOnSeat = 12,        // one more of how it lies
   // Troubles that lead to kFault.
   kModelInvalid = 16,  // no valid RobotModel in storage
   kDriveTrouble = 17,  // see the trouble's kind, joint and error code beside it

@@ -132,6 +132,8 @@ class Controller final : private canopen::NodeApplication {
   void right_lying();
   void turn_from_side(recovery::Role roll, Reason side);
   void rise(recovery::Role role, Reason lying);
+  void rise_from_seat();
+  fixed::Angle thigh_pitch() const;
   void run_getting_up();
   void run_steadying(std::uint64_t now_us);
   std::uint32_t pace_percent() const;

@@ -55,6 +55,7 @@ inline constexpr canopen::ValueName kReasonNames[] = {
     canopen::value_name(Reason::kOnRightSide, "on right side"),
     canopen::value_name(Reason::kHeldUpright, "upright"),
     canopen::value_name(Reason::kCaughtItself, "caught itself"),
+    canopen::value_name(Reason::kOnSeat, "on seat"),
     canopen::value_name(Reason::kModelInvalid, "model invalid"),
     canopen::value_name(Reason::kDriveTrouble, "drive trouble"),
     canopen::value_name(Reason::kImuSilent, "IMU silent"),

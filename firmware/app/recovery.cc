@@ -101,11 +101,13 @@ void Controller::run_righting() {
 }
 
 void Controller::right_lying() {
-  switch (recovery::classify(attitude_.up_B())) {
+  switch (recovery::classify(attitude_.up_B(), thigh_pitch())) {
     case Lying::kUpright:
-      // Who was upright and fell again sat, and has to lie down first.
-      if (values_.behaviour.attempts > 1) return rise(Role::kRiseSupine, Reason::kSupine);
+      // Who was upright and fell again did not stand on its feet.
+      if (values_.behaviour.attempts > 1) return rise_from_seat();
       return stand_up_straight(Reason::kHeldUpright);
+    case Lying::kSitting:
+      return rise_from_seat();
     case Lying::kProne:
       return rise(Role::kRiseProne, Reason::kProne);
     case Lying::kSupine:
@@ -120,6 +122,23 @@ void Controller::right_lying() {
 void Controller::rise(Role role, Reason lying) {
   if (!begin_recovery_motion(role)) return fail(Reason::kCannotGetUp);
   handle(Event::kLiesFlat, lying);
+}
+
+// Whose robot has no motion for it lies down first, by the one from its back.
+void Controller::rise_from_seat() {
+  const bool known = motion_index_.number_of(Role::kRiseSeat).has_value();
+  rise(known ? Role::kRiseSeat : Role::kRiseSupine, Reason::kOnSeat);
+}
+
+// From hanging down, the mean of both: a knee that is in front makes it negative.
+fixed::Angle Controller::thigh_pitch() const {
+  std::int64_t hips_raw = 0;
+  for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
+    const std::uint8_t hip = model_.leg(side)[robot::kHipPitch];
+    const std::int64_t angle_raw = drives_.angle(hip).raw();
+    hips_raw += model_.joints[hip].axis.y.raw() < 0 ? -angle_raw : angle_raw;
+  }
+  return attitude_.pitch() + fixed::Angle::from_raw(static_cast<std::int32_t>(hips_raw / 2));
 }
 
 void Controller::turn_from_side(Role roll, Reason side) {
@@ -146,7 +165,7 @@ std::uint32_t Controller::pace_percent() const {
 // The watch for falls goes on meanwhile, once the trunk was upright.
 void Controller::run_steadying(std::uint64_t now_us) {
   const bool still = stillness_.update(rates_);
-  if (still && recovery::classify(attitude_.up_B()) == Lying::kUpright) {
+  if (still && recovery::is_upright(attitude_.up_B())) {
     values_.behaviour.attempts = 0;
     values_.diagnosis.risen = fixed::add_saturated(values_.diagnosis.risen, std::uint16_t{1});
     return handle(Event::kArrived, Reason::kProgress);

@@ -17,10 +17,11 @@ enum class Role : std::uint8_t {
   kRollRight,
   kRiseProne,  // up to the stand
   kRiseSupine,
+  kRiseSeat,
 };
 
-inline constexpr std::array<std::string_view, 8> kMotionNames{"fall_front", "fall_back",  "fall_left",
-                                                              "fall_right", "roll_left",  "roll_right",
-                                                              "rise_prone", "rise_supine"};
+inline constexpr std::array<std::string_view, 9> kMotionNames{
+    "fall_front", "fall_back",  "fall_left",   "fall_right", "roll_left",
+    "roll_right", "rise_prone", "rise_supine", "rise_seat"};
 
 }  // namespace koboshi::recovery

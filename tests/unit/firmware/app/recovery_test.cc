@@ -116,7 +116,8 @@ TEST_F(RecoveryTest, HasFallenWhereItRestsOnItsSeat) {
   turn_to(0, -50, 100);
   ASSERT_TRUE(bench.run_until(State::kFallen, 600));
   ASSERT_TRUE(bench.run_until(State::kRising, 600));
-  EXPECT_EQ(bench.now().reason, Reason::kSupine);
+  EXPECT_EQ(bench.now().reason, Reason::kOnSeat);
+  EXPECT_EQ(bench.now().motion, number_of(Role::kRiseSeat));
 }
 
 TEST_F(RecoveryTest, RisesFromChestAndBack) {
