@@ -144,6 +144,7 @@ class Controller final : private canopen::NodeApplication {
   // What goes onto the bus (output.cc).
   void publish(std::uint64_t now_us);
   void command_drives(std::uint64_t now_us);
+  balance::TrunkMotion trunk_motion() const;
   void balance(Angles& targets) const;
   void publish_telemetry();
 

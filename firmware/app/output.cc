@@ -30,10 +30,16 @@ void Controller::command_drives(std::uint64_t now_us) {
   }
 }
 
-void Controller::balance(Angles& targets) const {
-  const auto& gains = values_.feedback;
+balance::TrunkMotion Controller::trunk_motion() const {
   balance::TrunkMotion trunk{
       .roll_rate = rates_.x, .pitch_rate = rates_.y, .roll = attitude_.roll(), .pitch = attitude_.pitch()};
+  if (values_.behaviour.state == State::kWalking) trunk.pitch -= walker_.pitch();
+  return trunk;
+}
+
+void Controller::balance(Angles& targets) const {
+  const auto& gains = values_.feedback;
+  balance::TrunkMotion trunk = trunk_motion();
   switch (values_.behaviour.state) {
     case State::kStanding:
     case State::kLowBattery:
@@ -44,7 +50,6 @@ void Controller::balance(Angles& targets) const {
       return feedback_.correct(gains.standing, trunk, targets);
     }
     case State::kWalking:
-      trunk.pitch -= walker_.pitch();
       return feedback_.correct(gains.walking, trunk, targets);
     case State::kMotion:
       return feedback_.correct({.rate = gains.motion, .lean = {}}, trunk, targets);

@@ -41,10 +41,7 @@ void Controller::watch_for_falls() {
   const bool knows_gyro =
       values_.diagnosis.gyro_calibrations != 0 || (stored[0] | stored[1] | stored[2]) != 0;
   if (!knows_gyro || !may_fall(values_.behaviour.state)) return;
-  recovery::Lean lean{
-      .roll = attitude_.roll(), .pitch = attitude_.pitch(), .roll_rate = rates_.x, .pitch_rate = rates_.y};
-  if (values_.behaviour.state == State::kWalking) lean.pitch -= walker_.pitch();
-  const FallDirection direction = fall_watch_.update(values_.recovery.fall, lean);
+  const FallDirection direction = fall_watch_.update(values_.recovery.fall, trunk_motion());
   if (direction != FallDirection::kNone) begin_falling(direction);
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "firmware/balance/trunk_motion.h"
 #include "firmware/fixed/literals.h"
 #include "firmware/robot/model.h"
 
@@ -25,14 +26,6 @@ struct FeedbackGains {
   JointGains lean;  // of the angle by which it leans
 
   friend bool operator==(const FeedbackGains&, const FeedbackGains&) = default;
-};
-
-// What the trunk does that it should not.
-struct TrunkMotion {
-  fixed::AngularRate roll_rate;  // in axes of B, free of bias
-  fixed::AngularRate pitch_rate;
-  fixed::Angle roll;  // beyond what is planned
-  fixed::Angle pitch;
 };
 
 // Turns the joints of both legs so that they turn the trunk back. In proportion to its rate it is the paper's

@@ -26,12 +26,12 @@ constexpr bool is_within(std::int32_t value, std::int16_t limit) { return value 
 
 }  // namespace
 
-FallDirection FallWatch::update(const FallLimits& limits, const Lean& lean) {
-  const bool leans = !is_within(short_angle(lean.pitch), limits.least_lean) ||
-                     !is_within(short_angle(lean.roll), limits.least_lean);
+FallDirection FallWatch::update(const FallLimits& limits, const balance::TrunkMotion& trunk) {
+  const bool leans = !is_within(short_angle(trunk.pitch), limits.least_lean) ||
+                     !is_within(short_angle(trunk.roll), limits.least_lean);
   if (!leans) armed_ = true;
-  const std::int32_t ahead = predicted(lean.pitch, lean.pitch_rate, limits.lead_ms);
-  const std::int32_t right = predicted(lean.roll, lean.roll_rate, limits.lead_ms);
+  const std::int32_t ahead = predicted(trunk.pitch, trunk.pitch_rate, limits.lead_ms);
+  const std::int32_t right = predicted(trunk.roll, trunk.roll_rate, limits.lead_ms);
   const std::int16_t length = ahead < 0 ? limits.back : limits.front;
   const std::int64_t along = square(ahead) * square(limits.side);
   const std::int64_t across = square(right) * square(length);

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "firmware/fixed/units.h"
+#include "firmware/balance/trunk_motion.h"
 
 namespace koboshi::recovery {
 
@@ -16,15 +16,6 @@ struct FallLimits {
   std::int16_t cycles = 2;          // of 10 ms, in a row
 };
 
-// What the trunk does beyond what is planned. A lean ahead has positive pitch, one to the right positive
-// roll.
-struct Lean {
-  fixed::Angle roll;
-  fixed::Angle pitch;
-  fixed::AngularRate roll_rate;
-  fixed::AngularRate pitch_rate;
-};
-
 enum class FallDirection : std::uint8_t { kNone, kFront, kBack, kLeft, kRight };
 
 // Foresees a fall from angle and rate together: by a linear inverted pendulum's capture point, x + v / omega
@@ -33,7 +24,7 @@ enum class FallDirection : std::uint8_t { kNone, kFront, kBack, kLeft, kRight };
 class FallWatch {
  public:
   // The next 10 ms cycle of a robot that stands on its feet. Where it falls to, once it does.
-  FallDirection update(const FallLimits& limits, const Lean& lean);
+  FallDirection update(const FallLimits& limits, const balance::TrunkMotion& trunk);
   // The robot is put down or carried: nothing is a fall before it was upright again.
   void disarm();
   // It has to be on its feet now: should it lie, it has fallen.

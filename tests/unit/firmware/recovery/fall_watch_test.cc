@@ -24,10 +24,10 @@ class FallWatchTest : public testing::Test {
  protected:
   FallDirection see(const LeanDegrees& lean) {
     return watch_.update(limits_,
-                         {.roll = from_double<fixed::Angle>(lean.roll * kRadPerDegree),
-                          .pitch = from_double<fixed::Angle>(lean.pitch * kRadPerDegree),
-                          .roll_rate = from_double<fixed::AngularRate>(lean.roll_rate * kRadPerDegree),
-                          .pitch_rate = from_double<fixed::AngularRate>(lean.pitch_rate * kRadPerDegree)});
+                         {.roll_rate = from_double<fixed::AngularRate>(lean.roll_rate * kRadPerDegree),
+                          .pitch_rate = from_double<fixed::AngularRate>(lean.pitch_rate * kRadPerDegree),
+                          .roll = from_double<fixed::Angle>(lean.roll * kRadPerDegree),
+                          .pitch = from_double<fixed::Angle>(lean.pitch * kRadPerDegree)});
   }
   // Of an upright robot that comes to lean so at once and stays so.
   FallDirection after_standing(const LeanDegrees& lean, int cycles = 2) {
