@@ -59,6 +59,20 @@ TEST(Recovery, ForeseesAFallToTheFrontAndOneToTheBackAndGetsUp) {
   EXPECT_EQ(run.behaviour().state, State::kStanding);
 }
 
+TEST(Recovery, RisesFromTheSeatOnWhichAFallToTheBackEnded) {
+  RobotRun run(
+      read("get_up.yaml",
+           {{"pushes", "[{at_s: 8, duration_s: 0.1, shape: half-sine, link: trunk, force_N: [-10.5, 0, 0]}]"},
+            {"commands", "[{at_s: 2, enable: true}]"}}));
+  ASSERT_TRUE(run.run_until(State::kFalling, 9'000'000));
+  ASSERT_TRUE(run.run_until(State::kRising, 13'000'000));
+  EXPECT_EQ(run.behaviour().reason, Reason::kOnSeat);
+  EXPECT_LT(tilt_deg(run), 53.0);
+  ASSERT_TRUE(run.run_until(State::kStanding, run.now_us() + 6'000'000));
+  EXPECT_EQ(run.behaviour().faults, 0);
+  EXPECT_LT(tilt_deg(run), 10.0);
+}
+
 constexpr const char* kLyingNames[] = {"Chest", "Back", "RightSide", "LeftSide"};
 
 class RisesFrom : public testing::TestWithParam<const char*> {};

@@ -183,8 +183,8 @@ class Disturbance {
 PerturbationBounds world_of(Cause cause) {
   PerturbationBounds bounds = kRoughWorld;
   if (cause == Cause::kSlip) {
-    bounds.lowest_friction = 0.05;
-    bounds.highest_friction = 0.12;
+    bounds.lowest_friction = 0.01;
+    bounds.highest_friction = 0.04;
   }
   return bounds;
 }
