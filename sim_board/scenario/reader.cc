@@ -139,14 +139,21 @@ InitialState read_initial(const YamlMap& root) {
   return initial;
 }
 
-std::vector<ParameterSetting> read_parameters(const YamlMap& root) {
-  std::vector<ParameterSetting> parameters;
+void add_parameters(const YamlMap& root, std::vector<ParameterSetting>& parameters) {
   const auto map = root.optional_child("parameters");
-  if (!map) return parameters;
+  if (!map) return;
   for (const auto& [name, value] : map->entries()) {
+    std::erase_if(parameters, [&](const ParameterSetting& before) { return before.name.text == name; });
     parameters.push_back({{name, value.source(), value.line()}, value.number()});
   }
-  return parameters;
+}
+
+void add_parameters_of_file(const fs::path& file, std::vector<ParameterSetting>& parameters) {
+  const YamlFile yaml(file);
+  const YamlMap root = yaml.root();
+  root.require_version(1);
+  add_parameters(root, parameters);
+  yaml.finish();
 }
 
 }  // namespace
@@ -170,7 +177,11 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
   scenario.ground = read_ground(root, folder);
   scenario.materials = read_materials(root);
   scenario.initial = read_initial(root);
-  scenario.parameters = read_parameters(root);
+  if (root.has("parameter_file")) {
+    scenario.parameter_file = read_path(root.value("parameter_file"), folder);
+    add_parameters_of_file(*scenario.parameter_file, scenario.parameters);
+  }
+  add_parameters(root, scenario.parameters);
   scenario.commands = read_commands(root, motion_names(scenario, root));
   scenario.pushes = read_pushes(root);
   scenario.faults = read_faults(root);

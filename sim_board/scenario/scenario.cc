@@ -118,6 +118,14 @@ Eigen::Vector3d Push::mean_force_W_N(std::uint64_t start_us, std::uint64_t end_u
   return force_W_N * (integral * duration / static_cast<double>(end_us - start_us));
 }
 
+std::vector<std::filesystem::path> input_files(const Scenario& scenario) {
+  std::vector<std::filesystem::path> files{scenario.file, scenario.robot};
+  for (const MotionChoice& motion : scenario.motions) files.push_back(motion.file);
+  if (scenario.gait) files.push_back(scenario.gait->file);
+  if (scenario.parameter_file) files.push_back(*scenario.parameter_file);
+  return files;
+}
+
 void check(const Scenario& scenario, const RobotDescription& robot) {
   for (const InitialJoint& joint : scenario.initial.joints) check_initial(joint, robot);
   for (const Push& push : scenario.pushes) find_named(robot.links, push.link, "link");

@@ -199,12 +199,17 @@ struct Scenario {
   Ground ground;
   std::vector<NamedMaterialPair> materials;
   InitialState initial;
-  std::vector<ParameterSetting> parameters;  // set before the first command, in this order
+  std::optional<std::filesystem::path> parameter_file;
+  // Those of that file, then the scenario's own, set before the first command in this order. No name twice.
+  std::vector<ParameterSetting> parameters;
   // Each in the order of time; of equal times, in the file's.
   std::vector<Command> commands;
   std::vector<Push> pushes;
   std::vector<Fault> faults;
 };
+
+// The files that decide what becomes of the scenario: itself, and those that it names.
+std::vector<std::filesystem::path> input_files(const Scenario& scenario);
 
 // Throws InputError at the first name in the scenario that the robot does not have, at a material that
 // neither robot nor ground is of, and at an initial joint position beyond the joint's limits.

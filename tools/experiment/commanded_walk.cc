@@ -44,9 +44,7 @@ Experiment begin_experiment(const std::string& name, const CommandedWalkOptions&
   std::vector<std::string> texts;
   for (const auto& [key, value] : experiment.conditions) texts.insert(texts.end(), {key, value});
   for (const sim::Override& item : options.overrides) texts.insert(texts.end(), {item.path, item.value});
-  std::vector<std::filesystem::path> files{scenario.file, scenario.robot};
-  for (const sim::MotionChoice& motion : scenario.motions) files.push_back(motion.file);
-  experiment.inputs = hash_inputs(files, texts);
+  experiment.inputs = hash_inputs(sim::input_files(scenario), texts);
   return experiment;
 }
 

@@ -51,8 +51,8 @@ std::vector<Measure> measures(double falls_within) {
 std::string hash_of(const GyroFeedbackOptions& options, const std::vector<sim::Scenario>& scenarios) {
   std::vector<std::filesystem::path> files;
   for (const sim::Scenario& scenario : scenarios) {
-    files.insert(files.end(), {scenario.file, scenario.robot, scenario.gait->file});
-    for (const sim::MotionChoice& motion : scenario.motions) files.push_back(motion.file);
+    const std::vector<std::filesystem::path> of_scenario = sim::input_files(scenario);
+    files.insert(files.end(), of_scenario.begin(), of_scenario.end());
   }
   std::vector<std::string> texts{options.disturbed ? "push " + sim::number_text(options.push_N_s) : "level"};
   for (const sim::Override& override_value : options.overrides) {

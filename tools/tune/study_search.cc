@@ -222,8 +222,8 @@ class StudySearch {
     }
     experiment.first_seed = options_.first_seed;
     experiment.seeds = options_.seeds;
-    std::vector<std::filesystem::path> files{study_.file, study_.scenario, scenarios->front().robot};
-    for (const sim::MotionChoice& motion : scenarios->front().motions) files.push_back(motion.file);
+    std::vector<std::filesystem::path> files = sim::input_files(scenarios->front());
+    files.push_back(study_.file);
     experiment.inputs = hash_inputs(files, texts);
     experiment.play = [this, scenarios](std::size_t cell, std::uint64_t seed) {
       return play(study_.trials[cell], (*scenarios)[cell], seed);

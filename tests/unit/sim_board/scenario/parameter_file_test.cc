@@ -1,0 +1,73 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim_board/input/error.h"
+#include "sim_board/scenario/reader.h"
+#include "tests/unit/sim_board/scenario/temporary_tree.h"
+
+namespace koboshi::sim {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr const char* kScenario =
+    "version: 1\n"
+    "robot: robots/box/robot.sdf\n"
+    "duration_s: 1\n"
+    "parameter_file: robots/box/parameters.yaml\n";
+
+class ParameterFile : public ::testing::Test {
+ protected:
+  Scenario read(const std::string& parameter_file, const std::string& rest = "") const {
+    tree_.write("robots/box/parameters.yaml", parameter_file);
+    return read_scenario(tree_.write("scenarios/test.yaml", kScenario + rest));
+  }
+  std::string refusal(const std::string& parameter_file) const {
+    try {
+      static_cast<void>(read(parameter_file));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  TemporaryTree tree_;
+};
+
+std::vector<std::pair<std::string, double>> settings(const Scenario& scenario) {
+  std::vector<std::pair<std::string, double>> pairs;
+  for (const ParameterSetting& parameter : scenario.parameters) {
+    pairs.emplace_back(parameter.name.text, parameter.value);
+  }
+  return pairs;
+}
+
+TEST_F(ParameterFile, IsReadBeforeTheScenariosOwn) {
+  const Scenario scenario =
+      read("version: 1\nparameters: {gain: 2, step_time: 240}\n", "parameters: {gain: 3, step_height: 20}\n");
+  EXPECT_THAT(settings(scenario), ElementsAre(std::pair("step_time", 240.0), std::pair("gain", 3.0),
+                                              std::pair("step_height", 20.0)));
+}
+
+TEST_F(ParameterFile, KnowsItsOwnLines) {
+  const Scenario scenario = read("version: 1\nparameters:\n  gain: 2\n");
+  ASSERT_EQ(scenario.parameters.size(), 1u);
+  EXPECT_EQ(scenario.parameters[0].name.line, 3);
+  EXPECT_THAT(scenario.parameters[0].name.source, HasSubstr("parameters.yaml"));
+}
+
+TEST_F(ParameterFile, IsRefusedWithItsLine) {
+  EXPECT_THAT(refusal("version: 2\n"), HasSubstr("parameters.yaml:1"));
+  EXPECT_THAT(refusal("version: 1\nparametres: {gain: 2}\n"), HasSubstr("parameters.yaml:2"));
+  EXPECT_THAT(refusal("version: 1\nparameters:\n  gain: much\n"), HasSubstr("parameters.yaml:3"));
+}
+
+TEST_F(ParameterFile, IsOneOfTheFilesThatTheScenarioDependsOn) {
+  const auto files = input_files(read("version: 1\n"));
+  EXPECT_THAT(files, ElementsAre(tree_.root() / "scenarios/test.yaml", tree_.root() / "robots/box/robot.sdf",
+                                 tree_.root() / "robots/box/parameters.yaml"));
+}
+
+}  // namespace
+}  // namespace koboshi::sim
