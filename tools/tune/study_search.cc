@@ -118,7 +118,7 @@ class StudySearch {
                         fmt::format("{:.4f}", first.worths[i]), fmt::format("{:.4f}", best.worths[i])});
     }
     trials.push_back({"mean", "", fmt::format("{:.4f}", first.worth), fmt::format("{:.4f}", best.worth)});
-    const std::string figure = draw_course() ? "![Worth of each evaluation](figure.png)\n\n" : "";
+    const std::string figure = draw_course() + "\n\n";
     sim::write_whole_file(
         options_.out / "report.md",
         fmt::format(
@@ -131,8 +131,8 @@ class StudySearch {
                        TableStyle::kMarkdown));
   }
 
-  // The worth of each evaluation and of each trial in it; false where nothing can draw.
-  bool draw_course() const {
+  // The worth of each evaluation and of each trial in it, as Markdown; where nothing can draw, why.
+  std::string draw_course() const {
     Figure figure{
         .title = study_.file.filename().string(), .x_column = "evaluation", .x_label = "evaluation"};
     figure.panels.push_back(
@@ -144,9 +144,9 @@ class StudySearch {
     figure.panels.push_back(std::move(each));
     try {
       draw(figure, options_.out / "evaluations.csv", options_.out / "figure");
-      return true;
-    } catch (const PlotError&) {
-      return false;
+      return "![Worth of each evaluation](figure.png)";
+    } catch (const PlotError& error) {
+      return std::string("No figure: ") + error.what();
     }
   }
 
