@@ -1,6 +1,19 @@
 #include "tools/run/live_link.h"
 
+#include <thread>
+
+#include "sim_board/can/transport/background_transport.h"
+
 namespace koboshi::tools {
+namespace {
+
+// With one processor, the thread would take its time from the simulation all the same.
+std::unique_ptr<sim::Transport> beside_the_simulation(std::unique_ptr<sim::Transport> transport) {
+  if (!transport || !transport->is_slow() || std::thread::hardware_concurrency() < 2) return transport;
+  return std::make_unique<sim::BackgroundTransport>(std::move(transport));
+}
+
+}  // namespace
 
 LiveLink::LiveLink(const LiveOptions& options)
     : transport_(sim::open_transport(options.can, options.real_bus)),
@@ -8,6 +21,7 @@ LiveLink::LiveLink(const LiveOptions& options)
       speed_(options.speed) {
   // Before any thread is started, so that none of them is ended by Ctrl-C.
   if (live_) interrupt_.emplace();
+  transport_ = beside_the_simulation(std::move(transport_));
 }
 
 void LiveLink::attach(sim::Bus& bus) {

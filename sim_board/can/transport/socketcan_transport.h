@@ -18,6 +18,7 @@ class SocketCanTransport final : public Transport {
   std::optional<hal::CanFrame> receive() override { return socket_.receive(); }
   std::string place() const override { return interface_; }
   int descriptor() const override { return socket_.descriptor(); }
+  bool is_slow() const override { return true; }
 
  private:
   std::string interface_;

@@ -28,6 +28,8 @@ class Transport {
   virtual int descriptor() const { return -1; }
   // Whether there is somebody who lives by the clock on the wall, so that a simulation should, too.
   virtual bool is_live() const { return true; }
+  // Whether its calls take so long that a thread of their own pays.
+  virtual bool is_slow() const { return false; }
 };
 
 // Opens a transport by its name:

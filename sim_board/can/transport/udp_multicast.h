@@ -49,6 +49,7 @@ class UdpMulticast final : public Transport {
   std::optional<hal::CanFrame> receive() override;
   std::string place() const override { return place_; }
   int descriptor() const override { return receiver_.number(); }
+  bool is_slow() const override { return true; }
 
  private:
   void drop_own_datagrams();
