@@ -134,8 +134,7 @@ void Drive::run_loop() {
   watch_servo();
   watch_position();
   finish_stop();
-  // In the cyclic mode the values are those of the SYNC; here the hand-shake must go on without one.
-  if (values_.mode_display == cia402::kProfilePosition) show();
+  show();
 }
 
 void Drive::measure() {
@@ -170,16 +169,20 @@ void Drive::on_reset(NmtCommand reset) {
 }
 
 AbortCode Drive::on_write(canopen::ObjectAddress address, std::uint32_t value) {
-  if (address.index == cia402::kControlword) obey(static_cast<std::uint16_t>(value));
+  if (address.index == cia402::kControlword) {
+    obey(static_cast<std::uint16_t>(value));
+    show();
+  }
   return is_supported(address.index, static_cast<std::int32_t>(value)) ? AbortCode::kNone
                                                                        : AbortCode::kInvalidValue;
 }
 
 void Drive::on_sync(std::uint64_t now_us) {
   last_sync_us_ = now_us;
-  if (node_.state() != canopen::NmtState::kOperational) return;
-  obey(values_.controlword);
-  follow_target();
+  if (node_.state() == canopen::NmtState::kOperational) {
+    obey(values_.controlword);
+    follow_target();
+  }
   show();
 }
 

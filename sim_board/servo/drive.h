@@ -19,8 +19,9 @@
 namespace koboshi::sim {
 
 // A servo drive: a CANopen node after CiA 402, in cyclic synchronous position mode or profile position mode,
-// around the hardware of one servo. It answers frames at the microsecond at which they reach it; its own loop
-// runs at 1 kHz.
+// around the hardware of one servo. It answers frames at the microsecond at which they reach it; its own
+// loop, with which the values that it shows are renewed, runs at 1 kHz. SYNC samples them, and is the beat of
+// the cyclic targets.
 class Drive final : private BusNode, private canopen::FrameSink, private canopen::NodeApplication {
  public:
   static constexpr std::uint64_t kBootTime_us = 50'000;  // from power to the boot-up message

@@ -1,0 +1,62 @@
+#include "tests/unit/sim_board/servo/drive_bench.h"
+
+// A master that sends no SYNC, or seldom: the drive obeys it and tells the truth nevertheless.
+namespace koboshi::sim {
+namespace {
+
+class DriveWithoutSync : public DriveTest {
+ protected:
+  State shown() const { return cia402::state_of(drive->values().statusword); }
+};
+
+TEST_F(DriveWithoutSync, ShowsAtOnceWhatAWordBySdoDoesInPreOperational) {
+  EXPECT_EQ(shown(), State::kSwitchOnDisabled);
+  for (const State state : {State::kReadyToSwitchOn, State::kSwitchedOn, State::kOperationEnabled}) {
+    write({0x6040, 0}, kWayToOperation[static_cast<int>(state) - 2], 2);
+    EXPECT_EQ(drive->state(), state);
+    EXPECT_EQ(shown(), state);
+  }
+  EXPECT_NE(drive->values().statusword & cia402::kVoltageEnabled, 0);
+  write({0x6040, 0}, cia402::kControlDisableVoltage, 2);
+  EXPECT_EQ(shown(), State::kSwitchOnDisabled);
+}
+
+TEST_F(DriveWithoutSync, ShowsThatAFaultIsReset) {
+  enable();
+  syncs = false;
+  run_ms(300);
+  ASSERT_EQ(shown(), State::kFault);
+  say({.identifier = 0x000, .size = 2, .data = {128, kNode}});
+  run_ms(2);
+  write({0x6040, 0}, cia402::kFaultReset, 2);
+  EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
+  EXPECT_EQ(shown(), State::kSwitchOnDisabled);
+  EXPECT_EQ(drive->values().error_code, 0);
+}
+
+TEST_F(DriveWithoutSync, ShowsItsEnableLine) {
+  drive->set_enable_line(false);
+  run_ms(1);
+  EXPECT_NE(drive->values().statusword & cia402::kTorqueOff, 0);
+}
+
+TEST_F(DriveWithoutSync, ShowsDemandAndShaftBetweenTwoSyncs) {
+  write({0x60C2, 1}, 200, 1);
+  enable();
+  write({0x1006, 0}, 0, 4);  // nobody misses the SYNC
+  while (now_us % kCycle_us != 0) run_ms(1);
+  target = 20'000;
+  run_ms(11);  // one SYNC with it
+  syncs = false;
+  std::int32_t before = drive->values().position_demand;
+  for (int i = 0; i < 10; ++i) {
+    shaft.position_rad += 0.01;
+    run_ms(10);
+    EXPECT_NEAR(drive->values().position_demand - before, 1'000, 100);
+    before = drive->values().position_demand;
+    EXPECT_NEAR(drive->values().position_actual, shaft.position_rad / kRadPerPositionUnit, 300);
+  }
+}
+
+}  // namespace
+}  // namespace koboshi::sim
