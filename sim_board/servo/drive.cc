@@ -177,12 +177,15 @@ AbortCode Drive::on_write(canopen::ObjectAddress address, std::uint32_t value) {
                                                                        : AbortCode::kInvalidValue;
 }
 
+// Whichever it was, it may carry a controlword, and it has waited for the SYNC already if it had to.
+void Drive::on_rpdo(std::size_t) {
+  obey(values_.controlword);
+  show();
+}
+
 void Drive::on_sync(std::uint64_t now_us) {
   last_sync_us_ = now_us;
-  if (node_.state() == canopen::NmtState::kOperational) {
-    obey(values_.controlword);
-    follow_target();
-  }
+  if (node_.state() == canopen::NmtState::kOperational) follow_target();
   show();
 }
 

@@ -19,9 +19,9 @@
 namespace koboshi::sim {
 
 // A servo drive: a CANopen node after CiA 402, in cyclic synchronous position mode or profile position mode,
-// around the hardware of one servo. It answers frames at the microsecond at which they reach it; its own
-// loop, with which the values that it shows are renewed, runs at 1 kHz. SYNC samples them, and is the beat of
-// the cyclic targets.
+// around the hardware of one servo. It answers frames at the microsecond at which they reach it, and obeys a
+// controlword then; its own loop, with which the values that it shows are renewed, runs at 1 kHz. SYNC
+// samples them, and is the beat of the cyclic targets.
 class Drive final : private BusNode, private canopen::FrameSink, private canopen::NodeApplication {
  public:
   static constexpr std::uint64_t kBootTime_us = 50'000;  // from power to the boot-up message
@@ -67,6 +67,7 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   bool send(const hal::CanFrame& frame) override;
   canopen::AbortCode on_write(canopen::ObjectAddress address, std::uint32_t value) override;
   void on_reset(canopen::NmtCommand reset) override;
+  void on_rpdo(std::size_t number) override;
   void on_sync(std::uint64_t now_us) override;
   void on_state(canopen::NmtState state) override;
   void on_heartbeat(const canopen::HeartbeatEvent& event) override;

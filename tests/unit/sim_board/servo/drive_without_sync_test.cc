@@ -6,6 +6,14 @@ namespace {
 
 class DriveWithoutSync : public DriveTest {
  protected:
+  void start() { say({.identifier = 0x000, .size = 2, .data = {1, kNode}}); }
+  // By RPDO 1 as it is after a reset: a controlword, event-driven.
+  void tell(std::uint16_t word) {
+    hal::CanFrame frame{.identifier = 0x200 + kNode, .size = 2};
+    canopen::store_u16(frame.data.data(), word);
+    say(frame);
+    run_ms(2);
+  }
   State shown() const { return cia402::state_of(drive->values().statusword); }
 };
 
@@ -56,6 +64,39 @@ TEST_F(DriveWithoutSync, ShowsDemandAndShaftBetweenTwoSyncs) {
     before = drive->values().position_demand;
     EXPECT_NEAR(drive->values().position_actual, shaft.position_rad / kRadPerPositionUnit, 300);
   }
+}
+
+TEST_F(DriveWithoutSync, ObeysAnEventDrivenRpdoAtOnce) {
+  start();
+  for (const std::uint16_t word : kWayToOperation) tell(word);
+  EXPECT_EQ(drive->state(), State::kOperationEnabled);
+  EXPECT_EQ(shown(), State::kOperationEnabled);
+  tell(cia402::kControlQuickStop);
+  EXPECT_EQ(shown(), State::kQuickStopActive);
+  tell(cia402::kControlDisableVoltage);
+  EXPECT_EQ(shown(), State::kSwitchOnDisabled);
+  EXPECT_FALSE(is_driven());
+}
+
+TEST_F(DriveWithoutSync, MissesNoWordBetweenTwoSyncs) {
+  start();
+  say({.identifier = 0x080});
+  run_ms(1);
+  for (const std::uint16_t word : kWayToOperation)
+    say({.identifier = 0x200 + kNode, .size = 2, .data = {static_cast<std::uint8_t>(word), 0}});
+  run_ms(2);
+  EXPECT_EQ(drive->state(), State::kOperationEnabled);
+}
+
+TEST_F(DriveWithoutSync, LetsASynchronousRpdoWait) {
+  write({0x1400, 2}, 1, 1);
+  start();
+  tell(cia402::kControlShutdown);
+  run_ms(100);
+  EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
+  say({.identifier = 0x080});
+  run_ms(2);
+  EXPECT_EQ(drive->state(), State::kReadyToSwitchOn);
 }
 
 }  // namespace
