@@ -77,6 +77,7 @@ const canopen::NodeDescription kControllerNode{
     .rows = kRows,
     .rpdos = kRpdos,
     .tpdos = kTpdos,
+    .watched_tpdos = kTelemetryTpdos,  // the drives are told of in each cycle
 };
 
 canopen::PdoConfiguration drive_rpdo(std::size_t joint, std::uint8_t node_id) {

@@ -15,7 +15,7 @@ Node::Node(const NodeDescription& description, const NodeInstance& instance, Nod
       servers_{SdoServer(*this, queue_), SdoServer(*this, queue_)},
       heartbeats_(buffers.consumers, buffers.consumer_slots),
       rpdos_(buffers.rpdos, buffers.rpdo_slots),
-      tpdos_(buffers.tpdos, dictionary_, queue_),
+      tpdos_(buffers.tpdos, description.watched_tpdos, dictionary_, queue_),
       emergencies_(queue_) {}
 
 void Node::start(std::uint64_t now_us) { reset(NmtCommand::kResetNode, now_us); }

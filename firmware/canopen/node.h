@@ -50,6 +50,9 @@ struct NodeDescription {
   std::span<const Entry> rows;
   std::span<const PdoConfiguration> rpdos;  // PDOs beyond these are invalid after a reset
   std::span<const PdoConfiguration> tpdos;
+  // Of so many TPDOs, the first ones, every change of a value is an event; of the others the owner tells
+  // (Node::trigger_tpdo).
+  std::uint8_t watched_tpdos = 255;
 };
 
 // What one node is.
@@ -112,7 +115,7 @@ class Node final : private ObjectServer {
   std::uint8_t node_id() const { return node_id_; }
 
   // Tells an event of TPDO `number` (from 0): it is sent as its transmission type and inhibit time say, or,
-  // outside operational, not at all.
+  // outside operational, not at all. Changes of values are events by themselves, see `watched_tpdos`.
   void trigger_tpdo(std::size_t number, std::uint64_t now_us) {
     if (permits_pdo(state_) && number < tpdos_.size()) tpdos_.request(number, now_us);
   }

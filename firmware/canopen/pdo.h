@@ -75,6 +75,12 @@ class PdoRecord {
   std::uint8_t transmission_type() const { return transmission_type_; }
   std::uint32_t inhibit_time_us() const { return inhibit_time_100us_ * 100u; }
   std::uint32_t event_timer_us() const { return event_timer_ms_ * 1000u; }
+  // Whether a change of a value is an event of this TPDO's type. That of type 254 is the manufacturer's: the
+  // event timer where one is set.
+  bool tells_changes() const {
+    return transmission_type_ == kSynchronousAcyclic || transmission_type_ == kEventProfile ||
+           (transmission_type_ == kEventManufacturer && event_timer_ms_ == 0);
+  }
   std::uint8_t sync_start() const { return sync_start_; }
   // Neither inhibit time nor event timer: it goes whenever it is asked for.
   bool untimed() const { return (inhibit_time_100us_ | event_timer_ms_) == 0; }

@@ -6,24 +6,40 @@
 namespace koboshi::canopen {
 
 void TpdoSet::on_changed(std::size_t number) {
-  forget(pdos_[number]);
+  forget(number);
   synchronous_end_ = 0;
+  watched_end_ = 0;
   for (std::size_t i = 0; i < pdos_.size(); ++i) {
     if (pdos_[i].record.valid() && pdos_[i].record.synchronous()) synchronous_end_ = i + 1;
+    if (watches(i)) watched_end_ = i + 1;
   }
 }
 
-void TpdoSet::forget(Tpdo& pdo) {
+void TpdoSet::forget(std::size_t number) {
+  Tpdo& pdo = pdos_[number];
   due_us_ = 0;
-  pdo.requested = false;
+  pdo.requested = watches(number);
   pdo.counting = false;
   pdo.sync_count = 0;
 }
 
 void TpdoSet::start(std::uint64_t now_us) {
-  for (Tpdo& pdo : pdos_) {
-    forget(pdo);
-    pdo.event_due_us = now_us + pdo.record.event_timer_us();
+  for (std::size_t i = 0; i < pdos_.size(); ++i) {
+    forget(i);
+    pdos_[i].event_due_us = now_us + pdos_[i].record.event_timer_us();
+  }
+}
+
+void TpdoSet::watch() {
+  for (std::size_t i = 0; i < watched_end_; ++i) {
+    if (!watches(i)) continue;
+    Tpdo& pdo = pdos_[i];
+    std::array<std::uint8_t, 8> data{};
+    pdo.record.pack(dictionary_, data.data());
+    if (data == pdo.seen) continue;
+    pdo.seen = data;
+    pdo.requested = true;
+    due_us_ = 0;
   }
 }
 
@@ -36,6 +52,7 @@ void TpdoSet::request(std::size_t number, std::uint64_t now_us) {
 }
 
 void TpdoSet::on_sync(std::uint8_t counter, std::uint64_t now_us) {
+  if (watched_end_ != 0) watch();
   for (Tpdo& pdo : pdos_.first(synchronous_end_)) {
     if (pdo.record.valid() && pdo.record.synchronous() && is_due(pdo, counter)) send(pdo, now_us);
   }

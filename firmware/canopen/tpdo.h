@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -18,16 +19,20 @@ struct Tpdo {
   std::uint8_t sync_count = 0;  // SYNCs since the last transmission
   std::uint64_t inhibited_until_us = 0;
   std::uint64_t event_due_us = 0;
+  std::array<std::uint8_t, 8> seen{};  // its data when they were looked at last, if they are watched
 };
 
 // When each TPDO is due, by its transmission type (CiA 301, 7.2.2.3): at every n-th SYNC, counted from the
 // one with the start value, at the SYNC after an event, or at the event itself and when the event timer has
 // run out, but never sooner than the inhibit time allows.
+//
+// Of the first `watched` PDOs every change of a mapped value is an event, and so is that operational begins:
+// nobody has been told of the values then. Of the others only their owner knows of events.
 class TpdoSet {
  public:
   // Values of `dictionary` go to `queue`; all must outlive the set.
-  TpdoSet(std::span<Tpdo> pdos, const Dictionary& dictionary, TransmitQueue& queue)
-      : pdos_(pdos), dictionary_(dictionary), queue_(queue) {}
+  TpdoSet(std::span<Tpdo> pdos, std::size_t watched, const Dictionary& dictionary, TransmitQueue& queue)
+      : pdos_(pdos), watched_(watched), dictionary_(dictionary), queue_(queue) {}
 
   std::size_t size() const { return pdos_.size(); }
   Tpdo& operator[](std::size_t number) { return pdos_[number]; }
@@ -42,20 +47,27 @@ class TpdoSet {
   // `counter` of the SYNC, 1..240; 0 when it carries none.
   void on_sync(std::uint8_t counter, std::uint64_t now_us);
   void process(std::uint64_t now_us) {
+    if (watched_end_ != 0) watch();
     if (now_us >= due_us_) send_due(now_us);
   }
 
  private:
-  void forget(Tpdo& pdo);
+  void forget(std::size_t number);
+  bool watches(std::size_t number) const {
+    return number < watched_ && pdos_[number].record.valid() && pdos_[number].record.tells_changes();
+  }
+  void watch();
   static bool is_due(Tpdo& pdo, std::uint8_t counter);
   void send_due(std::uint64_t now_us);
   void send(Tpdo& pdo, std::uint64_t now_us);
 
   std::span<Tpdo> pdos_;
+  std::size_t watched_;
   const Dictionary& dictionary_;
   TransmitQueue& queue_;
   std::uint64_t due_us_ = 0;         // nothing is to be sent before
   std::size_t synchronous_end_ = 0;  // behind the last that goes with SYNC
+  std::size_t watched_end_ = 0;      // behind the last whose values are watched
 };
 
 }  // namespace koboshi::canopen

@@ -20,11 +20,20 @@ constexpr canopen::PdoConfiguration kRpdos[] = {
      .mapping = {mapping(cia402::kControlword, 0, 16)}},
 };
 
+// An event-driven PDO with a value that is never at rest, such as a position with the encoder's noise, takes
+// no more of the bus than one in each of the controller's cycles, unless the master wants it to.
+constexpr std::uint16_t kInhibitTime_100us = 100;
+constexpr canopen::PdoConfiguration kFreeTpdo{.inhibit_time_100us = kInhibitTime_100us};
+
 constexpr canopen::PdoConfiguration kTpdos[] = {
     {.cob_id = canopen::kTpdo1Base | canopen::kCobIdNoRemote,
      .plus_node_id = true,
      .transmission_type = canopen::kEventProfile,
+     .inhibit_time_100us = kInhibitTime_100us,
      .mapping = {mapping(cia402::kStatusword, 0, 16)}},
+    kFreeTpdo,
+    kFreeTpdo,
+    kFreeTpdo,
 };
 
 // None where it would meet another one's. Without a node id the description is that of the kind.

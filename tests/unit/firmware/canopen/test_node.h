@@ -108,6 +108,7 @@ inline constexpr NodeDescription kTestDescription{
     .rows = kTestRows,
     .rpdos = kTestRpdos,
     .tpdos = kTestTpdos,
+    .watched_tpdos = 0,
 };
 
 // A DOMAIN in memory, with verdicts to refuse by.

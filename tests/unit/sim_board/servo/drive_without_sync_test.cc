@@ -78,6 +78,41 @@ TEST_F(DriveWithoutSync, ObeysAnEventDrivenRpdoAtOnce) {
   EXPECT_FALSE(is_driven());
 }
 
+TEST_F(DriveWithoutSync, TellsEveryChangeOfItsStatuswordByTpdo1) {
+  heard.clear();
+  start();
+  run_ms(100);
+  for (const std::uint16_t word : {cia402::kControlShutdown, cia402::kControlSwitchOn}) {
+    tell(word);
+    run_ms(100);
+  }
+  drive->set_enable_line(false);
+  run_ms(100);
+  std::vector<std::uint16_t> words;
+  for (const hal::CanFrame& frame : heard) {
+    if (frame.identifier == 0x180 + kNode) words.push_back(canopen::load_u16(frame.data.data()));
+  }
+  EXPECT_EQ(words, (std::vector<std::uint16_t>{0x0240, 0x0221, 0x0223, 0x4240}));
+}
+
+// The position has the encoder's noise; the inhibit time keeps it from filling the bus.
+TEST_F(DriveWithoutSync, DoesNotFloodTheBusWithAPosition) {
+  write({0x1A01, 1}, 0x6064'0020, 4);
+  write({0x1A01, 0}, 1, 1);
+  write({0x1801, 1}, 0x4000'0000u + 0x280 + kNode, 4);
+  start();
+  heard.clear();
+  for (int i = 0; i < 500; ++i) {
+    shaft.position_rad += 0.002;
+    run_ms(1);
+  }
+  const auto told = std::ranges::count(heard, std::uint32_t{0x280 + kNode}, [](const hal::CanFrame& frame) {
+    return std::uint32_t{frame.identifier};
+  });
+  EXPECT_GE(told, 45);
+  EXPECT_LE(told, 51);
+}
+
 TEST_F(DriveWithoutSync, MissesNoWordBetweenTwoSyncs) {
   start();
   say({.identifier = 0x080});
