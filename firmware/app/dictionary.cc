@@ -68,6 +68,8 @@ const canopen::NodeDescription kControllerNode{
     .software_version = "0.1.0",
     .heartbeat_ms = drive::kControllerHeartbeat_ms,
     .sync_producer = true,
+    .sync_period_us = drive::kCycle_us,
+    .sync_by_owner = true,
     // The behaviour state machine decides what a lost drive or bus means; until it has, the drives want SYNC.
     .communication_error = canopen::CommunicationError::kNoChange,
     // There are no parameters but those of kManufacturer, and no group has less than all of them.

@@ -117,7 +117,7 @@ void Node::reset(NmtCommand reset, std::uint64_t now_us) {
 void Node::load_defaults() {
   heartbeat_ms_ = description_.heartbeat_ms;
   communication_error_ = description_.communication_error;
-  sync_.load_defaults(description_.sync_producer, description_.sync_period_us);
+  sync_.load_defaults(description_.sync_producer, description_.sync_period_us, description_.sync_by_owner);
   emergencies_.load_defaults(node_id_);
   servers_[0].configure({static_cast<std::uint32_t>(kSdoRequestBase + node_id_),
                          static_cast<std::uint32_t>(kSdoResponseBase + node_id_)});
@@ -209,7 +209,7 @@ void Node::take_effect(std::size_t number, Rpdo& pdo, const std::array<std::uint
 }
 
 void Node::send_sync(std::uint64_t now_us) {
-  if (!permits_sync(state_)) return;
+  if (!permits_sync(state_) || !sync_.produces()) return;
   const hal::CanFrame frame = sync_.next();
   static_cast<void>(queue_.send(frame));
   on_sync(frame, now_us);

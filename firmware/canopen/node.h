@@ -41,7 +41,10 @@ struct NodeDescription {
   std::string_view software_version;  // 0x100A
   std::uint16_t heartbeat_ms = 0;     // 0x1017 after a reset
   bool sync_producer = false;         // 0x1005 bit 30 after a reset
-  std::uint32_t sync_period_us = 0;   // 0x1006 after a reset; 0: SYNC only by Node::send_sync
+  std::uint32_t sync_period_us = 0;   // 0x1006 after a reset; 0: no SYNC by itself
+  // The owner's cycle is the beat: it calls Node::send_sync once in each `sync_period_us`. 0x1006 takes no
+  // other period, and 0, which ends SYNC.
+  bool sync_by_owner = false;
   CommunicationError communication_error = CommunicationError::kEnterPreOperational;  // 0x1029:1
   // 0x1010, 0x1011: bit g - 1 for each ParameterGroup g that NodeApplication::on_store and on_restore know.
   std::uint8_t stored_groups = 0;
@@ -119,7 +122,8 @@ class Node final : private ObjectServer {
   void trigger_tpdo(std::size_t number, std::uint64_t now_us) {
     if (permits_pdo(state_) && number < tpdos_.size()) tpdos_.request(number, now_us);
   }
-  // Sends a SYNC, behind everything sent so far, and obeys it. Nothing happens in stopped.
+  // Sends a SYNC, behind everything sent so far, and obeys it. Nothing happens in stopped, and unless 0x1005
+  // and 0x1006 make the node a producer.
   void send_sync(std::uint64_t now_us);
 
   // Reports an error: EMCY message (not in stopped), register, history. Reported again, it does nothing until

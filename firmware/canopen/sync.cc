@@ -10,10 +10,11 @@ constexpr std::uint8_t kHighestOverflow = 240;
 
 }  // namespace
 
-void Sync::load_defaults(bool producer, std::uint32_t period_us) {
+void Sync::load_defaults(bool producer, std::uint32_t period_us, bool by_owner) {
   *this = Sync();
   cob_id_ = kSyncCobId | (producer ? kSyncProducer : 0);
   period_us_ = period_us;
+  if (by_owner) owners_period_us_ = period_us;
 }
 
 void Sync::start(std::uint64_t now_us) {
@@ -47,6 +48,7 @@ AbortCode Sync::write(std::uint16_t index, std::uint32_t value) {
     case 0x1005:
       return write_cob_id(value);
     case 0x1006:
+      if (owners_period_us_ != 0 && value != 0 && value != owners_period_us_) return AbortCode::kInvalidValue;
       period_us_ = value;
       due_us_ = 0;  // the new period begins with the next `take_due`
       return AbortCode::kNone;

@@ -13,8 +13,9 @@ namespace koboshi::canopen {
 // period, 0x1007 synchronous window length and 0x1019 synchronous counter overflow value.
 class Sync {
  public:
-  // As after a reset. A period of 0: nothing is produced by itself.
-  void load_defaults(bool producer, std::uint32_t period_us);
+  // As after a reset. A period of 0: nothing is produced by itself. `by_owner`: nothing ever is, and the
+  // period is that in which the owner asks for SYNCs; no other can be written than it and 0.
+  void load_defaults(bool producer, std::uint32_t period_us, bool by_owner = false);
   // The node leaves initialising or stopped: the period begins, and the counter with 1.
   void start(std::uint64_t now_us);
 
@@ -30,8 +31,12 @@ class Sync {
   // Whether synchronous data may still arrive for this cycle. A length of 0: always.
   bool window_open(std::uint64_t now_us) const { return window_us_ == 0 || now_us - last_us_ <= window_us_; }
 
+  // Whether a SYNC that the owner asks for is to be sent.
+  bool produces() const { return producer() && (owners_period_us_ == 0 || period_us_ != 0); }
   // True when the producer's next SYNC is due by its period, once for each.
-  bool take_due(std::uint64_t now_us) { return period_us_ != 0 && take_beat(now_us); }
+  bool take_due(std::uint64_t now_us) {
+    return period_us_ != 0 && owners_period_us_ == 0 && take_beat(now_us);
+  }
   // The SYNC that comes next, whoever asks for it.
   hal::CanFrame next();
 
@@ -43,6 +48,7 @@ class Sync {
 
   std::uint32_t cob_id_ = kSyncCobId;
   std::uint32_t period_us_ = 0;
+  std::uint32_t owners_period_us_ = 0;  // 0: the period is this object's own
   std::uint32_t window_us_ = 0;
   std::uint8_t overflow_ = 0;  // highest value of the counter; 0: SYNC carries none
   std::uint8_t produced_ = 0;  // counter of the last SYNC that this node produced

@@ -227,7 +227,9 @@ void add_services(std::vector<Object>& objects, const canopen::NodeDescription& 
                              "Bit 30: the node produces SYNC."));
   objects.push_back(variable(item(0x1006, 0, "Communication cycle period", DataType::kUnsigned32, "rw",
                                   decimal(node.sync_period_us)),
-                             "Of SYNC; 0: as the application sends it.", "us"));
+                             node.sync_by_owner ? "Of SYNC, the node's own: it takes this and 0, none, only."
+                                                : "Of SYNC; 0: the node sends none.",
+                             "us"));
   objects.push_back(variable(item(0x1007, 0, "Synchronous window length", DataType::kUnsigned32, "rw", "0"),
                              "0: as long as the cycle.", "us"));
   objects.push_back(text(0x1008, "Manufacturer device name", node.device_name));

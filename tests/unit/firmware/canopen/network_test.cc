@@ -107,6 +107,7 @@ TEST_F(NetworkTest, MasterBootsConfiguresAndRunsADevice) {
   master_.values.position = 500;
   device_.values.position = 0x11223344;
   master_.node.trigger_tpdo(0, now_us_);
+  ASSERT_EQ(master_.node.write_object({0x1005, 0}, 0x4000'0080, 4), AbortCode::kNone);
   master_.node.send_sync(now_us_);
   settle();
   EXPECT_EQ(device_.values.controlword, 0x000F);

@@ -68,7 +68,9 @@ TEST(NodeTiming, SyncIsProducedOnlyByAProducer) {
 }
 
 TEST(NodeTiming, SyncOnDemandFollowsWhatWasSentBefore) {
-  TestNode device;
+  NodeDescription description = kTestDescription;
+  description.sync_producer = true;
+  TestNode device(0x10, description);
   device.make_operational();
   device.node.trigger_tpdo(1, 0);
   device.node.send_sync(0);

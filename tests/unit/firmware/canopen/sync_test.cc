@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/unit/firmware/canopen/test_node.h"
 
 namespace koboshi::canopen {
@@ -53,6 +55,70 @@ TEST(NodeSync, CountsAnewAfterStopped) {
   device.node.command(NmtCommand::kEnterPreOperational, 0);
   device.node.send_sync(0);
   EXPECT_EQ(device.sink.take(), std::vector{can_frame(0x080, {1})});
+}
+
+// A producer whose owner's cycle of 10 ms is the beat, as the controller.
+class NodeSyncByOwner : public testing::Test {
+ protected:
+  NodeSyncByOwner() : device(0x10, description()) { device.make_operational(); }
+
+  static const NodeDescription& description() {
+    static const NodeDescription description = [] {
+      NodeDescription producer = kTestDescription;
+      producer.sync_producer = true;
+      producer.sync_period_us = 10'000;
+      producer.sync_by_owner = true;
+      return producer;
+    }();
+    return description;
+  }
+  // In ten of the owner's cycles.
+  std::ptrdiff_t syncs() {
+    device.sink.frames.clear();
+    for (int i = 0; i < 10; ++i, now_us += 10'000) {
+      device.node.process(now_us);
+      device.node.send_sync(now_us);
+    }
+    return std::ranges::count(device.sink.frames, kSyncCobId, &hal::CanFrame::identifier);
+  }
+  AbortCode write(std::uint16_t index, std::uint32_t value) {
+    return device.node.write_object({index, 0}, value, index == 0x1019 ? 1 : 4);
+  }
+
+  TestNode device;
+  std::uint64_t now_us = 0;
+};
+
+TEST_F(NodeSyncByOwner, SendsOneInEachCycle) { EXPECT_EQ(syncs(), 10); }
+
+TEST_F(NodeSyncByOwner, IsNoneWithoutBit30) {
+  ASSERT_EQ(write(0x1005, 0x080), AbortCode::kNone);
+  EXPECT_EQ(syncs(), 0);
+  ASSERT_EQ(write(0x1005, 0x4000'0080), AbortCode::kNone);
+  EXPECT_EQ(syncs(), 10);
+}
+
+TEST_F(NodeSyncByOwner, TakesItsPeriodAndNoneAndNoOther) {
+  ObjectValue period;
+  ASSERT_EQ(device.node.read_object({0x1006, 0}, period), AbortCode::kNone);
+  EXPECT_EQ(period.number(), 10'000u);
+  for (const std::uint32_t other : {1u, 5'000u, 9'999u, 20'000u, 0xFFFF'FFFFu}) {
+    EXPECT_EQ(write(0x1006, other), AbortCode::kInvalidValue);
+  }
+  EXPECT_EQ(syncs(), 10);
+  ASSERT_EQ(write(0x1006, 0), AbortCode::kNone);
+  EXPECT_EQ(syncs(), 0);
+  ASSERT_EQ(write(0x1006, 10'000), AbortCode::kNone);
+  EXPECT_EQ(syncs(), 10);
+}
+
+TEST_F(NodeSyncByOwner, CountsWhenItIsToldToWhileThereIsNone) {
+  EXPECT_EQ(write(0x1019, 10), AbortCode::kDeviceState);
+  ASSERT_EQ(write(0x1006, 0), AbortCode::kNone);
+  ASSERT_EQ(write(0x1019, 10), AbortCode::kNone);
+  ASSERT_EQ(write(0x1006, 10'000), AbortCode::kNone);
+  syncs();
+  EXPECT_EQ(device.sink.frames.front(), can_frame(0x080, {1}));
 }
 
 TEST(NodeSync, OfAnUnexpectedLengthIsNoneAndIsTold) {
