@@ -196,4 +196,11 @@ void Controller::on_reset(NmtCommand reset) {
   }
 }
 
+// A drive that has booted is silent until it has its configuration, and that may take longer than the
+// consumer's time: its monitoring begins anew.
+void Controller::on_heartbeat(const canopen::HeartbeatEvent& event) {
+  drives_.on_heartbeat(event);
+  if (event.kind == canopen::HeartbeatEventKind::kBootedUp) node_.await_heartbeat(event.node_id);
+}
+
 }  // namespace koboshi::app

@@ -65,7 +65,7 @@ class Controller final : private canopen::NodeApplication {
   canopen::AbortCode on_restore(canopen::ParameterGroup group) override;
   [[gnu::cold]] void on_reset(canopen::NmtCommand reset) override;
   void on_rpdo(std::size_t number) override;
-  void on_heartbeat(const canopen::HeartbeatEvent& event) override { drives_.on_heartbeat(event); }
+  void on_heartbeat(const canopen::HeartbeatEvent& event) override;
   void on_emergency(const canopen::Emergency& emergency) override { drives_.on_emergency(emergency); }
 
   [[gnu::cold]] void start(std::uint64_t now_us);

@@ -40,6 +40,11 @@ void HeartbeatMonitor::clear() {
   slots_.clear();
 }
 
+void HeartbeatMonitor::await(std::uint8_t node_id) {
+  const std::size_t slot = slots_.find(node_id);
+  if (slot != SlotMap::kNone) consumers_[slot].alive = false;
+}
+
 void HeartbeatMonitor::update_slots() {
   slots_.clear();
   for (std::size_t i = 0; i < consumers_.size(); ++i) {
@@ -54,14 +59,15 @@ bool HeartbeatMonitor::on_heartbeat(const Heartbeat& heartbeat, std::uint64_t no
   const HeartbeatConsumer before = consumer;
   consumer.lost = false;
   consumer.state = heartbeat.state;
-  consumer.alive = heartbeat.state != NmtState::kInitialising;
+  const bool booted = heartbeat.state == NmtState::kInitialising;
+  consumer.alive = before.alive || !booted;
   consumer.deadline_us = now_us + consumer.time_ms * 1000u;
   earliest_us_ = std::min(earliest_us_, consumer.deadline_us);
 
   event = {heartbeat.node_id, HeartbeatEventKind::kStateChanged, heartbeat.state};
-  if (!consumer.alive) {
+  if (booted) {
     event.kind = HeartbeatEventKind::kBootedUp;
-  } else if (!before.alive) {
+  } else if (!before.alive || before.state == NmtState::kInitialising) {
     event.kind = HeartbeatEventKind::kFirstSeen;
   }
   return event.kind != HeartbeatEventKind::kStateChanged || before.state != heartbeat.state;

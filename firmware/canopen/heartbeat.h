@@ -37,7 +37,8 @@ struct HeartbeatConsumer {
 };
 
 // The heartbeat consumers of a node (CiA 301, 7.2.8.3.2.2 and object 0x1016). Monitoring of a node starts
-// with its first heartbeat, so a node that is never heard of is never lost.
+// with its first heartbeat, so a node that is never heard of is never lost. A boot-up message does not end
+// it: who restarts and then is silent is lost. It ends with the loss, and when 0x1016 is written.
 class HeartbeatMonitor {
  public:
   HeartbeatMonitor(std::span<HeartbeatConsumer> consumers, std::span<SlotMap::Item> slots)
@@ -48,6 +49,8 @@ class HeartbeatMonitor {
   AbortCode write(std::uint8_t subindex, std::uint32_t value);
   // Forgets all.
   void clear();
+  // Nothing is expected of a node until its next heartbeat.
+  void await(std::uint8_t node_id);
 
   // True when the frame's news are an event.
   bool on_heartbeat(const Heartbeat& heartbeat, std::uint64_t now_us, HeartbeatEvent& event);

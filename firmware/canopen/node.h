@@ -146,6 +146,9 @@ class Node final : private ObjectServer {
   // Entry `number` (from 0) of object 0x1016: monitors a node; a time of 0 ends that.
   AbortCode configure_consumer(std::size_t number, std::uint8_t node_id, std::uint16_t time_ms);
 
+  // Monitoring of a node begins anew with its next heartbeat.
+  void await_heartbeat(std::uint8_t node_id) { heartbeats_.await(node_id); }
+
   const HeartbeatMonitor& heartbeats() const { return heartbeats_; }
   // Whoever sends besides this node's services, an SdoClient or an NMT master, does it here: the order of
   // frames is kept.

@@ -68,11 +68,45 @@ TEST_F(HeartbeatMonitorTest, TellsTheReturnOfALostNode) {
   EXPECT_EQ(hear(NmtState::kOperational, 150'000), one(kFirstSeen, NmtState::kOperational));
 }
 
-TEST_F(HeartbeatMonitorTest, ABootUpStopsMonitoringUntilTheNextHeartbeat) {
+TEST_F(HeartbeatMonitorTest, LosesANodeThatIsSilentAfterItsBootUp) {
   hear(NmtState::kOperational, 0);
   EXPECT_EQ(hear(NmtState::kInitialising, 50'000), one(kBootedUp, NmtState::kInitialising));
-  EXPECT_TRUE(check(500'000).empty());
+  EXPECT_TRUE(check(149'999).empty());
+  EXPECT_EQ(check(150'000), one(kLost, NmtState::kInitialising));
   EXPECT_EQ(hear(NmtState::kPreOperational, 600'000), one(kFirstSeen, NmtState::kPreOperational));
+}
+
+TEST_F(HeartbeatMonitorTest, GoesOnWithANodeThatSpeaksAfterItsBootUp) {
+  hear(NmtState::kOperational, 0);
+  hear(NmtState::kInitialising, 50'000);
+  EXPECT_EQ(hear(NmtState::kPreOperational, 100'000), one(kFirstSeen, NmtState::kPreOperational));
+  EXPECT_TRUE(check(199'999).empty());
+  EXPECT_EQ(check(200'000), one(kLost, NmtState::kPreOperational));
+}
+
+// Its heartbeat may have to be configured first.
+TEST_F(HeartbeatMonitorTest, ABootUpAloneDoesNotStartMonitoring) {
+  EXPECT_EQ(hear(NmtState::kInitialising, 0), one(kBootedUp, NmtState::kInitialising));
+  EXPECT_TRUE(check(500'000).empty());
+  hear(NmtState::kOperational, 600'000);
+  ASSERT_EQ(check(700'000).size(), 1u);
+  hear(NmtState::kInitialising, 800'000);
+  EXPECT_TRUE(check(1'000'000).empty());
+}
+
+TEST_F(HeartbeatMonitorTest, ExpectsNothingOfANodeThatItAwaits) {
+  hear(NmtState::kOperational, 0);
+  monitor_.await(0x10);
+  monitor_.await(0x11);  // not monitored
+  EXPECT_TRUE(check(500'000).empty());
+  hear(NmtState::kOperational, 600'000);
+  EXPECT_EQ(check(700'000).size(), 1u);
+}
+
+TEST_F(HeartbeatMonitorTest, WritingTheConsumerEndsMonitoring) {
+  hear(NmtState::kOperational, 0);
+  ASSERT_EQ(monitor_.write(1, (0x10u << 16) | 100), AbortCode::kNone);
+  EXPECT_TRUE(check(500'000).empty());
 }
 
 TEST_F(HeartbeatMonitorTest, IgnoresNodesItDoesNotMonitor) {

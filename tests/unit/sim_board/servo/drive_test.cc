@@ -156,6 +156,17 @@ INSTANTIATE_TEST_SUITE_P(TheController, DriveLoses,
                                          Loss{"Sync", 0x8700, 50, [](bool&, bool& syncs) { syncs = false; }}),
                          [](const auto& info) { return info.param.name; });
 
+TEST_F(DriveTest, StopsWhenItsControllerRestartsAndThenIsSilent) {
+  enable();
+  heartbeats = false;
+  say({.identifier = 0x701, .size = 1, .data = {0}});
+  run_ms(58);
+  EXPECT_EQ(drive->state(), State::kOperationEnabled);
+  run_ms(6);
+  EXPECT_EQ(drive->state(), State::kFaultReactionActive);
+  EXPECT_EQ(emergencies(), std::vector<std::uint16_t>{0x8130});
+}
+
 TEST_F(DriveTest, DoesNotMissSyncWhileItIsLimp) {
   configure();
   syncs = false;
