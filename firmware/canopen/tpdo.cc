@@ -6,34 +6,35 @@
 namespace koboshi::canopen {
 
 void TpdoSet::on_changed(std::size_t number) {
-  forget(number);
+  const PdoRecord& changed = pdos_[number].record;
+  pdos_[number].watched = number < watched_ && changed.valid() && changed.tells_changes();
+  forget(pdos_[number]);
+  due_us_ = 0;
   synchronous_end_ = 0;
   watched_end_ = 0;
   for (std::size_t i = 0; i < pdos_.size(); ++i) {
     if (pdos_[i].record.valid() && pdos_[i].record.synchronous()) synchronous_end_ = i + 1;
-    if (watches(i)) watched_end_ = i + 1;
+    if (pdos_[i].watched) watched_end_ = i + 1;
   }
 }
 
-void TpdoSet::forget(std::size_t number) {
-  Tpdo& pdo = pdos_[number];
-  due_us_ = 0;
-  pdo.requested = watches(number);
+void TpdoSet::forget(Tpdo& pdo) {
+  pdo.requested = pdo.watched;
   pdo.counting = false;
   pdo.sync_count = 0;
 }
 
 void TpdoSet::start(std::uint64_t now_us) {
-  for (std::size_t i = 0; i < pdos_.size(); ++i) {
-    forget(i);
-    pdos_[i].event_due_us = now_us + pdos_[i].record.event_timer_us();
+  due_us_ = 0;
+  for (Tpdo& pdo : pdos_) {
+    forget(pdo);
+    pdo.event_due_us = now_us + pdo.record.event_timer_us();
   }
 }
 
 void TpdoSet::watch() {
-  for (std::size_t i = 0; i < watched_end_; ++i) {
-    if (!watches(i)) continue;
-    Tpdo& pdo = pdos_[i];
+  for (Tpdo& pdo : pdos_.first(watched_end_)) {
+    if (!pdo.watched) continue;
     std::array<std::uint8_t, 8> data{};
     pdo.record.pack(dictionary_, data.data());
     if (data == pdo.seen) continue;

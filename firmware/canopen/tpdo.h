@@ -15,6 +15,7 @@ struct Tpdo {
   PdoRecord record{PdoDirection::kTransmit};
   // An event waits for the end of the inhibit time, for room in the queue, or for the SYNC.
   bool requested = false;
+  bool watched = false;         // a change of a value is an event
   bool counting = false;        // the SYNC with the start value has come, if there is one
   std::uint8_t sync_count = 0;  // SYNCs since the last transmission
   std::uint64_t inhibited_until_us = 0;
@@ -39,9 +40,9 @@ class TpdoSet {
   const Tpdo& operator[](std::size_t number) const { return pdos_[number]; }
 
   // To be called when record `number` has changed: what waited is dropped, its SYNCs are counted anew.
-  void on_changed(std::size_t number);
+  [[gnu::cold]] void on_changed(std::size_t number);
   // The node has become operational: counters and event timers begin anew.
-  void start(std::uint64_t now_us);
+  [[gnu::cold]] void start(std::uint64_t now_us);
   // An event: something in PDO `number` is worth telling.
   void request(std::size_t number, std::uint64_t now_us);
   // `counter` of the SYNC, 1..240; 0 when it carries none.
@@ -52,11 +53,8 @@ class TpdoSet {
   }
 
  private:
-  void forget(std::size_t number);
-  bool watches(std::size_t number) const {
-    return number < watched_ && pdos_[number].record.valid() && pdos_[number].record.tells_changes();
-  }
-  void watch();
+  static void forget(Tpdo& pdo);
+  [[gnu::cold]] void watch();  // as telemetry is configured after a reset there is nothing to watch
   static bool is_due(Tpdo& pdo, std::uint8_t counter);
   void send_due(std::uint64_t now_us);
   void send(Tpdo& pdo, std::uint64_t now_us);
