@@ -31,7 +31,7 @@ void add_send(CLI::App& can) {
     CanOptions can;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = can.add_subcommand("send", "Send frames: 201#0100, 000#0110, 123#R");
+  CLI::App* command = can.add_subcommand("send", "Send frames: " KOBOSHI_SAMPLE_FRAME ", 000#0110, 123#R");
   command->add_option("FRAME", arguments->frames, "ID#DATA in hexadecimal, as cansend takes it")->required();
   add_can_options(*command, arguments->can);
   command->callback([arguments] {
@@ -139,7 +139,8 @@ void add_can_command(CLI::App& program) {
       "Examples:\n"
       "  koboshi can dump runs/walk                        the log of a run, in words\n"
       "  koboshi can dump --can socketcan:vcan0 --node 16\n"
-      "  koboshi can send 201#0100                         tells the controller to enable the drives\n"
+      "  koboshi can send " KOBOSHI_SAMPLE_FRAME
+      "                       tells the controller to enable the drives\n"
       "  koboshi can sdo read 1 0x1008\n"
       "  koboshi can nmt start all\n"
       "  koboshi can stats runs/walk\n"

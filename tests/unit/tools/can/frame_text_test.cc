@@ -5,6 +5,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "firmware/app/dictionary.h"
+#include "firmware/drive/configuration.h"
+
 namespace koboshi::tools {
 namespace {
 
@@ -18,6 +21,23 @@ TEST(FrameText, IsReadAndWrittenAsCansendDoes) {
   EXPECT_EQ(parse_frame("701#R1"), (hal::CanFrame{.identifier = 0x701, .size = 1, .remote = true}));
   EXPECT_EQ(frame_text(parse_frame("701#R1")), "701#R1");
   EXPECT_EQ(frame_text(parse_frame("701#R")), "701#R");
+}
+
+// As the help promises: the identifier of the controller's first RPDO, and all that this holds.
+TEST(FrameText, HasASampleThatTheControllerObeys) {
+  const hal::CanFrame sample = parse_frame(KOBOSHI_SAMPLE_FRAME);
+  const canopen::PdoConfiguration& commands = app::kControllerNode.rpdos[app::kCommandRpdo];
+  EXPECT_EQ(sample.identifier, commands.cob_id + drive::kControllerNodeId);
+  unsigned bits = 0;
+  for (const std::uint32_t entry : commands.mapping) bits += entry & 0xFF;
+  EXPECT_EQ(8u * sample.size, bits);
+  EXPECT_EQ(sample.data[0], static_cast<std::uint8_t>(app::Command::kEnable));
+  try {
+    parse_frame("201");
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find(KOBOSHI_SAMPLE_FRAME), std::string::npos) << error.what();
+  }
 }
 
 TEST(FrameText, RefusesWhatIsNoFrame) {
