@@ -38,9 +38,7 @@ constexpr canopen::PdoConfiguration kTpdos[] = {
 
 // None where it would meet another one's. Without a node id the description is that of the kind.
 canopen::SdoChannel pc_channel(std::uint8_t node_id) {
-  constexpr std::uint8_t kFirst = 16;
-  constexpr std::uint8_t kLast = 35;
-  if (node_id != 0 && (node_id < kFirst || node_id > kLast)) return {};
+  if (node_id != 0 && !has_pc_sdo(node_id)) return {};
   return {.request_cob_id = kPcSdoRequestBase, .response_cob_id = kPcSdoResponseBase, .plus_node_id = true};
 }
 

@@ -6,6 +6,7 @@
 
 #include "firmware/canopen/node.h"
 #include "sim_board/robot/description.h"
+#include "sim_board/servo/pc_sdo.h"
 
 namespace koboshi::sim {
 
@@ -63,11 +64,6 @@ inline std::int32_t within_limits(const DriveValues& values, std::int64_t target
 
 // The winding's temperature, manufacturer-specific: CiA 402 has none.
 inline constexpr std::uint16_t kWindingTemperature = 0x2000;
-
-// A drive's second SDO channel is there for the operator's PC: the first belongs to the controller. Bases to
-// which the node id is added; for the ids 16 to 35 they fall into 0x690 to 0x6B7, which CiA 301 leaves free.
-inline constexpr std::uint16_t kPcSdoRequestBase = 0x680;
-inline constexpr std::uint16_t kPcSdoResponseBase = 0x694;
 
 // What all drives share but their identity, which stands in the robot file.
 canopen::NodeDescription drive_node_description(const DriveDescription& drive);

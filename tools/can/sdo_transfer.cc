@@ -10,6 +10,7 @@
 #include "firmware/canopen/cob_id.h"
 #include "firmware/canopen/crc16.h"
 #include "firmware/canopen/sdo_protocol.h"
+#include "sim_board/servo/pc_sdo.h"
 #include "tools/can/source.h"
 
 namespace koboshi::tools {
@@ -71,6 +72,14 @@ SdoAborted::SdoAborted(AbortCode code)
 SdoTransfer::SdoTransfer(sim::Transport& transport, std::uint8_t node_id)
     : SdoTransfer(transport, static_cast<std::uint16_t>(canopen::kSdoRequestBase + node_id),
                   static_cast<std::uint16_t>(canopen::kSdoResponseBase + node_id)) {}
+
+SdoTransfer second_sdo(sim::Transport& transport, std::uint8_t node_id) {
+  if (!sim::has_pc_sdo(node_id))
+    throw std::invalid_argument(
+        fmt::format("found node {}, expected a drive, 16 to 35: only they have a second channel", node_id));
+  return {transport, static_cast<std::uint16_t>(sim::kPcSdoRequestBase + node_id),
+          static_cast<std::uint16_t>(sim::kPcSdoResponseBase + node_id)};
+}
 
 // --- One message
 

@@ -68,4 +68,8 @@ class SdoTransfer {
   canopen::ObjectAddress address_;  // of the transfer under way
 };
 
+// On a drive's second channel, which leaves the controller's alone. Throws std::invalid_argument for a node
+// that has none: its identifiers are another node's.
+SdoTransfer second_sdo(sim::Transport& transport, std::uint8_t node_id);
+
 }  // namespace koboshi::tools

@@ -11,7 +11,6 @@
 #include <memory>
 #include <stdexcept>
 
-#include "sim_board/servo/drive_dictionary.h"
 #include "tools/can/frame_text.h"
 #include "tools/can/sdo_transfer.h"
 #include "tools/cli/can_options.h"
@@ -32,9 +31,7 @@ struct Arguments {
 // The channel asked for.
 SdoTransfer open_transfer(const Arguments& arguments, sim::Transport& transport) {
   const std::uint8_t node = parse_node(arguments.node);
-  if (!arguments.second) return {transport, node};
-  return {transport, static_cast<std::uint16_t>(sim::kPcSdoRequestBase + node),
-          static_cast<std::uint16_t>(sim::kPcSdoResponseBase + node)};
+  return arguments.second ? second_sdo(transport, node) : SdoTransfer(transport, node);
 }
 
 // 0x2101:1, 2101:1 or 0x1008.

@@ -120,5 +120,32 @@ TEST_F(SdoTransferTest, GivesUpOnSilence) {
   EXPECT_THROW(nobody.read({0x1000, 0}), std::runtime_error);
 }
 
+// Keeps the identifier of what is sent.
+class Ear final : public sim::Transport {
+ public:
+  bool send(const hal::CanFrame& frame, std::uint64_t) override {
+    identifiers.push_back(frame.identifier);
+    return true;
+  }
+  std::optional<hal::CanFrame> receive() override {
+    return hal::CanFrame{.identifier = 0x6A4, .size = 8, .data = {0x60, 0x60, 0x60}};
+  }
+  std::string place() const override { return "an ear"; }
+
+  std::vector<std::uint16_t> identifiers;
+};
+
+// Elsewhere its identifiers are another node's: 0x6A4 answers for drive 16, and would be the request of 36.
+TEST(SecondSdo, IsThatOfDrivesOnly) {
+  Ear ear;
+  second_sdo(ear, 16).write({0x6060, 0}, std::vector<std::uint8_t>{8});
+  EXPECT_EQ(ear.identifiers, std::vector<std::uint16_t>{0x690});
+  EXPECT_NO_THROW(second_sdo(ear, 35));
+  for (const std::uint8_t node : std::vector<std::uint8_t>{1, 15, 36, 38, 127}) {
+    EXPECT_THROW(second_sdo(ear, node), std::invalid_argument) << int{node};
+  }
+  EXPECT_EQ(ear.identifiers.size(), 1u);
+}
+
 }  // namespace
 }  // namespace koboshi::tools

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <cstdint>
+
+namespace koboshi::sim {
+
+// A drive's second SDO channel is there for the operator's PC: the first belongs to the controller. Bases to
+// which the node id is added; for the ids 16 to 35 they fall into 0x690 to 0x6B7, which CiA 301 leaves free.
+inline constexpr std::uint16_t kPcSdoRequestBase = 0x680;
+inline constexpr std::uint16_t kPcSdoResponseBase = 0x694;
+constexpr bool has_pc_sdo(std::uint8_t node_id) { return node_id >= 16 && node_id <= 35; }
+
+}  // namespace koboshi::sim
