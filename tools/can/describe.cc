@@ -6,6 +6,7 @@
 #include "firmware/canopen/cob_id.h"
 #include "firmware/canopen/sdo_protocol.h"
 #include "firmware/canopen/value_names.h"
+#include "sim_board/servo/pc_sdo.h"
 #include "tools/can/sdo_transfer.h"
 
 namespace koboshi::tools {
@@ -122,6 +123,23 @@ std::string sdo_text(const hal::CanFrame& frame, bool request) {
   }
 }
 
+// The drive on whose second channel (0x1201) a frame is; no function code tells it. 0: on none.
+int second_channel_of(std::uint16_t identifier, std::uint16_t base) {
+  const int node = identifier - base;
+  return node > 0 && node <= canopen::kMaxNodeId && sim::has_pc_sdo(static_cast<std::uint8_t>(node)) ? node
+                                                                                                     : 0;
+}
+
+int second_channel_of(std::uint16_t identifier) {
+  const int node = second_channel_of(identifier, sim::kPcSdoRequestBase);
+  return node != 0 ? node : second_channel_of(identifier, sim::kPcSdoResponseBase);
+}
+
+bool is_request(std::uint16_t identifier) {
+  return (identifier & canopen::kFunctionCodeMask) == canopen::kSdoRequestBase ||
+         second_channel_of(identifier, sim::kPcSdoRequestBase) != 0;
+}
+
 std::string emergency_text(const hal::CanFrame& frame) {
   const std::uint16_t code = load_u16(frame.data.data());
   return fmt::format("{:04X} {}, register {:02X}", code, code == 0 ? "no error" : emergency_class(code),
@@ -135,6 +153,7 @@ FrameKind kind_of(const hal::CanFrame& frame) {
   if (identifier == canopen::kNmtCobId) return FrameKind::kNmt;
   if (identifier == canopen::kSyncCobId) return FrameKind::kSync;
   if (identifier == 0x100) return FrameKind::kTime;
+  if (second_channel_of(identifier) != 0) return FrameKind::kSdo;
   switch (identifier & canopen::kFunctionCodeMask) {
     case canopen::kEmergencyBase:
       return FrameKind::kEmergency;
@@ -152,6 +171,7 @@ FrameKind kind_of(const hal::CanFrame& frame) {
 int node_of(const hal::CanFrame& frame) {
   const FrameKind kind = kind_of(frame);
   if (kind == FrameKind::kNmt) return frame.size > 1 ? frame.data[1] : 0;
+  if (const int node = second_channel_of(frame.identifier); node != 0) return node;
   return kind == FrameKind::kSync || kind == FrameKind::kTime ? 0 : frame.identifier & 0x7F;
 }
 
@@ -173,8 +193,9 @@ std::string describe(const hal::CanFrame& frame) {
       return frame.size == 1 ? fmt::format("heartbeat {}: {}", node_name(node), state_name(frame.data[0]))
                              : "heartbeat of wrong length";
     case FrameKind::kSdo: {
-      const bool request = (frame.identifier & canopen::kFunctionCodeMask) == canopen::kSdoRequestBase;
-      return frame.size == 8 ? fmt::format("SDO {}: {}", node_name(node), sdo_text(frame, request))
+      const bool request = is_request(frame.identifier);
+      const char* channel = second_channel_of(frame.identifier) != 0 ? "second SDO" : "SDO";
+      return frame.size == 8 ? fmt::format("{} {}: {}", channel, node_name(node), sdo_text(frame, request))
                              : "SDO of wrong length";
     }
     default:

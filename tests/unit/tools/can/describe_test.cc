@@ -34,6 +34,17 @@ TEST(Describe, TellsWhatSdosCarry) {
             "SDO node 1: abort 2000:00: 06010002 attempt to write a read-only object");
 }
 
+TEST(Describe, TellsTheDrivesSecondSdoChannels) {
+  EXPECT_EQ(words("690#4041600000000000"), "second SDO node 16: read 6041:00");
+  EXPECT_EQ(words("6A4#4B41600040020000"), "second SDO node 16: read answered 6041:00 = 0x0240");
+  EXPECT_EQ(words("6A3#4041600000000000"), "second SDO node 35: read 6041:00");
+  EXPECT_EQ(words("6B7#4B41600040020000"), "second SDO node 35: read answered 6041:00 = 0x0240");
+  for (const char* other : {"68F#4041600000000000", "6B8#4041600000000000"}) {
+    EXPECT_EQ(kind_of(parse_frame(other)), FrameKind::kOther);
+    EXPECT_EQ(words(other), "");
+  }
+}
+
 TEST(Describe, SurvivesAnything) {
   std::mt19937 random(1);  // the seed
   for (int i = 0; i < 100'000; ++i) {
