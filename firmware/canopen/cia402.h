@@ -37,6 +37,7 @@ inline constexpr std::uint16_t kProfileVelocity = 0x6081;
 inline constexpr std::uint16_t kProfileAcceleration = 0x6083;
 inline constexpr std::uint16_t kProfileDeceleration = 0x6084;
 inline constexpr std::uint16_t kQuickStopDeceleration = 0x6085;
+inline constexpr std::uint16_t kMotionProfileType = 0x6086;
 inline constexpr std::uint16_t kInterpolationTimePeriod = 0x60C2;
 inline constexpr std::uint16_t kFollowingErrorActual = 0x60F4;
 inline constexpr std::uint16_t kSupportedDriveModes = 0x6502;

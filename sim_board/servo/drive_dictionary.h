@@ -47,6 +47,7 @@ struct DriveValues {
   std::uint32_t profile_acceleration = 0;     // 0x6083: 2^-20 turn/s^2
   std::uint32_t profile_deceleration = 0;     // 0x6084
   std::uint32_t quick_stop_deceleration = 0;  // 0x6085
+  std::int16_t motion_profile_type = 0;       // 0x6086: linear ramps
   std::uint8_t interpolation_period = 10;     // 0x60C2:1
   std::int32_t following_error = 0;           // 0x60F4
   std::int8_t interpolation_exponent = -3;    // 0x60C2:2: powers of ten of a second

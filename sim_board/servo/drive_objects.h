@@ -21,6 +21,7 @@ inline constexpr canopen::ValueName kAbortConnectionNames[] = {
 inline constexpr canopen::ValueName kStopNames[] = {{0, "disable the drive at once"},
                                                     {1, "slow down on the profile's ramp"},
                                                     {2, "slow down on the quick stop ramp"}};
+inline constexpr canopen::ValueName kMotionProfileNames[] = {{0, "linear ramps"}};
 inline constexpr auto kDisableNames = std::span(kStopNames).first<2>();
 inline constexpr auto kHaltNames = std::span(kStopNames).last<2>();
 
@@ -132,9 +133,13 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
          1u << (cia402::kProfilePosition - 1) | 1u << (cia402::kCyclicSynchronousPosition - 1)),
      {.name = "Supported drive modes",
       .comment = "Bit 0: profile position; bit 7: cyclic synchronous position."}},
+    {OBJECT(kMotionProfileType, 0, motion_profile_type, kReadWrite).within<std::int16_t>(0, 0),
+     {.name = "Motion profile type", .values = kMotionProfileNames}},
 };
 static_assert(canopen::is_described(kDriveObjects));
 
 #undef OBJECT
 
 }  // namespace koboshi::sim
+    {OBJECT(kFollowingErrorActual, 0, following_error, kReadOnly, kTpdo),
+     {.name = "Following error actual value", .unit = kShaftUnit, .comment = "The demand less the shaft."}},

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "tests/unit/sim_board/servo/drive_bench.h"
 
 // Profile position mode of the drive, CiA 402-2.
@@ -41,6 +43,27 @@ class ProfileDriveTest : public DriveTest {
   bool shows(std::uint16_t bit) const { return (drive->values().statusword & bit) != 0; }
   std::int32_t demand() const { return drive->values().position_demand; }
 };
+
+// What CiA 402-2 asks of a drive with this mode.
+TEST_F(ProfileDriveTest, HasAMotionProfileTypeThatIsLinear) {
+  EXPECT_EQ(abort_of({0x6086, 0}, 0, 2), 0u);
+  EXPECT_EQ(abort_of({0x6086, 0}, 3, 2), 0x0609'0031u);
+}
+
+TEST_F(ProfileDriveTest, TellsItsFollowingErrorOnTheBus) {
+  enable_profile();
+  target = 50'000;
+  controlword = static_cast<std::uint16_t>(kEnabled | cia402::kNewSetPoint);
+  run_ms(200);  // the shaft stays where it is
+  heard.clear();
+  say({.identifier = 0x600 + kNode, .size = 8, .data = {0x40, 0xF4, 0x60, 0x00}});
+  run_ms(2);
+  const auto answer = std::ranges::find(heard, 0x580 + kNode, &hal::CanFrame::identifier);
+  ASSERT_NE(answer, heard.end());
+  EXPECT_EQ(answer->data[0], 0x43);
+  EXPECT_NEAR(canopen::load_u32(&answer->data[4]), demand(), 500);
+  EXPECT_GT(demand(), 5'000);
+}
 
 TEST_F(ProfileDriveTest, MovesOnTheRisingEdgeOfANewSetPointOnly) {
   enable_profile();
