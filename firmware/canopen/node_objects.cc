@@ -230,6 +230,11 @@ AbortCode Node::write_record(ObjectAddress address, std::uint32_t value) {
   const std::size_t number = pdo_number(address.index);
   const bool receive = address.index < kFirstTpdoRecord;
   PdoRecord& record = receive ? rpdos_[number].record : tpdos_[number].record;
+  // A frame fills one RPDO only.
+  if (receive && !is_mapping_record(address.index) && address.subindex == 1 && (value & kCobIdInvalid) == 0) {
+    const std::size_t present = rpdos_.find(static_cast<std::uint16_t>(value & kCobIdMask));
+    if (present != SlotMap::kNone && present != number) return AbortCode::kParameterIncompatibility;
+  }
   const AbortCode written = is_mapping_record(address.index)
                                 ? record.write_mapping(address.subindex, value, dictionary_)
                                 : record.write_communication(address.subindex, value);

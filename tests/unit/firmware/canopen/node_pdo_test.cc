@@ -82,6 +82,19 @@ TEST(NodeRpdo, TooLongIsObeyedAndTold) {
   EXPECT_EQ(device.values.target, 0);
 }
 
+TEST(NodeRpdo, SharesItsIdentifierWithNoOther) {
+  TestNode device;
+  device.make_operational();
+  ASSERT_EQ(device.node.write_object({0x1401, 1}, 0x8000'0310, 4), AbortCode::kNone);
+  EXPECT_EQ(device.node.write_object({0x1401, 1}, 0x8000'0210, 4), AbortCode::kNone);  // not valid
+  EXPECT_EQ(device.node.write_object({0x1401, 1}, 0x0000'0210, 4), AbortCode::kParameterIncompatibility);
+  EXPECT_EQ(device.node.write_object({0x1400, 1}, 0x0000'0210, 4), AbortCode::kNone);  // its own
+  ASSERT_EQ(device.node.write_object({0x1400, 1}, 0x8000'0210, 4), AbortCode::kNone);
+  EXPECT_EQ(device.node.write_object({0x1401, 1}, 0x0000'0210, 4), AbortCode::kNone);
+  device.node.on_frame(can_frame(0x210, {7, 0}), 0);
+  EXPECT_EQ(device.rpdos, std::vector<std::size_t>{1});
+}
+
 TEST(NodeRpdo, IgnoresRemoteFrames) {
   TestNode device;
   device.make_operational();
