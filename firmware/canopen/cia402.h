@@ -54,6 +54,13 @@ inline constexpr int kPositionUnitBits = 20;
 inline constexpr std::int16_t kDisableDrive = 0;         // at once: the motor runs out
 inline constexpr std::int16_t kStopOnSlowDownRamp = 1;   // 0x6084
 inline constexpr std::int16_t kStopOnQuickStopRamp = 2;  // 0x6085
+// Of a quick stop, 0x605A, besides: as hard as the current limit and the voltage let it; and codes 5 to 8 are
+// 1 to 4 after which quick stop active lasts until the controller leaves it (transitions 12 and 16).
+inline constexpr std::int16_t kStopAtCurrentLimit = 3;
+inline constexpr std::int16_t kStopAtVoltageLimit = 4;
+inline constexpr std::int16_t kStayInQuickStop = 4;  // to be added
+
+constexpr bool stays_in_quick_stop(std::int16_t option) { return option > kStayInQuickStop; }
 
 // Error codes of emergency messages, CiA 301 table 26 and CiA 402-2.
 inline constexpr std::uint16_t kErrorOverCurrent = 0x2310;   // continuous, at the device's output

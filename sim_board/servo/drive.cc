@@ -55,6 +55,8 @@ bool is_supported(std::uint16_t index, std::int32_t value) {
     case cia402::kDisableOperationOption:
       return value == cia402::kDisableDrive || value == cia402::kStopOnSlowDownRamp;
     case cia402::kQuickStopOption:
+      return value >= cia402::kDisableDrive &&
+             value <= cia402::kStopAtVoltageLimit + cia402::kStayInQuickStop;
     case cia402::kFaultReactionOption:
       return value >= cia402::kDisableDrive && value <= cia402::kStopOnQuickStopRamp;
     default:

@@ -81,6 +81,7 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
     return state_.state() == canopen::cia402::State::kOperationEnabled && !leaving_by_;
   }
   void begin_stop(std::int16_t option);
+  double deceleration(std::int16_t option) const;  // units/s^2
   void finish_stop();
   void run_loop();
   void change_mode();

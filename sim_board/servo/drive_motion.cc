@@ -12,6 +12,10 @@ namespace cia402 = canopen::cia402;
 
 namespace {
 
+// units/s^2: the demand stands within microseconds, and the position loop brakes with all that current limit
+// and supply let it.
+constexpr double kAtOnce = 1e12;
+
 // `rated` in thousandths of the value's unit.
 std::int16_t share_permille(double value, std::uint32_t rated) {
   return static_cast<std::int16_t>(std::lround(std::clamp(1e6 * value / rated, -32768.0, 32767.0)));
@@ -22,14 +26,15 @@ std::int16_t share_permille(double value, std::uint32_t rated) {
 void Drive::obey(std::uint16_t controlword) {
   if (slows_down_before(controlword)) return;
   const auto before = state_.state();
-  state_.command(controlword);
+  state_.command(controlword, cia402::stays_in_quick_stop(values_.quick_stop_option));
   if (!enable_line_) state_.torque_off();
   if (before == cia402::State::kFault && monitor_.forbids_reset(servo_)) state_.fault();
   const auto after = state_.state();
   if (before == after) return;
   if (after == cia402::State::kOperationEnabled) {
-    demand_.hold(servo_.position_units());
-    profile_.restart(servo_.position_units(), controlword);
+    // Out of a quick stop the demand goes on as it is, on its ramp or at rest.
+    if (before != cia402::State::kQuickStopActive) demand_.hold(servo_.position_units());
+    profile_.restart(demand_.at(now_us_), controlword);
   }
   if (after == cia402::State::kQuickStopActive) begin_stop(values_.quick_stop_option);
   if (before == cia402::State::kFault) {
@@ -68,8 +73,19 @@ void Drive::fault(std::uint16_t error_code, std::uint8_t register_bits) {
 
 void Drive::begin_stop(std::int16_t option) {
   if (option == cia402::kDisableDrive) return state_.torque_off();
-  const bool quick = option == cia402::kStopOnQuickStopRamp;
-  demand_.stop(now_us_, quick ? values_.quick_stop_deceleration : std::max(values_.profile_deceleration, 1u));
+  demand_.stop(now_us_, deceleration(option));
+}
+
+double Drive::deceleration(std::int16_t option) const {
+  const bool stays = cia402::stays_in_quick_stop(option);
+  switch (stays ? option - cia402::kStayInQuickStop : option) {
+    case cia402::kStopOnSlowDownRamp:
+      return std::max(values_.profile_deceleration, 1u);
+    case cia402::kStopOnQuickStopRamp:
+      return values_.quick_stop_deceleration;
+    default:
+      return kAtOnce;
+  }
 }
 
 void Drive::finish_stop() {
@@ -77,6 +93,9 @@ void Drive::finish_stop() {
   const bool stopping = leaving_by_ || state_.state() == cia402::State::kQuickStopActive ||
                         state_.state() == cia402::State::kFaultReactionActive;
   if (!stopping || !demand_.stands(now_us_ - std::min(now_us_, kStandTime_us))) return;
+  const bool stays = state_.state() == cia402::State::kQuickStopActive &&
+                     cia402::stays_in_quick_stop(values_.quick_stop_option);
+  if (stays) return;
   if (leaving_by_) {
     state_.command(*leaving_by_);
     leaving_by_.reset();

@@ -21,6 +21,15 @@ inline constexpr canopen::ValueName kAbortConnectionNames[] = {
 inline constexpr canopen::ValueName kStopNames[] = {{0, "disable the drive at once"},
                                                     {1, "slow down on the profile's ramp"},
                                                     {2, "slow down on the quick stop ramp"}};
+inline constexpr canopen::ValueName kQuickStopNames[] = {kStopNames[0],
+                                                         kStopNames[1],
+                                                         kStopNames[2],
+                                                         {3, "stop at the current limit"},
+                                                         {4, "stop at the voltage limit"},
+                                                         {5, "slow down on the profile's ramp and stay"},
+                                                         {6, "slow down on the quick stop ramp and stay"},
+                                                         {7, "stop at the current limit and stay"},
+                                                         {8, "stop at the voltage limit and stay"}};
 inline constexpr canopen::ValueName kMotionProfileNames[] = {{0, "linear ramps"}};
 inline constexpr auto kDisableNames = std::span(kStopNames).first<2>();
 inline constexpr auto kHaltNames = std::span(kStopNames).last<2>();
@@ -51,7 +60,9 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
       .values = cia402::kStatuswordNames,
       .comment = "Bit 14: the drive-enable line is low, there is no torque."}},
     {OBJECT(kQuickStopOption, 0, quick_stop_option, kReadWrite),
-     {.name = "Quick stop option code", .values = kStopNames, .comment = "Switch on disabled follows."}},
+     {.name = "Quick stop option code",
+      .values = kQuickStopNames,
+      .comment = "Switch on disabled follows, or quick stop active stays."}},
     {OBJECT(kShutdownOption, 0, shutdown_option, kReadWrite),
      {.name = "Shutdown option code", .values = kDisableNames, .comment = "From operation enabled."}},
     {OBJECT(kDisableOperationOption, 0, disable_operation_option, kReadWrite),
@@ -122,24 +133,24 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
      {.name = "Quick stop deceleration",
       .unit = kShaftAccelerationUnit,
       .comment = "After a reset from the joint's highest speed, see the robot's file."}},
+    {OBJECT(kMotionProfileType, 0, motion_profile_type, kReadWrite).within<std::int16_t>(0, 0),
+     {.name = "Motion profile type", .values = kMotionProfileNames}},
     canopen::heading(cia402::kInterpolationTimePeriod, "Interpolation time period",
                      "The cycle: value * 10^index seconds."),
     {OBJECT(kInterpolationTimePeriod, 1, interpolation_period, kReadWrite).within<std::uint8_t>(1, 250),
      {.name = "Interpolation time period value"}},
     {OBJECT(kInterpolationTimePeriod, 2, interpolation_exponent, kReadWrite).within<std::int8_t>(-3, -3),
      {.name = "Interpolation time index"}},
+    {OBJECT(kFollowingErrorActual, 0, following_error, kReadOnly, kTpdo),
+     {.name = "Following error actual value", .unit = kShaftUnit, .comment = "The demand less the shaft."}},
     {canopen::constant<std::uint32_t>(
          cia402::kSupportedDriveModes, 0,
          1u << (cia402::kProfilePosition - 1) | 1u << (cia402::kCyclicSynchronousPosition - 1)),
      {.name = "Supported drive modes",
       .comment = "Bit 0: profile position; bit 7: cyclic synchronous position."}},
-    {OBJECT(kMotionProfileType, 0, motion_profile_type, kReadWrite).within<std::int16_t>(0, 0),
-     {.name = "Motion profile type", .values = kMotionProfileNames}},
 };
 static_assert(canopen::is_described(kDriveObjects));
 
 #undef OBJECT
 
 }  // namespace koboshi::sim
-    {OBJECT(kFollowingErrorActual, 0, following_error, kReadOnly, kTpdo),
-     {.name = "Following error actual value", .unit = kShaftUnit, .comment = "The demand less the shaft."}},

@@ -9,17 +9,17 @@ void DriveStateMachine::initialised() {
   if (state_ == State::kNotReadyToSwitchOn) state_ = State::kSwitchOnDisabled;
 }
 
-void DriveStateMachine::command(std::uint16_t controlword) {
+void DriveStateMachine::command(std::uint16_t controlword, bool resumes) {
   const bool reset_edge = (controlword & ~controlword_ & kFaultReset) != 0;
   controlword_ = controlword;
   if (state_ == State::kFault) {
     if (reset_edge) state_ = State::kSwitchOnDisabled;
     return;
   }
-  state_ = on_command(canopen::cia402::command_of(controlword));
+  state_ = on_command(canopen::cia402::command_of(controlword), resumes);
 }
 
-DriveStateMachine::State DriveStateMachine::on_command(Command command) const {
+DriveStateMachine::State DriveStateMachine::on_command(Command command, bool resumes) const {
   if (state_ == State::kNotReadyToSwitchOn || state_ == State::kFaultReactionActive) return state_;
   switch (command) {
     case Command::kDisableVoltage:
@@ -35,8 +35,7 @@ DriveStateMachine::State DriveStateMachine::on_command(Command command) const {
                                                                                      : state_;
     case Command::kEnableOperation:
       // Ready to switch on passes through switched on (transitions 3 and 4 in one, which the profile allows).
-      // A quick stop ends in switch on disabled, as option code 2 says: transition 16 is for 5 to 8.
-      return state_ == State::kSwitchOnDisabled || state_ == State::kQuickStopActive
+      return state_ == State::kSwitchOnDisabled || (state_ == State::kQuickStopActive && !resumes)
                  ? state_
                  : State::kOperationEnabled;
   }

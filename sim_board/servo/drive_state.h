@@ -19,14 +19,15 @@ class DriveStateMachine {
   }
 
   void initialised();  // transition 1
-  // Transitions 2 to 12 and 15; edges of fault reset are seen between calls.
-  void command(std::uint16_t controlword);
+  // Transitions 2 to 12, 15 and, where the quick stop option code has it (`resumes`), 16; edges of fault
+  // reset are seen between calls.
+  void command(std::uint16_t controlword, bool resumes = false);
   void fault();        // transition 13
   void stand_still();  // transitions 12 and 14: the ramp has ended
   void torque_off();   // the drive-enable line fell: transitions 7, 9, 10, 12; ends a fault reaction
 
  private:
-  State on_command(canopen::cia402::Command command) const;
+  State on_command(canopen::cia402::Command command, bool resumes) const;
 
   State state_ = State::kNotReadyToSwitchOn;
   std::uint16_t controlword_ = 0;

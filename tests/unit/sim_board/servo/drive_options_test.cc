@@ -69,6 +69,9 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Stop{"QuickStop0", 0x605A, 0, 0x02, false, kQuickStopActive, kSwitchOnDisabled, 0},
                     Stop{"QuickStop1", 0x605A, 1, 0x02, false, kQuickStopActive, kSwitchOnDisabled, 150},
                     Stop{"QuickStop2", 0x605A, 2, 0x02, false, kQuickStopActive, kSwitchOnDisabled, 50},
+                    // The demand stands at once; the shaft has the time of the hold.
+                    Stop{"QuickStop3", 0x605A, 3, 0x02, false, kQuickStopActive, kSwitchOnDisabled, 1},
+                    Stop{"QuickStop4", 0x605A, 4, 0x02, false, kQuickStopActive, kSwitchOnDisabled, 1},
                     Stop{"Shutdown0", 0x605B, 0, 0x06, false, kOperationEnabled, kReadyToSwitchOn, 0},
                     Stop{"Shutdown1", 0x605B, 1, 0x06, false, kOperationEnabled, kReadyToSwitchOn, 150},
                     Stop{"DisableOperation0", 0x605C, 0, 0x07, false, kOperationEnabled, kSwitchedOn, 0},
@@ -77,6 +80,68 @@ INSTANTIATE_TEST_SUITE_P(
                     Stop{"FaultReaction1", 0x605E, 1, 0x0F, true, kFaultReactionActive, kFault, 150},
                     Stop{"FaultReaction2", 0x605E, 2, 0x0F, true, kFaultReactionActive, kFault, 50}),
     [](const auto& info) { return info.param.name; });
+
+// Codes 5 to 8: as 1 to 4, and then the shaft is held until the controller says what follows.
+class DriveStays : public DriveStops {};
+
+TEST_P(DriveStays, InQuickStopActiveUntilItIsTold) {
+  const Stop& stop = GetParam();
+  for (const std::uint16_t way_out : {cia402::kControlDisableVoltage, cia402::kControlEnableOperation}) {
+    controlword = 0;
+    run_ms(20);
+    configure();
+    ASSERT_EQ(abort_of({0x605A, 0}, static_cast<std::uint32_t>(stop.option), 2), 0u);
+    enable_and_move();
+    controlword = stop.controlword;
+    while (drive->state() == State::kOperationEnabled) move_ms(1);
+    move_ms(1'000);
+    EXPECT_EQ(drive->state(), State::kQuickStopActive);
+    EXPECT_TRUE(is_driven());
+    const std::int32_t rest = drive->values().position_demand;
+    for (const std::uint16_t word : {cia402::kControlShutdown, cia402::kControlSwitchOn}) {
+      controlword = word;
+      move_ms(50);
+      EXPECT_EQ(drive->state(), State::kQuickStopActive);
+      EXPECT_EQ(drive->values().position_demand, rest);
+    }
+    controlword = way_out;
+    move_ms(50);
+    const bool resumes = way_out == cia402::kControlEnableOperation;
+    EXPECT_EQ(drive->state(), resumes ? State::kOperationEnabled : State::kSwitchOnDisabled);
+    EXPECT_EQ(is_driven(), resumes);
+    if (!resumes) continue;
+    EXPECT_EQ(drive->values().position_demand, rest);  // no old set-point
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    QuickStop, DriveStays,
+    testing::Values(Stop{"SlowDownRamp", 0x605A, 5, 0x02, false, kQuickStopActive, kQuickStopActive, 150},
+                    Stop{"QuickStopRamp", 0x605A, 6, 0x02, false, kQuickStopActive, kQuickStopActive, 50},
+                    Stop{"CurrentLimit", 0x605A, 7, 0x02, false, kQuickStopActive, kQuickStopActive, 0},
+                    Stop{"VoltageLimit", 0x605A, 8, 0x02, false, kQuickStopActive, kQuickStopActive, 0}),
+    [](const auto& info) { return info.param.name; });
+
+// In the cyclic mode the next targets then lead on from where the demand is, without a jump.
+TEST_F(DriveTest, GoesOnFromAQuickStopRampWithoutAJump) {
+  configure();
+  write({0x605A, 0}, 6, 2);
+  enable();
+  target = 20'000;
+  run_ms(15);
+  controlword = cia402::kControlQuickStop;
+  run_ms(10);
+  ASSERT_EQ(drive->state(), State::kQuickStopActive);
+  controlword = cia402::kControlEnableOperation;
+  std::int32_t before = drive->values().position_demand;
+  for (int i = 0; i < 100; ++i) {
+    run_ms(1);
+    EXPECT_NEAR(drive->values().position_demand, before, 2'100);
+    before = drive->values().position_demand;
+  }
+  EXPECT_EQ(drive->state(), State::kOperationEnabled);
+  EXPECT_EQ(before, 20'000);
+}
 
 TEST_F(DriveTest, StaysEnabledWhenADisableIsTakenBackOnItsRamp) {
   configure();

@@ -219,7 +219,7 @@ TEST_F(ProfileDriveTest, RefusesModesAndOptionsThatItDoesNotHave) {
   };
   for (const auto& [object, value, size] :
        {Refusal{{0x6060, 0}, 3, 1}, Refusal{{0x6060, 0}, 0xFF, 1}, Refusal{{0x605D, 0}, 3, 2},
-        Refusal{{0x605A, 0}, 3, 2}, Refusal{{0x605A, 0}, 5, 2}, Refusal{{0x605B, 0}, 2, 2},
+        Refusal{{0x605A, 0}, 9, 2}, Refusal{{0x605A, 0}, 0xFFFF, 2}, Refusal{{0x605B, 0}, 2, 2},
         Refusal{{0x605C, 0}, 2, 2}, Refusal{{0x605E, 0}, 3, 2}, Refusal{{0x605E, 0}, 0xFFFF, 2}}) {
     EXPECT_EQ(abort_of(object, value, size), 0x0609'0030u) << object.index;
   }

@@ -62,6 +62,20 @@ TEST(DriveStateMachine, FollowsEveryCommandFromEveryStateAsTheProfileSays) {
   }
 }
 
+// For quick stop option codes 5 to 8.
+TEST(DriveStateMachine, ResumesAQuickStopByEnableOperationOnlyWhereItMay) {
+  for (const State state : kStates) {
+    for (const std::uint16_t word : kWords) {
+      DriveStateMachine strict = machine_in(state);
+      DriveStateMachine resuming = machine_in(state);
+      strict.command(word);
+      resuming.command(word, true);
+      const bool transition_16 = state == State::kQuickStopActive && word == cia402::kControlEnableOperation;
+      EXPECT_EQ(resuming.state(), transition_16 ? State::kOperationEnabled : strict.state());
+    }
+  }
+}
+
 TEST(DriveStateMachine, MakesTorqueInThreeStatesOnly) {
   for (const State state : kStates) {
     const bool expected = state == State::kOperationEnabled || state == State::kQuickStopActive ||
