@@ -157,7 +157,9 @@ Object pdo_communication(std::uint16_t index, std::string_view family, std::size
       item(index, 1, "COB-ID", DataType::kUnsigned32, "rw", cob_id(pdo, transmit)),
       item(index, 2, "Transmission type", DataType::kUnsigned8, "rw", decimal(pdo.transmission_type))};
   items[0].comment = "Bit 31: the PDO is not in use.";
-  items[1].comment = "1 to 240: every n-th SYNC; 254, 255: event.";
+  items[1].comment = transmit ? "0: the SYNC after a change of a value; 1 to 240: every n-th SYNC; 254, 255: "
+                                "the change, or of 254 the event timer where it is set."
+                              : "0 to 240: at the next SYNC; 254, 255: at once.";
   if (transmit) {
     items.push_back(
         item(index, 3, "Inhibit time", DataType::kUnsigned16, "rw", decimal(pdo.inhibit_time_100us)));
@@ -225,11 +227,10 @@ void add_services(std::vector<Object>& objects, const canopen::NodeDescription& 
   objects.push_back(error_history());
   objects.push_back(variable(item(0x1005, 0, "COB-ID SYNC message", DataType::kUnsigned32, "rw", hex(sync)),
                              "Bit 30: the node produces SYNC."));
-  objects.push_back(variable(item(0x1006, 0, "Communication cycle period", DataType::kUnsigned32, "rw",
-                                  decimal(node.sync_period_us)),
-                             node.sync_by_owner ? "Of SYNC, the node's own: it takes this and 0, none, only."
-                                                : "Of SYNC; 0: the node sends none.",
-                             "us"));
+  objects.push_back(
+      variable(item(0x1006, 0, "Communication cycle period", DataType::kUnsigned32, "rw",
+                    decimal(node.sync_period_us)),
+               "Of SYNC; 0: the node sends none. The controller takes its own cycle and 0 only.", "us"));
   objects.push_back(variable(item(0x1007, 0, "Synchronous window length", DataType::kUnsigned32, "rw", "0"),
                              "0: as long as the cycle.", "us"));
   objects.push_back(text(0x1008, "Manufacturer device name", node.device_name));
