@@ -72,7 +72,7 @@ class Controller final : private canopen::NodeApplication {
   [[gnu::cold]] void load_motions();
   [[gnu::cold]] void load_parameters();
   std::span<const std::byte> motion_image(std::uint16_t number) const;
-  bool open_motion(std::uint16_t number, motion::Motion& motion) const;
+  [[gnu::cold]] bool open_motion(std::uint16_t number, motion::Motion& motion) const;
   void receive(std::uint64_t now_us);
   void read_inertial_unit(std::uint64_t now_us);
   void read_ankles(std::uint64_t now_us);
@@ -86,7 +86,7 @@ class Controller final : private canopen::NodeApplication {
   void estimate();
   void estimate_attitude();
   void calibrate_gyro(const balance::InertialSensor::Rates& raw);
-  void give_up_calibration();
+  [[gnu::cold]] void give_up_calibration();
   void estimate_balance();
 
   // Commands, as they arrive (commands.cc): why one is refused, kNone when it was obeyed.

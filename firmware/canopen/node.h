@@ -158,13 +158,13 @@ class Node final : private ObjectServer {
   std::uint16_t lost_frames() const { return queue_.lost(); }
 
  private:
-  void enter(NmtState state, std::uint64_t now_us);
+  [[gnu::cold]] void enter(NmtState state, std::uint64_t now_us);
   [[gnu::cold]] void reset(NmtCommand reset, std::uint64_t now_us);
   [[gnu::cold]] void load_defaults();
   // True when the frame was of a service other than SYNC and PDO.
   bool serve(const hal::CanFrame& frame, std::uint64_t now_us);
   bool take_pdo(const hal::CanFrame& frame, std::uint64_t now_us);
-  void on_nmt(const hal::CanFrame& frame, std::uint64_t now_us);
+  [[gnu::cold]] void on_nmt(const hal::CanFrame& frame, std::uint64_t now_us);
   void on_sync(const hal::CanFrame& frame, std::uint64_t now_us);
   void on_heartbeat(const Heartbeat& heartbeat, std::uint64_t now_us);
   void on_rpdo(std::size_t number, const hal::CanFrame& frame, std::uint64_t now_us);

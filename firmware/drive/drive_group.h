@@ -38,14 +38,14 @@ class DriveGroup {
   DriveGroup(const robot::RobotModel& model, canopen::FrameSink& sink, DriveSignals& signals);
 
   // Resets all nodes, which takes them out of any fault, and boots the drives; forgets every trouble.
-  void boot();
+  [[gnu::cold]] void boot();
   void set_goal(Goal goal, std::uint64_t now_us);
 
   void on_frame(const hal::CanFrame& frame) { client_.on_frame(frame); }
   void on_heartbeat(const canopen::HeartbeatEvent& event);
   // A warning about communication is only kept: what is lost shows in missing answers, and a drive that is
   // stopped says so in its statusword.
-  void on_emergency(const canopen::Emergency& emergency);
+  [[gnu::cold]] void on_emergency(const canopen::Emergency& emergency);
   // Statusword and position of the joint's drive have come.
   void on_answer(std::size_t joint) { answered_ |= 1u << joint; }
   // Booting and its time-outs; at 1 kHz.
@@ -62,7 +62,7 @@ class DriveGroup {
   // Where the joint is, as its drive said last. Meaningful once booted.
   fixed::Angle angle(std::size_t joint) const;
   // Its drive's encoder within the joint's limits, give or take `margin`.
-  bool within_limits(std::size_t joint, fixed::Angle margin) const;
+  [[gnu::cold]] bool within_limits(std::size_t joint, fixed::Angle margin) const;
 
   // Every drive has its configuration and was told to start; `booted` once each has also answered a SYNC.
   bool configured() const { return phase_ == Phase::kBooted; }
@@ -92,7 +92,7 @@ class DriveGroup {
   bool all_switched_on() const;
   bool send(canopen::NmtCommand command);
   bool find(std::uint8_t node_id, std::size_t& joint) const;
-  void report(Trouble trouble, std::size_t joint, std::uint16_t error_code = 0);
+  [[gnu::cold]] void report(Trouble trouble, std::size_t joint, std::uint16_t error_code = 0);
   [[gnu::cold]] void await_boot_ups(std::uint64_t now_us);
   [[gnu::cold]] void configure(std::uint64_t now_us);
   void read_supply(std::uint64_t now_us);
