@@ -26,7 +26,8 @@ const std::vector<std::pair<std::string, app::Reason>>& lying_poses() {
       {"prone", app::Reason::kProne},
       {"supine", app::Reason::kSupine},
       {"left_side", app::Reason::kOnLeftSide},
-      {"right_side", app::Reason::kOnRightSide}};
+      {"right_side", app::Reason::kOnRightSide},
+      {"seat", app::Reason::kOnSeat}};
   return kPoses;
 }
 
