@@ -1,10 +1,20 @@
 # How this project declares its targets: one library a second-level folder, one test program a test file's subject.
 
-# What every translation unit is compiled with. Contraction is off so that a run repeats to the bit.
+# What a translation unit needs that includes headers of this project. A foreign project's own warnings do not apply to them.
+add_library(koboshi_headers INTERFACE)
+target_compile_features(koboshi_headers INTERFACE cxx_std_20)
+if(PROJECT_IS_TOP_LEVEL)
+  target_include_directories(koboshi_headers INTERFACE ${PROJECT_SOURCE_DIR})
+else()
+  target_include_directories(koboshi_headers SYSTEM INTERFACE ${PROJECT_SOURCE_DIR})
+endif()
+
+# What every translation unit of this project is compiled with; libraries do not pass it on. Contraction is off so that a run
+# repeats to the bit.
 add_library(koboshi_options INTERFACE)
 target_compile_options(koboshi_options INTERFACE
   -Wall -Wextra -Wconversion -Wsign-conversion -Wdouble-promotion -Werror -ffp-contract=off)
-target_include_directories(koboshi_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_link_libraries(koboshi_options INTERFACE koboshi_headers)
 
 # What the firmware is compiled with besides, on every board: any float arithmetic is a hard error on the host. tests/proof
 # reads the types of all variables from the debug information.
@@ -34,7 +44,7 @@ function(koboshi_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "FIRMWARE" "" "SOURCES;DEPS")
   if(arg_SOURCES)
     add_library(${name} STATIC ${arg_SOURCES})
-    target_link_libraries(${name} PUBLIC koboshi_options ${arg_DEPS})
+    target_link_libraries(${name} PRIVATE koboshi_options PUBLIC koboshi_headers ${arg_DEPS})
     if(arg_FIRMWARE)
       target_link_libraries(${name} PRIVATE koboshi_firmware_options)
       set_property(GLOBAL APPEND PROPERTY KOBOSHI_FIRMWARE_LIBRARIES ${name})
@@ -43,7 +53,7 @@ function(koboshi_library name)
     endif()
   else()
     add_library(${name} INTERFACE)
-    target_link_libraries(${name} INTERFACE koboshi_options ${arg_DEPS})
+    target_link_libraries(${name} INTERFACE koboshi_headers ${arg_DEPS})
   endif()
   add_library(koboshi::${name} ALIAS ${name})
 endfunction()
