@@ -28,17 +28,6 @@ endif()
 add_library(koboshi_firmware_options INTERFACE)
 target_compile_options(koboshi_firmware_options INTERFACE ${KOBOSHI_FIRMWARE_FLAGS})
 
-# koboshi_precompile(NAME HEADERS ... DEPS ...) compiles headers once for the libraries of a folder that sets KOBOSHI_PRECOMPILED to
-# it. Only for headers that take seconds to read; sources include what they use all the same, and the preset tidy does without.
-# Not for tests: read so, GCC 12's own strings trip its warnings.
-function(koboshi_precompile name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "HEADERS;DEPS")
-  file(CONFIGURE OUTPUT ${name}.cc CONTENT "// Nothing but the headers before it.\n")
-  add_library(${name} OBJECT ${CMAKE_CURRENT_BINARY_DIR}/${name}.cc)
-  target_link_libraries(${name} PRIVATE koboshi_options ${arg_DEPS})
-  target_precompile_headers(${name} PRIVATE ${arg_HEADERS})
-endfunction()
-
 # koboshi_library(NAME [FIRMWARE] [SOURCES ...] [DEPS ...]) makes koboshi::NAME; without sources, an interface library.
 function(koboshi_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "FIRMWARE" "" "SOURCES;DEPS")
@@ -48,8 +37,6 @@ function(koboshi_library name)
     if(arg_FIRMWARE)
       target_link_libraries(${name} PRIVATE koboshi_firmware_options)
       set_property(GLOBAL APPEND PROPERTY KOBOSHI_FIRMWARE_LIBRARIES ${name})
-    elseif(KOBOSHI_PRECOMPILED)
-      target_precompile_headers(${name} REUSE_FROM ${KOBOSHI_PRECOMPILED})
     endif()
   else()
     add_library(${name} INTERFACE)

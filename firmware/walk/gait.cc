@@ -18,7 +18,6 @@ using namespace fixed::literals;
 namespace {
 
 constexpr std::int32_t kTick_ms = 10;
-constexpr Ratio kTick_s = 0.01_ratio;
 
 Length tenths_of_mm(std::int16_t value) { return fixed::mul_div(Length::from_raw(1 << 24), value, 10'000); }
 Ratio permille(std::int16_t value) { return fixed::mul_div(fixed::kOne, value, 1000); }

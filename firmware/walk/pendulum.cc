@@ -18,7 +18,6 @@ constexpr Length kLowest = 0.05_m;
 constexpr Length kHighest = 1.0_m;
 // 1 / g in s^2/m, so that height / g is a ratio: T_c^2 in s^2.
 constexpr Ratio kInverseGravity = 0.101971621_ratio;
-constexpr Ratio kTick_s = 0.01_ratio;
 
 // e^x by its series, for |x| <= 0.15: the first term left out is below 2^-30.
 Ratio exponential(Ratio x) {

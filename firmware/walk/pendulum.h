@@ -4,10 +4,14 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "firmware/fixed/literals.h"
 #include "firmware/fixed/units.h"
 #include "firmware/walk/plane.h"
 
 namespace koboshi::walk {
+
+// The 100 Hz control cycle, in seconds.
+inline constexpr fixed::Ratio kTick_s = fixed::literals::operator""_ratio(0.01L);
 
 // The centre of mass over level ground, its motion split in two (Englsberger, Ott and Albu-Schaeffer, 2015):
 // with omega = sqrt(g / z), xi = x + v / omega runs away from the ZMP and x - v / omega runs into it.

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
+#include "sim_board/input/user_units.h"
 #include "sim_board/scenario/height_file.h"
 #include "sim_board/scenario/paths.h"
 
@@ -20,7 +20,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kSteepest_deg = 45.0;
-constexpr double kRadians = std::numbers::pi / 180.0;
 
 constexpr NumberRange kFriction{.min = 0.0, .max = 10.0};
 constexpr NumberRange kStiffness_N_per_m{.min = 100.0, .max = 1e8};
@@ -33,7 +32,6 @@ constexpr NumberRange kLength_m{.min = 0.001, .max = 100.0};
 constexpr NumberRange kHeight_m{.min = 0.0001, .max = 10.0};
 constexpr NumberRange kTurn_deg{.min = -360.0, .max = 360.0};
 constexpr std::int64_t kMostSteps = 200;
-constexpr double kMostPoints = 1000.0;  // of a rough ground, a side
 
 // One number for all directions, or a list of two.
 std::array<double, 2> read_friction(const YamlValue& value) {
@@ -66,7 +64,7 @@ GroundSurface read_surface(const YamlMap& map) {
     surface.friction_second = friction[1];
   }
   if (const auto direction_deg = read_optional(map, "friction_direction_deg", kTurn_deg))
-    surface.friction_direction_rad = *direction_deg * kRadians;
+    surface.friction_direction_rad = *direction_deg * kRadPerDegree;
   if (const auto spring = read_spring(map)) surface.softness = {(*spring)[0], (*spring)[1]};
   surface.bounce = read_optional(map, "bounce", kBounce);
   surface.bounce_threshold_m_per_s = read_optional(map, "bounce_threshold_m_per_s", kBounceThreshold_m_per_s);
@@ -77,7 +75,7 @@ GroundSurface read_surface(const YamlMap& map) {
 // Where a shape stands on the plane, and how far it is turned about its normal.
 Isometry3d read_place(const YamlMap& map) {
   const std::vector<double> p_m = map.numbers("position_m", 2, kPosition_m);
-  const double yaw_rad = map.number("yaw_deg", kTurn_deg, 0.0) * kRadians;
+  const double yaw_rad = map.number("yaw_deg", kTurn_deg, 0.0) * kRadPerDegree;
   return Translation3d(p_m[0], p_m[1], 0.0) * AngleAxisd(yaw_rad, Vector3d::UnitZ());
 }
 
@@ -95,8 +93,8 @@ GroundBox read_box(const YamlMap& map) {
   box.X_WG = read_place(map) * Translation3d(0.0, 0.0, read_bottom_m(map));
   if (map.has("tilt_deg")) {
     const std::vector<double> tilt = map.numbers("tilt_deg", 2, kTurn_deg);
-    box.X_WG = box.X_WG * AngleAxisd(tilt[1] * kRadians, Vector3d::UnitY()) *
-               AngleAxisd(tilt[0] * kRadians, Vector3d::UnitX());
+    box.X_WG = box.X_WG * AngleAxisd(tilt[1] * kRadPerDegree, Vector3d::UnitY()) *
+               AngleAxisd(tilt[0] * kRadPerDegree, Vector3d::UnitX());
   }
   box.X_WG = box.X_WG * Translation3d(0.0, 0.0, 0.5 * box.size_m.z());
   return box;
@@ -106,7 +104,7 @@ GroundBox read_ramp(const YamlMap& map) {
   return ramp_box({.X_WR = read_place(map),
                    .length_m = map.number("length_m", kLength_m),
                    .width_m = map.number("width_m", kLength_m),
-                   .angle_rad = map.number("angle_deg", {.min = 0.1, .max = kSteepest_deg}) * kRadians});
+                   .angle_rad = map.number("angle_deg", {.min = 0.1, .max = kSteepest_deg}) * kRadPerDegree});
 }
 
 std::vector<GroundBox> read_steps(const YamlMap& map) {
@@ -153,7 +151,7 @@ RoughGround read_rough(const YamlMap& map) {
   rough.height_m = map.number("height_m", kHeight_m);
   rough.wavelength_m = map.number("wavelength_m", kLength_m);
   constexpr double kPointsOfWave = 5.0;
-  const double finest_m = rough.size_m.maxCoeff() / (kMostPoints - 1.0);
+  const double finest_m = rough.size_m.maxCoeff() / (kMaxHeightPoints - 1.0);
   const double default_m = std::max(finest_m, rough.wavelength_m / kPointsOfWave);
   rough.spacing_m = map.number("spacing_m", {.min = finest_m, .max = 1.0}, default_m);
   if (map.has("seed")) rough.seed = static_cast<std::uint64_t>(map.integer("seed", {.min = 0}));
@@ -220,8 +218,8 @@ Ground read_ground(const YamlMap& root, const fs::path& folder) {
   if (map->has("tilt_deg")) {
     const std::vector<double> tilt =
         map->numbers("tilt_deg", 2, {.min = -kSteepest_deg, .max = kSteepest_deg});
-    ground.roll_rad = tilt[0] * kRadians;
-    ground.pitch_rad = tilt[1] * kRadians;
+    ground.roll_rad = tilt[0] * kRadPerDegree;
+    ground.pitch_rad = tilt[1] * kRadPerDegree;
   }
   if (map->has("shapes"))
     for (const YamlValue& item : map->list("shapes")) read_shape(item, folder, ground.shapes);

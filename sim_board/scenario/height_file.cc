@@ -14,8 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// More than enough for a robot's world, and little enough to be searched.
-constexpr int kMostPoints = 1000;  // a side
 constexpr double kHighest_m = 10.0;
 
 struct Line {
@@ -37,9 +35,9 @@ std::vector<Line> lines_of(std::string_view text) {
 }
 
 void check_size(const fs::path& file, const Line& line, std::size_t count, const std::string& what) {
-  if (count < 2 || count > kMostPoints)
+  if (count < 2 || count > kMaxHeightPoints)
     throw InputError(file, line.number, std::to_string(count) + " " + what,
-                     "2 to " + std::to_string(kMostPoints));
+                     "2 to " + std::to_string(kMaxHeightPoints));
 }
 
 // The words of a plain PGM with their lines, in the file's order.
@@ -84,8 +82,8 @@ HeightField read_image(const fs::path& file, const std::vector<Line>& lines) {
   Words words(file, lines);
   words.skip();  // P2
   HeightField field;
-  field.columns = static_cast<int>(words.next(2, kMostPoints));
-  field.rows = static_cast<int>(words.next(2, kMostPoints));
+  field.columns = static_cast<int>(words.next(2, kMaxHeightPoints));
+  field.rows = static_cast<int>(words.next(2, kMaxHeightPoints));
   const std::size_t brightest = words.next(1, kBrightest);
   const auto count = static_cast<std::size_t>(field.columns) * static_cast<std::size_t>(field.rows);
   for (std::size_t i = 0; i < count; ++i) {

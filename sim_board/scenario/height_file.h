@@ -6,6 +6,10 @@
 
 namespace koboshi::sim {
 
+// The most points along one side of a height field: more than enough for a robot's world, and few enough to
+// be searched.
+inline constexpr int kMaxHeightPoints = 1000;
+
 // The heights of a grid from a text file:
 //
 //   plain PGM (P2)   an image: from 0, black, to 1, the brightest grey that the file allows

@@ -3,9 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "sim_board/engine/make_world.h"
+#include "sim_board/input/user_units.h"
 #include "sim_board/robot/load.h"
 #include "sim_board/scenario/events.h"
 #include "sim_board/scenario/ground_reader.h"
@@ -18,7 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kLongestRun_s = 86400.0;
-constexpr double kRadians = std::numbers::pi / 180.0;
 
 std::vector<MotionChoice> read_motions(const YamlMap& root, const fs::path& folder) {
   std::vector<MotionChoice> motions;
@@ -106,7 +105,7 @@ Physics read_physics(const YamlMap& root) {
 Eigen::Matrix3d read_attitude(const YamlMap& map) {
   constexpr NumberRange kTurn{.min = -360.0, .max = 360.0};
   const auto about = [&](const char* name, const Eigen::Vector3d& axis_W) {
-    return Eigen::AngleAxisd(map.number(name, kTurn, 0.0) * kRadians, axis_W);
+    return Eigen::AngleAxisd(map.number(name, kTurn, 0.0) * kRadPerDegree, axis_W);
   };
   return (about("yaw", Eigen::Vector3d::UnitZ()) * about("pitch", Eigen::Vector3d::UnitY()) *
           about("roll", Eigen::Vector3d::UnitX()))
@@ -133,7 +132,7 @@ InitialState read_initial(const YamlMap& root) {
   if (const auto joints = map->optional_child("joints_deg")) {
     for (const auto& [name, value] : joints->entries()) {
       const double position_deg = value.number({.min = -360.0, .max = 360.0});
-      initial.joints.push_back({{name, value.source(), value.line()}, position_deg * kRadians});
+      initial.joints.push_back({{name, value.source(), value.line()}, position_deg * kRadPerDegree});
     }
   }
   return initial;

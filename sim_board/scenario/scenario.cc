@@ -7,6 +7,7 @@
 
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
+#include "sim_board/input/user_units.h"
 
 namespace koboshi::sim {
 namespace {
@@ -30,15 +31,14 @@ const T& find_named(const std::vector<T>& items, const SourcedName& name, const 
 }
 
 void check_initial(const InitialJoint& initial, const RobotDescription& robot) {
-  constexpr double kDegrees = 180.0 / std::numbers::pi;
   constexpr double kRoundOff_rad = 1e-9;  // a limit given in degrees is itself allowed
   const JointDescription& joint = find_named(robot.joints, initial.joint, "joint");
   if (initial.position_rad >= joint.lower_rad - kRoundOff_rad &&
       initial.position_rad <= joint.upper_rad + kRoundOff_rad) {
     return;
   }
-  const NumberRange range_deg{joint.lower_rad * kDegrees, joint.upper_rad * kDegrees};
-  throw error_at(initial.joint, joint.name + " = " + number_text(initial.position_rad * kDegrees),
+  const NumberRange range_deg{joint.lower_rad * kDegreesPerRad, joint.upper_rad * kDegreesPerRad};
+  throw error_at(initial.joint, joint.name + " = " + number_text(initial.position_rad * kDegreesPerRad),
                  describe(range_deg) + " degrees, the joint's limits");
 }
 

@@ -56,7 +56,7 @@ double memory_of_world_bytes(const sim::Scenario& scenario) {
   }
   close(ends[1]);
   double bytes = 0.0;
-  const bool got = read(ends[0], &bytes, sizeof bytes) == sizeof bytes;
+  const bool got = ::read(ends[0], &bytes, sizeof bytes) == sizeof bytes;
   close(ends[0]);
   int status = 0;
   waitpid(child, &status, 0);

@@ -14,7 +14,7 @@
 namespace koboshi::tools {
 namespace {
 
-struct Arguments {
+struct BenchArguments {
   BenchOptions options{.walk = "scenarios/walk.yaml", .squat = "scenarios/squat.yaml", .steppers = {}};
   std::vector<std::string> names;
   double reference_step_ms = 0.05;
@@ -31,7 +31,7 @@ std::vector<BenchStepper> chosen(const std::vector<std::string>& names) {
   return steppers;
 }
 
-void play_bench(Arguments arguments) {
+void play_bench(BenchArguments arguments) {
   arguments.options.steppers = chosen(arguments.names);
   arguments.options.reference_step_s = 1e-3 * arguments.reference_step_ms;
   const std::vector<BenchResult> results = bench(
@@ -47,7 +47,7 @@ void play_bench(Arguments arguments) {
 }  // namespace
 
 void add_bench_command(CLI::App& program) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<BenchArguments>();
   CLI::App* command = program.add_subcommand("bench", "How fast and how accurate each stepper is");
   command->footer(
       "Plays a walk and squats in closed loop with every stepper, in turns of a quarter of a second, and "

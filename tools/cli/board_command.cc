@@ -15,14 +15,14 @@
 namespace koboshi::tools {
 namespace {
 
-struct Arguments {
+struct BoardArguments {
   std::filesystem::path scenario = "scenarios/board.yaml";
   std::vector<std::string> sets;
   std::string duration;
   LiveOptions live;
 };
 
-void play_board(const Arguments& arguments) {
+void play_board(const BoardArguments& arguments) {
   const auto overrides = overrides_of(arguments.sets, {{"duration_s", arguments.duration}});
   LiveLink live(arguments.live);
   BareBoard bare(sim::read_scenario(arguments.scenario, overrides));
@@ -43,7 +43,7 @@ void play_board(const Arguments& arguments) {
 }  // namespace
 
 void add_board_command(CLI::App& program) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<BoardArguments>();
   CLI::App* command =
       program.add_subcommand("board", "The simulated robot without controller, for any CANopen master");
   command->footer(

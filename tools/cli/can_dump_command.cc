@@ -26,7 +26,7 @@ namespace {
 constexpr std::uint64_t kPatience_us = 100'000;  // between two looks at Ctrl-C
 constexpr const char* kRobot = "robots/koboshi/robot.sdf";
 
-struct Arguments {
+struct CanDumpArguments {
   std::filesystem::path log;
   std::vector<std::string> nodes;
   std::vector<std::string> kinds;
@@ -46,7 +46,7 @@ const std::map<std::string, FrameKind>& kinds() {
 // What a person asked for; everything, where nothing was asked.
 class Filter {
  public:
-  explicit Filter(const Arguments& arguments) {
+  explicit Filter(const CanDumpArguments& arguments) {
     for (const std::string& text : arguments.nodes) nodes_.insert(parse_node(text));
     for (const std::string& name : arguments.kinds) kinds_.insert(kinds().at(name));
     for (const std::string& text : arguments.identifiers)
@@ -106,14 +106,14 @@ void print(const TimedFrame& timed, const Network& network, bool colored) {
 }
 
 // Of the robot asked for, else of the repository's; without one, there are no names.
-Network network_of(const Arguments& arguments) {
+Network network_of(const CanDumpArguments& arguments) {
   const std::filesystem::path robot = arguments.robot.empty()
                                           ? sim::find_referenced(std::filesystem::current_path(), kRobot)
                                           : arguments.robot;
   return robot.empty() ? Network{} : make_network(sim::load_robot(robot));
 }
 
-void dump(const Arguments& arguments) {
+void dump(const CanDumpArguments& arguments) {
   const Filter filter(arguments);
   const Network network = network_of(arguments);
   const OpenedSource opened = open_source(arguments.log, arguments.can);
@@ -135,7 +135,7 @@ void dump(const Arguments& arguments) {
 }  // namespace
 
 void add_can_dump_command(CLI::App& can) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<CanDumpArguments>();
   CLI::App* command = can.add_subcommand("dump", "Show frames, with their meaning");
   command->add_option("LOG", arguments->log,
                       "A log as of candump -L, or the folder of a run; without it, live");

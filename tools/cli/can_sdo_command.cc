@@ -18,7 +18,7 @@
 namespace koboshi::tools {
 namespace {
 
-struct Arguments {
+struct CanSdoArguments {
   std::string node;
   std::string object;
   std::string value;
@@ -29,7 +29,7 @@ struct Arguments {
 };
 
 // The channel asked for.
-SdoTransfer open_transfer(const Arguments& arguments, sim::Transport& transport) {
+SdoTransfer open_transfer(const CanSdoArguments& arguments, sim::Transport& transport) {
   const std::uint8_t node = parse_node(arguments.node);
   return arguments.second ? second_sdo(transport, node) : SdoTransfer(transport, node);
 }
@@ -80,7 +80,7 @@ std::vector<std::uint8_t> number_bytes(const std::string& text, std::size_t size
   return data;
 }
 
-std::vector<std::uint8_t> value_bytes(const Arguments& arguments, SdoTransfer& transfer,
+std::vector<std::uint8_t> value_bytes(const CanSdoArguments& arguments, SdoTransfer& transfer,
                                       canopen::ObjectAddress address) {
   if (arguments.type == "text") return {arguments.value.begin(), arguments.value.end()};
   if (!arguments.type.empty())
@@ -119,7 +119,7 @@ std::vector<std::uint8_t> read_file(const std::filesystem::path& file) {
 }
 
 CLI::App* add(CLI::App& sdo, const char* name, const char* text,
-              const std::shared_ptr<Arguments>& arguments) {
+              const std::shared_ptr<CanSdoArguments>& arguments) {
   CLI::App* command = sdo.add_subcommand(name, text);
   command->add_option("NODE", arguments->node, "1 to 127")->required();
   command->add_option("OBJECT", arguments->object, "Index and sub-index, such as 0x1018:1")->required();
@@ -134,7 +134,7 @@ CLI::App* add(CLI::App& sdo, const char* name, const char* text,
 void add_can_sdo_command(CLI::App& can) {
   CLI::App* sdo = can.add_subcommand("sdo", "Read and write the objects of a node");
   sdo->require_subcommand(1);
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<CanSdoArguments>();
 
   add(*sdo, "read", "Show the value of an object", arguments)->callback([arguments] {
     const auto address = parse_object(arguments->object);

@@ -14,23 +14,23 @@
 namespace koboshi::tools {
 namespace {
 
-struct Arguments {
+struct DictionaryArguments {
   std::filesystem::path robot = "robots/koboshi/robot.sdf";
   std::filesystem::path folder = "docs/reference";
   std::string kind;
 };
 
-std::vector<GeneratedFile> files(const Arguments& arguments) {
+std::vector<GeneratedFile> files(const DictionaryArguments& arguments) {
   return dictionary_files(sim::load_robot(arguments.robot));
 }
 
-void print_file(const Arguments& arguments, const std::string& name) {
+void print_file(const DictionaryArguments& arguments, const std::string& name) {
   for (const GeneratedFile& file : files(arguments)) {
     if (file.name == name) fmt::print("{}", file.text);
   }
 }
 
-void write_files(const Arguments& arguments) {
+void write_files(const DictionaryArguments& arguments) {
   for (const GeneratedFile& file : files(arguments)) {
     sim::write_whole_file(arguments.folder / file.name, file.text);
     fmt::print("{}\n", (arguments.folder / file.name).string());
@@ -40,7 +40,7 @@ void write_files(const Arguments& arguments) {
 }  // namespace
 
 void add_dictionary_command(CLI::App& program) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<DictionaryArguments>();
   CLI::App* command = program.add_subcommand("dictionary", "The nodes' objects as EDS, DBC and page");
   command->require_subcommand(1);
   command->footer(

@@ -10,7 +10,7 @@
 namespace koboshi::tools {
 namespace {
 
-struct Arguments {
+struct DiffArguments {
   std::filesystem::path a;
   std::filesystem::path b;
 };
@@ -18,7 +18,7 @@ struct Arguments {
 }  // namespace
 
 void add_diff_command(CLI::App& program, int& exit_status) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<DiffArguments>();
   CLI::App* command = program.add_subcommand("diff", "Compare two runs: where they part, and how");
   command->footer(
       "Compares trace.csv and can.log to the last bit. Exit status: 0 the same, 1 different, 2 bad input.\n\n"

@@ -19,7 +19,7 @@
 namespace koboshi::tools {
 namespace {
 
-struct Arguments {
+struct GyroFeedbackArguments {
   ExperimentArguments common;
   GyroFeedbackOptions options;
   std::string feedback = "both";
@@ -27,7 +27,7 @@ struct Arguments {
 
 // The paper's figure 8, off beside on: the first seed's walks of 8 points (or of what there is), each with
 // everything that `koboshi run` leaves of it. Markdown that shows them on the page; empty without a page.
-std::string draw_figures(const Arguments& arguments) {
+std::string draw_figures(const GyroFeedbackArguments& arguments) {
   const GyroFeedbackOptions& options = arguments.options;
   const bool has_eight = std::ranges::find(options.points, 8) != options.points.end();
   const int points = has_eight ? 8 : options.points.front();
@@ -50,7 +50,7 @@ std::string draw_figures(const Arguments& arguments) {
   return names.empty() ? std::string() : table_text(names, {images}, TableStyle::kMarkdown);
 }
 
-void play_gyro_feedback(Arguments arguments, const std::string& command_line) {
+void play_gyro_feedback(GyroFeedbackArguments arguments, const std::string& command_line) {
   GyroFeedbackOptions& options = arguments.options;
   options.overrides = overrides(arguments.common);
   options.first_seed = arguments.common.first_seed;
@@ -67,7 +67,7 @@ void play_gyro_feedback(Arguments arguments, const std::string& command_line) {
 }
 
 void add_gyro_feedback(CLI::App& parent, const std::string& command_line) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<GyroFeedbackArguments>();
   GyroFeedbackOptions& options = arguments->options;
   CLI::App* command = parent.add_subcommand(
       "gyro-feedback", "The paper's section 3: points of the walking pattern, gyro feedback off and on");

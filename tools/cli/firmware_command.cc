@@ -18,7 +18,7 @@
 namespace koboshi::tools {
 namespace {
 
-struct Arguments {
+struct FirmwareArguments {
   std::filesystem::path scenario;
   double duration_s = 86400.0;
   double speed = 1.0;
@@ -26,7 +26,7 @@ struct Arguments {
   CanOptions can;
 };
 
-void run_firmware(const Arguments& arguments) {
+void run_firmware(const FirmwareArguments& arguments) {
   const PreparedScenario prepared = prepare(sim::read_scenario(arguments.scenario));
   const auto transport = open_can(arguments.can);
   Interrupt interrupt;
@@ -47,7 +47,7 @@ void run_firmware(const Arguments& arguments) {
 }  // namespace
 
 void add_firmware_command(CLI::App& program) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<FirmwareArguments>();
   CLI::App* command =
       program.add_subcommand("firmware", "The controller's firmware as a process of its own on a CAN bus");
   command->footer(

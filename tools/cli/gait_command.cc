@@ -18,7 +18,7 @@
 namespace koboshi::tools {
 namespace {
 
-struct Arguments {
+struct GaitArguments {
   std::filesystem::path gait;
   std::filesystem::path robot = "robots/koboshi/robot.sdf";
   std::string points;
@@ -26,7 +26,7 @@ struct Arguments {
   std::filesystem::path out;
 };
 
-void make_gait(const Arguments& arguments) {
+void make_gait(const GaitArguments& arguments) {
   const auto overrides = overrides_of(arguments.sets, {{"points", arguments.points}});
   const sim::RobotDescription robot = sim::load_robot(arguments.robot);
   const NamedModel model = load_named_model(robot);
@@ -50,7 +50,7 @@ void make_gait(const Arguments& arguments) {
 }  // namespace
 
 void add_gait_command(CLI::App& program) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<GaitArguments>();
   CLI::App* command = program.add_subcommand("gait", "Make a walking motion by the linear inverted pendulum");
   command->footer(
       "Divides the walk that a gait file describes into points, makes a pose of each by inverse kinematics, "

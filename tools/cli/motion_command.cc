@@ -15,13 +15,13 @@
 namespace koboshi::tools {
 namespace {
 
-struct Arguments {
+struct MotionArguments {
   std::filesystem::path motion;
   std::filesystem::path robot = "robots/koboshi/robot.sdf";
   std::filesystem::path out;
 };
 
-void compile(const Arguments& arguments) {
+void compile(const MotionArguments& arguments) {
   const NamedModel model = load_named_model(sim::load_robot(arguments.robot));
   const std::vector<std::byte> image = compile_motion(arguments.motion, model);
   std::filesystem::path out = arguments.out;
@@ -35,7 +35,7 @@ void compile(const Arguments& arguments) {
 }  // namespace
 
 void add_motion_command(CLI::App& program) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<MotionArguments>();
   CLI::App* command = program.add_subcommand("motion", "Motions: check and compile them");
   command->require_subcommand(1);
   CLI::App* compile_command =

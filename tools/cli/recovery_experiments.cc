@@ -24,7 +24,7 @@ void play(const Experiment& experiment, const ExperimentArguments& arguments, co
 }
 
 void add_stand_up(CLI::App& parent, const std::string& command_line) {
-  auto arguments = std::make_shared<Arguments<StandUpOptions>>();
+  auto arguments = std::make_shared<ScenarioArguments<StandUpOptions>>();
   StandUpOptions& options = arguments->options;
   options.scenario = kScenario;
   CLI::App* command =
@@ -49,7 +49,7 @@ void add_stand_up(CLI::App& parent, const std::string& command_line) {
 }
 
 void add_fall_detection(CLI::App& parent, const std::string& command_line) {
-  auto arguments = std::make_shared<Arguments<FallDetectionOptions>>();
+  auto arguments = std::make_shared<ScenarioArguments<FallDetectionOptions>>();
   FallDetectionOptions& options = arguments->options;
   options.scenario = kScenario;
   CLI::App* command =
@@ -87,7 +87,7 @@ void add_fall_detection(CLI::App& parent, const std::string& command_line) {
 }
 
 void add_marathon(CLI::App& parent, const std::string& command_line) {
-  auto arguments = std::make_shared<Arguments<MarathonOptions>>();
+  auto arguments = std::make_shared<ScenarioArguments<MarathonOptions>>();
   MarathonOptions& options = arguments->options;
   options.scenario = kScenario;
   options.seeds = 10;

@@ -21,7 +21,7 @@
 namespace koboshi::tools {
 namespace {
 
-struct Arguments {
+struct RunArguments {
   std::filesystem::path scenario;
   std::filesystem::path out;
   std::vector<std::string> sets;
@@ -55,7 +55,7 @@ class ProgressBar {
   int percent_ = -1;
 };
 
-std::vector<sim::Override> overrides(const Arguments& arguments) {
+std::vector<sim::Override> overrides(const RunArguments& arguments) {
   return overrides_of(
       arguments.sets,
       {{"seed", arguments.seed}, {"duration_s", arguments.duration}, {"physics.stepper", arguments.stepper}});
@@ -86,7 +86,7 @@ void give_operator(RunOptions& options) {
   };
 }
 
-int run_scenario(const Arguments& arguments) {
+int run_scenario(const RunArguments& arguments) {
   RunOptions options;
   options.scenario = sim::read_scenario(arguments.scenario, overrides(arguments));
   options.out =
@@ -114,7 +114,7 @@ int run_scenario(const Arguments& arguments) {
 }  // namespace
 
 void add_run_command(CLI::App& program, int& exit_status) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<RunArguments>();
   CLI::App* command = program.add_subcommand("run", "Play a scenario: firmware and robot in lockstep");
   command->footer(
       "The run goes as fast as it can; the same scenario and seed give the same bytes. It leaves in its "

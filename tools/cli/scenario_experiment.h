@@ -18,14 +18,14 @@ inline constexpr const char* kWorlds =
 
 // What an experiment on a scenario is told at the command line.
 template <typename Options>
-struct Arguments {
+struct ScenarioArguments {
   ExperimentArguments common;
   Options options;
 };
 
 template <typename Options>
 CLI::App* add_command(CLI::App& parent, const std::string& name, const std::string& what,
-                      Arguments<Options>& arguments) {
+                      ScenarioArguments<Options>& arguments) {
   CLI::App* command = parent.add_subcommand(name, what);
   command->add_option("SCENARIO", arguments.options.scenario, "A scenario that walks by command")
       ->capture_default_str();
@@ -36,7 +36,7 @@ CLI::App* add_command(CLI::App& parent, const std::string& name, const std::stri
 
 // What the options of all experiments say, where this experiment looks for it.
 template <typename Options>
-void settle(Arguments<Options>& arguments, const std::string& name) {
+void settle(ScenarioArguments<Options>& arguments, const std::string& name) {
   arguments.options.overrides = overrides(arguments.common);
   arguments.options.first_seed = arguments.common.first_seed;
   arguments.options.seeds = arguments.common.seeds;

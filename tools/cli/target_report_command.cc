@@ -13,14 +13,14 @@
 namespace koboshi::tools {
 namespace {
 
-struct Arguments {
+struct TargetReportArguments {
   std::filesystem::path scenario = "scenarios/walk.yaml";
   std::filesystem::path image;
   std::filesystem::path page;
   bool json = false;
 };
 
-void report_target(const Arguments& arguments) {
+void report_target(const TargetReportArguments& arguments) {
   const auto image = arguments.image.empty() ? default_image() : arguments.image;
   const TargetReport report = measure_target(sim::read_scenario(arguments.scenario), image);
   if (!arguments.page.empty()) {
@@ -34,7 +34,7 @@ void report_target(const Arguments& arguments) {
 }  // namespace
 
 void add_target_report_command(CLI::App& program) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<TargetReportArguments>();
   CLI::App* command = program.add_subcommand(
       "target-report", "What the firmware takes of a Cortex-M4: instructions, flash, RAM, stack");
   command->footer(

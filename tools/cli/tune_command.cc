@@ -14,13 +14,13 @@
 namespace koboshi::tools {
 namespace {
 
-struct Arguments {
+struct TuneArguments {
   std::filesystem::path study;
   StudyOptions options;
   std::string stepper;
 };
 
-void tune(Arguments arguments) {
+void tune(TuneArguments arguments) {
   const Study study = read_study(arguments.study);
   StudyOptions& options = arguments.options;
   if (!arguments.stepper.empty()) options.overrides.push_back({"physics.stepper", arguments.stepper});
@@ -41,7 +41,7 @@ void tune(Arguments arguments) {
 }  // namespace
 
 void add_tune_command(CLI::App& program) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<TuneArguments>();
   StudyOptions& options = arguments->options;
   options.jobs = core_count();
   CLI::App* command = program.add_subcommand("tune", "Search for the numbers of a study that are worth most");

@@ -15,7 +15,7 @@
 namespace koboshi::tools {
 namespace {
 
-struct Arguments {
+struct TuneGaitArguments {
   GaitSearchOptions options;
   int points = 8;
   std::string feedback = "on";
@@ -30,7 +30,7 @@ void show(const GaitSearchProgress& progress) {
   std::fflush(stderr);
 }
 
-void tune_gait(Arguments arguments) {
+void tune_gait(TuneGaitArguments arguments) {
   GaitSearchOptions& options = arguments.options;
   options.experiment.points = {arguments.points};
   options.experiment.feedback = {arguments.feedback == "on"};
@@ -55,7 +55,7 @@ void tune_gait(Arguments arguments) {
 }  // namespace
 
 void add_tune_gait_command(CLI::App& experiment) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<TuneGaitArguments>();
   GaitSearchOptions& options = arguments->options;
   options.start = "robots/koboshi/gait.yaml";
   options.experiment.first_seed = 9000;

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct ValidateArguments {
   std::string stepper = sim::stepper_names().front();
   double step_ms = 1.0;
   ValidationSetup setup;
@@ -32,7 +32,7 @@ struct Arguments {
   fs::path json;
 };
 
-void check_arguments(const Arguments& arguments) {
+void check_arguments(const ValidateArguments& arguments) {
   const double steps_a_ms = 1.0 / arguments.step_ms;
   if (std::abs(steps_a_ms - std::round(steps_a_ms)) > 1e-9) {
     throw sim::InputError("--step-ms", 0, fmt::format("{}", arguments.step_ms), "a step that divides 1 ms");
@@ -56,7 +56,7 @@ bool draw_all(const std::vector<ValidationResult>& results, const fs::path& fold
 }
 
 // Beside the page, in a folder that is called as it is.
-void write_page(const std::vector<ValidationResult>& results, const Arguments& arguments,
+void write_page(const std::vector<ValidationResult>& results, const ValidateArguments& arguments,
                 const std::string& command_line) {
   const fs::path figures = arguments.page.parent_path() / arguments.page.stem();
   fs::create_directories(figures);
@@ -71,7 +71,7 @@ void write_page(const std::vector<ValidationResult>& results, const Arguments& a
                 page_text(results, command_line, date, arguments.page.stem().string()));
 }
 
-int validate(Arguments arguments, const std::string& command_line) {
+int validate(ValidateArguments arguments, const std::string& command_line) {
   check_arguments(arguments);
   ValidationSetup& setup = arguments.setup;
   setup.world.step_s = 1e-3 * arguments.step_ms;
@@ -102,7 +102,7 @@ int validate(Arguments arguments, const std::string& command_line) {
 }  // namespace
 
 void add_validate_command(CLI::App& program, int& exit_status, const std::string& command_line) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ValidateArguments>();
   CLI::App* command = program.add_subcommand("validate", "Hold the physics to theory, each error stated");
   std::vector<std::string> names;
   std::string list;

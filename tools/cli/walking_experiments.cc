@@ -16,7 +16,7 @@ namespace {
 
 // --- walking-speed
 
-struct SpeedArguments : Arguments<WalkingSpeedOptions> {
+struct SpeedArguments : ScenarioArguments<WalkingSpeedOptions> {
   std::array<std::vector<double>, 4> commands{{{0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4},
                                                {0.05, 0.1, 0.15, 0.2, 0.25, 0.3},
                                                {0.03, 0.06, 0.09, 0.12, 0.15, 0.18},
@@ -74,7 +74,7 @@ void add_walking_speed(CLI::App& parent, const std::string& command_line) {
 
 // --- push-recovery
 
-void play_push_recovery(Arguments<PushRecoveryOptions> arguments, const std::string& command_line) {
+void play_push_recovery(ScenarioArguments<PushRecoveryOptions> arguments, const std::string& command_line) {
   settle(arguments, "push-recovery");
   const Experiment experiment = make_push_recovery(arguments.options);
   const ExperimentResult result = play_with_progress(
@@ -87,7 +87,7 @@ void play_push_recovery(Arguments<PushRecoveryOptions> arguments, const std::str
 }
 
 void add_push_recovery(CLI::App& parent, const std::string& command_line) {
-  auto arguments = std::make_shared<Arguments<PushRecoveryOptions>>();
+  auto arguments = std::make_shared<ScenarioArguments<PushRecoveryOptions>>();
   PushRecoveryOptions& options = arguments->options;
   CLI::App* command =
       add_command(parent, "push-recovery",
@@ -128,7 +128,7 @@ void add_push_recovery(CLI::App& parent, const std::string& command_line) {
 
 // --- terrain
 
-void play_terrain(Arguments<TerrainOptions> arguments, const std::string& command_line) {
+void play_terrain(ScenarioArguments<TerrainOptions> arguments, const std::string& command_line) {
   settle(arguments, "terrain");
   const Terrain terrain = make_terrain(arguments.options);
   const ClimbResult result = play_with_progress(arguments.common, [&](const ExperimentOptions& how) {
@@ -144,7 +144,7 @@ void play_terrain(Arguments<TerrainOptions> arguments, const std::string& comman
 }
 
 void add_terrain(CLI::App& parent, const std::string& command_line) {
-  auto arguments = std::make_shared<Arguments<TerrainOptions>>();
+  auto arguments = std::make_shared<ScenarioArguments<TerrainOptions>>();
   CLI::App* command = add_command(
       parent, "terrain", "Steps, slopes, slippery patches and bumps that are walked over", *arguments);
   command->footer(std::string("Each kind of ground is made harder until more than 5 of 100 seeds fall, or "

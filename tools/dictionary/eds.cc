@@ -81,7 +81,7 @@ void add_value(std::string& eds, const ObjectItem& item) {
                  item.mappable == canopen::Mappable::kNo ? 0 : 1);
 }
 
-void add_object(std::string& eds, const Object& object) {
+void add_object_section(std::string& eds, const Object& object) {
   fmt::format_to(Text(eds), "\n[{:04X}]\nParameterName={}\n", object.index, object.name);
   if (object.type == ObjectType::kVariable) return add_value(eds, object.items.front());
   fmt::format_to(Text(eds), "ObjectType=0x{:X}\nSubNumber={}\n", static_cast<int>(object.type),
@@ -102,7 +102,7 @@ void add_section(std::string& eds, const NodeKind& kind, Section section, std::s
   for (std::size_t i = 0; i < objects.size(); ++i) {
     fmt::format_to(Text(eds), "{}=0x{:04X}\n", i + 1, objects[i]->index);
   }
-  for (const Object* object : objects) add_object(eds, *object);
+  for (const Object* object : objects) add_object_section(eds, *object);
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ void add_items(std::string& page, const Object& object) {
   }
 }
 
-void add_object(std::string& page, const Object& object) {
+void add_object_row(std::string& page, const Object& object) {
   const std::string index = fmt::format("{:04X}", object.index);
   if (object.type == ObjectType::kVariable) {
     ObjectItem item = object.items.front();
@@ -118,7 +118,7 @@ void add_objects(std::string& page, std::span<const Object> objects, std::uint16
   for (const Object& object : objects) {
     if (object.index < from || object.index >= end) continue;
     if (object.family.empty()) {
-      add_object(page, object);
+      add_object_row(page, object);
     } else if (object.family != family) {
       add_family(page, object);
     }

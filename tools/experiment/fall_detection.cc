@@ -6,7 +6,6 @@
 #include <cmath>
 #include <functional>
 #include <memory>
-#include <numbers>
 
 #include "firmware/recovery/fall_watch.h"
 #include "sim_board/input/text.h"
@@ -14,16 +13,15 @@
 #include "sim_board/robot/load.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/experiment/fall_observer.h"
+#include "tools/experiment/perturbation.h"
 #include "tools/experiment/scenario_trial.h"
 
 namespace koboshi::tools {
 namespace {
 
-constexpr double kTurn_rad = 2.0 * std::numbers::pi;
-constexpr double kWalk_s = 2.0;       // before it is disturbed
-constexpr double kStand_s = 1.0;      // the same of a robot that stands
-constexpr double kAftermath_s = 5.0;  // in which a disturbed robot falls or not
-constexpr double kPush_s = 0.1;
+constexpr double kWalkBefore_s = 2.0;   // before it is disturbed
+constexpr double kStandBefore_s = 1.0;  // the same of a robot that stands
+constexpr double kFallWindow_s = 5.0;   // in which a disturbed robot falls or not
 constexpr double kSlowPush_s = 1.5;
 // Its peak is as the pull of a floor that tilts to 10 to 17 degrees.
 constexpr double kSlowPushFactor = 3.2;
@@ -93,34 +91,35 @@ class Disturbance {
 
  private:
   sim::Scenario make(Cause cause, sim::RandomStream& random, std::uint64_t seed) const {
-    const double walk_s = kWalk_s + random.uniform();  // any phase of a step
+    const double walk_s = kWalkBefore_s + random.uniform();  // any phase of a step
     switch (cause) {
       case Cause::kPushStanding: {
-        sim::Scenario scenario = start_.standing(kStand_s + kAftermath_s);
-        push(scenario, kStand_s, kPush_s, options_.standing_N_s_per_kg, random, seed);
+        sim::Scenario scenario = start_.standing(kStandBefore_s + kFallWindow_s);
+        push(scenario, kStandBefore_s, kPush_s, options_.standing_N_s_per_kg, random, seed);
         return scenario;
       }
       case Cause::kPushWalking: {
-        sim::Scenario scenario = start_.walking(velocity(random), walk_s + kAftermath_s);
+        sim::Scenario scenario = start_.walking(velocity(random), walk_s + kFallWindow_s);
         push(scenario, walk_s, kPush_s, options_.walking_N_s_per_kg, random, seed);
         return scenario;
       }
       case Cause::kSlowPush: {
-        sim::Scenario scenario = start_.standing(kStand_s + kAftermath_s);
-        push(scenario, kStand_s, kSlowPush_s, kSlowPushFactor * options_.standing_N_s_per_kg, random, seed);
+        sim::Scenario scenario = start_.standing(kStandBefore_s + kFallWindow_s);
+        push(scenario, kStandBefore_s, kSlowPush_s, kSlowPushFactor * options_.standing_N_s_per_kg, random,
+             seed);
         return scenario;
       }
       case Cause::kTrip: {
-        sim::Scenario scenario = start_.walking({0.25, 0.0, 0.0}, kWalk_s + kAftermath_s);
+        sim::Scenario scenario = start_.walking({0.25, 0.0, 0.0}, kWalkBefore_s + kFallWindow_s);
         scenario.ground.shapes.push_back(bar(between(random, 0.3, 0.45), between(random, 0.02, 0.03)));
         return scenario;
       }
       case Cause::kSlip: {
-        sim::Scenario scenario = start_.walking({0.25, 0.0, 0.2}, kWalk_s + kAftermath_s);
+        sim::Scenario scenario = start_.walking({0.25, 0.0, 0.2}, kWalkBefore_s + kFallWindow_s);
         return scenario;
       }
       case Cause::kDriveFailure: {
-        sim::Scenario scenario = start_.walking(velocity(random), walk_s + kAftermath_s);
+        sim::Scenario scenario = start_.walking(velocity(random), walk_s + kFallWindow_s);
         static constexpr std::array<const char*, 4> kJoints{"left_knee", "right_knee", "left_hip_pitch",
                                                             "right_ankle_pitch"};
         const auto joint = static_cast<std::size_t>(random.uniform() * kJoints.size());

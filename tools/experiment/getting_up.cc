@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace koboshi::tools {
 namespace {
 
-constexpr double kUpright_rad = std::numbers::pi / 12.0;
 constexpr double kStill_rad_per_s = 0.15;
 constexpr double kLeastHeight = 0.8;           // of a trunk that stands; one that sits is lower
 constexpr std::uint64_t kSteady_us = 500'000;  // of standing, after which nothing more happens

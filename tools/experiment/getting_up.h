@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <numbers>
 #include <optional>
 
 #include "sim_board/scenario/scenario.h"
 #include "tools/experiment/scenario_trial.h"
 
 namespace koboshi::tools {
+
+inline constexpr double kUpright_rad = std::numbers::pi / 12.0;  // largest tilt of a robot that stands
 
 // How a robot that lay comes to stand.
 class GettingUp {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sim_board/input/text.h"
+#include "sim_board/input/user_units.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/experiment/files.h"
 #include "tools/experiment/perturbation.h"
@@ -14,7 +15,6 @@ namespace koboshi::tools {
 namespace {
 
 constexpr double kDegree_rad = std::numbers::pi / 180.0;
-constexpr double kMillimetres = 1000.0;
 // The first push comes when the walk has left its starting steps behind.
 constexpr double kFirstPush_s = 2.0;
 
@@ -40,8 +40,8 @@ std::vector<Measure> measures(double falls_within) {
           {.name = "distance_m", .label = "distance [m]", .decimals = 2},
           {.name = "speed_m_per_s", .label = "speed [m/s]"},
           {.name = "lateral_drift_m", .label = "drift [m]", .decimals = 2},
-          {.name = "zmp_rms_error_m", .label = "ZMP error RMS [mm]", .factor = kMillimetres, .decimals = 1},
-          {.name = "zmp_margin_p05_m", .label = "ZMP margin p05 [mm]", .factor = kMillimetres, .decimals = 1},
+          {.name = "zmp_rms_error_m", .label = "ZMP error RMS [mm]", .factor = sim::kMmPerM, .decimals = 1},
+          {.name = "zmp_margin_p05_m", .label = "ZMP margin p05 [mm]", .factor = sim::kMmPerM, .decimals = 1},
           {.name = "heading_drift_rad"},
           {.name = "foot_slip_max_m"},
           {.name = "duration_s"},

@@ -10,7 +10,6 @@
 namespace koboshi::tools {
 namespace {
 
-constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 // Soft ground gives way like felt, without much of a rebound, under a robot of 1.2 kg on a sole's four
 // points.
 constexpr double kDampingRatio = 0.5;

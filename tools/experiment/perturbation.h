@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <numbers>
 #include <string>
 
 #include "sim_board/random/random_stream.h"
@@ -45,6 +46,9 @@ struct PushBounds {
   double highest_N_s = 0.1;
   double duration_s = 0.05;  // half a sine wave
 };
+
+inline constexpr double kTurn_rad = 2.0 * std::numbers::pi;  // a whole turn
+inline constexpr double kPush_s = 0.1;                       // duration of a half-sine push in experiments
 
 // Uniform from `low` on, below `high`.
 [[nodiscard]] double between(sim::RandomStream& random, double low, double high);

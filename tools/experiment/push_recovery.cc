@@ -5,20 +5,18 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <tuple>
 
 #include "firmware/walk/gait.h"
 #include "sim_board/input/text.h"
 #include "sim_board/random/random_stream.h"
 #include "sim_board/scenario/reader.h"
+#include "tools/experiment/perturbation.h"
 #include "tools/experiment/scenario_trial.h"
 
 namespace koboshi::tools {
 namespace {
 
-constexpr double kTurn_rad = 2.0 * std::numbers::pi;
-constexpr double kPush_s = 0.1;
 constexpr double kStand_s = 0.5;      // before it is pushed, standing;
 constexpr double kWalk_s = 3.0;       // and walking, at least
 constexpr double kAftermath_s = 3.0;  // a robot of this height that is going to fall lies after one second

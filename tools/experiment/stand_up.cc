@@ -12,6 +12,7 @@
 #include "sim_board/random/random_stream.h"
 #include "sim_board/robot/load.h"
 #include "tools/experiment/fall_observer.h"
+#include "tools/experiment/getting_up.h"
 #include "tools/experiment/scenario_trial.h"
 
 namespace koboshi::tools {
@@ -19,7 +20,6 @@ namespace {
 
 constexpr std::uint64_t kCommand_us = 4'000'000;  // it has settled, and its gyro is calibrated
 constexpr double kPatience_s = 45.0;              // for all attempts
-constexpr double kUpright_rad = 15.0 * std::numbers::pi / 180.0;
 
 const std::vector<std::pair<std::string, app::Reason>>& lying_poses() {
   static const std::vector<std::pair<std::string, app::Reason>> kPoses{

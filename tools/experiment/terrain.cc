@@ -12,7 +12,7 @@
 namespace koboshi::tools {
 namespace {
 
-constexpr double kPatience = 2.0;  // times what the command promises
+constexpr double kTerrainPatience = 2.0;  // times what the command promises
 
 // A kind of ground, and what of a scenario makes it at a level other than 0, which is a floor.
 struct Kind {
@@ -63,7 +63,7 @@ const std::vector<Kind>& kinds() {
   return kKinds;
 }
 
-std::vector<Measure> measures() {
+std::vector<Measure> terrain_measures() {
   using enum Measure::Kind;
   return {{.name = "not_passed", .kind = kEvent, .label = "not passed", .most_share = kMostFailures},
           {.name = "fell", .kind = kEvent, .label = "falls"},
@@ -74,7 +74,7 @@ std::vector<Measure> measures() {
 }
 
 Values play(const StandingStart& start, const TerrainOptions& options, std::uint64_t seed) {
-  const double patience_s = kPatience * options.way_m / options.speed_m_per_s;
+  const double patience_s = kTerrainPatience * options.way_m / options.speed_m_per_s;
   Values values = play_in_world(
       start.walking({options.speed_m_per_s, 0.0, 0.0}, patience_s), kRoughWorld, seed,
       [&](const RunRecorder& recorder) { return recorder.walk().made_good().x() >= options.way_m; });
@@ -107,7 +107,7 @@ Terrain make_terrain(const TerrainOptions& options) {
   terrain.experiment = begin_experiment("terrain", options, starts->front().scenario,
                                         {{"speed_m_per_s", sim::number_text(options.speed_m_per_s)},
                                          {"way_m", sim::number_text(options.way_m)}});
-  terrain.experiment.measures = measures();
+  terrain.experiment.measures = terrain_measures();
   terrain.experiment.cells = std::move(cells);
   terrain.experiment.play = [options, starts](std::size_t cell, std::uint64_t seed) {
     return play(starts->at(cell), options, seed);

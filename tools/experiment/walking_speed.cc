@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <memory>
-#include <numbers>
 
 #include "sim_board/input/text.h"
 #include "tools/experiment/scenario_trial.h"
@@ -12,13 +11,12 @@ namespace {
 
 using Direction = SpeedLadder::Direction;
 
-constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 // Who takes longer than so many times what the command promises does not sustain it.
-constexpr double kPatience = 4.0;
+constexpr double kWalkPatience = 4.0;
 
 constexpr const char* kFailure = "not_sustained";
 
-std::vector<Measure> measures() {
+std::vector<Measure> walk_measures() {
   using enum Measure::Kind;
   return {{.name = kFailure, .kind = kEvent, .label = "not sustained", .most_share = kMostFailures},
           {.name = "fell", .kind = kEvent, .label = "falls"},
@@ -65,7 +63,7 @@ struct SpeedTrial {
 Values play(const SpeedTrial& trial, const StandingStart& start, std::uint64_t seed) {
   const double sign = sign_of(trial.direction, seed);
   const Eigen::Vector3d velocity = velocity_of(trial.direction, sign * trial.command);
-  const double patience_s = kPatience * trial.way / trial.command;
+  const double patience_s = kWalkPatience * trial.way / trial.command;
   const Values values =
       play_in_world(start.walking(velocity, patience_s), kRoughWorld, seed, [&](const RunRecorder& recorder) {
         return made_good(velocity, recorder.walk().made_good()) >= trial.way;
@@ -115,7 +113,7 @@ WalkingSpeed make_walking_speed(const WalkingSpeedOptions& options) {
   speed.experiment = begin_experiment(
       "walking-speed", options, start->scenario,
       {{"way_m", sim::number_text(options.way_m)}, {"turns", sim::number_text(options.turns)}});
-  speed.experiment.measures = measures();
+  speed.experiment.measures = walk_measures();
   for (const SpeedLadder& ladder : options.ladders) {
     const std::string& name = SpeedLadder::names().at(static_cast<std::size_t>(ladder.direction));
     const double way = ladder.direction == Direction::kTurn ? kTurn_rad * options.turns : options.way_m;

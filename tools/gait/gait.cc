@@ -1,13 +1,10 @@
 #include "tools/gait/gait.h"
 
-#include <numbers>
-
+#include "sim_board/input/user_units.h"
 #include "sim_board/input/yaml_reader.h"
 
 namespace koboshi::tools {
 namespace {
-
-constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 
 void read_pattern(const sim::YamlMap& root, Gait& gait) {
   gait.points = static_cast<int>(root.integer("points", {.min = 2, .max = 64}, gait.points));
@@ -18,7 +15,8 @@ void read_pattern(const sim::YamlMap& root, Gait& gait) {
   gait.swing_ease = root.number("swing_ease", {.min = 0.0, .max = 1.0}, gait.swing_ease);
   gait.com_height_m = root.number("com_height_m", {.min = 0.01, .max = 2.0});
   gait.double_support = root.number("double_support", {.min = 0.01, .max = 0.9});
-  gait.trunk_pitch_rad = kRadPerDegree * root.number("trunk_pitch_deg", {.min = -45.0, .max = 45.0}, 0.0);
+  gait.trunk_pitch_rad =
+      sim::kRadPerDegree * root.number("trunk_pitch_deg", {.min = -45.0, .max = 45.0}, 0.0);
   gait.zmp_ahead_m = root.number("zmp_ahead_m", {.min = -0.2, .max = 0.2}, 0.0);
   gait.zmp_inward_m = root.number("zmp_inward_m", {.min = -0.2, .max = 0.2}, 0.0);
   gait.sag_compensation = root.number("sag_compensation", {.min = 0.0, .max = 2.0}, 0.0);
@@ -30,7 +28,7 @@ void read_upper_body(const sim::YamlMap& root, Gait& gait) {
   if (!map) return;
   for (const auto& [joint, value] : map->entries()) {
     gait.upper_body.push_back(
-        {joint, value.line(), kRadPerDegree * value.number({.min = -180.0, .max = 180.0})});
+        {joint, value.line(), sim::kRadPerDegree * value.number({.min = -180.0, .max = 180.0})});
   }
 }
 

@@ -3,13 +3,13 @@
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "firmware/fixed/host/convert.h"
+#include "sim_board/input/user_units.h"
 #include "sim_board/record/output_file.h"
 #include "tools/gait/gait_motion.h"
 #include "tools/gait/gait_plan.h"
@@ -21,8 +21,6 @@ namespace {
 
 constexpr double kSample_s = 0.002;
 constexpr int kCycles = 2;
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr double kMillimetres = 1000.0;
 
 struct ShownJoint {
   robot::JointRole role;
@@ -103,11 +101,11 @@ void write_profile(const Gait& gait, const sim::RobotDescription& robot, const N
 
 Panel pendulum_panel(const std::string& axis, const std::string& label) {
   return {.y_label = label + " [mm]",
-          .series = {{.column = "com_" + axis + "_m", .label = "centre of mass", .factor = kMillimetres},
+          .series = {{.column = "com_" + axis + "_m", .label = "centre of mass", .factor = sim::kMmPerM},
                      {.column = "zmp_" + axis + "_m",
                       .label = "ZMP",
                       .style = LineStyle::kDashed,
-                      .factor = kMillimetres}},
+                      .factor = sim::kMmPerM}},
           .smallest_span = 10.0};
 }
 
@@ -121,14 +119,15 @@ void draw_gait(const Gait& gait, const sim::RobotDescription& robot, const Named
   figure.panels.push_back(pendulum_panel("x", "ahead"));
   figure.panels.push_back(pendulum_panel("y", "left"));
   for (const ShownJoint& joint : kShown) {
-    figure.panels.push_back(
-        {.y_label = std::string(joint.label) + " [deg]",
-         .series = {{.column = std::string(joint.column) + "_rad", .label = "profile", .factor = kDegrees},
-                    {.column = std::string(joint.column) + "_points_rad",
-                     .label = "between points",
-                     .style = LineStyle::kDashed,
-                     .factor = kDegrees}},
-         .smallest_span = 2.0});
+    figure.panels.push_back({.y_label = std::string(joint.label) + " [deg]",
+                             .series = {{.column = std::string(joint.column) + "_rad",
+                                         .label = "profile",
+                                         .factor = sim::kDegreesPerRad},
+                                        {.column = std::string(joint.column) + "_points_rad",
+                                         .label = "between points",
+                                         .style = LineStyle::kDashed,
+                                         .factor = sim::kDegreesPerRad}},
+                             .smallest_span = 2.0});
   }
   draw(figure, csv, prefix);
 }

@@ -1,17 +1,15 @@
 #include "tools/gait/gait_motion.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <fmt/core.h>
 
 #include "firmware/fixed/host/convert.h"
+#include "sim_board/input/user_units.h"
 #include "tools/gait/walking_pose.h"
 
 namespace koboshi::tools {
 namespace {
-
-constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 // Angles are kept as a motion file writes them, so that the file and the source are the same motion.
 constexpr double kWritten_deg = 1e-3;
 constexpr std::uint32_t kStand_us = 500'000;
@@ -54,9 +52,10 @@ class MotionMaker {
     PoseSource pose{.name = name, .line = 0, .angles = {}};
     const std::vector<double> targets_rad = pose_.targets_rad(instant);
     for (std::size_t joint = 0; joint < targets_rad.size(); ++joint) {
-      const double angle_deg = std::round(targets_rad[joint] / kRadPerDegree / kWritten_deg) * kWritten_deg;
+      const double angle_deg =
+          std::round(targets_rad[joint] / sim::kRadPerDegree / kWritten_deg) * kWritten_deg;
       pose.angles.emplace_back(robot::clamp_to_limits(
-          model_.model.joints[joint], fixed::from_double<fixed::Angle>(angle_deg * kRadPerDegree)));
+          model_.model.joints[joint], fixed::from_double<fixed::Angle>(angle_deg * sim::kRadPerDegree)));
     }
     motion_.poses.push_back(std::move(pose));
     StepSource step;
@@ -97,7 +96,7 @@ std::string gait_motion_text(const MotionSource& motion, const NamedModel& model
   for (const PoseSource& pose : motion.poses) {
     text += fmt::format("  {}:", pose.name);
     for (std::size_t joint = 0; joint < pose.angles.size(); ++joint) {
-      const double angle_deg = fixed::to_double(*pose.angles[joint]) / kRadPerDegree;
+      const double angle_deg = fixed::to_double(*pose.angles[joint]) / sim::kRadPerDegree;
       text += fmt::format("{} {}: {:.3f}", joint == 0 ? " {" : ",", model.joint_names[joint], angle_deg);
     }
     text += "}\n";

@@ -1,12 +1,12 @@
 #include "tools/gait/walking_pose.h"
 
 #include <algorithm>
-#include <numbers>
 #include <stdexcept>
 
 #include "firmware/fixed/host/convert.h"
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
+#include "sim_board/input/user_units.h"
 
 namespace koboshi::tools {
 namespace {
@@ -14,8 +14,6 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using hal::Side;
-
-constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 // The centre of mass moves with the trunk but for the legs, so each round takes most of what is left: five
 // leave micrometres.
 constexpr int kRounds = 5;
@@ -137,7 +135,7 @@ void WalkingPose::check_limits(const std::vector<double>& angles_rad) const {
   for (std::size_t joint = 0; joint < angles_rad.size(); ++joint) {
     const sim::JointDescription& limits = robot_.joints[joint];
     if (angles_rad[joint] >= limits.lower_rad && angles_rad[joint] <= limits.upper_rad) continue;
-    const auto degrees = [](double rad) { return sim::number_text(rad / kRadPerDegree); };
+    const auto degrees = [](double rad) { return sim::number_text(rad / sim::kRadPerDegree); };
     throw sim::InputError(
         gait_.file, 0, "a walk that takes " + limits.name + " to " + degrees(angles_rad[joint]) + " degrees",
         degrees(limits.lower_rad) + " to " + degrees(limits.upper_rad));

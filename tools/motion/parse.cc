@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <string_view>
 
 #include "firmware/fixed/host/convert.h"
 #include "firmware/motion/motion.h"
+#include "sim_board/input/user_units.h"
 #include "sim_board/input/yaml_reader.h"
 
 namespace koboshi::tools {
@@ -17,15 +17,13 @@ namespace {
 using fixed::Angle;
 using sim::YamlMap;
 using sim::YamlValue;
-
-constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 // A limit written in radians in the robot's file need not be the degrees that a motion's author sees in it to
 // the last bit.
 constexpr double kLimitTolerance_deg = 1e-4;
 constexpr double kMinTime_s = motion::kMinStepTime_us * 1e-6;
 constexpr double kMaxTime_s = motion::kMaxStepTime_us * 1e-6;
 
-double degrees(Angle angle) { return fixed::to_double(angle) / kRadPerDegree; }
+double degrees(Angle angle) { return fixed::to_double(angle) / sim::kRadPerDegree; }
 
 std::string degrees_text(Angle angle) { return sim::number_text(std::round(degrees(angle) * 1e4) / 1e4); }
 
@@ -119,7 +117,8 @@ void MotionParser::set_angle(PoseSource& pose, std::size_t joint, double angle_d
     throw value.error(sim::number_text(angle_deg) + " degrees for " + name,
                       degrees_text(limits.lower) + " to " + degrees_text(limits.upper));
   }
-  pose.angles[joint] = robot::clamp_to_limits(limits, fixed::from_double<Angle>(angle_deg * kRadPerDegree));
+  pose.angles[joint] =
+      robot::clamp_to_limits(limits, fixed::from_double<Angle>(angle_deg * sim::kRadPerDegree));
 }
 
 std::optional<std::size_t> MotionParser::find_joint(const std::string& name) const {
@@ -184,9 +183,9 @@ StepSource MotionParser::parse_move(const YamlMap& map) const {
 // A trunk with roll about x, then pitch about y has the world's upright at (-sin p, sin r cos p, cos r cos
 // p).
 StepSource MotionParser::parse_expect(const YamlMap& map) {
-  const double roll = map.number("roll_deg", {.min = -180.0, .max = 180.0}, 0.0) * kRadPerDegree;
-  const double pitch = map.number("pitch_deg", {.min = -90.0, .max = 90.0}, 0.0) * kRadPerDegree;
-  const double within = map.number("within_deg", {.min = 1.0, .max = 179.0}) * kRadPerDegree;
+  const double roll = map.number("roll_deg", {.min = -180.0, .max = 180.0}, 0.0) * sim::kRadPerDegree;
+  const double pitch = map.number("pitch_deg", {.min = -90.0, .max = 90.0}, 0.0) * sim::kRadPerDegree;
+  const double within = map.number("within_deg", {.min = 1.0, .max = 179.0}) * sim::kRadPerDegree;
   const std::array<double, 3> up_B{-std::sin(pitch), std::sin(roll) * std::cos(pitch),
                                    std::cos(roll) * std::cos(pitch)};
   StepSource step;

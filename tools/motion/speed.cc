@@ -1,18 +1,16 @@
 #include "tools/motion/speed.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "firmware/fixed/host/convert.h"
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
+#include "sim_board/input/user_units.h"
 
 namespace koboshi::tools {
 namespace {
 
 using Kind = StepSource::Kind;
-
-constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
 
 class SpeedCheck {
  public:
@@ -44,7 +42,7 @@ class SpeedCheck {
     const double limit_rad_per_s = fixed::to_double(robot_.model.joints[joint].max_speed);
     if (speed_rad_per_s <= limit_rad_per_s) return;
     const auto text = [](double rad_per_s) {
-      return sim::number_text(std::round(rad_per_s * kDegreesPerRad));
+      return sim::number_text(std::round(rad_per_s * sim::kDegreesPerRad));
     };
     throw sim::InputError(
         motion_.file, step.line,

@@ -7,23 +7,19 @@
 
 #include "sim_board/input/text.h"
 #include "tools/plot/gnuplot.h"
+#include "tools/plot/layout.h"
 
 namespace koboshi::tools {
 namespace {
 
 constexpr std::size_t kBuckets = 1000;  // about one a pixel
-constexpr int kWidth_px = 1000;
 constexpr int kPanelHeight_px = 240;
 constexpr int kHead_px = 92;           // title, the marks' labels, the first key
-constexpr int kTitle_px = 22;          // from the top to the title's base line
 constexpr int kMarks_px = 56;          // from the top to the base line of the marks' labels
 constexpr int kMarkRow_px = 14;        // a label that would run into another stands a row higher
 constexpr double kMarkGlyph_px = 6.2;  // mean width of a label's letter
-constexpr int kFoot_px = 60;           // tics and label of the abscissa
 constexpr int kGap_px = 36;            // between panels, for the key of the lower one
-constexpr int kLeft_px = 90;
 constexpr int kYLabel_px = 24;
-constexpr int kRight_px = 25;
 
 struct Range {
   double low = std::numeric_limits<double>::infinity();

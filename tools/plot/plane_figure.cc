@@ -7,18 +7,14 @@
 
 #include "sim_board/input/text.h"
 #include "tools/plot/gnuplot.h"
+#include "tools/plot/layout.h"
 
 namespace koboshi::tools {
 namespace {
 
-constexpr int kWidth_px = 1000;
 constexpr int kMostHeight_px = 700;  // of the plane
-constexpr int kHead_px = 66;         // title and key
-constexpr int kTitle_px = 22;        // from the top to the title's base line
-constexpr int kFoot_px = 60;         // tics and label of the abscissa
-constexpr int kLeft_px = 90;
-constexpr int kRight_px = 25;
-constexpr double kMargin = 0.04;  // of the data's extent, around it
+constexpr int kPlaneHead_px = 66;    // title and key
+constexpr double kMargin = 0.04;     // of the data's extent, around it
 
 // The part of the plane that is shown, and how large.
 struct View {
@@ -98,7 +94,7 @@ std::string plot_command(const PlaneFigure& figure) {
 
 void draw(const PlaneFigure& figure, const std::filesystem::path& without_extension) {
   const View view = view_of(figure);
-  const int page_px = kHead_px + view.height_px + kFoot_px;
+  const int page_px = kPlaneHead_px + view.height_px + kFoot_px;
   const auto from_top = [&](int px) { return sim::number_text(1.0 - static_cast<double>(px) / page_px); };
   const auto from_left = [](int px) { return sim::number_text(static_cast<double>(px) / kWidth_px); };
   std::ostringstream out;
@@ -112,8 +108,8 @@ void draw(const PlaneFigure& figure, const std::filesystem::path& without_extens
   }
   out << axes_style() << "set key horizontal right bottom at graph 1,1.01 samplen 2 textcolor '#303030'\n"
       << "set lmargin at screen " << from_left(kLeft_px) << "\nset rmargin at screen "
-      << from_left(kWidth_px - kRight_px) << "\nset tmargin at screen " << from_top(kHead_px)
-      << "\nset bmargin at screen " << from_top(kHead_px + view.height_px) << "\nset xrange "
+      << from_left(kWidth_px - kRight_px) << "\nset tmargin at screen " << from_top(kPlaneHead_px)
+      << "\nset bmargin at screen " << from_top(kPlaneHead_px + view.height_px) << "\nset xrange "
       << range(view.x_low, view.x_high) << "\nset yrange " << range(view.y_low, view.y_high)
       << "\nset xlabel " << quoted(figure.x_label) << "\nset ylabel " << quoted(figure.y_label)
       << "\nset label " << quoted(figure.title) << " at screen " << from_left(kLeft_px) << ", screen "

@@ -1,14 +1,12 @@
 #include "tools/run/run_figures.h"
 
 #include <algorithm>
-#include <numbers>
 #include <string>
+
+#include "sim_board/input/user_units.h"
 
 namespace koboshi::tools {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr double kMillimetres = 1000.0;
 
 std::string label_of(const sim::Command& command, const sim::Scenario& scenario) {
   switch (command.kind) {
@@ -52,20 +50,22 @@ Figure body_figure(const sim::Scenario& scenario) {
                   .series = {{.column = "pose_base_z_m",
                               .label = "of the pose",
                               .style = LineStyle::kDashed,
-                              .factor = kMillimetres},
-                             {.column = "true_base_z_m", .label = "true", .factor = kMillimetres}},
+                              .factor = sim::kMmPerM},
+                             {.column = "true_base_z_m", .label = "true", .factor = sim::kMmPerM}},
                   .smallest_span = 10.0},
                  {.y_label = "pitch [deg]",
-                  .series = {{.column = "imu_pitch_rad", .label = "inclination sensor", .factor = kDegrees},
-                             {.column = "true_pitch_rad", .label = "true", .factor = kDegrees}},
+                  .series = {{.column = "imu_pitch_rad",
+                              .label = "inclination sensor",
+                              .factor = sim::kDegreesPerRad},
+                             {.column = "true_pitch_rad", .label = "true", .factor = sim::kDegreesPerRad}},
                   .smallest_span = 2.0},
                  {.y_label = "load of foot [N]",
                   .series = {{.column = "true_left_load_N", .label = "left, true"},
                              {.column = "true_right_load_N", .label = "right, true"}},
                   .smallest_span = 2.0},
                  {.y_label = "slip of foot [mm]",
-                  .series = {{.column = "true_left_slip_m", .label = "left", .factor = kMillimetres},
-                             {.column = "true_right_slip_m", .label = "right", .factor = kMillimetres}},
+                  .series = {{.column = "true_left_slip_m", .label = "left", .factor = sim::kMmPerM},
+                             {.column = "true_right_slip_m", .label = "right", .factor = sim::kMmPerM}},
                   .smallest_span = 0.1}},
       .marks = marks_of(scenario)};
 }
@@ -75,8 +75,8 @@ Panel joint_panel(const std::string& joint, const std::string& name) {
           .series = {{.column = joint + "_target_rad",
                       .label = "target",
                       .style = LineStyle::kDashed,
-                      .factor = kDegrees},
-                     {.column = joint + "_true_rad", .label = "true", .factor = kDegrees}},
+                      .factor = sim::kDegreesPerRad},
+                     {.column = joint + "_true_rad", .label = "true", .factor = sim::kDegreesPerRad}},
           .smallest_span = 2.0};
 }
 

@@ -2,19 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 
+#include "sim_board/input/user_units.h"
 #include "sim_board/world/foot.h"
 #include "sim_board/world/support_polygon.h"
 #include "tools/plot/columns.h"
 
 namespace koboshi::tools {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr double kMillimetres = 1000.0;
 constexpr double kShownCycles = 3.0;
 constexpr double kLongWalk = 6.0;  // cycles
 // A foot that lets go for less than this still stands, and one that touches for less has not stood.
@@ -69,7 +66,7 @@ void add_footprints(PlaneFigure& figure, const Columns& trace, const sim::Foot& 
     const Eigen::Translation2d p_W_m(trace.at(sole + "x_m")[middle], trace.at(sole + "y_m")[middle]);
     const Eigen::Rotation2Dd yaw(trace.at(sole + "yaw_rad")[middle]);
     const auto place = [&](const Eigen::Vector2d& p_S_m) {
-      const Eigen::Vector2d at_mm = kMillimetres * (p_W_m * (yaw * p_S_m));
+      const Eigen::Vector2d at_mm = sim::kMmPerM * (p_W_m * (yaw * p_S_m));
       return Point{at_mm.x(), at_mm.y()};
     };
     Outline footprint{.colour = kGrey, .word = side, .word_at = place(word_S_m)};
@@ -82,12 +79,12 @@ std::vector<Point> path_mm(const Columns& trace, const std::string& name, Rows s
   std::vector<Point> points;
   for (std::size_t row = shown.begin; row < shown.end; ++row) {
     points.push_back(
-        {kMillimetres * trace.at(name + "_x_m")[row], kMillimetres * trace.at(name + "_y_m")[row]});
+        {sim::kMmPerM * trace.at(name + "_x_m")[row], sim::kMmPerM * trace.at(name + "_y_m")[row]});
   }
   return points;
 }
 
-Panel joint_panel(const std::string& joint, const std::string& name) {
+Panel both_legs_panel(const std::string& joint, const std::string& name) {
   Panel panel{.y_label = name + " [deg]", .smallest_span = 2.0};
   for (const auto& [side, colour] : {std::pair("left", kBlue), std::pair("right", kOrange)}) {
     const std::string column = std::string(side) + "_" + joint;
@@ -95,11 +92,11 @@ Panel joint_panel(const std::string& joint, const std::string& name) {
                             .label = std::string(side) + ", target",
                             .style = LineStyle::kDashed,
                             .colour = colour,
-                            .factor = kDegrees});
+                            .factor = sim::kDegreesPerRad});
     panel.series.push_back({.column = column + "_true_rad",
                             .label = std::string(side) + ", true",
                             .colour = colour,
-                            .factor = kDegrees});
+                            .factor = sim::kDegreesPerRad});
   }
   return panel;
 }
@@ -107,16 +104,16 @@ Panel joint_panel(const std::string& joint, const std::string& name) {
 Panel attitude_panel(const std::string& y_label, const std::string& told, const std::string& told_label,
                      const std::string& truth) {
   return {.y_label = y_label,
-          .series = {{.column = truth, .label = "true", .colour = kBlack, .factor = kDegrees},
-                     {.column = told, .label = told_label, .colour = kBlue, .factor = kDegrees}},
+          .series = {{.column = truth, .label = "true", .colour = kBlack, .factor = sim::kDegreesPerRad},
+                     {.column = told, .label = told_label, .colour = kBlue, .factor = sim::kDegreesPerRad}},
           .smallest_span = 2.0};
 }
 
 Figure joints_figure(Span time_s) {
   return {.title = "Joints of the legs while walking",
-          .panels = {joint_panel("hip_roll", "hip roll"), joint_panel("hip_pitch", "hip pitch"),
-                     joint_panel("knee", "knee"), joint_panel("ankle_pitch", "ankle pitch"),
-                     joint_panel("ankle_roll", "ankle roll")},
+          .panels = {both_legs_panel("hip_roll", "hip roll"), both_legs_panel("hip_pitch", "hip pitch"),
+                     both_legs_panel("knee", "knee"), both_legs_panel("ankle_pitch", "ankle pitch"),
+                     both_legs_panel("ankle_roll", "ankle roll")},
           .x_span = time_s};
 }
 

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "sim_board/input/user_units.h"
 #include "sim_board/servo/dry_friction.h"
 #include "tools/plot/figure.h"
 #include "tools/servo/rig.h"
@@ -15,8 +16,6 @@
 
 namespace koboshi::tools {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 class ServoFigures {
  public:
@@ -105,22 +104,24 @@ class ServoFigures {
       table.add({time_s, target, position_rad, target - position_rad, speed_rad_per_s, motor_Nm, output_Nm,
                  friction_.bound_Nm(motor_Nm, -output_Nm, speed_rad_per_s)});
     }
-    finish(what, table,
-           {.title = title,
-            .panels = {{.y_label = "angle [deg]",
-                        .series = {{.column = "target_rad",
-                                    .label = "target",
-                                    .style = LineStyle::kDashed,
-                                    .factor = kDegrees},
-                                   {.column = "position_rad", .label = "shaft", .factor = kDegrees}}},
-                       {.y_label = "error [deg]", .series = {{.column = "error_rad", .factor = kDegrees}}},
-                       {.y_label = "speed [rad/s]", .series = {{.column = "speed_rad_per_s"}}},
-                       {.y_label = "torque [N m]",
-                        .series = {{.column = "motor_Nm", .label = "motor"},
-                                   {.column = "output_Nm", .label = "on the arm"},
-                                   {.column = "friction_Nm",
-                                    .label = "bound of dry friction",
-                                    .style = LineStyle::kDashed}}}}});
+    finish(
+        what, table,
+        {.title = title,
+         .panels = {
+             {.y_label = "angle [deg]",
+              .series = {{.column = "target_rad",
+                          .label = "target",
+                          .style = LineStyle::kDashed,
+                          .factor = sim::kDegreesPerRad},
+                         {.column = "position_rad", .label = "shaft", .factor = sim::kDegreesPerRad}}},
+             {.y_label = "error [deg]", .series = {{.column = "error_rad", .factor = sim::kDegreesPerRad}}},
+             {.y_label = "speed [rad/s]", .series = {{.column = "speed_rad_per_s"}}},
+             {.y_label = "torque [N m]",
+              .series = {{.column = "motor_Nm", .label = "motor"},
+                         {.column = "output_Nm", .label = "on the arm"},
+                         {.column = "friction_Nm",
+                          .label = "bound of dry friction",
+                          .style = LineStyle::kDashed}}}}});
   }
 
   void draw_step() {
@@ -216,16 +217,17 @@ class ServoFigures {
       rig.drive_to(0.0, outer_Nm);
       table.add({outer_Nm, rig.position_rad(), rig.position_rad() + rig.servo().backlash().lead_rad()});
     }
-    finish("backlash", table,
-           {.title = "holding its position under a torque from outside",
-            .panels = {{.y_label = "angle [deg]",
-                        .series = {{.column = "position_rad", .label = "shaft", .factor = kDegrees},
-                                   {.column = "rotor_rad",
-                                    .label = "rotor, geared",
-                                    .style = LineStyle::kDashed,
-                                    .factor = kDegrees}}}},
-            .x_column = "outer_Nm",
-            .x_label = "torque from outside [N m]"});
+    finish(
+        "backlash", table,
+        {.title = "holding its position under a torque from outside",
+         .panels = {{.y_label = "angle [deg]",
+                     .series = {{.column = "position_rad", .label = "shaft", .factor = sim::kDegreesPerRad},
+                                {.column = "rotor_rad",
+                                 .label = "rotor, geared",
+                                 .style = LineStyle::kDashed,
+                                 .factor = sim::kDegreesPerRad}}}},
+         .x_column = "outer_Nm",
+         .x_label = "torque from outside [N m]"});
   }
 
   std::string name_;

@@ -4,17 +4,14 @@
 
 #include <algorithm>
 #include <iterator>
-#include <numbers>
 #include <span>
 #include <string_view>
 
 #include "firmware/app/controller_objects.h"
+#include "sim_board/input/user_units.h"
 
 namespace koboshi::tools {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr double kMillimetres = 1000.0;
 constexpr std::size_t kColumns = 80;
 
 constexpr std::string_view kKeys[] = {
@@ -50,8 +47,9 @@ std::string velocity_text(const TeleopStatus::Velocity& velocity) {
 }
 
 std::string attitude_text(const TeleopStatus& status) {
-  return fmt::format("roll {:+.1f}, pitch {:+.1f}, true yaw {:+.0f} degrees", kDegrees * status.said.roll_rad,
-                     kDegrees * status.said.pitch_rad, kDegrees * status.yaw_rad);
+  return fmt::format("roll {:+.1f}, pitch {:+.1f}, true yaw {:+.0f} degrees",
+                     sim::kDegreesPerRad * status.said.roll_rad, sim::kDegreesPerRad * status.said.pitch_rad,
+                     sim::kDegreesPerRad * status.yaw_rad);
 }
 
 std::string load_text(const TeleopStatus& status) {
@@ -65,18 +63,18 @@ std::string load_text(const TeleopStatus& status) {
 std::string zmp_text(const TeleopStatus& status) {
   const auto& zmp = status.said.zmp;
   if (!zmp.valid) return "none: no foot carries enough";
-  std::string text = fmt::format("{:+.0f}, {:+.0f} mm on the {} sole", kMillimetres * zmp.x_m,
-                                 kMillimetres * zmp.y_m, zmp.frame == hal::Side::kLeft ? "left" : "right");
+  std::string text = fmt::format("{:+.0f}, {:+.0f} mm on the {} sole", sim::kMmPerM * zmp.x_m,
+                                 sim::kMmPerM * zmp.y_m, zmp.frame == hal::Side::kLeft ? "left" : "right");
   if (status.zmp_margin_m)
-    text += fmt::format(", true margin {:.0f} mm", kMillimetres * *status.zmp_margin_m);
+    text += fmt::format(", true margin {:.0f} mm", sim::kMmPerM * *status.zmp_margin_m);
   return text;
 }
 
 std::string com_text(const TeleopStatus& status) {
   if (!status.said.zmp.valid) return "";
   const auto& com_S_m = status.said.com_S_m;
-  return fmt::format("{:+.0f}, {:+.0f}, {:+.0f} mm from there", kMillimetres * com_S_m[0],
-                     kMillimetres * com_S_m[1], kMillimetres * com_S_m[2]);
+  return fmt::format("{:+.0f}, {:+.0f}, {:+.0f} mm from there", sim::kMmPerM * com_S_m[0],
+                     sim::kMmPerM * com_S_m[1], sim::kMmPerM * com_S_m[2]);
 }
 
 }  // namespace

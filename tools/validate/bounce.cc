@@ -147,7 +147,7 @@ void check_edge(const ValidationSetup& setup, Findings& findings) {
                              speed_off * impulse_a_speed * p_edge.x() / inertia});
 }
 
-Findings run(const ValidationSetup& setup) {
+Findings run_bounce(const ValidationSetup& setup) {
   Findings findings;
   check_bounces(setup, findings);
   check_edge(setup, findings);
@@ -169,7 +169,7 @@ Validation bounce() {
           "An impact is noticed up to a step late: g h faster and up to v h below the ground; from "
           "bounce to bounce what this does to speed, height and time adds up. On the rod's edge gravity of "
           "the impact's own step is taken up by the impulse as well.",
-      .run = run};
+      .run = run_bounce};
 }
 
 }  // namespace koboshi::tools

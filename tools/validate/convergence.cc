@@ -133,7 +133,7 @@ void check_squat(const ValidationSetup& setup, Findings& findings, Plot& plot) {
   add_curve(plot, "squat against the finest", shown, LineStyle::kLinesPoints);
 }
 
-Findings run(const ValidationSetup& setup) {
+Findings run_convergence(const ValidationSetup& setup) {
   Findings findings;
   Plot plot{
       .name = "convergence",
@@ -186,7 +186,7 @@ Validation convergence() {
       .tolerances =
           "Order: 0.1 for terms of second order; 0.5 for the squat, whose joints stick and slip. "
           "Heights: a step late, h times the trunk's largest speed.",
-      .run = run};
+      .run = run_convergence};
 }
 
 }  // namespace koboshi::tools

@@ -19,7 +19,7 @@ sim::BodyState fallen(const ValidationSetup& setup) {
 
 double theory_m() { return -0.5 * kGravity_m_per_s2 * kDuration_s * kDuration_s; }
 
-Findings run(const ValidationSetup& setup) {
+Findings run_free_fall(const ValidationSetup& setup) {
   const sim::BodyState body = fallen(setup);
   const double late_m = 0.5 * kGravity_m_per_s2 * setup.world.step_s * kDuration_s;
   return {
@@ -42,7 +42,7 @@ Validation free_fall() {
           .tolerances =
               "Semi-implicit Euler moves a body with the speed at the end of a step, so that it falls "
               "g h t/2 too far; its speed under a constant force is exact.",
-          .run = run};
+          .run = run_free_fall};
 }
 
 }  // namespace koboshi::tools

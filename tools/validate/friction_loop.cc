@@ -10,9 +10,11 @@ namespace {
 
 constexpr double kFriction_Nm = 0.0275;  // of the default servo
 constexpr double kDamping_Nm_s = 0.01;
-constexpr HangingLink kLink{.mass_kg = 0.2, .inertia_kg_m2 = 1e-3, .arm_m = 0.1};
-constexpr double kInertia = kLink.inertia_kg_m2 + kLink.mass_kg * kLink.arm_m * kLink.arm_m;
-constexpr double kWeight_Nm = kLink.mass_kg * kGravity_m_per_s2 * kLink.arm_m;  // the spring: m g r sin q
+constexpr HangingLink kFrictionLink{.mass_kg = 0.2, .inertia_kg_m2 = 1e-3, .arm_m = 0.1};
+constexpr double kInertia =
+    kFrictionLink.inertia_kg_m2 + kFrictionLink.mass_kg * kFrictionLink.arm_m * kFrictionLink.arm_m;
+constexpr double kWeight_Nm =
+    kFrictionLink.mass_kg * kGravity_m_per_s2 * kFrictionLink.arm_m;  // the spring: m g r sin q
 constexpr double kAmplitude_Nm = 0.12;
 constexpr double kPeriod_s = 20.0;
 constexpr double kFrequency = 2.0 * std::numbers::pi / kPeriod_s;
@@ -25,7 +27,7 @@ struct Loop {
 
 // From the first turning point, a quarter of a period after the start, once around.
 Loop go_around(const ValidationSetup& setup) {
-  const auto world = hang(chain_rig({kLink}), {0.0}, setup);
+  const auto world = hang(chain_rig({kFrictionLink}), {0.0}, setup);
   Loop loop;
   for (long i = steps_of(1.25 * kPeriod_s, *world); i > 0; --i) {
     const double torque = torque_Nm(world->time_s());
@@ -108,7 +110,7 @@ void check_loop(const ValidationSetup& setup, Findings& findings) {
 void check_rest(double part, const ValidationSetup& setup, Findings& findings, const std::string& quantity) {
   ValidationSetup weightless = setup;
   weightless.world.gravity_W_m_per_s2.setZero();
-  const auto world = hang(chain_rig({kLink}), {0.0}, weightless);
+  const auto world = hang(chain_rig({kFrictionLink}), {0.0}, weightless);
   world->set_servo(0, {.drive_Nm = part * kFriction_Nm, .friction_Nm = kFriction_Nm});
   const double duration_s = setup.short_form ? 1.0 : 5.0;
   run_for(*world, duration_s);
@@ -123,7 +125,7 @@ void check_break_away(const ValidationSetup& setup, Findings& findings) {
   constexpr double kNoticed_rad = 1e-5;
   ValidationSetup weightless = setup;
   weightless.world.gravity_W_m_per_s2.setZero();
-  const auto world = hang(chain_rig({kLink}), {0.0}, weightless);
+  const auto world = hang(chain_rig({kFrictionLink}), {0.0}, weightless);
   double torque = 0.0;
   while (world->joint(0).position_rad < kNoticed_rad && torque < 2.0 * kFriction_Nm) {
     torque = kRise_Nm_per_s * world->time_s();
@@ -137,7 +139,7 @@ void check_break_away(const ValidationSetup& setup, Findings& findings) {
                              kRise_Nm_per_s * 2.0 * setup.world.step_s});
 }
 
-Findings run(const ValidationSetup& setup) {
+Findings run_friction_loop(const ValidationSetup& setup) {
   Findings findings;
   check_loop(setup, findings);
   check_break_away(setup, findings);
@@ -165,7 +167,7 @@ Validation friction_loop() {
           "known for a sine only. Rest: one count of the encoder in an hour. Break-away: by how much the "
           "torque "
           "rises in two steps.",
-      .run = run};
+      .run = run_friction_loop};
 }
 
 }  // namespace koboshi::tools

@@ -128,7 +128,7 @@ void check_tipping(const ValidationSetup& setup, Findings& findings) {
                              (ratio * decayed + bent) / (last_s - first_s) + ratio * ratio / Tc});
 }
 
-Findings run(const ValidationSetup& setup) {
+Findings run_inverted_pendulum(const ValidationSetup& setup) {
   Findings findings;
   check_leg(setup, findings);
   check_tipping(setup, findings);
@@ -156,7 +156,7 @@ Validation inverted_pendulum() {
       .tolerances =
           "Semi-implicit Euler is the leap-frog with its speeds half a step early: an error of (h/2) "
           "x''(0) Tc sinh(t/Tc), and (h/Tc)^2 of the exponent. The link's sine bends by a^2/6.",
-      .run = run};
+      .run = run_inverted_pendulum};
 }
 
 }  // namespace koboshi::tools

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr HangingLink kLink{.mass_kg = 0.1, .inertia_kg_m2 = 2e-4, .arm_m = 0.06, .length_m = 0.12};
+constexpr HangingLink kChainLink{.mass_kg = 0.1, .inertia_kg_m2 = 2e-4, .arm_m = 0.06, .length_m = 0.12};
 constexpr double kTorque_Nm = 0.02;
 
 // About the common centre of mass.
@@ -29,8 +29,8 @@ Vector3d angular_momentum_Nm_s(const sim::RobotDescription& robot, const sim::Wo
   return sum;
 }
 
-Findings run(const ValidationSetup& setup) {
-  sim::RobotDescription robot = chain_rig({kLink, kLink, kLink});
+Findings run_momentum(const ValidationSetup& setup) {
+  sim::RobotDescription robot = chain_rig({kChainLink, kChainLink, kChainLink});
   robot.links[0].mass_kg = 0.3;
   robot.links[0].I_LCom_L = 4e-4 * Eigen::Matrix3d::Identity();
   sim::WorldOptions options = setup.world;
@@ -80,7 +80,7 @@ Validation momentum() {
           .tolerances =
               "Linear momentum: round-off, for the engine's joint forces are equal and opposite. Angular: "
               "first order, h times the largest kinetic energy about the centre of mass.",
-          .run = run};
+          .run = run_momentum};
 }
 
 }  // namespace koboshi::tools

@@ -13,7 +13,7 @@
 namespace koboshi::tools {
 namespace {
 
-constexpr HangingLink kLink{.mass_kg = 0.2, .inertia_kg_m2 = 5e-4, .arm_m = 0.15, .length_m = 0.2};
+constexpr HangingLink kPendulumLink{.mass_kg = 0.2, .inertia_kg_m2 = 5e-4, .arm_m = 0.15, .length_m = 0.2};
 constexpr double kLarge_rad = 1.5;
 
 const Eigen::Vector3d kDown(0.0, 0.0, -kGravity_m_per_s2);
@@ -47,10 +47,10 @@ double quicker_s(double length_m, double amplitude_rad, double relative_loss) {
 }
 
 void check_swing(double amplitude_rad, int periods, const ValidationSetup& setup, Findings& findings) {
-  const double length_m = reduced_length_m(kLink);
+  const double length_m = reduced_length_m(kPendulumLink);
   const double theory_s = pendulum_period_s(length_m, amplitude_rad);
   const double h = setup.world.step_s;
-  const auto robot = chain_rig({kLink});
+  const auto robot = chain_rig({kPendulumLink});
   const auto world = hang(robot, {amplitude_rad}, setup);
   const double energy_start_J = sim::energy_J(robot, *world, kDown);
   const std::vector<double> times_s = passages_s(*world, periods + 1, (periods + 3) * theory_s);
@@ -65,9 +65,9 @@ void check_swing(double amplitude_rad, int periods, const ValidationSetup& setup
   const double relative = std::pow(natural * h, 2) / 24.0 + 1.25 * std::pow(fastest * h, 2);
   // Semi-implicit Euler keeps another energy, H - (h/2) w dV/dq. The hinge's part, summed over the four
   // quarters of each period.
-  const double weight_Nm = kLink.mass_kg * kGravity_m_per_s2 * kLink.arm_m;
+  const double weight_Nm = kPendulumLink.mass_kg * kGravity_m_per_s2 * kPendulumLink.arm_m;
   const double swung_J = 0.5 * h * weight_Nm * fastest;
-  const double moment = kLink.mass_kg * kLink.arm_m * kLink.arm_m;
+  const double moment = kPendulumLink.mass_kg * kPendulumLink.arm_m * kPendulumLink.arm_m;
   const double lost_J = periods * 4.0 * hinge_loss_J(moment, fastest * fastest, 0.5 * fastest * fastest, h);
   findings.checks.push_back(
       {fmt::format("period at {} rad, mean of {}", amplitude_rad, periods), "s", theory_s, simulated_s,
@@ -157,7 +157,7 @@ void check_double(const ValidationSetup& setup, Findings& findings) {
                       {.y_label = "energy error [mJ]", .series = {{.column = "energy_error_mJ"}}}}}});
 }
 
-Findings run(const ValidationSetup& setup) {
+Findings run_pendulum_swing(const ValidationSetup& setup) {
   Findings findings;
   const int periods = setup.short_form ? 5 : 20;
   check_swing(0.05, periods, setup, findings);
@@ -171,9 +171,10 @@ Findings run(const ValidationSetup& setup) {
 
 double pendulum_error_rad(const ValidationSetup& setup) {
   constexpr double kDuration_s = 1.0;
-  const auto world = hang(chain_rig({kLink}), {kLarge_rad}, setup);
+  const auto world = hang(chain_rig({kPendulumLink}), {kLarge_rad}, setup);
   run_for(*world, kDuration_s);
-  return world->joint(0).position_rad - pendulum_angle_rad(reduced_length_m(kLink), kLarge_rad, kDuration_s);
+  return world->joint(0).position_rad -
+         pendulum_angle_rad(reduced_length_m(kPendulumLink), kLarge_rad, kDuration_s);
 }
 
 Validation pendulum_swing() {
@@ -191,7 +192,7 @@ Validation pendulum_swing() {
               "it. Energy: such a method keeps H - (h/2) dV/dt instead of H, so that H is off by h/2 times "
               "the largest power of gravity; the hinge gives back five steps late what it took, 5 m r^2 "
               "h^2 w^4 a period. Angles of the double pendulum: one step late, h times the largest speed.",
-          .run = run};
+          .run = run_pendulum_swing};
 }
 
 }  // namespace koboshi::tools

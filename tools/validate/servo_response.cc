@@ -104,7 +104,7 @@ void check_line(const ValidationSetup& setup, Findings& findings) {
   findings.plots.push_back(plot);
 }
 
-Findings run(const ValidationSetup& setup) {
+Findings run_servo_response(const ValidationSetup& setup) {
   Findings findings;
   for (const double target_rad : {0.1, 0.5, 1.5}) {
     check_motion(fmt::format("step of {} rad", target_rad), step_of(target_rad), setup, findings);
@@ -148,7 +148,7 @@ Validation servo_response() {
           "An implicit method of first order is late by at most a step: h times the largest speed, and "
           "a count of the encoder, whose rounding may fall to either side. A steady speed does not "
           "depend on the step: 1e-6 of the no-load speed.",
-      .run = run};
+      .run = run_servo_response};
 }
 
 }  // namespace koboshi::tools

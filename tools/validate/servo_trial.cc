@@ -11,7 +11,7 @@
 namespace koboshi::tools {
 namespace {
 
-constexpr double kPeriod_s = sim::PositionController::kPeriod_s;
+constexpr double kLoopPeriod_s = sim::PositionController::kPeriod_s;
 constexpr double kLever_m = 0.1;
 
 std::int32_t units(double angle_rad) {
@@ -45,7 +45,7 @@ class Motor {
 void turn_a_period(Eigen::Vector2d& state, const ServoTrial& trial, double voltage_V) {
   constexpr double kStep_s = 2e-6;
   const double drive_Nm = Motor::drive_Nm(trial, voltage_V);
-  for (long i = std::lround(kPeriod_s / kStep_s); i > 0; --i) {
+  for (long i = std::lround(kLoopPeriod_s / kStep_s); i > 0; --i) {
     if (state[1] == 0.0 && std::abs(drive_Nm) <= trial.servo.coulomb_friction_Nm) return;
     const double direction = std::copysign(1.0, state[1] == 0.0 ? drive_Nm : state[1]);
     state = runge_kutta_step(state, kStep_s, Motor(trial, voltage_V, direction));
@@ -66,10 +66,10 @@ ServoMotion simulated(const ServoTrial& trial, const ValidationSetup& setup) {
   joint.encoder.bits = trial.encoder_bits;
   sim::Servo servo(joint, {.step_s = world->step_s()});
   ServoMotion motion;
-  const long steps = steps_of(kPeriod_s, *world);
-  for (long ms = 0; ms < std::lround(trial.duration_s / kPeriod_s); ++ms) {
+  const long steps = steps_of(kLoopPeriod_s, *world);
+  for (long ms = 0; ms < std::lround(trial.duration_s / kLoopPeriod_s); ++ms) {
     servo.sense(world->joint(0));
-    servo.drive(units(trial.target_rad(kPeriod_s * static_cast<double>(ms))));
+    servo.drive(units(trial.target_rad(kLoopPeriod_s * static_cast<double>(ms))));
     for (long i = 0; i < steps; ++i) {
       static_cast<void>(servo.draw(world->joint(0)));  // the supply stands whatever it draws
       world->set_servo(0, servo.torque(trial.servo.supply_V));
@@ -78,7 +78,7 @@ ServoMotion simulated(const ServoTrial& trial, const ValidationSetup& setup) {
       world->push(1, {0.0, 0.0, -kLever_m}, world->body(1).X_WL.linear() * f_L);
       world->step();
     }
-    motion.time_s.push_back(kPeriod_s * static_cast<double>(ms + 1));
+    motion.time_s.push_back(kLoopPeriod_s * static_cast<double>(ms + 1));
     motion.position_rad.push_back(world->joint(0).position_rad);
     motion.speed_rad_per_s.push_back(world->joint(0).speed_rad_per_s);
   }
@@ -90,14 +90,14 @@ ServoMotion reference(const ServoTrial& trial) {
   const double gain_V_per_rad = trial.servo.supply_V / trial.servo.full_voltage_error_rad;
   ServoMotion motion;
   Eigen::Vector2d state = Eigen::Vector2d::Zero();
-  for (long ms = 0; ms < std::lround(trial.duration_s / kPeriod_s); ++ms) {
+  for (long ms = 0; ms < std::lround(trial.duration_s / kLoopPeriod_s); ++ms) {
     const double target_rad =
-        units(trial.target_rad(kPeriod_s * static_cast<double>(ms))) * sim::kRadPerPositionUnit;
+        units(trial.target_rad(kLoopPeriod_s * static_cast<double>(ms))) * sim::kRadPerPositionUnit;
     const double measured_rad = std::floor(state[0] / count_rad + 0.5) * count_rad;
     const double voltage_V =
         std::clamp(gain_V_per_rad * (target_rad - measured_rad), -trial.servo.supply_V, trial.servo.supply_V);
     turn_a_period(state, trial, voltage_V);
-    motion.time_s.push_back(kPeriod_s * static_cast<double>(ms + 1));
+    motion.time_s.push_back(kLoopPeriod_s * static_cast<double>(ms + 1));
     motion.position_rad.push_back(state[0]);
     motion.speed_rad_per_s.push_back(state[1]);
   }

@@ -91,7 +91,7 @@ Plot sliding_figure(const ValidationSetup& setup) {
   return plot;
 }
 
-Findings run(const ValidationSetup& setup) {
+Findings run_slope(const ValidationSetup& setup) {
   return {.checks = {stick(0.5, setup), stick(0.95, setup), slide(1.05, setup), slide(1.2, setup),
                      slide(2.0, setup)},
           .plots = {sliding_figure(setup)}};
@@ -108,7 +108,7 @@ Validation slope() {
           .tolerances =
               "Standing: a millimetre in an hour. Sliding: the forces are constant and any method of "
               "first order is exact in speed; 1e-6 g is left to the solver of the contact problem.",
-          .run = run};
+          .run = run_slope};
 }
 
 }  // namespace koboshi::tools

@@ -184,7 +184,7 @@ void check_stable(int axis, const ValidationSetup& setup, Findings& findings) {
                              "rad/s", theory, largest, theory * growth + 1e-4 * theory});
 }
 
-Findings run(const ValidationSetup& setup) {
+Findings run_tennis_racket(const ValidationSetup& setup) {
   Findings findings;
   check_flips(setup, findings);
   check_stable(0, setup, findings);
@@ -209,7 +209,7 @@ Validation tennis_racket() {
               "such constants do to 2 K/p. On L^2 - 2 E I, I the stable axis' moment, both drifts act "
               "together: a deviation of frequency n grows by exp(h n^2 t/2 sum Ii (Ii + I) wi^2 / sum Ii "
               "|Ii - I| wi^2) at most.",
-          .run = run};
+          .run = run_tennis_racket};
 }
 
 }  // namespace koboshi::tools

@@ -150,7 +150,7 @@ Plot figure(const Comparison& comparison) {
                  .x_span = kShown_s}};
 }
 
-Findings run(const ValidationSetup& setup) {
+Findings run_zmp_comparison(const ValidationSetup& setup) {
   sim::Scenario scenario = squat_scenario(setup);
   Simulation simulation(scenario);
   Comparison comparison(simulation);
@@ -203,7 +203,7 @@ Validation zmp_comparison() {
           "Motion of all links: friction times the depth of the contact points, which do not lie on z "
           "= 0. Sensors: a quantiser errs by its resolution over root 12, root 3 times that at most; "
           "then the largest bias, and white noise up to half the sampling rate.",
-      .run = run};
+      .run = run_zmp_comparison};
 }
 
 }  // namespace koboshi::tools

@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <stdexcept>
 
+#include "sim_board/engine/model_constants.h"
 #include "sim_board/engine/mujoco/constraint_row.h"
 
 namespace koboshi::sim {
@@ -14,17 +15,9 @@ namespace {
 
 using tinyxml2::XMLPrinter;
 
-// Neighbours, and neighbours of neighbours, overlap where their hinges cross.
-constexpr int kLeastJointsBetween = 3;
-
 // Dry friction: as in ODE a row that stops the joint, bounded by Kc. A joint that sticks creeps by CFM times
 // the torque, 3e-9 rad/s for a small servo; smaller numbers cost the solver iterations.
 constexpr Softness kStickingJoint{.error_reduction = 0.0, .constraint_force_mixing = 1e-7};
-
-// The stops, as in ODE: a stalled servo of 1.4 N m bends one by 0.14 mrad; what ran past its limit within a
-// step returns in kd/kp = 4 ms.
-constexpr double kStopStiffness_Nm_per_rad = 1e4;
-constexpr double kStopDamping_Nm_s_per_rad = 40.0;
 
 // In the tangents of a contact MuJoCo's row is this many times as hard as along the normal. A foot creeps by
 // CFM / ratio times the force across it.
@@ -245,7 +238,7 @@ std::vector<TouchingPair> touching_pairs(const RobotDescription& robot, const Li
       add(i, TouchingPair::ground_box(static_cast<int>(g)), ground.boxes[g].surface);
     for (int j = i + 1; j < count; ++j) {
       const auto& [other_link, other] = boxes[static_cast<std::size_t>(j)];
-      if (tree.distance(boxes[static_cast<std::size_t>(i)].link, other_link) >= kLeastJointsBetween)
+      if (tree.distance(boxes[static_cast<std::size_t>(i)].link, other_link) >= kMinJointsBetween)
         add(i, j, other->surface);
     }
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim_board/engine/model_constants.h"
 #include "sim_board/engine/mujoco/constraint_row.h"
 
 namespace koboshi::sim {
@@ -10,9 +11,6 @@ namespace {
 
 using Eigen::Map;
 using Eigen::Vector3d;
-// Faster than this a joint slides, with the friction known from its sign, as in the ODE world (there the band
-// is explained). Half the joints of a robot that walks need no row then.
-constexpr double kSlidingSpeed_rad_per_s = 0.1;
 
 // A contact that is this far from Coulomb's law hops by a micrometre or less. A blow is known after one
 // repeat or two; what does not settle goes on in the next step.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "sim_board/engine/model_constants.h"
 #include "sim_board/engine/ode/eigen.h"
 #include "sim_board/world/surface_contact.h"
 
@@ -11,8 +12,6 @@ namespace {
 
 // A box has eight corners; two boxes face to face touch in an octagon.
 constexpr int kMaxContactsOfPair = 8;
-// Neighbours, and neighbours of neighbours, overlap where their hinges cross.
-constexpr int kLeastJointsBetween = 3;
 
 dSurfaceParameters ode_surface(const SurfaceContact& surface) {
   dSurfaceParameters ode{};
@@ -108,7 +107,7 @@ void Collider::make_pairs(const LinkTree& tree) {
   for (auto box = boxes_.begin(); box != boxes_.end(); ++box) {
     make_ground_pairs(*box);
     for (auto other = box + 1; other != boxes_.end(); ++other)
-      if (tree.distance(box->link, other->link) >= kLeastJointsBetween)
+      if (tree.distance(box->link, other->link) >= kMinJointsBetween)
         pairs_.push_back(
             {box->geom.get(), other->geom.get(), box->link, other->link, meet_box(*box, *other), false});
   }

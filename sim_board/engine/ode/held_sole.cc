@@ -8,7 +8,7 @@ namespace koboshi::sim {
 namespace {
 
 // Leaves the rows of two soles that stand solvable beside each other; creep under 10 N: 1e-9 m/s.
-constexpr double kStickingForceMixing = 1e-10;
+constexpr double kSoleForceMixing = 1e-10;
 constexpr double kLength_m = 1.0;
 
 void set_turn(const OdeJoint& motor, int axis, const Eigen::Vector3d& axis_W, double speed_rad_per_s,
@@ -103,9 +103,9 @@ void HeldSole::hold(std::span<const SolePoint> points, const Eigen::Vector3d& n_
   }
   // A point at (x, y) rises by rise + y turn_x - x turn_y.
   place(0, p_WMean_W_, n_W, restoring_per_s_ * mean_depth_m, force_mixing / count, step_s);
-  place(1, p_WMean_W_, axes_W_[1], 0.0, kStickingForceMixing, step_s);
-  place(2, p_WMean_W_, axes_W_[2], 0.0, kStickingForceMixing, step_s);
-  set_turn(turns_, 0, n_W, 0.0, kStickingForceMixing);
+  place(1, p_WMean_W_, axes_W_[1], 0.0, kSoleForceMixing, step_s);
+  place(2, p_WMean_W_, axes_W_[2], 0.0, kSoleForceMixing, step_s);
+  set_turn(turns_, 0, n_W, 0.0, kSoleForceMixing);
   set_turn(turns_, 1, axes_W_[1], restoring_per_s_ * y_depth / yy, force_mixing / yy);
   set_turn(turns_, 2, axes_W_[2], -restoring_per_s_ * x_depth / xx, force_mixing / xx);
 }

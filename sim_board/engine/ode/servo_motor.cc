@@ -4,16 +4,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim_board/engine/model_constants.h"
 #include "sim_board/engine/ode/eigen.h"
 #include "sim_board/world/surface_contact.h"
 
 namespace koboshi::sim {
 namespace {
 
-// Faster than this a joint slides, with the friction known from its sign; slower it may stick, and the solver
-// decides. Kc h / J of a small servo is 0.03 rad/s: a sliding joint cannot jump across the band. 0.01 to 0.3
-// behave alike.
-constexpr double kSlidingSpeed_rad_per_s = 0.1;
 // After two wrong guesses within so long the solver decides, until as long has passed: a joint whose encoder
 // flickers, or two that hold each other through the feet, would be guessed wrong again and again.
 constexpr double kDoubt_s = 0.03;
@@ -21,10 +18,6 @@ constexpr double kDoubt_s = 0.03;
 constexpr double kStickingForceMixing = 1e-10;
 // A constant torque without any damping still needs a CFM: 1e-9 N m of error at 1 rad/s.
 constexpr double kLeastDamping_Nm_s = 1e-9;
-// The stops: a stalled servo of 1.4 N m bends one by 0.14 mrad. Damped far beyond critical, so that nothing
-// bounces off; what ran past its limit within a step returns in kd/kp = 4 ms.
-constexpr double kStopStiffness_Nm_per_rad = 1e4;
-constexpr double kStopDamping_Nm_s_per_rad = 40.0;
 
 constexpr int kDrive = 0;  // numbers of the motor's axes
 constexpr int kFriction = 1;

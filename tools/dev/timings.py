@@ -1,0 +1,191 @@
+#!/usr/bin/env python3
+"""Prints where the time of a build and of its tests goes: build time by target and by header, test time by case.
+
+Usage: tools/dev/timings.py [--build FOLDER] [--rows N] [build] [headers] [tests]
+
+  build    seconds of each target's compilations and links, from the log of the last complete build (ninja's .ninja_log)
+  headers  for each header of the project and each library header that it includes directly: seconds to compile the header
+           alone, times the number of translation units that include it; takes a minute
+  tests    seconds of each test case and of each program, from the last run of ctest
+
+Without a subject it prints all three. Seconds are wall-clock seconds of one process each: on an idle machine their sum is
+about the processor time. Compare figures of one machine only.
+"""
+
+import argparse
+import collections
+import json
+import os
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+OURS = ("hal/", "firmware/", "sim_board/", "simulation/", "tools/", "tests/")
+
+
+def table(title, columns, rows, shown):
+    """Prints the first rows of a table as Markdown, and what all rows sum up to in the last numeric column."""
+    print(f"\n## {title}\n")
+    print("| " + " | ".join(columns) + " |")
+    print("|" + " --- |" * len(columns))
+    for row in rows[:shown]:
+        print("| " + " | ".join(f"{cell:.1f}" if isinstance(cell, float) else str(cell) for cell in row) + " |")
+    if len(rows) > shown:
+        print(f"\n{len(rows) - shown} more rows.")
+
+
+def ninja_log(build):
+    """Seconds of each output's last command. Commands with several outputs count once."""
+    seconds, commands = {}, {}
+    for line in (build / ".ninja_log").read_text().splitlines()[1:]:
+        begin, end, _, output, command = line.split("\t")
+        commands[command] = output
+        seconds[output] = (int(end) - int(begin)) / 1000
+    return {output: seconds[output] for output in commands.values()}
+
+
+def target_of(output):
+    match = re.search(r"CMakeFiles/([^/]+)\.dir/", output)
+    return match.group(1) if match else pathlib.PurePath(output).stem.removeprefix("lib")
+
+
+def print_build(build, shown):
+    targets = collections.Counter()
+    steps = collections.Counter()
+    log = ninja_log(build)
+    for output, seconds in log.items():
+        targets[target_of(output)] += seconds
+        steps[target_of(output)] += 1
+    rows = [(target, steps[target], seconds) for target, seconds in targets.most_common()]
+    table(f"Build time by target: {sum(log.values()):.0f} s in {len(log)} steps", ("target", "steps", "seconds"), rows, shown)
+
+
+def translation_units(build):
+    """Each compile command of the build, by its output."""
+    return {entry["output"]: entry for entry in json.loads((build / "compile_commands.json").read_text())}
+
+
+def included_headers(build):
+    """For each output the headers that it read, as ninja recorded them."""
+    text = subprocess.run(["ninja", "-C", build, "-t", "deps"], check=True, capture_output=True, text=True).stdout
+    headers, output = {}, None
+    for line in text.splitlines():
+        if line.startswith("    "):
+            path = os.path.normpath(build / line.strip())
+            headers[output].add(path)
+        elif line.strip():
+            output = line.split(":")[0]
+            headers[output] = set()
+    return headers
+
+
+def direct_library_headers():
+    """Headers in angle brackets that the project's headers and sources name."""
+    names = set()
+    for path in ROOT.rglob("*.h"):
+        if str(path.relative_to(ROOT)).startswith(OURS):
+            names.update(re.findall(r"^#include <([^>]+)>", path.read_text(), re.MULTILINE))
+    return names
+
+
+def seconds_alone(include, command):
+    """Seconds to compile a file that only includes this, with the options of that compile command."""
+    words = shlex.split(command["command"])
+    begin = next(i for i, word in enumerate(words) if re.search(r"(g\+\+|c\+\+)[\d.-]*$", word))
+    keep = [word for word in words[begin:] if word.startswith(("-I", "-D", "-std", "-m", "-f", "-isystem")) or word == words[begin]]
+    keep += [word for i, word in enumerate(words) if words[i - 1] == "-isystem"]
+    arguments = []
+    for word in keep:
+        arguments += [word] if word != "-isystem" else []
+    system = [words[i + 1] for i, word in enumerate(words) if word == "-isystem"]
+    with tempfile.NamedTemporaryFile("w", suffix=".cc") as source:
+        source.write(f"#include {include}\n")
+        source.flush()
+        line = [*[word for word in arguments if word not in system], *[f"-isystem{folder}" for folder in system],
+                "-w", "-fsyntax-only", source.name]
+        begin_s = time.monotonic()
+        result = subprocess.run(line, cwd=command["directory"], capture_output=True)
+        return time.monotonic() - begin_s if result.returncode == 0 else None
+
+
+def print_headers(build, shown):
+    units = translation_units(build)
+    users = collections.defaultdict(list)
+    libraries = direct_library_headers()
+    for output, headers in included_headers(build).items():
+        if output not in units:
+            continue
+        for header in headers:
+            path = pathlib.PurePath(header)
+            if path.is_relative_to(ROOT) and str(path.relative_to(ROOT)).startswith(OURS):
+                users[f'"{path.relative_to(ROOT)}"'].append(output)
+            else:
+                for name in libraries:
+                    if header.endswith("/" + name):
+                        users[f"<{name}>"].append(output)
+    rows = []
+    for include, outputs in users.items():
+        seconds = seconds_alone(include, units[outputs[0]])
+        if seconds is not None:
+            rows.append((include, len(outputs), seconds, len(outputs) * seconds))
+    rows.sort(key=lambda row: -row[-1])
+    table("Build time by header", ("header", "units", "seconds alone", "units x seconds"), rows, shown)
+
+
+def test_seconds(build):
+    """Seconds of each test in the last run, from the log that ctest keeps."""
+    log = build / "Testing" / "Temporary" / "LastTest.log"
+    if not log.is_file():
+        sys.exit(f"timings: found no {log}, expected the log of a ctest run")
+    text = log.read_text(errors="replace")
+    return {name: float(seconds)
+            for name, seconds in re.findall(r'^"(.+?)" time elapsed:.*?$|^$', text, re.MULTILINE) if seconds}
+
+
+def print_tests(build, shown):
+    cost = build / "Testing" / "Temporary" / "CTestCostData.txt"
+    if not cost.is_file():
+        sys.exit(f"timings: found no {cost}, expected the record of a ctest run")
+    rows = []
+    for line in cost.read_text().splitlines():
+        if line.startswith("---"):
+            break
+        name, _, seconds = line.rsplit(" ", 2)
+        rows.append((name, float(seconds)))
+    rows.sort(key=lambda row: -row[1])
+    suites = collections.Counter()
+    counts = collections.Counter()
+    for name, seconds in rows:
+        suite = re.split(r"[./]", name.removeprefix("Every/"))[0]
+        suites[suite] += seconds
+        counts[suite] += 1
+    total = sum(seconds for _, seconds in rows)
+    table(f"Test time by case: {total:.0f} s in {len(rows)} cases", ("case", "seconds"), rows, shown)
+    table("Test time by suite", ("suite", "cases", "seconds"),
+          [(suite, counts[suite], seconds) for suite, seconds in suites.most_common()], shown)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("subjects", nargs="*", metavar="SUBJECT", help="build, headers, tests; default: all three")
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "release", metavar="FOLDER")
+    parser.add_argument("--rows", type=int, default=25, metavar="N", help="rows of each table")
+    arguments = parser.parse_args()
+    printers = {"build": print_build, "headers": print_headers, "tests": print_tests}
+    for subject in arguments.subjects:
+        if subject not in printers:
+            parser.error(f"found the subject '{subject}', expected build, headers or tests")
+    build = arguments.build.resolve()
+    if not (build / ".ninja_log").is_file():
+        sys.exit(f"timings: found no .ninja_log in {build}, expected a build folder of ninja")
+    for subject in arguments.subjects or printers:
+        printers[subject](build, arguments.rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,12 @@
+#pragma once
+
+namespace koboshi::tools {
+
+// What all figures have in common, in pixels.
+inline constexpr int kWidth_px = 1000;
+inline constexpr int kTitle_px = 22;  // from the top to the title's base line
+inline constexpr int kFoot_px = 60;   // tick labels and label of the abscissa
+inline constexpr int kLeft_px = 90;
+inline constexpr int kRight_px = 25;
+
+}  // namespace koboshi::tools
