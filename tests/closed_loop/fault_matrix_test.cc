@@ -19,7 +19,6 @@ namespace {
 
 constexpr std::uint64_t kFault_us = 2'000'000;
 constexpr std::uint64_t kEnd_us = kFault_us + 1'200'000;
-constexpr std::uint8_t kController = 1;
 const std::filesystem::path kPage = KOBOSHI_SOURCE_DIR "/docs/reference/faults.md";
 
 struct Row {

@@ -12,7 +12,6 @@ using drive::Trouble;
 using Kind = sim::Fault::Kind;
 using DriveState = canopen::cia402::State;
 
-constexpr std::uint8_t kController = 1;
 constexpr std::uint8_t kFirstDrive = 16;
 constexpr std::uint16_t kBehaviour = 0xFF00;  // the controller's own error
 constexpr std::uint64_t kInMotion_us = 2'000'000;

@@ -9,6 +9,8 @@
 
 namespace koboshi::test {
 
+inline constexpr std::uint8_t kController = 1;  // its node id
+
 // The firmware in this process, with a window: a test sees its state even when its bus is dead.
 class OpenHost final : public sim::ControllerHost {
  public:

@@ -10,7 +10,7 @@ namespace koboshi::tools {
 namespace {
 
 template <typename Options>
-Options short_form(std::size_t seeds) {
+Options short_recovery(std::size_t seeds) {
   Options options;
   options.scenario = KOBOSHI_SOURCE_DIR "/scenarios/get_up.yaml";
   options.overrides = {{"physics.stepper", "lumped"}};
@@ -19,7 +19,7 @@ Options short_form(std::size_t seeds) {
 }
 
 TEST(StandUp, GetsUpFromWhereItWasDropped) {
-  const auto options = short_form<StandUpOptions>(2);
+  const auto options = short_recovery<StandUpOptions>(2);
   const Experiment experiment = make_stand_up(options);
   const ExperimentResult result = play_experiment(experiment, {});
   const Conclusions conclusions = stand_up_conclusions(experiment, result);
@@ -31,7 +31,7 @@ TEST(StandUp, GetsUpFromWhereItWasDropped) {
 }
 
 TEST(StandUp, StaysDownWithoutItsMotions) {
-  auto options = short_form<StandUpOptions>(1);
+  auto options = short_recovery<StandUpOptions>(1);
   options.overrides.push_back({"motions", "[robots/koboshi/motions/stand.yaml]"});
   const Experiment experiment = make_stand_up(options);
   const ExperimentResult result = play_experiment(experiment, {});
@@ -39,7 +39,7 @@ TEST(StandUp, StaysDownWithoutItsMotions) {
 }
 
 TEST(FallDetection, ForeseesPushesAndNoWalk) {
-  auto options = short_form<FallDetectionOptions>(1);
+  auto options = short_recovery<FallDetectionOptions>(1);
   options.walk_s = 6.0;
   const Experiment experiment = make_fall_detection(options);
   const ExperimentResult result = play_experiment(experiment, {});
@@ -51,7 +51,7 @@ TEST(FallDetection, ForeseesPushesAndNoWalk) {
 }
 
 TEST(Marathon, StandsAtTheEnd) {
-  auto options = short_form<MarathonOptions>(1);
+  auto options = short_recovery<MarathonOptions>(1);
   options.hours = 0.03;
   const Experiment experiment = make_marathon(options);
   const ExperimentResult result = play_experiment(experiment, {});

@@ -19,7 +19,8 @@
 namespace koboshi {
 namespace {
 
-constexpr std::uint8_t kController = 1;
+using test::kController;
+
 constexpr canopen::ObjectAddress kSecondMotion{0x2400, 2};
 constexpr canopen::ObjectAddress kCommand{0x2000, 1};
 constexpr canopen::ObjectAddress kArgument{0x2000, 2};

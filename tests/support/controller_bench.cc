@@ -11,8 +11,6 @@ using motion::Opcode;
 
 constexpr std::uint16_t kCommandIdentifier = 0x201;
 constexpr int kHeartbeat_ms = 100;
-constexpr std::size_t kKnee = 3;
-constexpr std::size_t kHeadTilt = 19;
 
 std::vector<std::byte> factory_storage() {
   const std::vector<std::byte> model_image = encode(make_test_robot());

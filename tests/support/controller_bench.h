@@ -12,6 +12,8 @@
 
 namespace koboshi::test {
 
+inline constexpr std::uint16_t kVelocityIdentifier = 0x301;  // frames that command a velocity
+
 // The whole controller on a fake board with a stub for each drive, in zero time and without physics:
 //
 //   ControllerBench bench;                     // powered on

@@ -15,11 +15,11 @@ namespace {
 using canopen::AbortCode;
 using test::ControllerBench;
 using test::degrees;
+using test::kCountsPerRadPerS;
+using test::kKnee;
 using test::SdoPc;
 
-constexpr std::size_t kKnee = 3;
 constexpr std::int16_t kFiveDegrees = 910;  // 2^-16 turn
-constexpr double kCountsPerRadPerS = 1878;  // of the test robot's gyro
 
 constexpr canopen::ObjectAddress trim_of(std::size_t joint) {
   return {kTrimObject, static_cast<std::uint8_t>(joint + 1)};

@@ -8,9 +8,9 @@ namespace {
 
 using test::ControllerBench;
 using test::degrees;
+using test::kKnee;
 using DriveState = canopen::cia402::State;
 
-constexpr std::size_t kKnee = 3;
 constexpr std::size_t kElbow = 14;
 
 // Puts a limp joint somewhere, as a hand would.

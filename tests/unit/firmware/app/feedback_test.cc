@@ -7,9 +7,9 @@ namespace koboshi::app {
 namespace {
 
 using test::ControllerBench;
+using test::kKnee;
 
 constexpr std::size_t kAnklePitch = 4;
-constexpr std::size_t kKnee = 3;
 constexpr std::int16_t kOneRadPerS = 1878;  // counts of the test robot's gyro, 17.45 rad/s at 2^15
 
 // The objects of the gains, 0x2101 to 0x2105.

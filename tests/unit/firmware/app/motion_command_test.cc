@@ -8,8 +8,7 @@ namespace {
 
 using test::ControllerBench;
 using test::degrees;
-
-constexpr std::size_t kHeadTilt = 19;
+using test::kHeadTilt;
 
 class ControllerMotion : public testing::Test {
  protected:

@@ -14,10 +14,9 @@ using canopen::AbortCode;
 using motion::Opcode;
 using test::ControllerBench;
 using test::degrees;
+using test::kHeadTilt;
 using test::SdoPc;
 using Image = std::vector<std::byte>;
-
-constexpr std::size_t kHeadTilt = 19;
 
 constexpr canopen::ObjectAddress motion_object(std::uint8_t number) {
   return {kMotionObject, static_cast<std::uint8_t>(number + 1)};

@@ -17,11 +17,11 @@ using motion::ExpectedAttitude;
 using motion::Opcode;
 using recovery::Role;
 using test::ControllerBench;
+using test::kCountsPerRadPerS;
+using test::kRadPerDegree;
 using test::SdoPc;
 
-constexpr double kRadPerDegree = 3.14159265358979 / 180.0;
 constexpr double kCountsPerG = 9.81 / 39.2 * 32'768;
-constexpr double kCountsPerRadPerS = 1'878;  // of the test robot's gyro
 constexpr std::uint8_t kFirstMotion = 8;
 constexpr ExpectedAttitude kUprightAttitude{.up_B = {0, 0, 127},
                                             .least_cosine = 28'378};  // within 30 degrees

@@ -15,13 +15,13 @@ namespace koboshi::app {
 namespace {
 
 using test::ControllerBench;
+using test::kVelocityIdentifier;
 using test::Random;
 
 // How rough the bus is: what a PC may say while the robot stands and moves, or also what ends that.
 enum class Bus { kMild, kRough };
 
 constexpr std::uint16_t kCommandIdentifier = 0x201;
-constexpr std::uint16_t kVelocityIdentifier = 0x301;
 constexpr std::uint16_t kSdoIdentifier = canopen::kSdoRequestBase + drive::kControllerNodeId;
 
 hal::CanFrame command(Random& random, Bus bus) {

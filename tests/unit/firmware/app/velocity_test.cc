@@ -9,10 +9,10 @@ namespace koboshi::app {
 namespace {
 
 using test::ControllerBench;
+using test::kVelocityIdentifier;
 using walk::Velocity;
 using walk::VelocityLimits;
 
-constexpr std::uint16_t kVelocityIdentifier = 0x301;
 constexpr std::uint16_t kSdoResponse = 0x581;
 
 void send(ControllerBench& bench, const Velocity& velocity) {

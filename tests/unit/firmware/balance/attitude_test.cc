@@ -16,10 +16,10 @@ namespace {
 
 using fixed::from_double;
 using fixed::to_double;
+using test::kGravity;
 using test::kRadPerDegree;
 using test::Point;
 
-constexpr double kGravity = 9.81;
 constexpr double kCycle_s = 0.01;
 constexpr auto kMoving = AttitudeEstimator::Condition::kMoving;
 constexpr auto kResting = AttitudeEstimator::Condition::kResting;

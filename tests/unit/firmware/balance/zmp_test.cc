@@ -6,15 +6,17 @@
 #include <cmath>
 
 #include "tests/unit/firmware/balance/random_posture.h"
+#include "tests/unit/firmware/robot/test_robot.h"
 
 namespace koboshi::balance {
 namespace {
+
+using test::kGravity;
 
 using fixed::to_double;
 using test::Point;
 using test::RandomPosture;
 
-constexpr double kGravity = 9.81;
 constexpr double kSameComputation_m = 0.1e-3;
 
 using Counts = std::array<std::int16_t, 6>;

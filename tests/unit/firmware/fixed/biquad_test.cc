@@ -11,6 +11,7 @@
 #include "firmware/fixed/host/convert.h"
 #include "firmware/fixed/host/filter_design.h"
 #include "firmware/fixed/literals.h"
+#include "tests/support/seed.h"
 
 namespace koboshi::fixed {
 namespace {
@@ -106,7 +107,7 @@ TEST(BiquadFilter, PassesSinesAsAButterworth) {
 }
 
 TEST(BiquadFilter, FollowsTheDoubleFilterWithinHalfAnLsb) {
-  constexpr std::uint64_t kSeed = 20080114;
+  using test::kSeed;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   for (const double cutoff_Hz : kCutoffs_Hz) {
     const BiquadCoefficients c = design_low_pass(cutoff_Hz, kSampleRate_Hz);

@@ -6,13 +6,14 @@
 #include <random>
 
 #include "firmware/fixed/literals.h"
+#include "tests/support/seed.h"
 
 namespace koboshi::fixed {
 namespace {
 
 using namespace literals;
 
-constexpr std::uint64_t kSeed = 20080114;
+using test::kSeed;
 
 TEST(ElapsedFraction, RunsFromZeroToOne) {
   EXPECT_EQ(elapsed_fraction(0, 300'000), 0.0_ratio);

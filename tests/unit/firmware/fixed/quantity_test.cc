@@ -7,14 +7,15 @@
 
 #include "firmware/fixed/literals.h"
 #include "firmware/fixed/units.h"
+#include "tests/support/seed.h"
 
 namespace koboshi::fixed {
 namespace {
 
 using namespace literals;
 
-constexpr std::uint64_t kSeed = 20080114;
-constexpr int kRandomCases = 200'000;
+using test::kSeed;
+constexpr int kRandomQuantities = 200'000;
 
 // Raw values of every magnitude, both signs.
 class RandomRaw {
@@ -127,7 +128,7 @@ std::int64_t nearest(long double value) { return static_cast<std::int64_t>(std::
 TEST(Quantity, RoundsProductsOnce) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   RandomRaw random;
-  for (int i = 0; i < kRandomCases; ++i) {
+  for (int i = 0; i < kRandomQuantities; ++i) {
     const Length a = Length::from_raw(random());
     const Ratio b = Ratio::from_raw(random());
     const std::int64_t exact =
@@ -143,7 +144,7 @@ TEST(Quantity, RoundsProductsOnce) {
 TEST(Quantity, RoundsSumsOfProductsOnce) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   RandomRaw random;
-  for (int i = 0; i < kRandomCases; ++i) {
+  for (int i = 0; i < kRandomQuantities; ++i) {
     const Length a0 = Length::from_raw(random() / 2);
     const Length a1 = Length::from_raw(random() / 2);
     const Ratio b0 = Ratio::from_raw(random());
@@ -160,7 +161,7 @@ TEST(Quantity, RoundsSumsOfProductsOnce) {
 TEST(Quantity, RoundsQuotientsOnce) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   RandomRaw random;
-  for (int i = 0; i < kRandomCases; ++i) {
+  for (int i = 0; i < kRandomQuantities; ++i) {
     const Length a = Length::from_raw(random());
     const Length b = Length::from_raw(random());
     if (b == Length()) continue;
@@ -191,7 +192,7 @@ TEST(Quantity, DefinesDivisionByZero) {
 TEST(Quantity, MultipliesAndDividesWithOneRounding) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   RandomRaw random;
-  for (int i = 0; i < kRandomCases; ++i) {
+  for (int i = 0; i < kRandomQuantities; ++i) {
     const Torque a = Torque::from_raw(random());
     const std::int32_t numerator = random();
     const std::int32_t denominator = random();

@@ -5,13 +5,14 @@
 
 #include "firmware/fixed/literals.h"
 #include "firmware/fixed/trigonometry.h"
+#include "tests/support/seed.h"
 
 namespace koboshi::fixed {
 namespace {
 
 using namespace literals;
 
-constexpr std::uint64_t kSeed = 20080114;
+using test::kSeed;
 
 // root^2 <= value < (root + 1)^2, in 64 bits.
 bool is_floor_of_root(std::uint64_t value, std::uint64_t root) {

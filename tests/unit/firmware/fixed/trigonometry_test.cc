@@ -8,6 +8,7 @@
 #include <random>
 
 #include "firmware/fixed/literals.h"
+#include "tests/support/seed.h"
 
 namespace koboshi::fixed {
 namespace {
@@ -17,8 +18,8 @@ using testing::AllOf;
 using testing::Gt;
 using testing::Le;
 
-constexpr std::uint64_t kSeed = 20080114;
-constexpr int kRandomCases = 1'000'000;
+using test::kSeed;
+constexpr int kRandomAngles = 1'000'000;
 constexpr long double kTwoPi = 2.0L * std::numbers::pi_v<long double>;
 constexpr long double kLsbPerRad = 4294967296.0L / kTwoPi;  // of Angle
 constexpr long double kLsbPerOne = 1073741824.0L;           // of Ratio
@@ -61,7 +62,7 @@ template <typename Q, typename Check>
 void for_random(Check check) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::mt19937 random(kSeed);
-  for (int i = 0; i < kRandomCases; ++i) check(Q::from_raw(static_cast<std::int32_t>(random())));
+  for (int i = 0; i < kRandomAngles; ++i) check(Q::from_raw(static_cast<std::int32_t>(random())));
 }
 
 template <typename Q, typename Check>
@@ -143,7 +144,7 @@ TEST(ArcTangent, KeepsItsErrorBoundAtAllMagnitudes) {
   std::mt19937 random(kSeed);
   const auto draw = [&] { return static_cast<std::int32_t>(random()) >> (random() % 31); };
   MaximumError error;
-  for (int i = 0; i < kRandomCases; ++i) {
+  for (int i = 0; i < kRandomAngles; ++i) {
     const std::int32_t y = draw();
     const std::int32_t x = draw();
     if (x == 0 && y == 0) continue;

@@ -15,12 +15,12 @@ using test::Point;
 using test::to_base;
 using test::to_point;
 
-constexpr std::uint32_t kSeed = 4711;
+constexpr std::uint32_t kKinematicsSeed = 4711;
 
 class KinematicsTest : public testing::Test {
  protected:
   void SetUp() override {
-    RecordProperty("seed", static_cast<int>(kSeed));
+    RecordProperty("seed", static_cast<int>(kKinematicsSeed));
     RobotModel written = test::make_test_robot();
     // An oblique axis: the arms' roll, so that no test passes by the axes of the default robot alone.
     written.joints[13].axis = written.joints[16].axis = {
@@ -39,7 +39,7 @@ class KinematicsTest : public testing::Test {
   }
 
   RobotModel model_;
-  std::mt19937 random_{kSeed};
+  std::mt19937 random_{kKinematicsSeed};
   std::array<fixed::Angle, kMaxJoints> angles_{};
   std::array<double, kMaxJoints> angles_rad_{};
   LinkPoses X_BLinks_;
@@ -63,8 +63,8 @@ TEST_F(KinematicsTest, AgreesWithDoubleInEveryLink) {
       }
     }
   }
-  EXPECT_LT(worst_m, 0.5e-6) << "seed " << kSeed;
-  EXPECT_LT(worst_direction, 2e-8) << "seed " << kSeed;
+  EXPECT_LT(worst_m, 0.5e-6) << "seed " << kKinematicsSeed;
+  EXPECT_LT(worst_direction, 2e-8) << "seed " << kKinematicsSeed;
   EXPECT_GT(worst_m, 1e-9);
 }
 
@@ -84,7 +84,7 @@ TEST_F(KinematicsTest, FindsTheCentreOfMass) {
     }
     worst_m = std::max(worst_m, norm(to_point(centre_of_mass(model_, X_BLinks_)) - (1.0 / mass_kg) * moment));
   }
-  EXPECT_LT(worst_m, 0.5e-6) << "seed " << kSeed;
+  EXPECT_LT(worst_m, 0.5e-6) << "seed " << kKinematicsSeed;
 }
 
 TEST_F(KinematicsTest, PutsTheSoleBelowTheAnkleAtJointZero) {

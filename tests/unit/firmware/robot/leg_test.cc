@@ -17,7 +17,7 @@ using test::kRadPerDegree;
 using test::Point;
 using test::to_base;
 
-constexpr std::uint32_t kSeed = 1966;
+constexpr std::uint32_t kLegSeed = 1966;
 constexpr std::array<Point, 3> kUnits{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
 using Angles = std::array<double, kMaxJoints>;
@@ -124,7 +124,7 @@ class LegTest : public testing::TestWithParam<hal::Side> {
         continue;  // the hip on the ankle's roll axis: any roll will do
       const SolePose target = sole(wanted);
       const LegAngles solution = leg_inverse_kinematics(model_, leg_, to_fixed(target));
-      ASSERT_TRUE(solution.reached) << "seed " << kSeed << " round " << round;
+      ASSERT_TRUE(solution.reached) << "seed " << kLegSeed << " round " << round;
       ASSERT_TRUE(within_limits(solution));
       const Angles found = to_angles(solution);
       const SolePose reached = sole(found);
@@ -137,9 +137,9 @@ class LegTest : public testing::TestWithParam<hal::Side> {
         worst_knee_rad = std::max(worst_knee_rad, std::abs(found[knee] - wanted[knee]));
       }
     }
-    EXPECT_LT(worst_m, 20e-6) << "seed " << kSeed;
-    EXPECT_LT(worst_direction, 2e-5) << "seed " << kSeed;
-    EXPECT_LT(worst_knee_rad, 0.01 * kRadPerDegree) << "seed " << kSeed;
+    EXPECT_LT(worst_m, 20e-6) << "seed " << kLegSeed;
+    EXPECT_LT(worst_direction, 2e-5) << "seed " << kLegSeed;
+    EXPECT_LT(worst_knee_rad, 0.01 * kRadPerDegree) << "seed " << kLegSeed;
     EXPECT_GT(worst_m, 1e-9);
     RecordProperty("worst_um", std::to_string(worst_m * 1e6));
     RecordProperty("worst_knee_deg", std::to_string(worst_knee_rad / kRadPerDegree));
@@ -147,7 +147,7 @@ class LegTest : public testing::TestWithParam<hal::Side> {
 
   RobotModel model_;
   LegGeometry leg_;
-  std::mt19937 random_{kSeed};
+  std::mt19937 random_{kLegSeed};
 };
 
 TEST_P(LegTest, PutsTheSoleWhereItWasAskedToOverTheWholeWorkspace) { check_workspace(100000); }
@@ -188,7 +188,7 @@ TEST_P(LegTest, ReturnsAllAnglesWhereTheyAreWellConditioned) {
     const Angles found = to_angles(leg_inverse_kinematics(model_, leg_, to_fixed(sole(wanted))));
     for (const std::uint8_t joint : leg_.joints) {
       ASSERT_NEAR(found[joint], wanted[joint], 0.01 * kRadPerDegree)
-          << "seed " << kSeed << " round " << round << " joint " << int{joint};
+          << "seed " << kLegSeed << " round " << round << " joint " << int{joint};
     }
   }
 }
@@ -225,7 +225,7 @@ TEST_P(LegTest, AnswersWithinLimitsForAnyTargetWhatever) {
     target.p = {length(), length(), length()};
     target.R =
         rotation_about(kAxisZ, angle()) * rotation_about(kAxisX, angle()) * rotation_about(kAxisY, angle());
-    ASSERT_TRUE(within_limits(leg_inverse_kinematics(model_, leg_, target))) << "seed " << kSeed;
+    ASSERT_TRUE(within_limits(leg_inverse_kinematics(model_, leg_, target))) << "seed " << kLegSeed;
   }
 }
 

@@ -14,6 +14,9 @@ namespace koboshi::test {
 
 inline constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 
+inline constexpr double kTickLength_s = 0.01;  // a control cycle
+inline constexpr double kGravity = 9.81;       // m/s^2, as the firmware has it
+
 inline fixed::Angle degrees(double angle_deg) {
   return fixed::from_double<fixed::Angle>(angle_deg * kRadPerDegree);
 }
@@ -26,6 +29,11 @@ inline robot::Position position(double x_m, double y_m, double z_m) {
 // A robot of the default robot's sizes, made without any file: 12 leg joints, then 6 arm joints and 2 of the
 // head.
 robot::RobotModel make_test_robot();
+
+// Numbers of some of its joints, and its gyro's counts a rad/s.
+inline constexpr std::size_t kKnee = 3;
+inline constexpr std::size_t kHeadTilt = 19;
+inline constexpr double kCountsPerRadPerS = 1'878;
 
 // The image of a model, written field by field after docs/reference/robot-model-format.md.
 std::vector<std::byte> encode(const robot::RobotModel& model);

@@ -6,14 +6,15 @@
 
 #include "firmware/fixed/host/convert.h"
 #include "firmware/walk/pendulum.h"
+#include "tests/unit/firmware/robot/test_robot.h"
 
 namespace koboshi::walk {
 namespace {
 
 using fixed::to_double;
+using test::kTickLength_s;
 
 constexpr double kLengthLsb_m = 1.0 / (1 << 24);
-constexpr double kTick_s = 0.01;
 
 Gait with_steps(const decltype(WalkParameters::step)& step) {
   WalkParameters parameters;
@@ -80,7 +81,7 @@ TEST(Speed, GainsNoMoreThanTheAccelerationInACycle) {
   const double step_s = 0.2;
   for (int tick = 1; tick <= 50; ++tick) {
     speed.approach({400, -200, 1500}, gait);
-    const double time_s = kTick_s * tick;
+    const double time_s = kTickLength_s * tick;
     const Stride stride = speed.stride(gait);
     EXPECT_NEAR(to_double(stride.way.x), 0.3 * time_s * step_s, kLengthLsb_m);
     EXPECT_NEAR(to_double(stride.way.y), -0.2 * time_s * step_s, kLengthLsb_m);
@@ -98,7 +99,7 @@ TEST(Speed, ArrivesAtItsCommandAndStaysThere) {
   EXPECT_NEAR(to_double(speed.stride(gait).way.x), 0.1 * 0.2, kLengthLsb_m);
   EXPECT_NEAR(to_double(speed.stride(gait).way.y), -0.033 * 0.2, kLengthLsb_m);
   EXPECT_NEAR(to_double(speed.stride(gait).turn), 0.007 * 0.2, 2e-9);
-  EXPECT_NEAR(to_double(speed.turn()), 0.007 * kTick_s, 2e-9);
+  EXPECT_NEAR(to_double(speed.turn()), 0.007 * kTickLength_s, 2e-9);
   for (int tick = 0; tick < 200; ++tick) speed.approach({}, gait);
   EXPECT_TRUE(speed.is_zero());
 }

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "firmware/fixed/host/convert.h"
+#include "tests/unit/firmware/robot/test_robot.h"
 
 namespace koboshi::walk {
 namespace {
@@ -14,9 +15,9 @@ namespace {
 using fixed::from_double;
 using fixed::Length;
 using fixed::to_double;
+using test::kTickLength_s;
 
 constexpr double kGravity_m_per_s2 = 9.80665;
-constexpr double kTick_s = 0.01;
 
 double omega_per_s(double height_m) { return std::sqrt(kGravity_m_per_s2 / height_m); }
 
@@ -65,8 +66,8 @@ double worst_m(double lowest_m, double highest_m, int ticks) {
     for (int tick = 0; tick < ticks; ++tick) {
       const Point zmp = draw.point(0.05);
       pendulum.advance(state, zmp);
-      x.advance(to_double(zmp.x), omega, kTick_s);
-      y.advance(to_double(zmp.y), omega, kTick_s);
+      x.advance(to_double(zmp.x), omega, kTickLength_s);
+      y.advance(to_double(zmp.y), omega, kTickLength_s);
     }
     worst = std::max({worst, std::abs(to_double(state.position().x) - x.x_m),
                       std::abs(to_double(state.position().y) - y.x_m)});
@@ -102,7 +103,7 @@ TEST(Pendulum, KnowsItsTimeConstantAndGrowth) {
     const double omega = omega_per_s(height_m);
     EXPECT_NEAR(to_double(pendulum.time_constant_s()), 1.0 / omega, 1e-7);
     for (std::size_t ticks = 0; ticks <= Pendulum::kMaxTicks; ++ticks) {
-      const double expected = std::exp(omega * kTick_s * static_cast<double>(ticks));
+      const double expected = std::exp(omega * kTickLength_s * static_cast<double>(ticks));
       worst = std::max(worst, std::abs(to_double(pendulum.growth(ticks)) / expected - 1.0));
     }
   }
@@ -118,7 +119,7 @@ TEST(Pendulum, TakesHeightsBeyondItsBoundsForTheBounds) {
 TEST(PendulumLag, IsTheSumOfWhatIsMissing) {
   for (const double height_m : {0.05, 0.17, 0.5}) {
     const Pendulum pendulum(from_double<Length>(height_m));
-    const double growth = std::exp(omega_per_s(height_m) * kTick_s);
+    const double growth = std::exp(omega_per_s(height_m) * kTickLength_s);
     for (std::int32_t ticks = 0; ticks <= 30; ++ticks) {
       double sum = 0.0;
       for (std::int32_t k = 1; k <= ticks; ++k) {

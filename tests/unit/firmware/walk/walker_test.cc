@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "tests/unit/firmware/robot/test_robot.h"
 #include "tests/unit/firmware/walk/walking_robot.h"
 
 namespace koboshi::walk {
@@ -13,10 +14,10 @@ namespace {
 using fixed::Angle;
 using fixed::to_double;
 using hal::Side;
+using test::kTickLength_s;
 using test::rigid;
 using test::WalkingRobot;
 
-constexpr double kTick_s = 0.01;
 constexpr int kRampTicks = 50;
 constexpr double kWidth_m = 0.066;
 constexpr double kStep_s = 0.26;
@@ -162,7 +163,7 @@ TEST(Walker, KeepsItsMassOverItsFeetForAHundredStepsOfAnyVelocity) {
       const auto targets = robot.targets();
       for (std::size_t joint = 0; joint < targets.size(); ++joint) {
         const double way_rad = std::abs(to_double(targets[joint] - last[joint]));
-        ASSERT_LE(way_rad, kFastest_rad_per_s * kTick_s) << "joint " << joint;
+        ASSERT_LE(way_rad, kFastest_rad_per_s * kTickLength_s) << "joint " << joint;
       }
       last = targets;
     });

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/sim_board/can/bus_fixture.h"
+#include "tests/unit/sim_board/can/bus_times.h"
 
 namespace koboshi::sim {
 namespace {
@@ -9,7 +10,6 @@ using hal::CanErrorState;
 using test::length_us;
 using test::make_frame;
 
-constexpr std::uint64_t kIntermission_us = 3;
 constexpr std::uint64_t kErrorFrame_us = 20;  // flag, the others' flags, delimiter
 
 // A sender and a receiver that takes everything, on a wire that can be disturbed.

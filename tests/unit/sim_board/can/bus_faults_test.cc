@@ -7,6 +7,7 @@
 #include "sim_board/can/babbler.h"
 #include "sim_board/can/bus_off_pause.h"
 #include "tests/unit/sim_board/can/bus_fixture.h"
+#include "tests/unit/sim_board/can/bus_times.h"
 
 namespace koboshi::sim {
 namespace {
@@ -17,7 +18,6 @@ using test::make_frame;
 using Effect = FrameFault::Effect;
 
 constexpr std::uint64_t kSeed = 3;
-constexpr std::uint64_t kIntermission_us = 3;
 
 // A sender and two receivers that take everything.
 struct BusFaultsTest : testing::Test {

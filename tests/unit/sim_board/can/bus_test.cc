@@ -5,14 +5,13 @@
 #include <algorithm>
 
 #include "tests/unit/sim_board/can/bus_fixture.h"
+#include "tests/unit/sim_board/can/bus_times.h"
 
 namespace koboshi::sim {
 namespace {
 
 using test::length_us;
 using test::make_frame;
-
-constexpr std::uint64_t kIntermission_us = 3;
 
 TEST(Bus, DeliversAtTheEndOfTheLastBit) {
   Bus bus;

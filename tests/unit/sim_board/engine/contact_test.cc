@@ -13,13 +13,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGravity = 9.80665;
-
-void run(World& world, double duration_s) {
-  const auto steps = std::lround(duration_s / world.step_s());
-  for (long i = 0; i < steps; ++i) world.step();
-}
-
 double force_on_ground_N(const World& world) {
   double force_N = 0.0;
   for (const Contact& contact : world.contacts()) force_N += contact.f_W.z();

@@ -32,7 +32,7 @@ WorldOptions standing_box() {
   return options;
 }
 
-void run(World& world, double duration_s) {
+void run_about(World& world, double duration_s) {
   for (double t_s = 0.0; t_s < duration_s; t_s += world.step_s()) world.step();
 }
 
@@ -43,7 +43,7 @@ TEST(EnergyGuard, StopsAWorldThatGainsEnergyWithTimeBodyAndCause) {
   const auto world =
       guard_energy(std::make_unique<Cheating>(make_world(box, unguarded), 20.0), box, standing_box());
   try {
-    run(*world, 1.0);
+    run_about(*world, 1.0);
     FAIL() << "it went on to " << world->time_s() << " s";
   } catch (const WorldBlewUp& error) {
     const std::string text = error.what();
@@ -72,7 +72,7 @@ TEST(EnergyGuard, TakesServosIntoAccount) {
   options.fixed_base = true;
   const auto world = make_world(sample_hinge(rig), options);
   world->set_servo(0, {.drive_Nm = 0.2, .damping_Nm_s = 0.01, .rotor_inertia_kg_m2 = 0.001});
-  EXPECT_NO_THROW(run(*world, 3.0));
+  EXPECT_NO_THROW(run_about(*world, 3.0));
   EXPECT_GT(world->joint(0).speed_rad_per_s, 10.0);
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -9,6 +11,14 @@
 #include "sim_board/world/options.h"
 
 namespace koboshi::sim {
+
+inline constexpr double kGravity = 9.80665;
+inline constexpr double kPi = std::numbers::pi;
+
+inline void run(World& world, double duration_s) {
+  const auto steps = std::lround(duration_s / world.step_s());
+  for (long i = 0; i < steps; ++i) world.step();
+}
 
 // The engines that this program was built with, each by a stepper that is exact in its own terms.
 inline std::vector<Stepper> engines() {

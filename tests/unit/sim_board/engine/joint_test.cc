@@ -12,14 +12,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGravity = 9.80665;
-constexpr double kPi = 3.14159265358979323846;
-
-void run(World& world, double duration_s) {
-  const auto steps = std::lround(duration_s / world.step_s());
-  for (long i = 0; i < steps; ++i) world.step();
-}
-
 // One link on a hinge whose bearing stands still; no gravity unless the rig has an arm.
 std::unique_ptr<World> make_rig(const HingeRig& rig, WorldOptions options, double start_rad = 0.0) {
   options.ground.present = false;

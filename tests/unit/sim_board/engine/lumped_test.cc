@@ -10,13 +10,13 @@
 #include "sim_board/engine/ode/hinge_chains.h"
 #include "sim_board/world/link_tree.h"
 #include "tests/support/sample_robots.h"
+#include "tests/unit/sim_board/engine/engines.h"
 
 namespace koboshi::sim {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGravity = 9.80665;
 constexpr double kQuarterTurn_rad = 1.5707963267948966;
 const Vector3d kAnchor_M(0.01, 0.02, 0.03);
 

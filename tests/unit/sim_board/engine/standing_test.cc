@@ -14,9 +14,6 @@
 namespace koboshi::sim {
 namespace {
 
-constexpr double kGravity = 9.80665;
-constexpr double kPi = 3.14159265358979323846;
-
 // A humanoid whose legs do squats of a second each, `depth_rad` deep at the hip; voltage servos with a
 // position loop.
 class Humanoid {

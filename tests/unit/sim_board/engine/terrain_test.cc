@@ -6,6 +6,7 @@
 
 #include "sim_board/engine/make_world.h"
 #include "tests/support/sample_robots.h"
+#include "tests/unit/sim_board/engine/engines.h"
 
 namespace koboshi::sim {
 namespace {
@@ -14,7 +15,6 @@ using Eigen::Isometry3d;
 using Eigen::Translation3d;
 using Eigen::Vector3d;
 
-constexpr double kGravity = 9.80665;
 constexpr double kMass_kg = 1.2;
 const Vector3d kSole_m(0.1, 0.056, 0.01);
 

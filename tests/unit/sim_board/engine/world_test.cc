@@ -26,11 +26,6 @@ class WorldInEachEngine : public EachEngine {
   }
 };
 
-void run(World& world, double duration_s) {
-  const auto steps = std::lround(duration_s / world.step_s());
-  for (long i = 0; i < steps; ++i) world.step();
-}
-
 TEST_P(WorldInEachEngine, DropsABodyAsGravityDictates) {
   const auto world = make_world(sample_box(0.7, {0.1, 0.2, 0.3}), in_the_air());
   run(*world, 1.0);

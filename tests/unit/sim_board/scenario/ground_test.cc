@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/user_units.h"
 #include "sim_board/scenario/make_ground.h"
 #include "sim_board/scenario/reader.h"
 #include "tests/support/sample_robots.h"
@@ -19,25 +20,23 @@ namespace {
 using Eigen::Vector3d;
 using ::testing::HasSubstr;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-
 // The ground's part of a scenario, from line 4 on.
 std::string with(const std::string& ground) {
   return "version: 1\nrobot: robots/box/robot.sdf\nduration_s: 1\n" + ground;
 }
 
-Scenario read(const TemporaryTree& tree, const std::string& ground) {
+Scenario read_on(const TemporaryTree& tree, const std::string& ground) {
   return read_scenario(tree.write("scenarios/test.yaml", with(ground)));
 }
 
 GroundDescription make(const TemporaryTree& tree, const std::string& ground) {
-  const Scenario scenario = read(tree, ground);
+  const Scenario scenario = read_on(tree, ground);
   return make_ground(scenario.ground, scenario.seed);
 }
 
-std::string refusal(const TemporaryTree& tree, const std::string& ground) {
+std::string refusal_of_ground(const TemporaryTree& tree, const std::string& ground) {
   try {
-    read(tree, ground);
+    read_on(tree, ground);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -103,8 +102,8 @@ TEST(ScenarioGround, ReadsEveryShapeAndTurnsItWithThePlane) {
   EXPECT_NEAR(ground.height_fields[1].point_F(1, 0).z(), 0.01, 1e-12);
 
   const GroundDescription tilted = make(tree, "ground:\n  tilt_deg: [5, -3]\n" + shapes);
-  const Eigen::Isometry3d X_WG(Eigen::AngleAxisd(-3 * kDegree, Vector3d::UnitY()) *
-                               Eigen::AngleAxisd(5 * kDegree, Vector3d::UnitX()));
+  const Eigen::Isometry3d X_WG(Eigen::AngleAxisd(-3 * kRadPerDegree, Vector3d::UnitY()) *
+                               Eigen::AngleAxisd(5 * kRadPerDegree, Vector3d::UnitX()));
   EXPECT_TRUE(tilted.boxes[3].X_WG.isApprox(X_WG * ground.boxes[3].X_WG, 1e-12));
   EXPECT_TRUE(tilted.patches[1].X_WP.isApprox(X_WG * ground.patches[1].X_WP, 1e-12));
   EXPECT_TRUE(tilted.height_fields[1].X_WF.isApprox(X_WG * ground.height_fields[1].X_WF, 1e-12));
@@ -173,19 +172,19 @@ TEST(ScenarioGround, NamesFieldValueAndRange) {
            {"materials: [{between: [ice, tin], bounce: 2}]", {"bounce", "2", "from 0 to 1"}},
            {"materials: [{between: [ice, tin]}, {between: [tin, ice]}]", {"each pair once"}},
        }) {
-    const std::string said = refusal(tree, bad.ground);
+    const std::string said = refusal_of_ground(tree, bad.ground);
     for (const std::string& part : bad.said) EXPECT_THAT(said, HasSubstr(part)) << bad.ground;
   }
 }
 
 TEST(ScenarioMaterials, AreReadAsPairs) {
   const TemporaryTree tree;
-  const Scenario scenario =
-      read(tree,
-           "materials:\n"
-           "  - {between: [rubber, ice], friction: [0.1, 0.05], bounce: 0.2, bounce_threshold_m_per_s: 0.1,\n"
-           "     stiffness_N_per_m: 5000, damping_N_s_per_m: 50, slip_m_per_N_s: 0.01}\n"
-           "  - {between: [rubber, rubber], friction: 1.2}\n");
+  const Scenario scenario = read_on(
+      tree,
+      "materials:\n"
+      "  - {between: [rubber, ice], friction: [0.1, 0.05], bounce: 0.2, bounce_threshold_m_per_s: 0.1,\n"
+      "     stiffness_N_per_m: 5000, damping_N_s_per_m: 50, slip_m_per_N_s: 0.01}\n"
+      "  - {between: [rubber, rubber], friction: 1.2}\n");
   ASSERT_EQ(scenario.materials.size(), 2u);
   const MaterialPair& ice = scenario.materials[0].pair;
   EXPECT_EQ(ice.between, (std::array<std::string, 2>{"rubber", "ice"}));
@@ -204,7 +203,7 @@ TEST(ScenarioMaterials, MustBeThoseOfRobotOrGround) {
   RobotDescription robot = sample_box(1.0, {0.1, 0.1, 0.1});
   robot.links[0].collisions[0].surface.material = "rubber";
   const Scenario scenario =
-      read(tree, "ground: {material: steel}\nmaterials: [{between: [rubber, stele]}]\n");
+      read_on(tree, "ground: {material: steel}\nmaterials: [{between: [rubber, stele]}]\n");
   try {
     check(scenario, robot);
     FAIL() << "a material that nothing is of";
@@ -212,7 +211,8 @@ TEST(ScenarioMaterials, MustBeThoseOfRobotOrGround) {
     EXPECT_THAT(error.what(),
                 HasSubstr("test.yaml:5: found the unknown material stele, expected rubber or steel"));
   }
-  const Scenario right = read(tree, "ground: {material: steel}\nmaterials: [{between: [rubber, steel]}]\n");
+  const Scenario right =
+      read_on(tree, "ground: {material: steel}\nmaterials: [{between: [rubber, steel]}]\n");
   EXPECT_NO_THROW(check(right, robot));
 }
 

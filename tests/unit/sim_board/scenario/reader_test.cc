@@ -1,5 +1,6 @@
 #include "sim_board/scenario/reader.h"
 #include "sim_board/engine/make_world.h"
+#include "sim_board/input/user_units.h"
 #include "sim_board/scenario/events_text.h"
 
 #include <gmock/gmock.h>
@@ -15,8 +16,6 @@ namespace koboshi::sim {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 const char* const kShort =
     "version: 1\n"
@@ -102,14 +101,14 @@ TEST(ScenarioReader, ReadsEverySetting) {
   ASSERT_TRUE(scenario.ground.softness);
   EXPECT_EQ(scenario.ground.softness->stiffness_N_per_m, 3000.0);
   EXPECT_EQ(scenario.ground.softness->damping_N_s_per_m, 20.0);
-  EXPECT_DOUBLE_EQ(scenario.ground.roll_rad, 1.0 * kDegree);
-  EXPECT_DOUBLE_EQ(scenario.ground.pitch_rad, -2.0 * kDegree);
+  EXPECT_DOUBLE_EQ(scenario.ground.roll_rad, 1.0 * kRadPerDegree);
+  EXPECT_DOUBLE_EQ(scenario.ground.pitch_rad, -2.0 * kRadPerDegree);
   EXPECT_EQ(scenario.initial.drop_m, 0.01);
   EXPECT_TRUE(scenario.initial.fixed_base);
   ASSERT_EQ(scenario.initial.joints.size(), 2u);
   EXPECT_EQ(scenario.initial.joints[1].joint.text, "right_knee");
   EXPECT_EQ(scenario.initial.joints[1].joint.line, 11);
-  EXPECT_DOUBLE_EQ(scenario.initial.joints[1].position_rad, -20.0 * kDegree);
+  EXPECT_DOUBLE_EQ(scenario.initial.joints[1].position_rad, -20.0 * kRadPerDegree);
 }
 
 TEST(ScenarioReader, ReplacesNumbersOfItsMotions) {

@@ -72,7 +72,7 @@ RobotDescription one_knee() {
 
 SourcedName at_line(const std::string& name, int line) { return {name, "a.yaml", line}; }
 
-std::string refusal(const Scenario& scenario) {
+std::string refusal_of_event(const Scenario& scenario) {
   try {
     check(scenario, one_knee());
   } catch (const InputError& error) {
@@ -95,44 +95,44 @@ TEST(ScenarioCheck, PassesWhatTheRobotHas) {
   scenario.initial.joints.push_back({at_line("knee", 3), 0.5 * std::numbers::pi});
   scenario.pushes.push_back(make_push(Push::Shape::kRectangle));
   scenario.pushes[0].link = at_line("shank", 4);
-  EXPECT_EQ(refusal(scenario), "");
+  EXPECT_EQ(refusal_of_event(scenario), "");
 }
 
 TEST(ScenarioCheck, RefusesAnUnknownLink) {
   Scenario scenario;
   scenario.pushes.push_back(make_push(Push::Shape::kRectangle));
   scenario.pushes[0].link = at_line("tail", 4);
-  EXPECT_EQ(refusal(scenario), "a.yaml:4: found the unknown link tail, expected trunk or shank");
+  EXPECT_EQ(refusal_of_event(scenario), "a.yaml:4: found the unknown link tail, expected trunk or shank");
 }
 
 TEST(ScenarioCheck, RefusesAnUnknownJoint) {
-  EXPECT_THAT(refusal(with_fault(Fault::Kind::kDrivePowerLoss, "hip")),
+  EXPECT_THAT(refusal_of_event(with_fault(Fault::Kind::kDrivePowerLoss, "hip")),
               HasSubstr("a.yaml:5: found the unknown joint hip"));
   Scenario scenario;
   scenario.initial.joints.push_back({at_line("hip", 3), 0.0});
-  EXPECT_THAT(refusal(scenario), HasSubstr("a.yaml:3: found the unknown joint hip"));
+  EXPECT_THAT(refusal_of_event(scenario), HasSubstr("a.yaml:3: found the unknown joint hip"));
 }
 
 TEST(ScenarioCheck, RefusesAPositionBeyondTheLimits) {
   Scenario scenario;
   scenario.initial.joints.push_back({at_line("knee", 3), 0.51 * std::numbers::pi});
-  EXPECT_THAT(refusal(scenario), HasSubstr("a.yaml:3: found knee = 91.8"));
-  EXPECT_THAT(refusal(scenario), HasSubstr("from 0 to 90 degrees"));
+  EXPECT_THAT(refusal_of_event(scenario), HasSubstr("a.yaml:3: found knee = 91.8"));
+  EXPECT_THAT(refusal_of_event(scenario), HasSubstr("from 0 to 90 degrees"));
 }
 
 TEST(ScenarioCheck, RefusesFaultsOfSensorsThatTheRobotLacks) {
-  EXPECT_THAT(refusal(with_fault(Fault::Kind::kImuStop, "imu_stop")), HasSubstr("a.yaml:5"));
-  EXPECT_THAT(refusal(with_fault(Fault::Kind::kAnkleStop, "right", hal::Side::kRight)),
+  EXPECT_THAT(refusal_of_event(with_fault(Fault::Kind::kImuStop, "imu_stop")), HasSubstr("a.yaml:5"));
+  EXPECT_THAT(refusal_of_event(with_fault(Fault::Kind::kAnkleStop, "right", hal::Side::kRight)),
               HasSubstr("right ankle sensor"));
-  EXPECT_EQ(refusal(with_fault(Fault::Kind::kAnkleStop, "left")), "");
-  EXPECT_EQ(refusal(with_fault(Fault::Kind::kControllerStop, "controller_stop")), "");
+  EXPECT_EQ(refusal_of_event(with_fault(Fault::Kind::kAnkleStop, "left")), "");
+  EXPECT_EQ(refusal_of_event(with_fault(Fault::Kind::kControllerStop, "controller_stop")), "");
 }
 
 TEST(ScenarioCheck, KnowsWhoseFramesAFaultMayConcern) {
-  EXPECT_EQ(refusal(with_fault(Fault::Kind::kFramesLost, "")), "");
-  EXPECT_EQ(refusal(with_fault(Fault::Kind::kFramesLost, "controller")), "");
-  EXPECT_EQ(refusal(with_fault(Fault::Kind::kFramesDoubled, "knee")), "");
-  EXPECT_THAT(refusal(with_fault(Fault::Kind::kFramesDoubled, "hip")),
+  EXPECT_EQ(refusal_of_event(with_fault(Fault::Kind::kFramesLost, "")), "");
+  EXPECT_EQ(refusal_of_event(with_fault(Fault::Kind::kFramesLost, "controller")), "");
+  EXPECT_EQ(refusal_of_event(with_fault(Fault::Kind::kFramesDoubled, "knee")), "");
+  EXPECT_THAT(refusal_of_event(with_fault(Fault::Kind::kFramesDoubled, "hip")),
               HasSubstr("a.yaml:5: found the unknown joint hip"));
 }
 

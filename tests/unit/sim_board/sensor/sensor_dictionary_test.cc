@@ -11,9 +11,9 @@ namespace {
 using testing::SizeIs;
 
 // A sensor's node on a bus of its own, operational.
-class SensorNode final : private canopen::FrameSink, private canopen::NodeApplication {
+class BareSensorNode final : private canopen::FrameSink, private canopen::NodeApplication {
  public:
-  SensorNode(SensorKind kind, std::uint8_t node_id)
+  BareSensorNode(SensorKind kind, std::uint8_t node_id)
       : description_(sensor_node_description(kind)),
         node(
             description_,
@@ -41,7 +41,7 @@ class SensorNode final : private canopen::FrameSink, private canopen::NodeApplic
 };
 
 TEST(InertialNode, SendsItsAxesByItsOwnClock) {
-  SensorNode sensor(SensorKind::kInertial, 36);
+  BareSensorNode sensor(SensorKind::kInertial, 36);
   sensor.values.sample = 0x0102;
   sensor.values.gyro[0] = -2;
   sensor.values.accelerometer[2] = 0x0304;
@@ -56,7 +56,7 @@ TEST(InertialNode, SendsItsAxesByItsOwnClock) {
 }
 
 TEST(AnkleNode, SendsForceAndTorqueAtSync) {
-  SensorNode sensor(SensorKind::kForceTorque, 37);
+  BareSensorNode sensor(SensorKind::kForceTorque, 37);
   sensor.values.force[2] = 0x0506;
   sensor.values.torque[1] = 0x0708;
   sensor.node.process(50'000);

@@ -109,14 +109,14 @@ TEST_F(StudyReader, WantsANumberAndATrial) {
               HasSubstr("no trial"));
 }
 
-constexpr double kDuration_s = 10.0;
+constexpr double kStudyDuration_s = 10.0;
 
 // Of ten seconds on its feet.
 Values came(double ahead_m, double left_m, double turn_rad) {
   return {{"fell", 0.0},
-          {"duration_s", kDuration_s},
+          {"duration_s", kStudyDuration_s},
           {"distance_m", ahead_m},
-          {"speed_m_per_s", ahead_m / kDuration_s},
+          {"speed_m_per_s", ahead_m / kStudyDuration_s},
           {"lateral_drift_m", left_m},
           {"heading_drift_rad", turn_rad}};
 }
@@ -127,37 +127,37 @@ StudiedTrial trial(StudiedTrial::Reward reward, double wanted) {
 
 TEST(Worth, IsTheShareOfWhatIsWanted) {
   using enum StudiedTrial::Reward;
-  EXPECT_NEAR(worth(trial(kForward, 0.2), came(1.0, 0.0, 0.0), kDuration_s), 0.5, 1e-12);
-  EXPECT_NEAR(worth(trial(kBackward, 0.2), came(-1.0, 0.0, 0.0), kDuration_s), 0.5, 1e-12);
-  EXPECT_NEAR(worth(trial(kLeft, 0.2), came(0.0, 1.0, 0.0), kDuration_s), 0.5, 1e-12);
-  EXPECT_NEAR(worth(trial(kTurn, 1.0), came(0.0, 0.0, 5.0), kDuration_s), 0.5, 1e-12);
-  EXPECT_EQ(worth(trial(kSurvival, 1.0), came(0.0, 0.0, 0.0), kDuration_s), 1.0);
+  EXPECT_NEAR(worth(trial(kForward, 0.2), came(1.0, 0.0, 0.0), kStudyDuration_s), 0.5, 1e-12);
+  EXPECT_NEAR(worth(trial(kBackward, 0.2), came(-1.0, 0.0, 0.0), kStudyDuration_s), 0.5, 1e-12);
+  EXPECT_NEAR(worth(trial(kLeft, 0.2), came(0.0, 1.0, 0.0), kStudyDuration_s), 0.5, 1e-12);
+  EXPECT_NEAR(worth(trial(kTurn, 1.0), came(0.0, 0.0, 5.0), kStudyDuration_s), 0.5, 1e-12);
+  EXPECT_EQ(worth(trial(kSurvival, 1.0), came(0.0, 0.0, 0.0), kStudyDuration_s), 1.0);
 }
 
 TEST(Worth, IsNoMoreThanOneAndLessForTheWrongWay) {
   using enum StudiedTrial::Reward;
-  EXPECT_EQ(worth(trial(kForward, 0.2), came(9.0, 0.0, 0.0), kDuration_s), 1.0);
-  EXPECT_LT(worth(trial(kForward, 0.2), came(-1.0, 0.0, 0.0), kDuration_s), 0.0);
+  EXPECT_EQ(worth(trial(kForward, 0.2), came(9.0, 0.0, 0.0), kStudyDuration_s), 1.0);
+  EXPECT_LT(worth(trial(kForward, 0.2), came(-1.0, 0.0, 0.0), kStudyDuration_s), 0.0);
 }
 
 TEST(Worth, TakesOffWhatStrays) {
   using enum StudiedTrial::Reward;
-  const double straight = worth(trial(kForward, 0.2), came(1.0, 0.0, 0.0), kDuration_s);
-  EXPECT_NEAR(worth(trial(kForward, 0.2), came(1.0, -1.0, 0.0), kDuration_s), straight - 0.125, 1e-12);
-  EXPECT_LT(worth(trial(kTurn, 1.0), came(1.0, 0.0, 5.0), kDuration_s),
-            worth(trial(kTurn, 1.0), came(0.0, 0.0, 5.0), kDuration_s));
+  const double straight = worth(trial(kForward, 0.2), came(1.0, 0.0, 0.0), kStudyDuration_s);
+  EXPECT_NEAR(worth(trial(kForward, 0.2), came(1.0, -1.0, 0.0), kStudyDuration_s), straight - 0.125, 1e-12);
+  EXPECT_LT(worth(trial(kTurn, 1.0), came(1.0, 0.0, 5.0), kStudyDuration_s),
+            worth(trial(kTurn, 1.0), came(0.0, 0.0, 5.0), kStudyDuration_s));
 }
 
 TEST(Worth, OfStandingUpIsHowSoonElseHowFar) {
   const StudiedTrial rise = trial(StudiedTrial::Reward::kStandUp, 2.0);
   const auto stood = [&](double after_s) {
     return worth(rise, {{"fell", 1.0}, {"stood", 1.0}, {"stood_s", after_s}, {"uprightness", 1.0}},
-                 kDuration_s);
+                 kStudyDuration_s);
   };
   EXPECT_EQ(stood(1.0), 1.0);
   EXPECT_NEAR(stood(4.0), 0.5, 1e-12);
   const auto came_to = [&](double uprightness) {
-    return worth(rise, {{"fell", 1.0}, {"stood", 0.0}, {"uprightness", uprightness}}, kDuration_s);
+    return worth(rise, {{"fell", 1.0}, {"stood", 0.0}, {"uprightness", uprightness}}, kStudyDuration_s);
   };
   EXPECT_EQ(came_to(0.0), -1.0);
   EXPECT_NEAR(came_to(0.7), -0.3, 1e-12);
@@ -170,11 +170,11 @@ TEST(Worth, PutsEveryFallBelowEverySurvivalAndALateOneBeforeAnEarlyOne) {
     Values values = came(5.0, 0.0, 0.0);
     values["fell"] = 1.0;
     values["duration_s"] = after_s;
-    return worth(trial(kForward, 0.2), values, kDuration_s);
+    return worth(trial(kForward, 0.2), values, kStudyDuration_s);
   };
   EXPECT_NEAR(fell(9.0), -0.1, 1e-12);
   EXPECT_NEAR(fell(2.0), -0.8, 1e-12);
-  EXPECT_EQ(worth(trial(kForward, 0.2), {{"fell", 0.0}}, kDuration_s), -1.0);  // it never walked
+  EXPECT_EQ(worth(trial(kForward, 0.2), {{"fell", 0.0}}, kStudyDuration_s), -1.0);  // it never walked
 }
 
 }  // namespace
