@@ -6,7 +6,7 @@ Usage: tools/dev/timings.py [--build FOLDER] [--rows N] [build] [headers] [tests
   build    seconds of each target's compilations and links, from the log of the last complete build (ninja's .ninja_log)
   headers  for each header of the project and each library header that it includes directly: seconds to compile the header
            alone, times the number of translation units that include it; takes a minute
-  tests    seconds of each test case and of each program, from the last run of ctest
+  tests    seconds of each test case and each suite, from the report of the last `./run test`
 
 Without a subject it prints all three. Seconds are wall-clock seconds of one process each: on an idle machine their sum is
 about the processor time. Compare figures of one machine only.
@@ -23,13 +23,14 @@ import subprocess
 import sys
 import tempfile
 import time
+import xml.etree.ElementTree
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 OURS = ("hal/", "firmware/", "sim_board/", "simulation/", "tools/", "tests/")
 
 
 def table(title, columns, rows, shown):
-    """Prints the first rows of a table as Markdown, and what all rows sum up to in the last numeric column."""
+    """Prints the first rows of a table as Markdown."""
     print(f"\n## {title}\n")
     print("| " + " | ".join(columns) + " |")
     print("|" + " --- |" * len(columns))
@@ -67,7 +68,8 @@ def print_build(build, shown):
 
 def translation_units(build):
     """Each compile command of the build, by its output."""
-    return {entry["output"]: entry for entry in json.loads((build / "compile_commands.json").read_text())}
+    commands = json.loads((build / "compile_commands.json").read_text())
+    return {re.search(r" -o (\S+)", entry["command"]).group(1): entry for entry in commands}
 
 
 def included_headers(build):
@@ -94,22 +96,21 @@ def direct_library_headers():
 
 
 def seconds_alone(include, command):
-    """Seconds to compile a file that only includes this, with the options of that compile command."""
+    """Seconds to compile a file that only includes this, with the options of that compile command; None if it does not compile."""
     words = shlex.split(command["command"])
-    begin = next(i for i, word in enumerate(words) if re.search(r"(g\+\+|c\+\+)[\d.-]*$", word))
-    keep = [word for word in words[begin:] if word.startswith(("-I", "-D", "-std", "-m", "-f", "-isystem")) or word == words[begin]]
-    keep += [word for i, word in enumerate(words) if words[i - 1] == "-isystem"]
-    arguments = []
-    for word in keep:
-        arguments += [word] if word != "-isystem" else []
-    system = [words[i + 1] for i, word in enumerate(words) if word == "-isystem"]
+    begin = next(i for i, word in enumerate(words) if re.search(r"(g|c)\+\+[\d.-]*$", word))
+    options = []
+    for i, word in enumerate(words[begin:], begin):
+        if word == "-isystem":
+            options += [word, words[i + 1]]
+        elif word.startswith(("-I", "-D", "-std", "-m", "-f")):
+            options.append(word)
     with tempfile.NamedTemporaryFile("w", suffix=".cc") as source:
         source.write(f"#include {include}\n")
         source.flush()
-        line = [*[word for word in arguments if word not in system], *[f"-isystem{folder}" for folder in system],
-                "-w", "-fsyntax-only", source.name]
         begin_s = time.monotonic()
-        result = subprocess.run(line, cwd=command["directory"], capture_output=True)
+        result = subprocess.run([words[begin], *options, "-w", "-fsyntax-only", source.name], cwd=command["directory"],
+                                capture_output=True, check=False)
         return time.monotonic() - begin_s if result.returncode == 0 else None
 
 
@@ -137,37 +138,20 @@ def print_headers(build, shown):
     table("Build time by header", ("header", "units", "seconds alone", "units x seconds"), rows, shown)
 
 
-def test_seconds(build):
-    """Seconds of each test in the last run, from the log that ctest keeps."""
-    log = build / "Testing" / "Temporary" / "LastTest.log"
-    if not log.is_file():
-        sys.exit(f"timings: found no {log}, expected the log of a ctest run")
-    text = log.read_text(errors="replace")
-    return {name: float(seconds)
-            for name, seconds in re.findall(r'^"(.+?)" time elapsed:.*?$|^$', text, re.MULTILINE) if seconds}
-
-
 def print_tests(build, shown):
-    cost = build / "Testing" / "Temporary" / "CTestCostData.txt"
-    if not cost.is_file():
-        sys.exit(f"timings: found no {cost}, expected the record of a ctest run")
-    rows = []
-    for line in cost.read_text().splitlines():
-        if line.startswith("---"):
-            break
-        name, _, seconds = line.rsplit(" ", 2)
-        rows.append((name, float(seconds)))
-    rows.sort(key=lambda row: -row[1])
-    suites = collections.Counter()
-    counts = collections.Counter()
-    for name, seconds in rows:
-        suite = re.split(r"[./]", name.removeprefix("Every/"))[0]
-        suites[suite] += seconds
+    report = build / "tests.xml"
+    if not report.is_file():
+        sys.exit(f"timings: found no {report}, expected the report of the last `./run test`")
+    cases = [(case.get("name").split(" ")[0], float(case.get("time"))) for case in xml.etree.ElementTree.parse(report).iter("testcase")]
+    cases.sort(key=lambda case: -case[1])
+    seconds, counts = collections.Counter(), collections.Counter()
+    for name, time_s in cases:
+        suite = re.sub(r"^[^.]*/", "", name).split(".")[0]
+        seconds[suite] += time_s
         counts[suite] += 1
-    total = sum(seconds for _, seconds in rows)
-    table(f"Test time by case: {total:.0f} s in {len(rows)} cases", ("case", "seconds"), rows, shown)
+    table(f"Test time by case: {sum(seconds.values()):.0f} s in {len(cases)} cases", ("case", "seconds"), cases, shown)
     table("Test time by suite", ("suite", "cases", "seconds"),
-          [(suite, counts[suite], seconds) for suite, seconds in suites.most_common()], shown)
+          [(suite, counts[suite], time_s) for suite, time_s in seconds.most_common()], shown)
 
 
 def main():
