@@ -55,7 +55,6 @@ endfunction()
 function(koboshi_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL" "SOURCES;DEPS")
   add_executable(${name} ${arg_SOURCES})
-  set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)  # each file of tests has constants and helpers of its own
   target_link_libraries(${name} PRIVATE koboshi_options ${arg_DEPS} GTest::gtest GTest::gmock GTest::gtest_main)
   # What a test spends its time in is the code under test, which has its own options; its own is compiled in half the time.
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
