@@ -187,13 +187,7 @@ Reason Controller::silent_sensor(std::uint64_t now_us) const {
 void Controller::on_reset(NmtCommand reset) {
   // A robot that stands keeps what it stands by.
   if (reset == NmtCommand::kResetNode && !makes_torque(values_.behaviour.state)) load_parameters();
-  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
-    const std::uint8_t node_id = model_.joints[joint].drive.node_id;
-    // The memory was made for kMaxJoints and the model is valid, so none of these can fail.
-    static_cast<void>(node_.configure_rpdo(kFirstDriveRpdo + joint, drive_rpdo(joint, node_id)));
-    static_cast<void>(node_.configure_tpdo(kFirstDriveTpdo + joint, drive_tpdo(joint, node_id)));
-    static_cast<void>(node_.configure_consumer(joint, node_id, drive::kDriveHeartbeatLost_ms));
-  }
+  connect_drives(node_, model_);
 }
 
 // A drive that has booted is silent until it has its configuration, and that may take longer than the

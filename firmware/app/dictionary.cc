@@ -97,4 +97,14 @@ canopen::PdoConfiguration drive_tpdo(std::size_t joint, std::uint8_t node_id) {
           .mapping = {mapping(0x2300, subindex, 16), mapping(0x2301, subindex, 32)}};
 }
 
+void connect_drives(canopen::Node& node, const robot::RobotModel& model) {
+  for (std::size_t joint = 0; joint < model.joint_count; ++joint) {
+    const std::uint8_t node_id = model.joints[joint].drive.node_id;
+    // There is room and the model is valid, so none of these can fail.
+    static_cast<void>(node.configure_rpdo(kFirstDriveRpdo + joint, drive_rpdo(joint, node_id)));
+    static_cast<void>(node.configure_tpdo(kFirstDriveTpdo + joint, drive_tpdo(joint, node_id)));
+    static_cast<void>(node.configure_consumer(joint, node_id, drive::kDriveHeartbeatLost_ms));
+  }
+}
+
 }  // namespace koboshi::app

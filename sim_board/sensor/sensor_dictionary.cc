@@ -1,5 +1,7 @@
 #include "sim_board/sensor/sensor_dictionary.h"
 
+#include <span>
+
 #include "firmware/canopen/object.h"
 #include "firmware/canopen/pdo.h"
 #include "sim_board/sensor/sensor_objects.h"
@@ -9,8 +11,10 @@ namespace {
 
 using canopen::mapping;
 
-constexpr auto kRows = canopen::rows_of<kSensorObjects>();
-static_assert(canopen::is_valid_table(kRows, sizeof(SensorValues)));
+constexpr auto kInertialRows = canopen::rows_of<kInertialObjects>();
+constexpr auto kAnkleRows = canopen::rows_of<kAnkleObjects>();
+static_assert(canopen::is_valid_table(kInertialRows, sizeof(SensorValues)));
+static_assert(canopen::is_valid_table(kAnkleRows, sizeof(SensorValues)));
 
 // Three axes of an object and the sample's number: eight bytes.
 constexpr canopen::PdoConfiguration axes(std::size_t number, std::uint16_t index, std::uint8_t type,
@@ -46,7 +50,7 @@ canopen::NodeDescription sensor_node_description(SensorKind kind) {
       .hardware_version = "simulated",
       .software_version = "0.1.0",
       .heartbeat_ms = kSensorHeartbeat_ms,
-      .rows = kRows,
+      .rows = inertial ? std::span<const canopen::Entry>(kInertialRows) : kAnkleRows,
       .rpdos = {},
       .tpdos = inertial ? kInertialTpdos : kForceTorqueTpdos,
   };

@@ -9,8 +9,8 @@ namespace koboshi::sim {
 // What a sensor node measures: an inertial unit in the trunk, or force and torque below an ankle.
 enum class SensorKind : std::uint8_t { kInertial = 1, kForceTorque = 2 };
 
-// The values behind a sensor node's object dictionary, in the sensor's own frame and counts. A node has
-// values for the objects of its own kind only; the others stay zero.
+// The values behind a sensor node's object dictionary, in the sensor's own frame and counts. A node has the
+// objects of its own kind only.
 struct SensorValues {
   SensorKind kind = SensorKind::kInertial;  // 0x2000
   std::uint16_t sample = 0;            // 0x2001: counts samples and wraps; both PDOs of a sample carry it

@@ -5,8 +5,9 @@
 #include "firmware/canopen/value_names.h"
 #include "sim_board/sensor/sensor_dictionary.h"
 
-// A sensor node's objects, of both kinds: from this table come the node's rows, sensor.eds, its part of
-// koboshi.dbc and of the page docs/reference/object-dictionary.md (`koboshi dictionary write`).
+// The objects of the two kinds of sensor nodes: from these tables come the nodes' rows, inertial.eds and
+// ankle.eds, their part of koboshi.dbc and of docs/reference/object-dictionary.md (`koboshi dictionary
+// write`).
 namespace koboshi::sim {
 
 using enum canopen::Access;
@@ -26,24 +27,35 @@ inline constexpr canopen::Unit kTorqueCount{.name = "N m", .resolution = canopen
 #define OBJECT(index, subindex, member, ...) \
   canopen::object(index, subindex, KOBOSHI_FIELD(SensorValues, member), __VA_ARGS__)
 
-inline constexpr canopen::DescribedObject kSensorObjects[] = {
-    {OBJECT(0x2000, 0, kind, kReadOnly), {.name = "Sensor kind", .values = kSensorKindNames}},
-    {OBJECT(0x2001, 0, sample, kReadOnly, kTpdo),
-     {.name = "Sample", .comment = "Number of the sample; wraps. Both PDOs of a sample carry it."}},
-    canopen::heading(0x2010, "Gyro", "Of an inertial unit, in the sensor's frame."),
+inline constexpr canopen::DescribedObject kSensorKind{OBJECT(0x2000, 0, kind, kReadOnly),
+                                                      {.name = "Sensor kind", .values = kSensorKindNames}};
+inline constexpr canopen::DescribedObject kSensorSample{
+    OBJECT(0x2001, 0, sample, kReadOnly, kTpdo),
+    {.name = "Sample", .comment = "Number of the sample; wraps. Both PDOs of a sample carry it."}};
+
+inline constexpr canopen::DescribedObject kInertialObjects[] = {
+    kSensorKind,
+    kSensorSample,
+    canopen::heading(0x2010, "Gyro", "In the sensor's frame."),
     {OBJECT(0x2010, 1, gyro[0], kReadOnly, kTpdo).repeated(3, 2),
      {.name = "Gyro", .unit = kGyroCount, .elements = canopen::kAxes}},
-    canopen::heading(0x2011, "Accelerometer", "Specific force of an inertial unit: +1 g upwards at rest."),
+    canopen::heading(0x2011, "Accelerometer", "Specific force: +1 g upwards at rest."),
     {OBJECT(0x2011, 1, accelerometer[0], kReadOnly, kTpdo).repeated(3, 2),
      {.name = "Accelerometer", .unit = kAccelerometerCount, .elements = canopen::kAxes}},
-    canopen::heading(0x2020, "Force", "Of an ankle: what the ground side exerts on the shank side."),
+};
+static_assert(canopen::is_described(kInertialObjects));
+
+inline constexpr canopen::DescribedObject kAnkleObjects[] = {
+    kSensorKind,
+    kSensorSample,
+    canopen::heading(0x2020, "Force", "What the ground side exerts on the shank side."),
     {OBJECT(0x2020, 1, force[0], kReadOnly, kTpdo).repeated(3, 2),
      {.name = "Force", .unit = kForceCount, .elements = canopen::kAxes}},
-    canopen::heading(0x2021, "Torque", "Of an ankle, about the sensor's origin."),
+    canopen::heading(0x2021, "Torque", "About the sensor's origin."),
     {OBJECT(0x2021, 1, torque[0], kReadOnly, kTpdo).repeated(3, 2),
      {.name = "Torque", .unit = kTorqueCount, .elements = canopen::kAxes}},
 };
-static_assert(canopen::is_described(kSensorObjects));
+static_assert(canopen::is_described(kAnkleObjects));
 
 #undef OBJECT
 

@@ -30,7 +30,9 @@ constexpr canopen::PdoConfiguration kTpdos[] = {
      .plus_node_id = true,
      .transmission_type = canopen::kEventProfile,
      .inhibit_time_100us = kInhibitTime_100us,
-     .mapping = {mapping(cia402::kStatusword, 0, 16)}},
+     // What the controller maps: whoever decodes the bus by koboshi.dbc needs no configured drive.
+     .mapping = {mapping(cia402::kStatusword, 0, 16), mapping(cia402::kPositionActual, 0, 32),
+                 mapping(cia402::kTorqueActual, 0, 16)}},
     kFreeTpdo,
     kFreeTpdo,
     kFreeTpdo,

@@ -9,7 +9,9 @@ KEPT = support.ROOT / "docs" / "reference"
 PRINTED = {
     "controller.eds": ("eds", "controller"),
     "drive.eds": ("eds", "drive"),
-    "sensor.eds": ("eds", "sensor"),
+    "inertial.eds": ("eds", "inertial"),
+    "ankle.eds": ("eds", "ankle"),
+    "bus.yml": ("bus",),
     "koboshi.dbc": ("dbc",),
     "object-dictionary.md": ("page",),
 }

@@ -52,12 +52,15 @@ void add_dictionary_command(CLI::App& program) {
 
   CLI::App* eds =
       command->add_subcommand("eds", "Print the electronic data sheet of a kind of node (CiA 306)");
-  eds->add_option("KIND", arguments->kind, "controller, drive or sensor")
+  eds->add_option("KIND", arguments->kind, "controller, drive, inertial or ankle")
       ->required()
-      ->check(CLI::IsMember({"controller", "drive", "sensor"}));
+      ->check(CLI::IsMember({"controller", "drive", "inertial", "ankle"}));
   eds->callback([arguments] { print_file(*arguments, arguments->kind + ".eds"); });
   CLI::App* dbc = command->add_subcommand("dbc", "Print the messages on the robot's bus for CAN tools");
   dbc->callback([arguments] { print_file(*arguments, "koboshi.dbc"); });
+  CLI::App* bus = command->add_subcommand(
+      "bus", "Print drives and sensors for dcfgen of lely-core, which makes a master of it");
+  bus->callback([arguments] { print_file(*arguments, "bus.yml"); });
   CLI::App* page = command->add_subcommand("page", "Print the reference page");
   page->callback([arguments] { print_file(*arguments, "object-dictionary.md"); });
   CLI::App* write = command->add_subcommand("write", "Write all of them");

@@ -200,7 +200,7 @@ struct PdoIndices {
   bool transmit;
 };
 
-// Those beyond the description's are invalid after a reset.
+// Those beyond these are invalid after a reset.
 void add_pdos(std::vector<Object>& objects, std::string_view name, const PdoIndices& first,
               std::span<const PdoConfiguration> configured, std::size_t count) {
   const auto configuration = [&](std::size_t i) {
@@ -215,6 +215,22 @@ void add_pdos(std::vector<Object>& objects, std::string_view name, const PdoIndi
     objects.push_back(pdo_mapping(static_cast<std::uint16_t>(first.mapping + i),
                                   fmt::format("{} mapping parameter", name), i, configuration(i)));
   }
+}
+
+std::vector<PdoConfiguration> joined(std::span<const PdoConfiguration> first,
+                                     std::span<const PdoConfiguration> second) {
+  std::vector<PdoConfiguration> all(first.begin(), first.end());
+  all.insert(all.end(), second.begin(), second.end());
+  return all;
+}
+
+// Those beyond `configured` are not in use.
+Object heartbeat_consumers(std::size_t count, std::span<const std::uint32_t> configured) {
+  Object made = array(0x1016, "Consumer heartbeat time", count,
+                      item(0x1016, 1, "Consumer heartbeat time", DataType::kUnsigned32, "rw", hex(0)),
+                      "Bits 16 to 23: the node; 0 to 15: ms.");
+  for (std::size_t i = 0; i < configured.size(); ++i) made.items[i + 1].default_value = hex(configured[i]);
+  return made;
 }
 
 void add_services(std::vector<Object>& objects, const canopen::NodeDescription& node) {
@@ -250,12 +266,11 @@ ObjectItem highest_subindex(std::uint16_t index, std::uint8_t highest) {
   return item(index, 0, "Highest sub-index supported", DataType::kUnsigned8, "const", decimal(highest));
 }
 
-std::vector<Object> communication_area(const canopen::NodeDescription& node, const NodeCapacity& capacity) {
+std::vector<Object> communication_area(const canopen::NodeDescription& node, const NodeCapacity& capacity,
+                                       const InstanceDefaults& instance) {
   std::vector<Object> objects;
   add_services(objects, node);
-  objects.push_back(array(0x1016, "Consumer heartbeat time", capacity.heartbeat_consumers,
-                          item(0x1016, 1, "Consumer heartbeat time", DataType::kUnsigned32, "rw", hex(0)),
-                          "Bits 16 to 23: the node; 0 to 15: ms."));
+  objects.push_back(heartbeat_consumers(capacity.heartbeat_consumers, instance.heartbeat_consumers));
   objects.push_back(variable(
       item(0x1017, 0, "Producer heartbeat time", DataType::kUnsigned16, "rw", decimal(node.heartbeat_ms)),
       "0: none.", "ms"));
@@ -264,8 +279,8 @@ std::vector<Object> communication_area(const canopen::NodeDescription& node, con
   objects.push_back(error_behaviour(node.communication_error));
   objects.push_back(sdo_server());
   objects.push_back(second_sdo_server(node.second_sdo));
-  add_pdos(objects, "RPDO", {0x1400, 0x1600, false}, node.rpdos, capacity.rpdos);
-  add_pdos(objects, "TPDO", {0x1800, 0x1A00, true}, node.tpdos, capacity.tpdos);
+  add_pdos(objects, "RPDO", {0x1400, 0x1600, false}, joined(node.rpdos, instance.rpdos), capacity.rpdos);
+  add_pdos(objects, "TPDO", {0x1800, 0x1A00, true}, joined(node.tpdos, instance.tpdos), capacity.tpdos);
   return objects;
 }
 

@@ -10,7 +10,7 @@ namespace koboshi::tools {
 // The objects 0x1000..0x1FFF of a node (CiA 301, 7.5.2) with their defaults, ascending. No table holds them:
 // the stack serves them from its own state, and tests/unit/tools/dictionary asks it whether this is true.
 std::vector<Object> communication_area(const canopen::NodeDescription& description,
-                                       const NodeCapacity& capacity);
+                                       const NodeCapacity& capacity, const InstanceDefaults& instance);
 
 // Sub-index 0 of an array or record.
 ObjectItem highest_subindex(std::uint16_t index, std::uint8_t highest);

@@ -6,6 +6,7 @@
 
 #include "firmware/canopen/node.h"
 #include "firmware/canopen/sdo_client.h"
+#include "firmware/canopen/sdo_protocol.h"
 #include "firmware/drive/configuration.h"
 #include "sim_board/servo/drive_dictionary.h"
 
@@ -38,9 +39,25 @@ class DriveNode final : private canopen::NodeApplication {
   }
 
   std::vector<hal::CanFrame> answer(const hal::CanFrame& frame) {
+    if ((frame.data[0] & canopen::sdo::kSpecifierMask) == canopen::sdo::kInitiateDownloadRequest) {
+      writes_.push_back(decode(frame.data));
+    }
     node_.on_frame(frame, 0);
     return wire_.take();
   }
+
+  // The firmware writes numbers only, each in one request.
+  ConfiguredDrive::Write decode(const canopen::sdo::Data& request) {
+    const canopen::ObjectAddress address{canopen::load_u16(&request[1]), request[3]};
+    canopen::Location location;
+    const canopen::Dictionary objects(description_.rows, {});
+    const bool known = objects.find(address, location) == canopen::AbortCode::kNone;
+    const std::uint32_t value = canopen::load_u32(&request[4]);
+    if (!known || !canopen::is_signed(location.entry->type)) return {address, value};
+    const int spare_bits = 32 - 8 * canopen::size_bytes(location.entry->type);
+    return {address, static_cast<std::int32_t>(value << spare_bits) >> spare_bits};
+  }
+  const std::vector<ConfiguredDrive::Write>& writes() const { return writes_; }
 
   std::uint32_t read(std::uint16_t index, std::uint8_t subindex) {
     canopen::ObjectValue value;
@@ -70,6 +87,7 @@ class DriveNode final : private canopen::NodeApplication {
   sim::DriveValues values_;
   canopen::NodeDescription description_;
   canopen::NodeMemory<4, 4, 2, 8> memory_;
+  std::vector<ConfiguredDrive::Write> writes_;
   Wire wire_;
   canopen::Node node_;
 };
@@ -94,7 +112,7 @@ ConfiguredDrive configure_drive(const robot::Joint& joint, const sim::DriveDescr
     throw std::logic_error("the firmware could not configure a drive with its own objects");
   }
   return {node.pdos(0x1400, 0x1600), node.pdos(0x1800, 0x1A00),
-          static_cast<std::uint16_t>(node.read(0x1017, 0))};
+          static_cast<std::uint16_t>(node.read(0x1017, 0)), node.writes()};
 }
 
 }  // namespace koboshi::tools

@@ -52,9 +52,9 @@ void add_comments(std::string& eds, const NodeKind& kind) {
   std::vector<std::string> lines{
       "Written by `koboshi dictionary write` from the table that the node itself is made of.",
       "What the values mean: docs/reference/object-dictionary.md"};
-  if (kind.name == "sensor") {
-    lines.emplace_back("The PDO mapping after a reset is that of an inertial unit.");
-    lines.emplace_back("An ankle's sensor (product 0x4B03) maps 0x2020 and 0x2021, at each SYNC.");
+  if (kind.name == "controller") {
+    lines.emplace_back(
+        "PDOs and heartbeat consumers of drives are those of the default robot (robots/koboshi).");
   }
   fmt::format_to(Text(eds), "\n[Comments]\nLines={}\n", lines.size());
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -77,8 +77,9 @@ void add_value(std::string& eds, const ObjectItem& item) {
   if (item.limits) {
     fmt::format_to(Text(eds), "LowLimit={}\nHighLimit={}\n", item.limits->low, item.limits->high);
   }
-  fmt::format_to(Text(eds), "DefaultValue={}\nPDOMapping={}\n", item.default_value,
-                 item.mappable == canopen::Mappable::kNo ? 0 : 1);
+  // CiA 306-1 lets the entry be left out; an empty one is no value, and readers refuse it.
+  if (!item.default_value.empty()) fmt::format_to(Text(eds), "DefaultValue={}\n", item.default_value);
+  fmt::format_to(Text(eds), "PDOMapping={}\n", item.mappable == canopen::Mappable::kNo ? 0 : 1);
 }
 
 void add_object_section(std::string& eds, const Object& object) {

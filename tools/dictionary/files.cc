@@ -1,18 +1,21 @@
 #include "tools/dictionary/files.h"
 
+#include "tools/dictionary/bus_yml.h"
 #include "tools/dictionary/dbc.h"
 #include "tools/dictionary/eds.h"
 #include "tools/dictionary/network.h"
 #include "tools/dictionary/node_kinds.h"
 #include "tools/dictionary/page.h"
+#include "tools/model/robot_model.h"
 
 namespace koboshi::tools {
 
 std::vector<GeneratedFile> dictionary_files(const sim::RobotDescription& robot) {
-  const std::vector<NodeKind> kinds = documented_kinds();
+  const std::vector<NodeKind> kinds = documented_kinds(load_named_model(robot).model);
   const Network network = make_network(robot);
   std::vector<GeneratedFile> files;
   for (const NodeKind& kind : kinds) files.push_back({kind.name + ".eds", eds_text(kind)});
+  files.push_back({"bus.yml", bus_text(robot)});
   files.push_back({"koboshi.dbc", dbc_text(network)});
   files.push_back({"object-dictionary.md", page_text(kinds, network)});
   return files;

@@ -13,8 +13,8 @@ struct GeneratedFile {
   std::string text;
 };
 
-// What docs/reference keeps of the tables of objects: the data sheets of all kinds of nodes, koboshi.dbc of
-// the robot's network, and the page. Throws sim::InputError as make_network does.
+// What docs/reference keeps of the tables of objects: the data sheets of all kinds of nodes, koboshi.dbc and
+// bus.yml of the robot's network, and the page. Throws sim::InputError as make_network does.
 std::vector<GeneratedFile> dictionary_files(const sim::RobotDescription& robot);
 
 }  // namespace koboshi::tools

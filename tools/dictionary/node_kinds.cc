@@ -4,6 +4,7 @@
 
 #include "firmware/app/controller_objects.h"
 #include "firmware/app/dictionary.h"
+#include "firmware/drive/configuration.h"
 #include "sim_board/sensor/sensor_objects.h"
 #include "sim_board/servo/drive_objects.h"
 
@@ -19,21 +20,30 @@ constexpr NodeCapacity kSensorCapacity{.rpdos = 0, .tpdos = 2, .heartbeat_consum
 
 template <typename Values>
 NodeKind make_kind(std::string name, const canopen::NodeDescription& description,
-                   const NodeCapacity& capacity, std::span<const canopen::DescribedObject> table) {
+                   const NodeCapacity& capacity, std::span<const canopen::DescribedObject> table,
+                   const InstanceDefaults& instance = {}) {
   const Values values;
-  return make_node_kind(std::move(name), description, capacity, table, std::as_bytes(std::span(&values, 1)));
+  return make_node_kind(std::move(name), description, capacity, table, std::as_bytes(std::span(&values, 1)),
+                        instance);
 }
 
-NodeKind sensor_kind(sim::SensorKind kind) {
-  return make_kind<sim::SensorValues>("sensor", sim::sensor_node_description(kind), kSensorCapacity,
-                                      sim::kSensorObjects);
+// As app::connect_drives has it.
+InstanceDefaults drive_connections(const robot::RobotModel& robot) {
+  InstanceDefaults made;
+  for (std::size_t joint = 0; joint < robot.joint_count; ++joint) {
+    const std::uint8_t node_id = robot.joints[joint].drive.node_id;
+    made.rpdos.push_back(app::drive_rpdo(joint, node_id));
+    made.tpdos.push_back(app::drive_tpdo(joint, node_id));
+    made.heartbeat_consumers.push_back(std::uint32_t{node_id} << 16 | drive::kDriveHeartbeatLost_ms);
+  }
+  return made;
 }
 
 }  // namespace
 
-NodeKind controller_kind() {
+NodeKind controller_kind(const robot::RobotModel& robot) {
   return make_kind<app::ControllerValues>("controller", app::kControllerNode, kControllerCapacity,
-                                          app::kControllerObjects);
+                                          app::kControllerObjects, drive_connections(robot));
 }
 
 NodeKind drive_kind() {
@@ -41,10 +51,18 @@ NodeKind drive_kind() {
                                      sim::kDriveObjects);
 }
 
-NodeKind inertial_kind() { return sensor_kind(sim::SensorKind::kInertial); }
+NodeKind inertial_kind() {
+  return make_kind<sim::SensorValues>("inertial", sim::sensor_node_description(sim::SensorKind::kInertial),
+                                      kSensorCapacity, sim::kInertialObjects);
+}
 
-NodeKind ankle_kind() { return sensor_kind(sim::SensorKind::kForceTorque); }
+NodeKind ankle_kind() {
+  return make_kind<sim::SensorValues>("ankle", sim::sensor_node_description(sim::SensorKind::kForceTorque),
+                                      kSensorCapacity, sim::kAnkleObjects);
+}
 
-std::vector<NodeKind> documented_kinds() { return {controller_kind(), drive_kind(), inertial_kind()}; }
+std::vector<NodeKind> documented_kinds(const robot::RobotModel& robot) {
+  return {controller_kind(robot), drive_kind(), inertial_kind(), ankle_kind()};
+}
 
 }  // namespace koboshi::tools

@@ -34,9 +34,11 @@ std::string access_of(const Entry& row) {
   return row.mappable == canopen::Mappable::kRpdo ? "rww" : "rw";
 }
 
-// Only what a configuration may set has a default; one outside of its limits is an instance's own.
+// Only what a configuration sets has a default: neither what the node measures nor what RPDOs carry. One
+// outside of its limits is an instance's own.
 std::string default_of(const ObjectItem& item, const Entry& row, std::span<const std::byte> values) {
   if (row.access == canopen::Access::kReadOnly && row.offset != Entry::kConstant) return {};
+  if (row.mappable == canopen::Mappable::kRpdo || row.mappable == canopen::Mappable::kBoth) return {};
   std::vector<std::byte> copy(values.begin(), values.end());
   const canopen::Dictionary dictionary({&row, 1}, copy);
   canopen::ObjectValue value;
@@ -105,8 +107,8 @@ const ObjectItem* NodeKind::find(canopen::ObjectAddress address) const {
 
 NodeKind make_node_kind(std::string name, const canopen::NodeDescription& description,
                         const NodeCapacity& capacity, std::span<const DescribedObject> table,
-                        std::span<const std::byte> values) {
-  NodeKind kind{std::move(name), description, capacity, communication_area(description, capacity)};
+                        std::span<const std::byte> values, const InstanceDefaults& instance) {
+  NodeKind kind{std::move(name), description, capacity, communication_area(description, capacity, instance)};
   for (const DescribedObject& described : table) add_row(kind.objects, described, values);
   return kind;
 }

@@ -56,6 +56,13 @@ struct NodeCapacity {
   std::size_t heartbeat_consumers = 0;
 };
 
+// What a node configures by itself in each reset, besides what stands in its description.
+struct InstanceDefaults {
+  std::vector<canopen::PdoConfiguration> rpdos;  // behind the description's
+  std::vector<canopen::PdoConfiguration> tpdos;
+  std::vector<std::uint32_t> heartbeat_consumers;  // 0x1016, from sub-index 1
+};
+
 struct NodeKind {
   std::string name;
   canopen::NodeDescription description;
@@ -69,7 +76,7 @@ struct NodeKind {
 // All objects of a kind of node. `values` are those that the table's rows have after a reset.
 NodeKind make_node_kind(std::string name, const canopen::NodeDescription& description,
                         const NodeCapacity& capacity, std::span<const canopen::DescribedObject> table,
-                        std::span<const std::byte> values);
+                        std::span<const std::byte> values, const InstanceDefaults& instance = {});
 
 // 8, 16, 32; 0 for a text.
 unsigned size_bits(std::uint8_t data_type);

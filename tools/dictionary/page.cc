@@ -1,11 +1,15 @@
 #include "tools/dictionary/page.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <string_view>
 #include <vector>
 
 #include <fmt/core.h>
+
+#include "firmware/drive/configuration.h"
+#include "sim_board/sensor/sensor_node.h"
 
 namespace koboshi::tools {
 namespace {
@@ -19,7 +23,9 @@ What the nodes on the bus show of themselves, over SDO and in PDOs: the controll
 CiA 402) and the sensors (36 to 38). Written by `koboshi dictionary write` from the tables that the nodes themselves are
 made of: `firmware/app/controller_objects.h`, `sim_board/servo/drive_objects.h` and `sim_board/sensor/sensor_objects.h`.
 The same in the formats that other programs read: [controller.eds](controller.eds), [drive.eds](drive.eds),
-[sensor.eds](sensor.eds) (CiA 306), and [koboshi.dbc](koboshi.dbc) with every message on the bus.
+[inertial.eds](inertial.eds) and [ankle.eds](ankle.eds) (CiA 306), and [koboshi.dbc](koboshi.dbc) with every message on the
+bus. A CANopen master of another make takes the drives and sensors from these and [bus.yml](bus.yml)
+([how](../guide/another-master.md)).
 
 Indices, sub-indices and identifiers are hexadecimal. A value on the bus is a count of its *unit*: with 0.1 %, 123 means
 12.3 %. *PDO* is where it may be mapped. Sub-index 0 of an index that has others tells the highest of them, or in a
@@ -188,13 +194,13 @@ void add_message(std::string& page, const Message& message) {
   page += "|\n";
 }
 
-// PDOs of the nodes from `first` on, `count` of them.
-void add_pdos(std::string& page, const Network& network, std::size_t first, std::size_t count) {
+// PDOs of nodes with these ids.
+void add_pdos(std::string& page, const Network& network, std::span<const std::uint8_t> node_ids) {
   page += "\n| identifier | PDO | sent each | bytes | signals |\n| --- | --- | --- | --- | --- |\n";
-  for (std::size_t i = first; i < first + count; ++i) {
-    const std::string& node = network.nodes.at(i).name;
+  for (const NetworkNode& node : network.nodes) {
+    if (std::find(node_ids.begin(), node_ids.end(), node.node_id) == node_ids.end()) continue;
     for (const Message& message : network.messages) {
-      if (message.name.starts_with(node + "_RPDO") || message.name.starts_with(node + "_TPDO")) {
+      if (message.name.starts_with(node.name + "_RPDO") || message.name.starts_with(node.name + "_TPDO")) {
         add_message(page, message);
       }
     }
@@ -203,27 +209,34 @@ void add_pdos(std::string& page, const Network& network, std::size_t first, std:
 
 // The network's nodes are in the order of controller, drives, sensors, and an operator's PC.
 void add_network(std::string& page, const NodeKind& kind, const Network& network) {
-  const auto is_sensor = [](const NetworkNode& node) { return node.node_id == 36; };
-  const auto sensor = std::find_if(network.nodes.begin(), network.nodes.end(), is_sensor);
-  const auto first_sensor = static_cast<std::size_t>(sensor - network.nodes.begin());
   page += "\n### PDOs in operation\n";
   if (kind.name == "controller") {
     page += "\nBesides these the controller sends each drive its RPDO and receives its TPDO.\n";
-    add_pdos(page, network, 0, 1);
+    add_pdos(page, network, std::array{drive::kControllerNodeId});
   } else if (kind.name == "drive") {
+    const std::array first_drive{network.nodes.at(1).node_id};
     fmt::format_to(
         Text(page),
         "\nOf node {}; those of the other drives have identifiers that differ as the node ids do. The "
         "controller\nconfigures them at each start (`firmware/drive/configuration.cc`).\n",
-        network.nodes.at(1).node_id);
-    add_pdos(page, network, 1, 1);
+        first_drive[0]);
+    add_pdos(page, network, first_drive);
   } else {
-    page +=
-        "\nOf an inertial unit, and of the ankles' sensors (product 0x00004B03), which differ from it in the "
-        "mapping "
-        "after a\nreset. What a count means is the default robot's.\n";
-    add_pdos(page, network, first_sensor, network.nodes.size() - 1 - first_sensor);
+    page += "\nAs after a reset. What a count means is the default robot's.\n";
+    if (kind.name == "inertial") {
+      add_pdos(page, network, std::array{sim::kInertialNode});
+    } else {
+      add_pdos(page, network, std::array{sim::kLeftAnkleNode, sim::kRightAnkleNode});
+    }
   }
+}
+
+// "Koboshi ankle sensor": Ankle sensor.
+std::string title_of(const NodeKind& kind) {
+  const std::string_view name = kind.description.device_name;
+  std::string title(name.substr(name.find(' ') + 1));
+  title.front() = static_cast<char>(title.front() - 'a' + 'A');
+  return title;
 }
 
 }  // namespace
@@ -232,9 +245,7 @@ std::string page_text(std::span<const NodeKind> kinds, const Network& network) {
   std::string page(kIntroduction);
   add_common_objects(page, kinds);
   for (const NodeKind& kind : kinds) {
-    std::string title = kind.name;
-    title.front() = static_cast<char>(title.front() - 'a' + 'A');
-    fmt::format_to(Text(page), "\n## {}\n\n", title);
+    fmt::format_to(Text(page), "\n## {}\n\n", title_of(kind));
     add_identity(page, kind);
     add_objects(page, kind.objects, kFirstOwnIndex, 0xA000);
     add_value_names(page, kind);

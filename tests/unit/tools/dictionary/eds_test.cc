@@ -11,6 +11,7 @@ namespace koboshi::tools {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 TEST(Eds, DescribesAValueWithItsLimits) {
   EXPECT_THAT(eds_text(controller_kind()), HasSubstr("\n[2100sub3]\n"
@@ -43,9 +44,14 @@ TEST(Eds, SortsObjectsIntoTheirSections) {
 }
 
 TEST(Eds, TellsWhatAnRpdoMayWrite) {
-  EXPECT_THAT(eds_text(drive_kind()),
-              HasSubstr("\n[6040]\nParameterName=Controlword\nObjectType=0x7\n"
-                        "DataType=0x0006\nAccessType=rww\nDefaultValue=0\nPDOMapping=1\n"));
+  EXPECT_THAT(eds_text(drive_kind()), HasSubstr("\n[6040]\nParameterName=Controlword\nObjectType=0x7\n"
+                                                "DataType=0x0006\nAccessType=rww\nPDOMapping=1\n"));
+}
+
+TEST(Eds, LeavesOutADefaultThatThereIsNot) {
+  for (const NodeKind& kind : documented_kinds({})) {
+    EXPECT_THAT(eds_text(kind), Not(HasSubstr("DefaultValue=\n"))) << kind.name;
+  }
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "firmware/app/dictionary.h"
 #include "sim_board/input/error.h"
+#include "sim_board/servo/drive_dictionary.h"
 #include "tests/unit/tools/dictionary/default_network.h"
 #include "tools/dictionary/configured_drive.h"
 #include "tools/model/robot_model.h"
@@ -72,6 +73,37 @@ TEST(ConfiguredDrive, AgreesWithTheControllersOwnPdos) {
     expect_same(app::drive_tpdo(joint, description.node_id), drive.rpdos[0]);
     expect_same(app::drive_rpdo(joint, description.node_id), drive.tpdos[0]);
   }
+}
+
+// Whoever watches drives that no controller has configured reads them by the same DBC: what they send is what
+// it says, and of what they take they know the beginning.
+TEST(ConfiguredDrive, SpeaksAsItDoesBeforeItsConfiguration) {
+  const sim::RobotDescription robot = default_robot();
+  const sim::DriveDescription& drive = robot.joints[0].drive;
+  const ConfiguredDrive configured = configure_drive(load_named_model(robot).model.joints[0], drive);
+  const canopen::NodeDescription before = sim::drive_node_description(drive);
+  EXPECT_EQ(before.tpdos[0].cob_id + drive.node_id, configured.tpdos[0].cob_id);
+  EXPECT_EQ(before.tpdos[0].mapping, configured.tpdos[0].mapping);
+  EXPECT_EQ(before.rpdos[0].cob_id + drive.node_id, configured.rpdos[0].cob_id);
+  EXPECT_EQ(before.rpdos[0].mapping[0], configured.rpdos[0].mapping[0]);
+}
+
+TEST(ConfiguredDrive, TellsWhatTheFirmwareWrites) {
+  const sim::RobotDescription robot = default_robot();
+  const ConfiguredDrive configured =
+      configure_drive(load_named_model(robot).model.joints[0], robot.joints[0].drive);
+  const auto written = [&](std::uint16_t index, std::uint8_t subindex) -> std::int64_t {
+    const auto found = std::ranges::find_if(configured.writes, [&](const ConfiguredDrive::Write& write) {
+      return write.address == canopen::ObjectAddress{index, subindex};
+    });
+    return found == configured.writes.end() ? 0 : found->value;
+  };
+  EXPECT_EQ(written(0x1006, 0), 10'000);
+  EXPECT_EQ(written(0x1016, 1), 0x1'003C);
+  EXPECT_EQ(written(0x1400, 5), 60);
+  EXPECT_EQ(written(0x6060, 0), 8);
+  EXPECT_LT(written(0x607D, 1), 0);
+  EXPECT_GT(written(0x607D, 2), 0);
 }
 
 TEST(ConfiguredDrive, IsAnErrorWhereTheDriveIsAnother) {

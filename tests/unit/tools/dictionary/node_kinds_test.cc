@@ -8,6 +8,8 @@
 #include "firmware/app/dictionary.h"
 #include "sim_board/sensor/sensor_dictionary.h"
 #include "sim_board/servo/drive_dictionary.h"
+#include "tests/unit/tools/dictionary/default_network.h"
+#include "tools/model/robot_model.h"
 
 namespace koboshi::tools {
 namespace {
@@ -25,8 +27,10 @@ class NoSink final : public canopen::FrameSink {
 template <typename Values, typename Memory>
 class RealNode final : private canopen::NodeApplication {
  public:
-  explicit RealNode(const NodeKind& kind)
-      : node(kind.description,
+  // The controller's, with its drives.
+  explicit RealNode(const NodeKind& kind, const robot::RobotModel& robot = {})
+      : robot_(robot),
+        node(kind.description,
              {.node_id = kNodeId,
               .serial_number = 7,
               .values = std::as_writable_bytes(std::span(&values_, 1))},
@@ -35,6 +39,9 @@ class RealNode final : private canopen::NodeApplication {
   }
 
  private:
+  void on_reset(canopen::NmtCommand) override { app::connect_drives(node, robot_); }
+
+  const robot::RobotModel robot_;
   Values values_;
   Memory memory_;
   NoSink sink_;
@@ -95,8 +102,8 @@ void expect_all_described(canopen::Node& node, const NodeKind& kind) {
 }
 
 template <typename Values, typename Memory>
-void expect_true(const NodeKind& kind) {
-  RealNode<Values, Memory> real(kind);
+void expect_true(const NodeKind& kind, const robot::RobotModel& robot = {}) {
+  RealNode<Values, Memory> real(kind, robot);
   expect_all_described(real.node, kind);
   for (const Object& object : kind.objects) {
     for (const ObjectItem& item : object.items) {
@@ -108,10 +115,22 @@ void expect_true(const NodeKind& kind) {
 }
 
 TEST(Controller, HasTheObjectsOfItsDataSheetAndNoOthers) {
+  const robot::RobotModel model = load_named_model(default_robot()).model;
   expect_true<app::ControllerValues,
               canopen::NodeMemory<app::kFirstDriveRpdo + robot::kMaxJoints,
                                   app::kTelemetryTpdos + robot::kMaxJoints, robot::kMaxJoints, 32>>(
-      controller_kind());
+      controller_kind(model), model);
+}
+
+TEST(Controller, HasThePdosAndConsumersOfItsDrives) {
+  const robot::RobotModel model = load_named_model(default_robot()).model;
+  const NodeKind kind = controller_kind(model);
+  EXPECT_EQ(kind.find({0x1400 + 2, 1})->default_value, "0x00000190");  // behind commands and velocity
+  EXPECT_EQ(kind.find({0x1800 + 7, 1})->default_value, "0x40000210");  // behind the telemetry
+  EXPECT_EQ(kind.find({0x1A00 + 26, 0})->default_value, "2");
+  EXPECT_EQ(kind.find({0x1800 + 27, 1})->default_value, "0xC0000000");
+  EXPECT_EQ(kind.find({0x1016, 20})->default_value, "0x0023015E");
+  EXPECT_EQ(kind.find({0x1016, 21})->default_value, "0x00000000");
 }
 
 TEST(Drive, HasTheObjectsOfItsDataSheetAndNoOthers) {
@@ -121,6 +140,23 @@ TEST(Drive, HasTheObjectsOfItsDataSheetAndNoOthers) {
 TEST(Sensor, HasTheObjectsOfItsDataSheetAndNoOthers) {
   expect_true<sim::SensorValues, canopen::NodeMemory<0, 2, 2, 8>>(inertial_kind());
   expect_true<sim::SensorValues, canopen::NodeMemory<0, 2, 2, 8>>(ankle_kind());
+}
+
+TEST(Sensor, HasNoObjectsOfTheOtherKind) {
+  EXPECT_EQ(inertial_kind().find({0x2020, 1}), nullptr);
+  EXPECT_EQ(ankle_kind().find({0x2010, 1}), nullptr);
+  EXPECT_EQ(ankle_kind().find({0x1018, 2})->default_value, "0x00004B03");
+}
+
+TEST(NodeKind, HasNoDefaultsOfProcessValues) {
+  for (const NodeKind& kind : documented_kinds({})) {
+    for (const Object& object : kind.objects) {
+      for (const ObjectItem& item : object.items) {
+        if (item.mappable == canopen::Mappable::kNo) continue;
+        EXPECT_TRUE(item.default_value.empty()) << kind.name << " " << item.name;
+      }
+    }
+  }
 }
 
 TEST(NodeKind, NamesItsObjects) {
