@@ -5,7 +5,7 @@ Usage: tools/dev/timings.py [--build FOLDER] [--rows N] [build] [headers] [tests
 
   build    seconds of each target's compilations and links, from the log of the last complete build (ninja's .ninja_log)
   headers  for each header of the project and each library header that it includes directly: seconds to compile the header
-           alone, times the number of translation units that include it; takes a minute
+           alone, times the number of translation units that include it; takes minutes
   tests    seconds of each test case and each suite, from the report of the last `./run test`
 
 Without a subject it prints all three. Seconds are wall-clock seconds of one process each: on an idle machine their sum is
@@ -14,6 +14,7 @@ about the processor time. Compare figures of one machine only.
 
 import argparse
 import collections
+import concurrent.futures
 import json
 import os
 import pathlib
@@ -129,11 +130,10 @@ def print_headers(build, shown):
                 for name in libraries:
                     if header.endswith("/" + name):
                         users[f"<{name}>"].append(output)
-    rows = []
-    for include, outputs in users.items():
-        seconds = seconds_alone(include, units[outputs[0]])
-        if seconds is not None:
-            rows.append((include, len(outputs), seconds, len(outputs) * seconds))
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        alone = pool.map(lambda item: seconds_alone(item[0], units[item[1][0]]), users.items())
+        rows = [(include, len(outputs), seconds, len(outputs) * seconds)
+                for (include, outputs), seconds in zip(users.items(), alone) if seconds is not None]
     rows.sort(key=lambda row: -row[-1])
     table("Build time by header", ("header", "units", "seconds alone", "units x seconds"), rows, shown)
 
