@@ -215,7 +215,9 @@ void SdoTransfer::end_upload(std::vector<std::uint8_t>& data) {
   if (end[0] == sdo::kAbort) throw SdoAborted(static_cast<AbortCode>(sdo::data_of(end)));
   if ((end[0] & (sdo::kSpecifierMask | sdo::kBlockEnd)) != (sdo::kBlockUploadResponse | sdo::kBlockEnd))
     abort(AbortCode::kCommandSpecifierUnknown);
-  data.resize(data.size() - sdo::kSegmentBytes + sdo::block_end_size(end[0]));
+  const std::size_t unused = sdo::kSegmentBytes - sdo::block_end_size(end[0]);  // of the last segment
+  if (data.size() < unused) abort(AbortCode::kLengthMismatch);
+  data.erase(data.end() - static_cast<std::ptrdiff_t>(unused), data.end());
   if (canopen::load_u16(&end[1]) != canopen::crc16(0, data)) abort(AbortCode::kCrcError);
   send({sdo::kBlockUploadRequest | sdo::kBlockEnd});
 }
