@@ -36,14 +36,15 @@ constexpr bool is_restricted(std::uint16_t identifier) {
 }
 
 // Whether a COB-ID object may go from `present` to `wanted`. The identifier changes only while bit 31 says
-// that there is none (CiA 301, 7.5.2.17, 7.5.2.33, 7.5.2.35); other bits than that and `flags` are refused.
+// that there is none (CiA 301, 7.5.2.17, 7.5.2.33, 7.5.2.35), the bits of `flags` change at any time; others
+// are refused.
 constexpr AbortCode check_cob_id(std::uint32_t present, std::uint32_t wanted, std::uint32_t flags = 0) {
   const bool valid = (wanted & kCobIdInvalid) == 0;
   const bool was_valid = (present & kCobIdInvalid) == 0;
   if ((wanted & ~(kCobIdInvalid | kCobIdMask | flags)) != 0) return AbortCode::kInvalidValue;
   if (valid && is_restricted(static_cast<std::uint16_t>(wanted & kCobIdMask)))
     return AbortCode::kInvalidValue;
-  if (valid && was_valid && wanted != present) return AbortCode::kInvalidValue;
+  if (valid && was_valid && ((wanted ^ present) & ~flags) != 0) return AbortCode::kInvalidValue;
   return AbortCode::kNone;
 }
 

@@ -189,6 +189,7 @@ class Node final : private ObjectServer {
   AbortCode read_sdo_server(std::size_t server, std::uint8_t subindex, ObjectValue& value) const;
   AbortCode write_communication(ObjectAddress address, std::uint32_t value, std::size_t size);
   AbortCode write_record(ObjectAddress address, std::uint32_t value);
+  AbortCode write_mapping(PdoRecord& record, std::uint8_t subindex, std::uint32_t value) const;
   AbortCode write_parameter(ObjectAddress address, std::uint32_t value);
   AbortCode write_consumer(std::uint8_t subindex, std::uint32_t value);
   AbortCode write_second_sdo(std::uint8_t subindex, std::uint32_t value);

@@ -236,7 +236,7 @@ AbortCode Node::write_record(ObjectAddress address, std::uint32_t value) {
     if (present != SlotMap::kNone && present != number) return AbortCode::kParameterIncompatibility;
   }
   const AbortCode written = is_mapping_record(address.index)
-                                ? record.write_mapping(address.subindex, value, dictionary_)
+                                ? write_mapping(record, address.subindex, value)
                                 : record.write_communication(address.subindex, value);
   if (written != AbortCode::kNone) return written;
   if (receive) {
@@ -245,6 +245,17 @@ AbortCode Node::write_record(ObjectAddress address, std::uint32_t value) {
     tpdos_.on_changed(number);
   }
   return AbortCode::kNone;
+}
+
+// Step 3 of CiA 301, 7.5.2.36: an object that does not exist is another error than one that cannot be mapped,
+// such as any of the communication profile area, which the owner's dictionary does not know.
+AbortCode Node::write_mapping(PdoRecord& record, std::uint8_t subindex, std::uint32_t value) const {
+  const AbortCode written = record.write_mapping(subindex, value, dictionary_);
+  const ObjectAddress mapped{static_cast<std::uint16_t>(value >> 16), static_cast<std::uint8_t>(value >> 8)};
+  if (written != AbortCode::kObjectDoesNotExist || !is_communication_area(mapped.index)) return written;
+  ObjectValue present;
+  const AbortCode read = read_communication(mapped, present);
+  return read == AbortCode::kNone || read == AbortCode::kNoData ? AbortCode::kNotMappable : read;
 }
 
 AbortCode Node::write_parameter(ObjectAddress address, std::uint32_t value) {

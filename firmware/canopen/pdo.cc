@@ -95,10 +95,10 @@ AbortCode PdoRecord::write_communication(std::uint8_t subindex, std::uint32_t va
   }
 }
 
+// Bit 30 is kept as it is written but has no effect: no remote frame is ever answered, whatever it allows.
+// CiA 301 would have a TPDO that leaves it clear refused (7.5.2.37), but common masters (lely-core's dcfgen)
+// write it clear without meaning to send remote frames.
 AbortCode PdoRecord::write_cob_id(std::uint32_t cob_id) {
-  // A TPDO that leaves bit 30 clear asks for remote requests to be answered.
-  const bool asks_for_remote = direction_ == PdoDirection::kTransmit && (cob_id & kCobIdNoRemote) == 0;
-  if (asks_for_remote && (cob_id & kCobIdInvalid) == 0) return AbortCode::kInvalidValue;
   const AbortCode checked = check_cob_id(cob_id_, cob_id, kCobIdNoRemote);
   if (checked == AbortCode::kNone) cob_id_ = cob_id;
   return checked;
@@ -131,7 +131,7 @@ AbortCode PdoRecord::write_mapped_count(std::uint32_t count) {
   if (count > kMaxMappedObjects) return AbortCode::kPdoLengthExceeded;
   unsigned total_bytes = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    if (objects_[i].size_bytes == 0) return AbortCode::kNotMappable;
+    if (objects_[i].size_bytes == 0) return AbortCode::kObjectDoesNotExist;
     total_bytes += objects_[i].size_bytes;
   }
   if (total_bytes > kMaxPdoBytes) return AbortCode::kPdoLengthExceeded;
@@ -157,6 +157,8 @@ AbortCode PdoRecord::resolve(std::uint32_t entry, const Dictionary& dictionary, 
   }
   Location location;
   const AbortCode found = dictionary.find(address, location);
+  // The highest sub-index of an array exists, without a row.
+  if (found == AbortCode::kSubindexDoesNotExist && address.subindex == 0) return AbortCode::kNotMappable;
   if (found != AbortCode::kNone) return found;
   const Entry& row = *location.entry;
   const auto wanted =

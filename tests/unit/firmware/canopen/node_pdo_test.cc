@@ -104,6 +104,17 @@ TEST(NodeRpdo, IgnoresRemoteFrames) {
   EXPECT_EQ(device.values.controlword, 0);
 }
 
+TEST(NodeTpdo, AnswersNoRemoteFrameWhateverItsIdentifierAllows) {
+  TestNode device;
+  device.make_operational();
+  hal::CanFrame remote = can_frame(0x190, {});
+  remote.remote = true;
+  for (const std::uint32_t cob_id : {0x4000'0190u, 0x0000'0190u}) {
+    ASSERT_EQ(device.node.write_object({0x1800, 1}, cob_id, 4), AbortCode::kNone);
+    EXPECT_TRUE(device.ask(remote).empty());
+  }
+}
+
 TEST(NodeTpdo, AnswersTheSyncWithWhatTheOwnerUpdatesInIt) {
   TestNode device;
   device.make_operational();

@@ -44,14 +44,24 @@ TEST_F(PdoRecordTest, ConfiguresItselfFromItsDescription) {
   EXPECT_EQ(value.number(), 0u);
 }
 
-TEST_F(PdoRecordTest, RefusesRestrictedExtendedAndRemoteIdentifiers) {
+TEST_F(PdoRecordTest, RefusesRestrictedAndExtendedIdentifiers) {
   for (const std::uint32_t cob_id :
        {0x000u, 0x07Fu, 0x101u, 0x180u, 0x581u, 0x601u, 0x6E0u, 0x701u, 0x7FFu, 0x20000200u, 0x00000800u}) {
     EXPECT_EQ(receive_.write_communication(1, cob_id), AbortCode::kInvalidValue) << cob_id;
     EXPECT_EQ(transmit_.write_communication(1, cob_id | kCobIdNoRemote), AbortCode::kInvalidValue) << cob_id;
   }
-  EXPECT_EQ(transmit_.write_communication(1, 0x190), AbortCode::kInvalidValue);
   EXPECT_EQ(transmit_.write_communication(1, 0x40000190), AbortCode::kNone);
+}
+
+// As masters write it that never send a remote frame, lely-core's for one. The bit is none of those that wait
+// for an invalid PDO (CiA 301, 7.5.2.37).
+TEST_F(PdoRecordTest, KeepsAnIdentifierThatAllowsRemoteFramesAsItIsWritten) {
+  ASSERT_EQ(transmit_.configure(kTestTpdos[0], 0x10, dictionary_), AbortCode::kNone);
+  for (const std::uint32_t cob_id : {0x190u, 0x40000190u, 0x80000190u, 0x191u}) {
+    EXPECT_EQ(transmit_.write_communication(1, cob_id), AbortCode::kNone) << cob_id;
+    EXPECT_EQ(communication(transmit_, 1), cob_id);
+    EXPECT_EQ(transmit_.valid(), cob_id != 0x80000190u);
+  }
 }
 
 TEST_F(PdoRecordTest, ChangesIdentifierAndInhibitTimeOnlyWhileInvalid) {
@@ -92,7 +102,7 @@ TEST_F(PdoRecordTest, AnEntryOfZeroRemovesWhatWasThere) {
   ObjectValue value;
   ASSERT_EQ(receive_.read_mapping(1, value), AbortCode::kNone);
   EXPECT_EQ(value.number(), 0u);
-  EXPECT_EQ(map(receive_, 0, 1), AbortCode::kNotMappable);
+  EXPECT_EQ(map(receive_, 0, 1), AbortCode::kObjectDoesNotExist);
 }
 
 TEST_F(PdoRecordTest, StaysInvalidWhenItsDescriptionCannotBe) {
@@ -110,6 +120,7 @@ TEST_F(PdoRecordTest, RefusesWhatCannotBeMapped) {
   EXPECT_EQ(map(receive_, 1, mapping(0x6041, 0, 16)), AbortCode::kNotMappable);
   EXPECT_EQ(map(transmit_, 1, mapping(0x6040, 0, 16)), AbortCode::kNotMappable);
   EXPECT_EQ(map(receive_, 1, mapping(0x6040, 0, 8)), AbortCode::kNotMappable);
+  EXPECT_EQ(map(receive_, 1, mapping(0x2000, 0, 8)), AbortCode::kNotMappable);  // highest sub-index
   EXPECT_EQ(map(receive_, 1, mapping(0x0007, 0, 16)), AbortCode::kNotMappable);
   EXPECT_EQ(map(transmit_, 1, mapping(0x0007, 0, 32)), AbortCode::kNotMappable);
   EXPECT_EQ(map(receive_, 1, mapping(0x0008, 0, 32)), AbortCode::kObjectDoesNotExist);
@@ -121,7 +132,7 @@ TEST_F(PdoRecordTest, RefusesMoreThanEightBytesOrUnmappedEntries) {
     ASSERT_EQ(map(transmit_, i, mapping(0x2000, i, 32)), AbortCode::kNone);
   EXPECT_EQ(map(transmit_, 0, 3), AbortCode::kPdoLengthExceeded);
   EXPECT_EQ(map(transmit_, 0, 9), AbortCode::kPdoLengthExceeded);
-  EXPECT_EQ(map(transmit_, 0, 4), AbortCode::kNotMappable);
+  EXPECT_EQ(map(transmit_, 0, 4), AbortCode::kObjectDoesNotExist);
   EXPECT_EQ(map(transmit_, 0, 2), AbortCode::kNone);
   EXPECT_EQ(transmit_.size_bytes(), 8);
 }
