@@ -2,13 +2,14 @@
 
 A block of ```console is run from the repository's root: each line that begins with "$ " is a command, a trailing backslash
 continues it, other lines are output and not compared. ```console not-run is only read. A block of ```cpp PATH must stand in
-that file word for word. build/release stands for the build folder that this test belongs to.
+that file word for word. build/release stands for the build folder that this test belongs to, and runs/ for a temporary one.
 """
 
 import pathlib
 import re
 import subprocess
 import sys
+import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -34,9 +35,10 @@ class Page(unittest.TestCase):
     text = PAGE.read_text()
 
     def test_commands_succeed(self):
+        runs = self.enterContext(tempfile.TemporaryDirectory())
         for command in commands(self.text):
             with self.subTest(command=command):
-                script = "set -euo pipefail; " + command.replace("build/release", BUILD_FOLDER)
+                script = "set -euo pipefail; " + command.replace("build/release", BUILD_FOLDER).replace("runs/", f"{runs}/")
                 result = subprocess.run(["bash", "-c", script], cwd=ROOT, stdin=subprocess.DEVNULL, text=True,
                                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
                 self.assertEqual(result.returncode, 0, result.stdout)

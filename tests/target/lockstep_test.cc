@@ -1,13 +1,10 @@
-#include <unistd.h>
-
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "sim_board/scenario/reader.h"
+#include "tests/support/temporary_folder.h"
 #include "tools/run/in_process_host.h"
 #include "tools/run/qemu_host.h"
 #include "tools/run/run.h"
@@ -16,30 +13,24 @@
 namespace koboshi::tools {
 namespace {
 
-std::string contents(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 void expect_same_bytes(const char* scenario) {
   RunOptions options{.scenario = sim::read_scenario(scenario), .out = {}};
   options.scenario.duration_us = 10'000'000;
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("koboshi_lockstep_" + std::to_string(getpid()));
-  options.out = folder / "host";
+  const test::TemporaryFolder folder;
+  options.out = folder.path / "host";
   const RunResult host = run(options, nullptr);
-  options.out = folder / "target";
+  options.out = folder.path / "target";
   options.make_host = in_qemu(KOBOSHI_IMAGE);
   const RunResult target = run(options, nullptr);
 
   EXPECT_FALSE(target.failure) << *target.failure;
   EXPECT_EQ(host.summary.state_hash, target.summary.state_hash);
   for (const char* const file : {"can.log", "trace.csv", "summary.json"}) {
-    const std::string bytes = contents(folder / "host" / file);
+    const std::string bytes = test::read_file(folder.path / "host" / file);
     EXPECT_GT(bytes.size(), 100u) << file;
-    EXPECT_TRUE(bytes == contents(folder / "target" / file)) << file << " differs; see koboshi diff";
+    EXPECT_TRUE(bytes == test::read_file(folder.path / "target" / file))
+        << file << " differs; see koboshi diff";
   }
-  std::filesystem::remove_all(folder);
 }
 
 TEST(Lockstep, GivesTheSameBytesAsInProcess) { expect_same_bytes(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"); }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim_board/input/error.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/sim_board/can/bus_fixture.h"
 
 namespace koboshi::sim {
@@ -23,7 +24,7 @@ std::string line_of(const hal::CanFrame& frame, std::uint64_t time_us,
 class CandumpLog : public testing::Test {
  protected:
   std::filesystem::path write(const std::string& text) {
-    std::ofstream(file_, std::ios::binary) << text;
+    koboshi::test::write_file(file_, text);
     return file_;
   }
   std::vector<LoggedFrame> read(const std::string& text) {
@@ -40,11 +41,9 @@ class CandumpLog : public testing::Test {
     }
     return "no error";
   }
-  void TearDown() override { std::filesystem::remove(file_); }
 
-  const std::filesystem::path file_ =
-      std::filesystem::path(testing::TempDir()) /
-      (std::string("candump_") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".log");
+  const koboshi::test::TemporaryFolder folder_;
+  const std::filesystem::path file_ = folder_.path / "can.log";
 };
 
 TEST_F(CandumpLog, WritesLinesAsCandumpDoes) {
@@ -133,7 +132,7 @@ TEST_F(CandumpLog, RefusesACutLineTimeThatGoesBackAndAMissingFile) {
       error_of("(0000000001.000001) v 080#\n(0000000001.000000) v 080#\n").find(":2: found a time before"),
       std::string::npos);
   EXPECT_THROW(CandumpReader("/nowhere/can.log"), InputError);
-  EXPECT_THROW(CandumpReader(testing::TempDir()), InputError);
+  EXPECT_THROW(CandumpReader(folder_.path), InputError);
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sim_board/input/error.h"
-#include "tests/unit/sim_board/record/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace koboshi::sim {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "sim_board/can/bus.h"
 #include "sim_board/can/candump_log.h"
-#include "tests/unit/sim_board/record/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace koboshi::sim {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <system_error>
 
-#include "tests/unit/sim_board/record/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace koboshi::sim {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "sim_board/robot/load.h"
 #include "sim_board/robot/servo_types.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/sim_board/input/scratch_file.h"
 #include "tests/unit/sim_board/robot/small_robot.h"
 
@@ -128,13 +129,13 @@ const char* const kLibrary = R"(<koboshi:servo_types xmlns:koboshi="https://kobo
 )";
 
 TEST(LoadServo, TakesServoTypesOverFromALibrary) {
-  const ScratchFile library("xml", kLibrary);
-  const std::string take =
-      "<koboshi:servo_types file=\"" + library.path().filename().string() + "\"/><link name=\"hand\">";
-  const ScratchFile scratch("sdf",
+  const koboshi::test::TemporaryFolder folder;
+  koboshi::test::write_file(folder.path / "library.xml", kLibrary);
+  const std::string take = "<koboshi:servo_types file=\"library.xml\"/><link name=\"hand\">";
+  koboshi::test::write_file(folder.path / "robot.sdf",
                             replaced(with("type=\"small\"", "type=\"large\""), "<link name=\"hand\">", take));
-  EXPECT_EQ(load_robot(scratch.path()).joints.at(0).servo.supply_V, 15.0);
-  const ServoTypes types = read_servo_types(scratch.path());
+  EXPECT_EQ(load_robot(folder.path / "robot.sdf").joints.at(0).servo.supply_V, 15.0);
+  const ServoTypes types = read_servo_types(folder.path / "robot.sdf");
   EXPECT_EQ(types.size(), 2u);
   EXPECT_EQ(types.at("small").supply_V, 7.5);
 }

@@ -1,12 +1,11 @@
 #pragma once
 
-#include <unistd.h>
+#include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <string>
 
-#include <gtest/gtest.h>
+#include "tests/support/temporary_folder.h"
 
 namespace koboshi::tools {
 
@@ -17,17 +16,15 @@ class RunFiles : public ::testing::Test {
     std::filesystem::create_directories(a());
     std::filesystem::create_directories(b());
   }
-  ~RunFiles() override { std::filesystem::remove_all(root_); }
 
-  std::filesystem::path a() const { return root_ / "a"; }
-  std::filesystem::path b() const { return root_ / "b"; }
+  std::filesystem::path a() const { return folder_.path / "a"; }
+  std::filesystem::path b() const { return folder_.path / "b"; }
   static void write(const std::filesystem::path& file, const std::string& text) {
-    std::ofstream(file) << text;
+    koboshi::test::write_file(file, text);
   }
 
  private:
-  std::filesystem::path root_ =
-      std::filesystem::temp_directory_path() / ("koboshi_diff_" + std::to_string(getpid()));
+  koboshi::test::TemporaryFolder folder_;
 };
 
 }  // namespace koboshi::tools

@@ -6,16 +6,16 @@
 #include <stdexcept>
 
 #include "sim_board/input/error.h"
-#include "tests/unit/sim_board/record/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/tools/experiment/stand_in.h"
 #include "tools/experiment/report.h"
 
 namespace koboshi::tools {
 namespace {
 
-using sim::test::read_file;
-using sim::test::TemporaryFolder;
-using sim::test::write_file;
+using koboshi::test::read_file;
+using koboshi::test::TemporaryFolder;
+using koboshi::test::write_file;
 using test::StandIn;
 
 std::string results(const Experiment& experiment, const ExperimentOptions& options) {

@@ -3,15 +3,15 @@
 #include <gtest/gtest.h>
 
 #include "sim_board/input/error.h"
-#include "tests/unit/sim_board/record/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace koboshi::tools {
 namespace {
 
 namespace fs = std::filesystem;
-using sim::test::read_file;
-using sim::test::TemporaryFolder;
-using sim::test::write_file;
+using koboshi::test::read_file;
+using koboshi::test::TemporaryFolder;
+using koboshi::test::write_file;
 
 TEST(InputHash, TellsFilesAndTextsApart) {
   const TemporaryFolder folder;

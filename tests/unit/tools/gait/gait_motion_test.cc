@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include "firmware/fixed/host/convert.h"
 #include "firmware/robot/kinematics.h"
 #include "sim_board/input/error.h"
 #include "sim_board/robot/load.h"
+#include "tests/unit/sim_board/input/scratch_file.h"
 #include "tools/gait/walking_pose.h"
 #include "tools/motion/compile.h"
 #include "tools/motion/parse.h"
@@ -89,9 +89,8 @@ TEST_F(GaitMotionTest, DividesTheCycleIntoAsManyPointsAsAsked) {
 
 TEST_F(GaitMotionTest, WritesTheMotionThatItIs) {
   const MotionSource motion = make_gait_motion(gait_, robot_, model_);
-  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "written_walk.yaml";
-  std::ofstream(file) << gait_motion_text(motion, model_);
-  EXPECT_EQ(compile_motion(file, model_), compile_motion(motion, model_));
+  const sim::ScratchFile file("walk.yaml", gait_motion_text(motion, model_));
+  EXPECT_EQ(compile_motion(file.path(), model_), compile_motion(motion, model_));
 }
 
 TEST_F(GaitMotionTest, RefusesWhatALegCannotReach) {

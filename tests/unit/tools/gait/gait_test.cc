@@ -3,21 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "sim_board/input/error.h"
+#include "tests/unit/sim_board/input/scratch_file.h"
 
 namespace koboshi::tools {
 namespace {
 
 using testing::HasSubstr;
 
-std::filesystem::path write(const std::string& text) {
-  const std::filesystem::path file =
-      std::filesystem::path(testing::TempDir()) /
-      (std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + ".yaml");
-  std::ofstream(file) << text;
-  return file;
+Gait read(const std::string& text, std::span<const sim::Override> overrides = {}) {
+  return read_gait(sim::ScratchFile("gait.yaml", text).path(), overrides);
 }
 
 constexpr const char* kGood =
@@ -26,7 +21,7 @@ constexpr const char* kGood =
 
 std::string refusal(const std::string& text, std::span<const sim::Override> overrides = {}) {
   try {
-    static_cast<void>(read_gait(write(text), overrides));
+    read(text, overrides);
   } catch (const sim::InputError& error) {
     return error.what();
   }
@@ -34,7 +29,7 @@ std::string refusal(const std::string& text, std::span<const sim::Override> over
 }
 
 TEST(Gait, ReadsWhatStandsInTheFileAndDefaultsTheRest) {
-  const Gait gait = read_gait(write(std::string(kGood) + "feedback: {hip_roll_s: 0.03}\n"));
+  const Gait gait = read(std::string(kGood) + "feedback: {hip_roll_s: 0.03}\n");
   EXPECT_DOUBLE_EQ(gait.period_s, 0.6);
   EXPECT_EQ(gait.points, 8);
   EXPECT_DOUBLE_EQ(gait.feedback.hip_roll_s, 0.03);
@@ -43,7 +38,7 @@ TEST(Gait, ReadsWhatStandsInTheFileAndDefaultsTheRest) {
 
 TEST(Gait, TakesOverrides) {
   const sim::Override points[] = {{"points", "16"}, {"feedback.knee_s", "0.01"}};
-  const Gait gait = read_gait(write(kGood), points);
+  const Gait gait = read(kGood, points);
   EXPECT_EQ(gait.points, 16);
   EXPECT_DOUBLE_EQ(gait.feedback.knee_s, 0.01);
 }

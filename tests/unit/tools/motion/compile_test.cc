@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <fstream>
 #include <numbers>
 
 #include "firmware/fixed/host/convert.h"
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
 #include "sim_board/robot/load.h"
+#include "tests/support/temporary_folder.h"
 
 namespace koboshi::tools {
 namespace {
@@ -36,11 +36,8 @@ class MotionCompileTest : public testing::Test {
       "poses: {bend: {knee: 60}, straight: {others: zero},\n  roll: {hip_roll: 10, head_pan: 20}}\n";
 
   std::filesystem::path write(const std::string& text) {
-    const std::filesystem::path file =
-        std::filesystem::path(testing::TempDir()) /
-        (std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + ".yaml");
-    std::ofstream(file) << text;
-    return file;
+    koboshi::test::write_file(folder_.path / "motion.yaml", text);
+    return folder_.path / "motion.yaml";
   }
 
   // Opened from an image that lives as long as the test.
@@ -75,6 +72,7 @@ class MotionCompileTest : public testing::Test {
     return fixed::to_double(motion.angle(pose, index)) / kRadPerDegree;
   }
 
+  const koboshi::test::TemporaryFolder folder_;
   std::vector<std::byte> image_;
 };
 

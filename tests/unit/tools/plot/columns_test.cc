@@ -2,13 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <fstream>
 #include <limits>
 
 #include "sim_board/input/error.h"
+#include "tests/unit/sim_board/input/scratch_file.h"
 
 namespace koboshi::tools {
 namespace {
@@ -20,11 +19,8 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 class CsvFile : public ::testing::Test {
  protected:
-  ~CsvFile() override { std::filesystem::remove(file_); }
-
-  Columns read(const std::string& text, const std::vector<std::string>& names) {
-    std::ofstream(file_) << text;
-    return read_columns(file_, names);
+  static Columns read(const std::string& text, const std::vector<std::string>& names) {
+    return read_columns(sim::ScratchFile("columns.csv", text).path(), names);
   }
   std::string refusal(const std::string& text, const std::vector<std::string>& names) {
     try {
@@ -34,9 +30,6 @@ class CsvFile : public ::testing::Test {
     }
     return "";
   }
-
-  std::filesystem::path file_ =
-      std::filesystem::temp_directory_path() / ("koboshi_columns_" + std::to_string(getpid()) + ".csv");
 };
 
 TEST_F(CsvFile, GivesTheColumnsThatAreAskedFor) {

@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -11,6 +10,7 @@
 #include <sstream>
 
 #include "sim_board/input/error.h"
+#include "tests/support/temporary_folder.h"
 #include "tools/plot/gnuplot_script.h"
 #include "tools/plot/plane_figure.h"
 
@@ -58,14 +58,10 @@ Figure squat_figure() {
 
 class Drawing : public ::testing::Test {
  protected:
-  Drawing() {
-    std::filesystem::create_directories(folder_);
-    write_trace(trace_);
-  }
-  ~Drawing() override { std::filesystem::remove_all(folder_); }
+  Drawing() { write_trace(trace_); }
 
-  std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("koboshi_figure_" + std::to_string(getpid()));
+  const koboshi::test::TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path;
   std::filesystem::path trace_ = folder_ / "trace.csv";
 };
 

@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <vector>
 
 #include "firmware/app/item_store.h"
 #include "sim_board/input/error.h"
+#include "tests/support/temporary_folder.h"
 
 namespace koboshi::tools {
 namespace {
@@ -15,10 +15,8 @@ constexpr std::size_t kStored = FlashMemory::kSize_bytes - app::ItemStore::kSize
 
 class FlashFile : public testing::Test {
  protected:
-  FlashFile() { std::filesystem::remove(file); }
-  ~FlashFile() override { std::filesystem::remove(file); }
-
-  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "flash_memory_test.flash";
+  const koboshi::test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path / "test.flash";
   const std::vector<std::byte> contents = std::vector<std::byte>(100, std::byte{7});
 };
 
@@ -50,10 +48,10 @@ TEST_F(FlashFile, KeepsWhatTheRobotStoredAndTakesAnotherFactorysContents) {
 }
 
 TEST_F(FlashFile, IsNoOtherFile) {
-  std::ofstream(file) << "something else";
+  koboshi::test::write_file(file, "something else");
   EXPECT_THROW(FlashMemory(contents, file), sim::InputError);
   EXPECT_EQ(std::filesystem::file_size(file), 14u);  // untouched
-  EXPECT_THROW(FlashMemory(contents, testing::TempDir()), sim::InputError);
+  EXPECT_THROW(FlashMemory(contents, folder.path), sim::InputError);
 }
 
 }  // namespace
