@@ -63,10 +63,27 @@ function(koboshi_test name)
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${arg_LABEL})
 endfunction()
 
-# koboshi_python_test(NAME LABEL label SCRIPT script [ARGS ...]) runs a Python program with Debian's interpreter.
+# koboshi_command_test(NAME LABEL label [NEEDS thing ...] COMMAND command ...) runs a command from the source folder. The test is skipped
+# where a thing is missing (a program, a path, or module:NAME of Python), or the command ends with status 77.
+function(koboshi_command_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL" "NEEDS;COMMAND")
+  list(TRANSFORM arg_NEEDS PREPEND "--need=")
+  add_test(NAME ${name}
+           COMMAND /usr/bin/python3 -B ${koboshi_SOURCE_DIR}/tests/support/run_test.py ${arg_NEEDS} -- ${arg_COMMAND}
+           WORKING_DIRECTORY ${koboshi_SOURCE_DIR})
+  set_tests_properties(${name} PROPERTIES LABELS ${arg_LABEL} SKIP_RETURN_CODE 77)
+endfunction()
+
+# koboshi_python_test(NAME LABEL label SCRIPT script [NEEDS thing ...] [ARGS ...]) runs a Python program with Debian's interpreter; it is
+# skipped if tests of its unittest are and none fails.
 function(koboshi_python_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL;SCRIPT" "ARGS")
-  add_test(NAME ${name} COMMAND /usr/bin/python3 -B ${CMAKE_CURRENT_SOURCE_DIR}/${arg_SCRIPT} ${arg_ARGS}
-           WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
-  set_tests_properties(${name} PROPERTIES LABELS ${arg_LABEL})
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL;SCRIPT" "NEEDS;ARGS")
+  koboshi_command_test(${name} LABEL ${arg_LABEL} NEEDS ${arg_NEEDS} COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/${arg_SCRIPT} ${arg_ARGS})
+endfunction()
+
+# koboshi_skipped_test(NAME LABEL label REASON reason) stands for a test that this build cannot have.
+function(koboshi_skipped_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL;REASON" "")
+  koboshi_command_test(${name} LABEL ${arg_LABEL} COMMAND ${CMAKE_COMMAND} -E echo "skipped: ${arg_REASON}")
+  set_tests_properties(${name} PROPERTIES SKIP_REGULAR_EXPRESSION "^skipped: ")
 endfunction()

@@ -10,27 +10,27 @@ namespace {
 
 using test::allocations;
 
+class Allocations : public EachEngine {};
+
 // ODE's own arenas, which come from malloc, are not counted.
-TEST(World, StepsWithoutTheHeap) {
-  std::vector<Stepper> steppers = engines();
-  steppers.push_back(Stepper::kQuick);
-  for (const Stepper stepper : steppers) {
-    WorldOptions options;
-    options.stepper = stepper;
-    options.X_WB.translation().z() = kSampleHumanoidHeight_m + 0.02;
-    const auto world = make_world(sample_humanoid(), options);
-    const long before = allocations();
-    std::size_t most_contacts = 0;
-    for (int i = 0; i < 500; ++i) {  // it drops, folds up and lies
-      for (int j = 0; j < 20; ++j) world->set_servo(j, {.friction_Nm = 0.002});
-      world->push(0, Eigen::Vector3d::Zero(), {0.5, 0.0, 0.0});
-      world->step();
-      most_contacts = std::max(most_contacts, world->contacts().size());
-    }
-    EXPECT_EQ(allocations(), before);
-    EXPECT_GT(most_contacts, 8U);
+TEST_P(Allocations, AreNotMadeInAStep) {
+  WorldOptions options = Allocations::options();
+  options.X_WB.translation().z() = kSampleHumanoidHeight_m + 0.02;
+  const auto world = make_world(sample_humanoid(), options);
+  const long before = allocations();
+  std::size_t most_contacts = 0;
+  for (int i = 0; i < 500; ++i) {  // it drops, folds up and lies
+    for (int j = 0; j < 20; ++j) world->set_servo(j, {.friction_Nm = 0.002});
+    world->push(0, Eigen::Vector3d::Zero(), {0.5, 0.0, 0.0});
+    world->step();
+    most_contacts = std::max(most_contacts, world->contacts().size());
   }
+  EXPECT_EQ(allocations(), before);
+  EXPECT_GT(most_contacts, 8U);
 }
+
+INSTANTIATE_TEST_SUITE_P(Engines, Allocations,
+                         testing::Values(Stepper::kWorld, Stepper::kMujoco, Stepper::kQuick), engine_name);
 
 TEST(World, StepsOnEveryKindOfGroundWithoutTheHeap) {
   WorldOptions options;
