@@ -1,6 +1,6 @@
 #!/bin/sh
 # firmware_on_vcan.sh KOBOSHI: firmware and board, two processes on vcan0; a person enables the drives with cansend, and candump sees the robot
-# stand. Both go at a tenth of real time: User-mode Linux has one processor, and slow system calls. Needs a vcan0: see in_uml.sh.
+# stand. Both go at a tenth of real time: User-mode Linux has one processor, and slow system calls. Needs a vcan0: see with_vcan.sh.
 set -eu
 
 koboshi=$1

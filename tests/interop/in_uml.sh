@@ -1,12 +1,22 @@
 #!/bin/sh
 # in_uml.sh COMMAND [ARGUMENT...]: runs a command where there is a vcan0, in User-mode Linux, whatever the kernel outside.
-# The files are the host's; /mnt is an empty memory file system. Exits with the command's status; after two minutes, or
-# KOBOSHI_UML_TIMEOUT_S seconds, it gives up.
+# The files are the host's; /mnt is an empty memory file system. Exits with the command's status, or with 77 where there is no User-mode
+# Linux. After two minutes, or KOBOSHI_UML_TIMEOUT_S seconds, it gives up.
 set -eu
 
+PATH=$PATH:/usr/sbin:/sbin
+export PATH
+if ! command -v linux.uml >/dev/null; then
+  echo "skipped: there is no linux.uml (Debian's package user-mode-linux)"
+  exit 77
+fi
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 modules=$(echo /usr/lib/uml/modules/*/kernel)
+
+# What UML needs on processors with AMX, from the build; by hand that is build/release.
+ptrace=${KOBOSHI_PTRACE_XSTATE:-$(dirname "$0")/../../build/release/tests/interop/libptrace_xstate.so}
+[ -e "$ptrace" ] || { echo "in_uml.sh: there is no $ptrace: build first" >&2; exit 70; }
 
 quoted() {
   for argument; do printf " '%s'" "$(printf %s "$argument" | sed "s/'/'\\\\''/g")"; done
@@ -29,10 +39,10 @@ halt -f
 INIT
 chmod +x "$folder/init"
 
-# It keeps its sockets in the home folder.
-PATH=$PATH:/usr/sbin:/sbin HOME=$folder
-export PATH HOME
-timeout "${KOBOSHI_UML_TIMEOUT_S:-120}" linux.uml rootfstype=hostfs rootflags=/ rw init="$folder/init" mem=512M con=null con0=fd:0,fd:1 \
-  </dev/null >"$folder/console" 2>&1 || true
+limit_s=${KOBOSHI_UML_TIMEOUT_S:-120}
+# It keeps its sockets in the home folder, and its memory in a file in TMPDIR; without one, in /dev/shm.
+env -u TMPDIR -u TMP -u TEMP HOME="$folder" LD_PRELOAD="$(realpath "$ptrace")${LD_PRELOAD:+ $LD_PRELOAD}" \
+  timeout "$limit_s" linux.uml rootfstype=hostfs rootflags=/ rw init="$folder/init" mem=512M con=null con0=fd:0,fd:1 \
+  </dev/null >"$folder/console" 2>&1 || [ $? -ne 124 ] || echo "in_uml.sh: no end within $limit_s s"
 cat "$folder/output" 2>/dev/null || cat "$folder/console"
 exit "$(cat "$folder/status" 2>/dev/null || echo 70)"

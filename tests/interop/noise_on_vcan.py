@@ -1,5 +1,5 @@
 """noise_on_vcan.py KOBOSHI LOG...: cangen and canplayer flood the bus of `koboshi board`. It survives, and each drive, asked by
-SDO after each flood, is in a state that CiA 402 defines. Needs a vcan0: see in_uml.sh."""
+SDO after each flood, is in a state that CiA 402 defines. Needs a vcan0: see with_vcan.sh."""
 
 import collections
 import pathlib

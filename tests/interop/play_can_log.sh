@@ -1,6 +1,6 @@
 #!/bin/sh
 # play_can_log.sh LOG: canplayer sends the log to vcan0, and what candump sees there is what the log says, frame by frame.
-# Needs a vcan0: see in_uml.sh.
+# Needs a vcan0: see with_vcan.sh.
 set -eu
 
 log=$1

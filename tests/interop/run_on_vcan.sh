@@ -1,6 +1,6 @@
 #!/bin/sh
 # run_on_vcan.sh KOBOSHI [SECONDS [SPEED [STEPPER]]]: a walk by the clock on the wall, on vcan0; candump hears as many frames as the run
-# says that it sent. Needs a vcan0: see in_uml.sh. By hand with a minute of walking, for docs/experiment/bus.md.
+# says that it sent. Needs a vcan0: see with_vcan.sh. By hand with a minute of walking, for docs/experiment/bus.md.
 set -eu
 
 koboshi=$1
