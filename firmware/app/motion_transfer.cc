@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "firmware/motion/motion.h"
+#include "firmware/robot/image.h"
 
 namespace koboshi::app {
 
@@ -31,6 +32,8 @@ std::size_t MotionTransfer::read(std::uint32_t position, std::span<std::uint8_t>
 
 AbortCode MotionTransfer::begin_download(std::uint32_t size_bytes) {
   if (!may_store_) return AbortCode::kDeviceState;
+  // Nothing is erased for what cannot be a motion; all that an expedited transfer carries is too short.
+  if (size_bytes < robot::kImageHeaderSize) return AbortCode::kLengthTooLow;
   if (size_bytes != kUnknownSize && size_bytes > ItemStore::kMaxItemSize) return AbortCode::kLengthTooHigh;
   const AbortCode begun = items_.begin(ItemKind::kMotion, number_);
   if (begun == AbortCode::kNone) activity_ = Activity::kDownload;

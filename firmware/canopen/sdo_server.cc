@@ -15,16 +15,22 @@ void SdoServer::configure(const SdoChannel& channel) {
 void SdoServer::on_request(const hal::CanFrame& request, std::uint64_t now_us) {
   if (request.size != request.data.size()) return;
   if (request.data[0] == sdo::kAbort) return reset();
-  answer(request.data, now_us);
+  request_ = request.data;
+  patience_us_ = now_us + kBusyTimeout_us;
+  conclude(state_ == State::kBlockDownload ? block_segment(request_) : respond(request_), now_us);
 }
 
-void SdoServer::answer(const sdo::Data& request, std::uint64_t now_us) {
-  deadline_us_ = now_us + kTimeout_us;
-  const AbortCode refusal = state_ == State::kBlockDownload ? block_segment(request) : respond(request);
-  waits_ = refusal == AbortCode::kBusy;
-  if (waits_) request_ = request;
+// The request that its object was too busy for, once more.
+AbortCode SdoServer::repeat() {
+  const bool begun = state_ == State::kExpeditedDownload || state_ == State::kExpeditedEnd;
+  return begun ? store_expedited(request_) : respond(request_);
+}
+
+void SdoServer::conclude(AbortCode refusal, std::uint64_t now_us) {
+  waits_ = refusal == AbortCode::kBusy && now_us < patience_us_;
+  if (refusal == AbortCode::kBusy && !waits_) refusal = AbortCode::kTimedOut;
   if (!waits_ && refusal != AbortCode::kNone) abort(refusal);
-  if (state_ == State::kBlockDownload) deadline_us_ = now_us + kBlockTimeout_us;
+  deadline_us_ = now_us + (state_ == State::kBlockDownload ? kBlockTimeout_us : kTimeout_us);
 }
 
 AbortCode SdoServer::respond(const sdo::Data& request) {
@@ -61,14 +67,25 @@ AbortCode SdoServer::begin_download(const sdo::Data& request) {
   return AbortCode::kNone;
 }
 
+// Four bytes where the client has not told how many: a number then takes as many as it has.
 AbortCode SdoServer::download_expedited(const sdo::Data& request) {
-  const std::size_t size = sdo::expedited_size(request[0]);
-  const bool announced = (request[0] & sdo::kSizeIndicated) != 0;
-  AbortCode code =
-      transfer_.begin_download(address_, announced ? static_cast<std::uint32_t>(size) : Domain::kUnknownSize);
-  if (code == AbortCode::kNone) code = transfer_.write(std::span(request).subspan(4, size));
-  if (code == AbortCode::kNone) code = transfer_.commit(announced);
-  if (code != AbortCode::kNone) return code;
+  const auto size = static_cast<std::uint32_t>(sdo::expedited_size(request[0]));
+  const AbortCode begun = transfer_.begin_download(address_, size);
+  if (begun != AbortCode::kNone) return begun;
+  state_ = State::kExpeditedDownload;
+  return store_expedited(request);
+}
+
+// Each step is done once, however often the object is busy.
+AbortCode SdoServer::store_expedited(const sdo::Data& request) {
+  if (state_ == State::kExpeditedDownload) {
+    const std::size_t size = sdo::expedited_size(request[0]);
+    const AbortCode written = transfer_.write(std::span(request).subspan(4, size));
+    if (written != AbortCode::kNone) return written;
+    state_ = State::kExpeditedEnd;
+  }
+  const AbortCode committed = transfer_.commit((request[0] & sdo::kSizeIndicated) != 0);
+  if (committed != AbortCode::kNone) return committed;
   reset();
   send(sdo::message(sdo::kInitiateDownloadResponse, address_, 0));
   return AbortCode::kNone;
@@ -144,7 +161,7 @@ AbortCode SdoServer::expect_segment(State state, std::uint8_t command) {
 // --- What all transfers share
 
 void SdoServer::go_on(std::uint64_t now_us) {
-  if (waits_) return answer(request_, now_us);
+  if (waits_) return conclude(repeat(), now_us);
   for (int i = 0; i < kSegmentsPerProcess && state_ == State::kBlockUpload; ++i) {
     if (!send_block_segment()) break;
     deadline_us_ = now_us + kTimeout_us;

@@ -21,14 +21,21 @@ struct SdoChannel {
 };
 
 // One SDO channel from the server's side (CiA 301, 7.2.4): expedited, segmented and block transfers, one at a
-// time. A request that begins a transfer ends the one before. One that its object is too busy for is repeated
-// in each `process` and answered when the object has taken it; a segment of a block is dropped instead, as if
-// it had been lost, and the client told to send it again.
+// time. A request that begins a transfer ends the one before. Every request is answered, by a response or an
+// abort, except those that the protocol leaves unanswered: an abort, a frame that is not 8 bytes long, the
+// end of a block upload, and the segments within a block.
+//
+// A request that its object is too busy for is repeated in each `process` and answered when the object has
+// taken it, or aborted after kBusyTimeout_us; a segment of a block is dropped instead, as if it had been
+// lost, and the client told to send it again.
 class SdoServer {
  public:
   static constexpr std::uint32_t kTimeout_us = 1'000'000;  // silence of a client in a transfer
   // After half of it within a block, what has arrived is confirmed: the last segments may be lost.
   static constexpr std::uint32_t kBlockTimeout_us = kTimeout_us / 2;
+  // How long an object may be busy before its client is told 0504 0000. Saving takes 0.1 s; the rest is
+  // margin.
+  static constexpr std::uint32_t kBusyTimeout_us = 5'000'000;
   // Segments of an uploaded block to a call of `process`, which is to say a millisecond. Frames leave in the
   // order in which they were sent, so a SYNC waits for these: two take 0.27 ms at 1 Mbit/s.
   static constexpr int kSegmentsPerProcess = 2;
@@ -54,6 +61,8 @@ class SdoServer {
     kIdle,
     kUpload,              // waits for the request of a segment
     kDownload,            // waits for a segment
+    kExpeditedDownload,   // waits for the object to take the bytes of the request
+    kExpeditedEnd,        // waits for the object, which has them
     kDownloadEnd,         // waits for the object, which has all bytes
     kBlockDownload,       // waits for segments of a block
     kBlockDownloadEnd,    // waits for the end message
@@ -82,6 +91,7 @@ class SdoServer {
   AbortCode respond(const sdo::Data& request);
   AbortCode begin_download(const sdo::Data& request);
   AbortCode download_expedited(const sdo::Data& request);
+  AbortCode store_expedited(const sdo::Data& request);
   AbortCode download_segment(const sdo::Data& request);
   AbortCode begin_upload(const sdo::Data& request);
   AbortCode respond_upload();
@@ -103,7 +113,8 @@ class SdoServer {
   bool send_block_segment();
   void end_block_upload();
 
-  void answer(const sdo::Data& request, std::uint64_t now_us);
+  AbortCode repeat();
+  void conclude(AbortCode refusal, std::uint64_t now_us);
   void go_on(std::uint64_t now_us);
   void on_silence(std::uint64_t now_us);
   void begin(ObjectAddress address);
@@ -122,7 +133,8 @@ class SdoServer {
   TransmitQueue& queue_;
   std::uint32_t position_ = 0;  // bytes uploaded in segments so far
   std::uint64_t deadline_us_ = 0;
-  bool waits_ = false;  // `request_`, for its object
+  bool waits_ = false;             // `request_`, for its object
+  std::uint64_t patience_us_ = 0;  // until when it waits
   sdo::Data request_{};
   Block block_;
 };

@@ -100,6 +100,24 @@ TEST_F(ControllerMotions, InvalidOnesLeaveTheOldOne) {
   EXPECT_EQ(bench.values().diagnosis.motions, 0b1000'0011u);
 }
 
+// An expedited transfer is answered, and no flash is erased for what cannot be a motion.
+TEST_F(ControllerMotions, OfAFewBytesAreRefusedAtOnce) {
+  const Image storage(bench.board.storage.contents().begin(), bench.board.storage.contents().end());
+  for (const std::size_t size : {std::size_t{1}, std::size_t{4}}) {
+    EXPECT_EQ(pc.write(motion_object(2), 0x55, size), AbortCode::kLengthTooLow);
+    EXPECT_EQ(pc.answer_ms, 1);
+  }
+  EXPECT_EQ(pc.download(motion_object(2), {}), AbortCode::kLengthTooLow);
+  EXPECT_EQ(pc.download_blocks(motion_object(2), {}), AbortCode::kLengthTooLow);
+  // Of unknown size: four bytes.
+  bench.board.can.deliver({.identifier = 0x601, .size = 8, .data = {0x22, 0x00, 0x24, 3, 0x55}});
+  bench.run_ms(1);
+  EXPECT_EQ(canopen::load_u32(&bench.last_sent(0x581)->data[4]), 0x0607'0013u);
+  bench.run_ms(100);
+  EXPECT_TRUE(std::ranges::equal(storage, bench.board.storage.contents()));
+  EXPECT_EQ(pc.download_blocks(motion_object(2), nod(15)), AbortCode::kNone);
+}
+
 TEST_F(ControllerMotions, AreRefusedUnlessTheRobotStandsOrIsLimp) {
   bench.run_ms(20);
   bench.command(Command::kEnable);

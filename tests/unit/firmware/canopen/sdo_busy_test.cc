@@ -66,6 +66,42 @@ TEST_F(SdoBusy, SegmentsAndTheirEndWaitWithoutBeingTakenTwice) {
   EXPECT_EQ(device_.bytes.open, 0);
 }
 
+TEST_F(SdoBusy, AnExpeditedDownloadIsTakenOnceHoweverOftenItsDomainIsBusy) {
+  device_.bytes.begin_verdict = AbortCode::kBusy;
+  EXPECT_TRUE(ask({0x2B, 0x00, 0x21, 1, 8, 9, 0, 0}).empty());
+  device_.bytes.begin_verdict = AbortCode::kNone;
+  device_.bytes.write_verdict = AbortCode::kBusy;
+  EXPECT_TRUE(pass(1'000).empty());
+  device_.bytes.write_verdict = AbortCode::kNone;
+  device_.bytes.commit_verdict = AbortCode::kBusy;
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(pass(1'000).empty());
+  EXPECT_EQ(device_.bytes.begun_count, 1);
+  device_.bytes.commit_verdict = AbortCode::kNone;
+  EXPECT_EQ(pass(1'000), answer({0x60, 0x00, 0x21, 1, 0, 0, 0, 0}));
+  EXPECT_EQ(device_.bytes.bytes, (std::vector<std::uint8_t>{8, 9}));
+  EXPECT_EQ(device_.bytes.announced, 2u);
+  EXPECT_EQ(device_.bytes.open, 0);
+}
+
+TEST_F(SdoBusy, AnExpeditedDownloadThatWaitsMakesWayForAnotherRequest) {
+  device_.bytes.commit_verdict = AbortCode::kBusy;
+  EXPECT_TRUE(ask({0x2B, 0x00, 0x21, 1, 8, 9, 0, 0}).empty());
+  EXPECT_EQ(ask({0x00, 1, 2, 3, 4, 5, 6, 7}), answer({0x80, 0x00, 0x21, 1, 0x01, 0x00, 0x04, 0x05}));
+  EXPECT_EQ(device_.bytes.open, 0);
+  EXPECT_TRUE(ask({0x2B, 0x00, 0x21, 1, 8, 9, 0, 0}).empty());
+  EXPECT_EQ(ask({0x40, 0x02, 0x65, 0, 0, 0, 0, 0}), answer({0x43, 0x02, 0x65, 0, 0x80, 0, 0, 0}));
+  EXPECT_EQ(device_.bytes.open, 0);
+}
+
+TEST_F(SdoBusy, EndsWithAnAbortWhenItsObjectStaysBusy) {
+  device_.bytes.commit_verdict = AbortCode::kBusy;
+  EXPECT_TRUE(ask({0x2B, 0x00, 0x21, 1, 8, 9, 0, 0}).empty());
+  EXPECT_TRUE(pass(SdoServer::kBusyTimeout_us - 1).empty());
+  EXPECT_EQ(pass(1), answer({0x80, 0x00, 0x21, 1, 0x00, 0x00, 0x04, 0x05}));
+  EXPECT_EQ(device_.bytes.open, 0);
+  EXPECT_TRUE(pass(1'000).empty());
+}
+
 TEST_F(SdoBusy, SegmentsOfABlockAreToBeSentAgain) {
   const auto data = counted_bytes(21);
   const unsigned crc = crc16(0, data);

@@ -144,13 +144,17 @@ class TestDomain final : public Domain {
   bool announces = true;
   std::uint32_t announced = 0;
   int open = 0;  // transfers that have begun and not been released
+  int begun_count = 0;
   AbortCode begin_verdict = AbortCode::kNone;
   AbortCode write_verdict = AbortCode::kNone;
   AbortCode commit_verdict = AbortCode::kNone;
 
  private:
   AbortCode begun(AbortCode verdict) {
-    if (verdict == AbortCode::kNone) ++open;
+    if (verdict == AbortCode::kNone) {
+      ++open;
+      ++begun_count;
+    }
     return verdict;
   }
 };
