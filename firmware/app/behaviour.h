@@ -72,8 +72,9 @@ enum class Reason : std::uint8_t {
   kImuSilent = 18,
   kAnkleSilent = 19,
   kBusOff = 20,
-  kNoAcknowledge = 21,  // nobody answers on the bus
-  kCannotGetUp = 22,    // no motion for it, or no attempt left
+  kNoAcknowledge = 21,   // nobody answers on the bus
+  kCannotGetUp = 22,     // no motion for it, or no attempt left
+  kNotOperational = 23,  // another NMT master took the controller out of operational
   // Refusals; the state stays.
   kNotInThisState = 32,
   kEncoderBeyondLimits = 33,

@@ -37,6 +37,10 @@ AbortCode Controller::on_write(canopen::ObjectAddress address, std::uint32_t val
   if (address.index >= kTrimObject && address.index <= kGyroBiasObject) {
     return set_calibration(address, static_cast<std::int32_t>(value));
   }
+  if (address.index == kNmtStartupObject) {
+    const bool known = (value & ~kNmtStartupBits) == 0 && (value & kNmtMaster) != 0;
+    return known ? AbortCode::kNone : AbortCode::kInvalidValue;
+  }
   if (address != canopen::ObjectAddress{kRequestObject, kCommand}) return AbortCode::kNone;
   const Reason refusal = obey(static_cast<Command>(value), values_.request.argument);
   if (refusal == Reason::kNone) return AbortCode::kNone;

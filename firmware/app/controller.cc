@@ -12,6 +12,7 @@ using canopen::NmtCommand;
 namespace {
 
 constexpr std::uint64_t kBusTimeout_us = 200'000;
+constexpr std::uint16_t kLastCommunicationIndex = 0x1FFF;  // CiA 301, 7.4.1
 
 // False, and a robot without joints, when storage holds no valid model.
 bool load(const Catalogue& catalogue, robot::RobotModel& model) {
@@ -39,6 +40,7 @@ Controller::Controller(const hal::Board& board)
       motion_index_(values_.diagnosis.motions),
       motion_transfer_(items_, model_, motion_index_),
       drives_(model_, node_.sink(), values_.drives),
+      sensor_nodes_(board.sensor_nodes, node_.sink()),
       inertial_(model_),
       feedback_(model_),
       posture_(model_),
@@ -53,13 +55,15 @@ void Controller::service(std::uint64_t now_us) {
   if (!started_) start(now_us);
   receive(now_us);
   node_.process(now_us);
-  drives_.process(now_us);
+  drives_.process(now_us, starting());
+  sensor_nodes_.process(is_operational() && (values_.nmt_startup & kNoSlaveStart) == 0);
   items_.process();
   parameters_.process();
   read_inertial_unit(now_us);
 }
 
 void Controller::tick(std::uint64_t now_us) {
+  watch_network();
   drives_.observe(now_us);
   if (drives_.trouble()) fail(Reason::kDriveTrouble);
   watch_bus();
@@ -78,7 +82,6 @@ void Controller::start(std::uint64_t now_us) {
   values_.diagnosis.model_id = model_.id;
   load_motions();
   node_.start(now_us);
-  enter(State::kBoot, Reason::kNone);
 }
 
 void Controller::load_motions() {
@@ -99,9 +102,20 @@ bool Controller::open_motion(std::uint16_t number, motion::Motion& motion) const
          motion::Motion::open(catalogue_.find(ItemKind::kMotion, number), model_, motion).ok();
 }
 
+void Controller::forget_commands() {
+  values_.request = {};
+  values_.behaviour = {};
+  values_.diagnosis.falls = 0;
+  values_.diagnosis.risen = 0;
+  velocity_ = {};
+  low_readings_ = 0;
+  calibrating_ = false;
+}
+
 // Those of the factory, then what storage has of others.
 void Controller::load_parameters() {
   const Calibration before = values_.calibration;
+  values_.nmt_startup = kNmtMaster;
   values_.parameters = {};
   values_.feedback = {};
   values_.velocity_limits = {};
@@ -123,6 +137,7 @@ void Controller::receive(std::uint64_t now_us) {
   for (std::size_t i = 0; i < 64 && board_.can.receive(frame); ++i) {
     node_.on_frame(frame, now_us);
     drives_.on_frame(frame);
+    sensor_nodes_.on_frame(frame);
   }
 }
 
@@ -139,6 +154,21 @@ void Controller::read_ankles(std::uint64_t now_us) {
     std::ranges::copy(sample.force_raw, values_.ankles[foot]);
     std::ranges::copy(sample.torque_raw, values_.ankles[foot] + 3);
   }
+}
+
+drive::Starting Controller::starting() const {
+  if (!is_operational()) return drive::Starting::kLater;
+  if ((values_.nmt_startup & kNoSlaveStart) != 0) return drive::Starting::kByOthers;
+  return (values_.nmt_startup & kStartsTogether) != 0 ? drive::Starting::kTogether : drive::Starting::kEach;
+}
+
+// Out of operational no target reaches a drive any more. Only a boot may wait in pre-operational, until it
+// has to start the drives.
+void Controller::watch_network() {
+  if (is_operational()) return;
+  const bool waits = values_.behaviour.state == State::kBoot && !drives_.configured() &&
+                     node_.state() == canopen::NmtState::kPreOperational;
+  if (!waits) fail(Reason::kNotOperational);
 }
 
 void Controller::watch_bus() {
@@ -170,8 +200,8 @@ void Controller::watch_battery() {
 }
 
 void Controller::watch_sensors(std::uint64_t now_us) {
-  const bool starting = values_.behaviour.state == State::kBoot && now_us - started_us_ < kSensorStart_us;
-  if (starting) return;
+  const bool starting = !is_operational() || now_us - started_us_ < kSensorStart_us;
+  if (values_.behaviour.state == State::kBoot && starting) return;
   const Reason silent = silent_sensor(now_us);
   if (silent != Reason::kNone) fail(silent);
 }
@@ -184,10 +214,23 @@ Reason Controller::silent_sensor(std::uint64_t now_us) const {
   return Reason::kNone;
 }
 
+// Power-on, once more: no torque, and a boot.
 void Controller::on_reset(NmtCommand reset) {
-  // A robot that stands keeps what it stands by.
-  if (reset == NmtCommand::kResetNode && !makes_torque(values_.behaviour.state)) load_parameters();
+  if (reset == NmtCommand::kResetNode) forget_commands();
+  enter(State::kBoot, Reason::kNone);
+  if (reset == NmtCommand::kResetNode) {
+    load_parameters();
+  } else {
+    values_.nmt_startup = kNmtMaster;
+    parameters_.load(kLastCommunicationIndex);
+  }
   connect_drives(node_, model_);
+}
+
+// The time-outs of a boot count from here.
+void Controller::on_state(canopen::NmtState state) {
+  const bool boots = values_.behaviour.state == State::kBoot;
+  if (boots && state == canopen::NmtState::kOperational) started_us_ = now_us_;
 }
 
 // A drive that has booted is silent until it has its configuration, and that may take longer than the

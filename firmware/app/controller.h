@@ -12,6 +12,7 @@
 #include "firmware/app/motion_index.h"
 #include "firmware/app/motion_transfer.h"
 #include "firmware/app/parameter_store.h"
+#include "firmware/app/sensor_nodes.h"
 #include "firmware/balance/attitude.h"
 #include "firmware/balance/feedback.h"
 #include "firmware/balance/gyro_bias.h"
@@ -64,18 +65,24 @@ class Controller final : private canopen::NodeApplication {
   canopen::AbortCode on_store(canopen::ParameterGroup group) override;
   canopen::AbortCode on_restore(canopen::ParameterGroup group) override;
   [[gnu::cold]] void on_reset(canopen::NmtCommand reset) override;
+  bool starts_itself() override { return (values_.nmt_startup & kNoSelfStart) == 0; }
+  void on_state(canopen::NmtState state) override;
   void on_rpdo(std::size_t number) override;
   void on_heartbeat(const canopen::HeartbeatEvent& event) override;
   void on_emergency(const canopen::Emergency& emergency) override { drives_.on_emergency(emergency); }
 
   [[gnu::cold]] void start(std::uint64_t now_us);
   [[gnu::cold]] void load_motions();
+  [[gnu::cold]] void forget_commands();
   [[gnu::cold]] void load_parameters();
   std::span<const std::byte> motion_image(std::uint16_t number) const;
   [[gnu::cold]] bool open_motion(std::uint16_t number, motion::Motion& motion) const;
   void receive(std::uint64_t now_us);
   void read_inertial_unit(std::uint64_t now_us);
   void read_ankles(std::uint64_t now_us);
+  bool is_operational() const { return node_.state() == canopen::NmtState::kOperational; }
+  drive::Starting starting() const;
+  void watch_network();
   void watch_bus();
   void watch_sensors(std::uint64_t now_us);
   void watch_battery();
@@ -138,6 +145,7 @@ class Controller final : private canopen::NodeApplication {
   void run_steadying(std::uint64_t now_us);
   std::uint32_t pace_percent() const;
 
+  void stop_moving();
   void begin_soft_start();
   void follow_actual();
 
@@ -164,6 +172,7 @@ class Controller final : private canopen::NodeApplication {
   MotionIndex motion_index_;
   MotionTransfer motion_transfer_;
   drive::DriveGroup drives_;
+  SensorNodes sensor_nodes_;
   hal::ImuSample imu_sample_;  // here, so that it need not be cleared each millisecond
   balance::InertialSensor inertial_;
   balance::GyroBias gyro_bias_;
@@ -182,7 +191,7 @@ class Controller final : private canopen::NodeApplication {
   std::uint64_t entered_us_ = 0;   // when the present state began
   std::uint8_t low_readings_ = 0;  // of the supply, in a row
   std::uint64_t now_us_ = 0;
-  std::uint64_t started_us_ = 0;  // of the boot
+  std::uint64_t started_us_ = 0;  // of the boot, or when the controller became operational in it
   bool started_ = false;
   balance::InertialSensor::Rates rates_{};  // of the trunk, in its axes, free of the gyro's bias
   balance::InertialSensor::Accelerations accelerations_{};

@@ -63,6 +63,7 @@ inline constexpr canopen::ValueName kReasonNames[] = {
     canopen::value_name(Reason::kBusOff, "bus-off"),
     canopen::value_name(Reason::kNoAcknowledge, "no acknowledge"),
     canopen::value_name(Reason::kCannotGetUp, "cannot get up"),
+    canopen::value_name(Reason::kNotOperational, "not operational"),
     canopen::value_name(Reason::kNotInThisState, "not in this state"),
     canopen::value_name(Reason::kEncoderBeyondLimits, "encoder beyond limits"),
     canopen::value_name(Reason::kSupplyOutOfRange, "supply out of range"),
@@ -132,6 +133,13 @@ using enum canopen::Access;
 using enum canopen::Mappable;
 
 inline constexpr canopen::DescribedObject kControllerObjects[] = {
+    {OBJECT(kNmtStartupObject, 0, nmt_startup, kReadWrite),
+     {.name = "NMT startup",
+      .comment = "CiA 302-2. Bit 0: NMT master, always set; 1: start all nodes by one message, instead of "
+                 "each drive "
+                 "and sensor by its own; 2: the controller waits for NMT start after a reset; 3: another "
+                 "master starts "
+                 "drives and sensors. Bit 2 acts at the next reset, so save it."}},
     canopen::heading(kRequestObject, "Request",
                      "The command is what acts: by SDO, write the argument first."),
     {OBJECT(0x2000, 1, request.command, kReadWrite, kRpdo), {.name = "Command", .values = kCommandNames}},

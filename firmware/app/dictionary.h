@@ -36,8 +36,16 @@ inline constexpr balance::FeedbackGains kWalkingGains{
     .rate = {.ankle_pitch = 25, .ankle_roll = 252, .hip_roll = 82, .knee = 70, .hip_pitch = 59},
     .lean = {.ankle_pitch = -410, .ankle_roll = 287, .hip_roll = 922, .knee = -614, .hip_pitch = -307}};
 
+// Bits of object 0x1F80 (CiA 302-2).
+inline constexpr std::uint32_t kNmtMaster = 1u << 0;       // always set
+inline constexpr std::uint32_t kStartsTogether = 1u << 1;  // NMT start goes to all nodes, not to each of ours
+inline constexpr std::uint32_t kNoSelfStart = 1u << 2;     // another master starts the controller
+inline constexpr std::uint32_t kNoSlaveStart = 1u << 3;    // another master starts drives and sensors
+inline constexpr std::uint32_t kNmtStartupBits = kNmtMaster | kStartsTogether | kNoSelfStart | kNoSlaveStart;
+
 // The values behind the controller's object dictionary.
 struct ControllerValues {
+  std::uint32_t nmt_startup = kNmtMaster;  // 0x1F80
   struct {
     Command command = Command::kNone;
     std::int16_t argument = 0;
@@ -97,6 +105,7 @@ struct ControllerValues {
   drive::DriveSignals drives;  // 0x2300..0x2304, by joint from sub-index 1
 };
 
+inline constexpr std::uint16_t kNmtStartupObject = 0x1F80;
 inline constexpr std::uint16_t kRequestObject = 0x2000;
 inline constexpr std::uint16_t kVelocityObject = 0x2110;
 inline constexpr std::uint16_t kVelocityLimitsObject = 0x2111;

@@ -58,7 +58,7 @@ bool ParameterStore::find(std::size_t number, Record& record) const {
   return false;
 }
 
-void ParameterStore::load() {
+void ParameterStore::load(std::uint16_t last) {
   for (auto rest = items_.find(ItemKind::kParameters, 0); rest.size() >= kRecordSize;
        rest = rest.subspan(kRecordSize)) {
     const Record record(rest.first(kRecordSize));
@@ -66,7 +66,7 @@ void ParameterStore::load() {
       return candidate.index == record.address().index && is_parameter(candidate);
     });
     // Another firmware's may be unknown here, or out of range.
-    if (row == kControllerNode.rows.end()) continue;
+    if (row == kControllerNode.rows.end() || row->index > last) continue;
     static_cast<void>(node_.set_value(record.address(), record.value(), record.bytes[3]));
   }
 }

@@ -22,9 +22,10 @@ class ParameterStore {
   // it does; then kNone, or why it failed. Nothing is written that is there already, and nothing begun when
   // storage may not be written now: kDeviceState.
   canopen::AbortCode store(Wanted wanted, bool may_begin);
-  // Gives the node what storage holds of its parameters, each checked as an SDO client's would be. The
-  // controller is not asked: it makes what follows from all of them when they are there.
-  void load();
+  // Gives the node what storage holds of its parameters up to the index `last`, each checked as an SDO
+  // client's would be. The controller is not asked: it makes what follows from all of them when they are
+  // there.
+  void load(std::uint16_t last = 0xFFFF);
   // Once a millisecond.
   void process() {
     if (busy_) go_on();

@@ -49,19 +49,15 @@ void Controller::enter(State state, Reason reason) {
     case State::kBoot:
       started_us_ = now_us_;
       values_.behaviour.trouble = drive::Trouble::kNone;
-      // Operational from the start, so that commands and telemetry work whatever becomes of the drives.
-      node_.command(canopen::NmtCommand::kStart, now_us_);
       node_.clear_error(kErrorBehaviour);
+      stop_moving();
       if (model_valid_) drives_.boot();
+      sensor_nodes_.reset();
       break;
     case State::kLimp:
     case State::kEmergencyStop:
     case State::kFallen:
-      node_.clear_error(cia402::kErrorUnderVoltage);
-      interpreter_.abort();
-      walker_.abort();
-      fall_watch_.disarm();
-      stillness_.restart();
+      stop_moving();
       drives_.set_goal(drive::Goal::kTorqueOff, now_us_);
       break;
     case State::kEnabling:
@@ -90,6 +86,14 @@ void Controller::enter(State state, Reason reason) {
       drives_.set_goal(drive::Goal::kQuickStop, now_us_);
       break;
   }
+}
+
+void Controller::stop_moving() {
+  node_.clear_error(cia402::kErrorUnderVoltage);
+  interpreter_.abort();
+  walker_.abort();
+  fall_watch_.disarm();
+  stillness_.restart();
 }
 
 void Controller::run_state(std::uint64_t now_us) {

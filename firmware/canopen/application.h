@@ -43,6 +43,9 @@ class NodeApplication {
   // kResetNode (also at start) or kResetCommunication: communication parameters have their defaults again;
   // now is the time to change them with write_object. On kResetNode the owner's own values go back to theirs.
   virtual void on_reset(NmtCommand /*reset*/) {}
+  // Whether the node goes on to operational by itself after a reset, as an NMT master or a self-starting
+  // device does (CiA 302-2, object 0x1F80). Asked at its end.
+  virtual bool starts_itself() { return false; }
   virtual void on_state(NmtState) {}
   // A SYNC, in pre-operational and operational. Synchronous RPDOs have taken effect; synchronous TPDOs are
   // packed afterwards.

@@ -112,6 +112,7 @@ void Node::reset(NmtCommand reset, std::uint64_t now_us) {
   heartbeat_due_us_ = now_us + heartbeat_ms_ * 1000u;
   static_cast<void>(queue_.send(encode(Heartbeat{node_id_, NmtState::kInitialising})));
   enter(NmtState::kPreOperational, now_us);
+  if (application_.starts_itself()) enter(NmtState::kOperational, now_us);
 }
 
 void Node::load_defaults() {

@@ -30,6 +30,9 @@ enum class CommunicationError : std::uint8_t {
   kStop = 2,
 };
 
+// Objects from here on are the owner's; the stack itself serves those of CiA 301 before.
+inline constexpr std::uint16_t kFirstOwnersIndex = 0x1F50;
+
 // What all nodes of a kind share; stands in flash.
 struct NodeDescription {
   std::uint32_t device_type = 0;  // 0x1000
@@ -48,9 +51,8 @@ struct NodeDescription {
   CommunicationError communication_error = CommunicationError::kEnterPreOperational;  // 0x1029:1
   // 0x1010, 0x1011: bit g - 1 for each ParameterGroup g that NodeApplication::on_store and on_restore know.
   std::uint8_t stored_groups = 0;
-  SdoChannel second_sdo{};  // 0x1201
-  // Objects from 0x2000 on; the stack itself serves the communication profile area.
-  std::span<const Entry> rows;
+  SdoChannel second_sdo{};                  // 0x1201
+  std::span<const Entry> rows;              // objects from kFirstOwnersIndex on
   std::span<const PdoConfiguration> rpdos;  // PDOs beyond these are invalid after a reset
   std::span<const PdoConfiguration> tpdos;
   // Of so many TPDOs, the first ones, every change of a value is an event; of the others the owner tells
@@ -100,7 +102,7 @@ class Node final : private ObjectServer {
   [[gnu::cold]] Node(const NodeDescription& description, const NodeInstance& instance, NodeBuffers buffers,
                      FrameSink& sink, NodeApplication& application);
 
-  // Power-on: reset, boot-up message, pre-operational.
+  // Power-on: reset, boot-up message, pre-operational; and operational if the owner wants that.
   void start(std::uint64_t now_us);
   // A frame from the bus; frames that are not for this node cost a few comparisons.
   void on_frame(const hal::CanFrame& frame, std::uint64_t now_us);
@@ -112,7 +114,7 @@ class Node final : private ObjectServer {
   // communication error (0x1029).
   void on_can_status(const hal::CanStatus& status, std::uint64_t now_us);
 
-  // Obeys a command as if the NMT master had sent it; a master starts itself with it.
+  // Obeys a command as if the NMT master had sent it.
   void command(NmtCommand command, std::uint64_t now_us);
   NmtState state() const { return state_; }
   std::uint8_t node_id() const { return node_id_; }

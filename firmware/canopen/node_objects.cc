@@ -19,7 +19,9 @@ std::size_t pdo_number(std::uint16_t index) { return index & 0x1FFu; }
 constexpr std::uint32_t kSave = 0x6576'6173;
 constexpr std::uint32_t kLoad = 0x6461'6F6C;
 
-bool is_communication_area(std::uint16_t index) { return index >= 0x1000 && index <= 0x1FFF; }
+// What the stack itself serves of the communication profile area. The rest of it, the objects of CiA 302,
+// stands in the owner's table.
+bool is_communication_area(std::uint16_t index) { return index >= 0x1000 && index < kFirstOwnersIndex; }
 
 // What is written only as a whole record or array is read-only in sub-index 0, its length; the number of
 // objects of a PDO mapping and the size of the error history are not.

@@ -12,6 +12,8 @@ namespace cia402 = canopen::cia402;
 
 namespace {
 
+constexpr std::uint8_t kEveryNode = 0;  // NMT, CiA 301, 7.2.8.2.1
+
 // Communication and protocol errors, 0x81xx and 0x82xx (CiA 301, table 26), of a drive whose error register
 // tells of nothing else (table 48; bit 0 is set with every error): it goes on with its work. Not so the two
 // time-outs, which tell that the controller or its targets are lost for the drive.
@@ -32,8 +34,11 @@ DriveGroup::DriveGroup(const robot::RobotModel& model, canopen::FrameSink& sink,
 void DriveGroup::boot() {
   phase_ = Phase::kResetting;
   goal_ = Goal::kTorqueOff;
+  client_.reset();
+  addressed_ = 0;
   configured_ = 0;
   present_ = 0;
+  repeated_ = 0;
   heard_ = 0;
   answered_ = 0;
   missed_ = {};
@@ -51,13 +56,25 @@ void DriveGroup::set_goal(Goal goal, std::uint64_t now_us) {
 
 void DriveGroup::on_heartbeat(const canopen::HeartbeatEvent& event) {
   std::size_t joint = 0;
-  if (phase_ < Phase::kWaiting || !find(event.node_id, joint)) return;
-  if (event.kind == canopen::HeartbeatEventKind::kBootedUp) {
-    if (phase_ > Phase::kWaiting) report(Trouble::kRestarted, joint);
-    present_ |= 1u << joint;
-  }
+  if (phase_ == Phase::kIdle || !find(event.node_id, joint)) return;
+  if (event.kind == canopen::HeartbeatEventKind::kBootedUp) on_boot_up(joint);
   if (event.kind == canopen::HeartbeatEventKind::kLost && phase_ > Phase::kWaiting)
     report(Trouble::kLost, joint);
+}
+
+// The message of a boot just before the reset (power came back, or another master reset the drive) may arrive
+// after it, so that a second follows. It harms nothing as long as the drive is not configured.
+void DriveGroup::on_boot_up(std::size_t joint) {
+  const std::uint32_t bit = 1u << joint;
+  if (phase_ == Phase::kResetting && joint >= addressed_) return;
+  if (phase_ <= Phase::kWaiting) {
+    present_ |= bit;
+    return;
+  }
+  const bool unconfigured = phase_ == Phase::kConfiguring && joint >= configured_;
+  if (!unconfigured || (repeated_ & bit) != 0) return report(Trouble::kRestarted, joint);
+  repeated_ |= bit;
+  if (joint == configured_) configuration_.begin(model_.joints[joint]);
 }
 
 void DriveGroup::on_emergency(const canopen::Emergency& emergency) {
@@ -71,19 +88,36 @@ void DriveGroup::on_emergency(const canopen::Emergency& emergency) {
   if (!ended && !is_warning(emergency)) report(Trouble::kFault, joint, emergency.code);
 }
 
-void DriveGroup::process(std::uint64_t now_us) {
+void DriveGroup::process(std::uint64_t now_us, Starting starting) {
   client_.process(now_us);
-  if (phase_ == Phase::kResetting && send(canopen::NmtCommand::kResetNode)) {
+  if (phase_ == Phase::kResetting && send_to_each(canopen::NmtCommand::kResetNode)) {
     phase_ = Phase::kWaiting;
     boot_deadline_us_ = now_us + kBootTimeout_us;
   }
   if (phase_ == Phase::kWaiting) await_boot_ups(now_us);
   if (phase_ == Phase::kConfiguring) configure(now_us);
-  if (phase_ == Phase::kStarting && send(canopen::NmtCommand::kStart)) {
-    phase_ = Phase::kBooted;
-    client_.reset();
-  }
+  if (phase_ == Phase::kStarting) start(starting);
   if (phase_ == Phase::kBooted) read_supply(now_us);
+}
+
+void DriveGroup::start(Starting starting) {
+  bool started = false;
+  switch (starting) {
+    case Starting::kLater:
+      break;
+    case Starting::kEach:
+      started = send_to_each(canopen::NmtCommand::kStart);
+      break;
+    case Starting::kTogether:
+      started = send(canopen::NmtCommand::kStart, kEveryNode);
+      break;
+    case Starting::kByOthers:
+      started = answered_ == all_joints();
+      break;
+  }
+  if (!started) return;
+  phase_ = Phase::kBooted;
+  client_.reset();
 }
 
 void DriveGroup::await_boot_ups(std::uint64_t now_us) {
@@ -113,6 +147,7 @@ void DriveGroup::configure(std::uint64_t now_us) {
     configuration_.process(now_us);
   } else {
     phase_ = Phase::kStarting;
+    addressed_ = 0;
   }
 }
 
@@ -238,8 +273,16 @@ bool DriveGroup::all_limp() const {
   return true;
 }
 
-bool DriveGroup::send(canopen::NmtCommand command) {
-  return sink_.send(canopen::encode(canopen::NmtMessage{.command = command, .node_id = 0}));
+bool DriveGroup::send(canopen::NmtCommand command, std::uint8_t node_id) {
+  return sink_.send(canopen::encode(canopen::NmtMessage{.command = command, .node_id = node_id}));
+}
+
+// True once all drives have been sent it; those for which there was no room wait for the next call.
+bool DriveGroup::send_to_each(canopen::NmtCommand command) {
+  while (addressed_ < model_.joint_count && send(command, model_.joints[addressed_].drive.node_id)) {
+    ++addressed_;
+  }
+  return addressed_ == model_.joint_count;
 }
 
 bool DriveGroup::find(std::uint8_t node_id, std::size_t& joint) const {

@@ -24,12 +24,20 @@ enum class Goal : std::uint8_t {
   kQuickStop,  // stop on the drive's own ramp, then torque off
 };
 
+// How the drives are started once all of them are configured (CiA 302-2, object 0x1F80).
+enum class Starting : std::uint8_t {
+  kLater,     // not yet: the controller itself is not operational
+  kEach,      // by a message to each
+  kTogether,  // by one message to every node of the bus
+  kByOthers,  // by another master: the group waits until all answer
+};
+
 // All servo drives of the robot: boots them, leads them to a goal and watches over them. The owner hands it
 // what it hears of them. In each cycle it calls `observe`, decides, sets goal and targets, calls `command`
 // and sends `signals`: what was decided takes effect in the same cycle.
 class DriveGroup {
  public:
-  static constexpr std::uint64_t kBootTimeout_us = 1'000'000;  // from the reset to the last boot-up message
+  static constexpr std::uint64_t kBootTimeout_us = 1'000'000;  // from the resets to the last boot-up message
   static constexpr std::uint64_t kEnableTimeout_us = 500'000;  // from the goal to operation enabled
   static constexpr std::uint64_t kSupplyPeriod_us = 250'000;   // from one drive's supply to the next one's
   static constexpr std::uint8_t kMissedAnswers = 5;  // cycles without an answer after which a drive is lost
@@ -37,7 +45,8 @@ class DriveGroup {
   // All must outlive the group. Frames go to `sink` as NMT master and SDO client.
   DriveGroup(const robot::RobotModel& model, canopen::FrameSink& sink, DriveSignals& signals);
 
-  // Resets all nodes, which takes them out of any fault, and boots the drives; forgets every trouble.
+  // Resets the drives, each by a message of its own, which takes them out of any fault, and boots them;
+  // forgets every trouble. What a drive said before its boot-up message counts no more.
   [[gnu::cold]] void boot();
   void set_goal(Goal goal, std::uint64_t now_us);
 
@@ -46,10 +55,10 @@ class DriveGroup {
   // A warning about communication is only kept: what is lost shows in missing answers, and a drive that is
   // stopped says so in its statusword.
   [[gnu::cold]] void on_emergency(const canopen::Emergency& emergency);
-  // Statusword and position of the joint's drive have come.
-  void on_answer(std::size_t joint) { answered_ |= 1u << joint; }
+  // Statusword and position of the joint's drive have come. Answers to the SYNCs before a boot are none.
+  void on_answer(std::size_t joint) { answered_ |= std::uint32_t{phase_ >= Phase::kStarting} << joint; }
   // Booting and its time-outs; at 1 kHz.
-  void process(std::uint64_t now_us);
+  void process(std::uint64_t now_us, Starting starting = Starting::kEach);
   // Reads what the drives have answered in the last cycle.
   void observe(std::uint64_t now_us);
   // Writes the controlwords of the next.
@@ -90,7 +99,10 @@ class DriveGroup {
   std::uint16_t controlword(std::size_t joint, bool last_step) const;
   bool switched_on(std::size_t joint) const;
   bool all_switched_on() const;
-  bool send(canopen::NmtCommand command);
+  bool send(canopen::NmtCommand command, std::uint8_t node_id);
+  bool send_to_each(canopen::NmtCommand command);
+  void on_boot_up(std::size_t joint);
+  [[gnu::cold]] void start(Starting starting);
   bool find(std::uint8_t node_id, std::size_t& joint) const;
   [[gnu::cold]] void report(Trouble trouble, std::size_t joint, std::uint16_t error_code = 0);
   [[gnu::cold]] void await_boot_ups(std::uint64_t now_us);
@@ -109,9 +121,11 @@ class DriveGroup {
   Goal goal_ = Goal::kTorqueOff;
   std::uint64_t boot_deadline_us_ = 0;
   std::uint64_t enable_deadline_us_ = 0;
+  std::size_t addressed_ = 0;   // joints whose drives were sent the reset, or the start
   std::size_t configured_ = 0;  // joints that are done
   static_assert(robot::kMaxJoints < 32);
   std::uint32_t present_ = 0;   // bit i: the boot-up message of joint i's drive has come
+  std::uint32_t repeated_ = 0;  // bit i: it has come twice
   std::uint32_t heard_ = 0;     // bit i: joint i's drive has answered a SYNC
   std::uint32_t answered_ = 0;  // the same, in the last cycle
   bool answering_ = false;

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "hal/fake/can.h"
 #include "hal/fake/safety.h"
 #include "hal/fake/sensors.h"
@@ -23,9 +26,10 @@ struct FakeBoard {
   FakeStorage storage{128, 2048};  // as hal/flash has it
   FakeWatchdog watchdog;
   FakeDriveEnable drive_enable;
+  std::span<const std::uint8_t> sensor_nodes;  // none: wired
 
   // What the firmware sees; valid as long as this object lives and stays where it is.
-  [[nodiscard]] Board ports() { return {can, imu, ankles, storage, watchdog, drive_enable}; }
+  [[nodiscard]] Board ports() { return {can, imu, ankles, storage, watchdog, drive_enable, sensor_nodes}; }
 };
 
 }  // namespace koboshi::hal

@@ -5,7 +5,6 @@ namespace {
 
 constexpr std::uint16_t kFirstTpdo = 0x180;
 constexpr std::uint16_t kSecondTpdo = 0x280;
-constexpr std::uint16_t kHeartbeat = 0x700;
 
 std::uint16_t word_of(const CanFrame& frame, std::size_t number) {
   return static_cast<std::uint16_t>(frame.data[2 * number] | frame.data[2 * number + 1] << 8);
@@ -18,7 +17,6 @@ bool CanSensors::on_frame(const CanFrame& frame, std::uint64_t now_us) {
   if (number < 0 || number >= static_cast<int>(sensors_.size()) || frame.remote) return false;
   Sensor& sensor = sensors_[static_cast<std::size_t>(number)];
   const std::uint16_t service = frame.identifier & 0x780;
-  if (service == kHeartbeat && frame.size == 1 && frame.data[0] == 0) sensor.booted = true;
   if (service != kFirstTpdo && service != kSecondTpdo) return false;
   if (frame.size != 8) return true;
   const std::size_t half = service == kFirstTpdo ? 0 : 1;
@@ -30,15 +28,6 @@ bool CanSensors::on_frame(const CanFrame& frame, std::uint64_t now_us) {
   sensor.complete = sensor.fresh = true;
   sensor.time_us = now_us;
   return true;
-}
-
-std::uint8_t CanSensors::take_booted() {
-  for (std::size_t i = 0; i < sensors_.size(); ++i) {
-    if (!sensors_[i].booted) continue;
-    sensors_[i].booted = false;
-    return static_cast<std::uint8_t>(kInertialNode + i);
-  }
-  return 0;
 }
 
 std::optional<ImuSample> CanSensors::inertial(std::uint64_t now_us) const {

@@ -18,13 +18,12 @@ class CanSensors {
   static constexpr std::uint8_t kInertialNode = 36;
   static constexpr std::uint8_t kLeftAnkleNode = 37;
   static constexpr std::uint8_t kRightAnkleNode = 38;
+  static constexpr std::array<std::uint8_t, 3> kNodes{kInertialNode, kLeftAnkleNode, kRightAnkleNode};
   // Later than this a sensor is silent.
   static constexpr std::uint64_t kTimeout_us = 20'000;
 
-  // True when the frame was a sensor's. `now_us` is when it came.
+  // True when the frame was a sample's. `now_us` is when it came.
   bool on_frame(const CanFrame& frame, std::uint64_t now_us);
-  // A sensor that has told that it booted, once: it waits for NMT start. 0 when there is none.
-  std::uint8_t take_booted();
   // The inertial unit's latest sample, which stands for one of the 1 kHz that the firmware expects; nothing
   // while the unit is silent.
   std::optional<ImuSample> inertial(std::uint64_t now_us) const;
@@ -41,7 +40,6 @@ class CanSensors {
     std::uint64_t time_us = 0;  // when it was complete last
     bool complete = false;
     bool fresh = false;
-    bool booted = false;
   };
 
   std::array<Sensor, 3> sensors_;

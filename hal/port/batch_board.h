@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "hal/port/batch.h"
 #include "hal/port/board.h"
@@ -47,12 +48,14 @@ class BatchBoard final : private CanPort,
                          private WatchdogPort,
                          private DriveEnablePort {
  public:
-  explicit BatchBoard(StoragePort& storage) : storage_(storage) {}
+  // `sensor_nodes` as in Board. Both must outlive this object.
+  explicit BatchBoard(StoragePort& storage, std::span<const std::uint8_t> sensor_nodes = {})
+      : storage_(storage), sensor_nodes_(sensor_nodes) {}
   BatchBoard(const BatchBoard&) = delete;
   BatchBoard& operator=(const BatchBoard&) = delete;
 
   // The ports; valid as long as this object lives.
-  [[nodiscard]] Board board() { return {*this, *this, *this, storage_, *this, *this}; }
+  [[nodiscard]] Board board() { return {*this, *this, *this, storage_, *this, *this, sensor_nodes_}; }
   // Starts a call: takes in the input and clears the output, except the level of the drive-enable line, which
   // is low at first and then stays as it was set. `input` is not used afterwards.
   void begin(const BatchInput& input);
@@ -72,6 +75,7 @@ class BatchBoard final : private CanPort,
   void set(bool enabled) override { output_.drive_enabled = enabled; }
 
   StoragePort& storage_;
+  std::span<const std::uint8_t> sensor_nodes_;
   Fifo<CanFrame, BatchInput::kMaxFrames> frames_;
   Fifo<ImuSample, BatchInput::kMaxImuSamples> imu_;
   std::uint16_t frames_lost_ = 0;  // here, beside those that the board lost itself

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "hal/port/ankle.h"
 #include "hal/port/can.h"
 #include "hal/port/imu.h"
@@ -17,6 +20,9 @@ struct Board {
   StoragePort& storage;
   WatchdogPort& watchdog;
   DriveEnablePort& drive_enable;
+  // Nodes of the CAN bus behind `imu` and `ankles`: the firmware is their NMT master. None where the sensors
+  // are wired to the controller.
+  std::span<const std::uint8_t> sensor_nodes{};
 };
 
 }  // namespace koboshi::hal

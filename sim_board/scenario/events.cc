@@ -120,9 +120,24 @@ void read_frames(const YamlMap& map, FrameFault::Effect effect, Fault& fault) {
     fault.frames.delay_us = to_us(1e-3 * map.number("delay_ms", {.min = 0.001, .max = 10'000.0}));
 }
 
+// Its bytes, or how many zeros.
+void read_data(const YamlMap& map, hal::CanFrame& frame) {
+  if (!map.has("data")) {
+    frame.size = static_cast<std::uint8_t>(map.integer("size", {.min = 0, .max = 8}, 8));
+    return;
+  }
+  const YamlValue value = map.value("data");
+  const std::vector<YamlValue> bytes = value.list();
+  if (bytes.size() > frame.data.size()) throw value.error("more than 8 bytes");
+  frame.size = static_cast<std::uint8_t>(bytes.size());
+  std::ranges::transform(bytes, frame.data.begin(), [](const YamlValue& byte) {
+    return static_cast<std::uint8_t>(byte.integer({.min = 0, .max = 0xFF}));
+  });
+}
+
 void read_babble(const YamlMap& map, Fault& fault) {
   fault.babble.frame.identifier = read_identifier(map.value("identifier"));
-  fault.babble.frame.size = static_cast<std::uint8_t>(map.integer("size", {.min = 0, .max = 8}, 8));
+  read_data(map, fault.babble.frame);
   if (!map.has("rate_per_s")) return;
   const double rate_per_s = map.number("rate_per_s", {.min = 1.0, .max = 20'000.0});
   fault.babble.interval_us = to_us(1.0 / rate_per_s);

@@ -166,8 +166,8 @@ TEST_P(FaultMatrix, SaysWhatHappens) {
   EXPECT_EQ(fault.controller(), GetParam().controller);
   EXPECT_EQ(fault.drives(), GetParam().drives);
   RobotRun& run = fault.run();
-  // What the words stand for: in a fault no torque at all, else the whole robot as before.
-  const bool stopped = run.behaviour().state == app::State::kFault || run.board().watchdog_bitten();
+  // What the words stand for: no torque at all, or the whole robot as before.
+  const bool stopped = !app::makes_torque(run.behaviour().state) || run.board().watchdog_bitten();
   EXPECT_EQ(run.torque_count(), stopped ? 0 : 20);
   EXPECT_EQ(run.board().drive_enable_line(), !stopped);
 }

@@ -104,6 +104,38 @@ TEST(DriveLosesPower, InMotionAndTheOthersStop) {
   expect_emergency(run, State::kMotion, Reason::kDriveTrouble);
 }
 
+// --- Reset
+
+// Answers of the drives to the last SYNC are under way when the command arrives, at some of these times.
+TEST(Reset, IsObeyedInEachMillisecondOfTheCycle) {
+  constexpr std::uint64_t kPeriod_us = 900'000;
+  constexpr std::uint64_t kPhases = 10;
+  sim::Scenario scenario = hanging_squat();
+  scenario.physics.stepper = sim::Stepper::kLumped;
+  scenario.commands.clear();
+  for (std::uint64_t i = 0; i < 2 * kPhases; ++i) {
+    const std::uint64_t from_us = (1 + i) * kPeriod_us;
+    if (i < kPhases) {
+      scenario.faults.push_back(
+          {.at_us = from_us, .duration_us = 100'000, .kind = Kind::kControllerStop, .target = {}});
+    } else {
+      scenario.commands.push_back({.at_us = from_us, .kind = sim::Command::Kind::kEmergencyStop});
+    }
+    const std::uint64_t phase_us = i % kPhases * 1'000;
+    scenario.commands.push_back({.at_us = from_us + 200'000 + phase_us, .kind = sim::Command::Kind::kReset});
+  }
+  RobotRun run(scenario);
+  for (std::uint64_t i = 0; i < 2 * kPhases; ++i) {
+    SCOPED_TRACE(testing::Message() << (i < kPhases ? "fault, " : "emergency stop, ") << i % kPhases
+                                    << " ms");
+    run.run_until_us((1 + i) * kPeriod_us + 199'000);
+    EXPECT_EQ(run.behaviour().state, i < kPhases ? State::kFault : State::kEmergencyStop);
+    run.run_until_us((2 + i) * kPeriod_us - 1'000);
+    EXPECT_EQ(run.behaviour().state, State::kLimp);
+    EXPECT_EQ(run.behaviour().faults, std::min(i + 1, kPhases));
+  }
+}
+
 // --- Sensors
 
 TEST(InertialUnitStops, InMotion) {

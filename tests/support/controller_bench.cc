@@ -89,6 +89,12 @@ std::optional<hal::CanFrame> ControllerBench::last_sent(std::uint16_t identifier
   return std::nullopt;
 }
 
+void ControllerBench::tell_drives(const hal::CanFrame& frame) {
+  std::vector<hal::CanFrame> answers;
+  for (DriveStub& drive : drives) drive.on_frame(frame, answers);
+  for (const hal::CanFrame& answer : answers) board.can.deliver(answer);
+}
+
 void ControllerBench::exchange_frames() {
   std::vector<hal::CanFrame> answers;
   for (const hal::CanFrame& frame : board.can.sent()) {

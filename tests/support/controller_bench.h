@@ -42,6 +42,8 @@ class ControllerBench {
   bool run_until(app::State state, int limit_ms = 3'000);
   // Booted, enabled and standing.
   bool run_until_standing();
+  // Another node of the bus says something to the drives; what they answer, the firmware hears next.
+  void tell_drives(const hal::CanFrame& frame);
   // Sends a command frame, as a PC does, and lets the firmware receive it.
   void command(app::Command command, std::int16_t argument = 0);
 

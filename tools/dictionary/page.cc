@@ -32,7 +32,7 @@ Indices, sub-indices and identifiers are hexadecimal. A value on the bus is a co
 mapping how many objects are mapped. `const` and `ro` are read only; `rww` may be written by SDO and by an RPDO.
 )";
 
-constexpr std::uint16_t kFirstOwnIndex = 0x2000;
+constexpr std::uint16_t kFirstOwnIndex = canopen::kFirstOwnersIndex;
 
 // Values of which a page shows names: once each, however many objects have them.
 using ValueTable = std::span<const canopen::ValueName>;

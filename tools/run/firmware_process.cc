@@ -1,6 +1,5 @@
 #include "tools/run/firmware_process.h"
 
-#include "firmware/canopen/frame.h"
 #include "sim_board/sensor/sensor_node.h"
 
 namespace koboshi::tools {
@@ -20,7 +19,6 @@ void FirmwareProcess::service(std::uint64_t now_us) {
   input_.imu.clear();
   input_.ankle_fresh = {};
   receive(now_us);
-  start_sensors();
   input_.now_us = now_us;
   input_.tick = services_++ % kServicesATick == 0;
   input_.transmit_space = hal::BatchOutput::kMaxFrames;
@@ -42,12 +40,6 @@ void FirmwareProcess::receive(std::uint64_t now_us) {
     if (sensors_.on_frame(*frame, now_us) || input_.frames.push(*frame)) continue;
     if (input_.can_status.receive_overruns < 0xFFFF) ++input_.can_status.receive_overruns;
   }
-}
-
-// The firmware starts its drives itself; of sensors on the bus it knows nothing.
-void FirmwareProcess::start_sensors() {
-  for (std::uint8_t node = 0; (node = sensors_.take_booted()) != 0;)
-    send(canopen::encode(canopen::NmtMessage{canopen::NmtCommand::kStart, node}));
 }
 
 void FirmwareProcess::send(const hal::CanFrame& frame) {

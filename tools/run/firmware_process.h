@@ -21,7 +21,7 @@ class FirmwareProcess {
   // outlive this.
   FirmwareProcess(std::span<const std::byte> storage_contents, sim::Transport& transport,
                   const std::filesystem::path& storage_file = {})
-      : host_(storage_contents, storage_file), transport_(transport) {}
+      : host_(storage_contents, storage_file, hal::CanSensors::kNodes), transport_(transport) {}
 
   // Once a millisecond; every tenth call is a tick. Microseconds since the start.
   void service(std::uint64_t now_us);
@@ -31,7 +31,6 @@ class FirmwareProcess {
 
  private:
   void receive(std::uint64_t now_us);
-  void start_sensors();
   void send(const hal::CanFrame& frame);
 
   InProcessHost host_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 
@@ -15,17 +16,18 @@ namespace koboshi::tools {
 // The firmware in this process.
 class InProcessHost final : public sim::ControllerHost {
  public:
-  // Storage as FlashMemory makes it.
+  // Storage as FlashMemory makes it; sensors as in hal::Board.
   explicit InProcessHost(std::span<const std::byte> storage_contents,
-                         const std::filesystem::path& storage_file = {})
-      : flash_(storage_contents, storage_file) {}
+                         const std::filesystem::path& storage_file = {},
+                         std::span<const std::uint8_t> sensor_nodes = {})
+      : flash_(storage_contents, storage_file), board_(storage_, sensor_nodes) {}
 
   void exchange(const hal::BatchInput& input, hal::BatchOutput& output) override;
 
  private:
   FlashMemory flash_;
   hal::FlashModel storage_{flash_.bytes()};
-  hal::BatchBoard board_{storage_};
+  hal::BatchBoard board_;
   app::Controller controller_{board_.board()};
 };
 

@@ -149,8 +149,8 @@ TEST_F(ControllerFault, ComesFromABusWithoutAcknowledgement) {
 
 TEST_F(ControllerFault, ComesFromANodeThatAPcStopped) {
   bench.board.can.deliver({.identifier = 0x000, .size = 2, .data = {128, 1}});  // enter pre-operational
-  ASSERT_TRUE(bench.run_until(State::kFault, 70));
-  expect_trouble(Trouble::kLost, 0);
+  ASSERT_TRUE(bench.run_until(State::kFault, 10));
+  EXPECT_EQ(bench.now().reason, Reason::kNotOperational);
   bench.run_ms(310);
   EXPECT_FALSE(bench.board.drive_enable.enabled());
 }
@@ -163,7 +163,7 @@ TEST_F(ControllerFault, IsLeftOnlyByResetAndThenThroughABoot) {
   bench.sent.clear();
   bench.command(Command::kReset);
   EXPECT_EQ(bench.now().state, State::kBoot);
-  EXPECT_EQ(bench.last_sent(0x000), (hal::CanFrame{.identifier = 0, .size = 2, .data = {129, 0}}));
+  EXPECT_EQ(bench.last_sent(0x000), (hal::CanFrame{.identifier = 0, .size = 2, .data = {129, 35}}));
   EXPECT_EQ(bench.last_sent(0x081)->data[0], 0);  // the controller's own error is gone
   EXPECT_TRUE(bench.run_until_standing());
 }
@@ -207,6 +207,56 @@ TEST_F(ControllerFault, IgnoresWhatADriveSaidBeforeItsReset) {
       {.identifier = 0x201, .size = 3, .data = {6}});  // reset, and behind it in the ring:
   bench.board.can.deliver(bench.drives[6].emergency(0x2310));
   EXPECT_TRUE(bench.run_until_standing());
+}
+
+// In each millisecond of the cycle, and with answers that come behind the command or while the drives
+// restart.
+TEST_F(ControllerFault, IsLeftWhateverDrivesAnsweredBeforeTheirReset) {
+  for (int phase_ms = 0; phase_ms < 10; ++phase_ms) {
+    for (const bool emergency : {false, true}) {
+      SCOPED_TRACE(testing::Message() << phase_ms << " ms, emergency stop " << emergency);
+      if (emergency) {
+        bench.command(Command::kEmergencyStop);
+      } else {
+        for (auto& drive : bench.drives) drive.state = DriveState::kFault;
+        ASSERT_TRUE(bench.run_until(State::kFault, 21));
+      }
+      const int now_ms = static_cast<int>(bench.now_us() / 1'000);
+      bench.run_ms((phase_ms + 20 - now_ms % 10) % 10);
+      const auto faults = bench.now().faults;
+      bench.board.can.deliver({.identifier = 0x201, .size = 3, .data = {6}});
+      for (int i = 0; i < 4; ++i) {
+        for (const auto& drive : bench.drives) {
+          const auto identifier = static_cast<std::uint16_t>(0x190 + (&drive - bench.drives.data()));
+          bench.board.can.deliver({.identifier = identifier, .size = 8, .data = {0x18}});  // in fault
+        }
+        bench.run_ms(1);
+      }
+      ASSERT_EQ(bench.now().state, State::kBoot);
+      ASSERT_TRUE(bench.run_until_standing());
+      EXPECT_EQ(bench.now().faults, faults);
+    }
+  }
+}
+
+TEST_F(ControllerFault, ResetIsRefusedInEveryStateWithoutOne) {
+  const auto refused = [&] {
+    const State before = bench.now().state;
+    bench.command(Command::kReset);
+    EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
+    return bench.now().state == before;
+  };
+  EXPECT_TRUE(refused());  // in a motion
+  bench.command(Command::kStop);
+  ASSERT_TRUE(bench.run_until(State::kStanding));
+  EXPECT_TRUE(refused());
+  bench.command(Command::kWalk);
+  EXPECT_TRUE(refused());
+  bench.command(Command::kLimp);
+  EXPECT_TRUE(refused());
+  bench.restart();
+  bench.run_ms(100);
+  EXPECT_TRUE(refused());  // in the boot
 }
 
 // --- Emergency stop

@@ -310,6 +310,21 @@ TEST_P(RecoveryState, EndsInFaultWithoutAnAnkleSensor) {
   expect_limp(State::kFault);
 }
 
+TEST_P(RecoveryState, EndsInFaultWhenAnotherMasterStopsTheController) {
+  bench.board.can.deliver({.identifier = 0x000, .size = 2, .data = {128, 1}});  // enter pre-operational
+  ASSERT_TRUE(bench.run_until(State::kFault, 20));
+  EXPECT_EQ(bench.now().reason, Reason::kNotOperational);
+}
+
+TEST_P(RecoveryState, BootsWhenAnotherMasterResetsTheController) {
+  bench.board.can.deliver({.identifier = 0x000, .size = 2, .data = {129, 1}});
+  bench.run_ms(1);
+  EXPECT_EQ(bench.now().state, State::kBoot);
+  EXPECT_FALSE(bench.board.drive_enable.enabled());
+  ASSERT_TRUE(bench.run_until(State::kLimp, 700));
+  EXPECT_FALSE(bench.board.drive_enable.enabled());
+}
+
 TEST_P(RecoveryState, StopsInAnEmergency) {
   bench.command(Command::kEmergencyStop);
   EXPECT_FALSE(bench.board.drive_enable.enabled());

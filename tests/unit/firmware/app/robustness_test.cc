@@ -18,8 +18,9 @@ using test::ControllerBench;
 using test::kVelocityIdentifier;
 using test::Random;
 
-// How rough the bus is: what a PC may say while the robot stands and moves, or also what ends that.
-enum class Bus { kMild, kRough };
+// How rough the bus is: what a PC may say while the robot stands and moves, or also what ends that; in a
+// storm, NMT commands all the time, each of which may reset the controller.
+enum class Bus { kMild, kRough, kStorm };
 
 constexpr std::uint16_t kCommandIdentifier = 0x201;
 constexpr std::uint16_t kSdoIdentifier = canopen::kSdoRequestBase + drive::kControllerNodeId;
@@ -56,9 +57,11 @@ hal::CanFrame network_command(Random& random) {
 }
 
 hal::CanFrame random_frame(Random& random, Bus bus, const robot::RobotModel& model) {
-  if (bus == Bus::kRough) {
+  if (bus != Bus::kMild) {
+    constexpr std::uint32_t kRare = 1'000;  // one in 0.7 s: a boot comes to its end
     switch (random.below(8)) {
       case 0:
+        if (bus == Bus::kRough && random.below(kRare) != 0) break;
         return network_command(random);
       case 1:
         return test::noise_frame(random);
@@ -114,7 +117,7 @@ struct Beginning {
 constexpr Beginning kBeginnings[] = {{State::kMotion, Bus::kMild},
                                      {State::kStanding, Bus::kRough},
                                      {State::kWalking, Bus::kMild},
-                                     {State::kBoot, Bus::kRough},
+                                     {State::kBoot, Bus::kStorm},
                                      {State::kLimp, Bus::kMild}};
 
 bool lead_to(State state, ControllerBench& bench) {

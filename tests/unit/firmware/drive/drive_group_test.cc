@@ -208,6 +208,47 @@ TEST_F(DriveGroupTest, ReportsADriveThatBootsUpOnItsOwn) {
   EXPECT_EQ(group.trouble().kind, Trouble::kRestarted);
 }
 
+// Another master has reset a drive just before the group did: two boot-up messages follow.
+TEST_F(DriveGroupTest, BearsASecondBootUpMessageOfADriveThatIsNotConfigured) {
+  group.boot();
+  run_ms(2);
+  for (const std::uint8_t node : {std::uint8_t{16}, std::uint8_t{35}})
+    tell(node, HeartbeatEventKind::kBootedUp);
+  run_ms(700);
+  EXPECT_TRUE(group.configured());
+  EXPECT_FALSE(group.trouble());
+}
+
+TEST_F(DriveGroupTest, ReportsADriveThatBootsUpAgainAndAgain) {
+  group.boot();
+  run_ms(2);
+  tell(35, HeartbeatEventKind::kBootedUp);
+  EXPECT_FALSE(group.trouble());
+  tell(35, HeartbeatEventKind::kBootedUp);
+  EXPECT_EQ(group.trouble().kind, Trouble::kRestarted);
+}
+
+TEST_F(DriveGroupTest, ReportsADriveThatLosesItsConfigurationInTheBoot) {
+  group.boot();
+  run_ms(300);
+  tell(16, HeartbeatEventKind::kBootedUp);
+  EXPECT_EQ(group.trouble().kind, Trouble::kRestarted);
+}
+
+TEST_F(DriveGroupTest, TakesNoAnswerOfBeforeTheReset) {
+  enable();
+  group.boot();
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    signals.statusword[i] = cia402::statusword_of(cia402::State::kFault);
+    group.on_answer(i);
+  }
+  run_ms(700);
+  ASSERT_TRUE(group.configured());
+  group.observe(now_us);
+  EXPECT_FALSE(group.booted());
+  EXPECT_FALSE(group.trouble());
+}
+
 TEST_F(DriveGroupTest, ReportsFaultsByEmergencyMessageWithItsCode) {
   boot();
   group.on_emergency({.node_id = 16 + 9, .code = 0x2310});

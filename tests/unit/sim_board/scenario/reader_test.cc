@@ -267,16 +267,18 @@ TEST(ScenarioReader, ReadsWhatAFaultOfFramesConcerns) {
 
 TEST(ScenarioReader, ReadsWhatABabblingNodeSays) {
   const TemporaryTree tree;
-  const Scenario scenario =
-      read(tree, kShort + std::string("faults:\n"
-                                      "  - {at_s: 1, kind: babbling_node, identifier: 0x010}\n"
-                                      "  - {at_s: 2, kind: babbling_node, identifier: 0x7FF, size: 0, "
-                                      "rate_per_s: 2000}\n"));
+  const Scenario scenario = read(
+      tree, kShort + std::string("faults:\n"
+                                 "  - {at_s: 1, kind: babbling_node, identifier: 0x010}\n"
+                                 "  - {at_s: 2, kind: babbling_node, identifier: 0x7FF, size: 0, "
+                                 "rate_per_s: 2000}\n"
+                                 "  - {at_s: 3, kind: babbling_node, identifier: 0, data: [0x81, 1]}\n"));
   EXPECT_EQ(scenario.faults.at(0).babble.frame.identifier, 0x010);
   EXPECT_EQ(scenario.faults.at(0).babble.frame.size, 8);
   EXPECT_EQ(scenario.faults.at(0).babble.interval_us, 0u);
   EXPECT_EQ(scenario.faults.at(1).babble.frame.size, 0);
   EXPECT_EQ(scenario.faults.at(1).babble.interval_us, 500u);
+  EXPECT_EQ(scenario.faults.at(2).babble.frame, (hal::CanFrame{.size = 2, .data = {0x81, 1}}));
 }
 
 TEST(ScenarioReader, TakesNoiseAsSwitchOrFactor) {
@@ -399,6 +401,11 @@ TEST(ScenarioReader, RefusesWhatIsOutOfRangeOrUnknown) {
       {"faults: [{at_s: 1, kind: babbling_node}]", "no key faults[0].identifier"},
       {"faults: [{at_s: 1, kind: babbling_node, identifier: 0, rate_per_s: 0}]", "rate_per_s = 0"},
       {"faults: [{at_s: 1, kind: babbling_node, identifier: 0, size: 9}]", "size = 9"},
+      {"faults: [{at_s: 1, kind: babbling_node, identifier: 0, data: [256]}]", "data[0] = 256"},
+      {"faults: [{at_s: 1, kind: babbling_node, identifier: 0, data: [1, 2, 3, 4, 5, 6, 7, 8, 9]}]",
+       "more than 8 bytes"},
+      {"faults: [{at_s: 1, kind: babbling_node, identifier: 0, data: [1], size: 1}]",
+       "unknown key faults[0].size"},
       {"faults: none", "none"}};
   for (const auto& [line, found] : bad) {
     const std::string message = refusal(kShort + line + "\n");

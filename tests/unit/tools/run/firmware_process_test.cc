@@ -47,6 +47,18 @@ TEST_F(FirmwareProcessTest, StartsASensorThatHasBootedOnce) {
   EXPECT_THAT(outside_.heard, Contains(start).Times(1));
 }
 
+TEST_F(FirmwareProcessTest, ResetsItsOwnNodesAndNoOther) {
+  play(10);
+  std::vector<hal::CanFrame> resets;
+  for (const hal::CanFrame& frame : outside_.heard) {
+    if (frame.identifier == canopen::kNmtCobId) resets.push_back(frame);
+  }
+  std::vector<hal::CanFrame> expected;
+  for (std::uint8_t node = 16; node <= 38; ++node)
+    expected.push_back(canopen::encode(canopen::NmtMessage{canopen::NmtCommand::kResetNode, node}));
+  EXPECT_THAT(resets, testing::UnorderedElementsAreArray(expected));
+}
+
 TEST_F(FirmwareProcessTest, AnswersAnOperator) {
   play(100);
   outside_.said.push_back({.identifier = 0x601, .size = 8, .data = {0x40, 0x00, 0x10}});
