@@ -85,6 +85,7 @@ inline constexpr canopen::ValueName kTroubleNames[] = {
     canopen::value_name(drive::Trouble::kRestarted, "restarted"),
     canopen::value_name(drive::Trouble::kFault, "fault"),
     canopen::value_name(drive::Trouble::kNotEnabled, "not enabled"),
+    canopen::value_name(drive::Trouble::kNotFollowing, "not following"),
 };
 
 // Those of firmware/app/telemetry_units.h, and of the drives.

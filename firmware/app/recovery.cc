@@ -93,7 +93,7 @@ void Controller::run_fallen(std::uint64_t now_us) {
 }
 
 void Controller::run_righting() {
-  if (!drives_.all_in(canopen::cia402::State::kOperationEnabled)) return follow_actual();
+  if (!drives_.enabled()) return follow_actual();
   right_lying();
 }
 

@@ -140,7 +140,7 @@ void Controller::run_boot(std::uint64_t now_us) {
 
 void Controller::run_enabling() {
   follow_actual();
-  if (drives_.all_in(cia402::State::kOperationEnabled)) handle(Event::kEnabled, Reason::kProgress);
+  if (drives_.enabled()) handle(Event::kEnabled, Reason::kProgress);
 }
 
 void Controller::begin_soft_start() {

@@ -99,6 +99,12 @@ constexpr std::uint16_t statusword_of(State state) {
 
 constexpr bool is_operation_enabled(std::uint16_t statusword) { return (statusword & 0x6F) == 0x27; }
 
+// Of a drive in a cyclic synchronous mode: in operation enabled, and its target is what it follows. Bit 12 is
+// clear in every other state, and once the drive has left the mode.
+constexpr bool follows_command(std::uint16_t statusword) {
+  return is_operation_enabled(statusword) && (statusword & kFollowsCommand) != 0;
+}
+
 constexpr State state_of(std::uint16_t statusword) {
   switch (statusword & 0x4F) {
     case 0x40:

@@ -196,7 +196,8 @@ void DriveGroup::count_missed() {
 
 void DriveGroup::watch_states(std::uint64_t now_us) {
   const auto words = std::span(signals_.statusword).first(model_.joint_count);
-  if (enabled_ && std::ranges::all_of(words, cia402::is_operation_enabled)) return;  // nearly always
+  const bool all_follow = std::ranges::all_of(words, cia402::follows_command);
+  if (enabled_ && all_follow) return;  // nearly always
   const bool due = goal_ == Goal::kEnabled && (enabled_ || now_us >= enable_deadline_us_);
   // Drives that wait for another to be switched on are not to blame.
   const bool waiting = !enabled_ && !all_switched_on();
@@ -204,10 +205,12 @@ void DriveGroup::watch_states(std::uint64_t now_us) {
     const State now = state(joint);
     if (now == State::kFault || now == State::kFaultReactionActive)
       report(Trouble::kFault, joint, error_code_[joint]);
-    const bool follows = waiting ? switched_on(joint) : now == State::kOperationEnabled;
-    if (due && !follows) report(Trouble::kNotEnabled, joint);
+    if (!due) continue;
+    const bool led = waiting ? switched_on(joint) : now == State::kOperationEnabled;
+    if (!led) report(Trouble::kNotEnabled, joint);
+    if (led && !waiting && !cia402::follows_command(words[joint])) report(Trouble::kNotFollowing, joint);
   }
-  enabled_ = enabled_ || (goal_ == Goal::kEnabled && all_in(State::kOperationEnabled));
+  enabled_ = enabled_ || (goal_ == Goal::kEnabled && all_follow);
 }
 
 void DriveGroup::command() {

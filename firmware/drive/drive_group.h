@@ -78,6 +78,8 @@ class DriveGroup {
   bool booted() const { return phase_ == Phase::kBooted && (all_joints() & ~heard_) == 0; }
   // Some drive has answered in the last cycle: the bus carries frames both ways.
   bool answering() const { return answering_; }
+  // The goal kEnabled is reached: every drive has been in operation enabled and followed its targets.
+  bool enabled() const { return enabled_; }
   // Every drive in this state, as each said last.
   bool all_in(canopen::cia402::State state) const;
   // None makes torque, as each said last.

@@ -15,6 +15,7 @@ enum class Trouble : std::uint8_t {
   kRestarted = 6,      // it booted up again on its own
   kFault = 7,          // it reports a fault, by statusword or emergency message
   kNotEnabled = 8,     // it did not reach operation enabled in time, or left it
+  kNotFollowing = 9,   // in operation enabled, but not in cyclic synchronous position mode
 };
 
 struct JointTrouble {

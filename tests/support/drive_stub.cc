@@ -59,7 +59,13 @@ std::uint16_t DriveStub::cycle(std::uint16_t next_controlword, std::int32_t next
   const bool stuck = !enables && state == State::kReadyToSwitchOn;
   if (state != State::kFault && !stuck) state = follow(state, controlword);
   if (state == State::kOperationEnabled) position = target;
-  return canopen::cia402::statusword_of(state);
+  return statusword();
+}
+
+std::uint16_t DriveStub::statusword() const {
+  const bool following = follows && state == State::kOperationEnabled;
+  return static_cast<std::uint16_t>(canopen::cia402::statusword_of(state) |
+                                    (following ? canopen::cia402::kFollowsCommand : 0u));
 }
 
 void DriveStub::on_nmt(const hal::CanFrame& frame, std::vector<hal::CanFrame>& answers) {
@@ -90,7 +96,7 @@ hal::CanFrame DriveStub::answer(const hal::CanFrame& request) {
 
 hal::CanFrame DriveStub::cyclic_answer() const {
   hal::CanFrame frame{.identifier = static_cast<std::uint16_t>(canopen::kTpdo1Base + node_id_), .size = 8};
-  canopen::store_u16(&frame.data[0], canopen::cia402::statusword_of(state));
+  canopen::store_u16(&frame.data[0], statusword());
   canopen::store_u32(&frame.data[2], static_cast<std::uint32_t>(position));
   return frame;
 }

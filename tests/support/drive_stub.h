@@ -42,6 +42,7 @@ class DriveStub {
   bool hangs = false;   // neither hears nor speaks
   bool enables = true;  // false: stays in ready to switch on
   bool answers_sdo = true;
+  bool follows = true;                            // false: has left cyclic synchronous position mode
   std::optional<canopen::ObjectAddress> refuses;  // the request for this object is aborted
   State state = State::kSwitchOnDisabled;
   std::int32_t position = 0;
@@ -51,6 +52,7 @@ class DriveStub {
  private:
   hal::CanFrame answer(const hal::CanFrame& request);
   void on_nmt(const hal::CanFrame& frame, std::vector<hal::CanFrame>& answers);
+  std::uint16_t statusword() const;
   hal::CanFrame cyclic_answer() const;
 
   std::uint8_t node_id_;

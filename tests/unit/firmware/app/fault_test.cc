@@ -94,6 +94,14 @@ TEST_F(ControllerFault, DoesNotLeadADriveBackThatDroppedOutOfOperation) {
   EXPECT_EQ(bench.drives[8].state, DriveState::kSwitchOnDisabled);
 }
 
+TEST_F(ControllerFault, NamesADriveThatNoLongerFollowsItsTargets) {
+  bench.drives[8].follows = false;
+  ASSERT_TRUE(bench.run_until(State::kFault, 21));
+  expect_trouble(Trouble::kNotFollowing, 8);
+  EXPECT_EQ(bench.drives[8].controlword, kQuickStop);
+  EXPECT_EQ(bench.drives[0].controlword, kQuickStop);
+}
+
 TEST_F(ControllerFault, KeepsTheFirstTroubleAndCountsOneFault) {
   bench.board.can.deliver(bench.drives[6].emergency(0x2310));
   ASSERT_TRUE(bench.run_until(State::kFault, 10));

@@ -162,6 +162,39 @@ TEST_F(DriveGroupTest, ReportsADriveThatLeavesOperationAtOnceAndDoesNotLeadItBac
   EXPECT_EQ(group.trouble().joint, 2);
 }
 
+TEST_F(DriveGroupTest, ReportsADriveThatNoLongerFollowsItsTargets) {
+  enable();
+  drives[2].follows = false;
+  cycle();
+  EXPECT_EQ(group.trouble().kind, Trouble::kNotFollowing);
+  EXPECT_EQ(group.trouble().joint, 2);
+}
+
+TEST_F(DriveGroupTest, IsEnabledOnlyOnceEveryDriveFollows) {
+  boot();
+  drives[2].follows = false;  // somebody has set another mode since the boot
+  group.set_goal(Goal::kEnabled, now_us);
+  cycles(50);
+  EXPECT_TRUE(group.all_in(cia402::State::kOperationEnabled));
+  EXPECT_FALSE(group.enabled());
+  EXPECT_FALSE(group.trouble());
+  cycles(2);
+  EXPECT_EQ(group.trouble().kind, Trouble::kNotFollowing);
+  EXPECT_EQ(group.trouble().joint, 2);
+}
+
+// Bit 12 of the statusword is clear in every other state than operation enabled.
+TEST_F(DriveGroupTest, ExpectsADriveToFollowOnlyInOperation) {
+  enable();
+  EXPECT_TRUE(group.enabled());
+  for (const Goal goal : {Goal::kQuickStop, Goal::kTorqueOff, Goal::kEnabled}) {
+    group.set_goal(goal, now_us);
+    cycles(10);
+    EXPECT_FALSE(group.trouble());
+  }
+  EXPECT_TRUE(group.enabled());
+}
+
 TEST_F(DriveGroupTest, CommandsAQuickStopOrTorqueOff) {
   enable();
   group.set_goal(Goal::kQuickStop, now_us);
