@@ -19,10 +19,9 @@ target_link_libraries(koboshi_options INTERFACE koboshi_headers)
 # What the firmware is compiled with besides, on every board: any float arithmetic is a hard error on the host. tests/proof
 # reads the types of all variables from the debug information.
 set(KOBOSHI_FIRMWARE_FLAGS -fno-exceptions -fno-rtti -fno-threadsafe-statics -g)
-if(CMAKE_SYSTEM_PROCESSOR STREQUAL "cortex-m4")  # -mfloat-abi=soft; the linked image has no function for it
-  # A guess at who is called through a pointer costs more than the call itself.
-  list(APPEND KOBOSHI_FIRMWARE_FLAGS -fno-devirtualize-speculatively)
-elseif(NOT CMAKE_CXX_CLANG_TIDY)  # clang cannot read the standard headers with it
+# Not for the target (-mfloat-abi=soft; the linked image has no function for it), nor for clang, which cannot read the standard
+# headers with it.
+if(NOT CMAKE_SYSTEM_PROCESSOR STREQUAL "cortex-m4" AND NOT CMAKE_CXX_CLANG_TIDY)
   list(APPEND KOBOSHI_FIRMWARE_FLAGS -mgeneral-regs-only)
 endif()
 add_library(koboshi_firmware_options INTERFACE)
@@ -43,12 +42,6 @@ function(koboshi_library name)
     target_link_libraries(${name} INTERFACE koboshi_headers ${arg_DEPS})
   endif()
   add_library(koboshi::${name} ALIAS ${name})
-endfunction()
-
-# koboshi_quick(LEVEL source ...): of this folder's firmware, what runs in each tick and gains by a higher level of optimisation. On a
-# target of 64 KiB all else is compiled for size; `koboshi target-report` shows what either does.
-function(koboshi_quick level)
-  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS ${level})
 endfunction()
 
 # koboshi_test(NAME LABEL label SOURCES ... [DEPS ...]) makes a GoogleTest program whose cases ctest runs under the label.

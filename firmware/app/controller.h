@@ -43,7 +43,7 @@ class Controller final : private canopen::NodeApplication {
   static constexpr std::uint8_t kLowReadings = 2'000'000 / drive::DriveGroup::kSupplyPeriod_us;
   static constexpr std::uint32_t kSensorStart_us = 500'000;  // how long sensors may take to speak first
 
-  [[gnu::cold]] explicit Controller(const hal::Board& board);
+  explicit Controller(const hal::Board& board);
 
   // Both are never inlined, so that they can be found in an image and measured.
   //
@@ -64,19 +64,19 @@ class Controller final : private canopen::NodeApplication {
   canopen::Domain* domain(canopen::ObjectAddress address) override;
   canopen::AbortCode on_store(canopen::ParameterGroup group) override;
   canopen::AbortCode on_restore(canopen::ParameterGroup group) override;
-  [[gnu::cold]] void on_reset(canopen::NmtCommand reset) override;
+  void on_reset(canopen::NmtCommand reset) override;
   bool starts_itself() override { return (values_.nmt_startup & kNoSelfStart) == 0; }
   void on_state(canopen::NmtState state) override;
   void on_rpdo(std::size_t number) override;
   void on_heartbeat(const canopen::HeartbeatEvent& event) override;
   void on_emergency(const canopen::Emergency& emergency) override { drives_.on_emergency(emergency); }
 
-  [[gnu::cold]] void start(std::uint64_t now_us);
-  [[gnu::cold]] void load_motions();
-  [[gnu::cold]] void forget_commands();
-  [[gnu::cold]] void load_parameters();
+  void start(std::uint64_t now_us);
+  void load_motions();
+  void forget_commands();
+  void load_parameters();
   std::span<const std::byte> motion_image(std::uint16_t number) const;
-  [[gnu::cold]] bool open_motion(std::uint16_t number, motion::Motion& motion) const;
+  bool open_motion(std::uint16_t number, motion::Motion& motion) const;
   void receive(std::uint64_t now_us);
   void read_inertial_unit(std::uint64_t now_us);
   void read_ankles(std::uint64_t now_us);
@@ -93,7 +93,7 @@ class Controller final : private canopen::NodeApplication {
   void estimate();
   void estimate_attitude();
   void calibrate_gyro(const balance::InertialSensor::Rates& raw);
-  [[gnu::cold]] void give_up_calibration();
+  void give_up_calibration();
   void estimate_balance();
 
   // Commands, as they arrive (commands.cc): why one is refused, kNone when it was obeyed.

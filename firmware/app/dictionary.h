@@ -134,6 +134,6 @@ canopen::PdoConfiguration drive_rpdo(std::size_t joint, std::uint8_t node_id);
 canopen::PdoConfiguration drive_tpdo(std::size_t joint, std::uint8_t node_id);
 // Gives the controller's node the PDOs and the heartbeat consumers of the model's drives, as after each
 // reset. The node must have room for kMaxJoints of each.
-[[gnu::cold]] void connect_drives(canopen::Node& node, const robot::RobotModel& model);
+void connect_drives(canopen::Node& node, const robot::RobotModel& model);
 
 }  // namespace koboshi::app

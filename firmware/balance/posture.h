@@ -23,7 +23,7 @@ class Posture {
   static constexpr std::size_t kLegs = 2;
 
   // The model must outlive this.
-  [[gnu::cold]] explicit Posture(const robot::RobotModel& model);
+  explicit Posture(const robot::RobotModel& model);
 
   // In each 100 Hz cycle. `angle_of` gives the angle of a joint of the model; it is asked only for those of
   // the limbs whose turn it is.
@@ -75,9 +75,9 @@ class Posture {
     std::uint8_t end = 0;
   };
 
-  [[gnu::cold]] Joint make_joint(std::size_t index, std::size_t first, std::size_t end) const;
+  Joint make_joint(std::size_t index, std::size_t first, std::size_t end) const;
   std::size_t collect_limb(std::size_t first, std::size_t root);
-  [[gnu::cold]] void collect_constants();
+  void collect_constants();
   void update_limb(std::size_t number);
   void turn(const Joint& joint, std::span<Raw> vectors) const;
   void turn_obliquely(const Joint& joint, std::span<Raw> vectors) const;

@@ -99,7 +99,7 @@ struct NodeMemory {
 class Node final : private ObjectServer {
  public:
   // All arguments must outlive the node. Silent until start().
-  [[gnu::cold]] Node(const NodeDescription& description, const NodeInstance& instance, NodeBuffers buffers,
+  Node(const NodeDescription& description, const NodeInstance& instance, NodeBuffers buffers,
                      FrameSink& sink, NodeApplication& application);
 
   // Power-on: reset, boot-up message, pre-operational; and operational if the owner wants that.
@@ -160,13 +160,13 @@ class Node final : private ObjectServer {
   std::uint16_t lost_frames() const { return queue_.lost(); }
 
  private:
-  [[gnu::cold]] void enter(NmtState state, std::uint64_t now_us);
-  [[gnu::cold]] void reset(NmtCommand reset, std::uint64_t now_us);
-  [[gnu::cold]] void load_defaults();
+  void enter(NmtState state, std::uint64_t now_us);
+  void reset(NmtCommand reset, std::uint64_t now_us);
+  void load_defaults();
   // True when the frame was of a service other than SYNC and PDO.
   bool serve(const hal::CanFrame& frame, std::uint64_t now_us);
   bool take_pdo(const hal::CanFrame& frame, std::uint64_t now_us);
-  [[gnu::cold]] void on_nmt(const hal::CanFrame& frame, std::uint64_t now_us);
+  void on_nmt(const hal::CanFrame& frame, std::uint64_t now_us);
   void on_sync(const hal::CanFrame& frame, std::uint64_t now_us);
   void on_heartbeat(const Heartbeat& heartbeat, std::uint64_t now_us);
   void on_rpdo(std::size_t number, const hal::CanFrame& frame, std::uint64_t now_us);

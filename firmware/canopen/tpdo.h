@@ -40,9 +40,9 @@ class TpdoSet {
   const Tpdo& operator[](std::size_t number) const { return pdos_[number]; }
 
   // To be called when record `number` has changed: what waited is dropped, its SYNCs are counted anew.
-  [[gnu::cold]] void on_changed(std::size_t number);
+  void on_changed(std::size_t number);
   // The node has become operational: counters and event timers begin anew.
-  [[gnu::cold]] void start(std::uint64_t now_us);
+  void start(std::uint64_t now_us);
   // An event: something in PDO `number` is worth telling.
   void request(std::size_t number, std::uint64_t now_us);
   // `counter` of the SYNC, 1..240; 0 when it carries none.
@@ -54,7 +54,7 @@ class TpdoSet {
 
  private:
   static void forget(Tpdo& pdo);
-  [[gnu::cold]] void watch();  // as telemetry is configured after a reset there is nothing to watch
+  void watch();  // as telemetry is configured after a reset there is nothing to watch
   static bool is_due(Tpdo& pdo, std::uint8_t counter);
   void send_due(std::uint64_t now_us);
   void send(Tpdo& pdo, std::uint64_t now_us);

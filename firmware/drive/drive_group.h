@@ -47,14 +47,14 @@ class DriveGroup {
 
   // Resets the drives, each by a message of its own, which takes them out of any fault, and boots them;
   // forgets every trouble. What a drive said before its boot-up message counts no more.
-  [[gnu::cold]] void boot();
+  void boot();
   void set_goal(Goal goal, std::uint64_t now_us);
 
   void on_frame(const hal::CanFrame& frame) { client_.on_frame(frame); }
   void on_heartbeat(const canopen::HeartbeatEvent& event);
   // A warning about communication is only kept: what is lost shows in missing answers, and a drive that is
   // stopped says so in its statusword.
-  [[gnu::cold]] void on_emergency(const canopen::Emergency& emergency);
+  void on_emergency(const canopen::Emergency& emergency);
   // Statusword and position of the joint's drive have come. Answers to the SYNCs before a boot are none.
   void on_answer(std::size_t joint) { answered_ |= std::uint32_t{phase_ >= Phase::kStarting} << joint; }
   // Booting and its time-outs; at 1 kHz.
@@ -71,7 +71,7 @@ class DriveGroup {
   // Where the joint is, as its drive said last. Meaningful once booted.
   fixed::Angle angle(std::size_t joint) const;
   // Its drive's encoder within the joint's limits, give or take `margin`.
-  [[gnu::cold]] bool within_limits(std::size_t joint, fixed::Angle margin) const;
+  bool within_limits(std::size_t joint, fixed::Angle margin) const;
 
   // Every drive has its configuration and was told to start; `booted` once each has also answered a SYNC.
   bool configured() const { return phase_ == Phase::kBooted; }
@@ -104,11 +104,11 @@ class DriveGroup {
   bool send(canopen::NmtCommand command, std::uint8_t node_id);
   bool send_to_each(canopen::NmtCommand command);
   void on_boot_up(std::size_t joint);
-  [[gnu::cold]] void start(Starting starting);
+  void start(Starting starting);
   bool find(std::uint8_t node_id, std::size_t& joint) const;
-  [[gnu::cold]] void report(Trouble trouble, std::size_t joint, std::uint16_t error_code = 0);
-  [[gnu::cold]] void await_boot_ups(std::uint64_t now_us);
-  [[gnu::cold]] void configure(std::uint64_t now_us);
+  void report(Trouble trouble, std::size_t joint, std::uint16_t error_code = 0);
+  void await_boot_ups(std::uint64_t now_us);
+  void configure(std::uint64_t now_us);
   void read_supply(std::uint64_t now_us);
   void watch_answers();
   void count_missed();

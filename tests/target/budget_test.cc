@@ -13,9 +13,9 @@
 namespace koboshi::tools {
 namespace {
 
-constexpr std::uint32_t kMean = 20'000;  // instructions in the 10 ms of a tick, while the robot moves
-constexpr std::uint32_t kWorst = 35'000;
-constexpr std::uint32_t kStack_bytes = 2048;
+constexpr std::uint32_t kMean = 60'000;  // instructions in the 10 ms of a tick, while the robot moves
+constexpr std::uint32_t kWorst = 100'000;
+constexpr std::uint32_t kStack_bytes = 3072;
 
 // The firmware's instructions in each tick: of the tick and of the ten service calls up to it.
 struct Ticks {

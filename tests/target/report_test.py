@@ -30,8 +30,8 @@ class Report(unittest.TestCase):
 
     def test_keeps_the_budget_while_moving(self):
         moving = self.figures["while_moving"]
-        self.assertLessEqual(moving["mean"], 20_000)
-        self.assertLessEqual(moving["max"], 35_000)
+        self.assertLessEqual(moving["mean"], 60_000)
+        self.assertLessEqual(moving["max"], 100_000)
         self.assertGreater(moving["mean"], 1_000)  # less would mean that not all was counted
 
     def test_has_parts_that_make_up_the_whole(self):
@@ -48,9 +48,9 @@ class Report(unittest.TestCase):
         self.assertGreater(self.figures["stack_peak_bytes"], self.figures["stack_bytes"] / 2)
 
     def test_keeps_flash_and_ram_small(self):
-        self.assertLessEqual(self.figures["flash_bytes"], 64 * 1024)
-        self.assertLessEqual(self.figures["ram_bytes"], 24 * 1024)
-        self.assertLessEqual(self.figures["stack_bytes"], 2 * 1024)
+        self.assertLessEqual(self.figures["flash_bytes"], 128 * 1024)
+        self.assertLessEqual(self.figures["ram_bytes"], 32 * 1024)
+        self.assertLessEqual(self.figures["stack_bytes"], 3 * 1024)
         for key in ("flash_bytes", "ram_bytes"):
             self.assertEqual(sum(folder[key] for folder in self.figures["by_folder"].values()), self.figures[key])
 

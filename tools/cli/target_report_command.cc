@@ -14,7 +14,7 @@ namespace koboshi::tools {
 namespace {
 
 struct TargetReportArguments {
-  std::filesystem::path scenario = "scenarios/walk.yaml";
+  std::filesystem::path scenario = "scenarios/go.yaml";
   std::filesystem::path image;
   std::filesystem::path page;
   bool json = false;

@@ -35,6 +35,12 @@ def entry_points(image, graph):
     return found
 
 
+def budget(elf):
+    """What the linker script has room for."""
+    values = {words[2]: int(words[0], 16) for words in map(str.split, target_image.tool("nm", elf).splitlines()) if len(words) == 3}
+    return {f"{name}_bytes": values[f"image_{name}_size"] for name in ("flash", "ram", "stack")}
+
+
 def code(image):
     """Stretches of code by the functions of the source that they are of, the innermost of those inlined first."""
     found = []
@@ -63,7 +69,8 @@ def describe(image):
         "ram_bytes": target_image.total_bytes(image.elf, target_image.RAM_SECTIONS),
         # A fault can come at the deepest point. Its handler starts the stack anew, but the core has pushed its frame by then.
         "stack_bytes": worst + call_graph.EXCEPTION_BYTES,
-        "by_folder": target_image.bytes_by_folder(image),
+        "budget": budget(image.elf),
+        "by_folder": target_image.bytes_by_folder(f"{image.elf}.map"),
         "by_entry_point": by_entry_point,
         "code": code(image),
     }

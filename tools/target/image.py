@@ -4,8 +4,8 @@ The calls are read from the disassembly of the image itself, so that inlining, t
 as they are. The stack of a function is what GCC says of it (-fcallgraph-info=su,da); of library code, which was compiled
 without that, what its pushes add up to.
 
-The image is optimised as a whole: a function of the image holds those that were inlined into it, from any folder. Which of
-them wrote an instruction is read from the debug information.
+A function of the image holds those that were inlined into it. Which of them an instruction is of is read from the debug
+information.
 """
 
 import bisect
@@ -130,14 +130,14 @@ def pushed(mnemonic, operands):
     return 0
 
 
-def read_symbols(elf, kind):
-    """{address: {(mangled, demangled)}} of all that are FUNC or OBJECT."""
+def read_symbols(elf):
+    """{address: {(mangled, demangled)}} of functions."""
     found = defaultdict(set)
     table = [line.split() for line in tool("readelf", "-sW", elf).splitlines()]
-    mangled = [words for words in table if len(words) >= 8 and words[3] == kind]
+    mangled = [words for words in table if len(words) >= 8 and words[3] == "FUNC"]
     names = "".join(words[7] + "\n" for words in mangled)
     for words, name in zip(mangled, run_with_input("c++filt", names)):
-        found[int(words[1], 16) & (~1 if kind == "FUNC" else ~0)].add((words[7], name))
+        found[int(words[1], 16) & ~1].add((words[7], name))
     return found
 
 
@@ -163,7 +163,7 @@ def read_sources(elf, functions):
 
 def disassemble(elf):
     """{address: Function} of everything in .text that is executed."""
-    symbols = read_symbols(elf, "FUNC")
+    symbols = read_symbols(elf)
     functions, current = {}, None
     for line in tool("objdump", "-d", elf).splitlines():
         if match := HEADER.match(line):
@@ -228,14 +228,18 @@ def words(elf, section):
     return found
 
 
-class Image:
-    """An image with what its link has left beside it: the .ci file of its one unit, and the linker's map."""
+def ci_files(build_folder):
+    """Of the firmware and its board, without the programs beside them."""
+    return [path for folder in ("firmware", "hal") for path in sorted(pathlib.Path(build_folder, folder).rglob("*.ci"))]
 
-    def __init__(self, elf):
+
+class Image:
+    """An image with the .ci files of what was compiled for it; the linker's map lies beside it."""
+
+    def __init__(self, elf, ci_files):
         self.elf = pathlib.Path(elf)
         self.functions = disassemble(elf)
-        self.objects = {address: sorted(names)[0][1] for address, names in read_symbols(elf, "OBJECT").items()}
-        frames = read_stack(sorted(self.elf.parent.glob(f"{self.elf.name}.*.ci")))
+        frames = read_stack(ci_files)
         for function in self.functions.values():
             known = [frames[name] for name in function.names if name in frames]
             function.frame_bytes = max([function.pushed_bytes, *(size for size, _ in known)])
@@ -244,7 +248,7 @@ class Image:
 
     @classmethod
     def of_build(cls, build_folder):
-        return cls(pathlib.Path(build_folder) / "bin/koboshi.elf")
+        return cls(pathlib.Path(build_folder) / "bin/koboshi.elf", ci_files(build_folder))
 
     def named(self, short_name):
         """All functions of that name: overloads, and thunks to them."""
@@ -255,11 +259,20 @@ class Image:
 
 MAP_LINE = re.compile(r"^ (?P<section>\.\S+|\*fill\*)?\s+0x(?P<address>[0-9a-f]+)\s+0x(?P<size>[0-9a-f]+)(?: (?P<file>\S+))?")
 OUTPUT_SECTION = re.compile(r"^(?P<name>\.\S+)")
-SCOPE = re.compile(r"^(vtable|guard variable) for |\(anonymous namespace\)::")
 
 
-def mapped(map_file):
-    """(output section, section, address, size, file) of each piece of the image, from the linker's map."""
+def folder_of(file):
+    """firmware/app of firmware/app/libfirmware_app.a(controller.cc.obj), libgcc of the compiler's library."""
+    if not file:
+        return "(padding)"
+    if match := re.match(r"/.*/lib(\w+)\.a\(", file):
+        return "lib" + match[1]
+    return "/".join(part for part in pathlib.PurePath(file.split("(")[0]).parts[:-1] if part != "CMakeFiles" and "." not in part)
+
+
+def bytes_by_folder(map_file):
+    """{folder: {"flash_bytes": n, "ram_bytes": n}}: what the linker placed, by the library or program that it is from."""
+    result = defaultdict(lambda: {"flash_bytes": 0, "ram_bytes": 0})
     lines = pathlib.Path(map_file).read_text().split("Linker script and memory map", 1)[1].splitlines()
     joined = re.sub(r"\n( \.\S+)\n {10,}", r"\n\1 ", "\n" + "\n".join(lines))  # long names stand on a line of their own
     output = None
@@ -267,71 +280,11 @@ def mapped(map_file):
         if match := OUTPUT_SECTION.match(line):
             output = match["name"]
         match = MAP_LINE.match(line)
-        if match and match["section"] and (match["file"] or match["section"] == "*fill*"):
-            yield output, match["section"], int(match["address"], 16), int(match["size"], 16), match["file"]
-
-
-def folder_of(file):
-    """firmware/app of firmware/app/controller.cc, libgcc of the compiler's library, libstdc++ of its headers."""
-    if match := re.match(r"/.*/lib(\w+)\.a\(", file):
-        return "lib" + match[1]
-    return "libstdc++" if "/c++/" in file else str(pathlib.PurePath(file).parent)
-
-
-class Folders:
-    """The folders of the sources that an image's bytes come from."""
-
-    def __init__(self, image):
-        self.image = image
-        self.starts = sorted(image.functions)
-        self.of_scope = defaultdict(lambda: defaultdict(int))  # {namespace, class or function: {folder: bytes of code}}
-        for function in image.functions.values():
-            for instruction in function.instructions:
-                for frame in instruction.frames[-1:]:
-                    parts = re.sub(r"\(anonymous\)::", "", frame.name).split("::")
-                    for count in range(1, len(parts) + 1):
-                        self.of_scope["::".join(parts[:count])][folder_of(frame.file)] += instruction.size
-
-    def of_code(self, address, size):
-        """{folder: bytes} of the functions there. Constants between instructions belong to the function that they are in."""
-        result = defaultdict(int)
-        first, last = bisect.bisect_left(self.starts, address), bisect.bisect_left(self.starts, address + size)
-        for number in range(first, last):
-            function = self.image.functions[self.starts[number]]
-            end = self.starts[number + 1] if number + 1 < last else address + size
-            for instruction in function.instructions:
-                result[folder_of(instruction.origins()[0].file)] += instruction.size
-            rest = end - function.address - sum(instruction.size for instruction in function.instructions)
-            result[folder_of(function.instructions[0].frames[-1].file)] += rest
-        return result
-
-    def of_data(self, address):
-        """Of an object, where the code of the function, the class or the namespace is that it is in."""
-        parts = short(SCOPE.sub("", self.image.objects.get(address, ""))).split("::")
-        for count in range(len(parts), 0, -1):
-            if folders := self.of_scope.get("::".join(parts[:count])):
-                return min(folders, key=lambda folder: (folder.count("/"), -folders[folder]))
-        return "(constants)"
-
-
-def bytes_by_folder(image):
-    """{folder: {"flash_bytes": n, "ram_bytes": n}}: what the linker placed, split by the sources of its instructions."""
-    result = defaultdict(lambda: {"flash_bytes": 0, "ram_bytes": 0})
-    folders = Folders(image)
-    for output, section, address, size, file in mapped(f"{image.elf}.map"):
-        if output == ".stack":
-            shares = {"(stack)": size}
-        elif section == "*fill*":
-            shares = {"(padding)": size}
-        elif file.startswith("/") and ".a(" in file:
-            shares = {folder_of(file): size}
-        elif section.startswith(".text"):
-            shares = folders.of_code(address, size)
-        else:
-            shares = {folders.of_data(address): size}
-        for folder, share in shares.items():
-            if output in FLASH_SECTIONS:
-                result[folder]["flash_bytes"] += share
-            if output in RAM_SECTIONS:
-                result[folder]["ram_bytes"] += share
+        if not match or not match["section"] or not (match["file"] or match["section"] == "*fill*"):
+            continue
+        folder = "(stack)" if output == ".stack" else folder_of(match["file"])
+        if output in FLASH_SECTIONS:
+            result[folder]["flash_bytes"] += int(match["size"], 16)
+        if output in RAM_SECTIONS:
+            result[folder]["ram_bytes"] += int(match["size"], 16)
     return {folder: sizes for folder, sizes in sorted(result.items()) if any(sizes.values())}
