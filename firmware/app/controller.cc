@@ -43,7 +43,6 @@ Controller::Controller(const hal::Board& board)
       sensor_nodes_(board.sensor_nodes, node_.sink()),
       inertial_(model_),
       feedback_(model_),
-      posture_(model_),
       foot_sensors_{balance::FootSensor(model_, hal::Side::kLeft),
                     balance::FootSensor(model_, hal::Side::kRight)},
       interpreter_(model_, attitude_.up_B()),

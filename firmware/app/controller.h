@@ -179,7 +179,6 @@ class Controller final : private canopen::NodeApplication {
   bool calibrating_ = false;  // the next second of rest is for the parameters too
   balance::AttitudeEstimator attitude_;
   balance::Feedback feedback_;
-  balance::Posture posture_;
   std::array<balance::FootSensor, 2> foot_sensors_;  // by Side
   motion::Interpreter interpreter_;
   walk::Walker walker_;

@@ -51,7 +51,9 @@ void Controller::give_up_calibration() {
 }
 
 void Controller::estimate_balance() {
-  posture_.update([this](std::size_t joint) { return drives_.angle(joint); });
+  Angles angles{};
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) angles[joint] = drives_.angle(joint);
+  const balance::Posture posture = balance::posture_at(model_, angles);
 
   auto& shown = values_.balance;
   std::array<balance::FootPressure, 2> feet;
@@ -61,10 +63,10 @@ void Controller::estimate_balance() {
     shown.foot_zmp[side][0] = narrow(feet[side].x);
     shown.foot_zmp[side][1] = narrow(feet[side].y);
   }
-  const balance::Pressure both = balance::combine(feet, posture_);
+  const balance::Pressure both = balance::combine(feet, posture);
   shown.zmp[0] = narrow(both.x);
   shown.zmp[1] = narrow(both.y);
-  const robot::Position com = posture_.centre_of_mass(both.frame);
+  const robot::Position com = posture.centre_of_mass(both.frame);
   shown.com[0] = narrow(com.x);
   shown.com[1] = narrow(com.y);
   shown.com[2] = narrow(com.z);

@@ -30,16 +30,6 @@ Length lever(Torque torque, Force force, Length arm, Force load) {
   return Length::from_wide_raw(fixed::divide_rounded(moment_raw, load.raw()));
 }
 
-// A point of the sole's plane, in the trunk's frame.
-Position in_trunk(const Posture::Sole& sole, const FootPressure& foot) {
-  const auto& [x, y, z] = sole.R_SoleB.rows;
-  const auto coordinate = [&](Ratio x_axis, Ratio y_axis) {
-    return fixed::from_product_raw<Length, Length, Ratio>(std::int64_t{foot.x.raw()} * x_axis.raw() +
-                                                          std::int64_t{foot.y.raw()} * y_axis.raw());
-  };
-  return sole.p_BSole + Position{coordinate(x.x, y.x), coordinate(x.y, y.y), coordinate(x.z, y.z)};
-}
-
 }  // namespace
 
 FootSensor::FootSensor(const robot::RobotModel& model, hal::Side side)
@@ -72,12 +62,14 @@ Pressure combine(const std::array<FootPressure, 2>& feet, const Posture& posture
   const FootPressure& other = feet[right ? 0 : 1];
   Pressure both{right ? hal::Side::kRight : hal::Side::kLeft, main.valid, main.x, main.y};
   if (!other.valid) return both;
-  const Posture::Sole& sole = posture.sole(both.frame);
-  const Position p_BZmp = in_trunk(posture.sole(right ? hal::Side::kLeft : hal::Side::kRight), other);
-  const Position p_SoleZmp_B = p_BZmp - sole.p_BSole;
+  // From the frame of the other sole O to that of the main one M.
+  const robot::Pose& X_BM = posture.sole(both.frame);
+  const robot::Pose& X_BO = posture.sole(right ? hal::Side::kLeft : hal::Side::kRight);
+  const Position p_BZmp = X_BO.p + X_BO.R * Position{other.x, other.y, {}};
+  const Position p_MZmp = robot::transpose(X_BM.R) * (p_BZmp - X_BM.p);
   const Ratio share = fixed::quotient<Ratio>(other.load, main.load + other.load);
-  both.x = fixed::interpolate(main.x, robot::dot(sole.R_SoleB.rows[0], p_SoleZmp_B), share);
-  both.y = fixed::interpolate(main.y, robot::dot(sole.R_SoleB.rows[1], p_SoleZmp_B), share);
+  both.x = fixed::interpolate(main.x, p_MZmp.x, share);
+  both.y = fixed::interpolate(main.y, p_MZmp.y, share);
   return both;
 }
 

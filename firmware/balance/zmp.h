@@ -53,7 +53,7 @@ class FootSensor {
   fixed::Torque weight_y_;
 };
 
-// Both feet, weighted with their loads. `feet` and `soles` of the posture by Side.
+// Both feet, weighted with their loads. `feet` by Side.
 Pressure combine(const std::array<FootPressure, 2>& feet, const Posture& posture);
 
 }  // namespace koboshi::balance

@@ -26,7 +26,7 @@ struct RandomPosture {
     return loaded;
   }
 
-  // A new pose; the posture has seen all of it.
+  // Draws a new pose.
   void draw() {
     for (std::size_t i = 0; i < model.joint_count; ++i) {
       const double lower_rad = fixed::to_double(model.joints[i].lower);
@@ -35,11 +35,7 @@ struct RandomPosture {
           fixed::from_double<fixed::Angle>(std::uniform_real_distribution(lower_rad, upper_rad)(random));
       angles_rad[i] = fixed::to_double(angles[i]);
     }
-    for (int cycle = 0; cycle < 6; ++cycle) update();
-  }
-
-  void update() {
-    posture.update([this](std::size_t joint) { return angles[joint]; });
+    posture = balance::posture_at(model, angles);
   }
 
   Point com_B() const { return centre_of_mass(model, angles_rad); }
@@ -54,7 +50,7 @@ struct RandomPosture {
   std::mt19937 random{20081};
   std::array<fixed::Angle, robot::kMaxJoints> angles{};
   std::array<double, robot::kMaxJoints> angles_rad{};
-  balance::Posture posture{model};
+  balance::Posture posture;
 };
 
 }  // namespace koboshi::test
