@@ -116,8 +116,12 @@ TEST(Reset, IsObeyedInEachMillisecondOfTheCycle) {
   for (std::uint64_t i = 0; i < 2 * kPhases; ++i) {
     const std::uint64_t from_us = (1 + i) * kPeriod_us;
     if (i < kPhases) {
-      scenario.faults.push_back(
-          {.at_us = from_us, .duration_us = 100'000, .kind = Kind::kControllerStop, .target = {}});
+      scenario.faults.push_back({.at_us = from_us,
+                                 .duration_us = 100'000,
+                                 .kind = Kind::kControllerStop,
+                                 .target = {},
+                                 .frames = {},
+                                 .babble = {}});
     } else {
       scenario.commands.push_back({.at_us = from_us, .kind = sim::Command::Kind::kEmergencyStop});
     }

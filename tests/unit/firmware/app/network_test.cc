@@ -19,7 +19,7 @@ using test::ControllerBench;
 using test::SdoPc;
 
 constexpr canopen::ObjectAddress kNmtStartup{kNmtStartupObject, 0};
-constexpr canopen::ObjectAddress kLowestSupply{0x2100, 1};
+constexpr canopen::ObjectAddress kStoredParameter{0x2100, 1};
 constexpr std::uint8_t kAll = 0;
 constexpr std::uint16_t kHeartbeatOfController = 0x701;
 constexpr std::uint16_t kSync = 0x080;
@@ -79,12 +79,12 @@ class ControllerNetwork : public testing::Test {
   SdoPc pc{bench};
 };
 
-constexpr State kStates[] = {State::kBoot,    State::kLimp,  State::kStanding,     State::kMotion,
-                             State::kWalking, State::kFault, State::kEmergencyStop};
+constexpr State kStatesToReset[] = {State::kBoot,    State::kLimp,  State::kStanding,     State::kMotion,
+                                    State::kWalking, State::kFault, State::kEmergencyStop};
 
 // CiA 301, 7.3.2.2: from every state, in each millisecond of the cycle.
 TEST_F(ControllerNetwork, AnNmtResetIsPowerOnOnceMore) {
-  for (const State state : kStates) {
+  for (const State state : kStatesToReset) {
     for (int phase_ms = 0; phase_ms < 10; ++phase_ms) {
       const NmtCommand reset = phase_ms % 2 == 0 ? NmtCommand::kResetNode : NmtCommand::kResetCommunication;
       SCOPED_TRACE(testing::Message()
@@ -116,7 +116,7 @@ TEST_F(ControllerNetwork, AnNmtResetOfAllNodesEndsInTheSameWay) {
 
 TEST_F(ControllerNetwork, AResetOfTheNodeGivesARobotThatStoodItsSavedParameters) {
   ASSERT_TRUE(bench.run_until_standing());
-  ASSERT_EQ(pc.write(kLowestSupply, 6'500, 2), AbortCode::kNone);
+  ASSERT_EQ(pc.write(kStoredParameter, 6'500, 2), AbortCode::kNone);
   order(NmtCommand::kResetCommunication);
   EXPECT_EQ(bench.values().parameters.supply_min_mV, 6'500);
   order(NmtCommand::kResetNode);
