@@ -77,14 +77,15 @@ class ReportGaps(Folder):
         add_test(NAME passing COMMAND true)
         add_test(NAME failing COMMAND false)
         add_test(NAME of_shell COMMAND sh -c "seq 2000; echo 'skipped: no <moon>'; exit 77")
-        add_test(NAME of_gtest COMMAND printf "[ RUN      ] A.B\\na.cc:1: Skipped\\nno sun\\n[  SKIPPED ] A.B (0 ms)\\n")
-        add_test(NAME of_program COMMAND printf "[  SKIPPED ] no earth\\n")
+        add_test(NAME "A.B/0  # GetParam() = 1" COMMAND printf "[ RUN      ] A.B\\na.cc:1: Skipped\\nno sun\\n\\n[  SKIPPED ] A.B (0 ms)\\n\
+            [  SKIPPED ] 1 test, listed below:\\n[  SKIPPED ] A.B\\n")
+        add_test(NAME of_program COMMAND printf "[  SKIPPED ] a.cc:1: Skipped\\nno earth\\n")
         add_test(NAME of_another COMMAND printf "[  SKIPPED ] a.cc:1: Skipped\\nno earth\\n")
         add_test(NAME silent COMMAND sh -c "exit 77")
         add_test(NAME disabled COMMAND true)
         add_test(NAME missing COMMAND no_such_program)
         set_tests_properties(of_shell silent PROPERTIES SKIP_RETURN_CODE 77)
-        set_tests_properties(of_gtest of_program of_another PROPERTIES SKIP_REGULAR_EXPRESSION "\\\\[  SKIPPED \\\\]")
+        set_tests_properties("A.B/0  # GetParam() = 1" of_program of_another PROPERTIES SKIP_REGULAR_EXPRESSION "\\\\[  SKIPPED \\\\]")
         set_tests_properties(disabled PROPERTIES DISABLED ON)
         """
 
@@ -107,7 +108,7 @@ class ReportGaps(Folder):
         return run("report_gaps.py", report, self.folder / "left", **variables)
 
     def test_tells_of_each_skip_and_its_reason(self):
-        expected = ["Skipped: of_shell: no <moon>", "Skipped: of_gtest: no sun", "Skipped: of_program, of_another: no earth",
+        expected = ["Skipped: of_shell: no <moon>", "Skipped: A.B/0: no sun", "Skipped: of_program, of_another: no earth",
                     "Skipped: silent: no reason given", "Skipped: disabled: disabled"]
         status, output = self.report(".")
         self.assertEqual((status, output.splitlines()), (0, expected))

@@ -11,8 +11,7 @@ import xml.etree.ElementTree
 # What is not here is a failure, which CTest reports itself.
 SKIPS = re.compile("SKIP_RETURN_CODE|SKIP_REGULAR_EXPRESSION|Disabled")
 REASONS = (re.compile(r"^skipped: (.+)$", re.MULTILINE),  # run_test.py, shell
-           re.compile(r": Skipped\n(.+)$", re.MULTILINE),  # GTEST_SKIP
-           re.compile(r"^\[  SKIPPED \] (?!.* \(\d+ ms\)$|.*: Skipped$)(.+)$", re.MULTILINE))  # of a whole program
+           re.compile(r": Skipped\n(.+)$", re.MULTILINE))  # GTEST_SKIP
 
 
 def skipped(report):
@@ -20,12 +19,13 @@ def skipped(report):
     tests = collections.defaultdict(list)
     for case in xml.etree.ElementTree.parse(report).iter("testcase"):
         mark = case.find("skipped")
+        name = case.get("name").partition("  # GetParam()")[0]
         if case.get("status") == "disabled":
-            tests["disabled"].append(case.get("name"))
+            tests["disabled"].append(name)
         elif mark is not None and SKIPS.search(mark.get("message")):
             output = case.findtext("system-out") or ""
             reasons = dict.fromkeys(reason for pattern in REASONS for reason in pattern.findall(output))
-            tests["; ".join(reasons) or "no reason given"].append(case.get("name"))
+            tests["; ".join(reasons) or "no reason given"].append(name)
     return tests
 
 
