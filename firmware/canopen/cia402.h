@@ -33,13 +33,16 @@ inline constexpr std::uint16_t kCurrentActual = 0x6078;  // per mille of the rat
 inline constexpr std::uint16_t kSupplyVoltage = 0x6079;  // mV
 inline constexpr std::uint16_t kTargetPosition = 0x607A;
 inline constexpr std::uint16_t kSoftwarePositionLimit = 0x607D;
+inline constexpr std::uint16_t kMaxMotorSpeed = 0x6080;  // r/min
 inline constexpr std::uint16_t kProfileVelocity = 0x6081;
 inline constexpr std::uint16_t kProfileAcceleration = 0x6083;
 inline constexpr std::uint16_t kProfileDeceleration = 0x6084;
 inline constexpr std::uint16_t kQuickStopDeceleration = 0x6085;
 inline constexpr std::uint16_t kMotionProfileType = 0x6086;
 inline constexpr std::uint16_t kInterpolationTimePeriod = 0x60C2;
+inline constexpr std::uint16_t kMaxAcceleration = 0x60C5;
 inline constexpr std::uint16_t kFollowingErrorActual = 0x60F4;
+inline constexpr std::uint16_t kPositionDemandInternal = 0x60FC;
 inline constexpr std::uint16_t kSupportedDriveModes = 0x6502;
 
 inline constexpr std::int8_t kNoMode = 0;
@@ -66,6 +69,7 @@ constexpr bool stays_in_quick_stop(std::int16_t option) { return option > kStayI
 inline constexpr std::uint16_t kErrorOverCurrent = 0x2310;   // continuous, at the device's output
 inline constexpr std::uint16_t kErrorUnderVoltage = 0x3220;  // of the DC link
 inline constexpr std::uint16_t kErrorTemperature = 0x4310;   // excess temperature of the drive
+inline constexpr std::uint16_t kErrorParameter = 0x6320;     // parameters that contradict each other
 inline constexpr std::uint16_t kErrorEncoder = 0x7305;       // incremental sensor 1
 inline constexpr std::uint16_t kErrorFollowing = 0x8611;
 inline constexpr std::uint16_t kErrorHeartbeatLost = 0x8130;
@@ -86,6 +90,7 @@ enum class State : std::uint8_t {
 inline constexpr std::uint16_t kVoltageEnabled = 1u << 4;
 inline constexpr std::uint16_t kRemote = 1u << 9;
 inline constexpr std::uint16_t kTargetReached = 1u << 10;        // profile position mode
+inline constexpr std::uint16_t kInternalLimit = 1u << 11;        // the drive holds back
 inline constexpr std::uint16_t kFollowsCommand = 1u << 12;       // cyclic synchronous modes
 inline constexpr std::uint16_t kSetPointAcknowledge = 1u << 12;  // profile position mode
 inline constexpr std::uint16_t kFollowingError = 1u << 13;       // position modes

@@ -40,6 +40,7 @@ inline constexpr ValueName kErrorCodeNames[] = {
     value_name(cia402::kErrorUnderVoltage, "under-voltage"),
     value_name(cia402::kErrorTemperature, "drive too hot"),
     value_name(error_code::kDataSet, "data set"),
+    value_name(cia402::kErrorParameter, "contradictory parameters"),
     value_name(cia402::kErrorEncoder, "encoder"),
     value_name(error_code::kCanOverrun, "CAN overrun"),
     value_name(error_code::kCanErrorPassive, "CAN error passive"),
@@ -81,10 +82,10 @@ inline constexpr std::string_view kTorqueOffStateNames[] = {
 };
 
 // Whole statuswords, since a value's name cannot leave bits out: the states with the bits that go with them,
-// and with the drive-enable line high or low.
+// and with the drive-enable line high or low; the last is operation enabled with a limit that is active.
 inline constexpr auto kStatuswordNames = [] {
   constexpr std::size_t kStates = std::size(kStateNames);
-  std::array<ValueName, 2 * kStates> names{};
+  std::array<ValueName, 2 * kStates + 1> names{};
   for (std::uint8_t number = 0; number < kStates; ++number) {
     const auto state = static_cast<State>(number);
     const bool enabled = state == State::kOperationEnabled;
@@ -94,6 +95,7 @@ inline constexpr auto kStatuswordNames = [] {
                           (enabled ? kFollowsCommand : 0u);
     names[number] = value_name(word, kStateNames[number]);
     names[kStates + number] = value_name(word | kTorqueOff, kTorqueOffStateNames[number]);
+    if (enabled) names.back() = value_name(word | kInternalLimit, "operation enabled, limit active");
   }
   return names;
 }();

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "firmware/canopen/cia402.h"
 #include "firmware/canopen/emergency.h"
+#include "sim_board/servo/motion_limits.h"
 
 namespace koboshi::sim {
 namespace {
@@ -136,7 +138,9 @@ void Drive::run_loop() {
   watch_servo();
   watch_position();
   finish_stop();
+  if (!limits_contradict(values_)) report_parameters(false);
   show();
+  if (limited() && values_.limited_ms < std::numeric_limits<std::uint32_t>::max()) ++values_.limited_ms;
 }
 
 void Drive::measure() {
@@ -166,6 +170,7 @@ void Drive::on_reset(NmtCommand reset) {
   state_ = DriveStateMachine();
   state_.initialised();
   profile_.restart(0, 0);
+  target_limited_ = false;
   watch_.restart();
   show();
 }

@@ -73,6 +73,9 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   void on_heartbeat(const canopen::HeartbeatEvent& event) override;
 
   void obey(std::uint16_t controlword);
+  void check_parameters(canopen::cia402::State before);
+  void report_parameters(bool contradict);
+  void restart_motion(std::uint16_t controlword);
   void fault(std::uint16_t error_code, std::uint8_t register_bits);
   // What 0x6007 asks for when the controller is lost, or takes the node out of operational.
   void abort_connection(std::uint16_t error_code);
@@ -91,6 +94,7 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   void watch_position();
   void measure();
   void follow_target();
+  bool limited() const;
   std::uint16_t mode_bits() const;  // of the statusword
   void show();
 
@@ -103,6 +107,7 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   DriveStateMachine state_;
   std::optional<std::uint16_t> leaving_by_;  // the controlword that takes effect at the end of a ramp
   PositionDemand demand_;
+  bool target_limited_ = false;  // the last one of a cyclic mode
   ProfilePosition profile_;
   PositionWatch watch_;
   VelocityEstimate velocity_;

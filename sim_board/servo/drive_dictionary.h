@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <limits>
 
@@ -12,6 +11,16 @@ namespace koboshi::sim {
 
 // 0x6065 and 0x6067: nothing is watched.
 inline constexpr std::uint32_t kWindowOff = 0xFFFF'FFFF;
+
+// The most that a drive does before anybody has told it otherwise. The targets that the controller sent in
+// the scenarios of the repository, at a cycle of 10 ms, asked for at most 14.8 degrees in a cycle (the knees
+// in a fall, scenarios/get_up.yaml), which is 1,480 degrees/s, and for a change from one cycle to the next
+// of 19.6 degrees, which is 196,000 degrees/s^2 (measured in November 2026 from their can.log). These are 1.7
+// times as much, for falls and pushes that no scenario has. All are beyond what a motor can do: the demand
+// may run ahead of the shaft, which has the whole voltage from an error of some degrees on.
+inline constexpr std::uint32_t kDefaultCyclicStep = 75'000;              // 25.7 degrees
+inline constexpr std::uint32_t kDefaultMotorSpeed_rpm = 420;             // 2,520 degrees/s
+inline constexpr std::uint32_t kDefaultMaxAcceleration = 1'000'000'000;  // 343,000 degrees/s^2
 
 // The values behind a drive's object dictionary, CiA 402. Positions in 2^-20 turn of the shaft.
 struct DriveValues {
@@ -43,28 +52,27 @@ struct DriveValues {
   // 0x607D: lowest, highest; none before the controller has set them
   std::int32_t position_limit[2] = {std::numeric_limits<std::int32_t>::min(),
                                     std::numeric_limits<std::int32_t>::max()};
-  std::uint32_t profile_velocity = 0;         // 0x6081: 2^-20 turn/s
-  std::uint32_t profile_acceleration = 0;     // 0x6083: 2^-20 turn/s^2
-  std::uint32_t profile_deceleration = 0;     // 0x6084
-  std::uint32_t quick_stop_deceleration = 0;  // 0x6085
-  std::int16_t motion_profile_type = 0;       // 0x6086: linear ramps
-  std::uint8_t interpolation_period = 10;     // 0x60C2:1
-  std::int32_t following_error = 0;           // 0x60F4
-  std::int8_t interpolation_exponent = -3;    // 0x60C2:2: powers of ten of a second
+  std::uint32_t max_motor_speed_rpm = kDefaultMotorSpeed_rpm;  // 0x6080
+  std::uint32_t profile_velocity = 0;                          // 0x6081: 2^-20 turn/s
+  std::uint32_t profile_acceleration = 0;                      // 0x6083: 2^-20 turn/s^2
+  std::uint32_t profile_deceleration = 0;                      // 0x6084
+  std::uint32_t quick_stop_deceleration = 0;                   // 0x6085
+  std::int16_t motion_profile_type = 0;                        // 0x6086: linear ramps
+  std::uint8_t interpolation_period = 10;                      // 0x60C2:1
+  std::uint32_t max_acceleration = kDefaultMaxAcceleration;    // 0x60C5: 2^-20 turn/s^2
+  std::int32_t following_error = 0;                            // 0x60F4
+  std::int8_t interpolation_exponent = -3;                     // 0x60C2:2: powers of ten of a second
+  std::uint32_t largest_cyclic_step = kDefaultCyclicStep;      // kLargestCyclicStep: 2^-20 turn
+  std::uint32_t limited_ms = 0;                                // kLimitedTime; saturates
 };
 
 // Profile position, cyclic synchronous position, and none of them.
 bool is_supported_mode(std::int32_t mode);
 
-// What the software position limits leave of a target. While a client has written only one of two new limits,
-// the lower one may be above the other; then the upper one holds.
-inline std::int32_t within_limits(const DriveValues& values, std::int64_t target) {
-  const std::int64_t from_below = std::max<std::int64_t>(target, values.position_limit[0]);
-  return static_cast<std::int32_t>(std::min<std::int64_t>(from_below, values.position_limit[1]));
-}
-
-// The winding's temperature, manufacturer-specific: CiA 402 has none.
+// Manufacturer-specific: CiA 402 has none of them.
 inline constexpr std::uint16_t kWindingTemperature = 0x2000;
+inline constexpr std::uint16_t kLargestCyclicStep = 0x2001;
+inline constexpr std::uint16_t kLimitedTime = 0x2002;
 
 // What all drives share but their identity, which stands in the robot file.
 canopen::NodeDescription drive_node_description(const DriveDescription& drive);

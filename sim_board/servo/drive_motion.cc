@@ -4,6 +4,7 @@
 #include "firmware/canopen/cia402.h"
 #include "firmware/canopen/emergency.h"
 #include "sim_board/servo/drive.h"
+#include "sim_board/servo/motion_limits.h"
 
 // What a drive does with its shaft: states, modes of operation, stops, and what it shows of them.
 namespace koboshi::sim {
@@ -29,18 +30,45 @@ void Drive::obey(std::uint16_t controlword) {
   state_.command(controlword, cia402::stays_in_quick_stop(values_.quick_stop_option));
   if (!enable_line_) state_.torque_off();
   if (before == cia402::State::kFault && monitor_.forbids_reset(servo_)) state_.fault();
+  check_parameters(before);
   const auto after = state_.state();
   if (before == after) return;
   if (after == cia402::State::kOperationEnabled) {
     // Out of a quick stop the demand goes on as it is, on its ramp or at rest.
     if (before != cia402::State::kQuickStopActive) demand_.hold(servo_.position_units());
-    profile_.restart(demand_.at(now_us_), controlword);
+    restart_motion(controlword);
   }
   if (after == cia402::State::kQuickStopActive) begin_stop(values_.quick_stop_option);
   if (before == cia402::State::kFault) {
     node_.clear_error(values_.error_code);
     values_.error_code = 0;
   }
+}
+
+// Whichever transition it would be: none leads to operation enabled while 0x607D leaves no position to go to.
+// The refusal is an error until the controller asks for something else, or the limits agree again.
+void Drive::check_parameters(cia402::State before) {
+  const bool enabled = state_.state() == cia402::State::kOperationEnabled && before != state_.state();
+  const bool refused = enabled && limits_contradict(values_);
+  if (refused) state_.refuse(before);
+  report_parameters(refused);
+}
+
+void Drive::report_parameters(bool contradict) {
+  if (contradict) {
+    values_.error_code = cia402::kErrorParameter;
+    node_.raise_error(cia402::kErrorParameter, canopen::error_register::kProfile);
+  } else {
+    if (values_.error_code == cia402::kErrorParameter) values_.error_code = 0;
+    node_.clear_error(cia402::kErrorParameter);
+  }
+}
+
+// Forgets what was asked for: the demand is where it is.
+void Drive::restart_motion(std::uint16_t controlword) {
+  profile_.restart(demand_.at(now_us_), controlword);
+  demand_.await_stream();
+  target_limited_ = false;
 }
 
 // Transitions 5 and 8 wait for a ramp where 0x605C and 0x605B say so; any other command ends the wait.
@@ -51,7 +79,7 @@ bool Drive::slows_down_before(std::uint16_t controlword) {
                               : command == Command::kSwitchOn ? values_.disable_operation_option
                                                               : cia402::kDisableDrive;
   if (state_.state() != cia402::State::kOperationEnabled || option == cia402::kDisableDrive) {
-    if (leaving_by_) profile_.restart(demand_.at(now_us_), controlword);
+    if (leaving_by_) restart_motion(controlword);
     leaving_by_.reset();
     return false;
   }
@@ -80,7 +108,7 @@ double Drive::deceleration(std::int16_t option) const {
   const bool stays = cia402::stays_in_quick_stop(option);
   switch (stays ? option - cia402::kStayInQuickStop : option) {
     case cia402::kStopOnSlowDownRamp:
-      return std::max(values_.profile_deceleration, 1u);
+      return profile_limits(values_).deceleration_units_per_s2;
     case cia402::kStopOnQuickStopRamp:
       return values_.quick_stop_deceleration;
     default:
@@ -108,8 +136,10 @@ void Drive::finish_stop() {
 void Drive::follow_target() {
   if (!follows_targets()) return;
   if (values_.mode_display != cia402::kCyclicSynchronousPosition) return;
-  demand_.approach(within_limits(values_, values_.target_position), now_us_,
-                   values_.interpolation_period * 1000u);
+  const std::int32_t target = within_limits(values_, values_.target_position, demand_.at(now_us_));
+  const bool reached =
+      demand_.follow(target, now_us_, values_.interpolation_period * 1000u, cyclic_limits(values_));
+  target_limited_ = !reached || target != values_.target_position;
 }
 
 // A drive in operation changes its mode only at rest, so that no motion ends in a jerk.
@@ -117,7 +147,7 @@ void Drive::change_mode() {
   if (values_.mode == values_.mode_display || !is_supported_mode(values_.mode)) return;
   if (state_.makes_torque() && !demand_.at_rest(now_us_)) return;
   values_.mode_display = values_.mode;
-  profile_.restart(demand_.at(now_us_), values_.controlword);
+  restart_motion(values_.controlword);
 }
 
 void Drive::watch_position() {
@@ -129,11 +159,18 @@ void Drive::watch_position() {
     fault(cia402::kErrorFollowing, canopen::error_register::kProfile);
 }
 
+bool Drive::limited() const {
+  if (!follows_targets()) return false;
+  if (values_.mode_display == cia402::kCyclicSynchronousPosition) return target_limited_;
+  return values_.mode_display == cia402::kProfilePosition && profile_.limited();
+}
+
 std::uint16_t Drive::mode_bits() const {
   if (!follows_targets()) return 0;
-  if (values_.mode_display == cia402::kCyclicSynchronousPosition) return cia402::kFollowsCommand;
+  const std::uint16_t limit = limited() ? cia402::kInternalLimit : std::uint16_t{0};
+  if (values_.mode_display == cia402::kCyclicSynchronousPosition) return cia402::kFollowsCommand | limit;
   if (values_.mode_display != cia402::kProfilePosition) return 0;
-  return static_cast<std::uint16_t>((watch_.target_reached() ? cia402::kTargetReached : 0u) |
+  return static_cast<std::uint16_t>(limit | (watch_.target_reached() ? cia402::kTargetReached : 0u) |
                                     (profile_.acknowledges() ? cia402::kSetPointAcknowledge : 0u));
 }
 

@@ -47,6 +47,15 @@ inline constexpr std::string_view kLimitEnds[] = {"minimum", "maximum"};
 inline constexpr canopen::DescribedObject kDriveObjects[] = {
     {canopen::object(kWindingTemperature, 0, KOBOSHI_FIELD(DriveValues, winding_dC), kReadOnly, kTpdo),
      {.name = "Winding temperature", .unit = {"C", 1, 10}, .comment = "What the drive's thermometer shows."}},
+    {canopen::object(kLargestCyclicStep, 0, KOBOSHI_FIELD(DriveValues, largest_cyclic_step), kReadWrite),
+     {.name = "Largest cyclic step",
+      .unit = kShaftUnit,
+      .comment = "From one target of the cyclic mode to the next; a longer one is approached by 6081, 6083 "
+                 "and 6084."}},
+    {canopen::object(kLimitedTime, 0, KOBOSHI_FIELD(DriveValues, limited_ms), kReadOnly, kTpdo),
+     {.name = "Time at internal limit",
+      .unit = {"ms"},
+      .comment = "With bit 11 of the statusword set, since the reset; saturates."}},
     {OBJECT(kAbortConnectionOption, 0, abort_connection_option, kReadWrite).within<std::int16_t>(0, 3),
      {.name = "Abort connection option code",
       .values = kAbortConnectionNames,
@@ -58,7 +67,9 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
     {OBJECT(kStatusword, 0, statusword, kReadOnly, kTpdo),
      {.name = "Statusword",
       .values = cia402::kStatuswordNames,
-      .comment = "Bit 14: the drive-enable line is low, there is no torque."}},
+      .comment =
+          "Bit 11: a limit holds the drive back (607D, 6080, 60C5, 2001). Bit 14: the drive-enable line "
+          "is low, there is no torque."}},
     {OBJECT(kQuickStopOption, 0, quick_stop_option, kReadWrite),
      {.name = "Quick stop option code",
       .values = kQuickStopNames,
@@ -117,9 +128,14 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
      {.name = "Target position",
       .unit = kShaftUnit,
       .comment = "Reached by interpolation over a cycle, or by a profile."}},
-    canopen::heading(cia402::kSoftwarePositionLimit, "Software position limit", "No target lies beyond."),
+    canopen::heading(
+        cia402::kSoftwarePositionLimit, "Software position limit",
+        "No target lies beyond. Operation is not enabled while the minimum is above the maximum: "
+        "error 6320."),
     {OBJECT(kSoftwarePositionLimit, 1, position_limit[0], kReadWrite).repeated(2, 4),
      {.name = "Position limit", .unit = kShaftUnit, .elements = kLimitEnds}},
+    {OBJECT(kMaxMotorSpeed, 0, max_motor_speed_rpm, kReadWrite).within<std::uint32_t>(1, 100'000),
+     {.name = "Max motor speed", .unit = {"r/min"}, .comment = "Of the shaft, in every mode."}},
     {OBJECT(kProfileVelocity, 0, profile_velocity, kReadWrite, kRpdo).within<std::uint32_t>(1, 0x7FFF'FFFF),
      {.name = "Profile velocity", .unit = kShaftSpeedUnit}},
     {OBJECT(kProfileAcceleration, 0, profile_acceleration, kReadWrite, kRpdo)
@@ -141,8 +157,16 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
      {.name = "Interpolation time period value"}},
     {OBJECT(kInterpolationTimePeriod, 2, interpolation_exponent, kReadWrite).within<std::int8_t>(-3, -3),
      {.name = "Interpolation time index"}},
+    {OBJECT(kMaxAcceleration, 0, max_acceleration, kReadWrite).within<std::uint32_t>(1'000, 0x7FFF'FFFF),
+     {.name = "Max acceleration",
+      .unit = kShaftAccelerationUnit,
+      .comment = "In every mode; of decelerations, those of a profile."}},
     {OBJECT(kFollowingErrorActual, 0, following_error, kReadOnly, kTpdo),
      {.name = "Following error actual value", .unit = kShaftUnit, .comment = "The demand less the shaft."}},
+    {OBJECT(kPositionDemandInternal, 0, position_demand, kReadOnly, kTpdo),
+     {.name = "Position demand internal value",
+      .unit = kShaftUnit,
+      .comment = "As 6062: the drive's own unit is that of the bus."}},
     {canopen::constant<std::uint32_t>(
          cia402::kSupportedDriveModes, 0,
          1u << (cia402::kProfilePosition - 1) | 1u << (cia402::kCyclicSynchronousPosition - 1)),

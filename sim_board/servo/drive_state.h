@@ -22,6 +22,8 @@ class DriveStateMachine {
   // Transitions 2 to 12, 15 and, where the quick stop option code has it (`resumes`), 16; edges of fault
   // reset are seen between calls.
   void command(std::uint16_t controlword, bool resumes = false);
+  // The last command does not take effect: back to the state before it.
+  void refuse(State before) { state_ = before; }
   void fault();        // transition 13
   void stand_still();  // transitions 12 and 14: the ramp has ended
   void torque_off();   // the drive-enable line fell: transitions 7, 9, 10, 12; ends a fault reaction

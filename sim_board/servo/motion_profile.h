@@ -11,6 +11,8 @@ struct ProfileLimits {
   double velocity_units_per_s = 0.0;       // 0x6081
   double acceleration_units_per_s2 = 0.0;  // 0x6083
   double deceleration_units_per_s2 = 0.0;  // 0x6084
+
+  friend bool operator==(const ProfileLimits&, const ProfileLimits&) = default;
 };
 
 // The trapezoidal velocity profile of CiA 402-2 (linear ramps): from any speed over a distance to rest there,

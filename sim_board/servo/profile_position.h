@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "sim_board/servo/drive_dictionary.h"
+#include "sim_board/servo/motion_profile.h"
 #include "sim_board/servo/position_demand.h"
 
 namespace koboshi::sim {
@@ -20,6 +21,8 @@ class ProfilePosition {
 
   bool acknowledges() const { return acknowledges_; }  // statusword bit 12
   bool halted() const { return halted_; }
+  // Of the last target, or of the dynamics of the move under way, something is beyond the drive's limits.
+  bool limited() const { return clipped_ || (moving_ && moving_->limited); }
   bool arrived() const { return !moving_ && !waiting_; }  // the demand, not the shaft
   std::int32_t target() const { return target_; }
 
@@ -27,14 +30,16 @@ class ProfilePosition {
   struct SetPoint {
     std::int32_t target;
     ProfileLimits limits;
+    bool limited;
   };
 
-  void take_set_point(const DriveValues& values);
+  void take_set_point(const DriveValues& values, std::int32_t demand);
   void obey_halt(const DriveValues& values, std::uint64_t now_us, PositionDemand& demand);
 
   std::uint16_t controlword_ = 0;
   bool acknowledges_ = false;
   bool halted_ = false;
+  bool clipped_ = false;             // target_, to the software position limits
   bool started_ = false;             // the demand follows moving_
   std::optional<SetPoint> moving_;   // on its way, or halted there
   std::optional<SetPoint> waiting_;  // for the other to arrive

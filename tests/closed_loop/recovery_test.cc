@@ -57,6 +57,7 @@ TEST(Recovery, ForeseesAFallToTheFrontAndOneToTheBackAndGetsUp) {
   ASSERT_TRUE(run.run_until(State::kWalking, 29'000'000));
   run.run_until_us(34'500'000);
   EXPECT_EQ(run.behaviour().state, State::kStanding);
+  EXPECT_EQ(run.limited_ms(), 0u);
 }
 
 TEST(Recovery, RisesFromTheSeatOnWhichAFallToTheBackEnded) {
@@ -70,6 +71,7 @@ TEST(Recovery, RisesFromTheSeatOnWhichAFallToTheBackEnded) {
   EXPECT_LT(tilt_deg(run), 53.0);
   ASSERT_TRUE(run.run_until(State::kStanding, run.now_us() + 6'000'000));
   EXPECT_EQ(run.behaviour().faults, 0);
+  EXPECT_EQ(run.limited_ms(), 0u);
   EXPECT_LT(tilt_deg(run), 10.0);
 }
 
@@ -85,6 +87,7 @@ TEST_P(RisesFrom, WhereItLies) {
   ASSERT_TRUE(run.run_until(State::kStanding, 14'000'000));
   run.run_until_us(run.now_us() + 500'000);
   EXPECT_EQ(run.behaviour().state, State::kStanding);
+  EXPECT_EQ(run.limited_ms(), 0u);
   EXPECT_LT(tilt_deg(run), 10.0);
 }
 

@@ -72,6 +72,12 @@ int RobotRun::count_in(canopen::cia402::State state) const {
   return count;
 }
 
+std::uint64_t RobotRun::limited_ms() const {
+  std::uint64_t total = 0;
+  for (std::size_t i = 0; i < robot().joints.size(); ++i) total += board().drive(i).values().limited_ms;
+  return total;
+}
+
 std::vector<RobotRun::Frame> RobotRun::emergencies(std::uint8_t node_id, std::uint16_t code) const {
   std::vector<Frame> found;
   for (const Frame& frame : frames_) {

@@ -41,6 +41,9 @@ class RobotRun final : private sim::BusObserver {
   int torque_count() const;
   // How many are in this state.
   int count_in(canopen::cia402::State state) const;
+  // How long drives have held back behind their targets, of all together: none of the robot's own motions
+  // meets a limit that is there to catch nonsense.
+  std::uint64_t limited_ms() const;
   const std::vector<Frame>& frames() const { return frames_; }
   // Emergency messages of a node that tell of this error.
   std::vector<Frame> emergencies(std::uint8_t node_id, std::uint16_t code) const;

@@ -35,6 +35,7 @@ TEST(Squat, GoesDownByThreeCentimetresAndUpAgainWithoutFaults) {
   const Eigen::Matrix3d R_WB = run.board().world().body(0).X_WL.linear();
   EXPECT_GT(R_WB(2, 2), std::cos(5.0 * std::numbers::pi / 180));  // the trunk is upright
   EXPECT_EQ(run.behaviour().faults, 0);
+  EXPECT_EQ(run.limited_ms(), 0u);
   EXPECT_EQ(run.board().world().solver_warnings(), 0u);
   EXPECT_EQ(run.board().bus().usage().error_frames, 0u);
   EXPECT_EQ(run.board().bus().usage().collisions, 0u);

@@ -66,6 +66,7 @@ TEST(WalkByCommand, GoesAheadAndRoundACurveAndStandsStill) {
   EXPECT_LT(way_m(stands, place(run)).norm(), 3e-3);
   EXPECT_EQ(run.behaviour().faults, 0);
   EXPECT_EQ(run.behaviour().refusal, app::Reason::kNone);
+  EXPECT_EQ(run.limited_ms(), 0u);
   EXPECT_EQ(run.torque_count(), 20);
 }
 

@@ -26,6 +26,17 @@ class Program:
         return out
 
 
+def limited_statuswords(run_folder):
+    """How many statuswords of drives (TPDO 1 of nodes 16 to 35) in a run's can.log have bit 11, internal limit active."""
+    count = 0
+    with open(run_folder / "can.log", encoding="ascii") as log:
+        for line in log:
+            identifier, _, data = line.split()[2].partition("#")
+            if 0x190 <= int(identifier, 16) <= 0x1A3 and int(data[2:4], 16) & 0x08:
+                count += 1
+    return count
+
+
 def temporary_folder(test_class):
     """A folder that goes when the class's tests are over."""
     folder = tempfile.TemporaryDirectory(prefix=f"koboshi_{test_class.__name__.lower()}_")

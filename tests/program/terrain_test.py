@@ -16,6 +16,7 @@ class Terrain(unittest.TestCase):
     def setUpClass(cls):
         run_folder = PROGRAM.run_scenario(TERRAIN, support.temporary_folder(cls) / "out")
         cls.summary = json.loads((run_folder / "summary.json").read_text())
+        cls.limited = support.limited_statuswords(run_folder)
         with open(run_folder / "trace.csv", newline="") as file:
             cls.walking = [row for row in csv.DictReader(file) if float(row["time_s"]) > 4.5]
 
@@ -36,6 +37,7 @@ class Terrain(unittest.TestCase):
         self.assertFalse(self.summary["fell"])
         self.assertEqual(self.summary["faults"], 0)
         self.assertEqual(self.summary["solver_warnings"], 0)
+        self.assertEqual(self.limited, 0)
         self.assertGreater(max(float(row["true_base_x_m"]) for row in self.walking), 1.5)
 
     def test_walks_on_top_of_the_mat(self):

@@ -21,6 +21,9 @@ class Walk(unittest.TestCase):
         self.assertEqual(self.summary["faults"], 0)
         self.assertEqual(self.summary["solver_warnings"], 0)
 
+    def test_asks_no_drive_for_more_than_its_limits(self):
+        self.assertEqual(support.limited_statuswords(self.run_folder), 0)
+
     def test_is_fast_and_straight(self):
         self.assertGreater(self.summary["speed_m_per_s"], 0.15)
         self.assertLess(abs(self.summary["lateral_drift_m"]), 0.1 * self.summary["distance_m"])

@@ -145,7 +145,7 @@ Object second_sdo_server(const canopen::SdoChannel& channel) {
       "A channel for a second client, beside the first and independent of it; bit 31: it is not in use.");
 }
 
-// The stack answers no remote frames, and says so of every TPDO.
+// The stack answers no remote frames, and says so of every TPDO after a reset.
 std::string cob_id(const PdoConfiguration& pdo, bool transmit) {
   const std::uint32_t value = pdo.cob_id | (transmit ? canopen::kCobIdNoRemote : 0u);
   return pdo.plus_node_id ? with_node_id(value) : hex(value);
@@ -156,7 +156,10 @@ Object pdo_communication(std::uint16_t index, std::string_view family, std::size
   std::vector<ObjectItem> items{
       item(index, 1, "COB-ID", DataType::kUnsigned32, "rw", cob_id(pdo, transmit)),
       item(index, 2, "Transmission type", DataType::kUnsigned8, "rw", decimal(pdo.transmission_type))};
-  items[0].comment = "Bit 31: the PDO is not in use.";
+  items[0].comment =
+      transmit ? "Bit 31: the PDO is not in use. Bit 30 is kept but has no effect: remote frames are "
+                 "never answered."
+               : "Bit 31: the PDO is not in use.";
   items[1].comment = transmit ? "0: the SYNC after a change of a value; 1 to 240: every n-th SYNC; 254, 255: "
                                 "the change, or of 254 the event timer where it is set."
                               : "0 to 240: at the next SYNC; 254, 255: at once.";

@@ -239,6 +239,33 @@ std::string title_of(const NodeKind& kind) {
   return title;
 }
 
+constexpr std::string_view kMotionLimits = R"(
+### Limits of motion
+
+A drive that is enabled demands the position of its shaft (6062, 60FC). The first target of a cyclic stream after that,
+or after a change of the mode, is approached over one cycle if 6081 covers the way; else it is a jump, as is any target
+that is further from the one before than 2001. A jump is approached on the profile of 6081, 6083 and 6084. 6080 and 60C5
+bound speed, acceleration and, on a profile, deceleration in every mode; quick stop and fault reaction have their own
+ramps. A cyclic target beyond them is approached on a profile, and the demand stays behind a stream that moves on by
+what it takes to brake. A stream may slow down and end as it likes: the demand does not run past its last target.
+
+Bit 11 of the statusword is set while any of these limits or 607D holds the drive back, and 2002 adds up that time.
+
+| object | default | highest of the scenarios | margin |
+| --- | --- | --- | --- |
+| 2001 | 25.7 deg | 14.8 deg in a cycle of 10 ms | 1.7 |
+| 6080 | 420 r/min, 2520 deg/s | 1480 deg/s | 1.7 |
+| 60C5 | 343000 deg/s^2 | 196000 deg/s^2, a change of 19.6 deg from one cycle to the next | 1.7 |
+
+The highest are the targets of the knees in the falls of `scenarios/get_up.yaml`, from its `can.log`. The defaults are
+beyond what the servo can do (428 deg/s without load), as a demand may run ahead of the shaft: they keep the drive from
+nonsense, and the robot's motions as they are. A master that spares motor and gears lowers them.
+
+New limits in 607D may be written in either order. While the minimum is above the maximum, no transition leads to
+operation enabled: the state stays what it is, with error 6320 until the controlword asks for something else or the
+limits agree. A drive in operation holds its position for so long.
+)";
+
 }  // namespace
 
 std::string page_text(std::span<const NodeKind> kinds, const Network& network) {
@@ -250,6 +277,7 @@ std::string page_text(std::span<const NodeKind> kinds, const Network& network) {
     add_objects(page, kind.objects, kFirstOwnIndex, 0xA000);
     add_value_names(page, kind);
     add_network(page, kind, network);
+    if (kind.name == "drive") page += kMotionLimits;
   }
   return page;
 }

@@ -66,6 +66,23 @@ TEST_F(DriveWithoutSync, ShowsDemandAndShaftBetweenTwoSyncs) {
   }
 }
 
+// A stream of targets that has ended is no motion any more, though its last target was not the one before.
+TEST_F(DriveWithoutSync, ChangesItsModeWhenTheTargetsHaveEnded) {
+  enable();
+  write({0x1006, 0}, 0, 4);  // nobody misses the SYNC
+  for (int i = 0; i < 5; ++i) {
+    target += 1'000;
+    run_ms(10);
+  }
+  write({0x6060, 0}, cia402::kProfilePosition, 1);
+  target += 1'000;
+  run_ms(10);
+  EXPECT_EQ(drive->values().mode_display, cia402::kCyclicSynchronousPosition);  // not between two targets
+  syncs = false;
+  run_ms(21);  // the last way, and the time for the next target to come
+  EXPECT_EQ(drive->values().mode_display, cia402::kProfilePosition);
+}
+
 TEST_F(DriveWithoutSync, ObeysAnEventDrivenRpdoAtOnce) {
   start();
   for (const std::uint16_t word : kWayToOperation) tell(word);
