@@ -54,11 +54,11 @@ canopen::Domain* Controller::domain(canopen::ObjectAddress address) {
 }
 
 AbortCode Controller::on_store(canopen::ParameterGroup) {
-  return parameters_.store(ParameterStore::Wanted::kPresent, may_store(values_.behaviour.state));
+  return parameters_.store(canopen::ParameterGroup::kAll, may_store(values_.behaviour.state));
 }
 
 AbortCode Controller::on_restore(canopen::ParameterGroup) {
-  return parameters_.store(ParameterStore::Wanted::kFactory, may_store(values_.behaviour.state));
+  return parameters_.restore(canopen::ParameterGroup::kAll, may_store(values_.behaviour.state));
 }
 
 void Controller::on_rpdo(std::size_t number) {

@@ -12,7 +12,6 @@ using canopen::NmtCommand;
 namespace {
 
 constexpr std::uint64_t kBusTimeout_us = 200'000;
-constexpr std::uint16_t kLastCommunicationIndex = 0x1FFF;  // CiA 301, 7.4.1
 
 // False, and a robot without joints, when storage holds no valid model.
 bool load(const Catalogue& catalogue, robot::RobotModel& model) {
@@ -36,7 +35,7 @@ Controller::Controller(const hal::Board& board)
              .serial_number = 1,
              .values = std::as_writable_bytes(std::span(&values_, 1))},
             memory_.buffers(), sink_, *this),
-      parameters_(items_, node_),
+      parameters_(items_, static_cast<std::uint16_t>(ItemKind::kParameters), node_),
       motion_index_(values_.diagnosis.motions),
       motion_transfer_(items_, model_, motion_index_),
       drives_(model_, node_.sink(), values_.drives),
@@ -221,7 +220,7 @@ void Controller::on_reset(NmtCommand reset) {
     load_parameters();
   } else {
     values_.nmt_startup = kNmtMaster;
-    parameters_.load(kLastCommunicationIndex);
+    parameters_.load(canopen::ParameterGroup::kCommunication);
   }
   connect_drives(node_, model_);
 }
@@ -232,11 +231,12 @@ void Controller::on_state(canopen::NmtState state) {
   if (boots && state == canopen::NmtState::kOperational) started_us_ = now_us_;
 }
 
-// A drive that has booted is silent until it has its configuration, and that may take longer than the
-// consumer's time: its monitoring begins anew.
+// Until a drive has its configuration it sends a heartbeat each second, as after its reset, which is less
+// often than the consumer's time: monitoring begins when all have theirs.
 void Controller::on_heartbeat(const canopen::HeartbeatEvent& event) {
   drives_.on_heartbeat(event);
-  if (event.kind == canopen::HeartbeatEventKind::kBootedUp) node_.await_heartbeat(event.node_id);
+  const bool booted_up = event.kind == canopen::HeartbeatEventKind::kBootedUp;
+  if (booted_up || !drives_.configured()) node_.await_heartbeat(event.node_id);
 }
 
 }  // namespace koboshi::app

@@ -11,7 +11,6 @@
 #include "firmware/app/item_store.h"
 #include "firmware/app/motion_index.h"
 #include "firmware/app/motion_transfer.h"
-#include "firmware/app/parameter_store.h"
 #include "firmware/app/sensor_nodes.h"
 #include "firmware/balance/attitude.h"
 #include "firmware/balance/feedback.h"
@@ -20,6 +19,7 @@
 #include "firmware/balance/posture.h"
 #include "firmware/balance/zmp.h"
 #include "firmware/canopen/node.h"
+#include "firmware/canopen/parameter_store.h"
 #include "firmware/drive/drive_group.h"
 #include "firmware/motion/interpreter.h"
 #include "firmware/recovery/fall_watch.h"
@@ -168,7 +168,7 @@ class Controller final : private canopen::NodeApplication {
                       robot::kMaxJoints, 32>
       memory_;
   canopen::Node node_;
-  ParameterStore parameters_;
+  canopen::ParameterStore parameters_;
   MotionIndex motion_index_;
   MotionTransfer motion_transfer_;
   drive::DriveGroup drives_;

@@ -32,6 +32,7 @@ inline constexpr std::uint16_t kTorqueActual = 0x6077;   // per mille of it
 inline constexpr std::uint16_t kCurrentActual = 0x6078;  // per mille of the rated current
 inline constexpr std::uint16_t kSupplyVoltage = 0x6079;  // mV
 inline constexpr std::uint16_t kTargetPosition = 0x607A;
+inline constexpr std::uint16_t kHomeOffset = 0x607C;
 inline constexpr std::uint16_t kSoftwarePositionLimit = 0x607D;
 inline constexpr std::uint16_t kMaxMotorSpeed = 0x6080;  // r/min
 inline constexpr std::uint16_t kProfileVelocity = 0x6081;
@@ -39,14 +40,18 @@ inline constexpr std::uint16_t kProfileAcceleration = 0x6083;
 inline constexpr std::uint16_t kProfileDeceleration = 0x6084;
 inline constexpr std::uint16_t kQuickStopDeceleration = 0x6085;
 inline constexpr std::uint16_t kMotionProfileType = 0x6086;
+inline constexpr std::uint16_t kHomingMethod = 0x6098;
+inline constexpr std::uint16_t kHomingSpeeds = 0x6099;
 inline constexpr std::uint16_t kInterpolationTimePeriod = 0x60C2;
 inline constexpr std::uint16_t kMaxAcceleration = 0x60C5;
+inline constexpr std::uint16_t kSupportedHomingMethods = 0x60E3;
 inline constexpr std::uint16_t kFollowingErrorActual = 0x60F4;
 inline constexpr std::uint16_t kPositionDemandInternal = 0x60FC;
 inline constexpr std::uint16_t kSupportedDriveModes = 0x6502;
 
 inline constexpr std::int8_t kNoMode = 0;
 inline constexpr std::int8_t kProfilePosition = 1;
+inline constexpr std::int8_t kHoming = 6;
 inline constexpr std::int8_t kCyclicSynchronousPosition = 8;
 inline constexpr std::uint32_t kDeviceType = 0x0002'0192;  // 0x1000: servo drive, profile 402
 
@@ -93,6 +98,8 @@ inline constexpr std::uint16_t kTargetReached = 1u << 10;        // profile posi
 inline constexpr std::uint16_t kInternalLimit = 1u << 11;        // the drive holds back
 inline constexpr std::uint16_t kFollowsCommand = 1u << 12;       // cyclic synchronous modes
 inline constexpr std::uint16_t kSetPointAcknowledge = 1u << 12;  // profile position mode
+inline constexpr std::uint16_t kHomingAttained = 1u << 12;       // homing mode
+inline constexpr std::uint16_t kHomingError = 1u << 13;          // homing mode
 inline constexpr std::uint16_t kFollowingError = 1u << 13;       // position modes
 inline constexpr std::uint16_t kTorqueOff = 1u << 14;            // manufacturer: the drive-enable line is low
 
@@ -151,6 +158,11 @@ inline constexpr std::uint16_t kNewSetPoint = 1u << 4;  // its rising edge
 inline constexpr std::uint16_t kChangeImmediately = 1u << 5;
 inline constexpr std::uint16_t kRelative = 1u << 6;
 inline constexpr std::uint16_t kHalt = 1u << 8;
+inline constexpr std::uint16_t kStartHoming = 1u << 4;  // of homing mode: its rising edge
+
+// Homing methods: the present position is home, without a motion. 35 is the older number of the same.
+inline constexpr std::int8_t kHomeOnPositionOld = 35;
+inline constexpr std::int8_t kHomeOnPosition = 37;
 
 constexpr Command command_of(std::uint16_t controlword) {
   if ((controlword & 0x02) == 0) return Command::kDisableVoltage;

@@ -7,6 +7,7 @@
 namespace koboshi::canopen {
 
 inline constexpr std::uint8_t kMaxNodeId = 127;
+inline constexpr std::uint8_t kUnconfiguredNodeId = 0xFF;  // until LSS gives one (CiA 305)
 
 // Predefined connection set (CiA 301, 7.3.5): the identifier is the base plus the node's id. A "T" is seen
 // from the node.

@@ -28,6 +28,7 @@ constexpr bool permits_sdo(NmtState state) {
   return state == NmtState::kOperational || state == NmtState::kPreOperational;
 }
 constexpr bool permits_sync(NmtState state) { return permits_sdo(state); }
+constexpr bool permits_time(NmtState state) { return permits_sdo(state); }
 constexpr bool permits_emergency(NmtState state) { return permits_sdo(state); }
 
 }  // namespace koboshi::canopen

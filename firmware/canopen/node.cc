@@ -11,6 +11,7 @@ Node::Node(const NodeDescription& description, const NodeInstance& instance, Nod
       serial_number_(instance.serial_number),
       dictionary_(description.rows, instance.values),
       application_(application),
+      services_(instance.services),
       queue_(sink, buffers.backlog),
       servers_{SdoServer(*this, queue_), SdoServer(*this, queue_)},
       heartbeats_(buffers.consumers, buffers.consumer_slots),
@@ -109,6 +110,7 @@ void Node::reset(NmtCommand reset, std::uint64_t now_us) {
   }
   load_defaults();
   application_.on_reset(reset);
+  if (node_id_ == kUnconfiguredNodeId) return;
   heartbeat_due_us_ = now_us + heartbeat_ms_ * 1000u;
   static_cast<void>(queue_.send(encode(Heartbeat{node_id_, NmtState::kInitialising})));
   enter(NmtState::kPreOperational, now_us);

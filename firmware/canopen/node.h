@@ -13,6 +13,7 @@
 #include "firmware/canopen/frame.h"
 #include "firmware/canopen/heartbeat.h"
 #include "firmware/canopen/nmt.h"
+#include "firmware/canopen/node_services.h"
 #include "firmware/canopen/pdo.h"
 #include "firmware/canopen/rpdo.h"
 #include "firmware/canopen/sdo_server.h"
@@ -51,6 +52,7 @@ struct NodeDescription {
   CommunicationError communication_error = CommunicationError::kEnterPreOperational;  // 0x1029:1
   // 0x1010, 0x1011: bit g - 1 for each ParameterGroup g that NodeApplication::on_store and on_restore know.
   std::uint8_t stored_groups = 0;
+  bool field_device = false;                // it has DeviceServices: LSS, 0x1012, 0x1020
   SdoChannel second_sdo{};                  // 0x1201
   std::span<const Entry> rows;              // objects from kFirstOwnersIndex on
   std::span<const PdoConfiguration> rpdos;  // PDOs beyond these are invalid after a reset
@@ -62,9 +64,10 @@ struct NodeDescription {
 
 // What one node is.
 struct NodeInstance {
-  std::uint8_t node_id = 0;         // 1..127
-  std::uint32_t serial_number = 0;  // 0x1018:4
-  std::span<std::byte> values;      // of the description's rows; usually std::as_writable_bytes of a struct
+  std::uint8_t node_id = 0;          // 1..127
+  std::uint32_t serial_number = 0;   // 0x1018:4
+  std::span<std::byte> values;       // of the description's rows; usually std::as_writable_bytes of a struct
+  NodeServices* services = nullptr;  // none, or what must outlive the node
 };
 
 // The RAM of a node's services.
@@ -95,7 +98,8 @@ struct NodeMemory {
 // consumer, PDOs, two SDO servers, EMCY producer and consumer; no node guarding and no remote frames. It
 // holds no time of its own and never waits; everything happens in its calls, in the caller's thread. Besides
 // its owner's objects (NodeDescription::rows) it serves 0x1000, 0x1001, 0x1003, 0x1005 to 0x100A, 0x1010,
-// 0x1011, 0x1014 to 0x1019, 0x1029, 0x1200, 0x1201 and the records of its PDOs.
+// 0x1011, 0x1014 to 0x1019, 0x1029, 0x1200, 0x1201 and the records of its PDOs, and what its NodeServices
+// have.
 class Node final : private ObjectServer {
  public:
   // All arguments must outlive the node. Silent until start().
@@ -117,7 +121,11 @@ class Node final : private ObjectServer {
   // Obeys a command as if the NMT master had sent it.
   void command(NmtCommand command, std::uint64_t now_us);
   NmtState state() const { return state_; }
+  // kUnconfiguredNodeId: the node stays in initialising, and is silent.
   std::uint8_t node_id() const { return node_id_; }
+  // The node id from the next reset on; of the one that begins, from within on_state(kInitialising).
+  void set_node_id(std::uint8_t node_id) { node_id_ = node_id; }
+  const NodeDescription& description() const { return description_; }
 
   // Tells an event of TPDO `number` (from 0): it is sent as its transmission type and inhibit time say, or,
   // outside operational, not at all. Changes of values are events by themselves, see `watched_tpdos`.
@@ -140,13 +148,20 @@ class Node final : private ObjectServer {
   AbortCode read_object(ObjectAddress address, ObjectValue& value) override;
   AbortCode write_object(ObjectAddress address, std::uint32_t value, std::size_t size) override;
   AbortCode open_domain(ObjectAddress address, Access access, Domain*& domain) override;
-  // The owner changes one of its own values, with the same checks, and is not asked.
-  AbortCode set_value(ObjectAddress address, std::uint32_t value, std::size_t size);
   // A PDO's records at once, whatever its state.
   AbortCode configure_rpdo(std::size_t number, const PdoConfiguration& configuration);
   AbortCode configure_tpdo(std::size_t number, const PdoConfiguration& configuration);
   // Entry `number` (from 0) of object 0x1016: monitors a node; a time of 0 ends that.
   AbortCode configure_consumer(std::size_t number, std::uint8_t node_id, std::uint16_t time_ms);
+
+  // The node's parameters as writes, in the order in which they are to be made: those of the owner's rows,
+  // then the services' list of communication parameters. False past the last.
+  bool parameter(std::size_t number, ParameterValue& parameter);
+  // One of them comes back from storage, with the same checks as a client's; the owner is not asked. One that
+  // the node does not have is left out.
+  void restore(const ParameterValue& parameter);
+  // write_object without the services.
+  AbortCode write_own(ObjectAddress address, std::uint32_t value, std::size_t size);
 
   // Monitoring of a node begins anew with its next heartbeat.
   void await_heartbeat(std::uint8_t node_id) { heartbeats_.await(node_id); }
@@ -199,11 +214,12 @@ class Node final : private ObjectServer {
   bool stores(std::uint8_t group) const { return (description_.stored_groups << 1 >> group & 1) != 0; }
 
   const NodeDescription& description_;
-  const std::uint8_t node_id_;
+  std::uint8_t node_id_;
   NmtState state_ = NmtState::kInitialising;
   const std::uint32_t serial_number_;
   Dictionary dictionary_;
   NodeApplication& application_;
+  NodeServices* const services_;
   TransmitQueue queue_;
   std::array<SdoServer, 2> servers_;  // of 0x1200 and 0x1201
   HeartbeatMonitor heartbeats_;

@@ -76,6 +76,11 @@ AbortCode Node::read_object(ObjectAddress address, ObjectValue& value) {
 }
 
 AbortCode Node::write_object(ObjectAddress address, std::uint32_t value, std::size_t size) {
+  return services_ != nullptr ? services_->write(*this, address, value, size)
+                              : write_own(address, value, size);
+}
+
+AbortCode Node::write_own(ObjectAddress address, std::uint32_t value, std::size_t size) {
   if (is_communication_area(address.index)) return write_communication(address, value, size);
   Location location;
   const AbortCode checked = dictionary_.check_write(address, value, size, location);
@@ -85,11 +90,31 @@ AbortCode Node::write_object(ObjectAddress address, std::uint32_t value, std::si
   return accepted;
 }
 
-AbortCode Node::set_value(ObjectAddress address, std::uint32_t value, std::size_t size) {
+bool Node::parameter(std::size_t number, ParameterValue& parameter) {
+  for (const Entry& row : description_.rows) {
+    if (!is_parameter(row)) continue;
+    if (number >= row.count) {
+      number -= row.count;
+      continue;
+    }
+    const ObjectAddress address{row.index, static_cast<std::uint8_t>(row.subindex + number)};
+    ObjectValue value;
+    if (dictionary_.read(address, value) != AbortCode::kNone) return false;
+    parameter = {address, static_cast<std::uint8_t>(value.size()), value.number()};
+    return true;
+  }
+  return services_ != nullptr && services_->parameter(*this, number, parameter);
+}
+
+void Node::restore(const ParameterValue& parameter) {
+  if (is_communication_area(parameter.address.index)) {
+    if (services_ != nullptr) services_->restore(*this, parameter);
+    return;
+  }
+  std::uint32_t value = parameter.value;
   Location location;
-  const AbortCode checked = dictionary_.check_write(address, value, size, location);
-  if (checked == AbortCode::kNone) dictionary_.store(location, value);
-  return checked;
+  const AbortCode checked = dictionary_.check_write(parameter.address, value, parameter.size_bytes, location);
+  if (checked == AbortCode::kNone && is_parameter(*location.entry)) dictionary_.store(location, value);
 }
 
 AbortCode Node::open_domain(ObjectAddress address, Access access, Domain*& domain) {
@@ -120,7 +145,11 @@ AbortCode Node::open_domain(ObjectAddress address, Access access, Domain*& domai
 AbortCode Node::read_communication(ObjectAddress address, ObjectValue& value) const {
   if (address.index >= kFirstRpdoRecord) return read_record(address, value);
   const AbortCode read = read_variable(address.index, value);
-  if (read == AbortCode::kObjectDoesNotExist) return read_array(address, value);
+  if (read == AbortCode::kObjectDoesNotExist) {
+    const AbortCode array = read_array(address, value);
+    const bool unknown = array == AbortCode::kObjectDoesNotExist && services_ != nullptr;
+    return unknown ? services_->read(address, value) : array;
+  }
   return address.subindex != 0 ? AbortCode::kSubindexDoesNotExist : read;
 }
 

@@ -98,7 +98,8 @@ struct Entry {
   DataType type = DataType::kUnsigned32;
   Access access = Access::kReadOnly;
   Mappable mappable = Mappable::kNo;
-  bool limited = false;
+  bool limited : 1 = false;
+  bool kept : 1 = false;  // is_parameter although a PDO may write it
   std::uint32_t low = 0;  // limits of what may be written, sign-extended for a signed type
   std::uint32_t high = 0;
 
@@ -110,6 +111,13 @@ struct Entry {
     row.limited = true;
     row.low = static_cast<std::uint32_t>(minimum);
     row.high = static_cast<std::uint32_t>(maximum);
+    return row;
+  }
+
+  // The same row, of a parameter that an RPDO may write, too.
+  constexpr Entry parameter() const {
+    Entry row = *this;
+    row.kept = true;
     return row;
   }
 
@@ -130,6 +138,13 @@ constexpr Entry object(std::uint16_t index, std::uint8_t subindex, Field field, 
           .type = field.type,
           .access = access,
           .mappable = mappable};
+}
+
+// Whether a row holds parameters: values that configure the node, which it may store (0x1010). What PDOs
+// write besides are process values.
+constexpr bool is_parameter(const Entry& row) {
+  const bool by_rpdo = row.mappable == Mappable::kRpdo || row.mappable == Mappable::kBoth;
+  return row.access == Access::kReadWrite && row.type != DataType::kDomain && (row.kept || !by_rpdo);
 }
 
 // A value that never changes and costs no RAM.

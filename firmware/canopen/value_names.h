@@ -68,6 +68,7 @@ inline constexpr ValueName kControlwordNames[] = {
 
 inline constexpr ValueName kModeNames[] = {{kNoMode, "none"},
                                            {kProfilePosition, "profile position"},
+                                           {kHoming, "homing"},
                                            {kCyclicSynchronousPosition, "cyclic synchronous position"}};
 
 inline constexpr std::string_view kStateNames[] = {

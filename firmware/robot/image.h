@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <span>
 
+#include "firmware/canopen/crc32.h"
+
 namespace koboshi::robot {
 
 // What every image in flash begins with, little-endian: magic u32, version u16, reserved u16 (zero), size u32
@@ -21,9 +23,7 @@ enum class [[nodiscard]] ImageStatus : std::uint8_t{
     kBadCrc = 5,
 };
 
-// CRC-32 of IEEE 802.3 (reflected 0x04C11DB7, start and final inversion 0xFFFFFFFF) of bytes that may come in
-// pieces: the result of one piece is the `previous` of the next. "123456789" gives 0xCBF43926.
-[[nodiscard]] std::uint32_t crc32(std::span<const std::byte> bytes, std::uint32_t previous = 0);
+using canopen::crc32;
 
 // The CRC-32 of an image over everything but its CRC field. `image` holds at least a header.
 [[nodiscard]] std::uint32_t image_crc32(std::span<const std::byte> image);

@@ -50,6 +50,9 @@ canopen::NodeDescription sensor_node_description(SensorKind kind) {
       .hardware_version = "simulated",
       .software_version = "0.1.0",
       .heartbeat_ms = kSensorHeartbeat_ms,
+      .stored_groups = canopen::group_bit(canopen::ParameterGroup::kAll) |
+                       canopen::group_bit(canopen::ParameterGroup::kCommunication),  // it has no others
+      .field_device = true,
       .rows = inertial ? std::span<const canopen::Entry>(kInertialRows) : kAnkleRows,
       .rpdos = {},
       .tpdos = inertial ? kInertialTpdos : kForceTorqueTpdos,

@@ -18,10 +18,12 @@ struct SensorValues {
   std::int16_t accelerometer[3] = {};  // 0x2011: specific force, +1 g upwards at rest
   std::int16_t force[3] = {};          // 0x2020: what the ground side exerts on the shank side, at the sensor
   std::int16_t torque[3] = {};         // 0x2021
+  std::uint32_t time_ms = 0;           // 0x2003: by the last TIME message, after midnight
+  std::uint16_t time_days = 0;         // since 1 January 1984
 };
 
-inline constexpr std::uint16_t kInertialPeriod_ms = 4;     // the inertial unit's PDOs come by themselves,
-inline constexpr std::uint16_t kSensorHeartbeat_ms = 100;  // an ankle's at each SYNC
+inline constexpr std::uint16_t kInertialPeriod_ms = 4;      // the inertial unit's PDOs come by themselves,
+inline constexpr std::uint16_t kSensorHeartbeat_ms = 1000;  // an ankle's at each SYNC
 inline constexpr std::size_t kSensorTpdos = 2;
 
 // TPDO 1 carries the first three of the node's values and the sample's number, TPDO 2 the others and the

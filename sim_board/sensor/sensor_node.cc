@@ -9,10 +9,13 @@ SensorNode::SensorNode(SensorKind kind, std::uint8_t node_id, Bus& bus)
       handle_(bus.attach(*this, AcceptanceFilter::all(), kTransmitFifo)),
       description_(sensor_node_description(kind)),
       values_{.kind = kind},
+      services_({description_.vendor_id, description_.product_code, description_.revision_number, node_id},
+                *this),
       node_(description_,
             {.node_id = node_id,
              .serial_number = node_id,
-             .values = std::as_writable_bytes(std::span(&values_, 1))},
+             .values = std::as_writable_bytes(std::span(&values_, 1)),
+             .services = &services_},
             memory_.buffers(), *this, *this) {}
 
 void SensorNode::store(const Axes& first, std::int16_t (&first_values)[3], const Axes& second,
@@ -26,18 +29,24 @@ void SensorNode::update(std::uint64_t now_us) {
   now_us_ = now_us;
   if (!started_ && now_us >= kBootTime_us) {
     started_ = true;
+    services_.start(node_, node_.node_id());
     node_.start(now_us);
   }
   if (!started_) return;
   const hal::CanStatus status = bus_.status(handle_);
   node_.on_can_status(status, now_us);
   bus_off_.step(bus_, handle_, status, now_us);
+  storage_.process();
+  services_.process(node_);
   node_.process(now_us);
+  const auto time = services_.time_of_day(now_us).value_or(canopen::TimeOfDay{});
+  values_.time_ms = time.ms;
+  values_.time_days = time.days;
 }
 
 void SensorNode::on_frame(const hal::CanFrame& frame, std::uint64_t time_us) {
   now_us_ = time_us;
-  if (started_) node_.on_frame(frame, time_us);
+  if (started_ && !services_.on_frame(node_, frame, time_us)) node_.on_frame(frame, time_us);
 }
 
 }  // namespace koboshi::sim

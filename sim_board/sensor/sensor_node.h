@@ -2,12 +2,14 @@
 
 #include <cstdint>
 
+#include "firmware/canopen/device_services.h"
 #include "firmware/canopen/node.h"
 #include "hal/port/ankle.h"
 #include "hal/port/imu.h"
 #include "sim_board/can/bus.h"
 #include "sim_board/can/bus_off_pause.h"
 #include "sim_board/sensor/sensor_dictionary.h"
+#include "sim_board/storage/node_storage.h"
 
 namespace koboshi::sim {
 
@@ -18,7 +20,10 @@ inline constexpr std::uint8_t kRightAnkleNode = 38;
 
 // A sensor as a CANopen node: it sends its latest sample, an inertial unit by its own clock and an ankle at
 // each SYNC.
-class SensorNode final : private BusNode, private canopen::FrameSink, private canopen::NodeApplication {
+class SensorNode final : private BusNode,
+                         private canopen::FrameSink,
+                         private canopen::NodeApplication,
+                         private canopen::DeviceOwner {
  public:
   static constexpr std::uint64_t kBootTime_us = 50'000;  // from power to the boot-up message
   static constexpr std::size_t kTransmitFifo = 8;
@@ -44,6 +49,13 @@ class SensorNode final : private BusNode, private canopen::FrameSink, private ca
   void store(const Axes& first, std::int16_t (&first_values)[3], const Axes& second,
              std::int16_t (&second_values)[3]);
   void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override;
+  canopen::AbortCode on_store(canopen::ParameterGroup group) override { return storage_.store(group); }
+  canopen::AbortCode on_restore(canopen::ParameterGroup group) override { return storage_.restore(group); }
+  canopen::AbortCode on_store_node_id(std::uint8_t node_id) override {
+    return storage_.store_node_id(node_id);
+  }
+  void on_state(canopen::NmtState state) override { services_.on_state(node_, state); }
+  void on_reset(canopen::NmtCommand reset) override { storage_.load(reset); }
   bool send(const hal::CanFrame& frame) override { return bus_.queue(handle_, frame, now_us_); }
 
   Bus& bus_;
@@ -51,7 +63,9 @@ class SensorNode final : private BusNode, private canopen::FrameSink, private ca
   canopen::NodeDescription description_;
   SensorValues values_;
   canopen::NodeMemory<0, kSensorTpdos, 2, 8> memory_;
+  canopen::DeviceServices services_;
   canopen::Node node_;
+  NodeStorage storage_{node_};
   BusOffPause bus_off_;
   bool started_ = false;
   std::uint64_t now_us_ = 0;

@@ -33,9 +33,19 @@ inline constexpr canopen::DescribedObject kSensorSample{
     OBJECT(0x2001, 0, sample, kReadOnly, kTpdo),
     {.name = "Sample", .comment = "Number of the sample; wraps. Both PDOs of a sample carry it."}};
 
+inline constexpr auto kSensorTime =
+    canopen::heading(0x2003, "Time of day", "By the last TIME message (1012); 0 before the first.");
+inline constexpr canopen::DescribedObject kSensorTimeMs{OBJECT(0x2003, 1, time_ms, kReadOnly),
+                                                        {.name = "Time after midnight", .unit = {"ms"}}};
+inline constexpr canopen::DescribedObject kSensorTimeDays{OBJECT(0x2003, 2, time_days, kReadOnly),
+                                                          {.name = "Days since 1984-01-01", .unit = {"d"}}};
+
 inline constexpr canopen::DescribedObject kInertialObjects[] = {
     kSensorKind,
     kSensorSample,
+    kSensorTime,
+    kSensorTimeMs,
+    kSensorTimeDays,
     canopen::heading(0x2010, "Gyro", "In the sensor's frame."),
     {OBJECT(0x2010, 1, gyro[0], kReadOnly, kTpdo).repeated(3, 2),
      {.name = "Gyro", .unit = kGyroCount, .elements = canopen::kAxes}},
@@ -48,6 +58,9 @@ static_assert(canopen::is_described(kInertialObjects));
 inline constexpr canopen::DescribedObject kAnkleObjects[] = {
     kSensorKind,
     kSensorSample,
+    kSensorTime,
+    kSensorTimeMs,
+    kSensorTimeDays,
     canopen::heading(0x2020, "Force", "What the ground side exerts on the shank side."),
     {OBJECT(0x2020, 1, force[0], kReadOnly, kTpdo).repeated(3, 2),
      {.name = "Force", .unit = kForceCount, .elements = canopen::kAxes}},

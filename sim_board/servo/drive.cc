@@ -51,6 +51,8 @@ bool is_supported(std::uint16_t index, std::int32_t value) {
   switch (index) {
     case cia402::kModeOfOperation:
       return is_supported_mode(value);
+    case cia402::kHomingMethod:
+      return value == cia402::kHomeOnPositionOld || value == cia402::kHomeOnPosition;
     case cia402::kHaltOption:
       return value == cia402::kStopOnSlowDownRamp || value == cia402::kStopOnQuickStopRamp;
     case cia402::kShutdownOption:
@@ -78,10 +80,14 @@ Drive::Drive(const JointDescription& joint, Bus& bus, const ServoOptions& option
       monitor_(joint.servo),
       description_(drive_node_description(joint.drive)),
       values_(power_on_values(joint)),
+      services_({description_.vendor_id, description_.product_code, description_.revision_number,
+                 joint.drive.serial_number},
+                *this),
       node_(description_,
             {.node_id = joint.drive.node_id,
              .serial_number = joint.drive.serial_number,
-             .values = std::as_writable_bytes(std::span(&values_, 1))},
+             .values = std::as_writable_bytes(std::span(&values_, 1)),
+             .services = &services_},
             memory_.buffers(), *this, *this) {
   bus_.power_off(handle_);
 }
@@ -91,6 +97,7 @@ void Drive::power_on(std::uint64_t now_us) {
   hanging_ = false;
   started_ = false;
   start_us_ = now_us + kBootTime_us;
+  storage_.power_on();
   bus_.power_on(handle_);
 }
 
@@ -117,12 +124,13 @@ void Drive::update(const JointState& joint, std::uint64_t now_us) {
   if (powered_ && !hanging_) {
     if (!started_ && now_us >= start_us_) {
       started_ = true;
+      services_.start(node_, storage_.node_id(joint_.drive.node_id));
       node_.start(now_us);
     }
     if (started_) run_loop();
   }
   if (makes_torque()) {
-    servo_.drive(demand_.at(now_us));
+    servo_.drive(demand_.at(now_us) - home_units_);
   } else {
     servo_.release();
   }
@@ -130,10 +138,16 @@ void Drive::update(const JointState& joint, std::uint64_t now_us) {
 
 void Drive::run_loop() {
   watch_bus();
+  storage_.process();
+  services_.process(node_);
   node_.process(now_us_);
   change_mode();
   if (values_.mode_display == cia402::kProfilePosition && follows_targets())
     profile_.step(values_, now_us_, demand_);
+  if (values_.mode_display == cia402::kHoming && follows_targets() &&
+      homing_.step(values_.controlword, !servo_.encoder_broken())) {
+    make_home();
+  }
   watch_sync();
   watch_servo();
   watch_position();
@@ -151,6 +165,9 @@ void Drive::measure() {
   const double shown_C = thermometer_ ? thermometer_->reading() : winding_C();
   values_.supply_mV = static_cast<std::uint32_t>(std::lround(1000.0 * std::max(supply_V, 0.0)));
   values_.winding_dC = static_cast<std::int16_t>(std::lround(10.0 * shown_C));
+  const auto time = services_.time_of_day(now_us_).value_or(canopen::TimeOfDay{});
+  values_.time_ms = time.ms;
+  values_.time_days = time.days;
 }
 
 // --- The bus
@@ -158,21 +175,26 @@ void Drive::measure() {
 
 void Drive::on_frame(const hal::CanFrame& frame, std::uint64_t time_us) {
   now_us_ = time_us;
-  if (started_) node_.on_frame(frame, time_us);
+  if (started_ && !services_.on_frame(node_, frame, time_us)) node_.on_frame(frame, time_us);
 }
 
 bool Drive::send(const hal::CanFrame& frame) { return bus_.queue(handle_, frame, now_us_); }
 
 void Drive::on_reset(NmtCommand reset) {
   last_sync_us_.reset();
-  if (reset != NmtCommand::kResetNode) return;
+  if (reset == NmtCommand::kResetNode) forget_motion();
+  storage_.load(reset);
+  show();
+}
+
+void Drive::forget_motion() {
   values_ = power_on_values(joint_);
+  home_units_ = 0;
   state_ = DriveStateMachine();
   state_.initialised();
   profile_.restart(0, 0);
   target_limited_ = false;
   watch_.restart();
-  show();
 }
 
 AbortCode Drive::on_write(canopen::ObjectAddress address, std::uint32_t value) {
@@ -201,6 +223,7 @@ void Drive::on_heartbeat(const canopen::HeartbeatEvent& event) {
 }
 
 void Drive::on_state(canopen::NmtState state) {
+  services_.on_state(node_, state);
   if (state != canopen::NmtState::kOperational && state_.makes_torque())
     abort_connection(kErrorCommunication);
 }

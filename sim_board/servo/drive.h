@@ -3,26 +3,32 @@
 #include <cstdint>
 #include <optional>
 
+#include "firmware/canopen/device_services.h"
 #include "firmware/canopen/node.h"
 #include "sim_board/can/bus.h"
 #include "sim_board/can/bus_off_pause.h"
 #include "sim_board/sensor/scalar_sensor.h"
 #include "sim_board/servo/drive_dictionary.h"
 #include "sim_board/servo/drive_state.h"
+#include "sim_board/servo/homing.h"
 #include "sim_board/servo/position_demand.h"
 #include "sim_board/servo/position_watch.h"
 #include "sim_board/servo/profile_position.h"
 #include "sim_board/servo/servo.h"
 #include "sim_board/servo/servo_monitor.h"
 #include "sim_board/servo/velocity_estimate.h"
+#include "sim_board/storage/node_storage.h"
 
 namespace koboshi::sim {
 
-// A servo drive: a CANopen node after CiA 402, in cyclic synchronous position mode or profile position mode,
-// around the hardware of one servo. It answers frames at the microsecond at which they reach it, and obeys a
-// controlword then; its own loop, with which the values that it shows are renewed, runs at 1 kHz. SYNC
-// samples them, and is the beat of the cyclic targets.
-class Drive final : private BusNode, private canopen::FrameSink, private canopen::NodeApplication {
+// A servo drive: a CANopen node after CiA 402, in cyclic synchronous position mode, profile position mode or
+// homing mode, around the hardware of one servo. It answers frames at the microsecond at which they reach it,
+// and obeys a controlword then; its own loop, with which the values that it shows are renewed, runs at 1 kHz.
+// SYNC samples them, and is the beat of the cyclic targets.
+class Drive final : private BusNode,
+                    private canopen::FrameSink,
+                    private canopen::NodeApplication,
+                    private canopen::DeviceOwner {
  public:
   static constexpr std::uint64_t kBootTime_us = 50'000;  // from power to the boot-up message
   static constexpr std::uint64_t kSyncTolerance = 5;     // cycles without SYNC that a moving drive bears
@@ -66,12 +72,19 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override;
   bool send(const hal::CanFrame& frame) override;
   canopen::AbortCode on_write(canopen::ObjectAddress address, std::uint32_t value) override;
+  canopen::AbortCode on_store(canopen::ParameterGroup group) override { return storage_.store(group); }
+  canopen::AbortCode on_restore(canopen::ParameterGroup group) override { return storage_.restore(group); }
+  canopen::AbortCode on_store_node_id(std::uint8_t node_id) override {
+    return storage_.store_node_id(node_id);
+  }
+  void on_node_id(std::uint8_t node_id) override { description_.second_sdo = pc_channel(node_id); }
   void on_reset(canopen::NmtCommand reset) override;
   void on_rpdo(std::size_t number) override;
   void on_sync(std::uint64_t now_us) override;
   void on_state(canopen::NmtState state) override;
   void on_heartbeat(const canopen::HeartbeatEvent& event) override;
 
+  void forget_motion();
   void obey(std::uint16_t controlword);
   void check_parameters(canopen::cia402::State before);
   void report_parameters(bool contradict);
@@ -88,6 +101,9 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   void finish_stop();
   void run_loop();
   void change_mode();
+  void make_home();
+  // Of the shaft, as the bus counts it: from home, or from the encoder's own zero.
+  std::int32_t position_units() const { return servo_.position_units() + home_units_; }
   void watch_bus();
   void watch_sync();
   void watch_servo();
@@ -109,13 +125,17 @@ class Drive final : private BusNode, private canopen::FrameSink, private canopen
   PositionDemand demand_;
   bool target_limited_ = false;  // the last one of a cyclic mode
   ProfilePosition profile_;
+  Homing homing_;
+  std::int32_t home_units_ = 0;  // what the bus counts less the encoder's position
   PositionWatch watch_;
   VelocityEstimate velocity_;
   ServoMonitor monitor_;
   canopen::NodeDescription description_;
   DriveValues values_;
   canopen::NodeMemory<4, 4, 2, 8> memory_;
+  canopen::DeviceServices services_;
   canopen::Node node_;
+  NodeStorage storage_{node_};
   bool powered_ = false;
   bool hanging_ = false;
   bool started_ = false;

@@ -38,16 +38,16 @@ constexpr canopen::PdoConfiguration kTpdos[] = {
     kFreeTpdo,
 };
 
-// None where it would meet another one's. Without a node id the description is that of the kind.
+}  // namespace
+
+// Without a node id the description is that of the kind.
 canopen::SdoChannel pc_channel(std::uint8_t node_id) {
   if (node_id != 0 && !has_pc_sdo(node_id)) return {};
   return {.request_cob_id = kPcSdoRequestBase, .response_cob_id = kPcSdoResponseBase, .plus_node_id = true};
 }
 
-}  // namespace
-
 bool is_supported_mode(std::int32_t mode) {
-  return mode == cia402::kNoMode || mode == cia402::kProfilePosition ||
+  return mode == cia402::kNoMode || mode == cia402::kProfilePosition || mode == cia402::kHoming ||
          mode == cia402::kCyclicSynchronousPosition;
 }
 
@@ -60,9 +60,11 @@ canopen::NodeDescription drive_node_description(const DriveDescription& drive) {
       .device_name = "Koboshi servo drive",
       .hardware_version = "simulated",
       .software_version = "0.1.0",
-      .heartbeat_ms = 0,
+      .heartbeat_ms = kNodeHeartbeat_ms,
       // What a lost controller means is the drive profile's (0x6007); its statusword must stay to be seen.
       .communication_error = canopen::CommunicationError::kNoChange,
+      .stored_groups = canopen::kAllGroups,
+      .field_device = true,
       .second_sdo = pc_channel(drive.node_id),
       .rows = kRows,
       .rpdos = kRpdos,

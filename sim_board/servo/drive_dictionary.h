@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "firmware/canopen/cia402.h"
 #include "firmware/canopen/node.h"
 #include "sim_board/robot/description.h"
 #include "sim_board/servo/pc_sdo.h"
@@ -49,30 +50,42 @@ struct DriveValues {
   std::uint32_t position_window = kWindowOff;   // 0x6067: of the shaft around a target that it has reached
   std::uint16_t position_window_ms = 0;         // 0x6068: how long it must have been there
   std::int32_t target_position = 0;
+  std::int32_t home_offset = 0;  // 0x607C: the position that the shaft has at home
   // 0x607D: lowest, highest; none before the controller has set them
   std::int32_t position_limit[2] = {std::numeric_limits<std::int32_t>::min(),
                                     std::numeric_limits<std::int32_t>::max()};
-  std::uint32_t max_motor_speed_rpm = kDefaultMotorSpeed_rpm;  // 0x6080
-  std::uint32_t profile_velocity = 0;                          // 0x6081: 2^-20 turn/s
-  std::uint32_t profile_acceleration = 0;                      // 0x6083: 2^-20 turn/s^2
-  std::uint32_t profile_deceleration = 0;                      // 0x6084
-  std::uint32_t quick_stop_deceleration = 0;                   // 0x6085
-  std::int16_t motion_profile_type = 0;                        // 0x6086: linear ramps
-  std::uint8_t interpolation_period = 10;                      // 0x60C2:1
-  std::uint32_t max_acceleration = kDefaultMaxAcceleration;    // 0x60C5: 2^-20 turn/s^2
-  std::int32_t following_error = 0;                            // 0x60F4
-  std::int8_t interpolation_exponent = -3;                     // 0x60C2:2: powers of ten of a second
-  std::uint32_t largest_cyclic_step = kDefaultCyclicStep;      // kLargestCyclicStep: 2^-20 turn
-  std::uint32_t limited_ms = 0;                                // kLimitedTime; saturates
+  std::uint32_t max_motor_speed_rpm = kDefaultMotorSpeed_rpm;    // 0x6080
+  std::uint32_t profile_velocity = 0;                            // 0x6081: 2^-20 turn/s
+  std::uint32_t profile_acceleration = 0;                        // 0x6083: 2^-20 turn/s^2
+  std::uint32_t profile_deceleration = 0;                        // 0x6084
+  std::uint32_t quick_stop_deceleration = 0;                     // 0x6085
+  std::int16_t motion_profile_type = 0;                          // 0x6086: linear ramps
+  std::int8_t homing_method = canopen::cia402::kHomeOnPosition;  // 0x6098
+  std::uint32_t homing_speed[2] = {};                        // 0x6099: of methods that move: there are none
+  std::uint8_t interpolation_period = 10;                    // 0x60C2:1
+  std::uint32_t max_acceleration = kDefaultMaxAcceleration;  // 0x60C5: 2^-20 turn/s^2
+  std::int32_t following_error = 0;                          // 0x60F4
+  std::int8_t interpolation_exponent = -3;                   // 0x60C2:2: powers of ten of a second
+  std::uint32_t largest_cyclic_step = kDefaultCyclicStep;    // kLargestCyclicStep: 2^-20 turn
+  std::uint32_t limited_ms = 0;                              // kLimitedTime; saturates
+  std::uint32_t time_ms = 0;                                 // kTimeOfDay: after midnight
+  std::uint16_t time_days = 0;                               // since 1 January 1984
 };
 
-// Profile position, cyclic synchronous position, and none of them.
+// Profile position, homing, cyclic synchronous position, and none of them.
 bool is_supported_mode(std::int32_t mode);
 
 // Manufacturer-specific: CiA 402 has none of them.
 inline constexpr std::uint16_t kWindingTemperature = 0x2000;
 inline constexpr std::uint16_t kLargestCyclicStep = 0x2001;
 inline constexpr std::uint16_t kLimitedTime = 0x2002;
+// The time by the last TIME message.
+inline constexpr std::uint16_t kTimeOfDay = 0x2003;
+// After a reset, of drives and sensors.
+inline constexpr std::uint16_t kNodeHeartbeat_ms = 1000;
+
+// The second SDO channel of a drive with this node id: none where it would meet another one's.
+canopen::SdoChannel pc_channel(std::uint8_t node_id);
 
 // What all drives share but their identity, which stands in the robot file.
 canopen::NodeDescription drive_node_description(const DriveDescription& drive);

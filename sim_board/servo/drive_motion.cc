@@ -35,8 +35,9 @@ void Drive::obey(std::uint16_t controlword) {
   if (before == after) return;
   if (after == cia402::State::kOperationEnabled) {
     // Out of a quick stop the demand goes on as it is, on its ramp or at rest.
-    if (before != cia402::State::kQuickStopActive) demand_.hold(servo_.position_units());
+    if (before != cia402::State::kQuickStopActive) demand_.hold(position_units());
     restart_motion(controlword);
+    homing_.restart(controlword);
   }
   if (after == cia402::State::kQuickStopActive) begin_stop(values_.quick_stop_option);
   if (before == cia402::State::kFault) {
@@ -148,13 +149,22 @@ void Drive::change_mode() {
   if (state_.makes_torque() && !demand_.at_rest(now_us_)) return;
   values_.mode_display = values_.mode;
   restart_motion(values_.controlword);
+  homing_.restart(values_.controlword);
+}
+
+// The shaft stays where it is, and all that the bus counts goes on from the home offset.
+void Drive::make_home() {
+  const std::int32_t shift = values_.home_offset - position_units();
+  home_units_ += shift;
+  demand_.hold(demand_.at(now_us_) + shift);
+  restart_motion(values_.controlword);
 }
 
 void Drive::watch_position() {
   if (!makes_torque()) return watch_.restart();
   const bool arrived = profile_.halted() ? demand_.stands(now_us_) : profile_.arrived();
   const std::int32_t target = profile_.halted() ? demand_.at(now_us_) : profile_.target();
-  watch_.step(values_, demand_.at(now_us_), servo_.position_units(), target, arrived, now_us_);
+  watch_.step(values_, demand_.at(now_us_), position_units(), target, arrived, now_us_);
   if (watch_.following_fault() && state_.state() == cia402::State::kOperationEnabled)
     fault(cia402::kErrorFollowing, canopen::error_register::kProfile);
 }
@@ -169,6 +179,7 @@ std::uint16_t Drive::mode_bits() const {
   if (!follows_targets()) return 0;
   const std::uint16_t limit = limited() ? cia402::kInternalLimit : std::uint16_t{0};
   if (values_.mode_display == cia402::kCyclicSynchronousPosition) return cia402::kFollowsCommand | limit;
+  if (values_.mode_display == cia402::kHoming) return homing_.bits();
   if (values_.mode_display != cia402::kProfilePosition) return 0;
   return static_cast<std::uint16_t>(limit | (watch_.target_reached() ? cia402::kTargetReached : 0u) |
                                     (profile_.acknowledges() ? cia402::kSetPointAcknowledge : 0u));
@@ -181,8 +192,8 @@ void Drive::show() {
   if (!enable_line_) values_.statusword |= cia402::kTorqueOff;
   if (watch_.following_fault()) values_.statusword |= cia402::kFollowingError;
   values_.following_error = watch_.following_error();
-  values_.position_demand = makes_torque() ? demand_.at(now_us_) : servo_.position_units();
-  values_.position_actual = servo_.reported_units();
+  values_.position_demand = makes_torque() ? demand_.at(now_us_) : position_units();
+  values_.position_actual = servo_.reported_units() + home_units_;
   values_.velocity_actual = velocity_.units_per_s();
   values_.torque_actual_permille = share_permille(servo_.torque_Nm(), values_.rated_torque_mNm);
   values_.current_actual_permille = share_permille(servo_.current_A(), values_.rated_current_mA);

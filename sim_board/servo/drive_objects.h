@@ -40,6 +40,7 @@ inline constexpr canopen::Unit kShaftAccelerationUnit{"deg/s^2", 360, 1 << cia40
 inline constexpr canopen::Unit kShareUnit{"%", 1, 10};
 
 inline constexpr std::string_view kLimitEnds[] = {"minimum", "maximum"};
+inline constexpr std::string_view kHomingSpeedNames[] = {"to the switch", "to the index"};
 
 #define OBJECT(index, subindex, member, ...) \
   canopen::object(cia402::index, subindex, KOBOSHI_FIELD(DriveValues, member), __VA_ARGS__)
@@ -56,6 +57,11 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
      {.name = "Time at internal limit",
       .unit = {"ms"},
       .comment = "With bit 11 of the statusword set, since the reset; saturates."}},
+    canopen::heading(kTimeOfDay, "Time of day", "By the last TIME message (1012); 0 before the first."),
+    {canopen::object(kTimeOfDay, 1, KOBOSHI_FIELD(DriveValues, time_ms), kReadOnly),
+     {.name = "Time after midnight", .unit = {"ms"}}},
+    {canopen::object(kTimeOfDay, 2, KOBOSHI_FIELD(DriveValues, time_days), kReadOnly),
+     {.name = "Days since 1984-01-01", .unit = {"d"}}},
     {OBJECT(kAbortConnectionOption, 0, abort_connection_option, kReadWrite).within<std::int16_t>(0, 3),
      {.name = "Abort connection option code",
       .values = kAbortConnectionNames,
@@ -86,7 +92,7 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
      {.name = "Fault reaction option code",
       .values = kStopNames,
       .comment = "Without a position the drive is disabled at once."}},
-    {OBJECT(kModeOfOperation, 0, mode, kReadWrite, kRpdo),
+    {OBJECT(kModeOfOperation, 0, mode, kReadWrite, kRpdo).parameter(),
      {.name = "Modes of operation",
       .values = cia402::kModeNames,
       .comment = "Takes effect when no motion is under way, see the display."}},
@@ -128,6 +134,10 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
      {.name = "Target position",
       .unit = kShaftUnit,
       .comment = "Reached by interpolation over a cycle, or by a profile."}},
+    {OBJECT(kHomeOffset, 0, home_offset, kReadWrite).within<std::int32_t>(-(1 << 30), 1 << 30),
+     {.name = "Home offset",
+      .unit = kShaftUnit,
+      .comment = "The position actual value at home; positions count from there until a reset."}},
     canopen::heading(
         cia402::kSoftwarePositionLimit, "Software position limit",
         "No target lies beyond. Operation is not enabled while the minimum is above the maximum: "
@@ -136,13 +146,17 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
      {.name = "Position limit", .unit = kShaftUnit, .elements = kLimitEnds}},
     {OBJECT(kMaxMotorSpeed, 0, max_motor_speed_rpm, kReadWrite).within<std::uint32_t>(1, 100'000),
      {.name = "Max motor speed", .unit = {"r/min"}, .comment = "Of the shaft, in every mode."}},
-    {OBJECT(kProfileVelocity, 0, profile_velocity, kReadWrite, kRpdo).within<std::uint32_t>(1, 0x7FFF'FFFF),
+    {OBJECT(kProfileVelocity, 0, profile_velocity, kReadWrite, kRpdo)
+         .within<std::uint32_t>(1, 0x7FFF'FFFF)
+         .parameter(),
      {.name = "Profile velocity", .unit = kShaftSpeedUnit}},
     {OBJECT(kProfileAcceleration, 0, profile_acceleration, kReadWrite, kRpdo)
-         .within<std::uint32_t>(1'000, 0x7FFF'FFFF),
+         .within<std::uint32_t>(1'000, 0x7FFF'FFFF)
+         .parameter(),
      {.name = "Profile acceleration", .unit = kShaftAccelerationUnit}},
     {OBJECT(kProfileDeceleration, 0, profile_deceleration, kReadWrite, kRpdo)
-         .within<std::uint32_t>(1'000, 0x7FFF'FFFF),
+         .within<std::uint32_t>(1'000, 0x7FFF'FFFF)
+         .parameter(),
      {.name = "Profile deceleration", .unit = kShaftAccelerationUnit, .comment = "Of slow-down ramps, too."}},
     {OBJECT(kQuickStopDeceleration, 0, quick_stop_deceleration, kReadWrite)
          .within<std::uint32_t>(1'000, 0x7FFF'FFFF),
@@ -151,6 +165,12 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
       .comment = "After a reset from the joint's highest speed, see the robot's file."}},
     {OBJECT(kMotionProfileType, 0, motion_profile_type, kReadWrite).within<std::int16_t>(0, 0),
      {.name = "Motion profile type", .values = kMotionProfileNames}},
+    {OBJECT(kHomingMethod, 0, homing_method, kReadWrite),
+     {.name = "Homing method", .comment = "35 or 37: the present position is home; nothing moves."}},
+    canopen::heading(cia402::kHomingSpeeds, "Homing speeds",
+                     "Of methods that move, of which there are none."),
+    {OBJECT(kHomingSpeeds, 1, homing_speed[0], kReadWrite).repeated(2, 4),
+     {.name = "Homing speed", .unit = kShaftSpeedUnit, .elements = kHomingSpeedNames}},
     canopen::heading(cia402::kInterpolationTimePeriod, "Interpolation time period",
                      "The cycle: value * 10^index seconds."),
     {OBJECT(kInterpolationTimePeriod, 1, interpolation_period, kReadWrite).within<std::uint8_t>(1, 250),
@@ -161,17 +181,22 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
      {.name = "Max acceleration",
       .unit = kShaftAccelerationUnit,
       .comment = "In every mode; of decelerations, those of a profile."}},
+    canopen::heading(cia402::kSupportedHomingMethods, "Supported homing methods"),
+    {canopen::constant<std::int8_t>(cia402::kSupportedHomingMethods, 1, cia402::kHomeOnPositionOld),
+     {.name = "Supported homing method 1"}},
+    {canopen::constant<std::int8_t>(cia402::kSupportedHomingMethods, 2, cia402::kHomeOnPosition),
+     {.name = "Supported homing method 2"}},
     {OBJECT(kFollowingErrorActual, 0, following_error, kReadOnly, kTpdo),
      {.name = "Following error actual value", .unit = kShaftUnit, .comment = "The demand less the shaft."}},
     {OBJECT(kPositionDemandInternal, 0, position_demand, kReadOnly, kTpdo),
      {.name = "Position demand internal value",
       .unit = kShaftUnit,
       .comment = "As 6062: the drive's own unit is that of the bus."}},
-    {canopen::constant<std::uint32_t>(
-         cia402::kSupportedDriveModes, 0,
-         1u << (cia402::kProfilePosition - 1) | 1u << (cia402::kCyclicSynchronousPosition - 1)),
+    {canopen::constant<std::uint32_t>(cia402::kSupportedDriveModes, 0,
+                                      1u << (cia402::kProfilePosition - 1) | 1u << (cia402::kHoming - 1) |
+                                          1u << (cia402::kCyclicSynchronousPosition - 1)),
      {.name = "Supported drive modes",
-      .comment = "Bit 0: profile position; bit 7: cyclic synchronous position."}},
+      .comment = "Bit 0: profile position; bit 5: homing; bit 7: cyclic synchronous position."}},
 };
 static_assert(canopen::is_described(kDriveObjects));
 

@@ -9,6 +9,7 @@
 #include "firmware/canopen/cob_id.h"
 #include "firmware/canopen/emergency.h"
 #include "firmware/canopen/pdo.h"
+#include "firmware/canopen/time_stamp.h"
 #include "firmware/canopen/value_names.h"
 
 namespace koboshi::tools {
@@ -108,6 +109,27 @@ Object sync_counter() {
   ObjectItem value = item(0x1019, 0, "Synchronous counter overflow value", DataType::kUnsigned8, "rw", "0");
   value.limits = {0, 240};
   return variable(std::move(value), "0: SYNC carries no counter; else 2 to 240.");
+}
+
+// Drives and sensors have these two.
+Object time_stamp() {
+  return variable(item(0x1012, 0, "COB-ID time stamp object", DataType::kUnsigned32, "rw",
+                       hex(canopen::kTimeConsumer | canopen::kTimeCobId)),
+                  "Of drives and sensors. Bit 31: the node takes the time of day from it.");
+}
+
+Object verify_configuration() {
+  Object made =
+      record(0x1020, "Verify configuration",
+             {item(0x1020, 1, "Configuration date", DataType::kUnsigned32, "rw", "0"),
+              item(0x1020, 2, "Configuration time", DataType::kUnsigned32, "rw", "0")},
+             "Of drives and sensors. Written by a configuration tool; 0 when a parameter has changed since.");
+  made.items[1].unit.name = "d";
+  made.items[1].comment = "Days since 1984-01-01.";
+  made.items[2].unit.name = "ms";
+  made.items[2].comment = "After midnight.";
+  made.type = ObjectType::kArray;
+  return made;
 }
 
 Object error_behaviour(canopen::CommunicationError behaviour) {
@@ -257,6 +279,7 @@ void add_services(std::vector<Object>& objects, const canopen::NodeDescription& 
   objects.push_back(text(0x100A, "Manufacturer software version", node.software_version));
   objects.push_back(stored_parameters(0x1010, "Store parameters", "Save", kSaveComment));
   objects.push_back(stored_parameters(0x1011, "Restore default parameters", "Restore", kLoadComment));
+  if (node.field_device) objects.push_back(time_stamp());
   objects.push_back(variable(
       item(0x1014, 0, "COB-ID EMCY", DataType::kUnsigned32, "rw", with_node_id(canopen::kEmergencyBase))));
   objects.push_back(variable(item(0x1015, 0, "Inhibit time EMCY", DataType::kUnsigned16, "rw", "0"),
@@ -279,6 +302,7 @@ std::vector<Object> communication_area(const canopen::NodeDescription& node, con
       "0: none.", "ms"));
   objects.push_back(identity(node));
   objects.push_back(sync_counter());
+  if (node.field_device) objects.push_back(verify_configuration());
   objects.push_back(error_behaviour(node.communication_error));
   objects.push_back(sdo_server());
   objects.push_back(second_sdo_server(node.second_sdo));

@@ -38,8 +38,8 @@ void add_device_info(std::string& eds, const NodeKind& kind) {
   fmt::format_to(Text(eds), "SimpleBootUpMaster={}\nSimpleBootUpSlave={}\nGranularity=8\n",
                  node.sync_producer ? 1 : 0, node.sync_producer ? 0 : 1);
   eds += "DynamicChannelsSupported=0\nCompactPDO=0\nGroupMessaging=0\n";
-  fmt::format_to(Text(eds), "NrOfRXPDO={}\nNrOfTXPDO={}\nLSS_Supported=0\n", kind.capacity.rpdos,
-                 kind.capacity.tpdos);
+  fmt::format_to(Text(eds), "NrOfRXPDO={}\nNrOfTXPDO={}\nLSS_Supported={}\n", kind.capacity.rpdos,
+                 kind.capacity.tpdos, node.field_device ? 1 : 0);
 }
 
 // An RPDO may hold gaps of all integers (CiA 301, 7.4.7.2).

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <map>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -132,10 +134,23 @@ void add_objects(std::string& page, std::span<const Object> objects, std::uint16
   }
 }
 
-// The communication profile area once for all kinds: the first has all of it; defaults that not all share
-// stand in the nodes' chapters.
+// What any of the kinds has in the communication profile area, by index.
+std::vector<Object> common_objects(std::span<const NodeKind> kinds) {
+  std::map<std::uint16_t, Object> found;
+  for (const NodeKind& kind : kinds) {
+    for (const Object& object : kind.objects) {
+      if (object.index < kFirstOwnIndex) found.try_emplace(object.index, object);
+    }
+  }
+  std::vector<Object> objects;
+  for (auto& [index, object] : found) objects.push_back(std::move(object));
+  return objects;
+}
+
+// The communication profile area once for all kinds; defaults that not all share stand in the nodes'
+// chapters.
 void add_common_objects(std::string& page, std::span<const NodeKind> kinds) {
-  std::vector<Object> objects = kinds.front().objects;
+  std::vector<Object> objects = common_objects(kinds);
   for (Object& object : objects) {
     for (ObjectItem& item : object.items) {
       const bool shared = std::all_of(kinds.begin(), kinds.end(), [&](const NodeKind& kind) {

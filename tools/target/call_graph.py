@@ -3,7 +3,7 @@
 import pathlib
 import re
 
-LISTED = re.compile(r"(?P<caller>\S.*?) (?P<places>\d+): (?P<targets>.*)")
+LISTED = re.compile(r"(?P<caller>\S.*?) (?P<places>\d+):(?P<targets>.*)")  # no target: none is in the image
 
 NOBODY = "nobody"  # in the list, what no call reaches although its address is taken
 

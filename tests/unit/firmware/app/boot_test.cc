@@ -122,6 +122,18 @@ TEST(ControllerBoot, FailsWhenADriveGoesQuietBeforeItsFirstAnswer) {
   EXPECT_EQ(bench.now().trouble_joint, 4);
 }
 
+// After its reset a drive beats each second, which is less often than the controller wants it then.
+TEST(ControllerBoot, DoesNotMissADriveThatBeatsBeforeItsConfiguration) {
+  ControllerBench bench;
+  bench.drives.back().beats = false;
+  bench.run_ms(100);
+  bench.board.can.deliver(bench.drives.back().heartbeat());
+  bench.run_ms(450);
+  EXPECT_EQ(bench.now().state, State::kBoot);
+  bench.drives.back().beats = true;
+  EXPECT_TRUE(bench.run_until(State::kLimp));
+}
+
 TEST(ControllerBoot, WaitsHalfASecondForSensors) {
   ControllerBench bench;
   bench.imu_speaks = false;

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "firmware/canopen/device_services.h"
 #include "firmware/canopen/node.h"
 
 namespace koboshi::hal {
@@ -111,6 +112,13 @@ inline constexpr NodeDescription kTestDescription{
     .watched_tpdos = 0,
 };
 
+// The same as a field device.
+inline const NodeDescription kTestDevice = [] {
+  NodeDescription description = kTestDescription;
+  description.field_device = true;
+  return description;
+}();
+
 // A DOMAIN in memory, with verdicts to refuse by.
 class TestDomain final : public Domain {
  public:
@@ -166,15 +174,18 @@ inline std::vector<std::uint8_t> counted_bytes(std::size_t count) {
 }
 
 // A node with its owner, which notes what it is told.
-class TestNode final : public NodeApplication {
+class TestNode final : public NodeApplication, public DeviceOwner {
  public:
   explicit TestNode(std::uint8_t node_id = 0x10, const NodeDescription& description = kTestDescription)
       : TestNode(node_id, description, sink) {}
   TestNode(std::uint8_t node_id, const NodeDescription& description, FrameSink& other_sink)
-      : node(description,
+      : services({description.vendor_id, description.product_code, description.revision_number, 0xCAFE},
+                 *this),
+        node(description,
              {.node_id = node_id,
               .serial_number = 0xCAFE,
-              .values = std::as_writable_bytes(std::span(&values, 1))},
+              .values = std::as_writable_bytes(std::span(&values, 1)),
+              .services = description.field_device ? &services : nullptr},
              memory.buffers(), other_sink, *this) {}
   TestNode(const TestNode&) = delete;
 
@@ -184,10 +195,20 @@ class TestNode final : public NodeApplication {
     node.command(NmtCommand::kStart, now_us);
     sink.frames.clear();
   }
+  // Power-on, of a device with the node id that was stored.
+  void start(std::uint8_t node_id, std::uint64_t now_us) {
+    services.start(node, node_id);
+    node.start(now_us);
+  }
+  // A frame, as the owner of a device passes it on.
+  void hear(const hal::CanFrame& frame, std::uint64_t now_us) {
+    const bool device = node.description().field_device;
+    if (!device || !services.on_frame(node, frame, now_us)) node.on_frame(frame, now_us);
+  }
   // The frames with which the node answers one.
   std::vector<hal::CanFrame> ask(const hal::CanFrame& frame, std::uint64_t now_us = 0) {
     sink.frames.clear();
-    node.on_frame(frame, now_us);
+    hear(frame, now_us);
     return sink.take();
   }
 
@@ -204,8 +225,17 @@ class TestNode final : public NodeApplication {
     restored.push_back(group);
     return verdict;
   }
+  AbortCode on_store_node_id(std::uint8_t node_id) override {
+    stored_node_ids.push_back(node_id);
+    return verdict;
+  }
+  void on_node_id(std::uint8_t node_id) override { node_ids.push_back(node_id); }
+  void on_time(const TimeOfDay& time) override { times.push_back(time); }
   void on_reset(NmtCommand reset) override { resets.push_back(reset); }
-  void on_state(NmtState state) override { states.push_back(state); }
+  void on_state(NmtState state) override {
+    states.push_back(state);
+    if (node.description().field_device) services.on_state(node, state);
+  }
   void on_sync(std::uint64_t) override {
     ++syncs;
     values.statusword = next_statusword;
@@ -230,10 +260,14 @@ class TestNode final : public NodeApplication {
   int syncs = 0;
   std::vector<Write> written;
   std::vector<NmtCommand> resets;
+  std::vector<std::uint8_t> stored_node_ids;
+  std::vector<std::uint8_t> node_ids;
+  std::vector<TimeOfDay> times;
   std::vector<NmtState> states;
   std::vector<std::size_t> rpdos;
   std::vector<HeartbeatEvent> heartbeats;
   std::vector<Emergency> emergencies;
+  DeviceServices services;
   Node node;
 };
 

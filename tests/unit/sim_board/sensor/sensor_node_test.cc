@@ -1,5 +1,7 @@
 #include "sim_board/sensor/sensor_node.h"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -74,6 +76,48 @@ TEST_F(InertialSensorNode, SendsItsLatestSampleByItsOwnClock) {
   ASSERT_TRUE(sample);
   EXPECT_THAT(sample->gyro_raw, ElementsAre(-7, 8, 9));
   EXPECT_THAT(sample->accelerometer_raw, ElementsAre(10, 11, -12));
+}
+
+TEST_F(InertialSensorNode, BeatsEachSecond) {
+  start();
+  play_until(now_us_ + 3'000'000);
+  EXPECT_EQ(std::ranges::count(identifiers_, canopen::kHeartbeatBase + kInertialNode), 3);
+}
+
+TEST_F(AnkleSensorNode, KeepsItsParametersOverAReset) {
+  start();
+  const auto write = [this](unsigned command, unsigned index, unsigned subindex, std::uint32_t value) {
+    hal::CanFrame frame{.identifier = canopen::kSdoRequestBase + kLeftAnkleNode, .size = 8};
+    frame.data[0] = static_cast<std::uint8_t>(command);
+    canopen::store_u16(&frame.data[1], static_cast<std::uint16_t>(index));
+    frame.data[3] = static_cast<std::uint8_t>(subindex);
+    canopen::store_u32(&frame.data[4], value);
+    send(frame);
+    play_until(now_us_ + 200'000);
+  };
+  write(0x2B, 0x1017, 0, 100);
+  write(0x23, 0x1010, 1, 0x6576'6173);
+  write(0x2B, 0x1017, 0, 0);
+  send(canopen::encode(canopen::NmtMessage{canopen::NmtCommand::kResetNode, 0}));
+  play_until(now_us_ + 2'000);
+  identifiers_.clear();
+  play_until(now_us_ + 1'000'000);
+  EXPECT_EQ(std::ranges::count(identifiers_, canopen::kHeartbeatBase + kLeftAnkleNode), 10);
+}
+
+TEST_F(AnkleSensorNode, TakesANodeIdByLss) {
+  start();
+  const auto lss = [this](std::uint8_t command, std::uint8_t argument) {
+    send({.identifier = 0x7E5, .size = 8, .data = {command, argument}});
+    play_until(now_us_ + 2'000);
+  };
+  lss(0x04, 1);
+  lss(0x11, 50);
+  lss(0x04, 0);
+  identifiers_.clear();
+  send(canopen::encode(canopen::NmtMessage{canopen::NmtCommand::kResetCommunication, 0}));
+  play_until(now_us_ + 2'000);
+  EXPECT_THAT(identifiers_, ElementsAre(canopen::kHeartbeatBase + 50));
 }
 
 TEST_F(AnkleSensorNode, SendsItsLatestSampleAtEachSync) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/app/dictionary.h"
+#include "firmware/canopen/device_services.h"
 #include "sim_board/sensor/sensor_dictionary.h"
 #include "sim_board/servo/drive_dictionary.h"
 #include "tests/unit/tools/dictionary/default_network.h"
@@ -25,16 +26,19 @@ class NoSink final : public canopen::FrameSink {
 
 // A node of the kind as it is on the bus, with the application's part left out.
 template <typename Values, typename Memory>
-class RealNode final : private canopen::NodeApplication {
+class RealNode final : private canopen::NodeApplication, private canopen::DeviceOwner {
  public:
   // The controller's, with its drives.
   explicit RealNode(const NodeKind& kind, const robot::RobotModel& robot = {})
       : robot_(robot),
+        services_({1, 2, 3, 7}, *this),
         node(kind.description,
              {.node_id = kNodeId,
               .serial_number = 7,
-              .values = std::as_writable_bytes(std::span(&values_, 1))},
+              .values = std::as_writable_bytes(std::span(&values_, 1)),
+              .services = kind.description.field_device ? &services_ : nullptr},
              memory_.buffers(), sink_, *this) {
+    services_.start(node, kNodeId);
     node.start(0);
   }
 
@@ -45,6 +49,7 @@ class RealNode final : private canopen::NodeApplication {
   Values values_;
   Memory memory_;
   NoSink sink_;
+  canopen::DeviceServices services_;
 
  public:
   canopen::Node node;

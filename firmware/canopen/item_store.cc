@@ -1,13 +1,11 @@
-#include "firmware/app/item_store.h"
+#include "firmware/canopen/item_store.h"
 
 #include <algorithm>
 
+#include "firmware/canopen/crc32.h"
 #include "firmware/canopen/frame.h"
 
-namespace koboshi::app {
-
-using canopen::AbortCode;
-
+namespace koboshi::canopen {
 namespace {
 
 constexpr std::uint32_t kTrailerMagic = 0x4D54494Bu;  // "KITM"
@@ -16,16 +14,18 @@ constexpr std::size_t kCrcOffset = ItemStore::kTrailerSize - 4;
 }  // namespace
 
 struct ItemStore::Trailer {
-  ItemKind kind{};
+  std::uint16_t kind = 0;
   std::uint16_t number = 0;
   std::uint32_t sequence = 0;
   std::size_t size = 0;
 };
 
-ItemStore::ItemStore(hal::StoragePort& storage)
-    : storage_(storage), first_(storage.contents().size() - std::min(storage.contents().size(), kSize)) {
-  if (storage_.contents().size() < kSize) return;
-  for (std::size_t i = 0; i < kSlots; ++i) {
+ItemStore::ItemStore(hal::StoragePort& storage, const Layout& layout)
+    : storage_(storage),
+      layout_(layout),
+      first_(storage.contents().size() - std::min(storage.contents().size(), layout.size_bytes())) {
+  if (storage_.contents().size() < layout_.size_bytes()) return;
+  for (std::size_t i = 0; i < layout_.slots; ++i) {
     Trailer trailer;
     if (read(i, trailer)) take(i, trailer);
   }
@@ -33,7 +33,7 @@ ItemStore::ItemStore(hal::StoragePort& storage)
 
 // The newest of two versions stays; the other's slot is free.
 void ItemStore::take(std::size_t number, const Trailer& trailer) {
-  for (std::size_t i = 0; i < kSlots; ++i) {
+  for (std::size_t i = 0; i < layout_.slots; ++i) {
     Trailer other;
     if (i == number || !occupied(i) || !read(i, other)) continue;
     if (other.kind != trailer.kind || other.number != trailer.number) continue;
@@ -47,26 +47,26 @@ void ItemStore::take(std::size_t number, const Trailer& trailer) {
 }
 
 std::span<const std::byte> ItemStore::slot(std::size_t number) const {
-  return storage_.contents().subspan(slot_offset(number), kSlotSize);
+  return storage_.contents().subspan(slot_offset(number), layout_.slot_size_bytes);
 }
 
 bool ItemStore::read(std::size_t number, Trailer& trailer) const {
   const auto bytes = slot(number);
-  robot::ImageReader reader(bytes.last(kTrailerSize));
-  if (reader.u32() != kTrailerMagic) return false;
-  trailer.kind = static_cast<ItemKind>(reader.u16());
-  trailer.number = reader.u16();
-  trailer.sequence = reader.u32();
-  trailer.size = reader.u32();
-  static_cast<void>(reader.u32());
-  if (trailer.size > kMaxItemSize) return false;
+  std::array<std::uint8_t, kTrailerSize> stored;
+  std::ranges::transform(bytes.last(kTrailerSize), stored.begin(), std::to_integer<std::uint8_t>);
+  if (load_u32(&stored[0]) != kTrailerMagic) return false;
+  trailer.kind = load_u16(&stored[4]);
+  trailer.number = load_u16(&stored[6]);
+  trailer.sequence = load_u32(&stored[8]);
+  trailer.size = load_u32(&stored[12]);
+  if (trailer.size > max_item_size()) return false;
   if (occupied(number)) return true;  // checked before, and not written since
-  const std::uint32_t crc = robot::crc32(bytes.first(trailer.size));
-  return robot::crc32(bytes.last(kTrailerSize).first(kCrcOffset), crc) == reader.u32();
+  const std::uint32_t crc = crc32(bytes.first(trailer.size));
+  return crc32(bytes.last(kTrailerSize).first(kCrcOffset), crc) == load_u32(&stored[kCrcOffset]);
 }
 
-std::span<const std::byte> ItemStore::find(ItemKind kind, std::uint16_t number) const {
-  for (std::size_t i = 0; i < kSlots; ++i) {
+std::span<const std::byte> ItemStore::find(std::uint16_t kind, std::uint16_t number) const {
+  for (std::size_t i = 0; i < layout_.slots; ++i) {
     Trailer trailer;
     if (!occupied(i) || !read(i, trailer)) continue;
     if (trailer.kind == kind && trailer.number == number) return slot(i).first(trailer.size);
@@ -74,7 +74,7 @@ std::span<const std::byte> ItemStore::find(ItemKind kind, std::uint16_t number) 
   return {};
 }
 
-AbortCode ItemStore::begin(ItemKind kind, std::uint16_t number) {
+AbortCode ItemStore::begin(std::uint16_t kind, std::uint16_t number) {
   switch (state_) {
     case State::kOpen:
       return AbortCode::kDeviceState;
@@ -107,9 +107,9 @@ AbortCode ItemStore::begin(ItemKind kind, std::uint16_t number) {
 
 // Round and round, so that all slots wear alike, also those of flash that has failed.
 bool ItemStore::choose_slot() {
-  if (storage_.contents().size() < kSize) return false;
-  for (std::size_t i = 0; i < kSlots; ++i) {
-    slot_ = (slot_ + 1) % kSlots;
+  if (storage_.contents().size() < layout_.size_bytes()) return false;
+  for (std::size_t i = 0; i < layout_.slots; ++i) {
+    slot_ = (slot_ + 1) % layout_.slots;
     if (!occupied(slot_)) return true;
   }
   return false;
@@ -123,12 +123,12 @@ void ItemStore::erase_next() {
 
 AbortCode ItemStore::append(std::span<const std::byte> bytes) {
   if (state_ != State::kOpen) return AbortCode::kHardwareError;
-  if (size_ + bytes.size() > kMaxItemSize) return AbortCode::kLengthTooHigh;
+  if (size_ + bytes.size() > max_item_size()) return AbortCode::kLengthTooHigh;
   if (fill_ + bytes.size() > page_.size()) return AbortCode::kBusy;
   std::ranges::copy(bytes, page_.begin() + static_cast<std::ptrdiff_t>(fill_));
   fill_ += bytes.size();
   size_ += bytes.size();
-  crc_ = robot::crc32(bytes, crc_);
+  crc_ = crc32(bytes, crc_);
   return AbortCode::kNone;
 }
 
@@ -170,7 +170,7 @@ void ItemStore::go_on() {
 
 void ItemStore::on_done() {
   if (state_ == State::kErasing) {
-    if (done_ < kSlotSize) {
+    if (done_ < layout_.slot_size_bytes) {
       erase_next();
     } else {
       state_ = State::kErased;
@@ -198,16 +198,16 @@ void ItemStore::write_page(std::size_t size) {
 
 void ItemStore::write_trailer() {
   std::array<std::uint8_t, kTrailerSize> trailer;
-  canopen::store_u32(&trailer[0], kTrailerMagic);
-  canopen::store_u16(&trailer[4], static_cast<std::uint16_t>(kind_));
-  canopen::store_u16(&trailer[6], number_);
-  canopen::store_u32(&trailer[8], sequence_ + 1);
-  canopen::store_u32(&trailer[12], static_cast<std::uint32_t>(size_));
-  canopen::store_u32(&trailer[16], ~std::uint32_t{0});
+  store_u32(&trailer[0], kTrailerMagic);
+  store_u16(&trailer[4], kind_);
+  store_u16(&trailer[6], number_);
+  store_u32(&trailer[8], sequence_ + 1);
+  store_u32(&trailer[12], static_cast<std::uint32_t>(size_));
+  store_u32(&trailer[16], ~std::uint32_t{0});
   const auto bytes = std::as_bytes(std::span(trailer));
-  canopen::store_u32(&trailer[kCrcOffset], robot::crc32(bytes.first(kCrcOffset), crc_));
+  store_u32(&trailer[kCrcOffset], crc32(bytes.first(kCrcOffset), crc_));
   state_ = State::kSealing;
-  write(kSlotSize - kTrailerSize, bytes);
+  write(layout_.slot_size_bytes - kTrailerSize, bytes);
 }
 
-}  // namespace koboshi::app
+}  // namespace koboshi::canopen

@@ -1,0 +1,119 @@
+#include "firmware/canopen/device_services.h"
+
+#include "firmware/canopen/node.h"
+
+namespace koboshi::canopen {
+namespace {
+
+constexpr std::uint16_t kTimeObject = 0x1012;
+constexpr std::uint16_t kVerificationObject = 0x1020;
+constexpr std::uint8_t kVerificationParts = 2;  // date, time
+
+// Whether an object configures the node. In the communication profile area, what is written but for the error
+// history, store, restore, and the verification itself.
+bool configures(const Node& node, ObjectAddress address) {
+  const bool commands = address.index == 0x1003 || address.index == 0x1010 || address.index == 0x1011 ||
+                        address.index == kVerificationObject;
+  if (group_of(address.index) == ParameterGroup::kCommunication) return !commands;
+  Location location;
+  const Dictionary objects(node.description().rows, {});
+  return objects.find(address, location) == AbortCode::kNone && is_parameter(*location.entry);
+}
+
+}  // namespace
+
+void DeviceServices::start(Node& node, std::uint8_t node_id) {
+  lss_.restart(node_id);
+  reset(node);
+}
+
+void DeviceServices::on_state(Node& node, NmtState state) {
+  if (state == NmtState::kInitialising) reset(node);
+}
+
+void DeviceServices::reset(Node& node) {
+  time_.load_defaults();
+  verification_ = {};
+  node.set_node_id(lss_.node_id());
+  owner_.on_node_id(lss_.node_id());
+}
+
+bool DeviceServices::on_frame(Node& node, const hal::CanFrame& frame, std::uint64_t now_us) {
+  if (LssSlave::takes(frame)) {
+    on_lss(node, frame, now_us);
+    return true;
+  }
+  if (!permits_time(node.state()) || !time_.identifies(frame)) return false;
+  if (time_.accept(frame, now_us)) owner_.on_time(*time_.at(now_us));
+  return true;
+}
+
+void DeviceServices::on_lss(Node& node, const hal::CanFrame& frame, std::uint64_t now_us) {
+  switch (lss_.on_request(frame, node.node_id(), node.sink())) {
+    case LssSlave::Event::kNone:
+      return;
+    case LssSlave::Event::kStore:
+      node_id_to_store_ = true;
+      return store_node_id(node);
+    case LssSlave::Event::kLeft:
+      // A node without id boots with the one it has got; others wait for a reset (CiA 305, figure 4).
+      if (node.node_id() == kUnconfiguredNodeId && lss_.node_id() != kUnconfiguredNodeId) {
+        reset(node);
+        node.command(NmtCommand::kResetCommunication, now_us);
+      }
+      return;
+  }
+}
+
+void DeviceServices::store_node_id(Node& node) {
+  const AbortCode stored = owner_.on_store_node_id(lss_.node_id());
+  if (stored == AbortCode::kBusy) return;
+  node_id_to_store_ = false;
+  lss_.stored(stored, node.sink());
+}
+
+AbortCode DeviceServices::read(ObjectAddress address, ObjectValue& value) const {
+  const bool time = address.index == kTimeObject;
+  if (!time && address.index != kVerificationObject) return AbortCode::kObjectDoesNotExist;
+  if (address.subindex > (time ? 0 : kVerificationParts)) return AbortCode::kSubindexDoesNotExist;
+  if (time) {
+    value.set_number(time_.cob_id(), 4);
+  } else if (address.subindex == 0) {
+    value.set_number(kVerificationParts, 1);
+  } else {
+    value.set_number(verification_[address.subindex - 1u], 4);
+  }
+  return AbortCode::kNone;
+}
+
+// A configuration that changes is no longer the one that 0x1020 verifies.
+AbortCode DeviceServices::write(Node& node, ObjectAddress address, std::uint32_t value, std::size_t size) {
+  ObjectValue before;
+  ObjectValue after;
+  const bool known = configures(node, address) && node.read_object(address, before) == AbortCode::kNone;
+  const AbortCode own = write_own(address, value, size);
+  const AbortCode written =
+      own == AbortCode::kObjectDoesNotExist ? node.write_own(address, value, size) : own;
+  if (written != AbortCode::kNone || !known) return written;
+  static_cast<void>(node.read_object(address, after));
+  if (after.number() != before.number()) verification_ = {};
+  return written;
+}
+
+AbortCode DeviceServices::write_own(ObjectAddress address, std::uint32_t value, std::size_t size) {
+  ObjectValue present;
+  const AbortCode found = read(address, present);
+  if (found != AbortCode::kNone) return found;
+  if (address.index == kVerificationObject && address.subindex == 0) return AbortCode::kWriteOfReadOnly;
+  const AbortCode sized = check_size(size, present.size());
+  if (sized != AbortCode::kNone) return sized;
+  if (address.index == kTimeObject) return time_.write_cob_id(value);
+  verification_[address.subindex - 1u] = value;
+  return AbortCode::kNone;
+}
+
+void DeviceServices::restore(Node& node, const ParameterValue& parameter) {
+  static_cast<void>(node.write_object(parameter.address, parameter.value, parameter.size_bytes));
+}
+
+}  // namespace koboshi::canopen

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "firmware/canopen/abort_code.h"
+#include "firmware/canopen/cob_id.h"
+#include "firmware/canopen/frame.h"
+
+namespace koboshi::canopen {
+
+inline constexpr std::uint16_t kLssRequestCobId = 0x7E5;  // master to slaves
+inline constexpr std::uint16_t kLssResponseCobId = 0x7E4;
+
+// Command specifiers of CiA 305, 6.2.
+enum class LssCommand : std::uint8_t {
+  kSwitchGlobal = 0x04,
+  kConfigureNodeId = 0x11,
+  kConfigureBitTiming = 0x13,
+  kActivateBitTiming = 0x15,
+  kStore = 0x17,
+  kSwitchVendor = 0x40,  // and the next three: product, revision, serial number
+  kSwitchSerial = 0x43,
+  kSwitched = 0x44,
+  kIdentifyVendor = 0x46,  // product, lowest and highest revision, lowest and highest serial number follow
+  kIdentifySerialHigh = 0x4B,
+  kIdentifyUnconfigured = 0x4C,
+  kIdentified = 0x4F,
+  kIdentifiedUnconfigured = 0x50,
+  kFastscan = 0x51,
+  kInquireVendor = 0x5A,  // product, revision, serial number and node id follow
+  kInquireNodeId = 0x5E,
+};
+
+// An LSS slave (CiA 305): it is found by its 128-bit LSS address, the four numbers of 0x1018, and given its
+// node id over the bus. The bit timing is 1 Mbit/s, and no other can be configured. The new node id counts
+// from the next reset on.
+//
+// All requests are obeyed in every NMT state; fastscan is for slaves without node id. What is not obeyed in
+// the present LSS state is not answered.
+class LssSlave {
+ public:
+  enum class State : std::uint8_t { kWaiting, kConfiguration };
+  // What the owner has to do after a request.
+  enum class Event : std::uint8_t {
+    kNone,
+    kLeft,   // back from configuration to waiting
+    kStore,  // keep `node_id` over a power cycle, then call `stored`
+  };
+
+  // Vendor id, product code, revision number, serial number.
+  using Address = std::array<std::uint32_t, 4>;
+
+  explicit LssSlave(const Address& address) : address_(address) {}
+
+  // Waiting, as after power-on. `node_id` 1 to 127, or kUnconfiguredNodeId.
+  void restart(std::uint8_t node_id);
+  // The node id that the next reset makes the node's.
+  std::uint8_t node_id() const { return node_id_; }
+  State state() const { return state_; }
+
+  static bool takes(const hal::CanFrame& frame) {
+    return frame.identifier == kLssRequestCobId && frame.size == 8;
+  }
+  // `active_node_id` is what the node has now; answers go to `sink`.
+  [[nodiscard]] Event on_request(const hal::CanFrame& frame, std::uint8_t active_node_id, FrameSink& sink);
+  // Answers the request to store.
+  static void stored(AbortCode result, FrameSink& sink);
+
+ private:
+  Event switch_globally(std::uint8_t mode);
+  void switch_selectively(std::size_t part, std::uint32_t value, FrameSink& sink);
+  void identify(std::size_t part, std::uint32_t value, FrameSink& sink);
+  void fastscan(const hal::CanFrame& frame, FrameSink& sink);
+  Event configure(const hal::CanFrame& frame, std::uint8_t active_node_id, FrameSink& sink);
+
+  const Address address_;
+  State state_ = State::kWaiting;
+  std::uint8_t node_id_ = kUnconfiguredNodeId;
+  std::size_t selected_ = 0;    // parts of the address that have matched in a row
+  std::size_t identified_ = 0;  // the same, of the six numbers to identify by
+  std::size_t scanned_ = 0;     // the part that fastscan asks for next
+};
+
+}  // namespace koboshi::canopen

@@ -1,0 +1,342 @@
+#include "firmware/canopen/parameter_store.h"
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "hal/fake/storage.h"
+#include "tests/unit/firmware/canopen/test_node.h"
+
+namespace koboshi::canopen {
+namespace {
+
+constexpr std::uint16_t kKind = 9;
+constexpr ItemStore::Layout kLayout{2048, 2};
+constexpr std::uint32_t kSave = 0x6576'6173;
+constexpr std::uint32_t kLoad = 0x6461'6F6C;
+
+// As those of TestNode, with one that an RPDO writes, too.
+constexpr Entry kRows[] = {
+    object(0x2000, 1, KOBOSHI_FIELD(TestValues, gains[0]), Access::kReadWrite).repeated(3, 4),
+    object(0x6040, 0, KOBOSHI_FIELD(TestValues, controlword), Access::kReadWrite, Mappable::kRpdo),
+    object(0x6060, 0, KOBOSHI_FIELD(TestValues, mode), Access::kReadWrite, Mappable::kRpdo)
+        .within<std::int8_t>(-1, 10)
+        .parameter(),
+    object(0x6064, 0, KOBOSHI_FIELD(TestValues, position), Access::kReadOnly, Mappable::kTpdo),
+    object(0x607A, 0, KOBOSHI_FIELD(TestValues, target), Access::kReadWrite, Mappable::kRpdo),
+};
+
+constexpr PdoConfiguration kTpdos[] = {
+    {.cob_id = kTpdo1Base, .plus_node_id = true, .mapping = {mapping(0x6064, 0, 32)}}};
+
+NodeDescription storing_description() {
+  NodeDescription made = kTestDescription;
+  made.stored_groups = kAllGroups;
+  made.field_device = true;
+  made.second_sdo = {0x680, 0x694, true};
+  made.rows = kRows;
+  made.rpdos = {};
+  made.tpdos = kTpdos;
+  return made;
+}
+const NodeDescription kStoringDescription = storing_description();
+
+// A device: its node, and its flash of two slots, which outlives every restart.
+class Device final : public NodeApplication, public DeviceOwner {
+ public:
+  explicit Device(hal::FakeStorage& flash, std::uint8_t node_id = 0x10)
+      : services({1, 2, 3, 4}, *this),
+        node(kStoringDescription,
+             {.node_id = node_id,
+              .serial_number = 1,
+              .values = std::as_writable_bytes(std::span(&values, 1)),
+              .services = &services},
+             memory.buffers(), sink, *this),
+        items(flash, kLayout),
+        parameters(items, kKind, node) {
+    services.start(node, node_id);
+    node.start(0);
+  }
+
+  AbortCode on_store(ParameterGroup group) override { return parameters.store(group); }
+  AbortCode on_restore(ParameterGroup group) override { return parameters.restore(group); }
+  void on_state(NmtState state) override { services.on_state(node, state); }
+  void on_reset(NmtCommand reset) override {
+    if (reset == NmtCommand::kResetNode) values = {};
+    parameters.load(reset == NmtCommand::kResetNode ? ParameterGroup::kAll : ParameterGroup::kCommunication);
+  }
+
+  void pass_a_millisecond() {
+    items.process();
+    parameters.process();
+  }
+  // What an SDO client gets to see in the end.
+  AbortCode write(ObjectAddress address, std::uint32_t value, std::size_t size) {
+    AbortCode code = node.write_object(address, value, size);
+    for (int ms = 0; code == AbortCode::kBusy && ms < 1000; ++ms) {
+      pass_a_millisecond();
+      code = node.write_object(address, value, size);
+    }
+    return code;
+  }
+  AbortCode save(std::uint8_t subindex = 1) { return write({0x1010, subindex}, kSave, 4); }
+  AbortCode load(std::uint8_t subindex = 1) { return write({0x1011, subindex}, kLoad, 4); }
+  std::uint32_t read(std::uint16_t index, std::uint8_t subindex = 0) {
+    ObjectValue value;
+    EXPECT_EQ(node.read_object({index, subindex}, value), AbortCode::kNone) << std::hex << index;
+    return value.number();
+  }
+
+  TestValues values;
+  RecordingSink sink;
+  NodeMemory<2, 2, 3, 4> memory;
+  DeviceServices services;
+  Node node;
+  ItemStore items;
+  ParameterStore parameters;
+};
+
+class ParameterStoreTest : public testing::Test {
+ protected:
+  ParameterStoreTest() { flash.complete_after(2); }
+
+  void restart(std::uint8_t node_id = 0x10) {
+    flash.lose_power();
+    device.emplace(flash, node_id);
+  }
+
+  hal::FakeStorage flash{2, 2048};
+  std::optional<Device> device{std::in_place, flash};
+};
+
+TEST_F(ParameterStoreTest, TellsThatEachGroupIsSavedOnCommand) {
+  for (const std::uint16_t index : std::to_array<std::uint16_t>({0x1010, 0x1011})) {
+    EXPECT_EQ(device->read(index), 4u);
+    for (std::uint8_t i = 1; i <= 4; ++i) EXPECT_EQ(device->read(index, i), 1u);
+  }
+}
+
+TEST_F(ParameterStoreTest, WantsTheSignatures) {
+  EXPECT_EQ(device->write({0x1010, 1}, kLoad, 4), AbortCode::kCannotTransfer);
+  EXPECT_EQ(device->write({0x1011, 1}, kSave, 4), AbortCode::kCannotTransfer);
+  EXPECT_EQ(device->write({0x1010, 0}, kSave, 1), AbortCode::kWriteOfReadOnly);
+  EXPECT_EQ(device->write({0x1010, 5}, kSave, 4), AbortCode::kSubindexDoesNotExist);
+}
+
+TEST_F(ParameterStoreTest, KeepsParametersOverAPowerCycle) {
+  ASSERT_EQ(device->write({0x2000, 3}, 77, 4), AbortCode::kNone);
+  ASSERT_EQ(device->write({0x6060, 0}, 0xFF, 1), AbortCode::kNone);
+  ASSERT_EQ(device->write({0x1017, 0}, 250, 2), AbortCode::kNone);
+  ASSERT_EQ(device->save(), AbortCode::kNone);
+  restart();
+  EXPECT_EQ(device->values.gains[2], 77u);
+  EXPECT_EQ(device->values.mode, -1);
+  EXPECT_EQ(device->read(0x1017), 250u);
+}
+
+TEST_F(ParameterStoreTest, KeepsNoProcessValues) {
+  ASSERT_EQ(device->write({0x6040, 0}, 6, 2), AbortCode::kNone);
+  ASSERT_EQ(device->write({0x607A, 0}, 5, 4), AbortCode::kNone);
+  ASSERT_EQ(device->save(), AbortCode::kNone);
+  restart();
+  EXPECT_EQ(device->values.controlword, 0);
+  EXPECT_EQ(device->values.target, 0);
+}
+
+TEST_F(ParameterStoreTest, ForgetsWhatWasNotSaved) {
+  ASSERT_EQ(device->write({0x2000, 3}, 77, 4), AbortCode::kNone);
+  restart();
+  EXPECT_EQ(device->values.gains[2], 0u);
+}
+
+TEST_F(ParameterStoreTest, KeepsEverySortOfCommunicationParameter) {
+  const std::vector<std::pair<ObjectAddress, std::uint32_t>> wanted{
+      {{0x1005, 0}, 0x90},        {{0x1019, 0}, 10},          {{0x1006, 0}, 20'000},
+      {{0x1007, 0}, 500},         {{0x1012, 0}, 0x0000'0100}, {{0x1014, 0}, 0x8000'0090},
+      {{0x1014, 0}, 0x0000'00A0}, {{0x1015, 0}, 30},          {{0x1016, 2}, 0x0001'0064},
+      {{0x1017, 0}, 123},         {{0x1029, 1}, 2},           {{0x1201, 1}, 0x8000'0690},
+      {{0x1201, 1}, 0x0000'06D0}, {{0x1201, 3}, 5},           {{0x1400, 1}, 0x8000'0210},
+      {{0x1400, 2}, 1},           {{0x1400, 5}, 60},          {{0x1600, 1}, 0x6040'0010},
+      {{0x1600, 2}, 0x607A'0020}, {{0x1600, 0}, 2},           {{0x1400, 1}, 0x0000'0210},
+      {{0x1800, 1}, 0xC000'0190}, {{0x1800, 2}, 254},         {{0x1800, 3}, 100},
+      {{0x1800, 5}, 40},          {{0x1800, 6}, 3},           {{0x1800, 1}, 0x4000'0191},
+  };
+  std::vector<std::uint32_t> expected;
+  for (const auto& [address, value] : wanted) {
+    ASSERT_EQ(device->write(address, value, 0), AbortCode::kNone) << std::hex << address.index;
+  }
+  for (const auto& [address, value] : wanted)
+    expected.push_back(device->read(address.index, address.subindex));
+  ASSERT_EQ(device->save(2), AbortCode::kNone);
+  restart();
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const ObjectAddress address = wanted[i].first;
+    EXPECT_EQ(device->read(address.index, address.subindex), expected[i])
+        << std::hex << address.index << " " << int{address.subindex};
+  }
+}
+
+TEST_F(ParameterStoreTest, SavesEachGroupForItself) {
+  ASSERT_EQ(device->write({0x2000, 1}, 1, 4), AbortCode::kNone);
+  ASSERT_EQ(device->write({0x6060, 0}, 2, 1), AbortCode::kNone);
+  ASSERT_EQ(device->write({0x1017, 0}, 3, 2), AbortCode::kNone);
+  ASSERT_EQ(device->save(3), AbortCode::kNone);
+  restart();
+  EXPECT_EQ(device->values.gains[0], 0u);
+  EXPECT_EQ(device->values.mode, 2);
+  EXPECT_EQ(device->read(0x1017), 0u);
+  ASSERT_EQ(device->write({0x2000, 1}, 1, 4), AbortCode::kNone);
+  ASSERT_EQ(device->write({0x6060, 0}, 5, 1), AbortCode::kNone);
+  ASSERT_EQ(device->save(4), AbortCode::kNone);
+  restart();
+  EXPECT_EQ(device->values.gains[0], 1u);
+  EXPECT_EQ(device->values.mode, 2);
+}
+
+TEST_F(ParameterStoreTest, RestoresEachGroupWithTheNextReset) {
+  ASSERT_EQ(device->write({0x2000, 1}, 1, 4), AbortCode::kNone);
+  ASSERT_EQ(device->write({0x6060, 0}, 2, 1), AbortCode::kNone);
+  ASSERT_EQ(device->write({0x1017, 0}, 3, 2), AbortCode::kNone);
+  ASSERT_EQ(device->save(), AbortCode::kNone);
+  ASSERT_EQ(device->load(2), AbortCode::kNone);
+  EXPECT_EQ(device->read(0x1017), 3u);  // until then
+  device->node.command(NmtCommand::kResetCommunication, 1'000);
+  EXPECT_EQ(device->read(0x1017), 0u);
+  EXPECT_EQ(device->values.mode, 2);
+  ASSERT_EQ(device->load(), AbortCode::kNone);
+  EXPECT_EQ(device->values.mode, 2);
+  device->node.command(NmtCommand::kResetNode, 2'000);
+  EXPECT_EQ(device->values.mode, 0);
+  EXPECT_EQ(device->values.gains[0], 0u);
+}
+
+TEST_F(ParameterStoreTest, GivesCommunicationParametersBackWithEitherReset) {
+  ASSERT_EQ(device->write({0x2000, 1}, 1, 4), AbortCode::kNone);
+  ASSERT_EQ(device->write({0x1017, 0}, 3, 2), AbortCode::kNone);
+  ASSERT_EQ(device->save(), AbortCode::kNone);
+  ASSERT_EQ(device->write({0x2000, 1}, 9, 4), AbortCode::kNone);
+  ASSERT_EQ(device->write({0x1017, 0}, 9, 2), AbortCode::kNone);
+  device->node.command(NmtCommand::kResetCommunication, 1'000);
+  EXPECT_EQ(device->read(0x1017), 3u);
+  EXPECT_EQ(device->values.gains[0], 9u);
+  device->node.command(NmtCommand::kResetNode, 2'000);
+  EXPECT_EQ(device->values.gains[0], 1u);
+}
+
+TEST_F(ParameterStoreTest, FollowsItsNodeIdWhereNothingElseWasConfigured) {
+  ASSERT_EQ(device->write({0x1017, 0}, 3, 2), AbortCode::kNone);
+  ASSERT_EQ(device->save(), AbortCode::kNone);
+  restart(0x20);
+  EXPECT_EQ(device->read(0x1017), 3u);
+  EXPECT_EQ(device->read(0x1014), 0xA0u);
+  EXPECT_EQ(device->read(0x1201, 1), 0x6A0u);
+  EXPECT_EQ(device->read(0x1800, 1), 0x4000'01A0u);
+}
+
+TEST_F(ParameterStoreTest, WritesNothingThatIsThere) {
+  ASSERT_EQ(device->write({0x2000, 1}, 1, 4), AbortCode::kNone);
+  ASSERT_EQ(device->save(), AbortCode::kNone);
+  EXPECT_EQ(device->parameters.store(ParameterGroup::kAll), AbortCode::kNone);  // at once
+}
+
+TEST_F(ParameterStoreTest, WaitsForTheFlash) {
+  flash.complete_by_finish();
+  EXPECT_EQ(device->parameters.store(ParameterGroup::kAll), AbortCode::kBusy);
+  for (int ms = 0; ms < 100; ++ms) device->pass_a_millisecond();
+  EXPECT_EQ(device->parameters.store(ParameterGroup::kAll), AbortCode::kBusy);
+}
+
+// Whenever the power fails, all old values are there, or all new ones.
+TEST_F(ParameterStoreTest, LosesNothingOldToAPowerFailure) {
+  const auto set = [this](std::uint32_t value) {
+    for (std::uint8_t i = 1; i <= 3; ++i) {
+      EXPECT_EQ(device->write({0x2000, i}, value, 4), AbortCode::kNone);
+    }
+    EXPECT_EQ(device->write({0x1017, 0}, value, 2), AbortCode::kNone);
+  };
+  std::uint32_t value = 1;
+  set(value);
+  ASSERT_EQ(device->save(), AbortCode::kNone);
+  int cut_ms = 0;
+  for (bool whole = false; !whole; ++cut_ms) {
+    set(value + 1);
+    AbortCode code = device->parameters.store(ParameterGroup::kAll);
+    for (int ms = 0; ms < cut_ms && code == AbortCode::kBusy; ++ms) {
+      device->pass_a_millisecond();
+      code = device->parameters.store(ParameterGroup::kAll);
+    }
+    whole = code == AbortCode::kNone;
+    restart();
+    const std::uint32_t found = device->values.gains[0];
+    EXPECT_TRUE(found == value || found == value + 1) << cut_ms;
+    EXPECT_TRUE(!whole || found == value + 1);
+    EXPECT_EQ(device->values.gains[1], found) << cut_ms;
+    EXPECT_EQ(device->values.gains[2], found) << cut_ms;
+    EXPECT_EQ(device->read(0x1017), found) << cut_ms;
+    value = found;
+  }
+  EXPECT_GT(cut_ms, 10);
+}
+
+TEST_F(ParameterStoreTest, ReportsFlashThatFails) {
+  flash.fail_next();
+  EXPECT_EQ(device->save(), AbortCode::kHardwareError);
+}
+
+// --- 0x1020, verify configuration
+
+TEST_F(ParameterStoreTest, VerifiesAConfigurationThatIsSaved) {
+  ASSERT_EQ(device->write({0x2000, 1}, 1, 4), AbortCode::kNone);
+  ASSERT_EQ(device->write({0x1020, 1}, 15'000, 4), AbortCode::kNone);
+  ASSERT_EQ(device->write({0x1020, 2}, 43'200'000, 4), AbortCode::kNone);
+  EXPECT_EQ(device->read(0x1020), 2u);
+  ASSERT_EQ(device->save(), AbortCode::kNone);
+  restart();
+  EXPECT_EQ(device->read(0x1020, 1), 15'000u);
+  EXPECT_EQ(device->read(0x1020, 2), 43'200'000u);
+}
+
+TEST_F(ParameterStoreTest, VerifiesNoLongerWhatHasChanged) {
+  const std::vector<std::pair<ObjectAddress, std::uint32_t>> changes{
+      {{0x2000, 1}, 7}, {{0x6060, 0}, 1}, {{0x1017, 0}, 50}, {{0x1801, 2}, 3}, {{0x1A01, 0}, 1}};
+  for (const auto& [address, value] : changes) {
+    ASSERT_EQ(device->write({0x1801, 1}, 0xC000'0290, 4), AbortCode::kNone);
+    ASSERT_EQ(device->write({0x1A01, 1}, 0x6064'0020, 4), AbortCode::kNone);
+    ASSERT_EQ(device->write({0x1020, 1}, 15'000, 4), AbortCode::kNone);
+    ASSERT_EQ(device->write({0x1020, 2}, 1, 4), AbortCode::kNone);
+    ASSERT_EQ(device->write(address, device->read(address.index, address.subindex), 0), AbortCode::kNone);
+    EXPECT_EQ(device->read(0x1020, 1), 15'000u) << "the same value is no change";
+    ASSERT_EQ(device->write(address, value, 0), AbortCode::kNone) << std::hex << address.index;
+    EXPECT_EQ(device->read(0x1020, 1), 0u) << std::hex << address.index;
+    EXPECT_EQ(device->read(0x1020, 2), 0u) << std::hex << address.index;
+  }
+}
+
+TEST_F(ParameterStoreTest, VerifiesOnAfterProcessValuesAndRefusals) {
+  ASSERT_EQ(device->write({0x1020, 1}, 15'000, 4), AbortCode::kNone);
+  ASSERT_EQ(device->write({0x6040, 0}, 6, 2), AbortCode::kNone);
+  EXPECT_EQ(device->write({0x6060, 0}, 99, 1), AbortCode::kValueTooHigh);
+  EXPECT_EQ(device->write({0x1003, 0}, 0, 1), AbortCode::kNone);
+  EXPECT_EQ(device->save(), AbortCode::kNone);
+  EXPECT_EQ(device->read(0x1020, 1), 15'000u);
+}
+
+TEST_F(ParameterStoreTest, VerifiesNothingAfterARestore) {
+  ASSERT_EQ(device->write({0x1020, 1}, 15'000, 4), AbortCode::kNone);
+  ASSERT_EQ(device->save(), AbortCode::kNone);
+  ASSERT_EQ(device->load(), AbortCode::kNone);
+  device->node.command(NmtCommand::kResetNode, 1'000);
+  EXPECT_EQ(device->read(0x1020, 1), 0u);
+}
+
+TEST(VerifyConfiguration, IsAServiceOfDevices) {
+  TestNode without;
+  without.node.start(0);
+  ObjectValue value;
+  EXPECT_EQ(without.node.read_object({0x1020, 1}, value), AbortCode::kObjectDoesNotExist);
+}
+
+}  // namespace
+}  // namespace koboshi::canopen
