@@ -1,5 +1,14 @@
 #include "sim_board/record/output_folder.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <system_error>
+
 #include "sim_board/input/error.h"
 
 namespace koboshi::sim {
@@ -7,9 +16,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kSummary = "summary.json";
+constexpr std::array kStreams{"trace.csv", "can.log"};
+
+bool is_stream(const fs::path& file) {
+  return std::ranges::find(kStreams, file.filename()) != kStreams.end();
+}
+
 bool left_by_a_run(const fs::path& folder) {
-  return fs::exists(folder / "summary.json") ||
-         (fs::exists(folder / "trace.csv") && fs::exists(folder / "can.log"));
+  return fs::exists(folder / kSummary) ||
+         std::ranges::all_of(kStreams, [&](const char* stream) { return fs::exists(folder / stream); });
 }
 
 // A nearest existing parent that is no folder cannot hold one.
@@ -18,6 +34,12 @@ void check_parents(const fs::path& folder) {
     if (fs::is_directory(parent)) return;
     if (fs::exists(parent)) throw InputError(parent, 0, "a file", "a folder to make the run's folder in");
   }
+}
+
+const fs::path& checked_and_made(const fs::path& folder) {
+  check_output_folder(folder);
+  fs::create_directories(folder);
+  return folder;
 }
 
 }  // namespace
@@ -39,10 +61,26 @@ void check_output_folder(const fs::path& folder) {
   }
 }
 
-void make_output_folder(const fs::path& folder) {
-  check_output_folder(folder);
-  fs::create_directories(folder);
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) fs::remove_all(entry.path());
+FolderLock::FolderLock(const fs::path& folder)
+    : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), folder.string());
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
+  const int error = errno;
+  ::close(descriptor_);
+  if (error != EWOULDBLOCK) throw std::system_error(error, std::generic_category(), folder.string());
+  throw InputError(folder, 0, "a folder to which another run is writing", "a folder of its own for each run");
+}
+
+FolderLock::~FolderLock() { ::close(descriptor_); }
+
+OutputFolder::OutputFolder(const fs::path& folder) : lock_(checked_and_made(folder)) {
+  check_output_folder(folder);  // what came between the check and the lock
+  // First what says that a run is complete, last what says that the folder is a run's.
+  fs::remove(folder / kSummary);
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (!is_stream(entry.path())) fs::remove_all(entry.path());
+  }
+  for (const char* const stream : kStreams) fs::remove(folder / stream);
 }
 
 }  // namespace koboshi::sim

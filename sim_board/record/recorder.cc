@@ -45,6 +45,7 @@ Recorder::~Recorder() { finish(); }
 
 void Recorder::row(std::uint64_t time_us, std::span<const TraceValue> values) {
   assert(values.size() == formatter_.columns().size());
+  if (failed_.load(std::memory_order_acquire)) std::rethrow_exception(error_);
   const std::span<std::uint64_t> words = ring_.claim(kRow, values.size() + 1);
   if (words.empty()) return;
   words[0] = time_us;
@@ -75,7 +76,7 @@ void Recorder::finish() {
   writer_.join();
 }
 
-// After an error it goes on emptying the ring: the run ends by itself and hears of it in `close`.
+// After an error it goes on emptying the ring: the run hears of it with the next row, or in `close`.
 void Recorder::write_records() {
   Ring::Record record;
   while (ring_.read(record)) {
@@ -83,6 +84,7 @@ void Recorder::write_records() {
       if (error_ == nullptr) write(record);
     } catch (...) {
       error_ = std::current_exception();
+      failed_.store(true, std::memory_order_release);
     }
     ring_.release();
   }

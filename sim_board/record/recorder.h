@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -25,7 +26,7 @@ class Recorder final : public BusObserver {
   static constexpr std::size_t kDefaultRingWords = std::size_t{1}
                                                    << 16;  // half a mebibyte, more than a second of a walk
 
-  // Opens both files in an existing folder; throws std::system_error.
+  // Opens both files in an existing folder; throws WriteError.
   Recorder(const std::filesystem::path& folder, std::vector<TraceColumn> columns, WhenFull when_full,
            std::size_t ring_words = kDefaultRingWords);
   // Writes what has been recorded. Errors can no longer be told: call `close` first.
@@ -33,12 +34,12 @@ class Recorder final : public BusObserver {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  // One value for each column, of its kind.
+  // One value for each column, of its kind. Throws WriteError once something could not be written.
   void row(std::uint64_t time_us, std::span<const TraceValue> values);
   void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) override;
 
-  // Writes everything and ends the thread; nothing may be recorded afterwards. Throws std::system_error for
-  // the first thing that could not be written, then or before.
+  // Writes everything and ends the thread; nothing may be recorded afterwards. Throws WriteError for the
+  // first thing that could not be written, then or before.
   void close();
   // Rows and frames that were lost because the ring was full.
   std::uint64_t dropped() const { return ring_.dropped(); }
@@ -52,7 +53,8 @@ class Recorder final : public BusObserver {
   OutputFile trace_;
   OutputFile log_;
   Ring ring_;
-  std::exception_ptr error_;  // of the thread; read after it has ended
+  std::exception_ptr error_;  // of the thread; read after it has ended or once failed_ is set
+  std::atomic<bool> failed_ = false;
   std::thread writer_;
 };
 

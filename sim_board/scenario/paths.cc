@@ -5,7 +5,7 @@ namespace koboshi::sim {
 namespace fs = std::filesystem;
 
 fs::path repository_root(const fs::path& folder) {
-  fs::path candidate = fs::absolute(folder).lexically_normal();
+  fs::path candidate = folder.empty() ? fs::current_path() : fs::absolute(folder).lexically_normal();
   while (true) {
     if (fs::is_directory(candidate / "robots") && fs::is_directory(candidate / "scenarios")) return candidate;
     if (candidate == candidate.parent_path()) return KOBOSHI_SOURCE_DIR;

@@ -63,7 +63,7 @@ Costs measure(double simulated_s, const std::filesystem::path& folder) {
   sim::Scenario scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml");
   scenario.duration_us = static_cast<std::uint64_t>(1e6 * simulated_s);
   tools::Simulation simulation(scenario);
-  sim::make_output_folder(folder);
+  const sim::OutputFolder out(folder);
   sim::Recorder files(folder, tools::RunRecorder::columns(simulation.robot()), sim::WhenFull::kWait);
   tools::RunRecorder recorder(simulation, &files);
   Costs costs;

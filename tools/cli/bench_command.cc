@@ -38,10 +38,7 @@ void play_bench(BenchArguments arguments) {
       arguments.options, [](const std::string& what) { fmt::print(stderr, "koboshi: bench: {}\n", what); });
   const std::string json = bench_json(results).dump(2) + "\n";
   fmt::print("{}", arguments.json ? json : bench_table(results));
-  if (arguments.out.empty()) return;
-  sim::OutputFile file(arguments.out);
-  file.write(json);
-  file.close();
+  if (!arguments.out.empty()) sim::write_whole_file(arguments.out, json);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "sim_board/record/output_file.h"
 #include "tools/can/frame_text.h"
 #include "tools/can/sdo_transfer.h"
 #include "tools/cli/can_options.h"
@@ -106,10 +107,7 @@ SdoProgress progress_of(const char* what) {
 }
 
 void write_file(const std::filesystem::path& file, const std::vector<std::uint8_t>& data) {
-  std::ofstream stream(file, std::ios::binary);
-  stream.write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));
-  stream.close();
-  if (!stream) throw std::runtime_error("cannot write " + file.string());
+  sim::write_whole_file(file, {reinterpret_cast<const char*>(data.data()), data.size()});
 }
 
 std::vector<std::uint8_t> read_file(const std::filesystem::path& file) {

@@ -35,9 +35,7 @@ void make_gait(const GaitArguments& arguments) {
   static_cast<void>(compile_motion(motion, model));  // whatever the firmware would refuse, is refused here
 
   const std::filesystem::path prefix = arguments.out.empty() ? std::filesystem::path("walk") : arguments.out;
-  sim::OutputFile file(prefix.string() + ".yaml");
-  file.write(gait_motion_text(motion, model));
-  file.close();
+  sim::write_whole_file(prefix.string() + ".yaml", gait_motion_text(motion, model));
   draw_gait(gait, robot, model, prefix);
   const GaitPlan plan(gait);
   fmt::print(

@@ -26,9 +26,7 @@ void compile(const MotionArguments& arguments) {
   const std::vector<std::byte> image = compile_motion(arguments.motion, model);
   std::filesystem::path out = arguments.out;
   if (out.empty()) out = arguments.motion.stem().string() + ".kmot";
-  sim::OutputFile file(out);
-  file.write({reinterpret_cast<const char*>(image.data()), image.size()});
-  file.close();
+  sim::write_whole_file(out, {reinterpret_cast<const char*>(image.data()), image.size()});
   fmt::print("{}: {} bytes for robot model {:08x}\n", out.string(), image.size(), model.model.id);
 }
 

@@ -23,11 +23,7 @@ struct TargetReportArguments {
 void report_target(const TargetReportArguments& arguments) {
   const auto image = arguments.image.empty() ? default_image() : arguments.image;
   const TargetReport report = measure_target(sim::read_scenario(arguments.scenario), image);
-  if (!arguments.page.empty()) {
-    sim::OutputFile page(arguments.page);
-    page.write(to_page(report, arguments.scenario));
-    page.close();
-  }
+  if (!arguments.page.empty()) sim::write_whole_file(arguments.page, to_page(report, arguments.scenario));
   fmt::print("{}\n", arguments.json ? to_json(report).dump(2) : to_tables(report));
 }
 

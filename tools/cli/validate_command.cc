@@ -86,7 +86,7 @@ int validate(ValidateArguments arguments, const std::string& command_line) {
                check_table(result.findings.checks, TableStyle::kTerminal));
     std::fflush(stdout);
   }
-  sim::make_output_folder(arguments.out);
+  const sim::OutputFolder folder(arguments.out);
   sim::write_json(arguments.out / "summary.json", to_json(results, setup));
   sim::write_whole_file(arguments.out / "checks.csv", to_csv(results));
   if (!arguments.json.empty()) sim::write_json(arguments.json, to_json(results, setup));

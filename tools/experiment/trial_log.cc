@@ -1,8 +1,7 @@
 #include "tools/experiment/trial_log.h"
 
-#include <cerrno>
+#include <fstream>
 #include <nlohmann/json.hpp>
-#include <system_error>
 
 #include "sim_board/input/error.h"
 
@@ -16,9 +15,8 @@ using Json = nlohmann::ordered_json;
 TrialLog::TrialLog(const std::filesystem::path& file, const Experiment& experiment)
     : file_(file), experiment_(experiment) {
   if (file_.empty()) return;
-  if (std::filesystem::exists(file_)) read();
-  out_.open(file_, std::ios::app | std::ios::binary);
-  if (!out_) throw std::system_error(errno, std::generic_category(), "cannot write " + file_.string());
+  out_.emplace(file_, sim::OutputFile::Mode::kAppend);
+  read();
 }
 
 void TrialLog::read() {
@@ -51,15 +49,15 @@ std::optional<Values> TrialLog::find(std::size_t cell, std::uint64_t seed) const
 }
 
 void TrialLog::add(const Trial& trial) {
-  if (file_.empty()) return;
+  if (!out_) return;
   const Json json{{"experiment", experiment_.name},
                   {"cell", experiment_.cells.at(trial.cell).name},
                   {"seed", trial.seed},
                   {"inputs", experiment_.inputs},
                   {"values", trial.values}};
   const std::lock_guard lock(mutex_);
-  out_ << json.dump() + '\n' << std::flush;
-  if (!out_) throw std::system_error(errno, std::generic_category(), "cannot write " + file_.string());
+  out_->write(json.dump() + '\n');
+  out_->flush();
 }
 
 }  // namespace koboshi::tools

@@ -2,13 +2,13 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <tuple>
 
+#include "sim_board/record/output_file.h"
 #include "tools/experiment/experiment.h"
 
 namespace koboshi::tools {
@@ -23,7 +23,7 @@ class TrialLog {
   TrialLog(const std::filesystem::path& file, const Experiment& experiment);
 
   std::optional<Values> find(std::size_t cell, std::uint64_t seed) const;
-  // Writes one whole line at once; throws std::system_error. From any thread.
+  // Writes one whole line at once; throws sim::WriteError. From any thread.
   void add(const Trial& trial);
 
  private:
@@ -36,7 +36,7 @@ class TrialLog {
   const Experiment& experiment_;
   std::map<Key, Values> known_;
   std::mutex mutex_;
-  std::ofstream out_;
+  std::optional<sim::OutputFile> out_;
 };
 
 }  // namespace koboshi::tools

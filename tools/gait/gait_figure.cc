@@ -94,9 +94,7 @@ void write_profile(const Gait& gait, const sim::RobotDescription& robot, const N
     }
     text += "\n";
   }
-  sim::OutputFile file(csv);
-  file.write(text);
-  file.close();
+  sim::write_whole_file(csv, text);
 }
 
 Panel pendulum_panel(const std::string& axis, const std::string& label) {

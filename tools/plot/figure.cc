@@ -11,7 +11,7 @@ void draw(const Figure& figure, const std::filesystem::path& csv_file,
   for (const Panel& panel : figure.panels) {
     for (const Series& series : panel.series) names.push_back(series.column);
   }
-  run_gnuplot(gnuplot_script(figure, read_columns(csv_file, names), without_extension), without_extension);
+  run_gnuplot(gnuplot_script(figure, read_columns(csv_file, names)), without_extension);
 }
 
 }  // namespace koboshi::tools

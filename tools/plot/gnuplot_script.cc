@@ -65,11 +65,10 @@ class Script {
  public:
   Script(const Figure& figure, const Columns& columns) : figure_(figure), columns_(columns) {}
 
-  std::string write(const std::filesystem::path& without_extension) {
+  std::string write() {
     write_data();
     write_style();
-    write_page(without_extension.string() + ".png");
-    write_page(without_extension.string() + ".svg");
+    for (const char* const extension : kPageExtensions) write_page(extension);
     return out_.str();
   }
 
@@ -117,8 +116,8 @@ class Script {
          << "]\n";
   }
 
-  void write_page(const std::string& file) {
-    out_ << open_page(file, kWidth_px, height_px()) << "set multiplot\n";
+  void write_page(const std::string& extension) {
+    out_ << open_page(extension, kWidth_px, height_px()) << "set multiplot\n";
     out_ << "set label " << quoted(figure_.title) << " at screen " << screen_x(kLeft_px) << ", screen "
          << screen_y(kTitle_px) << " left font ',14'\n";
     for (std::size_t p = 0; p < figure_.panels.size(); ++p) write_panel(p);
@@ -186,9 +185,8 @@ class Script {
 
 }  // namespace
 
-std::string gnuplot_script(const Figure& figure, const Columns& columns,
-                           const std::filesystem::path& without_extension) {
-  return Script(figure, columns).write(without_extension);
+std::string gnuplot_script(const Figure& figure, const Columns& columns) {
+  return Script(figure, columns).write();
 }
 
 }  // namespace koboshi::tools

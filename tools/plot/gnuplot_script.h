@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "tools/plot/columns.h"
@@ -8,8 +7,7 @@
 
 namespace koboshi::tools {
 
-// The gnuplot script, data included, that draws the figure to `without_extension`.png and .svg.
-std::string gnuplot_script(const Figure& figure, const Columns& columns,
-                           const std::filesystem::path& without_extension);
+// The gnuplot script, data included, that draws the figure on each of its pages (gnuplot.h).
+std::string gnuplot_script(const Figure& figure, const Columns& columns);
 
 }  // namespace koboshi::tools

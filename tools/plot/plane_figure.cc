@@ -115,9 +115,8 @@ void draw(const PlaneFigure& figure, const std::filesystem::path& without_extens
       << "\nset label " << quoted(figure.title) << " at screen " << from_left(kLeft_px) << ", screen "
       << from_top(kTitle_px) << " left font ',14'\n";
   write_words(out, figure);
-  for (const char* extension : {".png", ".svg"}) {
-    out << open_page(without_extension.string() + extension, kWidth_px, page_px) << plot_command(figure)
-        << "set output\n";
+  for (const char* extension : kPageExtensions) {
+    out << open_page(extension, kWidth_px, page_px) << plot_command(figure) << "set output\n";
   }
   run_gnuplot(out.str(), without_extension);
 }

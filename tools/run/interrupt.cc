@@ -13,9 +13,11 @@ Interrupt::Interrupt() {
 
 Interrupt::~Interrupt() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
 
-bool Interrupt::requested() {
+std::optional<int> Interrupt::requested() {
   const timespec at_once{};
-  return sigtimedwait(&signals_, nullptr, &at_once) > 0;
+  const int signal = sigtimedwait(&signals_, nullptr, &at_once);
+  if (signal > 0) return signal;
+  return std::nullopt;
 }
 
 }  // namespace koboshi::tools

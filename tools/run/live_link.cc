@@ -19,8 +19,6 @@ LiveLink::LiveLink(const LiveOptions& options)
     : transport_(sim::open_transport(options.can, options.real_bus)),
       live_(options.realtime || (transport_ && transport_->is_live())),
       speed_(options.speed) {
-  // Before any thread is started, so that none of them is ended by Ctrl-C.
-  if (live_) interrupt_.emplace();
   transport_ = beside_the_simulation(std::move(transport_));
 }
 

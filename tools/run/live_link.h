@@ -37,8 +37,10 @@ class LiveLink {
     if (transport_) transport_->flush();
     if (pacer_) pacer_->wait_for(now_us);
   }
-  // Whether the user wants an end, by Ctrl-C; never without a live link.
-  bool interrupted() { return interrupt_ && ++asked_ % kAsksACheck == 0 && interrupt_->requested(); }
+  // The signal by which the user wants an end, such as Ctrl-C. Asks the system now and then only.
+  std::optional<int> interrupted() {
+    return ++asked_ % kAsksACheck == 0 ? interrupt_.requested() : std::nullopt;
+  }
 
   bool is_live() const { return live_; }
   // Where others find the bus; null without a transport.
@@ -51,12 +53,13 @@ class LiveLink {
  private:
   static constexpr std::uint64_t kAsksACheck = 50;  // milliseconds, as a run asks
 
+  // Before any thread is started, so that none of them is ended by Ctrl-C.
+  Interrupt interrupt_;
   std::unique_ptr<sim::Transport> transport_;
   bool live_;
   double speed_;
   std::optional<sim::TransportNode> node_;
   std::optional<Pacer> pacer_;
-  std::optional<Interrupt> interrupt_;
   std::uint64_t asked_ = 0;
 };
 

@@ -2,6 +2,8 @@
 
 #include <chrono>
 
+#include <fmt/core.h>
+
 #include "sim_board/record/output_file.h"
 #include "sim_board/record/output_folder.h"
 #include "sim_board/scenario/events_text.h"
@@ -38,16 +40,21 @@ nlohmann::ordered_json timing_json(const sim::SimBoard& board, double wall_s, st
           {"live", live.report()}};
 }
 
-// Plays it to its end, or to the error that ends it.
-std::optional<std::string> play(Simulation& simulation, RunRecorder& recorder, LiveLink& live,
-                                const OperatorFactory& make_operator,
-                                const std::function<void(const RunProgress&)>& progress) {
+// How playing came to an end; neither of both at the scenario's end, or when the operator wanted it.
+struct Ending {
+  std::optional<std::string> failure{};  // the error
+  std::optional<int> signal{};
+};
+
+Ending play(Simulation& simulation, RunRecorder& recorder, LiveLink& live,
+            const OperatorFactory& make_operator, const std::function<void(const RunProgress&)>& progress) {
   constexpr std::uint64_t kTick_us = sim::SimBoard::kTick_us;
   const auto start = Clock::now();
   const double duration_s = 1e-6 * static_cast<double>(simulation.scenario().duration_us);
   try {
     const auto run_operator = make_operator ? make_operator(simulation, recorder, live) : nullptr;
-    while (!simulation.finished() && !live.interrupted()) {
+    while (!simulation.finished()) {
+      if (const auto signal = live.interrupted()) return {.signal = signal};
       live.before(simulation.board().now_us());
       simulation.advance();
       const std::uint64_t now_us = simulation.board().now_us();
@@ -57,10 +64,25 @@ std::optional<std::string> play(Simulation& simulation, RunRecorder& recorder, L
       if (run_operator && !run_operator->tick()) break;
       if (progress) progress({1e-6 * static_cast<double>(now_us), duration_s, seconds_since(start)});
     }
+  } catch (const sim::WriteError&) {
+    throw;
   } catch (const std::runtime_error& error) {
-    return error.what();
+    return {.failure = error.what()};
   }
-  return std::nullopt;
+  return {};
+}
+
+void draw_figures(const Simulation& simulation, const std::filesystem::path& folder) {
+  draw_run_figures(simulation.played(), folder);
+  if (const GaitPlan* plan = simulation.gait_plan()) {
+    draw_walk_figures(folder, simulation.robot(), plan->cycle_s());
+  }
+}
+
+std::string how_far(const Simulation& simulation, const std::filesystem::path& folder) {
+  return fmt::format("interrupted at {:.2f} s of {:.2f} s; what was recorded is in {}, without summary.json",
+                     1e-6 * static_cast<double>(simulation.board().now_us()),
+                     1e-6 * static_cast<double>(simulation.scenario().duration_us), folder.string());
 }
 
 // What repeats a run that an operator took part in.
@@ -76,7 +98,7 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   sim::check_output_folder(options.out);
   LiveLink live(options.live);
   Simulation simulation(options.scenario, options.make_host, options.change);
-  sim::make_output_folder(options.out);
+  const sim::OutputFolder folder(options.out);
 
   sim::Recorder files(options.out, RunRecorder::columns(simulation.robot()),
                       live.is_live() ? sim::WhenFull::kDrop : sim::WhenFull::kWait);
@@ -85,25 +107,23 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   if (options.ready) options.ready(live);
   const auto start = Clock::now();
   RunResult result;
-  result.failure = play(simulation, recorder, live, options.make_operator, progress);
+  const Ending ending = play(simulation, recorder, live, options.make_operator, progress);
+  result.failure = ending.failure;
   const double wall_s = seconds_since(start);
   result.live = live.report();
   files.close();
 
   result.summary = recorder.summary();
-  sim::write_json(options.out / "summary.json", sim::to_json(result.summary));
   sim::write_json(options.out / "timing.json",
                   timing_json(simulation.board(), wall_s, files.dropped(), live));
-  const sim::Scenario played = simulation.played();
-  if (options.make_operator) write_played(played, options.out);
+  if (options.make_operator) write_played(simulation.played(), options.out);
+  if (ending.signal && !live.is_live()) throw Interrupted(*ending.signal, how_far(simulation, options.out));
   try {
-    draw_run_figures(played, options.out);
-    if (const GaitPlan* plan = simulation.gait_plan()) {
-      draw_walk_figures(options.out, simulation.robot(), plan->cycle_s());
-    }
+    draw_figures(simulation, options.out);
   } catch (const PlotError& error) {
     result.plot_warning = error.what();
   }
+  if (!result.failure) sim::write_json(options.out / "summary.json", sim::to_json(result.summary));
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
+#include "sim_board/record/output_folder.h"
 #include "tools/tune/optimiser.h"
 
 namespace koboshi::tools {
@@ -154,6 +155,7 @@ double reward(const Values& values, double duration_s) {
 GaitSearchResult search_gait(const GaitSearchOptions& options,
                              const std::function<void(const GaitSearchProgress&)>& progress) {
   std::filesystem::create_directories(options.out);
+  const sim::FolderLock lock(options.out);
   return GaitSearch(options, progress).search();
 }
 

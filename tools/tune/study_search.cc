@@ -10,6 +10,7 @@
 
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
+#include "sim_board/record/output_folder.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/experiment/files.h"
 #include "tools/experiment/getting_up.h"
@@ -245,6 +246,7 @@ class StudySearch {
 StudyResult search_study(const Study& study, const StudyOptions& options,
                          const std::function<void(const StudyProgress&)>& progress) {
   std::filesystem::create_directories(options.out);
+  const sim::FolderLock lock(options.out);
   return StudySearch(study, options, progress).search();
 }
 

@@ -2,10 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+
+#include <csignal>
 #include <filesystem>
 #include <iterator>
+#include <string>
 #include <system_error>
 
+#include "sim_board/input/error.h"
 #include "tests/support/temporary_folder.h"
 
 namespace koboshi::sim {
@@ -22,6 +27,74 @@ TEST(WholeFile, ReplacesAndLeavesNothingBeside) {
   EXPECT_EQ(read_file(folder.path / "a.txt"), "new");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()), 1);
   EXPECT_THROW(write_whole_file(folder.path / "missing" / "a.txt", "text"), std::system_error);
+}
+
+TEST(WholeFile, KeepsALinkAndWritesWhatItNames) {
+  const TemporaryFolder folder;
+  test::write_file(folder.path / "a.txt", "old");
+  fs::create_symlink("a.txt", folder.path / "link");
+  write_whole_file(folder.path / "link", "new");
+  EXPECT_TRUE(fs::is_symlink(folder.path / "link"));
+  EXPECT_EQ(read_file(folder.path / "a.txt"), "new");
+}
+
+TEST(WholeFile, WritesADeviceDirectly) {
+  write_whole_file("/dev/null", "text");
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  EXPECT_THROW(write_whole_file("/dev/full", "text"), WriteError);
+  EXPECT_TRUE(fs::is_character_file("/dev/full"));
+}
+
+TEST(OutputFile, HasOnlyWholeRowsWhileItIsWritten) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path / "rows.csv";
+  OutputFile rows(file);
+  const std::string row = std::string(99, 'x') + "\n";
+  for (int i = 0; i < 2000; ++i) rows.write(row);
+  const std::string so_far = read_file(file);
+  EXPECT_GT(so_far.size(), 100'000u) << "a run can be watched";
+  EXPECT_EQ(so_far.size() % row.size(), 0u);
+  rows.close();
+  EXPECT_EQ(read_file(file).size(), 2000 * row.size());
+}
+
+TEST(OutputFile, AppendsToWhatIsThere) {
+  const TemporaryFolder folder;
+  test::write_file(folder.path / "log", "one\n");
+  OutputFile log(folder.path / "log", OutputFile::Mode::kAppend);
+  log.write("two\n");
+  EXPECT_THROW(OutputFile(folder.path / "log", OutputFile::Mode::kAppend), InputError);
+  log.close();
+  EXPECT_EQ(read_file(folder.path / "log"), "one\ntwo\n");
+}
+
+TEST(OutputFile, TellsOfADiskThatIsFull) {
+  OutputFile file("/dev/full");
+  file.write("row\n");
+  try {
+    file.close();
+    FAIL() << "nothing was said";
+  } catch (const WriteError& error) {
+    EXPECT_STREQ(error.what(), "cannot write /dev/full: No space left on device");
+  }
+  EXPECT_THROW(OutputFile("/nowhere/file"), WriteError);
+}
+
+// A limit of the file's size stands for a disk of so many bytes.
+TEST(OutputFile, CutsOffTheRowThatDidNotFit) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path / "rows.csv";
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit limit{.rlim_cur = 10, .rlim_max = before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &limit);
+  OutputFile rows(file);
+  rows.write("one\ntwo\nthree\n");
+  EXPECT_THROW(rows.flush(), WriteError);
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(read_file(file), "one\ntwo\n");
 }
 
 }  // namespace

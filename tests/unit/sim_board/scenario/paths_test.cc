@@ -14,6 +14,15 @@ TEST(RepositoryRoot, IsTheNearestFolderAboveWithRobotsAndScenarios) {
   EXPECT_EQ(repository_root(tree.root()), tree.root());
 }
 
+TEST(RepositoryRoot, IsLookedForFromHereWhereAFileIsNamedWithoutAFolder) {
+  const TemporaryTree tree;
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(tree.root() / "scenarios");
+  EXPECT_EQ(repository_root(""), tree.root());
+  EXPECT_EQ(find_referenced("", "robots/box/robot.sdf"), tree.root() / "robots/box/robot.sdf");
+  std::filesystem::current_path(before);
+}
+
 TEST(RepositoryRoot, IsWhereTheProgramWasBuiltFromElsewhere) {
   EXPECT_EQ(repository_root("/"), KOBOSHI_SOURCE_DIR);
 }

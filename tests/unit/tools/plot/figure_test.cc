@@ -154,7 +154,7 @@ TEST(GnuplotScript, ShowsThePartThatIsAskedFor) {
   figure.panels = {{.y_label = "y", .series = {{.column = "y"}}}};
   figure.x_span = {1.0, 2.0};
   const Columns columns{{"time_s", {0.0, 1.0, 2.0, 3.0}}, {"y", {900.0, 1.0, 2.0, 900.0}}};
-  const std::string script = gnuplot_script(figure, columns, "f");
+  const std::string script = gnuplot_script(figure, columns);
   EXPECT_THAT(script, HasSubstr("set xrange [1:2]"));
   EXPECT_THAT(script, Not(HasSubstr("900")));
 }
@@ -163,9 +163,9 @@ TEST(GnuplotScript, DrawsPointsOnLogarithmicAxes) {
   const Columns columns{{"step", {0.1, 1.0}}, {"error", {1e-4, 1e-2}}};
   Figure figure{.panels = {{.series = {{.column = "error", .style = LineStyle::kLinesPoints}}}},
                 .x_column = "step"};
-  EXPECT_THAT(gnuplot_script(figure, columns, "f"), Not(HasSubstr("logscale")));
+  EXPECT_THAT(gnuplot_script(figure, columns), Not(HasSubstr("logscale")));
   figure.log_log = true;
-  const std::string script = gnuplot_script(figure, columns, "f");
+  const std::string script = gnuplot_script(figure, columns);
   EXPECT_THAT(script, HasSubstr("set logscale xy\n"));
   EXPECT_THAT(script, HasSubstr("with linespoints"));
   // Below the smallest value, but above zero.
@@ -178,9 +178,9 @@ TEST(GnuplotScript, KeepsASmallestSpan) {
   Figure figure;
   figure.panels = {{.y_label = "y", .series = {{.column = "y"}}, .smallest_span = 10.0}};
   const Columns columns{{"time_s", {0.0, 1.0}}, {"y", {2.0, 3.0}}};
-  EXPECT_THAT(gnuplot_script(figure, columns, "f"), HasSubstr("set yrange [-3:8]"));
+  EXPECT_THAT(gnuplot_script(figure, columns), HasSubstr("set yrange [-3:8]"));
   figure.panels[0].smallest_span = 0.0;
-  EXPECT_THAT(gnuplot_script(figure, columns, "f"), HasSubstr("set yrange [1.95:3.05]"));
+  EXPECT_THAT(gnuplot_script(figure, columns), HasSubstr("set yrange [1.95:3.05]"));
 }
 
 }  // namespace

@@ -79,6 +79,13 @@ TEST_F(LiveLinkTest, GoesByTheClockWithALiveTransport) {
   EXPECT_TRUE(link.report().contains("overruns"));
 }
 
+TEST_F(LiveLinkTest, EndsByASignalWithoutTheClockAsWell) {
+  LiveLink link({});
+  EXPECT_FALSE(is_interrupted(link));
+  raise(SIGTERM);
+  EXPECT_TRUE(is_interrupted(link));
+}
+
 TEST_F(LiveLinkTest, EndsByCtrlC) {
   LiveLink link({.realtime = true, .speed = kSpeed});
   EXPECT_FALSE(is_interrupted(link));
