@@ -14,14 +14,14 @@ namespace koboshi::sim {
 inline constexpr std::uint32_t kWindowOff = 0xFFFF'FFFF;
 
 // The most that a drive does before anybody has told it otherwise. The targets that the controller sent in
-// the scenarios of the repository, at a cycle of 10 ms, asked for at most 14.8 degrees in a cycle (the knees
-// in a fall, scenarios/get_up.yaml), which is 1,480 degrees/s, and for a change from one cycle to the next
-// of 19.6 degrees, which is 196,000 degrees/s^2 (measured in November 2026 from their can.log). These are 1.7
-// times as much, for falls and pushes that no scenario has. All are beyond what a motor can do: the demand
-// may run ahead of the shaft, which has the whole voltage from an error of some degrees on.
-inline constexpr std::uint32_t kDefaultCyclicStep = 75'000;              // 25.7 degrees
-inline constexpr std::uint32_t kDefaultMotorSpeed_rpm = 420;             // 2,520 degrees/s
-inline constexpr std::uint32_t kDefaultMaxAcceleration = 1'000'000'000;  // 343,000 degrees/s^2
+// the scenarios of the repository, at a cycle of 10 ms, asked for at most 17.1 degrees in a cycle (the knees
+// in a fall, scenarios/get_up.yaml), which is 1,710 degrees/s, and for a change from one cycle to the next
+// of 24.9 degrees, which is 249,000 degrees/s^2 (measured in November 2026 from their can.log). These
+// are 1.75 times as much, for falls and pushes that no scenario has. All are beyond what a motor can do: the
+// demand may run ahead of the shaft, which has the whole voltage from an error of some degrees on.
+inline constexpr std::uint32_t kDefaultCyclicStep = 87'500;              // 30.0 degrees
+inline constexpr std::uint32_t kDefaultMotorSpeed_rpm = 500;             // 3,000 degrees/s
+inline constexpr std::uint32_t kDefaultMaxAcceleration = 1'270'000'000;  // 436,000 degrees/s^2
 
 // The values behind a drive's object dictionary, CiA 402. Positions in 2^-20 turn of the shaft.
 struct DriveValues {

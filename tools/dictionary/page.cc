@@ -268,9 +268,9 @@ Bit 11 of the statusword is set while any of these limits or 607D holds the driv
 
 | object | default | highest of the scenarios | margin |
 | --- | --- | --- | --- |
-| 2001 | 25.7 deg | 14.8 deg in a cycle of 10 ms | 1.7 |
-| 6080 | 420 r/min, 2520 deg/s | 1480 deg/s | 1.7 |
-| 60C5 | 343000 deg/s^2 | 196000 deg/s^2, a change of 19.6 deg from one cycle to the next | 1.7 |
+| 2001 | 30.0 deg | 17.1 deg in a cycle of 10 ms | 1.75 |
+| 6080 | 500 r/min, 3000 deg/s | 1710 deg/s | 1.75 |
+| 60C5 | 436000 deg/s^2 | 249000 deg/s^2, a change of 24.9 deg from one cycle to the next | 1.75 |
 
 The highest are the targets of the knees in the falls of `scenarios/get_up.yaml`, from its `can.log`. The defaults are
 beyond what the servo can do (428 deg/s without load), as a demand may run ahead of the shaft: they keep the drive from
