@@ -75,6 +75,7 @@ enum class Reason : std::uint8_t {
   kNoAcknowledge = 21,   // nobody answers on the bus
   kCannotGetUp = 22,     // no motion for it, or no attempt left
   kNotOperational = 23,  // another NMT master took the controller out of operational
+  kSecondMaster = 24,    // another node sends what only the controller may
   // Refusals; the state stays.
   kNotInThisState = 32,
   kEncoderBeyondLimits = 33,

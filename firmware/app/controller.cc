@@ -54,7 +54,8 @@ void Controller::service(std::uint64_t now_us) {
   receive(now_us);
   node_.process(now_us);
   drives_.process(now_us, starting());
-  sensor_nodes_.process(is_operational() && (values_.nmt_startup & kNoSlaveStart) == 0);
+  if (!drives_.resetting())
+    sensor_nodes_.process(is_operational() && (values_.nmt_startup & kNoSlaveStart) == 0);
   items_.process();
   parameters_.process();
   read_inertial_unit(now_us);
@@ -65,6 +66,7 @@ void Controller::tick(std::uint64_t now_us) {
   drives_.observe(now_us);
   if (drives_.trouble()) fail(Reason::kDriveTrouble);
   watch_bus();
+  watch_impostors();
   read_ankles(now_us);
   watch_sensors(now_us);
   watch_battery();
@@ -187,6 +189,29 @@ void Controller::watch_bus() {
   }
   // With answers it is a bus that is disturbed and works, and the emergency message is enough.
   if (status.state == hal::CanErrorState::kErrorPassive && !drives_.answering()) fail(Reason::kNoAcknowledge);
+}
+
+// One frame may be a person's, with cansend.
+void Controller::watch_impostors() {
+  if (impostor_heard_) {
+    impostors_ = fixed::add_saturated(impostors_, std::uint8_t{2});
+  } else if (impostors_ > 0) {
+    --impostors_;
+  }
+  impostor_heard_ = false;
+  if (impostors_ < kMaxImpostors) return;
+  listens_ = true;
+  fail(Reason::kSecondMaster);
+}
+
+// While it listens, the network belongs to the other one: from then on nothing is said that could disturb it.
+void Controller::on_impostor(std::uint16_t) {
+  impostor_heard_ = true;
+  if (!drives_.resetting()) return;
+  listens_ = true;
+  drives_.give_up();
+  fail(Reason::kSecondMaster);
+  node_.mute(true);
 }
 
 // What counts is what the drives tell in two seconds: one step under load draws any battery down.

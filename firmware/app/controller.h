@@ -42,6 +42,10 @@ class Controller final : private canopen::NodeApplication {
   // Of the supply in a row: two seconds.
   static constexpr std::uint8_t kLowReadings = 2'000'000 / drive::DriveGroup::kSupplyPeriod_us;
   static constexpr std::uint32_t kSensorStart_us = 500'000;  // how long sensors may take to speak first
+  // How long it listens for another master before it resets the network: three cycles of one.
+  static constexpr std::uint64_t kListen_us = 30'000;
+  // Cycles in which a second master was heard count two, the others take one off: so many are no accident.
+  static constexpr std::uint8_t kMaxImpostors = 10;
 
   explicit Controller(const hal::Board& board);
 
@@ -70,6 +74,7 @@ class Controller final : private canopen::NodeApplication {
   void on_rpdo(std::size_t number) override;
   void on_heartbeat(const canopen::HeartbeatEvent& event) override;
   void on_emergency(const canopen::Emergency& emergency) override { drives_.on_emergency(emergency); }
+  void on_impostor(std::uint16_t identifier) override;
 
   void start(std::uint64_t now_us);
   void load_motions();
@@ -84,6 +89,7 @@ class Controller final : private canopen::NodeApplication {
   drive::Starting starting() const;
   void watch_network();
   void watch_bus();
+  void watch_impostors();
   void watch_sensors(std::uint64_t now_us);
   void watch_battery();
   bool battery_low() const { return low_readings_ >= kLowReadings; }
@@ -189,6 +195,9 @@ class Controller final : private canopen::NodeApplication {
   bool has_rolled_ = false;        // in this attempt to get up
   std::uint64_t entered_us_ = 0;   // when the present state began
   std::uint8_t low_readings_ = 0;  // of the supply, in a row
+  bool impostor_heard_ = false;    // a second master, in this cycle
+  std::uint8_t impostors_ = 0;
+  bool listens_ = true;  // at the next boot: there may be another master
   std::uint64_t now_us_ = 0;
   std::uint64_t started_us_ = 0;  // of the boot, or when the controller became operational in it
   bool started_ = false;

@@ -64,6 +64,7 @@ inline constexpr canopen::ValueName kReasonNames[] = {
     canopen::value_name(Reason::kNoAcknowledge, "no acknowledge"),
     canopen::value_name(Reason::kCannotGetUp, "cannot get up"),
     canopen::value_name(Reason::kNotOperational, "not operational"),
+    canopen::value_name(Reason::kSecondMaster, "second master"),
     canopen::value_name(Reason::kNotInThisState, "not in this state"),
     canopen::value_name(Reason::kEncoderBeyondLimits, "encoder beyond limits"),
     canopen::value_name(Reason::kSupplyOutOfRange, "supply out of range"),

@@ -15,7 +15,7 @@ constexpr fixed::AngularRate beyond(fixed::AngularRate rate, fixed::AngularRate 
 }  // namespace
 
 void Controller::publish(std::uint64_t now_us) {
-  if (!is_operational()) return;
+  if (!is_operational() || drives_.resetting()) return;
   if (drives_.configured()) command_drives(now_us);
   node_.send_sync(now_us);
 }

@@ -49,9 +49,12 @@ void Controller::enter(State state, Reason reason) {
     case State::kBoot:
       started_us_ = now_us_;
       values_.behaviour.trouble = drive::Trouble::kNone;
+      node_.mute(false);
       node_.clear_error(kErrorBehaviour);
       stop_moving();
-      if (model_valid_) drives_.boot();
+      impostors_ = 0;
+      if (model_valid_) drives_.boot(listens_ ? now_us_ + kListen_us : now_us_);
+      listens_ = false;
       sensor_nodes_.reset();
       break;
     case State::kLimp:

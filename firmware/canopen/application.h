@@ -68,6 +68,9 @@ class NodeApplication {
   virtual void on_heartbeat(const HeartbeatEvent&) {}
   // Another node's emergency message.
   virtual void on_emergency(const Emergency&) {}
+  // Another node has sent what only this one may: its heartbeat, its emergency message, one of its TPDOs, or
+  // SYNC while it is the producer. It has the same id, or is a second master.
+  virtual void on_impostor(std::uint16_t /*identifier*/) {}
 
  protected:
   ~NodeApplication() = default;

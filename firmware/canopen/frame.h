@@ -15,16 +15,19 @@ class FrameSink {
  public:
   // False when there is no room; the frame is then the caller's again.
   [[nodiscard]] virtual bool send(const hal::CanFrame& frame) = 0;
+  // Whether a frame of this FIFO has yet to leave for the bus, as far as is known.
+  [[nodiscard]] virtual bool pending(hal::TransmitFifo) const { return false; }
 
  protected:
   ~FrameSink() = default;
 };
 
-// The transmit FIFO of a CAN controller as a sink.
+// The transmit FIFOs of a CAN controller as a sink.
 class CanPortSink final : public FrameSink {
  public:
   explicit CanPortSink(hal::CanPort& port) : port_(port) {}
   bool send(const hal::CanFrame& frame) override { return port_.transmit(frame); }
+  bool pending(hal::TransmitFifo fifo) const override { return port_.transmit_pending(fifo); }
 
  private:
   hal::CanPort& port_;

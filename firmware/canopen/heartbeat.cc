@@ -45,6 +45,19 @@ void HeartbeatMonitor::await(std::uint8_t node_id) {
   if (slot != SlotMap::kNone) consumers_[slot].alive = false;
 }
 
+void HeartbeatMonitor::postpone(std::uint64_t now_us) {
+  for (HeartbeatConsumer& consumer : consumers_)
+    consumer.deadline_us = std::max(consumer.deadline_us, now_us + consumer.time_ms * 1000u);
+}
+
+std::uint64_t HeartbeatMonitor::find_earliest() {
+  earliest_us_ = std::numeric_limits<std::uint64_t>::max();
+  for (const HeartbeatConsumer& consumer : consumers_) {
+    if (consumer.alive) earliest_us_ = std::min(earliest_us_, consumer.deadline_us);
+  }
+  return earliest_us_;
+}
+
 void HeartbeatMonitor::update_slots() {
   slots_.clear();
   for (std::size_t i = 0; i < consumers_.size(); ++i) {
@@ -74,19 +87,14 @@ bool HeartbeatMonitor::on_heartbeat(const Heartbeat& heartbeat, std::uint64_t no
 }
 
 bool HeartbeatMonitor::find_lost(std::uint64_t now_us, HeartbeatEvent& event) {
-  std::uint64_t earliest_us = std::numeric_limits<std::uint64_t>::max();
   for (HeartbeatConsumer& consumer : consumers_) {
-    if (!consumer.alive) continue;
-    if (now_us < consumer.deadline_us) {
-      earliest_us = std::min(earliest_us, consumer.deadline_us);
-      continue;
-    }
+    if (!consumer.alive || now_us < consumer.deadline_us) continue;
     consumer.alive = false;
     consumer.lost = true;
     event = {consumer.node_id, HeartbeatEventKind::kLost, consumer.state};
     return true;
   }
-  earliest_us_ = earliest_us;
+  find_earliest();
   return false;
 }
 

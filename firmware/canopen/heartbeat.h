@@ -51,6 +51,10 @@ class HeartbeatMonitor {
   void clear();
   // Nothing is expected of a node until its next heartbeat.
   void await(std::uint8_t node_id);
+  // Heartbeats cannot come now: the consumer times begin anew.
+  void postpone(std::uint64_t now_us);
+  // Whether a node will be lost by then unless it is heard.
+  bool expects_by(std::uint64_t time_us) { return time_us >= earliest_us_ && find_earliest() <= time_us; }
 
   // True when the frame's news are an event.
   bool on_heartbeat(const Heartbeat& heartbeat, std::uint64_t now_us, HeartbeatEvent& event);
@@ -69,6 +73,7 @@ class HeartbeatMonitor {
     return consumer.node_id != 0 && consumer.time_ms != 0;
   }
   bool find_lost(std::uint64_t now_us, HeartbeatEvent& event);
+  std::uint64_t find_earliest();
   void update_slots();
 
   std::span<HeartbeatConsumer> consumers_;

@@ -27,14 +27,18 @@ void Node::on_frame(const hal::CanFrame& frame, std::uint64_t now_us) {
   // Most of all frames are PDOs that are wanted; between these bounds only PDOs lie.
   const bool pdo = frame.identifier >= kTpdo1Base && frame.identifier < kSdoResponseBase;
   if (pdo && take_pdo(frame, now_us)) return;
-  if (sync_.identifies(frame)) return on_sync(frame, now_us);
+  if (sync_.identifies(frame)) {
+    if (sync_.produces()) application_.on_impostor(frame.identifier);
+    return on_sync(frame, now_us);
+  }
   for (SdoServer& server : servers_) {
     if (!server.takes(frame)) continue;
     if (permits_sdo(state_)) server.on_request(frame, now_us);
     return;
   }
   // An identifier outside the bounds may be a PDO's too.
-  if (!pdo && !serve(frame, now_us)) static_cast<void>(take_pdo(frame, now_us));
+  if (!pdo && (serve(frame, now_us) || take_pdo(frame, now_us))) return;
+  if (tpdos_.sends(frame.identifier)) application_.on_impostor(frame.identifier);
 }
 
 // False when it is none that the node takes now.
@@ -56,6 +60,7 @@ bool Node::serve(const hal::CanFrame& frame, std::uint64_t now_us) {
     return true;
   }
   if (const auto emergency = decode_emergency(frame)) {
+    if (emergency->node_id == node_id_) application_.on_impostor(frame.identifier);
     application_.on_emergency(*emergency);
     return true;
   }
@@ -66,6 +71,7 @@ void Node::process(std::uint64_t now_us) {
   queue_.flush();
   if (state_ == NmtState::kInitialising) return;
   if (now_us >= heartbeat_due_us_) produce_heartbeat(now_us);
+  watch_own_beats(now_us);
   watch_heartbeats(now_us);
   watch_rpdos(now_us);
   if (permits_sync(state_) && sync_.take_due(now_us)) send_sync(now_us);
@@ -183,6 +189,7 @@ void Node::on_sync(const hal::CanFrame& frame, std::uint64_t now_us) {
 }
 
 void Node::on_heartbeat(const Heartbeat& heartbeat, std::uint64_t now_us) {
+  if (heartbeat.node_id == node_id_) application_.on_impostor(kHeartbeatBase + node_id_);
   HeartbeatEvent event;
   if (!heartbeats_.on_heartbeat(heartbeat, now_us, event)) return;
   application_.on_heartbeat(event);
@@ -219,9 +226,15 @@ void Node::send_sync(std::uint64_t now_us) {
 }
 
 void Node::produce_heartbeat(std::uint64_t now_us) {
-  if (heartbeat_ms_ == 0) return;
-  static_cast<void>(queue_.send(encode(Heartbeat{node_id_, state_})));
+  // One that waits already says as much.
+  if (heartbeat_ms_ == 0 || queue_.pending(hal::kBackgroundFifo)) return;
+  beat(now_us);
   heartbeat_due_us_ = next_beat(heartbeat_due_us_, heartbeat_ms_ * 1000u, now_us);
+}
+
+void Node::beat(std::uint64_t now_us) {
+  static_cast<void>(queue_.offer(encode(Heartbeat{node_id_, state_})));
+  beat_us_ = now_us;
 }
 
 }  // namespace koboshi::canopen

@@ -103,8 +103,8 @@ struct NodeMemory {
 class Node final : private ObjectServer {
  public:
   // All arguments must outlive the node. Silent until start().
-  Node(const NodeDescription& description, const NodeInstance& instance, NodeBuffers buffers,
-                     FrameSink& sink, NodeApplication& application);
+  Node(const NodeDescription& description, const NodeInstance& instance, NodeBuffers buffers, FrameSink& sink,
+       NodeApplication& application);
 
   // Power-on: reset, boot-up message, pre-operational; and operational if the owner wants that.
   void start(std::uint64_t now_us);
@@ -170,6 +170,8 @@ class Node final : private ObjectServer {
   // Whoever sends besides this node's services, an SdoClient or an NMT master, does it here: the order of
   // frames is kept.
   FrameSink& sink() { return queue_; }
+  // Says nothing more, whatever it is asked, until it is unmuted: what it sends is dropped.
+  void mute(bool muted) { queue_.mute(muted); }
   // Frames that found no room in the sink and wait, and those that were lost for good.
   std::size_t backlog() const { return queue_.backlog(); }
   std::uint16_t lost_frames() const { return queue_.lost(); }
@@ -187,10 +189,12 @@ class Node final : private ObjectServer {
   void on_rpdo(std::size_t number, const hal::CanFrame& frame, std::uint64_t now_us);
   void take_effect(std::size_t number, Rpdo& pdo, const std::array<std::uint8_t, 8>& data);
   void produce_heartbeat(std::uint64_t now_us);
+  void beat(std::uint64_t now_us);
 
   // Errors that the stack itself sees (node_errors.cc). `detail` goes into the message's manufacturer field.
   void report(std::uint16_t code, bool present, std::uint8_t detail = 0);
   void note_reception(std::size_t number, Reception reception);
+  void watch_own_beats(std::uint64_t now_us);
   void watch_heartbeats(std::uint64_t now_us);
   void on_rpdo_changed(std::size_t number);
   void watch_rpdos(std::uint64_t now_us);
@@ -234,6 +238,8 @@ class Node final : private ObjectServer {
   std::uint8_t second_client_ = 0;  // 0x1201:3
   std::uint16_t heartbeat_ms_ = 0;
   std::uint64_t heartbeat_due_us_ = 0;
+  std::uint64_t beat_us_ = 0;       // of the last heartbeat
+  std::uint64_t beats_out_us_ = 0;  // when none of its own waited last
 };
 
 }  // namespace koboshi::canopen

@@ -36,8 +36,8 @@ class SdoServer {
   // How long an object may be busy before its client is told 0504 0000. Saving takes 0.1 s; the rest is
   // margin.
   static constexpr std::uint32_t kBusyTimeout_us = 5'000'000;
-  // Segments of an uploaded block to a call of `process`, which is to say a millisecond. Frames leave in the
-  // order in which they were sent, so a SYNC waits for these: two take 0.27 ms at 1 Mbit/s.
+  // Segments of an uploaded block to a call of `process`, which is to say a millisecond: two take 0.27 ms at
+  // 1 Mbit/s, and leave room to the services of others.
   static constexpr int kSegmentsPerProcess = 2;
 
   SdoServer(ObjectServer& objects, TransmitQueue& queue) : transfer_(objects), queue_(queue) {}

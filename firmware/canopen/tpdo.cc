@@ -5,6 +5,12 @@
 
 namespace koboshi::canopen {
 
+bool TpdoSet::sends(std::uint16_t identifier) const {
+  return std::ranges::any_of(pdos_, [identifier](const Tpdo& pdo) {
+    return pdo.record.valid() && pdo.record.identifier() == identifier;
+  });
+}
+
 void TpdoSet::on_changed(std::size_t number) {
   const PdoRecord& changed = pdos_[number].record;
   pdos_[number].watched = number < watched_ && changed.valid() && changed.tells_changes();

@@ -39,6 +39,8 @@ class TpdoSet {
   Tpdo& operator[](std::size_t number) { return pdos_[number]; }
   const Tpdo& operator[](std::size_t number) const { return pdos_[number]; }
 
+  // Whether one of them has this identifier. O(n).
+  bool sends(std::uint16_t identifier) const;
   // To be called when record `number` has changed: what waited is dropped, its SYNCs are counted anew.
   void on_changed(std::size_t number);
   // The node has become operational: counters and event timers begin anew.

@@ -5,20 +5,13 @@
 namespace koboshi::canopen {
 
 bool TransmitQueue::keep(const hal::CanFrame& frame) {
-  if (size_ == backlog_.size()) {
-    if (lost_ < std::numeric_limits<std::uint16_t>::max()) ++lost_;
-    return false;
-  }
-  backlog_[(first_ + size_) % backlog_.size()] = frame;
-  ++size_;
-  return true;
+  if (rings_[hal::transmit_fifo(frame)].push(frame)) return true;
+  if (lost_ < std::numeric_limits<std::uint16_t>::max()) ++lost_;
+  return false;
 }
 
-void TransmitQueue::drain() {
-  while (size_ > 0 && sink_.send(backlog_[first_])) {
-    first_ = (first_ + 1) % backlog_.size();
-    --size_;
-  }
+void TransmitQueue::drain(FrameRing& ring) {
+  while (ring.size() > 0 && sink_.send(ring.front())) ring.pop();
 }
 
 }  // namespace koboshi::canopen

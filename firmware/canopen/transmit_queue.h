@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -8,37 +9,84 @@
 
 namespace koboshi::canopen {
 
-// Keeps in order what the sink has no room for, and counts what does not even fit here. Memory is the
-// owner's.
+// Frames in their order, in somebody else's memory.
+class FrameRing {
+ public:
+  explicit FrameRing(std::span<hal::CanFrame> slots) : slots_(slots) {}
+
+  // False when it is full.
+  bool push(const hal::CanFrame& frame) {
+    if (size_ == slots_.size()) return false;
+    slots_[(first_ + size_++) % slots_.size()] = frame;
+    return true;
+  }
+  // Not of an empty ring.
+  const hal::CanFrame& front() const { return slots_[first_]; }
+  void pop() {
+    first_ = (first_ + 1) % slots_.size();
+    --size_;
+  }
+  std::size_t size() const { return size_; }
+
+ private:
+  std::span<hal::CanFrame> slots_;
+  std::size_t first_ = 0;
+  std::size_t size_ = 0;
+};
+
+// Keeps in order what the sink has no room for, and counts what does not even fit here. Each of the port's
+// FIFOs has an order of its own: a heartbeat that waits holds up no PDO.
 class TransmitQueue final : public FrameSink {
  public:
-  TransmitQueue(FrameSink& sink, std::span<hal::CanFrame> backlog) : sink_(sink), backlog_(backlog) {}
+  // What waits there: answers of two servers, twice over; a request, a boot-up message, and room for as many
+  // more.
+  static constexpr std::size_t kAnswerBacklog = 4;
+  static constexpr std::size_t kBackgroundBacklog = 4;
+
+  // `backlog` is for frames of the process FIFO; its memory is the owner's.
+  TransmitQueue(FrameSink& sink, std::span<hal::CanFrame> backlog)
+      : sink_(sink), rings_{FrameRing(backlog), FrameRing(answer_backlog_), FrameRing(background_backlog_)} {}
+  TransmitQueue(const TransmitQueue&) = delete;
+  TransmitQueue& operator=(const TransmitQueue&) = delete;
 
   // False, and counted in lost(), when sink and backlog are full.
   bool send(const hal::CanFrame& frame) override { return offer(frame) || keep(frame); }
   // Only for a sink that has room now; for frames that can wait. Never counted as lost.
   bool offer(const hal::CanFrame& frame) {
-    flush();
-    return size_ == 0 && sink_.send(frame);
+    if (muted_) return true;
+    FrameRing& ring = rings_[hal::transmit_fifo(frame)];
+    if (ring.size() > 0) drain(ring);
+    return ring.size() == 0 && sink_.send(frame);
   }
   // Hands the backlog to the sink as far as it has room.
   void flush() {
-    if (size_ > 0) drain();
+    for (FrameRing& ring : rings_) {
+      if (ring.size() > 0) drain(ring);
+    }
   }
 
-  std::size_t backlog() const { return size_; }
+  bool pending(hal::TransmitFifo fifo) const override {
+    return rings_[fifo].size() > 0 || sink_.pending(fifo);
+  }
+  // From now on whatever is sent is dropped; what waits is not.
+  void mute(bool muted) { muted_ = muted; }
+  std::size_t backlog() const {
+    return rings_[hal::kProcessFifo].size() + rings_[hal::kAnswerFifo].size() +
+           rings_[hal::kBackgroundFifo].size();
+  }
   // Frames that were not sent; saturates.
   std::uint16_t lost() const { return lost_; }
 
  private:
-  void drain();
+  void drain(FrameRing& ring);
   bool keep(const hal::CanFrame& frame);
 
   FrameSink& sink_;
-  std::span<hal::CanFrame> backlog_;
-  std::size_t first_ = 0;
-  std::size_t size_ = 0;
+  std::array<hal::CanFrame, kAnswerBacklog> answer_backlog_{};
+  std::array<hal::CanFrame, kBackgroundBacklog> background_backlog_{};
+  std::array<FrameRing, hal::kTransmitFifos> rings_;  // by TransmitFifo
   std::uint16_t lost_ = 0;
+  bool muted_ = false;
 };
 
 }  // namespace koboshi::canopen

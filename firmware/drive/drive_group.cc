@@ -31,8 +31,9 @@ bool is_warning(const canopen::Emergency& emergency) {
 DriveGroup::DriveGroup(const robot::RobotModel& model, canopen::FrameSink& sink, DriveSignals& signals)
     : model_(model), sink_(sink), signals_(signals), client_(sink), configuration_(client_) {}
 
-void DriveGroup::boot() {
+void DriveGroup::boot(std::uint64_t reset_us) {
   phase_ = Phase::kResetting;
+  reset_us_ = reset_us;
   goal_ = Goal::kTorqueOff;
   client_.reset();
   addressed_ = 0;
@@ -90,7 +91,7 @@ void DriveGroup::on_emergency(const canopen::Emergency& emergency) {
 
 void DriveGroup::process(std::uint64_t now_us, Starting starting) {
   client_.process(now_us);
-  if (phase_ == Phase::kResetting && send_to_each(canopen::NmtCommand::kResetNode)) {
+  if (phase_ == Phase::kResetting && now_us >= reset_us_ && send_to_each(canopen::NmtCommand::kResetNode)) {
     phase_ = Phase::kWaiting;
     boot_deadline_us_ = now_us + kBootTimeout_us;
   }
@@ -159,7 +160,8 @@ void DriveGroup::read_supply(std::uint64_t now_us) {
   }
   if (client_.state() == canopen::SdoState::kBusy) return;
   client_.reset();
-  if (now_us < supply_due_us_) return;
+  // A bus that is full of other services has no room for questions.
+  if (now_us < supply_due_us_ || sink_.pending(hal::kBackgroundFifo)) return;
   supply_due_us_ = now_us + kSupplyPeriod_us;
   supplied_ = supplied_ + 1 < model_.joint_count ? supplied_ + 1 : 0;
   // A queue that is full has no room for questions.

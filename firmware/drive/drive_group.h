@@ -45,9 +45,11 @@ class DriveGroup {
   // All must outlive the group. Frames go to `sink` as NMT master and SDO client.
   DriveGroup(const robot::RobotModel& model, canopen::FrameSink& sink, DriveSignals& signals);
 
-  // Resets the drives, each by a message of its own, which takes them out of any fault, and boots them;
-  // forgets every trouble. What a drive said before its boot-up message counts no more.
-  void boot();
+  // Resets the drives at this time, each by a message of its own, which takes them out of any fault, and
+  // boots them; forgets every trouble. What a drive said before its boot-up message counts no more.
+  void boot(std::uint64_t reset_us = 0);
+  // Nothing more is sent to them before the next boot.
+  void give_up() { phase_ = Phase::kFailed; }
   void set_goal(Goal goal, std::uint64_t now_us);
 
   void on_frame(const hal::CanFrame& frame) { client_.on_frame(frame); }
@@ -73,6 +75,8 @@ class DriveGroup {
   // Its drive's encoder within the joint's limits, give or take `margin`.
   bool within_limits(std::size_t joint, fixed::Angle margin) const;
 
+  // Before the reset: nothing has been sent to the drives.
+  bool resetting() const { return phase_ == Phase::kResetting; }
   // Every drive has its configuration and was told to start; `booted` once each has also answered a SYNC.
   bool configured() const { return phase_ == Phase::kBooted; }
   bool booted() const { return phase_ == Phase::kBooted && (all_joints() & ~heard_) == 0; }
@@ -121,6 +125,7 @@ class DriveGroup {
   Configuration configuration_;
   Phase phase_ = Phase::kIdle;
   Goal goal_ = Goal::kTorqueOff;
+  std::uint64_t reset_us_ = 0;
   std::uint64_t boot_deadline_us_ = 0;
   std::uint64_t enable_deadline_us_ = 0;
   std::size_t addressed_ = 0;   // joints whose drives were sent the reset, or the start

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -35,9 +36,11 @@ class FakeCan final : public CanPort {
     return found == sent_.rend() ? std::nullopt : std::optional<CanFrame>(*found);
   }
   void clear_sent() { sent_.clear(); }
-  // The bus stalls: the FIFO takes this many frames more and then refuses, until `release_transmit`.
-  void limit_transmit(std::size_t frames) { transmit_limit_ = frames; }
-  void release_transmit() { transmit_limit_.reset(); }
+  // The bus stalls: the FIFOs take this many frames more, each, and then refuse, until `release_transmit`.
+  void limit_transmit(std::size_t frames) { transmit_limits_.fill(frames); }
+  // One of them does, as where others with lower identifiers keep the bus busy.
+  void limit_transmit(TransmitFifo fifo, std::size_t frames) { transmit_limits_[fifo] = frames; }
+  void release_transmit() { transmit_limits_.fill(std::nullopt); }
   void set_error_state(CanErrorState state) { status_.state = state; }
   void set_error_counts(std::uint8_t transmit, std::uint8_t receive) {
     status_.transmit_error_count = transmit;
@@ -50,13 +53,17 @@ class FakeCan final : public CanPort {
 
   [[nodiscard]] bool receive(CanFrame& frame) override { return received_.pop(frame); }
   [[nodiscard]] bool transmit(const CanFrame& frame) override {
-    if (transmit_space() == 0) return false;
-    if (transmit_limit_) --*transmit_limit_;
+    auto& limit = transmit_limits_[transmit_fifo(frame)];
+    if (limit == 0) return false;
+    if (limit) --*limit;
     sent_.push_back(frame);
     return true;
   }
-  [[nodiscard]] std::size_t transmit_space() const override {
-    return transmit_limit_.value_or(kTransmitCapacity);
+  [[nodiscard]] std::size_t transmit_space(TransmitFifo fifo) const override {
+    return transmit_limits_[fifo].value_or(kTransmitCapacity);
+  }
+  [[nodiscard]] bool transmit_pending(TransmitFifo fifo) const override {
+    return transmit_limits_[fifo] == 0;
   }
   [[nodiscard]] CanStatus status() const override { return status_; }
   void recover() override {
@@ -66,7 +73,7 @@ class FakeCan final : public CanPort {
  private:
   Fifo<CanFrame, kReceiveCapacity> received_;
   std::vector<CanFrame> sent_;
-  std::optional<std::size_t> transmit_limit_;
+  std::array<std::optional<std::size_t>, kTransmitFifos> transmit_limits_;  // by TransmitFifo
   CanStatus status_;
   int recoveries_ = 0;
 };

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "hal/linux/file_descriptor.h"
+#include "hal/linux/socket_option.h"
 #include "hal/port/can.h"
 
 namespace koboshi::hal {
@@ -29,6 +30,8 @@ class SocketCan {
   // The oldest received frame. Frames with 29-bit identifiers and error frames are passed over. Throws
   // std::system_error when the interface is gone or down.
   [[nodiscard]] std::optional<CanFrame> receive();
+  // Frames that the kernel had no room for in this socket's buffer.
+  std::uint64_t dropped() const { return drops(socket_); }
   // What poll() may wait for.
   int descriptor() const { return socket_.number(); }
 

@@ -141,7 +141,8 @@ std::size_t encode(const BatchInput& input, std::span<std::byte> bytes) {
   writer.put(input.now_us);
   writer.put(static_cast<std::uint8_t>(input.tick));
   put(writer, input.can_status);
-  writer.put(input.transmit_space);
+  for (const std::uint16_t space : input.transmit_space) writer.put(space);
+  for (const bool pending : input.transmit_pending) writer.put(static_cast<std::uint8_t>(pending));
   writer.put(input.imu_overruns);
   put(writer, input.frames);
   put(writer, input.imu);
@@ -155,7 +156,8 @@ bool decode(std::span<const std::byte> bytes, BatchInput& input) {
   input.now_us = reader.get<std::uint64_t>();
   input.tick = reader.get_bool();
   get(reader, input.can_status);
-  input.transmit_space = reader.get<std::uint16_t>();
+  for (std::uint16_t& space : input.transmit_space) space = reader.get<std::uint16_t>();
+  for (bool& pending : input.transmit_pending) pending = reader.get_bool();
   input.imu_overruns = reader.get<std::uint16_t>();
   get(reader, input.frames);
   get(reader, input.imu);

@@ -37,7 +37,8 @@ struct BatchInput {
   std::uint64_t now_us = 0;
   bool tick = false;  // `tick` follows this `service`
   CanStatus can_status;
-  std::uint16_t transmit_space = 0;
+  std::array<std::uint16_t, kTransmitFifos> transmit_space{};  // by TransmitFifo
+  std::array<bool, kTransmitFifos> transmit_pending{};
   std::uint16_t imu_overruns = 0;
   BoundedList<CanFrame, kMaxFrames> frames;
   BoundedList<ImuSample, kMaxImuSamples> imu;
@@ -46,7 +47,7 @@ struct BatchInput {
 };
 
 struct BatchOutput {
-  static constexpr std::size_t kMaxFrames = 64;  // the transmit FIFO
+  static constexpr std::size_t kMaxFrames = 64;  // all transmit FIFOs together
 
   BoundedList<CanFrame, kMaxFrames> frames;
   bool recover = false;  // from bus-off
@@ -59,7 +60,7 @@ struct BatchOutput {
 // bytes of data. A BatchOutput ends with a byte of flags: bit 0 recover, bit 1 watchdog_kicked, bit 2
 // drive_enabled.
 inline constexpr std::size_t kMaxFrameBytes = 2 + 1 + 8;
-inline constexpr std::size_t kMaxBatchInputBytes = 8 + 1 + 5 + 2 + 2 + 2 +
+inline constexpr std::size_t kMaxBatchInputBytes = 8 + 1 + 5 + 3 * kTransmitFifos + 2 + 2 +
                                                    BatchInput::kMaxFrames * kMaxFrameBytes + 2 +
                                                    BatchInput::kMaxImuSamples * 16 + 2 + 2 * 16;
 inline constexpr std::size_t kMaxBatchOutputBytes = 2 + BatchOutput::kMaxFrames * kMaxFrameBytes + 1;

@@ -26,18 +26,24 @@ void BatchBoard::begin(const BatchInput& input) {
   status_ = input.can_status;
   status_.receive_overruns = saturating_sum(status_.receive_overruns, frames_lost_);
   imu_overruns_ = saturating_sum(input.imu_overruns, samples_lost_);
-  transmit_capacity_ = std::min(input.transmit_space, std::uint16_t{BatchOutput::kMaxFrames});
+  transmit_space_ = input.transmit_space;
+  transmit_pending_ = input.transmit_pending;
   output_.frames.clear();
   output_.recover = false;
   output_.watchdog_kicked = false;
 }
 
 bool BatchBoard::transmit(const CanFrame& frame) {
-  return transmit_space() > 0 && output_.frames.push(frame);
+  std::uint16_t& space = transmit_space_[transmit_fifo(frame)];
+  if (space == 0 || !output_.frames.push(frame)) return false;
+  --space;
+  transmit_pending_[transmit_fifo(frame)] = true;
+  return true;
 }
 
-std::size_t BatchBoard::transmit_space() const {
-  return static_cast<std::size_t>(transmit_capacity_ - output_.frames.size);
+std::size_t BatchBoard::transmit_space(TransmitFifo fifo) const {
+  const std::size_t room = BatchOutput::kMaxFrames - output_.frames.size;
+  return std::min(room, std::size_t{transmit_space_[fifo]});
 }
 
 void BatchBoard::recover() {

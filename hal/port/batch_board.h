@@ -65,7 +65,8 @@ class BatchBoard final : private CanPort,
  private:
   bool receive(CanFrame& frame) override { return frames_.pop(frame); }
   bool transmit(const CanFrame& frame) override;
-  std::size_t transmit_space() const override;
+  std::size_t transmit_space(TransmitFifo fifo) const override;
+  bool transmit_pending(TransmitFifo fifo) const override { return transmit_pending_[fifo]; }
   CanStatus status() const override { return status_; }
   void recover() override;
   bool read(ImuSample& sample) override { return imu_.pop(sample); }
@@ -82,7 +83,8 @@ class BatchBoard final : private CanPort,
   std::uint16_t samples_lost_ = 0;
   CanStatus status_;
   std::uint16_t imu_overruns_ = 0;
-  std::uint16_t transmit_capacity_ = 0;  // of this call
+  std::array<std::uint16_t, kTransmitFifos> transmit_space_{};  // by TransmitFifo; what is left in this call
+  std::array<bool, kTransmitFifos> transmit_pending_{};
   std::array<bool, 2> ankle_fresh_{};
   std::array<AnkleSample, 2> ankles_{};
   BatchOutput output_;

@@ -28,15 +28,35 @@ struct CanStatus {
   friend bool operator==(const CanStatus&, const CanStatus&) = default;
 };
 
-// A CAN controller with a receive ring and a transmit FIFO. Nothing blocks.
+// The transmit FIFOs of a CAN controller. In a single one a frame of low priority holds up whatever stands
+// behind it, a SYNC behind a heartbeat, for as long as others keep the bus busy. So what differs in priority
+// does not share one. Controllers with three transmit buffers or more, of which the lowest identifier is sent
+// first, have them: ST's bxCAN, Bosch's M_CAN, NXP's FlexCAN.
+enum TransmitFifo : std::uint8_t {  // unscoped: the index of arrays of all
+  kProcessFifo = 0,                 // NMT, SYNC, emergencies, PDOs
+  kAnswerFifo = 1,                  // of SDO servers
+  kBackgroundFifo = 2,              // SDO requests, heartbeats, LSS
+};
+inline constexpr std::size_t kTransmitFifos = 3;
+
+// By the predefined connection set (CiA 301, 7.3.5).
+constexpr TransmitFifo transmit_fifo(const CanFrame& frame) {
+  if (frame.identifier < 0x580) return kProcessFifo;
+  return frame.identifier < 0x600 ? kAnswerFifo : kBackgroundFifo;
+}
+
+// A CAN controller with a receive ring and transmit FIFOs. Of their oldest frames the one with the lowest
+// identifier takes part in the arbitration. Nothing blocks.
 class CanPort {
  public:
   // Takes the oldest received frame. False, and `frame` untouched, when there is none.
   [[nodiscard]] virtual bool receive(CanFrame& frame) = 0;
-  // Appends to the transmit FIFO; frames leave in this order. False when the FIFO is full.
+  // Appends to the frame's FIFO, whose frames leave in this order. False when that FIFO is full.
   [[nodiscard]] virtual bool transmit(const CanFrame& frame) = 0;
-  // How many frames `transmit` would take now.
-  [[nodiscard]] virtual std::size_t transmit_space() const = 0;
+  // How many frames `transmit` would take into this FIFO now.
+  [[nodiscard]] virtual std::size_t transmit_space(TransmitFifo fifo) const = 0;
+  // Whether a frame of this FIFO has yet to leave it.
+  [[nodiscard]] virtual bool transmit_pending(TransmitFifo fifo) const = 0;
   [[nodiscard]] virtual CanStatus status() const = 0;
   // Starts the recovery from bus-off: 128 times 11 recessive bits. No effect in the other states.
   virtual void recover() = 0;

@@ -161,7 +161,10 @@ void SimBoard::serve_controller() {
   const std::uint16_t receive_overruns = input_.can_status.receive_overruns;
   input_.can_status = bus_.status(controller_);
   input_.can_status.receive_overruns = receive_overruns;
-  input_.transmit_space = static_cast<std::uint16_t>(bus_.transmit_space(controller_));
+  for (const hal::TransmitFifo fifo : {hal::kProcessFifo, hal::kAnswerFifo, hal::kBackgroundFifo}) {
+    input_.transmit_space[fifo] = static_cast<std::uint16_t>(bus_.transmit_space(controller_, fifo));
+    input_.transmit_pending[fifo] = bus_.transmit_pending(controller_, fifo);
+  }
   {
     const Stopwatch watch(shares_.firmware_s, now_us_);
     host_.exchange(input_, output_);

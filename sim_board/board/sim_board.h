@@ -60,7 +60,7 @@ class SimBoard {
   static constexpr std::uint64_t kService_us = 1'000;
   static constexpr std::uint64_t kTick_us = 10'000;
   static constexpr std::uint64_t kWatchdog_us = 500'000;
-  static constexpr std::size_t kTransmitFifo = 32;
+  static constexpr std::size_t kTransmitFifo = 32;  // each
 
   // Powers everything on at time zero. `robot` and `host` must outlive the board. Throws what make_world
   // and the sensors throw.

@@ -15,7 +15,9 @@ void Babbler::advance(std::uint64_t end_us) {
   if (end_us <= babble_.from_us) return;
   bus_.power_on(handle_);
   if (babble_.interval_us == 0) {
-    while (bus_.transmit_space(handle_) > 0) static_cast<void>(bus_.queue(handle_, babble_.frame, next_us_));
+    const hal::TransmitFifo fifo = hal::transmit_fifo(babble_.frame);
+    while (bus_.transmit_space(handle_, fifo) > 0)
+      static_cast<void>(bus_.queue(handle_, babble_.frame, next_us_));
     return;
   }
   // What finds no room is lost: it does not wait.

@@ -29,13 +29,14 @@ double bus_load(const BusUsage& from, const BusUsage& to) {
 
 Bus::Bus(std::uint64_t bit_time_us) : bit_time_us_(bit_time_us) { assert(bit_time_us > 0); }
 
-NodeHandle Bus::attach(BusNode& node, const AcceptanceFilter& filter, std::size_t transmit_capacity) {
-  nodes_.push_back({.node = &node,
-                    .queue = TransmitQueue(transmit_capacity),
-                    .errors = {},
-                    .counters = {},
-                    .online_since_us = now_us_});
-  heads_.emplace_back();
+NodeHandle Bus::attach(BusNode& node, const AcceptanceFilter& filter, const TransmitCapacity& capacity) {
+  nodes_.push_back(
+      {.node = &node,
+       .queues = {TransmitQueue(capacity[0]), TransmitQueue(capacity[1]), TransmitQueue(capacity[2])},
+       .errors = {},
+       .counters = {},
+       .online_since_us = now_us_});
+  heads_.resize(hal::kTransmitFifos * nodes_.size());
   filters_.push_back(filter);
   receivers_stale_ = true;
   senders_.reserve(nodes_.size());
@@ -51,19 +52,22 @@ void Bus::set_filter(NodeHandle node, const AcceptanceFilter& filter) {
 bool Bus::queue(NodeHandle node, const hal::CanFrame& frame, std::uint64_t ready_us) {
   Node& sender = nodes_[index(node)];
   if (!sender.powered) return false;
-  if (!sender.queue.push({without_rest(frame), std::max(ready_us, now_us_)})) {
+  if (!sender.queues[hal::transmit_fifo(frame)].push({without_rest(frame), std::max(ready_us, now_us_)})) {
     ++sender.counters.overruns;
     return false;
   }
-  refresh_head(index(node));
+  refresh_heads(index(node));
   return true;
 }
 
 void Bus::advance_to(std::uint64_t time_us) {
   assert(time_us >= now_us_);
   for (;;) {
-    const std::uint64_t until_us = std::min(time_us, next_late_us());
-    if (wire_.has_value() && wire_->end_us <= until_us) {
+    const std::uint64_t until_us = std::min({time_us, next_late_us(), dominant_due_us_});
+    if (dominant_due_us_ <= until_us) {
+      now_us_ = dominant_due_us_;
+      count_dominant_bits();
+    } else if (wire_.has_value() && wire_->end_us <= until_us) {
       now_us_ = wire_->end_us;
       finish();
     } else if (wire_.has_value() || !start_next(until_us)) {
@@ -80,19 +84,24 @@ BusUsage Bus::usage() const {
   usage.time_us = now_us_;
   if (wire_.has_value()) {
     usage.busy_us += now_us_ - wire_->start_us;
+  } else if (dominant_since_us_) {
+    usage.busy_us += now_us_ - *dominant_since_us_;
   } else if (idle_from_us_ > now_us_) {
     usage.busy_us -= idle_from_us_ - now_us_;  // the intermission has not passed yet
   }
   return usage;
 }
 
-void Bus::refresh_head(std::size_t node) {
+void Bus::refresh_heads(std::size_t node) {
   const Node& sender = nodes_[node];
-  if (sender.queue.empty() || sender.online_since_us == kNever) {
-    heads_[node] = {};
-  } else {
-    const QueuedFrame& front = sender.queue.front();
-    heads_[node] = {std::max(front.ready_us, sender.hold_until_us), priority(front.frame)};
+  for (std::size_t fifo = 0; fifo < hal::kTransmitFifos; ++fifo) {
+    Head& head = heads_[hal::kTransmitFifos * node + fifo];
+    if (sender.queues[fifo].empty() || sender.online_since_us == kNever) {
+      head = {};
+    } else {
+      const QueuedFrame& front = sender.queues[fifo].front();
+      head = {std::max(front.ready_us, sender.hold_until_us), priority(front.frame)};
+    }
   }
 }
 
@@ -104,6 +113,7 @@ std::uint64_t Bus::next_start_us() const {
 
 // Starts the next transmission if that happens before the given time.
 bool Bus::start_next(std::uint64_t until_us) {
+  if (dominant_since_us_) return false;
   if (std::exchange(receivers_stale_, false)) receivers_.rebuild(filters_);
   std::uint64_t start_us = next_start_us();
   if (recovering_ > 0) {
@@ -136,10 +146,10 @@ int Bus::bits_after(Outcome outcome) {
 
 // Of a frame that does not collide.
 Bus::Outcome Bus::outcome_of(const hal::CanFrame& frame, std::uint64_t start_us) {
-  const WireEffect effect =
-      disturbance_ == nullptr
-          ? WireEffect::kNone
-          : disturbance_->on_transmission(frame, static_cast<NodeHandle>(senders_.front()), start_us);
+  const WireEffect effect = disturbance_ == nullptr
+                                ? WireEffect::kNone
+                                : disturbance_->on_transmission(
+                                      frame, static_cast<NodeHandle>(node_of(senders_.front())), start_us);
   if (effect == WireEffect::kDestroyed) return Outcome::kDestroyed;
   if (online_ == senders_.size()) return Outcome::kUnacknowledged;
   return effect == WireEffect::kDoubled ? Outcome::kDoubled : Outcome::kDelivered;
@@ -147,7 +157,7 @@ Bus::Outcome Bus::outcome_of(const hal::CanFrame& frame, std::uint64_t start_us)
 
 Bus::Transmission Bus::make_transmission(std::uint64_t start_us) {
   const int destroyed_after_bits = senders_.size() > 1 ? settle_collision() : 0;
-  const hal::CanFrame& frame = nodes_[senders_.front()].queue.front().frame;
+  const hal::CanFrame& frame = queue_of(senders_.front()).front().frame;
   const bool collides = destroyed_after_bits > 0;
   const Outcome outcome = collides ? Outcome::kDestroyed : outcome_of(frame, start_us);
   int bits = frame_bits(frame);
@@ -176,7 +186,7 @@ void Bus::finish() {
   if (done.outcome != Outcome::kDelivered) count_errors(done.outcome);
   if (done.outcome == Outcome::kDestroyed || done.outcome == Outcome::kUnacknowledged) return;
   ++usage_.frames;
-  if (done.outcome == Outcome::kDelivered) count_sent();
+  if (done.outcome == Outcome::kDelivered) count_sent(done.start_us);
   if (receive_errors_) count_receptions();
   if (observer_ != nullptr) observer_->on_bus_frame(done.frame, done.start_us, done.end_us);
   deliver(done);
@@ -209,19 +219,20 @@ void Bus::hand_over(std::size_t receiver, const hal::CanFrame& frame) {
   node.node->on_frame(frame, now_us_);
 }
 
-void Bus::count_sent() {
+void Bus::count_sent(std::uint64_t start_us) {
   for (const std::size_t sender : senders_) {
-    Node& node = nodes_[sender];
-    node.queue.pop();
+    Node& node = nodes_[node_of(sender)];
+    if (start_us - queue_of(sender).front().ready_us > kLate_us) ++node.counters.late;
+    queue_of(sender).pop();
     node.errors.on_transmitted();
     ++node.counters.sent;
     suspend_if_passive(node);
-    refresh_head(sender);
+    refresh_heads(node_of(sender));
   }
 }
 
 bool Bus::is_sender(std::size_t node) const {
-  return std::find(senders_.begin(), senders_.end(), node) != senders_.end();
+  return std::ranges::any_of(senders_, [node](std::size_t sender) { return node_of(sender) == node; });
 }
 
 }  // namespace koboshi::sim

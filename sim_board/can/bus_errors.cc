@@ -10,6 +10,7 @@ namespace koboshi::sim {
 namespace {
 
 constexpr int kSuspendBits = 8;
+constexpr int kDominantBits = 8;
 constexpr int kRecoveryBits = 128 * kRecessiveEndBits;
 
 // Of frames with the same identifier: whether the first is dominant in the first bit in which they differ.
@@ -32,11 +33,12 @@ void Bus::power_off(NodeHandle node) {
   if (off.recovered_us != kNever) --recovering_;
   off.recovered_us = kNever;
   off.powered = false;
-  off.queue.clear();
+  for (TransmitQueue& queue : off.queues) queue.clear();
   off.errors.reset();
   off.hold_until_us = 0;
   leave(index(node));
-  if (wire_.has_value() && std::erase(senders_, index(node)) > 0 && senders_.empty()) {
+  const auto sends = [&](std::size_t sender) { return node_of(sender) == index(node); };
+  if (wire_.has_value() && std::erase_if(senders_, sends) > 0 && senders_.empty()) {
     wire_->outcome = Outcome::kDestroyed;
     wire_->end_us = now_us_ + duration_us(kErrorFrameBits);
   }
@@ -53,7 +55,7 @@ void Bus::power_on(NodeHandle node) {
 void Bus::leave(std::size_t node) {
   if (nodes_[node].online_since_us != kNever) --online_;
   nodes_[node].online_since_us = kNever;
-  refresh_head(node);
+  refresh_heads(node);
 }
 
 void Bus::recover(NodeHandle node) {
@@ -61,6 +63,45 @@ void Bus::recover(NodeHandle node) {
   if (!off.errors.bus_off() || off.recovered_us != kNever) return;
   off.recovered_us = std::max(now_us_, idle_from_us_) + duration_us(kRecoveryBits);
   ++recovering_;
+}
+
+void Bus::set_dominant(bool dominant) {
+  if (dominant == dominant_since_us_.has_value()) return;
+  if (dominant) {
+    ++usage_.error_frames;
+    if (wire_.has_value()) {
+      usage_.busy_us += now_us_ - wire_->start_us;
+    } else {
+      senders_.clear();
+      if (idle_from_us_ > now_us_) usage_.busy_us -= idle_from_us_ - now_us_;  // cut short
+    }
+    wire_.reset();
+    dominant_since_us_ = now_us_;
+    dominant_due_us_ = now_us_ + duration_us(kDominantBits);
+    return;
+  }
+  idle_from_us_ = now_us_ + duration_us(kRecessiveEndBits);
+  usage_.busy_us += idle_from_us_ - *dominant_since_us_;
+  for (Node& node : nodes_) {
+    if (node.recovered_us == kNever) continue;
+    node.recovered_us =
+        now_us_ + std::min(duration_us(kRecoveryBits), node.recovered_us - *dominant_since_us_);
+  }
+  dominant_since_us_.reset();
+  dominant_due_us_ = kNever;
+}
+
+void Bus::count_dominant_bits() {
+  receive_errors_ = true;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    Node& node = nodes_[i];
+    if (node.online_since_us == kNever) continue;
+    node.errors.on_dominant_bits(is_sender(i));
+    if (node.errors.bus_off()) leave(i);
+  }
+  dominant_due_us_ += duration_us(kDominantBits);
+  // Nothing changes any more: the one who sent is off, the others count no further.
+  if (dominant_due_us_ > *dominant_since_us_ + 33 * duration_us(kDominantBits)) dominant_due_us_ = kNever;
 }
 
 void Bus::complete_recoveries(std::uint64_t until_us) {
@@ -71,7 +112,7 @@ void Bus::complete_recoveries(std::uint64_t until_us) {
     node.online_since_us = node.hold_until_us = std::exchange(node.recovered_us, kNever);
     ++online_;
     --recovering_;
-    refresh_head(i);
+    refresh_heads(i);
   }
 }
 
@@ -79,8 +120,8 @@ void Bus::complete_recoveries(std::uint64_t until_us) {
 // frame, or zero when it survives: then only those that send it remain senders. The strongest frame's first
 // sender comes to the front.
 int Bus::settle_collision() {
-  const auto frame_of = [this](std::size_t node) -> const hal::CanFrame& {
-    return nodes_[node].queue.front().frame;
+  const auto frame_of = [this](std::size_t sender) -> const hal::CanFrame& {
+    return queue_of(sender).front().frame;
   };
   std::iter_swap(senders_.begin(),
                  std::min_element(senders_.begin(), senders_.end(), [&](std::size_t a, std::size_t b) {
@@ -92,7 +133,7 @@ int Bus::settle_collision() {
   for (const std::size_t sender : senders_) {
     if (frame_of(sender) == strongest) continue;
     collided = true;
-    if (nodes_[sender].errors.error_passive()) continue;
+    if (nodes_[node_of(sender)].errors.error_passive()) continue;
     const int bits = bits_to_difference(strongest, frame_of(sender));
     destroyed_after_bits = destroyed_after_bits == 0 ? bits : std::min(destroyed_after_bits, bits);
   }
@@ -100,8 +141,9 @@ int Bus::settle_collision() {
   if (!collided || destroyed_after_bits > 0) return destroyed_after_bits;
   std::erase_if(senders_, [&](std::size_t sender) {
     if (frame_of(sender) == strongest) return false;
-    nodes_[sender].errors.on_transmit_error();
-    if (nodes_[sender].errors.bus_off()) leave(sender);
+    ErrorCounters& errors = nodes_[node_of(sender)].errors;
+    errors.on_transmit_error();
+    if (errors.bus_off()) leave(node_of(sender));
     return true;
   });
   return 0;
@@ -118,15 +160,15 @@ void Bus::count_receptions() {
 void Bus::count_errors(Outcome outcome) {
   ++usage_.error_frames;
   for (const std::size_t sender : senders_) {
-    Node& node = nodes_[sender];
+    Node& node = nodes_[node_of(sender)];
     if (outcome == Outcome::kUnacknowledged) {
       node.errors.on_missing_acknowledge();
     } else {
       node.errors.on_transmit_error();
     }
     suspend_if_passive(node);
-    if (node.errors.bus_off()) leave(sender);
-    refresh_head(sender);
+    if (node.errors.bus_off()) leave(node_of(sender));
+    refresh_heads(node_of(sender));
   }
   if (outcome != Outcome::kDestroyed) return;
   receive_errors_ = true;

@@ -28,6 +28,14 @@ class ErrorCounters {
     if (!error_passive()) on_transmit_error();
   }
   void on_receive_error() { receive_ = std::min(receive_ + 1, 128); }
+  // Eight more dominant bits in a row after an error flag.
+  void on_dominant_bits(bool transmits) {
+    if (transmits) {
+      on_transmit_error();
+    } else {
+      receive_ = std::min(receive_ + 8, 128);
+    }
+  }
   void reset() { transmit_ = receive_ = 0; }
 
  private:

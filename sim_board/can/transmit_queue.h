@@ -14,7 +14,7 @@ struct QueuedFrame {
   std::uint64_t ready_us = 0;
 };
 
-// The transmit FIFO of a CAN controller; its memory is taken once.
+// A transmit FIFO of a CAN controller; its memory is taken once.
 class TransmitQueue {
  public:
   explicit TransmitQueue(std::size_t capacity) : slots_(capacity) { assert(capacity > 0); }

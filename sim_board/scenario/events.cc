@@ -163,6 +163,7 @@ void read_details(const YamlMap& map, Fault& fault) {
     case Fault::Kind::kImuStop:
     case Fault::Kind::kControllerStop:
     case Fault::Kind::kBusUnacknowledged:
+    case Fault::Kind::kBusDominant:
       return;
     case Fault::Kind::kFramesLost:
       return read_frames(map, Effect::kLost, fault);

@@ -128,6 +128,8 @@ void ScenarioPlayer::cause(const Fault& fault) {
       return board_.set_controller_running(false);
     case Fault::Kind::kBusUnacknowledged:
       return board_.isolate_controller();
+    case Fault::Kind::kBusDominant:
+      return board_.bus().set_dominant(true);
     case Fault::Kind::kFramesLost:
     case Fault::Kind::kFramesCorrupted:
     case Fault::Kind::kFramesDelayed:
@@ -169,6 +171,8 @@ void ScenarioPlayer::mend(const Fault& fault) {
       return board_.set_controller_running(true);
     case Fault::Kind::kBusUnacknowledged:
       return board_.rejoin_controller();
+    case Fault::Kind::kBusDominant:
+      return board_.bus().set_dominant(false);
     // They know their end, to the microsecond.
     case Fault::Kind::kFramesLost:
     case Fault::Kind::kFramesCorrupted:

@@ -100,9 +100,9 @@ double half_sine_integral(double part) {
 
 const std::vector<std::string>& Fault::kind_names() {
   static const std::vector<std::string> kNames{
-      "drive_silent",     "drive_power_loss", "encoder_break",   "drive_overheat",     "supply_drop",
-      "imu_stop",         "ankle_stop",       "controller_stop", "bus_unacknowledged", "frames_lost",
-      "frames_corrupted", "frames_delayed",   "frames_doubled",  "babbling_node"};
+      "drive_silent", "drive_power_loss", "encoder_break",   "drive_overheat",     "supply_drop",
+      "imu_stop",     "ankle_stop",       "controller_stop", "bus_unacknowledged", "bus_dominant",
+      "frames_lost",  "frames_corrupted", "frames_delayed",  "frames_doubled",     "babbling_node"};
   return kNames;
 }
 

@@ -159,6 +159,7 @@ struct Fault {
     kAnkleStop,          // an ankle sensor delivers no samples
     kControllerStop,     // the firmware stops; the board lives on
     kBusUnacknowledged,  // nobody acknowledges the controller's frames
+    kBusDominant,        // a short circuit: nothing can be sent
     kFramesLost,         // receivers' controllers drop frames that were acknowledged
     kFramesCorrupted,    // bit errors on the wire
     kFramesDelayed,      // receivers are told late

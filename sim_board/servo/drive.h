@@ -33,8 +33,8 @@ class Drive final : private BusNode,
   static constexpr std::uint64_t kBootTime_us = 50'000;  // from power to the boot-up message
   static constexpr std::uint64_t kSyncTolerance = 5;     // cycles without SYNC that a moving drive bears
   static constexpr std::uint64_t kStandTime_us =
-      100'000;  // how long it holds after a stop before the torque goes
-  static constexpr std::size_t kTransmitFifo = 16;
+      100'000;                                      // how long it holds after a stop before the torque goes
+  static constexpr std::size_t kTransmitFifo = 16;  // each
 
   // Stands on the bus from now on, without power until power_on(). The bus must outlive it.
   Drive(const JointDescription& joint, Bus& bus, const ServoOptions& options = {});
@@ -71,6 +71,7 @@ class Drive final : private BusNode,
  private:
   void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override;
   bool send(const hal::CanFrame& frame) override;
+  bool pending(hal::TransmitFifo fifo) const override { return bus_.transmit_pending(handle_, fifo); }
   canopen::AbortCode on_write(canopen::ObjectAddress address, std::uint32_t value) override;
   canopen::AbortCode on_store(canopen::ParameterGroup group) override { return storage_.store(group); }
   canopen::AbortCode on_restore(canopen::ParameterGroup group) override { return storage_.restore(group); }

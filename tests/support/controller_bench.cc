@@ -12,6 +12,8 @@ using motion::Opcode;
 constexpr std::uint16_t kCommandIdentifier = 0x201;
 constexpr int kHeartbeat_ms = 100;
 
+}  // namespace
+
 std::vector<std::byte> factory_storage() {
   const std::vector<std::byte> model_image = encode(make_test_robot());
   robot::RobotModel model;
@@ -33,8 +35,6 @@ std::vector<std::byte> factory_storage() {
   const std::vector<std::vector<std::byte>> motions{encode(standing, model.id), encode(nodding, model.id)};
   return make_storage(model_image, motions);
 }
-
-}  // namespace
 
 ControllerBench::ControllerBench() {
   // 1 g upwards.

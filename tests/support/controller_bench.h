@@ -14,6 +14,10 @@ namespace koboshi::test {
 
 inline constexpr std::uint16_t kVelocityIdentifier = 0x301;  // frames that command a velocity
 
+// Storage as a robot leaves the factory: the test robot's model, motion 0 (standing) and motion 1 (nods until
+// it is stopped).
+std::vector<std::byte> factory_storage();
+
 // The whole controller on a fake board with a stub for each drive, in zero time and without physics:
 //
 //   ControllerBench bench;                     // powered on
@@ -29,8 +33,7 @@ class ControllerBench {
     hal::CanFrame frame;
   };
 
-  // Storage as a robot leaves the factory: the test robot's model, motion 0 (standing) and motion 1 (nods
-  // until it is stopped).
+  // With a factory's storage.
   ControllerBench();
 
   // Milliseconds of board time: the drives answer what was sent in the last one, the sensors speak, the

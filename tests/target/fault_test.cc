@@ -29,7 +29,7 @@ class Fault : public ::testing::Test {
   hal::BatchOutput serve() {
     hal::BatchOutput output;
     hal::BatchInput input;
-    input.transmit_space = 32;
+    input.transmit_space.fill(32);
     host_.exchange(input, output);
     return output;
   }

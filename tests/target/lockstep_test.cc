@@ -47,7 +47,7 @@ TEST(Lockstep, HoldsOnEmptyAndBrokenStorage) {
     InProcessHost host(storage);
     QemuHost target(KOBOSHI_IMAGE, storage);
     hal::BatchInput input;
-    input.transmit_space = 32;
+    input.transmit_space.fill(32);
     hal::BatchOutput from_host;
     hal::BatchOutput from_target;
     std::size_t frames = 0;

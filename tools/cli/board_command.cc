@@ -24,7 +24,7 @@ struct BoardArguments {
 
 void play_board(const BoardArguments& arguments) {
   const auto overrides = overrides_of(arguments.sets, {{"duration_s", arguments.duration}});
-  LiveLink live(arguments.live);
+  LiveLink live(arguments.live, warn);
   BareBoard bare(sim::read_scenario(arguments.scenario, overrides));
   sim::SimBoard& board = bare.board();
   live.attach(board.bus());

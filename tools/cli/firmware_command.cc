@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <utility>
 
 #include "sim_board/board/sim_board.h"
 #include "sim_board/scenario/reader.h"
@@ -35,9 +36,12 @@ void run_firmware(const FirmwareArguments& arguments) {
   std::fflush(stdout);
   const auto end_us = static_cast<std::uint64_t>(1e6 * arguments.duration_s);
   Pacer pacer(0, arguments.speed);
+  bool gave_way = false;
   for (std::uint64_t now_us = 0; now_us < end_us; now_us += sim::SimBoard::kService_us) {
     pacer.wait_for(now_us);
     firmware.service(now_us);
+    if (firmware.gave_way() && !std::exchange(gave_way, true))
+      warn("another controller is on the bus: the drives are left to it until command 6, reset");
     if (now_us % sim::SimBoard::kTick_us == 0 && interrupt.requested()) break;
   }
   tell_overruns(pacer.overruns(), pacer.largest_delay_us());

@@ -28,6 +28,8 @@ void tell_where(const LiveLink& link) {
   std::fflush(stdout);
 }
 
+void warn(const std::string& text) { fmt::print(stderr, "koboshi: warning: {}\n", text); }
+
 void tell_overruns(std::uint64_t overruns, std::uint64_t largest_delay_us) {
   if (overruns == 0) return;
   fmt::print(stderr, "koboshi: {} times more than {} ms behind the clock, {} ms at most\n", overruns,
@@ -40,7 +42,21 @@ void tell_lost(std::uint64_t frames) {
 
 void tell_troubles(const nlohmann::ordered_json& report) {
   if (report.contains("overruns")) tell_overruns(report["overruns"], report["largest_delay_us"]);
-  if (report.contains("can")) tell_lost(report["can"]["frames_lost"]);
+  if (!report.contains("can")) return;
+  const auto& can = report["can"];
+  tell_lost(can["frames_lost"]);
+  const std::uint64_t refused = can["frames_refused"];
+  const std::uint64_t dropped = can["frames_dropped"];
+  const std::uint64_t sent_late = can["frames_sent_late"];
+  const std::uint64_t received_late = can["frames_received_late"];
+  if (refused + dropped > 0)
+    fmt::print(stderr,
+               "koboshi: {} frames from outside were lost: {} found no room on the bus, {} came too fast\n",
+               refused + dropped, refused, dropped);
+  if (sent_late + received_late > 0)
+    fmt::print(stderr, "koboshi: frames more than {} ms late: {} of {} sent, {} of {} received\n",
+               LiveLink::kLate_us / 1000, sent_late, can["frames_sent"].get<std::uint64_t>(), received_late,
+               can["frames_received"].get<std::uint64_t>());
 }
 
 }  // namespace koboshi::tools

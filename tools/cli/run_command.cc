@@ -99,12 +99,14 @@ int run_scenario(const RunArguments& arguments) {
   }
   options.live = arguments.live;
   options.ready = tell_where;
+  options.warn = warn;
   std::function<void(const RunProgress&)> show = [bar = ProgressBar()](const RunProgress& progress) mutable {
     bar.show(progress);
   };
   if (options.scenario.teleop) {
     give_operator(options);
     show = {};  // the operator has the screen
+    options.warn = {};
   }
   const RunResult result = run(options, show);
   report(result, options.out);

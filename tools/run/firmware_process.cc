@@ -21,7 +21,7 @@ void FirmwareProcess::service(std::uint64_t now_us) {
   receive(now_us);
   input_.now_us = now_us;
   input_.tick = services_++ % kServicesATick == 0;
-  input_.transmit_space = hal::BatchOutput::kMaxFrames;
+  input_.transmit_space.fill(hal::BatchOutput::kMaxFrames);
   if (const auto sample = sensors_.inertial(now_us))
     static_cast<void>(input_.imu.push(*sample));  // the list is empty
   for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {

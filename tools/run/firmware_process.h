@@ -28,6 +28,11 @@ class FirmwareProcess {
 
   std::uint64_t frames_lost() const { return frames_lost_; }  // for which the bus had no room
   bool drive_enabled() const { return output_.drive_enabled; }
+  // It has found another controller on the bus, and does nothing more before it is told to reset.
+  bool gave_way() const {
+    const auto& behaviour = host_.values().behaviour;
+    return behaviour.state == app::State::kFault && behaviour.reason == app::Reason::kSecondMaster;
+  }
 
  private:
   void receive(std::uint64_t now_us);

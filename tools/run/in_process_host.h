@@ -23,6 +23,7 @@ class InProcessHost final : public sim::ControllerHost {
       : flash_(storage_contents, storage_file), board_(storage_, sensor_nodes) {}
 
   void exchange(const hal::BatchInput& input, hal::BatchOutput& output) override;
+  const app::ControllerValues& values() const { return controller_.values(); }
 
  private:
   FlashMemory flash_;

@@ -1,6 +1,9 @@
 #include "tools/run/live_link.h"
 
+#include <fmt/core.h>
+
 #include <thread>
+#include <utility>
 
 #include "sim_board/can/transport/background_transport.h"
 
@@ -15,27 +18,54 @@ std::unique_ptr<sim::Transport> beside_the_simulation(std::unique_ptr<sim::Trans
 
 }  // namespace
 
-LiveLink::LiveLink(const LiveOptions& options)
-    : transport_(sim::open_transport(options.can, options.real_bus)),
+LiveLink::LiveLink(const LiveOptions& options, Warn warn)
+    : LiveLink(options, sim::open_transport(options.can, options.real_bus), std::move(warn)) {}
+
+LiveLink::LiveLink(const LiveOptions& options, std::unique_ptr<sim::Transport> transport, Warn warn)
+    : transport_(std::move(transport)),
       live_(options.realtime || (transport_ && transport_->is_live())),
-      speed_(options.speed) {
+      speed_(options.speed),
+      warn_(std::move(warn)) {
   transport_ = beside_the_simulation(std::move(transport_));
 }
 
-void LiveLink::attach(sim::Bus& bus) {
+void LiveLink::attach(sim::Bus& bus, const WallClock& wall) {
   if (transport_) node_.emplace(bus, *transport_);
-  if (live_) pacer_.emplace(bus.now_us(), speed_);
+  if (live_) pacer_.emplace(bus.now_us(), speed_, wall);
+}
+
+void LiveLink::look_for_troubles() {
+  if (pacer_) {
+    const std::uint64_t delay_us = pacer_->delay_us();
+    if (delay_us <= kLate_us) told_behind_ = false;  // it has caught up
+    warn_once(
+        delay_us > kOverload_us, told_behind_,
+        fmt::format("{} ms behind the clock, frames are late: too much for this machine", delay_us / 1000));
+  }
+  if (!node_) return;
+  const sim::TransportNode::Counters counters = node_->counters();
+  // A channel that nobody has opened yet takes no frames, and nobody misses them.
+  warn_once(counters.lost > 0 && counters.sent > 0, told_lost_,
+            "frames are lost: outside there is no room for them");
+  warn_once(counters.refused > 0, told_refused_,
+            "frames from outside are lost: they are more than the bus can carry");
+  warn_once(counters.dropped > 0, told_dropped_,
+            "frames from outside are lost: they come faster than this machine takes them");
+}
+
+void LiveLink::warn_once(bool trouble, bool& told, const std::string& text) {
+  if (trouble && !told) warn_(text);
+  told = told || trouble;
 }
 
 nlohmann::ordered_json LiveLink::report() const {
   nlohmann::ordered_json json;
   if (node_) {
     const sim::TransportNode::Counters& counters = node_->counters();
-    json["can"] = {{"transport", transport_->place()},
-                   {"frames_sent", counters.sent},
-                   {"frames_lost", counters.lost},
-                   {"frames_received", counters.received},
-                   {"frames_refused", counters.refused}};
+    json["can"] = {{"transport", transport_->place()},     {"frames_sent", counters.sent},
+                   {"frames_lost", counters.lost},         {"frames_sent_late", counters.late_sent},
+                   {"frames_received", counters.received}, {"frames_refused", counters.refused},
+                   {"frames_dropped", counters.dropped},   {"frames_received_late", counters.late_received}};
   }
   if (pacer_) {
     json["overruns"] = pacer_->overruns();

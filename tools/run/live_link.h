@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -24,18 +25,29 @@ struct LiveOptions {
 // Joins the bus of a simulation to a transport, and its time to the clock on the wall.
 class LiveLink {
  public:
+  // Further behind the clock than this, the frames that are carried either way count as late: a control
+  // cycle.
+  static constexpr std::uint64_t kLate_us = 10'000;
+  // And so far behind, the machine is too slow, or what it carries too much, and a warning says so.
+  static constexpr std::uint64_t kOverload_us = 100'000;
+  // Told in a sentence when frames begin to be lost, or the simulation to fall behind.
+  using Warn = std::function<void(const std::string&)>;
+
   // Opens the transport. Throws what sim::open_transport throws.
-  explicit LiveLink(const LiveOptions& options);
+  explicit LiveLink(const LiveOptions& options, Warn warn = {});
+  // With a transport that is open already, or none.
+  LiveLink(const LiveOptions& options, std::unique_ptr<sim::Transport> transport, Warn warn = {});
 
   // Begins, with a bus that stands at its present time.
-  void attach(sim::Bus& bus);
+  void attach(sim::Bus& bus, const WallClock& wall = {});
   // Before and after each millisecond of the simulation.
   void before(std::uint64_t now_us) {
-    if (node_) node_->poll(now_us);
+    if (node_) node_->poll(now_us, pacer_ && pacer_->delay_us() > kLate_us);
   }
   void after(std::uint64_t now_us) {
     if (transport_) transport_->flush();
     if (pacer_) pacer_->wait_for(now_us);
+    if (warn_ && now_us % kWarnPeriod_us == 0) look_for_troubles();
   }
   // The signal by which the user wants an end, such as Ctrl-C. Asks the system now and then only.
   std::optional<int> interrupted() {
@@ -47,11 +59,16 @@ class LiveLink {
   const sim::Transport* transport() const { return transport_.get(); }
   // What holds the time back; null where nothing does, and before attach().
   const Pacer* pacer() const { return pacer_ ? &*pacer_ : nullptr; }
-  // What became of it: frames, overruns. Null when there was neither transport nor pacing.
+  // What became of it: frames carried, lost and late, overruns. Null when there was neither transport nor
+  // pacing.
   nlohmann::ordered_json report() const;
 
  private:
   static constexpr std::uint64_t kAsksACheck = 50;  // milliseconds, as a run asks
+  static constexpr std::uint64_t kWarnPeriod_us = 50'000;
+
+  void look_for_troubles();
+  void warn_once(bool trouble, bool& told, const std::string& text);
 
   // Before any thread is started, so that none of them is ended by Ctrl-C.
   Interrupt interrupt_;
@@ -61,6 +78,12 @@ class LiveLink {
   std::optional<sim::TransportNode> node_;
   std::optional<Pacer> pacer_;
   std::uint64_t asked_ = 0;
+  Warn warn_;
+  // Which troubles were told of.
+  bool told_behind_ = false;
+  bool told_lost_ = false;
+  bool told_refused_ = false;
+  bool told_dropped_ = false;
 };
 
 }  // namespace koboshi::tools

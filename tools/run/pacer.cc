@@ -9,14 +9,15 @@ void Pacer::wait_for(std::uint64_t now_us) {
       start_ +
       std::chrono::microseconds(static_cast<std::int64_t>(static_cast<double>(now_us - start_us_) / speed_));
   const WallClock::Time now = wall_.now();
+  delay_us_ = 0;
   if (now < due) {
     wall_.sleep_until(due);
     return;
   }
-  const auto delay_us =
+  delay_us_ =
       static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(now - due).count());
-  largest_delay_us_ = std::max(largest_delay_us_, delay_us);
-  if (delay_us > kTolerance_us) ++overruns_;
+  largest_delay_us_ = std::max(largest_delay_us_, delay_us_);
+  if (delay_us_ > kTolerance_us) ++overruns_;
 }
 
 }  // namespace koboshi::tools

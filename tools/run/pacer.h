@@ -30,6 +30,8 @@ class Pacer {
   // lost is made up for as fast as the simulation can.
   void wait_for(std::uint64_t now_us);
 
+  // How far behind the wall it was at the last wait.
+  std::uint64_t delay_us() const { return delay_us_; }
   std::uint64_t overruns() const { return overruns_; }
   std::uint64_t largest_delay_us() const { return largest_delay_us_; }
 
@@ -38,6 +40,7 @@ class Pacer {
   double speed_;
   WallClock wall_;
   WallClock::Time start_;
+  std::uint64_t delay_us_ = 0;
   std::uint64_t overruns_ = 0;
   std::uint64_t largest_delay_us_ = 0;
 };

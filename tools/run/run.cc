@@ -96,7 +96,7 @@ void write_played(const sim::Scenario& played, const std::filesystem::path& fold
 
 RunResult run(const RunOptions& options, const std::function<void(const RunProgress&)>& progress) {
   sim::check_output_folder(options.out);
-  LiveLink live(options.live);
+  LiveLink live(options.live, options.warn);
   Simulation simulation(options.scenario, options.make_host, options.change);
   const sim::OutputFolder folder(options.out);
 

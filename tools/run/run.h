@@ -34,6 +34,7 @@ struct RunOptions {
   RobotChange change{};                  // of the robot in the world
   LiveOptions live{};
   std::function<void(const LiveLink&)> ready{};  // told when the bus can be reached from outside
+  LiveLink::Warn warn{};                         // while it runs; nobody is told, without
   OperatorFactory make_operator{};               // nobody, without
 };
 

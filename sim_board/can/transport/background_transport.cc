@@ -9,6 +9,7 @@ namespace koboshi::sim {
 namespace {
 
 constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 500'000};
+constexpr int kRoundsADropCheck = 100;  // it costs a system call
 
 }  // namespace
 
@@ -48,6 +49,7 @@ void BackgroundTransport::run(const std::stop_token& stop) {
       wait_a_while();
     }
     pass_on();
+    dropped_ = transport_->dropped();
   } catch (...) {
     const std::lock_guard lock(mutex_);
     failure_ = std::current_exception();
@@ -63,6 +65,7 @@ void BackgroundTransport::wait_a_while() const {
 void BackgroundTransport::pass_on() {
   send_waiting();
   fetch_arrived();
+  if (++rounds_ % kRoundsADropCheck == 0) dropped_ = transport_->dropped();
 }
 
 void BackgroundTransport::send_waiting() {

@@ -28,6 +28,7 @@ class BackgroundTransport final : public Transport {
   bool send(const hal::CanFrame& frame, std::uint64_t time_us) override;
   // Throws what the thread ended with, once.
   std::optional<hal::CanFrame> receive() override;
+  std::uint64_t dropped() const override { return dropped_.load(std::memory_order_relaxed); }
   std::string place() const override { return transport_->place(); }
   bool is_live() const override { return transport_->is_live(); }
 
@@ -51,12 +52,14 @@ class BackgroundTransport final : public Transport {
   std::vector<hal::CanFrame> arrived_;
   std::exception_ptr failure_;
   std::atomic<bool> has_arrived_ = false;  // or failed; so that a look costs no lock
+  std::atomic<std::uint64_t> dropped_ = 0;
 
   // The thread's: what is being sent, and what came in and is not handed over yet.
   std::vector<Outgoing> waiting_;
   std::size_t waiting_next_ = 0;
   std::vector<hal::CanFrame> fetched_;
   bool full_ = false;
+  int rounds_ = 0;
 
   std::vector<hal::CanFrame> incoming_;  // the simulation's
   std::size_t incoming_next_ = 0;

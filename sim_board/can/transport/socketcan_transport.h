@@ -16,6 +16,7 @@ class SocketCanTransport final : public Transport {
   bool send(const hal::CanFrame& frame, std::uint64_t) override { return socket_.send(frame); }
   void flush() override { socket_.flush(); }
   std::optional<hal::CanFrame> receive() override { return socket_.receive(); }
+  std::uint64_t dropped() const override { return socket_.dropped(); }
   std::string place() const override { return interface_; }
   int descriptor() const override { return socket_.descriptor(); }
   bool is_slow() const override { return true; }

@@ -22,6 +22,9 @@ class Transport {
   virtual void flush() {}
   // The oldest frame that came in.
   [[nodiscard]] virtual std::optional<hal::CanFrame> receive() = 0;
+  // Frames that the system has lost on the way in, because they came faster than they were fetched. As far as
+  // it tells.
+  virtual std::uint64_t dropped() const { return 0; }
   // For the person who opened it, where to find it; such as the name of a pseudo-terminal.
   virtual std::string place() const = 0;
   // What poll() may wait for; -1 for none.

@@ -90,10 +90,11 @@ class Messages {
       }
     }
   }
-  // How many datagrams the kernel has taken; -1 for none, with errno.
-  int send(const hal::FileDescriptor& socket) {
+  // How many datagrams the kernel has taken; -1 for none, with errno. Adds the messages that they were in.
+  int send(const hal::FileDescriptor& socket, std::uint64_t& messages) {
     const int sent = ::sendmmsg(socket.number(), headers_.data(), count_, 0);
     if (sent < 0) return sent;
+    messages += static_cast<std::uint64_t>(sent);
     std::size_t datagrams = 0;
     for (int i = 0; i < sent; ++i) datagrams += headers_[static_cast<std::size_t>(i)].msg_hdr.msg_iovlen;
     return static_cast<int>(datagrams);
@@ -225,15 +226,20 @@ bool UdpMulticast::send(const hal::CanFrame& frame, std::uint64_t) {
 void UdpMulticast::flush() {
   if (outgoing_count_ == 0) return;
   const auto outgoing = std::span(outgoing_).first(outgoing_count_);
-  int sent = Messages(outgoing, trains_).send(sender_);
+  int sent = Messages(outgoing, trains_).send(sender_, own_messages_);
   // An interface that leaves the checksums to the system takes no trains.
   if (sent < 0 && trains_ && errno == EIO) {
     trains_ = false;
-    sent = Messages(outgoing, trains_).send(sender_);
+    sent = Messages(outgoing, trains_).send(sender_, own_messages_);
   }
   if (sent <= 0) return;
   std::ranges::copy(outgoing.subspan(static_cast<std::size_t>(sent)), outgoing_.begin());
   outgoing_count_ -= static_cast<std::size_t>(sent);
+}
+
+std::uint64_t UdpMulticast::dropped() const {
+  const std::uint64_t all = hal::drops(receiver_);
+  return all - std::min(all, own_messages_);
 }
 
 std::optional<hal::CanFrame> UdpMulticast::receive() {

@@ -47,6 +47,7 @@ class UdpMulticast final : public Transport {
   // What the system has no room for stays and is tried again.
   void flush() override;
   std::optional<hal::CanFrame> receive() override;
+  std::uint64_t dropped() const override;
   std::string place() const override { return place_; }
   int descriptor() const override { return receiver_.number(); }
   bool is_slow() const override { return true; }
@@ -61,6 +62,7 @@ class UdpMulticast final : public Transport {
   bool trains_ = false;         // whether the system takes them
   std::array<Datagram, kBatch> outgoing_;
   std::size_t outgoing_count_ = 0;
+  std::uint64_t own_messages_ = 0;  // that were sent, and thrown away again by the receiver's filter
   std::array<std::uint8_t, 65536> incoming_bytes_;  // the largest that IP has
   std::span<const std::uint8_t> incoming_;          // what of it is to be read
   std::size_t incoming_size_ = 0;                   // of each datagram in it

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "tests/unit/firmware/canopen/test_node.h"
 
 namespace koboshi::canopen {
@@ -43,6 +45,125 @@ TEST(NodeCanStatus, TellsTheRecoveryFromBusOff) {
   EXPECT_EQ(tell(device, {}), (std::vector{emergency(0x8140, 0x11), emergency(0, 0x11)}));
   EXPECT_EQ(tell(device, {}), std::vector{emergency(0, 0)});
   EXPECT_EQ(device.node.state(), NmtState::kPreOperational);
+}
+
+// --- Whose heartbeat does not come
+
+// A node that expects node 1's heartbeat each 60 ms, heard last at time 0.
+class NodeWatchesHeartbeats : public testing::Test {
+ protected:
+  NodeWatchesHeartbeats() {
+    description.heartbeat_ms = 100;
+    device.emplace(0x10, description);
+    device->make_operational();
+    EXPECT_EQ(device->node.configure_consumer(0, 1, 60), AbortCode::kNone);
+    device->node.on_frame(can_frame(0x701, {5}), 0);
+  }
+  // At which millisecond it is lost; -1 for never.
+  int lost_at_ms(int from_ms, int until_ms) {
+    for (int now_ms = from_ms; now_ms < until_ms; ++now_ms) {
+      device->heartbeats.clear();
+      device->node.process(static_cast<std::uint64_t>(now_ms) * 1'000);
+      for (const HeartbeatEvent& event : device->heartbeats) {
+        if (event.kind == HeartbeatEventKind::kLost) return now_ms;
+      }
+    }
+    return -1;
+  }
+
+  NodeDescription description = kTestDescription;
+  std::optional<TestNode> device;
+};
+
+TEST_F(NodeWatchesHeartbeats, LosesItInTimeOnABusWithRoom) { EXPECT_EQ(lost_at_ms(1, 200), 60); }
+
+TEST_F(NodeWatchesHeartbeats, DoesNotLoseItWhileItsOwnDoNotGetOut) {
+  EXPECT_EQ(lost_at_ms(1, 30), -1);
+  device->sink.beats_wait = true;
+  EXPECT_EQ(lost_at_ms(30, 1'000), -1);
+  device->sink.beats_wait = false;
+  EXPECT_EQ(lost_at_ms(1'000, 1'200), 999 + 60);
+}
+
+TEST_F(NodeWatchesHeartbeats, LosesItWhenItsOwnWaitNoLongerThanACycle) {
+  for (int now_ms = 1; now_ms < 60; ++now_ms) {
+    device->sink.beats_wait = now_ms % 10 != 0;
+    ASSERT_EQ(lost_at_ms(now_ms, now_ms + 1), -1);
+  }
+  device->sink.beats_wait = false;
+  EXPECT_EQ(lost_at_ms(60, 61), 60);
+}
+
+// It is not others that hold it up then: nobody acknowledges it.
+TEST_F(NodeWatchesHeartbeats, LosesItWhenItIsAlone) {
+  device->sink.beats_wait = true;
+  device->node.on_can_status({.state = CanErrorState::kErrorPassive}, 1'000);
+  EXPECT_EQ(lost_at_ms(1, 200), 60);
+}
+
+TEST_F(NodeWatchesHeartbeats, BeatsEarlyBeforeItLosesOneToFindOutWhetherTheBusHasRoom) {
+  std::vector<int> beats_ms;
+  for (int now_ms = 1; now_ms < 60; ++now_ms) {
+    EXPECT_EQ(lost_at_ms(now_ms, now_ms + 1), -1);
+    for (const hal::CanFrame& frame : device->sink.take()) {
+      if (frame.identifier == 0x710) beats_ms.push_back(now_ms);
+    }
+  }
+  EXPECT_EQ(beats_ms, (std::vector<int>{40, 50}));
+}
+
+TEST(NodeHeartbeat, ThatFindsNoRoomIsDroppedAndNotLost) {
+  NodeDescription description = kTestDescription;
+  description.heartbeat_ms = 10;
+  TestNode device(0x10, description);
+  device.make_operational();
+  device.sink.room = 0;
+  for (std::uint64_t now_us = 0; now_us < 1'000'000; now_us += 1'000) device.node.process(now_us);
+  EXPECT_EQ(device.node.backlog(), 0u);
+  EXPECT_EQ(device.node.lost_frames(), 0u);
+}
+
+// --- Who sends what only this node may
+
+TEST(NodeImpostor, IsToldByItsHeartbeatSyncEmergencyOrPdo) {
+  NodeDescription description = kTestDescription;
+  description.sync_producer = true;
+  description.sync_period_us = 5'000;
+  TestNode device(0x10, description);
+  device.make_operational();
+  const std::uint16_t tpdo = 0x190;
+  ASSERT_EQ(device.node.configure_tpdo(0, {.cob_id = tpdo, .transmission_type = 1, .mapping = {0x6041'0010}}),
+            AbortCode::kNone);
+  for (const hal::CanFrame& frame :
+       {can_frame(0x710, {5}), can_frame(0x710, {0}), can_frame(0x080, {}),
+        can_frame(0x090, {0, 0x10, 0, 0, 0, 0, 0, 0}), can_frame(tpdo, {0, 0})}) {
+    device.impostors.clear();
+    device.node.on_frame(frame, 0);
+    EXPECT_EQ(device.impostors, std::vector{frame.identifier});
+  }
+  device.impostors.clear();
+  for (const hal::CanFrame& frame :
+       {can_frame(0x711, {5}), can_frame(0x091, {0, 0x10, 0, 0, 0, 0, 0, 0}), can_frame(0x191, {0, 0}),
+        can_frame(0x210, {0x0F, 0, 0, 0, 0, 0}), can_frame(0x610, {0x40, 0, 0x10, 0, 0, 0, 0, 0}),
+        can_frame(0x000, {1, 0})})
+    device.node.on_frame(frame, 0);
+  EXPECT_TRUE(device.impostors.empty());
+}
+
+TEST(NodeImpostor, IsNoSyncProducerWhereTheNodeIsNone) {
+  TestNode device;
+  device.make_operational();
+  device.node.on_frame(can_frame(0x080, {}), 0);
+  EXPECT_TRUE(device.impostors.empty());
+}
+
+TEST(NodeMute, SaysNothingUntilItIsUnmuted) {
+  TestNode device;
+  device.make_operational();
+  device.node.mute(true);
+  EXPECT_TRUE(device.ask(can_frame(0x610, {0x40, 0, 0x10, 0, 0, 0, 0, 0})).empty());
+  device.node.mute(false);
+  EXPECT_EQ(device.ask(can_frame(0x610, {0x40, 0, 0x10, 0, 0, 0, 0, 0})).size(), 1u);
 }
 
 // CiA 301, object 0x1029, from each state that can lose a heartbeat.

@@ -44,7 +44,10 @@ class RecordingSink final : public FrameSink {
   // What was sent since the last call.
   std::vector<hal::CanFrame> take() { return std::exchange(frames, {}); }
 
+  bool pending(hal::TransmitFifo fifo) const override { return beats_wait && fifo == hal::kBackgroundFifo; }
+
   std::size_t room = 1'000'000;
+  bool beats_wait = false;  // a bus that is full of SDO messages
   std::vector<hal::CanFrame> frames;
 };
 
@@ -243,6 +246,7 @@ class TestNode final : public NodeApplication, public DeviceOwner {
   void on_rpdo(std::size_t number) override { rpdos.push_back(number); }
   void on_heartbeat(const HeartbeatEvent& event) override { heartbeats.push_back(event); }
   void on_emergency(const Emergency& emergency) override { emergencies.push_back(emergency); }
+  void on_impostor(std::uint16_t identifier) override { impostors.push_back(identifier); }
 
   struct Write {
     ObjectAddress address;
@@ -268,6 +272,7 @@ class TestNode final : public NodeApplication, public DeviceOwner {
   std::vector<HeartbeatEvent> heartbeats;
   std::vector<Emergency> emergencies;
   DeviceServices services;
+  std::vector<std::uint16_t> impostors;
   Node node;
 };
 

@@ -70,6 +70,33 @@ TEST(TransmitQueue, NeverOvertakesWhatWaits) {
   EXPECT_EQ(sink.identifiers, (std::vector<int>{1, 2, 3}));
 }
 
+// A port that has room for process data only.
+class BusyServices final : public FrameSink {
+ public:
+  bool send(const hal::CanFrame& frame) override {
+    if (hal::transmit_fifo(frame) != hal::kProcessFifo && !idle) return false;
+    identifiers.push_back(frame.identifier);
+    return true;
+  }
+  std::vector<int> identifiers;
+  bool idle = false;
+};
+
+TEST(TransmitQueue, LetsNoServiceHoldUpProcessData) {
+  BusyServices sink;
+  std::array<hal::CanFrame, 1> backlog;
+  TransmitQueue queue(sink, backlog);
+  for (const std::uint16_t identifier : std::to_array<std::uint16_t>({0x701, 0x210, 0x581, 0x080}))
+    ASSERT_TRUE(queue.send({.identifier = identifier}));
+  EXPECT_EQ(sink.identifiers, (std::vector<int>{0x210, 0x080}));
+  EXPECT_EQ(queue.backlog(), 2u);
+  EXPECT_FALSE(queue.offer({.identifier = 0x582}));
+  sink.idle = true;
+  queue.flush();
+  EXPECT_EQ(sink.identifiers, (std::vector<int>{0x210, 0x080, 0x581, 0x701}));
+  EXPECT_EQ(queue.lost(), 0u);
+}
+
 TEST_F(TransmitQueueTest, CountsWhatItCannotKeep) {
   sink_.room = 0;
   EXPECT_TRUE(send(1));

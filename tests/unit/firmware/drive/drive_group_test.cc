@@ -207,6 +207,20 @@ TEST_F(DriveGroupTest, CommandsAQuickStopOrTorqueOff) {
     EXPECT_EQ(signals.controlword[i], cia402::kControlDisableVoltage);
 }
 
+// As it happens when the reset has to wait for the bus.
+TEST_F(DriveGroupTest, ForgetsWhatWasAnsweredBeforeTheReset) {
+  group.boot();
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    signals.statusword[i] = cia402::statusword_of(cia402::State::kFault);
+    group.on_answer(i);
+  }
+  for (int i = 0; i < 1'000 && !group.configured(); ++i) run_ms(1);
+  ASSERT_TRUE(group.configured());
+  group.observe(now_us);
+  EXPECT_FALSE(group.booted());
+  EXPECT_FALSE(group.trouble());
+}
+
 TEST_F(DriveGroupTest, LosesADriveAfterFiveCyclesWithoutAnswer) {
   enable();
   drives[4].hangs = true;

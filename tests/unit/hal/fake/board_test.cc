@@ -38,12 +38,20 @@ TEST_F(FakeBoardTest, RemembersWhatWasSent) {
 
 TEST_F(FakeBoardTest, RefusesFramesWhenTheBusStalls) {
   board.can.limit_transmit(1);
-  EXPECT_EQ(ports.can.transmit_space(), 1u);
+  EXPECT_EQ(ports.can.transmit_space(kProcessFifo), 1u);
   EXPECT_TRUE(ports.can.transmit({}));
   EXPECT_FALSE(ports.can.transmit({}));
   board.can.release_transmit();
   EXPECT_TRUE(ports.can.transmit({}));
   EXPECT_EQ(board.can.sent().size(), 2u);
+}
+
+TEST_F(FakeBoardTest, RefusesTheFramesOfOneFifo) {
+  board.can.limit_transmit(kBackgroundFifo, 0);
+  EXPECT_TRUE(ports.can.transmit_pending(kBackgroundFifo));
+  EXPECT_FALSE(ports.can.transmit_pending(kProcessFifo));
+  EXPECT_FALSE(ports.can.transmit({.identifier = 0x701}));
+  EXPECT_TRUE(ports.can.transmit({.identifier = 0x210}));
 }
 
 TEST_F(FakeBoardTest, ReportsTheScriptedErrorState) {

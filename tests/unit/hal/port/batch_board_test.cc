@@ -13,7 +13,7 @@ struct BatchBoardTest : testing::Test {
   Board board = batch.board();
   BatchInput input;
 
-  BatchBoardTest() { input.transmit_space = BatchOutput::kMaxFrames; }
+  BatchBoardTest() { input.transmit_space.fill(BatchOutput::kMaxFrames); }
 
   void add_frames(std::size_t count, std::uint16_t first = 0) {
     for (std::size_t i = 0; i < count; ++i) {
@@ -79,21 +79,23 @@ TEST_F(BatchBoardTest, CountsWhatNoLongerFits) {
 }
 
 TEST_F(BatchBoardTest, TakesAsManyFramesAsTheFifoHasSpace) {
-  input.transmit_space = 2;
+  input.transmit_space = {2, 0, 1};
   batch.begin(input);
-  EXPECT_EQ(board.can.transmit_space(), 2u);
+  EXPECT_EQ(board.can.transmit_space(kProcessFifo), 2u);
   EXPECT_TRUE(board.can.transmit({.identifier = 1}));
   EXPECT_TRUE(board.can.transmit({.identifier = 2}));
-  EXPECT_EQ(board.can.transmit_space(), 0u);
+  EXPECT_EQ(board.can.transmit_space(kProcessFifo), 0u);
   EXPECT_FALSE(board.can.transmit({.identifier = 3}));
-  ASSERT_EQ(batch.end().frames.size, 2);
+  EXPECT_TRUE(board.can.transmit({.identifier = 0x701})) << "a FIFO of its own";
+  EXPECT_FALSE(board.can.transmit({.identifier = 0x701}));
+  ASSERT_EQ(batch.end().frames.size, 3);
   EXPECT_EQ(batch.end().frames.items[1].identifier, 2);
 }
 
 TEST_F(BatchBoardTest, TakesNoMoreFramesThanOneMessageCarries) {
-  input.transmit_space = 1000;
+  input.transmit_space.fill(1000);
   batch.begin(input);
-  EXPECT_EQ(board.can.transmit_space(), BatchOutput::kMaxFrames);
+  EXPECT_EQ(board.can.transmit_space(kProcessFifo), BatchOutput::kMaxFrames);
   for (std::size_t i = 0; i < BatchOutput::kMaxFrames; ++i) EXPECT_TRUE(board.can.transmit({}));
   EXPECT_FALSE(board.can.transmit({}));
 }

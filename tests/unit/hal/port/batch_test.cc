@@ -42,7 +42,8 @@ BatchInput random_input(std::mt19937& random, std::size_t frames, std::size_t sa
                       .transmit_error_count = static_cast<std::uint8_t>(random()),
                       .receive_error_count = static_cast<std::uint8_t>(random()),
                       .receive_overruns = static_cast<std::uint16_t>(random())};
-  input.transmit_space = static_cast<std::uint16_t>(random());
+  for (std::uint16_t& space : input.transmit_space) space = static_cast<std::uint16_t>(random());
+  for (bool& pending : input.transmit_pending) pending = (random() & 1) != 0;
   input.imu_overruns = static_cast<std::uint16_t>(random());
   for (std::size_t i = 0; i < frames; ++i) EXPECT_TRUE(input.frames.push(random_frame(random)));
   for (std::size_t i = 0; i < samples; ++i) {
@@ -61,6 +62,7 @@ void expect_equal(const BatchInput& a, const BatchInput& b) {
   EXPECT_EQ(a.tick, b.tick);
   EXPECT_EQ(a.can_status, b.can_status);
   EXPECT_EQ(a.transmit_space, b.transmit_space);
+  EXPECT_EQ(a.transmit_pending, b.transmit_pending);
   EXPECT_EQ(a.imu_overruns, b.imu_overruns);
   EXPECT_TRUE(std::ranges::equal(a.frames.view(), b.frames.view()));
   EXPECT_TRUE(std::ranges::equal(a.imu.view(), b.imu.view()));
@@ -90,18 +92,21 @@ TEST(BatchInput, HasThisWireFormat) {
   input.now_us = 0x0102030405060708;
   input.tick = true;
   input.can_status = {CanErrorState::kErrorPassive, 0x11, 0x22, 0x3344};
-  input.transmit_space = 0x0040;
+  input.transmit_space = {0x0040, 0x0720, 0x0810};
+  input.transmit_pending = {false, true, false};
   input.imu_overruns = 0x5566;
   ASSERT_TRUE(input.frames.push({.identifier = 0x7A1, .size = 3, .remote = true, .data = {1, 2, 3}}));
   const Bytes bytes = encoded(input);
   const std::vector<int> expected = {
-      8,    7,    6,    5,    4,    3, 2, 1,                 // now_us
-      1,                                                     // tick
-      1,    0x11, 0x22, 0x44, 0x33,                          // can_status
-      0x40, 0x00, 0x66, 0x55,                                // transmit_space, imu_overruns
-      1,    0,    0xA1, 0x07, 0x83, 1, 2, 3, 0, 0, 0, 0, 0,  // one frame: remote, size 3
-      0,    0,                                               // no IMU sample
-      0,    0,                                               // no fresh ankle
+      8,    7,    6,    5,    4,    3,    2, 1,                 // now_us
+      1,                                                        // tick
+      1,    0x11, 0x22, 0x44, 0x33,                             // can_status
+      0x40, 0x00, 0x20, 0x07, 0x10, 0x08,                       // transmit_space
+      0,    1,    0,                                            // transmit_pending
+      0x66, 0x55,                                               // imu_overruns
+      1,    0,    0xA1, 0x07, 0x83, 1,    2, 3, 0, 0, 0, 0, 0,  // one frame: remote, size 3
+      0,    0,                                                  // no IMU sample
+      0,    0,                                                  // no fresh ankle
   };
   ASSERT_EQ(bytes.size(), expected.size() + 2 * 16);
   for (std::size_t i = 0; i < expected.size(); ++i)
@@ -132,12 +137,13 @@ TEST(BatchInput, IsRejectedWithAValueThatNoFieldCanHave) {
   EXPECT_TRUE(decodes_with(8, 1));
   EXPECT_FALSE(decodes_with(8, 2)) << "tick";
   EXPECT_FALSE(decodes_with(9, 3)) << "CAN error state";
-  EXPECT_FALSE(decodes_with(18, 65)) << "frame count";
-  EXPECT_FALSE(decodes_with(21, 0x08)) << "identifier of 12 bits";
-  EXPECT_FALSE(decodes_with(22, 9)) << "size of data";
-  EXPECT_FALSE(decodes_with(22, 0x89)) << "size of a remote frame";
-  EXPECT_FALSE(decodes_with(31, 17)) << "IMU sample count";
-  EXPECT_FALSE(decodes_with(33, 2)) << "fresh ankle";
+  EXPECT_FALSE(decodes_with(20, 2)) << "pending frames";
+  EXPECT_FALSE(decodes_with(25, 65)) << "frame count";
+  EXPECT_FALSE(decodes_with(28, 0x08)) << "identifier of 12 bits";
+  EXPECT_FALSE(decodes_with(29, 9)) << "size of data";
+  EXPECT_FALSE(decodes_with(29, 0x89)) << "size of a remote frame";
+  EXPECT_FALSE(decodes_with(38, 17)) << "IMU sample count";
+  EXPECT_FALSE(decodes_with(40, 2)) << "fresh ankle";
 }
 
 TEST(BatchInput, NeverReadsOutOfBoundsFromNoise) {

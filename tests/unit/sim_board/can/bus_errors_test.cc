@@ -84,6 +84,44 @@ TEST_F(BusErrors, SuspendAPassiveSenderForEightBits) {
   EXPECT_LT(sender.seen[0].time_us, receiver.seen[0].time_us);
 }
 
+// A short circuit in the middle of a frame.
+TEST_F(BusErrors, OfADominantBusTakeItsSenderOffAndMakeTheOthersPassive) {
+  const hal::CanFrame frame = make_frame(0x123, {1, 2, 3});
+  ASSERT_TRUE(bus.queue(from, frame, 0));
+  bus.advance_to(20);
+  bus.set_dominant(true);
+  bus.advance_to(20 + 31 * 8);
+  EXPECT_EQ(bus.status(from).state, CanErrorState::kErrorPassive);
+  EXPECT_EQ(bus.status(to).receive_error_count, 128);
+  bus.advance_to(20 + 32 * 8);
+  EXPECT_EQ(bus.status(from).state, CanErrorState::kBusOff);
+  bus.recover(from);
+  bus.advance_to(10'000);
+  EXPECT_EQ(bus.status(from).state, CanErrorState::kBusOff) << "no recessive bits";
+  EXPECT_EQ(bus.status(to).state, CanErrorState::kErrorPassive);
+  EXPECT_TRUE(sender.seen.empty());
+  EXPECT_DOUBLE_EQ(bus_load({}, bus.usage()), 1.0);
+
+  bus.set_dominant(false);
+  bus.advance_to(10'000 + 128 * 11 + 1'000);
+  EXPECT_EQ(bus.status(from).state, CanErrorState::kErrorActive);
+  ASSERT_EQ(receiver.seen.size(), 1u) << "the frame was still in the FIFO";
+  EXPECT_EQ(receiver.seen[0].time_us, 10'000u + 128 * 11 + length_us(frame));
+}
+
+TEST_F(BusErrors, OfAShortDominantPulseAreBorne) {
+  const hal::CanFrame frame = make_frame(0x123, {1, 2, 3});
+  ASSERT_TRUE(bus.queue(from, frame, 0));
+  bus.advance_to(20);
+  bus.set_dominant(true);
+  bus.advance_to(60);
+  bus.set_dominant(false);
+  bus.advance_to(1'000);
+  EXPECT_EQ(receiver.seen, (std::vector<test::SeenFrame>{{frame, 60 + 11 + length_us(frame)}}));
+  EXPECT_EQ(bus.status(from).transmit_error_count, 5 * 8 - 1);
+  EXPECT_EQ(bus.status(to).receive_error_count, 5 * 8 - 1);
+}
+
 TEST(Bus, LeavesALoneNodeErrorPassive) {
   Bus bus;
   test::ListeningNode alone;
@@ -94,7 +132,7 @@ TEST(Bus, LeavesALoneNodeErrorPassive) {
   EXPECT_EQ(bus.status(node).state, CanErrorState::kErrorPassive);
   EXPECT_EQ(bus.status(node).transmit_error_count, 128);
   EXPECT_EQ(bus.counters(node).sent, 0u);
-  EXPECT_EQ(bus.transmit_space(node), 3u);
+  EXPECT_EQ(bus.transmit_space(node, hal::kBackgroundFifo), 3u);
 
   test::ListeningNode company;
   bus.attach(company, {0x701}, 4);

@@ -59,6 +59,46 @@ TEST(Bus, LetsTheLowestIdentifierOfTheReadyHeadsWin) {
   EXPECT_EQ(order, (std::vector<int>{0x200, 0x180, 0x300, 0x100}));
 }
 
+// A heartbeat that loses every arbitration delays the PDOs of its node by nothing, and a PDO that is being
+// sent no longer than any other frame.
+TEST(Bus, HoldsUpNoProcessDataBehindAServiceOfTheSameNode) {
+  Bus bus;
+  test::ListeningNode one, flood, receiver;
+  const NodeHandle node = bus.attach(one, {}, 4);
+  const NodeHandle other = bus.attach(flood, {}, 64);
+  bus.attach(receiver, AcceptanceFilter::all(), 4);
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(bus.queue(other, make_frame(0x601, {1, 2, 3, 4, 5, 6, 7, 8}), 0));
+  for (const std::uint16_t identifier :
+       std::initializer_list<std::uint16_t>{0x701, 0x210, 0x080, 0x581, 0x211})
+    ASSERT_TRUE(bus.queue(node, make_frame(identifier, {}), 10));
+  bus.advance_to(10'000);
+
+  std::vector<int> order;
+  for (const test::SeenFrame& seen : receiver.seen) order.push_back(seen.frame.identifier);
+  ASSERT_EQ(order.size(), 25u);
+  EXPECT_EQ((std::vector<int>(order.begin(), order.begin() + 5)),
+            (std::vector<int>{0x601, 0x210, 0x080, 0x211, 0x581}));
+  EXPECT_EQ(order.back(), 0x701);
+}
+
+TEST(Bus, GivesEachFifoItsOwnRoom) {
+  Bus bus;
+  test::ListeningNode sender, receiver;
+  const NodeHandle from = bus.attach(sender, {}, {1, 2, 1});
+  bus.attach(receiver, AcceptanceFilter::all(), 1);
+  EXPECT_TRUE(bus.queue(from, make_frame(0x600, {}), 0));
+  EXPECT_FALSE(bus.queue(from, make_frame(0x7FF, {}), 0));
+  EXPECT_TRUE(bus.queue(from, make_frame(0x580, {}), 0));
+  EXPECT_TRUE(bus.queue(from, make_frame(0x5FF, {}), 0));
+  EXPECT_FALSE(bus.queue(from, make_frame(0x580, {}), 0));
+  EXPECT_TRUE(bus.queue(from, make_frame(0x57F, {}), 0));
+  EXPECT_FALSE(bus.queue(from, make_frame(0x000, {}), 0));
+  EXPECT_EQ(bus.transmit_space(from, hal::kProcessFifo), 0u);
+  EXPECT_EQ(bus.counters(from).overruns, 3u);
+  bus.advance_to(1'000);
+  EXPECT_EQ(receiver.seen.size(), 4u);
+}
+
 TEST(Bus, LetsADataFrameWinAgainstARemoteFrameOfTheSameIdentifier) {
   Bus bus;
   test::ListeningNode a, b, receiver;
@@ -119,9 +159,9 @@ TEST(Bus, CountsWhatTheTransmitFifoCannotTake) {
   EXPECT_TRUE(bus.queue(from, make_frame(0x101, {}), 0));
   EXPECT_FALSE(bus.queue(from, make_frame(0x102, {}), 0));
   bus.advance_to(10);  // the frame on the wire keeps its place
-  EXPECT_EQ(bus.transmit_space(from), 0u);
+  EXPECT_EQ(bus.transmit_space(from, hal::kProcessFifo), 0u);
   bus.advance_to(60);
-  EXPECT_EQ(bus.transmit_space(from), 1u);
+  EXPECT_EQ(bus.transmit_space(from, hal::kProcessFifo), 1u);
   EXPECT_EQ(bus.counters(from).overruns, 1u);
   bus.advance_to(1000);
   EXPECT_EQ(bus.counters(from).sent, 2u);

@@ -221,6 +221,7 @@ TEST(ScenarioReader, KnowsEveryKindOfFault) {
       {"ankle_stop, target: left", Fault::Kind::kAnkleStop},
       {"controller_stop", Fault::Kind::kControllerStop},
       {"bus_unacknowledged", Fault::Kind::kBusUnacknowledged},
+      {"bus_dominant", Fault::Kind::kBusDominant},
       {"frames_lost", Fault::Kind::kFramesLost},
       {"frames_corrupted", Fault::Kind::kFramesCorrupted},
       {"frames_delayed, delay_ms: 1", Fault::Kind::kFramesDelayed},

@@ -121,7 +121,8 @@ class DriveRobustness : public DriveTest {
   // As much as the bus takes.
   void say_more(RandomFrames& frames) {
     if (bus.status(handle_).state == hal::CanErrorState::kBusOff) bus.recover(handle_);
-    while (bus.transmit_space(handle_) > 0) static_cast<void>(bus.queue(handle_, frames.next(), now_us));
+    while (bus.transmit_space(handle_, hal::kProcessFifo) > 0)
+      static_cast<void>(bus.queue(handle_, frames.next(), now_us));
     heard.clear();
   }
   std::uint64_t sent() const { return bus.counters(handle_).sent; }

@@ -66,6 +66,17 @@ TEST_F(FirmwareProcessTest, AnswersAnOperator) {
   EXPECT_THAT(outside_.heard, Contains(testing::Field(&hal::CanFrame::identifier, 0x581)));
 }
 
+TEST_F(FirmwareProcessTest, GivesWayToAControllerThatIsThereAlready) {
+  play(5);
+  EXPECT_FALSE(firmware_.gave_way());
+  outside_.said.push_back({.identifier = canopen::kSyncCobId});
+  play(5);
+  EXPECT_TRUE(firmware_.gave_way());
+  outside_.heard.clear();
+  play(1'000);
+  EXPECT_TRUE(outside_.heard.empty());
+}
+
 TEST_F(FirmwareProcessTest, CountsFramesForWhichThereIsNoRoom) {
   outside_.full = true;
   play(100);

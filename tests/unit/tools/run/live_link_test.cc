@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <optional>
 #include <stdexcept>
 
 #include "tests/unit/sim_board/can/bus_fixture.h"
+#include "tests/unit/sim_board/can/transport/outside.h"
 #include "tests/unit/sim_board/input/scratch_file.h"
 
 namespace koboshi::tools {
@@ -58,8 +60,11 @@ TEST_F(LiveLinkTest, CountsWhatWentOutside) {
                                                     {{"transport", log.path().string()},
                                                      {"frames_sent", 10},
                                                      {"frames_lost", 0},
+                                                     {"frames_sent_late", 0},
                                                      {"frames_received", 0},
-                                                     {"frames_refused", 0}}}}));
+                                                     {"frames_refused", 0},
+                                                     {"frames_dropped", 0},
+                                                     {"frames_received_late", 0}}}}));
 }
 
 TEST_F(LiveLinkTest, GoesByTheClockWhereItIsToldTo) {
@@ -84,6 +89,66 @@ TEST_F(LiveLinkTest, EndsByASignalWithoutTheClockAsWell) {
   EXPECT_FALSE(is_interrupted(link));
   raise(SIGTERM);
   EXPECT_TRUE(is_interrupted(link));
+}
+
+// A machine that is too slow for what it carries, by a wall of the test's own.
+class OverloadedLink : public LiveLinkTest {
+ protected:
+  OverloadedLink() {
+    auto outside = std::make_unique<sim::test::Outside>();
+    outside_ = outside.get();
+    link_.emplace(LiveOptions{}, std::move(outside),
+                  [this](const std::string& text) { warnings_.push_back(text); });
+    link_->attach(bus_, {[this] { return wall_; }, [this](WallClock::Time due) { wall_ = due; }});
+  }
+  // `step` passes on the wall in each millisecond of the simulation.
+  void play(int duration_ms, std::chrono::microseconds step) {
+    for (int i = 0; i < duration_ms; ++i, now_us_ += 1'000) {
+      link_->before(now_us_);
+      outside_->said.push_back({.identifier = 0x321});
+      ASSERT_TRUE(bus_.queue(handle_, {.identifier = 0x123}, now_us_));
+      bus_.advance_to(now_us_ + 1'000);
+      wall_ += step;
+      link_->after(now_us_ + 1'000);
+    }
+  }
+
+  WallClock::Time wall_{};
+  std::uint64_t now_us_ = 0;
+  std::vector<std::string> warnings_;
+  sim::test::Outside* outside_ = nullptr;
+  std::optional<LiveLink> link_;
+};
+
+TEST_F(OverloadedLink, WarnsWhenItBeginsToFallBehindAndCountsWhatIsLate) {
+  play(100, std::chrono::microseconds(500));
+  EXPECT_TRUE(warnings_.empty());
+  EXPECT_EQ(link_->report()["can"]["frames_sent_late"], 0);
+  play(100, std::chrono::milliseconds(2));  // it loses a millisecond in each
+  EXPECT_TRUE(warnings_.empty());
+  play(200, std::chrono::milliseconds(2));
+  ASSERT_EQ(warnings_.size(), 1u) << "once";
+  EXPECT_NE(warnings_[0].find("behind the clock"), std::string::npos);
+  const auto report = link_->report();
+  EXPECT_EQ(report["can"]["frames_sent_late"], 289);  // more than 10 ms, of 300
+  EXPECT_EQ(report["can"]["frames_received_late"], 289);
+  EXPECT_GE(report["largest_delay_us"], 299'000);
+  play(1'000, std::chrono::microseconds(0));  // it catches up
+  play(200, std::chrono::milliseconds(2));
+  EXPECT_EQ(warnings_.size(), 2u) << "and once more when it begins anew";
+}
+
+TEST_F(OverloadedLink, WarnsOfFramesThatAreLost) {
+  play(100, std::chrono::microseconds(500));
+  outside_->full = true;
+  outside_->lost_by_system = 3;
+  play(200, std::chrono::microseconds(500));
+  ASSERT_EQ(warnings_.size(), 2u);
+  EXPECT_NE(warnings_[0].find("no room"), std::string::npos);
+  EXPECT_NE(warnings_[1].find("faster"), std::string::npos);
+  const auto report = link_->report();
+  EXPECT_EQ(report["can"]["frames_dropped"], 3);
+  EXPECT_GT(report["can"]["frames_lost"], 100);
 }
 
 TEST_F(LiveLinkTest, EndsByCtrlC) {

@@ -49,6 +49,15 @@ TEST_F(PacerTest, CountsWhatIsLaterThanItsTolerance) {
   EXPECT_EQ(pacer.largest_delay_us(), Pacer::kTolerance_us + 1);
 }
 
+TEST_F(PacerTest, TellsHowFarBehindItIs) {
+  Pacer pacer = make(0, 1.0);
+  wall_ = start_ + milliseconds(30);
+  pacer.wait_for(10'000);
+  EXPECT_EQ(pacer.delay_us(), 20'000u);
+  pacer.wait_for(40'000);
+  EXPECT_EQ(pacer.delay_us(), 0u);
+}
+
 TEST_F(PacerTest, MakesUpForLostTime) {
   Pacer pacer = make(0, 1.0);
   wall_ = start_ + milliseconds(10);

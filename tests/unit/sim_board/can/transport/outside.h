@@ -25,11 +25,13 @@ class Outside final : public Transport {
     said.pop_front();
     return frame;
   }
+  std::uint64_t dropped() const override { return lost_by_system; }
   std::string place() const override { return "outside"; }
 
   std::vector<hal::CanFrame> heard;
   std::vector<std::uint64_t> times_us;
   std::deque<hal::CanFrame> said;
+  std::uint64_t lost_by_system = 0;
   bool full = false;
 };
 

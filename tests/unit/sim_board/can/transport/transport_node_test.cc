@@ -58,5 +58,53 @@ TEST_F(TransportNodeTest, LeavesAFloodOutside) {
   EXPECT_EQ(outside.said.size(), 1'000 - TransportNode::kTransmitFifo);
 }
 
+TEST_F(TransportNodeTest, LetsProcessDataPassAFloodOfServices) {
+  for (int i = 0; i < 1'000; ++i) outside.said.push_back({.identifier = 0x601, .size = 8});
+  outside.said.push_back({.identifier = 0x080});
+  node.poll(0);
+  bus.advance_to(200);
+  ASSERT_FALSE(inside.heard.empty());
+  EXPECT_EQ(inside.heard[0].identifier, 0x080);
+  EXPECT_TRUE(outside.said.empty());
+}
+
+TEST_F(TransportNodeTest, CountsServicesThatTheBusCannotCarry) {
+  for (std::size_t i = 0; i < TransportNode::kServiceFifo + 10; ++i)
+    outside.said.push_back({.identifier = 0x601, .size = 8});
+  node.poll(0);
+  EXPECT_EQ(node.counters().refused, 10u);
+  EXPECT_EQ(node.counters().received, TransportNode::kServiceFifo + 10);
+}
+
+TEST_F(TransportNodeTest, CountsWhatIsCarriedWhileTheSimulationIsBehindTheClock) {
+  outside.said = {frame};
+  node.poll(0, true);
+  ASSERT_TRUE(bus.queue(handle, {.identifier = 0x124}, 0));
+  bus.advance_to(1'000);
+  EXPECT_EQ(node.counters().late_received, 1u);
+  EXPECT_EQ(node.counters().late_sent, 1u);
+  outside.said = {frame};
+  node.poll(1'000, false);
+  ASSERT_TRUE(bus.queue(handle, {.identifier = 0x124}, 1'000));
+  bus.advance_to(2'000);
+  EXPECT_EQ(node.counters().late_received, 1u);
+  EXPECT_EQ(node.counters().late_sent, 1u);
+}
+
+TEST_F(TransportNodeTest, CountsWhatABusyBusMadeLate) {
+  for (std::size_t i = 0; i < 200; ++i) outside.said.push_back({.identifier = 0x601, .size = 8});
+  node.poll(0);
+  bus.advance_to(100'000);
+  const std::uint64_t late = node.counters().late_received;  // 10 ms are about 90 frames of 8 bytes
+  EXPECT_GT(late, 100u);
+  EXPECT_LT(late, 130u);
+  EXPECT_EQ(bus.counters(handle).late, 0u);
+}
+
+TEST_F(TransportNodeTest, TellsWhatTheSystemHasDropped) {
+  outside.lost_by_system = 7;
+  EXPECT_EQ(node.counters().dropped, 7u);
+}
+
 }  // namespace
 }  // namespace koboshi::sim

@@ -1,0 +1,126 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "firmware/app/controller.h"
+#include "firmware/canopen/emergency.h"
+#include "hal/fake/storage.h"
+#include "hal/port/batch_board.h"
+#include "sim_board/can/babbler.h"
+#include "sim_board/can/bus.h"
+#include "sim_board/servo/drive.h"
+
+namespace koboshi::test {
+
+// Controllers and the drives of the test robot on one bus, each frame at its microsecond, without physics:
+// every shaft is where its drive wants it, the robot hangs upright and at rest.
+//
+//   BusBench bench;
+//   ASSERT_TRUE(bench.run_until_standing());
+//   bench.add_babbler({.frame = {.identifier = 0x601, .size = 8}});
+//   bench.run_ms(1'000);
+//   EXPECT_EQ(bench.controller().state(), app::State::kStanding);
+//
+class BusBench final : private sim::BusObserver {
+ public:
+  struct SeenFrame {
+    hal::CanFrame frame;
+    std::uint64_t start_us;
+    std::uint64_t end_us;
+  };
+
+  // A controller with its board: the firmware is served each millisecond of a clock of its own.
+  class Unit final : private sim::BusNode {
+   public:
+    Unit(sim::Bus& bus, double clock_rate);
+
+    const app::ControllerValues& values() const { return controller_.values(); }
+    app::State state() const { return values().behaviour.state; }
+    bool drive_enable_line() const { return output_.drive_enabled; }
+    sim::NodeHandle handle() const { return handle_; }
+    // On the bus, the time of the next service.
+    std::uint64_t next_us() const;
+    void serve(std::uint64_t now_us);
+
+    bool runs = true;  // false: the firmware has stopped
+
+   private:
+    void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override;
+    void feed_sensors();
+
+    sim::Bus& bus_;
+    sim::NodeHandle handle_;
+    double clock_rate_;
+    std::uint64_t begin_us_;
+    std::uint64_t services_ = 0;
+    hal::FakeStorage storage_{128, 2048};
+    hal::BatchBoard board_;
+    app::Controller controller_;
+    hal::BatchInput input_;
+    hal::BatchOutput output_;
+  };
+
+  // `clock_rate` is how fast the controller's clock runs, by that of the bus and the drives.
+  explicit BusBench(double clock_rate = 1.0);
+  ~BusBench() { bus.set_observer(nullptr); }
+
+  void run_ms(int duration_ms) { run_until_us(now_us_ + static_cast<std::uint64_t>(duration_ms) * 1'000); }
+  // False when the first controller's state did not come in time.
+  bool run_until(app::State state, int limit_ms = 3'000);
+  // Booted, enabled and standing.
+  bool run_until_standing();
+
+  Unit& controller(std::size_t number = 0) { return *units_[number]; }
+  // A second master: a controller just like the first, powered on now.
+  Unit& add_controller() { return *units_.emplace_back(std::make_unique<Unit>(bus, 1.0)); }
+  // A drive that is powered on now, with the node id and name plate of that of a joint, but for the serial
+  // number.
+  sim::Drive& add_drive(std::size_t like_joint, std::uint32_t serial_number);
+  sim::Drive& drive(std::size_t number) { return *drives_[number]->drive; }
+  std::size_t drive_count() const { return drives_.size(); }
+  int count_in(canopen::cia402::State state) const;
+  void add_babbler(const sim::Babble& babble) {
+    babblers_.push_back(std::make_unique<sim::Babbler>(bus, babble));
+  }
+  // A frame from a PC.
+  void say(const hal::CanFrame& frame);
+  void command(app::Command command, std::int16_t argument = 0);
+
+  std::uint64_t now_us() const { return now_us_; }
+  const robot::RobotModel& model() const { return model_; }
+  // Emergency codes of a node since `seen` was cleared, without the ends of errors.
+  std::vector<std::uint16_t> emergencies(std::uint8_t node_id) const;
+  std::vector<SeenFrame> seen_with(std::uint16_t identifier) const;
+
+  // --- what a test looks at ---
+  sim::Bus bus;
+  std::vector<SeenFrame> seen;  // all that was on the bus; a test may clear it
+
+ private:
+  struct Joint {
+    sim::JointDescription description;
+    sim::JointState shaft;
+    std::unique_ptr<sim::Drive> drive;
+  };
+  struct Pc final : sim::BusNode {
+    void on_frame(const hal::CanFrame&, std::uint64_t) override {}
+  };
+
+  void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) override;
+  void run_until_us(std::uint64_t end_us);
+  void update_drives();
+
+  robot::RobotModel model_;
+  std::vector<std::unique_ptr<Unit>> units_;
+  std::vector<std::unique_ptr<Joint>> drives_;
+  std::vector<std::unique_ptr<sim::Babbler>> babblers_;
+  Pc pc_;
+  sim::NodeHandle pc_handle_;
+  std::uint64_t now_us_ = 0;
+  std::uint64_t drives_due_us_ = 0;
+};
+
+}  // namespace koboshi::test
