@@ -13,7 +13,7 @@ constexpr fixed::Ratio kRadPerTurnAndSample = 0.00628318530718_ratio;  // 2 pi /
 
 // Half of `sum` in units of Q: `full_scale` is what 2^15 counts mean. Fits, because that is positive.
 template <fixed::AnyQuantity Q>
-[[gnu::always_inline]] inline Q half(std::int32_t sum, Q full_scale) {
+Q half(std::int32_t sum, Q full_scale) {
   return Q::from_raw(
       static_cast<std::int32_t>(fixed::shift_rounded(std::int64_t{full_scale.raw()} * sum, 16)));
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 
 #include "firmware/fixed/units.h"
 
@@ -30,17 +29,6 @@ class BiquadFilter {
   [[nodiscard]] std::int32_t filter(const BiquadCoefficients& coefficients, std::int32_t input_raw);
 
  private:
-  static constexpr int kFractionBits = Ratio::kFractionBits;  // of a coefficient, and of an output's fraction
-  static constexpr std::int64_t kMaximum = std::int64_t{std::numeric_limits<std::int32_t>::max()}
-                                           << kFractionBits;
-  static constexpr std::int64_t kMinimum = -kMaximum - (std::int64_t{1} << kFractionBits);
-
-  // Modulo 2^64: partial sums may overflow, what counts is that the whole sum does not.
-  static std::uint64_t multiply(Ratio coefficient, std::int64_t value) {
-    return static_cast<std::uint64_t>(coefficient.raw() * value);
-  }
-  static std::int64_t saturated(std::int64_t sum);
-
   struct Output {
     std::int32_t whole = 0;
     std::int32_t fraction = 0;  // 2^-30 LSB, never negative
@@ -51,36 +39,6 @@ class BiquadFilter {
   Output output_1_;
   Output output_2_;
 };
-
-inline std::int64_t BiquadFilter::saturated(std::int64_t sum) {
-  // Nearly always true; the upper half alone tells.
-  constexpr auto kLowest = static_cast<std::uint32_t>(kMinimum >> 32);
-  constexpr auto kHighest = static_cast<std::uint32_t>(kMaximum >> 32);
-  if (static_cast<std::uint32_t>(sum >> 32) - kLowest < kHighest - kLowest) return sum;
-  return sum < kMinimum ? kMinimum : sum > kMaximum ? kMaximum : sum;
-}
-
-// Here, so that the six channels of an inertial unit cost no calls at 1 kHz.
-inline std::int32_t BiquadFilter::filter(const BiquadCoefficients& c, std::int32_t input_raw) {
-  constexpr std::int64_t kHalf = std::int64_t{1} << (kFractionBits - 1);
-  constexpr std::int32_t kFractionMask = (1 << kFractionBits) - 1;
-  const std::int64_t from_fractions = (std::int64_t{c.a1.raw()} * output_1_.fraction +
-                                       std::int64_t{c.a2.raw()} * output_2_.fraction + kHalf) >>
-                                      kFractionBits;
-  const std::uint64_t from_outputs = static_cast<std::uint64_t>(from_fractions) +
-                                     multiply(c.a1, output_1_.whole) + multiply(c.a2, output_2_.whole);
-  const std::uint64_t from_inputs =
-      multiply(c.b0, input_raw) + multiply(c.b1, input_1_) + multiply(c.b2, input_2_);
-  const std::int64_t output = saturated(static_cast<std::int64_t>(from_inputs - from_outputs));
-
-  input_2_ = input_1_;
-  input_1_ = input_raw;
-  output_2_ = output_1_;
-  output_1_ = {.whole = static_cast<std::int32_t>(output >> kFractionBits),
-               .fraction = static_cast<std::int32_t>(output) & kFractionMask};
-  // Rounded; the largest has no fraction.
-  return output_1_.whole + (output_1_.fraction >> (kFractionBits - 1));
-}
 
 // The paper's filter for noisy sensors, for one channel of one quantity.
 template <AnyQuantity Q>

@@ -44,15 +44,15 @@ class Quantity {
   constexpr Quantity& operator+=(Quantity other) { return *this = *this + other; }
   constexpr Quantity& operator-=(Quantity other) { return *this = *this - other; }
 
-  [[gnu::always_inline]] friend constexpr Quantity operator+(Quantity a, Quantity b) {
+  friend constexpr Quantity operator+(Quantity a, Quantity b) {
     return Quantity(kOverflow == Overflow::kWrap ? add_wrapped(a.raw_, b.raw_)
                                                  : add_saturated(a.raw_, b.raw_));
   }
-  [[gnu::always_inline]] friend constexpr Quantity operator-(Quantity a, Quantity b) {
+  friend constexpr Quantity operator-(Quantity a, Quantity b) {
     return Quantity(kOverflow == Overflow::kWrap ? subtract_wrapped(a.raw_, b.raw_)
                                                  : subtract_saturated(a.raw_, b.raw_));
   }
-  [[gnu::always_inline]] friend constexpr Quantity operator-(Quantity a) { return Quantity() - a; }
+  friend constexpr Quantity operator-(Quantity a) { return Quantity() - a; }
 
   template <ScalingInteger Integer>
   friend constexpr Quantity operator*(Quantity a, Integer factor) {
@@ -65,11 +65,11 @@ class Quantity {
   // Rounds to nearest, ties away from zero.
   template <ScalingInteger Integer>
   friend constexpr Quantity operator/(Quantity a, Integer divisor) {
-    return from_wide_raw(divide_rounded_32(a.raw_, std::int32_t{divisor}));
+    return from_wide_raw(divide_rounded(a.raw_, std::int64_t{divisor}));
   }
 
   // Angles compare by representation, as numbers in [-1/2, 1/2) turn.
-  [[gnu::always_inline]] friend constexpr auto operator<=>(Quantity, Quantity) = default;
+  friend constexpr auto operator<=>(Quantity, Quantity) = default;
 
  private:
   explicit constexpr Quantity(std::int32_t raw) : raw_(raw) {}
@@ -89,7 +89,7 @@ template <AnyQuantity Q>
 // The raw value that two factors have in the format of `Result`, from `sum_raw` in the product's own format;
 // |sum_raw| <= 2^62.
 template <AnyQuantity Result, AnyQuantity A, AnyQuantity B>
-[[nodiscard, gnu::always_inline]] constexpr Result from_product_raw(std::int64_t sum_raw) {
+[[nodiscard]] constexpr Result from_product_raw(std::int64_t sum_raw) {
   constexpr int kShift = A::kFractionBits + B::kFractionBits - Result::kFractionBits;
   static_assert(kShift >= 0 && kShift <= 62, "the result has a finer format than its factors together");
   return Result::from_wide_raw(shift_rounded(sum_raw, kShift));

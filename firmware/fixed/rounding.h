@@ -12,10 +12,7 @@ namespace koboshi::fixed {
 [[nodiscard]] constexpr std::int64_t shift_rounded(std::int64_t value, int shift) {
   if (shift == 0) return value;
   const std::int64_t half = std::int64_t{1} << (shift - 1);
-  if (shift > 32) return (value + half + (value >> 63)) >> shift;
-  // The same, and fewer instructions where a word has 32 bits.
-  const std::uint32_t bias = static_cast<std::uint32_t>(half) - (value < 0 ? 1U : 0U);
-  return (value + bias) >> shift;
+  return (value + half - (value < 0 ? 1 : 0)) >> shift;
 }
 
 // numerator / denominator, rounded; both at most 2^62 in magnitude. By zero: the extreme with the numerator's
@@ -33,14 +30,6 @@ namespace koboshi::fixed {
 // |value|, also of the least one.
 [[nodiscard]] constexpr std::uint32_t magnitude(std::int32_t value) {
   return value < 0 ? 0U - static_cast<std::uint32_t>(value) : static_cast<std::uint32_t>(value);
-}
-
-// numerator / denominator for 32 bits, for which a Cortex-M has an instruction.
-[[nodiscard]] constexpr std::int64_t divide_rounded_32(std::int32_t numerator, std::int32_t denominator) {
-  if (denominator == 0) return divide_rounded(numerator, 0);
-  const std::uint32_t divisor = magnitude(denominator);
-  const std::int64_t quotient = (magnitude(numerator) + divisor / 2) / divisor;
-  return (numerator < 0) == (denominator < 0) ? quotient : -quotient;
 }
 
 }  // namespace koboshi::fixed

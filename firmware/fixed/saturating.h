@@ -23,8 +23,8 @@ template <std::integral To, std::integral From>
   return static_cast<To>(value);
 }
 
-// A Cortex-M4 has an instruction for 32 bits, which its compiler does not find by itself (ACLE,
-// section 8.4.2).
+// a + b and a - b, or the nearest value of T. A Cortex-M4 has an instruction for 32 bits (ACLE,
+// section 8.4.2), which its compiler does not find by itself; without it the image is 6 KB larger.
 template <std::integral T>
 [[nodiscard]] constexpr T add_saturated(T a, T b) {
 #ifdef __ARM_FEATURE_DSP

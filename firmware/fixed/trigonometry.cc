@@ -28,20 +28,19 @@ constexpr std::uint32_t square_q31(std::uint32_t t) {
   return static_cast<std::uint32_t>(std::uint64_t{t} * t >> 31);
 }
 
-[[gnu::always_inline]] constexpr std::uint32_t alternating_sum(const std::array<std::uint32_t, 5>& c,
-                                                               std::uint32_t z) {
+constexpr std::uint32_t alternating_sum(const std::array<std::uint32_t, 5>& c, std::uint32_t z) {
   std::uint32_t sum = c[3] - upper_word(c[4], z);
   sum = c[2] - upper_word(sum, z);
   sum = c[1] - upper_word(sum, z);
   return c[0] - upper_word(sum, z);
 }
 
-[[gnu::always_inline]] constexpr std::int32_t sine_kernel(std::uint32_t angle_raw) {
+constexpr std::int32_t sine_kernel(std::uint32_t angle_raw) {
   const std::uint32_t t = angle_raw << 2;
   return static_cast<std::int32_t>((upper_word(alternating_sum(kSine, square_q31(t)), t) + 1) >> 1);
 }
 
-[[gnu::always_inline]] constexpr std::int32_t cosine_kernel(std::uint32_t angle_raw) {
+constexpr std::int32_t cosine_kernel(std::uint32_t angle_raw) {
   const std::uint32_t z = square_q31(angle_raw << 2);
   return static_cast<std::int32_t>(((1U << 31) - upper_word(alternating_sum(kCosine, z), z) + 1) >> 1);
 }
@@ -94,32 +93,9 @@ constexpr std::uint64_t inverse_root(std::uint32_t f) {
   return y1 * (((3ULL << 62) - f * (y1 * y1 >> 30)) >> 32) >> 31;
 }
 
-// low / high in 2^-31 units, rounded, for low <= high, high > 0: long division by two digits of 16 bits
-// (Knuth, The Art of Computer Programming, vol. 2, 4.3.1, algorithm D), with the one divide instruction of 32
-// bits that a Cortex-M has.
+// low / high in 2^-31 units, rounded, for low <= high, high > 0.
 constexpr std::uint32_t ratio_q31(std::uint32_t low, std::uint32_t high) {
-  const int shift = std::countl_zero(high);
-  const std::uint32_t divisor = high << shift;
-  const std::uint32_t upper = divisor >> 16;
-  const std::uint32_t lower = divisor & 0xFFFF;
-  // (low * 2^31 + high / 2) * 2^shift, in words; the two parts of the lower do not overlap.
-  std::uint32_t top = low << shift >> 1;
-  std::uint32_t rest = low << shift << 31 | high / 2 << shift;
-  std::uint32_t quotient = 0;
-  for (int digit = 0; digit < 2; ++digit) {
-    const std::uint32_t next = rest >> 16;
-    std::uint32_t guess = top / upper;
-    std::uint32_t left = top - guess * upper;
-    while (guess > 0xFFFF || guess * lower > (left << 16 | next)) {
-      --guess;
-      left += upper;
-      if (left > 0xFFFF) break;
-    }
-    quotient = quotient << 16 | guess;
-    top = (top << 16 | next) - guess * divisor;
-    rest <<= 16;
-  }
-  return quotient;
+  return static_cast<std::uint32_t>(((std::uint64_t{low} << 31) + high / 2) / high);
 }
 static_assert(ratio_q31(1, 3) == 715827883 && ratio_q31(5, 5) == 1U << 31 &&
               ratio_q31(1U << 31, 1U << 31) == 1U << 31);

@@ -18,7 +18,6 @@ struct Point {
 
 // Turned to the left by `angle`.
 [[nodiscard]] inline Point turned(Point p, fixed::Angle angle) {
-  if (angle == fixed::Angle()) return p;  // the sole that stands, and both while the robot goes straight
   const auto [s, c] = fixed::sin_cos(angle);
   return {fixed::product_sum<fixed::Length>(p.x, c, -p.y, s),
           fixed::product_sum<fixed::Length>(p.x, s, p.y, c)};
