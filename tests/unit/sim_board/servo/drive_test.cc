@@ -84,7 +84,7 @@ TEST_F(DriveTest, CannotBeEnabledWhileTheLineIsLow) {
 
 TEST_F(DriveTest, StopsQuicklyHoldsAndThenLetsGo) {
   enable();
-  target = 20'000;
+  target = 12'000;  // in a cycle of 10 ms: 7.2 rad/s, of 7.48
   run_ms(15);
   controlword = 0x02;
   run_ms(10);
