@@ -14,9 +14,11 @@ import time
 import can
 
 NODES = range(16, 36)
+TPDO = 0x180
+EVERY_SYNC, EVENTS = 1, 255  # transmission types
 TURN = 1 << 20
 STEP = TURN * 5 // 360
-PATIENCE_S = 10.0  # a machine may be busy
+PATIENCE_S = 60.0  # a machine may be busy
 SHUTDOWN, SWITCH_ON, ENABLE = 0x06, 0x07, 0x0F
 FORMATS = {2: "<b", 3: "<h", 4: "<i", 5: "<B", 6: "<H", 7: "<I"}  # by data type of CiA 301
 
@@ -126,19 +128,30 @@ class Master:
         A proportional loop stays behind its target by what load and friction ask of it. A first step in the same direction lets it, so
         that the second has the same lag at both ends.
         """
+        self.set_transmission(node, EVERY_SYNC)
         limits = self.read(node, "Position limit minimum"), self.read(node, "Position limit maximum")
         start = self.read(node, "Position actual value")
         step = STEP if start < sum(limits) / 2 else -STEP
         self.lead(node, start, start + step)
         before = self.read(node, "Position actual value")
         self.lead(node, start + step, start + 2 * step)
-        return (self.read(node, "Position actual value") - before) / step
+        moved = (self.read(node, "Position actual value") - before) / step
+        self.set_transmission(node, EVENTS)
+        return moved
+
+    def set_transmission(self, node, transmission_type):
+        self.sdo(node, struct.pack("<BHBI", 0x2F, 0x1800, 2, transmission_type))
 
     def lead(self, node, start, end):
         for part in range(1, 11):
             self.write(node, "Target position", start + (end - start) * part // 10)
-            time.sleep(0.02)
+            self.wait_for_cycles(node, 2)
         self.wait_for_rest(node)
+
+    def wait_for_cycles(self, node, count):
+        """Until the drive has sent so many process data, one for each SYNC: the clock of the bus, however slow the machine is."""
+        for _ in range(count):
+            self.receive(TPDO + node)
 
     def wait_for_rest(self, node):
         """Until three readings differ by an encoder's count at most."""
@@ -147,7 +160,7 @@ class Master:
         while len(readings) < 3 or max(readings[-3:]) - min(readings[-3:]) > TURN // 4096:
             if time.monotonic() > end:
                 raise TimeoutError(f"node {node} does not come to rest")
-            time.sleep(0.1)
+            self.wait_for_cycles(node, 10)
             readings.append(self.read(node, "Position actual value"))
 
 

@@ -13,19 +13,21 @@ until grep -q 'CAN bus on' /mnt/board; do
 done
 "$koboshi" firmware scenarios/squat.yaml --can socketcan:vcan0 --speed 0.1 >/mnt/firmware 2>&1 &
 firmware=$!
-# state_is HEX: waits until the controller's telemetry shows it.
-state_is() {
+# reach HEX COMMAND...: repeats the command until the controller's telemetry shows this state. It refuses to enable until it knows how the
+# robot stands.
+reach() {
+  state=$1
+  shift
   for _ in $(seq 300); do
-    candump -T 1000 -n 1 vcan0,181:7FF | grep -q "\[8\]  $1" && return
+    "$@"
+    candump -T 1000 -n 1 vcan0,181:7FF | grep -q "\[8\]  $state" && return
   done
-  echo "the controller is not in state $1:" && candump -T 1000 -n 3 vcan0,181:7FF
+  echo "the controller is not in state $state:" && candump -T 1000 -n 3 vcan0,181:7FF
   cat /mnt/firmware /mnt/board
   exit 1
 }
-state_is 01
-sleep 10
-cansend vcan0 201#010000
-state_is 04
+reach 01 true
+reach 04 cansend vcan0 201#010000
 "$koboshi" can stats --can socketcan:vcan0 --duration 5
 kill -INT "$firmware"
 wait "$firmware"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # in_uml.sh COMMAND [ARGUMENT...]: runs a command where there is a vcan0, in User-mode Linux, whatever the kernel outside.
 # The files are the host's; /mnt is an empty memory file system. Exits with the command's status, or with 77 where there is no User-mode
-# Linux. After two minutes, or KOBOSHI_UML_TIMEOUT_S seconds, it gives up.
+# Linux. After nine minutes, or KOBOSHI_UML_TIMEOUT_S seconds, it gives up: a machine may be busy.
 set -eu
 
 PATH=$PATH:/usr/sbin:/sbin
@@ -39,7 +39,7 @@ halt -f
 INIT
 chmod +x "$folder/init"
 
-limit_s=${KOBOSHI_UML_TIMEOUT_S:-120}
+limit_s=${KOBOSHI_UML_TIMEOUT_S:-540}
 # It keeps its sockets in the home folder, and its memory in a file in TMPDIR; without one, in /dev/shm.
 env -u TMPDIR -u TMP -u TEMP HOME="$folder" LD_PRELOAD="$(realpath "$ptrace")${LD_PRELOAD:+ $LD_PRELOAD}" \
   timeout "$limit_s" linux.uml rootfstype=hostfs rootflags=/ rw init="$folder/init" mem=512M con=null con0=fd:0,fd:1 \
