@@ -26,6 +26,7 @@ class ForwardingWorld : public World {
   Wrench joint_wrench(int joint) const override { return world_->joint_wrench(joint); }
   std::span<const Contact> contacts() const override { return world_->contacts(); }
   std::uint64_t solver_warnings() const override { return world_->solver_warnings(); }
+  std::uint64_t unsettled_steps() const override { return world_->unsettled_steps(); }
 
  private:
   std::unique_ptr<World> world_;

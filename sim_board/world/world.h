@@ -45,6 +45,7 @@ struct Contact {
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();  // unit normal, out of the other and into `link`
   Eigen::Vector3d f_W = Eigen::Vector3d::Zero();   // what `link` feels, N; the other feels the opposite
+  double depth_m = 0.0;                            // of the overlap when the step began
 };
 
 // Physics that left the finite: the run ends with this. `what()` names time, body and reason.
@@ -80,6 +81,9 @@ class World {
   virtual std::span<const Contact> contacts() const = 0;
   // Complaints of the solver since the world was made.
   virtual std::uint64_t solver_warnings() const = 0;
+  // Steps since the world was made in which contacts that slide were left further from Coulomb's law than the
+  // engine's tolerance. Always zero in an engine that solves the law directly.
+  virtual std::uint64_t unsettled_steps() const { return 0; }
 };
 
 }  // namespace koboshi::sim

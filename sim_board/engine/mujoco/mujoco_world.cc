@@ -28,6 +28,7 @@ class MujocoWorld final : public World {
   Wrench joint_wrench(int joint) const override { return wrenches_.at(at(joint)); }
   std::span<const Contact> contacts() const override { return contacts_; }
   std::uint64_t solver_warnings() const override { return earlier_warnings_ + scene_->warnings(); }
+  std::uint64_t unsettled_steps() const override { return earlier_unsettled_ + scene_->unsettled_steps(); }
 
  private:
   static std::size_t at(int number) { return static_cast<std::size_t>(number); }
@@ -44,6 +45,7 @@ class MujocoWorld final : public World {
   bool held_;  // the base, on its stand
   std::uint64_t steps_ = 0;
   std::uint64_t earlier_warnings_ = 0;  // of the scene before the base was released
+  std::uint64_t earlier_unsettled_ = 0;
   // By joint:
   std::vector<ServoTorque> servos_;
   std::vector<double> servo_Nm_;
@@ -78,6 +80,7 @@ void MujocoWorld::release_base() {
   if (!held_) return;
   held_ = false;
   earlier_warnings_ += scene_->warnings();
+  earlier_unsettled_ += scene_->unsettled_steps();
   Scene free(robot_, pairs_, options_, Base::kFree);
   free.take_joints_from(*scene_);
   scene_.emplace(std::move(free));

@@ -12,11 +12,6 @@ namespace {
 using Eigen::Map;
 using Eigen::Vector3d;
 
-// A contact that is this far from Coulomb's law hops by a micrometre or less. A blow is known after one
-// repeat or two; what does not settle goes on in the next step.
-constexpr double kLeastLift_m_per_s = 0.002;
-constexpr int kMostRepeats = 3;
-
 using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 int named(const mjModel& model, mjtObj kind, const std::string& name) {
@@ -69,6 +64,7 @@ void Scene::find_numbers(const RobotDescription& robot) {
   }
   sliding_Nm_.resize(numbers_.size());
   lift_m_per_s_.resize(index(model_->nconmax));
+  slip_m_per_s_.resize(index(model_->nconmax));
   row_acceleration_.resize(index(model_->njmax));
   links_.resize(index(model_->ngeom));
   for (int geom = 0; geom < model_->ngeom; ++geom) {
@@ -136,44 +132,47 @@ void Scene::bounce() {
   }
 }
 
-// The force within the friction cone that MuJoCo finds goes with a velocity within the dual cone,
-// v_n >= mu |v_t|: a foot that slides would take off. Coulomb's law is that the velocity lies in the dual
-// cone once mu |v_t| is added to v_n (de Saxce and Feng, "The bipotential method", 1998), or taken off what
-// the normal row aims at. |v_t| is first that of the step before, then of the solution.
+// Coulomb's law: see LiftIteration.
 void Scene::solve_sliding() {
-  std::fill(lift_m_per_s_.begin(), lift_m_per_s_.end(), 0.0);
   std::fill_n(row_acceleration_.begin(), data_->nefc, 0.0);
-  lower_aims(0.0);
+  std::fill(lift_m_per_s_.begin(), lift_m_per_s_.end(), 0.0);
+  iteration_.begin(slips());
+  lower_aims();
   mj_fwdConstraint(model_.get(), data_.get());
-  for (int repeat = 0; repeat < kMostRepeats; ++repeat) {
-    mj_mulJacVec(model_.get(), data_.get(), row_acceleration_.data(), data_->qacc);
-    if (!lower_aims(kLeastLift_m_per_s)) return;
+  mj_mulJacVec(model_.get(), data_.get(), row_acceleration_.data(), data_->qacc);
+  while (!iteration_.is_over(slips())) {
+    lower_aims();
     std::copy_n(data_->qacc, model_->nv, data_->qacc_warmstart);
     mj_fwdConstraint(model_.get(), data_.get());
+    mj_mulJacVec(model_.get(), data_.get(), row_acceleration_.data(), data_->qacc);
   }
+  if (!iteration_.settled()) ++unsettled_;
 }
 
-// Whether any contact's mu |v_t| at the end of the step, by its rows' accelerations, is further than this
-// from what its row knows; then the row knows it.
-bool Scene::lower_aims(double tolerance_m_per_s) {
+// mu |v_t| of each contact at the end of the step, by its rows' accelerations.
+std::span<const double> Scene::slips() {
   const double step_s = model_->opt.timestep;
-  bool changed = false;
   for (int i = 0; i < data_->ncon; ++i) {
     const mjContact& contact = data_->contact[i];
     const int row = contact.efc_address;
-    if (row < 0) continue;
     const auto slip = [&](int tangent) {
       return contact.friction[tangent - 1] *
              (data_->efc_vel[row + tangent] + step_s * row_acceleration_[index(row + tangent)]);
     };
-    const double lift = std::hypot(slip(1), slip(2));
-    double& known = lift_m_per_s_[index(i)];
-    if (std::abs(lift - known) <= tolerance_m_per_s) continue;
-    data_->efc_aref[row] -= (lift - known) / step_s;
-    known = lift;
-    changed = true;
+    slip_m_per_s_[index(i)] = row < 0 ? 0.0 : std::hypot(slip(1), slip(2));
   }
-  return changed;
+  return std::span(slip_m_per_s_).first(index(data_->ncon));
+}
+
+// Gives the contacts' normal rows the iteration's lifts.
+void Scene::lower_aims() {
+  const std::span<const double> lifts = iteration_.lifts_m_per_s();
+  for (int i = 0; i < data_->ncon; ++i) {
+    const int row = data_->contact[i].efc_address;
+    if (row < 0) continue;
+    data_->efc_aref[row] -= (lifts[index(i)] - lift_m_per_s_[index(i)]) / model_->opt.timestep;
+    lift_m_per_s_[index(i)] = lifts[index(i)];
+  }
 }
 
 bool Scene::is_finite() const {
@@ -214,7 +213,7 @@ void Scene::read_contacts(std::vector<Contact>& contacts) const {
     const bool into_second = first < 0 || second < first;
     const double sign = into_second ? 1.0 : -1.0;
     contacts.push_back({into_second ? second : first, into_second ? first : second,
-                        Map<const Vector3d>(contact.pos), sign * axes_W.col(0), sign * f_W});
+                        Map<const Vector3d>(contact.pos), sign * axes_W.col(0), sign * f_W, -contact.dist});
   }
 }
 

@@ -3,9 +3,11 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sim_board/engine/mujoco/library.h"
+#include "sim_board/engine/mujoco/lift_iteration.h"
 #include "sim_board/engine/mujoco/model_text.h"
 #include "sim_board/robot/description.h"
 #include "sim_board/world/link_tree.h"
@@ -54,6 +56,8 @@ class Scene {
   BodyState body(int link) const;
   // Complaints of MuJoCo, and steps in which its solver did not converge, since the scene was made.
   std::uint64_t warnings() const;
+  // World::unsettled_steps, since the scene was made.
+  std::uint64_t unsettled_steps() const { return unsettled_; }
 
  private:
   struct JointNumbers {
@@ -69,7 +73,8 @@ class Scene {
   void update_poses();
   void bounce();
   void solve_sliding();
-  bool lower_aims(double tolerance_m_per_s);
+  std::span<const double> slips();
+  void lower_aims();
 
   MujocoModel model_;
   MujocoData data_;
@@ -79,9 +84,12 @@ class Scene {
   std::vector<int> links_;             // by geom; -1: the ground
   std::vector<TouchingPair> bouncing_;
   std::vector<int> bouncing_of_geoms_;  // by one geom times their number plus the other; -1: does not bounce
-  std::vector<double> lift_m_per_s_;    // by contact: mu |v_t|, as its normal row knows it
+  LiftIteration iteration_{kMostContacts};
+  std::vector<double> lift_m_per_s_;      // by contact: mu |v_t|, as its normal row knows it
+  std::vector<double> slip_m_per_s_;      // by contact: mu |v_t| of the solution
   std::vector<double> row_acceleration_;  // of the constraints, m/s^2 or rad/s^2
   std::uint64_t unconverged_ = 0;
+  std::uint64_t unsettled_ = 0;
 };
 
 }  // namespace koboshi::sim

@@ -218,7 +218,7 @@ void Collider::add_contact(const dContactGeom& point, int link, int other_link, 
   dJointSetFeedback(joint, &feedbacks_[contacts_.size()]);
   touches_.push_back({joint, contact.geom.depth, contact.surface});
   contacts_.push_back({link, other_link, vector_of(contact.geom.pos), vector_of(contact.geom.normal),
-                       Eigen::Vector3d::Zero()});
+                       Eigen::Vector3d::Zero(), contact.geom.depth});
 }
 
 void Collider::read_forces() {
