@@ -22,8 +22,11 @@ nlohmann::ordered_json to_json(const RunSummary& summary) {
                      {"heading_drift_rad", walk.heading_drift_rad},
                      {"energy_J", walk.energy_J},
                      {"zmp_rms_error_m", walk.zmp_rms_error_m},
+                     {"zmp_lag_s", walk.zmp_lag_s},
                      {"zmp_margin_p05_m", walk.zmp_margin_p05_m},
-                     {"zmp_sensor_vs_truth_rms_m", walk.zmp_sensor_vs_truth_rms_m}});
+                     {"zmp_sensor_vs_truth_rms_m", walk.zmp_sensor_vs_truth_rms_m},
+                     {"roll_rms_rad", walk.roll_rms_rad},
+                     {"foot_lift_m", walk.foot_lift_m}});
   }
   return document;
 }

@@ -15,9 +15,12 @@ struct WalkSummary {
   double lateral_drift_m = 0.0;  // to the left
   double heading_drift_rad = 0.0;
   double energy_J = 0.0;                   // that the servos took from their supply, net
-  double zmp_rms_error_m = 0.0;            // measured by the firmware against planned
+  double zmp_rms_error_m = 0.0;            // measured by the firmware against planned, aligned in time
+  double zmp_lag_s = 0.0;                  // by which the measured ZMP was later than the planned one
   double zmp_margin_p05_m = 0.0;           // 5th percentile of the true ZMP's distance to the support's edge
   double zmp_sensor_vs_truth_rms_m = 0.0;  // by the ankle sensors against the contact forces
+  double roll_rms_rad = 0.0;               // of the trunk, true
+  double foot_lift_m = 0.0;                // median over the steps of a sole's greatest true height
 };
 
 // What a run comes to. The same inputs and seed give the same bytes of summary.json: no path, date or host is

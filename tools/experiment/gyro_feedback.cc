@@ -8,6 +8,7 @@
 #include "sim_board/input/user_units.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/experiment/files.h"
+#include "tools/experiment/outcome.h"
 #include "tools/experiment/perturbation.h"
 #include "tools/experiment/scenario_trial.h"
 
@@ -29,23 +30,29 @@ PerturbationBounds bounds_of(const GyroFeedbackOptions& options) {
 
 // What a robot that fell did before is no walk at some speed: these are left out.
 Values without_a_fallen_walk(Values values) {
-  if (values.at("fell") == 0.0) return values;
+  if (values.at(kLost) == 0.0) return values;
   for (const char* name : {"speed_m_per_s", "lateral_drift_m", "heading_drift_rad"}) values.erase(name);
   return values;
 }
 
 std::vector<Measure> measures(double falls_within) {
   using enum Measure::Kind;
-  return {{.name = "fell", .kind = kEvent, .label = "falls", .tight_at = falls_within},
-          {.name = "distance_m", .label = "distance [m]", .decimals = 2},
-          {.name = "speed_m_per_s", .label = "speed [m/s]"},
-          {.name = "lateral_drift_m", .label = "drift [m]", .decimals = 2},
-          {.name = "zmp_rms_error_m", .label = "ZMP error RMS [mm]", .factor = sim::kMmPerM, .decimals = 1},
-          {.name = "zmp_margin_p05_m", .label = "ZMP margin p05 [mm]", .factor = sim::kMmPerM, .decimals = 1},
-          {.name = "heading_drift_rad"},
-          {.name = "foot_slip_max_m"},
-          {.name = "duration_s"},
-          {.name = "failed", .kind = kEvent}};
+  std::vector<Measure> measures = outcome_measures();
+  measures.front().tight_at = falls_within;
+  measures.insert(
+      measures.end(),
+      {{.name = "distance_m", .label = "distance [m]", .decimals = 2},
+       {.name = "speed_m_per_s", .label = "speed [m/s]"},
+       {.name = "lateral_drift_m", .label = "drift [m]", .decimals = 2},
+       {.name = "zmp_rms_error_m", .label = "ZMP error RMS [mm]", .factor = sim::kMmPerM, .decimals = 1},
+       {.name = "zmp_lag_s", .label = "ZMP lag [ms]", .factor = 1e3, .decimals = 0},
+       {.name = "roll_rms_rad", .label = "roll RMS [deg]", .factor = 1.0 / kDegree_rad, .decimals = 2},
+       {.name = "zmp_margin_p05_m", .label = "ZMP margin p05 [mm]", .factor = sim::kMmPerM, .decimals = 1},
+       {.name = "heading_drift_rad"},
+       {.name = "foot_lift_m", .label = "foot lift [mm]", .factor = sim::kMmPerM, .decimals = 1},
+       {.name = "foot_slip_max_m"},
+       {.name = "duration_s"}});
+  return measures;
 }
 
 std::string hash_of(const GyroFeedbackOptions& options, const std::vector<sim::Scenario>& scenarios) {

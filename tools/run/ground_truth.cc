@@ -45,6 +45,7 @@ void TruthObserver::observe_feet(const sim::World& world) {
     const sim::Foot& foot = *feet_[side];
     const sim::FootPressure pressure = sim::foot_pressure(robot_, foot, world);
     truth_.X_WSole[side] = world.body(foot.link).X_WL * foot.X_LSole;
+    truth_.foot_height_m[side] = sim::height_above(ground_, truth_.X_WSole[side].translation());
     truth_.foot_load_N[side] = pressure.load_N;
     observe_slip(side);
     truth_.foot_zmp_S_m[side].reset();

@@ -1,5 +1,6 @@
 #include "tools/run/walk_observer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -14,6 +15,8 @@ constexpr double kTick_s = 1e-6 * static_cast<double>(sim::SimBoard::kTick_us);
 // (docs/design/timing.md). A tick computes them for the end of its cycle. So what the drives pursue at the
 // k-th tick of a motion is what the motion tells for k ticks, less this.
 constexpr double kInEffect_s = 0.00265;
+// What telemetry says at a tick was computed at the tick before.
+constexpr double kTelemetryAge_s = kTick_s;
 
 // The measured ZMP in the sole frame of another foot, seen from above its sole.
 Eigen::Vector2d in_sole_of(hal::Side side, const GroundTruth& truth, const Telemetry& said) {
@@ -51,6 +54,7 @@ void WalkObserver::observe_tick(const GroundTruth& truth, const Telemetry& said)
   }
   if (said.state == app::State::kMotion) planned_ = plan_(kTick_s * ticks_ - kInEffect_s);
   follow(truth);
+  follow_steps(truth);
   judge_zmp(truth, said);
 }
 
@@ -64,12 +68,28 @@ void WalkObserver::begin(const GroundTruth& truth) {
 void WalkObserver::follow(const GroundTruth& truth) {
   now_W_m_ = truth.p_WB_W.head<2>();
   yaw_rad_ += std::remainder(truth.rpy_rad.z() - yaw_rad_, 2.0 * std::numbers::pi);
+  roll_rad_.add(truth.rpy_rad.x() * truth.rpy_rad.x());
+}
+
+// A step lasts from a foot's last load to its next.
+void WalkObserver::follow_steps(const GroundTruth& truth) {
+  for (std::size_t side = 0; side < lift_m_.size(); ++side) {
+    if (truth.foot_load_N[side] < sim::kLoaded_N) {
+      lift_m_[side] = std::max(lift_m_[side], truth.foot_height_m[side]);
+    } else if (lift_m_[side] > 0.0) {
+      lifts_m_.push_back(lift_m_[side]);
+      lift_m_[side] = 0.0;
+    }
+  }
 }
 
 void WalkObserver::judge_zmp(const GroundTruth& truth, const Telemetry& said) {
   if (truth.zmp_margin_m) margins_m_.push_back(*truth.zmp_margin_m);
   if (!said.zmp.valid || !planned_) return;
-  zmp_error_m_.add((in_sole_of(planned_->support, truth, said) - planned_->zmp_S_m).squaredNorm());
+  zmp_error_.add([&](double lag_s) {
+    const GaitInstant planned = plan_(kTick_s * ticks_ - kInEffect_s - kTelemetryAge_s - lag_s);
+    return (in_sole_of(planned.support, truth, said) - planned.zmp_S_m).squaredNorm();
+  });
 }
 
 std::optional<Eigen::Vector3d> WalkObserver::planned_zmp_W(const GroundTruth& truth) const {
@@ -92,9 +112,13 @@ std::optional<sim::WalkSummary> WalkObserver::summary() const {
   summary.lateral_drift_m = way.y();
   summary.heading_drift_rad = way.z();
   summary.energy_J = energy_J_;
-  summary.zmp_rms_error_m = zmp_error_m_.value();
+  const ZmpAlignment::Best aligned = zmp_error_.best();
+  summary.zmp_rms_error_m = aligned.rms_error_m;
+  summary.zmp_lag_s = aligned.lag_s;
   summary.zmp_margin_p05_m = percentile(margins_m_, 0.05);
   summary.zmp_sensor_vs_truth_rms_m = sensor_check_.rms_m();
+  summary.roll_rms_rad = roll_rad_.value();
+  summary.foot_lift_m = percentile(lifts_m_, 0.5);
   return summary;
 }
 

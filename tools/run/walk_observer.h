@@ -10,6 +10,7 @@
 #include "tools/run/ground_truth.h"
 #include "tools/run/statistics.h"
 #include "tools/run/telemetry.h"
+#include "tools/run/zmp_alignment.h"
 #include "tools/run/zmp_sensor_check.h"
 
 namespace koboshi::tools {
@@ -44,6 +45,7 @@ class WalkObserver {
  private:
   void begin(const GroundTruth& truth);
   void follow(const GroundTruth& truth);
+  void follow_steps(const GroundTruth& truth);
   void judge_zmp(const GroundTruth& truth, const Telemetry& said);
 
   Plan plan_;
@@ -58,8 +60,11 @@ class WalkObserver {
   double yaw_rad_ = 0.0;  // continuous
   double drawn_J_ = 0.0;  // as SimBoard::drawn_J
   double energy_J_ = 0.0;
-  RootMeanSquare zmp_error_m_;
+  ZmpAlignment zmp_error_;
+  RootMeanSquare roll_rad_;
   std::vector<double> margins_m_;
+  std::array<double, 2> lift_m_{};  // of the step under way, by Side
+  std::vector<double> lifts_m_;     // of the steps that ended
   ZmpSensorCheck sensor_check_;
 };
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "sim_board/robot/load.h"
@@ -108,6 +109,52 @@ TEST_F(Walk, ComparesZmpsInThePlannedSupportsFrameWhileValid) {
   tick(0.0, 0.0, 0.0);
   EXPECT_NEAR(observer_.summary()->zmp_rms_error_m, 0.005, 1e-12);
   EXPECT_LT((*observer_.planned_zmp_W(truth_) - Eigen::Vector3d(0.01, -0.03, 0.0)).norm(), 1e-12);
+}
+
+// A ZMP that swings as planned but 25 ms late, and is 4 mm off to the side.
+TEST_F(Walk, TellsLagAndErrorOfTheZmpApart) {
+  const auto swinging = [](double time_s) {
+    GaitInstant instant;
+    instant.support = hal::Side::kRight;
+    instant.zmp_S_m = {0.0, 0.03 * std::sin(2.0 * std::numbers::pi * time_s / 0.7)};
+    return instant;
+  };
+  for (const double lag_s : {0.025, -0.025}) {
+    WalkObserver observer(robot_, {}, swinging, kWalk);
+    for (int i = 0; i < 500; ++i) {
+      // What telemetry says was measured a tick ago; the drives pursue what was planned 2.65 ms before.
+      const Eigen::Vector2d zmp_S_m = swinging(0.01 * (i - 1) - 0.00265 - lag_s).zmp_S_m;
+      said_.zmp = {.x_m = 0.004, .y_m = zmp_S_m.y(), .valid = true, .frame = hal::Side::kRight};
+      observer.observe_tick(truth_, said_);
+    }
+    EXPECT_NEAR(observer.summary()->zmp_lag_s, lag_s, 1e-9);
+    EXPECT_NEAR(observer.summary()->zmp_rms_error_m, 0.004, 1e-9);
+  }
+}
+
+TEST_F(Walk, TakesTheRollOfTheTrunk) {
+  for (int i = 0; i < 100; ++i) {
+    truth_.rpy_rad.x() = i % 2 == 0 ? 0.03 : -0.03;
+    observer_.observe_tick(truth_, said_);
+  }
+  EXPECT_NEAR(observer_.summary()->roll_rms_rad, 0.03, 1e-12);
+}
+
+// Steps of 5, 6 and 9 mm; what follows the last is not over.
+TEST_F(Walk, TakesTheLiftOfTheSteps) {
+  const auto foot = [&](std::size_t side, double load_N, double height_m) {
+    truth_.foot_load_N[side] = load_N;
+    truth_.foot_height_m[side] = height_m;
+    tick(0.0, 0.0, 0.0);
+  };
+  truth_.foot_load_N = {6.0, 6.0};
+  for (const double lift_m : {0.005, 0.009, 0.006}) {
+    foot(1, 0.0, 0.5 * lift_m);
+    foot(1, 0.0, lift_m);
+    foot(1, 6.0, 0.0);
+  }
+  foot(0, 0.0, 0.02);
+  EXPECT_NEAR(observer_.summary()->foot_lift_m, 0.006, 1e-12);
 }
 
 TEST_F(Walk, ByCommandNeedsNoPlan) {
