@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "tools/cli/scenario_experiment.h"
+#include "tools/experiment/contacts.h"
 #include "tools/experiment/fall_detection.h"
 #include "tools/experiment/marathon.h"
 #include "tools/experiment/stand_up.h"
@@ -108,12 +109,31 @@ void add_marathon(CLI::App& parent, const std::string& command_line) {
   });
 }
 
+void add_contacts(CLI::App& parent, const std::string& command_line) {
+  auto arguments = std::make_shared<ScenarioArguments<ContactsOptions>>();
+  arguments->options.scenario = kScenario;
+  CLI::App* command = add_command(
+      parent, "contacts", "Whether the simulated contacts hold in falls and in getting up", *arguments);
+  command->footer(
+      std::string("The robot falls because a drive fails, or because it is pushed, and gets up. The "
+                  "table shows the deepest contact\nthat closes without a force, steps in which sliding "
+                  "contacts did not settle, and how far links overlap.\n") +
+      kWorlds + "\nExample:\n  koboshi experiment contacts --seeds 100 --stepper mujoco\n");
+  command->callback([arguments, command_line] {
+    settle(*arguments, "contacts");
+    const Experiment experiment = make_contacts(arguments->options);
+    play(experiment, arguments->common, "Contacts in falls", command_line,
+         [&](const ExperimentResult& result) { return contacts_conclusions(arguments->options, result); });
+  });
+}
+
 }  // namespace
 
 void add_recovery_experiments(CLI::App& experiment, const std::string& command_line) {
   add_stand_up(experiment, command_line);
   add_fall_detection(experiment, command_line);
   add_marathon(experiment, command_line);
+  add_contacts(experiment, command_line);
 }
 
 }  // namespace koboshi::tools

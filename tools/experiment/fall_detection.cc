@@ -13,6 +13,7 @@
 #include "sim_board/robot/load.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/experiment/fall_observer.h"
+#include "tools/experiment/outcome.h"
 #include "tools/experiment/perturbation.h"
 #include "tools/experiment/scenario_trial.h"
 
@@ -193,7 +194,7 @@ bool was_false(const Disturbance& disturbance, Case what, std::uint64_t seed, do
   what.looked_for = false;
   sim::Scenario scenario = disturbance.scenario(what, seed);
   scenario.duration_us = to_us(foreseen_s + 2.0);
-  return play_in_world(std::move(scenario), world_of(what.cause), seed).at("fell") == 0.0;
+  return play_in_world(std::move(scenario), world_of(what.cause), seed).at(kLost) == 0.0;
 }
 
 Values play(const Disturbance& disturbance, const Case& what, std::uint64_t seed) {
@@ -215,7 +216,8 @@ Values play(const Disturbance& disturbance, const Case& what, std::uint64_t seed
         const bool seen_in_walk = what.cause == Cause::kNone && observer.foreseen_s().has_value();
         return settled || seen_in_walk || recorder.telemetry().state == app::State::kRighting;
       });
-  Values values{{"failed", played.at("failed")}};
+  Values values;
+  add_outcome(played, values);
   const auto foreseen_s = observer.foreseen_s();
   const auto touched_s = observer.touched_s();
   if (what.cause == Cause::kNone) {
@@ -281,9 +283,10 @@ void tell_leads(const std::string& name, const std::vector<double>& leads_s, Con
   const QuantileEstimate p05 = estimate_quantile(leads_s, 0.05);
   conclusions.values["lead" + name + "_mean_s"] = mean.mean;
   conclusions.values["lead" + name + "_p05_s"] = p05.value;
-  conclusions.lines += fmt::format(
-      "lead{}: {} falls, mean {:.0f} ms, 95 of 100 have {:.0f} ms ({:.0f} .. {:.0f})\n", name, leads_s.size(),
-      1e3 * mean.mean, 1e3 * p05.value, 1e3 * p05.confidence_95.low, 1e3 * p05.confidence_95.high);
+  conclusions.lines +=
+      fmt::format("lead{}: {} falls, mean {:.0f} ms, {} {:.0f} ms ({:.0f} .. {:.0f})\n", name, leads_s.size(),
+                  1e3 * mean.mean, leads_s.size() < kEnoughFor95Of100 ? "the least" : "95 of 100 have",
+                  1e3 * p05.value, 1e3 * p05.confidence_95.low, 1e3 * p05.confidence_95.high);
 }
 
 // Of the seeds in which trunk or head came down in both.
@@ -329,6 +332,9 @@ Experiment make_fall_detection(const FallDetectionOptions& options) {
       {.name = "impact_m_per_s", .label = "trunk or head comes down with [m/s]", .decimals = 2},
       {.name = "walked_s"},
       {.name = "side", .kind = kEvent},
+      {.name = "gave_up", .kind = kEvent},
+      {.name = "low_supply", .kind = kEvent, .label = "low supply"},
+      {.name = "energy_guard", .kind = kEvent, .label = "energy guard"},
       {.name = "failed", .kind = kEvent}};
   for (const auto& [cell, what] : shared->cases) experiment.cells.push_back(cell);
   experiment.play = [shared](std::size_t cell, std::uint64_t seed) {

@@ -58,6 +58,7 @@ void FallObserver::look_at_servos(const sim::SimBoard& board) {
   for (std::size_t joint = 0; joint < board.robot().joints.size(); ++joint) {
     const double torque_Nm = std::abs(board.world().joint(static_cast<int>(joint)).servo_Nm);
     peak_torque_Nm_ = std::max(peak_torque_Nm_, torque_Nm);
+    peak_motor_torque_Nm_ = std::max(peak_motor_torque_Nm_, std::abs(board.drive(joint).torque_Nm()));
     peak_winding_C_ = std::max(peak_winding_C_, board.drive(joint).winding_C());
   }
 }

@@ -27,8 +27,11 @@ class FallObserver {
   int stands() const { return stands_; }      // after such an attempt
   // How it lay when it first began to turn over or to rise.
   app::Reason lay() const { return lay_; }
-  // Of the servos, since it lay.
+  // Of the servos, since it lay: what the gears bear, and what the motors make of it. A link that strikes the
+  // ground stops its joint within a step or two; the gears, which are rigid here, then stop the rotor, and
+  // bear its inertia times the change of speed, divided by the time.
   double peak_torque_Nm() const { return peak_torque_Nm_; }
+  double peak_motor_torque_Nm() const { return peak_motor_torque_Nm_; }
   double peak_winding_C() const { return peak_winding_C_; }
 
  private:
@@ -56,6 +59,7 @@ class FallObserver {
   int stands_ = 0;
   app::Reason lay_ = app::Reason::kNone;
   double peak_torque_Nm_ = 0.0;
+  double peak_motor_torque_Nm_ = 0.0;
   double peak_winding_C_ = 0.0;
 };
 

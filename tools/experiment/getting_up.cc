@@ -47,7 +47,7 @@ Values play_getting_up(const sim::Scenario& scenario, const PerturbationBounds& 
   };
   Values values = watch_in_world(scenario, bounds, seed, is_over);
   const auto stood_s = getting_up.stood_s();
-  values["stood"] = stood_s && values.at("failed") == 0.0 ? 1.0 : 0.0;
+  values["stood"] = stood_s && values.at("failed") == 0.0 && values.at("energy_guard") == 0.0 ? 1.0 : 0.0;
   if (stood_s) values["stood_s"] = *stood_s;
   values["uprightness"] = getting_up.uprightness();
   return values;

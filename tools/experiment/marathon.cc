@@ -72,7 +72,8 @@ Values play(const StandingStart& start, const sim::RobotDescription& robot, cons
         return state == app::State::kFault || state == app::State::kEmergencyStop;
       });
   const bool stands = state == app::State::kStanding && end_s >= 1e-6 * static_cast<double>(end_us) - 0.01;
-  return {{"down", stands && played.at("failed") == 0.0 ? 0.0 : 1.0},
+  const bool ended_well = played.at("failed") == 0.0 && played.at("energy_guard") == 0.0;
+  return {{"down", stands && ended_well ? 0.0 : 1.0},
           {"falls", observer.falls()},
           {"attempts", observer.attempts()},
           {"stand_ups", observer.stands()},
@@ -80,6 +81,9 @@ Values play(const StandingStart& start, const sim::RobotDescription& robot, cons
           {"distance_m", distance_m},
           {"time_s", end_s},
           {"peak_winding_C", observer.peak_winding_C()},
+          {"gave_up", state == app::State::kFault || state == app::State::kEmergencyStop ? 1.0 : 0.0},
+          {"low_supply", state == app::State::kLowBattery ? 1.0 : 0.0},
+          {"energy_guard", played.at("energy_guard")},
           {"failed", played.at("failed")}};
 }
 
@@ -102,6 +106,9 @@ Experiment make_marathon(const MarathonOptions& options) {
                          {.name = "distance_m", .label = "way [m]", .decimals = 0},
                          {.name = "time_s", .label = "time [s]", .decimals = 0},
                          {.name = "peak_winding_C", .label = "hottest winding [C]", .decimals = 1},
+                         {.name = "gave_up", .kind = kEvent, .label = "given up"},
+                         {.name = "low_supply", .kind = kEvent, .label = "low supply"},
+                         {.name = "energy_guard", .kind = kEvent, .label = "energy guard"},
                          {.name = "failed", .kind = kEvent}};
   experiment.cells = {{"marathon", {{"robot", start->scenario.robot.stem().string()}}}};
   experiment.play = [options, start, robot](std::size_t, std::uint64_t seed) {

@@ -15,6 +15,13 @@ namespace {
 constexpr double kDampingRatio = 0.5;
 constexpr double kMassAbove_kg = 0.3;
 
+// Two surfaces have the friction of the more slippery one (sim_board/world/surface_contact.h), so the
+// ground's draw only counts in full if the robot has it too.
+double drawn_friction(const PerturbationBounds& bounds, std::uint64_t seed) {
+  sim::RandomStream friction(seed, "ground friction");
+  return between(friction, bounds.lowest_friction, bounds.highest_friction);
+}
+
 }  // namespace
 
 double between(sim::RandomStream& random, double low, double high) {
@@ -35,7 +42,10 @@ sim::Push half_sine_push(const std::string& link, std::uint64_t at_us, double du
 }
 
 void perturb_robot(sim::RobotDescription& robot, const PerturbationBounds& bounds, std::uint64_t seed) {
+  const double friction = drawn_friction(bounds, seed);
   for (sim::LinkDescription& link : robot.links) {
+    for (sim::BoxDescription& box : link.collisions)
+      box.surface.friction = box.surface.friction_second = friction;
     sim::RandomStream random(seed, "mass of " + link.name);
     const double factor = between(random, 1.0 - bounds.mass_share, 1.0 + bounds.mass_share);
     link.mass_kg *= factor;
@@ -54,8 +64,7 @@ void perturb_robot(sim::RobotDescription& robot, const PerturbationBounds& bound
 }
 
 void perturb_scenario(sim::Scenario& scenario, const PerturbationBounds& bounds, std::uint64_t seed) {
-  sim::RandomStream friction(seed, "ground friction");
-  scenario.ground.friction = between(friction, bounds.lowest_friction, bounds.highest_friction);
+  scenario.ground.friction = drawn_friction(bounds, seed);
   // Turned about x, then y, by the parts of a vector of the tilt's length; the whole tilt is not more.
   sim::RandomStream tilt(seed, "ground tilt");
   const double tilt_rad = between(tilt, 0.0, bounds.tilt_rad);

@@ -14,7 +14,7 @@ namespace koboshi::tools {
 // How far a seed may take the world from the one that the firmware was made for. Everything is drawn
 // uniformly between its bounds.
 struct PerturbationBounds {
-  double lowest_friction = 0.5;  // Coulomb's mu between foot and ground
+  double lowest_friction = 0.5;  // Coulomb's mu between the robot and the ground
   double highest_friction = 1.0;
   double mass_share = 0.05;   // of a link's mass, either way; its inertia goes along
   double supply_share = 0.0;  // of the supply's voltage, either way
@@ -59,9 +59,9 @@ inline constexpr double kPush_s = 0.1;                       // duration of a ha
 [[nodiscard]] sim::Push half_sine_push(const std::string& link, std::uint64_t at_us, double duration_s,
                                        const Eigen::Vector3d& impulse_W_N_s);
 
-// The links' masses, the supply and the servos of the world with this seed. The same seed gives the same
-// masses on every machine, and so for everything below; each thing has a stream of its own, so that one more
-// does not change the others.
+// The links' masses and friction, the supply and the servos of the world with this seed. The same seed gives
+// the same masses on every machine, and so for everything below; each thing has a stream of its own, so that
+// one more does not change the others.
 void perturb_robot(sim::RobotDescription& robot, const PerturbationBounds& bounds, std::uint64_t seed);
 
 // Its ground, and the sensors' noise and bias.

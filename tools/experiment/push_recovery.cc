@@ -11,6 +11,7 @@
 #include "sim_board/input/text.h"
 #include "sim_board/random/random_stream.h"
 #include "sim_board/scenario/reader.h"
+#include "tools/experiment/outcome.h"
 #include "tools/experiment/perturbation.h"
 #include "tools/experiment/scenario_trial.h"
 
@@ -52,16 +53,22 @@ Values play(const PushTrial& trial, const PushRecoveryOptions& options, const si
   sim::RobotDescription in_world = robot;
   perturb_robot(in_world, kRoughWorld, seed);
   const Eigen::Vector3d along(std::cos(trial.direction_rad), std::sin(trial.direction_rad), 0.0);
+  Values weakest_lost;  // of the pushes, for a bisection only ever goes down from one that was not survived
   const auto survives = [&](double impulse_N_s_per_kg) {
     sim::Scenario scenario =
         trial.walks ? trial.start.walking(Eigen::Vector3d::Zero(), for_s) : trial.start.standing(for_s);
     const std::uint64_t at_us = trial.start.ready_us + static_cast<std::uint64_t>(std::llround(1e6 * wait_s));
     scenario.pushes = {half_sine_push(robot.links.front().name, at_us, kPush_s,
                                       impulse_N_s_per_kg * in_world.total_mass_kg() * along)};
-    return play_in_world(scenario, kRoughWorld, seed).at("fell") == 0.0;
+    Values played = play_in_world(scenario, kRoughWorld, seed);
+    const bool survived = played.at(kLost) == 0.0;
+    if (!survived) weakest_lost = std::move(played);
+    return survived;
   };
-  return {{kImpulse, largest_survived(options.highest_N_s_per_kg, options.halvings, survives)},
-          {kPhase, phase}};
+  Values values{{kImpulse, largest_survived(options.highest_N_s_per_kg, options.halvings, survives)},
+                {kPhase, phase}};
+  if (!weakest_lost.empty()) add_outcome(weakest_lost, values);
+  return values;
 }
 
 // Of all values, or by phase the estimate that is least.
@@ -187,6 +194,8 @@ Experiment make_push_recovery(const PushRecoveryOptions& options) {
                        {{"highest_N_s_per_kg", sim::number_text(options.highest_N_s_per_kg)},
                         {"halvings", std::to_string(options.halvings)}});
   experiment.measures = {{.name = kImpulse, .label = "survived [N s/kg]"}, {.name = kPhase}};
+  const std::vector<Measure> outcomes = outcome_measures();
+  experiment.measures.insert(experiment.measures.end(), outcomes.begin(), outcomes.end());
   experiment.cells = std::move(cells);
   experiment.play = [options, trials, robot = sim::read_robot(scenario)](std::size_t cell,
                                                                          std::uint64_t seed) {
@@ -224,21 +233,33 @@ Conclusions push_recovery_conclusions(const std::vector<SurvivedPush>& pushes) {
     const SurvivedPush& least = *std::ranges::min_element(
         of_column, {}, [](const SurvivedPush& push) { return push.impulse_N_s_per_kg.value; });
     const QuantileEstimate& impulse = least.impulse_N_s_per_kg;
-    conclusions.lines += fmt::format("{}: 95 of 100 survive {:.3f} N s/kg, the least towards {} degrees\n",
-                                     column(least), impulse.value, degrees(least.direction_rad));
+    const std::string who = impulse.count < kEnoughFor95Of100
+                                ? fmt::format("the weakest of {} survives", impulse.count)
+                                : fmt::format("95 of 100 survive, by {} seeds,", impulse.count);
+    conclusions.lines += fmt::format("{}: {} {:.3f} N s/kg, the least towards {} degrees\n", column(least),
+                                     who, impulse.value, degrees(least.direction_rad));
     const std::string key = least.without == kNothing
                                 ? least.state + "_min_Ns_per_kg"
                                 : least.state + "_without_" + least.without + "_min_Ns_per_kg";
     conclusions.values[key] = impulse.value;
+    conclusions.values[key + "_seeds"] = impulse.count;
     conclusions.values[key + "_confidence_95"] = {impulse.confidence_95.low, impulse.confidence_95.high};
   }
   return conclusions;
 }
 
 PlaneFigure polar_figure(const std::vector<SurvivedPush>& pushes) {
-  PlaneFigure figure{.title = "Impulses that 95 of 100 survive [N s/kg], by the direction of the push",
-                     .x_label = "to the right",
-                     .y_label = "forward"};
+  std::size_t fewest = pushes.empty() ? 0 : pushes.front().impulse_N_s_per_kg.count;
+  for (const SurvivedPush& push : pushes) fewest = std::min(fewest, push.impulse_N_s_per_kg.count);
+  PlaneFigure figure{
+      .title =
+          fewest < kEnoughFor95Of100
+              ? fmt::format(
+                    "Impulse that the weakest of {} seeds survives [N s/kg], by the direction of the push",
+                    fewest)
+              : "Impulses that 95 of 100 survive [N s/kg], by the direction of the push",
+      .x_label = "to the right",
+      .y_label = "forward"};
   for (const double radius : {0.1, 0.2, 0.3, 0.4}) figure.curves.push_back(ring(radius));
   int colour = 0;
   for (const std::vector<SurvivedPush>& of_column : by_column(pushes)) {

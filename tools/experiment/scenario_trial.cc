@@ -3,6 +3,8 @@
 #include <memory>
 #include <mutex>
 
+#include "tools/experiment/outcome.h"
+
 namespace koboshi::tools {
 namespace {
 
@@ -13,31 +15,60 @@ std::unique_ptr<Simulation> make_simulation(const sim::Scenario& scenario, const
   return std::make_unique<Simulation>(scenario, in_process(), change);
 }
 
-// False when an error ended it.
-bool play_until(Simulation& simulation, RunRecorder& recorder, const Watch& is_over) {
+// How a run ended, and what the firmware did in it.
+struct Played {
+  bool blew_up = false;
+  bool failed = false;
+  bool low_supply = false;
+  bool gave_up = false;
+};
+
+void follow_state(const Telemetry& said, Played& played) {
+  using app::State;
+  const bool supply_low = said.reason == app::Reason::kSupplyLow;
+  played.low_supply = played.low_supply || said.state == State::kLowBattery || supply_low;
+  played.gave_up = played.gave_up || said.state == State::kFalling || said.state == State::kFault ||
+                   said.state == State::kEmergencyStop;
+}
+
+Played play_until(Simulation& simulation, RunRecorder& recorder, const Watch& is_over) {
+  Played played;
   try {
     while (!simulation.finished() && !is_over(simulation, recorder)) {
       simulation.advance();
       recorder.record();
+      follow_state(recorder.telemetry(), played);
     }
-    return true;
+  } catch (const sim::WorldBlewUp&) {
+    played.blew_up = true;
   } catch (const std::runtime_error&) {
-    return false;
+    played.failed = true;
   }
+  return played;
 }
 
 Values watch_scenario(const sim::Scenario& scenario, const RobotChange& change, const Watch& is_over) {
   const std::unique_ptr<Simulation> simulation = make_simulation(scenario, change);
   RunRecorder recorder(*simulation, nullptr);
-  const bool ended_well = play_until(*simulation, recorder, is_over);
+  const Played played = play_until(*simulation, recorder, is_over);
   Values values;
   const nlohmann::ordered_json summary = sim::to_json(recorder.summary());
   for (const auto& [key, value] : summary.items()) {
     if (value.is_number()) values[key] = value.get<double>();
     if (value.is_boolean()) values[key] = value.get<bool>() ? 1.0 : 0.0;
   }
-  values["failed"] = ended_well ? 0.0 : 1.0;
-  if (!ended_well) values["fell"] = 1.0;
+  const bool fell = recorder.fell();
+  bool lost = false;
+  const auto set = [&](const char* name, bool happened) {
+    values[name] = happened && !lost ? 1.0 : 0.0;
+    lost = lost || happened;
+  };
+  set("energy_guard", played.blew_up);
+  set("failed", played.failed);
+  set("fell", fell);
+  set("low_supply", played.low_supply);
+  set("gave_up", played.gave_up);
+  values[kLost] = lost ? 1.0 : 0.0;
   return values;
 }
 

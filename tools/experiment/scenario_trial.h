@@ -17,9 +17,8 @@ using IsOver = std::function<bool(const RunRecorder&)>;
 using Watch = std::function<bool(Simulation&, const RunRecorder&)>;
 
 // Plays a scenario in this process, without leaving files, to its end or until it is over or the robot has
-// fallen. The values are the numbers and truths of summary.json, and `failed`, 1 where the run ended with an
-// error, such as a world that blew up; that counts as a fall. May be called from several threads at a time.
-// Throws sim::InputError.
+// fallen. The values are the numbers and truths of summary.json, and the outcome
+// (tools/experiment/outcome.h). May be called from several threads at a time. Throws sim::InputError.
 [[nodiscard]] Values play_scenario(const sim::Scenario& scenario, const RobotChange& change,
                                    const IsOver& is_over = {});
 

@@ -86,22 +86,28 @@ Values play(const sim::Scenario& start, const sim::RobotDescription& robot, cons
             std::uint64_t seed) {
   FallObserver observer;
   double stood_s = 0.0;
-  const Values played =
-      watch_in_world(dropped(start, robot, options, seed), kRoughWorld, seed,
-                     [&](const Simulation& simulation, const RunRecorder& recorder) {
-                       observer.observe(simulation, recorder);
-                       if (observer.stands() > 0 && stood_s == 0.0) {
-                         const bool upright = recorder.truth().tilt_rad < kUpright_rad;
-                         if (upright) stood_s = simulation.board().world().time_s();
-                       }
-                       return stood_s > 0.0 || recorder.telemetry().state == app::State::kFault;
-                     });
-  Values values{{"failed", played.at("failed")},
+  app::State state = app::State::kBoot;
+  const Values played = watch_in_world(dropped(start, robot, options, seed), kRoughWorld, seed,
+                                       [&](const Simulation& simulation, const RunRecorder& recorder) {
+                                         observer.observe(simulation, recorder);
+                                         state = recorder.telemetry().state;
+                                         if (observer.stands() > 0 && stood_s == 0.0) {
+                                           const bool upright = recorder.truth().tilt_rad < kUpright_rad;
+                                           if (upright) stood_s = simulation.board().world().time_s();
+                                         }
+                                         return stood_s > 0.0 || state == app::State::kFault;
+                                       });
+  const bool faulted = state == app::State::kFault || state == app::State::kEmergencyStop;
+  Values values{{"gave_up", faulted ? 1.0 : 0.0},
+                {"low_supply", state == app::State::kLowBattery ? 1.0 : 0.0},
+                {"energy_guard", played.at("energy_guard")},
+                {"failed", played.at("failed")},
                 {"down", stood_s > 0.0 ? 0.0 : 1.0},
                 {"not_at_once", stood_s > 0.0 && observer.attempts() == 1 ? 0.0 : 1.0},
                 {"attempts", observer.attempts()},
                 {"lay", static_cast<double>(observer.lay())},
                 {"peak_torque_Nm", observer.peak_torque_Nm()},
+                {"peak_motor_torque_Nm", observer.peak_motor_torque_Nm()},
                 {"peak_winding_C", observer.peak_winding_C()}};
   if (stood_s > 0.0) values["time_s"] = stood_s - 1e-6 * static_cast<double>(kCommand_us);
   return values;
@@ -129,9 +135,13 @@ Experiment make_stand_up(const StandUpOptions& options) {
                          {.name = "not_at_once", .kind = kEvent, .label = "not at the first attempt"},
                          {.name = "attempts", .label = "attempts", .decimals = 2},
                          {.name = "time_s", .label = "time [s]", .decimals = 2},
-                         {.name = "peak_torque_Nm", .label = "peak torque [N m]", .decimals = 2},
+                         {.name = "peak_motor_torque_Nm", .label = "motor, peak [N m]", .decimals = 2},
+                         {.name = "peak_torque_Nm", .label = "gears, peak [N m]", .decimals = 2},
                          {.name = "peak_winding_C", .label = "hottest winding [C]", .decimals = 1},
                          {.name = "lay"},
+                         {.name = "gave_up", .kind = kEvent, .label = "given up"},
+                         {.name = "low_supply", .kind = kEvent, .label = "low supply"},
+                         {.name = "energy_guard", .kind = kEvent, .label = "energy guard"},
                          {.name = "failed", .kind = kEvent}};
   experiment.cells = {{"dropped", {{"lies", "as it was dropped"}}}};
   experiment.play = [options, start, robot](std::size_t, std::uint64_t seed) {

@@ -45,4 +45,8 @@ struct QuantileEstimate {
 
 QuantileEstimate estimate_quantile(std::span<const double> values, double share);
 
+// Of fewer values than this the weakest is what the 5 % quantile is taken from, and no "95 of 100" may be
+// said.
+inline constexpr std::size_t kEnoughFor95Of100 = 20;
+
 }  // namespace koboshi::tools

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "sim_board/input/text.h"
+#include "tools/experiment/outcome.h"
 #include "tools/experiment/scenario_trial.h"
 
 namespace koboshi::tools {
@@ -65,12 +66,14 @@ const std::vector<Kind>& kinds() {
 
 std::vector<Measure> terrain_measures() {
   using enum Measure::Kind;
-  return {{.name = "not_passed", .kind = kEvent, .label = "not passed", .most_share = kMostFailures},
-          {.name = "fell", .kind = kEvent, .label = "falls"},
-          {.name = "speed_m_per_s", .label = "speed [m/s]"},
-          {.name = "lateral_drift_m", .label = "drift [m]", .decimals = 2},
-          {.name = "heading_drift_rad", .label = "turned [rad]", .decimals = 2},
-          {.name = "failed", .kind = kEvent}};
+  std::vector<Measure> measures{
+      {.name = "not_passed", .kind = kEvent, .label = "not passed", .most_share = kMostFailures}};
+  const std::vector<Measure> outcomes = outcome_measures();
+  measures.insert(measures.end(), outcomes.begin(), outcomes.end());
+  measures.insert(measures.end(), {{.name = "speed_m_per_s", .label = "speed [m/s]"},
+                                   {.name = "lateral_drift_m", .label = "drift [m]", .decimals = 2},
+                                   {.name = "heading_drift_rad", .label = "turned [rad]", .decimals = 2}});
+  return measures;
 }
 
 Values play(const StandingStart& start, const TerrainOptions& options, std::uint64_t seed) {
@@ -80,7 +83,7 @@ Values play(const StandingStart& start, const TerrainOptions& options, std::uint
       [&](const RunRecorder& recorder) { return recorder.walk().made_good().x() >= options.way_m; });
   const bool arrived =
       values.contains("distance_m") && values.at("distance_m") >= (1.0 - 1e-9) * options.way_m;
-  values["not_passed"] = values.at("fell") != 0.0 || !arrived ? 1.0 : 0.0;
+  values["not_passed"] = values.at(kLost) != 0.0 || !arrived ? 1.0 : 0.0;
   if (values["not_passed"] != 0.0) {
     for (const char* name : {"speed_m_per_s", "lateral_drift_m", "heading_drift_rad"}) values.erase(name);
   }

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "sim_board/input/text.h"
+#include "tools/experiment/outcome.h"
 #include "tools/experiment/scenario_trial.h"
 
 namespace koboshi::tools {
@@ -18,15 +19,17 @@ constexpr const char* kFailure = "not_sustained";
 
 std::vector<Measure> walk_measures() {
   using enum Measure::Kind;
-  return {{.name = kFailure, .kind = kEvent, .label = "not sustained", .most_share = kMostFailures},
-          {.name = "fell", .kind = kEvent, .label = "falls"},
-          {.name = "speed_m_per_s", .label = "speed [m/s]"},
-          {.name = "turn_rad_per_s", .label = "turn [rad/s]"},
-          {.name = "drift_m", .label = "drift [m]", .decimals = 2},
-          {.name = "energy_J_per_m", .label = "energy [J/m]", .decimals = 0},
-          {.name = "energy_J_per_rad", .label = "energy [J/rad]", .decimals = 1},
-          {.name = "heading_off_deg", .label = "heading off [deg]", .decimals = 1},
-          {.name = "failed", .kind = kEvent}};
+  std::vector<Measure> measures{
+      {.name = kFailure, .kind = kEvent, .label = "not sustained", .most_share = kMostFailures}};
+  const std::vector<Measure> outcomes = outcome_measures();
+  measures.insert(measures.end(), outcomes.begin(), outcomes.end());
+  measures.insert(measures.end(), {{.name = "speed_m_per_s", .label = "speed [m/s]"},
+                                   {.name = "turn_rad_per_s", .label = "turn [rad/s]"},
+                                   {.name = "drift_m", .label = "drift [m]", .decimals = 2},
+                                   {.name = "energy_J_per_m", .label = "energy [J/m]", .decimals = 0},
+                                   {.name = "energy_J_per_rad", .label = "energy [J/rad]", .decimals = 1},
+                                   {.name = "heading_off_deg", .label = "heading off [deg]", .decimals = 1}});
+  return measures;
 }
 
 // +1 or -1 of what may go either way.
@@ -81,9 +84,10 @@ const std::vector<std::string>& SpeedLadder::names() {
 
 Values judge_walk(Direction direction, double way, double sign, double time_s,
                   const Values& scenario_values) {
-  Values judged{{"fell", scenario_values.at("fell")}, {"failed", scenario_values.at("failed")}};
+  Values judged;
+  add_outcome(scenario_values, judged);
   judged[kFailure] = 1.0;
-  if (judged["fell"] != 0.0 || !scenario_values.contains("distance_m")) return judged;
+  if (judged[kLost] != 0.0 || !scenario_values.contains("distance_m")) return judged;
   const Eigen::Vector3d made(scenario_values.at("distance_m"), scenario_values.at("lateral_drift_m"),
                              scenario_values.at("heading_drift_rad"));
   const Eigen::Vector3d ahead = velocity_of(direction, sign);

@@ -8,6 +8,7 @@
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
 #include "sim_board/record/output_folder.h"
+#include "tools/experiment/outcome.h"
 #include "tools/tune/optimiser.h"
 
 namespace koboshi::tools {
@@ -49,7 +50,7 @@ class GaitSearch {
     }
     std::string head = "evaluation";
     for (const SearchedNumber& number : numbers_) head += "," + number.key;
-    log_.write(head + ",reward_m_per_s\n");
+    log_.write(head + ",foot_lift_m,reward_m_per_s\n");
   }
 
   GaitSearchResult search() {
@@ -86,12 +87,13 @@ class GaitSearch {
     best_ = std::max(best_, reward);
     std::string line = std::to_string(++done_);
     for (const SearchedNumber& number : numbers_) line += "," + sim::number_text(numbers.at(number.key));
-    log_.write(line + "," + sim::number_text(reward) + "\n");
+    log_.write(line + "," + sim::number_text(lift_m_) + "," + sim::number_text(reward) + "\n");
     if (progress_) progress_({done_, options_.evaluations, reward, best_});
     return -reward;
   }
 
   double mean_reward(const GaitNumbers& numbers) {
+    lift_m_ = std::numeric_limits<double>::quiet_NaN();
     GyroFeedbackOptions options = options_.experiment;
     options.overrides.push_back(
         {"gait.file", "\"" + std::filesystem::absolute(options_.start).string() + "\""});
@@ -102,6 +104,7 @@ class GaitSearch {
           experiment, {.log = options_.out / "trials.jsonl", .jobs = options_.jobs, .batch = options.seeds});
       double sum = 0.0;
       for (const Trial& trial : result.cells.front().played) sum += reward(trial.values, duration_s_);
+      lift_m_ = mean_of(result.cells.front(), {.name = "foot_lift_m"}).mean;
       return sum / static_cast<double>(options.seeds);
     } catch (const sim::InputError&) {
       if (done_ == 0) throw;  // the file that the search begins with is wrong
@@ -116,6 +119,9 @@ class GaitSearch {
   sim::OutputFile log_;
   std::vector<SearchedNumber> numbers_;
   std::size_t done_ = 0;
+  // Achieved in the last evaluation: legs and ground that give way leave less of what the gait asks for. Not
+  // a number without a whole step.
+  double lift_m_ = 0.0;
   double best_ = -std::numeric_limits<double>::infinity();
 };
 
@@ -145,7 +151,7 @@ std::vector<SearchedNumber> searched_numbers() {
 
 double reward(const Values& values, double duration_s) {
   if (!values.contains("distance_m")) return kWorst;  // it has not even begun
-  if (values.at("fell") != 0.0) return kWorst * (1.0 - values.at("duration_s") / duration_s);
+  if (values.at(kLost) != 0.0) return kWorst * (1.0 - values.at("duration_s") / duration_s);
   const double way_m = std::max(std::abs(values.at("distance_m")), kShortestWay_m);
   const double drift = std::min(1.0, std::abs(values.at("lateral_drift_m")) / way_m);
   return values.at("speed_m_per_s") - kDriftCost_m_per_s * drift -

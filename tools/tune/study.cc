@@ -6,6 +6,7 @@
 
 #include "sim_board/input/yaml_reader.h"
 #include "sim_board/scenario/paths.h"
+#include "tools/experiment/outcome.h"
 
 namespace koboshi::tools {
 namespace {
@@ -82,7 +83,7 @@ double worth(const StudiedTrial& trial, const Values& values, double duration_s)
     if (values.at("stood") == 0.0) return values.at("uprightness") - 1.0;
     return trial.wanted / std::max(values.at("stood_s"), trial.wanted);
   }
-  if (values.at("fell") != 0.0) return values.at("duration_s") / duration_s - 1.0;
+  if (values.at(kLost) != 0.0) return values.at("duration_s") / duration_s - 1.0;
   if (trial.reward == kSurvival) return 1.0;
   if (!values.contains("distance_m")) return -1.0;  // it has not even begun
   const double speed = values.at("speed_m_per_s");

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim_board/world/surface_contact.h"
+
 namespace koboshi::tools {
 namespace {
 
@@ -47,6 +49,28 @@ TEST(Perturbation, KeepsMassesWithinTheirBoundsAndUsesAllOfThem) {
   EXPECT_LT(lowest, 0.951);
   EXPECT_LE(highest, 1.05);
   EXPECT_GT(highest, 1.049);
+}
+
+// Where robot and ground meet, not of the ground alone: the robot's own soles would cut it off at 0.8.
+TEST(Perturbation, GivesTheContactsTheFrictionThatItDraws) {
+  double lowest = 1.0;
+  double highest = 0.0;
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    sim::RobotDescription robot = two_links();
+    robot.links[1].collisions.resize(1);
+    sim::Scenario scenario;
+    perturb_robot(robot, {}, seed);
+    perturb_scenario(scenario, {}, seed);
+    sim::SurfaceDescription ground;
+    ground.friction = ground.friction_second = scenario.ground.friction.value();
+    const sim::SurfaceContact contact = sim::meet(robot.links[1].collisions[0].surface, ground, 0.001);
+    EXPECT_DOUBLE_EQ(contact.friction, ground.friction);
+    EXPECT_FALSE(contact.has_direction());
+    lowest = std::min(lowest, contact.friction);
+    highest = std::max(highest, contact.friction);
+  }
+  EXPECT_LT(lowest, 0.501);
+  EXPECT_GT(highest, 0.999);
 }
 
 TEST(Perturbation, GivesEveryServoABacklashAndAnEncoderOffsetOfItsOwn) {

@@ -22,6 +22,23 @@ TEST(Bisection, FindsTheLargestThatIsSurvived) {
   EXPECT_DOUBLE_EQ(largest_survived(0.8, 4, up_to(2.0)), 0.75);
 }
 
+// Nothing that five seeds did says what 95 of 100 do.
+TEST(PushRecovery, SpeaksOfTheWeakestOfFewSeeds) {
+  PushRecoveryOptions options;
+  options.directions = 1;
+  Experiment experiment;
+  experiment.cells = {
+      {"standing", {{"state", "standing"}, {"without", "nothing"}, {"direction_deg", "0.0"}}}};
+  ExperimentResult result;
+  result.cells.resize(1);
+  for (std::uint64_t seed = 0; seed < 5; ++seed)
+    result.cells[0].played.push_back({0, seed, {{"impulse_N_s_per_kg", 0.36}, {"phase", 0.5}}});
+  const std::vector<SurvivedPush> pushes = survived_pushes(options, experiment, result);
+  EXPECT_EQ(push_recovery_conclusions(pushes).lines,
+            "standing: the weakest of 5 survives 0.360 N s/kg, the least towards 0.0 degrees\n");
+  EXPECT_EQ(polar_figure(pushes).title.find("95 of 100"), std::string::npos);
+}
+
 // Standing survives 0.3 from all sides, walking 0.2, but for one phase of one direction.
 TEST(PushRecovery, TellsTheWorstPhaseOfTheWorstDirection) {
   PushRecoveryOptions options;
@@ -52,6 +69,8 @@ TEST(PushRecovery, TellsTheWorstPhaseOfTheWorstDirection) {
   EXPECT_EQ(conclusions.values.at("standing_min_Ns_per_kg"), 0.3);
   EXPECT_EQ(conclusions.values.at("walking_min_Ns_per_kg"), 0.1);
   EXPECT_NE(conclusions.table(TableStyle::kTerminal).find("180.0"), std::string::npos);
+
+  EXPECT_NE(conclusions.lines.find("standing: 95 of 100 survive, by 40 seeds, 0.300"), std::string::npos);
 
   const PlaneFigure figure = polar_figure(pushes);
   const std::vector<Point>& walking = figure.curves.back().points;

@@ -12,7 +12,11 @@ namespace {
 using Direction = SpeedLadder::Direction;
 
 Values walked(double ahead_m, double left_m, double turned_rad) {
-  return {{"fell", 0.0},
+  return {{"lost", 0.0},
+          {"fell", 0.0},
+          {"gave_up", 0.0},
+          {"low_supply", 0.0},
+          {"energy_guard", 0.0},
           {"failed", 0.0},
           {"distance_m", ahead_m},
           {"lateral_drift_m", left_m},
@@ -48,8 +52,12 @@ TEST(JudgedWalk, MayGoToEitherSide) {
 
 TEST(JudgedWalk, HasNoSpeedWhereItFellOrCameShort) {
   Values fallen = walked(4.0, 0.0, 0.0);
-  fallen["fell"] = 1.0;
-  for (const Values& values : {fallen, walked(3.9, 0.0, 0.0), Values{{"fell", 0.0}, {"failed", 0.0}}}) {
+  fallen["lost"] = fallen["fell"] = 1.0;
+  Values given_up = walked(4.0, 0.0, 0.0);
+  given_up["lost"] = given_up["gave_up"] = 1.0;
+  Values never_walked = walked(0.0, 0.0, 0.0);
+  never_walked.erase("distance_m");
+  for (const Values& values : {fallen, given_up, walked(3.9, 0.0, 0.0), never_walked}) {
     const Values judged = judge_walk(Direction::kForward, 4.0, 1.0, 20.0, values);
     EXPECT_EQ(judged.at("not_sustained"), 1.0);
     EXPECT_FALSE(judged.contains("speed_m_per_s"));

@@ -12,7 +12,7 @@ namespace {
 constexpr double kDuration_s = 10.0;
 
 Values walked(double speed_m_per_s) {
-  return {{"fell", 0.0},
+  return {{"lost", 0.0},
           {"duration_s", kDuration_s},
           {"distance_m", 1.0},
           {"speed_m_per_s", speed_m_per_s},
@@ -25,7 +25,7 @@ Values with(Values values, const std::string& name, double value) {
   return values;
 }
 
-Values fallen(double after_s) { return with(with(walked(0.5), "fell", 1.0), "duration_s", after_s); }
+Values fallen(double after_s) { return with(with(walked(0.5), "lost", 1.0), "duration_s", after_s); }
 
 TEST(Reward, PutsEveryWalkBeforeEveryFall) {
   const Values worst_walk = with(with(walked(0.0), "lateral_drift_m", -3.0), "foot_slip_max_m", 0.02);
@@ -34,7 +34,7 @@ TEST(Reward, PutsEveryWalkBeforeEveryFall) {
   EXPECT_GT(reward(fallen(9.0), kDuration_s), reward(fallen(5.0), kDuration_s));
   EXPECT_GT(reward(walked(0.1), kDuration_s), reward(fallen(9.9), kDuration_s));
   EXPECT_GT(reward(worst_walk, kDuration_s), reward(fallen(5.0), kDuration_s));
-  EXPECT_EQ(reward({{"fell", 0.0}, {"duration_s", kDuration_s}}, kDuration_s), -1.0);
+  EXPECT_EQ(reward({{"lost", 0.0}, {"duration_s", kDuration_s}}, kDuration_s), -1.0);
 }
 
 TEST(Reward, CountsDriftAndSlip) {
