@@ -20,7 +20,7 @@ struct WalkSummary {
   double zmp_margin_p05_m = 0.0;           // 5th percentile of the true ZMP's distance to the support's edge
   double zmp_sensor_vs_truth_rms_m = 0.0;  // by the ankle sensors against the contact forces
   double roll_rms_rad = 0.0;               // of the trunk, true
-  double foot_lift_m = 0.0;                // median over the steps of a sole's greatest true height
+  double foot_lift_m = 0.0;  // of a sole's lowest corner, greatest in a step, median over the steps
 };
 
 // What a run comes to. The same inputs and seed give the same bytes of summary.json: no path, date or host is

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "sim_board/world/ground_truth.h"
@@ -45,7 +46,11 @@ void TruthObserver::observe_feet(const sim::World& world) {
     const sim::Foot& foot = *feet_[side];
     const sim::FootPressure pressure = sim::foot_pressure(robot_, foot, world);
     truth_.X_WSole[side] = world.body(foot.link).X_WL * foot.X_LSole;
-    truth_.foot_height_m[side] = sim::height_above(ground_, truth_.X_WSole[side].translation());
+    truth_.foot_height_m[side] = std::numeric_limits<double>::infinity();
+    for (const Eigen::Vector3d& corner_L : foot.corners_L) {
+      const double height_m = sim::height_above(ground_, world.body(foot.link).X_WL * corner_L);
+      truth_.foot_height_m[side] = std::min(truth_.foot_height_m[side], height_m);
+    }
     truth_.foot_load_N[side] = pressure.load_N;
     observe_slip(side);
     truth_.foot_zmp_S_m[side].reset();

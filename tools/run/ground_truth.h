@@ -33,7 +33,7 @@ struct GroundTruth {
   // in the world. Below sim::kLoaded_N there is none.
   std::array<std::optional<Eigen::Vector2d>, 2> foot_zmp_S_m;
   std::optional<Eigen::Vector3d> p_WZmp_W;
-  // Of the soles' centres above the ground, by Side.
+  // Of the lowest corner of each sole above the ground, by Side.
   std::array<double, 2> foot_height_m{};
   // Distance of the latter from the edge of the support polygon, seen from above; positive inside. The
   // polygon is the convex hull of the points on which the loaded feet rest (sim_board/world/foot.h).

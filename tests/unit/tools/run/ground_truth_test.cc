@@ -77,6 +77,18 @@ TEST_F(Truth, TiltAndAnglesAreThoseOfTheTrunk) {
   EXPECT_NEAR(truth.tilt_rad, std::acos(std::cos(0.2) * std::cos(0.1)), 1e-12);
 }
 
+TEST_F(Truth, HeightOfAFootIsThatOfItsLowestCorner) {
+  world_.pose(Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 0.18)));
+  EXPECT_NEAR(observer_.observe(world_, telemetry_).foot_height_m[0], 0.01, 1e-9);
+  world_.pose(Eigen::Translation3d(0.0, 0.0, 0.2) * Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY()));
+  const GroundTruth& pitched = observer_.observe(world_, telemetry_);
+  for (std::size_t side = 0; side < 2; ++side) {
+    const double centre_m = pitched.X_WSole[side].translation().z();
+    EXPECT_LT(pitched.foot_height_m[side], centre_m - 0.003);  // a sole is 100 mm long
+    EXPECT_GT(pitched.foot_height_m[side], centre_m - 0.008);
+  }
+}
+
 TEST_F(Truth, SlipIsCountedFromWhereAFootTookLoad) {
   world_.load(left_foot_, 6.0);
   observer_.observe(world_, telemetry_);
