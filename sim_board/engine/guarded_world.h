@@ -13,9 +13,8 @@ namespace koboshi::sim {
 // may only take. The difference is followed from its lowest value on, and a rise beyond
 // options.energy_tolerance_J_per_kg times the robot's mass, and beyond what the ground's springs had taken in
 // the last tenths of a second, ends the run: step() throws WorldBlewUp with time, the link that gained most
-// and what it touched. The tolerance is there for what the check itself cannot see: forces at the beginning of an impact,
-// friction that stores energy in a contact's softness, and what the second paragraph leaves out. In falls these come
-// to millijoules and more, so that a run that ends is worth a look, and one that does not proves no exact balance.
+// and what it touched. None of the 200 falls of docs/experiment/contacts.md came to that; how much of the
+// tolerance falls use was not measured.
 //
 // Work is torque times the mean of the speeds before and after a step, which for the solvers here is what the
 // torque does to the kinetic energy, exactly; what the turning of the links adds is of second order in the
