@@ -1,10 +1,10 @@
 #pragma once
 
-#include "firmware/app/catalogue.h"
 #include "firmware/app/dictionary.h"
 #include "firmware/canopen/described_object.h"
 #include "firmware/canopen/object.h"
 #include "firmware/canopen/value_names.h"
+#include "firmware/storage/catalogue.h"
 
 // The controller's objects: from this table come the rows in flash, controller.eds, koboshi.dbc and the page
 // docs/reference/object-dictionary.md (`koboshi dictionary write`).
@@ -429,7 +429,7 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
      {.name = "Torque of joint", .unit = kTorqueShareUnit, .comment = "Of the drive's rated torque."}},
     canopen::heading(kMotionObject, "Motion images",
                      "Motion n at sub-index n + 1; kept in storage once it is complete and valid."),
-    {canopen::domain(kMotionObject, 1, kReadWrite).repeated(kMaxMotions, 0),
+    {canopen::domain(kMotionObject, 1, kReadWrite).repeated(storage::kMaxMotions, 0),
      {.name = "Image of motion", .comment = "Written only while the robot stands or is limp."}},
 };
 static_assert(canopen::is_described(kControllerObjects));

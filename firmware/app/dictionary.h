@@ -3,38 +3,31 @@
 #include <array>
 #include <cstdint>
 
-#include "firmware/app/behaviour.h"
 #include "firmware/app/calibration.h"
 #include "firmware/balance/feedback.h"
+#include "firmware/behaviour/command.h"
+#include "firmware/behaviour/parameters.h"
+#include "firmware/behaviour/state.h"
 #include "firmware/canopen/node.h"
 #include "firmware/drive/signals.h"
 #include "firmware/drive/trouble.h"
-#include "firmware/recovery/parameters.h"
 #include "firmware/robot/model.h"
 #include "firmware/walk/gait.h"
 #include "firmware/walk/velocity.h"
 
 namespace koboshi::app {
 
-// Commands to the controller, as RPDO 1 (identifier 0x201: command u8, argument i16) or by SDO to object
-// 0x2000.
-enum class Command : std::uint8_t {
-  kNone = 0,
-  kEnable = 1,
-  kLimp = 2,
-  kPlay = 3,  // argument: number of the motion
-  kStop = 4,  // the motion or the walk comes to its end
-  kEmergencyStop = 5,
-  kReset = 6,
-  kWalk = 7,       // with the velocity of object 0x2110, until kStop
-  kCalibrate = 8,  // the gyro's bias at rest goes into the parameters
-  kGetUp = 9,      // as after a fall
-};
+using behaviour::Command;
+using behaviour::Event;
+using behaviour::Reason;
+using behaviour::State;
 
 // Found by studies/walk.yaml.
 inline constexpr balance::FeedbackGains kWalkingGains{
     .rate = {.ankle_pitch = 25, .ankle_roll = 252, .hip_roll = 82, .knee = 70, .hip_pitch = 59},
     .lean = {.ankle_pitch = -410, .ankle_roll = 287, .hip_roll = 922, .knee = -614, .hip_pitch = -307}};
+inline constexpr balance::FeedbackParameters kFactoryFeedback{
+    .motion = {}, .standing = {}, .walking = kWalkingGains};
 
 // Bits of object 0x1F80 (CiA 302-2).
 inline constexpr std::uint32_t kNmtMaster = 1u << 0;       // always set
@@ -49,7 +42,7 @@ struct ControllerValues {
   struct {
     Command command = Command::kNone;
     std::int16_t argument = 0;
-  } request;  // 0x2000
+  } request;  // 0x2000: RPDO 1 (identifier 0x201), or by SDO
   struct {
     State state = State::kBoot;
     Reason reason = Reason::kNone;
@@ -68,29 +61,19 @@ struct ControllerValues {
     std::int16_t acceleration[3] = {};  // 2^-8 m/s^2
   } attitude;                           // 0x2010
   struct {
-    std::int16_t foot_zmp[2][2] = {};  // x, y of each foot in its sole's frame; 2^-15 m, as all here
-    std::int16_t zmp[2] = {};          // x, y of both feet, in the frame of the sole that carries more
-    std::int16_t com[3] = {};          // centre of mass by the joints, in the same frame
-    std::uint8_t flags = 0;            // kLeftZmpValid and its like; what is not valid is zero
-  } balance;                           // 0x2011
-  std::int16_t ankles[2][6] = {};      // 0x2020, 0x2021: force and torque in the sensor's counts
-  struct {
-    std::uint16_t supply_min_mV = 6000;
-    std::uint16_t supply_max_mV = 9000;
-    std::int16_t ramp_rate = 683;        // of the soft start, 2^-12 turn/s: 60 degrees a second
-    std::uint16_t supply_low_mV = 6300;  // what the battery should not fall below
-  } parameters;                          // 0x2100
-  struct {
-    balance::JointGains motion;  // of the rate: what a motion means the trunk to lean, nobody knows
-    balance::FeedbackGains standing;
-    balance::FeedbackGains walking = kWalkingGains;
-    std::int16_t standing_dead_band = 0;  // 2^-12 turn/s
-  } feedback;                             // 0x2101 to 0x2106
-  walk::Velocity velocity;                // 0x2110; always within its limits
-  walk::VelocityLimits velocity_limits;   // 0x2111
-  Calibration calibration;                // 0x2120..0x2122
-  walk::WalkParameters walk;              // 0x2130 to 0x2132
-  recovery::RecoveryParameters recovery;  // 0x2140 and 0x2141
+    std::int16_t foot_zmp[2][2] = {};     // x, y of each foot in its sole's frame; 2^-15 m, as all here
+    std::int16_t zmp[2] = {};             // x, y of both feet, in the frame of the sole that carries more
+    std::int16_t com[3] = {};             // centre of mass by the joints, in the same frame
+    std::uint8_t flags = 0;               // kLeftZmpValid and its like; what is not valid is zero
+  } balance;                              // 0x2011
+  std::int16_t ankles[2][6] = {};         // 0x2020, 0x2021: force and torque in the sensor's counts
+  behaviour::PowerParameters parameters;  // 0x2100
+  balance::FeedbackParameters feedback = kFactoryFeedback;  // 0x2101 to 0x2106
+  walk::Velocity velocity;                                  // 0x2110; always within its limits
+  walk::VelocityLimits velocity_limits;                     // 0x2111
+  Calibration calibration;                                  // 0x2120..0x2122
+  walk::WalkParameters walk;                                // 0x2130 to 0x2132
+  behaviour::RecoveryParameters recovery;                   // 0x2140 and 0x2141
   struct {
     std::uint32_t model_id = 0;
     std::uint32_t motions = 0;  // bit n: motion n is valid

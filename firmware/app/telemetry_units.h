@@ -5,6 +5,7 @@
 #include "firmware/fixed/rounding.h"
 #include "firmware/fixed/saturating.h"
 #include "firmware/fixed/units.h"
+#include "firmware/robot/geometry.h"
 
 namespace koboshi::app {
 
@@ -17,5 +18,13 @@ constexpr std::int16_t narrow(fixed::Angle angle) { return narrow_raw(angle.raw(
 constexpr std::int16_t narrow(fixed::AngularRate rate) { return narrow_raw(rate.raw(), 12); }  // 2^-12 turn/s
 constexpr std::int16_t narrow(fixed::Acceleration a) { return narrow_raw(a.raw(), 12); }       // 2^-8 m/s^2
 constexpr std::int16_t narrow(fixed::Length length) { return narrow_raw(length.raw(), 9); }    // 2^-15 m
+
+// The three components of a vector, into an array of the dictionary.
+template <typename Q>
+constexpr void narrow(const robot::Vector<Q>& vector, std::int16_t (&shown)[3]) {
+  shown[0] = narrow(vector.x);
+  shown[1] = narrow(vector.y);
+  shown[2] = narrow(vector.z);
+}
 
 }  // namespace koboshi::app

@@ -21,6 +21,12 @@ fixed::Angle correction(std::int16_t rate_gain, fixed::AngularRate rate, std::in
   return fixed::Angle::from_raw(static_cast<std::int32_t>(std::clamp(angle_raw, -kMax_raw, kMax_raw)));
 }
 
+// What is left of a rate outside the dead band.
+constexpr fixed::AngularRate beyond(fixed::AngularRate rate, fixed::AngularRate dead_band) {
+  if (rate > dead_band) return rate - dead_band;
+  return rate < -dead_band ? rate + dead_band : fixed::AngularRate();
+}
+
 }  // namespace
 
 Feedback::Feedback(const robot::RobotModel& model) {
@@ -34,7 +40,7 @@ Feedback::Feedback(const robot::RobotModel& model) {
   }
 }
 
-void Feedback::correct(const FeedbackGains& gains, const TrunkMotion& trunk,
+void Feedback::correct(const FeedbackGains& gains, const estimation::TrunkMotion& trunk,
                        std::span<fixed::Angle> targets) const {
   const auto& [rate, lean] = gains;
   const auto in_roll = [&](std::int16_t JointGains::*joint) {
@@ -58,6 +64,25 @@ void Feedback::correct(const FeedbackGains& gains, const TrunkMotion& trunk,
     turn(leg.knee, knee);
     turn(leg.ankle_pitch, ankle_pitch);
     turn(leg.ankle_roll, ankle_roll);
+  }
+}
+
+void Feedback::correct(FeedbackMode mode, const FeedbackParameters& parameters,
+                       const estimation::TrunkMotion& trunk, std::span<fixed::Angle> targets) const {
+  switch (mode) {
+    case FeedbackMode::kNone:
+      return;
+    case FeedbackMode::kMotion:
+      return correct({.rate = parameters.motion, .lean = {}}, trunk, targets);
+    case FeedbackMode::kWalking:
+      return correct(parameters.walking, trunk, targets);
+    case FeedbackMode::kStanding: {
+      const auto dead_band = fixed::AngularRate::from_raw(parameters.standing_dead_band << 12);
+      estimation::TrunkMotion beyond_it = trunk;
+      beyond_it.roll_rate = beyond(trunk.roll_rate, dead_band);
+      beyond_it.pitch_rate = beyond(trunk.pitch_rate, dead_band);
+      return correct(parameters.standing, beyond_it, targets);
+    }
   }
 }
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/balance/trunk_motion.h"
+#include "firmware/estimation/trunk_motion.h"
 #include "firmware/fixed/literals.h"
 #include "firmware/robot/model.h"
 
@@ -28,6 +28,16 @@ struct FeedbackGains {
   friend bool operator==(const FeedbackGains&, const FeedbackGains&) = default;
 };
 
+// The gains and dead band of every mode, objects 0x2101 to 0x2106.
+struct FeedbackParameters {
+  JointGains motion;  // of the rate: what a motion means the trunk to lean, nobody knows
+  FeedbackGains standing;
+  FeedbackGains walking;
+  std::int16_t standing_dead_band = 0;  // 2^-12 turn/s: what is left of slower rates is none
+};
+
+enum class FeedbackMode : std::uint8_t { kNone, kStanding, kMotion, kWalking };
+
 // Turns the joints of both legs so that they turn the trunk back. In proportion to its rate it is the paper's
 // gyro feedback, by the law of ROBOTIS' OP3 (op3_online_walking_module); in proportion to its lean, feedback
 // of the attitude. In the ankles it moves the ZMP under the feet, in the hips it swings the trunk.
@@ -48,7 +58,11 @@ class Feedback {
 
   // Adds the corrections to the targets of the leg joints, which the caller then clamps to their limits.
   // Targets saturate at half a turn.
-  void correct(const FeedbackGains& gains, const TrunkMotion& trunk, std::span<fixed::Angle> targets) const;
+  void correct(const FeedbackGains& gains, const estimation::TrunkMotion& trunk,
+               std::span<fixed::Angle> targets) const;
+  // The same with the gains of a mode; nothing in kNone.
+  void correct(FeedbackMode mode, const FeedbackParameters& parameters, const estimation::TrunkMotion& trunk,
+               std::span<fixed::Angle> targets) const;
 
  private:
   struct Joint {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include "firmware/fixed/saturating.h"
 
@@ -170,6 +171,7 @@ void DriveGroup::read_supply(std::uint64_t now_us) {
 }
 
 void DriveGroup::observe(std::uint64_t now_us) {
+  new_supply_mV_ = std::exchange(told_supply_mV_, std::nullopt);
   answering_ = phase_ == Phase::kBooted && answered_ != 0;
   if (phase_ != Phase::kBooted) return;
   watch_answers();
@@ -253,11 +255,27 @@ fixed::Angle DriveGroup::angle(std::size_t joint) const {
   return robot::joint_angle(model_.joints[joint].drive, signals_.position[joint]);
 }
 
-bool DriveGroup::within_limits(std::size_t joint, fixed::Angle margin) const {
+DriveStatus DriveGroup::status() const {
+  DriveStatus status{.configured = configured(),
+                     .booted = booted(),
+                     .disabled = all_in(State::kSwitchOnDisabled),
+                     .enabled = enabled_,
+                     .limp = all_limp(),
+                     .trouble = trouble_,
+                     .supply_mV = supply_mV_,
+                     .new_supply_mV = new_supply_mV_};
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
+    status.angles[joint] = angle(joint);
+    if (!within_limits(joint)) status.beyond_limits |= 1u << joint;
+  }
+  return status;
+}
+
+bool DriveGroup::within_limits(std::size_t joint) const {
   const robot::Joint& limits = model_.joints[joint];
   const std::int64_t raw = angle(joint).raw();
-  return raw >= std::int64_t{limits.lower.raw()} - margin.raw() &&
-         raw <= std::int64_t{limits.upper.raw()} + margin.raw();
+  return raw >= std::int64_t{limits.lower.raw()} - kEncoderMargin.raw() &&
+         raw <= std::int64_t{limits.upper.raw()} + kEncoderMargin.raw();
 }
 
 bool DriveGroup::all_in(State wanted) const {

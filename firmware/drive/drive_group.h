@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <utility>
 
 #include "firmware/canopen/cia402.h"
 #include "firmware/canopen/emergency.h"
@@ -12,7 +11,9 @@
 #include "firmware/canopen/sdo_client.h"
 #include "firmware/drive/configuration.h"
 #include "firmware/drive/signals.h"
+#include "firmware/drive/status.h"
 #include "firmware/drive/trouble.h"
+#include "firmware/fixed/literals.h"
 #include "firmware/robot/model.h"
 
 namespace koboshi::drive {
@@ -40,6 +41,9 @@ class DriveGroup {
   static constexpr std::uint64_t kBootTimeout_us = 1'000'000;  // from the resets to the last boot-up message
   static constexpr std::uint64_t kEnableTimeout_us = 500'000;  // from the goal to operation enabled
   static constexpr std::uint64_t kSupplyPeriod_us = 250'000;   // from one drive's supply to the next one's
+  // An encoder may stand this far outside the joint's limits: backlash and offset of a robot that leans on
+  // its stops. The first target then draws the joint back to its limit.
+  static constexpr auto kEncoderMargin = fixed::literals::operator""_deg(2.0L);
   static constexpr std::uint8_t kMissedAnswers = 5;  // cycles without an answer after which a drive is lost
 
   // All must outlive the group. Frames go to `sink` as NMT master and SDO client.
@@ -72,8 +76,12 @@ class DriveGroup {
   }
   // Where the joint is, as its drive said last. Meaningful once booted.
   fixed::Angle angle(std::size_t joint) const;
-  // Its drive's encoder within the joint's limits, give or take `margin`.
-  bool within_limits(std::size_t joint, fixed::Angle margin) const;
+  // What all of them say now.
+  DriveStatus status() const;
+  // Every drive in this state, as each said last.
+  bool all_in(canopen::cia402::State state) const;
+  // None makes torque, as each said last.
+  bool all_limp() const;
 
   // Before the reset: nothing has been sent to the drives.
   bool resetting() const { return phase_ == Phase::kResetting; }
@@ -84,16 +92,8 @@ class DriveGroup {
   bool answering() const { return answering_; }
   // The goal kEnabled is reached: every drive has been in operation enabled and followed its targets.
   bool enabled() const { return enabled_; }
-  // Every drive in this state, as each said last.
-  bool all_in(canopen::cia402::State state) const;
-  // None makes torque, as each said last.
-  bool all_limp() const;
   // The first trouble since the last boot.
   const JointTrouble& trouble() const { return trouble_; }
-  // What the joint's drive told of its supply last.
-  std::uint32_t supply_mV(std::size_t joint) const { return supply_mV_[joint]; }
-  // The supply that a drive has told since this was asked last: all do in turn, one each kSupplyPeriod_us.
-  std::optional<std::uint32_t> take_supply_mV() { return std::exchange(told_supply_mV_, std::nullopt); }
 
  private:
   enum class Phase : std::uint8_t { kIdle, kResetting, kWaiting, kConfiguring, kStarting, kBooted, kFailed };
@@ -103,6 +103,7 @@ class DriveGroup {
   }
   std::uint32_t all_joints() const { return (1u << model_.joint_count) - 1; }
   std::uint16_t controlword(std::size_t joint, bool last_step) const;
+  bool within_limits(std::size_t joint) const;
   bool switched_on(std::size_t joint) const;
   bool all_switched_on() const;
   bool send(canopen::NmtCommand command, std::uint8_t node_id);
@@ -141,7 +142,8 @@ class DriveGroup {
   bool enabled_ = false;       // the goal kEnabled was reached
   JointTrouble trouble_;
   std::array<std::uint32_t, robot::kMaxJoints> supply_mV_{};
-  std::optional<std::uint32_t> told_supply_mV_;
+  std::optional<std::uint32_t> told_supply_mV_;  // since the last cycle
+  std::optional<std::uint32_t> new_supply_mV_;   // in the last cycle
   std::uint64_t supply_due_us_ = 0;
   std::size_t supplied_ = 0;                                   // the joint whose drive was asked last
   std::array<std::uint16_t, robot::kMaxJoints> error_code_{};  // that each drive told last and still has

@@ -17,7 +17,7 @@ struct FaultRecord {
   std::uint32_t hard_status = 0;          // HFSR
   std::uint32_t memory_address = 0;       // MMFAR, valid by CFSR bit 7
   std::uint32_t bus_address = 0;          // BFAR, valid by CFSR bit 15
-  std::uint32_t behaviour_state = 0;      // app::State, as noted last
+  std::uint32_t behaviour_state = 0;      // behaviour::State, as noted last
   std::uint32_t drive_enable_line = 0;    // as it reads after the handler has pulled it low
 };
 

@@ -51,7 +51,7 @@ TEST_P(SdoFlood, DelaysNoSyncByMoreThanAFrameAndLosesNobody) {
   EXPECT_LE(latest_sync_us(bench), usual_us + kLongestFrame_us);
   for (std::uint16_t node = 16; node < 36; ++node) EXPECT_EQ(bench.seen_with(0x180 + node).size(), 200u);
   for (std::uint8_t node = 1; node < 36; ++node) EXPECT_TRUE(bench.emergencies(node).empty()) << int{node};
-  EXPECT_EQ(bench.controller().state(), app::State::kStanding);
+  EXPECT_EQ(bench.controller().state(), behaviour::State::kStanding);
   EXPECT_EQ(bench.count_in(State::kOperationEnabled), 20);
   EXPECT_EQ(bench.controller().values().diagnosis.receive_overruns, 0);
   EXPECT_EQ(bench.controller().values().diagnosis.frames_lost, 0);
@@ -65,14 +65,14 @@ INSTANTIATE_TEST_SUITE_P(Clients, SdoFlood,
 // --- A second master
 
 void expect_standing(BusBench& bench) {
-  EXPECT_EQ(bench.controller().state(), app::State::kStanding);
+  EXPECT_EQ(bench.controller().state(), behaviour::State::kStanding);
   EXPECT_EQ(bench.count_in(State::kOperationEnabled), 20);
   EXPECT_TRUE(bench.emergencies(1).empty());
 }
 
 // No torque, and none to come.
-void expect_fault(BusBench& bench, app::Reason reason) {
-  EXPECT_EQ(bench.controller().state(), app::State::kFault);
+void expect_fault(BusBench& bench, behaviour::Reason reason) {
+  EXPECT_EQ(bench.controller().state(), behaviour::State::kFault);
   EXPECT_EQ(bench.controller().values().behaviour.reason, reason);
   EXPECT_FALSE(bench.controller().drive_enable_line());
   for (std::size_t i = 0; i < bench.drive_count(); ++i) EXPECT_FALSE(bench.drive(i).makes_torque()) << i;
@@ -84,8 +84,8 @@ TEST(SecondMaster, RefusesToBootAndLeavesTheRobotStanding) {
   bench.seen.clear();
   BusBench::Unit& second = bench.add_controller();
   bench.run_ms(100);
-  EXPECT_EQ(second.state(), app::State::kFault);
-  EXPECT_EQ(second.values().behaviour.reason, app::Reason::kSecondMaster);
+  EXPECT_EQ(second.state(), behaviour::State::kFault);
+  EXPECT_EQ(second.values().behaviour.reason, behaviour::Reason::kSecondMaster);
   // It has told why, with the identifier of both, and is silent from then on: no reset, no SYNC, no
   // heartbeat.
   const std::uint64_t said = bench.bus.counters(second.handle()).sent;
@@ -98,9 +98,10 @@ TEST(SecondMaster, RefusesToBootAndLeavesTheRobotStanding) {
   // The first one is switched off, and the second told to try again.
   bench.controller(0).runs = false;
   bench.run_ms(1'000);
-  bench.say({.identifier = 0x201, .size = 3, .data = {static_cast<std::uint8_t>(app::Command::kReset)}});
+  bench.say(
+      {.identifier = 0x201, .size = 3, .data = {static_cast<std::uint8_t>(behaviour::Command::kReset)}});
   bench.run_ms(2'000);
-  EXPECT_EQ(second.state(), app::State::kLimp);
+  EXPECT_EQ(second.state(), behaviour::State::kLimp);
 }
 
 TEST(SecondMaster, ThatIsPoweredOnWithTheFirstLetsNeitherBoot) {
@@ -108,8 +109,8 @@ TEST(SecondMaster, ThatIsPoweredOnWithTheFirstLetsNeitherBoot) {
   bench.run_ms(4);
   BusBench::Unit& second = bench.add_controller();
   bench.run_ms(2'000);
-  expect_fault(bench, app::Reason::kSecondMaster);
-  EXPECT_EQ(second.values().behaviour.reason, app::Reason::kSecondMaster);
+  expect_fault(bench, behaviour::Reason::kSecondMaster);
+  EXPECT_EQ(second.values().behaviour.reason, behaviour::Reason::kSecondMaster);
   EXPECT_TRUE(bench.seen_with(0x000).empty());
 }
 
@@ -126,9 +127,9 @@ TEST(SecondMaster, ThatSpeaksAsTheFirstStopsTheRobot) {
     const std::uint64_t from_us = (bench.now_us() / kCycle_us + 1) * kCycle_us + 8'000;
     bench.add_babbler({.frame = frame, .interval_us = interval_us, .from_us = from_us});
     bench.run_ms(300);
-    EXPECT_EQ(bench.controller().values().behaviour.reason, app::Reason::kSecondMaster);
+    EXPECT_EQ(bench.controller().values().behaviour.reason, behaviour::Reason::kSecondMaster);
     bench.run_ms(400);
-    expect_fault(bench, app::Reason::kSecondMaster);
+    expect_fault(bench, behaviour::Reason::kSecondMaster);
   }
 }
 
@@ -149,7 +150,7 @@ TEST(DuplicateNode, OfADriveIsFoundWhileTheControllerBoots) {
   BusBench bench;
   bench.add_drive(3, 9'999);
   bench.run_ms(3'000);
-  expect_fault(bench, app::Reason::kDriveTrouble);
+  expect_fault(bench, behaviour::Reason::kDriveTrouble);
   EXPECT_EQ(bench.controller().values().behaviour.trouble_joint, 3);
 }
 
@@ -158,7 +159,7 @@ TEST(DuplicateNode, ThatIsPluggedInStopsTheRobot) {
   ASSERT_TRUE(bench.run_until_standing());
   bench.add_drive(3, 9'999);
   bench.run_ms(1'000);
-  expect_fault(bench, app::Reason::kDriveTrouble);
+  expect_fault(bench, behaviour::Reason::kDriveTrouble);
   EXPECT_EQ(bench.controller().values().behaviour.trouble, drive::Trouble::kRestarted);
   EXPECT_EQ(bench.controller().values().behaviour.trouble_joint, 3);
 }
@@ -173,7 +174,7 @@ TEST(DominantBus, ForFiveMillisecondsIsBorne) {
   bench.bus.set_dominant(false);
   bench.seen.clear();
   bench.run_ms(1'000);
-  EXPECT_EQ(bench.controller().state(), app::State::kStanding);
+  EXPECT_EQ(bench.controller().state(), behaviour::State::kStanding);
   EXPECT_EQ(bench.count_in(State::kOperationEnabled), 20);
 }
 
@@ -182,13 +183,13 @@ TEST(DominantBus, StopsTheRobotAndLetsItBootAgainWhenItIsMended) {
   ASSERT_TRUE(bench.run_until_standing());
   bench.bus.set_dominant(true);
   bench.run_ms(1'000);
-  EXPECT_EQ(bench.controller().state(), app::State::kFault);
+  EXPECT_EQ(bench.controller().state(), behaviour::State::kFault);
   EXPECT_FALSE(bench.controller().drive_enable_line());
   EXPECT_EQ(bench.count_in(State::kFault), 20) << "each stopped by itself";
   bench.bus.set_dominant(false);
   bench.run_ms(500);
-  bench.command(app::Command::kReset);
-  EXPECT_TRUE(bench.run_until(app::State::kLimp));
+  bench.command(behaviour::Command::kReset);
+  EXPECT_TRUE(bench.run_until(behaviour::State::kLimp));
 }
 
 // --- Clocks that differ, as those of cheap oscillators do
@@ -198,11 +199,11 @@ TEST(Clocks, MayDifferByFiveHundredMillionths) {
     SCOPED_TRACE(rate);
     BusBench bench(rate);
     ASSERT_TRUE(bench.run_until_standing());
-    bench.command(app::Command::kPlay, 1);
+    bench.command(behaviour::Command::kPlay, 1);
     bench.seen.clear();
     const std::uint64_t before_us = bench.now_us();
     bench.run_ms(20'000);  // their phases pass each other twice
-    EXPECT_EQ(bench.controller().state(), app::State::kMotion);
+    EXPECT_EQ(bench.controller().state(), behaviour::State::kMotion);
     EXPECT_EQ(bench.count_in(State::kOperationEnabled), 20);
     for (std::uint8_t node = 1; node < 36; ++node) EXPECT_TRUE(bench.emergencies(node).empty()) << int{node};
     const double cycles = static_cast<double>(bench.now_us() - before_us) * rate / kCycle_us;
@@ -294,12 +295,12 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(DeadMaster, LeavesDrivesThatTheNextOneBoots) {
   BusBench bench;
   bench.run_ms(200);
-  ASSERT_EQ(bench.controller().state(), app::State::kBoot);
+  ASSERT_EQ(bench.controller().state(), behaviour::State::kBoot);
   bench.controller().runs = false;
   bench.run_ms(100);
   BusBench::Unit& next = bench.add_controller();
   bench.run_ms(2'000);
-  EXPECT_EQ(next.state(), app::State::kLimp);
+  EXPECT_EQ(next.state(), behaviour::State::kLimp);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ std::uint64_t hash_of_run(std::uint64_t seed) {
   scenario.seed = seed;
   RobotRun run(scenario);
   run.run_until_us(kDuration_us);
-  EXPECT_EQ(run.behaviour().state, app::State::kMotion);
+  EXPECT_EQ(run.behaviour().state, behaviour::State::kMotion);
   return run.hash();
 }
 

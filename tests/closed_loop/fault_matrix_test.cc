@@ -105,9 +105,9 @@ class FaultRun {
     const auto& behaviour = run_.behaviour();
     if (run_.board().watchdog_bitten()) return "dead";
     const std::string state = name_of(app::kStateNames, behaviour.state);
-    if (behaviour.state != app::State::kFault) return state;
+    if (behaviour.state != behaviour::State::kFault) return state;
     const std::string reason = name_of(app::kReasonNames, behaviour.reason);
-    if (behaviour.reason != app::Reason::kDriveTrouble) return fmt::format("{}: {}", state, reason);
+    if (behaviour.reason != behaviour::Reason::kDriveTrouble) return fmt::format("{}: {}", state, reason);
     const std::string code =
         behaviour.trouble_code == 0 ? "" : fmt::format(" 0x{:04X}", behaviour.trouble_code);
     return fmt::format("{}: {} {}{}", state, run_.robot().joints[behaviour.trouble_joint].name,
@@ -167,7 +167,7 @@ TEST_P(FaultMatrix, SaysWhatHappens) {
   EXPECT_EQ(fault.drives(), GetParam().drives);
   RobotRun& run = fault.run();
   // What the words stand for: no torque at all, or the whole robot as before.
-  const bool stopped = !app::makes_torque(run.behaviour().state) || run.board().watchdog_bitten();
+  const bool stopped = !behaviour::kTorque.contains(run.behaviour().state) || run.board().watchdog_bitten();
   EXPECT_EQ(run.torque_count(), stopped ? 0 : 20);
   EXPECT_EQ(run.board().drive_enable_line(), !stopped);
 }

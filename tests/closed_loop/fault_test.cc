@@ -6,8 +6,8 @@
 namespace koboshi::test {
 namespace {
 
-using app::Reason;
-using app::State;
+using behaviour::Reason;
+using behaviour::State;
 using drive::Trouble;
 using Kind = sim::Fault::Kind;
 using DriveState = canopen::cia402::State;

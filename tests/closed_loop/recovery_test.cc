@@ -11,8 +11,8 @@
 namespace koboshi::test {
 namespace {
 
-using app::Reason;
-using app::State;
+using behaviour::Reason;
+using behaviour::State;
 
 sim::Scenario read(const std::string& name, const std::vector<sim::Override>& overrides = {}) {
   sim::Scenario scenario =

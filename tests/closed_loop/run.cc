@@ -52,7 +52,7 @@ bool RobotRun::run_until(const std::function<bool()>& condition, std::uint64_t l
   return condition();
 }
 
-bool RobotRun::run_until(app::State state, std::uint64_t limit_us) {
+bool RobotRun::run_until(behaviour::State state, std::uint64_t limit_us) {
   return run_until([&] { return behaviour().state == state; }, limit_us);
 }
 

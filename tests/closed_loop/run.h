@@ -26,7 +26,7 @@ class RobotRun final : private sim::BusObserver {
 
   void run_until_us(std::uint64_t end_us);
   // False when the state did not come until then.
-  bool run_until(app::State state, std::uint64_t limit_us);
+  bool run_until(behaviour::State state, std::uint64_t limit_us);
   bool run_until(const std::function<bool()>& condition, std::uint64_t limit_us);
 
   sim::SimBoard& board() { return simulation_.board(); }

@@ -7,7 +7,7 @@
 namespace koboshi::test {
 namespace {
 
-using app::State;
+using behaviour::State;
 
 TEST(Squat, BootsLimpAndStandsUpOnlyWhenTold) {
   RobotRun run(quick_squat());

@@ -66,7 +66,7 @@ TEST(Storage, PlaysAMotionThatCameOverTheBus) {
   EXPECT_EQ(sdo.upload(kSecondMotion), image);
 
   sdo.write(kArgument, std::array<std::uint8_t, 2>{1, 0});
-  sdo.write(kCommand, std::array<std::uint8_t, 1>{static_cast<std::uint8_t>(app::Command::kPlay)});
+  sdo.write(kCommand, std::array<std::uint8_t, 1>{static_cast<std::uint8_t>(behaviour::Command::kPlay)});
   const double standing_m = simulation.board().world().body(0).X_WL.translation().z();
   double lowest_m = standing_m;
   const std::uint64_t end_us = simulation.board().now_us() + 4'000'000;
@@ -74,7 +74,7 @@ TEST(Storage, PlaysAMotionThatCameOverTheBus) {
     pc.advance();
     lowest_m = std::min(lowest_m, simulation.board().world().body(0).X_WL.translation().z());
   }
-  EXPECT_EQ(sdo.read(kState).at(0), static_cast<std::uint8_t>(app::State::kMotion));
+  EXPECT_EQ(sdo.read(kState).at(0), static_cast<std::uint8_t>(behaviour::State::kMotion));
   EXPECT_NEAR(standing_m - lowest_m, 0.030, 0.004);  // as deep as the motion's file says
   // While it moves nothing is written.
   EXPECT_EQ(refusal([&] { sdo.download(kSecondMotion, image); }), canopen::AbortCode::kDeviceState);

@@ -13,7 +13,7 @@
 namespace koboshi::test {
 namespace {
 
-using app::State;
+using behaviour::State;
 
 sim::Scenario go(const std::vector<sim::Override>& overrides = {}) {
   sim::Scenario scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/go.yaml", overrides);
@@ -65,7 +65,7 @@ TEST(WalkByCommand, GoesAheadAndRoundACurveAndStandsStill) {
   EXPECT_GT(place(run).up, std::cos(3.0 * std::numbers::pi / 180.0));
   EXPECT_LT(way_m(stands, place(run)).norm(), 3e-3);
   EXPECT_EQ(run.behaviour().faults, 0);
-  EXPECT_EQ(run.behaviour().refusal, app::Reason::kNone);
+  EXPECT_EQ(run.behaviour().refusal, behaviour::Reason::kNone);
   EXPECT_EQ(run.limited_ms(), 0u);
   EXPECT_EQ(run.torque_count(), 20);
 }

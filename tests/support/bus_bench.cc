@@ -127,16 +127,16 @@ void BusBench::update_drives() {
   }
 }
 
-bool BusBench::run_until(app::State state, int limit_ms) {
+bool BusBench::run_until(behaviour::State state, int limit_ms) {
   for (int i = 0; i < limit_ms && controller().state() != state; ++i) run_ms(1);
   return controller().state() == state;
 }
 
 bool BusBench::run_until_standing() {
-  if (!run_until(app::State::kLimp)) return false;
+  if (!run_until(behaviour::State::kLimp)) return false;
   run_ms(20);
-  command(app::Command::kEnable);
-  return run_until(app::State::kStanding);
+  command(behaviour::Command::kEnable);
+  return run_until(behaviour::State::kStanding);
 }
 
 int BusBench::count_in(canopen::cia402::State state) const {
@@ -146,7 +146,7 @@ int BusBench::count_in(canopen::cia402::State state) const {
 
 void BusBench::say(const hal::CanFrame& frame) { static_cast<void>(bus.queue(pc_handle_, frame, now_us_)); }
 
-void BusBench::command(app::Command command, std::int16_t argument) {
+void BusBench::command(behaviour::Command command, std::int16_t argument) {
   hal::CanFrame frame{.identifier = kCommandIdentifier, .size = 3};
   frame.data[0] = static_cast<std::uint8_t>(command);
   canopen::store_u16(&frame.data[1], static_cast<std::uint16_t>(argument));

@@ -22,7 +22,7 @@ namespace koboshi::test {
 //   ASSERT_TRUE(bench.run_until_standing());
 //   bench.add_babbler({.frame = {.identifier = 0x601, .size = 8}});
 //   bench.run_ms(1'000);
-//   EXPECT_EQ(bench.controller().state(), app::State::kStanding);
+//   EXPECT_EQ(bench.controller().state(), behaviour::State::kStanding);
 //
 class BusBench final : private sim::BusObserver {
  public:
@@ -38,7 +38,7 @@ class BusBench final : private sim::BusObserver {
     Unit(sim::Bus& bus, double clock_rate);
 
     const app::ControllerValues& values() const { return controller_.values(); }
-    app::State state() const { return values().behaviour.state; }
+    behaviour::State state() const { return values().behaviour.state; }
     bool drive_enable_line() const { return output_.drive_enabled; }
     sim::NodeHandle handle() const { return handle_; }
     // On the bus, the time of the next service.
@@ -69,7 +69,7 @@ class BusBench final : private sim::BusObserver {
 
   void run_ms(int duration_ms) { run_until_us(now_us_ + static_cast<std::uint64_t>(duration_ms) * 1'000); }
   // False when the first controller's state did not come in time.
-  bool run_until(app::State state, int limit_ms = 3'000);
+  bool run_until(behaviour::State state, int limit_ms = 3'000);
   // Booted, enabled and standing.
   bool run_until_standing();
 
@@ -87,7 +87,7 @@ class BusBench final : private sim::BusObserver {
   }
   // A frame from a PC.
   void say(const hal::CanFrame& frame);
-  void command(app::Command command, std::int16_t argument = 0);
+  void command(behaviour::Command command, std::int16_t argument = 0);
 
   std::uint64_t now_us() const { return now_us_; }
   const robot::RobotModel& model() const { return model_; }

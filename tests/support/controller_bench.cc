@@ -58,19 +58,19 @@ void ControllerBench::run_ms(int duration_ms) {
   }
 }
 
-bool ControllerBench::run_until(app::State state, int limit_ms) {
+bool ControllerBench::run_until(behaviour::State state, int limit_ms) {
   for (int i = 0; i < limit_ms && now().state != state; ++i) run_ms(1);
   return now().state == state;
 }
 
 bool ControllerBench::run_until_standing() {
-  if (!run_until(app::State::kLimp)) return false;
+  if (!run_until(behaviour::State::kLimp)) return false;
   run_ms(20);
-  command(app::Command::kEnable);
-  return run_until(app::State::kStanding);
+  command(behaviour::Command::kEnable);
+  return run_until(behaviour::State::kStanding);
 }
 
-void ControllerBench::command(app::Command command, std::int16_t argument) {
+void ControllerBench::command(behaviour::Command command, std::int16_t argument) {
   hal::CanFrame frame{.identifier = kCommandIdentifier, .size = 3};
   frame.data[0] = static_cast<std::uint8_t>(command);
   canopen::store_u16(&frame.data[1], static_cast<std::uint16_t>(argument));

@@ -22,9 +22,9 @@ std::vector<std::byte> factory_storage();
 //
 //   ControllerBench bench;                     // powered on
 //   bench.drives[3].set_object(0x6079, 0, 5'000);
-//   ASSERT_TRUE(bench.run_until(app::State::kLimp));
-//   bench.command(app::Command::kEnable);
-//   EXPECT_EQ(bench.now().refusal, app::Reason::kSupplyOutOfRange);
+//   ASSERT_TRUE(bench.run_until(behaviour::State::kLimp));
+//   bench.command(behaviour::Command::kEnable);
+//   EXPECT_EQ(bench.now().refusal, behaviour::Reason::kSupplyOutOfRange);
 //
 class ControllerBench {
  public:
@@ -42,13 +42,13 @@ class ControllerBench {
   // Time in which nothing is called, as if the firmware had been held up.
   void skip_ms(int duration_ms) { now_us_ += static_cast<std::uint64_t>(duration_ms) * 1'000; }
   // False when the state did not come in time.
-  bool run_until(app::State state, int limit_ms = 3'000);
+  bool run_until(behaviour::State state, int limit_ms = 3'000);
   // Booted, enabled and standing.
   bool run_until_standing();
   // Another node of the bus says something to the drives; what they answer, the firmware hears next.
   void tell_drives(const hal::CanFrame& frame);
   // Sends a command frame, as a PC does, and lets the firmware receive it.
-  void command(app::Command command, std::int16_t argument = 0);
+  void command(behaviour::Command command, std::int16_t argument = 0);
 
   const app::ControllerValues& values() const { return controller_->values(); }
   const decltype(app::ControllerValues::behaviour)& now() const { return values().behaviour; }

@@ -1,6 +1,6 @@
 #include "tests/support/robot_storage.h"
 
-#include "firmware/app/catalogue.h"
+#include "firmware/storage/catalogue.h"
 #include "tests/unit/firmware/robot/test_robot.h"
 
 namespace koboshi::test {
@@ -40,19 +40,19 @@ std::vector<std::byte> encode(const TestMotion& motion, std::uint32_t model_id) 
 
 std::vector<std::byte> make_storage(std::span<const std::byte> model,
                                     std::span<const std::vector<std::byte>> motions) {
-  std::vector<std::byte> catalogue = begin_image(app::kCatalogueMagic, app::kCatalogueVersion);
+  std::vector<std::byte> catalogue = begin_image(storage::kCatalogueMagic, storage::kCatalogueVersion);
   const std::size_t count = 1 + motions.size();
-  std::size_t offset = robot::kImageHeaderSize + 4 + count * app::kCatalogueItemSize;
+  std::size_t offset = robot::kImageHeaderSize + 4 + count * storage::kCatalogueItemSize;
   put(catalogue, static_cast<std::uint32_t>(count), 4);  // and the reserved field
-  const auto add = [&](app::ItemKind kind, std::size_t number, std::size_t size) {
+  const auto add = [&](storage::ItemKind kind, std::size_t number, std::size_t size) {
     put(catalogue, static_cast<std::uint32_t>(kind), 2);
     put(catalogue, static_cast<std::uint32_t>(number), 2);
     put(catalogue, static_cast<std::uint32_t>(offset), 4);
     put(catalogue, static_cast<std::uint32_t>(size), 4);
     offset += size;
   };
-  add(app::ItemKind::kRobotModel, 0, model.size());
-  for (std::size_t i = 0; i < motions.size(); ++i) add(app::ItemKind::kMotion, i, motions[i].size());
+  add(storage::ItemKind::kRobotModel, 0, model.size());
+  for (std::size_t i = 0; i < motions.size(); ++i) add(storage::ItemKind::kMotion, i, motions[i].size());
   seal(catalogue);
   catalogue.insert(catalogue.end(), model.begin(), model.end());
   for (const auto& motion : motions) catalogue.insert(catalogue.end(), motion.begin(), motion.end());

@@ -21,7 +21,7 @@ struct TestMotion {
 // The image of a motion for the robot with this model id, written after firmware/motion/motion.h.
 std::vector<std::byte> encode(const TestMotion& motion, std::uint32_t model_id);
 
-// What the storage of a robot holds: a catalogue (firmware/app/catalogue.h), the model's image and the
+// What the storage of a robot holds: a catalogue (firmware/storage/catalogue.h), the model's image and the
 // motions', the i-th as motion i.
 std::vector<std::byte> make_storage(std::span<const std::byte> model,
                                     std::span<const std::vector<std::byte>> motions);

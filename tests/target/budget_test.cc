@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/app/behaviour.h"
+#include "firmware/behaviour/state.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/run/qemu_host.h"
 #include "tools/run/run_recorder.h"
@@ -40,7 +40,7 @@ Ticks measure(std::uint64_t duration_us) {
     instructions += host->last_instructions();
     if (!simulation.board().last_input().tick) continue;
     recorder.record_tick();
-    if (recorder.telemetry().state == app::State::kMotion) ticks.moving.push_back(instructions);
+    if (recorder.telemetry().state == behaviour::State::kMotion) ticks.moving.push_back(instructions);
     ticks.worst = std::max(ticks.worst, instructions);
     instructions = 0;
   }

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "firmware/app/behaviour.h"
+#include "firmware/behaviour/state.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/run/qemu_host.h"
 #include "tools/run/simulation.h"
@@ -102,7 +102,7 @@ TEST(FaultWhileStanding, PullsTheDriveEnableLineLowAndKeepsTheState) {
     FAIL() << "no fault";
   } catch (const FirmwareFault& fault) {
     EXPECT_EQ(fault.record().drive_enable_line, 0u);
-    EXPECT_EQ(fault.record().behaviour_state, static_cast<std::uint32_t>(app::State::kStanding));
+    EXPECT_EQ(fault.record().behaviour_state, static_cast<std::uint32_t>(behaviour::State::kStanding));
   }
 }
 

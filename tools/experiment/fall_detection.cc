@@ -7,7 +7,7 @@
 #include <functional>
 #include <memory>
 
-#include "firmware/recovery/fall_watch.h"
+#include "firmware/behaviour/fall_watch.h"
 #include "sim_board/input/text.h"
 #include "sim_board/random/random_stream.h"
 #include "sim_board/robot/load.h"
@@ -56,7 +56,7 @@ sim::ParameterSetting parameter(const std::string& name, double value) {
 }
 
 void set_thresholds(sim::Scenario& scenario, const Case& what) {
-  const recovery::FallLimits limits;
+  const behaviour::FallLimits limits;
   const auto set = [&](const char* name, std::int16_t value) {
     scenario.parameters.push_back(parameter(name, what.scale * value * kDegreesPerUnit));
   };
@@ -214,7 +214,7 @@ Values play(const Disturbance& disturbance, const Case& what, std::uint64_t seed
         }
         const bool settled = observer.touched_s() && end_s > *observer.touched_s() + kLongerSettled_s;
         const bool seen_in_walk = what.cause == Cause::kNone && observer.foreseen_s().has_value();
-        return settled || seen_in_walk || recorder.telemetry().state == app::State::kRighting;
+        return settled || seen_in_walk || recorder.telemetry().state == behaviour::State::kRighting;
       });
   Values values;
   add_outcome(played, values);

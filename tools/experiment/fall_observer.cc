@@ -7,7 +7,7 @@
 
 namespace koboshi::tools {
 
-using app::State;
+using behaviour::State;
 
 void FallObserver::observe(const Simulation& simulation, const RunRecorder& recorder) {
   if (is_foot_.empty()) begin(simulation);
@@ -30,7 +30,7 @@ void FallObserver::begin(const Simulation& simulation) {
   keep_parts(robot, simulation.board().world());
 }
 
-void FallObserver::follow_state(State state, app::Reason reason, double time_s) {
+void FallObserver::follow_state(State state, behaviour::Reason reason, double time_s) {
   if (state == state_) return;
   if (state == State::kFalling) {
     ++falls_;
@@ -39,7 +39,7 @@ void FallObserver::follow_state(State state, app::Reason reason, double time_s) 
   if (state == State::kRighting && state_ == State::kFallen) ++attempts_;
   if (state == State::kStanding && state_ == State::kSteadying) ++stands_;
   const bool begins = state == State::kRolling || state == State::kRising;
-  if (begins && lay_ == app::Reason::kNone) lay_ = reason;
+  if (begins && lay_ == behaviour::Reason::kNone) lay_ = reason;
   state_ = state;
 }
 

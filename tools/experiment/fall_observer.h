@@ -26,7 +26,7 @@ class FallObserver {
   int attempts() const { return attempts_; }  // to get up
   int stands() const { return stands_; }      // after such an attempt
   // How it lay when it first began to turn over or to rise.
-  app::Reason lay() const { return lay_; }
+  behaviour::Reason lay() const { return lay_; }
   // Of the servos, since it lay: what the gears bear, and what the motors make of it. A link that strikes the
   // ground stops its joint within a step or two; the gears, which are rigid here, then stop the rotor, and
   // bear its inertia times the change of speed, divided by the time.
@@ -43,21 +43,21 @@ class FallObserver {
   };
 
   void begin(const Simulation& simulation);
-  void follow_state(app::State state, app::Reason reason, double time_s);
+  void follow_state(behaviour::State state, behaviour::Reason reason, double time_s);
   void look_at_ground(const sim::World& world, double time_s);
   void look_at_servos(const sim::SimBoard& board);
   void keep_parts(const sim::RobotDescription& robot, const sim::World& world);
 
   std::vector<bool> is_foot_;  // by link
   std::vector<Part> parts_;
-  app::State state_ = app::State::kBoot;
+  behaviour::State state_ = behaviour::State::kBoot;
   std::optional<double> foreseen_s_;
   std::optional<double> touched_s_;
   std::optional<double> impact_m_per_s_;
   int falls_ = 0;
   int attempts_ = 0;
   int stands_ = 0;
-  app::Reason lay_ = app::Reason::kNone;
+  behaviour::Reason lay_ = behaviour::Reason::kNone;
   double peak_torque_Nm_ = 0.0;
   double peak_motor_torque_Nm_ = 0.0;
   double peak_winding_C_ = 0.0;

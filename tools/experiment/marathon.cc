@@ -56,7 +56,7 @@ Values play(const StandingStart& start, const sim::RobotDescription& robot, cons
   FallObserver observer;
   double distance_m = 0.0;
   std::optional<Eigen::Vector2d> was_W;
-  app::State state = app::State::kBoot;
+  behaviour::State state = behaviour::State::kBoot;
   double end_s = 0.0;
   const Values played = watch_in_world(
       std::move(scenario), kRoughWorld, seed, [&](const Simulation& simulation, const RunRecorder& recorder) {
@@ -66,25 +66,27 @@ Values play(const StandingStart& start, const sim::RobotDescription& robot, cons
         // By the tenth of a second, so that swaying is no distance.
         if (simulation.board().now_us() % 100'000 == 0) {
           const Eigen::Vector2d now_W = simulation.board().world().body(0).X_WL.translation().head<2>();
-          if (was_W && state == app::State::kWalking) distance_m += (now_W - *was_W).norm();
+          if (was_W && state == behaviour::State::kWalking) distance_m += (now_W - *was_W).norm();
           was_W = now_W;
         }
-        return state == app::State::kFault || state == app::State::kEmergencyStop;
+        return state == behaviour::State::kFault || state == behaviour::State::kEmergencyStop;
       });
-  const bool stands = state == app::State::kStanding && end_s >= 1e-6 * static_cast<double>(end_us) - 0.01;
+  const bool stands =
+      state == behaviour::State::kStanding && end_s >= 1e-6 * static_cast<double>(end_us) - 0.01;
   const bool ended_well = played.at("failed") == 0.0 && played.at("energy_guard") == 0.0;
-  return {{"down", stands && ended_well ? 0.0 : 1.0},
-          {"falls", observer.falls()},
-          {"attempts", observer.attempts()},
-          {"stand_ups", observer.stands()},
-          {"faults", played.at("faults")},
-          {"distance_m", distance_m},
-          {"time_s", end_s},
-          {"peak_winding_C", observer.peak_winding_C()},
-          {"gave_up", state == app::State::kFault || state == app::State::kEmergencyStop ? 1.0 : 0.0},
-          {"low_supply", state == app::State::kLowBattery ? 1.0 : 0.0},
-          {"energy_guard", played.at("energy_guard")},
-          {"failed", played.at("failed")}};
+  return {
+      {"down", stands && ended_well ? 0.0 : 1.0},
+      {"falls", observer.falls()},
+      {"attempts", observer.attempts()},
+      {"stand_ups", observer.stands()},
+      {"faults", played.at("faults")},
+      {"distance_m", distance_m},
+      {"time_s", end_s},
+      {"peak_winding_C", observer.peak_winding_C()},
+      {"gave_up", state == behaviour::State::kFault || state == behaviour::State::kEmergencyStop ? 1.0 : 0.0},
+      {"low_supply", state == behaviour::State::kLowBattery ? 1.0 : 0.0},
+      {"energy_guard", played.at("energy_guard")},
+      {"failed", played.at("failed")}};
 }
 
 }  // namespace

@@ -24,8 +24,8 @@ struct Played {
 };
 
 void follow_state(const Telemetry& said, Played& played) {
-  using app::State;
-  const bool supply_low = said.reason == app::Reason::kSupplyLow;
+  using behaviour::State;
+  const bool supply_low = said.reason == behaviour::Reason::kSupplyLow;
   played.low_supply = played.low_supply || said.state == State::kLowBattery || supply_low;
   played.gave_up = played.gave_up || said.state == State::kFalling || said.state == State::kFault ||
                    said.state == State::kEmergencyStop;

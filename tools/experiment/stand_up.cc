@@ -21,13 +21,13 @@ namespace {
 constexpr std::uint64_t kCommand_us = 4'000'000;  // it has settled, and its gyro is calibrated
 constexpr double kPatience_s = 45.0;              // for all attempts
 
-const std::vector<std::pair<std::string, app::Reason>>& lying_poses() {
-  static const std::vector<std::pair<std::string, app::Reason>> kPoses{
-      {"prone", app::Reason::kProne},
-      {"supine", app::Reason::kSupine},
-      {"left_side", app::Reason::kOnLeftSide},
-      {"right_side", app::Reason::kOnRightSide},
-      {"seat", app::Reason::kOnSeat}};
+const std::vector<std::pair<std::string, behaviour::Reason>>& lying_poses() {
+  static const std::vector<std::pair<std::string, behaviour::Reason>> kPoses{
+      {"prone", behaviour::Reason::kProne},
+      {"supine", behaviour::Reason::kSupine},
+      {"left_side", behaviour::Reason::kOnLeftSide},
+      {"right_side", behaviour::Reason::kOnRightSide},
+      {"seat", behaviour::Reason::kOnSeat}};
   return kPoses;
 }
 
@@ -86,7 +86,7 @@ Values play(const sim::Scenario& start, const sim::RobotDescription& robot, cons
             std::uint64_t seed) {
   FallObserver observer;
   double stood_s = 0.0;
-  app::State state = app::State::kBoot;
+  behaviour::State state = behaviour::State::kBoot;
   const Values played = watch_in_world(dropped(start, robot, options, seed), kRoughWorld, seed,
                                        [&](const Simulation& simulation, const RunRecorder& recorder) {
                                          observer.observe(simulation, recorder);
@@ -95,11 +95,11 @@ Values play(const sim::Scenario& start, const sim::RobotDescription& robot, cons
                                            const bool upright = recorder.truth().tilt_rad < kUpright_rad;
                                            if (upright) stood_s = simulation.board().world().time_s();
                                          }
-                                         return stood_s > 0.0 || state == app::State::kFault;
+                                         return stood_s > 0.0 || state == behaviour::State::kFault;
                                        });
-  const bool faulted = state == app::State::kFault || state == app::State::kEmergencyStop;
+  const bool faulted = state == behaviour::State::kFault || state == behaviour::State::kEmergencyStop;
   Values values{{"gave_up", faulted ? 1.0 : 0.0},
-                {"low_supply", state == app::State::kLowBattery ? 1.0 : 0.0},
+                {"low_supply", state == behaviour::State::kLowBattery ? 1.0 : 0.0},
                 {"energy_guard", played.at("energy_guard")},
                 {"failed", played.at("failed")},
                 {"down", stood_s > 0.0 ? 0.0 : 1.0},
@@ -113,7 +113,7 @@ Values play(const sim::Scenario& start, const sim::RobotDescription& robot, cons
   return values;
 }
 
-std::vector<Trial> that_lay(const CellResult& cell, app::Reason pose) {
+std::vector<Trial> that_lay(const CellResult& cell, behaviour::Reason pose) {
   std::vector<Trial> trials;
   for (const Trial& trial : cell.played) {
     if (trial.values.at("lay") == static_cast<double>(pose)) trials.push_back(trial);

@@ -31,7 +31,8 @@ class FirmwareProcess {
   // It has found another controller on the bus, and does nothing more before it is told to reset.
   bool gave_way() const {
     const auto& behaviour = host_.values().behaviour;
-    return behaviour.state == app::State::kFault && behaviour.reason == app::Reason::kSecondMaster;
+    return behaviour.state == behaviour::State::kFault &&
+           behaviour.reason == behaviour::Reason::kSecondMaster;
   }
 
  private:

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "firmware/app/item_store.h"
+#include "firmware/storage/item_store.h"
 #include "hal/linux/file_descriptor.h"
 #include "sim_board/input/error.h"
 
@@ -39,7 +39,7 @@ std::byte* map(int file_number) {
 }  // namespace
 
 FlashMemory::FlashMemory(std::span<const std::byte> contents, const std::filesystem::path& file) {
-  constexpr std::size_t kFactory_bytes = kSize_bytes - app::ItemStore::kSize;
+  constexpr std::size_t kFactory_bytes = kSize_bytes - storage::ItemStore::kSize;
   if (contents.size() > kFactory_bytes) {
     throw std::length_error("model and motions take " + std::to_string(contents.size()) +
                             " bytes, more than the storage's " + std::to_string(kFactory_bytes));

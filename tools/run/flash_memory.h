@@ -16,7 +16,7 @@ class FlashMemory {
   static constexpr std::size_t kSize_bytes = hal::FlashModel::kSize_bytes;
 
   // With these contents from its start on, where the factory puts them; behind them, what the file holds of
-  // an earlier robot's life (app::ItemStore), or nothing. Without a file it lasts as long as this object.
+  // an earlier robot's life (storage::ItemStore), or nothing. Without a file it lasts as long as this object.
   // Throws std::length_error when the contents do not fit, sim::InputError for a file that is no such flash.
   explicit FlashMemory(std::span<const std::byte> contents, const std::filesystem::path& file = {});
 

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "firmware/app/catalogue.h"
 #include "firmware/fixed/host/convert.h"
+#include "firmware/storage/catalogue.h"
 #include "sim_board/input/error.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/gait/gait_motion.h"
@@ -41,9 +41,9 @@ std::vector<std::byte> compile_gait(const Gait& gait, PreparedScenario& prepared
 std::vector<std::vector<std::byte>> compile_motions(PreparedScenario& prepared) {
   const sim::Scenario& scenario = prepared.scenario;
   const std::size_t count = scenario.motions.size() + (scenario.gait ? 1 : 0);
-  if (count > app::kMaxMotions) {
+  if (count > storage::kMaxMotions) {
     throw sim::InputError(scenario.file, 0, std::to_string(count) + " motions",
-                          "at most " + std::to_string(app::kMaxMotions) + ", a gait's included");
+                          "at most " + std::to_string(storage::kMaxMotions) + ", a gait's included");
   }
   std::vector<std::vector<std::byte>> motions;
   for (const sim::MotionChoice& motion : scenario.motions) {

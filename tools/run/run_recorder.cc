@@ -135,7 +135,7 @@ void RunRecorder::hash_state() {
 void RunRecorder::judge() {
   fell_ = fell_ || truth_now_->tilt_rad > kFallen_rad;
   const auto state = telemetry_.now().state;
-  const bool on_its_feet = app::balances(state);
+  const bool on_its_feet = behaviour::kBalancing.contains(state);
   const std::uint64_t release_us = simulation_.scenario().initial.release_us.value_or(0);
   if (!on_its_feet || simulation_.board().now_us() < release_us + kSettle_us) return;
   const double error_m = std::abs(truth_now_->p_WB_W.z() - truth_now_->pose_height_m);

@@ -1,6 +1,6 @@
 #include "tools/run/storage_contents.h"
 
-#include "firmware/app/catalogue.h"
+#include "firmware/storage/catalogue.h"
 #include "tools/model/image_writer.h"
 
 namespace koboshi::tools {
@@ -9,7 +9,7 @@ namespace {
 constexpr std::size_t kAlignment = 8;
 
 struct Item {
-  app::ItemKind kind;
+  storage::ItemKind kind;
   std::uint16_t number;
   std::span<const std::byte> bytes;
 };
@@ -20,11 +20,11 @@ std::size_t aligned(std::size_t offset) { return (offset + kAlignment - 1) / kAl
 
 std::vector<std::byte> make_storage_contents(std::span<const std::byte> model,
                                              std::span<const std::vector<std::byte>> motions) {
-  std::vector<Item> items{{app::ItemKind::kRobotModel, 0, model}};
+  std::vector<Item> items{{storage::ItemKind::kRobotModel, 0, model}};
   for (std::size_t i = 0; i < motions.size(); ++i) {
-    items.push_back({app::ItemKind::kMotion, static_cast<std::uint16_t>(i), motions[i]});
+    items.push_back({storage::ItemKind::kMotion, static_cast<std::uint16_t>(i), motions[i]});
   }
-  const std::size_t first = robot::kImageHeaderSize + 4 + items.size() * app::kCatalogueItemSize;
+  const std::size_t first = robot::kImageHeaderSize + 4 + items.size() * storage::kCatalogueItemSize;
   ImageWriter catalogue;
   catalogue.u16(static_cast<std::uint16_t>(items.size()));
   catalogue.u16(0);
@@ -36,7 +36,7 @@ std::vector<std::byte> make_storage_contents(std::span<const std::byte> model,
     catalogue.u32(static_cast<std::uint32_t>(item.bytes.size()));
     offset = aligned(offset + item.bytes.size());
   }
-  std::vector<std::byte> contents = catalogue.finish(app::kCatalogueMagic, app::kCatalogueVersion);
+  std::vector<std::byte> contents = catalogue.finish(storage::kCatalogueMagic, storage::kCatalogueVersion);
   for (const Item& item : items) {
     contents.resize(aligned(contents.size()), std::byte{0xFF});
     contents.insert(contents.end(), item.bytes.begin(), item.bytes.end());

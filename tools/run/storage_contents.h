@@ -6,8 +6,8 @@
 
 namespace koboshi::tools {
 
-// What a robot's storage holds when it leaves the factory: catalogue (firmware/app/catalogue.h), RobotModel
-// image and motion images, the i-th as motion i.
+// What a robot's storage holds when it leaves the factory: catalogue (firmware/storage/catalogue.h),
+// RobotModel image and motion images, the i-th as motion i.
 [[nodiscard]] std::vector<std::byte> make_storage_contents(std::span<const std::byte> model,
                                                            std::span<const std::vector<std::byte>> motions);
 

@@ -68,12 +68,12 @@ void TelemetryReader::read_controller(std::uint16_t base, const hal::CanFrame& f
   };
   switch (base) {
     case canopen::kTpdo1Base:
-      telemetry_.state = static_cast<app::State>(frame.data[0]);
-      telemetry_.reason = static_cast<app::Reason>(frame.data[1]);
+      telemetry_.state = static_cast<behaviour::State>(frame.data[0]);
+      telemetry_.reason = static_cast<behaviour::Reason>(frame.data[1]);
       telemetry_.motion = frame.data[2];
       telemetry_.trouble = static_cast<drive::Trouble>(frame.data[3]);
       telemetry_.trouble_joint = frame.data[4];
-      telemetry_.refusal = static_cast<app::Reason>(frame.data[7]);
+      telemetry_.refusal = static_cast<behaviour::Reason>(frame.data[7]);
       break;
     case kTpdo2Base:
       telemetry_.roll_rad = kRadPerAngleUnit * signed_16(frame, 0);

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "firmware/app/behaviour.h"
+#include "firmware/behaviour/state.h"
 #include "firmware/drive/trouble.h"
 #include "firmware/robot/model.h"
 #include "hal/port/ankle.h"
@@ -16,9 +16,10 @@ namespace koboshi::tools {
 // (firmware/app/dictionary.cc), the PDOs between it and the drives, and emergency messages. Knows nothing but
 // the frames, so that it is the same wherever the firmware runs.
 struct Telemetry {
-  app::State state = app::State::kBoot;
-  app::Reason reason = app::Reason::kNone;
-  app::Reason refusal = app::Reason::kNone;  // why the last command was refused; none if it was not
+  behaviour::State state = behaviour::State::kBoot;
+  behaviour::Reason reason = behaviour::Reason::kNone;
+  behaviour::Reason refusal =
+      behaviour::Reason::kNone;  // why the last command was refused; none if it was not
   std::uint8_t motion = 0;
   drive::Trouble trouble = drive::Trouble::kNone;
   std::uint8_t trouble_joint = 0;

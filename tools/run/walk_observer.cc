@@ -41,8 +41,8 @@ void WalkObserver::observe_sensors(const sim::SimBoard& board) {
 }
 
 void WalkObserver::observe_tick(const GroundTruth& truth, const Telemetry& said) {
-  const bool plays = said.state == app::State::kWalking ||
-                     (said.state == app::State::kMotion && motion_ && said.motion == *motion_);
+  const bool plays = said.state == behaviour::State::kWalking ||
+                     (said.state == behaviour::State::kMotion && motion_ && said.motion == *motion_);
   const bool over = begun_ && !walking_;
   planned_.reset();
   walking_ = plays && !over && truth.tilt_rad < kFallen_rad;
@@ -52,7 +52,7 @@ void WalkObserver::observe_tick(const GroundTruth& truth, const Telemetry& said)
   } else {
     ++ticks_;
   }
-  if (said.state == app::State::kMotion) planned_ = plan_(kTick_s * ticks_ - kInEffect_s);
+  if (said.state == behaviour::State::kMotion) planned_ = plan_(kTick_s * ticks_ - kInEffect_s);
   follow(truth);
   follow_steps(truth);
   judge_zmp(truth, said);

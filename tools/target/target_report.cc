@@ -6,7 +6,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "firmware/app/behaviour.h"
+#include "firmware/behaviour/state.h"
 #include "sim_board/input/error.h"
 #include "tools/run/qemu_host.h"
 #include "tools/run/run_recorder.h"
@@ -58,8 +58,8 @@ std::vector<Tick> play(const sim::Scenario& scenario, const std::filesystem::pat
     if (!simulation.board().last_input().tick) continue;
     add(tick.parts, counter.next_tick());
     recorder.record_tick();
-    const app::State state = recorder.telemetry().state;
-    tick.moving = state == app::State::kMotion || state == app::State::kWalking;
+    const behaviour::State state = recorder.telemetry().state;
+    tick.moving = state == behaviour::State::kMotion || state == behaviour::State::kWalking;
     ticks.push_back(tick);
     tick = {};
   }

@@ -58,9 +58,9 @@ sim::Push BodyPush::on(const std::string& link, double heading_rad) const {
   return push;
 }
 
-Order Pilot::press(Key key, app::State state) {
+Order Pilot::press(Key key, behaviour::State state) {
   using Kind = sim::Command::Kind;
-  const bool on_its_feet = state == app::State::kStanding || state == app::State::kWalking;
+  const bool on_its_feet = state == behaviour::State::kStanding || state == behaviour::State::kWalking;
   if (!on_its_feet) velocity_ = {};
   const bool aimed = std::exchange(aims_, key == Key::kPush);
   if (const auto direction = direction_of(key)) {

@@ -5,7 +5,7 @@
 #include <string>
 #include <variant>
 
-#include "firmware/app/behaviour.h"
+#include "firmware/behaviour/state.h"
 #include "firmware/walk/velocity.h"
 #include "sim_board/scenario/scenario.h"
 #include "tools/teleop/key.h"
@@ -35,7 +35,7 @@ class Pilot {
   explicit Pilot(const walk::VelocityLimits& limits) : limits_(limits) {}
 
   // In this state of the controller. Off its feet the robot takes no velocity, and begins anew from zero.
-  [[nodiscard]] Order press(Key key, app::State state);
+  [[nodiscard]] Order press(Key key, behaviour::State state);
 
   const walk::Velocity& velocity() const { return velocity_; }
   double push_N_s() const { return 1e-3 * push_mN_s_; }

@@ -36,7 +36,7 @@ std::string state_text(const TeleopStatus& status) {
   text += fmt::format(", by {}", name(app::kReasonNames, status.said.reason));
   if (status.said.trouble != drive::Trouble::kNone)
     text += fmt::format(", drive {}", name(app::kTroubleNames, status.said.trouble));
-  if (status.said.refusal != app::Reason::kNone)
+  if (status.said.refusal != behaviour::Reason::kNone)
     text += fmt::format("; last command refused: {}", name(app::kReasonNames, status.said.refusal));
   return text;
 }

@@ -1,4 +1,4 @@
-#include "firmware/balance/inertial.h"
+#include "firmware/estimation/inertial.h"
 #include "firmware/fixed/biquad.h"
 #include "firmware/fixed/trigonometry.h"
 #include "tests/bench/target_kernels/kernel.h"
@@ -28,7 +28,7 @@ std::uint32_t divide(std::uint32_t a, std::uint32_t b) {
   return bits(quotient<Ratio>(as<Length>(a), as<Length>(b)).raw());
 }
 std::uint32_t biquad(std::uint32_t a, std::uint32_t) {
-  static constinit LowPass<AngularRate> filter(balance::kInertialLowPass);
+  static constinit LowPass<AngularRate> filter(estimation::kInertialLowPass);
   return bits(filter.filter(as<AngularRate>(a)).raw());
 }
 

@@ -1,9 +1,6 @@
-#include "firmware/app/behaviour.h"
+#include "firmware/behaviour/behaviour.h"
 
 #include <gtest/gtest.h>
-
-#include <set>
-#include <utility>
 
 #include "tests/support/controller_bench.h"
 
@@ -74,7 +71,7 @@ TEST_P(BehaviourIn, ChangesAsTheTableSaysAndInNoOtherWay) {
 TEST_P(BehaviourIn, HasTheLineHighOnlyWhereTorqueIsAllowed) {
   ControllerBench bench;
   reach(bench, GetParam());
-  EXPECT_EQ(bench.board.drive_enable.enabled(), makes_torque(GetParam()));
+  EXPECT_EQ(bench.board.drive_enable.enabled(), behaviour::kTorque.contains(GetParam()));
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryState, BehaviourIn, testing::ValuesIn(kStates), [](const auto& info) {
@@ -92,20 +89,6 @@ TEST(Behaviour, ProgressesFromBootToTheEndOfAMotion) {
   ASSERT_EQ(bench.now().state, State::kMotion);
   ASSERT_TRUE(bench.run_until(State::kStanding, 600));  // kEnded
   EXPECT_EQ(bench.now().reason, Reason::kProgress);
-}
-
-TEST(BehaviourTable, HasOneRowForAStateAndEvent) {
-  std::set<std::pair<State, Event>> seen;
-  for (const Transition& row : kTransitions) EXPECT_TRUE(seen.insert({row.from, row.event}).second);
-}
-
-TEST(BehaviourTable, LeadsToTorqueOnlyThroughEnabling) {
-  for (const Transition& row : kTransitions) {
-    if (!makes_torque(row.to) || makes_torque(row.from)) continue;
-    const bool enabled = row.from == State::kLimp && row.event == Event::kEnable;
-    const bool gets_up = row.from == State::kFallen && row.event == Event::kStill;
-    EXPECT_TRUE(enabled || gets_up) << static_cast<int>(row.from);
-  }
 }
 
 }  // namespace

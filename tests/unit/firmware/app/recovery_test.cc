@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "firmware/recovery/motions.h"
+#include "firmware/motion/roles.h"
 #include "tests/support/controller_bench.h"
 #include "tests/support/robot_storage.h"
 #include "tests/support/sdo_pc.h"
@@ -15,7 +15,7 @@ namespace {
 
 using motion::ExpectedAttitude;
 using motion::Opcode;
-using recovery::Role;
+using motion::Role;
 using test::ControllerBench;
 using test::kCountsPerRadPerS;
 using test::kRadPerDegree;
@@ -31,8 +31,7 @@ class RecoveryTest : public testing::Test {
   void SetUp() override {
     bench.board.storage.complete_after(1);
     ASSERT_TRUE(bench.run_until(State::kLimp));
-    for (std::size_t role = 0; role < recovery::kMotionNames.size(); ++role)
-      give(static_cast<Role>(role), {});
+    for (std::size_t role = 0; role < motion::kMotionNames.size(); ++role) give(static_cast<Role>(role), {});
     bench.run_ms(1'100);  // the gyro's bias is known
   }
   // A motion of 0.2 s that ends with these steps.
@@ -40,7 +39,7 @@ class RecoveryTest : public testing::Test {
     const auto index = static_cast<std::size_t>(role);
     std::vector<fixed::Angle> pose(bench.model().joint_count);
     pose[3] = test::degrees(10);
-    test::TestMotion motion{.name = std::string(recovery::kMotionNames[index]),
+    test::TestMotion motion{.name = std::string(motion::kMotionNames[index]),
                             .poses = {pose},
                             .steps = {{Opcode::kMove, 0, 200'000}}};
     motion.steps.insert(motion.steps.end(), last_steps.begin(), last_steps.end());

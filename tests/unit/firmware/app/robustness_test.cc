@@ -95,12 +95,12 @@ hal::CanFrame random_frame(Random& random, Bus bus, const robot::RobotModel& mod
 // No torque but in the states that make it, and until a fault's stop has ended; no target beyond the limits.
 void expect_safe(const ControllerBench& bench) {
   const State state = bench.now().state;
-  if (!makes_torque(state)) {
+  if (!behaviour::kTorque.contains(state)) {
     ASSERT_TRUE(state == State::kFault || !bench.board.drive_enable.enabled());
     return;
   }
   const bool ticked = (bench.now_us() - 1'000) % Controller::kTick_us == 0;
-  if (!ticked || !balances(state)) return;
+  if (!ticked || !behaviour::kBalancing.contains(state)) return;
   for (std::size_t i = 0; i < bench.model().joint_count; ++i) {
     const robot::Joint& joint = bench.model().joints[i];
     const fixed::Angle target = bench.target(i);

@@ -21,14 +21,14 @@ constexpr JointGains kTenth{
     .ankle_pitch = 410, .ankle_roll = 410, .hip_roll = 410, .knee = 410, .hip_pitch = 410};
 constexpr FeedbackGains kTenthOfASecond{.rate = kTenth, .lean = {}};
 
-TrunkMotion rates(double roll_rad_per_s, double pitch_rad_per_s) {
+estimation::TrunkMotion rates(double roll_rad_per_s, double pitch_rad_per_s) {
   return {.roll_rate = from_double<AngularRate>(roll_rad_per_s),
           .pitch_rate = from_double<AngularRate>(pitch_rad_per_s),
           .roll = {},
           .pitch = {}};
 }
 
-TrunkMotion lean(double roll_rad, double pitch_rad) {
+estimation::TrunkMotion lean(double roll_rad, double pitch_rad) {
   return {.roll_rate = {},
           .pitch_rate = {},
           .roll = from_double<Angle>(roll_rad),
@@ -38,7 +38,7 @@ TrunkMotion lean(double roll_rad, double pitch_rad) {
 class FeedbackTest : public testing::Test {
  protected:
   void SetUp() override { ASSERT_EQ(robot::check_model(model), robot::ModelStatus::kOk); }
-  std::vector<Angle> corrected(const FeedbackGains& gains, const TrunkMotion& trunk) const {
+  std::vector<Angle> corrected(const FeedbackGains& gains, const estimation::TrunkMotion& trunk) const {
     std::vector<Angle> targets = pose;
     Feedback(model).correct(gains, trunk, targets);
     return targets;
@@ -104,7 +104,7 @@ TEST_F(FeedbackTest, TurnsByGainTimesLean) {
 
 TEST_F(FeedbackTest, AddsRateAndLean) {
   const FeedbackGains gains{.rate = {.ankle_pitch = 410}, .lean = {.ankle_pitch = 2048}};
-  TrunkMotion trunk = rates(0, -0.5);
+  estimation::TrunkMotion trunk = rates(0, -0.5);
   trunk.pitch = from_double<Angle>(0.2);
   EXPECT_NEAR(change_rad(corrected(gains, trunk), 4), 0.5 * 0.2 - 410.0 / 4096 * 0.5, 5e-8);
 }

@@ -97,14 +97,16 @@ TEST_F(DriveGroupTest, AsksOneDriveAfterTheOtherForItsSupply) {
   std::vector<std::uint32_t> told;
   for (std::size_t i = 0; i < drives.size(); ++i) {
     run_ms(250);
-    if (const auto supply_mV = group.take_supply_mV()) told.push_back(*supply_mV);
-    EXPECT_EQ(group.take_supply_mV(), std::nullopt);
+    group.observe(now_us);
+    if (const auto supply_mV = group.status().new_supply_mV) told.push_back(*supply_mV);
+    group.observe(now_us);
+    EXPECT_EQ(group.status().new_supply_mV, std::nullopt) << "told once";
   }
   std::ranges::sort(told);
   ASSERT_EQ(told.size(), drives.size());
   for (std::size_t i = 0; i < drives.size(); ++i) {
     EXPECT_EQ(told[i], 7'000 + i);
-    EXPECT_EQ(group.supply_mV(i), 7'000 + i);
+    EXPECT_EQ(group.status().supply_mV[i], 7'000 + i);
   }
 }
 
@@ -386,9 +388,10 @@ TEST_F(DriveGroupTest, TranslatesAnglesByTheDrivesSignZeroAndUnit) {
 }
 
 TEST_F(DriveGroupTest, JudgesLimitsWithAMargin) {
-  signals.position[0] = 264'000;  // 90.6 degrees, 90 allowed
-  EXPECT_FALSE(group.within_limits(0, test::degrees(0.5)));
-  EXPECT_TRUE(group.within_limits(0, test::degrees(0.7)));
+  signals.position[0] = 267'500;  // 91.8 degrees, 90 allowed and 2 beyond it
+  EXPECT_EQ(group.status().beyond_limits, 0u);
+  signals.position[0] = 268'500;  // 92.2
+  EXPECT_EQ(group.status().beyond_limits, 1u << 0);
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ TEST(FrameText, HasASampleThatTheControllerObeys) {
   unsigned bits = 0;
   for (const std::uint32_t entry : commands.mapping) bits += entry & 0xFF;
   EXPECT_EQ(8u * sample.size, bits);
-  EXPECT_EQ(sample.data[0], static_cast<std::uint8_t>(app::Command::kEnable));
+  EXPECT_EQ(sample.data[0], static_cast<std::uint8_t>(behaviour::Command::kEnable));
   try {
     parse_frame("201");
     FAIL();

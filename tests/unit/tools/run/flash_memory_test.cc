@@ -4,14 +4,14 @@
 
 #include <vector>
 
-#include "firmware/app/item_store.h"
+#include "firmware/storage/item_store.h"
 #include "sim_board/input/error.h"
 #include "tests/support/temporary_folder.h"
 
 namespace koboshi::tools {
 namespace {
 
-constexpr std::size_t kStored = FlashMemory::kSize_bytes - app::ItemStore::kSize;
+constexpr std::size_t kStored = FlashMemory::kSize_bytes - storage::ItemStore::kSize;
 
 class FlashFile : public testing::Test {
  protected:

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 
-#include "firmware/app/catalogue.h"
+#include "firmware/storage/catalogue.h"
 
 namespace koboshi::tools {
 namespace {
 
-using app::Catalogue;
-using app::ItemKind;
+using storage::Catalogue;
+using storage::ItemKind;
 using Bytes = std::vector<std::byte>;
 
 Bytes bytes_of(std::size_t size, int first) {

@@ -17,7 +17,7 @@ constexpr std::uint8_t kWalk = 3;
 class Walk : public testing::Test {
  protected:
   Walk() {
-    said_.state = app::State::kMotion;
+    said_.state = behaviour::State::kMotion;
     said_.motion = kWalk;
     truth_.X_WSole = {Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.03, 0.0)),
                       Eigen::Isometry3d(Eigen::Translation3d(0.0, -0.03, 0.0))};
@@ -44,9 +44,9 @@ class Walk : public testing::Test {
 };
 
 TEST_F(Walk, BeginsWithItsMotionAndNoOther) {
-  said_.state = app::State::kStanding;
+  said_.state = behaviour::State::kStanding;
   tick(0.0, 0.0, 0.0);
-  said_.state = app::State::kMotion;
+  said_.state = behaviour::State::kMotion;
   said_.motion = kWalk - 1;
   tick(0.0, 0.0, 0.0);
   EXPECT_FALSE(observer_.summary());
@@ -78,9 +78,9 @@ TEST_F(Walk, CountsTurnsBeyondHalfAround) {
 TEST_F(Walk, EndsWithItsMotionOrAFallForGood) {
   tick(0.0, 0.0, 0.0);
   tick(0.1, 0.0, 0.0);
-  said_.state = app::State::kStanding;
+  said_.state = behaviour::State::kStanding;
   tick(0.2, 0.0, 0.0);
-  said_.state = app::State::kMotion;
+  said_.state = behaviour::State::kMotion;
   tick(0.3, 0.0, 0.0);
   EXPECT_NEAR(observer_.summary()->distance_m, 0.1, 1e-12);
   EXPECT_FALSE(observer_.planned_zmp_W(truth_));
@@ -165,11 +165,11 @@ TEST_F(Walk, ByCommandNeedsNoPlan) {
   };
   tick_at(0.0);  // a motion, whichever
   EXPECT_FALSE(observer.summary());
-  said_.state = app::State::kWalking;
+  said_.state = behaviour::State::kWalking;
   said_.zmp = {.x_m = 0.013, .y_m = 0.0, .valid = true, .frame = hal::Side::kLeft};
   for (int i = 0; i <= 100; ++i) tick_at(0.3 + 0.001 * i);
   EXPECT_FALSE(observer.planned_zmp_W(truth_));
-  said_.state = app::State::kStanding;
+  said_.state = behaviour::State::kStanding;
   tick_at(0.5);
   const auto summary = observer.summary();
   EXPECT_NEAR(summary->distance_m, 0.1, 1e-12);

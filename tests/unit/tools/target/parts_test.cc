@@ -13,9 +13,9 @@ TEST(PartOf, GoesByTheFolderOfAFunction) {
 }
 
 TEST(PartOf, TellsReadingSensorsFromEstimating) {
-  EXPECT_EQ(part_of("balance::InertialSensor::add"), Part::kSensors);
+  EXPECT_EQ(part_of("estimation::InertialSensor::add"), Part::kSensors);
   EXPECT_EQ(part_of("app::Controller::read_ankles"), Part::kSensors);
-  EXPECT_EQ(part_of("balance::InertialSensor::pitch"), Part::kEstimation);
+  EXPECT_EQ(part_of("estimation::InertialSensor::pitch"), Part::kEstimation);
 }
 
 TEST(PartOf, LeavesWhatWorksForOthersToThem) {

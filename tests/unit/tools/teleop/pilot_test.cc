@@ -9,7 +9,7 @@
 namespace koboshi::tools {
 namespace {
 
-using app::State;
+using behaviour::State;
 using Kind = sim::Command::Kind;
 
 class PilotTest : public testing::Test {

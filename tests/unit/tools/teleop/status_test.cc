@@ -18,8 +18,8 @@ TeleopStatus walking() {
   status.real_time_factor = 0.998;
   status.overruns = 3;
   status.largest_delay_us = 4'999;
-  status.said.state = app::State::kWalking;
-  status.said.reason = app::Reason::kCommand;
+  status.said.state = behaviour::State::kWalking;
+  status.said.reason = behaviour::Reason::kCommand;
   status.said.roll_rad = 0.0174533;
   status.said.zmp = {.x_m = 0.012, .y_m = -0.003, .valid = true, .frame = hal::Side::kRight};
   status.said.com_S_m = {0.001, 0.02, 0.2};
@@ -55,8 +55,8 @@ TEST(TeleopStatus, TellsWhatIsAmiss) {
   status.held = true;
   status.fell = true;
   status.aims = true;
-  status.said.state = app::State::kFault;
-  status.said.reason = app::Reason::kDriveTrouble;
+  status.said.state = behaviour::State::kFault;
+  status.said.reason = behaviour::Reason::kDriveTrouble;
   status.said.trouble = drive::Trouble::kLost;
   status.said.zmp = {};
   EXPECT_THAT(status_lines(status), Contains("state       fault, by drive trouble, drive lost"));
@@ -65,7 +65,7 @@ TEST(TeleopStatus, TellsWhatIsAmiss) {
   EXPECT_THAT(status_lines(status), Contains("ZMP         none: no foot carries enough"));
   EXPECT_THAT(status_lines(status), Contains("push        0.20 N s, where to?"));
   status = walking();
-  status.said.refusal = app::Reason::kNotInThisState;
+  status.said.refusal = behaviour::Reason::kNotInThisState;
   EXPECT_THAT(status_lines(status), Contains(HasSubstr("last command refused: not in this state")));
 }
 

@@ -1,0 +1,66 @@
+#include "firmware/app/network_watch.h"
+
+#include "firmware/fixed/saturating.h"
+
+namespace koboshi::app {
+
+using behaviour::Reason;
+
+std::uint64_t NetworkWatch::begin_boot(std::uint64_t now_us) {
+  started_us_ = now_us;
+  impostors_ = 0;
+  const std::uint64_t reset_us = listens_ ? now_us + kListen_us : now_us;
+  listens_ = false;
+  return reset_us;
+}
+
+bool NetworkWatch::on_impostor() {
+  impostor_heard_ = true;
+  listens_ = listens_ || drives_.resetting();
+  return drives_.resetting();
+}
+
+behaviour::NetworkStatus NetworkWatch::update(bool boots, std::uint64_t now_us) {
+  behaviour::NetworkStatus status;
+  // Out of operational no target reaches a drive any more. Only a boot may wait in pre-operational, until it
+  // has to start the drives.
+  const bool waits = boots && !drives_.configured() && node_.state() == canopen::NmtState::kPreOperational;
+  status.left = !operational() && !waits;
+  status.sensors_starting = !operational() || now_us - started_us_ < kSensorStart_us;
+  status.bus = watch_bus(now_us);
+  const bool second_master = watch_impostors();
+  if (status.bus == Reason::kNone && second_master) status.bus = Reason::kSecondMaster;
+  return status;
+}
+
+Reason NetworkWatch::watch_bus(std::uint64_t now_us) {
+  hal::CanStatus status = can_.status();
+  // A lone node becomes error passive and stays so: nobody acknowledges what it says. While the drives boot,
+  // that is no error.
+  const bool booting = now_us - started_us_ < kBusTimeout_us;
+  if (booting && status.state == hal::CanErrorState::kErrorPassive)
+    status.state = hal::CanErrorState::kErrorActive;
+  node_.on_can_status(status, now_us);
+  if (status.state == hal::CanErrorState::kBusOff) {
+    can_.recover();
+    return Reason::kBusOff;
+  }
+  // With answers it is a bus that is disturbed and works, and the emergency message is enough.
+  const bool alone = status.state == hal::CanErrorState::kErrorPassive && !drives_.answering();
+  return alone ? Reason::kNoAcknowledge : Reason::kNone;
+}
+
+// One frame may be a person's, with cansend.
+bool NetworkWatch::watch_impostors() {
+  if (impostor_heard_) {
+    impostors_ = fixed::add_saturated(impostors_, std::uint8_t{2});
+  } else if (impostors_ > 0) {
+    --impostors_;
+  }
+  impostor_heard_ = false;
+  if (impostors_ < kMaxImpostors) return false;
+  listens_ = true;
+  return true;
+}
+
+}  // namespace koboshi::app

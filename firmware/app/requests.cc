@@ -1,0 +1,137 @@
+#include "firmware/app/requests.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace koboshi::app {
+
+using behaviour::Command;
+using behaviour::Reason;
+using canopen::AbortCode;
+
+namespace {
+
+constexpr std::uint8_t kCommand = 1;  // sub-index of kRequestObject
+// By sub-index, from 1.
+constexpr std::int16_t walk::Velocity::*kVelocityParts[] = {
+    &walk::Velocity::forward_mm_per_s, &walk::Velocity::left_mm_per_s, &walk::Velocity::turn_mrad_per_s};
+constexpr std::int16_t walk::VelocityLimits::*kVelocityLimits[] = {
+    &walk::VelocityLimits::forward_mm_per_s, &walk::VelocityLimits::backward_mm_per_s,
+    &walk::VelocityLimits::sideways_mm_per_s, &walk::VelocityLimits::turn_mrad_per_s};
+
+}  // namespace
+
+AbortCode Requests::write(canopen::ObjectAddress address, std::uint32_t value, std::uint64_t now_us) {
+  switch (address.index) {
+    case kVelocityObject:
+      return set_velocity(address.subindex, static_cast<std::int16_t>(value));
+    case kVelocityLimitsObject:
+      set_velocity_limit(address.subindex, static_cast<std::int16_t>(value));
+      return AbortCode::kNone;
+    case kTrimObject:
+    case kMountingObject:
+    case kGyroBiasObject:
+      return set_calibration(address, static_cast<std::int32_t>(value));
+    case kNmtStartupObject: {
+      const bool known = (value & ~kNmtStartupBits) == 0 && (value & kNmtMaster) != 0;
+      return known ? AbortCode::kNone : AbortCode::kInvalidValue;
+    }
+    case kRequestObject:
+      if (address.subindex == kCommand)
+        return obey(static_cast<Command>(value), values_.request.argument, now_us);
+      return AbortCode::kNone;
+    default:
+      return AbortCode::kNone;
+  }
+}
+
+void Requests::take_command(std::uint64_t now_us) {
+  // Who asks by PDO finds the refusal in telemetry.
+  static_cast<void>(obey(values_.request.command, values_.request.argument, now_us));
+}
+
+void Requests::take_velocity() {
+  static_cast<void>(behaviour_.request_velocity(values_.velocity));
+  values_.velocity = behaviour_.velocity();
+}
+
+AbortCode Requests::obey(Command command, std::int16_t argument, std::uint64_t now_us) {
+  const Reason refusal = behaviour_.request(command, argument, estimator_.state(), drives_.status(), now_us);
+  if (refusal == Reason::kUnknownCommand) return AbortCode::kInvalidValue;
+  if (refusal != Reason::kNone) return AbortCode::kDeviceState;
+  if (command == Command::kCalibrate) estimator_.begin_calibration();
+  return AbortCode::kNone;
+}
+
+AbortCode Requests::set_velocity(std::uint8_t subindex, std::int16_t value) {
+  const auto part = kVelocityParts[subindex - 1];
+  if (value > values_.velocity_limits.highest().*part) return AbortCode::kValueTooHigh;
+  if (value < values_.velocity_limits.lowest().*part) return AbortCode::kValueTooLow;
+  walk::Velocity velocity = behaviour_.velocity();
+  velocity.*part = value;
+  behaviour_.set_velocity(velocity);
+  return AbortCode::kNone;
+}
+
+void Requests::set_velocity_limit(std::uint8_t subindex, std::int16_t value) {
+  walk::VelocityLimits limits = values_.velocity_limits;
+  limits.*kVelocityLimits[subindex - 1] = value;
+  behaviour_.set_velocity(clamped(behaviour_.velocity(), limits));
+  values_.velocity = behaviour_.velocity();
+}
+
+AbortCode Requests::set_calibration(canopen::ObjectAddress address, std::int32_t value) {
+  const std::size_t number = address.subindex - 1u;
+  if (address.index == kTrimObject) {
+    set_trim(number, static_cast<std::int16_t>(value));
+    return AbortCode::kNone;
+  }
+  // They turn the attitude and what the gyro feedback makes of it.
+  if (behaviour::kTorque.contains(behaviour_.state())) return AbortCode::kDeviceState;
+  Calibration calibration = values_.calibration;
+  if (address.index == kMountingObject) calibration.mounting[number] = static_cast<std::int16_t>(value);
+  if (address.index == kGyroBiasObject) calibration.gyro_bias[number] = value;
+  apply(calibration);
+  return AbortCode::kNone;
+}
+
+void Requests::set_trim(std::size_t joint, std::int16_t trim) {
+  change_trim(model_.joints[joint].drive, applied_trims_[joint], trim);
+  applied_trims_[joint] = trim;
+}
+
+void Requests::apply(const Calibration& calibration) {
+  model_.R_BI = mounted(R_BI_, calibration.mounting);
+  const auto& bias = calibration.gyro_bias;
+  estimator_.assume_gyro_bias({fixed::AngularRate::from_raw(bias[0]), fixed::AngularRate::from_raw(bias[1]),
+                               fixed::AngularRate::from_raw(bias[2])});
+}
+
+void Requests::reset_parameters() {
+  values_.nmt_startup = kNmtMaster;
+  values_.parameters = {};
+  values_.feedback = kFactoryFeedback;
+  values_.velocity_limits = {};
+  values_.calibration = {};
+  values_.walk = {};
+  values_.recovery = {};
+}
+
+void Requests::apply_parameters() {
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint)
+    set_trim(joint, values_.calibration.trims[joint]);
+  apply(values_.calibration);
+  behaviour_.set_velocity(clamped(behaviour_.velocity(), values_.velocity_limits));
+  values_.velocity = behaviour_.velocity();
+}
+
+void Requests::end_calibration() {
+  using enum estimation::Estimator::Calibration;
+  if (estimator_.calibration() == kMoved) behaviour_.refuse(Reason::kNotAtRest);
+  if (estimator_.calibration() != kDone) return;
+  const auto& bias = estimator_.gyro_bias();
+  const fixed::AngularRate axes[] = {bias.x, bias.y, bias.z};
+  std::ranges::transform(axes, values_.calibration.gyro_bias, [](auto rate) { return rate.raw(); });
+}
+
+}  // namespace koboshi::app

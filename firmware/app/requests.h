@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "firmware/app/dictionary.h"
+#include "firmware/behaviour/behaviour.h"
+#include "firmware/canopen/abort_code.h"
+#include "firmware/canopen/object.h"
+#include "firmware/drive/drive_group.h"
+#include "firmware/estimation/estimator.h"
+
+namespace koboshi::app {
+
+// What an operator asks by SDO and PDO: commands, velocities, and parameters that have an effect at once.
+// Each is judged and answered when it arrives.
+class Requests {
+ public:
+  // All must outlive this object.
+  Requests(ControllerValues& values, robot::RobotModel& model, behaviour::Behaviour& behaviour,
+           estimation::Estimator& estimator, const drive::DriveGroup& drives)
+      : values_(values),
+        model_(model),
+        R_BI_(model.R_BI),
+        behaviour_(behaviour),
+        estimator_(estimator),
+        drives_(drives) {}
+
+  // An SDO client is about to write one of the controller's objects: what it is told.
+  canopen::AbortCode write(canopen::ObjectAddress address, std::uint32_t value, std::uint64_t now_us);
+  // A PDO has put command and argument, or the velocity, into the dictionary.
+  void take_command(std::uint64_t now_us);
+  void take_velocity();
+
+  // The values of the factory for every parameter; none has an effect before `apply_parameters`.
+  void reset_parameters();
+  // All parameters have changed, as after a reset.
+  void apply_parameters();
+  // After a control cycle: a calibration of the gyro that has ended gives its result to the parameters.
+  void end_calibration();
+
+ private:
+  canopen::AbortCode obey(behaviour::Command command, std::int16_t argument, std::uint64_t now_us);
+  canopen::AbortCode set_velocity(std::uint8_t subindex, std::int16_t value);
+  void set_velocity_limit(std::uint8_t subindex, std::int16_t value);
+  canopen::AbortCode set_calibration(canopen::ObjectAddress address, std::int32_t value);
+  void set_trim(std::size_t joint, std::int16_t trim);
+  void apply(const Calibration& calibration);
+
+  ControllerValues& values_;
+  robot::RobotModel& model_;
+  const robot::Rotation R_BI_;  // the model's, without the mounting
+  behaviour::Behaviour& behaviour_;
+  estimation::Estimator& estimator_;
+  const drive::DriveGroup& drives_;
+  std::int16_t applied_trims_[robot::kMaxJoints] = {};
+};
+
+}  // namespace koboshi::app

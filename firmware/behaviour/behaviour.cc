@@ -1,0 +1,262 @@
+#include "firmware/behaviour/behaviour.h"
+
+#include <algorithm>
+
+#include "firmware/fixed/saturating.h"
+
+namespace koboshi::behaviour {
+namespace {
+
+// How long the drives have for their quick stop before the line falls: twice what they take (50 ms of ramp,
+// 100 ms of holding).
+constexpr std::uint64_t kQuickStop_us = 300'000;
+
+// kNone while every sensor has spoken in time.
+Reason silent_sensor(const estimation::RobotState& robot) {
+  const auto silent = [](std::uint32_t age_us) { return age_us > Behaviour::kSensorTimeout_us; };
+  if (silent(robot.inertial_age_us)) return Reason::kImuSilent;
+  return std::ranges::any_of(robot.ankle_age_us, silent) ? Reason::kAnkleSilent : Reason::kNone;
+}
+
+}  // namespace
+
+Behaviour::Behaviour(const robot::RobotModel& model, bool model_valid, const storage::MotionLibrary& motions,
+                     const Parameters& parameters)
+    : model_(model),
+      model_valid_(model_valid),
+      motions_(motions),
+      parameters_(parameters),
+      interpreter_(model, up_B_),
+      walker_(model) {}
+
+const Decision& Behaviour::step(const estimation::RobotState& robot, const drive::DriveStatus& drives,
+                                const NetworkStatus& network, std::uint64_t now_us) {
+  const Cycle cycle{robot, drives, now_us};
+  up_B_ = robot.up_B;
+  watch_for_trouble(cycle, network);
+  watch_battery(drives);
+  watch_for_falls(cycle);
+  run_state(cycle);
+  choose_feedback();
+  return decision_;
+}
+
+void Behaviour::restart(bool forget, std::uint64_t now_us) {
+  if (forget) {
+    status_ = {};
+    velocity_ = {};
+    low_readings_ = 0;
+  }
+  enter(State::kBoot, Reason::kNone, now_us);
+}
+
+// --- What leads out of a state whatever it is
+
+void Behaviour::watch_for_trouble(const Cycle& cycle, const NetworkStatus& network) {
+  const auto report = [&](Reason reason) { fail(reason, cycle.drives.trouble, cycle.now_us); };
+  if (network.left) report(Reason::kNotOperational);
+  if (cycle.drives.trouble) report(Reason::kDriveTrouble);
+  if (network.bus != Reason::kNone) report(network.bus);
+  if (status_.state == State::kBoot && network.sensors_starting) return;
+  const Reason silent = silent_sensor(cycle.robot);
+  if (silent != Reason::kNone) report(silent);
+}
+
+// What counts is what the drives tell in two seconds: one step under load draws any battery down.
+void Behaviour::watch_battery(const drive::DriveStatus& drives) {
+  if (!drives.new_supply_mV) return;
+  const bool low = *drives.new_supply_mV < parameters_.power.supply_low_mV;
+  low_readings_ = low ? fixed::add_saturated(low_readings_, std::uint8_t{1}) : std::uint8_t{0};
+}
+
+// A gyro whose bias nobody knows leans the attitude by up to forty degrees.
+void Behaviour::watch_for_falls(const Cycle& cycle) {
+  if (!cycle.robot.gyro_known || !kMayFall.contains(status_.state)) return;
+  const fixed::Angle planned = status_.state == State::kWalking ? walker_.pitch() : fixed::Angle();
+  const FallDirection direction =
+      fall_watch_.update(parameters_.recovery.fall, estimation::trunk_motion(cycle.robot, planned));
+  if (direction != FallDirection::kNone) begin_falling(direction, cycle);
+}
+
+void Behaviour::fail(Reason reason, const drive::JointTrouble& trouble, std::uint64_t now_us) {
+  const auto next = next_state(status_.state, Event::kTrouble);
+  if (!next) return;
+  status_.trouble = trouble;
+  status_.faults = fixed::add_saturated(status_.faults, std::uint16_t{1});
+  decision_.fault = FaultReport{status_.state, reason, trouble};
+  enter(*next, reason, now_us);
+}
+
+// --- Changes of state
+
+void Behaviour::handle(Event event, Reason reason, const Cycle& cycle) {
+  if (const auto next = next_state(status_.state, event)) enter(*next, reason, cycle.now_us);
+}
+
+void Behaviour::enter(State state, Reason reason, std::uint64_t now_us) {
+  status_.state = state;
+  status_.reason = reason;
+  entered_us_ = now_us;
+  if (state != State::kFault) decision_.drive_enable = kTorque.contains(state);
+  switch (state) {
+    case State::kBoot:
+      status_.trouble.kind = drive::Trouble::kNone;
+      decision_.fault.reset();
+      stop_moving();
+      ++decision_.boots;
+      break;
+    case State::kLimp:
+    case State::kEmergencyStop:
+    case State::kFallen:
+      stop_moving();
+      set_goal(drive::Goal::kTorqueOff);
+      break;
+    case State::kEnabling:
+    case State::kRighting:
+      set_goal(drive::Goal::kEnabled);
+      break;
+    case State::kSoftStart:
+      begin_soft_start();
+      break;
+    case State::kStanding:
+    case State::kMotion:
+    case State::kWalking:
+    case State::kRolling:
+    case State::kRising:
+      break;
+    case State::kFalling:
+    case State::kSteadying:
+      stillness_.restart();
+      break;
+    case State::kLowBattery:
+      decision_.low_battery = true;
+      break;
+    case State::kFault:
+      interpreter_.abort();
+      walker_.abort();
+      set_goal(drive::Goal::kQuickStop);
+      break;
+  }
+}
+
+void Behaviour::set_goal(drive::Goal goal) {
+  decision_.goal = goal;
+  ++decision_.goals;
+}
+
+void Behaviour::stop_moving() {
+  decision_.low_battery = false;
+  interpreter_.abort();
+  walker_.abort();
+  fall_watch_.disarm();
+  stillness_.restart();
+}
+
+// To the first pose of motion 0, as far as that names joints.
+void Behaviour::begin_soft_start() {
+  auto to = decision_.targets;
+  motion::Motion standing;
+  const bool known = motions_.open(0, standing) && standing.pose_count() > 0;
+  for (std::size_t joint = 0; known && joint < model_.joint_count; ++joint) {
+    if ((standing.joint_mask(0) >> joint & 1u) != 0) to[joint] = standing.angle(0, joint);
+  }
+  soft_start_.begin(targets(), {to.data(), model_.joint_count}, parameters_.power.ramp_rate);
+}
+
+void Behaviour::choose_feedback() {
+  using balance::FeedbackMode;
+  decision_.planned_pitch = {};
+  decision_.feedback = FeedbackMode::kNone;
+  if (!kBalancing.contains(status_.state)) return;
+  decision_.feedback = FeedbackMode::kStanding;
+  if (status_.state == State::kMotion) decision_.feedback = FeedbackMode::kMotion;
+  if (status_.state != State::kWalking) return;
+  decision_.feedback = FeedbackMode::kWalking;
+  decision_.planned_pitch = walker_.pitch();
+}
+
+// --- What is done in a state, each cycle
+
+void Behaviour::run_state(const Cycle& cycle) {
+  switch (status_.state) {
+    case State::kBoot:
+      return run_boot(cycle);
+    case State::kEnabling:
+      return run_enabling(cycle);
+    case State::kSoftStart:
+      return run_soft_start(cycle);
+    case State::kMotion:
+      return run_motion(cycle);
+    case State::kWalking:
+      return run_walking(cycle);
+    case State::kFault:
+      return run_fault(cycle);
+    case State::kLimp:
+    case State::kEmergencyStop:
+      return follow_actual(cycle.drives);
+    case State::kStanding:
+      return run_standing(cycle);
+    case State::kLowBattery:
+      return;
+    case State::kFalling:
+      return run_falling(cycle);
+    case State::kFallen:
+      return run_fallen(cycle);
+    case State::kRighting:
+      return run_righting(cycle);
+    case State::kRolling:
+    case State::kRising:
+      return run_getting_up(cycle);
+    case State::kSteadying:
+      return run_steadying(cycle);
+  }
+}
+
+void Behaviour::run_boot(const Cycle& cycle) {
+  if (!model_valid_) return fail(Reason::kModelInvalid, cycle.drives.trouble, cycle.now_us);
+  if (!cycle.drives.booted || silent_sensor(cycle.robot) != Reason::kNone) return;
+  follow_actual(cycle.drives);
+  handle(Event::kReady, Reason::kProgress, cycle);
+}
+
+void Behaviour::run_enabling(const Cycle& cycle) {
+  follow_actual(cycle.drives);
+  if (cycle.drives.enabled) handle(Event::kEnabled, Reason::kProgress, cycle);
+}
+
+void Behaviour::run_soft_start(const Cycle& cycle) {
+  soft_start_.advance(std::int32_t{kTick_us}, decision_.targets);
+  if (soft_start_.arrived()) handle(Event::kArrived, Reason::kProgress, cycle);
+}
+
+void Behaviour::run_standing(const Cycle& cycle) {
+  if (battery_low()) handle(Event::kLowBattery, Reason::kSupplyLow, cycle);
+}
+
+void Behaviour::run_motion(const Cycle& cycle) {
+  if (battery_low()) interpreter_.stop();
+  play_on(kTick_us);
+  if (!interpreter_.running()) handle(Event::kEnded, Reason::kProgress, cycle);
+}
+
+void Behaviour::play_on(std::uint32_t elapsed_us) {
+  interpreter_.advance(elapsed_us);
+  std::ranges::copy(interpreter_.targets(), decision_.targets.begin());
+}
+
+void Behaviour::run_walking(const Cycle& cycle) {
+  if (battery_low()) walker_.stop();
+  const estimation::RobotState& robot = cycle.robot;
+  walker_.advance(velocity_, {.roll = robot.roll,
+                              .pitch = robot.pitch,
+                              .rates = robot.rates_B,
+                              .loads = {robot.feet[0].load, robot.feet[1].load}});
+  std::ranges::copy(walker_.targets(), decision_.targets.begin());
+  if (!walker_.running()) handle(Event::kEnded, Reason::kProgress, cycle);
+}
+
+void Behaviour::run_fault(const Cycle& cycle) {
+  if (cycle.drives.limp || cycle.now_us - entered_us_ >= kQuickStop_us) decision_.drive_enable = false;
+}
+
+}  // namespace koboshi::behaviour

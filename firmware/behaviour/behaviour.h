@@ -1,0 +1,183 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "firmware/balance/feedback.h"
+#include "firmware/behaviour/command.h"
+#include "firmware/behaviour/fall_watch.h"
+#include "firmware/behaviour/lying.h"
+#include "firmware/behaviour/parameters.h"
+#include "firmware/behaviour/soft_start.h"
+#include "firmware/behaviour/state.h"
+#include "firmware/behaviour/stillness.h"
+#include "firmware/drive/drive_group.h"
+#include "firmware/drive/status.h"
+#include "firmware/estimation/robot_state.h"
+#include "firmware/motion/interpreter.h"
+#include "firmware/motion/roles.h"
+#include "firmware/storage/motion_library.h"
+#include "firmware/walk/walker.h"
+
+namespace koboshi::behaviour {
+
+// What the controller found out about the network in this cycle.
+struct NetworkStatus {
+  bool left = false;              // another NMT master took the controller out of operational
+  Reason bus = Reason::kNone;     // why the bus cannot be used; kNone: it can
+  bool sensors_starting = false;  // since a boot it is too early to miss a sensor
+};
+
+// What the robot as a whole is doing, as telemetry shows it.
+struct Status {
+  State state = State::kBoot;
+  Reason reason = Reason::kNone;   // why the state is what it is
+  Reason refusal = Reason::kNone;  // of the last command; kNone when it was obeyed
+  std::uint8_t motion = 0;         // number of the motion being played or played last
+  std::uint8_t attempts = 0;       // to get up since the robot stood last
+  drive::JointTrouble trouble;     // behind the last fault, where a drive had one
+  // Since power-on; they saturate.
+  std::uint16_t faults = 0;
+  std::uint16_t falls = 0;
+  std::uint16_t risen = 0;
+};
+
+// Of a fault: what was the state, and what went wrong.
+struct FaultReport {
+  State state = State::kBoot;
+  Reason reason = Reason::kNone;
+  drive::JointTrouble trouble;
+};
+
+// What is to be done about it. The controller carries it out at once, after each call that may change it.
+struct Decision {
+  std::array<fixed::Angle, robot::kMaxJoints> targets{};  // by joint, before feedback
+  balance::FeedbackMode feedback = balance::FeedbackMode::kNone;
+  fixed::Angle planned_pitch;  // by which the trunk is to lean
+  drive::Goal goal = drive::Goal::kTorqueOff;
+  std::uint16_t goals = 0;           // how many were set: the same goal may be set anew
+  bool drive_enable = false;         // level of the drive-enable line
+  std::uint16_t boots = 0;           // how many boots of drives and sensors were ordered
+  std::optional<FaultReport> fault;  // to be told on the bus until the next boot
+  bool low_battery = false;          // likewise, until the robot is limp
+};
+
+// The second stage of a control cycle: decides what the robot does, from what the first has estimated, what
+// the drives say and what an operator asks. Its state changes by the rules of state.h and in no other way.
+class Behaviour {
+ public:
+  static constexpr std::uint32_t kTick_us = 10'000;
+  static constexpr std::uint32_t kSensorTimeout_us = 50'000;
+  // Of the supply in a row: two seconds.
+  static constexpr std::uint8_t kLowReadings = 2'000'000 / drive::DriveGroup::kSupplyPeriod_us;
+
+  // `model_valid`: storage holds a model; without one the robot only boots, into a fault. All must outlive
+  // the behaviour.
+  Behaviour(const robot::RobotModel& model, bool model_valid, const storage::MotionLibrary& motions,
+            const Parameters& parameters);
+
+  // One control cycle of 10 ms. The reference is good until the next call.
+  const Decision& step(const estimation::RobotState& robot, const drive::DriveStatus& drives,
+                       const NetworkStatus& network, std::uint64_t now_us);
+  // A command, at any time, with what is known then: obeyed at once, or refused. kNone when it was obeyed;
+  // the answer stands in `status`, too. `kCalibrate` is only judged here.
+  Reason request(Command command, std::int16_t argument, const estimation::RobotState& robot,
+                 const drive::DriveStatus& drives, std::uint64_t now_us);
+  // A velocity to walk with. False, and the one before stays, when it is beyond the limits.
+  bool request_velocity(const walk::Velocity& velocity);
+  // One that was judged already.
+  void set_velocity(const walk::Velocity& velocity) { velocity_ = velocity; }
+  // What was obeyed turned out to be impossible.
+  void refuse(Reason reason) { status_.refusal = reason; }
+  // Trouble that the controller has found between two cycles.
+  void fail(Reason reason, const drive::JointTrouble& trouble, std::uint64_t now_us);
+  // A boot, whatever the state was. `forget`: as at power-on, with nothing counted and no velocity.
+  void restart(bool forget, std::uint64_t now_us);
+
+  const Status& status() const { return status_; }
+  State state() const { return status_.state; }
+  const walk::Velocity& velocity() const { return velocity_; }
+  const Decision& decision() const { return decision_; }
+
+ private:
+  // What a cycle starts from.
+  struct Cycle {
+    const estimation::RobotState& robot;
+    const drive::DriveStatus& drives;
+    std::uint64_t now_us;
+  };
+
+  // Commands (commands.cc).
+  Reason judge(Command command, std::int16_t argument, const Cycle& cycle);
+  Reason obey_event(Event event, const Cycle& cycle);
+  Reason enable(const Cycle& cycle);
+  Reason refusal_to_enable(const Cycle& cycle) const;
+  Reason play(std::int16_t number, const Cycle& cycle);
+  Reason walk(const Cycle& cycle);
+  Reason get_up(const Cycle& cycle);
+  Reason stop();
+
+  // What leads out of a state whatever it is (behaviour.cc).
+  void watch_for_trouble(const Cycle& cycle, const NetworkStatus& network);
+  void watch_battery(const drive::DriveStatus& drives);
+  bool battery_low() const { return low_readings_ >= kLowReadings; }
+  void watch_for_falls(const Cycle& cycle);
+
+  // Changes of state.
+  void handle(Event event, Reason reason, const Cycle& cycle);
+  void enter(State state, Reason reason, std::uint64_t now_us);
+  void set_goal(drive::Goal goal);
+  void stop_moving();
+  void begin_soft_start();
+  void choose_feedback();
+
+  // What is done in a state, each cycle.
+  void run_state(const Cycle& cycle);
+  void run_boot(const Cycle& cycle);
+  void run_enabling(const Cycle& cycle);
+  void run_soft_start(const Cycle& cycle);
+  void run_standing(const Cycle& cycle);
+  void run_motion(const Cycle& cycle);
+  void play_on(std::uint32_t elapsed_us);
+  void run_walking(const Cycle& cycle);
+  void run_fault(const Cycle& cycle);
+  void follow_actual(const drive::DriveStatus& drives) { decision_.targets = drives.angles; }
+
+  // The states of a fall and of getting up (getting_up.cc).
+  void begin_falling(FallDirection direction, const Cycle& cycle);
+  bool begin_role(motion::Role role);
+  void run_falling(const Cycle& cycle);
+  void stand_up_straight(Reason reason, const Cycle& cycle);
+  void run_fallen(const Cycle& cycle);
+  void run_righting(const Cycle& cycle);
+  void turn_from_side(motion::Role roll, Reason side, const Cycle& cycle);
+  void rise(motion::Role role, Reason lying, const Cycle& cycle);
+  void rise_from_seat(const Cycle& cycle);
+  fixed::Angle thigh_pitch(const Cycle& cycle) const;
+  void run_getting_up(const Cycle& cycle);
+  void run_steadying(const Cycle& cycle);
+  std::uint32_t pace_percent() const;
+
+  std::span<const fixed::Angle> targets() const { return {decision_.targets.data(), model_.joint_count}; }
+
+  const robot::RobotModel& model_;
+  const bool model_valid_;
+  const storage::MotionLibrary& motions_;
+  const Parameters parameters_;
+  Status status_;
+  Decision decision_;
+  walk::Velocity velocity_;                // the last that was obeyed
+  std::uint64_t entered_us_ = 0;           // when the present state began
+  std::uint8_t low_readings_ = 0;          // of the supply, in a row
+  bool has_rolled_ = false;                // in this attempt to get up
+  robot::Direction up_B_ = robot::kAxisZ;  // of the present cycle, for the interpreter
+  motion::Interpreter interpreter_;
+  walk::Walker walker_;
+  SoftStart soft_start_;
+  FallWatch fall_watch_;
+  Stillness stillness_;
+};
+
+}  // namespace koboshi::behaviour

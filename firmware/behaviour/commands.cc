@@ -1,0 +1,129 @@
+// How commands are judged, and what they begin.
+
+#include "firmware/behaviour/behaviour.h"
+#include "firmware/fixed/literals.h"
+#include "firmware/fixed/trigonometry.h"
+
+namespace koboshi::behaviour {
+
+using namespace fixed::literals;
+
+namespace {
+
+// Half and one and a half g: whatever the attitude, a robot at rest measures about one.
+constexpr fixed::Acceleration kMinAcceleration = 4.9_m_per_s2;
+constexpr fixed::Acceleration kMaxAcceleration = 14.7_m_per_s2;
+
+}  // namespace
+
+Reason Behaviour::request(Command command, std::int16_t argument, const estimation::RobotState& robot,
+                          const drive::DriveStatus& drives, std::uint64_t now_us) {
+  status_.refusal = judge(command, argument, {robot, drives, now_us});
+  return status_.refusal;
+}
+
+// One that is obeyed withdraws the refusal of a velocity only: they come often, and the refusal of a command
+// is to be seen.
+bool Behaviour::request_velocity(const walk::Velocity& velocity) {
+  const bool obeyed = clamped(velocity, parameters_.velocity_limits) == velocity;
+  if (obeyed) velocity_ = velocity;
+  if (!obeyed) status_.refusal = Reason::kVelocityOutOfRange;
+  if (obeyed && status_.refusal == Reason::kVelocityOutOfRange) status_.refusal = Reason::kNone;
+  return obeyed;
+}
+
+Reason Behaviour::judge(Command command, std::int16_t argument, const Cycle& cycle) {
+  switch (command) {
+    case Command::kNone:
+      return Reason::kNone;
+    case Command::kEnable:
+      return enable(cycle);
+    case Command::kLimp:
+      return obey_event(Event::kLimp, cycle);
+    case Command::kPlay:
+      return play(argument, cycle);
+    case Command::kStop:
+      return stop();
+    case Command::kWalk:
+      return walk(cycle);
+    case Command::kEmergencyStop:
+      return obey_event(Event::kEmergencyStop, cycle);
+    case Command::kReset:
+      return obey_event(Event::kReset, cycle);
+    case Command::kCalibrate:
+      // The second begins now. Should the robot move in it, the refusal comes later.
+      return kResting.contains(status_.state) ? Reason::kNone : Reason::kNotInThisState;
+    case Command::kGetUp:
+      return get_up(cycle);
+  }
+  return Reason::kUnknownCommand;
+}
+
+Reason Behaviour::obey_event(Event event, const Cycle& cycle) {
+  if (!next_state(status_.state, event)) return Reason::kNotInThisState;
+  handle(event, Reason::kCommand, cycle);
+  return Reason::kNone;
+}
+
+Reason Behaviour::enable(const Cycle& cycle) {
+  if (status_.state != State::kLimp) return Reason::kNotInThisState;
+  const Reason refusal = refusal_to_enable(cycle);
+  return refusal == Reason::kNone ? obey_event(Event::kEnable, cycle) : refusal;
+}
+
+Reason Behaviour::refusal_to_enable(const Cycle& cycle) const {
+  const drive::DriveStatus& drives = cycle.drives;
+  if (!drives.disabled) return Reason::kDriveNotReady;
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
+    if ((drives.beyond_limits >> joint & 1u) != 0) return Reason::kEncoderBeyondLimits;
+    const std::uint32_t supply_mV = drives.supply_mV[joint];
+    if (supply_mV < parameters_.power.supply_min_mV || supply_mV > parameters_.power.supply_max_mV)
+      return Reason::kSupplyOutOfRange;
+  }
+  const auto& a = cycle.robot.accelerations_B;
+  const fixed::Acceleration magnitude = fixed::hypotenuse(a.x, a.y, a.z);
+  const bool plausible = magnitude > kMinAcceleration && magnitude < kMaxAcceleration;
+  return plausible ? Reason::kNone : Reason::kImuImplausible;
+}
+
+Reason Behaviour::play(std::int16_t number, const Cycle& cycle) {
+  if (status_.state != State::kStanding) return Reason::kNotInThisState;
+  if (number < 0) return Reason::kNoSuchMotion;
+  motion::Motion motion;
+  if (!motions_.open(static_cast<std::uint16_t>(number), motion)) return Reason::kNoSuchMotion;
+  status_.motion = static_cast<std::uint8_t>(number);
+  interpreter_.start(motion, targets());
+  return obey_event(Event::kPlay, cycle);
+}
+
+// A robot that walks already only hears its velocity, and forgets that it was to stop.
+Reason Behaviour::walk(const Cycle& cycle) {
+  if (status_.state == State::kWalking) {
+    walker_.go_on();
+    return Reason::kNone;
+  }
+  if (status_.state == State::kStanding) walker_.start(parameters_.walk, targets());
+  return obey_event(Event::kWalk, cycle);
+}
+
+Reason Behaviour::get_up(const Cycle& cycle) {
+  if (status_.state != State::kLimp) return Reason::kNotInThisState;
+  status_.attempts = 0;
+  const Reason refusal = refusal_to_enable(cycle);
+  return refusal == Reason::kNone ? obey_event(Event::kGetUp, cycle) : refusal;
+}
+
+Reason Behaviour::stop() {
+  switch (status_.state) {
+    case State::kMotion:
+      interpreter_.stop();
+      return Reason::kNone;
+    case State::kWalking:
+      walker_.stop();
+      return Reason::kNone;
+    default:
+      return Reason::kNotInThisState;
+  }
+}
+
+}  // namespace koboshi::behaviour

@@ -1,0 +1,52 @@
+#include "firmware/behaviour/fall_watch.h"
+
+#include <algorithm>
+
+#include "firmware/fixed/rounding.h"
+#include "firmware/fixed/saturating.h"
+
+namespace koboshi::behaviour {
+
+namespace {
+
+constexpr int kAngleShift = 16;  // from an Angle to units of the limits
+
+constexpr std::int32_t short_angle(fixed::Angle angle) { return angle.raw() >> kAngleShift; }
+
+// The lean in units of the limits when `lead_ms` have passed, within half a turn.
+constexpr std::int32_t predicted(fixed::Angle lean, fixed::AngularRate rate, std::int16_t lead_ms) {
+  constexpr int kRateShift = fixed::AngularRate::kFractionBits - 16;
+  const std::int32_t change = (rate.raw() >> kRateShift) * lead_ms / 1'000;
+  return fixed::saturate<std::int16_t>(short_angle(lean) + change);
+}
+
+constexpr std::int64_t square(std::int32_t value) { return std::int64_t{value} * value; }
+
+constexpr bool is_within(std::int32_t value, std::int16_t limit) { return value < limit && -value < limit; }
+
+}  // namespace
+
+FallDirection FallWatch::update(const FallLimits& limits, const estimation::TrunkMotion& trunk) {
+  const bool leans = !is_within(short_angle(trunk.pitch), limits.least_lean) ||
+                     !is_within(short_angle(trunk.roll), limits.least_lean);
+  if (!leans) armed_ = true;
+  const std::int32_t ahead = predicted(trunk.pitch, trunk.pitch_rate, limits.lead_ms);
+  const std::int32_t right = predicted(trunk.roll, trunk.roll_rate, limits.lead_ms);
+  const std::int16_t length = ahead < 0 ? limits.back : limits.front;
+  const std::int64_t along = square(ahead) * square(limits.side);
+  const std::int64_t across = square(right) * square(length);
+  const bool beyond = along + across > square(length) * square(limits.side);
+  cycles_ = armed_ && leans && beyond && limits.front != 0 ? fixed::add_saturated(cycles_, std::int16_t{1})
+                                                           : std::int16_t{0};
+  if (cycles_ < std::max<std::int16_t>(limits.cycles, 1)) return FallDirection::kNone;
+  disarm();
+  if (along >= across) return ahead < 0 ? FallDirection::kBack : FallDirection::kFront;
+  return right < 0 ? FallDirection::kLeft : FallDirection::kRight;
+}
+
+void FallWatch::disarm() {
+  armed_ = false;
+  cycles_ = 0;
+}
+
+}  // namespace koboshi::behaviour

@@ -1,0 +1,156 @@
+// Of a fall and what comes after it: the states from kFalling to kSteadying.
+
+#include <algorithm>
+
+#include "firmware/behaviour/behaviour.h"
+#include "firmware/fixed/saturating.h"
+
+namespace koboshi::behaviour {
+
+using motion::Role;
+namespace {
+
+// Who has not come down by then caught himself, or hangs on somebody's hand.
+constexpr std::uint64_t kLongestFall_us = 1'500'000;
+// A robot on a slope or in somebody's hands may never lie still.
+constexpr std::uint64_t kLongestSettling_us = 4'000'000;
+constexpr std::uint64_t kLongestSteadying_us = 3'000'000;
+constexpr std::uint32_t kSlowestPace_percent = 30;
+
+constexpr Role role_of(FallDirection direction) {
+  switch (direction) {
+    case FallDirection::kBack:
+      return Role::kFallBack;
+    case FallDirection::kLeft:
+      return Role::kFallLeft;
+    case FallDirection::kRight:
+      return Role::kFallRight;
+    default:
+      return Role::kFallFront;
+  }
+}
+
+}  // namespace
+
+void Behaviour::begin_falling(FallDirection direction, const Cycle& cycle) {
+  walker_.abort();
+  interpreter_.abort();
+  status_.falls = fixed::add_saturated(status_.falls, std::uint16_t{1});
+  // Without a motion for it the robot meets the ground as it is.
+  static_cast<void>(begin_role(role_of(direction)));
+  handle(Event::kFall, Reason::kFallForeseen, cycle);
+}
+
+bool Behaviour::begin_role(Role role) {
+  const auto number = motions_.number_of(role);
+  motion::Motion motion;
+  if (!number || !motions_.open(*number, motion)) return false;
+  status_.motion = static_cast<std::uint8_t>(*number);
+  interpreter_.start(motion, targets());
+  return true;
+}
+
+// Stiff until the body is about to land, so that the pose is reached; then limp, so that the ground drives no
+// gear. Who bends low enough may not fall at all.
+void Behaviour::run_falling(const Cycle& cycle) {
+  if (interpreter_.running()) play_on(kTick_us);
+  const bool rests = !interpreter_.running() && stillness_.update(cycle.robot.rates_B);
+  if (rests && is_up(cycle.robot.up_B)) return stand_up_straight(Reason::kCaughtItself, cycle);
+  if (rests || is_down(cycle.robot.up_B) || cycle.now_us - entered_us_ >= kLongestFall_us) {
+    handle(Event::kDown, Reason::kProgress, cycle);
+  }
+}
+
+void Behaviour::stand_up_straight(Reason reason, const Cycle& cycle) {
+  fall_watch_.arm();
+  handle(Event::kUpright, reason, cycle);
+}
+
+void Behaviour::run_fallen(const Cycle& cycle) {
+  follow_actual(cycle.drives);
+  if (!stillness_.update(cycle.robot.rates_B) && cycle.now_us - entered_us_ < kLongestSettling_us) return;
+  std::uint8_t& attempts = status_.attempts;
+  if (attempts >= parameters_.recovery.getting_up.attempts)
+    return fail(Reason::kCannotGetUp, cycle.drives.trouble, cycle.now_us);
+  ++attempts;
+  has_rolled_ = false;
+  handle(Event::kStill, Reason::kProgress, cycle);
+}
+
+void Behaviour::run_righting(const Cycle& cycle) {
+  if (!cycle.drives.enabled) return follow_actual(cycle.drives);
+  switch (classify(cycle.robot.up_B, thigh_pitch(cycle))) {
+    case Lying::kUpright:
+      // Who was upright and fell again did not stand on its feet.
+      if (status_.attempts > 1) return rise_from_seat(cycle);
+      return stand_up_straight(Reason::kHeldUpright, cycle);
+    case Lying::kSitting:
+      return rise_from_seat(cycle);
+    case Lying::kProne:
+      return rise(Role::kRiseProne, Reason::kProne, cycle);
+    case Lying::kSupine:
+      return rise(Role::kRiseSupine, Reason::kSupine, cycle);
+    case Lying::kLeftSide:
+      return turn_from_side(Role::kRollLeft, Reason::kOnLeftSide, cycle);
+    case Lying::kRightSide:
+      return turn_from_side(Role::kRollRight, Reason::kOnRightSide, cycle);
+  }
+}
+
+void Behaviour::rise(Role role, Reason lying, const Cycle& cycle) {
+  if (!begin_role(role)) return fail(Reason::kCannotGetUp, cycle.drives.trouble, cycle.now_us);
+  handle(Event::kLiesFlat, lying, cycle);
+}
+
+// Whose robot has no motion for it lies down first, by the one from its back.
+void Behaviour::rise_from_seat(const Cycle& cycle) {
+  const bool known = motions_.number_of(Role::kRiseSeat).has_value();
+  rise(known ? Role::kRiseSeat : Role::kRiseSupine, Reason::kOnSeat, cycle);
+}
+
+// From hanging down, the mean of both: a knee that is in front makes it negative.
+fixed::Angle Behaviour::thigh_pitch(const Cycle& cycle) const {
+  std::int64_t hips_raw = 0;
+  for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
+    const std::uint8_t hip = model_.leg(side)[robot::kHipPitch];
+    const std::int64_t angle_raw = cycle.drives.angles[hip].raw();
+    hips_raw += model_.joints[hip].axis.y.raw() < 0 ? -angle_raw : angle_raw;
+  }
+  return cycle.robot.pitch + fixed::Angle::from_raw(static_cast<std::int32_t>(hips_raw / 2));
+}
+
+void Behaviour::turn_from_side(Role roll, Reason side, const Cycle& cycle) {
+  if (has_rolled_) return handle(Event::kElsewhere, Reason::kBodyElsewhere, cycle);
+  has_rolled_ = true;
+  if (!begin_role(roll)) return fail(Reason::kCannotGetUp, cycle.drives.trouble, cycle.now_us);
+  handle(Event::kLiesAside, side, cycle);
+}
+
+void Behaviour::run_getting_up(const Cycle& cycle) {
+  play_on(kTick_us * pace_percent() / 100);
+  if (interpreter_.running()) return;
+  if (interpreter_.failed()) return handle(Event::kElsewhere, Reason::kBodyElsewhere, cycle);
+  handle(Event::kEnded, Reason::kProgress, cycle);
+}
+
+// The same motion again would fail again: each attempt is slower than the last.
+std::uint32_t Behaviour::pace_percent() const {
+  const std::uint32_t less = parameters_.recovery.getting_up.slower * (status_.attempts - 1u);
+  return less >= 100 - kSlowestPace_percent ? kSlowestPace_percent : 100 - less;
+}
+
+// The watch for falls goes on meanwhile, once the trunk was upright.
+void Behaviour::run_steadying(const Cycle& cycle) {
+  const bool still = stillness_.update(cycle.robot.rates_B);
+  if (still && is_upright(cycle.robot.up_B)) {
+    status_.attempts = 0;
+    status_.risen = fixed::add_saturated(status_.risen, std::uint16_t{1});
+    return handle(Event::kArrived, Reason::kProgress, cycle);
+  }
+  const bool down = is_down(cycle.robot.up_B);
+  if (down || cycle.now_us - entered_us_ >= kLongestSteadying_us) {
+    handle(Event::kElsewhere, Reason::kBodyElsewhere, cycle);
+  }
+}
+
+}  // namespace koboshi::behaviour

@@ -1,0 +1,81 @@
+#include "firmware/estimation/attitude.h"
+
+#include "firmware/fixed/literals.h"
+#include "firmware/fixed/trigonometry.h"
+
+namespace koboshi::estimation {
+
+using namespace fixed::literals;
+using fixed::Ratio;
+using robot::Direction;
+
+namespace {
+
+constexpr Ratio kInverseGravity = 0.101936799_ratio;  // of 9.81 m/s^2
+// 0.85^2 and 1.15^2: of |force|^2 / g^2.
+constexpr Ratio kLeast = 0.7225_ratio;
+constexpr Ratio kMost = 1.3225_ratio;
+// 10 ms through time constants of 2 s and of 0.1 s.
+constexpr Ratio kHalf = 0.5_ratio;
+constexpr Ratio kMovingShare = 0.005_ratio;
+constexpr Ratio kRestingShare = 0.1_ratio;
+
+Direction scaled(Ratio factor, const Direction& v) {
+  return {fixed::product<Ratio>(factor, v.x), fixed::product<Ratio>(factor, v.y),
+          fixed::product<Ratio>(factor, v.z)};
+}
+
+bool is_near_one(const Direction& force) {
+  for (const Ratio component : {force.x, force.y, force.z}) {
+    if (fixed::abs(component) > kMost) return false;
+  }
+  const Ratio square = robot::dot(force, force);
+  return square >= kLeast && square <= kMost;
+}
+
+// force / g; saturates at 2.
+Direction in_g(const AttitudeEstimator::Acceleration& force_B) {
+  return {fixed::product<Ratio>(force_B.x, kInverseGravity),
+          fixed::product<Ratio>(force_B.y, kInverseGravity),
+          fixed::product<Ratio>(force_B.z, kInverseGravity)};
+}
+
+}  // namespace
+
+void AttitudeEstimator::update(const robot::Vector<Ratio>& turn_B_rad, const Acceleration& force_B,
+                               Condition condition) {
+  turn(turn_B_rad);
+  correct(force_B, condition);
+  normalise();
+  roll_ = fixed::atan2(up_B_.y, up_B_.z);
+  pitch_ = fixed::atan2(-up_B_.x, fixed::hypotenuse(up_B_.y, up_B_.z));
+}
+
+// What is fixed in the world turns the other way in axes of B: to second order, v - t x v + t x (t x v) / 2.
+void AttitudeEstimator::turn(const robot::Vector<Ratio>& turn_B_rad) {
+  const Direction first = robot::cross(turn_B_rad, up_B_);
+  const Direction half = scaled(kHalf, first);
+  up_B_ = up_B_ - first + robot::cross(turn_B_rad, half);
+}
+
+void AttitudeEstimator::correct(const Acceleration& force_B, Condition condition) {
+  const Direction force = in_g(force_B);
+  if (!is_near_one(force)) return;
+  if (!known_) {
+    known_ = true;
+    up_B_ = force;
+    // From 15 % off, four steps of Newton arrive within an LSB or two.
+    for (int step = 0; step < 4; ++step) normalise();
+    return;
+  }
+  // The part along up_B is only length, which is taken away afterwards.
+  up_B_ = up_B_ + scaled(condition == Condition::kResting ? kRestingShare : kMovingShare, force - up_B_);
+}
+
+// One Newton step of the inverse root of its square, s: v (3 - s) / 2.
+void AttitudeEstimator::normalise() {
+  const Ratio excess = robot::dot(up_B_, up_B_) - fixed::kOne;
+  up_B_ = up_B_ - scaled(fixed::product<Ratio>(kHalf, excess), up_B_);
+}
+
+}  // namespace koboshi::estimation

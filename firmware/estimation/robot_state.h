@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+
+#include "firmware/estimation/zmp.h"
+#include "firmware/robot/geometry.h"
+
+namespace koboshi::estimation {
+
+// What the sensors say of the robot at the end of one control cycle: all that the later stages know of the
+// body. Frames: B is the trunk's; a sole's has its origin under the ankle.
+struct RobotState {
+  static constexpr std::uint32_t kNever = std::numeric_limits<std::uint32_t>::max();
+
+  // From the gyro and the inclination sensor.
+  robot::Direction up_B = robot::kAxisZ;               // unit vector against gravity
+  fixed::Angle roll;                                   // about x, to the right positive; [-1/2, 1/2) turn
+  fixed::Angle pitch;                                  // about y, forwards positive; [-1/4, 1/4] turn
+  robot::Vector<fixed::AngularRate> rates_B;           // free of the gyro's bias
+  robot::Vector<fixed::Acceleration> accelerations_B;  // specific force: one g upwards at rest
+  bool gyro_known = false;  // the bias was measured or stored: without it attitude and rates drift
+  std::uint32_t inertial_age_us = kNever;  // since the last sample; saturates
+
+  // From the ankle sensors; by hal::Side where there are two.
+  std::array<FootPressure, 2> feet{};
+  Pressure zmp;  // of both feet, in the frame of the sole that carries more
+  std::array<std::uint32_t, 2> ankle_age_us{kNever, kNever};
+
+  // From the joint angles: the centre of mass, in the frame of `zmp`.
+  robot::Position centre_of_mass;
+};
+
+}  // namespace koboshi::estimation

@@ -1,0 +1,76 @@
+#include "firmware/estimation/zmp.h"
+
+#include "firmware/fixed/interpolation.h"
+#include "firmware/fixed/literals.h"
+#include "firmware/fixed/rounding.h"
+
+namespace koboshi::estimation {
+
+using fixed::Force;
+using fixed::Length;
+using fixed::Ratio;
+using fixed::Torque;
+using robot::Position;
+
+namespace {
+
+constexpr fixed::Acceleration kGravity = fixed::literals::operator""_m_per_s2(9.81L);
+
+// A count of 2^15 is full scale.
+template <fixed::AnyQuantity Q>
+Q scaled(Q full_scale, std::int16_t counts) {
+  return Q::from_wide_raw(fixed::shift_rounded(std::int64_t{full_scale.raw()} * counts, 15));
+}
+
+// (torque + force * arm) / load; the units of the three formats cancel to that of Length.
+Length lever(Torque torque, Force force, Length arm, Force load) {
+  constexpr int kShift = Force::kFractionBits + Length::kFractionBits - Torque::kFractionBits;
+  const std::int64_t moment_raw =
+      std::int64_t{torque.raw()} * (std::int64_t{1} << kShift) + std::int64_t{force.raw()} * arm.raw();
+  return Length::from_wide_raw(fixed::divide_rounded(moment_raw, load.raw()));
+}
+
+}  // namespace
+
+FootSensor::FootSensor(const robot::RobotModel& model, hal::Side side)
+    : model_(model), sensor_(model.feet[static_cast<std::size_t>(side)].sensor) {
+  if (model.joint_count == 0) return;
+  const robot::Foot& geometry = model.feet[static_cast<std::size_t>(side)];
+  const robot::Joint& foot = model.joints[model.leg(side)[robot::kLegJoints - 1]];
+  weight_ = fixed::product<Force>(foot.mass, kGravity);
+  // The foot's frame lies in the ankle, over the sole frame's origin.
+  weight_x_ = fixed::product<Torque>(foot.centre_of_mass.y - geometry.sensor.y, weight_);
+  weight_y_ = -fixed::product<Torque>(foot.centre_of_mass.x - geometry.sensor.x, weight_);
+}
+
+FootPressure FootSensor::pressure(std::span<const std::int16_t, 6> counts) const {
+  const auto force = [&](std::size_t axis) { return scaled(model_.scales.ankle_force, counts[axis]); };
+  const auto torque = [&](std::size_t axis) { return scaled(model_.scales.ankle_torque, counts[3 + axis]); };
+  FootPressure foot;
+  foot.load = force(2) + weight_;
+  foot.valid = foot.load >= kMinLoad;
+  if (!foot.valid) return foot;
+  const Length d = sensor_.z;
+  foot.x = sensor_.x + lever(-(torque(1) + weight_y_), -force(0), d, foot.load);
+  foot.y = sensor_.y + lever(torque(0) + weight_x_, -force(1), d, foot.load);
+  return foot;
+}
+
+Pressure combine(const std::array<FootPressure, 2>& feet, const Posture& posture) {
+  const bool right = feet[1].load > feet[0].load;
+  const FootPressure& main = feet[right ? 1 : 0];
+  const FootPressure& other = feet[right ? 0 : 1];
+  Pressure both{right ? hal::Side::kRight : hal::Side::kLeft, main.valid, main.x, main.y};
+  if (!other.valid) return both;
+  // From the frame of the other sole O to that of the main one M.
+  const robot::Pose& X_BM = posture.sole(both.frame);
+  const robot::Pose& X_BO = posture.sole(right ? hal::Side::kLeft : hal::Side::kRight);
+  const Position p_BZmp = X_BO.p + X_BO.R * Position{other.x, other.y, {}};
+  const Position p_MZmp = robot::transpose(X_BM.R) * (p_BZmp - X_BM.p);
+  const Ratio share = fixed::quotient<Ratio>(other.load, main.load + other.load);
+  both.x = fixed::interpolate(main.x, p_MZmp.x, share);
+  both.y = fixed::interpolate(main.y, p_MZmp.y, share);
+  return both;
+}
+
+}  // namespace koboshi::estimation

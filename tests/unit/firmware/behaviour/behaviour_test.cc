@@ -1,0 +1,215 @@
+// The second stage by itself: a RobotState, what the drives say and commands in, a Decision out. No bus, no
+// board, no sensors.
+
+#include "firmware/behaviour/behaviour.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+
+#include "hal/fake/storage.h"
+#include "tests/support/controller_bench.h"
+#include "tests/unit/firmware/robot/test_robot.h"
+
+namespace koboshi::behaviour {
+namespace {
+
+constexpr std::uint16_t kNod = 1;  // of factory_storage
+
+class BehaviourStage : public testing::Test {
+ protected:
+  explicit BehaviourStage(bool model_valid = true)
+      : behaviour(model, model_valid, motions,
+                  {.power = power, .velocity_limits = limits, .walk = gait, .recovery = recovery}) {
+    flash.load(0, test::factory_storage());
+    catalogue.emplace(flash.contents());
+    items.emplace(flash);
+    // As its image has it: motions are made for a model by its id.
+    static_cast<void>(robot::load_model(catalogue->find(storage::ItemKind::kRobotModel, 0), model));
+    motions.load();
+    robot.inertial_age_us = 0;
+    robot.ankle_age_us = {0, 0};
+    robot.gyro_known = true;
+    robot.accelerations_B.z = fixed::from_double<fixed::Acceleration>(9.81);
+    drives.disabled = drives.limp = true;
+    drives.supply_mV.fill(7'400);
+    behaviour.restart(true, now_us);
+  }
+
+  const Decision& step(int cycles = 1) {
+    for (int i = 0; i < cycles; ++i)
+      static_cast<void>(behaviour.step(robot, drives, network, now_us += 10'000));
+    return behaviour.decision();
+  }
+  Reason request(Command command, std::int16_t argument = 0) {
+    return behaviour.request(command, argument, robot, drives, now_us);
+  }
+  void boot() {
+    drives.configured = drives.booted = true;
+    step();
+    ASSERT_EQ(behaviour.state(), State::kLimp);
+  }
+  void stand() {
+    boot();
+    ASSERT_EQ(request(Command::kEnable), Reason::kNone);
+    drives.disabled = drives.limp = false;
+    drives.enabled = true;
+    step(200);
+    ASSERT_EQ(behaviour.state(), State::kStanding);
+  }
+  void lean(double pitch_rad) {
+    robot.pitch = fixed::from_double<fixed::Angle>(pitch_rad);
+    robot.up_B = {fixed::from_double<fixed::Ratio>(-std::sin(pitch_rad)),
+                  {},
+                  fixed::from_double<fixed::Ratio>(std::cos(pitch_rad))};
+  }
+
+  robot::RobotModel model = test::make_test_robot();
+  hal::FakeStorage flash;
+  std::optional<storage::Catalogue> catalogue{std::in_place, std::span<const std::byte>()};
+  std::optional<storage::ItemStore> items{std::in_place, flash};
+  storage::MotionLibrary motions{*catalogue, *items, model};
+  PowerParameters power;
+  walk::VelocityLimits limits;
+  walk::WalkParameters gait;
+  RecoveryParameters recovery;
+  Behaviour behaviour;
+  estimation::RobotState robot;
+  drive::DriveStatus drives;
+  NetworkStatus network;
+  std::uint64_t now_us = 0;
+};
+
+TEST_F(BehaviourStage, BootsLimpUntilDrivesAndSensorsAnswer) {
+  EXPECT_EQ(behaviour.decision().boots, 1u);
+  EXPECT_FALSE(step(3).drive_enable);
+  EXPECT_EQ(behaviour.state(), State::kBoot);
+  drives.booted = true;
+  step();
+  EXPECT_EQ(behaviour.state(), State::kLimp);
+  EXPECT_FALSE(behaviour.decision().drive_enable);
+}
+
+TEST_F(BehaviourStage, EnablesStandsAndPlays) {
+  stand();
+  EXPECT_TRUE(step().drive_enable);
+  EXPECT_EQ(step().goal, drive::Goal::kEnabled);
+  EXPECT_EQ(step().feedback, balance::FeedbackMode::kStanding);
+  EXPECT_EQ(request(Command::kPlay, kNod), Reason::kNone);
+  EXPECT_EQ(step().feedback, balance::FeedbackMode::kMotion);
+  const fixed::Angle before = behaviour.decision().targets[test::kHeadTilt];
+  step(10);
+  EXPECT_GT(behaviour.decision().targets[test::kHeadTilt], before);
+}
+
+TEST_F(BehaviourStage, HoldsTheJointsWhereTheyAreUntilItIsEnabled) {
+  boot();
+  drives.angles[test::kKnee] = test::degrees(33);
+  EXPECT_EQ(step().targets[test::kKnee], test::degrees(33));
+}
+
+TEST_F(BehaviourStage, SaysWhyItRefuses) {
+  EXPECT_EQ(request(Command::kEnable), Reason::kNotInThisState);
+  boot();
+  drives.supply_mV[4] = 5'900;
+  EXPECT_EQ(request(Command::kEnable), Reason::kSupplyOutOfRange);
+  EXPECT_EQ(behaviour.status().refusal, Reason::kSupplyOutOfRange);
+  drives.supply_mV[4] = 7'400;
+  drives.beyond_limits = 1u << 2;
+  EXPECT_EQ(request(Command::kEnable), Reason::kEncoderBeyondLimits);
+  drives.beyond_limits = 0;
+  robot.accelerations_B = {};
+  EXPECT_EQ(request(Command::kEnable), Reason::kImuImplausible);
+  EXPECT_EQ(request(static_cast<Command>(77)), Reason::kUnknownCommand);
+  EXPECT_EQ(behaviour.state(), State::kLimp);
+}
+
+TEST_F(BehaviourStage, DropsTheLineAtAnEmergencyStopBeforeTheNextCycle) {
+  stand();
+  EXPECT_EQ(request(Command::kEmergencyStop), Reason::kNone);
+  EXPECT_FALSE(behaviour.decision().drive_enable);
+  EXPECT_EQ(behaviour.decision().goal, drive::Goal::kTorqueOff);
+}
+
+TEST_F(BehaviourStage, ReportsAFaultOnceAndHoldsTheLineUntilTheDrivesHaveStopped) {
+  stand();
+  drives.trouble = {.kind = drive::Trouble::kLost, .joint = 7};
+  const Decision& decision = step();
+  ASSERT_TRUE(decision.fault);
+  EXPECT_EQ(decision.fault->state, State::kStanding);
+  EXPECT_EQ(decision.fault->reason, Reason::kDriveTrouble);
+  EXPECT_EQ(decision.goal, drive::Goal::kQuickStop);
+  EXPECT_TRUE(decision.drive_enable);
+  drives.limp = true;
+  EXPECT_FALSE(step().drive_enable);
+  step(10);
+  EXPECT_EQ(behaviour.status().faults, 1u);
+}
+
+TEST_F(BehaviourStage, MissesASensorAfterFiftyMilliseconds) {
+  boot();
+  robot.ankle_age_us[1] = Behaviour::kSensorTimeout_us;
+  step();
+  EXPECT_EQ(behaviour.state(), State::kLimp);
+  ++robot.ankle_age_us[1];
+  step();
+  EXPECT_EQ(behaviour.status().reason, Reason::kAnkleSilent);
+}
+
+TEST_F(BehaviourStage, ForeseesAFall) {
+  stand();
+  step();
+  lean(0.2);
+  step(3);
+  EXPECT_EQ(behaviour.state(), State::kStanding);
+  robot.rates_B.y = fixed::from_double<fixed::AngularRate>(3.0);
+  step(2);
+  EXPECT_EQ(behaviour.state(), State::kFalling);
+  EXPECT_EQ(behaviour.status().reason, Reason::kFallForeseen);
+  EXPECT_EQ(behaviour.status().falls, 1u);
+  lean(1.2);
+  EXPECT_FALSE(step().drive_enable) << "it lies: limp";
+  EXPECT_EQ(behaviour.state(), State::kFallen);
+}
+
+TEST_F(BehaviourStage, DoesNotTrustAGyroWithoutBias) {
+  robot.gyro_known = false;
+  stand();
+  lean(0.2);
+  robot.rates_B.y = fixed::from_double<fixed::AngularRate>(3.0);
+  step(10);
+  EXPECT_EQ(behaviour.state(), State::kStanding);
+}
+
+TEST_F(BehaviourStage, KeepsTheLastVelocityThatIsWithinItsLimits) {
+  EXPECT_TRUE(behaviour.request_velocity({.forward_mm_per_s = 100}));
+  EXPECT_FALSE(behaviour.request_velocity({.forward_mm_per_s = 2'000}));
+  EXPECT_EQ(behaviour.velocity().forward_mm_per_s, 100);
+  EXPECT_EQ(behaviour.status().refusal, Reason::kVelocityOutOfRange);
+}
+
+TEST_F(BehaviourStage, EndsALowBatteryOnlyWhenLimp) {
+  stand();
+  for (int i = 0; i < Behaviour::kLowReadings; ++i) {
+    drives.new_supply_mV = 6'000;
+    step();
+  }
+  EXPECT_TRUE(step().low_battery);
+  EXPECT_EQ(request(Command::kPlay, kNod), Reason::kNotInThisState);
+  EXPECT_EQ(request(Command::kLimp), Reason::kNone);
+  EXPECT_FALSE(step().low_battery);
+}
+
+class WithoutAModel : public BehaviourStage {
+ protected:
+  WithoutAModel() : BehaviourStage(false) {}
+};
+
+TEST_F(WithoutAModel, EndsInAFault) {
+  step();
+  EXPECT_EQ(behaviour.status().reason, Reason::kModelInvalid);
+}
+
+}  // namespace
+}  // namespace koboshi::behaviour

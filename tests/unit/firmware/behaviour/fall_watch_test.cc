@@ -1,0 +1,118 @@
+#include "firmware/behaviour/fall_watch.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "firmware/fixed/host/convert.h"
+
+namespace koboshi::behaviour {
+namespace {
+
+using fixed::from_double;
+
+constexpr double kRadPerDegree = std::numbers::pi / 180.0;
+
+struct LeanDegrees {
+  double roll = 0.0;
+  double pitch = 0.0;
+  double roll_rate = 0.0;
+  double pitch_rate = 0.0;
+};
+
+class FallWatchTest : public testing::Test {
+ protected:
+  FallDirection see(const LeanDegrees& lean) {
+    return watch_.update(limits_,
+                         {.roll_rate = from_double<fixed::AngularRate>(lean.roll_rate * kRadPerDegree),
+                          .pitch_rate = from_double<fixed::AngularRate>(lean.pitch_rate * kRadPerDegree),
+                          .roll = from_double<fixed::Angle>(lean.roll * kRadPerDegree),
+                          .pitch = from_double<fixed::Angle>(lean.pitch * kRadPerDegree)});
+  }
+  // Of an upright robot that comes to lean so at once and stays so.
+  FallDirection after_standing(const LeanDegrees& lean, int cycles = 2) {
+    watch_ = {};
+    EXPECT_EQ(see({}), FallDirection::kNone);
+    FallDirection seen = FallDirection::kNone;
+    for (int i = 0; i < cycles && seen == FallDirection::kNone; ++i) seen = see(lean);
+    return seen;
+  }
+
+  FallLimits limits_;
+  FallWatch watch_;
+};
+
+TEST_F(FallWatchTest, NamesWhereTheRobotFallsTo) {
+  EXPECT_EQ(after_standing({.pitch = 27}), FallDirection::kFront);
+  EXPECT_EQ(after_standing({.pitch = -27}), FallDirection::kBack);
+  EXPECT_EQ(after_standing({.roll = 29}), FallDirection::kRight);
+  EXPECT_EQ(after_standing({.roll = -29}), FallDirection::kLeft);
+}
+
+TEST_F(FallWatchTest, HasItsLimitsWhereTheParametersSay) {
+  EXPECT_EQ(after_standing({.pitch = 25.9}, 10), FallDirection::kNone);
+  EXPECT_EQ(after_standing({.pitch = -25.9}, 10), FallDirection::kNone);
+  EXPECT_EQ(after_standing({.roll = 27.9}, 10), FallDirection::kNone);
+  limits_.front = 10 * 65'536 / 360;
+  limits_.least_lean = 5 * 65'536 / 360;
+  EXPECT_EQ(after_standing({.pitch = 10.2}), FallDirection::kFront);
+  EXPECT_EQ(after_standing({.pitch = -10.2}, 10), FallDirection::kNone);
+}
+
+TEST_F(FallWatchTest, TakesRateAndAngleTogether) {
+  // 12 + 0.135 * 110 = 26.9 degrees.
+  EXPECT_EQ(after_standing({.pitch = 12, .pitch_rate = 110}), FallDirection::kFront);
+  EXPECT_EQ(after_standing({.pitch = 12, .pitch_rate = 95}, 10), FallDirection::kNone);
+  EXPECT_EQ(after_standing({.roll = -12, .roll_rate = -130}), FallDirection::kLeft);
+  // It leans far and comes back.
+  EXPECT_EQ(after_standing({.pitch = 28, .pitch_rate = -60}, 10), FallDirection::kNone);
+}
+
+TEST_F(FallWatchTest, FallsBetweenTheAxesByTheEllipse) {
+  EXPECT_EQ(after_standing({.roll = 19, .pitch = 18}, 10), FallDirection::kNone);
+  EXPECT_EQ(after_standing({.roll = 19, .pitch = 20}), FallDirection::kFront);
+  EXPECT_EQ(after_standing({.roll = 22, .pitch = -18}), FallDirection::kRight);
+}
+
+TEST_F(FallWatchTest, BelievesNoRateWithoutALean) {
+  EXPECT_EQ(after_standing({.pitch = 9, .pitch_rate = 400}, 10), FallDirection::kNone);
+}
+
+TEST_F(FallWatchTest, WaitsForAsManyCyclesInARow) {
+  limits_.cycles = 3;
+  EXPECT_EQ(after_standing({.pitch = 30}, 2), FallDirection::kNone);
+  EXPECT_EQ(see({.pitch = 5}), FallDirection::kNone);
+  EXPECT_EQ(see({.pitch = 30}), FallDirection::kNone);
+  EXPECT_EQ(see({.pitch = 30}), FallDirection::kNone);
+  EXPECT_EQ(see({.pitch = 30}), FallDirection::kFront);
+}
+
+TEST_F(FallWatchTest, SeesOneFallOnceAndNoneBeforeTheRobotWasUpright) {
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(see({.pitch = 90}), FallDirection::kNone);
+  EXPECT_EQ(after_standing({.pitch = 30}), FallDirection::kFront);
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(see({.pitch = 90}), FallDirection::kNone);
+}
+
+TEST_F(FallWatchTest, SeesAFallOfARobotThatHasToBeOnItsFeet) {
+  EXPECT_EQ(see({.pitch = 90}), FallDirection::kNone);
+  watch_.arm();
+  EXPECT_EQ(see({.pitch = 90}), FallDirection::kNone);
+  EXPECT_EQ(see({.pitch = 90}), FallDirection::kFront);
+}
+
+TEST_F(FallWatchTest, LooksForNoneWithoutALimit) {
+  limits_.front = 0;
+  EXPECT_EQ(after_standing({.roll = 60, .pitch = 80}, 10), FallDirection::kNone);
+}
+
+TEST_F(FallWatchTest, TakesWhateverTheSensorsShow) {
+  for (const double angle : {-179.9, -90.0, 90.0, 179.9}) {
+    for (const double rate : {-40'000.0, 40'000.0}) {
+      after_standing({.roll = angle, .pitch = angle, .roll_rate = rate, .pitch_rate = rate});
+    }
+  }
+  EXPECT_EQ(after_standing({.pitch = 85, .pitch_rate = 40'000}), FallDirection::kFront);
+}
+
+}  // namespace
+}  // namespace koboshi::behaviour

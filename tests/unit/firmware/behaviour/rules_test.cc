@@ -1,0 +1,108 @@
+// The rules by which the state changes: one answer for each state and event, no way around the switch-on.
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <vector>
+
+#include "firmware/behaviour/state.h"
+
+namespace koboshi::behaviour {
+namespace {
+
+constexpr auto kLastState = static_cast<int>(State::kSteadying);
+constexpr auto kLastEvent = static_cast<int>(Event::kTrouble);
+
+std::vector<State> states() {
+  std::vector<State> all;
+  for (int i = 0; i <= kLastState; ++i) all.push_back(static_cast<State>(i));
+  return all;
+}
+
+std::vector<Event> events() {
+  std::vector<Event> all;
+  for (int i = 0; i <= kLastEvent; ++i) all.push_back(static_cast<Event>(i));
+  return all;
+}
+
+int rules_for(State state, Event event) {
+  int count = 0;
+  for (const Rule& rule : kRules) count += rule.event == event && rule.from.contains(state) ? 1 : 0;
+  return count;
+}
+
+// All states that some events lead to from this one.
+std::set<State> reachable_from(State start) {
+  std::set<State> seen{start};
+  std::vector<State> open{start};
+  while (!open.empty()) {
+    const State state = open.back();
+    open.pop_back();
+    for (const Event event : events()) {
+      const auto next = next_state(state, event);
+      if (next && seen.insert(*next).second) open.push_back(*next);
+    }
+  }
+  return seen;
+}
+
+TEST(Rules, HaveOneAnswerForAStateAndEvent) {
+  for (const State state : states()) {
+    for (const Event event : events())
+      EXPECT_LE(rules_for(state, event), 1) << static_cast<int>(state) << ' ' << static_cast<int>(event);
+  }
+}
+
+TEST(Rules, UseEveryEvent) {
+  for (const Event event : events()) {
+    bool used = false;
+    for (const State state : states()) used = used || next_state(state, event).has_value();
+    EXPECT_TRUE(used) << static_cast<int>(event);
+  }
+}
+
+TEST(Rules, LeadFromTheBootToEveryState) { EXPECT_EQ(reachable_from(State::kBoot).size(), states().size()); }
+
+TEST(Rules, LeadFromEveryStateBackToTheBoot) {
+  for (const State state : states()) EXPECT_TRUE(reachable_from(state).contains(State::kBoot));
+}
+
+TEST(Rules, LeaveNoStateWithoutTorqueButByACommandOrStillness) {
+  for (const State state : states()) {
+    for (const Event event : events()) {
+      const auto next = next_state(state, event);
+      if (!next || !kTorque.contains(*next) || kTorque.contains(state)) continue;
+      const bool enabled = state == State::kLimp && event == Event::kEnable;
+      const bool gets_up = state == State::kFallen && event == Event::kStill;
+      EXPECT_TRUE(enabled || gets_up) << static_cast<int>(state) << ' ' << static_cast<int>(event);
+    }
+  }
+}
+
+TEST(Rules, TakeTheTorqueFromEveryStateAtOnce) {
+  for (const State state : states()) {
+    if (!kTorque.contains(state)) continue;
+    EXPECT_EQ(next_state(state, Event::kLimp), State::kLimp);
+    EXPECT_EQ(next_state(state, Event::kTrouble), State::kFault);
+    EXPECT_EQ(next_state(state, Event::kEmergencyStop), State::kEmergencyStop);
+  }
+}
+
+TEST(Rules, LetOnlyAResetOutOfALatchedState) {
+  for (const Event event : events()) {
+    if (event == Event::kReset) continue;
+    EXPECT_EQ(next_state(State::kEmergencyStop, event), std::nullopt);
+    if (event == Event::kEmergencyStop) continue;
+    EXPECT_EQ(next_state(State::kFault, event), std::nullopt);
+  }
+}
+
+TEST(States, AreSets) {
+  constexpr States kTwo{State::kBoot, State::kLimp};
+  static_assert(kTwo.contains(State::kBoot) && !kTwo.contains(State::kFault));
+  static_assert(!(~kTwo).contains(State::kBoot) && (~kTwo).contains(State::kSteadying));
+  static_assert((kTwo | States{State::kFault}).contains(State::kFault));
+}
+
+}  // namespace
+}  // namespace koboshi::behaviour

@@ -1,0 +1,172 @@
+#include "firmware/estimation/attitude.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "firmware/fixed/host/convert.h"
+#include "tests/unit/firmware/robot/reference.h"
+#include "tests/unit/firmware/robot/test_robot.h"
+
+namespace koboshi::estimation {
+namespace {
+
+using fixed::from_double;
+using fixed::to_double;
+using test::kGravity;
+using test::kRadPerDegree;
+using test::Point;
+
+constexpr double kCycle_s = 0.01;
+constexpr auto kMoving = AttitudeEstimator::Condition::kMoving;
+constexpr auto kResting = AttitudeEstimator::Condition::kResting;
+
+template <typename Q>
+robot::Vector<Q> fixed_vector(const Point& v) {
+  return {from_double<Q>(v.x), from_double<Q>(v.y), from_double<Q>(v.z)};
+}
+
+Point up_of(double roll_rad, double pitch_rad) {
+  return {-std::sin(pitch_rad), std::sin(roll_rad) * std::cos(pitch_rad),
+          std::cos(roll_rad) * std::cos(pitch_rad)};
+}
+
+// A trunk in double: what is up in its axes, turned by its own rates in steps of 0.1 ms.
+class Trunk {
+ public:
+  explicit Trunk(const Point& up) : up_(up) {}
+  // Returns the integral of the rates, which is what the samples' sum tells.
+  Point turn(const std::function<Point(double)>& w_rad_per_s, double from_s) {
+    constexpr int kSteps = 100;
+    Point sum;
+    for (int i = 0; i < kSteps; ++i) {
+      const Point w = w_rad_per_s(from_s + (i + 0.5) * kCycle_s / kSteps);
+      const Point step = (kCycle_s / kSteps) * w;
+      if (norm(step) > 0) up_ = test::turned(up_, (1.0 / norm(step)) * step, -norm(step));
+      sum = sum + step;
+    }
+    return sum;
+  }
+  const Point& up() const { return up_; }
+
+ private:
+  Point up_;
+};
+
+double error_deg(const AttitudeEstimator& attitude, const Point& up) {
+  const Point seen = test::to_point(attitude.up_B());
+  return std::atan2(norm(cross(seen, up)), dot(seen, up)) / kRadPerDegree;
+}
+
+TEST(AttitudeEstimator, StandsUprightUntilItFeelsGravity) {
+  AttitudeEstimator attitude;
+  attitude.update({}, fixed_vector<fixed::Acceleration>({0, 0, 3.0}), kResting);
+  EXPECT_EQ(attitude.up_B(), robot::kAxisZ);
+}
+
+TEST(AttitudeEstimator, TakesTheFirstGravityAtOnceWithTheRightSigns) {
+  for (double roll_deg = -170; roll_deg <= 170; roll_deg += 20) {
+    for (double pitch_deg = -85; pitch_deg <= 85; pitch_deg += 17) {
+      AttitudeEstimator attitude;
+      const Point up = up_of(roll_deg * kRadPerDegree, pitch_deg * kRadPerDegree);
+      attitude.update({}, fixed_vector<fixed::Acceleration>(1.1 * kGravity * up), kResting);
+      EXPECT_NEAR(to_double(attitude.roll()) / kRadPerDegree, roll_deg, 1e-4);
+      EXPECT_NEAR(to_double(attitude.pitch()) / kRadPerDegree, pitch_deg, 1e-4);
+      EXPECT_NEAR(norm(test::to_point(attitude.up_B())), 1.0, 1e-8);
+    }
+  }
+}
+
+// No accelerometer, only the gyro: forward over the head and through the back, as no fall does.
+TEST(AttitudeEstimator, FollowsAnyTurnWithoutAnAccelerometer) {
+  AttitudeEstimator attitude;
+  attitude.update({}, fixed_vector<fixed::Acceleration>({0, 0, kGravity}), kResting);
+  Trunk trunk({0, 0, 1});
+  const auto rates = [](double t) {
+    return Point{3.0 * std::sin(2.0 * t), 4.0 * std::cos(1.3 * t), 2.0 * std::sin(3.1 * t + 1.0)};
+  };
+  double worst_deg = 0.0;
+  for (int cycle = 0; cycle < 500; ++cycle) {
+    const Point turn = trunk.turn(rates, cycle * kCycle_s);
+    attitude.update(fixed_vector<fixed::Ratio>(turn), {}, kMoving);
+    worst_deg = std::max(worst_deg, error_deg(attitude, trunk.up()));
+  }
+  EXPECT_LT(worst_deg, 0.5);
+}
+
+TEST(AttitudeEstimator, PitchesForwardWithThePositiveRateAboutY) {
+  AttitudeEstimator attitude;
+  attitude.update({}, fixed_vector<fixed::Acceleration>({0, 0, kGravity}), kResting);
+  for (int cycle = 0; cycle < 100; ++cycle) {
+    attitude.update(fixed_vector<fixed::Ratio>({0, 0.5 * kCycle_s, 0}), {}, kMoving);
+  }
+  EXPECT_NEAR(to_double(attitude.pitch()), 0.5, 1e-4);
+  for (int cycle = 0; cycle < 100; ++cycle) {
+    attitude.update(fixed_vector<fixed::Ratio>({0, -0.5 * kCycle_s, 0}), {}, kMoving);
+  }
+  for (int cycle = 0; cycle < 100; ++cycle) {
+    attitude.update(fixed_vector<fixed::Ratio>({0.5 * kCycle_s, 0, 0}), {}, kMoving);
+  }
+  EXPECT_NEAR(to_double(attitude.roll()), 0.5, 1e-4);
+}
+
+TEST(AttitudeEstimator, BelievesGravityQuicklyAtRestAndSlowlyInMotion) {
+  for (const auto& [condition, time_constant_s] : {std::pair{kResting, 0.1}, std::pair{kMoving, 2.0}}) {
+    AttitudeEstimator attitude;
+    attitude.update({}, fixed_vector<fixed::Acceleration>({0, 0, kGravity}), kResting);
+    const Point up = up_of(0.1, 0);
+    const int cycles = static_cast<int>(time_constant_s / kCycle_s);
+    for (int i = 0; i < cycles; ++i) {
+      attitude.update({}, fixed_vector<fixed::Acceleration>(kGravity * up), condition);
+    }
+    EXPECT_NEAR(to_double(attitude.roll()), 0.1 * (1.0 - std::exp(-1.0)), 0.003);
+  }
+}
+
+TEST(AttitudeEstimator, DoesNotBelieveAForceThatIsNotGravity) {
+  AttitudeEstimator attitude;
+  attitude.update({}, fixed_vector<fixed::Acceleration>({0, 0, kGravity}), kResting);
+  for (const double strength : {0.0, 0.84, 1.16, 4.0, 200.0}) {
+    attitude.update({}, fixed_vector<fixed::Acceleration>({strength * kGravity, 0, 0}), kMoving);
+    EXPECT_EQ(attitude.up_B(), robot::kAxisZ) << strength;
+  }
+}
+
+// A minute of walking: rates and accelerations of a walk, a gyro with what a calibration leaves of its bias
+// and noise, and an accelerometer with noise.
+TEST(AttitudeEstimator, StaysWithinADegreeAndAHalfOnAWalk) {
+  constexpr double kStep_rad_per_s = 2.0 * 3.14159265 / 0.6;
+  std::mt19937 random(7);
+  const auto noise = [&](double size) { return std::uniform_real_distribution(-size, size)(random); };
+  const auto rates = [&](double t) {
+    return Point{0.4 * std::cos(kStep_rad_per_s * t), 0.5 * std::cos(2 * kStep_rad_per_s * t),
+                 0.3 * std::sin(kStep_rad_per_s * t)};
+  };
+  AttitudeEstimator attitude;
+  attitude.update({}, fixed_vector<fixed::Acceleration>({0, 0, kGravity}), kResting);
+  Trunk trunk({0, 0, 1});
+  double worst_deg = 0.0;
+  double squares = 0.0;
+  for (int cycle = 0; cycle < 6000; ++cycle) {
+    const double now_s = cycle * kCycle_s;
+    const Point turn = trunk.turn(rates, now_s);
+    const Point drift = {1e-3 * kCycle_s, -1e-3 * kCycle_s, 0};  // 0.06 deg/s
+    const Point shake{1.5 * std::sin(2 * kStep_rad_per_s * now_s) + noise(0.2),
+                      2.5 * std::sin(kStep_rad_per_s * now_s) + noise(0.2),
+                      2.0 * std::cos(2 * kStep_rad_per_s * now_s) + noise(0.2)};
+    attitude.update(fixed_vector<fixed::Ratio>(turn + drift + Point{noise(1e-4), noise(1e-4), noise(1e-4)}),
+                    fixed_vector<fixed::Acceleration>(kGravity * trunk.up() + shake), kMoving);
+    const double error = error_deg(attitude, trunk.up());
+    worst_deg = std::max(worst_deg, error);
+    squares += error * error;
+  }
+  EXPECT_LT(worst_deg, 1.5);
+  EXPECT_LT(std::sqrt(squares / 6000), 0.7);
+  EXPECT_GT(worst_deg, 0.01);
+}
+
+}  // namespace
+}  // namespace koboshi::estimation
