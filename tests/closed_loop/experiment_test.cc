@@ -1,11 +1,13 @@
 // Trials of the real robot: what an experiment builds on.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim_board/scenario/reader.h"
 #include "sim_board/world/foot.h"
 #include "tools/experiment/gyro_feedback.h"
 #include "tools/experiment/report.h"
+#include "tools/experiment/scenario_trial.h"
 
 namespace koboshi::tools {
 namespace {
@@ -39,6 +41,15 @@ TEST(GyroFeedback, ChangesTheWorldAndNotWhatTheFirmwareKnows) {
   EXPECT_NE(changed.robot().total_mass_kg(), mass_kg);
   EXPECT_NEAR(changed.robot().total_mass_kg(), mass_kg, 0.05 * mass_kg);
   EXPECT_FALSE(world.scenario.pushes.empty());
+}
+
+TEST(ScenarioTrial, TellsWhyItEnded) {
+  const sim::Scenario scenario =
+      sim::read_scenario(std::filesystem::path(KOBOSHI_SOURCE_DIR) / "scenarios/go.yaml",
+                         {{"duration_s", "1"}, {"faults", "[{at_s: 0, kind: controller_stop}]"}});
+  const Values values = play_scenario(scenario, {});
+  EXPECT_EQ(values.at("failed"), 1.0);
+  EXPECT_THAT(values.error, testing::HasSubstr("the controller does not take"));
 }
 
 // Mean height of the corners of both soles when the robot stands by itself, just before it walks: whichever

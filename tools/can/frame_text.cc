@@ -48,8 +48,8 @@ hal::CanFrame parse_frame(std::string_view text) {
         (is_remote ? read_remote(rest.substr(1), frame) : read_data(rest, frame)))
       return frame;
   }
-  throw std::invalid_argument(fmt::format(
-      "found the frame '{}', expected ID#DATA in hexadecimal, such as " KOBOSHI_SAMPLE_FRAME, text));
+  throw std::invalid_argument(
+      fmt::format("found the frame '{}', expected ID#DATA in hexadecimal, such as {}", text, kSampleFrame));
 }
 
 std::string frame_text(const hal::CanFrame& frame) {

@@ -8,7 +8,7 @@
 namespace koboshi::tools {
 
 // One that a person may want to send: it tells the controller to enable the drives.
-#define KOBOSHI_SAMPLE_FRAME "201#010000"
+inline constexpr std::string_view kSampleFrame = "201#010000";
 
 // The notation of cansend and candump: 123#0011AABB, 123#R3. Throws std::invalid_argument for anything else.
 hal::CanFrame parse_frame(std::string_view text);

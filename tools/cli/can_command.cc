@@ -31,7 +31,8 @@ void add_send(CLI::App& can) {
     CanOptions can;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = can.add_subcommand("send", "Send frames: " KOBOSHI_SAMPLE_FRAME ", 000#0110, 123#R");
+  CLI::App* command =
+      can.add_subcommand("send", fmt::format("Send frames: {}, 000#0110, 123#R", kSampleFrame));
   command->add_option("FRAME", arguments->frames, "ID#DATA in hexadecimal, as cansend takes it")->required();
   add_can_options(*command, arguments->can);
   command->callback([arguments] {
@@ -136,15 +137,15 @@ void add_can_command(CLI::App& program) {
   CLI::App* can = program.add_subcommand("can", "Watch a CAN bus and talk to it");
   can->require_subcommand(1);
   can->footer(
-      "Examples:\n"
-      "  koboshi can dump runs/walk                        the log of a run, in words\n"
-      "  koboshi can dump --can socketcan:vcan0 --node 16\n"
-      "  koboshi can send " KOBOSHI_SAMPLE_FRAME
-      "                       tells the controller to enable the drives\n"
-      "  koboshi can sdo read 1 0x1008\n"
-      "  koboshi can nmt start all\n"
-      "  koboshi can stats runs/walk\n"
-      "  koboshi can replay runs/walk/can.log --can udp:239.74.163.2:43113\n");
+      fmt::format("Examples:\n"
+                  "  koboshi can dump runs/walk                        the log of a run, in words\n"
+                  "  koboshi can dump --can socketcan:vcan0 --node 16\n"
+                  "  koboshi can send {:<32} tells the controller to enable the drives\n"
+                  "  koboshi can sdo read 1 0x1008\n"
+                  "  koboshi can nmt start all\n"
+                  "  koboshi can stats runs/walk\n"
+                  "  koboshi can replay runs/walk/can.log --can udp:239.74.163.2:43113\n",
+                  kSampleFrame));
   add_can_dump_command(*can);
   add_send(*can);
   add_can_sdo_command(*can);

@@ -38,7 +38,13 @@ struct Cell {
 };
 
 // The values of a trial by the names of the measures. What has no finite value in this trial is left out.
-using Values = std::map<std::string, double>;
+struct Values : std::map<std::string, double> {
+  using map::map;
+
+  std::string error{};  // that ended the trial; empty without
+
+  friend bool operator==(const Values&, const Values&) = default;
+};
 
 struct Experiment {
   std::string name;                 // "gyro-feedback"

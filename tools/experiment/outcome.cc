@@ -12,6 +12,7 @@ std::vector<Measure> outcome_measures() {
 }
 
 void add_outcome(const Values& played, Values& values) {
+  values.error = played.error;
   values[kLost] = played.at(kLost);
   for (const Measure& measure : outcome_measures()) values[measure.name] = played.at(measure.name);
 }

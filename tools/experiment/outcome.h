@@ -18,7 +18,8 @@ inline constexpr const char* kLost = "lost";
 // As columns of a table; `failed`, if it ever happens, below it.
 [[nodiscard]] std::vector<Measure> outcome_measures();
 
-// Copies the outcome from the values of a played scenario (scenario_trial.h).
+// Copies the outcome, with the error that ended the trial, from the values of a played scenario
+// (scenario_trial.h).
 void add_outcome(const Values& played, Values& values);
 
 }  // namespace koboshi::tools

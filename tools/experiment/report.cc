@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 
 #include "sim_board/input/text.h"
 
@@ -156,6 +157,12 @@ std::string notes(const Experiment& experiment, const ExperimentResult& result) 
       const ShareEstimate share = share_of(cell, measure);
       if (share.events > 0)
         notes += fmt::format("{}: {} of {} {}\n", name, share.events, share.count, measure.name);
+    }
+    std::set<std::string> told;  // each error with the first seed that met it
+    for (const Trial& trial : cell.played) {
+      const std::string& error = trial.values.error;
+      if (!error.empty() && told.insert(error).second)
+        notes += fmt::format("{}: seed {}: {}\n", name, trial.seed, error);
     }
   }
   return notes;

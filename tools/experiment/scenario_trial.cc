@@ -21,6 +21,7 @@ struct Played {
   bool failed = false;
   bool low_supply = false;
   bool gave_up = false;
+  std::string error{};  // that ended it
 };
 
 void follow_state(const Telemetry& said, Played& played) {
@@ -39,10 +40,12 @@ Played play_until(Simulation& simulation, RunRecorder& recorder, const Watch& is
       recorder.record();
       follow_state(recorder.telemetry(), played);
     }
-  } catch (const sim::WorldBlewUp&) {
+  } catch (const sim::WorldBlewUp& error) {
     played.blew_up = true;
-  } catch (const std::runtime_error&) {
+    played.error = error.what();
+  } catch (const std::runtime_error& error) {
     played.failed = true;
+    played.error = error.what();
   }
   return played;
 }
@@ -69,6 +72,7 @@ Values watch_scenario(const sim::Scenario& scenario, const RobotChange& change, 
   set("low_supply", played.low_supply);
   set("gave_up", played.gave_up);
   values[kLost] = lost ? 1.0 : 0.0;
+  values.error = played.error;
   return values;
 }
 

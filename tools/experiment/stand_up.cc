@@ -109,6 +109,7 @@ Values play(const sim::Scenario& start, const sim::RobotDescription& robot, cons
                 {"peak_torque_Nm", observer.peak_torque_Nm()},
                 {"peak_motor_torque_Nm", observer.peak_motor_torque_Nm()},
                 {"peak_winding_C", observer.peak_winding_C()}};
+  values.error = played.error;
   if (stood_s > 0.0) values["time_s"] = stood_s - 1e-6 * static_cast<double>(kCommand_us);
   return values;
 }

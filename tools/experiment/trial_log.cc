@@ -28,8 +28,9 @@ void TrialLog::read() {
     whole_bytes += line.size() + 1;
     try {
       const Json json = Json::parse(line);
-      known_[{json.at("experiment"), json.at("cell"), json.at("seed"), json.at("inputs")}] =
-          json.at("values").get<Values>();
+      Values& values = known_[{json.at("experiment"), json.at("cell"), json.at("seed"), json.at("inputs")}];
+      json.at("values").get_to<std::map<std::string, double>>(values);
+      values.error = json.value("error", "");
     } catch (const Json::exception&) {
       throw sim::InputError(file_, number, "a malformed line", "a trial, or no such file to begin anew");
     }
@@ -50,11 +51,12 @@ std::optional<Values> TrialLog::find(std::size_t cell, std::uint64_t seed) const
 
 void TrialLog::add(const Trial& trial) {
   if (!out_) return;
-  const Json json{{"experiment", experiment_.name},
-                  {"cell", experiment_.cells.at(trial.cell).name},
-                  {"seed", trial.seed},
-                  {"inputs", experiment_.inputs},
-                  {"values", trial.values}};
+  Json json{{"experiment", experiment_.name},
+            {"cell", experiment_.cells.at(trial.cell).name},
+            {"seed", trial.seed},
+            {"inputs", experiment_.inputs},
+            {"values", static_cast<const std::map<std::string, double>&>(trial.values)}};
+  if (!trial.values.error.empty()) json["error"] = trial.values.error;
   const std::lock_guard lock(mutex_);
   out_->write(json.dump() + '\n');
   out_->flush();

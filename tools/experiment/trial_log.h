@@ -15,6 +15,7 @@ namespace koboshi::tools {
 
 // The finished trials of an experiment in a file of JSON lines, so that one that was interrupted goes on:
 //   {"experiment":"gyro-feedback","cell":"8-on","seed":3,"inputs":"9f..","values":{"speed_m_per_s":0.2}}
+// and "error" beside the values of a trial that ended by one.
 // A trial is found again by all of these but its values; trials of other inputs stay and do no harm.
 class TrialLog {
  public:

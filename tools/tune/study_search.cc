@@ -223,9 +223,7 @@ class StudySearch {
     }
     experiment.first_seed = options_.first_seed;
     experiment.seeds = options_.seeds;
-    std::vector<std::filesystem::path> files = sim::input_files(scenarios->front());
-    files.push_back(study_.file);
-    experiment.inputs = hash_inputs(files, texts);
+    experiment.inputs = hash_inputs(study_files(study_, *scenarios), texts);
     experiment.play = [this, scenarios](std::size_t cell, std::uint64_t seed) {
       return play(study_.trials[cell], (*scenarios)[cell], seed);
     };
@@ -242,6 +240,16 @@ class StudySearch {
 };
 
 }  // namespace
+
+std::vector<std::filesystem::path> study_files(const Study& study, std::span<const sim::Scenario> trials) {
+  std::vector<std::filesystem::path> files{study.file};
+  for (const sim::Scenario& trial : trials) {
+    for (const std::filesystem::path& file : sim::input_files(trial)) {
+      if (std::ranges::find(files, file) == files.end()) files.push_back(file);
+    }
+  }
+  return files;
+}
 
 StudyResult search_study(const Study& study, const StudyOptions& options,
                          const std::function<void(const StudyProgress&)>& progress) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,6 +41,10 @@ struct StudyResult {
   std::vector<std::pair<std::string, double>> numbers;  // by path
   double worth = 0.0;  // mean over trials and seeds that were searched on: more than it will get on others
 };
+
+// The files on which the trials of a study depend, each once: its own, and those of every trial's scenario.
+[[nodiscard]] std::vector<std::filesystem::path> study_files(const Study& study,
+                                                             std::span<const sim::Scenario> trials);
 
 // Searches for the numbers of a study with the same worlds in each evaluation. Leaves in the folder:
 // evaluations.csv and trials.jsonl, from which a search that was interrupted goes on; best.yaml, the numbers

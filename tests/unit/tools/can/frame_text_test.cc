@@ -25,7 +25,7 @@ TEST(FrameText, IsReadAndWrittenAsCansendDoes) {
 
 // As the help promises: the identifier of the controller's first RPDO, and all that this holds.
 TEST(FrameText, HasASampleThatTheControllerObeys) {
-  const hal::CanFrame sample = parse_frame(KOBOSHI_SAMPLE_FRAME);
+  const hal::CanFrame sample = parse_frame(kSampleFrame);
   const canopen::PdoConfiguration& commands = app::kControllerNode.rpdos[app::kCommandRpdo];
   EXPECT_EQ(sample.identifier, commands.cob_id + drive::kControllerNodeId);
   unsigned bits = 0;
@@ -36,7 +36,7 @@ TEST(FrameText, HasASampleThatTheControllerObeys) {
     parse_frame("201");
     FAIL();
   } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string(error.what()).find(KOBOSHI_SAMPLE_FRAME), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find(kSampleFrame), std::string::npos) << error.what();
   }
 }
 

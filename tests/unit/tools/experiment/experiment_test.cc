@@ -100,6 +100,23 @@ TEST(Experiment, PlaysAnewWhenItsInputsChange) {
   EXPECT_EQ(stand_in.played, 100);
 }
 
+TEST(Experiment, RemembersWhyATrialFailed) {
+  const TemporaryFolder folder;
+  const ExperimentOptions options{.log = folder.path / "trials.jsonl"};
+  StandIn stand_in;
+  stand_in.experiment.play = [&](std::size_t cell, std::uint64_t seed) {
+    Values values = stand_in.play(cell, seed);
+    if (seed == 103) values.error = "the world \"blew\" up";
+    return values;
+  };
+  for (int session = 0; session < 2; ++session) {
+    const ExperimentResult result = play_experiment(stand_in.experiment, options);
+    EXPECT_EQ(result.cells[0].played[3].values.error, "the world \"blew\" up");
+    EXPECT_EQ(result.cells[0].played[4].values.error, "");
+  }
+  EXPECT_EQ(stand_in.played, 50);
+}
+
 TEST(Experiment, RefusesALogThatIsNone) {
   const TemporaryFolder folder;
   const std::filesystem::path log = folder.path / "letter.txt";

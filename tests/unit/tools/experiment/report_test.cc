@@ -49,8 +49,10 @@ TEST(Report, TellsOfEventsThatAreInNoColumn) {
   ExperimentResult result = few_trials();
   result.cells[1].stop = Stop::kTightEnough;
   result.cells[0].played[2].values["failed"] = 1.0;
+  result.cells[0].played[2].values.error = "the world blew up";
   EXPECT_EQ(notes(stand_in.experiment, result),
             "calm: 1 of 1 failed\n"
+            "calm: seed 3: the world blew up\n"
             "shaky: stopped after 1 of 25 seeds, the intervals are tight enough\n");
 }
 
