@@ -6,6 +6,9 @@ namespace koboshi::sim {
 
 nlohmann::ordered_json to_json(const RunSummary& summary) {
   nlohmann::ordered_json document{{"fell", summary.fell},
+                                  {"verdict", summary.verdict},
+                                  {"falls", summary.falls},
+                                  {"stands", summary.stands},
                                   {"duration_s", summary.duration_s},
                                   {"can_bus_load", summary.can_bus_load},
                                   {"state_hash", summary.state_hash},
@@ -27,6 +30,13 @@ nlohmann::ordered_json to_json(const RunSummary& summary) {
                      {"zmp_sensor_vs_truth_rms_m", walk.zmp_sensor_vs_truth_rms_m},
                      {"roll_rms_rad", walk.roll_rms_rad},
                      {"foot_lift_m", walk.foot_lift_m}});
+  }
+  nlohmann::ordered_json& events = document["events"] = nlohmann::ordered_json::array();
+  for (const RunEvent& event : summary.events) {
+    events.push_back({{"t_s", static_cast<double>(event.time_us) / 1e6},
+                      {"kind", event.kind},
+                      {"text", event.text},
+                      {"fields", event.fields}});
   }
   return document;
 }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace koboshi::sim {
 
@@ -23,10 +24,21 @@ struct WalkSummary {
   double foot_lift_m = 0.0;  // of a sole's lowest corner, greatest in a step, median over the steps
 };
 
+// Something that happened in a run.
+struct RunEvent {
+  std::uint64_t time_us = 0;
+  std::string kind;                                                  // docs/reference/events.md lists them
+  std::string text;                                                  // one sentence
+  nlohmann::ordered_json fields = nlohmann::ordered_json::object();  // the same as data, by kind
+};
+
 // What a run comes to. The same inputs and seed give the same bytes of summary.json: no path, date or host is
 // in it.
 struct RunSummary {
-  bool fell = false;
+  bool fell = false;    // the trunk leaned further than a robot comes back from by itself
+  std::string verdict;  // "stands; fell once at 3.2 s and got up in 3.4 s; 0 faults"
+  std::size_t falls = 0;
+  bool stands = false;  // at the end
   double duration_s = 0.0;
   double can_bus_load = 0.0;  // 0..1
   std::string state_hash;
@@ -38,6 +50,7 @@ struct RunSummary {
   double base_height_error_max_m = 0.0;
   double foot_slip_max_m = 0.0;
   std::optional<WalkSummary> walk{};  // of a run in which one was played
+  std::vector<RunEvent> events{};     // in the order of time
 };
 
 // The keys of summary.json in their order (docs/reference/summary.md).

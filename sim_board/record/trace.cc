@@ -1,5 +1,6 @@
 #include "sim_board/record/trace.h"
 
+#include <algorithm>
 #include <cassert>
 #include <charconv>
 #include <cmath>
@@ -31,10 +32,18 @@ char* put_seconds(char* out, char* end, std::uint64_t time_us) {
   return out;
 }
 
+std::size_t max_cell_bytes(const std::vector<TraceColumn>& columns) {
+  std::size_t most = kMaxCellBytes;
+  for (const TraceColumn& column : columns) {
+    for (const canopen::ValueName& value : column.names) most = std::max(most, 1 + value.name.size());
+  }
+  return most;
+}
+
 }  // namespace
 
 TraceFormatter::TraceFormatter(std::vector<TraceColumn> columns)
-    : columns_(std::move(columns)), line_(kMaxTimeBytes + columns_.size() * kMaxCellBytes) {}
+    : columns_(std::move(columns)), line_(kMaxTimeBytes + columns_.size() * max_cell_bytes(columns_)) {}
 
 std::string TraceFormatter::header() const {
   std::string header = "time_s";
@@ -51,7 +60,9 @@ std::string_view TraceFormatter::row(std::uint64_t time_us, std::span<const std:
   char* out = put_seconds(line_.data(), end, time_us);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     *out++ = ',';
-    if (columns_[i].kind == TraceKind::kInteger) {
+    if (const auto& names = columns_[i].names; !names.empty()) {
+      out = std::ranges::copy(canopen::name_of(names, static_cast<std::int64_t>(cells[i])), out).out;
+    } else if (columns_[i].kind == TraceKind::kInteger) {
       out = put(out, end, static_cast<std::int64_t>(cells[i]));
     } else if (const double value = std::bit_cast<double>(cells[i]); !std::isnan(value)) {
       out = put(out, end, value);

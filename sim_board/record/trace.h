@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware/canopen/described_object.h"
+
 namespace koboshi::sim {
 
 enum class TraceKind : std::uint8_t { kReal, kInteger };
@@ -15,8 +17,10 @@ enum class TraceKind : std::uint8_t { kReal, kInteger };
 // A column of trace.csv. Its title is `name_unit`, or the name alone for a number without a unit.
 struct TraceColumn {
   std::string name;
-  std::string unit;
+  std::string unit{};
   TraceKind kind = TraceKind::kReal;
+  // Of an integer that is written as the name of its value, without a comma in it; such columns have no unit.
+  std::span<const canopen::ValueName> names{};
 };
 
 // One cell. A value that is not valid is NaN.

@@ -45,7 +45,7 @@ class Squat(unittest.TestCase):
 
     def test_leaves_its_files(self):
         names = sorted(file.name for file in self.run_folder.iterdir())
-        self.assertEqual(names, ["body.png", "body.svg", "can.log", "legs.png", "legs.svg", "summary.json",
+        self.assertEqual(names, ["body.png", "body.svg", "can.log", "events.txt", "legs.png", "legs.svg", "summary.json",
                                  "timing.json", "trace.csv"])
 
 

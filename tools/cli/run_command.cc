@@ -2,9 +2,11 @@
 
 #include <unistd.h>
 
+#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,6 +16,7 @@
 #include "sim_board/scenario/reader.h"
 #include "tools/cli/live_arguments.h"
 #include "tools/cli/overrides.h"
+#include "tools/run/event_log.h"
 #include "tools/run/qemu_host.h"
 #include "tools/run/run.h"
 #include "tools/teleop/teleop.h"
@@ -63,14 +66,16 @@ std::vector<sim::Override> overrides(const RunArguments& arguments) {
 
 void report(const RunResult& result, const std::filesystem::path& out) {
   const sim::RunSummary& summary = result.summary;
-  fmt::print("{} after {:.2f} s: {}, {} faults, {} solver warnings, bus load {:.0f} %, state {}\n",
-             result.failure ? "ended early" : "done", summary.duration_s,
-             summary.fell ? "fell" : "did not fall", summary.faults, summary.solver_warnings,
-             100.0 * summary.can_bus_load, summary.state_hash);
-  fmt::print("results in {}\n", out.string());
+  // The last event is the verdict.
+  const auto but_the_last = std::span(summary.events).first(summary.events.size() - 1);
+  fmt::print("{}{} after {:.2f} s: {} solver warnings, bus load {:.0f} %, state {}\nresults in {}\n",
+             events_text(but_the_last), result.failure ? "ended early" : "done", summary.duration_s,
+             summary.solver_warnings, 100.0 * summary.can_bus_load, summary.state_hash, out.string());
+  std::fflush(stdout);  // before what follows on standard error
   tell_troubles(result.live);
   if (result.plot_warning) fmt::print(stderr, "koboshi: no figures: {}\n", *result.plot_warning);
   if (result.failure) fmt::print(stderr, "koboshi: {}\n", *result.failure);
+  fmt::print("{}\n", summary.verdict);
 }
 
 // The operator needs a terminal, and a run that is no faster than he.
@@ -123,6 +128,7 @@ void add_run_command(CLI::App& program, int& exit_status) {
       "folder\n"
       "  trace.csv     firmware state and ground truth, every 10 ms\n"
       "  can.log       every frame on the bus, as candump -L would log it\n"
+      "  events.txt    what happened, when and why\n"
       "  summary.json  what became of it; timing.json: what it cost on this machine\n"
       "  *.png, *.svg  figures\n\n"
       "Examples:\n"

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <map>
@@ -98,6 +99,17 @@ std::vector<sim::SdoWrite> resolve_parameters(std::span<const sim::ParameterSett
   std::vector<sim::SdoWrite> writes;
   for (const sim::ParameterSetting& setting : settings) writes.push_back(resolve(setting));
   return writes;
+}
+
+walk::VelocityLimits velocity_limits(const sim::Scenario& scenario) {
+  walk::VelocityLimits limits;
+  const std::array fields{&limits.forward_mm_per_s, &limits.backward_mm_per_s, &limits.sideways_mm_per_s,
+                          &limits.turn_mrad_per_s};
+  for (const sim::SdoWrite& write : resolve_parameters(scenario.parameters)) {
+    if (write.address.index != app::kVelocityLimitsObject) continue;
+    *fields.at(write.address.subindex - 1u) = static_cast<std::int16_t>(write.value);
+  }
+  return limits;
 }
 
 }  // namespace koboshi::tools

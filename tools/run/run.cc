@@ -79,6 +79,14 @@ void draw_figures(const Simulation& simulation, const std::filesystem::path& fol
   }
 }
 
+void tell_ending(const Ending& ending, const Simulation& simulation, EventLog& events, bool is_live) {
+  const std::uint64_t now_us = simulation.board().now_us();
+  if (ending.failure) events.add(now_us, "error", "An error ends the run: " + *ending.failure + ".");
+  if (!ending.signal) return;
+  events.add(now_us, "interrupted", is_live ? "The user ends the run." : "The run is interrupted.",
+             {{"signal", *ending.signal}});
+}
+
 std::string how_far(const Simulation& simulation, const std::filesystem::path& folder) {
   return fmt::format("interrupted at {:.2f} s of {:.2f} s; what was recorded is in {}, without summary.json",
                      1e-6 * static_cast<double>(simulation.board().now_us()),
@@ -113,7 +121,9 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   result.live = live.report();
   files.close();
 
+  tell_ending(ending, simulation, recorder.events(), live.is_live());
   result.summary = recorder.summary();
+  sim::write_whole_file(options.out / "events.txt", events_text(result.summary.events));
   sim::write_json(options.out / "timing.json",
                   timing_json(simulation.board(), wall_s, files.dropped(), live));
   if (options.make_operator) write_played(simulation.played(), options.out);

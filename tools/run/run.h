@@ -54,12 +54,12 @@ struct RunResult {
 };
 
 // `koboshi run`: plays a scenario, as fast as it goes or by the clock on the wall, and leaves trace.csv,
-// can.log, timing.json and figures in the folder; after an operator also played.yaml; and last summary.json,
-// which says that the run came to its end and all files are complete. The folder is locked meanwhile. Bad
-// input throws sim::InputError before anything is written. A run that fails half-way keeps what it has
-// recorded, as do one that cannot write any more, which throws sim::WriteError, and one that SIGINT or
-// SIGTERM ended, which throws Interrupted; a run by the clock on the wall ends by these signals in the
-// ordinary way.
+// can.log, events.txt, timing.json and figures in the folder; after an operator also played.yaml; and last
+// summary.json, which says that the run came to its end and all files are complete. The folder is locked
+// meanwhile. Bad input throws sim::InputError before anything is written. A run that fails half-way keeps
+// what it has recorded, as do one that cannot write any more, which throws sim::WriteError, and one that
+// SIGINT or SIGTERM ended, which throws Interrupted; a run by the clock on the wall ends by these signals in
+// the ordinary way.
 RunResult run(const RunOptions& options, const std::function<void(const RunProgress&)>& progress);
 
 }  // namespace koboshi::tools

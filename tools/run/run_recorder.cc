@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "firmware/app/controller_objects.h"
 #include "sim_board/world/options.h"
+#include "tools/run/parameters.h"
 
 namespace koboshi::tools {
 namespace {
@@ -21,7 +23,8 @@ RunRecorder::RunRecorder(Simulation& simulation, sim::Recorder* recorder)
     : simulation_(simulation),
       recorder_(recorder),
       telemetry_(simulation.model().model),
-      truth_(simulation.robot(), simulation.board().ground()) {
+      truth_(simulation.robot(), simulation.board().ground()),
+      events_(simulation.scenario(), simulation.model(), velocity_limits(simulation.scenario())) {
   if (const GaitPlan* plan = simulation.gait_plan()) {
     // The walk is the motion behind those that the scenario names.
     const auto motion = static_cast<std::uint8_t>(simulation.scenario().motions.size());
@@ -39,6 +42,8 @@ std::vector<sim::TraceColumn> RunRecorder::columns(const sim::RobotDescription& 
   using enum sim::TraceKind;
   std::vector<sim::TraceColumn> columns{{"state", "", kInteger},
                                         {"reason", "", kInteger},
+                                        {"state_name", "", kInteger, app::kStateNames},
+                                        {"reason_name", "", kInteger, app::kReasonNames},
                                         {"trouble", "", kInteger},
                                         {"emergencies", "", kInteger},
                                         {"drive_enable", "", kInteger},
@@ -101,6 +106,7 @@ std::vector<sim::TraceColumn> RunRecorder::columns(const sim::RobotDescription& 
 
 void RunRecorder::on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) {
   telemetry_.on_bus_frame(frame, start_us, end_us);
+  events_.on_bus_frame(frame, end_us, telemetry_.now());
   if (recorder_ != nullptr) recorder_->on_bus_frame(frame, start_us, end_us);
   hash_.add(end_us);
   hash_.add(frame.identifier);
@@ -116,6 +122,7 @@ void RunRecorder::record_tick() {
   truth_now_ = &truth_.observe(simulation_.board().world(), telemetry_.now());
   hash_state();
   judge();
+  events_.observe_tick(simulation_.board().now_us(), telemetry_.now(), *truth_now_, simulation_.pushes());
   if (walk_) walk_->observe_tick(*truth_now_, telemetry_.now());
   if (recorder_ != nullptr) write_row();
 }
@@ -147,9 +154,10 @@ void RunRecorder::write_row() {
   const Telemetry& said = telemetry_.now();
   const GroundTruth& truth = *truth_now_;
   row_.clear();
-  row_.insert(row_.end(), {static_cast<std::uint8_t>(said.state), static_cast<std::uint8_t>(said.reason),
-                           static_cast<std::uint8_t>(said.trouble), said.emergencies,
-                           simulation_.board().drive_enable_line() ? 1 : 0});
+  const auto state = static_cast<std::uint8_t>(said.state);
+  const auto reason = static_cast<std::uint8_t>(said.reason);
+  row_.insert(row_.end(), {state, reason, state, reason, static_cast<std::uint8_t>(said.trouble),
+                           said.emergencies, simulation_.board().drive_enable_line() ? 1 : 0});
   row_.insert(row_.end(), {said.roll_rad, said.pitch_rad});
   row_.insert(row_.end(), said.rate_rad_per_s.begin(), said.rate_rad_per_s.end());
   row_.insert(row_.end(), said.foot_load_N.begin(), said.foot_load_N.end());
@@ -203,6 +211,10 @@ sim::RunSummary RunRecorder::summary() const {
   const sim::SimBoard& board = simulation_.board();
   sim::RunSummary summary;
   summary.fell = fell_;
+  summary.verdict = events_.verdict(board.watchdog_bitten());
+  summary.falls = events_.falls();
+  summary.stands = events_.stands();
+  summary.events = events_.events(board.watchdog_bitten());
   summary.duration_s = 1e-6 * static_cast<double>(board.now_us());
   summary.can_bus_load = sim::bus_load({}, board.bus().usage());
   summary.state_hash = hash_.hex();

@@ -7,6 +7,7 @@
 #include "sim_board/record/recorder.h"
 #include "sim_board/record/state_hash.h"
 #include "sim_board/record/summary.h"
+#include "tools/run/event_log.h"
 #include "tools/run/ground_truth.h"
 #include "tools/run/simulation.h"
 #include "tools/run/telemetry.h"
@@ -38,6 +39,8 @@ class RunRecorder final : private sim::BusObserver {
   const Telemetry& telemetry() const { return telemetry_.now(); }
   const GroundTruth& truth() const { return *truth_now_; }
   const WalkObserver& walk() const { return *walk_; }
+  const EventLog& events() const { return events_; }
+  EventLog& events() { return events_; }
 
  private:
   void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) override;
@@ -51,6 +54,7 @@ class RunRecorder final : private sim::BusObserver {
   sim::Recorder* recorder_;
   TelemetryReader telemetry_;
   TruthObserver truth_;
+  EventLog events_;
   std::optional<WalkObserver> walk_;
   const GroundTruth* truth_now_ = nullptr;
   sim::StateHash hash_;

@@ -39,6 +39,8 @@ class Simulation {
   // What an operator does besides the scenario (sim::ScenarioPlayer).
   void command(const sim::Command& command) { player_->command(command); }
   void push(const sim::Push& push) { player_->push(push); }
+  // The scenario's and the operator's, in the order of time.
+  const std::vector<sim::Push>& pushes() const { return player_->pushes(); }
   // The scenario as it was played so far: with what the operator did, and nobody to do more.
   sim::Scenario played() const;
 

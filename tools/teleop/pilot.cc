@@ -2,13 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <numbers>
 #include <optional>
 #include <utility>
 
-#include "firmware/app/dictionary.h"
-#include "tools/run/parameters.h"
+#include <fmt/format.h>
+
+#include "tools/run/event_words.h"
 
 namespace koboshi::tools {
 namespace {
@@ -64,37 +64,64 @@ Order Pilot::press(Key key, behaviour::State state) {
   if (!on_its_feet) velocity_ = {};
   const bool aimed = std::exchange(aims_, key == Key::kPush);
   if (const auto direction = direction_of(key)) {
-    if (aimed) return BodyPush{push_N_s() * *direction};
-    if (!on_its_feet) return {};
+    if (aimed) return push(*direction);
+    if (!on_its_feet) return tell("nothing: it takes a velocity when it stands or walks only", {});
+    const walk::Velocity before = velocity_;
     change_velocity(key);
-    return walk_command(velocity_);
+    const Order order = walk();
+    if (velocity_ == before) effect_ += ", the limit";
+    return order;
   }
   switch (key) {
     case Key::kGo:
-      return walk_command(velocity_);
+      return walk();
     case Key::kStop:
       velocity_ = {};
-      return command(Kind::kStop);
+      return tell("stop: back to the stand", command(Kind::kStop));
+    case Key::kPush:
+      effect_ = fmt::format("push with {:.2f} N s: now a direction", push_N_s());
+      return {};
     case Key::kPushMore:
-      push_mN_s_ = std::min(push_mN_s_ + kPushStep_mN_s, kLargestPush_mN_s);
+      change_push(kPushStep_mN_s);
       return {};
     case Key::kPushLess:
-      push_mN_s_ = std::max(push_mN_s_ - kPushStep_mN_s, kPushStep_mN_s);
+      change_push(-kPushStep_mN_s);
       return {};
     case Key::kEnable:
-      return command(Kind::kEnable);
+      return tell("enable the drives", command(Kind::kEnable));
     case Key::kGetUp:
-      return command(Kind::kGetUp);
+      return tell("get up", command(Kind::kGetUp));
     case Key::kEmergencyStop:
       velocity_ = {};
-      return command(Kind::kEmergencyStop);
+      return tell("emergency stop", command(Kind::kEmergencyStop));
     case Key::kReset:
-      return command(Kind::kReset);
+      return tell("reset: end of fault or emergency stop", command(Kind::kReset));
     case Key::kEnd:
-      return EndOfRun{};
+      return tell("end of the run", EndOfRun{});
     default:
       return {};
   }
+}
+
+Order Pilot::tell(const char* effect, const Order& order) {
+  effect_ = effect;
+  return order;
+}
+
+Order Pilot::walk() {
+  effect_ = "walk, " + velocity_text(velocity_);
+  return walk_command(velocity_);
+}
+
+Order Pilot::push(const Eigen::Vector2d& direction) {
+  effect_ = fmt::format("push {} with {:.2f} N s", direction_text({direction.x(), direction.y(), 0.0}, 0.0),
+                        push_N_s());
+  return BodyPush{push_N_s() * direction};
+}
+
+void Pilot::change_push(int by_mN_s) {
+  push_mN_s_ = std::clamp(push_mN_s_ + by_mN_s, kPushStep_mN_s, kLargestPush_mN_s);
+  effect_ = fmt::format("the next push has {:.2f} N s", push_N_s());
 }
 
 void Pilot::change_velocity(Key key) {
@@ -119,17 +146,6 @@ void Pilot::change_velocity(Key key) {
     default:
       return;
   }
-}
-
-walk::VelocityLimits velocity_limits(const sim::Scenario& scenario) {
-  walk::VelocityLimits limits;
-  const std::array fields{&limits.forward_mm_per_s, &limits.backward_mm_per_s, &limits.sideways_mm_per_s,
-                          &limits.turn_mrad_per_s};
-  for (const sim::SdoWrite& write : resolve_parameters(scenario.parameters)) {
-    if (write.address.index != app::kVelocityLimitsObject) continue;
-    *fields.at(write.address.subindex - 1u) = static_cast<std::int16_t>(write.value);
-  }
-  return limits;
 }
 
 }  // namespace koboshi::tools

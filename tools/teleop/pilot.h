@@ -41,8 +41,14 @@ class Pilot {
   double push_N_s() const { return 1e-3 * push_mN_s_; }
   // The next direction is that of a push.
   bool aims() const { return aims_; }
+  // What the last key did, in a few words: "walk, 0.04 m/s forward".
+  const std::string& effect() const { return effect_; }
 
  private:
+  Order push(const Eigen::Vector2d& direction);
+  Order walk();
+  Order tell(const char* effect, const Order& order);
+  void change_push(int by_mN_s);
   void change_velocity(Key key);
 
   walk::VelocityLimits limits_;
@@ -50,10 +56,7 @@ class Pilot {
   // 0.17 N s/kg of koboshi's 1.2 kg.
   int push_mN_s_ = 200;
   bool aims_ = false;
+  std::string effect_;
 };
-
-// Those that the controller begins with and a scenario's parameters leave (object 2111). Throws
-// sim::InputError for parameters that the controller does not have.
-[[nodiscard]] walk::VelocityLimits velocity_limits(const sim::Scenario& scenario);
 
 }  // namespace koboshi::tools

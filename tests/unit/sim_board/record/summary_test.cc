@@ -11,15 +11,20 @@
 namespace koboshi::sim {
 namespace {
 
-const RunSummary kSummary = {.fell = false,
-                             .duration_s = 60.0,
-                             .can_bus_load = 0.512,
-                             .state_hash = "00000000deadbeef",
-                             .faults = 0,
-                             .solver_warnings = 2,
-                             .stepper = "world",
-                             .base_height_error_max_m = 0.0015,
-                             .foot_slip_max_m = 0.00025};
+const RunSummary kSummary = {
+    .fell = false,
+    .verdict = "stands; did not fall; 0 faults",
+    .falls = 0,
+    .stands = true,
+    .duration_s = 60.0,
+    .can_bus_load = 0.512,
+    .state_hash = "00000000deadbeef",
+    .faults = 0,
+    .solver_warnings = 2,
+    .stepper = "world",
+    .base_height_error_max_m = 0.0015,
+    .foot_slip_max_m = 0.00025,
+    .events = {{2'000'600, "command", "Command enable: obeyed.", {{"command", "enable"}}}}};
 
 TEST(Summary, HasItsKeysInOrder) {
   test::TemporaryFolder folder;
@@ -27,6 +32,9 @@ TEST(Summary, HasItsKeysInOrder) {
   EXPECT_EQ(test::read_file(folder.path / "summary.json"),
             "{\n"
             "  \"fell\": false,\n"
+            "  \"verdict\": \"stands; did not fall; 0 faults\",\n"
+            "  \"falls\": 0,\n"
+            "  \"stands\": true,\n"
             "  \"duration_s\": 60.0,\n"
             "  \"can_bus_load\": 0.512,\n"
             "  \"state_hash\": \"00000000deadbeef\",\n"
@@ -34,13 +42,24 @@ TEST(Summary, HasItsKeysInOrder) {
             "  \"solver_warnings\": 2,\n"
             "  \"stepper\": \"world\",\n"
             "  \"base_height_error_max_m\": 0.0015,\n"
-            "  \"foot_slip_max_m\": 0.00025\n"
+            "  \"foot_slip_max_m\": 0.00025,\n"
+            "  \"events\": [\n"
+            "    {\n"
+            "      \"t_s\": 2.0006,\n"
+            "      \"kind\": \"command\",\n"
+            "      \"text\": \"Command enable: obeyed.\",\n"
+            "      \"fields\": {\n"
+            "        \"command\": \"enable\"\n"
+            "      }\n"
+            "    }\n"
+            "  ]\n"
             "}\n");
 }
 
 TEST(Summary, TellsOfAWalkOnlyWhereThereWasOne) {
   EXPECT_FALSE(to_json(kSummary).contains("distance_m"));
   RunSummary walked = kSummary;
+  walked.events.clear();
   walked.walk = {.distance_m = 3.0,
                  .speed_m_per_s = 0.2,
                  .lateral_drift_m = -0.1,
@@ -58,7 +77,7 @@ TEST(Summary, TellsOfAWalkOnlyWhereThereWasOne) {
                      "\"lateral_drift_m\":-0.1,\"heading_drift_rad\":0.05,\"energy_J\":40.0,\"zmp_rms_error_"
                      "m\":0.02,\"zmp_lag_s\":-0.025,"
                      "\"zmp_margin_p05_m\":null,\"zmp_sensor_vs_truth_rms_m\":0.0008,\"roll_rms_rad\":0.03,"
-                     "\"foot_lift_m\":0.006}"))
+                     "\"foot_lift_m\":0.006,\"events\":[]}"))
       << text;
 }
 

@@ -31,6 +31,17 @@ TEST(Trace, WritesNumbersAsShortAsTheyReadBack) {
             "18446744073709.551615,-5e-324,0\n");
 }
 
+TEST(Trace, WritesTheNamesOfValues) {
+  static constexpr canopen::ValueName kNames[] = {{0, "boot"},
+                                                  {7, "a state whose name is longer than any number"}};
+  TraceFormatter formatter(
+      {{"state", "", TraceKind::kInteger}, {"state_name", "", TraceKind::kInteger, kNames}});
+  EXPECT_EQ(formatter.header(), "time_s,state,state_name\n");
+  EXPECT_EQ(formatter.row(0, cells({0, 0})), "0,0,boot\n");
+  EXPECT_EQ(formatter.row(0, cells({7, 7})), "0,7,a state whose name is longer than any number\n");
+  EXPECT_EQ(formatter.row(0, cells({9, 9})), "0,9,\n");
+}
+
 TEST(Trace, ReadsBackEveryDouble) {
   TraceFormatter formatter(std::vector<TraceColumn>{{"a", ""}});
   std::uint64_t bits = 1;

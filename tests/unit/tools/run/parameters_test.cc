@@ -60,5 +60,19 @@ TEST(Parameters, AreRefusedBeyondTheRangeOfTheControllersDictionary) {
   EXPECT_NE(refusal("ramp_rate", 0.0), "");
 }
 
+TEST(VelocityLimits, AreTheControllersUnlessTheScenarioSaysOtherwise) {
+  sim::Scenario scenario;
+  EXPECT_EQ(velocity_limits(scenario).highest(), walk::VelocityLimits{}.highest());
+  scenario.parameters = {{{"highest_velocity_forward", "s.yaml", 3}, 100.0},
+                         {{"highest_velocity_backward", "s.yaml", 4}, 90.0},
+                         {{"highest_velocity_sideways", "s.yaml", 5}, 80.0},
+                         {{"highest_turn", "s.yaml", 6}, 700.0},
+                         {{"step_time", "s.yaml", 7}, 260.0}};
+  EXPECT_EQ(velocity_limits(scenario).highest(), (walk::Velocity{100, 80, 700}));
+  EXPECT_EQ(velocity_limits(scenario).lowest(), (walk::Velocity{-90, -80, -700}));
+  scenario.parameters = {{{"highest_velocity_upward", "s.yaml", 3}, 100.0}};
+  EXPECT_THROW(static_cast<void>(velocity_limits(scenario)), sim::InputError);
+}
+
 }  // namespace
 }  // namespace koboshi::tools

@@ -4,8 +4,6 @@
 
 #include <numbers>
 
-#include "sim_board/input/error.h"
-
 namespace koboshi::tools {
 namespace {
 
@@ -116,6 +114,26 @@ TEST_F(PilotTest, ChangesTheSizeOfAPush) {
   EXPECT_DOUBLE_EQ(pilot_.push_N_s(), 2.0);
 }
 
+TEST_F(PilotTest, SaysWhatEachKeyDoes) {
+  const auto effect = [&](Key key, State state = State::kWalking) {
+    static_cast<void>(pilot_.press(key, state));
+    return pilot_.effect();
+  };
+  EXPECT_EQ(effect(Key::kGo), "walk, in place");
+  EXPECT_EQ(effect(Key::kForward), "walk, 0.02 m/s forward");
+  EXPECT_EQ(effect(Key::kTurnRight), "walk, 0.02 m/s forward, 0.10 rad/s to the right");
+  for (int i = 0; i < 100; ++i) effect(Key::kForward);
+  EXPECT_EQ(pilot_.effect(), "walk, 0.30 m/s forward, 0.10 rad/s to the right, the limit");
+  EXPECT_EQ(effect(Key::kForward, State::kFallen),
+            "nothing: it takes a velocity when it stands or walks only");
+  EXPECT_EQ(effect(Key::kPush), "push with 0.20 N s: now a direction");
+  EXPECT_EQ(effect(Key::kLeft), "push to the left with 0.20 N s");
+  EXPECT_EQ(effect(Key::kPushMore), "the next push has 0.25 N s");
+  for (int number = 0; number <= static_cast<int>(Key::kEnd); ++number) {
+    EXPECT_NE(effect(static_cast<Key>(number)), "") << number;
+  }
+}
+
 TEST(BodyPush, HasItsImpulseInTheRobotsHeading) {
   sim::Push push = BodyPush{{0.2, 0.0}}.on("trunk", 0.5 * std::numbers::pi);
   EXPECT_EQ(push.link.text, "trunk");
@@ -126,20 +144,6 @@ TEST(BodyPush, HasItsImpulseInTheRobotsHeading) {
   EXPECT_NEAR(impulse_W_N_s.y(), 0.2, 1e-12);
   EXPECT_EQ(impulse_W_N_s.z(), 0.0);
   EXPECT_EQ(push.mean_force_W_N(1'100'000, 1'200'000), Eigen::Vector3d::Zero());
-}
-
-TEST(VelocityLimits, AreTheControllersUnlessTheScenarioSaysOtherwise) {
-  sim::Scenario scenario;
-  EXPECT_EQ(velocity_limits(scenario).highest(), walk::VelocityLimits{}.highest());
-  scenario.parameters = {{{"highest_velocity_forward", "s.yaml", 3}, 100.0},
-                         {{"highest_velocity_backward", "s.yaml", 4}, 90.0},
-                         {{"highest_velocity_sideways", "s.yaml", 5}, 80.0},
-                         {{"highest_turn", "s.yaml", 6}, 700.0},
-                         {{"step_time", "s.yaml", 7}, 260.0}};
-  EXPECT_EQ(velocity_limits(scenario).highest(), (walk::Velocity{100, 80, 700}));
-  EXPECT_EQ(velocity_limits(scenario).lowest(), (walk::Velocity{-90, -80, -700}));
-  scenario.parameters = {{{"highest_velocity_upward", "s.yaml", 3}, 100.0}};
-  EXPECT_THROW(static_cast<void>(velocity_limits(scenario)), sim::InputError);
 }
 
 }  // namespace
