@@ -43,7 +43,8 @@ class Operator:
         if select.select([self.master], [], [], 0.1)[0]:
             self.text += os.read(self.master, 65536).decode(errors="replace")
         drawings = DRAWING.findall(self.text)
-        return re.sub(r"\x1b\[\d+;1H", "\n", drawings[-1]).replace("\x1b[K", "") if drawings else ""
+        screen = re.sub(r"\x1b\[\d+;1H", "\n", drawings[-1]).replace("\x1b[K", "") if drawings else ""
+        return re.sub(r"(?m) *[|+][-|+ .ox<>v^\w]{17}[|+]$", "", screen)  # without the map
 
     def wait_for(self, pattern):
         end = time.monotonic() + PATIENCE_S
@@ -82,7 +83,7 @@ class Teleop(unittest.TestCase):
         self.assertEqual(termios.tcgetattr(self.operator.slave), self.operator.before)
         tail = self.operator.text[self.operator.text.rindex("\x1b[?1049l"):]  # back on the screen of before
         self.assertIn("\x1b[?25h", self.operator.text)
-        self.assertRegex(tail, r"done after .* did not fall, 0 faults")
+        self.assertRegex(tail, r"(?m)^done after .*\r\n^results in .*\r\n^.*; did not fall; .*0 faults\r\n\Z")
 
     def assert_repeats(self):
         """The same run without an operator, of what the run says was played."""
@@ -109,7 +110,9 @@ class Teleop(unittest.TestCase):
         operator.press("--p")
         operator.wait_for(r"^push +0\.10 N s, where to\?")
         operator.press(LEFT)
-        operator.wait_for(r"^push +0\.10 N s\nlast key +turn left")
+        operator.wait_for(r"^push +0\.10 N s\nlast key +turn left: push to the left with 0\.10 N s")
+        operator.press("n")
+        operator.wait_for(r"^command +enable: refused, not in this state \(standing\)")
         operator.press("q")
         self.assert_ended_well()
         log = (self.out / "can.log").read_text()

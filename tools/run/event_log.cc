@@ -14,8 +14,8 @@
 namespace koboshi::tools {
 namespace {
 
-using app::Command;
-using app::State;
+using behaviour::Command;
+using behaviour::State;
 
 // The controller takes a frame within a millisecond, and the telemetry of a tick is on the bus 2.6 to 3 ms
 // after it (docs/design/timing.md).
@@ -125,7 +125,7 @@ void EventLog::judge(const GivenCommand& given, const Telemetry& said) {
     text += ", " + velocity_text(*given.velocity);
     fields.update(velocity_json(*given.velocity));
   }
-  const bool is_refused = said.refusal != app::Reason::kNone;
+  const bool is_refused = said.refusal != behaviour::Reason::kNone;
   fields["outcome"] = is_refused ? "refused" : "obeyed";
   std::string outcome = "obeyed";
   if (is_refused) {
@@ -135,8 +135,8 @@ void EventLog::judge(const GivenCommand& given, const Telemetry& said) {
     fields["state"] = name_of(given.state);
   } else if (given.velocity && clamped(*given.velocity, limits_) != *given.velocity) {
     ++refused_;
-    outcome = "obeyed, but its velocity is refused, " + name_of(app::Reason::kVelocityOutOfRange);
-    fields["reason"] = name_of(app::Reason::kVelocityOutOfRange);
+    outcome = "obeyed, but its velocity is refused, " + name_of(behaviour::Reason::kVelocityOutOfRange);
+    fields["reason"] = name_of(behaviour::Reason::kVelocityOutOfRange);
   }
   last_command_ = text + ": " + outcome;
   add(given.time_us, "command", "Command " + last_command_ + ".", fields);
@@ -147,7 +147,7 @@ void EventLog::judge_velocity(std::uint64_t time_us, const Telemetry& said) {
   const std::uint64_t at_us = *std::exchange(velocity_us_, std::nullopt);
   if (told_velocity_ == velocity_) return;  // a joystick repeats it
   told_velocity_ = velocity_;
-  const bool is_refused = said.refusal == app::Reason::kVelocityOutOfRange;
+  const bool is_refused = said.refusal == behaviour::Reason::kVelocityOutOfRange;
   refused_ += is_refused ? 1 : 0;
   nlohmann::ordered_json fields = velocity_json(*velocity_);
   fields["outcome"] = is_refused ? "refused" : "obeyed";
@@ -291,7 +291,7 @@ void EventLog::follow_truth(std::uint64_t now_us) {
   if (truth_.tilt_rad >= kUpAgain_rad) return;
   was_upright_ = true;
   is_down_ = false;
-  const bool on_its_feet = app::balances(said_.state) && said_.state != State::kSteadying;
+  const bool on_its_feet = behaviour::kBalancing.contains(said_.state) && said_.state != State::kSteadying;
   if (!falls_.empty() && !falls_.back().up_us && on_its_feet) falls_.back().up_us = now_us;
 }
 
@@ -349,7 +349,7 @@ std::string EventLog::node_name(std::uint8_t node) const {
 }
 
 std::string EventLog::reason_text(const Telemetry& said) const {
-  if (said.reason != app::Reason::kDriveTrouble) return name_of(said.reason);
+  if (said.reason != behaviour::Reason::kDriveTrouble) return name_of(said.reason);
   const std::string trouble(canopen::name_of(app::kTroubleNames, static_cast<std::int64_t>(said.trouble)));
   const bool known = said.trouble_joint < model_.joint_names.size();
   return (known ? model_.joint_names[said.trouble_joint] + " " : "drive ") + trouble;

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "firmware/app/dictionary.h"
+#include "firmware/behaviour/command.h"
+#include "firmware/behaviour/state.h"
 #include "firmware/walk/velocity.h"
 #include "hal/port/can.h"
 #include "sim_board/record/summary.h"
@@ -59,17 +61,17 @@ class EventLog {
   };
   struct GivenCommand {
     std::uint64_t time_us;
-    app::Command command;
+    behaviour::Command command;
     std::int16_t argument;
     std::optional<walk::Velocity> velocity;
-    app::State state;  // as it was told
+    behaviour::State state;  // as it was told
   };
   struct EmergencyGroup {
     std::size_t event;
     std::uint64_t last_us;
   };
 
-  void hear_command(app::Command command, std::int16_t argument, std::uint64_t time_us,
+  void hear_command(behaviour::Command command, std::int16_t argument, std::uint64_t time_us,
                     const Telemetry& said);
   void hear_sdo(const hal::CanFrame& frame, std::uint64_t time_us, const Telemetry& said);
   void hear_emergency(const hal::CanFrame& frame, std::uint64_t time_us);

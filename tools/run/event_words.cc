@@ -20,11 +20,11 @@ void add_part(std::string& text, double amount, const char* unit, const char* po
 
 }  // namespace
 
-std::string name_of(app::State state) {
+std::string name_of(behaviour::State state) {
   return std::string(canopen::name_of(app::kStateNames, static_cast<std::int64_t>(state)));
 }
 
-std::string name_of(app::Reason reason) {
+std::string name_of(behaviour::Reason reason) {
   return std::string(canopen::name_of(app::kReasonNames, static_cast<std::int64_t>(reason)));
 }
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "firmware/app/behaviour.h"
+#include "firmware/behaviour/state.h"
 #include "firmware/walk/velocity.h"
 #include "sim_board/scenario/scenario.h"
 #include "tools/run/ground_truth.h"
@@ -18,18 +18,18 @@ namespace koboshi::tools {
 inline constexpr double kUpAgain_rad = 0.5 * kFallen_rad;
 
 // On the way from lying to standing.
-[[nodiscard]] constexpr bool gets_up(app::State state) {
-  return state == app::State::kRighting || state == app::State::kRolling || state == app::State::kRising ||
-         state == app::State::kSteadying;
+[[nodiscard]] constexpr bool gets_up(behaviour::State state) {
+  return state == behaviour::State::kRighting || state == behaviour::State::kRolling ||
+         state == behaviour::State::kRising || state == behaviour::State::kSteadying;
 }
 
-[[nodiscard]] std::string name_of(app::State state);
-[[nodiscard]] std::string name_of(app::Reason reason);
+[[nodiscard]] std::string name_of(behaviour::State state);
+[[nodiscard]] std::string name_of(behaviour::Reason reason);
 // Whether a controller in this state has missed that the trunk leans so: a robot does not lie when it stands
 // or walks, and one that stands does not even lean. (A motion may bow.)
-[[nodiscard]] constexpr bool has_not_noticed(app::State state, double tilt_rad) {
-  return tilt_rad > kFallen_rad ? app::may_fall(state)
-                                : tilt_rad > kUpAgain_rad && state == app::State::kStanding;
+[[nodiscard]] constexpr bool has_not_noticed(behaviour::State state, double tilt_rad) {
+  return tilt_rad > kFallen_rad ? behaviour::kMayFall.contains(state)
+                                : tilt_rad > kUpAgain_rad && state == behaviour::State::kStanding;
 }
 inline constexpr const char* kNotNoticed = "its controller has not noticed";
 

@@ -40,8 +40,8 @@ std::vector<sim::RunEvent> EventLog::events(bool controller_is_dead) const {
 }
 
 bool EventLog::stands() const {
-  return truth_.tilt_rad < kUpAgain_rad && app::balances(said_.state) &&
-         said_.state != app::State::kSteadying;
+  return truth_.tilt_rad < kUpAgain_rad && behaviour::kBalancing.contains(said_.state) &&
+         said_.state != behaviour::State::kSteadying;
 }
 
 std::string EventLog::posture(bool controller_is_dead) const {
@@ -50,16 +50,16 @@ std::string EventLog::posture(bool controller_is_dead) const {
   const bool hangs = scenario_.initial.fixed_base && now_us_ < release_us;
   const bool upright = truth_.tilt_rad < kUpAgain_rad;
   std::string state = name_of(said_.state);
-  if (said_.state == app::State::kFault) state += ": " + reason_text(said_);
-  if (said_.state == app::State::kMotion) state = "plays " + motion_name(said_.motion);
+  if (said_.state == behaviour::State::kFault) state += ": " + reason_text(said_);
+  if (said_.state == behaviour::State::kMotion) state = "plays " + motion_name(said_.motion);
   if (has_not_noticed(said_.state, truth_.tilt_rad)) state = kNotNoticed;
   if (controller_is_dead) state = "its controller is dead";
   if (hangs) return "hangs on its stand, " + state;
   if (upright && !controller_is_dead) {
-    if (said_.state == app::State::kStanding) return "stands";
-    if (said_.state == app::State::kWalking) return "walks";
-    if (said_.state == app::State::kMotion) return state;
-    if (said_.state == app::State::kLowBattery) return "stands, its supply low";
+    if (said_.state == behaviour::State::kStanding) return "stands";
+    if (said_.state == behaviour::State::kWalking) return "walks";
+    if (said_.state == behaviour::State::kMotion) return state;
+    if (said_.state == behaviour::State::kLowBattery) return "stands, its supply low";
   }
   if (upright) return "is upright, " + state;
   if (truth_.tilt_rad > kFallen_rad) return "lies, " + state;

@@ -9,10 +9,13 @@
 
 #include "firmware/app/controller_objects.h"
 #include "sim_board/input/user_units.h"
+#include "tools/run/event_words.h"
+#include "tools/teleop/map.h"
 
 namespace koboshi::tools {
 namespace {
 constexpr std::size_t kColumns = 80;
+constexpr std::size_t kMapLine = 2;
 
 constexpr std::string_view kKeys[] = {
     "up, down      faster ahead, back        space  stop: back to the stand",
@@ -31,32 +34,41 @@ std::string time_text(const TeleopStatus& status) {
                      status.real_time_factor, status.overruns, status.largest_delay_us / 1000);
 }
 
+// The trunk tells whether it stands, its controller why.
 std::string state_text(const TeleopStatus& status) {
-  std::string text(name(app::kStateNames, status.said.state));
-  text += fmt::format(", by {}", name(app::kReasonNames, status.said.reason));
+  std::string text;
+  if (status.tilt_rad > kFallen_rad) {
+    text = "LIES; ";
+  } else if (status.tilt_rad > kUpAgain_rad) {
+    text = fmt::format("leans by {:.0f} degrees; ", sim::kDegreesPerRad * status.tilt_rad);
+  }
+  if (has_not_noticed(status.said.state, status.tilt_rad)) return text + kNotNoticed;
+  text += name_of(status.said.state) + ", by " + name_of(status.said.reason);
   if (status.said.trouble != drive::Trouble::kNone)
     text += fmt::format(", drive {}", name(app::kTroubleNames, status.said.trouble));
-  if (status.said.refusal != behaviour::Reason::kNone)
-    text += fmt::format("; last command refused: {}", name(app::kReasonNames, status.said.refusal));
   return text;
 }
 
-std::string velocity_text(const TeleopStatus::Velocity& velocity) {
+std::string axes_text(const TeleopStatus::Velocity& velocity) {
   return fmt::format("ahead {:+.2f} m/s, left {:+.2f} m/s, turn {:+.2f} rad/s", velocity.forward_m_per_s,
                      velocity.left_m_per_s, velocity.turn_rad_per_s);
 }
 
 std::string attitude_text(const TeleopStatus& status) {
-  return fmt::format("roll {:+.1f}, pitch {:+.1f}, true yaw {:+.0f} degrees",
-                     sim::kDegreesPerRad * status.said.roll_rad, sim::kDegreesPerRad * status.said.pitch_rad,
-                     sim::kDegreesPerRad * status.yaw_rad);
+  return fmt::format("roll {:+.1f}, pitch {:+.1f} degrees", sim::kDegreesPerRad * status.said.roll_rad,
+                     sim::kDegreesPerRad * status.said.pitch_rad);
+}
+
+std::string place_text(const TeleopStatus& status) {
+  return fmt::format("x {:+.2f} m, y {:+.2f} m, heading {:+.0f} degrees", status.place.x(), status.place.y(),
+                     sim::kDegreesPerRad * status.place.z());
 }
 
 std::string load_text(const TeleopStatus& status) {
   std::string text =
       fmt::format("left {:.1f} N, right {:.1f} N", status.said.foot_load_N[0], status.said.foot_load_N[1]);
   if (status.held) text += ", held by the stand";
-  if (status.fell) text += ", has fallen";
+  if (status.falls > 0) text += ", " + count_text(status.falls, "fall");
   return text;
 }
 
@@ -89,15 +101,20 @@ std::vector<std::string> status_lines(const TeleopStatus& status) {
   lines.emplace_back();
   add("time", time_text(status));
   add("state", state_text(status));
-  add("commanded", velocity_text(status.commanded));
-  add("measured", velocity_text(status.measured));
+  add("commanded", axes_text(status.commanded));
+  add("measured", axes_text(status.measured));
+  add("place", place_text(status));
   add("attitude", attitude_text(status));
   add("ZMP", zmp_text(status));
   add("CoM", com_text(status));
   add("load", load_text(status));
   add("supply", status.supply_V ? fmt::format("{:.2f} V at the lowest drive", *status.supply_V) : "");
   add("push", fmt::format("{:.2f} N s{}", status.push_N_s, status.aims ? ", where to?" : ""));
-  add("last key", status.last_key);
+  add("last key", status.last_key + (status.effect.empty() ? "" : ": " + status.effect));
+  add("command", status.last_command);
+  add("event", status.last_event);
+  // Below the title and beside the numbers, of which the longest end before it.
+  put_beside(lines, kMapLine, kColumns - TrailMap::kColumns, status.map);
   lines.emplace_back();
   lines.insert(lines.end(), std::begin(kKeys), std::end(kKeys));
   for (std::string& line : lines) line.resize(std::min(line.size(), kColumns));

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <variant>
 
+#include "tools/run/parameters.h"
 #include "tools/run/run_recorder.h"
 
 namespace koboshi::tools {
@@ -63,6 +64,7 @@ void Teleop::measure() {
     way_[2] += std::remainder(moved.z(), 2.0 * std::numbers::pi);
   }
   place_ = place;
+  map_.move_to(place);
   velocity_.add(now_s(), way_);
   pace_.add(std::chrono::duration<double>(Clock::now() - start_).count(), {now_s()});
 }
@@ -81,13 +83,14 @@ TeleopStatus Teleop::status() const {
   }
   status.held = scenario.initial.fixed_base &&
                 board.now_us() < scenario.initial.release_us.value_or(board.now_us() + 1);
-  status.fell = recorder_.fell();
+  status.falls = recorder_.events().falls();
+  status.tilt_rad = recorder_.truth().tilt_rad;
   status.said = recorder_.telemetry();
   const walk::Velocity& commanded = pilot_.velocity();
   status.commanded = {1e-3 * commanded.forward_mm_per_s, 1e-3 * commanded.left_mm_per_s,
                       1e-3 * commanded.turn_mrad_per_s};
   status.measured = as_velocity(velocity_.per_s());
-  status.yaw_rad = recorder_.truth().rpy_rad.z();
+  status.place = *place_;
   status.zmp_margin_m = recorder_.truth().zmp_margin_m;
   for (std::size_t joint = 0; joint < simulation_.robot().joints.size(); ++joint) {
     const double supply_V = 1e-3 * board.drive(joint).values().supply_mV;
@@ -96,6 +99,10 @@ TeleopStatus Teleop::status() const {
   status.push_N_s = pilot_.push_N_s();
   status.aims = pilot_.aims();
   status.last_key = last_key_;
+  status.effect = pilot_.effect();
+  status.last_command = recorder_.events().last_command();
+  status.last_event = recorder_.events().last_text();
+  status.map = map_.lines(status.tilt_rad > kFallen_rad);
   return status;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tools/run/run.h"
+#include "tools/teleop/map.h"
 #include "tools/teleop/pilot.h"
 #include "tools/teleop/sliding_rate.h"
 #include "tools/teleop/status.h"
@@ -44,6 +45,7 @@ class Teleop final : public RunOperator {
   // The way so far: each tick's ahead and to the left of the trunk's heading in it [m], and its turn [rad].
   std::array<double, 3> way_{};
   std::optional<Eigen::Vector3d> place_;  // x, y and yaw in the world
+  TrailMap map_;
   Terminal terminal_;
 };
 

@@ -8,8 +8,8 @@
 namespace koboshi::tools {
 namespace {
 
-using app::Reason;
-using app::State;
+using behaviour::Reason;
+using behaviour::State;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;

@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <numbers>
+
+#include "tools/teleop/map.h"
+
 namespace koboshi::tools {
 namespace {
 
@@ -29,7 +33,11 @@ TeleopStatus walking() {
   status.zmp_margin_m = 0.008;
   status.supply_V = 7.4;
   status.push_N_s = 0.2;
+  status.place = {1.25, -0.4, 0.5 * std::numbers::pi};
   status.last_key = "forward";
+  status.effect = "walk, 0.10 m/s forward";
+  status.last_command = "walk, 0.10 m/s forward: obeyed";
+  status.last_event = "Walks.";
   return status;
 }
 
@@ -40,20 +48,23 @@ TEST(TeleopStatus, TellsWhatTheRobotDoes) {
   EXPECT_THAT(lines, Contains("state       walking, by command"));
   EXPECT_THAT(lines, Contains("commanded   ahead +0.10 m/s, left +0.00 m/s, turn -0.20 rad/s"));
   EXPECT_THAT(lines, Contains("measured    ahead +0.09 m/s, left +0.01 m/s, turn -0.19 rad/s"));
-  EXPECT_THAT(lines, Contains("attitude    roll +1.0, pitch +0.0, true yaw +0 degrees"));
+  EXPECT_THAT(lines, Contains("place       x +1.25 m, y -0.40 m, heading +90 degrees"));
+  EXPECT_THAT(lines, Contains("attitude    roll +1.0, pitch +0.0 degrees"));
   EXPECT_THAT(lines, Contains("ZMP         +12, -3 mm on the right sole, true margin 8 mm"));
   EXPECT_THAT(lines, Contains("CoM         +1, +20, +200 mm from there"));
   EXPECT_THAT(lines, Contains("load        left 1.2 N, right 10.5 N"));
   EXPECT_THAT(lines, Contains("supply      7.40 V at the lowest drive"));
   EXPECT_THAT(lines, Contains("push        0.20 N s"));
-  EXPECT_THAT(lines, Contains("last key    forward"));
+  EXPECT_THAT(lines, Contains("last key    forward: walk, 0.10 m/s forward"));
+  EXPECT_THAT(lines, Contains("command     walk, 0.10 m/s forward: obeyed"));
+  EXPECT_THAT(lines, Contains("event       Walks."));
 }
 
 TEST(TeleopStatus, TellsWhatIsAmiss) {
   TeleopStatus status = walking();
   status.bus = "slcan:/dev/pts/3";
   status.held = true;
-  status.fell = true;
+  status.falls = 2;
   status.aims = true;
   status.said.state = behaviour::State::kFault;
   status.said.reason = behaviour::Reason::kDriveTrouble;
@@ -61,12 +72,41 @@ TEST(TeleopStatus, TellsWhatIsAmiss) {
   status.said.zmp = {};
   EXPECT_THAT(status_lines(status), Contains("state       fault, by drive trouble, drive lost"));
   EXPECT_THAT(status_lines(status), Contains(HasSubstr("CAN bus on slcan:/dev/pts/3")));
-  EXPECT_THAT(status_lines(status), Contains(HasSubstr("held by the stand, has fallen")));
+  EXPECT_THAT(status_lines(status), Contains(HasSubstr("held by the stand, 2 falls")));
   EXPECT_THAT(status_lines(status), Contains("ZMP         none: no foot carries enough"));
   EXPECT_THAT(status_lines(status), Contains("push        0.20 N s, where to?"));
-  status = walking();
-  status.said.refusal = behaviour::Reason::kNotInThisState;
-  EXPECT_THAT(status_lines(status), Contains(HasSubstr("last command refused: not in this state")));
+}
+
+TEST(TeleopStatus, NeverShowsARobotThatLiesAsOneThatStands) {
+  TeleopStatus status = walking();
+  status.tilt_rad = 1.4;
+  for (const behaviour::State state :
+       {behaviour::State::kStanding, behaviour::State::kWalking, behaviour::State::kMotion,
+        behaviour::State::kLowBattery, behaviour::State::kSoftStart}) {
+    status.said.state = state;
+    EXPECT_THAT(status_lines(status), Contains("state       LIES; its controller has not noticed"));
+    EXPECT_THAT(status_lines(status), Not(Contains(HasSubstr("standing"))));
+  }
+  status.said.state = behaviour::State::kRising;
+  status.said.reason = behaviour::Reason::kProne;
+  EXPECT_THAT(status_lines(status), Contains("state       LIES; rising, by prone"));
+  status.tilt_rad = 0.8;
+  EXPECT_THAT(status_lines(status), Contains("state       leans by 46 degrees; rising, by prone"));
+  status.said.state = behaviour::State::kStanding;
+  EXPECT_THAT(status_lines(status), Not(Contains(HasSubstr("standing"))));
+}
+
+TEST(TeleopStatus, HasTheMapBesideTheNumbers) {
+  TeleopStatus status = walking();
+  TrailMap map;
+  map.move_to(Eigen::Vector3d::Zero());
+  status.map = map.lines(false);
+  const auto lines = status_lines(status);
+  EXPECT_EQ(lines[2].substr(61), "+-----------------+");
+  EXPECT_EQ(lines[3], "state       walking, by command                              |                 |");
+  EXPECT_EQ(lines[7].substr(61), "|        ^        |");
+  EXPECT_EQ(lines[12].substr(61), "+- 17 x 0.1 m ----+");
+  EXPECT_LE(lines.size(), 24u);
 }
 
 TEST(TeleopStatus, FitsAScreenWhateverItTells) {
