@@ -104,6 +104,8 @@ class YamlFile {
 
   const std::filesystem::path& path() const { return path_; }
   YamlMap root() const { return YamlMap(root_); }
+  // The whole document, with the overrides.
+  const YamlNode& tree() const { return root_; }
   // Throws InputError at the first key that no reader has asked for.
   void finish() const;
 

@@ -166,6 +166,30 @@ void relocate(YamlNode& node, const std::string& path) {
   }
 }
 
+// A plain scalar stays plain, as a quoted number is text.
+std::string scalar_text(const YamlNode& node) {
+  if (!node.quoted && node.scalar.find_first_of(",[]{}#:&*!|>'\"%@`\\\n\t") == std::string::npos)
+    return node.scalar;
+  std::string text = "\"";
+  for (const char letter : node.scalar) {
+    if (letter == '"' || letter == '\\') text += '\\';
+    text += letter == '\n'   ? std::string("\\n")
+            : letter == '\t' ? std::string("\\t")
+                             : std::string(1, letter);
+  }
+  return text + "\"";
+}
+
+std::string flow_text(const YamlNode& node) {
+  if (node.kind == YamlNode::Kind::kNull) return "~";
+  if (node.kind == YamlNode::Kind::kScalar) return scalar_text(node);
+  const bool is_map = node.kind == YamlNode::Kind::kMap;
+  std::string text;
+  for (const YamlNode& item : node.items)
+    text += (text.empty() ? "" : ", ") + (is_map ? item.key + ": " : std::string()) + flow_text(item);
+  return is_map ? "{" + text + "}" : "[" + text + "]";
+}
+
 YamlNode& step_into_list(YamlNode& list, const std::string& index, const Override& override_value) {
   const auto number = parse_integer(index);
   if (!number || *number < 0 || *number >= static_cast<std::int64_t>(list.items.size())) {
@@ -215,6 +239,20 @@ YamlNode parse_yaml(const std::string& text, const std::filesystem::path& source
     throw InputError(source, root.line, "a document that is no map", "a map of keys and values");
   }
   return root;
+}
+
+std::string yaml_text(const YamlNode& root) {
+  std::string text;
+  for (const YamlNode& item : root.items) {
+    text += item.key + ":";
+    if (item.kind != YamlNode::Kind::kList || item.items.empty()) {
+      text += " " + flow_text(item) + "\n";
+      continue;
+    }
+    text += "\n";
+    for (const YamlNode& entry : item.items) text += "  - " + flow_text(entry) + "\n";
+  }
+  return text;
 }
 
 void apply_override(YamlNode& root, const Override& override_value) {

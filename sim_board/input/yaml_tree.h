@@ -38,6 +38,10 @@ Override parse_override(const std::string& argument);
 // key that is not plain text, an alias, or a tag.
 YamlNode parse_yaml(const std::string& text, const std::filesystem::path& source);
 
+// A document that parse_yaml reads as the same values: the keys of the root below each other, the items of
+// their lists too, all else in flow style.
+std::string yaml_text(const YamlNode& root);
+
 // Throws InputError if the path leads through something that is no map, or the value is malformed. A key that
 // nobody knows is found later, like one in the file.
 void apply_override(YamlNode& root, const Override& override_value);

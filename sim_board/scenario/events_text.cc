@@ -1,6 +1,10 @@
 #include "sim_board/scenario/events_text.h"
 
+#include <filesystem>
+#include <vector>
+
 #include "sim_board/input/text.h"
+#include "sim_board/scenario/paths.h"
 
 namespace koboshi::sim {
 namespace {
@@ -44,7 +48,33 @@ std::string push_text(const Push& push) {
          (push.shape == Push::Shape::kHalfSine ? ", shape: half-sine}" : ", shape: rectangle}");
 }
 
+// Whether a value of a scenario, by its path in the document, is that of a file.
+bool names_file(const std::string& path) {
+  return path == "robot" || path == "parameter_file" || path == "gait.file" || path.starts_with("motions[") ||
+         path.ends_with(".height_field.file");
+}
+
+// Files that were found from one folder are found from another.
+void move_files(YamlNode& node, const std::filesystem::path& from, const std::filesystem::path& to) {
+  if (node.kind == YamlNode::Kind::kScalar && names_file(node.path)) {
+    const std::filesystem::path file = find_referenced(from, node.scalar);
+    if (!file.empty()) node.scalar = std::filesystem::relative(file, to).string();
+  }
+  for (YamlNode& item : node.items) move_files(item, from, to);
+}
+
 }  // namespace
+
+std::string played_text(const Scenario& played, const std::filesystem::path& folder) {
+  YamlNode document = played.document;
+  std::erase_if(document.items, [](const YamlNode& item) {
+    return item.key == "duration_s" || item.key == "commands" || item.key == "pushes" || item.key == "teleop";
+  });
+  move_files(document, played.file.parent_path(), folder);
+  return "# A run of " + played.file.filename().string() +
+         ", with what its operator did: `koboshi run` repeats it.\n" + yaml_text(document) +
+         events_text(played);
+}
 
 std::string events_text(const Scenario& scenario) {
   std::string text = "duration_s: " + seconds(scenario.duration_us) + "\n";

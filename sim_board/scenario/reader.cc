@@ -163,6 +163,7 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
   const fs::path folder = file.parent_path();
   Scenario scenario;
   scenario.file = file;
+  scenario.document = yaml.tree();
   root.require_version(1);
   scenario.robot = read_path(root.value("robot"), folder);
   scenario.motions = read_motions(root, folder);

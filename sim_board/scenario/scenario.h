@@ -188,6 +188,7 @@ inline constexpr const char* kControllerTarget = "controller";
 
 struct Scenario {
   std::filesystem::path file;
+  YamlNode document{};  // what stands in the file, with the overrides; null where there is none
   std::filesystem::path robot;
   std::vector<MotionChoice> motions;  // index = the number by which the controller knows it
   std::optional<GaitChoice> gait;

@@ -78,24 +78,20 @@ class Teleop(unittest.TestCase):
         self.operator = Operator(self.out)
         self.addCleanup(self.operator.close)
 
-    def assert_ended_well(self):
+    def assert_ended_well(self, verdict):
         self.assertEqual(self.operator.wait_for_end(), 0, self.operator.text[-3000:])
         self.assertEqual(termios.tcgetattr(self.operator.slave), self.operator.before)
         tail = self.operator.text[self.operator.text.rindex("\x1b[?1049l"):]  # back on the screen of before
         self.assertIn("\x1b[?25h", self.operator.text)
-        self.assertRegex(tail, r"(?m)^done after .*\r\n^results in .*\r\n^.*; did not fall; .*0 faults\r\n\Z")
+        self.assertRegex(tail, r"(?m)^done after .*\r\n^results in .*\r\n(^koboshi: .*\r\n)?^" + verdict + r"; 0 faults\r\n\Z")
 
     def assert_repeats(self):
-        """The same run without an operator, of what the run says was played."""
-        scenario = self.out.parent / "again.yaml"
-        without_events = re.sub(r"(?m)^(duration_s|commands):.*\n(  - .*\n)*", "", TELEOP.read_text())
-        with_paths = without_events.replace("robots/", f"{support.ROOT}/robots/")
-        scenario.write_text(with_paths + (self.out / "played.yaml").read_text())
-        again = PROGRAM.run_scenario(scenario, self.out.parent / "again", "--set", "teleop=false")
+        """The same run without an operator, of what the run says was played, as it stands there."""
+        again = PROGRAM.run_scenario(self.out / "played.yaml", self.out.parent / "again")
         hashes = [json.loads((run / "summary.json").read_text())["state_hash"] for run in (self.out, again)]
         self.assertEqual(*hashes)
 
-    def test_walks_ahead_and_stops(self):
+    def test_walks_ahead_stops_and_gets_up(self):
         operator = self.operator
         operator.wait_for(r"^state +boot|^state +limp")
         self.assertFalse(termios.tcgetattr(operator.slave)[3] & termios.ECHO)
@@ -113,8 +109,11 @@ class Teleop(unittest.TestCase):
         operator.wait_for(r"^push +0\.10 N s\nlast key +turn left: push to the left with 0\.10 N s")
         operator.press("n")
         operator.wait_for(r"^command +enable: refused, not in this state \(standing\)")
+        operator.press("+" * 22 + "p" + UP)
+        operator.wait_for(r"^state +LIES; (?!standing)")
+        operator.wait_for(r"^state +standing, by progress\n(.*\n)*load.*, 1 fall\n")
         operator.press("q")
-        self.assert_ended_well()
+        self.assert_ended_well(r"stands; fell once at .* s and got up in .* s; 1 command refused")
         log = (self.out / "can.log").read_text()
         self.assertIn(" 301#500000000000", log)  # 80 mm/s ahead, told on the bus
         self.assertRegex(log, r" 301#3C0000000000\n(.*\n)*.* 201#040000")
@@ -126,7 +125,7 @@ class Teleop(unittest.TestCase):
         operator.press("e")
         operator.wait_for(r"^state +emergency stop, by command")
         operator.press("\x03")
-        self.assert_ended_well()
+        self.assert_ended_well("hangs on its stand, emergency stop; did not fall")
 
 
 class WithoutATerminal(unittest.TestCase):

@@ -93,13 +93,6 @@ std::string how_far(const Simulation& simulation, const std::filesystem::path& f
                      1e-6 * static_cast<double>(simulation.scenario().duration_us), folder.string());
 }
 
-// What repeats a run that an operator took part in.
-void write_played(const sim::Scenario& played, const std::filesystem::path& folder) {
-  sim::write_whole_file(folder / "played.yaml",
-                        "# In place of the same keys of " + played.file.filename().string() +
-                            ", and with teleop: false, this repeats the run.\n" + sim::events_text(played));
-}
-
 }  // namespace
 
 RunResult run(const RunOptions& options, const std::function<void(const RunProgress&)>& progress) {
@@ -126,7 +119,9 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   sim::write_whole_file(options.out / "events.txt", events_text(result.summary.events));
   sim::write_json(options.out / "timing.json",
                   timing_json(simulation.board(), wall_s, files.dropped(), live));
-  if (options.make_operator) write_played(simulation.played(), options.out);
+  if (options.make_operator) {
+    sim::write_whole_file(options.out / "played.yaml", sim::played_text(simulation.played(), options.out));
+  }
   if (ending.signal && !live.is_live()) throw Interrupted(*ending.signal, how_far(simulation, options.out));
   try {
     draw_figures(simulation, options.out);

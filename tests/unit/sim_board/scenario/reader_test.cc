@@ -300,6 +300,30 @@ TEST(ScenarioReader, TakesTheSecondEngineOnlyWhereThereIsOne) {
   }
 }
 
+TEST(PlayedScenario, RunsByItselfFromAnyFolder) {
+  const TemporaryTree tree;
+  Scenario played = read(tree, kFull, {"teleop=true", "seed=9"});
+  played.duration_us = 3'210'000;
+  played.commands = {{.at_us = 1'000'600, .kind = Command::Kind::kStop}};
+  played.pushes.clear();
+  tree.write("out/deep/played.yaml", played_text(played, tree.root() / "out/deep"));
+  const Scenario again = read_scenario(tree.root() / "out/deep/played.yaml");
+  const auto same_file = [](const auto& a, const auto& b) { return std::filesystem::equivalent(a, b); };
+  EXPECT_FALSE(again.teleop);
+  EXPECT_EQ(again.seed, 9u);
+  EXPECT_EQ(again.duration_us, 3'210'000u);
+  EXPECT_TRUE(again.pushes.empty());
+  ASSERT_EQ(again.commands.size(), 1u);
+  EXPECT_EQ(again.commands[0].at_us, 1'000'600u);
+  EXPECT_TRUE(same_file(again.robot, played.robot));
+  ASSERT_EQ(again.motions.size(), played.motions.size());
+  for (std::size_t i = 0; i < again.motions.size(); ++i)
+    EXPECT_TRUE(same_file(again.motions[i].file, played.motions[i].file));
+  ASSERT_EQ(again.faults.size(), played.faults.size());
+  EXPECT_EQ(again.initial.joints.size(), played.initial.joints.size());
+  EXPECT_EQ(again.physics.step_us, played.physics.step_us);
+}
+
 TEST(ScenarioEvents, AreReadAgainAsTheyWereWritten) {
   const TemporaryTree tree;
   Scenario written = read(tree, kFull, {"commands.2.at_s=9.123456"});
