@@ -44,9 +44,10 @@ TEST(GyroFeedback, ChangesTheWorldAndNotWhatTheFirmwareKnows) {
 }
 
 TEST(ScenarioTrial, TellsWhyItEnded) {
+  const std::vector<sim::Override> overrides{{"duration_s", "1"},
+                                             {"faults", "[{at_s: 0, kind: controller_stop}]"}};
   const sim::Scenario scenario =
-      sim::read_scenario(std::filesystem::path(KOBOSHI_SOURCE_DIR) / "scenarios/go.yaml",
-                         {{"duration_s", "1"}, {"faults", "[{at_s: 0, kind: controller_stop}]"}});
+      sim::read_scenario(std::filesystem::path(KOBOSHI_SOURCE_DIR) / "scenarios/go.yaml", overrides);
   const Values values = play_scenario(scenario, {});
   EXPECT_EQ(values.at("failed"), 1.0);
   EXPECT_THAT(values.error, testing::HasSubstr("the controller does not take"));
