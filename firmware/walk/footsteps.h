@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "firmware/walk/plane.h"
-#include "hal/port/ankle.h"
+#include "hal/port/side.h"
 
 namespace koboshi::walk {
 

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "hal/port/batch_board.h"
 #include "hal/port/can.h"
+#include "hal/port/fifo.h"
 
 namespace koboshi::hal {
 

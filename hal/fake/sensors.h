@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "hal/port/ankle.h"
-#include "hal/port/batch_board.h"
+#include "hal/port/fifo.h"
 #include "hal/port/imu.h"
 
 namespace koboshi::hal {

@@ -3,9 +3,9 @@
 #include <array>
 #include <cstdint>
 
-namespace koboshi::hal {
+#include "hal/port/side.h"
 
-enum class Side : std::uint8_t { kLeft = 0, kRight = 1 };
+namespace koboshi::hal {
 
 // One sample of a six-axis force/torque sensor below the ankle, in the sensor's own frame and counts:
 // the wrench that the ground side exerts on the shank side, at the sensor's origin.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "hal/port/batch.h"
+#include "hal/lockstep/batch.h"
 
 namespace koboshi::sim {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "hal/port/batch.h"
+#include "hal/lockstep/batch.h"
 #include "sim_board/board/controller_host.h"
 #include "sim_board/can/babbler.h"
 #include "sim_board/can/bus.h"

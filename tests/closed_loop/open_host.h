@@ -4,7 +4,7 @@
 
 #include "firmware/app/controller.h"
 #include "hal/fake/storage.h"
-#include "hal/port/batch_board.h"
+#include "hal/lockstep/batch_board.h"
 #include "sim_board/board/controller_host.h"
 
 namespace koboshi::test {

@@ -25,12 +25,14 @@ ANY = None  # headers of any library
 # that begin so, and headers in angle brackets.
 RULES = [
     (r"hal/port/", (r"hal/port/",), FIRMWARE_STANDARD),
+    (r"hal/lockstep/", (r"hal/(port|lockstep)/",), FIRMWARE_STANDARD),
     (r"hal/fake/", (r"hal/(port|fake)/",), STANDARD),
-    (r"hal/", (r"hal/", r"firmware/"), ANY),
+    (r"hal/", (r"hal/",), ANY),
+    (r"firmware/programs/", (r"hal/", r"firmware/(?!\w+/host/)"), FIRMWARE_STANDARD),
     (r"firmware/\w+/host/", (r"hal/port/", r"firmware/"), STANDARD),
     (r"firmware/", (r"hal/port/", r"firmware/(?!\w+/host/)"), FIRMWARE_STANDARD),
     (r"sim_board/can/transport/", (r"hal/(port|linux)/", r"firmware/canopen/", r"sim_board/"), ANY),
-    (r"sim_board/", (r"hal/port/", r"firmware/canopen/", r"sim_board/"), ANY),
+    (r"sim_board/", (r"hal/(port|lockstep)/", r"firmware/canopen/", r"sim_board/"), ANY),
     (r"tools/", (r"hal/", r"firmware/", r"sim_board/", r"tools/"), ANY),
     (r"tests/", (r"",), ANY),
 ]
@@ -74,7 +76,11 @@ class Checker(unittest.TestCase):
         ("hal/fake/x.h", '#include "firmware/fixed/quantity.h"'),
         ("hal/fake/x.h", "#include <ode/ode.h>"),
         ("hal/linux/x.cc", '#include "sim_board/can/node.h"'),
+        ("hal/cortex_m/x.cc", '#include "firmware/app/controller.h"'),
+        ("hal/lockstep/x.h", '#include "hal/fake/board.h"'),
         ("firmware/app/x.cc", '#include "hal/fake/board.h"'),
+        ("firmware/app/x.cc", '#include "hal/lockstep/batch.h"'),
+        ("firmware/programs/mps2/x.cc", '#include "sim_board/can/node.h"'),
         ("firmware/app/x.cc", '#include "sim_board/can/node.h"'),
         ("firmware/app/x.cc", '#include "firmware/fixed/host/convert.h"'),
         ("firmware/app/x.cc", "#include <Eigen/Dense>"),

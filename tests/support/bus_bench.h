@@ -8,7 +8,7 @@
 #include "firmware/app/controller.h"
 #include "firmware/canopen/emergency.h"
 #include "hal/fake/storage.h"
-#include "hal/port/batch_board.h"
+#include "hal/lockstep/batch_board.h"
 #include "sim_board/can/babbler.h"
 #include "sim_board/can/bus.h"
 #include "sim_board/servo/drive.h"

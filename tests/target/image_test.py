@@ -27,7 +27,7 @@ BUILD = pathlib.Path(sys.argv[1]).resolve()
 SOURCES = pathlib.Path(__file__).resolve().parents[2]
 FIXTURES = sorted((pathlib.Path(__file__).parent / "fixture").glob("*.cc"))
 EXPECTATION = re.compile(r"^// Expect: (link|image|nothing) ?(.*)$", re.MULTILINE)
-PROGRAM = "hal/cortex_m/mps2/main.cc"
+PROGRAM = "firmware/programs/mps2/main.cc"
 
 
 def run(command, **options):

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "hal/port/ankle.h"
+#include "hal/port/side.h"
 #include "tools/gait/gait.h"
 #include "tools/gait/pendulum.h"
 

@@ -7,7 +7,7 @@
 
 #include "firmware/app/controller.h"
 #include "hal/flash/flash_model.h"
-#include "hal/port/batch_board.h"
+#include "hal/lockstep/batch_board.h"
 #include "sim_board/board/controller_host.h"
 #include "tools/run/flash_memory.h"
 

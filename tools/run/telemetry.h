@@ -7,7 +7,7 @@
 #include "firmware/behaviour/state.h"
 #include "firmware/drive/trouble.h"
 #include "firmware/robot/model.h"
-#include "hal/port/ankle.h"
+#include "hal/port/side.h"
 #include "sim_board/can/observer.h"
 
 namespace koboshi::tools {

@@ -132,7 +132,7 @@ tells them apart from outside, so that the image that is measured is the image t
 
 Of the image, without the robot's model and its motions, which lie in a flash of their own. Code and constants belong to the folder
 whose library the linker took them from; those of a header, to a folder that uses it. Objects of the firmware live in
-`hal/cortex_m/mps2`, which makes them.
+`firmware/programs/mps2`, which makes them.
 
 {}
 ## Stack

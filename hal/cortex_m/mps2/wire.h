@@ -5,7 +5,7 @@
 #include <span>
 
 #include "hal/cortex_m/fault.h"
-#include "hal/port/batch.h"
+#include "hal/lockstep/batch.h"
 
 namespace koboshi::cortex_m::wire {
 

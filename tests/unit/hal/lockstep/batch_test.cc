@@ -1,4 +1,4 @@
-#include "hal/port/batch.h"
+#include "hal/lockstep/batch.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include "hal/cortex_m/startup.h"
 #include "hal/cortex_m/systick.h"
 #include "hal/flash/flash_model.h"
-#include "hal/port/batch_board.h"
+#include "hal/lockstep/batch_board.h"
 
 namespace koboshi::cortex_m {
 namespace {

@@ -1,4 +1,4 @@
-#include "hal/port/batch_board.h"
+#include "hal/lockstep/batch_board.h"
 
 #include <gtest/gtest.h>
 

@@ -5,35 +5,11 @@
 #include <cstdint>
 #include <span>
 
-#include "hal/port/batch.h"
+#include "hal/lockstep/batch.h"
 #include "hal/port/board.h"
+#include "hal/port/fifo.h"
 
 namespace koboshi::hal {
-
-// A first-in first-out queue of compile-time size.
-template <typename T, std::size_t kCapacity>
-class Fifo {
- public:
-  // False, and the queue as it was, when it is full.
-  [[nodiscard]] bool push(const T& item) {
-    if (size_ == kCapacity) return false;
-    items_[(first_ + size_++) % kCapacity] = item;
-    return true;
-  }
-  // False, and `item` untouched, when the queue is empty.
-  [[nodiscard]] bool pop(T& item) {
-    if (size_ == 0) return false;
-    item = items_[first_];
-    first_ = (first_ + 1) % kCapacity;
-    --size_;
-    return true;
-  }
-
- private:
-  std::array<T, kCapacity> items_{};
-  std::size_t first_ = 0;
-  std::size_t size_ = 0;
-};
 
 // A board behind messages: between `begin` and `end` its ports serve the firmware from one BatchInput and
 // collect one BatchOutput. The simulated board uses it in process, the Cortex-M4 image on its side of the
