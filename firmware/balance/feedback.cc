@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "firmware/fixed/contract.h"
 #include "firmware/fixed/rounding.h"
 #include "firmware/fixed/saturating.h"
 #include "firmware/robot/leg.h"
@@ -29,7 +30,7 @@ constexpr fixed::AngularRate beyond(fixed::AngularRate rate, fixed::AngularRate 
 
 }  // namespace
 
-Feedback::Feedback(const robot::RobotModel& model) {
+Feedback::Feedback(const robot::RobotModel& model) : joints_(model.joint_count) {
   for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
     robot::LegGeometry geometry;
     if (!robot::make_leg_geometry(model, side, geometry)) continue;
@@ -42,6 +43,7 @@ Feedback::Feedback(const robot::RobotModel& model) {
 
 void Feedback::correct(const FeedbackGains& gains, const estimation::TrunkMotion& trunk,
                        std::span<fixed::Angle> targets) const {
+  KOBOSHI_ASSERT(targets.size() >= joints_);
   const auto& [rate, lean] = gains;
   const auto in_roll = [&](std::int16_t JointGains::*joint) {
     return correction(rate.*joint, trunk.roll_rate, lean.*joint, trunk.roll);

@@ -77,6 +77,7 @@ class Feedback {
     Joint ankle_roll;
   };
 
+  std::size_t joints_;
   std::array<Leg, 2> legs_{};
 };
 

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 
+#include "firmware/fixed/contract.h"
 #include "firmware/fixed/interpolation.h"
 
 namespace koboshi::behaviour {
 
 void SoftStart::begin(std::span<const fixed::Angle> from, std::span<const fixed::Angle> to,
                       std::int16_t rate) {
+  KOBOSHI_ASSERT(from.size() == to.size() && from.size() <= from_.size() && rate > 0);
   joints_ = from.size();
   std::int64_t longest_raw = 0;
   for (std::size_t joint = 0; joint < joints_; ++joint) {

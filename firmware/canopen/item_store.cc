@@ -4,6 +4,7 @@
 
 #include "firmware/canopen/crc32.h"
 #include "firmware/canopen/frame.h"
+#include "firmware/fixed/contract.h"
 
 namespace koboshi::canopen {
 namespace {
@@ -24,6 +25,7 @@ ItemStore::ItemStore(hal::StoragePort& storage, const Layout& layout)
     : storage_(storage),
       layout_(layout),
       first_(storage.contents().size() - std::min(storage.contents().size(), layout.size_bytes())) {
+  KOBOSHI_ASSERT(layout.slots <= kMaxSlots && layout.slot_size_bytes > kTrailerSize);
   if (storage_.contents().size() < layout_.size_bytes()) return;
   for (std::size_t i = 0; i < layout_.slots; ++i) {
     Trailer trailer;

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "firmware/canopen/frame.h"
+#include "firmware/fixed/contract.h"
 
 namespace koboshi::canopen {
 
@@ -21,8 +22,12 @@ class FrameRing {
     return true;
   }
   // Not of an empty ring.
-  const hal::CanFrame& front() const { return slots_[first_]; }
+  const hal::CanFrame& front() const {
+    KOBOSHI_ASSERT(size_ > 0);
+    return slots_[first_];
+  }
   void pop() {
+    KOBOSHI_ASSERT(size_ > 0);
     first_ = (first_ + 1) % slots_.size();
     --size_;
   }

@@ -252,6 +252,7 @@ std::uint16_t DriveGroup::controlword(std::size_t joint, bool last_step) const {
 }
 
 fixed::Angle DriveGroup::angle(std::size_t joint) const {
+  KOBOSHI_ASSERT(joint < model_.joint_count);
   return robot::joint_angle(model_.joints[joint].drive, signals_.position[joint]);
 }
 

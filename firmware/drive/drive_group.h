@@ -13,6 +13,7 @@
 #include "firmware/drive/signals.h"
 #include "firmware/drive/status.h"
 #include "firmware/drive/trouble.h"
+#include "firmware/fixed/contract.h"
 #include "firmware/fixed/literals.h"
 #include "firmware/robot/model.h"
 
@@ -72,6 +73,7 @@ class DriveGroup {
 
   // Targets of all joints, within their limits.
   void set_target(std::size_t joint, fixed::Angle angle) {
+    KOBOSHI_ASSERT(joint < model_.joint_count);
     signals_.target_position[joint] = robot::drive_position(model_.joints[joint].drive, angle);
   }
   // Where the joint is, as its drive said last. Meaningful once booted.

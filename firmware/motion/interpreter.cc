@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "firmware/fixed/contract.h"
 #include "firmware/fixed/interpolation.h"
 
 namespace koboshi::motion {
@@ -18,6 +19,7 @@ Interpreter::Interpreter(const robot::RobotModel& model, const robot::Direction&
 }
 
 void Interpreter::start(const Motion& motion, std::span<const Angle> pose) {
+  KOBOSHI_ASSERT(pose.size() == model_.joint_count);
   motion_ = motion;
   running_ = true;
   stopping_ = false;

@@ -1,5 +1,6 @@
 #include "firmware/motion/motion.h"
 
+#include "firmware/fixed/contract.h"
 #include "firmware/motion/check.h"
 #include "firmware/robot/image.h"
 
@@ -68,10 +69,12 @@ std::string_view Motion::name() const {
 }
 
 std::uint32_t Motion::joint_mask(std::size_t pose) const {
+  KOBOSHI_ASSERT(pose < pose_count_);
   return ImageReader(body_.subspan(kMotionFixedSize + pose * pose_size(joint_count_))).u32();
 }
 
 fixed::Angle Motion::angle(std::size_t pose, std::size_t joint) const {
+  KOBOSHI_ASSERT(pose < pose_count_ && joint < joint_count_);
   const std::size_t offset = kMotionFixedSize + pose * pose_size(joint_count_) + 4 + 4 * joint;
   return fixed::Angle::from_raw(ImageReader(body_.subspan(offset)).i32());
 }

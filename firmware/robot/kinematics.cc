@@ -1,5 +1,6 @@
 #include "firmware/robot/kinematics.h"
 
+#include "firmware/fixed/contract.h"
 #include "firmware/fixed/rounding.h"
 
 namespace koboshi::robot {
@@ -8,6 +9,7 @@ using fixed::Length;
 using fixed::Mass;
 
 void forward_kinematics(const RobotModel& model, std::span<const fixed::Angle> angles, LinkPoses& X_BLinks) {
+  KOBOSHI_ASSERT(angles.size() >= model.joint_count);
   for (std::size_t step = 0; step < model.joint_count; ++step) {
     const std::size_t i = model.order[step];
     const Joint& joint = model.joints[i];

@@ -1,5 +1,7 @@
 #include "firmware/storage/motion_library.h"
 
+#include "firmware/fixed/contract.h"
+
 namespace koboshi::storage {
 
 MotionLibrary::MotionLibrary(const Catalogue& factory, const ItemStore& stored,
@@ -16,6 +18,7 @@ void MotionLibrary::load() {
 }
 
 void MotionLibrary::add(std::uint16_t number, const motion::Motion& motion) {
+  KOBOSHI_ASSERT(number < kMaxMotions);
   valid_ |= 1u << number;
   for (std::size_t role = 0; role < by_role_.size(); ++role) {
     if (by_role_[role] == number) by_role_[role] = kNone;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "firmware/fixed/contract.h"
 #include "firmware/fixed/literals.h"
 #include "firmware/fixed/units.h"
 #include "firmware/walk/plane.h"
@@ -37,7 +38,10 @@ class Pendulum {
 
   void advance(PendulumState& state, Point zmp) const;
   // By how much the divergent part's distance from the ZMP grows in `ticks`, at most kMaxTicks: e^(omega t).
-  [[nodiscard]] fixed::Gain growth(std::size_t ticks) const { return growth_[ticks]; }
+  [[nodiscard]] fixed::Gain growth(std::size_t ticks) const {
+    KOBOSHI_ASSERT(ticks <= kMaxTicks);
+    return growth_[ticks];
+  }
   // A ZMP that takes `ticks` cycles to come from the last foot moves the divergent part as one that came at
   // once from a state this share of its way behind would.
   [[nodiscard]] fixed::Ratio lag(std::int32_t ticks) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "firmware/fixed/contract.h"
 #include "firmware/fixed/interpolation.h"
 #include "firmware/fixed/trigonometry.h"
 #include "firmware/walk/radians.h"
@@ -71,6 +72,7 @@ Walker::Walker(const robot::RobotModel& model)
 }
 
 void Walker::start(const WalkParameters& parameters, std::span<const Angle> targets) {
+  KOBOSHI_ASSERT(model_.joint_count > 0 && targets.size() == model_.joint_count);
   gait_ = Gait(parameters);
   pendulum_ = Pendulum(gait_.com_height);
   footsteps_ = Footsteps(gait_.step_width - gait_.zmp_inward * 2,

@@ -43,5 +43,12 @@ TEST(SoftStart, TakesHalfASecondAtLeast) {
   EXPECT_EQ(ticks, 50);
 }
 
+TEST(SoftStartDeathTest, DemandsAPositiveRateAndPosesOfOneSize) {
+  SoftStart ramp;
+  const Pose pose{};
+  EXPECT_DEATH(ramp.begin(pose, pose, 0), "rate");
+  EXPECT_DEATH(ramp.begin(pose, std::span(pose).first(2), kSixtyDegreesASecond), "size");
+}
+
 }  // namespace
 }  // namespace koboshi::behaviour

@@ -394,5 +394,12 @@ TEST_F(DriveGroupTest, JudgesLimitsWithAMargin) {
   EXPECT_EQ(group.status().beyond_limits, 1u << 0);
 }
 
+using DriveGroupDeathTest = DriveGroupTest;
+
+TEST_F(DriveGroupDeathTest, HasNoJointBeyondTheModels) {
+  EXPECT_DEATH(group.set_target(model.joint_count, {}), "joint_count");
+  EXPECT_DEATH(static_cast<void>(group.angle(model.joint_count)), "joint_count");
+}
+
 }  // namespace
 }  // namespace koboshi::drive

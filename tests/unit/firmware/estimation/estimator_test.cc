@@ -123,5 +123,11 @@ TEST_F(EstimatorTest, FindsTheZmpUnderTheFootThatCarries) {
   EXPECT_GT(to_double(state.centre_of_mass.z), 0.05) << "over the sole";
 }
 
+using EstimatorDeathTest = EstimatorTest;
+
+TEST_F(EstimatorDeathTest, DemandsAnAngleOfEveryJoint) {
+  EXPECT_DEATH(estimator.update(std::span(angles).first(model.joint_count - 1), kRests, 0), "joint_count");
+}
+
 }  // namespace
 }  // namespace koboshi::estimation
