@@ -33,15 +33,22 @@ struct CanStatus {
 // does not share one. Controllers with three transmit buffers or more, of which the lowest identifier is sent
 // first, have them: ST's bxCAN, Bosch's M_CAN, NXP's FlexCAN.
 enum TransmitFifo : std::uint8_t {  // unscoped: the index of arrays of all
-  kProcessFifo = 0,                 // NMT, SYNC, emergencies, PDOs
+  kProcessFifo = 0,                 // boot-up, NMT, SYNC, emergencies, PDOs
   kAnswerFifo = 1,                  // of SDO servers
   kBackgroundFifo = 2,              // SDO requests, heartbeats, LSS
 };
 inline constexpr std::size_t kTransmitFifos = 3;
 
-// By the predefined connection set (CiA 301, 7.3.5).
+// The message by which a node tells that it has been initialised (CiA 301, 7.2.8.3.3).
+constexpr bool is_boot_up(const CanFrame& frame) {
+  return frame.identifier > 0x700 && frame.identifier < 0x780 && !frame.remote && frame.size == 1 &&
+         frame.data[0] == 0;
+}
+
+// By the predefined connection set (CiA 301, 7.3.5). The emergencies and PDOs of a node that has been reset
+// stand behind its boot-up message: whoever hears them before takes them for those of the time before.
 constexpr TransmitFifo transmit_fifo(const CanFrame& frame) {
-  if (frame.identifier < 0x580) return kProcessFifo;
+  if (frame.identifier < 0x580 || is_boot_up(frame)) return kProcessFifo;
   return frame.identifier < 0x600 ? kAnswerFifo : kBackgroundFifo;
 }
 

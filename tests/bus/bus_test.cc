@@ -291,6 +291,25 @@ INSTANTIATE_TEST_SUITE_P(
         Transfer{"BlockUpload", {{0xA4, 0x00, 0x24, 0x01, 127}, {0xA3}}}),
     [](const auto& info) { return std::string(info.param.name); });
 
+// --- Resets
+
+// A winding that is still hot is a fault from the first moment after the reset, while the resets of the other
+// drives keep the bus busy. The emergency message that says so must not overtake the boot-up message.
+TEST(Reset, TellsWhyADriveIsInFaultAgain) {
+  BusBench bench;
+  ASSERT_TRUE(bench.run_until_standing());
+  bench.drive(5).overheat();
+  ASSERT_TRUE(bench.run_until(app::State::kFault));
+  bench.run_ms(600);
+  bench.command(app::Command::kReset);
+  ASSERT_TRUE(bench.run_until(app::State::kFault));
+  const auto& behaviour = bench.controller().values().behaviour;
+  EXPECT_EQ(behaviour.faults, 2);
+  EXPECT_EQ(behaviour.trouble, drive::Trouble::kFault);
+  EXPECT_EQ(behaviour.trouble_joint, 5);
+  EXPECT_EQ(behaviour.trouble_code, 0x4310);
+}
+
 // The controller itself is the client of the drives while it boots them; then another one takes its place.
 TEST(DeadMaster, LeavesDrivesThatTheNextOneBoots) {
   BusBench bench;

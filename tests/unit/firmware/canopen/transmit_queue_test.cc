@@ -97,6 +97,18 @@ TEST(TransmitQueue, LetsNoServiceHoldUpProcessData) {
   EXPECT_EQ(queue.lost(), 0u);
 }
 
+// CiA 301, 7.3.2.2: what a node says after a reset comes after its boot-up message. A heartbeat may wait.
+TEST_F(TransmitQueueTest, LetsNoProcessDataOvertakeABootUp) {
+  sink_.room = 0;
+  EXPECT_TRUE(queue_.send({.identifier = 0x701, .size = 1, .data = {0x05}}));
+  EXPECT_TRUE(queue_.send({.identifier = 0x701, .size = 1, .data = {0x00}}));
+  EXPECT_TRUE(send(0x081));
+  sink_.room = 10;
+  queue_.flush();
+  EXPECT_EQ(sent(), (std::vector<int>{0x701, 0x081, 0x701}));
+  EXPECT_EQ(sink_.frames.front().data[0], 0x00);
+}
+
 TEST_F(TransmitQueueTest, CountsWhatItCannotKeep) {
   sink_.room = 0;
   EXPECT_TRUE(send(1));
