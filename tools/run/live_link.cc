@@ -49,6 +49,8 @@ void LiveLink::look_for_troubles() {
             "frames are lost: outside there is no room for them");
   warn_once(counters.refused > 0, told_refused_,
             "frames from outside are lost: they are more than the bus can carry");
+  warn_once(counters.stalls > 0, told_stalled_,
+            "frames from outside are late: they are more than the bus can carry");
   warn_once(counters.dropped > 0, told_dropped_,
             "frames from outside are lost: they come faster than this machine takes them");
 }

@@ -83,6 +83,7 @@ class LiveLink {
   bool told_behind_ = false;
   bool told_lost_ = false;
   bool told_refused_ = false;
+  bool told_stalled_ = false;
   bool told_dropped_ = false;
 };
 

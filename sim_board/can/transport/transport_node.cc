@@ -14,6 +14,7 @@ void TransportNode::poll(std::uint64_t now_us, bool behind) {
     if (behind) ++counters_.late_received;
     if (!bus_.queue(handle_, *frame, now_us)) ++counters_.refused;
   }
+  ++counters_.stalls;
 }
 
 TransportNode::Counters TransportNode::counters() const {

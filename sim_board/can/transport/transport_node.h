@@ -22,6 +22,7 @@ class TransportNode final : private BusNode {
     std::uint64_t lost = 0;       // for which the transport had no room
     std::uint64_t received = 0;   // taken from it
     std::uint64_t refused = 0;    // for which this node's FIFO had no room
+    std::uint64_t stalls = 0;     // polls that left frames outside: so many process data wait for the bus
     std::uint64_t dropped = 0;    // before they could be taken (Transport::dropped)
     std::uint64_t late_sent = 0;  // of those sent, while the simulation was behind the clock
     std::uint64_t late_received =

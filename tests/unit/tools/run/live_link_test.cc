@@ -151,6 +151,19 @@ TEST_F(OverloadedLink, WarnsOfFramesThatAreLost) {
   EXPECT_GT(report["can"]["frames_lost"], 100);
 }
 
+// Ten frames of 111 bits and more in each millisecond: the bus takes nine at most. None is lost.
+TEST_F(OverloadedLink, WarnsOfFramesThatAreMoreThanTheBusCarries) {
+  for (int i = 0; i < 500; ++i) {
+    outside_->said.insert(outside_->said.end(), 9, {.identifier = 0x321, .size = 8});
+    play(1, std::chrono::microseconds(500));
+  }
+  ASSERT_EQ(warnings_.size(), 1u) << "once";
+  EXPECT_NE(warnings_[0].find("late"), std::string::npos);
+  const auto report = link_->report();
+  EXPECT_GT(report["can"]["frames_received_late"], 1'000);
+  EXPECT_EQ(report["can"]["frames_refused"], 0);
+}
+
 TEST_F(LiveLinkTest, EndsByCtrlC) {
   LiveLink link({.realtime = true, .speed = kSpeed});
   EXPECT_FALSE(is_interrupted(link));
