@@ -91,6 +91,7 @@ inline constexpr canopen::ValueName kTroubleNames[] = {
 
 // Those of firmware/app/telemetry_units.h, and of the drives.
 inline constexpr canopen::Unit kAngleUnit{"deg", 360, 1 << 16};
+inline constexpr canopen::Unit kAngleBySpeedUnit{"deg s/m", 360, 1 << 16};
 inline constexpr canopen::Unit kRateUnit{"deg/s", 360, 1 << 12};
 inline constexpr canopen::Unit kBiasUnit{"deg/s", 360, 1 << 24};
 inline constexpr canopen::Unit kAccelerationUnit{"m/s^2", 1, 1 << 8};
@@ -336,7 +337,9 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
     {OBJECT(0x2131, 4, walk.posture.trunk_pitch, kReadWrite).within(-4096, 4096),
      {.name = "Trunk pitch", .unit = kAngleUnit, .comment = "Lean ahead."}},
     {OBJECT(0x2131, 5, walk.posture.trunk_pitch_by_speed, kReadWrite).within(-16384, 16384),
-     {.name = "Trunk pitch by speed", .unit = kAngleUnit, .comment = "More of it for each m/s ahead."}},
+     {.name = "Trunk pitch by speed",
+      .unit = kAngleBySpeedUnit,
+      .comment = "More of it for each m/s ahead."}},
     {OBJECT(0x2131, 6, walk.posture.pitch_compliance, kReadWrite).within(0, 1900),
      {.name = "Pitch compliance",
       .unit = kBendUnit,

@@ -141,6 +141,8 @@ ModelStatus load_model(std::span<const std::byte> image, RobotModel& model);
 // Longest distance of an anchor, centre of mass or sole edge from its frame: 1 m keeps every chain of
 // kMaxJoints within Length.
 inline constexpr fixed::Length kMaxOffset = fixed::Length::from_raw(1 << 24);
+// Largest mass of a link: 5 kg keep the sum of the base's and kMaxJoints links' within Mass.
+inline constexpr fixed::Mass kMaxLinkMass = fixed::Mass::from_raw(5 << 24);
 
 // Target or actual position of the drive's shaft for a joint angle, and back. Rounded to nearest; an angle
 // beyond half a turn saturates, so that an encoder just past a stop at 180 degrees does not seem to be at the

@@ -9,7 +9,6 @@ using fixed::Length;
 using fixed::Mass;
 using fixed::Ratio;
 
-constexpr Mass kMaxLinkMass = Mass::from_raw(5 << 24);              // 24 of them stay within Mass
 constexpr std::int64_t kUnitTolerance_raw = std::int64_t{1} << 40;  // of a squared length of 2^60: 1e-6
 
 bool in_range(Length length) { return fixed::abs(length) <= kMaxOffset; }

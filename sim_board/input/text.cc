@@ -1,13 +1,16 @@
 #include "sim_board/input/text.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <system_error>
+#include <vector>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/user_units.h"
 
 namespace koboshi::sim {
 namespace {
@@ -42,6 +45,25 @@ std::string describe_range(const Range& range, const std::string& kind,
   if (has_min) return kind + " of " + to_text(range.min) + " or more";
   if (has_max) return kind + " of " + to_text(range.max) + " or less";
   return kind;
+}
+
+// Of the optimal string alignment, row by row: rows[i][j] turns the first i letters of a into the first j of
+// b.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> rows(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) {
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        rows[i][j] = i + j;
+        continue;
+      }
+      const std::size_t substituted = rows[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      rows[i][j] = std::min({substituted, rows[i - 1][j] + 1, rows[i][j - 1] + 1});
+      const bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
+      if (swapped) rows[i][j] = std::min(rows[i][j], rows[i - 2][j - 2] + 1);
+    }
+  }
+  return rows[a.size()][b.size()];
 }
 
 }  // namespace
@@ -91,6 +113,35 @@ std::string join_alternatives(std::span<const std::string> names) {
     joined += names[i];
   }
   return joined;
+}
+
+std::optional<std::string> nearest_name(std::string_view misspelt, std::span<const std::string> names) {
+  misspelt = misspelt.substr(0, kLongestQuote);
+  std::size_t least = std::max<std::size_t>(misspelt.size() / 3, 1) + 1;
+  std::optional<std::string> nearest;
+  for (const std::string& name : names) {
+    const std::size_t distance = edit_distance(misspelt, name);
+    if (distance >= least) continue;
+    least = distance;
+    nearest = name;
+  }
+  return nearest;
+}
+
+std::string expected_names(std::string_view misspelt, std::span<const std::string> names) {
+  constexpr std::size_t kLongList = 24;
+  const std::optional<std::string> nearest = nearest_name(misspelt, names);
+  if (nearest && names.size() > kLongList)
+    return *nearest + ", the nearest of " + std::to_string(names.size()) + " names";
+  return join_alternatives(names) + (nearest && names.size() > 1 ? "; the nearest is " + *nearest : "");
+}
+
+std::string count_text(std::uint64_t count, const std::string& singular) {
+  return std::to_string(count) + " " + singular + (count == 1 ? "" : "s");
+}
+
+std::string degrees_text(double angle_rad) {
+  return number_text(std::round(angle_rad * kDegreesPerRad * 1e4) / 1e4);
 }
 
 std::string number_text(double value) {

@@ -38,8 +38,18 @@ std::string describe(const NumberRange& range);
 std::string describe(const IntegerRange& range);
 // "a, b or c"
 std::string join_alternatives(std::span<const std::string> names);
+// The name that differs least from a misspelt one, by the optimal string alignment distance (insertions,
+// deletions, substitutions and transpositions); nothing where more than a third of the letters differ.
+std::optional<std::string> nearest_name(std::string_view misspelt, std::span<const std::string> names);
+// What a message says was expected instead of a misspelt name: "a, b or c; the nearest is b", or of a long
+// list the nearest alone.
+std::string expected_names(std::string_view misspelt, std::span<const std::string> names);
 // The shortest text that reads back as the same number.
 std::string number_text(double value);
+// "1 fault", "2 faults"
+std::string count_text(std::uint64_t count, const std::string& singular);
+// An angle in degrees to 1e-4, as a person would write it.
+std::string degrees_text(double angle_rad);
 // Text from a file, made fit for one line of a message: control characters replaced, long text cut.
 std::string one_line(std::string_view text);
 

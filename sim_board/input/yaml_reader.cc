@@ -28,7 +28,7 @@ void check_all_known(const YamlNode& node) {
     if (node.kind == YamlNode::Kind::kMap && !node.asked.contains(item.key)) {
       const std::vector<std::string> known(node.asked.begin(), node.asked.end());
       throw InputError(item.source, item.line, "the unknown key " + one_line(item.path),
-                       known.empty() ? "no key here" : join_alternatives(known));
+                       known.empty() ? "no key here" : expected_names(item.key, known));
     }
     check_all_known(item);
   }
@@ -38,8 +38,9 @@ void check_all_known(const YamlNode& node) {
 
 double YamlValue::number(const NumberRange& range) const {
   const auto value = is_plain(*node_) ? parse_number(node_->scalar) : std::nullopt;
-  if (!value || *value < range.min || *value > range.max) throw error(describe(range));
-  return *value;
+  if (value && *value >= range.min && *value <= range.max) return *value;
+  throw InputError(node_->source, node_->line, describe_found(*node_), describe(range),
+                   node_->path + ", " + describe(range));
 }
 
 std::int64_t YamlValue::integer(const IntegerRange& range) const {
@@ -63,7 +64,7 @@ std::string YamlValue::text() const {
 std::string YamlValue::one_of(std::span<const std::string> names) const {
   const bool known = node_->kind == YamlNode::Kind::kScalar &&
                      std::find(names.begin(), names.end(), node_->scalar) != names.end();
-  if (!known) throw error(join_alternatives(names));
+  if (!known) throw error(expected_names(node_->scalar, names));
   return node_->scalar;
 }
 

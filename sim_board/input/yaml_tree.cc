@@ -13,18 +13,19 @@
 namespace koboshi::sim {
 namespace {
 
-const char* const kOption = "--set";
+// What the text is, which messages name.
+struct Source {
+  std::filesystem::path name;
+  bool has_lines = true;  // false: a value of the command line
+};
 
-// A value of the command line has no line.
-int line_of(const YAML::Mark& mark, const std::filesystem::path& source) {
-  return source == kOption ? 0 : mark.line + 1;
-}
+int line_of(const YAML::Mark& mark, const Source& source) { return source.has_lines ? mark.line + 1 : 0; }
 
 // Builds the tree from the parser's events. yaml-cpp's own tree forgets doubled keys and whether a scalar was
 // quoted.
 class TreeBuilder final : public YAML::EventHandler {
  public:
-  explicit TreeBuilder(const std::filesystem::path& source) : source_(source) {}
+  explicit TreeBuilder(const Source& source) : source_(source) {}
 
   YamlNode take_root() { return std::move(root_); }
 
@@ -67,7 +68,7 @@ class TreeBuilder final : public YAML::EventHandler {
 
   [[noreturn]] void fail(const YAML::Mark& mark, const std::string& found,
                          const std::string& expected) const {
-    throw InputError(source_, line_of(mark, source_), found, expected);
+    throw InputError(source_.name, line_of(mark, source_), found, expected);
   }
   void refuse_tag(const YAML::Mark& mark, const std::string& tag) const {
     if (!tag.empty() && tag != "?") fail(mark, "the tag " + one_line(tag), "a value without a tag");
@@ -112,7 +113,7 @@ class TreeBuilder final : public YAML::EventHandler {
   YamlNode make_node(YamlNode::Kind kind, const YAML::Mark& mark) const {
     YamlNode node;
     node.kind = kind;
-    node.source = source_;
+    node.source = source_.name;
     node.line = line_of(mark, source_);
     if (levels_.empty()) return node;
     const Level& parent = levels_.back();
@@ -136,12 +137,12 @@ class TreeBuilder final : public YAML::EventHandler {
     levels_.back().node.items.push_back(std::move(node));
   }
 
-  std::filesystem::path source_;
+  Source source_;
   std::vector<Level> levels_;
   YamlNode root_;
 };
 
-YamlNode parse_any(const std::string& text, const std::filesystem::path& source) {
+YamlNode parse_any(const std::string& text, const Source& source) {
   TreeBuilder builder(source);
   TreeBuilder rest(source);
   try {
@@ -149,10 +150,10 @@ YamlNode parse_any(const std::string& text, const std::filesystem::path& source)
     YAML::Parser parser(stream);
     if (!parser.HandleNextDocument(builder)) return builder.take_root();
     if (parser.HandleNextDocument(rest)) {
-      throw InputError(source, rest.take_root().line, "a second document", "one document");
+      throw InputError(source.name, rest.take_root().line, "a second document", "one document");
     }
   } catch (const YAML::Exception& error) {
-    throw InputError(source, line_of(error.mark, source), one_line(error.msg), "well-formed YAML");
+    throw InputError(source.name, line_of(error.mark, source), one_line(error.msg), "well-formed YAML");
   }
   return builder.take_root();
 }
@@ -193,7 +194,7 @@ std::string flow_text(const YamlNode& node) {
 YamlNode& step_into_list(YamlNode& list, const std::string& index, const Override& override_value) {
   const auto number = parse_integer(index);
   if (!number || *number < 0 || *number >= static_cast<std::int64_t>(list.items.size())) {
-    throw InputError(kOption, 0, one_line(override_value.path),
+    throw InputError(override_value.option, 0, one_line(override_value.path),
                      "an item of " + list.path + ", which has " + std::to_string(list.items.size()));
   }
   return list.items[static_cast<std::size_t>(*number)];
@@ -202,13 +203,13 @@ YamlNode& step_into_list(YamlNode& list, const std::string& index, const Overrid
 YamlNode& step_into_map(YamlNode& map, const std::string& key, const Override& override_value) {
   if (map.kind == YamlNode::Kind::kNull) map.kind = YamlNode::Kind::kMap;
   if (map.kind != YamlNode::Kind::kMap) {
-    throw InputError(kOption, 0, one_line(override_value.path), map.path + " to be a map");
+    throw InputError(override_value.option, 0, one_line(override_value.path), map.path + " to be a map");
   }
   const auto place =
       std::find_if(map.items.begin(), map.items.end(), [&](const YamlNode& item) { return item.key == key; });
   if (place != map.items.end()) return *place;
   YamlNode added;
-  added.source = kOption;
+  added.source = override_value.option;
   added.key = key;
   added.path = map.path.empty() ? key : map.path + "." + key;
   map.items.push_back(std::move(added));
@@ -226,13 +227,13 @@ const YamlNode* YamlNode::find(const std::string& name) const {
 Override parse_override(const std::string& argument) {
   const auto equals = argument.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == argument.size()) {
-    throw InputError(kOption, 0, one_line(argument), "KEY=VALUE");
+    throw InputError("--set", 0, one_line(argument), "KEY=VALUE");
   }
   return {argument.substr(0, equals), argument.substr(equals + 1)};
 }
 
 YamlNode parse_yaml(const std::string& text, const std::filesystem::path& source) {
-  YamlNode root = parse_any(text, source);
+  YamlNode root = parse_any(text, {source});
   if (root.kind == YamlNode::Kind::kNull)
     throw InputError(source, 0, "an empty file", "a map of keys and values");
   if (root.kind != YamlNode::Kind::kMap) {
@@ -262,7 +263,7 @@ void apply_override(YamlNode& root, const Override& override_value) {
     node = node->kind == YamlNode::Kind::kList ? &step_into_list(*node, step, override_value)
                                                : &step_into_map(*node, step, override_value);
   }
-  YamlNode value = parse_any(override_value.value, kOption);
+  YamlNode value = parse_any(override_value.value, {override_value.option, false});
   value.key = node->key;
   relocate(value, node->path);
   *node = std::move(value);

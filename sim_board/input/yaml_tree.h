@@ -13,7 +13,7 @@ struct YamlNode {
 
   Kind kind = Kind::kNull;
   std::filesystem::path source;  // the file, or the option of the command line that set the value
-  int line = 0;                  // 0: not from a file
+  int line = 0;                  // 0: from the command line
   std::string path;              // dotted, from the root: pushes[0].force_N; empty at the root
   std::string key;               // within the parent map
   std::string scalar;
@@ -29,6 +29,7 @@ struct YamlNode {
 struct Override {
   std::string path;
   std::string value;
+  std::string option = "--set";  // that messages name, such as --seed
 };
 
 // From "ground.mu=0.5". Throws InputError with --set in the place of the file.

@@ -29,4 +29,16 @@ std::optional<int> RobotDescription::find_link(const std::string& link_name) con
   return find_named(links, link_name);
 }
 
+std::vector<MirroredJoint> RobotDescription::find_joints(const std::string& joint_name) const {
+  if (const auto joint = find_joint(joint_name)) return {{*joint}};
+  const auto left = find_joint("left_" + joint_name);
+  const auto right = find_joint("right_" + joint_name);
+  if (!left || !right) return {};
+  const Eigen::Vector3d mirrored_M = mirrored_axis(joints[static_cast<std::size_t>(*left)].axis_M);
+  const bool same = mirrored_M.dot(joints[static_cast<std::size_t>(*right)].axis_M) >= 0.0;
+  return {{*left}, {*right, same ? 1 : -1}};
+}
+
+Eigen::Vector3d mirrored_axis(const Eigen::Vector3d& axis) { return {-axis.x(), axis.y(), -axis.z()}; }
+
 }  // namespace koboshi::sim

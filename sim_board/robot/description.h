@@ -48,6 +48,7 @@ struct LinkDescription {
   std::string name;
   Eigen::Isometry3d X_ML = Eigen::Isometry3d::Identity();
   double mass_kg = 0.0;
+  int mass_line = 0;                                       // of the file; 0: not from a file
   Eigen::Vector3d p_LCom_L = Eigen::Vector3d::Zero();      // centre of mass in the link's frame
   Eigen::Matrix3d I_LCom_L = Eigen::Matrix3d::Identity();  // inertia about the CoM, axes of the link
   std::vector<BoxDescription> collisions;
@@ -199,6 +200,12 @@ struct AnkleSensorDescription {
       0.0;  // largest share of its range that a force shows of a torque at its range, or reverse
 };
 
+// A joint, and the factor (1 or -1) that makes its angle the mirror image of the left one's.
+struct MirroredJoint {
+  int joint = 0;
+  int sign = 1;
+};
+
 struct RobotDescription {
   std::string name;
   std::filesystem::path file;
@@ -213,6 +220,12 @@ struct RobotDescription {
   // Index of the joint or link with this name, or nothing.
   std::optional<int> find_joint(const std::string& joint_name) const;
   std::optional<int> find_link(const std::string& link_name) const;
+  // The joints that files for people mean by a name: the joint itself, or left_ and right_ with this name, of
+  // which the right one mirrors the left; empty where there is none.
+  std::vector<MirroredJoint> find_joints(const std::string& joint_name) const;
 };
+
+// A rotation by q about the axis, seen in a mirror on the plane y = 0, is one by q about the result.
+Eigen::Vector3d mirrored_axis(const Eigen::Vector3d& axis);
 
 }  // namespace koboshi::sim

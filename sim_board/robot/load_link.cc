@@ -86,6 +86,7 @@ LinkDescription load_link(const sdf::Link& link, const XmlNode& node, const std:
 
   const auto& inertial = link.Inertial();
   description.mass_kg = inertial.MassMatrix().Mass();
+  description.mass_line = node.child("inertial").child("mass").line();
   description.p_LCom_L = to_isometry(inertial.Pose()).translation();
   const auto inertia = inertial.Moi();  // about the centre of mass, turned into the link's axes
   for (int row = 0; row < 3; ++row) {

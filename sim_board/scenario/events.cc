@@ -43,24 +43,38 @@ Eigen::Vector3d read_velocity(const YamlMap& map) {
           map.number("turn_rad_per_s", {.min = -6.0, .max = 6.0}, 0.0)};
 }
 
+constexpr std::array<std::pair<const char*, Command::Kind>, 7> kVerbs{
+    {{"enable", Command::Kind::kEnable},
+     {"play", Command::Kind::kPlay},
+     {"walk", Command::Kind::kWalk},
+     {"stop", Command::Kind::kStop},
+     {"get_up", Command::Kind::kGetUp},
+     {"emergency_stop", Command::Kind::kEmergencyStop},
+     {"reset", Command::Kind::kReset}}};
+
+// A message for an item without a verb that names what stands in its place.
+InputError no_verb(const YamlValue& item) {
+  std::vector<std::string> verbs;
+  for (const auto& [verb, kind] : kVerbs) verbs.emplace_back(verb);
+  for (const auto& [key, value] : item.map().entries()) {
+    if (key == "at_s") continue;
+    return value.error("the unknown command " + one_line(key), expected_names(key, verbs));
+  }
+  return item.error("a time without a command", join_alternatives(verbs));
+}
+
 Command read_command(const YamlValue& item, const std::vector<std::string>& motions) {
-  static const std::array<std::pair<std::string, Command::Kind>, 7> kVerbs{
-      {{"enable", Command::Kind::kEnable},
-       {"play", Command::Kind::kPlay},
-       {"walk", Command::Kind::kWalk},
-       {"stop", Command::Kind::kStop},
-       {"get_up", Command::Kind::kGetUp},
-       {"emergency_stop", Command::Kind::kEmergencyStop},
-       {"reset", Command::Kind::kReset}}};
   const YamlMap map = item.map();
   Command command;
   command.at_us = read_time_us(map);
-  int verbs = 0;
+  const char* found = nullptr;
   for (const auto& [verb, kind] : kVerbs) {
     if (!map.has(verb)) continue;
-    ++verbs;
-    command.kind = kind;
     const YamlValue value = map.value(verb);
+    if (found != nullptr)
+      throw value.error(std::string(found) + " and " + verb + " in one command", "one of the two");
+    found = verb;
+    command.kind = kind;
     if (kind == Command::Kind::kPlay) {
       command.motion = find_motion(value, motions);
     } else if (kind == Command::Kind::kWalk) {
@@ -69,10 +83,7 @@ Command read_command(const YamlValue& item, const std::vector<std::string>& moti
       throw value.error("true");
     }
   }
-  if (verbs != 1) {
-    throw item.error("a command with " + std::to_string(verbs) + " verbs",
-                     "just one of enable, play, walk, stop, get_up, emergency_stop or reset");
-  }
+  if (found == nullptr) throw no_verb(item);
   return command;
 }
 

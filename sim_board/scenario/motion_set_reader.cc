@@ -29,7 +29,7 @@ void collect(const YamlValue& set, const std::optional<YamlValue>& replaced, con
   }
   if (is_leaf) {
     static_cast<void>(set.number());
-    motion.overrides.push_back({path, set.text()});
+    motion.overrides.push_back({path, set.text(), set.source().string()});
     return;
   }
   for (const auto& [key, value] : set.map().entries()) {

@@ -26,8 +26,9 @@ BoardOptions board_options(const Scenario& scenario, const RobotDescription& rob
   for (const NamedMaterialPair& named : scenario.materials) world.material_pairs.push_back(named.pair);
   world.joint_positions_rad.assign(robot.joints.size(), 0.0);
   for (const InitialJoint& joint : scenario.initial.joints) {
-    world.joint_positions_rad[static_cast<std::size_t>(*robot.find_joint(joint.joint.text))] =
-        joint.position_rad;
+    for (const auto& [index, sign] : robot.find_joints(joint.joint.text)) {
+      world.joint_positions_rad[static_cast<std::size_t>(index)] = sign * joint.position_rad;
+    }
   }
   world.X_WB.linear() = scenario.initial.R_WB;
   if (scenario.initial.base_height_m) {

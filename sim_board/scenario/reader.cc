@@ -38,9 +38,13 @@ std::optional<GaitChoice> read_gait(const YamlMap& root, const fs::path& folder)
   if (!map) return std::nullopt;
   GaitChoice gait{.file = read_path(map->value("file"), folder), .overrides = {}};
   gait.feedback = map->boolean("feedback", true);
-  if (map->has("points")) gait.overrides.push_back({"points", map->value("points").text()});
+  if (map->has("points")) {
+    const YamlValue points = map->value("points");
+    gait.overrides.push_back({"points", points.text(), points.source().string()});
+  }
   if (const auto set = map->optional_child("set")) {
-    for (const auto& [key, value] : set->entries()) gait.overrides.push_back({key, value.text()});
+    for (const auto& [key, value] : set->entries())
+      gait.overrides.push_back({key, value.text(), value.source().string()});
   }
   return gait;
 }

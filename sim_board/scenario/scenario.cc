@@ -18,7 +18,7 @@ InputError error_at(const SourcedName& name, const std::string& found, const std
 
 InputError unknown_name(const SourcedName& name, const std::string& what,
                         const std::vector<std::string>& known) {
-  return error_at(name, "the unknown " + what + " " + one_line(name.text), join_alternatives(known));
+  return error_at(name, "the unknown " + what + " " + one_line(name.text), expected_names(name.text, known));
 }
 
 template <typename T>
@@ -30,16 +30,25 @@ const T& find_named(const std::vector<T>& items, const SourcedName& name, const 
   throw unknown_name(name, what, known);
 }
 
-void check_initial(const InitialJoint& initial, const RobotDescription& robot) {
-  constexpr double kRoundOff_rad = 1e-9;  // a limit given in degrees is itself allowed
-  const JointDescription& joint = find_named(robot.joints, initial.joint, "joint");
-  if (initial.position_rad >= joint.lower_rad - kRoundOff_rad &&
-      initial.position_rad <= joint.upper_rad + kRoundOff_rad) {
-    return;
+// As a motion's: a limit written in radians need not be to the last bit the degrees that people see in it.
+constexpr double kLimitTolerance_rad = 1e-4 * kRadPerDegree;
+
+void check_initial(const InitialJoint& initial, const RobotDescription& robot, std::set<int>& set_before) {
+  const std::vector<MirroredJoint> joints = robot.find_joints(initial.joint.text);
+  if (joints.empty()) static_cast<void>(find_named(robot.joints, initial.joint, "joint"));  // throws
+  for (const auto& [index, sign] : joints) {
+    const JointDescription& joint = robot.joints[static_cast<std::size_t>(index)];
+    const double position_rad = sign * initial.position_rad;
+    if (!set_before.insert(index).second)
+      throw error_at(initial.joint, "a second angle for " + joint.name, "one angle a joint");
+    if (position_rad >= joint.lower_rad - kLimitTolerance_rad &&
+        position_rad <= joint.upper_rad + kLimitTolerance_rad) {
+      continue;
+    }
+    throw error_at(initial.joint, joint.name + " = " + degrees_text(position_rad),
+                   "a number from " + degrees_text(joint.lower_rad) + " to " + degrees_text(joint.upper_rad) +
+                       " degrees, the joint's limits");
   }
-  const NumberRange range_deg{joint.lower_rad * kDegreesPerRad, joint.upper_rad * kDegreesPerRad};
-  throw error_at(initial.joint, joint.name + " = " + number_text(initial.position_rad * kDegreesPerRad),
-                 describe(range_deg) + " degrees, the joint's limits");
 }
 
 bool concerns_frames(Fault::Kind kind) {
@@ -127,7 +136,8 @@ std::vector<std::filesystem::path> input_files(const Scenario& scenario) {
 }
 
 void check(const Scenario& scenario, const RobotDescription& robot) {
-  for (const InitialJoint& joint : scenario.initial.joints) check_initial(joint, robot);
+  std::set<int> set_before;
+  for (const InitialJoint& joint : scenario.initial.joints) check_initial(joint, robot, set_before);
   for (const Push& push : scenario.pushes) find_named(robot.links, push.link, "link");
   for (const Fault& fault : scenario.faults) check_fault(fault, robot);
   check_materials(scenario, robot);

@@ -38,7 +38,7 @@ double median(std::vector<double> values) {
 class Walk {
  public:
   Walk(const sim::Scenario& scenario, const std::string& transport)
-      : link_({.can = transport, .speed = kNeverWaits}), simulation_(scenario) {
+      : link_(options(transport)), simulation_(scenario) {
     link_.attach(simulation_.board().bus());
   }
 
@@ -55,6 +55,11 @@ class Walk {
   nlohmann::ordered_json report() const { return link_.report(); }
 
  private:
+  static tools::LiveOptions options(const std::string& transport) {
+    if (transport == "none") return {};
+    return {.can = transport, .speed = kNeverWaits};
+  }
+
   tools::LiveLink link_;
   tools::Simulation simulation_;
 };

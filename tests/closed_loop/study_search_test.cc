@@ -28,8 +28,9 @@ class StudySearch : public testing::Test {
   StudySearch() {
     study_.file = tree_.write("boot.yaml", "");  // what a search goes on from depends on it
     study_.scenario = KOBOSHI_SOURCE_DIR "/scenarios/go.yaml";
-    study_.numbers = {{.path = "parameters.step_height", .low = 14, .high = 35, .grid = 0.1, .start = 20},
-                      {.path = "parameters.step_width", .low = 58, .high = 85, .grid = 0.1, .start = 77.2}};
+    study_.numbers = {
+        {.path = "parameters.step_height_mm", .low = 14, .high = 35, .grid = 0.1, .start = 20},
+        {.path = "parameters.step_width_mm", .low = 58, .high = 85, .grid = 0.1, .start = 77.2}};
     study_.trials = {{.name = "boots", .set = {{"duration_s", "0.2"}}},
                      {.name = "boots_on", .set = {{"duration_s", "0.3"}}, .weight = 2.0}};
     options_ = {.overrides = {{"physics.stepper", "lumped"}},
@@ -54,11 +55,11 @@ TEST_F(StudySearch, LeavesWhatItTriedAndWhatItFound) {
   EXPECT_EQ(progress_.done, 16u);
   EXPECT_EQ(lines(options_.out / "evaluations.csv"), 17);
   const std::string evaluations = contents(options_.out / "evaluations.csv");
-  EXPECT_THAT(evaluations, HasSubstr("\n1,20,77.2,1,1,1\n"));
+  EXPECT_THAT(evaluations, HasSubstr("\n1,20,77.2,1,1,1,\n"));
   EXPECT_EQ(contents(options_.out / "best.yaml"),
-            "parameters.step_height: 20\nparameters.step_width: 77.2\n");
+            "parameters.step_height_mm: 20\nparameters.step_width_mm: 77.2\n");
   const std::string report = contents(options_.out / "report.md");
-  EXPECT_THAT(report, HasSubstr("parameters.step_width"));
+  EXPECT_THAT(report, HasSubstr("parameters.step_width_mm"));
   EXPECT_THAT(report, HasSubstr("boots_on"));
   EXPECT_FALSE(std::filesystem::exists(options_.out / "front.csv"));
 }
@@ -70,6 +71,39 @@ TEST_F(StudySearch, GoesOnFromItsLogToTheSameEnd) {
   static_cast<void>(search(Search::kCmaEs));
   EXPECT_EQ(contents(options_.out / "evaluations.csv"), first);
   EXPECT_EQ(lines(options_.out / "trials.jsonl"), played) << "nothing is played twice";
+}
+
+class InfeasibleStudySearch : public StudySearch {
+ protected:
+  InfeasibleStudySearch() {
+    study_.scenario = KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml";
+    // From 170 mm on the legs cannot make the step.
+    study_.numbers = {
+        {.path = "gait.set.com_height_m", .low = 0.15, .high = 0.25, .grid = 0.001, .start = 0.16}};
+  }
+};
+
+TEST_F(InfeasibleStudySearch, CountsInfeasibleCandidatesByTheirLimitAndContinues) {
+  const StudyResult result = search(Search::kCmaEs);
+  EXPECT_EQ(progress_.done, 16u);
+  EXPECT_EQ(result.evaluations, 16u);
+  EXPECT_EQ(result.worth, 1.0);
+  std::size_t infeasible = 0;
+  for (const auto& [limit, count] : result.infeasible) infeasible += count;
+  EXPECT_GT(result.infeasible.at("the reach of the legs"), 0u);
+  EXPECT_LT(infeasible, 16u);
+  const std::string evaluations = contents(options_.out / "evaluations.csv");
+  EXPECT_THAT(evaluations, HasSubstr(",,,,the reach of the legs\n"));
+  EXPECT_THAT(contents(options_.out / "report.md"),
+              HasSubstr(std::to_string(infeasible) + " of 16 candidates infeasible: "));
+  // Resumed, it comes to the same end.
+  EXPECT_EQ(search(Search::kCmaEs).infeasible, result.infeasible);
+  EXPECT_EQ(contents(options_.out / "evaluations.csv"), evaluations);
+}
+
+TEST_F(InfeasibleStudySearch, RefusesAnInfeasibleStart) {
+  study_.numbers[0].start = 0.25;
+  EXPECT_THROW(static_cast<void>(search(Search::kCmaEs)), sim::InputError);
 }
 
 TEST_F(StudySearch, OfEachTrialTellsWhatNoOtherBeats) {

@@ -75,7 +75,7 @@ TEST(WalkByCommand, RepeatsWhatAnOperatorDid) {
   using Kind = sim::Command::Kind;
   sim::Scenario scenario = go();
   scenario.duration_us = 1'500'000;
-  scenario.parameters = {{{"step_time", scenario.file, 0}, 250.0}};
+  scenario.parameters = {{{"step_time_ms", scenario.file, 0}, 250.0}};
   scenario.commands = {{.at_us = 1'000'000, .kind = Kind::kStop}};
   sim::Push push;
   push.duration_us = 100'000;

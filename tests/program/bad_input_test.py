@@ -34,6 +34,8 @@ BAD_SCENARIOS = {
     "friction out of range": ("duration_s: 1", "duration_s: 1\nground: {friction: [0.5, 11]}", 5),
     "unknown shape": ("duration_s: 1", "duration_s: 1\nground: {shapes: [{cone: {position_m: [0, 0]}}]}", 5),
     "unknown material": ("duration_s: 1", "duration_s: 1\nmaterials: [{between: [rubber, cheese], friction: 0.1}]", 5),
+    "misspelt command": ("duration_s: 1", "duration_s: 1\ncommands: [{at_s: 0, wlak: {}}]", 5),
+    "parameter without its unit": ("duration_s: 1", "duration_s: 1\nparameters: {com_height: 167.5}", 5),
     "start beyond a limit": ("duration_s: 1", "duration_s: 1\ninitial: {joints_deg: {left_knee: -20}}", 5),
 }
 
@@ -47,6 +49,7 @@ BAD_MOTIONS = {
 }
 
 BAD_ROBOTS = {
+    "heavy trunk": (r"<mass>[^<]*</mass>", "<mass>360</mass>"),
     "negative mass": (r"<mass>[^<]*</mass>", "<mass>-1</mass>"),
     "not a number": (r"<lower>[^<]*</lower>", "<lower>left</lower>"),
     "unknown element": (r"<gravity>[^<]*</gravity>|</model>", "<flying>true</flying></model>"),
@@ -119,6 +122,12 @@ class BadInput(unittest.TestCase):
             with self.subTest(bad):
                 self.refuse("--set", None, "run", file, "--set", bad)
 
+    def test_options_name_themselves(self):
+        file = self.write("scenario.yaml", SCENARIO)
+        self.refuse("--seed", None, "run", file, "--seed", "abc")
+        self.refuse("--duration", None, "run", file, "--duration", "-1")
+        self.refuse("--image", None, "run", file, "--image", "image.elf")
+
     def test_a_folder_that_is_not_ours_is_left_alone(self):
         file = self.write("scenario.yaml", SCENARIO)
         self.write("letter.txt", "dear reader")
@@ -146,6 +155,24 @@ class BadInput(unittest.TestCase):
                           ["experiment", "tune-gait", "--evaluations", "1"]):
             with self.subTest(arguments):
                 self.assertEqual(PROGRAM.run(*arguments).returncode, 2)
+
+
+    def test_misspelt_commands_get_the_nearest(self):
+        for arguments, nearest in ((["rnu"], "run"), (["can", "dmup"], "dump"), (["experiment", "terain"], "terrain")):
+            result = PROGRAM.run(*arguments)
+            self.assertEqual(result.returncode, 2)
+            self.assertRegex(result.stderr, f"^koboshi.*: found the unknown command {arguments[-1]}, expected .*; the nearest is {nearest}\n$")
+        self.assertRegex(PROGRAM.run("nonsense").stderr, "^koboshi: found the unknown command nonsense, expected run, .*\n$")
+
+    def test_options_without_effect_are_refused(self):
+        for arguments in (["run", support.SQUAT, "--speed", "2"], ["board", "--speed", "2"],
+                          ["run", support.SQUAT, "--image", "image.elf"], ["bench", "--json"],
+                          ["can", "dump", "runs/walk", "--can", "udp:239.74.163.2:43113"],
+                          ["can", "stats", "runs/walk", "--duration", "3"],
+                          ["experiment", "gyro-feedback", "--push", "1"]):
+            with self.subTest(arguments):
+                result = PROGRAM.run(*arguments)
+                self.assertEqual((result.returncode, result.stdout), (2, ""))
 
 
 class Help(unittest.TestCase):

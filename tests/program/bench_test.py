@@ -13,12 +13,13 @@ class Bench(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = support.temporary_folder(cls)
-        cls.result = PROGRAM.run("bench", *ARGUMENTS, "--json", "--out", cls.folder / "bench.json")
-        cls.bench = json.loads(cls.result.stdout)
+        cls.result = PROGRAM.run("bench", *ARGUMENTS, "--json", cls.folder / "bench.json")
+        cls.bench = json.loads((cls.folder / "bench.json").read_text())
 
-    def test_prints_what_it_writes(self):
+    def test_prints_a_table_of_what_it_writes(self):
         self.assertEqual(self.result.returncode, 0)
-        self.assertEqual(json.loads((self.folder / "bench.json").read_text()), self.bench)
+        for name in self.bench["steppers"]:
+            self.assertIn(name, self.result.stdout)
 
     def test_top_level_is_the_fastest_accurate_ode_stepper(self):
         steppers = self.bench["steppers"]

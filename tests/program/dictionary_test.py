@@ -14,6 +14,7 @@ PRINTED = {
     "bus.yml": ("bus",),
     "koboshi.dbc": ("dbc",),
     "object-dictionary.md": ("page",),
+    "parameters.md": ("parameters",),
 }
 
 

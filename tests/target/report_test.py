@@ -15,13 +15,17 @@ PARTS = ["sensors", "estimation", "behaviour", "interpreter", "canopen", "drives
 
 
 def report(*arguments):
-    return subprocess.run([PROGRAM, "target-report", "--image", IMAGE, *arguments], check=True, capture_output=True, text=True).stdout
+    """The JSON of a report."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder, "report.json")
+        subprocess.run([PROGRAM, "target-report", "--image", IMAGE, "--json", file, *arguments], check=True, capture_output=True)
+        return file.read_text()
 
 
 class Report(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.text = report("--json")
+        cls.text = report()
         cls.figures = json.loads(cls.text)
 
     def test_covers_twenty_seconds(self):
@@ -57,7 +61,7 @@ class Report(unittest.TestCase):
     def test_repeats_to_the_instruction_and_writes_its_page(self):
         with tempfile.TemporaryDirectory() as folder:
             page = pathlib.Path(folder, "target.md")
-            self.assertEqual(report("--json", "--page", page), self.text)
+            self.assertEqual(report("--page", page), self.text)
             self.assertIn("| while moving ", page.read_text())
 
 

@@ -62,8 +62,23 @@ std::string frame_text(const hal::CanFrame& frame) {
 std::uint64_t parse_number(std::string_view text, std::string_view what, std::uint64_t most) {
   const bool hexadecimal = text.starts_with("0x") || text.starts_with("0X");
   const auto number = hexadecimal ? number_of(text.substr(2), 16) : number_of(text, 10);
-  if (!number || *number > most)
+  const bool octal = !hexadecimal && text.size() > 1 && text.starts_with('0');
+  if (!number || *number > most || octal)
     throw std::invalid_argument(fmt::format("found {} '{}', expected a number up to {}", what, text, most));
+  return *number;
+}
+
+std::uint64_t parse_hexadecimal(std::string_view text, std::string_view what, std::uint64_t most,
+                                std::size_t digits) {
+  const bool marked = text.starts_with("0x") || text.starts_with("0X");
+  const auto number = number_of(marked ? text.substr(2) : text, 16);
+  if (!number || *number > most)
+    throw std::invalid_argument(
+        fmt::format("found {} '{}', expected a hexadecimal number up to 0x{:X}", what, text, most));
+  const auto decimal = number_of(text, 10);
+  if (!marked && text.size() != digits && decimal && *decimal != *number)
+    throw std::invalid_argument(
+        fmt::format("found {} '{}', expected 0x{}, or 0x{:X} if it is decimal", what, text, text, *decimal));
   return *number;
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sim_board/record/output_file.h"
+#include "sim_board/record/summary.h"
 #include "tools/bench/bench.h"
 #include "tools/bench/report.h"
 
@@ -18,8 +18,7 @@ struct BenchArguments {
   BenchOptions options{.walk = "scenarios/walk.yaml", .squat = "scenarios/squat.yaml", .steppers = {}};
   std::vector<std::string> names;
   double reference_step_ms = 0.05;
-  bool json = false;
-  std::filesystem::path out;
+  std::filesystem::path json;
 };
 
 std::vector<BenchStepper> chosen(const std::vector<std::string>& names) {
@@ -36,9 +35,8 @@ void play_bench(BenchArguments arguments) {
   arguments.options.reference_step_s = 1e-3 * arguments.reference_step_ms;
   const std::vector<BenchResult> results = bench(
       arguments.options, [](const std::string& what) { fmt::print(stderr, "koboshi: bench: {}\n", what); });
-  const std::string json = bench_json(results).dump(2) + "\n";
-  fmt::print("{}", arguments.json ? json : bench_table(results));
-  if (!arguments.out.empty()) sim::write_whole_file(arguments.out, json);
+  fmt::print("{}", bench_table(results));
+  if (!arguments.json.empty()) sim::write_json(arguments.json, bench_json(results));
 }
 
 }  // namespace
@@ -52,7 +50,7 @@ void add_bench_command(CLI::App& program) {
       "squats once more at a fine step as the reference. Times are of the processor. Takes some minutes.\n\n"
       "Examples:\n"
       "  koboshi bench\n"
-      "  koboshi bench --json > bench.json\n"
+      "  koboshi bench --json bench.json\n"
       "  koboshi bench --steppers world,lumped --duration 5 --reference-step-ms 0.25\n");
   std::vector<std::string> known;
   for (const BenchStepper& stepper : bench_steppers()) known.push_back(stepper.name);
@@ -65,8 +63,7 @@ void add_bench_command(CLI::App& program) {
   command->add_option("--reference-step-ms", arguments->reference_step_ms, "Physics step of the reference")
       ->check(CLI::IsMember({0.01, 0.02, 0.025, 0.05, 0.1, 0.2, 0.25, 0.5, 1.0}))
       ->capture_default_str();
-  command->add_flag("--json", arguments->json, "Print JSON instead of the table");
-  command->add_option("--out", arguments->out, "Write the JSON to this file, too");
+  command->add_option("--json", arguments->json, "Also write the results to this file");
   command->callback([arguments] { play_bench(*arguments); });
 }
 

@@ -23,7 +23,7 @@ struct BoardArguments {
 };
 
 void play_board(const BoardArguments& arguments) {
-  const auto overrides = overrides_of(arguments.sets, {{"duration_s", arguments.duration}});
+  const auto overrides = overrides_of(arguments.sets, {{"duration_s", arguments.duration, "--duration"}});
   LiveLink live(arguments.live, warn);
   BareBoard bare(sim::read_scenario(arguments.scenario, overrides));
   sim::SimBoard& board = bare.board();
@@ -52,7 +52,7 @@ void add_board_command(CLI::App& program) {
       "Ctrl-C.\n\n"
       "Examples:\n"
       "  koboshi board --can socketcan:vcan0\n"
-      "  koboshi board --can udp:239.74.163.2:43113 --set initial.held_until_s=5\n");
+      "  koboshi board --can udp:239.74.163.2:43113 --duration 60\n");
   command->add_option("SCENARIO", arguments->scenario,
                       "A scenario without commands, motions and gait (default: scenarios/board.yaml)");
   command->add_option("--duration", arguments->duration, "Simulated seconds");

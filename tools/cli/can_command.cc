@@ -63,7 +63,7 @@ void add_nmt(CLI::App& can) {
       ->add_option("COMMAND", arguments->order, "start, stop, pre-operational, reset or reset-communication")
       ->required()
       ->check(CLI::IsMember(names));
-  command->add_option("NODE", arguments->node, "1 to 127, or all")->required();
+  command->add_option("NODE", arguments->node, "1 to 127, decimal, or all")->required();
   add_can_options(*command, arguments->can);
   command->callback([arguments] {
     const std::uint8_t node = arguments->node == "all" ? std::uint8_t{0} : parse_node(arguments->node);
@@ -80,11 +80,12 @@ void add_statistics(CLI::App& can) {
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = can.add_subcommand("stats", "Rate, load, and the jitter of SYNC and PDOs");
-  command->add_option("LOG", arguments->log,
-                      "A log as of candump -L, or the folder of a run; without it, live");
+  CLI::Option* log = command->add_option("LOG", arguments->log,
+                                         "A log as of candump -L, or the folder of a run; without it, live");
   command->add_option("--duration", arguments->duration_s, "Seconds to listen to a live bus (default: 10)")
-      ->check(CLI::Range(0.1, 86400.0));
-  add_can_options(*command, arguments->can);
+      ->check(CLI::Range(0.1, 86400.0))
+      ->excludes(log);
+  add_can_options(*command, arguments->can, log);
   command->callback([arguments] {
     const OpenedSource opened = open_source(arguments->log, arguments->can);
     const auto end_us = static_cast<std::uint64_t>(1e6 * arguments->duration_s);
@@ -136,16 +137,19 @@ void add_replay(CLI::App& can) {
 void add_can_command(CLI::App& program) {
   CLI::App* can = program.add_subcommand("can", "Watch a CAN bus and talk to it");
   can->require_subcommand(1);
-  can->footer(
-      fmt::format("Examples:\n"
-                  "  koboshi can dump runs/walk                        the log of a run, in words\n"
-                  "  koboshi can dump --can socketcan:vcan0 --node 16\n"
-                  "  koboshi can send {:<32} tells the controller to enable the drives\n"
-                  "  koboshi can sdo read 1 0x1008\n"
-                  "  koboshi can nmt start all\n"
-                  "  koboshi can stats runs/walk\n"
-                  "  koboshi can replay runs/walk/can.log --can udp:239.74.163.2:43113\n",
-                  kSampleFrame));
+  can->footer(fmt::format(
+      "Numbers: identifiers, indices, sub-indices and data are hexadecimal, as candump writes them;\n"
+      "nodes and values are decimal. 0x is hexadecimal everywhere; what could be read in both ways\n"
+      "is refused (sub-index 10: 0x10 or 0xA).\n\n"
+      "Examples:\n"
+      "  koboshi can dump runs/walk                        the log of a run, in words\n"
+      "  koboshi can dump --can socketcan:vcan0 --node 16\n"
+      "  koboshi can send {:<32} tells the controller to enable the drives\n"
+      "  koboshi can sdo read 1 1008\n"
+      "  koboshi can nmt start all\n"
+      "  koboshi can stats runs/walk\n"
+      "  koboshi can replay runs/walk/can.log --can udp:239.74.163.2:43113\n",
+      kSampleFrame));
   add_can_dump_command(*can);
   add_send(*can);
   add_can_sdo_command(*can);

@@ -50,7 +50,7 @@ class Filter {
     for (const std::string& text : arguments.nodes) nodes_.insert(parse_node(text));
     for (const std::string& name : arguments.kinds) kinds_.insert(kinds().at(name));
     for (const std::string& text : arguments.identifiers)
-      identifiers_.insert(parse_number(text.starts_with("0x") ? text : "0x" + text, "the identifier", 0x7FF));
+      identifiers_.insert(parse_hexadecimal(text, "the identifier", 0x7FF, 3));
   }
 
   bool passes(const hal::CanFrame& frame) const {
@@ -137,8 +137,8 @@ void dump(const CanDumpArguments& arguments) {
 void add_can_dump_command(CLI::App& can) {
   auto arguments = std::make_shared<CanDumpArguments>();
   CLI::App* command = can.add_subcommand("dump", "Show frames, with their meaning");
-  command->add_option("LOG", arguments->log,
-                      "A log as of candump -L, or the folder of a run; without it, live");
+  CLI::Option* log = command->add_option("LOG", arguments->log,
+                                         "A log as of candump -L, or the folder of a run; without it, live");
   command->add_option("--node", arguments->nodes, "Only of this node; may be repeated")
       ->allow_extra_args(false);
   std::vector<std::string> names;
@@ -154,7 +154,7 @@ void add_can_dump_command(CLI::App& can) {
       "The robot whose PDOs are told by name (default: Koboshi, of the repository of this folder or of the\n"
       "program)");
   command->add_option("--count", arguments->count, "End after so many frames");
-  add_can_options(*command, arguments->can);
+  add_can_options(*command, arguments->can, log);
   command->callback([arguments] { dump(*arguments); });
 }
 

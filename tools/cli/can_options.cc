@@ -7,13 +7,16 @@
 
 namespace koboshi::tools {
 
-void add_can_options(CLI::App& command, CanOptions& options) {
-  command.add_option(
+void add_can_options(CLI::App& command, CanOptions& options, CLI::Option* log) {
+  CLI::Option* can = command.add_option(
       "--can", options.can,
       "The bus: socketcan:vcan0 (default) or udp:239.74.163.2:43113 (python-can's udp_multicast)");
-  command.add_flag(
+  CLI::Option* real_bus = command.add_flag(
       "--real-bus", options.real_bus,
       "Allows an interface that is neither vcan nor vxcan. What is sent there may move real servos");
+  if (log == nullptr) return;
+  can->excludes(log);
+  real_bus->excludes(log);
 }
 
 std::unique_ptr<sim::Transport> open_can(const CanOptions& options) {

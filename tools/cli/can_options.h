@@ -16,8 +16,9 @@ struct CanOptions {
   bool real_bus = false;
 };
 
-// --can and --real-bus. `options` must outlive the command.
-void add_can_options(CLI::App& command, CanOptions& options);
+// --can and --real-bus; not beside `log`, the command's option of a log, if it has one. `options` must
+// outlive the command.
+void add_can_options(CLI::App& command, CanOptions& options, CLI::Option* log = nullptr);
 
 // The transport of these options. Throws std::invalid_argument for one that joins nobody, and what
 // sim::open_transport throws.

@@ -35,14 +35,13 @@ SdoTransfer open_transfer(const CanSdoArguments& arguments, sim::Transport& tran
   return arguments.second ? second_sdo(transport, node) : SdoTransfer(transport, node);
 }
 
-// 0x2101:1, 2101:1 or 0x1008.
+// 2101:1, 0x2101:0x1 or 1008: all hexadecimal.
 canopen::ObjectAddress parse_object(const std::string& text) {
   const std::size_t colon = text.find(':');
-  std::string index = text.substr(0, colon);
-  if (!index.starts_with("0x")) index = "0x" + index;
+  const std::string index = text.substr(0, colon);
   const std::string subindex = colon == std::string::npos ? "0" : text.substr(colon + 1);
-  return {static_cast<std::uint16_t>(parse_number(index, "the object's index", 0xFFFF)),
-          static_cast<std::uint8_t>(parse_number(subindex, "the sub-index", 0xFF))};
+  return {static_cast<std::uint16_t>(parse_hexadecimal(index, "the object's index", 0xFFFF, 4)),
+          static_cast<std::uint8_t>(parse_hexadecimal(subindex, "the sub-index", 0xFF, 0))};
 }
 
 bool is_text(const std::vector<std::uint8_t>& data) {
@@ -119,8 +118,8 @@ std::vector<std::uint8_t> read_file(const std::filesystem::path& file) {
 CLI::App* add(CLI::App& sdo, const char* name, const char* text,
               const std::shared_ptr<CanSdoArguments>& arguments) {
   CLI::App* command = sdo.add_subcommand(name, text);
-  command->add_option("NODE", arguments->node, "1 to 127")->required();
-  command->add_option("OBJECT", arguments->object, "Index and sub-index, such as 0x1018:1")->required();
+  command->add_option("NODE", arguments->node, "1 to 127, decimal")->required();
+  command->add_option("OBJECT", arguments->object, "Index and sub-index, hexadecimal: 1018:1")->required();
   command->add_flag("--second", arguments->second,
                     "By the second channel of a drive (0x1201), which leaves the controller's alone");
   add_can_options(*command, arguments->can);
@@ -154,7 +153,7 @@ void add_can_sdo_command(CLI::App& can) {
   });
 
   CLI::App* upload = add(*sdo, "upload", "Read a large object into a file, by blocks", arguments);
-  upload->add_option("FILE", arguments->file, "Where to")->required();
+  upload->add_option("FILE", arguments->file, "The file for the object's bytes")->required();
   upload->callback([arguments] {
     const auto address = parse_object(arguments->object);
     const auto transport = open_can(arguments->can);
@@ -162,7 +161,7 @@ void add_can_sdo_command(CLI::App& can) {
   });
 
   CLI::App* download = add(*sdo, "download", "Write a file into a large object, by blocks", arguments);
-  download->add_option("FILE", arguments->file, "What")->required();
+  download->add_option("FILE", arguments->file, "The file to write into the object")->required();
   download->callback([arguments] {
     const auto address = parse_object(arguments->object);
     const std::vector<std::uint8_t> data = read_file(arguments->file);

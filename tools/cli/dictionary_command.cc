@@ -63,6 +63,9 @@ void add_dictionary_command(CLI::App& program) {
   bus->callback([arguments] { print_file(*arguments, "bus.yml"); });
   CLI::App* page = command->add_subcommand("page", "Print the reference page");
   page->callback([arguments] { print_file(*arguments, "object-dictionary.md"); });
+  CLI::App* parameters =
+      command->add_subcommand("parameters", "Print the page of the controller's parameters");
+  parameters->callback([arguments] { print_file(*arguments, "parameters.md"); });
   CLI::App* write = command->add_subcommand("write", "Write all of them");
   write->add_option("--folder", arguments->folder, "Where to")->capture_default_str();
   write->callback([arguments] { write_files(*arguments); });

@@ -6,6 +6,7 @@
 #include "sim_board/input/error.h"
 #include "sim_board/record/output_file.h"
 #include "sim_board/record/summary.h"
+#include "sim_board/world/options.h"
 #include "tools/cli/overrides.h"
 #include "tools/experiment/files.h"
 #include "tools/experiment/parallel.h"
@@ -47,31 +48,34 @@ void add_experiment_options(CLI::App& command, ExperimentArguments& arguments) {
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   command.add_option("--first-seed", arguments.first_seed, "The first of them")->capture_default_str();
-  command.add_option("--stepper", arguments.stepper, "Of the physics in all cells, as in koboshi run");
+  command.add_option("--stepper", arguments.stepper, "Of the physics in all cells, as in koboshi run")
+      ->check(CLI::IsMember(sim::stepper_names()));
   command.add_option("--set", arguments.sets, "Override a key of the scenario in all cells; may be repeated")
       ->allow_extra_args(false);
   command.add_option("--jobs", arguments.jobs, "Trials at a time (default: the number of cores)")
       ->check(CLI::Range(1, 1024));
   command.add_option("--budget-s", arguments.budget_s, "Seconds after which no more trials begin")
       ->check(CLI::PositiveNumber);
-  command.add_option("--out", arguments.out, "Folder of the results; one of an earlier call is gone on with");
+  command.add_option("--out", arguments.out,
+                     "Folder of the results; resumes the experiment if the folder holds an interrupted one");
   command.add_option("--json", arguments.json, "Also write the results to this file");
   CLI::Option* page =
-      command.add_option("--page", arguments.page, "Also write them into this page of Markdown");
+      command.add_option("--page", arguments.page, "Update this Markdown page with the results");
   command.add_option("--section", arguments.section, "The page's section that they replace")->needs(page);
 }
 
 void add_disturbance_options(CLI::App& command, GyroFeedbackOptions& options) {
-  command.add_flag("--disturbed", options.disturbed,
-                   "Push the trunk; soft ground that tilts up to 3 degrees");
+  CLI::Option* disturbed = command.add_flag("--disturbed", options.disturbed,
+                                            "Push the trunk; soft ground that tilts up to 3 degrees");
   command.add_option("--push", options.push_N_s, "The strongest push of the disturbed form, in N s")
+      ->needs(disturbed)
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
 }
 
 std::vector<sim::Override> overrides(const ExperimentArguments& arguments) {
-  return overrides_of(arguments.sets,
-                      {{"duration_s", arguments.duration}, {"physics.stepper", arguments.stepper}});
+  return overrides_of(arguments.sets, {{"duration_s", arguments.duration, "--duration"},
+                                       {"physics.stepper", arguments.stepper, "--stepper"}});
 }
 
 ProgressLine::ProgressLine() : terminal_(isatty(STDERR_FILENO) != 0) {}

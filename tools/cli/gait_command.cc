@@ -27,7 +27,7 @@ struct GaitArguments {
 };
 
 void make_gait(const GaitArguments& arguments) {
-  const auto overrides = overrides_of(arguments.sets, {{"points", arguments.points}});
+  const auto overrides = overrides_of(arguments.sets, {{"points", arguments.points, "--points"}});
   const sim::RobotDescription robot = sim::load_robot(arguments.robot);
   const NamedModel model = load_named_model(robot);
   const Gait gait = read_gait(arguments.gait, overrides);
@@ -64,8 +64,8 @@ void add_gait_command(CLI::App& program) {
   command->add_option("--points", arguments->points, "Points of a cycle of two steps, instead of the file's");
   command->add_option("--set", arguments->sets, "Override a key of the gait: period_s=0.6; may be repeated")
       ->allow_extra_args(false);
-  command->add_option("-o,--out", arguments->out,
-                      "What the files are called, without ending (default: walk)");
+  command->add_option("-o,--out", arguments->out, "What the files are called, without ending (default: walk)")
+      ->type_name("PREFIX");
   command->callback([arguments] { make_gait(*arguments); });
 }
 

@@ -19,6 +19,7 @@
 #include "tools/cli/experiment_command.h"
 #include "tools/cli/firmware_command.h"
 #include "tools/cli/gait_command.h"
+#include "tools/cli/help.h"
 #include "tools/cli/motion_command.h"
 #include "tools/cli/run_command.h"
 #include "tools/cli/servo_command.h"
@@ -72,6 +73,11 @@ int run_program(int argc, char** argv) {
   koboshi::tools::add_servo_command(program);
   koboshi::tools::add_experiment_command(program, command_line(argc, argv));
   koboshi::tools::add_validate_command(program, exit_status, command_line(argc, argv));
+  koboshi::tools::name_placeholders(program);
+  if (const auto message = koboshi::tools::unknown_command(program, argc, argv)) {
+    fmt::print(stderr, "{}\n", *message);
+    return kBadInput;
+  }
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -43,8 +43,9 @@ void add_motion_command(CLI::App& program) {
   compile_command->add_option("MOTION", arguments->motion, "A motion file, docs/reference/motion-format.md")
       ->required();
   compile_command->add_option("--robot", arguments->robot, "The robot's file")->capture_default_str();
-  compile_command->add_option("-o,--out", arguments->out,
-                              "The image (default: the motion's name with .kmot, here)");
+  compile_command
+      ->add_option("-o,--out", arguments->out, "The image (default: the motion's name with .kmot, here)")
+      ->type_name("FILE");
   compile_command->callback([arguments] { compile(*arguments); });
 }
 

@@ -13,7 +13,9 @@
 #include <fmt/core.h>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
 #include "sim_board/scenario/reader.h"
+#include "sim_board/world/options.h"
 #include "tools/cli/live_arguments.h"
 #include "tools/cli/overrides.h"
 #include "tools/run/event_log.h"
@@ -59,18 +61,19 @@ class ProgressBar {
 };
 
 std::vector<sim::Override> overrides(const RunArguments& arguments) {
-  return overrides_of(
-      arguments.sets,
-      {{"seed", arguments.seed}, {"duration_s", arguments.duration}, {"physics.stepper", arguments.stepper}});
+  return overrides_of(arguments.sets, {{"seed", arguments.seed, "--seed"},
+                                       {"duration_s", arguments.duration, "--duration"},
+                                       {"physics.stepper", arguments.stepper, "--stepper"}});
 }
 
 void report(const RunResult& result, const std::filesystem::path& out) {
   const sim::RunSummary& summary = result.summary;
   // The last event is the verdict.
   const auto but_the_last = std::span(summary.events).first(summary.events.size() - 1);
-  fmt::print("{}{} after {:.2f} s: {} solver warnings, bus load {:.0f} %, state {}\nresults in {}\n",
+  fmt::print("{}{} after {:.2f} s: {}, bus load {:.0f} %, state {}\nresults in {}\n",
              events_text(but_the_last), result.failure ? "ended early" : "done", summary.duration_s,
-             summary.solver_warnings, 100.0 * summary.can_bus_load, summary.state_hash, out.string());
+             sim::count_text(summary.solver_warnings, "solver warning"), 100.0 * summary.can_bus_load,
+             summary.state_hash, out.string());
   std::fflush(stdout);  // before what follows on standard error
   tell_troubles(result.live);
   if (result.plot_warning) fmt::print(stderr, "koboshi: no figures: {}\n", *result.plot_warning);
@@ -97,6 +100,8 @@ int run_scenario(const RunArguments& arguments) {
   options.out =
       arguments.out.empty() ? std::filesystem::path("runs") / arguments.scenario.stem() : arguments.out;
   options.make_host = in_process(arguments.storage);
+  if (arguments.controller != "qemu" && !arguments.image.empty())
+    throw sim::InputError("--image", 0, "--controller " + arguments.controller, "--controller qemu");
   if (arguments.controller == "qemu") {
     if (!arguments.storage.empty())
       throw sim::InputError("--storage", 0, "--controller qemu", "--controller in-process");
@@ -150,10 +155,11 @@ void add_run_command(CLI::App& program, int& exit_status) {
   command->add_option(
       "--storage", arguments->storage,
       "File that keeps the flash: parameters and motions that were stored before (default: none)");
-  command->add_option(
-      "--stepper", arguments->stepper,
-      "world: exact contacts (default); lumped: the same with fewer joints; quick: iterative;\n"
-      "mujoco: the second engine, fast");
+  command
+      ->add_option("--stepper", arguments->stepper,
+                   "world: exact contacts (default); lumped: the same with fewer joints; quick: iterative;\n"
+                   "mujoco: the second engine, fast")
+      ->check(CLI::IsMember(sim::stepper_names()));
   command
       ->add_option("--set", arguments->sets,
                    "Override a key of the scenario: physics.step_ms=0.5; may be repeated")

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include "sim_board/record/output_file.h"
+#include "sim_board/record/summary.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/run/qemu_host.h"
 #include "tools/target/target_report.h"
@@ -17,14 +18,15 @@ struct TargetReportArguments {
   std::filesystem::path scenario = "scenarios/go.yaml";
   std::filesystem::path image;
   std::filesystem::path page;
-  bool json = false;
+  std::filesystem::path json;
 };
 
 void report_target(const TargetReportArguments& arguments) {
   const auto image = arguments.image.empty() ? default_image() : arguments.image;
   const TargetReport report = measure_target(sim::read_scenario(arguments.scenario), image);
   if (!arguments.page.empty()) sim::write_whole_file(arguments.page, to_page(report, arguments.scenario));
-  fmt::print("{}\n", arguments.json ? to_json(report).dump(2) : to_tables(report));
+  if (!arguments.json.empty()) sim::write_json(arguments.json, to_json(report));
+  fmt::print("{}\n", to_tables(report));
 }
 
 }  // namespace
@@ -42,7 +44,7 @@ void add_target_report_command(CLI::App& program) {
       "  koboshi target-report --page docs/reference/target.md\n");
   command->add_option("SCENARIO", arguments->scenario, "A scenario file")->capture_default_str();
   command->add_option("--image", arguments->image, "The image (default: what ./run target builds)");
-  command->add_flag("--json", arguments->json, "As JSON instead of tables");
+  command->add_option("--json", arguments->json, "Also write the results to this file");
   command->add_option("--page", arguments->page, "Also write the reference page to this file");
   command->callback([arguments] { report_target(*arguments); });
 }

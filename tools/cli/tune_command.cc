@@ -4,11 +4,12 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <map>
 #include <memory>
 #include <string>
 
+#include "sim_board/world/options.h"
 #include "tools/experiment/parallel.h"
+#include "tools/tune/infeasible.h"
 #include "tools/tune/study_search.h"
 
 namespace koboshi::tools {
@@ -17,13 +18,16 @@ namespace {
 struct TuneArguments {
   std::filesystem::path study;
   StudyOptions options;
+  std::string search = "cma-es";
   std::string stepper;
 };
 
 void tune(TuneArguments arguments) {
   const Study study = read_study(arguments.study);
   StudyOptions& options = arguments.options;
-  if (!arguments.stepper.empty()) options.overrides.push_back({"physics.stepper", arguments.stepper});
+  options.search = arguments.search == "cma-es" ? Search::kCmaEs : Search::kNsga2;
+  if (!arguments.stepper.empty())
+    options.overrides.push_back({"physics.stepper", arguments.stepper, "--stepper"});
   if (options.out.empty()) options.out = "runs/tune" / arguments.study.stem();
   const bool terminal = isatty(STDERR_FILENO) != 0;
   const StudyResult result = search_study(study, options, [&](const StudyProgress& progress) {
@@ -34,6 +38,7 @@ void tune(TuneArguments arguments) {
   });
   if (terminal) fmt::print(stderr, "\n");
   for (const auto& [path, value] : result.numbers) fmt::print("{}: {}\n", path, value);
+  fmt::print("{}", infeasible_text(result.infeasible, result.evaluations));
   fmt::print("worth {:.4f} on the seeds that it was tuned on; results in {}\n", result.worth,
              options.out.string());
 }
@@ -44,7 +49,7 @@ void add_tune_command(CLI::App& program) {
   auto arguments = std::make_shared<TuneArguments>();
   StudyOptions& options = arguments->options;
   options.jobs = core_count();
-  CLI::App* command = program.add_subcommand("tune", "Search for the numbers of a study that are worth most");
+  CLI::App* command = program.add_subcommand("tune", "Optimise the parameters of a study");
   command->footer(
       "CMA-ES or NSGA-II over numbers of a scenario: parameters of the controller, of a gait, or of the "
       "world. "
@@ -57,11 +62,10 @@ void add_tune_command(CLI::App& program) {
       "  koboshi tune studies/walk.yaml --stepper mujoco --evaluations 400\n");
   command->add_option("STUDY", arguments->study, "The study's file")->required();
   command
-      ->add_option("--search", options.search,
+      ->add_option("--search", arguments->search,
                    "For the largest mean worth (cma-es), or for each trial's (nsga-2)")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Search>{{"cma-es", Search::kCmaEs}, {"nsga-2", Search::kNsga2}}))
-      ->default_str("cma-es");
+      ->check(CLI::IsMember({"cma-es", "nsga-2"}))
+      ->capture_default_str();
   command->add_option("--evaluations", options.evaluations, "How many sets of numbers are tried")
       ->check(CLI::Range(16, 1'000'000))
       ->capture_default_str();
@@ -79,8 +83,10 @@ void add_tune_command(CLI::App& program) {
   command
       ->add_option("--first-seed", options.first_seed, "The first of them; take others to judge the result")
       ->capture_default_str();
-  command->add_option("--stepper", arguments->stepper,
-                      "Of the physics: mujoco is fast; confirm what it finds with world");
+  command
+      ->add_option("--stepper", arguments->stepper,
+                   "Of the physics: mujoco is fast; confirm what it finds with world")
+      ->check(CLI::IsMember(sim::stepper_names()));
   command->add_option("--jobs", options.jobs, "Trials at a time (default: the number of cores)")
       ->check(CLI::Range(1, 1024));
   command->add_option("--out", options.out,

@@ -8,9 +8,11 @@
 #include <string>
 
 #include "sim_board/record/output_file.h"
+#include "sim_board/world/options.h"
 #include "tools/cli/experiment_session.h"
 #include "tools/experiment/parallel.h"
 #include "tools/tune/gait_search.h"
+#include "tools/tune/infeasible.h"
 
 namespace koboshi::tools {
 namespace {
@@ -34,9 +36,9 @@ void tune_gait(TuneGaitArguments arguments) {
   GaitSearchOptions& options = arguments.options;
   options.experiment.points = {arguments.points};
   options.experiment.feedback = {arguments.feedback == "on"};
-  options.experiment.overrides.push_back({"duration_s", arguments.duration});
+  options.experiment.overrides.push_back({"duration_s", arguments.duration, "--duration"});
   if (!arguments.stepper.empty()) {
-    options.experiment.overrides.push_back({"physics.stepper", arguments.stepper});
+    options.experiment.overrides.push_back({"physics.stepper", arguments.stepper, "--stepper"});
   }
   if (options.out.empty()) {
     options.out = "runs/tune-gait/" + gyro_feedback_cell(arguments.points, arguments.feedback == "on");
@@ -47,6 +49,7 @@ void tune_gait(TuneGaitArguments arguments) {
   });
   if (terminal) fmt::print(stderr, "\n");
   for (const auto& [key, value] : result.numbers) fmt::print("{}: {}\n", key, value);
+  fmt::print("{}", infeasible_text(result.infeasible, result.evaluations));
   fmt::print("{:.4f} m/s on the seeds that it was tuned on; results in {}\n", result.reward,
              options.out.string());
   if (!arguments.result.empty()) sim::write_whole_file(arguments.result, result.text);
@@ -65,8 +68,8 @@ void add_tune_gait_command(CLI::App& experiment) {
       "tune-gait", "Search for the numbers of a gait with which the robot walks fast and does not fall");
   command->footer(
       "CMA-ES, started from a gait file; keys that it does not have, and the gains where the feedback is\n"
-      "off, are left alone. All cases get the same number of evaluations, each on the same worlds. A search\n"
-      "that was interrupted goes on when it is called again. evaluations.csv in the folder of the results\n"
+      "off, are left alone. All cases get the same number of evaluations, each on the same worlds. An\n"
+      "interrupted search resumes when it is called again. evaluations.csv in the folder of the results\n"
       "lists every evaluation.\n\n"
       "Example:\n"
       "  koboshi experiment tune-gait --points 8 --feedback off --gait robots/koboshi/gaits/8-off.yaml\n");
@@ -98,8 +101,10 @@ void add_tune_gait_command(CLI::App& experiment) {
       ->capture_default_str();
   command->add_option("--duration", arguments->duration, "Simulated seconds of a trial")
       ->capture_default_str();
-  command->add_option("--stepper", arguments->stepper,
-                      "Of the physics: mujoco is fast; confirm what it finds with world");
+  command
+      ->add_option("--stepper", arguments->stepper,
+                   "Of the physics: mujoco is fast; confirm what it finds with world")
+      ->check(CLI::IsMember(sim::stepper_names()));
   command->add_option("--jobs", options.jobs, "Trials at a time (default: the number of cores)")
       ->check(CLI::Range(1, 1024));
   command->add_option("--out", options.out,

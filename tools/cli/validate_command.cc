@@ -131,7 +131,7 @@ void add_validate_command(CLI::App& program, int& exit_status, const std::string
   command->add_option("--scenario", arguments->setup.scenario, "Squats of the whole robot")
       ->capture_default_str();
   command->add_option("--out", arguments->out, "Folder of the results")->capture_default_str();
-  command->add_option("--page", arguments->page, "Also write them into this page of Markdown")
+  command->add_option("--page", arguments->page, "Update this Markdown page with the results")
       ->excludes(brief);
   command->add_option("--json", arguments->json, "Also write the results to this file");
   command->callback(

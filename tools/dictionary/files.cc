@@ -6,6 +6,7 @@
 #include "tools/dictionary/network.h"
 #include "tools/dictionary/node_kinds.h"
 #include "tools/dictionary/page.h"
+#include "tools/dictionary/parameters.h"
 #include "tools/model/robot_model.h"
 
 namespace koboshi::tools {
@@ -18,6 +19,7 @@ std::vector<GeneratedFile> dictionary_files(const sim::RobotDescription& robot) 
   files.push_back({"bus.yml", bus_text(robot)});
   files.push_back({"koboshi.dbc", dbc_text(network)});
   files.push_back({"object-dictionary.md", page_text(kinds, network)});
+  files.push_back({"parameters.md", parameters_page_text(kinds.front())});
   return files;
 }
 

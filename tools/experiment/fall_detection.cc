@@ -61,11 +61,11 @@ void set_thresholds(sim::Scenario& scenario, const Case& what) {
     scenario.parameters.push_back(parameter(name, what.scale * value * kDegreesPerUnit));
   };
   if (!what.looked_for) {
-    scenario.parameters.push_back(parameter("fall_to_the_front", 0.0));
+    scenario.parameters.push_back(parameter("fall_to_the_front_deg", 0.0));
   } else if (what.scale != 1.0) {
-    set("fall_to_the_front", limits.front);
-    set("fall_to_the_back", limits.back);
-    set("fall_to_the_side", limits.side);
+    set("fall_to_the_front_deg", limits.front);
+    set("fall_to_the_back_deg", limits.back);
+    set("fall_to_the_side_deg", limits.side);
   }
 }
 

@@ -32,7 +32,7 @@ constexpr const char* kNothing = "nothing";
 double cycle_s(const sim::Scenario& scenario) {
   double step_ms = walk::WalkParameters().step.time_ms;
   for (const sim::ParameterSetting& parameter : scenario.parameters) {
-    if (parameter.name.text == "step_time") step_ms = parameter.value;
+    if (parameter.name.text == "step_time_ms") step_ms = parameter.value;
   }
   return 2.0 * 1e-3 * step_ms;
 }
@@ -140,17 +140,19 @@ const std::vector<std::string>& pushed_states() {
 const std::vector<Feedback>& feedbacks() {
   static const std::vector<Feedback> kFeedbacks{
       {"gyro",
-       {"standing_gain_ankle_pitch", "standing_gain_ankle_roll", "standing_gain_hip_roll",
-        "standing_gain_knee", "standing_gain_hip_pitch", "walking_gain_ankle_pitch",
-        "walking_gain_ankle_roll", "walking_gain_hip_roll", "walking_gain_knee", "walking_gain_hip_pitch"}},
+       {"standing_gain_ankle_pitch_s", "standing_gain_ankle_roll_s", "standing_gain_hip_roll_s",
+        "standing_gain_knee_s", "standing_gain_hip_pitch_s", "walking_gain_ankle_pitch_s",
+        "walking_gain_ankle_roll_s", "walking_gain_hip_roll_s", "walking_gain_knee_s",
+        "walking_gain_hip_pitch_s"}},
       {"attitude",
-       {"standing_lean_gain_ankle_pitch", "standing_lean_gain_ankle_roll", "standing_lean_gain_hip_roll",
-        "standing_lean_gain_knee", "standing_lean_gain_hip_pitch", "walking_lean_gain_ankle_pitch",
-        "walking_lean_gain_ankle_roll", "walking_lean_gain_hip_roll", "walking_lean_gain_knee",
-        "walking_lean_gain_hip_pitch"}},
-      {"capture", {"capture_ahead", "capture_aside"}},
-      {"touch-down", {"touch_down_load"}},
-      {"heading", {"heading_hold"}}};
+       {"standing_lean_gain_ankle_pitch_percent", "standing_lean_gain_ankle_roll_percent",
+        "standing_lean_gain_hip_roll_percent", "standing_lean_gain_knee_percent",
+        "standing_lean_gain_hip_pitch_percent", "walking_lean_gain_ankle_pitch_percent",
+        "walking_lean_gain_ankle_roll_percent", "walking_lean_gain_hip_roll_percent",
+        "walking_lean_gain_knee_percent", "walking_lean_gain_hip_pitch_percent"}},
+      {"capture", {"capture_ahead_percent", "capture_aside_percent"}},
+      {"touch-down", {"touch_down_load_N"}},
+      {"heading", {"heading_hold_percent"}}};
   return kFeedbacks;
 }
 

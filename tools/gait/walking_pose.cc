@@ -45,21 +45,14 @@ WalkingPose::WalkingPose(const Gait& gait, const sim::RobotDescription& robot, c
       throw std::logic_error("a robot model without legs");
     }
   }
-  const auto find = [&](const std::string& name) { return robot.find_joint(name); };
   for (const UpperBodyAngle& angle : gait.upper_body) {
-    const auto joint = find(angle.joint);
-    const auto left = find("left_" + angle.joint);
-    const auto right = find("right_" + angle.joint);
-    if (!joint && !(left && right)) {
+    const std::vector<sim::MirroredJoint> joints = robot.find_joints(angle.joint);
+    if (joints.empty()) {
       throw sim::InputError(gait.file, angle.line, "the joint '" + angle.joint + "'",
                             "a joint of " + robot.name);
     }
-    if (joint) upper_body_rad_[static_cast<std::size_t>(*joint)] = angle.angle_rad;
-    if (joint) continue;
-    const auto left_index = static_cast<std::size_t>(*left);
-    upper_body_rad_[left_index] = angle.angle_rad;
-    upper_body_rad_[static_cast<std::size_t>(*right)] =
-        angle.angle_rad * model.model.joints[left_index].mirror_sign;
+    for (const auto& [joint, sign] : joints)
+      upper_body_rad_[static_cast<std::size_t>(joint)] = sign * angle.angle_rad;
   }
 }
 
@@ -86,7 +79,7 @@ std::vector<double> WalkingPose::solve_legs(const GaitInstant& instant, const Is
     const robot::LegAngles leg = robot::leg_inverse_kinematics(model_.model, legs_[side], X_BSole);
     if (!leg.reached)
       throw sim::InputError(gait_.file, 0, "a walk whose legs do not reach",
-                            "a lower com_height_m, or smaller steps");
+                            "a lower com_height_m, or smaller steps", "the reach of the legs");
     for (std::size_t i = 0; i < robot::kLegJoints; ++i) {
       angles_rad[legs_[side].joints[i]] = fixed::to_double(leg.angles[i]);
     }
@@ -135,10 +128,11 @@ void WalkingPose::check_limits(const std::vector<double>& angles_rad) const {
   for (std::size_t joint = 0; joint < angles_rad.size(); ++joint) {
     const sim::JointDescription& limits = robot_.joints[joint];
     if (angles_rad[joint] >= limits.lower_rad && angles_rad[joint] <= limits.upper_rad) continue;
-    const auto degrees = [](double rad) { return sim::number_text(rad / sim::kRadPerDegree); };
     throw sim::InputError(
-        gait_.file, 0, "a walk that takes " + limits.name + " to " + degrees(angles_rad[joint]) + " degrees",
-        degrees(limits.lower_rad) + " to " + degrees(limits.upper_rad));
+        gait_.file, 0,
+        "a walk that takes " + limits.name + " to " + sim::degrees_text(angles_rad[joint]) + " degrees",
+        sim::degrees_text(limits.lower_rad) + " to " + sim::degrees_text(limits.upper_rad),
+        "the limits of " + limits.name);
   }
 }
 

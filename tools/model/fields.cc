@@ -9,6 +9,7 @@
 
 #include "firmware/fixed/host/convert.h"
 #include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
 #include "tools/model/foot.h"
 
 namespace koboshi::tools {
@@ -78,21 +79,31 @@ std::string other_side(const std::string& name) {
   return name;
 }
 
-// A rotation by q about `a`, seen in a mirror on the plane y = 0, is one by q about this axis.
-Vector3d mirrored_axis(const Vector3d& a) { return {-a.x(), a.y(), -a.z()}; }
-
 void set_mirror(const RobotDescription& robot, std::size_t index, robot::Joint& joint) {
   const JointDescription& described = robot.joints[index];
   const std::string partner = other_side(described.name);
   const int found = index_of_joint(robot, partner);
   joint.mirror = static_cast<std::uint8_t>(found < 0 ? static_cast<int>(index) : found);
-  const double cosine = mirrored_axis(described.axis_M).dot(robot.joints[joint.mirror].axis_M);
+  const double cosine = sim::mirrored_axis(described.axis_M).dot(robot.joints[joint.mirror].axis_M);
   if (found >= 0 && partner != described.name && std::abs(cosine) < 1.0 - 1e-9) {
     throw InputError(robot.file, 0,
                      "axes of " + described.name + " and " + partner + " that are no mirror images",
                      "a left and a right joint with one axis or its opposite, mirrored");
   }
   joint.mirror_sign = cosine < 0.0 ? std::int8_t{-1} : std::int8_t{1};
+}
+
+// What the firmware's image may hold; checked here, where the link's name and line are known.
+fixed::Mass mass_of(const RobotDescription& robot, std::size_t link) {
+  const sim::LinkDescription& described = robot.links.at(link);
+  const double max_kg = fixed::to_double(robot::kMaxLinkMass);
+  if (described.mass_kg > max_kg) {
+    throw InputError(
+        robot.file, described.mass_line,
+        "a mass of " + sim::number_text(described.mass_kg) + " kg in link " + described.name,
+        "at most " + sim::number_text(max_kg) + " kg a link, the most that the firmware can represent");
+  }
+  return from_double<fixed::Mass>(described.mass_kg);
 }
 
 robot::Drive drive_fields(const sim::DriveDescription& drive) {
@@ -149,7 +160,7 @@ robot::Joint joint_fields(const RobotDescription& robot, const BaseFrame& frame,
   joint.upper = limit(described.upper_rad);
   joint.max_speed = from_double<fixed::AngularRate>(described.max_speed_rad_per_s);
   joint.drive = drive_fields(described.drive);
-  joint.mass = from_double<fixed::Mass>(robot.links.at(static_cast<std::size_t>(described.child)).mass_kg);
+  joint.mass = mass_of(robot, static_cast<std::size_t>(described.child));
   joint.centre_of_mass = frame.offset(described.p_MJ, frame.centre_of_mass_M(described.child));
   return joint;
 }
@@ -204,7 +215,7 @@ robot::RobotModel model_fields(const RobotDescription& robot) {
   set_name(robot, model);
   model.joint_count = robot.joints.size();
   for (std::size_t i = 0; i < robot.joints.size(); ++i) model.joints[i] = joint_fields(robot, frame, i);
-  model.base_mass = from_double<fixed::Mass>(robot.links[0].mass_kg);
+  model.base_mass = mass_of(robot, 0);
   model.base_centre_of_mass = frame.offset(robot.links[0].X_ML.translation(), frame.centre_of_mass_M(0));
   model.body_height = body_height(robot);
   set_inertial_unit(robot, frame, model);

@@ -114,8 +114,9 @@ void MotionParser::set_angle(PoseSource& pose, std::size_t joint, double angle_d
   if (pose.angles[joint]) throw value.error("a second angle for " + name, "one angle a joint");
   if (angle_deg < degrees(limits.lower) - kLimitTolerance_deg ||
       angle_deg > degrees(limits.upper) + kLimitTolerance_deg) {
-    throw value.error(sim::number_text(angle_deg) + " degrees for " + name,
-                      degrees_text(limits.lower) + " to " + degrees_text(limits.upper));
+    throw sim::InputError(value.source(), value.line(), sim::number_text(angle_deg) + " degrees for " + name,
+                          degrees_text(limits.lower) + " to " + degrees_text(limits.upper),
+                          "the limits of " + name);
   }
   pose.angles[joint] =
       robot::clamp_to_limits(limits, fixed::from_double<Angle>(angle_deg * sim::kRadPerDegree));

@@ -47,7 +47,7 @@ class SpeedCheck {
     throw sim::InputError(
         motion_.file, step.line,
         "a move of " + robot_.joint_names[joint] + " at " + text(speed_rad_per_s) + " degrees/s",
-        "at most " + text(limit_rad_per_s));
+        "at most " + text(limit_rad_per_s), "the speed of " + robot_.joint_names[joint]);
   }
 
   const MotionSource& motion_;

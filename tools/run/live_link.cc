@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <stdexcept>
 #include <thread>
 #include <utility>
 
@@ -24,8 +25,12 @@ LiveLink::LiveLink(const LiveOptions& options, Warn warn)
 LiveLink::LiveLink(const LiveOptions& options, std::unique_ptr<sim::Transport> transport, Warn warn)
     : transport_(std::move(transport)),
       live_(options.realtime || (transport_ && transport_->is_live())),
-      speed_(options.speed),
+      speed_(options.speed.value_or(1.0)),
       warn_(std::move(warn)) {
+  if (options.speed && !live_) {
+    throw std::invalid_argument(
+        "found --speed without a clock, expected --realtime or a live bus (--can socketcan, udp or slcan)");
+  }
   transport_ = beside_the_simulation(std::move(transport_));
 }
 

@@ -17,7 +17,8 @@ struct LiveOptions {
   std::string can = "none";  // see sim::open_transport
   bool real_bus = false;     // allows an interface that is neither vcan nor vxcan
   bool realtime = false;     // by the clock on the wall; always so with a live transport
-  double speed = 1.0;        // simulated seconds in one of the wall, where it goes by that
+  std::optional<double> speed =
+      {};  // simulated seconds in one of the wall clock, 1 unless given; refused without it
 
   friend bool operator==(const LiveOptions&, const LiveOptions&) = default;
 };
@@ -33,7 +34,8 @@ class LiveLink {
   // Told in a sentence when frames begin to be lost, or the simulation to fall behind.
   using Warn = std::function<void(const std::string&)>;
 
-  // Opens the transport. Throws what sim::open_transport throws.
+  // Opens the transport. Throws what sim::open_transport throws, and std::invalid_argument for a speed where
+  // nothing goes by the wall clock.
   explicit LiveLink(const LiveOptions& options, Warn warn = {});
   // With a transport that is open already, or none.
   LiveLink(const LiveOptions& options, std::unique_ptr<sim::Transport> transport, Warn warn = {});

@@ -30,10 +30,10 @@ std::vector<std::byte> compile_gait(const Gait& gait, PreparedScenario& prepared
     const auto add = [&](const char* name, double gain_s) {
       scenario.parameters.push_back({{name, gait.file, 0}, gain_s});
     };
-    add("ankle_pitch_gain", gait.feedback.ankle_pitch_s);
-    add("ankle_roll_gain", gait.feedback.ankle_roll_s);
-    add("hip_roll_gain", gait.feedback.hip_roll_s);
-    add("knee_gain", gait.feedback.knee_s);
+    add("ankle_pitch_gain_s", gait.feedback.ankle_pitch_s);
+    add("ankle_roll_gain_s", gait.feedback.ankle_roll_s);
+    add("hip_roll_gain_s", gait.feedback.hip_roll_s);
+    add("knee_gain_s", gait.feedback.knee_s);
   }
   return compile_motion(motion, model);
 }

@@ -9,6 +9,7 @@
 #include "sim_board/record/output_file.h"
 #include "sim_board/record/output_folder.h"
 #include "tools/experiment/outcome.h"
+#include "tools/tune/infeasible.h"
 #include "tools/tune/optimiser.h"
 
 namespace koboshi::tools {
@@ -63,7 +64,11 @@ class GaitSearch {
         minimise([this](const std::vector<double>& x) { return evaluate(x); }, start,
                  {.evaluations = options_.evaluations, .spread = options_.spread});
     log_.close();
-    GaitSearchResult result{numbers_of(best), best_, {}};
+    GaitSearchResult result{.numbers = numbers_of(best),
+                            .reward = best_,
+                            .text = {},
+                            .evaluations = done_,
+                            .infeasible = infeasible_.counts()};
     result.text = with_numbers(text_, result.numbers, options_.start);
     sim::write_whole_file(options_.out / "gait.yaml", result.text);
     return result;
@@ -106,8 +111,9 @@ class GaitSearch {
       for (const Trial& trial : result.cells.front().played) sum += reward(trial.values, duration_s_);
       lift_m_ = mean_of(result.cells.front(), {.name = "foot_lift_m"}).mean;
       return sum / static_cast<double>(options.seeds);
-    } catch (const sim::InputError&) {
+    } catch (const sim::InputError& error) {
       if (done_ == 0) throw;  // the file that the search begins with is wrong
+      infeasible_.add(error);
       return kWorst;
     }
   }
@@ -118,6 +124,7 @@ class GaitSearch {
   const double duration_s_;  // of a trial that does not end with a fall
   sim::OutputFile log_;
   std::vector<SearchedNumber> numbers_;
+  InfeasibleCounter infeasible_;
   std::size_t done_ = 0;
   // Achieved in the last evaluation: legs and ground that give way leave less of what the gait asks for. Not
   // a number without a whole step.

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -51,11 +52,14 @@ struct GaitSearchResult {
   GaitNumbers numbers;
   double reward = 0.0;  // on the seeds that were searched on: more than it will get on others
   std::string text;     // of the gait file
+  std::size_t evaluations = 0;
+  std::map<std::string, std::size_t> infeasible{};  // candidates by the limit that they violate
 };
 
 // Searches for the numbers of one case with the same worlds in each evaluation. Leaves evaluations.csv (each
-// evaluation, its numbers, its reward), trials.jsonl, from which a search that was interrupted goes on, and
-// gait.yaml in the folder. A gait that the legs cannot walk counts as a fall at once. Throws sim::InputError.
+// evaluation, its numbers, its reward), trials.jsonl, from which an interrupted search resumes, and
+// gait.yaml in the folder. A gait that violates a limit of the robot counts as a fall at once and is counted.
+// Throws sim::InputError.
 [[nodiscard]] GaitSearchResult search_gait(const GaitSearchOptions& options,
                                            const std::function<void(const GaitSearchProgress&)>& progress);
 

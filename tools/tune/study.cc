@@ -30,7 +30,8 @@ StudiedTrial read_trial(const sim::YamlValue& value) {
   const sim::YamlMap map = value.map();
   StudiedTrial trial{.name = map.text("name")};
   if (const auto set = map.optional_child("set")) {
-    for (const auto& [path, text] : set->entries()) trial.set.push_back({path, text.text()});
+    for (const auto& [path, text] : set->entries())
+      trial.set.push_back({path, text.text(), text.source().string()});
   }
   const std::string reward = map.one_of("reward", kRewards, "survival");
   trial.reward = static_cast<StudiedTrial::Reward>(std::ranges::find(kRewards, reward) - kRewards.begin());

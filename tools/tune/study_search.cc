@@ -17,10 +17,14 @@
 #include "tools/experiment/report.h"
 #include "tools/experiment/scenario_trial.h"
 #include "tools/plot/figure.h"
+#include "tools/tune/infeasible.h"
 #include "tools/tune/optimiser.h"
 
 namespace koboshi::tools {
 namespace {
+
+// Below what any run is worth, yet near: optimisers rank candidates, and some fit models to their values.
+constexpr double kInfeasibleWorth = -10.0;
 
 std::vector<Measure> measures() {
   using enum Measure::Kind;
@@ -56,7 +60,10 @@ class StudySearch {
     }
     log_.close();
     const Evaluation& best = *std::ranges::max_element(evaluations_, {}, &Evaluation::worth);
-    StudyResult result{.numbers = {}, .worth = best.worth};
+    StudyResult result{.numbers = {},
+                       .worth = best.worth,
+                       .evaluations = evaluations_.size(),
+                       .infeasible = infeasible_.counts()};
     std::string text;
     for (std::size_t i = 0; i < best.numbers.size(); ++i) {
       result.numbers.emplace_back(study_.numbers[i].path, best.numbers[i]);
@@ -73,6 +80,7 @@ class StudySearch {
     std::vector<double> numbers;
     std::vector<double> worths;  // by trial
     double worth = 0.0;          // their weighted mean
+    std::string violated{};      // the limit that makes the numbers infeasible; empty: feasible
   };
 
   // To be made small, by trial.
@@ -86,15 +94,17 @@ class StudySearch {
     std::string head = "evaluation";
     for (const StudiedNumber& number : study_.numbers) head += "," + number.path;
     for (const StudiedTrial& trial : study_.trials) head += "," + trial.name;
-    return head + ",worth\n";
+    return head + ",worth,violated_limit\n";
   }
 
   std::string line(std::size_t number) const {
     const Evaluation& evaluation = evaluations_[number];
     std::string line = std::to_string(number + 1);
     for (const double value : evaluation.numbers) line += "," + sim::number_text(value);
-    for (const double value : evaluation.worths) line += "," + sim::number_text(value);
-    return line + "," + sim::number_text(evaluation.worth) + "\n";
+    const bool feasible = evaluation.violated.empty();
+    for (const double value : evaluation.worths) line += "," + (feasible ? sim::number_text(value) : "");
+    return line + "," + (feasible ? sim::number_text(evaluation.worth) : "") + "," +
+           csv_cell(evaluation.violated) + "\n";
   }
 
   void write_front() const {
@@ -119,15 +129,15 @@ class StudySearch {
                         fmt::format("{:.4f}", first.worths[i]), fmt::format("{:.4f}", best.worths[i])});
     }
     trials.push_back({"mean", "", fmt::format("{:.4f}", first.worth), fmt::format("{:.4f}", best.worth)});
-    const std::string figure = draw_course() + "\n\n";
+    const std::string figure = "\n" + draw_course() + "\n\n";
     sim::write_whole_file(
         options_.out / "report.md",
         fmt::format(
-            "# {}\n\n{} evaluations in {} worlds each, seeds {} to {}: judge what was found on others.\n\n",
+            "# {}\n\n{} evaluations in {} worlds each, seeds {} to {}: judge what was found on others.\n",
             study_.file.filename().string(), evaluations_.size(), options_.seeds, options_.first_seed,
             options_.first_seed + options_.seeds - 1) +
-            figure + table_text({"number", "range", "start", "found"}, numbers, TableStyle::kMarkdown) +
-            "\n" +
+            infeasible_text(infeasible_.counts(), evaluations_.size()) + figure +
+            table_text({"number", "range", "start", "found"}, numbers, TableStyle::kMarkdown) + "\n" +
             table_text({"trial", "weight", "worth of the start", "of what was found"}, trials,
                        TableStyle::kMarkdown));
   }
@@ -166,11 +176,29 @@ class StudySearch {
   }
 
   const Evaluation& evaluate(const std::vector<double>& x) {
-    const std::vector<double> numbers = numbers_of(x);
-    const Experiment experiment = make_experiment(numbers);
+    Evaluation evaluation{.numbers = numbers_of(x), .worths = {}};
+    try {
+      play(evaluation);
+    } catch (const sim::InputError& error) {
+      if (evaluations_.empty()) throw;  // the start is the user's, and wrong
+      infeasible_.add(error);
+      evaluation.violated = error.limit();
+      evaluation.worths.assign(study_.trials.size(), kInfeasibleWorth);
+      evaluation.worth = kInfeasibleWorth;
+    }
+    best_ = std::max(best_, evaluation.worth);
+    evaluations_.push_back(std::move(evaluation));
+    log_.write(line(evaluations_.size() - 1));
+    log_.flush();  // an evaluation takes minutes
+    if (progress_) progress_({evaluations_.size(), options_.evaluations, evaluations_.back().worth, best_});
+    return evaluations_.back();
+  }
+
+  // Sets what its numbers are worth.
+  void play(Evaluation& evaluation) {
+    const Experiment experiment = make_experiment(evaluation.numbers);
     const ExperimentResult result = play_experiment(
         experiment, {.log = options_.out / "trials.jsonl", .jobs = options_.jobs, .batch = options_.seeds});
-    Evaluation evaluation{.numbers = numbers, .worths = {}};
     double sum = 0.0;
     double weights = 0.0;
     for (std::size_t cell = 0; cell < study_.trials.size(); ++cell) {
@@ -184,31 +212,19 @@ class StudySearch {
       weights += study_.trials[cell].weight;
     }
     evaluation.worth = sum / weights;
-    best_ = std::max(best_, evaluation.worth);
-    evaluations_.push_back(std::move(evaluation));
-    log_.write(line(evaluations_.size() - 1));
-    log_.flush();  // an evaluation takes minutes
-    if (progress_) progress_({evaluations_.size(), options_.evaluations, evaluations_.back().worth, best_});
-    return evaluations_.back();
   }
 
   Values play(const StudiedTrial& trial, const sim::Scenario& scenario, std::uint64_t seed) const {
-    if (trial.reward != StudiedTrial::Reward::kStandUp) return play_in_world(scenario, study_.world, seed);
-    try {
-      return play_getting_up(scenario, study_.world, seed);
-    } catch (const sim::InputError&) {
-      // Numbers that make a motion faster than the joints are worth nothing. Those of the start are a
-      // mistake.
-      if (evaluations_.empty()) throw;
-      return {{"failed", 1.0}, {"stood", 0.0}, {"uprightness", 0.0}};
-    }
+    const bool stands_up = trial.reward == StudiedTrial::Reward::kStandUp;
+    return stands_up ? play_getting_up(scenario, study_.world, seed)
+                     : play_in_world(scenario, study_.world, seed);
   }
 
   Experiment make_experiment(const std::vector<double>& numbers) {
     std::vector<std::string> texts;
     std::vector<sim::Override> shared = options_.overrides;
     for (std::size_t i = 0; i < numbers.size(); ++i) {
-      shared.push_back({study_.numbers[i].path, sim::number_text(numbers[i])});
+      shared.push_back({study_.numbers[i].path, sim::number_text(numbers[i]), study_.file.string()});
     }
     auto scenarios = std::make_shared<std::vector<sim::Scenario>>();
     Experiment experiment{.name = "study", .measures = measures()};
@@ -233,6 +249,7 @@ class StudySearch {
   const Study& study_;
   const StudyOptions& options_;
   const std::function<void(const StudyProgress&)>& progress_;
+  InfeasibleCounter infeasible_;
   sim::OutputFile log_;
   std::vector<double> durations_s_;  // of the trials that do not end with a fall
   std::vector<Evaluation> evaluations_;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <utility>
@@ -40,6 +41,8 @@ struct StudyProgress {
 struct StudyResult {
   std::vector<std::pair<std::string, double>> numbers;  // by path
   double worth = 0.0;  // mean over trials and seeds that were searched on: more than it will get on others
+  std::size_t evaluations = 0;
+  std::map<std::string, std::size_t> infeasible{};  // candidates by the limit that they violate
 };
 
 // The files on which the trials of a study depend, each once: its own, and those of every trial's scenario.
@@ -47,10 +50,11 @@ struct StudyResult {
                                                              std::span<const sim::Scenario> trials);
 
 // Searches for the numbers of a study with the same worlds in each evaluation. Leaves in the folder:
-// evaluations.csv and trials.jsonl, from which a search that was interrupted goes on; best.yaml, the numbers
+// evaluations.csv and trials.jsonl, from which an interrupted search resumes; best.yaml, the numbers
 // of the largest mean worth as a scenario has them; report.md with figure.png, what they are and what each
-// trial is worth with them; front.csv, of NSGA-II, the evaluations that no other beats in every trial. Throws
-// sim::InputError.
+// trial is worth with them; front.csv, of NSGA-II, the evaluations that no other beats in every trial. A
+// candidate that violates a limit of the robot or of a parameter is worth less than any other and is counted;
+// only the start must be feasible. Throws sim::InputError.
 [[nodiscard]] StudyResult search_study(const Study& study, const StudyOptions& options,
                                        const std::function<void(const StudyProgress&)>& progress);
 

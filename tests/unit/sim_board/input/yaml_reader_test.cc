@@ -119,7 +119,7 @@ TEST(YamlReader, RejectsUnknownKeysAndSaysWhichItKnows) {
     if (const auto ground = root.optional_child("ground")) ground->number("mu", {}, 1.0);
   };
   EXPECT_EQ(complaint("duration_s: 1\ndurations: 2\n", read),
-            "FILE:2: found the unknown key durations, expected duration_s or ground");
+            "FILE:2: found the unknown key durations, expected duration_s or ground; the nearest is duration_s");
   EXPECT_EQ(complaint("duration_s: 1\nground:\n  mux: 2\n", read),
             "FILE:3: found the unknown key ground.mux, expected mu");
 }
@@ -216,6 +216,8 @@ TEST(YamlOverrides, NameTheOptionInTheirErrors) {
   EXPECT_EQ(with("ground.mu.x=1"), "--set: found ground.mu.x, expected ground.mu to be a map");
   EXPECT_EQ(with("ground={mu: 1, b: 2}"), "--set: found the unknown key ground.b, expected mu");
   EXPECT_THAT(with("ground.mu=[1"), testing::MatchesRegex("--set: found .*, expected .*"));
+  EXPECT_EQ(complaint("ground: {mu: 1}\n", read, {{"ground.mu", "abc", "--mu"}}),
+            "--mu: found ground.mu = abc, expected a number of 0 or more");
   EXPECT_EQ(complaint("a: [1]\n", read_nothing, {{"a.1", "2"}}),
             "--set: found a.1, expected an item of a, which has 1");
   for (const char* argument : {"x", "=1", "x="}) EXPECT_THROW(parse_override(argument), InputError);

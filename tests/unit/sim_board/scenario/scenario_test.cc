@@ -120,6 +120,66 @@ TEST(ScenarioCheck, RefusesAPositionBeyondTheLimits) {
   EXPECT_THAT(refusal_of_event(scenario), HasSubstr("from 0 to 90 degrees"));
 }
 
+TEST(ScenarioCheck, RoundsLimitsToWhatAPersonReads) {
+  RobotDescription robot = one_knee();
+  robot.joints[0].upper_rad = 2.617994;  // 150.00000699057244 degrees
+  Scenario scenario;
+  scenario.initial.joints.push_back({at_line("knee", 3), 151.0 * std::numbers::pi / 180.0});
+  try {
+    check(scenario, robot);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "a.yaml:3: found knee = 151, expected a number from 0 to 150 degrees, the joint's limits");
+  }
+}
+
+RobotDescription two_hips() {
+  RobotDescription robot = one_knee();
+  for (const char* name : {"left_hip_roll", "right_hip_roll", "left_hip_pitch", "right_hip_pitch"}) {
+    JointDescription& joint = robot.joints.emplace_back(robot.joints[0]);
+    joint.name = name;
+    joint.lower_rad = -1.0;
+    joint.upper_rad = 1.0;
+    joint.axis_M = joint.name.ends_with("roll") ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
+  }
+  return robot;
+}
+
+TEST(InitialJoints, WithoutTheirSideAreBothTheRightOneMirrored) {
+  const RobotDescription robot = two_hips();
+  const auto signs = [&](const char* name) {
+    std::vector<std::pair<int, int>> found;
+    for (const MirroredJoint& joint : robot.find_joints(name)) found.emplace_back(joint.joint, joint.sign);
+    return found;
+  };
+  using Found = std::vector<std::pair<int, int>>;
+  EXPECT_EQ(signs("hip_roll"), (Found{{1, 1}, {2, -1}}));
+  EXPECT_EQ(signs("hip_pitch"), (Found{{3, 1}, {4, 1}}));
+  EXPECT_EQ(signs("left_hip_roll"), (Found{{1, 1}}));
+  EXPECT_EQ(signs("tail"), Found());
+
+  Scenario scenario;
+  scenario.initial.joints.push_back({at_line("hip_roll", 3), 0.2});
+  EXPECT_NO_THROW(check(scenario, robot));
+  scenario.initial.base_height_m = 0.2;
+  const WorldOptions world = board_options(scenario, robot).world;
+  EXPECT_EQ(world.joint_positions_rad, (std::vector<double>{0.0, 0.2, -0.2, 0.0, 0.0}));
+}
+
+TEST(InitialJoints, HaveOneAngleEach) {
+  Scenario scenario;
+  scenario.initial.joints.push_back({at_line("hip_roll", 3), 0.2});
+  scenario.initial.joints.push_back({at_line("right_hip_roll", 4), 0.2});
+  try {
+    check(scenario, two_hips());
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "a.yaml:4: found a second angle for right_hip_roll, expected one angle a joint");
+  }
+}
+
 TEST(ScenarioCheck, RefusesFaultsOfSensorsThatTheRobotLacks) {
   EXPECT_THAT(refusal_of_event(with_fault(Fault::Kind::kImuStop, "imu_stop")), HasSubstr("a.yaml:5"));
   EXPECT_THAT(refusal_of_event(with_fault(Fault::Kind::kAnkleStop, "right", hal::Side::kRight)),

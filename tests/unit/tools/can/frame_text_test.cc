@@ -56,8 +56,28 @@ TEST(Number, IsDecimalOrHexadecimalWithinItsBounds) {
   } catch (const std::invalid_argument& error) {
     EXPECT_EQ(std::string(error.what()), "found the node '128', expected a number up to 127");
   }
-  for (const char* bad : {"", "0x", "1.5", "12 ", "-1", "99999999999999999999"})
+  for (const char* bad : {"", "0x", "1.5", "12 ", "-1", "99999999999999999999", "010", "7F"})
     EXPECT_THROW(parse_number(bad, "it", 1'000'000), std::invalid_argument) << bad;
+}
+
+TEST(HexadecimalNumber, NeedsNoMarkWhereItIsPlain) {
+  EXPECT_EQ(parse_hexadecimal("1018", "the index", 0xFFFF, 4), 0x1018u);
+  EXPECT_EQ(parse_hexadecimal("0x1018", "the index", 0xFFFF, 4), 0x1018u);
+  EXPECT_EQ(parse_hexadecimal("081", "the identifier", 0x7FF, 3), 0x081u);
+  EXPECT_EQ(parse_hexadecimal("0x10", "the sub-index", 0xFF, 0), 0x10u);
+  EXPECT_EQ(parse_hexadecimal("0A", "the sub-index", 0xFF, 0), 10u);
+  EXPECT_EQ(parse_hexadecimal("7", "the sub-index", 0xFF, 0), 7u);
+}
+
+TEST(HexadecimalNumber, IsRefusedWhereItCouldBeDecimal) {
+  try {
+    parse_hexadecimal("10", "the sub-index", 0xFF, 0);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_EQ(std::string(error.what()), "found the sub-index '10', expected 0x10, or 0xA if it is decimal");
+  }
+  for (const char* bad : {"", "81", "0x", "800", "G1", "1 "})
+    EXPECT_THROW(parse_hexadecimal(bad, "the identifier", 0x7FF, 3), std::invalid_argument) << bad;
 }
 
 }  // namespace

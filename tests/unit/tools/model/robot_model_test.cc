@@ -53,6 +53,20 @@ TEST_F(RobotModelImageTest, IsTheSameBytesAgain) {
   EXPECT_EQ(make_robot_model(koboshi()), make_robot_model(sim::load_robot(koboshi().file)));
 }
 
+TEST_F(RobotModelImageTest, NamesTheLinkAndTheLineOfAMassThatTheFirmwareCannotHold) {
+  const std::string file = koboshi().file.string();
+  const auto heavy = [](std::size_t link) {
+    return refusal([link](RobotDescription& robot) { robot.links[link].mass_kg = 360.0; });
+  };
+  EXPECT_EQ(heavy(0),
+            file + ":" + std::to_string(koboshi().links[0].mass_line) +
+                ": found a mass of 360 kg in link trunk, expected at most 5 kg a link, the most that "
+                "the firmware can represent");
+  EXPECT_GT(koboshi().links[0].mass_line, 0);
+  EXPECT_GT(koboshi().links[1].mass_line, koboshi().links[0].mass_line);
+  EXPECT_THAT(heavy(3), HasSubstr("360 kg in link " + koboshi().links[3].name));
+}
+
 TEST_F(RobotModelImageTest, DescribesThePapersRobot) {
   const NamedModel named = load_named_model(koboshi());
   const robot::RobotModel& model = named.model;

@@ -171,6 +171,11 @@ TEST_F(LiveLinkTest, EndsByCtrlC) {
   EXPECT_TRUE(is_interrupted(link));
 }
 
+TEST_F(LiveLinkTest, RefusesASpeedWithoutAClock) {
+  EXPECT_THROW(LiveLink({.speed = 1.0}), std::invalid_argument);
+  EXPECT_THROW(LiveLink({.can = "none", .speed = 0.5}), std::invalid_argument);
+}
+
 TEST_F(LiveLinkTest, RefusesATransportThatItDoesNotKnow) {
   EXPECT_THROW(LiveLink({.can = "pigeon:1"}), std::invalid_argument);
 }

@@ -29,45 +29,56 @@ std::string refusal(const std::string& name, double value) {
 }
 
 TEST(Parameters, BecomeWhatTheControllerHolds) {
-  const sim::SdoWrite write = resolve("knee_gain", 0.05);
+  const sim::SdoWrite write = resolve("knee_gain_s", 0.05);
   EXPECT_EQ(write.address, (canopen::ObjectAddress{0x2101, 4}));
   EXPECT_EQ(write.size_bytes, 2);
   EXPECT_EQ(write.value, 205u);  // 0.05 * 4096, rounded
-  EXPECT_EQ(write.parameter.text, "knee_gain");
-  EXPECT_EQ(resolve("ankle_roll_gain", -1.0).value, 0xFFFF'F000u);
-  EXPECT_EQ(resolve("lowest_supply", 6500).value, 6500u);
-  EXPECT_EQ(resolve("ramp_rate", 90.0).value, 1024u);
+  EXPECT_EQ(write.parameter.text, "knee_gain_s");
+  EXPECT_EQ(resolve("ankle_roll_gain_s", -1.0).value, 0xFFFF'F000u);
+  EXPECT_EQ(resolve("lowest_supply_mV", 6500).value, 6500u);
+  EXPECT_EQ(resolve("ramp_rate_deg_per_s", 90.0).value, 1024u);
 }
 
 TEST(Parameters, AreElementsOfAnObjectByTheirNames) {
-  const sim::SdoWrite write = resolve("standing_lean_gain_hip_roll", -50.0);
+  const sim::SdoWrite write = resolve("standing_lean_gain_hip_roll_percent", -50.0);
   EXPECT_EQ(write.address, (canopen::ObjectAddress{0x2103, 3}));
   EXPECT_EQ(write.value, 0xFFFF'F800u);  // half of 4096
-  EXPECT_EQ(resolve("mounting_yaw", 10.0).address, (canopen::ObjectAddress{0x2121, 3}));
+  EXPECT_EQ(resolve("mounting_yaw_deg", 10.0).address, (canopen::ObjectAddress{0x2121, 3}));
+}
+
+TEST(Parameters, CarryTheirUnitInTheKey) {
+  EXPECT_EQ(resolve("com_height_mm", 167.5).value, 1675u);
+  EXPECT_EQ(refusal("com_height_mm", 1675),
+            "walk.yaml:12: found parameter com_height_mm without its unit, expected com_height_mm");
+  EXPECT_EQ(refusal("trunk_pitch_by_speed_deg_s_per_m", 2),
+            "walk.yaml:12: found parameter trunk_pitch_by_speed_deg_s_per_m without its unit, expected "
+            "trunk_pitch_by_speed_deg_s_per_m");
+  EXPECT_EQ(resolve("attempts_to_get_up", 3).value, 3u);  // a count has none
+  EXPECT_THAT(refusal("com_hieght_mm", 167.5), HasSubstr("expected com_height_mm, the nearest of "));
 }
 
 TEST(Parameters, AreRefusedByAnUnknownName) {
   const std::string message = refusal("elbow_gain", 0.1);
-  EXPECT_THAT(message, HasSubstr("walk.yaml:12: found parameter elbow_gain"));
-  EXPECT_THAT(message, HasSubstr("ankle_pitch_gain"));  // what there is
+  EXPECT_THAT(message, HasSubstr("walk.yaml:12: found the unknown parameter elbow_gain"));
+  EXPECT_THAT(message, HasSubstr("ankle_pitch_gain_s"));  // what there is
 }
 
 TEST(Parameters, AreRefusedBeyondTheRangeOfTheControllersDictionary) {
-  EXPECT_THAT(refusal("knee_gain", 1.01),
-              HasSubstr("walk.yaml:12: found knee_gain = 1.01, expected -1 to 1 s"));
-  EXPECT_NE(refusal("highest_supply", 70000.0), "");
-  EXPECT_NE(refusal("highest_supply", -1.0), "");
-  EXPECT_NE(refusal("ramp_rate", 0.0), "");
+  EXPECT_THAT(refusal("knee_gain_s", 1.01),
+              HasSubstr("walk.yaml:12: found knee_gain_s = 1.01, expected -1 to 1 s"));
+  EXPECT_NE(refusal("highest_supply_mV", 70000.0), "");
+  EXPECT_NE(refusal("highest_supply_mV", -1.0), "");
+  EXPECT_NE(refusal("ramp_rate_deg_per_s", 0.0), "");
 }
 
 TEST(VelocityLimits, AreTheControllersUnlessTheScenarioSaysOtherwise) {
   sim::Scenario scenario;
   EXPECT_EQ(velocity_limits(scenario).highest(), walk::VelocityLimits{}.highest());
-  scenario.parameters = {{{"highest_velocity_forward", "s.yaml", 3}, 100.0},
-                         {{"highest_velocity_backward", "s.yaml", 4}, 90.0},
-                         {{"highest_velocity_sideways", "s.yaml", 5}, 80.0},
-                         {{"highest_turn", "s.yaml", 6}, 700.0},
-                         {{"step_time", "s.yaml", 7}, 260.0}};
+  scenario.parameters = {{{"highest_velocity_forward_mm_per_s", "s.yaml", 3}, 100.0},
+                         {{"highest_velocity_backward_mm_per_s", "s.yaml", 4}, 90.0},
+                         {{"highest_velocity_sideways_mm_per_s", "s.yaml", 5}, 80.0},
+                         {{"highest_turn_mrad_per_s", "s.yaml", 6}, 700.0},
+                         {{"step_time_ms", "s.yaml", 7}, 260.0}};
   EXPECT_EQ(velocity_limits(scenario).highest(), (walk::Velocity{100, 80, 700}));
   EXPECT_EQ(velocity_limits(scenario).lowest(), (walk::Velocity{-90, -80, -700}));
   scenario.parameters = {{{"highest_velocity_upward", "s.yaml", 3}, 100.0}};

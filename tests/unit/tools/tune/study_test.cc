@@ -17,8 +17,8 @@ const char* const kStudy = R"(version: 1
 scenario: ../scenarios/go.yaml
 world: {friction: [0.4, 1.0], mass: 0.1, tilt_deg: 2, supply: 0.05}
 numbers:
-  parameters.step_time: {range: [200, 360], grid: 10, start: 220}
-  parameters.step_width: {range: [58, 85], grid: 0.1, start: 77.2}
+  parameters.step_time_ms: {range: [200, 360], grid: 10, start: 220}
+  parameters.step_width_mm: {range: [58, 85], grid: 0.1, start: 77.2}
 trials:
   - name: forward
     set: {commands.2.walk: "{forward_m_per_s: 0.3}", duration_s: 12}
@@ -58,7 +58,7 @@ TEST_F(StudyReader, ReadsEverySetting) {
   EXPECT_EQ(study.world.supply_share, 0.05);
   EXPECT_NEAR(study.world.tilt_rad, 2.0 * std::numbers::pi / 180.0, 1e-12);
   ASSERT_EQ(study.numbers.size(), 2u);
-  EXPECT_EQ(study.numbers[0].path, "parameters.step_time");  // in the file's order
+  EXPECT_EQ(study.numbers[0].path, "parameters.step_time_ms");  // in the file's order
   EXPECT_EQ(study.numbers[1].low, 58.0);
   EXPECT_EQ(study.numbers[1].high, 85.0);
   EXPECT_EQ(study.numbers[1].grid, 0.1);

@@ -1,0 +1,118 @@
+"""What `--help` prints: placeholders that say what a value is, and examples that work."""
+
+import concurrent.futures
+import re
+import shlex
+import subprocess
+import unittest
+
+import program as support
+
+PROGRAM = None
+PATIENCE_s = 1.0  # an example that is still at work after this has been accepted
+
+# How examples that take long, need a terminal or a bus are shortened: the first pattern that is found counts.
+SHORTER = (
+    (r"^run .*teleop", "--set teleop=false --duration 0.02"),
+    (r"^run ", "--duration 0.02"),
+    (r"^(board|firmware) ", "--duration 0.02"),
+    (r"^experiment (gyro-feedback|walking-speed|push-recovery|terrain|stand-up|fall-detection|marathon)", "--jobs 1"),
+    (r"^validate", "--short --only slope"),
+)
+# What this machine need not have.
+REPLACED = (
+    (" --controller qemu", ""),  # the image
+    ("socketcan:vcan0", "socketcan:vcan_none"),
+    ("udp:239.74.163.2:43113", "udp:127.0.0.1:1"),
+)
+
+
+def helps(path=()):
+    """Each command with its help."""
+    text = PROGRAM.run(*path, "--help").stdout
+    yield path, text
+    commands = re.search(r"^Subcommands:\n((?:  .*\n?)+)", text, re.MULTILINE)
+    for command in re.findall(r"^  (\S+)", commands.group(1), re.MULTILINE) if commands else ():
+        yield from helps((*path, command))
+
+
+def examples(texts):
+    found = {}
+    for text in texts:
+        for line in re.sub(r"\\\n\s*", "", text).splitlines():
+            if re.match(r"  koboshi ", line):
+                found[re.sub(r"   .*| &$", "", line.strip())] = None
+    return list(found)
+
+
+class Help(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.texts = dict(helps())
+        cls.folder = support.temporary_folder(cls)
+        for name in ("scenarios", "robots", "studies"):
+            (cls.folder / name).symlink_to(support.ROOT / name)
+        (cls.folder / "docs" / "reference").mkdir(parents=True)
+
+    def test_knows_all_commands(self):
+        self.assertGreater(len(self.texts), 30)
+
+    def test_says_what_a_value_is(self):
+        for path, text in self.texts.items():
+            with self.subTest(path):
+                self.assertNotRegex(text, r"\b(TEXT|FLOAT|UINT|INT|ENUM)\b|->")
+
+    def test_names_enumerations(self):
+        self.assertIn("{cma-es,nsga-2}", self.texts[("tune",)])
+        self.assertIn("{world,lumped,quick,mujoco}", self.texts[("run",)])
+
+    def test_json_is_a_file_everywhere(self):
+        for path, text in self.texts.items():
+            if "--json" in text:
+                self.assertIn("--json FILE", text, path)
+
+    def test_examples_are_accepted(self):
+        self.assertEqual(0, self.play("koboshi run scenarios/walk.yaml --out runs/host")[0])
+        self.assertEqual(0, self.play("koboshi run scenarios/walk.yaml --out runs/target")[0])
+        all_examples = examples(self.texts.values())
+        self.assertGreater(len(all_examples), 40)
+        self.assertEqual(0, self.play("koboshi " + self.servo_type(all_examples))[0])
+        with concurrent.futures.ThreadPoolExecutor(4) as pool:
+            for example, (status, errors) in zip(all_examples, pool.map(self.play, all_examples)):
+                with self.subTest(example):
+                    if "target-report" in example and "./run target writes" in errors:
+                        continue  # no image has been built
+                    # Without its bus a command fails, but it is not refused.
+                    needs_bus = re.search(r"--can |can (sdo|nmt|send)", example)
+                    self.assertIn(status, (0, 1) if needs_bus else (0,), errors)
+
+    def servo_type(self, all_examples):
+        """The example that writes the file which another reads."""
+        return next(example for example in all_examples if " > " in example).removeprefix("koboshi ")
+
+    def play(self, example):
+        arguments = example.removeprefix("koboshi ")
+        for old, new in REPLACED:
+            arguments = arguments.replace(old, new)
+        for pattern, more in SHORTER:
+            if re.search(pattern, arguments):
+                head, mark, tail = arguments.partition(" >")
+                arguments = f"{head} {more}{mark}{tail}"
+                break
+        if re.match(r"can (sdo|nmt|send)", arguments):
+            arguments += " --can socketcan:vcan_none"
+        command = f"exec {shlex.quote(str(PROGRAM.path))} {arguments}"
+        with subprocess.Popen(command, shell=True, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              stdin=subprocess.DEVNULL, text=True) as process:
+            try:
+                _, errors = process.communicate(timeout=PATIENCE_s)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.communicate()
+                return 0, ""
+            return process.returncode, errors
+
+
+if __name__ == "__main__":
+    PROGRAM = support.take_program_argument()
+    unittest.main()
