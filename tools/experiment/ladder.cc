@@ -5,9 +5,14 @@
 #include <utility>
 
 #include "sim_board/input/text.h"
+#include "tools/plot/legend.h"
 
 namespace koboshi::tools {
 namespace {
+
+// Curves on top of each other stay visible: each is drawn narrower than the one below.
+constexpr double kWidest = 8.0;
+constexpr double kNarrower = 1.8;
 
 class Climber {
  public:
@@ -109,15 +114,18 @@ PlaneFigure ladder_figure(const std::string& title, const Experiment& experiment
   PlaneFigure figure{.title = title,
                      .x_label = "level, as a share of the hardest",
                      .y_label = "share of the seeds that failed"};
-  figure.curves.push_back(
-      {.points = {{0.0, kMostFailures}, {1.0, kMostFailures}}, .style = LineStyle::kDashed, .colour = 7});
+  figure.curves.push_back({.points = {{0.0, kMostFailures}, {1.0, kMostFailures}},
+                           .style = style_of(Role::kTheory),
+                           .colour = colour_of(Role::kTheory)});
   const Measure& failure =
       *std::ranges::find_if(experiment.measures, [](const Measure& m) { return m.most_share < 1.0; });
   for (std::size_t i = 0; i < ladders.size(); ++i) {
     const Ladder& ladder = ladders[i];
     const double hardest = level_of(experiment.cells[ladder.cells.back()]);
     PlaneCurve curve{.label = ladder.name + " (1 = " + sim::number_text(hardest) + " " + ladder.unit + ")",
-                     .colour = static_cast<int>(i)};
+                     .style = LineStyle::kLinesPoints,
+                     .colour = static_cast<int>(i),
+                     .width = kWidest - kNarrower * static_cast<double>(i)};
     const Climb& climb = result.climbs[i];
     for (std::size_t cell = climb.first; cell < climb.first + climb.levels; ++cell) {
       curve.points.push_back({level_of(result.experiment.cells[cell]) / hardest,

@@ -15,6 +15,7 @@
 #include "tools/gait/gait_plan.h"
 #include "tools/gait/walking_pose.h"
 #include "tools/plot/figure.h"
+#include "tools/plot/legend.h"
 
 namespace koboshi::tools {
 namespace {
@@ -99,11 +100,8 @@ void write_profile(const Gait& gait, const sim::RobotDescription& robot, const N
 
 Panel pendulum_panel(const std::string& axis, const std::string& label) {
   return {.y_label = label + " [mm]",
-          .series = {{.column = "com_" + axis + "_m", .label = "centre of mass", .factor = sim::kMmPerM},
-                     {.column = "zmp_" + axis + "_m",
-                      .label = "ZMP",
-                      .style = LineStyle::kDashed,
-                      .factor = sim::kMmPerM}},
+          .series = {series(Role::kFirst, "com_" + axis + "_m", "centre of mass", sim::kMmPerM),
+                     series(Role::kPlanned, "zmp_" + axis + "_m", "ZMP, planned", sim::kMmPerM)},
           .smallest_span = 10.0};
 }
 
@@ -118,13 +116,10 @@ void draw_gait(const Gait& gait, const sim::RobotDescription& robot, const Named
   figure.panels.push_back(pendulum_panel("y", "left"));
   for (const ShownJoint& joint : kShown) {
     figure.panels.push_back({.y_label = std::string(joint.label) + " [deg]",
-                             .series = {{.column = std::string(joint.column) + "_rad",
-                                         .label = "profile",
-                                         .factor = sim::kDegreesPerRad},
-                                        {.column = std::string(joint.column) + "_points_rad",
-                                         .label = "between points",
-                                         .style = LineStyle::kDashed,
-                                         .factor = sim::kDegreesPerRad}},
+                             .series = {series(Role::kFirst, std::string(joint.column) + "_rad",
+                                               "profile of the pendulum", sim::kDegreesPerRad),
+                                        series(Role::kPlanned, std::string(joint.column) + "_points_rad",
+                                               "target, between points", sim::kDegreesPerRad)},
                              .smallest_span = 2.0});
   }
   draw(figure, csv, prefix);

@@ -16,8 +16,9 @@ struct Series {
   std::string column{};  // of the CSV file
   std::string label{};   // in the key; empty: none
   LineStyle style = LineStyle::kSolid;
-  std::optional<int> colour{};  // 0..7 of a colour-blind-safe palette; without it by position in the panel
-  double factor = 1.0;          // from the column's unit to the panel's, such as 180/pi
+  std::optional<int> colour{};     // 0..7 of a colour-blind-safe palette, see legend.h; else by position
+  double factor = 1.0;             // from the column's unit to the panel's, such as 180/pi
+  std::optional<double> from_x{};  // values before it mean nothing and are not shown
 };
 
 struct Panel {
@@ -26,7 +27,8 @@ struct Panel {
   double smallest_span = 0.0;  // of the ordinate, so that a constant's rounding noise does not fill the panel
 };
 
-// A vertical line through all panels, such as the moment of a command. Marks come in the order of x.
+// A vertical line through all panels, such as the moment of a command. Marks come in the order of x; labels
+// that would run into each other stand in rows above each other.
 struct Mark {
   double x = 0.0;
   std::string label{};
@@ -39,6 +41,7 @@ struct Span {
 
 struct Figure {
   std::string title{};
+  std::string note{};  // a line below the title
   std::vector<Panel> panels{};
   std::vector<Mark> marks{};
   std::string x_column = "time_s";

@@ -13,7 +13,8 @@ namespace koboshi::tools {
 
 // A string of gnuplot that means the text itself.
 std::string quoted(const std::string& text);
-// Okabe and Ito, https://jfly.uni-koeln.de/color, darkest contrast first; any number.
+// Okabe and Ito, https://jfly.uni-koeln.de/color: blue, orange, green, purple, yellow, light blue, black,
+// grey; any number. What each of them stands for: legend.h.
 std::string palette_colour(std::size_t number);
 // A data block; points that are not numbers break the line.
 void write_block(std::ostream& out, const std::string& name, const std::vector<Point>& points);

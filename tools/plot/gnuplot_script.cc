@@ -1,8 +1,10 @@
 #include "tools/plot/gnuplot_script.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <sstream>
 
 #include "sim_board/input/text.h"
@@ -14,12 +16,16 @@ namespace {
 
 constexpr std::size_t kBuckets = 1000;  // about one a pixel
 constexpr int kPanelHeight_px = 240;
-constexpr int kHead_px = 92;           // title, the marks' labels, the first key
-constexpr int kMarks_px = 56;          // from the top to the base line of the marks' labels
-constexpr int kMarkRow_px = 14;        // a label that would run into another stands a row higher
-constexpr double kMarkGlyph_px = 6.2;  // mean width of a label's letter
-constexpr int kGap_px = 36;            // between panels, for the key of the lower one
+constexpr int kTitleHead_px = 34;  // above the notes and the marks' labels
+constexpr int kNoteHead_px = 20;
+constexpr int kMarkRow_px = 14;   // of labels
+constexpr int kMarkFoot_px = 36;  // from the base line of the lowest labels to the panel: the first key
+constexpr int kMarkGap_px = 8;    // between two labels
+constexpr std::size_t kMaxMarkRows = 5;
+constexpr int kGap_px = 36;  // between panels, for the key of the lower one
 constexpr int kYLabel_px = 24;
+// Of curves that have no role in the legend, by position.
+constexpr std::array<std::size_t, 6> kNeutralColours{6, 5, 4, 2, 3, 7};
 
 struct Range {
   double low = std::numeric_limits<double>::infinity();
@@ -34,6 +40,12 @@ struct Range {
 
 std::string block_name(std::size_t panel, std::size_t series) {
   return "$panel" + std::to_string(panel) + "_series" + std::to_string(series);
+}
+
+// How many letters a reader sees.
+std::size_t letters(const std::string& utf8) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(utf8, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
 // Some air around positive data on a logarithmic axis.
@@ -68,14 +80,42 @@ class Script {
   std::string write() {
     write_data();
     write_style();
+    place_marks();
     for (const char* const extension : kPageExtensions) write_page(extension);
     return out_.str();
   }
 
  private:
+  struct PlacedMark {
+    bool right_aligned = false;
+    std::optional<std::size_t> row{};  // from below; none where there is no room
+  };
+
+  int head_px() const {
+    const int note = figure_.note.empty() ? 0 : kNoteHead_px;
+    return kTitleHead_px + note + static_cast<int>(mark_rows_) * kMarkRow_px + kMarkFoot_px;
+  }
+
+  // Each label in the lowest row where it does not run into another.
+  void place_marks() {
+    std::array<double, kMaxMarkRows> taken_px{};  // end of the last label in each row
+    for (const Mark& mark : figure_.marks) {
+      const double width_px = kSmallGlyph_px * static_cast<double>(letters(mark.label));
+      PlacedMark placed{.right_aligned = x_px(mark.x) + width_px > kWidth_px};
+      const double left_px = x_px(mark.x) - (placed.right_aligned ? width_px : 0.0);
+      for (std::size_t row = 0; row < kMaxMarkRows && !placed.row; ++row) {
+        if (left_px < taken_px[row]) continue;
+        placed.row = row;
+        taken_px[row] = left_px + width_px + kMarkGap_px;
+        mark_rows_ = std::max(mark_rows_, row + 1);
+      }
+      placed_marks_.push_back(placed);
+    }
+  }
+
   int height_px() const {
     const int panels = static_cast<int>(figure_.panels.size());
-    return kHead_px + panels * kPanelHeight_px + (panels - 1) * kGap_px + kFoot_px;
+    return head_px() + panels * kPanelHeight_px + (panels - 1) * kGap_px + kFoot_px;
   }
 
   void write_data() {
@@ -96,7 +136,11 @@ class Script {
       const Panel& panel = figure_.panels[p];
       Range range;
       for (std::size_t s = 0; s < panel.series.size(); ++s) {
-        const std::vector<double> y = cut(columns_.at(panel.series[s].column), panel.series[s].factor);
+        const Series& series = panel.series[s];
+        std::vector<double> y = cut(columns_.at(series.column), series.factor);
+        for (std::size_t i = 0; series.from_x && i < x.size(); ++i) {
+          if (x[i] < *series.from_x) y[i] = std::numeric_limits<double>::quiet_NaN();
+        }
         for (const double value : y) range.include(value);
         write_block(out_, block_name(p, s), thin(x, y, kBuckets));
       }
@@ -120,6 +164,10 @@ class Script {
     out_ << open_page(extension, kWidth_px, height_px()) << "set multiplot\n";
     out_ << "set label " << quoted(figure_.title) << " at screen " << screen_x(kLeft_px) << ", screen "
          << screen_y(kTitle_px) << " left font ',14'\n";
+    if (!figure_.note.empty()) {
+      out_ << "set label " << quoted(figure_.note) << " at screen " << screen_x(kLeft_px) << ", screen "
+           << screen_y(kNote_px) << " left font ',9' textcolor '#606060'\n";
+    }
     for (std::size_t p = 0; p < figure_.panels.size(); ++p) write_panel(p);
     out_ << "unset multiplot\nset output\n";
   }
@@ -127,7 +175,7 @@ class Script {
   void write_panel(std::size_t p) {
     const Panel& panel = figure_.panels[p];
     const bool last = p + 1 == figure_.panels.size();
-    const double top = kHead_px + static_cast<double>(p) * (kPanelHeight_px + kGap_px);
+    const double top = head_px() + static_cast<double>(p) * (kPanelHeight_px + kGap_px);
     out_ << "set lmargin at screen " << screen_x(kLeft_px) << "\nset rmargin at screen "
          << screen_x(kWidth_px - kRight_px) << "\nset tmargin at screen " << screen_y(top)
          << "\nset bmargin at screen " << screen_y(top + kPanelHeight_px) << '\n';
@@ -144,27 +192,26 @@ class Script {
   }
 
   // In the first panel the lines reach up to their labels.
-  void write_marks(bool with_labels) {
-    double taken_px = 0.0;  // end of the last label in the lower row
-    for (const Mark& mark : figure_.marks) {
-      const double left_px = x_px(mark.x);
-      const bool higher = left_px < taken_px;
-      if (!higher) taken_px = left_px + kMarkGlyph_px * static_cast<double>(mark.label.size());
-      const int label_px = kMarks_px - (higher ? kMarkRow_px : 0);
+  void write_marks(bool first_panel) {
+    for (std::size_t i = 0; i < figure_.marks.size(); ++i) {
+      const Mark& mark = figure_.marks[i];
+      const PlacedMark& placed = placed_marks_[i];
+      const bool with_label = first_panel && placed.row.has_value();
+      const int label_px = head_px() - kMarkFoot_px - static_cast<int>(placed.row.value_or(0)) * kMarkRow_px;
       const std::string x = "first " + sim::number_text(mark.x) + ", ";
-      const std::string top = with_labels ? "screen " + sim::number_text(screen_y(label_px)) : "graph 1";
+      const std::string top = with_label ? "screen " + sim::number_text(screen_y(label_px)) : "graph 1";
       out_ << "set arrow from " << x << "graph 0 to " << x << top
            << " nohead back linewidth 1 linecolor '#A0A0A0' dashtype (4,4)\n";
-      if (!with_labels) continue;
-      const bool at_the_end = mark.x > x_range_.low + 0.9 * (x_range_.high - x_range_.low);
+      if (!with_label) continue;
       out_ << "set label " << quoted(mark.label) << " at " << x << top << " offset 0,0.5 "
-           << (at_the_end ? "right" : "left") << " font ',9' textcolor '#606060'\n";
+           << (placed.right_aligned ? "right" : "left") << " font ',9' textcolor '#606060'\n";
     }
   }
 
   std::string curve(std::size_t p, std::size_t s) const {
     const Series& series = figure_.panels[p].series[s];
-    const std::size_t colour = series.colour ? static_cast<std::size_t>(*series.colour) : s;
+    const std::size_t colour = series.colour ? static_cast<std::size_t>(*series.colour)
+                                             : kNeutralColours[s % kNeutralColours.size()];
     return block_name(p, s) + " using 1:2 " + with_style(series.style, palette_colour(colour)) +
            (series.label.empty() ? " notitle" : " title " + quoted(series.label));
   }
@@ -181,6 +228,8 @@ class Script {
   std::ostringstream out_;
   Range x_range_;
   std::vector<Range> y_ranges_;
+  std::vector<PlacedMark> placed_marks_;
+  std::size_t mark_rows_ = 0;
 };
 
 }  // namespace

@@ -13,8 +13,9 @@ namespace koboshi::tools {
 namespace {
 
 constexpr int kMostHeight_px = 700;  // of the plane
-constexpr int kPlaneHead_px = 66;    // title and key
-constexpr double kMargin = 0.04;     // of the data's extent, around it
+constexpr int kPlaneHead_px = 66;    // title and a row of the key
+constexpr double kKeySample_px = 60.0;
+constexpr double kMargin = 0.04;  // of the data's extent, around it
 
 // The part of the plane that is shown, and how large.
 struct View {
@@ -51,6 +52,19 @@ struct View {
   }
 };
 
+// Rows of the key: gnuplot makes its columns as wide as the longest entry.
+int key_rows(const PlaneFigure& figure) {
+  double widest_px = 1.0;
+  int entries = 0;
+  for (const PlaneCurve& curve : figure.curves) {
+    if (curve.label.empty()) continue;
+    ++entries;
+    widest_px = std::max(widest_px, kKeySample_px + kKeyGlyph_px * static_cast<double>(curve.label.size()));
+  }
+  const int columns = std::max(1, static_cast<int>((kWidth_px - kLeft_px - kRight_px) / widest_px));
+  return std::max(1, (entries + columns - 1) / columns);
+}
+
 View view_of(const PlaneFigure& figure) {
   View view;
   for (const Outline& outline : figure.outlines) view.include(outline.corners);
@@ -82,9 +96,13 @@ std::string plot_command(const PlaneFigure& figure) {
   }
   for (std::size_t i = 0; i < figure.curves.size(); ++i) {
     const PlaneCurve& curve = figure.curves[i];
-    plots << "$curve" << i << " with lines linewidth " << sim::number_text(curve.width) << " linecolor '"
+    const bool points = curve.style == LineStyle::kLinesPoints;
+    plots << "$curve" << i << " with " << (points ? "linespoints pointtype 7 pointsize " : "lines")
+          << (points ? sim::number_text(0.4 + 0.25 * curve.width) : "") << " linewidth "
+          << sim::number_text(curve.width) << " linecolor '"
           << palette_colour(static_cast<std::size_t>(curve.colour)) << "' dashtype "
-          << (curve.style == LineStyle::kDashed ? "(9,5)" : "1") << " title " << quoted(curve.label) << ", ";
+          << (curve.style == LineStyle::kDashed ? "(9,5)" : "1")
+          << (curve.label.empty() ? std::string(" notitle") : " title " + quoted(curve.label)) << ", ";
   }
   const std::string text = plots.str();
   return "plot " + text.substr(0, text.size() - 2) + "\n";
@@ -94,7 +112,8 @@ std::string plot_command(const PlaneFigure& figure) {
 
 void draw(const PlaneFigure& figure, const std::filesystem::path& without_extension) {
   const View view = view_of(figure);
-  const int page_px = kPlaneHead_px + view.height_px + kFoot_px;
+  const int head_px = kPlaneHead_px + (key_rows(figure) - 1) * kKeyRow_px;
+  const int page_px = head_px + view.height_px + kFoot_px;
   const auto from_top = [&](int px) { return sim::number_text(1.0 - static_cast<double>(px) / page_px); };
   const auto from_left = [](int px) { return sim::number_text(static_cast<double>(px) / kWidth_px); };
   std::ostringstream out;
@@ -108,8 +127,8 @@ void draw(const PlaneFigure& figure, const std::filesystem::path& without_extens
   }
   out << axes_style() << "set key horizontal right bottom at graph 1,1.01 samplen 2 textcolor '#303030'\n"
       << "set lmargin at screen " << from_left(kLeft_px) << "\nset rmargin at screen "
-      << from_left(kWidth_px - kRight_px) << "\nset tmargin at screen " << from_top(kPlaneHead_px)
-      << "\nset bmargin at screen " << from_top(kPlaneHead_px + view.height_px) << "\nset xrange "
+      << from_left(kWidth_px - kRight_px) << "\nset tmargin at screen " << from_top(head_px)
+      << "\nset bmargin at screen " << from_top(head_px + view.height_px) << "\nset xrange "
       << range(view.x_low, view.x_high) << "\nset yrange " << range(view.y_low, view.y_high)
       << "\nset xlabel " << quoted(figure.x_label) << "\nset ylabel " << quoted(figure.y_label)
       << "\nset label " << quoted(figure.title) << " at screen " << from_left(kLeft_px) << ", screen "

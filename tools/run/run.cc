@@ -73,10 +73,10 @@ Ending play(Simulation& simulation, RunRecorder& recorder, LiveLink& live,
 }
 
 void draw_figures(const Simulation& simulation, const std::filesystem::path& folder) {
-  draw_run_figures(simulation.played(), folder);
-  if (const GaitPlan* plan = simulation.gait_plan()) {
-    draw_walk_figures(folder, simulation.robot(), plan->cycle_s());
-  }
+  const sim::Scenario played = simulation.played();
+  draw_run_figures(played, folder);
+  const GaitPlan* plan = simulation.gait_plan();
+  draw_walk_figures(folder, simulation.robot(), plan ? plan->cycle_s() : commanded_cycle_s(played));
 }
 
 void tell_ending(const Ending& ending, const Simulation& simulation, EventLog& events, bool is_live) {

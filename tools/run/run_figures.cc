@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
+#include "firmware/app/behaviour.h"
 #include "sim_board/input/user_units.h"
+#include "tools/plot/columns.h"
+#include "tools/plot/legend.h"
 
 namespace koboshi::tools {
 namespace {
@@ -43,52 +47,64 @@ std::vector<Mark> marks_of(const sim::Scenario& scenario) {
   return marks;
 }
 
-Figure body_figure(const sim::Scenario& scenario) {
-  return {
-      .title = "Trunk and feet",
-      .panels = {{.y_label = "height of trunk [mm]",
-                  .series = {{.column = "pose_base_z_m",
-                              .label = "of the pose",
-                              .style = LineStyle::kDashed,
-                              .factor = sim::kMmPerM},
-                             {.column = "true_base_z_m", .label = "true", .factor = sim::kMmPerM}},
-                  .smallest_span = 10.0},
-                 {.y_label = "pitch [deg]",
-                  .series = {{.column = "imu_pitch_rad",
-                              .label = "inclination sensor",
-                              .factor = sim::kDegreesPerRad},
-                             {.column = "true_pitch_rad", .label = "true", .factor = sim::kDegreesPerRad}},
-                  .smallest_span = 2.0},
-                 {.y_label = "load of foot [N]",
-                  .series = {{.column = "true_left_load_N", .label = "left, true"},
-                             {.column = "true_right_load_N", .label = "right, true"}},
-                  .smallest_span = 2.0},
-                 {.y_label = "slip of foot [mm]",
-                  .series = {{.column = "true_left_slip_m", .label = "left", .factor = sim::kMmPerM},
-                             {.column = "true_right_slip_m", .label = "right", .factor = sim::kMmPerM}},
-                  .smallest_span = 0.1}},
-      .marks = marks_of(scenario)};
+// When the controller has heard all drives: before, targets and estimates are zero or still settle.
+double begin_s(const std::filesystem::path& trace) {
+  const std::vector<std::string> names{"time_s", "state"};
+  const Columns columns = read_columns(trace, names);
+  const std::vector<double>& states = columns.at("state");
+  const auto begun = std::ranges::find_if(
+      states, [](double state) { return state != static_cast<double>(app::State::kBoot); });
+  return begun == states.end() ? 0.0 : columns.at("time_s")[static_cast<std::size_t>(begun - states.begin())];
 }
 
-Panel joint_panel(const std::string& joint, const std::string& name) {
-  return {.y_label = name + " [deg]",
-          .series = {{.column = joint + "_target_rad",
-                      .label = "target",
-                      .style = LineStyle::kDashed,
-                      .factor = sim::kDegreesPerRad},
-                     {.column = joint + "_true_rad", .label = "true", .factor = sim::kDegreesPerRad}},
-          .smallest_span = 2.0};
+Series from(double begin_s, Series series) {
+  series.from_x = begin_s;
+  return series;
+}
+
+Figure body_figure(const sim::Scenario& scenario, double begin_s) {
+  using enum Role;
+  return {.title = "Trunk and feet",
+          .panels = {{.y_label = "height of trunk [mm]",
+                      .series = {from(begin_s, series(kPlanned, "pose_base_z_m", "of the commanded pose",
+                                                      sim::kMmPerM)),
+                                 series(kTrue, "true_base_z_m", "true", sim::kMmPerM)},
+                      .smallest_span = 10.0},
+                     {.y_label = "pitch [deg]",
+                      .series = {from(begin_s,
+                                      series(kMeasured, "imu_pitch_rad", "estimated", sim::kDegreesPerRad)),
+                                 series(kTrue, "true_pitch_rad", "true", sim::kDegreesPerRad)},
+                      .smallest_span = 2.0},
+                     {.y_label = "load of foot [N]",
+                      .series = {series(kLeft, "true_left_load_N", "left, true"),
+                                 series(kRight, "true_right_load_N", "right, true")},
+                      .smallest_span = 2.0},
+                     {.y_label = "slip of foot [mm]",
+                      .series = {series(kLeft, "true_left_slip_m", "left, true", sim::kMmPerM),
+                                 series(kRight, "true_right_slip_m", "right, true", sim::kMmPerM)},
+                      .smallest_span = 0.1}},
+          .marks = marks_of(scenario)};
+}
+
+Panel joint_panel(const std::string& joint, const std::string& name, double begin_s) {
+  return {
+      .y_label = name + " [deg]",
+      .series = {from(begin_s, series(Role::kPlanned, joint + "_target_rad", "target", sim::kDegreesPerRad)),
+                 series(Role::kTrue, joint + "_true_rad", "true", sim::kDegreesPerRad)},
+      .smallest_span = 2.0};
 }
 
 }  // namespace
 
 void draw_run_figures(const sim::Scenario& scenario, const std::filesystem::path& folder) {
   const std::filesystem::path trace = folder / "trace.csv";
-  draw(body_figure(scenario), trace, folder / "body");
-  const Figure legs{.title = "Left leg",
-                    .panels = {joint_panel("left_hip_pitch", "hip pitch"), joint_panel("left_knee", "knee"),
-                               joint_panel("left_ankle_pitch", "ankle pitch")},
-                    .marks = marks_of(scenario)};
+  const double begin = begin_s(trace);
+  draw(body_figure(scenario, begin), trace, folder / "body");
+  const Figure legs{
+      .title = "Left leg",
+      .panels = {joint_panel("left_hip_pitch", "hip pitch", begin), joint_panel("left_knee", "knee", begin),
+                 joint_panel("left_ankle_pitch", "ankle pitch", begin)},
+      .marks = marks_of(scenario)};
   draw(legs, trace, folder / "legs");
 }
 

@@ -1,14 +1,21 @@
 #include "tools/run/walk_figures.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "firmware/app/behaviour.h"
+#include "firmware/walk/gait.h"
 #include "sim_board/input/user_units.h"
 #include "sim_board/world/foot.h"
 #include "sim_board/world/support_polygon.h"
 #include "tools/plot/columns.h"
+#include "tools/plot/legend.h"
 
 namespace koboshi::tools {
 namespace {
@@ -18,7 +25,9 @@ constexpr double kLongWalk = 6.0;  // cycles
 constexpr double kStance_s = 0.05;
 constexpr double kWordFromHeel_m = 0.012;
 
-enum Colour { kBlue = 0, kOrange = 1, kBlack = 6, kGrey = 7 };  // of the palette
+constexpr double kLeastLoadShare = 0.1;  // of the weight, with which a ZMP means something
+constexpr double kGravity_m_per_s2 = 9.80665;
+constexpr int kOutlineColour = 7;
 
 // A stretch of rows.
 struct Rows {
@@ -69,34 +78,40 @@ void add_footprints(PlaneFigure& figure, const Columns& trace, const sim::Foot& 
       const Eigen::Vector2d at_mm = sim::kMmPerM * (p_W_m * (yaw * p_S_m));
       return Point{at_mm.x(), at_mm.y()};
     };
-    Outline footprint{.colour = kGrey, .word = side, .word_at = place(word_S_m)};
+    Outline footprint{.colour = kOutlineColour, .word = side, .word_at = place(word_S_m)};
     for (const Eigen::Vector2d& corner_m : outline_m) footprint.corners.push_back(place(corner_m));
     figure.outlines.push_back(footprint);
   }
 }
 
-std::vector<Point> path_mm(const Columns& trace, const std::string& name, Rows shown) {
+// Only where the feet carry at least this much.
+std::vector<Point> path_mm(const Columns& trace, const std::string& name, Rows shown,
+                           const std::vector<std::string>& loads = {}, double least_N = 0.0) {
   std::vector<Point> points;
   for (std::size_t row = shown.begin; row < shown.end; ++row) {
-    points.push_back(
-        {sim::kMmPerM * trace.at(name + "_x_m")[row], sim::kMmPerM * trace.at(name + "_y_m")[row]});
+    double load_N = 0.0;
+    for (const std::string& load : loads) load_N += trace.at(load)[row];
+    const double nothing = std::numeric_limits<double>::quiet_NaN();
+    const double factor = load_N >= least_N ? sim::kMmPerM : nothing;
+    points.push_back({factor * trace.at(name + "_x_m")[row], factor * trace.at(name + "_y_m")[row]});
   }
   return points;
 }
 
+void add_path(PlaneFigure& figure, Role role, const std::string& label, std::vector<Point> points) {
+  if (std::ranges::all_of(points, [](const Point& point) { return std::isnan(point.x); })) return;
+  const double width = role == Role::kTrue ? 1.0 : 1.8;
+  figure.curves.push_back({label, std::move(points), style_of(role), colour_of(role), width});
+}
+
 Panel both_legs_panel(const std::string& joint, const std::string& name) {
   Panel panel{.y_label = name + " [deg]", .smallest_span = 2.0};
-  for (const auto& [side, colour] : {std::pair("left", kBlue), std::pair("right", kOrange)}) {
+  for (const auto& [side, role] : {std::pair("left", Role::kLeft), std::pair("right", Role::kRight)}) {
     const std::string column = std::string(side) + "_" + joint;
-    panel.series.push_back({.column = column + "_target_rad",
-                            .label = std::string(side) + ", target",
-                            .style = LineStyle::kDashed,
-                            .colour = colour,
-                            .factor = sim::kDegreesPerRad});
-    panel.series.push_back({.column = column + "_true_rad",
-                            .label = std::string(side) + ", true",
-                            .colour = colour,
-                            .factor = sim::kDegreesPerRad});
+    panel.series.push_back(
+        planned_series(role, column + "_target_rad", std::string(side) + ", target", sim::kDegreesPerRad));
+    panel.series.push_back(
+        series(role, column + "_true_rad", std::string(side) + ", true", sim::kDegreesPerRad));
   }
   return panel;
 }
@@ -104,9 +119,30 @@ Panel both_legs_panel(const std::string& joint, const std::string& name) {
 Panel attitude_panel(const std::string& y_label, const std::string& told, const std::string& told_label,
                      const std::string& truth) {
   return {.y_label = y_label,
-          .series = {{.column = truth, .label = "true", .colour = kBlack, .factor = sim::kDegreesPerRad},
-                     {.column = told, .label = told_label, .colour = kBlue, .factor = sim::kDegreesPerRad}},
+          .series = {series(Role::kTrue, truth, "true", sim::kDegreesPerRad),
+                     series(Role::kMeasured, told, told_label, sim::kDegreesPerRad)},
           .smallest_span = 2.0};
+}
+
+// Why the estimate stands beside the truth: the accelerometer's bias, which at rest cannot be told from a
+// tilt.
+std::string offset_note(const std::filesystem::path& trace, Span time_s) {
+  const std::vector<std::string> names{"time_s", "imu_roll_rad", "true_roll_rad", "imu_pitch_rad",
+                                       "true_pitch_rad"};
+  const Columns columns = read_columns(trace, names);
+  const Rows shown = rows_within(columns.at("time_s"), time_s);
+  const auto mean_deg = [&](const std::string& angle) {
+    double sum_rad = 0.0;
+    for (std::size_t row = shown.begin; row < shown.end; ++row) {
+      sum_rad += columns.at("imu_" + angle + "_rad")[row] - columns.at("true_" + angle + "_rad")[row];
+    }
+    return sum_rad / static_cast<double>(shown.end - shown.begin) * sim::kDegreesPerRad;
+  };
+  return fmt::format(
+      "Estimated less true, on average: roll {:+.1f} deg, pitch {:+.1f} deg. A constant part is the "
+      "accelerometer's "
+      "bias, drawn by the seed (sensors.md).",
+      mean_deg("roll"), mean_deg("pitch"));
 }
 
 Figure joints_figure(Span time_s) {
@@ -117,8 +153,9 @@ Figure joints_figure(Span time_s) {
           .x_span = time_s};
 }
 
-Figure attitude_figure(Span time_s) {
+Figure attitude_figure(const std::filesystem::path& trace, Span time_s) {
   return {.title = "Attitude of the trunk while walking",
+          .note = offset_note(trace, time_s),
           .panels = {attitude_panel("roll [deg]", "imu_roll_rad", "estimated", "true_roll_rad"),
                      attitude_panel("pitch [deg]", "imu_pitch_rad", "estimated", "true_pitch_rad"),
                      attitude_panel("roll rate [deg/s]", "gyro_x_rad_per_s", "filtered gyro",
@@ -131,19 +168,32 @@ Figure attitude_figure(Span time_s) {
 }  // namespace
 
 std::optional<Span> walk_to_show(const std::filesystem::path& trace, double cycle_s) {
-  const std::vector<std::string> names{"time_s", "planned_zmp_x_m"};
+  const std::vector<std::string> names{"time_s", "state", "planned_zmp_x_m"};
   const Columns columns = read_columns(trace, names);
   const std::vector<double>& times_s = columns.at("time_s");
-  const std::vector<double>& planned_m = columns.at("planned_zmp_x_m");
+  std::optional<Span> longest;
   std::optional<Span> walk;
   for (std::size_t row = 0; row < times_s.size(); ++row) {
-    if (std::isnan(planned_m[row])) continue;
+    const bool at_velocity = columns.at("state")[row] == static_cast<double>(app::State::kWalking);
+    if (!at_velocity && std::isnan(columns.at("planned_zmp_x_m")[row])) {
+      walk.reset();
+      continue;
+    }
     if (!walk) walk = Span{times_s[row], times_s[row]};
     walk->high = times_s[row];
+    if (!longest || walk->high - walk->low > longest->high - longest->low) longest = walk;
   }
-  if (!walk || walk->high - walk->low < kLongWalk * cycle_s) return walk;
-  const double middle_s = 0.5 * (walk->low + walk->high);
+  if (!longest || longest->high - longest->low < kLongWalk * cycle_s) return longest;
+  const double middle_s = 0.5 * (longest->low + longest->high);
   return Span{middle_s, middle_s + kShownCycles * cycle_s};
+}
+
+double commanded_cycle_s(const sim::Scenario& scenario) {
+  double step_ms = walk::WalkParameters{}.step.time_ms;
+  for (const sim::ParameterSetting& parameter : scenario.parameters) {
+    if (parameter.name.text == "step_time_ms") step_ms = parameter.value;
+  }
+  return 2.0 * 1e-3 * step_ms;
 }
 
 PlaneFigure zmp_figure(const std::filesystem::path& trace, const sim::RobotDescription& robot, Span time_s) {
@@ -152,6 +202,7 @@ PlaneFigure zmp_figure(const std::filesystem::path& trace, const sim::RobotDescr
     for (const char* axis : {"_x_m", "_y_m"}) names.push_back(std::string(path) + axis);
   }
   for (const std::string side : {"left", "right"}) {
+    names.push_back(side + "_load_N");
     names.push_back("true_" + side + "_load_N");
     for (const char* of_sole : {"x_m", "y_m", "yaw_rad"})
       names.push_back("true_" + side + "_sole_" + of_sole);
@@ -159,13 +210,18 @@ PlaneFigure zmp_figure(const std::filesystem::path& trace, const sim::RobotDescr
   const Columns columns = read_columns(trace, names);
   const Rows shown = rows_within(columns.at("time_s"), time_s);
   PlaneFigure figure{
-      .title = "ZMP over the footprints", .x_label = "x, ahead [mm]", .y_label = "y, left [mm]"};
+      .title = fmt::format("ZMP over the footprints, {:.1f} s to {:.1f} s", time_s.low, time_s.high),
+      .x_label = "x, ahead [mm]",
+      .y_label = "y, left [mm]"};
   const auto feet = sim::feet_of(robot);
   if (feet[0]) add_footprints(figure, columns, *feet[0], "left", shown);
   if (feet[1]) add_footprints(figure, columns, *feet[1], "right", shown);
-  figure.curves = {{"true", path_mm(columns, "true_zmp", shown), LineStyle::kSolid, kBlack, 1.0},
-                   {"measured", path_mm(columns, "zmp", shown), LineStyle::kSolid, kBlue},
-                   {"planned", path_mm(columns, "planned_zmp", shown), LineStyle::kDashed, kOrange}};
+  const double least_N = kLeastLoadShare * robot.total_mass_kg() * kGravity_m_per_s2;
+  add_path(figure, Role::kTrue, "true",
+           path_mm(columns, "true_zmp", shown, {"true_left_load_N", "true_right_load_N"}, least_N));
+  add_path(figure, Role::kMeasured, "measured",
+           path_mm(columns, "zmp", shown, {"left_load_N", "right_load_N"}, least_N));
+  add_path(figure, Role::kPlanned, "planned", path_mm(columns, "planned_zmp", shown));
   return figure;
 }
 
@@ -176,7 +232,7 @@ void draw_walk_figures(const std::filesystem::path& folder, const sim::RobotDesc
   if (!time_s) return;
   draw(zmp_figure(trace, robot, *time_s), folder / "zmp");
   draw(joints_figure(*time_s), trace, folder / "joints");
-  draw(attitude_figure(*time_s), trace, folder / "attitude");
+  draw(attitude_figure(trace, *time_s), trace, folder / "attitude");
 }
 
 }  // namespace koboshi::tools

@@ -11,6 +11,7 @@
 #include "sim_board/input/user_units.h"
 #include "sim_board/servo/dry_friction.h"
 #include "tools/plot/figure.h"
+#include "tools/plot/legend.h"
 #include "tools/servo/rig.h"
 #include "tools/servo/table.h"
 
@@ -47,41 +48,60 @@ class ServoFigures {
   void finish(const std::string& what, const Table& table, Figure figure) {
     const std::filesystem::path csv = folder_ / (what + ".csv");
     table.write(csv);
-    figure.title = name_ + ": " + figure.title;
+    figure.title = fmt::format("{} at {:.3g} V: {}", name_, servo_.supply_V, figure.title);
     draw(figure, csv, folder_ / what);
   }
 
   void draw_torque_speed() {
     constexpr int kLoads = 40;
     constexpr int kSettle_ms = 800;
+    constexpr int kHalvings = 8;
     Table table(
         {"load_Nm", "speed_rad_per_s", "ideal_rad_per_s", "current_A", "electrical_W", "mechanical_W"});
-    for (int i = 0; i <= kLoads; ++i) {
-      const double load_Nm = stall_Nm() * i / kLoads;
+    // Its speed, after a start without load; nothing once the load stops it or drives it back.
+    double last_Nm = 0.0;
+    const auto add = [&](double load_Nm) {
       ServoRig rig(servo_, {.inertia_kg_m2 = inertia_kg_m2()});
       // Up to speed first, then under load: what a servo can carry on with, not what it can start.
       for (int ms = 0; ms < kSettle_ms; ++ms) rig.drive_fully(0.0);
       for (int ms = 0; ms < kSettle_ms && rig.speed_rad_per_s() > 0.0; ++ms) rig.drive_fully(-load_Nm);
-      if (rig.speed_rad_per_s() <= 1e-6) break;  // from here on the load drives it back, or it sticks
+      if (rig.speed_rad_per_s() <= 1e-6) return false;
       const double current_A = rig.servo().current_A();
       const double voltage_V = rig.servo().winding().resistance_ohm() * current_A +
                                servo_.torque_constant_Nm_per_A * rig.speed_rad_per_s();
       table.add({load_Nm, rig.speed_rad_per_s(), no_load_rad_per_s() * (1.0 - load_Nm / ideal_stall_Nm()),
                  current_A, voltage_V * current_A, load_Nm * rig.speed_rad_per_s()});
+      last_Nm = load_Nm;
+      return true;
+    };
+    double stopped_Nm = stall_Nm();
+    for (int i = 0; i <= kLoads; ++i) {
+      const double load_Nm = stall_Nm() * i / kLoads;
+      if (add(load_Nm)) continue;
+      stopped_Nm = load_Nm;
+      break;
     }
-    finish("torque_speed", table,
-           {.title = "what it drives, at its whole duty",
-            .panels = {{.y_label = "speed [rad/s]",
-                        .series = {{.column = "speed_rad_per_s", .label = "simulated"},
-                                   {.column = "ideal_rad_per_s",
-                                    .label = "motor without friction or limits",
-                                    .style = LineStyle::kDashed}}},
-                       {.y_label = "current [A]", .series = {{.column = "current_A"}}},
-                       {.y_label = "power [W]",
-                        .series = {{.column = "electrical_W", .label = "taken"},
-                                   {.column = "mechanical_W", .label = "given to the load"}}}},
-            .x_column = "load_Nm",
-            .x_label = "load [N m]"});
+    // The stall point lies between the last two loads.
+    for (int i = 0; i < kHalvings && stopped_Nm > last_Nm; ++i) {
+      const double middle_Nm = 0.5 * (last_Nm + stopped_Nm);
+      if (!add(middle_Nm)) stopped_Nm = middle_Nm;
+    }
+    finish(
+        "torque_speed", table,
+        {.title = "speed over load, at the full duty",
+         .panels = {{.y_label = "speed [rad/s]",
+                     .series = {series(Role::kTheory, "ideal_rad_per_s", "motor without friction or limits"),
+                                series(Role::kTrue, "speed_rad_per_s", "simulated")}},
+                    {.y_label = "current [A]", .series = {series(Role::kTrue, "current_A", "")}},
+                    {.y_label = "power [W]",
+                     .series = {series(Role::kFirst, "electrical_W", "taken"),
+                                series(Role::kSecond, "mechanical_W", "given to the load")}}},
+         .marks = {{last_Nm, fmt::format("stall, simulated: {:.3g} N m", last_Nm)},
+                   {ideal_stall_Nm(),
+                    fmt::format("stall of the motor: {:.3g} N m, {:.3g} A", ideal_stall_Nm(),
+                                servo_.max_duty * servo_.supply_V / servo_.resistance_ohm)}},
+         .x_column = "load_Nm",
+         .x_label = "load [N m]"});
   }
   double ideal_stall_Nm() const {
     return servo_.torque_constant_Nm_per_A * servo_.max_duty * servo_.supply_V / servo_.resistance_ohm;
@@ -104,24 +124,18 @@ class ServoFigures {
       table.add({time_s, target, position_rad, target - position_rad, speed_rad_per_s, motor_Nm, output_Nm,
                  friction_.bound_Nm(motor_Nm, -output_Nm, speed_rad_per_s)});
     }
-    finish(
-        what, table,
-        {.title = title,
-         .panels = {
-             {.y_label = "angle [deg]",
-              .series = {{.column = "target_rad",
-                          .label = "target",
-                          .style = LineStyle::kDashed,
-                          .factor = sim::kDegreesPerRad},
-                         {.column = "position_rad", .label = "shaft", .factor = sim::kDegreesPerRad}}},
-             {.y_label = "error [deg]", .series = {{.column = "error_rad", .factor = sim::kDegreesPerRad}}},
-             {.y_label = "speed [rad/s]", .series = {{.column = "speed_rad_per_s"}}},
-             {.y_label = "torque [N m]",
-              .series = {{.column = "motor_Nm", .label = "motor"},
-                         {.column = "output_Nm", .label = "on the arm"},
-                         {.column = "friction_Nm",
-                          .label = "bound of dry friction",
-                          .style = LineStyle::kDashed}}}}});
+    finish(what, table,
+           {.title = title,
+            .panels = {{.y_label = "angle [deg]",
+                        .series = {series(Role::kPlanned, "target_rad", "target", sim::kDegreesPerRad),
+                                   series(Role::kTrue, "position_rad", "shaft", sim::kDegreesPerRad)}},
+                       {.y_label = "error [deg]",
+                        .series = {{.column = "error_rad", .factor = sim::kDegreesPerRad}}},
+                       {.y_label = "speed [rad/s]", .series = {{.column = "speed_rad_per_s"}}},
+                       {.y_label = "torque [N m]",
+                        .series = {series(Role::kFirst, "motor_Nm", "motor"),
+                                   series(Role::kSecond, "output_Nm", "on the arm"),
+                                   series(Role::kTheory, "friction_Nm", "bound of dry friction")}}}});
   }
 
   void draw_step() {
@@ -196,11 +210,9 @@ class ServoFigures {
                                    {.column = "moving_Nm", .label = "at half its no-load speed"}},
                         .smallest_span = 2.0 * servo_.coulomb_friction_Nm},
                        {.y_label = "load [N m]",
-                        .series = {{.column = "driven_back_Nm", .label = "just drives it back"},
-                                   {.column = "balance_Nm",
-                                    .label = "balances the motor",
-                                    .style = LineStyle::kDashed},
-                                   {.column = "lifts_Nm", .label = "is just lifted"}}}},
+                        .series = {series(Role::kFirst, "driven_back_Nm", "just drives it back"),
+                                   series(Role::kTheory, "balance_Nm", "balances the motor"),
+                                   series(Role::kSecond, "lifts_Nm", "is just lifted")}}},
             .x_column = "motor_Nm",
             .x_label = "torque of the motor [N m]"});
   }
@@ -217,17 +229,13 @@ class ServoFigures {
       rig.drive_to(0.0, outer_Nm);
       table.add({outer_Nm, rig.position_rad(), rig.position_rad() + rig.servo().backlash().lead_rad()});
     }
-    finish(
-        "backlash", table,
-        {.title = "holding its position under a torque from outside",
-         .panels = {{.y_label = "angle [deg]",
-                     .series = {{.column = "position_rad", .label = "shaft", .factor = sim::kDegreesPerRad},
-                                {.column = "rotor_rad",
-                                 .label = "rotor, geared",
-                                 .style = LineStyle::kDashed,
-                                 .factor = sim::kDegreesPerRad}}}},
-         .x_column = "outer_Nm",
-         .x_label = "torque from outside [N m]"});
+    finish("backlash", table,
+           {.title = "holding its position under a torque from outside",
+            .panels = {{.y_label = "angle [deg]",
+                        .series = {series(Role::kTrue, "position_rad", "shaft", sim::kDegreesPerRad),
+                                   series(Role::kFirst, "rotor_rad", "rotor, geared", sim::kDegreesPerRad)}}},
+            .x_column = "outer_Nm",
+            .x_label = "torque from outside [N m]"});
   }
 
   std::string name_;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sim_board/engine/make_world.h"
+#include "tools/plot/legend.h"
 #include "tools/validate/rigs.h"
 
 namespace koboshi::tools {
@@ -104,13 +105,10 @@ void check_bounces(const ValidationSetup& setup, Findings& findings) {
            "Heights shrink by e^2 = 0.49 from bounce to bounce; the curves lie on each other but for the "
            "step by which each impact is late.",
        .columns = {{"time_s", trace.time_s}, {"simulated_m", trace.height_m}, {"theory_m", ideal_m}},
-       .figure = {
-           .title = "A cube dropped from 0.5 m, restitution 0.7",
-           .panels = {
-               {.y_label = "height [m]",
-                .series = {
-                    {.column = "simulated_m", .label = "simulated"},
-                    {.column = "theory_m", .label = "theory", .style = LineStyle::kDashed, .colour = 1}}}}}});
+       .figure = {.title = "A cube dropped from 0.5 m, restitution 0.7",
+                  .panels = {{.y_label = "height [m]",
+                              .series = {series(Role::kTrue, "simulated_m", "simulated"),
+                                         series(Role::kTheory, "theory_m", "theory")}}}}});
 }
 
 // A rod at an angle, let fall without friction onto the edge of its lower end.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tools/plot/legend.h"
 #include "tools/validate/rigs.h"
 
 namespace koboshi::tools {
@@ -96,12 +97,9 @@ void check_loop(const ValidationSetup& setup, Findings& findings) {
                    {"lower_Nm", lower}},
        .figure = {.title = "Hysteresis of dry friction, Kc = 0.0275 N m",
                   .panels = {{.y_label = "drive torque [N m]",
-                              .series = {{.column = "torque_Nm", .label = "simulated"},
-                                         {.column = "upper_Nm",
-                                          .label = "m g r sin q +- Kc",
-                                          .style = LineStyle::kDashed,
-                                          .colour = 1},
-                                         {.column = "lower_Nm", .style = LineStyle::kDashed, .colour = 1}}}},
+                              .series = {series(Role::kTrue, "torque_Nm", "simulated"),
+                                         series(Role::kTheory, "upper_Nm", "m g r sin q +- Kc"),
+                                         series(Role::kTheory, "lower_Nm", "")}}},
                   .x_column = "position_rad",
                   .x_label = "joint angle [rad]"}});
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "sim_board/world/ground_truth.h"
+#include "tools/plot/legend.h"
 #include "tools/validate/pendulum_theory.h"
 #include "tools/validate/runge_kutta.h"
 
@@ -144,17 +145,13 @@ void check_double(const ValidationSetup& setup, Findings& findings) {
                    {"upper_theory_rad", upper_theory_rad},
                    {"lower_theory_rad", lower_theory_rad},
                    {"energy_error_mJ", off_mJ}},
-       .figure = {
-           .title = "Double pendulum, let go at 1.2 and 0.6 rad",
-           .panels = {{.y_label = "joint angle [rad]",
-                       .series = {{.column = "upper_rad", .label = "upper"},
-                                  {.column = "lower_rad", .label = "lower"},
-                                  {.column = "upper_theory_rad",
-                                   .label = "Runge-Kutta",
-                                   .style = LineStyle::kDashed,
-                                   .colour = 6},
-                                  {.column = "lower_theory_rad", .style = LineStyle::kDashed, .colour = 6}}},
-                      {.y_label = "energy error [mJ]", .series = {{.column = "energy_error_mJ"}}}}}});
+       .figure = {.title = "Double pendulum, let go at 1.2 and 0.6 rad",
+                  .panels = {{.y_label = "joint angle [rad]",
+                              .series = {series(Role::kFirst, "upper_rad", "upper, simulated"),
+                                         series(Role::kSecond, "lower_rad", "lower, simulated"),
+                                         series(Role::kTheory, "upper_theory_rad", "Runge-Kutta"),
+                                         series(Role::kTheory, "lower_theory_rad", "")}},
+                             {.y_label = "energy error [mJ]", .series = {{.column = "energy_error_mJ"}}}}}});
 }
 
 Findings run_pendulum_swing(const ValidationSetup& setup) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tools/plot/legend.h"
 #include "tools/validate/servo_trial.h"
 
 namespace koboshi::tools {
@@ -67,12 +68,9 @@ Plot motion_figure(const std::string& name, const std::string& title, const std:
                       {"error_mrad", error_mrad}},
           .figure = {.title = title,
                      .panels = {{.y_label = "position [rad]",
-                                 .series = {{.column = "target_rad", .label = "target", .colour = 7},
-                                            {.column = "simulated_rad", .label = "simulated", .colour = 0},
-                                            {.column = "reference_rad",
-                                             .label = "Runge-Kutta",
-                                             .style = LineStyle::kDashed,
-                                             .colour = 1}}},
+                                 .series = {series(Role::kPlanned, "target_rad", "target"),
+                                            series(Role::kTrue, "simulated_rad", "simulated"),
+                                            series(Role::kTheory, "reference_rad", "Runge-Kutta")}},
                                 {.y_label = "error [mrad]", .series = {{.column = "error_mrad"}}}}}};
 }
 
@@ -83,11 +81,11 @@ void check_line(const ValidationSetup& setup, Findings& findings) {
             .columns = {{"load_Nm", {}}, {"simulated", {}}, {"theory", {}}},
             .figure = {.title = "Torque-speed line of the servo, full supply",
                        .panels = {{.y_label = "steady speed [rad/s]",
-                                   .series = {{.column = "theory", .label = "theory", .colour = 1},
+                                   .series = {series(Role::kTheory, "theory", "theory"),
                                               {.column = "simulated",
                                                .label = "simulated",
                                                .style = LineStyle::kPoints,
-                                               .colour = 0}}}},
+                                               .colour = colour_of(Role::kTrue)}}}},
                        .x_column = "load_Nm",
                        .x_label = "load against the motion [N m]"}};
   for (const double load_Nm : {0.0, 0.3, 0.6, 0.9, 1.2}) {

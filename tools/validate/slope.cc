@@ -1,11 +1,13 @@
 #include "tools/validate/slope.h"
 
 #include <fmt/core.h>
+#include <array>
 
 #include <algorithm>
 #include <cmath>
 
 #include "sim_board/engine/make_world.h"
+#include "tools/plot/legend.h"
 #include "tools/validate/rigs.h"
 
 namespace koboshi::tools {
@@ -63,7 +65,8 @@ Plot sliding_figure(const ValidationSetup& setup) {
       .columns = {{"time_s", {}}},
       .figure = {.title = "A box on a slope, mu = 0.5",
                  .panels = {{.y_label = "speed down the slope [m/s]"}}}};
-  int colour = 0;
+  std::size_t number = 0;
+  constexpr std::array kRoles{Role::kTrue, Role::kFirst, Role::kSecond};
   for (const double part : {0.95, 1.2, 2.0}) {
     const double slope_rad = std::atan(part * kFriction);
     const auto world = box_on(slope_rad, setup);
@@ -80,13 +83,11 @@ Plot sliding_figure(const ValidationSetup& setup) {
     const std::string name = fmt::format("tan_a_{}_mu", part);
     plot.columns.emplace_back(name, simulated);
     plot.columns.emplace_back(name + "_theory", theory);
+    plot.figure.panels[0].series.push_back({.column = name,
+                                            .label = fmt::format("tan a = {} mu", part),
+                                            .colour = colour_of(kRoles.at(number++))});
     plot.figure.panels[0].series.push_back(
-        {.column = name, .label = fmt::format("tan a = {} mu", part), .colour = colour});
-    plot.figure.panels[0].series.push_back({.column = name + "_theory",
-                                            .label = part == 2.0 ? "theory" : "",
-                                            .style = LineStyle::kDashed,
-                                            .colour = 6});
-    ++colour;
+        series(Role::kTheory, name + "_theory", part == 2.0 ? "theory" : ""));
   }
   return plot;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sim_board/engine/make_world.h"
+#include "tools/plot/legend.h"
 #include "tools/validate/free_body.h"
 #include "tools/validate/rigs.h"
 #include "tools/validate/runge_kutta.h"
@@ -144,13 +145,10 @@ void check_flips(const ValidationSetup& setup, Findings& findings) {
            "the energy and momentum that a step of 1 ms has lost and gained tell, and it flips sooner each "
            "time.",
        .columns = {{"time_s", time_s}, {"simulated", simulated}, {"theory", exact}},
-       .figure = {
-           .title = "Rotation about the intermediate axis, moments of inertia 1 : 2 : 3",
-           .panels = {
-               {.y_label = "rate about the axis [rad/s]",
-                .series = {
-                    {.column = "simulated", .label = "simulated"},
-                    {.column = "theory", .label = "theory", .style = LineStyle::kDashed, .colour = 1}}}}}});
+       .figure = {.title = "Rotation about the intermediate axis, moments of inertia 1 : 2 : 3",
+                  .panels = {{.y_label = "rate about the axis [rad/s]",
+                              .series = {series(Role::kTrue, "simulated", "simulated"),
+                                         series(Role::kTheory, "theory", "theory")}}}}});
 }
 
 // Small deviations from rotation about a stable axis go round an ellipse; the largest seen is its longer

@@ -8,6 +8,7 @@
 #include "sim_board/sensor/ankle_zmp.h"
 #include "sim_board/world/foot.h"
 #include "sim_board/world/ground_truth.h"
+#include "tools/plot/legend.h"
 #include "tools/run/simulation.h"
 #include "tools/run/statistics.h"
 #include "tools/validate/inertial_zmp.h"
@@ -132,22 +133,17 @@ Plot figure(const Comparison& comparison) {
           "and "
           "nearly nothing between contact forces and the motion of all links.",
       .columns = comparison.columns(),
-      .figure = {.title = "ZMP of the robot in squats, forward",
-                 .panels = {{.y_label = "ZMP x [mm]",
-                             .series = {{.column = "sensors_x_mm", .label = "ankle sensors", .colour = 4},
-                                        {.column = "contacts_x_mm", .label = "contact forces", .colour = 0},
-                                        {.column = "inertial_x_mm",
-                                         .label = "motion of all links",
-                                         .style = LineStyle::kDashed,
-                                         .colour = 1}}},
-                            {.y_label = "against contact forces [um]",
-                             .series = {{.column = "resolution_error_um",
-                                         .label = "sensors without noise and bias",
-                                         .colour = 4},
-                                        {.column = "inertial_error_um",
-                                         .label = "motion of all links",
-                                         .colour = 1}}}},
-                 .x_span = kShown_s}};
+      .figure = {
+          .title = "ZMP of the robot in squats, forward",
+          .panels = {{.y_label = "ZMP x [mm]",
+                      .series = {series(Role::kMeasured, "sensors_x_mm", "ankle sensors"),
+                                 series(Role::kTrue, "contacts_x_mm", "contact forces (true)"),
+                                 series(Role::kTheory, "inertial_x_mm", "by the motion of all links")}},
+                     {.y_label = "against contact forces [um]",
+                      .series = {series(Role::kMeasured, "resolution_error_um",
+                                        "sensors without noise and bias"),
+                                 series(Role::kTheory, "inertial_error_um", "by the motion of all links")}}},
+          .x_span = kShown_s}};
 }
 
 Findings run_zmp_comparison(const ValidationSetup& setup) {

@@ -7,11 +7,15 @@
 #include <cstdlib>
 #include <fstream>
 #include <numbers>
+#include <set>
 #include <sstream>
+#include <vector>
 
 #include "sim_board/input/error.h"
 #include "tests/support/temporary_folder.h"
+#include "tools/plot/gnuplot.h"
 #include "tools/plot/gnuplot_script.h"
+#include "tools/plot/legend.h"
 #include "tools/plot/plane_figure.h"
 
 namespace koboshi::tools {
@@ -157,6 +161,71 @@ TEST(GnuplotScript, ShowsThePartThatIsAskedFor) {
   const std::string script = gnuplot_script(figure, columns);
   EXPECT_THAT(script, HasSubstr("set xrange [1:2]"));
   EXPECT_THAT(script, Not(HasSubstr("900")));
+}
+
+// From the top of the page, as shares of its height: of the first page's labels of these marks.
+std::vector<double> label_heights(const std::vector<Mark>& marks) {
+  Figure figure{
+      .title = "A title", .panels = {{.y_label = "y", .series = {{.column = "y"}}}}, .marks = marks};
+  const Columns columns{{"time_s", {0.0, 100.0}}, {"y", {0.0, 1.0}}};
+  const std::string script = gnuplot_script(figure, columns);
+  std::vector<double> heights;
+  for (const Mark& mark : marks) {
+    const std::size_t label = script.find("set label '" + mark.label + "'");
+    if (label != std::string::npos)
+      heights.push_back(1.0 - std::stod(script.substr(script.find("screen ", label) + 7)));
+  }
+  return heights;
+}
+
+TEST(GnuplotScript, PlacesLabelsThatWouldCollideAboveEachOther) {
+  const std::vector<double> apart = label_heights({{10, "enable"}, {50, "walk"}, {80, "stop"}});
+  ASSERT_EQ(apart.size(), 3u);
+  EXPECT_EQ(apart[0], apart[1]);
+  EXPECT_EQ(apart[0], apart[2]);
+  const std::vector<double> near =
+      label_heights({{10, "enable"}, {11, "let go"}, {12, "walk"}, {98, "stop of all"}});
+  ASSERT_EQ(near.size(), 4u);
+  EXPECT_GT(near[0], near[1]);
+  EXPECT_GT(near[1], near[2]);
+  EXPECT_EQ(near[0], near[3]);
+}
+
+TEST(GnuplotScript, KeepsLabelsBelowTheTitle) {
+  const std::vector<double> heights =
+      label_heights({{10, "A"}, {10, "B"}, {10, "C"}, {10, "D"}, {10, "E"}, {10, "F"}, {10, "G"}});
+  EXPECT_EQ(heights.size(), 5u);  // for more there is no room; their lines say when
+  constexpr double kTitleEnd_px = 30.0;
+  constexpr double kPage_px = 34.0 + 5 * 14.0 + 36.0 + 240.0 + 60.0;
+  for (const double height : heights) EXPECT_GT(height * kPage_px, kTitleEnd_px);
+}
+
+TEST(GnuplotScript, ShowsNoValuesThatMeanNothing) {
+  Figure figure{.panels = {{.series = {{.column = "y", .from_x = 1.0}}}}};
+  const Columns columns{{"time_s", {0.0, 1.0, 2.0, 3.0}}, {"y", {-900.0, 2.0, 3.0, 2.0}}};
+  const std::string script = gnuplot_script(figure, columns);
+  EXPECT_THAT(script, HasSubstr("set xrange [0:3]"));
+  EXPECT_THAT(script, HasSubstr("set yrange [1.95:3.05]"));
+  EXPECT_THAT(script, Not(HasSubstr("900")));
+}
+
+TEST(GnuplotScript, SaysWhatItsReaderMustKnow) {
+  Figure figure{.note = "It's off by 1.8 deg.", .panels = {{.series = {{.column = "y"}}}}};
+  const Columns columns{{"time_s", {0.0, 1.0}}, {"y", {0.0, 1.0}}};
+  EXPECT_THAT(gnuplot_script(figure, columns), HasSubstr("set label 'It''s off by 1.8 deg.'"));
+}
+
+TEST(Legend, TellsRolesApart) {
+  const std::vector<Role> roles{Role::kPlanned, Role::kMeasured, Role::kTrue,  Role::kTheory,
+                                Role::kLeft,    Role::kRight,    Role::kFirst, Role::kSecond};
+  std::set<int> colours;
+  for (const Role role : roles) colours.insert(colour_of(role));
+  EXPECT_EQ(colours.size(), roles.size());
+  EXPECT_EQ(style_of(Role::kPlanned), LineStyle::kDashed);
+  EXPECT_EQ(style_of(Role::kTrue), LineStyle::kSolid);
+  const Series truth = series(Role::kTrue, "true_roll_rad", "true", 57.3);
+  EXPECT_EQ(palette_colour(static_cast<std::size_t>(truth.colour.value())), "#000000");
+  EXPECT_EQ(planned_series(Role::kLeft, "a", "b").colour, colour_of(Role::kLeft));
 }
 
 TEST(GnuplotScript, DrawsPointsOnLogarithmicAxes) {
