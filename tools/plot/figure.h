@@ -28,7 +28,7 @@ struct Panel {
 };
 
 // A vertical line through all panels, such as the moment of a command. Marks come in the order of x; labels
-// that would run into each other stand in rows above each other.
+// that would run into each other stand in rows above each other. Marks outside the abscissa are not shown.
 struct Mark {
   double x = 0.0;
   std::string label{};

@@ -87,6 +87,7 @@ class Script {
 
  private:
   struct PlacedMark {
+    const Mark* mark = nullptr;
     bool right_aligned = false;
     std::optional<std::size_t> row{};  // from below; none where there is no room
   };
@@ -100,6 +101,7 @@ class Script {
   void place_marks() {
     std::array<double, kMaxMarkRows> taken_px{};  // end of the last label in each row
     for (const Mark& mark : figure_.marks) {
+      if (mark.x < x_range_.low || mark.x > x_range_.high) continue;
       const double width_px = kSmallGlyph_px * static_cast<double>(letters(mark.label));
       PlacedMark placed{.right_aligned = x_px(mark.x) + width_px > kWidth_px};
       const double left_px = x_px(mark.x) - (placed.right_aligned ? width_px : 0.0);
@@ -109,6 +111,7 @@ class Script {
         taken_px[row] = left_px + width_px + kMarkGap_px;
         mark_rows_ = std::max(mark_rows_, row + 1);
       }
+      placed.mark = &mark;
       placed_marks_.push_back(placed);
     }
   }
@@ -132,6 +135,7 @@ class Script {
     };
     const std::vector<double> x = cut(all_x, 1.0);
     for (const double value : x) x_range_.include(value);
+    if (figure_.x_span) x_range_ = {figure_.x_span->low, figure_.x_span->high};
     for (std::size_t p = 0; p < figure_.panels.size(); ++p) {
       const Panel& panel = figure_.panels[p];
       Range range;
@@ -193,9 +197,8 @@ class Script {
 
   // In the first panel the lines reach up to their labels.
   void write_marks(bool first_panel) {
-    for (std::size_t i = 0; i < figure_.marks.size(); ++i) {
-      const Mark& mark = figure_.marks[i];
-      const PlacedMark& placed = placed_marks_[i];
+    for (const PlacedMark& placed : placed_marks_) {
+      const Mark& mark = *placed.mark;
       const bool with_label = first_panel && placed.row.has_value();
       const int label_px = head_px() - kMarkFoot_px - static_cast<int>(placed.row.value_or(0)) * kMarkRow_px;
       const std::string x = "first " + sim::number_text(mark.x) + ", ";

@@ -20,7 +20,7 @@ std::string contents(const std::filesystem::path& file) {
 
 TEST(DictionaryFiles, InTheRepositoryAreThoseOfTheTables) {
   const auto files = dictionary_files(sim::load_robot(kRoot / "robots/koboshi/robot.sdf"));
-  EXPECT_EQ(files.size(), 7u);
+  EXPECT_EQ(files.size(), 8u);
   for (const GeneratedFile& file : files) {
     EXPECT_TRUE(contents(kRoot / "docs/reference" / file.name) == file.text)
         << "docs/reference/" << file.name << " is stale: run koboshi dictionary write";

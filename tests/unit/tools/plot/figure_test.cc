@@ -191,6 +191,10 @@ TEST(GnuplotScript, PlacesLabelsThatWouldCollideAboveEachOther) {
   EXPECT_EQ(near[0], near[3]);
 }
 
+TEST(GnuplotScript, ShowsNoMarkOutsideTheAbscissa) {
+  EXPECT_EQ(label_heights({{10, "enable"}, {101, "stop"}}).size(), 1u);
+}
+
 TEST(GnuplotScript, KeepsLabelsBelowTheTitle) {
   const std::vector<double> heights =
       label_heights({{10, "A"}, {10, "B"}, {10, "C"}, {10, "D"}, {10, "E"}, {10, "F"}, {10, "G"}});
