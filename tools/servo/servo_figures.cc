@@ -101,7 +101,8 @@ class ServoFigures {
                     fmt::format("stall of the motor: {:.3g} N m, {:.3g} A", ideal_stall_Nm(),
                                 servo_.max_duty * servo_.supply_V / servo_.resistance_ohm)}},
          .x_column = "load_Nm",
-         .x_label = "load [N m]"});
+         .x_label = "load [N m]",
+         .x_span = Span{0.0, 1.03 * std::max(last_Nm, ideal_stall_Nm())}});
   }
   double ideal_stall_Nm() const {
     return servo_.torque_constant_Nm_per_A * servo_.max_duty * servo_.supply_V / servo_.resistance_ohm;
