@@ -191,7 +191,15 @@ class Script {
          << ", graph 0.5 center rotate\n";
     write_marks(p == 0);
     out_ << "plot ";
-    for (std::size_t s = 0; s < panel.series.size(); ++s) out_ << (s > 0 ? ", " : "") << curve(p, s);
+    // Dashed curves last: through their gaps one sees what lies below.
+    const char* separator = "";
+    for (const bool dashed : {false, true}) {
+      for (std::size_t s = 0; s < panel.series.size(); ++s) {
+        if ((panel.series[s].style == LineStyle::kDashed) != dashed) continue;
+        out_ << separator << curve(p, s);
+        separator = ", ";
+      }
+    }
     out_ << "\nunset label\nunset arrow\n";
   }
 

@@ -213,6 +213,15 @@ TEST(GnuplotScript, ShowsNoValuesThatMeanNothing) {
   EXPECT_THAT(script, Not(HasSubstr("900")));
 }
 
+TEST(GnuplotScript, DrawsDashedCurvesOnTop) {
+  const Figure figure{
+      .panels = {{.series = {series(Role::kPlanned, "y", "planned"), series(Role::kTrue, "y", "true")}}}};
+  const Columns columns{{"time_s", {0.0, 1.0}}, {"y", {0.0, 1.0}}};
+  const std::string script = gnuplot_script(figure, columns);
+  EXPECT_LT(script.find("title 'true'"), script.find("title 'planned'"));
+  EXPECT_NE(script.find("title 'planned'"), std::string::npos);
+}
+
 TEST(GnuplotScript, SaysWhatItsReaderMustKnow) {
   Figure figure{.note = "It's off by 1.8 deg.", .panels = {{.series = {{.column = "y"}}}}};
   const Columns columns{{"time_s", {0.0, 1.0}}, {"y", {0.0, 1.0}}};
