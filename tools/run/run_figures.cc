@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/app/behaviour.h"
+#include "firmware/behaviour/behaviour.h"
 #include "sim_board/input/user_units.h"
 #include "tools/plot/columns.h"
 #include "tools/plot/legend.h"
@@ -53,7 +53,7 @@ double begin_s(const std::filesystem::path& trace) {
   const Columns columns = read_columns(trace, names);
   const std::vector<double>& states = columns.at("state");
   const auto begun = std::ranges::find_if(
-      states, [](double state) { return state != static_cast<double>(app::State::kBoot); });
+      states, [](double state) { return state != static_cast<double>(behaviour::State::kBoot); });
   return begun == states.end() ? 0.0 : columns.at("time_s")[static_cast<std::size_t>(begun - states.begin())];
 }
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "firmware/app/behaviour.h"
+#include "firmware/behaviour/behaviour.h"
 #include "firmware/walk/gait.h"
 #include "sim_board/input/user_units.h"
 #include "sim_board/world/foot.h"
@@ -174,7 +174,7 @@ std::optional<Span> walk_to_show(const std::filesystem::path& trace, double cycl
   std::optional<Span> longest;
   std::optional<Span> walk;
   for (std::size_t row = 0; row < times_s.size(); ++row) {
-    const bool at_velocity = columns.at("state")[row] == static_cast<double>(app::State::kWalking);
+    const bool at_velocity = columns.at("state")[row] == static_cast<double>(behaviour::State::kWalking);
     if (!at_velocity && std::isnan(columns.at("planned_zmp_x_m")[row])) {
       walk.reset();
       continue;

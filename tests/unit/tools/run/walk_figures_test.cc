@@ -6,7 +6,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "firmware/app/behaviour.h"
+#include "firmware/behaviour/behaviour.h"
 #include "tests/support/temporary_folder.h"
 
 namespace koboshi::tools {
@@ -17,7 +17,7 @@ constexpr double kStep_s = 0.1;
 class WalkFigures : public testing::Test {
  protected:
   // A row each tenth of a second: in this state, with a planned ZMP or without.
-  void write(const std::vector<std::pair<app::State, bool>>& rows) {
+  void write(const std::vector<std::pair<behaviour::State, bool>>& rows) {
     std::ofstream out(trace_);
     out << "time_s,state,planned_zmp_x_m\n";
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -31,11 +31,11 @@ class WalkFigures : public testing::Test {
 };
 
 TEST_F(WalkFigures, ShowTheLongestWalkAtACommandedVelocity) {
-  std::vector<std::pair<app::State, bool>> rows(10, {app::State::kStanding, false});
-  rows.insert(rows.end(), 5, {app::State::kWalking, false});
-  rows.insert(rows.end(), 10, {app::State::kFallen, false});
-  rows.insert(rows.end(), 8, {app::State::kWalking, false});
-  rows.insert(rows.end(), 3, {app::State::kStanding, false});
+  std::vector<std::pair<behaviour::State, bool>> rows(10, {behaviour::State::kStanding, false});
+  rows.insert(rows.end(), 5, {behaviour::State::kWalking, false});
+  rows.insert(rows.end(), 10, {behaviour::State::kFallen, false});
+  rows.insert(rows.end(), 8, {behaviour::State::kWalking, false});
+  rows.insert(rows.end(), 3, {behaviour::State::kStanding, false});
   write(rows);
   const auto span = walk_to_show(trace_, 1.0);
   ASSERT_TRUE(span);
@@ -44,7 +44,7 @@ TEST_F(WalkFigures, ShowTheLongestWalkAtACommandedVelocity) {
 }
 
 TEST_F(WalkFigures, ShowThreeCyclesOfALongWalk) {
-  write(std::vector<std::pair<app::State, bool>>(101, {app::State::kMotion, true}));
+  write(std::vector<std::pair<behaviour::State, bool>>(101, {behaviour::State::kMotion, true}));
   const auto span = walk_to_show(trace_, 0.5);
   ASSERT_TRUE(span);
   EXPECT_NEAR(span->low, 5.0, 1e-9);
@@ -52,7 +52,7 @@ TEST_F(WalkFigures, ShowThreeCyclesOfALongWalk) {
 }
 
 TEST_F(WalkFigures, AreNotDrawnWithoutAWalk) {
-  write(std::vector<std::pair<app::State, bool>>(10, {app::State::kMotion, false}));
+  write(std::vector<std::pair<behaviour::State, bool>>(10, {behaviour::State::kMotion, false}));
   EXPECT_FALSE(walk_to_show(trace_, 0.5));
 }
 
