@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "sim_board/input/error.h"
 #include "tests/unit/sim_board/scenario/temporary_tree.h"
 
 namespace koboshi::tools {
