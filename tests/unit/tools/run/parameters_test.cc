@@ -49,9 +49,9 @@ TEST(Parameters, AreElementsOfAnObjectByTheirNames) {
 TEST(Parameters, CarryTheirUnitInTheKey) {
   EXPECT_EQ(resolve("com_height_mm", 167.5).value, 1675u);
   EXPECT_EQ(refusal("com_height", 1675),
-            "walk.yaml:12: found parameter com_height_mm without its unit, expected com_height_mm");
+            "walk.yaml:12: found parameter com_height without its unit, expected com_height_mm");
   EXPECT_EQ(refusal("trunk_pitch_by_speed", 2),
-            "walk.yaml:12: found parameter trunk_pitch_by_speed_deg_s_per_m without its unit, expected "
+            "walk.yaml:12: found parameter trunk_pitch_by_speed without its unit, expected "
             "trunk_pitch_by_speed_deg_s_per_m");
   EXPECT_EQ(resolve("attempts_to_get_up", 3).value, 3u);  // a count has none
   EXPECT_THAT(refusal("com_hieght_mm", 167.5), HasSubstr("expected com_height_mm, the nearest of "));
