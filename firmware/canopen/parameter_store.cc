@@ -52,6 +52,7 @@ bool ParameterStore::next(Change wanted, Cursor& cursor, ParameterValue& paramet
 }
 
 void ParameterStore::load(ParameterGroup group) {
+  abandon();
   const auto stored = items_.find(kind_, 0);
   ParameterValue parameter;
   for (std::size_t offset = 0; read(stored, offset, parameter); offset += kRecordSize) {
@@ -85,10 +86,15 @@ AbortCode ParameterStore::change(Change wanted, bool may_begin) {
 void ParameterStore::go_on() {
   const AbortCode code = advance();
   if (code == AbortCode::kBusy) return;
+  abandon();
+  failure_ = code;
+}
+
+void ParameterStore::abandon() {
   if (begun_) items_.release();
   busy_ = false;
   begun_ = false;
-  failure_ = code;
+  failure_ = AbortCode::kNone;
 }
 
 AbortCode ParameterStore::advance() {

@@ -27,7 +27,8 @@ class ParameterStore {
   AbortCode restore(ParameterGroup group, bool may_begin = true) { return change({group, false}, may_begin); }
   // Gives the node what storage holds of its parameters, each checked as an SDO client's would be; from
   // within NodeApplication::on_reset. The owner is not asked: it makes what follows from all of them when
-  // they are there. `kCommunication`: those alone, as NmtCommand::kResetCommunication wants it.
+  // they are there. `kCommunication`: those alone, as NmtCommand::kResetCommunication wants it. A change that
+  // the reset interrupts is abandoned, as by a power failure: it would mix values from before and after.
   void load(ParameterGroup group = ParameterGroup::kAll);
   // Once a millisecond.
   void process() {
@@ -50,6 +51,7 @@ class ParameterStore {
   bool next(Change wanted, Cursor& cursor, ParameterValue& parameter) const;
   bool is_stored(Change wanted) const;
   void go_on();
+  void abandon();
   AbortCode advance();
 
   ItemStore& items_;

@@ -248,6 +248,31 @@ TEST_F(ParameterStoreTest, WaitsForTheFlash) {
   EXPECT_EQ(device->parameters.store(ParameterGroup::kAll), AbortCode::kBusy);
 }
 
+// Whenever a reset interrupts a save, all old values are stored, or all new ones, and no save goes on after
+// it.
+TEST_F(ParameterStoreTest, AbandonsASaveThatAResetInterrupts) {
+  std::uint32_t stored = 0;  // the factory's
+  for (int cut_ms = 0; cut_ms < 60; ++cut_ms) {
+    for (std::uint8_t i = 1; i <= 3; ++i) {
+      ASSERT_EQ(device->write({0x2000, i}, stored + 1, 4), AbortCode::kNone);
+    }
+    ASSERT_EQ(device->write({0x1800, 5}, 500, 2), AbortCode::kNone);  // a PDO that differs takes 16 records
+    ASSERT_EQ(device->write({0x1020, 1}, stored + 1, 4), AbortCode::kNone);
+    static_cast<void>(device->parameters.store(ParameterGroup::kAll));
+    for (int ms = 0; ms < cut_ms; ++ms) device->pass_a_millisecond();
+    device->node.command(NmtCommand::kResetNode, 0);
+    for (int ms = 0; ms < 200; ++ms) device->pass_a_millisecond();
+    restart();
+    const std::uint32_t found = device->values.gains[0];
+    EXPECT_TRUE(found == stored || found == stored + 1) << cut_ms;
+    EXPECT_EQ(device->values.gains[2], found) << cut_ms;
+    EXPECT_EQ(device->read(0x1020, 1), found) << cut_ms;
+    stored = found;
+  }
+  EXPECT_GT(stored, 10u);
+  EXPECT_EQ(device->save(), AbortCode::kNone);
+}
+
 // Whenever the power fails, all old values are there, or all new ones.
 TEST_F(ParameterStoreTest, LosesNothingOldToAPowerFailure) {
   const auto set = [this](std::uint32_t value) {
