@@ -126,6 +126,7 @@ bool Bus::start_next(std::uint64_t until_us) {
   return true;
 }
 
+// A node sends one frame at a time: of two with one identifier, the one of its first FIFO.
 void Bus::gather_senders(std::uint64_t start_us) {
   senders_.clear();
   std::uint32_t best = std::numeric_limits<std::uint32_t>::max();
@@ -133,7 +134,7 @@ void Bus::gather_senders(std::uint64_t start_us) {
     if (heads_[i].ready_us > start_us || heads_[i].priority > best) continue;
     if (heads_[i].priority < best) senders_.clear();
     best = heads_[i].priority;
-    senders_.push_back(i);
+    if (senders_.empty() || node_of(senders_.back()) != node_of(i)) senders_.push_back(i);
   }
 }
 

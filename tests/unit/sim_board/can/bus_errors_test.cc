@@ -122,6 +122,23 @@ TEST_F(BusErrors, OfAShortDominantPulseAreBorne) {
   EXPECT_EQ(bus.status(to).receive_error_count, 5 * 8 - 1);
 }
 
+// A boot-up message and a heartbeat have one identifier, and wait in different FIFOs.
+TEST(Bus, LetsALoneNodeNotAcknowledgeItself) {
+  Bus bus;
+  test::ListeningNode alone;
+  const NodeHandle node = bus.attach(alone, AcceptanceFilter::all(), 4);
+  ASSERT_TRUE(bus.queue(node, make_frame(0x701, {0}), 0));
+  ASSERT_TRUE(bus.queue(node, make_frame(0x701, {5}), 0));
+  bus.advance_to(100'000);
+  EXPECT_EQ(bus.counters(node).sent, 0u);
+
+  test::ListeningNode company;
+  bus.attach(company, AcceptanceFilter::all(), 4);
+  bus.advance_to(200'000);
+  ASSERT_EQ(company.seen.size(), 2u);
+  EXPECT_EQ(company.seen[0].frame.data[0], 0u) << "the boot-up comes first";
+}
+
 TEST(Bus, LeavesALoneNodeErrorPassive) {
   Bus bus;
   test::ListeningNode alone;
@@ -132,7 +149,7 @@ TEST(Bus, LeavesALoneNodeErrorPassive) {
   EXPECT_EQ(bus.status(node).state, CanErrorState::kErrorPassive);
   EXPECT_EQ(bus.status(node).transmit_error_count, 128);
   EXPECT_EQ(bus.counters(node).sent, 0u);
-  EXPECT_EQ(bus.transmit_space(node, hal::kBackgroundFifo), 3u);
+  EXPECT_EQ(bus.transmit_space(node, hal::kProcessFifo), 3u);  // where a boot-up message waits
 
   test::ListeningNode company;
   bus.attach(company, {0x701}, 4);
