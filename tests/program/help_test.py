@@ -1,6 +1,7 @@
 """What `--help` prints: placeholders that say what a value is, and examples that work."""
 
 import concurrent.futures
+import itertools
 import re
 import shlex
 import subprocess
@@ -9,6 +10,7 @@ import unittest
 import program as support
 
 PROGRAM = None
+FOLDERS = itertools.count()
 PATIENCE_s = 1.0  # an example that is still at work after this has been accepted
 
 # How examples that take long, need a terminal or a bus are shortened: the first pattern that is found counts.
@@ -23,7 +25,7 @@ SHORTER = (
 REPLACED = (
     (" --controller qemu", ""),  # the image
     ("socketcan:vcan0", "socketcan:vcan_none"),
-    ("udp:239.74.163.2:43113", "udp:127.0.0.1:1"),
+    ("udp:239.74.163.2:43113", "udp:239.74.163.99:43999"),  # nobody else is there
 )
 
 
@@ -96,9 +98,13 @@ class Help(unittest.TestCase):
             arguments = arguments.replace(old, new)
         for pattern, more in SHORTER:
             if re.search(pattern, arguments):
+                if "--duration" in more:
+                    arguments = re.sub(r" --duration \S+", "", arguments)
                 head, mark, tail = arguments.partition(" >")
                 arguments = f"{head} {more}{mark}{tail}"
                 break
+        if arguments.startswith("experiment ") and "--out" not in arguments:
+            arguments += f" --out runs/{next(FOLDERS)}"  # examples of one experiment run at the same time
         if re.match(r"can (sdo|nmt|send)", arguments):
             arguments += " --can socketcan:vcan_none"
         command = f"exec {shlex.quote(str(PROGRAM.path))} {arguments}"
