@@ -2,6 +2,7 @@
 
 import concurrent.futures
 import itertools
+import os
 import re
 import shlex
 import subprocess
@@ -108,7 +109,7 @@ class Help(unittest.TestCase):
         if re.match(r"can (sdo|nmt|send)", arguments):
             arguments += " --can socketcan:vcan_none"
         command = f"exec {shlex.quote(str(PROGRAM.path))} {arguments}"
-        with subprocess.Popen(command, shell=True, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        with subprocess.Popen(command, shell=True, cwd=self.folder, env={**os.environ, "TMPDIR": str(self.folder)}, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                               stdin=subprocess.DEVNULL, text=True) as process:
             try:
                 _, errors = process.communicate(timeout=PATIENCE_s)

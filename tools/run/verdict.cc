@@ -90,6 +90,10 @@ std::string EventLog::falls_text() const {
     const char* const how = falls_.size() == 1 ? " and got up in {}" : " and got up each time, in {} at most";
     return text + fmt::format(fmt::runtime(how), seconds_text(longest_us, 1));
   }
+  // One that fell again while it was getting up has not got up from the first fall by itself.
+  if (falls_.back().up_us)
+    return text + fmt::format(" and got up at last, in {}",
+                              seconds_text(*falls_.back().up_us - falls_.front().at_us, 1));
   if (risen > 0) text += fmt::format(", got up {} of them", risen);
   return text + (gets_up(said_.state) ? " and is getting up" : " and did not get up");
 }

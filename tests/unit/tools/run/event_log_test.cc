@@ -195,6 +195,22 @@ TEST_F(EventLogTest, SaysThatTheRobotFellAndGotUp) {
   EXPECT_EQ(log_.falls(), 2u);
 }
 
+TEST_F(EventLogTest, CountsFromTheFirstOfFallsThatFollowEachOther) {
+  play_until(3.0);
+  change(State::kFalling, Reason::kFallForeseen, kFallFront);
+  lean(85.0);
+  play_until(4.0);
+  change(State::kFallen);
+  change(State::kRising, Reason::kProne);
+  lean(5.0);
+  change(State::kSteadying);
+  play_until(5.0);
+  fall_and_get_up();
+  EXPECT_EQ(log_.falls(), 2u);
+  EXPECT_THAT(log_.verdict(),
+              testing::StartsWith("stands; fell 2 times, first at 3.0 s and got up at last, in "));
+}
+
 TEST_F(EventLogTest, NeverTakesARobotThatLiesForOneThatStands) {
   play_until(1.0);
   lean(-80.0);
