@@ -236,7 +236,7 @@ void Controller::command_drives(const behaviour::Decision& decision, const estim
 void Controller::publish() {
   show(estimator_.state(), values_);
   show(estimator_, values_);
-  values_.diagnosis.receive_overruns = board_.can.status().receive_overruns;
+  values_.diagnosis.receive_overruns = network_.can_status().receive_overruns;
   values_.diagnosis.imu_overruns = board_.imu.overruns();
   values_.diagnosis.frames_lost = node_.lost_frames();
 }

@@ -34,7 +34,8 @@ behaviour::NetworkStatus NetworkWatch::update(bool boots, std::uint64_t now_us) 
 }
 
 Reason NetworkWatch::watch_bus(std::uint64_t now_us) {
-  hal::CanStatus status = can_.status();
+  can_status_ = can_.status();
+  hal::CanStatus status = can_status_;
   // A lone node becomes error passive and stays so: nobody acknowledges what it says. While the drives boot,
   // that is no error.
   const bool booting = now_us - started_us_ < kBusTimeout_us;

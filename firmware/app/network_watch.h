@@ -36,6 +36,8 @@ class NetworkWatch {
   // Once a control cycle. `boots`: the behaviour is in a boot. Starts the recovery from bus-off.
   behaviour::NetworkStatus update(bool boots, std::uint64_t now_us);
 
+  // What the CAN controller said of itself in the last cycle.
+  const hal::CanStatus& can_status() const { return can_status_; }
   bool operational() const { return node_.state() == canopen::NmtState::kOperational; }
 
  private:
@@ -45,6 +47,7 @@ class NetworkWatch {
   hal::CanPort& can_;
   canopen::Node& node_;
   const drive::DriveGroup& drives_;
+  hal::CanStatus can_status_;
   std::uint64_t started_us_ = 0;  // of the boot, or when the node became operational in it
   bool listens_ = true;           // at the next boot: there may be another master
   bool impostor_heard_ = false;   // in this cycle

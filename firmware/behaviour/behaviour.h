@@ -8,7 +8,6 @@
 #include "firmware/balance/feedback.h"
 #include "firmware/behaviour/command.h"
 #include "firmware/behaviour/fall_watch.h"
-#include "firmware/behaviour/lying.h"
 #include "firmware/behaviour/parameters.h"
 #include "firmware/behaviour/soft_start.h"
 #include "firmware/behaviour/state.h"

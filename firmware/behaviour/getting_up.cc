@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "firmware/behaviour/behaviour.h"
+#include "firmware/behaviour/lying.h"
 #include "firmware/fixed/saturating.h"
 
 namespace koboshi::behaviour {
