@@ -1,0 +1,203 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <deque>
+#include <vector>
+
+#include "firmware/app/controller.h"
+#include "firmware/canopen/emergency.h"
+#include "hal/fake/can_registers.h"
+#include "hal/fake/sensors.h"
+#include "hal/fake/storage.h"
+#include "hal/stm32/can.h"
+#include "hal/stm32/safety.h"
+#include "tests/support/controller_bench.h"
+#include "tests/support/drive_stub.h"
+
+namespace koboshi::app {
+namespace {
+
+using behaviour::Command;
+using behaviour::Reason;
+using behaviour::State;
+namespace stm32 = hal::stm32;
+
+// 14 quanta of a clock of 42 MHz, the sample after 12 of them.
+constexpr stm32::BitTiming kCanTiming{.prescaler = 3, .segment_1 = 11, .segment_2 = 2, .jump_width = 1};
+static_assert(kCanTiming.bit_rate(42'000'000) == 1'000'000);
+
+// The drivers of the new board. Those that are not written yet are fakes.
+struct ExampleBoard {
+  hal::FakeCanRegisters can_hardware;  // on the part: the struct at 0x4000'6400
+  stm32::WatchdogRegisters watchdog_registers{};
+  volatile std::uint32_t pins = 0;  // on the part: BSRR of the port with the drive-enable pin
+
+  stm32::Can can{can_hardware.registers};
+  hal::FakeImu imu;
+  hal::FakeAnkles ankles;
+  hal::FakeStorage storage{128, 2048};
+  stm32::IndependentWatchdog watchdog{watchdog_registers};
+  stm32::DriveEnablePin drive_enable{pins, 7};
+
+  ExampleBoard() { storage.load(0, test::factory_storage()); }
+  hal::Board ports() { return {can, imu, ankles, storage, watchdog, drive_enable}; }
+  bool drive_enable_line() const { return pins == 1u << 7; }
+};
+
+// Once a millisecond of the board's clock, from the main loop.
+void serve(stm32::Can& can, Controller& firmware, std::uint64_t now_us) {
+  can.update();
+  firmware.service(now_us);
+  if (now_us % Controller::kTick_us == 0) firmware.tick(now_us);
+}
+
+// The board, the firmware on it, and a stub of each drive of the test robot on its bus of 1 Mbit/s.
+class PortExample : public testing::Test {
+ protected:
+  static constexpr int kFramesAMillisecond = 8;
+  static constexpr int kSequencesAMillisecond = 1'000 / 11;
+
+  PortExample() {
+    for (std::size_t i = 0; i < firmware.model().joint_count; ++i)
+      drives.emplace_back(firmware.model().joints[i].drive);
+    board.can_hardware.connect([this] { board.can.on_receive_interrupt(); },
+                               [this] { board.can.on_transmit_interrupt(); });
+    board.can.start(kCanTiming);
+  }
+
+  void run_ms(int duration_ms) {
+    for (int i = 0; i < duration_ms; ++i) {
+      feed_sensors();
+      serve(board.can, firmware, now_us);
+      pass_a_millisecond_on_the_bus();
+      now_us += 1'000;
+    }
+  }
+  bool run_until(State state, int limit_ms = 3'000) {
+    for (int i = 0; i < limit_ms && this->state() != state; ++i) run_ms(1);
+    return this->state() == state;
+  }
+  State state() const { return firmware.values().behaviour.state; }
+  void command(Command command) {
+    others.push_back({.identifier = 0x201, .size = 3, .data = {static_cast<std::uint8_t>(command)}});
+    run_ms(1);
+  }
+  std::vector<hal::CanFrame> sent_with(std::uint16_t identifier) const {
+    std::vector<hal::CanFrame> found;
+    std::ranges::copy_if(sent, std::back_inserter(found),
+                         [identifier](const hal::CanFrame& frame) { return frame.identifier == identifier; });
+    return found;
+  }
+  bool has_raised(std::uint16_t code) const {
+    return std::ranges::any_of(sent, [code](const hal::CanFrame& frame) {
+      const auto emergency = canopen::decode_emergency(frame);
+      return emergency && emergency->node_id == 1 && emergency->code == code;
+    });
+  }
+
+  ExampleBoard board;
+  Controller firmware{board.ports()};
+  std::vector<test::DriveStub> drives;
+  std::vector<hal::CanFrame> sent;    // by the firmware
+  std::vector<hal::CanFrame> others;  // what the drives and a PC have to say, in their order
+  std::uint64_t now_us = 0;
+
+ private:
+  void feed_sensors() {
+    hal::ImuSample upright;
+    upright.accelerometer_raw[2] = 8'200;  // 1 g at a full scale of 4 g
+    board.imu.deliver(upright);
+    for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) board.ankles.deliver(side, {});
+    if (now_us / 1'000 % 100 != 5) return;
+    for (const test::DriveStub& drive : drives) others.push_back(drive.heartbeat());
+  }
+
+  // Arbitration between the firmware and all the others: the lower identifier wins.
+  void pass_a_millisecond_on_the_bus() {
+    for (int i = 0; i < kFramesAMillisecond; ++i) {
+      const auto ours = board.can_hardware.contender();
+      const auto theirs = std::ranges::min_element(others, {}, &hal::CanFrame::identifier);
+      if (ours && (theirs == others.end() || ours->identifier < theirs->identifier)) {
+        sent.push_back(*board.can_hardware.send());
+        for (test::DriveStub& drive : drives) drive.on_frame(sent.back(), others);
+      } else if (theirs != others.end()) {
+        const hal::CanFrame frame = *theirs;
+        others.erase(theirs);
+        board.can_hardware.deliver(frame);
+      } else {
+        board.can_hardware.pass_recessive(kSequencesAMillisecond / kFramesAMillisecond);
+      }
+    }
+  }
+};
+
+TEST_F(PortExample, BootsLimpAndStandsOnCommand) {
+  ASSERT_TRUE(run_until(State::kLimp));
+  EXPECT_FALSE(board.drive_enable_line());
+  run_ms(20);
+  command(Command::kEnable);
+  ASSERT_TRUE(run_until(State::kStanding));
+  EXPECT_TRUE(board.drive_enable_line());
+  EXPECT_EQ(board.can.status(), hal::CanStatus{});
+  EXPECT_EQ(firmware.values().diagnosis.frames_lost, 0);
+}
+
+TEST_F(PortExample, BeatsEach20Milliseconds) {
+  run_ms(100);
+  sent.clear();
+  run_ms(1'000);
+  EXPECT_EQ(sent_with(0x701).size(), 50u);
+}
+
+TEST_F(PortExample, AnswersAnSdoRequestWithinACycle) {
+  ASSERT_TRUE(run_until(State::kLimp));
+  sent.clear();
+  others.push_back({.identifier = 0x601, .size = 8, .data = {0x40, 0x00, 0x10, 0x00}});  // device type
+  run_ms(10);
+  ASSERT_EQ(sent_with(0x581).size(), 1u);
+  EXPECT_EQ(sent_with(0x581)[0].data[0], 0x43);  // four bytes
+}
+
+TEST_F(PortExample, TakesTheTorqueOnEmergencyStop) {
+  ASSERT_TRUE(run_until(State::kLimp));
+  run_ms(20);
+  command(Command::kEnable);
+  ASSERT_TRUE(run_until(State::kStanding));
+  command(Command::kEmergencyStop);
+  run_ms(1);
+  EXPECT_FALSE(board.drive_enable_line());
+  EXPECT_EQ(state(), State::kEmergencyStop);
+}
+
+TEST_F(PortExample, ComesBackFromBusOff) {
+  ASSERT_TRUE(run_until(State::kLimp));
+  run_ms(20);
+  command(Command::kEnable);
+  ASSERT_TRUE(run_until(State::kStanding));
+  sent.clear();
+  for (int i = 0; i < 300 && board.can.status().state != hal::CanErrorState::kBusOff; ++i) {
+    board.can_hardware.destroy_transmission();
+    if (!board.can_hardware.contender()) serve(board.can, firmware, now_us += 1'000);
+  }
+  ASSERT_EQ(board.can.status().state, hal::CanErrorState::kBusOff);
+  ASSERT_TRUE(run_until(State::kFault, 20));
+  EXPECT_EQ(firmware.values().behaviour.reason, Reason::kBusOff);
+  run_ms(400);  // the drives have 300 ms for their quick stop
+  EXPECT_FALSE(board.drive_enable_line());
+  EXPECT_EQ(board.can.status().state, hal::CanErrorState::kErrorActive);
+  EXPECT_TRUE(has_raised(canopen::error_code::kBusOffRecovered));
+  EXPECT_FALSE(sent_with(0x701).empty());
+}
+
+TEST_F(PortExample, TellsOfAReceiveOverrun) {
+  ASSERT_TRUE(run_until(State::kLimp));
+  sent.clear();
+  for (std::size_t i = 0; i < stm32::Can::kReceiveCapacity + 3; ++i)
+    board.can_hardware.deliver({.identifier = 0x7E0, .size = 8});
+  run_ms(30);
+  EXPECT_EQ(firmware.values().diagnosis.receive_overruns, 3);
+  EXPECT_TRUE(has_raised(canopen::error_code::kCanOverrun));
+}
+
+}  // namespace
+}  // namespace koboshi::app
