@@ -29,7 +29,7 @@ bool load(const storage::Catalogue& catalogue, robot::RobotModel& model) {
 Controller::Controller(const hal::Board& board)
     : board_(board),
       catalogue_(board.storage.contents()),
-      items_(board.storage),
+      items_(board.storage, storage::kRobotLayout),
       model_valid_(load(catalogue_, model_)),
       sink_(board.can),
       node_(kControllerNode,
@@ -37,7 +37,7 @@ Controller::Controller(const hal::Board& board)
              .serial_number = 1,
              .values = std::as_writable_bytes(std::span(&values_, 1))},
             memory_.buffers(), sink_, *this),
-      parameters_(items_, static_cast<std::uint16_t>(storage::ItemKind::kParameters), node_),
+      parameters_(items_, node_),
       motions_(catalogue_, items_, model_),
       motion_transfer_(items_, model_, motions_),
       drives_(model_, node_.sink(), values_.drives),
@@ -141,7 +141,7 @@ void Controller::on_rpdo(std::size_t number) {
 
 canopen::Domain* Controller::domain(canopen::ObjectAddress address) {
   const auto number = static_cast<std::uint16_t>(address.subindex - 1);
-  motion_transfer_.select(number, motions_.image(number), may_store());
+  motion_transfer_.select(number, may_store());
   return &motion_transfer_;
 }
 

@@ -3,20 +3,20 @@
 #include <cstdint>
 
 #include "firmware/app/dictionary.h"
+#include "firmware/app/motion_transfer.h"
 #include "firmware/app/network_watch.h"
 #include "firmware/app/requests.h"
 #include "firmware/app/sensor_nodes.h"
 #include "firmware/balance/feedback.h"
 #include "firmware/behaviour/behaviour.h"
 #include "firmware/canopen/node.h"
-#include "firmware/canopen/parameter_store.h"
+#include "firmware/canopen/stored_parameters.h"
 #include "firmware/drive/drive_group.h"
 #include "firmware/estimation/estimator.h"
+#include "firmware/motion/motion_library.h"
 #include "firmware/robot/model.h"
 #include "firmware/storage/catalogue.h"
 #include "firmware/storage/item_store.h"
-#include "firmware/storage/motion_library.h"
-#include "firmware/storage/motion_transfer.h"
 #include "hal/port/board.h"
 
 namespace koboshi::app {
@@ -92,9 +92,9 @@ class Controller final : private canopen::NodeApplication {
                       robot::kMaxJoints, 32>
       memory_;
   canopen::Node node_;
-  canopen::ParameterStore parameters_;
-  storage::MotionLibrary motions_;
-  storage::MotionTransfer motion_transfer_;
+  canopen::StoredParameters parameters_;
+  motion::MotionLibrary motions_;
+  MotionTransfer motion_transfer_;
   drive::DriveGroup drives_;
   SensorNodes sensor_nodes_;
   NetworkWatch network_;

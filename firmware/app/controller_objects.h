@@ -4,7 +4,7 @@
 #include "firmware/canopen/described_object.h"
 #include "firmware/canopen/object.h"
 #include "firmware/canopen/value_names.h"
-#include "firmware/storage/catalogue.h"
+#include "firmware/storage/item.h"
 
 // The controller's objects: from this table come the rows in flash, controller.eds, koboshi.dbc and the page
 // docs/reference/object-dictionary.md (`koboshi dictionary write`).

@@ -20,7 +20,7 @@ Reason silent_sensor(const estimation::RobotState& robot) {
 
 }  // namespace
 
-Behaviour::Behaviour(const robot::RobotModel& model, bool model_valid, const storage::MotionLibrary& motions,
+Behaviour::Behaviour(const robot::RobotModel& model, bool model_valid, const motion::MotionLibrary& motions,
                      const Parameters& parameters)
     : model_(model),
       model_valid_(model_valid),

@@ -16,8 +16,8 @@
 #include "firmware/drive/status.h"
 #include "firmware/estimation/robot_state.h"
 #include "firmware/motion/interpreter.h"
+#include "firmware/motion/motion_library.h"
 #include "firmware/motion/roles.h"
-#include "firmware/storage/motion_library.h"
 #include "firmware/walk/walker.h"
 
 namespace koboshi::behaviour {
@@ -74,7 +74,7 @@ class Behaviour {
 
   // `model_valid`: storage holds a model; without one the robot only boots, into a fault. All must outlive
   // the behaviour.
-  Behaviour(const robot::RobotModel& model, bool model_valid, const storage::MotionLibrary& motions,
+  Behaviour(const robot::RobotModel& model, bool model_valid, const motion::MotionLibrary& motions,
             const Parameters& parameters);
 
   // One control cycle of 10 ms. The reference is good until the next call.
@@ -163,7 +163,7 @@ class Behaviour {
 
   const robot::RobotModel& model_;
   const bool model_valid_;
-  const storage::MotionLibrary& motions_;
+  const motion::MotionLibrary& motions_;
   const Parameters parameters_;
   Status status_;
   Decision decision_;

@@ -20,15 +20,6 @@ enum class ParameterGroup : std::uint8_t {
   kManufacturer = 4,   // 0x2000 to 0x5FFF
 };
 
-// The smallest group to which an object belongs.
-constexpr ParameterGroup group_of(std::uint16_t index) {
-  if (index < 0x2000) return ParameterGroup::kCommunication;
-  return index < 0x6000 ? ParameterGroup::kManufacturer : ParameterGroup::kApplication;
-}
-constexpr bool covers(ParameterGroup group, std::uint16_t index) {
-  return group == ParameterGroup::kAll || group == group_of(index);
-}
-
 // The bits of NodeDescription::stored_groups.
 constexpr std::uint8_t group_bit(ParameterGroup group) {
   return static_cast<std::uint8_t>(1u << (static_cast<unsigned>(group) - 1));

@@ -8,13 +8,14 @@ namespace {
 constexpr std::uint16_t kTimeObject = 0x1012;
 constexpr std::uint16_t kVerificationObject = 0x1020;
 constexpr std::uint8_t kVerificationParts = 2;  // date, time
+constexpr std::uint16_t kEndOfCommunicationArea = 0x2000;
 
 // Whether an object configures the node. In the communication profile area, what is written but for the error
 // history, store, restore, and the verification itself.
 bool configures(const Node& node, ObjectAddress address) {
   const bool commands = address.index == 0x1003 || address.index == 0x1010 || address.index == 0x1011 ||
                         address.index == kVerificationObject;
-  if (group_of(address.index) == ParameterGroup::kCommunication) return !commands;
+  if (address.index < kEndOfCommunicationArea) return !commands;
   Location location;
   const Dictionary objects(node.description().rows, {});
   return objects.find(address, location) == AbortCode::kNone && is_parameter(*location.entry);

@@ -2,12 +2,12 @@
 
 #include "firmware/fixed/contract.h"
 #include "firmware/motion/check.h"
-#include "firmware/robot/image.h"
+#include "firmware/storage/image.h"
 
 namespace koboshi::motion {
 
-using robot::ImageReader;
-using robot::ImageStatus;
+using storage::ImageReader;
+using storage::ImageStatus;
 
 namespace {
 
@@ -25,8 +25,8 @@ bool is_name(std::span<const std::byte> field) {
 }  // namespace
 
 MotionVerdict Motion::open(std::span<const std::byte> bytes, const robot::RobotModel& model, Motion& motion) {
-  robot::Image image;
-  const ImageStatus opened = robot::open_image(bytes, kMotionMagic, kMotionVersion, image);
+  storage::Image image;
+  const ImageStatus opened = storage::open_image(bytes, kMotionMagic, kMotionVersion, image);
   if (opened != ImageStatus::kOk) return {static_cast<MotionStatus>(opened)};
   if (image.body.size() < kMotionFixedSize) return {MotionStatus::kBadSize};
 

@@ -67,7 +67,7 @@ constexpr bool takes_time(Opcode opcode) { return opcode == Opcode::kMove || opc
 
 enum class MotionStatus : std::uint8_t {
   kOk = 0,
-  kTruncated = 1,  // up to kBadCrc as robot::ImageStatus
+  kTruncated = 1,  // up to kBadCrc as storage::ImageStatus
   kBadMagic = 2,
   kBadVersion = 3,
   kBadSize = 4,
@@ -98,8 +98,8 @@ struct [[nodiscard]] MotionVerdict {
 // A validated motion image, played from where it lies: a view, which must not outlive the bytes nor see them
 // change.
 //
-// Layout after the header of robot/image.h: model id u32; name 24 bytes; joint, pose and step count u16 each;
-// poses of (mask u32, angle i32 for each joint); steps of (opcode u16, operand u16, time_us u32).
+// Layout after the header of storage/image.h: model id u32; name 24 bytes; joint, pose and step count u16
+// each; poses of (mask u32, angle i32 for each joint); steps of (opcode u16, operand u16, time_us u32).
 class Motion {
  public:
   // An empty motion, which ends at once.

@@ -3,8 +3,13 @@
 #include "firmware/fixed/rounding.h"
 #include "firmware/fixed/saturating.h"
 #include "firmware/robot/model_check.h"
+#include "firmware/storage/image.h"
 
 namespace koboshi::robot {
+
+using storage::ImageReader;
+using storage::ImageStatus;
+
 namespace {
 
 // The fields stand in the order of docs/reference/robot-model-format.md.
@@ -69,8 +74,8 @@ void read_fixed_part(ImageReader& reader, RobotModel& model) {
 }  // namespace
 
 ModelStatus load_model(std::span<const std::byte> image_bytes, RobotModel& model) {
-  Image image;
-  const ImageStatus opened = open_image(image_bytes, kModelMagic, kModelVersion, image);
+  storage::Image image;
+  const ImageStatus opened = storage::open_image(image_bytes, kModelMagic, kModelVersion, image);
   if (opened != ImageStatus::kOk) return static_cast<ModelStatus>(opened);
 
   model = {};

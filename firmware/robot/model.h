@@ -9,7 +9,6 @@
 #include "firmware/fixed/rounding.h"
 #include "firmware/fixed/saturating.h"
 #include "firmware/robot/geometry.h"
-#include "firmware/robot/image.h"
 #include "hal/port/ankle.h"
 
 namespace koboshi::robot {
@@ -118,7 +117,7 @@ struct RobotModel {
 
 enum class [[nodiscard]] ModelStatus : std::uint8_t{
     kOk = 0,
-    kTruncated = 1,  // up to kBadCrc as ImageStatus
+    kTruncated = 1,  // up to kBadCrc as storage::ImageStatus
     kBadMagic = 2,
     kBadVersion = 3,
     kBadSize = 4,

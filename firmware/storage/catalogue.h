@@ -4,19 +4,16 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/robot/image.h"
+#include "firmware/storage/item.h"
 
 namespace koboshi::storage {
 
-// What the storage holds, and where: an image of its own (robot/image.h) at the start of the storage, whose
+// What the storage holds, and where: an image of its own (image.h) at the start of the storage, whose
 // body is a count u16, a reserved u16 and for each item kind u16, number u16, offset u32 and size u32.
 // Offsets are from the start of the storage.
 inline constexpr std::uint32_t kCatalogueMagic = 0x5441434Bu;  // "KCAT"
 inline constexpr std::uint16_t kCatalogueVersion = 1;
 inline constexpr std::size_t kCatalogueItemSize = 12;
-inline constexpr std::size_t kMaxMotions = 32;
-
-enum class ItemKind : std::uint16_t { kRobotModel = 1, kMotion = 2, kParameters = 3 };
 
 class Catalogue {
  public:

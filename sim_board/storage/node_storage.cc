@@ -2,11 +2,11 @@
 
 #include <array>
 #include <cstddef>
-#include <span>
 
 namespace koboshi::sim {
 
 using canopen::AbortCode;
+using storage::Status;
 
 void NodeStorage::power_on() {
   flash_.lose_power();
@@ -14,35 +14,34 @@ void NodeStorage::power_on() {
 }
 
 std::uint8_t NodeStorage::node_id(std::uint8_t factory) const {
-  const auto stored = volatile_->items.find(static_cast<std::uint16_t>(Item::kNodeId), 0);
+  const auto stored = stored_node_id();
   return stored.empty() ? factory : std::to_integer<std::uint8_t>(stored.front());
 }
 
 AbortCode NodeStorage::store_node_id(std::uint8_t node_id) {
-  if (!volatile_->node_id_begun && this->node_id(node_id) == node_id &&
-      !volatile_->items.find(static_cast<std::uint16_t>(Item::kNodeId), 0).empty()) {
+  const auto stored = stored_node_id();
+  if (!volatile_->node_id_begun && !stored.empty() && stored.front() == std::byte{node_id})
     return AbortCode::kNone;
-  }
-  const AbortCode written = write_node_id(node_id);
-  if (written == AbortCode::kBusy) return written;
+  const Status written = write_node_id(node_id);
+  if (written == Status::kBusy) return AbortCode::kBusy;
   volatile_->items.release();
   volatile_->node_id_begun = false;
   volatile_->node_id_appended = false;
-  return written;
+  return canopen::abort_code_of(written);
 }
 
-AbortCode NodeStorage::write_node_id(std::uint8_t node_id) {
-  canopen::ItemStore& items = volatile_->items;
+Status NodeStorage::write_node_id(std::uint8_t node_id) {
+  storage::ItemStore& items = volatile_->items;
   if (!volatile_->node_id_begun) {
-    const AbortCode begun = items.begin(static_cast<std::uint16_t>(Item::kNodeId), 0);
-    // Parameters are being written; their turn ends by itself.
-    if (begun == AbortCode::kDeviceState) return AbortCode::kBusy;
-    if (begun != AbortCode::kNone) return begun;
+    const Status begun = items.begin(storage::ItemKind::kNodeId, 0);
+    // Parameters are being written; they end by themselves.
+    if (begun == Status::kInUse) return Status::kBusy;
+    if (begun != Status::kOk) return begun;
     volatile_->node_id_begun = true;
   }
   if (!volatile_->node_id_appended) {
-    const AbortCode appended = items.append(std::array{std::byte{node_id}});
-    if (appended != AbortCode::kNone) return appended;
+    const Status appended = items.append(std::array{std::byte{node_id}});
+    if (appended != Status::kOk) return appended;
     volatile_->node_id_appended = true;
   }
   return items.commit();

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 
-#include "firmware/canopen/item_store.h"
 #include "firmware/canopen/node.h"
-#include "firmware/canopen/parameter_store.h"
+#include "firmware/canopen/stored_parameters.h"
+#include "firmware/storage/item_store.h"
 #include "sim_board/storage/node_flash.h"
 
 namespace koboshi::sim {
@@ -33,21 +35,22 @@ class NodeStorage {
   void process();
 
  private:
-  enum class Item : std::uint16_t { kParameters = 1, kNodeId = 2 };
-  static constexpr canopen::ItemStore::Layout kLayout{NodeFlash::kSectorSize_bytes, NodeFlash::kSectors};
+  static constexpr storage::ItemStore::Layout kLayout{NodeFlash::kSectorSize_bytes, NodeFlash::kSectors};
 
   // The firmware's view of the flash, which a restart makes anew.
   struct Volatile {
-    Volatile(NodeFlash& flash, canopen::Node& node)
-        : items(flash, kLayout), parameters(items, static_cast<std::uint16_t>(Item::kParameters), node) {}
+    Volatile(NodeFlash& flash, canopen::Node& node) : items(flash, kLayout), parameters(items, node) {}
 
-    canopen::ItemStore items;
-    canopen::ParameterStore parameters;
+    storage::ItemStore items;
+    canopen::StoredParameters parameters;
     bool node_id_begun = false;
     bool node_id_appended = false;
   };
 
-  canopen::AbortCode write_node_id(std::uint8_t node_id);
+  std::span<const std::byte> stored_node_id() const {
+    return volatile_->items.find(storage::ItemKind::kNodeId, 0);
+  }
+  storage::Status write_node_id(std::uint8_t node_id);
 
   canopen::Node& node_;
   NodeFlash flash_;

@@ -1,6 +1,7 @@
 #include "tests/support/robot_storage.h"
 
 #include "firmware/storage/catalogue.h"
+#include "firmware/storage/image.h"
 #include "tests/unit/firmware/robot/test_robot.h"
 
 namespace koboshi::test {
@@ -10,7 +11,7 @@ std::vector<std::byte> begin_image(std::uint32_t magic, std::uint16_t version) {
   std::vector<std::byte> image;
   put(image, magic, 4);
   put(image, version, 4);  // and the reserved field
-  image.resize(robot::kImageHeaderSize);
+  image.resize(storage::kImageHeaderSize);
   return image;
 }
 
@@ -21,7 +22,7 @@ std::vector<std::byte> encode(const TestMotion& motion, std::uint32_t model_id) 
   std::vector<std::byte> image = begin_image(motion::kMotionMagic, motion::kMotionVersion);
   put(image, model_id, 4);
   for (const char letter : motion.name) image.push_back(static_cast<std::byte>(letter));
-  image.resize(robot::kImageHeaderSize + 4 + motion::kNameSize);
+  image.resize(storage::kImageHeaderSize + 4 + motion::kNameSize);
   put(image, static_cast<std::uint32_t>(joints), 2);
   put(image, static_cast<std::uint32_t>(motion.poses.size()), 2);
   put(image, static_cast<std::uint32_t>(motion.steps.size()), 2);
@@ -42,7 +43,7 @@ std::vector<std::byte> make_storage(std::span<const std::byte> model,
                                     std::span<const std::vector<std::byte>> motions) {
   std::vector<std::byte> catalogue = begin_image(storage::kCatalogueMagic, storage::kCatalogueVersion);
   const std::size_t count = 1 + motions.size();
-  std::size_t offset = robot::kImageHeaderSize + 4 + count * storage::kCatalogueItemSize;
+  std::size_t offset = storage::kImageHeaderSize + 4 + count * storage::kCatalogueItemSize;
   put(catalogue, static_cast<std::uint32_t>(count), 4);  // and the reserved field
   const auto add = [&](storage::ItemKind kind, std::size_t number, std::size_t size) {
     put(catalogue, static_cast<std::uint32_t>(kind), 2);

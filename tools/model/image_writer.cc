@@ -1,11 +1,11 @@
 #include "tools/model/image_writer.h"
 
-#include "firmware/robot/image.h"
+#include "firmware/storage/image.h"
 
 namespace koboshi::tools {
 
 std::vector<std::byte> ImageWriter::finish(std::uint32_t magic, std::uint16_t version) const {
-  const auto size = static_cast<std::uint32_t>(robot::kImageHeaderSize + body_.size());
+  const auto size = static_cast<std::uint32_t>(storage::kImageHeaderSize + body_.size());
   const auto with_crc = [&](std::uint32_t crc) {
     ImageWriter image;
     image.u32(magic);
@@ -16,7 +16,7 @@ std::vector<std::byte> ImageWriter::finish(std::uint32_t magic, std::uint16_t ve
     image.body_.insert(image.body_.end(), body_.begin(), body_.end());
     return image.body_;
   };
-  return with_crc(robot::image_crc32(with_crc(0)));
+  return with_crc(storage::image_crc32(with_crc(0)));
 }
 
 }  // namespace koboshi::tools

@@ -9,7 +9,7 @@
 
 namespace koboshi::tools {
 
-// Writes the images that firmware/robot/image.h reads: little-endian fields one after the other behind a
+// Writes the images that firmware/storage/image.h reads: little-endian fields one after the other behind a
 // header.
 class ImageWriter {
  public:

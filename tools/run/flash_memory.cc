@@ -39,7 +39,7 @@ std::byte* map(int file_number) {
 }  // namespace
 
 FlashMemory::FlashMemory(std::span<const std::byte> contents, const std::filesystem::path& file) {
-  constexpr std::size_t kFactory_bytes = kSize_bytes - storage::ItemStore::kSize;
+  constexpr std::size_t kFactory_bytes = kSize_bytes - storage::kRobotLayout.size_bytes();
   if (contents.size() > kFactory_bytes) {
     throw std::length_error("model and motions take " + std::to_string(contents.size()) +
                             " bytes, more than the storage's " + std::to_string(kFactory_bytes));

@@ -1,6 +1,7 @@
 #include "tools/run/storage_contents.h"
 
 #include "firmware/storage/catalogue.h"
+#include "firmware/storage/image.h"
 #include "tools/model/image_writer.h"
 
 namespace koboshi::tools {
@@ -24,7 +25,7 @@ std::vector<std::byte> make_storage_contents(std::span<const std::byte> model,
   for (std::size_t i = 0; i < motions.size(); ++i) {
     items.push_back({storage::ItemKind::kMotion, static_cast<std::uint16_t>(i), motions[i]});
   }
-  const std::size_t first = robot::kImageHeaderSize + 4 + items.size() * storage::kCatalogueItemSize;
+  const std::size_t first = storage::kImageHeaderSize + 4 + items.size() * storage::kCatalogueItemSize;
   ImageWriter catalogue;
   catalogue.u16(static_cast<std::uint16_t>(items.size()));
   catalogue.u16(0);

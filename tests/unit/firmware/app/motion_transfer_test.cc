@@ -1,4 +1,4 @@
-#include "firmware/storage/motion_transfer.h"
+#include "firmware/app/motion_transfer.h"
 
 #include <gtest/gtest.h>
 
@@ -132,7 +132,7 @@ TEST_F(ControllerMotions, AreRefusedUnlessTheRobotStandsOrIsLimp) {
 }
 
 TEST_F(ControllerMotions, AreRefusedWhenTooLongAndUnknownOnesToo) {
-  EXPECT_EQ(pc.download_blocks(motion_object(7), Image(storage::ItemStore::kMaxItemSize + 1)),
+  EXPECT_EQ(pc.download_blocks(motion_object(7), Image(storage::kRobotLayout.max_item_size_bytes() + 1)),
             AbortCode::kLengthTooHigh);
   pc.upload(motion_object(7));
   EXPECT_EQ(pc.refusal, AbortCode::kNoData);

@@ -24,7 +24,7 @@ class BehaviourStage : public testing::Test {
                   {.power = power, .velocity_limits = limits, .walk = gait, .recovery = recovery}) {
     flash.load(0, test::factory_storage());
     catalogue.emplace(flash.contents());
-    items.emplace(flash);
+    items.emplace(flash, storage::kRobotLayout);
     // As its image has it: motions are made for a model by its id.
     static_cast<void>(robot::load_model(catalogue->find(storage::ItemKind::kRobotModel, 0), model));
     motions.load();
@@ -68,8 +68,8 @@ class BehaviourStage : public testing::Test {
   robot::RobotModel model = test::make_test_robot();
   hal::FakeStorage flash;
   std::optional<storage::Catalogue> catalogue{std::in_place, std::span<const std::byte>()};
-  std::optional<storage::ItemStore> items{std::in_place, flash};
-  storage::MotionLibrary motions{*catalogue, *items, model};
+  std::optional<storage::ItemStore> items{std::in_place, flash, storage::kRobotLayout};
+  motion::MotionLibrary motions{*catalogue, *items, model};
   PowerParameters power;
   walk::VelocityLimits limits;
   walk::WalkParameters gait;

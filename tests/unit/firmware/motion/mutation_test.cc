@@ -5,6 +5,7 @@
 #include <string>
 
 #include "firmware/motion/interpreter.h"
+#include "firmware/storage/image.h"
 #include "tests/unit/firmware/motion/motion_builder.h"
 
 // What the validator accepts is played: no read outside the image (each lies alone on the heap, for the
@@ -56,7 +57,7 @@ test::MotionBuilder make_motion(const robot::RobotModel& model, Random& random) 
 void mutate(std::vector<std::byte>& image, std::size_t steps_size, Random& random) {
   const std::uint32_t mutations = draw(random, 3);
   for (std::uint32_t i = 0; i < mutations; ++i) {
-    const std::size_t range = draw(random, 4) == 0 ? image.size() - robot::kImageHeaderSize : steps_size;
+    const std::size_t range = draw(random, 4) == 0 ? image.size() - storage::kImageHeaderSize : steps_size;
     const std::size_t at = image.size() - 1 - draw(random, static_cast<std::uint32_t>(range));
     image[at] =
         draw(random, 2) == 0 ? static_cast<std::byte>(draw(random, 12)) : static_cast<std::byte>(random());

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "firmware/storage/image.h"
 #include "tests/support/robot_storage.h"
 #include "tests/unit/firmware/robot/test_robot.h"
 
@@ -12,7 +13,7 @@ const std::vector<std::byte> kModel(10, std::byte{1});
 const std::vector<std::vector<std::byte>> kMotions{std::vector<std::byte>(5, std::byte{2}),
                                                    std::vector<std::byte>(7, std::byte{3})};
 
-constexpr std::size_t kFirstItem = robot::kImageHeaderSize + 4;
+constexpr std::size_t kFirstItem = kImageHeaderSize + 4;
 constexpr std::size_t kOffsetField = 4;
 constexpr std::size_t kSizeField = 8;
 
@@ -62,7 +63,7 @@ TEST(Catalogue, NeverPointsOutsideTheStorage) {
 TEST(Catalogue, IsEmptyWhenItsCountIsNotItsLength) {
   std::vector<std::byte> catalogue = test::make_storage(kModel, kMotions);
   catalogue.resize(kFirstItem + 3 * kCatalogueItemSize);
-  catalogue[robot::kImageHeaderSize] = std::byte{4};
+  catalogue[kImageHeaderSize] = std::byte{4};
   test::seal(catalogue);
   EXPECT_TRUE(Catalogue(catalogue).find(ItemKind::kRobotModel, 0).empty());
 }

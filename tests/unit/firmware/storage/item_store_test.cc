@@ -11,12 +11,11 @@
 namespace koboshi::storage {
 namespace {
 
-using canopen::AbortCode;
 using Bytes = std::vector<std::byte>;
 
 constexpr std::size_t kSectors = 128;
 constexpr std::size_t kSectorSize = 2048;
-constexpr std::size_t kFirst = kSectors * kSectorSize - ItemStore::kSize;
+constexpr std::size_t kFirst = kSectors * kSectorSize - kRobotLayout.size_bytes();
 
 Bytes pattern(std::size_t size, unsigned seed) {
   Bytes bytes(size);
@@ -29,28 +28,29 @@ class ItemStoreTest : public testing::Test {
  protected:
   ItemStoreTest() { storage.complete_after(3); }
 
+  // What the verb returns once the flash is ready; nothing where the power fails before.
   template <typename Verb>
-  AbortCode repeat(const Verb& verb) {
+  std::optional<Status> repeat(const Verb& verb) {
     for (int i = 0; i < 1'000; ++i) {
-      const AbortCode code = verb();
-      if (code != AbortCode::kBusy) return code;
-      if (operations_left && !advance()) return AbortCode::kTimedOut;
+      const Status status = verb();
+      if (status != Status::kBusy) return status;
+      if (operations_left && !advance()) return std::nullopt;
       store->process();
     }
-    return AbortCode::kTimedOut;
+    return std::nullopt;
   }
   // False when power fails here: after so many more milliseconds.
   bool advance() { return (*operations_left)-- > 0; }
 
-  AbortCode write(std::uint16_t number, const Bytes& bytes) {
-    AbortCode code = repeat([&] { return store->begin(ItemKind::kMotion, number); });
-    for (std::size_t i = 0; i < bytes.size() && code == AbortCode::kNone; i += 7) {
+  std::optional<Status> write(std::uint16_t number, const Bytes& bytes) {
+    std::optional<Status> status = repeat([&] { return store->begin(ItemKind::kMotion, number); });
+    for (std::size_t i = 0; i < bytes.size() && status == Status::kOk; i += 7) {
       const auto piece = std::span(bytes).subspan(i, std::min<std::size_t>(7, bytes.size() - i));
-      code = repeat([&] { return store->append(piece); });
+      status = repeat([&] { return store->append(piece); });
     }
-    if (code == AbortCode::kNone) code = repeat([&] { return store->commit(); });
-    if (code != AbortCode::kTimedOut) store->release();
-    return code;
+    if (status == Status::kOk) status = repeat([&] { return store->commit(); });
+    if (status) store->release();
+    return status;
   }
   Bytes item(std::uint16_t number) const {
     const auto found = store->find(ItemKind::kMotion, number);
@@ -58,20 +58,20 @@ class ItemStoreTest : public testing::Test {
   }
   void power_cycle() {
     storage.lose_power();
-    store.emplace(storage);
+    store.emplace(storage, kRobotLayout);
   }
 
   hal::FakeStorage storage{kSectors, kSectorSize};
-  std::optional<ItemStore> store{storage};
+  std::optional<ItemStore> store{std::in_place, storage, kRobotLayout};
   std::optional<int> operations_left;  // milliseconds until power fails
 };
 
 TEST_F(ItemStoreTest, IsEmptyAtFirst) { EXPECT_TRUE(item(0).empty()); }
 
 TEST_F(ItemStoreTest, KeepsItemsOfAnySizeOverAPowerCycle) {
-  const std::size_t sizes[] = {0, 1, 7, 8, 9, 255, 256, 257, 2048, ItemStore::kMaxItemSize};
+  const std::size_t sizes[] = {0, 1, 7, 8, 9, 255, 256, 257, 2048, kRobotLayout.max_item_size_bytes()};
   for (std::uint16_t i = 0; i < std::size(sizes); ++i) {
-    ASSERT_EQ(write(i, pattern(sizes[i], i)), AbortCode::kNone);
+    ASSERT_EQ(write(i, pattern(sizes[i], i)), Status::kOk);
     EXPECT_EQ(item(i), pattern(sizes[i], i));
   }
   power_cycle();
@@ -79,8 +79,8 @@ TEST_F(ItemStoreTest, KeepsItemsOfAnySizeOverAPowerCycle) {
 }
 
 TEST_F(ItemStoreTest, TheNewestCounts) {
-  for (unsigned version = 0; version < 3 * ItemStore::kSlots; ++version) {
-    ASSERT_EQ(write(3, pattern(100, version)), AbortCode::kNone) << version;
+  for (unsigned version = 0; version < 3 * kRobotLayout.slots; ++version) {
+    ASSERT_EQ(write(3, pattern(100, version)), Status::kOk) << version;
     EXPECT_EQ(item(3), pattern(100, version));
     if (version % 5 == 0) power_cycle();
     EXPECT_EQ(item(3), pattern(100, version));
@@ -88,54 +88,54 @@ TEST_F(ItemStoreTest, TheNewestCounts) {
 }
 
 TEST_F(ItemStoreTest, EverySlotButOneMayBeInUseAndEachBeReplaced) {
-  for (std::uint16_t i = 0; i + 1u < ItemStore::kSlots; ++i) {
-    ASSERT_EQ(write(i, pattern(50, i)), AbortCode::kNone) << i;
+  for (std::uint16_t i = 0; i + 1u < kRobotLayout.slots; ++i) {
+    ASSERT_EQ(write(i, pattern(50, i)), Status::kOk) << i;
   }
-  for (std::uint16_t i = 0; i + 1u < ItemStore::kSlots; ++i) {
-    ASSERT_EQ(write(i, pattern(60, i)), AbortCode::kNone) << i;
+  for (std::uint16_t i = 0; i + 1u < kRobotLayout.slots; ++i) {
+    ASSERT_EQ(write(i, pattern(60, i)), Status::kOk) << i;
   }
-  ASSERT_EQ(write(100, pattern(50, 0)), AbortCode::kNone);  // the last
-  EXPECT_EQ(write(101, pattern(50, 0)), AbortCode::kOutOfMemory);
+  ASSERT_EQ(write(100, pattern(50, 0)), Status::kOk);  // the last
+  EXPECT_EQ(write(101, pattern(50, 0)), Status::kFull);
   power_cycle();
-  for (std::uint16_t i = 0; i + 1u < ItemStore::kSlots; ++i) EXPECT_EQ(item(i), pattern(60, i));
+  for (std::uint16_t i = 0; i + 1u < kRobotLayout.slots; ++i) EXPECT_EQ(item(i), pattern(60, i));
 }
 
 TEST_F(ItemStoreTest, LeavesTheFactorysPartAlone) {
   const Bytes factory = pattern(kFirst, 1);
   storage.load(0, factory);
-  for (std::uint16_t i = 0; i < 40; ++i) ASSERT_EQ(write(i % 8, pattern(6'000, i)), AbortCode::kNone);
+  for (std::uint16_t i = 0; i < 40; ++i) ASSERT_EQ(write(i % 8, pattern(6'000, i)), Status::kOk);
   EXPECT_TRUE(std::ranges::equal(storage.contents().first(kFirst), factory));
 }
 
 TEST_F(ItemStoreTest, NothingHappensWithoutCommit) {
-  ASSERT_EQ(write(3, pattern(100, 1)), AbortCode::kNone);
-  ASSERT_EQ(repeat([&] { return store->begin(ItemKind::kMotion, 3); }), AbortCode::kNone);
-  ASSERT_EQ(store->append(pattern(50, 2)), AbortCode::kNone);
-  EXPECT_EQ(store->begin(ItemKind::kMotion, 4), AbortCode::kDeviceState);  // one at a time
+  ASSERT_EQ(write(3, pattern(100, 1)), Status::kOk);
+  ASSERT_EQ(repeat([&] { return store->begin(ItemKind::kMotion, 3); }), Status::kOk);
+  ASSERT_EQ(store->append(pattern(50, 2)), Status::kOk);
+  EXPECT_EQ(store->begin(ItemKind::kMotion, 4), Status::kInUse);  // one at a time
   store->release();
   EXPECT_EQ(item(3), pattern(100, 1));
-  ASSERT_EQ(write(3, pattern(100, 3)), AbortCode::kNone);
+  ASSERT_EQ(write(3, pattern(100, 3)), Status::kOk);
   EXPECT_EQ(item(3), pattern(100, 3));
 }
 
 TEST_F(ItemStoreTest, RefusesAnItemThatIsTooLong) {
-  EXPECT_EQ(write(3, pattern(ItemStore::kMaxItemSize + 1, 1)), AbortCode::kLengthTooHigh);
+  EXPECT_EQ(write(3, pattern(kRobotLayout.max_item_size_bytes() + 1, 1)), Status::kTooLong);
   EXPECT_TRUE(item(3).empty());
 }
 
 TEST_F(ItemStoreTest, WorksAroundFlashThatFails) {
-  ASSERT_EQ(write(3, pattern(100, 1)), AbortCode::kNone);
+  ASSERT_EQ(write(3, pattern(100, 1)), Status::kOk);
   storage.fail_next();
-  EXPECT_EQ(write(3, pattern(100, 2)), AbortCode::kHardwareError);
+  EXPECT_EQ(write(3, pattern(100, 2)), Status::kFailed);
   EXPECT_EQ(item(3), pattern(100, 1));
-  EXPECT_EQ(write(3, pattern(100, 2)), AbortCode::kNone);
+  EXPECT_EQ(write(3, pattern(100, 2)), Status::kOk);
   EXPECT_EQ(item(3), pattern(100, 2));
 }
 
 TEST_F(ItemStoreTest, StorageWithoutRoomStoresNothing) {
   hal::FakeStorage small(4, 1024);
-  ItemStore none(small);
-  EXPECT_EQ(none.begin(ItemKind::kMotion, 0), AbortCode::kOutOfMemory);
+  ItemStore none(small, kRobotLayout);
+  EXPECT_EQ(none.begin(ItemKind::kMotion, 0), Status::kFull);
   EXPECT_TRUE(none.find(ItemKind::kMotion, 0).empty());
 }
 
@@ -146,15 +146,15 @@ TEST_F(ItemStoreTest, PowerFailureLeavesTheOldOrTheNew) {
   int failures = 0;
   for (int time_ms = 0;; ++time_ms) {
     operations_left.reset();
-    ASSERT_EQ(write(3, before), AbortCode::kNone);
+    ASSERT_EQ(write(3, before), Status::kOk);
     operations_left = time_ms;
-    const AbortCode written = write(3, after);
+    const std::optional<Status> written = write(3, after);
     power_cycle();
-    if (written == AbortCode::kNone) break;
+    if (written == Status::kOk) break;
     ++failures;
     ASSERT_TRUE(item(3) == before || item(3) == after) << time_ms;
     operations_left.reset();
-    ASSERT_EQ(write(4, after), AbortCode::kNone) << time_ms;  // and it goes on
+    ASSERT_EQ(write(4, after), Status::kOk) << time_ms;  // and it goes on
   }
   EXPECT_EQ(item(3), after);
   EXPECT_GT(failures, 20);
@@ -163,11 +163,11 @@ TEST_F(ItemStoreTest, PowerFailureLeavesTheOldOrTheNew) {
 // The same by words, which is how flash is written: all up to one that is whole, torn or not there.
 TEST_F(ItemStoreTest, ImageCutAtAnyWordIsNotLoaded) {
   const Bytes before = pattern(700, 1);
-  ASSERT_EQ(write(3, before), AbortCode::kNone);
-  ASSERT_EQ(write(3, pattern(700, 2)), AbortCode::kNone);
+  ASSERT_EQ(write(3, before), Status::kOk);
+  ASSERT_EQ(write(3, pattern(700, 2)), Status::kOk);
   const Bytes whole(storage.contents().begin(), storage.contents().end());
-  const std::size_t start = kFirst + 2 * ItemStore::kSlotSize;
-  for (std::size_t cut = 0; cut < ItemStore::kSlotSize; cut += 8) {
+  const std::size_t start = kFirst + 2 * kRobotLayout.slot_size_bytes;
+  for (std::size_t cut = 0; cut < kRobotLayout.slot_size_bytes; cut += 8) {
     if (std::ranges::all_of(std::span(whole).subspan(start + cut, 8),
                             [](std::byte byte) { return byte == std::byte{0xFF}; })) {
       continue;  // never written
@@ -175,7 +175,8 @@ TEST_F(ItemStoreTest, ImageCutAtAnyWordIsNotLoaded) {
     for (const std::byte torn : {std::byte{0xFF}, std::byte{0xA5}, std::byte{0x00}}) {
       Bytes flash = whole;
       const auto rest = flash.begin() + static_cast<std::ptrdiff_t>(start + cut);
-      std::fill(rest, rest + static_cast<std::ptrdiff_t>(ItemStore::kSlotSize - cut), std::byte{0xFF});
+      std::fill(rest, rest + static_cast<std::ptrdiff_t>(kRobotLayout.slot_size_bytes - cut),
+                std::byte{0xFF});
       std::fill_n(rest, 4, torn);
       storage.load(0, flash);
       power_cycle();

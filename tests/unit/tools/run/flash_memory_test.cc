@@ -11,7 +11,7 @@
 namespace koboshi::tools {
 namespace {
 
-constexpr std::size_t kStored = FlashMemory::kSize_bytes - storage::ItemStore::kSize;
+constexpr std::size_t kStored = FlashMemory::kSize_bytes - storage::kRobotLayout.size_bytes();
 
 class FlashFile : public testing::Test {
  protected:

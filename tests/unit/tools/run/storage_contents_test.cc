@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "firmware/storage/catalogue.h"
+#include "firmware/storage/image.h"
 
 namespace koboshi::tools {
 namespace {
@@ -40,7 +41,7 @@ TEST_F(StorageContents, TheFirmwareFindsNothingElse) {
 }
 
 TEST_F(StorageContents, ADamagedCatalogueIsEmpty) {
-  contents_[robot::kImageHeaderSize + 5] ^= std::byte{1};
+  contents_[storage::kImageHeaderSize + 5] ^= std::byte{1};
   EXPECT_TRUE(Catalogue(contents_).find(ItemKind::kRobotModel, 0).empty());
 }
 

@@ -1,4 +1,4 @@
-#include "firmware/robot/image.h"
+#include "firmware/storage/image.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "tests/unit/firmware/robot/test_robot.h"
 
-namespace koboshi::robot {
+namespace koboshi::storage {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x12345678;
@@ -76,4 +76,4 @@ TEST(OpenImage, NoticesEachFlippedBit) {
 }
 
 }  // namespace
-}  // namespace koboshi::robot
+}  // namespace koboshi::storage

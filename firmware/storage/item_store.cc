@@ -1,12 +1,11 @@
-#include "firmware/canopen/item_store.h"
+#include "firmware/storage/item_store.h"
 
 #include <algorithm>
 
-#include "firmware/canopen/crc32.h"
-#include "firmware/canopen/frame.h"
 #include "firmware/fixed/contract.h"
+#include "firmware/storage/image.h"
 
-namespace koboshi::canopen {
+namespace koboshi::storage {
 namespace {
 
 constexpr std::uint32_t kTrailerMagic = 0x4D54494Bu;  // "KITM"
@@ -15,7 +14,7 @@ constexpr std::size_t kCrcOffset = ItemStore::kTrailerSize - 4;
 }  // namespace
 
 struct ItemStore::Trailer {
-  std::uint16_t kind = 0;
+  ItemKind kind{};
   std::uint16_t number = 0;
   std::uint32_t sequence = 0;
   std::size_t size = 0;
@@ -54,20 +53,21 @@ std::span<const std::byte> ItemStore::slot(std::size_t number) const {
 
 bool ItemStore::read(std::size_t number, Trailer& trailer) const {
   const auto bytes = slot(number);
-  std::array<std::uint8_t, kTrailerSize> stored;
-  std::ranges::transform(bytes.last(kTrailerSize), stored.begin(), std::to_integer<std::uint8_t>);
-  if (load_u32(&stored[0]) != kTrailerMagic) return false;
-  trailer.kind = load_u16(&stored[4]);
-  trailer.number = load_u16(&stored[6]);
-  trailer.sequence = load_u32(&stored[8]);
-  trailer.size = load_u32(&stored[12]);
-  if (trailer.size > max_item_size()) return false;
+  const auto stored = bytes.last(kTrailerSize);
+  ImageReader reader(stored);
+  if (reader.u32() != kTrailerMagic) return false;
+  trailer.kind = static_cast<ItemKind>(reader.u16());
+  trailer.number = reader.u16();
+  trailer.sequence = reader.u32();
+  trailer.size = reader.u32();
+  static_cast<void>(reader.u32());  // reserved
+  if (trailer.size > layout_.max_item_size_bytes()) return false;
   if (occupied(number)) return true;  // checked before, and not written since
   const std::uint32_t crc = crc32(bytes.first(trailer.size));
-  return crc32(bytes.last(kTrailerSize).first(kCrcOffset), crc) == load_u32(&stored[kCrcOffset]);
+  return crc32(stored.first(kCrcOffset), crc) == reader.u32();
 }
 
-std::span<const std::byte> ItemStore::find(std::uint16_t kind, std::uint16_t number) const {
+std::span<const std::byte> ItemStore::find(ItemKind kind, std::uint16_t number) const {
   for (std::size_t i = 0; i < layout_.slots; ++i) {
     Trailer trailer;
     if (!occupied(i) || !read(i, trailer)) continue;
@@ -76,26 +76,26 @@ std::span<const std::byte> ItemStore::find(std::uint16_t kind, std::uint16_t num
   return {};
 }
 
-AbortCode ItemStore::begin(std::uint16_t kind, std::uint16_t number) {
+Status ItemStore::begin(ItemKind kind, std::uint16_t number) {
   switch (state_) {
     case State::kOpen:
-      return AbortCode::kDeviceState;
+      return Status::kInUse;
     case State::kFailed:
       state_ = State::kIdle;
-      return AbortCode::kHardwareError;
+      return Status::kFailed;
     case State::kErased:
       break;
     case State::kIdle:
     case State::kSealed:
-      if (operating_) return AbortCode::kBusy;  // the end of what was released
-      if (!choose_slot()) return AbortCode::kOutOfMemory;
+      if (operating_) return Status::kBusy;  // the last operation of an item that was released
+      if (!choose_slot()) return Status::kFull;
       state_ = State::kErasing;
       done_ = 0;
       erase_next();
-      return AbortCode::kBusy;
+      return Status::kBusy;
     case State::kErasing:
     case State::kSealing:
-      return AbortCode::kBusy;
+      return Status::kBusy;
   }
   state_ = State::kOpen;
   kind_ = kind;
@@ -103,11 +103,11 @@ AbortCode ItemStore::begin(std::uint16_t kind, std::uint16_t number) {
   crc_ = 0;
   done_ = 0;
   size_ = 0;
-  fill_ = 0;
-  return AbortCode::kNone;
+  page_fill_ = 0;
+  return Status::kOk;
 }
 
-// Round and round, so that all slots wear alike, also those of flash that has failed.
+// Takes the free slots in turn, so that all wear alike and one that failed is not taken again at once.
 bool ItemStore::choose_slot() {
   if (storage_.contents().size() < layout_.size_bytes()) return false;
   for (std::size_t i = 0; i < layout_.slots; ++i) {
@@ -123,40 +123,40 @@ void ItemStore::erase_next() {
   done_ += storage_.sector_size_bytes();
 }
 
-AbortCode ItemStore::append(std::span<const std::byte> bytes) {
-  if (state_ != State::kOpen) return AbortCode::kHardwareError;
-  if (size_ + bytes.size() > max_item_size()) return AbortCode::kLengthTooHigh;
-  if (fill_ + bytes.size() > page_.size()) return AbortCode::kBusy;
-  std::ranges::copy(bytes, page_.begin() + static_cast<std::ptrdiff_t>(fill_));
-  fill_ += bytes.size();
+Status ItemStore::append(std::span<const std::byte> bytes) {
+  if (state_ != State::kOpen) return Status::kFailed;
+  if (size_ + bytes.size() > layout_.max_item_size_bytes()) return Status::kTooLong;
+  if (page_fill_ + bytes.size() > page_.size()) return Status::kBusy;
+  std::ranges::copy(bytes, page_.begin() + static_cast<std::ptrdiff_t>(page_fill_));
+  page_fill_ += bytes.size();
   size_ += bytes.size();
   crc_ = crc32(bytes, crc_);
-  return AbortCode::kNone;
+  return Status::kOk;
 }
 
-AbortCode ItemStore::flush() {
-  if (state_ == State::kFailed) return AbortCode::kHardwareError;
-  if (operating_) return AbortCode::kBusy;
-  if (fill_ == 0) return AbortCode::kNone;
-  while (fill_ % kWriteUnit != 0) page_[fill_++] = std::byte{0xFF};
-  write_page(fill_);
-  return AbortCode::kBusy;
+Status ItemStore::flush() {
+  if (state_ == State::kFailed) return Status::kFailed;
+  if (operating_) return Status::kBusy;
+  if (page_fill_ == 0) return Status::kOk;
+  while (page_fill_ % kWriteUnit != 0) page_[page_fill_++] = std::byte{0xFF};
+  write_page(page_fill_);
+  return Status::kBusy;
 }
 
-AbortCode ItemStore::commit() {
-  if (state_ == State::kSealed) return AbortCode::kNone;
-  const AbortCode flushed = flush();
-  if (flushed != AbortCode::kNone) return flushed;
+Status ItemStore::commit() {
+  if (state_ == State::kSealed) return Status::kOk;
+  const Status flushed = flush();
+  if (flushed != Status::kOk) return flushed;
   write_trailer();
-  return AbortCode::kBusy;
+  return Status::kBusy;
 }
 
 void ItemStore::release() {
-  if (state_ == State::kSealing) return;  // what has come so far is seen through
+  if (state_ == State::kSealing) return;  // all bytes have come: the item is completed
   state_ = State::kIdle;
 }
 
-void ItemStore::go_on() {
+void ItemStore::advance() {
   if (operating_) {
     const hal::StorageState now = storage_.state();
     if (now == hal::StorageState::kBusy) return;
@@ -167,7 +167,8 @@ void ItemStore::go_on() {
     }
     on_done();
   }
-  if (state_ == State::kOpen && !operating_ && fill_ >= kWriteUnit) write_page(fill_ - fill_ % kWriteUnit);
+  if (state_ == State::kOpen && !operating_ && page_fill_ >= kWriteUnit)
+    write_page(page_fill_ - page_fill_ % kWriteUnit);
 }
 
 void ItemStore::on_done() {
@@ -194,22 +195,22 @@ void ItemStore::write_page(std::size_t size) {
   write(done_, std::span(page_).first(size));
   done_ += size;
   std::copy(page_.begin() + static_cast<std::ptrdiff_t>(size),
-            page_.begin() + static_cast<std::ptrdiff_t>(fill_), page_.begin());
-  fill_ -= size;
+            page_.begin() + static_cast<std::ptrdiff_t>(page_fill_), page_.begin());
+  page_fill_ -= size;
 }
 
 void ItemStore::write_trailer() {
-  std::array<std::uint8_t, kTrailerSize> trailer;
-  store_u32(&trailer[0], kTrailerMagic);
-  store_u16(&trailer[4], kind_);
-  store_u16(&trailer[6], number_);
-  store_u32(&trailer[8], sequence_ + 1);
-  store_u32(&trailer[12], static_cast<std::uint32_t>(size_));
-  store_u32(&trailer[16], ~std::uint32_t{0});
-  const auto bytes = std::as_bytes(std::span(trailer));
-  store_u32(&trailer[kCrcOffset], crc32(bytes.first(kCrcOffset), crc_));
+  std::array<std::byte, kTrailerSize> trailer;
+  FieldWriter writer(trailer);
+  writer.u32(kTrailerMagic);
+  writer.u16(static_cast<std::uint16_t>(kind_));
+  writer.u16(number_);
+  writer.u32(sequence_ + 1);
+  writer.u32(static_cast<std::uint32_t>(size_));
+  writer.u32(~std::uint32_t{0});
+  writer.u32(crc32(std::span(trailer).first(kCrcOffset), crc_));
   state_ = State::kSealing;
-  write(layout_.slot_size_bytes - kTrailerSize, bytes);
+  write(layout_.slot_size_bytes - kTrailerSize, trailer);
 }
 
-}  // namespace koboshi::canopen
+}  // namespace koboshi::storage

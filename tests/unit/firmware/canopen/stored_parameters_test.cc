@@ -1,4 +1,4 @@
-#include "firmware/canopen/parameter_store.h"
+#include "firmware/canopen/stored_parameters.h"
 
 #include <array>
 #include <optional>
@@ -12,8 +12,7 @@
 namespace koboshi::canopen {
 namespace {
 
-constexpr std::uint16_t kKind = 9;
-constexpr ItemStore::Layout kLayout{2048, 2};
+constexpr storage::ItemStore::Layout kLayout{2048, 2};
 constexpr std::uint32_t kSave = 0x6576'6173;
 constexpr std::uint32_t kLoad = 0x6461'6F6C;
 
@@ -55,7 +54,7 @@ class Device final : public NodeApplication, public DeviceOwner {
               .services = &services},
              memory.buffers(), sink, *this),
         items(flash, kLayout),
-        parameters(items, kKind, node) {
+        parameters(items, node) {
     services.start(node, node_id);
     node.start(0);
   }
@@ -94,13 +93,13 @@ class Device final : public NodeApplication, public DeviceOwner {
   NodeMemory<2, 2, 3, 4> memory;
   DeviceServices services;
   Node node;
-  ItemStore items;
-  ParameterStore parameters;
+  storage::ItemStore items;
+  StoredParameters parameters;
 };
 
-class ParameterStoreTest : public testing::Test {
+class StoredParametersTest : public testing::Test {
  protected:
-  ParameterStoreTest() { flash.complete_after(2); }
+  StoredParametersTest() { flash.complete_after(2); }
 
   void restart(std::uint8_t node_id = 0x10) {
     flash.lose_power();
@@ -111,21 +110,21 @@ class ParameterStoreTest : public testing::Test {
   std::optional<Device> device{std::in_place, flash};
 };
 
-TEST_F(ParameterStoreTest, TellsThatEachGroupIsSavedOnCommand) {
+TEST_F(StoredParametersTest, TellsThatEachGroupIsSavedOnCommand) {
   for (const std::uint16_t index : std::to_array<std::uint16_t>({0x1010, 0x1011})) {
     EXPECT_EQ(device->read(index), 4u);
     for (std::uint8_t i = 1; i <= 4; ++i) EXPECT_EQ(device->read(index, i), 1u);
   }
 }
 
-TEST_F(ParameterStoreTest, WantsTheSignatures) {
+TEST_F(StoredParametersTest, WantsTheSignatures) {
   EXPECT_EQ(device->write({0x1010, 1}, kLoad, 4), AbortCode::kCannotTransfer);
   EXPECT_EQ(device->write({0x1011, 1}, kSave, 4), AbortCode::kCannotTransfer);
   EXPECT_EQ(device->write({0x1010, 0}, kSave, 1), AbortCode::kWriteOfReadOnly);
   EXPECT_EQ(device->write({0x1010, 5}, kSave, 4), AbortCode::kSubindexDoesNotExist);
 }
 
-TEST_F(ParameterStoreTest, KeepsParametersOverAPowerCycle) {
+TEST_F(StoredParametersTest, KeepsParametersOverAPowerCycle) {
   ASSERT_EQ(device->write({0x2000, 3}, 77, 4), AbortCode::kNone);
   ASSERT_EQ(device->write({0x6060, 0}, 0xFF, 1), AbortCode::kNone);
   ASSERT_EQ(device->write({0x1017, 0}, 250, 2), AbortCode::kNone);
@@ -136,7 +135,7 @@ TEST_F(ParameterStoreTest, KeepsParametersOverAPowerCycle) {
   EXPECT_EQ(device->read(0x1017), 250u);
 }
 
-TEST_F(ParameterStoreTest, KeepsNoProcessValues) {
+TEST_F(StoredParametersTest, KeepsNoProcessValues) {
   ASSERT_EQ(device->write({0x6040, 0}, 6, 2), AbortCode::kNone);
   ASSERT_EQ(device->write({0x607A, 0}, 5, 4), AbortCode::kNone);
   ASSERT_EQ(device->save(), AbortCode::kNone);
@@ -145,13 +144,13 @@ TEST_F(ParameterStoreTest, KeepsNoProcessValues) {
   EXPECT_EQ(device->values.target, 0);
 }
 
-TEST_F(ParameterStoreTest, ForgetsWhatWasNotSaved) {
+TEST_F(StoredParametersTest, ForgetsWhatWasNotSaved) {
   ASSERT_EQ(device->write({0x2000, 3}, 77, 4), AbortCode::kNone);
   restart();
   EXPECT_EQ(device->values.gains[2], 0u);
 }
 
-TEST_F(ParameterStoreTest, KeepsEverySortOfCommunicationParameter) {
+TEST_F(StoredParametersTest, KeepsEverySortOfCommunicationParameter) {
   const std::vector<std::pair<ObjectAddress, std::uint32_t>> wanted{
       {{0x1005, 0}, 0x90},        {{0x1019, 0}, 10},          {{0x1006, 0}, 20'000},
       {{0x1007, 0}, 500},         {{0x1012, 0}, 0x0000'0100}, {{0x1014, 0}, 0x8000'0090},
@@ -178,7 +177,7 @@ TEST_F(ParameterStoreTest, KeepsEverySortOfCommunicationParameter) {
   }
 }
 
-TEST_F(ParameterStoreTest, SavesEachGroupForItself) {
+TEST_F(StoredParametersTest, SavesEachGroupForItself) {
   ASSERT_EQ(device->write({0x2000, 1}, 1, 4), AbortCode::kNone);
   ASSERT_EQ(device->write({0x6060, 0}, 2, 1), AbortCode::kNone);
   ASSERT_EQ(device->write({0x1017, 0}, 3, 2), AbortCode::kNone);
@@ -195,7 +194,7 @@ TEST_F(ParameterStoreTest, SavesEachGroupForItself) {
   EXPECT_EQ(device->values.mode, 2);
 }
 
-TEST_F(ParameterStoreTest, RestoresEachGroupWithTheNextReset) {
+TEST_F(StoredParametersTest, RestoresEachGroupWithTheNextReset) {
   ASSERT_EQ(device->write({0x2000, 1}, 1, 4), AbortCode::kNone);
   ASSERT_EQ(device->write({0x6060, 0}, 2, 1), AbortCode::kNone);
   ASSERT_EQ(device->write({0x1017, 0}, 3, 2), AbortCode::kNone);
@@ -212,7 +211,7 @@ TEST_F(ParameterStoreTest, RestoresEachGroupWithTheNextReset) {
   EXPECT_EQ(device->values.gains[0], 0u);
 }
 
-TEST_F(ParameterStoreTest, GivesCommunicationParametersBackWithEitherReset) {
+TEST_F(StoredParametersTest, GivesCommunicationParametersBackWithEitherReset) {
   ASSERT_EQ(device->write({0x2000, 1}, 1, 4), AbortCode::kNone);
   ASSERT_EQ(device->write({0x1017, 0}, 3, 2), AbortCode::kNone);
   ASSERT_EQ(device->save(), AbortCode::kNone);
@@ -225,7 +224,7 @@ TEST_F(ParameterStoreTest, GivesCommunicationParametersBackWithEitherReset) {
   EXPECT_EQ(device->values.gains[0], 1u);
 }
 
-TEST_F(ParameterStoreTest, FollowsItsNodeIdWhereNothingElseWasConfigured) {
+TEST_F(StoredParametersTest, FollowsItsNodeIdWhereNothingElseWasConfigured) {
   ASSERT_EQ(device->write({0x1017, 0}, 3, 2), AbortCode::kNone);
   ASSERT_EQ(device->save(), AbortCode::kNone);
   restart(0x20);
@@ -235,13 +234,13 @@ TEST_F(ParameterStoreTest, FollowsItsNodeIdWhereNothingElseWasConfigured) {
   EXPECT_EQ(device->read(0x1800, 1), 0x4000'01A0u);
 }
 
-TEST_F(ParameterStoreTest, WritesNothingThatIsThere) {
+TEST_F(StoredParametersTest, WritesNothingThatIsThere) {
   ASSERT_EQ(device->write({0x2000, 1}, 1, 4), AbortCode::kNone);
   ASSERT_EQ(device->save(), AbortCode::kNone);
   EXPECT_EQ(device->parameters.store(ParameterGroup::kAll), AbortCode::kNone);  // at once
 }
 
-TEST_F(ParameterStoreTest, WaitsForTheFlash) {
+TEST_F(StoredParametersTest, WaitsForTheFlash) {
   flash.complete_by_finish();
   EXPECT_EQ(device->parameters.store(ParameterGroup::kAll), AbortCode::kBusy);
   for (int ms = 0; ms < 100; ++ms) device->pass_a_millisecond();
@@ -250,7 +249,7 @@ TEST_F(ParameterStoreTest, WaitsForTheFlash) {
 
 // Whenever a reset interrupts a save, all old values are stored, or all new ones, and no save goes on after
 // it.
-TEST_F(ParameterStoreTest, AbandonsASaveThatAResetInterrupts) {
+TEST_F(StoredParametersTest, AbandonsASaveThatAResetInterrupts) {
   std::uint32_t stored = 0;  // the factory's
   for (int cut_ms = 0; cut_ms < 60; ++cut_ms) {
     for (std::uint8_t i = 1; i <= 3; ++i) {
@@ -274,7 +273,7 @@ TEST_F(ParameterStoreTest, AbandonsASaveThatAResetInterrupts) {
 }
 
 // Whenever the power fails, all old values are there, or all new ones.
-TEST_F(ParameterStoreTest, LosesNothingOldToAPowerFailure) {
+TEST_F(StoredParametersTest, LosesNothingOldToAPowerFailure) {
   const auto set = [this](std::uint32_t value) {
     for (std::uint8_t i = 1; i <= 3; ++i) {
       EXPECT_EQ(device->write({0x2000, i}, value, 4), AbortCode::kNone);
@@ -305,14 +304,14 @@ TEST_F(ParameterStoreTest, LosesNothingOldToAPowerFailure) {
   EXPECT_GT(cut_ms, 10);
 }
 
-TEST_F(ParameterStoreTest, ReportsFlashThatFails) {
+TEST_F(StoredParametersTest, ReportsFlashThatFails) {
   flash.fail_next();
   EXPECT_EQ(device->save(), AbortCode::kHardwareError);
 }
 
 // --- 0x1020, verify configuration
 
-TEST_F(ParameterStoreTest, VerifiesAConfigurationThatIsSaved) {
+TEST_F(StoredParametersTest, VerifiesAConfigurationThatIsSaved) {
   ASSERT_EQ(device->write({0x2000, 1}, 1, 4), AbortCode::kNone);
   ASSERT_EQ(device->write({0x1020, 1}, 15'000, 4), AbortCode::kNone);
   ASSERT_EQ(device->write({0x1020, 2}, 43'200'000, 4), AbortCode::kNone);
@@ -323,7 +322,7 @@ TEST_F(ParameterStoreTest, VerifiesAConfigurationThatIsSaved) {
   EXPECT_EQ(device->read(0x1020, 2), 43'200'000u);
 }
 
-TEST_F(ParameterStoreTest, VerifiesNoLongerWhatHasChanged) {
+TEST_F(StoredParametersTest, VerifiesNoLongerWhatHasChanged) {
   const std::vector<std::pair<ObjectAddress, std::uint32_t>> changes{
       {{0x2000, 1}, 7}, {{0x6060, 0}, 1}, {{0x1017, 0}, 50}, {{0x1801, 2}, 3}, {{0x1A01, 0}, 1}};
   for (const auto& [address, value] : changes) {
@@ -339,7 +338,7 @@ TEST_F(ParameterStoreTest, VerifiesNoLongerWhatHasChanged) {
   }
 }
 
-TEST_F(ParameterStoreTest, VerifiesOnAfterProcessValuesAndRefusals) {
+TEST_F(StoredParametersTest, VerifiesOnAfterProcessValuesAndRefusals) {
   ASSERT_EQ(device->write({0x1020, 1}, 15'000, 4), AbortCode::kNone);
   ASSERT_EQ(device->write({0x6040, 0}, 6, 2), AbortCode::kNone);
   EXPECT_EQ(device->write({0x6060, 0}, 99, 1), AbortCode::kValueTooHigh);
@@ -348,7 +347,7 @@ TEST_F(ParameterStoreTest, VerifiesOnAfterProcessValuesAndRefusals) {
   EXPECT_EQ(device->read(0x1020, 1), 15'000u);
 }
 
-TEST_F(ParameterStoreTest, VerifiesNothingAfterARestore) {
+TEST_F(StoredParametersTest, VerifiesNothingAfterARestore) {
   ASSERT_EQ(device->write({0x1020, 1}, 15'000, 4), AbortCode::kNone);
   ASSERT_EQ(device->save(), AbortCode::kNone);
   ASSERT_EQ(device->load(), AbortCode::kNone);

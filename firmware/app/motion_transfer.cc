@@ -1,18 +1,20 @@
-#include "firmware/storage/motion_transfer.h"
+#include "firmware/app/motion_transfer.h"
 
 #include <algorithm>
 
+#include "firmware/canopen/stored_parameters.h"
 #include "firmware/motion/motion.h"
-#include "firmware/robot/image.h"
+#include "firmware/storage/image.h"
 
-namespace koboshi::storage {
+namespace koboshi::app {
 
+using canopen::abort_code_of;
 using canopen::AbortCode;
 
-void MotionTransfer::select(std::uint16_t number, std::span<const std::byte> image, bool may_store) {
+void MotionTransfer::select(std::uint16_t number, bool may_store) {
   if (activity_ != Activity::kNone) return;
   number_ = number;
-  image_ = image;
+  image_ = motions_.image(number);
   may_store_ = may_store;
 }
 
@@ -32,26 +34,27 @@ std::size_t MotionTransfer::read(std::uint32_t position, std::span<std::uint8_t>
 
 AbortCode MotionTransfer::begin_download(std::uint32_t size_bytes) {
   if (!may_store_) return AbortCode::kDeviceState;
-  // Nothing is erased for what cannot be a motion; all that an expedited transfer carries is too short.
-  if (size_bytes < robot::kImageHeaderSize) return AbortCode::kLengthTooLow;
-  if (size_bytes != kUnknownSize && size_bytes > ItemStore::kMaxItemSize) return AbortCode::kLengthTooHigh;
-  const AbortCode begun = items_.begin(ItemKind::kMotion, number_);
+  // Refused before a slot is erased; so is every expedited transfer.
+  if (size_bytes < storage::kImageHeaderSize) return AbortCode::kLengthTooLow;
+  if (size_bytes != kUnknownSize && size_bytes > storage::kRobotLayout.max_item_size_bytes())
+    return AbortCode::kLengthTooHigh;
+  const AbortCode begun = abort_code_of(items_.begin(storage::ItemKind::kMotion, number_));
   if (begun == AbortCode::kNone) activity_ = Activity::kDownload;
   checked_ = {};
   return begun;
 }
 
 AbortCode MotionTransfer::write(std::span<const std::uint8_t> bytes) {
-  return items_.append(std::as_bytes(bytes));
+  return abort_code_of(items_.append(std::as_bytes(bytes)));
 }
 
 AbortCode MotionTransfer::commit() {
   if (checked_.step_count() == 0) {
-    const AbortCode flushed = items_.flush();
+    const AbortCode flushed = abort_code_of(items_.flush());
     if (flushed != AbortCode::kNone) return flushed;
     if (!motion::Motion::open(items_.written(), model_, checked_).ok()) return AbortCode::kInvalidValue;
   }
-  const AbortCode committed = items_.commit();
+  const AbortCode committed = abort_code_of(items_.commit());
   if (committed == AbortCode::kNone) motions_.add(number_, checked_);
   return committed;
 }
@@ -61,4 +64,4 @@ void MotionTransfer::release() {
   activity_ = Activity::kNone;
 }
 
-}  // namespace koboshi::storage
+}  // namespace koboshi::app

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace koboshi::storage {
+
+// What an item is. Kind and number together identify it; both stand in flash, so new kinds are appended.
+enum class ItemKind : std::uint16_t {
+  kRobotModel = 1,
+  kMotion = 2,  // numbers 0 to kMaxMotions - 1
+  kParameters = 3,
+  kNodeId = 5,  // of a drive or sensor: one byte
+};
+
+inline constexpr std::size_t kMaxMotions = 32;
+
+// The result of a verb that may write flash. canopen/stored_parameters.h maps it to SDO abort codes.
+enum class [[nodiscard]] Status : std::uint8_t{
+    kOk,
+    kBusy,        // the flash is not ready: nothing was done, call again a millisecond later
+    kInUse,       // another item is being written
+    kNotAllowed,  // the caller does not permit flash to be written now
+    kFull,        // no free slot, or no storage at all
+    kTooLong,     // the item does not fit into a slot
+    kFailed,      // the flash failed; the next attempt takes another slot
+};
+
+}  // namespace koboshi::storage
