@@ -52,7 +52,10 @@ AbortCode MotionTransfer::commit() {
   if (checked_.step_count() == 0) {
     const AbortCode flushed = abort_code_of(items_.flush());
     if (flushed != AbortCode::kNone) return flushed;
-    if (!motion::Motion::open(items_.written(), model_, checked_).ok()) return AbortCode::kInvalidValue;
+    motion::Motion motion;
+    const bool valid = motion::Motion::open(items_.written(), model_, motion).ok();
+    if (!valid || motion.image_size_bytes() != items_.written().size()) return AbortCode::kInvalidValue;
+    checked_ = motion;
   }
   const AbortCode committed = abort_code_of(items_.commit());
   if (committed == AbortCode::kNone) motions_.add(number_, checked_);

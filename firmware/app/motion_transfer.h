@@ -26,6 +26,7 @@ class MotionTransfer final : public canopen::Domain {
   std::size_t read(std::uint32_t position, std::span<std::uint8_t> bytes) override;
   canopen::AbortCode begin_download(std::uint32_t size_bytes) override;
   canopen::AbortCode write(std::span<const std::uint8_t> bytes) override;
+  // kInvalidValue unless the bytes are exactly one motion image that this robot can play.
   canopen::AbortCode commit() override;
   void release() override;
 

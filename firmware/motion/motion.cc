@@ -60,6 +60,10 @@ bool ExpectedAttitude::is_met_by(const robot::Direction& up_B_now) const {
   return projection_raw >= (std::int64_t{least_cosine} * 127 << kShift);
 }
 
+std::size_t Motion::image_size_bytes() const {
+  return body_.empty() ? 0 : storage::kImageHeaderSize + body_.size();
+}
+
 std::string_view Motion::name() const {
   if (body_.empty()) return {};
   const std::span<const std::byte> field = body_.subspan(4, kNameSize);

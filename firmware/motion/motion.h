@@ -111,6 +111,8 @@ class Motion {
   static MotionVerdict open(std::span<const std::byte> bytes, const robot::RobotModel& model, Motion& motion);
 
   [[nodiscard]] std::string_view name() const;
+  // Bytes of the whole image, as its header states them; 0 for an empty motion.
+  [[nodiscard]] std::size_t image_size_bytes() const;
   [[nodiscard]] std::size_t joint_count() const { return joint_count_; }
   [[nodiscard]] std::size_t pose_count() const { return pose_count_; }
   [[nodiscard]] std::size_t step_count() const { return step_count_; }

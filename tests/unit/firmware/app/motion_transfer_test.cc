@@ -100,6 +100,19 @@ TEST_F(ControllerMotions, InvalidOnesLeaveTheOldOne) {
   EXPECT_EQ(bench.values().diagnosis.motions, 0b1000'0011u);
 }
 
+TEST_F(ControllerMotions, MustBeAsLongAsTheirHeadersState) {
+  const Image image = nod(15);
+  ASSERT_EQ(pc.download_blocks(motion_object(7), image), AbortCode::kNone);
+  for (const std::size_t size : {image.size() - 1, image.size() + 1, image.size() + 8, image.size() + 500}) {
+    Image other = nod(10);
+    other.resize(size, std::byte{0xFF});
+    EXPECT_EQ(pc.download_blocks(motion_object(7), other), AbortCode::kInvalidValue) << size;
+    EXPECT_EQ(pc.download(motion_object(8), other), AbortCode::kInvalidValue) << size;
+  }
+  EXPECT_EQ(pc.upload(motion_object(7)), image);
+  EXPECT_EQ(bench.values().diagnosis.motions, 0b1000'0011u);
+}
+
 // An expedited transfer is answered, and no flash is erased for what cannot be a motion.
 TEST_F(ControllerMotions, OfAFewBytesAreRefusedAtOnce) {
   const Image storage(bench.board.storage.contents().begin(), bench.board.storage.contents().end());

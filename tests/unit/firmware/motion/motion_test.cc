@@ -48,6 +48,7 @@ TEST_F(MotionTest, ShowsWhatIsInTheImage) {
   Motion motion;
   ASSERT_TRUE(Motion::open(image, model_, motion).ok());
   EXPECT_EQ(motion.name(), "test");
+  EXPECT_EQ(motion.image_size_bytes(), image.size());
   EXPECT_EQ(motion.joint_count(), 20u);
   EXPECT_EQ(motion.pose_count(), 2u);
   EXPECT_EQ(motion.step_count(), 2u);
@@ -60,6 +61,7 @@ TEST_F(MotionTest, ShowsWhatIsInTheImage) {
 
 TEST_F(MotionTest, IsEmptyUntilOpened) {
   EXPECT_EQ(Motion().name(), "");
+  EXPECT_EQ(Motion().image_size_bytes(), 0u);
   EXPECT_EQ(Motion().step(0).opcode, kEnd);
 }
 
