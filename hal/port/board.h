@@ -11,8 +11,8 @@
 
 namespace koboshi::hal {
 
-// Everything the firmware knows of the world. The time comes as an argument of each call, in microseconds
-// since reset.
+// The hardware behind the firmware: a reference to each driver. The drivers outlive the firmware. Time is no
+// driver: it is an argument of each call, in microseconds since reset.
 struct Board {
   CanPort& can;
   ImuPort& imu;
@@ -20,8 +20,8 @@ struct Board {
   StoragePort& storage;
   WatchdogPort& watchdog;
   DriveEnablePort& drive_enable;
-  // Nodes of the CAN bus behind `imu` and `ankles`: the firmware is their NMT master. None where the sensors
-  // are wired to the controller.
+  // Node ids of the sensors behind `imu` and `ankles` that are nodes of the CAN bus; the firmware is their
+  // NMT master. Empty if the sensors are wired to the controller.
   std::span<const std::uint8_t> sensor_nodes{};
 };
 

@@ -23,15 +23,15 @@ struct CanStatus {
   CanErrorState state = CanErrorState::kErrorActive;
   std::uint8_t transmit_error_count = 0;
   std::uint8_t receive_error_count = 0;
-  std::uint16_t receive_overruns = 0;  // frames lost because the receive ring was full; saturates
+  std::uint16_t receive_overruns = 0;  // received frames that were lost for lack of room; saturates
 
   friend bool operator==(const CanStatus&, const CanStatus&) = default;
 };
 
-// The transmit FIFOs of a CAN controller. In a single one a frame of low priority holds up whatever stands
-// behind it, a SYNC behind a heartbeat, for as long as others keep the bus busy. So what differs in priority
-// does not share one. Controllers with three transmit buffers or more, of which the lowest identifier is sent
-// first, have them: ST's bxCAN, Bosch's M_CAN, NXP's FlexCAN.
+// The transmit FIFOs of a CAN controller. In a single FIFO, a heartbeat that loses each arbitration would
+// delay the SYNC behind it for as long as the bus is busy (priority inversion). Frames of different priority
+// therefore use different FIFOs. Any controller with three transmit buffers that sends the lowest identifier
+// first can implement them: ST's bxCAN, Bosch's M_CAN, NXP's FlexCAN.
 enum TransmitFifo : std::uint8_t {  // unscoped: the index of arrays of all
   kProcessFifo = 0,                 // boot-up, NMT, SYNC, emergencies, PDOs
   kAnswerFifo = 1,                  // of SDO servers
@@ -39,33 +39,38 @@ enum TransmitFifo : std::uint8_t {  // unscoped: the index of arrays of all
 };
 inline constexpr std::size_t kTransmitFifos = 3;
 
-// The message by which a node tells that it has been initialised (CiA 301, 7.2.8.3.3).
+// Returns whether the frame is a boot-up message, which a node sends once after its initialisation (CiA 301,
+// 7.2.8.3.3).
 constexpr bool is_boot_up(const CanFrame& frame) {
   return frame.identifier > 0x700 && frame.identifier < 0x780 && !frame.remote && frame.size == 1 &&
          frame.data[0] == 0;
 }
 
-// By the predefined connection set (CiA 301, 7.3.5). The emergencies and PDOs of a node that has been reset
-// stand behind its boot-up message: whoever hears them before takes them for those of the time before.
+// Returns the FIFO of a frame, by the predefined connection set (CiA 301, 7.3.5). Boot-up messages share the
+// FIFO of emergencies and PDOs: a receiver would attribute those to the time before the reset if they
+// overtook the boot-up message.
 constexpr TransmitFifo transmit_fifo(const CanFrame& frame) {
   if (frame.identifier < 0x580 || is_boot_up(frame)) return kProcessFifo;
   return frame.identifier < 0x600 ? kAnswerFifo : kBackgroundFifo;
 }
 
-// A CAN controller with a receive ring and transmit FIFOs. Of their oldest frames the one with the lowest
-// identifier takes part in the arbitration. Nothing blocks.
+// A CAN controller with a receive queue and three transmit FIFOs. Among the oldest frames of the FIFOs, the
+// one with the lowest identifier takes part in the arbitration. No function blocks.
 class CanPort {
  public:
-  // Takes the oldest received frame. False, and `frame` untouched, when there is none.
+  // Removes the oldest received frame. Returns false, with `frame` unchanged, if there is none.
   [[nodiscard]] virtual bool receive(CanFrame& frame) = 0;
-  // Appends to the frame's FIFO, whose frames leave in this order. False when that FIFO is full.
+  // Appends a frame to its FIFO (transmit_fifo), which keeps the order. Returns false, with nothing sent, if
+  // that FIFO is full.
   [[nodiscard]] virtual bool transmit(const CanFrame& frame) = 0;
-  // How many frames `transmit` would take into this FIFO now.
+  // Returns how many frames `transmit` would accept into this FIFO now.
   [[nodiscard]] virtual std::size_t transmit_space(TransmitFifo fifo) const = 0;
-  // Whether a frame of this FIFO has yet to leave it.
+  // Returns whether a frame of this FIFO waits for its transmission or is being transmitted.
   [[nodiscard]] virtual bool transmit_pending(TransmitFifo fifo) const = 0;
+  // Returns the state and the error counts of this moment.
   [[nodiscard]] virtual CanStatus status() const = 0;
-  // Starts the recovery from bus-off: 128 times 11 recessive bits. No effect in the other states.
+  // Starts the recovery from bus-off, which takes 128 sequences of 11 recessive bits (ISO 11898-1). The
+  // frames that wait may be dropped. No effect in other states or during a recovery.
   virtual void recover() = 0;
 
  protected:

@@ -9,13 +9,13 @@ namespace koboshi::hal {
 template <typename T, std::size_t kCapacity>
 class Fifo {
  public:
-  // False, and the queue as it was, when it is full.
+  // Appends an item. Returns false, with the queue unchanged, if it is full.
   [[nodiscard]] bool push(const T& item) {
     if (size_ == kCapacity) return false;
     items_[(first_ + size_++) % kCapacity] = item;
     return true;
   }
-  // False, and `item` untouched, when the queue is empty.
+  // Removes the oldest item. Returns false, with `item` unchanged, if the queue is empty.
   [[nodiscard]] bool pop(T& item) {
     if (size_ == 0) return false;
     item = items_[first_];

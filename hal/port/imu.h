@@ -7,19 +7,19 @@ namespace koboshi::hal {
 
 // One sample of a six-axis inertial unit, in the sensor's own frame and counts.
 struct ImuSample {
-  std::uint32_t time_us = 0;  // low 32 bits of board time at the sampling instant
-  std::array<std::int16_t, 3> gyro_raw{};
-  std::array<std::int16_t, 3> accelerometer_raw{};  // specific force: +1 g upwards at rest
+  std::uint32_t time_us = 0;               // low 32 bits of board time at the sampling instant
+  std::array<std::int16_t, 3> gyro_raw{};  // x, y, z; 2^15 counts are the full scale of the robot's model
+  std::array<std::int16_t, 3> accelerometer_raw{};  // likewise; specific force, +1 g upwards at rest
 
   friend bool operator==(const ImuSample&, const ImuSample&) = default;
 };
 
-// The FIFO of an inertial unit that samples at 1 kHz.
+// The FIFO of an inertial unit that samples at 1 kHz. It holds at least the samples of 10 ms.
 class ImuPort {
  public:
-  // Takes the oldest sample. False, and `sample` untouched, when there is none.
+  // Removes the oldest sample. Returns false, with `sample` unchanged, if there is none.
   [[nodiscard]] virtual bool read(ImuSample& sample) = 0;
-  // Samples lost because nobody read them in time; saturates.
+  // Returns the number of samples lost because the FIFO was full; saturates.
   [[nodiscard]] virtual std::uint16_t overruns() const = 0;
 
  protected:

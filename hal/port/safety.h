@@ -4,19 +4,22 @@
 
 namespace koboshi::hal {
 
-// A window-less watchdog. Once it starves, the board resets and the drive-enable line is low.
+// A watchdog without window. When its time-out expires, the board resets and the drive-enable line goes low.
+// The firmware kicks it in each `service`; a time-out of 0.5 s is expected.
 class WatchdogPort {
  public:
+  // Restarts the time-out.
   virtual void kick(std::uint64_t now_us) = 0;
 
  protected:
   ~WatchdogPort() = default;
 };
 
-// The safe-torque-off line that goes to all drives beside the bus: while it is low no drive makes torque.
-// Low at reset, while the watchdog has bitten, and in fault handlers.
+// The safe-torque-off line from the controller to all drives, independent of the bus. While it is low no
+// drive makes torque. It is low at reset, after a watchdog reset, and in fault handlers.
 class DriveEnablePort {
  public:
+  // Sets the level: high if `enabled`.
   virtual void set(bool enabled) = 0;
 
  protected:

@@ -8,19 +8,22 @@ namespace koboshi::hal {
 
 enum class StorageState : std::uint8_t { kIdle = 0, kBusy = 1, kFailed = 2 };
 
-// Non-volatile memory as flash offers it: mapped for reading, erased by sectors to 0xFF, written by clearing
-// bits. Erasing and writing are asynchronous: they are begun here and end when `state` leaves kBusy.
+// Non-volatile memory with the properties of flash: memory-mapped for reading, erased by sectors to 0xFF,
+// written by clearing bits. Erasures and writes are asynchronous: they begin here and end when `state` no
+// longer returns kBusy.
 class StoragePort {
  public:
-  // The whole memory. The bytes of a sector under erasure, and of a range being written, are undefined until
-  // idle.
+  // Returns the whole memory. While an erasure or a write runs, the bytes of its range are undefined.
   [[nodiscard]] virtual std::span<const std::byte> contents() const = 0;
+  // Returns the size of a sector, a divisor of the size of `contents`.
   [[nodiscard]] virtual std::size_t sector_size_bytes() const = 0;
-  // Begins to erase the sector that starts at `offset`. False when busy, misaligned or out of range.
+  // Begins to erase the sector that starts at `offset`. Returns false, with nothing begun, if busy, if the
+  // offset is no sector's start, or if it is out of range.
   [[nodiscard]] virtual bool begin_erase(std::size_t offset) = 0;
-  // Begins to write; `bytes` are copied before it returns, at most kMaxWriteSize of them.
-  // False when busy, out of range, too long, or where a bit would have to be set.
+  // Begins to write `bytes`, at most kMaxWriteSize, and copies them before it returns. Returns false, with
+  // nothing begun, if busy, out of range, too long, or if a cleared bit would have to be set.
   [[nodiscard]] virtual bool begin_write(std::size_t offset, std::span<const std::byte> bytes) = 0;
+  // Returns the state of the last operation; the firmware polls it each millisecond while one runs.
   [[nodiscard]] virtual StorageState state() const = 0;
 
   static constexpr std::size_t kMaxWriteSize = 256;
