@@ -161,6 +161,7 @@ void Controller::on_reset(NmtCommand reset) {
   carry_out(behaviour_.decision(), now_us_);
   if (node) {
     requests_.reset_parameters();
+    values_.diagnosis.factory_parameters = load_factory_parameters();
     parameters_.load();
     requests_.apply_parameters();
   } else {
@@ -170,7 +171,23 @@ void Controller::on_reset(NmtCommand reset) {
   connect_drives(node_, model_);
 }
 
+FactoryStatus Controller::load_factory_parameters() {
+  return app::load_factory_parameters(
+      catalogue_.find(storage::ItemKind::kFactoryParameters, 0), model_.id,
+      canopen::Dictionary(kControllerNode.rows, std::as_writable_bytes(std::span(&values_, 1))));
+}
+
+// Reports parameters of the factory that are there and cannot be used: before a node is pre-operational it
+// sends no emergency messages.
+void Controller::report_factory_parameters() {
+  const FactoryStatus status = values_.diagnosis.factory_parameters;
+  if (status == FactoryStatus::kLoaded || status == FactoryStatus::kNone) return;
+  node_.raise_error(canopen::error_code::kDataSet, canopen::error_register::kManufacturer,
+                    {static_cast<std::uint8_t>(status)});
+}
+
 void Controller::on_state(canopen::NmtState state) {
+  if (state == canopen::NmtState::kPreOperational) report_factory_parameters();
   const bool boots = behaviour_.state() == behaviour::State::kBoot;
   if (boots && state == canopen::NmtState::kOperational) network_.on_operational(now_us_);
 }

@@ -60,6 +60,8 @@ class Controller final : private canopen::NodeApplication {
   void on_impostor(std::uint16_t identifier) override;
 
   void start(std::uint64_t now_us);
+  FactoryStatus load_factory_parameters();
+  void report_factory_parameters();
   void receive(std::uint64_t now_us);
   void read_inertial_unit(std::uint64_t now_us);
   void read_ankles(std::uint64_t now_us);

@@ -74,6 +74,15 @@ inline constexpr canopen::ValueName kReasonNames[] = {
     canopen::value_name(Reason::kDriveNotReady, "drive not ready"),
     canopen::value_name(Reason::kVelocityOutOfRange, "velocity out of range"),
     canopen::value_name(Reason::kNotAtRest, "not at rest"),
+    canopen::value_name(Reason::kNoGait, "no gait"),
+};
+
+inline constexpr canopen::ValueName kFactoryStatusNames[] = {
+    canopen::value_name(FactoryStatus::kLoaded, "loaded"),
+    canopen::value_name(FactoryStatus::kNone, "none in storage"),
+    canopen::value_name(FactoryStatus::kDamaged, "damaged"),
+    canopen::value_name(FactoryStatus::kOtherModel, "for another robot model"),
+    canopen::value_name(FactoryStatus::kRefused, "refused"),
 };
 
 inline constexpr canopen::ValueName kTroubleNames[] = {
@@ -304,7 +313,9 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
          .within(-kMaxGyroBias, kMaxGyroBias)
          .repeated(3, sizeof(std::int32_t)),
      {.name = "Known gyro bias", .unit = kBiasUnit, .elements = canopen::kAxes}},
-    canopen::heading(0x2130, "Steps", "How the robot walks; in force when it begins to walk the next time."),
+    canopen::heading(
+        0x2130, "Steps",
+        "How the robot walks; in force when it begins to walk the next time. Without a gait it does not."),
     {OBJECT(0x2130, 1, walk.step.time_ms, kReadWrite).within(100, 600),
      {.name = "Step time", .unit = kTimeUnit, .comment = "Cut down to whole cycles of 10 ms."}},
     {OBJECT(0x2130, 2, walk.step.double_support, kReadWrite).within(0, 500),
@@ -323,6 +334,18 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
      {.name = "Acceleration sideways", .unit = kSpeedUpUnit}},
     {OBJECT(0x2130, 8, walk.step.acceleration[2], kReadWrite).within(10, 20000),
      {.name = "Acceleration of turn", .unit = kTurnUpUnit}},
+    {OBJECT(0x2130, 9, walk.step.max_forward, kReadWrite).within(1, 5000),
+     {.name = "Longest step",
+      .unit = kShortLengthUnit,
+      .comment = "Of the swing foot's landing ahead of or behind the support foot."}},
+    {OBJECT(0x2130, 10, walk.step.max_lateral, kReadWrite).within(1, 5000),
+     {.name = "Widest step",
+      .unit = kShortLengthUnit,
+      .comment = "Of the swing foot's landing beside the support foot."}},
+    {OBJECT(0x2130, 11, walk.step.min_lateral, kReadWrite).within(1, 5000),
+     {.name = "Narrowest step",
+      .unit = kShortLengthUnit,
+      .comment = "The same: with less the soles would touch."}},
     canopen::heading(0x2131, "Walking posture", "In force when the robot begins to walk the next time."),
     {OBJECT(0x2131, 1, walk.posture.com_height, kReadWrite).within(500, 10000),
      {.name = "CoM height",
@@ -374,7 +397,9 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
     canopen::heading(0x2140, "Fall detection",
                      "A fall is foreseen when the lean, as it will be by its rate, leaves an ellipse."),
     {OBJECT(0x2140, 1, recovery.fall.front, kReadWrite).within(0, kMaxLean),
-     {.name = "Fall to the front", .unit = kAngleUnit, .comment = "0: falls are not looked for."}},
+     {.name = "Fall to the front",
+      .unit = kAngleUnit,
+      .comment = "0: falls are not looked for, as without any of the other limits."}},
     {OBJECT(0x2140, 2, recovery.fall.back, kReadWrite).within(1, kMaxLean),
      {.name = "Fall to the back", .unit = kAngleUnit}},
     {OBJECT(0x2140, 3, recovery.fall.side, kReadWrite).within(1, kMaxLean),
@@ -413,6 +438,10 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
      {.name = "Falls", .comment = "That were foreseen, since power-on."}},
     {OBJECT(0x2200, 11, diagnosis.risen, kReadOnly),
      {.name = "Risen", .comment = "How often the robot got up, since power-on."}},
+    {OBJECT(0x2200, 12, diagnosis.factory_parameters, kReadOnly),
+     {.name = "Factory parameters",
+      .values = kFactoryStatusNames,
+      .comment = "Those of this robot in storage. Unless they are loaded, all parameters are neutral."}},
     // What goes to and comes from the drives, in their own words, by joint.
     canopen::heading(0x2300, "Drive controlwords"),
     {OBJECT(0x2300, 1, drives.controlword[0], kReadOnly, kTpdo).repeated(kJoints, 2),

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "firmware/app/calibration.h"
+#include "firmware/app/factory_parameters.h"
 #include "firmware/balance/feedback.h"
 #include "firmware/behaviour/command.h"
 #include "firmware/behaviour/parameters.h"
@@ -22,13 +23,6 @@ using behaviour::Event;
 using behaviour::Reason;
 using behaviour::State;
 
-// Found by studies/walk.yaml.
-inline constexpr balance::FeedbackGains kWalkingGains{
-    .rate = {.ankle_pitch = 25, .ankle_roll = 252, .hip_roll = 82, .knee = 70, .hip_pitch = 59},
-    .lean = {.ankle_pitch = -410, .ankle_roll = 287, .hip_roll = 922, .knee = -614, .hip_pitch = -307}};
-inline constexpr balance::FeedbackParameters kFactoryFeedback{
-    .motion = {}, .standing = {}, .walking = kWalkingGains};
-
 // Bits of object 0x1F80 (CiA 302-2).
 inline constexpr std::uint32_t kNmtMaster = 1u << 0;       // always set
 inline constexpr std::uint32_t kStartsTogether = 1u << 1;  // NMT start goes to all nodes, not to each of ours
@@ -36,7 +30,9 @@ inline constexpr std::uint32_t kNoSelfStart = 1u << 2;     // another master sta
 inline constexpr std::uint32_t kNoSlaveStart = 1u << 3;    // another master starts drives and sensors
 inline constexpr std::uint32_t kNmtStartupBits = kNmtMaster | kStartsTogether | kNoSelfStart | kNoSlaveStart;
 
-// The values behind the controller's object dictionary.
+// The values behind the controller's object dictionary. The initial values of the parameters are neutral: no
+// feedback, no gait, no velocity, no fall detection. What the robot needs comes from its storage
+// (app/factory_parameters.h).
 struct ControllerValues {
   std::uint32_t nmt_startup = kNmtMaster;  // 0x1F80
   struct {
@@ -61,19 +57,19 @@ struct ControllerValues {
     std::int16_t acceleration[3] = {};  // 2^-8 m/s^2
   } attitude;                           // 0x2010
   struct {
-    std::int16_t foot_zmp[2][2] = {};     // x, y of each foot in its sole's frame; 2^-15 m, as all here
-    std::int16_t zmp[2] = {};             // x, y of both feet, in the frame of the sole that carries more
-    std::int16_t com[3] = {};             // centre of mass by the joints, in the same frame
-    std::uint8_t flags = 0;               // kLeftZmpValid and its like; what is not valid is zero
-  } balance;                              // 0x2011
-  std::int16_t ankles[2][6] = {};         // 0x2020, 0x2021: force and torque in the sensor's counts
-  behaviour::PowerParameters parameters;  // 0x2100
-  balance::FeedbackParameters feedback = kFactoryFeedback;  // 0x2101 to 0x2106
-  walk::Velocity velocity;                                  // 0x2110; always within its limits
-  walk::VelocityLimits velocity_limits;                     // 0x2111
-  Calibration calibration;                                  // 0x2120..0x2122
-  walk::WalkParameters walk;                                // 0x2130 to 0x2132
-  behaviour::RecoveryParameters recovery;                   // 0x2140 and 0x2141
+    std::int16_t foot_zmp[2][2] = {};      // x, y of each foot in its sole's frame; 2^-15 m, as all here
+    std::int16_t zmp[2] = {};              // x, y of both feet, in the frame of the sole that carries more
+    std::int16_t com[3] = {};              // centre of mass by the joints, in the same frame
+    std::uint8_t flags = 0;                // kLeftZmpValid and its like; what is not valid is zero
+  } balance;                               // 0x2011
+  std::int16_t ankles[2][6] = {};          // 0x2020, 0x2021: force and torque in the sensor's counts
+  behaviour::PowerParameters parameters;   // 0x2100
+  balance::FeedbackParameters feedback;    // 0x2101 to 0x2106
+  walk::Velocity velocity;                 // 0x2110; always within its limits
+  walk::VelocityLimits velocity_limits;    // 0x2111
+  Calibration calibration;                 // 0x2120..0x2122
+  walk::WalkParameters walk;               // 0x2130 to 0x2132
+  behaviour::RecoveryParameters recovery;  // 0x2140 and 0x2141
   struct {
     std::uint32_t model_id = 0;
     std::uint32_t motions = 0;  // bit n: motion n is valid
@@ -84,6 +80,7 @@ struct ControllerValues {
     std::int16_t gyro_bias[3] = {};       // 2^-12 turn/s, axes of the trunk
     std::uint16_t falls = 0;              // since power-on; saturates, as the next
     std::uint16_t risen = 0;
+    FactoryStatus factory_parameters = FactoryStatus::kNone;
   } diagnosis;                 // 0x2200
   drive::DriveSignals drives;  // 0x2300..0x2304, by joint from sub-index 1
 };

@@ -110,7 +110,7 @@ void Requests::apply(const Calibration& calibration) {
 void Requests::reset_parameters() {
   values_.nmt_startup = kNmtMaster;
   values_.parameters = {};
-  values_.feedback = kFactoryFeedback;
+  values_.feedback = {};
   values_.velocity_limits = {};
   values_.calibration = {};
   values_.walk = {};

@@ -32,7 +32,7 @@ class Requests {
   void take_command(std::uint64_t now_us);
   void take_velocity();
 
-  // The values of the factory for every parameter; none has an effect before `apply_parameters`.
+  // Makes every parameter neutral, which has no effect before `apply_parameters`.
   void reset_parameters();
   // All parameters have changed, as after a reset.
   void apply_parameters();

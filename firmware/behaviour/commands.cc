@@ -96,13 +96,15 @@ Reason Behaviour::play(std::int16_t number, const Cycle& cycle) {
   return obey_event(Event::kPlay, cycle);
 }
 
-// A robot that walks already only hears its velocity, and forgets that it was to stop.
+// While the robot walks, the command only takes a stop back.
 Reason Behaviour::walk(const Cycle& cycle) {
   if (status_.state == State::kWalking) {
     walker_.go_on();
     return Reason::kNone;
   }
-  if (status_.state == State::kStanding) walker_.start(parameters_.walk, targets());
+  if (status_.state != State::kStanding) return Reason::kNotInThisState;
+  if (!walk::is_gait(parameters_.walk)) return Reason::kNoGait;
+  walker_.start(parameters_.walk, targets());
   return obey_event(Event::kWalk, cycle);
 }
 

@@ -36,8 +36,8 @@ FallDirection FallWatch::update(const FallLimits& limits, const estimation::Trun
   const std::int64_t along = square(ahead) * square(limits.side);
   const std::int64_t across = square(right) * square(length);
   const bool beyond = along + across > square(length) * square(limits.side);
-  cycles_ = armed_ && leans && beyond && limits.front != 0 ? fixed::add_saturated(cycles_, std::int16_t{1})
-                                                           : std::int16_t{0};
+  cycles_ = armed_ && leans && beyond && limits.are_set() ? fixed::add_saturated(cycles_, std::int16_t{1})
+                                                          : std::int16_t{0};
   if (cycles_ < std::max<std::int16_t>(limits.cycles, 1)) return FallDirection::kNone;
   disarm();
   if (along >= across) return ahead < 0 ? FallDirection::kBack : FallDirection::kFront;

@@ -6,14 +6,17 @@
 
 namespace koboshi::behaviour {
 
-// When a lean is a fall. Angles in units of 2^-16 turn.
+// The lean that counts as a fall. Angles in units of 2^-16 turn. A limit of 0 is not set; while any of the
+// four is not, falls are not detected.
 struct FallLimits {
-  std::int16_t front = 4'733;       // 26 degrees of predicted lean; 0: falls are not looked for
-  std::int16_t back = 4'733;        // 26
-  std::int16_t side = 5'097;        // 28
-  std::int16_t lead_ms = 135;       // how far ahead a lean is predicted: the pendulum's time constant
-  std::int16_t least_lean = 1'820;  // 10: with less, no rate makes a fall
-  std::int16_t cycles = 2;          // of 10 ms, in a row
+  std::int16_t front = 0;  // of the predicted lean, as the next two
+  std::int16_t back = 0;
+  std::int16_t side = 0;
+  std::int16_t lead_ms = 0;     // how far ahead a lean is predicted: the pendulum's time constant
+  std::int16_t least_lean = 0;  // of the present lean: with less, no rate makes a fall
+  std::int16_t cycles = 1;      // of 10 ms, in a row
+
+  [[nodiscard]] bool are_set() const { return front > 0 && back > 0 && side > 0 && least_lean > 0; }
 };
 
 enum class FallDirection : std::uint8_t { kNone, kFront, kBack, kLeft, kRight };

@@ -10,15 +10,19 @@ namespace koboshi::behaviour {
 
 // Supply and soft start, object 0x2100.
 struct PowerParameters {
-  std::uint16_t supply_min_mV = 6000;  // with less, or more than the next, the robot refuses to be enabled
-  std::uint16_t supply_max_mV = 9000;
-  std::int16_t ramp_rate = 683;        // of the soft start, 2^-12 turn/s: 60 degrees a second
-  std::uint16_t supply_low_mV = 6300;  // what the battery should not fall below
+  // With less, or with more than supply_max_mV, the robot refuses to be enabled. The neutral values take any
+  // supply: the firmware does not know the battery.
+  std::uint16_t supply_min_mV = 0;
+  std::uint16_t supply_max_mV = 0xFFFF;
+  // Of the soft start, 2^-12 turn/s. 60 degrees a second: from any pose within the joint limits it takes a
+  // few seconds, and a hand has time to get out of the way.
+  std::int16_t ramp_rate = 683;
+  std::uint16_t supply_low_mV = 0;  // with less for two seconds the robot stands until it was limp
 };
 
 struct GettingUp {
-  std::uint8_t attempts = 3;  // of which each is slower than the last; 0: who falls stays down
-  std::uint8_t slower = 20;   // percent of the first one's pace, which each further attempt has less
+  std::uint8_t attempts = 0;  // each is slower than the last; 0: a robot that fell stays down
+  std::uint8_t slower = 0;    // percent of the first attempt's pace, which each further attempt has less
 };
 
 struct RecoveryParameters {

@@ -85,6 +85,7 @@ enum class Reason : std::uint8_t {
   kDriveNotReady = 38,  // a drive is in fault, or has not come to rest since it was enabled last
   kVelocityOutOfRange = 39,
   kNotAtRest = 40,  // the robot moved in the second of its calibration
+  kNoGait = 41,     // the parameters of the walk are not set, see walk::is_gait
 };
 
 // A set of states.

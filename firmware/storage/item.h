@@ -8,9 +8,10 @@ namespace koboshi::storage {
 // What an item is. Kind and number together identify it; both stand in flash, so new kinds are appended.
 enum class ItemKind : std::uint16_t {
   kRobotModel = 1,
-  kMotion = 2,  // numbers 0 to kMaxMotions - 1
-  kParameters = 3,
-  kNodeId = 5,  // of a drive or sensor: one byte
+  kMotion = 2,             // numbers 0 to kMaxMotions - 1
+  kParameters = 3,         // what was saved; only in the ItemStore
+  kFactoryParameters = 4,  // what the robot leaves the factory with; only in the catalogue
+  kNodeId = 5,             // of a drive or sensor: one byte
 };
 
 inline constexpr std::size_t kMaxMotions = 32;

@@ -45,6 +45,14 @@ std::int32_t way_raw(std::int32_t value, std::int64_t hundredth, Ratio time_s) {
 
 }  // namespace
 
+bool is_gait(const WalkParameters& parameters) {
+  const auto& step = parameters.step;
+  const bool steps = step.time_ms > 0 && step.width > 0 && parameters.posture.com_height > 0;
+  const bool accelerates = std::ranges::all_of(step.acceleration, [](std::int16_t each) { return each > 0; });
+  const bool lands = step.max_forward > 0 && step.min_lateral > 0 && step.min_lateral <= step.max_lateral;
+  return steps && accelerates && lands;
+}
+
 Gait::Gait(const WalkParameters& parameters) {
   const auto& [step, posture, reaction] = parameters;
   step_ticks = std::clamp<std::int32_t>(step.time_ms / kTick_ms, 1, Pendulum::kMaxTicks);
@@ -54,6 +62,9 @@ Gait::Gait(const WalkParameters& parameters) {
   step_height = tenths_of_mm(step.height);
   ease = permille(step.ease);
   std::ranges::copy(step.acceleration, acceleration.begin());
+  max_forward = tenths_of_mm(step.max_forward);
+  max_lateral = tenths_of_mm(step.max_lateral);
+  min_lateral = tenths_of_mm(step.min_lateral);
   com_height = tenths_of_mm(posture.com_height);
   zmp_ahead = tenths_of_mm(posture.zmp_ahead);
   zmp_inward = tenths_of_mm(posture.zmp_inward);

@@ -9,42 +9,57 @@
 
 namespace koboshi::walk {
 
-// How the robot walks, as it stands in the object dictionary; the values are those of studies/walk.yaml.
-// Lengths in 0.1 mm, angles in 2^-16 turn, shares in permille. What is changed takes effect when the robot
-// begins to walk the next time.
+// How the robot walks, as it stands in the object dictionary. Lengths in 0.1 mm, angles in 2^-16 turn, shares
+// in permille. What is changed takes effect when the robot begins to walk the next time. 0 in a value that
+// the dictionary does not allow to be 0 means that it is not set.
 struct WalkParameters {
-  struct {
-    std::int16_t time_ms = 220;        // cut down to whole cycles of 10 ms
-    std::int16_t double_support = 90;  // share of a step in which both soles rest
-    std::int16_t width = 772;          // between the middle lines of the soles
-    std::int16_t height = 200;         // of the swinging sole
-    std::int16_t ease = 800;  // 1000: the swinging sole starts and lands without speed; 0: at constant speed
-    std::int16_t acceleration[3] = {300, 200, 1500};  // ahead and aside in mm/s^2, of the turn in mrad/s^2
-  } step;                                             // 0x2130
-  struct {
-    std::int16_t com_height = 1675;  // of the centre of mass above the soles: the length of the pendulum
-    std::int16_t zmp_ahead = 73;     // of the planned ZMP, before the ankle
-    std::int16_t zmp_inward = -6;    // of the planned ZMP, from the sole's middle line towards the other foot
-    std::int16_t trunk_pitch = 644;  // lean ahead
-    std::int16_t trunk_pitch_by_speed = 382;  // more of it, for each m/s ahead
+  struct Steps {
+    std::int16_t time_ms = 0;         // cut down to whole cycles of 10 ms
+    std::int16_t double_support = 0;  // share of a step in which both soles rest
+    std::int16_t width = 0;           // between the middle lines of the soles
+    std::int16_t height = 0;          // of the swinging sole
+    std::int16_t ease = 0;  // 1000: the swinging sole starts and lands without speed; 0: at constant speed
+    std::int16_t acceleration[3] = {};  // ahead and aside in mm/s^2, of the turn in mrad/s^2
+    // Limits of the swing foot's landing position relative to the support foot: within reach of the legs, and
+    // no collision of the soles.
+    std::int16_t max_forward = 0;  // ahead and behind
+    std::int16_t max_lateral = 0;
+    std::int16_t min_lateral = 0;
+
+    friend bool operator==(const Steps&, const Steps&) = default;
+  } step;  // 0x2130
+  struct Posture {
+    std::int16_t com_height = 0;   // of the centre of mass above the soles: the length of the pendulum
+    std::int16_t zmp_ahead = 0;    // of the planned ZMP, before the ankle
+    std::int16_t zmp_inward = 0;   // of the planned ZMP, from the sole's middle line towards the other foot
+    std::int16_t trunk_pitch = 0;  // lean ahead
+    std::int16_t trunk_pitch_by_speed = 0;  // more of it, for each m/s ahead
     // Sag under the robot's weight, mrad for each metre of lever: of hip, knee and ankle, and of hip and
     // ankle to the side.
-    std::int16_t pitch_compliance = 1285;
-    std::int16_t roll_compliance = 399;
-    std::int16_t arm_swing = -20;  // of a shoulder, mrad for each metre that the other side's foot is ahead
-  } posture;                       // 0x2131
-  struct {
+    std::int16_t pitch_compliance = 0;
+    std::int16_t roll_compliance = 0;
+    std::int16_t arm_swing = 0;  // of a shoulder, mrad for each metre that the other side's foot is ahead
+
+    friend bool operator==(const Posture&, const Posture&) = default;
+  } posture;  // 0x2131
+  struct Reactions {
     // Share of the measured error of the mass's motion by which the next foothold moves.
     std::int16_t capture_ahead = 0;
-    std::int16_t capture_aside = 40;
-    std::int16_t dead_band = 59;          // of that error
-    std::int16_t smoothing = 360;         // share of the last cycle's error that is kept
+    std::int16_t capture_aside = 0;
+    std::int16_t dead_band = 0;           // of that error
+    std::int16_t smoothing = 0;           // share of the last cycle's error that is kept
     std::int16_t touch_down_load_cN = 0;  // of the swinging foot, which ends a step early; 0: no load does
-    std::int16_t heading_hold = 210;      // share of the heading's error by which a step turns back
-  } reaction;                             // 0x2132
+    std::int16_t heading_hold = 0;        // share of the heading's error by which a step turns back
+
+    friend bool operator==(const Reactions&, const Reactions&) = default;
+  } reaction;  // 0x2132
 
   friend bool operator==(const WalkParameters&, const WalkParameters&) = default;
 };
+
+// Whether all that a walk cannot do without is set, and the limits of the landing position leave a place
+// between them.
+[[nodiscard]] bool is_gait(const WalkParameters& parameters);
 
 // The same in quantities.
 struct Gait {
@@ -58,6 +73,9 @@ struct Gait {
   fixed::Length step_height;
   fixed::Ratio ease;
   std::array<std::int32_t, 3> acceleration;  // as in Speed
+  fixed::Length max_forward;
+  fixed::Length max_lateral;
+  fixed::Length min_lateral;
   fixed::Length com_height;
   fixed::Length zmp_ahead;
   fixed::Length zmp_inward;

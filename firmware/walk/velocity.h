@@ -14,13 +14,12 @@ struct Velocity {
   friend bool operator==(const Velocity&, const Velocity&) = default;
 };
 
-// The largest velocities that are obeyed, none of them negative: what the default robot sustains
-// (docs/experiment/walking-speed.md).
+// The largest velocities that are obeyed, none of them negative.
 struct VelocityLimits {
-  std::int16_t forward_mm_per_s = 300;
-  std::int16_t backward_mm_per_s = 250;
-  std::int16_t sideways_mm_per_s = 100;  // to either side
-  std::int16_t turn_mrad_per_s = 1000;   // either way
+  std::int16_t forward_mm_per_s = 0;
+  std::int16_t backward_mm_per_s = 0;
+  std::int16_t sideways_mm_per_s = 0;  // to either side
+  std::int16_t turn_mrad_per_s = 0;    // either way
 
   constexpr Velocity lowest() const {
     return {static_cast<std::int16_t>(-backward_mm_per_s), static_cast<std::int16_t>(-sideways_mm_per_s),

@@ -27,12 +27,8 @@ constexpr std::int32_t kRampTicks = 50;
 constexpr std::int32_t kArrivalTicks = 20;
 // How long the mass may take to go over to a foot, or back to the middle: three times what it takes.
 constexpr std::int32_t kMaxSwayTicks = 60;
-// After which it rests in the middle: e^-(omega t) is a twentieth.
-constexpr std::int32_t kRestTicks = 40;
-// Where feet that go on may be put, from the other: soles must not touch, and legs have an end.
-constexpr Length kMostAhead = 0.13_m;
-constexpr Length kMostAside = 0.13_m;
-constexpr Length kLeastAside = 0.058_m;
+// Of the pendulum, after which the mass rests in the middle: e^-3 is a twentieth.
+constexpr std::int64_t kRestTimeConstants = 3;
 // More than this the body does not lean while there is a step that could catch it.
 constexpr Angle kMostLean = 30.0_deg;
 // Before this share of its way a swinging foot that feels a load has not landed but stumbled.
@@ -52,6 +48,12 @@ Point scaled(Point p, Gain factor) { return {product<Length>(p.x, factor), produ
 
 Point interpolated(Point from, Point to, Ratio fraction) {
   return {fixed::interpolate(from.x, to.x, fraction), fixed::interpolate(from.y, to.y, fraction)};
+}
+
+// Cycles of 10 ms, rounded up.
+std::int32_t rest_ticks(Ratio time_constant_s) {
+  const std::int64_t ticks_raw = kRestTimeConstants * 100 * time_constant_s.raw();
+  return static_cast<std::int32_t>((ticks_raw + kOne.raw() - 1) / kOne.raw());
 }
 
 // Seen from a sole that the robot changes to.
@@ -187,7 +189,7 @@ void Walker::run_gathering() {
   const Point zmp = zmp_from_ == middle_zmp ? middle_zmp : zmp_under(standing_);
   pendulum_.advance(mass_, zmp);
   stand_on_both(zmp);
-  if (zmp_from_ != middle_zmp || tick_ < kRestTicks) return;
+  if (zmp_from_ != middle_zmp || tick_ < rest_ticks(pendulum_.time_constant_s())) return;
   ramp_ = targets_;
   enter(Phase::kSettling);
 }
@@ -234,8 +236,8 @@ void Walker::aim() {
   const bool left = swing == Side::kLeft;
   const Point under{gait_.zmp_ahead, left ? -gait_.zmp_inward : gait_.zmp_inward};
   const Point sole = zmp - turned(under, nominal.yaw);
-  const Length aside = std::clamp(left ? sole.y : -sole.y, kLeastAside, kMostAside);
-  swings_to_ = {.p = {std::clamp(sole.x, -kMostAhead, kMostAhead), left ? aside : -aside},
+  const Length aside = std::clamp(left ? sole.y : -sole.y, gait_.min_lateral, gait_.max_lateral);
+  swings_to_ = {.p = {std::clamp(sole.x, -gait_.max_forward, gait_.max_forward), left ? aside : -aside},
                 .yaw = nominal.yaw};
 }
 

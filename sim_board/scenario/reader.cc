@@ -155,11 +155,28 @@ void add_parameters_of_file(const fs::path& file, std::vector<ParameterSetting>&
   const YamlFile yaml(file);
   const YamlMap root = yaml.root();
   root.require_version(1);
+  if (root.has("robot")) {
+    throw root.error_at("robot", "the parameters of a robot, which its storage holds in every run",
+                        "a file of further parameters, with version and parameters");
+  }
   add_parameters(root, parameters);
   yaml.finish();
 }
 
 }  // namespace
+
+RobotParameters read_robot_parameters(const fs::path& robot) {
+  const fs::path file = robot.parent_path() / "parameters.yaml";
+  if (!fs::exists(file)) return {};
+  const YamlFile yaml(file);
+  const YamlMap root = yaml.root();
+  root.require_version(1);
+  RobotParameters parameters{.file = file, .robot = {}, .settings = {}};
+  parameters.robot = {root.text("robot"), file.string(), root.line_of("robot")};
+  add_parameters(root, parameters.settings);
+  yaml.finish();
+  return parameters;
+}
 
 Scenario read_scenario(const fs::path& file, std::span<const Override> overrides) {
   const YamlFile yaml(file, overrides);
@@ -170,6 +187,7 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
   scenario.document = yaml.tree();
   root.require_version(1);
   scenario.robot = read_path(root.value("robot"), folder);
+  scenario.robot_parameters = read_robot_parameters(scenario.robot);
   scenario.motions = read_motions(root, folder);
   scenario.gait = read_gait(root, folder);
   scenario.duration_us = to_us(root.number("duration_s", {.min = 0.01, .max = kLongestRun_s}));

@@ -129,6 +129,7 @@ Eigen::Vector3d Push::mean_force_W_N(std::uint64_t start_us, std::uint64_t end_u
 
 std::vector<std::filesystem::path> input_files(const Scenario& scenario) {
   std::vector<std::filesystem::path> files{scenario.file, scenario.robot};
+  if (!scenario.robot_parameters.file.empty()) files.push_back(scenario.robot_parameters.file);
   for (const MotionChoice& motion : scenario.motions) files.push_back(motion.file);
   if (scenario.gait) files.push_back(scenario.gait->file);
   if (scenario.parameter_file) files.push_back(*scenario.parameter_file);
@@ -141,6 +142,10 @@ void check(const Scenario& scenario, const RobotDescription& robot) {
   for (const Push& push : scenario.pushes) find_named(robot.links, push.link, "link");
   for (const Fault& fault : scenario.faults) check_fault(fault, robot);
   check_materials(scenario, robot);
+  const SourcedName& parameters_of = scenario.robot_parameters.robot;
+  if (!parameters_of.text.empty() && parameters_of.text != robot.name)
+    throw InputError(parameters_of.source, parameters_of.line, "parameters of " + parameters_of.text,
+                     robot.name + ", whose file lies beside them");
 }
 
 }  // namespace koboshi::sim

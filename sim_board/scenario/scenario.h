@@ -186,10 +186,18 @@ struct Fault {
 };
 inline constexpr const char* kControllerTarget = "controller";
 
+// What the robot's controller holds when it leaves the factory: robots/ROBOT/parameters.yaml. No name twice.
+struct RobotParameters {
+  std::filesystem::path file;  // empty: the robot has none
+  SourcedName robot;           // for which they were found
+  std::vector<ParameterSetting> settings;
+};
+
 struct Scenario {
   std::filesystem::path file;
   YamlNode document{};  // what stands in the file, with the overrides; null where there is none
   std::filesystem::path robot;
+  RobotParameters robot_parameters;
   std::vector<MotionChoice> motions;  // index = the number by which the controller knows it
   std::optional<GaitChoice> gait;
   std::uint64_t duration_us = 0;
@@ -214,7 +222,8 @@ struct Scenario {
 std::vector<std::filesystem::path> input_files(const Scenario& scenario);
 
 // Throws InputError at the first name in the scenario that the robot does not have, at a material that
-// neither robot nor ground is of, and at an initial joint position beyond the joint's limits.
+// neither robot nor ground is of, at an initial joint position beyond the joint's limits, and at parameters
+// of another robot.
 void check(const Scenario& scenario, const RobotDescription& robot);
 
 }  // namespace koboshi::sim

@@ -1,6 +1,7 @@
 #include "tests/support/controller_bench.h"
 
 #include "firmware/canopen/frame.h"
+#include "tests/support/factory_values.h"
 #include "tests/support/robot_storage.h"
 #include "tests/unit/firmware/robot/test_robot.h"
 
@@ -12,13 +13,21 @@ using motion::Opcode;
 constexpr std::uint16_t kCommandIdentifier = 0x201;
 constexpr int kHeartbeat_ms = 100;
 
+robot::RobotModel load_encoded(std::span<const std::byte> image) {
+  robot::RobotModel model;
+  if (robot::load_model(image, model) != robot::ModelStatus::kOk) std::abort();
+  return model;
+}
+
 }  // namespace
 
 std::vector<std::byte> factory_storage() {
-  const std::vector<std::byte> model_image = encode(make_test_robot());
-  robot::RobotModel model;
-  if (robot::load_model(model_image, model) != robot::ModelStatus::kOk) std::abort();
+  return factory_storage(encode(factory_values(), load_encoded(encode(make_test_robot())).id));
+}
 
+std::vector<std::byte> factory_storage(std::span<const std::byte> parameters) {
+  const std::vector<std::byte> model_image = encode(make_test_robot());
+  const robot::RobotModel model = load_encoded(model_image);
   std::vector<fixed::Angle> stand(model.joint_count);
   stand[kKnee] = degrees(40);
   std::vector<fixed::Angle> nod = stand;
@@ -33,7 +42,7 @@ std::vector<std::byte> factory_storage() {
                                      {Opcode::kLoopEnd, 0},
                                      {Opcode::kEnd}}};
   const std::vector<std::vector<std::byte>> motions{encode(standing, model.id), encode(nodding, model.id)};
-  return make_storage(model_image, motions);
+  return make_storage(model_image, motions, parameters);
 }
 
 ControllerBench::ControllerBench() {

@@ -14,9 +14,11 @@ namespace koboshi::test {
 
 inline constexpr std::uint16_t kVelocityIdentifier = 0x301;  // frames that command a velocity
 
-// Storage as a robot leaves the factory: the test robot's model, motion 0 (standing) and motion 1 (nods until
-// it is stopped).
+// Storage as a robot leaves the factory: the test robot's model, motion 0 (standing), motion 1 (nods until it
+// is stopped), and parameters (factory_values.h).
 std::vector<std::byte> factory_storage();
+// The same with this item of parameters in place of its own; without one if it is empty.
+std::vector<std::byte> factory_storage(std::span<const std::byte> parameters);
 
 // The whole controller on a fake board with a stub for each drive, in zero time and without physics:
 //

@@ -9,7 +9,9 @@
 
 #include "sim_board/record/output_file.h"
 #include "sim_board/robot/load.h"
+#include "sim_board/scenario/reader.h"
 #include "tools/dictionary/files.h"
+#include "tools/run/parameters.h"
 
 namespace koboshi::tools {
 namespace {
@@ -21,7 +23,8 @@ struct DictionaryArguments {
 };
 
 std::vector<GeneratedFile> files(const DictionaryArguments& arguments) {
-  return dictionary_files(sim::load_robot(arguments.robot));
+  return dictionary_files(sim::load_robot(arguments.robot),
+                          controller_values(sim::read_robot_parameters(arguments.robot)));
 }
 
 void print_file(const DictionaryArguments& arguments, const std::string& name) {

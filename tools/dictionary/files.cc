@@ -11,7 +11,8 @@
 
 namespace koboshi::tools {
 
-std::vector<GeneratedFile> dictionary_files(const sim::RobotDescription& robot) {
+std::vector<GeneratedFile> dictionary_files(const sim::RobotDescription& robot,
+                                            const app::ControllerValues& values) {
   const std::vector<NodeKind> kinds = documented_kinds(load_named_model(robot).model);
   const Network network = make_network(robot);
   std::vector<GeneratedFile> files;
@@ -19,7 +20,7 @@ std::vector<GeneratedFile> dictionary_files(const sim::RobotDescription& robot) 
   files.push_back({"bus.yml", bus_text(robot)});
   files.push_back({"koboshi.dbc", dbc_text(network)});
   files.push_back({"object-dictionary.md", page_text(kinds, network)});
-  files.push_back({"parameters.md", parameters_page_text(kinds.front())});
+  files.push_back({"parameters.md", parameters_page_text(kinds.front(), robot.name, values)});
   return files;
 }
 

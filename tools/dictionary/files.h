@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/app/dictionary.h"
 #include "sim_board/robot/description.h"
 
 namespace koboshi::tools {
@@ -14,7 +15,9 @@ struct GeneratedFile {
 };
 
 // What docs/reference keeps of the tables of objects: the data sheets of all kinds of nodes, koboshi.dbc and
-// bus.yml of the robot's network, and the page. Throws sim::InputError as make_network does.
-std::vector<GeneratedFile> dictionary_files(const sim::RobotDescription& robot);
+// bus.yml of the robot's network, and the pages. `values` are the parameters of the robot. Throws
+// sim::InputError as make_network does.
+std::vector<GeneratedFile> dictionary_files(const sim::RobotDescription& robot,
+                                            const app::ControllerValues& values);
 
 }  // namespace koboshi::tools

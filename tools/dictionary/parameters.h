@@ -5,9 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "firmware/app/dictionary.h"
 #include "firmware/canopen/described_object.h"
 
 namespace koboshi::tools {
+
+struct NodeKind;
 
 // An object of the controller that a client may write, or one element of it, as scenarios and studies name
 // it.
@@ -31,8 +34,9 @@ std::span<const Parameter> controller_parameters();
 // for a number without unit.
 std::string unit_suffix(std::string_view unit);
 
-// docs/reference/parameters.md: every parameter with its range, default and meaning.
-struct NodeKind;
-std::string parameters_page_text(const NodeKind& controller);
+// docs/reference/parameters.md: every parameter with its range, its default, its value on a robot where that
+// is another one, and its meaning.
+std::string parameters_page_text(const NodeKind& controller, const std::string& robot,
+                                 const app::ControllerValues& robot_values);
 
 }  // namespace koboshi::tools

@@ -7,7 +7,6 @@
 #include <functional>
 #include <memory>
 
-#include "firmware/behaviour/fall_watch.h"
 #include "sim_board/input/text.h"
 #include "sim_board/random/random_stream.h"
 #include "sim_board/robot/load.h"
@@ -16,6 +15,7 @@
 #include "tools/experiment/outcome.h"
 #include "tools/experiment/perturbation.h"
 #include "tools/experiment/scenario_trial.h"
+#include "tools/run/parameters.h"
 
 namespace koboshi::tools {
 namespace {
@@ -56,7 +56,7 @@ sim::ParameterSetting parameter(const std::string& name, double value) {
 }
 
 void set_thresholds(sim::Scenario& scenario, const Case& what) {
-  const behaviour::FallLimits limits;
+  const behaviour::FallLimits limits = controller_values(scenario).recovery.fall;
   const auto set = [&](const char* name, std::int16_t value) {
     scenario.parameters.push_back(parameter(name, what.scale * value * kDegreesPerUnit));
   };

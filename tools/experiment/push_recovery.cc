@@ -7,13 +7,13 @@
 #include <memory>
 #include <tuple>
 
-#include "firmware/walk/gait.h"
 #include "sim_board/input/text.h"
 #include "sim_board/random/random_stream.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/experiment/outcome.h"
 #include "tools/experiment/perturbation.h"
 #include "tools/experiment/scenario_trial.h"
+#include "tools/run/parameters.h"
 
 namespace koboshi::tools {
 namespace {
@@ -30,11 +30,7 @@ constexpr const char* kWalking = "walking";
 constexpr const char* kNothing = "nothing";
 
 double cycle_s(const sim::Scenario& scenario) {
-  double step_ms = walk::WalkParameters().step.time_ms;
-  for (const sim::ParameterSetting& parameter : scenario.parameters) {
-    if (parameter.name.text == "step_time_ms") step_ms = parameter.value;
-  }
-  return 2.0 * 1e-3 * step_ms;
+  return 2.0 * 1e-3 * controller_values(scenario).walk.step.time_ms;
 }
 
 struct PushTrial {

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -52,6 +52,18 @@ sim::SdoWrite resolve(const sim::ParameterSetting& setting) {
           .value = static_cast<std::uint32_t>(static_cast<std::int64_t>(raw))};
 }
 
+void set(std::span<const sim::SdoWrite> writes, app::ControllerValues& values) {
+  canopen::Dictionary dictionary(app::kControllerNode.rows, std::as_writable_bytes(std::span(&values, 1)));
+  for (const sim::SdoWrite& write : writes) {
+    canopen::Location location;
+    std::uint32_t value = write.value;
+    const auto checked = dictionary.check_write(write.address, value, write.size_bytes, location);
+    if (checked != canopen::AbortCode::kNone)
+      throw std::logic_error("the dictionary refuses " + write.parameter.text);
+    dictionary.store(location, value);
+  }
+}
+
 }  // namespace
 
 std::vector<sim::SdoWrite> resolve_parameters(std::span<const sim::ParameterSetting> settings) {
@@ -60,15 +72,16 @@ std::vector<sim::SdoWrite> resolve_parameters(std::span<const sim::ParameterSett
   return writes;
 }
 
-walk::VelocityLimits velocity_limits(const sim::Scenario& scenario) {
-  walk::VelocityLimits limits;
-  const std::array fields{&limits.forward_mm_per_s, &limits.backward_mm_per_s, &limits.sideways_mm_per_s,
-                          &limits.turn_mrad_per_s};
-  for (const sim::SdoWrite& write : resolve_parameters(scenario.parameters)) {
-    if (write.address.index != app::kVelocityLimitsObject) continue;
-    *fields.at(write.address.subindex - 1u) = static_cast<std::int16_t>(write.value);
-  }
-  return limits;
+app::ControllerValues controller_values(const sim::RobotParameters& parameters) {
+  app::ControllerValues values;
+  set(resolve_parameters(parameters.settings), values);
+  return values;
+}
+
+app::ControllerValues controller_values(const sim::Scenario& scenario) {
+  app::ControllerValues values = controller_values(scenario.robot_parameters);
+  set(resolve_parameters(scenario.parameters), values);
+  return values;
 }
 
 }  // namespace koboshi::tools

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "firmware/walk/velocity.h"
+#include "firmware/app/dictionary.h"
 #include "sim_board/scenario/operator_pc.h"
 
 namespace koboshi::tools {
@@ -13,8 +13,10 @@ namespace koboshi::tools {
 // range that its dictionary allows.
 std::vector<sim::SdoWrite> resolve_parameters(std::span<const sim::ParameterSetting> settings);
 
-// The velocities that the controller obeys: those that it begins with, and what a scenario's parameters make
-// of them (object 2111). Throws sim::InputError as resolve_parameters does.
-[[nodiscard]] walk::VelocityLimits velocity_limits(const sim::Scenario& scenario);
+// The controller's values when a scenario's first command comes: neutral, with the robot's parameters, and on
+// top of them the scenario's. Throws sim::InputError as resolve_parameters does.
+[[nodiscard]] app::ControllerValues controller_values(const sim::Scenario& scenario);
+// The same of a robot alone.
+[[nodiscard]] app::ControllerValues controller_values(const sim::RobotParameters& parameters);
 
 }  // namespace koboshi::tools

@@ -8,6 +8,7 @@
 #include "sim_board/scenario/reader.h"
 #include "tools/gait/gait_motion.h"
 #include "tools/motion/compile.h"
+#include "tools/run/robot_parameters.h"
 #include "tools/run/storage_contents.h"
 
 namespace koboshi::tools {
@@ -59,7 +60,9 @@ std::vector<std::vector<std::byte>> compile_motions(PreparedScenario& prepared) 
 PreparedScenario prepare(const sim::Scenario& scenario) {
   PreparedScenario prepared{.scenario = scenario, .robot = sim::read_robot(scenario)};
   prepared.model = load_named_model(prepared.robot);
-  prepared.storage_contents = make_storage_contents(prepared.model.image, compile_motions(prepared));
+  prepared.storage_contents =
+      make_storage_contents(prepared.model.image, compile_motions(prepared),
+                            compile_robot_parameters(scenario.robot_parameters, prepared.model.model));
   return prepared;
 }
 

@@ -24,7 +24,8 @@ RunRecorder::RunRecorder(Simulation& simulation, sim::Recorder* recorder)
       recorder_(recorder),
       telemetry_(simulation.model().model),
       truth_(simulation.robot(), simulation.board().ground()),
-      events_(simulation.scenario(), simulation.model(), velocity_limits(simulation.scenario())) {
+      events_(simulation.scenario(), simulation.model(),
+              controller_values(simulation.scenario()).velocity_limits) {
   if (const GaitPlan* plan = simulation.gait_plan()) {
     // The walk is the motion behind those that the scenario names.
     const auto motion = static_cast<std::uint8_t>(simulation.scenario().motions.size());

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "firmware/behaviour/behaviour.h"
-#include "firmware/walk/gait.h"
 #include "sim_board/input/user_units.h"
 #include "sim_board/world/foot.h"
 #include "sim_board/world/support_polygon.h"
 #include "tools/plot/columns.h"
 #include "tools/plot/legend.h"
+#include "tools/run/parameters.h"
 
 namespace koboshi::tools {
 namespace {
@@ -189,11 +189,7 @@ std::optional<Span> walk_to_show(const std::filesystem::path& trace, double cycl
 }
 
 double commanded_cycle_s(const sim::Scenario& scenario) {
-  double step_ms = walk::WalkParameters{}.step.time_ms;
-  for (const sim::ParameterSetting& parameter : scenario.parameters) {
-    if (parameter.name.text == "step_time_ms") step_ms = parameter.value;
-  }
-  return 2.0 * 1e-3 * step_ms;
+  return 2.0 * 1e-3 * controller_values(scenario).walk.step.time_ms;
 }
 
 PlaneFigure zmp_figure(const std::filesystem::path& trace, const sim::RobotDescription& robot, Span time_s) {

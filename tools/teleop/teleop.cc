@@ -26,7 +26,7 @@ Teleop::Teleop(Simulation& simulation, const RunRecorder& recorder, const LiveLi
     : simulation_(simulation),
       recorder_(recorder),
       live_(live),
-      pilot_(velocity_limits(simulation.scenario())),
+      pilot_(controller_values(simulation.scenario()).velocity_limits),
       pace_(kPaceWindow_s),
       velocity_(kVelocityWindow_s) {}
 

@@ -32,7 +32,7 @@ TEST(ControllerSdo, AnswersEachRequest) {
   bench.board.storage.complete_after(1);
   ASSERT_TRUE(bench.run_until(State::kLimp));
   test::SdoOracle oracle;
-  for (int i = 0; i < 50'000; ++i) {
+  for (int i = 0; i < 100'000; ++i) {
     canopen::sdo::Data request = oracle.next(random, random_object(random));
     if (random.below(8) == 0) request[0] = static_cast<std::uint8_t>(random.next());
     const hal::CanFrame asking{.identifier = kRequest, .size = 8, .data = request};

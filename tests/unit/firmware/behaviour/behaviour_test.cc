@@ -10,6 +10,7 @@
 
 #include "hal/fake/storage.h"
 #include "tests/support/controller_bench.h"
+#include "tests/support/factory_values.h"
 #include "tests/unit/firmware/robot/test_robot.h"
 
 namespace koboshi::behaviour {
@@ -70,10 +71,10 @@ class BehaviourStage : public testing::Test {
   std::optional<storage::Catalogue> catalogue{std::in_place, std::span<const std::byte>()};
   std::optional<storage::ItemStore> items{std::in_place, flash, storage::kRobotLayout};
   motion::MotionLibrary motions{*catalogue, *items, model};
-  PowerParameters power;
-  walk::VelocityLimits limits;
-  walk::WalkParameters gait;
-  RecoveryParameters recovery;
+  PowerParameters power = test::kTestPower;
+  walk::VelocityLimits limits = test::kTestVelocityLimits;
+  walk::WalkParameters gait = test::tuned_gait();
+  RecoveryParameters recovery = test::kTestRecovery;
   Behaviour behaviour;
   estimation::RobotState robot;
   drive::DriveStatus drives;

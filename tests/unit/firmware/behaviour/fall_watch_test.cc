@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "firmware/fixed/host/convert.h"
+#include "tests/support/factory_values.h"
 
 namespace koboshi::behaviour {
 namespace {
@@ -38,7 +39,7 @@ class FallWatchTest : public testing::Test {
     return seen;
   }
 
-  FallLimits limits_;
+  FallLimits limits_ = test::kTestFallLimits;
   FallWatch watch_;
 };
 
@@ -101,7 +102,14 @@ TEST_F(FallWatchTest, SeesAFallOfARobotThatHasToBeOnItsFeet) {
 }
 
 TEST_F(FallWatchTest, LooksForNoneWithoutALimit) {
-  limits_.front = 0;
+  const FallLimits set = limits_;
+  for (std::int16_t FallLimits::*limit :
+       {&FallLimits::front, &FallLimits::back, &FallLimits::side, &FallLimits::least_lean}) {
+    limits_ = set;
+    limits_.*limit = 0;
+    EXPECT_EQ(after_standing({.roll = 60, .pitch = 80}, 10), FallDirection::kNone);
+  }
+  limits_ = {};
   EXPECT_EQ(after_standing({.roll = 60, .pitch = 80}, 10), FallDirection::kNone);
 }
 

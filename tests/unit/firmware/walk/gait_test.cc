@@ -6,6 +6,7 @@
 
 #include "firmware/fixed/host/convert.h"
 #include "firmware/walk/pendulum.h"
+#include "tests/support/tuned_gait.h"
 #include "tests/unit/firmware/robot/test_robot.h"
 
 namespace koboshi::walk {
@@ -28,7 +29,10 @@ TEST(Gait, IsTheParametersInQuantities) {
                             .width = 771,
                             .height = 283,
                             .ease = 450,
-                            .acceleration = {1, 2, 3}},
+                            .acceleration = {1, 2, 3},
+                            .max_forward = 1300,
+                            .max_lateral = 1250,
+                            .min_lateral = 580},
                    .posture = {.com_height = 1675,
                                .zmp_ahead = -94,
                                .zmp_inward = -6,
@@ -49,6 +53,9 @@ TEST(Gait, IsTheParametersInQuantities) {
   EXPECT_NEAR(to_double(gait.step_height), 0.0283, kLengthLsb_m);
   EXPECT_NEAR(to_double(gait.ease), 0.45, 1e-9);
   EXPECT_EQ(gait.acceleration, (std::array{1, 2, 3}));
+  EXPECT_NEAR(to_double(gait.max_forward), 0.13, kLengthLsb_m);
+  EXPECT_NEAR(to_double(gait.max_lateral), 0.125, kLengthLsb_m);
+  EXPECT_NEAR(to_double(gait.min_lateral), 0.058, kLengthLsb_m);
   EXPECT_NEAR(to_double(gait.com_height), 0.1675, kLengthLsb_m);
   EXPECT_NEAR(to_double(gait.zmp_ahead), -0.0094, kLengthLsb_m);
   EXPECT_NEAR(to_double(gait.zmp_inward), -0.0006, kLengthLsb_m);
@@ -63,6 +70,25 @@ TEST(Gait, IsTheParametersInQuantities) {
   EXPECT_NEAR(to_double(gait.smoothing), 0.36, 1e-9);
   EXPECT_NEAR(to_double(gait.touch_down_load), 2.5, 1e-4);
   EXPECT_NEAR(to_double(gait.heading_hold), 0.125, 1e-9);
+}
+
+TEST(Gait, IsNoneWithoutAnyOfWhatAWalkNeeds) {
+  EXPECT_FALSE(is_gait({}));
+  EXPECT_TRUE(is_gait(test::tuned_gait()));
+  const auto lacks = [](auto&& take_away) {
+    WalkParameters parameters = test::tuned_gait();
+    take_away(parameters);
+    return !is_gait(parameters);
+  };
+  EXPECT_TRUE(lacks([](WalkParameters& p) { p.step.time_ms = 0; }));
+  EXPECT_TRUE(lacks([](WalkParameters& p) { p.step.width = 0; }));
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_TRUE(lacks([i](WalkParameters& p) { p.step.acceleration[i] = 0; })) << i;
+  EXPECT_TRUE(lacks([](WalkParameters& p) { p.step.max_forward = 0; }));
+  EXPECT_TRUE(lacks([](WalkParameters& p) { p.step.max_lateral = 0; }));
+  EXPECT_TRUE(lacks([](WalkParameters& p) { p.step.min_lateral = 0; }));
+  EXPECT_TRUE(lacks([](WalkParameters& p) { p.step.min_lateral = p.step.max_lateral + 1; }));
+  EXPECT_TRUE(lacks([](WalkParameters& p) { p.posture.com_height = 0; }));
 }
 
 TEST(Gait, CutsTimesDownToWholeCyclesAndLeavesOneToSwing) {
@@ -105,7 +131,7 @@ TEST(Speed, ArrivesAtItsCommandAndStaysThere) {
 }
 
 TEST(Speed, LeansByHowFastItGoes) {
-  WalkParameters parameters;
+  WalkParameters parameters = test::tuned_gait();
   parameters.posture.trunk_pitch = 0x100;
   parameters.posture.trunk_pitch_by_speed = 0x1000;
   const Gait gait(parameters);

@@ -12,7 +12,15 @@ namespace koboshi::test {
 // A gait of round numbers, whatever the robot walks with, on joints that do not give: the soles are where the
 // targets say.
 inline walk::WalkParameters rigid() {
-  return {.step = {.time_ms = 260, .double_support = 150, .width = 660, .height = 200, .ease = 300},
+  return {.step = {.time_ms = 260,
+                   .double_support = 150,
+                   .width = 660,
+                   .height = 200,
+                   .ease = 300,
+                   .acceleration = {300, 200, 1500},
+                   .max_forward = 1300,
+                   .max_lateral = 1300,
+                   .min_lateral = 580},
           .posture = {.com_height = 1700,
                       .zmp_ahead = 80,
                       .zmp_inward = 20,

@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "sim_board/robot/load.h"
+#include "sim_board/scenario/reader.h"
 #include "tools/dictionary/files.h"
+#include "tools/run/parameters.h"
 
 namespace koboshi::tools {
 namespace {
@@ -19,7 +21,9 @@ std::string contents(const std::filesystem::path& file) {
 }
 
 TEST(DictionaryFiles, InTheRepositoryAreThoseOfTheTables) {
-  const auto files = dictionary_files(sim::load_robot(kRoot / "robots/koboshi/robot.sdf"));
+  const auto robot = kRoot / "robots/koboshi/robot.sdf";
+  const auto files =
+      dictionary_files(sim::load_robot(robot), controller_values(sim::read_robot_parameters(robot)));
   EXPECT_EQ(files.size(), 8u);
   for (const GeneratedFile& file : files) {
     EXPECT_TRUE(contents(kRoot / "docs/reference" / file.name) == file.text)

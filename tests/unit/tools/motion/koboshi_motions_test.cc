@@ -8,6 +8,7 @@
 #include "firmware/robot/kinematics.h"
 #include "firmware/walk/gait.h"
 #include "sim_board/robot/load.h"
+#include "tests/support/tuned_gait.h"
 #include "tools/motion/compile.h"
 
 // The motions of robots/koboshi, held to what their comments say.
@@ -55,7 +56,7 @@ TEST_F(KoboshiMotionsTest, StandIsUprightOnFeetAsWideApartAsItWalks) {
   const robot::Pose left = sole(hal::Side::kLeft);
   EXPECT_NEAR(to_double(left.R.rows[0].z), 0.0, 2e-4);
   EXPECT_NEAR(to_double(left.R.rows[1].z), 0.0, 2e-4);
-  const double width_m = 1e-4 * walk::WalkParameters().step.width;
+  const double width_m = 1e-4 * test::tuned_gait().step.width;
   EXPECT_NEAR(to_double(left.p.y - sole(hal::Side::kRight).p.y), width_m, 1e-3);
 }
 

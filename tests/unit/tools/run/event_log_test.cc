@@ -88,7 +88,11 @@ class EventLogTest : public testing::Test {
   const NamedModel model_ = model_of_knees();
   sim::Scenario scenario_ = scenario_of_two_motions();
   std::vector<sim::Push> pushes_;
-  EventLog log_{scenario_, model_};
+  static constexpr walk::VelocityLimits kLimits{.forward_mm_per_s = 300,
+                                                .backward_mm_per_s = 250,
+                                                .sideways_mm_per_s = 100,
+                                                .turn_mrad_per_s = 1000};
+  EventLog log_{scenario_, model_, kLimits};
   Telemetry said_ = standing();
   GroundTruth truth_;
   std::uint64_t now_us_ = 0;
@@ -272,7 +276,7 @@ TEST_F(EventLogTest, TellsOfPushesFaultsAndTheStand) {
   fault.kind = sim::Fault::Kind::kDriveSilent;
   fault.target.text = "left_knee";
   scenario_.faults = {fault};
-  EventLog log(scenario_, model_);
+  EventLog log(scenario_, model_, kLimits);
   sim::Push push;
   push.at_us = 700'000;
   push.duration_us = 100'000;

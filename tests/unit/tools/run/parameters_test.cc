@@ -71,18 +71,22 @@ TEST(Parameters, AreRefusedBeyondTheRangeOfTheControllersDictionary) {
   EXPECT_NE(refusal("ramp_rate_deg_per_s", 0.0), "");
 }
 
-TEST(VelocityLimits, AreTheControllersUnlessTheScenarioSaysOtherwise) {
+TEST(ControllerValues, AreNeutralThenTheRobotsThenTheScenarios) {
   sim::Scenario scenario;
-  EXPECT_EQ(velocity_limits(scenario).highest(), walk::VelocityLimits{}.highest());
+  EXPECT_EQ(controller_values(scenario).velocity_limits.highest(), walk::Velocity{});
+  EXPECT_EQ(controller_values(scenario).walk, walk::WalkParameters{});
+  scenario.robot_parameters.settings = {{{"highest_velocity_forward_mm_per_s", "r.yaml", 3}, 300.0},
+                                        {{"highest_velocity_backward_mm_per_s", "r.yaml", 4}, 90.0},
+                                        {{"step_time_ms", "r.yaml", 5}, 220.0}};
   scenario.parameters = {{{"highest_velocity_forward_mm_per_s", "s.yaml", 3}, 100.0},
-                         {{"highest_velocity_backward_mm_per_s", "s.yaml", 4}, 90.0},
                          {{"highest_velocity_sideways_mm_per_s", "s.yaml", 5}, 80.0},
-                         {{"highest_turn_mrad_per_s", "s.yaml", 6}, 700.0},
-                         {{"step_time_ms", "s.yaml", 7}, 260.0}};
-  EXPECT_EQ(velocity_limits(scenario).highest(), (walk::Velocity{100, 80, 700}));
-  EXPECT_EQ(velocity_limits(scenario).lowest(), (walk::Velocity{-90, -80, -700}));
+                         {{"highest_turn_mrad_per_s", "s.yaml", 6}, 700.0}};
+  EXPECT_EQ(controller_values(scenario).velocity_limits.highest(), (walk::Velocity{100, 80, 700}));
+  EXPECT_EQ(controller_values(scenario).velocity_limits.lowest(), (walk::Velocity{-90, -80, -700}));
+  EXPECT_EQ(controller_values(scenario).walk.step.time_ms, 220);
+  EXPECT_EQ(controller_values(scenario.robot_parameters).velocity_limits.forward_mm_per_s, 300);
   scenario.parameters = {{{"highest_velocity_upward", "s.yaml", 3}, 100.0}};
-  EXPECT_THROW(static_cast<void>(velocity_limits(scenario)), sim::InputError);
+  EXPECT_THROW(static_cast<void>(controller_values(scenario)), sim::InputError);
 }
 
 }  // namespace

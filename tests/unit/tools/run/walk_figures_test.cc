@@ -58,6 +58,7 @@ TEST_F(WalkFigures, AreNotDrawnWithoutAWalk) {
 
 TEST_F(WalkFigures, HaveTheCycleOfTheParameters) {
   sim::Scenario scenario;
+  scenario.robot_parameters.settings = {{{"step_time_ms", "parameters.yaml", 3}, 220.0}};
   EXPECT_NEAR(commanded_cycle_s(scenario), 0.44, 1e-9);
   scenario.parameters = {{{"step_time_ms", "s.yaml", 3}, 260.0}};
   EXPECT_NEAR(commanded_cycle_s(scenario), 0.52, 1e-9);

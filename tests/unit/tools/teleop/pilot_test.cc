@@ -23,7 +23,9 @@ class PilotTest : public testing::Test {
     return std::holds_alternative<std::monostate>(pilot_.press(key, state));
   }
 
-  Pilot pilot_{walk::VelocityLimits{}};
+  static constexpr walk::VelocityLimits kLimits{
+      .forward_mm_per_s = 300, .backward_mm_per_s = 250, .sideways_mm_per_s = 100, .turn_mrad_per_s = 1000};
+  Pilot pilot_{kLimits};
 };
 
 TEST_F(PilotTest, GoesInPlaceAndStops) {
@@ -50,9 +52,9 @@ TEST_F(PilotTest, KeepsWithinTheLimits) {
     for (int i = 0; i < 100; ++i) command(key);
   };
   for (const Key key : {Key::kForward, Key::kLeft, Key::kTurnLeft}) press_often(key);
-  EXPECT_EQ(pilot_.velocity(), walk::VelocityLimits{}.highest());
+  EXPECT_EQ(pilot_.velocity(), kLimits.highest());
   for (const Key key : {Key::kBackward, Key::kRight, Key::kTurnRight}) press_often(key);
-  EXPECT_EQ(pilot_.velocity(), walk::VelocityLimits{}.lowest());
+  EXPECT_EQ(pilot_.velocity(), kLimits.lowest());
 }
 
 TEST_F(PilotTest, BeginsAnewAfterAStop) {

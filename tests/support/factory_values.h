@@ -1,0 +1,30 @@
+#pragma once
+
+#include "firmware/app/dictionary.h"
+#include "tests/support/tuned_gait.h"
+
+namespace koboshi::test {
+
+inline constexpr walk::VelocityLimits kTestVelocityLimits{
+    .forward_mm_per_s = 300, .backward_mm_per_s = 250, .sideways_mm_per_s = 100, .turn_mrad_per_s = 1000};
+inline constexpr behaviour::PowerParameters kTestPower{
+    .supply_min_mV = 6000, .supply_max_mV = 9000, .ramp_rate = 683, .supply_low_mV = 6300};
+inline constexpr behaviour::FallLimits kTestFallLimits{
+    .front = 4'733, .back = 4'733, .side = 5'097, .lead_ms = 135, .least_lean = 1'820, .cycles = 2};
+inline constexpr behaviour::RecoveryParameters kTestRecovery{.fall = kTestFallLimits,
+                                                             .getting_up = {.attempts = 3, .slower = 20}};
+
+// What the test robot leaves the factory with.
+inline app::ControllerValues factory_values() {
+  app::ControllerValues values;
+  values.parameters = kTestPower;
+  values.feedback.walking = {
+      .rate = {.ankle_pitch = 25, .ankle_roll = 252, .hip_roll = 82, .knee = 70, .hip_pitch = 59},
+      .lean = {.ankle_pitch = -410, .ankle_roll = 287, .hip_roll = 922, .knee = -614, .hip_pitch = -307}};
+  values.velocity_limits = kTestVelocityLimits;
+  values.walk = tuned_gait();
+  values.recovery = kTestRecovery;
+  return values;
+}
+
+}  // namespace koboshi::test

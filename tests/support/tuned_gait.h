@@ -1,0 +1,34 @@
+#pragma once
+
+#include "firmware/walk/gait.h"
+
+namespace koboshi::test {
+
+// A gait that the test robot can walk: the one of robots/koboshi, whose proportions it has.
+inline walk::WalkParameters tuned_gait() {
+  return {.step = {.time_ms = 220,
+                   .double_support = 90,
+                   .width = 772,
+                   .height = 200,
+                   .ease = 800,
+                   .acceleration = {300, 200, 1500},
+                   .max_forward = 1300,
+                   .max_lateral = 1300,
+                   .min_lateral = 580},
+          .posture = {.com_height = 1675,
+                      .zmp_ahead = 73,
+                      .zmp_inward = -6,
+                      .trunk_pitch = 644,
+                      .trunk_pitch_by_speed = 382,
+                      .pitch_compliance = 1285,
+                      .roll_compliance = 399,
+                      .arm_swing = -20},
+          .reaction = {.capture_ahead = 0,
+                       .capture_aside = 40,
+                       .dead_band = 59,
+                       .smoothing = 360,
+                       .touch_down_load_cN = 0,
+                       .heading_hold = 210}};
+}
+
+}  // namespace koboshi::test
