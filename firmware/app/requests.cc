@@ -17,7 +17,7 @@ constexpr std::int16_t walk::Velocity::*kVelocityParts[] = {
     &walk::Velocity::forward_mm_per_s, &walk::Velocity::left_mm_per_s, &walk::Velocity::turn_mrad_per_s};
 constexpr std::int16_t walk::VelocityLimits::*kVelocityLimits[] = {
     &walk::VelocityLimits::forward_mm_per_s, &walk::VelocityLimits::backward_mm_per_s,
-    &walk::VelocityLimits::sideways_mm_per_s, &walk::VelocityLimits::turn_mrad_per_s};
+    &walk::VelocityLimits::lateral_mm_per_s, &walk::VelocityLimits::turn_mrad_per_s};
 
 }  // namespace
 

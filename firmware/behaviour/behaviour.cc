@@ -74,7 +74,7 @@ void Behaviour::watch_for_falls(const Cycle& cycle) {
   if (!cycle.robot.gyro_known || !kMayFall.contains(status_.state)) return;
   const fixed::Angle planned = status_.state == State::kWalking ? walker_.pitch() : fixed::Angle();
   const FallDirection direction =
-      fall_watch_.update(parameters_.recovery.fall, estimation::trunk_motion(cycle.robot, planned));
+      fall_detector_.update(parameters_.recovery.fall, estimation::trunk_motion(cycle.robot, planned));
   if (direction != FallDirection::kNone) begin_falling(direction, cycle);
 }
 
@@ -148,7 +148,7 @@ void Behaviour::stop_moving() {
   decision_.low_battery = false;
   interpreter_.abort();
   walker_.abort();
-  fall_watch_.disarm();
+  fall_detector_.disarm();
   stillness_.restart();
 }
 

@@ -7,7 +7,7 @@
 
 #include "firmware/balance/feedback.h"
 #include "firmware/behaviour/command.h"
-#include "firmware/behaviour/fall_watch.h"
+#include "firmware/behaviour/fall_detector.h"
 #include "firmware/behaviour/parameters.h"
 #include "firmware/behaviour/soft_start.h"
 #include "firmware/behaviour/state.h"
@@ -175,7 +175,7 @@ class Behaviour {
   motion::Interpreter interpreter_;
   walk::Walker walker_;
   SoftStart soft_start_;
-  FallWatch fall_watch_;
+  FallDetector fall_detector_;
   Stillness stillness_;
 };
 

@@ -99,7 +99,7 @@ Reason Behaviour::play(std::int16_t number, const Cycle& cycle) {
 // While the robot walks, the command only takes a stop back.
 Reason Behaviour::walk(const Cycle& cycle) {
   if (status_.state == State::kWalking) {
-    walker_.go_on();
+    walker_.resume();
     return Reason::kNone;
   }
   if (status_.state != State::kStanding) return Reason::kNotInThisState;

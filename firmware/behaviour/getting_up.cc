@@ -63,7 +63,7 @@ void Behaviour::run_falling(const Cycle& cycle) {
 }
 
 void Behaviour::stand_up_straight(Reason reason, const Cycle& cycle) {
-  fall_watch_.arm();
+  fall_detector_.arm();
   handle(Event::kUpright, reason, cycle);
 }
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "firmware/behaviour/fall_watch.h"
+#include "firmware/behaviour/fall_detector.h"
 #include "firmware/walk/gait.h"
 #include "firmware/walk/velocity.h"
 

@@ -19,10 +19,10 @@ Footsteps::Footsteps(Length width, Gain growth, fixed::Ratio lag)
 
 Foothold Footsteps::step(Side swing, const Stride& stride) const {
   const bool left = swing == Side::kLeft;
-  const bool opens = left == (stride.way.y > Length());
+  const bool opens = left == (stride.distance.y > Length());
   const bool turns_out = left == (stride.turn > Angle());
-  const Length aside = opens ? stride.way.y * 2 : Length();
-  return {.p = {stride.way.x, (left ? width_ : -width_) + aside},
+  const Length aside = opens ? stride.distance.y * 2 : Length();
+  return {.p = {stride.distance.x, (left ? width_ : -width_) + aside},
           .yaw = turns_out ? stride.turn * 2 : Angle()};
 }
 

@@ -9,7 +9,7 @@ namespace koboshi::walk {
 
 // Where the robot is told to go: by how much a step takes it there.
 struct Stride {
-  Point way;
+  Point distance;
   fixed::Angle turn;
 };
 

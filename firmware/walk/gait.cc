@@ -38,7 +38,7 @@ std::int64_t in_raw(std::int32_t value, std::int64_t hundredth) {
 }
 
 // How far it takes a speed in so many seconds.
-std::int32_t way_raw(std::int32_t value, std::int64_t hundredth, Ratio time_s) {
+std::int32_t distance_raw(std::int32_t value, std::int64_t hundredth, Ratio time_s) {
   return fixed::saturate<std::int32_t>(
       fixed::shift_rounded(in_raw(value, hundredth) * time_s.raw(), Ratio::kFractionBits));
 }
@@ -60,24 +60,24 @@ Gait::Gait(const WalkParameters& parameters) {
   double_ticks = std::clamp<std::int32_t>(step_ticks * step.double_support / 1000, 0, step_ticks - 1);
   step_width = tenths_of_mm(step.width);
   step_height = tenths_of_mm(step.height);
-  ease = permille(step.ease);
+  swing_profile = permille(step.swing_profile);
   std::ranges::copy(step.acceleration, acceleration.begin());
   max_forward = tenths_of_mm(step.max_forward);
   max_lateral = tenths_of_mm(step.max_lateral);
   min_lateral = tenths_of_mm(step.min_lateral);
   com_height = tenths_of_mm(posture.com_height);
-  zmp_ahead = tenths_of_mm(posture.zmp_ahead);
+  zmp_forward = tenths_of_mm(posture.zmp_forward);
   zmp_inward = tenths_of_mm(posture.zmp_inward);
   pitch = angle(posture.trunk_pitch);
   pitch_at_1_m_per_s = angle(posture.trunk_pitch_by_speed);
   compliance = {.pitch = from_rad(permille(posture.pitch_compliance)),
                 .roll = from_rad(permille(posture.roll_compliance))};
   arm_swing = permille(posture.arm_swing);
-  capture_ahead = permille(reaction.capture_ahead);
-  capture_aside = permille(reaction.capture_aside);
+  capture_forward = permille(reaction.capture_forward);
+  capture_lateral = permille(reaction.capture_lateral);
   dead_band = tenths_of_mm(reaction.dead_band);
   smoothing = permille(reaction.smoothing);
-  touch_down_load = hundredths_of_N(reaction.touch_down_load_cN);
+  touchdown_load = hundredths_of_N(reaction.touchdown_load_cN);
   heading_hold = permille(reaction.heading_hold);
 }
 
@@ -93,10 +93,10 @@ void Speed::approach(const Velocity& command, const Gait& gait) {
 
 Stride Speed::stride(const Gait& gait) const {
   const auto length = [&](std::int32_t value) {
-    return Length::from_raw(way_raw(value, kLength, gait.step_s));
+    return Length::from_raw(distance_raw(value, kLength, gait.step_s));
   };
-  return {.way = {length(values_[0]), length(values_[1])},
-          .turn = Angle::from_raw(way_raw(values_[2], kAngle, gait.step_s))};
+  return {.distance = {length(values_[0]), length(values_[1])},
+          .turn = Angle::from_raw(distance_raw(values_[2], kAngle, gait.step_s))};
 }
 
 Angle Speed::lean(const Gait& gait) const {
@@ -104,6 +104,6 @@ Angle Speed::lean(const Gait& gait) const {
          fixed::product<Angle>(gait.pitch_at_1_m_per_s, Ratio::from_wide_raw(in_raw(values_[0], kRatio)));
 }
 
-Angle Speed::turn() const { return Angle::from_raw(way_raw(values_[2], kAngle, kTick_s)); }
+Angle Speed::turn() const { return Angle::from_raw(distance_raw(values_[2], kAngle, kTick_s)); }
 
 }  // namespace koboshi::walk

@@ -18,7 +18,8 @@ struct WalkParameters {
     std::int16_t double_support = 0;  // share of a step in which both soles rest
     std::int16_t width = 0;           // between the middle lines of the soles
     std::int16_t height = 0;          // of the swinging sole
-    std::int16_t ease = 0;  // 1000: the swinging sole starts and lands without speed; 0: at constant speed
+    std::int16_t swing_profile =
+        0;  // 1000: the swinging sole starts and lands without speed; 0: at constant speed
     std::int16_t acceleration[3] = {};  // ahead and aside in mm/s^2, of the turn in mrad/s^2
     // Limits of the swing foot's landing position relative to the support foot: within reach of the legs, and
     // no collision of the soles.
@@ -30,7 +31,7 @@ struct WalkParameters {
   } step;  // 0x2130
   struct Posture {
     std::int16_t com_height = 0;   // of the centre of mass above the soles: the length of the pendulum
-    std::int16_t zmp_ahead = 0;    // of the planned ZMP, before the ankle
+    std::int16_t zmp_forward = 0;  // of the planned ZMP, before the ankle
     std::int16_t zmp_inward = 0;   // of the planned ZMP, from the sole's middle line towards the other foot
     std::int16_t trunk_pitch = 0;  // lean ahead
     std::int16_t trunk_pitch_by_speed = 0;  // more of it, for each m/s ahead
@@ -44,12 +45,12 @@ struct WalkParameters {
   } posture;  // 0x2131
   struct Reactions {
     // Share of the measured error of the mass's motion by which the next foothold moves.
-    std::int16_t capture_ahead = 0;
-    std::int16_t capture_aside = 0;
-    std::int16_t dead_band = 0;           // of that error
-    std::int16_t smoothing = 0;           // share of the last cycle's error that is kept
-    std::int16_t touch_down_load_cN = 0;  // of the swinging foot, which ends a step early; 0: no load does
-    std::int16_t heading_hold = 0;        // share of the heading's error by which a step turns back
+    std::int16_t capture_forward = 0;
+    std::int16_t capture_lateral = 0;
+    std::int16_t dead_band = 0;          // of that error
+    std::int16_t smoothing = 0;          // share of the last cycle's error that is kept
+    std::int16_t touchdown_load_cN = 0;  // of the swinging foot, which ends a step early; 0: no load does
+    std::int16_t heading_hold = 0;       // share of the heading's error by which a step turns back
 
     friend bool operator==(const Reactions&, const Reactions&) = default;
   } reaction;  // 0x2132
@@ -71,23 +72,23 @@ struct Gait {
   std::int32_t double_ticks;  // of them, in double support
   fixed::Length step_width;
   fixed::Length step_height;
-  fixed::Ratio ease;
+  fixed::Ratio swing_profile;
   std::array<std::int32_t, 3> acceleration;  // as in Speed
   fixed::Length max_forward;
   fixed::Length max_lateral;
   fixed::Length min_lateral;
   fixed::Length com_height;
-  fixed::Length zmp_ahead;
+  fixed::Length zmp_forward;
   fixed::Length zmp_inward;
   fixed::Angle pitch;
   fixed::Angle pitch_at_1_m_per_s;  // beside it
   Compliance compliance;
   fixed::Ratio arm_swing;  // rad/m
-  fixed::Ratio capture_ahead;
-  fixed::Ratio capture_aside;
+  fixed::Ratio capture_forward;
+  fixed::Ratio capture_lateral;
   fixed::Length dead_band;
   fixed::Ratio smoothing;
-  fixed::Force touch_down_load;
+  fixed::Force touchdown_load;
   fixed::Ratio heading_hold;
 };
 

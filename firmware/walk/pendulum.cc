@@ -60,8 +60,8 @@ void Pendulum::advance(PendulumState& state, Point zmp) const {
   const auto advanced = [&](Point p, Ratio factor) {
     return Point{toward(zmp.x, p.x, factor), toward(zmp.y, p.y, factor)};
   };
-  state.divergent = advanced(state.divergent, growth_of_a_tick_);
-  state.convergent = advanced(state.convergent, decay_of_a_tick_);
+  state.dcm = advanced(state.dcm, growth_of_a_tick_);
+  state.ccm = advanced(state.ccm, decay_of_a_tick_);
 }
 
 }  // namespace koboshi::walk

@@ -17,12 +17,12 @@ inline constexpr fixed::Ratio kTick_s = fixed::literals::operator""_ratio(0.01L)
 // The centre of mass over level ground, its motion split in two (Englsberger, Ott and Albu-Schaeffer, 2015):
 // with omega = sqrt(g / z), xi = x + v / omega runs away from the ZMP and x - v / omega runs into it.
 struct PendulumState {
-  Point divergent;
-  Point convergent;
+  Point dcm;
+  Point ccm;
 
   [[nodiscard]] static PendulumState at_rest(Point p) { return {p, p}; }
   [[nodiscard]] Point position() const {
-    const Point sum = divergent + convergent;
+    const Point sum = dcm + ccm;
     return {sum.x / 2, sum.y / 2};
   }
 };

@@ -18,14 +18,14 @@ struct Velocity {
 struct VelocityLimits {
   std::int16_t forward_mm_per_s = 0;
   std::int16_t backward_mm_per_s = 0;
-  std::int16_t sideways_mm_per_s = 0;  // to either side
-  std::int16_t turn_mrad_per_s = 0;    // either way
+  std::int16_t lateral_mm_per_s = 0;  // to either side
+  std::int16_t turn_mrad_per_s = 0;   // either way
 
   constexpr Velocity lowest() const {
-    return {static_cast<std::int16_t>(-backward_mm_per_s), static_cast<std::int16_t>(-sideways_mm_per_s),
+    return {static_cast<std::int16_t>(-backward_mm_per_s), static_cast<std::int16_t>(-lateral_mm_per_s),
             static_cast<std::int16_t>(-turn_mrad_per_s)};
   }
-  constexpr Velocity highest() const { return {forward_mm_per_s, sideways_mm_per_s, turn_mrad_per_s}; }
+  constexpr Velocity highest() const { return {forward_mm_per_s, lateral_mm_per_s, turn_mrad_per_s}; }
 };
 
 constexpr Velocity clamped(const Velocity& velocity, const VelocityLimits& limits) {

@@ -26,16 +26,16 @@ constexpr std::int32_t kRampTicks = 50;
 // By which servos come after their targets.
 constexpr std::int32_t kArrivalTicks = 20;
 // How long the mass may take to go over to a foot, or back to the middle: three times what it takes.
-constexpr std::int32_t kMaxSwayTicks = 60;
+constexpr std::int32_t kMaxShiftTicks = 60;
 // Of the pendulum, after which the mass rests in the middle: e^-3 is a twentieth.
 constexpr std::int64_t kRestTimeConstants = 3;
 // More than this the body does not lean while there is a step that could catch it.
-constexpr Angle kMostLean = 30.0_deg;
+constexpr Angle kMaxLean = 30.0_deg;
 // Before this share of its way a swinging foot that feels a load has not landed but stumbled.
-constexpr Ratio kEarliestTouchDown = 0.6_ratio;
-constexpr Angle kMostHeadingError = 20.0_deg;
+constexpr Ratio kMinTouchdownPhase = 0.6_ratio;
+constexpr Angle kMaxHeadingError = 20.0_deg;
 // Of a cycle, in what the error usually is: a time constant of 1.5 s, several steps.
-constexpr Ratio kNews = 0.0066667_ratio;
+constexpr Ratio kDcmBiasShare = 0.0066667_ratio;
 
 std::size_t index(Side side) { return static_cast<std::size_t>(side); }
 
@@ -82,19 +82,19 @@ void Walker::start(const WalkParameters& parameters, std::span<const Angle> targ
                          pendulum_.lag(gait_.double_ticks));
   std::ranges::copy(targets, standing_targets_.begin());
   targets_ = standing_targets_;
-  stops_ = false;
+  stopping_ = false;
   speed_ = Speed();
   stride_ = Stride();
-  usual_ = error_ = Point();
+  dcm_bias_ = dcm_error_ = Point();
   heading_ = Angle();
-  standing_ = Side::kLeft;
+  support_ = Side::kLeft;
   stance_ = Stance();
   stance_.soles[index(Side::kRight)].p.y = -gait_.step_width;
-  mass_ = PendulumState::at_rest(middle());
+  com_ = PendulumState::at_rest(middle());
   stand_on_both(middle());
   ramp_ = targets_;
   targets_ = standing_targets_;
-  enter(Phase::kReadying);
+  enter(Phase::kPreparing);
 }
 
 void Walker::enter(Phase phase) {
@@ -108,49 +108,48 @@ void Walker::advance(const Velocity& command, const Observation& seen) {
   switch (phase_) {
     case Phase::kIdle:
       return;
-    case Phase::kReadying:
-      return run_readying();
-    case Phase::kSwaying:
-      return run_swaying();
+    case Phase::kPreparing:
+      return run_preparing();
+    case Phase::kWeightShift:
+      return run_weight_shift();
     case Phase::kStepping:
-      return run_stepping(stops_ ? Velocity() : command, seen);
-    case Phase::kGathering:
-      return run_gathering();
+      return run_stepping(stopping_ ? Velocity() : command, seen);
+    case Phase::kClosingStep:
+      return run_closing_step();
     case Phase::kSettling:
       return run_settling();
   }
 }
 
-void Walker::run_readying() {
+void Walker::run_preparing() {
   const Ratio fraction = fixed::elapsed_fraction(tick_, kRampTicks);
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     targets_[joint] = fixed::interpolate(standing_targets_[joint], ramp_[joint], fraction);
   }
-  if (tick_ >= kRampTicks) enter(Phase::kSwaying);
+  if (tick_ >= kRampTicks) enter(Phase::kWeightShift);
 }
 
 // About a ZMP under the foot that is to swing first, until the mass is where a step onto the other begins. In
 // the last cycle the ZMP is only as far away as takes the mass there: what it went too far, the first step
 // would multiply.
-void Walker::run_swaying() {
-  const Point foot = zmp_under(swinging());
-  const Length begins = zmp_under(standing_).y + footsteps_.offset(standing_, stride_).y;
-  const PendulumState before = mass_;
+void Walker::run_weight_shift() {
+  const Point foot = zmp_under(swing_side());
+  const Length begins = zmp_under(support_).y + footsteps_.offset(support_, stride_).y;
+  const PendulumState before = com_;
   Point zmp = foot;
-  pendulum_.advance(mass_, zmp);
-  const bool arrived = mass_.divergent.y >= begins;
+  pendulum_.advance(com_, zmp);
+  const bool arrived = com_.dcm.y >= begins;
   if (arrived) {
-    const Ratio share = std::clamp(
-        fixed::quotient<Ratio>(begins - before.divergent.y, mass_.divergent.y - before.divergent.y), Ratio(),
-        kOne);
-    zmp = interpolated(before.divergent, foot, share);
-    mass_ = before;
-    pendulum_.advance(mass_, zmp);
+    const Ratio share =
+        std::clamp(fixed::quotient<Ratio>(begins - before.dcm.y, com_.dcm.y - before.dcm.y), Ratio(), kOne);
+    zmp = interpolated(before.dcm, foot, share);
+    com_ = before;
+    pendulum_.advance(com_, zmp);
   }
   stand_on_both(zmp);
-  if (!arrived && tick_ < kMaxSwayTicks) return;
-  zmp_from_ = foot;
-  swung_from_ = swings_to_ = stance_.soles[index(swinging())];
+  if (!arrived && tick_ < kMaxShiftTicks) return;
+  last_zmp_ = foot;
+  liftoff_ = landing_ = stance_.soles[index(swing_side())];
   enter(Phase::kStepping);
 }
 
@@ -159,37 +158,37 @@ void Walker::run_stepping(const Velocity& command, const Observation& seen) {
   heading_ -= speed_.turn();
   const bool both = tick_ <= gait_.double_ticks;
   const Ratio shifted = both ? fixed::elapsed_fraction(tick_, gait_.double_ticks + 1) : kOne;
-  stance_.zmp = interpolated(zmp_from_, zmp_under(standing_), shifted);
-  pendulum_.advance(mass_, stance_.zmp);
-  stance_.load_shares[index(standing_)] = shifted;
-  stance_.load_shares[index(swinging())] = kOne - shifted;
+  stance_.zmp = interpolated(last_zmp_, zmp_under(support_), shifted);
+  pendulum_.advance(com_, stance_.zmp);
+  stance_.load_shares[index(support_)] = shifted;
+  stance_.load_shares[index(swing_side())] = kOne - shifted;
   if (!both) {
-    aim();
+    plan_landing();
     swing();
   }
   stance_.pitch = speed_.lean(gait_);
-  stance_.yaw = stance_.soles[index(swinging())].yaw / 2;
+  stance_.yaw = stance_.soles[index(swing_side())].yaw / 2;
   pose();
-  if (tick_ >= gait_.step_ticks || touched_down(seen)) end_step();
+  if (tick_ >= gait_.step_ticks || has_touched_down(seen)) end_step();
 }
 
 // The ZMP stays under the last foot until the mass is back in the middle, and then follows it there.
-void Walker::run_gathering() {
+void Walker::run_closing_step() {
   const Point middle_zmp = middle();
-  const bool left = standing_ == Side::kLeft;
-  const Length from_middle = mass_.divergent.y - middle_zmp.y;
+  const bool left = support_ == Side::kLeft;
+  const Length from_middle = com_.dcm.y - middle_zmp.y;
   const bool arrived = left ? from_middle <= Length() : from_middle >= Length();
-  if (arrived || tick_ >= kMaxSwayTicks) {
-    mass_.divergent = middle_zmp;
-    if (zmp_from_ != middle_zmp) {
-      zmp_from_ = middle_zmp;
+  if (arrived || tick_ >= kMaxShiftTicks) {
+    com_.dcm = middle_zmp;
+    if (last_zmp_ != middle_zmp) {
+      last_zmp_ = middle_zmp;
       tick_ = 0;
     }
   }
-  const Point zmp = zmp_from_ == middle_zmp ? middle_zmp : zmp_under(standing_);
-  pendulum_.advance(mass_, zmp);
+  const Point zmp = last_zmp_ == middle_zmp ? middle_zmp : zmp_under(support_);
+  pendulum_.advance(com_, zmp);
   stand_on_both(zmp);
-  if (zmp_from_ != middle_zmp || tick_ < rest_ticks(pendulum_.time_constant_s())) return;
+  if (last_zmp_ != middle_zmp || tick_ < rest_ticks(pendulum_.time_constant_s())) return;
   ramp_ = targets_;
   enter(Phase::kSettling);
 }
@@ -210,35 +209,35 @@ void Walker::observe(const Observation& seen) {
     const Angle soon = Angle::from_raw(fixed::saturate<std::int32_t>(
         fixed::shift_rounded(std::int64_t{rate.raw()} * pendulum_.time_constant_s().raw(), 22)));
     const std::int64_t lean_raw = std::int64_t{angle.raw()} + soon.raw();
-    const std::int64_t most_raw = kMostLean.raw();
+    const std::int64_t most_raw = kMaxLean.raw();
     const Angle lean = Angle::from_raw(static_cast<std::int32_t>(std::clamp(lean_raw, -most_raw, most_raw)));
     return product<Length>(gait_.com_height, in_rad(lean));
   };
   const Point measured{along(seen.pitch - stance_.pitch, seen.rates.y), -along(seen.roll, seen.rates.x)};
-  usual_ = interpolated(usual_, measured, kNews);
-  error_ = interpolated(measured - usual_, error_, gait_.smoothing);
+  dcm_bias_ = interpolated(dcm_bias_, measured, kDcmBiasShare);
+  dcm_error_ = interpolated(measured - dcm_bias_, dcm_error_, gait_.smoothing);
   heading_ += fixed::rotation(seen.rates.z, kTick_us);
 }
 
 // Where the swinging sole has to come down, so that the next step begins with the mass where it should be.
-void Walker::aim() {
-  const Side swing = swinging();
+void Walker::plan_landing() {
+  const Side swing = swing_side();
   stride_ = speed_.stride(gait_);
-  const Angle error = std::clamp(heading_, -kMostHeadingError, kMostHeadingError);
+  const Angle error = std::clamp(heading_, -kMaxHeadingError, kMaxHeadingError);
   stride_.turn -= product<Angle>(error, gait_.heading_hold);
   const Foothold nominal = footsteps_.step(swing, stride_);
   const Gain growth = pendulum_.growth(static_cast<std::size_t>(gait_.step_ticks - tick_));
-  const Point captured{product<Length>(outside(error_.x, gait_.dead_band), gait_.capture_ahead),
-                       product<Length>(outside(error_.y, gait_.dead_band), gait_.capture_aside)};
-  const Point end = scaled(mass_.divergent + captured - stance_.zmp, growth);
+  const Point captured{product<Length>(outside(dcm_error_.x, gait_.dead_band), gait_.capture_forward),
+                       product<Length>(outside(dcm_error_.y, gait_.dead_band), gait_.capture_lateral)};
+  const Point end = scaled(com_.dcm + captured - stance_.zmp, growth);
   const Point zmp = stance_.zmp + scaled(end, footsteps_.widening()) -
                     turned(footsteps_.offset_at_once(swing, stride_), nominal.yaw / 2);
   const bool left = swing == Side::kLeft;
-  const Point under{gait_.zmp_ahead, left ? -gait_.zmp_inward : gait_.zmp_inward};
+  const Point under{gait_.zmp_forward, left ? -gait_.zmp_inward : gait_.zmp_inward};
   const Point sole = zmp - turned(under, nominal.yaw);
   const Length aside = std::clamp(left ? sole.y : -sole.y, gait_.min_lateral, gait_.max_lateral);
-  swings_to_ = {.p = {std::clamp(sole.x, -gait_.max_forward, gait_.max_forward), left ? aside : -aside},
-                .yaw = nominal.yaw};
+  landing_ = {.p = {std::clamp(sole.x, -gait_.max_forward, gait_.max_forward), left ? aside : -aside},
+              .yaw = nominal.yaw};
 }
 
 void Walker::swing() {
@@ -246,34 +245,35 @@ void Walker::swing() {
       fixed::elapsed_fraction(tick_ - gait_.double_ticks, gait_.step_ticks - gait_.double_ticks);
   const auto [sine, cosine] = fixed::sin_cos(Angle::from_wide_raw(std::int64_t{phase.raw()} << 2));
   // A cycloid where the ease is 1. 1 / (2 pi).
-  const Ratio progress = phase - product<Ratio>(gait_.ease, product<Ratio>(sine, 0.15915494309189535_ratio));
-  const std::size_t swing = index(swinging());
-  stance_.soles[swing] = {.p = interpolated(swung_from_.p, swings_to_.p, progress),
-                          .yaw = fixed::interpolate_heading(swung_from_.yaw, swings_to_.yaw, progress)};
+  const Ratio progress =
+      phase - product<Ratio>(gait_.swing_profile, product<Ratio>(sine, 0.15915494309189535_ratio));
+  const std::size_t swing = index(swing_side());
+  stance_.soles[swing] = {.p = interpolated(liftoff_.p, landing_.p, progress),
+                          .yaw = fixed::interpolate_heading(liftoff_.yaw, landing_.yaw, progress)};
   stance_.heights[swing] = product<Length>(gait_.step_height, kOne - cosine) / 2;
 }
 
-bool Walker::touched_down(const Observation& seen) const {
-  if (gait_.touch_down_load == fixed::Force()) return false;
+bool Walker::has_touched_down(const Observation& seen) const {
+  if (gait_.touchdown_load == fixed::Force()) return false;
   const Ratio phase =
       fixed::elapsed_fraction(tick_ - gait_.double_ticks, gait_.step_ticks - gait_.double_ticks);
-  return phase > kEarliestTouchDown && seen.loads[index(swinging())] > gait_.touch_down_load;
+  return phase > kMinTouchdownPhase && seen.loads[index(swing_side())] > gait_.touchdown_load;
 }
 
 // The foot that swung stands, and everything is seen from it.
 void Walker::end_step() {
-  const Foothold landed = stance_.soles[index(swinging())];
+  const Foothold landed = stance_.soles[index(swing_side())];
   const Foothold left_behind{.p = seen_from(landed, Point()), .yaw = -landed.yaw};
-  stance_.soles[index(standing_)] = left_behind;
-  stance_.soles[index(swinging())] = Foothold();
+  stance_.soles[index(support_)] = left_behind;
+  stance_.soles[index(swing_side())] = Foothold();
   stance_.heights = {};
   stance_.yaw -= landed.yaw;
-  zmp_from_ = seen_from(landed, stance_.zmp);
-  mass_ = {seen_from(landed, mass_.divergent), seen_from(landed, mass_.convergent)};
-  standing_ = swinging();
-  swung_from_ = swings_to_ = left_behind;
+  last_zmp_ = seen_from(landed, stance_.zmp);
+  com_ = {seen_from(landed, com_.dcm), seen_from(landed, com_.ccm)};
+  support_ = swing_side();
+  liftoff_ = landing_ = left_behind;
   const bool side_by_side = fixed::abs(left_behind.p.x) < 0.005_m;
-  enter(stops_ && speed_.is_zero() && side_by_side ? Phase::kGathering : Phase::kStepping);
+  enter(stopping_ && speed_.is_zero() && side_by_side ? Phase::kClosingStep : Phase::kStepping);
 }
 
 // Both bear the share that puts the ZMP there.
@@ -284,12 +284,12 @@ void Walker::stand_on_both(Point zmp) {
   stance_.load_shares = {share, kOne - share};
   stance_.zmp = zmp;
   stance_.pitch = speed_.lean(gait_);
-  stance_.yaw = stance_.soles[index(swinging())].yaw / 2;
+  stance_.yaw = stance_.soles[index(swing_side())].yaw / 2;
   pose();
 }
 
 void Walker::pose() {
-  const Point com = mass_.position();
+  const Point com = com_.position();
   stance_.centre_of_mass = {com.x, com.y, gait_.com_height};
   body_.solve(stance_, gait_.compliance, targets_);
   swing_arms();
@@ -301,16 +301,16 @@ void Walker::swing_arms() {
   const Angle swing = from_rad(product<Ratio>(left_ahead, gait_.arm_swing));
   for (std::size_t side = 0; side < shoulders_.size(); ++side) {
     const Shoulder& shoulder = shoulders_[side];
-    const std::int32_t way_raw = (side == 0 ? 1 : -1) * shoulder.sign * swing.raw();
+    const std::int32_t distance_raw = (side == 0 ? 1 : -1) * shoulder.sign * swing.raw();
     if (shoulder.sign == 0) continue;
-    targets_[shoulder.joint] = standing_targets_[shoulder.joint] + Angle::from_raw(way_raw);
+    targets_[shoulder.joint] = standing_targets_[shoulder.joint] + Angle::from_raw(distance_raw);
   }
 }
 
 Point Walker::zmp_under(Side side) const {
   const Foothold& sole = stance_.soles[index(side)];
   const Length inward = side == Side::kLeft ? -gait_.zmp_inward : gait_.zmp_inward;
-  return sole.p + turned({gait_.zmp_ahead, inward}, sole.yaw);
+  return sole.p + turned({gait_.zmp_forward, inward}, sole.yaw);
 }
 
 Point Walker::middle() const {

@@ -31,9 +31,9 @@ class Walker {
   // From standing at `targets`, to which it comes back in the end.
   void start(const WalkParameters& parameters, std::span<const fixed::Angle> targets);
   // Slows down, puts the feet side by side and comes to an end.
-  void stop() { stops_ = true; }
+  void stop() { stopping_ = true; }
   // Takes the stop back; it has no effect once the feet are side by side.
-  void go_on() { stops_ = false; }
+  void resume() { stopping_ = false; }
   void abort() { phase_ = Phase::kIdle; }
   // The next cycle of 10 ms.
   void advance(const Velocity& command, const Observation& seen);
@@ -50,11 +50,11 @@ class Walker {
 
   enum class Phase : std::uint8_t {
     kIdle,
-    kReadying,  // from standing to the knees bent
-    kSwaying,   // both soles rest; the mass goes over to the first foot that is to stand
+    kPreparing,    // from standing to the knees bent
+    kWeightShift,  // both soles rest; the mass goes over to the first foot that is to stand
     kStepping,
-    kGathering,  // both soles rest; the mass comes back to the middle
-    kSettling,   // to standing
+    kClosingStep,  // both soles rest; the mass comes back to the middle
+    kSettling,     // to standing
   };
   // A shoulder whose arm swings with the foot of the other side.
   struct Shoulder {
@@ -63,16 +63,16 @@ class Walker {
   };
 
   void enter(Phase phase);
-  void run_readying();
-  void run_swaying();
+  void run_preparing();
+  void run_weight_shift();
   void run_stepping(const Velocity& command, const Observation& seen);
-  void run_gathering();
+  void run_closing_step();
   void run_settling();
 
   void observe(const Observation& seen);
-  void aim();
+  void plan_landing();
   void swing();
-  [[nodiscard]] bool touched_down(const Observation& seen) const;
+  [[nodiscard]] bool has_touched_down(const Observation& seen) const;
   void end_step();
   void stand_on_both(Point zmp);
   void pose();
@@ -80,7 +80,7 @@ class Walker {
 
   [[nodiscard]] Point zmp_under(hal::Side side) const;
   [[nodiscard]] Point middle() const;
-  [[nodiscard]] hal::Side swinging() const { return other(standing_); }
+  [[nodiscard]] hal::Side swing_side() const { return other(support_); }
 
   const robot::RobotModel& model_;
   Body body_;
@@ -90,16 +90,16 @@ class Walker {
   Footsteps footsteps_;
 
   Phase phase_ = Phase::kIdle;
-  bool stops_ = false;
+  bool stopping_ = false;
   std::int32_t tick_ = 0;  // of the phase, or of the step
-  hal::Side standing_ = hal::Side::kLeft;
+  hal::Side support_ = hal::Side::kLeft;
   Stance stance_;
-  PendulumState mass_;
-  Point zmp_from_;       // where the ZMP was when the step began
-  Foothold swung_from_;  // where the swinging sole was then
-  Foothold swings_to_;
-  Point usual_;  // error of the divergent part, measured
-  Point error_;  // beside it
+  PendulumState com_;
+  Point last_zmp_;    // where the ZMP was when the step began
+  Foothold liftoff_;  // where the swinging sole was then
+  Foothold landing_;
+  Point dcm_bias_;   // error of the divergent part, measured
+  Point dcm_error_;  // beside it
   Stride stride_;
   Speed speed_;
   fixed::Angle heading_;  // by the gyro, less what was told: how far the robot has turned too much

@@ -6,11 +6,11 @@
 namespace koboshi::test {
 
 inline constexpr walk::VelocityLimits kTestVelocityLimits{
-    .forward_mm_per_s = 300, .backward_mm_per_s = 250, .sideways_mm_per_s = 100, .turn_mrad_per_s = 1000};
+    .forward_mm_per_s = 300, .backward_mm_per_s = 250, .lateral_mm_per_s = 100, .turn_mrad_per_s = 1000};
 inline constexpr behaviour::PowerParameters kTestPower{
     .supply_min_mV = 6000, .supply_max_mV = 9000, .ramp_rate = 683, .supply_low_mV = 6300};
 inline constexpr behaviour::FallLimits kTestFallLimits{
-    .front = 4'733, .back = 4'733, .side = 5'097, .lead_ms = 135, .least_lean = 1'820, .cycles = 2};
+    .front = 4'733, .back = 4'733, .side = 5'097, .lead_ms = 135, .min_lean = 1'820, .cycles = 2};
 inline constexpr behaviour::RecoveryParameters kTestRecovery{.fall = kTestFallLimits,
                                                              .getting_up = {.attempts = 3, .slower = 20}};
 

@@ -211,7 +211,7 @@ class RobotParameterCheck {
     double mass_kg = to_double(model_.base_mass);
     for (std::size_t i = 0; i < model_.joint_count; ++i) mass_kg += to_double(model_.joints[i].mass);
     const double weight_N = mass_kg * kNewtonsPerKilogram;
-    if (0.01 * values_.walk.reaction.touch_down_load_cN <= weight_N) return;
+    if (0.01 * values_.walk.reaction.touchdown_load_cN <= weight_N) return;
     throw error({kReactions, 5}, fmt::format("at most {:.3g} N, the weight of the robot", weight_N),
                 "the weight of the robot");
   }

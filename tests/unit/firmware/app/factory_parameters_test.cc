@@ -80,10 +80,10 @@ TEST_F(ControllerFactoryParameters, AreNotNeededOnceAClientHasSetTheGait) {
   ASSERT_TRUE(bench.run_until_standing());
   test::SdoPc pc{bench};
   const auto& gait = test::tuned_gait().step;
-  const std::int16_t steps[] = {
-      gait.time_ms,     gait.double_support,  gait.width,           gait.height,
-      gait.ease,        gait.acceleration[0], gait.acceleration[1], gait.acceleration[2],
-      gait.max_forward, gait.max_lateral,     gait.min_lateral};
+  const std::int16_t steps[] = {gait.time_ms,         gait.double_support,  gait.width,
+                                gait.height,          gait.swing_profile,   gait.acceleration[0],
+                                gait.acceleration[1], gait.acceleration[2], gait.max_forward,
+                                gait.max_lateral,     gait.min_lateral};
   for (std::uint8_t i = 0; i < std::size(steps); ++i)
     ASSERT_EQ(pc.write({0x2130, static_cast<std::uint8_t>(i + 1)}, steps[i], 2), canopen::AbortCode::kNone);
   bench.command(Command::kWalk);

@@ -36,7 +36,7 @@ struct RandomGait {
       const auto behind = [&](Length step) { return -(step * missing / (double_ticks + 1)); };
       pendulum.advance(state, {behind(last_step.x), behind(last_step.y)});
     }
-    return state.divergent;
+    return state.dcm;
   }
 
   Pendulum pendulum;
@@ -50,11 +50,13 @@ Stride random_stride(std::mt19937& random) {
   const auto length = [&](double most_m) {
     return from_double<Length>(std::uniform_real_distribution(-most_m, most_m)(random));
   };
-  return {.way = {length(0.1), length(0.04)},
+  return {.distance = {length(0.1), length(0.04)},
           .turn = from_double<Angle>(std::uniform_real_distribution(-0.4, 0.4)(random))};
 }
 
-Stride mirrored(const Stride& stride) { return {.way = {stride.way.x, -stride.way.y}, .turn = -stride.turn}; }
+Stride mirrored(const Stride& stride) {
+  return {.distance = {stride.distance.x, -stride.distance.y}, .turn = -stride.turn};
+}
 
 std::int32_t difference_raw(Length a, Length b) { return std::abs((a - b).raw()); }
 
@@ -65,7 +67,7 @@ TEST(Footsteps, GoByTheWayAndTheTurnInEachOfTwoSteps) {
     const Stride stride = random_stride(random);
     const Foothold left = gait.steps.step(Side::kLeft, stride);
     const Foothold right = gait.steps.step(Side::kRight, stride);
-    EXPECT_EQ(left.p + right.p, (Point{stride.way.x * 2, stride.way.y * 2}));
+    EXPECT_EQ(left.p + right.p, (Point{stride.distance.x * 2, stride.distance.y * 2}));
     EXPECT_EQ(left.yaw + right.yaw, stride.turn * 2);
   }
 }
@@ -73,8 +75,8 @@ TEST(Footsteps, GoByTheWayAndTheTurnInEachOfTwoSteps) {
 TEST(Footsteps, OpenWithTheFootOnTheSideTheyGoToAndCloseWithTheOther) {
   const Length width = from_double<Length>(0.06);
   const Footsteps steps(width, from_double<fixed::Gain>(7.0), {});
-  const Stride stride{.way = {{}, from_double<Length>(0.01)}, .turn = from_double<Angle>(0.1)};
-  EXPECT_EQ(steps.step(Side::kLeft, stride).p.y, width + stride.way.y * 2);
+  const Stride stride{.distance = {{}, from_double<Length>(0.01)}, .turn = from_double<Angle>(0.1)};
+  EXPECT_EQ(steps.step(Side::kLeft, stride).p.y, width + stride.distance.y * 2);
   EXPECT_EQ(steps.step(Side::kLeft, stride).yaw, stride.turn * 2);
   EXPECT_EQ(steps.step(Side::kRight, stride).p.y, -width);
   EXPECT_EQ(steps.step(Side::kRight, stride).yaw, Angle());

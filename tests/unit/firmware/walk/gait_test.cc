@@ -28,47 +28,47 @@ TEST(Gait, IsTheParametersInQuantities) {
                             .double_support = 250,
                             .width = 771,
                             .height = 283,
-                            .ease = 450,
+                            .swing_profile = 450,
                             .acceleration = {1, 2, 3},
                             .max_forward = 1300,
                             .max_lateral = 1250,
                             .min_lateral = 580},
                    .posture = {.com_height = 1675,
-                               .zmp_ahead = -94,
+                               .zmp_forward = -94,
                                .zmp_inward = -6,
                                .trunk_pitch = 0x1000,
                                .trunk_pitch_by_speed = -0x2000,
                                .pitch_compliance = 1285,
                                .roll_compliance = 399,
                                .arm_swing = -150},
-                   .reaction = {.capture_ahead = 270,
-                                .capture_aside = 1500,
+                   .reaction = {.capture_forward = 270,
+                                .capture_lateral = 1500,
                                 .dead_band = 59,
                                 .smoothing = 360,
-                                .touch_down_load_cN = 250,
+                                .touchdown_load_cN = 250,
                                 .heading_hold = 125}});
   EXPECT_EQ(gait.step_ticks, 24);
   EXPECT_EQ(gait.double_ticks, 6);
   EXPECT_NEAR(to_double(gait.step_width), 0.0771, kLengthLsb_m);
   EXPECT_NEAR(to_double(gait.step_height), 0.0283, kLengthLsb_m);
-  EXPECT_NEAR(to_double(gait.ease), 0.45, 1e-9);
+  EXPECT_NEAR(to_double(gait.swing_profile), 0.45, 1e-9);
   EXPECT_EQ(gait.acceleration, (std::array{1, 2, 3}));
   EXPECT_NEAR(to_double(gait.max_forward), 0.13, kLengthLsb_m);
   EXPECT_NEAR(to_double(gait.max_lateral), 0.125, kLengthLsb_m);
   EXPECT_NEAR(to_double(gait.min_lateral), 0.058, kLengthLsb_m);
   EXPECT_NEAR(to_double(gait.com_height), 0.1675, kLengthLsb_m);
-  EXPECT_NEAR(to_double(gait.zmp_ahead), -0.0094, kLengthLsb_m);
+  EXPECT_NEAR(to_double(gait.zmp_forward), -0.0094, kLengthLsb_m);
   EXPECT_NEAR(to_double(gait.zmp_inward), -0.0006, kLengthLsb_m);
   EXPECT_NEAR(to_double(gait.pitch), 2.0 * M_PI / 16, 1e-9);
   EXPECT_NEAR(to_double(gait.pitch_at_1_m_per_s), -2.0 * M_PI / 8, 1e-9);
   EXPECT_NEAR(to_double(gait.compliance.pitch), 1.285, 2e-9);
   EXPECT_NEAR(to_double(gait.compliance.roll), 0.399, 2e-9);
   EXPECT_NEAR(to_double(gait.arm_swing), -0.15, 1e-9);
-  EXPECT_NEAR(to_double(gait.capture_ahead), 0.27, 1e-9);
-  EXPECT_NEAR(to_double(gait.capture_aside), 1.5, 1e-9);
+  EXPECT_NEAR(to_double(gait.capture_forward), 0.27, 1e-9);
+  EXPECT_NEAR(to_double(gait.capture_lateral), 1.5, 1e-9);
   EXPECT_NEAR(to_double(gait.dead_band), 0.0059, kLengthLsb_m);
   EXPECT_NEAR(to_double(gait.smoothing), 0.36, 1e-9);
-  EXPECT_NEAR(to_double(gait.touch_down_load), 2.5, 1e-4);
+  EXPECT_NEAR(to_double(gait.touchdown_load), 2.5, 1e-4);
   EXPECT_NEAR(to_double(gait.heading_hold), 0.125, 1e-9);
 }
 
@@ -109,8 +109,8 @@ TEST(Speed, GainsNoMoreThanTheAccelerationInACycle) {
     speed.approach({400, -200, 1500}, gait);
     const double time_s = kTickLength_s * tick;
     const Stride stride = speed.stride(gait);
-    EXPECT_NEAR(to_double(stride.way.x), 0.3 * time_s * step_s, kLengthLsb_m);
-    EXPECT_NEAR(to_double(stride.way.y), -0.2 * time_s * step_s, kLengthLsb_m);
+    EXPECT_NEAR(to_double(stride.distance.x), 0.3 * time_s * step_s, kLengthLsb_m);
+    EXPECT_NEAR(to_double(stride.distance.y), -0.2 * time_s * step_s, kLengthLsb_m);
     EXPECT_NEAR(to_double(stride.turn), 1.5 * time_s * step_s, 2e-9);
   }
   EXPECT_FALSE(speed.is_zero());
@@ -122,8 +122,8 @@ TEST(Speed, ArrivesAtItsCommandAndStaysThere) {
   Speed speed;
   const Velocity wanted{100, -33, 7};
   for (int tick = 0; tick < 200; ++tick) speed.approach(wanted, gait);
-  EXPECT_NEAR(to_double(speed.stride(gait).way.x), 0.1 * 0.2, kLengthLsb_m);
-  EXPECT_NEAR(to_double(speed.stride(gait).way.y), -0.033 * 0.2, kLengthLsb_m);
+  EXPECT_NEAR(to_double(speed.stride(gait).distance.x), 0.1 * 0.2, kLengthLsb_m);
+  EXPECT_NEAR(to_double(speed.stride(gait).distance.y), -0.033 * 0.2, kLengthLsb_m);
   EXPECT_NEAR(to_double(speed.stride(gait).turn), 0.007 * 0.2, 2e-9);
   EXPECT_NEAR(to_double(speed.turn()), 0.007 * kTickLength_s, 2e-9);
   for (int tick = 0; tick < 200; ++tick) speed.approach({}, gait);

@@ -35,9 +35,9 @@ struct Reference {
   }
 };
 
-Reference reference(Length divergent, Length convergent, double omega) {
-  const double xi_m = to_double(divergent);
-  const double zeta_m = to_double(convergent);
+Reference reference(Length dcm, Length ccm, double omega) {
+  const double xi_m = to_double(dcm);
+  const double zeta_m = to_double(ccm);
   return {(xi_m + zeta_m) / 2, omega * (xi_m - zeta_m) / 2};
 }
 
@@ -61,8 +61,8 @@ double worst_m(double lowest_m, double highest_m, int ticks) {
     const double omega = omega_per_s(to_double(height));
     const Pendulum pendulum(height);
     PendulumState state{draw.point(0.05), draw.point(0.05)};
-    Reference x = reference(state.divergent.x, state.convergent.x, omega);
-    Reference y = reference(state.divergent.y, state.convergent.y, omega);
+    Reference x = reference(state.dcm.x, state.ccm.x, omega);
+    Reference y = reference(state.dcm.y, state.ccm.y, omega);
     for (int tick = 0; tick < ticks; ++tick) {
       const Point zmp = draw.point(0.05);
       pendulum.advance(state, zmp);
@@ -144,7 +144,7 @@ TEST(PendulumLag, StandsForAZmpThatTakesItsTime) {
       pendulum.advance(slow, {come, {}});
       pendulum.advance(at_once, {way, {}});
     }
-    EXPECT_NEAR(to_double(slow.divergent.x), to_double(at_once.divergent.x), 3e-6) << ticks << " ticks";
+    EXPECT_NEAR(to_double(slow.dcm.x), to_double(at_once.dcm.x), 3e-6) << ticks << " ticks";
   }
 }
 

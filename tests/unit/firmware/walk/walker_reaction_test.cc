@@ -51,34 +51,34 @@ test::Point shift(const WalkParameters& parameters, Side side, const Observation
 WalkParameters capturing(std::int16_t ahead, std::int16_t aside) {
   WalkParameters parameters = rigid();
   parameters.step.double_support = 0;
-  parameters.reaction.capture_ahead = ahead;
-  parameters.reaction.capture_aside = aside;
+  parameters.reaction.capture_forward = ahead;
+  parameters.reaction.capture_lateral = aside;
   parameters.reaction.dead_band = 50;
   parameters.reaction.smoothing = 0;
   return parameters;
 }
 
 // What is left of a lean's news after a step of it.
-const double kNews = std::pow(1.0 - 1.0 / 150.0, 26);
+const double kDcmBiasShare = std::pow(1.0 - 1.0 / 150.0, 26);
 
 TEST(WalkerCapture, MovesTheFootholdTowardsALeanAhead) {
   for (const double lean_rad : {0.1, -0.1}) {
     const double sign = lean_rad > 0 ? 1.0 : -1.0;
     const test::Point moved = shift(capturing(500, 500), Side::kLeft, leaning(0, lean_rad));
-    EXPECT_NEAR(moved.x, sign * 0.5 * (kNews * kComHeight_m * 0.1 - 0.005), 0.1e-3);
+    EXPECT_NEAR(moved.x, sign * 0.5 * (kDcmBiasShare * kComHeight_m * 0.1 - 0.005), 0.1e-3);
     EXPECT_NEAR(moved.y, 0.0, 0.1e-3);
   }
 }
 
 TEST(WalkerCapture, MovesTheFootholdOutTowardsALeanAside) {
   // A roll to the right is positive about x, ahead: the mass falls to the right.
-  const double way_m = 0.5 * (kNews * kComHeight_m * 0.1 - 0.005);
+  const double way_m = 0.5 * (kDcmBiasShare * kComHeight_m * 0.1 - 0.005);
   EXPECT_NEAR(shift(capturing(500, 500), Side::kRight, leaning(0.1, 0)).y, -way_m, 0.1e-3);
   EXPECT_NEAR(shift(capturing(500, 500), Side::kLeft, leaning(-0.1, 0)).y, way_m, 0.1e-3);
 }
 
 TEST(WalkerCapture, CountsARateByThePendulumsTimeConstant) {
-  const double way_m = 0.5 * (kNews * kComHeight_m * kTimeConstant_s * 0.5 - 0.005);
+  const double way_m = 0.5 * (kDcmBiasShare * kComHeight_m * kTimeConstant_s * 0.5 - 0.005);
   EXPECT_NEAR(shift(capturing(500, 0), Side::kLeft, turning(0.5, 0)).x, way_m, 0.1e-3);
 }
 
@@ -108,7 +108,7 @@ TEST(WalkerCapture, DoesNotStepAfterALeanThatStays) {
 
 TEST(WalkerCapture, DoesNotBelieveALeanThatNoStepCatches) {
   WalkParameters parameters = capturing(100, 0);
-  const double most_m = 0.1 * (kNews * kComHeight_m * 30.0 * M_PI / 180.0 - 0.005);
+  const double most_m = 0.1 * (kDcmBiasShare * kComHeight_m * 30.0 * M_PI / 180.0 - 0.005);
   EXPECT_NEAR(shift(parameters, Side::kLeft, leaning(0, 1.5)).x, most_m, 0.1e-3);
 }
 
@@ -118,7 +118,7 @@ TEST(WalkerCapture, SmoothsWhatItSees) {
   parameters.reaction.smoothing = 900;
   // A tenth of each cycle's news, of which those of the first are a_1 = 149 / 150.
   const double fading = 1.0 - 1.0 / 150.0;
-  const double share = 0.1 * fading * (kNews - std::pow(0.9, 26)) / (fading - 0.9);
+  const double share = 0.1 * fading * (kDcmBiasShare - std::pow(0.9, 26)) / (fading - 0.9);
   const test::Point moved = shift(parameters, Side::kLeft, leaning(0, 0.1));
   EXPECT_NEAR(moved.x, share * 0.5 * kComHeight_m * 0.1, 0.1e-3);
 }
@@ -126,7 +126,7 @@ TEST(WalkerCapture, SmoothsWhatItSees) {
 // Ticks between two landings, when the swinging foot feels `load_N` from the given tick on after the first.
 int step_ticks(std::int16_t threshold_cN, double load_N, int from_tick) {
   WalkParameters parameters = rigid();
-  parameters.reaction.touch_down_load_cN = threshold_cN;
+  parameters.reaction.touchdown_load_cN = threshold_cN;
   WalkingRobot robot(parameters);
   while (robot.landings.size() < 4) robot.advance();
   const int begin = robot.landings.back().tick;
@@ -137,7 +137,7 @@ int step_ticks(std::int16_t threshold_cN, double load_N, int from_tick) {
     Observation seen;
     if (robot.tick - begin >= from_tick) seen.loads[swings] = from_double<Force>(load_N);
     robot.advance({}, seen);
-    if (const auto now = robot.swinging(); now && *now != stands_before) break;
+    if (const auto now = robot.swing_side(); now && *now != stands_before) break;
   }
   return robot.tick - begin;
 }
@@ -158,7 +158,7 @@ TEST(WalkerTouchDown, IsNotBelievedBeforeTheFootHasGoneMostOfItsWay) {
 // The mass has then not come so far: the next step goes further out, and the ones after it are as before.
 TEST(WalkerTouchDown, IsMadeUpForByTheNextStep) {
   WalkParameters parameters = rigid();
-  parameters.reaction.touch_down_load_cN = 200;
+  parameters.reaction.touchdown_load_cN = 200;
   WalkingRobot robot(parameters);
   while (robot.landings.size() < 4) robot.advance();
   const std::size_t swings = robot.landings.back().side == Side::kLeft ? kRight : kLeft;
@@ -191,9 +191,9 @@ double heading_left_rad(std::int16_t heading_hold, double turned_rad, const Velo
     const double shove_rad = tick < kShoveTicks ? turned_rad / kShoveTicks : 0.0;
     // A foot that does not swing after this tick either did not move in it.
     const std::array before{trunk_yaw_rad(Side::kLeft), trunk_yaw_rad(Side::kRight)};
-    const auto swung = robot.swinging();
+    const auto swung = robot.swing_side();
     robot.advance(command, turning(0, rate_rad_per_s + shove_rad / kTick_s));
-    const auto swings = robot.swinging();
+    const auto swings = robot.swing_side();
     const Side stands = swings ? other(*swings) : swung ? other(*swung) : Side::kLeft;
     const double turn_rad = trunk_yaw_rad(stands) - before[static_cast<std::size_t>(stands)];
     rate_rad_per_s = turn_rad / kTick_s;

@@ -36,7 +36,7 @@ TEST(Walker, BendsItsKneesBeforeItLiftsAFoot) {
   EXPECT_EQ(robot.targets(), robot.standing);
   for (int tick = 0; tick < kRampTicks; ++tick) {
     robot.advance();
-    EXPECT_FALSE(robot.swinging());
+    EXPECT_FALSE(robot.swing_side());
   }
   const test::Point com = robot.posed().com(Side::kLeft);
   EXPECT_NEAR(com.y, -kWidth_m / 2, 0.2e-3);
@@ -46,12 +46,12 @@ TEST(Walker, BendsItsKneesBeforeItLiftsAFoot) {
 TEST(Walker, SwaysToTheLeftAndThenStepsWithTheRightFirst) {
   WalkingRobot robot;
   double furthest_right_m = 0.0;
-  while (!robot.swinging()) {
+  while (!robot.swing_side()) {
     ASSERT_LT(robot.tick, kRampTicks + 60);
     robot.advance();
     furthest_right_m = std::min(furthest_right_m, robot.posed().com(Side::kLeft).y + kWidth_m / 2);
   }
-  EXPECT_EQ(robot.swinging(), Side::kRight);
+  EXPECT_EQ(robot.swing_side(), Side::kRight);
   EXPECT_GT(robot.posed().com(Side::kLeft).y, -kWidth_m / 2);
   EXPECT_GT(furthest_right_m, -3e-3);  // it falls to where the foot is that stands, not away from it
 }
@@ -155,7 +155,7 @@ TEST(Walker, KeepsItsMassOverItsFeetForAHundredStepsOfAnyVelocity) {
     auto last = robot.targets();
     walk_at_random(robot, seed, {200, 60, 800}, [&] {
       expect_within_limits(robot);
-      const auto swings = robot.swinging();
+      const auto swings = robot.swing_side();
       const Side stands = swings ? other(*swings) : Side::kLeft;
       const test::Point com = robot.posed().com(stands);
       ASSERT_NEAR(com.z, robot.tick <= kRampTicks ? 0.175 : 0.171, 5e-3);
@@ -205,7 +205,7 @@ TEST(Walker, GoesOnWhenTheStopIsTakenBack) {
   for (int tick = 0; tick < 200; ++tick) robot.advance({200, 0, 0});
   robot.walker.stop();
   for (int tick = 0; tick < 30; ++tick) robot.advance({200, 0, 0});
-  robot.walker.go_on();
+  robot.walker.resume();
   EXPECT_FALSE(robot.advance_to_the_end({200, 0, 0}));
   const auto& landings = robot.landings;
   EXPECT_NEAR(landings[landings.size() - 1].p.x + landings[landings.size() - 2].p.x, 2 * kStep_s * 0.2,
@@ -218,7 +218,7 @@ TEST(Walker, DoesNotGoOnOnceTheFeetAreSideBySide) {
   robot.walker.stop();
   ASSERT_TRUE(robot.advance_until_landing());
   robot.advance();
-  robot.walker.go_on();
+  robot.walker.resume();
   EXPECT_TRUE(robot.advance_to_the_end());
 }
 
@@ -234,9 +234,9 @@ TEST(Walker, LeavesItsTargetsAloneAfterAnAbort) {
 
 TEST(Walker, WalksTheSameTwiceAndAfterAnotherWalk) {
   WalkParameters lively = test::tuned_gait();
-  lively.reaction.capture_ahead = 500;
-  lively.reaction.capture_aside = 500;
-  lively.reaction.touch_down_load_cN = 200;
+  lively.reaction.capture_forward = 500;
+  lively.reaction.capture_lateral = 500;
+  lively.reaction.touchdown_load_cN = 200;
   lively.reaction.heading_hold = 300;
   const auto play = [](WalkingRobot& robot) {
     std::mt19937 random(7);

@@ -16,21 +16,21 @@ inline walk::WalkParameters rigid() {
                    .double_support = 150,
                    .width = 660,
                    .height = 200,
-                   .ease = 300,
+                   .swing_profile = 300,
                    .acceleration = {300, 200, 1500},
                    .max_forward = 1300,
                    .max_lateral = 1300,
                    .min_lateral = 580},
           .posture = {.com_height = 1700,
-                      .zmp_ahead = 80,
+                      .zmp_forward = 80,
                       .zmp_inward = 20,
                       .trunk_pitch = 546,
                       .trunk_pitch_by_speed = 0,
                       .pitch_compliance = 0,
                       .roll_compliance = 0,
                       .arm_swing = 0},
-          .reaction = {.capture_ahead = 0,
-                       .capture_aside = 0,
+          .reaction = {.capture_forward = 0,
+                       .capture_lateral = 0,
                        .dead_band = 50,
                        .smoothing = 500,
                        .heading_hold = 0}};  // the trunk's gyro tells of no turn
@@ -80,7 +80,7 @@ class WalkingRobot {
 
   Posed posed() const { return {model, walker.targets()}; }
   // The foot in the air.
-  std::optional<hal::Side> swinging() const {
+  std::optional<hal::Side> swing_side() const {
     const double height_m = posed().sole(hal::Side::kRight, hal::Side::kLeft).z;
     if (std::abs(height_m) < kOnTheGround_m) return {};
     return height_m > 0 ? hal::Side::kRight : hal::Side::kLeft;
@@ -97,7 +97,7 @@ class WalkingRobot {
   static constexpr double kOnTheGround_m = 0.02e-3;
 
   void note_landing() {
-    const auto now = swinging();
+    const auto now = swing_side();
     if (swung_ && now != swung_) {
       const hal::Side other = walk::other(*swung_);
       const Posed pose = posed();

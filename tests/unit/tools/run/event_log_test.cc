@@ -90,7 +90,7 @@ class EventLogTest : public testing::Test {
   std::vector<sim::Push> pushes_;
   static constexpr walk::VelocityLimits kLimits{.forward_mm_per_s = 300,
                                                 .backward_mm_per_s = 250,
-                                                .sideways_mm_per_s = 100,
+                                                .lateral_mm_per_s = 100,
                                                 .turn_mrad_per_s = 1000};
   EventLog log_{scenario_, model_, kLimits};
   Telemetry said_ = standing();

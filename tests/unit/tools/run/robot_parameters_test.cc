@@ -66,7 +66,7 @@ TEST_F(RobotParameters, OfKoboshiAreAllThatTheFirmwareNeedsToBeTheDefaultRobot) 
   EXPECT_EQ(values.recovery.fall.back, 4733);
   EXPECT_EQ(values.recovery.fall.side, 5097);
   EXPECT_EQ(values.recovery.fall.lead_ms, 135);
-  EXPECT_EQ(values.recovery.fall.least_lean, 1820);
+  EXPECT_EQ(values.recovery.fall.min_lean, 1820);
   EXPECT_EQ(values.recovery.fall.cycles, 2);
   EXPECT_EQ(values.recovery.getting_up.attempts, 3);
   EXPECT_EQ(values.recovery.getting_up.slower, 20);

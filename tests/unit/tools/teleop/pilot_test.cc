@@ -24,7 +24,7 @@ class PilotTest : public testing::Test {
   }
 
   static constexpr walk::VelocityLimits kLimits{
-      .forward_mm_per_s = 300, .backward_mm_per_s = 250, .sideways_mm_per_s = 100, .turn_mrad_per_s = 1000};
+      .forward_mm_per_s = 300, .backward_mm_per_s = 250, .lateral_mm_per_s = 100, .turn_mrad_per_s = 1000};
   Pilot pilot_{kLimits};
 };
 

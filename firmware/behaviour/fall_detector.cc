@@ -1,4 +1,4 @@
-#include "firmware/behaviour/fall_watch.h"
+#include "firmware/behaviour/fall_detector.h"
 
 #include <algorithm>
 
@@ -26,9 +26,9 @@ constexpr bool is_within(std::int32_t value, std::int16_t limit) { return value 
 
 }  // namespace
 
-FallDirection FallWatch::update(const FallLimits& limits, const estimation::TrunkMotion& trunk) {
-  const bool leans = !is_within(short_angle(trunk.pitch), limits.least_lean) ||
-                     !is_within(short_angle(trunk.roll), limits.least_lean);
+FallDirection FallDetector::update(const FallLimits& limits, const estimation::TrunkMotion& trunk) {
+  const bool leans = !is_within(short_angle(trunk.pitch), limits.min_lean) ||
+                     !is_within(short_angle(trunk.roll), limits.min_lean);
   if (!leans) armed_ = true;
   const std::int32_t ahead = predicted(trunk.pitch, trunk.pitch_rate, limits.lead_ms);
   const std::int32_t right = predicted(trunk.roll, trunk.roll_rate, limits.lead_ms);
@@ -44,7 +44,7 @@ FallDirection FallWatch::update(const FallLimits& limits, const estimation::Trun
   return right < 0 ? FallDirection::kLeft : FallDirection::kRight;
 }
 
-void FallWatch::disarm() {
+void FallDetector::disarm() {
   armed_ = false;
   cycles_ = 0;
 }

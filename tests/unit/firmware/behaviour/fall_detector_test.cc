@@ -1,4 +1,4 @@
-#include "firmware/behaviour/fall_watch.h"
+#include "firmware/behaviour/fall_detector.h"
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ struct LeanDegrees {
   double pitch_rate = 0.0;
 };
 
-class FallWatchTest : public testing::Test {
+class FallDetectorTest : public testing::Test {
  protected:
   FallDirection see(const LeanDegrees& lean) {
     return watch_.update(limits_,
@@ -40,27 +40,27 @@ class FallWatchTest : public testing::Test {
   }
 
   FallLimits limits_ = test::kTestFallLimits;
-  FallWatch watch_;
+  FallDetector watch_;
 };
 
-TEST_F(FallWatchTest, NamesWhereTheRobotFallsTo) {
+TEST_F(FallDetectorTest, NamesWhereTheRobotFallsTo) {
   EXPECT_EQ(after_standing({.pitch = 27}), FallDirection::kFront);
   EXPECT_EQ(after_standing({.pitch = -27}), FallDirection::kBack);
   EXPECT_EQ(after_standing({.roll = 29}), FallDirection::kRight);
   EXPECT_EQ(after_standing({.roll = -29}), FallDirection::kLeft);
 }
 
-TEST_F(FallWatchTest, HasItsLimitsWhereTheParametersSay) {
+TEST_F(FallDetectorTest, HasItsLimitsWhereTheParametersSay) {
   EXPECT_EQ(after_standing({.pitch = 25.9}, 10), FallDirection::kNone);
   EXPECT_EQ(after_standing({.pitch = -25.9}, 10), FallDirection::kNone);
   EXPECT_EQ(after_standing({.roll = 27.9}, 10), FallDirection::kNone);
   limits_.front = 10 * 65'536 / 360;
-  limits_.least_lean = 5 * 65'536 / 360;
+  limits_.min_lean = 5 * 65'536 / 360;
   EXPECT_EQ(after_standing({.pitch = 10.2}), FallDirection::kFront);
   EXPECT_EQ(after_standing({.pitch = -10.2}, 10), FallDirection::kNone);
 }
 
-TEST_F(FallWatchTest, TakesRateAndAngleTogether) {
+TEST_F(FallDetectorTest, TakesRateAndAngleTogether) {
   // 12 + 0.135 * 110 = 26.9 degrees.
   EXPECT_EQ(after_standing({.pitch = 12, .pitch_rate = 110}), FallDirection::kFront);
   EXPECT_EQ(after_standing({.pitch = 12, .pitch_rate = 95}, 10), FallDirection::kNone);
@@ -69,17 +69,17 @@ TEST_F(FallWatchTest, TakesRateAndAngleTogether) {
   EXPECT_EQ(after_standing({.pitch = 28, .pitch_rate = -60}, 10), FallDirection::kNone);
 }
 
-TEST_F(FallWatchTest, FallsBetweenTheAxesByTheEllipse) {
+TEST_F(FallDetectorTest, FallsBetweenTheAxesByTheEllipse) {
   EXPECT_EQ(after_standing({.roll = 19, .pitch = 18}, 10), FallDirection::kNone);
   EXPECT_EQ(after_standing({.roll = 19, .pitch = 20}), FallDirection::kFront);
   EXPECT_EQ(after_standing({.roll = 22, .pitch = -18}), FallDirection::kRight);
 }
 
-TEST_F(FallWatchTest, BelievesNoRateWithoutALean) {
+TEST_F(FallDetectorTest, BelievesNoRateWithoutALean) {
   EXPECT_EQ(after_standing({.pitch = 9, .pitch_rate = 400}, 10), FallDirection::kNone);
 }
 
-TEST_F(FallWatchTest, WaitsForAsManyCyclesInARow) {
+TEST_F(FallDetectorTest, WaitsForAsManyCyclesInARow) {
   limits_.cycles = 3;
   EXPECT_EQ(after_standing({.pitch = 30}, 2), FallDirection::kNone);
   EXPECT_EQ(see({.pitch = 5}), FallDirection::kNone);
@@ -88,23 +88,23 @@ TEST_F(FallWatchTest, WaitsForAsManyCyclesInARow) {
   EXPECT_EQ(see({.pitch = 30}), FallDirection::kFront);
 }
 
-TEST_F(FallWatchTest, SeesOneFallOnceAndNoneBeforeTheRobotWasUpright) {
+TEST_F(FallDetectorTest, SeesOneFallOnceAndNoneBeforeTheRobotWasUpright) {
   for (int i = 0; i < 20; ++i) EXPECT_EQ(see({.pitch = 90}), FallDirection::kNone);
   EXPECT_EQ(after_standing({.pitch = 30}), FallDirection::kFront);
   for (int i = 0; i < 20; ++i) EXPECT_EQ(see({.pitch = 90}), FallDirection::kNone);
 }
 
-TEST_F(FallWatchTest, SeesAFallOfARobotThatHasToBeOnItsFeet) {
+TEST_F(FallDetectorTest, SeesAFallOfARobotThatHasToBeOnItsFeet) {
   EXPECT_EQ(see({.pitch = 90}), FallDirection::kNone);
   watch_.arm();
   EXPECT_EQ(see({.pitch = 90}), FallDirection::kNone);
   EXPECT_EQ(see({.pitch = 90}), FallDirection::kFront);
 }
 
-TEST_F(FallWatchTest, LooksForNoneWithoutALimit) {
+TEST_F(FallDetectorTest, LooksForNoneWithoutALimit) {
   const FallLimits set = limits_;
   for (std::int16_t FallLimits::*limit :
-       {&FallLimits::front, &FallLimits::back, &FallLimits::side, &FallLimits::least_lean}) {
+       {&FallLimits::front, &FallLimits::back, &FallLimits::side, &FallLimits::min_lean}) {
     limits_ = set;
     limits_.*limit = 0;
     EXPECT_EQ(after_standing({.roll = 60, .pitch = 80}, 10), FallDirection::kNone);
@@ -113,7 +113,7 @@ TEST_F(FallWatchTest, LooksForNoneWithoutALimit) {
   EXPECT_EQ(after_standing({.roll = 60, .pitch = 80}, 10), FallDirection::kNone);
 }
 
-TEST_F(FallWatchTest, TakesWhateverTheSensorsShow) {
+TEST_F(FallDetectorTest, TakesWhateverTheSensorsShow) {
   for (const double angle : {-179.9, -90.0, 90.0, 179.9}) {
     for (const double rate : {-40'000.0, 40'000.0}) {
       after_standing({.roll = angle, .pitch = angle, .roll_rate = rate, .pitch_rate = rate});

@@ -12,11 +12,11 @@ struct FallLimits {
   std::int16_t front = 0;  // of the predicted lean, as the next two
   std::int16_t back = 0;
   std::int16_t side = 0;
-  std::int16_t lead_ms = 0;     // how far ahead a lean is predicted: the pendulum's time constant
-  std::int16_t least_lean = 0;  // of the present lean: with less, no rate makes a fall
-  std::int16_t cycles = 1;      // of 10 ms, in a row
+  std::int16_t lead_ms = 0;   // how far ahead a lean is predicted: the pendulum's time constant
+  std::int16_t min_lean = 0;  // of the present lean: with less, no rate makes a fall
+  std::int16_t cycles = 1;    // of 10 ms, in a row
 
-  [[nodiscard]] bool are_set() const { return front > 0 && back > 0 && side > 0 && least_lean > 0; }
+  [[nodiscard]] bool are_set() const { return front > 0 && back > 0 && side > 0 && min_lean > 0; }
 };
 
 enum class FallDirection : std::uint8_t { kNone, kFront, kBack, kLeft, kRight };
@@ -24,7 +24,7 @@ enum class FallDirection : std::uint8_t { kNone, kFront, kBack, kLeft, kRight };
 // Foresees a fall from angle and rate together: by a linear inverted pendulum's capture point, x + v / omega
 // (Pratt et al. 2006), in angles. The lean as it will be in `lead_ms`, if its rate lasts, is held against an
 // ellipse that is as far as the feet are long and wide.
-class FallWatch {
+class FallDetector {
  public:
   // The next 10 ms cycle of a robot that stands on its feet. Where it falls to, once it does.
   FallDirection update(const FallLimits& limits, const estimation::TrunkMotion& trunk);
