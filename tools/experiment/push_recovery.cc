@@ -146,8 +146,8 @@ const std::vector<Feedback>& feedbacks() {
         "standing_lean_gain_hip_pitch_percent", "walking_lean_gain_ankle_pitch_percent",
         "walking_lean_gain_ankle_roll_percent", "walking_lean_gain_hip_roll_percent",
         "walking_lean_gain_knee_percent", "walking_lean_gain_hip_pitch_percent"}},
-      {"capture", {"capture_ahead_percent", "capture_aside_percent"}},
-      {"touch-down", {"touch_down_load_N"}},
+      {"capture", {"capture_forward_percent", "capture_lateral_percent"}},
+      {"touch-down", {"touchdown_load_N"}},
       {"heading", {"heading_hold_percent"}}};
   return kFeedbacks;
 }

@@ -108,7 +108,7 @@ WalkingSpeed make_walking_speed(const WalkingSpeedOptions& options) {
   // What the robot is known to sustain is its limit; what more it may is the question.
   std::vector<sim::Override> overrides{{"parameters.highest_velocity_forward_mm_per_s", "2000"},
                                        {"parameters.highest_velocity_backward_mm_per_s", "2000"},
-                                       {"parameters.highest_velocity_sideways_mm_per_s", "2000"},
+                                       {"parameters.highest_velocity_lateral_mm_per_s", "2000"},
                                        {"parameters.highest_turn_mrad_per_s", "6000"}};
   overrides.insert(overrides.end(), options.overrides.begin(), options.overrides.end());
   const auto start = std::make_shared<const StandingStart>(read_standing_start(options.scenario, overrides));

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "firmware/app/controller_objects.h"
@@ -21,12 +23,39 @@ sim::InputError error_at(const sim::SourcedName& name, const std::string& found,
   return {name.source, name.line, found, expected};
 }
 
+// Parameters that had another name, without units: files that still have the old one are told the new.
+struct Renamed {
+  std::string_view old_name;
+  std::string_view name;
+};
+constexpr std::array<Renamed, 9> kRenamed{{{"acceleration_of_turn", "acceleration_turn"},
+                                           {"acceleration_sideways", "acceleration_lateral"},
+                                           {"capture_ahead", "capture_forward"},
+                                           {"capture_aside", "capture_lateral"},
+                                           {"highest_velocity_sideways", "highest_velocity_lateral"},
+                                           {"least_lean_of_a_fall", "smallest_lean_of_a_fall"},
+                                           {"swing_ease", "swing_profile"},
+                                           {"touch_down_load", "touchdown_load"},
+                                           {"zmp_ahead", "zmp_forward"}}};
+
+// The old name of this one, with its unit or without.
+bool is_old_name(std::string_view text, const Parameter& parameter) {
+  const auto renamed = std::ranges::find(kRenamed, parameter.name_without_unit, &Renamed::name);
+  if (renamed == kRenamed.end()) return false;
+  const std::string unit = parameter.key.substr(parameter.name_without_unit.size());
+  return text == renamed->old_name || text == std::string(renamed->old_name) + unit;
+}
+
 const Parameter& find(const sim::SourcedName& name) {
   const std::span<const Parameter> parameters = controller_parameters();
   const auto found = std::ranges::find(parameters, name.text, &Parameter::key);
   if (found != parameters.end()) return *found;
   const auto old = std::ranges::find(parameters, name.text, &Parameter::name_without_unit);
   if (old != parameters.end()) throw error_at(name, "parameter " + name.text + " without its unit", old->key);
+  const auto renamed = std::ranges::find_if(
+      parameters, [&](const Parameter& parameter) { return is_old_name(name.text, parameter); });
+  if (renamed != parameters.end())
+    throw error_at(name, "parameter " + name.text + ", which has another name now", renamed->key);
   std::vector<std::string> keys;
   for (const Parameter& parameter : parameters) keys.push_back(parameter.key);
   throw error_at(name, "the unknown parameter " + sim::one_line(name.text),

@@ -57,6 +57,18 @@ TEST(Parameters, CarryTheirUnitInTheKey) {
   EXPECT_THAT(refusal("com_hieght_mm", 167.5), HasSubstr("expected com_height_mm, the nearest of "));
 }
 
+TEST(Parameters, AreToldByTheirNewNameWhereAFileHasTheOld) {
+  EXPECT_EQ(
+      refusal("zmp_ahead_mm", 7),
+      "walk.yaml:12: found parameter zmp_ahead_mm, which has another name now, expected zmp_forward_mm");
+  EXPECT_THAT(refusal("swing_ease", 80), HasSubstr("expected swing_profile_percent"));
+  for (const char* old_name :
+       {"acceleration_of_turn_mrad_per_s2", "acceleration_sideways_mm_per_s2", "capture_ahead_percent",
+        "capture_aside_percent", "highest_velocity_sideways_mm_per_s", "least_lean_of_a_fall_deg",
+        "swing_ease_percent", "touch_down_load_N", "zmp_ahead_mm"})
+    EXPECT_THAT(refusal(old_name, 1), HasSubstr("which has another name now")) << old_name;
+}
+
 TEST(Parameters, AreRefusedByAnUnknownName) {
   const std::string message = refusal("elbow_gain", 0.1);
   EXPECT_THAT(message, HasSubstr("walk.yaml:12: found the unknown parameter elbow_gain"));
@@ -79,7 +91,7 @@ TEST(ControllerValues, AreNeutralThenTheRobotsThenTheScenarios) {
                                         {{"highest_velocity_backward_mm_per_s", "r.yaml", 4}, 90.0},
                                         {{"step_time_ms", "r.yaml", 5}, 220.0}};
   scenario.parameters = {{{"highest_velocity_forward_mm_per_s", "s.yaml", 3}, 100.0},
-                         {{"highest_velocity_sideways_mm_per_s", "s.yaml", 5}, 80.0},
+                         {{"highest_velocity_lateral_mm_per_s", "s.yaml", 5}, 80.0},
                          {{"highest_turn_mrad_per_s", "s.yaml", 6}, 700.0}};
   EXPECT_EQ(controller_values(scenario).velocity_limits.highest(), (walk::Velocity{100, 80, 700}));
   EXPECT_EQ(controller_values(scenario).velocity_limits.lowest(), (walk::Velocity{-90, -80, -700}));

@@ -126,7 +126,7 @@ TEST_F(RobotParameters, CountNoLeanOverTheFeetAsAFall) {
 }
 
 TEST_F(RobotParameters, FitTheWeightAndTheBattery) {
-  EXPECT_THAT(refusal("touch_down_load_N", 30), HasSubstr("N, the weight of the robot"));
+  EXPECT_THAT(refusal("touchdown_load_N", 30), HasSubstr("N, the weight of the robot"));
   EXPECT_THAT(refusal("lowest_supply_mV", 9500), HasSubstr("at most 9000 mV"));
   EXPECT_THAT(refusal("low_supply_mV", 5000), HasSubstr("at least 6000 mV"));
 }
