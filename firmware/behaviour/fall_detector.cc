@@ -13,7 +13,7 @@ constexpr int kAngleShift = 16;  // from an Angle to units of the limits
 
 constexpr std::int32_t short_angle(fixed::Angle angle) { return angle.raw() >> kAngleShift; }
 
-// The lean in units of the limits when `lead_ms` have passed, within half a turn.
+// The lean after `lead_ms` at its present rate, in units of the limits; saturates at half a turn.
 constexpr std::int32_t predicted(fixed::Angle lean, fixed::AngularRate rate, std::int16_t lead_ms) {
   constexpr int kRateShift = fixed::AngularRate::kFractionBits - 16;
   const std::int32_t change = (rate.raw() >> kRateShift) * lead_ms / 1'000;
@@ -30,17 +30,18 @@ FallDirection FallDetector::update(const FallLimits& limits, const estimation::T
   const bool leans = !is_within(short_angle(trunk.pitch), limits.min_lean) ||
                      !is_within(short_angle(trunk.roll), limits.min_lean);
   if (!leans) armed_ = true;
-  const std::int32_t ahead = predicted(trunk.pitch, trunk.pitch_rate, limits.lead_ms);
+  const std::int32_t forward = predicted(trunk.pitch, trunk.pitch_rate, limits.lead_ms);
   const std::int32_t right = predicted(trunk.roll, trunk.roll_rate, limits.lead_ms);
-  const std::int16_t length = ahead < 0 ? limits.back : limits.front;
-  const std::int64_t along = square(ahead) * square(limits.side);
-  const std::int64_t across = square(right) * square(length);
-  const bool beyond = along + across > square(length) * square(limits.side);
+  const std::int16_t length = forward < 0 ? limits.back : limits.front;
+  // The ellipse without its divisions: times (length * side)^2.
+  const std::int64_t sagittal = square(forward) * square(limits.side);
+  const std::int64_t lateral = square(right) * square(length);
+  const bool beyond = sagittal + lateral > square(length) * square(limits.side);
   cycles_ = armed_ && leans && beyond && limits.are_set() ? fixed::add_saturated(cycles_, std::int16_t{1})
                                                           : std::int16_t{0};
   if (cycles_ < std::max<std::int16_t>(limits.cycles, 1)) return FallDirection::kNone;
   disarm();
-  if (along >= across) return ahead < 0 ? FallDirection::kBack : FallDirection::kFront;
+  if (sagittal >= lateral) return forward < 0 ? FallDirection::kBack : FallDirection::kFront;
   return right < 0 ? FallDirection::kLeft : FallDirection::kRight;
 }
 

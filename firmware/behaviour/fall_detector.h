@@ -21,21 +21,28 @@ struct FallLimits {
 
 enum class FallDirection : std::uint8_t { kNone, kFront, kBack, kLeft, kRight };
 
-// Foresees a fall from angle and rate together: by a linear inverted pendulum's capture point, x + v / omega
-// (Pratt et al. 2006), in angles. The lean as it will be in `lead_ms`, if its rate lasts, is held against an
-// ellipse that is as far as the feet are long and wide.
+// Detects a fall before the robot lies, from the lean of the trunk and its rate:
+//
+//   predicted = lean + lead * rate
+//
+// which is the capture point x + v / omega of the linear inverted pendulum (Pratt et al., "Capture point: a
+// step toward humanoid push recovery", Humanoids 2006) in angles, with lead = 1 / omega. The robot falls when
+// the predicted lean leaves the ellipse (forward / front or back)^2 + (lateral / side)^2 = 1 for `cycles`
+// cycles in a row while the present lean is at least `min_lean`.
 class FallDetector {
  public:
-  // The next 10 ms cycle of a robot that stands on its feet. Where it falls to, once it does.
+  // Takes the next cycle of 10 ms of a robot on its feet. Returns the direction of a fall in the cycle in
+  // which it is detected, kNone in every other. O(1).
   FallDirection update(const FallLimits& limits, const estimation::TrunkMotion& trunk);
-  // The robot is put down or carried: nothing is a fall before it was upright again.
+  // Stops the detection until the trunk has been within `min_lean` once: a robot that is carried or put down
+  // does not fall.
   void disarm();
-  // It has to be on its feet now: should it lie, it has fallen.
+  // Starts the detection at once: the robot is on its feet, and if it leans it falls.
   void arm() { armed_ = true; }
 
  private:
   bool armed_ = false;
-  std::int16_t cycles_ = 0;  // beyond the limits, in a row
+  std::int16_t cycles_ = 0;  // outside the ellipse, in a row
 };
 
 }  // namespace koboshi::behaviour

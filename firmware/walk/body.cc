@@ -22,22 +22,22 @@ Position scaled(const Position& p, Ratio factor) {
   return {product<Length>(p.x, factor), product<Length>(p.y, factor), product<Length>(p.z, factor)};
 }
 
-// R_SB v, where B leans ahead by the pitch and is then turned to the left by the yaw.
+// R_SB v for a trunk B that is pitched forward and then yawed to the left.
 Position from_trunk(const Position& v, SineCosine yaw, SineCosine pitch) {
-  const Length ahead = product_sum<Length>(v.x, pitch.cosine, v.z, pitch.sine);
-  return {product_sum<Length>(ahead, yaw.cosine, -v.y, yaw.sine),
-          product_sum<Length>(ahead, yaw.sine, v.y, yaw.cosine),
+  const Length forward = product_sum<Length>(v.x, pitch.cosine, v.z, pitch.sine);
+  return {product_sum<Length>(forward, yaw.cosine, -v.y, yaw.sine),
+          product_sum<Length>(forward, yaw.sine, v.y, yaw.cosine),
           product_sum<Length>(v.z, pitch.cosine, -v.x, pitch.sine)};
 }
 
 Position into_trunk(const Position& v, SineCosine yaw, SineCosine pitch) {
-  const Length ahead = product_sum<Length>(v.x, yaw.cosine, v.y, yaw.sine);
-  return {product_sum<Length>(ahead, pitch.cosine, -v.z, pitch.sine),
+  const Length forward = product_sum<Length>(v.x, yaw.cosine, v.y, yaw.sine);
+  return {product_sum<Length>(forward, pitch.cosine, -v.z, pitch.sine),
           product_sum<Length>(v.y, yaw.cosine, -v.x, yaw.sine),
-          product_sum<Length>(v.z, pitch.cosine, ahead, pitch.sine)};
+          product_sum<Length>(v.z, pitch.cosine, forward, pitch.sine)};
 }
 
-// Of a sole that is level and turned to the left by `yaw` against the trunk.
+// R_BSole of a level sole that is yawed to the left by `yaw` relative to the trunk.
 robot::Rotation level_in_trunk(Angle yaw, SineCosine pitch) {
   const auto [s, c] = fixed::sin_cos(yaw);
   return {{robot::Direction{product<Ratio>(pitch.cosine, c), -product<Ratio>(pitch.cosine, s), -pitch.sine},
@@ -49,7 +49,7 @@ Angle signed_by(std::int8_t sign, Angle angle) { return sign < 0 ? -angle : angl
 
 Position at_height(Point p, Length height) { return {p.x, p.y, height}; }
 
-// Masses as shares of the robot's, which sum up to its centre of mass.
+// Masses as shares of the robot's mass: weights of the sum that is its CoM.
 class Shares {
  public:
   explicit Shares(const robot::RobotModel& model) : total_(model.base_mass) {
@@ -117,9 +117,10 @@ void Body::solve(const Stance& stance, const Compliance& compliance, std::span<A
   }
 }
 
-// The ground's force through the ZMP, upwards, turns what is below a joint by force times lever; the joint
-// gives way by the compliance, and its target goes as far the other way. The weight below the joint, a small
-// part, is left out, and so is the turn of the sole against the frame.
+// Adds the sag of the servos to the targets, so that the loaded joints end up at their planned angles. The
+// ground's upward force through the ZMP turns a joint by force times horizontal lever; at compliance per
+// weight and metre that is share * lever * compliance, and the target goes as far the other way. Neglected:
+// the weight below the joint, and the yaw of the sole relative to the frame.
 void Body::compensate(std::size_t side, const Stance& stance, const Compliance& compliance,
                       const Position& p_SH, robot::LegAngles& leg) const {
   const robot::LegGeometry& geometry = legs_[side];

@@ -9,10 +9,10 @@
 
 namespace koboshi::walk {
 
-// Where the body is to be, in the frame of the sole that stands.
+// Planned pose of the body in the frame of the support foot's sole, and the load of the feet.
 struct Stance {
   robot::Position centre_of_mass;
-  fixed::Angle yaw;  // of the trunk, which leans ahead by `pitch`
+  fixed::Angle yaw;  // of the trunk, which leans forward by `pitch`
   fixed::Angle pitch;
   std::array<Foothold, 2> soles;           // by Side
   std::array<fixed::Length, 2> heights{};  // of the soles
@@ -20,25 +20,29 @@ struct Stance {
   Point zmp;
 };
 
-// How far joints turn under the robot's weight at a lever of one metre.
+// Sag of the joints under the robot's weight at a lever of one metre.
 struct Compliance {
   fixed::Angle pitch;
   fixed::Angle roll;
 };
 
-// The joint angles of the legs that put centre of mass, trunk and soles where they are to be.
+// Computes the joint angles of the legs that bring CoM, trunk and soles into a stance.
 //
-// The centre of mass is that of the arms hanging down, and of legs that carry their masses along the line
-// from hip to ankle: then it is linear in the positions of trunk and soles,
+// The arms hang down, and the masses of a leg lie on the line from hip to ankle. Then the CoM is linear in
+// the positions of trunk B and soles L, R,
+//
 //   p_Com = (1 - 2 mu) p_B + R_SB k + mu (p_L + p_R),
-// and the trunk's place follows without iteration. Knees ahead of that line move it by a millimetre or two: a
-// constant that the parameters take up.
+//
+// and the position of the trunk follows without iteration. mu is the share of a leg's mass that moves with
+// the sole, k a constant of the body. Knees in front of that line move the CoM by 1 to 2 mm, in every step
+// alike; the parameter zmp_forward takes that up.
 class Body {
  public:
-  // The model must outlive this, and have legs.
+  // `model` must outlive the body, and have legs.
   explicit Body(const robot::RobotModel& model);
 
-  // Writes the targets of the legs' joints. Where a leg does not reach it comes as near as it can.
+  // Writes the targets of the legs' joints. A leg that does not reach its sole's pose comes as near as it can
+  // (robot::leg_inverse_kinematics).
   void solve(const Stance& stance, const Compliance& compliance, std::span<fixed::Angle> targets) const;
 
  private:

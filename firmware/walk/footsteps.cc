@@ -21,14 +21,18 @@ Foothold Footsteps::step(Side swing, const Stride& stride) const {
   const bool left = swing == Side::kLeft;
   const bool opens = left == (stride.distance.y > Length());
   const bool turns_out = left == (stride.turn > Angle());
-  const Length aside = opens ? stride.distance.y * 2 : Length();
-  return {.p = {stride.distance.x, (left ? width_ : -width_) + aside},
+  const Length lateral = opens ? stride.distance.y * 2 : Length();
+  return {.p = {stride.distance.x, (left ? width_ : -width_) + lateral},
           .yaw = turns_out ? stride.turn * 2 : Angle()};
 }
 
-// With c = b + lag * last step, from one step to the next growth * c = step * (1 - lag) + c_next. The motion
-// of two steps that repeats itself has c = (1 - lag) (growth * step_1 + step_2) / (growth^2 - 1), and that
-// without (1 - lag) where the ZMP comes at once.
+// Let b be the offset of the DCM from the new ZMP when a step begins, s_0 the last step and c = b + lag s_0
+// the offset as for a ZMP that steps at once (Pendulum::lag). From one step to the next, with the growth G,
+//
+//   G c = (1 - lag) s + c_next
+//
+// In a gait that repeats itself after the steps s_1 and s_2 therefore c = (1 - lag) (G s_1 + s_2) / (G^2 -
+// 1). Without double support lag is 0.
 Point Footsteps::offset_at_once(Side stance, const Stride& stride) const {
   const Point first = step(other(stance), stride).p;
   const Point second = step(stance, stride).p;

@@ -7,7 +7,7 @@
 
 namespace koboshi::walk {
 
-// Where the robot is told to go: by how much a step takes it there.
+// The commanded velocity times the duration of a step: distance and turn of the robot in one step.
 struct Stride {
   Point distance;
   fixed::Angle turn;
@@ -17,23 +17,25 @@ struct Stride {
   return side == hal::Side::kLeft ? hal::Side::kRight : hal::Side::kLeft;
 }
 
-// The steps of a walk that goes on as it is: both feet in turn, the one that the robot goes or turns to opens
-// by twice the way, and the other closes. Of the pendulum on it the one motion that repeats itself every two
-// steps.
+// The periodic gait at a constant stride: its footholds, and the motion of the DCM on them that repeats
+// itself every two steps. In a lateral step or a turn the foot on the side that the robot moves to opens by
+// twice the stride, and the other foot closes.
 class Footsteps {
  public:
-  // `width` between the places of the ZMP under both feet; `growth` of the divergent motion in a step; `lag`
-  // by which the ZMP comes after the step (Pendulum::lag).
+  // `width`: distance of the ZMPs under both feet. `growth`: of the DCM in a step (Pendulum::growth). `lag`:
+  // of the ZMP in double support (Pendulum::lag).
   Footsteps(fixed::Length width, fixed::Gain growth, fixed::Ratio lag);
 
-  // From the ZMP under the foot that stands to that under the foot that swings, and the turn of its sole.
+  // Nominal step: from the ZMP under the support foot to the ZMP under the swing foot where it lands, and the
+  // turn of the swing foot's sole.
   [[nodiscard]] Foothold step(hal::Side swing, const Stride& stride) const;
 
-  // Where the divergent part has to be when a step onto `stance` begins, from the ZMP under it, after a step
-  // as the last one of this stride was.
+  // Offset of the DCM from the ZMP under `stance` when a step onto that foot begins, in the periodic gait.
+  // Derivation in footsteps.cc.
   [[nodiscard]] Point offset(hal::Side stance, const Stride& stride) const;
-  // The same for a ZMP that would come at once. From there on the divergent part moves as it should after any
-  // last step: one that ends `end` from the ZMP has to go to end * widening() - offset_at_once().
+  // The same offset for a ZMP that steps at once, without double support. It also serves after a last step of
+  // any length: a DCM that ends `end` away from the old ZMP needs the new ZMP at end * widening() -
+  // offset_at_once().
   [[nodiscard]] Point offset_at_once(hal::Side stance, const Stride& stride) const;
   [[nodiscard]] fixed::Gain widening() const { return widening_; }
 

@@ -24,8 +24,7 @@ Ratio permille(std::int16_t value) { return fixed::mul_div(fixed::kOne, value, 1
 Angle angle(std::int16_t value) { return Angle::from_raw(std::int32_t{value} << 16); }
 Force hundredths_of_N(std::int16_t value) { return fixed::mul_div(Force::from_raw(1 << 16), value, 100); }
 
-// What a hundredth of a mm or mrad is in raw numbers of which `unit_raw` are a metre or rad, in 2^-16 of
-// them.
+// Raw value of 0.01 mm or 0.01 mrad in a format with `unit_raw` to the metre or rad, times 2^16.
 constexpr std::int64_t hundredth(std::int64_t unit_raw) {
   return fixed::divide_rounded(unit_raw << 16, 100'000);
 }
@@ -37,7 +36,7 @@ std::int64_t in_raw(std::int32_t value, std::int64_t hundredth) {
   return fixed::shift_rounded(value * hundredth, 16);
 }
 
-// How far it takes a speed in so many seconds.
+// Distance or turn at a speed in this time.
 std::int32_t distance_raw(std::int32_t value, std::int64_t hundredth, Ratio time_s) {
   return fixed::saturate<std::int32_t>(
       fixed::shift_rounded(in_raw(value, hundredth) * time_s.raw(), Ratio::kFractionBits));

@@ -44,8 +44,12 @@ Pendulum::Pendulum(Length height) {
   }
 }
 
-// The sum over the cycles of what is still missing of the way, times what a cycle adds to the divergent part,
-// seen from the beginning: (1 - k / (n + 1)) (e^(omega h) - 1) e^(-omega h k).
+// In cycle k of the ramp the ZMP has come the share k / (n + 1) of its distance s, so (1 - k / (n + 1)) s is
+// missing. A ZMP that is off by d for one cycle moves the DCM by (e^(omega h) - 1) d, which every later cycle
+// multiplies by e^(omega h); as seen from the beginning of the ramp, by e^(-omega h k). The sum over all
+// cycles, divided by s:
+//
+//   lambda = sum over k = 1..n of (1 - k / (n + 1)) (e^(omega h) - 1) e^(-omega h k)
 Ratio Pendulum::lag(std::int32_t ticks) const {
   Ratio sum;
   Ratio seen = growth_of_a_tick_ - fixed::kOne;

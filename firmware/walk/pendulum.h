@@ -11,11 +11,17 @@
 
 namespace koboshi::walk {
 
-// The 100 Hz control cycle, in seconds.
+// Period of the control cycle at 100 Hz, in seconds.
 inline constexpr fixed::Ratio kTick_s = fixed::literals::operator""_ratio(0.01L);
 
-// The centre of mass over level ground, its motion split in two (Englsberger, Ott and Albu-Schaeffer, 2015):
-// with omega = sqrt(g / z), xi = x + v / omega runs away from the ZMP and x - v / omega runs into it.
+// Motion of the centre of mass (CoM) over level ground, split in two (Englsberger, Ott and Albu-Schaeffer,
+// "Three-dimensional bipedal walking control based on divergent component of motion", T-RO 2015). With
+// omega = sqrt(g / z)
+//
+//   dcm = x + x' / omega    the divergent component of motion, which runs away from the ZMP
+//   ccm = x - x' / omega    the convergent component, which runs into it
+//
+// and x = (dcm + ccm) / 2.
 struct PendulumState {
   Point dcm;
   Point ccm;
@@ -27,25 +33,30 @@ struct PendulumState {
   }
 };
 
-// The paper's linear inverted pendulum, x'' = (x - p) / T_c^2 with T_c = sqrt(z / g), sagittal and lateral
-// alike, in steps of the 100 Hz cycle: about a ZMP that rests over the cycle, exact but for rounding.
+// The linear inverted pendulum x'' = (x - p) / T_c^2 with T_c = sqrt(z / g), sagittal and lateral alike
+// (Kajita et al., "The 3D linear inverted pendulum mode", IROS 2001). About a ZMP p that rests over a cycle
+// of h = 10 ms its motion is, exactly but for rounding,
+//
+//   dcm(t + h) = p + e^( omega h) (dcm(t) - p)
+//   ccm(t + h) = p + e^(-omega h) (ccm(t) - p)
 class Pendulum {
  public:
   static constexpr std::size_t kMaxTicks = 60;
 
-  // `height` of the centre of mass, 0.05 to 1 m.
+  // `height` of the CoM, clamped to 0.05 to 1 m.
   explicit Pendulum(fixed::Length height);
 
+  // Advances the state by one cycle.
   void advance(PendulumState& state, Point zmp) const;
-  // By how much the divergent part's distance from the ZMP grows in `ticks`, at most kMaxTicks: e^(omega t).
+  // Growth G = e^(omega t) of the DCM's distance from the ZMP over `ticks` cycles, at most kMaxTicks.
   [[nodiscard]] fixed::Gain growth(std::size_t ticks) const {
     KOBOSHI_ASSERT(ticks <= kMaxTicks);
     return growth_[ticks];
   }
-  // A ZMP that takes `ticks` cycles to come from the last foot moves the divergent part as one that came at
-  // once from a state this share of its way behind would.
+  // Effect on the DCM of a ZMP that ramps to its place over `ticks` cycles: that of a ZMP that steps there at
+  // once, with the DCM further back by this share of the ZMP's distance. Derivation in pendulum.cc.
   [[nodiscard]] fixed::Ratio lag(std::int32_t ticks) const;
-  // The paper's T_c, in seconds.
+  // T_c = sqrt(z / g), in seconds.
   [[nodiscard]] fixed::Ratio time_constant_s() const { return time_constant_s_; }
 
  private:

@@ -5,8 +5,8 @@
 
 namespace koboshi::walk {
 
-// A point on level ground, or the way between two, in the frame of the sole that stands: x ahead, y to the
-// left.
+// A point on level ground, or the vector between two, in the frame of the support foot's sole: x forward, y
+// to the left.
 struct Point {
   fixed::Length x;
   fixed::Length y;
@@ -16,14 +16,14 @@ struct Point {
   friend constexpr bool operator==(const Point&, const Point&) = default;
 };
 
-// Turned to the left by `angle`.
+// Rotates `p` to the left by `angle`.
 [[nodiscard]] inline Point turned(Point p, fixed::Angle angle) {
   const auto [s, c] = fixed::sin_cos(angle);
   return {fixed::product_sum<fixed::Length>(p.x, c, -p.y, s),
           fixed::product_sum<fixed::Length>(p.x, s, p.y, c)};
 }
 
-// A sole on the ground, or above it.
+// Pose of a sole in the plane of the ground, on it or above it.
 struct Foothold {
   Point p;
   fixed::Angle yaw;

@@ -5,8 +5,8 @@
 
 namespace koboshi::walk {
 
-// An angle of the ratio's range, 2 rad either way, as a ratio in rad, and back. The two formats are two bits
-// apart: the factors are a quarter of 2 pi, and its inverse.
+// Converts an angle within the ratio's range, 2 rad either way, to a ratio in rad, and back. The formats are
+// two bits apart (2^32 a turn, 2^30 a rad): the factors are 2 pi / 4 and its inverse.
 [[nodiscard]] constexpr fixed::Ratio in_rad(fixed::Angle angle) {
   constexpr fixed::Ratio kFactor = fixed::literals::operator""_ratio(1.5707963267948966L);
   return fixed::product<fixed::Ratio>(fixed::Ratio::from_raw(angle.raw()), kFactor);

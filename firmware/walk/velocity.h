@@ -5,7 +5,7 @@
 
 namespace koboshi::walk {
 
-// How the robot is to move over the ground, in the axes of its trunk: x forward, y left, z up.
+// Commanded velocity of the robot over the ground, in the axes of its trunk: x forward, y left, z up.
 struct Velocity {
   std::int16_t forward_mm_per_s = 0;
   std::int16_t left_mm_per_s = 0;
@@ -14,7 +14,7 @@ struct Velocity {
   friend bool operator==(const Velocity&, const Velocity&) = default;
 };
 
-// The largest velocities that are obeyed, none of them negative.
+// The largest velocities that the robot obeys, none of them negative. Neutral: it obeys none but zero.
 struct VelocityLimits {
   std::int16_t forward_mm_per_s = 0;
   std::int16_t backward_mm_per_s = 0;

@@ -22,23 +22,34 @@ using namespace fixed::literals;
 namespace {
 
 constexpr std::int32_t kTick_us = 10'000;
+// The ramps between standing and bent knees: 0.5 s, by hand, 2026-11-22.
 constexpr std::int32_t kRampTicks = 50;
-// By which servos come after their targets.
+// The time by which servos are behind their targets: 0.2 s, by hand, 2026-11-22. The walk ends when the
+// servos have arrived, not when their targets have.
 constexpr std::int32_t kArrivalTicks = 20;
-// How long the mass may take to go over to a foot, or back to the middle: three times what it takes.
+// Time-out of the shift of weight onto a foot or back to the middle: 0.6 s, three times what it takes with
+// the default robot, and still enough for a pendulum of 1 m.
 constexpr std::int32_t kMaxShiftTicks = 60;
-// Of the pendulum, after which the mass rests in the middle: e^-3 is a twentieth.
+// Duration of the rest between the feet at the end, in time constants of the pendulum: what is left of the
+// CoM's offset is e^-3, a twentieth.
 constexpr std::int64_t kRestTimeConstants = 3;
-// More than this the body does not lean while there is a step that could catch it.
+// Clamp of the predicted lean: beyond it no step restores balance. By hand, 2026-11-22, above the lean at
+// which a fall is detected.
 constexpr Angle kMaxLean = 30.0_deg;
-// Before this share of its way a swinging foot that feels a load has not landed but stumbled.
+// The share of the swing before which a load on the swing foot is a stumble, not a touchdown. By hand,
+// 2026-11-22: the foot is then on its way down, past the greatest height at 0.5.
 constexpr Ratio kMinTouchdownPhase = 0.6_ratio;
+// Clamp of the heading error, by hand, 2026-11-22: times heading_hold it bounds the extra turn of a step.
 constexpr Angle kMaxHeadingError = 20.0_deg;
-// Of a cycle, in what the error usually is: a time constant of 1.5 s, several steps.
+// Share of a cycle's measurement in the DCM bias: 10 ms / 1.5 s, an average over seven steps of the default
+// robot. By hand, 2026-11-22: without the bias the robot followed the slope of the floor at 5 to 10 cm/s.
 constexpr Ratio kDcmBiasShare = 0.0066667_ratio;
+// Feet that are apart by less in the forward direction are side by side. By hand, 2026-11-22.
+constexpr Length kSideBySide = 0.005_m;
 
 std::size_t index(Side side) { return static_cast<std::size_t>(side); }
 
+// Dead band: the part of the value beyond +-band.
 Length outside(Length value, Length band) {
   if (value > band) return value - band;
   return value < -band ? value + band : Length();
@@ -50,13 +61,13 @@ Point interpolated(Point from, Point to, Ratio fraction) {
   return {fixed::interpolate(from.x, to.x, fraction), fixed::interpolate(from.y, to.y, fraction)};
 }
 
-// Cycles of 10 ms, rounded up.
+// The time at rest between the feet in cycles of 10 ms, rounded up.
 std::int32_t rest_ticks(Ratio time_constant_s) {
   const std::int64_t ticks_raw = kRestTimeConstants * 100 * time_constant_s.raw();
   return static_cast<std::int32_t>((ticks_raw + kOne.raw() - 1) / kOne.raw());
 }
 
-// Seen from a sole that the robot changes to.
+// The same point in the frame of `sole`.
 Point seen_from(const Foothold& sole, Point p) { return turned(p - sole.p, -sole.yaw); }
 
 }  // namespace
@@ -86,7 +97,7 @@ void Walker::start(const WalkParameters& parameters, std::span<const Angle> targ
   speed_ = Speed();
   stride_ = Stride();
   dcm_bias_ = dcm_error_ = Point();
-  heading_ = Angle();
+  heading_error_ = Angle();
   support_ = Side::kLeft;
   stance_ = Stance();
   stance_.soles[index(Side::kRight)].p.y = -gait_.step_width;
@@ -129,9 +140,9 @@ void Walker::run_preparing() {
   if (tick_ >= kRampTicks) enter(Phase::kWeightShift);
 }
 
-// About a ZMP under the foot that is to swing first, until the mass is where a step onto the other begins. In
-// the last cycle the ZMP is only as far away as takes the mass there: what it went too far, the first step
-// would multiply.
+// Double support with the ZMP under the foot that swings first, from which the DCM runs away to the other
+// one, until it is where a step onto that foot begins (Footsteps::offset). In the last cycle the ZMP is only
+// as far away as moves the DCM exactly there: the first step would multiply an overshoot by its growth.
 void Walker::run_weight_shift() {
   const Point foot = zmp_under(swing_side());
   const Length begins = zmp_under(support_).y + footsteps_.offset(support_, stride_).y;
@@ -155,8 +166,8 @@ void Walker::run_weight_shift() {
 
 void Walker::run_stepping(const Velocity& command, const Observation& seen) {
   speed_.approach(command, gait_);
-  heading_ -= speed_.turn();
-  const bool both = tick_ <= gait_.double_ticks;
+  heading_error_ -= speed_.turn();
+  const bool both = tick_ <= gait_.double_ticks;  // double support: the ZMP moves from the last foot to this
   const Ratio shifted = both ? fixed::elapsed_fraction(tick_, gait_.double_ticks + 1) : kOne;
   stance_.zmp = interpolated(last_zmp_, zmp_under(support_), shifted);
   pendulum_.advance(com_, stance_.zmp);
@@ -164,7 +175,7 @@ void Walker::run_stepping(const Velocity& command, const Observation& seen) {
   stance_.load_shares[index(swing_side())] = kOne - shifted;
   if (!both) {
     plan_landing();
-    swing();
+    move_swing_foot();
   }
   stance_.pitch = speed_.lean(gait_);
   stance_.yaw = stance_.soles[index(swing_side())].yaw / 2;
@@ -172,7 +183,8 @@ void Walker::run_stepping(const Velocity& command, const Observation& seen) {
   if (tick_ >= gait_.step_ticks || has_touched_down(seen)) end_step();
 }
 
-// The ZMP stays under the last foot until the mass is back in the middle, and then follows it there.
+// Double support with the ZMP under the support foot, until the DCM is back in the middle. Then the ZMP and
+// the DCM stay there while the convergent component decays.
 void Walker::run_closing_step() {
   const Point middle_zmp = middle();
   const bool left = support_ == Side::kLeft;
@@ -201,29 +213,48 @@ void Walker::run_settling() {
   if (tick_ >= kRampTicks + kArrivalTicks) enter(Phase::kIdle);
 }
 
-// A body that leans by an angle more than planned, and turns at a rate, is ahead of its plan by height times
-// both: the error of the divergent part. What stays is no push, but a floor that slopes or servos that sag:
-// to step after it would make the robot wander off.
+// The DCM is x + x' / omega. A body that leans by `a` more than planned and turns at the rate w has a CoM
+// that is off by z a and moves by z w, so the DCM error is
+//
+//   z (a + w T_c),  T_c = 1 / omega = sqrt(z / g)
+//
+// The lean a + w T_c is clamped. What persists is no push but a floor that slopes or servos that sag: the
+// bias, subtracted because a robot that steps after it wanders off. The rest is smoothed:
+//
+//   bias  += (measured - bias) / 150
+//   error  = (1 - smoothing) (measured - bias) + smoothing * last error
 void Walker::observe(const Observation& seen) {
-  const auto along = [&](Angle angle, AngularRate rate) {
+  const auto dcm_offset = [&](Angle angle, AngularRate rate) {
+    // Turns in 2^-24 times seconds in 2^-30, in turns of 2^-32.
     const Angle soon = Angle::from_raw(fixed::saturate<std::int32_t>(
         fixed::shift_rounded(std::int64_t{rate.raw()} * pendulum_.time_constant_s().raw(), 22)));
     const std::int64_t lean_raw = std::int64_t{angle.raw()} + soon.raw();
-    const std::int64_t most_raw = kMaxLean.raw();
-    const Angle lean = Angle::from_raw(static_cast<std::int32_t>(std::clamp(lean_raw, -most_raw, most_raw)));
+    const std::int64_t max_raw = kMaxLean.raw();
+    const Angle lean = Angle::from_raw(static_cast<std::int32_t>(std::clamp(lean_raw, -max_raw, max_raw)));
     return product<Length>(gait_.com_height, in_rad(lean));
   };
-  const Point measured{along(seen.pitch - stance_.pitch, seen.rates.y), -along(seen.roll, seen.rates.x)};
+  const Point measured{dcm_offset(seen.pitch - stance_.pitch, seen.rates.y),
+                       -dcm_offset(seen.roll, seen.rates.x)};
   dcm_bias_ = interpolated(dcm_bias_, measured, kDcmBiasShare);
   dcm_error_ = interpolated(measured - dcm_bias_, dcm_error_, gait_.smoothing);
-  heading_ += fixed::rotation(seen.rates.z, kTick_us);
+  heading_error_ += fixed::rotation(seen.rates.z, kTick_us);
 }
 
-// Where the swinging sole has to come down, so that the next step begins with the mass where it should be.
+// Chooses the landing position of the swing foot's sole, from which the next step begins with the DCM of a
+// periodic gait. With the DCM xi and its error e, the ZMP p, the time t left of the step, the growth G(t) =
+// e^(omega t), the lag lambda and the offset c at once (footsteps.h; all as seen from the support foot):
+//
+//   end     = G(t) (xi + capture e - p)     DCM at the end of the step, from the ZMP
+//   landing = p + end / (1 - lambda) - c    ZMP of the next step
+//
+// The first line is the motion of the DCM about a resting ZMP (pendulum.h). The second is the foot placement
+// of Englsberger et al. with the double support that follows (docs/design/walking.md). The sole lies
+// zmp_forward behind and zmp_inward outside that ZMP. The limits keep it within reach of the leg and the
+// soles apart.
 void Walker::plan_landing() {
   const Side swing = swing_side();
   stride_ = speed_.stride(gait_);
-  const Angle error = std::clamp(heading_, -kMaxHeadingError, kMaxHeadingError);
+  const Angle error = std::clamp(heading_error_, -kMaxHeadingError, kMaxHeadingError);
   stride_.turn -= product<Angle>(error, gait_.heading_hold);
   const Foothold nominal = footsteps_.step(swing, stride_);
   const Gain growth = pendulum_.growth(static_cast<std::size_t>(gait_.step_ticks - tick_));
@@ -235,16 +266,22 @@ void Walker::plan_landing() {
   const bool left = swing == Side::kLeft;
   const Point under{gait_.zmp_forward, left ? -gait_.zmp_inward : gait_.zmp_inward};
   const Point sole = zmp - turned(under, nominal.yaw);
-  const Length aside = std::clamp(left ? sole.y : -sole.y, gait_.min_lateral, gait_.max_lateral);
-  landing_ = {.p = {std::clamp(sole.x, -gait_.max_forward, gait_.max_forward), left ? aside : -aside},
+  const Length lateral = std::clamp(left ? sole.y : -sole.y, gait_.min_lateral, gait_.max_lateral);
+  landing_ = {.p = {std::clamp(sole.x, -gait_.max_forward, gait_.max_forward), left ? lateral : -lateral},
               .yaw = nominal.yaw};
 }
 
-void Walker::swing() {
+// Moves the sole of the swing foot from liftoff to landing. With the phase s from 0 to 1 and the swing
+// profile c
+//
+//   progress = s - c sin(2 pi s) / (2 pi),  height = h (1 - cos(2 pi s)) / 2
+//
+// c = 1 is a cycloid, which leaves and meets the ground without speed; c = 0 is constant speed.
+void Walker::move_swing_foot() {
   const Ratio phase =
       fixed::elapsed_fraction(tick_ - gait_.double_ticks, gait_.step_ticks - gait_.double_ticks);
   const auto [sine, cosine] = fixed::sin_cos(Angle::from_wide_raw(std::int64_t{phase.raw()} << 2));
-  // A cycloid where the ease is 1. 1 / (2 pi).
+  // 0.159... is 1 / (2 pi).
   const Ratio progress =
       phase - product<Ratio>(gait_.swing_profile, product<Ratio>(sine, 0.15915494309189535_ratio));
   const std::size_t swing = index(swing_side());
@@ -253,6 +290,7 @@ void Walker::swing() {
   stance_.heights[swing] = product<Length>(gait_.step_height, kOne - cosine) / 2;
 }
 
+// Whether the swing foot bears its touchdown load late enough in its swing; never with a touchdown load of 0.
 bool Walker::has_touched_down(const Observation& seen) const {
   if (gait_.touchdown_load == fixed::Force()) return false;
   const Ratio phase =
@@ -260,7 +298,9 @@ bool Walker::has_touched_down(const Observation& seen) const {
   return phase > kMinTouchdownPhase && seen.loads[index(swing_side())] > gait_.touchdown_load;
 }
 
-// The foot that swung stands, and everything is seen from it.
+// Makes the swing foot, where it is now, the support foot: all positions are moved into the frame of its
+// sole. The next step begins there, or, when the robot is to stop and the feet are side by side, the closing
+// step.
 void Walker::end_step() {
   const Foothold landed = stance_.soles[index(swing_side())];
   const Foothold left_behind{.p = seen_from(landed, Point()), .yaw = -landed.yaw};
@@ -272,11 +312,11 @@ void Walker::end_step() {
   com_ = {seen_from(landed, com_.dcm), seen_from(landed, com_.ccm)};
   support_ = swing_side();
   liftoff_ = landing_ = left_behind;
-  const bool side_by_side = fixed::abs(left_behind.p.x) < 0.005_m;
+  const bool side_by_side = fixed::abs(left_behind.p.x) < kSideBySide;
   enter(stopping_ && speed_.is_zero() && side_by_side ? Phase::kClosingStep : Phase::kStepping);
 }
 
-// Both bear the share that puts the ZMP there.
+// Each foot bears the share of the weight that puts the ZMP where it is planned, by the law of the lever.
 void Walker::stand_on_both(Point zmp) {
   const Length left = zmp_under(Side::kLeft).y;
   const Length right = zmp_under(Side::kRight).y;
@@ -296,14 +336,14 @@ void Walker::pose() {
 }
 
 void Walker::swing_arms() {
-  const Length left_ahead = stance_.soles[0].p.x - stance_.soles[1].p.x;
-  // An arm that goes ahead turns about y to the negative; the left one goes with the right foot.
-  const Angle swing = from_rad(product<Ratio>(left_ahead, gait_.arm_swing));
+  const Length left_forward = stance_.soles[0].p.x - stance_.soles[1].p.x;
+  // An arm that swings forward turns negatively about y; the left arm swings with the right foot.
+  const Angle swing = from_rad(product<Ratio>(left_forward, gait_.arm_swing));
   for (std::size_t side = 0; side < shoulders_.size(); ++side) {
     const Shoulder& shoulder = shoulders_[side];
-    const std::int32_t distance_raw = (side == 0 ? 1 : -1) * shoulder.sign * swing.raw();
+    const std::int32_t turn_raw = (side == 0 ? 1 : -1) * shoulder.sign * swing.raw();
     if (shoulder.sign == 0) continue;
-    targets_[shoulder.joint] = standing_targets_[shoulder.joint] + Angle::from_raw(distance_raw);
+    targets_[shoulder.joint] = standing_targets_[shoulder.joint] + Angle::from_raw(turn_raw);
   }
 }
 

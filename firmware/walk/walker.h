@@ -12,37 +12,55 @@
 
 namespace koboshi::walk {
 
-// What the sensors tell of the trunk and the feet.
+// The measured motion of the trunk and the loads of the feet in one cycle.
 struct Observation {
-  fixed::Angle roll;
-  fixed::Angle pitch;
+  fixed::Angle roll;                        // positive to the right
+  fixed::Angle pitch;                       // positive forward
   robot::Vector<fixed::AngularRate> rates;  // in the trunk's axes, free of bias
   std::array<fixed::Force, 2> loads{};      // of the feet, by Side
 };
 
-// Walks by the linear inverted pendulum: while one foot stands the mass falls away from it, and the other is
-// put down where that makes the motion the wanted one (Englsberger, Ott and Albu-Schaeffer, 2015). All is
-// planned a cycle at a time, so that velocity and footholds may change in any.
+// Generates the joint targets of a walk at a commanded velocity, one control cycle of 10 ms at a time.
+//
+// The centre of mass (CoM) is a linear inverted pendulum above the ZMP (pendulum.h). Its divergent component
+// of motion (DCM) runs away from the support foot, and the landing position of the swing foot is what steers
+// it: plan_landing() chooses the one from which the next step begins with the DCM of a periodic gait
+// (Englsberger, Ott and Albu-Schaeffer, "Three-dimensional bipedal walking control based on divergent
+// component of motion", T-RO 2015). The plan is made anew in every cycle, so velocity and landing position
+// may change at any time.
+//
+//   Preparing     0.5 s            a ramp from the standing targets to bent knees, CoM between the feet
+//   WeightShift   at most 0.6 s    double support with the ZMP under the right foot, until the DCM is where
+//                                  the first step, onto the left foot, begins
+//   Stepping      until a stop, at zero speed, finds the feet side by side: double support, then swing, in
+//   turn ClosingStep   3 T_c after the CoM is back      double support with the ZMP moved back between the
+//   feet Settling      0.7 s            a ramp back to the standing targets, and the time until the servos
+//   follow
+//
+// All positions are in the frame of the support foot's sole: x forward, y to the left. When a foot lands,
+// end_step() moves everything into its frame; no position in the world is kept.
 class Walker {
  public:
-  // The model must outlive this. One without joints must not be walked.
+  // `model` must outlive the walker; a walk needs one with joints.
   explicit Walker(const robot::RobotModel& model);
 
-  // From standing at `targets`, to which it comes back in the end.
+  // Begins a walk from standing at `targets`, one angle a joint, to which it returns in the end. `parameters`
+  // must be a gait (walk::is_gait) and hold for the whole walk.
   void start(const WalkParameters& parameters, std::span<const fixed::Angle> targets);
-  // Slows down, puts the feet side by side and comes to an end.
+  // Brings the robot to a stand: it slows down, puts its feet side by side and ends the walk.
   void stop() { stopping_ = true; }
-  // Takes the stop back; it has no effect once the feet are side by side.
+  // Takes the stop back. Without effect once the feet are side by side.
   void resume() { stopping_ = false; }
+  // Ends the walk at once; the targets stay as they are.
   void abort() { phase_ = Phase::kIdle; }
-  // The next cycle of 10 ms.
+  // Computes the targets of the next cycle.
   void advance(const Velocity& command, const Observation& seen);
 
   [[nodiscard]] bool running() const { return phase_ != Phase::kIdle; }
   [[nodiscard]] std::span<const fixed::Angle> targets() const {
     return {targets_.data(), model_.joint_count};
   }
-  // How far the trunk is to lean ahead.
+  // The planned forward lean of the trunk.
   [[nodiscard]] fixed::Angle pitch() const { return stance_.pitch; }
 
  private:
@@ -50,16 +68,16 @@ class Walker {
 
   enum class Phase : std::uint8_t {
     kIdle,
-    kPreparing,    // from standing to the knees bent
-    kWeightShift,  // both soles rest; the mass goes over to the first foot that is to stand
+    kPreparing,
+    kWeightShift,
     kStepping,
-    kClosingStep,  // both soles rest; the mass comes back to the middle
-    kSettling,     // to standing
+    kClosingStep,
+    kSettling,
   };
-  // A shoulder whose arm swings with the foot of the other side.
+  // The pitch joint of a shoulder: its arm swings with the foot of the other side.
   struct Shoulder {
     std::uint8_t joint = 0;
-    std::int8_t sign = 0;  // of its axis; 0 where there is none
+    std::int8_t sign = 0;  // of the joint's axis; 0 on a robot without the joint
   };
 
   void enter(Phase phase);
@@ -69,12 +87,15 @@ class Walker {
   void run_closing_step();
   void run_settling();
 
+  // Updates the DCM error and the heading error.
   void observe(const Observation& seen);
   void plan_landing();
-  void swing();
+  void move_swing_foot();
   [[nodiscard]] bool has_touched_down(const Observation& seen) const;
   void end_step();
+  // Distributes the load for double support with the ZMP there, and poses.
   void stand_on_both(Point zmp);
+  // Writes the targets of legs and arms for the stance.
   void pose();
   void swing_arms();
 
@@ -91,20 +112,20 @@ class Walker {
 
   Phase phase_ = Phase::kIdle;
   bool stopping_ = false;
-  std::int32_t tick_ = 0;  // of the phase, or of the step
+  std::int32_t tick_ = 0;  // cycles since the phase, or the step, began
   hal::Side support_ = hal::Side::kLeft;
   Stance stance_;
   PendulumState com_;
-  Point last_zmp_;    // where the ZMP was when the step began
-  Foothold liftoff_;  // where the swinging sole was then
-  Foothold landing_;
-  Point dcm_bias_;   // error of the divergent part, measured
-  Point dcm_error_;  // beside it
-  Stride stride_;
+  Point last_zmp_;    // at the beginning of the step, as the next one
+  Foothold liftoff_;  // of the swing foot's sole
+  Foothold landing_;  // planned, of the same sole
+  Point dcm_bias_;    // slow average of the measured DCM error: slopes and sagging servos, not pushes
+  Point dcm_error_;   // measured DCM less planned DCM, without the bias; smoothed
+  Stride stride_;     // commanded, with the correction of the heading
   Speed speed_;
-  fixed::Angle heading_;  // by the gyro, less what was told: how far the robot has turned too much
+  fixed::Angle heading_error_;  // turn by the gyro less commanded turn; positive to the left
   Angles standing_targets_{};
-  Angles ramp_{};  // the other end of a ramp from or to standing
+  Angles ramp_{};  // the end of the ramp of kPreparing, the beginning of that of kSettling
   Angles targets_{};
 };
 
