@@ -68,6 +68,7 @@ void write_tall_parameters(const std::filesystem::path& folder) {
 
 sim::Scenario walk_of(const std::filesystem::path& robot, const std::filesystem::path& stand,
                       const std::filesystem::path& folder) {
+  // It rests for a second before it is enabled: until then the gyro's bias is not known.
   write_file(folder / "walk.yaml",
              "version: 1\n"
              "robot: " +
@@ -76,27 +77,27 @@ sim::Scenario walk_of(const std::filesystem::path& robot, const std::filesystem:
                  "motions: [" +
                  stand.string() +
                  "]\n"
-                 "duration_s: 5\n"
+                 "duration_s: 6\n"
                  "physics: {stepper: lumped}\n"
                  "initial:\n"
-                 "  held_until_s: 1.4\n"
+                 "  held_until_s: 2.2\n"
                  "  joints_deg: {hip_roll: 4, hip_pitch: -16, knee: 44, ankle_pitch: -28, ankle_roll: -4}\n"
                  "commands:\n"
-                 "  - {at_s: 0.7, enable: true}\n"
-                 "  - {at_s: 1.5, walk: {forward_m_per_s: 0.15}}\n");
+                 "  - {at_s: 1.3, enable: true}\n"
+                 "  - {at_s: 2.7, walk: {forward_m_per_s: 0.15}}\n");
   return sim::read_scenario(folder / "walk.yaml");
 }
 
 // Stands, walks for 2.5 seconds and has not fallen; gives the way that it made, along the ground.
 double walked_m(RobotRun& run) {
-  EXPECT_TRUE(run.run_until(State::kStanding, 1'500'000));
-  EXPECT_TRUE(run.run_until(State::kWalking, 1'700'000));
-  run.run_until_us(2'500'000);
+  EXPECT_TRUE(run.run_until(State::kStanding, 2'700'000));
+  EXPECT_TRUE(run.run_until(State::kWalking, 2'900'000));
+  run.run_until_us(3'500'000);
   const auto place = [&] {
     return Eigen::Vector2d(run.board().world().body(0).X_WL.translation().head<2>());
   };
   const Eigen::Vector2d from = place();
-  run.run_until_us(5'000'000);
+  run.run_until_us(6'000'000);
   EXPECT_EQ(run.behaviour().state, State::kWalking);
   EXPECT_EQ(run.behaviour().faults, 0);
   EXPECT_GT(run.board().world().body(0).X_WL.linear()(2, 2), std::cos(12.0 * std::numbers::pi / 180.0));
@@ -118,8 +119,8 @@ TEST(TwoRobots, WithoutParametersOfItsOwnOneStandsButDoesNotWalk) {
   const TemporaryFolder folder;
   write_tall_robot(folder.path);
   RobotRun run(walk_of(folder.path / "robot.sdf", folder.path / "stand.yaml", folder.path));
-  ASSERT_TRUE(run.run_until(State::kStanding, 1'500'000));
-  run.run_until_us(1'600'000);
+  ASSERT_TRUE(run.run_until(State::kStanding, 2'700'000));
+  run.run_until_us(2'900'000);
   EXPECT_EQ(run.behaviour().state, State::kStanding);
   EXPECT_EQ(run.behaviour().refusal, behaviour::Reason::kNoGait);
 }
