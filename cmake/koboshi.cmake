@@ -4,10 +4,11 @@
 add_library(koboshi_headers INTERFACE)
 target_compile_features(koboshi_headers INTERFACE cxx_std_20)
 if(PROJECT_IS_TOP_LEVEL)
-  target_include_directories(koboshi_headers INTERFACE ${PROJECT_SOURCE_DIR})
+  target_include_directories(koboshi_headers INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
 else()
-  target_include_directories(koboshi_headers SYSTEM INTERFACE ${PROJECT_SOURCE_DIR})
+  target_include_directories(koboshi_headers SYSTEM INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
 endif()
+target_include_directories(koboshi_headers INTERFACE $<INSTALL_INTERFACE:include/koboshi>)
 
 # What every translation unit of this project is compiled with; libraries do not pass it on. Contraction is off so that a run
 # repeats to the bit.
@@ -27,14 +28,15 @@ endif()
 add_library(koboshi_firmware_options INTERFACE)
 target_compile_options(koboshi_firmware_options INTERFACE ${KOBOSHI_FIRMWARE_FLAGS})
 
-# koboshi_library(NAME [FIRMWARE] [SOURCES ...] [DEPS ...]) makes koboshi::NAME; without sources, an interface library.
+# koboshi_library(NAME [FIRMWARE] [SOURCES ...] [DEPS ...]) makes koboshi::NAME; without sources, an interface library. It belongs to
+# the component of its folder, as cmake/install.cmake installs them.
 function(koboshi_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "FIRMWARE" "" "SOURCES;DEPS")
   if(arg_SOURCES)
     add_library(${name} STATIC ${arg_SOURCES})
-    target_link_libraries(${name} PRIVATE koboshi_options PUBLIC koboshi_headers ${arg_DEPS})
+    target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:koboshi_options> PUBLIC koboshi_headers ${arg_DEPS})
     if(arg_FIRMWARE)
-      target_link_libraries(${name} PRIVATE koboshi_firmware_options)
+      target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:koboshi_firmware_options>)
       set_property(GLOBAL APPEND PROPERTY KOBOSHI_FIRMWARE_LIBRARIES ${name})
     endif()
   else()
@@ -42,6 +44,12 @@ function(koboshi_library name)
     target_link_libraries(${name} INTERFACE koboshi_headers ${arg_DEPS})
   endif()
   add_library(koboshi::${name} ALIAS ${name})
+  cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${koboshi_SOURCE_DIR} OUTPUT_VARIABLE folder)
+  if(folder MATCHES "^(hal|firmware)")
+    set_property(GLOBAL APPEND PROPERTY KOBOSHI_COMPONENT_firmware ${name})
+  elseif(folder MATCHES "^(sim_board|simulation)")
+    set_property(GLOBAL APPEND PROPERTY KOBOSHI_COMPONENT_simulation ${name})
+  endif()
 endfunction()
 
 # koboshi_test(NAME LABEL label SOURCES ... [DEPS ...]) makes a GoogleTest program whose cases ctest runs under the label.

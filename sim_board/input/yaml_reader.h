@@ -99,6 +99,9 @@ class YamlFile {
  public:
   // Reads and parses the whole file, then applies the overrides in their order. Throws InputError.
   explicit YamlFile(std::filesystem::path file, std::span<const Override> overrides = {});
+  // A document that stands in no file. Messages name `source` in its place.
+  YamlFile(std::filesystem::path source, YamlNode document)
+      : path_(std::move(source)), root_(std::move(document)) {}
   YamlFile(const YamlFile&) = delete;
   YamlFile& operator=(const YamlFile&) = delete;
 

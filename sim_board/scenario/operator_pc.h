@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "firmware/canopen/sdo_client.h"
@@ -40,6 +41,8 @@ class OperatorPc final : private BusNode, private canopen::FrameSink {
   // Every parameter is set: the PC may command.
   bool ready() const { return next_ == writes_.size(); }
   void command(const Command& command);
+  // Appends a parameter to those that are to be set. Commands wait for it.
+  void write(SdoWrite write) { writes_.push_back(std::move(write)); }
 
  private:
   void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override;

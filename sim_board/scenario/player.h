@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "sim_board/board/sim_board.h"
@@ -31,6 +32,9 @@ class ScenarioPlayer final : private StepListener {
   // With the next advance(), as if it stood in the scenario with the time that it is now.
   void command(Command command);
   void push(Push push);
+  // Sets a parameter of the controller by SDO; commands wait until it is set. `advance` throws SdoFailed if
+  // the controller refuses it.
+  void write(SdoWrite write) { operator_.write(std::move(write)); }
   // The scenario's and these, in the order of time.
   const std::vector<Command>& commands() const { return commands_; }
   const std::vector<Push>& pushes() const { return pushes_; }

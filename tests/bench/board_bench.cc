@@ -16,8 +16,8 @@
 
 #include "sim_board/record/output_folder.h"
 #include "sim_board/scenario/reader.h"
-#include "tools/run/run_recorder.h"
-#include "tools/run/simulation.h"
+#include "simulation/observe/run_recorder.h"
+#include "simulation/scenario/simulation.h"
 
 namespace {
 
@@ -62,10 +62,10 @@ struct Costs {
 Costs measure(double simulated_s, const std::filesystem::path& folder) {
   sim::Scenario scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml");
   scenario.duration_us = static_cast<std::uint64_t>(1e6 * simulated_s);
-  tools::Simulation simulation(scenario);
+  simulation::Simulation simulation(scenario);
   const sim::OutputFolder out(folder);
-  sim::Recorder files(folder, tools::RunRecorder::columns(simulation.robot()), sim::WhenFull::kWait);
-  tools::RunRecorder recorder(simulation, &files);
+  sim::Recorder files(folder, simulation::RunRecorder::columns(simulation.robot()), sim::WhenFull::kWait);
+  simulation::RunRecorder recorder(simulation, &files);
   Costs costs;
   const auto start = Clock::now();
   double before_s = 0.0;

@@ -18,8 +18,8 @@
 
 #include "hal/linux/file_descriptor.h"
 #include "sim_board/scenario/reader.h"
+#include "simulation/scenario/simulation.h"
 #include "tools/run/live_link.h"
-#include "tools/run/simulation.h"
 
 namespace {
 
@@ -61,7 +61,7 @@ class Walk {
   }
 
   tools::LiveLink link_;
-  tools::Simulation simulation_;
+  simulation::Simulation simulation_;
 };
 
 // The least that the kernel can be asked for each frame: to take it from one socket to another.

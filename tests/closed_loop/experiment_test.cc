@@ -34,8 +34,8 @@ TEST(GyroFeedback, ChangesTheWorldAndNotWhatTheFirmwareKnows) {
   const GyroFeedbackOptions options{.scenario = kWalk, .disturbed = true};
   const sim::Scenario plain = gyro_feedback_scenario(options, 8, true);
   const SeededWorld world = seeded_world(plain, options, 5);
-  const Simulation nominal(plain);
-  const Simulation changed(world.scenario, in_process(), world.change);
+  const simulation::Simulation nominal(plain);
+  const simulation::Simulation changed(world.scenario, simulation::in_process(), world.change);
   EXPECT_EQ(changed.model().image, nominal.model().image);
   const double mass_kg = nominal.robot().total_mass_kg();
   EXPECT_NE(changed.robot().total_mass_kg(), mass_kg);
@@ -56,7 +56,7 @@ TEST(ScenarioTrial, TellsWhyItEnded) {
 // Mean height of the corners of both soles when the robot stands by itself, just before it walks: whichever
 // way it leans, that is what the springs under the corners give.
 double mean_corner_height_m(const sim::Scenario& scenario) {
-  Simulation simulation(scenario);
+  simulation::Simulation simulation(scenario);
   while (!simulation.finished()) simulation.advance();
   double sum_m = 0.0;
   double corners = 0.0;
@@ -77,7 +77,7 @@ TEST(SoftGround, GivesWayByWeightOverStiffness) {
   constexpr double kStiffness_N_per_m = 2000.0;
   constexpr double kContacts = 8.0;  // four a sole
   scenario.ground.softness = {kStiffness_N_per_m, 30.0};
-  const double weight_N = Simulation(scenario).robot().total_mass_kg() * 9.80665;
+  const double weight_N = simulation::Simulation(scenario).robot().total_mass_kg() * 9.80665;
   EXPECT_NEAR(hard_m - mean_corner_height_m(scenario), weight_N / (kContacts * kStiffness_N_per_m), 5e-5);
 }
 

@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "sim_board/can/transport/transport.h"
-#include "tools/run/simulation.h"
+#include "simulation/scenario/simulation.h"
 
 namespace koboshi::test {
 
@@ -15,7 +15,7 @@ class Pc final : public sim::Transport, private sim::BusNode {
   // Hears what the node with this id answers by SDO. `meanwhile` is done after each millisecond. All must
   // outlive the PC.
   Pc(
-      tools::Simulation& simulation, std::uint8_t node_id, std::function<void()> meanwhile = [] {})
+      simulation::Simulation& simulation, std::uint8_t node_id, std::function<void()> meanwhile = [] {})
       : simulation_(simulation),
         node_id_(node_id),
         meanwhile_(std::move(meanwhile)),
@@ -51,7 +51,7 @@ class Pc final : public sim::Transport, private sim::BusNode {
     if (frame.identifier == canopen::kSdoResponseBase + node_id_) heard_.push_back(frame);
   }
 
-  tools::Simulation& simulation_;
+  simulation::Simulation& simulation_;
   std::uint8_t node_id_;
   std::function<void()> meanwhile_;
   sim::NodeHandle handle_;

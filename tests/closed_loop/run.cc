@@ -32,7 +32,7 @@ RobotRun::RobotRun(const sim::Scenario& scenario) : simulation_(scenario, rememb
   board().bus().set_observer(this);
 }
 
-tools::HostFactory RobotRun::remember_host() {
+simulation::HostFactory RobotRun::remember_host() {
   return [this](std::span<const std::byte> contents) {
     auto host = std::make_unique<OpenHost>(contents);
     host_ = host.get();

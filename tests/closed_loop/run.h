@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "sim_board/scenario/reader.h"
+#include "simulation/scenario/simulation.h"
 #include "tests/closed_loop/open_host.h"
-#include "tools/run/simulation.h"
 
 namespace koboshi::test {
 
@@ -52,11 +52,11 @@ class RobotRun final : private sim::BusObserver {
 
  private:
   void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) override;
-  tools::HostFactory remember_host();
+  simulation::HostFactory remember_host();
   void hash_bodies();
 
   const OpenHost* host_ = nullptr;  // owned by the simulation, which sets it
-  tools::Simulation simulation_;
+  simulation::Simulation simulation_;
   std::vector<Frame> frames_;
   std::uint64_t hash_ = 0xCBF2'9CE4'8422'2325;  // FNV-1a
 };

@@ -39,7 +39,7 @@ class Server final : private sim::BusNode, private canopen::FrameSink {
 
 TEST(SdoUpload, ByBlocksIsQuickBesideAWalk) {
   const std::vector<sim::Override> lumped{{"physics.stepper", "lumped"}};
-  tools::Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml", lumped));
+  simulation::Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml", lumped));
   sim::SimBoard& board = simulation.board();
   Server server(board.bus());
   test::Pc pc(simulation, kServer, [&] { server.process(); });

@@ -12,9 +12,9 @@
 
 #include "firmware/app/dictionary.h"
 #include "sim_board/scenario/reader.h"
+#include "simulation/motion/compile.h"
 #include "tests/closed_loop/pc.h"
 #include "tools/can/sdo_transfer.h"
-#include "tools/motion/compile.h"
 
 namespace koboshi {
 namespace {
@@ -35,9 +35,9 @@ sim::Scenario stand() {
   return sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml", overrides);
 }
 
-std::vector<std::uint8_t> squat(const tools::Simulation& simulation) {
+std::vector<std::uint8_t> squat(const simulation::Simulation& simulation) {
   const auto image =
-      tools::compile_motion(KOBOSHI_SOURCE_DIR "/robots/koboshi/motions/squat.yaml", simulation.model());
+      simulation::compile_motion(KOBOSHI_SOURCE_DIR "/robots/koboshi/motions/squat.yaml", simulation.model());
   std::vector<std::uint8_t> bytes(image.size());
   std::ranges::transform(image, bytes.begin(), std::to_integer<std::uint8_t>);
   return bytes;
@@ -53,7 +53,7 @@ canopen::AbortCode refusal(const std::function<void()>& transfer) {
 }
 
 TEST(Storage, PlaysAMotionThatCameOverTheBus) {
-  tools::Simulation simulation(stand());
+  simulation::Simulation simulation(stand());
   test::Pc pc(simulation, kController);
   tools::SdoTransfer sdo(pc, kController);
   const std::vector<std::uint8_t> image = squat(simulation);
@@ -87,7 +87,7 @@ TEST(Storage, TrimsMakeUpForServosThatAreOff) {
   constexpr auto kTrim = static_cast<std::uint16_t>(kOff_rad / (2.0 * std::numbers::pi) * 65536.0 + 0.5);
   const std::string ankles[] = {"left_ankle_pitch", "right_ankle_pitch"};
   const auto pitch_rad = [&](bool trimmed) {
-    tools::Simulation simulation(stand(), tools::in_process(), [&](sim::RobotDescription& robot) {
+    simulation::Simulation simulation(stand(), simulation::in_process(), [&](sim::RobotDescription& robot) {
       for (const std::string& name : ankles) {
         sim::JointDescription& joint = robot.joints[static_cast<std::size_t>(*robot.find_joint(name))];
         joint.encoder.offset_rad += joint.drive.sign * kOff_rad;  // of the shaft

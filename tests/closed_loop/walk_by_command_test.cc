@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "firmware/canopen/frame.h"
+#include "simulation/observe/run_recorder.h"
 #include "tests/closed_loop/run.h"
-#include "tools/run/run_recorder.h"
 
 namespace koboshi::test {
 namespace {
@@ -81,11 +81,11 @@ TEST(WalkByCommand, RepeatsWhatAnOperatorDid) {
   push.duration_us = 100'000;
   push.link.text = "trunk";
   push.force_W_N = {3.0, -1.0, 0.0};
-  const auto advance_until = [](tools::Simulation& simulation, std::uint64_t end_us) {
+  const auto advance_until = [](simulation::Simulation& simulation, std::uint64_t end_us) {
     while (simulation.board().now_us() < end_us) simulation.advance();
   };
-  tools::Simulation operated(scenario);
-  tools::RunRecorder operated_recorder(operated, nullptr);
+  simulation::Simulation operated(scenario);
+  simulation::RunRecorder operated_recorder(operated, nullptr);
   operated.command({.kind = Kind::kReset});  // before the parameters are set
   advance_until(operated, 700'000);
   operated.command({.kind = Kind::kEnable});
@@ -101,8 +101,8 @@ TEST(WalkByCommand, RepeatsWhatAnOperatorDid) {
   EXPECT_EQ(played.commands[3].at_us, 1'000'000u);
   ASSERT_EQ(played.pushes.size(), 1u);
   EXPECT_EQ(played.pushes[0].at_us, 700'000u);
-  tools::Simulation repeated(played);
-  tools::RunRecorder repeated_recorder(repeated, nullptr);
+  simulation::Simulation repeated(played);
+  simulation::RunRecorder repeated_recorder(repeated, nullptr);
   advance_until(repeated, 1'500'000);
   repeated_recorder.record_tick();
   EXPECT_EQ(repeated_recorder.summary().state_hash, operated_recorder.summary().state_hash);

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "simulation/observe/zmp_sensor_check.h"
 #include "tests/closed_loop/run.h"
-#include "tools/run/zmp_sensor_check.h"
 
 namespace koboshi::test {
 namespace {
@@ -9,7 +9,7 @@ namespace {
 // The ZMP by the ankle sensors against the engine's contact forces, in every millisecond from `begin_us` on.
 double zmp_error_rms_m(const sim::Scenario& scenario, std::uint64_t begin_us, std::uint64_t end_us) {
   RobotRun run(scenario);
-  tools::ZmpSensorCheck check(run.robot(), scenario);
+  simulation::ZmpSensorCheck check(run.robot(), scenario);
   run.run_until_us(begin_us);
   while (run.now_us() < end_us) {
     run.run_until_us(run.now_us() + 1'000);

@@ -5,7 +5,7 @@ import re
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-FOLDERS = ("hal", "firmware", "sim_board", "tools", "tests")
+FOLDERS = ("hal", "firmware", "sim_board", "simulation", "tools", "tests")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
 
 # The standard headers that make neither heap, float, streams nor exceptions by themselves.
@@ -36,7 +36,8 @@ RULES = [
     (r"firmware/", (r"hal/port/", r"firmware/(?!\w+/host/)"), FIRMWARE_STANDARD),
     (r"sim_board/can/transport/", (r"hal/(port|linux)/", r"firmware/canopen/", r"sim_board/"), ANY),
     (r"sim_board/", (r"hal/(port|lockstep)/", r"firmware/(canopen|storage)/", r"sim_board/"), ANY),
-    (r"tools/", (r"hal/", r"firmware/", r"sim_board/", r"tools/"), ANY),
+    (r"simulation/", (r"hal/", r"firmware/", r"sim_board/", r"simulation/"), ANY),
+    (r"tools/", (r"hal/", r"firmware/", r"sim_board/", r"simulation/", r"tools/"), ANY),
     (r"tests/", (r"",), ANY),
 ]
 

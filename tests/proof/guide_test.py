@@ -1,8 +1,8 @@
 """Runs the commands of a documentation page, compares the code it shows with its file, and follows its links.
 
 A block of ```console is run from the repository's root: each line that begins with "$ " is a command, a trailing backslash
-continues it, other lines are output and not compared. ```console not-run is only read. A block of ```cpp PATH must stand in
-that file word for word. build/release stands for the build folder that this test belongs to, and runs/ for a temporary one.
+continues it, other lines are output and not compared. ```console not-run is only read. A block of ```cpp PATH or ```python PATH
+must stand in that file word for word; a block of ```python without a path is only read. build/release stands for the build folder that this test belongs to, and runs/ for a temporary one.
 """
 
 import pathlib
@@ -44,9 +44,9 @@ class Page(unittest.TestCase):
                 self.assertEqual(result.returncode, 0, result.stdout)
 
     def test_code_stands_in_its_file(self):
-        for path, code in blocks(self.text, "cpp"):
+        for path, code in blocks(self.text, "cpp") + [block for block in blocks(self.text, "python") if block[0]]:
             with self.subTest(path=path):
-                self.assertIsNotNone(path, "a cpp block names no file")
+                self.assertIsNotNone(path, "a block of code names no file")
                 self.assertIn(code, (ROOT / path).read_text())
 
     def test_links_lead_somewhere(self):

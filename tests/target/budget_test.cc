@@ -6,9 +6,9 @@
 
 #include "firmware/behaviour/state.h"
 #include "sim_board/scenario/reader.h"
-#include "tools/run/qemu_host.h"
-#include "tools/run/run_recorder.h"
-#include "tools/run/simulation.h"
+#include "simulation/host/qemu_host.h"
+#include "simulation/observe/run_recorder.h"
+#include "simulation/scenario/simulation.h"
 
 namespace koboshi::tools {
 namespace {
@@ -25,14 +25,15 @@ struct Ticks {
 };
 
 Ticks measure(std::uint64_t duration_us) {
-  QemuHost* host = nullptr;
-  Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"),
-                        [&](std::span<const std::byte> contents) {
-                          auto made = std::make_unique<QemuHost>(KOBOSHI_IMAGE, contents);
-                          host = made.get();
-                          return made;
-                        });
-  RunRecorder recorder(simulation, nullptr);
+  simulation::QemuHost* host = nullptr;
+  simulation::Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"),
+                                    [&](std::span<const std::byte> contents) {
+                                      auto made =
+                                          std::make_unique<simulation::QemuHost>(KOBOSHI_IMAGE, contents);
+                                      host = made.get();
+                                      return made;
+                                    });
+  simulation::RunRecorder recorder(simulation, nullptr);
   Ticks ticks;
   std::uint32_t instructions = 0;
   while (simulation.board().now_us() < duration_us) {

@@ -7,9 +7,9 @@
 
 #include "firmware/behaviour/state.h"
 #include "sim_board/scenario/reader.h"
-#include "tools/run/qemu_host.h"
-#include "tools/run/simulation.h"
-#include "tools/run/storage_contents.h"
+#include "simulation/host/qemu_host.h"
+#include "simulation/scenario/simulation.h"
+#include "simulation/scenario/storage_contents.h"
 
 namespace koboshi::tools {
 namespace {
@@ -36,7 +36,7 @@ class Fault : public ::testing::Test {
   FaultRecord provoke(Provocation provocation) {
     try {
       host_.provoke(provocation);
-    } catch (const FirmwareFault& fault) {
+    } catch (const simulation::FirmwareFault& fault) {
       message_ = fault.what();
       return fault.record();
     }
@@ -44,7 +44,7 @@ class Fault : public ::testing::Test {
     return {};
   }
 
-  QemuHost host_{KOBOSHI_IMAGE, make_storage_contents({}, {})};
+  simulation::QemuHost host_{KOBOSHI_IMAGE, simulation::make_storage_contents({}, {})};
   std::string message_;
 };
 
@@ -88,19 +88,20 @@ TEST_F(Fault, LeavesStorageAndAFreshFirmwareBehind) {
 
 // In a robot that stands, with torque on all joints.
 TEST(FaultWhileStanding, PullsTheDriveEnableLineLowAndKeepsTheState) {
-  QemuHost* host = nullptr;
-  Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"),
-                        [&](std::span<const std::byte> contents) {
-                          auto made = std::make_unique<QemuHost>(KOBOSHI_IMAGE, contents);
-                          host = made.get();
-                          return made;
-                        });
+  simulation::QemuHost* host = nullptr;
+  simulation::Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"),
+                                    [&](std::span<const std::byte> contents) {
+                                      auto made =
+                                          std::make_unique<simulation::QemuHost>(KOBOSHI_IMAGE, contents);
+                                      host = made.get();
+                                      return made;
+                                    });
   while (simulation.board().now_us() < 3'900'000) simulation.advance();
   ASSERT_TRUE(simulation.board().drive_enable_line());
   try {
     host->provoke(Provocation::kBadAddress);
     FAIL() << "no fault";
-  } catch (const FirmwareFault& fault) {
+  } catch (const simulation::FirmwareFault& fault) {
     EXPECT_EQ(fault.record().drive_enable_line, 0u);
     EXPECT_EQ(fault.record().behaviour_state, static_cast<std::uint32_t>(behaviour::State::kStanding));
   }

@@ -4,11 +4,11 @@
 #include <gtest/gtest.h>
 
 #include "sim_board/scenario/reader.h"
+#include "simulation/host/in_process_host.h"
+#include "simulation/host/qemu_host.h"
+#include "simulation/scenario/storage_contents.h"
 #include "tests/support/temporary_folder.h"
-#include "tools/run/in_process_host.h"
-#include "tools/run/qemu_host.h"
 #include "tools/run/run.h"
-#include "tools/run/storage_contents.h"
 
 namespace koboshi::tools {
 namespace {
@@ -20,7 +20,7 @@ void expect_same_bytes(const char* scenario) {
   options.out = folder.path / "host";
   const RunResult host = run(options, nullptr);
   options.out = folder.path / "target";
-  options.make_host = in_qemu(KOBOSHI_IMAGE);
+  options.make_host = simulation::in_qemu(KOBOSHI_IMAGE);
   const RunResult target = run(options, nullptr);
 
   EXPECT_FALSE(target.failure) << *target.failure;
@@ -42,10 +42,11 @@ TEST(Lockstep, GivesTheSameBytesWalkingByCommand) {
 
 // A robot that never learns which robot it is, in company of broken bytes.
 TEST(Lockstep, HoldsOnEmptyAndBrokenStorage) {
-  std::vector<std::byte> broken = make_storage_contents(std::vector<std::byte>(3000, std::byte{0x55}), {});
+  std::vector<std::byte> broken =
+      simulation::make_storage_contents(std::vector<std::byte>(3000, std::byte{0x55}), {});
   for (const std::vector<std::byte>& storage : {std::vector<std::byte>{}, broken}) {
-    InProcessHost host(storage);
-    QemuHost target(KOBOSHI_IMAGE, storage);
+    simulation::InProcessHost host(storage);
+    simulation::QemuHost target(KOBOSHI_IMAGE, storage);
     hal::BatchInput input;
     input.transmit_space.fill(32);
     hal::BatchOutput from_host;

@@ -1,4 +1,4 @@
-#include "tools/run/qemu_process.h"
+#include "simulation/host/qemu_process.h"
 
 #include <signal.h>
 #include <sys/prctl.h>
@@ -16,7 +16,7 @@
 
 #include "hal/cortex_m/mps2/wire.h"
 #include "sim_board/input/error.h"
-#include "tools/run/qemu_host.h"
+#include "simulation/host/qemu_host.h"
 
 namespace koboshi::tools {
 namespace {
@@ -37,7 +37,7 @@ bool ends(pid_t pid) {
 
 // Makes a host in a process of its own, and says which QEMU it has.
 [[noreturn]] void be_a_host(int pipe) {
-  const QemuHost host(KOBOSHI_IMAGE, {});
+  const simulation::QemuHost host(KOBOSHI_IMAGE, {});
   const pid_t qemu = host.pid();
   static_cast<void>(write(pipe, &qemu, sizeof qemu));
   for (;;) pause();
@@ -59,7 +59,7 @@ TEST(QemuProcess, DoesNotOutliveAHostThatIsKilled) {
 }
 
 TEST(QemuProcess, EndsWithItsOwner) {
-  std::optional<QemuHost> host(std::in_place, KOBOSHI_IMAGE, std::span<const std::byte>());
+  std::optional<simulation::QemuHost> host(std::in_place, KOBOSHI_IMAGE, std::span<const std::byte>());
   const pid_t qemu = host->pid();
   ASSERT_EQ(kill(qemu, 0), 0);
   host.reset();
@@ -68,7 +68,7 @@ TEST(QemuProcess, EndsWithItsOwner) {
 }
 
 TEST(QemuProcess, TellsWhenQemuEnds) {
-  QemuHost host(KOBOSHI_IMAGE, {});
+  simulation::QemuHost host(KOBOSHI_IMAGE, {});
   kill(host.pid(), SIGKILL);
   hal::BatchOutput output;
   EXPECT_THAT([&] { host.exchange({}, output); },
@@ -76,7 +76,7 @@ TEST(QemuProcess, TellsWhenQemuEnds) {
 }
 
 TEST(QemuProcess, TellsWhenQemuDoesNotAnswer) {
-  QemuProcess process(KOBOSHI_IMAGE, 200);
+  simulation::QemuProcess process(KOBOSHI_IMAGE, 200);
   kill(process.pid(), SIGSTOP);
   std::array<std::byte, wire::kMaxMessageBytes> message{};
   const std::size_t size = wire::put_header(message, wire::Kind::kStart, 0);
@@ -87,7 +87,7 @@ TEST(QemuProcess, TellsWhenQemuDoesNotAnswer) {
 
 TEST(QemuProcess, RefusesAnImageThatIsNotThere) {
   EXPECT_THAT(
-      [] { QemuProcess("no/such.elf"); },
+      [] { simulation::QemuProcess("no/such.elf"); },
       ThrowsMessage<sim::InputError>(
           "no/such.elf: found no such file, expected the Cortex-M4 image, which ./run target builds"));
 }
@@ -95,14 +95,14 @@ TEST(QemuProcess, RefusesAnImageThatIsNotThere) {
 TEST(QemuProcess, RefusesToGoWithoutQemu) {
   const std::string path = getenv("PATH");
   setenv("PATH", "/nowhere:", 1);
-  EXPECT_THAT([] { QemuProcess(KOBOSHI_IMAGE); },
+  EXPECT_THAT([] { simulation::QemuProcess(KOBOSHI_IMAGE); },
               ThrowsMessage<sim::InputError>(HasSubstr("which ./run target installs")));
   setenv("PATH", path.c_str(), 1);
 }
 
 // A page of text is no program, and QEMU says so.
 TEST(QemuProcess, RepeatsWhatQemuComplainsOf) {
-  QemuProcess process(KOBOSHI_SOURCE_DIR "/README.md");
+  simulation::QemuProcess process(KOBOSHI_SOURCE_DIR "/README.md");
   std::array<std::byte, wire::kMaxMessageBytes> buffer{};
   EXPECT_THAT([&] { process.ask(std::span(buffer).first(3), buffer); },
               ThrowsMessage<std::runtime_error>(HasSubstr("Lockup")));

@@ -9,9 +9,9 @@
 
 #include "sim_board/engine/make_world.h"
 #include "sim_board/scenario/reader.h"
+#include "simulation/observe/run_recorder.h"
+#include "simulation/scenario/simulation.h"
 #include "tools/bench/memory.h"
-#include "tools/run/run_recorder.h"
-#include "tools/run/simulation.h"
 
 namespace koboshi::tools {
 namespace {
@@ -80,8 +80,8 @@ class Trial {
   const std::vector<double>& heights_m() const { return heights_m_; }  // by tick
 
  private:
-  Simulation simulation_;
-  RunRecorder recorder_;
+  simulation::Simulation simulation_;
+  simulation::RunRecorder recorder_;
   double time_s_ = 0.0;
   bool blew_up_ = false;
   std::vector<double> heights_m_;
@@ -111,8 +111,8 @@ std::size_t first_standing_tick(const sim::Scenario& scenario) {
 }
 
 double wall_of_threads_s(const sim::Scenario& scenario, int threads) {
-  std::vector<std::unique_ptr<Simulation>> simulations;
-  for (int i = 0; i < threads; ++i) simulations.push_back(std::make_unique<Simulation>(scenario));
+  std::vector<std::unique_ptr<simulation::Simulation>> simulations;
+  for (int i = 0; i < threads; ++i) simulations.push_back(std::make_unique<simulation::Simulation>(scenario));
   const double start_s = wall_s();
   std::vector<std::jthread> running;
   for (auto& simulation : simulations) {

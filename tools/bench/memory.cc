@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "tools/run/simulation.h"
+#include "simulation/scenario/simulation.h"
 
 namespace koboshi::tools {
 namespace {
@@ -24,14 +24,14 @@ double resident_bytes() {
   return resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-std::unique_ptr<Simulation> played(const sim::Scenario& scenario) {
-  auto simulation = std::make_unique<Simulation>(scenario);
+std::unique_ptr<simulation::Simulation> played(const sim::Scenario& scenario) {
+  auto simulation = std::make_unique<simulation::Simulation>(scenario);
   while (!simulation->finished()) simulation->advance();
   return simulation;
 }
 
 double growth_bytes(const sim::Scenario& scenario) {
-  std::vector<std::unique_ptr<Simulation>> simulations;
+  std::vector<std::unique_ptr<simulation::Simulation>> simulations;
   simulations.push_back(played(scenario));
   const double before_bytes = resident_bytes();
   for (int i = 0; i < kWorlds; ++i) simulations.push_back(played(scenario));

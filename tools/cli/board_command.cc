@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "sim_board/scenario/reader.h"
+#include "simulation/scenario/bare_board.h"
 #include "tools/cli/live_arguments.h"
 #include "tools/cli/overrides.h"
-#include "tools/run/bare_board.h"
 
 namespace koboshi::tools {
 namespace {
@@ -25,7 +25,7 @@ struct BoardArguments {
 void play_board(const BoardArguments& arguments) {
   const auto overrides = overrides_of(arguments.sets, {{"duration_s", arguments.duration, "--duration"}});
   LiveLink live(arguments.live, warn);
-  BareBoard bare(sim::read_scenario(arguments.scenario, overrides));
+  simulation::BareBoard bare(sim::read_scenario(arguments.scenario, overrides));
   sim::SimBoard& board = bare.board();
   live.attach(board.bus());
   tell_where(live);

@@ -11,7 +11,7 @@
 #include "sim_board/robot/load.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/dictionary/files.h"
-#include "tools/run/parameters.h"
+#include "simulation/scenario/parameters.h"
 
 namespace koboshi::tools {
 namespace {
@@ -24,7 +24,7 @@ struct DictionaryArguments {
 
 std::vector<GeneratedFile> files(const DictionaryArguments& arguments) {
   return dictionary_files(sim::load_robot(arguments.robot),
-                          controller_values(sim::read_robot_parameters(arguments.robot)));
+                          simulation::controller_values(sim::read_robot_parameters(arguments.robot)));
 }
 
 void print_file(const DictionaryArguments& arguments, const std::string& name) {

@@ -7,9 +7,9 @@
 #include "sim_board/record/output_file.h"
 #include "sim_board/record/summary.h"
 #include "sim_board/world/options.h"
+#include "simulation/batch/parallel.h"
 #include "tools/cli/overrides.h"
 #include "tools/experiment/files.h"
-#include "tools/experiment/parallel.h"
 #include "tools/experiment/report.h"
 
 namespace koboshi::tools {
@@ -43,7 +43,7 @@ std::string table_of(const Experiment& experiment, const ExperimentResult& resul
 }  // namespace
 
 void add_experiment_options(CLI::App& command, ExperimentArguments& arguments) {
-  arguments.jobs = core_count();
+  arguments.jobs = simulation::core_count();
   command.add_option("--seeds", arguments.seeds, "How many seeds each cell is played with")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();

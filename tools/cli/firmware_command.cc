@@ -9,12 +9,12 @@
 
 #include "sim_board/board/sim_board.h"
 #include "sim_board/scenario/reader.h"
+#include "simulation/host/firmware_process.h"
+#include "simulation/scenario/prepared_scenario.h"
 #include "tools/cli/can_options.h"
 #include "tools/cli/live_arguments.h"
-#include "tools/run/firmware_process.h"
 #include "tools/run/interrupt.h"
 #include "tools/run/pacer.h"
-#include "tools/run/prepared_scenario.h"
 
 namespace koboshi::tools {
 namespace {
@@ -28,10 +28,10 @@ struct FirmwareArguments {
 };
 
 void run_firmware(const FirmwareArguments& arguments) {
-  const PreparedScenario prepared = prepare(sim::read_scenario(arguments.scenario));
+  const simulation::PreparedScenario prepared = simulation::prepare(sim::read_scenario(arguments.scenario));
   const auto transport = open_can(arguments.can);
   Interrupt interrupt;
-  FirmwareProcess firmware(prepared.storage_contents, *transport, arguments.storage);
+  simulation::FirmwareProcess firmware(prepared.storage_contents, *transport, arguments.storage);
   fmt::print("firmware on {}\n", transport->place());
   std::fflush(stdout);
   const auto end_us = static_cast<std::uint64_t>(1e6 * arguments.duration_s);

@@ -9,10 +9,10 @@
 
 #include "sim_board/record/output_file.h"
 #include "sim_board/robot/load.h"
+#include "simulation/gait/gait_motion.h"
+#include "simulation/motion/compile.h"
 #include "tools/cli/overrides.h"
 #include "tools/gait/gait_figure.h"
-#include "tools/gait/gait_motion.h"
-#include "tools/motion/compile.h"
 #include "tools/plot/figure.h"
 
 namespace koboshi::tools {
@@ -29,15 +29,16 @@ struct GaitArguments {
 void make_gait(const GaitArguments& arguments) {
   const auto overrides = overrides_of(arguments.sets, {{"points", arguments.points, "--points"}});
   const sim::RobotDescription robot = sim::load_robot(arguments.robot);
-  const NamedModel model = load_named_model(robot);
-  const Gait gait = read_gait(arguments.gait, overrides);
-  const MotionSource motion = make_gait_motion(gait, robot, model);
-  static_cast<void>(compile_motion(motion, model));  // whatever the firmware would refuse, is refused here
+  const simulation::NamedModel model = simulation::load_named_model(robot);
+  const simulation::Gait gait = simulation::read_gait(arguments.gait, overrides);
+  const simulation::MotionSource motion = simulation::make_gait_motion(gait, robot, model);
+  static_cast<void>(
+      simulation::compile_motion(motion, model));  // whatever the firmware would refuse, is refused here
 
   const std::filesystem::path prefix = arguments.out.empty() ? std::filesystem::path("walk") : arguments.out;
-  sim::write_whole_file(prefix.string() + ".yaml", gait_motion_text(motion, model));
+  sim::write_whole_file(prefix.string() + ".yaml", simulation::gait_motion_text(motion, model));
   draw_gait(gait, robot, model, prefix);
-  const GaitPlan plan(gait);
+  const simulation::GaitPlan plan(gait);
   fmt::print(
       "{0}.yaml: {1} poses, {2:.2f} s to start, {3:.3f} s and {4:.0f} mm a cycle, {5:.3f} m/s planned\n"
       "{0}.png, {0}.svg: the profile and its approximation by {6} points; {0}.csv: their numbers\n",

@@ -9,8 +9,8 @@
 #include "sim_board/record/output_file.h"
 #include "sim_board/robot/load.h"
 #include "sim_board/scenario/paths.h"
-#include "tools/model/robot_model.h"
-#include "tools/motion/compile.h"
+#include "simulation/model/robot_model.h"
+#include "simulation/motion/compile.h"
 
 namespace koboshi::tools {
 namespace {
@@ -22,8 +22,8 @@ struct MotionArguments {
 };
 
 void compile(const MotionArguments& arguments) {
-  const NamedModel model = load_named_model(sim::load_robot(arguments.robot));
-  const std::vector<std::byte> image = compile_motion(arguments.motion, model);
+  const simulation::NamedModel model = simulation::load_named_model(sim::load_robot(arguments.robot));
+  const std::vector<std::byte> image = simulation::compile_motion(arguments.motion, model);
   std::filesystem::path out = arguments.out;
   if (out.empty()) out = arguments.motion.stem().string() + ".kmot";
   sim::write_whole_file(out, {reinterpret_cast<const char*>(image.data()), image.size()});

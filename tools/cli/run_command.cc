@@ -16,10 +16,10 @@
 #include "sim_board/input/text.h"
 #include "sim_board/scenario/reader.h"
 #include "sim_board/world/options.h"
+#include "simulation/host/qemu_host.h"
+#include "simulation/observe/event_log.h"
 #include "tools/cli/live_arguments.h"
 #include "tools/cli/overrides.h"
-#include "tools/run/event_log.h"
-#include "tools/run/qemu_host.h"
 #include "tools/run/run.h"
 #include "tools/teleop/teleop.h"
 
@@ -71,9 +71,9 @@ void report(const RunResult& result, const std::filesystem::path& out) {
   // The last event is the verdict.
   const auto but_the_last = std::span(summary.events).first(summary.events.size() - 1);
   fmt::print("{}{} after {:.2f} s: {}, bus load {:.0f} %, state {}\nresults in {}\n",
-             events_text(but_the_last), result.failure ? "ended early" : "done", summary.duration_s,
-             sim::count_text(summary.solver_warnings, "solver warning"), 100.0 * summary.can_bus_load,
-             summary.state_hash, out.string());
+             simulation::events_text(but_the_last), result.failure ? "ended early" : "done",
+             summary.duration_s, sim::count_text(summary.solver_warnings, "solver warning"),
+             100.0 * summary.can_bus_load, summary.state_hash, out.string());
   std::fflush(stdout);  // before what follows on standard error
   tell_troubles(result.live);
   if (result.plot_warning) fmt::print(stderr, "koboshi: no figures: {}\n", *result.plot_warning);
@@ -89,7 +89,8 @@ void give_operator(RunOptions& options) {
                           "one, whose keys drive the robot, or --set teleop=false");
   }
   options.live.realtime = true;
-  options.make_operator = [](Simulation& simulation, const RunRecorder& recorder, const LiveLink& live) {
+  options.make_operator = [](simulation::Simulation& simulation, const simulation::RunRecorder& recorder,
+                             const LiveLink& live) {
     return std::make_unique<Teleop>(simulation, recorder, live);
   };
 }
@@ -99,13 +100,14 @@ int run_scenario(const RunArguments& arguments) {
   options.scenario = sim::read_scenario(arguments.scenario, overrides(arguments));
   options.out =
       arguments.out.empty() ? std::filesystem::path("runs") / arguments.scenario.stem() : arguments.out;
-  options.make_host = in_process(arguments.storage);
+  options.make_host = simulation::in_process(arguments.storage);
   if (arguments.controller != "qemu" && !arguments.image.empty())
     throw sim::InputError("--image", 0, "--controller " + arguments.controller, "--controller qemu");
   if (arguments.controller == "qemu") {
     if (!arguments.storage.empty())
       throw sim::InputError("--storage", 0, "--controller qemu", "--controller in-process");
-    options.make_host = in_qemu(arguments.image.empty() ? default_image() : arguments.image);
+    options.make_host =
+        simulation::in_qemu(arguments.image.empty() ? simulation::default_image() : arguments.image);
   }
   options.live = arguments.live;
   options.ready = tell_where;

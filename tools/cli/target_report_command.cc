@@ -8,7 +8,7 @@
 #include "sim_board/record/output_file.h"
 #include "sim_board/record/summary.h"
 #include "sim_board/scenario/reader.h"
-#include "tools/run/qemu_host.h"
+#include "simulation/host/qemu_host.h"
 #include "tools/target/target_report.h"
 
 namespace koboshi::tools {
@@ -22,7 +22,7 @@ struct TargetReportArguments {
 };
 
 void report_target(const TargetReportArguments& arguments) {
-  const auto image = arguments.image.empty() ? default_image() : arguments.image;
+  const auto image = arguments.image.empty() ? simulation::default_image() : arguments.image;
   const TargetReport report = measure_target(sim::read_scenario(arguments.scenario), image);
   if (!arguments.page.empty()) sim::write_whole_file(arguments.page, to_page(report, arguments.scenario));
   if (!arguments.json.empty()) sim::write_json(arguments.json, to_json(report));

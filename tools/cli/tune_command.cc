@@ -8,7 +8,7 @@
 #include <string>
 
 #include "sim_board/world/options.h"
-#include "tools/experiment/parallel.h"
+#include "simulation/batch/parallel.h"
 #include "tools/tune/infeasible.h"
 #include "tools/tune/study_search.h"
 
@@ -48,7 +48,7 @@ void tune(TuneArguments arguments) {
 void add_tune_command(CLI::App& program) {
   auto arguments = std::make_shared<TuneArguments>();
   StudyOptions& options = arguments->options;
-  options.jobs = core_count();
+  options.jobs = simulation::core_count();
   CLI::App* command = program.add_subcommand("tune", "Optimise the parameters of a study");
   command->footer(
       "CMA-ES or NSGA-II over numbers of a scenario: parameters of the controller, of a gait, or of the "

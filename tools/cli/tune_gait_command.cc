@@ -9,8 +9,8 @@
 
 #include "sim_board/record/output_file.h"
 #include "sim_board/world/options.h"
+#include "simulation/batch/parallel.h"
 #include "tools/cli/experiment_session.h"
-#include "tools/experiment/parallel.h"
 #include "tools/tune/gait_search.h"
 #include "tools/tune/infeasible.h"
 
@@ -63,7 +63,7 @@ void add_tune_gait_command(CLI::App& experiment) {
   options.start = "robots/koboshi/gait.yaml";
   options.experiment.first_seed = 9000;
   options.experiment.seeds = 3;
-  options.jobs = core_count();
+  options.jobs = simulation::core_count();
   CLI::App* command = experiment.add_subcommand(
       "tune-gait", "Search for the numbers of a gait with which the robot walks fast and does not fall");
   command->footer(

@@ -4,8 +4,8 @@
 Usage: tools/dev/timings.py [--build FOLDER] [--rows N] [build] [headers] [tests]
 
   build    seconds of each target's compilations and links, from the log of the last complete build (ninja's .ninja_log)
-  headers  for each header of the project and each library header that it includes directly: seconds to compile the header
-           alone, times the number of translation units that include it; takes minutes
+  headers  for each header of the project and each library header that it names, included by at least two translation
+           units: seconds to compile the header alone, times the number of those units; takes some minutes
   tests    seconds of each test case and each suite, from the report of the last `./run test`
 
 Without a subject it prints all three. Seconds are wall-clock seconds of one process each: on an idle machine their sum is
@@ -15,6 +15,7 @@ about the processor time. Compare figures of one machine only.
 import argparse
 import collections
 import concurrent.futures
+import functools
 import json
 import os
 import pathlib
@@ -115,25 +116,39 @@ def seconds_alone(include, command):
         return time.monotonic() - begin_s if result.returncode == 0 else None
 
 
+def users_of_headers(build, units):
+    """For each header, as an include names it, the outputs whose compilation reads it."""
+    libraries = collections.defaultdict(set)
+    for name in direct_library_headers():
+        libraries[os.path.basename(name)].add(name)
+
+    @functools.cache
+    def include_names(header):
+        path = pathlib.PurePath(header)
+        if path.is_relative_to(ROOT):
+            own = str(path.relative_to(ROOT))
+            return [f'"{own}"'] if own.startswith(OURS) else []
+        return [f"<{name}>" for name in libraries.get(path.name, ()) if header.endswith("/" + name)]
+
+    users = collections.defaultdict(list)
+    for output, headers in included_headers(build).items():
+        for header in headers if output in units else ():
+            for name in include_names(header):
+                users[name].append(output)
+    return users
+
+
 def print_headers(build, shown):
     units = translation_units(build)
-    users = collections.defaultdict(list)
-    libraries = direct_library_headers()
-    for output, headers in included_headers(build).items():
-        if output not in units:
-            continue
-        for header in headers:
-            path = pathlib.PurePath(header)
-            if path.is_relative_to(ROOT) and str(path.relative_to(ROOT)).startswith(OURS):
-                users[f'"{path.relative_to(ROOT)}"'].append(output)
-            else:
-                for name in libraries:
-                    if header.endswith("/" + name):
-                        users[f"<{name}>"].append(output)
+    users = {name: outputs for name, outputs in users_of_headers(build, units).items() if len(outputs) > 1}
+    rows = []
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         alone = pool.map(lambda item: seconds_alone(item[0], units[item[1][0]]), users.items())
-        rows = [(include, len(outputs), seconds, len(outputs) * seconds)
-                for (include, outputs), seconds in zip(users.items(), alone) if seconds is not None]
+        for done, ((include, outputs), seconds) in enumerate(zip(users.items(), alone), 1):
+            print(f"\rheader {done} of {len(users)}", end="", file=sys.stderr, flush=True)
+            if seconds is not None:
+                rows.append((include, len(outputs), seconds, len(outputs) * seconds))
+    print(file=sys.stderr)
     rows.sort(key=lambda row: -row[-1])
     table("Build time by header", ("header", "units", "seconds alone", "units x seconds"), rows, shown)
 

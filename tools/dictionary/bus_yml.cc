@@ -9,8 +9,8 @@
 #include "firmware/drive/configuration.h"
 #include "sim_board/sensor/sensor_node.h"
 #include "sim_board/servo/drive_dictionary.h"
+#include "simulation/model/robot_model.h"
 #include "tools/dictionary/configured_drive.h"
-#include "tools/model/robot_model.h"
 
 namespace koboshi::tools {
 namespace {
@@ -100,7 +100,7 @@ void add_sensor(std::string& text, std::string_view name, sim::SensorKind kind, 
 }  // namespace
 
 std::string bus_text(const sim::RobotDescription& robot) {
-  const NamedModel model = load_named_model(robot);
+  const simulation::NamedModel model = simulation::load_named_model(robot);
   std::string text(kHead);
   add_master(text);
   for (std::size_t i = 0; i < robot.joints.size(); ++i)

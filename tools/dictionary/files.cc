@@ -1,19 +1,19 @@
 #include "tools/dictionary/files.h"
 
+#include "simulation/model/robot_model.h"
 #include "tools/dictionary/bus_yml.h"
 #include "tools/dictionary/dbc.h"
 #include "tools/dictionary/eds.h"
 #include "tools/dictionary/network.h"
 #include "tools/dictionary/node_kinds.h"
 #include "tools/dictionary/page.h"
-#include "tools/dictionary/parameters.h"
-#include "tools/model/robot_model.h"
+#include "tools/dictionary/parameters_page.h"
 
 namespace koboshi::tools {
 
 std::vector<GeneratedFile> dictionary_files(const sim::RobotDescription& robot,
                                             const app::ControllerValues& values) {
-  const std::vector<NodeKind> kinds = documented_kinds(load_named_model(robot).model);
+  const std::vector<NodeKind> kinds = documented_kinds(simulation::load_named_model(robot).model);
   const Network network = make_network(robot);
   std::vector<GeneratedFile> files;
   for (const NodeKind& kind : kinds) files.push_back({kind.name + ".eds", eds_text(kind)});

@@ -12,10 +12,10 @@
 #include "firmware/drive/configuration.h"
 #include "sim_board/input/error.h"
 #include "sim_board/sensor/sensor_node.h"
+#include "simulation/model/robot_model.h"
 #include "tools/dictionary/configured_drive.h"
 #include "tools/dictionary/node_kinds.h"
 #include "tools/dictionary/services.h"
-#include "tools/model/robot_model.h"
 
 namespace koboshi::tools {
 namespace {
@@ -163,7 +163,7 @@ void add_controller(Builder& builder) {
 
 void add_drives(Builder& builder, const sim::RobotDescription& robot) {
   const NodeKind kind = drive_kind();
-  const NamedModel model = load_named_model(robot);
+  const simulation::NamedModel model = simulation::load_named_model(robot);
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const NetworkNode node{robot.joints[i].drive.node_id, robot.joints[i].name};
     const ConfiguredDrive drive = configure_drive(model.model.joints[i], robot.joints[i].drive);

@@ -67,8 +67,8 @@ Values play(const sim::Scenario& scenario, std::uint64_t seed) {
   std::unique_ptr<ContactObserver> observer;
   std::uint64_t unsettled = 0;
   Values values;
-  const Values played =
-      watch_in_world(scenario, kRoughWorld, seed, [&](Simulation& simulation, const RunRecorder&) {
+  const Values played = watch_in_world(
+      scenario, kRoughWorld, seed, [&](simulation::Simulation& simulation, const simulation::RunRecorder&) {
         const sim::World& world = simulation.board().world();
         if (!observer) observer = std::make_unique<ContactObserver>(simulation.robot(), world);
         observer->observe();

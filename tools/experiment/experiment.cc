@@ -4,7 +4,7 @@
 #include <cmath>
 #include <mutex>
 
-#include "tools/experiment/parallel.h"
+#include "simulation/batch/parallel.h"
 #include "tools/experiment/trial_log.h"
 
 namespace koboshi::tools {
@@ -41,7 +41,7 @@ class Session {
         if (open_[cell]) trials.push_back({cell, experiment_.first_seed + i});
       }
     }
-    const std::size_t started = for_each_parallel(
+    const std::size_t started = simulation::for_each_parallel(
         trials.size(), options_.jobs, [&](std::size_t number) { finish(trials[number]); },
         [&] { return in_time(); });
     out_of_time_ = started < trials.size();

@@ -11,11 +11,11 @@
 #include "sim_board/random/random_stream.h"
 #include "sim_board/robot/load.h"
 #include "sim_board/scenario/reader.h"
+#include "simulation/scenario/parameters.h"
 #include "tools/experiment/fall_observer.h"
 #include "tools/experiment/outcome.h"
 #include "tools/experiment/perturbation.h"
 #include "tools/experiment/scenario_trial.h"
-#include "tools/run/parameters.h"
 
 namespace koboshi::tools {
 namespace {
@@ -56,7 +56,7 @@ sim::ParameterSetting parameter(const std::string& name, double value) {
 }
 
 void set_thresholds(sim::Scenario& scenario, const Case& what) {
-  const behaviour::FallLimits limits = controller_values(scenario).recovery.fall;
+  const behaviour::FallLimits limits = simulation::controller_values(scenario).recovery.fall;
   const auto set = [&](const char* name, std::int16_t value) {
     scenario.parameters.push_back(parameter(name, what.scale * value * kDegreesPerUnit));
   };
@@ -203,7 +203,7 @@ Values play(const Disturbance& disturbance, const Case& what, std::uint64_t seed
   double end_s = 0.0;
   const Values played = watch_in_world(
       disturbance.scenario(what, seed), world_of(what.cause), seed,
-      [&](const Simulation& simulation, const RunRecorder& recorder) {
+      [&](const simulation::Simulation& simulation, const simulation::RunRecorder& recorder) {
         const bool touched = observer.touched_s().has_value();
         observer.observe(simulation, recorder);
         end_s = simulation.board().world().time_s();

@@ -9,7 +9,8 @@ namespace koboshi::tools {
 
 using behaviour::State;
 
-void FallObserver::observe(const Simulation& simulation, const RunRecorder& recorder) {
+void FallObserver::observe(const simulation::Simulation& simulation,
+                           const simulation::RunRecorder& recorder) {
   if (is_foot_.empty()) begin(simulation);
   const sim::World& world = simulation.board().world();
   const double time_s = world.time_s();
@@ -19,7 +20,7 @@ void FallObserver::observe(const Simulation& simulation, const RunRecorder& reco
   keep_parts(simulation.robot(), world);
 }
 
-void FallObserver::begin(const Simulation& simulation) {
+void FallObserver::begin(const simulation::Simulation& simulation) {
   const sim::RobotDescription& robot = simulation.robot();
   is_foot_.assign(robot.links.size(), false);
   for (const auto& foot : sim::feet_of(robot)) {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "tools/run/run_recorder.h"
-#include "tools/run/simulation.h"
+#include "simulation/observe/run_recorder.h"
+#include "simulation/scenario/simulation.h"
 
 namespace koboshi::tools {
 
@@ -14,7 +14,7 @@ namespace koboshi::tools {
 class FallObserver {
  public:
   // After each millisecond.
-  void observe(const Simulation& simulation, const RunRecorder& recorder);
+  void observe(const simulation::Simulation& simulation, const simulation::RunRecorder& recorder);
 
   // When the firmware foresaw the first fall.
   std::optional<double> foreseen_s() const { return foreseen_s_; }
@@ -42,7 +42,7 @@ class FallObserver {
     Eigen::Vector3d p_WCom_W = Eigen::Vector3d::Zero();
   };
 
-  void begin(const Simulation& simulation);
+  void begin(const simulation::Simulation& simulation);
   void follow_state(behaviour::State state, behaviour::Reason reason, double time_s);
   void look_at_ground(const sim::World& world, double time_s);
   void look_at_servos(const sim::SimBoard& board);

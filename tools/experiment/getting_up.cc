@@ -20,7 +20,7 @@ GettingUp::GettingUp(const sim::Scenario& scenario) : begin_us_(scenario.duratio
   }
 }
 
-bool GettingUp::observe(const GroundTruth& truth, std::uint64_t now_us) {
+bool GettingUp::observe(const simulation::GroundTruth& truth, std::uint64_t now_us) {
   const double height = std::clamp(truth.p_WB_W.z() / truth.pose_height_m, 0.0, 1.0);
   uprightness_ = 0.25 * (1.0 + std::cos(truth.tilt_rad)) + 0.5 * height;
   const bool stands = now_us >= begin_us_ && truth.tilt_rad < kUpright_rad && height > kLeastHeight &&
@@ -40,7 +40,8 @@ std::optional<double> GettingUp::stood_s() const {
 
 Values play_getting_up(const sim::Scenario& scenario, const PerturbationBounds& bounds, std::uint64_t seed) {
   GettingUp getting_up(scenario);
-  const auto is_over = [&](const Simulation& simulation, const RunRecorder& recorder) {
+  const auto is_over = [&](const simulation::Simulation& simulation,
+                           const simulation::RunRecorder& recorder) {
     const std::uint64_t now_us = simulation.board().now_us();
     return now_us > 0 && now_us % sim::SimBoard::kTick_us == 0 &&
            getting_up.observe(recorder.truth(), now_us);

@@ -18,7 +18,7 @@ class GettingUp {
   explicit GettingUp(const sim::Scenario& scenario);
 
   // Once a tick. True when it has stood still for so long that it will not fall any more.
-  bool observe(const GroundTruth& truth, std::uint64_t now_us);
+  bool observe(const simulation::GroundTruth& truth, std::uint64_t now_us);
 
   // From the command until the robot stood, within 15 degrees of upright and turning by less than 0.15 rad/s,
   // and stayed so to the end; nothing when it does not.

@@ -6,8 +6,8 @@
 
 #include "sim_board/input/yaml_tree.h"
 #include "sim_board/scenario/scenario.h"
+#include "simulation/scenario/simulation.h"
 #include "tools/experiment/experiment.h"
-#include "tools/run/simulation.h"
 
 namespace koboshi::tools {
 
@@ -38,7 +38,7 @@ struct GyroFeedbackOptions {
 // What a seed makes of it: of the scenario, and of the robot in the world.
 struct SeededWorld {
   sim::Scenario scenario;
-  RobotChange change;
+  simulation::RobotChange change;
 };
 [[nodiscard]] SeededWorld seeded_world(sim::Scenario scenario, const GyroFeedbackOptions& options,
                                        std::uint64_t seed);

@@ -59,7 +59,8 @@ Values play(const StandingStart& start, const sim::RobotDescription& robot, cons
   behaviour::State state = behaviour::State::kBoot;
   double end_s = 0.0;
   const Values played = watch_in_world(
-      std::move(scenario), kRoughWorld, seed, [&](const Simulation& simulation, const RunRecorder& recorder) {
+      std::move(scenario), kRoughWorld, seed,
+      [&](const simulation::Simulation& simulation, const simulation::RunRecorder& recorder) {
         observer.observe(simulation, recorder);
         state = recorder.telemetry().state;
         end_s = simulation.board().world().time_s();
@@ -74,18 +75,19 @@ Values play(const StandingStart& start, const sim::RobotDescription& robot, cons
   const bool stands =
       state == behaviour::State::kStanding && end_s >= 1e-6 * static_cast<double>(end_us) - 0.01;
   const bool ended_well = played.at("failed") == 0.0 && played.at("energy_guard") == 0.0;
-  Values values{{"down", stands && ended_well ? 0.0 : 1.0},
-                {"falls", observer.falls()},
-                {"attempts", observer.attempts()},
-                {"stand_ups", observer.stands()},
-                {"faults", played.at("faults")},
-                {"distance_m", distance_m},
-                {"time_s", end_s},
-                {"peak_winding_C", observer.peak_winding_C()},
-                {"gave_up", state == behaviour::State::kFault || state == behaviour::State::kEmergencyStop ? 1.0 : 0.0},
-                {"low_supply", state == behaviour::State::kLowBattery ? 1.0 : 0.0},
-                {"energy_guard", played.at("energy_guard")},
-                {"failed", played.at("failed")}};
+  Values values{
+      {"down", stands && ended_well ? 0.0 : 1.0},
+      {"falls", observer.falls()},
+      {"attempts", observer.attempts()},
+      {"stand_ups", observer.stands()},
+      {"faults", played.at("faults")},
+      {"distance_m", distance_m},
+      {"time_s", end_s},
+      {"peak_winding_C", observer.peak_winding_C()},
+      {"gave_up", state == behaviour::State::kFault || state == behaviour::State::kEmergencyStop ? 1.0 : 0.0},
+      {"low_supply", state == behaviour::State::kLowBattery ? 1.0 : 0.0},
+      {"energy_guard", played.at("energy_guard")},
+      {"failed", played.at("failed")}};
   values.error = played.error;
   return values;
 }

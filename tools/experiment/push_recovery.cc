@@ -10,10 +10,10 @@
 #include "sim_board/input/text.h"
 #include "sim_board/random/random_stream.h"
 #include "sim_board/scenario/reader.h"
+#include "simulation/scenario/parameters.h"
 #include "tools/experiment/outcome.h"
 #include "tools/experiment/perturbation.h"
 #include "tools/experiment/scenario_trial.h"
-#include "tools/run/parameters.h"
 
 namespace koboshi::tools {
 namespace {
@@ -30,7 +30,7 @@ constexpr const char* kWalking = "walking";
 constexpr const char* kNothing = "nothing";
 
 double cycle_s(const sim::Scenario& scenario) {
-  return 2.0 * 1e-3 * controller_values(scenario).walk.step.time_ms;
+  return 2.0 * 1e-3 * simulation::controller_values(scenario).walk.step.time_ms;
 }
 
 struct PushTrial {
@@ -115,6 +115,48 @@ std::string push_table(const std::vector<SurvivedPush>& pushes, TableStyle style
     }
   }
   return table_text(head, rows, style);
+}
+
+// How the weakest pushes that were not survived ended, summed over directions and seeds.
+std::string loss_table(const std::vector<SurvivedPush>& pushes, TableStyle style) {
+  Row head{"the weakest push that was not survived"};
+  for (const Measure& measure : outcome_measures())
+    head.push_back(measure.label.empty() ? measure.name : measure.label);
+  std::vector<Row> rows;
+  for (const auto& of_column : by_column(pushes)) {
+    Row row{column(of_column.front())};
+    for (const Measure& measure : outcome_measures()) {
+      std::size_t count = 0;
+      for (const SurvivedPush& push : of_column) {
+        const auto found = push.losses.find(measure.name);
+        if (found != push.losses.end()) count += found->second;
+      }
+      row.push_back(std::to_string(count));
+    }
+    rows.push_back(std::move(row));
+  }
+  return table_text(head, rows, style);
+}
+
+std::map<std::string, std::size_t> losses_of(const CellResult& cell) {
+  std::map<std::string, std::size_t> losses;
+  for (const Trial& trial : cell.played) {
+    for (const Measure& measure : outcome_measures()) {
+      const auto value = trial.values.find(measure.name);
+      if (value != trial.values.end() && value->second > 0.0) ++losses[measure.name];
+    }
+  }
+  return losses;
+}
+
+// The same for a state and the feedback that is off, whatever else is drawn.
+int colour_of_column(const SurvivedPush& push) {
+  const auto& states = pushed_states();
+  const auto state = std::ranges::find(states, push.state) - states.begin();
+  const auto off = std::ranges::find(feedbacks(), push.without, &Feedback::name) - feedbacks().begin();
+  const auto row = push.without == kNothing ? 0 : off + 1;
+  constexpr int kPalette = 7;  // the eighth is that of the rings
+  return static_cast<int>((state + static_cast<std::ptrdiff_t>(states.size()) * row) % kPalette);
 }
 
 PlaneCurve ring(double radius) {
@@ -213,15 +255,18 @@ std::vector<SurvivedPush> survived_pushes(const PushRecoveryOptions& options, co
                       .without = settings[1].second,
                       .direction_rad = kTurn_rad * static_cast<double>(direction) /
                                        static_cast<double>(options.directions),
-                      .impulse_N_s_per_kg = survived_by_95_of_100(
-                          result.cells[cell], state == kWalking ? options.phase_bins : 1)});
+                      .impulse_N_s_per_kg = survived_by_95_of_100(result.cells[cell],
+                                                                  state == kWalking ? options.phase_bins : 1),
+                      .losses = losses_of(result.cells[cell])});
   }
   return pushes;
 }
 
 Conclusions push_recovery_conclusions(const std::vector<SurvivedPush>& pushes) {
   Conclusions conclusions;
-  conclusions.table = [pushes](TableStyle style) { return push_table(pushes, style); };
+  conclusions.table = [pushes](TableStyle style) {
+    return push_table(pushes, style) + "\n" + loss_table(pushes, style);
+  };
   for (const std::vector<SurvivedPush>& of_column : by_column(pushes)) {
     const auto played = [](const SurvivedPush& push) { return push.impulse_N_s_per_kg.count > 0; };
     if (!std::ranges::all_of(of_column, played)) {
@@ -259,11 +304,10 @@ PlaneFigure polar_figure(const std::vector<SurvivedPush>& pushes) {
       .x_label = "to the right",
       .y_label = "forward"};
   for (const double radius : {0.1, 0.2, 0.3, 0.4}) figure.curves.push_back(ring(radius));
-  int colour = 0;
   for (const std::vector<SurvivedPush>& of_column : by_column(pushes)) {
     PlaneCurve curve{.label = column(of_column.front()),
                      .style = of_column.front().without == kNothing ? LineStyle::kSolid : LineStyle::kDashed,
-                     .colour = colour++};
+                     .colour = colour_of_column(of_column.front())};
     for (const SurvivedPush& push : of_column) {
       const double radius = push.impulse_N_s_per_kg.value;
       curve.points.push_back({-radius * std::sin(push.direction_rad), radius * std::cos(push.direction_rad)});

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,8 @@ struct SurvivedPush {
   std::string without;  // the feedback that is off; "nothing"
   double direction_rad = 0.0;
   QuantileEstimate impulse_N_s_per_kg;
+  // How the weakest push ended that was not survived, over the seeds: by the names of outcome_measures().
+  std::map<std::string, std::size_t> losses{};
 };
 [[nodiscard]] std::vector<SurvivedPush> survived_pushes(const PushRecoveryOptions& options,
                                                         const Experiment& experiment,

@@ -3,8 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <limits>
+#include <map>
 #include <optional>
 #include <set>
+#include <string>
 
 #include "sim_board/input/text.h"
 
@@ -143,15 +146,43 @@ std::string result_table(const Experiment& experiment, const ExperimentResult& r
   return table_text(head, rows, style);
 }
 
+// Which cells have fewer seeds than they should, one line for each reason.
+std::string stop_notes(const Experiment& experiment, const ExperimentResult& result) {
+  struct Stopped {
+    std::string names;
+    std::size_t cells = 0;
+    std::size_t fewest = std::numeric_limits<std::size_t>::max();
+    std::size_t most = 0;
+  };
+  constexpr std::size_t kNamed = 4;
+  std::map<std::string, Stopped> by_reason;
+  for (std::size_t c = 0; c < experiment.cells.size(); ++c) {
+    const CellResult& cell = result.cells[c];
+    if (cell.stop == Stop::kAllSeeds || cell.played.size() >= experiment.seeds) continue;
+    Stopped& stopped = by_reason[std::string(reason(cell.stop))];
+    if (stopped.cells < kNamed) stopped.names += (stopped.cells > 0 ? ", " : "") + experiment.cells[c].name;
+    ++stopped.cells;
+    stopped.fewest = std::min(stopped.fewest, cell.played.size());
+    stopped.most = std::max(stopped.most, cell.played.size());
+  }
+  std::string notes;
+  for (const auto& [why, stopped] : by_reason) {
+    const std::string names = stopped.cells > kNamed
+                                  ? fmt::format("{} of {} cells", stopped.cells, experiment.cells.size())
+                                  : stopped.names;
+    const std::string played = stopped.fewest == stopped.most
+                                   ? std::to_string(stopped.most)
+                                   : fmt::format("{} to {}", stopped.fewest, stopped.most);
+    notes += fmt::format("{}: stopped after {} of {} seeds, {}\n", names, played, experiment.seeds, why);
+  }
+  return notes;
+}
+
 std::string notes(const Experiment& experiment, const ExperimentResult& result) {
   std::string notes;
   for (std::size_t c = 0; c < experiment.cells.size(); ++c) {
     const CellResult& cell = result.cells[c];
     const std::string& name = experiment.cells[c].name;
-    if (cell.stop != Stop::kAllSeeds && cell.played.size() < experiment.seeds) {
-      notes += fmt::format("{}: stopped after {} of {} seeds, {}\n", name, cell.played.size(),
-                           experiment.seeds, reason(cell.stop));
-    }
     for (const Measure& measure : experiment.measures) {
       if (measure.kind != Measure::Kind::kEvent || !measure.label.empty()) continue;
       const ShareEstimate share = share_of(cell, measure);
@@ -165,7 +196,7 @@ std::string notes(const Experiment& experiment, const ExperimentResult& result) 
         notes += fmt::format("{}: seed {}: {}\n", name, trial.seed, error);
     }
   }
-  return notes;
+  return notes + stop_notes(experiment, result);
 }
 
 Json to_json(const Experiment& experiment, const ExperimentResult& result) {

@@ -9,10 +9,11 @@ namespace koboshi::tools {
 namespace {
 
 // libsdformat keeps tables of its own while it reads a file.
-std::unique_ptr<Simulation> make_simulation(const sim::Scenario& scenario, const RobotChange& change) {
+std::unique_ptr<simulation::Simulation> make_simulation(const sim::Scenario& scenario,
+                                                        const simulation::RobotChange& change) {
   static std::mutex reading;
   const std::lock_guard lock(reading);
-  return std::make_unique<Simulation>(scenario, in_process(), change);
+  return std::make_unique<simulation::Simulation>(scenario, simulation::in_process(), change);
 }
 
 // How a run ended, and what the firmware did in it.
@@ -24,7 +25,7 @@ struct Played {
   std::string error{};  // that ended it
 };
 
-void follow_state(const Telemetry& said, Played& played) {
+void follow_state(const simulation::Telemetry& said, Played& played) {
   using behaviour::State;
   const bool supply_low = said.reason == behaviour::Reason::kSupplyLow;
   played.low_supply = played.low_supply || said.state == State::kLowBattery || supply_low;
@@ -32,7 +33,8 @@ void follow_state(const Telemetry& said, Played& played) {
                    said.state == State::kEmergencyStop;
 }
 
-Played play_until(Simulation& simulation, RunRecorder& recorder, const Watch& is_over) {
+Played play_until(simulation::Simulation& simulation, simulation::RunRecorder& recorder,
+                  const Watch& is_over) {
   Played played;
   try {
     while (!simulation.finished() && !is_over(simulation, recorder)) {
@@ -50,9 +52,10 @@ Played play_until(Simulation& simulation, RunRecorder& recorder, const Watch& is
   return played;
 }
 
-Values watch_scenario(const sim::Scenario& scenario, const RobotChange& change, const Watch& is_over) {
-  const std::unique_ptr<Simulation> simulation = make_simulation(scenario, change);
-  RunRecorder recorder(*simulation, nullptr);
+Values watch_scenario(const sim::Scenario& scenario, const simulation::RobotChange& change,
+                      const Watch& is_over) {
+  const std::unique_ptr<simulation::Simulation> simulation = make_simulation(scenario, change);
+  simulation::RunRecorder recorder(*simulation, nullptr);
   const Played played = play_until(*simulation, recorder, is_over);
   Values values;
   const nlohmann::ordered_json summary = sim::to_json(recorder.summary());
@@ -76,16 +79,18 @@ Values watch_scenario(const sim::Scenario& scenario, const RobotChange& change, 
   return values;
 }
 
-RobotChange robot_of(const PerturbationBounds& bounds, std::uint64_t seed) {
+simulation::RobotChange robot_of(const PerturbationBounds& bounds, std::uint64_t seed) {
   return [&bounds, seed](sim::RobotDescription& robot) { perturb_robot(robot, bounds, seed); };
 }
 
 }  // namespace
 
-Values play_scenario(const sim::Scenario& scenario, const RobotChange& change, const IsOver& is_over) {
-  return watch_scenario(scenario, change, [&](const Simulation&, const RunRecorder& recorder) {
-    return recorder.fell() || (is_over && is_over(recorder));
-  });
+Values play_scenario(const sim::Scenario& scenario, const simulation::RobotChange& change,
+                     const IsOver& is_over) {
+  return watch_scenario(scenario, change,
+                        [&](const simulation::Simulation&, const simulation::RunRecorder& recorder) {
+                          return recorder.fell() || (is_over && is_over(recorder));
+                        });
 }
 
 Values watch_in_world(sim::Scenario scenario, const PerturbationBounds& bounds, std::uint64_t seed,

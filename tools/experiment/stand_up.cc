@@ -87,16 +87,17 @@ Values play(const sim::Scenario& start, const sim::RobotDescription& robot, cons
   FallObserver observer;
   double stood_s = 0.0;
   behaviour::State state = behaviour::State::kBoot;
-  const Values played = watch_in_world(dropped(start, robot, options, seed), kRoughWorld, seed,
-                                       [&](const Simulation& simulation, const RunRecorder& recorder) {
-                                         observer.observe(simulation, recorder);
-                                         state = recorder.telemetry().state;
-                                         if (observer.stands() > 0 && stood_s == 0.0) {
-                                           const bool upright = recorder.truth().tilt_rad < kUpright_rad;
-                                           if (upright) stood_s = simulation.board().world().time_s();
-                                         }
-                                         return stood_s > 0.0 || state == behaviour::State::kFault;
-                                       });
+  const Values played =
+      watch_in_world(dropped(start, robot, options, seed), kRoughWorld, seed,
+                     [&](const simulation::Simulation& simulation, const simulation::RunRecorder& recorder) {
+                       observer.observe(simulation, recorder);
+                       state = recorder.telemetry().state;
+                       if (observer.stands() > 0 && stood_s == 0.0) {
+                         const bool upright = recorder.truth().tilt_rad < kUpright_rad;
+                         if (upright) stood_s = simulation.board().world().time_s();
+                       }
+                       return stood_s > 0.0 || state == behaviour::State::kFault;
+                     });
   const bool faulted = state == behaviour::State::kFault || state == behaviour::State::kEmergencyStop;
   Values values{{"gave_up", faulted ? 1.0 : 0.0},
                 {"low_supply", state == behaviour::State::kLowBattery ? 1.0 : 0.0},

@@ -78,9 +78,10 @@ std::vector<Measure> terrain_measures() {
 
 Values play(const StandingStart& start, const TerrainOptions& options, std::uint64_t seed) {
   const double patience_s = kTerrainPatience * options.way_m / options.speed_m_per_s;
-  Values values = play_in_world(
-      start.walking({options.speed_m_per_s, 0.0, 0.0}, patience_s), kRoughWorld, seed,
-      [&](const RunRecorder& recorder) { return recorder.walk().made_good().x() >= options.way_m; });
+  Values values = play_in_world(start.walking({options.speed_m_per_s, 0.0, 0.0}, patience_s), kRoughWorld,
+                                seed, [&](const simulation::RunRecorder& recorder) {
+                                  return recorder.walk().made_good().x() >= options.way_m;
+                                });
   const bool arrived =
       values.contains("distance_m") && values.at("distance_m") >= (1.0 - 1e-9) * options.way_m;
   values["not_passed"] = values.at(kLost) != 0.0 || !arrived ? 1.0 : 0.0;

@@ -67,10 +67,10 @@ Values play(const SpeedTrial& trial, const StandingStart& start, std::uint64_t s
   const double sign = sign_of(trial.direction, seed);
   const Eigen::Vector3d velocity = velocity_of(trial.direction, sign * trial.command);
   const double patience_s = kWalkPatience * trial.way / trial.command;
-  const Values values =
-      play_in_world(start.walking(velocity, patience_s), kRoughWorld, seed, [&](const RunRecorder& recorder) {
-        return made_good(velocity, recorder.walk().made_good()) >= trial.way;
-      });
+  const Values values = play_in_world(start.walking(velocity, patience_s), kRoughWorld, seed,
+                                      [&](const simulation::RunRecorder& recorder) {
+                                        return made_good(velocity, recorder.walk().made_good()) >= trial.way;
+                                      });
   const double time_s = values.at("duration_s") - 1e-6 * static_cast<double>(start.ready_us);
   return judge_walk(trial.direction, trial.way, sign, time_s, values);
 }

@@ -11,9 +11,9 @@
 #include "firmware/fixed/host/convert.h"
 #include "sim_board/input/user_units.h"
 #include "sim_board/record/output_file.h"
-#include "tools/gait/gait_motion.h"
-#include "tools/gait/gait_plan.h"
-#include "tools/gait/walking_pose.h"
+#include "simulation/gait/gait_motion.h"
+#include "simulation/gait/gait_plan.h"
+#include "simulation/gait/walking_pose.h"
 #include "tools/plot/figure.h"
 #include "tools/plot/legend.h"
 
@@ -37,14 +37,14 @@ constexpr std::array<ShownJoint, 4> kShown{
 // What the interpreter makes of a motion's poses.
 class Approximation {
  public:
-  explicit Approximation(const MotionSource& motion) : motion_(motion) {
+  explicit Approximation(const simulation::MotionSource& motion) : motion_(motion) {
     points_.push_back({0.0, motion.steps.front().pose});
     bool cycles_done = false;
     for (std::size_t i = 1; i < motion.steps.size() && !cycles_done; ++i) {
-      cycles_done = motion.steps[i].kind == StepSource::Kind::kLoop;
+      cycles_done = motion.steps[i].kind == simulation::StepSource::Kind::kLoop;
       if (!cycles_done) add(motion.steps[i]);
       for (int cycle = 0; cycles_done && cycle < kCycles; ++cycle) {
-        for (const StepSource& step : motion.steps[i].body) add(step);
+        for (const simulation::StepSource& step : motion.steps[i].body) add(step);
       }
     }
   }
@@ -64,20 +64,22 @@ class Approximation {
     std::size_t pose;
   };
 
-  void add(const StepSource& step) { points_.push_back({end_s() + 1e-6 * step.time_us, step.pose}); }
+  void add(const simulation::StepSource& step) {
+    points_.push_back({end_s() + 1e-6 * step.time_us, step.pose});
+  }
   double angle_of(const TimedPose& point, std::size_t joint) const {
     return fixed::to_double(*motion_.poses[point.pose].angles[joint]);
   }
 
-  const MotionSource& motion_;
+  const simulation::MotionSource& motion_;
   std::vector<TimedPose> points_;
 };
 
-void write_profile(const Gait& gait, const sim::RobotDescription& robot, const NamedModel& model,
-                   const std::filesystem::path& csv) {
-  const GaitPlan plan(gait);
-  const WalkingPose pose(gait, robot, model);
-  const MotionSource motion = make_gait_motion(gait, robot, model);
+void write_profile(const simulation::Gait& gait, const sim::RobotDescription& robot,
+                   const simulation::NamedModel& model, const std::filesystem::path& csv) {
+  const simulation::GaitPlan plan(gait);
+  const simulation::WalkingPose pose(gait, robot, model);
+  const simulation::MotionSource motion = simulation::make_gait_motion(gait, robot, model);
   const Approximation approximation(motion);
   std::string text = "time_s,com_x_m,com_y_m,zmp_x_m,zmp_y_m";
   for (const ShownJoint& joint : kShown) text += fmt::format(",{0}_rad,{0}_points_rad", joint.column);
@@ -85,7 +87,7 @@ void write_profile(const Gait& gait, const sim::RobotDescription& robot, const N
   const int samples = static_cast<int>(std::lround(approximation.end_s() / kSample_s));
   for (int i = 0; i <= samples; ++i) {
     const double time_s = i * kSample_s;
-    const GaitInstant instant = plan.at(time_s);
+    const simulation::GaitInstant instant = plan.at(time_s);
     const std::vector<double> targets_rad = pose.targets_rad(instant);
     text += fmt::format("{:.3f},{:.6f},{:.6f},{:.6f},{:.6f}", time_s, instant.com_W_m.x(),
                         instant.com_W_m.y(), instant.zmp_W_m.x(), instant.zmp_W_m.y());
@@ -107,8 +109,8 @@ Panel pendulum_panel(const std::string& axis, const std::string& label) {
 
 }  // namespace
 
-void draw_gait(const Gait& gait, const sim::RobotDescription& robot, const NamedModel& model,
-               const std::filesystem::path& prefix) {
+void draw_gait(const simulation::Gait& gait, const sim::RobotDescription& robot,
+               const simulation::NamedModel& model, const std::filesystem::path& prefix) {
   const std::filesystem::path csv = prefix.string() + ".csv";
   write_profile(gait, robot, model, csv);
   Figure figure{.title = fmt::format("Walking motion, {} points a cycle", gait.points)};

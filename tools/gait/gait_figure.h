@@ -3,15 +3,15 @@
 #include <filesystem>
 
 #include "sim_board/robot/description.h"
-#include "tools/gait/gait.h"
-#include "tools/model/robot_model.h"
+#include "simulation/gait/gait.h"
+#include "simulation/model/robot_model.h"
 
 namespace koboshi::tools {
 
 // Writes PREFIX.csv, the profile of a walk and its linear approximation by the gait's points, from standing
 // over two cycles, and draws both like the paper's figure 6 to PREFIX.png and PREFIX.svg. Throws
 // sim::InputError and PlotError.
-void draw_gait(const Gait& gait, const sim::RobotDescription& robot, const NamedModel& model,
-               const std::filesystem::path& prefix);
+void draw_gait(const simulation::Gait& gait, const sim::RobotDescription& robot,
+               const simulation::NamedModel& model, const std::filesystem::path& prefix);
 
 }  // namespace koboshi::tools

@@ -7,8 +7,8 @@
 #include "sim_board/record/output_file.h"
 #include "sim_board/record/output_folder.h"
 #include "sim_board/scenario/events_text.h"
+#include "simulation/observe/run_recorder.h"
 #include "tools/run/run_figures.h"
-#include "tools/run/run_recorder.h"
 #include "tools/run/walk_figures.h"
 
 namespace koboshi::tools {
@@ -46,7 +46,7 @@ struct Ending {
   std::optional<int> signal{};
 };
 
-Ending play(Simulation& simulation, RunRecorder& recorder, LiveLink& live,
+Ending play(simulation::Simulation& simulation, simulation::RunRecorder& recorder, LiveLink& live,
             const OperatorFactory& make_operator, const std::function<void(const RunProgress&)>& progress) {
   constexpr std::uint64_t kTick_us = sim::SimBoard::kTick_us;
   const auto start = Clock::now();
@@ -72,14 +72,15 @@ Ending play(Simulation& simulation, RunRecorder& recorder, LiveLink& live,
   return {};
 }
 
-void draw_figures(const Simulation& simulation, const std::filesystem::path& folder) {
+void draw_figures(const simulation::Simulation& simulation, const std::filesystem::path& folder) {
   const sim::Scenario played = simulation.played();
   draw_run_figures(played, folder);
-  const GaitPlan* plan = simulation.gait_plan();
+  const simulation::GaitPlan* plan = simulation.gait_plan();
   draw_walk_figures(folder, simulation.robot(), plan ? plan->cycle_s() : commanded_cycle_s(played));
 }
 
-void tell_ending(const Ending& ending, const Simulation& simulation, EventLog& events, bool is_live) {
+void tell_ending(const Ending& ending, const simulation::Simulation& simulation, simulation::EventLog& events,
+                 bool is_live) {
   const std::uint64_t now_us = simulation.board().now_us();
   if (ending.failure) events.add(now_us, "error", "An error ends the run: " + *ending.failure + ".");
   if (!ending.signal) return;
@@ -87,7 +88,7 @@ void tell_ending(const Ending& ending, const Simulation& simulation, EventLog& e
              {{"signal", *ending.signal}});
 }
 
-std::string how_far(const Simulation& simulation, const std::filesystem::path& folder) {
+std::string how_far(const simulation::Simulation& simulation, const std::filesystem::path& folder) {
   return fmt::format("interrupted at {:.2f} s of {:.2f} s; what was recorded is in {}, without summary.json",
                      1e-6 * static_cast<double>(simulation.board().now_us()),
                      1e-6 * static_cast<double>(simulation.scenario().duration_us), folder.string());
@@ -98,12 +99,12 @@ std::string how_far(const Simulation& simulation, const std::filesystem::path& f
 RunResult run(const RunOptions& options, const std::function<void(const RunProgress&)>& progress) {
   sim::check_output_folder(options.out);
   LiveLink live(options.live, options.warn);
-  Simulation simulation(options.scenario, options.make_host, options.change);
+  simulation::Simulation simulation(options.scenario, options.make_host, options.change);
   const sim::OutputFolder folder(options.out);
 
-  sim::Recorder files(options.out, RunRecorder::columns(simulation.robot()),
+  sim::Recorder files(options.out, simulation::RunRecorder::columns(simulation.robot()),
                       live.is_live() ? sim::WhenFull::kDrop : sim::WhenFull::kWait);
-  RunRecorder recorder(simulation, &files);
+  simulation::RunRecorder recorder(simulation, &files);
   live.attach(simulation.board().bus());
   if (options.ready) options.ready(live);
   const auto start = Clock::now();
@@ -116,7 +117,7 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
 
   tell_ending(ending, simulation, recorder.events(), live.is_live());
   result.summary = recorder.summary();
-  sim::write_whole_file(options.out / "events.txt", events_text(result.summary.events));
+  sim::write_whole_file(options.out / "events.txt", simulation::events_text(result.summary.events));
   sim::write_json(options.out / "timing.json",
                   timing_json(simulation.board(), wall_s, files.dropped(), live));
   if (options.make_operator) {

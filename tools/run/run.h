@@ -7,12 +7,11 @@
 
 #include "sim_board/record/summary.h"
 #include "sim_board/scenario/scenario.h"
+#include "simulation/observe/run_recorder.h"
+#include "simulation/scenario/simulation.h"
 #include "tools/run/live_link.h"
-#include "tools/run/simulation.h"
 
 namespace koboshi::tools {
-
-class RunRecorder;
 
 // Takes part in a run as long as it lives.
 class RunOperator {
@@ -24,14 +23,14 @@ class RunOperator {
 };
 
 // All of them outlive the operator.
-using OperatorFactory =
-    std::function<std::unique_ptr<RunOperator>(Simulation&, const RunRecorder&, const LiveLink&)>;
+using OperatorFactory = std::function<std::unique_ptr<RunOperator>(
+    simulation::Simulation&, const simulation::RunRecorder&, const LiveLink&)>;
 
 struct RunOptions {
   sim::Scenario scenario;
-  std::filesystem::path out;             // the folder of the results
-  HostFactory make_host = in_process();  // where the firmware runs
-  RobotChange change{};                  // of the robot in the world
+  std::filesystem::path out;                                     // the folder of the results
+  simulation::HostFactory make_host = simulation::in_process();  // where the firmware runs
+  simulation::RobotChange change{};                              // of the robot in the world
   LiveOptions live{};
   std::function<void(const LiveLink&)> ready{};  // told when the bus can be reached from outside
   LiveLink::Warn warn{};                         // while it runs; nobody is told, without

@@ -15,7 +15,7 @@
 #include "sim_board/world/support_polygon.h"
 #include "tools/plot/columns.h"
 #include "tools/plot/legend.h"
-#include "tools/run/parameters.h"
+#include "simulation/scenario/parameters.h"
 
 namespace koboshi::tools {
 namespace {
@@ -189,7 +189,7 @@ std::optional<Span> walk_to_show(const std::filesystem::path& trace, double cycl
 }
 
 double commanded_cycle_s(const sim::Scenario& scenario) {
-  return 2.0 * 1e-3 * controller_values(scenario).walk.step.time_ms;
+  return 2.0 * 1e-3 * simulation::controller_values(scenario).walk.step.time_ms;
 }
 
 PlaneFigure zmp_figure(const std::filesystem::path& trace, const sim::RobotDescription& robot, Span time_s) {

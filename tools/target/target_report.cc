@@ -8,9 +8,9 @@
 
 #include "firmware/behaviour/state.h"
 #include "sim_board/input/error.h"
-#include "tools/run/qemu_host.h"
-#include "tools/run/run_recorder.h"
-#include "tools/run/simulation.h"
+#include "simulation/host/qemu_host.h"
+#include "simulation/observe/run_recorder.h"
+#include "simulation/scenario/simulation.h"
 #include "tools/target/part_counter.h"
 
 namespace koboshi::tools {
@@ -42,13 +42,13 @@ std::uint64_t sum(const PartCounts& counts) {
 // Plays the scenario to its end. `stack_peak_bytes` is set to what it was then.
 std::vector<Tick> play(const sim::Scenario& scenario, const std::filesystem::path& image,
                        PartCounter& counter, std::uint32_t& stack_peak_bytes) {
-  QemuHost* host = nullptr;
-  Simulation simulation(scenario, [&](std::span<const std::byte> contents) {
-    auto made = std::make_unique<QemuHost>(image, contents, counter.arguments());
+  simulation::QemuHost* host = nullptr;
+  simulation::Simulation simulation(scenario, [&](std::span<const std::byte> contents) {
+    auto made = std::make_unique<simulation::QemuHost>(image, contents, counter.arguments());
     host = made.get();
     return made;
   });
-  RunRecorder recorder(simulation, nullptr);
+  simulation::RunRecorder recorder(simulation, nullptr);
   std::vector<Tick> ticks;
   Tick tick;
   while (!simulation.finished()) {

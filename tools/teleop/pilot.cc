@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "tools/run/event_words.h"
+#include "simulation/observe/event_words.h"
 
 namespace koboshi::tools {
 namespace {
@@ -109,13 +109,13 @@ Order Pilot::tell(const char* effect, const Order& order) {
 }
 
 Order Pilot::walk() {
-  effect_ = "walk, " + velocity_text(velocity_);
+  effect_ = "walk, " + simulation::velocity_text(velocity_);
   return walk_command(velocity_);
 }
 
 Order Pilot::push(const Eigen::Vector2d& direction) {
-  effect_ = fmt::format("push {} with {:.2f} N s", direction_text({direction.x(), direction.y(), 0.0}, 0.0),
-                        push_N_s());
+  effect_ = fmt::format("push {} with {:.2f} N s",
+                        simulation::direction_text({direction.x(), direction.y(), 0.0}, 0.0), push_N_s());
   return BodyPush{push_N_s() * direction};
 }
 

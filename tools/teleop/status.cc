@@ -9,7 +9,7 @@
 
 #include "firmware/app/controller_objects.h"
 #include "sim_board/input/user_units.h"
-#include "tools/run/event_words.h"
+#include "simulation/observe/event_words.h"
 #include "tools/teleop/map.h"
 
 namespace koboshi::tools {
@@ -37,13 +37,13 @@ std::string time_text(const TeleopStatus& status) {
 // The trunk tells whether it stands, its controller why.
 std::string state_text(const TeleopStatus& status) {
   std::string text;
-  if (status.tilt_rad > kFallen_rad) {
+  if (status.tilt_rad > simulation::kFallen_rad) {
     text = "LIES; ";
-  } else if (status.tilt_rad > kUpAgain_rad) {
+  } else if (status.tilt_rad > simulation::kUpAgain_rad) {
     text = fmt::format("leans by {:.0f} degrees; ", sim::kDegreesPerRad * status.tilt_rad);
   }
-  if (has_not_noticed(status.said.state, status.tilt_rad)) return text + kNotNoticed;
-  text += name_of(status.said.state) + ", by " + name_of(status.said.reason);
+  if (simulation::has_not_noticed(status.said.state, status.tilt_rad)) return text + simulation::kNotNoticed;
+  text += simulation::name_of(status.said.state) + ", by " + simulation::name_of(status.said.reason);
   if (status.said.trouble != drive::Trouble::kNone)
     text += fmt::format(", drive {}", name(app::kTroubleNames, status.said.trouble));
   return text;
@@ -68,7 +68,7 @@ std::string load_text(const TeleopStatus& status) {
   std::string text =
       fmt::format("left {:.1f} N, right {:.1f} N", status.said.foot_load_N[0], status.said.foot_load_N[1]);
   if (status.held) text += ", held by the stand";
-  if (status.falls > 0) text += ", " + count_text(status.falls, "fall");
+  if (status.falls > 0) text += ", " + simulation::count_text(status.falls, "fall");
   return text;
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/run/telemetry.h"
+#include "simulation/observe/telemetry.h"
 
 namespace koboshi::tools {
 
@@ -27,7 +27,7 @@ struct TeleopStatus {
   bool held = false;  // by the stand
   std::size_t falls = 0;
   double tilt_rad = 0.0;  // of the trunk, true
-  Telemetry said;
+  simulation::Telemetry said;
   Velocity commanded;
   Velocity measured;
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  // true x, y [m] and heading [rad]

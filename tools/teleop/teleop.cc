@@ -6,8 +6,8 @@
 #include <numbers>
 #include <variant>
 
-#include "tools/run/parameters.h"
-#include "tools/run/run_recorder.h"
+#include "simulation/observe/run_recorder.h"
+#include "simulation/scenario/parameters.h"
 
 namespace koboshi::tools {
 namespace {
@@ -22,11 +22,12 @@ TeleopStatus::Velocity as_velocity(const std::array<double, 3>& rates) {
 
 }  // namespace
 
-Teleop::Teleop(Simulation& simulation, const RunRecorder& recorder, const LiveLink& live)
+Teleop::Teleop(simulation::Simulation& simulation, const simulation::RunRecorder& recorder,
+               const LiveLink& live)
     : simulation_(simulation),
       recorder_(recorder),
       live_(live),
-      pilot_(controller_values(simulation.scenario()).velocity_limits),
+      pilot_(simulation::controller_values(simulation.scenario()).velocity_limits),
       pace_(kPaceWindow_s),
       velocity_(kVelocityWindow_s) {}
 
@@ -54,7 +55,7 @@ bool Teleop::obey(Key key) {
 }
 
 void Teleop::measure() {
-  const GroundTruth& truth = recorder_.truth();
+  const simulation::GroundTruth& truth = recorder_.truth();
   const Eigen::Vector3d place(truth.p_WB_W.x(), truth.p_WB_W.y(), truth.rpy_rad.z());
   if (place_) {
     const Eigen::Vector3d moved = place - *place_;
@@ -102,7 +103,7 @@ TeleopStatus Teleop::status() const {
   status.effect = pilot_.effect();
   status.last_command = recorder_.events().last_command();
   status.last_event = recorder_.events().last_text();
-  status.map = map_.lines(status.tilt_rad > kFallen_rad);
+  status.map = map_.lines(status.tilt_rad > simulation::kFallen_rad);
   return status;
 }
 

@@ -19,7 +19,7 @@ namespace koboshi::tools {
 class Teleop final : public RunOperator {
  public:
   // Takes the terminal until the end. Throws what Terminal and velocity_limits throw.
-  Teleop(Simulation& simulation, const RunRecorder& recorder, const LiveLink& live);
+  Teleop(simulation::Simulation& simulation, const simulation::RunRecorder& recorder, const LiveLink& live);
 
   bool tick() override;
 
@@ -32,8 +32,8 @@ class Teleop final : public RunOperator {
   double now_s() const { return 1e-6 * static_cast<double>(simulation_.board().now_us()); }
   TeleopStatus status() const;
 
-  Simulation& simulation_;
-  const RunRecorder& recorder_;
+  simulation::Simulation& simulation_;
+  const simulation::RunRecorder& recorder_;
   const LiveLink& live_;
   Pilot pilot_;
   KeyDecoder decoder_;

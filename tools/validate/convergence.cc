@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "sim_board/servo/encoder.h"
-#include "tools/run/simulation.h"
+#include "simulation/scenario/simulation.h"
 #include "tools/validate/free_fall.h"
 #include "tools/validate/inverted_pendulum.h"
 #include "tools/validate/pendulum_swing.h"
@@ -63,9 +63,11 @@ struct Heights {
   std::vector<double> height_m;
 };
 Heights squat_heights(const ValidationSetup& setup) {
-  Simulation simulation(squat_scenario(setup), in_process(), [](sim::RobotDescription& robot) {
-    for (sim::JointDescription& joint : robot.joints) joint.encoder.bits = sim::kPositionBits;
-  });
+  simulation::Simulation simulation(squat_scenario(setup), simulation::in_process(),
+                                    [](sim::RobotDescription& robot) {
+                                      for (sim::JointDescription& joint : robot.joints)
+                                        joint.encoder.bits = sim::kPositionBits;
+                                    });
   const std::uint64_t end_us = kSquatBegins_us + (setup.short_form ? 500'000 : 2'000'000);
   Heights heights;
   while (simulation.board().now_us() < end_us) {

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "sim_board/engine/make_world.h"
-#include "tools/gait/pendulum.h"
+#include "simulation/gait/pendulum.h"
 #include "tools/plot/legend.h"
 #include "tools/validate/pendulum_theory.h"
 #include "tools/validate/rigs.h"
@@ -32,7 +32,8 @@ struct Way {
 };
 
 // Begins at rest but for the blow that gives it its velocity, in the first step.
-Way walk_on_leg(const PendulumState& start, const ZmpPiece& zmp, const ValidationSetup& setup) {
+Way walk_on_leg(const simulation::PendulumState& start, const simulation::ZmpPiece& zmp,
+                const ValidationSetup& setup) {
   sim::WorldOptions options = setup.world;
   options.ground.present = false;
   options.X_WB.translation() << start.position_m, kHeight_m;
@@ -59,12 +60,12 @@ double tolerance_m(double start_acceleration, double distance_m, double time_s, 
   return late_m * (1.0 + ratio) + std::abs(distance_m) * ratio * ratio * time_s / kTimeConstant_s + 1e-9;
 }
 
-const PendulumState kStart{.position_m = {-0.02, 0.01}, .velocity_m_per_s = {0.24, -0.06}};
-const ZmpPiece kStep{.duration_s = 0.4, .from_m = {0.0, 0.0}, .to_m = {0.01, 0.006}};
+const simulation::PendulumState kStart{.position_m = {-0.02, 0.01}, .velocity_m_per_s = {0.24, -0.06}};
+const simulation::ZmpPiece kStep{.duration_s = 0.4, .from_m = {0.0, 0.0}, .to_m = {0.01, 0.006}};
 
 void check_leg(const ValidationSetup& setup, Findings& findings) {
   const Way way = walk_on_leg(kStart, kStep, setup);
-  const Pendulum gait(kHeight_m);
+  const simulation::Pendulum gait(kHeight_m);
   const Vector2d end_m = gait.advance(kStart, kStep, kStep.duration_s).position_m;
   const Vector2d acceleration = (kStart.position_m - kStep.from_m) / (kTimeConstant_s * kTimeConstant_s);
   for (int axis = 0; axis < 2; ++axis) {
@@ -137,8 +138,8 @@ Findings run_inverted_pendulum(const ValidationSetup& setup) {
 }  // namespace
 
 double inverted_pendulum_error_m(const ValidationSetup& setup) {
-  const PendulumState start{.position_m = {0.01, 0.0}};
-  const ZmpPiece zmp{.duration_s = 0.4};
+  const simulation::PendulumState start{.position_m = {0.01, 0.0}};
+  const simulation::ZmpPiece zmp{.duration_s = 0.4};
   return walk_on_leg(start, zmp, setup).position_m.back().x() -
          0.01 * std::cosh(zmp.duration_s / kTimeConstant_s);
 }

@@ -8,9 +8,9 @@
 #include "sim_board/sensor/ankle_zmp.h"
 #include "sim_board/world/foot.h"
 #include "sim_board/world/ground_truth.h"
+#include "simulation/observe/statistics.h"
+#include "simulation/scenario/simulation.h"
 #include "tools/plot/legend.h"
-#include "tools/run/simulation.h"
-#include "tools/run/statistics.h"
 #include "tools/validate/inertial_zmp.h"
 #include "tools/validate/rigs.h"
 #include "tools/validate/squat.h"
@@ -38,7 +38,7 @@ Vector2d by_contacts_m(const sim::World& world) {
 // The ankle sensors' ZMP of both feet, weighted with their loads, in the world.
 class SensorZmp {
  public:
-  SensorZmp(const Simulation& simulation, double noise_scale)
+  SensorZmp(const simulation::Simulation& simulation, double noise_scale)
       : simulation_(simulation), feet_(sim::feet_of(simulation.robot())) {
     const sim::SensorErrors errors{.seed = simulation.scenario().seed, .scale = noise_scale};
     const sim::RobotDescription& robot = simulation.robot();
@@ -64,7 +64,7 @@ class SensorZmp {
   }
 
  private:
-  const Simulation& simulation_;
+  const simulation::Simulation& simulation_;
   std::array<std::optional<sim::Foot>, 2> feet_;
   std::array<std::optional<sim::AnkleZmp>, 2> sensors_;
 };
@@ -73,7 +73,7 @@ class SensorZmp {
 // then and pushes nobody.
 class Comparison final : public sim::StepListener {
  public:
-  explicit Comparison(const Simulation& simulation)
+  explicit Comparison(const simulation::Simulation& simulation)
       : exact_(simulation, 0.0), noisy_(simulation, 1.0), inertial_(simulation.robot(), kGravity_m_per_s2) {}
 
   void before_step(sim::World& world, std::uint64_t start_us, std::uint64_t) override {
@@ -104,7 +104,7 @@ class Comparison final : public sim::StepListener {
   SensorZmp exact_;  // but for its resolution
   SensorZmp noisy_;
   InertialZmp inertial_;
-  RootMeanSquare inertial_rms_, exact_rms_, noisy_rms_;
+  simulation::RootMeanSquare inertial_rms_, exact_rms_, noisy_rms_;
   std::array<std::pair<std::string, std::vector<double>>, 6> columns_{{{"time_s", {}},
                                                                        {"contacts_x_mm", {}},
                                                                        {"inertial_x_mm", {}},
@@ -148,7 +148,7 @@ Plot figure(const Comparison& comparison) {
 
 Findings run_zmp_comparison(const ValidationSetup& setup) {
   sim::Scenario scenario = squat_scenario(setup);
-  Simulation simulation(scenario);
+  simulation::Simulation simulation(scenario);
   Comparison comparison(simulation);
   while (simulation.board().now_us() < kSquatBegins_us) simulation.advance();
   simulation.board().set_step_listener(&comparison);

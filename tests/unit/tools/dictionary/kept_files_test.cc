@@ -8,7 +8,7 @@
 #include "sim_board/robot/load.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/dictionary/files.h"
-#include "tools/run/parameters.h"
+#include "simulation/scenario/parameters.h"
 
 namespace koboshi::tools {
 namespace {
@@ -23,7 +23,7 @@ std::string contents(const std::filesystem::path& file) {
 TEST(DictionaryFiles, InTheRepositoryAreThoseOfTheTables) {
   const auto robot = kRoot / "robots/koboshi/robot.sdf";
   const auto files =
-      dictionary_files(sim::load_robot(robot), controller_values(sim::read_robot_parameters(robot)));
+      dictionary_files(sim::load_robot(robot), simulation::controller_values(sim::read_robot_parameters(robot)));
   EXPECT_EQ(files.size(), 8u);
   for (const GeneratedFile& file : files) {
     EXPECT_TRUE(contents(kRoot / "docs/reference" / file.name) == file.text)

@@ -9,9 +9,9 @@
 #include "firmware/app/dictionary.h"
 #include "sim_board/input/error.h"
 #include "sim_board/servo/drive_dictionary.h"
+#include "simulation/model/robot_model.h"
 #include "tests/unit/tools/dictionary/default_network.h"
 #include "tools/dictionary/configured_drive.h"
-#include "tools/model/robot_model.h"
 
 namespace koboshi::tools {
 namespace {
@@ -64,7 +64,7 @@ void expect_same(const canopen::PdoConfiguration& here, const canopen::PdoConfig
 
 TEST(ConfiguredDrive, AgreesWithTheControllersOwnPdos) {
   const sim::RobotDescription robot = default_robot();
-  const NamedModel model = load_named_model(robot);
+  const simulation::NamedModel model = simulation::load_named_model(robot);
   for (std::size_t joint = 0; joint < robot.joints.size(); ++joint) {
     const sim::DriveDescription& description = robot.joints[joint].drive;
     const ConfiguredDrive drive = configure_drive(model.model.joints[joint], description);
@@ -80,7 +80,8 @@ TEST(ConfiguredDrive, AgreesWithTheControllersOwnPdos) {
 TEST(ConfiguredDrive, SpeaksAsItDoesBeforeItsConfiguration) {
   const sim::RobotDescription robot = default_robot();
   const sim::DriveDescription& drive = robot.joints[0].drive;
-  const ConfiguredDrive configured = configure_drive(load_named_model(robot).model.joints[0], drive);
+  const ConfiguredDrive configured =
+      configure_drive(simulation::load_named_model(robot).model.joints[0], drive);
   const canopen::NodeDescription before = sim::drive_node_description(drive);
   EXPECT_EQ(before.tpdos[0].cob_id + drive.node_id, configured.tpdos[0].cob_id);
   EXPECT_EQ(before.tpdos[0].mapping, configured.tpdos[0].mapping);
@@ -91,7 +92,7 @@ TEST(ConfiguredDrive, SpeaksAsItDoesBeforeItsConfiguration) {
 TEST(ConfiguredDrive, TellsWhatTheFirmwareWrites) {
   const sim::RobotDescription robot = default_robot();
   const ConfiguredDrive configured =
-      configure_drive(load_named_model(robot).model.joints[0], robot.joints[0].drive);
+      configure_drive(simulation::load_named_model(robot).model.joints[0], robot.joints[0].drive);
   const auto written = [&](std::uint16_t index, std::uint8_t subindex) -> std::int64_t {
     const auto found = std::ranges::find_if(configured.writes, [&](const ConfiguredDrive::Write& write) {
       return write.address == canopen::ObjectAddress{index, subindex};
@@ -108,7 +109,7 @@ TEST(ConfiguredDrive, TellsWhatTheFirmwareWrites) {
 
 TEST(ConfiguredDrive, IsAnErrorWhereTheDriveIsAnother) {
   const sim::RobotDescription robot = default_robot();
-  const NamedModel model = load_named_model(robot);
+  const simulation::NamedModel model = simulation::load_named_model(robot);
   EXPECT_THROW(configure_drive(model.model.joints[0], robot.joints[1].drive), std::logic_error);
 }
 

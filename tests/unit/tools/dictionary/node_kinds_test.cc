@@ -9,8 +9,8 @@
 #include "firmware/canopen/device_services.h"
 #include "sim_board/sensor/sensor_dictionary.h"
 #include "sim_board/servo/drive_dictionary.h"
+#include "simulation/model/robot_model.h"
 #include "tests/unit/tools/dictionary/default_network.h"
-#include "tools/model/robot_model.h"
 
 namespace koboshi::tools {
 namespace {
@@ -120,7 +120,7 @@ void expect_true(const NodeKind& kind, const robot::RobotModel& robot = {}) {
 }
 
 TEST(Controller, HasTheObjectsOfItsDataSheetAndNoOthers) {
-  const robot::RobotModel model = load_named_model(default_robot()).model;
+  const robot::RobotModel model = simulation::load_named_model(default_robot()).model;
   expect_true<app::ControllerValues,
               canopen::NodeMemory<app::kFirstDriveRpdo + robot::kMaxJoints,
                                   app::kTelemetryTpdos + robot::kMaxJoints, robot::kMaxJoints, 32>>(
@@ -128,7 +128,7 @@ TEST(Controller, HasTheObjectsOfItsDataSheetAndNoOthers) {
 }
 
 TEST(Controller, HasThePdosAndConsumersOfItsDrives) {
-  const robot::RobotModel model = load_named_model(default_robot()).model;
+  const robot::RobotModel model = simulation::load_named_model(default_robot()).model;
   const NodeKind kind = controller_kind(model);
   EXPECT_EQ(kind.find({0x1400 + 2, 1})->default_value, "0x00000190");  // behind commands and velocity
   EXPECT_EQ(kind.find({0x1800 + 7, 1})->default_value, "0x40000210");  // behind the telemetry

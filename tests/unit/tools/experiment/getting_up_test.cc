@@ -10,8 +10,8 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::uint64_t kTick_us = 10'000;
 
-GroundTruth trunk(double tilt_rad, double height_m, double rate_rad_per_s = 0.0) {
-  GroundTruth truth;
+simulation::GroundTruth trunk(double tilt_rad, double height_m, double rate_rad_per_s = 0.0) {
+  simulation::GroundTruth truth;
   truth.tilt_rad = tilt_rad;
   truth.p_WB_W.z() = height_m;
   truth.pose_height_m = 0.16;
@@ -30,7 +30,7 @@ class GettingUpTest : public testing::Test {
     return scenario;
   }
   // Whether it was over before the end.
-  bool observe(const GroundTruth& truth, double until_s) {
+  bool observe(const simulation::GroundTruth& truth, double until_s) {
     for (; 1e-6 * static_cast<double>(now_us_) < until_s; now_us_ += kTick_us) {
       if (getting_up_.observe(truth, now_us_)) return true;
     }

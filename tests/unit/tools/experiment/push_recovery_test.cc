@@ -79,6 +79,26 @@ TEST(PushRecovery, TellsTheWorstPhaseOfTheWorstDirection) {
   EXPECT_EQ(walking.front(), walking.back()) << "closed";
 }
 
+TEST(PushRecovery, CountsHowPushesWereLost) {
+  PushRecoveryOptions options;
+  options.directions = 1;
+  Experiment experiment;
+  experiment.cells = {{"walking", {{"state", "walking"}, {"without", "nothing"}, {"direction_deg", "0.0"}}}};
+  ExperimentResult result;
+  result.cells.resize(1);
+  const auto lost = [](double fell, double gave_up) {
+    return Values{{"impulse_N_s_per_kg", 0.2}, {"phase", 0.5}, {"fell", fell}, {"gave_up", gave_up}};
+  };
+  result.cells[0].played = {{0, 1, lost(1, 0)},
+                            {0, 2, lost(0, 1)},
+                            {0, 3, lost(0, 1)},
+                            {0, 4, {{"impulse_N_s_per_kg", 0.3}, {"phase", 0.5}}}};
+  const Conclusions conclusions = push_recovery_conclusions(survived_pushes(options, experiment, result));
+  EXPECT_NE(conclusions.table(TableStyle::kMarkdown).find("| walking | 1 | 2 | 0 | 0 | 0 |"),
+            std::string::npos)
+      << conclusions.table(TableStyle::kMarkdown);
+}
+
 TEST(PushRecovery, TellsNoFigureOfWhatWasNotPlayed) {
   Experiment experiment;
   experiment.cells = {

@@ -1,0 +1,42 @@
+#include "simulation/batch/batch.h"
+
+#include <exception>
+#include <stdexcept>
+
+#include "simulation/batch/parallel.h"
+
+namespace koboshi::simulation {
+namespace {
+
+std::unique_ptr<WatchedSimulation> make_world(sim::Scenario scenario, std::uint64_t seed) {
+  scenario.seed = seed;
+  return std::make_unique<WatchedSimulation>(scenario);
+}
+
+}  // namespace
+
+Batch::Batch(const sim::Scenario& scenario, std::span<const std::uint64_t> seeds, std::size_t threads)
+    : scenario_(scenario), threads_(threads), worlds_(seeds.size()) {
+  if (seeds.empty()) throw std::invalid_argument("found no seed, expected one for each simulation");
+  if (threads == 0) throw std::invalid_argument("found 0 threads, expected at least 1");
+  for_each_parallel(seeds.size(), threads,
+                    [&](std::size_t world) { worlds_[world] = make_world(scenario_, seeds[world]); });
+}
+
+void Batch::step(std::size_t milliseconds) {
+  std::vector<std::exception_ptr> errors(worlds_.size());
+  for_each_parallel(worlds_.size(), threads_, [&](std::size_t world) {
+    try {
+      worlds_[world]->step(milliseconds);
+    } catch (...) {
+      errors[world] = std::current_exception();
+    }
+  });
+  for (const std::exception_ptr& error : errors) {
+    if (error) std::rethrow_exception(error);
+  }
+}
+
+void Batch::reset(std::size_t world, std::uint64_t seed) { worlds_.at(world) = make_world(scenario_, seed); }
+
+}  // namespace koboshi::simulation

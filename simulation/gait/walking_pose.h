@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "firmware/robot/leg.h"
+#include "sim_board/robot/description.h"
+#include "sim_board/world/link_tree.h"
+#include "simulation/gait/gait.h"
+#include "simulation/gait/gait_plan.h"
+#include "simulation/model/robot_model.h"
+
+namespace koboshi::simulation {
+
+// From what a plan intends to what the joints are told.
+class WalkingPose {
+ public:
+  // All must outlive this.
+  WalkingPose(const Gait& gait, const sim::RobotDescription& robot, const NamedModel& model);
+
+  // Joint targets in rad, by joint: the whole robot's centre of mass over the plan's, the trunk leaning as
+  // the gait says, the soles where the plan has them, and the servos' sag made up for. Throws
+  // sim::InputError.
+  std::vector<double> targets_rad(const GaitInstant& instant) const;
+
+ private:
+  std::vector<double> solve_legs(const GaitInstant& instant, const Eigen::Isometry3d& X_WB) const;
+  void compensate_sag(const GaitInstant& instant, const Eigen::Isometry3d& X_WB,
+                      std::vector<double>& angles_rad) const;
+  Eigen::Vector3d centre_of_mass(const std::vector<Eigen::Isometry3d>& X_WLs) const;
+  void check_limits(const std::vector<double>& angles_rad) const;
+
+  const Gait& gait_;
+  const sim::RobotDescription& robot_;
+  const NamedModel& model_;
+  sim::LinkTree tree_;
+  std::array<robot::LegGeometry, 2> legs_;
+  std::vector<double> upper_body_rad_;  // by joint; zero for the legs
+};
+
+}  // namespace koboshi::simulation

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <stdexcept>
+
+#include "hal/cortex_m/fault.h"
+#include "hal/cortex_m/mps2/wire.h"
+#include "sim_board/board/controller_host.h"
+#include "simulation/host/qemu_process.h"
+#include "simulation/scenario/simulation.h"
+
+namespace koboshi::simulation {
+
+// The firmware on the Cortex-M4 took a fault: its handler pulled the drive-enable line low and reset the
+// core.
+class FirmwareFault : public std::runtime_error {
+ public:
+  explicit FirmwareFault(const cortex_m::FaultRecord& record);
+  const cortex_m::FaultRecord& record() const { return record_; }
+
+ private:
+  cortex_m::FaultRecord record_;
+};
+
+// The firmware as the Cortex-M4 image, inside QEMU (hal/cortex_m/mps2).
+class QemuHost final : public sim::ControllerHost {
+ public:
+  // `more` are arguments for QEMU. Throws what QemuProcess throws, and std::length_error when the contents do
+  // not fit into storage.
+  QemuHost(const std::filesystem::path& image, std::span<const std::byte> storage_contents,
+           std::span<const std::string> more = {});
+
+  // Throws FirmwareFault besides what QemuProcess::ask throws. After a fault the core waits for `start`.
+  void exchange(const hal::BatchInput& input, hal::BatchOutput& output) override;
+  // Starts the firmware on what is in storage. The constructor has done so.
+  void start() { ask(cortex_m::wire::Kind::kStart, 0); }
+
+  // Instructions that the firmware executed in the last exchange: exact, and the same in each run.
+  std::uint32_t last_instructions() const;
+  // The deepest that the stack has been since the start.
+  std::uint32_t stack_peak_bytes();
+  // Breaks the machine. Always throws FirmwareFault.
+  void provoke(cortex_m::wire::Provocation provocation);
+
+  pid_t pid() const { return process_.pid(); }
+
+ private:
+  std::span<std::byte> request_body() { return std::span(request_).subspan(cortex_m::wire::kHeaderBytes); }
+  void program(std::span<const std::byte> contents);
+  // The body of the answer; valid until the next request.
+  std::span<const std::byte> ask(cortex_m::wire::Kind kind, std::size_t body_size);
+
+  QemuProcess process_;
+  std::array<std::byte, cortex_m::wire::kMaxMessageBytes> request_{};
+  std::array<std::byte, cortex_m::wire::kMaxMessageBytes> answer_{};
+  std::uint32_t last_periods_ = 0;  // of SysTick
+};
+
+// The firmware as this image inside QEMU.
+[[nodiscard]] HostFactory in_qemu(const std::filesystem::path& image);
+
+// Where ./run target puts the image: beside this program's preset, or in the current folder's build.
+[[nodiscard]] std::filesystem::path default_image();
+
+}  // namespace koboshi::simulation

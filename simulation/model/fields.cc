@@ -1,0 +1,226 @@
+#include "simulation/model/fields.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string_view>
+#include <utility>
+
+#include "firmware/fixed/host/convert.h"
+#include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
+#include "simulation/model/foot.h"
+
+namespace koboshi::simulation {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using fixed::from_double;
+using sim::InputError;
+using sim::JointDescription;
+using sim::RobotDescription;
+
+constexpr std::uint8_t kDrivePositionBits = 20;  // CiA 402 position unit of our drives: 2^-20 turn
+
+// In the order of robot::JointRole.
+constexpr std::array<std::string_view, robot::kRoleCount> kRoleNames{
+    "",
+    "head_pan",
+    "head_tilt",
+    "left_hip_yaw",
+    "left_hip_roll",
+    "left_hip_pitch",
+    "left_knee",
+    "left_ankle_pitch",
+    "left_ankle_roll",
+    "right_hip_yaw",
+    "right_hip_roll",
+    "right_hip_pitch",
+    "right_knee",
+    "right_ankle_pitch",
+    "right_ankle_roll",
+    "left_shoulder_pitch",
+    "left_shoulder_roll",
+    "left_elbow",
+    "right_shoulder_pitch",
+    "right_shoulder_roll",
+    "right_elbow",
+};
+
+robot::JointRole role_of(const std::string& name) {
+  const auto found = std::find(kRoleNames.begin() + 1, kRoleNames.end(), name);
+  return found == kRoleNames.end() ? robot::JointRole::kOther
+                                   : static_cast<robot::JointRole>(found - kRoleNames.begin());
+}
+
+int index_of_joint(const RobotDescription& robot, const std::string& name) {
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    if (robot.joints[i].name == name) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+// The joint that carries the link, kBase for the trunk.
+std::int8_t carrier_of(const RobotDescription& robot, int link) {
+  if (link == 0) return robot::kBase;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    if (robot.joints[i].child == link) return static_cast<std::int8_t>(i);
+  }
+  throw InputError(robot.file, 0,
+                   "a link that no joint carries, " + robot.links.at(static_cast<std::size_t>(link)).name,
+                   "a tree of joints that begins at the base");
+}
+
+std::string other_side(const std::string& name) {
+  if (name.starts_with("left_")) return "right_" + name.substr(5);
+  if (name.starts_with("right_")) return "left_" + name.substr(6);
+  return name;
+}
+
+void set_mirror(const RobotDescription& robot, std::size_t index, robot::Joint& joint) {
+  const JointDescription& described = robot.joints[index];
+  const std::string partner = other_side(described.name);
+  const int found = index_of_joint(robot, partner);
+  joint.mirror = static_cast<std::uint8_t>(found < 0 ? static_cast<int>(index) : found);
+  const double cosine = sim::mirrored_axis(described.axis_M).dot(robot.joints[joint.mirror].axis_M);
+  if (found >= 0 && partner != described.name && std::abs(cosine) < 1.0 - 1e-9) {
+    throw InputError(robot.file, 0,
+                     "axes of " + described.name + " and " + partner + " that are no mirror images",
+                     "a left and a right joint with one axis or its opposite, mirrored");
+  }
+  joint.mirror_sign = cosine < 0.0 ? std::int8_t{-1} : std::int8_t{1};
+}
+
+// What the firmware's image may hold; checked here, where the link's name and line are known.
+fixed::Mass mass_of(const RobotDescription& robot, std::size_t link) {
+  const sim::LinkDescription& described = robot.links.at(link);
+  const double max_kg = fixed::to_double(robot::kMaxLinkMass);
+  if (described.mass_kg > max_kg) {
+    throw InputError(
+        robot.file, described.mass_line,
+        "a mass of " + sim::number_text(described.mass_kg) + " kg in link " + described.name,
+        "at most " + sim::number_text(max_kg) + " kg a link, the most that the firmware can represent");
+  }
+  return from_double<fixed::Mass>(described.mass_kg);
+}
+
+robot::Drive drive_fields(const sim::DriveDescription& drive) {
+  return {.node_id = drive.node_id,
+          .sign = static_cast<std::int8_t>(drive.sign),
+          .position_bits = kDrivePositionBits,
+          .zero = from_double<fixed::Angle>(drive.zero_rad),
+          .vendor_id = drive.vendor_id,
+          .product_code = drive.product_code,
+          .serial_number = drive.serial_number};
+}
+
+// The zero pose seen from the base: all that the firmware knows is in the base's axes.
+class BaseFrame {
+ public:
+  explicit BaseFrame(const RobotDescription& robot)
+      : robot_(robot), X_BM_(robot.links.at(0).X_ML.inverse()) {}
+
+  robot::Position offset(const Vector3d& from_M, const Vector3d& to_M) const {
+    return fixed_position(X_BM_.linear() * (to_M - from_M));
+  }
+  robot::Direction direction(const Vector3d& v_M) const {
+    const Vector3d v_B = (X_BM_.linear() * v_M).normalized();
+    return {from_double<fixed::Ratio>(v_B.x()), from_double<fixed::Ratio>(v_B.y()),
+            from_double<fixed::Ratio>(v_B.z())};
+  }
+  Vector3d centre_of_mass_M(int link) const {
+    const sim::LinkDescription& described = robot_.links.at(static_cast<std::size_t>(link));
+    return described.X_ML * described.p_LCom_L;
+  }
+
+ private:
+  const RobotDescription& robot_;
+  Isometry3d X_BM_;
+};
+
+// A limit of half a turn is often written with a few digits only, and then on either side of it.
+fixed::Angle limit(double angle_rad) {
+  return from_double<fixed::Angle>(std::clamp(angle_rad, -std::numbers::pi, std::numbers::pi));
+}
+
+robot::Joint joint_fields(const RobotDescription& robot, const BaseFrame& frame, std::size_t index) {
+  const JointDescription& described = robot.joints[index];
+  robot::Joint joint;
+  joint.role = role_of(described.name);
+  joint.parent = carrier_of(robot, described.parent);
+  set_mirror(robot, index, joint);
+  const Vector3d parent_M = joint.parent == robot::kBase
+                                ? Vector3d(robot.links[0].X_ML.translation())
+                                : robot.joints[static_cast<std::size_t>(joint.parent)].p_MJ;
+  joint.anchor = frame.offset(parent_M, described.p_MJ);
+  joint.axis = frame.direction(described.axis_M);
+  joint.lower = limit(described.lower_rad);
+  joint.upper = limit(described.upper_rad);
+  joint.max_speed = from_double<fixed::AngularRate>(described.max_speed_rad_per_s);
+  joint.drive = drive_fields(described.drive);
+  joint.mass = mass_of(robot, static_cast<std::size_t>(described.child));
+  joint.centre_of_mass = frame.offset(described.p_MJ, frame.centre_of_mass_M(described.child));
+  return joint;
+}
+
+void set_inertial_unit(const RobotDescription& robot, const BaseFrame& frame, robot::RobotModel& model) {
+  if (!robot.imu || robot.imu->link != 0) {
+    throw InputError(robot.file, 0, robot.imu ? "an inertial unit outside the base" : "no inertial unit",
+                     "one in the base");
+  }
+  const Isometry3d X_MI = robot.links[0].X_ML * robot.imu->X_LS;
+  const auto R_IB =
+      robot::Rotation{{frame.direction(X_MI.linear().col(0)), frame.direction(X_MI.linear().col(1)),
+                       frame.direction(X_MI.linear().col(2))}};
+  model.R_BI = robot::transpose(R_IB);
+  model.scales.gyro = from_double<fixed::AngularRate>(robot.imu->gyro.resolution * kFullScaleCounts);
+  model.scales.accelerometer =
+      from_double<fixed::Acceleration>(robot.imu->accelerometer.resolution * kFullScaleCounts);
+}
+
+void set_name(const RobotDescription& robot, robot::RobotModel& model) {
+  if (robot.name.empty() || robot.name.size() > robot::kModelNameSize) {
+    throw InputError(robot.file, 0, "the robot's name '" + robot.name + "'",
+                     "a name of 1 to " + std::to_string(robot::kModelNameSize) + " letters");
+  }
+  std::copy(robot.name.begin(), robot.name.end(), model.name.begin());
+}
+
+void check_joint(const RobotDescription& robot, const JointDescription& joint) {
+  const auto whole_turn = [](double angle_rad) {
+    return std::abs(angle_rad) <= std::numbers::pi * (1.0 + 1e-6);
+  };
+  if (!whole_turn(joint.lower_rad) || !whole_turn(joint.upper_rad)) {
+    throw InputError(robot.file, 0, "limits of " + joint.name + " beyond half a turn",
+                     "limits within +-180 degrees");
+  }
+  if (std::abs(joint.drive.sign) != 1) {
+    throw InputError(robot.file, 0,
+                     "a drive sign of " + joint.name + " of " + std::to_string(joint.drive.sign), "1 or -1");
+  }
+}
+
+}  // namespace
+
+robot::RobotModel model_fields(const RobotDescription& robot) {
+  if (robot.joints.empty() || robot.joints.size() > robot::kMaxJoints) {
+    throw InputError(robot.file, 0, std::to_string(robot.joints.size()) + " joints",
+                     "1 to " + std::to_string(robot::kMaxJoints));
+  }
+  for (const JointDescription& joint : robot.joints) check_joint(robot, joint);
+  const BaseFrame frame(robot);
+  robot::RobotModel model;
+  set_name(robot, model);
+  model.joint_count = robot.joints.size();
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) model.joints[i] = joint_fields(robot, frame, i);
+  model.base_mass = mass_of(robot, 0);
+  model.base_centre_of_mass = frame.offset(robot.links[0].X_ML.translation(), frame.centre_of_mass_M(0));
+  model.body_height = body_height(robot);
+  set_inertial_unit(robot, frame, model);
+  set_feet(robot, model);
+  return model;
+}
+
+}  // namespace koboshi::simulation

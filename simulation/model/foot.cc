@@ -1,0 +1,133 @@
+#include "simulation/model/foot.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "firmware/fixed/host/convert.h"
+#include "sim_board/input/error.h"
+
+namespace koboshi::simulation {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using fixed::from_double;
+using sim::InputError;
+using sim::RobotDescription;
+
+constexpr double kFlat_m = 1e-4;  // corners that are no higher than this above the lowest touch the ground
+
+// Corners of the link's collision boxes at joint zero, in the base's frame.
+std::vector<Vector3d> corners_B(const RobotDescription& robot, const sim::LinkDescription& link) {
+  const Isometry3d X_BL = robot.links.at(0).X_ML.inverse() * link.X_ML;
+  std::vector<Vector3d> corners;
+  for (const sim::BoxDescription& box : link.collisions) {
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vector3d sign((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1, (corner & 4) != 0 ? 1 : -1);
+      corners.push_back(X_BL * box.X_LG * Vector3d(0.5 * sign.cwiseProduct(box.size_m)));
+    }
+  }
+  return corners;
+}
+
+double lowest_z(const std::vector<Vector3d>& corners) {
+  return std::min_element(corners.begin(), corners.end(),
+                          [](const Vector3d& a, const Vector3d& b) { return a.z() < b.z(); })
+      ->z();
+}
+
+struct Ankle {
+  std::string name;  // of the ankle's roll joint
+  int joint = -1;
+  Vector3d p_BAnkle;
+};
+
+Ankle find_ankle(const RobotDescription& robot, const std::string& side) {
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    if (robot.joints[i].name != side + "_ankle_roll") continue;
+    return {robot.joints[i].name, static_cast<int>(i),
+            robot.links.at(0).X_ML.inverse() * robot.joints[i].p_MJ};
+  }
+  throw InputError(robot.file, 0, "no joint " + side + "_ankle_roll", "two legs");
+}
+
+void set_sole(const RobotDescription& robot, const Ankle& ankle, robot::Foot& foot) {
+  const int link = robot.joints[static_cast<std::size_t>(ankle.joint)].child;
+  std::vector<Vector3d> corners = corners_B(robot, robot.links.at(static_cast<std::size_t>(link)));
+  if (corners.empty()) {
+    throw InputError(robot.file, 0, "no collision box below " + ankle.name, "a sole");
+  }
+  const double sole_z = lowest_z(corners);
+  std::erase_if(corners, [&](const Vector3d& corner) { return corner.z() > sole_z + kFlat_m; });
+  const auto [back, front] = std::minmax_element(
+      corners.begin(), corners.end(), [](const Vector3d& a, const Vector3d& b) { return a.x() < b.x(); });
+  const auto [right, left] = std::minmax_element(
+      corners.begin(), corners.end(), [](const Vector3d& a, const Vector3d& b) { return a.y() < b.y(); });
+  foot.ankle_height = from_double<fixed::Length>(ankle.p_BAnkle.z() - sole_z);
+  foot.back = from_double<fixed::Length>(back->x() - ankle.p_BAnkle.x());
+  foot.front = from_double<fixed::Length>(front->x() - ankle.p_BAnkle.x());
+  foot.right = from_double<fixed::Length>(right->y() - ankle.p_BAnkle.y());
+  foot.left = from_double<fixed::Length>(left->y() - ankle.p_BAnkle.y());
+}
+
+void set_sensor(const RobotDescription& robot, const Ankle& ankle, const sim::AnkleSensorDescription& sensor,
+                robot::Foot& foot) {
+  const int link = robot.joints[static_cast<std::size_t>(ankle.joint)].child;
+  const Isometry3d X_BS =
+      robot.links.at(0).X_ML.inverse() * robot.links.at(static_cast<std::size_t>(link)).X_ML * sensor.X_LS;
+  if (sensor.joint != ankle.joint || !X_BS.linear().isApprox(Eigen::Matrix3d::Identity(), 1e-6)) {
+    throw InputError(robot.file, 0, "the sensor " + sensor.name,
+                     "a force/torque sensor on " + ankle.name + " with the foot's axes");
+  }
+  const Vector3d p_BSole = ankle.p_BAnkle - Vector3d(0, 0, fixed::to_double(foot.ankle_height));
+  const Vector3d p_SoleS = X_BS.translation() - p_BSole;
+  if (std::abs(p_SoleS.z() - sensor.height_above_sole_m) > kFlat_m) {
+    throw InputError(robot.file, 0,
+                     "the sensor " + sensor.name + " at another height above the sole than it says",
+                     std::to_string(p_SoleS.z()) + " m");
+  }
+  foot.sensor = fixed_position(p_SoleS);
+}
+
+}  // namespace
+
+robot::Position fixed_position(const Vector3d& p_m) {
+  return {from_double<fixed::Length>(p_m.x()), from_double<fixed::Length>(p_m.y()),
+          from_double<fixed::Length>(p_m.z())};
+}
+
+fixed::Length body_height(const RobotDescription& robot) {
+  double lowest = 0.0;
+  double highest = 0.0;
+  for (const sim::LinkDescription& link : robot.links) {
+    for (const Vector3d& corner : corners_B(robot, link)) {
+      lowest = std::min(lowest, corner.z());
+      highest = std::max(highest, corner.z());
+    }
+  }
+  return from_double<fixed::Length>(highest - lowest);
+}
+
+void set_feet(const RobotDescription& robot, robot::RobotModel& model) {
+  if (!robot.left_ankle || !robot.right_ankle) {
+    throw InputError(robot.file, 0, "an ankle without a force/torque sensor", "one in each");
+  }
+  if (robot.left_ankle->force.resolution != robot.right_ankle->force.resolution ||
+      robot.left_ankle->torque.resolution != robot.right_ankle->torque.resolution) {
+    throw InputError(robot.file, 0, "ankle sensors of different resolution", "two of a kind");
+  }
+  model.scales.ankle_force = from_double<fixed::Force>(robot.left_ankle->force.resolution * kFullScaleCounts);
+  model.scales.ankle_torque =
+      from_double<fixed::Torque>(robot.left_ankle->torque.resolution * kFullScaleCounts);
+  const Ankle left = find_ankle(robot, "left");
+  const Ankle right = find_ankle(robot, "right");
+  set_sole(robot, left, model.feet[0]);
+  set_sole(robot, right, model.feet[1]);
+  set_sensor(robot, left, *robot.left_ankle, model.feet[0]);
+  set_sensor(robot, right, *robot.right_ankle, model.feet[1]);
+}
+
+}  // namespace koboshi::simulation

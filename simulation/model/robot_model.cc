@@ -1,0 +1,109 @@
+#include "simulation/model/robot_model.h"
+
+#include <array>
+#include <stdexcept>
+#include <string_view>
+
+#include "sim_board/input/error.h"
+#include "simulation/model/fields.h"
+#include "simulation/model/image_writer.h"
+
+namespace koboshi::simulation {
+namespace {
+
+using sim::InputError;
+using sim::RobotDescription;
+
+void write_foot(ImageWriter& writer, const robot::Foot& foot) {
+  writer.quantity(foot.ankle_height);
+  writer.quantity(foot.back);
+  writer.quantity(foot.front);
+  writer.quantity(foot.right);
+  writer.quantity(foot.left);
+  writer.vector(foot.sensor);
+}
+
+void write_body(ImageWriter& writer, const robot::RobotModel& model) {
+  writer.u8(static_cast<std::uint8_t>(model.joint_count));
+  for (const char letter : model.name) writer.u8(static_cast<std::uint8_t>(letter));
+  writer.quantity(model.base_mass);
+  writer.vector(model.base_centre_of_mass);
+  writer.quantity(model.body_height);
+  for (const robot::Direction& row : model.R_BI.rows) writer.vector(row);
+  writer.quantity(model.scales.gyro);
+  writer.quantity(model.scales.accelerometer);
+  writer.quantity(model.scales.ankle_force);
+  writer.quantity(model.scales.ankle_torque);
+  for (const robot::Foot& foot : model.feet) write_foot(writer, foot);
+}
+
+void write_joint(ImageWriter& writer, const robot::Joint& joint) {
+  writer.u8(static_cast<std::uint8_t>(joint.role));
+  writer.i8(joint.parent);
+  writer.u8(joint.mirror);
+  writer.i8(joint.mirror_sign);
+  writer.u8(joint.drive.node_id);
+  writer.i8(joint.drive.sign);
+  writer.u8(joint.drive.position_bits);
+  writer.vector(joint.anchor);
+  writer.vector(joint.axis);
+  writer.quantity(joint.lower);
+  writer.quantity(joint.upper);
+  writer.quantity(joint.max_speed);
+  writer.quantity(joint.drive.zero);
+  writer.u32(joint.drive.vendor_id);
+  writer.u32(joint.drive.product_code);
+  writer.u32(joint.drive.serial_number);
+  writer.quantity(joint.mass);
+  writer.vector(joint.centre_of_mass);
+}
+
+constexpr std::array<std::string_view, 16> kModelStatusTexts{
+    "a good robot model",
+    "a robot model cut short",
+    "something that is no robot model",
+    "a robot model of another version",
+    "a robot model with a wrong size",
+    "a robot model with a CRC-32 that does not fit",
+    "a number of joints beyond what the firmware has room for",
+    "a sign, role, node id, index or unit without meaning",
+    "a length, mass, speed or sensor scale out of range",
+    "an axis that is no unit vector, or an inertial unit whose axes are no rotation",
+    "a joint whose lower limit is above its upper one",
+    "joints that carry each other in a circle",
+    "two drives with one node id",
+    "two joints with one role",
+    "a left-right table that does not lead back",
+    "a leg without one of its six joints, or with axes that do not meet in hip and ankle",
+};
+
+}  // namespace
+
+std::string describe(robot::ModelStatus status) {
+  return std::string(kModelStatusTexts.at(static_cast<std::size_t>(status)));
+}
+
+std::vector<std::byte> make_robot_model(const RobotDescription& robot) {
+  const robot::RobotModel fields = model_fields(robot);
+  ImageWriter writer;
+  write_body(writer, fields);
+  for (std::size_t i = 0; i < fields.joint_count; ++i) write_joint(writer, fields.joints[i]);
+  std::vector<std::byte> image = writer.finish(robot::kModelMagic, robot::kModelVersion);
+  robot::RobotModel loaded;
+  const robot::ModelStatus status = robot::load_model(image, loaded);
+  if (status != robot::ModelStatus::kOk) {
+    throw InputError(robot.file, 0, describe(status), "a robot that the firmware can run on");
+  }
+  return image;
+}
+
+NamedModel load_named_model(const RobotDescription& robot) {
+  NamedModel named{.robot = robot.name, .joint_names = {}, .image = make_robot_model(robot), .model = {}};
+  for (const sim::JointDescription& joint : robot.joints) named.joint_names.push_back(joint.name);
+  if (robot::load_model(named.image, named.model) != robot::ModelStatus::kOk) {
+    throw std::logic_error("a robot model that was good is not any more");
+  }
+  return named;
+}
+
+}  // namespace koboshi::simulation

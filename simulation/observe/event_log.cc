@@ -1,0 +1,365 @@
+#include "simulation/observe/event_log.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "firmware/app/controller_objects.h"
+#include "firmware/canopen/cob_id.h"
+#include "firmware/canopen/frame.h"
+#include "firmware/drive/configuration.h"
+#include "simulation/observe/event_words.h"
+
+namespace koboshi::simulation {
+namespace {
+
+using behaviour::Command;
+using behaviour::State;
+
+// The controller takes a frame within a millisecond, and the telemetry of a tick is on the bus 2.6 to 3 ms
+// after it (docs/design/timing.md).
+constexpr std::uint64_t kAnswer_us = 4'000;
+// Emergency messages with the same code that follow each other within this time are one event: twenty drives
+// that miss the same heartbeat.
+constexpr std::uint64_t kSameEmergency_us = 100'000;
+
+constexpr std::uint16_t kCommandIdentifier = canopen::kRpdo1Base + drive::kControllerNodeId;
+constexpr std::uint16_t kVelocityIdentifier = kCommandIdentifier + canopen::kPdoStep;
+constexpr std::uint16_t kStateIdentifier = canopen::kTpdo1Base + drive::kControllerNodeId;
+constexpr std::uint16_t kSdoIdentifier = canopen::kSdoRequestBase + drive::kControllerNodeId;
+
+walk::Velocity velocity_of(const hal::CanFrame& frame) {
+  const auto part = [&](std::size_t at) {
+    return static_cast<std::int16_t>(canopen::load_u16(&frame.data[at]));
+  };
+  return {part(0), part(2), part(4)};
+}
+
+nlohmann::ordered_json velocity_json(const walk::Velocity& velocity) {
+  return {{"forward_m_per_s", velocity.forward_mm_per_s / 1000.0},
+          {"left_m_per_s", velocity.left_mm_per_s / 1000.0},
+          {"turn_rad_per_s", velocity.turn_mrad_per_s / 1000.0}};
+}
+
+}  // namespace
+
+EventLog::EventLog(const sim::Scenario& scenario, const NamedModel& model, const walk::VelocityLimits& limits)
+    : scenario_(scenario),
+      model_(model),
+      limits_(limits),
+      begun_(scenario.faults.size()),
+      ended_(scenario.faults.size()) {}
+
+void EventLog::add(std::uint64_t time_us, const std::string& kind, const std::string& text,
+                   nlohmann::ordered_json fields) {
+  if (kind != "command" && kind != "velocity") last_text_ = text;
+  if (events_.size() >= kMaxEvents) {
+    ++left_out_;
+    return;
+  }
+  events_.push_back({time_us, kind, text, std::move(fields)});
+}
+
+void EventLog::on_bus_frame(const hal::CanFrame& frame, std::uint64_t end_us, const Telemetry& said) {
+  switch (frame.identifier) {
+    case kCommandIdentifier:
+      if (frame.size < 3) return;
+      return hear_command(static_cast<Command>(frame.data[0]),
+                          static_cast<std::int16_t>(canopen::load_u16(&frame.data[1])), end_us, said);
+    case kVelocityIdentifier:
+      if (frame.size < 6) return;
+      velocity_ = velocity_of(frame);
+      velocity_us_ = end_us;
+      return;
+    case kSdoIdentifier:
+      return hear_sdo(frame, end_us, said);
+    case kStateIdentifier:
+      follow_state(end_us, said);
+      judge_commands(end_us, said);
+      return judge_velocity(end_us, said);
+    default:
+      if ((frame.identifier & ~0x7F) == canopen::kEmergencyBase && (frame.identifier & 0x7F) != 0)
+        hear_emergency(frame, end_us);
+  }
+}
+
+// Expedited downloads (CiA 301, 7.2.4.3.3) to the object of commands.
+void EventLog::hear_sdo(const hal::CanFrame& frame, std::uint64_t time_us, const Telemetry& said) {
+  const bool is_download = (frame.data[0] & 0xE2) == 0x22;
+  if (!is_download || canopen::load_u16(&frame.data[1]) != app::kRequestObject) return;
+  const std::uint16_t value = canopen::load_u16(&frame.data[4]);
+  if (frame.data[3] == 2) sdo_argument_ = static_cast<std::int16_t>(value);
+  if (frame.data[3] == 1) hear_command(static_cast<Command>(value & 0xFF), sdo_argument_, time_us, said);
+}
+
+void EventLog::hear_command(Command command, std::int16_t argument, std::uint64_t time_us,
+                            const Telemetry& said) {
+  if (command == Command::kNone) return;
+  GivenCommand given{time_us, command, argument, {}, said.state};
+  if (command == Command::kWalk) {
+    given.velocity = velocity_.value_or(walk::Velocity{});
+    told_velocity_ = given.velocity;
+    velocity_us_.reset();
+  }
+  given_.push_back(given);
+}
+
+// The telemetry tells the outcome of the last command only.
+void EventLog::judge_commands(std::uint64_t time_us, const Telemetry& said) {
+  const auto ready = [&](const GivenCommand& given) { return time_us >= given.time_us + kAnswer_us; };
+  const auto last = std::ranges::find_if_not(given_, ready);
+  for (auto given = given_.begin(); given != last; ++given) judge(*given, said);
+  given_.erase(given_.begin(), last);
+}
+
+void EventLog::judge(const GivenCommand& given, const Telemetry& said) {
+  const std::string verb(canopen::name_of(app::kCommandNames, static_cast<std::int64_t>(given.command)));
+  nlohmann::ordered_json fields{{"command", verb}};
+  std::string text = verb.empty() ? fmt::format("{}", static_cast<int>(given.command)) : verb;
+  if (given.command == Command::kPlay) {
+    text += " " + motion_name(given.argument);
+    fields["motion"] = motion_name(given.argument);
+  }
+  if (given.velocity) {
+    text += ", " + velocity_text(*given.velocity);
+    fields.update(velocity_json(*given.velocity));
+  }
+  const bool is_refused = said.refusal != behaviour::Reason::kNone;
+  fields["outcome"] = is_refused ? "refused" : "obeyed";
+  std::string outcome = "obeyed";
+  if (is_refused) {
+    ++refused_;
+    outcome = fmt::format("refused, {} ({})", name_of(said.refusal), name_of(given.state));
+    fields["reason"] = name_of(said.refusal);
+    fields["state"] = name_of(given.state);
+  } else if (given.velocity && clamped(*given.velocity, limits_) != *given.velocity) {
+    ++refused_;
+    outcome = "obeyed, but its velocity is refused, " + name_of(behaviour::Reason::kVelocityOutOfRange);
+    fields["reason"] = name_of(behaviour::Reason::kVelocityOutOfRange);
+  }
+  last_command_ = text + ": " + outcome;
+  add(given.time_us, "command", "Command " + last_command_ + ".", fields);
+}
+
+void EventLog::judge_velocity(std::uint64_t time_us, const Telemetry& said) {
+  if (!velocity_us_ || time_us < *velocity_us_ + kAnswer_us) return;
+  const std::uint64_t at_us = *std::exchange(velocity_us_, std::nullopt);
+  if (told_velocity_ == velocity_) return;  // a joystick repeats it
+  told_velocity_ = velocity_;
+  const bool is_refused = said.refusal == behaviour::Reason::kVelocityOutOfRange;
+  refused_ += is_refused ? 1 : 0;
+  nlohmann::ordered_json fields = velocity_json(*velocity_);
+  fields["outcome"] = is_refused ? "refused" : "obeyed";
+  if (is_refused) fields["reason"] = name_of(said.refusal);
+  last_command_ = fmt::format("velocity {}: {}", velocity_text(*velocity_),
+                              is_refused ? "refused, " + name_of(said.refusal) : "obeyed");
+  add(at_us, "velocity", "V" + last_command_.substr(1) + ".", fields);
+}
+
+void EventLog::hear_emergency(const hal::CanFrame& frame, std::uint64_t time_us) {
+  if (frame.size != 8) return;
+  const std::uint16_t code = canopen::load_u16(frame.data.data());
+  if (code == 0) return;  // the end of an error
+  const std::string node = node_name(static_cast<std::uint8_t>(frame.identifier & 0x7F));
+  const std::string name(canopen::name_of(canopen::kErrorCodeNames, code));
+  const std::string what = fmt::format("Emergency message 0x{:04X}{}", code, name.empty() ? "" : ", " + name);
+  const auto group = emergencies_.find(code);
+  if (group != emergencies_.end() && time_us <= group->second.last_us + kSameEmergency_us) {
+    group->second.last_us = time_us;
+    sim::RunEvent& event = events_[group->second.event];
+    auto& nodes = event.fields["nodes"];
+    if (std::ranges::find(nodes, nlohmann::ordered_json(node)) == nodes.end()) nodes.push_back(node);
+    if (nodes.size() > 1) event.text = fmt::format("{}, from {} nodes.", what, nodes.size());
+    return;
+  }
+  if (events_.size() < kMaxEvents) emergencies_[code] = {events_.size(), time_us};
+  add(time_us, "emergency", what + ", from " + node + ".",
+      {{"code", fmt::format("0x{:04X}", code)}, {"name", name}, {"nodes", {node}}});
+}
+
+void EventLog::follow_state(std::uint64_t time_us, const Telemetry& said) {
+  if (heard_state_ && said.state != said_.state) {
+    tell_cut_off(time_us, said);
+    tell_state(time_us, said);
+    entered_us_ = time_us;
+  }
+  heard_state_ = true;
+  said_.state = said.state;
+  said_.motion = said.motion;
+}
+
+// What was under way and did not come to its own end.
+void EventLog::tell_cut_off(std::uint64_t time_us, const Telemetry& said) {
+  const bool was_moving = said_.state == State::kMotion || said_.state == State::kWalking;
+  if (!was_moving || said.state == State::kStanding) return;
+  const std::string what =
+      said_.state == State::kMotion ? motion_name(said_.motion) : std::string("the walk");
+  cut_offs_.push_back(what + " was cut off at " + seconds_text(time_us));
+  add(time_us, "cut_off",
+      fmt::format("{} is cut off after {}: {}.",
+                  said_.state == State::kMotion ? "The motion " + what : "The walk",
+                  seconds_text(time_us - entered_us_), reason_text(said)),
+      {{"motion", said_.state == State::kMotion ? what : "walk"},
+       {"after_s", static_cast<double>(time_us - entered_us_) / 1e6},
+       {"reason", reason_text(said)}});
+}
+
+void EventLog::tell_state(std::uint64_t time_us, const Telemetry& said) {
+  const std::string motion = motion_name(said.motion);
+  const auto tell = [&](const char* kind, const std::string& text) {
+    add(time_us, kind, text,
+        {{"from", name_of(said_.state)}, {"to", name_of(said.state)}, {"reason", reason_text(said)}});
+  };
+  switch (said.state) {
+    case State::kBoot:
+      return tell("state", "The controller boots.");
+    case State::kLimp:
+      return tell("state", said_.state == State::kBoot ? "Limp and ready: drives and sensors have answered."
+                                                       : "Limp: " + reason_text(said) + ".");
+    case State::kEnabling:
+      return tell("state", "The drives are enabled.");
+    case State::kSoftStart:
+      return tell("state", said_.state == State::kEnabling
+                               ? "Goes to the standing pose."
+                               : "Goes to the standing pose: " + reason_text(said) + ".");
+    case State::kStanding:
+      if (said_.state == State::kMotion) return tell("state", "Stands: the motion has ended.");
+      if (said_.state == State::kWalking) return tell("state", "Stands: the walk has ended.");
+      if (said_.state == State::kSteadying) {
+        const std::string since =
+            down_us_ ? fmt::format(", {} after {}", seconds_text(time_us - *down_us_), down_by_) : "";
+        tell("recovery_ended",
+             fmt::format("Stands: has got up at attempt {}{}.", std::max<std::size_t>(attempts_, 1), since));
+      } else {
+        tell("state", "Stands.");
+      }
+      attempts_ = 0;
+      down_us_.reset();
+      return;
+    case State::kMotion:
+      return tell("state", "Plays the motion " + motion + ".");
+    case State::kWalking:
+      return tell("state", "Walks.");
+    case State::kFalling:
+      down_us_ = time_us;
+      down_by_ = "the fall was foreseen";
+      return tell("fall_foreseen", "A fall is foreseen: takes the pose of " + motion + ".");
+    case State::kFallen:
+      if (gets_up(said_.state))
+        return tell("recovery_failed", "The attempt to get up has failed: " + reason_text(said) + ".");
+      if (!down_us_) {
+        down_us_ = time_us;
+        down_by_ = "it was told to";
+      }
+      return tell("state", "Down and limp, until it lies still.");
+    case State::kRighting:
+      if (said_.state == State::kRolling) return tell("state", "Has rolled.");
+      return tell("recovery_begun", fmt::format("Begins to get up, attempt {}.", ++attempts_));
+    case State::kRolling:
+      return tell("state", fmt::format("Rolls, {}, with the motion {}.", name_of(said.reason), motion));
+    case State::kRising:
+      return tell("state", fmt::format("Rises, {}, with the motion {}.", name_of(said.reason), motion));
+    case State::kSteadying:
+      return tell("state", "Has risen, and comes to rest.");
+    case State::kLowBattery:
+      return tell("low_supply", "The supply is low: stands, and obeys only limp and the emergency stop.");
+    case State::kFault:
+      return tell("fault", "Fault: " + reason_text(said) + ".");
+    case State::kEmergencyStop:
+      return tell("emergency_stop", "Emergency stop: limp at once.");
+  }
+}
+
+void EventLog::observe_tick(std::uint64_t now_us, const Telemetry& said, const GroundTruth& truth,
+                            std::span<const sim::Push> pushes) {
+  now_us_ = now_us;
+  said_ = said;
+  truth_ = truth;
+  follow_scenario(now_us, pushes);
+  follow_truth(now_us);
+}
+
+void EventLog::follow_truth(std::uint64_t now_us) {
+  if (truth_.tilt_rad > kFallen_rad && was_upright_ && !is_down_) {
+    is_down_ = true;
+    falls_.push_back({now_us, {}});
+    const std::string direction = lean_direction(truth_.rpy_rad);
+    add(now_us, "fall", "The robot falls: its trunk leans more than 60 degrees, to the " + direction + ".",
+        {{"direction", direction}});
+  }
+  if (truth_.tilt_rad >= kUpAgain_rad) return;
+  was_upright_ = true;
+  is_down_ = false;
+  const bool on_its_feet = behaviour::kBalancing.contains(said_.state) && said_.state != State::kSteadying;
+  if (!falls_.empty() && !falls_.back().up_us && on_its_feet) falls_.back().up_us = now_us;
+}
+
+void EventLog::follow_scenario(std::uint64_t now_us, std::span<const sim::Push> pushes) {
+  const auto release_us = scenario_.initial.release_us;
+  if (!released_ && release_us && now_us > *release_us) {
+    released_ = true;
+    add(*release_us, "release", "The stand lets go of the robot.");
+  }
+  for (; next_push_ < pushes.size() && pushes[next_push_].at_us < now_us; ++next_push_)
+    tell_push(pushes[next_push_]);
+  for (std::size_t i = 0; i < begun_.size(); ++i) {
+    const sim::Fault& fault = scenario_.faults[i];
+    const nlohmann::ordered_json fields{
+        {"fault", sim::Fault::kind_names()[static_cast<std::size_t>(fault.kind)]},
+        {"target", fault.target.text}};
+    if (!begun_[i] && fault.at_us < now_us) {
+      begun_[i] = true;
+      add(fault.at_us, "scenario_fault", "The scenario's fault " + fault_text(fault) + " begins.", fields);
+    }
+    if (!ended_[i] && fault.end_us() < now_us) {
+      ended_[i] = true;
+      add(fault.end_us(), "scenario_fault_end", "The scenario's fault " + fault_text(fault) + " ends.",
+          fields);
+    }
+  }
+}
+
+void EventLog::tell_push(const sim::Push& push) {
+  const double duration_s = static_cast<double>(push.duration_us) / 1e6;
+  const Eigen::Vector3d impulse_W_N_s =
+      duration_s * push.mean_force_W_N(push.at_us, push.at_us + push.duration_us);
+  const std::string direction = direction_text(impulse_W_N_s, truth_.rpy_rad.z());
+  add(push.at_us, "push",
+      fmt::format("The {} is pushed {} with {:.2f} N s in {:.2f} s.", push.link.text, direction,
+                  impulse_W_N_s.norm(), duration_s),
+      {{"link", push.link.text},
+       {"direction", direction},
+       {"impulse_N_s", {impulse_W_N_s.x(), impulse_W_N_s.y(), impulse_W_N_s.z()}},
+       {"duration_s", duration_s}});
+}
+
+std::string EventLog::motion_name(int number) const {
+  const auto index = static_cast<std::size_t>(number);
+  if (number >= 0 && index < scenario_.motions.size()) return scenario_.motions[index].name();
+  if (scenario_.gait && index == scenario_.motions.size()) return sim::kGaitMotion;
+  return fmt::format("number {}", number);
+}
+
+std::string EventLog::node_name(std::uint8_t node) const {
+  if (node == drive::kControllerNodeId) return "the controller";
+  for (std::size_t joint = 0; joint < model_.model.joint_count; ++joint)
+    if (model_.model.joints[joint].drive.node_id == node) return model_.joint_names[joint];
+  return fmt::format("node {}", node);
+}
+
+std::string EventLog::reason_text(const Telemetry& said) const {
+  if (said.reason != behaviour::Reason::kDriveTrouble) return name_of(said.reason);
+  const std::string trouble(canopen::name_of(app::kTroubleNames, static_cast<std::int64_t>(said.trouble)));
+  const bool known = said.trouble_joint < model_.joint_names.size();
+  return (known ? model_.joint_names[said.trouble_joint] + " " : "drive ") + trouble;
+}
+
+std::string events_text(std::span<const sim::RunEvent> events) {
+  std::string text;
+  for (const sim::RunEvent& event : events)
+    text += fmt::format("{:9.3f} s  {}\n", static_cast<double>(event.time_us) / 1e6, event.text);
+  return text;
+}
+
+}  // namespace koboshi::simulation

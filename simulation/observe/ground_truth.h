@@ -1,0 +1,72 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "sim_board/robot/description.h"
+#include "sim_board/world/foot.h"
+#include "sim_board/world/ground.h"
+#include "sim_board/world/link_tree.h"
+#include "sim_board/world/world.h"
+#include "simulation/observe/telemetry.h"
+
+namespace koboshi::simulation {
+
+// A trunk that leans further than this does not come back by itself.
+inline constexpr double kFallen_rad = std::numbers::pi / 3.0;
+
+// What is true of the robot in the world at one instant, beside what the firmware believes.
+struct GroundTruth {
+  Eigen::Vector3d p_WB_W = Eigen::Vector3d::Zero();   // origin of the trunk
+  Eigen::Vector3d rpy_rad = Eigen::Vector3d::Zero();  // roll, pitch, yaw: R_WB = Rz(yaw) Ry(pitch) Rx(roll)
+  Eigen::Vector3d w_WB_W = Eigen::Vector3d::Zero();
+  Eigen::Vector3d p_WCom_W = Eigen::Vector3d::Zero();
+  double tilt_rad = 0.0;       // of the trunk's z axis from the vertical
+  double pose_height_m = 0.0;  // of the trunk above the lowest sole, in the pose that the targets make
+  std::array<double, 2> foot_load_N{};  // of the ground on the feet, normal to the soles, by Side
+  std::array<double, 2> foot_slip_m{};  // how far each foot has slid since it took load, by Side
+  std::array<Eigen::Isometry3d, 2> X_WSole{Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity()};
+  // Centres of pressure: of each foot in its sole's frame, and of all loaded feet, weighted with their loads,
+  // in the world. Below sim::kLoaded_N there is none.
+  std::array<std::optional<Eigen::Vector2d>, 2> foot_zmp_S_m;
+  std::optional<Eigen::Vector3d> p_WZmp_W;
+  // Of the lowest corner of each sole above the ground, by Side.
+  std::array<double, 2> foot_height_m{};
+  // Distance of the latter from the edge of the support polygon, seen from above; positive inside. The
+  // polygon is the convex hull of the points on which the loaded feet rest (sim_board/world/foot.h).
+  std::optional<double> zmp_margin_m;
+};
+
+// Observes the truth, and what only its history tells.
+class TruthObserver {
+ public:
+  // The robot must outlive the observer.
+  explicit TruthObserver(const sim::RobotDescription& robot, sim::GroundDescription ground = {});
+
+  // Once a tick, in the order of time.
+  const GroundTruth& observe(const sim::World& world, const Telemetry& telemetry);
+
+ private:
+  struct Anchor {
+    bool loaded = false;
+    Eigen::Vector3d p_W = Eigen::Vector3d::Zero();  // where the foot took load
+  };
+
+  void observe_feet(const sim::World& world);
+  void observe_slip(std::size_t side);
+  double pose_height_m(const Telemetry& telemetry);
+
+  const sim::RobotDescription& robot_;
+  const sim::GroundDescription ground_;
+  sim::LinkTree tree_;
+  std::array<std::optional<sim::Foot>, 2> feet_;
+  std::array<Anchor, 2> anchors_;
+  std::vector<double> targets_rad_;
+  std::vector<Eigen::Isometry3d> X_BLs_;  // of the pose that the targets make
+  GroundTruth truth_;
+};
+
+}  // namespace koboshi::simulation

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "firmware/behaviour/state.h"
+#include "firmware/drive/trouble.h"
+#include "firmware/robot/model.h"
+#include "hal/port/side.h"
+#include "sim_board/can/observer.h"
+
+namespace koboshi::simulation {
+
+// What the firmware and the drives say of themselves, read off the bus: the telemetry PDOs of the controller
+// (firmware/app/dictionary.cc), the PDOs between it and the drives, and emergency messages. Knows nothing but
+// the frames, so that it is the same wherever the firmware runs.
+struct Telemetry {
+  behaviour::State state = behaviour::State::kBoot;
+  behaviour::Reason reason = behaviour::Reason::kNone;
+  behaviour::Reason refusal =
+      behaviour::Reason::kNone;  // why the last command was refused; none if it was not
+  std::uint8_t motion = 0;
+  drive::Trouble trouble = drive::Trouble::kNone;
+  std::uint8_t trouble_joint = 0;
+  double roll_rad = 0.0;  // attitude of the trunk, from gyro and inclination
+  double pitch_rad = 0.0;
+  std::array<double, 3> rate_rad_per_s{};  // filtered gyro, free of its bias
+  std::array<double, 2> foot_load_N{};     // by Side
+  struct FootZmp {
+    double x_m = 0.0;
+    double y_m = 0.0;
+    bool valid = false;
+  };
+  std::array<FootZmp, 2> foot_zmp{};  // by Side, each in its own sole's frame
+  struct {
+    double x_m = 0.0;
+    double y_m = 0.0;
+    bool valid = false;
+    hal::Side frame = hal::Side::kLeft;  // the foot that carries more
+  } zmp;                                 // of both feet, in the sole's frame of one
+  std::array<double, 3> com_S_m{};       // centre of mass by the joints, in the same frame
+  struct Joint {
+    double target_rad = 0.0;
+    double position_rad = 0.0;  // as the encoder shows it
+    double torque_permille = 0.0;
+    std::uint16_t statusword = 0;
+  };
+  std::array<Joint, robot::kMaxJoints> joints{};
+  std::uint64_t emergencies = 0;  // messages that tell of an error
+};
+
+class TelemetryReader final : public sim::BusObserver {
+ public:
+  // The model must outlive the reader.
+  explicit TelemetryReader(const robot::RobotModel& model);
+
+  void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) override;
+  const Telemetry& now() const { return telemetry_; }
+
+ private:
+  static constexpr std::uint8_t kNoJoint = 0xFF;
+
+  void read_controller(std::uint16_t base, const hal::CanFrame& frame);
+  void read_balance(std::uint16_t base, const hal::CanFrame& frame);
+
+  const robot::RobotModel& model_;
+  std::array<std::uint8_t, 128> joint_of_node_;
+  Telemetry telemetry_;
+};
+
+}  // namespace koboshi::simulation

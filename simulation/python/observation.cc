@@ -1,0 +1,272 @@
+#include "simulation/python/observation.h"
+
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "simulation/observe/event_words.h"
+
+namespace py = pybind11;
+
+namespace koboshi::simulation {
+namespace {
+
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+
+// How many numbers a field has: as many as its shape multiplied; kJoints and kLinks stand for the robot's.
+constexpr py::ssize_t kJoints = -1;
+constexpr py::ssize_t kLinks = -2;
+
+using Worlds = std::span<const WatchedSimulation* const>;
+
+struct Field {
+  const char* name;
+  std::vector<py::ssize_t> shape;  // empty: a number
+  const char* meaning;
+  std::function<void(const WatchedSimulation&, double*)> read;
+};
+
+struct TextField {
+  const char* name;
+  const char* meaning;
+  std::function<std::string(const WatchedSimulation&)> read;
+};
+
+template <typename Numbers>
+void copy(const Numbers& numbers, double* to) {
+  std::copy(std::begin(numbers), std::end(numbers), to);
+}
+
+const Telemetry& said(const WatchedSimulation& world) { return world.recorder().telemetry(); }
+const GroundTruth& truth(const WatchedSimulation& world) { return world.recorder().truth(); }
+
+std::size_t joints(const WatchedSimulation& world) { return world.simulation().robot().joints.size(); }
+std::size_t links(const WatchedSimulation& world) { return world.simulation().robot().links.size(); }
+
+// A number of each joint.
+template <typename Number>
+auto by_joint(Number number) {
+  return [number](const WatchedSimulation& world, double* to) {
+    for (std::size_t joint = 0; joint < joints(world); ++joint) *to++ = number(world, joint);
+  };
+}
+
+// Some numbers of each link, as the body stands in the world now.
+template <typename Numbers>
+auto by_link(Numbers numbers) {
+  return [numbers](const WatchedSimulation& world, double* to) {
+    for (std::size_t link = 0; link < links(world); ++link) {
+      const sim::BodyState body = world.simulation().board().world().body(static_cast<int>(link));
+      for (const double number : numbers(body)) *to++ = number;
+    }
+  };
+}
+
+sim::JointState true_joint(const WatchedSimulation& world, std::size_t joint) {
+  return world.simulation().board().world().joint(static_cast<int>(joint));
+}
+
+double time_s(const WatchedSimulation& world) { return 1e-6 * static_cast<double>(world.now_us()); }
+
+const std::vector<TextField>& state_texts() {
+  static const std::vector<TextField> kFields{
+      {"state", "of the firmware: \"limp\", \"standing\", \"walking\" ...",
+       [](const auto& world) { return name_of(said(world).state); }},
+      {"reason", "why it is in a fault; \"none\" otherwise",
+       [](const auto& world) { return name_of(said(world).reason); }}};
+  return kFields;
+}
+
+const std::vector<Field>& state_fields() {
+  static const std::vector<Field> kFields{
+      {"time_s",
+       {},
+       "simulated seconds since the start",
+       [](const auto& world, double* to) { *to = time_s(world); }},
+      {"attitude_rad",
+       {2},
+       "roll and pitch of the trunk, from gyro and inclination",
+       [](const auto& world, double* to) { to[0] = said(world).roll_rad, to[1] = said(world).pitch_rad; }},
+      {"rate_rad_per_s",
+       {3},
+       "filtered gyro without its bias, axes of the trunk",
+       [](const auto& world, double* to) { copy(said(world).rate_rad_per_s, to); }},
+      {"foot_load_N",
+       {2},
+       "of the left and the right ankle sensor",
+       [](const auto& world, double* to) { copy(said(world).foot_load_N, to); }},
+      {"foot_zmp_m",
+       {2, 2},
+       "ZMP of the left and the right foot, x and y in its sole's frame; nan: not valid",
+       [](const auto& world, double* to) {
+         for (const Telemetry::FootZmp& zmp : said(world).foot_zmp) {
+           *to++ = zmp.valid ? zmp.x_m : kNotANumber;
+           *to++ = zmp.valid ? zmp.y_m : kNotANumber;
+         }
+       }},
+      {"com_m",
+       {3},
+       "centre of mass by the joints, in the frame of the sole that carries more",
+       [](const auto& world, double* to) { copy(said(world).com_S_m, to); }},
+      {"joint_target_rad",
+       {kJoints},
+       "what the drives are told",
+       by_joint([](const auto& world, std::size_t i) { return said(world).joints[i].target_rad; })},
+      {"joint_position_rad",
+       {kJoints},
+       "what the encoders show",
+       by_joint([](const auto& world, std::size_t i) { return said(world).joints[i].position_rad; })},
+      {"joint_torque_permille",
+       {kJoints},
+       "of each drive's rated torque, as the drive estimates it",
+       by_joint([](const auto& world, std::size_t i) { return said(world).joints[i].torque_permille; })}};
+  return kFields;
+}
+
+const std::vector<Field>& truth_fields() {
+  static const std::vector<Field> kFields{
+      {"time_s",
+       {},
+       "simulated seconds since the start",
+       [](const auto& world, double* to) { *to = time_s(world); }},
+      {"position_m",
+       {3},
+       "origin of the trunk in the world, at the last tick (every 10 ms)",
+       [](const auto& world, double* to) { copy(truth(world).p_WB_W, to); }},
+      {"rpy_rad",
+       {3},
+       "roll, pitch and yaw of the trunk, at the last tick",
+       [](const auto& world, double* to) { copy(truth(world).rpy_rad, to); }},
+      {"rate_rad_per_s",
+       {3},
+       "angular velocity of the trunk, axes of the world, at the last tick",
+       [](const auto& world, double* to) { copy(truth(world).w_WB_W, to); }},
+      {"tilt_rad",
+       {},
+       "of the trunk's z axis from the vertical, at the last tick",
+       [](const auto& world, double* to) { *to = truth(world).tilt_rad; }},
+      {"com_m",
+       {3},
+       "centre of mass in the world, at the last tick",
+       [](const auto& world, double* to) { copy(truth(world).p_WCom_W, to); }},
+      {"zmp_m",
+       {3},
+       "centre of pressure of all loaded feet in the world, at the last tick; nan: no load",
+       [](const auto& world, double* to) {
+         copy(truth(world).p_WZmp_W.value_or(Eigen::Vector3d::Constant(kNotANumber)), to);
+       }},
+      {"zmp_margin_m",
+       {},
+       "its distance from the edge of the support polygon, positive inside; nan: no load",
+       [](const auto& world, double* to) { *to = truth(world).zmp_margin_m.value_or(kNotANumber); }},
+      {"foot_load_N",
+       {2},
+       "of the ground on the left and the right foot, at the last tick",
+       [](const auto& world, double* to) { copy(truth(world).foot_load_N, to); }},
+      {"joint_position_rad", {kJoints}, "of the shafts, now", by_joint([](const auto& world, std::size_t i) {
+         return true_joint(world, i).position_rad;
+       })},
+      {"joint_speed_rad_per_s",
+       {kJoints},
+       "of the shafts, now",
+       by_joint([](const auto& world, std::size_t i) { return true_joint(world, i).speed_rad_per_s; })},
+      {"joint_torque_Nm",
+       {kJoints},
+       "of the servos on the joints' children in the last step",
+       by_joint([](const auto& world, std::size_t i) { return true_joint(world, i).servo_Nm; })},
+      {"link_position_m",
+       {kLinks, 3},
+       "origins of the links in the world, now",
+       by_link([](const sim::BodyState& body) -> Eigen::Vector3d { return body.X_WL.translation(); })},
+      {"link_rotation",
+       {kLinks, 3, 3},
+       "rotation matrices of the links, now",
+       by_link([](const sim::BodyState& body) {
+         std::array<double, 9> rows;
+         for (int i = 0; i < 9; ++i) rows[static_cast<std::size_t>(i)] = body.X_WL.linear()(i / 3, i % 3);
+         return rows;
+       })}};
+  return kFields;
+}
+
+py::object numbers(const Field& field, Worlds worlds, bool by_world) {
+  std::vector<py::ssize_t> shape;
+  if (by_world) shape.push_back(static_cast<py::ssize_t>(worlds.size()));
+  py::ssize_t size = 1;
+  for (const py::ssize_t length : field.shape) {
+    const WatchedSimulation& first = *worlds.front();
+    const py::ssize_t actual = length == kJoints  ? static_cast<py::ssize_t>(joints(first))
+                               : length == kLinks ? static_cast<py::ssize_t>(links(first))
+                                                  : length;
+    shape.push_back(actual);
+    size *= actual;
+  }
+  if (shape.empty()) {
+    double number = 0.0;
+    field.read(*worlds.front(), &number);
+    return py::float_(number);
+  }
+  py::array_t<double> array(shape);
+  double* to = array.mutable_data();
+  for (const WatchedSimulation* world : worlds) {
+    field.read(*world, to);
+    to += size;
+  }
+  return array;
+}
+
+py::object texts(const TextField& field, Worlds worlds, bool by_world) {
+  if (!by_world) return py::str(field.read(*worlds.front()));
+  std::vector<std::string> all;
+  for (const WatchedSimulation* world : worlds) all.push_back(field.read(*world));
+  return py::module_::import("numpy").attr("array")(all);
+}
+
+py::object define(py::module_& module, const char* name, const std::string& title,
+                  const std::vector<TextField>& text_fields, const std::vector<Field>& fields) {
+  py::list names;
+  std::string doc = title + "\n";
+  const auto add = [&](const char* field, const char* meaning) {
+    names.append(field);
+    doc += std::string("\n") + field + ": " + meaning;
+  };
+  for (const TextField& field : text_fields) add(field.name, field.meaning);
+  for (const Field& field : fields) add(field.name, field.meaning);
+  py::object type = py::module_::import("collections").attr("namedtuple")(name, names);
+  type.attr("__doc__") = doc;
+  type.attr("__module__") = "koboshi";
+  module.attr(name) = type;
+  return type;
+}
+
+py::object make(const py::object& type, const std::vector<TextField>& text_fields,
+                const std::vector<Field>& fields, Worlds worlds, bool by_world) {
+  py::list values;
+  for (const TextField& field : text_fields) values.append(texts(field, worlds, by_world));
+  for (const Field& field : fields) values.append(numbers(field, worlds, by_world));
+  return type.attr("_make")(values);
+}
+
+}  // namespace
+
+ObservationTypes::ObservationTypes(py::module_& module)
+    : state_type_(define(module, "State", "What the firmware says of itself on the bus.", state_texts(),
+                         state_fields())),
+      truth_type_(define(module, "Truth", "What is true of the robot in the world.", {}, truth_fields())) {}
+
+py::object ObservationTypes::state(Worlds worlds, bool by_world) const {
+  return make(state_type_, state_texts(), state_fields(), worlds, by_world);
+}
+
+py::object ObservationTypes::truth(Worlds worlds, bool by_world) const {
+  return make(truth_type_, {}, truth_fields(), worlds, by_world);
+}
+
+ObservationTypes define_observations(py::module_& module) { return ObservationTypes(module); }
+
+}  // namespace koboshi::simulation

@@ -1,0 +1,87 @@
+#include "simulation/scenario/controller_parameters.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "firmware/app/controller_objects.h"
+
+namespace koboshi::simulation {
+namespace {
+
+std::string replaced(std::string text, std::string_view from, std::string_view to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
+// As the dictionary names it, in small letters and without blanks.
+std::string parameter_name(const canopen::DescribedObject& object, std::size_t element) {
+  std::string name(object.text.name);
+  if (object.entry.count > 1) name.append(" ").append(object.text.elements[element]);
+  for (char& c : name) {
+    c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? static_cast<char>(std::tolower(c)) : '_';
+  }
+  return name;
+}
+
+// What PDOs write, such as requests and what drives report, is no setting.
+bool is_parameter(const canopen::DescribedObject& object) {
+  if (object.is_heading() || object.entry.access != canopen::Access::kReadWrite) return false;
+  if (object.entry.mappable != canopen::Mappable::kNo) return false;
+  return object.entry.count <= 1 || !object.text.elements.empty();
+}
+
+std::vector<Parameter> make_parameters() {
+  std::vector<Parameter> parameters;
+  for (const canopen::DescribedObject& object : app::kControllerObjects) {
+    if (!is_parameter(object)) continue;
+    const std::string suffix = unit_suffix(object.text.unit.name);
+    for (std::uint8_t element = 0; element < object.entry.count; ++element) {
+      const std::string name = parameter_name(object, element);
+      parameters.push_back({.key = suffix.empty() ? name : name + "_" + suffix,
+                            .name_without_unit = name,
+                            .object = &object,
+                            .element = element});
+    }
+  }
+  std::ranges::sort(parameters, {}, &Parameter::key);
+  return parameters;
+}
+
+}  // namespace
+
+canopen::ObjectAddress Parameter::address() const {
+  return {object->entry.index, static_cast<std::uint8_t>(object->entry.subindex + element)};
+}
+
+double Parameter::raw_per_unit() const {
+  return static_cast<double>(object->text.unit.denominator) / object->text.unit.numerator;
+}
+
+std::int64_t Parameter::low() const {
+  const canopen::Entry& entry = object->entry;
+  const bool is_signed = canopen::is_signed(entry.type);
+  if (entry.limited) return is_signed ? static_cast<std::int32_t>(entry.low) : std::int64_t{entry.low};
+  return is_signed ? -(std::int64_t{1} << (8 * canopen::size_bytes(entry.type) - 1)) : 0;
+}
+
+std::int64_t Parameter::high() const {
+  const canopen::Entry& entry = object->entry;
+  const bool is_signed = canopen::is_signed(entry.type);
+  if (entry.limited) return is_signed ? static_cast<std::int32_t>(entry.high) : std::int64_t{entry.high};
+  return (std::int64_t{1} << (8 * canopen::size_bytes(entry.type) - (is_signed ? 1 : 0))) - 1;
+}
+
+std::span<const Parameter> controller_parameters() {
+  static const std::vector<Parameter> kParameters = make_parameters();
+  return kParameters;
+}
+
+std::string unit_suffix(std::string_view unit) {
+  if (unit == "N m") return "Nm";
+  return replaced(replaced(replaced(replaced(std::string(unit), "%", "percent"), "^", ""), "/", "_per_"), " ",
+                  "_");
+}
+
+}  // namespace koboshi::simulation

@@ -1,0 +1,59 @@
+#include "simulation/scenario/operator_input.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+#include "sim_board/input/error.h"
+#include "sim_board/input/yaml_reader.h"
+#include "sim_board/scenario/events.h"
+
+namespace koboshi::simulation {
+namespace {
+
+// A scenario that has nothing but this item, due at the start, under the key of its list.
+sim::YamlFile document_of(const std::string& list, const std::string& text) {
+  sim::YamlNode root = sim::parse_yaml(list + ": [{at_s: 0}]", list);
+  sim::YamlNode item = sim::parse_yaml(text, list);
+  if (item.find("at_s") != nullptr) throw sim::InputError(list, 0, "a time (at_s)", "none: it begins now");
+  std::ranges::move(item.items, std::back_inserter(root.items.front().items.front().items));
+  return {list, std::move(root)};
+}
+
+std::vector<std::string> motion_names(const sim::Scenario& scenario) {
+  std::vector<std::string> names;
+  for (const sim::MotionChoice& motion : scenario.motions) names.push_back(motion.name());
+  if (scenario.gait) names.emplace_back(sim::kGaitMotion);
+  return names;
+}
+
+}  // namespace
+
+void command(Simulation& simulation, const std::string& text) {
+  const sim::YamlFile document = document_of("commands", text);
+  const auto commands = sim::read_commands(document.root(), motion_names(simulation.scenario()));
+  document.finish();
+  for (const sim::Command& command : commands) simulation.command(command);
+}
+
+void push(Simulation& simulation, const std::string& text) {
+  const sim::YamlFile document = document_of("pushes", text);
+  const auto pushes = sim::read_pushes(document.root());
+  document.finish();
+  for (const sim::Push& push : pushes) {
+    if (!simulation.robot().find_link(push.link.text)) {
+      std::vector<std::string> links;
+      for (const sim::LinkDescription& link : simulation.robot().links) links.push_back(link.name);
+      throw sim::InputError("pushes", 0, "the unknown link " + sim::one_line(push.link.text),
+                            sim::expected_names(push.link.text, links));
+    }
+    simulation.push(push);
+  }
+}
+
+void write(Simulation& simulation, const std::string& key, double value) {
+  simulation.write({.name = {.text = key, .source = "parameters", .line = 0}, .value = value});
+}
+
+}  // namespace koboshi::simulation

@@ -1,0 +1,116 @@
+#include "simulation/scenario/parameters.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/app/controller_objects.h"
+#include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
+#include "simulation/scenario/controller_parameters.h"
+
+namespace koboshi::simulation {
+namespace {
+
+sim::InputError error_at(const sim::SourcedName& name, const std::string& found,
+                         const std::string& expected) {
+  return {name.source, name.line, found, expected};
+}
+
+// Parameters that had another name, without units: files that still have the old one are told the new.
+struct Renamed {
+  std::string_view old_name;
+  std::string_view name;
+};
+constexpr std::array<Renamed, 9> kRenamed{{{"acceleration_of_turn", "acceleration_turn"},
+                                           {"acceleration_sideways", "acceleration_lateral"},
+                                           {"capture_ahead", "capture_forward"},
+                                           {"capture_aside", "capture_lateral"},
+                                           {"highest_velocity_sideways", "highest_velocity_lateral"},
+                                           {"least_lean_of_a_fall", "smallest_lean_of_a_fall"},
+                                           {"swing_ease", "swing_profile"},
+                                           {"touch_down_load", "touchdown_load"},
+                                           {"zmp_ahead", "zmp_forward"}}};
+
+// The old name of this one, with its unit or without.
+bool is_old_name(std::string_view text, const Parameter& parameter) {
+  const auto renamed = std::ranges::find(kRenamed, parameter.name_without_unit, &Renamed::name);
+  if (renamed == kRenamed.end()) return false;
+  const std::string unit = parameter.key.substr(parameter.name_without_unit.size());
+  return text == renamed->old_name || text == std::string(renamed->old_name) + unit;
+}
+
+const Parameter& find(const sim::SourcedName& name) {
+  const std::span<const Parameter> parameters = controller_parameters();
+  const auto found = std::ranges::find(parameters, name.text, &Parameter::key);
+  if (found != parameters.end()) return *found;
+  const auto old = std::ranges::find(parameters, name.text, &Parameter::name_without_unit);
+  if (old != parameters.end()) throw error_at(name, "parameter " + name.text + " without its unit", old->key);
+  const auto renamed = std::ranges::find_if(
+      parameters, [&](const Parameter& parameter) { return is_old_name(name.text, parameter); });
+  if (renamed != parameters.end())
+    throw error_at(name, "parameter " + name.text + ", which has another name now", renamed->key);
+  std::vector<std::string> keys;
+  for (const Parameter& parameter : parameters) keys.push_back(parameter.key);
+  throw error_at(name, "the unknown parameter " + sim::one_line(name.text),
+                 sim::expected_names(name.text, keys));
+}
+
+sim::SdoWrite resolve(const sim::ParameterSetting& setting) {
+  const Parameter& parameter = find(setting.name);
+  const double raw_per_unit = parameter.raw_per_unit();
+  const auto low = static_cast<double>(parameter.low());
+  const auto high = static_cast<double>(parameter.high());
+  const double raw = std::round(setting.value * raw_per_unit);
+  if (!(raw >= low && raw <= high)) {
+    throw sim::InputError(setting.name.source, setting.name.line,
+                          fmt::format("{} = {}", setting.name.text, setting.value),
+                          fmt::format("{:.6g} to {:.6g} {}", low / raw_per_unit, high / raw_per_unit,
+                                      parameter.object->text.unit.name),
+                          "the range of " + setting.name.text);
+  }
+  return {.parameter = setting.name,
+          .address = parameter.address(),
+          .size_bytes = canopen::size_bytes(parameter.object->entry.type),
+          .value = static_cast<std::uint32_t>(static_cast<std::int64_t>(raw))};
+}
+
+void set(std::span<const sim::SdoWrite> writes, app::ControllerValues& values) {
+  canopen::Dictionary dictionary(app::kControllerNode.rows, std::as_writable_bytes(std::span(&values, 1)));
+  for (const sim::SdoWrite& write : writes) {
+    canopen::Location location;
+    std::uint32_t value = write.value;
+    const auto checked = dictionary.check_write(write.address, value, write.size_bytes, location);
+    if (checked != canopen::AbortCode::kNone)
+      throw std::logic_error("the dictionary refuses " + write.parameter.text);
+    dictionary.store(location, value);
+  }
+}
+
+}  // namespace
+
+std::vector<sim::SdoWrite> resolve_parameters(std::span<const sim::ParameterSetting> settings) {
+  std::vector<sim::SdoWrite> writes;
+  for (const sim::ParameterSetting& setting : settings) writes.push_back(resolve(setting));
+  return writes;
+}
+
+app::ControllerValues controller_values(const sim::RobotParameters& parameters) {
+  app::ControllerValues values;
+  set(resolve_parameters(parameters.settings), values);
+  return values;
+}
+
+app::ControllerValues controller_values(const sim::Scenario& scenario) {
+  app::ControllerValues values = controller_values(scenario.robot_parameters);
+  set(resolve_parameters(scenario.parameters), values);
+  return values;
+}
+
+}  // namespace koboshi::simulation

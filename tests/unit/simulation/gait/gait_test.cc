@@ -1,0 +1,58 @@
+#include "simulation/gait/gait.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim_board/input/error.h"
+#include "tests/unit/sim_board/input/scratch_file.h"
+
+namespace koboshi::simulation {
+namespace {
+
+using testing::HasSubstr;
+
+Gait read(const std::string& text, std::span<const sim::Override> overrides = {}) {
+  return read_gait(sim::ScratchFile("gait.yaml", text).path(), overrides);
+}
+
+constexpr const char* kGood =
+    "version: 1\nrobot: koboshi\nperiod_s: 0.6\nstep_length_m: 0.04\nstep_width_m: 0.064\n"
+    "step_height_m: 0.015\ncom_height_m: 0.175\ndouble_support: 0.2\n";
+
+std::string refusal(const std::string& text, std::span<const sim::Override> overrides = {}) {
+  try {
+    read(text, overrides);
+  } catch (const sim::InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Gait, ReadsWhatStandsInTheFileAndDefaultsTheRest) {
+  const Gait gait = read(std::string(kGood) + "feedback: {hip_roll_s: 0.03}\n");
+  EXPECT_DOUBLE_EQ(gait.period_s, 0.6);
+  EXPECT_EQ(gait.points, 8);
+  EXPECT_DOUBLE_EQ(gait.feedback.hip_roll_s, 0.03);
+  EXPECT_DOUBLE_EQ(gait.feedback.knee_s, 0.0);
+}
+
+TEST(Gait, TakesOverrides) {
+  const sim::Override points[] = {{"points", "16"}, {"feedback.knee_s", "0.01"}};
+  const Gait gait = read(kGood, points);
+  EXPECT_EQ(gait.points, 16);
+  EXPECT_DOUBLE_EQ(gait.feedback.knee_s, 0.01);
+}
+
+TEST(Gait, NamesTheLineOfWhatIsWrong) {
+  EXPECT_THAT(refusal(std::string(kGood) + "hop: 3\n"), HasSubstr(":9:"));
+  EXPECT_THAT(refusal("version: 2\n"), HasSubstr(":1:"));
+  EXPECT_THAT(refusal("version: 1\nrobot: koboshi\nperiod_s: 0\n"), HasSubstr(":3:"));
+  EXPECT_THAT(refusal(std::string(kGood) + "points: 1\n"), HasSubstr("points"));
+}
+
+TEST(Gait, MissesWhatHasNoDefault) {
+  EXPECT_THAT(refusal("version: 1\nrobot: koboshi\n"), HasSubstr("period_s"));
+}
+
+}  // namespace
+}  // namespace koboshi::simulation

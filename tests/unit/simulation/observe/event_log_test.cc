@@ -1,0 +1,311 @@
+#include "simulation/observe/event_log.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace koboshi::simulation {
+namespace {
+
+using behaviour::Reason;
+using behaviour::State;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr std::uint8_t kSquat = 0;
+constexpr std::uint8_t kFallFront = 1;
+
+NamedModel model_of_knees() {
+  NamedModel named;
+  named.joint_names = {"left_knee", "right_knee"};
+  named.model.joint_count = 2;
+  named.model.joints[0].drive.node_id = 16;
+  named.model.joints[1].drive.node_id = 17;
+  return named;
+}
+
+sim::Scenario scenario_of_two_motions() {
+  sim::Scenario scenario;
+  scenario.motions = {{.file = "motions/squat.yaml"}, {.file = "motions/fall_front.yaml"}};
+  return scenario;
+}
+
+Telemetry standing() {
+  Telemetry said;
+  said.state = State::kStanding;
+  return said;
+}
+
+// A robot of which a test tells what it says and how it leans.
+class EventLogTest : public testing::Test {
+ protected:
+  void play_until(double time_s) {
+    const auto end_us = static_cast<std::uint64_t>(1e6 * time_s + 0.5);
+    for (; now_us_ < end_us; now_us_ += 10'000) {
+      log_.on_bus_frame({.identifier = 0x181, .size = 8}, now_us_ + 2'700, said_);
+      log_.observe_tick(now_us_ + 10'000, said_, truth_, pushes_);
+    }
+  }
+  void change(State state, Reason reason = Reason::kProgress, std::uint8_t motion = kSquat) {
+    said_.state = state;
+    said_.reason = reason;
+    said_.motion = motion;
+    play_until(1e-6 * static_cast<double>(now_us_) + 0.01);
+  }
+  void lean(double pitch_deg) {
+    truth_.rpy_rad.y() = pitch_deg * std::numbers::pi / 180.0;
+    truth_.tilt_rad = std::abs(truth_.rpy_rad.y());
+  }
+  void hear(std::uint16_t identifier, std::uint8_t size, std::array<std::uint8_t, 8> data) {
+    log_.on_bus_frame({.identifier = identifier, .size = size, .data = data}, now_us_, said_);
+  }
+  std::vector<std::string> texts(bool dead = false) const {
+    std::vector<std::string> texts;
+    for (const sim::RunEvent& event : log_.events(dead)) texts.push_back(event.text);
+    return texts;
+  }
+  sim::RunEvent event_of(const std::string& kind) const {
+    for (const sim::RunEvent& event : log_.events())
+      if (event.kind == kind) return event;
+    ADD_FAILURE() << "no event of the kind " << kind;
+    return {};
+  }
+  void fall_and_get_up() {
+    change(State::kFalling, Reason::kFallForeseen, kFallFront);
+    lean(85.0);
+    play_until(1e-6 * static_cast<double>(now_us_) + 0.5);
+    change(State::kFallen);
+    change(State::kRighting);
+    change(State::kRising, Reason::kProne);
+    lean(5.0);
+    change(State::kSteadying);
+    play_until(1e-6 * static_cast<double>(now_us_) + 1.0);
+    change(State::kStanding);
+  }
+
+  const NamedModel model_ = model_of_knees();
+  sim::Scenario scenario_ = scenario_of_two_motions();
+  std::vector<sim::Push> pushes_;
+  static constexpr walk::VelocityLimits kLimits{
+      .forward_mm_per_s = 300, .backward_mm_per_s = 250, .lateral_mm_per_s = 100, .turn_mrad_per_s = 1000};
+  EventLog log_{scenario_, model_, kLimits};
+  Telemetry said_ = standing();
+  GroundTruth truth_;
+  std::uint64_t now_us_ = 0;
+};
+
+TEST_F(EventLogTest, TellsOfACommandThatIsObeyedAndOfOneThatIsRefused) {
+  play_until(1.0);
+  hear(0x201, 3, {3, kSquat, 0});
+  change(State::kMotion, Reason::kCommand);
+  play_until(1.1);
+  hear(0x201, 3, {1, 0, 0});
+  said_.refusal = Reason::kNotInThisState;
+  play_until(1.2);
+  EXPECT_THAT(texts(), ElementsAre("Command play squat: obeyed.", "Plays the motion squat.",
+                                   "Command enable: refused, not in this state (motion).",
+                                   "End: plays squat; did not fall; 1 command refused; 0 faults."));
+  const sim::RunEvent refused = log_.events().at(2);
+  EXPECT_EQ(refused.time_us, 1'100'000u);
+  EXPECT_EQ(refused.kind, "command");
+  EXPECT_EQ(refused.fields, (nlohmann::ordered_json{{"command", "enable"},
+                                                    {"outcome", "refused"},
+                                                    {"reason", "not in this state"},
+                                                    {"state", "motion"}}));
+  EXPECT_EQ(log_.last_command(), "enable: refused, not in this state (motion)");
+}
+
+TEST_F(EventLogTest, DoesNotTakeTelemetryFromBeforeACommandForItsAnswer) {
+  said_.refusal = Reason::kNoSuchMotion;  // of an earlier command
+  play_until(1.0);
+  hear(0x201, 3, {4, 0, 0});
+  log_.on_bus_frame({.identifier = 0x181, .size = 8}, now_us_ + 2'700, said_);
+  said_.refusal = Reason::kNone;
+  now_us_ += 10'000;
+  play_until(1.1);
+  EXPECT_THAT(texts(), Contains("Command stop: obeyed."));
+}
+
+TEST_F(EventLogTest, HearsACommandBySdo) {
+  hear(0x601, 8, {0x2B, 0x00, 0x20, 2, kFallFront, 0, 0, 0});
+  hear(0x601, 8, {0x2F, 0x00, 0x20, 1, 3, 0, 0, 0});
+  play_until(0.1);
+  EXPECT_THAT(texts(), Contains("Command play fall_front: obeyed."));
+}
+
+TEST_F(EventLogTest, TellsTheVelocityOfAWalk) {
+  hear(0x301, 6, {150, 0, 0xCE, 0xFF, 0x90, 0x01});
+  hear(0x201, 3, {7, 0, 0});
+  play_until(0.1);
+  EXPECT_EQ(event_of("command").text,
+            "Command walk, 0.15 m/s forward, 0.05 m/s right, 0.40 rad/s to the left: obeyed.");
+  hear(0x301, 6, {150, 0, 0xCE, 0xFF, 0x90, 0x01});
+  play_until(0.2);
+  EXPECT_EQ(texts().size(), 2u) << "a velocity that is repeated is no event";
+  hear(0x301, 6, {0xD0, 0x07});
+  said_.refusal = Reason::kVelocityOutOfRange;
+  play_until(0.3);
+  EXPECT_EQ(event_of("velocity").text, "Velocity 2.00 m/s forward: refused, velocity out of range.");
+}
+
+TEST_F(EventLogTest, TellsOfAVelocityThatTheCommandBehindItHides) {
+  hear(0x301, 6, {0xD0, 0x07});
+  hear(0x201, 3, {7, 0, 0});
+  play_until(0.1);
+  EXPECT_EQ(event_of("command").text,
+            "Command walk, 2.00 m/s forward: obeyed, but its velocity is refused, velocity out of range.");
+}
+
+TEST_F(EventLogTest, TellsOfACommandThatNobodyAnswers) {
+  play_until(1.0);
+  hear(0x201, 3, {5, 0, 0});
+  EXPECT_THAT(texts(true), ElementsAre("Command emergency stop: no answer until the end.",
+                                       "End: is upright, its controller is dead; did not fall; 0 faults."));
+}
+
+TEST_F(EventLogTest, SaysThatAMotionWasCutOffThoughTheRobotDidNotFall) {
+  play_until(0.1);
+  change(State::kMotion, Reason::kCommand);
+  play_until(1.31);
+  change(State::kFalling, Reason::kFallForeseen, kFallFront);
+  play_until(2.0);
+  change(State::kSoftStart, Reason::kCaughtItself, kFallFront);
+  change(State::kStanding, Reason::kProgress, kFallFront);
+  EXPECT_THAT(texts(), ElementsAre("Plays the motion squat.",
+                                   "The motion squat is cut off after 1.21 s: fall foreseen.",
+                                   "A fall is foreseen: takes the pose of fall_front.",
+                                   "Goes to the standing pose: caught itself.", "Stands.",
+                                   "End: stands; did not fall; squat was cut off at 1.31 s; 0 faults."));
+  EXPECT_EQ(event_of("cut_off").fields["motion"], "squat");
+}
+
+TEST_F(EventLogTest, SaysThatTheRobotFellAndGotUp) {
+  play_until(3.0);
+  fall_and_get_up();
+  EXPECT_EQ(log_.verdict(), "stands; fell once at 3.0 s and got up in 1.5 s; 0 faults");
+  EXPECT_TRUE(log_.stands());
+  EXPECT_EQ(event_of("fall").text, "The robot falls: its trunk leans more than 60 degrees, to the front.");
+  EXPECT_EQ(event_of("recovery_begun").text, "Begins to get up, attempt 1.");
+  EXPECT_EQ(event_of("recovery_ended").text,
+            "Stands: has got up at attempt 1, 1.55 s after the fall was foreseen.");
+  play_until(10.0);
+  fall_and_get_up();
+  EXPECT_EQ(log_.verdict(),
+            "stands; fell 2 times, first at 3.0 s and got up each time, in 1.5 s at most; 0 faults");
+  EXPECT_EQ(log_.falls(), 2u);
+}
+
+TEST_F(EventLogTest, CountsFromTheFirstOfFallsThatFollowEachOther) {
+  play_until(3.0);
+  change(State::kFalling, Reason::kFallForeseen, kFallFront);
+  lean(85.0);
+  play_until(4.0);
+  change(State::kFallen);
+  change(State::kRising, Reason::kProne);
+  lean(5.0);
+  change(State::kSteadying);
+  play_until(5.0);
+  fall_and_get_up();
+  EXPECT_EQ(log_.falls(), 2u);
+  EXPECT_THAT(log_.verdict(),
+              testing::StartsWith("stands; fell 2 times, first at 3.0 s and got up at last, in "));
+}
+
+TEST_F(EventLogTest, NeverTakesARobotThatLiesForOneThatStands) {
+  play_until(1.0);
+  lean(-80.0);
+  play_until(2.0);
+  EXPECT_EQ(said_.state, State::kStanding);
+  EXPECT_FALSE(log_.stands());
+  EXPECT_EQ(log_.posture(), "lies, its controller has not noticed");
+  EXPECT_EQ(log_.verdict(),
+            "lies, its controller has not noticed; fell once at 1.0 s and did not get up; 0 faults");
+  lean(45.0);
+  play_until(2.1);
+  EXPECT_EQ(log_.posture(), "leans by 45 degrees, its controller has not noticed");
+  change(State::kMotion);
+  EXPECT_EQ(log_.posture(), "leans by 45 degrees, plays squat") << "as a bow would";
+}
+
+TEST_F(EventLogTest, DoesNotCountTheLyingOfARobotThatBeganSo) {
+  lean(90.0);
+  said_.state = State::kLimp;
+  play_until(1.0);
+  EXPECT_EQ(log_.verdict(), "lies, limp; did not fall; 0 faults");
+}
+
+TEST_F(EventLogTest, GathersTheSameEmergencyOfManyNodes) {
+  hear(0x090, 8, {0x30, 0x81});
+  hear(0x091, 8, {0x30, 0x81});
+  hear(0x091, 8, {0x30, 0x81});
+  hear(0x090, 8, {});  // the end of the error
+  play_until(1.0);
+  hear(0x091, 8, {0x20, 0x32});
+  EXPECT_THAT(texts(),
+              ElementsAre("Emergency message 0x8130, heartbeat lost, from 2 nodes.",
+                          "Emergency message 0x3220, under-voltage, from right_knee.", HasSubstr("End")));
+  EXPECT_THAT(event_of("emergency").fields["nodes"], ElementsAre("left_knee", "right_knee"));
+}
+
+TEST_F(EventLogTest, SaysWhichDriveIsToBlame) {
+  said_.trouble = drive::Trouble::kLost;
+  said_.trouble_joint = 1;
+  play_until(0.5);
+  change(State::kFault, Reason::kDriveTrouble);
+  EXPECT_EQ(event_of("fault").text, "Fault: right_knee lost.");
+  EXPECT_EQ(log_.posture(), "is upright, fault: right_knee lost");
+}
+
+TEST_F(EventLogTest, TellsOfALowSupply) {
+  play_until(0.1);
+  change(State::kLowBattery, Reason::kSupplyLow);
+  EXPECT_THAT(event_of("low_supply").text, HasSubstr("The supply is low"));
+  EXPECT_EQ(log_.posture(), "stands, its supply low");
+}
+
+TEST_F(EventLogTest, TellsOfPushesFaultsAndTheStand) {
+  scenario_.initial.fixed_base = true;
+  scenario_.initial.release_us = 500'000;
+  sim::Fault fault;
+  fault.at_us = 1'000'000;
+  fault.duration_us = 30'000;
+  fault.kind = sim::Fault::Kind::kDriveSilent;
+  fault.target.text = "left_knee";
+  scenario_.faults = {fault};
+  EventLog log(scenario_, model_, kLimits);
+  sim::Push push;
+  push.at_us = 700'000;
+  push.duration_us = 100'000;
+  push.link.text = "trunk";
+  push.force_W_N = {0.0, -12.0, 0.0};
+  truth_.rpy_rad.z() = std::numbers::pi / 2.0;  // heads to the left, and so is pushed from the front
+  for (std::uint64_t now_us = 0; now_us <= 2'000'000; now_us += 10'000)
+    log.observe_tick(now_us, said_, truth_, {&push, 1});
+  const std::vector<sim::RunEvent> events = log.events();
+  EXPECT_EQ(events_text(events),
+            "    0.500 s  The stand lets go of the robot.\n"
+            "    0.700 s  The trunk is pushed backward with 1.20 N s in 0.10 s.\n"
+            "    1.000 s  The scenario's fault drive_silent of left_knee begins.\n"
+            "    1.030 s  The scenario's fault drive_silent of left_knee ends.\n"
+            "    2.000 s  End: stands; did not fall; 0 faults.\n");
+  EXPECT_NEAR(events[1].fields["impulse_N_s"][1].get<double>(), -1.2, 1e-12);
+}
+
+TEST_F(EventLogTest, ShowsWhereTheRobotHangs) {
+  scenario_.initial.fixed_base = true;
+  said_.state = State::kLimp;
+  play_until(0.1);
+  EXPECT_EQ(log_.posture(), "hangs on its stand, limp");
+}
+
+TEST_F(EventLogTest, CountsWhatIsTooMuch) {
+  for (std::size_t i = 0; i < EventLog::kMaxEvents + 7; ++i) log_.add(i, "note", "Again.");
+  const std::vector<sim::RunEvent> events = log_.events();
+  EXPECT_EQ(events.size(), EventLog::kMaxEvents + 2);
+  EXPECT_EQ(events[events.size() - 2].text, "7 events more, which are not listed.");
+}
+
+}  // namespace
+}  // namespace koboshi::simulation

@@ -1,0 +1,128 @@
+#include "simulation/observe/ground_truth.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <vector>
+
+#include "sim_board/robot/load.h"
+
+namespace koboshi::simulation {
+namespace {
+
+// A world that is what the test says.
+class StagedWorld final : public sim::World {
+ public:
+  explicit StagedWorld(const sim::RobotDescription& robot) : tree_(robot), robot_(robot) {
+    pose(Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 0.17)));
+  }
+
+  void pose(const Eigen::Isometry3d& X_WB) {
+    X_WLs_ = tree_.poses(robot_, X_WB, std::vector<double>(robot_.joints.size(), 0.0));
+  }
+  void load(int link, double force_N, const Eigen::Vector3d& p_W = Eigen::Vector3d::Zero()) {
+    contacts_.push_back({.link = link, .p_W = p_W, .f_W = Eigen::Vector3d(0.0, 0.0, force_N)});
+  }
+  void unload() { contacts_.clear(); }
+
+  void set_servo(int, const sim::ServoTorque&) override {}
+  void push(int, const Eigen::Vector3d&, const Eigen::Vector3d&) override {}
+  void release_base() override {}
+  void step() override {}
+  double step_s() const override { return 0.001; }
+  double time_s() const override { return 0.0; }
+  sim::JointState joint(int) const override { return {}; }
+  sim::BodyState body(int link) const override { return {.X_WL = X_WLs_[static_cast<std::size_t>(link)]}; }
+  sim::Wrench joint_wrench(int) const override { return {}; }
+  std::span<const sim::Contact> contacts() const override { return contacts_; }
+  std::uint64_t solver_warnings() const override { return 0; }
+
+ private:
+  sim::LinkTree tree_;
+  const sim::RobotDescription& robot_;
+  std::vector<Eigen::Isometry3d> X_WLs_;
+  std::vector<sim::Contact> contacts_;
+};
+
+class Truth : public testing::Test {
+ protected:
+  const sim::RobotDescription robot_ = sim::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
+  const int left_foot_ = robot_.joints[static_cast<std::size_t>(robot_.left_ankle->joint)].child;
+  const Telemetry telemetry_;
+  StagedWorld world_{robot_};
+  TruthObserver observer_{robot_};
+};
+
+TEST_F(Truth, HeightOfThePoseIsThatOfTheTrunkAboveTheSoles) {
+  EXPECT_NEAR(observer_.observe(world_, telemetry_).pose_height_m, 0.17, 1e-6);
+  Telemetry bent;
+  for (const char* side : {"left", "right"}) {
+    const std::string prefix = std::string(side) + "_";
+    bent.joints[static_cast<std::size_t>(*robot_.find_joint(prefix + "hip_pitch"))].target_rad = -0.5;
+    bent.joints[static_cast<std::size_t>(*robot_.find_joint(prefix + "knee"))].target_rad = 1.0;
+    bent.joints[static_cast<std::size_t>(*robot_.find_joint(prefix + "ankle_pitch"))].target_rad = -0.5;
+  }
+  // Thigh and shank of 65 mm each lean by half a radian.
+  EXPECT_NEAR(observer_.observe(world_, bent).pose_height_m, 0.04 + 2 * 0.065 * std::cos(0.5), 1e-6);
+}
+
+TEST_F(Truth, TiltAndAnglesAreThoseOfTheTrunk) {
+  world_.pose(Eigen::Translation3d(0.0, 0.0, 0.17) * Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()) *
+              Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY()) *
+              Eigen::AngleAxisd(-0.1, Eigen::Vector3d::UnitX()));
+  const GroundTruth& truth = observer_.observe(world_, telemetry_);
+  EXPECT_NEAR(truth.rpy_rad.x(), -0.1, 1e-12);
+  EXPECT_NEAR(truth.rpy_rad.y(), 0.2, 1e-12);
+  EXPECT_NEAR(truth.rpy_rad.z(), 0.3, 1e-12);
+  EXPECT_NEAR(truth.tilt_rad, std::acos(std::cos(0.2) * std::cos(0.1)), 1e-12);
+}
+
+TEST_F(Truth, HeightOfAFootIsThatOfItsLowestCorner) {
+  world_.pose(Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 0.18)));
+  EXPECT_NEAR(observer_.observe(world_, telemetry_).foot_height_m[0], 0.01, 1e-9);
+  world_.pose(Eigen::Translation3d(0.0, 0.0, 0.2) * Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY()));
+  const GroundTruth& pitched = observer_.observe(world_, telemetry_);
+  for (std::size_t side = 0; side < 2; ++side) {
+    const double centre_m = pitched.X_WSole[side].translation().z();
+    EXPECT_LT(pitched.foot_height_m[side], centre_m - 0.003);  // a sole is 100 mm long
+    EXPECT_GT(pitched.foot_height_m[side], centre_m - 0.008);
+  }
+}
+
+TEST_F(Truth, SlipIsCountedFromWhereAFootTookLoad) {
+  world_.load(left_foot_, 6.0);
+  observer_.observe(world_, telemetry_);
+  world_.pose(Eigen::Isometry3d(Eigen::Translation3d(0.003, 0.004, 0.17)));
+  const GroundTruth& slid = observer_.observe(world_, telemetry_);
+  EXPECT_NEAR(slid.foot_slip_m[0], 0.005, 1e-12);
+  EXPECT_EQ(slid.foot_slip_m[1], 0.0);  // carries nothing
+  EXPECT_EQ(slid.foot_load_N[0], 6.0);
+
+  world_.unload();
+  EXPECT_EQ(observer_.observe(world_, telemetry_).foot_slip_m[0], 0.0);
+  world_.load(left_foot_, 6.0);
+  EXPECT_EQ(observer_.observe(world_, telemetry_).foot_slip_m[0], 0.0);
+}
+
+TEST_F(Truth, ZmpOfBothFeetLiesBetweenThemByTheirLoads) {
+  const int right_foot = robot_.joints[static_cast<std::size_t>(robot_.right_ankle->joint)].child;
+  world_.load(left_foot_, 9.0, {0.01, 0.035, 0.0});
+  world_.load(right_foot, 3.0, {0.03, -0.03, 0.0});
+  const GroundTruth& truth = observer_.observe(world_, telemetry_);
+  EXPECT_LT((*truth.foot_zmp_S_m[0] - Eigen::Vector2d(0.01, 0.005)).norm(), 1e-12);
+  EXPECT_LT((*truth.foot_zmp_S_m[1] - Eigen::Vector2d(0.03, 0.0)).norm(), 1e-12);
+  EXPECT_LT((*truth.p_WZmp_W - Eigen::Vector3d(0.015, 0.01875, 0.0)).norm(), 1e-12);
+  // The soles reach from 38 mm behind the ankles to 62 mm ahead, and 28 mm to either side of 30 mm.
+  EXPECT_NEAR(*truth.zmp_margin_m, 0.058 - 0.01875, 1e-9);
+}
+
+TEST_F(Truth, ThereIsNoZmpBelowTheThreshold) {
+  world_.load(left_foot_, 0.9, {0.01, 0.03, 0.0});
+  const GroundTruth& truth = observer_.observe(world_, telemetry_);
+  EXPECT_FALSE(truth.foot_zmp_S_m[0]);
+  EXPECT_FALSE(truth.p_WZmp_W);
+  EXPECT_FALSE(truth.zmp_margin_m);
+}
+
+}  // namespace
+}  // namespace koboshi::simulation

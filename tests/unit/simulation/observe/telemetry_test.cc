@@ -1,0 +1,105 @@
+#include "simulation/observe/telemetry.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace koboshi::simulation {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+// Two joints: node 16, and node 17 whose shaft turns the other way from a zero of 90 degrees.
+robot::RobotModel two_joints() {
+  robot::RobotModel model;
+  model.joint_count = 2;
+  model.joints[0].drive.node_id = 16;
+  model.joints[1].drive.node_id = 17;
+  model.joints[1].drive.sign = -1;
+  model.joints[1].drive.zero = fixed::kQuarterTurn;
+  model.scales.ankle_force = fixed::Force::from_raw(100 << 16);  // full scale 100 N
+  return model;
+}
+
+class TelemetryOfFrames : public testing::Test {
+ protected:
+  void hear(std::uint16_t identifier, std::uint8_t size, std::array<std::uint8_t, 8> data) {
+    reader_.on_bus_frame({.identifier = identifier, .size = size, .remote = false, .data = data}, 0, 100);
+  }
+
+  robot::RobotModel model_ = two_joints();
+  TelemetryReader reader_{model_};
+};
+
+TEST_F(TelemetryOfFrames, ShowsWhatTheControllerIsDoing) {
+  hear(0x181, 8, {6, 17, 3, 5, 9, 1, 0, 39});
+  EXPECT_EQ(reader_.now().state, behaviour::State::kFault);
+  EXPECT_EQ(reader_.now().reason, behaviour::Reason::kDriveTrouble);
+  EXPECT_EQ(reader_.now().motion, 3);
+  EXPECT_EQ(reader_.now().trouble, drive::Trouble::kLost);
+  EXPECT_EQ(reader_.now().trouble_joint, 9);
+  EXPECT_EQ(reader_.now().refusal, behaviour::Reason::kVelocityOutOfRange);
+}
+
+TEST_F(TelemetryOfFrames, ShowsAttitudeInRadians) {
+  // Roll 2^12 of 2^16 a turn, pitch -2^13; rates 2^10 and -2^11 of 2^12 a turn a second.
+  hear(0x281, 8, {0x00, 0x10, 0x00, 0xE0, 0x00, 0x04, 0x00, 0xF8});
+  EXPECT_NEAR(reader_.now().roll_rad, 22.5 * kDegree, 1e-12);
+  EXPECT_NEAR(reader_.now().pitch_rad, -45.0 * kDegree, 1e-12);
+  EXPECT_NEAR(reader_.now().rate_rad_per_s[0], 90.0 * kDegree, 1e-12);
+  EXPECT_NEAR(reader_.now().rate_rad_per_s[1], -180.0 * kDegree, 1e-12);
+}
+
+TEST_F(TelemetryOfFrames, ShowsTheLoadOfEachFoot) {
+  hear(0x381, 8, {0x00, 0x40});
+  hear(0x481, 8, {0x00, 0xF0});
+  EXPECT_NEAR(reader_.now().foot_load_N[0], 50.0, 1e-9);
+  EXPECT_NEAR(reader_.now().foot_load_N[1], -12.5, 1e-9);
+}
+
+TEST_F(TelemetryOfFrames, ShowsZmpAndCentreOfMassInTheSolesFrames) {
+  // 2^-15 m: 0x0400 is 1/32 m.
+  hear(0x182, 8, {0x00, 0x04, 0x00, 0xFC, 0x00, 0x02, 0x00, 0xFE});
+  hear(0x282, 8, {0x00, 0x01, 0x00, 0xFF, 0x80, 0x00, 0x80, 0xFF});
+  hear(0x382, 3, {0x00, 0x18, 0x0E});
+  const Telemetry& said = reader_.now();
+  EXPECT_FALSE(said.foot_zmp[0].valid);
+  EXPECT_EQ(said.foot_zmp[0].x_m, 1.0 / 32);
+  EXPECT_EQ(said.foot_zmp[0].y_m, -1.0 / 32);
+  EXPECT_TRUE(said.foot_zmp[1].valid);
+  EXPECT_EQ(said.foot_zmp[1].x_m, 1.0 / 64);
+  EXPECT_EQ(said.foot_zmp[1].y_m, -1.0 / 64);
+  EXPECT_TRUE(said.zmp.valid);
+  EXPECT_EQ(said.zmp.x_m, 1.0 / 128);
+  EXPECT_EQ(said.zmp.y_m, -1.0 / 128);
+  EXPECT_EQ(said.zmp.frame, hal::Side::kRight);
+  EXPECT_EQ(said.com_S_m, (std::array{1.0 / 256, -1.0 / 256, 3.0 / 16}));
+}
+
+TEST_F(TelemetryOfFrames, ShowsTargetsAndPositionsAsJointAngles) {
+  hear(0x210, 6, {0x0F, 0x00, 0x00, 0x00, 0x02, 0x00});  // 2^17 units: an eighth of a turn
+  hear(0x191, 8,
+       {0x37, 0x02, 0x00, 0x00, 0x02, 0x00, 0x64, 0x00});  // 45 degrees of a shaft that reads 90 - joint
+  EXPECT_NEAR(reader_.now().joints[0].target_rad, 45.0 * kDegree, 1e-8);
+  EXPECT_NEAR(reader_.now().joints[1].position_rad, 45.0 * kDegree, 1e-8);
+  EXPECT_EQ(reader_.now().joints[1].statusword, 0x0237);
+  EXPECT_EQ(reader_.now().joints[1].torque_permille, -100.0);
+}
+
+TEST_F(TelemetryOfFrames, CountsEmergenciesButNotTheirEnds) {
+  hear(0x090, 8, {0x30, 0x81, 0x11});
+  hear(0x081, 8, {0x00, 0xFF, 0x81});
+  hear(0x090, 8, {0x00, 0x00, 0x00});
+  EXPECT_EQ(reader_.now().emergencies, 2u);
+}
+
+TEST_F(TelemetryOfFrames, IgnoresWhatItDoesNotKnow) {
+  hear(0x080, 0, {});
+  hear(0x1FF, 8, {1, 2, 3, 4, 5, 6, 7, 8});
+  hear(0x210, 2, {0x06, 0x00});
+  EXPECT_EQ(reader_.now().emergencies, 0u);
+  EXPECT_EQ(reader_.now().joints[0].target_rad, 0.0);
+}
+
+}  // namespace
+}  // namespace koboshi::simulation

@@ -1,0 +1,181 @@
+"""The Python module: arrays, commands, errors, repeatability, threads, and its type stubs."""
+
+import ast
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[4]
+MODULE_FOLDER = pathlib.Path(sys.argv[1])
+PROGRAM = sys.argv[2]
+sys.path.insert(0, str(MODULE_FOLDER))
+
+import koboshi  # noqa: E402
+import numpy as np  # noqa: E402
+
+GO = ROOT / "scenarios/go.yaml"
+
+
+def go(**arguments):
+    return koboshi.Simulation(GO, stepper="lumped", **arguments)
+
+
+class Simulation(unittest.TestCase):
+    def test_gives_the_bits_of_koboshi_run(self):
+        with tempfile.TemporaryDirectory() as out:
+            subprocess.run([PROGRAM, "run", GO, "--stepper", "lumped", "--duration", "1.5", "--seed", "3", "--out", f"{out}/run"],
+                           cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+            summary = json.loads(pathlib.Path(out, "run/summary.json").read_text())
+        sim = go(seed=3)
+        while sim.time_s < 1.4995:
+            sim.step(7 if sim.time_s < 1.4925 else 1)
+        self.assertEqual(sim.state_hash, summary["state_hash"])
+
+    def test_walks_as_it_is_commanded(self):
+        sim = go(set={"commands": [{"at_s": 2, "enable": True}]})
+        sim.step(4200)
+        self.assertEqual(sim.state().state, "standing")
+        sim.command("walk", forward_m_per_s=0.15)
+        sim.step(2500)
+        self.assertEqual(sim.state().state, "walking")
+        self.assertGreater(sim.truth().position_m[0], 0.05)
+        sim.command("stop")
+        self.assertTrue(any("walk" in text for _, text in sim.events()))
+
+    def test_fields_have_their_shapes_and_belong_to_the_caller(self):
+        sim = go()
+        sim.step(20)
+        before, truth = sim.state(), sim.truth()
+        joints, links = len(sim.joint_names), len(sim.link_names)
+        self.assertEqual(before.joint_position_rad.shape, (joints,))
+        self.assertEqual(truth.link_rotation.shape, (links, 3, 3))
+        np.testing.assert_allclose(truth.link_rotation @ truth.link_rotation.transpose(0, 2, 1), np.broadcast_to(np.eye(3), (links, 3, 3)),
+                                   atol=1e-9)
+        kept = truth.joint_position_rad.copy()
+        sim.step(3000)
+        np.testing.assert_array_equal(truth.joint_position_rad, kept)
+        self.assertGreater(np.abs(sim.truth().joint_position_rad - kept).max(), 0)
+
+    def test_frames_are_those_since_the_last_call(self):
+        sim = go(frames=True)
+        sim.step(500)
+        first = sim.frames()
+        self.assertGreater(len(first), 100)
+        self.assertTrue((np.diff(first["time_us"].astype(np.int64)) > 0).all())
+        self.assertEqual(len(sim.frames()), 0)
+        sim.step(10)
+        self.assertGreater(sim.frames()["time_us"].min(), first["time_us"].max())
+        with self.assertRaisesRegex(ValueError, "frames=True"):
+            go().frames()
+
+    def test_reset_begins_anew(self):
+        sim = go(seed=1)
+        sim.step(50)
+        first = sim.state_hash
+        sim.push([5, 0, 0], 0.01)
+        sim.step(20)
+        sim.reset()
+        sim.step(50)
+        self.assertEqual(sim.state_hash, first)
+        sim.reset(2)
+        sim.step(50)
+        self.assertNotEqual(sim.state_hash, first)
+
+    def test_a_push_moves_the_robot(self):
+        sim = go()
+        sim.step(10)
+        before = sim.truth().link_position_m.copy()
+        sim.push(np.array([0.0, 30.0, 0.0]), 0.2, link="left_hand" if "left_hand" in sim.link_names else sim.link_names[-1])
+        sim.step(200)
+        self.assertGreater(np.abs(sim.truth().link_position_m - before).max(), 1e-3)
+
+
+class Errors(unittest.TestCase):
+    def test_are_those_of_the_command_line(self):
+        with self.assertRaisesRegex(koboshi.InputError, r"nowhere\.yaml"):
+            koboshi.Simulation("nowhere.yaml")
+        with self.assertRaisesRegex(koboshi.InputError, "^set.*found"):
+            go(set={"ground.friction": -1})
+        with self.assertRaisesRegex(koboshi.InputError, "stepper.*expected"):
+            koboshi.Simulation(GO, stepper="slow")
+        sim = go()
+        for call in (lambda: sim.command("wlk"), lambda: sim.command("walk", forwards=1), lambda: sim.push([1, 2], 0.1),
+                     lambda: sim.push([1, 2, 3], 0.1, link="tail"), lambda: sim.write("step_time", 1)):
+            with self.assertRaises(koboshi.InputError):
+                call()
+        self.assertTrue(issubclass(koboshi.InputError, ValueError))
+
+    def test_a_refused_value_is_an_exception(self):
+        sim = go(set={"commands": [{"at_s": 2, "enable": True}]})
+        sim.step(3500)
+        sim.write("mounting_roll_deg", 1)
+        with self.assertRaisesRegex(koboshi.SdoFailed, "mounting_roll_deg"):
+            sim.step(200)
+
+
+class Simulations(unittest.TestCase):
+    def test_have_the_world_as_first_dimension(self):
+        sims = koboshi.Simulations(GO, range(3), threads=2, stepper="lumped")
+        sims.step(100)
+        self.assertEqual(len(sims), 3)
+        state, truth = sims.state(), sims.truth()
+        self.assertEqual(state.state.shape, (3,))
+        self.assertEqual(truth.position_m.shape, (3, 3))
+        self.assertEqual(truth.tilt_rad.shape, (3,))
+        alone = go(seed=1)
+        alone.step(100)
+        np.testing.assert_array_equal(truth.link_position_m[1], alone.truth().link_position_m)
+        sims.push([0, 0, 5], 0.05, world=2)
+        sims.step(50)
+        alone.step(50)
+        np.testing.assert_array_equal(sims.truth().link_position_m[1], alone.truth().link_position_m)
+
+
+class Threads(unittest.TestCase):
+    def test_run_while_a_simulation_steps(self):
+        sim = go()
+        turned_away = []
+        stepping = threading.Thread(target=lambda: sim.step(1500))
+        stepping.start()
+        counted = 0
+        while stepping.is_alive():
+            counted += 1
+            try:
+                sim.state()
+            except RuntimeError as error:
+                turned_away.append(str(error))
+        stepping.join()
+        self.assertGreater(counted, 1)
+        self.assertTrue(turned_away and "another thread" in turned_away[0])
+        self.assertEqual(sim.time_s, 1.5)
+
+
+class Stubs(unittest.TestCase):
+    def test_name_what_the_module_has(self):
+        tree = ast.parse((MODULE_FOLDER / "koboshi.pyi").read_text())
+        for node in (node for node in tree.body if isinstance(node, ast.ClassDef)):
+            with self.subTest(node.name):
+                actual = getattr(koboshi, node.name)
+                if node.name in ("State", "Truth"):
+                    self.assertEqual([item.target.id for item in node.body if isinstance(item, ast.AnnAssign)], list(actual._fields))
+                elif node.name.startswith("Simulation"):
+                    stub = {item.name for item in node.body if isinstance(item, ast.FunctionDef)} - {"__init__", "__len__"}
+                    self.assertEqual(stub, {name for name in vars(actual) if not name.startswith("_")})
+        classes = {node.name for node in tree.body if isinstance(node, ast.ClassDef)}
+        self.assertEqual(classes, {name for name in vars(koboshi) if not name.startswith("_")})
+
+    def test_every_public_name_has_a_docstring(self):
+        for owner in (koboshi.Simulation, koboshi.Simulations):
+            for name in vars(owner):
+                if not name.startswith("_"):
+                    self.assertTrue(getattr(owner, name).__doc__, f"{owner.__name__}.{name}")
+        for field in koboshi.State._fields:
+            self.assertRegex(koboshi.State.__doc__, rf"(?m)^{field}: ")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -1,0 +1,98 @@
+#include "tools/dictionary/parameters_page.h"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <iterator>
+#include <span>
+
+#include "firmware/canopen/dictionary.h"
+#include "sim_board/input/text.h"
+#include "simulation/scenario/controller_parameters.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr std::string_view kParametersIntroduction =
+    R"(# Parameters of the controller
+
+You can set these numbers of the controller in the robot's file of parameters, in a scenario, in a parameter file and in a
+study. The end of a key names the unit. [walking.md](../design/walking.md) explains how the robot walks, and
+[getting-up.md](../design/getting-up.md) how it gets up. A client on the bus writes the same numbers in counts of the wire:
+[object-dictionary.md](object-dictionary.md) has the scale of each object. Written by `koboshi dictionary write`.
+
+## Whose value counts
+
+1. The firmware's default is neutral: no feedback, no gait, no velocity, no fall detection. It knows no robot. A robot that has
+   nothing else boots, stands and plays motions; the command to walk is refused with the reason `no gait`. An empty default means
+   that the parameter is not set.
+2. `parameters.yaml` beside the robot's file holds what this robot leaves the factory with. Every command that makes a storage image
+   compiles it in; the firmware reads it at power-on, at a reset, and therefore after restore default parameters (object 1011).
+3. What a client has saved (object 1010) replaces the factory's value.
+4. A scenario's `parameter_file` and `parameters`, and `--set parameters.KEY=VALUE`, are written by SDO at the start of a run.
+
+```yaml
+version: 1
+robot: koboshi  # the name in the robot's file
+parameters:
+  step_time_ms: 220
+```
+
+The compiler refuses, with file and line, an unknown key, a value beyond its range, and what does not fit the robot's body: half a
+gait, a posture or a step that the legs do not reach, soles that touch, a fall limit within the feet's edges or beyond 60 degrees,
+a touchdown load above the robot's weight, supply limits out of order. Object 2200:0C tells whether the firmware took the item:
+`none in storage`, `damaged`, `for another robot model` and `refused` leave all parameters neutral, the last three with an emergency
+message of code 6300.
+
+## All parameters
+
+)";
+
+std::string in_units(const simulation::Parameter& parameter, std::int64_t raw) {
+  return fmt::format("{:.6g}", static_cast<double>(raw) / parameter.raw_per_unit());
+}
+
+// The value on the robot; empty where it is the default.
+std::string robot_value_of(const simulation::Parameter& parameter, const std::string& default_value,
+                           const app::ControllerValues& values) {
+  app::ControllerValues copy = values;
+  const canopen::Dictionary dictionary(app::kControllerNode.rows,
+                                       std::as_writable_bytes(std::span(&copy, 1)));
+  canopen::ObjectValue value;
+  if (dictionary.read(parameter.address(), value) != canopen::AbortCode::kNone) return {};
+  const canopen::DataType type = parameter.object->entry.type;
+  const int spare_bits = 32 - 8 * canopen::size_bytes(type);
+  const std::int64_t raw = canopen::is_signed(type)
+                               ? static_cast<std::int32_t>(value.number() << spare_bits) >> spare_bits
+                               : std::int64_t{value.number()};
+  const bool is_set = raw >= parameter.low() && raw <= parameter.high();
+  std::string text = is_set ? in_units(parameter, raw) : std::string();
+  return text == default_value ? std::string() : text;
+}
+
+std::string default_of(const simulation::Parameter& parameter, const NodeKind& controller) {
+  const ObjectItem* item = controller.find(parameter.address());
+  const auto raw = item != nullptr ? sim::parse_integer(item->default_value) : std::nullopt;
+  return raw ? in_units(parameter, *raw) : std::string();
+}
+
+}  // namespace
+
+std::string parameters_page_text(const NodeKind& controller, const std::string& robot,
+                                 const app::ControllerValues& robot_values) {
+  std::string page(kParametersIntroduction);
+  fmt::format_to(std::back_inserter(page),
+                 "| key | range | default | {} | object | meaning |\n| --- | --- | --- | --- | --- | --- |\n",
+                 robot);
+  for (const simulation::Parameter& parameter : simulation::controller_parameters()) {
+    const canopen::ObjectAddress address = parameter.address();
+    const std::string default_value = default_of(parameter, controller);
+    fmt::format_to(std::back_inserter(page), "| `{}` | {} to {} | {} | {} | {:04X}:{:02X} | {} |\n",
+                   parameter.key, in_units(parameter, parameter.low()), in_units(parameter, parameter.high()),
+                   default_value, robot_value_of(parameter, default_value, robot_values), address.index,
+                   address.subindex, parameter.object->text.comment);
+  }
+  return page;
+}
+
+}  // namespace koboshi::tools
