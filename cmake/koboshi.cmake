@@ -14,7 +14,10 @@ target_include_directories(koboshi_headers INTERFACE $<INSTALL_INTERFACE:include
 # repeats to the bit.
 add_library(koboshi_options INTERFACE)
 target_compile_options(koboshi_options INTERFACE
-  -Wall -Wextra -Wconversion -Wsign-conversion -Wdouble-promotion -Werror -ffp-contract=off)
+  -Wall -Wextra -Wconversion -Wsign-conversion -Wdouble-promotion -ffp-contract=off)
+if(PROJECT_IS_TOP_LEVEL)  # at another optimisation, another compiler warns of other things: no reason to stop somebody else's build
+  target_compile_options(koboshi_options INTERFACE -Werror)
+endif()
 target_link_libraries(koboshi_options INTERFACE koboshi_headers)
 
 # What the firmware is compiled with besides, on every board: any float arithmetic is a hard error on the host. tests/proof

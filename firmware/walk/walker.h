@@ -29,13 +29,16 @@ struct Observation {
 // component of motion", T-RO 2015). The plan is made anew in every cycle, so velocity and landing position
 // may change at any time.
 //
-//   Preparing     0.5 s            a ramp from the standing targets to bent knees, CoM between the feet
-//   WeightShift   at most 0.6 s    double support with the ZMP under the right foot, until the DCM is where
-//                                  the first step, onto the left foot, begins
-//   Stepping      until a stop, at zero speed, finds the feet side by side: double support, then swing, in
-//   turn ClosingStep   3 T_c after the CoM is back      double support with the ZMP moved back between the
-//   feet Settling      0.7 s            a ramp back to the standing targets, and the time until the servos
-//   follow
+// clang-format off
+//   phase         lasts                 what happens
+//   Preparing     0.5 s                 a ramp from the standing targets to bent knees, CoM between the feet
+//   WeightShift   at most 0.6 s         double support with the ZMP under the right foot, until the DCM is
+//                                       where the first step, onto the left foot, begins
+//   Stepping      until a stop at zero  double support, then swing, in turn; it ends when the feet stand
+//                 speed                 side by side
+//   ClosingStep   3 T_c                 double support with the ZMP moved back between the feet
+//   Settling      0.7 s                 a ramp back to the standing targets, and time for the servos to follow
+// clang-format on
 //
 // All positions are in the frame of the support foot's sole: x forward, y to the left. When a foot lands,
 // end_step() moves everything into its frame; no position in the world is kept.

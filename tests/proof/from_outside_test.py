@@ -62,8 +62,9 @@ class ForeignProject(unittest.TestCase):
         ours = [command for path, command in self.commands.items() if (ROOT / "firmware") in path.parents]
         self.assertGreater(len(ours), 30)
         for command in ours:
-            for flag in ("-Werror", "-Wconversion", "-fno-exceptions", "-ffp-contract=off"):
+            for flag in ("-Wconversion", "-fno-exceptions", "-ffp-contract=off"):
                 self.assertIn(flag, command)
+            self.assertNotIn("-Werror", command)  # GCC 12 has false alarms at -O3
 
     def test_gets_firmware_and_ports_alone(self):
         folders = {path.relative_to(ROOT).parts[0] for path in self.commands if ROOT in path.parents and FOREIGN not in path.parents}

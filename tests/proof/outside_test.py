@@ -59,7 +59,7 @@ class Installed(Project, unittest.TestCase):
 
 class Folder(Project, unittest.TestCase):
     def test_by_add_subdirectory(self):
-        self.run_programs(self.build(f"-DKOBOSHI_FOLDER={ROOT}"), ROOT / "scenarios")
+        self.run_programs(self.build(f"-DKOBOSHI_FOLDER={ROOT}", "-DCMAKE_UNITY_BUILD=ON"), ROOT / "scenarios")
 
 
 if __name__ == "__main__":
