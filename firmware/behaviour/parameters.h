@@ -14,8 +14,7 @@ struct PowerParameters {
   // supply: the firmware does not know the battery.
   std::uint16_t supply_min_mV = 0;
   std::uint16_t supply_max_mV = 0xFFFF;
-  // Of the soft start, 2^-12 turn/s. 60 degrees a second: from any pose within the joint limits it takes a
-  // few seconds, and a hand has time to get out of the way.
+  // Of the soft start, 2^-12 turn/s. By hand, 2026-11-21: 60 degrees a second, at which half a turn takes 3 s.
   std::int16_t ramp_rate = 683;
   std::uint16_t supply_low_mV = 0;  // with less for two seconds the robot stands until it was limp
 };
@@ -30,7 +29,7 @@ struct RecoveryParameters {
   GettingUp getting_up;
 };
 
-// What the behaviour reads of the object dictionary; may change between two calls of it.
+// The parameters of the behaviour, which live in the object dictionary and may change between two cycles.
 struct Parameters {
   const PowerParameters& power;
   const walk::VelocityLimits& velocity_limits;

@@ -35,7 +35,8 @@ study. The end of a key names the unit. [walking.md](../design/walking.md) expla
 version: 1
 robot: koboshi  # the name in the robot's file
 parameters:
-  step_time_ms: 220
+  lowest_supply_mV: 6000
+  ramp_rate_deg_per_s: 60
 ```
 
 The compiler refuses, with file and line, an unknown key, a value beyond its range, and what does not fit the robot's body: half a

@@ -69,7 +69,7 @@ void set_thresholds(sim::Scenario& scenario, const Case& what) {
   }
 }
 
-// A bar across the way, that the swinging foot hits.
+// A bar across the way, that the swing foot hits.
 sim::GroundShape bar(double at_m, double height_m) {
   sim::GroundBox box;
   box.X_WG = Eigen::Translation3d(at_m, 0.0, 0.5 * height_m) * Eigen::Isometry3d::Identity();

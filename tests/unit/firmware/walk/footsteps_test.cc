@@ -27,7 +27,7 @@ struct RandomGait {
         width(from_double<Length>(std::uniform_real_distribution(0.04, 0.1)(random))),
         steps(width, pendulum.growth(static_cast<std::size_t>(ticks)), pendulum.lag(double_ticks)) {}
 
-  // The divergent part at the end of a step, from the ZMP under the foot that stood; the ZMP came from the
+  // The DCM at the end of a step, from the ZMP under the support foot; the ZMP came from the
   // last foot, that far behind.
   Point end_of_step(Point begin, Point last_step) const {
     PendulumState state = PendulumState::at_rest(begin);

@@ -123,7 +123,7 @@ TEST(WalkerCapture, SmoothsWhatItSees) {
   EXPECT_NEAR(moved.x, share * 0.5 * kComHeight_m * 0.1, 0.1e-3);
 }
 
-// Ticks between two landings, when the swinging foot feels `load_N` from the given tick on after the first.
+// Ticks between two landings, when the swing foot feels `load_N` from the given tick on after the first.
 int step_ticks(std::int16_t threshold_cN, double load_N, int from_tick) {
   WalkParameters parameters = rigid();
   parameters.reaction.touchdown_load_cN = threshold_cN;
