@@ -2,8 +2,7 @@
 
 #include "firmware/app/dictionary.h"
 #include "firmware/canopen/described_object.h"
-#include "firmware/canopen/object.h"
-#include "firmware/canopen/value_names.h"
+#include "firmware/canopen/dictionary.h"
 #include "firmware/storage/item.h"
 
 // The controller's objects: from this table come the rows in flash, controller.eds, koboshi.dbc and the page

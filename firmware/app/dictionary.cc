@@ -3,7 +3,7 @@
 #include <iterator>
 
 #include "firmware/app/controller_objects.h"
-#include "firmware/canopen/object.h"
+#include "firmware/canopen/dictionary.h"
 #include "firmware/canopen/pdo.h"
 #include "firmware/drive/configuration.h"
 

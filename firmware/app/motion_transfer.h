@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/canopen/domain.h"
+#include "firmware/canopen/sdo/objects.h"
 #include "firmware/motion/motion_library.h"
 #include "firmware/robot/model.h"
 #include "firmware/storage/item_store.h"

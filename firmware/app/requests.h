@@ -5,8 +5,7 @@
 
 #include "firmware/app/dictionary.h"
 #include "firmware/behaviour/behaviour.h"
-#include "firmware/canopen/abort_code.h"
-#include "firmware/canopen/object.h"
+#include "firmware/canopen/dictionary.h"
 #include "firmware/drive/drive_group.h"
 #include "firmware/estimation/estimator.h"
 

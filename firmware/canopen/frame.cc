@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "firmware/canopen/cob_id.h"
-
 namespace koboshi::canopen {
 namespace {
 

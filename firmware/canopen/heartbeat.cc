@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "firmware/canopen/cob_id.h"
+#include "firmware/canopen/frame.h"
 
 namespace koboshi::canopen {
 

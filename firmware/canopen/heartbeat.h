@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/canopen/abort_code.h"
 #include "firmware/canopen/dictionary.h"
 #include "firmware/canopen/frame.h"
 #include "firmware/canopen/slot_map.h"

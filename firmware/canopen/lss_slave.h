@@ -4,8 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "firmware/canopen/abort_code.h"
-#include "firmware/canopen/cob_id.h"
+#include "firmware/canopen/dictionary.h"
 #include "firmware/canopen/frame.h"
 
 namespace koboshi::canopen {

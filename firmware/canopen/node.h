@@ -6,23 +6,104 @@
 #include <span>
 #include <string_view>
 
-#include "firmware/canopen/application.h"
 #include "firmware/canopen/dictionary.h"
 #include "firmware/canopen/emergency.h"
-#include "firmware/canopen/emergency_producer.h"
 #include "firmware/canopen/frame.h"
 #include "firmware/canopen/heartbeat.h"
-#include "firmware/canopen/nmt.h"
-#include "firmware/canopen/node_services.h"
 #include "firmware/canopen/pdo.h"
-#include "firmware/canopen/rpdo.h"
-#include "firmware/canopen/sdo_server.h"
+#include "firmware/canopen/sdo/objects.h"
+#include "firmware/canopen/sdo/server.h"
 #include "firmware/canopen/slot_map.h"
 #include "firmware/canopen/sync.h"
-#include "firmware/canopen/tpdo.h"
 #include "firmware/canopen/transmit_queue.h"
 
 namespace koboshi::canopen {
+
+// What "save" to 0x1010 and "load" to 0x1011 are about, by sub-index (CiA 301, 7.5.2.13).
+enum class ParameterGroup : std::uint8_t {
+  kAll = 1,
+  kCommunication = 2,  // 0x1000 to 0x1FFF
+  kApplication = 3,    // 0x6000 to 0x9FFF
+  kManufacturer = 4,   // 0x2000 to 0x5FFF
+};
+
+// The bits of NodeDescription::stored_groups.
+constexpr std::uint8_t group_bit(ParameterGroup group) {
+  return static_cast<std::uint8_t>(1u << (static_cast<unsigned>(group) - 1));
+}
+
+inline constexpr std::uint8_t kAllGroups =
+    group_bit(ParameterGroup::kAll) | group_bit(ParameterGroup::kCommunication) |
+    group_bit(ParameterGroup::kApplication) | group_bit(ParameterGroup::kManufacturer);
+
+// What a node tells its owner, from within the node's calls. An owner overrides what it cares for; it may
+// call the node back.
+class NodeApplication {
+ public:
+  // An SDO client (or write_object) is about to change a value of the owner's table; kNone lets it pass.
+  // `value` is sign-extended if the object is signed. Length, access and limits have been checked already.
+  virtual AbortCode on_write(ObjectAddress, std::uint32_t /*value*/) { return AbortCode::kNone; }
+  // The bytes behind a DOMAIN row of the owner's table; null: not now, the client sees 060A 0023. They must
+  // outlive the node. The node never has two transfers of one domain at a time.
+  virtual Domain* domain(ObjectAddress) { return nullptr; }
+  // Store the parameters of a group so that they survive a restart, or let those of the factory have effect
+  // after the next reset. NodeDescription::stored_groups says which the owner can. While it says kBusy the
+  // client waits, and the owner is asked again, until all is done (CiA 301, 7.5.2.13).
+  virtual AbortCode on_store(ParameterGroup) { return AbortCode::kCannotTransfer; }
+  virtual AbortCode on_restore(ParameterGroup) { return AbortCode::kCannotTransfer; }
+  // kResetNode (also at start) or kResetCommunication: communication parameters have their defaults again;
+  // now is the time to change them with write_object. On kResetNode the owner's own values go back to theirs.
+  virtual void on_reset(NmtCommand /*reset*/) {}
+  // Whether the node goes on to operational by itself after a reset, as an NMT master or a self-starting
+  // device does (CiA 302-2, object 0x1F80). Asked at its end.
+  virtual bool starts_itself() { return false; }
+  virtual void on_state(NmtState) {}
+  // A SYNC, in pre-operational and operational. Synchronous RPDOs have taken effect; synchronous TPDOs are
+  // packed afterwards.
+  virtual void on_sync(std::uint64_t /*now_us*/) {}
+  // RPDO `number` (from 0) has taken effect.
+  virtual void on_rpdo(std::size_t /*number*/) {}
+  virtual void on_heartbeat(const HeartbeatEvent&) {}
+  // Another node's emergency message.
+  virtual void on_emergency(const Emergency&) {}
+  // Another node has sent what only this one may: its heartbeat, its emergency message, one of its TPDOs, or
+  // SYNC while it is the producer. It has the same id, or is a second master.
+  virtual void on_impostor(std::uint16_t /*identifier*/) {}
+
+ protected:
+  ~NodeApplication() = default;
+};
+
+class Node;
+class ObjectValue;
+
+// One write of the sequence that makes a node that was just reset what it is now.
+struct ParameterValue {
+  ObjectAddress address;
+  std::uint8_t size_bytes = 0;
+  std::uint32_t value = 0;
+
+  friend bool operator==(const ParameterValue&, const ParameterValue&) = default;
+};
+
+// Objects and parameters of services of CiA 301 and CiA 305 that not every node has. A node without them
+// carries none of their code. Each call is from within one of the node's.
+class NodeServices {
+ public:
+  // Their objects of the communication profile area. kObjectDoesNotExist for all others.
+  virtual AbortCode read(ObjectAddress address, ObjectValue& value) const = 0;
+  // Every write of an SDO client: theirs, or else Node::write_own. `size` in bytes; 0: as many as the object
+  // has.
+  virtual AbortCode write(Node& node, ObjectAddress address, std::uint32_t value, std::size_t size) = 0;
+  // The node's communication parameters as writes, in the order in which they are to be made. Those that are
+  // as after a reset and depend on the node id are left out. False past the last.
+  virtual bool parameter(Node& node, std::size_t number, ParameterValue& parameter) const = 0;
+  // One of them comes back from storage.
+  virtual void restore(Node& node, const ParameterValue& parameter) = 0;
+
+ protected:
+  ~NodeServices() = default;
+};
 
 // What a node does to its own state when it loses a heartbeat or goes bus-off (CiA 301, object 0x1029:1).
 enum class CommunicationError : std::uint8_t {
@@ -191,7 +272,7 @@ class Node final : private ObjectServer {
   void produce_heartbeat(std::uint64_t now_us);
   void beat(std::uint64_t now_us);
 
-  // Errors that the stack itself sees (node_errors.cc). `detail` goes into the message's manufacturer field.
+  // Errors that the stack itself sees. `detail` goes into the message's manufacturer field.
   void report(std::uint16_t code, bool present, std::uint8_t detail = 0);
   void note_reception(std::size_t number, Reception reception);
   void watch_own_beats(std::uint64_t now_us);

@@ -1,7 +1,7 @@
 // The node's dictionary as SDO clients see it: the owner's rows, and the communication profile area (CiA
 // 301, 7.5.2) that the stack serves from its own state.
 
-#include "firmware/canopen/cob_id.h"
+#include "firmware/canopen/frame.h"
 #include "firmware/canopen/node.h"
 
 namespace koboshi::canopen {

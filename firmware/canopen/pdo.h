@@ -4,13 +4,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <span>
 
-#include "firmware/canopen/abort_code.h"
-#include "firmware/canopen/cob_id.h"
 #include "firmware/canopen/dictionary.h"
+#include "firmware/canopen/frame.h"
+#include "firmware/canopen/slot_map.h"
+#include "firmware/canopen/transmit_queue.h"
 #include "hal/port/can.h"
 
+// Process data objects (CiA 301, 7.2.2): their communication and mapping records (7.5.2.35 to 7.5.2.38), and
+// when data are taken over and sent.
 namespace koboshi::canopen {
 
 inline constexpr std::size_t kMaxMappedObjects = 8;  // one byte each
@@ -129,6 +133,117 @@ class PdoRecord {
   std::uint8_t size_bytes_ = 0;
   PdoDirection direction_;
   std::array<MappedObject, kMaxMappedObjects> objects_{};
+};
+
+// What was heard of an RPDO last: a frame as long as its mapping, another, or nothing for its event timer.
+enum class Reception : std::uint8_t { kRight, kTooShort, kTooLong, kTimedOut };
+
+// A PDO that a node receives.
+struct Rpdo {
+  static constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
+
+  PdoRecord record{PdoDirection::kReceive};
+  bool pending = false;  // data wait for the next SYNC
+  Reception reception = Reception::kRight;
+  std::array<std::uint8_t, 8> data{};
+  std::uint64_t deadline_us = kNever;  // of its event timer
+};
+
+// The PDOs that a node receives. Data of a synchronous one take effect at the SYNC that follows, of the
+// others at once. The event timer of one runs from its first reception on (CiA 301, 7.5.2.35).
+class RpdoSet {
+ public:
+  RpdoSet(std::span<Rpdo> pdos, std::span<SlotMap::Item> slots) : pdos_(pdos), slots_(slots) {}
+
+  std::size_t size() const { return pdos_.size(); }
+  Rpdo& operator[](std::size_t number) { return pdos_[number]; }
+  const Rpdo& operator[](std::size_t number) const { return pdos_[number]; }
+  // To be called when record `number` has changed: what waited is dropped, its event timer stops.
+  void on_changed(std::size_t number);
+  // The same for all of them.
+  void stop();
+
+  // Slot of the PDO with this identifier, or SlotMap::kNone. O(log n).
+  std::size_t find(std::uint16_t identifier) const { return slots_.find(identifier); }
+  // True when this was the last news of some PDO.
+  bool any(Reception reception) const;
+
+  // A frame for this PDO of the set has taken effect, or will at the SYNC.
+  void restart_timer(Rpdo& pdo, std::uint64_t now_us) {
+    if (pdo.record.event_timer_us() != 0) set_deadline(pdo, now_us + pdo.record.event_timer_us());
+  }
+  // True when PDO `number` has been silent for too long; to be called again until false.
+  bool check(std::uint64_t now_us, std::size_t& number) {
+    return now_us >= earliest_us_ && find_silent(now_us, number);
+  }
+
+ private:
+  void set_deadline(Rpdo& pdo, std::uint64_t deadline_us);
+  bool find_silent(std::uint64_t now_us, std::size_t& number);
+
+  std::span<Rpdo> pdos_;
+  SlotMap slots_;
+  std::uint64_t earliest_us_ = Rpdo::kNever;  // no deadline lies before
+};
+
+// A PDO that a node sends.
+struct Tpdo {
+  PdoRecord record{PdoDirection::kTransmit};
+  // An event waits for the end of the inhibit time, for room in the queue, or for the SYNC.
+  bool requested = false;
+  bool watched = false;         // a change of a value is an event
+  bool counting = false;        // the SYNC with the start value has come, if there is one
+  std::uint8_t sync_count = 0;  // SYNCs since the last transmission
+  std::uint64_t inhibited_until_us = 0;
+  std::uint64_t event_due_us = 0;
+  std::array<std::uint8_t, 8> seen{};  // its data when they were looked at last, if they are watched
+};
+
+// When each TPDO is due, by its transmission type (CiA 301, 7.2.2.3): at every n-th SYNC, counted from the
+// one with the start value, at the SYNC after an event, or at the event itself and when the event timer has
+// run out, but never sooner than the inhibit time allows.
+//
+// Of the first `watched` PDOs every change of a mapped value is an event, and so is that operational begins:
+// nobody has been told of the values then. Of the others only their owner knows of events.
+class TpdoSet {
+ public:
+  // Values of `dictionary` go to `queue`; all must outlive the set.
+  TpdoSet(std::span<Tpdo> pdos, std::size_t watched, const Dictionary& dictionary, TransmitQueue& queue)
+      : pdos_(pdos), watched_(watched), dictionary_(dictionary), queue_(queue) {}
+
+  std::size_t size() const { return pdos_.size(); }
+  Tpdo& operator[](std::size_t number) { return pdos_[number]; }
+  const Tpdo& operator[](std::size_t number) const { return pdos_[number]; }
+
+  // Whether one of them has this identifier. O(n).
+  bool sends(std::uint16_t identifier) const;
+  // To be called when record `number` has changed: what waited is dropped, its SYNCs are counted anew.
+  void on_changed(std::size_t number);
+  // The node has become operational: counters and event timers begin anew.
+  void start(std::uint64_t now_us);
+  // An event: something in PDO `number` is worth telling.
+  void request(std::size_t number, std::uint64_t now_us);
+  // `counter` of the SYNC, 1..240; 0 when it carries none.
+  void on_sync(std::uint8_t counter, std::uint64_t now_us);
+  void process(std::uint64_t now_us) {
+    if (watched_end_ != 0) watch();
+    if (now_us >= due_us_) send_due(now_us);
+  }
+
+ private:
+  static void forget(Tpdo& pdo);
+  void watch();  // as telemetry is configured after a reset there is nothing to watch
+  static bool is_due(Tpdo& pdo, std::uint8_t counter);
+  void send_due(std::uint64_t now_us);
+  void send(Tpdo& pdo, std::uint64_t now_us);
+
+  std::span<Tpdo> pdos_;
+  std::size_t watched_;
+  const Dictionary& dictionary_;
+  TransmitQueue& queue_;
+  std::uint64_t due_us_ = 0;         // nothing is to be sent before
+  std::size_t synchronous_end_ = 0;  // behind the last that goes with SYNC
+  std::size_t watched_end_ = 0;      // behind the last whose values are watched
 };
 
 }  // namespace koboshi::canopen

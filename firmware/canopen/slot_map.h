@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -20,7 +21,12 @@ class SlotMap {
 
   void clear() { size_ = 0; }
   // At most as many as there are items; of equal keys the first stays in front.
-  void insert(std::uint16_t key, std::uint8_t slot);
+  void insert(std::uint16_t key, std::uint8_t slot) {
+    if (size_ == items_.size()) return;
+    std::size_t place = size_++;
+    for (; place > 0 && items_[place - 1].key > key; --place) items_[place] = items_[place - 1];
+    items_[place] = {key, slot};
+  }
   // kNone when there is no such key. What follows the key found last is tried first: arbitration lets the
   // frames of a cycle arrive in the order of their identifiers.
   std::size_t find(std::uint16_t key) const {
@@ -30,7 +36,13 @@ class SlotMap {
   }
 
  private:
-  std::size_t search(std::uint16_t key) const;
+  std::size_t search(std::uint16_t key) const {
+    const std::span<const Item> used = items_.first(size_);
+    const auto item = std::ranges::lower_bound(used, key, {}, &Item::key);
+    if (item == used.end() || item->key != key) return kNone;
+    next_ = static_cast<std::size_t>(item - used.begin()) + 1;
+    return item->slot;
+  }
 
   std::span<Item> items_;
   std::size_t size_ = 0;

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "firmware/canopen/application.h"
 #include "firmware/canopen/node.h"
 #include "firmware/storage/parameter_store.h"
 

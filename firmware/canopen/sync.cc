@@ -1,7 +1,5 @@
 #include "firmware/canopen/sync.h"
 
-#include "firmware/canopen/beat.h"
-
 namespace koboshi::canopen {
 namespace {
 

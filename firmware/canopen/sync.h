@@ -2,12 +2,18 @@
 
 #include <cstdint>
 
-#include "firmware/canopen/abort_code.h"
-#include "firmware/canopen/cob_id.h"
 #include "firmware/canopen/dictionary.h"
+#include "firmware/canopen/frame.h"
 #include "hal/port/can.h"
 
 namespace koboshi::canopen {
+
+// When a beat that was due at `due_us` is due next. Late by a period and more, it starts anew instead of
+// catching up.
+constexpr std::uint64_t next_beat(std::uint64_t due_us, std::uint64_t period_us, std::uint64_t now_us) {
+  const std::uint64_t next_us = due_us + period_us;
+  return next_us > now_us ? next_us : now_us + period_us;
+}
 
 // SYNC, produced and consumed (CiA 301, 7.2.5), with the objects 0x1005 COB-ID, 0x1006 communication cycle
 // period, 0x1007 synchronous window length and 0x1019 synchronous counter overflow value.

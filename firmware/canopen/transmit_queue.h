@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "firmware/canopen/frame.h"
@@ -83,8 +84,14 @@ class TransmitQueue final : public FrameSink {
   std::uint16_t lost() const { return lost_; }
 
  private:
-  void drain(FrameRing& ring);
-  bool keep(const hal::CanFrame& frame);
+  bool keep(const hal::CanFrame& frame) {
+    if (rings_[hal::transmit_fifo(frame)].push(frame)) return true;
+    if (lost_ < std::numeric_limits<std::uint16_t>::max()) ++lost_;
+    return false;
+  }
+  void drain(FrameRing& ring) {
+    while (ring.size() > 0 && sink_.send(ring.front())) ring.pop();
+  }
 
   FrameSink& sink_;
   std::array<hal::CanFrame, kAnswerBacklog> answer_backlog_{};

@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include "firmware/canopen/cia402.h"
-#include "firmware/canopen/cob_id.h"
+#include "firmware/canopen/frame.h"
 #include "firmware/canopen/pdo.h"
 
 namespace koboshi::drive {

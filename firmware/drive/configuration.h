@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "firmware/canopen/sdo_client.h"
+#include "firmware/canopen/sdo/client.h"
 #include "firmware/drive/trouble.h"
 #include "firmware/robot/model.h"
 

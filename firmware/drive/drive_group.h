@@ -8,7 +8,7 @@
 #include "firmware/canopen/emergency.h"
 #include "firmware/canopen/frame.h"
 #include "firmware/canopen/heartbeat.h"
-#include "firmware/canopen/sdo_client.h"
+#include "firmware/canopen/sdo/client.h"
 #include "firmware/drive/configuration.h"
 #include "firmware/drive/signals.h"
 #include "firmware/drive/status.h"

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "firmware/canopen/cob_id.h"
+#include "firmware/canopen/frame.h"
 #include "sim_board/engine/make_world.h"
 
 namespace koboshi::sim {

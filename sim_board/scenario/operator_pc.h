@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "firmware/canopen/sdo_client.h"
+#include "firmware/canopen/sdo/client.h"
 #include "sim_board/board/sim_board.h"
 #include "sim_board/scenario/scenario.h"
 

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "firmware/canopen/object.h"
+#include "firmware/canopen/dictionary.h"
 #include "firmware/canopen/pdo.h"
 #include "sim_board/sensor/sensor_objects.h"
 

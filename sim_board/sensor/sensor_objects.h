@@ -1,8 +1,7 @@
 #pragma once
 
 #include "firmware/canopen/described_object.h"
-#include "firmware/canopen/object.h"
-#include "firmware/canopen/value_names.h"
+#include "firmware/canopen/dictionary.h"
 #include "sim_board/sensor/sensor_dictionary.h"
 
 // The objects of the two kinds of sensor nodes: from these tables come the nodes' rows, inertial.eds and

@@ -1,7 +1,7 @@
 #include "sim_board/servo/drive_dictionary.h"
 
 #include "firmware/canopen/cia402.h"
-#include "firmware/canopen/object.h"
+#include "firmware/canopen/dictionary.h"
 #include "firmware/canopen/pdo.h"
 #include "sim_board/servo/drive_objects.h"
 

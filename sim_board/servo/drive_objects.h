@@ -4,8 +4,7 @@
 
 #include "firmware/canopen/cia402.h"
 #include "firmware/canopen/described_object.h"
-#include "firmware/canopen/object.h"
-#include "firmware/canopen/value_names.h"
+#include "firmware/canopen/dictionary.h"
 #include "sim_board/servo/drive_dictionary.h"
 
 // A drive's objects, CiA 402: from this table come the drive's rows, drive.eds, its part of koboshi.dbc and

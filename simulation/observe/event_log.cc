@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "firmware/app/controller_objects.h"
-#include "firmware/canopen/cob_id.h"
 #include "firmware/canopen/frame.h"
 #include "firmware/drive/configuration.h"
 #include "simulation/observe/event_words.h"

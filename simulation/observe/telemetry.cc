@@ -3,7 +3,6 @@
 #include <numbers>
 
 #include "firmware/app/dictionary.h"
-#include "firmware/canopen/cob_id.h"
 #include "firmware/canopen/frame.h"
 #include "firmware/drive/configuration.h"
 #include "firmware/fixed/host/convert.h"

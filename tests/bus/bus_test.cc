@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "firmware/canopen/cia402.h"
-#include "firmware/canopen/sdo_protocol.h"
+#include "firmware/canopen/sdo/protocol.h"
 #include "tests/support/bus_bench.h"
 
 namespace koboshi::test {

@@ -1,8 +1,7 @@
 #include "tests/support/drive_stub.h"
 
-#include "firmware/canopen/cob_id.h"
 #include "firmware/canopen/frame.h"
-#include "firmware/canopen/sdo_protocol.h"
+#include "firmware/canopen/sdo/protocol.h"
 
 namespace koboshi::test {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "firmware/canopen/cia402.h"
-#include "firmware/canopen/object.h"
+#include "firmware/canopen/dictionary.h"
 #include "firmware/robot/model.h"
 #include "hal/port/can.h"
 

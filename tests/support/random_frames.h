@@ -5,10 +5,10 @@
 #include <iterator>
 #include <span>
 
+#include "firmware/canopen/dictionary.h"
 #include "firmware/canopen/frame.h"
-#include "firmware/canopen/object.h"
 #include "firmware/canopen/pdo.h"
-#include "firmware/canopen/sdo_protocol.h"
+#include "firmware/canopen/sdo/protocol.h"
 #include "hal/port/can.h"
 
 // Frames by which nodes are tried: noise, the messages that a node serves, and such messages with an error.

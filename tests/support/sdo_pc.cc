@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "firmware/canopen/crc16.h"
+#include "firmware/canopen/sdo/protocol.h"
 
 namespace koboshi::test {
 

@@ -4,9 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "firmware/canopen/abort_code.h"
-#include "firmware/canopen/object.h"
-#include "firmware/canopen/sdo_protocol.h"
+#include "firmware/canopen/dictionary.h"
+#include "firmware/canopen/sdo/protocol.h"
 #include "tests/support/controller_bench.h"
 
 namespace koboshi::test {

@@ -2,10 +2,10 @@
 
 #include <fmt/core.h>
 
-#include "firmware/canopen/abort_code.h"
-#include "firmware/canopen/cob_id.h"
-#include "firmware/canopen/sdo_protocol.h"
-#include "firmware/canopen/value_names.h"
+#include "firmware/canopen/described_object.h"
+#include "firmware/canopen/dictionary.h"
+#include "firmware/canopen/frame.h"
+#include "firmware/canopen/sdo/protocol.h"
 #include "sim_board/servo/pc_sdo.h"
 #include "tools/can/sdo_transfer.h"
 

@@ -7,9 +7,8 @@
 #include <chrono>
 #include <utility>
 
-#include "firmware/canopen/cob_id.h"
-#include "firmware/canopen/crc16.h"
-#include "firmware/canopen/sdo_protocol.h"
+#include "firmware/canopen/frame.h"
+#include "firmware/canopen/sdo/protocol.h"
 #include "sim_board/servo/pc_sdo.h"
 #include "tools/can/source.h"
 

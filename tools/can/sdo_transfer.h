@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/canopen/abort_code.h"
-#include "firmware/canopen/object.h"
+#include "firmware/canopen/dictionary.h"
 #include "sim_board/can/transport/transport.h"
 
 namespace koboshi::tools {

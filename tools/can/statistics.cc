@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "firmware/canopen/cob_id.h"
+#include "firmware/canopen/frame.h"
 #include "sim_board/can/frame_bits.h"
 #include "tools/can/describe.h"
 

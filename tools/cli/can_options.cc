@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "firmware/canopen/cob_id.h"
+#include "firmware/canopen/frame.h"
 #include "tools/can/frame_text.h"
 
 namespace koboshi::tools {

@@ -6,11 +6,11 @@
 
 #include <fmt/core.h>
 
-#include "firmware/canopen/cob_id.h"
+#include "firmware/canopen/described_object.h"
+#include "firmware/canopen/device_services.h"
 #include "firmware/canopen/emergency.h"
+#include "firmware/canopen/frame.h"
 #include "firmware/canopen/pdo.h"
-#include "firmware/canopen/time_stamp.h"
-#include "firmware/canopen/value_names.h"
 
 namespace koboshi::tools {
 namespace {

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "firmware/canopen/node.h"
-#include "firmware/canopen/sdo_client.h"
-#include "firmware/canopen/sdo_protocol.h"
+#include "firmware/canopen/sdo/client.h"
+#include "firmware/canopen/sdo/protocol.h"
 #include "firmware/drive/configuration.h"
 #include "sim_board/servo/drive_dictionary.h"
 

@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "firmware/app/controller_objects.h"
-#include "firmware/canopen/cob_id.h"
-#include "firmware/canopen/value_names.h"
+#include "firmware/canopen/described_object.h"
+#include "firmware/canopen/frame.h"
 
 namespace koboshi::tools {
 namespace {

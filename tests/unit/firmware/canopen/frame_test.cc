@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/canopen/cob_id.h"
 #include "tests/unit/firmware/canopen/test_node.h"
 
 namespace koboshi::canopen {

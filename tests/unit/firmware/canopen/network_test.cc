@@ -2,7 +2,7 @@
 
 #include <deque>
 
-#include "firmware/canopen/sdo_client.h"
+#include "firmware/canopen/sdo/client.h"
 #include "tests/unit/firmware/canopen/test_node.h"
 
 namespace koboshi::canopen {

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "firmware/canopen/sdo_client.h"
+#include "firmware/canopen/sdo/client.h"
 #include "tests/support/random_frames.h"
 #include "tests/unit/firmware/canopen/test_node.h"
 

@@ -1,4 +1,4 @@
-#include "firmware/canopen/time_stamp.h"
+#include "firmware/canopen/device_services.h"
 
 #include <gtest/gtest.h>
 

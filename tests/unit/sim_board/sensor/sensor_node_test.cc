@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "firmware/canopen/cob_id.h"
+#include "firmware/canopen/frame.h"
 #include "hal/linux/can_sensors.h"
 #include "tests/unit/sim_board/can/bus_fixture.h"
 

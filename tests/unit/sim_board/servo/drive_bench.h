@@ -7,7 +7,7 @@
 
 #include "firmware/canopen/cia402.h"
 #include "firmware/canopen/frame.h"
-#include "firmware/canopen/sdo_protocol.h"
+#include "firmware/canopen/sdo/protocol.h"
 #include "sim_board/servo/drive.h"
 
 namespace koboshi::sim {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <iterator>
 
-#include "firmware/canopen/cob_id.h"
 #include "firmware/canopen/frame.h"
 #include "sim_board/scenario/reader.h"
 #include "simulation/scenario/prepared_scenario.h"

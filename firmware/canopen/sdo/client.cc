@@ -1,9 +1,9 @@
-#include "firmware/canopen/sdo_client.h"
+#include "firmware/canopen/sdo/client.h"
 
 #include <algorithm>
 
-#include "firmware/canopen/cob_id.h"
-#include "firmware/canopen/sdo_protocol.h"
+#include "firmware/canopen/frame.h"
+#include "firmware/canopen/sdo/protocol.h"
 
 namespace koboshi::canopen {
 namespace {

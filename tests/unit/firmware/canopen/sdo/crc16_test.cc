@@ -1,4 +1,4 @@
-#include "firmware/canopen/crc16.h"
+#include "firmware/canopen/sdo/protocol.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,9 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/canopen/abort_code.h"
+#include "firmware/canopen/dictionary.h"
 
+// What stands behind an SDO server: the objects that it reads and writes.
 namespace koboshi::canopen {
 
 // What stands behind an object of type DOMAIN (CiA 301, 7.4.5): any number of bytes that its owner keeps, a
@@ -35,6 +36,20 @@ class Domain {
 
  protected:
   ~Domain() = default;
+};
+
+// The objects behind an SDO server.
+class ObjectServer {
+ public:
+  virtual AbortCode read_object(ObjectAddress address, ObjectValue& value) = 0;
+  // `size` in bytes; 0 when the client has not told it and the object's own counts.
+  virtual AbortCode write_object(ObjectAddress address, std::uint32_t value, std::size_t size) = 0;
+  // Whether there is such an object, and if it is a DOMAIN that may be read or written (`access`) now, which;
+  // null for any other type.
+  virtual AbortCode open_domain(ObjectAddress address, Access access, Domain*& domain) = 0;
+
+ protected:
+  ~ObjectServer() = default;
 };
 
 }  // namespace koboshi::canopen

@@ -3,9 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "firmware/canopen/abort_code.h"
+#include "firmware/canopen/dictionary.h"
 #include "firmware/canopen/frame.h"
-#include "firmware/canopen/object.h"
 
 namespace koboshi::canopen {
 

@@ -1,4 +1,4 @@
-#include "firmware/canopen/sdo_server.h"
+#include "firmware/canopen/sdo/server.h"
 
 #include <gtest/gtest.h>
 

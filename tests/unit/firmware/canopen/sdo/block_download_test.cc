@@ -1,5 +1,5 @@
-#include "firmware/canopen/crc16.h"
-#include "tests/unit/firmware/canopen/sdo_conversation.h"
+#include "firmware/canopen/sdo/protocol.h"
+#include "tests/unit/firmware/canopen/sdo/conversation.h"
 
 namespace koboshi::canopen {
 namespace {

@@ -3,15 +3,54 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
-#include "firmware/canopen/abort_code.h"
-#include "firmware/canopen/cob_id.h"
-#include "firmware/canopen/object_server.h"
-#include "firmware/canopen/sdo_protocol.h"
-#include "firmware/canopen/sdo_transfer.h"
+#include "firmware/canopen/dictionary.h"
+#include "firmware/canopen/frame.h"
+#include "firmware/canopen/sdo/objects.h"
+#include "firmware/canopen/sdo/protocol.h"
 #include "firmware/canopen/transmit_queue.h"
 
+// SDO server (CiA 301, 7.2.4).
 namespace koboshi::canopen {
+
+// The object's end of an SDO transfer: a number, a text or a DOMAIN as so many bytes, whatever the protocol
+// that carries them.
+class SdoTransfer {
+ public:
+  explicit SdoTransfer(ObjectServer& objects) : objects_(objects) {}
+
+  AbortCode begin_upload(ObjectAddress address);
+  // Bytes of the object from `position` on; less than was asked for only at its end.
+  std::size_t read(std::uint32_t position, std::span<std::uint8_t> bytes);
+  // Of an upload; Domain::kUnknownSize when only its end will tell.
+  std::uint32_t size() const { return size_; }
+  // A number that an expedited response can carry; value().size() bytes of it.
+  bool fits_expedited() const { return domain_ == nullptr && !value_.is_text() && size_ >= 1 && size_ <= 4; }
+  const ObjectValue& value() const { return value_; }
+
+  // `size` as announced, or Domain::kUnknownSize.
+  AbortCode begin_download(ObjectAddress address, std::uint32_t size);
+  AbortCode write(std::span<const std::uint8_t> bytes);
+  // The object takes what was written; a number, if the client has not told its size, as many bytes of it as
+  // the object has.
+  AbortCode commit(bool size_told = true);
+
+  // Ends the transfer. Nothing happens when there is none.
+  void end();
+
+  ObjectAddress address() const { return address_; }
+  bool uses(const Domain& domain) const { return domain_ == &domain; }
+
+ private:
+  ObjectServer& objects_;
+  ObjectAddress address_;
+  Domain* domain_ = nullptr;
+  ObjectValue value_;                     // of an upload
+  std::array<std::uint8_t, 4> number_{};  // of a download
+  std::uint32_t position_ = 0;            // bytes written so far
+  std::uint32_t size_ = Domain::kUnknownSize;
+};
 
 // The identifiers of an SDO channel, as seen from the server; bit 31 of either: there is no such channel.
 struct SdoChannel {
@@ -98,15 +137,13 @@ class SdoServer {
   AbortCode upload_segment(const sdo::Data& request);
   AbortCode expect_segment(State state, std::uint8_t command);
 
-  // sdo_block_download.cc
+  // Block transfers (block_transfer.cc)
   AbortCode respond_block_download(const sdo::Data& request);
   AbortCode begin_block_download(const sdo::Data& request);
   AbortCode block_segment(const sdo::Data& segment);
   AbortCode pass_on_held(std::size_t size);
   void confirm_block();
   AbortCode end_block_download(const sdo::Data& request);
-
-  // sdo_block_upload.cc
   AbortCode respond_block_upload(const sdo::Data& request);
   AbortCode begin_block_upload(const sdo::Data& request);
   AbortCode on_block_confirmed(const sdo::Data& request);

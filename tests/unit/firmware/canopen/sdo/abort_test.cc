@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "firmware/canopen/sdo_protocol.h"
+#include "firmware/canopen/sdo/protocol.h"
 #include "tests/unit/firmware/canopen/test_node.h"
 
 namespace koboshi::canopen {

@@ -1,4 +1,4 @@
-#include "firmware/canopen/sdo_client.h"
+#include "firmware/canopen/sdo/client.h"
 
 #include <gtest/gtest.h>
 
