@@ -1,5 +1,6 @@
 #include "firmware/app/network_watch.h"
 
+#include "firmware/app/dictionary.h"
 #include "firmware/fixed/saturating.h"
 
 namespace koboshi::app {
@@ -18,6 +19,12 @@ bool NetworkWatch::on_impostor() {
   impostor_heard_ = true;
   listens_ = listens_ || drives_.resetting();
   return drives_.resetting();
+}
+
+drive::Starting NetworkWatch::starting(std::uint32_t nmt_startup) const {
+  if (!operational()) return drive::Starting::kLater;
+  if ((nmt_startup & kNoSlaveStart) != 0) return drive::Starting::kByOthers;
+  return (nmt_startup & kStartsTogether) != 0 ? drive::Starting::kTogether : drive::Starting::kEach;
 }
 
 behaviour::NetworkStatus NetworkWatch::update(bool boots, std::uint64_t now_us) {

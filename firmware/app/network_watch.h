@@ -33,6 +33,13 @@ class NetworkWatch {
   // Another node has sent what only the controller may. True: it listens still, and has to give way.
   [[nodiscard]] bool on_impostor();
 
+  // How the drives are started now, as object 0x1F80 asks (CiA 302-2); and whether the controller starts the
+  // nodes of sensors then.
+  drive::Starting starting(std::uint32_t nmt_startup) const;
+  static constexpr bool starts_nodes(drive::Starting starting) {
+    return starting == drive::Starting::kEach || starting == drive::Starting::kTogether;
+  }
+
   // Once a control cycle. `boots`: the behaviour is in a boot. Starts the recovery from bus-off.
   behaviour::NetworkStatus update(bool boots, std::uint64_t now_us);
 

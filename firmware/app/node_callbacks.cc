@@ -1,0 +1,106 @@
+#include "firmware/app/node_callbacks.h"
+
+#include <span>
+
+#include "firmware/app/factory_parameters.h"
+#include "firmware/app/telemetry.h"
+
+namespace koboshi::app {
+
+using canopen::NmtCommand;
+
+canopen::AbortCode NodeCallbacks::on_write(canopen::ObjectAddress address, std::uint32_t value) {
+  const canopen::AbortCode answer = parts_.requests.write(address, value, now_us_);
+  execute_decision();
+  return answer;
+}
+
+void NodeCallbacks::on_rpdo(std::size_t number) {
+  if (number >= kFirstDriveRpdo) return parts_.drives.on_answer(number - kFirstDriveRpdo);
+  if (number == kVelocityRpdo) parts_.requests.take_velocity();
+  if (number == kCommandRpdo) parts_.requests.take_command(now_us_);
+  execute_decision();
+}
+
+void NodeCallbacks::execute_decision() {
+  parts_.executor.execute(parts_.behaviour.decision(), now_us_);
+  show(parts_.behaviour, parts_.values);
+}
+
+// --- Storage
+
+canopen::Domain* NodeCallbacks::domain(canopen::ObjectAddress address) {
+  motion_transfer_.select(static_cast<std::uint16_t>(address.subindex - 1), may_store());
+  return &motion_transfer_;
+}
+
+// All parameters are the manufacturer's, so each group that the node knows means all of them.
+canopen::AbortCode NodeCallbacks::on_store(canopen::ParameterGroup) {
+  return parameters_.store(canopen::ParameterGroup::kAll, may_store());
+}
+
+canopen::AbortCode NodeCallbacks::on_restore(canopen::ParameterGroup) {
+  return parameters_.restore(canopen::ParameterGroup::kAll, may_store());
+}
+
+// --- The network
+
+// A reset of the node is a power-on once more: no torque, the stored parameters, and a boot. One of the
+// communication boots too, and keeps what the application knows.
+void NodeCallbacks::on_reset(NmtCommand reset) {
+  const bool node = reset == NmtCommand::kResetNode;
+  if (node) parts_.values.request = {};
+  parts_.behaviour.restart(node, now_us_);
+  execute_decision();
+  if (node) {
+    parts_.requests.reset_parameters();
+    parts_.values.diagnosis.factory_parameters = load_factory_parameters();
+    parameters_.load();
+    parts_.requests.apply_parameters();
+  } else {
+    parts_.values.nmt_startup = kNmtMaster;
+    parameters_.load(canopen::ParameterGroup::kCommunication);
+  }
+  connect_drives(parts_.node, parts_.model);
+}
+
+FactoryStatus NodeCallbacks::load_factory_parameters() {
+  const auto values = std::as_writable_bytes(std::span(&parts_.values, 1));
+  return app::load_factory_parameters(parts_.catalogue.find(storage::ItemKind::kFactoryParameters, 0),
+                                      parts_.model.id, canopen::Dictionary(kControllerNode.rows, values));
+}
+
+// Reports factory parameters that are in storage and cannot be used. Before pre-operational a node sends no
+// emergency messages.
+void NodeCallbacks::report_factory_parameters() {
+  const FactoryStatus status = parts_.values.diagnosis.factory_parameters;
+  if (status == FactoryStatus::kLoaded || status == FactoryStatus::kNone) return;
+  parts_.node.raise_error(canopen::error_code::kDataSet, canopen::error_register::kManufacturer,
+                          {static_cast<std::uint8_t>(status)});
+}
+
+void NodeCallbacks::on_state(canopen::NmtState state) {
+  if (state == canopen::NmtState::kPreOperational) report_factory_parameters();
+  const bool boots = parts_.behaviour.state() == behaviour::State::kBoot;
+  if (boots && state == canopen::NmtState::kOperational) parts_.network.on_operational(now_us_);
+}
+
+// Until a drive has its configuration it sends a heartbeat each second, as after its reset, which is less
+// often than the consumer's time: monitoring begins when all have theirs.
+void NodeCallbacks::on_heartbeat(const canopen::HeartbeatEvent& event) {
+  parts_.drives.on_heartbeat(event);
+  const bool booted_up = event.kind == canopen::HeartbeatEventKind::kBootedUp;
+  if (booted_up || !parts_.drives.configured()) parts_.node.await_heartbeat(event.node_id);
+}
+
+// While the controller still listens, the network belongs to the other master: from then on it sends nothing
+// that could disturb that one.
+void NodeCallbacks::on_impostor(std::uint16_t) {
+  if (!parts_.network.on_impostor()) return;
+  parts_.drives.give_up();
+  parts_.behaviour.fail(behaviour::Reason::kSecondMaster, parts_.drives.trouble(), now_us_);
+  execute_decision();
+  parts_.node.mute(true);
+}
+
+}  // namespace koboshi::app

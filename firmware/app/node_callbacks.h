@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "firmware/app/decision_executor.h"
+#include "firmware/app/dictionary.h"
+#include "firmware/app/motion_transfer.h"
+#include "firmware/app/network_watch.h"
+#include "firmware/app/requests.h"
+#include "firmware/behaviour/behaviour.h"
+#include "firmware/canopen/node.h"
+#include "firmware/canopen/stored_parameters.h"
+#include "firmware/drive/drive_group.h"
+#include "firmware/motion/motion_library.h"
+#include "firmware/robot/model.h"
+#include "firmware/storage/catalogue.h"
+#include "firmware/storage/item_store.h"
+
+namespace koboshi::app {
+
+// What the controller's CANopen node calls back: hands requests, resets and what was heard of the drives to
+// those who answer them, and executes at once what the behaviour has decided about it. Keeps what the node
+// stores: parameters (0x1010, 0x1011) and motions (0x2400).
+class NodeCallbacks final : public canopen::NodeApplication {
+ public:
+  struct Parts {
+    ControllerValues& values;
+    const storage::Catalogue& catalogue;
+    const robot::RobotModel& model;
+    canopen::Node& node;
+    storage::ItemStore& items;
+    motion::MotionLibrary& motions;
+    drive::DriveGroup& drives;
+    NetworkWatch& network;
+    behaviour::Behaviour& behaviour;
+    Requests& requests;
+    DecisionExecutor& executor;
+  };
+
+  // All must outlive the callbacks; only references are taken, so that none needs to be constructed yet.
+  explicit NodeCallbacks(const Parts& parts)
+      : parts_(parts),
+        parameters_(parts.items, parts.node),
+        motion_transfer_(parts.items, parts.model, parts.motions) {}
+
+  // The time of the callbacks that follow; to be called before the node is given any.
+  void set_time(std::uint64_t now_us) { now_us_ = now_us; }
+  // Goes on storing what was asked for; once a millisecond.
+  void process() { parameters_.process(); }
+
+ private:
+  canopen::AbortCode on_write(canopen::ObjectAddress address, std::uint32_t value) override;
+  canopen::Domain* domain(canopen::ObjectAddress address) override;
+  canopen::AbortCode on_store(canopen::ParameterGroup group) override;
+  canopen::AbortCode on_restore(canopen::ParameterGroup group) override;
+  void on_reset(canopen::NmtCommand reset) override;
+  bool starts_itself() override { return (parts_.values.nmt_startup & kNoSelfStart) == 0; }
+  void on_state(canopen::NmtState state) override;
+  void on_rpdo(std::size_t number) override;
+  void on_heartbeat(const canopen::HeartbeatEvent& event) override;
+  void on_emergency(const canopen::Emergency& emergency) override { parts_.drives.on_emergency(emergency); }
+  void on_impostor(std::uint16_t identifier) override;
+
+  bool may_store() const { return behaviour::kMayStore.contains(parts_.behaviour.state()); }
+  void execute_decision();
+  FactoryStatus load_factory_parameters();
+  void report_factory_parameters();
+
+  const Parts parts_;
+  canopen::StoredParameters parameters_;
+  MotionTransfer motion_transfer_;
+  std::uint64_t now_us_ = 0;
+};
+
+}  // namespace koboshi::app
