@@ -56,8 +56,6 @@ class Controller final {
   using JointAngles = std::array<fixed::Angle, robot::kMaxJoints>;
 
   void start(std::uint64_t now_us);
-  FactoryStatus load_factory_parameters();
-  void report_factory_parameters();
   void receive(std::uint64_t now_us);
   void read_inertial_unit(std::uint64_t now_us);
   void read_ankles(std::uint64_t now_us);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "firmware/app/dictionary.h"
+#include "firmware/app/object_texts.h"
 #include "firmware/canopen/described_object.h"
 #include "firmware/canopen/dictionary.h"
 #include "firmware/storage/item.h"
@@ -8,134 +9,6 @@
 // The controller's objects: from this table come the rows in flash, controller.eds, koboshi.dbc and the page
 // docs/reference/object-dictionary.md (`koboshi dictionary write`).
 namespace koboshi::app {
-
-inline constexpr canopen::ValueName kCommandNames[] = {
-    canopen::value_name(Command::kNone, "none"),
-    canopen::value_name(Command::kEnable, "enable"),
-    canopen::value_name(Command::kLimp, "limp"),
-    canopen::value_name(Command::kPlay, "play"),
-    canopen::value_name(Command::kStop, "stop"),
-    canopen::value_name(Command::kEmergencyStop, "emergency stop"),
-    canopen::value_name(Command::kReset, "reset"),
-    canopen::value_name(Command::kWalk, "walk"),
-    canopen::value_name(Command::kCalibrate, "calibrate"),
-    canopen::value_name(Command::kGetUp, "get up"),
-};
-
-inline constexpr canopen::ValueName kStateNames[] = {
-    canopen::value_name(State::kBoot, "boot"),
-    canopen::value_name(State::kLimp, "limp"),
-    canopen::value_name(State::kEnabling, "enabling"),
-    canopen::value_name(State::kSoftStart, "soft start"),
-    canopen::value_name(State::kStanding, "standing"),
-    canopen::value_name(State::kMotion, "motion"),
-    canopen::value_name(State::kFault, "fault"),
-    canopen::value_name(State::kEmergencyStop, "emergency stop"),
-    canopen::value_name(State::kWalking, "walking"),
-    canopen::value_name(State::kLowBattery, "low battery"),
-    canopen::value_name(State::kFalling, "falling"),
-    canopen::value_name(State::kFallen, "fallen"),
-    canopen::value_name(State::kRighting, "righting"),
-    canopen::value_name(State::kRolling, "rolling"),
-    canopen::value_name(State::kRising, "rising"),
-    canopen::value_name(State::kSteadying, "steadying"),
-};
-
-inline constexpr canopen::ValueName kReasonNames[] = {
-    canopen::value_name(Reason::kNone, "none"),
-    canopen::value_name(Reason::kCommand, "command"),
-    canopen::value_name(Reason::kProgress, "progress"),
-    canopen::value_name(Reason::kSupplyLow, "supply low"),
-    canopen::value_name(Reason::kFallForeseen, "fall foreseen"),
-    canopen::value_name(Reason::kBodyElsewhere, "body elsewhere"),
-    canopen::value_name(Reason::kProne, "prone"),
-    canopen::value_name(Reason::kSupine, "supine"),
-    canopen::value_name(Reason::kOnLeftSide, "on left side"),
-    canopen::value_name(Reason::kOnRightSide, "on right side"),
-    canopen::value_name(Reason::kHeldUpright, "upright"),
-    canopen::value_name(Reason::kCaughtItself, "caught itself"),
-    canopen::value_name(Reason::kOnSeat, "on seat"),
-    canopen::value_name(Reason::kModelInvalid, "model invalid"),
-    canopen::value_name(Reason::kDriveTrouble, "drive trouble"),
-    canopen::value_name(Reason::kImuSilent, "IMU silent"),
-    canopen::value_name(Reason::kAnkleSilent, "ankle sensor silent"),
-    canopen::value_name(Reason::kBusOff, "bus-off"),
-    canopen::value_name(Reason::kNoAcknowledge, "no acknowledge"),
-    canopen::value_name(Reason::kCannotGetUp, "cannot get up"),
-    canopen::value_name(Reason::kNotOperational, "not operational"),
-    canopen::value_name(Reason::kSecondMaster, "second master"),
-    canopen::value_name(Reason::kNotInThisState, "not in this state"),
-    canopen::value_name(Reason::kEncoderBeyondLimits, "encoder beyond limits"),
-    canopen::value_name(Reason::kSupplyOutOfRange, "supply out of range"),
-    canopen::value_name(Reason::kImuImplausible, "IMU implausible"),
-    canopen::value_name(Reason::kNoSuchMotion, "no such motion"),
-    canopen::value_name(Reason::kUnknownCommand, "unknown command"),
-    canopen::value_name(Reason::kDriveNotReady, "drive not ready"),
-    canopen::value_name(Reason::kVelocityOutOfRange, "velocity out of range"),
-    canopen::value_name(Reason::kNotAtRest, "not at rest"),
-    canopen::value_name(Reason::kNoGait, "no gait"),
-};
-
-inline constexpr canopen::ValueName kFactoryStatusNames[] = {
-    canopen::value_name(FactoryStatus::kLoaded, "loaded"),
-    canopen::value_name(FactoryStatus::kNone, "none in storage"),
-    canopen::value_name(FactoryStatus::kDamaged, "damaged"),
-    canopen::value_name(FactoryStatus::kOtherModel, "for another robot model"),
-    canopen::value_name(FactoryStatus::kRefused, "refused"),
-};
-
-inline constexpr canopen::ValueName kTroubleNames[] = {
-    canopen::value_name(drive::Trouble::kNone, "none"),
-    canopen::value_name(drive::Trouble::kSilent, "silent"),
-    canopen::value_name(drive::Trouble::kNoAnswer, "no answer"),
-    canopen::value_name(drive::Trouble::kRefused, "refused"),
-    canopen::value_name(drive::Trouble::kWrongIdentity, "wrong identity"),
-    canopen::value_name(drive::Trouble::kLost, "lost"),
-    canopen::value_name(drive::Trouble::kRestarted, "restarted"),
-    canopen::value_name(drive::Trouble::kFault, "fault"),
-    canopen::value_name(drive::Trouble::kNotEnabled, "not enabled"),
-    canopen::value_name(drive::Trouble::kNotFollowing, "not following"),
-};
-
-// Those of firmware/app/telemetry_units.h, and of the drives.
-inline constexpr canopen::Unit kAngleUnit{"deg", 360, 1 << 16};
-inline constexpr canopen::Unit kAngleBySpeedUnit{"deg s/m", 360, 1 << 16};
-inline constexpr canopen::Unit kRateUnit{"deg/s", 360, 1 << 12};
-inline constexpr canopen::Unit kBiasUnit{"deg/s", 360, 1 << 24};
-inline constexpr canopen::Unit kAccelerationUnit{"m/s^2", 1, 1 << 8};
-inline constexpr canopen::Unit kLengthUnit{"mm", 1000, 1 << 15};
-inline constexpr canopen::Unit kGainUnit{"s", 1, 1 << 12};
-inline constexpr canopen::Unit kLeanGainUnit{"%", 100, 1 << 12};
-inline constexpr canopen::Unit kVoltageUnit{"mV"};
-inline constexpr canopen::Unit kSpeedUnit{"mm/s"};
-inline constexpr canopen::Unit kTurnUnit{"mrad/s"};
-inline constexpr canopen::Unit kTimeUnit{"ms"};
-inline constexpr canopen::Unit kShortLengthUnit{"mm", 1, 10};
-inline constexpr canopen::Unit kShareUnit{"%", 1, 10};
-inline constexpr canopen::Unit kSpeedUpUnit{"mm/s^2"};
-inline constexpr canopen::Unit kTurnUpUnit{"mrad/s^2"};
-inline constexpr canopen::Unit kBendUnit{"rad/m", 1, 1000};
-inline constexpr canopen::Unit kForceUnit{"N", 1, 100};
-inline constexpr canopen::Unit kShaftUnit{"deg", 360, 1 << canopen::cia402::kPositionUnitBits};
-inline constexpr canopen::Unit kTorqueShareUnit{"%", 1, 10};
-inline constexpr canopen::Unit kForceCount{.name = "N", .resolution = canopen::Resolution::kForce};
-inline constexpr canopen::Unit kTorqueCount{.name = "N m", .resolution = canopen::Resolution::kTorque};
-
-inline constexpr std::string_view kPlane[] = {"x", "y"};
-inline constexpr std::string_view kFootZmps[] = {"left x", "left y", "right x", "right y"};
-
-inline constexpr std::size_t kJoints = robot::kMaxJoints;
-inline constexpr int kMaxGain = 4096;  // one second, and one
-// No more than a robot of this size can be built to do; what this one does, the limits say.
-inline constexpr int kMaxTrim = (10 << 16) / 360;      // 10 degrees
-inline constexpr int kMaxMounting = (30 << 16) / 360;  // a unit put in askew; another way up is another model
-inline constexpr int kMaxGyroBias = (40 << 24) / 360;  // 40 deg/s, twice that of an MPU-6050
-inline constexpr std::string_view kFeedbackJoints[] = {"ankle pitch", "ankle roll", "hip roll", "knee",
-                                                       "hip pitch"};
-inline constexpr std::string_view kMountingAngles[] = {"roll", "pitch", "yaw"};
-inline constexpr int kMaxSpeed_mm_per_s = 2'000;
-inline constexpr int kMaxTurn_mrad_per_s = 6'000;
-inline constexpr int kMaxLean = (90 << 16) / 360;
 
 #define FIELD(member) KOBOSHI_FIELD(ControllerValues, member)
 #define OBJECT(index, subindex, member, ...) canopen::object(index, subindex, FIELD(member), __VA_ARGS__)

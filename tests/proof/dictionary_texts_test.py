@@ -8,7 +8,7 @@ import sys
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-TABLES = ("firmware/app/controller_objects.h", "firmware/canopen/described_object.h")
+TABLES = ("firmware/app/controller_objects.h", "firmware/app/object_texts.h", "firmware/canopen/described_object.h")
 ARCHIVE = pathlib.Path(sys.argv.pop(1))
 
 
