@@ -22,18 +22,17 @@ struct ValueName {
   std::string_view name;
 };
 
-// What a value is called; empty where it has no name.
+// The name of a value; empty if it has none.
 constexpr std::string_view name_of(std::span<const ValueName> names, std::int64_t value) {
   const auto named =
       std::ranges::find_if(names, [value](const ValueName& candidate) { return candidate.value == value; });
   return named == names.end() ? std::string_view() : named->name;
 }
 
-// Sensors whose counts the robot's file gives a worth: Unit::name is then the unit, and the file has the
-// factor.
+// The sensor whose counts an object shows. Unit::name is then the unit, and the robot's file has the factor.
 enum class Resolution : std::uint8_t { kNone, kGyro, kAccelerometer, kForce, kTorque };
 
-// A value is raw * numerator / denominator of the unit; exactly so, and without floats.
+// The unit of an object: a value is raw * numerator / denominator of it, exactly.
 struct Unit {
   std::string_view name = {};
   std::int32_t numerator = 1;
@@ -45,26 +44,26 @@ struct ObjectText {
   std::string_view name = {};  // of an index, or of a sub-index
   Unit unit = {};
   std::span<const ValueName> values = {};
-  std::span<const std::string_view> elements =
-      {};                         // of a repeated row: each name's last word; else its number
+  // Of a repeated row: the last word of each sub-index's name; if empty, its number.
+  std::span<const std::string_view> elements = {};
   std::string_view comment = {};  // one line
 };
 
 struct DescribedObject {
-  Entry entry;  // count 0: of no row, a heading
+  Entry entry;  // count 0: a heading, without a row
   ObjectText text;
 
   constexpr bool is_heading() const { return entry.count == 0; }
 };
 
-// The name of an index with sub-indices, which stands above their rows.
+// The name of an index with sub-indices, above their rows in the table.
 constexpr DescribedObject heading(std::uint16_t index, std::string_view name, std::string_view comment = {}) {
   return {.entry = {.index = index, .count = 0}, .text = {.name = name, .comment = comment}};
 }
 
 inline constexpr std::string_view kAxes[] = {"x", "y", "z"};
 
-// The rows of a table, which must have static storage, without their texts.
+// The rows of a table without their texts. The table must have static storage.
 template <const auto& kTable>
 consteval auto rows_of() {
   constexpr auto kHasRow = [](const DescribedObject& object) { return !object.is_heading(); };
@@ -76,8 +75,8 @@ consteval auto rows_of() {
   return rows;
 }
 
-// A name for every row, as many elements as the row has where it names any, and a heading wherever an index
-// has sub-indices: to be asserted of every table.
+// Whether every row has a name, as many elements as sub-indices where it names any, and a heading above it if
+// its index has sub-indices. Every table asserts it.
 constexpr bool is_described(std::span<const DescribedObject> table) {
   std::uint16_t headed = 0;
   for (const DescribedObject& object : table) {
@@ -109,7 +108,7 @@ inline constexpr ValueName kNmtCommandNames[] = {
     value_name(NmtCommand::kResetCommunication, "reset communication"),
 };
 
-// CiA 301, table 26, and CiA 402-2: those that nodes of this robot can tell.
+// Error codes of CiA 301, table 26, and CiA 402-2 that nodes of this robot report.
 inline constexpr ValueName kErrorCodeNames[] = {
     value_name(error_code::kNoError, "no error"),
     value_name(cia402::kErrorOverCurrent, "over-current"),
@@ -158,8 +157,8 @@ inline constexpr std::string_view kTorqueOffStateNames[] = {
     "fault reaction active, torque off",  "fault, torque off",
 };
 
-// Whole statuswords, since a value's name cannot leave bits out: the states with the bits that go with them,
-// and with the drive-enable line high or low; the last is operation enabled with a limit that is active.
+// Names of whole statuswords, since a name cannot mask bits: each state with the bits that accompany it, with
+// the drive-enable line high and low; the last is operation enabled with an active limit.
 inline constexpr auto kStatuswordNames = [] {
   constexpr std::size_t kStates = std::size(kStateNames);
   std::array<ValueName, 2 * kStates + 1> names{};

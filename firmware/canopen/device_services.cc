@@ -17,8 +17,8 @@ constexpr std::uint16_t kVerificationObject = 0x1020;
 constexpr std::uint8_t kVerificationParts = 2;  // date, time
 constexpr std::uint16_t kEndOfCommunicationArea = 0x2000;
 
-// Whether an object configures the node. In the communication profile area, what is written but for the error
-// history, store, restore, and the verification itself.
+// Whether an object configures the node: parameters, and in the communication profile area all objects but
+// the error history, store, restore, and the verification itself.
 bool configures(const Node& node, ObjectAddress address) {
   const bool commands = address.index == 0x1003 || address.index == 0x1010 || address.index == 0x1011 ||
                         address.index == kVerificationObject;
@@ -28,7 +28,7 @@ bool configures(const Node& node, ObjectAddress address) {
   return objects.find(address, location) == AbortCode::kNone && is_parameter(*location.entry);
 }
 
-// SYNC's counter is written while its period is still 0.
+// 0x1019 stands before 0x1006: it is writable only while the SYNC period is 0.
 constexpr ObjectAddress kVariables[] = {{0x1005, 0}, {0x1007, 0}, {0x1019, 0}, {0x1006, 0}, {0x1012, 0},
                                         {0x1015, 0}, {0x1017, 0}, {0x1029, 1}, {0x1201, 3}};
 constexpr ObjectAddress kVerification[] = {{0x1020, 1}, {0x1020, 2}};
@@ -101,7 +101,7 @@ void DeviceServices::on_lss(Node& node, const hal::CanFrame& frame, std::uint64_
       node_id_to_store_ = true;
       return store_node_id(node);
     case LssSlave::Event::kLeft:
-      // A node without id boots with the one it has got; others wait for a reset (CiA 305, figure 4).
+      // A node without id boots with the one just assigned; others wait for a reset (CiA 305, figure 4).
       if (node.node_id() == kUnconfiguredNodeId && lss_.node_id() != kUnconfiguredNodeId) {
         reset(node);
         node.command(NmtCommand::kResetCommunication, now_us);
@@ -131,7 +131,7 @@ AbortCode DeviceServices::read(ObjectAddress address, ObjectValue& value) const 
   return AbortCode::kNone;
 }
 
-// A configuration that changes is no longer the one that 0x1020 verifies.
+// A change of the configuration resets 0x1020: it verified the old one.
 AbortCode DeviceServices::write(Node& node, ObjectAddress address, std::uint32_t value, std::size_t size) {
   ObjectValue before;
   ObjectValue after;
@@ -163,7 +163,7 @@ void DeviceServices::restore(Node& node, const ParameterValue& parameter) {
 
 // --- The communication parameters that a device stores (0x1010), as a sequence of writes
 
-// Counts the writes up to the one that is asked for.
+// Counts the writes up to the requested one.
 class DeviceServices::ParameterList {
  public:
   ParameterList(Node& node, std::size_t number, ParameterValue& wanted)
@@ -175,14 +175,14 @@ class DeviceServices::ParameterList {
     wanted_ = {address, size_bytes, value};
     found_ = true;
   }
-  // An object as it is. False where there is none.
+  // Adds a write of the object's present value. False if there is no such object.
   bool add(ObjectAddress address) {
     ObjectValue value;
     if (found_ || node_.read_object(address, value) != AbortCode::kNone) return found_;
     add(address, value.number(), static_cast<std::uint8_t>(value.size()));
     return true;
   }
-  // An identifier that is another one than after a reset. It changes only while bit 31 is set.
+  // Adds the writes of an identifier that is not the default one: it changes only while bit 31 is set.
   void add_cob_id_unless(std::uint32_t default_value, ObjectAddress address) {
     const std::uint32_t value = read(address);
     if (value == default_value) return;
@@ -216,12 +216,12 @@ bool DeviceServices::parameter(Node& node, std::size_t number, ParameterValue& p
     for (std::uint16_t i = 0; list_pdo(list, node, direction, i); ++i) {
     }
   }
-  // The last: each write before it ends the verification.
+  // 0x1020 comes last, since each write before resets it.
   for (const ObjectAddress address : kVerification) list.add(address);
   return list.found();
 }
 
-// False past the last PDO, and when the write that is asked for was found.
+// False past the last PDO, and when the requested write was found.
 bool DeviceServices::list_pdo(ParameterList& list, Node& node, PdoDirection direction, std::uint16_t number) {
   const bool receive = direction == PdoDirection::kReceive;
   const auto communication = static_cast<std::uint16_t>((receive ? 0x1400 : 0x1800) + number);

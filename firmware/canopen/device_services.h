@@ -10,8 +10,8 @@
 #include "firmware/canopen/node.h"
 #include "firmware/canopen/pdo.h"
 
-// What a field device serves besides CiA 301's basic objects: TIME (CiA 301, 7.2.6), LSS (CiA 305), and the
-// verification of its configuration, object 0x1020.
+// Services of a field device that a controller's node has not: TIME (CiA 301, 7.2.6), LSS (CiA 305), and
+// object 0x1020, verify configuration.
 namespace koboshi::canopen {
 
 // TIME_OF_DAY (CiA 301, 7.1.6.5).
@@ -27,23 +27,22 @@ inline constexpr std::uint16_t kTimeCobId = 0x100;
 inline constexpr std::uint32_t kTimeConsumer = 1u << 31;  // of 0x1012
 inline constexpr std::uint32_t kTimeProducer = 1u << 30;  // of 0x1012; this stack refuses it
 
-// The consumer of the TIME object (CiA 301, 7.2.6) and 0x1012, COB-ID time stamp object. Between two messages
-// the time goes on by the node's own clock.
+// Consumer of the TIME object (CiA 301, 7.2.6), with 0x1012, COB-ID time stamp object. Between two messages
+// the time advances by the node's own clock.
 class TimeStamp {
  public:
-  // As after a reset. What is known of the time stays.
+  // Resets 0x1012 to its default. Keeps the time of day.
   void load_defaults() { cob_id_ = kTimeConsumer | kTimeCobId; }
   std::uint32_t cob_id() const { return cob_id_; }
-  // The identifier does not change while bit 31 is set.
+  // Writes 0x1012. The identifier does not change while bit 31 is set.
   AbortCode write_cob_id(std::uint32_t value);
 
   bool identifies(const hal::CanFrame& frame) const {
     return (cob_id_ & kTimeConsumer) != 0 && frame.identifier == (cob_id_ & kCobIdMask);
   }
-  // Notes the time of a TIME message. False when it is none: another length than six bytes, or no time of
-  // day.
+  // Takes the time of a TIME message. False if it is invalid: not six bytes, or beyond 24 hours.
   bool accept(const hal::CanFrame& frame, std::uint64_t now_us);
-  // The time of day; nothing before the first message.
+  // The time of day; nullopt before the first message.
   std::optional<TimeOfDay> at(std::uint64_t now_us) const;
 
  private:
@@ -52,15 +51,15 @@ class TimeStamp {
   std::uint64_t last_us_ = 0;
 };
 
-// What the owner of a device is told by its services.
+// Callbacks of the services to the owner of a device.
 class DeviceOwner {
  public:
-  // Keep the node id that LSS has given over a power cycle (CiA 305). kCannotTransfer: there is no storage
-  // for it. While it says kBusy the master waits, and the owner is asked again.
+  // Stores the node id that LSS has assigned, over a power cycle (CiA 305). kCannotTransfer: there is no
+  // storage for it. While the owner returns kBusy it is called again, and the LSS master waits.
   virtual AbortCode on_store_node_id(std::uint8_t /*node_id*/) { return AbortCode::kCannotTransfer; }
-  // The node id that the node has from now on, before anything is made of it.
+  // The node has this node id from now on; called before any use of it.
   virtual void on_node_id(std::uint8_t /*node_id*/) {}
-  // The time of day of a TIME message.
+  // A TIME message has arrived.
   virtual void on_time(const TimeOfDay&) {}
 
  protected:
@@ -68,23 +67,23 @@ class DeviceOwner {
 };
 
 // The services of a field device, a drive or a sensor: LSS slave (CiA 305), TIME consumer with 0x1012, and
-// 0x1020 verify configuration, which goes to 0 as soon as a parameter of the node changes.
+// 0x1020, verify configuration, which becomes 0 as soon as a parameter of the node changes.
 class DeviceServices final : public NodeServices {
  public:
   // The owner must outlive the services.
   DeviceServices(const LssSlave::Address& address, DeviceOwner& owner) : owner_(owner), lss_(address) {}
 
-  // Power-on, before the node's start: the node id that was stored.
+  // Power-on, before Node::start: takes the stored node id.
   void start(Node& node, std::uint8_t node_id);
-  // Each frame, before the node gets it. True when it was for these services.
+  // Takes each frame before the node. True when it is for these services.
   bool on_frame(Node& node, const hal::CanFrame& frame, std::uint64_t now_us);
-  // Once a millisecond.
+  // To be called once a millisecond.
   void process(Node& node) {
     if (node_id_to_store_) store_node_id(node);
   }
-  // What NodeApplication::on_state tells.
+  // To be called from NodeApplication::on_state.
   void on_state(Node& node, NmtState state);
-  // By the last TIME message; nothing before the first.
+  // The time of day by the last TIME message; nullopt before the first.
   std::optional<TimeOfDay> time_of_day(std::uint64_t now_us) const { return time_.at(now_us); }
 
  private:

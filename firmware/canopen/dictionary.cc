@@ -14,7 +14,7 @@ std::span<const Entry>::iterator first_candidate(std::span<const Entry> rows, Ob
   });
 }
 
-// The value as 32 bits: sign-extended if the type is signed, without the bytes above the type's if not.
+// The value in 32 bits: sign-extended if the type is signed, else without the bytes beyond the type's size.
 std::uint32_t widened(std::uint32_t value, DataType type) {
   const unsigned spare_bits = 32u - 8u * size_bytes(type);
   if (!is_signed(type)) return (value << spare_bits) >> spare_bits;
@@ -24,7 +24,7 @@ std::uint32_t widened(std::uint32_t value, DataType type) {
 AbortCode check_limits(const Entry& row, std::uint32_t value) {
   if (row.type == DataType::kBoolean && value > 1) return AbortCode::kValueTooHigh;
   if (!row.limited) return AbortCode::kNone;
-  // Flipping the sign bit makes the order of signed numbers that of unsigned ones.
+  // With the sign bit flipped, signed numbers compare as unsigned ones.
   const std::uint32_t bias = is_signed(row.type) ? 0x8000'0000u : 0;
   if ((value ^ bias) > (row.high ^ bias)) return AbortCode::kValueTooHigh;
   if ((value ^ bias) < (row.low ^ bias)) return AbortCode::kValueTooLow;

@@ -14,8 +14,8 @@
 // refused.
 namespace koboshi::canopen {
 
-// Why an SDO transfer was refused or broken off (CiA 301, table 22). Two are ours: kNone, nothing went wrong;
-// and kBusy, which never reaches the bus: not done yet, to be asked again in a millisecond.
+// Why an SDO transfer was refused or aborted (CiA 301, table 22). Two codes never reach the bus: kNone, no
+// error; and kBusy, not done yet: call again a millisecond later.
 enum class [[nodiscard]] AbortCode : std::uint32_t{
     kNone = 0,
     kBusy = 1,
@@ -71,10 +71,10 @@ enum class DataType : std::uint8_t {
   kUnsigned8 = 0x05,
   kUnsigned16 = 0x06,
   kUnsigned32 = 0x07,
-  kDomain = 0x0F,  // any number of bytes; they stand behind a Domain of the node's owner
+  kDomain = 0x0F,  // any number of bytes, behind a Domain of the node's owner
 };
 
-// 0 for a DOMAIN and for a number that is none of the types above.
+// The size of a value of the type; 0 for a DOMAIN and for numbers that are not among the types above.
 constexpr std::uint8_t size_bytes(DataType type) {
   switch (type) {
     case DataType::kBoolean:
@@ -112,7 +112,7 @@ consteval DataType data_type_of() {
 enum class Access : std::uint8_t { kReadOnly = 1, kWriteOnly = 2, kReadWrite = 3 };
 enum class Mappable : std::uint8_t { kNo = 0, kTpdo = 1, kRpdo = 2, kBoth = 3 };
 
-// Where a value lies in the struct of values of its node.
+// The place of a value in its node's struct of values.
 struct Field {
   DataType type;
   std::uint16_t offset;
@@ -130,12 +130,12 @@ struct Field {
 // stand in flash, sorted by address; the values stand in the RAM of the node's owner. Sub-index 0 of an array
 // or record ("highest sub-index supported") has no row: it follows from the other rows.
 struct Entry {
-  static constexpr std::uint16_t kConstant = 0xFFFF;  // there is no value in RAM
+  static constexpr std::uint16_t kConstant = 0xFFFF;  // an offset: there is no value in RAM
 
   std::uint16_t index = 0;
   std::uint8_t subindex = 0;
   std::uint8_t count = 1;
-  std::uint16_t offset = 0;  // of the first value; kConstant: the value is `low`
+  std::uint16_t offset = 0;  // of the first value in bytes; kConstant: the value is `low`
   std::uint16_t stride_bytes = 0;
   DataType type = DataType::kUnsigned32;
   Access access = Access::kReadOnly;
@@ -145,8 +145,8 @@ struct Entry {
   std::uint32_t low = 0;  // limits of what may be written, sign-extended for a signed type
   std::uint32_t high = 0;
 
-  // The same row, refusing values outside [minimum, maximum] from SDO clients. A PDO cannot be refused: what
-  // arrives in one, the owner limits.
+  // The same row, which refuses values outside [minimum, maximum] from SDO clients. A PDO cannot be refused:
+  // the owner clamps its values.
   template <typename T>
   constexpr Entry within(T minimum, T maximum) const {
     Entry row = *this;
@@ -156,7 +156,7 @@ struct Entry {
     return row;
   }
 
-  // The same row, of a parameter that an RPDO may write, too.
+  // The same row, as a parameter (is_parameter) although an RPDO may write it.
   constexpr Entry parameter() const {
     Entry row = *this;
     row.kept = true;
@@ -182,8 +182,8 @@ constexpr Entry object(std::uint16_t index, std::uint8_t subindex, Field field, 
           .mappable = mappable};
 }
 
-// Whether a row holds parameters: values that configure the node, which it may store (0x1010). What PDOs
-// write besides are process values.
+// Whether a row holds parameters: values that configure the node and that it may store (0x1010). Values that
+// an RPDO may write are process values.
 constexpr bool is_parameter(const Entry& row) {
   const bool by_rpdo = row.mappable == Mappable::kRpdo || row.mappable == Mappable::kBoth;
   return row.access == Access::kReadWrite && row.type != DataType::kDomain && (row.kept || !by_rpdo);
@@ -199,7 +199,7 @@ constexpr Entry constant(std::uint16_t index, std::uint8_t subindex, T value) {
           .low = static_cast<std::uint32_t>(value)};
 }
 
-// A DOMAIN. NodeApplication::domain says where its bytes are.
+// A DOMAIN, whose bytes NodeApplication::domain gives access to.
 constexpr Entry domain(std::uint16_t index, std::uint8_t subindex, Access access) {
   return {.index = index,
           .subindex = subindex,
@@ -208,7 +208,7 @@ constexpr Entry domain(std::uint16_t index, std::uint8_t subindex, Access access
           .access = access};
 }
 
-// What reading an object gives: up to 4 bytes of a number, or a text that stands in flash.
+// The value of an object as it is read: a number of up to 4 bytes, or a text in flash.
 class ObjectValue {
  public:
   void set_number(std::uint32_t number, std::uint8_t size) {
@@ -221,11 +221,11 @@ class ObjectValue {
     size_ = static_cast<std::uint16_t>(text.size());
   }
 
-  // Little-endian, as SDO and PDO carry it; not sign-extended. 0 for a text.
+  // Not sign-extended; 0 for a text.
   std::uint32_t number() const { return number_; }
   std::uint16_t size() const { return size_; }
   bool is_text() const { return text_.data() != nullptr; }
-  // Valid as long as this object.
+  // Little-endian, as SDO carries them. Valid as long as this object.
   std::span<const std::uint8_t> bytes() const {
     const void* start = is_text() ? text_.data() : static_cast<const void*>(&number_);
     return {static_cast<const std::uint8_t*>(start), size_};
@@ -237,19 +237,19 @@ class ObjectValue {
   std::uint16_t size_ = 0;
 };
 
-// Whether a client that sends `size` bytes (0: it has not told) means an object of `expected` bytes.
+// Compares the `size` in bytes that a client sends (0: not indicated) with that of the object, `expected`.
 constexpr AbortCode check_size(std::size_t size, std::size_t expected) {
   if (size == 0 || size == expected) return AbortCode::kNone;
   return size > expected ? AbortCode::kLengthTooHigh : AbortCode::kLengthTooLow;
 }
 
-// An entry found for an address, and the offset of its value (or Entry::kConstant).
+// The row found for an address, and the offset of the value in bytes (or Entry::kConstant).
 struct Location {
   const Entry* entry = nullptr;
   std::uint16_t offset = 0;
 };
 
-// Rows in flash joined to values in RAM. Copies are cheap and mean the same dictionary.
+// An object dictionary: rows in flash, joined to values in RAM. A copy is another view of the same values.
 class Dictionary {
  public:
   // `rows` must satisfy is_sorted and fit `values`; both must outlive the dictionary.
@@ -259,29 +259,29 @@ class Dictionary {
   // kObjectDoesNotExist or kSubindexDoesNotExist when there is no such row. O(log n).
   AbortCode find(ObjectAddress address, Location& location) const;
 
-  // kUnsupportedAccess for a DOMAIN, here and below: it is no value.
+  // Reads a value. kUnsupportedAccess for a DOMAIN, here and below.
   AbortCode read(ObjectAddress address, ObjectValue& value) const;
-  // Whether `value`, of `size` bytes (0: as many as the object has), may be written; sign-extends it if the
-  // object is signed. Nothing is stored yet.
+  // Checks whether `value`, of `size` bytes (0: that of the object), may be written, and sign-extends it if
+  // the object is signed. Stores nothing.
   AbortCode check_write(ObjectAddress address, std::uint32_t& value, std::size_t size,
                         Location& location) const;
   // Stores what check_write has accepted.
   void store(const Location& location, std::uint32_t value);
 
-  // A value's bytes, for PDOs. `offset` and `size` come from a Location of this dictionary.
+  // The bytes of a value, for PDOs. `offset` comes from a Location of this dictionary.
   std::byte* value_at(std::uint16_t offset) { return values_.data() + offset; }
   const std::byte* value_at(std::uint16_t offset) const { return values_.data() + offset; }
 
  private:
-  // Highest sub-index of an index that has rows but none for sub-index 0.
+  // Reads the highest sub-index of an index that has rows, but none for sub-index 0.
   AbortCode highest_subindex(std::uint16_t index, ObjectValue& value) const;
 
   std::span<const Entry> rows_;
   std::span<std::byte> values_;
 };
 
-// Rows ascend and do not overlap, and each value lies within `values_size_bytes`: to be asserted of every
-// table.
+// Whether the rows ascend without overlap, and each value lies within `values_size_bytes`. Every table
+// asserts it.
 constexpr bool is_valid_table(std::span<const Entry> rows, std::size_t values_size_bytes) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Entry& row = rows[i];

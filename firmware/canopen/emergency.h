@@ -22,7 +22,7 @@ inline constexpr std::uint8_t kProfile = 1 << 5;
 inline constexpr std::uint8_t kManufacturer = 1 << 7;
 }  // namespace error_register
 
-// Emergency error codes of CiA 301, table 26, that the stack raises or its users need.
+// Emergency error codes (CiA 301, table 26) that the stack raises or its users need.
 namespace error_code {
 inline constexpr std::uint16_t kNoError = 0x0000;
 inline constexpr std::uint16_t kDataSet = 0x6300;  // a PDO of the NodeDescription cannot be
@@ -36,22 +36,22 @@ inline constexpr std::uint16_t kSyncLength = 0x8240;
 inline constexpr std::uint16_t kRpdoTimeout = 0x8250;
 }  // namespace error_code
 
-// Who reports an error: the stack itself or the node's owner. Both may see the same one, a lost heartbeat
-// say; it is gone when neither does.
+// Who reports an error: the stack itself or the node's owner. Both may report the same one, such as a lost
+// heartbeat; it has ended when neither does.
 enum class ErrorReporter : std::uint8_t { kOwner = 1, kStack = 2 };
 
-// The errors that a node has now, its error register 0x1001 and its history 0x1003. An error is told once
-// when it comes and once when it goes, however often it is reported.
+// The present errors of a node, its error register 0x1001 and its error history 0x1003. An error causes one
+// message when it begins and one when it ends, however often it is reported.
 class ErrorLog {
  public:
   static constexpr std::size_t kHistory = 8;
   static constexpr std::size_t kMaxActive = 16;
 
-  // True when the error is new: an emergency message is due. Of more than kMaxActive errors at once, the rest
-  // is told each time.
+  // True when the error is new, so that an emergency message is due. Beyond kMaxActive errors at once,
+  // further ones count as new each time.
   bool raise(std::uint16_t code, std::uint8_t register_bits, std::uint16_t additional,
              ErrorReporter reporter = ErrorReporter::kOwner);
-  // True when the error was there and now is gone.
+  // True when the error has ended by this.
   bool clear(std::uint16_t code, ErrorReporter reporter = ErrorReporter::kOwner) {
     return active_size_ > 0 && withdraw(code, reporter);
   }
@@ -59,7 +59,7 @@ class ErrorLog {
   std::uint8_t error_register() const { return register_; }
   bool active(std::uint16_t code) const;
 
-  // Object 0x1003: sub-index 0 the number of entries, 1 the newest. Writing 0 to sub-index 0 erases it.
+  // Object 0x1003: sub-index 0 is the number of entries, 1 the newest. Writing 0 to sub-index 0 erases all.
   AbortCode read_history(std::uint8_t subindex, ObjectValue& value) const;
   AbortCode write_history(std::uint8_t subindex, std::uint32_t value);
 
@@ -73,35 +73,35 @@ class ErrorLog {
   };
   void update_register();
 
-  std::array<std::uint32_t, kHistory>
-      history_{};  // newest first: code in bits 0..15, additional information above
+  // Newest first: code in bits 0..15, additional information above.
+  std::array<std::uint32_t, kHistory> history_{};
   std::array<Active, kMaxActive> active_{};
   std::uint8_t history_size_ = 0;
   std::uint8_t active_size_ = 0;
   std::uint8_t register_ = 0;
 };
 
-// Sends emergency messages (CiA 301, 7.2.7) under the COB-ID of 0x1014, no sooner one after another than the
-// inhibit time 0x1015 allows; up to kPending wait in order, more are dropped (the history has them all).
+// Sends emergency messages (CiA 301, 7.2.7) under the COB-ID of 0x1014, at least the inhibit time 0x1015
+// apart; up to kPending wait in order, further ones are dropped (the history has them all).
 class EmergencyProducer {
  public:
   static constexpr std::size_t kPending = 8;
 
   explicit EmergencyProducer(FrameSink& sink) : sink_(sink) {}
 
-  // As after a reset.
+  // Resets 0x1014 and 0x1015 to their defaults.
   void load_defaults(std::uint8_t node_id);
   std::uint32_t cob_id() const { return cob_id_; }
   AbortCode write_cob_id(std::uint32_t value);
   std::uint16_t inhibit_time_100us() const { return inhibit_time_100us_; }
   void set_inhibit_time(std::uint16_t time_100us) { inhibit_time_100us_ = time_100us; }
 
-  // Without an inhibit time it goes at once, otherwise with `process`.
+  // Sends a message: at once without an inhibit time, else in `process`.
   void send(const Emergency& emergency);
   void process(std::uint64_t now_us) {
     if (size_ > 0) send_pending(now_us);
   }
-  // Forgets what waits: the state of the node forbids it.
+  // Drops the messages that wait, when the node's state forbids them.
   void clear() { size_ = 0; }
 
  private:

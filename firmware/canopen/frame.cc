@@ -9,7 +9,7 @@ std::uint16_t with_node(std::uint16_t base, std::uint8_t node_id) {
   return static_cast<std::uint16_t>(base + node_id);
 }
 
-// The node id of an identifier above `base`; 0 when it is not of this service.
+// The node id of an identifier above `base`; 0 when the identifier belongs to another service.
 std::uint8_t node_of(const hal::CanFrame& frame, std::uint16_t base) {
   if (frame.identifier <= base || frame.identifier > base + kMaxNodeId) return 0;
   return static_cast<std::uint8_t>(frame.identifier - base);

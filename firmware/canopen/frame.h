@@ -40,10 +40,10 @@ constexpr bool permits_time(NmtState state) { return permits_sdo(state); }
 constexpr bool permits_emergency(NmtState state) { return permits_sdo(state); }
 
 inline constexpr std::uint8_t kMaxNodeId = 127;
-inline constexpr std::uint8_t kUnconfiguredNodeId = 0xFF;  // until LSS gives one (CiA 305)
+inline constexpr std::uint8_t kUnconfiguredNodeId = 0xFF;  // until LSS assigns one (CiA 305)
 
-// Predefined connection set (CiA 301, 7.3.5): the identifier is the base plus the node's id. A "T" is seen
-// from the node.
+// Predefined connection set (CiA 301, 7.3.5): the identifier is the base plus the node id. The node transmits
+// TPDOs and receives RPDOs.
 inline constexpr std::uint16_t kFunctionCodeMask = 0x780;
 inline constexpr std::uint16_t kNmtCobId = 0x000;
 inline constexpr std::uint16_t kSyncCobId = 0x080;
@@ -69,9 +69,9 @@ constexpr bool is_restricted(std::uint16_t identifier) {
          identifier >= 0x6E0;
 }
 
-// Whether a COB-ID object may go from `present` to `wanted`. The identifier changes only while bit 31 says
-// that there is none (CiA 301, 7.5.2.17, 7.5.2.33, 7.5.2.35), the bits of `flags` change at any time; others
-// are refused.
+// Checks whether a COB-ID object may change from `present` to `wanted`. The identifier may change only while
+// bit 31 marks it invalid (CiA 301, 7.5.2.17, 7.5.2.33, 7.5.2.35), the bits of `flags` at any time, and no
+// other bits.
 constexpr AbortCode check_cob_id(std::uint32_t present, std::uint32_t wanted, std::uint32_t flags = 0) {
   const bool valid = (wanted & kCobIdInvalid) == 0;
   const bool was_valid = (present & kCobIdInvalid) == 0;
@@ -82,12 +82,12 @@ constexpr AbortCode check_cob_id(std::uint32_t present, std::uint32_t wanted, st
   return AbortCode::kNone;
 }
 
-// Where a part of the stack puts the frames it sends.
+// Where the parts of the stack send their frames.
 class FrameSink {
  public:
-  // False when there is no room; the frame is then the caller's again.
+  // Sends a frame; false, and nothing sent, when there is no room.
   [[nodiscard]] virtual bool send(const hal::CanFrame& frame) = 0;
-  // Whether a frame of this FIFO has yet to leave for the bus, as far as is known.
+  // Whether a frame of this FIFO still waits for the bus, as far as is known.
   [[nodiscard]] virtual bool pending(hal::TransmitFifo) const { return false; }
 
  protected:
@@ -128,7 +128,7 @@ struct NmtMessage {
   friend bool operator==(const NmtMessage&, const NmtMessage&) = default;
 };
 
-// An emergency message (CiA 301, 7.2.7). Code 0x0000 says that an error is gone.
+// An emergency message (CiA 301, 7.2.7). Code 0x0000: an error has ended.
 struct Emergency {
   std::uint8_t node_id = 0;
   std::uint16_t code = 0;
@@ -149,8 +149,8 @@ hal::CanFrame encode(const NmtMessage& message);
 hal::CanFrame encode(const Emergency& emergency);
 hal::CanFrame encode(const Heartbeat& heartbeat);
 
-// Nothing where the frame is not such a message: wrong identifier, length, command or state, or a remote
-// frame.
+// Decode a frame; nullopt if it is not such a message: wrong identifier, length, command or state, or a
+// remote frame.
 std::optional<NmtMessage> decode_nmt(const hal::CanFrame& frame);
 std::optional<Emergency> decode_emergency(const hal::CanFrame& frame);
 std::optional<Heartbeat> decode_heartbeat(const hal::CanFrame& frame);

@@ -26,7 +26,7 @@ AbortCode HeartbeatMonitor::write(std::uint8_t subindex, std::uint32_t value) {
   HeartbeatConsumer consumer{.node_id = static_cast<std::uint8_t>(node_id),
                              .time_ms = static_cast<std::uint16_t>(value)};
   const HeartbeatConsumer* same = find(consumer.node_id);
-  // Two consumers of one node contradict each other (CiA 301, object 0x1016).
+  // No node may have two consumers (CiA 301, object 0x1016).
   if (monitors(consumer) && same != nullptr && same != &consumers_[subindex - 1u]) {
     return AbortCode::kParameterIncompatibility;
   }

@@ -25,19 +25,20 @@ struct HeartbeatEvent {
   friend bool operator==(const HeartbeatEvent&, const HeartbeatEvent&) = default;
 };
 
-// What 0x1016 says of one node, and what was heard of it.
+// One entry of 0x1016, and what was heard of its node.
 struct HeartbeatConsumer {
   std::uint8_t node_id = 0;
-  bool alive = false;  // heard of, and since then never silent for longer than time_ms
-  bool lost = false;   // silent for longer, and not heard of since
+  bool alive = false;  // heard, and not silent for longer than time_ms since
+  bool lost = false;   // was silent for longer, and not heard since
   NmtState state = NmtState::kInitialising;
   std::uint16_t time_ms = 0;  // 0: not monitored
   std::uint64_t deadline_us = 0;
 };
 
 // The heartbeat consumers of a node (CiA 301, 7.2.8.3.2.2 and object 0x1016). Monitoring of a node starts
-// with its first heartbeat, so a node that is never heard of is never lost. A boot-up message does not end
-// it: who restarts and then is silent is lost. It ends with the loss, and when 0x1016 is written.
+// with its first heartbeat, so that a node that is never heard is never lost. It continues over a boot-up
+// message: a node that restarts and then is silent is lost. It ends with the loss, and when 0x1016 is
+// written.
 class HeartbeatMonitor {
  public:
   HeartbeatMonitor(std::span<HeartbeatConsumer> consumers, std::span<SlotMap::Item> slots)
@@ -46,23 +47,23 @@ class HeartbeatMonitor {
   // Object 0x1016, sub-indices 1..n: node id in bits 16..23, time in ms in bits 0..15.
   AbortCode read(std::uint8_t subindex, ObjectValue& value) const;
   AbortCode write(std::uint8_t subindex, std::uint32_t value);
-  // Forgets all.
+  // Ends the monitoring of all nodes.
   void clear();
-  // Nothing is expected of a node until its next heartbeat.
+  // Suspends the monitoring of a node until its next heartbeat.
   void await(std::uint8_t node_id);
-  // Heartbeats cannot come now: the consumer times begin anew.
+  // Restarts all consumer times, when heartbeats cannot get through.
   void postpone(std::uint64_t now_us);
-  // Whether a node will be lost by then unless it is heard.
+  // Whether a node will be lost by `time_us` unless it is heard before.
   bool expects_by(std::uint64_t time_us) { return time_us >= earliest_us_ && find_earliest() <= time_us; }
 
-  // True when the frame's news are an event.
+  // Takes a heartbeat. True, and `event` set, when it is an event.
   bool on_heartbeat(const Heartbeat& heartbeat, std::uint64_t now_us, HeartbeatEvent& event);
-  // True when a node has been lost; to be called again until false.
+  // True, and `event` set, when a node has been lost; to be called again until false.
   bool check(std::uint64_t now_us, HeartbeatEvent& event) {
     return now_us >= earliest_us_ && find_lost(now_us, event);
   }
 
-  // Nothing is known of a node that is not monitored: null.
+  // The state of a node; null if it is not monitored.
   const HeartbeatConsumer* find(std::uint8_t node_id) const;
   // True while some node is lost.
   bool any_lost() const;

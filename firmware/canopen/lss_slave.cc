@@ -11,12 +11,12 @@ constexpr std::uint8_t kStorageFailed = 2;
 
 constexpr std::uint8_t kStandardTimings = 0;  // table of CiA 301
 constexpr std::uint8_t kOneMegabit = 0;       // in it
-constexpr std::uint8_t kConfirm = 0x80;       // BitCheck of fastscan: are there any?
+constexpr std::uint8_t kConfirm = 0x80;       // BitCheck of fastscan: whether there are any slaves
 constexpr std::uint8_t kBits = 32;
 
 constexpr std::uint8_t number(LssCommand command) { return static_cast<std::uint8_t>(command); }
 
-// Place of a command in the run that begins with `first`; beyond the run where it is none of it.
+// The place of a command in the run of commands that begins with `first`; a large number for one before it.
 constexpr std::size_t place(std::uint8_t command, LssCommand first) {
   return static_cast<std::size_t>(static_cast<std::uint8_t>(command - number(first)));
 }
@@ -72,7 +72,7 @@ LssSlave::Event LssSlave::switch_globally(std::uint8_t mode) {
   return leaves ? Event::kLeft : Event::kNone;
 }
 
-// The four parts come one after the other; the first begins anew.
+// The four parts of the address arrive in sequence; the first restarts it.
 void LssSlave::switch_selectively(std::size_t part, std::uint32_t value, FrameSink& sink) {
   if (part == 0) selected_ = 0;
   selected_ = part == selected_ && value == address_[part] ? part + 1 : 0;
@@ -82,7 +82,7 @@ void LssSlave::switch_selectively(std::size_t part, std::uint32_t value, FrameSi
   answer(sink, LssCommand::kSwitched);
 }
 
-// Vendor and product must be the slave's; its revision and serial number lie within the limits.
+// Answers if vendor and product are the slave's, and its revision and serial number are within the limits.
 void LssSlave::identify(std::size_t part, std::uint32_t value, FrameSink& sink) {
   constexpr std::size_t kParts = 6;
   const bool matches[kParts] = {value == address_[0], value == address_[1], value <= address_[2],
@@ -94,8 +94,8 @@ void LssSlave::identify(std::size_t part, std::uint32_t value, FrameSink& sink) 
   answer(sink, LssCommand::kIdentified);
 }
 
-// LSS fastscan: each answer tells the master that some slave's bits from BitCheck upwards are those of the
-// request. With the last bit of the last part, the one slave that is left is in configuration.
+// LSS fastscan: an answer means that the bits from BitCheck upwards of some slave's address part equal those
+// of the request. With the last bit of the last part, the one slave that is left enters configuration.
 void LssSlave::fastscan(const hal::CanFrame& frame, FrameSink& sink) {
   const std::uint32_t wanted = load_u32(&frame.data[1]);
   const std::uint8_t bit = frame.data[5];

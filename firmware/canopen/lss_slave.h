@@ -32,20 +32,20 @@ enum class LssCommand : std::uint8_t {
   kInquireNodeId = 0x5E,
 };
 
-// An LSS slave (CiA 305): it is found by its 128-bit LSS address, the four numbers of 0x1018, and given its
-// node id over the bus. The bit timing is 1 Mbit/s, and no other can be configured. The new node id counts
-// from the next reset on.
+// An LSS slave (CiA 305): the master finds it by its 128-bit LSS address, the four numbers of 0x1018, and
+// assigns its node id over the bus. The new node id takes effect with the next reset. The only bit timing is
+// 1 Mbit/s.
 //
-// All requests are obeyed in every NMT state; fastscan is for slaves without node id. What is not obeyed in
-// the present LSS state is not answered.
+// Requests are served in every NMT state; fastscan only by slaves without node id. A request that the present
+// LSS state does not permit is not answered.
 class LssSlave {
  public:
   enum class State : std::uint8_t { kWaiting, kConfiguration };
-  // What the owner has to do after a request.
+  // The owner's task after a request.
   enum class Event : std::uint8_t {
     kNone,
-    kLeft,   // back from configuration to waiting
-    kStore,  // keep `node_id` over a power cycle, then call `stored`
+    kLeft,   // none; the slave went from configuration to waiting
+    kStore,  // store `node_id` over a power cycle, then call `stored`
   };
 
   // Vendor id, product code, revision number, serial number.
@@ -53,18 +53,18 @@ class LssSlave {
 
   explicit LssSlave(const Address& address) : address_(address) {}
 
-  // Waiting, as after power-on. `node_id` 1 to 127, or kUnconfiguredNodeId.
+  // Power-on: LSS state waiting. `node_id`: 1 to 127, or kUnconfiguredNodeId.
   void restart(std::uint8_t node_id);
-  // The node id that the next reset makes the node's.
+  // The node id that takes effect with the next reset.
   std::uint8_t node_id() const { return node_id_; }
   State state() const { return state_; }
 
   static bool takes(const hal::CanFrame& frame) {
     return frame.identifier == kLssRequestCobId && frame.size == 8;
   }
-  // `active_node_id` is what the node has now; answers go to `sink`.
+  // Takes a request and sends the answer to `sink`. `active_node_id`: that of the node now.
   [[nodiscard]] Event on_request(const hal::CanFrame& frame, std::uint8_t active_node_id, FrameSink& sink);
-  // Answers the request to store.
+  // Answers the request to store: kNone, kCannotTransfer (no storage), or another code (failed).
   static void stored(AbortCode result, FrameSink& sink);
 
  private:
@@ -78,8 +78,8 @@ class LssSlave {
   State state_ = State::kWaiting;
   std::uint8_t node_id_ = kUnconfiguredNodeId;
   std::size_t selected_ = 0;    // parts of the address that have matched in a row
-  std::size_t identified_ = 0;  // the same, of the six numbers to identify by
-  std::size_t scanned_ = 0;     // the part that fastscan asks for next
+  std::size_t identified_ = 0;  // of the six numbers of identify, those that have matched in a row
+  std::size_t scanned_ = 0;     // the part that fastscan continues with
 };
 
 }  // namespace koboshi::canopen

@@ -23,9 +23,9 @@ Node::Node(const NodeDescription& description, const NodeInstance& instance, Nod
 void Node::start(std::uint64_t now_us) { reset(NmtCommand::kResetNode, now_us); }
 
 void Node::on_frame(const hal::CanFrame& frame, std::uint64_t now_us) {
-  // Remote frames would ask for node guarding or a PDO; both are out of use (CiA AN 802).
+  // Remote frames request node guarding or a PDO; CiA AN 802 advises against both.
   if (frame.remote || state_ == NmtState::kInitialising) return;
-  // Most of all frames are PDOs that are wanted; between these bounds only PDOs lie.
+  // Most frames are PDOs for this node; between these identifiers lie only PDOs.
   const bool pdo = frame.identifier >= kTpdo1Base && frame.identifier < kSdoResponseBase;
   if (pdo && take_pdo(frame, now_us)) return;
   if (sync_.identifies(frame)) {
@@ -42,7 +42,7 @@ void Node::on_frame(const hal::CanFrame& frame, std::uint64_t now_us) {
   if (tpdos_.sends(frame.identifier)) application_.on_impostor(frame.identifier);
 }
 
-// False when it is none that the node takes now.
+// False when the frame is no PDO that the node receives now.
 bool Node::take_pdo(const hal::CanFrame& frame, std::uint64_t now_us) {
   if (!permits_pdo(state_)) return false;
   const std::size_t number = rpdos_.find(frame.identifier);
@@ -227,7 +227,7 @@ void Node::send_sync(std::uint64_t now_us) {
 }
 
 void Node::produce_heartbeat(std::uint64_t now_us) {
-  // One that waits already says as much.
+  // A heartbeat that still waits says the same.
   if (heartbeat_ms_ == 0 || queue_.pending(hal::kBackgroundFifo)) return;
   beat(now_us);
   heartbeat_due_us_ = next_beat(heartbeat_due_us_, heartbeat_ms_ * 1000u, now_us);
@@ -238,7 +238,7 @@ void Node::beat(std::uint64_t now_us) {
   beat_us_ = now_us;
 }
 
-// --- Errors: how they are told, and which the stack sees itself (CiA 301, 7.2.7 and table 26)
+// --- Errors: how they are reported, and those that the stack itself detects (CiA 301, 7.2.7 and table 26)
 
 void Node::raise_error(std::uint16_t code, std::uint8_t register_bits,
                        const std::array<std::uint8_t, 5>& manufacturer) {
@@ -267,7 +267,7 @@ void Node::on_can_status(const hal::CanStatus& status, std::uint64_t now_us) {
   using enum hal::CanErrorState;
   const hal::CanStatus before = can_status_;
   can_status_ = status;
-  // What has happened is an error until the next call finds that it has not happened again.
+  // An overrun or a recovery is an error until a call finds that it has not happened again.
   report(error_code::kCanOverrun, status.receive_overruns != before.receive_overruns);
   report(error_code::kBusOffRecovered, before.state == kBusOff && status.state != kBusOff);
   report(error_code::kCanErrorPassive, status.state != kErrorActive);
@@ -289,12 +289,12 @@ void Node::note_reception(std::size_t number, Reception reception) {
   }
 }
 
-// Heartbeats have nearly the lowest priority of all: on a bus that is full of SDO messages they do not get
-// through, whoever lives. So nobody is lost as long as this node's own do not get out either. One that has
-// none to send beats early, before somebody would be lost, to find out. A node that is not acknowledged is
-// error-passive: it learns nothing of the bus that way.
+// Heartbeats have nearly the lowest priority: on a bus that is full of SDO messages none gets through. So no
+// node counts as lost while this node's own heartbeats do not get through either. If none of its own is due,
+// the node sends one early, before another node would count as lost, to find out. An error-passive node
+// learns nothing that way: nobody acknowledges its frames.
 void Node::watch_own_beats(std::uint64_t now_us) {
-  // On a bus with any room to spare, they leave within a cycle of its PDOs.
+  // On a bus that is not full they leave within a cycle of its PDOs, which is 10 ms.
   constexpr std::uint64_t kStarved_us = 10'000;
   const bool wait =
       can_status_.state == hal::CanErrorState::kErrorActive && queue_.pending(hal::kBackgroundFifo);

@@ -19,7 +19,7 @@
 
 namespace koboshi::canopen {
 
-// What "save" to 0x1010 and "load" to 0x1011 are about, by sub-index (CiA 301, 7.5.2.13).
+// The parameters that "save" to 0x1010 and "load" to 0x1011 cover, by sub-index (CiA 301, 7.5.2.13).
 enum class ParameterGroup : std::uint8_t {
   kAll = 1,
   kCommunication = 2,  // 0x1000 to 0x1FFF
@@ -36,38 +36,41 @@ inline constexpr std::uint8_t kAllGroups =
     group_bit(ParameterGroup::kAll) | group_bit(ParameterGroup::kCommunication) |
     group_bit(ParameterGroup::kApplication) | group_bit(ParameterGroup::kManufacturer);
 
-// What a node tells its owner, from within the node's calls. An owner overrides what it cares for; it may
-// call the node back.
+// The callbacks of a node to its owner, made from within the node's functions. The owner overrides those that
+// it needs, and may call the node from within them.
 class NodeApplication {
  public:
-  // An SDO client (or write_object) is about to change a value of the owner's table; kNone lets it pass.
-  // `value` is sign-extended if the object is signed. Length, access and limits have been checked already.
+  // Asks whether an SDO client (or write_object) may change a value of the owner's table: kNone permits it.
+  // `value` is sign-extended if the object is signed. Length, access and limits have been checked.
   virtual AbortCode on_write(ObjectAddress, std::uint32_t /*value*/) { return AbortCode::kNone; }
-  // The bytes behind a DOMAIN row of the owner's table; null: not now, the client sees 060A 0023. They must
-  // outlive the node. The node never has two transfers of one domain at a time.
+  // Returns the DOMAIN behind a row of the owner's table, which must outlive the node; null aborts the
+  // transfer with 060A 0023. The node never has two transfers of one domain at a time.
   virtual Domain* domain(ObjectAddress) { return nullptr; }
-  // Store the parameters of a group so that they survive a restart, or let those of the factory have effect
-  // after the next reset. NodeDescription::stored_groups says which the owner can. While it says kBusy the
-  // client waits, and the owner is asked again, until all is done (CiA 301, 7.5.2.13).
+  // Stores the parameters of a group so that they survive a restart; or restores those of the factory with
+  // the next reset. Only groups of NodeDescription::stored_groups occur. While the owner returns kBusy it is
+  // called again, and the client waits (CiA 301, 7.5.2.13).
   virtual AbortCode on_store(ParameterGroup) { return AbortCode::kCannotTransfer; }
   virtual AbortCode on_restore(ParameterGroup) { return AbortCode::kCannotTransfer; }
-  // kResetNode (also at start) or kResetCommunication: communication parameters have their defaults again;
-  // now is the time to change them with write_object. On kResetNode the owner's own values go back to theirs.
+  // A reset, kResetNode (also at start) or kResetCommunication: the communication parameters have their
+  // defaults again, and the owner may change them with write_object. On kResetNode the owner also resets its
+  // own values.
   virtual void on_reset(NmtCommand /*reset*/) {}
-  // Whether the node goes on to operational by itself after a reset, as an NMT master or a self-starting
-  // device does (CiA 302-2, object 0x1F80). Asked at its end.
+  // Whether the node enters operational by itself at the end of a reset, as an NMT master or a self-starting
+  // device does (CiA 302-2, object 0x1F80).
   virtual bool starts_itself() { return false; }
+  // The node has entered this state.
   virtual void on_state(NmtState) {}
-  // A SYNC, in pre-operational and operational. Synchronous RPDOs have taken effect; synchronous TPDOs are
-  // packed afterwards.
+  // A SYNC, in pre-operational or operational: after synchronous RPDOs have taken effect, before synchronous
+  // TPDOs are packed.
   virtual void on_sync(std::uint64_t /*now_us*/) {}
   // RPDO `number` (from 0) has taken effect.
   virtual void on_rpdo(std::size_t /*number*/) {}
   virtual void on_heartbeat(const HeartbeatEvent&) {}
   // Another node's emergency message.
   virtual void on_emergency(const Emergency&) {}
-  // Another node has sent what only this one may: its heartbeat, its emergency message, one of its TPDOs, or
-  // SYNC while it is the producer. It has the same id, or is a second master.
+  // Another node has sent a frame that only this node may send: its heartbeat, its emergency message, one of
+  // its TPDOs, or SYNC while this node is the producer. The other has the same node id, or is a second
+  // master.
   virtual void on_impostor(std::uint16_t /*identifier*/) {}
 
  protected:
@@ -77,7 +80,7 @@ class NodeApplication {
 class Node;
 class ObjectValue;
 
-// One write of the sequence that makes a node that was just reset what it is now.
+// One write of the sequence that brings a node from its state after a reset to its present parameters.
 struct ParameterValue {
   ObjectAddress address;
   std::uint8_t size_bytes = 0;
@@ -86,36 +89,36 @@ struct ParameterValue {
   friend bool operator==(const ParameterValue&, const ParameterValue&) = default;
 };
 
-// Objects and parameters of services of CiA 301 and CiA 305 that not every node has. A node without them
-// carries none of their code. Each call is from within one of the node's.
+// Optional services of a node, with their objects and parameters; the code of a node without them is not
+// linked. The node calls these functions from within its own.
 class NodeServices {
  public:
-  // Their objects of the communication profile area. kObjectDoesNotExist for all others.
+  // Reads one of the services' objects of the communication profile area; kObjectDoesNotExist for others.
   virtual AbortCode read(ObjectAddress address, ObjectValue& value) const = 0;
-  // Every write of an SDO client: theirs, or else Node::write_own. `size` in bytes; 0: as many as the object
-  // has.
+  // Receives every write of an SDO client: to one of the services' objects, else by Node::write_own. `size`
+  // in bytes; 0: that of the object.
   virtual AbortCode write(Node& node, ObjectAddress address, std::uint32_t value, std::size_t size) = 0;
-  // The node's communication parameters as writes, in the order in which they are to be made. Those that are
-  // as after a reset and depend on the node id are left out. False past the last.
+  // Write `number`, from 0, of the node's communication parameters, in the order in which they are to be
+  // written. Leaves out those that depend on the node id and are as after a reset. False past the last.
   virtual bool parameter(Node& node, std::size_t number, ParameterValue& parameter) const = 0;
-  // One of them comes back from storage.
+  // Restores one of them from storage.
   virtual void restore(Node& node, const ParameterValue& parameter) = 0;
 
  protected:
   ~NodeServices() = default;
 };
 
-// What a node does to its own state when it loses a heartbeat or goes bus-off (CiA 301, object 0x1029:1).
+// How a node changes its own NMT state when it loses a heartbeat or goes bus-off (CiA 301, object 0x1029:1).
 enum class CommunicationError : std::uint8_t {
   kEnterPreOperational = 0,  // from operational only
   kNoChange = 1,
   kStop = 2,
 };
 
-// Objects from here on are the owner's; the stack itself serves those of CiA 301 before.
+// The first index of the owner's objects; the stack itself serves the objects of CiA 301 before.
 inline constexpr std::uint16_t kFirstOwnersIndex = 0x1F50;
 
-// What all nodes of a kind share; stands in flash.
+// The constants of a kind of node, which stand in flash.
 struct NodeDescription {
   std::uint32_t device_type = 0;  // 0x1000
   std::uint32_t vendor_id = 0;    // 0x1018
@@ -126,29 +129,29 @@ struct NodeDescription {
   std::string_view software_version;  // 0x100A
   std::uint16_t heartbeat_ms = 0;     // 0x1017 after a reset
   bool sync_producer = false;         // 0x1005 bit 30 after a reset
-  std::uint32_t sync_period_us = 0;   // 0x1006 after a reset; 0: no SYNC by itself
-  // The owner's cycle is the beat: it calls Node::send_sync once in each `sync_period_us`. 0x1006 takes no
-  // other period, and 0, which ends SYNC.
+  std::uint32_t sync_period_us = 0;   // 0x1006 after a reset; 0: the node sends no SYNC by itself
+  // The owner calls Node::send_sync in each of its cycles of `sync_period_us`. 0x1006 then accepts only this
+  // period, and 0, which ends SYNC.
   bool sync_by_owner = false;
   CommunicationError communication_error = CommunicationError::kEnterPreOperational;  // 0x1029:1
-  // 0x1010, 0x1011: bit g - 1 for each ParameterGroup g that NodeApplication::on_store and on_restore know.
+  // 0x1010, 0x1011: group_bit of each group that NodeApplication::on_store and on_restore can handle.
   std::uint8_t stored_groups = 0;
-  bool field_device = false;                // it has DeviceServices: LSS, 0x1012, 0x1020
+  bool field_device = false;                // has DeviceServices: LSS, 0x1012, 0x1020
   SdoChannel second_sdo{};                  // 0x1201
   std::span<const Entry> rows;              // objects from kFirstOwnersIndex on
   std::span<const PdoConfiguration> rpdos;  // PDOs beyond these are invalid after a reset
   std::span<const PdoConfiguration> tpdos;
-  // Of so many TPDOs, the first ones, every change of a value is an event; of the others the owner tells
-  // (Node::trigger_tpdo).
+  // How many TPDOs, from the first, have every change of a value as an event; events of the others are those
+  // that the owner reports (Node::trigger_tpdo).
   std::uint8_t watched_tpdos = 255;
 };
 
-// What one node is.
+// What distinguishes one node of a kind.
 struct NodeInstance {
   std::uint8_t node_id = 0;          // 1..127
   std::uint32_t serial_number = 0;   // 0x1018:4
   std::span<std::byte> values;       // of the description's rows; usually std::as_writable_bytes of a struct
-  NodeServices* services = nullptr;  // none, or what must outlive the node
+  NodeServices* services = nullptr;  // null: none; must outlive the node
 };
 
 // The RAM of a node's services.
@@ -175,85 +178,85 @@ struct NodeMemory {
   NodeBuffers buffers() { return {rpdos, rpdo_slots, tpdos, consumers, consumer_slots, backlog}; }
 };
 
-// A CANopen node after CiA 301, of any role: NMT slave, heartbeat producer and consumer, SYNC producer and
-// consumer, PDOs, two SDO servers, EMCY producer and consumer; no node guarding and no remote frames. It
-// holds no time of its own and never waits; everything happens in its calls, in the caller's thread. Besides
-// its owner's objects (NodeDescription::rows) it serves 0x1000, 0x1001, 0x1003, 0x1005 to 0x100A, 0x1010,
-// 0x1011, 0x1014 to 0x1019, 0x1029, 0x1200, 0x1201 and the records of its PDOs, and what its NodeServices
-// have.
+// A CANopen node of any role (CiA 301): NMT slave, heartbeat producer and consumer, SYNC producer and
+// consumer, PDOs, two SDO servers, EMCY producer and consumer; no node guarding and no remote frames. It has
+// no clock and never waits: it acts only within its functions, in the caller's thread. Besides its owner's
+// objects (NodeDescription::rows) it serves 0x1000, 0x1001, 0x1003, 0x1005 to 0x100A, 0x1010, 0x1011, 0x1014
+// to 0x1019, 0x1029, 0x1200, 0x1201, the records of its PDOs, and the objects of its NodeServices.
 class Node final : private ObjectServer {
  public:
   // All arguments must outlive the node. Silent until start().
   Node(const NodeDescription& description, const NodeInstance& instance, NodeBuffers buffers, FrameSink& sink,
        NodeApplication& application);
 
-  // Power-on: reset, boot-up message, pre-operational; and operational if the owner wants that.
+  // Power-on: reset, boot-up message, pre-operational; then operational if the owner wants it.
   void start(std::uint64_t now_us);
-  // A frame from the bus; frames that are not for this node cost a few comparisons.
+  // Takes a frame from the bus; one that is not for this node costs a few comparisons.
   void on_frame(const hal::CanFrame& frame, std::uint64_t now_us);
-  // Whatever is due by now: backlog, heartbeats, event timers, time-outs. Its period bounds their jitter.
+  // Does all that is due: backlog, heartbeats, event timers, time-outs. The period of the calls is the jitter
+  // of these.
   void process(std::uint64_t now_us);
 
-  // What the CAN controller says of itself, as often as the owner likes: EMCY 0x8110 while frames are lost,
-  // 0x8120 while it is error passive, 0x8140 once it has come back from bus-off; bus-off itself is a
-  // communication error (0x1029).
+  // Takes the state of the CAN controller, at any rate: raises EMCY 0x8110 while frames are lost, 0x8120
+  // while it is error passive, 0x8140 when it has recovered from bus-off. Bus-off itself is a communication
+  // error (0x1029).
   void on_can_status(const hal::CanStatus& status, std::uint64_t now_us);
 
-  // Obeys a command as if the NMT master had sent it.
+  // Executes a command as if the NMT master had sent it.
   void command(NmtCommand command, std::uint64_t now_us);
   NmtState state() const { return state_; }
   // kUnconfiguredNodeId: the node stays in initialising, and is silent.
   std::uint8_t node_id() const { return node_id_; }
-  // The node id from the next reset on; of the one that begins, from within on_state(kInitialising).
+  // Sets the node id from the next reset on; from within on_state(kInitialising), for the present reset.
   void set_node_id(std::uint8_t node_id) { node_id_ = node_id; }
   const NodeDescription& description() const { return description_; }
 
-  // Tells an event of TPDO `number` (from 0): it is sent as its transmission type and inhibit time say, or,
-  // outside operational, not at all. Changes of values are events by themselves, see `watched_tpdos`.
+  // Reports an event of TPDO `number` (from 0), which is sent according to its transmission type and inhibit
+  // time; outside operational, not at all. Changes of values are events by themselves, see `watched_tpdos`.
   void trigger_tpdo(std::size_t number, std::uint64_t now_us) {
     if (permits_pdo(state_) && number < tpdos_.size()) tpdos_.request(number, now_us);
   }
-  // Sends a SYNC, behind everything sent so far, and obeys it. Nothing happens in stopped, and unless 0x1005
-  // and 0x1006 make the node a producer.
+  // Sends a SYNC, behind everything sent so far, and acts on it as on one received. Does nothing in stopped,
+  // or unless 0x1005 and 0x1006 make the node a producer.
   void send_sync(std::uint64_t now_us);
 
-  // Reports an error: EMCY message (not in stopped), register, history. Reported again, it does nothing until
-  // it is cleared.
+  // Raises an error: EMCY message (not in stopped), error register, history. Does nothing while the error is
+  // raised already.
   void raise_error(std::uint16_t code, std::uint8_t register_bits,
                    const std::array<std::uint8_t, 5>& manufacturer = {});
-  // Reports that the error is gone. Nothing happens if it was not there.
+  // Clears an error. Does nothing if it was not raised.
   void clear_error(std::uint16_t code);
   const ErrorLog& errors() const { return errors_; }
 
-  // The whole dictionary as an SDO client sees it, with the same checks and errors. `size` in bytes.
+  // Access the whole dictionary as an SDO client does, with the same checks and errors. `size` in bytes.
   AbortCode read_object(ObjectAddress address, ObjectValue& value) override;
   AbortCode write_object(ObjectAddress address, std::uint32_t value, std::size_t size) override;
   AbortCode open_domain(ObjectAddress address, Access access, Domain*& domain) override;
-  // A PDO's records at once, whatever its state.
+  // Set all records of a PDO, valid or not. kObjectDoesNotExist if there is no PDO `number`.
   AbortCode configure_rpdo(std::size_t number, const PdoConfiguration& configuration);
   AbortCode configure_tpdo(std::size_t number, const PdoConfiguration& configuration);
-  // Entry `number` (from 0) of object 0x1016: monitors a node; a time of 0 ends that.
+  // Sets entry `number` (from 0) of object 0x1016: monitors a node; a time of 0 ends it.
   AbortCode configure_consumer(std::size_t number, std::uint8_t node_id, std::uint16_t time_ms);
 
-  // The node's parameters as writes, in the order in which they are to be made: those of the owner's rows,
-  // then the services' list of communication parameters. False past the last.
+  // Write `number`, from 0, of the node's parameters, in the order in which they are to be written: those of
+  // the owner's rows, then the communication parameters of the services. False past the last.
   bool parameter(std::size_t number, ParameterValue& parameter);
-  // One of them comes back from storage, with the same checks as a client's; the owner is not asked. One that
-  // the node does not have is left out.
+  // Restores one of them from storage, with the checks of a client's write; on_write is not called. Ignores
+  // one that the node does not have.
   void restore(const ParameterValue& parameter);
-  // write_object without the services.
+  // Writes an object as write_object does, without the services.
   AbortCode write_own(ObjectAddress address, std::uint32_t value, std::size_t size);
 
-  // Monitoring of a node begins anew with its next heartbeat.
+  // Suspends the monitoring of a node until its next heartbeat.
   void await_heartbeat(std::uint8_t node_id) { heartbeats_.await(node_id); }
 
   const HeartbeatMonitor& heartbeats() const { return heartbeats_; }
-  // Whoever sends besides this node's services, an SdoClient or an NMT master, does it here: the order of
-  // frames is kept.
+  // The queue through which an SdoClient or an NMT master beside this node sends, so that the order of frames
+  // is kept.
   FrameSink& sink() { return queue_; }
-  // Says nothing more, whatever it is asked, until it is unmuted: what it sends is dropped.
+  // While muted, drops every frame that is sent.
   void mute(bool muted) { queue_.mute(muted); }
-  // Frames that found no room in the sink and wait, and those that were lost for good.
+  // Frames that wait for room in the sink, and those that were lost; the latter saturates.
   std::size_t backlog() const { return queue_.backlog(); }
   std::uint16_t lost_frames() const { return queue_.lost(); }
 
@@ -261,7 +264,7 @@ class Node final : private ObjectServer {
   void enter(NmtState state, std::uint64_t now_us);
   void reset(NmtCommand reset, std::uint64_t now_us);
   void load_defaults();
-  // True when the frame was of a service other than SYNC and PDO.
+  // True when the frame belongs to a service other than SYNC and PDO.
   bool serve(const hal::CanFrame& frame, std::uint64_t now_us);
   bool take_pdo(const hal::CanFrame& frame, std::uint64_t now_us);
   void on_nmt(const hal::CanFrame& frame, std::uint64_t now_us);
@@ -272,7 +275,7 @@ class Node final : private ObjectServer {
   void produce_heartbeat(std::uint64_t now_us);
   void beat(std::uint64_t now_us);
 
-  // Errors that the stack itself sees. `detail` goes into the message's manufacturer field.
+  // Errors that the stack itself detects. `detail` goes into the message's manufacturer field.
   void report(std::uint16_t code, bool present, std::uint8_t detail = 0);
   void note_reception(std::size_t number, Reception reception);
   void watch_own_beats(std::uint64_t now_us);
@@ -309,18 +312,18 @@ class Node final : private ObjectServer {
   std::array<SdoServer, 2> servers_;  // of 0x1200 and 0x1201
   HeartbeatMonitor heartbeats_;
   RpdoSet rpdos_;
-  bool rpdo_pending_ = false;  // data of one or more wait for the SYNC
+  bool rpdo_pending_ = false;  // data of one or more RPDOs wait for the SYNC
   TpdoSet tpdos_;
   Sync sync_;
   ErrorLog errors_;
   EmergencyProducer emergencies_;
-  hal::CanStatus can_status_;  // as told last
+  hal::CanStatus can_status_;  // of the last on_can_status
   CommunicationError communication_error_ = CommunicationError::kEnterPreOperational;
   std::uint8_t second_client_ = 0;  // 0x1201:3
   std::uint16_t heartbeat_ms_ = 0;
   std::uint64_t heartbeat_due_us_ = 0;
   std::uint64_t beat_us_ = 0;       // of the last heartbeat
-  std::uint64_t beats_out_us_ = 0;  // when none of its own waited last
+  std::uint64_t beats_out_us_ = 0;  // when none of its own was last seen waiting
 };
 
 }  // namespace koboshi::canopen

@@ -1,5 +1,5 @@
-// The node's dictionary as SDO clients see it: the owner's rows, and the communication profile area (CiA
-// 301, 7.5.2) that the stack serves from its own state.
+// The node's dictionary as SDO clients see it: the owner's rows, and the communication profile area (CiA 301,
+// 7.5.2), which the stack serves from its own state.
 
 #include "firmware/canopen/frame.h"
 #include "firmware/canopen/node.h"
@@ -7,7 +7,7 @@
 namespace koboshi::canopen {
 namespace {
 
-// From here on there are records of PDOs, 0x200 of a kind (CiA 301, 7.5.2.35 to 7.5.2.38).
+// The records of PDOs, 0x200 indices of each sort (CiA 301, 7.5.2.35 to 7.5.2.38).
 constexpr std::uint16_t kFirstRpdoRecord = 0x1400;
 constexpr std::uint16_t kFirstTpdoRecord = 0x1800;
 constexpr std::uint16_t kEndOfPdoRecords = 0x1C00;
@@ -15,16 +15,16 @@ constexpr std::uint16_t kEndOfPdoRecords = 0x1C00;
 bool is_mapping_record(std::uint16_t index) { return (index & 0x200) != 0; }
 std::size_t pdo_number(std::uint16_t index) { return index & 0x1FFu; }
 
-// Signatures of 0x1010 and 0x1011: "save" and "load" as they lie on the bus.
+// Signatures of 0x1010 and 0x1011: "save" and "load" in the order of the bus (CiA 301, 7.5.2.13, 7.5.2.14).
 constexpr std::uint32_t kSave = 0x6576'6173;
 constexpr std::uint32_t kLoad = 0x6461'6F6C;
 
-// What the stack itself serves of the communication profile area. The rest of it, the objects of CiA 302,
+// The part of the communication profile area that the stack itself serves. The rest, the objects of CiA 302,
 // stands in the owner's table.
 bool is_communication_area(std::uint16_t index) { return index >= 0x1000 && index < kFirstOwnersIndex; }
 
-// What is written only as a whole record or array is read-only in sub-index 0, its length; the number of
-// objects of a PDO mapping and the size of the error history are not.
+// Sub-index 0 of records and arrays is read-only, but for the number of objects of a PDO mapping and the size
+// of the error history.
 bool is_writable(ObjectAddress address) {
   switch (address.index) {
     case 0x1003:
@@ -61,7 +61,7 @@ AbortCode text(ObjectValue& value, std::string_view text) {
   return AbortCode::kNone;
 }
 
-// An array of `count` equal numbers.
+// Reads an array of `count` equal numbers.
 AbortCode array(ObjectValue& value, std::uint8_t subindex, std::uint8_t count, std::uint32_t element,
                 std::uint8_t size) {
   if (subindex > count) return AbortCode::kSubindexDoesNotExist;
@@ -228,7 +228,7 @@ AbortCode Node::read_identity(std::uint8_t subindex, ObjectValue& value) const {
   }
 }
 
-// The client of the default channel is whoever speaks: 0x1200 has no sub-index 3.
+// 0x1200 has no sub-index 3: any node may be the client of the default channel.
 AbortCode Node::read_sdo_server(std::size_t server, std::uint8_t subindex, ObjectValue& value) const {
   const std::uint8_t highest = server == 0 ? 2 : 3;
   if (subindex > highest) return AbortCode::kSubindexDoesNotExist;
@@ -247,12 +247,12 @@ AbortCode Node::read_sdo_server(std::size_t server, std::uint8_t subindex, Objec
 AbortCode Node::write_communication(ObjectAddress address, std::uint32_t value, std::size_t size) {
   ObjectValue present;
   const AbortCode read = read_communication(address, present);
-  // An entry of the history that is not there yet exists nevertheless.
+  // An empty entry of the error history exists nevertheless.
   if (read != AbortCode::kNone && read != AbortCode::kNoData) return read;
   if (!is_writable(address)) return AbortCode::kWriteOfReadOnly;
   const AbortCode sized = check_size(size, present.size());
   if (sized != AbortCode::kNone) return sized;
-  present.set_number(value, static_cast<std::uint8_t>(present.size()));  // without bytes above the object's
+  present.set_number(value, static_cast<std::uint8_t>(present.size()));  // drops bytes beyond the object's
   return address.index >= kFirstRpdoRecord ? write_record(address, present.number())
                                            : write_parameter(address, present.number());
 }
@@ -261,7 +261,7 @@ AbortCode Node::write_record(ObjectAddress address, std::uint32_t value) {
   const std::size_t number = pdo_number(address.index);
   const bool receive = address.index < kFirstTpdoRecord;
   PdoRecord& record = receive ? rpdos_[number].record : tpdos_[number].record;
-  // A frame fills one RPDO only.
+  // No two valid RPDOs may have the same identifier: a frame fills only one.
   if (receive && !is_mapping_record(address.index) && address.subindex == 1 && (value & kCobIdInvalid) == 0) {
     const std::size_t present = rpdos_.find(static_cast<std::uint16_t>(value & kCobIdMask));
     if (present != SlotMap::kNone && present != number) return AbortCode::kParameterIncompatibility;
@@ -278,8 +278,8 @@ AbortCode Node::write_record(ObjectAddress address, std::uint32_t value) {
   return AbortCode::kNone;
 }
 
-// Step 3 of CiA 301, 7.5.2.36: an object that does not exist is another error than one that cannot be mapped,
-// such as any of the communication profile area, which the owner's dictionary does not know.
+// Step 3 of CiA 301, 7.5.2.36: an object that does not exist and one that cannot be mapped are different
+// errors. Objects of the communication profile area exist, although the owner's dictionary lacks them.
 AbortCode Node::write_mapping(PdoRecord& record, std::uint8_t subindex, std::uint32_t value) const {
   const AbortCode written = record.write_mapping(subindex, value, dictionary_);
   const ObjectAddress mapped{static_cast<std::uint16_t>(value >> 16), static_cast<std::uint8_t>(value >> 8)};

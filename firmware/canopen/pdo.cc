@@ -100,9 +100,9 @@ AbortCode PdoRecord::write_communication(std::uint8_t subindex, std::uint32_t va
   }
 }
 
-// Bit 30 is kept as it is written but has no effect: no remote frame is ever answered, whatever it allows.
-// CiA 301 would have a TPDO that leaves it clear refused (7.5.2.37), but common masters (lely-core's dcfgen)
-// write it clear without meaning to send remote frames.
+// Bit 30 is stored as written and has no effect, since no remote frame is ever answered. By CiA 301
+// (7.5.2.37) a TPDO with the bit clear is to be refused; but common masters (lely-core's dcfgen) write it
+// clear and send no remote frames.
 AbortCode PdoRecord::write_cob_id(std::uint32_t cob_id) {
   const AbortCode checked = check_cob_id(cob_id_, cob_id, kCobIdNoRemote);
   if (checked == AbortCode::kNone) cob_id_ = cob_id;
@@ -149,7 +149,7 @@ AbortCode PdoRecord::resolve(std::uint32_t entry, const Dictionary& dictionary, 
   const ObjectAddress address{static_cast<std::uint16_t>(entry >> 16), static_cast<std::uint8_t>(entry >> 8)};
   const std::uint32_t size_bits = entry & 0xFF;
   object = {};
-  if (entry == 0) return AbortCode::kNone;  // removes what was there
+  if (entry == 0) return AbortCode::kNone;  // removes the entry
   // An RPDO may name a data type instead of an object: a gap of that size (CiA 301, 7.4.7.2).
   const std::uint8_t dummy_size =
       address.index <= 0xFF ? canopen::size_bytes(static_cast<DataType>(address.index)) : std::uint8_t{0};
@@ -162,7 +162,7 @@ AbortCode PdoRecord::resolve(std::uint32_t entry, const Dictionary& dictionary, 
   }
   Location location;
   const AbortCode found = dictionary.find(address, location);
-  // The highest sub-index of an array exists, without a row.
+  // Sub-index 0 of an array exists without a row.
   if (found == AbortCode::kSubindexDoesNotExist && address.subindex == 0) return AbortCode::kNotMappable;
   if (found != AbortCode::kNone) return found;
   const Entry& row = *location.entry;

@@ -31,13 +31,14 @@ constexpr std::uint32_t mapping(std::uint16_t index, std::uint8_t subindex, std:
   return (static_cast<std::uint32_t>(index) << 16) | (static_cast<std::uint32_t>(subindex) << 8) | size_bits;
 }
 
-// Communication and mapping record of a PDO as it is after a reset.
+// Communication and mapping record of a PDO after a reset.
 struct PdoConfiguration {
   std::uint32_t cob_id = kCobIdInvalid;  // identifier, or kCobIdInvalid
-  bool plus_node_id = false;             // add the node's id to it, as the predefined connection set does
+  bool plus_node_id = false;             // adds the node id to it, as the predefined connection set does
   std::uint8_t transmission_type = kEventProfile;
-  std::uint16_t inhibit_time_100us = 0;  // TPDO: shortest time between two
-  // TPDO, event-driven: longest time between two. RPDO: longest silence, then EMCY 0x8250. 0: none.
+  std::uint16_t inhibit_time_100us = 0;  // TPDO: shortest time between two transmissions
+  // TPDO, event-driven: longest time between two transmissions. RPDO: longest silence before EMCY 0x8250. 0:
+  // no limit.
   std::uint16_t event_timer_ms = 0;
   std::uint8_t sync_start = 0;  // TPDO, every n-th SYNC: counter of the SYNC to count from; 0: the next
   std::array<std::uint32_t, kMaxMappedObjects> mapping{};  // ends at the first 0
@@ -45,7 +46,7 @@ struct PdoConfiguration {
 
 // An object in a PDO, resolved to its value's bytes.
 struct MappedObject {
-  static constexpr std::uint16_t kDummy = Entry::kConstant;  // an RPDO skips these bytes
+  static constexpr std::uint16_t kDummy = Entry::kConstant;  // an offset: an RPDO skips these bytes
 
   std::uint16_t index = 0;  // 0: no object
   std::uint8_t subindex = 0;
@@ -58,13 +59,13 @@ struct MappedObject {
 enum class PdoDirection : std::uint8_t { kReceive, kTransmit };
 
 // Communication and mapping record of one PDO: the objects 0x1400 + n and 0x1600 + n, or 0x1800 + n and
-// 0x1A00 + n. The size of what is written has been checked before. Writes obey CiA 301: identifier and timing
-// change only while the PDO is invalid, the mapping only while it is invalid and its number of objects is 0.
+// 0x1A00 + n. Callers have checked the sizes of values. By CiA 301 identifier and timing change only while
+// the PDO is invalid, the mapping only while it is invalid and its number of objects is 0.
 class PdoRecord {
  public:
   explicit PdoRecord(PdoDirection direction) : direction_(direction) {}
 
-  // Everything at once, as after a reset. An error leaves the PDO invalid.
+  // Sets both records, as a reset does. An error leaves the PDO invalid.
   AbortCode configure(const PdoConfiguration& configuration, std::uint8_t node_id,
                       const Dictionary& dictionary);
 
@@ -79,18 +80,18 @@ class PdoRecord {
   std::uint8_t transmission_type() const { return transmission_type_; }
   std::uint32_t inhibit_time_us() const { return inhibit_time_100us_ * 100u; }
   std::uint32_t event_timer_us() const { return event_timer_ms_ * 1000u; }
-  // Whether a change of a value is an event of this TPDO's type. That of type 254 is the manufacturer's: the
-  // event timer where one is set.
+  // Whether a change of a value is an event of this TPDO's type. Events of type 254 are the manufacturer's:
+  // here the event timer, if it is set, else changes.
   bool tells_changes() const {
     return transmission_type_ == kSynchronousAcyclic || transmission_type_ == kEventProfile ||
            (transmission_type_ == kEventManufacturer && event_timer_ms_ == 0);
   }
   std::uint8_t sync_start() const { return sync_start_; }
-  // Neither inhibit time nor event timer: it goes whenever it is asked for.
+  // Whether it has neither inhibit time nor event timer.
   bool untimed() const { return (inhibit_time_100us_ | event_timer_ms_) == 0; }
   std::uint8_t size_bytes() const { return size_bytes_; }
 
-  // Copies the mapped values to or from `size_bytes()` bytes of data.
+  // Copy the mapped values to or from `size_bytes()` bytes of data.
   void pack(const Dictionary& dictionary, std::uint8_t* data) const {
     const std::byte* const values = dictionary.value_at(0);
     for (const MappedObject& object : mapped()) {
@@ -135,7 +136,8 @@ class PdoRecord {
   std::array<MappedObject, kMaxMappedObjects> objects_{};
 };
 
-// What was heard of an RPDO last: a frame as long as its mapping, another, or nothing for its event timer.
+// The last reception of an RPDO: a frame as long as its mapping, a shorter or longer one, or none within its
+// event timer.
 enum class Reception : std::uint8_t { kRight, kTooShort, kTooLong, kTimedOut };
 
 // A PDO that a node receives.
@@ -149,8 +151,8 @@ struct Rpdo {
   std::uint64_t deadline_us = kNever;  // of its event timer
 };
 
-// The PDOs that a node receives. Data of a synchronous one take effect at the SYNC that follows, of the
-// others at once. The event timer of one runs from its first reception on (CiA 301, 7.5.2.35).
+// The PDOs that a node receives. Data of a synchronous PDO take effect at the next SYNC, of others at once.
+// The event timer of a PDO starts with its first reception (CiA 301, 7.5.2.35).
 class RpdoSet {
  public:
   RpdoSet(std::span<Rpdo> pdos, std::span<SlotMap::Item> slots) : pdos_(pdos), slots_(slots) {}
@@ -158,21 +160,21 @@ class RpdoSet {
   std::size_t size() const { return pdos_.size(); }
   Rpdo& operator[](std::size_t number) { return pdos_[number]; }
   const Rpdo& operator[](std::size_t number) const { return pdos_[number]; }
-  // To be called when record `number` has changed: what waited is dropped, its event timer stops.
+  // To be called when record `number` has changed: drops data that wait for SYNC, and stops the event timer.
   void on_changed(std::size_t number);
-  // The same for all of them.
+  // Does the same for all PDOs.
   void stop();
 
   // Slot of the PDO with this identifier, or SlotMap::kNone. O(log n).
   std::size_t find(std::uint16_t identifier) const { return slots_.find(identifier); }
-  // True when this was the last news of some PDO.
+  // Whether this was the last reception of any PDO.
   bool any(Reception reception) const;
 
-  // A frame for this PDO of the set has taken effect, or will at the SYNC.
+  // To be called when a frame for this PDO of the set has arrived.
   void restart_timer(Rpdo& pdo, std::uint64_t now_us) {
     if (pdo.record.event_timer_us() != 0) set_deadline(pdo, now_us + pdo.record.event_timer_us());
   }
-  // True when PDO `number` has been silent for too long; to be called again until false.
+  // True, and `number` set, when a PDO has exceeded its event timer; to be called again until false.
   bool check(std::uint64_t now_us, std::size_t& number) {
     return now_us >= earliest_us_ && find_silent(now_us, number);
   }
@@ -192,22 +194,22 @@ struct Tpdo {
   // An event waits for the end of the inhibit time, for room in the queue, or for the SYNC.
   bool requested = false;
   bool watched = false;         // a change of a value is an event
-  bool counting = false;        // the SYNC with the start value has come, if there is one
+  bool counting = false;        // the SYNC with the start value has come, or there is none to wait for
   std::uint8_t sync_count = 0;  // SYNCs since the last transmission
   std::uint64_t inhibited_until_us = 0;
   std::uint64_t event_due_us = 0;
-  std::array<std::uint8_t, 8> seen{};  // its data when they were looked at last, if they are watched
+  std::array<std::uint8_t, 8> seen{};  // if watched: the data when last compared
 };
 
-// When each TPDO is due, by its transmission type (CiA 301, 7.2.2.3): at every n-th SYNC, counted from the
-// one with the start value, at the SYNC after an event, or at the event itself and when the event timer has
-// run out, but never sooner than the inhibit time allows.
+// The PDOs that a node sends, each when its transmission type has it due (CiA 301, 7.2.2.3): at every n-th
+// SYNC, counted from the one with the start value; at the SYNC after an event; or at the event itself and
+// when the event timer runs out, but never sooner than the inhibit time allows.
 //
-// Of the first `watched` PDOs every change of a mapped value is an event, and so is that operational begins:
-// nobody has been told of the values then. Of the others only their owner knows of events.
+// For the first `watched` PDOs every change of a mapped value is an event, and so is entering operational,
+// since no node knows the values then. For the others the owner reports the events (request).
 class TpdoSet {
  public:
-  // Values of `dictionary` go to `queue`; all must outlive the set.
+  // Sends values of `dictionary` to `queue`. All must outlive the set.
   TpdoSet(std::span<Tpdo> pdos, std::size_t watched, const Dictionary& dictionary, TransmitQueue& queue)
       : pdos_(pdos), watched_(watched), dictionary_(dictionary), queue_(queue) {}
 
@@ -215,13 +217,13 @@ class TpdoSet {
   Tpdo& operator[](std::size_t number) { return pdos_[number]; }
   const Tpdo& operator[](std::size_t number) const { return pdos_[number]; }
 
-  // Whether one of them has this identifier. O(n).
+  // Whether a valid PDO has this identifier. O(n).
   bool sends(std::uint16_t identifier) const;
-  // To be called when record `number` has changed: what waited is dropped, its SYNCs are counted anew.
+  // To be called when record `number` has changed: drops events that wait, and counts SYNCs anew.
   void on_changed(std::size_t number);
-  // The node has become operational: counters and event timers begin anew.
+  // To be called when the node enters operational: restarts counters and event timers.
   void start(std::uint64_t now_us);
-  // An event: something in PDO `number` is worth telling.
+  // Reports an event of PDO `number`.
   void request(std::size_t number, std::uint64_t now_us);
   // `counter` of the SYNC, 1..240; 0 when it carries none.
   void on_sync(std::uint8_t counter, std::uint64_t now_us);
@@ -232,7 +234,7 @@ class TpdoSet {
 
  private:
   static void forget(Tpdo& pdo);
-  void watch();  // as telemetry is configured after a reset there is nothing to watch
+  void watch();
   static bool is_due(Tpdo& pdo, std::uint8_t counter);
   void send_due(std::uint64_t now_us);
   void send(Tpdo& pdo, std::uint64_t now_us);
@@ -241,8 +243,8 @@ class TpdoSet {
   std::size_t watched_;
   const Dictionary& dictionary_;
   TransmitQueue& queue_;
-  std::uint64_t due_us_ = 0;         // nothing is to be sent before
-  std::size_t synchronous_end_ = 0;  // behind the last that goes with SYNC
+  std::uint64_t due_us_ = 0;         // nothing is due before
+  std::size_t synchronous_end_ = 0;  // behind the last synchronous one
   std::size_t watched_end_ = 0;      // behind the last whose values are watched
 };
 

@@ -7,8 +7,8 @@
 
 namespace koboshi::canopen {
 
-// Which slot of an array an identifier or node id belongs to, for reception in O(log n), in order in O(1).
-// Memory is the owner's.
+// Maps an identifier or node id to a slot of an array: in O(log n), in O(1) if keys are looked up in
+// ascending order. The owner provides the memory.
 class SlotMap {
  public:
   struct Item {
@@ -20,15 +20,15 @@ class SlotMap {
   explicit SlotMap(std::span<Item> items) : items_(items) {}
 
   void clear() { size_ = 0; }
-  // At most as many as there are items; of equal keys the first stays in front.
+  // Ignored beyond the number of items. Of equal keys the first one inserted is found.
   void insert(std::uint16_t key, std::uint8_t slot) {
     if (size_ == items_.size()) return;
     std::size_t place = size_++;
     for (; place > 0 && items_[place - 1].key > key; --place) items_[place] = items_[place - 1];
     items_[place] = {key, slot};
   }
-  // kNone when there is no such key. What follows the key found last is tried first: arbitration lets the
-  // frames of a cycle arrive in the order of their identifiers.
+  // The slot of a key, or kNone. Tries the key after the last one found first: arbitration lets the frames of
+  // a cycle arrive in the order of their identifiers.
   std::size_t find(std::uint16_t key) const {
     if (next_ < size_ && items_[next_].key == key && items_[next_ - 1].key != key)
       return items_[next_++].slot;

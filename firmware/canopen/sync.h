@@ -8,8 +8,8 @@
 
 namespace koboshi::canopen {
 
-// When a beat that was due at `due_us` is due next. Late by a period and more, it starts anew instead of
-// catching up.
+// The next time of something periodic that was due at `due_us`. If it is late by a period or more, the period
+// starts anew: it does not catch up.
 constexpr std::uint64_t next_beat(std::uint64_t due_us, std::uint64_t period_us, std::uint64_t now_us) {
   const std::uint64_t next_us = due_us + period_us;
   return next_us > now_us ? next_us : now_us + period_us;
@@ -19,10 +19,10 @@ constexpr std::uint64_t next_beat(std::uint64_t due_us, std::uint64_t period_us,
 // period, 0x1007 synchronous window length and 0x1019 synchronous counter overflow value.
 class Sync {
  public:
-  // As after a reset. A period of 0: nothing is produced by itself. `by_owner`: nothing ever is, and the
-  // period is that in which the owner asks for SYNCs; no other can be written than it and 0.
+  // Resets the objects to their defaults. With a period of 0 no SYNC is due by itself. `by_owner`: the owner
+  // requests SYNCs in this period; 0x1006 then accepts only it and 0.
   void load_defaults(bool producer, std::uint32_t period_us, bool by_owner = false);
-  // The node leaves initialising or stopped: the period begins, and the counter with 1.
+  // To be called when the node leaves initialising or stopped: starts the period, and the counter at 1.
   void start(std::uint64_t now_us);
 
   // One of the four objects; kObjectDoesNotExist for others.
@@ -30,20 +30,20 @@ class Sync {
   AbortCode write(std::uint16_t index, std::uint32_t value);
 
   bool identifies(const hal::CanFrame& frame) const { return frame.identifier == (cob_id_ & kCobIdMask); }
-  // Notes a SYNC. False when it is not as long as 0x1019 says: it is none then.
+  // Takes a SYNC. False, and nothing taken, when its length does not fit 0x1019.
   bool accept(const hal::CanFrame& frame, std::uint64_t now_us);
-  // Of the last SYNC: 1..240, or 0 without a counter.
+  // The counter of the last SYNC: 1..240, or 0 without one.
   std::uint8_t counter() const { return counter_; }
-  // Whether synchronous data may still arrive for this cycle. A length of 0: always.
+  // Whether the synchronous window 0x1007 is still open; always, if its length is 0.
   bool window_open(std::uint64_t now_us) const { return window_us_ == 0 || now_us - last_us_ <= window_us_; }
 
-  // Whether a SYNC that the owner asks for is to be sent.
+  // Whether a SYNC that the owner requests is to be sent.
   bool produces() const { return producer() && (owners_period_us_ == 0 || period_us_ != 0); }
-  // True when the producer's next SYNC is due by its period, once for each.
+  // True, once for each SYNC, when the producer's next one is due by its period.
   bool take_due(std::uint64_t now_us) {
     return period_us_ != 0 && owners_period_us_ == 0 && take_beat(now_us);
   }
-  // The SYNC that comes next, whoever asks for it.
+  // The next SYNC frame; advances the counter.
   hal::CanFrame next();
 
  private:
@@ -54,7 +54,7 @@ class Sync {
 
   std::uint32_t cob_id_ = kSyncCobId;
   std::uint32_t period_us_ = 0;
-  std::uint32_t owners_period_us_ = 0;  // 0: the period is this object's own
+  std::uint32_t owners_period_us_ = 0;  // 0: SYNCs are due by themselves
   std::uint32_t window_us_ = 0;
   std::uint8_t overflow_ = 0;  // highest value of the counter; 0: SYNC carries none
   std::uint8_t produced_ = 0;  // counter of the last SYNC that this node produced

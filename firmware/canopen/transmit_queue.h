@@ -11,7 +11,7 @@
 
 namespace koboshi::canopen {
 
-// Frames in their order, in somebody else's memory.
+// A queue of frames in memory that the owner provides.
 class FrameRing {
  public:
   explicit FrameRing(std::span<hal::CanFrame> slots) : slots_(slots) {}
@@ -22,7 +22,7 @@ class FrameRing {
     slots_[(first_ + size_++) % slots_.size()] = frame;
     return true;
   }
-  // Not of an empty ring.
+  // The ring must not be empty.
   const hal::CanFrame& front() const {
     KOBOSHI_ASSERT(size_ > 0);
     return slots_[first_];
@@ -40,16 +40,16 @@ class FrameRing {
   std::size_t size_ = 0;
 };
 
-// Keeps in order what the sink has no room for, and counts what does not even fit here. Each of the port's
-// FIFOs has an order of its own: a heartbeat that waits holds up no PDO.
+// Queues frames for which the sink has no room, in order, and counts those for which the queue has none. Each
+// FIFO of the port has its own order: a heartbeat that waits delays no PDO.
 class TransmitQueue final : public FrameSink {
  public:
-  // What waits there: answers of two servers, twice over; a request, a boot-up message, and room for as many
-  // more.
+  // Frames that may wait: two answers of each of two servers; a request, a boot-up message, and two in
+  // reserve.
   static constexpr std::size_t kAnswerBacklog = 4;
   static constexpr std::size_t kBackgroundBacklog = 4;
 
-  // `backlog` is for frames of the process FIFO; its memory is the owner's.
+  // `backlog` holds frames of the process FIFO; the owner provides it.
   TransmitQueue(FrameSink& sink, std::span<hal::CanFrame> backlog)
       : sink_(sink), rings_{FrameRing(backlog), FrameRing(answer_backlog_), FrameRing(background_backlog_)} {}
   TransmitQueue(const TransmitQueue&) = delete;
@@ -57,14 +57,14 @@ class TransmitQueue final : public FrameSink {
 
   // False, and counted in lost(), when sink and backlog are full.
   bool send(const hal::CanFrame& frame) override { return offer(frame) || keep(frame); }
-  // Only for a sink that has room now; for frames that can wait. Never counted as lost.
+  // Sends a frame only if the sink has room now; for frames that may be sent later. Never counted as lost.
   bool offer(const hal::CanFrame& frame) {
     if (muted_) return true;
     FrameRing& ring = rings_[hal::transmit_fifo(frame)];
     if (ring.size() > 0) drain(ring);
     return ring.size() == 0 && sink_.send(frame);
   }
-  // Hands the backlog to the sink as far as it has room.
+  // Sends the backlog as far as the sink has room.
   void flush() {
     for (FrameRing& ring : rings_) {
       if (ring.size() > 0) drain(ring);
@@ -74,13 +74,13 @@ class TransmitQueue final : public FrameSink {
   bool pending(hal::TransmitFifo fifo) const override {
     return rings_[fifo].size() > 0 || sink_.pending(fifo);
   }
-  // From now on whatever is sent is dropped; what waits is not.
+  // While muted, drops frames that are sent; those that wait already are not dropped.
   void mute(bool muted) { muted_ = muted; }
   std::size_t backlog() const {
     return rings_[hal::kProcessFifo].size() + rings_[hal::kAnswerFifo].size() +
            rings_[hal::kBackgroundFifo].size();
   }
-  // Frames that were not sent; saturates.
+  // Frames that were lost; saturates.
   std::uint16_t lost() const { return lost_; }
 
  private:

@@ -4,11 +4,11 @@
 
 #include "firmware/canopen/sdo/protocol.h"
 
-// Block transfers of the SDO server.
+// Block transfers of the SDO server (CiA 301, 7.2.4.3.9 to 7.2.4.3.15).
 namespace koboshi::canopen {
 
-// --- SDO block download from the server's side (CiA 301, 7.2.4.3.9 to 7.2.4.3.11): the client sends up to
-// 127 segments, the server confirms how many arrived in order, and the client goes on behind those.
+// --- Block download (7.2.4.3.9 to 7.2.4.3.11): the client sends up to 127 segments, the server confirms how
+// many have arrived in order, and the client continues behind those.
 
 AbortCode SdoServer::respond_block_download(const sdo::Data& request) {
   return (request[0] & 1) == sdo::kBlockEnd ? end_block_download(request) : begin_block_download(request);
@@ -32,8 +32,8 @@ AbortCode SdoServer::block_segment(const sdo::Data& segment) {
   const bool last = (segment[0] & sdo::kBlockLastSegment) != 0;
   if (sequence == 0 || sequence > block_.size) return AbortCode::kInvalidSequenceNumber;
   block_.prompted = false;
-  // What follows a lost segment, or finds the object busy, is dropped; the confirmation makes the client
-  // repeat it.
+  // A segment after a lost one, or one for which the object is busy, is dropped; the confirmation makes the
+  // client repeat it.
   if (sequence == block_.sequence + 1) {
     const AbortCode passed = pass_on_held(sdo::kSegmentBytes);
     if (passed == AbortCode::kNone) {
@@ -49,7 +49,8 @@ AbortCode SdoServer::block_segment(const sdo::Data& segment) {
   return AbortCode::kNone;
 }
 
-// Only the end message tells how many bytes of the last segment count, so each segment waits for the next.
+// Passes the held segment on. Only the end message indicates how many bytes of the last segment count, so
+// each segment is held until the next.
 AbortCode SdoServer::pass_on_held(std::size_t size) {
   if (!block_.holds) return AbortCode::kNone;
   const auto bytes = std::span(block_.held).first(size);
@@ -78,9 +79,8 @@ AbortCode SdoServer::end_block_download(const sdo::Data& request) {
   return AbortCode::kNone;
 }
 
-// --- SDO block upload from the server's side (CiA 301, 7.2.4.3.12 to 7.2.4.3.15): the server sends as many
-// segments as the client asked for, the client confirms how many arrived in order, and the server goes on
-// behind those.
+// --- Block upload (7.2.4.3.12 to 7.2.4.3.15): the server sends as many segments as the client requested, the
+// client confirms how many have arrived in order, and the server continues behind those.
 
 AbortCode SdoServer::respond_block_upload(const sdo::Data& request) {
   const std::uint8_t subcommand = request[0] & sdo::kBlockSubcommandMask;
@@ -107,7 +107,8 @@ AbortCode SdoServer::begin_block_upload(const sdo::Data& request) {
   if (!sdo::is_block_size(block_size)) return AbortCode::kInvalidBlockSize;
   const AbortCode begun = transfer_.begin_upload(address_);
   if (begun != AbortCode::kNone) return begun;
-  // So few bytes go the ordinary way; a threshold of 0 forbids that.
+  // Up to the threshold of the client, data go by expedited or segmented transfer; a threshold of 0 forbids
+  // it.
   if (transfer_.size() <= switch_threshold && switch_threshold != 0) return respond_upload();
   block_.size = block_size;
   block_.with_crc = (request[0] & sdo::kBlockCrc) != 0;
@@ -118,10 +119,10 @@ AbortCode SdoServer::begin_block_upload(const sdo::Data& request) {
   return AbortCode::kNone;
 }
 
-// False when there is no room on the way to the bus.
+// Sends the next segment; false when the queue has no room.
 bool SdoServer::send_block_segment() {
   const auto position = block_.start + static_cast<std::uint32_t>(block_.sequence * sdo::kSegmentBytes);
-  // One byte more than the segment takes tells whether it is the last.
+  // Reads one byte more than a segment holds, to see whether it is the last.
   std::array<std::uint8_t, sdo::kSegmentBytes + 1> bytes;
   const std::size_t found = transfer_.read(position, bytes);
   const std::size_t size = std::min(found, sdo::kSegmentBytes);

@@ -48,7 +48,7 @@ bool SdoClient::answers(const hal::CanFrame& frame) {
   const std::uint8_t command = frame.data[0];
   const bool same_object = sdo::address_of(frame.data) == address_;
   if (command == sdo::kAbort) {
-    // An abort of another object ends a transfer that timed out before; it is not about this one.
+    // An abort for another object belongs to an earlier transfer that timed out.
     if (!same_object) return false;
     abort_code_ = static_cast<AbortCode>(sdo::data_of(frame.data));
     state_ = SdoState::kAborted;
@@ -81,7 +81,7 @@ void SdoClient::time_out() {
 
 void SdoClient::abort(AbortCode code) {
   abort_code_ = code;
-  // Without room the server is left to its own time-out.
+  // Without room the server runs into its own time-out.
   static_cast<void>(sink_.send(request(node_id_, sdo::kAbort, address_, static_cast<std::uint32_t>(code))));
 }
 

@@ -6,46 +6,47 @@
 
 #include "firmware/canopen/dictionary.h"
 
-// What stands behind an SDO server: the objects that it reads and writes.
+// The server's view of the objects that it reads and writes (CiA 301, 7.2.4).
 namespace koboshi::canopen {
 
-// What stands behind an object of type DOMAIN (CiA 301, 7.4.5): any number of bytes that its owner keeps, a
-// motion in flash or a log. An SDO server moves them in pieces and buffers none of them; the owner refuses
-// with the code that the client is to see, or says kBusy to what begins, writes or commits: it has done
-// nothing and is asked again. Each transfer that has begun ends with `release`, whatever became of it;
-// before, there is no second one.
+// The contents of an object of type DOMAIN (CiA 301, 7.4.5): any number of bytes, such as a motion in flash.
+// An SDO server transfers them in pieces and buffers none. Each function refuses with the abort code that the
+// client is to see; those that begin, write or commit may also return kBusy, have then done nothing, and are
+// called again. Every transfer that has begun ends with `release`; no other begins before.
 class Domain {
  public:
   static constexpr std::uint32_t kUnknownSize = ~std::uint32_t{0};
 
-  // Fills in how many bytes there are, or leaves kUnknownSize.
+  // Begins an upload; sets the number of bytes, or leaves kUnknownSize.
   virtual AbortCode begin_upload(std::uint32_t& /*size_bytes*/) { return AbortCode::kReadOfWriteOnly; }
-  // Copies the bytes from `position` on and returns their number, less than was asked for only at the end.
-  // The position may go back by up to a block (889 bytes) when a client has lost segments.
+  // Copies the bytes from `position` on and returns their number, which is less than requested only at the
+  // end. The position may go back by up to a block (889 bytes) when a client has lost segments.
   virtual std::size_t read(std::uint32_t /*position*/, std::span<std::uint8_t> /*bytes*/) { return 0; }
 
-  // `size_bytes` as the client announces it, or kUnknownSize. More than announced never arrives.
+  // Begins a download of `size_bytes`, as the client indicates them, or kUnknownSize. No more bytes than
+  // indicated are written.
   virtual AbortCode begin_download(std::uint32_t /*size_bytes*/) { return AbortCode::kWriteOfReadOnly; }
-  // The next 1..7 bytes.
+  // Writes the next 1..7 bytes.
   virtual AbortCode write(std::span<const std::uint8_t> /*bytes*/) { return AbortCode::kGeneralError; }
-  // All bytes have arrived, as many as announced and with the right CRC if the client sends one. Nothing that
-  // was written may count before.
+  // Completes a download: all bytes have arrived, as many as indicated, with the right CRC if the client
+  // sends one. The bytes written must have no effect before.
   virtual AbortCode commit() { return AbortCode::kNone; }
 
+  // Ends a transfer, completed or not.
   virtual void release() {}
 
  protected:
   ~Domain() = default;
 };
 
-// The objects behind an SDO server.
+// The dictionary behind an SDO server.
 class ObjectServer {
  public:
   virtual AbortCode read_object(ObjectAddress address, ObjectValue& value) = 0;
-  // `size` in bytes; 0 when the client has not told it and the object's own counts.
+  // `size` in bytes; 0: not indicated by the client, that of the object.
   virtual AbortCode write_object(ObjectAddress address, std::uint32_t value, std::size_t size) = 0;
-  // Whether there is such an object, and if it is a DOMAIN that may be read or written (`access`) now, which;
-  // null for any other type.
+  // Checks that the object exists, and sets `domain` to that of a DOMAIN, which may then be read or written
+  // (`access`), or to null for objects of other types.
   virtual AbortCode open_domain(ObjectAddress address, Access access, Domain*& domain) = 0;
 
  protected:

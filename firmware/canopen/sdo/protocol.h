@@ -11,7 +11,7 @@
 namespace koboshi::canopen {
 
 // CRC of an SDO block transfer (CiA 301, 7.2.4.3.16): x^16 + x^12 + x^5 + 1, start value 0, nothing
-// reflected; of "123456789" it is 0x31C3. Goes on from `crc`.
+// reflected; of "123456789" it is 0x31C3. `crc`: that of the bytes before.
 constexpr std::uint16_t crc16(std::uint16_t crc, std::span<const std::uint8_t> bytes) {
   for (const std::uint8_t byte : bytes) {
     crc = static_cast<std::uint16_t>(crc ^ (byte << 8));
@@ -24,8 +24,8 @@ constexpr std::uint16_t crc16(std::uint16_t crc, std::span<const std::uint8_t> b
 
 }  // namespace koboshi::canopen
 
-// The bytes of SDO messages (CiA 301, 7.2.4.3): a command byte, then for most the object's address and four
-// bytes of data.
+// The bytes of SDO messages (CiA 301, 7.2.4.3): a command byte, followed in most of them by the object's
+// address and four bytes of data.
 namespace koboshi::canopen::sdo {
 
 using Data = std::array<std::uint8_t, 8>;
@@ -78,7 +78,7 @@ constexpr std::uint8_t expedited(std::uint8_t command, std::size_t size) {
 constexpr bool is_expedited(std::uint8_t command, std::uint8_t initiate) {
   return (command & (kSpecifierMask | kExpedited)) == (initiate | kExpedited);
 }
-// 4 when the sender has not told the size.
+// 4 when the sender has not indicated the size.
 constexpr std::size_t expedited_size(std::uint8_t command) {
   return (command & kSizeIndicated) != 0 ? 4u - ((command >> 2) & 3u) : 4u;
 }

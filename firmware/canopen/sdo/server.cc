@@ -46,7 +46,7 @@ AbortCode SdoTransfer::begin_download(ObjectAddress address, std::uint32_t size)
     if (begun == AbortCode::kNone) domain_ = domain;
     return begun;
   }
-  // Longer than any number: the attempt names the first thing that is wrong with it.
+  // Longer than any number: the attempt returns the first reason to refuse it.
   const bool too_long = size != Domain::kUnknownSize && size > number_.size();
   return too_long ? objects_.write_object(address, 0, size) : AbortCode::kNone;
 }
@@ -63,11 +63,11 @@ AbortCode SdoTransfer::write(std::span<const std::uint8_t> bytes) {
   return written;
 }
 
-AbortCode SdoTransfer::commit(bool size_told) {
+AbortCode SdoTransfer::commit(bool size_indicated) {
   if (size_ != Domain::kUnknownSize && position_ != size_) return AbortCode::kLengthMismatch;
   if (domain_ != nullptr) return domain_->commit();
   if (position_ == 0) return AbortCode::kLengthTooLow;
-  return objects_.write_object(address_, load_u32(number_.data()), size_told ? position_ : 0);
+  return objects_.write_object(address_, load_u32(number_.data()), size_indicated ? position_ : 0);
 }
 
 void SdoTransfer::end() {
@@ -90,18 +90,18 @@ void SdoServer::on_request(const hal::CanFrame& request, std::uint64_t now_us) {
   if (request.size != request.data.size()) return;
   if (request.data[0] == sdo::kAbort) return reset();
   request_ = request.data;
-  patience_us_ = now_us + kBusyTimeout_us;
+  busy_deadline_us_ = now_us + kBusyTimeout_us;
   conclude(state_ == State::kBlockDownload ? block_segment(request_) : respond(request_), now_us);
 }
 
-// The request that its object was too busy for, once more.
+// Repeats the request whose object was busy.
 AbortCode SdoServer::repeat() {
   const bool begun = state_ == State::kExpeditedDownload || state_ == State::kExpeditedEnd;
   return begun ? store_expedited(request_) : respond(request_);
 }
 
 void SdoServer::conclude(AbortCode refusal, std::uint64_t now_us) {
-  waits_ = refusal == AbortCode::kBusy && now_us < patience_us_;
+  waits_ = refusal == AbortCode::kBusy && now_us < busy_deadline_us_;
   if (refusal == AbortCode::kBusy && !waits_) refusal = AbortCode::kTimedOut;
   if (!waits_ && refusal != AbortCode::kNone) abort(refusal);
   deadline_us_ = now_us + (state_ == State::kBlockDownload ? kBlockTimeout_us : kTimeout_us);
@@ -141,7 +141,7 @@ AbortCode SdoServer::begin_download(const sdo::Data& request) {
   return AbortCode::kNone;
 }
 
-// Four bytes where the client has not told how many: a number then takes as many as it has.
+// Four bytes if the client has not indicated their number: a number then takes as many as its type has.
 AbortCode SdoServer::download_expedited(const sdo::Data& request) {
   const auto size = static_cast<std::uint32_t>(sdo::expedited_size(request[0]));
   const AbortCode begun = transfer_.begin_download(address_, size);
@@ -150,7 +150,7 @@ AbortCode SdoServer::download_expedited(const sdo::Data& request) {
   return store_expedited(request);
 }
 
-// Each step is done once, however often the object is busy.
+// Executes each step once, however often the object is busy.
 AbortCode SdoServer::store_expedited(const sdo::Data& request) {
   if (state_ == State::kExpeditedDownload) {
     const std::size_t size = sdo::expedited_size(request[0]);
@@ -208,7 +208,7 @@ AbortCode SdoServer::upload_segment(const sdo::Data& request) {
   const AbortCode expected = expect_segment(State::kUpload, request[0]);
   if (expected != AbortCode::kNone) return expected;
   toggle_ = !toggle_;
-  // One byte more than the segment takes tells whether it is the last.
+  // Reads one byte more than a segment holds, to see whether it is the last.
   sdo::Data bytes;
   const std::size_t found = transfer_.read(position_, bytes);
   const std::size_t size = std::min(found, sdo::kSegmentBytes);
@@ -232,9 +232,9 @@ AbortCode SdoServer::expect_segment(State state, std::uint8_t command) {
   return ((command & sdo::kToggle) != 0) == toggle_ ? AbortCode::kNone : AbortCode::kToggleBitNotAlternated;
 }
 
-// --- What all transfers share
+// --- Common to all transfers
 
-void SdoServer::go_on(std::uint64_t now_us) {
+void SdoServer::advance(std::uint64_t now_us) {
   if (waits_) return conclude(repeat(), now_us);
   for (int i = 0; i < kSegmentsPerProcess && state_ == State::kBlockUpload; ++i) {
     if (!send_block_segment()) break;
@@ -277,7 +277,7 @@ hal::CanFrame SdoServer::frame_of(const sdo::Data& data) const {
 }
 
 void SdoServer::send(const sdo::Data& data) {
-  // Without room the client is left to its time-out; the queue has counted the loss.
+  // Without room the client runs into its time-out; the queue has counted the loss.
   static_cast<void>(queue_.send(frame_of(data)));
 }
 

@@ -14,29 +14,28 @@
 // SDO server (CiA 301, 7.2.4).
 namespace koboshi::canopen {
 
-// The object's end of an SDO transfer: a number, a text or a DOMAIN as so many bytes, whatever the protocol
-// that carries them.
+// The object's end of an SDO transfer: a number, a text or a DOMAIN as a sequence of bytes, independent of
+// the protocol that carries them.
 class SdoTransfer {
  public:
   explicit SdoTransfer(ObjectServer& objects) : objects_(objects) {}
 
   AbortCode begin_upload(ObjectAddress address);
-  // Bytes of the object from `position` on; less than was asked for only at its end.
+  // Copies bytes of the object from `position` on; fewer than requested only at its end.
   std::size_t read(std::uint32_t position, std::span<std::uint8_t> bytes);
-  // Of an upload; Domain::kUnknownSize when only its end will tell.
+  // The size of an upload in bytes; Domain::kUnknownSize if the DOMAIN does not know it.
   std::uint32_t size() const { return size_; }
-  // A number that an expedited response can carry; value().size() bytes of it.
+  // Whether an expedited response can carry the value, a number of value().size() bytes.
   bool fits_expedited() const { return domain_ == nullptr && !value_.is_text() && size_ >= 1 && size_ <= 4; }
   const ObjectValue& value() const { return value_; }
 
-  // `size` as announced, or Domain::kUnknownSize.
+  // `size` in bytes as indicated, or Domain::kUnknownSize.
   AbortCode begin_download(ObjectAddress address, std::uint32_t size);
   AbortCode write(std::span<const std::uint8_t> bytes);
-  // The object takes what was written; a number, if the client has not told its size, as many bytes of it as
-  // the object has.
-  AbortCode commit(bool size_told = true);
+  // Makes the object take the bytes written. Without `size_indicated` a number takes as many as its type has.
+  AbortCode commit(bool size_indicated = true);
 
-  // Ends the transfer. Nothing happens when there is none.
+  // Ends the transfer, if there is one.
   void end();
 
   ObjectAddress address() const { return address_; }
@@ -52,46 +51,47 @@ class SdoTransfer {
   std::uint32_t size_ = Domain::kUnknownSize;
 };
 
-// The identifiers of an SDO channel, as seen from the server; bit 31 of either: there is no such channel.
+// The identifiers of an SDO channel, as seen from the server. With bit 31 of either the channel is invalid.
 struct SdoChannel {
   std::uint32_t request_cob_id = kCobIdInvalid;   // from client to server
   std::uint32_t response_cob_id = kCobIdInvalid;  // from server to client
   bool plus_node_id = false;                      // in a NodeDescription: both are bases
 };
 
-// One SDO channel from the server's side (CiA 301, 7.2.4): expedited, segmented and block transfers, one at a
-// time. A request that begins a transfer ends the one before. Every request is answered, by a response or an
-// abort, except those that the protocol leaves unanswered: an abort, a frame that is not 8 bytes long, the
-// end of a block upload, and the segments within a block.
+// The server of one SDO channel (CiA 301, 7.2.4): expedited, segmented and block transfers, one at a time. A
+// request that begins a transfer ends the one before. Every request is answered, by a response or an abort,
+// except those that the protocol leaves unanswered: an abort, a frame that is not 8 bytes long, the end of a
+// block upload, and the segments within a block.
 //
-// A request that its object is too busy for is repeated in each `process` and answered when the object has
-// taken it, or aborted after kBusyTimeout_us; a segment of a block is dropped instead, as if it had been
-// lost, and the client told to send it again.
+// A request whose object is busy is repeated in each `process`, until the object takes it or kBusyTimeout_us
+// have passed. A segment of a block is dropped instead, as if it had been lost, and the confirmation makes
+// the client send it again.
 class SdoServer {
  public:
   static constexpr std::uint32_t kTimeout_us = 1'000'000;  // silence of a client in a transfer
-  // After half of it within a block, what has arrived is confirmed: the last segments may be lost.
+  // Silence within a block after which the server confirms the segments that have arrived, since the last
+  // ones may be lost.
   static constexpr std::uint32_t kBlockTimeout_us = kTimeout_us / 2;
-  // How long an object may be busy before its client is told 0504 0000. Saving takes 0.1 s; the rest is
-  // margin.
+  // How long an object may be busy before the transfer is aborted with 0504 0000. Saving parameters takes
+  // 0.1 s; the rest is margin.
   static constexpr std::uint32_t kBusyTimeout_us = 5'000'000;
-  // Segments of an uploaded block to a call of `process`, which is to say a millisecond: two take 0.27 ms at
-  // 1 Mbit/s, and leave room to the services of others.
+  // Segments of an uploaded block in one call of `process`, a millisecond: two take 0.27 ms at 1 Mbit/s, and
+  // leave room for other services.
   static constexpr int kSegmentsPerProcess = 2;
 
   SdoServer(ObjectServer& objects, TransmitQueue& queue) : transfer_(objects), queue_(queue) {}
 
-  // Ends a transfer of the channel before, without a word.
+  // Sets the channel, and ends a transfer of the old one without a message.
   void configure(const SdoChannel& channel);
   const SdoChannel& channel() const { return channel_; }
 
   bool takes(const hal::CanFrame& frame) const { return frame.identifier == request_identifier_; }
   void on_request(const hal::CanFrame& request, std::uint64_t now_us);
-  // Sends what is left of a block, and looks after a client that has fallen silent.
+  // Sends further segments of a block, repeats a request whose object was busy, and checks the time-outs.
   void process(std::uint64_t now_us) {
-    if (state_ != State::kIdle || waits_) go_on(now_us);
+    if (state_ != State::kIdle || waits_) advance(now_us);
   }
-  // Ends a transfer without a word.
+  // Ends a transfer without a message.
   void reset();
   bool uses(const Domain& domain) const { return transfer_.uses(domain); }
 
@@ -116,17 +116,17 @@ class SdoServer {
     std::uint32_t start = 0;      // upload: bytes before this block
     std::uint32_t crc_bytes = 0;  // upload: bytes that the CRC covers; those of repeated segments count once
     std::uint16_t crc = 0;
-    std::uint8_t size = 0;       // segments to a block
+    std::uint8_t size = 0;       // segments in a block
     std::uint8_t sequence = 0;   // number of the last segment sent, or received in order
     std::uint8_t last_size = 0;  // upload: bytes in the last segment
     bool last = false;           // the last segment was sent or received
-    bool with_crc = false;       // the client knows CRCs too
-    bool holds = false;          // download: `held` waits to be told how many of its bytes count
-    bool prompted = false;       // download: a silent client was told what has arrived
+    bool with_crc = false;       // the client supports CRCs
+    bool holds = false;          // download: `held` has a segment whose number of bytes is not known yet
+    bool prompted = false;       // download: the block was confirmed because the client was silent
     std::array<std::uint8_t, sdo::kSegmentBytes> held{};
   };
 
-  // Each answers, or returns why the request is refused.
+  // Each answers the request, or returns why it is refused.
   AbortCode respond(const sdo::Data& request);
   AbortCode begin_download(const sdo::Data& request);
   AbortCode download_expedited(const sdo::Data& request);
@@ -152,7 +152,7 @@ class SdoServer {
 
   AbortCode repeat();
   void conclude(AbortCode refusal, std::uint64_t now_us);
-  void go_on(std::uint64_t now_us);
+  void advance(std::uint64_t now_us);
   void on_silence(std::uint64_t now_us);
   void begin(ObjectAddress address);
   void abort(AbortCode code);
@@ -170,8 +170,8 @@ class SdoServer {
   TransmitQueue& queue_;
   std::uint32_t position_ = 0;  // bytes uploaded in segments so far
   std::uint64_t deadline_us_ = 0;
-  bool waits_ = false;             // `request_`, for its object
-  std::uint64_t patience_us_ = 0;  // until when it waits
+  bool waits_ = false;                  // `request_` waits for its object
+  std::uint64_t busy_deadline_us_ = 0;  // until when it waits
   sdo::Data request_{};
   Block block_;
 };
