@@ -28,8 +28,8 @@ constexpr PdoConfiguration kRpdos[] = {
 };
 static_assert(std::size(kRpdos) == kFirstDriveRpdo);
 
-// The predefined connection set has four TPDOs a node. The next are those of node 2, which the robot does not
-// have.
+// The predefined connection set (CiA 301, 7.3.5) has four TPDOs for each node. TPDOs 4 to 6 take the
+// identifiers of node 2, which the robot has not.
 constexpr PdoConfiguration telemetry(std::size_t number,
                                      std::array<std::uint32_t, canopen::kMaxMappedObjects> objects) {
   return {.cob_id =
@@ -70,16 +70,16 @@ const canopen::NodeDescription kControllerNode{
     .sync_producer = true,
     .sync_period_us = drive::kCycle_us,
     .sync_by_owner = true,
-    // The behaviour state machine decides what a lost drive or bus means; until it has, the drives want SYNC.
+    // The behaviour state machine decides about a lost drive or bus; until then the drives need SYNC.
     .communication_error = canopen::CommunicationError::kNoChange,
-    // There are no parameters but those of kManufacturer, and no group has less than all of them.
+    // All parameters are of kManufacturer, and each of these groups covers all of them.
     .stored_groups = canopen::group_bit(canopen::ParameterGroup::kAll) |
                      canopen::group_bit(canopen::ParameterGroup::kApplication) |
                      canopen::group_bit(canopen::ParameterGroup::kManufacturer),
     .rows = kRows,
     .rpdos = kRpdos,
     .tpdos = kTpdos,
-    .watched_tpdos = kTelemetryTpdos,  // the drives are told of in each cycle
+    .watched_tpdos = kTelemetryTpdos,  // those of the drives are triggered in each cycle
 };
 
 canopen::PdoConfiguration drive_rpdo(std::size_t joint, std::uint8_t node_id) {

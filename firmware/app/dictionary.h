@@ -25,7 +25,7 @@ using behaviour::State;
 
 // Bits of object 0x1F80 (CiA 302-2).
 inline constexpr std::uint32_t kNmtMaster = 1u << 0;       // always set
-inline constexpr std::uint32_t kStartsTogether = 1u << 1;  // NMT start goes to all nodes, not to each of ours
+inline constexpr std::uint32_t kStartsTogether = 1u << 1;  // one NMT start for all nodes, not one for each
 inline constexpr std::uint32_t kNoSelfStart = 1u << 2;     // another master starts the controller
 inline constexpr std::uint32_t kNoSlaveStart = 1u << 3;    // another master starts drives and sensors
 inline constexpr std::uint32_t kNmtStartupBits = kNmtMaster | kStartsTogether | kNoSelfStart | kNoSlaveStart;
@@ -76,7 +76,7 @@ struct ControllerValues {
     std::uint16_t frames_lost = 0;
     std::uint16_t imu_overruns = 0;
     std::uint16_t receive_overruns = 0;
-    std::uint16_t gyro_calibrations = 0;  // seconds of rest that gave the gyro's bias; 0: it is not known
+    std::uint16_t gyro_calibrations = 0;  // seconds of rest that gave the gyro's bias; 0: unknown
     std::int16_t gyro_bias[3] = {};       // 2^-12 turn/s, axes of the trunk
     std::uint16_t falls = 0;              // since power-on; saturates, as the next
     std::uint16_t risen = 0;
@@ -100,8 +100,8 @@ inline constexpr std::uint8_t kRightZmpValid = 1 << 1;
 inline constexpr std::uint8_t kZmpValid = 1 << 2;
 inline constexpr std::uint8_t kFrameIsRight = 1 << 3;
 
-// RPDO 0 (identifier 0x201) carries commands, RPDO 1 (0x301) the velocity, RPDO 2 + i what joint i's drive
-// says; TPDO 0..6 telemetry, TPDO 7 + i what it is told.
+// RPDO 0 (identifier 0x201) carries commands, RPDO 1 (0x301) the velocity, RPDO 2 + i the answers of joint
+// i's drive; TPDO 0..6 carry telemetry, TPDO 7 + i controlword and target of joint i's drive.
 inline constexpr std::size_t kCommandRpdo = 0;
 inline constexpr std::size_t kVelocityRpdo = 1;
 inline constexpr std::size_t kFirstDriveRpdo = 2;
@@ -110,10 +110,11 @@ inline constexpr std::size_t kFirstDriveTpdo = kTelemetryTpdos;
 
 extern const canopen::NodeDescription kControllerNode;
 
+// The controller's PDOs of one joint's drive: its answers, and its commands.
 canopen::PdoConfiguration drive_rpdo(std::size_t joint, std::uint8_t node_id);
 canopen::PdoConfiguration drive_tpdo(std::size_t joint, std::uint8_t node_id);
-// Gives the controller's node the PDOs and the heartbeat consumers of the model's drives, as after each
-// reset. The node must have room for kMaxJoints of each.
+// Configures the PDOs and heartbeat consumers of the model's drives in the controller's node; needed after
+// each reset. The node must have room for kMaxJoints of each.
 void connect_drives(canopen::Node& node, const robot::RobotModel& model);
 
 }  // namespace koboshi::app

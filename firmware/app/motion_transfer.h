@@ -36,7 +36,7 @@ class MotionTransfer final : public canopen::Domain {
   storage::ItemStore& items_;
   const robot::RobotModel& model_;
   motion::MotionLibrary& motions_;
-  std::span<const std::byte> image_;  // of the upload
+  std::span<const std::byte> image_;  // of the selected motion; empty: there is none
   std::uint16_t number_ = 0;
   bool may_store_ = false;
   Activity activity_ = Activity::kNone;

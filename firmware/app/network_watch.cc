@@ -29,8 +29,8 @@ drive::Starting NetworkWatch::starting(std::uint32_t nmt_startup) const {
 
 behaviour::NetworkStatus NetworkWatch::update(bool boots, std::uint64_t now_us) {
   behaviour::NetworkStatus status;
-  // Out of operational no target reaches a drive any more. Only a boot may wait in pre-operational, until it
-  // has to start the drives.
+  // Outside operational no target reaches a drive. Only a boot may wait in pre-operational, until it has to
+  // start the drives.
   const bool waits = boots && !drives_.configured() && node_.state() == canopen::NmtState::kPreOperational;
   status.left = !operational() && !waits;
   status.sensors_starting = !operational() || now_us - started_us_ < kSensorStart_us;
@@ -43,8 +43,8 @@ behaviour::NetworkStatus NetworkWatch::update(bool boots, std::uint64_t now_us) 
 Reason NetworkWatch::watch_bus(std::uint64_t now_us) {
   can_status_ = can_.status();
   hal::CanStatus status = can_status_;
-  // A lone node becomes error passive and stays so: nobody acknowledges what it says. While the drives boot,
-  // that is no error.
+  // A lone node is error-passive, since nobody acknowledges its frames. While the drives boot, that is no
+  // error.
   const bool booting = now_us - started_us_ < kBusTimeout_us;
   if (booting && status.state == hal::CanErrorState::kErrorPassive)
     status.state = hal::CanErrorState::kErrorActive;
@@ -53,12 +53,12 @@ Reason NetworkWatch::watch_bus(std::uint64_t now_us) {
     can_.recover();
     return Reason::kBusOff;
   }
-  // With answers it is a bus that is disturbed and works, and the emergency message is enough.
+  // If drives answer, the bus is disturbed but works, and the emergency message is enough.
   const bool alone = status.state == hal::CanErrorState::kErrorPassive && !drives_.answering();
   return alone ? Reason::kNoAcknowledge : Reason::kNone;
 }
 
-// One frame may be a person's, with cansend.
+// Tolerates single frames, which a person may send with cansend.
 bool NetworkWatch::watch_impostors() {
   if (impostor_heard_) {
     impostors_ = fixed::add_saturated(impostors_, std::uint8_t{2});

@@ -9,28 +9,31 @@
 
 namespace koboshi::app {
 
-// Watches over the controller's place on the bus: its NMT state, the CAN controller's errors, and whether
-// another master speaks there.
+// Monitors the network: the controller's own NMT state, the errors of the CAN controller, and whether there
+// is another NMT master (CiA 302-2).
 class NetworkWatch {
  public:
-  // How long the controller listens for another master before it resets the network: three cycles of one.
+  // How long the controller listens for another master before it resets the network: three of its cycles.
   static constexpr std::uint64_t kListen_us = 30'000;
-  // Cycles in which a second master was heard count two, the others take one off: so many are no accident.
+  // Threshold for a second master: a cycle in which one is heard counts two, any other takes one off. A few
+  // frames that a person sends by hand stay below.
   static constexpr std::uint8_t kMaxImpostors = 10;
-  // How long a boot may last before each time-out of its own.
+  // Time-outs of a boot, from its begin: until another node acknowledges frames, and until the first samples
+  // of the sensors.
   static constexpr std::uint64_t kBusTimeout_us = 200'000;
-  static constexpr std::uint32_t kSensorStart_us = 500'000;  // until sensors speak first
+  static constexpr std::uint32_t kSensorStart_us = 500'000;
 
   // All must outlive the watch.
   NetworkWatch(hal::CanPort& can, canopen::Node& node, const drive::DriveGroup& drives)
       : can_(can), node_(node), drives_(drives) {}
 
-  // A boot begins. When it is to reset the drives: after a power-on, or when another master was there, not
-  // before it has listened for one.
+  // To be called when a boot begins. Returns when to reset the drives: at once; or after kListen_us, at
+  // power-on and after another master was heard.
   std::uint64_t begin_boot(std::uint64_t now_us);
-  // The node has become operational in a boot: its time-outs count from here.
+  // To be called when the node enters operational in a boot: restarts its time-outs.
   void on_operational(std::uint64_t now_us) { started_us_ = now_us; }
-  // Another node has sent what only the controller may. True: it listens still, and has to give way.
+  // To be called when another node sends a frame that only the controller may send. True while the controller
+  // still listens: it then must give way.
   [[nodiscard]] bool on_impostor();
 
   // How the drives are started now, as object 0x1F80 asks (CiA 302-2); and whether the controller starts the
@@ -40,10 +43,10 @@ class NetworkWatch {
     return starting == drive::Starting::kEach || starting == drive::Starting::kTogether;
   }
 
-  // Once a control cycle. `boots`: the behaviour is in a boot. Starts the recovery from bus-off.
+  // To be called once a control cycle. `boots`: the behaviour is in a boot. Starts the recovery from bus-off.
   behaviour::NetworkStatus update(bool boots, std::uint64_t now_us);
 
-  // What the CAN controller said of itself in the last cycle.
+  // The state of the CAN controller in the last cycle.
   const hal::CanStatus& can_status() const { return can_status_; }
   bool operational() const { return node_.state() == canopen::NmtState::kOperational; }
 
@@ -55,10 +58,10 @@ class NetworkWatch {
   canopen::Node& node_;
   const drive::DriveGroup& drives_;
   hal::CanStatus can_status_;
-  std::uint64_t started_us_ = 0;  // of the boot, or when the node became operational in it
-  bool listens_ = true;           // at the next boot: there may be another master
+  std::uint64_t started_us_ = 0;  // when the boot began, or the node entered operational in it
+  bool listens_ = true;           // the next boot listens for another master
   bool impostor_heard_ = false;   // in this cycle
-  std::uint8_t impostors_ = 0;
+  std::uint8_t impostors_ = 0;    // counts up to kMaxImpostors
 };
 
 }  // namespace koboshi::app

@@ -99,7 +99,7 @@ inline constexpr canopen::ValueName kTroubleNames[] = {
     canopen::value_name(drive::Trouble::kNotFollowing, "not following"),
 };
 
-// Those of firmware/app/telemetry_units.h, and of the drives.
+// Units of the objects: those of telemetry_units.h, of parameters and of the drives.
 inline constexpr canopen::Unit kAngleUnit{"deg", 360, 1 << 16};
 inline constexpr canopen::Unit kAngleBySpeedUnit{"deg s/m", 360, 1 << 16};
 inline constexpr canopen::Unit kRateUnit{"deg/s", 360, 1 << 12};
@@ -128,10 +128,10 @@ inline constexpr std::string_view kFootZmps[] = {"left x", "left y", "right x", 
 
 inline constexpr std::size_t kJoints = robot::kMaxJoints;
 inline constexpr int kMaxGain = 4096;  // one second, and one
-// No more than a robot of this size can be built to do; what this one does, the limits say.
+// Highest values of parameters: beyond what a robot of this size can do, so that a typing error is refused.
 inline constexpr int kMaxTrim = (10 << 16) / 360;      // 10 degrees
-inline constexpr int kMaxMounting = (30 << 16) / 360;  // a unit put in askew; another way up is another model
-inline constexpr int kMaxGyroBias = (40 << 24) / 360;  // 40 deg/s, twice that of an MPU-6050
+inline constexpr int kMaxMounting = (30 << 16) / 360;  // 30 degrees; other orientations belong to the model
+inline constexpr int kMaxGyroBias = (40 << 24) / 360;  // 40 deg/s, twice the zero-rate output of an MPU-6050
 inline constexpr std::string_view kFeedbackJoints[] = {"ankle pitch", "ankle roll", "hip roll", "knee",
                                                        "hip pitch"};
 inline constexpr std::string_view kMountingAngles[] = {"roll", "pitch", "yaw"};

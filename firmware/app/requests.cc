@@ -38,7 +38,7 @@ AbortCode Requests::write(canopen::ObjectAddress address, std::uint32_t value, s
     }
     case kRequestObject:
       if (address.subindex == kCommand)
-        return obey(static_cast<Command>(value), values_.request.argument, now_us);
+        return execute(static_cast<Command>(value), values_.request.argument, now_us);
       return AbortCode::kNone;
     default:
       return AbortCode::kNone;
@@ -46,8 +46,8 @@ AbortCode Requests::write(canopen::ObjectAddress address, std::uint32_t value, s
 }
 
 void Requests::take_command(std::uint64_t now_us) {
-  // Who asks by PDO finds the refusal in telemetry.
-  static_cast<void>(obey(values_.request.command, values_.request.argument, now_us));
+  // A client that commands by PDO finds the refusal in telemetry.
+  static_cast<void>(execute(values_.request.command, values_.request.argument, now_us));
 }
 
 void Requests::take_velocity() {
@@ -55,7 +55,7 @@ void Requests::take_velocity() {
   values_.velocity = behaviour_.velocity();
 }
 
-AbortCode Requests::obey(Command command, std::int16_t argument, std::uint64_t now_us) {
+AbortCode Requests::execute(Command command, std::int16_t argument, std::uint64_t now_us) {
   const Reason refusal = behaviour_.request(command, argument, estimator_.state(), drives_.status(), now_us);
   if (refusal == Reason::kUnknownCommand) return AbortCode::kInvalidValue;
   if (refusal != Reason::kNone) return AbortCode::kDeviceState;
@@ -86,7 +86,7 @@ AbortCode Requests::set_calibration(canopen::ObjectAddress address, std::int32_t
     set_trim(number, static_cast<std::int16_t>(value));
     return AbortCode::kNone;
   }
-  // They turn the attitude and what the gyro feedback makes of it.
+  // They would turn the estimated attitude under a feedback that is active.
   if (behaviour::kTorque.contains(behaviour_.state())) return AbortCode::kDeviceState;
   Calibration calibration = values_.calibration;
   if (address.index == kMountingObject) calibration.mounting[number] = static_cast<std::int16_t>(value);

@@ -11,8 +11,8 @@
 
 namespace koboshi::app {
 
-// What an operator asks by SDO and PDO: commands, velocities, and parameters that have an effect at once.
-// Each is judged and answered when it arrives.
+// Handles what operators request by SDO and PDO: commands, velocities, and parameters that take effect at
+// once. Each request is judged and answered when it arrives.
 class Requests {
  public:
   // All must outlive this object.
@@ -25,21 +25,23 @@ class Requests {
         estimator_(estimator),
         drives_(drives) {}
 
-  // An SDO client is about to write one of the controller's objects: what it is told.
+  // Judges a write to one of the controller's objects by an SDO client, and executes it: the answer to
+  // NodeApplication::on_write.
   canopen::AbortCode write(canopen::ObjectAddress address, std::uint32_t value, std::uint64_t now_us);
-  // A PDO has put command and argument, or the velocity, into the dictionary.
+  // To be called when a PDO has written command and argument, or the velocity, into the dictionary.
   void take_command(std::uint64_t now_us);
   void take_velocity();
 
   // Makes every parameter neutral, which has no effect before `apply_parameters`.
   void reset_parameters();
-  // All parameters have changed, as after a reset.
+  // Applies all parameters, after a reset.
   void apply_parameters();
-  // After a control cycle: a calibration of the gyro that has ended gives its result to the parameters.
+  // To be called after each cycle of the estimator: takes the result of a calibration of the gyro that has
+  // ended into the parameters.
   void end_calibration();
 
  private:
-  canopen::AbortCode obey(behaviour::Command command, std::int16_t argument, std::uint64_t now_us);
+  canopen::AbortCode execute(behaviour::Command command, std::int16_t argument, std::uint64_t now_us);
   canopen::AbortCode set_velocity(std::uint8_t subindex, std::int16_t value);
   void set_velocity_limit(std::uint8_t subindex, std::int16_t value);
   canopen::AbortCode set_calibration(canopen::ObjectAddress address, std::int32_t value);
@@ -48,7 +50,7 @@ class Requests {
 
   ControllerValues& values_;
   robot::RobotModel& model_;
-  const robot::Rotation R_BI_;  // the model's, without the mounting
+  const robot::Rotation R_BI_;  // of the model, without the mounting
   behaviour::Behaviour& behaviour_;
   estimation::Estimator& estimator_;
   const drive::DriveGroup& drives_;

@@ -8,23 +8,23 @@
 namespace koboshi::app {
 
 // NMT master of the sensors that are nodes of the bus: resets them together with the drives, and starts each
-// that has sent its boot-up message (CiA 302-2).
+// after its boot-up message (CiA 302-2).
 class SensorNodes {
  public:
-  // At most 32 nodes; beyond that, the rest is ignored. Both must outlive this object.
+  // Takes at most 32 nodes and ignores the rest. Both must outlive this object.
   SensorNodes(std::span<const std::uint8_t> node_ids, canopen::FrameSink& sink)
       : node_ids_(node_ids.first(node_ids.size() < kMax ? node_ids.size() : kMax)), sink_(sink) {}
 
-  // The resets are sent by the next calls of `process`.
+  // Resets all nodes, in the next calls of `process`.
   void reset() {
     to_reset_ = all();
     to_start_ = 0;
   }
-  // Sees every frame, to find the boot-up messages.
+  // Takes every frame from the bus, to find the boot-up messages.
   void on_frame(const hal::CanFrame& frame) {
     if (!node_ids_.empty()) note_boot_up(frame);
   }
-  // Sends what is due. Nodes that have booted wait for their start until `may_start`.
+  // Sends the messages that are due. Nodes that have booted are started once `may_start` is true.
   void process(bool may_start) {
     if (to_reset_ != 0) send(canopen::NmtCommand::kResetNode, to_reset_);
     if (to_start_ != 0 && may_start) send(canopen::NmtCommand::kStart, to_start_);
@@ -39,8 +39,8 @@ class SensorNodes {
 
   std::span<const std::uint8_t> node_ids_;
   canopen::FrameSink& sink_;
-  std::uint32_t to_reset_ = 0;  // bit i: node i is to be sent the command
-  std::uint32_t to_start_ = 0;
+  std::uint32_t to_reset_ = 0;  // bit i: node i is to be reset
+  std::uint32_t to_start_ = 0;  // bit i: node i is to be started
 };
 
 }  // namespace koboshi::app

@@ -6,7 +6,7 @@
 
 namespace koboshi::app {
 
-// What the stages of a control cycle have found out, written into the object dictionary in its units.
+// Write the results of the stages of a control cycle into the object dictionary, in its units.
 void show(const estimation::RobotState& robot, ControllerValues& values);
 void show(const estimation::Estimator& estimator, ControllerValues& values);
 void show(const behaviour::Behaviour& behaviour, ControllerValues& values);

@@ -9,7 +9,7 @@
 
 namespace koboshi::app {
 
-// Quantities as the object dictionary shows them, in 16 bits: rounded, and saturated at the ends.
+// Convert quantities to the 16 bits of the object dictionary: rounded, and saturated.
 
 constexpr std::int16_t narrow_raw(std::int32_t raw, int shift) {
   return fixed::saturate<std::int16_t>(fixed::shift_rounded(raw, shift));
@@ -19,7 +19,7 @@ constexpr std::int16_t narrow(fixed::AngularRate rate) { return narrow_raw(rate.
 constexpr std::int16_t narrow(fixed::Acceleration a) { return narrow_raw(a.raw(), 12); }       // 2^-8 m/s^2
 constexpr std::int16_t narrow(fixed::Length length) { return narrow_raw(length.raw(), 9); }    // 2^-15 m
 
-// The three components of a vector, into an array of the dictionary.
+// Converts the three components of a vector.
 template <typename Q>
 constexpr void narrow(const robot::Vector<Q>& vector, std::int16_t (&shown)[3]) {
   shown[0] = narrow(vector.x);

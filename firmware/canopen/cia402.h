@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-// The words of the drive profile CiA 402-2 that both ends of the bus must read alike: the power drive
-// system's states, how a statusword codes them, and what a controlword asks for. The state machine itself
-// lives in the drive, its use in the controller.
+// The terms of the drive profile CiA 402-2 that controller and drives share: objects, the states of the power
+// drive system and their coding in the statusword, and the commands of the controlword. The state machine
+// itself is part of the drive.
 namespace koboshi::canopen::cia402 {
 
 // Objects, CiA 402-2.
@@ -59,14 +59,15 @@ inline constexpr std::uint32_t kDeviceType = 0x0002'0192;  // 0x1000: servo driv
 inline constexpr int kPositionUnitBits = 20;
 
 // Option codes 0x605A to 0x605E.
-inline constexpr std::int16_t kDisableDrive = 0;         // at once: the motor runs out
+inline constexpr std::int16_t kDisableDrive = 0;         // at once: the motor coasts
 inline constexpr std::int16_t kStopOnSlowDownRamp = 1;   // 0x6084
 inline constexpr std::int16_t kStopOnQuickStopRamp = 2;  // 0x6085
-// Of a quick stop, 0x605A, besides: as hard as the current limit and the voltage let it; and codes 5 to 8 are
-// 1 to 4 after which quick stop active lasts until the controller leaves it (transitions 12 and 16).
+// Quick stop, 0x605A, only: deceleration at the current limit or the voltage limit. Codes 5 to 8 are codes 1
+// to 4 after which the drive stays in quick stop active until the controller leaves it (transitions 12 and
+// 16).
 inline constexpr std::int16_t kStopAtCurrentLimit = 3;
 inline constexpr std::int16_t kStopAtVoltageLimit = 4;
-inline constexpr std::int16_t kStayInQuickStop = 4;  // to be added
+inline constexpr std::int16_t kStayInQuickStop = 4;  // added to codes 1 to 4
 
 constexpr bool stays_in_quick_stop(std::int16_t option) { return option > kStayInQuickStop; }
 
@@ -95,7 +96,7 @@ enum class State : std::uint8_t {
 inline constexpr std::uint16_t kVoltageEnabled = 1u << 4;
 inline constexpr std::uint16_t kRemote = 1u << 9;
 inline constexpr std::uint16_t kTargetReached = 1u << 10;        // profile position mode
-inline constexpr std::uint16_t kInternalLimit = 1u << 11;        // the drive holds back
+inline constexpr std::uint16_t kInternalLimit = 1u << 11;        // an internal limit is active
 inline constexpr std::uint16_t kFollowsCommand = 1u << 12;       // cyclic synchronous modes
 inline constexpr std::uint16_t kSetPointAcknowledge = 1u << 12;  // profile position mode
 inline constexpr std::uint16_t kHomingAttained = 1u << 12;       // homing mode
@@ -111,7 +112,7 @@ constexpr std::uint16_t statusword_of(State state) {
 
 constexpr bool is_operation_enabled(std::uint16_t statusword) { return (statusword & 0x6F) == 0x27; }
 
-// Of a drive in a cyclic synchronous mode: in operation enabled, and its target is what it follows. Bit 12 is
+// Whether a drive in a cyclic synchronous mode is in operation enabled and follows its target. Bit 12 is
 // clear in every other state, and once the drive has left the mode.
 constexpr bool follows_command(std::uint16_t statusword) {
   return is_operation_enabled(statusword) && (statusword & kFollowsCommand) != 0;
@@ -142,8 +143,7 @@ constexpr State state_of(std::uint16_t statusword) {
   }
 }
 
-// What a controlword asks for (CiA 402-2, table 27). Fault reset is the rising edge of kFaultReset and stands
-// beside these.
+// The commands of a controlword (CiA 402-2, table 27), besides fault reset, the rising edge of kFaultReset.
 enum class Command : std::uint8_t { kShutdown, kSwitchOn, kDisableVoltage, kQuickStop, kEnableOperation };
 
 inline constexpr std::uint16_t kFaultReset = 0x80;
@@ -160,7 +160,7 @@ inline constexpr std::uint16_t kRelative = 1u << 6;
 inline constexpr std::uint16_t kHalt = 1u << 8;
 inline constexpr std::uint16_t kStartHoming = 1u << 4;  // of homing mode: its rising edge
 
-// Homing methods: the present position is home, without a motion. 35 is the older number of the same.
+// Homing methods: the present position becomes home, without a motion. 35 is the older number of 37.
 inline constexpr std::int8_t kHomeOnPositionOld = 35;
 inline constexpr std::int8_t kHomeOnPosition = 37;
 
