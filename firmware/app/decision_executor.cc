@@ -34,7 +34,7 @@ void DecisionExecutor::boot(std::uint64_t now_us) {
 void DecisionExecutor::report(const behaviour::FaultReport& fault) {
   node_.raise_error(kErrorBehaviour, canopen::error_register::kManufacturer,
                     {static_cast<std::uint8_t>(fault.state), static_cast<std::uint8_t>(fault.reason),
-                     static_cast<std::uint8_t>(fault.trouble.kind), fault.trouble.joint, 0});
+                     static_cast<std::uint8_t>(fault.drive_fault.kind), fault.drive_fault.joint, 0});
 }
 
 }  // namespace koboshi::app

@@ -11,7 +11,7 @@
 #include "firmware/behaviour/state.h"
 #include "firmware/canopen/node.h"
 #include "firmware/drive/signals.h"
-#include "firmware/drive/trouble.h"
+#include "firmware/drive/fault.h"
 #include "firmware/robot/model.h"
 #include "firmware/walk/gait.h"
 #include "firmware/walk/velocity.h"
@@ -43,9 +43,9 @@ struct ControllerValues {
     State state = State::kBoot;
     Reason reason = Reason::kNone;
     std::uint8_t motion = 0;  // number of the motion being played or played last
-    drive::Trouble trouble = drive::Trouble::kNone;
-    std::uint8_t trouble_joint = 0;
-    std::uint16_t trouble_code = 0;
+    drive::DriveFault drive_fault = drive::DriveFault::kNone;
+    std::uint8_t faulty_joint = 0;
+    std::uint16_t drive_error_code = 0;
     std::uint16_t faults = 0;        // since power-on; saturates
     Reason refusal = Reason::kNone;  // of the last command; kNone when it was obeyed
     std::uint8_t attempts = 0;       // to get up since the robot stood last

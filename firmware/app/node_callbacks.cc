@@ -98,7 +98,7 @@ void NodeCallbacks::on_heartbeat(const canopen::HeartbeatEvent& event) {
 void NodeCallbacks::on_impostor(std::uint16_t) {
   if (!parts_.network.on_impostor()) return;
   parts_.drives.give_up();
-  parts_.behaviour.fail(behaviour::Reason::kSecondMaster, parts_.drives.trouble(), now_us_);
+  parts_.behaviour.fail(behaviour::Reason::kSecondMaster, parts_.drives.fault(), now_us_);
   execute_decision();
   parts_.node.mute(true);
 }

@@ -58,7 +58,7 @@ inline constexpr canopen::ValueName kReasonNames[] = {
     canopen::value_name(Reason::kCaughtItself, "caught itself"),
     canopen::value_name(Reason::kOnSeat, "on seat"),
     canopen::value_name(Reason::kModelInvalid, "model invalid"),
-    canopen::value_name(Reason::kDriveTrouble, "drive trouble"),
+    canopen::value_name(Reason::kDriveFault, "drive fault"),
     canopen::value_name(Reason::kImuSilent, "IMU silent"),
     canopen::value_name(Reason::kAnkleSilent, "ankle sensor silent"),
     canopen::value_name(Reason::kBusOff, "bus-off"),
@@ -86,17 +86,17 @@ inline constexpr canopen::ValueName kFactoryStatusNames[] = {
     canopen::value_name(FactoryStatus::kRefused, "refused"),
 };
 
-inline constexpr canopen::ValueName kTroubleNames[] = {
-    canopen::value_name(drive::Trouble::kNone, "none"),
-    canopen::value_name(drive::Trouble::kSilent, "silent"),
-    canopen::value_name(drive::Trouble::kNoAnswer, "no answer"),
-    canopen::value_name(drive::Trouble::kRefused, "refused"),
-    canopen::value_name(drive::Trouble::kWrongIdentity, "wrong identity"),
-    canopen::value_name(drive::Trouble::kLost, "lost"),
-    canopen::value_name(drive::Trouble::kRestarted, "restarted"),
-    canopen::value_name(drive::Trouble::kFault, "fault"),
-    canopen::value_name(drive::Trouble::kNotEnabled, "not enabled"),
-    canopen::value_name(drive::Trouble::kNotFollowing, "not following"),
+inline constexpr canopen::ValueName kDriveFaultNames[] = {
+    canopen::value_name(drive::DriveFault::kNone, "none"),
+    canopen::value_name(drive::DriveFault::kSilent, "silent"),
+    canopen::value_name(drive::DriveFault::kNoAnswer, "no answer"),
+    canopen::value_name(drive::DriveFault::kRefused, "refused"),
+    canopen::value_name(drive::DriveFault::kWrongIdentity, "wrong identity"),
+    canopen::value_name(drive::DriveFault::kLost, "lost"),
+    canopen::value_name(drive::DriveFault::kRestarted, "restarted"),
+    canopen::value_name(drive::DriveFault::kFault, "fault"),
+    canopen::value_name(drive::DriveFault::kNotEnabled, "not enabled"),
+    canopen::value_name(drive::DriveFault::kNotFollowing, "not following"),
 };
 
 // Units of the objects: those of telemetry_units.h, of parameters and of the drives.

@@ -34,9 +34,9 @@ void show(const behaviour::Behaviour& behaviour, ControllerValues& values) {
   values.behaviour = {.state = status.state,
                       .reason = status.reason,
                       .motion = status.motion,
-                      .trouble = status.trouble.kind,
-                      .trouble_joint = status.trouble.joint,
-                      .trouble_code = status.trouble.error_code,
+                      .drive_fault = status.drive_fault.kind,
+                      .faulty_joint = status.drive_fault.joint,
+                      .drive_error_code = status.drive_fault.error_code,
                       .faults = status.faults,
                       .refusal = status.refusal,
                       .attempts = status.attempts};

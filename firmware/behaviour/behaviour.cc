@@ -33,7 +33,7 @@ const Decision& Behaviour::step(const estimation::RobotState& robot, const drive
                                 const NetworkStatus& network, std::uint64_t now_us) {
   const Cycle cycle{robot, drives, now_us};
   up_B_ = robot.up_B;
-  watch_for_trouble(cycle, network);
+  watch_for_faults(cycle, network);
   watch_battery(drives);
   watch_for_falls(cycle);
   run_state(cycle);
@@ -52,10 +52,10 @@ void Behaviour::restart(bool forget, std::uint64_t now_us) {
 
 // --- What leads out of a state whatever it is
 
-void Behaviour::watch_for_trouble(const Cycle& cycle, const NetworkStatus& network) {
-  const auto report = [&](Reason reason) { fail(reason, cycle.drives.trouble, cycle.now_us); };
+void Behaviour::watch_for_faults(const Cycle& cycle, const NetworkStatus& network) {
+  const auto report = [&](Reason reason) { fail(reason, cycle.drives.fault, cycle.now_us); };
   if (network.left) report(Reason::kNotOperational);
-  if (cycle.drives.trouble) report(Reason::kDriveTrouble);
+  if (cycle.drives.fault) report(Reason::kDriveFault);
   if (network.bus != Reason::kNone) report(network.bus);
   if (status_.state == State::kBoot && network.sensors_starting) return;
   const Reason silent = silent_sensor(cycle.robot);
@@ -78,12 +78,12 @@ void Behaviour::watch_for_falls(const Cycle& cycle) {
   if (direction != FallDirection::kNone) begin_falling(direction, cycle);
 }
 
-void Behaviour::fail(Reason reason, const drive::JointTrouble& trouble, std::uint64_t now_us) {
-  const auto next = next_state(status_.state, Event::kTrouble);
+void Behaviour::fail(Reason reason, const drive::JointFault& drive_fault, std::uint64_t now_us) {
+  const auto next = next_state(status_.state, Event::kFailure);
   if (!next) return;
-  status_.trouble = trouble;
+  status_.drive_fault = drive_fault;
   status_.faults = fixed::add_saturated(status_.faults, std::uint16_t{1});
-  decision_.fault = FaultReport{status_.state, reason, trouble};
+  decision_.fault = FaultReport{status_.state, reason, drive_fault};
   enter(*next, reason, now_us);
 }
 
@@ -100,7 +100,7 @@ void Behaviour::enter(State state, Reason reason, std::uint64_t now_us) {
   if (state != State::kFault) decision_.drive_enable = kTorque.contains(state);
   switch (state) {
     case State::kBoot:
-      status_.trouble.kind = drive::Trouble::kNone;
+      status_.drive_fault.kind = drive::DriveFault::kNone;
       decision_.fault.reset();
       stop_moving();
       ++decision_.boots;
@@ -213,7 +213,7 @@ void Behaviour::run_state(const Cycle& cycle) {
 }
 
 void Behaviour::run_boot(const Cycle& cycle) {
-  if (!model_valid_) return fail(Reason::kModelInvalid, cycle.drives.trouble, cycle.now_us);
+  if (!model_valid_) return fail(Reason::kModelInvalid, cycle.drives.fault, cycle.now_us);
   if (!cycle.drives.booted || silent_sensor(cycle.robot) != Reason::kNone) return;
   follow_actual(cycle.drives);
   handle(Event::kReady, Reason::kProgress, cycle);

@@ -36,7 +36,7 @@ struct Status {
   Reason refusal = Reason::kNone;  // of the last command; kNone when it was obeyed
   std::uint8_t motion = 0;         // number of the motion being played or played last
   std::uint8_t attempts = 0;       // to get up since the robot stood last
-  drive::JointTrouble trouble;     // behind the last fault, where a drive had one
+  drive::JointFault drive_fault;   // of the last fault, if a drive caused it
   // Since power-on; they saturate.
   std::uint16_t faults = 0;
   std::uint16_t falls = 0;
@@ -47,7 +47,7 @@ struct Status {
 struct FaultReport {
   State state = State::kBoot;
   Reason reason = Reason::kNone;
-  drive::JointTrouble trouble;
+  drive::JointFault drive_fault;
 };
 
 // What is to be done about it. The controller carries it out at once, after each call that may change it.
@@ -90,8 +90,8 @@ class Behaviour {
   void set_velocity(const walk::Velocity& velocity) { velocity_ = velocity; }
   // What was obeyed turned out to be impossible.
   void refuse(Reason reason) { status_.refusal = reason; }
-  // Trouble that the controller has found between two cycles.
-  void fail(Reason reason, const drive::JointTrouble& trouble, std::uint64_t now_us);
+  // A fault that the controller has found between two cycles; `drive_fault`: the drives' first, if any.
+  void fail(Reason reason, const drive::JointFault& drive_fault, std::uint64_t now_us);
   // A boot, whatever the state was. `forget`: as at power-on, with nothing counted and no velocity.
   void restart(bool forget, std::uint64_t now_us);
 
@@ -119,7 +119,7 @@ class Behaviour {
   Reason stop();
 
   // What leads out of a state whatever it is (behaviour.cc).
-  void watch_for_trouble(const Cycle& cycle, const NetworkStatus& network);
+  void watch_for_faults(const Cycle& cycle, const NetworkStatus& network);
   void watch_battery(const drive::DriveStatus& drives);
   bool battery_low() const { return low_readings_ >= kLowReadings; }
   void watch_for_falls(const Cycle& cycle);

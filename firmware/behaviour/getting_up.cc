@@ -72,7 +72,7 @@ void Behaviour::run_fallen(const Cycle& cycle) {
   if (!stillness_.update(cycle.robot.rates_B) && cycle.now_us - entered_us_ < kLongestSettling_us) return;
   std::uint8_t& attempts = status_.attempts;
   if (attempts >= parameters_.recovery.getting_up.attempts)
-    return fail(Reason::kCannotGetUp, cycle.drives.trouble, cycle.now_us);
+    return fail(Reason::kCannotGetUp, cycle.drives.fault, cycle.now_us);
   ++attempts;
   has_rolled_ = false;
   handle(Event::kStill, Reason::kProgress, cycle);
@@ -99,7 +99,7 @@ void Behaviour::run_righting(const Cycle& cycle) {
 }
 
 void Behaviour::rise(Role role, Reason lying, const Cycle& cycle) {
-  if (!begin_role(role)) return fail(Reason::kCannotGetUp, cycle.drives.trouble, cycle.now_us);
+  if (!begin_role(role)) return fail(Reason::kCannotGetUp, cycle.drives.fault, cycle.now_us);
   handle(Event::kLiesFlat, lying, cycle);
 }
 
@@ -123,7 +123,7 @@ fixed::Angle Behaviour::thigh_pitch(const Cycle& cycle) const {
 void Behaviour::turn_from_side(Role roll, Reason side, const Cycle& cycle) {
   if (has_rolled_) return handle(Event::kElsewhere, Reason::kBodyElsewhere, cycle);
   has_rolled_ = true;
-  if (!begin_role(roll)) return fail(Reason::kCannotGetUp, cycle.drives.trouble, cycle.now_us);
+  if (!begin_role(roll)) return fail(Reason::kCannotGetUp, cycle.drives.fault, cycle.now_us);
   handle(Event::kLiesAside, side, cycle);
 }
 

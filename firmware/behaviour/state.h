@@ -46,7 +46,7 @@ enum class Event : std::uint8_t {
   kLiesAside,  // on a side
   kUpright,    // does not lie at all
   kElsewhere,  // the body is not where it should be by now
-  kTrouble,    // a drive, a sensor or the bus failed
+  kFailure,    // a drive, a sensor or the bus failed
 };
 
 // Why the state is what it is, or why the last command was refused. The values stand in telemetry.
@@ -65,9 +65,9 @@ enum class Reason : std::uint8_t {
   kHeldUpright = 10,
   kCaughtItself = 11,  // it came to rest on its feet after all
   kOnSeat = 12,        // one more of how it lies
-  // Troubles that lead to kFault.
+  // Faults: they lead to State::kFault.
   kModelInvalid = 16,  // no valid RobotModel in storage
-  kDriveTrouble = 17,  // see the trouble's kind, joint and error code beside it
+  kDriveFault = 17,  // its kind, joint and error code stand beside it
   kImuSilent = 18,
   kAnkleSilent = 19,
   kBusOff = 20,
@@ -154,7 +154,7 @@ inline constexpr Rule kRules[] = {
     {States{State::kRighting, State::kRolling, State::kRising, State::kSteadying}, Event::kElsewhere,
      State::kFallen},
     {kTorque | States{State::kFallen}, Event::kLimp, State::kLimp},
-    {~kLatched, Event::kTrouble, State::kFault},
+    {~kLatched, Event::kFailure, State::kFault},
     {~States{State::kEmergencyStop}, Event::kEmergencyStop, State::kEmergencyStop},
     {kLatched, Event::kReset, State::kBoot},
 };

@@ -108,7 +108,7 @@ void Configuration::begin(const robot::Joint& joint) {
   client_.reset();
   joint_ = &joint;
   state_ = State::kBusy;
-  trouble_ = Trouble::kNone;
+  fault_ = DriveFault::kNone;
   number_ = 0;
   attempt_ = 0;
   requested_ = false;
@@ -135,16 +135,16 @@ void Configuration::finish_step() {
       return;
     case canopen::SdoState::kTimedOut:
       requested_ = false;
-      if (++attempt_ == kAttempts) fail(Trouble::kNoAnswer);
+      if (++attempt_ == kAttempts) fail(DriveFault::kNoAnswer);
       return;
     case canopen::SdoState::kAborted:
-      return fail(Trouble::kRefused);
+      return fail(DriveFault::kRefused);
     case canopen::SdoState::kDone:
       break;
   }
   const Step& done = kSteps[number_];
   if (done.purpose == Step::Purpose::kExpect && client_.value() != value_of(done)) {
-    return fail(Trouble::kWrongIdentity);
+    return fail(DriveFault::kWrongIdentity);
   }
   if (done.purpose == Step::Purpose::kSupply) supply_mV_ = client_.value();
   requested_ = false;
@@ -152,9 +152,9 @@ void Configuration::finish_step() {
   if (++number_ == std::size(kSteps)) state_ = State::kDone;
 }
 
-void Configuration::fail(Trouble trouble) {
+void Configuration::fail(DriveFault fault) {
   state_ = State::kFailed;
-  trouble_ = trouble;
+  fault_ = fault;
 }
 
 }  // namespace koboshi::drive

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "firmware/canopen/sdo/client.h"
-#include "firmware/drive/trouble.h"
+#include "firmware/drive/fault.h"
 #include "firmware/robot/model.h"
 
 namespace koboshi::drive {
@@ -37,7 +37,7 @@ class Configuration {
   void process(std::uint64_t now_us);
 
   State state() const { return state_; }
-  Trouble trouble() const { return trouble_; }
+  DriveFault fault() const { return fault_; }
   // The drive's supply in mV (0x6079), once done.
   std::uint32_t supply_mV() const { return supply_mV_; }
 
@@ -47,12 +47,12 @@ class Configuration {
   std::uint32_t value_of(const Step& step) const;
   bool begin_step(std::uint64_t now_us);
   void finish_step();
-  void fail(Trouble trouble);
+  void fail(DriveFault fault);
 
   canopen::SdoClient& client_;
   const robot::Joint* joint_ = nullptr;
   State state_ = State::kIdle;
-  Trouble trouble_ = Trouble::kNone;
+  DriveFault fault_ = DriveFault::kNone;
   std::size_t number_ = 0;
   int attempt_ = 0;
   bool requested_ = false;

@@ -45,7 +45,7 @@ void DriveGroup::boot(std::uint64_t reset_us) {
   answered_ = 0;
   missed_ = {};
   enabled_ = false;
-  trouble_ = {};
+  fault_ = {};
   error_code_ = {};
   signals_ = {};
 }
@@ -61,7 +61,7 @@ void DriveGroup::on_heartbeat(const canopen::HeartbeatEvent& event) {
   if (phase_ == Phase::kIdle || !find(event.node_id, joint)) return;
   if (event.kind == canopen::HeartbeatEventKind::kBootedUp) on_boot_up(joint);
   if (event.kind == canopen::HeartbeatEventKind::kLost && phase_ > Phase::kWaiting)
-    report(Trouble::kLost, joint);
+    report(DriveFault::kLost, joint);
 }
 
 // The message of a boot just before the reset (power came back, or another master reset the drive) may arrive
@@ -74,7 +74,7 @@ void DriveGroup::on_boot_up(std::size_t joint) {
     return;
   }
   const bool unconfigured = phase_ == Phase::kConfiguring && joint >= configured_;
-  if (!unconfigured || (repeated_ & bit) != 0) return report(Trouble::kRestarted, joint);
+  if (!unconfigured || (repeated_ & bit) != 0) return report(DriveFault::kRestarted, joint);
   repeated_ |= bit;
   if (joint == configured_) configuration_.begin(model_.joints[joint]);
 }
@@ -87,7 +87,7 @@ void DriveGroup::on_emergency(const canopen::Emergency& emergency) {
   const bool ended = emergency.code == canopen::error_code::kNoError;
   // The end of one error while the register still shows another tells nothing of the other.
   if (!ended || emergency.error_register == 0) error_code_[joint] = emergency.code;
-  if (!ended && !is_warning(emergency)) report(Trouble::kFault, joint, emergency.code);
+  if (!ended && !is_warning(emergency)) report(DriveFault::kFault, joint, emergency.code);
 }
 
 void DriveGroup::process(std::uint64_t now_us, Starting starting) {
@@ -126,7 +126,7 @@ void DriveGroup::await_boot_ups(std::uint64_t now_us) {
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     if ((present_ >> joint & 1u) != 0) continue;
     if (now_us < boot_deadline_us_) return;
-    report(Trouble::kSilent, joint);
+    report(DriveFault::kSilent, joint);
     phase_ = Phase::kFailed;
     return;
   }
@@ -137,7 +137,7 @@ void DriveGroup::await_boot_ups(std::uint64_t now_us) {
 void DriveGroup::configure(std::uint64_t now_us) {
   configuration_.process(now_us);
   if (configuration_.state() == Configuration::State::kFailed) {
-    report(configuration_.trouble(), configured_);
+    report(configuration_.fault(), configured_);
     phase_ = Phase::kFailed;
   }
   if (configuration_.state() != Configuration::State::kDone) return;
@@ -194,7 +194,7 @@ void DriveGroup::count_missed() {
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     const bool answered = (answered_ >> joint & 1u) != 0;
     missed_[joint] = answered ? std::uint8_t{0} : fixed::add_saturated(missed_[joint], std::uint8_t{1});
-    if (missed_[joint] >= kMissedAnswers) report(Trouble::kLost, joint);
+    if (missed_[joint] >= kMissedAnswers) report(DriveFault::kLost, joint);
   }
 }
 
@@ -208,11 +208,11 @@ void DriveGroup::watch_states(std::uint64_t now_us) {
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     const State now = state(joint);
     if (now == State::kFault || now == State::kFaultReactionActive)
-      report(Trouble::kFault, joint, error_code_[joint]);
+      report(DriveFault::kFault, joint, error_code_[joint]);
     if (!due) continue;
     const bool led = waiting ? switched_on(joint) : now == State::kOperationEnabled;
-    if (!led) report(Trouble::kNotEnabled, joint);
-    if (led && !waiting && !cia402::follows_command(words[joint])) report(Trouble::kNotFollowing, joint);
+    if (!led) report(DriveFault::kNotEnabled, joint);
+    if (led && !waiting && !cia402::follows_command(words[joint])) report(DriveFault::kNotFollowing, joint);
   }
   enabled_ = enabled_ || (goal_ == Goal::kEnabled && all_follow);
 }
@@ -262,7 +262,7 @@ DriveStatus DriveGroup::status() const {
                      .disabled = all_in(State::kSwitchOnDisabled),
                      .enabled = enabled_,
                      .limp = all_limp(),
-                     .trouble = trouble_,
+                     .fault = fault_,
                      .supply_mV = supply_mV_,
                      .new_supply_mV = new_supply_mV_};
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
@@ -316,10 +316,10 @@ bool DriveGroup::find(std::uint8_t node_id, std::size_t& joint) const {
   return false;
 }
 
-void DriveGroup::report(Trouble kind, std::size_t joint, std::uint16_t error_code) {
+void DriveGroup::report(DriveFault kind, std::size_t joint, std::uint16_t error_code) {
   // The first is the cause; what follows is mostly its consequence.
-  if (trouble_) return;
-  trouble_ = {.kind = kind, .joint = static_cast<std::uint8_t>(joint), .error_code = error_code};
+  if (fault_) return;
+  fault_ = {.kind = kind, .joint = static_cast<std::uint8_t>(joint), .error_code = error_code};
 }
 
 }  // namespace koboshi::drive

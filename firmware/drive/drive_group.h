@@ -12,7 +12,7 @@
 #include "firmware/drive/configuration.h"
 #include "firmware/drive/signals.h"
 #include "firmware/drive/status.h"
-#include "firmware/drive/trouble.h"
+#include "firmware/drive/fault.h"
 #include "firmware/fixed/contract.h"
 #include "firmware/fixed/literals.h"
 #include "firmware/robot/model.h"
@@ -51,7 +51,7 @@ class DriveGroup {
   DriveGroup(const robot::RobotModel& model, canopen::FrameSink& sink, DriveSignals& signals);
 
   // Resets the drives at this time, each by a message of its own, which takes them out of any fault, and
-  // boots them; forgets every trouble. What a drive said before its boot-up message counts no more.
+  // boots them; forgets every fault. What a drive said before its boot-up message counts no more.
   void boot(std::uint64_t reset_us = 0);
   // Nothing more is sent to them before the next boot.
   void give_up() { phase_ = Phase::kFailed; }
@@ -94,8 +94,8 @@ class DriveGroup {
   bool answering() const { return answering_; }
   // The goal kEnabled is reached: every drive has been in operation enabled and followed its targets.
   bool enabled() const { return enabled_; }
-  // The first trouble since the last boot.
-  const JointTrouble& trouble() const { return trouble_; }
+  // The first fault since the last boot.
+  const JointFault& fault() const { return fault_; }
 
  private:
   enum class Phase : std::uint8_t { kIdle, kResetting, kWaiting, kConfiguring, kStarting, kBooted, kFailed };
@@ -113,7 +113,7 @@ class DriveGroup {
   void on_boot_up(std::size_t joint);
   void start(Starting starting);
   bool find(std::uint8_t node_id, std::size_t& joint) const;
-  void report(Trouble trouble, std::size_t joint, std::uint16_t error_code = 0);
+  void report(DriveFault fault, std::size_t joint, std::uint16_t error_code = 0);
   void await_boot_ups(std::uint64_t now_us);
   void configure(std::uint64_t now_us);
   void read_supply(std::uint64_t now_us);
@@ -142,7 +142,7 @@ class DriveGroup {
   std::array<std::uint8_t, robot::kMaxJoints> missed_{};  // cycles since its last answer
   bool told_enabled_ = false;  // the controlwords are those of the goal kEnabled, reached
   bool enabled_ = false;       // the goal kEnabled was reached
-  JointTrouble trouble_;
+  JointFault fault_;
   std::array<std::uint32_t, robot::kMaxJoints> supply_mV_{};
   std::optional<std::uint32_t> told_supply_mV_;  // since the last cycle
   std::optional<std::uint32_t> new_supply_mV_;   // in the last cycle

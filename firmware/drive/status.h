@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "firmware/drive/trouble.h"
+#include "firmware/drive/fault.h"
 #include "firmware/robot/model.h"
 
 namespace koboshi::drive {
@@ -16,7 +16,7 @@ struct DriveStatus {
   bool disabled = false;    // each is in the state switch on disabled
   bool enabled = false;     // each follows its targets, since the goal kEnabled was set
   bool limp = false;        // none makes torque
-  JointTrouble trouble;     // the first since the boot
+  JointFault fault;         // the first since the boot
   std::array<fixed::Angle, robot::kMaxJoints> angles{};  // where the joints are; meaningful once booted
   // Bit i: joint i's encoder stands outside the joint's limits by more than DriveGroup::kEncoderMargin.
   std::uint32_t beyond_limits = 0;

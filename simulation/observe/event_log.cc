@@ -348,10 +348,10 @@ std::string EventLog::node_name(std::uint8_t node) const {
 }
 
 std::string EventLog::reason_text(const Telemetry& said) const {
-  if (said.reason != behaviour::Reason::kDriveTrouble) return name_of(said.reason);
-  const std::string trouble(canopen::name_of(app::kTroubleNames, static_cast<std::int64_t>(said.trouble)));
-  const bool known = said.trouble_joint < model_.joint_names.size();
-  return (known ? model_.joint_names[said.trouble_joint] + " " : "drive ") + trouble;
+  if (said.reason != behaviour::Reason::kDriveFault) return name_of(said.reason);
+  const std::string fault(canopen::name_of(app::kDriveFaultNames, static_cast<std::int64_t>(said.drive_fault)));
+  const bool known = said.faulty_joint < model_.joint_names.size();
+  return (known ? model_.joint_names[said.faulty_joint] + " " : "drive ") + fault;
 }
 
 std::string events_text(std::span<const sim::RunEvent> events) {

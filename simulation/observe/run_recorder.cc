@@ -47,7 +47,7 @@ std::vector<sim::TraceColumn> RunRecorder::columns(const sim::RobotDescription& 
                                         {"reason", "", kInteger},
                                         {"state_name", "", kInteger, app::kStateNames},
                                         {"reason_name", "", kInteger, app::kReasonNames},
-                                        {"trouble", "", kInteger},
+                                        {"drive_fault", "", kInteger},
                                         {"emergencies", "", kInteger},
                                         {"drive_enable", "", kInteger},
                                         {"imu_roll", "rad"},
@@ -160,7 +160,7 @@ void RunRecorder::write_row() {
   row_.clear();
   const auto state = static_cast<std::uint8_t>(said.state);
   const auto reason = static_cast<std::uint8_t>(said.reason);
-  row_.insert(row_.end(), {state, reason, state, reason, static_cast<std::uint8_t>(said.trouble),
+  row_.insert(row_.end(), {state, reason, state, reason, static_cast<std::uint8_t>(said.drive_fault),
                            said.emergencies, simulation_.board().drive_enable_line() ? 1 : 0});
   row_.insert(row_.end(), {said.roll_rad, said.pitch_rad});
   row_.insert(row_.end(), said.rate_rad_per_s.begin(), said.rate_rad_per_s.end());

@@ -70,8 +70,8 @@ void TelemetryReader::read_controller(std::uint16_t base, const hal::CanFrame& f
       telemetry_.state = static_cast<behaviour::State>(frame.data[0]);
       telemetry_.reason = static_cast<behaviour::Reason>(frame.data[1]);
       telemetry_.motion = frame.data[2];
-      telemetry_.trouble = static_cast<drive::Trouble>(frame.data[3]);
-      telemetry_.trouble_joint = frame.data[4];
+      telemetry_.drive_fault = static_cast<drive::DriveFault>(frame.data[3]);
+      telemetry_.faulty_joint = frame.data[4];
       telemetry_.refusal = static_cast<behaviour::Reason>(frame.data[7]);
       break;
     case kTpdo2Base:

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "firmware/behaviour/state.h"
-#include "firmware/drive/trouble.h"
+#include "firmware/drive/fault.h"
 #include "firmware/robot/model.h"
 #include "hal/port/side.h"
 #include "sim_board/can/observer.h"
@@ -21,8 +21,8 @@ struct Telemetry {
   behaviour::Reason refusal =
       behaviour::Reason::kNone;  // why the last command was refused; none if it was not
   std::uint8_t motion = 0;
-  drive::Trouble trouble = drive::Trouble::kNone;
-  std::uint8_t trouble_joint = 0;
+  drive::DriveFault drive_fault = drive::DriveFault::kNone;
+  std::uint8_t faulty_joint = 0;
   double roll_rad = 0.0;  // attitude of the trunk, from gyro and inclination
   double pitch_rad = 0.0;
   std::array<double, 3> rate_rad_per_s{};  // filtered gyro, free of its bias

@@ -150,8 +150,8 @@ TEST(DuplicateNode, OfADriveIsFoundWhileTheControllerBoots) {
   BusBench bench;
   bench.add_drive(3, 9'999);
   bench.run_ms(3'000);
-  expect_fault(bench, behaviour::Reason::kDriveTrouble);
-  EXPECT_EQ(bench.controller().values().behaviour.trouble_joint, 3);
+  expect_fault(bench, behaviour::Reason::kDriveFault);
+  EXPECT_EQ(bench.controller().values().behaviour.faulty_joint, 3);
 }
 
 TEST(DuplicateNode, ThatIsPluggedInStopsTheRobot) {
@@ -159,9 +159,9 @@ TEST(DuplicateNode, ThatIsPluggedInStopsTheRobot) {
   ASSERT_TRUE(bench.run_until_standing());
   bench.add_drive(3, 9'999);
   bench.run_ms(1'000);
-  expect_fault(bench, behaviour::Reason::kDriveTrouble);
-  EXPECT_EQ(bench.controller().values().behaviour.trouble, drive::Trouble::kRestarted);
-  EXPECT_EQ(bench.controller().values().behaviour.trouble_joint, 3);
+  expect_fault(bench, behaviour::Reason::kDriveFault);
+  EXPECT_EQ(bench.controller().values().behaviour.drive_fault, drive::DriveFault::kRestarted);
+  EXPECT_EQ(bench.controller().values().behaviour.faulty_joint, 3);
 }
 
 // --- A bus that is stuck
@@ -305,9 +305,9 @@ TEST(Reset, TellsWhyADriveIsInFaultAgain) {
   ASSERT_TRUE(bench.run_until(app::State::kFault));
   const auto& behaviour = bench.controller().values().behaviour;
   EXPECT_EQ(behaviour.faults, 2);
-  EXPECT_EQ(behaviour.trouble, drive::Trouble::kFault);
-  EXPECT_EQ(behaviour.trouble_joint, 5);
-  EXPECT_EQ(behaviour.trouble_code, 0x4310);
+  EXPECT_EQ(behaviour.drive_fault, drive::DriveFault::kFault);
+  EXPECT_EQ(behaviour.faulty_joint, 5);
+  EXPECT_EQ(behaviour.drive_error_code, 0x4310);
 }
 
 // The controller itself is the client of the drives while it boots them; then another one takes its place.

@@ -107,11 +107,11 @@ class FaultRun {
     const std::string state = name_of(app::kStateNames, behaviour.state);
     if (behaviour.state != behaviour::State::kFault) return state;
     const std::string reason = name_of(app::kReasonNames, behaviour.reason);
-    if (behaviour.reason != behaviour::Reason::kDriveTrouble) return fmt::format("{}: {}", state, reason);
+    if (behaviour.reason != behaviour::Reason::kDriveFault) return fmt::format("{}: {}", state, reason);
     const std::string code =
-        behaviour.trouble_code == 0 ? "" : fmt::format(" 0x{:04X}", behaviour.trouble_code);
-    return fmt::format("{}: {} {}{}", state, run_.robot().joints[behaviour.trouble_joint].name,
-                       name_of(app::kTroubleNames, behaviour.trouble), code);
+        behaviour.drive_error_code == 0 ? "" : fmt::format(" 0x{:04X}", behaviour.drive_error_code);
+    return fmt::format("{}: {} {}{}", state, run_.robot().joints[behaviour.faulty_joint].name,
+                       name_of(app::kDriveFaultNames, behaviour.drive_fault), code);
   }
 
   std::string drives() const {

@@ -8,7 +8,7 @@ namespace {
 
 using behaviour::Reason;
 using behaviour::State;
-using drive::Trouble;
+using drive::DriveFault;
 using Kind = sim::Fault::Kind;
 using DriveState = canopen::cia402::State;
 
@@ -76,32 +76,32 @@ TEST(FirmwareStops, AndTheWatchdogLowersTheLine) {
 TEST(DriveHangs, FromTheStartAndTheRobotStaysLimp) {
   RobotRun run(with_fault(hanging_squat(), Kind::kDriveSilent, 0, "left_knee"));
   ASSERT_TRUE(run.run_until(State::kFault, 1'100'000));
-  EXPECT_EQ(run.behaviour().trouble, Trouble::kSilent);
-  EXPECT_EQ(run.behaviour().trouble_joint, run.joint("left_knee"));
-  expect_fault(run, 1'100'000, Reason::kDriveTrouble);
-  expect_emergency(run, State::kBoot, Reason::kDriveTrouble);
+  EXPECT_EQ(run.behaviour().drive_fault, DriveFault::kSilent);
+  EXPECT_EQ(run.behaviour().faulty_joint, run.joint("left_knee"));
+  expect_fault(run, 1'100'000, Reason::kDriveFault);
+  expect_emergency(run, State::kBoot, Reason::kDriveFault);
 }
 
 TEST(DriveHangs, InMotionAndTheOthersStop) {
   RobotRun run(with_fault(hanging_squat(), Kind::kDriveSilent, kInMotion_us, "left_knee"));
   ASSERT_TRUE(run.run_until(State::kFault, kInMotion_us + 61'000));
-  EXPECT_EQ(run.behaviour().trouble, Trouble::kLost);
-  EXPECT_EQ(run.behaviour().trouble_joint, run.joint("left_knee"));
+  EXPECT_EQ(run.behaviour().drive_fault, DriveFault::kLost);
+  EXPECT_EQ(run.behaviour().faulty_joint, run.joint("left_knee"));
   // The motor of the drive that hangs goes on as it was, until the line falls.
   run.run_until_us(run.now_us() + kStop_us);
   EXPECT_EQ(run.torque_count(), 1);
   EXPECT_TRUE(run.board().drive_enable_line());
-  expect_fault(run, kInMotion_us, Reason::kDriveTrouble);
-  expect_emergency(run, State::kMotion, Reason::kDriveTrouble);
+  expect_fault(run, kInMotion_us, Reason::kDriveFault);
+  expect_emergency(run, State::kMotion, Reason::kDriveFault);
 }
 
 TEST(DriveLosesPower, InMotionAndTheOthersStop) {
   RobotRun run(with_fault(hanging_squat(), Kind::kDrivePowerLoss, kInMotion_us, "right_hip_pitch"));
   ASSERT_TRUE(run.run_until(State::kFault, kInMotion_us + 61'000));
-  EXPECT_EQ(run.behaviour().trouble, Trouble::kLost);
-  EXPECT_EQ(run.behaviour().trouble_joint, run.joint("right_hip_pitch"));
-  expect_fault(run, kInMotion_us, Reason::kDriveTrouble);
-  expect_emergency(run, State::kMotion, Reason::kDriveTrouble);
+  EXPECT_EQ(run.behaviour().drive_fault, DriveFault::kLost);
+  EXPECT_EQ(run.behaviour().faulty_joint, run.joint("right_hip_pitch"));
+  expect_fault(run, kInMotion_us, Reason::kDriveFault);
+  expect_emergency(run, State::kMotion, Reason::kDriveFault);
 }
 
 // --- Reset

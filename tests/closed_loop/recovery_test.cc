@@ -105,7 +105,7 @@ TEST(Recovery, EndsLimpInFaultWhenADriveDiesWhileItRises) {
   RobotRun run(scenario);
   ASSERT_TRUE(run.run_until(State::kRising, 4'100'000));
   ASSERT_TRUE(run.run_until(State::kFault, 5'000'000));
-  EXPECT_EQ(run.behaviour().reason, Reason::kDriveTrouble);
+  EXPECT_EQ(run.behaviour().reason, Reason::kDriveFault);
   run.run_until_us(run.now_us() + 400'000);
   EXPECT_EQ(run.torque_count(), 0);
 }

@@ -63,8 +63,8 @@ Message emergency_message(std::uint8_t node_id, const std::string& node, const s
   if (controller) {
     signals.push_back(unsigned_signal("state", 24, 8, app::kStateNames));
     signals.push_back(unsigned_signal("reason", 32, 8, app::kReasonNames));
-    signals.push_back(unsigned_signal("drive_trouble", 40, 8, app::kTroubleNames));
-    signals.push_back(unsigned_signal("trouble_joint", 48, 8));
+    signals.push_back(unsigned_signal("drive_fault", 40, 8, app::kDriveFaultNames));
+    signals.push_back(unsigned_signal("faulty_joint", 48, 8));
     signals.push_back(unsigned_signal("reserved", 56, 8));
   } else {
     signals.push_back(unsigned_signal("manufacturer_error", 24, 40));

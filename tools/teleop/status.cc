@@ -44,8 +44,8 @@ std::string state_text(const TeleopStatus& status) {
   }
   if (simulation::has_not_noticed(status.said.state, status.tilt_rad)) return text + simulation::kNotNoticed;
   text += simulation::name_of(status.said.state) + ", by " + simulation::name_of(status.said.reason);
-  if (status.said.trouble != drive::Trouble::kNone)
-    text += fmt::format(", drive {}", name(app::kTroubleNames, status.said.trouble));
+  if (status.said.drive_fault != drive::DriveFault::kNone)
+    text += fmt::format(", drive {}", name(app::kDriveFaultNames, status.said.drive_fault));
   return text;
 }
 

@@ -46,7 +46,7 @@ constexpr Cause kCauses[] = {
     {Event::kWalk, [](ControllerBench& bench) { bench.command(Command::kWalk); }},
     {Event::kReset, [](ControllerBench& bench) { bench.command(Command::kReset); }},
     {Event::kEmergencyStop, [](ControllerBench& bench) { bench.command(Command::kEmergencyStop); }},
-    {Event::kTrouble,
+    {Event::kFailure,
      [](ControllerBench& bench) {
        bench.board.can.set_error_state(hal::CanErrorState::kBusOff);
        bench.run_ms(Controller::kTick_us / 1'000);

@@ -6,7 +6,7 @@
 namespace koboshi::app {
 namespace {
 
-using drive::Trouble;
+using drive::DriveFault;
 using test::ControllerBench;
 
 constexpr std::uint16_t kEmergencyOfController = 0x081;
@@ -61,7 +61,7 @@ TEST(ControllerBoot, NeverSendsATargetToADriveThatIsNotConfigured) {
 struct Misbehaviour {
   const char* name;
   void (*cause)(test::DriveStub&);
-  Trouble trouble;
+  DriveFault drive_fault;
 };
 
 class ControllerBootFails : public testing::TestWithParam<Misbehaviour> {};
@@ -71,16 +71,16 @@ TEST_P(ControllerBootFails, TellingWhichDriveAndWhy) {
   ControllerBench bench;
   GetParam().cause(bench.drives[kJoint]);
   ASSERT_TRUE(bench.run_until(State::kFault));
-  EXPECT_EQ(bench.now().reason, Reason::kDriveTrouble);
-  EXPECT_EQ(bench.now().trouble, GetParam().trouble);
-  EXPECT_EQ(bench.now().trouble_joint, kJoint);
+  EXPECT_EQ(bench.now().reason, Reason::kDriveFault);
+  EXPECT_EQ(bench.now().drive_fault, GetParam().drive_fault);
+  EXPECT_EQ(bench.now().faulty_joint, kJoint);
   EXPECT_EQ(bench.now().faults, 1);
   bench.run_ms(1);
   const hal::CanFrame emergency{.identifier = kEmergencyOfController,
                                 .size = 8,
                                 .data = {0x00, 0xFF, 0x81, static_cast<std::uint8_t>(State::kBoot),
-                                         static_cast<std::uint8_t>(Reason::kDriveTrouble),
-                                         static_cast<std::uint8_t>(GetParam().trouble), kJoint}};
+                                         static_cast<std::uint8_t>(Reason::kDriveFault),
+                                         static_cast<std::uint8_t>(GetParam().drive_fault), kJoint}};
   EXPECT_EQ(bench.last_sent(kEmergencyOfController), emergency);
   EXPECT_TRUE(bench.board.drive_enable.changes().empty());
 }
@@ -93,24 +93,24 @@ TEST_P(ControllerBootFails, AndWorksAfterRepairAndReset) {
   bench.drives[7] = healthy;
   bench.command(Command::kReset);
   EXPECT_EQ(bench.now().state, State::kBoot);
-  EXPECT_EQ(bench.now().trouble, Trouble::kNone);
+  EXPECT_EQ(bench.now().drive_fault, DriveFault::kNone);
   EXPECT_TRUE(bench.run_until_standing());
 }
 
 INSTANTIATE_TEST_SUITE_P(
     ByDrive, ControllerBootFails,
-    testing::Values(Misbehaviour{"Silent", [](test::DriveStub& d) { d.hangs = true; }, Trouble::kSilent},
+    testing::Values(Misbehaviour{"Silent", [](test::DriveStub& d) { d.hangs = true; }, DriveFault::kSilent},
                     Misbehaviour{"DeafToSdo", [](test::DriveStub& d) { d.answers_sdo = false; },
-                                 Trouble::kNoAnswer},
+                                 DriveFault::kNoAnswer},
                     Misbehaviour{"Refusing",
                                  [](test::DriveStub& d) {
                                    d.refuses = {0x1A00, 3};
                                  },
-                                 Trouble::kRefused},
+                                 DriveFault::kRefused},
                     Misbehaviour{"Exchanged", [](test::DriveStub& d) { d.set_object(0x1018, 4, 1006); },
-                                 Trouble::kWrongIdentity},
+                                 DriveFault::kWrongIdentity},
                     Misbehaviour{"OfAnotherMake", [](test::DriveStub& d) { d.set_object(0x1018, 1, 0x1234); },
-                                 Trouble::kWrongIdentity}),
+                                 DriveFault::kWrongIdentity}),
     [](const auto& info) { return info.param.name; });
 
 TEST(ControllerBoot, FailsWhenADriveGoesQuietBeforeItsFirstAnswer) {
@@ -118,8 +118,8 @@ TEST(ControllerBoot, FailsWhenADriveGoesQuietBeforeItsFirstAnswer) {
   for (int i = 0; i < 1'000 && !bench.drives[4].operational(); ++i) bench.run_ms(1);
   bench.drives[4].hangs = true;
   ASSERT_TRUE(bench.run_until(State::kFault, 100));
-  EXPECT_EQ(bench.now().trouble, Trouble::kLost);
-  EXPECT_EQ(bench.now().trouble_joint, 4);
+  EXPECT_EQ(bench.now().drive_fault, DriveFault::kLost);
+  EXPECT_EQ(bench.now().faulty_joint, 4);
 }
 
 // After its reset a drive beats each second, which is less often than the controller wants it then.

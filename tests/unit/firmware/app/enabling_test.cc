@@ -97,7 +97,7 @@ TEST_F(ControllerEnabling, IsRefusedWhileADriveIsInFault) {
   EXPECT_EQ(bench.now().state, State::kFault);
   bench.command(Command::kEnable);
   EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
-  EXPECT_EQ(bench.now().reason, Reason::kDriveTrouble);
+  EXPECT_EQ(bench.now().reason, Reason::kDriveFault);
   EXPECT_TRUE(bench.board.drive_enable.changes().empty());
 }
 
@@ -118,8 +118,8 @@ TEST_F(ControllerEnabling, FailsWhenADriveDoesNotFollow) {
   bench.command(Command::kEnable);
   EXPECT_FALSE(bench.run_until(State::kFault, 490));
   ASSERT_TRUE(bench.run_until(State::kFault, 20));
-  EXPECT_EQ(bench.now().trouble, drive::Trouble::kNotEnabled);
-  EXPECT_EQ(bench.now().trouble_joint, 9);
+  EXPECT_EQ(bench.now().drive_fault, drive::DriveFault::kNotEnabled);
+  EXPECT_EQ(bench.now().faulty_joint, 9);
   bench.run_ms(10);
   EXPECT_FALSE(bench.board.drive_enable.enabled());
 }

@@ -7,7 +7,7 @@
 namespace koboshi::app {
 namespace {
 
-using drive::Trouble;
+using drive::DriveFault;
 using test::ControllerBench;
 using DriveState = canopen::cia402::State;
 
@@ -22,10 +22,10 @@ class ControllerFault : public testing::Test {
     ASSERT_EQ(bench.now().state, State::kMotion);
     bench.run_ms(100);
   }
-  void expect_trouble(Trouble kind, std::uint8_t joint) const {
-    EXPECT_EQ(bench.now().reason, Reason::kDriveTrouble);
-    EXPECT_EQ(bench.now().trouble, kind);
-    EXPECT_EQ(bench.now().trouble_joint, joint);
+  void expect_drive_fault(DriveFault kind, std::uint8_t joint) const {
+    EXPECT_EQ(bench.now().reason, Reason::kDriveFault);
+    EXPECT_EQ(bench.now().drive_fault, kind);
+    EXPECT_EQ(bench.now().faulty_joint, joint);
   }
 
   ControllerBench bench;
@@ -54,7 +54,7 @@ TEST_F(ControllerFault, LowersTheLineAsSoonAsAllHaveStopped) {
 TEST_F(ControllerFault, NamesADriveThatHangs) {
   bench.drives[11].hangs = true;
   ASSERT_TRUE(bench.run_until(State::kFault, 60));  // five cycles, long before its heartbeat is missed
-  expect_trouble(Trouble::kLost, 11);
+  expect_drive_fault(DriveFault::kLost, 11);
 }
 
 TEST_F(ControllerFault, NamesADriveWhoseHeartbeatStopsWhileItStillAnswers) {
@@ -62,32 +62,32 @@ TEST_F(ControllerFault, NamesADriveWhoseHeartbeatStopsWhileItStillAnswers) {
   // Monitoring is by 0x1016; a drive with a longer pause than 350 ms is lost. The stubs beat each 100 ms.
   for (auto& drive : bench.drives) drive.beats = false;
   ASSERT_TRUE(bench.run_until(State::kFault, 460));
-  EXPECT_EQ(bench.now().trouble, Trouble::kLost);
+  EXPECT_EQ(bench.now().drive_fault, DriveFault::kLost);
 }
 
 TEST_F(ControllerFault, NamesADriveThatStartedAnew) {
   bench.board.can.deliver(bench.drives[2].boot_up());
   ASSERT_TRUE(bench.run_until(State::kFault, 10));
-  expect_trouble(Trouble::kRestarted, 2);
+  expect_drive_fault(DriveFault::kRestarted, 2);
 }
 
 TEST_F(ControllerFault, NamesADriveThatReportsAnEmergency) {
   bench.board.can.deliver(bench.drives[6].emergency(0x2310));
   ASSERT_TRUE(bench.run_until(State::kFault, 10));
-  expect_trouble(Trouble::kFault, 6);
-  EXPECT_EQ(bench.now().trouble_code, 0x2310);
+  expect_drive_fault(DriveFault::kFault, 6);
+  EXPECT_EQ(bench.now().drive_error_code, 0x2310);
 }
 
 TEST_F(ControllerFault, NamesADriveWhoseStatuswordShowsAFault) {
   bench.drives[6].state = DriveState::kFault;
   ASSERT_TRUE(bench.run_until(State::kFault, 21));
-  expect_trouble(Trouble::kFault, 6);
+  expect_drive_fault(DriveFault::kFault, 6);
 }
 
 TEST_F(ControllerFault, DoesNotLeadADriveBackThatDroppedOutOfOperation) {
   bench.drives[8].state = DriveState::kSwitchOnDisabled;
   ASSERT_TRUE(bench.run_until(State::kFault, 21));
-  expect_trouble(Trouble::kNotEnabled, 8);
+  expect_drive_fault(DriveFault::kNotEnabled, 8);
   EXPECT_EQ(bench.drives[8].state, DriveState::kSwitchOnDisabled);
   EXPECT_EQ(bench.drives[0].controlword, kQuickStop);
   bench.run_ms(100);
@@ -97,18 +97,18 @@ TEST_F(ControllerFault, DoesNotLeadADriveBackThatDroppedOutOfOperation) {
 TEST_F(ControllerFault, NamesADriveThatNoLongerFollowsItsTargets) {
   bench.drives[8].follows = false;
   ASSERT_TRUE(bench.run_until(State::kFault, 21));
-  expect_trouble(Trouble::kNotFollowing, 8);
+  expect_drive_fault(DriveFault::kNotFollowing, 8);
   EXPECT_EQ(bench.drives[8].controlword, kQuickStop);
   EXPECT_EQ(bench.drives[0].controlword, kQuickStop);
 }
 
-TEST_F(ControllerFault, KeepsTheFirstTroubleAndCountsOneFault) {
+TEST_F(ControllerFault, KeepsTheFirstDriveFaultAndCountsOneFault) {
   bench.board.can.deliver(bench.drives[6].emergency(0x2310));
   ASSERT_TRUE(bench.run_until(State::kFault, 10));
   bench.drives[1].hangs = true;
   bench.imu_speaks = false;
   bench.run_ms(500);
-  expect_trouble(Trouble::kFault, 6);
+  expect_drive_fault(DriveFault::kFault, 6);
   EXPECT_EQ(bench.now().faults, 1);
 }
 
@@ -117,7 +117,7 @@ TEST_F(ControllerFault, ComesFromAnInertialUnitThatStops) {
   EXPECT_FALSE(bench.run_until(State::kFault, 50));
   ASSERT_TRUE(bench.run_until(State::kFault, 20));
   EXPECT_EQ(bench.now().reason, Reason::kImuSilent);
-  EXPECT_EQ(bench.now().trouble, Trouble::kNone);
+  EXPECT_EQ(bench.now().drive_fault, DriveFault::kNone);
 }
 
 TEST_F(ControllerFault, ComesFromEitherAnkle) {
@@ -185,7 +185,7 @@ TEST_F(ControllerFault, IsOverOnceItsCauseIsGoneAndResetCame) {
   constexpr Cause kCauses[] = {
       {Reason::kImuSilent, [](ControllerBench& b, bool broken) { b.imu_speaks = !broken; }},
       {Reason::kAnkleSilent, [](ControllerBench& b, bool broken) { b.ankle_speaks[1] = !broken; }},
-      {Reason::kDriveTrouble, [](ControllerBench& b, bool broken) { b.drives[9].hangs = broken; }},
+      {Reason::kDriveFault, [](ControllerBench& b, bool broken) { b.drives[9].hangs = broken; }},
       {Reason::kBusOff,
        [](ControllerBench& b, bool broken) {
          b.board.can.set_error_state(broken ? CanErrorState::kBusOff : CanErrorState::kErrorActive);

@@ -98,7 +98,7 @@ TEST_F(ControllerNetwork, AnNmtResetIsPowerOnOnceMore) {
       EXPECT_EQ(bench.sent.front().frame, (hal::CanFrame{.identifier = kHeartbeatOfController, .size = 1}));
       ASSERT_TRUE(bench.run_until(State::kLimp, 700));
       EXPECT_GT(sent(kSync), 50);
-      EXPECT_EQ(bench.now().trouble, drive::Trouble::kNone);
+      EXPECT_EQ(bench.now().drive_fault, drive::DriveFault::kNone);
     }
     EXPECT_TRUE(bench.run_until_standing());  // commands work
     bench.restart();
@@ -211,7 +211,7 @@ TEST_F(ControllerNetwork, LeavesOperationalWithAFaultInEveryStateThatHasOne) {
       order(command);
       ASSERT_TRUE(bench.run_until(State::kFault, 10));
       EXPECT_EQ(bench.now().reason, Reason::kNotOperational);
-      EXPECT_EQ(bench.now().trouble, drive::Trouble::kNone);
+      EXPECT_EQ(bench.now().drive_fault, drive::DriveFault::kNone);
       bench.run_ms(310);
       EXPECT_FALSE(bench.board.drive_enable.enabled());
 

@@ -279,7 +279,7 @@ class RecoveryState : public RecoveryTest, public testing::WithParamInterface<St
 TEST_P(RecoveryState, EndsInFaultWhenADriveIsLost) {
   bench.drives[5].hangs = true;
   ASSERT_TRUE(bench.run_until(State::kFault, 400));
-  EXPECT_EQ(bench.now().reason, Reason::kDriveTrouble);
+  EXPECT_EQ(bench.now().reason, Reason::kDriveFault);
   expect_limp(State::kFault);
 }
 

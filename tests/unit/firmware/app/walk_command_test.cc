@@ -118,7 +118,7 @@ TEST_F(ControllerWalk, IsRefusedWhileAMotionPlays) {
   EXPECT_EQ(bench.now().state, State::kMotion);
 }
 
-TEST_F(ControllerWalk, EndsInTroubleLimpOrEmergencyStopAndStaysThere) {
+TEST_F(ControllerWalk, EndsInFaultLimpOrEmergencyStopAndStaysThere) {
   const auto ends = [&](const auto& cause, State state) {
     ControllerBench walks;
     ASSERT_TRUE(walks.run_until_standing());

@@ -135,11 +135,11 @@ TEST_F(BehaviourStage, DropsTheLineAtAnEmergencyStopBeforeTheNextCycle) {
 
 TEST_F(BehaviourStage, ReportsAFaultOnceAndHoldsTheLineUntilTheDrivesHaveStopped) {
   stand();
-  drives.trouble = {.kind = drive::Trouble::kLost, .joint = 7};
+  drives.fault = {.kind = drive::DriveFault::kLost, .joint = 7};
   const Decision& decision = step();
   ASSERT_TRUE(decision.fault);
   EXPECT_EQ(decision.fault->state, State::kStanding);
-  EXPECT_EQ(decision.fault->reason, Reason::kDriveTrouble);
+  EXPECT_EQ(decision.fault->reason, Reason::kDriveFault);
   EXPECT_EQ(decision.goal, drive::Goal::kQuickStop);
   EXPECT_TRUE(decision.drive_enable);
   drives.limp = true;

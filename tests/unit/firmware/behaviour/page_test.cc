@@ -16,8 +16,8 @@ namespace {
 constexpr std::string_view kEventNames[] = {"ready",     "enable",         "limp",    "play",      "walk",
                                             "reset",     "emergency stop", "enabled", "arrived",   "get up",
                                             "ended",     "low battery",    "fall",    "down",      "still",
-                                            "lies flat", "lies aside",     "upright", "elsewhere", "trouble"};
-static_assert(std::size(kEventNames) == static_cast<std::size_t>(Event::kTrouble) + 1);
+                                            "lies flat", "lies aside",     "upright", "elsewhere", "failure"};
+static_assert(std::size(kEventNames) == static_cast<std::size_t>(Event::kFailure) + 1);
 
 std::string name_of(State state) {
   for (const auto& known : app::kStateNames) {

@@ -11,7 +11,7 @@ namespace koboshi::behaviour {
 namespace {
 
 constexpr auto kLastState = static_cast<int>(State::kSteadying);
-constexpr auto kLastEvent = static_cast<int>(Event::kTrouble);
+constexpr auto kLastEvent = static_cast<int>(Event::kFailure);
 
 std::vector<State> states() {
   std::vector<State> all;
@@ -83,7 +83,7 @@ TEST(Rules, TakeTheTorqueFromEveryStateAtOnce) {
   for (const State state : states()) {
     if (!kTorque.contains(state)) continue;
     EXPECT_EQ(next_state(state, Event::kLimp), State::kLimp);
-    EXPECT_EQ(next_state(state, Event::kTrouble), State::kFault);
+    EXPECT_EQ(next_state(state, Event::kFailure), State::kFault);
     EXPECT_EQ(next_state(state, Event::kEmergencyStop), State::kEmergencyStop);
   }
 }

@@ -108,7 +108,7 @@ TEST_F(ConfigurationTest, AsksThreeTimesAndThenGivesUp) {
   drive->answers_sdo = false;
   run();
   EXPECT_EQ(configuration.state(), State::kFailed);
-  EXPECT_EQ(configuration.trouble(), Trouble::kNoAnswer);
+  EXPECT_EQ(configuration.fault(), DriveFault::kNoAnswer);
   EXPECT_NEAR(static_cast<double>(now_us), 300'000, 5'000);
   std::size_t requests = 0;
   for (const hal::CanFrame& frame : can.sent()) requests += frame.data[0] == 0x40;
@@ -156,7 +156,7 @@ TEST_F(ConfigurationTest, StopsAtAnotherIdentityBeforeItWritesAnything) {
     seen = can.sent().size();
     const std::size_t first = seen;
     run();
-    EXPECT_EQ(configuration.trouble(), Trouble::kWrongIdentity);
+    EXPECT_EQ(configuration.fault(), DriveFault::kWrongIdentity);
     for (std::size_t i = first; i < can.sent().size(); ++i) EXPECT_EQ(can.sent()[i].data[0], 0x40);
   }
 }
@@ -166,7 +166,7 @@ TEST_F(ConfigurationTest, StopsWhenTheDriveRefuses) {
   drive->refuses = {0x60C2, 1};
   run();
   EXPECT_EQ(configuration.state(), State::kFailed);
-  EXPECT_EQ(configuration.trouble(), Trouble::kRefused);
+  EXPECT_EQ(configuration.fault(), DriveFault::kRefused);
 }
 
 }  // namespace

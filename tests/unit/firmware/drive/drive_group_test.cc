@@ -61,7 +61,7 @@ class DriveGroupTest : public testing::Test {
     run_ms(700);
     cycle();
     ASSERT_TRUE(group.booted());
-    ASSERT_FALSE(group.trouble());
+    ASSERT_FALSE(group.fault());
   }
   void enable() {
     boot();
@@ -114,10 +114,10 @@ TEST_F(DriveGroupTest, WaitsASecondForBootUpMessages) {
   drives[13].hangs = true;
   group.boot();
   run_ms(1'000);
-  EXPECT_FALSE(group.trouble());
+  EXPECT_FALSE(group.fault());
   run_ms(1);
-  EXPECT_EQ(group.trouble().kind, Trouble::kSilent);
-  EXPECT_EQ(group.trouble().joint, 13);
+  EXPECT_EQ(group.fault().kind, DriveFault::kSilent);
+  EXPECT_EQ(group.fault().joint, 13);
 }
 
 TEST_F(DriveGroupTest, LeadsDrivesToOperationEnabledOneTransitionACycle) {
@@ -150,26 +150,26 @@ TEST_F(DriveGroupTest, ReportsTheDriveThatTheOthersWaitFor) {
   drives[2].enables = false;
   group.set_goal(Goal::kEnabled, now_us);
   cycles(50);
-  EXPECT_FALSE(group.trouble());
+  EXPECT_FALSE(group.fault());
   cycles(2);
-  EXPECT_EQ(group.trouble().kind, Trouble::kNotEnabled);
-  EXPECT_EQ(group.trouble().joint, 2);
+  EXPECT_EQ(group.fault().kind, DriveFault::kNotEnabled);
+  EXPECT_EQ(group.fault().joint, 2);
 }
 
 TEST_F(DriveGroupTest, ReportsADriveThatLeavesOperationAtOnceAndDoesNotLeadItBack) {
   enable();
   drives[2].state = cia402::State::kSwitchOnDisabled;
   cycle();
-  EXPECT_EQ(group.trouble().kind, Trouble::kNotEnabled);
-  EXPECT_EQ(group.trouble().joint, 2);
+  EXPECT_EQ(group.fault().kind, DriveFault::kNotEnabled);
+  EXPECT_EQ(group.fault().joint, 2);
 }
 
 TEST_F(DriveGroupTest, ReportsADriveThatNoLongerFollowsItsTargets) {
   enable();
   drives[2].follows = false;
   cycle();
-  EXPECT_EQ(group.trouble().kind, Trouble::kNotFollowing);
-  EXPECT_EQ(group.trouble().joint, 2);
+  EXPECT_EQ(group.fault().kind, DriveFault::kNotFollowing);
+  EXPECT_EQ(group.fault().joint, 2);
 }
 
 TEST_F(DriveGroupTest, IsEnabledOnlyOnceEveryDriveFollows) {
@@ -179,10 +179,10 @@ TEST_F(DriveGroupTest, IsEnabledOnlyOnceEveryDriveFollows) {
   cycles(50);
   EXPECT_TRUE(group.all_in(cia402::State::kOperationEnabled));
   EXPECT_FALSE(group.enabled());
-  EXPECT_FALSE(group.trouble());
+  EXPECT_FALSE(group.fault());
   cycles(2);
-  EXPECT_EQ(group.trouble().kind, Trouble::kNotFollowing);
-  EXPECT_EQ(group.trouble().joint, 2);
+  EXPECT_EQ(group.fault().kind, DriveFault::kNotFollowing);
+  EXPECT_EQ(group.fault().joint, 2);
 }
 
 // Bit 12 of the statusword is clear in every other state than operation enabled.
@@ -192,7 +192,7 @@ TEST_F(DriveGroupTest, ExpectsADriveToFollowOnlyInOperation) {
   for (const Goal goal : {Goal::kQuickStop, Goal::kTorqueOff, Goal::kEnabled}) {
     group.set_goal(goal, now_us);
     cycles(10);
-    EXPECT_FALSE(group.trouble());
+    EXPECT_FALSE(group.fault());
   }
   EXPECT_TRUE(group.enabled());
 }
@@ -220,17 +220,17 @@ TEST_F(DriveGroupTest, ForgetsWhatWasAnsweredBeforeTheReset) {
   ASSERT_TRUE(group.configured());
   group.observe(now_us);
   EXPECT_FALSE(group.booted());
-  EXPECT_FALSE(group.trouble());
+  EXPECT_FALSE(group.fault());
 }
 
 TEST_F(DriveGroupTest, LosesADriveAfterFiveCyclesWithoutAnswer) {
   enable();
   drives[4].hangs = true;
   cycles(4);
-  EXPECT_FALSE(group.trouble());
+  EXPECT_FALSE(group.fault());
   cycle();
-  EXPECT_EQ(group.trouble().kind, Trouble::kLost);
-  EXPECT_EQ(group.trouble().joint, 4);
+  EXPECT_EQ(group.fault().kind, DriveFault::kLost);
+  EXPECT_EQ(group.fault().joint, 4);
 }
 
 TEST_F(DriveGroupTest, ForgivesFourMissedAnswersInARow) {
@@ -241,20 +241,20 @@ TEST_F(DriveGroupTest, ForgivesFourMissedAnswersInARow) {
     drives[4].hangs = false;
     cycle();
   }
-  EXPECT_FALSE(group.trouble());
+  EXPECT_FALSE(group.fault());
 }
 
 TEST_F(DriveGroupTest, LosesADriveWhoseHeartbeatIsLost) {
   boot();
   tell(16 + 7, HeartbeatEventKind::kLost);
-  EXPECT_EQ(group.trouble().kind, Trouble::kLost);
-  EXPECT_EQ(group.trouble().joint, 7);
+  EXPECT_EQ(group.fault().kind, DriveFault::kLost);
+  EXPECT_EQ(group.fault().joint, 7);
 }
 
 TEST_F(DriveGroupTest, ReportsADriveThatBootsUpOnItsOwn) {
   boot();
   tell(16 + 7, HeartbeatEventKind::kBootedUp);
-  EXPECT_EQ(group.trouble().kind, Trouble::kRestarted);
+  EXPECT_EQ(group.fault().kind, DriveFault::kRestarted);
 }
 
 // Another master has reset a drive just before the group did: two boot-up messages follow.
@@ -265,23 +265,23 @@ TEST_F(DriveGroupTest, BearsASecondBootUpMessageOfADriveThatIsNotConfigured) {
     tell(node, HeartbeatEventKind::kBootedUp);
   run_ms(700);
   EXPECT_TRUE(group.configured());
-  EXPECT_FALSE(group.trouble());
+  EXPECT_FALSE(group.fault());
 }
 
 TEST_F(DriveGroupTest, ReportsADriveThatBootsUpAgainAndAgain) {
   group.boot();
   run_ms(2);
   tell(35, HeartbeatEventKind::kBootedUp);
-  EXPECT_FALSE(group.trouble());
+  EXPECT_FALSE(group.fault());
   tell(35, HeartbeatEventKind::kBootedUp);
-  EXPECT_EQ(group.trouble().kind, Trouble::kRestarted);
+  EXPECT_EQ(group.fault().kind, DriveFault::kRestarted);
 }
 
 TEST_F(DriveGroupTest, ReportsADriveThatLosesItsConfigurationInTheBoot) {
   group.boot();
   run_ms(300);
   tell(16, HeartbeatEventKind::kBootedUp);
-  EXPECT_EQ(group.trouble().kind, Trouble::kRestarted);
+  EXPECT_EQ(group.fault().kind, DriveFault::kRestarted);
 }
 
 TEST_F(DriveGroupTest, TakesNoAnswerOfBeforeTheReset) {
@@ -295,15 +295,15 @@ TEST_F(DriveGroupTest, TakesNoAnswerOfBeforeTheReset) {
   ASSERT_TRUE(group.configured());
   group.observe(now_us);
   EXPECT_FALSE(group.booted());
-  EXPECT_FALSE(group.trouble());
+  EXPECT_FALSE(group.fault());
 }
 
 TEST_F(DriveGroupTest, ReportsFaultsByEmergencyMessageWithItsCode) {
   boot();
   group.on_emergency({.node_id = 16 + 9, .code = 0x2310});
-  EXPECT_EQ(group.trouble().kind, Trouble::kFault);
-  EXPECT_EQ(group.trouble().joint, 9);
-  EXPECT_EQ(group.trouble().error_code, 0x2310);
+  EXPECT_EQ(group.fault().kind, DriveFault::kFault);
+  EXPECT_EQ(group.fault().joint, 9);
+  EXPECT_EQ(group.fault().error_code, 0x2310);
 }
 
 // Codes of CiA 301, table 26, with the register's bits for generic and communication.
@@ -313,23 +313,23 @@ TEST_F(DriveGroupTest, BearsWarningsAboutCommunication) {
        std::array<std::uint16_t, 6>{0x8110, 0x8120, 0x8140, 0x8210, 0x8220, 0x8240}) {
     group.on_emergency({.node_id = 16 + 9, .code = code, .error_register = 0x11});
     cycle();
-    EXPECT_FALSE(group.trouble()) << std::hex << code;
+    EXPECT_FALSE(group.fault()) << std::hex << code;
   }
 }
 
 TEST_F(DriveGroupTest, TakesACommunicationErrorOfADriveWithOtherErrorsForAFault) {
   boot();
   group.on_emergency({.node_id = 16 + 9, .code = 0x8120, .error_register = 0x11 | 0x08});
-  EXPECT_EQ(group.trouble().kind, Trouble::kFault);
-  EXPECT_EQ(group.trouble().error_code, 0x8120);
+  EXPECT_EQ(group.fault().kind, DriveFault::kFault);
+  EXPECT_EQ(group.fault().error_code, 0x8120);
 }
 
 TEST_F(DriveGroupTest, TakesALostControllerForAFault) {
   for (const std::uint16_t code : std::array<std::uint16_t, 3>{0x8700, 0x8130, 0x8250}) {
     boot();
     group.on_emergency({.node_id = 16 + 9, .code = code, .error_register = 0x11});
-    EXPECT_EQ(group.trouble().kind, Trouble::kFault);
-    EXPECT_EQ(group.trouble().error_code, code);
+    EXPECT_EQ(group.fault().kind, DriveFault::kFault);
+    EXPECT_EQ(group.fault().error_code, code);
   }
 }
 
@@ -339,9 +339,9 @@ TEST_F(DriveGroupTest, NamesTheWarningThatADriveMadeAFault) {
   group.on_emergency({.node_id = 16 + 9, .code = 0x0000, .error_register = 0x11});  // of some other error
   drives[9].state = cia402::State::kFault;
   cycle();
-  EXPECT_EQ(group.trouble().kind, Trouble::kFault);
-  EXPECT_EQ(group.trouble().joint, 9);
-  EXPECT_EQ(group.trouble().error_code, 0x8140);
+  EXPECT_EQ(group.fault().kind, DriveFault::kFault);
+  EXPECT_EQ(group.fault().joint, 9);
+  EXPECT_EQ(group.fault().error_code, 0x8140);
 }
 
 TEST_F(DriveGroupTest, ForgetsAWarningThatIsOver) {
@@ -350,15 +350,15 @@ TEST_F(DriveGroupTest, ForgetsAWarningThatIsOver) {
   group.on_emergency({.node_id = 16 + 9, .code = 0x0000, .error_register = 0x00});
   drives[9].state = cia402::State::kFault;
   cycle();
-  EXPECT_EQ(group.trouble().error_code, 0);
+  EXPECT_EQ(group.fault().error_code, 0);
 }
 
 TEST_F(DriveGroupTest, ReportsFaultsByStatusword) {
   boot();
   drives[9].state = cia402::State::kFault;
   cycle();
-  EXPECT_EQ(group.trouble().kind, Trouble::kFault);
-  EXPECT_EQ(group.trouble().joint, 9);
+  EXPECT_EQ(group.fault().kind, DriveFault::kFault);
+  EXPECT_EQ(group.fault().joint, 9);
 }
 
 TEST_F(DriveGroupTest, IgnoresTheEndOfAnErrorAndOtherNodes) {
@@ -366,14 +366,14 @@ TEST_F(DriveGroupTest, IgnoresTheEndOfAnErrorAndOtherNodes) {
   group.on_emergency({.node_id = 16, .code = 0x0000});
   group.on_emergency({.node_id = 100, .code = 0x2310});
   tell(100, HeartbeatEventKind::kLost);
-  EXPECT_FALSE(group.trouble());
+  EXPECT_FALSE(group.fault());
 }
 
-TEST_F(DriveGroupTest, KeepsTheFirstTroubleUntilTheNextBoot) {
+TEST_F(DriveGroupTest, KeepsTheFirstFaultUntilTheNextBoot) {
   boot();
   group.on_emergency({.node_id = 16 + 9, .code = 0x2310});
   tell(16 + 3, HeartbeatEventKind::kLost);
-  EXPECT_EQ(group.trouble().joint, 9);
+  EXPECT_EQ(group.fault().joint, 9);
   boot();
 }
 

@@ -250,10 +250,10 @@ TEST_F(EventLogTest, GathersTheSameEmergencyOfManyNodes) {
 }
 
 TEST_F(EventLogTest, SaysWhichDriveIsToBlame) {
-  said_.trouble = drive::Trouble::kLost;
-  said_.trouble_joint = 1;
+  said_.drive_fault = drive::DriveFault::kLost;
+  said_.faulty_joint = 1;
   play_until(0.5);
-  change(State::kFault, Reason::kDriveTrouble);
+  change(State::kFault, Reason::kDriveFault);
   EXPECT_EQ(event_of("fault").text, "Fault: right_knee lost.");
   EXPECT_EQ(log_.posture(), "is upright, fault: right_knee lost");
 }

@@ -34,10 +34,10 @@ class TelemetryOfFrames : public testing::Test {
 TEST_F(TelemetryOfFrames, ShowsWhatTheControllerIsDoing) {
   hear(0x181, 8, {6, 17, 3, 5, 9, 1, 0, 39});
   EXPECT_EQ(reader_.now().state, behaviour::State::kFault);
-  EXPECT_EQ(reader_.now().reason, behaviour::Reason::kDriveTrouble);
+  EXPECT_EQ(reader_.now().reason, behaviour::Reason::kDriveFault);
   EXPECT_EQ(reader_.now().motion, 3);
-  EXPECT_EQ(reader_.now().trouble, drive::Trouble::kLost);
-  EXPECT_EQ(reader_.now().trouble_joint, 9);
+  EXPECT_EQ(reader_.now().drive_fault, drive::DriveFault::kLost);
+  EXPECT_EQ(reader_.now().faulty_joint, 9);
   EXPECT_EQ(reader_.now().refusal, behaviour::Reason::kVelocityOutOfRange);
 }
 

@@ -45,7 +45,7 @@ TEST(Decode, NamesTheStatesOfTheController) {
 TEST(Decode, ReadsWhatNoPdoCarries) {
   EXPECT_EQ(decoded(0x000, {129, 0})[0].name, "reset node");
   EXPECT_EQ(decoded(0x710, {127})[0].name, "pre-operational");
-  EXPECT_EQ(decoded(0x081, {0x00, 0xFF, 0x81, 6, 17, 8, 2, 0})[3].name, "drive trouble");
+  EXPECT_EQ(decoded(0x081, {0x00, 0xFF, 0x81, 6, 17, 8, 2, 0})[3].name, "drive fault");
   EXPECT_EQ(decoded(0x090, {0x10, 0x43, 0x09, 0, 0, 0, 0, 0x80})[2].raw, 0x80'0000'0000);
   EXPECT_EQ(decoded(0x610, {0x2B, 0x17, 0x10, 0x00, 0x64, 0, 0, 0})[1].raw, 0x1017);
   EXPECT_THAT(decoded(0x080, {}), IsEmpty());

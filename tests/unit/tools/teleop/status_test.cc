@@ -67,10 +67,10 @@ TEST(TeleopStatus, TellsWhatIsAmiss) {
   status.falls = 2;
   status.aims = true;
   status.said.state = behaviour::State::kFault;
-  status.said.reason = behaviour::Reason::kDriveTrouble;
-  status.said.trouble = drive::Trouble::kLost;
+  status.said.reason = behaviour::Reason::kDriveFault;
+  status.said.drive_fault = drive::DriveFault::kLost;
   status.said.zmp = {};
-  EXPECT_THAT(status_lines(status), Contains("state       fault, by drive trouble, drive lost"));
+  EXPECT_THAT(status_lines(status), Contains("state       fault, by drive fault, drive lost"));
   EXPECT_THAT(status_lines(status), Contains(HasSubstr("CAN bus on slcan:/dev/pts/3")));
   EXPECT_THAT(status_lines(status), Contains(HasSubstr("held by the stand, 2 falls")));
   EXPECT_THAT(status_lines(status), Contains("ZMP         none: no foot carries enough"));

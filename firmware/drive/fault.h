@@ -4,8 +4,8 @@
 
 namespace koboshi::drive {
 
-// Why a drive cannot be used. The values stand in telemetry.
-enum class Trouble : std::uint8_t {
+// Why a drive cannot be used, as the controller sees it. The values stand in telemetry (object 0x2001).
+enum class DriveFault : std::uint8_t {
   kNone = 0,
   kSilent = 1,         // it never booted up
   kNoAnswer = 2,       // an SDO request timed out
@@ -13,17 +13,18 @@ enum class Trouble : std::uint8_t {
   kWrongIdentity = 4,  // 0x1018 is not what the robot model says
   kLost = 5,           // its heartbeat or its answers to SYNC stopped
   kRestarted = 6,      // it booted up again on its own
-  kFault = 7,          // it reports a fault, by statusword or emergency message
+  kFault = 7,          // it reports a fault, by statusword (CiA 402-2) or emergency message
   kNotEnabled = 8,     // it did not reach operation enabled in time, or left it
   kNotFollowing = 9,   // in operation enabled, but not in cyclic synchronous position mode
 };
 
-struct JointTrouble {
-  Trouble kind = Trouble::kNone;
+// The fault of one joint's drive.
+struct JointFault {
+  DriveFault kind = DriveFault::kNone;
   std::uint8_t joint = 0;
   std::uint16_t error_code = 0;  // of the emergency message, where there was one
 
-  explicit constexpr operator bool() const { return kind != Trouble::kNone; }
+  explicit constexpr operator bool() const { return kind != DriveFault::kNone; }
 };
 
 }  // namespace koboshi::drive
