@@ -56,7 +56,8 @@ void Requests::take_velocity() {
 }
 
 AbortCode Requests::execute(Command command, std::int16_t argument, std::uint64_t now_us) {
-  const Reason refusal = behaviour_.request(command, argument, estimator_.state(), drives_.status(), now_us);
+  const Reason refusal =
+      behaviour_.request(command, argument, estimator_.state(), drives_.enable_conditions(), now_us);
   if (refusal == Reason::kUnknownCommand) return AbortCode::kInvalidValue;
   if (refusal != Reason::kNone) return AbortCode::kDeviceState;
   if (command == Command::kCalibrate) estimator_.begin_calibration();

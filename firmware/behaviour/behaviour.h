@@ -83,7 +83,7 @@ class Behaviour {
   // A command, at any time, with what is known then: obeyed at once, or refused. kNone when it was obeyed;
   // the answer stands in `status`, too. `kCalibrate` is only judged here.
   Reason request(Command command, std::int16_t argument, const estimation::RobotState& robot,
-                 const drive::DriveStatus& drives, std::uint64_t now_us);
+                 const drive::EnableConditions& drives, std::uint64_t now_us);
   // A velocity to walk with. False, and the one before stays, when it is beyond the limits.
   bool request_velocity(const walk::Velocity& velocity);
   // One that was judged already.
@@ -108,14 +108,21 @@ class Behaviour {
     std::uint64_t now_us;
   };
 
+  // What a command is judged by.
+  struct Judgement {
+    const estimation::RobotState& robot;
+    const drive::EnableConditions& drives;
+    std::uint64_t now_us;
+  };
+
   // Commands (commands.cc).
-  Reason judge(Command command, std::int16_t argument, const Cycle& cycle);
-  Reason obey_event(Event event, const Cycle& cycle);
-  Reason enable(const Cycle& cycle);
-  Reason refusal_to_enable(const Cycle& cycle) const;
-  Reason play(std::int16_t number, const Cycle& cycle);
-  Reason walk(const Cycle& cycle);
-  Reason get_up(const Cycle& cycle);
+  Reason judge(Command command, std::int16_t argument, const Judgement& judgement);
+  Reason obey_event(Event event, std::uint64_t now_us);
+  Reason enable(const Judgement& judgement);
+  Reason refusal_to_enable(const Judgement& judgement) const;
+  Reason play(std::int16_t number, std::uint64_t now_us);
+  Reason walk(std::uint64_t now_us);
+  Reason get_up(const Judgement& judgement);
   Reason stop();
 
   // What leads out of a state whatever it is (behaviour.cc).

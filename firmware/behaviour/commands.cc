@@ -17,7 +17,7 @@ constexpr fixed::Acceleration kMaxAcceleration = 14.7_m_per_s2;
 }  // namespace
 
 Reason Behaviour::request(Command command, std::int16_t argument, const estimation::RobotState& robot,
-                          const drive::DriveStatus& drives, std::uint64_t now_us) {
+                          const drive::EnableConditions& drives, std::uint64_t now_us) {
   status_.refusal = judge(command, argument, {robot, drives, now_us});
   return status_.refusal;
 }
@@ -32,47 +32,48 @@ bool Behaviour::request_velocity(const walk::Velocity& velocity) {
   return obeyed;
 }
 
-Reason Behaviour::judge(Command command, std::int16_t argument, const Cycle& cycle) {
+Reason Behaviour::judge(Command command, std::int16_t argument, const Judgement& judgement) {
   switch (command) {
     case Command::kNone:
       return Reason::kNone;
     case Command::kEnable:
-      return enable(cycle);
+      return enable(judgement);
     case Command::kLimp:
-      return obey_event(Event::kLimp, cycle);
+      return obey_event(Event::kLimp, judgement.now_us);
     case Command::kPlay:
-      return play(argument, cycle);
+      return play(argument, judgement.now_us);
     case Command::kStop:
       return stop();
     case Command::kWalk:
-      return walk(cycle);
+      return walk(judgement.now_us);
     case Command::kEmergencyStop:
-      return obey_event(Event::kEmergencyStop, cycle);
+      return obey_event(Event::kEmergencyStop, judgement.now_us);
     case Command::kReset:
-      return obey_event(Event::kReset, cycle);
+      return obey_event(Event::kReset, judgement.now_us);
     case Command::kCalibrate:
       // The second begins now. Should the robot move in it, the refusal comes later.
       return kResting.contains(status_.state) ? Reason::kNone : Reason::kNotInThisState;
     case Command::kGetUp:
-      return get_up(cycle);
+      return get_up(judgement);
   }
   return Reason::kUnknownCommand;
 }
 
-Reason Behaviour::obey_event(Event event, const Cycle& cycle) {
-  if (!next_state(status_.state, event)) return Reason::kNotInThisState;
-  handle(event, Reason::kCommand, cycle);
+Reason Behaviour::obey_event(Event event, std::uint64_t now_us) {
+  const auto next = next_state(status_.state, event);
+  if (!next) return Reason::kNotInThisState;
+  enter(*next, Reason::kCommand, now_us);
   return Reason::kNone;
 }
 
-Reason Behaviour::enable(const Cycle& cycle) {
+Reason Behaviour::enable(const Judgement& judgement) {
   if (status_.state != State::kLimp) return Reason::kNotInThisState;
-  const Reason refusal = refusal_to_enable(cycle);
-  return refusal == Reason::kNone ? obey_event(Event::kEnable, cycle) : refusal;
+  const Reason refusal = refusal_to_enable(judgement);
+  return refusal == Reason::kNone ? obey_event(Event::kEnable, judgement.now_us) : refusal;
 }
 
-Reason Behaviour::refusal_to_enable(const Cycle& cycle) const {
-  const drive::DriveStatus& drives = cycle.drives;
+Reason Behaviour::refusal_to_enable(const Judgement& judgement) const {
+  const drive::EnableConditions& drives = judgement.drives;
   if (!drives.disabled) return Reason::kDriveNotReady;
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     if ((drives.beyond_limits >> joint & 1u) != 0) return Reason::kEncoderBeyondLimits;
@@ -80,24 +81,24 @@ Reason Behaviour::refusal_to_enable(const Cycle& cycle) const {
     if (supply_mV < parameters_.power.supply_min_mV || supply_mV > parameters_.power.supply_max_mV)
       return Reason::kSupplyOutOfRange;
   }
-  const auto& a = cycle.robot.accelerations_B;
+  const auto& a = judgement.robot.accelerations_B;
   const fixed::Acceleration magnitude = fixed::hypotenuse(a.x, a.y, a.z);
   const bool plausible = magnitude > kMinAcceleration && magnitude < kMaxAcceleration;
   return plausible ? Reason::kNone : Reason::kImuImplausible;
 }
 
-Reason Behaviour::play(std::int16_t number, const Cycle& cycle) {
+Reason Behaviour::play(std::int16_t number, std::uint64_t now_us) {
   if (status_.state != State::kStanding) return Reason::kNotInThisState;
   if (number < 0) return Reason::kNoSuchMotion;
   motion::Motion motion;
   if (!motions_.open(static_cast<std::uint16_t>(number), motion)) return Reason::kNoSuchMotion;
   status_.motion = static_cast<std::uint8_t>(number);
   interpreter_.start(motion, targets());
-  return obey_event(Event::kPlay, cycle);
+  return obey_event(Event::kPlay, now_us);
 }
 
 // While the robot walks, the command only takes a stop back.
-Reason Behaviour::walk(const Cycle& cycle) {
+Reason Behaviour::walk(std::uint64_t now_us) {
   if (status_.state == State::kWalking) {
     walker_.resume();
     return Reason::kNone;
@@ -105,14 +106,14 @@ Reason Behaviour::walk(const Cycle& cycle) {
   if (status_.state != State::kStanding) return Reason::kNotInThisState;
   if (!walk::is_gait(parameters_.walk)) return Reason::kNoGait;
   walker_.start(parameters_.walk, targets());
-  return obey_event(Event::kWalk, cycle);
+  return obey_event(Event::kWalk, now_us);
 }
 
-Reason Behaviour::get_up(const Cycle& cycle) {
+Reason Behaviour::get_up(const Judgement& judgement) {
   if (status_.state != State::kLimp) return Reason::kNotInThisState;
   status_.attempts = 0;
-  const Reason refusal = refusal_to_enable(cycle);
-  return refusal == Reason::kNone ? obey_event(Event::kGetUp, cycle) : refusal;
+  const Reason refusal = refusal_to_enable(judgement);
+  return refusal == Reason::kNone ? obey_event(Event::kGetUp, judgement.now_us) : refusal;
 }
 
 Reason Behaviour::stop() {

@@ -67,7 +67,7 @@ enum class Reason : std::uint8_t {
   kOnSeat = 12,        // one more of how it lies
   // Faults: they lead to State::kFault.
   kModelInvalid = 16,  // no valid RobotModel in storage
-  kDriveFault = 17,  // its kind, joint and error code stand beside it
+  kDriveFault = 17,    // its kind, joint and error code stand beside it
   kImuSilent = 18,
   kAnkleSilent = 19,
   kBusOff = 20,

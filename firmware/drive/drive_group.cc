@@ -259,17 +259,20 @@ fixed::Angle DriveGroup::angle(std::size_t joint) const {
 DriveStatus DriveGroup::status() const {
   DriveStatus status{.configured = configured(),
                      .booted = booted(),
-                     .disabled = all_in(State::kSwitchOnDisabled),
                      .enabled = enabled_,
                      .limp = all_limp(),
                      .fault = fault_,
-                     .supply_mV = supply_mV_,
                      .new_supply_mV = new_supply_mV_};
-  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
-    status.angles[joint] = angle(joint);
-    if (!within_limits(joint)) status.beyond_limits |= 1u << joint;
-  }
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) status.angles[joint] = angle(joint);
   return status;
+}
+
+EnableConditions DriveGroup::enable_conditions() const {
+  EnableConditions conditions{.disabled = all_in(State::kSwitchOnDisabled), .supply_mV = supply_mV_};
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
+    if (!within_limits(joint)) conditions.beyond_limits |= 1u << joint;
+  }
+  return conditions;
 }
 
 bool DriveGroup::within_limits(std::size_t joint) const {

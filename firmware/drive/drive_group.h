@@ -10,9 +10,9 @@
 #include "firmware/canopen/heartbeat.h"
 #include "firmware/canopen/sdo/client.h"
 #include "firmware/drive/configuration.h"
+#include "firmware/drive/fault.h"
 #include "firmware/drive/signals.h"
 #include "firmware/drive/status.h"
-#include "firmware/drive/fault.h"
 #include "firmware/fixed/contract.h"
 #include "firmware/fixed/literals.h"
 #include "firmware/robot/model.h"
@@ -80,6 +80,7 @@ class DriveGroup {
   fixed::Angle angle(std::size_t joint) const;
   // What all of them say now.
   DriveStatus status() const;
+  EnableConditions enable_conditions() const;
   // Every drive in this state, as each said last.
   bool all_in(canopen::cia402::State state) const;
   // None makes torque, as each said last.

@@ -13,15 +13,19 @@ namespace koboshi::drive {
 struct DriveStatus {
   bool configured = false;  // every drive has its configuration and was told to start
   bool booted = false;      // and each has answered a SYNC
-  bool disabled = false;    // each is in the state switch on disabled
   bool enabled = false;     // each follows its targets, since the goal kEnabled was set
   bool limp = false;        // none makes torque
   JointFault fault;         // the first since the boot
   std::array<fixed::Angle, robot::kMaxJoints> angles{};  // where the joints are; meaningful once booted
-  // Bit i: joint i's encoder stands outside the joint's limits by more than DriveGroup::kEncoderMargin.
+  std::optional<std::uint32_t> new_supply_mV;            // of one drive, if it was read in this cycle
+};
+
+// What decides whether the drives may be enabled, at one instant; needed only when that is requested.
+struct EnableConditions {
+  bool disabled = false;  // each drive is in the state switch on disabled (CiA 402-2)
+  // Bit i: joint i's encoder reads beyond the joint's limits by more than DriveGroup::kEncoderMargin.
   std::uint32_t beyond_limits = 0;
-  std::array<std::uint32_t, robot::kMaxJoints> supply_mV{};  // as each told last
-  std::optional<std::uint32_t> new_supply_mV;                // what one of them has told in this cycle
+  std::array<std::uint32_t, robot::kMaxJoints> supply_mV{};  // of each drive, as last read
 };
 
 }  // namespace koboshi::drive

@@ -349,7 +349,8 @@ std::string EventLog::node_name(std::uint8_t node) const {
 
 std::string EventLog::reason_text(const Telemetry& said) const {
   if (said.reason != behaviour::Reason::kDriveFault) return name_of(said.reason);
-  const std::string fault(canopen::name_of(app::kDriveFaultNames, static_cast<std::int64_t>(said.drive_fault)));
+  const std::string fault(
+      canopen::name_of(app::kDriveFaultNames, static_cast<std::int64_t>(said.drive_fault)));
   const bool known = said.faulty_joint < model_.joint_names.size();
   return (known ? model_.joint_names[said.faulty_joint] + " " : "drive ") + fault;
 }

@@ -33,8 +33,9 @@ class BehaviourStage : public testing::Test {
     robot.ankle_age_us = {0, 0};
     robot.gyro_known = true;
     robot.accelerations_B.z = fixed::from_double<fixed::Acceleration>(9.81);
-    drives.disabled = drives.limp = true;
-    drives.supply_mV.fill(7'400);
+    drives.limp = true;
+    conditions.disabled = true;
+    conditions.supply_mV.fill(7'400);
     behaviour.restart(true, now_us);
   }
 
@@ -44,7 +45,7 @@ class BehaviourStage : public testing::Test {
     return behaviour.decision();
   }
   Reason request(Command command, std::int16_t argument = 0) {
-    return behaviour.request(command, argument, robot, drives, now_us);
+    return behaviour.request(command, argument, robot, conditions, now_us);
   }
   void boot() {
     drives.configured = drives.booted = true;
@@ -54,7 +55,7 @@ class BehaviourStage : public testing::Test {
   void stand() {
     boot();
     ASSERT_EQ(request(Command::kEnable), Reason::kNone);
-    drives.disabled = drives.limp = false;
+    conditions.disabled = drives.limp = false;
     drives.enabled = true;
     step(200);
     ASSERT_EQ(behaviour.state(), State::kStanding);
@@ -78,6 +79,7 @@ class BehaviourStage : public testing::Test {
   Behaviour behaviour;
   estimation::RobotState robot;
   drive::DriveStatus drives;
+  drive::EnableConditions conditions;
   NetworkStatus network;
   std::uint64_t now_us = 0;
 };
@@ -113,13 +115,13 @@ TEST_F(BehaviourStage, HoldsTheJointsWhereTheyAreUntilItIsEnabled) {
 TEST_F(BehaviourStage, SaysWhyItRefuses) {
   EXPECT_EQ(request(Command::kEnable), Reason::kNotInThisState);
   boot();
-  drives.supply_mV[4] = 5'900;
+  conditions.supply_mV[4] = 5'900;
   EXPECT_EQ(request(Command::kEnable), Reason::kSupplyOutOfRange);
   EXPECT_EQ(behaviour.status().refusal, Reason::kSupplyOutOfRange);
-  drives.supply_mV[4] = 7'400;
-  drives.beyond_limits = 1u << 2;
+  conditions.supply_mV[4] = 7'400;
+  conditions.beyond_limits = 1u << 2;
   EXPECT_EQ(request(Command::kEnable), Reason::kEncoderBeyondLimits);
-  drives.beyond_limits = 0;
+  conditions.beyond_limits = 0;
   robot.accelerations_B = {};
   EXPECT_EQ(request(Command::kEnable), Reason::kImuImplausible);
   EXPECT_EQ(request(static_cast<Command>(77)), Reason::kUnknownCommand);

@@ -106,7 +106,7 @@ TEST_F(DriveGroupTest, AsksOneDriveAfterTheOtherForItsSupply) {
   ASSERT_EQ(told.size(), drives.size());
   for (std::size_t i = 0; i < drives.size(); ++i) {
     EXPECT_EQ(told[i], 7'000 + i);
-    EXPECT_EQ(group.status().supply_mV[i], 7'000 + i);
+    EXPECT_EQ(group.enable_conditions().supply_mV[i], 7'000 + i);
   }
 }
 
@@ -389,9 +389,9 @@ TEST_F(DriveGroupTest, TranslatesAnglesByTheDrivesSignZeroAndUnit) {
 
 TEST_F(DriveGroupTest, JudgesLimitsWithAMargin) {
   signals.position[0] = 267'500;  // 91.8 degrees, 90 allowed and 2 beyond it
-  EXPECT_EQ(group.status().beyond_limits, 0u);
+  EXPECT_EQ(group.enable_conditions().beyond_limits, 0u);
   signals.position[0] = 268'500;  // 92.2
-  EXPECT_EQ(group.status().beyond_limits, 1u << 0);
+  EXPECT_EQ(group.enable_conditions().beyond_limits, 1u << 0);
 }
 
 using DriveGroupDeathTest = DriveGroupTest;
