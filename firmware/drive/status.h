@@ -9,12 +9,12 @@
 
 namespace koboshi::drive {
 
-// What the drives say of themselves at one instant; arrays by joint.
+// The state of all drives at one instant; arrays by joint.
 struct DriveStatus {
   bool configured = false;  // every drive has its configuration and was told to start
-  bool booted = false;      // and each has answered a SYNC
+  bool booted = false;      // configured, and each has answered a SYNC
   bool enabled = false;     // each follows its targets, since the goal kEnabled was set
-  bool limp = false;        // none makes torque
+  bool limp = false;        // no drive makes torque
   JointFault fault;         // the first since the boot
   std::array<fixed::Angle, robot::kMaxJoints> angles{};  // where the joints are; meaningful once booted
   std::optional<std::uint32_t> new_supply_mV;            // of one drive, if it was read in this cycle
