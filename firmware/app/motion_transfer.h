@@ -14,7 +14,7 @@ namespace koboshi::app {
 // A download goes straight into a free slot, and counts only once it is complete and valid for this robot.
 class MotionTransfer final : public canopen::Domain {
  public:
-  // `motions` is told of each motion that has been stored. All must outlive the transfer.
+  // Adds each stored motion to `motions`. All must outlive the transfer.
   MotionTransfer(storage::ItemStore& items, const robot::RobotModel& model, motion::MotionLibrary& motions)
       : items_(items), model_(model), motions_(motions) {}
 

@@ -19,9 +19,9 @@
 
 namespace koboshi::app {
 
-// What the controller's CANopen node calls back: hands requests, resets and what was heard of the drives to
-// those who answer them, and executes at once what the behaviour has decided about it. Keeps what the node
-// stores: parameters (0x1010, 0x1011) and motions (0x2400).
+// Receives the callbacks of the controller's CANopen node (CiA 301). Passes requests, resets and messages of
+// the drives to Requests, Behaviour and DriveGroup, and executes at once what the behaviour decides about
+// them. Stores parameters (0x1010, 0x1011) and motions (0x2400).
 class NodeCallbacks final : public canopen::NodeApplication {
  public:
   struct Parts {
@@ -44,9 +44,9 @@ class NodeCallbacks final : public canopen::NodeApplication {
         parameters_(parts.items, parts.node),
         motion_transfer_(parts.items, parts.model, parts.motions) {}
 
-  // The time of the callbacks that follow; to be called before the node is given any.
+  // Sets the time of the callbacks that follow; to be called before the node processes anything.
   void set_time(std::uint64_t now_us) { now_us_ = now_us; }
-  // Goes on storing what was asked for; once a millisecond.
+  // Continues to store parameters; to be called once a millisecond.
   void process() { parameters_.process(); }
 
  private:

@@ -227,7 +227,7 @@ void Node::send_sync(std::uint64_t now_us) {
 }
 
 void Node::produce_heartbeat(std::uint64_t now_us) {
-  // A heartbeat that still waits says the same.
+  // A heartbeat that still waits in the queue is enough.
   if (heartbeat_ms_ == 0 || queue_.pending(hal::kBackgroundFifo)) return;
   beat(now_us);
   heartbeat_due_us_ = next_beat(heartbeat_due_us_, heartbeat_ms_ * 1000u, now_us);

@@ -92,7 +92,7 @@ class ParameterStore {
   bool begun_ = false;  // the item
   Change wanted_;
   Cursor cursor_;
-  Status failure_ = Status::kOk;  // of the last change, until it is told
+  Status failure_ = Status::kOk;  // of the last change, until it is returned
 };
 
 }  // namespace koboshi::storage
