@@ -20,6 +20,7 @@
 #include "firmware/storage/catalogue.h"
 #include "firmware/storage/item_store.h"
 #include "hal/port/board.h"
+#include "hal/port/period.h"
 
 namespace koboshi::app {
 
@@ -36,7 +37,7 @@ namespace koboshi::app {
 //   drives       command_drives(JointAngles)                                  100 Hz
 class Controller final {
  public:
-  static constexpr std::uint32_t kTick_us = behaviour::Behaviour::kTick_us;
+  static constexpr std::uint32_t kTick_us = hal::kControlPeriod_us;
 
   // The board must outlive the controller.
   explicit Controller(const hal::Board& board);

@@ -68,7 +68,7 @@ const canopen::NodeDescription kControllerNode{
     .software_version = "0.1.0",
     .heartbeat_ms = drive::kControllerHeartbeat_ms,
     .sync_producer = true,
-    .sync_period_us = drive::kCycle_us,
+    .sync_period_us = hal::kControlPeriod_us,
     .sync_by_owner = true,
     // The behaviour state machine decides about a lost drive or bus; until then the drives need SYNC.
     .communication_error = canopen::CommunicationError::kNoChange,

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "firmware/fixed/contract.h"
+#include "firmware/fixed/dead_band.h"
 #include "firmware/fixed/rounding.h"
 #include "firmware/fixed/saturating.h"
 #include "firmware/robot/leg.h"
@@ -22,12 +23,6 @@ fixed::Angle correction(std::int16_t rate_gain, fixed::AngularRate rate, std::in
   return fixed::Angle::from_raw(static_cast<std::int32_t>(std::clamp(angle_raw, -kMax_raw, kMax_raw)));
 }
 
-// What is left of a rate outside the dead band.
-constexpr fixed::AngularRate beyond(fixed::AngularRate rate, fixed::AngularRate dead_band) {
-  if (rate > dead_band) return rate - dead_band;
-  return rate < -dead_band ? rate + dead_band : fixed::AngularRate();
-}
-
 }  // namespace
 
 Feedback::Feedback(const robot::RobotModel& model) : joints_(model.joint_count) {
@@ -35,9 +30,8 @@ Feedback::Feedback(const robot::RobotModel& model) : joints_(model.joint_count) 
     robot::LegGeometry geometry;
     if (!robot::make_leg_geometry(model, side, geometry)) continue;
     const auto joint = [&](std::size_t i) { return Joint{geometry.joints[i], geometry.signs[i]}; };
-    legs_[static_cast<std::size_t>(side)] = {joint(robot::kHipRoll), joint(robot::kHipPitch),
-                                             joint(robot::kKnee), joint(robot::kAnklePitch),
-                                             joint(robot::kAnkleRoll)};
+    legs_[side] = {joint(robot::kHipRoll), joint(robot::kHipPitch), joint(robot::kKnee),
+                   joint(robot::kAnklePitch), joint(robot::kAnkleRoll)};
   }
 }
 
@@ -79,10 +73,10 @@ void Feedback::correct(FeedbackMode mode, const FeedbackParameters& parameters,
     case FeedbackMode::kWalking:
       return correct(parameters.walking, trunk, targets);
     case FeedbackMode::kStanding: {
-      const auto dead_band = fixed::AngularRate::from_raw(parameters.standing_dead_band << 12);
+      const auto half_width = fixed::AngularRate::from_raw(parameters.standing_dead_band << 12);
       estimation::TrunkMotion beyond_it = trunk;
-      beyond_it.roll_rate = beyond(trunk.roll_rate, dead_band);
-      beyond_it.pitch_rate = beyond(trunk.pitch_rate, dead_band);
+      beyond_it.roll_rate = fixed::dead_band(trunk.roll_rate, half_width);
+      beyond_it.pitch_rate = fixed::dead_band(trunk.pitch_rate, half_width);
       return correct(parameters.standing, beyond_it, targets);
     }
   }

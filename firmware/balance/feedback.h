@@ -66,7 +66,7 @@ class Feedback {
 
  private:
   struct Joint {
-    std::uint8_t index = 0;
+    robot::JointIndex index;
     std::int8_t sign = 0;  // of the axis; 0 where there is no such joint
   };
   struct Leg {
@@ -78,7 +78,7 @@ class Feedback {
   };
 
   std::size_t joints_;
-  std::array<Leg, 2> legs_{};
+  hal::BySide<Leg> legs_{};
 };
 
 }  // namespace koboshi::balance

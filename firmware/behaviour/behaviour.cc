@@ -45,7 +45,7 @@ void Behaviour::restart(bool forget, std::uint64_t now_us) {
   if (forget) {
     status_ = {};
     velocity_ = {};
-    low_readings_ = 0;
+    low_supply_.reset();
   }
   enter(State::kBoot, Reason::kNone, now_us);
 }
@@ -65,8 +65,7 @@ void Behaviour::watch_for_faults(const Cycle& cycle, const NetworkStatus& networ
 // What counts is what the drives tell in two seconds: one step under load draws any battery down.
 void Behaviour::watch_battery(const drive::DriveStatus& drives) {
   if (!drives.new_supply_mV) return;
-  const bool low = *drives.new_supply_mV < parameters_.power.supply_low_mV;
-  low_readings_ = low ? fixed::add_saturated(low_readings_, std::uint8_t{1}) : std::uint8_t{0};
+  low_supply_.count(*drives.new_supply_mV < parameters_.power.supply_low_mV);
 }
 
 // A gyro whose bias nobody knows leans the attitude by up to forty degrees.
@@ -225,7 +224,7 @@ void Behaviour::run_enabling(const Cycle& cycle) {
 }
 
 void Behaviour::run_soft_start(const Cycle& cycle) {
-  soft_start_.advance(std::int32_t{kTick_us}, decision_.targets);
+  soft_start_.advance(std::int32_t{hal::kControlPeriod_us}, decision_.targets);
   if (soft_start_.arrived()) handle(Event::kArrived, Reason::kProgress, cycle);
 }
 
@@ -235,7 +234,7 @@ void Behaviour::run_standing(const Cycle& cycle) {
 
 void Behaviour::run_motion(const Cycle& cycle) {
   if (battery_low()) interpreter_.stop();
-  play_on(kTick_us);
+  play_on(hal::kControlPeriod_us);
   if (!interpreter_.running()) handle(Event::kEnded, Reason::kProgress, cycle);
 }
 

@@ -15,10 +15,12 @@
 #include "firmware/drive/drive_group.h"
 #include "firmware/drive/status.h"
 #include "firmware/estimation/robot_state.h"
+#include "firmware/fixed/debounce.h"
 #include "firmware/motion/interpreter.h"
 #include "firmware/motion/motion_library.h"
 #include "firmware/motion/roles.h"
 #include "firmware/walk/walker.h"
+#include "hal/port/period.h"
 
 namespace koboshi::behaviour {
 
@@ -67,10 +69,9 @@ struct Decision {
 // the drives say and what an operator asks. Its state changes by the rules of state.h and in no other way.
 class Behaviour {
  public:
-  static constexpr std::uint32_t kTick_us = 10'000;
   static constexpr std::uint32_t kSensorTimeout_us = 50'000;
   // Of the supply in a row: two seconds.
-  static constexpr std::uint8_t kLowReadings = 2'000'000 / drive::DriveGroup::kSupplyPeriod_us;
+  static constexpr std::uint16_t kLowReadings = 2'000'000 / drive::DriveGroup::kSupplyPeriod_us;
 
   // `model_valid`: storage holds a model; without one the robot only boots, into a fault. All must outlive
   // the behaviour.
@@ -128,7 +129,7 @@ class Behaviour {
   // What leads out of a state whatever it is (behaviour.cc).
   void watch_for_faults(const Cycle& cycle, const NetworkStatus& network);
   void watch_battery(const drive::DriveStatus& drives);
-  bool battery_low() const { return low_readings_ >= kLowReadings; }
+  bool battery_low() const { return low_supply_.reached(kLowReadings); }
   void watch_for_falls(const Cycle& cycle);
 
   // Changes of state.
@@ -176,7 +177,7 @@ class Behaviour {
   Decision decision_;
   walk::Velocity velocity_;                // the last that was obeyed
   std::uint64_t entered_us_ = 0;           // when the present state began
-  std::uint8_t low_readings_ = 0;          // of the supply, in a row
+  fixed::Debounce low_supply_;             // by the drives' readings
   bool has_rolled_ = false;                // in this attempt to get up
   robot::Direction up_B_ = robot::kAxisZ;  // of the present cycle, for the interpreter
   motion::Interpreter interpreter_;

@@ -37,9 +37,8 @@ FallDirection FallDetector::update(const FallLimits& limits, const estimation::T
   const std::int64_t sagittal = square(forward) * square(limits.side);
   const std::int64_t lateral = square(right) * square(length);
   const bool beyond = sagittal + lateral > square(length) * square(limits.side);
-  cycles_ = armed_ && leans && beyond && limits.are_set() ? fixed::add_saturated(cycles_, std::int16_t{1})
-                                                          : std::int16_t{0};
-  if (cycles_ < std::max<std::int16_t>(limits.cycles, 1)) return FallDirection::kNone;
+  const auto cycles = static_cast<std::uint16_t>(std::max<std::int16_t>(limits.cycles, 1));
+  if (!beyond_.update(armed_ && leans && beyond && limits.are_set(), cycles)) return FallDirection::kNone;
   disarm();
   if (sagittal >= lateral) return forward < 0 ? FallDirection::kBack : FallDirection::kFront;
   return right < 0 ? FallDirection::kLeft : FallDirection::kRight;
@@ -47,7 +46,7 @@ FallDirection FallDetector::update(const FallLimits& limits, const estimation::T
 
 void FallDetector::disarm() {
   armed_ = false;
-  cycles_ = 0;
+  beyond_.reset();
 }
 
 }  // namespace koboshi::behaviour

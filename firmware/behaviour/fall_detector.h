@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "firmware/estimation/trunk_motion.h"
+#include "firmware/fixed/debounce.h"
 
 namespace koboshi::behaviour {
 
@@ -42,7 +43,7 @@ class FallDetector {
 
  private:
   bool armed_ = false;
-  std::int16_t cycles_ = 0;  // outside the ellipse, in a row
+  fixed::Debounce beyond_;  // the ellipse
 };
 
 }  // namespace koboshi::behaviour

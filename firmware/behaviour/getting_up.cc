@@ -54,7 +54,7 @@ bool Behaviour::begin_role(Role role) {
 // Stiff until the body is about to land, so that the pose is reached; then limp, so that the ground drives no
 // gear. Who bends low enough may not fall at all.
 void Behaviour::run_falling(const Cycle& cycle) {
-  if (interpreter_.running()) play_on(kTick_us);
+  if (interpreter_.running()) play_on(hal::kControlPeriod_us);
   const bool rests = !interpreter_.running() && stillness_.update(cycle.robot.rates_B);
   if (rests && is_up(cycle.robot.up_B)) return stand_up_straight(Reason::kCaughtItself, cycle);
   if (rests || is_down(cycle.robot.up_B) || cycle.now_us - entered_us_ >= kLongestFall_us) {
@@ -113,7 +113,7 @@ void Behaviour::rise_from_seat(const Cycle& cycle) {
 fixed::Angle Behaviour::thigh_pitch(const Cycle& cycle) const {
   std::int64_t hips_raw = 0;
   for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
-    const std::uint8_t hip = model_.leg(side)[robot::kHipPitch];
+    const robot::JointIndex hip = model_.leg(side)[robot::kHipPitch];
     const std::int64_t angle_raw = cycle.drives.angles[hip].raw();
     hips_raw += model_.joints[hip].axis.y.raw() < 0 ? -angle_raw : angle_raw;
   }
@@ -128,7 +128,7 @@ void Behaviour::turn_from_side(Role roll, Reason side, const Cycle& cycle) {
 }
 
 void Behaviour::run_getting_up(const Cycle& cycle) {
-  play_on(kTick_us * pace_percent() / 100);
+  play_on(hal::kControlPeriod_us * pace_percent() / 100);
   if (interpreter_.running()) return;
   if (interpreter_.failed()) return handle(Event::kElsewhere, Reason::kBodyElsewhere, cycle);
   handle(Event::kEnded, Reason::kProgress, cycle);

@@ -6,6 +6,7 @@
 #include "firmware/canopen/cia402.h"
 #include "firmware/canopen/frame.h"
 #include "firmware/canopen/pdo.h"
+#include "hal/port/period.h"
 
 namespace koboshi::drive {
 
@@ -75,8 +76,8 @@ constexpr Configuration::Step Configuration::kSteps[] = {
     // Supervision both ways, and the cycle.
     {Step::Purpose::kWrite, {0x1016, 1}, 4, kControllerLost},
     {Step::Purpose::kWrite, {0x1017, 0}, 2, kDriveHeartbeat_ms},
-    {Step::Purpose::kWrite, {0x1006, 0}, 4, kCycle_us},
-    {Step::Purpose::kWrite, {cia402::kInterpolationTimePeriod, 1}, 1, kCycle_us / 1000},
+    {Step::Purpose::kWrite, {0x1006, 0}, 4, hal::kControlPeriod_us},
+    {Step::Purpose::kWrite, {cia402::kInterpolationTimePeriod, 1}, 1, hal::kControlPeriod_us / 1000},
     {Step::Purpose::kWrite, {cia402::kSoftwarePositionLimit, 1}, 4, 0, Step::Own::kLowest},
     {Step::Purpose::kWrite, {cia402::kSoftwarePositionLimit, 2}, 4, 0, Step::Own::kHighest},
     {Step::Purpose::kWrite, {cia402::kModeOfOperation, 0}, 1, cia402::kCyclicSynchronousPosition},

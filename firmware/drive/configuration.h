@@ -17,7 +17,6 @@ inline constexpr std::uint16_t kDriveHeartbeatLost_ms = 350;  // two may be lost
 // A drive without targets says so a cycle after one without SYNC would: that is told first when both are
 // gone.
 inline constexpr std::uint16_t kTargetsLost_ms = 60;
-inline constexpr std::uint32_t kCycle_us = 10'000;
 
 // Writes into one drive after the other, over SDO, what it must know before it may move: it checks the
 // drive's identity (0x1018), maps its PDOs by the sequence of CiA 301 (7.5.2.36), sets the heartbeats, the

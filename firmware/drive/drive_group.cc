@@ -193,8 +193,7 @@ void DriveGroup::watch_answers() {
 void DriveGroup::count_missed() {
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     const bool answered = (answered_ >> joint & 1u) != 0;
-    missed_[joint] = answered ? std::uint8_t{0} : fixed::add_saturated(missed_[joint], std::uint8_t{1});
-    if (missed_[joint] >= kMissedAnswers) report(DriveFault::kLost, joint);
+    if (missed_[joint].update(!answered, kMissedAnswers)) report(DriveFault::kLost, joint);
   }
 }
 

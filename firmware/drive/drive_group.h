@@ -14,6 +14,7 @@
 #include "firmware/drive/signals.h"
 #include "firmware/drive/status.h"
 #include "firmware/fixed/contract.h"
+#include "firmware/fixed/debounce.h"
 #include "firmware/fixed/literals.h"
 #include "firmware/robot/model.h"
 
@@ -45,7 +46,7 @@ class DriveGroup {
   // An encoder may stand this far outside the joint's limits: backlash and offset of a robot that leans on
   // its stops. The first target then draws the joint back to its limit.
   static constexpr auto kEncoderMargin = fixed::literals::operator""_deg(2.0L);
-  static constexpr std::uint8_t kMissedAnswers = 5;  // cycles without an answer after which a drive is lost
+  static constexpr std::uint16_t kMissedAnswers = 5;  // cycles without an answer after which a drive is lost
 
   // All must outlive the group. Frames go to `sink` as NMT master and SDO client.
   DriveGroup(const robot::RobotModel& model, canopen::FrameSink& sink, DriveSignals& signals);
@@ -140,7 +141,7 @@ class DriveGroup {
   std::uint32_t heard_ = 0;     // bit i: joint i's drive has answered a SYNC
   std::uint32_t answered_ = 0;  // the same, in the last cycle
   bool answering_ = false;
-  std::array<std::uint8_t, robot::kMaxJoints> missed_{};  // cycles since its last answer
+  std::array<fixed::Debounce, robot::kMaxJoints> missed_{};  // cycles since its last answer
   bool told_enabled_ = false;  // the controlwords are those of the goal kEnabled, reached
   bool enabled_ = false;       // the goal kEnabled was reached
   JointFault fault_;

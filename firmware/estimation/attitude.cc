@@ -1,5 +1,6 @@
 #include "firmware/estimation/attitude.h"
 
+#include "firmware/fixed/gravity.h"
 #include "firmware/fixed/literals.h"
 #include "firmware/fixed/trigonometry.h"
 
@@ -11,7 +12,7 @@ using robot::Direction;
 
 namespace {
 
-constexpr Ratio kInverseGravity = 0.101936799_ratio;  // of 9.81 m/s^2
+constexpr Ratio kOldInverseGravity = 0.101936799_ratio;  // of 9.81 m/s^2
 // 0.85^2 and 1.15^2: of |force|^2 / g^2.
 constexpr Ratio kLeast = 0.7225_ratio;
 constexpr Ratio kMost = 1.3225_ratio;
@@ -35,9 +36,9 @@ bool is_near_one(const Direction& force) {
 
 // force / g; saturates at 2.
 Direction in_g(const AttitudeEstimator::Acceleration& force_B) {
-  return {fixed::product<Ratio>(force_B.x, kInverseGravity),
-          fixed::product<Ratio>(force_B.y, kInverseGravity),
-          fixed::product<Ratio>(force_B.z, kInverseGravity)};
+  return {fixed::product<Ratio>(force_B.x, kOldInverseGravity),
+          fixed::product<Ratio>(force_B.y, kOldInverseGravity),
+          fixed::product<Ratio>(force_B.z, kOldInverseGravity)};
 }
 
 }  // namespace

@@ -20,10 +20,9 @@ Estimator::Estimator(const robot::RobotModel& model)
       foot_sensors_{FootSensor(model, hal::Side::kLeft), FootSensor(model, hal::Side::kRight)} {}
 
 void Estimator::add(hal::Side side, const hal::AnkleSample& sample, std::uint64_t now_us) {
-  const auto foot = static_cast<std::size_t>(side);
-  std::ranges::copy(sample.force_raw, wrenches_[foot].begin());
-  std::ranges::copy(sample.torque_raw, wrenches_[foot].begin() + 3);
-  ankle_us_[foot] = now_us;
+  std::ranges::copy(sample.force_raw, wrenches_[side].begin());
+  std::ranges::copy(sample.torque_raw, wrenches_[side].begin() + 3);
+  ankle_us_[side] = now_us;
 }
 
 const RobotState& Estimator::update(std::span<const fixed::Angle> angles, bool rests, std::uint64_t now_us) {

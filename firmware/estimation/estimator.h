@@ -64,9 +64,9 @@ class Estimator {
   InertialSensor inertial_;
   GyroBias gyro_bias_;
   AttitudeEstimator attitude_;
-  std::array<FootSensor, 2> foot_sensors_;                 // by Side, as the next two
-  std::array<std::array<std::int16_t, 6>, 2> wrenches_{};  // counts: force, then torque
-  std::array<std::optional<std::uint64_t>, 2> ankle_us_;   // when each was heard last
+  hal::BySide<FootSensor> foot_sensors_;
+  hal::BySide<std::array<std::int16_t, 6>> wrenches_{};  // counts: force, then torque
+  hal::BySide<std::optional<std::uint64_t>> ankle_us_;   // when each was heard last
   bool calibrating_ = false;
   bool bias_assumed_ = false;
   std::uint16_t gyro_calibrations_ = 0;

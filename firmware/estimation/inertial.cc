@@ -9,7 +9,8 @@ using namespace fixed::literals;
 
 namespace {
 
-constexpr fixed::Ratio kRadPerTurnAndSample = 0.00628318530718_ratio;  // 2 pi / 1000
+// A rate in turn/s over a sample of 1 ms, as an angle in rad.
+constexpr fixed::Ratio kRadPerTurnAndSample = literal<fixed::Ratio>(kRadPerTurn / 1000.0L);
 
 // Half of `sum` in units of Q: `full_scale` is what 2^15 counts mean. Fits, because that is positive.
 template <fixed::AnyQuantity Q>

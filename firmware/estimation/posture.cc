@@ -5,8 +5,8 @@
 namespace koboshi::estimation {
 
 robot::Position Posture::centre_of_mass(hal::Side side) const {
-  const robot::Pose& X_BSole = sole(side);
-  return robot::transpose(X_BSole.R) * (p_BCom - X_BSole.p);
+  const robot::Pose& X_BThisSole = X_BSole[side];
+  return robot::transpose(X_BThisSole.R) * (p_BCom - X_BThisSole.p);
 }
 
 Posture posture_at(const robot::RobotModel& model, std::span<const fixed::Angle> angles) {

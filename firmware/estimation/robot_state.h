@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <limits>
 
@@ -23,10 +22,10 @@ struct RobotState {
   bool gyro_known = false;  // the bias was measured or stored: without it attitude and rates drift
   std::uint32_t inertial_age_us = kNever;  // since the last sample; saturates
 
-  // From the ankle sensors; by hal::Side where there are two.
-  std::array<FootPressure, 2> feet{};
+  // From the ankle sensors.
+  hal::BySide<FootPressure> feet{};
   Pressure zmp;  // of both feet, in the frame of the sole that carries more
-  std::array<std::uint32_t, 2> ankle_age_us{kNever, kNever};
+  hal::BySide<std::uint32_t> ankle_age_us{kNever, kNever};
 
   // From the joint angles: the centre of mass, in the frame of `zmp`.
   robot::Position centre_of_mass;

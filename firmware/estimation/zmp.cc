@@ -1,7 +1,7 @@
 #include "firmware/estimation/zmp.h"
 
+#include "firmware/fixed/gravity.h"
 #include "firmware/fixed/interpolation.h"
-#include "firmware/fixed/literals.h"
 #include "firmware/fixed/rounding.h"
 
 namespace koboshi::estimation {
@@ -14,7 +14,7 @@ using robot::Position;
 
 namespace {
 
-constexpr fixed::Acceleration kGravity = fixed::literals::operator""_m_per_s2(9.81L);
+constexpr fixed::Acceleration kOldGravity = fixed::literals::literal<fixed::Acceleration>(9.81L);
 
 // A count of 2^15 is full scale.
 template <fixed::AnyQuantity Q>
@@ -33,11 +33,11 @@ Length lever(Torque torque, Force force, Length arm, Force load) {
 }  // namespace
 
 FootSensor::FootSensor(const robot::RobotModel& model, hal::Side side)
-    : model_(model), sensor_(model.feet[static_cast<std::size_t>(side)].sensor) {
+    : model_(model), sensor_(model.feet[side].sensor) {
   if (model.joint_count == 0) return;
-  const robot::Foot& geometry = model.feet[static_cast<std::size_t>(side)];
+  const robot::Foot& geometry = model.feet[side];
   const robot::Joint& foot = model.joints[model.leg(side)[robot::kLegJoints - 1]];
-  weight_ = fixed::product<Force>(foot.mass, kGravity);
+  weight_ = fixed::product<Force>(foot.mass, kOldGravity);
   // The foot's frame lies in the ankle, over the sole frame's origin.
   weight_x_ = fixed::product<Torque>(foot.centre_of_mass.y - geometry.sensor.y, weight_);
   weight_y_ = -fixed::product<Torque>(foot.centre_of_mass.x - geometry.sensor.x, weight_);
@@ -56,15 +56,15 @@ FootPressure FootSensor::pressure(std::span<const std::int16_t, 6> counts) const
   return foot;
 }
 
-Pressure combine(const std::array<FootPressure, 2>& feet, const Posture& posture) {
+Pressure combine(const hal::BySide<FootPressure>& feet, const Posture& posture) {
   const bool right = feet[1].load > feet[0].load;
   const FootPressure& main = feet[right ? 1 : 0];
   const FootPressure& other = feet[right ? 0 : 1];
   Pressure both{right ? hal::Side::kRight : hal::Side::kLeft, main.valid, main.x, main.y};
   if (!other.valid) return both;
   // From the frame of the other sole O to that of the main one M.
-  const robot::Pose& X_BM = posture.sole(both.frame);
-  const robot::Pose& X_BO = posture.sole(right ? hal::Side::kLeft : hal::Side::kRight);
+  const robot::Pose& X_BM = posture.X_BSole[both.frame];
+  const robot::Pose& X_BO = posture.X_BSole[right ? hal::Side::kLeft : hal::Side::kRight];
   const Position p_BZmp = X_BO.p + X_BO.R * Position{other.x, other.y, {}};
   const Position p_MZmp = robot::transpose(X_BM.R) * (p_BZmp - X_BM.p);
   const Ratio share = fixed::quotient<Ratio>(other.load, main.load + other.load);

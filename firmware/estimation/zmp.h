@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 
@@ -53,7 +52,7 @@ class FootSensor {
   fixed::Torque weight_y_;
 };
 
-// Both feet, weighted with their loads. `feet` by Side.
-Pressure combine(const std::array<FootPressure, 2>& feet, const Posture& posture);
+// Both feet, weighted with their loads.
+Pressure combine(const hal::BySide<FootPressure>& feet, const Posture& posture);
 
 }  // namespace koboshi::estimation

@@ -11,17 +11,16 @@ using fixed::Mass;
 void forward_kinematics(const RobotModel& model, std::span<const fixed::Angle> angles, LinkPoses& X_BLinks) {
   KOBOSHI_ASSERT(angles.size() >= model.joint_count);
   for (std::size_t step = 0; step < model.joint_count; ++step) {
-    const std::size_t i = model.order[step];
+    const JointIndex i = model.order[step];
     const Joint& joint = model.joints[i];
     const Pose X_ParentLink{rotation_about(joint.axis, angles[i]), joint.anchor};
-    X_BLinks[i] = joint.parent == kBase ? X_ParentLink
-                                        : X_BLinks[static_cast<std::size_t>(joint.parent)] * X_ParentLink;
+    X_BLinks[i] = joint.parent.is_trunk() ? X_ParentLink : X_BLinks[joint.parent.joint()] * X_ParentLink;
   }
 }
 
 Pose sole_pose(const RobotModel& model, hal::Side side, const LinkPoses& X_BLinks) {
   const Pose& X_BFoot = X_BLinks[model.leg(side)[kLegJoints - 1]];
-  const Length ankle_height = model.feet[static_cast<std::size_t>(side)].ankle_height;
+  const Length ankle_height = model.feet[side].ankle_height;
   return {X_BFoot.R, X_BFoot.p + X_BFoot.R * Position{.x = {}, .y = {}, .z = -ankle_height}};
 }
 

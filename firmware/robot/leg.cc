@@ -169,14 +169,12 @@ class LegSolver {
 }  // namespace
 
 bool make_leg_geometry(const RobotModel& model, hal::Side side, LegGeometry& geometry) {
-  const bool left = side == hal::Side::kLeft;
-  const auto first = static_cast<std::size_t>(left ? JointRole::kLeftHipYaw : JointRole::kRightHipYaw);
   std::array<Position, kLegJoints> anchors;
   for (std::size_t i = 0; i < kLegJoints; ++i) {
-    const auto index = model.find(static_cast<JointRole>(first + i));
+    const auto index = model.find(leg_role(side, i));
     if (!index) return false;
     const Joint& joint = model.joints[*index];
-    const std::int8_t parent = i == 0 ? kBase : static_cast<std::int8_t>(geometry.joints[i - 1]);
+    const LinkIndex parent = i == 0 ? LinkIndex() : LinkIndex(geometry.joints[i - 1]);
     geometry.joints[i] = *index;
     geometry.signs[i] = sign_along(joint.axis, kLegAxes[i]);
     if (joint.parent != parent || geometry.signs[i] == 0) return false;
@@ -194,7 +192,7 @@ bool make_leg_geometry(const RobotModel& model, hal::Side side, LegGeometry& geo
   geometry.shank = fixed::hypotenuse(shank.x, shank.z);
   geometry.thigh_tilt = fixed::atan2(-thigh.x, -thigh.z);
   geometry.shank_tilt = fixed::atan2(-shank.x, -shank.z);
-  geometry.ankle_height = model.feet[static_cast<std::size_t>(side)].ankle_height;
+  geometry.ankle_height = model.feet[side].ankle_height;
   return true;
 }
 

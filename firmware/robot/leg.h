@@ -15,8 +15,8 @@ enum LegJoint : std::size_t { kHipYaw, kHipRoll, kHipPitch, kKnee, kAnklePitch, 
 // joint zero. The knee may lie before or behind the line HA: thigh and shank then lean by their tilts at
 // joint zero, positive backwards down, as pitch is.
 struct LegGeometry {
-  std::array<std::uint8_t, kLegJoints> joints{};  // by LegJoint
-  std::array<std::int8_t, kLegJoints> signs{};    // +1 where a joint's axis is +z, +x or +y
+  std::array<JointIndex, kLegJoints> joints{};  // by LegJoint
+  std::array<std::int8_t, kLegJoints> signs{};  // +1 where a joint's axis is +z, +x or +y
   Position p_BH_B;
   fixed::Length thigh;
   fixed::Length shank;

@@ -39,8 +39,8 @@ void read(ImageReader& reader, Foot& foot) {
 
 void read(ImageReader& reader, Joint& joint) {
   joint.role = static_cast<JointRole>(reader.u8());
-  joint.parent = reader.i8();
-  joint.mirror = reader.u8();
+  joint.parent = LinkIndex::from_raw(reader.i8());
+  joint.mirror = JointIndex(reader.u8());
   joint.mirror_sign = reader.i8();
   joint.drive.node_id = reader.u8();
   joint.drive.sign = reader.i8();
@@ -90,19 +90,16 @@ ModelStatus load_model(std::span<const std::byte> image_bytes, RobotModel& model
   return check_model(model);
 }
 
-std::optional<std::uint8_t> RobotModel::find(JointRole role) const {
+std::optional<JointIndex> RobotModel::find(JointRole role) const {
   for (std::size_t i = 0; i < joint_count; ++i) {
-    if (joints[i].role == role) return static_cast<std::uint8_t>(i);
+    if (joints[i].role == role) return JointIndex(i);
   }
   return std::nullopt;
 }
 
-std::array<std::uint8_t, kLegJoints> RobotModel::leg(hal::Side side) const {
-  const JointRole first = side == hal::Side::kLeft ? JointRole::kLeftHipYaw : JointRole::kRightHipYaw;
-  std::array<std::uint8_t, kLegJoints> indices{};
-  for (std::size_t i = 0; i < kLegJoints; ++i) {
-    indices[i] = find(static_cast<JointRole>(static_cast<std::size_t>(first) + i)).value_or(0);
-  }
+std::array<JointIndex, kLegJoints> RobotModel::leg(hal::Side side) const {
+  std::array<JointIndex, kLegJoints> indices{};
+  for (std::size_t i = 0; i < kLegJoints; ++i) indices[i] = find(leg_role(side, i)).value_or(JointIndex());
   return indices;
 }
 

@@ -9,7 +9,8 @@
 #include "firmware/fixed/rounding.h"
 #include "firmware/fixed/saturating.h"
 #include "firmware/robot/geometry.h"
-#include "hal/port/ankle.h"
+#include "firmware/robot/index.h"
+#include "hal/port/side.h"
 
 namespace koboshi::robot {
 
@@ -17,7 +18,6 @@ inline constexpr std::size_t kMaxJoints = 24;
 inline constexpr std::size_t kModelNameSize = 24;
 inline constexpr std::uint32_t kModelMagic = 0x444D524Bu;  // "KRMD"
 inline constexpr std::uint16_t kModelVersion = 1;
-inline constexpr std::int8_t kBase = -1;  // as a parent: the trunk
 
 // What a joint does in the body, so that code which needs a certain joint finds it on any robot.
 // The legs and arms of both sides are in the same order.
@@ -47,6 +47,12 @@ enum class JointRole : std::uint8_t {
 inline constexpr std::size_t kRoleCount = 21;
 inline constexpr std::size_t kLegJoints = 6;
 
+// The role of the leg joint at this place, 0..kLegJoints - 1 from the trunk down (LegJoint in leg.h).
+[[nodiscard]] constexpr JointRole leg_role(hal::Side side, std::size_t place) noexcept {
+  const JointRole first = side == hal::Side::kLeft ? JointRole::kLeftHipYaw : JointRole::kRightHipYaw;
+  return static_cast<JointRole>(static_cast<std::size_t>(first) + place);
+}
+
 // The servo drive of a joint: its shaft turns by sign * joint angle + zero, in units of 2^-position_bits
 // turn.
 struct Drive {
@@ -63,8 +69,8 @@ struct Drive {
 // are those of B.
 struct Joint {
   JointRole role = JointRole::kOther;
-  std::int8_t parent = kBase;   // index of the joint that carries this one
-  std::uint8_t mirror = 0;      // joint of the other side; itself for one in the middle
+  LinkIndex parent;             // on which the hinge is mounted
+  JointIndex mirror;            // joint of the other side; itself for one in the middle
   std::int8_t mirror_sign = 1;  // angle of the mirror image = sign * angle
   Position anchor;              // from the parent's anchor, or from B's origin
   Direction axis = kAxisZ;      // unit vector
@@ -102,17 +108,18 @@ struct RobotModel {
   std::array<char, kModelNameSize> name{};  // padded with zeros
   std::size_t joint_count = 0;
   std::array<Joint, kMaxJoints> joints{};
-  std::array<std::uint8_t, kMaxJoints> order{};  // of indices: each joint after its parent
+  std::array<JointIndex, kMaxJoints> order{};  // each joint after the one that carries its parent
   fixed::Mass base_mass;
   Position base_centre_of_mass;  // in B
   fixed::Length body_height;     // from sole to crown at joint zero
   Rotation R_BI;                 // inertial unit I
   SensorScales scales;
-  std::array<Foot, 2> feet{};  // by Side
+  hal::BySide<Foot> feet{};
 
-  [[nodiscard]] std::optional<std::uint8_t> find(JointRole role) const;
+  // Returns the joint with this role, the first one; nothing where the robot has none.
+  [[nodiscard]] std::optional<JointIndex> find(JointRole role) const;
   // Hip yaw, roll, pitch, knee, ankle pitch, roll. A loaded model has them.
-  [[nodiscard]] std::array<std::uint8_t, kLegJoints> leg(hal::Side side) const;
+  [[nodiscard]] std::array<JointIndex, kLegJoints> leg(hal::Side side) const;
 };
 
 enum class [[nodiscard]] ModelStatus : std::uint8_t{

@@ -36,10 +36,10 @@ bool is_rotation(const Rotation& R) {
 
 bool has_meaning(const RobotModel& model, const Joint& joint) {
   const int count = static_cast<int>(model.joint_count);
-  return static_cast<std::size_t>(joint.role) < kRoleCount && joint.parent >= kBase && joint.parent < count &&
-         joint.mirror < count && is_sign(joint.mirror_sign) && is_sign(joint.drive.sign) &&
-         joint.drive.node_id >= 1 && joint.drive.node_id <= 127 && joint.drive.position_bits >= 8 &&
-         joint.drive.position_bits <= 31;
+  return static_cast<std::size_t>(joint.role) < kRoleCount && joint.parent.raw() < count &&
+         (joint.parent.is_trunk() || joint.parent.raw() >= 0) && joint.mirror < model.joint_count &&
+         is_sign(joint.mirror_sign) && is_sign(joint.drive.sign) && joint.drive.node_id >= 1 &&
+         joint.drive.node_id <= 127 && joint.drive.position_bits >= 8 && joint.drive.position_bits <= 31;
 }
 
 ModelStatus check_joint(const RobotModel& model, const Joint& joint) {
@@ -73,10 +73,10 @@ bool sort_tree(RobotModel& model) {
   std::size_t count = 0;
   for (std::size_t round = 0; round < model.joint_count && count < model.joint_count; ++round) {
     for (std::size_t i = 0; i < model.joint_count; ++i) {
-      const std::int8_t parent = model.joints[i].parent;
-      if (placed[i] || (parent != kBase && !placed[static_cast<std::size_t>(parent)])) continue;
+      const LinkIndex parent = model.joints[i].parent;
+      if (placed[i] || (!parent.is_trunk() && !placed[parent.joint()])) continue;
       placed[i] = true;
-      model.order[count++] = static_cast<std::uint8_t>(i);
+      model.order[count++] = JointIndex(i);
     }
   }
   return count == model.joint_count;

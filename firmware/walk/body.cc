@@ -70,22 +70,20 @@ Body::Body(const robot::RobotModel& model) : model_(model) {
   std::array<Position, robot::kMaxJoints> p_BLinks;
   Position centre = scaled(model.base_centre_of_mass, shares.of(model.base_mass));
   for (std::size_t step = 0; step < model.joint_count; ++step) {
-    const std::size_t i = model.order[step];
+    const robot::JointIndex i = model.order[step];
     const robot::Joint& joint = model.joints[i];
-    p_BLinks[i] = joint.parent == robot::kBase
-                      ? joint.anchor
-                      : p_BLinks[static_cast<std::size_t>(joint.parent)] + joint.anchor;
+    p_BLinks[i] = joint.parent.is_trunk() ? joint.anchor : p_BLinks[joint.parent.joint()] + joint.anchor;
     centre = centre + scaled(p_BLinks[i] + joint.centre_of_mass, shares.of(joint.mass));
   }
   Ratio both_legs;
   Position soles{};
   for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
-    robot::LegGeometry& leg = legs_[static_cast<std::size_t>(side)];
+    robot::LegGeometry& leg = legs_[side];
     // A loaded model has legs of this shape (ModelStatus::kBadLeg).
     static_cast<void>(robot::make_leg_geometry(model, side, leg));
     Position p_BSole = p_BLinks[leg.joints[kAnkleRoll]];
     p_BSole.z -= leg.ankle_height;
-    for (const std::size_t i : leg.joints) {
+    for (const robot::JointIndex i : leg.joints) {
       const Length place = p_BLinks[i].z + model.joints[i].centre_of_mass.z;
       const Ratio along = fixed::quotient<Ratio>(leg.p_BH_B.z - place, leg.p_BH_B.z - p_BSole.z);
       both_legs += product<Ratio>(shares.of(model.joints[i].mass), along);

@@ -50,7 +50,7 @@ class Body {
                   const robot::Position& p_SH, robot::LegAngles& leg) const;
 
   const robot::RobotModel& model_;
-  std::array<robot::LegGeometry, 2> legs_{};
+  hal::BySide<robot::LegGeometry> legs_{};
   robot::Position constant_B_;  // k
   fixed::Ratio foot_share_;     // mu
   fixed::Ratio inverse_share_;  // 1 / (1 - 2 mu)

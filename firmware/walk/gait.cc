@@ -17,7 +17,7 @@ using namespace fixed::literals;
 
 namespace {
 
-constexpr std::int32_t kTick_ms = 10;
+constexpr std::int32_t kTick_ms = hal::kControlPeriod_us / 1'000;
 
 Length tenths_of_mm(std::int16_t value) { return fixed::mul_div(Length::from_raw(1 << 24), value, 10'000); }
 Ratio permille(std::int16_t value) { return fixed::mul_div(fixed::kOne, value, 1000); }
@@ -29,7 +29,7 @@ constexpr std::int64_t hundredth(std::int64_t unit_raw) {
   return fixed::divide_rounded(unit_raw << 16, 100'000);
 }
 constexpr std::int64_t kLength = hundredth(1 << 24);
-constexpr std::int64_t kAngle = hundredth(683'565'276);  // 2^32 / (2 pi)
+constexpr std::int64_t kAngle = hundredth(literal<Angle>(1.0L / kRadPerTurn).raw());
 constexpr std::int64_t kRatio = hundredth(1 << 30);
 
 std::int64_t in_raw(std::int32_t value, std::int64_t hundredth) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "firmware/fixed/gravity.h"
 #include "firmware/fixed/literals.h"
 #include "firmware/fixed/trigonometry.h"
 
@@ -16,8 +17,6 @@ namespace {
 
 constexpr Length kLowest = 0.05_m;
 constexpr Length kHighest = 1.0_m;
-// 1 / g in s^2/m, so that height / g is a ratio: T_c^2 in s^2.
-constexpr Ratio kInverseGravity = 0.101971621_ratio;
 
 // e^x by its series, for |x| <= 0.15: the first term left out is below 2^-30.
 Ratio exponential(Ratio x) {
@@ -34,7 +33,7 @@ Length toward(Length from, Length value, Ratio factor) {
 
 Pendulum::Pendulum(Length height) {
   const Length bounded = std::clamp(height, kLowest, kHighest);
-  time_constant_s_ = fixed::square_root<Ratio>(fixed::product<Ratio>(bounded, kInverseGravity));
+  time_constant_s_ = fixed::square_root<Ratio>(fixed::product<Ratio>(bounded, fixed::kInverseGravity));
   const Ratio x = fixed::quotient<Ratio>(kTick_s, time_constant_s_);
   growth_of_a_tick_ = exponential(x);
   decay_of_a_tick_ = exponential(-x);

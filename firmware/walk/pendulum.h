@@ -5,14 +5,15 @@
 #include <cstdint>
 
 #include "firmware/fixed/contract.h"
-#include "firmware/fixed/literals.h"
 #include "firmware/fixed/units.h"
 #include "firmware/walk/plane.h"
+#include "hal/port/period.h"
 
 namespace koboshi::walk {
 
 // Period of the control cycle at 100 Hz, in seconds.
-inline constexpr fixed::Ratio kTick_s = fixed::literals::operator""_ratio(0.01L);
+inline constexpr fixed::Ratio kTick_s =
+    fixed::mul_div(fixed::kOne, static_cast<std::int32_t>(hal::kControlPeriod_us), 1'000'000);
 
 // Motion of the centre of mass (CoM) over level ground, split in two (Englsberger, Ott and Albu-Schaeffer,
 // "Three-dimensional bipedal walking control based on divergent component of motion", T-RO 2015). With

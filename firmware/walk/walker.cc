@@ -3,9 +3,11 @@
 #include <algorithm>
 
 #include "firmware/fixed/contract.h"
+#include "firmware/fixed/dead_band.h"
 #include "firmware/fixed/interpolation.h"
 #include "firmware/fixed/trigonometry.h"
 #include "firmware/walk/radians.h"
+#include "hal/port/period.h"
 
 namespace koboshi::walk {
 
@@ -21,7 +23,7 @@ using namespace fixed::literals;
 
 namespace {
 
-constexpr std::int32_t kTick_us = 10'000;
+constexpr Ratio kTurnsPerRad = literal<Ratio>(1.0L / kRadPerTurn);
 // The ramps between standing and bent knees: 0.5 s, by hand, 2026-11-22.
 constexpr std::int32_t kRampTicks = 50;
 // The time by which servos are behind their targets: 0.2 s, by hand, 2026-11-22. The walk ends when the
@@ -48,12 +50,6 @@ constexpr Ratio kDcmBiasShare = 0.0066667_ratio;
 constexpr Length kSideBySide = 0.005_m;
 
 std::size_t index(Side side) { return static_cast<std::size_t>(side); }
-
-// Dead band: the part of the value beyond +-band.
-Length outside(Length value, Length band) {
-  if (value > band) return value - band;
-  return value < -band ? value + band : Length();
-}
 
 Point scaled(Point p, Gain factor) { return {product<Length>(p.x, factor), product<Length>(p.y, factor)}; }
 
@@ -237,7 +233,7 @@ void Walker::observe(const Observation& seen) {
                        -dcm_offset(seen.roll, seen.rates.x)};
   dcm_bias_ = interpolated(dcm_bias_, measured, kDcmBiasShare);
   dcm_error_ = interpolated(measured - dcm_bias_, dcm_error_, gait_.smoothing);
-  heading_error_ += fixed::rotation(seen.rates.z, kTick_us);
+  heading_error_ += fixed::rotation(seen.rates.z, std::int32_t{hal::kControlPeriod_us});
 }
 
 // Chooses the landing position of the swing foot's sole, from which the next step begins with the DCM of a
@@ -258,8 +254,9 @@ void Walker::plan_landing() {
   stride_.turn -= product<Angle>(error, gait_.heading_hold);
   const Foothold nominal = footsteps_.step(swing, stride_);
   const Gain growth = pendulum_.growth(static_cast<std::size_t>(gait_.step_ticks - tick_));
-  const Point captured{product<Length>(outside(dcm_error_.x, gait_.dead_band), gait_.capture_forward),
-                       product<Length>(outside(dcm_error_.y, gait_.dead_band), gait_.capture_lateral)};
+  const Point captured{
+      product<Length>(fixed::dead_band(dcm_error_.x, gait_.dead_band), gait_.capture_forward),
+      product<Length>(fixed::dead_band(dcm_error_.y, gait_.dead_band), gait_.capture_lateral)};
   const Point end = scaled(com_.dcm + captured - stance_.zmp, growth);
   const Point zmp = stance_.zmp + scaled(end, footsteps_.widening()) -
                     turned(footsteps_.offset_at_once(swing, stride_), nominal.yaw / 2);
@@ -281,9 +278,7 @@ void Walker::move_swing_foot() {
   const Ratio phase =
       fixed::elapsed_fraction(tick_ - gait_.double_ticks, gait_.step_ticks - gait_.double_ticks);
   const auto [sine, cosine] = fixed::sin_cos(Angle::from_wide_raw(std::int64_t{phase.raw()} << 2));
-  // 0.159... is 1 / (2 pi).
-  const Ratio progress =
-      phase - product<Ratio>(gait_.swing_profile, product<Ratio>(sine, 0.15915494309189535_ratio));
+  const Ratio progress = phase - product<Ratio>(gait_.swing_profile, product<Ratio>(sine, kTurnsPerRad));
   const std::size_t swing = index(swing_side());
   stance_.soles[swing] = {.p = interpolated(liftoff_.p, landing_.p, progress),
                           .yaw = fixed::interpolate_heading(liftoff_.yaw, landing_.yaw, progress)};

@@ -79,7 +79,7 @@ class Walker {
   };
   // The pitch joint of a shoulder: its arm swings with the foot of the other side.
   struct Shoulder {
-    std::uint8_t joint = 0;
+    robot::JointIndex joint;
     std::int8_t sign = 0;  // of the joint's axis; 0 on a robot without the joint
   };
 

@@ -1,10 +1,20 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace koboshi::hal {
 
-// Of what a robot has two of. The values are indices of arrays of both.
+// The side of a foot, leg or arm, seen by the robot.
 enum class Side : std::uint8_t { kLeft = 0, kRight = 1 };
+
+// One T for each side, the left one first: an array whose index is a Side.
+template <typename T>
+struct BySide : std::array<T, 2> {
+  using std::array<T, 2>::operator[];
+  constexpr T& operator[](Side side) noexcept { return (*this)[static_cast<std::size_t>(side)]; }
+  constexpr const T& operator[](Side side) const noexcept { return (*this)[static_cast<std::size_t>(side)]; }
+};
 
 }  // namespace koboshi::hal

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hal/lockstep/batch.h"
+#include "hal/port/period.h"
 #include "sim_board/board/controller_host.h"
 #include "sim_board/can/babbler.h"
 #include "sim_board/can/bus.h"
@@ -57,8 +58,8 @@ class StepListener {
 // sensors sample it.
 class SimBoard {
  public:
-  static constexpr std::uint64_t kService_us = 1'000;
-  static constexpr std::uint64_t kTick_us = 10'000;
+  static constexpr std::uint64_t kService_us = hal::kServicePeriod_us;
+  static constexpr std::uint64_t kTick_us = hal::kControlPeriod_us;
   static constexpr std::uint64_t kWatchdog_us = 500'000;
   static constexpr std::size_t kTransmitFifo = 32;  // each
 

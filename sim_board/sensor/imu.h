@@ -11,8 +11,6 @@
 
 namespace koboshi::sim {
 
-inline constexpr double kStandardGravity_m_per_s2 = 9.80665;  // ISO 80000-3
-
 // An inertial unit at X_LS of a link, measuring in its own frame S
 //
 //   gyro            w_WL_S,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim_board/robot/description.h"
+#include "sim_board/world/gravity.h"
 #include "sim_board/world/ground.h"
 #include "sim_board/world/surface_contact.h"
 
@@ -35,7 +36,7 @@ enum class FrictionMethod {
 
 struct WorldOptions {
   double step_s = 0.001;  // must divide 1 ms
-  Eigen::Vector3d gravity_W_m_per_s2{0.0, 0.0, -9.80665};
+  Eigen::Vector3d gravity_W_m_per_s2{0.0, 0.0, -kGravity_m_per_s2};
   Stepper stepper = Stepper::kWorld;
   int quick_iterations = 50;
   FrictionMethod friction = FrictionMethod::kLockAndCheck;  // kQuick always takes rows

@@ -23,8 +23,6 @@ struct ZmpPiece {
 
 class Pendulum {
  public:
-  static constexpr double kGravity_m_per_s2 = 9.80665;
-
   // `height_m` is positive.
   explicit Pendulum(double height_m);
 

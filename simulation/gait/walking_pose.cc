@@ -7,6 +7,7 @@
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
 #include "sim_board/input/user_units.h"
+#include "sim_board/world/gravity.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -92,7 +93,7 @@ std::vector<double> WalkingPose::solve_legs(const GaitInstant& instant, const Is
 void WalkingPose::compensate_sag(const GaitInstant& instant, const Isometry3d& X_WB,
                                  std::vector<double>& angles_rad) const {
   const std::vector<Isometry3d> X_WLs = tree_.poses(robot_, X_WB, angles_rad);
-  const double g = Pendulum::kGravity_m_per_s2;
+  const double g = sim::kGravity_m_per_s2;
   for (std::size_t side = 0; side < legs_.size(); ++side) {
     Vector3d force_W(0.0, 0.0, instant.load_share[side] * robot_.total_mass_kg() * g);
     const Vector3d zmp_W(instant.zmp_W_m.x(), instant.zmp_W_m.y(), 0.0);

@@ -62,11 +62,11 @@ int index_of_joint(const RobotDescription& robot, const std::string& name) {
   return -1;
 }
 
-// The joint that carries the link, kBase for the trunk.
-std::int8_t carrier_of(const RobotDescription& robot, int link) {
-  if (link == 0) return robot::kBase;
+// A link as the firmware knows it.
+robot::LinkIndex link_index(const RobotDescription& robot, int link) {
+  if (link == 0) return {};
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    if (robot.joints[i].child == link) return static_cast<std::int8_t>(i);
+    if (robot.joints[i].child == link) return robot::LinkIndex(robot::JointIndex(i));
   }
   throw InputError(robot.file, 0,
                    "a link that no joint carries, " + robot.links.at(static_cast<std::size_t>(link)).name,
@@ -83,7 +83,7 @@ void set_mirror(const RobotDescription& robot, std::size_t index, robot::Joint& 
   const JointDescription& described = robot.joints[index];
   const std::string partner = other_side(described.name);
   const int found = index_of_joint(robot, partner);
-  joint.mirror = static_cast<std::uint8_t>(found < 0 ? static_cast<int>(index) : found);
+  joint.mirror = robot::JointIndex(found < 0 ? static_cast<int>(index) : found);
   const double cosine = sim::mirrored_axis(described.axis_M).dot(robot.joints[joint.mirror].axis_M);
   if (found >= 0 && partner != described.name && std::abs(cosine) < 1.0 - 1e-9) {
     throw InputError(robot.file, 0,
@@ -149,11 +149,10 @@ robot::Joint joint_fields(const RobotDescription& robot, const BaseFrame& frame,
   const JointDescription& described = robot.joints[index];
   robot::Joint joint;
   joint.role = role_of(described.name);
-  joint.parent = carrier_of(robot, described.parent);
+  joint.parent = link_index(robot, described.parent);
   set_mirror(robot, index, joint);
-  const Vector3d parent_M = joint.parent == robot::kBase
-                                ? Vector3d(robot.links[0].X_ML.translation())
-                                : robot.joints[static_cast<std::size_t>(joint.parent)].p_MJ;
+  const Vector3d parent_M = joint.parent.is_trunk() ? Vector3d(robot.links[0].X_ML.translation())
+                                                    : robot.joints[joint.parent.joint()].p_MJ;
   joint.anchor = frame.offset(parent_M, described.p_MJ);
   joint.axis = frame.direction(described.axis_M);
   joint.lower = limit(described.lower_rad);

@@ -39,8 +39,8 @@ void write_body(ImageWriter& writer, const robot::RobotModel& model) {
 
 void write_joint(ImageWriter& writer, const robot::Joint& joint) {
   writer.u8(static_cast<std::uint8_t>(joint.role));
-  writer.i8(joint.parent);
-  writer.u8(joint.mirror);
+  writer.i8(joint.parent.raw());
+  writer.u8(static_cast<std::uint8_t>(joint.mirror));
   writer.i8(joint.mirror_sign);
   writer.u8(joint.drive.node_id);
   writer.i8(joint.drive.sign);

@@ -28,7 +28,7 @@ using fixed::to_double;
 constexpr double kNewtonsPerKilogram = 9.81;
 constexpr double kMetresPerCount = 1e-4;                         // of lengths in the walk's objects
 constexpr double kRadPerCount = 2.0 * std::numbers::pi / 65536;  // of angles
-constexpr double kDown_rad = std::numbers::pi / 3.0;  // the robot then counts as down (behaviour/lying.h)
+constexpr double kDown_rad = std::numbers::pi / 3.0;  // the robot then counts as down (behaviour/lying_pose.h)
 // walk::Body puts the centre of mass this near, with knees ahead of the line from hip to ankle.
 constexpr double kComTolerance_m = 5e-3;
 constexpr double kSoleTolerance_m = 0.5e-3;
@@ -174,8 +174,8 @@ class RobotParameterCheck {
     std::array<fixed::Angle, robot::kMaxJoints> angles{};
     body_.solve(stance, {}, angles);
     const estimation::Posture posture = estimation::posture_at(model_, {angles.data(), model_.joint_count});
-    const robot::Pose& left = posture.sole(hal::Side::kLeft);
-    const robot::Position right = robot::transpose(left.R) * (posture.sole(hal::Side::kRight).p - left.p);
+    const robot::Pose& left = posture.X_BSole[hal::Side::kLeft];
+    const robot::Position right = robot::transpose(left.R) * (posture.X_BSole[hal::Side::kRight].p - left.p);
     const double com_error_m = to_double(posture.centre_of_mass(hal::Side::kLeft).z) - com_m;
     return std::abs(com_error_m) < kComTolerance_m &&
            std::hypot(to_double(right.x) + step_m, to_double(right.y) + width_m, to_double(right.z)) <
@@ -190,7 +190,7 @@ class RobotParameterCheck {
     const double com_m = walks ? metres(values_.walk.posture.com_height)
                                : to_double(posture.centre_of_mass(hal::Side::kLeft).z);
     const double apart_m =
-        to_double(posture.sole(hal::Side::kLeft).p.y - posture.sole(hal::Side::kRight).p.y);
+        to_double(posture.X_BSole[hal::Side::kLeft].p.y - posture.X_BSole[hal::Side::kRight].p.y);
     const robot::Foot& foot = model_.feet[0];
     const std::array edges_m{to_double(foot.front), -to_double(foot.back),
                              (walks ? metres(values_.walk.step.width) : apart_m) / 2 + to_double(foot.left)};

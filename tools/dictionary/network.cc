@@ -10,6 +10,7 @@
 
 #include "firmware/app/dictionary.h"
 #include "firmware/drive/configuration.h"
+#include "hal/port/period.h"
 #include "sim_board/input/error.h"
 #include "sim_board/sensor/sensor_node.h"
 #include "simulation/model/robot_model.h"
@@ -119,7 +120,7 @@ class Builder {
  private:
   static std::uint32_t cycle_time_ms(const PdoConfiguration& pdo) {
     const bool synchronous = pdo.transmission_type >= 1 && pdo.transmission_type <= canopen::kMaxSynchronous;
-    return synchronous ? pdo.transmission_type * drive::kCycle_us / 1000 : pdo.event_timer_ms;
+    return synchronous ? pdo.transmission_type * hal::kControlPeriod_us / 1000 : pdo.event_timer_ms;
   }
 
   Signal make_signal(const NodeKind& kind, const NetworkNode& node, std::uint32_t entry,
@@ -149,7 +150,7 @@ void add_controller(Builder& builder) {
   const NetworkNode node{drive::kControllerNodeId, std::string(kController)};
   const std::string pc(kOperator);
   builder.add(nmt_message(node.name));
-  builder.add(sync_message(node.name, drive::kCycle_us / 1000));
+  builder.add(sync_message(node.name, hal::kControlPeriod_us / 1000));
   builder.add_node(node.node_id, node.name, kind.description.heartbeat_ms);
   int number = 0;
   for (const PdoConfiguration& pdo : kind.description.rpdos) {

@@ -12,6 +12,7 @@
 #include "firmware/behaviour/behaviour.h"
 #include "sim_board/input/user_units.h"
 #include "sim_board/world/foot.h"
+#include "sim_board/world/gravity.h"
 #include "sim_board/world/support_polygon.h"
 #include "tools/plot/columns.h"
 #include "tools/plot/legend.h"
@@ -26,7 +27,7 @@ constexpr double kStance_s = 0.05;
 constexpr double kWordFromHeel_m = 0.012;
 
 constexpr double kLeastLoadShare = 0.1;  // of the weight, with which a ZMP means something
-constexpr double kGravity_m_per_s2 = 9.80665;
+using sim::kGravity_m_per_s2;
 constexpr int kOutlineColour = 7;
 
 // A stretch of rows.

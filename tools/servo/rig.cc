@@ -3,11 +3,13 @@
 #include <cmath>
 
 #include "sim_board/engine/make_world.h"
+#include "sim_board/world/gravity.h"
 
 namespace koboshi::tools {
 namespace {
 
-constexpr double kGravity_m_per_s2 = 9.80665;
+using sim::kGravity_m_per_s2;
+
 constexpr double kArm_m = 0.1;
 
 // An arm along x that turns about -y: a positive angle lifts it.

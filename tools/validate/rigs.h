@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim_board/robot/description.h"
+#include "sim_board/world/gravity.h"
 #include "sim_board/world/world.h"
 #include "tools/validate/validation.h"
 
@@ -12,7 +13,7 @@ namespace koboshi::tools {
 
 // The mechanisms of the experiments, built in code.
 
-inline constexpr double kGravity_m_per_s2 = 9.80665;
+using sim::kGravity_m_per_s2;
 
 // One free box of uniform density, its frame in the middle.
 [[nodiscard]] sim::RobotDescription box_rig(double mass_kg, const Eigen::Vector3d& size_m,

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "hal/fake/can.h"
+#include "hal/port/period.h"
 #include "tests/support/drive_stub.h"
 #include "tests/unit/firmware/robot/test_robot.h"
 
@@ -51,7 +52,7 @@ class DriveGroupTest : public testing::Test {
     }
     group.observe(now_us);
     group.command();
-    now_us += kCycle_us;
+    now_us += hal::kControlPeriod_us;
   }
   void cycles(int count) {
     for (int i = 0; i < count; ++i) cycle();

@@ -23,7 +23,7 @@ TEST(Posture, FindsSolesAndCentreOfMassAsDoubleDoes) {
   for (int round = 0; round < 2000; ++round) {
     robot.draw();
     for (const hal::Side side : kSides) {
-      const robot::Pose& X_BSole = robot.posture.sole(side);
+      const robot::Pose& X_BSole = robot.posture.X_BSole[side];
       const robot::Rotation R_SoleB = robot::transpose(X_BSole.R);
       const Point origin = robot.from_sole(side, {});
       worst_sole_m = std::max(worst_sole_m, norm(to_point(X_BSole.p) - origin));

@@ -155,7 +155,7 @@ TEST_P(LegTest, PutsTheSoleWhereItWasAskedToOverTheWholeWorkspace) { check_works
 TEST_P(LegTest, ServesAnyDirectionOfItsAxes) {
   RobotModel written = test::make_test_robot();
   for (const auto side : {hal::Side::kLeft, hal::Side::kRight}) {
-    for (const std::uint8_t index : written.leg(side)) {
+    for (const JointIndex index : written.leg(side)) {
       Joint& joint = written.joints[index];
       joint.axis = -joint.axis;
       std::swap(joint.lower, joint.upper);

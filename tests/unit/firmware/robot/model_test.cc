@@ -69,9 +69,9 @@ TEST(RobotModel, RefusesWithTheReason) {
   EXPECT_EQ(load_changed([](Model& m) { m.joints[3].mirror_sign = 0; }), kBadField);
   EXPECT_EQ(load_changed([](Model& m) { m.joints[3].drive.node_id = 128; }), kBadField);
   EXPECT_EQ(load_changed([](Model& m) { m.joints[3].drive.position_bits = 32; }), kBadField);
-  EXPECT_EQ(load_changed([](Model& m) { m.joints[3].mirror = 20; }), kBadField);
-  EXPECT_EQ(load_changed([](Model& m) { m.joints[3].parent = 20; }), kBadField);
-  EXPECT_EQ(load_changed([](Model& m) { m.joints[3].parent = -2; }), kBadField);
+  EXPECT_EQ(load_changed([](Model& m) { m.joints[3].mirror = JointIndex(20); }), kBadField);
+  EXPECT_EQ(load_changed([](Model& m) { m.joints[3].parent = LinkIndex::from_raw(20); }), kBadField);
+  EXPECT_EQ(load_changed([](Model& m) { m.joints[3].parent = LinkIndex::from_raw(-2); }), kBadField);
   EXPECT_EQ(load_changed([](Model& m) { m.joints[3].role = static_cast<JointRole>(kRoleCount); }), kBadField);
   EXPECT_EQ(load_changed([](Model& m) { m.joints[3].max_speed = {}; }), kOutOfRange);
   EXPECT_EQ(load_changed([](Model& m) { m.joints[3].mass = fixed::Mass::from_raw(-1); }), kOutOfRange);
@@ -85,11 +85,11 @@ TEST(RobotModel, RefusesWithTheReason) {
   EXPECT_EQ(load_changed([](Model& m) { m.R_BI.rows[2] = -m.R_BI.rows[2]; }), kNotARotation);
   EXPECT_EQ(load_changed([](Model& m) { m.R_BI.rows[2] = m.R_BI.rows[1]; }), kNotARotation);
   EXPECT_EQ(load_changed([](Model& m) { std::swap(m.joints[3].lower, m.joints[3].upper); }), kLimitsReversed);
-  EXPECT_EQ(load_changed([](Model& m) { m.joints[12].parent = 14; }), kCyclicTree);
-  EXPECT_EQ(load_changed([](Model& m) { m.joints[12].parent = 12; }), kCyclicTree);
+  EXPECT_EQ(load_changed([](Model& m) { m.joints[12].parent = LinkIndex::from_raw(14); }), kCyclicTree);
+  EXPECT_EQ(load_changed([](Model& m) { m.joints[12].parent = LinkIndex::from_raw(12); }), kCyclicTree);
   EXPECT_EQ(load_changed([](Model& m) { m.joints[3].drive.node_id = 16; }), kDuplicateNodeId);
   EXPECT_EQ(load_changed([](Model& m) { m.joints[14].role = JointRole::kHeadPan; }), kDuplicateRole);
-  EXPECT_EQ(load_changed([](Model& m) { m.joints[3].mirror = 3; }), kBadMirror);
+  EXPECT_EQ(load_changed([](Model& m) { m.joints[3].mirror = JointIndex(3); }), kBadMirror);
   EXPECT_EQ(load_changed([](Model& m) { m.joints[3].mirror_sign = -1; }), kBadMirror);
   EXPECT_EQ(load_changed([](Model& m) { m.joints[3].role = JointRole::kOther; }), kBadLeg);
   EXPECT_EQ(load_changed([](Model& m) { m.joints[3].axis = kAxisX; }), kBadLeg);
@@ -99,11 +99,11 @@ TEST(RobotModel, RefusesWithTheReason) {
 TEST(RobotModel, SortsJointsThatStandBeforeTheirParents) {
   RobotModel model = test::make_test_robot();
   std::swap(model.joints[18], model.joints[19]);  // pan carries tilt
-  for (const std::size_t i : {18u, 19u}) model.joints[i].mirror = static_cast<std::uint8_t>(i);
-  model.joints[18].parent = 19;
+  for (const std::size_t i : {18u, 19u}) model.joints[i].mirror = JointIndex(i);
+  model.joints[18].parent = LinkIndex::from_raw(19);
   RobotModel loaded;
   ASSERT_EQ(load_model(test::encode(model), loaded), ModelStatus::kOk);
-  const auto place = [&](std::uint8_t joint) {
+  const auto place = [&](std::size_t joint) {
     return std::find(loaded.order.begin(), loaded.order.begin() + 20, joint) - loaded.order.begin();
   };
   EXPECT_LT(place(19), place(18));

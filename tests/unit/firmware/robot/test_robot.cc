@@ -8,6 +8,8 @@ namespace {
 using fixed::from_double;
 using robot::Direction;
 using robot::Joint;
+using robot::JointIndex;
+using robot::LinkIndex;
 using robot::JointRole;
 using robot::RobotModel;
 
@@ -26,13 +28,13 @@ void add(RobotModel& model, int role_offset, const Row& row) {
   const auto index = model.joint_count++;
   Joint& joint = model.joints[index];
   joint.role = static_cast<JointRole>(static_cast<int>(row.first_role) + role_offset);
-  joint.parent = static_cast<std::int8_t>(row.parent == 0 ? -1 : static_cast<int>(index) + row.parent);
+  if (row.parent != 0) joint.parent = LinkIndex(JointIndex(static_cast<int>(index) + row.parent));
   joint.anchor = row.anchor;
   joint.axis = row.axis;
   joint.lower = degrees(row.lower_deg);
   joint.upper = degrees(row.upper_deg);
   joint.max_speed = from_double<fixed::AngularRate>(7.48);
-  joint.mirror = static_cast<std::uint8_t>(index);
+  joint.mirror = JointIndex(index);
   joint.drive.node_id = static_cast<std::uint8_t>(16 + index);
   joint.drive.vendor_id = 0x4B4F4249;
   joint.drive.product_code = 1;
@@ -42,8 +44,8 @@ void add(RobotModel& model, int role_offset, const Row& row) {
 }
 
 void pair(RobotModel& model, std::size_t left, std::size_t right, int sign) {
-  model.joints[left].mirror = static_cast<std::uint8_t>(right);
-  model.joints[right].mirror = static_cast<std::uint8_t>(left);
+  model.joints[left].mirror = JointIndex(right);
+  model.joints[right].mirror = JointIndex(left);
   model.joints[left].mirror_sign = model.joints[right].mirror_sign = static_cast<std::int8_t>(sign);
 }
 
@@ -140,8 +142,8 @@ void put_body(std::vector<std::byte>& bytes, const RobotModel& model) {
 void put_joint(std::vector<std::byte>& bytes, const Joint& joint) {
   const auto byte = [&](int value) { bytes.push_back(static_cast<std::byte>(value)); };
   byte(static_cast<int>(joint.role));
-  byte(joint.parent);
-  byte(joint.mirror);
+  byte(joint.parent.raw());
+  byte(static_cast<int>(joint.mirror));
   byte(joint.mirror_sign);
   byte(joint.drive.node_id);
   byte(joint.drive.sign);

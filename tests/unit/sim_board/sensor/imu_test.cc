@@ -6,12 +6,14 @@
 #include <functional>
 #include <numbers>
 
+#include "sim_board/world/gravity.h"
+
 namespace koboshi::sim {
 namespace {
 
 constexpr double kGyroResolution = 1e-3;
 constexpr double kAccelerometerResolution = 2e-3;
-const Eigen::Vector3d kGravity(0.0, 0.0, -kStandardGravity_m_per_s2);
+const Eigen::Vector3d kGravity(0.0, 0.0, -kGravity_m_per_s2);
 
 ImuDescription clean_imu() {
   ImuDescription imu;
@@ -78,7 +80,7 @@ TEST(Imu, ReadsGravityInItsOwnAxes) {
   pitched.X_WL.linear() = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY()).toRotationMatrix();
   const Reading reading = read(description, {}, [&](double) { return pitched; });
   // Pitched forward, up is behind x of the link; the sensor's y is the link's z, its z the link's -y.
-  const double g = kStandardGravity_m_per_s2;
+  const double g = kGravity_m_per_s2;
   expect_near(reading.accelerometer, {-g * std::sin(0.3), g * std::cos(0.3), 0.0},
               0.51 * kAccelerometerResolution);
 }
@@ -102,7 +104,7 @@ TEST(Imu, FeelsTheCentripetalAccelerationOfARotatingRig) {
   const Reading reading =
       read(description, link, [&](double time_s) { return turned(kRate * time_s, kRate, link.p_LCom_L); });
   expect_near(reading.gyro, {0.0, 0.0, kRate}, 0.51 * kGyroResolution);
-  expect_near(reading.accelerometer, {-kRate * kRate * kRadius, 0.0, kStandardGravity_m_per_s2},
+  expect_near(reading.accelerometer, {-kRate * kRate * kRadius, 0.0, kGravity_m_per_s2},
               0.6 * kAccelerometerResolution);
 }
 
@@ -128,7 +130,7 @@ TEST(Imu, ShowsGravityInItsGyroByItsGSensitivity) {
   ImuDescription description = clean_imu();
   description.g_sensitivity = kSensitivity;
   const Eigen::Matrix3d expected = CrossSensitivity(kSensitivity, 1, "imu.gyro.g_sensitivity").value();
-  const Eigen::Vector3d up(0.0, 0.0, kStandardGravity_m_per_s2);
+  const Eigen::Vector3d up(0.0, 0.0, kGravity_m_per_s2);
   const Eigen::Matrix3d turns[] = {Eigen::AngleAxisd(0.0, Eigen::Vector3d::UnitX()).toRotationMatrix(),
                                    Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitX()).toRotationMatrix(),
                                    Eigen::AngleAxisd(2.5, Eigen::Vector3d(0.6, 0.8, 0.0)).toRotationMatrix()};

@@ -13,7 +13,6 @@ namespace koboshi::sim {
 class ServoBench {
  public:
   static constexpr double kArm_m = 0.1;
-  static constexpr double kGravity_m_per_s2 = 9.80665;
 
   explicit ServoBench(const ServoDescription& servo, double step_s = 0.001, double weight_Nm = 0.0,
                       double inertia_kg_m2 = 1e-4)

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "sim_board/world/gravity.h"
+
 namespace koboshi::simulation {
 namespace {
 
@@ -37,7 +39,7 @@ TEST_F(GaitPlanTest, BeginsAtRestInTheMiddleOverTheZmp) {
 
 TEST_F(GaitPlanTest, MovesTheMassAsAPendulumEverywhere) {
   const double h = 1e-4;
-  const double rate = Pendulum::kGravity_m_per_s2 / gait_.com_height_m;
+  const double rate = sim::kGravity_m_per_s2 / gait_.com_height_m;
   for (double t = h; t < end_s(); t += 0.0037) {
     const GaitInstant now = plan_.at(t);
     const Vector2d acceleration =

@@ -4,6 +4,10 @@
 
 #include <cmath>
 
+#include "firmware/fixed/gravity.h"
+#include "firmware/fixed/host/convert.h"
+#include "sim_board/world/gravity.h"
+
 namespace koboshi::simulation {
 namespace {
 
@@ -14,7 +18,7 @@ constexpr double kHeight_m = 0.18;
 // x'' = (x - p) / T_c^2 by the classical Runge-Kutta method.
 PendulumState integrate(PendulumState state, const ZmpPiece& zmp, double time_s, int steps) {
   const double h = time_s / steps;
-  const double rate = Pendulum::kGravity_m_per_s2 / kHeight_m;
+  const double rate = sim::kGravity_m_per_s2 / kHeight_m;
   const auto pull = [&](const Vector2d& x, double t) -> Vector2d { return rate * (x - zmp.at(t)); };
   for (int i = 0; i < steps; ++i) {
     const double t = i * h;
@@ -32,6 +36,11 @@ PendulumState integrate(PendulumState state, const ZmpPiece& zmp, double time_s,
 
 TEST(Pendulum, HasThePapersTimeConstant) {
   EXPECT_NEAR(Pendulum(kHeight_m).time_constant_s(), std::sqrt(0.18 / 9.80665), 1e-15);
+}
+
+TEST(Pendulum, HasTheGravityOfTheFirmware) {
+  EXPECT_EQ(fixed::kGravity, fixed::from_double<fixed::Acceleration>(sim::kGravity_m_per_s2));
+  EXPECT_EQ(fixed::kInverseGravity, fixed::from_double<fixed::Ratio>(1.0 / sim::kGravity_m_per_s2));
 }
 
 TEST(Pendulum, FollowsEquation3OverARestingZmp) {
