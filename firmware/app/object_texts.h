@@ -49,7 +49,7 @@ inline constexpr canopen::ValueName kReasonNames[] = {
     canopen::value_name(Reason::kProgress, "progress"),
     canopen::value_name(Reason::kSupplyLow, "supply low"),
     canopen::value_name(Reason::kFallForeseen, "fall foreseen"),
-    canopen::value_name(Reason::kBodyElsewhere, "body elsewhere"),
+    canopen::value_name(Reason::kRecoveryStepFailed, "recovery step failed"),
     canopen::value_name(Reason::kProne, "prone"),
     canopen::value_name(Reason::kSupine, "supine"),
     canopen::value_name(Reason::kOnLeftSide, "on left side"),

@@ -125,7 +125,7 @@ void Behaviour::enter(State state, Reason reason, std::uint64_t now_us) {
       break;
     case State::kFalling:
     case State::kSteadying:
-      stillness_.restart();
+      rest_detector_.restart();
       break;
     case State::kLowBattery:
       decision_.low_battery = true;
@@ -148,7 +148,7 @@ void Behaviour::stop_moving() {
   interpreter_.abort();
   walker_.abort();
   fall_detector_.disarm();
-  stillness_.restart();
+  rest_detector_.restart();
 }
 
 // To the first pose of motion 0, as far as that names joints.

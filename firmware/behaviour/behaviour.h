@@ -11,7 +11,7 @@
 #include "firmware/behaviour/parameters.h"
 #include "firmware/behaviour/soft_start.h"
 #include "firmware/behaviour/state.h"
-#include "firmware/behaviour/stillness.h"
+#include "firmware/behaviour/rest_detector.h"
 #include "firmware/drive/drive_group.h"
 #include "firmware/drive/status.h"
 #include "firmware/estimation/robot_state.h"
@@ -184,7 +184,7 @@ class Behaviour {
   walk::Walker walker_;
   SoftStart soft_start_;
   FallDetector fall_detector_;
-  Stillness stillness_;
+  RestDetector rest_detector_;
 };
 
 }  // namespace koboshi::behaviour

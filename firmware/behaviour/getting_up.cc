@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "firmware/behaviour/behaviour.h"
-#include "firmware/behaviour/lying.h"
+#include "firmware/behaviour/lying_pose.h"
 #include "firmware/fixed/saturating.h"
 
 namespace koboshi::behaviour {
@@ -12,11 +12,11 @@ using motion::Role;
 namespace {
 
 // Who has not come down by then caught himself, or hangs on somebody's hand.
-constexpr std::uint64_t kLongestFall_us = 1'500'000;
+constexpr std::uint64_t kMaxFallDuration_us = 1'500'000;
 // A robot on a slope or in somebody's hands may never lie still.
-constexpr std::uint64_t kLongestSettling_us = 4'000'000;
-constexpr std::uint64_t kLongestSteadying_us = 3'000'000;
-constexpr std::uint32_t kSlowestPace_percent = 30;
+constexpr std::uint64_t kMaxSettlingDuration_us = 4'000'000;
+constexpr std::uint64_t kMaxSteadyingDuration_us = 3'000'000;
+constexpr std::uint32_t kMinPace_percent = 30;
 
 constexpr Role role_of(FallDirection direction) {
   switch (direction) {
@@ -55,9 +55,9 @@ bool Behaviour::begin_role(Role role) {
 // gear. Who bends low enough may not fall at all.
 void Behaviour::run_falling(const Cycle& cycle) {
   if (interpreter_.running()) play_on(hal::kControlPeriod_us);
-  const bool rests = !interpreter_.running() && stillness_.update(cycle.robot.rates_B);
-  if (rests && is_up(cycle.robot.up_B)) return stand_up_straight(Reason::kCaughtItself, cycle);
-  if (rests || is_down(cycle.robot.up_B) || cycle.now_us - entered_us_ >= kLongestFall_us) {
+  const bool rests = !interpreter_.running() && rest_detector_.update(cycle.robot.rates_B);
+  if (rests && can_rest_on_feet(cycle.robot.up_B)) return stand_up_straight(Reason::kCaughtItself, cycle);
+  if (rests || is_down(cycle.robot.up_B) || cycle.now_us - entered_us_ >= kMaxFallDuration_us) {
     handle(Event::kDown, Reason::kProgress, cycle);
   }
 }
@@ -69,7 +69,7 @@ void Behaviour::stand_up_straight(Reason reason, const Cycle& cycle) {
 
 void Behaviour::run_fallen(const Cycle& cycle) {
   follow_actual(cycle.drives);
-  if (!stillness_.update(cycle.robot.rates_B) && cycle.now_us - entered_us_ < kLongestSettling_us) return;
+  if (!rest_detector_.update(cycle.robot.rates_B) && cycle.now_us - entered_us_ < kMaxSettlingDuration_us) return;
   std::uint8_t& attempts = status_.attempts;
   if (attempts >= parameters_.recovery.getting_up.attempts)
     return fail(Reason::kCannotGetUp, cycle.drives.fault, cycle.now_us);
@@ -81,26 +81,26 @@ void Behaviour::run_fallen(const Cycle& cycle) {
 void Behaviour::run_righting(const Cycle& cycle) {
   if (!cycle.drives.enabled) return follow_actual(cycle.drives);
   switch (classify(cycle.robot.up_B, thigh_pitch(cycle))) {
-    case Lying::kUpright:
+    case LyingPose::kUpright:
       // Who was upright and fell again did not stand on its feet.
       if (status_.attempts > 1) return rise_from_seat(cycle);
       return stand_up_straight(Reason::kHeldUpright, cycle);
-    case Lying::kSitting:
+    case LyingPose::kSitting:
       return rise_from_seat(cycle);
-    case Lying::kProne:
+    case LyingPose::kProne:
       return rise(Role::kRiseProne, Reason::kProne, cycle);
-    case Lying::kSupine:
+    case LyingPose::kSupine:
       return rise(Role::kRiseSupine, Reason::kSupine, cycle);
-    case Lying::kLeftSide:
+    case LyingPose::kLeftSide:
       return turn_from_side(Role::kRollLeft, Reason::kOnLeftSide, cycle);
-    case Lying::kRightSide:
+    case LyingPose::kRightSide:
       return turn_from_side(Role::kRollRight, Reason::kOnRightSide, cycle);
   }
 }
 
 void Behaviour::rise(Role role, Reason lying, const Cycle& cycle) {
   if (!begin_role(role)) return fail(Reason::kCannotGetUp, cycle.drives.fault, cycle.now_us);
-  handle(Event::kLiesFlat, lying, cycle);
+  handle(Event::kProneOrSupine, lying, cycle);
 }
 
 // Whose robot has no motion for it lies down first, by the one from its back.
@@ -121,36 +121,36 @@ fixed::Angle Behaviour::thigh_pitch(const Cycle& cycle) const {
 }
 
 void Behaviour::turn_from_side(Role roll, Reason side, const Cycle& cycle) {
-  if (has_rolled_) return handle(Event::kElsewhere, Reason::kBodyElsewhere, cycle);
+  if (has_rolled_) return handle(Event::kRecoveryStepFailed, Reason::kRecoveryStepFailed, cycle);
   has_rolled_ = true;
   if (!begin_role(roll)) return fail(Reason::kCannotGetUp, cycle.drives.fault, cycle.now_us);
-  handle(Event::kLiesAside, side, cycle);
+  handle(Event::kOnSide, side, cycle);
 }
 
 void Behaviour::run_getting_up(const Cycle& cycle) {
   play_on(hal::kControlPeriod_us * pace_percent() / 100);
   if (interpreter_.running()) return;
-  if (interpreter_.failed()) return handle(Event::kElsewhere, Reason::kBodyElsewhere, cycle);
+  if (interpreter_.failed()) return handle(Event::kRecoveryStepFailed, Reason::kRecoveryStepFailed, cycle);
   handle(Event::kEnded, Reason::kProgress, cycle);
 }
 
 // The same motion again would fail again: each attempt is slower than the last.
 std::uint32_t Behaviour::pace_percent() const {
   const std::uint32_t less = parameters_.recovery.getting_up.slower * (status_.attempts - 1u);
-  return less >= 100 - kSlowestPace_percent ? kSlowestPace_percent : 100 - less;
+  return less >= 100 - kMinPace_percent ? kMinPace_percent : 100 - less;
 }
 
 // The watch for falls goes on meanwhile, once the trunk was upright.
 void Behaviour::run_steadying(const Cycle& cycle) {
-  const bool still = stillness_.update(cycle.robot.rates_B);
+  const bool still = rest_detector_.update(cycle.robot.rates_B);
   if (still && is_upright(cycle.robot.up_B)) {
     status_.attempts = 0;
     status_.risen = fixed::add_saturated(status_.risen, std::uint16_t{1});
     return handle(Event::kArrived, Reason::kProgress, cycle);
   }
   const bool down = is_down(cycle.robot.up_B);
-  if (down || cycle.now_us - entered_us_ >= kLongestSteadying_us) {
-    handle(Event::kElsewhere, Reason::kBodyElsewhere, cycle);
+  if (down || cycle.now_us - entered_us_ >= kMaxSteadyingDuration_us) {
+    handle(Event::kRecoveryStepFailed, Reason::kRecoveryStepFailed, cycle);
   }
 }
 

@@ -15,13 +15,13 @@ void SoftStart::begin(std::span<const fixed::Angle> from, std::span<const fixed:
   for (std::size_t joint = 0; joint < joints_; ++joint) {
     from_[joint] = from[joint];
     to_[joint] = to[joint];
-    const std::int64_t way_raw = std::int64_t{to[joint].raw()} - from[joint].raw();
-    longest_raw = std::max(longest_raw, way_raw < 0 ? -way_raw : way_raw);
+    const std::int64_t travel_raw = std::int64_t{to[joint].raw()} - from[joint].raw();
+    longest_raw = std::max(longest_raw, travel_raw < 0 ? -travel_raw : travel_raw);
   }
   // The angle has 32 binary places, the rate 12: raw / (rate * 2^20) seconds.
   const std::int64_t rate_raw = std::int64_t{rate} << 20;
   const std::int64_t time_us = (longest_raw * 1'000'000 + rate_raw - 1) / rate_raw;
-  duration_us_ = std::max(kShortest_us, static_cast<std::int32_t>(time_us));
+  duration_us_ = std::max(kMinDuration_us, static_cast<std::int32_t>(time_us));
   elapsed_us_ = 0;
 }
 

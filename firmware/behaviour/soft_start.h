@@ -12,7 +12,7 @@ namespace koboshi::behaviour {
 // A slow ramp of all joints from one pose to another: all of them begin and arrive together.
 class SoftStart {
  public:
-  static constexpr std::int32_t kShortest_us = 500'000;
+  static constexpr std::int32_t kMinDuration_us = 500'000;
 
   // Both poses have one angle a joint. `rate`, in 2^-12 turn/s and positive: no joint turns faster.
   void begin(std::span<const fixed::Angle> from, std::span<const fixed::Angle> to, std::int16_t rate);

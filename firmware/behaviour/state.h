@@ -42,10 +42,10 @@ enum class Event : std::uint8_t {
   kFall,       // is foreseen
   kDown,       // on the ground, or as good as
   kStill,      // lies still
-  kLiesFlat,   // on chest or back
-  kLiesAside,  // on a side
+  kProneOrSupine,   // on chest or back
+  kOnSide,  // on a side
   kUpright,    // does not lie at all
-  kElsewhere,  // the body is not where it should be by now
+  kRecoveryStepFailed,  // the body is not where it should be by now
   kFailure,    // a drive, a sensor or the bus failed
 };
 
@@ -56,7 +56,7 @@ enum class Reason : std::uint8_t {
   kProgress = 2,   // the last state had come to its end
   kSupplyLow = 3,  // for two seconds
   kFallForeseen = 4,
-  kBodyElsewhere = 5,  // it did not rise, roll or come to rest as it should
+  kRecoveryStepFailed = 5,  // it did not rise, roll or come to rest as it should
   // How it lies.
   kProne = 6,
   kSupine = 7,
@@ -145,13 +145,13 @@ inline constexpr Rule kRules[] = {
     {States{State::kFalling}, Event::kDown, State::kFallen},
     {States{State::kLimp}, Event::kGetUp, State::kFallen},
     {States{State::kFallen}, Event::kStill, State::kRighting},
-    {States{State::kRighting}, Event::kLiesAside, State::kRolling},
+    {States{State::kRighting}, Event::kOnSide, State::kRolling},
     {States{State::kRolling}, Event::kEnded, State::kRighting},
-    {States{State::kRighting}, Event::kLiesFlat, State::kRising},
+    {States{State::kRighting}, Event::kProneOrSupine, State::kRising},
     {States{State::kRising}, Event::kEnded, State::kSteadying},
     {States{State::kSteadying}, Event::kArrived, State::kStanding},
     {States{State::kFalling, State::kRighting}, Event::kUpright, State::kSoftStart},
-    {States{State::kRighting, State::kRolling, State::kRising, State::kSteadying}, Event::kElsewhere,
+    {States{State::kRighting, State::kRolling, State::kRising, State::kSteadying}, Event::kRecoveryStepFailed,
      State::kFallen},
     {kTorque | States{State::kFallen}, Event::kLimp, State::kLimp},
     {~kLatched, Event::kFailure, State::kFault},

@@ -14,8 +14,8 @@ namespace {
 
 constexpr Ratio kOldInverseGravity = 0.101936799_ratio;  // of 9.81 m/s^2
 // 0.85^2 and 1.15^2: of |force|^2 / g^2.
-constexpr Ratio kLeast = 0.7225_ratio;
-constexpr Ratio kMost = 1.3225_ratio;
+constexpr Ratio kMinSquare = 0.7225_ratio;
+constexpr Ratio kMaxSquare = 1.3225_ratio;
 // 10 ms through time constants of 2 s and of 0.1 s.
 constexpr Ratio kHalf = 0.5_ratio;
 constexpr Ratio kMovingShare = 0.005_ratio;
@@ -28,10 +28,10 @@ Direction scaled(Ratio factor, const Direction& v) {
 
 bool is_near_one(const Direction& force) {
   for (const Ratio component : {force.x, force.y, force.z}) {
-    if (fixed::abs(component) > kMost) return false;
+    if (fixed::abs(component) > kMaxSquare) return false;
   }
   const Ratio square = robot::dot(force, force);
-  return square >= kLeast && square <= kMost;
+  return square >= kMinSquare && square <= kMaxSquare;
 }
 
 // force / g; saturates at 2.

@@ -25,11 +25,11 @@ MotionStatus check_pose(const Motion& motion, const RobotModel& model, std::size
 bool uses_operand(Opcode opcode) { return opcode != Opcode::kEnd && opcode != Opcode::kWait; }
 
 MotionStatus check_attitude(const Step& step) {
-  constexpr int kLeastSquare = 100 * 100;
-  constexpr int kLargestSquare = 154 * 154;
+  constexpr int kMinSquare = 100 * 100;
+  constexpr int kMaxSquare = 154 * 154;
   int square = 0;
   for (const int part : ExpectedAttitude::of(step).up_B) square += part * part;
-  const bool is_direction = square >= kLeastSquare && square <= kLargestSquare && step.time_us >> 24 == 0;
+  const bool is_direction = square >= kMinSquare && square <= kMaxSquare && step.time_us >> 24 == 0;
   return is_direction ? MotionStatus::kOk : MotionStatus::kBadAttitude;
 }
 

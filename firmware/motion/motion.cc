@@ -57,7 +57,7 @@ bool ExpectedAttitude::is_met_by(const robot::Direction& up_B_now) const {
                                       std::int64_t{up_B_now.y.raw()} * up_B[1] +
                                       std::int64_t{up_B_now.z.raw()} * up_B[2];
   constexpr int kShift = fixed::Ratio::kFractionBits - 15;
-  return projection_raw >= (std::int64_t{least_cosine} * 127 << kShift);
+  return projection_raw >= (std::int64_t{min_cosine} * 127 << kShift);
 }
 
 std::size_t Motion::image_size_bytes() const {

@@ -45,19 +45,19 @@ struct Step {
 // What a kExpect step holds: the direction against gravity in the trunk's axes, and how far off it may be.
 struct ExpectedAttitude {
   std::array<std::int8_t, 3> up_B{};  // a unit vector of 127 (100 to 154, as it was rounded)
-  std::int16_t least_cosine = 0;      // of the angle between it and the real one, times 2^15
+  std::int16_t min_cosine = 0;      // of the angle between it and the real one, times 2^15
 
   constexpr Step step() const {
     std::uint32_t packed = 0;
     for (std::size_t i = 0; i < up_B.size(); ++i)
       packed |= std::uint32_t{static_cast<std::uint8_t>(up_B[i])} << 8 * i;
-    return {Opcode::kExpect, static_cast<std::uint16_t>(least_cosine), packed};
+    return {Opcode::kExpect, static_cast<std::uint16_t>(min_cosine), packed};
   }
   static constexpr ExpectedAttitude of(const Step& step) {
     ExpectedAttitude expected;
     for (std::size_t i = 0; i < expected.up_B.size(); ++i)
       expected.up_B[i] = static_cast<std::int8_t>(step.time_us >> 8 * i);
-    expected.least_cosine = static_cast<std::int16_t>(step.operand);
+    expected.min_cosine = static_cast<std::int16_t>(step.operand);
     return expected;
   }
   bool is_met_by(const robot::Direction& up_B_now) const;

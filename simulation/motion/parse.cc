@@ -194,7 +194,7 @@ StepSource MotionParser::parse_expect(const YamlMap& map) {
   for (std::size_t i = 0; i < up_B.size(); ++i) {
     step.attitude.up_B[i] = static_cast<std::int8_t>(std::lround(up_B[i] * 127.0));
   }
-  step.attitude.least_cosine = static_cast<std::int16_t>(std::lround(std::cos(within) * 32'767.0));
+  step.attitude.min_cosine = static_cast<std::int16_t>(std::lround(std::cos(within) * 32'767.0));
   return step;
 }
 

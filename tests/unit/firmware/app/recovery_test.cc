@@ -24,7 +24,7 @@ using test::SdoPc;
 constexpr double kCountsPerG = 9.81 / 39.2 * 32'768;
 constexpr std::uint8_t kFirstMotion = 8;
 constexpr ExpectedAttitude kUprightAttitude{.up_B = {0, 0, 127},
-                                            .least_cosine = 28'378};  // within 30 degrees
+                                            .min_cosine = 28'378};  // within 30 degrees
 
 class RecoveryTest : public testing::Test {
  protected:
@@ -163,7 +163,7 @@ TEST_F(RecoveryTest, TriesAgainSlowerAndGivesUpInFault) {
     EXPECT_EQ(bench.now().attempts, attempt);
     const std::uint64_t begun_us = bench.now_us();
     ASSERT_TRUE(bench.run_until(State::kFallen, 600));
-    EXPECT_EQ(bench.now().reason, Reason::kBodyElsewhere);
+    EXPECT_EQ(bench.now().reason, Reason::kRecoveryStepFailed);
     const int took_ms = static_cast<int>((bench.now_us() - begun_us) / 1'000);
     EXPECT_GT(took_ms, rolling_ms);
     rolling_ms = took_ms;
@@ -179,7 +179,7 @@ TEST_F(RecoveryTest, LeavesAMotionWhoseExpectationFails) {
   lie_limp_from_standing(0, 90);
   ASSERT_TRUE(bench.run_until(State::kRising, 500));
   ASSERT_TRUE(bench.run_until(State::kFallen, 230));
-  EXPECT_EQ(bench.now().reason, Reason::kBodyElsewhere);
+  EXPECT_EQ(bench.now().reason, Reason::kRecoveryStepFailed);
 }
 
 TEST_F(RecoveryTest, DoesNotCallItStandingBeforeItIsUprightAndStill) {
@@ -190,7 +190,7 @@ TEST_F(RecoveryTest, DoesNotCallItStandingBeforeItIsUprightAndStill) {
   bench.run_ms(1'000);
   EXPECT_EQ(bench.now().state, State::kSteadying);
   ASSERT_TRUE(bench.run_until(State::kFallen, 2'100));
-  expect_state(State::kFallen, Reason::kBodyElsewhere);
+  expect_state(State::kFallen, Reason::kRecoveryStepFailed);
 }
 
 TEST_F(RecoveryTest, StandsAtOnceWhenSomebodyHoldsItUpright) {

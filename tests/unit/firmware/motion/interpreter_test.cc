@@ -63,7 +63,7 @@ TEST_F(InterpreterTest, InterpolatesLinearlyBetweenPoses) {
 }
 
 TEST_F(InterpreterTest, FailsWhereTheTrunkIsNotAsExpected) {
-  const Step upright = ExpectedAttitude{.up_B = {0, 0, 127}, .least_cosine = 28'378}.step();  // 30 degrees
+  const Step upright = ExpectedAttitude{.up_B = {0, 0, 127}, .min_cosine = 28'378}.step();  // 30 degrees
   const auto builder = knee_poses()
                            .step(kMove, 1, 300'000)
                            .step(kExpect, upright.operand, upright.time_us)

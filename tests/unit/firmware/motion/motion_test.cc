@@ -138,7 +138,7 @@ TEST_F(MotionTest, RefusesBadSteps) {
 
 TEST_F(MotionTest, RefusesAnAttitudeThatIsNoDirection) {
   const auto expect = [](std::int8_t x, std::int8_t y, std::int8_t z) {
-    return ExpectedAttitude{.up_B = {x, y, z}, .least_cosine = 20'000}.step();
+    return ExpectedAttitude{.up_B = {x, y, z}, .min_cosine = 20'000}.step();
   };
   EXPECT_EQ(of_steps({expect(0, 0, 127), kEndStep}), kOk);
   EXPECT_EQ(of_steps({expect(-127, 0, 0), kEndStep}), kOk);

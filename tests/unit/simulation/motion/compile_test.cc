@@ -119,10 +119,10 @@ TEST_F(MotionCompileTest, WritesAnAttitudeAsADirection) {
       "  - {expect: {roll_deg: -90, within_deg: 120}}\n");
   const auto prone = motion::ExpectedAttitude::of(motion.step(0));
   EXPECT_THAT(prone.up_B, testing::ElementsAre(-127, 0, 0));
-  EXPECT_NEAR(prone.least_cosine, 16'384, 1);
+  EXPECT_NEAR(prone.min_cosine, 16'384, 1);
   const auto on_left_side = motion::ExpectedAttitude::of(motion.step(1));
   EXPECT_THAT(on_left_side.up_B, testing::ElementsAre(0, -127, 0));
-  EXPECT_NEAR(on_left_side.least_cosine, -16'384, 1);
+  EXPECT_NEAR(on_left_side.min_cosine, -16'384, 1);
 }
 
 TEST_F(MotionCompileTest, LetsALabelStandAtTheEnd) {

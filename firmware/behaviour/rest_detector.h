@@ -9,7 +9,7 @@
 namespace koboshi::behaviour {
 
 // Whether the trunk has come to rest: a while in which it turned slowly about every axis.
-class Stillness {
+class RestDetector {
  public:
   using Rates = robot::Vector<fixed::AngularRate>;
 

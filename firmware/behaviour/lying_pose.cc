@@ -1,4 +1,4 @@
-#include "firmware/behaviour/lying.h"
+#include "firmware/behaviour/lying_pose.h"
 
 #include "firmware/fixed/literals.h"
 
@@ -20,19 +20,19 @@ constexpr int kSideDenominator = 10;
 
 }  // namespace
 
-Lying classify(const robot::Direction& up_B, fixed::Angle thigh_pitch) {
-  if (up_B.z > kSittingCosine && thigh_pitch < kRaisedThigh) return Lying::kSitting;
-  if (is_upright(up_B)) return Lying::kUpright;
+LyingPose classify(const robot::Direction& up_B, fixed::Angle thigh_pitch) {
+  if (up_B.z > kSittingCosine && thigh_pitch < kRaisedThigh) return LyingPose::kSitting;
+  if (is_upright(up_B)) return LyingPose::kUpright;
   const std::int64_t across_raw = std::int64_t{fixed::abs(up_B.y).raw()} * kSideNumerator;
   const std::int64_t along_raw = std::int64_t{fixed::abs(up_B.x).raw()} * kSideDenominator;
-  if (across_raw > along_raw) return up_B.y.raw() < 0 ? Lying::kLeftSide : Lying::kRightSide;
-  return up_B.x.raw() < 0 ? Lying::kProne : Lying::kSupine;
+  if (across_raw > along_raw) return up_B.y.raw() < 0 ? LyingPose::kLeftSide : LyingPose::kRightSide;
+  return up_B.x.raw() < 0 ? LyingPose::kProne : LyingPose::kSupine;
 }
 
 bool is_upright(const robot::Direction& up_B) { return up_B.z > kUprightCosine; }
 
 bool is_down(const robot::Direction& up_B) { return up_B.z < kDownCosine; }
 
-bool is_up(const robot::Direction& up_B) { return up_B.z > kUpCosine; }
+bool can_rest_on_feet(const robot::Direction& up_B) { return up_B.z > kUpCosine; }
 
 }  // namespace koboshi::behaviour
