@@ -10,7 +10,7 @@
 
 namespace koboshi::balance {
 
-// By how much a joint of the legs is turned, in units of 2^-12. Zero is off.
+// Feedback gains of the leg joints, in units of 2^-12; zero is off.
 struct JointGains {
   std::int16_t ankle_pitch = 0;
   std::int16_t ankle_roll = 0;
@@ -22,52 +22,56 @@ struct JointGains {
 };
 
 struct FeedbackGains {
-  JointGains rate;  // in seconds, of the trunk's rate
-  JointGains lean;  // of the angle by which it leans
+  JointGains rate;  // joint angle per trunk rate, in 2^-12 s
+  JointGains lean;  // joint angle per lean of the trunk, in 2^-12
 
   friend bool operator==(const FeedbackGains&, const FeedbackGains&) = default;
 };
 
-// The gains and dead band of every mode, objects 0x2101 to 0x2106.
+// The gains and the dead band of all modes, objects 0x2101 to 0x2106.
 struct FeedbackParameters {
-  JointGains motion;  // of the rate: what a motion means the trunk to lean, nobody knows
+  JointGains motion;  // of the rate only: a motion does not say which lean it plans
   FeedbackGains standing;
   FeedbackGains walking;
-  std::int16_t standing_dead_band = 0;  // 2^-12 turn/s: what is left of slower rates is none
+  std::int16_t standing_dead_band = 0;  // 2^-12 turn/s
 };
 
 enum class FeedbackMode : std::uint8_t { kNone, kStanding, kMotion, kWalking };
 
-// Turns the joints of both legs so that they turn the trunk back. In proportion to its rate it is the paper's
-// gyro feedback, by the law of ROBOTIS' OP3 (op3_online_walking_module); in proportion to its lean, feedback
-// of the attitude. In the ankles it moves the ZMP under the feet, in the hips it swings the trunk.
+// Corrects the targets of the leg joints against the motion of the trunk:
+//   dq = sign (k_rate w + k_lean a), clamped to +-kMaxCorrection,
+// with the trunk's rate w and lean a about the joint's axis, and the sign of that axis in the model. The term
+// of the rate is the paper's gyro feedback, in the form of ROBOTIS' OP3 (op3_online_walking_module); the term
+// of the lean is attitude feedback. Corrections at the ankles move the ZMP below the feet, those at the hips
+// swing the trunk.
 //
-// Signs. With the foot on the ground, a joint that turns its child about an axis turns all that is above it
+// Signs. With the foot on the ground, a joint that turns its child about an axis turns everything above it
 // the other way. A trunk that pitches forward (rate about +y positive) is turned back by more pitch in hip,
-// knee and ankle: the ankle's positive pitch presses the toes down and moves the ZMP ahead, in the direction
-// of the fall. A trunk that rolls to the right (rate about +x positive) is turned back by more roll in hip
-// and ankle: the ankle's positive roll presses the right edge of the foot down. So each joint's correction
-// has the sign of the rate, and of its axis; both legs alike, since both sides have the same axes.
+// knee and ankle: positive ankle pitch presses the toes down and moves the ZMP forward, in the direction of
+// the fall. A trunk that rolls to the right (rate about +x positive) is turned back by more roll in hip and
+// ankle: positive ankle roll presses the right edge of the foot down. Both legs get the same correction,
+// since both sides have the same axes.
 class Feedback {
  public:
-  // More than this no joint is turned: a fall is no longer a matter of ankles.
+  // Clamp of each joint's correction. Set by hand (2026-11-21): a lean that needs more is a fall, which
+  // ankles cannot stop.
   static constexpr auto kMaxCorrection = fixed::literals::operator""_deg(15.0L);
 
-  // A model without legs gets no corrections.
+  // Without legs in the model there are no corrections.
   explicit Feedback(const robot::RobotModel& model);
 
-  // Adds the corrections to the targets of the leg joints, which the caller then clamps to their limits.
-  // Targets saturate at half a turn.
+  // Adds the corrections to `targets`, one for each joint; the caller clamps them to the joints' limits. The
+  // sums saturate at half a turn.
   void correct(const FeedbackGains& gains, const estimation::TrunkMotion& trunk,
                std::span<fixed::Angle> targets) const;
-  // The same with the gains of a mode; nothing in kNone.
+  // Likewise with the gains of a mode; none in kNone. In kStanding the rates pass a dead band first.
   void correct(FeedbackMode mode, const FeedbackParameters& parameters, const estimation::TrunkMotion& trunk,
                std::span<fixed::Angle> targets) const;
 
  private:
   struct Joint {
     robot::JointIndex index;
-    std::int8_t sign = 0;  // of the axis; 0 where there is no such joint
+    std::int8_t sign = 0;  // of the axis; 0 without such a joint
   };
   struct Leg {
     Joint hip_roll;

@@ -7,11 +7,11 @@
 namespace koboshi::behaviour {
 namespace {
 
-// How long the drives have for their quick stop before the line falls: twice what they take (50 ms of ramp,
-// 100 ms of holding).
+// Time for the drives' quick stop before the drive-enable line goes low: twice what they take, 50 ms of ramp
+// and 100 ms of holding (docs/design/timing.md).
 constexpr std::uint64_t kQuickStop_us = 300'000;
 
-// kNone while every sensor has spoken in time.
+// Returns which sensor's samples are too old, kNone if none are.
 Reason silent_sensor(const estimation::RobotState& robot) {
   const auto silent = [](std::uint32_t age_us) { return age_us > Behaviour::kSensorTimeout_us; };
   if (silent(robot.inertial_age_us)) return Reason::kImuSilent;
@@ -50,7 +50,7 @@ void Behaviour::restart(bool forget, std::uint64_t now_us) {
   enter(State::kBoot, Reason::kNone, now_us);
 }
 
-// --- What leads out of a state whatever it is
+// --- Transitions that any state may make
 
 void Behaviour::watch_for_faults(const Cycle& cycle, const NetworkStatus& network) {
   const auto report = [&](Reason reason) { fail(reason, cycle.drives.fault, cycle.now_us); };
@@ -62,13 +62,15 @@ void Behaviour::watch_for_faults(const Cycle& cycle, const NetworkStatus& networ
   if (silent != Reason::kNone) report(silent);
 }
 
-// What counts is what the drives tell in two seconds: one step under load draws any battery down.
+// The supply counts as low after two seconds of low readings: a single step under load draws any battery
+// down.
 void Behaviour::watch_battery(const drive::DriveStatus& drives) {
   if (!drives.new_supply_mV) return;
   low_supply_.count(*drives.new_supply_mV < parameters_.power.supply_low_mV);
 }
 
-// A gyro whose bias nobody knows leans the attitude by up to forty degrees.
+// Without a known gyro bias there is no fall detection: 20 deg/s of bias over the filter's time constant of 2
+// s tilt the estimated attitude by 40 degrees.
 void Behaviour::watch_for_falls(const Cycle& cycle) {
   if (!cycle.robot.gyro_known || !kMayFall.contains(status_.state)) return;
   const fixed::Angle planned = status_.state == State::kWalking ? walker_.pitch() : fixed::Angle();
@@ -151,7 +153,7 @@ void Behaviour::stop_moving() {
   rest_detector_.restart();
 }
 
-// To the first pose of motion 0, as far as that names joints.
+// Starts the ramp to the first pose of motion 0. Joints that the pose leaves out stay.
 void Behaviour::begin_soft_start() {
   auto to = decision_.targets;
   motion::Motion standing;
@@ -174,7 +176,7 @@ void Behaviour::choose_feedback() {
   decision_.planned_pitch = walker_.pitch();
 }
 
-// --- What is done in a state, each cycle
+// --- One cycle of each state
 
 void Behaviour::run_state(const Cycle& cycle) {
   switch (status_.state) {

@@ -9,9 +9,9 @@
 #include "firmware/behaviour/command.h"
 #include "firmware/behaviour/fall_detector.h"
 #include "firmware/behaviour/parameters.h"
+#include "firmware/behaviour/rest_detector.h"
 #include "firmware/behaviour/soft_start.h"
 #include "firmware/behaviour/state.h"
-#include "firmware/behaviour/rest_detector.h"
 #include "firmware/drive/drive_group.h"
 #include "firmware/drive/status.h"
 #include "firmware/estimation/robot_state.h"
@@ -24,18 +24,18 @@
 
 namespace koboshi::behaviour {
 
-// What the controller found out about the network in this cycle.
+// The state of the network in one cycle, as the controller sees it.
 struct NetworkStatus {
-  bool left = false;              // another NMT master took the controller out of operational
-  Reason bus = Reason::kNone;     // why the bus cannot be used; kNone: it can
-  bool sensors_starting = false;  // since a boot it is too early to miss a sensor
+  bool left = false;              // the controller is no longer operational: another NMT master stopped it
+  Reason bus = Reason::kNone;     // why the bus cannot be used; kNone if it can
+  bool sensors_starting = false;  // silent sensors are no fault yet: the boot began less than 0.5 s ago
 };
 
-// What the robot as a whole is doing, as telemetry shows it.
+// The state of the behaviour, as telemetry shows it.
 struct Status {
   State state = State::kBoot;
-  Reason reason = Reason::kNone;   // why the state is what it is
-  Reason refusal = Reason::kNone;  // of the last command; kNone when it was obeyed
+  Reason reason = Reason::kNone;   // of the last change of state
+  Reason refusal = Reason::kNone;  // of the last command; kNone if it was obeyed
   std::uint8_t motion = 0;         // number of the motion being played or played last
   std::uint8_t attempts = 0;       // to get up since the robot stood last
   drive::JointFault drive_fault;   // of the last fault, if a drive caused it
@@ -45,51 +45,52 @@ struct Status {
   std::uint16_t risen = 0;
 };
 
-// Of a fault: what was the state, and what went wrong.
+// A fault: the state in which it occurred, and its cause.
 struct FaultReport {
   State state = State::kBoot;
   Reason reason = Reason::kNone;
   drive::JointFault drive_fault;
 };
 
-// What is to be done about it. The controller carries it out at once, after each call that may change it.
+// The output of the behaviour. The controller carries it out after each call that may change it.
 struct Decision {
   std::array<fixed::Angle, robot::kMaxJoints> targets{};  // by joint, before feedback
   balance::FeedbackMode feedback = balance::FeedbackMode::kNone;
-  fixed::Angle planned_pitch;  // by which the trunk is to lean
+  fixed::Angle planned_pitch;  // of the trunk, forward positive
   drive::Goal goal = drive::Goal::kTorqueOff;
-  std::uint16_t goals = 0;           // how many were set: the same goal may be set anew
+  std::uint16_t goals = 0;           // number of goals set so far: setting the same goal again counts
   bool drive_enable = false;         // level of the drive-enable line
-  std::uint16_t boots = 0;           // how many boots of drives and sensors were ordered
-  std::optional<FaultReport> fault;  // to be told on the bus until the next boot
-  bool low_battery = false;          // likewise, until the robot is limp
+  std::uint16_t boots = 0;           // number of boots of drives and sensors ordered so far
+  std::optional<FaultReport> fault;  // reported on the bus (EMCY) until the next boot
+  bool low_battery = false;          // reported likewise, until the robot is limp
 };
 
-// The second stage of a control cycle: decides what the robot does, from what the first has estimated, what
-// the drives say and what an operator asks. Its state changes by the rules of state.h and in no other way.
+// The second stage of a control cycle: the state machine of the robot. Inputs are the estimated RobotState,
+// the status of the drives and the network, and the operator's commands; the output is a Decision. All
+// transitions are those of the table in state.h.
 class Behaviour {
  public:
   static constexpr std::uint32_t kSensorTimeout_us = 50'000;
-  // Of the supply in a row: two seconds.
+  // Consecutive readings of the supply below its limit: two seconds.
   static constexpr std::uint16_t kLowReadings = 2'000'000 / drive::DriveGroup::kSupplyPeriod_us;
 
-  // `model_valid`: storage holds a model; without one the robot only boots, into a fault. All must outlive
-  // the behaviour.
+  // `model_valid`: whether the storage holds a model. Without one the robot boots into a fault. The
+  // references must outlive the behaviour.
   Behaviour(const robot::RobotModel& model, bool model_valid, const motion::MotionLibrary& motions,
             const Parameters& parameters);
 
-  // One control cycle of 10 ms. The reference is good until the next call.
+  // One control cycle of 10 ms. The reference stays valid until the next call.
   const Decision& step(const estimation::RobotState& robot, const drive::DriveStatus& drives,
                        const NetworkStatus& network, std::uint64_t now_us);
-  // A command, at any time, with what is known then: obeyed at once, or refused. kNone when it was obeyed;
-  // the answer stands in `status`, too. `kCalibrate` is only judged here.
+  // Obeys a command at once, or refuses it. May be called at any time. Returns the reason of the refusal,
+  // kNone if it was obeyed; `status` keeps it. `kCalibrate` is only judged here: the caller carries it out.
   Reason request(Command command, std::int16_t argument, const estimation::RobotState& robot,
                  const drive::EnableConditions& drives, std::uint64_t now_us);
   // A velocity to walk with. False, and the one before stays, when it is beyond the limits.
   bool request_velocity(const walk::Velocity& velocity);
-  // One that was judged already.
+  // Sets the commanded velocity without a check: it passed one before.
   void set_velocity(const walk::Velocity& velocity) { velocity_ = velocity; }
-  // What was obeyed turned out to be impossible.
+  // Records a refusal that was found only after the command had been obeyed.
   void refuse(Reason reason) { status_.refusal = reason; }
   // A fault that the controller has found between two cycles; `drive_fault`: the drives' first, if any.
   void fail(Reason reason, const drive::JointFault& drive_fault, std::uint64_t now_us);
@@ -102,7 +103,7 @@ class Behaviour {
   const Decision& decision() const { return decision_; }
 
  private:
-  // What a cycle starts from.
+  // The inputs of one cycle.
   struct Cycle {
     const estimation::RobotState& robot;
     const drive::DriveStatus& drives;
@@ -140,7 +141,7 @@ class Behaviour {
   void begin_soft_start();
   void choose_feedback();
 
-  // What is done in a state, each cycle.
+  // One cycle of each state.
   void run_state(const Cycle& cycle);
   void run_boot(const Cycle& cycle);
   void run_enabling(const Cycle& cycle);
@@ -175,7 +176,7 @@ class Behaviour {
   const Parameters parameters_;
   Status status_;
   Decision decision_;
-  walk::Velocity velocity_;                // the last that was obeyed
+  walk::Velocity velocity_;                // commanded; the last one within the limits
   std::uint64_t entered_us_ = 0;           // when the present state began
   fixed::Debounce low_supply_;             // by the drives' readings
   bool has_rolled_ = false;                // in this attempt to get up

@@ -1,4 +1,4 @@
-// How commands are judged, and what they begin.
+// The operator's commands: whether they are obeyed, and what they start.
 
 #include "firmware/behaviour/behaviour.h"
 #include "firmware/fixed/literals.h"
@@ -10,7 +10,8 @@ using namespace fixed::literals;
 
 namespace {
 
-// Half and one and a half g: whatever the attitude, a robot at rest measures about one.
+// Half and one and a half g. A robot at rest measures one g in any attitude; the margin is ten times the
+// zero-g error of an accelerometer of the MPU-6050 class, 0.05 g, so that a robot held in hands passes too.
 constexpr fixed::Acceleration kMinAcceleration = 4.9_m_per_s2;
 constexpr fixed::Acceleration kMaxAcceleration = 14.7_m_per_s2;
 
@@ -22,8 +23,8 @@ Reason Behaviour::request(Command command, std::int16_t argument, const estimati
   return status_.refusal;
 }
 
-// One that is obeyed withdraws the refusal of a velocity only: they come often, and the refusal of a command
-// is to be seen.
+// A velocity that is obeyed clears only the refusal of an earlier velocity: velocities come often, and would
+// hide the refusal of a command.
 bool Behaviour::request_velocity(const walk::Velocity& velocity) {
   const bool obeyed = clamped(velocity, parameters_.velocity_limits) == velocity;
   if (obeyed) velocity_ = velocity;
@@ -51,7 +52,7 @@ Reason Behaviour::judge(Command command, std::int16_t argument, const Judgement&
     case Command::kReset:
       return obey_event(Event::kReset, judgement.now_us);
     case Command::kCalibrate:
-      // The second begins now. Should the robot move in it, the refusal comes later.
+      // The measurement takes a second. If the robot moves meanwhile, the refusal comes later.
       return kResting.contains(status_.state) ? Reason::kNone : Reason::kNotInThisState;
     case Command::kGetUp:
       return get_up(judgement);

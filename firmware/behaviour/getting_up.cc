@@ -1,4 +1,4 @@
-// Of a fall and what comes after it: the states from kFalling to kSteadying.
+// The states of a fall and of standing up again: kFalling to kSteadying.
 
 #include <algorithm>
 
@@ -11,11 +11,14 @@ namespace koboshi::behaviour {
 using motion::Role;
 namespace {
 
-// Who has not come down by then caught himself, or hangs on somebody's hand.
+// Time-outs of the states, set by hand (2026-11-22) and not tuned: too long a time-out only costs time. Of a
+// fall: after it the robot counts as down and goes limp, although it did not fall or somebody holds it.
 constexpr std::uint64_t kMaxFallDuration_us = 1'500'000;
-// A robot on a slope or in somebody's hands may never lie still.
+// A robot that slides down a slope or that somebody carries never comes to rest.
 constexpr std::uint64_t kMaxSettlingDuration_us = 4'000'000;
+// Of a robot that has risen and does not come to rest upright.
 constexpr std::uint64_t kMaxSteadyingDuration_us = 3'000'000;
+// Of the motions' own pace, set by hand (2026-11-22). The parameter "slower" alone would let attempts stop.
 constexpr std::uint32_t kMinPace_percent = 30;
 
 constexpr Role role_of(FallDirection direction) {
@@ -37,7 +40,7 @@ void Behaviour::begin_falling(FallDirection direction, const Cycle& cycle) {
   walker_.abort();
   interpreter_.abort();
   status_.falls = fixed::add_saturated(status_.falls, std::uint16_t{1});
-  // Without a motion for it the robot meets the ground as it is.
+  // A robot without a motion for this direction keeps its pose.
   static_cast<void>(begin_role(role_of(direction)));
   handle(Event::kFall, Reason::kFallForeseen, cycle);
 }
@@ -51,8 +54,9 @@ bool Behaviour::begin_role(Role role) {
   return true;
 }
 
-// Stiff until the body is about to land, so that the pose is reached; then limp, so that the ground drives no
-// gear. Who bends low enough may not fall at all.
+// The drives stay enabled until the trunk leans by 60 degrees, so that they reach the protective pose; then
+// they go limp, so that the impact does not load the gears. A robot that bends low enough may not fall at
+// all: it comes to rest on its feet.
 void Behaviour::run_falling(const Cycle& cycle) {
   if (interpreter_.running()) play_on(hal::kControlPeriod_us);
   const bool rests = !interpreter_.running() && rest_detector_.update(cycle.robot.rates_B);
@@ -69,7 +73,8 @@ void Behaviour::stand_up_straight(Reason reason, const Cycle& cycle) {
 
 void Behaviour::run_fallen(const Cycle& cycle) {
   follow_actual(cycle.drives);
-  if (!rest_detector_.update(cycle.robot.rates_B) && cycle.now_us - entered_us_ < kMaxSettlingDuration_us) return;
+  if (!rest_detector_.update(cycle.robot.rates_B) && cycle.now_us - entered_us_ < kMaxSettlingDuration_us)
+    return;
   std::uint8_t& attempts = status_.attempts;
   if (attempts >= parameters_.recovery.getting_up.attempts)
     return fail(Reason::kCannotGetUp, cycle.drives.fault, cycle.now_us);
@@ -82,7 +87,7 @@ void Behaviour::run_righting(const Cycle& cycle) {
   if (!cycle.drives.enabled) return follow_actual(cycle.drives);
   switch (classify(cycle.robot.up_B, thigh_pitch(cycle))) {
     case LyingPose::kUpright:
-      // Who was upright and fell again did not stand on its feet.
+      // After a failed attempt an upright trunk means that the robot sits.
       if (status_.attempts > 1) return rise_from_seat(cycle);
       return stand_up_straight(Reason::kHeldUpright, cycle);
     case LyingPose::kSitting:
@@ -103,13 +108,15 @@ void Behaviour::rise(Role role, Reason lying, const Cycle& cycle) {
   handle(Event::kProneOrSupine, lying, cycle);
 }
 
-// Whose robot has no motion for it lies down first, by the one from its back.
+// Falls back to the supine motion, which lies down first, on robots without a motion for rising from the
+// seat.
 void Behaviour::rise_from_seat(const Cycle& cycle) {
   const bool known = motions_.number_of(Role::kRiseSeat).has_value();
   rise(known ? Role::kRiseSeat : Role::kRiseSupine, Reason::kOnSeat, cycle);
 }
 
-// From hanging down, the mean of both: a knee that is in front makes it negative.
+// Returns the mean pitch of the thighs from hanging straight down, in the world; negative with the knees in
+// front of the hips.
 fixed::Angle Behaviour::thigh_pitch(const Cycle& cycle) const {
   std::int64_t hips_raw = 0;
   for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
@@ -134,13 +141,14 @@ void Behaviour::run_getting_up(const Cycle& cycle) {
   handle(Event::kEnded, Reason::kProgress, cycle);
 }
 
-// The same motion again would fail again: each attempt is slower than the last.
+// Returns the pace of the present attempt. Each is slower than the one before: an identical attempt would
+// fail in the same way.
 std::uint32_t Behaviour::pace_percent() const {
   const std::uint32_t less = parameters_.recovery.getting_up.slower * (status_.attempts - 1u);
   return less >= 100 - kMinPace_percent ? kMinPace_percent : 100 - less;
 }
 
-// The watch for falls goes on meanwhile, once the trunk was upright.
+// Fall detection is active again in this state, from the first upright cycle on.
 void Behaviour::run_steadying(const Cycle& cycle) {
   const bool still = rest_detector_.update(cycle.robot.rates_B);
   if (still && is_upright(cycle.robot.up_B)) {

@@ -8,13 +8,16 @@ using namespace fixed::literals;
 
 namespace {
 
-constexpr fixed::Ratio kUprightCosine = 0.966_ratio;  // 15 degrees
-constexpr fixed::Ratio kUpCosine = 0.866_ratio;       // 30
-constexpr fixed::Ratio kSittingCosine = 0.6_ratio;    // 53
-constexpr fixed::Ratio kDownCosine = 0.5_ratio;       // 60
+// Limits between poses that are far apart, set by hand (2026-11-22) with the pushes of
+// docs/experiment/stand-up.md; docs/design/getting-up.md says what follows from each pose.
+constexpr fixed::Ratio kUprightCosine = 0.966_ratio;      // 15 degrees
+constexpr fixed::Ratio kRestsOnFeetCosine = 0.866_ratio;  // 30
+constexpr fixed::Ratio kSittingCosine = 0.6_ratio;        // 53
+constexpr fixed::Ratio kDownCosine = 0.5_ratio;           // 60
 constexpr fixed::Angle kRaisedThigh = -45.0_deg;
-// A trunk that lies on a shoulder and its chest rolls on to its chest by itself as soon as an arm moves: a
-// side counts from 55 degrees of turn, tan 55 = 1.43 = 10 / 7.
+// The robot lies on its side if the trunk is turned by more than 55 degrees from chest or back, tan 55 deg =
+// 1.43 = 10 / 7. With less, it lies on a shoulder and the chest, and rolls onto the chest as soon as an arm
+// moves.
 constexpr int kSideNumerator = 7;
 constexpr int kSideDenominator = 10;
 
@@ -33,6 +36,6 @@ bool is_upright(const robot::Direction& up_B) { return up_B.z > kUprightCosine; 
 
 bool is_down(const robot::Direction& up_B) { return up_B.z < kDownCosine; }
 
-bool can_rest_on_feet(const robot::Direction& up_B) { return up_B.z > kUpCosine; }
+bool can_rest_on_feet(const robot::Direction& up_B) { return up_B.z > kRestsOnFeetCosine; }
 
 }  // namespace koboshi::behaviour

@@ -6,8 +6,9 @@
 
 namespace koboshi::behaviour {
 
+// The pose in which the robot has come to rest after a fall.
 enum class LyingPose : std::uint8_t {
-  kUpright,  // not lying: somebody holds it, or it caught itself
+  kUpright,  // not lying: somebody holds the robot, or it did not fall after all
   kSitting,
   kProne,
   kSupine,
@@ -15,19 +16,19 @@ enum class LyingPose : std::uint8_t {
   kRightSide,
 };
 
-// How the trunk lies, from the direction against gravity in its axes, and how far the thighs are turned from
-// hanging down, positive when the knees are behind. It sits where the trunk is within 53 degrees of upright
-// and the thighs are raised to the front by more than 45. Poses between those that have a name get the
-// nearest one; a trunk on its head lies by what it leans to.
+// Classifies the pose of a robot at rest. `up_B`: unit vector against gravity in axes of the trunk B.
+// `thigh_pitch`: pitch of the thighs from hanging straight down, positive with the knees behind the hips. The
+// robot sits if the trunk is within 53 degrees of upright and the thighs are raised by more than 45 degrees.
+// Every direction has a pose: the nearest one; a trunk upside down gets the side to which it leans.
 [[nodiscard]] LyingPose classify(const robot::Direction& up_B, fixed::Angle thigh_pitch);
 
-// It leans by less than 15 degrees, as who stands.
+// Returns whether the trunk leans by less than 15 degrees, as that of a standing robot.
 [[nodiscard]] bool is_upright(const robot::Direction& up_B);
 
-// It leans by more than 60 degrees: nothing but links that are no feet can hold it now.
+// Returns whether the trunk leans by more than 60 degrees: the feet no longer carry the robot.
 [[nodiscard]] bool is_down(const robot::Direction& up_B);
 
-// It leans by less than 30 degrees: what rests so can rest on its feet.
+// Returns whether the trunk leans by less than 30 degrees: a robot that rests so can rest on its feet.
 [[nodiscard]] bool can_rest_on_feet(const robot::Direction& up_B);
 
 }  // namespace koboshi::behaviour

@@ -18,7 +18,7 @@ void SoftStart::begin(std::span<const fixed::Angle> from, std::span<const fixed:
     const std::int64_t travel_raw = std::int64_t{to[joint].raw()} - from[joint].raw();
     longest_raw = std::max(longest_raw, travel_raw < 0 ? -travel_raw : travel_raw);
   }
-  // The angle has 32 binary places, the rate 12: raw / (rate * 2^20) seconds.
+  // The angle has 32 fraction bits, the rate 12: the travel takes raw / (rate * 2^20) seconds.
   const std::int64_t rate_raw = std::int64_t{rate} << 20;
   const std::int64_t time_us = (longest_raw * 1'000'000 + rate_raw - 1) / rate_raw;
   duration_us_ = std::max(kMinDuration_us, static_cast<std::int32_t>(time_us));

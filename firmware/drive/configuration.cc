@@ -15,7 +15,7 @@ using canopen::kCobIdInvalid;
 using canopen::kCobIdNoRemote;
 using canopen::mapping;
 
-// One SDO request. Its value is `constant` plus what the joint's drive has of its own.
+// One SDO request. Its value is `constant` plus a value of the joint's drive.
 struct Configuration::Step {
   enum class Purpose : std::uint8_t { kWrite, kExpect, kSupply };
   enum class Own : std::uint8_t {
@@ -42,7 +42,7 @@ constexpr std::uint32_t kTpdo = canopen::kTpdo1Base | kCobIdNoRemote;
 constexpr std::uint32_t kControllerLost =
     std::uint32_t{kControllerNodeId} << 16 | kControllerHeartbeatLost_ms;
 
-// A drive that is mounted the other way round has its lowest position at the joint's upper limit.
+// A drive that is mounted in reverse has its lowest position at the joint's upper limit.
 std::uint32_t position_limit(const robot::Joint& joint, bool highest) {
   const auto [low, high] = std::minmax(
       {robot::drive_position(joint.drive, joint.lower), robot::drive_position(joint.drive, joint.upper)});

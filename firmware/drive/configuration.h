@@ -14,14 +14,13 @@ inline constexpr std::uint16_t kControllerHeartbeat_ms = 20;      // what the co
 inline constexpr std::uint16_t kControllerHeartbeatLost_ms = 60;  // what the drives tolerate
 inline constexpr std::uint16_t kDriveHeartbeat_ms = 100;
 inline constexpr std::uint16_t kDriveHeartbeatLost_ms = 350;  // two may be lost on a bad bus
-// A drive without targets says so a cycle after one without SYNC would: that is told first when both are
-// gone.
+// The event timer of a drive's RPDO, one cycle longer than its SYNC time-out: if both are lost, the loss of
+// SYNC is reported first.
 inline constexpr std::uint16_t kTargetsLost_ms = 60;
 
-// Writes into one drive after the other, over SDO, what it must know before it may move: it checks the
-// drive's identity (0x1018), maps its PDOs by the sequence of CiA 301 (7.5.2.36), sets the heartbeats, the
-// cycle (0x1006, 0x60C2), position limits and the mode, and reads its supply. A request that is not answered
-// is made again, kAttempts times in all.
+// Configures one drive at a time over SDO: checks its identity (0x1018), maps its PDOs by the sequence of CiA
+// 301 (7.5.2.36), sets heartbeats, cycle (0x1006, 0x60C2), position limits and mode, and reads its supply
+// voltage. A request without answer is repeated, kAttempts times in all.
 class Configuration {
  public:
   static constexpr int kAttempts = 3;
@@ -30,9 +29,9 @@ class Configuration {
 
   explicit Configuration(canopen::SdoClient& client) : client_(client) {}
 
-  // Starts over with this joint's drive, which must outlive the configuration.
+  // Starts the configuration of this joint's drive. The joint must outlive it.
   void begin(const robot::Joint& joint);
-  // Goes on as far as it can without waiting.
+  // Proceeds as far as possible without waiting. Call it each millisecond.
   void process(std::uint64_t now_us);
 
   State state() const { return state_; }

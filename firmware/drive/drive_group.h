@@ -20,81 +20,84 @@
 
 namespace koboshi::drive {
 
-// What the drives are to do. They are led there by controlwords, one transition of CiA 402 a cycle.
+// The state to which the drives are led by controlwords, one transition of CiA 402 in each cycle.
 enum class Goal : std::uint8_t {
   kTorqueOff,  // switch on disabled
-  kEnabled,    // operation enabled; all of them make the last step in the same cycle
+  kEnabled,    // operation enabled; all drives make the last transition in the same cycle
   kQuickStop,  // stop on the drive's own ramp, then torque off
 };
 
 // How the drives are started once all of them are configured (CiA 302-2, object 0x1F80).
 enum class Starting : std::uint8_t {
-  kLater,     // not yet: the controller itself is not operational
-  kEach,      // by a message to each
-  kTogether,  // by one message to every node of the bus
-  kByOthers,  // by another master: the group waits until all answer
+  kLater,     // not yet: the controller is not operational
+  kEach,      // by an NMT message to each
+  kTogether,  // by one NMT message to all nodes
+  kByOthers,  // by another NMT master: the group waits until all answer
 };
 
-// All servo drives of the robot: boots them, leads them to a goal and watches over them. The owner hands it
-// what it hears of them. In each cycle it calls `observe`, decides, sets goal and targets, calls `command`
-// and sends `signals`: what was decided takes effect in the same cycle.
+// Boots all servo drives of the robot, leads them to a goal and supervises them. The owner passes on what it
+// receives from them. In each cycle it calls `observe`, decides, sets goal and targets, calls `command` and
+// sends `signals`, so that a decision takes effect in the same cycle.
 class DriveGroup {
  public:
-  static constexpr std::uint64_t kBootTimeout_us = 1'000'000;  // from the resets to the last boot-up message
+  static constexpr std::uint64_t kBootTimeout_us = 1'000'000;  // from the reset to the last boot-up message
   static constexpr std::uint64_t kEnableTimeout_us = 500'000;  // from the goal to operation enabled
-  static constexpr std::uint64_t kSupplyPeriod_us = 250'000;   // from one drive's supply to the next one's
-  // An encoder may stand this far outside the joint's limits: backlash and offset of a robot that leans on
-  // its stops. The first target then draws the joint back to its limit.
+  static constexpr std::uint64_t kSupplyPeriod_us = 250'000;   // between the supply readings of two drives
+  // How far outside its limits a joint may be when it is enabled, for backlash and offset of a robot that
+  // leans on its stops. The first target draws the joint back to its limit. Set by hand (2026-11-21): some
+  // three times the backlash of kit servos, 0.01 rad.
   static constexpr auto kEncoderMargin = fixed::literals::operator""_deg(2.0L);
-  static constexpr std::uint16_t kMissedAnswers = 5;  // cycles without an answer after which a drive is lost
+  static constexpr std::uint16_t kMissedAnswers =
+      5;  // consecutive cycles without an answer, after which a drive is lost
 
-  // All must outlive the group. Frames go to `sink` as NMT master and SDO client.
+  // The references must outlive the group. It sends to `sink` as NMT master and SDO client.
   DriveGroup(const robot::RobotModel& model, canopen::FrameSink& sink, DriveSignals& signals);
 
   // Resets the drives at this time, each by a message of its own, which takes them out of any fault, and
   // boots them; forgets every fault. What a drive said before its boot-up message counts no more.
   void boot(std::uint64_t reset_us = 0);
-  // Nothing more is sent to them before the next boot.
+  // Sends nothing to the drives until the next boot.
   void give_up() { phase_ = Phase::kFailed; }
   void set_goal(Goal goal, std::uint64_t now_us);
 
   void on_frame(const hal::CanFrame& frame) { client_.on_frame(frame); }
   void on_heartbeat(const canopen::HeartbeatEvent& event);
-  // A warning about communication is only kept: what is lost shows in missing answers, and a drive that is
-  // stopped says so in its statusword.
+  // Keeps the error code. Communication warnings are no trouble: lost frames show as missing answers, and a
+  // drive that has stopped reports it in its statusword.
   void on_emergency(const canopen::Emergency& emergency);
-  // Statusword and position of the joint's drive have come. Answers to the SYNCs before a boot are none.
+  // Notes that statusword and position of the joint's drive were received. Answers from before a boot are
+  // ignored.
   void on_answer(std::size_t joint) { answered_ |= std::uint32_t{phase_ >= Phase::kStarting} << joint; }
-  // Booting and its time-outs; at 1 kHz.
+  // Proceeds with the boot and its time-outs. Call it at 1 kHz.
   void process(std::uint64_t now_us, Starting starting = Starting::kEach);
-  // Reads what the drives have answered in the last cycle.
+  // Evaluates the answers of the last cycle.
   void observe(std::uint64_t now_us);
-  // Writes the controlwords of the next.
+  // Writes the controlwords of the next cycle.
   void command();
 
-  // Targets of all joints, within their limits.
+  // Sets a joint's target, which the caller has clamped to the joint's limits.
   void set_target(std::size_t joint, fixed::Angle angle) {
     KOBOSHI_ASSERT(joint < model_.joint_count);
     signals_.target_position[joint] = robot::drive_position(model_.joints[joint].drive, angle);
   }
-  // Where the joint is, as its drive said last. Meaningful once booted.
+  // Returns the last reported angle of a joint. Valid once booted.
   fixed::Angle angle(std::size_t joint) const;
-  // What all of them say now.
+  // Returns the last reported status of all drives.
   DriveStatus status() const;
   EnableConditions enable_conditions() const;
   // Every drive in this state, as each said last.
   bool all_in(canopen::cia402::State state) const;
-  // None makes torque, as each said last.
+  // Returns whether no drive reported a state with torque last.
   bool all_limp() const;
 
-  // Before the reset: nothing has been sent to the drives.
+  // Returns whether a boot has begun and no reset has been sent yet.
   bool resetting() const { return phase_ == Phase::kResetting; }
-  // Every drive has its configuration and was told to start; `booted` once each has also answered a SYNC.
+  // Return whether every drive is configured and started, and whether each has also answered a SYNC.
   bool configured() const { return phase_ == Phase::kBooted; }
   bool booted() const { return phase_ == Phase::kBooted && (all_joints() & ~heard_) == 0; }
-  // Some drive has answered in the last cycle: the bus carries frames both ways.
+  // Returns whether some drive answered in the last cycle: the bus works in both directions.
   bool answering() const { return answering_; }
-  // The goal kEnabled is reached: every drive has been in operation enabled and followed its targets.
+  // Returns whether the goal kEnabled was reached: all drives in operation enabled, following their targets.
   bool enabled() const { return enabled_; }
   // The first fault since the last boot.
   const JointFault& fault() const { return fault_; }

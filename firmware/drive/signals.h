@@ -7,10 +7,9 @@
 
 namespace koboshi::drive {
 
-// What the controller and its drives exchange in each cycle, as it stands in the controller's object
-// dictionary: by joint, in the drives' own words and units (CiA 402; positions in 2^-position_bits turns of
-// the shaft).
-struct DriveSignals {  // plain arrays: the dictionary addresses their elements
+// The cyclic data of all drives, as in the controller's object dictionary: arrays by joint, in the words and
+// units of the drives (CiA 402; positions in 2^-position_bits turn of the shaft).
+struct DriveSignals {  // plain arrays, since the dictionary addresses their elements
   std::uint16_t controlword[robot::kMaxJoints] = {};
   std::int32_t target_position[robot::kMaxJoints] = {};
   std::uint16_t statusword[robot::kMaxJoints] = {};

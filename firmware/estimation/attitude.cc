@@ -13,10 +13,11 @@ using robot::Direction;
 namespace {
 
 constexpr Ratio kOldInverseGravity = 0.101936799_ratio;  // of 9.81 m/s^2
-// 0.85^2 and 1.15^2: of |force|^2 / g^2.
+// Bounds of |force|^2 / g^2, 0.85^2 and 1.15^2. Outside, the trunk accelerates too much for its specific
+// force to point up. Set by hand (2026-11-21); not tuned.
 constexpr Ratio kMinSquare = 0.7225_ratio;
 constexpr Ratio kMaxSquare = 1.3225_ratio;
-// 10 ms through time constants of 2 s and of 0.1 s.
+// k: the cycle of 10 ms over time constants of 2 s and of 0.1 s.
 constexpr Ratio kHalf = 0.5_ratio;
 constexpr Ratio kMovingShare = 0.005_ratio;
 constexpr Ratio kRestingShare = 0.1_ratio;
@@ -34,7 +35,7 @@ bool is_near_one(const Direction& force) {
   return square >= kMinSquare && square <= kMaxSquare;
 }
 
-// force / g; saturates at 2.
+// Returns force / g; saturates at 2.
 Direction in_g(const AttitudeEstimator::Acceleration& force_B) {
   return {fixed::product<Ratio>(force_B.x, kOldInverseGravity),
           fixed::product<Ratio>(force_B.y, kOldInverseGravity),
@@ -52,7 +53,8 @@ void AttitudeEstimator::update(const robot::Vector<Ratio>& turn_B_rad, const Acc
   pitch_ = fixed::atan2(-up_B_.x, fixed::hypotenuse(up_B_.y, up_B_.z));
 }
 
-// What is fixed in the world turns the other way in axes of B: to second order, v - t x v + t x (t x v) / 2.
+// A vector v that is fixed in the world turns by -t in axes of B: to second order, v - t x v + t x (t x v) /
+// 2.
 void AttitudeEstimator::turn(const robot::Vector<Ratio>& turn_B_rad) {
   const Direction first = robot::cross(turn_B_rad, up_B_);
   const Direction half = scaled(kHalf, first);
@@ -65,15 +67,15 @@ void AttitudeEstimator::correct(const Acceleration& force_B, Condition condition
   if (!known_) {
     known_ = true;
     up_B_ = force;
-    // From 15 % off, four steps of Newton arrive within an LSB or two.
+    // Four Newton steps converge to an LSB or two from 15 % off.
     for (int step = 0; step < 4; ++step) normalise();
     return;
   }
-  // The part along up_B is only length, which is taken away afterwards.
+  // The component along up_B changes the length only, which `normalise` restores.
   up_B_ = up_B_ + scaled(condition == Condition::kResting ? kRestingShare : kMovingShare, force - up_B_);
 }
 
-// One Newton step of the inverse root of its square, s: v (3 - s) / 2.
+// One Newton step of the inverse square root of s = |v|^2: v (3 - s) / 2.
 void AttitudeEstimator::normalise() {
   const Ratio excess = robot::dot(up_B_, up_B_) - fixed::kOne;
   up_B_ = up_B_ - scaled(fixed::product<Ratio>(kHalf, excess), up_B_);

@@ -5,28 +5,31 @@
 
 namespace koboshi::estimation {
 
-// Roll and pitch of the trunk: a complementary filter. It keeps the direction that is up, as a unit vector in
-// axes of B, which has no singular attitude whatever way the robot falls; carries it along with the gyro; and
-// draws it slowly to the specific force, which points up whenever the trunk does not accelerate.
+// Estimates roll and pitch of the trunk B with a complementary filter (as Mahony, Hamel and Pflimlin 2008,
+// for the direction against gravity alone, without heading). Its state is the unit vector up_B, which is
+// regular in every attitude of a fall. In each cycle, with the rotation vector t of the trunk and the
+// specific force f,
+//   up_B <- up_B - t x up_B + t x (t x up_B) / 2,   up_B <- up_B + k (f / g - up_B),   up_B <- up_B / |up_B|.
+// f points up whenever the trunk does not accelerate; k is the cycle over the filter's time constant.
 class AttitudeEstimator {
  public:
   using Acceleration = robot::Vector<fixed::Acceleration>;
 
-  // How far the specific force is believed. A robot that moves: with a time constant of 2 s, so that 0.1
-  // deg/s that are left of the gyro's bias make 0.2 degrees, and a walk's acceleration of 0.25 g that
-  // alternates twice a second 0.6. A robot that rests: of 0.1 s, for its gyro may not be calibrated yet.
+  // Selects the time constant of the correction by the specific force. Moving: 2 s. A residual gyro bias of
+  // 0.1 deg/s then tilts the estimate by 0.2 degrees, and an acceleration of 0.25 g that alternates twice a
+  // second, as in a walk, by 0.6. Resting: 0.1 s, since the gyro's bias may not be known yet.
   enum class Condition { kMoving, kResting };
 
-  // One 100 Hz cycle. `turn_B_rad` is the rotation vector of the trunk since the last one, in axes of B, free
-  // of the gyro's bias; at most 0.5 rad, beyond that errors grow with its cube. `force_B` is the specific
-  // force; it counts only while it is within 15 % of g. The first that does sets the attitude at once.
+  // One 100 Hz cycle. `turn_B_rad`: rotation vector of the trunk since the last cycle, in axes of B, free of
+  // the gyro's bias, at most 0.5 rad; the error grows with its cube. `force_B`: specific force in axes of B,
+  // used only while its magnitude is within 15 % of g. The first such value sets the attitude at once.
   void update(const robot::Vector<fixed::Ratio>& turn_B_rad, const Acceleration& force_B,
               Condition condition);
 
-  // Unit vector against gravity, in axes of B.
+  // Returns the unit vector against gravity, in axes of B.
   const robot::Direction& up_B() const { return up_B_; }
-  // Roll about x, then pitch about y; a trunk that leans forward has positive pitch, one that leans to the
-  // right positive roll. Roll in [-1/2, 1/2) turn, pitch in [-1/4, 1/4].
+  // Return the attitude as roll about x after pitch about y: positive pitch leans forward, positive roll
+  // leans to the right. Roll is in [-1/2, 1/2) turn, pitch in [-1/4, 1/4] turn.
   fixed::Angle roll() const { return roll_; }
   fixed::Angle pitch() const { return pitch_; }
 

@@ -16,42 +16,42 @@
 
 namespace koboshi::estimation {
 
-// The first stage of a control cycle: samples go in as they come, a RobotState comes out each 10 ms. It
-// filters the inertial samples (second order, 20 Hz), measures the gyro's bias whenever the robot rests,
-// and computes attitude, ZMP and centre of mass.
+// The first stage of a control cycle: takes samples as they arrive and computes a RobotState each 10 ms. It
+// filters the inertial samples (second order, 20 Hz), measures the gyro's bias while the robot rests, and
+// estimates attitude, ZMP and centre of mass.
 class Estimator {
  public:
   using Rates = InertialSensor::Rates;
 
-  // The outcome of a calibration that was begun.
+  // The outcome of a calibration.
   enum class Calibration : std::uint8_t {
-    kNone,  // none has ended in this cycle
-    kDone,  // gyro_bias() is the new one
-    kMoved  // the robot did not rest; the old bias stays
+    kNone,  // none ended in this cycle
+    kDone,  // gyro_bias() is new
+    kMoved  // the robot moved; the bias is unchanged
   };
 
-  // The model must outlive the estimator; its R_BI may change between the cycles.
+  // The model must outlive the estimator; its R_BI may change between cycles.
   explicit Estimator(const robot::RobotModel& model);
 
-  // The next sample of the inertial unit, at 1 kHz.
+  // Takes the next sample of the inertial unit, at 1 kHz.
   void add(const hal::ImuSample& sample, std::uint64_t now_us) { inertial_.add(sample, now_us); }
-  // The latest sample of an ankle sensor.
+  // Takes the latest sample of an ankle sensor.
   void add(hal::Side side, const hal::AnkleSample& sample, std::uint64_t now_us);
 
-  // Ends a control cycle of 10 ms. `angles`: one a joint, as measured. `rests`: the robot makes no torque, so
-  // that nothing but a hand moves it. The reference is good until the next call.
+  // Ends a control cycle of 10 ms. `angles`: measured, one for each joint. `rests`: the drives make no
+  // torque. The reference stays valid until the next call.
   const RobotState& update(std::span<const fixed::Angle> angles, bool rests, std::uint64_t now_us);
-  // Of the last cycle.
+  // Returns the state of the last cycle.
   const RobotState& state() const { return state_; }
 
-  // A bias that is known from elsewhere, in force until the next second of rest; zero is none.
+  // Sets a stored bias, in axes of B, valid until the next measurement; zero means that none is stored.
   void assume_gyro_bias(const Rates& bias_B);
-  // The next second is a calibration; its end shows in `calibration`. Should the robot not rest in it, it
-  // fails.
+  // Starts a calibration, which takes the next second; `calibration` returns its outcome in the cycle in
+  // which it ends. It fails if the robot moves.
   void begin_calibration();
   Calibration calibration() const { return calibration_; }
   const Rates& gyro_bias() const { return gyro_bias_.bias(); }
-  // Seconds of rest that gave a bias, since power-on; saturates.
+  // Returns the number of measured biases since power-on; saturates.
   std::uint16_t gyro_calibrations() const { return gyro_calibrations_; }
 
  private:
@@ -65,8 +65,8 @@ class Estimator {
   GyroBias gyro_bias_;
   AttitudeEstimator attitude_;
   hal::BySide<FootSensor> foot_sensors_;
-  hal::BySide<std::array<std::int16_t, 6>> wrenches_{};  // counts: force, then torque
-  hal::BySide<std::optional<std::uint64_t>> ankle_us_;   // when each was heard last
+  hal::BySide<std::array<std::int16_t, 6>> wrenches_{};  // counts: force x, y, z, then torque
+  hal::BySide<std::optional<std::uint64_t>> ankle_us_;   // time of each one's last sample
   bool calibrating_ = false;
   bool bias_assumed_ = false;
   std::uint16_t gyro_calibrations_ = 0;

@@ -8,29 +8,30 @@
 
 namespace koboshi::estimation {
 
-// The rate that a gyro shows at rest, up to 20 deg/s before calibration. Measured while the robot is known to
-// make no torque: the mean over a second in which no axis moves by more than kMaxSpread. A second with more
-// is thrown away, so that a robot that is being carried keeps what it knew before.
+// Measures the bias of the gyro, the rate that it reads at rest: up to 20 deg/s for an MPU-6050 (zero-rate
+// output of its data sheet). The bias is the mean over one second in which the reading of no axis spans more
+// than kMaxSpread. A second with more motion is discarded, so that a robot that is carried keeps its last
+// bias.
 class GyroBias {
  public:
   using Rates = robot::Vector<fixed::AngularRate>;
 
-  static constexpr std::int32_t kSamples = 100;  // at 100 Hz
-  // Ten times what the noise of an MPU-6050, 0.005 deg/s/sqrt(Hz), spans in a second behind the 20 Hz
-  // low-pass; a robot that somebody holds in his hands moves more.
+  static constexpr std::int32_t kSamples = 100;  // one second at 100 Hz
+  // Ten times the span of an MPU-6050's noise, 0.005 deg/s/sqrt(Hz) (data sheet), in one second after the 20
+  // Hz low-pass. A robot that somebody holds moves more.
   static constexpr auto kMaxSpread = fixed::literals::operator""_deg_per_s(1.2L);
 
-  // The next of the gyro's filtered rates, at 100 Hz, of a robot that makes no torque. True when a second of
-  // rest is complete, and `bias` is new.
+  // Takes the gyro's next filtered rates, at 100 Hz, while the drives make no torque. Returns true when a
+  // second of rest is complete and `bias` is new.
   bool observe(const Rates& rates);
-  // Torque has come: what was begun is thrown away.
+  // Discards the samples so far: the drives make torque.
   void interrupt() { count_ = 0; }
-  // What was begun has been thrown away: nothing yet counts for the next second.
+  // Returns whether the last samples were discarded or used: the next second has no samples yet.
   bool interrupted() const { return count_ == 0; }
-  // A bias that is known from elsewhere, until the next second of rest.
+  // Sets a stored bias, valid until the next second of rest.
   void assume(const Rates& bias) { bias_ = bias; }
 
-  // Zero before the first second of rest, unless another was assumed.
+  // Returns the bias in force; zero before the first second of rest unless a stored one was set.
   const Rates& bias() const { return bias_; }
 
  private:

@@ -12,14 +12,15 @@ namespace {
 // A rate in turn/s over a sample of 1 ms, as an angle in rad.
 constexpr fixed::Ratio kRadPerTurnAndSample = literal<fixed::Ratio>(kRadPerTurn / 1000.0L);
 
-// Half of `sum` in units of Q: `full_scale` is what 2^15 counts mean. Fits, because that is positive.
+// Returns half of `sum` in units of Q. `full_scale` is the value of 2^15 counts; it is positive, so that the
+// result fits.
 template <fixed::AnyQuantity Q>
 Q half(std::int32_t sum, Q full_scale) {
   return Q::from_raw(
       static_cast<std::int32_t>(fixed::shift_rounded(std::int64_t{full_scale.raw()} * sum, 16)));
 }
 
-// The mean of two raw samples.
+// Returns the mean of two raw samples.
 template <fixed::AnyQuantity Q>
 robot::Vector<Q> mean(const std::array<std::int16_t, 3>& a, const std::array<std::int16_t, 3>& b,
                       Q full_scale) {

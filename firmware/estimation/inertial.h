@@ -10,9 +10,9 @@
 
 namespace koboshi::estimation {
 
-// The second-order low-pass of the paper's section 2.6 for both gyro and inclination sensor: 20 Hz at the 500
-// Hz of the means of two samples, which cost half of what all samples would. design_low_pass(20, 500), which
-// a test holds it to.
+// The second-order low-pass of the paper's section 2.6, for gyro and accelerometer: 20 Hz at a sample rate of
+// 500 Hz. It filters the means of two samples, at half the cost of filtering each. The coefficients are
+// fixed::design_low_pass(20, 500); a test compares them.
 inline constexpr fixed::BiquadCoefficients kInertialLowPass{
     .b0 = fixed::Ratio::from_raw(14344332),
     .b1 = fixed::Ratio::from_raw(28688664),
@@ -21,7 +21,7 @@ inline constexpr fixed::BiquadCoefficients kInertialLowPass{
     .a2 = fixed::Ratio::from_raw(752582188),
 };
 
-// Gyro and inclination sensor: from raw samples to filtered quantities in the axes of the trunk B.
+// Converts the samples of the inertial unit I to filtered rates and specific forces in axes of the trunk B.
 class InertialSensor {
  public:
   using Rates = robot::Vector<fixed::AngularRate>;
@@ -30,17 +30,17 @@ class InertialSensor {
   // The model must outlive the sensor.
   explicit InertialSensor(const robot::RobotModel& model);
 
-  // Takes the next of the samples, which come at 1 kHz. The first settles the filters; later ones are seen
-  // two at a time.
+  // Takes the next sample, at 1 kHz. The first one settles the filters; later ones are filtered in pairs.
   void add(const hal::ImuSample& sample, std::uint64_t now_us);
 
-  // When the last sample came.
+  // Returns the time of the last sample, nothing before the first.
   std::optional<std::uint64_t> last_us() const { return last_us_; }
+  // Returns the filtered rates in axes of B, bias included.
   Rates rates() const { return model_.R_BI * rates_I_; }
-  // Specific force: one g upwards at rest.
+  // Returns the filtered specific force in axes of B: one g upwards at rest.
   Accelerations accelerations() const { return model_.R_BI * accelerations_I_; }
-  // The rotation vector of the trunk since the last call, in rad and axes of B: the sum of the samples, each
-  // of which stands for a millisecond, without the filter and its delay, less the gyro's bias.
+  // Returns the rotation vector of the trunk since the last call, in rad and axes of B: the sum of the
+  // unfiltered samples, less the bias, times 1 ms. It has no filter and thus no delay.
   robot::Vector<fixed::Ratio> take_turn(const Rates& bias);
 
  private:
@@ -53,7 +53,7 @@ class InertialSensor {
   const robot::RobotModel& model_;
   Filters<fixed::AngularRate> rate_filters_;
   Filters<fixed::Acceleration> acceleration_filters_;
-  Rates rates_I_{};  // in the inertial unit's axes: turned into those of B only when somebody asks
+  Rates rates_I_{};  // in axes of I; turned to B on request only, once a cycle instead of once a sample
   Accelerations accelerations_I_{};
   hal::ImuSample waiting_;  // for the other of its pair
   bool waits_ = false;

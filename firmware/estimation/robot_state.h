@@ -8,18 +8,19 @@
 
 namespace koboshi::estimation {
 
-// What the sensors say of the robot at the end of one control cycle: all that the later stages know of the
-// body. Frames: B is the trunk's; a sole's has its origin under the ankle.
+// The estimated state of the robot at the end of a control cycle, the only thing that later stages know of
+// the body. Frames (docs/design/frames.md): B is the trunk's; a sole's has its origin below the ankle, on the
+// ground.
 struct RobotState {
   static constexpr std::uint32_t kNever = std::numeric_limits<std::uint32_t>::max();
 
-  // From the gyro and the inclination sensor.
+  // From gyro and accelerometer.
   robot::Direction up_B = robot::kAxisZ;               // unit vector against gravity
-  fixed::Angle roll;                                   // about x, to the right positive; [-1/2, 1/2) turn
-  fixed::Angle pitch;                                  // about y, forwards positive; [-1/4, 1/4] turn
+  fixed::Angle roll;                                   // about x, right positive; [-1/2, 1/2) turn
+  fixed::Angle pitch;                                  // about y, forward positive; [-1/4, 1/4] turn
   robot::Vector<fixed::AngularRate> rates_B;           // free of the gyro's bias
   robot::Vector<fixed::Acceleration> accelerations_B;  // specific force: one g upwards at rest
-  bool gyro_known = false;  // the bias was measured or stored: without it attitude and rates drift
+  bool gyro_known = false;  // the gyro's bias was measured or stored; without it attitude and rates drift
   std::uint32_t inertial_age_us = kNever;  // since the last sample; saturates
 
   // From the ankle sensors.

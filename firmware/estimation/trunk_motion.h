@@ -5,8 +5,8 @@
 
 namespace koboshi::estimation {
 
-// What the trunk does beyond what is planned. A lean ahead has positive pitch, one to the right positive
-// roll.
+// The deviation of the trunk's attitude and rates from the plan. Positive pitch leans forward, positive roll
+// to the right.
 struct TrunkMotion {
   fixed::AngularRate roll_rate;  // in axes of B, free of bias
   fixed::AngularRate pitch_rate;
@@ -14,7 +14,8 @@ struct TrunkMotion {
   fixed::Angle pitch;
 };
 
-// `planned_pitch`: by how much the trunk is to lean ahead.
+// Returns the deviation. `planned_pitch`: the planned lean, forward positive; planned roll and rates are
+// zero.
 constexpr TrunkMotion trunk_motion(const RobotState& robot, fixed::Angle planned_pitch) {
   return {.roll_rate = robot.rates_B.x,
           .pitch_rate = robot.rates_B.y,

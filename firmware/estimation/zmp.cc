@@ -16,13 +16,13 @@ namespace {
 
 constexpr fixed::Acceleration kOldGravity = fixed::literals::literal<fixed::Acceleration>(9.81L);
 
-// A count of 2^15 is full scale.
+// Converts counts; 2^15 counts are the full scale.
 template <fixed::AnyQuantity Q>
 Q scaled(Q full_scale, std::int16_t counts) {
   return Q::from_wide_raw(fixed::shift_rounded(std::int64_t{full_scale.raw()} * counts, 15));
 }
 
-// (torque + force * arm) / load; the units of the three formats cancel to that of Length.
+// Returns (torque + force * arm) / load. The formats of the factors cancel to that of Length.
 Length lever(Torque torque, Force force, Length arm, Force load) {
   constexpr int kShift = Force::kFractionBits + Length::kFractionBits - Torque::kFractionBits;
   const std::int64_t moment_raw =

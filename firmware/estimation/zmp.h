@@ -9,39 +9,40 @@
 
 namespace koboshi::estimation {
 
-// Where the ground carries a foot.
+// The ground reaction on one foot.
 struct FootPressure {
-  fixed::Force load;  // normal to the sole, foot included; may be negative by the sensor's errors
-  bool valid = false;
-  fixed::Length x;  // of the ZMP in the sole's frame; only when valid
+  fixed::Force load;   // normal to the sole, the foot's weight included; sensor errors may make it negative
+  bool valid = false;  // load >= FootSensor::kMinLoad
+  fixed::Length x;     // of the ZMP in the sole's frame; zero unless valid
   fixed::Length y;
 };
 
-// Where the ground carries the robot.
+// The ZMP of the whole robot.
 struct Pressure {
-  hal::Side frame = hal::Side::kLeft;  // the sole in whose frame it is: of the foot that carries more
-  bool valid = false;                  // some foot carries enough
+  hal::Side frame = hal::Side::kLeft;  // the sole in whose frame x and y are: that of the foot with more load
+  bool valid = false;                  // the foot with more load has a valid ZMP
   fixed::Length x;
   fixed::Length y;
 };
 
-// The zero moment point of a foot from its ankle sensor, the paper's equation 1 with f_z as denominator:
+// Computes the zero moment point of a foot from its ankle sensor: the paper's equation 1, with f_z as the
+// denominator (the paper prints f_x and f_y there, which is not the physics),
 //   p_x = (-tau_y - f_x d) / f_z,  p_y = (tau_x - f_y d) / f_z,
-// from the point of the sole below the sensor, d under it. What the sensor does not feel, the weight of the
-// foot below it, is added as if the foot stood level and at rest: a foot that carries the robot nearly does,
-// and more exactly than any attitude would tell. At 5 degrees of tilt that is wrong by m g sin(5 deg) d /
-// f_z, 0.3 mm for the default robot on one foot.
+// relative to the point of the sole below the sensor, at the distance d. The sensor does not measure the
+// weight of the foot below it; it is added as for a foot that is level and at rest, since a foot under load
+// nearly is. At a tilt of 5 degrees this is wrong by m g sin(5 deg) d / f_z, 0.3 mm for the default robot on
+// one foot.
 class FootSensor {
  public:
-  // Below this, a twelfth of the robot's weight, the noise of the torques is millimetres of ZMP.
+  // A twelfth of the default robot's weight. With less load, the noise of the torques is millimetres of ZMP.
   static constexpr auto kMinLoad = fixed::literals::operator""_N(1.0L);
 
   // The model must outlive the sensor.
   FootSensor(const robot::RobotModel& model, hal::Side side);
 
-  // `counts` are what the sensor shows in its axes: force x, y, z, then torque x, y, z, which the ground side
-  // exerts on the shank side. Rounded once, beside the sensor's scaling to LSB of Force and Torque: at most
-  // 1 um from the formula, at the least load.
+  // Computes load and ZMP. `counts`: the sensor's reading in its axes, force x, y, z, then torque x, y, z,
+  // exerted by the ground side on the shank side. The result is rounded once, besides the scaling to LSB of
+  // Force and Torque: at most 1 um off the formula, at kMinLoad.
   FootPressure pressure(std::span<const std::int16_t, 6> counts) const;
 
  private:
@@ -52,7 +53,8 @@ class FootSensor {
   fixed::Torque weight_y_;
 };
 
-// Both feet, weighted with their loads.
+// Combines the ZMPs of both feet, weighted by their loads. With one valid foot it is that
+// foot's ZMP.
 Pressure combine(const hal::BySide<FootPressure>& feet, const Posture& posture);
 
 }  // namespace koboshi::estimation

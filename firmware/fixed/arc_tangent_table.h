@@ -5,9 +5,9 @@
 
 namespace koboshi::fixed {
 
-// atan over [0, 1] in sixteen segments: on segment i, with d in [-1, 1] the distance from its centre (2 i +
-// 1) / 32 in half segments, the coefficients of d^0 .. d^4 in a quarter of an LSB of Angle (2^-34 turn).
-// Chebyshev fits; fit error 0.25 LSB.
+// Polynomials for atan over [0, 1], one for each of sixteen segments. Segment i has its centre at (2 i + 1) /
+// 32; with the distance d in [-1, 1] from the centre in half segments, the row holds the coefficients of d^0
+// to d^4 in a quarter of an LSB of Angle (2^-34 turn). Chebyshev fits with an error of 0.25 LSB.
 inline constexpr std::array<std::array<std::int32_t, 5>, 16> kArcTangent = {{
     {85417861, 85362293, -83280, -27632, 81},
     {255589927, 84701211, -245986, -26361, 234},

@@ -6,7 +6,8 @@
 
 namespace koboshi::fixed {
 
-// H(z) = (b0 + b1 z^-1 + b2 z^-2) / (1 + a1 z^-1 + a2 z^-2). Designed on the host, `host/filter_design.h`.
+// The coefficients of H(z) = (b0 + b1 z^-1 + b2 z^-2) / (1 + a1 z^-1 + a2 z^-2), designed on the host
+// (host/filter_design.h).
 struct BiquadCoefficients {
   Ratio b0;
   Ratio b1;
@@ -17,15 +18,15 @@ struct BiquadCoefficients {
   friend bool operator==(const BiquadCoefficients&, const BiquadCoefficients&) = default;
 };
 
-// A second-order section on raw numbers, direct form I. The past outputs keep 30 bits below the LSB; without
-// them a filter whose poles are close to 1 stops short of a constant input, or circles around it. Starts
-// settled at zero. Coefficients of a filter that amplifies no signal beyond 4 times full scale; what exceeds
-// 32 bits saturates.
+// A second-order section (biquad) on raw numbers, in direct form I. Past outputs keep 30 fraction bits below
+// the LSB; without them, a filter with poles close to 1 would stop short of a constant input or show limit
+// cycles. It starts settled at zero. Outputs beyond 32 bits saturate; intermediate values fit as long as the
+// filter amplifies no signal beyond 4 times the full scale.
 class BiquadFilter {
  public:
-  // As after an endless constant input of `value_raw`, if the gain at DC is 1.
+  // Sets the state after an endless constant input of `value_raw`, for a DC gain of 1.
   void reset(std::int32_t value_raw);
-  // Takes the next input; returns the output of the same instant, rounded to nearest.
+  // Takes the next input and returns the output of the same instant, rounded to nearest.
   [[nodiscard]] std::int32_t filter(const BiquadCoefficients& coefficients, std::int32_t input_raw);
 
  private:
@@ -40,15 +41,15 @@ class BiquadFilter {
   Output output_2_;
 };
 
-// The paper's filter for noisy sensors, for one channel of one quantity.
+// The paper's second-order low-pass for noisy sensors, for one channel of a quantity.
 template <AnyQuantity Q>
 class LowPass {
  public:
   explicit constexpr LowPass(const BiquadCoefficients& coefficients) : coefficients_(coefficients) {}
 
-  // As after an endless constant input of `value`.
+  // Sets the state after an endless constant input of `value`.
   void reset(Q value) { filter_.reset(value.raw()); }
-  // Takes the next sample; returns the filtered signal at its instant.
+  // Takes the next sample and returns the filtered value of the same instant.
   [[nodiscard]] Q filter(Q sample) { return Q::from_raw(filter_.filter(coefficients_, sample.raw())); }
 
  private:

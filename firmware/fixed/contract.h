@@ -2,10 +2,9 @@
 
 #include <cassert>
 
-// What a function demands of its caller, checked wherever the firmware runs. Who breaks it has a defect, and
-// nothing after that can be trusted: on the host the program aborts and says where; on the target it traps,
-// and the fault handler takes the torque away, leaves a record and starts anew (hal/cortex_m/fault.h). The
-// condition must have no side effect.
+// Checks a precondition of a function, on every platform. A violation is a defect of the program: on the host
+// it aborts and names the place; on the target it traps, and the fault handler removes the torque, leaves a
+// record and resets (hal/cortex_m/fault.h). The condition must have no side effects.
 #if defined(NDEBUG) || defined(__arm__)
 #define KOBOSHI_ASSERT(condition) ((condition) ? static_cast<void>(0) : __builtin_trap())
 #else

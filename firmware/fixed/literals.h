@@ -4,16 +4,16 @@
 
 #include "firmware/fixed/units.h"
 
-// Quantities as literals: 90.0_deg, 1.5_rad, 0.065_m, 0.5_ratio. They are computed by the compiler, so that
-// no float reaches the firmware; one that its quantity cannot hold does not compile. An angle's range
-// excludes +180.0_deg: Angle::max() is a limit one LSB below it.
+// Literals of quantities: 90.0_deg, 1.5_rad, 0.065_m, 0.5_ratio. The compiler evaluates them, so that no
+// float reaches the firmware; a value out of range does not compile. The range of an angle excludes
+// +180.0_deg: Angle::max() is one LSB below.
 namespace koboshi::fixed::literals {
 
-// Not constexpr, and defined nowhere: a constant expression that calls it is an error, and the error names
-// it.
+// Makes an error of a literal out of range: it is not constexpr, and the error message names it. Defined
+// nowhere.
 void literal_is_out_of_range();
 
-// `value` in units of Q, rounded to nearest.
+// Returns `value`, in units of Q, rounded to nearest.
 template <AnyQuantity Q>
 [[nodiscard]] consteval Q literal(long double value) {
   long double raw = value;

@@ -12,16 +12,15 @@ namespace koboshi::fixed {
 
 enum class Overflow : std::uint8_t { kWrap, kSaturate };
 
-// Integers that scale a quantity: those that fit std::int32_t whatever their value. A double is not among
-// them.
+// Integer types that may scale a quantity: those whose every value fits std::int32_t.
 template <typename T>
 concept ScalingInteger = std::integral<T> && requires(T value) {
   std::int32_t{value};
 };
 
-// A physical quantity in fixed point: raw() * 2^-kFractionBits units, in 32 bits. The tag names the quantity,
-// so that two quantities do not mix: they have no common +, - or comparison and no conversion. What overflows
-// wraps or saturates, by type. Zero when default-constructed. `units.h` names the quantities in use.
+// A physical quantity in fixed point: raw() * 2^-kFractionBits units, in 32 bits. The tag names the quantity:
+// two quantities have no common +, - or comparison and no conversion. On overflow it wraps or saturates, as
+// its type says. The default is zero. units.h names the quantities in use.
 template <typename TagT, int kFractionBitsV, Overflow kOverflowV>
 class Quantity {
  public:
@@ -32,7 +31,7 @@ class Quantity {
   constexpr Quantity() = default;
 
   [[nodiscard]] static constexpr Quantity from_raw(std::int32_t raw) { return Quantity(raw); }
-  // From a raw value in the same format that may not fit: wraps or saturates.
+  // Makes a quantity of a raw value that may not fit: wraps or saturates.
   [[nodiscard]] static constexpr Quantity from_wide_raw(std::int64_t raw) {
     return Quantity(kOverflow == Overflow::kWrap ? wrap<std::int32_t>(raw) : saturate<std::int32_t>(raw));
   }
@@ -68,7 +67,7 @@ class Quantity {
     return from_wide_raw(divide_rounded(a.raw_, std::int64_t{divisor}));
   }
 
-  // Angles compare by representation, as numbers in [-1/2, 1/2) turn.
+  // Angles compare as numbers in [-1/2, 1/2) turn.
   friend constexpr auto operator<=>(Quantity, Quantity) = default;
 
  private:
@@ -80,13 +79,13 @@ class Quantity {
 template <typename T>
 concept AnyQuantity = std::same_as<T, Quantity<typename T::Tag, T::kFractionBits, T::kOverflow>>;
 
-// |a|. Saturates whatever the type: the magnitude of an angle of -1/2 turn is one LSB short of 1/2 turn.
+// Returns |a|; saturates for every type: the magnitude of an angle of -1/2 turn is one LSB below 1/2 turn.
 template <AnyQuantity Q>
 [[nodiscard]] constexpr Q abs(Q a) {
   return Q::from_raw(a.raw() < 0 ? subtract_saturated(std::int32_t{0}, a.raw()) : a.raw());
 }
 
-// The raw value that two factors have in the format of `Result`, from `sum_raw` in the product's own format;
+// Returns `sum_raw`, a sum of products of A and B in the product's own format, in the format of `Result`;
 // |sum_raw| <= 2^62.
 template <AnyQuantity Result, AnyQuantity A, AnyQuantity B>
 [[nodiscard]] constexpr Result from_product_raw(std::int64_t sum_raw) {
@@ -95,14 +94,14 @@ template <AnyQuantity Result, AnyQuantity A, AnyQuantity B>
   return Result::from_wide_raw(shift_rounded(sum_raw, kShift));
 }
 
-// a * b in the unit and format of `Result`, rounded once, to nearest, ties away from zero.
-// The result's type says what the product means: product<Length>(thigh, cosine).
+// Returns a * b in the unit and format of `Result`, rounded once, to nearest, ties away from zero. The caller
+// names the quantity of the product: product<Length>(thigh, cosine).
 template <AnyQuantity Result, AnyQuantity A, AnyQuantity B>
 [[nodiscard]] constexpr Result product(A a, B b) {
   return from_product_raw<Result, A, B>(std::int64_t{a.raw()} * b.raw());
 }
 
-// a0 * b0 + a1 * b1, rounded once: a turned coordinate. Saturates.
+// Returns a0 * b0 + a1 * b1, rounded once, as for a rotated coordinate. Saturates.
 template <AnyQuantity Result, AnyQuantity A, AnyQuantity B>
 [[nodiscard]] constexpr Result product_sum(A a0, B b0, A a1, B b1) {
   static_assert(Result::kOverflow == Overflow::kSaturate);
@@ -115,8 +114,8 @@ template <AnyQuantity Result, AnyQuantity A, AnyQuantity B>
   return from_product_raw<Result, A, B>(sum);
 }
 
-// a / b in the unit and format of `Result`, rounded once, to nearest, ties away from zero.
-// By zero: the largest value with the sign of a, and 0 / 0 = 0.
+// Returns a / b in the unit and format of `Result`, rounded once, to nearest, ties away from zero. Division
+// by zero gives the extreme value with the sign of a, and 0 / 0 = 0.
 template <AnyQuantity Result, AnyQuantity A, AnyQuantity B>
 [[nodiscard]] constexpr Result quotient(A a, B b) {
   constexpr int kShift = Result::kFractionBits + B::kFractionBits - A::kFractionBits;
@@ -127,7 +126,8 @@ template <AnyQuantity Result, AnyQuantity A, AnyQuantity B>
   return Result::from_wide_raw(divide_rounded(numerator, denominator));
 }
 
-// a * numerator / denominator, rounded once, to nearest, ties away from zero. By zero as in `quotient`.
+// Returns a * numerator / denominator, rounded once, to nearest, ties away from zero. Division by zero as in
+// `quotient`.
 template <AnyQuantity Q>
 [[nodiscard]] constexpr Q mul_div(Q a, std::int32_t numerator, std::int32_t denominator) {
   const std::int64_t scaled = std::int64_t{a.raw()} * numerator;

@@ -5,18 +5,18 @@
 
 namespace koboshi::fixed {
 
-// The one rounding rule of this folder: to nearest, ties away from zero. It is odd, f(-x) = -f(x), so that a
-// robot's left and right side compute mirrored numbers.
+// The rounding rule of this folder is to nearest, ties away from zero. It is odd, f(-x) = -f(x), so that the
+// left and the right side of the robot compute mirrored numbers.
 
-// value / 2^shift, rounded. 0 <= shift <= 62, |value| <= 2^62.
+// Returns value / 2^shift, rounded. 0 <= shift <= 62, |value| <= 2^62.
 [[nodiscard]] constexpr std::int64_t shift_rounded(std::int64_t value, int shift) {
   if (shift == 0) return value;
   const std::int64_t half = std::int64_t{1} << (shift - 1);
   return (value + half - (value < 0 ? 1 : 0)) >> shift;
 }
 
-// numerator / denominator, rounded; both at most 2^62 in magnitude. By zero: the extreme with the numerator's
-// sign, and 0 / 0 = 0.
+// Returns numerator / denominator, rounded; both at most 2^62 in magnitude. Division by zero gives the
+// extreme value with the numerator's sign, and 0 / 0 = 0.
 [[nodiscard]] constexpr std::int64_t divide_rounded(std::int64_t numerator, std::int64_t denominator) {
   if (denominator == 0) {
     if (numerator == 0) return 0;
@@ -27,7 +27,7 @@ namespace koboshi::fixed {
   return (numerator < 0 ? numerator - half : numerator + half) / denominator;
 }
 
-// |value|, also of the least one.
+// Returns |value|, also of the lowest value.
 [[nodiscard]] constexpr std::uint32_t magnitude(std::int32_t value) {
   return value < 0 ? 0U - static_cast<std::uint32_t>(value) : static_cast<std::uint32_t>(value);
 }

@@ -4,8 +4,8 @@
 
 #include "firmware/fixed/units.h"
 
-// Errors are in LSB of the result's type against the exact function of the exact fixed-point argument, and
-// are asserted over the whole domain in tests/unit/firmware/fixed/trigonometry_test.cc.
+// Errors are in LSB of the result's type, relative to the exact function of the fixed-point argument.
+// tests/unit/firmware/fixed/trigonometry_test.cc asserts them over the whole domain.
 namespace koboshi::fixed {
 
 struct SineCosine {
@@ -13,33 +13,34 @@ struct SineCosine {
   Ratio cosine;
 };
 
-// Error at most 1.4 LSB. Odd, even and exact at the quarters: sin(0) = 0, cos(0) = sin(kQuarterTurn) = 1.
+// Return sine and cosine; error at most 1.4 LSB. They are exactly odd and even, and exact at multiples of a
+// quarter turn.
 [[nodiscard]] Ratio sin(Angle angle);
 [[nodiscard]] Ratio cos(Angle angle);
-// The same values for less than the price of both.
+// Returns both, with the same values, at less than the cost of two calls.
 [[nodiscard]] SineCosine sin_cos(Angle angle);
 
-// The floor of the root.
+// Returns the square root, rounded down.
 [[nodiscard]] std::uint32_t integer_square_root(std::uint64_t value);
-// The root rounded to nearest; 2^32 does not fit and becomes 2^32 - 1.
+// Returns the square root, rounded to nearest; 2^32 does not fit and becomes 2^32 - 1.
 [[nodiscard]] std::uint32_t integer_square_root_rounded(std::uint64_t value);
 
-// The angle of the point (x, y) from raw numbers of one format; only their ratio counts. Error at most 1.7
-// LSB. -1/2 turn on the negative x axis, 0 at the origin.
+// Returns the angle of the point (x, y) from the x axis, given as raw numbers of one format. Error at most
+// 1.7 LSB. It is -1/2 turn on the negative x axis and 0 at the origin.
 [[nodiscard]] Angle atan2_raw(std::int32_t y, std::int32_t x);
 
-// The angle of the point (x, y), counted from x to y.
+// Returns the angle of the point (x, y), from the x axis towards the y axis.
 template <AnyQuantity Q>
 [[nodiscard]] Angle atan2(Q y, Q x) {
   return atan2_raw(y.raw(), x.raw());
 }
 
-// In [-1/4, 1/4] and [0, 1/2) turn; the argument is clamped to [-1, 1]. acos(-1) is Angle::max(), one LSB
-// short of 1/2 turn. Error at most 2 LSB.
+// Return angles in [-1/4, 1/4] and [0, 1/2) turn; error at most 2 LSB. The argument is clamped to [-1, 1].
+// acos(-1) is Angle::max(), one LSB below 1/2 turn.
 [[nodiscard]] Angle asin(Ratio sine);
 [[nodiscard]] Angle acos(Ratio cosine);
 
-// The square root in the unit and format of `Result`, rounded to nearest; of a negative number, zero.
+// Returns the square root in the unit and format of `Result`, rounded to nearest; zero for a negative number.
 // Saturates.
 template <AnyQuantity Result, AnyQuantity Q>
 [[nodiscard]] Result square_root(Q square) {
@@ -51,14 +52,14 @@ template <AnyQuantity Result, AnyQuantity Q>
       integer_square_root_rounded(static_cast<std::uint64_t>(square.raw()) << kShift));
 }
 
-// sqrt(x^2 + y^2), rounded to nearest.
+// Returns sqrt(x^2 + y^2), rounded to nearest.
 template <AnyQuantity Q>
 [[nodiscard]] Q hypotenuse(Q x, Q y) {
   const auto square = [](Q q) { return static_cast<std::uint64_t>(std::int64_t{q.raw()} * q.raw()); };
   return Q::from_wide_raw(integer_square_root_rounded(square(x) + square(y)));
 }
 
-// sqrt(x^2 + y^2 + z^2), rounded to nearest.
+// Returns sqrt(x^2 + y^2 + z^2), rounded to nearest.
 template <AnyQuantity Q>
 [[nodiscard]] Q hypotenuse(Q x, Q y, Q z) {
   const auto square = [](Q q) { return static_cast<std::uint64_t>(std::int64_t{q.raw()} * q.raw()); };

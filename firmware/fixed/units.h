@@ -4,11 +4,12 @@
 
 namespace koboshi::fixed {
 
-// The quantities of the firmware, each with its unit, its Q-format and what overflow does. Spelled here and
-// nowhere else. Durations and instants are raw microseconds (`_us`): they come from the HAL as whole numbers.
+// The quantities of the firmware, each with its unit, Q-format and overflow. The formats appear here only.
+// Durations and instants are raw microseconds (`_us`), as the HAL has them.
 
-// Binary turns: 2^32 LSB = one turn = 2 pi rad, in [-1/2, 1/2) turn. Adding wraps as a shaft does. A 12-bit
-// encoder is a shift by 20. Clamp a joint's angle to its limits before adding to it. LSB 1.5e-9 rad.
+// Binary turns in [-1/2, 1/2): 2^32 LSB = one turn = 2 pi rad; LSB 1.5e-9 rad. Sums wrap as a shaft does. The
+// counts of a 12-bit encoder become angles by a shift of 20. Clamp a joint's angle to its limits before
+// adding to it.
 using Angle = Quantity<struct AngleTag, 32, Overflow::kWrap>;
 // turn/s, to +-128 turn/s (46080 deg/s); LSB 3.7e-7 rad/s, a tenth of a microdegree over one 10 ms tick.
 using AngularRate = Quantity<struct AngularRateTag, 24, Overflow::kSaturate>;

@@ -8,38 +8,38 @@
 
 namespace koboshi::motion {
 
-// Plays one motion at a time: poses with linear interpolation between them, as the paper's motion editor
-// does. Time comes as an argument; what a step leaves of it goes to the next, so that a motion lasts what its
-// steps add up to, whatever the ticks.
+// Plays one motion at a time, with linear interpolation between its poses, as the paper's motion editor does.
+// Time is an argument. The rest of it after the end of a step goes to the next step: a motion takes the sum
+// of its steps' times, however it is divided into calls.
 class Interpreter {
  public:
-  // `up_B`: the direction against gravity in the trunk's axes, looked at where a motion expects an attitude.
-  // It and the robot outlive the interpreter. Until a motion is started, the targets are zero clamped to the
+  // `up_B`: unit vector against gravity in axes of B, which `kExpect` steps read when they are reached. It
+  // and the model must outlive the interpreter. Before the first motion the targets are zero, clamped to the
   // limits.
   Interpreter(const robot::RobotModel& model, const robot::Direction& up_B);
 
-  // Begins at `pose`, one angle a joint of the robot, clamped to the limits: the targets in force, so that
-  // nothing jumps. `motion` was opened for this robot, and its bytes stay until it has ended or another is
-  // started.
+  // Starts a motion from `pose`, the targets in force, one angle for each joint, so that the targets are
+  // continuous; they are clamped to the limits. `motion` was opened for this model; its bytes must remain
+  // until it has ended or another one is started.
   void start(const Motion& motion, std::span<const fixed::Angle> pose);
-  // Asks the motion to come to its end: from now on loops are left where they would begin again, and jumps
-  // backwards are not taken. What is still to come takes at most the time of all steps once.
+  // Ends the motion in an orderly way: loops end instead of repeating, and jumps backwards are not taken. The
+  // rest of the motion takes at most the time of all its steps.
   void stop() { stopping_ = true; }
-  // Ends the motion at once; the targets stay.
+  // Ends the motion at once; the targets are kept.
   void abort() { running_ = false; }
 
-  // Lets time pass. More than kMaxAdvance_us counts as that: after a gap the motion goes on, it does not
-  // leap.
+  // Advances the motion. More than kMaxAdvance_us counts as kMaxAdvance_us: after a gap the motion resumes
+  // where it was, it does not jump.
   void advance(std::uint32_t elapsed_us);
 
   [[nodiscard]] bool running() const { return running_; }
-  // The motion has ended because the robot did not lie or stand as it expected.
+  // Returns whether the motion ended because a kExpect step was not met.
   [[nodiscard]] bool failed() const { return failed_; }
-  // One target a joint, within its limits; after the end, the last.
+  // Returns the target of each joint, within its limits; after the end, the last ones.
   [[nodiscard]] std::span<const fixed::Angle> targets() const {
     return {targets_.data(), model_.joint_count};
   }
-  // The step that is being played, for monitoring; of an ended motion, its kEnd.
+  // Returns the step being played, for monitoring; after the end, that of kEnd.
   [[nodiscard]] std::uint16_t step_index() const { return step_index_; }
 
   static constexpr std::uint32_t kMaxAdvance_us = 100'000;

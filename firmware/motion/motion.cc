@@ -11,7 +11,7 @@ using storage::ImageStatus;
 
 namespace {
 
-// Letters from the first on, zeros from the last to the end.
+// Returns whether the field is a name: at least one printable character, padded with zeros.
 bool is_name(std::span<const std::byte> field) {
   bool ended = false;
   for (const std::byte letter : field) {

@@ -19,21 +19,20 @@ inline constexpr std::size_t kMaxPoses = 512;
 inline constexpr std::size_t kMaxSteps = 1024;
 inline constexpr std::size_t kMaxLoopDepth = 4;
 inline constexpr std::size_t kMaxJumps = 16;
-// Steps that take no time may follow each other this often.
+// Limit for consecutive steps that take no time.
 inline constexpr std::size_t kMaxZeroTimeSteps = 16;
 inline constexpr std::uint32_t kMinStepTime_us = 1'000;
 inline constexpr std::uint32_t kMaxStepTime_us = 60'000'000;
 
-// What a step does. Values are those of the image; new ones are appended.
+// The operation of a step. The values are those of the image; new ones are appended.
 enum class Opcode : std::uint16_t {
   kEnd = 0,
-  kMove = 1,  // to pose `operand` in time_us, each joint linearly; joints that the pose leaves out stay where
-              // they are
+  kMove = 1,  // to pose `operand` in time_us, linearly in joint angles; joints that the pose leaves out stay
   kWait = 2,  // time_us
-  kLoopBegin = 3,  // what follows up to its kLoopEnd, `operand` times; 0: until asked to stop
-  kLoopEnd = 4,    // of the kLoopBegin at step `operand`
-  kJump = 5,       // to step `operand` of the same loop body
-  kExpect = 6,     // that the trunk is as `attitude` says; else the motion fails here
+  kLoopBegin = 3,  // repeats the steps up to its kLoopEnd `operand` times; 0: until stopped
+  kLoopEnd = 4,    // closes the kLoopBegin at step `operand`
+  kJump = 5,       // continues with step `operand` of the same loop body
+  kExpect = 6,     // fails the motion unless the trunk has the ExpectedAttitude
 };
 
 struct Step {
@@ -42,10 +41,11 @@ struct Step {
   std::uint32_t time_us = 0;  // zero unless the step takes time, or expects an attitude
 };
 
-// What a kExpect step holds: the direction against gravity in the trunk's axes, and how far off it may be.
+// The operand of a kExpect step: the expected direction against gravity in axes of the trunk B, and its
+// tolerance.
 struct ExpectedAttitude {
-  std::array<std::int8_t, 3> up_B{};  // a unit vector of 127 (100 to 154, as it was rounded)
-  std::int16_t min_cosine = 0;      // of the angle between it and the real one, times 2^15
+  std::array<std::int8_t, 3> up_B{};  // unit vector times 127; its length is 100 to 154 after rounding
+  std::int16_t min_cosine = 0;        // of the tolerance angle, times 2^15
 
   constexpr Step step() const {
     std::uint32_t packed = 0;
@@ -60,6 +60,7 @@ struct ExpectedAttitude {
     expected.min_cosine = static_cast<std::int16_t>(step.operand);
     return expected;
   }
+  // Returns whether `up_B_now` is within the tolerance.
   bool is_met_by(const robot::Direction& up_B_now) const;
 };
 
@@ -87,7 +88,8 @@ enum class MotionStatus : std::uint8_t {
   kBadAttitude = 18,  // of a kExpect: no direction
 };
 
-// Why a motion was refused, and the first pose or step at which it was seen (0 where it is neither).
+// The result of a validation: the reason of a refusal, and the first pose or step that violates it (0 if
+// neither).
 struct [[nodiscard]] MotionVerdict {
   MotionStatus status = MotionStatus::kOk;
   std::uint16_t index = 0;
@@ -95,19 +97,19 @@ struct [[nodiscard]] MotionVerdict {
   [[nodiscard]] constexpr bool ok() const { return status == MotionStatus::kOk; }
 };
 
-// A validated motion image, played from where it lies: a view, which must not outlive the bytes nor see them
+// A view of a validated motion image, which is played in place. The bytes must outlive the view and must not
 // change.
 //
 // Layout after the header of storage/image.h: model id u32; name 24 bytes; joint, pose and step count u16
 // each; poses of (mask u32, angle i32 for each joint); steps of (opcode u16, operand u16, time_us u32).
 class Motion {
  public:
-  // An empty motion, which ends at once.
+  // Makes an empty motion, which ends at once.
   constexpr Motion() = default;
 
-  // Validates the image at the start of `bytes` against the robot. `motion` is set on kOk only. Validated
-  // means: it plays for ever without a read outside the image, without a cycle that takes no time, and with
-  // every target within its joint's limits.
+  // Validates the image at the start of `bytes` against the model; sets `motion` on kOk only. A valid motion
+  // plays without reads outside the image, without cycles that take no time, and with every target within its
+  // joint's limits.
   static MotionVerdict open(std::span<const std::byte> bytes, const robot::RobotModel& model, Motion& motion);
 
   [[nodiscard]] std::string_view name() const;
@@ -117,7 +119,7 @@ class Motion {
   [[nodiscard]] std::size_t pose_count() const { return pose_count_; }
   [[nodiscard]] std::size_t step_count() const { return step_count_; }
 
-  // Bit i: the pose gives an angle for joint i.
+  // Returns a mask: bit i is set if the pose gives an angle for joint i.
   [[nodiscard]] std::uint32_t joint_mask(std::size_t pose) const;
   [[nodiscard]] fixed::Angle angle(std::size_t pose, std::size_t joint) const;
   [[nodiscard]] Step step(std::size_t index) const;
@@ -129,7 +131,7 @@ class Motion {
   std::uint16_t step_count_ = 0;
 };
 
-// Sizes of the layout, for who writes images.
+// Sizes in bytes, for writers of images.
 inline constexpr std::size_t kMotionFixedSize = 4 + kNameSize + 6;
 inline constexpr std::size_t kStepSize = 8;
 constexpr std::size_t pose_size(std::size_t joint_count) { return 4 + 4 * joint_count; }

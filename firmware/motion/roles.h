@@ -7,15 +7,15 @@
 
 namespace koboshi::motion {
 
-// What the robot needs motions for. It has those whose names are these.
+// Motions that the behaviour plays by itself. It finds them by the names below.
 enum class Role : std::uint8_t {
-  kFallFront,  // how it meets the ground
+  kFallFront,  // protective pose of a fall in this direction
   kFallBack,
   kFallLeft,
   kFallRight,
-  kRollLeft,  // from its left side to its chest or back
+  kRollLeft,  // from the left side to chest or back
   kRollRight,
-  kRiseProne,  // up to the stand
+  kRiseProne,  // from this pose to standing
   kRiseSupine,
   kRiseSeat,
 };

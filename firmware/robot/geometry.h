@@ -7,8 +7,8 @@
 
 namespace koboshi::robot {
 
-// A vector of one quantity, in the axes that the monogram of its variable names: p_BH_B is from B to H in
-// axes of B.
+// A vector of one quantity. Its axes are named in its variable (monogram notation, docs/design/frames.md):
+// p_BH_B points from B to H, in axes of B.
 template <fixed::AnyQuantity Q>
 struct Vector {
   Q x;
@@ -28,21 +28,22 @@ inline constexpr Direction kAxisX{.x = fixed::kOne, .y = {}, .z = {}};
 inline constexpr Direction kAxisY{.x = {}, .y = fixed::kOne, .z = {}};
 inline constexpr Direction kAxisZ{.x = {}, .y = {}, .z = fixed::kOne};
 
-// R_AB: turns coordinates in axes of B into coordinates in axes of A. Each product of rotations rounds its
-// elements by half an LSB of Ratio, 5e-10; a kinematic chain stays orthonormal to some 1e-8.
+// A rotation matrix. R_AB converts coordinates in axes of B to coordinates in axes of A. Each product rounds
+// its elements by half an LSB of Ratio, 5e-10; the rotations of a kinematic chain stay orthonormal to about
+// 1e-8.
 struct Rotation {
   std::array<Direction, 3> rows{kAxisX, kAxisY, kAxisZ};
 
   friend constexpr bool operator==(const Rotation&, const Rotation&) = default;
 };
 
-// X_AB: the frame B as seen from A.
+// A rigid transform. X_AB is the pose of frame B in A: R_AB and p_AB_A.
 struct Pose {
   Rotation R;
   Position p;
 };
 
-// a . v, rounded once. |a| <= 1 and |v| below 4 in its unit, or the sum may leave the format.
+// Returns a . v, rounded once. Requires |a| <= 1 and |v| < 4 in the unit of Q, or the sum may overflow.
 template <fixed::AnyQuantity Q>
 [[nodiscard]] constexpr Q dot(const Direction& a, const Vector<Q>& v) {
   const std::int64_t sum_raw = std::int64_t{a.x.raw()} * v.x.raw() + std::int64_t{a.y.raw()} * v.y.raw() +
@@ -50,7 +51,7 @@ template <fixed::AnyQuantity Q>
   return fixed::from_product_raw<Q, fixed::Ratio, Q>(sum_raw);
 }
 
-// a x b, each element rounded once. |a| < 2 and |b| <= 1.
+// Returns a x b, each element rounded once. Requires |a| < 2 and |b| <= 1.
 [[nodiscard]] constexpr Direction cross(const Direction& a, const Direction& b) {
   const auto element = [](fixed::Ratio p, fixed::Ratio q, fixed::Ratio r, fixed::Ratio s) {
     return fixed::from_product_raw<fixed::Ratio, fixed::Ratio, fixed::Ratio>(std::int64_t{p.raw()} * q.raw() -
@@ -72,7 +73,8 @@ template <fixed::AnyQuantity Q>
 [[nodiscard]] Rotation operator*(const Rotation& R_AB, const Rotation& R_BC);
 [[nodiscard]] Pose operator*(const Pose& X_AB, const Pose& X_BC);
 
-// By the right-hand rule about a unit vector (Rodrigues).
+// Returns the rotation by `angle` about the unit vector `axis`, by the right-hand rule (Rodrigues' formula):
+// cos I + sin [a]x + (1 - cos) a a^T.
 [[nodiscard]] Rotation rotation_about(const Direction& axis, fixed::Angle angle);
 
 }  // namespace koboshi::robot

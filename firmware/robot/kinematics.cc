@@ -26,8 +26,8 @@ Pose sole_pose(const RobotModel& model, hal::Side side, const LinkPoses& X_BLink
 
 namespace {
 
-// Sum of mass times coordinate, in LSB of Mass times LSB of Length: 5 kg at 25 m are 2^55, of 25 links less
-// than 2^60.
+// Sums mass times coordinate, in LSB of Mass times LSB of Length. 5 kg at 25 m are 2^55; 25 links stay below
+// 2^60.
 class MomentSum {
  public:
   void add(Mass mass, const Position& p) {

@@ -7,16 +7,17 @@
 
 namespace koboshi::robot {
 
-// Poses of all links in the trunk's frame B. Link i is carried by joint i.
+// The poses of all links in the trunk's frame B. Joint i carries link i.
 using LinkPoses = std::array<Pose, kMaxJoints>;
 
-// Forward kinematics. `angles` has one angle a joint of the model, in its order.
+// Computes the poses of all links (forward kinematics). `angles` has one angle for each joint of the model,
+// in its order.
 void forward_kinematics(const RobotModel& model, std::span<const fixed::Angle> angles, LinkPoses& X_BLinks);
 
-// The sole frame in B.
+// Returns the pose of a sole's frame in B.
 [[nodiscard]] Pose sole_pose(const RobotModel& model, hal::Side side, const LinkPoses& X_BLinks);
 
-// Centre of mass of the whole robot, from B's origin in axes of B.
+// Returns the centre of mass of the whole robot in B, in m.
 [[nodiscard]] Position centre_of_mass(const RobotModel& model, const LinkPoses& X_BLinks);
 
 }  // namespace koboshi::robot

@@ -15,20 +15,20 @@ using fixed::Ratio;
 
 constexpr std::array<Direction, kLegJoints> kLegAxes{kAxisZ, kAxisX, kAxisY, kAxisY, kAxisY, kAxisX};
 
-// Axes that should meet may miss each other by this much, rounding of the model file's numbers.
+// Distance up to which axes count as meeting: the rounding of the numbers in the robot file.
 constexpr Length kMeet = Length::from_raw(16);  // 1 um
 
 bool is_near_zero(Length length) { return fixed::abs(length) <= kMeet; }
 bool is_near_zero(const Position& p) { return is_near_zero(p.x) && is_near_zero(p.y) && is_near_zero(p.z); }
 
-// +1 or -1 if `axis` is that multiple of `unit`, else 0.
+// Returns +1 or -1 if `axis` is that multiple of `unit`, else 0.
 std::int8_t sign_along(const Direction& axis, const Direction& unit) {
   if (axis == unit) return 1;
   return axis == -unit ? std::int8_t{-1} : std::int8_t{0};
 }
 
-// Beyond this a target is pulled in along its direction's octant: squares of more would not fit, and no leg
-// is as long.
+// Targets are clamped to this distance in each coordinate: squares of longer distances would overflow, and no
+// leg is as long.
 constexpr Length kFarAway = Length::from_raw(1 << 27);  // 8 m
 
 Length pull_in(Length length) { return std::clamp(length, -kFarAway, kFarAway); }
@@ -40,18 +40,17 @@ Length root_of_raw(std::int64_t square) {
   return Length::from_wide_raw(fixed::integer_square_root_rounded(static_cast<std::uint64_t>(square)));
 }
 
-// What misses by so little is the rounding of what fits: a distance, an angle (2^-20 turn, what a drive
-// resolves), a sine.
+// Tolerances of `reached`, for the rounding of targets that are just reachable: of a distance, of an angle
+// (2^-18 turn, four units of a drive's position), of a sine.
 constexpr Length kReachTolerance = kMeet;
 constexpr Angle kLimitTolerance = Angle::from_raw(1 << 14);
 constexpr Ratio kTurnTolerance = Ratio::from_raw(1 << 13);
 
-// Below this cosine of the roll, yaw and pitch turn about one axis as far as Ratio can tell; then yaw is
-// zero.
+// Below this cosine of the hip roll (1.5e-5), yaw and pitch are indistinguishable in Ratio; yaw is then zero.
 constexpr Ratio kGimbalLock = Ratio::from_raw(1 << 14);
 
-// Joint by joint from the knee to the ankle to the hip; each is clamped before the next is computed, so that
-// the next makes up for it as far as it can.
+// Solves the leg joint by joint: knee, ankle, hip. Each angle is clamped before the next is computed, so that
+// the next one compensates as far as it can.
 class LegSolver {
  public:
   LegSolver(const RobotModel& model, const LegGeometry& leg) : model_(model), leg_(leg) {}
@@ -66,7 +65,7 @@ class LegSolver {
   }
 
  private:
-  // In the foot's axes.
+  // Returns p_AH in the foot's axes.
   [[nodiscard]] Position hip_from_ankle(const Pose& X_BSole) const {
     const Position p_SoleH_B = leg_.p_BH_B - X_BSole.p;
     const Position pulled_in{pull_in(p_SoleH_B.x), pull_in(p_SoleH_B.y), pull_in(p_SoleH_B.z)};

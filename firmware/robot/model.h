@@ -19,8 +19,8 @@ inline constexpr std::size_t kModelNameSize = 24;
 inline constexpr std::uint32_t kModelMagic = 0x444D524Bu;  // "KRMD"
 inline constexpr std::uint16_t kModelVersion = 1;
 
-// What a joint does in the body, so that code which needs a certain joint finds it on any robot.
-// The legs and arms of both sides are in the same order.
+// The function of a joint in the body, by which code finds it on any robot. Legs and arms of both sides are
+// in the same order.
 enum class JointRole : std::uint8_t {
   kOther = 0,
   kHeadPan,
@@ -53,20 +53,19 @@ inline constexpr std::size_t kLegJoints = 6;
   return static_cast<JointRole>(static_cast<std::size_t>(first) + place);
 }
 
-// The servo drive of a joint: its shaft turns by sign * joint angle + zero, in units of 2^-position_bits
-// turn.
+// The servo drive of a joint. Its position is sign * joint angle + zero, in units of 2^-position_bits turn.
 struct Drive {
   std::uint8_t node_id = 0;
   std::int8_t sign = 1;
   std::uint8_t position_bits = 20;
   fixed::Angle zero;
-  std::uint32_t vendor_id = 0;  // identity that object 0x1018 must show
+  std::uint32_t vendor_id = 0;  // the identity that its object 0x1018 must have
   std::uint32_t product_code = 0;
   std::uint32_t serial_number = 0;
 };
 
-// A hinge and the link that it carries. The link's frame lies in the hinge's anchor; at joint zero its axes
-// are those of B.
+// A hinge and the link that it carries. The link's frame has its origin in the hinge's anchor; at joint zero
+// its axes are parallel to those of B.
 struct Joint {
   JointRole role = JointRole::kOther;
   LinkIndex parent;             // on which the hinge is mounted
@@ -82,18 +81,18 @@ struct Joint {
   Position centre_of_mass;  // in the link's frame
 };
 
-// The sole frame (L, R) lies below the ankle at joint zero, on the ground, with the foot's axes. This is the
-// rectangle that touches the ground there, and the force/torque sensor, whose axes are the foot's.
+// A foot: the rectangle of its sole and its force/torque sensor, in the sole's frame (L, R). That frame lies
+// on the ground below the ankle at joint zero; its axes are the foot's, and so are the sensor's.
 struct Foot {
   fixed::Length ankle_height;  // of the ankle's axes above the sole
   fixed::Length back;          // x of the heel, negative
   fixed::Length front;
   fixed::Length right;  // y of the edge, negative
   fixed::Length left;
-  Position sensor;  // in the sole frame; z is d of the paper's equation 1
+  Position sensor;  // its z is the distance d of the paper's equation 1
 };
 
-// What a full-scale count of 2^15 means.
+// The full scales of the sensors, at 2^15 counts.
 struct SensorScales {
   fixed::AngularRate gyro;
   fixed::Acceleration accelerometer;
@@ -101,8 +100,8 @@ struct SensorScales {
   fixed::Torque ankle_torque;
 };
 
-// Which robot the firmware is on. Read from an image; only its calibration changes the drives' zeros and
-// R_BI.
+// The robot that the firmware controls, as read from the image in storage. Only calibration parameters change
+// it afterwards: the drives' zeros and R_BI.
 struct RobotModel {
   std::uint32_t id = 0;                     // the image's CRC-32: motions are bound to it
   std::array<char, kModelNameSize> name{};  // padded with zeros
@@ -112,13 +111,13 @@ struct RobotModel {
   fixed::Mass base_mass;
   Position base_centre_of_mass;  // in B
   fixed::Length body_height;     // from sole to crown at joint zero
-  Rotation R_BI;                 // inertial unit I
+  Rotation R_BI;                 // from axes of the inertial unit I to those of B
   SensorScales scales;
   hal::BySide<Foot> feet{};
 
   // Returns the joint with this role, the first one; nothing where the robot has none.
   [[nodiscard]] std::optional<JointIndex> find(JointRole role) const;
-  // Hip yaw, roll, pitch, knee, ankle pitch, roll. A loaded model has them.
+  // Returns the joints of a leg in the order of LegJoint (leg.h). A loaded model has them all.
   [[nodiscard]] std::array<JointIndex, kLegJoints> leg(hal::Side side) const;
 };
 
@@ -141,18 +140,18 @@ enum class [[nodiscard]] ModelStatus : std::uint8_t{
     kBadLeg = 15,     // a missing leg joint, or axes that the closed-form inverse kinematics cannot serve
 };
 
-// Decodes and validates. On failure `model` is left half-written and must not be used.
+// Decodes and validates a model image (docs/reference/robot-model-format.md). On failure `model` is
+// undefined.
 ModelStatus load_model(std::span<const std::byte> image, RobotModel& model);
 
-// Longest distance of an anchor, centre of mass or sole edge from its frame: 1 m keeps every chain of
-// kMaxJoints within Length.
+// Limit for the distance of an anchor, centre of mass or sole edge from its frame: with 1 m, every chain of
+// kMaxJoints stays within the range of Length.
 inline constexpr fixed::Length kMaxOffset = fixed::Length::from_raw(1 << 24);
-// Largest mass of a link: 5 kg keep the sum of the base's and kMaxJoints links' within Mass.
+// Limit for the mass of a link: with 5 kg, the sum of the base and kMaxJoints links stays within Mass.
 inline constexpr fixed::Mass kMaxLinkMass = fixed::Mass::from_raw(5 << 24);
 
-// Target or actual position of the drive's shaft for a joint angle, and back. Rounded to nearest; an angle
-// beyond half a turn saturates, so that an encoder just past a stop at 180 degrees does not seem to be at the
-// other stop.
+// Convert a joint angle to the position of its drive's shaft, and back, rounded to nearest. Beyond half a
+// turn they saturate: an encoder just past a stop at 180 degrees must not seem to be at the opposite stop.
 [[nodiscard]] inline std::int32_t drive_position(const Drive& drive, fixed::Angle angle) {
   // A multiplication and a shift by a constant take half the instructions of a shift by a variable.
   constexpr int kSpare = 1;  // so that the product fits
@@ -164,6 +163,7 @@ inline constexpr fixed::Mass kMaxLinkMass = fixed::Mass::from_raw(5 << 24);
 }
 [[nodiscard]] fixed::Angle joint_angle(const Drive& drive, std::int32_t position);
 
+// Returns the angle nearest to `angle` within the joint's limits.
 [[nodiscard]] constexpr fixed::Angle clamp_to_limits(const Joint& joint, fixed::Angle angle) {
   return angle < joint.lower ? joint.lower : angle > joint.upper ? joint.upper : angle;
 }

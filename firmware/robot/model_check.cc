@@ -67,7 +67,8 @@ ModelStatus check_pairs(const RobotModel& model) {
   return ModelStatus::kOk;
 }
 
-// Appends joints whose parent is already there until all are; a round without a new one has met a cycle.
+// Appends joints whose parent is already placed, in rounds. A round that places none has found a cycle:
+// returns false.
 bool sort_tree(RobotModel& model) {
   std::array<bool, kMaxJoints> placed{};
   std::size_t count = 0;

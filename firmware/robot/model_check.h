@@ -4,7 +4,7 @@
 
 namespace koboshi::robot {
 
-// Validates a model whose fields were read, and fills in `order`. The first reason found.
+// Validates the fields of a model and computes `order`. Returns the first violation found.
 ModelStatus check_model(RobotModel& model);
 
 }  // namespace koboshi::robot
