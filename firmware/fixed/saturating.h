@@ -66,16 +66,4 @@ template <std::integral T>
   return difference;
 }
 
-// A counter of events that stops at its maximum instead of wrapping to zero, so that a small number is true.
-template <std::unsigned_integral T>
-class SaturatingCounter {
- public:
-  constexpr void increment() { add(1); }
-  constexpr void add(T events) { value_ = add_saturated(value_, events); }
-  [[nodiscard]] constexpr T value() const { return value_; }
-
- private:
-  T value_ = 0;
-};
-
 }  // namespace koboshi::fixed

@@ -70,17 +70,5 @@ TEST(Saturate, KnowsTheSignOfItsArgument) {
             std::numeric_limits<std::int32_t>::min());
 }
 
-TEST(SaturatingCounter, StaysAtItsMaximum) {
-  SaturatingCounter<std::uint8_t> counter;
-  EXPECT_EQ(counter.value(), 0);
-  for (int i = 0; i < 254; ++i) counter.increment();
-  EXPECT_EQ(counter.value(), 254);
-  counter.increment();
-  counter.increment();
-  EXPECT_EQ(counter.value(), 255);
-  counter.add(200);
-  EXPECT_EQ(counter.value(), 255);
-}
-
 }  // namespace
 }  // namespace koboshi::fixed
