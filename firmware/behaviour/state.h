@@ -6,58 +6,59 @@
 
 namespace koboshi::behaviour {
 
-// What the robot as a whole is doing. The values stand in telemetry (object 0x2001).
+// The states of the behaviour. The values are those of telemetry (object 0x2001).
 enum class State : std::uint8_t {
-  kBoot = 0,       // limp; drives and sensors are being started
+  kBoot = 0,       // limp; drives and sensors start
   kLimp = 1,       // limp and ready
-  kEnabling = 2,   // the drives go to operation enabled, each holding the position it has
-  kSoftStart = 3,  // a slow ramp to the standing pose
+  kEnabling = 2,   // the drives go to operation enabled, each holding its position
+  kSoftStart = 3,  // slow ramp to the standing pose
   kStanding = 4,
   kMotion = 5,
   kFault = 6,          // the drives stop quickly, then limp
   kEmergencyStop = 7,  // limp at once, by the drive-enable line; latched
-  kWalking = 8,        // where the velocity says
-  kLowBattery = 9,     // stands, and does nothing else before it was limp
-  kFalling = 10,       // takes the pose in which it is to meet the ground
-  kFallen = 11,        // limp until it lies still
+  kWalking = 8,        // at the commanded velocity
+  kLowBattery = 9,     // stands; refuses to move until it was limp
+  kFalling = 10,       // moves into the protective pose
+  kFallen = 11,        // limp until the robot is at rest
   kRighting = 12,      // the drives go to operation enabled again, each holding the position it has
-  kRolling = 13,       // from a side to chest or back
+  kRolling = 13,       // from its side onto chest or back
   kRising = 14,
-  kSteadying = 15,  // has risen, and is to come to rest
+  kSteadying = 15,  // has risen; waits until the robot is at rest
 };
 
 enum class Event : std::uint8_t {
-  kReady,   // every drive is configured and every sensor has spoken
+  kReady,   // all drives are configured and all sensors have sent samples
   kEnable,  // commands
   kLimp,
   kPlay,
   kWalk,
   kReset,
   kEmergencyStop,
-  kEnabled,  // every drive is in operation enabled
+  kEnabled,  // all drives are in operation enabled
   kArrived,  // at the standing pose
   kGetUp,
   kEnded,  // of a motion or a walk
   kLowBattery,
-  kFall,       // is foreseen
-  kDown,       // on the ground, or as good as
-  kStill,      // lies still
-  kProneOrSupine,   // on chest or back
-  kOnSide,  // on a side
-  kUpright,    // does not lie at all
+  kFall,                // detected, before the impact
+  kDown,                // on the ground, or about to be
+  kStill,               // at rest on the ground
+  kProneOrSupine,       // on chest or back
+  kOnSide,              // on a side
+  kUpright,             // the robot does not lie
   kRecoveryStepFailed,  // the body is not where it should be by now
   kFailure,    // a drive, a sensor or the bus failed
 };
 
-// Why the state is what it is, or why the last command was refused. The values stand in telemetry.
+// The reason of the last change of state, or of the refusal of the last command. The values are those of
+// telemetry.
 enum class Reason : std::uint8_t {
   kNone = 0,
   kCommand = 1,
-  kProgress = 2,   // the last state had come to its end
+  kProgress = 2,   // the last state was complete
   kSupplyLow = 3,  // for two seconds
   kFallForeseen = 4,
   kRecoveryStepFailed = 5,  // it did not rise, roll or come to rest as it should
-  // How it lies.
+  // The pose in which the robot lies.
   kProne = 6,
   kSupine = 7,
   kOnLeftSide = 8,
@@ -71,10 +72,10 @@ enum class Reason : std::uint8_t {
   kImuSilent = 18,
   kAnkleSilent = 19,
   kBusOff = 20,
-  kNoAcknowledge = 21,   // nobody answers on the bus
-  kCannotGetUp = 22,     // no motion for it, or no attempt left
-  kNotOperational = 23,  // another NMT master took the controller out of operational
-  kSecondMaster = 24,    // another node sends what only the controller may
+  kNoAcknowledge = 21,   // no other node acknowledges on the bus
+  kCannotGetUp = 22,     // no motion for this pose, or no attempt left
+  kNotOperational = 23,  // another NMT master stopped the controller
+  kSecondMaster = 24,    // another node sends frames that only the controller may send
   // Refusals; the state stays.
   kNotInThisState = 32,
   kEncoderBeyondLimits = 33,
@@ -82,7 +83,7 @@ enum class Reason : std::uint8_t {
   kImuImplausible = 35,
   kNoSuchMotion = 36,
   kUnknownCommand = 37,
-  kDriveNotReady = 38,  // a drive is in fault, or has not come to rest since it was enabled last
+  kDriveNotReady = 38,  // a drive is in fault, or still moves since it was last enabled
   kVelocityOutOfRange = 39,
   kNotAtRest = 40,  // the robot moved in the second of its calibration
   kNoGait = 41,     // the parameters of the walk are not set, see walk::is_gait
@@ -95,7 +96,7 @@ class States {
   explicit constexpr States(S... states) : bits_((0u | ... | bit(states))) {}
 
   constexpr bool contains(State state) const { return (bits_ & bit(state)) != 0; }
-  // All but these.
+  // Returns all other states.
   constexpr States operator~() const { return States(kAll & ~bits_); }
   constexpr States operator|(States other) const { return States(bits_ | other.bits_); }
 
@@ -112,18 +113,18 @@ class States {
 inline constexpr States kBalancing{State::kStanding, State::kMotion, State::kWalking, State::kLowBattery,
                                    State::kSteadying};
 inline constexpr States kMayFall = kBalancing | States{State::kSoftStart};
-// The drives may make torque: the level of the drive-enable line. Only in kFault it stays as it was until the
-// drives have stopped.
+// The drives may make torque: the drive-enable line is high. In kFault it keeps its level until the drives
+// have stopped.
 inline constexpr States kTorque =
     kMayFall | States{State::kEnabling, State::kFalling, State::kRighting, State::kRolling, State::kRising};
-// Nothing moves the robot but who carries it: where the gyro's bias is measured.
+// The drives make no torque, so that the robot rests unless somebody carries it: the gyro's bias is measured.
 inline constexpr States kResting{State::kBoot, State::kLimp, State::kFallen};
-// Storage may be written: nothing plays from it, and nobody waits for the robot to move on.
+// Storage may be written: no motion is played from it, and no motion is due.
 inline constexpr States kMayStore{State::kLimp, State::kStanding};
 // Only a reset leads out of them.
 inline constexpr States kLatched{State::kFault, State::kEmergencyStop};
 
-// In any of the states `from` the event leads to the state `to`.
+// A transition: in any of the states `from`, the event leads to the state `to`.
 struct Rule {
   States from;
   Event event;
