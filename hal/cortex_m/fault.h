@@ -4,8 +4,8 @@
 
 namespace koboshi::cortex_m {
 
-// What a fault left behind. It lies in RAM that no reset clears (section .noinit) and stays valid until it is
-// cleared or the power goes.
+// The record of a fault, in RAM that no reset clears (section .noinit). It is valid until it is cleared or
+// the power fails.
 struct FaultRecord {
   std::uint32_t exception = 0;      // 2 NMI, 3 hard, 4 memory, 5 bus, 6 usage fault; 16 and more an interrupt
   std::uint32_t r[13] = {};         // r0..r12 as the program had them
@@ -21,13 +21,14 @@ struct FaultRecord {
   std::uint32_t drive_enable_line = 0;    // as it reads after the handler has pulled it low
 };
 
-// The record of the fault that caused the last reset; null when something else did.
+// Returns the record of the fault that caused the last reset; null if the reset had another cause.
 [[nodiscard]] const FaultRecord* last_fault();
 void clear_fault();
-// Keeps the state of the firmware's behaviour for the record of a fault.
+// Stores the state of the behaviour for the record of a fault.
 void note_behaviour_state(std::uint32_t state);
 
-// Of the board: the drive-enable line. Fault handlers pull it low, on a machine that may be broken.
+// The drive-enable line, defined by the board. Fault handlers pull it low, so these must not rely on any
+// object.
 void set_drive_enable_line(bool high);
 [[nodiscard]] bool drive_enable_line();
 

@@ -4,7 +4,7 @@
 
 namespace koboshi::cortex_m {
 
-// Registers of the core's private peripherals that the image uses (ARMv7-M Architecture Reference Manual,
+// The registers of the core's private peripherals that the image uses (ARMv7-M Architecture Reference Manual,
 // B3.2).
 struct Registers {
   static volatile std::uint32_t& at(std::uint32_t address) {

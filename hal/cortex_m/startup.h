@@ -12,13 +12,14 @@ extern std::uint32_t image_stack_bottom[], image_stack_top[];
 
 namespace koboshi::cortex_m {
 
-// Of the board: the program. The stack is fresh, .data and .bss are as the program wants them.
+// The program, defined by the board's program folder. It runs with an empty stack; .data and .bss are
+// initialised.
 [[noreturn]] void run_image();
 
-// What untouched stack holds.
+// The pattern of stack that has not been used.
 inline constexpr std::uint32_t kStackPaint = 0xC5C5'C5C5;
 
-// The deepest that the stack has been since the reset, in bytes.
+// Returns the largest depth of the stack since the reset, in bytes.
 [[nodiscard]] std::uint32_t stack_peak_bytes();
 
 }  // namespace koboshi::cortex_m

@@ -6,7 +6,7 @@
 
 namespace koboshi::cortex_m {
 
-// The core's 24-bit timer, running free at the core clock and without interrupt.
+// The core's 24-bit timer, free-running at the core clock, without interrupt.
 class SysTick {
  public:
   static void start() {
@@ -15,7 +15,7 @@ class SysTick {
     Registers::systick_control() = 0b101;  // enabled, core clock
   }
   static std::uint32_t now() { return kMask - Registers::systick_value(); }
-  // Clock periods from `start` to `end`, which lie less than a turn of 2^24 apart.
+  // Returns the clock periods from `start` to `end`, which are less than 2^24 periods apart.
   static std::uint32_t elapsed(std::uint32_t start, std::uint32_t end) { return (end - start) & kMask; }
 
  private:

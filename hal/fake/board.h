@@ -11,7 +11,7 @@
 
 namespace koboshi::hal {
 
-// A whole board for a unit test of controller logic: scripted, deterministic, without a clock of its own.
+// A complete board for unit tests of controller logic: scripted, deterministic, without a clock.
 //
 //   FakeBoard board;
 //   Subject subject(board.ports());
@@ -28,7 +28,7 @@ struct FakeBoard {
   FakeDriveEnable drive_enable;
   std::span<const std::uint8_t> sensor_nodes;  // none: wired
 
-  // What the firmware sees; valid as long as this object lives and stays where it is.
+  // Returns the ports, valid as long as this object exists at its address.
   [[nodiscard]] Board ports() { return {can, imu, ankles, storage, watchdog, drive_enable, sensor_nodes}; }
 };
 

@@ -12,23 +12,22 @@
 
 namespace koboshi::hal {
 
-// A CAN controller on an infinitely fast bus: whatever the firmware transmits is sent at once, unless the
-// test limits it.
+// A CAN controller on an infinitely fast bus: frames are sent at once unless the test limits it.
 class FakeCan final : public CanPort {
  public:
   static constexpr std::size_t kReceiveCapacity = 64;
   static constexpr std::size_t kTransmitCapacity = 64;
 
-  // --- what a test scripts and looks at ---
+  // --- for the test ---
 
-  // A frame arrives. When the receive ring is full it is lost and counted.
+  // Delivers a frame. If the receive ring is full, it is lost and counted.
   void deliver(const CanFrame& frame) {
     if (received_.push(frame)) return;
     if (status_.receive_overruns < std::numeric_limits<std::uint16_t>::max()) ++status_.receive_overruns;
   }
-  // Everything that was sent since the start or the last `clear_sent`, in order.
+  // Returns all frames sent since the start or the last `clear_sent`, in order.
   [[nodiscard]] const std::vector<CanFrame>& sent() const { return sent_; }
-  // The latest sent frame with this identifier, if there is one.
+  // Returns the latest sent frame with this identifier, if any.
   [[nodiscard]] std::optional<CanFrame> last_sent(std::uint16_t identifier) const {
     const auto found = std::find_if(sent_.rbegin(), sent_.rend(), [identifier](const CanFrame& frame) {
       return frame.identifier == identifier;
@@ -36,9 +35,9 @@ class FakeCan final : public CanPort {
     return found == sent_.rend() ? std::nullopt : std::optional<CanFrame>(*found);
   }
   void clear_sent() { sent_.clear(); }
-  // The bus stalls: the FIFOs take this many frames more, each, and then refuse, until `release_transmit`.
+  // Stalls the bus: each FIFO takes this many more frames and then refuses, until `release_transmit`.
   void limit_transmit(std::size_t frames) { transmit_limits_.fill(frames); }
-  // One of them does, as where others with lower identifiers keep the bus busy.
+  // Stalls one FIFO, as other nodes with lower identifiers would.
   void limit_transmit(TransmitFifo fifo, std::size_t frames) { transmit_limits_[fifo] = frames; }
   void release_transmit() { transmit_limits_.fill(std::nullopt); }
   void set_error_state(CanErrorState state) { status_.state = state; }
@@ -46,7 +45,8 @@ class FakeCan final : public CanPort {
     status_.transmit_error_count = transmit;
     status_.receive_error_count = receive;
   }
-  // How often the firmware began to recover from bus-off. The state stays until the test sets another.
+  // Returns how often the firmware started a recovery from bus-off. The state stays until the test changes
+  // it.
   [[nodiscard]] int recoveries() const { return recoveries_; }
 
   // --- CanPort ---

@@ -8,11 +8,11 @@
 
 namespace koboshi::hal {
 
-// A watchdog that never bites, and remembers when it was kicked.
+// A watchdog that never expires and records when it was kicked.
 class FakeWatchdog final : public WatchdogPort {
  public:
   [[nodiscard]] int kicks() const { return kicks_; }
-  // Time of the latest kick; nothing before the first.
+  // Returns the time of the last kick; nothing before the first.
   [[nodiscard]] std::optional<std::uint64_t> last_kick_us() const { return last_kick_us_; }
 
   void kick(std::uint64_t now_us) override {
@@ -25,11 +25,11 @@ class FakeWatchdog final : public WatchdogPort {
   std::optional<std::uint64_t> last_kick_us_;
 };
 
-// The safe-torque-off line, low until the firmware raises it.
+// The drive-enable line, low until the firmware raises it.
 class FakeDriveEnable final : public DriveEnablePort {
  public:
   [[nodiscard]] bool enabled() const { return enabled_; }
-  // Every level the line changed to, in order. Setting the level that it has is no change.
+  // Returns every level to which the line changed, in order. Setting the present level is no change.
   [[nodiscard]] const std::vector<bool>& changes() const { return changes_; }
 
   void set(bool enabled) override {

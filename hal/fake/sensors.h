@@ -11,12 +11,12 @@
 
 namespace koboshi::hal {
 
-// An inertial unit whose samples the test delivers one by one.
+// An inertial unit whose samples the test delivers.
 class FakeImu final : public ImuPort {
  public:
   static constexpr std::size_t kCapacity = 16;
 
-  // A sample is taken. When the FIFO is full it is lost and counted.
+  // Delivers a sample. If the FIFO is full, it is lost and counted.
   void deliver(const ImuSample& sample) {
     if (samples_.push(sample)) return;
     if (overruns_ < std::numeric_limits<std::uint16_t>::max()) ++overruns_;
@@ -30,7 +30,7 @@ class FakeImu final : public ImuPort {
   std::uint16_t overruns_ = 0;
 };
 
-// Two ankle sensors; each keeps the latest sample that the test delivered.
+// Two ankle sensors; each keeps the latest sample that the test has delivered.
 class FakeAnkles final : public AnklePort {
  public:
   void deliver(Side side, const AnkleSample& sample) { latest(side) = sample; }

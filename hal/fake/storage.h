@@ -10,15 +10,16 @@
 namespace koboshi::hal {
 
 // Flash memory in RAM. An erasure or a write stays busy for a scripted number of `state` calls, or until
-// `finish`. Until then its range reads as scrambled bytes, so that a reader who does not wait is caught.
+// `finish`. Until then its range reads as scrambled bytes, so that a test notices a reader that does not
+// wait.
 class FakeStorage final : public StoragePort {
  public:
   explicit FakeStorage(std::size_t sector_count = 4, std::size_t sector_size_bytes = 1024);
 
   // --- what a test scripts ---
 
-  // Operations begun from now on answer kBusy to this many calls of `state`, and are done at the next; 0 at
-  // first.
+  // Operations begun from now on return kBusy to this many calls of `state` and are done at the next.
+  // Default: 0.
   void complete_after(int polls) { polls_ = polls; }
   // Operations begun from now on stay busy until `finish`.
   void complete_by_finish() { polls_.reset(); }
@@ -26,7 +27,7 @@ class FakeStorage final : public StoragePort {
   void finish();
   // The next operation to be begun ends in kFailed, its range scrambled.
   void fail_next() { fail_next_ = true; }
-  // Power fails and comes back: a running operation is gone, its range scrambled; the state is idle.
+  // Power fails and returns: a running operation is cancelled, with its range scrambled; the state is idle.
   void lose_power();
   // Puts bytes in place at once, as programmed in the factory. The range must lie in the memory.
   void load(std::size_t offset, std::span<const std::byte> bytes);

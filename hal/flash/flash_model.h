@@ -8,23 +8,23 @@
 
 namespace koboshi::hal {
 
-// A microcontroller's flash, modelled in ordinary memory. The simulated board in process and the Cortex-M4
-// image both store in it, so that both see the same contents and wait equally long: an operation ends after a
-// fixed number of `state` calls, which the firmware makes once a millisecond, and not after a time. Until
-// then the range that it works on reads as scrambled bytes.
+// Models the flash of a microcontroller in ordinary memory. The simulated board and the Cortex-M4 image both
+// store in it, so that both have the same contents and wait equally long: an operation ends after a fixed
+// number of calls of `state`, one each millisecond, instead of after a time. Until then its range reads as
+// scrambled bytes.
 class FlashModel final : public StoragePort {
  public:
   static constexpr std::size_t kSectorSize_bytes = 2048;
   static constexpr std::size_t kSize_bytes = 128 * kSectorSize_bytes;
-  // Calls of `state` that find an operation busy. The STM32G431 (DS12589) takes 22 ms to erase a page of 2
-  // KiB and 82 us to program 8 bytes, which is 2.6 ms for kMaxWriteSize.
+  // Calls of `state` that return kBusy. The STM32G431 (DS12589) takes 22 ms to erase a page of 2 KiB and 82
+  // us to program 8 bytes, which is 2.6 ms for kMaxWriteSize.
   static constexpr int kErasePolls = 22;
   static constexpr int kWritePolls = 3;
 
-  // The memory is the flash: it is taken as it is, and must outlive the model.
+  // `memory` is the flash, with its present contents. It must outlive the model.
   explicit FlashModel(std::span<std::byte, kSize_bytes> memory) : memory_(memory) {}
 
-  // Puts bytes in place at once, as in the factory. False, and nothing done, when they do not fit.
+  // Programs bytes at once, as in the factory. Returns false, with nothing done, if they do not fit.
   [[nodiscard]] bool program(std::size_t offset, std::span<const std::byte> bytes);
 
   [[nodiscard]] std::span<const std::byte> contents() const override { return memory_; }

@@ -10,34 +10,34 @@
 
 namespace koboshi::hal {
 
-// Inertial unit and ankle sensors that are nodes of the bus, as the ports that a controller with sensors of
-// its own has. Their PDOs: TPDO 1 gyro or force, TPDO 2 accelerometer or torque, three axes and the number of
-// the sample, 16 bits each.
+// Converts the PDOs of an inertial unit and two ankle sensors on the CAN bus to the samples of the ports.
+// TPDO 1 carries gyro or force, TPDO 2 accelerometer or torque: three axes and the number of the sample, 16
+// bits each.
 class CanSensors {
  public:
   static constexpr std::uint8_t kInertialNode = 36;
   static constexpr std::uint8_t kLeftAnkleNode = 37;
   static constexpr std::uint8_t kRightAnkleNode = 38;
   static constexpr std::array<std::uint8_t, 3> kNodes{kInertialNode, kLeftAnkleNode, kRightAnkleNode};
-  // Later than this a sensor is silent.
+  // Age of the last sample after which a sensor counts as silent.
   static constexpr std::uint64_t kTimeout_us = 20'000;
 
-  // True when the frame was a sample's. `now_us` is when it came.
+  // Takes a received frame. Returns whether it belongs to a sample. `now_us`: time of reception.
   bool on_frame(const CanFrame& frame, std::uint64_t now_us);
-  // The inertial unit's latest sample, which stands for one of the 1 kHz that the firmware expects; nothing
-  // while the unit is silent.
+  // Returns the latest sample of the inertial unit, to be repeated at the 1 kHz that the firmware expects;
+  // nothing while the unit is silent.
   std::optional<ImuSample> inertial(std::uint64_t now_us) const;
-  // The sample of an ankle that has come since the last call.
+  // Returns the sample of an ankle if a new one has arrived since the last call.
   std::optional<AnkleSample> take_ankle(Side side);
 
  private:
   using Axes = std::array<std::int16_t, 3>;
-  // The two halves of a sample, and which sample each is of.
+  // The two halves of a sample, and the number of the sample of each.
   struct Sensor {
     std::array<Axes, 2> axes{};
     std::array<std::uint16_t, 2> numbers{};
     std::array<bool, 2> seen{};
-    std::uint64_t time_us = 0;  // when it was complete last
+    std::uint64_t time_us = 0;  // of the last complete sample
     bool complete = false;
     bool fresh = false;
   };

@@ -9,7 +9,7 @@
 
 namespace koboshi::hal {
 
-// Owns an open file; -1 owns none.
+// Owns an open file descriptor, or none (-1).
 class FileDescriptor {
  public:
   explicit FileDescriptor(int number = -1) : number_(number) {}
@@ -28,7 +28,7 @@ class FileDescriptor {
   int number_;
 };
 
-// What a system call returned, or, for -1, std::system_error with errno and this text.
+// Returns the result of a system call. Throws std::system_error with errno and this text if it is -1.
 inline int checked(int result, const std::string& what) {
   if (result < 0) throw std::system_error(errno, std::generic_category(), what);
   return result;

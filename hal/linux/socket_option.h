@@ -16,8 +16,8 @@ void set_option(const FileDescriptor& socket, int level, int option, const T& va
   checked(::setsockopt(socket.number(), level, option, &value, sizeof value), "an option of a socket");
 }
 
-// Messages for this socket that the kernel has thrown away since it was made, for want of room in its buffer
-// or because its filter did not want them (SO_MEMINFO); 0 where the kernel does not tell.
+// Returns the number of messages for this socket that the kernel has dropped so far, because the buffer was
+// full or the filter did not match (SO_MEMINFO); 0 if the kernel does not support it.
 inline std::uint64_t drops(const FileDescriptor& socket) {
   std::array<std::uint32_t, SK_MEMINFO_VARS> info{};
   socklen_t length = sizeof info;

@@ -13,26 +13,26 @@
 
 namespace koboshi::hal {
 
-// A raw socket on a CAN interface of Linux. Nothing blocks. What this socket sends, it does not hear; other
-// sockets of the machine do. Frames go to and come from the kernel many at a time: a system call for each
-// costs more than the frame.
+// A raw socket on a CAN interface of Linux. No function blocks. Other sockets of the machine receive what
+// this socket sends; it does not itself. Frames are exchanged with the kernel in batches, since a system call
+// costs more than a frame.
 class SocketCan {
  public:
   static constexpr std::size_t kBatch = 64;
 
-  // Throws std::system_error where the kernel knows no CAN, no such interface, or the interface is down.
+  // Throws std::system_error if the kernel has no CAN or no such interface, or if the interface is down.
   explicit SocketCan(const std::string& interface);
 
-  // Keeps the frame for the next flush. False when there is no room for it: it is lost.
+  // Keeps the frame for the next flush. Returns false, with the frame lost, if there is no room.
   [[nodiscard]] bool send(const CanFrame& frame);
-  // Hands over what was kept, in its order. What the interface has no room for stays and is tried again.
+  // Sends the kept frames in order. Frames for which the interface has no room are kept for the next call.
   void flush();
-  // The oldest received frame. Frames with 29-bit identifiers and error frames are passed over. Throws
-  // std::system_error when the interface is gone or down.
+  // Returns the oldest received frame, nothing if there is none. Skips frames with 29-bit identifiers and
+  // error frames. Throws std::system_error if the interface is gone or down.
   [[nodiscard]] std::optional<CanFrame> receive();
-  // Frames that the kernel had no room for in this socket's buffer.
+  // Returns the number of frames lost because this socket's buffer was full.
   std::uint64_t dropped() const { return drops(socket_); }
-  // What poll() may wait for.
+  // Returns the file descriptor, for poll().
   int descriptor() const { return socket_.number(); }
 
  private:

@@ -11,10 +11,10 @@
 
 namespace koboshi::hal {
 
-// Everything that one `service` call reads and writes, as one message each way. The board fills a BatchInput,
-// the ports of a BatchBoard serve the firmware from it and collect a BatchOutput. In process the structs are
-// handed over as they are; a board that lives elsewhere sends their encoding. Both see the same, so both runs
-// are the same.
+// The inputs and outputs of one `service` call, as one message each way. The board fills a BatchInput; the
+// ports of a BatchBoard serve the firmware from it and collect a BatchOutput. Within a process the structs
+// are passed directly; to another process or machine their encoding is sent. Both carry the same data, so
+// that the runs are identical.
 
 template <typename T, std::size_t kCapacity>
 struct BoundedList {
@@ -65,11 +65,11 @@ inline constexpr std::size_t kMaxBatchInputBytes = 8 + 1 + 5 + 3 * kTransmitFifo
                                                    BatchInput::kMaxImuSamples * 16 + 2 + 2 * 16;
 inline constexpr std::size_t kMaxBatchOutputBytes = 2 + BatchOutput::kMaxFrames * kMaxFrameBytes + 1;
 
-// Writes the message to `bytes` and returns its length; 0 when `bytes` is too short.
+// Writes the encoding to `bytes` and returns its length; 0 if `bytes` is too short.
 [[nodiscard]] std::size_t encode(const BatchInput& input, std::span<std::byte> bytes);
 [[nodiscard]] std::size_t encode(const BatchOutput& output, std::span<std::byte> bytes);
-// False, and the struct undefined, when the message is cut short, too long, names more items than fit, or
-// holds a value that no field can have.
+// Decodes a message. Returns false, with the struct undefined, if the message is too short or too long, has
+// more items than fit, or has a value that a field cannot have.
 [[nodiscard]] bool decode(std::span<const std::byte> bytes, BatchInput& input);
 [[nodiscard]] bool decode(std::span<const std::byte> bytes, BatchOutput& output);
 

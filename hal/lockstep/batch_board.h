@@ -11,31 +11,31 @@
 
 namespace koboshi::hal {
 
-// A board behind messages: between `begin` and `end` its ports serve the firmware from one BatchInput and
-// collect one BatchOutput. The simulated board uses it in process, the Cortex-M4 image on its side of the
-// wire.
+// A board whose peripherals are messages: between `begin` and `end` its ports serve the firmware from one
+// BatchInput and collect one BatchOutput. The simulated board uses it in process, the Cortex-M4 image at its
+// end of the link.
 //
-// As on hardware, what the firmware leaves unread waits for the next call: frames and IMU samples in queues
-// as long as the lists of a BatchInput (what no longer fits is lost and counted as an overrun), of each ankle
-// the latest sample. Storage is not part of the messages: every board has its own, and it is only passed on.
+// As on hardware, unread data waits for the next call: frames and IMU samples in queues of the capacity of a
+// BatchInput (more is lost and counted as overrun), and the latest sample of each ankle. Storage is not part
+// of the messages: each board has its own.
 class BatchBoard final : private CanPort,
                          private ImuPort,
                          private AnklePort,
                          private WatchdogPort,
                          private DriveEnablePort {
  public:
-  // `sensor_nodes` as in Board. Both must outlive this object.
+  // `sensor_nodes` as in Board. Both arguments must outlive this object.
   explicit BatchBoard(StoragePort& storage, std::span<const std::uint8_t> sensor_nodes = {})
       : storage_(storage), sensor_nodes_(sensor_nodes) {}
   BatchBoard(const BatchBoard&) = delete;
   BatchBoard& operator=(const BatchBoard&) = delete;
 
-  // The ports; valid as long as this object lives.
+  // Returns the ports, valid during the lifetime of this object.
   [[nodiscard]] Board board() { return {*this, *this, *this, storage_, *this, *this, sensor_nodes_}; }
-  // Starts a call: takes in the input and clears the output, except the level of the drive-enable line, which
-  // is low at first and then stays as it was set. `input` is not used afterwards.
+  // Starts a call: takes the input and clears the output except the level of the drive-enable line, which is
+  // low at first and is then kept. `input` is not used afterwards.
   void begin(const BatchInput& input);
-  // Ends the call. The output is valid until the next `begin`.
+  // Ends the call and returns its output, valid until the next `begin`.
   [[nodiscard]] const BatchOutput& end() const { return output_; }
 
  private:

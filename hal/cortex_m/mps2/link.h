@@ -8,8 +8,8 @@
 
 namespace koboshi::cortex_m {
 
-// The image's end of the talk with its host (wire.h). One buffer serves both ways: a request is gone once
-// the body of its answer is written.
+// The image's end of the protocol with its host (wire.h). One buffer serves both directions: writing the body
+// of an answer overwrites the request.
 class Link {
  public:
   struct Request {
@@ -18,9 +18,9 @@ class Link {
   };
 
   void open();
-  // Waits for the next request; this is where the image idles. Ends the debugger when the host is gone.
+  // Waits for the next request; the image idles here. Ends the debugger if the host has closed the pipe.
   [[nodiscard]] Request receive();
-  // Where the body of an answer goes, before it is sent.
+  // Returns the buffer for the body of an answer.
   [[nodiscard]] std::span<std::byte> body() { return std::span(message_).subspan(wire::kHeaderBytes); }
   void answer(wire::Kind kind, std::size_t body_size);
 

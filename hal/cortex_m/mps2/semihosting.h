@@ -10,11 +10,11 @@ namespace koboshi::cortex_m::semihosting {
 
 enum class Mode : int { kRead = 1, kWrite = 5 };  // of binary files
 
-// A file handle of the debugger's; negative when it cannot open the file.
+// Opens a file. Returns the debugger's file handle, negative on failure.
 [[nodiscard]] int open(const char* path, Mode mode);
-// Blocks until there is something, and returns how many bytes that was; 0 at the end of the file.
+// Reads a file; blocks until there is data. Returns the number of bytes, 0 at the end of the file.
 [[nodiscard]] std::size_t read(int file, std::span<std::byte> bytes);
-// How many bytes were written.
+// Writes to a file. Returns the number of bytes written.
 [[nodiscard]] std::size_t write(int file, std::span<const std::byte> bytes);
 // Ends the debugger's process.
 [[noreturn]] void exit();

@@ -9,15 +9,15 @@
 
 namespace koboshi::cortex_m::wire {
 
-// The talk between the image and its host, over two pipes: a request, an answer, and so on. A message is its
-// length u16 (without these two bytes), a kind u8 and a body; integers are little-endian. The answer has the
-// kind of the request, or is kFault: the core was reset instead, and waits for kProgram or kStart.
+// The protocol between the image and its host, over two pipes: request, answer, request and so on. A message
+// is its length u16 (without these two bytes), a kind u8 and a body; integers are little-endian. The answer
+// has the kind of the request, or is kFault: a fault has reset the core, which waits for kProgram or kStart.
 enum class Kind : std::uint8_t {
-  kProgram = 1,    // offset u32, bytes: put into storage. Answer: nothing
-  kStart = 2,      // starts the firmware on what is in storage. Answer: nothing
-  kServe = 3,      // BatchInput. Answer: SysTick periods u32 that the firmware took, BatchOutput
-  kStackPeak = 4,  // Answer: bytes u32, the deepest that the stack has been since the reset
-  kProvoke = 5,    // Provocation u8: breaks the machine on purpose. Answer: kFault
+  kProgram = 1,    // offset u32, bytes: writes them to storage. Answer: empty
+  kStart = 2,      // starts the firmware on the present storage. Answer: empty
+  kServe = 3,      // BatchInput. Answer: SysTick periods u32 of the firmware's call, BatchOutput
+  kStackPeak = 4,  // Answer: largest depth of the stack since the reset, bytes u32
+  kProvoke = 5,    // Provocation u8: causes a fault. Answer: kFault
   kFault = 6,      // only as an answer: the FaultRecord, its fields as u32
 };
 
@@ -47,7 +47,7 @@ inline void put_u32(std::span<std::byte> bytes, std::uint32_t value) {
   return value;
 }
 
-// Writes what goes before a body of this size. Returns the size of the whole message.
+// Writes the header of a message with a body of this size. Returns the size of the whole message.
 [[nodiscard]] inline std::size_t put_header(std::span<std::byte> message, Kind kind, std::size_t body_size) {
   const std::size_t length = 1 + body_size;
   message[0] = static_cast<std::byte>(length & 0xFF);
@@ -56,7 +56,7 @@ inline void put_u32(std::span<std::byte> bytes, std::uint32_t value) {
   return kLengthBytes + length;
 }
 
-// Whether the bytes are one message, no more and no less.
+// Returns whether the bytes are exactly one message.
 [[nodiscard]] inline bool is_message(std::span<const std::byte> bytes) {
   if (bytes.size() < kHeaderBytes) return false;
   const auto length = std::to_integer<std::size_t>(bytes[0]) | std::to_integer<std::size_t>(bytes[1]) << 8;
