@@ -12,7 +12,6 @@ using robot::Direction;
 
 namespace {
 
-constexpr Ratio kOldInverseGravity = 0.101936799_ratio;  // of 9.81 m/s^2
 // Bounds of |force|^2 / g^2, 0.85^2 and 1.15^2. Outside, the trunk accelerates too much for its specific
 // force to point up. Set by hand (2026-11-21); not tuned.
 constexpr Ratio kMinSquare = 0.7225_ratio;
@@ -37,9 +36,9 @@ bool is_near_one(const Direction& force) {
 
 // Returns force / g; saturates at 2.
 Direction in_g(const AttitudeEstimator::Acceleration& force_B) {
-  return {fixed::product<Ratio>(force_B.x, kOldInverseGravity),
-          fixed::product<Ratio>(force_B.y, kOldInverseGravity),
-          fixed::product<Ratio>(force_B.z, kOldInverseGravity)};
+  return {fixed::product<Ratio>(force_B.x, fixed::kInverseRoundedGravity),
+          fixed::product<Ratio>(force_B.y, fixed::kInverseRoundedGravity),
+          fixed::product<Ratio>(force_B.z, fixed::kInverseRoundedGravity)};
 }
 
 }  // namespace

@@ -14,8 +14,6 @@ using robot::Position;
 
 namespace {
 
-constexpr fixed::Acceleration kOldGravity = fixed::literals::literal<fixed::Acceleration>(9.81L);
-
 // Converts counts; 2^15 counts are the full scale.
 template <fixed::AnyQuantity Q>
 Q scaled(Q full_scale, std::int16_t counts) {
@@ -37,7 +35,7 @@ FootSensor::FootSensor(const robot::RobotModel& model, hal::Side side)
   if (model.joint_count == 0) return;
   const robot::Foot& geometry = model.feet[side];
   const robot::Joint& foot = model.joints[model.leg(side)[robot::kLegJoints - 1]];
-  weight_ = fixed::product<Force>(foot.mass, kOldGravity);
+  weight_ = fixed::product<Force>(foot.mass, fixed::kRoundedGravity);
   // The foot's frame lies in the ankle, over the sole frame's origin.
   weight_x_ = fixed::product<Torque>(foot.centre_of_mass.y - geometry.sensor.y, weight_);
   weight_y_ = -fixed::product<Torque>(foot.centre_of_mass.x - geometry.sensor.x, weight_);
