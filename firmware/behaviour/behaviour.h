@@ -37,9 +37,9 @@ struct Status {
   Reason reason = Reason::kNone;   // of the last change of state
   Reason refusal = Reason::kNone;  // of the last command; kNone if it was obeyed
   std::uint8_t motion = 0;         // number of the motion being played or played last
-  std::uint8_t attempts = 0;       // to get up since the robot stood last
+  std::uint8_t attempts = 0;       // to stand up, since the robot last stood
   drive::JointFault drive_fault;   // of the last fault, if a drive caused it
-  // Since power-on; they saturate.
+  // Counters since power-on; they saturate.
   std::uint16_t faults = 0;
   std::uint16_t falls = 0;
   std::uint16_t risen = 0;
@@ -86,7 +86,7 @@ class Behaviour {
   // kNone if it was obeyed; `status` keeps it. `kCalibrate` is only judged here: the caller carries it out.
   Reason request(Command command, std::int16_t argument, const estimation::RobotState& robot,
                  const drive::EnableConditions& drives, std::uint64_t now_us);
-  // A velocity to walk with. False, and the one before stays, when it is beyond the limits.
+  // Sets the commanded velocity. Returns false, with the velocity unchanged, if it is beyond the limits.
   bool request_velocity(const walk::Velocity& velocity);
   // Sets the commanded velocity without a check: it passed one before.
   void set_velocity(const walk::Velocity& velocity) { velocity_ = velocity; }
@@ -94,7 +94,7 @@ class Behaviour {
   void refuse(Reason reason) { status_.refusal = reason; }
   // A fault that the controller has found between two cycles; `drive_fault`: the drives' first, if any.
   void fail(Reason reason, const drive::JointFault& drive_fault, std::uint64_t now_us);
-  // A boot, whatever the state was. `forget`: as at power-on, with nothing counted and no velocity.
+  // Enters kBoot from any state. `forget`: as at power-on, with counters and velocity cleared.
   void restart(bool forget, std::uint64_t now_us);
 
   const Status& status() const { return status_; }
@@ -127,7 +127,7 @@ class Behaviour {
   Reason get_up(const Judgement& judgement);
   Reason stop();
 
-  // What leads out of a state whatever it is (behaviour.cc).
+  // Transitions that any state may make (behaviour.cc).
   void watch_for_faults(const Cycle& cycle, const NetworkStatus& network);
   void watch_battery(const drive::DriveStatus& drives);
   bool battery_low() const { return low_supply_.reached(kLowReadings); }

@@ -46,7 +46,7 @@ enum class Event : std::uint8_t {
   kOnSide,              // on a side
   kUpright,             // the robot does not lie
   kRecoveryStepFailed,  // the body is not where it should be by now
-  kFailure,    // a drive, a sensor or the bus failed
+  kFailure,             // a drive, a sensor or the bus failed
 };
 
 // The reason of the last change of state, or of the refusal of the last command. The values are those of

@@ -85,7 +85,7 @@ class DriveGroup {
   // Returns the last reported status of all drives.
   DriveStatus status() const;
   EnableConditions enable_conditions() const;
-  // Every drive in this state, as each said last.
+  // Returns whether all drives reported this state last.
   bool all_in(canopen::cia402::State state) const;
   // Returns whether no drive reported a state with torque last.
   bool all_limp() const;

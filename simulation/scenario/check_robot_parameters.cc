@@ -28,7 +28,8 @@ using fixed::to_double;
 constexpr double kNewtonsPerKilogram = 9.81;
 constexpr double kMetresPerCount = 1e-4;                         // of lengths in the walk's objects
 constexpr double kRadPerCount = 2.0 * std::numbers::pi / 65536;  // of angles
-constexpr double kDown_rad = std::numbers::pi / 3.0;  // the robot then counts as down (behaviour/lying_pose.h)
+constexpr double kDown_rad =
+    std::numbers::pi / 3.0;  // the robot then counts as down (behaviour/lying_pose.h)
 // walk::Body puts the centre of mass this near, with knees ahead of the line from hip to ankle.
 constexpr double kComTolerance_m = 5e-3;
 constexpr double kSoleTolerance_m = 0.5e-3;

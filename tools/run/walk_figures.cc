@@ -14,9 +14,9 @@
 #include "sim_board/world/foot.h"
 #include "sim_board/world/gravity.h"
 #include "sim_board/world/support_polygon.h"
+#include "simulation/scenario/parameters.h"
 #include "tools/plot/columns.h"
 #include "tools/plot/legend.h"
-#include "simulation/scenario/parameters.h"
 
 namespace koboshi::tools {
 namespace {

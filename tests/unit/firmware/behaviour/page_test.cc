@@ -13,10 +13,26 @@
 namespace koboshi::behaviour {
 namespace {
 
-constexpr std::string_view kEventNames[] = {"ready",     "enable",         "limp",    "play",      "walk",
-                                            "reset",     "emergency stop", "enabled", "arrived",   "get up",
-                                            "ended",     "low battery",    "fall",    "down",      "still",
-                                            "lies flat", "lies aside",     "upright", "elsewhere", "failure"};
+constexpr std::string_view kEventNames[] = {"ready",
+                                            "enable",
+                                            "limp",
+                                            "play",
+                                            "walk",
+                                            "reset",
+                                            "emergency stop",
+                                            "enabled",
+                                            "arrived",
+                                            "get up",
+                                            "ended",
+                                            "low battery",
+                                            "fall",
+                                            "down",
+                                            "still",
+                                            "prone or supine",
+                                            "on side",
+                                            "upright",
+                                            "recovery step failed",
+                                            "failure"};
 static_assert(std::size(kEventNames) == static_cast<std::size_t>(Event::kFailure) + 1);
 
 std::string name_of(State state) {

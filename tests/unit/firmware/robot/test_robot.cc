@@ -9,8 +9,8 @@ using fixed::from_double;
 using robot::Direction;
 using robot::Joint;
 using robot::JointIndex;
-using robot::LinkIndex;
 using robot::JointRole;
+using robot::LinkIndex;
 using robot::RobotModel;
 
 struct Row {
