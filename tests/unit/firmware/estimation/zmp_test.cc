@@ -94,7 +94,8 @@ TEST_F(ZmpTest, OfBothFeetIsThatOfTheSameComputationInDouble) {
   for (int round = 0; round < 5'000; ++round) {
     robot.draw();
     const std::array<Counts, 2> counts{draw(), draw()};
-    const std::array feet{pressure(hal::Side::kLeft, counts[0]), pressure(hal::Side::kRight, counts[1])};
+    const hal::BySide<FootPressure> feet{pressure(hal::Side::kLeft, counts[0]),
+                                         pressure(hal::Side::kRight, counts[1])};
     if (!feet[0].valid || !feet[1].valid) continue;
     const Pressure both = combine(feet, robot.posture);
     ASSERT_TRUE(both.valid);

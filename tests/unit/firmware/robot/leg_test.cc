@@ -84,7 +84,7 @@ class LegTest : public testing::TestWithParam<hal::Side> {
   }
 
   SolePose sole(const Angles& angles) const {
-    const int foot = leg_.joints[5];
+    const auto foot = static_cast<int>(leg_.joints[5]);
     SolePose pose{to_base(model_, angles, foot, {0, 0, -fixed::to_double(leg_.ankle_height)}), {}};
     for (std::size_t i = 0; i < 3; ++i) pose.axes[i] = to_base(model_, angles, foot, kUnits[i], true);
     return pose;
@@ -186,9 +186,9 @@ TEST_P(LegTest, ReturnsAllAnglesWhereTheyAreWellConditioned) {
     const Angles wanted = draw_angles();
     if (!is_well_conditioned(wanted)) continue;
     const Angles found = to_angles(leg_inverse_kinematics(model_, leg_, to_fixed(sole(wanted))));
-    for (const std::uint8_t joint : leg_.joints) {
+    for (const JointIndex joint : leg_.joints) {
       ASSERT_NEAR(found[joint], wanted[joint], 0.01 * kRadPerDegree)
-          << "seed " << kLegSeed << " round " << round << " joint " << int{joint};
+          << "seed " << kLegSeed << " round " << round << " joint " << std::size_t{joint};
     }
   }
 }
