@@ -1,6 +1,7 @@
 #pragma once
 
 #include "hal/lockstep/batch.h"
+#include "sim_board/state/archive.h"
 
 namespace koboshi::sim {
 
@@ -12,6 +13,10 @@ class ControllerHost {
 
   // `output` is overwritten. Throws std::runtime_error when the firmware cannot be reached any more.
   virtual void exchange(const hal::BatchInput& input, hal::BatchOutput& output) = 0;
+
+  // Saves or restores the firmware and its storage between two exchanges. Throws NotSaveable where it runs
+  // outside of this process.
+  virtual void archive(StateArchive& archive) = 0;
 };
 
 }  // namespace koboshi::sim

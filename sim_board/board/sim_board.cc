@@ -227,6 +227,14 @@ void SimBoard::add_frame_fault(const FrameFault& fault) {
   bus_.set_disturbance(&bus_faults_);
 }
 
+// Neither the wall time that the parts have taken, nor what lives within a step.
+void SimBoard::archive(StateArchive& archive) {
+  archive(now_us_, host_, world_, input_, output_, bus_, drives_, imu_, ankles_, imu_node_, ankle_nodes_,
+          bus_faults_, babblers_, highest_supply_V_, drawn_J_, kicked_us_, enable_line_, bitten_,
+          controller_stopped_);
+  if (!archive.writes()) bus_.set_disturbance(bus_faults_.empty() ? nullptr : &bus_faults_);
+}
+
 void SimBoard::isolate_controller() {
   bus_.power_off(operator_);
   for (const auto& drive : drives_) bus_.power_off(drive->bus_handle());

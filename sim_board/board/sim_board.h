@@ -104,6 +104,10 @@ class SimBoard {
   // full.
   bool send_as_operator(const hal::CanFrame& frame) { return bus_.queue(operator_, frame, now_us_); }
 
+  // Saves or restores everything on the board, the firmware included, between two calls of `advance`. Nodes
+  // that a test or a tool has put on the bus keep their own states. Throws as Bus::archive and the host do.
+  void archive(StateArchive& archive);
+
   // What breaks stays broken until it is mended.
   void hang_drive(std::size_t joint) { drives_[joint]->hang(); }
   void cut_drive_power(std::size_t joint) { drives_[joint]->power_off(); }
@@ -118,6 +122,7 @@ class SimBoard {
   void set_ankle_running(hal::Side side, bool running);
   void set_controller_running(bool running) { controller_stopped_ = !running; }
   void add_frame_fault(const FrameFault& fault);
+  // Puts a further node on the bus; no state from before can be restored afterwards.
   void add_babbler(const Babble& babble) { babblers_.push_back(std::make_unique<Babbler>(bus_, babble)); }
   // Takes the controller off the bus, for a board that has none of its own.
   void unplug_controller() { bus_.power_off(controller_); }

@@ -28,6 +28,8 @@ class Babbler final : private BusNode {
   // Queues what it says up to `end_us`, to which the bus is brought next. Once a millisecond.
   void advance(std::uint64_t end_us);
 
+  void archive(StateArchive& archive) { archive(next_us_); }
+
  private:
   // More than the shortest frames of a millisecond.
   static constexpr std::size_t kTransmitFifo = 32;

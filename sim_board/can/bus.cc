@@ -232,6 +232,14 @@ void Bus::count_sent(std::uint64_t start_us) {
   }
 }
 
+void Bus::archive(StateArchive& archive) {
+  if (std::ranges::any_of(nodes_, &Node::is_bridge))
+    throw NotSaveable(
+        "a simulation whose bus is bridged to the outside has no snapshots: what lives there has none");
+  archive(now_us_, idle_from_us_, nodes_, heads_, online_, recovering_, dominant_since_us_, dominant_due_us_,
+          receive_errors_, wire_, senders_, late_, usage_);
+}
+
 bool Bus::is_sender(std::size_t node) const {
   return std::ranges::any_of(senders_, [node](std::size_t sender) { return node_of(sender) == node; });
 }

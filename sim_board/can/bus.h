@@ -15,6 +15,7 @@
 #include "sim_board/can/node.h"
 #include "sim_board/can/observer.h"
 #include "sim_board/can/transmit_queue.h"
+#include "sim_board/state/archive.h"
 
 namespace koboshi::sim {
 
@@ -74,6 +75,8 @@ class Bus {
     return attach(node, filter, {capacity, capacity, capacity});
   }
   void set_filter(NodeHandle node, const AcceptanceFilter& filter);
+  // Marks a node that stands for others outside of the simulation: from now on the bus cannot be saved.
+  void bridge(NodeHandle node) { nodes_[index(node)].is_bridge = true; }
 
   // A node without power: its FIFOs and error counts are lost, a frame that it was just sending ends in an
   // error frame. With power again it takes part in what starts from then on.
@@ -118,6 +121,11 @@ class Bus {
   void set_observer(BusObserver* observer) { observer_ = observer; }
   void set_disturbance(BusDisturbance* disturbance) { disturbance_ = disturbance; }
 
+  // Saves or restores the bus with the CAN controllers of its nodes. Nodes, observer and disturbance keep
+  // their own states; which nodes there are, and their filters, is no state. Throws NotSaveable where a node
+  // is a bridge, std::logic_error where nodes were attached since.
+  void archive(StateArchive& archive);
+
  private:
   static constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
 
@@ -130,6 +138,11 @@ class Bus {
     std::uint64_t online_since_us;        // kNever without power and while bus-off
     std::uint64_t hold_until_us = 0;      // suspended transmission
     std::uint64_t recovered_us = kNever;  // end of a recovery from bus-off under way
+    bool is_bridge = false;
+
+    void archive(StateArchive& archive) {
+      archive(queues, errors, counters, powered, online_since_us, hold_until_us, recovered_us);
+    }
   };
 
   // What takes part in an arbitration, beside each other in memory: the head of a FIFO, those of a node in a

@@ -34,6 +34,7 @@ class BusFaults final : public BusDisturbance {
   explicit BusFaults(std::uint64_t seed) : random_(seed, "bus") {}
 
   void add(const FrameFault& fault) { rules_.push_back({.fault = fault}); }
+  bool empty() const { return rules_.empty(); }
 
   // What is corrupted is not doubled. The repetition of a doubled frame is neither counted nor doubled again.
   WireEffect on_transmission(const hal::CanFrame& frame, NodeHandle sender, std::uint64_t start_us) override;

@@ -28,6 +28,8 @@ class ForwardingWorld : public World {
   std::uint64_t solver_warnings() const override { return world_->solver_warnings(); }
   std::uint64_t unsettled_steps() const override { return world_->unsettled_steps(); }
 
+  void archive(StateArchive& archive) override { archive(world_); }
+
  private:
   std::unique_ptr<World> world_;
 };

@@ -42,6 +42,10 @@ class GuardedWorld final : public ForwardingWorld {
 
   void push(int link, const Eigen::Vector3d& p_L, const Eigen::Vector3d& f_W) override;
   void step() override;
+  void archive(StateArchive& archive) override {
+    ForwardingWorld::archive(archive);
+    archive(steps_, speeds_rad_per_s_, pushes_, work_J_, lowest_J_, returnable_J_, energies_J_);
+  }
 
  private:
   struct Push {

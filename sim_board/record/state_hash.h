@@ -18,6 +18,11 @@ namespace koboshi::sim {
 class StateHash {
  public:
   StateHash();
+  StateHash(const StateHash& other) : StateHash() { *this = other; }
+  StateHash& operator=(const StateHash& other) {
+    XXH3_copyState(state_.get(), other.state_.get());
+    return *this;
+  }
 
   void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
   template <std::integral Integer>

@@ -44,6 +44,11 @@ class OperatorPc final : private BusNode, private canopen::FrameSink {
   // Appends a parameter to those that are to be set. Commands wait for it.
   void write(SdoWrite write) { writes_.push_back(std::move(write)); }
 
+  void archive(StateArchive& archive) {
+    archive(writes_, next_);
+    archive.in_place(client_);
+  }
+
  private:
   void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override;
   bool send(const hal::CanFrame& frame) override { return board_.send_as_operator(frame); }

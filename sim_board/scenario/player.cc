@@ -56,6 +56,10 @@ ScenarioPlayer::ScenarioPlayer(const Scenario& scenario, SimBoard& board, std::v
   std::ranges::sort(fault_events_, {}, [](const FaultEvent& event) {
     return std::tuple(event.at_us, event.begins, event.fault);
   });
+  for (const FaultEvent& event : fault_events_) {
+    const Fault& fault = scenario.faults[event.fault];
+    if (event.begins && fault.kind == Fault::Kind::kBabblingNode) add_babbler(fault);
+  }
   board_.set_step_listener(this);
 }
 
@@ -136,13 +140,17 @@ void ScenarioPlayer::cause(const Fault& fault) {
     case Fault::Kind::kFramesDelayed:
     case Fault::Kind::kFramesDoubled:
       return disturb_frames(fault);
-    case Fault::Kind::kBabblingNode: {
-      Babble babble = fault.babble;
-      babble.from_us = fault.at_us;
-      babble.until_us = fault.end_us();
-      return board_.add_babbler(babble);
-    }
+    // Stands on the bus from the beginning, and knows its time.
+    case Fault::Kind::kBabblingNode:
+      return;
   }
+}
+
+void ScenarioPlayer::add_babbler(const Fault& fault) {
+  Babble babble = fault.babble;
+  babble.from_us = fault.at_us;
+  babble.until_us = fault.end_us();
+  board_.add_babbler(babble);
 }
 
 void ScenarioPlayer::disturb_frames(const Fault& fault) {

@@ -39,10 +39,16 @@ class ScenarioPlayer final : private StepListener {
   const std::vector<Command>& commands() const { return commands_; }
   const std::vector<Push>& pushes() const { return pushes_; }
 
+  // Not of the board.
+  void archive(StateArchive& archive) {
+    archive(operator_, commands_, pushes_, pushed_links_, next_command_, next_fault_event_, held_);
+  }
+
  private:
   void before_step(World& world, std::uint64_t start_us, std::uint64_t end_us) override;
   void cause(const Fault& fault);
   void disturb_frames(const Fault& fault);
+  void add_babbler(const Fault& fault);
   void mend(const Fault& fault);
   std::size_t joint_of(const Fault& fault) const;
 

@@ -43,6 +43,11 @@ class SensorNode final : private BusNode,
   // Once a millisecond: what the node does by itself.
   void update(std::uint64_t now_us);
 
+  void archive(StateArchive& archive) {
+    archive(values_, storage_, bus_off_, started_, now_us_);
+    archive.in_place(memory_, services_, node_);
+  }
+
  private:
   using Axes = std::array<std::int16_t, 3>;
 

@@ -136,6 +136,13 @@ void Drive::update(const JointState& joint, std::uint64_t now_us) {
   }
 }
 
+void Drive::archive(StateArchive& archive) {
+  archive(servo_, voltmeter_, thermometer_, state_, leaving_by_, demand_, target_limited_, profile_, homing_,
+          home_units_, watch_, velocity_, monitor_, description_, values_, storage_, powered_, hanging_,
+          started_, enable_line_, start_us_, now_us_, last_sync_us_, bus_off_);
+  archive.in_place(memory_, services_, node_);
+}
+
 void Drive::run_loop() {
   watch_bus();
   storage_.process();

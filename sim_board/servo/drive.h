@@ -68,6 +68,8 @@ class Drive final : private BusNode,
   double winding_C() const { return servo_.winding().temperature_C(); }
   NodeHandle bus_handle() const { return handle_; }
 
+  void archive(StateArchive& archive);
+
  private:
   void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override;
   bool send(const hal::CanFrame& frame) override;

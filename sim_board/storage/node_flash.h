@@ -5,6 +5,7 @@
 #include <span>
 
 #include "hal/port/storage.h"
+#include "sim_board/state/archive.h"
 
 namespace koboshi::sim {
 
@@ -30,6 +31,12 @@ class NodeFlash final : public hal::StoragePort {
   [[nodiscard]] bool begin_erase(std::size_t offset) override;
   [[nodiscard]] bool begin_write(std::size_t offset, std::span<const std::byte> bytes) override;
   [[nodiscard]] hal::StorageState state() const override;
+
+  void archive(StateArchive& archive) {
+    archive.flash(memory_);
+    archive.flash(result_);
+    archive(offset_, size_, polls_left_);
+  }
 
  private:
   static constexpr std::byte kErased{0xFF};

@@ -8,6 +8,7 @@
 #include "firmware/canopen/node.h"
 #include "firmware/canopen/stored_parameters.h"
 #include "firmware/storage/item_store.h"
+#include "sim_board/state/archive.h"
 #include "sim_board/storage/node_flash.h"
 
 namespace koboshi::sim {
@@ -33,6 +34,11 @@ class NodeStorage {
   void load(canopen::NmtCommand reset);
   // Once a millisecond.
   void process();
+
+  void archive(StateArchive& archive) {
+    archive(flash_);
+    archive.in_place(*volatile_);
+  }
 
  private:
   static constexpr storage::ItemStore::Layout kLayout{NodeFlash::kSectorSize_bytes, NodeFlash::kSectors};

@@ -6,6 +6,8 @@
 #include <span>
 #include <stdexcept>
 
+#include "sim_board/state/archive.h"
+
 namespace koboshi::sim {
 
 // What a servo asks of the solver: a torque affine in the joint's new speed, tau = drive_Nm - damping_Nm_s *
@@ -84,6 +86,9 @@ class World {
   // Steps since the world was made in which contacts that slide were left further from Coulomb's law than the
   // engine's tolerance. Always zero in an engine that solves the law directly.
   virtual std::uint64_t unsettled_steps() const { return 0; }
+
+  // Saves or restores the state between two steps. A world that is restored steps on to the same bits.
+  virtual void archive(StateArchive& archive) = 0;
 };
 
 }  // namespace koboshi::sim

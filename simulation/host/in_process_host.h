@@ -23,6 +23,11 @@ class InProcessHost final : public sim::ControllerHost {
       : flash_(storage_contents, storage_file), board_(storage_, sensor_nodes) {}
 
   void exchange(const hal::BatchInput& input, hal::BatchOutput& output) override;
+  void archive(sim::StateArchive& archive) override {
+    archive.flash(flash_.bytes());
+    archive(storage_);
+    archive.in_place(board_, controller_);
+  }
   const app::ControllerValues& values() const { return controller_.values(); }
 
  private:

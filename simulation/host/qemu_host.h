@@ -36,6 +36,9 @@ class QemuHost final : public sim::ControllerHost {
 
   // Throws FirmwareFault besides what QemuProcess::ask throws. After a fault the core waits for `start`.
   void exchange(const hal::BatchInput& input, hal::BatchOutput& output) override;
+  void archive(sim::StateArchive&) override {
+    throw sim::NotSaveable("firmware inside QEMU has no snapshots: use --controller in-process");
+  }
   // Starts the firmware on what is in storage. The constructor has done so.
   void start() { ask(cortex_m::wire::Kind::kStart, 0); }
 

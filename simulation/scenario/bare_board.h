@@ -24,6 +24,7 @@ class BareBoard {
   // In place of the firmware.
   class NoController final : public sim::ControllerHost {
     void exchange(const hal::BatchInput&, hal::BatchOutput& output) override;
+    void archive(sim::StateArchive&) override {}
   };
 
   const sim::Scenario scenario_;

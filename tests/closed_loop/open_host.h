@@ -22,6 +22,10 @@ class OpenHost final : public sim::ControllerHost {
     if (input.tick) controller_.tick(input.now_us);
     output = board_.end();
   }
+  void archive(sim::StateArchive& archive) override {
+    archive(storage_);
+    archive.in_place(board_, controller_);
+  }
   const app::Controller& controller() const { return controller_; }
 
  private:

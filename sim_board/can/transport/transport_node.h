@@ -33,7 +33,9 @@ class TransportNode final : private BusNode {
   TransportNode(Bus& bus, Transport& transport)
       : bus_(bus),
         transport_(transport),
-        handle_(bus.attach(*this, AcceptanceFilter::all(), {kTransmitFifo, kServiceFifo, kServiceFifo})) {}
+        handle_(bus.attach(*this, AcceptanceFilter::all(), {kTransmitFifo, kServiceFifo, kServiceFifo})) {
+    bus.bridge(handle_);
+  }
   TransportNode(const TransportNode&) = delete;
   TransportNode& operator=(const TransportNode&) = delete;
 

@@ -29,6 +29,7 @@ class MujocoWorld final : public World {
   std::span<const Contact> contacts() const override { return contacts_; }
   std::uint64_t solver_warnings() const override { return earlier_warnings_ + scene_->warnings(); }
   std::uint64_t unsettled_steps() const override { return earlier_unsettled_ + scene_->unsettled_steps(); }
+  void archive(StateArchive& archive) override;
 
  private:
   static std::size_t at(int number) { return static_cast<std::size_t>(number); }
@@ -116,6 +117,14 @@ void MujocoWorld::read_solution() {
 
 JointState MujocoWorld::joint(int joint) const {
   return {scene_->position_rad(joint), scene_->speed_rad_per_s(joint), servo_Nm_.at(at(joint))};
+}
+
+void MujocoWorld::archive(StateArchive& archive) {
+  const bool was_held = held_;
+  archive(held_);
+  // The other model is compiled again, which takes some milliseconds.
+  if (held_ != was_held) scene_.emplace(robot_, pairs_, options_, held_ ? Base::kFixed : Base::kFree);
+  archive(scene_, steps_, earlier_warnings_, earlier_unsettled_, servos_, servo_Nm_, wrenches_, contacts_);
 }
 
 void MujocoWorld::check_inputs() const {

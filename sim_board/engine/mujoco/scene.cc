@@ -63,6 +63,7 @@ void Scene::find_numbers(const RobotDescription& robot) {
         {joint, model_->jnt_qposadr[joint], model_->jnt_dofadr[joint], body_of(robot.joints[j].child)});
   }
   sliding_Nm_.resize(numbers_.size());
+  integrated_.resize(index(model_->nq));
   lift_m_per_s_.resize(index(model_->nconmax));
   slip_m_per_s_.resize(index(model_->nconmax));
   row_acceleration_.resize(index(model_->njmax));
@@ -224,9 +225,25 @@ void Scene::move() {
 }
 
 void Scene::update_poses() {
+  std::copy_n(data_->qpos, model_->nq, integrated_.begin());
   mj_kinematics(model_.get(), data_.get());
   mj_comPos(model_.get(), data_.get());
   mj_comVel(model_.get(), data_.get());
+}
+
+void Scene::archive(StateArchive& archive) {
+  const auto numbers = [](mjtNum* first, int count) {
+    return std::as_writable_bytes(std::span(first, index(count)));
+  };
+  archive(integrated_);
+  archive.bytes(numbers(data_->qvel, model_->nv));
+  archive.bytes(numbers(data_->qacc_warmstart, model_->nv));
+  archive.bytes(numbers(data_->xfrc_applied, 6 * model_->nbody));
+  archive.bytes(std::as_writable_bytes(std::span(data_->warning)));
+  archive(data_->time, unconverged_, unsettled_);
+  if (archive.writes()) return;
+  std::ranges::copy(integrated_, data_->qpos);
+  update_poses();
 }
 
 BodyState Scene::body(int link) const {

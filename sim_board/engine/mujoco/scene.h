@@ -10,6 +10,7 @@
 #include "sim_board/engine/mujoco/lift_iteration.h"
 #include "sim_board/engine/mujoco/model_text.h"
 #include "sim_board/robot/description.h"
+#include "sim_board/state/archive.h"
 #include "sim_board/world/link_tree.h"
 #include "sim_board/world/options.h"
 #include "sim_board/world/world.h"
@@ -59,6 +60,9 @@ class Scene {
   // World::unsettled_steps, since the scene was made.
   std::uint64_t unsettled_steps() const { return unsettled_; }
 
+  // Between move() and the next set_servo(). All else in MuJoCo's data follows from it.
+  void archive(StateArchive& archive);
+
  private:
   struct JointNumbers {
     int joint;
@@ -81,6 +85,9 @@ class Scene {
   std::vector<int> bodies_;            // by link
   std::vector<JointNumbers> numbers_;  // by joint
   std::vector<double> sliding_Nm_;     // by joint: friction that is no row
+  // The positions from which the poses were computed. MuJoCo then makes the base's quaternion a unit one in
+  // place, and doing that twice changes its last bits.
+  std::vector<double> integrated_;
   std::vector<int> links_;             // by geom; -1: the ground
   std::vector<TouchingPair> bouncing_;
   std::vector<int> bouncing_of_geoms_;  // by one geom times their number plus the other; -1: does not bounce

@@ -10,6 +10,7 @@
 #include "sim_board/engine/ode/height_field_contact.h"
 #include "sim_board/engine/ode/library.h"
 #include "sim_board/robot/description.h"
+#include "sim_board/state/archive.h"
 #include "sim_board/world/link_tree.h"
 #include "sim_board/world/options.h"
 #include "sim_board/world/world.h"
@@ -40,6 +41,9 @@ class Collider {
   std::span<const Touch> touches() const { return touches_; }
   // Where others than the contact joints held: what the links feel at the contacts from `first` on.
   void set_forces(std::size_t first, std::span<const Eigen::Vector3d> forces_W);
+
+  // The contacts of the last step. Their joints are made anew in each step.
+  void archive(StateArchive& archive) { archive(contacts_); }
 
  private:
   // How two shapes meet.

@@ -13,6 +13,7 @@
 #include "sim_board/engine/ode/library.h"
 #include "sim_board/engine/ode/servo_motor.h"
 #include "sim_board/robot/description.h"
+#include "sim_board/state/archive.h"
 #include "sim_board/world/world.h"
 
 namespace koboshi::sim {
@@ -50,6 +51,8 @@ class JointChain {
   Wrench wrench(std::size_t i, const Eigen::Vector3d& gravity_W_m_per_s2) const;
   // The link behind hinge i, which is not the last.
   BodyState link_between(std::size_t i) const;
+
+  void archive(StateArchive& archive) { archive(*feedback_, motors_, p_AnchorParentCom_W_, before_); }
 
  private:
   using Vectors = std::array<Eigen::Vector3d, kMostHinges>;

@@ -51,6 +51,7 @@ class OdeWorld final : public World {
   Wrench joint_wrench(int joint) const override;
   std::span<const Contact> contacts() const override { return collider_->contacts(); }
   std::uint64_t solver_warnings() const override { return solver_warnings_; }
+  void archive(StateArchive& archive) override;
 
  private:
   struct Place {
@@ -198,6 +199,21 @@ BodyState OdeWorld::body(int link) const {
 Wrench OdeWorld::joint_wrench(int joint) const {
   if (steps_ == 0) return {};
   return chain_of(joint).wrench(at(places_, joint).hinge, options_.gravity_W_m_per_s2);
+}
+
+// ODE's joints carry nothing from one step to the next: their parameters are written before each solution,
+// and it starts from no former one.
+void OdeWorld::archive(StateArchive& archive) {
+  bool held = dBodyIsKinematic(bodies_->of(0)) != 0;
+  if (archive.writes()) saved_.save(bodies_->all());
+  archive(steps_, solver_warnings_, quick_seed_, held, saved_, chains_, collider_, soles_);
+  if (archive.writes()) return;
+  if (held) {
+    dBodySetKinematic(bodies_->of(0));
+  } else {
+    release_base();
+  }
+  saved_.restore(bodies_->all());
 }
 
 void OdeWorld::check_inputs() const {

@@ -10,6 +10,13 @@ void copy(const dReal* from, std::array<dReal, kSize>& to) {
   std::copy_n(from, kSize, to.begin());
 }
 
+// ODE's functions that set a quaternion or a rotation make it a unit one again and compute the other from it,
+// which changes its last bits. Their arrays are members of a body, which is no constant: they may be written.
+template <std::size_t kSize>
+void write(const std::array<dReal, kSize>& from, const dReal* to) {
+  std::ranges::copy(from, const_cast<dReal*>(to));
+}
+
 }  // namespace
 
 void SavedBodies::save(std::span<const OdeBody> bodies) {
@@ -17,6 +24,7 @@ void SavedBodies::save(std::span<const OdeBody> bodies) {
     const dBodyID body = bodies[i].get();
     copy(dBodyGetPosition(body), bodies_[i].position);
     copy(dBodyGetQuaternion(body), bodies_[i].quaternion);
+    copy(dBodyGetRotation(body), bodies_[i].rotation);
     copy(dBodyGetLinearVel(body), bodies_[i].velocity);
     copy(dBodyGetAngularVel(body), bodies_[i].rate);
     copy(dBodyGetForce(body), bodies_[i].force);
@@ -28,8 +36,10 @@ void SavedBodies::restore(std::span<const OdeBody> bodies) const {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const dBodyID body = bodies[i].get();
     const Saved& saved = bodies_[i];
+    write(saved.quaternion, dBodyGetQuaternion(body));
+    write(saved.rotation, dBodyGetRotation(body));
+    // Tells the body's boxes, too, that it has moved.
     dBodySetPosition(body, saved.position[0], saved.position[1], saved.position[2]);
-    dBodySetQuaternion(body, saved.quaternion.data());
     dBodySetLinearVel(body, saved.velocity[0], saved.velocity[1], saved.velocity[2]);
     dBodySetAngularVel(body, saved.rate[0], saved.rate[1], saved.rate[2]);
     dBodySetForce(body, saved.force[0], saved.force[1], saved.force[2]);

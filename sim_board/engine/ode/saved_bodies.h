@@ -5,21 +5,24 @@
 #include <vector>
 
 #include "sim_board/engine/ode/library.h"
+#include "sim_board/state/archive.h"
 
 namespace koboshi::sim {
 
-// What a step changes in the bodies: state of motion and accumulated forces, to solve the same step again.
+// What a step changes in the bodies: state of motion and accumulated forces. Restored, it has the same bits.
 class SavedBodies {
  public:
   // Room for so many bodies; save and restore need no more memory.
   void resize(std::size_t bodies) { bodies_.resize(bodies); }
   void save(std::span<const OdeBody> bodies);
   void restore(std::span<const OdeBody> bodies) const;
+  void archive(StateArchive& archive) { archive(bodies_); }
 
  private:
   struct Saved {
     std::array<dReal, 3> position;
     std::array<dReal, 4> quaternion;
+    std::array<dReal, 12> rotation;  // of the same turn: ODE's matrix
     std::array<dReal, 3> velocity;
     std::array<dReal, 3> rate;
     std::array<dReal, 3> force;

@@ -7,6 +7,7 @@
 
 #include "sim_board/engine/ode/library.h"
 #include "sim_board/robot/description.h"
+#include "sim_board/state/archive.h"
 #include "sim_board/world/world.h"
 
 namespace koboshi::sim {
@@ -52,6 +53,12 @@ class ServoMotor {
   const JointState& state() const { return state_; }
   // What servo and stop gave the parent in the last step; they exert no force.
   Eigen::Vector3d on_parent_Nm() const;
+
+  // The rows of ODE's motors are written anew in each step.
+  void archive(StateArchive& archive) {
+    archive(*feedbacks_, servo_, state_, friction_, doubted_steps_, direction_, b_W_, drift_rad_per_s_,
+            scale_);
+  }
 
  private:
   struct Feedbacks {

@@ -9,6 +9,7 @@
 #include "sim_board/engine/ode/collider.h"
 #include "sim_board/engine/ode/held_sole.h"
 #include "sim_board/robot/description.h"
+#include "sim_board/state/archive.h"
 
 namespace koboshi::sim {
 
@@ -26,6 +27,11 @@ class Soles {
   void let_go();
   // After the solution is accepted and the collider has read its forces.
   void finish_step(Collider& collider);
+
+  // Only guesses outlast a step: guess() holds each sole anew, or lets it go.
+  void archive(StateArchive& archive) {
+    for (Sole& sole : soles_) archive(sole.stands, sole.resting_steps);
+  }
 
  private:
   struct Sole {

@@ -20,6 +20,7 @@ class ScriptedHost final : public ControllerHost {
     output.drive_enabled = line;
     if (answer) answer(input, output);
   }
+  void archive(StateArchive& archive) override { archive(inputs, kicks, line); }
 
   std::vector<hal::BatchInput> inputs;
   bool kicks = true;

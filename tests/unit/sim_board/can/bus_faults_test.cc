@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "sim_board/can/babbler.h"
 #include "sim_board/can/bus_off_pause.h"
@@ -249,6 +250,44 @@ TEST_F(BusFaultsTest, BabbleWithAnothersIdentifierCollides) {
   }
   EXPECT_GT(bus.usage().collisions, 0u);
   EXPECT_GT(bus.status(from).transmit_error_count, 0);
+}
+
+// With a frame on the wire, one that comes late, and a node that comes back from bus-off.
+TEST_F(BusFaultsTest, GoOnAsBeforeOnABusThatIsRestored) {
+  faults.add({.effect = Effect::kCorrupted, .node = from, .share = 0.3});
+  faults.add({.effect = Effect::kDelayed, .node = to_first, .share = 0.5, .delay_us = 700});
+  faults.add({.effect = Effect::kDoubled, .share = 0.2});
+  Babbler babbler(bus, {.frame = make_frame(0x010, {}), .interval_us = 300, .from_us = 5000});
+  const auto go_on = [&] {
+    first.seen.clear();
+    second.seen.clear();
+    for (int i = 0; i < 40; ++i) {
+      static_cast<void>(
+          bus.queue(from, make_frame(0x190, {static_cast<std::uint8_t>(i)}), bus.now_us() + 50));
+      static_cast<void>(bus.queue(to_second, make_frame(0x190, {200}), bus.now_us() + 50));
+      babbler.advance(bus.now_us() + 217);
+      bus.advance_to(bus.now_us() + 217);
+      bus.recover(from);
+    }
+    return std::tuple(first.seen, second.seen, bus.usage().busy_us, bus.counters(from).sent,
+                      bus.status(from).transmit_error_count);
+  };
+  for (int run = 0; run < 5; ++run) {
+    const SavedState saved = StateArchive::save(bus, faults, babbler);
+    const auto before = go_on();
+    bus.power_off(from);
+    bus.set_dominant(true);
+    bus.advance_to(bus.now_us() + 1'000 + 100 * static_cast<std::uint64_t>(run));
+    StateArchive::restore(saved, bus, faults, babbler);
+    EXPECT_EQ(go_on(), before) << "run " << run;
+  }
+}
+
+TEST_F(BusFaultsTest, CannotBeRestoredWithAnotherNodeOnTheBus) {
+  const SavedState saved = StateArchive::save(bus);
+  test::ListeningNode late;
+  bus.attach(late, {}, 1);
+  EXPECT_THROW(StateArchive::restore(saved, bus), std::logic_error);
 }
 
 }  // namespace

@@ -36,6 +36,7 @@ class StagedWorld final : public sim::World {
   sim::Wrench joint_wrench(int) const override { return {}; }
   std::span<const sim::Contact> contacts() const override { return contacts_; }
   std::uint64_t solver_warnings() const override { return 0; }
+  void archive(sim::StateArchive&) override {}
 
  private:
   sim::LinkTree tree_;
