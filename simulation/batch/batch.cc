@@ -16,11 +16,11 @@ std::unique_ptr<WatchedSimulation> make_world(sim::Scenario scenario, std::uint6
 }  // namespace
 
 Batch::Batch(const sim::Scenario& scenario, std::span<const std::uint64_t> seeds, std::size_t threads)
-    : scenario_(scenario), threads_(threads), worlds_(seeds.size()) {
+    : threads_(threads), worlds_(seeds.size()) {
   if (seeds.empty()) throw std::invalid_argument("found no seed, expected one for each simulation");
   if (threads == 0) throw std::invalid_argument("found 0 threads, expected at least 1");
   for_each_parallel(seeds.size(), threads,
-                    [&](std::size_t world) { worlds_[world] = make_world(scenario_, seeds[world]); });
+                    [&](std::size_t world) { worlds_[world] = make_world(scenario, seeds[world]); });
 }
 
 void Batch::step(std::size_t milliseconds) {
@@ -37,6 +37,6 @@ void Batch::step(std::size_t milliseconds) {
   }
 }
 
-void Batch::reset(std::size_t world, std::uint64_t seed) { worlds_.at(world) = make_world(scenario_, seed); }
+void Batch::reset(std::size_t world, std::uint64_t seed) { worlds_.at(world)->reset(seed); }
 
 }  // namespace koboshi::simulation

@@ -30,7 +30,6 @@ class Batch {
   void reset(std::size_t world, std::uint64_t seed);
 
  private:
-  const sim::Scenario scenario_;
   const std::size_t threads_;
   std::vector<std::unique_ptr<WatchedSimulation>> worlds_;
 };

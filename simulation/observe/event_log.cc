@@ -362,4 +362,11 @@ std::string events_text(std::span<const sim::RunEvent> events) {
   return text;
 }
 
+void EventLog::archive(sim::StateArchive& archive) {
+  archive(events_, left_out_, said_, truth_, now_us_, heard_state_, entered_us_, given_, velocity_,
+          velocity_us_, told_velocity_, sdo_argument_, last_command_, last_text_, refused_, emergencies_,
+          falls_, is_down_, was_upright_, down_us_, down_by_, attempts_, cut_offs_, next_push_, begun_,
+          ended_, released_);
+}
+
 }  // namespace koboshi::simulation

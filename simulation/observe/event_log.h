@@ -54,6 +54,8 @@ class EventLog {
   // The sentence of the latest event that is no command; empty before the first.
   const std::string& last_text() const { return last_text_; }
 
+  void archive(sim::StateArchive& archive);
+
  private:
   struct Fall {
     std::uint64_t at_us;

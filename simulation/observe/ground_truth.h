@@ -48,6 +48,7 @@ class TruthObserver {
 
   // Once a tick, in the order of time.
   const GroundTruth& observe(const sim::World& world, const Telemetry& telemetry);
+  void archive(sim::StateArchive& archive) { archive(anchors_, truth_); }
 
  private:
   struct Anchor {

@@ -39,6 +39,15 @@ RunRecorder::RunRecorder(Simulation& simulation, sim::Recorder* recorder, sim::B
   truth_now_ = &truth_.observe(simulation.board().world(), telemetry_.now());
   row_.reserve(columns(simulation.robot()).size());
   simulation_.board().bus().set_observer(this);
+  simulation_.attach(*this);
+}
+
+// Beside it a row of the trace, which does not outlast a tick.
+void RunRecorder::archive(sim::StateArchive& archive) {
+  if (recorder_ != nullptr)
+    throw sim::NotSaveable(
+        "a simulation that is recorded into files has no snapshots: what is written stays");
+  archive(telemetry_, truth_, events_, walk_, truth_now_, hash_, fell_, base_height_error_m_, foot_slip_m_);
 }
 
 std::vector<sim::TraceColumn> RunRecorder::columns(const sim::RobotDescription& robot) {

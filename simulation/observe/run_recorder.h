@@ -17,12 +17,15 @@ namespace koboshi::simulation {
 
 // Watches a simulation: every frame of its bus, and once a tick the state of firmware and world. Makes of it
 // the state hash, the summary and, if given a recorder, trace.csv and can.log.
-class RunRecorder final : private sim::BusObserver {
+class RunRecorder final : private sim::BusObserver, private Companion {
  public:
   // `recorder` may be null, and so may `listener`, which hears every frame after this has. All must outlive
   // this.
   RunRecorder(Simulation& simulation, sim::Recorder* recorder, sim::BusObserver* listener = nullptr);
-  ~RunRecorder() { simulation_.board().bus().set_observer(nullptr); }
+  ~RunRecorder() {
+    simulation_.board().bus().set_observer(nullptr);
+    simulation_.detach(*this);
+  }
   RunRecorder(const RunRecorder&) = delete;
   RunRecorder& operator=(const RunRecorder&) = delete;
 
@@ -34,6 +37,8 @@ class RunRecorder final : private sim::BusObserver {
   // A tick alone; of a walk, the check of the ankle sensors is missing then.
   void record_tick();
   sim::RunSummary summary() const;
+  // Of all frames, and of the world at each tick, so far.
+  std::uint64_t state_hash() const { return hash_.value(); }
   // Whether the trunk has leaned further than a robot comes back from.
   bool fell() const { return fell_; }
 
@@ -45,6 +50,7 @@ class RunRecorder final : private sim::BusObserver {
 
  private:
   void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) override;
+  void archive(sim::StateArchive& archive) override;
   void hash_state();
   void judge();
   void write_row();

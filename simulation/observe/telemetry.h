@@ -9,6 +9,7 @@
 #include "firmware/robot/model.h"
 #include "hal/port/side.h"
 #include "sim_board/can/observer.h"
+#include "sim_board/state/archive.h"
 
 namespace koboshi::simulation {
 
@@ -57,6 +58,7 @@ class TelemetryReader final : public sim::BusObserver {
 
   void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) override;
   const Telemetry& now() const { return telemetry_; }
+  void archive(sim::StateArchive& archive) { archive(telemetry_); }
 
  private:
   static constexpr std::uint8_t kNoJoint = 0xFF;

@@ -42,6 +42,11 @@ class WalkObserver {
   // Nothing before the walk has begun.
   std::optional<sim::WalkSummary> summary() const;
 
+  void archive(sim::StateArchive& archive) {
+    archive(begun_, walking_, ticks_, planned_, start_W_m_, start_yaw_rad_, now_W_m_, yaw_rad_, drawn_J_,
+            energy_J_, zmp_error_, roll_rad_, margins_m_, lift_m_, lifts_m_, sensor_check_);
+  }
+
  private:
   void begin(const GroundTruth& truth);
   void follow(const GroundTruth& truth);

@@ -5,13 +5,32 @@
 namespace koboshi::simulation {
 
 WatchedSimulation::WatchedSimulation(const sim::Scenario& scenario, const HostFactory& make_host)
-    : simulation_(scenario, make_host), recorder_(simulation_, nullptr, this) {}
+    : simulation_(scenario, make_host) {
+  observe();
+}
+
+void WatchedSimulation::observe() {
+  sim::BusObserver& frames = *this;
+  recorder_.emplace(simulation_, nullptr, &frames);
+}
 
 void WatchedSimulation::step(std::size_t milliseconds) {
   for (std::size_t i = 0; i < milliseconds; ++i) {
     simulation_.advance();
-    recorder_.record();
+    recorder_->record();
   }
+}
+
+void WatchedSimulation::reset(std::uint64_t seed) {
+  recorder_.reset();
+  frames_.clear();
+  simulation_.reset(seed);
+  observe();
+}
+
+void WatchedSimulation::restore(const Snapshot& snapshot) {
+  simulation_.restore(snapshot);
+  frames_.clear();
 }
 
 std::vector<BusFrame> WatchedSimulation::take_frames() { return std::exchange(frames_, {}); }

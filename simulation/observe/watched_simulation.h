@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "sim_board/can/observer.h"
@@ -30,9 +31,15 @@ class WatchedSimulation final : private sim::BusObserver {
   // sim::SdoFailed, and what the host throws.
   void step(std::size_t milliseconds);
 
+  // Begins anew with another seed (Simulation::reset), and observes from there.
+  void reset(std::uint64_t seed);
+  // As of Simulation, with what is observed. Kept frames are not in a snapshot: none remain after `restore`.
+  Snapshot snapshot() { return simulation_.snapshot(); }
+  void restore(const Snapshot& snapshot);
+
   Simulation& simulation() { return simulation_; }
   const Simulation& simulation() const { return simulation_; }
-  const RunRecorder& recorder() const { return recorder_; }
+  const RunRecorder& recorder() const { return *recorder_; }
   std::uint64_t now_us() const { return simulation_.board().now_us(); }
 
   // Frames are kept from now on, or no longer. They are not kept at first.
@@ -41,10 +48,11 @@ class WatchedSimulation final : private sim::BusObserver {
   std::vector<BusFrame> take_frames();
 
  private:
+  void observe();
   void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) override;
 
   Simulation simulation_;
-  RunRecorder recorder_;
+  std::optional<RunRecorder> recorder_;
   bool keeps_frames_ = false;
   std::vector<BusFrame> frames_;
 };

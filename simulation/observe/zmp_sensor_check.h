@@ -28,6 +28,7 @@ class ZmpSensorCheck {
   void observe(const sim::SimBoard& board);
   // Of the distance between the two; not a number when no foot was loaded.
   double rms_m() const { return error_.value(); }
+  void archive(sim::StateArchive& archive) { archive(sensors_, error_); }
 
  private:
   const sim::RobotDescription& robot_;

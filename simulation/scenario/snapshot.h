@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "sim_board/state/archive.h"
+
+namespace koboshi::simulation {
+
+// An observer that goes back in time with the simulation that it observes (Simulation::attach).
+class Companion {
+ public:
+  // Saves or restores its state between two milliseconds. Throws sim::NotSaveable where that is impossible.
+  virtual void archive(sim::StateArchive& archive) = 0;
+
+ protected:
+  ~Companion() = default;
+};
+
+// The state of a Simulation at one instant: firmware with flash, bus, drives, sensors, world, scenario player
+// and companions. It owns its memory, 160 KiB for Koboshi, and may outlive the Simulation.
+class Snapshot {
+ public:
+  std::uint64_t time_us() const { return time_us_; }
+  std::size_t size_bytes() const { return state_.size_bytes(); }
+
+ private:
+  friend class Simulation;
+  // Identifies one run of one Simulation, by its address.
+  struct Run {};
+
+  Snapshot() = default;
+
+  std::shared_ptr<const Run> run_;
+  std::vector<const Companion*> companions_;
+  std::uint64_t time_us_ = 0;
+  sim::SavedState state_;
+};
+
+}  // namespace koboshi::simulation
