@@ -133,23 +133,30 @@ class PySimulation {
  public:
   PySimulation(const std::filesystem::path& scenario, const std::optional<std::uint64_t>& seed,
                const std::optional<std::string>& stepper, const py::dict& set, bool frames)
-      : scenario_(read(scenario, seed, stepper, set)), keeps_frames_(frames) {
-    start();
+      : keeps_frames_(frames), world_(read(scenario, seed, stepper, set)) {
+    world_.keep_frames(frames);
   }
 
   void step(std::size_t milliseconds) {
     const Exclusive exclusive(busy_);
-    step_unlocked(milliseconds, [this](std::size_t n) { world_->step(n); });
+    step_unlocked(milliseconds, [this](std::size_t n) { world_.step(n); });
   }
   void reset(const std::optional<std::uint64_t>& seed) {
     const Exclusive exclusive(busy_);
-    if (seed) scenario_.seed = *seed;
-    start();
+    world_.reset(seed.value_or(world_.simulation().scenario().seed));
+  }
+  Snapshot snapshot() {
+    const Exclusive exclusive(busy_);
+    return world_.snapshot();
+  }
+  void restore(const Snapshot& snapshot) {
+    const Exclusive exclusive(busy_);
+    world_.restore(snapshot);
   }
   // For everything but stepping. Throws while another thread steps.
   WatchedSimulation& idle() {
     const Exclusive exclusive(busy_);
-    return *world_;
+    return world_;
   }
   py::array frames() {
     if (!keeps_frames_)
@@ -158,14 +165,8 @@ class PySimulation {
   }
 
  private:
-  void start() {
-    world_ = std::make_unique<WatchedSimulation>(scenario_);
-    world_->keep_frames(keeps_frames_);
-  }
-
-  sim::Scenario scenario_;
   const bool keeps_frames_;
-  std::unique_ptr<WatchedSimulation> world_;
+  WatchedSimulation world_;
   std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
 };
 
@@ -209,6 +210,10 @@ class PyBatch {
 
 void define_simulation(py::module_& module, const ObservationTypes& types) {
   using namespace py::literals;
+  py::class_<Snapshot>(module, "Snapshot", "The state of a Simulation at one instant (Simulation.snapshot).")
+      .def_property_readonly(
+          "time_s", [](const Snapshot& self) { return 1e-6 * static_cast<double>(self.time_us()); },
+          "Simulated time at which it was taken.");
   py::class_<PySimulation>(module, "Simulation", R"(A robot with its firmware and board in a scenario.
 
     sim = koboshi.Simulation("scenarios/go.yaml", seed=1, stepper="lumped")
@@ -237,6 +242,18 @@ finite, and SdoFailed when the controller refused a value of write().)")
       .def(
           "reset", &PySimulation::reset, "seed"_a = py::none(),
           "Begins anew at time zero, with this seed or the one before. Nothing of what was done to it stays.")
+      .def("snapshot", &PySimulation::snapshot,
+           "The whole state of this moment, for restore(): firmware, bus, drives, sensors, world, observers.")
+      .def("restore", &PySimulation::restore, "snapshot"_a,
+           R"(Goes back, or forth, to a snapshot of this simulation; it then goes on to the same bits.
+
+    standing = sim.snapshot()
+    for force_N in range(5, 50, 5):
+        sim.restore(standing)
+        sim.push([force_N, 0, 0], 0.1)
+        sim.step(2000)
+
+Raises RuntimeError for a snapshot of another simulation, or from before a reset().)")
       .def(
           "command",
           [](PySimulation& self, const std::string& verb, const py::object& value, const py::kwargs& fields) {

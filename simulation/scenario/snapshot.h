@@ -20,7 +20,7 @@ class Companion {
 };
 
 // The state of a Simulation at one instant: firmware with flash, bus, drives, sensors, world, scenario player
-// and companions. It owns its memory, 160 KiB for Koboshi, and may outlive the Simulation.
+// and companions. It owns its memory, 360 KiB for Koboshi, and may outlive the Simulation.
 class Snapshot {
  public:
   std::uint64_t time_us() const { return time_us_; }

@@ -14,3 +14,10 @@ sim.step(3000)
 for frame in sim.frames()[:3]:
     print(f"{frame['time_us']:9d} us  {frame['identifier']:03X}  {bytes(frame['data'][:frame['size']]).hex(' ')}")
 print(sim.verdict)
+
+walking = sim.snapshot()
+for force_N in (5, 10, 20):
+    sim.restore(walking)
+    sim.push([0, force_N, 0], duration_s=0.1)
+    sim.step(1000)
+    print(f"{force_N} N: {sim.verdict}")

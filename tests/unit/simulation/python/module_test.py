@@ -85,6 +85,26 @@ class Simulation(unittest.TestCase):
         sim.step(50)
         self.assertNotEqual(sim.state_hash, first)
 
+    def test_a_snapshot_brings_back_the_same_future(self):
+        sim = go(seed=1)
+        sim.step(30)
+        snapshot = sim.snapshot()
+        self.assertAlmostEqual(snapshot.time_s, 0.03)
+        sim.step(40)
+        first = sim.state_hash
+        for force_N in (5, -5):
+            sim.restore(snapshot)
+            sim.push([force_N, 0, 0], 0.01)
+            sim.step(40)
+            self.assertNotEqual(sim.state_hash, first)
+        sim.restore(snapshot)
+        self.assertAlmostEqual(sim.time_s, 0.03)
+        sim.step(40)
+        self.assertEqual(sim.state_hash, first)
+        sim.reset()
+        with self.assertRaisesRegex(RuntimeError, "another simulation"):
+            sim.restore(snapshot)
+
     def test_a_push_moves_the_robot(self):
         sim = go()
         sim.step(10)
