@@ -94,7 +94,7 @@ class Simulation(unittest.TestCase):
         first = sim.state_hash
         for force_N in (5, -5):
             sim.restore(snapshot)
-            sim.push([force_N, 0, 0], 0.01)
+            sim.push([force_N, 0, 0], 0.01, link=sim.link_names[-1])  # the trunk is still held
             sim.step(40)
             self.assertNotEqual(sim.state_hash, first)
         sim.restore(snapshot)
