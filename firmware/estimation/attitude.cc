@@ -36,9 +36,9 @@ bool is_near_one(const Direction& force) {
 
 // Returns force / g; saturates at 2.
 Direction in_g(const AttitudeEstimator::Acceleration& force_B) {
-  return {fixed::product<Ratio>(force_B.x, fixed::kInverseRoundedGravity),
-          fixed::product<Ratio>(force_B.y, fixed::kInverseRoundedGravity),
-          fixed::product<Ratio>(force_B.z, fixed::kInverseRoundedGravity)};
+  return {fixed::product<Ratio>(force_B.x, fixed::kInverseGravity),
+          fixed::product<Ratio>(force_B.y, fixed::kInverseGravity),
+          fixed::product<Ratio>(force_B.z, fixed::kInverseGravity)};
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ FootSensor::FootSensor(const robot::RobotModel& model, hal::Side side)
   if (model.joint_count == 0) return;
   const robot::Foot& geometry = model.feet[side];
   const robot::Joint& foot = model.joints[model.leg(side)[robot::kLegJoints - 1]];
-  weight_ = fixed::product<Force>(foot.mass, fixed::kRoundedGravity);
+  weight_ = fixed::product<Force>(foot.mass, fixed::kGravity);
   // The foot's frame lies in the ankle, over the sole frame's origin.
   weight_x_ = fixed::product<Torque>(foot.centre_of_mass.y - geometry.sensor.y, weight_);
   weight_y_ = -fixed::product<Torque>(foot.centre_of_mass.x - geometry.sensor.x, weight_);

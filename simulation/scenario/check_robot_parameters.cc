@@ -15,6 +15,7 @@
 #include "firmware/walk/body.h"
 #include "sim_board/input/error.h"
 #include "sim_board/input/user_units.h"
+#include "sim_board/world/gravity.h"
 #include "simulation/scenario/controller_parameters.h"
 #include "simulation/scenario/parameters.h"
 #include "simulation/scenario/robot_parameters.h"
@@ -25,7 +26,6 @@ namespace {
 using canopen::ObjectAddress;
 using fixed::to_double;
 
-constexpr double kNewtonsPerKilogram = 9.81;
 constexpr double kMetresPerCount = 1e-4;                         // of lengths in the walk's objects
 constexpr double kRadPerCount = 2.0 * std::numbers::pi / 65536;  // of angles
 constexpr double kDown_rad =
@@ -211,7 +211,7 @@ class RobotParameterCheck {
   void check_touchdown() const {
     double mass_kg = to_double(model_.base_mass);
     for (std::size_t i = 0; i < model_.joint_count; ++i) mass_kg += to_double(model_.joints[i].mass);
-    const double weight_N = mass_kg * kNewtonsPerKilogram;
+    const double weight_N = mass_kg * sim::kGravity_m_per_s2;
     if (0.01 * values_.walk.reaction.touchdown_load_cN <= weight_N) return;
     throw error({kReactions, 5}, fmt::format("at most {:.3g} N, the weight of the robot", weight_N),
                 "the weight of the robot");

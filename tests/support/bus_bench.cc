@@ -46,7 +46,7 @@ void BusBench::Unit::on_frame(const hal::CanFrame& frame, std::uint64_t) {
 
 void BusBench::Unit::feed_sensors() {
   hal::ImuSample upright;
-  upright.accelerometer_raw[2] = static_cast<std::int16_t>(9.81 / 39.2 * 32768);
+  upright.accelerometer_raw[2] = static_cast<std::int16_t>(9.80665 / 39.2 * 32768);
   static_cast<void>(input_.imu.push(upright));
   input_.ankle_fresh = {true, true};
 }

@@ -86,7 +86,7 @@ TEST_F(ControllerCalibration, AttitudeIsRightOnceTheMountingIsKnown) {
   bench.run_ms(3'000);
   EXPECT_NEAR(bench.values().attitude.roll, 0, 10);
   EXPECT_NEAR(bench.values().attitude.pitch, 0, 10);
-  EXPECT_NEAR(bench.values().attitude.acceleration[2], 9.81 * 256, 5);
+  EXPECT_NEAR(bench.values().attitude.acceleration[2], 9.80665 * 256, 5);
 }
 
 TEST_F(ControllerCalibration, RatesTurnWithTheMounting) {

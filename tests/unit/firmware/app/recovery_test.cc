@@ -21,7 +21,7 @@ using test::kCountsPerRadPerS;
 using test::kRadPerDegree;
 using test::SdoPc;
 
-constexpr double kCountsPerG = 9.81 / 39.2 * 32'768;
+constexpr double kCountsPerG = 9.80665 / 39.2 * 32'768;
 constexpr std::uint8_t kFirstMotion = 8;
 constexpr ExpectedAttitude kUprightAttitude{.up_B = {0, 0, 127}, .min_cosine = 28'378};  // within 30 degrees
 

@@ -32,7 +32,7 @@ class BehaviourStage : public testing::Test {
     robot.inertial_age_us = 0;
     robot.ankle_age_us = {0, 0};
     robot.gyro_known = true;
-    robot.accelerations_B.z = fixed::from_double<fixed::Acceleration>(9.81);
+    robot.accelerations_B.z = fixed::from_double<fixed::Acceleration>(9.80665);
     drives.limp = true;
     conditions.disabled = true;
     conditions.supply_mV.fill(7'400);

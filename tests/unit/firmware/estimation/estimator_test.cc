@@ -30,7 +30,7 @@ class EstimatorTest : public testing::Test {
     return estimator.state();
   }
   static hal::ImuSample at_rest(double pitch_rad = 0.0) {
-    const double counts_per_g = 9.81 / 39.2 * 32768;
+    const double counts_per_g = 9.80665 / 39.2 * 32768;
     return {
         .accelerometer_raw = {static_cast<std::int16_t>(std::lround(-std::sin(pitch_rad) * counts_per_g)), 0,
                               static_cast<std::int16_t>(std::lround(std::cos(pitch_rad) * counts_per_g))}};

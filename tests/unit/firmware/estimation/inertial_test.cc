@@ -42,13 +42,13 @@ TEST(InertialLowPass, IsTwentyHertzAtFiveHundredMeansASecond) {
 TEST_F(InertialSensorTest, ScalesByTheModel) {
   settle({.gyro_raw = {gyro_counts(1.0), gyro_counts(-2.0), gyro_counts(3.0)},
           .accelerometer_raw = {accelerometer_counts(1.0), accelerometer_counts(-2.0),
-                                accelerometer_counts(9.81)}});
+                                accelerometer_counts(9.80665)}});
   EXPECT_NEAR(to_double(sensor.rates().x), 1.0, 3e-4);  // half a count
   EXPECT_NEAR(to_double(sensor.rates().y), -2.0, 3e-4);
   EXPECT_NEAR(to_double(sensor.rates().z), 3.0, 3e-4);
   EXPECT_NEAR(to_double(sensor.accelerations().x), 1.0, 7e-4);
   EXPECT_NEAR(to_double(sensor.accelerations().y), -2.0, 7e-4);
-  EXPECT_NEAR(to_double(sensor.accelerations().z), 9.81, 7e-4);
+  EXPECT_NEAR(to_double(sensor.accelerations().z), 9.80665, 7e-4);
 }
 
 TEST_F(InertialSensorTest, TurnsIntoTheTrunksAxes) {

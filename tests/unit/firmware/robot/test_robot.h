@@ -15,7 +15,7 @@ namespace koboshi::test {
 inline constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 
 inline constexpr double kTickLength_s = 0.01;  // a control cycle
-inline constexpr double kGravity = 9.81;       // m/s^2, as the estimation has it
+inline constexpr double kGravity = 9.80665;    // m/s^2
 
 inline fixed::Angle degrees(double angle_deg) {
   return fixed::from_double<fixed::Angle>(angle_deg * kRadPerDegree);

@@ -139,7 +139,7 @@ TEST_F(SimBoardTest, DeliversOneInertialSampleEachMillisecondUntilTheUnitStops) 
   std::size_t samples = 0;
   for (const auto& input : host.inputs) samples += input.imu.size;
   EXPECT_NEAR(static_cast<double>(samples), 9.0, 1.0);  // one sample of delay
-  EXPECT_NEAR(host.inputs.back().imu.items[0].accelerometer_raw[2], 9.81 / 39.2 * 32768, 100);
+  EXPECT_NEAR(host.inputs.back().imu.items[0].accelerometer_raw[2], 9.80665 / 39.2 * 32768, 100);
   board->set_imu_running(false);
   run_ms(2);
   host.inputs.clear();

@@ -222,7 +222,7 @@ TEST(DefaultRobot, SinksLittleIntoTheGround) {
   // all of it.
   const double stiffness_N_per_m =
       sole.error_reduction / (sole.reference_step_s * sole.constraint_force_mixing);
-  EXPECT_LT(1.2 * 9.81 / stiffness_N_per_m, 0.0001);
+  EXPECT_LT(1.2 * 9.80665 / stiffness_N_per_m, 0.0001);
 }
 
 TEST(DefaultRobot, CarriesItsSensors) {
