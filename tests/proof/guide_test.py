@@ -2,7 +2,8 @@
 
 A block of ```console is run from the repository's root: each line that begins with "$ " is a command, a trailing backslash
 continues it, other lines are output and not compared. ```console not-run is only read. A block of ```cpp PATH or ```python PATH
-must stand in that file word for word; a block of ```python without a path is only read. build/release stands for the build folder that this test belongs to, and runs/ for a temporary one.
+must stand in that file word for word; a block of ```python without a path is only read. build/release stands for the build folder
+that this test belongs to, and runs/ for a temporary one.
 """
 
 import pathlib
