@@ -49,16 +49,11 @@ std::optional<GaitChoice> read_gait(const YamlMap& root, const fs::path& folder)
   return gait;
 }
 
-// The names by which commands play them, in the order of the controller's numbers.
-std::vector<std::string> motion_names(const Scenario& scenario, const YamlMap& root) {
-  std::vector<std::string> names;
-  for (const MotionChoice& motion : scenario.motions) names.push_back(motion.name());
-  if (!scenario.gait) return names;
-  if (std::ranges::find(names, kGaitMotion) != names.end()) {
+void check_motion_names(const Scenario& scenario, const YamlMap& root) {
+  if (!scenario.gait) return;
+  if (std::ranges::find(scenario.motions, kGaitMotion, &MotionChoice::name) != scenario.motions.end()) {
     throw root.error_at("gait", std::string("a gait beside a motion named ") + kGaitMotion, "one of the two");
   }
-  names.emplace_back(kGaitMotion);
-  return names;
 }
 
 // true, false, or a factor.
@@ -204,7 +199,8 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
     add_parameters_of_file(*scenario.parameter_file, scenario.parameters);
   }
   add_parameters(root, scenario.parameters);
-  scenario.commands = read_commands(root, motion_names(scenario, root));
+  check_motion_names(scenario, root);
+  scenario.commands = read_commands(root, motion_names(scenario));
   scenario.pushes = read_pushes(root);
   scenario.faults = read_faults(root);
   yaml.finish();

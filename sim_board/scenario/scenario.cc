@@ -136,10 +136,19 @@ std::vector<std::filesystem::path> input_files(const Scenario& scenario) {
   return files;
 }
 
+void check(const Push& push, const RobotDescription& robot) { find_named(robot.links, push.link, "link"); }
+
+std::vector<std::string> motion_names(const Scenario& scenario) {
+  std::vector<std::string> names;
+  for (const MotionChoice& motion : scenario.motions) names.push_back(motion.name());
+  if (scenario.gait) names.emplace_back(kGaitMotion);
+  return names;
+}
+
 void check(const Scenario& scenario, const RobotDescription& robot) {
   std::set<int> set_before;
   for (const InitialJoint& joint : scenario.initial.joints) check_initial(joint, robot, set_before);
-  for (const Push& push : scenario.pushes) find_named(robot.links, push.link, "link");
+  for (const Push& push : scenario.pushes) check(push, robot);
   for (const Fault& fault : scenario.faults) check_fault(fault, robot);
   check_materials(scenario, robot);
   const SourcedName& parameters_of = scenario.robot_parameters.robot;

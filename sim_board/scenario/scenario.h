@@ -225,5 +225,9 @@ std::vector<std::filesystem::path> input_files(const Scenario& scenario);
 // neither robot nor ground is of, at an initial joint position beyond the joint's limits, and at parameters
 // of another robot.
 void check(const Scenario& scenario, const RobotDescription& robot);
+// The same for one push.
+void check(const Push& push, const RobotDescription& robot);
+// The names by which commands play its motions, in the order of the controller's numbers; a gait comes last.
+std::vector<std::string> motion_names(const Scenario& scenario);
 
 }  // namespace koboshi::sim

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <utility>
-#include <vector>
 
 #include "sim_board/input/error.h"
 #include "sim_board/input/yaml_reader.h"
@@ -21,18 +20,11 @@ sim::YamlFile document_of(const std::string& list, const std::string& text) {
   return {list, std::move(root)};
 }
 
-std::vector<std::string> motion_names(const sim::Scenario& scenario) {
-  std::vector<std::string> names;
-  for (const sim::MotionChoice& motion : scenario.motions) names.push_back(motion.name());
-  if (scenario.gait) names.emplace_back(sim::kGaitMotion);
-  return names;
-}
-
 }  // namespace
 
 void command(Simulation& simulation, const std::string& text) {
   const sim::YamlFile document = document_of("commands", text);
-  const auto commands = sim::read_commands(document.root(), motion_names(simulation.scenario()));
+  const auto commands = sim::read_commands(document.root(), sim::motion_names(simulation.scenario()));
   document.finish();
   for (const sim::Command& command : commands) simulation.command(command);
 }
@@ -42,12 +34,7 @@ void push(Simulation& simulation, const std::string& text) {
   const auto pushes = sim::read_pushes(document.root());
   document.finish();
   for (const sim::Push& push : pushes) {
-    if (!simulation.robot().find_link(push.link.text)) {
-      std::vector<std::string> links;
-      for (const sim::LinkDescription& link : simulation.robot().links) links.push_back(link.name);
-      throw sim::InputError("pushes", 0, "the unknown link " + sim::one_line(push.link.text),
-                            sim::expected_names(push.link.text, links));
-    }
+    sim::check(push, simulation.robot());
     simulation.push(push);
   }
 }
