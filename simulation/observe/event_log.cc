@@ -19,6 +19,8 @@ using behaviour::State;
 // The controller takes a frame within a millisecond, and the telemetry of a tick is on the bus 2.6 to 3 ms
 // after it (docs/design/timing.md).
 constexpr std::uint64_t kAnswer_us = 4'000;
+// No telemetry that ends sooner than this after a command can report its outcome.
+constexpr std::uint64_t kEarliestAnswer_us = 2'000;
 // Emergency messages with the same code that follow each other within this time are one event: twenty drives
 // that miss the same heartbeat.
 constexpr std::uint64_t kSameEmergency_us = 100'000;
@@ -104,15 +106,18 @@ void EventLog::hear_command(Command command, std::int16_t argument, std::uint64_
   given_.push_back(given);
 }
 
-// The telemetry tells the outcome of the last command only.
+// The telemetry reports the outcome of the last command that came before its tick. An earlier command of the
+// same cycle has no outcome that could be known.
 void EventLog::judge_commands(std::uint64_t time_us, const Telemetry& said) {
-  const auto ready = [&](const GivenCommand& given) { return time_us >= given.time_us + kAnswer_us; };
-  const auto last = std::ranges::find_if_not(given_, ready);
-  for (auto given = given_.begin(); given != last; ++given) judge(*given, said);
-  given_.erase(given_.begin(), last);
+  const auto is_answered = [&](const GivenCommand& given) { return time_us >= given.time_us + kAnswer_us; };
+  while (!given_.empty() && is_answered(given_.front())) {
+    const bool is_followed = given_.size() > 1 && time_us >= given_[1].time_us + kEarliestAnswer_us;
+    judge(given_.front(), is_followed ? std::nullopt : std::optional(said.refusal));
+    given_.erase(given_.begin());
+  }
 }
 
-void EventLog::judge(const GivenCommand& given, const Telemetry& said) {
+void EventLog::judge(const GivenCommand& given, std::optional<behaviour::Reason> refusal) {
   const std::string verb(canopen::name_of(app::kCommandNames, static_cast<std::int64_t>(given.command)));
   nlohmann::ordered_json fields{{"command", verb}};
   std::string text = verb.empty() ? fmt::format("{}", static_cast<int>(given.command)) : verb;
@@ -124,14 +129,15 @@ void EventLog::judge(const GivenCommand& given, const Telemetry& said) {
     text += ", " + velocity_text(*given.velocity);
     fields.update(velocity_json(*given.velocity));
   }
-  const bool is_refused = said.refusal != behaviour::Reason::kNone;
-  fields["outcome"] = is_refused ? "refused" : "obeyed";
-  std::string outcome = "obeyed";
-  if (is_refused) {
+  std::string outcome = refusal ? "obeyed" : "outcome unknown, another command followed at once";
+  if (refusal && *refusal != behaviour::Reason::kNone) {
     ++refused_;
-    outcome = fmt::format("refused, {} ({})", name_of(said.refusal), name_of(given.state));
-    fields["reason"] = name_of(said.refusal);
+    outcome = fmt::format("refused, {} ({})", name_of(*refusal), name_of(given.state));
+    fields["outcome"] = "refused";
+    fields["reason"] = name_of(*refusal);
     fields["state"] = name_of(given.state);
+  } else if (!refusal) {
+    fields["outcome"] = "unknown";
   } else if (given.velocity && clamped(*given.velocity, limits_) != *given.velocity) {
     ++refused_;
     outcome = "obeyed, but its velocity is refused, " + name_of(behaviour::Reason::kVelocityOutOfRange);

@@ -35,7 +35,7 @@ class EventLog {
   // After each tick. The pushes are all that begin until now, and perhaps later ones, in the order of time.
   void observe_tick(std::uint64_t now_us, const Telemetry& said, const GroundTruth& truth,
                     std::span<const sim::Push> pushes);
-  // What only the caller knows.
+  // Adds an event that only the caller knows of.
   void add(std::uint64_t time_us, const std::string& kind, const std::string& text,
            nlohmann::ordered_json fields = nlohmann::ordered_json::object());
 
@@ -47,9 +47,9 @@ class EventLog {
   std::size_t falls() const { return falls_.size(); }
   // Whether the robot is on its feet, by the lean of its trunk and by what the controller says.
   bool stands() const;
-  // What the robot does at the last tick, in the words of the verdict: "stands", "lies, fault: IMU silent".
+  // The robot's posture at the last tick, in the words of the verdict: "stands", "lies, fault: IMU silent".
   std::string posture(bool controller_is_dead = false) const;
-  // What became of the last command: "walk: refused, not in this state (limp)". Empty before the first.
+  // The last command and its outcome: "walk: refused, not in this state (limp)". Empty before the first.
   const std::string& last_command() const { return last_command_; }
   // The sentence of the latest event that is no command; empty before the first.
   const std::string& last_text() const { return last_text_; }
@@ -79,7 +79,8 @@ class EventLog {
   void hear_emergency(const hal::CanFrame& frame, std::uint64_t time_us);
   void judge_commands(std::uint64_t time_us, const Telemetry& said);
   void judge_velocity(std::uint64_t time_us, const Telemetry& said);
-  void judge(const GivenCommand& given, const Telemetry& said);
+  // Without a refusal, the outcome is not known; Reason::kNone means that the command was obeyed.
+  void judge(const GivenCommand& given, std::optional<behaviour::Reason> refusal);
   void follow_state(std::uint64_t time_us, const Telemetry& said);
   void tell_cut_off(std::uint64_t time_us, const Telemetry& said);
   void tell_state(std::uint64_t time_us, const Telemetry& said);

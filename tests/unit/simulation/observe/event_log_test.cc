@@ -128,6 +128,29 @@ TEST_F(EventLogTest, DoesNotTakeTelemetryFromBeforeACommandForItsAnswer) {
   EXPECT_THAT(texts(), Contains("Command stop: obeyed."));
 }
 
+TEST_F(EventLogTest, KnowsTheOutcomeOfTheLastOfSeveralCommandsOnly) {
+  play_until(1.0);
+  hear(0x201, 3, {3, kSquat, 0});
+  hear(0x201, 3, {1, 0, 0});
+  said_.refusal = Reason::kNotInThisState;
+  play_until(1.1);
+  EXPECT_THAT(texts(), ElementsAre("Command play squat: outcome unknown, another command followed at once.",
+                                   "Command enable: refused, not in this state (standing).",
+                                   "End: stands; did not fall; 1 command refused; 0 faults."));
+  EXPECT_EQ(log_.events().front().fields.at("outcome"), "unknown");
+}
+
+TEST_F(EventLogTest, TellsACommandFromOneThatFollowsAfterItsAnswer) {
+  play_until(1.0);
+  hear(0x201, 3, {3, kSquat, 0});
+  log_.on_bus_frame({.identifier = 0x181, .size = 8}, now_us_ + 8'000, said_);
+  now_us_ += 10'000;
+  hear(0x201, 3, {1, 0, 0});
+  said_.refusal = Reason::kNotInThisState;
+  play_until(1.1);
+  EXPECT_THAT(texts(), Contains("Command play squat: obeyed."));
+}
+
 TEST_F(EventLogTest, HearsACommandBySdo) {
   hear(0x601, 8, {0x2B, 0x00, 0x20, 2, kFallFront, 0, 0, 0});
   hear(0x601, 8, {0x2F, 0x00, 0x20, 1, 3, 0, 0, 0});
