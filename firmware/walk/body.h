@@ -14,9 +14,9 @@ struct Stance {
   robot::Position centre_of_mass;
   fixed::Angle yaw;  // of the trunk, which leans forward by `pitch`
   fixed::Angle pitch;
-  std::array<Foothold, 2> soles;           // by Side
-  std::array<fixed::Length, 2> heights{};  // of the soles
-  std::array<fixed::Ratio, 2> load_shares{};
+  hal::BySide<Foothold> soles;
+  hal::BySide<fixed::Length> heights{};  // of the soles
+  hal::BySide<fixed::Ratio> load_shares{};
   Point zmp;
 };
 

@@ -49,8 +49,6 @@ constexpr Ratio kDcmBiasShare = 0.0066667_ratio;
 // Feet that are apart by less in the forward direction are side by side. By hand, 2026-11-22.
 constexpr Length kSideBySide = 0.005_m;
 
-std::size_t index(Side side) { return static_cast<std::size_t>(side); }
-
 Point scaled(Point p, Gain factor) { return {product<Length>(p.x, factor), product<Length>(p.y, factor)}; }
 
 Point interpolated(Point from, Point to, Ratio fraction) {
@@ -96,7 +94,7 @@ void Walker::start(const WalkParameters& parameters, std::span<const Angle> targ
   heading_error_ = Angle();
   support_ = Side::kLeft;
   stance_ = Stance();
-  stance_.soles[index(Side::kRight)].p.y = -gait_.step_width;
+  stance_.soles[Side::kRight].p.y = -gait_.step_width;
   com_ = PendulumState::at_rest(middle());
   stand_on_both(middle());
   ramp_ = targets_;
@@ -156,7 +154,7 @@ void Walker::run_weight_shift() {
   stand_on_both(zmp);
   if (!arrived && tick_ < kMaxShiftTicks) return;
   last_zmp_ = foot;
-  liftoff_ = landing_ = stance_.soles[index(swing_side())];
+  liftoff_ = landing_ = stance_.soles[swing_side()];
   enter(Phase::kStepping);
 }
 
@@ -167,14 +165,14 @@ void Walker::run_stepping(const Velocity& command, const Observation& seen) {
   const Ratio shifted = both ? fixed::elapsed_fraction(tick_, gait_.double_ticks + 1) : kOne;
   stance_.zmp = interpolated(last_zmp_, zmp_under(support_), shifted);
   pendulum_.advance(com_, stance_.zmp);
-  stance_.load_shares[index(support_)] = shifted;
-  stance_.load_shares[index(swing_side())] = kOne - shifted;
+  stance_.load_shares[support_] = shifted;
+  stance_.load_shares[swing_side()] = kOne - shifted;
   if (!both) {
     plan_landing();
     move_swing_foot();
   }
   stance_.pitch = speed_.lean(gait_);
-  stance_.yaw = stance_.soles[index(swing_side())].yaw / 2;
+  stance_.yaw = stance_.soles[swing_side()].yaw / 2;
   pose();
   if (tick_ >= gait_.step_ticks || has_touched_down(seen)) end_step();
 }
@@ -279,7 +277,7 @@ void Walker::move_swing_foot() {
       fixed::elapsed_fraction(tick_ - gait_.double_ticks, gait_.step_ticks - gait_.double_ticks);
   const auto [sine, cosine] = fixed::sin_cos(Angle::from_wide_raw(std::int64_t{phase.raw()} << 2));
   const Ratio progress = phase - product<Ratio>(gait_.swing_profile, product<Ratio>(sine, kTurnsPerRad));
-  const std::size_t swing = index(swing_side());
+  const Side swing = swing_side();
   stance_.soles[swing] = {.p = interpolated(liftoff_.p, landing_.p, progress),
                           .yaw = fixed::interpolate_heading(liftoff_.yaw, landing_.yaw, progress)};
   stance_.heights[swing] = product<Length>(gait_.step_height, kOne - cosine) / 2;
@@ -290,17 +288,17 @@ bool Walker::has_touched_down(const Observation& seen) const {
   if (gait_.touchdown_load == fixed::Force()) return false;
   const Ratio phase =
       fixed::elapsed_fraction(tick_ - gait_.double_ticks, gait_.step_ticks - gait_.double_ticks);
-  return phase > kMinTouchdownPhase && seen.loads[index(swing_side())] > gait_.touchdown_load;
+  return phase > kMinTouchdownPhase && seen.loads[swing_side()] > gait_.touchdown_load;
 }
 
 // Makes the swing foot, where it is now, the support foot: all positions are moved into the frame of its
 // sole. The next step begins there, or, when the robot is to stop and the feet are side by side, the closing
 // step.
 void Walker::end_step() {
-  const Foothold landed = stance_.soles[index(swing_side())];
+  const Foothold landed = stance_.soles[swing_side()];
   const Foothold left_behind{.p = seen_from(landed, Point()), .yaw = -landed.yaw};
-  stance_.soles[index(support_)] = left_behind;
-  stance_.soles[index(swing_side())] = Foothold();
+  stance_.soles[support_] = left_behind;
+  stance_.soles[swing_side()] = Foothold();
   stance_.heights = {};
   stance_.yaw -= landed.yaw;
   last_zmp_ = seen_from(landed, stance_.zmp);
@@ -319,7 +317,7 @@ void Walker::stand_on_both(Point zmp) {
   stance_.load_shares = {share, kOne - share};
   stance_.zmp = zmp;
   stance_.pitch = speed_.lean(gait_);
-  stance_.yaw = stance_.soles[index(swing_side())].yaw / 2;
+  stance_.yaw = stance_.soles[swing_side()].yaw / 2;
   pose();
 }
 
@@ -343,7 +341,7 @@ void Walker::swing_arms() {
 }
 
 Point Walker::zmp_under(Side side) const {
-  const Foothold& sole = stance_.soles[index(side)];
+  const Foothold& sole = stance_.soles[side];
   const Length inward = side == Side::kLeft ? -gait_.zmp_inward : gait_.zmp_inward;
   return sole.p + turned({gait_.zmp_forward, inward}, sole.yaw);
 }

@@ -17,7 +17,7 @@ struct Observation {
   fixed::Angle roll;                        // positive to the right
   fixed::Angle pitch;                       // positive forward
   robot::Vector<fixed::AngularRate> rates;  // in the trunk's axes, free of bias
-  std::array<fixed::Force, 2> loads{};      // of the feet, by Side
+  hal::BySide<fixed::Force> loads{};        // of the feet
 };
 
 // Generates the joint targets of a walk at a commanded velocity, one control cycle of 10 ms at a time.
@@ -108,7 +108,7 @@ class Walker {
 
   const robot::RobotModel& model_;
   Body body_;
-  std::array<Shoulder, 2> shoulders_{};
+  hal::BySide<Shoulder> shoulders_{};
   Gait gait_;
   Pendulum pendulum_;
   Footsteps footsteps_;
