@@ -1,4 +1,4 @@
-#include "tools/cli/bench_command.h"
+#include "tools/cli/commands.h"
 
 #include <fmt/core.h>
 
@@ -41,7 +41,7 @@ void play_bench(BenchArguments arguments) {
 
 }  // namespace
 
-void add_bench_command(CLI::App& program) {
+void add_bench_command(CLI::App& program, Invocation&) {
   auto arguments = std::make_shared<BenchArguments>();
   CLI::App* command = program.add_subcommand("bench", "How fast and how accurate each stepper is");
   command->footer(

@@ -1,4 +1,4 @@
-#include "tools/cli/board_command.h"
+#include "tools/cli/commands.h"
 
 #include <fmt/core.h>
 
@@ -9,8 +9,7 @@
 
 #include "sim_board/scenario/reader.h"
 #include "simulation/scenario/bare_board.h"
-#include "tools/cli/live_arguments.h"
-#include "tools/cli/overrides.h"
+#include "tools/cli/options.h"
 
 namespace koboshi::tools {
 namespace {
@@ -28,7 +27,7 @@ void play_board(const BoardArguments& arguments) {
   simulation::BareBoard bare(sim::read_scenario(arguments.scenario, overrides));
   sim::SimBoard& board = bare.board();
   live.attach(board.bus());
-  tell_where(live);
+  print_bus_address(live);
   while (!bare.finished() && !live.interrupted()) {
     live.before(board.now_us());
     bare.advance();
@@ -37,22 +36,23 @@ void play_board(const BoardArguments& arguments) {
   const sim::BusUsage usage = board.bus().usage();
   fmt::print("{:.2f} s, {} frames, bus load {:.0f} %\n", 1e-6 * static_cast<double>(board.now_us()),
              usage.frames, 100.0 * sim::bus_load({}, usage));
-  tell_troubles(live.report());
+  warn_of_losses(live.report());
 }
 
 }  // namespace
 
-void add_board_command(CLI::App& program) {
+void add_board_command(CLI::App& program, Invocation&) {
   auto arguments = std::make_shared<BoardArguments>();
   CLI::App* command =
-      program.add_subcommand("board", "The simulated robot without controller, for any CANopen master");
+      program.add_subcommand("board", "Simulate the robot without its controller, for any CANopen master");
   command->footer(
-      "Drives (CiA 402) on a CAN bus, on a robot that hangs on a stand; it ends after the scenario's time or "
-      "by\n"
-      "Ctrl-C.\n\n"
-      "Examples:\n"
-      "  koboshi board --can socketcan:vcan0\n"
-      "  koboshi board --can udp:239.74.163.2:43113 --duration 60\n");
+      R"(The robot hangs on a stand; its drives (CiA 402) and sensors are nodes on a CAN bus. The simulation ends after
+the scenario's duration or by Ctrl-C.
+
+Examples:
+  koboshi board --can socketcan:vcan0
+  koboshi board --can udp:239.74.163.2:43113 --duration 60
+)");
   command->add_option("SCENARIO", arguments->scenario,
                       "A scenario without commands, motions and gait (default: scenarios/board.yaml)");
   command->add_option("--duration", arguments->duration, "Simulated seconds");

@@ -1,4 +1,4 @@
-#include "tools/cli/can_command.h"
+#include "tools/cli/commands.h"
 
 #include <fmt/core.h>
 
@@ -14,9 +14,7 @@
 #include "tools/can/frame_text.h"
 #include "tools/can/source.h"
 #include "tools/can/statistics.h"
-#include "tools/cli/can_dump_command.h"
-#include "tools/cli/can_options.h"
-#include "tools/cli/can_sdo_command.h"
+#include "tools/cli/options.h"
 #include "tools/run/interrupt.h"
 #include "tools/run/pacer.h"
 
@@ -33,7 +31,7 @@ void add_send(CLI::App& can) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
       can.add_subcommand("send", fmt::format("Send frames: {}, 000#0110, 123#R", kSampleFrame));
-  command->add_option("FRAME", arguments->frames, "ID#DATA in hexadecimal, as cansend takes it")->required();
+  command->add_option("FRAME", arguments->frames, "ID#DATA in hexadecimal, as for cansend")->required();
   add_can_options(*command, arguments->can);
   command->callback([arguments] {
     std::vector<hal::CanFrame> frames;
@@ -56,7 +54,7 @@ void add_nmt(CLI::App& can) {
       {"reset", NmtCommand::kResetNode},
       {"reset-communication", NmtCommand::kResetCommunication}};
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = can.add_subcommand("nmt", "Command the state of a node or of all");
+  CLI::App* command = can.add_subcommand("nmt", "Change the NMT state of a node, or of all nodes");
   std::vector<std::string> names;
   for (const auto& [name, order] : kOrders) names.push_back(name);
   command
@@ -79,9 +77,10 @@ void add_statistics(CLI::App& can) {
     CanOptions can;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = can.add_subcommand("stats", "Rate, load, and the jitter of SYNC and PDOs");
-  CLI::Option* log = command->add_option("LOG", arguments->log,
-                                         "A log as of candump -L, or the folder of a run; without it, live");
+  CLI::App* command =
+      can.add_subcommand("stats", "Show frame rates, the bus load, and the jitter of SYNC and PDOs");
+  CLI::Option* log = command->add_option(
+      "LOG", arguments->log, "A log of candump -L or the folder of a run (default: the live bus)");
   command->add_option("--duration", arguments->duration_s, "Seconds to listen to a live bus (default: 10)")
       ->check(CLI::Range(0.1, 86400.0))
       ->excludes(log);
@@ -109,9 +108,9 @@ void add_replay(CLI::App& can) {
     CanOptions can;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = can.add_subcommand("replay", "Send a log's frames at their times");
-  command->add_option("LOG", arguments->log, "A log as of candump -L, or the folder of a run")->required();
-  command->add_option("--speed", arguments->speed, "Times as fast as it was (default: 1)")
+  CLI::App* command = can.add_subcommand("replay", "Send the frames of a log with their timing");
+  command->add_option("LOG", arguments->log, "A log of candump -L, or the folder of a run")->required();
+  command->add_option("--speed", arguments->speed, "Speed relative to the log (default: 1)")
       ->check(CLI::Range(0.01, 1000.0));
   add_can_options(*command, arguments->can);
   command->callback([arguments] {
@@ -134,25 +133,27 @@ void add_replay(CLI::App& can) {
 
 }  // namespace
 
-void add_can_command(CLI::App& program) {
+void add_can_command(CLI::App& program, Invocation& invocation) {
   CLI::App* can = program.add_subcommand("can", "Watch a CAN bus and talk to it");
   can->require_subcommand(1);
   can->footer(fmt::format(
-      "Numbers: identifiers, indices, sub-indices and data are hexadecimal, as candump writes them;\n"
-      "nodes and values are decimal. 0x is hexadecimal everywhere; what could be read in both ways\n"
-      "is refused (sub-index 10: 0x10 or 0xA).\n\n"
-      "Examples:\n"
-      "  koboshi can dump runs/walk                        the log of a run, in words\n"
-      "  koboshi can dump --can socketcan:vcan0 --node 16\n"
-      "  koboshi can send {:<32} tells the controller to enable the drives\n"
-      "  koboshi can sdo read 1 1008\n"
-      "  koboshi can nmt start all\n"
-      "  koboshi can stats runs/walk\n"
-      "  koboshi can replay runs/walk/can.log --can udp:239.74.163.2:43113\n",
+      R"(Numbers: identifiers, indices, sub-indices and data are hexadecimal, as candump writes them;
+nodes and values are decimal. The prefix 0x means hexadecimal everywhere; an ambiguous number is
+refused (sub-index 10: write 0x10 or 0xA).
+
+Examples:
+  koboshi can dump runs/walk                        the log of a run, decoded
+  koboshi can dump --can socketcan:vcan0 --node 16
+  koboshi can send {:<32} tells the controller to enable the drives
+  koboshi can sdo read 1 1008
+  koboshi can nmt start all
+  koboshi can stats runs/walk
+  koboshi can replay runs/walk/can.log --can udp:239.74.163.2:43113
+)",
       kSampleFrame));
-  add_can_dump_command(*can);
+  add_can_dump_command(*can, invocation);
   add_send(*can);
-  add_can_sdo_command(*can);
+  add_can_sdo_command(*can, invocation);
   add_nmt(*can);
   add_statistics(*can);
   add_replay(*can);

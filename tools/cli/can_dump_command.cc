@@ -1,4 +1,4 @@
-#include "tools/cli/can_dump_command.h"
+#include "tools/cli/commands.h"
 
 #include <fmt/color.h>
 #include <fmt/core.h>
@@ -16,14 +16,14 @@
 #include "sim_board/scenario/paths.h"
 #include "tools/can/describe.h"
 #include "tools/can/frame_text.h"
-#include "tools/cli/can_options.h"
+#include "tools/cli/options.h"
 #include "tools/dictionary/network.h"
 #include "tools/run/interrupt.h"
 
 namespace koboshi::tools {
 namespace {
 
-constexpr std::uint64_t kPatience_us = 100'000;  // between two looks at Ctrl-C
+constexpr std::uint64_t kPatience_us = 100'000;  // between two checks for Ctrl-C
 constexpr const char* kRobot = "robots/koboshi/robot.sdf";
 
 struct CanDumpArguments {
@@ -43,7 +43,7 @@ const std::map<std::string, FrameKind>& kinds() {
   return names;
 }
 
-// What a person asked for; everything, where nothing was asked.
+// The frames that the options select; all frames without such options.
 class Filter {
  public:
   explicit Filter(const CanDumpArguments& arguments) {
@@ -80,7 +80,7 @@ fmt::color color_of(FrameKind kind) {
   }
 }
 
-// A PDO by the robot's tables of objects: the sender's name for it, and each value with its unit or its name.
+// Decodes a PDO by the robot's object dictionaries: its name, then each value with its unit or its name.
 std::string values_text(const Network& network, const hal::CanFrame& frame) {
   const Message* message = network.find(frame.identifier);
   if (message == nullptr) return {};
@@ -105,7 +105,7 @@ void print(const TimedFrame& timed, const Network& network, bool colored) {
   }
 }
 
-// Of the robot asked for, else of the repository's; without one, there are no names.
+// The network of the robot of --robot, else of the repository's robot; empty if there is none.
 Network network_of(const CanDumpArguments& arguments) {
   const std::filesystem::path robot = arguments.robot.empty()
                                           ? sim::find_referenced(std::filesystem::current_path(), kRobot)
@@ -134,26 +134,28 @@ void dump(const CanDumpArguments& arguments) {
 
 }  // namespace
 
-void add_can_dump_command(CLI::App& can) {
+void add_can_dump_command(CLI::App& can, Invocation&) {
   auto arguments = std::make_shared<CanDumpArguments>();
-  CLI::App* command = can.add_subcommand("dump", "Show frames, with their meaning");
-  CLI::Option* log = command->add_option("LOG", arguments->log,
-                                         "A log as of candump -L, or the folder of a run; without it, live");
-  command->add_option("--node", arguments->nodes, "Only of this node; may be repeated")
+  CLI::App* command = can.add_subcommand("dump", "Show frames and decode them");
+  CLI::Option* log = command->add_option(
+      "LOG", arguments->log, "A log of candump -L or the folder of a run (default: the live bus)");
+  command->add_option("--node", arguments->nodes, "Show only frames of this node; may be repeated")
       ->allow_extra_args(false);
   std::vector<std::string> names;
   for (const auto& [name, kind] : kinds()) names.push_back(name);
   command
-      ->add_option("--kind", arguments->kinds, "Only nmt, sync, emcy, pdo, sdo or heartbeat; may be repeated")
+      ->add_option("--kind", arguments->kinds,
+                   "Show only nmt, sync, emcy, pdo, sdo or heartbeat; may be repeated")
       ->allow_extra_args(false)
       ->check(CLI::IsMember(names));
-  command->add_option("--id", arguments->identifiers, "Only this identifier, in hexadecimal; may be repeated")
+  command
+      ->add_option("--id", arguments->identifiers,
+                   "Show only this identifier, in hexadecimal; may be repeated")
       ->allow_extra_args(false);
   command->add_option(
       "--robot", arguments->robot,
-      "The robot whose PDOs are told by name (default: Koboshi, of the repository of this folder or of the\n"
-      "program)");
-  command->add_option("--count", arguments->count, "End after so many frames");
+      "Robot that names the PDOs (default: Koboshi, from the repository of this folder or of the program)");
+  command->add_option("--count", arguments->count, "Stop after this many frames");
   add_can_options(*command, arguments->can, log);
   command->callback([arguments] { dump(*arguments); });
 }

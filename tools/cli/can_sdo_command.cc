@@ -1,4 +1,4 @@
-#include "tools/cli/can_sdo_command.h"
+#include "tools/cli/commands.h"
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -14,7 +14,7 @@
 #include "sim_board/record/output_file.h"
 #include "tools/can/frame_text.h"
 #include "tools/can/sdo_transfer.h"
-#include "tools/cli/can_options.h"
+#include "tools/cli/options.h"
 
 namespace koboshi::tools {
 namespace {
@@ -29,13 +29,13 @@ struct CanSdoArguments {
   CanOptions can;
 };
 
-// The channel asked for.
+// The first SDO channel of the node, or the second with --second.
 SdoTransfer open_transfer(const CanSdoArguments& arguments, sim::Transport& transport) {
   const std::uint8_t node = parse_node(arguments.node);
   return arguments.second ? second_sdo(transport, node) : SdoTransfer(transport, node);
 }
 
-// 2101:1, 0x2101:0x1 or 1008: all hexadecimal.
+// Parses 2101:1, 0x2101:0x1 or 1008, all hexadecimal.
 canopen::ObjectAddress parse_object(const std::string& text) {
   const std::size_t colon = text.find(':');
   const std::string index = text.substr(0, colon);
@@ -68,7 +68,7 @@ void print_value(const std::vector<std::uint8_t>& data) {
   fmt::print("\n");
 }
 
-// The bytes of a number, two's complement, in as many as asked for.
+// The little-endian bytes of a number, in two's complement.
 std::vector<std::uint8_t> number_bytes(const std::string& text, std::size_t size) {
   const bool negative = text.starts_with('-');
   const std::uint64_t most =
@@ -85,14 +85,14 @@ std::vector<std::uint8_t> value_bytes(const CanSdoArguments& arguments, SdoTrans
   if (arguments.type == "text") return {arguments.value.begin(), arguments.value.end()};
   if (!arguments.type.empty())
     return number_bytes(arguments.value, static_cast<std::size_t>(std::stoi(arguments.type.substr(1)) / 8));
-  const std::size_t size = transfer.read(address).size();  // as many bytes as it has now
+  const std::size_t size = transfer.read(address).size();  // the size that the object has now
   if (size == 0 || size > 4)
     throw std::invalid_argument("found an object of " + std::to_string(size) +
                                 " bytes, expected --type or a download");
   return number_bytes(arguments.value, size);
 }
 
-// On a terminal how far it has come, in a pipe nothing.
+// Prints the progress of a transfer on a terminal, and nothing into a pipe.
 SdoProgress progress_of(const char* what) {
   if (isatty(STDERR_FILENO) == 0) return {};
   return [what](std::size_t done, std::size_t total) {
@@ -121,14 +121,14 @@ CLI::App* add(CLI::App& sdo, const char* name, const char* text,
   command->add_option("NODE", arguments->node, "1 to 127, decimal")->required();
   command->add_option("OBJECT", arguments->object, "Index and sub-index, hexadecimal: 1018:1")->required();
   command->add_flag("--second", arguments->second,
-                    "By the second channel of a drive (0x1201), which leaves the controller's alone");
+                    "Use a drive's second SDO channel (0x1201), and leave the first to the controller");
   add_can_options(*command, arguments->can);
   return command;
 }
 
 }  // namespace
 
-void add_can_sdo_command(CLI::App& can) {
+void add_can_sdo_command(CLI::App& can, Invocation&) {
   CLI::App* sdo = can.add_subcommand("sdo", "Read and write the objects of a node");
   sdo->require_subcommand(1);
   auto arguments = std::make_shared<CanSdoArguments>();
@@ -139,7 +139,7 @@ void add_can_sdo_command(CLI::App& can) {
     print_value(open_transfer(*arguments, *transport).read(address));
   });
 
-  CLI::App* write = add(*sdo, "write", "Give an object a value", arguments);
+  CLI::App* write = add(*sdo, "write", "Write the value of an object", arguments);
   write->add_option("VALUE", arguments->value, "A number, decimal or 0x..., or a text")->required();
   write
       ->add_option("--type", arguments->type,
@@ -152,7 +152,7 @@ void add_can_sdo_command(CLI::App& can) {
     transfer.write(address, value_bytes(*arguments, transfer, address));
   });
 
-  CLI::App* upload = add(*sdo, "upload", "Read a large object into a file, by blocks", arguments);
+  CLI::App* upload = add(*sdo, "upload", "Read a large object into a file, by block transfer", arguments);
   upload->add_option("FILE", arguments->file, "The file for the object's bytes")->required();
   upload->callback([arguments] {
     const auto address = parse_object(arguments->object);
@@ -160,7 +160,8 @@ void add_can_sdo_command(CLI::App& can) {
     write_file(arguments->file, open_transfer(*arguments, *transport).upload(address, progress_of("read")));
   });
 
-  CLI::App* download = add(*sdo, "download", "Write a file into a large object, by blocks", arguments);
+  CLI::App* download =
+      add(*sdo, "download", "Write a file into a large object, by block transfer", arguments);
   download->add_option("FILE", arguments->file, "The file to write into the object")->required();
   download->callback([arguments] {
     const auto address = parse_object(arguments->object);

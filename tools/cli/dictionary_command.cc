@@ -1,4 +1,4 @@
-#include "tools/cli/dictionary_command.h"
+#include "tools/cli/commands.h"
 
 #include <filesystem>
 #include <memory>
@@ -10,8 +10,8 @@
 #include "sim_board/record/output_file.h"
 #include "sim_board/robot/load.h"
 #include "sim_board/scenario/reader.h"
-#include "tools/dictionary/files.h"
 #include "simulation/scenario/parameters.h"
+#include "tools/dictionary/files.h"
 
 namespace koboshi::tools {
 namespace {
@@ -42,15 +42,19 @@ void write_files(const DictionaryArguments& arguments) {
 
 }  // namespace
 
-void add_dictionary_command(CLI::App& program) {
+void add_dictionary_command(CLI::App& program, Invocation&) {
   auto arguments = std::make_shared<DictionaryArguments>();
-  CLI::App* command = program.add_subcommand("dictionary", "The nodes' objects as EDS, DBC and page");
+  CLI::App* command =
+      program.add_subcommand("dictionary", "Write the nodes' object dictionaries as EDS, DBC and page");
   command->require_subcommand(1);
   command->footer(
-      "All of it comes from the tables that the nodes themselves are made of. After a change of one:\n"
-      "  koboshi dictionary write\n"
-      "A test fails while docs/reference/ says anything else.\n");
-  command->add_option("--robot", arguments->robot, "The robot's file: names of nodes, worth of counts")
+      R"(All formats are generated from the tables that the nodes themselves use. After a change of a table:
+  koboshi dictionary write
+A test fails while docs/reference/ is out of date.
+)");
+  command
+      ->add_option("--robot", arguments->robot,
+                   "The robot's file: names of its nodes, resolutions of its sensors")
       ->capture_default_str();
 
   CLI::App* eds =
@@ -59,18 +63,18 @@ void add_dictionary_command(CLI::App& program) {
       ->required()
       ->check(CLI::IsMember({"controller", "drive", "inertial", "ankle"}));
   eds->callback([arguments] { print_file(*arguments, arguments->kind + ".eds"); });
-  CLI::App* dbc = command->add_subcommand("dbc", "Print the messages on the robot's bus for CAN tools");
+  CLI::App* dbc = command->add_subcommand("dbc", "Print the messages on the robot's bus, for CAN tools");
   dbc->callback([arguments] { print_file(*arguments, "koboshi.dbc"); });
-  CLI::App* bus = command->add_subcommand(
-      "bus", "Print drives and sensors for dcfgen of lely-core, which makes a master of it");
+  CLI::App* bus =
+      command->add_subcommand("bus", "Print the configuration of a CANopen master, for dcfgen of lely-core");
   bus->callback([arguments] { print_file(*arguments, "bus.yml"); });
   CLI::App* page = command->add_subcommand("page", "Print the reference page");
   page->callback([arguments] { print_file(*arguments, "object-dictionary.md"); });
   CLI::App* parameters =
       command->add_subcommand("parameters", "Print the page of the controller's parameters");
   parameters->callback([arguments] { print_file(*arguments, "parameters.md"); });
-  CLI::App* write = command->add_subcommand("write", "Write all of them");
-  write->add_option("--folder", arguments->folder, "Where to")->capture_default_str();
+  CLI::App* write = command->add_subcommand("write", "Write all of these files");
+  write->add_option("--folder", arguments->folder, "Folder of the files")->capture_default_str();
   write->callback([arguments] { write_files(*arguments); });
 }
 

@@ -1,4 +1,4 @@
-#include "tools/cli/diff_command.h"
+#include "tools/cli/commands.h"
 
 #include <filesystem>
 #include <memory>
@@ -17,21 +17,23 @@ struct DiffArguments {
 
 }  // namespace
 
-void add_diff_command(CLI::App& program, int& exit_status) {
+void add_diff_command(CLI::App& program, Invocation& invocation) {
   auto arguments = std::make_shared<DiffArguments>();
-  CLI::App* command = program.add_subcommand("diff", "Compare two runs: where they part, and how");
+  CLI::App* command = program.add_subcommand("diff", "Compare two runs and show where they first differ");
   command->footer(
-      "Compares trace.csv and can.log to the last bit. Exit status: 0 the same, 1 different, 2 bad input.\n\n"
-      "Example:\n"
-      "  koboshi run scenarios/walk.yaml --out runs/host\n"
-      "  koboshi run scenarios/walk.yaml --out runs/target --controller qemu\n"
-      "  koboshi diff runs/host runs/target\n");
+      R"(Compares trace.csv and can.log byte by byte. Exit status: 0 the same, 1 different, 2 bad input.
+
+Example:
+  koboshi run scenarios/walk.yaml --out runs/host
+  koboshi run scenarios/walk.yaml --out runs/target --controller qemu
+  koboshi diff runs/host runs/target
+)");
   command->add_option("RUN_A", arguments->a, "The folder of a run's results")->required();
-  command->add_option("RUN_B", arguments->b, "Another")->required();
-  command->callback([arguments, &exit_status] {
+  command->add_option("RUN_B", arguments->b, "The folder of another run's results")->required();
+  command->callback([arguments, &invocation] {
     const RunComparison comparison = compare_runs(arguments->a, arguments->b);
     fmt::print("{}", comparison.report);
-    exit_status = comparison.same ? 0 : 1;
+    invocation.exit_status = comparison.same ? 0 : 1;
   });
 }
 

@@ -1,4 +1,4 @@
-#include "tools/cli/experiment_command.h"
+#include "tools/cli/commands.h"
 
 #include <fmt/core.h>
 
@@ -100,13 +100,13 @@ void add_gyro_feedback(CLI::App& parent, const std::string& command_line) {
 
 }  // namespace
 
-void add_experiment_command(CLI::App& program, const std::string& command_line) {
+void add_experiment_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command =
       program.add_subcommand("experiment", "Experiments: many trials over the cores, with statistics");
   command->require_subcommand(1);
-  add_gyro_feedback(*command, command_line);
-  add_walking_experiments(*command, command_line);
-  add_recovery_experiments(*command, command_line);
+  add_gyro_feedback(*command, invocation.command_line);
+  add_walking_experiments(*command, invocation.command_line);
+  add_recovery_experiments(*command, invocation.command_line);
   add_tune_gait_command(*command);
 }
 

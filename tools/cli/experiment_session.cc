@@ -8,7 +8,7 @@
 #include "sim_board/record/summary.h"
 #include "sim_board/world/options.h"
 #include "simulation/batch/parallel.h"
-#include "tools/cli/overrides.h"
+#include "tools/cli/options.h"
 #include "tools/experiment/files.h"
 #include "tools/experiment/report.h"
 

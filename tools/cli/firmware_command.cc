@@ -1,4 +1,4 @@
-#include "tools/cli/firmware_command.h"
+#include "tools/cli/commands.h"
 
 #include <fmt/core.h>
 
@@ -11,8 +11,7 @@
 #include "sim_board/scenario/reader.h"
 #include "simulation/host/firmware_process.h"
 #include "simulation/scenario/prepared_scenario.h"
-#include "tools/cli/can_options.h"
-#include "tools/cli/live_arguments.h"
+#include "tools/cli/options.h"
 #include "tools/run/interrupt.h"
 #include "tools/run/pacer.h"
 
@@ -44,36 +43,37 @@ void run_firmware(const FirmwareArguments& arguments) {
       warn("another controller is on the bus: the drives are left to it until command 6, reset");
     if (now_us % sim::SimBoard::kTick_us == 0 && interrupt.requested()) break;
   }
-  tell_overruns(pacer.overruns(), pacer.largest_delay_us());
-  tell_lost(firmware.frames_lost());
+  warn_of_overruns(pacer.overruns(), pacer.largest_delay_us());
+  warn_of_lost_frames(firmware.frames_lost());
 }
 
 }  // namespace
 
-void add_firmware_command(CLI::App& program) {
+void add_firmware_command(CLI::App& program, Invocation&) {
   auto arguments = std::make_shared<FirmwareArguments>();
   CLI::App* command =
-      program.add_subcommand("firmware", "The controller's firmware as a process of its own on a CAN bus");
+      program.add_subcommand("firmware", "Run the controller's firmware as a process on a CAN bus");
   command->footer(
-      "Drives and sensors are on the same bus: those of `koboshi board`, or real ones. The controller boots "
-      "limp\n"
-      "and waits for commands over the bus (docs/guide/live-bus.md).\n\n"
-      "Examples:\n"
-      "  koboshi board --can socketcan:vcan0 &\n"
-      "  koboshi firmware scenarios/squat.yaml --can socketcan:vcan0\n");
+      R"(Drives and sensors are nodes of the same bus: those of `koboshi board`, or real ones. The controller boots
+limp and waits for commands over the bus (docs/guide/live-bus.md).
+
+Examples:
+  koboshi board --can socketcan:vcan0 &
+  koboshi firmware scenarios/squat.yaml --can socketcan:vcan0
+)");
   command
       ->add_option("SCENARIO", arguments->scenario,
-                   "Whose robot and motions the storage holds; the rest has no meaning")
+                   "Scenario whose robot and motions go into the storage; its other keys have no effect")
       ->required();
   command->add_option("--duration", arguments->duration_s, "Seconds (default: until Ctrl-C)")
       ->check(CLI::Range(0.001, 86400.0));
   command
-      ->add_option("--speed", arguments->speed,
-                   "Its seconds in one of the wall (default: 1), as of a board that goes slower")
+      ->add_option(
+          "--speed", arguments->speed,
+          "Firmware seconds per second of real time (default: 1), for a simulated board that is slowed down")
       ->check(CLI::Range(0.01, 100.0));
-  command->add_option(
-      "--storage", arguments->storage,
-      "File that keeps the flash: parameters and motions that were stored before (default: none)");
+  command->add_option("--storage", arguments->storage,
+                      "File that keeps the flash between runs: saved parameters and motions (default: none)");
   add_can_options(*command, arguments->can);
   command->callback([arguments] { run_firmware(*arguments); });
 }

@@ -11,30 +11,25 @@
 
 #include "sim_board/input/error.h"
 #include "sim_board/record/output_file.h"
-#include "tools/cli/bench_command.h"
-#include "tools/cli/board_command.h"
-#include "tools/cli/can_command.h"
-#include "tools/cli/dictionary_command.h"
-#include "tools/cli/diff_command.h"
-#include "tools/cli/experiment_command.h"
-#include "tools/cli/firmware_command.h"
-#include "tools/cli/gait_command.h"
+#include "tools/cli/commands.h"
 #include "tools/cli/help.h"
-#include "tools/cli/motion_command.h"
-#include "tools/cli/run_command.h"
-#include "tools/cli/servo_command.h"
-#include "tools/cli/target_report_command.h"
-#include "tools/cli/tune_command.h"
-#include "tools/cli/validate_command.h"
 #include "tools/run/interrupt.h"
 
 namespace {
 
 constexpr int kFailed = 1;
 constexpr int kBadInput = 2;
-constexpr int kSignalled = 128;  // and the signal's number, as shells have it
+constexpr int kSignalled = 128;  // plus the signal's number, as in shells
 
-// As one would type it again; `koboshi` for the path of the program.
+constexpr const char* kFooter = R"(Begin with
+  koboshi run scenarios/walk.yaml
+and look into runs/walk. Each command has a --help of its own; docs/guide/ shows how to use them.
+
+Exit status: 0 done; 1 a run or a check failed, or runs differ; 2 bad input, or a file cannot be written
+(one line on standard error names it); 130 interrupted by Ctrl-C, 143 by SIGTERM.
+)";
+
+// The command line as one would type it again, with `koboshi` for the path of the program.
 std::string command_line(int argc, char** argv) {
   std::string line = "koboshi";
   for (int i = 1; i < argc; ++i) {
@@ -46,33 +41,12 @@ std::string command_line(int argc, char** argv) {
 }
 
 int run_program(int argc, char** argv) {
-  int exit_status = 0;
+  koboshi::tools::Invocation invocation{command_line(argc, argv)};
   CLI::App program("The firmware of a small humanoid robot, and the simulated board it runs on.", "koboshi");
   program.set_version_flag("--version", "koboshi " KOBOSHI_VERSION);
   program.require_subcommand(1);
-  program.footer(
-      "Begin with\n"
-      "  koboshi run scenarios/walk.yaml\n"
-      "and look into runs/walk. Each command has a --help of its own; docs/guide/ shows what to do with "
-      "them.\n\n"
-      "Exit status: 0 done; 1 a run or a check failed, or runs differ; 2 bad input, or a file cannot be "
-      "written "
-      "(one\n"
-      "line on standard error says which); 130 interrupted by Ctrl-C, 143 by SIGTERM.\n");
-  koboshi::tools::add_run_command(program, exit_status);
-  koboshi::tools::add_board_command(program);
-  koboshi::tools::add_can_command(program);
-  koboshi::tools::add_firmware_command(program);
-  koboshi::tools::add_diff_command(program, exit_status);
-  koboshi::tools::add_target_report_command(program);
-  koboshi::tools::add_motion_command(program);
-  koboshi::tools::add_gait_command(program);
-  koboshi::tools::add_tune_command(program);
-  koboshi::tools::add_dictionary_command(program);
-  koboshi::tools::add_bench_command(program);
-  koboshi::tools::add_servo_command(program);
-  koboshi::tools::add_experiment_command(program, command_line(argc, argv));
-  koboshi::tools::add_validate_command(program, exit_status, command_line(argc, argv));
+  program.footer(kFooter);
+  for (koboshi::tools::AddCommand* add_command : koboshi::tools::kCommands) add_command(program, invocation);
   koboshi::tools::name_placeholders(program);
   if (const auto message = koboshi::tools::unknown_command(program, argc, argv)) {
     fmt::print(stderr, "{}\n", *message);
@@ -83,10 +57,10 @@ int run_program(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? 0 : kBadInput;
   }
-  return exit_status;
+  return invocation.exit_status;
 }
 
-// What was printed may be in a buffer only, and the disk behind it full.
+// Throws WriteError where printed text cannot be written: it may still be in a buffer, and the disk full.
 void close_standard_output() {
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
     throw koboshi::sim::WriteError("standard output", errno);

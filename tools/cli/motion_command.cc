@@ -1,4 +1,4 @@
-#include "tools/cli/motion_command.h"
+#include "tools/cli/commands.h"
 
 #include <fmt/core.h>
 
@@ -32,14 +32,15 @@ void compile(const MotionArguments& arguments) {
 
 }  // namespace
 
-void add_motion_command(CLI::App& program) {
+void add_motion_command(CLI::App& program, Invocation&) {
   auto arguments = std::make_shared<MotionArguments>();
-  CLI::App* command = program.add_subcommand("motion", "Motions: check and compile them");
+  CLI::App* command = program.add_subcommand("motion", "Check and compile motions");
   command->require_subcommand(1);
   CLI::App* compile_command =
       command->add_subcommand("compile", "Compile a motion file into the image that the firmware plays");
-  compile_command->footer(
-      "Example:\n  koboshi motion compile robots/koboshi/motions/squat.yaml -o squat.kmot\n");
+  compile_command->footer(R"(Example:
+  koboshi motion compile robots/koboshi/motions/squat.yaml -o squat.kmot
+)");
   compile_command->add_option("MOTION", arguments->motion, "A motion file, docs/reference/motion-format.md")
       ->required();
   compile_command->add_option("--robot", arguments->robot, "The robot's file")->capture_default_str();

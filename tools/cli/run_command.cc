@@ -1,4 +1,4 @@
-#include "tools/cli/run_command.h"
+#include "tools/cli/commands.h"
 
 #include <unistd.h>
 
@@ -18,8 +18,7 @@
 #include "sim_board/world/options.h"
 #include "simulation/host/qemu_host.h"
 #include "simulation/observe/event_log.h"
-#include "tools/cli/live_arguments.h"
-#include "tools/cli/overrides.h"
+#include "tools/cli/options.h"
 #include "tools/run/run.h"
 #include "tools/teleop/teleop.h"
 
@@ -39,7 +38,7 @@ struct RunArguments {
   LiveOptions live;
 };
 
-// A bar on a terminal, nothing in a pipe.
+// Shows the progress of a run on a terminal, and nothing in a pipe.
 class ProgressBar {
  public:
   void show(const RunProgress& progress) {
@@ -75,13 +74,13 @@ void report(const RunResult& result, const std::filesystem::path& out) {
              summary.duration_s, sim::count_text(summary.solver_warnings, "solver warning"),
              100.0 * summary.can_bus_load, summary.state_hash, out.string());
   std::fflush(stdout);  // before what follows on standard error
-  tell_troubles(result.live);
+  warn_of_losses(result.live);
   if (result.plot_warning) fmt::print(stderr, "koboshi: no figures: {}\n", *result.plot_warning);
   if (result.failure) fmt::print(stderr, "koboshi: {}\n", *result.failure);
   fmt::print("{}\n", summary.verdict);
 }
 
-// The operator needs a terminal, and a run that is no faster than he.
+// The operator needs a terminal, and a run in real time.
 void give_operator(RunOptions& options) {
   if (!Terminal::is_there()) {
     throw sim::InputError(options.scenario.file, 0,
@@ -110,7 +109,7 @@ int run_scenario(const RunArguments& arguments) {
         simulation::in_qemu(arguments.image.empty() ? simulation::default_image() : arguments.image);
   }
   options.live = arguments.live;
-  options.ready = tell_where;
+  options.ready = print_bus_address;
   options.warn = warn;
   std::function<void(const RunProgress&)> show = [bar = ProgressBar()](const RunProgress& progress) mutable {
     bar.show(progress);
@@ -127,26 +126,27 @@ int run_scenario(const RunArguments& arguments) {
 
 }  // namespace
 
-void add_run_command(CLI::App& program, int& exit_status) {
+void add_run_command(CLI::App& program, Invocation& invocation) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* command = program.add_subcommand("run", "Play a scenario: firmware and robot in lockstep");
   command->footer(
-      "The run goes as fast as it can; the same scenario and seed give the same bytes. It leaves in its "
-      "folder\n"
-      "  trace.csv     firmware state and ground truth, every 10 ms\n"
-      "  can.log       every frame on the bus, as candump -L would log it\n"
-      "  events.txt    what happened, when and why\n"
-      "  summary.json  what became of it; timing.json: what it cost on this machine\n"
-      "  *.png, *.svg  figures\n\n"
-      "Examples:\n"
-      "  koboshi run scenarios/walk.yaml\n"
-      "  koboshi run scenarios/walk.yaml --seed 7 --set ground.friction=0.4 --out runs/slippery\n"
-      "  koboshi run scenarios/teleop.yaml --realtime\n");
+      R"(Runs as fast as possible; the same scenario and seed give the same bytes. The folder of the results holds
+  trace.csv     firmware state and ground truth, every 10 ms
+  can.log       every frame on the bus, in the format of candump -L
+  events.txt    events with their times and reasons
+  summary.json  the outcome; timing.json: the computing time on this machine
+  *.png, *.svg  figures
+
+Examples:
+  koboshi run scenarios/walk.yaml
+  koboshi run scenarios/walk.yaml --seed 7 --set ground.friction=0.4 --out runs/slippery
+  koboshi run scenarios/teleop.yaml --realtime
+)");
   command->add_option("SCENARIO", arguments->scenario, "A scenario file, docs/reference/scenario-format.md")
       ->required();
   command->add_option("--out", arguments->out,
                       "Folder of the results (default: runs/ and the scenario's name)");
-  command->add_option("--seed", arguments->seed, "Seed of every random number in the run");
+  command->add_option("--seed", arguments->seed, "Seed of all random numbers of the run");
   command->add_option("--duration", arguments->duration, "Simulated seconds");
   command
       ->add_option("--controller", arguments->controller,
@@ -154,9 +154,8 @@ void add_run_command(CLI::App& program, int& exit_status) {
       ->check(CLI::IsMember({"in-process", "qemu"}));
   command->add_option("--image", arguments->image,
                       "The image for --controller qemu (default: the one that ./run target builds)");
-  command->add_option(
-      "--storage", arguments->storage,
-      "File that keeps the flash: parameters and motions that were stored before (default: none)");
+  command->add_option("--storage", arguments->storage,
+                      "File that keeps the flash between runs: saved parameters and motions (default: none)");
   command
       ->add_option("--stepper", arguments->stepper,
                    "world: exact contacts (default); lumped: the same with fewer joints; quick: iterative;\n"
@@ -167,7 +166,7 @@ void add_run_command(CLI::App& program, int& exit_status) {
                    "Override a key of the scenario: physics.step_ms=0.5; may be repeated")
       ->allow_extra_args(false);
   add_live_options(*command, arguments->live);
-  command->callback([arguments, &exit_status] { exit_status = run_scenario(*arguments); });
+  command->callback([arguments, &invocation] { invocation.exit_status = run_scenario(*arguments); });
 }
 
 }  // namespace koboshi::tools

@@ -1,4 +1,4 @@
-#include "tools/cli/servo_command.h"
+#include "tools/cli/commands.h"
 
 #include <algorithm>
 #include <cctype>
@@ -32,7 +32,7 @@ struct PlotArguments {
   std::filesystem::path out = "runs/servo";
 };
 
-// The file's types, or the one of them that is asked for.
+// The types of the file, or only that of --type.
 sim::ServoTypes asked_types(const PlotArguments& arguments) {
   sim::ServoTypes types = sim::read_servo_types(arguments.file);
   std::vector<std::string> names;
@@ -64,19 +64,20 @@ void plot(const PlotArguments& arguments) {
 
 void add_plot_command(CLI::App& servo) {
   auto arguments = std::make_shared<PlotArguments>();
-  CLI::App* command = servo.add_subcommand("plot", "Show what servos do on a test bench");
+  CLI::App* command = servo.add_subcommand("plot", "Simulate servos on a test bench and plot the results");
   command->footer(
-      "Simulates each servo type with the robot's own model and physics: torque over speed, a step, a sine\n"
-      "under load, friction over speed and load, and the play of the shaft.\n\n"
-      "Examples:\n"
-      "  koboshi servo plot robots/koboshi/robot.sdf\n"
-      "  koboshi servo plot robots/servos/bam.xml --type mx_64_m6 --out mx_64");
+      R"(Simulates each servo type with the robot's model and physics: torque over speed, a step, a sine under load,
+friction over speed and load, and the backlash of the shaft.
+
+Examples:
+  koboshi servo plot robots/koboshi/robot.sdf
+  koboshi servo plot robots/servos/bam.xml --type mx_64_m6 --out mx_64)");
   command
       ->add_option("FILE", arguments->file,
                    "A robot's file, or a library of servo types, docs/reference/servo.md")
       ->required();
-  command->add_option("--type", arguments->type, "Only this type");
-  command->add_option("-o,--out", arguments->out, "The folder of the figures, one in it for each type")
+  command->add_option("--type", arguments->type, "Plot only this type");
+  command->add_option("-o,--out", arguments->out, "Folder of the figures, with a folder for each type")
       ->capture_default_str();
   command->callback([arguments] { plot(*arguments); });
 }
@@ -104,42 +105,45 @@ void print_servo_type(const Datasheet& sheet) {
 
 void add_datasheet_command(CLI::App& servo) {
   auto sheet = std::make_shared<Datasheet>();
-  CLI::App* command = servo.add_subcommand("from-datasheet", "Make a servo type of what a data sheet says");
+  CLI::App* command = servo.add_subcommand("from-datasheet", "Make a servo type from a data sheet");
   command->footer(
-      "Prints a library of one koboshi:servo_type, with its assumptions as comments. Robot files take it "
-      "over\n"
-      "(docs/reference/servo.md), `koboshi servo plot` shows it.\n\n"
-      "Example, a KONDO KRS-2552RHV:\n"
-      "  koboshi servo from-datasheet --stall-torque-Nm 1.373 --no-load-speed-rad-per-s 7.48 --voltage-V 7.5 "
-      "\\\n"
-      "      --ratio 276 --name krs_2552 > krs_2552.xml\n"
-      "  koboshi servo plot krs_2552.xml");
+      R"(Prints a library of one koboshi:servo_type, with its assumptions as comments. Copy it into a robot's file
+(docs/reference/servo.md), or plot it with `koboshi servo plot`.
+
+Example, a KONDO KRS-2552RHV:
+  koboshi servo from-datasheet --stall-torque-Nm 1.373 --no-load-speed-rad-per-s 7.48 --voltage-V 7.5 \
+      --ratio 276 --name krs_2552 > krs_2552.xml
+  koboshi servo plot krs_2552.xml)");
   command->add_option("--stall-torque-Nm", sheet->stall_torque_Nm, "Torque at rest")->required();
   command->add_option("--no-load-speed-rad-per-s", sheet->no_load_speed_rad_per_s, "Speed without load")
       ->required();
-  command->add_option("--voltage-V", sheet->voltage_V, "Supply at which both are meant")->required();
-  command->add_option("--ratio", sheet->ratio, "Turns of the rotor a turn of the output")->required();
-  command->add_option("--name", sheet->name, "What the type is called")->capture_default_str();
-  command->add_option("--dry-friction-share", sheet->dry_friction_share, "Of the stall torque")
+  command->add_option("--voltage-V", sheet->voltage_V, "Supply voltage of both values")->required();
+  command->add_option("--ratio", sheet->ratio, "Gear ratio: turns of the rotor per turn of the output")
+      ->required();
+  command->add_option("--name", sheet->name, "Name of the type")->capture_default_str();
+  command
+      ->add_option("--dry-friction-share", sheet->dry_friction_share,
+                   "Dry friction, as a share of the stall torque")
       ->capture_default_str();
   command
       ->add_option("--viscous-friction-share", sheet->viscous_friction_share,
-                   "Of the stall torque, at no-load speed")
+                   "Viscous friction at no-load speed, as a share of the stall torque")
       ->capture_default_str();
   command
-      ->add_option("--time-constant-s", sheet->time_constant_s, "Mechanical, of motor and gears: J R / kt^2")
+      ->add_option("--time-constant-s", sheet->time_constant_s,
+                   "Mechanical time constant of motor and gears: J R / kt^2")
       ->capture_default_str();
   command
       ->add_option("--full-voltage-error-rad", sheet->full_voltage_error_rad,
-                   "Position error at which the drive gives its whole voltage")
+                   "Position error at which the drive applies its full voltage")
       ->capture_default_str();
   command->callback([sheet] { print_servo_type(*sheet); });
 }
 
 }  // namespace
 
-void add_servo_command(CLI::App& program) {
-  CLI::App* servo = program.add_subcommand("servo", "Look at servo models, and make them");
+void add_servo_command(CLI::App& program, Invocation&) {
+  CLI::App* servo = program.add_subcommand("servo", "Plot servo models, and make them from data sheets");
   servo->require_subcommand(1);
   add_plot_command(*servo);
   add_datasheet_command(*servo);

@@ -1,4 +1,4 @@
-#include "tools/cli/target_report_command.h"
+#include "tools/cli/commands.h"
 
 #include <filesystem>
 #include <memory>
@@ -31,19 +31,20 @@ void report_target(const TargetReportArguments& arguments) {
 
 }  // namespace
 
-void add_target_report_command(CLI::App& program) {
+void add_target_report_command(CLI::App& program, Invocation&) {
   auto arguments = std::make_shared<TargetReportArguments>();
   CLI::App* command = program.add_subcommand(
-      "target-report", "What the firmware takes of a Cortex-M4: instructions, flash, RAM, stack");
+      "target-report", "Measure the firmware on a Cortex-M4: instructions, flash, RAM, stack");
   command->footer(
-      "Plays a scenario with the firmware in QEMU, as ./run target has built it. The same image and "
-      "scenario\n"
-      "give the same report, to the instruction.\n\n"
-      "Examples:\n"
-      "  koboshi target-report\n"
-      "  koboshi target-report --page docs/reference/target.md\n");
+      R"(Plays a scenario with the firmware in QEMU, from the image that ./run target builds. The same image and
+scenario give the same report, to the instruction.
+
+Examples:
+  koboshi target-report
+  koboshi target-report --page docs/reference/target.md
+)");
   command->add_option("SCENARIO", arguments->scenario, "A scenario file")->capture_default_str();
-  command->add_option("--image", arguments->image, "The image (default: what ./run target builds)");
+  command->add_option("--image", arguments->image, "The image (default: the one that ./run target builds)");
   command->add_option("--json", arguments->json, "Also write the results to this file");
   command->add_option("--page", arguments->page, "Also write the reference page to this file");
   command->callback([arguments] { report_target(*arguments); });

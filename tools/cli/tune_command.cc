@@ -1,4 +1,4 @@
-#include "tools/cli/tune_command.h"
+#include "tools/cli/commands.h"
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -45,7 +45,7 @@ void tune(TuneArguments arguments) {
 
 }  // namespace
 
-void add_tune_command(CLI::App& program) {
+void add_tune_command(CLI::App& program, Invocation&) {
   auto arguments = std::make_shared<TuneArguments>();
   StudyOptions& options = arguments->options;
   options.jobs = simulation::core_count();

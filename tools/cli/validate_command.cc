@@ -1,4 +1,4 @@
-#include "tools/cli/validate_command.h"
+#include "tools/cli/commands.h"
 
 #include <fmt/chrono.h>
 #include <fmt/core.h>
@@ -44,7 +44,7 @@ void check_arguments(const ValidateArguments& arguments) {
   sim::check_output_folder(arguments.out);
 }
 
-// False, after saying so, where figures cannot be drawn.
+// Prints why figures cannot be drawn, and then returns false.
 bool draw_all(const std::vector<ValidationResult>& results, const fs::path& folder) {
   try {
     for (const ValidationResult& result : results) draw_plots(result, folder);
@@ -55,7 +55,7 @@ bool draw_all(const std::vector<ValidationResult>& results, const fs::path& fold
   }
 }
 
-// Beside the page, in a folder that is called as it is.
+// Copies the figures into a folder beside the page, with the page's name.
 void write_page(const std::vector<ValidationResult>& results, const ValidateArguments& arguments,
                 const std::string& command_line) {
   const fs::path figures = arguments.page.parent_path() / arguments.page.stem();
@@ -101,41 +101,42 @@ int validate(ValidateArguments arguments, const std::string& command_line) {
 
 }  // namespace
 
-void add_validate_command(CLI::App& program, int& exit_status, const std::string& command_line) {
+void add_validate_command(CLI::App& program, Invocation& invocation) {
   auto arguments = std::make_shared<ValidateArguments>();
-  CLI::App* command = program.add_subcommand("validate", "Hold the physics to theory, each error stated");
+  CLI::App* command = program.add_subcommand("validate", "Compare the simulated physics with theory");
   std::vector<std::string> names;
   std::string list;
   for (const Validation& validation : all_validations()) {
     names.push_back(validation.name);
     list += fmt::format("  {:<18} {}\n", validation.name, validation.title);
   }
-  command->footer(
-      "The experiments:\n" + list +
-      "Tolerances follow from the order of the method and the step. Exit status: 0 all within\n"
-      "tolerance, 1 not all, 2 bad arguments. docs/experiment/validation.md tells what they say.\n\n"
-      "Examples:\n"
-      "  koboshi validate\n"
-      "  koboshi validate --step-ms 0.1 --only pendulum --only servo\n");
-  command->add_option("--stepper", arguments->stepper, "Who solves the equations of motion")
+  command->footer("The experiments:\n" + list +
+                  R"(Tolerances follow from the order of the method and the step. Exit status: 0 all within
+tolerance, 1 not all, 2 bad arguments. docs/experiment/validation.md discusses the results.
+
+Examples:
+  koboshi validate
+  koboshi validate --step-ms 0.1 --only pendulum --only servo
+)");
+  command->add_option("--stepper", arguments->stepper, "Solver of the equations of motion")
       ->check(CLI::IsMember(sim::stepper_names()))
       ->capture_default_str();
   command->add_option("--step-ms", arguments->step_ms, "Physics step, divides 1 ms")
       ->check(CLI::Range(0.01, 1.0))
       ->capture_default_str();
-  command->add_option("--only", arguments->only, "One experiment instead of all; may be repeated")
+  command->add_option("--only", arguments->only, "Run only this experiment; may be repeated")
       ->allow_extra_args(false)
       ->check(CLI::IsMember(names));
   CLI::Option* brief =
       command->add_flag("--short", arguments->setup.short_form, "Shorter runs, and no figures");
-  command->add_option("--scenario", arguments->setup.scenario, "Squats of the whole robot")
+  command->add_option("--scenario", arguments->setup.scenario, "Scenario of the squats of the whole robot")
       ->capture_default_str();
   command->add_option("--out", arguments->out, "Folder of the results")->capture_default_str();
   command->add_option("--page", arguments->page, "Update this Markdown page with the results")
       ->excludes(brief);
   command->add_option("--json", arguments->json, "Also write the results to this file");
   command->callback(
-      [arguments, &exit_status, command_line] { exit_status = validate(*arguments, command_line); });
+      [arguments, &invocation] { invocation.exit_status = validate(*arguments, invocation.command_line); });
 }
 
 }  // namespace koboshi::tools

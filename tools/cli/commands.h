@@ -1,0 +1,43 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace koboshi::tools {
+
+// A call of the program. Callbacks of commands read the command line and set the exit status.
+struct Invocation {
+  std::string command_line{};  // as one would type it again, for pages that say how they were made
+  int exit_status = 0;
+};
+
+// Adds a command to the program. `invocation` outlives the program.
+using AddCommand = void(CLI::App& program, Invocation& invocation);
+
+AddCommand add_run_command;
+AddCommand add_board_command;
+AddCommand add_can_command;
+AddCommand add_firmware_command;
+AddCommand add_diff_command;
+AddCommand add_target_report_command;
+AddCommand add_motion_command;
+AddCommand add_gait_command;
+AddCommand add_tune_command;
+AddCommand add_dictionary_command;
+AddCommand add_bench_command;
+AddCommand add_servo_command;
+AddCommand add_experiment_command;
+AddCommand add_validate_command;
+
+// In the order of --help.
+inline constexpr AddCommand* kCommands[] = {
+    add_run_command,        add_board_command,         add_can_command,    add_firmware_command,
+    add_diff_command,       add_target_report_command, add_motion_command, add_gait_command,
+    add_tune_command,       add_dictionary_command,    add_bench_command,  add_servo_command,
+    add_experiment_command, add_validate_command};
+
+// Commands below `koboshi can`.
+AddCommand add_can_dump_command;
+AddCommand add_can_sdo_command;
+
+}  // namespace koboshi::tools

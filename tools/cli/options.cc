@@ -1,0 +1,111 @@
+#include "tools/cli/options.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <iterator>
+#include <stdexcept>
+
+#include <fmt/core.h>
+
+#include "firmware/canopen/frame.h"
+#include "tools/can/frame_text.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr const char* kRealBusHelp =
+    "Allow an interface other than vcan and vxcan. Frames that are sent there may move real servos";
+
+}  // namespace
+
+std::vector<sim::Override> overrides_of(std::span<const std::string> sets,
+                                        const std::vector<sim::Override>& options) {
+  std::vector<sim::Override> all;
+  std::ranges::transform(sets, std::back_inserter(all), sim::parse_override);
+  std::ranges::copy_if(options, std::back_inserter(all),
+                       [](const sim::Override& option) { return !option.value.empty(); });
+  return all;
+}
+
+void add_can_options(CLI::App& command, CanOptions& options, CLI::Option* log) {
+  CLI::Option* can = command.add_option(
+      "--can", options.can,
+      "The bus: socketcan:vcan0 (default) or udp:239.74.163.2:43113 (python-can's udp_multicast)");
+  CLI::Option* real_bus = command.add_flag("--real-bus", options.real_bus, kRealBusHelp);
+  if (log == nullptr) return;
+  can->excludes(log);
+  real_bus->excludes(log);
+}
+
+std::unique_ptr<sim::Transport> open_can(const CanOptions& options) {
+  auto transport = sim::open_transport(options.can, options.real_bus);
+  if (!transport || !transport->is_live() || options.can == "slcan")
+    throw std::invalid_argument("found --can " + options.can +
+                                ", expected socketcan:INTERFACE or udp:GROUP:PORT");
+  return transport;
+}
+
+OpenedSource open_source(const std::filesystem::path& log, const CanOptions& options) {
+  if (!log.empty()) return {nullptr, open_log(log)};
+  auto transport = open_can(options);
+  auto source = listen_to(*transport);
+  return {std::move(transport), std::move(source)};
+}
+
+std::uint8_t parse_node(const std::string& text) {
+  const auto node = static_cast<std::uint8_t>(parse_number(text, "the node", canopen::kMaxNodeId));
+  if (node == 0) throw std::invalid_argument("found node 0, expected 1 to 127");
+  return node;
+}
+
+void add_live_options(CLI::App& command, LiveOptions& options) {
+  command.add_option("--can", options.can,
+                     "Connect the simulated bus to: none (default), socketcan:vcan0,\n"
+                     "udp:239.74.163.2:43113 (python-can's udp_multicast), slcan (on a pseudo-terminal),\n"
+                     "log:FILE (in the format of candump -L)");
+  command.add_flag("--realtime", options.realtime, "Run in real time; implied by socketcan, udp and slcan");
+  command
+      .add_option("--speed", options.speed,
+                  "Simulated seconds per second of real time (default: 1); less on a slow machine")
+      ->check(CLI::Range(0.01, 100.0));
+  command.add_flag("--real-bus", options.real_bus, kRealBusHelp);
+}
+
+void print_bus_address(const LiveLink& link) {
+  if (link.transport() == nullptr) return;
+  fmt::print("CAN bus on {}\n", link.transport()->place());
+  std::fflush(stdout);
+}
+
+void warn(const std::string& text) { fmt::print(stderr, "koboshi: warning: {}\n", text); }
+
+void warn_of_overruns(std::uint64_t overruns, std::uint64_t largest_delay_us) {
+  if (overruns == 0) return;
+  fmt::print(stderr, "koboshi: {} times more than {} ms behind the clock, {} ms at most\n", overruns,
+             Pacer::kTolerance_us / 1000, largest_delay_us / 1000);
+}
+
+void warn_of_lost_frames(std::uint64_t frames) {
+  if (frames > 0) fmt::print(stderr, "koboshi: {} frames found no room outside\n", frames);
+}
+
+void warn_of_losses(const nlohmann::ordered_json& report) {
+  if (report.contains("overruns")) warn_of_overruns(report["overruns"], report["largest_delay_us"]);
+  if (!report.contains("can")) return;
+  const auto& can = report["can"];
+  warn_of_lost_frames(can["frames_lost"]);
+  const std::uint64_t refused = can["frames_refused"];
+  const std::uint64_t dropped = can["frames_dropped"];
+  const std::uint64_t sent_late = can["frames_sent_late"];
+  const std::uint64_t received_late = can["frames_received_late"];
+  if (refused + dropped > 0)
+    fmt::print(stderr,
+               "koboshi: {} frames from outside were lost: {} found no room on the bus, {} came too fast\n",
+               refused + dropped, refused, dropped);
+  if (sent_late + received_late > 0)
+    fmt::print(stderr, "koboshi: frames more than {} ms late: {} of {} sent, {} of {} received\n",
+               LiveLink::kLate_us / 1000, sent_late, can["frames_sent"].get<std::uint64_t>(), received_late,
+               can["frames_received"].get<std::uint64_t>());
+}
+
+}  // namespace koboshi::tools

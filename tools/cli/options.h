@@ -1,0 +1,63 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim_board/can/transport/transport.h"
+#include "sim_board/input/yaml_tree.h"
+#include "tools/can/source.h"
+#include "tools/run/live_link.h"
+
+namespace koboshi::tools {
+
+// Options that several commands share. The structs must outlive the command that they are added to.
+
+// The overrides of a file's keys: each KEY=VALUE of --set, then those of `options` that have a value. Throws
+// sim::InputError.
+std::vector<sim::Override> overrides_of(std::span<const std::string> sets,
+                                        const std::vector<sim::Override>& options);
+
+// The bus that a command listens to or sends on.
+struct CanOptions {
+  std::string can = "socketcan:vcan0";
+  bool real_bus = false;
+};
+
+// Adds --can and --real-bus. They exclude `log`, the option of a command that can read a log instead.
+void add_can_options(CLI::App& command, CanOptions& options, CLI::Option* log = nullptr);
+
+// Opens the bus of these options. Throws std::invalid_argument for a transport that no other program can
+// join, and what sim::open_transport throws.
+std::unique_ptr<sim::Transport> open_can(const CanOptions& options);
+
+// Frames from a log, if one is named, else from the bus.
+struct OpenedSource {
+  std::unique_ptr<sim::Transport> transport;  // null for a log
+  std::unique_ptr<FrameSource> source;
+};
+OpenedSource open_source(const std::filesystem::path& log, const CanOptions& options);
+
+// A node id, 1 to 127. Throws std::invalid_argument.
+std::uint8_t parse_node(const std::string& text);
+
+// Adds --can, --realtime, --speed and --real-bus of a simulation.
+void add_live_options(CLI::App& command, LiveOptions& options);
+
+// Prints the address of the bus, if the simulation is joined to one.
+void print_bus_address(const LiveLink& link);
+
+// Prints a warning on standard error, while the simulation runs.
+void warn(const std::string& text);
+// The same after the run, from LiveLink::report: frames lost or late, overruns. Prints nothing if all went
+// well.
+void warn_of_losses(const nlohmann::ordered_json& report);
+// Parts of it, for a command that has no LiveLink.
+void warn_of_overruns(std::uint64_t overruns, std::uint64_t largest_delay_us);
+void warn_of_lost_frames(std::uint64_t frames);
+
+}  // namespace koboshi::tools
