@@ -13,7 +13,7 @@
 #include "simulation/motion/compile.h"
 #include "tools/cli/options.h"
 #include "tools/gait/gait_figure.h"
-#include "tools/plot/figure.h"
+#include "tools/lab/plot/figure.h"
 
 namespace koboshi::tools {
 namespace {

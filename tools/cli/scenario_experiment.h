@@ -5,7 +5,7 @@
 #include <string>
 
 #include "tools/cli/experiment_session.h"
-#include "tools/plot/plane_figure.h"
+#include "tools/lab/plot/plane_figure.h"
 
 namespace koboshi::tools {
 

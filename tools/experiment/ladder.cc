@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "sim_board/input/text.h"
-#include "tools/plot/legend.h"
+#include "tools/lab/plot/legend.h"
 
 namespace koboshi::tools {
 namespace {

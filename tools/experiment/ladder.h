@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tools/experiment/experiment.h"
-#include "tools/plot/plane_figure.h"
+#include "tools/lab/plot/plane_figure.h"
 
 namespace koboshi::tools {
 

@@ -9,7 +9,7 @@
 
 #include "tools/experiment/commanded_walk.h"
 #include "tools/experiment/report.h"
-#include "tools/plot/plane_figure.h"
+#include "tools/lab/plot/plane_figure.h"
 
 namespace koboshi::tools {
 

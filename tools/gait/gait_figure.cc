@@ -14,8 +14,8 @@
 #include "simulation/gait/gait_motion.h"
 #include "simulation/gait/gait_plan.h"
 #include "simulation/gait/walking_pose.h"
-#include "tools/plot/figure.h"
-#include "tools/plot/legend.h"
+#include "tools/lab/plot/figure.h"
+#include "tools/lab/plot/legend.h"
 
 namespace koboshi::tools {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "firmware/behaviour/behaviour.h"
 #include "sim_board/input/user_units.h"
-#include "tools/plot/columns.h"
-#include "tools/plot/legend.h"
+#include "tools/lab/plot/columns.h"
+#include "tools/lab/plot/legend.h"
 
 namespace koboshi::tools {
 namespace {

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "sim_board/scenario/scenario.h"
-#include "tools/plot/figure.h"
+#include "tools/lab/plot/figure.h"
 
 namespace koboshi::tools {
 

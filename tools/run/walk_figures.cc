@@ -15,8 +15,8 @@
 #include "sim_board/world/gravity.h"
 #include "sim_board/world/support_polygon.h"
 #include "simulation/scenario/parameters.h"
-#include "tools/plot/columns.h"
-#include "tools/plot/legend.h"
+#include "tools/lab/plot/columns.h"
+#include "tools/lab/plot/legend.h"
 
 namespace koboshi::tools {
 namespace {

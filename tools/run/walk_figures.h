@@ -5,8 +5,8 @@
 
 #include "sim_board/robot/description.h"
 #include "sim_board/scenario/scenario.h"
-#include "tools/plot/figure.h"
-#include "tools/plot/plane_figure.h"
+#include "tools/lab/plot/figure.h"
+#include "tools/lab/plot/plane_figure.h"
 
 namespace koboshi::tools {
 

@@ -10,8 +10,8 @@
 
 #include "sim_board/input/user_units.h"
 #include "sim_board/servo/dry_friction.h"
-#include "tools/plot/figure.h"
-#include "tools/plot/legend.h"
+#include "tools/lab/plot/figure.h"
+#include "tools/lab/plot/legend.h"
 #include "tools/servo/rig.h"
 #include "tools/servo/table.h"
 

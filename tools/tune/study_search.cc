@@ -16,7 +16,7 @@
 #include "tools/experiment/getting_up.h"
 #include "tools/experiment/report.h"
 #include "tools/experiment/scenario_trial.h"
-#include "tools/plot/figure.h"
+#include "tools/lab/plot/figure.h"
 #include "tools/tune/infeasible.h"
 #include "tools/tune/optimiser.h"
 

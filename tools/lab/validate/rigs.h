@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "sim_board/robot/description.h"
+#include "sim_board/world/gravity.h"
+#include "sim_board/world/world.h"
+#include "tools/lab/validate/validation.h"
+
+namespace koboshi::tools {
+
+// The mechanisms of the experiments, built in code.
+
+using sim::kGravity_m_per_s2;
+
+// One free box of uniform density, its frame in the middle.
+[[nodiscard]] sim::RobotDescription box_rig(double mass_kg, const Eigen::Vector3d& size_m,
+                                            const sim::SurfaceDescription& surface = {});
+// The moments of inertia of such a box about its axes.
+[[nodiscard]] Eigen::Vector3d box_moments_kg_m2(double mass_kg, const Eigen::Vector3d& size_m);
+
+// A link that hangs straight down from its hinge when the joint is at zero; the inertia about its centre of
+// mass is the same in all directions.
+struct HangingLink {
+  double mass_kg = 0.2;
+  double inertia_kg_m2 = 1e-3;
+  double arm_m = 0.1;     // from the hinge to the centre of mass
+  double length_m = 0.2;  // from the hinge to the next link's
+};
+// A chain of them below a bearing, hinged about y; to be held with WorldOptions::fixed_base.
+[[nodiscard]] sim::RobotDescription chain_rig(const std::vector<HangingLink>& links);
+
+// A world without ground whose bearing is held, its joints at these positions.
+[[nodiscard]] std::unique_ptr<sim::World> hang(const sim::RobotDescription& chain,
+                                               const std::vector<double>& positions_rad,
+                                               const ValidationSetup& setup);
+
+[[nodiscard]] long steps_of(double duration_s, const sim::World& world);
+void run_for(sim::World& world, double duration_s);
+
+}  // namespace koboshi::tools
