@@ -1,5 +1,5 @@
-// What strangers do to the bus of a standing robot, in simulated time and without physics: firmware, drives
-// and bus are the real ones.
+// Tests of foreign traffic on the bus of a standing robot. Firmware, drives and bus are the real ones; time
+// is simulated and there is no physics.
 
 #include <gtest/gtest.h>
 
@@ -16,10 +16,11 @@ using canopen::cia402::State;
 
 constexpr std::uint16_t kSync = 0x080;
 constexpr std::uint64_t kCycle_us = 10'000;
-// The longest frame, with all stuff bits, and the intermission after it (docs/design/timing.md).
+// Duration at 1 Mbit/s of the longest frame with all stuff bits, plus the intermission
+// (docs/design/timing.md).
 constexpr std::uint64_t kLongestFrame_us = 132 + 3;
 
-// How late after a tick's time a SYNC was over at most, of those seen.
+// Returns the latest end of a SYNC frame relative to its tick, over all SYNCs seen.
 std::uint64_t latest_sync_us(const BusBench& bench) {
   std::uint64_t latest_us = 0;
   for (const BusBench::SeenFrame& sync : bench.seen_with(kSync))
@@ -27,8 +28,8 @@ std::uint64_t latest_sync_us(const BusBench& bench) {
   return latest_us;
 }
 
-// Requests of SDO clients without end and without pause, more than any number of real ones could send: each
-// babbler alone takes whatever the others leave of the bus.
+// SDO clients that send requests back to back, a higher load than real clients can produce. Each client takes
+// all bandwidth that the other nodes leave.
 class SdoFlood : public testing::TestWithParam<std::vector<std::uint16_t>> {};
 
 TEST_P(SdoFlood, DelaysNoSyncByMoreThanAFrameAndLosesNobody) {
@@ -70,7 +71,7 @@ void expect_standing(BusBench& bench) {
   EXPECT_TRUE(bench.emergencies(1).empty());
 }
 
-// No torque, and none to come.
+// Expects the fault state for this reason, with the drive-enable line low and no torque on any drive.
 void expect_fault(BusBench& bench, behaviour::Reason reason) {
   EXPECT_EQ(bench.controller().state(), behaviour::State::kFault);
   EXPECT_EQ(bench.controller().values().behaviour.reason, reason);
@@ -86,8 +87,8 @@ TEST(SecondMaster, RefusesToBootAndLeavesTheRobotStanding) {
   bench.run_ms(100);
   EXPECT_EQ(second.state(), behaviour::State::kFault);
   EXPECT_EQ(second.values().behaviour.reason, behaviour::Reason::kSecondMaster);
-  // It has told why, with the identifier of both, and is silent from then on: no reset, no SYNC, no
-  // heartbeat.
+  // The second master has sent its emergency message with both identifiers. From now on it sends nothing: no
+  // reset, no SYNC, no heartbeat.
   const std::uint64_t said = bench.bus.counters(second.handle()).sent;
   EXPECT_EQ(std::ranges::count(bench.emergencies(1), 0xFF00), 1);
   EXPECT_TRUE(bench.seen_with(0x000).empty());
@@ -95,7 +96,7 @@ TEST(SecondMaster, RefusesToBootAndLeavesTheRobotStanding) {
   bench.run_ms(1'000);
   EXPECT_EQ(bench.bus.counters(second.handle()).sent, said);
   expect_standing(bench);
-  // The first one is switched off, and the second told to try again.
+  // Switches the first master off and resets the second one.
   bench.controller(0).runs = false;
   bench.run_ms(1'000);
   bench.say(
@@ -114,7 +115,7 @@ TEST(SecondMaster, ThatIsPoweredOnWithTheFirstLetsNeitherBoot) {
   EXPECT_TRUE(bench.seen_with(0x000).empty());
 }
 
-// SYNC, heartbeat or targets from elsewhere: each for itself, as fast as a master sends them.
+// SYNC, heartbeat or targets from a second source, each on its own and at the rate of a master.
 TEST(SecondMaster, ThatSpeaksAsTheFirstStopsTheRobot) {
   for (const hal::CanFrame& frame :
        {hal::CanFrame{.identifier = kSync}, hal::CanFrame{.identifier = 0x701, .size = 1, .data = {5}},
@@ -123,7 +124,7 @@ TEST(SecondMaster, ThatSpeaksAsTheFirstStopsTheRobot) {
     BusBench bench;
     ASSERT_TRUE(bench.run_until_standing());
     const std::uint64_t interval_us = frame.identifier == 0x701 ? 20'000 : 10'000;
-    // In the quiet part of the cycle: with a twin's, at the same time, it would be one frame.
+    // Sends in the quiet part of the cycle: two identical frames at the same time would merge into one.
     const std::uint64_t from_us = (bench.now_us() / kCycle_us + 1) * kCycle_us + 8'000;
     bench.add_babbler({.frame = frame, .interval_us = interval_us, .from_us = from_us});
     bench.run_ms(300);
@@ -192,7 +193,7 @@ TEST(DominantBus, StopsTheRobotAndLetsItBootAgainWhenItIsMended) {
   EXPECT_TRUE(bench.run_until(behaviour::State::kLimp));
 }
 
-// --- Clocks that differ, as those of cheap oscillators do
+// --- Oscillators with the frequency tolerance of cheap parts
 
 TEST(Clocks, MayDifferByFiveHundredMillionths) {
   for (const double rate : {1.0 - 500e-6, 1.0 + 500e-6}) {
@@ -202,7 +203,7 @@ TEST(Clocks, MayDifferByFiveHundredMillionths) {
     bench.command(behaviour::Command::kPlay, 1);
     bench.seen.clear();
     const std::uint64_t before_us = bench.now_us();
-    bench.run_ms(20'000);  // their phases pass each other twice
+    bench.run_ms(20'000);  // their phases cross twice
     EXPECT_EQ(bench.controller().state(), behaviour::State::kMotion);
     EXPECT_EQ(bench.count_in(State::kOperationEnabled), 20);
     for (std::uint8_t node = 1; node < 36; ++node) EXPECT_TRUE(bench.emergencies(node).empty()) << int{node};
@@ -216,8 +217,8 @@ TEST(Clocks, MayDifferByFiveHundredMillionths) {
 
 struct Transfer {
   const char* name;
-  std::vector<canopen::sdo::Data> requests;  // the first of it
-  bool in_block = false;                     // the server takes whatever comes for a segment
+  std::vector<canopen::sdo::Data> requests;  // the initiate request
+  bool in_block = false;                     // within a block the server treats any frame as a segment
 };
 void PrintTo(const Transfer& transfer, std::ostream* out) { *out << transfer.name; }
 
@@ -241,7 +242,7 @@ TEST_P(DeadClient, IsGivenUpAfterASecond) {
   bench.seen.clear();
   for (const canopen::sdo::Data& request : GetParam().requests) {
     ask(request);
-    bench.run_ms(30);  // a slot of the flash may have to be erased first
+    bench.run_ms(30);  // the flash may have to erase a slot first
   }
   ASSERT_FALSE(bench.seen_with(0x581).empty());
   ASSERT_TRUE(aborts().empty());
@@ -251,7 +252,7 @@ TEST_P(DeadClient, IsGivenUpAfterASecond) {
   EXPECT_EQ(aborts(), (std::vector<std::uint32_t>{0x0504'0000}));
   bench.run_ms(2'000);
   EXPECT_EQ(aborts().size(), 1u) << "told once";
-  // The channel and the object are free again.
+  // The SDO channel and the object are available again.
   bench.seen.clear();
   ask(GetParam().requests[0]);
   bench.run_ms(30);
@@ -279,7 +280,7 @@ TEST_P(DeadClient, IsReplacedAtOnceByAnother) {
   EXPECT_TRUE(aborts().empty()) << "the first transfer is forgotten";
 }
 
-// Of motions 0 and 2 (0x2400).
+// Motions 0 and 2 (0x2400).
 INSTANTIATE_TEST_SUITE_P(
     Transfers, DeadClient,
     testing::Values(
@@ -294,7 +295,7 @@ INSTANTIATE_TEST_SUITE_P(
 // --- Resets
 
 // A winding that is still hot is a fault from the first moment after the reset, while the resets of the other
-// drives keep the bus busy. The emergency message that says so must not overtake the boot-up message.
+// drives keep the bus busy. The emergency message must not overtake the boot-up message.
 TEST(Reset, TellsWhyADriveIsInFaultAgain) {
   BusBench bench;
   ASSERT_TRUE(bench.run_until_standing());
@@ -310,7 +311,7 @@ TEST(Reset, TellsWhyADriveIsInFaultAgain) {
   EXPECT_EQ(behaviour.drive_error_code, 0x4310);
 }
 
-// The controller itself is the client of the drives while it boots them; then another one takes its place.
+// The controller is the SDO client of the drives while it boots them; then another master takes over.
 TEST(DeadMaster, LeavesDrivesThatTheNextOneBoots) {
   BusBench bench;
   bench.run_ms(200);

@@ -1,4 +1,4 @@
-// Trials of the real robot: what an experiment builds on.
+// Trials on the simulated robot: the building blocks of the experiments.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -53,8 +53,8 @@ TEST(ScenarioTrial, TellsWhyItEnded) {
   EXPECT_THAT(values.error, testing::HasSubstr("the controller does not take"));
 }
 
-// Mean height of the corners of both soles when the robot stands by itself, just before it walks: whichever
-// way it leans, that is what the springs under the corners give.
+// Returns the mean height of all corners of both soles while the robot stands, just before it walks. The mean
+// equals the static compression of the contact springs and does not depend on the lean.
 double mean_corner_height_m(const sim::Scenario& scenario) {
   simulation::Simulation simulation(scenario);
   while (!simulation.finished()) simulation.advance();
@@ -75,7 +75,7 @@ TEST(SoftGround, GivesWayByWeightOverStiffness) {
   sim::Scenario scenario = sim::read_scenario(kWalk, overrides);
   const double hard_m = mean_corner_height_m(scenario);
   constexpr double kStiffness_N_per_m = 2000.0;
-  constexpr double kContacts = 8.0;  // four a sole
+  constexpr double kContacts = 8.0;  // four per sole
   scenario.ground.softness = {kStiffness_N_per_m, 30.0};
   const double weight_N = simulation::Simulation(scenario).robot().total_mass_kg() * 9.80665;
   EXPECT_NEAR(hard_m - mean_corner_height_m(scenario), weight_N / (kContacts * kStiffness_N_per_m), 5e-5);

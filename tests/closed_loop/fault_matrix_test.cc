@@ -1,4 +1,4 @@
-// docs/reference/faults.md, row by row.
+// Checks each row of the table in docs/reference/faults.md against a simulation.
 
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ struct Row {
   std::string drives;
 };
 
-// How googletest names a row that fails.
+// Prints a failing row in googletest's messages.
 void PrintTo(const Row& row, std::ostream* out) { *out << kPage.string() << ":" << row.line; }
 
 std::string trimmed(const std::string& text) {
@@ -37,7 +37,8 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" `") - first + 1);
 }
 
-// The rows whose first cell is a fault; the second, in words, is for readers only.
+// Returns the rows whose first cell is a fault. The test ignores the second cell, which describes the fault
+// in words.
 std::vector<Row> read_rows() {
   std::vector<Row> rows;
   std::ifstream page(kPage);
@@ -72,7 +73,7 @@ std::string name_of(std::span<const canopen::ValueName> names, auto value) {
   return std::string(found->name);
 }
 
-// A run with the fault of one row, and what is to be told of it.
+// Runs the fault of one row and collects the reported codes, events and states.
 class FaultRun {
  public:
   explicit FaultRun(const Row& row) : run_(scenario(row)), target_(read_faults(row).at(0).target.text) {
@@ -82,7 +83,7 @@ class FaultRun {
   RobotRun& run() { return run_; }
 
   std::string emergencies() const {
-    std::map<std::uint8_t, std::vector<std::string>> codes;  // by node
+    std::map<std::uint8_t, std::vector<std::string>> codes;  // keyed by node id
     for (const RobotRun::Frame& frame : run_.frames()) {
       const auto emergency = canopen::decode_emergency(frame.frame);
       if (!emergency || frame.start_us < kFault_us || emergency->code == canopen::error_code::kNoError)
@@ -130,13 +131,14 @@ class FaultRun {
     return scenario;
   }
 
-  // What each drive tells, those together that tell the same; who tells nothing is left out.
+  // Returns the value of `tell` for each drive, with equal values grouped. Drives without a value are
+  // omitted.
   std::string by_drive(const std::function<std::string(std::size_t)>& tell) const {
     std::map<std::string, std::vector<std::string>> joints;
     for (std::size_t i = 0; i < run_.robot().joints.size(); ++i)
       joints[tell(i)].push_back(run_.robot().joints[i].name);
     std::vector<std::string> words;
-    for (const bool one : {true, false}) {  // the one that is broken first
+    for (const bool one : {true, false}) {  // the faulty drive first
       for (const auto& [told, names] : joints) {
         if ((names == std::vector{target_}) != one || told.empty()) continue;
         words.push_back(group(names) + " " + told);
@@ -166,7 +168,7 @@ TEST_P(FaultMatrix, SaysWhatHappens) {
   EXPECT_EQ(fault.controller(), GetParam().controller);
   EXPECT_EQ(fault.drives(), GetParam().drives);
   RobotRun& run = fault.run();
-  // What the words stand for: no torque at all, or the whole robot as before.
+  // "Stopped" means no torque on any drive; otherwise the whole robot must work as before.
   const bool stopped = !behaviour::kTorque.contains(run.behaviour().state) || run.board().watchdog_bitten();
   EXPECT_EQ(run.torque_count(), stopped ? 0 : 20);
   EXPECT_EQ(run.board().drive_enable_line(), !stopped);

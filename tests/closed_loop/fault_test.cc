@@ -13,12 +13,14 @@ using Kind = sim::Fault::Kind;
 using DriveState = canopen::cia402::State;
 
 constexpr std::uint8_t kFirstDrive = 16;
-constexpr std::uint16_t kBehaviour = 0xFF00;  // the controller's own error
+constexpr std::uint16_t kBehaviour = 0xFF00;  // error code of the controller, in the range of device-specific
+                                              // errors
 constexpr std::uint64_t kInMotion_us = 2'000'000;
-// What a drive takes to torque off: 50 ms of ramp at most, 100 ms of holding, its own loop and a cycle.
+// Maximum time from the trigger to torque off: 50 ms of ramp, 100 ms of holding, one period of the drive's
+// loop and one cycle.
 constexpr std::uint64_t kStop_us = 165'000;
 
-// State, line and drives as they are half a second after any fault; and what was said of it on the bus.
+// Checks state, drive-enable line, drives and emergency messages half a second after any fault.
 void expect_fault(RobotRun& run, std::uint64_t at_us, Reason reason) {
   run.run_until_us(at_us + 500'000);
   EXPECT_EQ(run.behaviour().state, State::kFault);
@@ -42,12 +44,13 @@ TEST(FirmwareStops, InMidSquatAndAllDrivesStopQuicklyThenCutTheirTorque) {
   run.run_until_us(kMidSquat_us);
   ASSERT_EQ(run.count_in(DriveState::kOperationEnabled), 20);
 
-  // Five cycles without SYNC, or 60 ms without heartbeat; both began up to a cycle or a beat earlier.
+  // Limits: five cycles without SYNC, or 60 ms without heartbeat. Both periods began up to one cycle or one
+  // heartbeat earlier.
   run.run_until_us(kMidSquat_us + 38'000);
   EXPECT_EQ(run.count_in(DriveState::kOperationEnabled), 20);
   run.run_until_us(kMidSquat_us + 52'000);
   EXPECT_EQ(run.count_in(DriveState::kFaultReactionActive), 20);
-  EXPECT_EQ(run.torque_count(), 20);  // they stop, they do not let go
+  EXPECT_EQ(run.torque_count(), 20);  // the drives hold their position and keep torque
   EXPECT_TRUE(run.board().drive_enable_line());
   run.run_until_us(kMidSquat_us + 52'000 + kStop_us);
   EXPECT_EQ(run.count_in(DriveState::kFault), 20);
@@ -57,7 +60,7 @@ TEST(FirmwareStops, InMidSquatAndAllDrivesStopQuicklyThenCutTheirTorque) {
     auto told = run.emergencies(node, canopen::cia402::kErrorSyncLost);
     for (const auto& frame : run.emergencies(node, canopen::cia402::kErrorHeartbeatLost))
       told.push_back(frame);
-    ASSERT_FALSE(told.empty()) << int{node};  // the other loss follows the first
+    ASSERT_FALSE(told.empty()) << int{node};  // the second loss follows the first
     EXPECT_LE(told[0].end_us, kMidSquat_us + 55'000);
   }
 }
@@ -87,7 +90,7 @@ TEST(DriveHangs, InMotionAndTheOthersStop) {
   ASSERT_TRUE(run.run_until(State::kFault, kInMotion_us + 61'000));
   EXPECT_EQ(run.behaviour().drive_fault, DriveFault::kLost);
   EXPECT_EQ(run.behaviour().faulty_joint, run.joint("left_knee"));
-  // The motor of the drive that hangs goes on as it was, until the line falls.
+  // The motor of the hanging drive keeps its last torque until the drive-enable line falls.
   run.run_until_us(run.now_us() + kStop_us);
   EXPECT_EQ(run.torque_count(), 1);
   EXPECT_TRUE(run.board().drive_enable_line());
@@ -106,7 +109,7 @@ TEST(DriveLosesPower, InMotionAndTheOthersStop) {
 
 // --- Reset
 
-// Answers of the drives to the last SYNC are under way when the command arrives, at some of these times.
+// At some of these times the drives' answers to the last SYNC are still on the bus when the command arrives.
 TEST(Reset, IsObeyedInEachMillisecondOfTheCycle) {
   constexpr std::uint64_t kPeriod_us = 900'000;
   constexpr std::uint64_t kPhases = 10;
@@ -180,8 +183,7 @@ TEST(BusWithoutAcknowledgement, InMotionAndTheDrivesStopByThemselves) {
   EXPECT_EQ(run.count_in(DriveState::kFault), 20);
 }
 
-// A robot that walks on its own feet, while in every second dozens of frames are lost, doubled, late or sent
-// again.
+// Each second, dozens of frames are lost, duplicated, delayed or retransmitted while the robot walks.
 TEST(BadBus, DoesNotStopAWalkingRobot) {
   const std::vector<sim::Override> faults{
       {"faults",
@@ -203,7 +205,7 @@ TEST(BadBus, DoesNotStopAWalkingRobot) {
   EXPECT_EQ(run.torque_count(), 20);
   EXPECT_GT(end_W.x() - start_W.x(), 0.2);
   EXPECT_NEAR(end_W.z(), start_W.z(), 0.03);
-  // A hundredth and more of some twenty thousand frames.
+  // At least one per cent of about 20 000 frames.
   EXPECT_GT(run.board().bus().usage().error_frames, 200u);
 }
 
@@ -215,7 +217,7 @@ TEST(EmergencyStop, InMidSquatCutsAllTorqueAtOnce) {
   RobotRun run(scenario);
   run.run_until_us(kMidSquat_us);
   ASSERT_EQ(run.torque_count(), 20);
-  run.run_until_us(kMidSquat_us + 3'000);  // the frame, a service call, the drives' next loop
+  run.run_until_us(kMidSquat_us + 3'000);  // the frame, one service call and the drives' next loop
   EXPECT_EQ(run.behaviour().state, State::kEmergencyStop);
   EXPECT_EQ(run.torque_count(), 0);
   run.run_until_us(kMidSquat_us + 300'000);

@@ -9,9 +9,9 @@
 
 namespace koboshi::test {
 
-inline constexpr std::uint8_t kController = 1;  // its node id
+inline constexpr std::uint8_t kController = 1;  // node id of the controller
 
-// The firmware in this process, with a window: a test sees its state even when its bus is dead.
+// Runs the firmware in this process and exposes its state, also while the bus is down.
 class OpenHost final : public sim::ControllerHost {
  public:
   explicit OpenHost(std::span<const std::byte> storage_contents) : storage_(filled(storage_contents)) {}

@@ -8,12 +8,12 @@
 
 namespace koboshi::test {
 
-// A PC at the bus of a simulation, for the tools that talk over a transport. While it waits, the robot goes
-// on.
+// A PC on the bus of a simulation, for tools that use a transport. The simulation advances while the PC
+// waits.
 class Pc final : public sim::Transport, private sim::BusNode {
  public:
-  // Hears what the node with this id answers by SDO. `meanwhile` is done after each millisecond. All must
-  // outlive the PC.
+  // Receives the SDO answers of the node with this id. Calls `meanwhile` after each millisecond. All
+  // arguments must outlive the PC.
   Pc(
       simulation::Simulation& simulation, std::uint8_t node_id, std::function<void()> meanwhile = [] {})
       : simulation_(simulation),
@@ -22,7 +22,7 @@ class Pc final : public sim::Transport, private sim::BusNode {
         handle_(simulation.board().bus().attach(*this, sim::AcceptanceFilter::all(), 64)) {}
 
   bool send(const hal::CanFrame& frame, std::uint64_t) override {
-    // A controller's FIFO is emptied by the bus, whose time goes on only here.
+    // Only simulated time empties the controller's FIFO, so the PC advances it while it waits.
     constexpr int kPatience_ms = 100;
     for (int waited_ms = 0; waited_ms < kPatience_ms; ++waited_ms) {
       if (simulation_.board().bus().queue(handle_, frame, simulation_.board().now_us())) return true;

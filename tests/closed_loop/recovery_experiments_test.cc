@@ -1,4 +1,4 @@
-// The experiments on falling and getting up in short.
+// Short versions of the experiments on falling and standing up.
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,8 @@ TEST(StandUp, GetsUpFromWhereItWasDropped) {
   for (const Trial& trial : result.cells[0].played) {
     EXPECT_GT(trial.values.at("time_s"), 1.5);
     EXPECT_GT(trial.values.at("peak_torque_Nm"), 0.5);
-    // A motor makes twice its stall torque at most: driven backwards at its no-load speed.
+    // The torque limit of a motor is twice its stall torque, reached when it is back-driven at its no-load
+    // speed.
     EXPECT_GT(trial.values.at("peak_motor_torque_Nm"), 0.5);
     EXPECT_LT(trial.values.at("peak_motor_torque_Nm"), 2.0 * 1.373);
   }
@@ -74,8 +75,9 @@ Options in_mujoco(std::size_t seeds, std::uint64_t first_seed) {
   return options;
 }
 
-// docs/experiment/contacts.md in short. With seed 10 a contact was 3.3 mm deep without a force, and 1 % of
-// the steps unsettled, when the lifts were set to the slips three times.
+// Short version of docs/experiment/contacts.md. An earlier version of the contact solver iterated three times
+// between lifts and slips; with seed 10 it left a contact 3.3 mm deep without force, and 1 % of the steps
+// unsettled.
 TEST(Contacts, HoldInFallsAndInGettingUp) {
   if (!sim::has_mujoco()) GTEST_SKIP() << "built without MuJoCo";
   const auto options = in_mujoco<ContactsOptions>(2, 9);
@@ -83,7 +85,7 @@ TEST(Contacts, HoldInFallsAndInGettingUp) {
   const ExperimentResult result = play_experiment(experiment, {});
   for (const CellResult& cell : result.cells) {
     for (const Trial& trial : cell.played) {
-      double ways = 0.0;  // in which it was lost
+      double ways = 0.0;  // number of outcomes recorded; exactly one is expected
       for (const Measure& measure : outcome_measures()) ways += trial.values.at(measure.name);
       EXPECT_EQ(trial.values.at(kLost), 1.0);
       EXPECT_EQ(ways, 1.0);

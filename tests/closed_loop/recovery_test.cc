@@ -1,4 +1,4 @@
-// scenarios/get_up.yaml and rise.yaml: the robot foresees its falls, meets the ground, and gets up.
+// scenarios/get_up.yaml and rise.yaml: the robot predicts its falls, reaches the ground and stands up.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ double tilt_deg(const RobotRun& run) {
   return std::acos(run.board().world().body(0).X_WL.linear()(2, 2)) * 180.0 / std::numbers::pi;
 }
 
-// Whether a link other than a foot is on the ground.
+// Returns true if any link other than a foot touches the ground.
 bool lies(const RobotRun& run) {
   const auto feet = sim::feet_of(run.board().robot());
   for (const sim::Contact& contact : run.board().world().contacts()) {
@@ -53,7 +53,7 @@ TEST(Recovery, ForeseesAFallToTheFrontAndOneToTheBackAndGetsUp) {
     EXPECT_LT(tilt_deg(run), 10.0);
   }
   EXPECT_EQ(run.behaviour().faults, 0);
-  // And it walks again.
+  // The robot walks again after it has stood up.
   ASSERT_TRUE(run.run_until(State::kWalking, 29'000'000));
   run.run_until_us(34'500'000);
   EXPECT_EQ(run.behaviour().state, State::kStanding);

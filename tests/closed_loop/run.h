@@ -12,7 +12,7 @@
 
 namespace koboshi::test {
 
-// A whole run in simulated time: firmware, board and scenario, with all that was said on the bus.
+// A complete run in simulated time (firmware, board and scenario) that records all bus traffic.
 class RobotRun final : private sim::BusObserver {
  public:
   struct Frame {
@@ -25,7 +25,7 @@ class RobotRun final : private sim::BusObserver {
   ~RobotRun() { board().bus().set_observer(nullptr); }
 
   void run_until_us(std::uint64_t end_us);
-  // False when the state did not come until then.
+  // Returns false if the behaviour has not reached `state` at `limit_us`.
   bool run_until(behaviour::State state, std::uint64_t limit_us);
   bool run_until(const std::function<bool()>& condition, std::uint64_t limit_us);
 
@@ -37,17 +37,17 @@ class RobotRun final : private sim::BusObserver {
   }
   const sim::RobotDescription& robot() const { return simulation_.robot(); }
   std::size_t joint(const std::string& name) const;
-  // How many drives make torque.
+  // Number of drives that make torque.
   int torque_count() const;
-  // How many are in this state.
+  // Number of drives in this CiA 402 state.
   int count_in(canopen::cia402::State state) const;
-  // How long drives have held back behind their targets, of all together: none of the robot's own motions
-  // meets a limit that is there to catch nonsense.
+  // Sum over all drives of the time for which a drive limited its demand. Zero for the robot's own motions:
+  // the limits only reject implausible targets.
   std::uint64_t limited_ms() const;
   const std::vector<Frame>& frames() const { return frames_; }
-  // Emergency messages of a node that tell of this error.
+  // Returns the emergency messages of this node with this error code.
   std::vector<Frame> emergencies(std::uint8_t node_id, std::uint16_t code) const;
-  // Of all frames with their times, and of every body's state in each millisecond.
+  // Hash of all frames with their times and of the state of each body in each millisecond.
   std::uint64_t hash() const { return hash_; }
 
  private:
@@ -61,17 +61,18 @@ class RobotRun final : private sim::BusObserver {
   std::uint64_t hash_ = 0xCBF2'9CE4'8422'2325;  // FNV-1a
 };
 
-// The robot of scenarios/squat.yaml on its stand, quicker than there: enabled at 0.7 s, standing by itself
-// from 1.4 s on, told to play the squat at 1.5 s. It begins to go down at 3.5 s and is down at 4.5 s.
+// The robot of scenarios/squat.yaml on its stand, with an earlier schedule: enabled at 0.7 s, released and
+// standing from 1.4 s, squat commanded at 1.5 s. The robot begins to lower at 3.5 s and is at the bottom at
+// 4.5 s.
 inline constexpr std::uint64_t kEnable_us = 700'000;
 inline constexpr std::uint64_t kRelease_us = 1'400'000;
 inline constexpr std::uint64_t kPlay_us = 1'500'000;
 inline constexpr std::uint64_t kMidSquat_us = 4'200'000;
 sim::Scenario quick_squat();
-// The same, but it stays on its stand.
+// The same run, but the robot stays on its stand.
 sim::Scenario hanging_squat();
 
-// `quick_squat` or `hanging_squat` with something that breaks.
+// `quick_squat` or `hanging_squat` with an added fault.
 sim::Scenario with_fault(sim::Scenario scenario, sim::Fault::Kind kind, std::uint64_t at_us,
                          const std::string& joint = {});
 

@@ -1,4 +1,4 @@
-// How fast a large object comes over the bus of a walking robot, in simulated time.
+// Measures how fast a PC uploads a large object over the bus of a walking robot, in simulated time.
 
 #include <gtest/gtest.h>
 
@@ -12,11 +12,11 @@
 namespace koboshi {
 namespace {
 
-constexpr std::uint8_t kServer = 2;  // beside the controller
+constexpr std::uint8_t kServer = 2;  // node id next to the controller's
 constexpr std::size_t kSize_bytes = 32 << 10;
 constexpr double kWanted_bytes_per_s = 10 << 10;
 
-// A node of the same stack as the controller's, served as often; 0x2100 is its domain.
+// A CANopen node on the controller's stack, serviced at the same rate. Its domain object is 0x2100.
 class Server final : private sim::BusNode, private canopen::FrameSink {
  public:
   explicit Server(sim::Bus& bus) : bus_(bus), handle_(bus.attach(*this, sim::AcceptanceFilter::all(), 8)) {
@@ -43,7 +43,7 @@ TEST(SdoUpload, ByBlocksIsQuickBesideAWalk) {
   sim::SimBoard& board = simulation.board();
   Server server(board.bus());
   test::Pc pc(simulation, kServer, [&] { server.process(); });
-  pc.advance_until_us(5'000'000);  // it walks
+  pc.advance_until_us(5'000'000);  // the robot is walking
   const sim::BusUsage before = board.bus().usage();
   const std::vector<std::uint8_t> data = tools::SdoTransfer(pc, kServer).upload({0x2100, 1});
   const double duration_s = 1e-6 * static_cast<double>(board.now_us() - before.time_us);

@@ -1,4 +1,4 @@
-// Whole simulations that go back in time: firmware, bus, drives, sensors, world, scenario and observers.
+// Restores snapshots of whole simulations: firmware, bus, drives, sensors, world, scenario and observers.
 
 #include <gtest/gtest.h>
 #include <malloc.h>
@@ -23,13 +23,13 @@ namespace {
 using simulation::Simulation;
 using simulation::Snapshot;
 
-// A simulation, its observer, and a PC that says some frames at their times: it stores parameters, then reads
-// a motion by a block transfer and loses interest.
+// A simulation with an observer and a PC that sends frames at fixed times: it stores parameters, then begins
+// a block upload of a motion and abandons it.
 class Watched {
  public:
   explicit Watched(const sim::Scenario& scenario) : simulation_(scenario), recorder_(simulation_, nullptr) {}
 
-  // Keeps the state hash after each millisecond, by which two runs are compared.
+  // Records the state hash after each millisecond, to compare two runs.
   void run_until_ms(std::uint64_t end_ms) {
     while (now_ms() < end_ms) {
       say();
@@ -67,7 +67,7 @@ class Watched {
   std::map<std::uint64_t, std::uint64_t> hashes_;
 };
 
-// The robot on its stand, let go while it squats, and what the seed says befalls it.
+// The robot on its stand, released while it squats, with faults and disturbances drawn from the seed.
 sim::Scenario adventure(sim::Stepper stepper, std::uint64_t seed) {
   sim::RandomStream random(seed, "adventure");
   sim::Scenario scenario = quick_squat();
@@ -106,7 +106,7 @@ sim::Scenario adventure(sim::Stepper stepper, std::uint64_t seed) {
   return scenario;
 }
 
-// Whatever an operator and fate can do besides, for some time.
+// Applies operator commands and disturbances for some time, so that the state differs from the snapshot.
 void spoil(Watched& watched) {
   Simulation& simulation = watched.simulation();
   sim::SimBoard& board = simulation.board();
@@ -143,8 +143,8 @@ TEST_P(SnapshotInEachStepper, GoesOnToTheSameBitsFromWhereverItIsRestored) {
 
   Watched parts(scenario);
   std::map<std::uint64_t, Snapshot> snapshots;
-  // Before anything; while drives boot, while parameters are stored; with a block on its way, in faults,
-  // free.
+  // Snapshot times: before the first step; while drives boot; while parameters are stored; during a block
+  // transfer and in fault; after the release.
   for (const std::uint64_t at_ms : {0u, 57u, 613u, 1507u, 1733u}) {
     parts.run_until_ms(at_ms);
     snapshots.emplace(at_ms, parts.simulation().snapshot());
@@ -166,8 +166,8 @@ TEST_P(SnapshotInEachStepper, GoesOnToTheSameBitsFromWhereverItIsRestored) {
   }
 }
 
-// The bytes of board and drives where they lie, but for the wall time that they took: a member that no
-// archive function lists has what the run between has left in it.
+// Returns the memory image of board and drives without the measured wall time. A member that no archive
+// function lists would keep its value from the run in between, and the images would differ.
 std::vector<std::byte> image(const sim::SimBoard& board) {
   std::vector<std::byte> image;
   const auto add = [&](const auto& object) {
@@ -236,7 +236,7 @@ TEST(Snapshot, IsRefusedWhereSomethingLivesOutside) {
   EXPECT_THROW(static_cast<void>(simulation.snapshot()), sim::NotSaveable);
 }
 
-// The size is what the comment of Snapshot says. Prints what a snapshot costs.
+// Checks the size in the comment of Snapshot, and prints the cost of a snapshot.
 TEST(Snapshot, IsSmall) {
   Watched watched(quick_squat());
   watched.run_until_ms(1700);

@@ -25,7 +25,7 @@ TEST(Squat, GoesDownByThreeCentimetresAndUpAgainWithoutFaults) {
   run.run_until_us(3'400'000);
   ASSERT_EQ(run.behaviour().state, State::kMotion);
   const double up_m = run.board().world().body(0).X_WL.translation().z();
-  run.run_until_us(4'530'000);  // the servos are a little behind
+  run.run_until_us(4'530'000);  // the servos lag a little
   const double down_m = run.board().world().body(0).X_WL.translation().z();
   run.run_until_us(5'530'000);
   const double up_again_m = run.board().world().body(0).X_WL.translation().z();
@@ -47,7 +47,7 @@ TEST(Squat, EndsWhereItBeganWhenTheOperatorStopsIt) {
   RobotRun run(scenario);
   run.run_until_us(3'600'000);
   ASSERT_EQ(run.behaviour().state, State::kMotion);
-  // The squat of two seconds that has begun, then half a second to the standing pose.
+  // The current squat takes two seconds, then half a second to the standing pose.
   EXPECT_FALSE(run.run_until(State::kStanding, 5'900'000));
   EXPECT_TRUE(run.run_until(State::kStanding, 6'100'000));
 }

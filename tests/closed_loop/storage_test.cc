@@ -1,4 +1,4 @@
-// What a PC puts into the robot's storage, over the bus: motions and parameters.
+// A PC writes motions and parameters to the robot's storage over the bus.
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ constexpr canopen::ObjectAddress kArgument{0x2000, 2};
 constexpr canopen::ObjectAddress kState{0x2001, 1};
 constexpr std::uint64_t kStanding_us = 4'000'000;
 
-// The robot of scenarios/squat.yaml, which knows the stand alone.
+// The robot of scenarios/squat.yaml with the standing motion alone.
 sim::Scenario stand() {
   const std::vector<sim::Override> overrides{{"physics.stepper", "lumped"},
                                              {"motions", "[robots/koboshi/motions/stand.yaml]"},
@@ -75,13 +75,12 @@ TEST(Storage, PlaysAMotionThatCameOverTheBus) {
     lowest_m = std::min(lowest_m, simulation.board().world().body(0).X_WL.translation().z());
   }
   EXPECT_EQ(sdo.read(kState).at(0), static_cast<std::uint8_t>(behaviour::State::kMotion));
-  EXPECT_NEAR(standing_m - lowest_m, 0.030, 0.004);  // as deep as the motion's file says
-  // While it moves nothing is written.
+  EXPECT_NEAR(standing_m - lowest_m, 0.030, 0.004);  // depth of the squat in the motion's file
+  // The controller refuses to write storage while the robot moves.
   EXPECT_EQ(refusal([&] { sdo.download(kSecondMotion, image); }), canopen::AbortCode::kDeviceState);
 }
 
-// Both ankles' servos sit on another tooth, two degrees short of what their encoders say: the robot leans,
-// until it is told.
+// The horns of both ankle servos are mounted two degrees off, so the robot leans until the trims are set.
 TEST(Storage, TrimsMakeUpForServosThatAreOff) {
   constexpr double kOff_rad = 0.035;
   constexpr auto kTrim = static_cast<std::uint16_t>(kOff_rad / (2.0 * std::numbers::pi) * 65536.0 + 0.5);
@@ -90,7 +89,7 @@ TEST(Storage, TrimsMakeUpForServosThatAreOff) {
     simulation::Simulation simulation(stand(), simulation::in_process(), [&](sim::RobotDescription& robot) {
       for (const std::string& name : ankles) {
         sim::JointDescription& joint = robot.joints[static_cast<std::size_t>(*robot.find_joint(name))];
-        joint.encoder.offset_rad += joint.drive.sign * kOff_rad;  // of the shaft
+        joint.encoder.offset_rad += joint.drive.sign * kOff_rad;  // offset of the shaft
       }
     });
     test::Pc pc(simulation, kController);

@@ -1,4 +1,4 @@
-// A search over runs of the real robot, each so short that it only boots.
+// A search over runs of the simulated robot, each so short that the robot only boots.
 
 #include "tools/tune/study_search.h"
 
@@ -27,7 +27,7 @@ std::ptrdiff_t lines(const std::filesystem::path& file) { return std::ranges::co
 class StudySearch : public testing::Test {
  protected:
   StudySearch() {
-    study_.file = tree_.write("boot.yaml", "");  // what a search goes on from depends on it
+    study_.file = tree_.write("boot.yaml", "");  // a resumed search checks the contents of this file
     study_.scenario = KOBOSHI_SOURCE_DIR "/scenarios/go.yaml";
     study_.numbers = {
         {.path = "parameters.step_height_mm", .low = 14, .high = 35, .grid = 0.1, .start = 20},
@@ -78,7 +78,7 @@ class InfeasibleStudySearch : public StudySearch {
  protected:
   InfeasibleStudySearch() {
     study_.scenario = KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml";
-    // From 170 mm on the legs cannot make the step.
+    // Above 170 mm the legs cannot make the step.
     study_.numbers = {
         {.path = "gait.set.com_height_m", .low = 0.15, .high = 0.25, .grid = 0.001, .start = 0.16}};
   }
@@ -97,7 +97,7 @@ TEST_F(InfeasibleStudySearch, CountsInfeasibleCandidatesByTheirLimitAndContinues
   EXPECT_THAT(evaluations, HasSubstr(",,,,the reach of the legs\n"));
   EXPECT_THAT(contents(options_.out / "report.md"),
               HasSubstr(std::to_string(infeasible) + " of 16 candidates infeasible: "));
-  // Resumed, it comes to the same end.
+  // A resumed search gives the same result.
   EXPECT_EQ(search(Search::kCmaEs).infeasible, result.infeasible);
   EXPECT_EQ(contents(options_.out / "evaluations.csv"), evaluations);
 }

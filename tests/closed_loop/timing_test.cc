@@ -19,7 +19,7 @@ bool is_within(const RobotRun::Frame& frame, std::uint16_t first_identifier) {
   return frame.frame.identifier >= first_identifier && frame.frame.identifier < first_identifier + 20;
 }
 
-// A second of squats, cycle by cycle.
+// One second of squats, recorded cycle by cycle.
 class Timing : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -31,7 +31,7 @@ class Timing : public testing::Test {
   }
   static void TearDownTestSuite() { run_.reset(); }
 
-  // The frames that began in the cycle after a tick's time.
+  // Returns the frames that began in the cycle after this tick.
   static std::vector<RobotRun::Frame> frames_of_cycle(std::uint64_t tick_us) {
     std::vector<RobotRun::Frame> frames;
     std::ranges::copy_if(run_->frames(), std::back_inserter(frames), [&](const RobotRun::Frame& frame) {
@@ -97,7 +97,7 @@ TEST_F(Timing, LoadsTheBusByAboutAHalf) {
   EXPECT_LE(load, 0.60);
   const std::uint64_t frames = after_.frames - before_.frames;
   EXPECT_NEAR(static_cast<double>(frames), 5'058.0,
-              5.0);  // 48 a cycle, 250 heartbeats, four supplies asked for
+              5.0);  // 48 per cycle, 250 heartbeats, four supply voltages requested
 }
 
 }  // namespace

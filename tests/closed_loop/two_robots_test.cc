@@ -1,4 +1,4 @@
-// One firmware, two robots: what differs is in their storage.
+// Runs one firmware on two robots that differ only in their storage.
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
     text.replace(at, from.size(), to);
 }
 
-// Koboshi with legs a fifth longer (78 mm of thigh and of shank for 65) and a trunk a quarter heavier.
+// Koboshi with legs a fifth longer (thigh and shank of 78 mm instead of 65 mm) and a trunk a quarter heavier.
 void write_tall_robot(const std::filesystem::path& folder) {
   std::string robot = read_file(kKoboshi / "robot.sdf");
   replace_all(robot, "<model name=\"koboshi\">", "<model name=\"tall\">");
@@ -45,8 +45,8 @@ void write_tall_robot(const std::filesystem::path& folder) {
   write_file(folder / "stand.yaml", stand);
 }
 
-// The gait of Koboshi at the same Froude number: with lengths by k, times and gains of a rate by sqrt(k).
-// Compliance goes with the weight, angles and shares stay.
+// Scales Koboshi's gait to the same Froude number: lengths by k, times and rate gains by sqrt(k). Compliance
+// scales with the weight; angles and ratios stay.
 void write_tall_parameters(const std::filesystem::path& folder) {
   std::string text = read_file(kKoboshi / "parameters.yaml");
   replace_all(text, "robot: koboshi", "robot: tall");
@@ -68,7 +68,7 @@ void write_tall_parameters(const std::filesystem::path& folder) {
 
 sim::Scenario walk_of(const std::filesystem::path& robot, const std::filesystem::path& stand,
                       const std::filesystem::path& folder) {
-  // It rests for a second before it is enabled: until then the gyro's bias is not known.
+  // The robot rests for one second before it is enabled, which the estimate of the gyro bias needs.
   write_file(folder / "walk.yaml",
              "version: 1\n"
              "robot: " +
@@ -88,7 +88,7 @@ sim::Scenario walk_of(const std::filesystem::path& robot, const std::filesystem:
   return sim::read_scenario(folder / "walk.yaml");
 }
 
-// Stands, walks for 2.5 seconds and has not fallen; gives the way that it made, along the ground.
+// Makes the robot stand, then walk for 2.5 s without a fall. Returns the distance walked along the ground.
 double walked_m(RobotRun& run) {
   EXPECT_TRUE(run.run_until(State::kStanding, 2'700'000));
   EXPECT_TRUE(run.run_until(State::kWalking, 2'900'000));
@@ -114,7 +114,7 @@ TEST(TwoRobots, WalkWithTheSameFirmware) {
   EXPECT_GT(walked_m(tall), 0.2);
 }
 
-// The gait of a robot belongs to its body: the firmware walks no robot that has none.
+// Gait parameters belong to a robot: the firmware does not walk without them.
 TEST(TwoRobots, WithoutParametersOfItsOwnOneStandsButDoesNotWalk) {
   const TemporaryFolder folder;
   write_tall_robot(folder.path);

@@ -1,4 +1,4 @@
-// scenarios/go.yaml: the robot walks where it is told to.
+// scenarios/go.yaml: the robot walks at a commanded velocity.
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ Place place(const RobotRun& run) {
           X_WB.linear()(2, 2)};
 }
 
-// From one place to the other along the heading at the first, and to its left.
+// Displacement between two poses, in the frame of the first heading: x forward, y left.
 Eigen::Vector2d way_m(const Place& from, const Place& to) {
   return Eigen::Rotation2Dd(-from.yaw_rad) * (to.p_m - from.p_m);
 }
@@ -70,7 +70,7 @@ TEST(WalkByCommand, GoesAheadAndRoundACurveAndStandsStill) {
   EXPECT_EQ(run.torque_count(), 20);
 }
 
-// What an operator does in the midst of a run is done as if the scenario had said so.
+// An operator's command during a run has the same effect as the same command in the scenario.
 TEST(WalkByCommand, RepeatsWhatAnOperatorDid) {
   using Kind = sim::Command::Kind;
   sim::Scenario scenario = go();

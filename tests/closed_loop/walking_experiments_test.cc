@@ -1,4 +1,4 @@
-// The experiments on walking by command in short: trials of the real robot that can go either way.
+// Short versions of the experiments on walking by command, with trials that can pass or fail.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ Options short_form() {
   return options;
 }
 
-// Slowly over a short way, and then at a command that the robot does not follow by half.
+// A slow walk over a short distance, then a commanded velocity of which the robot reaches less than half.
 TEST(WalkingSpeed, SustainsASlowWalkAndNoImpossibleOne) {
   WalkingSpeedOptions options = short_form<WalkingSpeedOptions>();
   options.way_m = 0.5;

@@ -6,7 +6,8 @@
 namespace koboshi::test {
 namespace {
 
-// The ZMP by the ankle sensors against the engine's contact forces, in every millisecond from `begin_us` on.
+// Returns the RMS difference between the ZMP from the ankle sensors and the ZMP of the engine's contact
+// forces, over each millisecond from `begin_us` on.
 double zmp_error_rms_m(const sim::Scenario& scenario, std::uint64_t begin_us, std::uint64_t end_us) {
   RobotRun run(scenario);
   simulation::ZmpSensorCheck check(run.robot(), scenario);
@@ -52,7 +53,7 @@ TEST(ZmpOfAnkleSensors, IsThatOfTheContactForcesWhileWalking) {
   const sim::Scenario scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml");
   const double error_m = zmp_error_rms_m(scenario, 3'500'000, 8'000'000);
   EXPECT_LT(error_m, 0.001);
-  EXPECT_GT(error_m, 0.0001);  // the feet touch down with their mass
+  EXPECT_GT(error_m, 0.0001);  // the feet have inertia at touchdown
 }
 
 }  // namespace
