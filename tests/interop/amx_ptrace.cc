@@ -1,5 +1,5 @@
-// A ptrace that refuses what a kernel refuses on a processor with AMX, for tests on processors without:
-// preloaded, it makes the extended state as large as there.
+// A preloaded ptrace that emulates a kernel on a processor with AMX, for tests on processors without: it
+// enlarges the extended state to the size with AMX and refuses the requests that such a kernel refuses.
 
 #include <dlfcn.h>
 #include <elf.h>
@@ -17,7 +17,7 @@ namespace {
 
 using Ptrace = long (*)(__ptrace_request, ...) noexcept;
 
-constexpr std::size_t kAmxStateSize = 11'008;  // of Sapphire Rapids: tile data, 8,192 bytes, at 2,816
+constexpr std::size_t kAmxStateSize = 11'008;  // size on Sapphire Rapids: tile data, 8,192 bytes, at 2,816
 
 Ptrace next_ptrace = nullptr;
 

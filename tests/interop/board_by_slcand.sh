@@ -1,6 +1,7 @@
 #!/bin/sh
-# board_by_slcand.sh KOBOSHI EDS: the simulated board as a serial CAN adapter, which slcand makes an interface of, and a master of python-can's
-# on that interface. For User-mode Linux (in_uml.sh): any other Linux makes the interface outside of all namespaces.
+# board_by_slcand.sh KOBOSHI EDS: attaches the simulated board as a serial CAN adapter with slcand and runs a python-can
+# master on the interface. Runs in User-mode Linux (in_uml.sh): on other kernels slcand creates the interface outside
+# all network namespaces.
 set -eu
 
 insmod /usr/lib/uml/modules/*/kernel/drivers/net/can/slcan/slcan.ko

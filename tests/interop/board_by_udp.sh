@@ -1,13 +1,13 @@
 #!/bin/sh
-# board_by_udp.sh KOBOSHI EDS: the simulated board on python-can's udp_multicast, in a network namespace of its own, and a master of
-# python-can's that boots, enables and moves its drives.
+# board_by_udp.sh KOBOSHI EDS: runs the simulated board on python-can's udp_multicast in a separate network namespace. A
+# python-can master boots, enables and moves its drives.
 set -eu
 
 if [ "${3:-}" != inside ]; then
   exec timeout 200 "$(dirname "$0")/in_network.sh" "$0" "$1" "$2" inside
 fi
 folder=$(mktemp -d)
-trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$folder"' EXIT  # whatever fails, no board stays behind
+trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$folder"' EXIT  # stops the board on any exit
 
 "$1" board --can udp:239.74.163.2:43113 --set physics.stepper=lumped >"$folder/board" 2>&1 &
 board=$!

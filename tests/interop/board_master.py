@@ -1,7 +1,7 @@
-"""A CANopen master that knows the drives from their EDS alone: boots them, enables them and moves each by five degrees.
+"""A CANopen master that reads the drives' objects from their EDS. It boots and enables the drives and moves each by five degrees.
 
-board_master.py EDS INTERFACE CHANNEL, as python-can names them: socketcan vcan0, udp_multicast 239.74.163.2. The bus is
-that of `koboshi board`.
+board_master.py EDS INTERFACE CHANNEL, with python-can's names: socketcan vcan0, udp_multicast 239.74.163.2. The nodes on the
+bus are those of `koboshi board`.
 """
 
 import configparser
@@ -19,13 +19,13 @@ TPDO = 0x180
 EVERY_SYNC, EVENTS = 1, 255  # transmission types
 TURN = 1 << 20
 STEP = TURN * 5 // 360
-PATIENCE_S = 60.0  # a machine may be busy
+PATIENCE_S = 60.0  # a loaded machine is slow
 SHUTDOWN, SWITCH_ON, ENABLE = 0x06, 0x07, 0x0F
 FORMATS = {2: "<b", 3: "<h", 4: "<i", 5: "<B", 6: "<H", 7: "<I"}  # by data type of CiA 301
 
 
 class Objects:
-    """The objects of an EDS, by their names."""
+    """The objects of an EDS, by name."""
 
     def __init__(self, path):
         eds = configparser.ConfigParser(strict=True, interpolation=None)
@@ -59,7 +59,7 @@ class Master:
             time.sleep(max(0.0, due - time.monotonic()))
 
     def send(self, identifier, data):
-        """Sends when the interface's queue has room: on a serial adapter that is not at once."""
+        """Sends when the interface's queue has room, which takes time on a serial adapter."""
         message = can.Message(arbitration_id=identifier, data=data, is_extended_id=False)
         end = time.monotonic() + PATIENCE_S
         while True:
@@ -101,7 +101,7 @@ class Master:
         self.sdo(node, struct.pack("<BHB", command, index, sub) + data.ljust(4, b"\0"))
 
     def wait_for_boot(self):
-        """Resets the nodes, and hears each of them come up."""
+        """Resets the nodes and waits for the boot-up message of each."""
         self.send(0x000, bytes([0x81, 0]))
         self.booted.clear()
         end = time.monotonic() + PATIENCE_S
@@ -124,10 +124,10 @@ class Master:
                     raise RuntimeError(f"node {node}: statusword {found:02X} after controlword {word:02X}")
 
     def move(self, node):
-        """How far a drive comes, in steps, when its target goes by one towards the middle of its range.
+        """Returns the travel of a drive, in encoder counts, when its target moves one step towards the middle of its range.
 
-        A proportional loop stays behind its target by what load and friction ask of it. A first step in the same direction lets it, so
-        that the second has the same lag at both ends.
+        A proportional loop lags its target by an amount that depends on load and friction. A first step in the same direction
+        settles this lag, so that both ends of the second step have the same one.
         """
         self.set_transmission(node, EVERY_SYNC)
         limits = self.read(node, "Position limit minimum"), self.read(node, "Position limit maximum")
@@ -150,12 +150,12 @@ class Master:
         self.wait_for_rest(node)
 
     def wait_for_cycles(self, node, count):
-        """Until the drive has sent so many process data, one for each SYNC: the clock of the bus, however slow the machine is."""
+        """Waits for this many process data from the drive. It sends one per SYNC, so the wait follows the clock of the bus."""
         for _ in range(count):
             self.receive(TPDO + node)
 
     def wait_for_rest(self, node):
-        """Until three readings differ by an encoder's count at most."""
+        """Waits until three consecutive readings differ by at most one encoder count."""
         end = time.monotonic() + PATIENCE_S
         readings = []
         while len(readings) < 3 or max(readings[-3:]) - min(readings[-3:]) > TURN // 4096:
@@ -166,9 +166,10 @@ class Master:
 
 
 def widen_receive_buffer(bus):
-    """Makes room for what arrives while this process does not run: by default 4,500 frames/s fill a socket in a few hundredths of a
-    second, and the kernel drops the answer that is waited for."""
-    so_rcvbufforce = 33  # of asm-generic/socket.h; Python has no name for it. Only root may: others keep the default.
+    """Enlarges the receive buffer. By default, 4,500 frames/s fill a socket in a few hundredths of a second while this process
+    does not run, and the kernel drops the expected answer."""
+    so_rcvbufforce = 33  # from asm-generic/socket.h; Python does not name it. Needs root; other users keep the default
+                         # size.
     try:
         bus.socket.setsockopt(socket.SOL_SOCKET, so_rcvbufforce, 1 << 24)
     except (AttributeError, PermissionError):

@@ -1,6 +1,6 @@
 #!/bin/sh
-# board_on_vcan.sh KOBOSHI EDS: the simulated board on vcan0, and a master of python-can's that boots, enables and moves its drives, while
-# candump listens. Needs a vcan0: see with_vcan.sh.
+# board_on_vcan.sh KOBOSHI EDS: runs the simulated board on vcan0. A python-can master boots, enables and moves its
+# drives while candump records. Needs a vcan0: see with_vcan.sh.
 set -eu
 
 koboshi=$1

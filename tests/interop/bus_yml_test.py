@@ -1,6 +1,6 @@
-"""bus_yml_test.py FOLDER: bus.yml as dcfgen of lely-core reads it, with the data sheets that it names.
+"""bus_yml_test.py FOLDER: checks bus.yml and the data sheets that it names by the rules of dcfgen of lely-core.
 
-The keys are those of lely's documentation of dcf-tools. What dcfgen would refuse or warn of fails here.
+The keys are those of lely's documentation of dcf-tools. The test fails on all that dcfgen would refuse or warn about.
 """
 
 import pathlib
@@ -22,7 +22,7 @@ SLAVE = {"dcf": str, "dcf_path": str, "node_id": int, "revision_number": int, "s
          "heartbeat_multiplier": float, "heartbeat_consumer": bool, "heartbeat_producer": int, "error_behavior": dict,
          "rpdo": dict, "tpdo": dict, "boot": bool, "mandatory": bool, "reset_communication": bool, "software_file": str,
          "software_version": int, "restore_configuration": int, "sdo": list}
-# An RPDO's event_deadline is left out: dcfgen 2.3 cannot write it.
+# RPDOs have no event_deadline: dcfgen 2.3 cannot write it.
 PDO = {"enabled": bool, "cob_id": int, "transmission": int, "inhibit_time": int, "event_timer": int, "sync_start": int,
        "mapping": list}
 ENTRY = {"index": int, "sub_index": int}
@@ -50,7 +50,7 @@ class BusYml(unittest.TestCase):
                 yield slave, self.eds[slave["dcf"]]
 
     def section(self, eds, entry):
-        """Where an EDS describes an object."""
+        """Returns where an EDS describes an object."""
         name, sub = f"{entry['index']:04X}", entry.get("sub_index", 0)
         self.assertTrue(eds.has_section(name), name)
         return eds[f"{name}sub{sub:X}" if eds.has_option(name, "SubNumber") else name]

@@ -1,5 +1,5 @@
-// Writes FOLDER/can.log: a controller that boots twenty drives over the model of the bus and runs them for
-// two seconds, with every kind of CANopen message that there is on this robot.
+// Writes FOLDER/can.log: a controller boots twenty drives over the simulated bus and runs them for two
+// seconds. The log contains every kind of CANopen message that the robot uses.
 
 #include <cstdio>
 #include <exception>
@@ -53,8 +53,8 @@ class Drive final : public Member {
   }
 
  private:
-  // Expedited SDO: an upload is answered with four bytes, a download confirmed, but for 0x1A00, which is
-  // refused.
+  // Answers expedited SDO requests: uploads with four bytes, downloads with a confirmation. Aborts those of
+  // 0x1A00.
   void answer(const hal::CanFrame& frame, std::uint64_t time_us) {
     const auto& data = frame.data;
     if (data[2] == 0x1A) {
@@ -82,7 +82,7 @@ void boot(Bus& bus, Member& controller, std::vector<Drive>& drives) {
     controller.send(request, {0x40, 0x18, 0x10, 0x01, 0, 0, 0, 0}, time_us + 500);            // vendor
     controller.send(request, {0x23, 0x00, 0x16, 0x01, 0x10, 0, 0x40, 0x60}, time_us + 1000);  // mapping
     controller.send(request, {0x2F, 0xC2, 0x60, 0x01, 10, 0, 0, 0}, time_us + 1500);  // interpolation time
-    controller.send(request, {0x2F, 0x00, 0x1A, 0x00, 0, 0, 0, 0}, time_us + 2000);   // refused
+    controller.send(request, {0x2F, 0x00, 0x1A, 0x00, 0, 0, 0, 0}, time_us + 2000);   // aborted
     bus.advance_to(time_us + 4'000);
   }
   controller.send(0x000, {0x01, 0x00}, 180'000);  // NMT: start all nodes
@@ -117,7 +117,7 @@ void write_sample(const std::filesystem::path& folder) {
   bus.set_observer(&recorder);
   Member controller(bus, AcceptanceFilter::all());
   std::vector<Drive> drives;
-  drives.reserve(kDrives);  // the bus keeps their addresses
+  drives.reserve(kDrives);  // the bus keeps pointers to the elements
   for (std::uint16_t i = 0; i < kDrives; ++i)
     drives.emplace_back(bus, static_cast<std::uint16_t>(kFirstDrive + i));
   boot(bus, controller, drives);

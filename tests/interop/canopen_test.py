@@ -1,6 +1,5 @@
-"""canopen_test.py KOBOSHI LOG...: Wireshark's CANopen dissector and `koboshi can dump` read the same from each log: NMT,
-SYNC, EMCY, heartbeat and SDO with all their fields. Block transfers are left out: of those, the dump tells no more than
-that they are."""
+"""canopen_test.py KOBOSHI LOG...: compares Wireshark's CANopen dissector with `koboshi can dump` on each log: all fields of
+NMT, SYNC, EMCY, heartbeat and SDO. Frames of block transfers are excluded: the dump only names their service."""
 
 import collections
 import subprocess
@@ -18,7 +17,7 @@ ABORT = 4
 
 
 def dissect(log):
-    """What tshark tells of each frame: {field: value} with numbers where there are some."""
+    """Returns the fields of each frame that tshark prints: {field: value}, with numbers where possible."""
     arguments = [argument for field in FIELDS for argument in ("-e", field)]
     output = subprocess.run(["tshark", "-r", log, "-d", "can.subdissector,canopen", "-T", "fields", *arguments],
                             check=True, capture_output=True, text=True).stdout
@@ -28,13 +27,13 @@ def dissect(log):
 
 
 def dump(log):
-    """What our decoder says of each frame."""
+    """Returns our decoder's text of each frame."""
     output = subprocess.run([KOBOSHI, "can", "dump", log], check=True, capture_output=True, text=True).stdout
     return [line[12:].split(maxsplit=1)[1] if len(line.split()) > 2 else "" for line in output.splitlines()]
 
 
 def sdo_text(seen):
-    """The words for a dissected SDO; only their beginning for an abort, whose code has a text of its own."""
+    """Returns the expected text of a dissected SDO. For an abort it is only the beginning, without the text of the code."""
     request = "ccs" in seen
     specifier = seen["ccs"] if request else seen["scs"]
     if specifier == ABORT:
@@ -51,7 +50,7 @@ def sdo_text(seen):
 
 
 def words(seen):
-    """The service of a dissected frame and the words that our decoder should have for it; nothing for a PDO."""
+    """Returns the service of a dissected frame and our decoder's expected text, or nothing for a PDO."""
     identifier = seen["id"]
     node = f"node {identifier & 0x7F}"
     if "cd" in seen:
@@ -77,12 +76,12 @@ class CanOpen(unittest.TestCase):
             for number, (seen, text) in enumerate(zip(dissected, ours), 1):
                 told = words(seen)
                 if told is None:
-                    # Neither may know more of a frame than the other.
+                    # Neither program may decode a frame that the other does not.
                     self.assertFalse(text.startswith(("NMT", "SYNC", "EMCY", "heartbeat", "SDO")), f"{log}:{number}: {text}")
                     continue
                 service, expected = told
                 services[service] += 1
-                if expected.endswith(" "):  # a code, and then what it is called
+                if expected.endswith(" "):  # a code, followed by its name
                     self.assertTrue(text.startswith(expected), f"{log}:{number}: '{text}' for '{expected}'")
                 else:
                     self.assertEqual(text, expected, f"{log}:{number}")

@@ -1,6 +1,6 @@
 #!/bin/sh
-# check_can_log.sh LOG: fails unless the CAN tools that others wrote take the log for what it is: can-utils convert it to
-# Vector's format and back without a change, and Wireshark's CANopen dissector finds every frame and none malformed.
+# check_can_log.sh LOG: checks a log with third-party CAN tools. can-utils must convert it to Vector's format and back
+# without a change, and Wireshark's CANopen dissector must find every frame and none malformed.
 set -eu
 
 log=$1

@@ -1,5 +1,6 @@
 #!/bin/sh
-# check_scenarios.sh KOBOSHI [SECONDS]: by hand, what the tests do with the log of one run, with those of all scenarios.
+# check_scenarios.sh KOBOSHI [SECONDS]: runs all scenarios and checks their logs as the tests check one. For use by
+# hand.
 set -eu
 
 koboshi=$1
@@ -10,10 +11,10 @@ trap 'rm -rf "$folder"' EXIT
 for scenario in scenarios/*.yaml; do
   name=$(basename "$scenario" .yaml)
   log=$folder/$name/can.log
-  if [ "$name" = board ]; then  # it has no controller, and so is nothing for `koboshi run`
+  if [ "$name" = board ]; then  # has no controller, so `koboshi run` refuses it
     mkdir "$folder/$name"
     "$koboshi" board "$scenario" --can "log:$log" --duration "$seconds"
-  elif [ "$name" = teleop ]; then  # here is nobody at its keys
+  elif [ "$name" = teleop ]; then  # needs an operator at the keyboard
     "$koboshi" run "$scenario" --set teleop=false --duration "$seconds" --out "$folder/$name"
   else
     "$koboshi" run "$scenario" --duration "$seconds" --out "$folder/$name"

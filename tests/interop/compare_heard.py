@@ -1,4 +1,4 @@
-"""compare_heard.py TIMING HEARD: whether as many frames were heard as a run says, in its timing.json, that it sent."""
+"""compare_heard.py TIMING HEARD: checks that the listener received as many frames as the run's timing.json reports as sent."""
 
 import json
 import sys

@@ -1,5 +1,5 @@
-"""dbc_test.py DBC ROBOT DECODE_LOG LOG...: canmatrix takes the DBC for what it is, and decodes every frame of the logs
-to the same values as our own decoder."""
+"""dbc_test.py DBC ROBOT DECODE_LOG LOG...: canmatrix accepts the DBC and decodes every frame of the logs to the same values as
+our own decoder."""
 
 import collections
 import pathlib
@@ -19,7 +19,7 @@ FRAMES = {frame.arbitration_id.id: frame for frame in MATRIX.frames}
 
 
 def our_readings(log):
-    """By number of the frame, {signal: (raw, value, name)}."""
+    """Returns our decoder's {signal: (raw, value, name)} by frame number."""
     readings = collections.defaultdict(dict)
     output = subprocess.run([DECODE_LOG, ROBOT, log], check=True, capture_output=True, text=True).stdout
     for line in output.splitlines():
@@ -60,7 +60,7 @@ class Dbc(unittest.TestCase):
             for number, message in enumerate(can.CanutilsLogReader(log)):
                 frame = FRAMES[message.arbitration_id]
                 if message.dlc != frame.size:
-                    continue  # canmatrix decodes whole frames only
+                    continue  # canmatrix only decodes complete frames
                 seen.add(message.arbitration_id)
                 with self.subTest(log=log, frame=number):
                     theirs = their_readings(message)

@@ -1,5 +1,5 @@
-// decode_log ROBOT LOG: what our decoder reads from a log of candump, one signal a line, for dbc_test.py:
-// number of the frame, signal, raw value, value, the value's name.
+// decode_log ROBOT LOG: decodes a candump log for dbc_test.py. Each line holds one signal: frame number,
+// signal, raw value, value and the value's name.
 
 #include <cstdio>
 

@@ -1,4 +1,4 @@
-"""eds_test.py FOLDER: the data sheets as a reader after CiA 306-1 takes them, in the manner of python-canopen."""
+"""eds_test.py FOLDER: checks the data sheets by the rules of CiA 306-1, in the manner of python-canopen."""
 
 import configparser
 import pathlib
@@ -16,7 +16,7 @@ VISIBLE_STRING = 9
 
 
 def read(name):
-    """A data sheet, strictly: no section and no entry twice."""
+    """Reads a data sheet strictly: a repeated section or entry is an error."""
     eds = configparser.RawConfigParser(inline_comment_prefixes=(";",), strict=True)
     eds.optionxform = str
     with open(FOLDER / name, encoding="ascii") as file:
@@ -79,7 +79,7 @@ class Eds:
                     self.assertGreaterEqual(number(entry.get("HighLimit", str(high))), value)
 
         def test_has_no_empty_values(self):
-            # Readers take an entry for a number: dcfgen of lely-core refuses the whole file.
+            # Readers expect a number here: dcfgen of lely-core refuses the whole file otherwise.
             for section in self.eds.sections():
                 for key, value in self.eds[section].items():
                     self.assertNotEqual(value, "", f"[{section}] {key}")

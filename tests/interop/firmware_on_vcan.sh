@@ -1,6 +1,7 @@
 #!/bin/sh
-# firmware_on_vcan.sh KOBOSHI: firmware and board, two processes on vcan0; a person enables the drives with cansend, and candump sees the robot
-# stand. Both go at a tenth of real time: User-mode Linux has one processor, and slow system calls. Needs a vcan0: see with_vcan.sh.
+# firmware_on_vcan.sh KOBOSHI: runs firmware and board as two processes on vcan0. cansend enables the drives, and
+# candump shows that the robot stands. Both run at a tenth of real time: User-mode Linux has one processor and slow
+# system calls. Needs a vcan0: see with_vcan.sh.
 set -eu
 
 koboshi=$1
@@ -13,8 +14,8 @@ until grep -q 'CAN bus on' /mnt/board; do
 done
 "$koboshi" firmware scenarios/squat.yaml --can socketcan:vcan0 --speed 0.1 >/mnt/firmware 2>&1 &
 firmware=$!
-# reach HEX COMMAND...: repeats the command until the controller's telemetry shows this state. It refuses to enable until it knows how the
-# robot stands.
+# reach HEX COMMAND...: repeats the command until the controller's telemetry shows this state. The controller refuses to
+# enable the drives until its attitude estimate has settled.
 reach() {
   state=$1
   shift

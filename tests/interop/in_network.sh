@@ -1,6 +1,6 @@
 #!/bin/sh
-# in_network.sh COMMAND [ARGUMENT...]: runs a command in a network namespace of its own, in which multicast goes over lo. Exits with 77 where
-# none can be made.
+# in_network.sh COMMAND [ARGUMENT...]: runs a command in a separate network namespace with multicast on lo. Exits with
+# 77 if it cannot create one.
 set -eu
 PATH=$PATH:/usr/sbin:/sbin
 export PATH

@@ -1,7 +1,7 @@
 #!/bin/sh
-# in_uml.sh COMMAND [ARGUMENT...]: runs a command where there is a vcan0, in User-mode Linux, whatever the kernel outside.
-# The files are the host's; /mnt is an empty memory file system. Exits with the command's status, or with 77 where there is no User-mode
-# Linux. After nine minutes, or KOBOSHI_UML_TIMEOUT_S seconds, it gives up: a machine may be busy.
+# in_uml.sh COMMAND [ARGUMENT...]: runs a command with a vcan0 in User-mode Linux, on any host kernel.
+# The files are the host's; /mnt is an empty memory file system. Exits with the command's status, or with 77 if there is
+# no User-mode Linux. The time-out is nine minutes, or KOBOSHI_UML_TIMEOUT_S seconds, because the machine may be loaded.
 set -eu
 
 PATH=$PATH:/usr/sbin:/sbin
@@ -14,7 +14,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 modules=$(echo /usr/lib/uml/modules/*/kernel)
 
-# What UML needs on processors with AMX, from the build; by hand that is build/release.
+# The ptrace wrapper that UML needs on processors with AMX. Scripts run by hand take it from build/release.
 ptrace=${KOBOSHI_PTRACE_XSTATE:-$(dirname "$0")/../../build/release/tests/interop/libptrace_xstate.so}
 [ -e "$ptrace" ] || { echo "in_uml.sh: there is no $ptrace: build first" >&2; exit 70; }
 
@@ -40,7 +40,7 @@ INIT
 chmod +x "$folder/init"
 
 limit_s=${KOBOSHI_UML_TIMEOUT_S:-540}
-# It keeps its sockets in the home folder, and its memory in a file in TMPDIR; without one, in /dev/shm.
+# UML keeps its sockets in the home folder and its memory in a file in TMPDIR, or in /dev/shm if that is unset.
 env -u TMPDIR -u TMP -u TEMP HOME="$folder" LD_PRELOAD="$(realpath "$ptrace")${LD_PRELOAD:+ $LD_PRELOAD}" \
   timeout "$limit_s" linux.uml rootfstype=hostfs rootflags=/ rw init="$folder/init" mem=512M con=null con0=fd:0,fd:1 \
   </dev/null >"$folder/console" 2>&1 || [ $? -ne 124 ] || echo "in_uml.sh: no end within $limit_s s"

@@ -1,5 +1,5 @@
-"""noise_on_vcan.py KOBOSHI LOG...: cangen and canplayer flood the bus of `koboshi board`. It survives, and each drive, asked by
-SDO after each flood, is in a state that CiA 402 defines. Needs a vcan0: see with_vcan.sh."""
+"""noise_on_vcan.py KOBOSHI LOG...: cangen and canplayer flood the bus of `koboshi board`. The board must survive. After each flood,
+each drive must report by SDO a state that CiA 402 defines. Needs a vcan0: see with_vcan.sh."""
 
 import collections
 import pathlib
@@ -41,8 +41,8 @@ def send(bus, identifier, *data):
 
 
 def statusword(bus, drive):
-    """By SDO. A flood may have stopped the drive by NMT, or left its server in the middle of a transfer, which an abort ends; and while
-    the board still works off a flood, the queue of its socket overflows, so that any of these frames may be lost."""
+    """Reads the state by SDO. A flood may have stopped the drive by NMT or left its server within a transfer, which an abort ends.
+    Any of these frames may be lost: the queue of the board's socket overflows until the board has processed the flood."""
     for _ in range(ATTEMPTS):
         send(bus, 0x000, 0x80, drive)
         send(bus, 0x600 + drive, 0x80, 0x41, 0x60, 0, 0, 0, 0, 0)
@@ -63,7 +63,7 @@ def state(word):
 
 
 def flood(board, bus, name, command):
-    send(bus, 0x000, 0x01, 0)  # in operation, so that PDOs count
+    send(bus, 0x000, 0x01, 0)  # operational, so that the drive accepts PDOs
     subprocess.run(command, check=True)
     if board.poll() is not None:
         raise RuntimeError(f"the board ended in a flood of {name}")

@@ -1,5 +1,5 @@
 #!/bin/sh
-# play_can_log.sh LOG: canplayer sends the log to vcan0, and what candump sees there is what the log says, frame by frame.
+# play_can_log.sh LOG: canplayer sends the log to vcan0, and candump must receive the same frames in the same order.
 # Needs a vcan0: see with_vcan.sh.
 set -eu
 

@@ -1,5 +1,5 @@
-// The ptrace that in_uml.sh preloads. AVX stands for AMX here: a component of the state that the header does
-// not hold.
+// Tests the ptrace wrapper that in_uml.sh preloads. AVX represents AMX here: both are components outside the
+// legacy region and the header.
 
 #include <cpuid.h>
 #include <elf.h>
@@ -41,7 +41,7 @@ void set_xstate_bv(State& state, std::uint64_t bits) {
   std::memcpy(&state[kXstateBvOffset], &bits, sizeof bits);
 }
 
-// The kernel's own, past the one under test.
+// Calls the kernel directly, without the wrapper under test.
 long raw_set_state(pid_t pid, State state) {
   iovec given{state.data(), state.size()};
   return syscall(SYS_ptrace, PTRACE_SETREGSET, pid, NT_X86_XSTATE, &given);
@@ -52,7 +52,7 @@ long set_state(pid_t pid, State state) {
   return ptrace(PTRACE_SETREGSET, pid, NT_X86_XSTATE, &given);
 }
 
-// A stopped child that the test traces.
+// Fixture with a stopped child process that the test traces.
 class PtraceXstate : public testing::Test {
  protected:
   void SetUp() override {
@@ -86,7 +86,7 @@ class PtraceXstate : public testing::Test {
     state.resize(taken.iov_len);
     return state;
   }
-  // Gives the child a state with AVX in use, and returns it.
+  // Sets a state with AVX in use in the child and returns it.
   State with_avx() const {
     State whole = state();
     set_xstate_bv(whole, xstate_bv(whole) | kX87AndSse | kAvx);
@@ -117,7 +117,7 @@ TEST_F(PtraceXstate, CompletesAShorterState) {
   expected[kXmm0Offset] = std::byte{0x5A};
   State front = expected;
   front.resize(kHeaderEnd);
-  set_xstate_bv(front, kX87AndSse);  // as of a process that had not used AVX yet
+  set_xstate_bv(front, kX87AndSse);  // the state of a process that has not used AVX yet
   ASSERT_EQ(set_state(child_, front), 0) << strerror(errno);
   EXPECT_EQ(state(), expected);
 }
@@ -177,9 +177,9 @@ TEST_F(PtraceXstate, LeavesErrorsToTheKernel) {
   EXPECT_EQ(errno, ESRCH);
 }
 
-// glibc's ptrace returns the word that it peeks, the system call writes it to its fourth argument.
+// glibc's ptrace returns the peeked word; the system call writes it to its fourth argument.
 TEST_F(PtraceXstate, PassesOtherRequestsOn) {
-  long word = -1;  // in the child, too; its copy is at the same address
+  long word = -1;  // the child has a copy at the same address
   errno = EIO;
   EXPECT_EQ(ptrace(PTRACE_POKEDATA, child_, &word, 0x1234'5678'9ABC'DEF0), 0);
   EXPECT_EQ(ptrace(PTRACE_PEEKDATA, child_, &word, nullptr), 0x1234'5678'9ABC'DEF0);

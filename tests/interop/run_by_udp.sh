@@ -1,7 +1,7 @@
 #!/bin/sh
-# run_by_udp.sh KOBOSHI [SECONDS]: a walk by the clock on the wall, by UDP multicast in a network namespace of its own; python-can hears as
-# many frames as the run says that it sent. By hand with a minute of walking, for docs/experiment/bus.md; as root, who may give the listener
-# a buffer that is large enough.
+# run_by_udp.sh KOBOSHI [SECONDS]: a walk in real time over UDP multicast in a separate network namespace. python-can
+# must receive as many frames as the run reports as sent. docs/experiment/bus.md uses it with a minute of walking, as
+# root, because only root may enlarge the listener's buffer enough.
 set -eu
 
 if [ "${3:-}" != inside ]; then
@@ -21,7 +21,7 @@ import sys
 import can
 
 SO_RCVBUFFORCE = 33  # asm-generic/socket.h
-BUFFER_BYTES = 16 << 20  # some seconds of frames, as candump -r has in run_on_vcan.sh
+BUFFER_BYTES = 16 << 20  # holds several seconds of frames, like candump -r in run_on_vcan.sh
 
 folder = pathlib.Path(sys.argv[1])
 heard = 0

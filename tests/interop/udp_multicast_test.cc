@@ -1,4 +1,4 @@
-// Ends of a multicast group in this process; needs a network with a route to it: in_network.sh.
+// Members of a multicast group in one process. Needs a network with a multicast route: see in_network.sh.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace {
 constexpr const char* kGroup = "239.74.163.2";
 constexpr std::uint16_t kPort = 43113;
 
-// As many frames as a walk has in half a second, of all sizes: trains of any length.
+// Returns as many frames as a walk sends in half a second, of all sizes.
 std::vector<hal::CanFrame> frames_of_all_sizes() {
   std::vector<hal::CanFrame> frames;
   for (unsigned i = 0; i < 2'500; ++i) {
@@ -32,7 +32,8 @@ TEST(UdpMulticast, ReachesTheOthersInOrderAndNotItself) {
   const std::vector<hal::CanFrame> frames = frames_of_all_sizes();
   std::vector<hal::CanFrame> heard;
   std::size_t sent = 0;
-  for (std::size_t burst = 1; sent < frames.size(); burst = burst % 100 + 1) {  // more than a batch, too
+  for (std::size_t burst = 1; sent < frames.size(); burst = burst % 100 + 1) {  // also bursts longer than one
+                                                                                // batch
     for (std::size_t i = 0; i < burst && sent < frames.size(); ++i) ASSERT_TRUE(one.send(frames[sent++], 0));
     one.flush();
     while (const auto frame = other.receive()) heard.push_back(*frame);

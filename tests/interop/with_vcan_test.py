@@ -1,5 +1,5 @@
-"""with_vcan.sh chooses rightly between namespaces and User-mode Linux, and a command finds in a namespace what it finds in the latter.
-Programs in front of the real ones play a kernel that has vcan, by an interface of another kind, and kernels that have not."""
+"""with_vcan.sh chooses correctly between namespaces and User-mode Linux, and both give the command the same environment.
+Wrapper programs emulate a kernel with vcan, by an interface of another kind, and kernels without."""
 
 import os
 import pathlib
@@ -11,7 +11,7 @@ import unittest
 SCRIPT = pathlib.Path(__file__).with_name("with_vcan.sh")
 UNSHARE = ["unshare", *([] if os.geteuid() == 0 else ["--map-root-user"])]
 
-# Any interface that is up will do for a vcan0 that nobody sends to.
+# Any interface that is up can replace a vcan0 that carries no frames.
 WITH_VCAN = {"ip": """for word; do shift; [ "$word" != vcan ] || word=ifb; set -- "$@" "$word"; done; exec "$REAL" "$@" """,
              "candump": "exit 0"}
 WITHOUT_VCAN = {"ip": 'case "$*" in *vcan) echo "Error: Unknown device type." >&2; exit 2;; *) exec "$REAL" "$@";; esac'}

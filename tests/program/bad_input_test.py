@@ -1,4 +1,4 @@
-"""Bad input gets one line, FILE:LINE: found ..., expected ..., exit status 2, and nothing is written."""
+"""Bad input causes one line, FILE:LINE: found ..., expected ..., and exit status 2. The program writes nothing."""
 
 import pathlib
 import re
@@ -17,7 +17,7 @@ motions: [{MOTION}]
 duration_s: 1
 """
 
-# What replaces what in which text, and the line that must be blamed.
+# Text to replace, its replacement, and the line that the message must name.
 BAD_SCENARIOS = {
     "unknown key": ("duration_s: 1", "duration_s: 1\nduratoin: 2", 5),
     "doubled key": ("duration_s: 1", "duration_s: 1\nduration_s: 2", 5),

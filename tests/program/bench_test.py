@@ -1,4 +1,4 @@
-"""What `koboshi bench` measures and refuses. How fast anything is depends on the machine and is not judged here."""
+"""Output and errors of `koboshi bench`. The figures depend on the machine and are not checked."""
 
 import json
 import unittest

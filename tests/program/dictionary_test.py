@@ -1,4 +1,4 @@
-"""`koboshi dictionary`: what it prints is what it writes, and what the repository keeps."""
+"""`koboshi dictionary` prints the same text that it writes, and that the repository contains."""
 
 import unittest
 

@@ -1,5 +1,5 @@
-"""What a run leaves on the disk: whole rows, whatever ends it; summary.json last; one run a folder; and an error where a file
-cannot be written."""
+"""Files of a run: complete rows however the run ends, summary.json written last, one run per folder, and an error where a
+file cannot be written."""
 
 import csv
 import resource
@@ -57,7 +57,7 @@ class Files(unittest.TestCase):
         self.assertRegex(result.stderr, r"^koboshi: cannot write .*/(can\.log|trace\.csv): File too large\n$")
         self.assertFalse((self.out / "summary.json").exists())
         self.assert_whole_rows()
-        PROGRAM.run_scenario(support.SQUAT, self.out, "--duration", "0.1")  # the folder can be used again
+        PROGRAM.run_scenario(support.SQUAT, self.out, "--duration", "0.1")  # the folder is reusable
         self.assertTrue((self.out / "summary.json").is_file())
 
     def test_standard_output_may_be_full_as_well(self):

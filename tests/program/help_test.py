@@ -1,4 +1,4 @@
-"""What `--help` prints: placeholders that say what a value is, and examples that work."""
+"""Output of `--help`: placeholders that describe the values, and examples that work."""
 
 import concurrent.futures
 import itertools
@@ -12,9 +12,9 @@ import program as support
 
 PROGRAM = None
 FOLDERS = itertools.count()
-PATIENCE_s = 1.0  # an example that is still at work after this has been accepted
+PATIENCE_s = 1.0  # an example that still runs after this time counts as accepted
 
-# How examples that take long, need a terminal or a bus are shortened: the first pattern that is found counts.
+# Shortens examples that take long or need a terminal or a bus. The first matching pattern applies.
 SHORTER = (
     (r"^run .*teleop", "--set teleop=false --duration 0.02"),
     (r"^run ", "--duration 0.02"),
@@ -22,16 +22,16 @@ SHORTER = (
     (r"^experiment (gyro-feedback|walking-speed|push-recovery|terrain|stand-up|fall-detection|marathon)", "--jobs 1"),
     (r"^validate", "--short --only slope"),
 )
-# What this machine need not have.
+# Replacements for resources that this machine may lack.
 REPLACED = (
     (" --controller qemu", ""),  # the image
     ("socketcan:vcan0", "socketcan:vcan_none"),
-    ("udp:239.74.163.2:43113", "udp:239.74.163.99:43999"),  # nobody else is there
+    ("udp:239.74.163.2:43113", "udp:239.74.163.99:43999"),  # a group without other members
 )
 
 
 def helps(path=()):
-    """Each command with its help."""
+    """Returns each command with its help."""
     text = PROGRAM.run(*path, "--help").stdout
     yield path, text
     commands = re.search(r"^Subcommands:\n((?:  .*\n?)+)", text, re.MULTILINE)
@@ -84,13 +84,13 @@ class Help(unittest.TestCase):
             for example, (status, errors) in zip(all_examples, pool.map(self.play, all_examples)):
                 with self.subTest(example):
                     if "target-report" in example and "./run target writes" in errors:
-                        continue  # no image has been built
-                    # Without its bus a command fails, but it is not refused.
+                        continue  # the image is not built
+                    # Without its bus a command may fail, but not with a usage error.
                     needs_bus = re.search(r"--can |can (sdo|nmt|send)", example)
                     self.assertIn(status, (0, 1) if needs_bus else (0,), errors)
 
     def servo_type(self, all_examples):
-        """The example that writes the file which another reads."""
+        """Returns the example that writes the input file of another example."""
         return next(example for example in all_examples if " > " in example).removeprefix("koboshi ")
 
     def play(self, example):
@@ -105,7 +105,7 @@ class Help(unittest.TestCase):
                 arguments = f"{head} {more}{mark}{tail}"
                 break
         if arguments.startswith("experiment ") and "--out" not in arguments:
-            arguments += f" --out runs/{next(FOLDERS)}"  # examples of one experiment run at the same time
+            arguments += f" --out runs/{next(FOLDERS)}"  # examples of one experiment run in parallel
         if re.match(r"can (sdo|nmt|send)", arguments):
             arguments += " --can socketcan:vcan_none"
         command = f"exec {shlex.quote(str(PROGRAM.path))} {arguments}"

@@ -1,4 +1,4 @@
-"""Runs the koboshi program for the tests beside this file."""
+"""Runs the koboshi program for the tests in this folder."""
 
 import pathlib
 import subprocess
@@ -19,7 +19,7 @@ class Program:
         return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=600, check=False)
 
     def run_scenario(self, scenario, out, *arguments):
-        """The folder of a run that must succeed."""
+        """Runs a scenario that must succeed and returns its folder."""
         result = self.run("run", scenario, "--out", out, *arguments)
         if result.returncode != 0:
             raise AssertionError(f"koboshi run {scenario} ended with {result.returncode}: {result.stderr}")
@@ -27,7 +27,7 @@ class Program:
 
 
 def limited_statuswords(run_folder):
-    """How many statuswords of drives (TPDO 1 of nodes 16 to 35) in a run's can.log have bit 11, internal limit active."""
+    """Counts the drives' statuswords (TPDO 1 of nodes 16 to 35) in a run's can.log that have bit 11, internal limit active."""
     count = 0
     with open(run_folder / "can.log", encoding="ascii") as log:
         for line in log:
@@ -38,12 +38,12 @@ def limited_statuswords(run_folder):
 
 
 def temporary_folder(test_class):
-    """A folder that goes when the class's tests are over."""
+    """Returns a temporary folder that is removed after the class's tests."""
     folder = tempfile.TemporaryDirectory(prefix=f"koboshi_{test_class.__name__.lower()}_")
     test_class.addClassCleanup(folder.cleanup)
     return pathlib.Path(folder.name)
 
 
 def take_program_argument():
-    """The path of the program, first argument of the test; unittest must not see it."""
+    """Removes the first argument, the path of the program, from those that unittest parses, and returns it."""
     return Program(pathlib.Path(sys.argv.pop(1)).resolve())

@@ -1,4 +1,4 @@
-"""Same scenario and seed, same bytes: run after run, and whatever the build type.
+"""The same scenario and seed give the same bytes in each run and each build type.
 
 Usage: repeat_test.py PROGRAM DEBUG_FOLDER [Repeat | RepeatUnoptimised]
 """
@@ -45,7 +45,7 @@ class Repeat(SquatRuns):
 
 class RepeatUnoptimised(SquatRuns):
     def test_unoptimised_as_optimised(self):
-        # Without what only a debugger reads: it costs a third of the build.
+        # Without debug information, which would take a third of the build time.
         flags = ("-DCMAKE_CXX_FLAGS_DEBUG=-D_GLIBCXX_ASSERTIONS", "-DCMAKE_UNITY_BUILD=ON")
         for command in (["cmake", "--preset", "debug", "-DBUILD_TESTING=OFF", *flags, "-B", DEBUG_FOLDER],
                         ["cmake", "--build", DEBUG_FOLDER, "--target", "bin/koboshi"]):

@@ -1,4 +1,4 @@
-"""The same firmware in both engines: docs/experiment/second-engine.md in short."""
+"""The same firmware in both engines: short version of docs/experiment/second-engine.md."""
 
 import csv
 import json
@@ -30,7 +30,7 @@ class SecondEngine(unittest.TestCase):
         return self.play(scenario, "world", *arguments), self.play(scenario, "mujoco", *arguments)
 
     def assert_follow(self, ours, theirs, column, until_s, most):
-        """The columns of both traces agree to `most`, and not to the last digit, which is a sign of one engine."""
+        """Checks that the columns of both traces agree to `most` but are not identical, which would indicate a single engine."""
         differences = [abs(float(a[column]) - float(b[column])) for a, b in zip(ours, theirs) if float(a["time_s"]) < until_s]
         self.assertLess(max(differences), most, column)
         self.assertGreater(max(differences), 0.0, column)
@@ -58,7 +58,7 @@ class SecondEngine(unittest.TestCase):
     def test_falls_alike(self):
         (world, ours), (mujoco, theirs) = self.play_in_both(FOLDER / "fall.yaml")
         self.assertTrue(world["fell"] and mujoco["fell"])
-        self.assert_follow(ours, theirs, "true_pitch_rad", 5.25, 0.03)  # until the hands arrive
+        self.assert_follow(ours, theirs, "true_pitch_rad", 5.25, 0.03)  # until the hands touch the ground
 
 
 if __name__ == "__main__":

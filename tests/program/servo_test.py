@@ -1,4 +1,4 @@
-"""koboshi servo: figures of servos on a test bench, and servo types from data sheets."""
+"""koboshi servo: measurements of servos on a test bench, and servo types from data sheets."""
 
 import csv
 import math
@@ -45,7 +45,7 @@ class Plot(unittest.TestCase):
         stall = 2.21 * 0.9625 * 15 / 2.034
         self.assertLess(table["speed_rad_per_s"][0], 0.9625 * 15 / 2.21)
         self.assertGreater(table["speed_rad_per_s"][0], 0.8 * 0.9625 * 15 / 2.21)
-        self.assertLess(max(table["load_Nm"]), 0.95 * stall)  # gears that rub under load
+        self.assertLess(max(table["load_Nm"]), 0.95 * stall)  # the gear friction grows with the load
         self.assertGreater(max(table["load_Nm"]), 0.4 * stall)
         for fast, slow in zip(table["speed_rad_per_s"], table["speed_rad_per_s"][1:]):
             self.assertGreaterEqual(fast, slow)
@@ -102,7 +102,7 @@ class FromDatasheet(unittest.TestCase):
         self.assertAlmostEqual(kt * volt / resistance - coulomb, 1.373, delta=0.002)
         speed = (kt * volt / resistance - coulomb) / (kt * kt / resistance + viscous)
         self.assertAlmostEqual(speed, 7.48, delta=0.01)
-        # Within a tenth of the same servo as identified.
+        # Within 10 % of the identified servo of the same type.
         self.assertAlmostEqual(kt / 1.0027, 1.0, delta=0.1)
         self.assertAlmostEqual(resistance / 5.477, 1.0, delta=0.1)
         self.assertIn("Assumed", result.stdout)

@@ -1,4 +1,4 @@
-"""Squats for 60 s with all models on, and what a run leaves behind."""
+"""Squats for 60 s with all models on, and the files of the run."""
 
 import csv
 import json
@@ -25,7 +25,7 @@ class Squat(unittest.TestCase):
 
     def test_base_height_follows_the_pose(self):
         self.assertLess(self.summary["base_height_error_max_m"], 0.003)
-        # The servos sag under load and lag behind a moving target: nothing is a sign that nothing was measured.
+        # Servos sag under load and lag a moving target, so a zero error would mean that nothing was measured.
         self.assertGreater(self.summary["base_height_error_max_m"], 0.0002)
 
     def test_feet_do_not_slip(self):
@@ -37,7 +37,7 @@ class Squat(unittest.TestCase):
         self.assertGreater(max(heights) - min(heights), 0.028)
         middle = 0.5 * (max(heights) + min(heights))
         crossings = sum((a < middle) != (b < middle) for a, b in zip(heights, heights[1:]))
-        self.assertAlmostEqual(crossings, 54, delta=1)  # two each two seconds
+        self.assertAlmostEqual(crossings, 54, delta=1)  # two every two seconds
 
     def test_bus_is_half_full(self):
         self.assertGreater(self.summary["can_bus_load"], 0.46)

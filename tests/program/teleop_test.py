@@ -1,4 +1,4 @@
-"""Drives scenarios/teleop.yaml by keys through a pseudo-terminal. Waits for what the screen shows, not for times."""
+"""Drives scenarios/teleop.yaml by keys through a pseudo-terminal. Waits for the text on the screen, not for a time."""
 
 import fcntl
 import json
@@ -16,14 +16,14 @@ import program as support
 
 PROGRAM = None
 TELEOP = support.ROOT / "scenarios" / "teleop.yaml"
-PATIENCE_S = 240.0  # of each wait; a run goes by the clock on the wall, but not on every machine
+PATIENCE_S = 240.0  # limit of each wait; a run is real-time only on a fast machine
 UP, DOWN, LEFT = "\x1b[A", "\x1b[B", "\x1b[D"
-# A drawing begins in the first row and ends by clearing what is below it.
+# A drawing begins at the first row and ends with the sequence that clears the rows below it.
 DRAWING = re.compile(r"\x1b\[1;1H((?:(?!\x1b\[1;1H).)*)\x1b\[J", re.DOTALL)
 
 
 class Operator:
-    """Someone at a terminal in which the program runs."""
+    """An operator at a pseudo-terminal that runs the program."""
 
     def __init__(self, out):
         self.master, self.slave = pty.openpty()
@@ -32,14 +32,14 @@ class Operator:
         self.text = ""
         command = [PROGRAM.path, "run", TELEOP, "--realtime", "--out", out]
         self.process = subprocess.Popen(command, cwd=support.ROOT, stdin=self.slave, stdout=self.slave, stderr=self.slave,
-                                        start_new_session=True,  # so that Ctrl-C in it means the program
+                                        start_new_session=True,  # Ctrl-C must reach the program
                                         preexec_fn=lambda: fcntl.ioctl(self.slave, termios.TIOCSCTTY, 0))
 
     def press(self, keys):
         os.write(self.master, keys.encode())
 
     def look(self):
-        """The lines of the last drawing, without control sequences; reads on for a moment."""
+        """Returns the lines of the last drawing without control sequences; keeps reading for a moment."""
         if select.select([self.master], [], [], 0.1)[0]:
             self.text += os.read(self.master, 65536).decode(errors="replace")
         drawings = DRAWING.findall(self.text)
@@ -57,7 +57,7 @@ class Operator:
         raise AssertionError(f"never saw {pattern}, but {self.text[-3000:]!r}")
 
     def wait_for_end(self):
-        """The exit status."""
+        """Waits for the program and returns its exit status."""
         end = time.monotonic() + PATIENCE_S
         while self.process.poll() is None and time.monotonic() < end:
             self.look()
@@ -81,12 +81,12 @@ class Teleop(unittest.TestCase):
     def assert_ended_well(self, verdict):
         self.assertEqual(self.operator.wait_for_end(), 0, self.operator.text[-3000:])
         self.assertEqual(termios.tcgetattr(self.operator.slave), self.operator.before)
-        tail = self.operator.text[self.operator.text.rindex("\x1b[?1049l"):]  # back on the screen of before
+        tail = self.operator.text[self.operator.text.rindex("\x1b[?1049l"):]  # the previous screen is restored
         self.assertIn("\x1b[?25h", self.operator.text)
         self.assertRegex(tail, r"(?m)^done after .*\r\n^results in .*\r\n(^koboshi: .*\r\n)?^" + verdict + r"; 0 faults\r\n\Z")
 
     def assert_repeats(self):
-        """The same run without an operator, of what the run says was played, as it stands there."""
+        """Repeats the run without an operator, from the recorded commands, and compares the results."""
         again = PROGRAM.run_scenario(self.out / "played.yaml", self.out.parent / "again")
         hashes = [json.loads((run / "summary.json").read_text())["state_hash"] for run in (self.out, again)]
         self.assertEqual(*hashes)
@@ -111,12 +111,13 @@ class Teleop(unittest.TestCase):
         operator.wait_for(r"^command +enable: refused, not in this state \(standing\)")
         operator.press("+" * 22 + "p" + UP)
         operator.wait_for(r"^state +LIES; (?!standing)")
-        # The keys come when the machine gets to it: what the push meets differs, and so does how often the robot falls.
+        # The simulated time of each key depends on the machine's load, so the state at the push and the number of falls
+        # vary.
         operator.wait_for(r"^state +standing, by progress\n(.*\n)*load.*, \d+ falls?\n")
         operator.press("q")
         self.assert_ended_well(r"stands; fell (once|\d+ times, first) at .* s and got up .*in .* s.*; 1 command refused")
         log = (self.out / "can.log").read_text()
-        self.assertIn(" 301#500000000000", log)  # 80 mm/s ahead, told on the bus
+        self.assertIn(" 301#500000000000", log)  # 80 mm/s forward, commanded on the bus
         self.assertRegex(log, r" 301#3C0000000000\n(.*\n)*.* 201#040000")
         self.assert_repeats()
 

@@ -21,7 +21,7 @@ class Terrain(unittest.TestCase):
             cls.walking = [row for row in csv.DictReader(file) if float(row["time_s"]) > 4.5]
 
     def between(self, start_m, end_m):
-        """The ticks in which both soles are there along x."""
+        """Returns the ticks in which both soles are within this range of x."""
         rows = [row for row in self.walking
                 if all(start_m < float(row[f"true_{side}_sole_x_m"]) < end_m for side in SIDES)]
         self.assertGreater(len(rows), 50)

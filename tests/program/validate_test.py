@@ -1,4 +1,4 @@
-"""The physics against theory, in its short form, and what `koboshi validate` leaves and refuses."""
+"""Short version of the physics validation, and the files and errors of `koboshi validate`."""
 
 import csv
 import json
@@ -34,7 +34,7 @@ class Validate(unittest.TestCase):
         self.assertEqual((self.summary["stepper"], self.summary["step_s"]), ("world", 0.001))
 
     def test_something_was_measured(self):
-        """A method of first order is not exact: if it were, theory would have been held to itself."""
+        """A first-order method has an error; a zero error would mean that theory was compared with itself."""
         for name in EXPERIMENTS:
             errors = [abs(check["error"]) for experiment, check in self.checks() if experiment == name]
             self.assertGreater(max(errors), 0.0, name)
@@ -62,7 +62,7 @@ class Results(unittest.TestCase):
         self.assertEqual((self.folder / "slope.json").read_bytes(), (self.folder / "out" / "summary.json").read_bytes())
 
     def test_another_stepper_is_named_and_judged(self):
-        """Whatever the iterative stepper makes of it, table, summary and exit status say the same."""
+        """Table, summary and exit status agree, whether the iterative stepper passes or fails."""
         result = PROGRAM.run("validate", "--short", "--only", "slope", "--stepper", "quick", "--out", self.folder / "out")
         summary = json.loads((self.folder / "out" / "summary.json").read_text())
         self.assertEqual(summary["stepper"], "quick")

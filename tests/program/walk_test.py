@@ -29,7 +29,7 @@ class Walk(unittest.TestCase):
         self.assertLess(abs(self.summary["lateral_drift_m"]), 0.1 * self.summary["distance_m"])
 
     def test_steps_instead_of_sliding(self):
-        """Each foot leaves the ground in each of its steps, and the soles do not push the robot along."""
+        """Each foot lifts off in each of its steps, and the soles do not push the robot along."""
         with open(self.run_folder / "trace.csv", newline="") as file:
             walking = [row for row in csv.DictReader(file) if 6.0 < float(row["time_s"]) < 18.0]
         self.assertLess(self.summary["foot_slip_max_m"], 0.02)
@@ -41,7 +41,7 @@ class Walk(unittest.TestCase):
     def test_ankle_sensors_tell_where_the_ground_pushes(self):
         error = self.summary["zmp_sensor_vs_truth_rms_m"]
         self.assertLess(error, 0.001)
-        self.assertGreater(error, 1e-6)  # nothing is a sign that truth was compared with itself
+        self.assertGreater(error, 1e-6)  # zero would mean that the true value was compared with itself
 
     def test_zmp_follows_its_plan(self):
         self.assertLess(self.summary["zmp_rms_error_m"], 0.04)

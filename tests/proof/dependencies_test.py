@@ -1,4 +1,4 @@
-"""Holds the sources to the rules of docs/design/architecture.md about who may know whom, by their #include lines."""
+"""Checks the #include lines of the sources against the dependency rules of docs/design/architecture.md."""
 
 import pathlib
 import re
@@ -8,7 +8,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDERS = ("hal", "firmware", "sim_board", "simulation", "tools", "tests")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
 
-# The standard headers that make neither heap, float, streams nor exceptions by themselves.
+# Standard headers that do not use heap, floating point, streams or exceptions.
 FIRMWARE_STANDARD = set("""
     algorithm array bit cassert climits compare concepts cstddef cstdint cstring initializer_list iterator limits numeric
     optional ratio span string_view tuple type_traits utility version""".split())
@@ -21,8 +21,8 @@ STANDARD = FIRMWARE_STANDARD | set("""
     thread typeindex typeinfo unordered_map unordered_set valarray variant vector""".split())
 ANY = None  # headers of any library
 
-# Which part a file belongs to: the first pattern that its path begins with. Then what it may include: paths of the project
-# that begin so, and headers in angle brackets.
+# Rules by path prefix: the first matching prefix selects the part of a file. Each rule lists the permitted prefixes of
+# project headers and the permitted headers in angle brackets.
 RULES = [
     (r"hal/port/", (r"hal/port/",), FIRMWARE_STANDARD),
     (r"hal/lockstep/", (r"hal/(port|lockstep)/",), FIRMWARE_STANDARD),
@@ -43,7 +43,7 @@ RULES = [
 
 
 def violations(path, text):
-    """Lines `PATH: includes HEADER ...` for what the file at this path of the project may not include."""
+    """Returns a line `PATH: includes HEADER ...` for each include that the file at this path of the project may not have."""
     allowed, libraries = next((allowed, libraries) for prefix, allowed, libraries in RULES if re.match(prefix, path))
     found = []
     for bracket, header in INCLUDE.findall(text):

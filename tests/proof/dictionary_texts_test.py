@@ -1,6 +1,6 @@
-"""dictionary_texts_test.py ARCHIVE: the texts of the controller's table of objects cost no flash.
+"""dictionary_texts_test.py ARCHIVE: the texts of the controller's object dictionary take no flash.
 
-They stand beside the rows in the sources, and must be in no section of the compiled firmware."""
+The source holds them next to the rows, but no section of the compiled firmware may contain them."""
 
 import pathlib
 import re
@@ -13,7 +13,7 @@ ARCHIVE = pathlib.Path(sys.argv.pop(1))
 
 
 def texts():
-    """Every literal that no symbol of the debug information can be."""
+    """Returns every literal with a space: no symbol of the debug information contains one."""
     sources = "\n".join(line for table in TABLES for line in (ROOT / table).read_text().splitlines()
                         if not line.lstrip().startswith(("//", "#")))
     return [text for text in re.findall(r'"([^"\n]+)"', sources) if " " in text]
@@ -26,7 +26,7 @@ class Texts(unittest.TestCase):
 
     def test_are_found_where_they_are(self):
         self.assertGreater(len(texts()), 60)
-        self.assertIn(b"Koboshi controller", ARCHIVE.read_bytes())  # a text of the node itself
+        self.assertIn(b"Koboshi controller", ARCHIVE.read_bytes())  # a string that the node does use
 
 
 if __name__ == "__main__":

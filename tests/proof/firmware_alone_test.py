@@ -1,4 +1,4 @@
-"""Proves that the preset `firmware` needs nothing of the simulation: no header and no library of it is used anywhere."""
+"""The preset `firmware` needs neither headers nor libraries of the simulation."""
 
 import re
 import subprocess

@@ -1,5 +1,5 @@
-"""Configures tests/proof/foreign, a project that takes `koboshi::firmware_app` by add_subdirectory: users get the language
-standard and the include folder, not our warnings, and nothing but a compiler is looked for."""
+"""Configures tests/proof/foreign, an external project that takes `koboshi::firmware_app` by add_subdirectory. The project
+inherits the language standard and the include folder, not our warnings, and the configuration needs only a compiler."""
 
 import json
 import os
@@ -13,7 +13,7 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOREIGN = ROOT / "tests/proof/foreign"
 COMPILER = sys.argv[1]
-WITHOUT_GTEST = "-DCMAKE_DISABLE_FIND_PACKAGE_GTest=ON"  # find_package(GTest REQUIRED) is then an error
+WITHOUT_GTEST = "-DCMAKE_DISABLE_FIND_PACKAGE_GTest=ON"  # makes find_package(GTest REQUIRED) an error
 
 
 def configure(source, build, *options):
@@ -53,7 +53,7 @@ class ForeignProject(unittest.TestCase):
         self.assertIn("unused variable", result.stdout)
 
     def test_may_be_strict_with_itself(self):
-        # -Weffc++ finds something in nearly every header: it tells that they are read as system headers.
+        # -Weffc++ warns about nearly every header, so no warning means that the compiler treats them as system headers.
         strict = ("-Werror", "-Wextra", "-Wpedantic", "-Wshadow", "-Wold-style-cast", "-Wuseless-cast", "-Weffc++")
         result = self.compile_consumer(*strict)
         self.assertEqual(result.returncode, 0, result.stdout)

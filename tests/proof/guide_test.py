@@ -1,9 +1,9 @@
-"""Runs the commands of a documentation page, compares the code it shows with its file, and follows its links.
+"""Runs the commands of a documentation page, compares its code with the files that it quotes, and checks its links.
 
 A block of ```console is run from the repository's root: each line that begins with "$ " is a command, a trailing backslash
-continues it, other lines are output and not compared. ```console not-run is only read. A block of ```cpp PATH or ```python PATH
-must stand in that file word for word; a block of ```python without a path is only read. build/release stands for the build folder
-that this test belongs to, and runs/ for a temporary one.
+continues it, other lines are output and not compared. ```console not-run is only parsed. A block of ```cpp PATH or
+```python PATH must occur in that file word for word; a block of ```python without a path is only parsed. build/release is
+replaced by this test's build folder, and runs/ by a temporary folder.
 """
 
 import pathlib
@@ -26,7 +26,7 @@ def blocks(text, language):
 
 
 def commands(text):
-    """The commands of a page, in order, as one line each."""
+    """Returns the commands of a page in order, each as one line."""
     runnable = "".join(block for info, block in blocks(text, "console") if info != "not-run")
     lines = re.sub(r"\\\n\s*", " ", runnable).splitlines()
     return [line.removeprefix("$ ") for line in lines if line.startswith("$ ")]

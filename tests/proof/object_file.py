@@ -1,13 +1,14 @@
-"""What is in an object file or a static library, as far as the proofs about the firmware ask."""
+"""Reads from an object file or a static library what the proofs about the firmware need."""
 
 import re
 import subprocess
 
-# What the compiler may call by itself, and the board or the linker provides. Whatever else is undefined is a find:
-# operator new and delete, malloc, __cxa_throw, __cxa_guard_acquire, __muldf3 and the other helpers for float, ...
+# Functions that the compiler calls implicitly and the board or the linker provides. All other undefined symbols are
+# violations: operator new and delete, malloc, __cxa_throw, __cxa_guard_acquire, __muldf3 and the other helpers for
+# float, ...
 ALLOWED_UNDEFINED = {
     "_GLOBAL_OFFSET_TABLE_",
-    "__assert_fail",  # a programmer's error; the board cuts the torque
+    "__assert_fail",  # assertion of a programmer's error; the board cuts the torque
     "__cxa_pure_virtual",
     "memcmp",
     "memcpy",
@@ -27,7 +28,7 @@ def symbols(path):
 
 
 def symbol_violations(paths):
-    """Lines about symbols that no firmware object may have: foreign functions, mutable data, run-time types."""
+    """Returns a line for each symbol that a firmware object must not have: foreign functions, mutable data, run-time types."""
     found = [symbol for path in paths for symbol in symbols(path)]
     defined = {symbol["name"] for symbol in found if symbol["section"] != "*UND*"}
     violations = set()
@@ -55,7 +56,7 @@ FLOAT_ENCODINGS = {"3", "4"}  # DW_ATE_complex_float, DW_ATE_float
 
 
 class Entry:
-    """A debug information entry: its tag, attributes, parent and children."""
+    """A debug information entry with its tag, attributes, parent and children."""
 
     def __init__(self, tag, parent):
         self.tag, self.parent, self.children, self.attributes = tag, parent, [], {}
@@ -77,7 +78,7 @@ class Entry:
 
 
 def debug_entries(path):
-    """For each object in the file, its entries by offset."""
+    """Returns the entries of each object in the file, by offset."""
     output = subprocess.run(["readelf", "--debug-dump=info", path], check=True, capture_output=True, text=True)
     objects, entries, stack = [], {}, []
     for line in output.stdout.splitlines():
@@ -98,7 +99,7 @@ def debug_entries(path):
 
 
 def holds_float(entry, entries, visited):
-    """Whether a value of this type has a float in it, however deep."""
+    """Returns whether a value of this type contains a float at any depth."""
     if entry is None or id(entry) in visited:
         return False
     visited.add(id(entry))
@@ -110,7 +111,7 @@ def holds_float(entry, entries, visited):
 
 
 def float_violations(path):
-    """Lines about variables, members and parameters outside the standard library whose type has a float in it."""
+    """Returns a line for each variable, member or parameter outside the standard library whose type contains a float."""
     violations = set()
     for entries in debug_entries(path):
         for entry in entries.values():

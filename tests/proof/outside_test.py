@@ -1,5 +1,5 @@
-"""Builds and runs tests/proof/outside, a project of somebody else with a board and a behaviour of its own: by find_package from an
-installed and then moved prefix, or, with the argument `Folder`, by add_subdirectory, which compiles everything again."""
+"""Builds and runs tests/proof/outside, an external project with its own board and behaviour. It uses find_package with an
+installed and then moved prefix or, with the argument `Folder`, add_subdirectory, which compiles everything again."""
 
 import os
 import pathlib

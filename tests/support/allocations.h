@@ -2,8 +2,8 @@
 
 namespace koboshi::test {
 
-// How often this thread has taken memory by operator new, in a program that links koboshi::test_allocations.
-// What comes from malloc alone, such as ODE's arenas, is not counted.
+// Returns the number of operator new calls of this thread. Requires koboshi::test_allocations. Direct malloc
+// calls, such as those of ODE's arenas, are not counted.
 long allocations();
 
 }  // namespace koboshi::test

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t kService_us = 1'000;
 constexpr std::uint64_t kServicesATick = 10;
-constexpr std::uint64_t kTickComputing_us = 500;  // as a simulated board has them
+constexpr std::uint64_t kTickComputing_us = 500;  // as on the simulated board
 constexpr std::uint64_t kServiceComputing_us = 50;
 constexpr std::size_t kTransmitFifo = 32;
 constexpr std::uint16_t kCommandIdentifier = 0x201;
@@ -76,7 +76,7 @@ void BusBench::Unit::serve(std::uint64_t now_us) {
   if (output_.recover) bus_.recover(handle_);
 }
 
-// --- All of them
+// --- The bench
 
 BusBench::BusBench(double clock_rate) : pc_handle_(bus.attach(pc_, sim::AcceptanceFilter(), 64)) {
   const std::vector<std::byte> image = encode(make_test_robot());

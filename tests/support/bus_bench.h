@@ -15,8 +15,8 @@
 
 namespace koboshi::test {
 
-// Controllers and the drives of the test robot on one bus, each frame at its microsecond, without physics:
-// every shaft is where its drive wants it, the robot hangs upright and at rest.
+// Controllers and the drives of the test robot on one simulated bus with frame timing, without physics: each
+// shaft follows its drive's demand exactly, and the robot hangs upright at rest.
 //
 //   BusBench bench;
 //   ASSERT_TRUE(bench.run_until_standing());
@@ -32,7 +32,7 @@ class BusBench final : private sim::BusObserver {
     std::uint64_t end_us;
   };
 
-  // A controller with its board: the firmware is served each millisecond of a clock of its own.
+  // A controller and its board. The firmware is serviced each millisecond of the controller's own clock.
   class Unit final : private sim::BusNode {
    public:
     Unit(sim::Bus& bus, double clock_rate);
@@ -41,7 +41,7 @@ class BusBench final : private sim::BusObserver {
     behaviour::State state() const { return values().behaviour.state; }
     bool drive_enable_line() const { return output_.drive_enabled; }
     sim::NodeHandle handle() const { return handle_; }
-    // On the bus, the time of the next service.
+    // Bus time of the next service call, in microseconds.
     std::uint64_t next_us() const;
     void serve(std::uint64_t now_us);
 
@@ -63,21 +63,21 @@ class BusBench final : private sim::BusObserver {
     hal::BatchOutput output_;
   };
 
-  // `clock_rate` is how fast the controller's clock runs, by that of the bus and the drives.
+  // `clock_rate` is the rate of the controller's clock relative to that of the bus and the drives.
   explicit BusBench(double clock_rate = 1.0);
   ~BusBench() { bus.set_observer(nullptr); }
 
   void run_ms(int duration_ms) { run_until_us(now_us_ + static_cast<std::uint64_t>(duration_ms) * 1'000); }
-  // False when the first controller's state did not come in time.
+  // Returns false if the first controller has not reached `state` after `limit_ms`.
   bool run_until(behaviour::State state, int limit_ms = 3'000);
-  // Booted, enabled and standing.
+  // Boots and enables the robot and waits until it stands.
   bool run_until_standing();
 
   Unit& controller(std::size_t number = 0) { return *units_[number]; }
-  // A second master: a controller just like the first, powered on now.
+  // Powers on a second master: a controller identical to the first.
   Unit& add_controller() { return *units_.emplace_back(std::make_unique<Unit>(bus, 1.0)); }
-  // A drive that is powered on now, with the node id and name plate of that of a joint, but for the serial
-  // number.
+  // Powers on an additional drive with the node id and identity of the drive of `like_joint`, but with this
+  // serial number.
   sim::Drive& add_drive(std::size_t like_joint, std::uint32_t serial_number);
   sim::Drive& drive(std::size_t number) { return *drives_[number]->drive; }
   std::size_t drive_count() const { return drives_.size(); }
@@ -85,19 +85,19 @@ class BusBench final : private sim::BusObserver {
   void add_babbler(const sim::Babble& babble) {
     babblers_.push_back(std::make_unique<sim::Babbler>(bus, babble));
   }
-  // A frame from a PC.
+  // Sends a frame from a PC.
   void say(const hal::CanFrame& frame);
   void command(behaviour::Command command, std::int16_t argument = 0);
 
   std::uint64_t now_us() const { return now_us_; }
   const robot::RobotModel& model() const { return model_; }
-  // Emergency codes of a node since `seen` was cleared, without the ends of errors.
+  // Returns the emergency codes that a node sent since `seen` was cleared, without error resets.
   std::vector<std::uint16_t> emergencies(std::uint8_t node_id) const;
   std::vector<SeenFrame> seen_with(std::uint16_t identifier) const;
 
-  // --- what a test looks at ---
+  // --- State for tests to inspect ---
   sim::Bus bus;
-  std::vector<SeenFrame> seen;  // all that was on the bus; a test may clear it
+  std::vector<SeenFrame> seen;  // all frames on the bus; tests may clear it
 
  private:
   struct Joint {

@@ -46,7 +46,7 @@ std::vector<std::byte> factory_storage(std::span<const std::byte> parameters) {
 }
 
 ControllerBench::ControllerBench() {
-  // 1 g upwards.
+  // 1 g upwards: the reading at rest.
   imu_sample.accelerometer_raw[2] = static_cast<std::int16_t>(9.80665 / 39.2 * 32768);
   restart(factory_storage());
   for (std::size_t i = 0; i < model().joint_count; ++i) drives.emplace_back(model().joints[i].drive);

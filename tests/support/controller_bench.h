@@ -12,15 +12,15 @@
 
 namespace koboshi::test {
 
-inline constexpr std::uint16_t kVelocityIdentifier = 0x301;  // frames that command a velocity
+inline constexpr std::uint16_t kVelocityIdentifier = 0x301;  // COB-ID of velocity commands
 
-// Storage as a robot leaves the factory: the test robot's model, motion 0 (standing), motion 1 (nods until it
-// is stopped), and parameters (factory_values.h).
+// Factory contents of the storage: the test robot's model, motion 0 (standing), motion 1 (nods until stopped)
+// and parameters (factory_values.h).
 std::vector<std::byte> factory_storage();
-// The same with this item of parameters in place of its own; without one if it is empty.
+// The same contents with these parameters, or without any if the item is empty.
 std::vector<std::byte> factory_storage(std::span<const std::byte> parameters);
 
-// The whole controller on a fake board with a stub for each drive, in zero time and without physics:
+// A complete controller on a fake board with stub drives, without physics. It runs in zero simulated time:
 //
 //   ControllerBench bench;                     // powered on
 //   bench.drives[3].set_object(0x6079, 0, 5'000);
@@ -35,36 +35,36 @@ class ControllerBench {
     hal::CanFrame frame;
   };
 
-  // With a factory's storage.
+  // Starts with the factory contents of the storage.
   ControllerBench();
 
-  // Milliseconds of board time: the drives answer what was sent in the last one, the sensors speak, the
-  // firmware is served and, each tenth time, ticked.
+  // Advances board time. In each millisecond the drives answer the frames of the previous one, the sensors
+  // deliver samples, the firmware is serviced and, every tenth millisecond, ticked.
   void run_ms(int duration_ms);
-  // Time in which nothing is called, as if the firmware had been held up.
+  // Advances time without any call, as if the firmware were blocked.
   void skip_ms(int duration_ms) { now_us_ += static_cast<std::uint64_t>(duration_ms) * 1'000; }
-  // False when the state did not come in time.
+  // Returns false if the controller has not reached `state` after `limit_ms`.
   bool run_until(behaviour::State state, int limit_ms = 3'000);
-  // Booted, enabled and standing.
+  // Boots and enables the robot and waits until it stands.
   bool run_until_standing();
-  // Another node of the bus says something to the drives; what they answer, the firmware hears next.
+  // Sends a frame from another node to the drives. The firmware receives their answers next.
   void tell_drives(const hal::CanFrame& frame);
-  // Sends a command frame, as a PC does, and lets the firmware receive it.
+  // Sends a command frame as a PC does. The firmware receives it in the next millisecond.
   void command(behaviour::Command command, std::int16_t argument = 0);
 
   const app::ControllerValues& values() const { return controller_->values(); }
   const decltype(app::ControllerValues::behaviour)& now() const { return values().behaviour; }
   const robot::RobotModel& model() const { return controller_->model(); }
   std::uint64_t now_us() const { return now_us_; }
-  // What the controller told a joint last.
+  // The latest target that the controller sent to this joint.
   fixed::Angle target(std::size_t joint) const;
-  // The latest sent frame with this identifier since `sent` was cleared.
+  // Returns the latest frame with this identifier since `sent` was cleared.
   std::optional<hal::CanFrame> last_sent(std::uint16_t identifier) const;
 
-  // Takes the place of the storage's contents, as far as it goes, and starts the firmware anew.
+  // Overwrites the beginning of the storage with these contents and restarts the firmware.
   void restart(std::span<const std::byte> storage = {});
 
-  // --- what a test scripts and looks at ---
+  // --- State for tests to set and inspect ---
   hal::FakeBoard board;
   std::vector<DriveStub> drives;
   std::vector<SentFrame> sent;

@@ -13,7 +13,7 @@ namespace {
 State follow(State state, std::uint16_t controlword) {
   switch (canopen::cia402::command_of(controlword)) {
     case Command::kDisableVoltage:
-    case Command::kQuickStop:  // an ideal drive stands at once
+    case Command::kQuickStop:  // an ideal drive stops at once
       return State::kSwitchOnDisabled;
     case Command::kShutdown:
       return State::kReadyToSwitchOn;

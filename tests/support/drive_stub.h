@@ -12,18 +12,18 @@
 
 namespace koboshi::test {
 
-// A servo drive at the other end of a fake bus: it answers SDO requests, follows controlwords without delay
-// and is always where it was told to be. A test changes its members to make it misbehave.
+// An ideal servo drive on a fake bus. It answers SDO requests, obeys controlwords without delay and is always
+// at its target. Tests change its members to inject faults.
 class DriveStub {
  public:
   using State = canopen::cia402::State;
 
   explicit DriveStub(const robot::Drive& drive);
 
-  // A frame from the controller; appends what the drive says to it. PDOs are those that the controller maps:
-  // controlword and target, and at SYNC statusword, position and torque.
+  // Processes a frame from the controller and appends the drive's answers. PDOs follow the controller's
+  // mapping: controlword and target in, and statusword, position and torque out at SYNC.
   void on_frame(const hal::CanFrame& frame, std::vector<hal::CanFrame>& answers);
-  // One cycle without a bus: obeys the words and returns the statusword.
+  // Runs one cycle without a bus: obeys the controlword and returns the statusword.
   std::uint16_t cycle(std::uint16_t controlword, std::int32_t target);
 
   hal::CanFrame boot_up() const;
@@ -37,13 +37,13 @@ class DriveStub {
   }
   bool operational() const { return operational_; }
 
-  // --- what a test scripts and looks at ---
-  bool beats = true;    // false: produces no heartbeat
-  bool hangs = false;   // neither hears nor speaks
+  // --- State for tests to set and inspect ---
+  bool beats = true;    // false: sends no heartbeat
+  bool hangs = false;   // true: neither receives nor sends
   bool enables = true;  // false: stays in ready to switch on
   bool answers_sdo = true;
   bool follows = true;                            // false: has left cyclic synchronous position mode
-  std::optional<canopen::ObjectAddress> refuses;  // the request for this object is aborted
+  std::optional<canopen::ObjectAddress> refuses;  // aborts SDO requests for this object
   State state = State::kSwitchOnDisabled;
   std::int32_t position = 0;
   std::uint16_t controlword = 0;  // in effect since the last cycle

@@ -14,7 +14,7 @@ inline constexpr behaviour::FallLimits kTestFallLimits{
 inline constexpr behaviour::RecoveryParameters kTestRecovery{.fall = kTestFallLimits,
                                                              .getting_up = {.attempts = 3, .slower = 20}};
 
-// What the test robot leaves the factory with.
+// Returns the factory parameters of the test robot.
 inline app::ControllerValues factory_values() {
   app::ControllerValues values;
   values.parameters = kTestPower;

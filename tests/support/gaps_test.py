@@ -1,4 +1,4 @@
-"""run_test.py skips what cannot run, never what fails, and report_gaps.py tells of each skip and of each file left behind."""
+"""run_test.py skips tests that cannot run but none that fail. report_gaps.py reports each skip and each file left behind."""
 
 import os
 import pathlib

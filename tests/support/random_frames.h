@@ -11,10 +11,11 @@
 #include "firmware/canopen/sdo/protocol.h"
 #include "hal/port/can.h"
 
-// Frames by which nodes are tried: noise, the messages that a node serves, and such messages with an error.
+// Generates frames for fuzzing a node: noise, valid messages of its services, and such messages with an
+// error.
 namespace koboshi::test {
 
-// xorshift64*: the same numbers on every machine.
+// xorshift64*, a generator that gives the same numbers on every machine.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -33,7 +34,7 @@ class Random {
   std::uint64_t state_;
 };
 
-// A moment's worth; by hand, as many as KOBOSHI_FUZZ_FRAMES says.
+// Number of frames of a fuzz test: a fraction of a second's worth, or KOBOSHI_FUZZ_FRAMES.
 inline std::uint64_t frames_to_survive() {
   const char* const wanted = std::getenv("KOBOSHI_FUZZ_FRAMES");
   return wanted == nullptr ? 100'000 : std::strtoull(wanted, nullptr, 10);
@@ -47,7 +48,7 @@ inline hal::CanFrame noise_frame(Random& random) {
   return frame;
 }
 
-// The same frame with another size or with one bit turned over, in its identifier or its data.
+// Returns the frame with another size or with one bit of its identifier or data flipped.
 inline hal::CanFrame mutated(hal::CanFrame frame, Random& random) {
   switch (random.below(3)) {
     case 0:
@@ -62,7 +63,7 @@ inline hal::CanFrame mutated(hal::CanFrame frame, Random& random) {
   return frame;
 }
 
-// What an SDO client asks for, in any order, of the objects in `rows` and of the communication profile.
+// Returns an SDO request, in any order, for the objects in `rows` and in the communication profile.
 inline hal::CanFrame sdo_request(std::uint16_t identifier, std::span<const canopen::Entry> rows,
                                  Random& random) {
   static constexpr std::uint8_t kCommands[] = {0x23, 0x2B, 0x2F, 0x2F, 0x40, 0x40, 0x21, 0x00, 0x10,

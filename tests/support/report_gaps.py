@@ -1,5 +1,5 @@
-"""report_gaps.py JUNIT FOLDER: says what CTest skipped, and why, by its JUnit report; and what the tests left in the folder that was their
-TMPDIR. Fails where something was left, or skipped although KOBOSHI_SKIPS is "forbidden"."""
+"""report_gaps.py JUNIT FOLDER: lists the skipped tests with their reasons, from CTest's JUnit report, and the files that tests left in
+FOLDER, their TMPDIR. Fails if any file was left, or if a test was skipped and KOBOSHI_SKIPS is "forbidden"."""
 
 import collections
 import os
@@ -8,14 +8,14 @@ import re
 import sys
 import xml.etree.ElementTree
 
-# What is not here is a failure, which CTest reports itself.
+# All other reasons are failures, which CTest reports.
 SKIPS = re.compile("SKIP_RETURN_CODE|SKIP_REGULAR_EXPRESSION|Disabled")
 REASONS = (re.compile(r"^skipped: (.+)$", re.MULTILINE),  # run_test.py, shell
            re.compile(r": Skipped\n(.+)$", re.MULTILINE))  # GTEST_SKIP
 
 
 def skipped(report):
-    """The tests by the reason for which they were."""
+    """Returns the skipped tests grouped by reason."""
     tests = collections.defaultdict(list)
     for case in xml.etree.ElementTree.parse(report).iter("testcase"):
         mark = case.find("skipped")

@@ -12,7 +12,7 @@ namespace {
 std::vector<std::byte> begin_image(std::uint32_t magic, std::uint16_t version) {
   std::vector<std::byte> image;
   put(image, magic, 4);
-  put(image, version, 4);  // and the reserved field
+  put(image, version, 4);  // plus the reserved field
   image.resize(storage::kImageHeaderSize);
   return image;
 }
@@ -74,7 +74,7 @@ std::vector<std::byte> make_storage(std::span<const std::byte> model,
   std::vector<std::byte> catalogue = begin_image(storage::kCatalogueMagic, storage::kCatalogueVersion);
   const std::size_t count = 1 + motions.size() + (parameters.empty() ? 0 : 1);
   std::size_t offset = storage::kImageHeaderSize + 4 + count * storage::kCatalogueItemSize;
-  put(catalogue, static_cast<std::uint32_t>(count), 4);  // and the reserved field
+  put(catalogue, static_cast<std::uint32_t>(count), 4);  // plus the reserved field
   const auto add = [&](storage::ItemKind kind, std::size_t number, std::size_t size) {
     put(catalogue, static_cast<std::uint32_t>(kind), 2);
     put(catalogue, static_cast<std::uint32_t>(number), 2);

@@ -12,22 +12,24 @@
 
 namespace koboshi::test {
 
-// A motion as its image holds it: every pose gives an angle for each joint.
+// A motion as stored in its image: each pose gives an angle for each joint.
 struct TestMotion {
   std::string name = "test";
   std::vector<std::vector<fixed::Angle>> poses;
   std::vector<motion::Step> steps;
 };
 
-// The image of a motion for the robot with this model id, written after firmware/motion/motion.h.
+// Encodes a motion for the robot with this model id, independently of the compiler, in the format of
+// firmware/motion/motion.h.
 std::vector<std::byte> encode(const TestMotion& motion, std::uint32_t model_id);
 
-// The image of the parameters that these values have and neutral ones do not, for the robot with this model
-// id, written after firmware/app/factory_parameters.h.
+// Encodes those parameters that differ from the neutral ones for the robot with this model id, in the format
+// of firmware/app/factory_parameters.h.
 std::vector<std::byte> encode(const app::ControllerValues& values, std::uint32_t model_id);
 
-// What the storage of a robot holds: a catalogue (firmware/storage/catalogue.h), the model's image, the
-// motions', the i-th as motion i, and, unless it is empty, that of its parameters.
+// Returns the storage contents of a robot: a catalogue (firmware/storage/catalogue.h), the images of the
+// model and of the motions, where the i-th becomes motion i, and the image of the parameters unless it is
+// empty.
 std::vector<std::byte> make_storage(std::span<const std::byte> model,
                                     std::span<const std::vector<std::byte>> motions,
                                     std::span<const std::byte> parameters = {});

@@ -1,8 +1,8 @@
-"""run_test.py [--need=THING]... -- COMMAND [ARGUMENT...]: runs a test, or skips it where it cannot run: with status 77, which CTest
-knows, and a line "skipped: REASON".
+"""run_test.py [--need=THING]... -- COMMAND [ARGUMENT...]: runs a test. Skips it where it cannot run, with a line "skipped: REASON" and
+status 77, which CTest counts as skipped.
 
-THING is a path if it has a slash, a module of Python as module:NAME, or else a program. A COMMAND that ends in .py is run in this
-process, and skipped tests of its unittest make it a skipped test, unless others failed.
+THING is a path if it has a slash, a module of Python if it is module:NAME, and otherwise a program. A COMMAND that ends in .py runs in
+this process. If its unittest skips tests and none fails, the whole test counts as skipped.
 """
 
 import importlib.util
@@ -23,7 +23,7 @@ def is_there(thing):
 
 
 class SkippingProgram(unittest.TestProgram):
-    """What a script gets for unittest.main."""
+    """Replaces unittest.main for the script and reports skipped tests by the exit status."""
 
     def runTests(self):
         self.exit = False

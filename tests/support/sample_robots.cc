@@ -8,7 +8,7 @@ Eigen::Matrix3d box_inertia(double mass_kg, const Eigen::Vector3d& size_m) {
   return (mass_kg / 12.0 * (Eigen::Vector3d::Constant(squares.sum()) - squares)).asDiagonal();
 }
 
-// A box at p_MG in the model frame; the link's frame has the model's axes and sits at p_ML.
+// Returns a box at p_MG in the model frame. The link's frame is at p_ML, parallel to the model frame.
 LinkDescription box_link(const std::string& name, double mass_kg, const Eigen::Vector3d& p_ML,
                          const Eigen::Vector3d& p_MG, const Eigen::Vector3d& size_m) {
   LinkDescription link;
@@ -28,7 +28,7 @@ LinkDescription box_link(const std::string& name, double mass_kg, const Eigen::V
 struct Builder {
   RobotDescription robot;
 
-  // A box that hangs `parent` at a hinge; the box' middle is `middle` off the hinge.
+  // Adds a box on a hinge to `parent`. `middle` is the box's centre relative to the hinge.
   int add(const std::string& name, int parent, double mass_kg, const Eigen::Vector3d& p_MJ,
           const Eigen::Vector3d& axis, const Eigen::Vector3d& middle, const Eigen::Vector3d& size_m) {
     robot.links.push_back(box_link(name, mass_kg, p_MJ, p_MJ + middle, size_m));

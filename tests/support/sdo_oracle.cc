@@ -115,7 +115,7 @@ void SdoOracle::note_block_segment(const Data& request, const std::vector<hal::C
     last_ = is_last_of_block(request);
   }
   if (answers.empty()) return;
-  // What the server did not take is to be sent again.
+  // Resends the segments that the server did not accept.
   if (last_ && answers.front().data[1] == sequence_) phase_ = Phase::kBlockDownloadEnd;
   sequence_ = 0;
   last_ = false;
@@ -136,7 +136,7 @@ Data SdoOracle::next(Random& random, canopen::ObjectAddress address) const {
   const auto toggle = static_cast<std::uint8_t>(toggle_ ? sdo::kToggle : 0);
   Data data{};
   for (std::uint8_t& byte : data) byte = static_cast<std::uint8_t>(random.next());
-  const std::uint8_t unused = static_cast<std::uint8_t>(random.below(8));  // 7: a segment without bytes
+  const std::uint8_t unused = static_cast<std::uint8_t>(random.below(8));  // 7: a segment without data
   const bool ends = random.below(3) == 0;
   switch (phase_) {
     case Phase::kIdle:
@@ -169,7 +169,7 @@ Data SdoOracle::next(Random& random, canopen::ObjectAddress address) const {
   return data;
 }
 
-// Sizes are announced that are small, none at all, or far too much.
+// Announces sizes that are small, zero or far too large.
 Data SdoOracle::begin(Random& random, canopen::ObjectAddress address) {
   static constexpr std::uint8_t kCommands[] = {0x20, 0x21, 0x22, 0x23, 0x27, 0x2B, 0x2F, 0x40,
                                                0x40, 0xA0, 0xA4, 0xC0, 0xC2, 0xC4, 0xC6};

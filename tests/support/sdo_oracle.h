@@ -7,23 +7,23 @@
 
 namespace koboshi::test {
 
-// What CiA 301, 7.2.4.3, expects of an SDO server, as its client sees it: which requests are answered. It
-// follows the frames alone and knows nothing of the server's code.
+// Predicts from a client's view which requests an SDO server must answer (CiA 301, 7.2.4.3). It uses only the
+// frames and shares no code with the server.
 class SdoOracle {
  public:
   enum class Answer {
     kNone,
-    kPerhapsAbort,  // a segment within a block: none, or an abort
-    kOne,           // or several, or an abort
+    kPerhapsAbort,  // no answer or an abort, within a block
+    kOne,           // one or more answers, or an abort
   };
-  // What the server owes to this request.
+  // Returns the answer that CiA 301 requires to this request.
   Answer owed(const canopen::sdo::Data& request) const;
-  // The request was made, and these frames came back.
+  // Records a request and the server's answers.
   void note(const canopen::sdo::Data& request, const std::vector<hal::CanFrame>& answers);
-  // A request that carries on with the present transfer as a client would; a random one when there is none.
+  // Returns a valid next request of the present transfer, or a random request if there is none.
   canopen::sdo::Data next(Random& random, canopen::ObjectAddress address) const;
 
-  // Transfers that came to their proper end, by their kind.
+  // Number of transfers that were completed, by kind.
   struct Completed {
     int expedited_downloads = 0;
     int segmented_downloads = 0;
@@ -54,8 +54,8 @@ class SdoOracle {
 
   Phase phase_ = Phase::kIdle;
   bool toggle_ = false;
-  std::uint8_t sequence_ = 0;  // of the last segment of the block, sent in order or received
-  bool last_ = false;          // that segment was the last of all
+  std::uint8_t sequence_ = 0;  // sequence number of the last segment of the block, sent in order or received
+  bool last_ = false;          // that segment was the last of the transfer
   Completed completed_;
 };
 

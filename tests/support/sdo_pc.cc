@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint16_t kRequest = 0x601;
 constexpr std::uint16_t kResponse = 0x581;
 constexpr int kTimeout_ms = 1'000;
-constexpr std::size_t kSegmentsPerMs = 7;  // of 8 that the bus carries
+constexpr std::size_t kSegmentsPerMs = 7;  // the bus can carry 8
 
 void copy_segment(std::span<const std::byte> bytes, sdo::Data& data) {
   std::ranges::transform(bytes, data.begin() + 1, std::to_integer<std::uint8_t>);

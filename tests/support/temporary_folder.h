@@ -13,8 +13,7 @@
 
 namespace koboshi::test {
 
-// An empty folder of its owner's own in the system's temporary folder (TMPDIR), removed with all that is in
-// it.
+// A new folder in the system's temporary folder (TMPDIR), removed with its contents by the destructor.
 class TemporaryFolder {
  public:
   TemporaryFolder() : path(make()) {}
@@ -28,7 +27,7 @@ class TemporaryFolder {
   const std::filesystem::path path;
 
  private:
-  // Its name tells the test, for what a test that crashed leaves behind.
+  // The folder's name contains the test's name, to identify what a crashed test leaves behind.
   static std::filesystem::path make() {
     std::string name = "koboshi_";
     if (const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info()) {

@@ -4,7 +4,7 @@
 
 namespace koboshi::test {
 
-// A gait that the test robot can walk: the one of robots/koboshi, whose proportions it has.
+// Returns a gait for the test robot: that of robots/koboshi, which has the same proportions.
 inline walk::WalkParameters tuned_gait() {
   return {.step = {.time_ms = 220,
                    .double_support = 90,

@@ -13,14 +13,14 @@
 namespace koboshi::tools {
 namespace {
 
-constexpr std::uint32_t kMean = 60'000;  // instructions in the 10 ms of a tick, while the robot moves
+constexpr std::uint32_t kMean = 60'000;  // mean instructions in the 10 ms of a tick while the robot moves
 constexpr std::uint32_t kWorst = 100'000;
 constexpr std::uint32_t kStack_bytes = 3072;
 
-// The firmware's instructions in each tick: of the tick and of the ten service calls up to it.
+// Instructions that the firmware executes per tick: the tick itself and the ten preceding service calls.
 struct Ticks {
   std::vector<std::uint32_t> moving;
-  std::uint32_t worst = 0;  // of all, also while booting
+  std::uint32_t worst = 0;  // maximum over all ticks, including those while booting
   std::uint32_t stack_peak_bytes = 0;
 };
 
@@ -62,7 +62,7 @@ TEST(Budget, IsKept) {
   std::printf("moving: mean %u, worst %u; worst of all %u; stack %u\n", mean, worst, ticks.worst,
               ticks.stack_peak_bytes);
   EXPECT_LE(mean, kMean);
-  EXPECT_GT(mean, kMean / 20);  // less would mean that nothing was counted
+  EXPECT_GT(mean, kMean / 20);  // a lower count would mean that the counter did not run
   EXPECT_LE(worst, kWorst);
   EXPECT_LE(ticks.stack_peak_bytes, kStack_bytes);
   EXPECT_GT(ticks.stack_peak_bytes, kStack_bytes / 10);

@@ -73,7 +73,7 @@ TEST_F(Fault, CatchesAStackThatOverflows) {
   EXPECT_EQ(record.exception, 4u);
   EXPECT_NE(record.configurable_status & (kStackingError | kDataViolation), 0u);
   EXPECT_LT(record.stack_pointer, 0x2000'0000u);
-  EXPECT_EQ(record.program_counter, 0u);  // nothing could be pushed
+  EXPECT_EQ(record.program_counter, 0u);  // the stack was full, so nothing was pushed
 }
 
 TEST_F(Fault, LeavesStorageAndAFreshFirmwareBehind) {
@@ -86,7 +86,7 @@ TEST_F(Fault, LeavesStorageAndAFreshFirmwareBehind) {
   EXPECT_FALSE(after.drive_enabled);
 }
 
-// In a robot that stands, with torque on all joints.
+// A fault while the robot stands with torque on all joints.
 TEST(FaultWhileStanding, PullsTheDriveEnableLineLowAndKeepsTheState) {
   simulation::QemuHost* host = nullptr;
   simulation::Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"),

@@ -1,4 +1,4 @@
-"""The rules that a linked Cortex-M4 image has to keep. Each function returns one line for each violation."""
+"""Rules for a linked Cortex-M4 image. Each function returns one line for each violation."""
 
 import re
 import sys
@@ -16,8 +16,8 @@ FORBIDDEN_SYMBOLS = [
     ("run-time types", re.compile(r"^_ZT[IS]|^_ZTVN10__cxxabiv1|^__dynamic_cast$")),
     ("initialiser", re.compile(r"^_GLOBAL__(sub_)?I_|^__static_initialization_and_destruction")),
 ]
-FORBIDDEN_SECTIONS = {".ARM.extab": "exceptions", ".init_array": "initialiser"}  # all that image.ld can make of them
-CANNOT_UNWIND = 1  # the one entry of an exception index that needs no tables (Arm EHABI32, section 6)
+FORBIDDEN_SECTIONS = {".ARM.extab": "exceptions", ".init_array": "initialiser"}  # the only ones that image.ld can emit
+CANNOT_UNWIND = 1  # the only entry of an exception index that needs no tables (Arm EHABI32, section 6)
 
 
 def symbol_violations(elf):
@@ -33,7 +33,7 @@ def section_violations(elf):
 
 
 def instruction_violations(image):
-    """All instructions whose name begins with v belong to the floating-point unit (ARMv7-M, A7.5)."""
+    """Finds floating-point instructions: all that begin with v belong to the floating-point unit (ARMv7-M, A7.5)."""
     return [f"float: {instruction.mnemonic} in {function.short_name}" for function in image.functions.values()
             for instruction in function.instructions if instruction.mnemonic.startswith("v")]
 
@@ -42,7 +42,7 @@ RELOCATION = re.compile(r"([0-9a-f]{8})  [0-9a-f]{8} R_ARM_(ABS32|TARGET1|REL32|
 
 
 def taken_addresses(image, relocatable):
-    """Functions whose address lies in the image's data, from the relocations that the linker has kept in `relocatable`."""
+    """Returns the functions whose address is in the image's data, from the relocations that the linker has kept in `relocatable`."""
     taken, section = set(), None
     contents = {name: target_image.words(relocatable, name) for name in (".text", ".data")
                 if name in target_image.sections(relocatable)}
@@ -75,7 +75,7 @@ def stack_violations(image, graph):
 
 
 def violations(image, listed, relocatable):
-    """All of them. `relocatable` is the same image with its relocations kept."""
+    """Returns the violations of all rules. `relocatable` is the same image with its relocations kept."""
     graph = call_graph.CallGraph(image, listed)
     cycles = graph.cycles()
     return (symbol_violations(image.elf) + section_violations(image.elf) + instruction_violations(image) +

@@ -1,13 +1,13 @@
-"""Proves on the linked Cortex-M4 image: no heap, float, exceptions, run-time types, dynamic initialisers or recursion, calls
-through pointers bounded by tools/target/indirect_calls.txt, and a stack that is enough.
+"""Proves these properties of the linked Cortex-M4 image: no heap, float, exceptions, run-time types, dynamic initialisers or recursion;
+calls through pointers only as in tools/target/indirect_calls.txt; a sufficient stack.
 
-Each file in fixture/ is linked as the board's program in place of the firmware. It breaks one rule and says how it must be found:
+Each file in fixture/ is linked in place of the firmware's program. It breaks one rule and states how the test must detect this:
   // Expect: link TEXT      does not link, and the linker says TEXT
   // Expect: image TEXT     links, and the proof of the image says TEXT
   // Expect: nothing        breaks none
-  // List: LINE             what it has in place of indirect_calls.txt
+  // List: LINE             its replacement for indirect_calls.txt
 
-Usage: image_test.py BUILD_FOLDER, which holds a built image and whose compiler flags the fixtures take
+Usage: image_test.py BUILD_FOLDER, which contains a built image and provides the compiler flags for the fixtures
 """
 
 import json
@@ -35,16 +35,16 @@ def run(command, **options):
 
 
 def compile_command(source, target):
-    """That of the board's program, for another source."""
+    """Returns the compile command of the board's program for another source."""
     commands = json.loads((BUILD / "compile_commands.json").read_text())
     (command,) = [entry["command"] for entry in commands if entry["file"].endswith(PROGRAM)]
     words = shlex.split(command)
     words[words.index("-o") + 1], words[words.index("-c") + 1] = str(target), str(source)
-    return [*words, "-w"]  # what a fixture does is odd on purpose
+    return [*words, "-w"]  # fixtures contain unusual code on purpose
 
 
 def link_command(target, program=None):
-    """That of the image, with another file in place of the program's object."""
+    """Returns the link command of the image with another file in place of the program's object."""
     lines = run(["ninja", "-t", "commands", "bin/koboshi.elf"], check=True).stdout.splitlines()
     words = [word for word in shlex.split(lines[-1]) if word not in (":", "&&")]
     words[words.index("-o") + 1] = str(target)
@@ -53,7 +53,7 @@ def link_command(target, program=None):
 
 
 def link(folder, program=None):
-    """Links an image, and the same with its relocations kept. Returns both files and the linker's complaint."""
+    """Links an image, and again with its relocations kept. Returns both files and the linker's error output."""
     elf, relocatable = pathlib.Path(folder) / "image.elf", pathlib.Path(folder) / "relocatable.elf"
     result = run(link_command(elf, program))
     if result.returncode == 0:
@@ -106,12 +106,13 @@ class Image(unittest.TestCase):
 
     def test_has_bytes_from_each_folder_of_the_firmware(self):
         found = target_image.bytes_by_folder(BUILD / "bin/koboshi.elf.map")
-        # Bytes belong to the folder that makes the library: those of canopen/sdo, to canopen.
+        # Code in a subfolder counts for the folder that defines the library: canopen/sdo counts for canopen.
         made = [file.parent for file in (SOURCES / "firmware").rglob("CMakeLists.txt") if any(file.parent.glob("*.cc"))]
         self.assertGreater(len(made), 10)
         for folder in {str(folder.relative_to(SOURCES)) for folder in made}:
             with self.subTest(folder=folder):
-                self.assertGreater(found.get(folder, {"flash_bytes": 0})["flash_bytes"], 500)  # the smallest, recovery/, has 800
+                self.assertGreater(found.get(folder, {"flash_bytes": 0})["flash_bytes"], 500)  # the smallest,
+                                                                                               # recovery/, has 800
 
     def test_does_not_depend_on_where_it_is_built(self):
         self.assertNotIn(str(SOURCES).encode(), (BUILD / "bin/koboshi.elf").read_bytes())
@@ -119,10 +120,10 @@ class Image(unittest.TestCase):
 
     def test_keeps_its_budget(self):
         description = json.loads((BUILD / "bin/koboshi.elf.json").read_text())
-        self.assertLessEqual(description["flash_bytes"], 128 * 1024)  # motions lie in storage
+        self.assertLessEqual(description["flash_bytes"], 128 * 1024)  # motions are in storage, not in the image
         self.assertLessEqual(description["ram_bytes"], 32 * 1024)
         self.assertLessEqual(description["stack_bytes"], 3 * 1024)
-        self.assertGreater(description["flash_bytes"], 16 * 1024)  # or it is not the firmware
+        self.assertGreater(description["flash_bytes"], 16 * 1024)  # less would mean that the image lacks the firmware
         self.assertGreater(description["stack_bytes"], 300)
 
 
@@ -152,7 +153,7 @@ class Violation(unittest.TestCase):
 
 class Stack(unittest.TestCase):
     def test_is_as_deep_as_it_was_reckoned(self):
-        """The program of clean.cc takes its deepest path and says how far the paint on its stack is gone."""
+        """The program of clean.cc takes its deepest call path and reports how much of the painted stack it has used."""
         source = pathlib.Path(__file__).parent / "fixture/clean.cc"
         with tempfile.TemporaryDirectory() as folder:
             elf, _, complaint = link_fixture(source, folder)

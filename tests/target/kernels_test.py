@@ -1,4 +1,4 @@
-"""Runs the numeric kernels on the Cortex-M4: in fixed point each takes fewer instructions than in soft float.
+"""Runs the numeric kernels on the Cortex-M4. Each must take fewer instructions in fixed point than in soft float.
 
 Usage: kernels_test.py BUILD_FOLDER
 """
@@ -25,7 +25,7 @@ class Kernels(unittest.TestCase):
             with self.subTest(kernel=name):
                 self.assertLess(int(fixed_mean), int(float_mean))
                 self.assertLess(int(fixed_max), int(float_max))
-                self.assertGreater(int(fixed_mean), 2)  # or nothing was called
+                self.assertGreater(int(fixed_mean), 2)  # fewer would mean that no kernel was called
 
     def test_take_the_same_in_each_run(self):
         self.assertEqual(measure(), measure())

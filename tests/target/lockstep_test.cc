@@ -35,12 +35,12 @@ void expect_same_bytes(const char* scenario) {
 
 TEST(Lockstep, GivesTheSameBytesAsInProcess) { expect_same_bytes(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"); }
 
-// The walk that the firmware computes itself is most of its arithmetic.
+// Generating the walk is most of the firmware's arithmetic.
 TEST(Lockstep, GivesTheSameBytesWalkingByCommand) {
   expect_same_bytes(KOBOSHI_SOURCE_DIR "/scenarios/go.yaml");
 }
 
-// A robot that never learns which robot it is, in company of broken bytes.
+// Storage without a robot model, and with corrupt contents.
 TEST(Lockstep, HoldsOnEmptyAndBrokenStorage) {
   std::vector<std::byte> broken =
       simulation::make_storage_contents(std::vector<std::byte>(3000, std::byte{0x55}), {});

@@ -1,4 +1,4 @@
-// Skips the tests of a program where the image for the Cortex-M4 is not built, or there is no QEMU to run it.
+// Skips the tests of a program if the Cortex-M4 image is not built or QEMU is missing.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ class NeedsImage : public testing::Environment {
                                     ? "qemu-system-arm"
                                     : nullptr;
     if (missing == nullptr) return;
-    std::printf("[  SKIPPED ] ");  // what CTest looks for; GoogleTest prints only the reason here
+    std::printf("[  SKIPPED ] ");  // the pattern that CTest looks for; GoogleTest prints only the reason here
     std::fflush(stdout);
     GTEST_SKIP() << "there is no " << missing << "; ./run target makes it";
   }

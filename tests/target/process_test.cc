@@ -25,7 +25,8 @@ using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 namespace wire = cortex_m::wire;
 
-// Waits for the end of a process whose parent this one is, or has become. False when it lives on.
+// Waits for the end of a process that is a child of this one, or has become so. Returns false if it does not
+// end.
 bool ends(pid_t pid) {
   using namespace std::chrono_literals;
   for (int i = 0; i < 500; ++i) {
@@ -35,7 +36,7 @@ bool ends(pid_t pid) {
   return false;
 }
 
-// Makes a host in a process of its own, and says which QEMU it has.
+// Starts a host in a child process, which reports the id of its QEMU.
 [[noreturn]] void be_a_host(int pipe) {
   const simulation::QemuHost host(KOBOSHI_IMAGE, {});
   const pid_t qemu = host.pid();
@@ -44,7 +45,7 @@ bool ends(pid_t pid) {
 }
 
 TEST(QemuProcess, DoesNotOutliveAHostThatIsKilled) {
-  prctl(PR_SET_CHILD_SUBREAPER, 1);  // so that this process hears of the orphan's end
+  prctl(PR_SET_CHILD_SUBREAPER, 1);  // makes this process the parent of the orphan
   std::array<int, 2> said{};
   ASSERT_EQ(pipe(said.data()), 0);
   const pid_t host = fork();
@@ -100,7 +101,7 @@ TEST(QemuProcess, RefusesToGoWithoutQemu) {
   setenv("PATH", path.c_str(), 1);
 }
 
-// A page of text is no program, and QEMU says so.
+// QEMU rejects a text file as a program, and the error repeats QEMU's message.
 TEST(QemuProcess, RepeatsWhatQemuComplainsOf) {
   simulation::QemuProcess process(KOBOSHI_SOURCE_DIR "/README.md");
   std::array<std::byte, wire::kMaxMessageBytes> buffer{};

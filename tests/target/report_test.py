@@ -1,4 +1,4 @@
-"""Holds `koboshi target-report` to its form, its sums and its repeatability, and the firmware to what it may take.
+"""Checks the format, the sums and the repeatability of `koboshi target-report`, and the limits on the firmware's instructions.
 
 Usage: report_test.py PROGRAM IMAGE
 """
@@ -15,7 +15,7 @@ PARTS = ["sensors", "estimation", "behaviour", "interpreter", "canopen", "drives
 
 
 def report(*arguments):
-    """The JSON of a report."""
+    """Returns the JSON of a report."""
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder, "report.json")
         subprocess.run([PROGRAM, "target-report", "--image", IMAGE, "--json", file, *arguments], check=True, capture_output=True)
@@ -36,13 +36,13 @@ class Report(unittest.TestCase):
         moving = self.figures["while_moving"]
         self.assertLessEqual(moving["mean"], 60_000)
         self.assertLessEqual(moving["max"], 100_000)
-        self.assertGreater(moving["mean"], 1_000)  # less would mean that not all was counted
+        self.assertGreater(moving["mean"], 1_000)  # fewer would mean that not all were counted
 
     def test_has_parts_that_make_up_the_whole(self):
         parts = self.figures["by_part"]
         self.assertEqual(list(parts), PARTS)
         self.assertAlmostEqual(sum(part["mean"] for part in parts.values()), self.figures["instructions_per_tick_mean"], places=6)
-        self.assertLess(parts["rest"]["max"], 100)  # ten times what reading the timer takes
+        self.assertLess(parts["rest"]["max"], 100)  # ten times the cost of reading the timer
         for part in parts.values():
             self.assertGreater(part["mean"], 0)
             self.assertLessEqual(part["p99"], part["max"])

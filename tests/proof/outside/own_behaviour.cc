@@ -1,5 +1,4 @@
-// A behaviour of somebody else's around the firmware: the robot walks until it has come far enough, and
-// stops.
+// An external behaviour on top of the firmware: the robot walks a given distance and stops.
 
 #include <cstdio>
 #include <vector>
@@ -15,7 +14,7 @@ using koboshi::simulation::WatchedSimulation;
 constexpr double kFarEnough_m = 0.2;
 constexpr std::uint64_t kPatience_us = 20'000'000;
 
-// Walks to the goal. False if the robot did not get there in time.
+// Walks to the goal. Returns false if the robot does not reach it in time.
 bool walk_there(WatchedSimulation& robot) {
   command(robot.simulation(), "walk: {forward_m_per_s: 0.15}");
   while (robot.recorder().truth().p_WB_W.x() < kFarEnough_m) {

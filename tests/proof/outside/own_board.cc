@@ -1,5 +1,5 @@
-// A board of somebody else's: the firmware boots on it and, as it has neither robot nor drives, says so on
-// the bus.
+// An external board. The firmware boots on it and, without robot model and drives, reports both errors on the
+// bus.
 
 #include <cstddef>
 #include <cstdio>
@@ -34,7 +34,7 @@ class NoSensors final : public hal::ImuPort, public hal::AnklePort {
   bool read(hal::Side, hal::AnkleSample&) override { return false; }
 };
 
-// Erased, and it cannot be written.
+// Reads as erased; writing fails.
 class EmptyFlash final : public hal::StoragePort {
  public:
   std::span<const std::byte> contents() const override { return contents_; }
