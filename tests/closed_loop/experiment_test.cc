@@ -5,9 +5,9 @@
 
 #include "sim_board/scenario/reader.h"
 #include "sim_board/world/foot.h"
-#include "tools/experiment/gyro_feedback.h"
-#include "tools/experiment/report.h"
-#include "tools/experiment/scenario_trial.h"
+#include "tools/lab/catalogue/gyro_feedback.h"
+#include "tools/lab/experiment/report.h"
+#include "tools/lab/trial/scenario_trial.h"
 
 namespace koboshi::tools {
 namespace {

@@ -3,11 +3,11 @@
 #include <gtest/gtest.h>
 
 #include "sim_board/engine/make_world.h"
-#include "tools/experiment/contacts.h"
-#include "tools/experiment/fall_detection.h"
-#include "tools/experiment/marathon.h"
-#include "tools/experiment/outcome.h"
-#include "tools/experiment/stand_up.h"
+#include "tools/lab/catalogue/contacts.h"
+#include "tools/lab/catalogue/fall_detection.h"
+#include "tools/lab/catalogue/marathon.h"
+#include "tools/lab/catalogue/stand_up.h"
+#include "tools/lab/trial/outcome.h"
 
 namespace koboshi::tools {
 namespace {

@@ -1,6 +1,6 @@
 // A search over runs of the simulated robot, each so short that the robot only boots.
 
-#include "tools/tune/study_search.h"
+#include "tools/lab/tune/study_search.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

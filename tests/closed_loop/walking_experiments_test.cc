@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/experiment/push_recovery.h"
-#include "tools/experiment/terrain.h"
-#include "tools/experiment/walking_speed.h"
+#include "tools/lab/catalogue/push_recovery.h"
+#include "tools/lab/catalogue/terrain.h"
+#include "tools/lab/catalogue/walking_speed.h"
 
 namespace koboshi::tools {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/experiment/report.h"
+#include "tools/lab/experiment/report.h"
 #include "tools/lab/validate/validation.h"
 
 namespace koboshi::tools {

@@ -14,7 +14,7 @@
 #include "sim_board/record/output_folder.h"
 #include "sim_board/record/summary.h"
 #include "sim_board/world/options.h"
-#include "tools/experiment/files.h"
+#include "tools/lab/experiment/files.h"
 #include "tools/lab/validate/report.h"
 
 namespace koboshi::tools {

@@ -1,0 +1,163 @@
+#include "tools/lab/experiment/experiment.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <stdexcept>
+
+#include "sim_board/input/error.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/unit/tools/lab/experiment/stand_in.h"
+#include "tools/lab/experiment/report.h"
+
+namespace koboshi::tools {
+namespace {
+
+using koboshi::test::read_file;
+using koboshi::test::TemporaryFolder;
+using koboshi::test::write_file;
+using test::StandIn;
+
+std::string results(const Experiment& experiment, const ExperimentOptions& options) {
+  const ExperimentResult result = play_experiment(experiment, options);
+  return to_csv(experiment, result) + to_json(experiment, result).dump();
+}
+
+TEST(Experiment, PlaysEverySeedInEveryCell) {
+  StandIn stand_in;
+  const ExperimentResult result = play_experiment(stand_in.experiment, {});
+  EXPECT_EQ(stand_in.played, 50);
+  for (const CellResult& cell : result.cells) {
+    EXPECT_EQ(cell.stop, Stop::kAllSeeds);
+    ASSERT_EQ(cell.played.size(), 25u);
+    for (std::size_t i = 0; i < 25; ++i) EXPECT_EQ(cell.played[i].seed, 100 + i);
+  }
+}
+
+TEST(Experiment, ComesToTheSameWithAnyNumberOfThreads) {
+  StandIn stand_in;
+  stand_in.experiment.measures[1].tight_at = 0.006;  // so that cells stop early, too
+  const std::string alone = results(stand_in.experiment, {.jobs = 1});
+  for (const std::size_t jobs : {2u, 5u, 64u}) EXPECT_EQ(results(stand_in.experiment, {.jobs = jobs}), alone);
+}
+
+TEST(Experiment, StopsACellWhoseIntervalsAreTight) {
+  StandIn stand_in;
+  stand_in.experiment.seeds = 1000;
+  stand_in.experiment.measures[0].tight_at = 0.1;  // 20 trials without a fall: +- 0.08
+  stand_in.experiment.measures[1].tight_at = 0.006;
+  const ExperimentResult result = play_experiment(stand_in.experiment, {.batch = 10});
+  EXPECT_EQ(result.cells[0].stop, Stop::kTightEnough);
+  EXPECT_EQ(result.cells[0].played.size(), 20u);
+  EXPECT_EQ(result.cells[1].stop, Stop::kTightEnough);
+  EXPECT_GT(result.cells[1].played.size(), 60u);  // a third falls: +- 0.1 takes about 85 trials
+  EXPECT_LT(result.cells[1].played.size(), 120u);
+}
+
+TEST(Experiment, GoesOnAfterAnInterruption) {
+  const TemporaryFolder folder;
+  const ExperimentOptions options{.log = folder.path / "trials.jsonl", .jobs = 2};
+  StandIn whole;
+  const std::string expected = results(whole.experiment, {});
+
+  StandIn interrupted;
+  interrupted.experiment.play = [&](std::size_t cell, std::uint64_t seed) {
+    if (seed == 111) throw std::runtime_error("the power failed");
+    return interrupted.play(cell, seed);
+  };
+  EXPECT_THROW(static_cast<void>(play_experiment(interrupted.experiment, options)), std::runtime_error);
+  const int before = interrupted.played;
+  EXPECT_GE(before, 22);
+
+  StandIn resumed;
+  EXPECT_EQ(results(resumed.experiment, options), expected);
+  EXPECT_EQ(before + resumed.played, 50);
+  StandIn again;
+  EXPECT_EQ(results(again.experiment, options), expected);
+  EXPECT_EQ(again.played, 0);
+}
+
+TEST(Experiment, PlaysALineThatWasCutOffAgain) {
+  const TemporaryFolder folder;
+  const ExperimentOptions options{.log = folder.path / "trials.jsonl"};
+  StandIn first;
+  const std::string expected = results(first.experiment, options);
+  const std::string whole = read_file(options.log);
+  write_file(options.log, whole.substr(0, whole.size() - 20));
+  StandIn second;
+  EXPECT_EQ(results(second.experiment, options), expected);
+  EXPECT_EQ(second.played, 1);
+  EXPECT_EQ(read_file(options.log), whole);
+}
+
+TEST(Experiment, PlaysAnewWhenItsInputsChange) {
+  const TemporaryFolder folder;
+  const ExperimentOptions options{.log = folder.path / "trials.jsonl"};
+  StandIn stand_in;
+  results(stand_in.experiment, options);
+  stand_in.experiment.inputs = "10";
+  results(stand_in.experiment, options);
+  EXPECT_EQ(stand_in.played, 100);
+}
+
+TEST(Experiment, RemembersWhyATrialFailed) {
+  const TemporaryFolder folder;
+  const ExperimentOptions options{.log = folder.path / "trials.jsonl"};
+  StandIn stand_in;
+  stand_in.experiment.play = [&](std::size_t cell, std::uint64_t seed) {
+    Values values = stand_in.play(cell, seed);
+    if (seed == 103) values.error = "the world \"blew\" up";
+    return values;
+  };
+  for (int session = 0; session < 2; ++session) {
+    const ExperimentResult result = play_experiment(stand_in.experiment, options);
+    EXPECT_EQ(result.cells[0].played[3].values.error, "the world \"blew\" up");
+    EXPECT_EQ(result.cells[0].played[4].values.error, "");
+  }
+  EXPECT_EQ(stand_in.played, 50);
+}
+
+TEST(Experiment, RefusesALogThatIsNone) {
+  const TemporaryFolder folder;
+  const std::filesystem::path log = folder.path / "letter.txt";
+  write_file(log, "{\"dear\": \"reader\"}\n");
+  StandIn stand_in;
+  EXPECT_THROW(static_cast<void>(play_experiment(stand_in.experiment, {.log = log})), sim::InputError);
+  EXPECT_EQ(read_file(log), "{\"dear\": \"reader\"}\n");
+}
+
+TEST(Experiment, BeginsNoTrialWhenItsTimeIsOver) {
+  StandIn stand_in;
+  const ExperimentResult result =
+      play_experiment(stand_in.experiment, {.budget = std::chrono::duration<double>::zero()});
+  EXPECT_EQ(stand_in.played, 0);
+  for (const CellResult& cell : result.cells) {
+    EXPECT_EQ(cell.stop, Stop::kBudget);
+    EXPECT_TRUE(cell.played.empty());
+  }
+}
+
+TEST(Experiment, TellsHowFarItIs) {
+  StandIn stand_in;
+  std::vector<std::size_t> done;
+  ExperimentOptions options{.jobs = 3};
+  options.progress = [&](const ExperimentProgress& progress) {
+    done.push_back(progress.done);
+    EXPECT_EQ(progress.total, 50u);
+  };
+  static_cast<void>(play_experiment(stand_in.experiment, options));
+  ASSERT_EQ(done.size(), 50u);
+  for (std::size_t i = 0; i < done.size(); ++i) EXPECT_EQ(done[i], i + 1);
+}
+
+TEST(Experiment, LeavesOutWhatIsNoNumber) {
+  StandIn stand_in;
+  stand_in.experiment.play = [](std::size_t, std::uint64_t) {
+    return Values{{"fell", 0.0}, {"speed_m_per_s", std::numeric_limits<double>::quiet_NaN()}};
+  };
+  const ExperimentResult result = play_experiment(stand_in.experiment, {});
+  EXPECT_EQ(mean_of(result.cells[0], stand_in.experiment.measures[1]).count, 0u);
+}
+
+}  // namespace
+}  // namespace koboshi::tools

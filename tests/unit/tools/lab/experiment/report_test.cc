@@ -1,0 +1,90 @@
+#include "tools/lab/experiment/report.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/tools/lab/experiment/stand_in.h"
+
+namespace koboshi::tools {
+namespace {
+
+using test::StandIn;
+
+// Three trials in one cell, one in the other, which the budget ended.
+ExperimentResult few_trials() {
+  const auto walked = [](std::size_t cell, std::uint64_t seed, double speed_m_per_s) {
+    return Trial{cell, seed, {{"fell", 0.0}, {"speed_m_per_s", speed_m_per_s}}};
+  };
+  ExperimentResult result;
+  result.cells.push_back({Stop::kAllSeeds, {walked(0, 1, 0.1), walked(0, 2, 0.3), {0, 3, {{"fell", 1.0}}}}});
+  result.cells.push_back({Stop::kBudget, {{1, 1, {{"fell", 1.0}}}}});
+  return result;
+}
+
+TEST(Report, AlignsATableForATerminal) {
+  StandIn stand_in;
+  EXPECT_EQ(result_table(stand_in.experiment, few_trials(), TableStyle::kTerminal),
+            "ground  trials                 falls             speed [mm/s]\n"
+            "even         3    1 of 3 (6 .. 79 %)  200.0 +- 1270.6 (n = 2)\n"
+            "rough        1  1 of 1 (21 .. 100 %)                        -\n");
+}
+
+TEST(Report, WritesAMarkdownTable) {
+  StandIn stand_in;
+  EXPECT_EQ(result_table(stand_in.experiment, few_trials(), TableStyle::kMarkdown),
+            "| ground | trials | falls | speed [mm/s] |\n"
+            "| --- | ---: | ---: | ---: |\n"
+            "| even | 3 | 1 of 3 (6 .. 79 %) | 200.0 +- 1270.6 (n = 2) |\n"
+            "| rough | 1 | 1 of 1 (21 .. 100 %) | - |\n");
+}
+
+TEST(Report, SaysWhichCellsStoppedEarly) {
+  StandIn stand_in;
+  EXPECT_EQ(notes(stand_in.experiment, few_trials()),
+            "shaky: stopped after 1 of 25 seeds, the time was over\n");
+}
+
+TEST(Report, TellsOfEventsThatAreInNoColumn) {
+  StandIn stand_in;
+  stand_in.experiment.measures.push_back({.name = "failed", .kind = Measure::Kind::kEvent});
+  ExperimentResult result = few_trials();
+  result.cells[1].stop = Stop::kTightEnough;
+  result.cells[0].played[2].values["failed"] = 1.0;
+  result.cells[0].played[2].values.error = "the world blew up";
+  EXPECT_EQ(notes(stand_in.experiment, result),
+            "calm: 1 of 1 failed\n"
+            "calm: seed 3: the world blew up\n"
+            "shaky: stopped after 1 of 25 seeds, the intervals are tight enough\n");
+}
+
+TEST(Report, WritesALineATrial) {
+  StandIn stand_in;
+  EXPECT_EQ(to_csv(stand_in.experiment, few_trials()),
+            "ground,seed,fell,speed_m_per_s\n"
+            "even,1,0,0.1\n"
+            "even,2,0,0.3\n"
+            "even,3,1,\n"
+            "rough,1,1,\n");
+}
+
+TEST(Report, GivesProgramsSIUnitsAndNullForWhatIsNoNumber) {
+  StandIn stand_in;
+  stand_in.experiment.conditions = {{"duration_s", "30"}, {"disturbed", "no"}};
+  const auto json = nlohmann::ordered_json::parse(to_json(stand_in.experiment, few_trials()).dump());
+  EXPECT_EQ(json["experiment"], "stand-in");
+  EXPECT_EQ(json["first_seed"], 100);
+  EXPECT_EQ(json["duration_s"], 30);
+  EXPECT_EQ(json["disturbed"], "no");
+  const auto& cell = json["cells"][0];
+  EXPECT_EQ(cell["cell"], "calm");
+  EXPECT_EQ(cell["ground"], "even");
+  EXPECT_EQ(cell["trials"], 3);
+  EXPECT_EQ(cell["stop"], "all_seeds");
+  EXPECT_EQ(cell["fell"]["events"], 1);
+  EXPECT_DOUBLE_EQ(cell["speed_m_per_s"]["mean"], 0.2);
+  EXPECT_EQ(cell["speed_m_per_s"]["count"], 2);
+  EXPECT_EQ(json["cells"][1]["stop"], "budget");
+  EXPECT_TRUE(json["cells"][1]["speed_m_per_s"]["mean"].is_null());
+}
+
+}  // namespace
+}  // namespace koboshi::tools

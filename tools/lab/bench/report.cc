@@ -1,0 +1,80 @@
+#include "tools/lab/bench/report.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+namespace koboshi::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json shares_json(const sim::TimeShares& shares) {
+  return {{"physics", shares.physics_s},
+          {"bus", shares.bus_s},
+          {"drives", shares.drives_s},
+          {"firmware", shares.firmware_s},
+          {"sensors", shares.sensors_s}};
+}
+
+// Null without the second engine.
+const BenchResult* find(const std::vector<BenchResult>& results, const std::string& name) {
+  const auto found =
+      std::ranges::find_if(results, [&](const BenchResult& r) { return r.stepper.name == name; });
+  return found == results.end() ? nullptr : &*found;
+}
+
+Json result_json(const BenchResult& result, const BenchResult* mujoco) {
+  Json json{{"closed_loop_real_time_factor", result.walk.real_time_factor},
+            {"closed_loop_real_time_factor_squat", result.squat.real_time_factor},
+            {"physics_steps_per_s", result.walk.physics_steps_per_s},
+            {"physics_speed_vs_mujoco", nullptr},
+            {"squat_base_height_rms_m", result.squat_base_height_rms_m},
+            {"squat_foot_slip_m", result.squat_foot_slip_m},
+            {"walk_fell", result.walk.fell},
+            {"squat_fell", result.squat.fell},
+            {"accurate", result.accurate()},
+            {"memory_bytes_per_world", result.memory_bytes},
+            {"two_worlds_speedup", result.two_worlds_speedup},
+            {"shares", shares_json(result.walk.shares)}};
+  if (mujoco != nullptr) {
+    json["physics_speed_vs_mujoco"] = result.walk.physics_steps_per_s / mujoco->walk.physics_steps_per_s;
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string bench_table(const std::vector<BenchResult>& results) {
+  std::string text =
+      fmt::format("{:<12}{:>9}{:>9}{:>12}{:>12}{:>11}{:>7}{:>9}{:>8}  {}\n", "stepper", "walk", "squat",
+                  "physics", "height RMS", "foot slip", "falls", "memory", "2 cores", "accurate");
+  text += fmt::format("{:<12}{:>9}{:>9}{:>12}{:>12}{:>11}{:>7}{:>9}{:>8}\n", "", "x real", "x real",
+                      "steps/s", "mm", "mm", "", "MB", "x");
+  for (const BenchResult& result : results) {
+    const int falls = (result.walk.fell ? 1 : 0) + (result.squat.fell ? 1 : 0);
+    text += fmt::format("{:<12}{:>9.2f}{:>9.2f}{:>12.0f}{:>12.4f}{:>11.4f}{:>7}{:>9.1f}{:>8.2f}  {}\n",
+                        result.stepper.name, result.walk.real_time_factor, result.squat.real_time_factor,
+                        result.walk.physics_steps_per_s, 1e3 * result.squat_base_height_rms_m,
+                        1e3 * result.squat_foot_slip_m, falls, 1e-6 * result.memory_bytes,
+                        result.two_worlds_speedup, result.accurate() ? "yes" : "no");
+  }
+  return text;
+}
+
+nlohmann::ordered_json bench_json(const std::vector<BenchResult>& results) {
+  const BenchResult* mujoco = find(results, "mujoco");
+  Json json = Json::object();
+  if (const BenchResult* best = fastest_accurate(results)) {
+    json = result_json(*best, mujoco);
+    json["stepper"] = best->stepper.name;
+  } else {
+    json["stepper"] = nullptr;
+  }
+  json["steppers"] = Json::object();
+  for (const BenchResult& result : results)
+    json["steppers"][result.stepper.name] = result_json(result, mujoco);
+  return json;
+}
+
+}  // namespace koboshi::tools

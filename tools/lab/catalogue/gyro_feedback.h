@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim_board/input/yaml_tree.h"
+#include "sim_board/scenario/scenario.h"
+#include "simulation/scenario/simulation.h"
+#include "tools/lab/experiment/experiment.h"
+
+namespace koboshi::tools {
+
+// The paper's section 3: does a walk need more than four points, and what does gyro feedback do to it? Every
+// world differs from the robot's file by its seed (tools/lab/trial/perturbation.h).
+struct GyroFeedbackOptions {
+  std::filesystem::path scenario = "scenarios/walk.yaml";
+  std::vector<sim::Override> overrides{};  // of the scenario, in all cells
+  std::vector<int> points{4, 8, 16};       // into which the pattern is divided
+  std::vector<bool> feedback{false, true};
+  // With a file for each cell, 8-on.yaml and so on, which were tuned for it. Empty: the scenario's gait.
+  std::filesystem::path gaits{};
+  // By pushes against the trunk, soft ground and a tilt of up to 3 degrees.
+  bool disturbed = false;
+  double push_N_s = 0.1;  // the strongest push of the disturbed form
+  std::uint64_t first_seed = 1;
+  std::size_t seeds = 20;
+  double falls_within = 0.015;  // a cell stops where the share of falls is known to +- this
+};
+
+// "8-on": of the cell, of its gait's file, of its figures.
+[[nodiscard]] std::string gyro_feedback_cell(int points, bool feedback);
+
+// A cell's scenario before a seed has changed the world.
+[[nodiscard]] sim::Scenario gyro_feedback_scenario(const GyroFeedbackOptions& options, int points,
+                                                   bool feedback);
+
+// What a seed makes of it: of the scenario, and of the robot in the world.
+struct SeededWorld {
+  sim::Scenario scenario;
+  simulation::RobotChange change;
+};
+[[nodiscard]] SeededWorld seeded_world(sim::Scenario scenario, const GyroFeedbackOptions& options,
+                                       std::uint64_t seed);
+
+// Reads and checks everything. Throws sim::InputError.
+[[nodiscard]] Experiment make_gyro_feedback(const GyroFeedbackOptions& options);
+
+}  // namespace koboshi::tools

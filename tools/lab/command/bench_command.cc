@@ -1,0 +1,70 @@
+#include "tools/cli/commands.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim_board/record/summary.h"
+#include "tools/lab/bench/bench.h"
+#include "tools/lab/bench/report.h"
+
+namespace koboshi::tools {
+namespace {
+
+struct BenchArguments {
+  BenchOptions options{.walk = "scenarios/walk.yaml", .squat = "scenarios/squat.yaml", .steppers = {}};
+  std::vector<std::string> names;
+  double reference_step_ms = 0.05;
+  std::filesystem::path json;
+};
+
+std::vector<BenchStepper> chosen(const std::vector<std::string>& names) {
+  std::vector<BenchStepper> steppers = bench_steppers();
+  if (names.empty()) return steppers;
+  std::erase_if(steppers, [&](const BenchStepper& stepper) {
+    return std::ranges::find(names, stepper.name) == names.end();
+  });
+  return steppers;
+}
+
+void play_bench(BenchArguments arguments) {
+  arguments.options.steppers = chosen(arguments.names);
+  arguments.options.reference_step_s = 1e-3 * arguments.reference_step_ms;
+  const std::vector<BenchResult> results = bench(
+      arguments.options, [](const std::string& what) { fmt::print(stderr, "koboshi: bench: {}\n", what); });
+  fmt::print("{}", bench_table(results));
+  if (!arguments.json.empty()) sim::write_json(arguments.json, bench_json(results));
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& program, Invocation&) {
+  auto arguments = std::make_shared<BenchArguments>();
+  CLI::App* command = program.add_subcommand("bench", "How fast and how accurate each stepper is");
+  command->footer(
+      "Plays a walk and squats in closed loop with every stepper, in turns of a quarter of a second, and "
+      "the\n"
+      "squats once more at a fine step as the reference. Times are of the processor. Takes some minutes.\n\n"
+      "Examples:\n"
+      "  koboshi bench\n"
+      "  koboshi bench --json bench.json\n"
+      "  koboshi bench --steppers world,lumped --duration 5 --reference-step-ms 0.25\n");
+  std::vector<std::string> known;
+  for (const BenchStepper& stepper : bench_steppers()) known.push_back(stepper.name);
+  command->add_option("--steppers", arguments->names, "Only these (default: all)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(known));
+  command->add_option("--duration", arguments->options.duration_s, "Simulated seconds of each scenario")
+      ->check(CLI::Range(1.0, 600.0))
+      ->capture_default_str();
+  command->add_option("--reference-step-ms", arguments->reference_step_ms, "Physics step of the reference")
+      ->check(CLI::IsMember({0.01, 0.02, 0.025, 0.05, 0.1, 0.2, 0.25, 0.5, 1.0}))
+      ->capture_default_str();
+  command->add_option("--json", arguments->json, "Also write the results to this file");
+  command->callback([arguments] { play_bench(*arguments); });
+}
+
+}  // namespace koboshi::tools

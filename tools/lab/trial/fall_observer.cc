@@ -1,0 +1,76 @@
+#include "tools/lab/trial/fall_observer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim_board/world/foot.h"
+
+namespace koboshi::tools {
+
+using behaviour::State;
+
+void FallObserver::observe(const simulation::Simulation& simulation,
+                           const simulation::RunRecorder& recorder) {
+  if (is_foot_.empty()) begin(simulation);
+  const sim::World& world = simulation.board().world();
+  const double time_s = world.time_s();
+  follow_state(recorder.telemetry().state, recorder.telemetry().reason, time_s);
+  look_at_ground(world, time_s);
+  if (attempts_ > 0) look_at_servos(simulation.board());
+  keep_parts(simulation.robot(), world);
+}
+
+void FallObserver::begin(const simulation::Simulation& simulation) {
+  const sim::RobotDescription& robot = simulation.robot();
+  is_foot_.assign(robot.links.size(), false);
+  for (const auto& foot : sim::feet_of(robot)) {
+    if (foot) is_foot_[static_cast<std::size_t>(foot->link)] = true;
+  }
+  parts_.push_back({.link = 0});
+  if (const auto head = robot.find_link("head")) parts_.push_back({.link = *head});
+  keep_parts(robot, simulation.board().world());
+}
+
+void FallObserver::follow_state(State state, behaviour::Reason reason, double time_s) {
+  if (state == state_) return;
+  if (state == State::kFalling) {
+    ++falls_;
+    if (!foreseen_s_) foreseen_s_ = time_s;
+  }
+  if (state == State::kRighting && state_ == State::kFallen) ++attempts_;
+  if (state == State::kStanding && state_ == State::kSteadying) ++stands_;
+  const bool begins = state == State::kRolling || state == State::kRising;
+  if (begins && lay_ == behaviour::Reason::kNone) lay_ = reason;
+  state_ = state;
+}
+
+void FallObserver::look_at_ground(const sim::World& world, double time_s) {
+  for (const sim::Contact& contact : world.contacts()) {
+    if (contact.other_link >= 0 || is_foot_[static_cast<std::size_t>(contact.link)]) continue;
+    if (!touched_s_) touched_s_ = time_s;
+    const auto part = std::ranges::find(parts_, contact.link, &Part::link);
+    if (part == parts_.end() || impact_m_per_s_) continue;
+    const Eigen::Vector3d v = part->v_WCom_W + part->w_WL_W.cross(contact.p_W - part->p_WCom_W);
+    impact_m_per_s_ = std::max(0.0, -v.dot(contact.n_W));
+  }
+}
+
+void FallObserver::look_at_servos(const sim::SimBoard& board) {
+  for (std::size_t joint = 0; joint < board.robot().joints.size(); ++joint) {
+    const double torque_Nm = std::abs(board.world().joint(static_cast<int>(joint)).servo_Nm);
+    peak_torque_Nm_ = std::max(peak_torque_Nm_, torque_Nm);
+    peak_motor_torque_Nm_ = std::max(peak_motor_torque_Nm_, std::abs(board.drive(joint).torque_Nm()));
+    peak_winding_C_ = std::max(peak_winding_C_, board.drive(joint).winding_C());
+  }
+}
+
+void FallObserver::keep_parts(const sim::RobotDescription& robot, const sim::World& world) {
+  for (Part& part : parts_) {
+    const sim::BodyState body = world.body(part.link);
+    part.v_WCom_W = body.v_WCom_W;
+    part.w_WL_W = body.w_WL_W;
+    part.p_WCom_W = body.X_WL * robot.links[static_cast<std::size_t>(part.link)].p_LCom_L;
+  }
+}
+
+}  // namespace koboshi::tools

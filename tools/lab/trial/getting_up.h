@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <numbers>
+#include <optional>
+
+#include "sim_board/scenario/scenario.h"
+#include "tools/lab/trial/scenario_trial.h"
+
+namespace koboshi::tools {
+
+inline constexpr double kUpright_rad = std::numbers::pi / 12.0;  // largest tilt of a robot that stands
+
+// How a robot that lay comes to stand.
+class GettingUp {
+ public:
+  // From the first command to play a motion or to get up on.
+  explicit GettingUp(const sim::Scenario& scenario);
+
+  // Once a tick. True when it has stood still for so long that it will not fall any more.
+  bool observe(const simulation::GroundTruth& truth, std::uint64_t now_us);
+
+  // From the command until the robot stood, within 15 degrees of upright and turning by less than 0.15 rad/s,
+  // and stayed so to the end; nothing when it does not.
+  std::optional<double> stood_s() const;
+  // 0 for who lies on its head, 1 for who stands upright: half of it the trunk's tilt, half its height, as a
+  // share of that which the joints' targets would give it.
+  double uprightness() const { return uprightness_; }
+
+ private:
+  std::uint64_t begin_us_;
+  std::optional<std::uint64_t> stands_since_us_;
+  double uprightness_ = 0.0;
+};
+
+// Plays a scenario in which a robot gets up, in the world that a seed draws within these bounds, until it
+// stands. The values are those of watch_in_world, with `stood`, `stood_s` and `uprightness`.
+[[nodiscard]] Values play_getting_up(const sim::Scenario& scenario, const PerturbationBounds& bounds,
+                                     std::uint64_t seed);
+
+}  // namespace koboshi::tools

@@ -1,0 +1,119 @@
+#include "tools/lab/tune/study.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim_board/input/yaml_reader.h"
+#include "sim_board/scenario/paths.h"
+#include "tools/lab/trial/outcome.h"
+
+namespace koboshi::tools {
+namespace {
+
+constexpr sim::NumberRange kAny{.min = -1e6, .max = 1e6};
+
+StudiedNumber read_number(const std::string& path, const sim::YamlValue& value) {
+  const sim::YamlMap map = value.map();
+  const std::vector<double> range = map.numbers("range", 2, kAny);
+  if (!(range[0] < range[1]))
+    throw map.error_at("range", "a range that ends before it begins", "[low, high]");
+  StudiedNumber number{.path = path, .low = range[0], .high = range[1]};
+  number.grid = map.number("grid", {.min = 1e-9, .max = range[1] - range[0]});
+  number.start = map.number("start", {.min = range[0], .max = range[1]});
+  return number;
+}
+
+StudiedTrial read_trial(const sim::YamlValue& value) {
+  static const std::vector<std::string> kRewards{"forward", "backward", "left",
+                                                 "turn",    "survival", "stand_up"};
+  const sim::YamlMap map = value.map();
+  StudiedTrial trial{.name = map.text("name")};
+  if (const auto set = map.optional_child("set")) {
+    for (const auto& [path, text] : set->entries())
+      trial.set.push_back({path, text.text(), text.source().string()});
+  }
+  const std::string reward = map.one_of("reward", kRewards, "survival");
+  trial.reward = static_cast<StudiedTrial::Reward>(std::ranges::find(kRewards, reward) - kRewards.begin());
+  trial.wanted = map.number("wanted", {.min = 1e-6, .max = 1e3}, 1.0);
+  trial.weight = map.number("weight", {.min = 1e-6, .max = 1e3}, 1.0);
+  return trial;
+}
+
+PerturbationBounds read_world(const sim::YamlMap& root) {
+  PerturbationBounds world = kRoughWorld;
+  const auto map = root.optional_child("world");
+  if (!map) return world;
+  if (map->has("friction")) {
+    const std::vector<double> friction = map->numbers("friction", 2, {.min = 0.01, .max = 10.0});
+    world.lowest_friction = friction[0];
+    world.highest_friction = friction[1];
+  }
+  world.mass_share = map->number("mass", {.min = 0.0, .max = 0.5}, world.mass_share);
+  world.supply_share = map->number("supply", {.min = 0.0, .max = 0.5}, world.supply_share);
+  world.tilt_rad =
+      map->number("tilt_deg", {.min = 0.0, .max = 45.0}, 180.0 / std::numbers::pi * world.tilt_rad) *
+      std::numbers::pi / 180.0;
+  return world;
+}
+
+}  // namespace
+
+Study read_study(const std::filesystem::path& file) {
+  const sim::YamlFile yaml(file);
+  const sim::YamlMap root = yaml.root();
+  root.require_version(1);
+  Study study;
+  study.file = file;
+  study.scenario = sim::read_path(root.value("scenario"), file.parent_path());
+  study.world = read_world(root);
+  for (const auto& [path, value] : root.child("numbers").entries()) {
+    study.numbers.push_back(read_number(path, value));
+  }
+  for (const sim::YamlValue& trial : root.list("trials")) study.trials.push_back(read_trial(trial));
+  if (study.numbers.empty()) throw root.error_at("numbers", "no number", "at least one");
+  if (study.trials.empty()) throw root.error_at("trials", "no trial", "at least one");
+  yaml.finish();
+  return study;
+}
+
+double worth(const StudiedTrial& trial, const Values& values, double duration_s) {
+  using enum StudiedTrial::Reward;
+  constexpr double kStrayCost = 0.25;  // of a way off the wanted one that is as long
+  if (trial.reward == kStandUp) {
+    if (values.at("stood") == 0.0) return values.at("uprightness") - 1.0;
+    return trial.wanted / std::max(values.at("stood_s"), trial.wanted);
+  }
+  if (values.at(kLost) != 0.0) return values.at("duration_s") / duration_s - 1.0;
+  if (trial.reward == kSurvival) return 1.0;
+  if (!values.contains("distance_m")) return -1.0;  // it has not even begun
+  const double speed = values.at("speed_m_per_s");
+  const double ahead_m = values.at("distance_m");
+  const double left_m = values.at("lateral_drift_m");
+  const double turn_rad = values.at("heading_drift_rad");
+  const double time_s = std::abs(speed) > 1e-6 ? ahead_m / speed : duration_s;
+  double made = 0.0;
+  double strayed = 0.0;
+  switch (trial.reward) {
+    case kForward:
+    case kBackward:
+      made = trial.reward == kForward ? ahead_m : -ahead_m;
+      strayed = std::abs(left_m);
+      break;
+    case kLeft:
+      made = left_m;
+      strayed = std::abs(ahead_m);
+      break;
+    case kTurn:
+      made = turn_rad;
+      strayed = std::hypot(ahead_m, left_m);
+      break;
+    case kSurvival:
+    case kStandUp:
+      break;
+  }
+  return std::min(made / time_s / trial.wanted, 1.0) -
+         kStrayCost * std::min(1.0, strayed / (time_s * trial.wanted));
+}
+
+}  // namespace koboshi::tools

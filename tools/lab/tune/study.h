@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim_board/input/yaml_tree.h"
+#include "tools/lab/experiment/experiment.h"
+#include "tools/lab/trial/perturbation.h"
+
+namespace koboshi::tools {
+
+// A number that a search may change, and how far: a value of a scenario, such as a parameter of the
+// controller, or of a gait, by its dotted path.
+struct StudiedNumber {
+  std::string path;
+  double low = 0.0;
+  double high = 0.0;
+  double grid = 0.0;  // what it is a multiple of
+  double start = 0.0;
+};
+
+// A run of the scenario that counts for a set of numbers, and by what.
+struct StudiedTrial {
+  // What is to become large: the speed made good along an axis of the heading at the start, to the left or
+  // round; 1 for who is still on its feet at the end; or how soon who lay stands.
+  enum class Reward { kForward, kBackward, kLeft, kTurn, kSurvival, kStandUp };
+
+  std::string name;
+  std::vector<sim::Override> set{};
+  Reward reward = Reward::kSurvival;
+  double wanted = 1.0;  // that much of it is worth 1, more is worth no more; of kStandUp, so soon, in s
+  double weight = 1.0;
+};
+
+// docs/reference/study-format.md.
+struct Study {
+  std::filesystem::path file;
+  std::filesystem::path scenario;
+  PerturbationBounds world = kRoughWorld;
+  std::vector<StudiedNumber> numbers;
+  std::vector<StudiedTrial> trials;
+};
+
+// Throws sim::InputError.
+[[nodiscard]] Study read_study(const std::filesystem::path& file);
+
+// What a trial is worth: one that fell is worth -1 to 0, more the longer it stayed up; others what they come
+// to, less what they stray from the way. Who does not come to stand up is worth -1 to 0, too, more the
+// further it came.
+[[nodiscard]] double worth(const StudiedTrial& trial, const Values& values, double duration_s);
+
+}  // namespace koboshi::tools
