@@ -19,7 +19,7 @@ struct TestMotion {
   std::vector<motion::Step> steps;
 };
 
-// Encodes a motion for the robot with this model id, independently of the compiler, in the format of
+// Encodes a motion for the robot with this model id, in the format of
 // firmware/motion/motion.h.
 std::vector<std::byte> encode(const TestMotion& motion, std::uint32_t model_id);
 

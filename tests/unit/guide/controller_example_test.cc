@@ -6,7 +6,7 @@
 namespace koboshi::app {
 namespace {
 
-// Calls the controller as a board does: `service` each millisecond, `tick` after each tenth of them.
+// Calls the controller as a board does: `service` each millisecond, `tick` after each tenth call.
 void run(Controller& controller, std::uint64_t from_us, std::uint64_t to_us) {
   for (std::uint64_t now_us = from_us; now_us < to_us; now_us += 1'000) {
     controller.service(now_us);
@@ -15,7 +15,7 @@ void run(Controller& controller, std::uint64_t from_us, std::uint64_t to_us) {
 }
 
 TEST(ControllerExample, RefusesToEnableWithoutARobotModel) {
-  hal::FakeBoard board;  // with storage that was never written
+  hal::FakeBoard board;  // its storage is erased
   Controller controller(board.ports());
   run(controller, 0, 100'000);
 
@@ -23,12 +23,12 @@ TEST(ControllerExample, RefusesToEnableWithoutARobotModel) {
   board.can.deliver({.identifier = 0x601, .size = 8, .data = {0x2F, 0x00, 0x20, 0x01, 0x01}});
   run(controller, 100'000, 200'000);
 
-  // It answers with the abort code 0x08000022: not in the present device state.
+  // The controller answers with the abort code 0x08000022: not in the present device state.
   const hal::CanFrame refusal{
       .identifier = 0x581, .size = 8, .data = {0x80, 0x00, 0x20, 0x01, 0x22, 0x00, 0x00, 0x08}};
   EXPECT_EQ(board.can.last_sent(0x581), refusal);
   EXPECT_EQ(controller.values().behaviour.state, State::kFault);
-  EXPECT_TRUE(board.drive_enable.changes().empty());  // no torque, not even for a moment
+  EXPECT_TRUE(board.drive_enable.changes().empty());  // no torque at any time
 }
 
 TEST(ControllerExample, FeedsTheWatchdogInEveryService) {

@@ -22,15 +22,15 @@ using behaviour::Reason;
 using behaviour::State;
 namespace stm32 = hal::stm32;
 
-// 14 quanta of a clock of 42 MHz, the sample after 12 of them.
+// 14 time quanta of a 42 MHz clock divided by 3; the sample point is after 12 of them.
 constexpr stm32::BitTiming kCanTiming{.prescaler = 3, .segment_1 = 11, .segment_2 = 2, .jump_width = 1};
 static_assert(kCanTiming.bit_rate(42'000'000) == 1'000'000);
 
-// The drivers of the new board. Those that are not written yet are fakes.
+// The drivers of the new board. Fakes replace those that are not written yet.
 struct ExampleBoard {
-  hal::FakeCanRegisters can_hardware;  // on the part: the struct at 0x4000'6400
+  hal::FakeCanRegisters can_hardware;  // on the real part: the registers at 0x4000'6400
   stm32::WatchdogRegisters watchdog_registers{};
-  volatile std::uint32_t pins = 0;  // on the part: BSRR of the port with the drive-enable pin
+  volatile std::uint32_t pins = 0;  // on the real part: BSRR of the port with the drive-enable pin
 
   stm32::Can can{can_hardware.registers};
   hal::FakeImu imu;
@@ -44,14 +44,14 @@ struct ExampleBoard {
   bool drive_enable_line() const { return pins == 1u << 7; }
 };
 
-// Once a millisecond of the board's clock, from the main loop.
+// Runs each millisecond of the board's clock, from the main loop.
 void serve(stm32::Can& can, Controller& firmware, std::uint64_t now_us) {
   can.update();
   firmware.service(now_us);
   if (now_us % Controller::kTick_us == 0) firmware.tick(now_us);
 }
 
-// The board, the firmware on it, and a stub of each drive of the test robot on its bus of 1 Mbit/s.
+// The board with the firmware, and a stub of each drive of the test robot on a bus of 1 Mbit/s.
 class PortExample : public testing::Test {
  protected:
   static constexpr int kFramesAMillisecond = 8;
@@ -99,7 +99,7 @@ class PortExample : public testing::Test {
   Controller firmware{board.ports()};
   std::vector<test::DriveStub> drives;
   std::vector<hal::CanFrame> sent;    // by the firmware
-  std::vector<hal::CanFrame> others;  // what the drives and a PC have to say, in their order
+  std::vector<hal::CanFrame> others;  // pending frames of the drives and a PC, in order
   std::uint64_t now_us = 0;
 
  private:
@@ -112,7 +112,7 @@ class PortExample : public testing::Test {
     for (const test::DriveStub& drive : drives) others.push_back(drive.heartbeat());
   }
 
-  // Arbitration between the firmware and all the others: the lower identifier wins.
+  // Arbitrates between the firmware and all other nodes: the lower identifier wins.
   void pass_a_millisecond_on_the_bus() {
     for (int i = 0; i < kFramesAMillisecond; ++i) {
       const auto ours = board.can_hardware.contender();
@@ -182,7 +182,7 @@ TEST_F(PortExample, ComesBackFromBusOff) {
   ASSERT_EQ(board.can.status().state, hal::CanErrorState::kBusOff);
   ASSERT_TRUE(run_until(State::kFault, 20));
   EXPECT_EQ(firmware.values().behaviour.reason, Reason::kBusOff);
-  run_ms(400);  // the drives have 300 ms for their quick stop
+  run_ms(400);  // the quick stop of the drives takes up to 300 ms
   EXPECT_FALSE(board.drive_enable_line());
   EXPECT_EQ(board.can.status().state, hal::CanErrorState::kErrorActive);
   EXPECT_TRUE(has_raised(canopen::error_code::kBusOffRecovered));

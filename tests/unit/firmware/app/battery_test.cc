@@ -8,7 +8,7 @@ namespace {
 using test::ControllerBench;
 
 constexpr std::uint16_t kEmergency = 0x081;
-constexpr int kTwoSeconds_ms = 2'300;  // and the question that is on its way
+constexpr int kTwoSeconds_ms = 2'300;  // including the pending request
 
 class ControllerBattery : public testing::Test {
  protected:
@@ -50,19 +50,19 @@ TEST_F(ControllerBattery, LowRefusesAllButToGoLimp) {
     EXPECT_EQ(bench.now().state, State::kLowBattery);
     EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
   }
-  supply(7'400);  // as a battery without load does
+  supply(7'400);  // the voltage of an unloaded battery
   bench.run_ms(3'000);
   EXPECT_EQ(bench.now().state, State::kLowBattery);
   bench.sent.clear();
   bench.command(Command::kLimp);
   bench.run_ms(20);
   EXPECT_EQ(bench.now().state, State::kLimp);
-  EXPECT_EQ(bench.last_sent(kEmergency)->data[0], 0);  // the error is over
+  EXPECT_EQ(bench.last_sent(kEmergency)->data[0], 0);  // error reset
   EXPECT_TRUE(bench.run_until_standing());
 }
 
 TEST_F(ControllerBattery, LowEndsAMotionFirst) {
-  bench.command(Command::kPlay, 1);  // nods until it is stopped
+  bench.command(Command::kPlay, 1);  // nods until stopped
   supply(6'200);
   bench.run_ms(kTwoSeconds_ms);
   EXPECT_TRUE(bench.run_until(State::kLowBattery, 3'000));

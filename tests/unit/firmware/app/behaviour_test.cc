@@ -13,9 +13,9 @@ constexpr State kStates[] = {State::kBoot,      State::kLimp,          State::kE
                              State::kSoftStart, State::kStanding,      State::kMotion,
                              State::kFault,     State::kEmergencyStop, State::kWalking};
 
-// Brings a fresh controller into the state by what leads there.
+// Brings a new controller into this state by the usual events.
 void reach(ControllerBench& bench, State state) {
-  bench.run_ms(25);  // the drives are being configured
+  bench.run_ms(25);  // the controller is configuring the drives
   if (state == State::kBoot) return;
   if (state == State::kFault || state == State::kEmergencyStop) {
     ASSERT_TRUE(bench.run_until(State::kLimp));
@@ -34,7 +34,7 @@ void reach(ControllerBench& bench, State state) {
   if (state == State::kWalking) bench.command(Command::kWalk);
 }
 
-// Events that come from outside, and what a test does to cause them. The others come by themselves.
+// External events and the actions that cause them in the test. All other events occur without an action.
 struct Cause {
   Event event;
   void (*apply)(ControllerBench&);
@@ -62,7 +62,7 @@ TEST_P(BehaviourIn, ChangesAsTheTableSaysAndInNoOtherWay) {
     reach(bench, GetParam());
     ASSERT_EQ(bench.now().state, GetParam());
     while (bench.now_us() % Controller::kTick_us == 0)
-      bench.run_ms(1);  // no progress in the same millisecond
+      bench.run_ms(1);  // no progress event in the same millisecond
     cause.apply(bench);
     EXPECT_EQ(bench.now().state, next_state(GetParam(), cause.event).value_or(GetParam()));
   }

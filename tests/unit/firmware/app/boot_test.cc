@@ -15,7 +15,7 @@ TEST(ControllerBoot, BecomesLimpOnceAllDrivesAndSensorsSpeak) {
   ControllerBench bench;
   ASSERT_TRUE(bench.run_until(State::kLimp));
   EXPECT_EQ(bench.now().reason, Reason::kProgress);
-  EXPECT_LT(bench.now_us(), 700'000u);  // 20 drives, 27 requests each, one a millisecond
+  EXPECT_LT(bench.now_us(), 700'000u);  // 20 drives, 27 requests each, one per millisecond
   EXPECT_TRUE(bench.board.drive_enable.changes().empty());
   for (const auto& drive : bench.drives) EXPECT_TRUE(drive.operational());
 }
@@ -43,8 +43,8 @@ TEST(ControllerBoot, ShowsItsStateAndProducesSyncAndHeartbeatAllTheWhile) {
   const auto sent = [&](std::uint16_t identifier) {
     return std::ranges::count_if(bench.sent, [&](const auto& s) { return s.frame.identifier == identifier; });
   };
-  EXPECT_EQ(sent(0x080), 17);  // none while it listens for another master
-  EXPECT_EQ(sent(0x701), 10);  // the boot-up message, then one each 20 ms
+  EXPECT_EQ(sent(0x080), 17);  // none while the controller listens for another master
+  EXPECT_EQ(sent(0x701), 10);  // the boot-up message, then one every 20 ms
 }
 
 TEST(ControllerBoot, NeverSendsATargetToADriveThatIsNotConfigured) {
@@ -56,7 +56,7 @@ TEST(ControllerBoot, NeverSendsATargetToADriveThatIsNotConfigured) {
   }
 }
 
-// --- What goes wrong
+// --- Failures
 
 struct Misbehaviour {
   const char* name;
@@ -122,7 +122,7 @@ TEST(ControllerBoot, FailsWhenADriveGoesQuietBeforeItsFirstAnswer) {
   EXPECT_EQ(bench.now().faulty_joint, 4);
 }
 
-// After its reset a drive beats each second, which is less often than the controller wants it then.
+// After its reset a drive sends a heartbeat every second, less often than the controller will configure.
 TEST(ControllerBoot, DoesNotMissADriveThatBeatsBeforeItsConfiguration) {
   ControllerBench bench;
   bench.drives.back().beats = false;
@@ -174,10 +174,10 @@ TEST(ControllerBoot, KeepsTheLineLowWhileDrivesOfAnEarlierLifeMakeTorque) {
   ControllerBench bench;
   ASSERT_TRUE(bench.run_until_standing());
   const auto storage = bench.board.storage.contents();
-  bench.restart(std::vector<std::byte>(storage.begin(), storage.end()));  // the watchdog has bitten, say
+  bench.restart(std::vector<std::byte>(storage.begin(), storage.end()));  // as after a watchdog reset
   bench.run_ms(10);
   EXPECT_FALSE(bench.board.drive_enable.enabled());
-  bench.run_ms(30);  // it listens for another master
+  bench.run_ms(30);  // the controller listens for another master
   for (const auto& drive : bench.drives) EXPECT_EQ(drive.state, test::DriveStub::State::kSwitchOnDisabled);
   EXPECT_TRUE(bench.run_until_standing());
 }

@@ -19,7 +19,7 @@ using test::kCountsPerRadPerS;
 using test::kKnee;
 using test::SdoPc;
 
-constexpr std::int16_t kFiveDegrees = 910;  // 2^-16 turn
+constexpr std::int16_t kFiveDegrees = 910;  // in 2^-16 turns
 
 constexpr canopen::ObjectAddress trim_of(std::size_t joint) {
   return {kTrimObject, static_cast<std::uint8_t>(joint + 1)};
@@ -53,7 +53,7 @@ TEST_F(ControllerCalibration, TrimIsAddedToWhatIsCommanded) {
 
 TEST_F(ControllerCalibration, TrimIsTakenFromWhatIsMeasured) {
   bench.run_ms(20);
-  const double before_rad = fixed::to_double(bench.target(kKnee));  // limp: where the joint is
+  const double before_rad = fixed::to_double(bench.target(kKnee));  // limp: the target follows the joint
   const std::int32_t position = bench.values().drives.target_position[kKnee];
   ASSERT_EQ(pc.write(trim_of(kKnee), -kFiveDegrees, 2), AbortCode::kNone);
   bench.run_ms(20);
@@ -69,7 +69,7 @@ TEST_F(ControllerCalibration, TrimIsOfTenDegreesAtMost) {
 }
 
 TEST_F(ControllerCalibration, AttitudeIsRightOnceTheMountingIsKnown) {
-  // The unit was put in rolled by 20 degrees, then pitched by -10: what it shows of gravity at rest.
+  // The IMU is mounted with 20 degrees of roll, then -10 of pitch. This is its reading of gravity at rest.
   const double roll_rad = 20 * test::kRadPerDegree;
   const double pitch_rad = -10 * test::kRadPerDegree;
   const double one_g = bench.imu_sample.accelerometer_raw[2];
@@ -80,7 +80,8 @@ TEST_F(ControllerCalibration, AttitudeIsRightOnceTheMountingIsKnown) {
                                         static_cast<std::int16_t>(one_g * std::sin(roll_rad) * z),
                                         static_cast<std::int16_t>(one_g * std::cos(roll_rad) * z)};
   bench.run_ms(3'000);
-  EXPECT_NEAR(bench.values().attitude.roll, 3'641, 60);  // 20 degrees of a robot that stands upright
+  EXPECT_NEAR(bench.values().attitude.roll, 3'641, 60);  // attitude of an upright robot without the mounting
+                                                         // correction: 20 degrees
   ASSERT_EQ(pc.write(mounting(0), 3'641, 2), AbortCode::kNone);
   ASSERT_EQ(pc.write(mounting(1), -1'820, 2), AbortCode::kNone);
   bench.run_ms(3'000);
@@ -102,7 +103,8 @@ TEST_F(ControllerCalibration, MountingDoesNotChangeUnderARobotThatStands) {
   ASSERT_TRUE(bench.run_until_standing());
   EXPECT_EQ(pc.write(mounting(0), 100, 2), AbortCode::kDeviceState);
   EXPECT_EQ(pc.write({kGyroBiasObject, 1}, 100, 4), AbortCode::kDeviceState);
-  EXPECT_EQ(pc.write(trim_of(kKnee), 100, 2), AbortCode::kNone);  // while trims are what one looks at
+  EXPECT_EQ(pc.write(trim_of(kKnee), 100, 2), AbortCode::kNone);  // accepted: trims are set by observing the
+                                                                  // robot
 }
 
 TEST_F(ControllerCalibration, BiasIsMeasuredOnCommandAndKept) {
@@ -118,7 +120,7 @@ TEST_F(ControllerCalibration, BiasIsMeasuredOnCommandAndKept) {
   const std::int32_t bias = bench.values().calibration.gyro_bias[2];
   ASSERT_EQ(pc.save(), AbortCode::kNone);
 
-  // From the first moment after power-on on.
+  // In effect immediately after power-on.
   bench.restart();
   bench.run_ms(200);
   EXPECT_EQ(bench.values().calibration.gyro_bias[2], bias);
@@ -133,14 +135,14 @@ TEST_F(ControllerCalibration, IsRefusedToARobotThatIsMoved) {
   bench.run_ms(1'000);
   EXPECT_EQ(bench.now().refusal, Reason::kNotAtRest);
   EXPECT_EQ(bench.values().calibration.gyro_bias[2], 0);
-  bench.run_ms(2'000);  // and no later second is taken for it
+  bench.run_ms(2'000);  // no later second changes the result
   EXPECT_EQ(bench.values().calibration.gyro_bias[2], 0);
 }
 
 TEST_F(ControllerCalibration, IsRefusedToARobotThatStands) {
   bench.command(Command::kCalibrate);
   ASSERT_TRUE(bench.run_until_standing());
-  EXPECT_EQ(bench.now().refusal, Reason::kNotAtRest);  // the enabling came into its second
+  EXPECT_EQ(bench.now().refusal, Reason::kNotAtRest);  // the enable command interrupted the second of rest
   bench.command(Command::kCalibrate);
   EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
 }
@@ -155,7 +157,7 @@ TEST_F(ControllerCalibration, SurvivesAPowerCycle) {
   ASSERT_TRUE(bench.run_until(State::kLimp));
   EXPECT_EQ(bench.model().joints[kKnee].drive.zero, drive.zero);
   EXPECT_EQ(bench.model().R_BI, R_BI);
-  // And does so once, however often it is loaded.
+  // And only once, however often it is loaded.
   bench.board.can.deliver({.identifier = 0x000, .size = 2, .data = {129, 1}});
   bench.run_ms(1);
   EXPECT_EQ(bench.model().joints[kKnee].drive.zero, drive.zero);

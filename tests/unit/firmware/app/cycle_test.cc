@@ -9,7 +9,7 @@ namespace {
 
 using test::ControllerBench;
 
-// What the controller sends in the millisecond of a tick.
+// Returns the identifiers of the frames that the controller sends in the millisecond of a tick.
 std::vector<std::uint16_t> identifiers_of_a_tick(ControllerBench& bench) {
   while (bench.now_us() % Controller::kTick_us != 0) bench.run_ms(1);
   bench.sent.clear();
@@ -71,7 +71,7 @@ TEST(ControllerCycle, TellsStateReasonAndRefusal) {
 
 TEST(ControllerCycle, TellsTheAttitude) {
   ControllerBench bench;
-  bench.imu_sample.accelerometer_raw = {0, 4'100, 7'101};  // rolled by 30 degrees to the right
+  bench.imu_sample.accelerometer_raw = {0, 4'100, 7'101};  // 30 degrees of roll to the right
   ASSERT_TRUE(bench.run_until(State::kLimp));
   const double roll_deg = bench.values().attitude.roll * 360.0 / 65536.0;
   EXPECT_NEAR(roll_deg, 30.0, 0.02);
@@ -83,7 +83,7 @@ TEST(ControllerCycle, CountsWhatItLoses) {
   for (int i = 0; i < 20; ++i) bench.board.imu.deliver({});
   for (int i = 0; i < 70; ++i) bench.board.can.deliver({.identifier = 0x7FF});
   bench.run_ms(1);
-  EXPECT_EQ(bench.values().diagnosis.imu_overruns, 5);  // 20 and the bench's one into 16
+  EXPECT_EQ(bench.values().diagnosis.imu_overruns, 5);  // sum of 20 and the bench's own overrun, modulo 16
   EXPECT_EQ(bench.values().diagnosis.receive_overruns, 6);
 }
 

@@ -13,7 +13,7 @@ using DriveState = canopen::cia402::State;
 
 constexpr std::size_t kElbow = 14;
 
-// Puts a limp joint somewhere, as a hand would.
+// Moves a limp joint to this angle, as a person would by hand.
 void turn(ControllerBench& bench, std::size_t joint, double angle_deg) {
   bench.drives[joint].position = robot::drive_position(bench.model().joints[joint].drive, degrees(angle_deg));
 }
@@ -24,13 +24,13 @@ class ControllerEnabling : public testing::Test {
     ASSERT_TRUE(bench.run_until(State::kLimp));
     bench.run_ms(20);
   }
-  // Lets what was changed reach the controller, asks it to enable, and expects that it does not.
+  // Runs until the changes reach the controller, sends the enable command and expects that it is refused.
   void expect_refusal(Reason reason) {
     bench.run_ms(20);
     bench.command(Command::kEnable);
     EXPECT_EQ(bench.now().refusal, reason);
     EXPECT_EQ(bench.now().state, State::kLimp);
-    EXPECT_EQ(bench.now().reason, Reason::kProgress);  // a refusal is no reason for the state
+    EXPECT_EQ(bench.now().reason, Reason::kProgress);  // a refusal is no transition, so the reason stays
     bench.run_ms(100);
     EXPECT_TRUE(bench.board.drive_enable.changes().empty());
     for (const auto& drive : bench.drives) EXPECT_EQ(drive.controlword, 0);
@@ -58,7 +58,7 @@ TEST_F(ControllerEnabling, WorksBySdoToo) {
 }
 
 TEST_F(ControllerEnabling, IsRefusedWithAnEncoderBeyondItsLimits) {
-  turn(bench, kKnee, -2.1);  // the knee goes from 0 to 150 degrees; two beyond are forgiven
+  turn(bench, kKnee, -2.1);  // limits of 0 and 150 degrees, with a tolerance of two
   expect_refusal(Reason::kEncoderBeyondLimits);
 }
 
@@ -67,7 +67,7 @@ TEST_F(ControllerEnabling, ForgivesAJointThatLeansOnItsStop) {
   bench.run_ms(20);
   bench.command(Command::kEnable);
   EXPECT_EQ(bench.now().state, State::kEnabling);
-  EXPECT_EQ(bench.target(kKnee), degrees(0));  // no target is ever beyond the limits
+  EXPECT_EQ(bench.target(kKnee), degrees(0));  // no target ever exceeds the limits
 }
 
 TEST_F(ControllerEnabling, IsRefusedWithAnImuThatFeelsNoGravity) {
@@ -84,7 +84,8 @@ TEST_F(ControllerEnabling, IsRefusedWithAnImuThatFeelsTwoG) {
 
 TEST_F(ControllerEnabling, IsRefusedWhileADriveIsNotAtRest) {
   bench.drives[5].state = DriveState::kQuickStopActive;
-  // The stub would end its stop at the next SYNC; this one says so in the millisecond of the command.
+  // The stub would finish its quick stop at the next SYNC; this one reports it in the millisecond of the
+  // command.
   bench.board.can.deliver({.identifier = 0x180 + 16 + 5, .size = 8, .data = {0x07}});
   bench.command(Command::kEnable);
   EXPECT_EQ(bench.now().refusal, Reason::kDriveNotReady);
@@ -139,7 +140,7 @@ TEST_F(ControllerEnabling, HoldsEveryJointWhereItIs) {
 }
 
 TEST_F(ControllerEnabling, FollowsAJointThatIsMovedBeforeItsDriveIsEnabled) {
-  bench.drives[9].enables = false;  // and so the others wait
+  bench.drives[9].enables = false;  // the others wait for it
   bench.command(Command::kEnable);
   bench.run_ms(50);
   turn(bench, kKnee, 33.0);
@@ -148,7 +149,7 @@ TEST_F(ControllerEnabling, FollowsAJointThatIsMovedBeforeItsDriveIsEnabled) {
   EXPECT_EQ(bench.values().drives.target_position[kKnee], bench.drives[kKnee].position);
 }
 
-// The pose is that of motion 0: all joints at zero, the knee at 40 degrees.
+// The pose of motion 0: all joints at zero, except the knee at 40 degrees.
 TEST_F(ControllerEnabling, GoesToTheStandingPoseOnABoundedRamp) {
   turn(bench, kKnee, 100.0);
   turn(bench, kElbow, -90.0);
@@ -157,7 +158,7 @@ TEST_F(ControllerEnabling, GoesToTheStandingPoseOnABoundedRamp) {
   ASSERT_TRUE(bench.run_until(State::kSoftStart));
 
   const double unit_deg = 360.0 / (1 << 20);
-  const double bound_deg = 683.0 / 4096 * 360 * 0.01 + unit_deg;  // the parameter's rate for one tick
+  const double bound_deg = 683.0 / 4096 * 360 * 0.01 + unit_deg;  // the ramp rate parameter over one tick
   double fastest_deg = 0.0;
   double before_deg = -90.0;
   const std::uint64_t start_us = bench.now_us();
@@ -169,7 +170,7 @@ TEST_F(ControllerEnabling, GoesToTheStandingPoseOnABoundedRamp) {
   }
   EXPECT_LE(fastest_deg, bound_deg);
   EXPECT_GE(fastest_deg, 0.59);
-  EXPECT_EQ(bench.now_us() - start_us, 1'500'000u);  // the longest way is 90 degrees at 60.03 a second
+  EXPECT_EQ(bench.now_us() - start_us, 1'500'000u);  // the longest distance is 90 degrees, at 60.03 degrees/s
   EXPECT_EQ(bench.now().state, State::kStanding);
   EXPECT_EQ(bench.target(kElbow), degrees(0.0));
   EXPECT_NEAR(fixed::to_double(bench.target(kKnee) - degrees(40.0)), 0.0, unit_deg * test::kRadPerDegree);
@@ -179,7 +180,7 @@ TEST_F(ControllerEnabling, TakesHalfASecondAtLeastAndObeysTheRampParameter) {
   bench.command(Command::kEnable);
   ASSERT_TRUE(bench.run_until(State::kSoftStart));
   EXPECT_FALSE(bench.run_until(State::kStanding, 480));
-  EXPECT_TRUE(bench.run_until(State::kStanding, 400));  // 40 degrees of knee at 60 a second
+  EXPECT_TRUE(bench.run_until(State::kStanding, 400));  // 40 degrees of the knee at 60 degrees/s
 }
 
 TEST(ControllerEnablingSupply, IsRefusedOutsideTheParametersAtAnyDrive) {

@@ -1,4 +1,4 @@
-// What the controller makes of the parameters in its storage, and what it does without them.
+// The controller with different parameters in its storage, and without any.
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ constexpr std::uint16_t kEmergencyIdentifier = 0x081;
 
 class ControllerFactoryParameters : public testing::Test {
  protected:
-  // Starts with this item, or without one, in place of the test robot's.
+  // Starts with this parameter item, or without any, instead of the test robot's.
   void start_with(const std::vector<std::byte>& item) {
     bench.restart(test::factory_storage(item));
     bench.sent.clear();
@@ -69,12 +69,12 @@ TEST_F(ControllerFactoryParameters, WithoutThemNoGyroMovesAJoint) {
     before.push_back(bench.target(joint));
   bench.imu_sample.gyro_raw[1] = 3'000;
   bench.run_ms(200);
-  EXPECT_EQ(bench.now().state, State::kStanding);  // nor is a lean a fall
+  EXPECT_EQ(bench.now().state, State::kStanding);  // a lean does not count as a fall either
   for (std::size_t joint = 0; joint < bench.model().joint_count; ++joint)
     EXPECT_EQ(bench.target(joint), before[joint]) << joint;
 }
 
-// A client can give the robot a gait by hand, as somebody does who tunes it.
+// A client can write the gait parameters, for example to tune them.
 TEST_F(ControllerFactoryParameters, AreNotNeededOnceAClientHasSetTheGait) {
   start_with({});
   ASSERT_TRUE(bench.run_until_standing());
@@ -144,7 +144,7 @@ TEST_F(ControllerFactoryParameters, AreWhatRestoreDefaultParametersRestores) {
   EXPECT_EQ(status(), FactoryStatus::kLoaded);
 }
 
-// Object 0x2200:0C, as a client sees it.
+// Object 0x2200:0C, read by a client.
 TEST_F(ControllerFactoryParameters, TellAClientWhatBecameOfThem) {
   test::SdoPc pc{bench};
   ASSERT_TRUE(bench.run_until(State::kLimp));

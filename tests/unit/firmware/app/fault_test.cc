@@ -33,9 +33,9 @@ class ControllerFault : public testing::Test {
 
 TEST_F(ControllerFault, StopsTheDrivesFirstAndThenLowersTheLine) {
   auto& slow = bench.drives[3];
-  slow.hangs = true;  // a drive that will never say that it has stopped
+  slow.hangs = true;  // a drive that never reports the end of its quick stop
   ASSERT_TRUE(bench.run_until(State::kFault, 100));
-  EXPECT_EQ(bench.drives[0].controlword, kQuickStop);  // in the cycle in which the fault was seen
+  EXPECT_EQ(bench.drives[0].controlword, kQuickStop);  // in the cycle that detected the fault
   EXPECT_TRUE(bench.board.drive_enable.enabled());
   bench.run_ms(280);
   EXPECT_TRUE(bench.board.drive_enable.enabled());
@@ -53,13 +53,14 @@ TEST_F(ControllerFault, LowersTheLineAsSoonAsAllHaveStopped) {
 
 TEST_F(ControllerFault, NamesADriveThatHangs) {
   bench.drives[11].hangs = true;
-  ASSERT_TRUE(bench.run_until(State::kFault, 60));  // five cycles, long before its heartbeat is missed
+  ASSERT_TRUE(bench.run_until(State::kFault, 60));  // five cycles, long before the heartbeat time-out
   expect_drive_fault(DriveFault::kLost, 11);
 }
 
 TEST_F(ControllerFault, NamesADriveWhoseHeartbeatStopsWhileItStillAnswers) {
   bench.run_ms(10);
-  // Monitoring is by 0x1016; a drive with a longer pause than 350 ms is lost. The stubs beat each 100 ms.
+  // Object 0x1016 monitors heartbeats: a drive is lost after 350 ms without one. The stubs send one every 100
+  // ms.
   for (auto& drive : bench.drives) drive.beats = false;
   ASSERT_TRUE(bench.run_until(State::kFault, 460));
   EXPECT_EQ(bench.now().drive_fault, DriveFault::kLost);
@@ -145,7 +146,7 @@ TEST_F(ControllerFault, IsNotABusThatIsDisturbedAndWorks) {
 
 TEST_F(ControllerFault, ComesFromABusWithoutAcknowledgement) {
   for (auto& drive : bench.drives) drive.hangs = true;
-  bench.run_ms(10);  // a cycle without any answer
+  bench.run_ms(10);  // one cycle without any answer
   EXPECT_EQ(bench.now().state, State::kMotion);
   bench.board.can.set_error_state(hal::CanErrorState::kErrorPassive);
   bench.run_ms(10);
@@ -172,7 +173,7 @@ TEST_F(ControllerFault, IsLeftOnlyByResetAndThenThroughABoot) {
   bench.command(Command::kReset);
   EXPECT_EQ(bench.now().state, State::kBoot);
   EXPECT_EQ(bench.last_sent(0x000), (hal::CanFrame{.identifier = 0, .size = 2, .data = {129, 35}}));
-  EXPECT_EQ(bench.last_sent(0x081)->data[0], 0);  // the controller's own error is gone
+  EXPECT_EQ(bench.last_sent(0x081)->data[0], 0);  // the controller's error is reset
   EXPECT_TRUE(bench.run_until_standing());
 }
 
@@ -212,13 +213,13 @@ TEST_F(ControllerFault, IgnoresWhatADriveSaidBeforeItsReset) {
   bench.board.can.deliver(bench.drives[6].emergency(0x2310));
   ASSERT_TRUE(bench.run_until(State::kFault, 10));
   bench.board.can.deliver(
-      {.identifier = 0x201, .size = 3, .data = {6}});  // reset, and behind it in the ring:
+      {.identifier = 0x201, .size = 3, .data = {6}});  // reset, followed in the receive FIFO by:
   bench.board.can.deliver(bench.drives[6].emergency(0x2310));
   EXPECT_TRUE(bench.run_until_standing());
 }
 
-// In each millisecond of the cycle, and with answers that come behind the command or while the drives
-// restart.
+// Sends the reset in each millisecond of the cycle, with drive answers that arrive after the command or while
+// the drives restart.
 TEST_F(ControllerFault, IsLeftWhateverDrivesAnsweredBeforeTheirReset) {
   for (int phase_ms = 0; phase_ms < 10; ++phase_ms) {
     for (const bool emergency : {false, true}) {
@@ -254,7 +255,7 @@ TEST_F(ControllerFault, ResetIsRefusedInEveryStateWithoutOne) {
     EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
     return bench.now().state == before;
   };
-  EXPECT_TRUE(refused());  // in a motion
+  EXPECT_TRUE(refused());  // while a motion plays
   bench.command(Command::kStop);
   ASSERT_TRUE(bench.run_until(State::kStanding));
   EXPECT_TRUE(refused());
@@ -264,7 +265,7 @@ TEST_F(ControllerFault, ResetIsRefusedInEveryStateWithoutOne) {
   EXPECT_TRUE(refused());
   bench.restart();
   bench.run_ms(100);
-  EXPECT_TRUE(refused());  // in the boot
+  EXPECT_TRUE(refused());  // during boot
 }
 
 // --- Emergency stop
@@ -290,7 +291,7 @@ TEST_F(ControllerFault, EmergencyStopLatchesUntilReset) {
   bench.command(Command::kReset);
   ASSERT_TRUE(bench.run_until(State::kLimp));
   bench.run_ms(500);
-  EXPECT_EQ(bench.now().state, State::kLimp);  // and limp it stays until it is enabled
+  EXPECT_EQ(bench.now().state, State::kLimp);  // stays limp until enabled
   EXPECT_TRUE(bench.run_until_standing());
 }
 

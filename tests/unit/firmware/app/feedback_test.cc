@@ -10,12 +10,12 @@ using test::ControllerBench;
 using test::kKnee;
 
 constexpr std::size_t kAnklePitch = 4;
-constexpr std::int16_t kOneRadPerS = 1878;  // counts of the test robot's gyro, 17.45 rad/s at 2^15
+constexpr std::int16_t kOneRadPerS = 1878;  // in counts of the test robot's gyro: 17.45 rad/s at 2^15
 
-// The objects of the gains, 0x2101 to 0x2105.
+// Gain objects 0x2101 to 0x2105.
 enum Gains : std::uint8_t { kMotionRate = 0x01, kStandingRate, kStandingLean, kWalkingRate, kWalkingLean };
 
-// Expedited download of two bytes to one of them.
+// Writes two bytes to a gain object by expedited download.
 void set_gain(ControllerBench& bench, Gains gains, std::uint8_t subindex, std::uint8_t low,
               std::uint8_t high = 0) {
   bench.board.can.deliver({.identifier = 0x601, .size = 8, .data = {0x2B, gains, 0x21, subindex, low, high}});
@@ -24,7 +24,8 @@ void set_gain(ControllerBench& bench, Gains gains, std::uint8_t subindex, std::u
 
 class ControllerFeedback : public testing::Test {
  protected:
-  // All off: each test switches on what it is about. Falls are not looked for: the trunk turns far.
+  // Switches all gains off; each test enables those that it tests. Fall detection is off because the trunk
+  // turns far.
   void SetUp() override {
     bench.board.can.deliver({.identifier = 0x601, .size = 8, .data = {0x2B, 0x40, 0x21, 1, 0, 0}});
     for (const Gains gains : {kStandingRate, kStandingLean, kWalkingRate, kWalkingLean}) {
@@ -53,7 +54,7 @@ TEST_F(ControllerFeedback, TurnsTheAnklesOfAStandingRobot) {
   ASSERT_TRUE(bench.run_until_standing());
   const double before_rad = target_rad(kAnklePitch);
   pitch_forward();
-  // 205 / 4096 s; the drive resolves 6e-6 rad.
+  // Gain of 205 / 4096 s; the drive resolves 6e-6 rad.
   EXPECT_NEAR(target_rad(kAnklePitch) - before_rad, 205.0 / 4096 * kOneRadPerS / 32768.0 * 17.45, 1e-5);
   bench.imu_sample.gyro_raw[1] = 0;
   bench.run_ms(500);
@@ -74,7 +75,7 @@ TEST_F(ControllerFeedback, TurnsTheAnklesOfAWalkingRobotByGainsOfItsOwn) {
   EXPECT_NEAR(walks_to_rad(kWalkingRate) - without_rad, 0.25, 0.03);
 }
 
-// The test robot's attitude follows its gyro: 0.3 s of one rad/s.
+// The test robot's attitude integrates its gyro: 0.3 s at 1 rad/s.
 TEST_F(ControllerFeedback, AnswersToTheLeanOfAStandingRobot) {
   set_gain(bench, kStandingLean, 1, 0x00, 0x08);  // one half
   set_gain(bench, kWalkingLean, 1, 0x00, 0x10);

@@ -86,7 +86,7 @@ TEST_F(LoadFactoryParameters, AreWrittenIntoTheDictionary) {
 TEST_F(LoadFactoryParameters, MayBeNone) {
   EXPECT_EQ(load({}), FactoryStatus::kNone);
   expect_neutral();
-  EXPECT_EQ(load(item_of({})), FactoryStatus::kLoaded);  // an item without a record
+  EXPECT_EQ(load(item_of({})), FactoryStatus::kLoaded);  // an item without records
   expect_neutral();
 }
 
@@ -121,14 +121,15 @@ TEST_F(LoadFactoryParameters, EndWithAWholeRecord) {
 TEST_F(LoadFactoryParameters, AreRefusedAsAWholeForOneThatIsNot) {
   for (const FewRecord& bad : std::to_array<FewRecord>({{0x2100, 1, 1, 101},    // too high
                                                         {0x2100, 1, 1, 0},      // too low
-                                                        {0x2100, 2, 2, -4097},  // the same of a signed one
-                                                        {0x2100, 2, 4, 5},      // another size
+                                                        {0x2100, 2, 2, -4097},  // too low for a signed
+                                                                                // parameter
+                                                        {0x2100, 2, 4, 5},      // wrong size
                                                         {0x2100, 2, 0, 5},      // no size
                                                         {0x2100, 3, 1, 5},      // no such sub-index
                                                         {0x2101, 1, 1, 5},      // no such object
                                                         {0x2200, 1, 2, 5},      // read-only
                                                         {0x2000, 1, 2, 5},      // a process value
-                                                        {0x1F80, 0, 4, 5}})) {  // the communication's
+                                                        {0x1F80, 0, 4, 5}})) {  // a communication object
     auto records = kGood;
     records.push_back(bad);
     EXPECT_EQ(load(item_of(records)), FactoryStatus::kRefused) << bad.index << ' ' << bad.value;

@@ -52,7 +52,7 @@ TEST_F(ControllerMotion, PlayIsRefusedWhileAnotherPlays) {
   EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
   EXPECT_EQ(bench.now().motion, 1);
   bench.run_ms(10);
-  EXPECT_GT(bench.target(kHeadTilt), before);  // undisturbed
+  EXPECT_GT(bench.target(kHeadTilt), before);  // motion continues
 }
 
 TEST_F(ControllerMotion, PlayIsRefusedWithoutSuchAMotion) {
@@ -91,7 +91,8 @@ TEST_F(ControllerMotion, GoesOnWhereItWasAfterAGapInTime) {
   bench.skip_ms(40);
   bench.run_ms(10);
   const double step_rad = fixed::to_double(bench.target(kHeadTilt)) - before_rad;
-  EXPECT_NEAR(step_rad, 1.0 * test::kRadPerDegree, 0.01 * test::kRadPerDegree);  // one tick's worth, no leap
+  EXPECT_NEAR(step_rad, 1.0 * test::kRadPerDegree, 0.01 * test::kRadPerDegree);  // the change of one tick, no
+                                                                                 // jump
 }
 
 TEST_F(ControllerMotion, KeepsTargetsWithinTheLimits) {

@@ -28,7 +28,7 @@ class ControllerMotions : public testing::Test {
     bench.board.storage.complete_after(3);
     ASSERT_TRUE(bench.run_until(State::kLimp));
   }
-  // Lifts the head, and holds it there for as many steps as make the image longer.
+  // Raises the head and holds it for `poses` steps, which set the size of the image.
   Image nod(double angle_deg, std::size_t poses = 1) const {
     std::vector<fixed::Angle> pose(bench.model().joint_count);
     pose[kHeadTilt] = degrees(angle_deg);
@@ -37,7 +37,7 @@ class ControllerMotions : public testing::Test {
     motion.steps.push_back({Opcode::kEnd});
     return test::encode(motion, bench.model().id);
   }
-  // A thousand bytes for motion 7 are announced, and none comes.
+  // Initiates a download of a thousand bytes to motion 7 and sends no data.
   void begin_and_stay_silent() {
     bench.board.can.deliver(
         {.identifier = 0x601, .size = 8, .data = {0xC6, 0x00, 0x24, 8, 0xE8, 0x03, 0, 0}});
@@ -113,7 +113,7 @@ TEST_F(ControllerMotions, MustBeAsLongAsTheirHeadersState) {
   EXPECT_EQ(bench.values().diagnosis.motions, 0b1000'0011u);
 }
 
-// An expedited transfer is answered, and no flash is erased for what cannot be a motion.
+// The controller answers an expedited transfer but erases no flash for data too short for a motion.
 TEST_F(ControllerMotions, OfAFewBytesAreRefusedAtOnce) {
   const Image storage(bench.board.storage.contents().begin(), bench.board.storage.contents().end());
   for (const std::size_t size : {std::size_t{1}, std::size_t{4}}) {
@@ -122,7 +122,7 @@ TEST_F(ControllerMotions, OfAFewBytesAreRefusedAtOnce) {
   }
   EXPECT_EQ(pc.download(motion_object(2), {}), AbortCode::kLengthTooLow);
   EXPECT_EQ(pc.download_blocks(motion_object(2), {}), AbortCode::kLengthTooLow);
-  // Of unknown size: four bytes.
+  // Four bytes without a size indication.
   bench.board.can.deliver({.identifier = 0x601, .size = 8, .data = {0x22, 0x00, 0x24, 3, 0x55}});
   bench.run_ms(1);
   EXPECT_EQ(canopen::load_u32(&bench.last_sent(0x581)->data[4]), 0x0607'0013u);
@@ -138,7 +138,7 @@ TEST_F(ControllerMotions, AreRefusedUnlessTheRobotStandsOrIsLimp) {
   ASSERT_TRUE(bench.run_until(State::kStanding));
   bench.command(Command::kPlay, 1);
   EXPECT_EQ(pc.download_blocks(motion_object(7), nod(15)), AbortCode::kDeviceState);
-  EXPECT_FALSE(pc.upload(motion_object(1)).empty());  // but read
+  EXPECT_FALSE(pc.upload(motion_object(1)).empty());  // reading is permitted
   bench.command(Command::kStop);
   ASSERT_TRUE(bench.run_until(State::kStanding));
   EXPECT_EQ(pc.download_blocks(motion_object(7), nod(15)), AbortCode::kNone);
@@ -156,7 +156,7 @@ TEST_F(ControllerMotions, BrokenOffLeaveTheOldOneAndTheWayFree) {
   const Image image = nod(15);
   ASSERT_EQ(pc.download_blocks(motion_object(7), image), AbortCode::kNone);
   begin_and_stay_silent();
-  bench.run_ms(1'200);  // the server gives the client up
+  bench.run_ms(1'200);  // the server's time-out for the client expires
   EXPECT_EQ(pc.upload(motion_object(7)), image);
   EXPECT_EQ(pc.save(), AbortCode::kNone);
   EXPECT_EQ(pc.download_blocks(motion_object(7), nod(10)), AbortCode::kNone);

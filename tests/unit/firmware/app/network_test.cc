@@ -1,4 +1,4 @@
-// The controller as a node of a network in which another NMT master speaks, too.
+// The controller as a node of a network with a second NMT master.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ class ControllerNetwork : public testing::Test {
     bench.board.can.deliver(frame);
     bench.run_ms(1);
   }
-  // Into a state that a robot without physics comes to.
+  // Brings the controller into this state, if it can be reached without physics.
   bool lead_to(State state) {
     switch (state) {
       case State::kBoot:
@@ -60,7 +60,7 @@ class ControllerNetwork : public testing::Test {
   long sent(std::uint16_t identifier) const {
     return std::ranges::count_if(bench.sent, [&](const auto& s) { return s.frame.identifier == identifier; });
   }
-  // NMT commands that the controller gave, in their order.
+  // Returns the NMT commands that the controller sent, in order.
   std::vector<hal::CanFrame> orders() const {
     std::vector<hal::CanFrame> frames;
     for (const auto& [time_us, frame] : bench.sent) {
@@ -82,7 +82,7 @@ class ControllerNetwork : public testing::Test {
 constexpr State kStatesToReset[] = {State::kBoot,    State::kLimp,  State::kStanding,     State::kMotion,
                                     State::kWalking, State::kFault, State::kEmergencyStop};
 
-// CiA 301, 7.3.2.2: from every state, in each millisecond of the cycle.
+// CiA 301, 7.3.2.2: in every state and in each millisecond of the cycle.
 TEST_F(ControllerNetwork, AnNmtResetIsPowerOnOnceMore) {
   for (const State state : kStatesToReset) {
     for (int phase_ms = 0; phase_ms < 10; ++phase_ms) {
@@ -100,7 +100,7 @@ TEST_F(ControllerNetwork, AnNmtResetIsPowerOnOnceMore) {
       EXPECT_GT(sent(kSync), 50);
       EXPECT_EQ(bench.now().drive_fault, drive::DriveFault::kNone);
     }
-    EXPECT_TRUE(bench.run_until_standing());  // commands work
+    EXPECT_TRUE(bench.run_until_standing());  // the controller accepts commands
     bench.restart();
   }
 }
@@ -156,9 +156,9 @@ TEST_F(ControllerNetwork, WithoutSelfStartItWaitsForAnotherMaster) {
   EXPECT_EQ(bench.last_sent(kHeartbeatOfController)->data[0],
             static_cast<std::uint8_t>(NmtState::kPreOperational));
   EXPECT_EQ(sent(kSync), 0);
-  EXPECT_EQ(orders(), to_each_drive(NmtCommand::kResetNode));  // they are configured and wait, too
+  EXPECT_EQ(orders(), to_each_drive(NmtCommand::kResetNode));  // the drives are configured and wait as well
   EXPECT_EQ(bench.drives[19].object(0x6060, 0), 8u);
-  bench.command(Command::kEnable);  // no PDO arrives
+  bench.command(Command::kEnable);  // the drives receive no PDO
   EXPECT_EQ(bench.now().refusal, Reason::kNone);
 
   order(NmtCommand::kStart);
@@ -194,7 +194,7 @@ TEST_F(ControllerNetwork, MayLeaveTheStartOfTheDrivesToAnotherMaster) {
   EXPECT_EQ(orders(), to_each_drive(NmtCommand::kResetNode));
   bench.tell_drives(nmt(NmtCommand::kStart, 16));
   bench.run_ms(100);
-  EXPECT_EQ(bench.now().state, State::kBoot);  // of the others
+  EXPECT_EQ(bench.now().state, State::kBoot);  // those of the other drives
   bench.tell_drives(nmt(NmtCommand::kStart, kAll));
   ASSERT_TRUE(bench.run_until(State::kLimp, 50));
   EXPECT_TRUE(bench.run_until_standing());
@@ -217,7 +217,7 @@ TEST_F(ControllerNetwork, LeavesOperationalWithAFaultInEveryStateThatHasOne) {
 
       order(NmtCommand::kStart);
       bench.run_ms(100);
-      EXPECT_EQ(bench.now().state, State::kFault);  // no start moves a robot
+      EXPECT_EQ(bench.now().state, State::kFault);  // an NMT start does not move the robot
       EXPECT_EQ(bench.last_sent(0x181)->data[0], static_cast<std::uint8_t>(State::kFault));
       bench.command(Command::kReset);
       ASSERT_TRUE(bench.run_until_standing());
@@ -237,7 +237,7 @@ TEST_F(ControllerNetwork, StaysInAnEmergencyStopWhateverItsMasterSays) {
   EXPECT_TRUE(bench.run_until_standing());
 }
 
-// A reset by SDO does not overrule the other master.
+// A reset by SDO does not override the other master.
 TEST_F(ControllerNetwork, BootsInPreOperationalAndWaitsForTheStart) {
   ASSERT_TRUE(lead_to(State::kLimp));
   order(NmtCommand::kEnterPreOperational);
@@ -256,7 +256,7 @@ TEST_F(ControllerNetwork, ABootThatIsStoppedHalfwayIsAFault) {
   EXPECT_EQ(bench.now().reason, Reason::kNotOperational);
 }
 
-// --- Only its own nodes
+// --- Frames of foreign nodes
 
 TEST_F(ControllerNetwork, AddressesItsOwnDrivesAndNobodyElse) {
   ASSERT_TRUE(lead_to(State::kEmergencyStop));
@@ -273,19 +273,19 @@ TEST_F(ControllerNetwork, ResetsSensorsThatAreNodesAndStartsEachThatHasBooted) {
   bench.board.sensor_nodes = kSensors;
   bench.restart();
   bench.sent.clear();
-  bench.run_ms(30);  // it listens for another master
+  bench.run_ms(30);  // the controller listens for another master
   EXPECT_TRUE(orders().empty());
   bench.run_ms(10);
   EXPECT_THAT(orders(),
               testing::IsSupersetOf({nmt(NmtCommand::kResetNode, 36), nmt(NmtCommand::kResetNode, 37)}));
   bench.sent.clear();
   bench.board.can.deliver({.identifier = canopen::kHeartbeatBase + 37, .size = 1});
-  bench.board.can.deliver({.identifier = canopen::kHeartbeatBase + 38, .size = 1});  // of somebody else
+  bench.board.can.deliver({.identifier = canopen::kHeartbeatBase + 38, .size = 1});  // of a foreign node
   bench.run_ms(10);
   EXPECT_EQ(orders(), std::vector{nmt(NmtCommand::kStart, 37)});
 }
 
-// Room for a few frames in each millisecond: the commands for all nodes still come through.
+// With room for only a few frames per millisecond, the commands to all nodes are still sent.
 TEST_F(ControllerNetwork, BootsOverABusWithLittleRoom) {
   for (int i = 0; i < 2'000 && bench.now().state == State::kBoot; ++i) {
     bench.board.can.limit_transmit(6);

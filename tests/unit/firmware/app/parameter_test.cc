@@ -19,7 +19,7 @@ constexpr canopen::ObjectAddress kKneeGain{0x2101, 4};
 class ControllerParameters : public testing::Test {
  protected:
   void SetUp() override {
-    bench.board.storage.complete_after(22);  // of a flash page that is being erased
+    bench.board.storage.complete_after(22);  // duration of a flash page erase
     ASSERT_TRUE(bench.run_until(State::kLimp));
   }
   void power_cycle() {
@@ -40,7 +40,7 @@ TEST_F(ControllerParameters, SurviveAPowerCycleOnceTheyAreSaved) {
   ASSERT_EQ(pc.write(kLowestSupply, 6'500, 2), AbortCode::kNone);
   ASSERT_EQ(pc.write(kKneeGain, -300, 2), AbortCode::kNone);
   ASSERT_EQ(pc.save(), AbortCode::kNone);
-  EXPECT_GT(pc.answer_ms, 22);  // the answer says that it is done
+  EXPECT_GT(pc.answer_ms, 22);  // the answer is sent after completion
   power_cycle();
   EXPECT_EQ(bench.values().parameters.supply_min_mV, 6'500);
   EXPECT_EQ(bench.values().feedback.motion.knee, -300);
@@ -50,7 +50,7 @@ TEST_F(ControllerParameters, AreThoseOfTheFactoryAgainAfterRestoreAndReset) {
   ASSERT_EQ(pc.write(kLowestSupply, 6'500, 2), AbortCode::kNone);
   ASSERT_EQ(pc.save(), AbortCode::kNone);
   ASSERT_EQ(pc.restore(), AbortCode::kNone);
-  EXPECT_EQ(bench.values().parameters.supply_min_mV, 6'500);  // until the reset
+  EXPECT_EQ(bench.values().parameters.supply_min_mV, 6'500);  // the value stays until the reset
   bench.board.can.deliver({.identifier = 0x000, .size = 2, .data = {129, 1}});
   bench.run_ms(1);
   EXPECT_EQ(bench.values().parameters.supply_min_mV, 6'000);
@@ -60,7 +60,7 @@ TEST_F(ControllerParameters, ResetOfTheNodeBringsBackTheSaved) {
   ASSERT_EQ(pc.write(kLowestSupply, 6'500, 2), AbortCode::kNone);
   ASSERT_EQ(pc.save(), AbortCode::kNone);
   ASSERT_EQ(pc.write(kLowestSupply, 7'000, 2), AbortCode::kNone);
-  bench.board.can.deliver({.identifier = 0x000, .size = 2, .data = {130, 1}});  // of the communication
+  bench.board.can.deliver({.identifier = 0x000, .size = 2, .data = {130, 1}});  // reset communication
   bench.run_ms(1);
   EXPECT_EQ(bench.values().parameters.supply_min_mV, 7'000);
   bench.board.can.deliver({.identifier = 0x000, .size = 2, .data = {129, 1}});
@@ -83,7 +83,7 @@ TEST_F(ControllerParameters, TellWhichGroupsAreStored) {
     EXPECT_EQ(pc.read({index, 2}), 0u);
   }
   EXPECT_EQ(pc.write({0x1010, 2}, 0x65766173, 4), AbortCode::kCannotTransfer);
-  EXPECT_EQ(pc.write({0x1010, 3}, 0x65766174, 4), AbortCode::kCannotTransfer);  // another signature
+  EXPECT_EQ(pc.write({0x1010, 3}, 0x65766174, 4), AbortCode::kCannotTransfer);  // wrong signature
   EXPECT_EQ(pc.write({0x1010, 3}, 0x65766173, 4), AbortCode::kNone);
 }
 
@@ -97,7 +97,7 @@ TEST_F(ControllerParameters, AreNotSavedWhileTheRobotMoves) {
   bench.command(Command::kStop);
   ASSERT_TRUE(bench.run_until(State::kStanding));
   EXPECT_EQ(pc.save(), AbortCode::kNone);
-  EXPECT_EQ(bench.now().state, State::kStanding);  // undisturbed
+  EXPECT_EQ(bench.now().state, State::kStanding);  // motion continues
 }
 
 TEST_F(ControllerParameters, SavingTellsOfFlashThatFails) {
@@ -106,7 +106,7 @@ TEST_F(ControllerParameters, SavingTellsOfFlashThatFails) {
   EXPECT_EQ(pc.save(), AbortCode::kNone);
 }
 
-// Power fails in each millisecond of a save: both parameters are the old or both the new.
+// Power fails in each millisecond of a save: afterwards both parameters are old or both are new.
 TEST_F(ControllerParameters, AreNeverMixedByAPowerFailure) {
   bench.board.storage.complete_after(2);
   ASSERT_EQ(pc.write(kLowestSupply, 6'100, 2), AbortCode::kNone);

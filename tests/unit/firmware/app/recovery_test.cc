@@ -1,4 +1,4 @@
-// From a fall that is foreseen to the stand, on a fake board: what the robot decides, not how it moves.
+// From a predicted fall to standing, on a fake board. Tests the decisions, not the movement.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,8 @@ using test::SdoPc;
 
 constexpr double kCountsPerG = 9.80665 / 39.2 * 32'768;
 constexpr std::uint8_t kFirstMotion = 8;
-constexpr ExpectedAttitude kUprightAttitude{.up_B = {0, 0, 127}, .min_cosine = 28'378};  // within 30 degrees
+constexpr ExpectedAttitude kUprightAttitude{.up_B = {0, 0, 127}, .min_cosine = 28'378};  // tilt of at most 30
+                                                                                         // degrees
 
 class RecoveryTest : public testing::Test {
  protected:
@@ -31,9 +32,9 @@ class RecoveryTest : public testing::Test {
     bench.board.storage.complete_after(1);
     ASSERT_TRUE(bench.run_until(State::kLimp));
     for (std::size_t role = 0; role < motion::kMotionNames.size(); ++role) give(static_cast<Role>(role), {});
-    bench.run_ms(1'100);  // the gyro's bias is known
+    bench.run_ms(1'100);  // the estimate of the gyro bias needs one second
   }
-  // A motion of 0.2 s that ends with these steps.
+  // Stores a motion of 0.2 s that ends with these steps.
   void give(Role role, const std::vector<motion::Step>& last_steps) {
     const auto index = static_cast<std::size_t>(role);
     std::vector<fixed::Angle> pose(bench.model().joint_count);
@@ -51,7 +52,7 @@ class RecoveryTest : public testing::Test {
     bench.command(Command::kEnable);
     ASSERT_TRUE(bench.run_until(State::kStanding));
   }
-  // Turns the trunk there within `time_ms`, which the gyro sees, and leaves it there.
+  // Turns the trunk to this attitude within `time_ms`, with consistent gyro readings, and holds it.
   void turn_to(double roll_deg, double pitch_deg, int time_ms = 200) {
     const double per_s = 1e3 / time_ms;
     bench.imu_sample.gyro_raw[0] = counts((roll_deg - roll_deg_) * kRadPerDegree * per_s * kCountsPerRadPerS);
@@ -105,7 +106,7 @@ TEST_F(RecoveryTest, StandsUpStraightWhenItBentLowAndDidNotFall) {
   turn_to(0, 20, 100);
   ASSERT_TRUE(bench.run_until(State::kSoftStart, 600));
   EXPECT_EQ(bench.now().reason, Reason::kCaughtItself);
-  turn_to(0, 35, 100);  // and then after all
+  turn_to(0, 35, 100);  // falls after all
   EXPECT_TRUE(bench.run_until(State::kFalling, 100));
 }
 
@@ -155,7 +156,7 @@ TEST_F(RecoveryTest, RollsOverFromASideFirst) {
 }
 
 TEST_F(RecoveryTest, TriesAgainSlowerAndGivesUpInFault) {
-  lie_limp_from_standing(90, 0);  // and stays on its right side, whatever it does
+  lie_limp_from_standing(90, 0);  // stays on its right side regardless of the motion
   int rolling_ms = 0;
   for (int attempt = 1; attempt <= 3; ++attempt) {
     ASSERT_TRUE(bench.run_until(State::kRolling, 600)) << attempt;
@@ -212,7 +213,7 @@ TEST_F(RecoveryTest, WaitsUntilItLiesStill) {
 TEST_F(RecoveryTest, GetsUpByCommandOnlyWhereItIsLimp) {
   bench.command(Command::kGetUp);
   EXPECT_EQ(bench.now().state, State::kFallen);
-  ASSERT_TRUE(bench.run_until(State::kStanding, 4'000));  // it was upright
+  ASSERT_TRUE(bench.run_until(State::kStanding, 4'000));  // it was upright before
   bench.command(Command::kGetUp);
   EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
 }
@@ -246,7 +247,7 @@ TEST(RecoveryWithoutGyroBias, LooksForNoFalls) {
   EXPECT_EQ(bench.now().state, State::kStanding);
 }
 
-// Whatever breaks or is commanded, at each state of a fall and of getting up.
+// Each fault and command in each state of a fall and of standing up.
 class RecoveryState : public RecoveryTest, public testing::WithParamInterface<State> {
  protected:
   void SetUp() override {

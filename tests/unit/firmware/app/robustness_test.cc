@@ -18,8 +18,8 @@ using test::ControllerBench;
 using test::kVelocityIdentifier;
 using test::Random;
 
-// How rough the bus is: what a PC may say while the robot stands and moves, or also what ends that; in a
-// storm, NMT commands all the time, each of which may reset the controller.
+// Roughness of the bus traffic. Mild: frames that a PC may send while the robot stands and moves. Rough: also
+// those that end this. Storm: frequent NMT commands, each of which may reset the controller.
 enum class Bus { kMild, kRough, kStorm };
 
 constexpr std::uint16_t kCommandIdentifier = 0x201;
@@ -35,7 +35,7 @@ hal::CanFrame command(Random& random, Bus bus) {
   return frame;
 }
 
-// As a drive would say it; the drives of the bench say theirs besides.
+// Returns a forged answer of a drive, sent in addition to those of the bench's drives.
 hal::CanFrame forged_answer(Random& random, const robot::RobotModel& model) {
   static constexpr std::uint16_t kBases[] = {canopen::kTpdo1Base, canopen::kTpdo1Base,
                                              canopen::kEmergencyBase, canopen::kSdoResponseBase,
@@ -58,7 +58,7 @@ hal::CanFrame network_command(Random& random) {
 
 hal::CanFrame random_frame(Random& random, Bus bus, const robot::RobotModel& model) {
   if (bus != Bus::kMild) {
-    constexpr std::uint32_t kRare = 1'000;  // one in 0.7 s: a boot comes to its end
+    constexpr std::uint32_t kRare = 1'000;  // every 0.7 s on average, so that a boot can complete
     switch (random.below(8)) {
       case 0:
         if (bus == Bus::kRough && random.below(kRare) != 0) break;
@@ -92,7 +92,8 @@ hal::CanFrame random_frame(Random& random, Bus bus, const robot::RobotModel& mod
   }
 }
 
-// No torque but in the states that make it, and until a fault's stop has ended; no target beyond the limits.
+// Expects torque only in the states that permit it and until a fault's stop has ended, and no target beyond
+// the limits.
 void expect_safe(const ControllerBench& bench) {
   const State state = bench.now().state;
   if (!behaviour::kTorque.contains(state)) {
@@ -104,7 +105,7 @@ void expect_safe(const ControllerBench& bench) {
   for (std::size_t i = 0; i < bench.model().joint_count; ++i) {
     const robot::Joint& joint = bench.model().joints[i];
     const fixed::Angle target = bench.target(i);
-    // The drive's unit is coarser than the angle's.
+    // The drive's unit is coarser than that of Angle.
     const std::int64_t beyond_raw = std::int64_t{target.raw()} - robot::clamp_to_limits(joint, target).raw();
     ASSERT_LE(std::abs(beyond_raw), 1 << (32 - canopen::cia402::kPositionUnitBits)) << "joint " << i;
   }
@@ -129,13 +130,13 @@ bool lead_to(State state, ControllerBench& bench) {
   return bench.now().state == state;
 }
 
-// The controller with all its objects, from every state that it comes to. That it takes nothing from the heap
-// is proved by what it links with (tests/proof).
+// The complete controller with all objects, in every state that it reaches. tests/proof shows that it cannot
+// use the heap.
 TEST(ControllerRobustness, SurvivesRandomFrames) {
-  constexpr std::uint64_t kEpisode = 20'000;  // frames to one controller; then a new one
-  constexpr std::uint32_t kMostFrames = 24;   // a millisecond; the drives' answers need room, too
+  constexpr std::uint64_t kEpisode = 20'000;  // frames for one controller, before a new one starts
+  constexpr std::uint32_t kMostFrames = 24;   // per millisecond; leaves room for the drives' answers
   const std::uint64_t frames = test::frames_to_survive();
-  std::array<std::uint64_t, 9> visits{};  // milliseconds in each state
+  std::array<std::uint64_t, 9> visits{};  // milliseconds spent in each state
   std::uint64_t delivered = 0;
   std::uint64_t sent = 0;
   for (std::uint64_t episode = 0; delivered < frames; ++episode) {

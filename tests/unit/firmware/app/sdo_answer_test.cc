@@ -22,10 +22,10 @@ canopen::ObjectAddress random_object(Random& random) {
           subindex};
 }
 
-// Every object of the controller with every command specifier, while the robot does what it is told by that.
+// Accesses every object of the controller with every command specifier, while the robot obeys the writes.
 TEST(ControllerSdo, AnswersEachRequest) {
   constexpr std::uint64_t kSeed = 20250622;
-  constexpr int kPatience_ms = 400;  // to save all parameters
+  constexpr int kPatience_ms = 400;  // saving all parameters takes this long
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   Random random(kSeed);
   test::ControllerBench bench;

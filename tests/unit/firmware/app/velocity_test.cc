@@ -24,7 +24,7 @@ void send(ControllerBench& bench, const Velocity& velocity) {
   bench.run_ms(1);
 }
 
-// Expedited download of two bytes; the code of the abort, 0 when it was taken.
+// Writes two bytes by expedited download. Returns the abort code, or 0 on success.
 std::uint32_t write(ControllerBench& bench, std::uint16_t index, std::uint8_t subindex, std::int16_t value) {
   hal::CanFrame frame{.identifier = 0x601, .size = 8, .data = {0x2B}};
   canopen::store_u16(&frame.data[1], index);
@@ -88,7 +88,7 @@ TEST(ControllerVelocity, IsCheckedFromAnSdoClientToo) {
   EXPECT_EQ(bench.values().velocity, Velocity{});
   EXPECT_EQ(write(bench, kVelocityObject, 2, -100), 0u);
   EXPECT_EQ(bench.values().velocity, (Velocity{0, -100, 0}));
-  send(bench, {301, 0, 0});  // and what it wrote is what a refused frame leaves
+  send(bench, {301, 0, 0});  // a refused frame does not change the SDO value
   EXPECT_EQ(bench.values().velocity, (Velocity{0, -100, 0}));
 }
 

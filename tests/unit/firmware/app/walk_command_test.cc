@@ -13,7 +13,7 @@ namespace {
 using test::ControllerBench;
 using walk::Velocity;
 
-constexpr int kGetsReady_ms = 1'200;  // the knees bent, the mass over the first foot
+constexpr int kGetsReady_ms = 1'200;  // time to bend the knees and shift the weight to the first support foot
 constexpr int kComesToItsEnd_ms = 5'000;
 
 class ControllerWalk : public testing::Test {
@@ -34,7 +34,7 @@ class ControllerWalk : public testing::Test {
       angles.push_back(bench.target(joint));
     return angles;
   }
-  // The largest difference of the hip pitches in two steps: how long they are.
+  // Returns the largest difference of the hip pitches in two steps, a measure of the step length.
   double stride_rad() {
     double widest_rad = 0.0;
     for (int tick = 0; tick < 52; ++tick) {

@@ -46,13 +46,14 @@ class FeedbackTest : public testing::Test {
   double change_rad(const std::vector<Angle>& targets, std::size_t joint) const {
     return to_double(targets[joint] - pose[joint]);
   }
-  // What the trunk does on a foot that stays where it is: the rotation of B in the sole frame, about axis i.
+  // Returns the rotation of the trunk B about axis i in the sole frame when the foot of this side stays in
+  // place.
   double trunk_turn_rad(const std::vector<Angle>& targets, hal::Side side, std::size_t axis) const {
     robot::LinkPoses before;
     robot::LinkPoses after;
     robot::forward_kinematics(model, pose, before);
     robot::forward_kinematics(model, targets, after);
-    // R_SoleB after . (R_SoleB before)^T, whose skew part is the small turn.
+    // R_SoleB after . (R_SoleB before)^T; its skew part is the small rotation.
     const robot::Rotation turn =
         robot::transpose(robot::sole_pose(model, side, after).R) * robot::sole_pose(model, side, before).R;
     return axis == 0 ? to_double(turn.rows[2].y) : to_double(turn.rows[0].z);
@@ -109,8 +110,8 @@ TEST_F(FeedbackTest, AddsRateAndLean) {
   EXPECT_NEAR(change_rad(corrected(gains, trunk), 4), 0.5 * 0.2 - 410.0 / 4096 * 0.5, 5e-8);
 }
 
-// The physics behind the signs, joint by joint: the trunk pitches forward, and each joint that answers turns
-// it back.
+// Checks the sign of each gain by the kinematics: when the trunk pitches forward, the response of each joint
+// turns it back.
 TEST_F(FeedbackTest, TurnsAFallingTrunkBack) {
   const JointGains each[] = {
       {.ankle_pitch = 410}, {.knee = 410}, {.hip_pitch = 410}, {.ankle_roll = 410}, {.hip_roll = 410}};

@@ -1,5 +1,5 @@
-// The second stage by itself: a RobotState, what the drives say and commands in, a Decision out. No bus, no
-// board, no sensors.
+// The second stage alone: takes a RobotState, the drives' signals and commands, returns a Decision. Uses no
+// bus, board or sensors.
 
 #include "firmware/behaviour/behaviour.h"
 
@@ -16,7 +16,7 @@
 namespace koboshi::behaviour {
 namespace {
 
-constexpr std::uint16_t kNod = 1;  // of factory_storage
+constexpr std::uint16_t kNod = 1;  // motion index in factory_storage
 
 class BehaviourStage : public testing::Test {
  protected:
@@ -26,7 +26,7 @@ class BehaviourStage : public testing::Test {
     flash.load(0, test::factory_storage());
     catalogue.emplace(flash.contents());
     items.emplace(flash, storage::kRobotLayout);
-    // As its image has it: motions are made for a model by its id.
+    // Loads the model from its image, because motions refer to a model by its id.
     static_cast<void>(robot::load_model(catalogue->find(storage::ItemKind::kRobotModel, 0), model));
     motions.load();
     robot.inertial_age_us = 0;

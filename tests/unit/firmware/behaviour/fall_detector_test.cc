@@ -30,7 +30,7 @@ class FallDetectorTest : public testing::Test {
                           .roll = from_double<fixed::Angle>(lean.roll * kRadPerDegree),
                           .pitch = from_double<fixed::Angle>(lean.pitch * kRadPerDegree)});
   }
-  // Of an upright robot that comes to lean so at once and stays so.
+  // Returns the detected fall of an upright robot that takes this lean at once and keeps it.
   FallDirection after_standing(const LeanDegrees& lean, int cycles = 2) {
     watch_ = {};
     EXPECT_EQ(see({}), FallDirection::kNone);
@@ -61,11 +61,11 @@ TEST_F(FallDetectorTest, HasItsLimitsWhereTheParametersSay) {
 }
 
 TEST_F(FallDetectorTest, TakesRateAndAngleTogether) {
-  // 12 + 0.135 * 110 = 26.9 degrees.
+  // Predicted lean: 12 + 0.135 * 110 = 26.9 degrees.
   EXPECT_EQ(after_standing({.pitch = 12, .pitch_rate = 110}), FallDirection::kFront);
   EXPECT_EQ(after_standing({.pitch = 12, .pitch_rate = 95}, 10), FallDirection::kNone);
   EXPECT_EQ(after_standing({.roll = -12, .roll_rate = -130}), FallDirection::kLeft);
-  // It leans far and comes back.
+  // A large lean that is already decreasing.
   EXPECT_EQ(after_standing({.pitch = 28, .pitch_rate = -60}, 10), FallDirection::kNone);
 }
 

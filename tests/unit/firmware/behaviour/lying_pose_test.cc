@@ -21,7 +21,7 @@ robot::Direction up(double roll_deg, double pitch_deg) {
           .z = ratio(std::cos(roll) * std::cos(pitch))};
 }
 
-// Of a trunk whose thighs are in line with it.
+// Classifies a trunk with the thighs in line with it.
 LyingPose classify_straight(const robot::Direction& up_B) { return classify(up_B, test::degrees(0)); }
 
 TEST(LyingPoseTest, HasAName) {

@@ -1,4 +1,4 @@
-// docs/reference/behaviour.md shows the rules of firmware/behaviour/state.h, and no others.
+// Compares docs/reference/behaviour.md with the rules of firmware/behaviour/state.h, in both directions.
 
 #include <gtest/gtest.h>
 
@@ -42,7 +42,7 @@ std::string name_of(State state) {
   return {};
 }
 
-// A state's name as Mermaid takes it.
+// Returns the identifier of a state in the Mermaid diagram.
 std::string identifier(State state) {
   std::string name = name_of(state);
   std::ranges::replace(name, ' ', '_');
@@ -58,7 +58,7 @@ std::vector<State> states_of(const States& set) {
   return states;
 }
 
-constexpr std::size_t kFewStates = 4;  // more of them make a row of the table, and no arrows
+constexpr std::size_t kFewStates = 4;  // a rule for more states becomes a row of the table instead of arrows
 
 std::string diagram() {
   std::string text = "```mermaid\nstateDiagram-v2\n";

@@ -1,4 +1,5 @@
-// The rules by which the state changes: one answer for each state and event, no way around the switch-on.
+// Tests the transition rules: one result for each state and event, and no path to torque that bypasses the
+// soft start.
 
 #include <gtest/gtest.h>
 
@@ -31,7 +32,7 @@ int rules_for(State state, Event event) {
   return count;
 }
 
-// All states that some events lead to from this one.
+// Returns all states that are reachable from this one by any events.
 std::set<State> reachable_from(State start) {
   std::set<State> seen{start};
   std::vector<State> open{start};

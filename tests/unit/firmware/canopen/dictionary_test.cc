@@ -34,7 +34,7 @@ TEST_F(DictionaryTest, ReadsTheOwnersValues) {
   values_.gains[2] = 0xDEADBEEF;
   EXPECT_EQ(read({0x6040, 0}), 0x1234u);
   EXPECT_EQ(read({0x6064, 0}), 0xFFFFFFFEu);
-  EXPECT_EQ(read({0x6077, 0}), 0xFFFDu);  // two bytes, as the bus carries them
+  EXPECT_EQ(read({0x6077, 0}), 0xFFFDu);  // two bytes in the byte order of the bus
   EXPECT_EQ(read({0x2000, 3}), 0xDEADBEEFu);
   EXPECT_EQ(read({0x6502, 0}), 0x80u);
 }

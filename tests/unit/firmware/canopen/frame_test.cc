@@ -65,7 +65,7 @@ TEST(CobId, RestrictsTheIdentifiersOfTable40) {
                             (identifier >= 0x601 && identifier <= 0x67F) ||
                             (identifier >= 0x6E0 && identifier <= 0x6FF) ||
                             (identifier >= 0x701 && identifier <= 0x77F) || identifier >= 0x780;
-    const bool unnamed = identifier == 0x700;  // the base of node 0, of no use to anybody
+    const bool unnamed = identifier == 0x700;  // the heartbeat base with node id 0, which no node uses
     EXPECT_EQ(is_restricted(static_cast<std::uint16_t>(identifier)), restricted || unnamed) << identifier;
   }
 }

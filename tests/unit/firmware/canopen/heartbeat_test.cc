@@ -84,7 +84,7 @@ TEST_F(HeartbeatMonitorTest, GoesOnWithANodeThatSpeaksAfterItsBootUp) {
   EXPECT_EQ(check(200'000), one(kLost, NmtState::kPreOperational));
 }
 
-// Its heartbeat may have to be configured first.
+// The master may have to configure the heartbeat first.
 TEST_F(HeartbeatMonitorTest, ABootUpAloneDoesNotStartMonitoring) {
   EXPECT_EQ(hear(NmtState::kInitialising, 0), one(kBootedUp, NmtState::kInitialising));
   EXPECT_TRUE(check(500'000).empty());

@@ -7,7 +7,7 @@
 
 #include "tests/unit/firmware/canopen/test_node.h"
 
-// Frames are those of CiA 305, 6.2.
+// The frames follow CiA 305, 6.2.
 namespace koboshi::canopen {
 namespace {
 
@@ -30,7 +30,7 @@ class LssSlaveTest : public testing::Test {
  protected:
   explicit LssSlaveTest(std::uint8_t node_id = kConfigured) : active(node_id) { slave.restart(node_id); }
 
-  // The answer, where there is one.
+  // Returns the response, if there is one.
   std::optional<hal::CanFrame> ask(std::initializer_list<unsigned> bytes) {
     event = slave.on_request(lss_request(bytes), active, sink);
     const auto frames = sink.take();
@@ -87,7 +87,7 @@ TEST_F(LssSlaveTest, StaysWhereOnePartOfTheAddressIsAnothers) {
   ask({0x42, 0x00, 0x00, 0x01, 0x00});
   EXPECT_EQ(ask({0x43, 0x10, 0x0D, 0x36, 0x0F}), std::nullopt);
   EXPECT_EQ(slave.state(), LssSlave::State::kWaiting);
-  EXPECT_EQ(ask({0x43, 0x10, 0x0D, 0x36, 0x0F}), std::nullopt);  // the last part alone
+  EXPECT_EQ(ask({0x43, 0x10, 0x0D, 0x36, 0x0F}), std::nullopt);  // only the last part
 }
 
 TEST_F(LssSlaveTest, ObeysConfigurationServicesInConfigurationOnly) {
@@ -113,7 +113,7 @@ TEST_F(LssSlaveTest, KnowsOneBitTiming) {
   configure();
   EXPECT_EQ(ask({0x13, 0, 0}), lss_response({0x13, 0}));  // 1 Mbit/s
   EXPECT_EQ(ask({0x13, 0, 2}), lss_response({0x13, 1}));  // 500 kbit/s
-  EXPECT_EQ(ask({0x13, 1, 0}), lss_response({0x13, 1}));  // a table of the manufacturer
+  EXPECT_EQ(ask({0x13, 1, 0}), lss_response({0x13, 1}));  // a manufacturer-specific table
   EXPECT_EQ(ask({0x15, 10, 0}), std::nullopt);
 }
 
@@ -168,7 +168,7 @@ TEST_F(UnconfiguredLssSlave, IsNoLongerOneWithANodeId) {
   EXPECT_EQ(ask({0x4C}), std::nullopt);
 }
 
-// The master of CiA 305, 6.2.5: bit by bit from the highest, then the next part.
+// A Fastscan master as in CiA 305, 6.2.5: scans each part bit by bit from the highest.
 TEST_F(UnconfiguredLssSlave, IsFoundByFastscan) {
   ASSERT_EQ(scan(0, 0x80, 0, 0), lss_response({0x4F}));
   int requests = 1;
@@ -188,11 +188,11 @@ TEST_F(UnconfiguredLssSlave, IsFoundByFastscan) {
 
 TEST_F(UnconfiguredLssSlave, IsSilentInAScanOfAnother) {
   scan(0, 0x80, 0, 0);
-  EXPECT_EQ(scan(0x4B4F'4248, 0, 0, 1), std::nullopt);  // the last bit of the vendor
-  EXPECT_EQ(scan(1, 0, 1, 2), std::nullopt);            // and all that comes then
+  EXPECT_EQ(scan(0x4B4F'4248, 0, 0, 1), std::nullopt);  // the last bit of the vendor id
+  EXPECT_EQ(scan(1, 0, 1, 2), std::nullopt);            // and all later scans
   EXPECT_EQ(scan(0x4B4F'4249, 0, 0, 1), lss_response({0x4F}));
-  EXPECT_EQ(scan(1, 0, 1, 4), std::nullopt);   // there is no fifth part
-  EXPECT_EQ(scan(1, 32, 1, 1), std::nullopt);  // nor a 33rd bit
+  EXPECT_EQ(scan(1, 0, 1, 4), std::nullopt);   // there are only four parts
+  EXPECT_EQ(scan(1, 32, 1, 1), std::nullopt);  // there are only 32 bits
   EXPECT_EQ(slave.state(), LssSlave::State::kWaiting);
 }
 

@@ -8,7 +8,7 @@
 namespace koboshi::canopen {
 namespace {
 
-// A bus without time: what a node sends reaches all others in the order of sending.
+// An ideal bus without delay: each frame reaches all other nodes in the order of sending.
 class TestBus {
  public:
   class Port final : public FrameSink {
@@ -24,7 +24,7 @@ class TestBus {
     std::size_t number_;
   };
 
-  // Delivers until nobody has anything more to say, which must happen.
+  // Delivers frames until no node sends any more; fails if this does not happen.
   template <typename Deliver>
   void settle(const Deliver& deliver) {
     for (int i = 0; i < 1'000 && !frames_.empty(); ++i) {
@@ -50,7 +50,7 @@ class NetworkTest : public testing::Test {
       if (sender != 1) device_.node.on_frame(frame, now_us_);
     });
   }
-  // One millisecond later.
+  // Advances the time by one millisecond.
   void advance() {
     now_us_ += 1'000;
     master_.node.process(now_us_);

@@ -47,9 +47,9 @@ TEST(NodeCanStatus, TellsTheRecoveryFromBusOff) {
   EXPECT_EQ(device.node.state(), NmtState::kPreOperational);
 }
 
-// --- Whose heartbeat does not come
+// --- Lost heartbeats
 
-// A node that expects node 1's heartbeat each 60 ms, heard last at time 0.
+// A node that expects node 1's heartbeat every 60 ms and received the last one at time 0.
 class NodeWatchesHeartbeats : public testing::Test {
  protected:
   NodeWatchesHeartbeats() {
@@ -59,7 +59,7 @@ class NodeWatchesHeartbeats : public testing::Test {
     EXPECT_EQ(device->node.configure_consumer(0, 1, 60), AbortCode::kNone);
     device->node.on_frame(can_frame(0x701, {5}), 0);
   }
-  // At which millisecond it is lost; -1 for never.
+  // Returns the millisecond at which the heartbeat is lost, or -1 if it never is.
   int lost_at_ms(int from_ms, int until_ms) {
     for (int now_ms = from_ms; now_ms < until_ms; ++now_ms) {
       device->heartbeats.clear();
@@ -94,7 +94,7 @@ TEST_F(NodeWatchesHeartbeats, LosesItWhenItsOwnWaitNoLongerThanACycle) {
   EXPECT_EQ(lost_at_ms(60, 61), 60);
 }
 
-// It is not others that hold it up then: nobody acknowledges it.
+// The other nodes cannot delay it here: no node acknowledges its frames.
 TEST_F(NodeWatchesHeartbeats, LosesItWhenItIsAlone) {
   device->sink.beats_wait = true;
   device->node.on_can_status({.state = CanErrorState::kErrorPassive}, 1'000);
@@ -123,7 +123,7 @@ TEST(NodeHeartbeat, ThatFindsNoRoomIsDroppedAndNotLost) {
   EXPECT_EQ(device.node.lost_frames(), 0u);
 }
 
-// --- Who sends what only this node may
+// --- Foreign senders of this node's identifiers
 
 TEST(NodeImpostor, IsToldByItsHeartbeatSyncEmergencyOrPdo) {
   NodeDescription description = kTestDescription;
@@ -166,7 +166,7 @@ TEST(NodeMute, SaysNothingUntilItIsUnmuted) {
   EXPECT_EQ(device.ask(can_frame(0x610, {0x40, 0, 0x10, 0, 0, 0, 0, 0})).size(), 1u);
 }
 
-// CiA 301, object 0x1029, from each state that can lose a heartbeat.
+// CiA 301, object 0x1029, in each state that can lose a heartbeat.
 TEST(NodeErrorBehaviour, ActsOnALostHeartbeat) {
   struct Case {
     unsigned behaviour;
@@ -235,7 +235,7 @@ TEST(NodeRpdoTimer, TellsAPdoThatFallsSilent) {
   device.make_operational();
   ASSERT_EQ(device.node.write_object({0x1401, 5}, 10, 2), AbortCode::kNone);
   device.node.process(50'000);
-  EXPECT_TRUE(device.sink.take().empty());  // it runs from the first reception on
+  EXPECT_TRUE(device.sink.take().empty());  // the consumer's timer starts at the first reception
   device.node.on_frame(can_frame(0x310, {7, 0}), 50'000);
   device.node.on_frame(can_frame(0x310, {7, 0}), 55'000);
   device.node.process(64'999);

@@ -4,7 +4,7 @@
 
 #include "tests/unit/firmware/canopen/test_node.h"
 
-// A node as LSS slave: what its node id means for the rest of it.
+// A node as LSS slave: effects of its node id on the rest of the node.
 namespace koboshi::canopen {
 namespace {
 

@@ -75,7 +75,7 @@ TEST_F(NodeObjects, StoreAndRestoreAskTheOwner) {
   EXPECT_EQ(storing.restored, std::vector{ParameterGroup::kManufacturer});
 }
 
-// The sub-index comes from the bus; past 31 it is more than the bits that it names (seen by the sanitizer).
+// The sub-index comes from the bus. Above 31 it must not be used as a bit index (found by the sanitizer).
 TEST_F(NodeObjects, HaveNoParameterGroupsBeyondTheirs) {
   ObjectValue value;
   for (int subindex = 5; subindex < 256; ++subindex) {

@@ -88,7 +88,7 @@ TEST(NodeRpdo, SharesItsIdentifierWithNoOther) {
   ASSERT_EQ(device.node.write_object({0x1401, 1}, 0x8000'0310, 4), AbortCode::kNone);
   EXPECT_EQ(device.node.write_object({0x1401, 1}, 0x8000'0210, 4), AbortCode::kNone);  // not valid
   EXPECT_EQ(device.node.write_object({0x1401, 1}, 0x0000'0210, 4), AbortCode::kParameterIncompatibility);
-  EXPECT_EQ(device.node.write_object({0x1400, 1}, 0x0000'0210, 4), AbortCode::kNone);  // its own
+  EXPECT_EQ(device.node.write_object({0x1400, 1}, 0x0000'0210, 4), AbortCode::kNone);  // unchanged value
   ASSERT_EQ(device.node.write_object({0x1400, 1}, 0x8000'0210, 4), AbortCode::kNone);
   EXPECT_EQ(device.node.write_object({0x1401, 1}, 0x0000'0210, 4), AbortCode::kNone);
   device.node.on_frame(can_frame(0x210, {7, 0}), 0);
@@ -156,7 +156,7 @@ TEST(NodeTpdo, EventsAreSentAtOnce) {
   EXPECT_TRUE(device.sink.take().empty());
 }
 
-// --- Changes of values as events
+// --- Value changes as events
 
 constexpr NodeDescription watching() {
   NodeDescription description = kTestDescription;
@@ -165,7 +165,7 @@ constexpr NodeDescription watching() {
 }
 constexpr NodeDescription kWatching = watching();
 
-// In operational, and with its first values told.
+// A node in operational that has sent its first values.
 class NodeWatchedTpdo : public testing::Test {
  protected:
   NodeWatchedTpdo() : device(0x10, kWatching) {
@@ -177,7 +177,7 @@ class NodeWatchedTpdo : public testing::Test {
     device.node.process(now_us);
     return device.sink.take();
   }
-  // TPDO 2 with other communication parameters.
+  // Sets other communication parameters for TPDO 2.
   void configure(const PdoConfiguration& configuration) {
     PdoConfiguration statusword = configuration;
     statusword.cob_id = 0x290;
@@ -193,7 +193,7 @@ TEST_F(NodeWatchedTpdo, IsSentWhenAValueHasChangedAndOnlyThen) {
   device.values.statusword = 0x1234;
   EXPECT_EQ(step(2'000), std::vector{can_frame(0x290, {0x34, 0x12})});
   EXPECT_TRUE(step(3'000).empty());
-  device.values.position = 5;  // not mapped here
+  device.values.position = 5;  // not mapped in this PDO
   EXPECT_TRUE(step(4'000).empty());
   device.values.statusword = 0;
   EXPECT_EQ(step(5'000), std::vector{can_frame(0x290, {0, 0})});
@@ -222,20 +222,20 @@ TEST_F(NodeWatchedTpdo, WaitsForItsInhibitTimeAndTellsTheLastThen) {
 
 TEST_F(NodeWatchedTpdo, OfTypeZeroIsSentAtTheSyncAfterAChange) {
   configure({.transmission_type = 0});
-  EXPECT_EQ(device.ask(kSync).back().identifier, 0x290);  // its first values
+  EXPECT_EQ(device.ask(kSync).back().identifier, 0x290);  // the first values
   device.next_statusword = 0;
   EXPECT_EQ(device.ask(kSync).size(), 1u);
   device.values.statusword = device.next_statusword = 7;
   EXPECT_TRUE(step(1'000).empty());
   EXPECT_EQ(device.ask(kSync).back(), can_frame(0x290, {7, 0}));
   EXPECT_EQ(device.ask(kSync).size(), 1u);
-  device.values.statusword = 9;  // and back before the SYNC: it was an event nevertheless
+  device.values.statusword = 9;  // a change counts as an event even if reverted before the SYNC
   EXPECT_TRUE(step(2'000).empty());
   device.values.statusword = 7;
   EXPECT_EQ(device.ask(kSync).back(), can_frame(0x290, {7, 0}));
 }
 
-// Type 254 is the manufacturer's: with an event timer that alone counts, as sensors have it.
+// Type 254 is manufacturer-specific: with an event timer, only the timer triggers, as for sensors.
 TEST_F(NodeWatchedTpdo, OfType254TellsChangesOnlyWithoutAnEventTimer) {
   configure({.transmission_type = kEventManufacturer});
   EXPECT_EQ(step(1'000).size(), 1u);
@@ -302,8 +302,7 @@ TEST(NodeTpdo, SaysNothingWhileItIsInvalid) {
   EXPECT_TRUE(device.sink.take().empty());
 }
 
-// The standard sequence (CiA 301, 7.5.2.36): destroy, disable, map, enable, create; over SDO as a master does
-// it.
+// The standard sequence (CiA 301, 7.5.2.36): destroy, disable, map, enable, create; sent over SDO.
 TEST(NodeTpdo, IsRemappedByTheStandardSequence) {
   TestNode device;
   device.make_operational();

@@ -7,7 +7,8 @@
 namespace koboshi::canopen {
 namespace {
 
-// At which milliseconds a node, processed once a millisecond, sends frames with the identifier.
+// Returns the milliseconds in which a node that is processed every millisecond sends frames with this
+// identifier.
 std::vector<int> send_times_ms(TestNode& device, std::uint16_t identifier, int from_ms, int until_ms) {
   std::vector<int> times_ms;
   for (int now_ms = from_ms; now_ms < until_ms; ++now_ms) {

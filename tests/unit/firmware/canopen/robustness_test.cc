@@ -11,7 +11,7 @@ namespace {
 
 using test::Random;
 
-// Half of the frames are noise; the others look like something that this node serves.
+// Half of the frames are noise; the others resemble messages that this node serves.
 hal::CanFrame random_frame(Random& random) {
   static constexpr std::uint16_t kServed[] = {0x000, 0x080, 0x081, 0x210, 0x310, 0x590,
                                               0x610, 0x610, 0x610, 0x701, 0x6A0};
@@ -38,7 +38,7 @@ hal::CanFrame random_frame(Random& random) {
   return frame;
 }
 
-// Values between guards, to see a write out of bounds even without a sanitizer.
+// Values between guard words, which detect a write out of bounds even without a sanitizer.
 struct Guarded {
   std::array<std::uint8_t, 64> before;
   TestValues values;

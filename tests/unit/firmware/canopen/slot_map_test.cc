@@ -27,7 +27,7 @@ TEST(SlotMap, LetsTheFirstOfEqualKeysWin) {
   EXPECT_EQ(map.find(7), 1u);
 }
 
-// Each search leaves a guess behind for the next.
+// Each search leaves its result as the first guess of the next.
 TEST(SlotMap, FindsEveryKeyAfterEveryOther) {
   std::array<SlotMap::Item, 6> items;
   SlotMap map(items);

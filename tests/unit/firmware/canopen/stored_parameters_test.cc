@@ -16,7 +16,7 @@ constexpr storage::ItemStore::Layout kLayout{2048, 2};
 constexpr std::uint32_t kSave = 0x6576'6173;
 constexpr std::uint32_t kLoad = 0x6461'6F6C;
 
-// As those of TestNode, with one that an RPDO writes, too.
+// The rows of TestNode, and one that an RPDO also writes.
 constexpr Entry kRows[] = {
     object(0x2000, 1, KOBOSHI_FIELD(TestValues, gains[0]), Access::kReadWrite).repeated(3, 4),
     object(0x6040, 0, KOBOSHI_FIELD(TestValues, controlword), Access::kReadWrite, Mappable::kRpdo),
@@ -42,7 +42,7 @@ NodeDescription storing_description() {
 }
 const NodeDescription kStoringDescription = storing_description();
 
-// A device: its node, and its flash of two slots, which outlives every restart.
+// A device with its node and a flash of two slots that survives every restart.
 class Device final : public NodeApplication, public DeviceOwner {
  public:
   explicit Device(hal::FakeStorage& flash, std::uint8_t node_id = 0x10)
@@ -71,7 +71,7 @@ class Device final : public NodeApplication, public DeviceOwner {
     items.process();
     parameters.process();
   }
-  // What an SDO client gets to see in the end.
+  // Writes by SDO and returns the final result for the client.
   AbortCode write(ObjectAddress address, std::uint32_t value, std::size_t size) {
     AbortCode code = node.write_object(address, value, size);
     for (int ms = 0; code == AbortCode::kBusy && ms < 1000; ++ms) {
@@ -200,7 +200,7 @@ TEST_F(StoredParametersTest, RestoresEachGroupWithTheNextReset) {
   ASSERT_EQ(device->write({0x1017, 0}, 3, 2), AbortCode::kNone);
   ASSERT_EQ(device->save(), AbortCode::kNone);
   ASSERT_EQ(device->load(2), AbortCode::kNone);
-  EXPECT_EQ(device->read(0x1017), 3u);  // until then
+  EXPECT_EQ(device->read(0x1017), 3u);  // the old value until then
   device->node.command(NmtCommand::kResetCommunication, 1'000);
   EXPECT_EQ(device->read(0x1017), 0u);
   EXPECT_EQ(device->values.mode, 2);
@@ -237,7 +237,7 @@ TEST_F(StoredParametersTest, FollowsItsNodeIdWhereNothingElseWasConfigured) {
 TEST_F(StoredParametersTest, WritesNothingThatIsThere) {
   ASSERT_EQ(device->write({0x2000, 1}, 1, 4), AbortCode::kNone);
   ASSERT_EQ(device->save(), AbortCode::kNone);
-  EXPECT_EQ(device->parameters.store(ParameterGroup::kAll), AbortCode::kNone);  // at once
+  EXPECT_EQ(device->parameters.store(ParameterGroup::kAll), AbortCode::kNone);  // completes at once
 }
 
 TEST_F(StoredParametersTest, WaitsForTheFlash) {
@@ -247,15 +247,15 @@ TEST_F(StoredParametersTest, WaitsForTheFlash) {
   EXPECT_EQ(device->parameters.store(ParameterGroup::kAll), AbortCode::kBusy);
 }
 
-// Whenever a reset interrupts a save, all old values are stored, or all new ones, and no save goes on after
-// it.
+// At whatever time a reset interrupts a save, all stored values are old or all are new, and the save stops.
 TEST_F(StoredParametersTest, AbandonsASaveThatAResetInterrupts) {
-  std::uint32_t stored = 0;  // the factory's
+  std::uint32_t stored = 0;  // the factory values
   for (int cut_ms = 0; cut_ms < 60; ++cut_ms) {
     for (std::uint8_t i = 1; i <= 3; ++i) {
       ASSERT_EQ(device->write({0x2000, i}, stored + 1, 4), AbortCode::kNone);
     }
-    ASSERT_EQ(device->write({0x1800, 5}, 500, 2), AbortCode::kNone);  // a PDO that differs takes 16 records
+    ASSERT_EQ(device->write({0x1800, 5}, 500, 2), AbortCode::kNone);  // a PDO that differs from its default
+                                                                      // takes 16 records
     ASSERT_EQ(device->write({0x1020, 1}, stored + 1, 4), AbortCode::kNone);
     static_cast<void>(device->parameters.store(ParameterGroup::kAll));
     for (int ms = 0; ms < cut_ms; ++ms) device->pass_a_millisecond();
@@ -272,7 +272,7 @@ TEST_F(StoredParametersTest, AbandonsASaveThatAResetInterrupts) {
   EXPECT_EQ(device->save(), AbortCode::kNone);
 }
 
-// Whenever the power fails, all old values are there, or all new ones.
+// At whatever time power fails, all stored values are old or all are new.
 TEST_F(StoredParametersTest, LosesNothingOldToAPowerFailure) {
   const auto set = [this](std::uint32_t value) {
     for (std::uint8_t i = 1; i <= 3; ++i) {

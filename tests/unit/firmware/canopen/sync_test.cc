@@ -57,7 +57,7 @@ TEST(NodeSync, CountsAnewAfterStopped) {
   EXPECT_EQ(device.sink.take(), std::vector{can_frame(0x080, {1})});
 }
 
-// A producer whose owner's cycle of 10 ms is the beat, as the controller.
+// A SYNC producer whose owner triggers it every 10 ms, as in the controller.
 class NodeSyncByOwner : public testing::Test {
  protected:
   NodeSyncByOwner() : device(0x10, description()) { device.make_operational(); }
@@ -72,7 +72,7 @@ class NodeSyncByOwner : public testing::Test {
     }();
     return description;
   }
-  // In ten of the owner's cycles.
+  // Returns the number of SYNCs in ten of the owner's cycles.
   std::ptrdiff_t syncs() {
     device.sink.frames.clear();
     for (int i = 0; i < 10; ++i, now_us += 10'000) {
@@ -143,7 +143,7 @@ TEST(NodeSync, StartValueSaysFromWhichSyncATpdoCounts) {
   TestNode device;
   device.node.start(0);
   ASSERT_EQ(device.node.write_object({0x1019, 0}, 10, 1), AbortCode::kNone);
-  EXPECT_EQ(device.node.write_object({0x1800, 6}, 3, 1), AbortCode::kInvalidValue);  // while it is valid
+  EXPECT_EQ(device.node.write_object({0x1800, 6}, 3, 1), AbortCode::kInvalidValue);  // while the PDO is valid
   ASSERT_EQ(device.node.write_object({0x1800, 1}, 0xC000'0190, 4), AbortCode::kNone);
   ASSERT_EQ(device.node.write_object({0x1800, 2}, 2, 1), AbortCode::kNone);
   ASSERT_EQ(device.node.write_object({0x1800, 6}, 3, 1), AbortCode::kNone);

@@ -13,7 +13,7 @@
 
 namespace koboshi::hal {
 
-// How GoogleTest shows a frame: as candump does.
+// Prints a frame in candump's format in GoogleTest's messages.
 inline void PrintTo(const CanFrame& frame, std::ostream* out) {
   static constexpr char kHex[] = "0123456789ABCDEF";
   for (int shift = 8; shift >= 0; shift -= 4) *out << kHex[(frame.identifier >> shift) & 15];
@@ -32,7 +32,7 @@ inline hal::CanFrame can_frame(std::uint16_t identifier, std::initializer_list<u
   return frame;
 }
 
-// Keeps what is sent, as long as there is room.
+// Records sent frames while there is room.
 class RecordingSink final : public FrameSink {
  public:
   bool send(const hal::CanFrame& frame) override {
@@ -41,17 +41,17 @@ class RecordingSink final : public FrameSink {
     frames.push_back(frame);
     return true;
   }
-  // What was sent since the last call.
+  // Returns the frames sent since the last call.
   std::vector<hal::CanFrame> take() { return std::exchange(frames, {}); }
 
   bool pending(hal::TransmitFifo fifo) const override { return beats_wait && fifo == hal::kBackgroundFifo; }
 
   std::size_t room = 1'000'000;
-  bool beats_wait = false;  // a bus that is full of SDO messages
+  bool beats_wait = false;  // true: the bus is full of SDO messages, so heartbeats wait
   std::vector<hal::CanFrame> frames;
 };
 
-// A small device with one object of each sort.
+// A small device with one object of each kind.
 struct TestValues {
   std::uint16_t controlword = 0;
   std::int32_t target = 0;
@@ -115,14 +115,14 @@ inline constexpr NodeDescription kTestDescription{
     .watched_tpdos = 0,
 };
 
-// The same as a field device.
+// The same node as a field device.
 inline const NodeDescription kTestDevice = [] {
   NodeDescription description = kTestDescription;
   description.field_device = true;
   return description;
 }();
 
-// A DOMAIN in memory, with verdicts to refuse by.
+// A DOMAIN in memory with settable verdicts.
 class TestDomain final : public Domain {
  public:
   AbortCode begin_upload(std::uint32_t& size_bytes) override {
@@ -154,7 +154,7 @@ class TestDomain final : public Domain {
   std::vector<std::uint8_t> arriving;
   bool announces = true;
   std::uint32_t announced = 0;
-  int open = 0;  // transfers that have begun and not been released
+  int open = 0;  // transfers that are begun and not yet released
   int begun_count = 0;
   AbortCode begin_verdict = AbortCode::kNone;
   AbortCode write_verdict = AbortCode::kNone;
@@ -176,7 +176,7 @@ inline std::vector<std::uint8_t> counted_bytes(std::size_t count) {
   return bytes;
 }
 
-// A node with its owner, which notes what it is told.
+// A node and its owner, which records the callbacks.
 class TestNode final : public NodeApplication, public DeviceOwner {
  public:
   explicit TestNode(std::uint8_t node_id = 0x10, const NodeDescription& description = kTestDescription)
@@ -192,23 +192,23 @@ class TestNode final : public NodeApplication, public DeviceOwner {
              memory.buffers(), other_sink, *this) {}
   TestNode(const TestNode&) = delete;
 
-  // Up and running, with the frames of the way there forgotten.
+  // Brings the node to operational and clears the recorded frames.
   void make_operational(std::uint64_t now_us = 0) {
     node.start(now_us);
     node.command(NmtCommand::kStart, now_us);
     sink.frames.clear();
   }
-  // Power-on, of a device with the node id that was stored.
+  // Powers on a device with this stored node id.
   void start(std::uint8_t node_id, std::uint64_t now_us) {
     services.start(node, node_id);
     node.start(now_us);
   }
-  // A frame, as the owner of a device passes it on.
+  // Passes a frame to the node, as a device's owner does.
   void hear(const hal::CanFrame& frame, std::uint64_t now_us) {
     const bool device = node.description().field_device;
     if (!device || !services.on_frame(node, frame, now_us)) node.on_frame(frame, now_us);
   }
-  // The frames with which the node answers one.
+  // Returns the frames with which the node answers this one.
   std::vector<hal::CanFrame> ask(const hal::CanFrame& frame, std::uint64_t now_us = 0) {
     sink.frames.clear();
     hear(frame, now_us);

@@ -40,11 +40,11 @@ TEST(TimeStamp, HasAnIdentifierThatDoesNotChangeWhileItIsInUse) {
   TimeStamp time;
   EXPECT_EQ(time.cob_id(), 0x8000'0100u);
   EXPECT_EQ(time.write_cob_id(0x8000'0110), AbortCode::kInvalidValue);
-  EXPECT_EQ(time.write_cob_id(0xC000'0100), AbortCode::kInvalidValue);  // a producer
-  EXPECT_EQ(time.write_cob_id(0xA000'0100), AbortCode::kInvalidValue);  // 29 bits
+  EXPECT_EQ(time.write_cob_id(0xC000'0100), AbortCode::kInvalidValue);  // producer bit
+  EXPECT_EQ(time.write_cob_id(0xA000'0100), AbortCode::kInvalidValue);  // 29-bit identifier
   EXPECT_EQ(time.write_cob_id(0x0000'0100), AbortCode::kNone);
   EXPECT_FALSE(time.identifies(kTime));
-  EXPECT_EQ(time.write_cob_id(0x8000'0000), AbortCode::kInvalidValue);  // NMT's
+  EXPECT_EQ(time.write_cob_id(0x8000'0000), AbortCode::kInvalidValue);  // NMT's identifier
   EXPECT_EQ(time.write_cob_id(0x8000'0090), AbortCode::kNone);
   EXPECT_TRUE(time.identifies(can_frame(0x090, {})));
 }

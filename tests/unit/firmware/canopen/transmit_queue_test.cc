@@ -35,15 +35,15 @@ TEST_F(TransmitQueueTest, KeepsTheOrderOfWhatHadToWait) {
     EXPECT_TRUE(send(identifier));
   EXPECT_EQ(queue_.backlog(), 2u);
   sink_.room = 1;
-  EXPECT_TRUE(send(4));  // 2 leaves and makes room for it
+  EXPECT_TRUE(send(4));  // frame 2 is sent and makes room
   sink_.room = 10;
   queue_.flush();
   EXPECT_EQ(sent(), (std::vector<int>{1, 2, 3, 4}));
   EXPECT_EQ(queue_.lost(), 0u);
 }
 
-// A FIFO that a frame leaves at the wrong moment: between the attempt to send what waits and that to send
-// what is new.
+// A FIFO that becomes free at the worst moment: between the attempt to send waiting frames and that to send a
+// new one.
 class FickleSink final : public FrameSink {
  public:
   bool send(const hal::CanFrame& frame) override {
@@ -70,7 +70,7 @@ TEST(TransmitQueue, NeverOvertakesWhatWaits) {
   EXPECT_EQ(sink.identifiers, (std::vector<int>{1, 2, 3}));
 }
 
-// A port that has room for process data only.
+// A port with room for process data only.
 class BusyServices final : public FrameSink {
  public:
   bool send(const hal::CanFrame& frame) override {
@@ -97,7 +97,7 @@ TEST(TransmitQueue, LetsNoServiceHoldUpProcessData) {
   EXPECT_EQ(queue.lost(), 0u);
 }
 
-// CiA 301, 7.3.2.2: what a node says after a reset comes after its boot-up message. A heartbeat may wait.
+// CiA 301, 7.3.2.2: the boot-up message is the first frame after a reset. A heartbeat may wait.
 TEST_F(TransmitQueueTest, LetsNoProcessDataOvertakeABootUp) {
   sink_.room = 0;
   EXPECT_TRUE(queue_.send({.identifier = 0x701, .size = 1, .data = {0x05}}));

@@ -11,7 +11,8 @@ namespace {
 
 using State = Configuration::State;
 
-// One configuration and one drive. `exchange` is a millisecond: the configuration speaks, the drive answers.
+// One configuration and one drive. `exchange` advances one millisecond: the configuration sends, the drive
+// answers.
 class ConfigurationTest : public testing::Test {
  protected:
   void begin(const robot::Joint& joint) {
@@ -40,8 +41,8 @@ class ConfigurationTest : public testing::Test {
   std::uint64_t now_us = 0;
 };
 
-// The left hip yaw: node 16, serial number 1000, from -90 to 90 degrees. Bytes by hand after CiA
-// 301, 7.2.4.3, and CiA 402-2: command, index, sub-index, value, little-endian.
+// The left hip yaw: node 16, serial number 1000, from -90 to 90 degrees. Bytes derived by hand from CiA 301,
+// 7.2.4.3, and CiA 402-2: command, index, sub-index, value, little-endian.
 TEST_F(ConfigurationTest, SaysExactlyThisToADrive) {
   using Data = std::array<std::uint8_t, 8>;
   constexpr Data kExpected[] = {
@@ -50,7 +51,7 @@ TEST_F(ConfigurationTest, SaysExactlyThisToADrive) {
       {0x40, 0x18, 0x10, 0x04},                          //
       {0x23, 0x00, 0x14, 0x01, 0x10, 0x02, 0x00, 0x80},  // RPDO 1 invalid
       {0x2F, 0x00, 0x14, 0x02, 0x01},                    // at every SYNC
-      {0x2B, 0x00, 0x14, 0x05, 0x3C, 0x00},              // missed after 60 ms
+      {0x2B, 0x00, 0x14, 0x05, 0x3C, 0x00},              // deadline of 60 ms
       {0x2F, 0x00, 0x16, 0x00, 0x00},                    // no objects
       {0x23, 0x00, 0x16, 0x01, 0x10, 0x00, 0x40, 0x60},  // controlword, 16 bits
       {0x23, 0x00, 0x16, 0x02, 0x20, 0x00, 0x7A, 0x60},  // target position, 32 bits
@@ -64,14 +65,14 @@ TEST_F(ConfigurationTest, SaysExactlyThisToADrive) {
       {0x23, 0x00, 0x1A, 0x03, 0x10, 0x00, 0x77, 0x60},  // actual torque, 16 bits
       {0x2F, 0x00, 0x1A, 0x00, 0x03},                    // three objects
       {0x23, 0x00, 0x18, 0x01, 0x90, 0x01, 0x00, 0x40},  // TPDO 1 valid: identifier 0x190
-      {0x23, 0x16, 0x10, 0x01, 0x3C, 0x00, 0x01, 0x00},  // node 1 is lost after 60 ms
-      {0x2B, 0x17, 0x10, 0x00, 0x64, 0x00},              // beat each 100 ms
-      {0x23, 0x06, 0x10, 0x00, 0x10, 0x27, 0x00, 0x00},  // SYNC each 10,000 us
+      {0x23, 0x16, 0x10, 0x01, 0x3C, 0x00, 0x01, 0x00},  // node 1 counts as lost after 60 ms
+      {0x2B, 0x17, 0x10, 0x00, 0x64, 0x00},              // heartbeat every 100 ms
+      {0x23, 0x06, 0x10, 0x00, 0x10, 0x27, 0x00, 0x00},  // SYNC every 10,000 us
       {0x2F, 0xC2, 0x60, 0x01, 0x0A},                    // interpolate over 10 ms
       {0x23, 0x7D, 0x60, 0x01, 0x00, 0x00, 0xFC, 0xFF},  // from -2^18: a quarter of a turn
       {0x23, 0x7D, 0x60, 0x02, 0x00, 0x00, 0x04, 0x00},  // to 2^18
       {0x2F, 0x60, 0x60, 0x00, 0x08},                    // cyclic synchronous position
-      {0x40, 0x79, 0x60, 0x00},                          // read the supply
+      {0x40, 0x79, 0x60, 0x00},                          // read the supply voltage
   };
   begin(model.joints[0]);
   run();
@@ -93,14 +94,14 @@ TEST_F(ConfigurationTest, TurnsTheLimitsRoundForADriveMountedTheOtherWay) {
   const auto limit = [&](std::uint8_t subindex) {
     return static_cast<std::int32_t>(drive->object(0x607D, subindex));
   };
-  EXPECT_EQ(limit(1), -436'907);  // 150 degrees of 2^20
+  EXPECT_EQ(limit(1), -436'907);  // 150 degrees in 2^-20 turns
   EXPECT_EQ(limit(2), 0);
 }
 
 TEST_F(ConfigurationTest, TakesOneMillisecondARequest) {
   begin(model.joints[0]);
   run();
-  EXPECT_EQ(now_us, 28'000u);  // 27 requests, and a look at the last answer
+  EXPECT_EQ(now_us, 28'000u);  // 27 requests, and one check of the last answer
 }
 
 TEST_F(ConfigurationTest, AsksThreeTimesAndThenGivesUp) {
@@ -120,7 +121,7 @@ TEST_F(ConfigurationTest, CountsAttemptsForEachRequestAnew) {
   for (int silence = 0; silence < 3; ++silence) {
     for (int i = 0; i < 5; ++i) exchange();
     drive->answers_sdo = false;
-    for (int i = 0; i < 150; ++i) exchange();  // two requests are lost, the third will be answered
+    for (int i = 0; i < 150; ++i) exchange();  // two requests are lost, the third is answered
     EXPECT_EQ(configuration.state(), State::kBusy);
     drive->answers_sdo = true;
     for (int i = 0; i < 52; ++i) exchange();
@@ -136,7 +137,7 @@ TEST_F(ConfigurationTest, StartsOverInTheMiddleOfARequest) {
   begin(model.joints[1]);
   run();
   EXPECT_EQ(configuration.state(), State::kDone);
-  EXPECT_LT(now_us, 30'000u);  // it did not wait for the other's time-out
+  EXPECT_LT(now_us, 30'000u);  // did not wait for the other's time-out
 }
 
 TEST_F(ConfigurationTest, WaitsForRoomOnTheBus) {

@@ -15,7 +15,8 @@ namespace {
 namespace cia402 = canopen::cia402;
 using canopen::HeartbeatEventKind;
 
-// The group with a stub for each drive. SDO and NMT go over a fake bus; cyclic signals are carried by hand.
+// The group with a stub of each drive. SDO and NMT use a fake bus; the test passes the cyclic signals
+// directly.
 class DriveGroupTest : public testing::Test {
  protected:
   DriveGroupTest() {
@@ -43,7 +44,7 @@ class DriveGroupTest : public testing::Test {
   void tell(std::uint8_t node_id, HeartbeatEventKind kind) {
     group.on_heartbeat({.node_id = node_id, .kind = kind});
   }
-  // A control cycle: what was commanded last is obeyed and answered, then the next is commanded.
+  // Runs a control cycle: the drives obey and answer the last commands, then the group issues the next ones.
   void cycle() {
     for (std::size_t i = 0; i < drives.size(); ++i) {
       if (drives[i].hangs) continue;
@@ -175,7 +176,7 @@ TEST_F(DriveGroupTest, ReportsADriveThatNoLongerFollowsItsTargets) {
 
 TEST_F(DriveGroupTest, IsEnabledOnlyOnceEveryDriveFollows) {
   boot();
-  drives[2].follows = false;  // somebody has set another mode since the boot
+  drives[2].follows = false;  // another master has set another mode since the boot
   group.set_goal(Goal::kEnabled, now_us);
   cycles(50);
   EXPECT_TRUE(group.all_in(cia402::State::kOperationEnabled));
@@ -186,7 +187,7 @@ TEST_F(DriveGroupTest, IsEnabledOnlyOnceEveryDriveFollows) {
   EXPECT_EQ(group.fault().joint, 2);
 }
 
-// Bit 12 of the statusword is clear in every other state than operation enabled.
+// Bit 12 of the statusword is clear in all states except operation enabled.
 TEST_F(DriveGroupTest, ExpectsADriveToFollowOnlyInOperation) {
   enable();
   EXPECT_TRUE(group.enabled());
@@ -210,7 +211,7 @@ TEST_F(DriveGroupTest, CommandsAQuickStopOrTorqueOff) {
     EXPECT_EQ(signals.controlword[i], cia402::kControlDisableVoltage);
 }
 
-// As it happens when the reset has to wait for the bus.
+// Occurs when the reset has to wait for the bus.
 TEST_F(DriveGroupTest, ForgetsWhatWasAnsweredBeforeTheReset) {
   group.boot();
   for (std::size_t i = 0; i < drives.size(); ++i) {
@@ -258,7 +259,7 @@ TEST_F(DriveGroupTest, ReportsADriveThatBootsUpOnItsOwn) {
   EXPECT_EQ(group.fault().kind, DriveFault::kRestarted);
 }
 
-// Another master has reset a drive just before the group did: two boot-up messages follow.
+// Another master resets a drive just before the group does: two boot-up messages follow.
 TEST_F(DriveGroupTest, BearsASecondBootUpMessageOfADriveThatIsNotConfigured) {
   group.boot();
   run_ms(2);
@@ -307,7 +308,7 @@ TEST_F(DriveGroupTest, ReportsFaultsByEmergencyMessageWithItsCode) {
   EXPECT_EQ(group.fault().error_code, 0x2310);
 }
 
-// Codes of CiA 301, table 26, with the register's bits for generic and communication.
+// Codes of CiA 301, table 26, with the error register's bits for generic and communication errors.
 TEST_F(DriveGroupTest, BearsWarningsAboutCommunication) {
   enable();
   for (const std::uint16_t code :
@@ -337,7 +338,7 @@ TEST_F(DriveGroupTest, TakesALostControllerForAFault) {
 TEST_F(DriveGroupTest, NamesTheWarningThatADriveMadeAFault) {
   enable();
   group.on_emergency({.node_id = 16 + 9, .code = 0x8140, .error_register = 0x11});
-  group.on_emergency({.node_id = 16 + 9, .code = 0x0000, .error_register = 0x11});  // of some other error
+  group.on_emergency({.node_id = 16 + 9, .code = 0x0000, .error_register = 0x11});  // reset of another error
   drives[9].state = cia402::State::kFault;
   cycle();
   EXPECT_EQ(group.fault().kind, DriveFault::kFault);
@@ -383,15 +384,15 @@ TEST_F(DriveGroupTest, TranslatesAnglesByTheDrivesSignZeroAndUnit) {
   mounted.sign = -1;
   mounted.zero = test::degrees(45);
   group.set_target(0, test::degrees(30));
-  EXPECT_EQ(signals.target_position[0], 43'691);  // 15 degrees of the shaft in 2^-20 turn
+  EXPECT_EQ(signals.target_position[0], 43'691);  // 15 degrees of the shaft in 2^-20 turns
   signals.position[0] = 43'691;
   EXPECT_NEAR(fixed::to_double(group.angle(0)), 30 * test::kRadPerDegree, 1e-5);
 }
 
 TEST_F(DriveGroupTest, JudgesLimitsWithAMargin) {
-  signals.position[0] = 267'500;  // 91.8 degrees, 90 allowed and 2 beyond it
+  signals.position[0] = 267'500;  // 91.8 degrees: limit of 90, tolerance of 2
   EXPECT_EQ(group.enable_conditions().beyond_limits, 0u);
-  signals.position[0] = 268'500;  // 92.2
+  signals.position[0] = 268'500;  // 92.2 degrees
   EXPECT_EQ(group.enable_conditions().beyond_limits, 1u << 0);
 }
 

@@ -34,11 +34,12 @@ Point up_of(double roll_rad, double pitch_rad) {
           std::cos(roll_rad) * std::cos(pitch_rad)};
 }
 
-// A trunk in double: what is up in its axes, turned by its own rates in steps of 0.1 ms.
+// Reference trunk in double: integrates the up vector in the trunk's axes from its own rates, in steps of 0.1
+// ms.
 class Trunk {
  public:
   explicit Trunk(const Point& up) : up_(up) {}
-  // Returns the integral of the rates, which is what the samples' sum tells.
+  // Advances and returns the integral of the rates, which equals the sum of the gyro samples.
   Point turn(const std::function<Point(double)>& w_rad_per_s, double from_s) {
     constexpr int kSteps = 100;
     Point sum;
@@ -80,7 +81,7 @@ TEST(AttitudeEstimator, TakesTheFirstGravityAtOnceWithTheRightSigns) {
   }
 }
 
-// No accelerometer, only the gyro: forward over the head and through the back, as no fall does.
+// Gyro only, without accelerometer: a forward roll over the head and through the back, beyond any real fall.
 TEST(AttitudeEstimator, FollowsAnyTurnWithoutAnAccelerometer) {
   AttitudeEstimator attitude;
   attitude.update({}, fixed_vector<fixed::Acceleration>({0, 0, kGravity}), kResting);
@@ -135,8 +136,8 @@ TEST(AttitudeEstimator, DoesNotBelieveAForceThatIsNotGravity) {
   }
 }
 
-// A minute of walking: rates and accelerations of a walk, a gyro with what a calibration leaves of its bias
-// and noise, and an accelerometer with noise.
+// One minute of walking with typical rates and accelerations. The gyro has noise and the residual bias of a
+// calibration, the accelerometer noise.
 TEST(AttitudeEstimator, StaysWithinADegreeAndAHalfOnAWalk) {
   constexpr double kStep_rad_per_s = 2.0 * 3.14159265 / 0.6;
   std::mt19937 random(7);

@@ -1,4 +1,4 @@
-// The first stage by itself: samples in, a RobotState out. No bus, no board.
+// The first stage alone: takes samples, returns a RobotState. Uses no bus or board.
 
 #include "firmware/estimation/estimator.h"
 
@@ -20,7 +20,7 @@ constexpr bool kMoves = false;
 
 class EstimatorTest : public testing::Test {
  protected:
-  // A cycle of ten samples. The unit's x looks ahead, its z up.
+  // Runs a cycle of ten samples. The IMU's x points forward, its z up.
   const RobotState& cycle(const hal::ImuSample& sample, bool rests) {
     for (int i = 0; i < 10; ++i) estimator.add(sample, now_us += 1'000);
     return estimator.update(angles, rests, now_us);
@@ -109,7 +109,7 @@ TEST_F(EstimatorTest, GivesACalibrationUpWhenTheRobotMoves) {
 }
 
 TEST_F(EstimatorTest, FindsTheZmpUnderTheFootThatCarries) {
-  // 20 N of 32768 counts at full scale, straight down through the right ankle.
+  // 20 N at a full scale of 32768 counts, vertically through the right ankle.
   hal::AnkleSample loaded;
   loaded.force_raw[2] =
       static_cast<std::int16_t>(std::lround(20.0 / to_double(model.scales.ankle_force) * 32768));

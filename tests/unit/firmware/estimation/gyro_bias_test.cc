@@ -23,7 +23,7 @@ GyroBias::Rates deg_per_s(double x_deg_per_s, double y_deg_per_s, double z_deg_p
   return {rate(x_deg_per_s), rate(y_deg_per_s), rate(z_deg_per_s)};
 }
 
-// True when one of the observations completed a second of rest.
+// Returns true if one of the observations completed a second of rest.
 bool observe(GyroBias& bias, const GyroBias::Rates& sample, int times) {
   bool complete = false;
   for (int i = 0; i < times; ++i) complete = bias.observe(sample) || complete;
@@ -57,7 +57,7 @@ TEST(GyroBias, IsTheMeanOfASecondOfRest) {
 TEST(GyroBias, ThrowsAwayASecondInWhichTheRobotMoved) {
   GyroBias bias;
   ASSERT_TRUE(observe(bias, deg_per_s(1, 2, 3), GyroBias::kSamples));
-  // Swaying at a hertz, 0.7 deg/s to each side: more than is allowed.
+  // Swaying at 1 Hz with an amplitude of 0.7 deg/s, above the limit.
   for (int i = 0; i < 1000; ++i) {
     EXPECT_FALSE(bias.observe(deg_per_s(0, 0, 0.7 * std::sin(2.0 * std::numbers::pi * 0.01 * i)))) << i;
   }
@@ -67,7 +67,8 @@ TEST(GyroBias, ThrowsAwayASecondInWhichTheRobotMoved) {
 TEST(GyroBias, CountsTheSecondFromTheLastMovement) {
   GyroBias bias;
   observe(bias, deg_per_s(0, 0, 0), 50);
-  EXPECT_FALSE(observe(bias, deg_per_s(0, 9, 0), GyroBias::kSamples));  // the first of them was the movement
+  EXPECT_FALSE(observe(bias, deg_per_s(0, 9, 0), GyroBias::kSamples));  // the first sample still saw the
+                                                                        // movement
   EXPECT_TRUE(observe(bias, deg_per_s(0, 9, 0), 1));
   EXPECT_EQ(bias.bias(), deg_per_s(0, 9, 0));
 }

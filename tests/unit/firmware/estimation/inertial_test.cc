@@ -14,7 +14,7 @@ using fixed::to_double;
 
 class InertialSensorTest : public testing::Test {
  protected:
-  // Counts of the test robot's scales: 17.45 rad/s and 39.2 m/s^2 at 2^15.
+  // Converts to counts in the test robot's scales: 17.45 rad/s and 39.2 m/s^2 at 2^15.
   static std::int16_t gyro_counts(double rate_rad_per_s) {
     return static_cast<std::int16_t>(std::lround(rate_rad_per_s / 17.45 * 32768));
   }
@@ -52,7 +52,7 @@ TEST_F(InertialSensorTest, ScalesByTheModel) {
 }
 
 TEST_F(InertialSensorTest, TurnsIntoTheTrunksAxes) {
-  // A unit whose x looks along the trunk's y, and its y against the trunk's x.
+  // An IMU whose x points along the trunk's y, and whose y points along the trunk's -x.
   const auto one = fixed::kOne;
   const fixed::Ratio zero;
   model.R_BI.rows = {{{zero, -one, zero}, {one, zero, zero}, {zero, zero, one}}};
@@ -81,9 +81,9 @@ TEST_F(InertialSensorTest, SumsTheTurnOfItsSamplesLessTheBias) {
   }
   const auto first = turn(0.5);
   EXPECT_NEAR(to_double(first.x), 0.0, 1e-9);
-  EXPECT_NEAR(to_double(first.y), 0.010, 3e-6);  // the counts' resolution
+  EXPECT_NEAR(to_double(first.y), 0.010, 3e-6);  // resolution of the counts
   EXPECT_NEAR(to_double(first.z), -0.030, 3e-6);
-  EXPECT_EQ(turn(0.5).y, fixed::Ratio());  // no sample, no time
+  EXPECT_EQ(turn(0.5).y, fixed::Ratio());  // no rotation without a sample
 }
 
 TEST_F(InertialSensorTest, TellsWhenTheLastSampleCame) {

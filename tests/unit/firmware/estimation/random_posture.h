@@ -10,12 +10,12 @@
 
 namespace koboshi::test {
 
-// The test robot in poses drawn over the ranges of its joints, with the reference in double beside it.
+// The test robot in random poses within the joints' ranges, with a reference model in double.
 struct RandomPosture {
   static robot::RobotModel make_model() {
     robot::RobotModel loaded;
     robot::RobotModel written = make_test_robot();
-    // What the default robot does not have: an oblique axis, a reversed one, a sensor beside the ankle.
+    // Features that the default robot lacks: an oblique axis, a reversed one, a sensor beside the ankle.
     written.joints[13].axis = {
         fixed::from_double<fixed::Ratio>(0.6), {}, fixed::from_double<fixed::Ratio>(0.8)};
     written.joints[15].axis = -robot::kAxisY;

@@ -27,7 +27,7 @@ struct Reference {
   double y_m = 0.0;
 };
 
-// The ground's wrench in double: the foot as a free body that stands level and at rest.
+// Wrench of the ground in double, with the foot as a free body that is level and at rest.
 Reference reference(const robot::RobotModel& model, hal::Side side, const Counts& counts) {
   const robot::Foot& geometry = model.feet[static_cast<std::size_t>(side)];
   const robot::Joint& foot = model.joints[model.leg(side)[5]];
@@ -44,7 +44,7 @@ Reference reference(const robot::RobotModel& model, hal::Side side, const Counts
 
 class ZmpTest : public testing::Test {
  protected:
-  // A wrench as walking brings: up to 30 N, the ZMP on the foot or some way off it.
+  // Returns a wrench typical of walking: up to 30 N, with the ZMP on the foot or somewhat outside it.
   Counts draw() {
     const auto uniform = [&](double low, double high) {
       return std::uniform_real_distribution(low, high)(robot.random);
@@ -116,14 +116,15 @@ TEST_F(ZmpTest, OfBothFeetIsThatOfTheSameComputationInDouble) {
   RecordProperty("worst_um", std::to_string(1e6 * worst_m));
 }
 
-// 5.9 N press on the sole 20 mm before and 10 mm left of the point below the sensor, and drag it forward.
+// 5.9 N act on the sole 20 mm in front of and 10 mm to the left of the point below the sensor, with a forward
+// friction force.
 TEST_F(ZmpTest, HasTheSignsOfThePapersEquation) {
   const robot::Joint& foot = robot.model.joints[robot.model.leg(hal::Side::kLeft)[5]];
   const double load_N = 5.9;
   const double drag_N = 1.2;
   const double weight_N = to_double(foot.mass) * kGravity;
   const double d_m = to_double(robot.model.feet[0].sensor.z);
-  const Point p{0.02, 0.01, -d_m};  // from the sensor
+  const Point p{0.02, 0.01, -d_m};  // relative to the sensor
   const Point com =
       test::to_point(foot.centre_of_mass) + Point{0, 0, to_double(robot.model.feet[0].ankle_height) - d_m};
   const Point f = Point{drag_N, 0, load_N} - Point{0, 0, weight_N};
@@ -134,7 +135,7 @@ TEST_F(ZmpTest, HasTheSignsOfThePapersEquation) {
       hal::Side::kLeft, {force(f.x), force(f.y), force(f.z), torque(tau.x), torque(tau.y), torque(tau.z)});
   ASSERT_TRUE(zmp.valid);
   EXPECT_NEAR(to_double(zmp.load), load_N, 3e-3);
-  EXPECT_NEAR(to_double(zmp.x), 0.02, 1e-4);  // the counts' resolution
+  EXPECT_NEAR(to_double(zmp.x), 0.02, 1e-4);  // resolution of the counts
   EXPECT_NEAR(to_double(zmp.y), 0.01, 1e-4);
 }
 

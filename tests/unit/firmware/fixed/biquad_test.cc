@@ -23,7 +23,7 @@ constexpr std::int32_t kMax = std::numeric_limits<std::int32_t>::max();
 constexpr std::int32_t kMin = std::numeric_limits<std::int32_t>::min();
 constexpr double kCutoffs_Hz[] = {0.1, 1.0, 5.0, 20.0, 98.0, 256.0, 450.0};
 
-// The same filter in double, straight from its difference equation.
+// The same filter in double, directly from its difference equation.
 class Reference {
  public:
   explicit Reference(const BiquadCoefficients& c) : c_(c) {}
@@ -51,7 +51,7 @@ double butterworth_gain(double frequency_Hz, double cutoff_Hz) {
   return 1.0 / std::sqrt(1.0 + std::pow(warped, 4));
 }
 
-// Amplitude of the response to a sine, by correlation over whole periods after the transient.
+// Returns the amplitude of the response to a sine, by correlation over whole periods after the transient.
 double measured_gain(const BiquadCoefficients& coefficients, int period_samples, double amplitude_raw) {
   BiquadFilter filter;
   const int settle = 200 * period_samples;
@@ -82,7 +82,7 @@ TEST(DesignLowPass, RefusesWhatItCannotDo) {
   EXPECT_THROW(static_cast<void>(design_low_pass(std::nan(""), 1000.0)), std::domain_error);
 }
 
-// From the fixed-point coefficients themselves, over all frequencies.
+// Evaluates the fixed-point coefficients over all frequencies.
 TEST(DesignLowPass, IsAButterworthWithinOnePercent) {
   for (const double cutoff_Hz : kCutoffs_Hz) {
     const BiquadCoefficients c = design_low_pass(cutoff_Hz, kSampleRate_Hz);
@@ -153,7 +153,7 @@ TEST(BiquadFilter, SaturatesUpToFourTimesFullScale) {
   BiquadFilter filter;
   for (const std::int32_t in : {kMax, kMax, kMin}) static_cast<void>(filter.filter(fourfold, in));
   EXPECT_EQ(filter.filter(fourfold, kMin), kMin);
-  EXPECT_EQ(filter.filter(fourfold, kMax), -2);  // nearly 2 of the one, nearly 2 of the other
+  EXPECT_EQ(filter.filter(fourfold, kMax), -2);  // nearly 2 of each input
   EXPECT_EQ(filter.filter(fourfold, kMax), kMax);
 }
 

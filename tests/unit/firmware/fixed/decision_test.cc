@@ -23,12 +23,12 @@ TEST(Debounce, WaitsForAsManyConsecutiveSamplesAsRequired) {
   Debounce debounce;
   EXPECT_FALSE(debounce.update(true, 3));
   EXPECT_FALSE(debounce.update(true, 3));
-  EXPECT_FALSE(debounce.update(false, 3));  // begins again
+  EXPECT_FALSE(debounce.update(false, 3));  // the count restarts
   EXPECT_FALSE(debounce.update(true, 3));
   EXPECT_FALSE(debounce.update(true, 3));
   EXPECT_TRUE(debounce.update(true, 3));
   EXPECT_TRUE(debounce.update(true, 3));
-  EXPECT_FALSE(debounce.update(true, 9));  // the requirement may change
+  EXPECT_FALSE(debounce.update(true, 9));  // the required count may change
   debounce.reset();
   EXPECT_FALSE(debounce.reached(1));
   EXPECT_TRUE(debounce.update(true, 1));

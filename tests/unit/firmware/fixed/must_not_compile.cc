@@ -1,4 +1,4 @@
-// Compiled once for each expression of must_not_compile in CMakeLists.txt, never linked.
+// Compiled once for each must_not_compile expression in CMakeLists.txt, never linked.
 #include "firmware/fixed/literals.h"
 
 using namespace koboshi::fixed;

@@ -17,7 +17,7 @@ using namespace literals;
 using test::kSeed;
 constexpr int kRandomQuantities = 200'000;
 
-// Raw values of every magnitude, both signs.
+// Random raw values of all magnitudes and both signs.
 class RandomRaw {
  public:
   std::int32_t operator()() { return static_cast<std::int32_t>(generator_()) >> (generator_() % 31); }

@@ -13,10 +13,10 @@ struct Range {
   static constexpr int kMax = std::numeric_limits<T>::max();
 };
 
-// Every pair of 8-bit numbers, and of 16-bit numbers one of which runs through all of them.
+// Runs over all pairs of 8-bit numbers, or over pairs of 16-bit numbers of which one takes all values.
 template <typename T, typename Check>
 void for_pairs(Check check) {
-  constexpr int kStep = sizeof(T) == 1 ? 1 : 509;  // a prime, so that all low bytes come
+  constexpr int kStep = sizeof(T) == 1 ? 1 : 509;  // a prime, so that all low bytes occur
   for (int a = Range<T>::kMin; a <= Range<T>::kMax; ++a) {
     for (int b = Range<T>::kMin; b <= Range<T>::kMax; b += kStep) check(a, b);
     check(a, Range<T>::kMax);

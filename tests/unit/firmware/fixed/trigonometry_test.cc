@@ -21,11 +21,11 @@ using testing::Le;
 using test::kSeed;
 constexpr int kRandomAngles = 1'000'000;
 constexpr long double kTwoPi = 2.0L * std::numbers::pi_v<long double>;
-constexpr long double kLsbPerRad = 4294967296.0L / kTwoPi;  // of Angle
-constexpr long double kLsbPerOne = 1073741824.0L;           // of Ratio
+constexpr long double kLsbPerRad = 4294967296.0L / kTwoPi;  // scale of Angle
+constexpr long double kLsbPerOne = 1073741824.0L;           // scale of Ratio
 
-// Bounds in LSB of the result: what was measured, and a tenth. No rounding to an LSB errs by less than a half
-// at worst, so a smaller maximum means that the test does not look.
+// Bounds in LSB of the result: the measured error plus a tenth. Rounding alone gives up to half an LSB, so a
+// smaller maximum would mean that the test does not compare.
 constexpr long double kSineBound_lsb = 1.4L;
 constexpr long double kArcTangentBound_lsb = 1.7L;
 constexpr long double kArcSineBound_lsb = 2.0L;
@@ -35,7 +35,7 @@ class MaximumError {
   void add(std::int32_t actual_raw, long double exact_raw) {
     maximum_ = std::max(maximum_, std::abs(static_cast<long double>(actual_raw) - exact_raw));
   }
-  // A half turn is as good as its negative.
+  // Half a turn and its negative are the same angle.
   void add_angle(Angle actual, long double exact_rad) {
     const long double error = actual.raw() - exact_rad * kLsbPerRad;
     maximum_ = std::max(maximum_, std::abs(std::remainder(error, 4294967296.0L)));
@@ -48,7 +48,7 @@ class MaximumError {
 
 long double rad(Angle angle) { return angle.raw() / kLsbPerRad; }
 
-// Each of the 65536 angles and ratios that have only their upper half, with its neighbours.
+// Runs over the 65536 angles or ratios whose lower half is zero, and their neighbours.
 template <typename Q, typename Check>
 void for_upper_halves(Check check) {
   for (std::int64_t upper = -32'768; upper <= 32'767; ++upper) {
@@ -102,7 +102,8 @@ TEST(Sine, MirrorsLeftAndRightToTheBit) {
 }
 
 TEST(Sine, RisesOverTheHalfTurn) {
-  // Everywhere at a coarse step; LSB by LSB where it is flat and where the two kernels meet.
+  // Monotonic everywhere at a coarse step, and LSB by LSB where the function is flat and where the two
+  // kernels meet.
   const auto expect_rising = [](std::int64_t from_raw, std::int64_t to_raw, std::int64_t step_raw) {
     Ratio last = -kOne;
     for (std::int64_t raw = from_raw; raw <= to_raw; raw += step_raw) {

@@ -34,7 +34,7 @@ class InterpreterTest : public testing::Test {
   void advance(std::uint32_t total_us, std::uint32_t tick_us = kTick_us) {
     for (std::uint32_t time_us = 0; time_us < total_us; time_us += tick_us) interpreter_.advance(tick_us);
   }
-  // How long it still runs, or 60 s.
+  // Returns the remaining time of the motion, at most 60 s.
   std::uint32_t time_to_end_us(std::uint32_t tick_us = 1'000) {
     std::uint32_t time_us = 0;
     for (; interpreter_.running() && time_us < 60'000'000; time_us += tick_us) interpreter_.advance(tick_us);
@@ -76,7 +76,7 @@ TEST_F(InterpreterTest, FailsWhereTheTrunkIsNotAsExpected) {
   EXPECT_EQ(interpreter_.targets()[kKnee], degrees(20));
   start(builder);
   advance(150'000);
-  up_B_ = robot::kAxisX;  // supine, but only looked at when its time has come
+  up_B_ = robot::kAxisX;  // supine, but the step checks the attitude only at its own time
   EXPECT_TRUE(interpreter_.running());
   advance(150'000);
   EXPECT_FALSE(interpreter_.running());

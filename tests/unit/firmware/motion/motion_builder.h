@@ -10,7 +10,7 @@
 
 namespace koboshi::test {
 
-// Writes motion images after docs/reference/motion-format.md, good ones and bad ones.
+// Writes valid and invalid motion images in the format of docs/reference/motion-format.md.
 struct MotionBuilder {
   std::string name = "test";
   std::uint32_t model_id = 0;
@@ -20,7 +20,7 @@ struct MotionBuilder {
 
   explicit MotionBuilder(const robot::RobotModel& model) : model_id(model.id) {}
 
-  // One joint goes to an angle; the others stay.
+  // Adds a pose that moves one joint to an angle and leaves the others.
   MotionBuilder& pose(std::size_t joint, double angle_deg) {
     std::vector<std::int32_t> angles(joint_count);
     angles[joint] = degrees(angle_deg).raw();
@@ -58,7 +58,7 @@ struct MotionBuilder {
   }
 };
 
-// The test robot as the firmware loads it.
+// Returns the test robot as the firmware loads it.
 inline robot::RobotModel load_test_robot() {
   robot::RobotModel model;
   if (load_model(encode(make_test_robot()), model) != robot::ModelStatus::kOk) std::abort();

@@ -167,12 +167,16 @@ TEST_F(MotionTest, RefusesJumpsAcrossLoops) {
   EXPECT_EQ(of_steps({jump(2), kWaitStep, kEndStep}), kOk);
   EXPECT_EQ(of_steps({kWaitStep, jump(0), kEndStep}), kOk);
   EXPECT_EQ(of_steps({jump(9), kWaitStep, kEndStep}), kBadJump);
-  EXPECT_EQ(of_steps({jump(2), loop(2), kWaitStep, loop_end(1), kEndStep}), kBadJump);  // into
-  EXPECT_EQ(of_steps({loop(2), kWaitStep, jump(4), loop_end(0), kEndStep}), kBadJump);  // out of
-  EXPECT_EQ(of_steps({loop(2), kWaitStep, loop_end(0), jump(1), kEndStep}), kBadJump);  // back into
-  EXPECT_EQ(of_steps({loop(2), kWaitStep, loop_end(0), jump(2), kEndStep}), kBadJump);  // to its end
-  EXPECT_EQ(of_steps({loop(2), kWaitStep, jump(3), loop_end(0), kEndStep}), kOk);       // to its own end
-  EXPECT_EQ(of_steps({loop(2), kWaitStep, loop_end(0), jump(0), kEndStep}), kOk);       // back over all of it
+  EXPECT_EQ(of_steps({jump(2), loop(2), kWaitStep, loop_end(1), kEndStep}), kBadJump);  // into a loop
+  EXPECT_EQ(of_steps({loop(2), kWaitStep, jump(4), loop_end(0), kEndStep}), kBadJump);  // out of a loop
+  EXPECT_EQ(of_steps({loop(2), kWaitStep, loop_end(0), jump(1), kEndStep}), kBadJump);  // backwards into a
+                                                                                        // loop
+  EXPECT_EQ(of_steps({loop(2), kWaitStep, loop_end(0), jump(2), kEndStep}), kBadJump);  // backwards to the
+                                                                                        // loop's end
+  EXPECT_EQ(of_steps({loop(2), kWaitStep, jump(3), loop_end(0), kEndStep}), kOk);       // within the loop to
+                                                                                        // its end
+  EXPECT_EQ(of_steps({loop(2), kWaitStep, loop_end(0), jump(0), kEndStep}), kOk);       // backwards over the
+                                                                                        // whole loop
   std::vector<Step> many;
   for (std::uint16_t i = 0; i <= kMaxJumps; ++i) {
     many.push_back(jump(static_cast<std::uint16_t>(many.size() + 1)));
@@ -187,7 +191,7 @@ TEST_F(MotionTest, RefusesCyclesThatTakeNoTime) {
   EXPECT_EQ(of_steps({jump(0), kEndStep}), kTakesNoTime);
   EXPECT_EQ(of_steps({jump(1), jump(0), kEndStep}), kTakesNoTime);
   EXPECT_EQ(of_steps({loop(0), loop(2), loop_end(1), kWaitStep, loop_end(0), kEndStep}), kTakesNoTime);
-  // A jump over all that takes time in a loop.
+  // A jump that skips all timed steps of a loop.
   EXPECT_EQ(of_steps({loop(0), jump(3), kWaitStep, loop_end(0), kEndStep}), kTakesNoTime);
   EXPECT_EQ(of_steps({kWaitStep, jump(3), kWaitStep, jump(1), kEndStep}), kTakesNoTime);
   EXPECT_EQ(of_steps({loop(0), loop(2), kWaitStep, loop_end(1), loop_end(0), kEndStep}), kOk);

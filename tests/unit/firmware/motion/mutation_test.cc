@@ -8,9 +8,9 @@
 #include "firmware/storage/image.h"
 #include "tests/unit/firmware/motion/motion_builder.h"
 
-// What the validator accepts is played: no read outside the image (each lies alone on the heap, for the
-// address sanitizer), time passes, every target within its joint's limits, and after a stop the end within
-// the time of all steps once.
+// Plays every mutated image that the validator accepts. The interpreter must not read outside the image (each
+// is a separate heap block, for the address sanitizer), time must pass, every target must be within its
+// joint's limits, and after a stop the motion must end within the time of all steps once.
 namespace koboshi::motion {
 namespace {
 
@@ -25,7 +25,7 @@ std::uint32_t draw(Random& random, std::uint32_t below) {
   return static_cast<std::uint32_t>(random() % below);
 }
 
-// A motion with everything in it, or a random string of steps that is mostly nonsense.
+// Returns a motion that uses every feature, or a random sequence of mostly invalid steps.
 test::MotionBuilder make_motion(const robot::RobotModel& model, Random& random) {
   test::MotionBuilder builder(model);
   builder.pose(3, 0).pose(3, 150).pose(18, -90).pose(18, 90);
@@ -53,7 +53,7 @@ test::MotionBuilder make_motion(const robot::RobotModel& model, Random& random) 
   return builder;
 }
 
-// Bytes anywhere behind the header, fields of steps more often.
+// Changes bytes anywhere behind the header, fields of steps more often.
 void mutate(std::vector<std::byte>& image, std::size_t steps_size, Random& random) {
   const std::uint32_t mutations = draw(random, 3);
   for (std::uint32_t i = 0; i < mutations; ++i) {
@@ -74,7 +74,7 @@ class MutationTest : public testing::Test {
     }
   }
 
-  // The interpreter gives up on a cycle without time, and then stands elsewhere.
+  // On a cycle without time the interpreter stops at another step.
   static void expect_at_end(const Motion& motion, const Interpreter& interpreter) {
     ASSERT_EQ(motion.step(interpreter.step_index()).opcode, interpreter.failed() ? kExpect : kEnd);
   }
@@ -100,7 +100,7 @@ class MutationTest : public testing::Test {
     }
     if (!interpreter.running()) expect_at_end(motion, interpreter);
     interpreter.stop();
-    // A long wait is not worth its ticks here.
+    // Skips long motions, which would take many ticks.
     if (time_of_all_steps_us(motion) > 1'000'000) return;
     std::uint64_t time_us = 0;
     while (interpreter.running()) {
@@ -137,8 +137,7 @@ TEST_F(MutationTest, WhatTheValidatorAcceptsIsSafeToPlay) {
   }
   RecordProperty("accepted", accepted);
   RecordProperty("ended", ended_);
-  // The mutations are worth something only if they neither spare nor spoil all, and meet every reason that
-  // they can meet.
+  // The mutations must neither keep nor break all images, and must trigger every status that they can.
   EXPECT_GT(accepted, kImages / 10);
   EXPECT_LT(accepted, kImages * 9 / 10);
   EXPECT_GT(ended_, kImages / 20);

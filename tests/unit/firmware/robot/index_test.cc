@@ -10,7 +10,7 @@
 namespace koboshi::robot {
 namespace {
 
-// Mixing them up does not compile, and using one as an index costs no call.
+// Mixing index types does not compile, and using one as an index costs no call.
 static_assert(std::is_nothrow_convertible_v<JointIndex, std::size_t>);
 static_assert(!std::is_convertible_v<std::size_t, JointIndex>);
 static_assert(!std::is_convertible_v<JointIndex, LinkIndex>);
@@ -30,7 +30,7 @@ TEST(LinkIndex, IsTheTrunkOrTheLinkOfAJoint) {
   EXPECT_FALSE(link.is_trunk());
   EXPECT_EQ(link.joint(), 7u);
   EXPECT_EQ(LinkIndex::from_raw(7), link);
-  EXPECT_EQ(LinkIndex::from_raw(-2).raw(), -2);  // kept, for the model's check
+  EXPECT_EQ(LinkIndex::from_raw(-2).raw(), -2);  // kept for the validation of the model
   EXPECT_FALSE(LinkIndex::from_raw(-2).is_trunk());
 }
 

@@ -22,7 +22,7 @@ class KinematicsTest : public testing::Test {
   void SetUp() override {
     RecordProperty("seed", static_cast<int>(kKinematicsSeed));
     RobotModel written = test::make_test_robot();
-    // An oblique axis: the arms' roll, so that no test passes by the axes of the default robot alone.
+    // An oblique axis for the arms' roll, because the default robot's joints all use principal axes.
     written.joints[13].axis = written.joints[16].axis = {
         fixed::from_double<fixed::Ratio>(0.6), {}, fixed::from_double<fixed::Ratio>(0.8)};
     ASSERT_EQ(load_model(test::encode(written), model_), ModelStatus::kOk);

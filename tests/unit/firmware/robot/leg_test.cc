@@ -36,7 +36,7 @@ class LegTest : public testing::TestWithParam<hal::Side> {
     ASSERT_TRUE(make_leg_geometry(model_, GetParam(), leg_));
   }
 
-  // Uniform within the limits, one in eight at one of them; hip roll keeps off the gimbal lock.
+  // Draws angles uniformly within the limits, and one in eight at a limit. Hip roll avoids the gimbal lock.
   Angles draw_angles() {
     Angles angles{};
     for (std::size_t i = 0; i < kLegJoints; ++i) {
@@ -53,7 +53,7 @@ class LegTest : public testing::TestWithParam<hal::Side> {
     return angles;
   }
 
-  // Of the hip over the ankle, in the foot.
+  // Returns the position of the hip relative to the ankle in the foot's frame.
   double lean(const Angles& angles) const {
     const double shank_tilt = fixed::to_double(leg_.shank_tilt);
     const double knee = angles[leg_.joints[3]] - fixed::to_double(leg_.thigh_tilt) + shank_tilt;
@@ -62,8 +62,8 @@ class LegTest : public testing::TestWithParam<hal::Side> {
            std::atan2(thigh * std::sin(knee), fixed::to_double(leg_.shank) + thigh * std::cos(knee));
   }
 
-  // Where the leg is not all but straight, hip yaw and pitch do not turn about one axis, and the hip is not
-  // on the ankle's roll axis.
+  // False if the leg is nearly straight, hip yaw and hip pitch have nearly the same axis, or the hip is on
+  // the ankle's roll axis.
   bool is_well_conditioned(const Angles& angles) const {
     const double knee = angles[leg_.joints[3]];
     return std::abs(knee) >= 5.0 * kRadPerDegree &&
@@ -71,8 +71,8 @@ class LegTest : public testing::TestWithParam<hal::Side> {
            std::abs(std::cos(lean(angles))) > 0.25;
   }
 
-  // Elsewhere the 60 nm to which a target is rounded are a tenth of a degree in some joint, and may be beyond
-  // its limit.
+  // Elsewhere the rounding of a pose to 60 nm corresponds to a tenth of a degree in some joint, and may
+  // exceed its limit.
   void keep_off_limits(Angles& angles) const {
     for (const std::size_t i : {0u, 1u, 2u, 4u, 5u}) {
       const Joint& joint = model_.joints[leg_.joints[i]];
@@ -113,7 +113,7 @@ class LegTest : public testing::TestWithParam<hal::Side> {
     return true;
   }
 
-  // The bars of the whole workspace, on whatever leg is loaded.
+  // Checks the error bounds over the whole workspace, for the given leg geometry.
   void check_workspace(int rounds) {
     double worst_m = 0.0;
     double worst_direction = 0.0;
@@ -121,7 +121,7 @@ class LegTest : public testing::TestWithParam<hal::Side> {
     for (int round = 0; round < rounds; ++round) {
       const Angles wanted = draw_angles();
       if (std::abs(std::cos(lean(wanted))) < 0.01)
-        continue;  // the hip on the ankle's roll axis: any roll will do
+        continue;  // the hip is on the ankle's roll axis: any roll is a solution
       const SolePose target = sole(wanted);
       const LegAngles solution = leg_inverse_kinematics(model_, leg_, to_fixed(target));
       ASSERT_TRUE(solution.reached) << "seed " << kLegSeed << " round " << round;
@@ -173,8 +173,7 @@ TEST_P(LegTest, ServesKneesBesideTheLineFromHipToAnkle) {
     const auto joints = written.leg(side);
     written.joints[joints[3]].anchor = test::position(0.008, 0, -0.06);
     written.joints[joints[4]].anchor = test::position(-0.006, 0, -0.07);
-    // The limits are those of the equivalent straight leg; more would bend the knee through the straight
-    // line.
+    // The limits of the equivalent straight leg. Beyond them the knee would bend past the straight line.
     written.joints[joints[3]].lower = test::degrees(13);
   }
   load(written);
@@ -200,7 +199,7 @@ TEST_P(LegTest, PointsAtATargetBeyondItsReach) {
   const LegAngles solution = leg_inverse_kinematics(model_, leg_, target);
   EXPECT_FALSE(solution.reached);
   const SolePose sole_pose = sole(to_angles(solution));
-  // Stretched along the line from hip to the wanted ankle, the sole level.
+  // The leg extended along the line from the hip to the desired ankle, with the sole level.
   const Point p_HAnkle = sole_pose.p + Point{0, 0, 0.04} - Point{0, y, 0};
   EXPECT_NEAR(norm(p_HAnkle), 0.13, 1e-6);
   EXPECT_NEAR(p_HAnkle.x / p_HAnkle.z, 0.05 / -0.26, 1e-4);

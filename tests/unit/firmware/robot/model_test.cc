@@ -98,7 +98,7 @@ TEST(RobotModel, RefusesWithTheReason) {
 
 TEST(RobotModel, SortsJointsThatStandBeforeTheirParents) {
   RobotModel model = test::make_test_robot();
-  std::swap(model.joints[18], model.joints[19]);  // pan carries tilt
+  std::swap(model.joints[18], model.joints[19]);  // makes pan the parent of tilt
   for (const std::size_t i : {18u, 19u}) model.joints[i].mirror = JointIndex(i);
   model.joints[18].parent = LinkIndex::from_raw(19);
   RobotModel loaded;
@@ -109,8 +109,8 @@ TEST(RobotModel, SortsJointsThatStandBeforeTheirParents) {
   EXPECT_LT(place(19), place(18));
 }
 
-// Whatever the bytes are: a status, no read outside (the address sanitizer watches), and a model that is what
-// it claims to be.
+// For any bytes, loading returns a status, reads nothing outside the image (checked by the address
+// sanitizer), and accepts only a consistent model.
 TEST(RobotModel, SurvivesMutatedImages) {
   const std::uint32_t seed = 20260101;
   RecordProperty("seed", static_cast<int>(seed));
@@ -142,7 +142,7 @@ TEST(DriveUnits, TurnShaftAndJointIntoEachOther) {
   EXPECT_EQ(drive_position(drive, fixed::Angle()), 1 << 18);
   EXPECT_EQ(drive_position(drive, test::degrees(45)), 1 << 17);
   EXPECT_EQ(joint_angle(drive, 1 << 17), test::degrees(45));
-  // A target of -170 degrees puts this shaft at 260: it must not wrap to -100.
+  // A target of -170 degrees puts this shaft at 260, which must not wrap to -100.
   EXPECT_NEAR(drive_position(drive, test::degrees(-170)), 260.0 / 360.0 * (1 << 20), 1.0);
   EXPECT_NEAR(fixed::to_double(joint_angle(drive, drive_position(drive, test::degrees(-170)))),
               -170 * test::kRadPerDegree, 1e-5);

@@ -6,8 +6,8 @@
 #include "firmware/fixed/host/convert.h"
 #include "firmware/robot/model.h"
 
-// Kinematics in double, written independently of the firmware: points are carried from a link to the base
-// joint by joint, each turned by Rodrigues' formula for vectors; no matrices.
+// Kinematics in double, independent of the firmware: transforms points joint by joint from a link to the base
+// with Rodrigues' formula, without matrices.
 namespace koboshi::test {
 
 struct Point {
@@ -35,7 +35,7 @@ inline Point turned(const Point& p, const Point& axis, double angle_rad) {
          ((1.0 - std::cos(angle_rad)) * dot(axis, p)) * axis;
 }
 
-// A point (or, without anchors, a direction) of link `joint` seen from the base.
+// Transforms a point (or, without anchors, a direction) from the frame of link `joint` to the base frame.
 inline Point to_base(const robot::RobotModel& model, std::span<const double> angles_rad, int joint, Point p,
                      bool is_direction = false) {
   while (joint >= 0) {
@@ -47,7 +47,7 @@ inline Point to_base(const robot::RobotModel& model, std::span<const double> ang
   return p;
 }
 
-// Centre of mass of the whole robot, in B.
+// Centre of mass of the whole robot in B.
 inline Point centre_of_mass(const robot::RobotModel& model, std::span<const double> angles_rad) {
   double mass_kg = fixed::to_double(model.base_mass);
   Point moment = mass_kg * to_point(model.base_centre_of_mass);
@@ -60,7 +60,7 @@ inline Point centre_of_mass(const robot::RobotModel& model, std::span<const doub
   return (1.0 / mass_kg) * moment;
 }
 
-// A point of a sole's frame as B sees it, and back.
+// Transforms a point from a sole's frame to B, and back.
 inline Point from_sole(const robot::RobotModel& model, std::span<const double> angles_rad, hal::Side side,
                        Point p_Sole) {
   p_Sole.z -= fixed::to_double(model.feet[static_cast<std::size_t>(side)].ankle_height);

@@ -49,7 +49,7 @@ void pair(RobotModel& model, std::size_t left, std::size_t right, int sign) {
   model.joints[left].mirror_sign = model.joints[right].mirror_sign = static_cast<std::int8_t>(sign);
 }
 
-// Roll turns outwards with opposite signs on the two sides, as it does about one axis.
+// The roll signs of the sides are opposite: both joints turn about the same axis.
 void add_leg(RobotModel& model, JointRole first, double side) {
   using robot::kAxisX;
   using robot::kAxisY;
@@ -161,7 +161,7 @@ void put_joint(std::vector<std::byte>& bytes, const Joint& joint) {
   put(bytes, joint.centre_of_mass);
 }
 
-// The textbook's CRC, bit by bit.
+// The textbook's bitwise CRC.
 std::uint32_t slow_crc32(const std::vector<std::byte>& bytes) {
   std::uint32_t crc = 0xFFFFFFFFu;
   for (const std::byte byte : bytes) {
@@ -187,7 +187,7 @@ void seal(std::vector<std::byte>& image) {
 std::vector<std::byte> encode(const RobotModel& model) {
   std::vector<std::byte> image;
   put(image, robot::kModelMagic, 4);
-  put(image, robot::kModelVersion, 4);  // and the reserved field
+  put(image, robot::kModelVersion, 4);  // plus the reserved field
   image.resize(16);
   put_body(image, model);
   for (std::size_t i = 0; i < model.joint_count; ++i) put_joint(image, model.joints[i]);

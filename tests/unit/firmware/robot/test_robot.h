@@ -26,19 +26,19 @@ inline robot::Position position(double x_m, double y_m, double z_m) {
           fixed::from_double<fixed::Length>(z_m)};
 }
 
-// A robot of the default robot's sizes, made without any file: 12 leg joints, then 6 arm joints and 2 of the
-// head.
+// Returns a robot of the default robot's dimensions, defined in code: 12 leg joints, 6 arm joints and 2 head
+// joints.
 robot::RobotModel make_test_robot();
 
-// Numbers of some of its joints, and its gyro's counts a rad/s.
+// Indices of some joints, and the gyro's counts per rad/s.
 inline constexpr std::size_t kKnee = 3;
 inline constexpr std::size_t kHeadTilt = 19;
 inline constexpr double kCountsPerRadPerS = 1'878;
 
-// The image of a model, written field by field after docs/reference/robot-model-format.md.
+// Encodes a model field by field in the format of docs/reference/robot-model-format.md.
 std::vector<std::byte> encode(const robot::RobotModel& model);
 
-// Puts size and CRC into the header of an image whose other bytes were changed.
+// Writes size and CRC to the header of a modified image.
 void seal(std::vector<std::byte>& image);
 
 void put(std::vector<std::byte>& bytes, std::uint32_t value, int size);

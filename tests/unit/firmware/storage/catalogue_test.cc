@@ -17,7 +17,7 @@ constexpr std::size_t kFirstItem = kImageHeaderSize + 4;
 constexpr std::size_t kOffsetField = 4;
 constexpr std::size_t kSizeField = 8;
 
-// The storage with one field of the catalogue changed and the CRC right again.
+// Returns the storage with one field of the catalogue changed and the CRC updated.
 std::vector<std::byte> with_field(std::size_t item, std::size_t field, std::uint32_t value) {
   std::vector<std::byte> storage = test::make_storage(kModel, kMotions);
   std::vector<std::byte> catalogue(storage.begin(), storage.begin() + kFirstItem + 3 * kCatalogueItemSize);

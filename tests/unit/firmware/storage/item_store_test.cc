@@ -23,12 +23,12 @@ Bytes pattern(std::size_t size, unsigned seed) {
   return bytes;
 }
 
-// A robot's flash, and the store on it.
+// An item store on a robot's flash.
 class ItemStoreTest : public testing::Test {
  protected:
   ItemStoreTest() { storage.complete_after(3); }
 
-  // What the verb returns once the flash is ready; nothing where the power fails before.
+  // Repeats the call until the flash is ready and returns its result, or nothing if power fails before.
   template <typename Verb>
   std::optional<Status> repeat(const Verb& verb) {
     for (int i = 0; i < 1'000; ++i) {
@@ -39,7 +39,7 @@ class ItemStoreTest : public testing::Test {
     }
     return std::nullopt;
   }
-  // False when power fails here: after so many more milliseconds.
+  // Returns false if power fails here, after this number of milliseconds.
   bool advance() { return (*operations_left)-- > 0; }
 
   std::optional<Status> write(std::uint16_t number, const Bytes& bytes) {
@@ -63,7 +63,7 @@ class ItemStoreTest : public testing::Test {
 
   hal::FakeStorage storage{kSectors, kSectorSize};
   std::optional<ItemStore> store{std::in_place, storage, kRobotLayout};
-  std::optional<int> operations_left;  // milliseconds until power fails
+  std::optional<int> operations_left;  // milliseconds until power failure
 };
 
 TEST_F(ItemStoreTest, IsEmptyAtFirst) { EXPECT_TRUE(item(0).empty()); }
@@ -111,7 +111,7 @@ TEST_F(ItemStoreTest, NothingHappensWithoutCommit) {
   ASSERT_EQ(write(3, pattern(100, 1)), Status::kOk);
   ASSERT_EQ(repeat([&] { return store->begin(ItemKind::kMotion, 3); }), Status::kOk);
   ASSERT_EQ(store->append(pattern(50, 2)), Status::kOk);
-  EXPECT_EQ(store->begin(ItemKind::kMotion, 4), Status::kInUse);  // one at a time
+  EXPECT_EQ(store->begin(ItemKind::kMotion, 4), Status::kInUse);  // only one transfer at a time
   store->release();
   EXPECT_EQ(item(3), pattern(100, 1));
   ASSERT_EQ(write(3, pattern(100, 3)), Status::kOk);
@@ -139,7 +139,7 @@ TEST_F(ItemStoreTest, StorageWithoutRoomStoresNothing) {
   EXPECT_TRUE(none.find(ItemKind::kMotion, 0).empty());
 }
 
-// Power fails in every millisecond of a write; what runs then leaves its range scrambled.
+// Power fails in every millisecond of a write; the interrupted operation leaves its range scrambled.
 TEST_F(ItemStoreTest, PowerFailureLeavesTheOldOrTheNew) {
   const Bytes before = pattern(700, 1);
   const Bytes after = pattern(700, 2);
@@ -154,13 +154,14 @@ TEST_F(ItemStoreTest, PowerFailureLeavesTheOldOrTheNew) {
     ++failures;
     ASSERT_TRUE(item(3) == before || item(3) == after) << time_ms;
     operations_left.reset();
-    ASSERT_EQ(write(4, after), Status::kOk) << time_ms;  // and it goes on
+    ASSERT_EQ(write(4, after), Status::kOk) << time_ms;  // writing still works
   }
   EXPECT_EQ(item(3), after);
   EXPECT_GT(failures, 20);
 }
 
-// The same by words, which is how flash is written: all up to one that is whole, torn or not there.
+// The same by words, the unit of a flash write: all words before the cut are complete, the one at the cut is
+// complete, torn or missing.
 TEST_F(ItemStoreTest, ImageCutAtAnyWordIsNotLoaded) {
   const Bytes before = pattern(700, 1);
   ASSERT_EQ(write(3, before), Status::kOk);
@@ -170,7 +171,7 @@ TEST_F(ItemStoreTest, ImageCutAtAnyWordIsNotLoaded) {
   for (std::size_t cut = 0; cut < kRobotLayout.slot_size_bytes; cut += 8) {
     if (std::ranges::all_of(std::span(whole).subspan(start + cut, 8),
                             [](std::byte byte) { return byte == std::byte{0xFF}; })) {
-      continue;  // never written
+      continue;  // words that are never written
     }
     for (const std::byte torn : {std::byte{0xFF}, std::byte{0xA5}, std::byte{0x00}}) {
       Bytes flash = whole;

@@ -32,7 +32,7 @@ class BodyTest : public testing::Test {
   double uniform(double low, double high) { return std::uniform_real_distribution(low, high)(random); }
   Length length(double low_m, double high_m) { return from_double<Length>(uniform(low_m, high_m)); }
 
-  // As walking brings them, at a height at which both legs reach.
+  // Returns a random stance typical of walking, at a height that both legs reach.
   Stance draw() {
     Stance stance;
     stance.yaw = from_double<Angle>(uniform(-3.0, 3.0));
@@ -51,10 +51,11 @@ class BodyTest : public testing::Test {
     stance.load_shares = {fixed::kOne / 2, fixed::kOne / 2};
     return stance;
   }
-  // Of a walk straight ahead at the default height.
+  // Returns a stance of a straight walk at the default height.
   Stance draw_straight() {
     Stance stance;
-    const double ahead = uniform(-1, 1);  // of the foot that swings, highest where it passes the other
+    const double ahead = uniform(-1, 1);  // position of the swing foot; it is highest next to the support
+                                          // foot
     stance.soles = {
         Foothold{.p = {from_double<Length>(0.02 * ahead), from_double<Length>(0.033)}, .yaw = {}},
         Foothold{.p = {from_double<Length>(-0.02 * ahead), from_double<Length>(-0.033)}, .yaw = {}}};
@@ -73,7 +74,7 @@ class BodyTest : public testing::Test {
   std::mt19937 random{20081};
 };
 
-// What is asked for, from the sole that sees it.
+// The requested centre of mass relative to the sole `from`.
 test::Point asked(const Stance& stance, Side from, Point p, Length height) {
   const auto i = static_cast<std::size_t>(from);
   const Foothold& sole = stance.soles[i];
@@ -120,8 +121,8 @@ TEST_F(BodyTest, TurnsAndLeansTheTrunk) {
   EXPECT_LT(worst, 1e-5);
 }
 
-// The knees are taken to lie on the line from hip to ankle. At one height of walking that is a constant,
-// ahead of where the mass is asked for, which a parameter takes up; what is left is within two millimetres.
+// The solver assumes that the knees are on the line from hip to ankle. At one walking height this gives a
+// constant forward offset of the mass, which a parameter compensates; the rest is within two millimetres.
 TEST_F(BodyTest, PutsTheCentreOfMassWithinTwoMillimetresOfAConstant) {
   std::vector<test::Point> errors;
   test::Point mean;
@@ -165,12 +166,12 @@ TEST_F(BodyTest, StaysWithinTheJointsLimitsWhereALegDoesNotReach) {
   EXPECT_GT(stretched, 100);
 }
 
-// How far each joint's target goes beyond the angle that is wanted, in rad.
+// Compliance compensation: the target minus the desired angle of each joint, in rad.
 class CompliantBody : public BodyTest {
  protected:
   static constexpr Compliance kSoft{.pitch = from_rad(fixed::kOne / 2), .roll = from_rad(fixed::kOne / 4)};
 
-  // On `side` at the origin, the other foot in the air.
+  // Returns a stance on `side` at the origin with the other foot in the air.
   static Stance on_one_foot(Side side) {
     const double in = side == Side::kLeft ? -1.0 : 1.0;
     Stance stance;
@@ -186,8 +187,8 @@ class CompliantBody : public BodyTest {
   double given_rad(const Stance& stance, std::size_t joint) const {
     return to_double(solve(stance, kSoft)[joint] - solve(stance)[joint]);
   }
-  // The ground's force of 1, upwards through the ZMP, turns what is below the joint about its axis by the
-  // torque r x f, and the target goes as far the other way.
+  // A unit ground reaction force, upwards through the ZMP, turns the part below the joint about its axis by
+  // the torque r x f. The target compensates by the opposite angle.
   double expected_rad(const Stance& stance, Side side, std::size_t joint, test::Point zmp) const {
     const Posed posed(model, solve(stance));
     const test::Point torque = cross(zmp - posed.joint(joint, side), kUp);
@@ -197,10 +198,10 @@ class CompliantBody : public BodyTest {
   }
 };
 
-constexpr double kSameLever_rad = 1e-3;  // the trunk's lean turns the hip's axes against the ground's
+constexpr double kSameLever_rad = 1e-3;  // the trunk's lean rotates the hip's axes relative to the ground's
 
 TEST_F(CompliantBody, MakesUpForTheSagOfTheJointsThatBear) {
-  model.joints[4].axis = -robot::kAxisY;  // and follows a joint that turns the other way
+  model.joints[4].axis = -robot::kAxisY;  // must also hold for a reversed joint axis
   for (const Side side : kSides) {
     const Stance stance = on_one_foot(side);
     const test::Point zmp{to_double(stance.zmp.x), to_double(stance.zmp.y), 0};
@@ -210,7 +211,8 @@ TEST_F(CompliantBody, MakesUpForTheSagOfTheJointsThatBear) {
       const double expected = expected_rad(stance, side, leg[i], zmp);
       EXPECT_NEAR(given_rad(stance, leg[i]), expected, kSameLever_rad) << "joint " << leg[i];
     }
-    EXPECT_GT(std::abs(given_rad(stance, leg[1])), 2 * kSameLever_rad);  // or nothing was tested
+    EXPECT_GT(std::abs(given_rad(stance, leg[1])), 2 * kSameLever_rad);  // otherwise the test would check
+                                                                         // nothing
     EXPECT_GT(std::abs(given_rad(stance, leg[3])), 2 * kSameLever_rad);
   }
 }

@@ -18,7 +18,7 @@ using fixed::Length;
 using fixed::to_double;
 using hal::Side;
 
-// Steps of a random gait, with the pendulum that they are for.
+// A random gait with its steps and the matching pendulum.
 struct RandomGait {
   explicit RandomGait(std::mt19937& random)
       : pendulum(from_double<Length>(std::uniform_real_distribution(0.14, 0.2)(random))),
@@ -27,8 +27,8 @@ struct RandomGait {
         width(from_double<Length>(std::uniform_real_distribution(0.04, 0.1)(random))),
         steps(width, pendulum.growth(static_cast<std::size_t>(ticks)), pendulum.lag(double_ticks)) {}
 
-  // The DCM at the end of a step, from the ZMP under the support foot; the ZMP came from the
-  // last foot, that far behind.
+  // Returns the DCM at the end of a step, given the ZMP under the support foot. The ZMP shifts from the
+  // previous foot, which is `last_step` behind.
   Point end_of_step(Point begin, Point last_step) const {
     PendulumState state = PendulumState::at_rest(begin);
     for (std::int32_t tick = 1; tick <= ticks; ++tick) {
@@ -94,7 +94,8 @@ TEST(Footsteps, AreMirroredToTheBit) {
   }
 }
 
-// A half of an LSB is rounded upwards on both sides: each of the four roundings may part them by one LSB.
+// Half an LSB is rounded upwards on both sides, so each of the four roundings may cause a difference of one
+// LSB.
 TEST(FootstepsOffset, IsMirroredToFourLsb) {
   std::mt19937 random{20081};
   std::int32_t worst_raw = 0;
@@ -127,7 +128,8 @@ TEST(FootstepsOffset, RepeatsItselfOverTwoSteps) {
   EXPECT_GT(worst_m, 1e-8);
 }
 
-// Marching on the spot, all in single support: half the width over growth + 1 from the other foot's half.
+// Marching on the spot in single support only: the offset is half the width divided by (growth + 1), from the
+// middle between the feet.
 TEST(FootstepsOffset, OnTheSpotIsTheTextbooks) {
   const double growth = 7.0;
   const double width_m = 0.062;

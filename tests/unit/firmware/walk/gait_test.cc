@@ -118,7 +118,7 @@ TEST(Speed, GainsNoMoreThanTheAccelerationInACycle) {
 
 TEST(Speed, ArrivesAtItsCommandAndStaysThere) {
   const Gait gait =
-      with_steps({.time_ms = 200, .acceleration = {70, 70, 70}});  // does not divide what is wanted
+      with_steps({.time_ms = 200, .acceleration = {70, 70, 70}});  // not a divisor of the requested time
   Speed speed;
   const Velocity wanted{100, -33, 7};
   for (int tick = 0; tick < 200; ++tick) speed.approach(wanted, gait);

@@ -21,7 +21,7 @@ constexpr double kGravity_m_per_s2 = 9.80665;
 
 double omega_per_s(double height_m) { return std::sqrt(kGravity_m_per_s2 / height_m); }
 
-// One axis of the pendulum in double, by its closed form: equation 3 of the paper.
+// One axis of the pendulum in double, from its closed form: equation 3 of the paper.
 struct Reference {
   double x_m;
   double v_m_per_s;
@@ -52,7 +52,7 @@ class Draw {
   std::mt19937 random_{20081};
 };
 
-// The largest distance of the mass from the closed form, after `ticks` about ZMPs that rest for a tick.
+// Returns the largest deviation from the closed form after `ticks`, with the ZMP constant during each tick.
 double worst_m(double lowest_m, double highest_m, int ticks) {
   Draw draw;
   double worst = 0.0;
@@ -81,7 +81,7 @@ TEST(Pendulum, FollowsTheClosedFormForATick) {
   EXPECT_GT(worst, 1e-9);
 }
 
-// A step of the default gait, over which an error of the beginning grows sevenfold.
+// A step of the default gait, during which an initial error grows sevenfold.
 TEST(Pendulum, FollowsTheClosedFormForAStep) {
   const double worst = worst_m(0.15, 0.2, 26);
   EXPECT_LT(worst, 2e-6);
@@ -130,7 +130,8 @@ TEST(PendulumLag, IsTheSumOfWhatIsMissing) {
   }
 }
 
-// What it is for: the ZMP that comes in cycles ends where one that comes at once ends from a state beside.
+// Purpose of the lag: a ZMP that ramps over several cycles gives the same final DCM as a ZMP step from an
+// offset initial state.
 TEST(PendulumLag, StandsForAZmpThatTakesItsTime) {
   const Pendulum pendulum(from_double<Length>(0.17));
   const Length way = from_double<Length>(0.06);

@@ -18,7 +18,7 @@ inline robot::RobotModel load_test_robot() {
   return loaded;
 }
 
-// The robot with its joints at given angles, in double, as a sole sees it.
+// The robot at given joint angles, in double, expressed in a sole's frame.
 class Posed {
  public:
   Posed(const robot::RobotModel& model, std::span<const fixed::Angle> angles) : model_(model) {
@@ -28,7 +28,7 @@ class Posed {
   Point sole(hal::Side side, hal::Side seen_from) const {
     return seen(from_sole(model_, angles_rad_, side, {}), seen_from);
   }
-  // An axis of a sole, or of the trunk, in the axes of another sole.
+  // An axis of a sole or of the trunk, expressed in the axes of another sole.
   Point sole_axis(hal::Side side, const Point& unit, hal::Side seen_from) const {
     return seen(from_sole(model_, angles_rad_, side, unit), seen_from) - sole(side, seen_from);
   }
@@ -47,7 +47,7 @@ class Posed {
   std::array<double, robot::kMaxJoints> angles_rad_{};
 };
 
-// Of an axis that points ahead at `yaw` 0.
+// Yaw of an axis that points forward at `yaw` 0.
 inline double yaw_rad(const Point& ahead) { return std::atan2(ahead.y, ahead.x); }
 
 }  // namespace koboshi::test

@@ -1,4 +1,4 @@
-// What the walker does about what the sensors tell.
+// Reactions of the walker to sensor readings.
 
 #include <gtest/gtest.h>
 
@@ -36,7 +36,8 @@ Observation turning(double y_rad_per_s, double z_rad_per_s) {
   return seen;
 }
 
-// Where a foot comes down more than on the spot, when the trunk leans or turns so all through its step.
+// Returns the displacement of a landing relative to stepping on the spot, when the walker observes `seen`
+// during the whole step.
 test::Point shift(const WalkParameters& parameters, Side side, const Observation& seen) {
   WalkingRobot robot(parameters);
   for (int step = 0; step < 4; ++step) EXPECT_TRUE(robot.advance_until_landing());
@@ -47,7 +48,7 @@ test::Point shift(const WalkParameters& parameters, Side side, const Observation
   return robot.landings.back().p - before;
 }
 
-// With the whole of a step in single support, where a foothold moves by just what is captured.
+// Parameters with single support only, so that a foothold moves exactly by the capture term.
 WalkParameters capturing(std::int16_t ahead, std::int16_t aside) {
   WalkParameters parameters = rigid();
   parameters.step.double_support = 0;
@@ -58,7 +59,7 @@ WalkParameters capturing(std::int16_t ahead, std::int16_t aside) {
   return parameters;
 }
 
-// What is left of a lean's news after a step of it.
+// Remaining share of a constant lean after one step: the slow estimate of the DCM bias absorbs the rest.
 const double kDcmBiasShare = std::pow(1.0 - 1.0 / 150.0, 26);
 
 TEST(WalkerCapture, MovesTheFootholdTowardsALeanAhead) {
@@ -71,7 +72,7 @@ TEST(WalkerCapture, MovesTheFootholdTowardsALeanAhead) {
 }
 
 TEST(WalkerCapture, MovesTheFootholdOutTowardsALeanAside) {
-  // A roll to the right is positive about x, ahead: the mass falls to the right.
+  // Positive roll about the forward axis x: the robot leans to the right.
   const double way_m = 0.5 * (kDcmBiasShare * kComHeight_m * 0.1 - 0.005);
   EXPECT_NEAR(shift(capturing(500, 500), Side::kRight, leaning(0.1, 0)).y, -way_m, 0.1e-3);
   EXPECT_NEAR(shift(capturing(500, 500), Side::kLeft, leaning(-0.1, 0)).y, way_m, 0.1e-3);
@@ -116,14 +117,16 @@ TEST(WalkerCapture, SmoothsWhatItSees) {
   WalkParameters parameters = capturing(500, 0);
   parameters.reaction.dead_band = 0;
   parameters.reaction.smoothing = 900;
-  // A tenth of each cycle's news, of which those of the first are a_1 = 149 / 150.
+  // Smoothing passes a tenth of each cycle's value, and the bias estimate leaves a_1 = 149 / 150 of it in the
+  // first cycle.
   const double fading = 1.0 - 1.0 / 150.0;
   const double share = 0.1 * fading * (kDcmBiasShare - std::pow(0.9, 26)) / (fading - 0.9);
   const test::Point moved = shift(parameters, Side::kLeft, leaning(0, 0.1));
   EXPECT_NEAR(moved.x, share * 0.5 * kComHeight_m * 0.1, 0.1e-3);
 }
 
-// Ticks between two landings, when the swing foot feels `load_N` from the given tick on after the first.
+// Ticks between two landings, when the swing foot is loaded with `load_N` from the given tick after the
+// first.
 int step_ticks(std::int16_t threshold_cN, double load_N, int from_tick) {
   WalkParameters parameters = rigid();
   parameters.reaction.touchdown_load_cN = threshold_cN;
@@ -132,7 +135,7 @@ int step_ticks(std::int16_t threshold_cN, double load_N, int from_tick) {
   const int begin = robot.landings.back().tick;
   const std::size_t swings = robot.landings.back().side == Side::kLeft ? kRight : kLeft;
   const auto stands_before = other(robot.landings.back().side);
-  // The step is over when the other foot swings.
+  // The step ends when the other foot lifts off.
   while (robot.tick < begin + 60) {
     Observation seen;
     if (robot.tick - begin >= from_tick) seen.loads[swings] = from_double<Force>(load_N);
@@ -144,18 +147,19 @@ int step_ticks(std::int16_t threshold_cN, double load_N, int from_tick) {
 
 TEST(WalkerTouchDown, EndsAStepBeforeItsTime) {
   const int in_time = step_ticks(200, 0.0, 0);
-  EXPECT_EQ(in_time, 26 + 3 + 1);  // a step, and the next one's double support
+  EXPECT_EQ(in_time, 26 + 3 + 1);  // one step and the double support of the next
   EXPECT_EQ(step_ticks(200, 3.0, 20), in_time - 26 + 21);
   EXPECT_EQ(step_ticks(200, 1.9, 20), in_time);
   EXPECT_EQ(step_ticks(0, 3.0, 20), in_time);  // off
 }
 
-// 0.6 of 23 cycles of swing, after 3 with both feet down.
+// 0.6 of the 23 cycles of swing, after 3 cycles of double support.
 TEST(WalkerTouchDown, IsNotBelievedBeforeTheFootHasGoneMostOfItsWay) {
   EXPECT_EQ(step_ticks(200, 3.0, 0), step_ticks(200, 0.0, 0) - 26 + 17);
 }
 
-// The mass has then not come so far: the next step goes further out, and the ones after it are as before.
+// The mass has then moved less than planned: the next step lands further out, and the following ones are as
+// before.
 TEST(WalkerTouchDown, IsMadeUpForByTheNextStep) {
   WalkParameters parameters = rigid();
   parameters.reaction.touchdown_load_cN = 200;
@@ -174,7 +178,8 @@ TEST(WalkerTouchDown, IsMadeUpForByTheNextStep) {
   }
 }
 
-// A robot whose gyro tells how its trunk turns over its standing soles, and once was turned by others.
+// Returns the remaining heading error of a robot whose gyro measures the rotation of its trunk over the
+// support foot, after a disturbance has turned it once.
 double heading_left_rad(std::int16_t heading_hold, double turned_rad, const Velocity& command = {}) {
   WalkParameters parameters = rigid();
   parameters.reaction.heading_hold = heading_hold;
@@ -189,7 +194,7 @@ double heading_left_rad(std::int16_t heading_hold, double turned_rad, const Velo
   };
   for (int tick = 0; tick < 1'500; ++tick) {
     const double shove_rad = tick < kShoveTicks ? turned_rad / kShoveTicks : 0.0;
-    // A foot that does not swing after this tick either did not move in it.
+    // A foot that still supports after this tick did not move during it.
     const std::array before{trunk_yaw_rad(Side::kLeft), trunk_yaw_rad(Side::kRight)};
     const auto swung = robot.swing_side();
     robot.advance(command, turning(0, rate_rad_per_s + shove_rad / kTick_s));
@@ -209,7 +214,7 @@ TEST(WalkerHeading, TurnsBackWhenItWasTurned) {
 
 TEST(WalkerHeading, StaysTurnedWhereItIsNotHeld) { EXPECT_NEAR(heading_left_rad(0, 0.3), 0.3, 1e-3); }
 
-// Less what it lags behind while it turns.
+// The error is reduced by the lag during a turn.
 TEST(WalkerHeading, HoldsACurveToo) { EXPECT_NEAR(heading_left_rad(300, 0.3, {0, 0, 300}), 0.0, 0.15); }
 
 }  // namespace

@@ -53,7 +53,7 @@ TEST(Walker, SwaysToTheLeftAndThenStepsWithTheRightFirst) {
   }
   EXPECT_EQ(robot.swing_side(), Side::kRight);
   EXPECT_GT(robot.posed().com(Side::kLeft).y, -kWidth_m / 2);
-  EXPECT_GT(furthest_right_m, -3e-3);  // it falls to where the foot is that stands, not away from it
+  EXPECT_GT(furthest_right_m, -3e-3);  // the mass first moves towards the support foot, not away from it
 }
 
 TEST(Walker, MarchesOnTheSpotInTime) {
@@ -69,7 +69,7 @@ TEST(Walker, MarchesOnTheSpotInTime) {
   }
 }
 
-// However long both feet stand, a step that is not the planned one is made up for by the next.
+// For any duration of double support, the next step corrects a deviation from the planned one.
 TEST(Walker, MarchesOnTheSpotWithAnyDoubleSupport) {
   for (const int permille : {0, 100, 200, 300, 400, 500}) {
     auto parameters = rigid();
@@ -82,7 +82,7 @@ TEST(Walker, MarchesOnTheSpotWithAnyDoubleSupport) {
   }
 }
 
-// Way and turn of every two steps, when the speed has come up.
+// Checks the displacement and the turn of each pair of steps once the velocity is reached.
 void expect_pace(const Velocity& command, double forward_m_per_s, double left_m_per_s,
                  double turn_rad_per_s) {
   WalkingRobot robot;
@@ -115,7 +115,7 @@ TEST(Walker, TurnsAsFastAsItIsTold) {
   }
 }
 
-// A hundred steps of velocities that change at any time.
+// A hundred steps with velocities that change at random times.
 template <typename Check>
 void walk_at_random(WalkingRobot& robot, std::uint32_t seed, const Velocity& most, const Check& check) {
   std::mt19937 random(seed);
@@ -138,7 +138,7 @@ void expect_within_limits(const WalkingRobot& robot) {
   }
 }
 
-// All that the limits of the velocity let through.
+// All velocities within the limits.
 TEST(Walker, KeepsToTheJointsLimitsAtAnyVelocity) {
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
     WalkingRobot robot;
@@ -146,8 +146,8 @@ TEST(Walker, KeepsToTheJointsLimitsAtAnyVelocity) {
   }
 }
 
-// What its legs reach with the default parameters: the mass stays between the feet and at its height, and no
-// target leaps further than a servo may be late.
+// Within the reach of the legs at the default parameters: the mass stays between the feet and at its height,
+// and no target changes faster than a servo can follow.
 TEST(Walker, KeepsItsMassOverItsFeetForAHundredStepsOfAnyVelocity) {
   constexpr double kFastest_rad_per_s = 2 * 7.48;
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
@@ -184,7 +184,7 @@ TEST(Walker, EndsAtTheStandingTargetsWhenToldToStop) {
     ASSERT_TRUE(robot.walker.running());
     EXPECT_NE(robot.targets(), after_ticks == 0 ? std::vector<Angle>() : robot.standing);
     robot.walker.stop();
-    ASSERT_TRUE(robot.advance_to_the_end({200, 50, 300})) << after_ticks;  // whatever it is told besides
+    ASSERT_TRUE(robot.advance_to_the_end({200, 50, 300})) << after_ticks;  // regardless of other commands
     EXPECT_EQ(robot.targets(), robot.standing) << after_ticks;
   }
 }
@@ -258,7 +258,7 @@ TEST(Walker, WalksTheSameTwiceAndAfterAnotherWalk) {
   const auto told = play(once);
   WalkingRobot again{lively};
   EXPECT_TRUE(play(again) == told);
-  again.walker.start(lively, again.standing);  // in the middle of the walk
+  again.walker.start(lively, again.standing);  // in the middle of a walk
   EXPECT_TRUE(play(again) == told);
 }
 

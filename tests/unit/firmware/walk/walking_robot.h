@@ -9,8 +9,8 @@
 
 namespace koboshi::test {
 
-// A gait of round numbers, whatever the robot walks with, on joints that do not give: the soles are where the
-// targets say.
+// A gait with round numbers on rigid joints: the soles are where the targets place them. Independent of the
+// tuned gait.
 inline walk::WalkParameters rigid() {
   return {.step = {.time_ms = 260,
                    .double_support = 150,
@@ -33,13 +33,13 @@ inline walk::WalkParameters rigid() {
                        .capture_lateral = 0,
                        .dead_band = 50,
                        .smoothing = 500,
-                       .heading_hold = 0}};  // the trunk's gyro tells of no turn
+                       .heading_hold = 0}};  // the simulated gyro measures no rotation
 }
 
-// A walker on the test robot, whose joints are always at their targets and whose trunk leans as it is to.
+// A walker on the test robot, whose joints follow their targets exactly and whose trunk leans as planned.
 class WalkingRobot {
  public:
-  // A foot that came down: where, seen from the other.
+  // A touchdown: position relative to the other foot.
   struct Landing {
     int tick;
     hal::Side side;
@@ -55,12 +55,12 @@ class WalkingRobot {
       standing[leg[3]] = degrees(44);
       standing[leg[4]] = degrees(-28);
     }
-    standing[13] = degrees(8);  // the arms a little from the trunk
+    standing[13] = degrees(8);  // keeps the arms off the trunk
     standing[16] = degrees(-8);
     walker.start(parameters, standing);
   }
 
-  // A cycle, of which the sensors tell that it went as planned but for what is added to it.
+  // Advances one cycle. The sensors report the planned movement plus `more`.
   void advance(const walk::Velocity& command = {}, walk::Observation more = {}) {
     more.pitch += walker.pitch();
     walker.advance(command, more);
@@ -72,14 +72,14 @@ class WalkingRobot {
     for (int i = 0; i < 200 && landings.size() == before && walker.running(); ++i) advance(command, more);
     return landings.size() > before;
   }
-  // False when it does not come to its end in ten seconds.
+  // Returns false if the walk does not end within ten seconds.
   bool advance_to_the_end(const walk::Velocity& command = {}) {
     for (int i = 0; i < 1'000 && walker.running(); ++i) advance(command);
     return !walker.running();
   }
 
   Posed posed() const { return {model, walker.targets()}; }
-  // The foot in the air.
+  // The swing foot, if there is one.
   std::optional<hal::Side> swing_side() const {
     const double height_m = posed().sole(hal::Side::kRight, hal::Side::kLeft).z;
     if (std::abs(height_m) < kOnTheGround_m) return {};

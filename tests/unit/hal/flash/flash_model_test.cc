@@ -11,7 +11,7 @@ namespace {
 class Flash : public ::testing::Test {
  protected:
   std::byte at(std::size_t offset) const { return flash_.contents()[offset]; }
-  // How many times `state` answers busy.
+  // Counts the busy answers of `state`.
   int wait() {
     int polls = 0;
     while (flash_.state() == StorageState::kBusy && polls < 1000) ++polls;
@@ -25,7 +25,7 @@ class Flash : public ::testing::Test {
 TEST_F(Flash, WritesAfterItsTime) {
   const std::vector bytes{std::byte{0x12}, std::byte{0x34}};
   ASSERT_TRUE(flash_.begin_write(100, bytes));
-  EXPECT_NE(at(100), std::byte{0x12});  // a reader who does not wait is caught
+  EXPECT_NE(at(100), std::byte{0x12});  // reading without waiting does not give the data
   EXPECT_EQ(wait(), FlashModel::kWritePolls);
   EXPECT_EQ(flash_.state(), StorageState::kIdle);
   EXPECT_EQ(at(99), std::byte{0xFF});

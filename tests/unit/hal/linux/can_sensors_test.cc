@@ -5,7 +5,7 @@
 namespace koboshi::hal {
 namespace {
 
-// Three axes and the number of the sample, as a PDO carries them.
+// Returns a frame with three axes and the sample counter, in the layout of the PDO.
 CanFrame half(std::uint16_t identifier, std::int16_t x, std::uint8_t number) {
   const auto word = static_cast<std::uint16_t>(x);
   return {

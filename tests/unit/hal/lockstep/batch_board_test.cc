@@ -73,7 +73,7 @@ TEST_F(BatchBoardTest, CountsWhatNoLongerFits) {
   EXPECT_EQ(board.imu.overruns(), 0xFFFE);
   CanFrame frame;
   ASSERT_TRUE(board.can.receive(frame));
-  batch.begin(input);  // 63 still wait, so 63 of 64 are lost
+  batch.begin(input);  // 63 frames are still queued, so 63 of 64 are lost
   EXPECT_EQ(board.can.status().receive_overruns, 5 + 63);
   EXPECT_EQ(board.imu.overruns(), 0xFFFF) << "saturates";
 }

@@ -75,7 +75,7 @@ TEST(BatchInput, ComesBackAsItWasAtEveryFillLevel) {
   for (std::size_t frames = 0; frames <= BatchInput::kMaxFrames; ++frames) {
     const std::size_t samples = frames % (BatchInput::kMaxImuSamples + 1);
     const BatchInput sent = random_input(random, frames, samples);
-    BatchInput received = random_input(random, 3, 3);  // what stood there before must not show
+    BatchInput received = random_input(random, 3, 3);  // the decoder must overwrite all earlier contents
     ASSERT_TRUE(decode(encoded(sent), received));
     expect_equal(sent, received);
   }
@@ -104,7 +104,7 @@ TEST(BatchInput, HasThisWireFormat) {
       0x40, 0x00, 0x20, 0x07, 0x10, 0x08,                       // transmit_space
       0,    1,    0,                                            // transmit_pending
       0x66, 0x55,                                               // imu_overruns
-      1,    0,    0xA1, 0x07, 0x83, 1,    2, 3, 0, 0, 0, 0, 0,  // one frame: remote, size 3
+      1,    0,    0xA1, 0x07, 0x83, 1,    2, 3, 0, 0, 0, 0, 0,  // one remote frame, size 3
       0,    0,                                                  // no IMU sample
       0,    0,                                                  // no fresh ankle
   };

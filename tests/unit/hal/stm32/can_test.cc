@@ -56,14 +56,14 @@ TEST_F(Stm32Can, IsSilentUntilItIsStarted) {
 
 TEST_F(Stm32Can, StartsByTheAcknowledgedInitialisationMode) {
   can.start(k1MbitAt42MHz);
-  can.update();  // too early: not acknowledged
+  can.update();  // too early: initialisation is not acknowledged
   EXPECT_EQ(hardware.registers.fa1r, 0u);
   hardware.settle();
   EXPECT_EQ(hardware.registers.msr, msr::kInak);
   can.update();
   hardware.settle();
   EXPECT_EQ(hardware.registers.btr, k1MbitAt42MHz.btr());
-  EXPECT_FALSE(hardware.on_bus());  // 11 recessive bits first
+  EXPECT_FALSE(hardware.on_bus());  // needs 11 recessive bits first
   hardware.pass_recessive(1);
   EXPECT_TRUE(hardware.on_bus());
 }
@@ -98,7 +98,7 @@ TEST_F(Stm32Can, KeepsAsManyFramesAsTheRingHolds) {
   EXPECT_FALSE(can.receive(frame));
 }
 
-// The handler is held up for longer than three frames take: the fourth is lost and counted, once.
+// The interrupt is delayed by more than the duration of three frames: the fourth is lost and counted once.
 TEST_F(Stm32Can, CountsAnOverrunOfTheHardwareFifo) {
   start();
   const std::uint32_t enabled = hardware.registers.ier;
@@ -117,7 +117,7 @@ TEST_F(Stm32Can, CountsAnOverrunOfTheHardwareFifo) {
   EXPECT_EQ(can.status().receive_overruns, 1);
 }
 
-// The level of the interrupt falls some clock periods after the release: the handler is called again.
+// The interrupt line falls some clock cycles after the release, so the handler runs again.
 TEST_F(Stm32Can, TakesAFrameOnceWhileItsReleaseIsPending) {
   start();
   hardware.connect([] {}, [] {});
@@ -125,7 +125,7 @@ TEST_F(Stm32Can, TakesAFrameOnceWhileItsReleaseIsPending) {
   hardware.registers.ier = 0;
   hardware.deliver(kSync);
   can.on_receive_interrupt();
-  hardware.registers.rf0r = hardware.registers.rf0r | 1;  // FMP still shows it
+  hardware.registers.rf0r = hardware.registers.rf0r | 1;  // FMP still counts the frame
   can.on_receive_interrupt();
   hardware.registers.ier = enabled;
   EXPECT_TRUE(can.receive(frame));
@@ -155,7 +155,7 @@ TEST_F(Stm32Can, SaysWhatWaitsInWhichFifo) {
   ASSERT_TRUE(hardware.send());
   EXPECT_FALSE(can.transmit_pending(kAnswerFifo));
 
-  // One in the mailbox, and a full ring.
+  // Fills one mailbox and the ring.
   for (std::size_t i = 0; i < Can::kTransmitCapacity + 1; ++i) {
     EXPECT_EQ(can.transmit_space(kProcessFifo),
               i == 0 ? Can::kTransmitCapacity : Can::kTransmitCapacity + 1 - i);
@@ -163,7 +163,7 @@ TEST_F(Stm32Can, SaysWhatWaitsInWhichFifo) {
   }
   EXPECT_EQ(can.transmit_space(kProcessFifo), 0u);
   EXPECT_FALSE(can.transmit(kRpdo));
-  EXPECT_TRUE(can.transmit(kHeartbeat));  // the others have room
+  EXPECT_TRUE(can.transmit(kHeartbeat));  // the other FIFOs have room
   EXPECT_EQ(send_all().size(), Can::kTransmitCapacity + 2);
 }
 
@@ -198,7 +198,7 @@ TEST_F(Stm32Can, RecoversAfter128TimesElevenRecessiveBits) {
   hardware.settle();
   can.update();
   hardware.pass_recessive(100);
-  can.recover();  // the firmware asks in each of its cycles; what runs is not begun again
+  can.recover();  // the firmware requests recovery in each cycle; a recovery in progress must not restart
   hardware.pass_recessive(27);
   EXPECT_EQ(can.status().state, CanErrorState::kBusOff);
   hardware.pass_recessive(1);
@@ -207,7 +207,7 @@ TEST_F(Stm32Can, RecoversAfter128TimesElevenRecessiveBits) {
   ASSERT_TRUE(can.transmit(kSync));
   EXPECT_EQ(hardware.send(), kSync);
 
-  destroy_until_bus_off();  // and a second time
+  destroy_until_bus_off();  // a second time
   can.recover();
   hardware.settle();
   can.update();
@@ -237,7 +237,7 @@ TEST_F(Stm32Can, DoesNotRecoverWhatIsNotBusOff) {
   EXPECT_EQ(hardware.send(), kSync);
 }
 
-// --- The fake itself, where the driver above does not lead it
+// --- The fake itself, where the driver does not exercise it
 
 TEST(FakeCanRegisters, ProtectsTheBitTimingOutsideInitialisationMode) {
   FakeCanRegisters hardware;
@@ -262,7 +262,7 @@ TEST(FakeCanRegisters, ReplacesTheNewestFrameOfAFifoThatIsNotLocked) {
   FakeCanRegisters hardware;
   hardware.registers.mcr = mcr::kInrq;
   hardware.settle();
-  hardware.registers.fa1r = 1;  // everything
+  hardware.registers.fa1r = 1;  // all filters
   hardware.registers.mcr = 0;
   hardware.pass_recessive(1);
   for (std::uint16_t i = 1; i <= 4; ++i) hardware.deliver({.identifier = i});

@@ -12,7 +12,7 @@ TEST(InterruptRing, IsFirstInFirstOutAndBounded) {
   int item = -1;
   EXPECT_FALSE(ring.pop(item));
   EXPECT_EQ(item, -1);
-  for (int turn = 0; turn < 3; ++turn) {  // past its end
+  for (int turn = 0; turn < 3; ++turn) {  // wraps round several times
     for (int i = 0; i < 4; ++i) EXPECT_TRUE(ring.push(10 * turn + i));
     EXPECT_FALSE(ring.push(99));
     EXPECT_EQ(ring.size(), 4u);
@@ -24,7 +24,7 @@ TEST(InterruptRing, IsFirstInFirstOutAndBounded) {
   }
 }
 
-// Two cores are harder on it than an interrupt of one.
+// Two threads are a harder case than an interrupt on one core.
 TEST(InterruptRing, LosesNothingBetweenTwoThreads) {
   constexpr int kItems = 20'000;
   InterruptRing<int, 256> ring;

@@ -19,7 +19,7 @@ TEST(Parallel, DoesEachTaskOnce) {
 }
 
 TEST(Parallel, RunsAsManyAtATimeAsAsked) {
-  // Would wait for ever in fewer threads.
+  // Deadlocks with fewer threads.
   std::latch together(3);
   for_each_parallel(3, 3, [&](std::size_t) { together.arrive_and_wait(); });
   SUCCEED();

@@ -21,7 +21,7 @@ using fixed::to_double;
 
 class GaitMotionTest : public testing::Test {
  protected:
-  // Links and soles in the trunk's frame, of a pose.
+  // Returns the poses of links and soles in the trunk's frame.
   robot::LinkPoses links(const std::vector<double>& angles_rad) const {
     std::vector<fixed::Angle> angles;
     for (const double angle : angles_rad) angles.push_back(fixed::from_double<fixed::Angle>(angle));
@@ -35,7 +35,8 @@ class GaitMotionTest : public testing::Test {
   Gait gait_ = read_gait(KOBOSHI_SOURCE_DIR "/robots/koboshi/gait.yaml");
 };
 
-// The firmware's forward kinematics and centre of mass, which the poses were not made with.
+// Uses the firmware's forward kinematics and centre of mass, which are independent of the code that made the
+// poses.
 TEST_F(GaitMotionTest, PutsCentreOfMassAndSolesWhereThePlanHasThem) {
   gait_.sag_compensation = 0.0;
   gait_.trunk_pitch_rad = 0.0;
@@ -65,7 +66,7 @@ TEST_F(GaitMotionTest, MakesUpForTheSagOfTheStandingLegOnly) {
     const std::size_t joint = *model_.model.find(role);
     return with[joint] - without[joint];
   };
-  // A knee that bears weight folds; to hold it, its target is a straighter leg.
+  // A loaded knee yields, so its target must be a straighter leg.
   EXPECT_LT(change(robot::JointRole::kLeftKnee), -1e-3);
   EXPECT_NEAR(change(robot::JointRole::kLeftKnee), change(robot::JointRole::kRightKnee), 1e-9);
   EXPECT_EQ(change(robot::JointRole::kLeftElbow), 0.0);

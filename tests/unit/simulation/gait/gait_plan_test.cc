@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector2d;
 using hal::Side;
 
-// Sole of the default robot, from below the ankle.
+// Sole of the default robot, relative to the ankle.
 constexpr double kSoleBack_m = -0.038;
 constexpr double kSoleFront_m = 0.062;
 constexpr double kSoleHalfWidth_m = 0.028;
@@ -21,7 +21,7 @@ Gait koboshi_gait() { return read_gait(KOBOSHI_SOURCE_DIR "/robots/koboshi/gait.
 
 class GaitPlanTest : public testing::Test {
  protected:
-  // On the way from standing through two cycles.
+  // End of two cycles after the start from standing.
   double end_s() const { return plan_.start_s() + 2.0 * plan_.cycle_s(); }
 
   Gait gait_ = koboshi_gait();
@@ -44,7 +44,8 @@ TEST_F(GaitPlanTest, MovesTheMassAsAPendulumEverywhere) {
     const GaitInstant now = plan_.at(t);
     const Vector2d acceleration =
         (plan_.at(t + h).com_W_m - 2.0 * now.com_W_m + plan_.at(t - h).com_W_m) / (h * h);
-    // The ZMP of the mass, within what a joint in its way inside [t - h, t + h] does.
+    // The ZMP of the point mass must match the plan within the error of the finite difference over [t - h, t
+    // + h].
     EXPECT_NEAR((now.com_W_m - acceleration / rate - now.zmp_W_m).norm(), 0.0, 1e-3) << t;
   }
 }
@@ -81,7 +82,9 @@ TEST_F(GaitPlanTest, StopsAtRestInTheMiddle) {
 
 TEST_F(GaitPlanTest, KeepsTheZmpInsideTheSupport) {
   const auto check = [&](const GaitInstant& now, double t) {
-    if (now.load_share[0] < 1.0 && now.load_share[1] < 1.0) return;  // between the feet
+    if (now.load_share[0] < 1.0 && now.load_share[1] < 1.0)
+      return;  // double support: the ZMP is between the
+               // feet
     EXPECT_GT(now.zmp_S_m.x(), kSoleBack_m) << t;
     EXPECT_LT(now.zmp_S_m.x(), kSoleFront_m) << t;
     EXPECT_LT(std::abs(now.zmp_S_m.y()), kSoleHalfWidth_m) << t;

@@ -15,7 +15,7 @@ using Eigen::Vector2d;
 
 constexpr double kHeight_m = 0.18;
 
-// x'' = (x - p) / T_c^2 by the classical Runge-Kutta method.
+// Integrates x'' = (x - p) / T_c^2 by the classical Runge-Kutta method.
 PendulumState integrate(PendulumState state, const ZmpPiece& zmp, double time_s, int steps) {
   const double h = time_s / steps;
   const double rate = sim::kGravity_m_per_s2 / kHeight_m;

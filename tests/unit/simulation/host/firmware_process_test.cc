@@ -56,7 +56,7 @@ TEST_F(FirmwareProcessTest, ResetsItsOwnNodesAndNoOther) {
                          [](const hal::CanFrame& frame) { return frame.identifier == canopen::kNmtCobId; });
     return orders;
   };
-  play(30);  // it listens for another master
+  play(30);  // the firmware listens for another master
   EXPECT_THAT(orders(), testing::IsEmpty());
   play(10);
   std::vector<hal::CanFrame> resets;

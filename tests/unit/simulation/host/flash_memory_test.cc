@@ -50,7 +50,7 @@ TEST_F(FlashFile, KeepsWhatTheRobotStoredAndTakesAnotherFactorysContents) {
 TEST_F(FlashFile, IsNoOtherFile) {
   koboshi::test::write_file(file, "something else");
   EXPECT_THROW(FlashMemory(contents, file), sim::InputError);
-  EXPECT_EQ(std::filesystem::file_size(file), 14u);  // untouched
+  EXPECT_EQ(std::filesystem::file_size(file), 14u);  // unchanged
   EXPECT_THROW(FlashMemory(contents, folder.path), sim::InputError);
 }
 

@@ -80,7 +80,7 @@ TEST_F(RobotModelImageTest, DescribesThePapersRobot) {
   for (std::uint8_t role = 1; role < robot::kRoleCount; ++role) {
     EXPECT_TRUE(model.find(static_cast<JointRole>(role))) << int{role};
   }
-  // A full-scale count of the gyro is its range.
+  // The gyro's full-scale value equals its range.
   EXPECT_NEAR(to_double(model.scales.gyro), koboshi().imu->gyro.range, 0.01);
   EXPECT_NEAR(to_double(model.scales.accelerometer), koboshi().imu->accelerometer.range, 0.01);
 }

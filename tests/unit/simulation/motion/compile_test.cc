@@ -30,7 +30,7 @@ class MotionCompileTest : public testing::Test {
     return named;
   }
 
-  // Lines 1 to 5 of the file: what every motion has, and two poses.
+  // Lines 1 to 5 of the file: the required keys and two poses.
   static constexpr const char* kHead =
       "version: 1\nrobot: koboshi\nname: test\n"
       "poses: {bend: {knee: 60}, straight: {others: zero},\n  roll: {hip_roll: 10, head_pan: 20}}\n";
@@ -40,7 +40,7 @@ class MotionCompileTest : public testing::Test {
     return folder_.path / "motion.yaml";
   }
 
-  // Opened from an image that lives as long as the test.
+  // Compiles and opens the motion. Its image lives as long as the test.
   motion::Motion compile(const std::string& steps) {
     image_ = compile_motion(write(kHead + steps), koboshi());
     motion::Motion motion;
@@ -48,7 +48,7 @@ class MotionCompileTest : public testing::Test {
     return motion;
   }
 
-  // The message of the refusal, from the line on.
+  // Returns the error message, from the line number on.
   std::string refusal(const std::string& text) {
     const std::filesystem::path file = write(text);
     try {
@@ -193,7 +193,7 @@ TEST_F(MotionCompileTest, RefusesWhatTheFirmwareWouldWithItsLine) {
 }
 
 TEST_F(MotionCompileTest, RefusesMovesThatAreTooFast) {
-  // 60 degrees at 428 degrees/s take 0.14 s.
+  // 60 degrees at 428 degrees/s would take 0.14 s.
   EXPECT_EQ(refusal_of_steps("steps: [{pose: bend, time_s: 0.001}]\n"), "accepted")
       << "from an unknown angle";
   EXPECT_EQ(refusal_of_steps("steps: [{pose: straight, time_s: 1}, {pose: bend, time_s: 0.141}]\n"),

@@ -11,7 +11,7 @@
 #include "simulation/motion/compile.h"
 #include "tests/support/tuned_gait.h"
 
-// The motions of robots/koboshi, held to what their comments say.
+// Checks the motions of robots/koboshi against their comments.
 namespace koboshi::simulation {
 namespace {
 
@@ -63,7 +63,7 @@ TEST_F(KoboshiMotionsTest, StandIsUprightOnFeetAsWideApartAsItWalks) {
 TEST_F(KoboshiMotionsTest, SquatGoesUpAndDownAsARaisedCosineOnFlatFeet) {
   start("squat");
   advance(2'000'000);
-  for (int point = 0; point <= 60; ++point) {  // three rounds, at the poses
+  for (int point = 0; point <= 60; ++point) {  // three repetitions, at the poses
     const double expected_m = 0.105 + 0.015 * std::cos(std::numbers::pi * point / 10.0);
     ASSERT_NEAR(base_above_ankle_m(), expected_m, 1e-4) << point;
     ASSERT_NEAR(centre_of_mass_ahead_of_ankle_m(), 0.012, 2e-4) << point;

@@ -38,7 +38,7 @@ Telemetry standing() {
   return said;
 }
 
-// A robot of which a test tells what it says and how it leans.
+// A robot whose telemetry and attitude the test sets.
 class EventLogTest : public testing::Test {
  protected:
   void play_until(double time_s) {
@@ -118,7 +118,7 @@ TEST_F(EventLogTest, TellsOfACommandThatIsObeyedAndOfOneThatIsRefused) {
 }
 
 TEST_F(EventLogTest, DoesNotTakeTelemetryFromBeforeACommandForItsAnswer) {
-  said_.refusal = Reason::kNoSuchMotion;  // of an earlier command
+  said_.refusal = Reason::kNoSuchMotion;  // left from an earlier command
   play_until(1.0);
   hear(0x201, 3, {4, 0, 0});
   log_.on_bus_frame({.identifier = 0x181, .size = 8}, now_us_ + 2'700, said_);
@@ -263,7 +263,7 @@ TEST_F(EventLogTest, GathersTheSameEmergencyOfManyNodes) {
   hear(0x090, 8, {0x30, 0x81});
   hear(0x091, 8, {0x30, 0x81});
   hear(0x091, 8, {0x30, 0x81});
-  hear(0x090, 8, {});  // the end of the error
+  hear(0x090, 8, {});  // error reset
   play_until(1.0);
   hear(0x091, 8, {0x20, 0x32});
   EXPECT_THAT(texts(),
@@ -303,7 +303,7 @@ TEST_F(EventLogTest, TellsOfPushesFaultsAndTheStand) {
   push.duration_us = 100'000;
   push.link.text = "trunk";
   push.force_W_N = {0.0, -12.0, 0.0};
-  truth_.rpy_rad.z() = std::numbers::pi / 2.0;  // heads to the left, and so is pushed from the front
+  truth_.rpy_rad.z() = std::numbers::pi / 2.0;  // the robot faces left, so the push comes from the front
   for (std::uint64_t now_us = 0; now_us <= 2'000'000; now_us += 10'000)
     log.observe_tick(now_us, said_, truth_, {&push, 1});
   const std::vector<sim::RunEvent> events = log.events();

@@ -10,7 +10,7 @@
 namespace koboshi::simulation {
 namespace {
 
-// A world that is what the test says.
+// A world whose state the test sets.
 class StagedWorld final : public sim::World {
  public:
   explicit StagedWorld(const sim::RobotDescription& robot) : tree_(robot), robot_(robot) {
@@ -63,7 +63,7 @@ TEST_F(Truth, HeightOfThePoseIsThatOfTheTrunkAboveTheSoles) {
     bent.joints[static_cast<std::size_t>(*robot_.find_joint(prefix + "knee"))].target_rad = 1.0;
     bent.joints[static_cast<std::size_t>(*robot_.find_joint(prefix + "ankle_pitch"))].target_rad = -0.5;
   }
-  // Thigh and shank of 65 mm each lean by half a radian.
+  // Thigh and shank of 65 mm are each inclined by half a radian.
   EXPECT_NEAR(observer_.observe(world_, bent).pose_height_m, 0.04 + 2 * 0.065 * std::cos(0.5), 1e-6);
 }
 
@@ -85,7 +85,7 @@ TEST_F(Truth, HeightOfAFootIsThatOfItsLowestCorner) {
   const GroundTruth& pitched = observer_.observe(world_, telemetry_);
   for (std::size_t side = 0; side < 2; ++side) {
     const double centre_m = pitched.X_WSole[side].translation().z();
-    EXPECT_LT(pitched.foot_height_m[side], centre_m - 0.003);  // a sole is 100 mm long
+    EXPECT_LT(pitched.foot_height_m[side], centre_m - 0.003);  // each sole is 100 mm long
     EXPECT_GT(pitched.foot_height_m[side], centre_m - 0.008);
   }
 }
@@ -96,7 +96,7 @@ TEST_F(Truth, SlipIsCountedFromWhereAFootTookLoad) {
   world_.pose(Eigen::Isometry3d(Eigen::Translation3d(0.003, 0.004, 0.17)));
   const GroundTruth& slid = observer_.observe(world_, telemetry_);
   EXPECT_NEAR(slid.foot_slip_m[0], 0.005, 1e-12);
-  EXPECT_EQ(slid.foot_slip_m[1], 0.0);  // carries nothing
+  EXPECT_EQ(slid.foot_slip_m[1], 0.0);  // the foot carries no load
   EXPECT_EQ(slid.foot_load_N[0], 6.0);
 
   world_.unload();
@@ -113,7 +113,8 @@ TEST_F(Truth, ZmpOfBothFeetLiesBetweenThemByTheirLoads) {
   EXPECT_LT((*truth.foot_zmp_S_m[0] - Eigen::Vector2d(0.01, 0.005)).norm(), 1e-12);
   EXPECT_LT((*truth.foot_zmp_S_m[1] - Eigen::Vector2d(0.03, 0.0)).norm(), 1e-12);
   EXPECT_LT((*truth.p_WZmp_W - Eigen::Vector3d(0.015, 0.01875, 0.0)).norm(), 1e-12);
-  // The soles reach from 38 mm behind the ankles to 62 mm ahead, and 28 mm to either side of 30 mm.
+  // The soles extend 38 mm behind and 62 mm in front of the ankles, and laterally 28 mm to each side of 30
+  // mm.
   EXPECT_NEAR(*truth.zmp_margin_m, 0.058 - 0.01875, 1e-9);
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-// Two joints: node 16, and node 17 whose shaft turns the other way from a zero of 90 degrees.
+// Two joints: node 16, and node 17 with reversed sign and an encoder offset of 90 degrees.
 robot::RobotModel two_joints() {
   robot::RobotModel model;
   model.joint_count = 2;
@@ -42,7 +42,7 @@ TEST_F(TelemetryOfFrames, ShowsWhatTheControllerIsDoing) {
 }
 
 TEST_F(TelemetryOfFrames, ShowsAttitudeInRadians) {
-  // Roll 2^12 of 2^16 a turn, pitch -2^13; rates 2^10 and -2^11 of 2^12 a turn a second.
+  // Roll 2^12 and pitch -2^13, in units of 2^-16 turns; rates 2^10 and -2^11, in units of 2^-12 turns/s.
   hear(0x281, 8, {0x00, 0x10, 0x00, 0xE0, 0x00, 0x04, 0x00, 0xF8});
   EXPECT_NEAR(reader_.now().roll_rad, 22.5 * kDegree, 1e-12);
   EXPECT_NEAR(reader_.now().pitch_rad, -45.0 * kDegree, 1e-12);
@@ -58,7 +58,7 @@ TEST_F(TelemetryOfFrames, ShowsTheLoadOfEachFoot) {
 }
 
 TEST_F(TelemetryOfFrames, ShowsZmpAndCentreOfMassInTheSolesFrames) {
-  // 2^-15 m: 0x0400 is 1/32 m.
+  // Unit 2^-15 m: 0x0400 is 1/32 m.
   hear(0x182, 8, {0x00, 0x04, 0x00, 0xFC, 0x00, 0x02, 0x00, 0xFE});
   hear(0x282, 8, {0x00, 0x01, 0x00, 0xFF, 0x80, 0x00, 0x80, 0xFF});
   hear(0x382, 3, {0x00, 0x18, 0x0E});
@@ -77,9 +77,9 @@ TEST_F(TelemetryOfFrames, ShowsZmpAndCentreOfMassInTheSolesFrames) {
 }
 
 TEST_F(TelemetryOfFrames, ShowsTargetsAndPositionsAsJointAngles) {
-  hear(0x210, 6, {0x0F, 0x00, 0x00, 0x00, 0x02, 0x00});  // 2^17 units: an eighth of a turn
-  hear(0x191, 8,
-       {0x37, 0x02, 0x00, 0x00, 0x02, 0x00, 0x64, 0x00});  // 45 degrees of a shaft that reads 90 - joint
+  hear(0x210, 6, {0x0F, 0x00, 0x00, 0x00, 0x02, 0x00});  // 2^17 encoder units: an eighth of a turn
+  hear(0x191, 8, {0x37, 0x02, 0x00, 0x00, 0x02, 0x00, 0x64, 0x00});  // shaft at 45 degrees; it reads 90
+                                                                     // degrees minus the joint angle
   EXPECT_NEAR(reader_.now().joints[0].target_rad, 45.0 * kDegree, 1e-8);
   EXPECT_NEAR(reader_.now().joints[1].position_rad, 45.0 * kDegree, 1e-8);
   EXPECT_EQ(reader_.now().joints[1].statusword, 0x0237);

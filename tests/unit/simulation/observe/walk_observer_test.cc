@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::uint8_t kWalk = 3;
 
-// A walk as the test tells it, tick by tick. The plan rests on the right foot, its ZMP at (0.01, 0) there.
+// A walk that the test defines tick by tick. The plan's support foot is the right one, with the ZMP at (0.01,
+// 0) in its frame.
 class Walk : public testing::Test {
  protected:
   Walk() {
@@ -111,7 +112,7 @@ TEST_F(Walk, ComparesZmpsInThePlannedSupportsFrameWhileValid) {
   EXPECT_LT((*observer_.planned_zmp_W(truth_) - Eigen::Vector3d(0.01, -0.03, 0.0)).norm(), 1e-12);
 }
 
-// A ZMP that swings as planned but 25 ms late, and is 4 mm off to the side.
+// A ZMP that swings as planned, but 25 ms late and 4 mm to the side.
 TEST_F(Walk, TellsLagAndErrorOfTheZmpApart) {
   const auto swinging = [](double time_s) {
     GaitInstant instant;
@@ -122,7 +123,7 @@ TEST_F(Walk, TellsLagAndErrorOfTheZmpApart) {
   for (const double lag_s : {0.025, -0.025}) {
     WalkObserver observer(robot_, {}, swinging, kWalk);
     for (int i = 0; i < 500; ++i) {
-      // What telemetry says was measured a tick ago; the drives pursue what was planned 2.65 ms before.
+      // Telemetry contains values measured one tick ago; the drives follow a plan that is 2.65 ms older.
       const Eigen::Vector2d zmp_S_m = swinging(0.01 * (i - 1) - 0.00265 - lag_s).zmp_S_m;
       said_.zmp = {.x_m = 0.004, .y_m = zmp_S_m.y(), .valid = true, .frame = hal::Side::kRight};
       observer.observe_tick(truth_, said_);
@@ -140,7 +141,7 @@ TEST_F(Walk, TakesTheRollOfTheTrunk) {
   EXPECT_NEAR(observer_.summary()->roll_rms_rad, 0.03, 1e-12);
 }
 
-// Steps of 5, 6 and 9 mm; what follows the last is not over.
+// Steps of 5, 6 and 9 mm; the phase after the last step is not complete.
 TEST_F(Walk, TakesTheLiftOfTheSteps) {
   const auto foot = [&](std::size_t side, double load_N, double height_m) {
     truth_.foot_load_N[side] = load_N;
@@ -163,7 +164,7 @@ TEST_F(Walk, ByCommandNeedsNoPlan) {
     truth_.p_WB_W = {x_m, 0.0, 0.17};
     observer.observe_tick(truth_, said_);
   };
-  tick_at(0.0);  // a motion, whichever
+  tick_at(0.0);  // any motion
   EXPECT_FALSE(observer.summary());
   said_.state = behaviour::State::kWalking;
   said_.zmp = {.x_m = 0.013, .y_m = 0.0, .valid = true, .frame = hal::Side::kLeft};
@@ -182,7 +183,7 @@ TEST_F(Walk, TakesTheFifthPercentileOfTheMargin) {
     truth_.zmp_margin_m = 0.001 * (100 - i);
     tick(0.0, 0.0, 0.0);
   }
-  truth_.zmp_margin_m.reset();  // in the air
+  truth_.zmp_margin_m.reset();  // airborne
   tick(0.0, 0.0, 0.0);
   EXPECT_NEAR(observer_.summary()->zmp_margin_p05_m, 0.005, 1e-12);
 }

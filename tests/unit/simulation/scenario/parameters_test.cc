@@ -42,7 +42,7 @@ TEST(Parameters, BecomeWhatTheControllerHolds) {
 TEST(Parameters, AreElementsOfAnObjectByTheirNames) {
   const sim::SdoWrite write = resolve("standing_lean_gain_hip_roll_percent", -50.0);
   EXPECT_EQ(write.address, (canopen::ObjectAddress{0x2103, 3}));
-  EXPECT_EQ(write.value, 0xFFFF'F800u);  // half of 4096
+  EXPECT_EQ(write.value, 0xFFFF'F800u);  // -0.5 * 4096
   EXPECT_EQ(resolve("mounting_yaw_deg", 10.0).address, (canopen::ObjectAddress{0x2121, 3}));
 }
 
@@ -53,7 +53,7 @@ TEST(Parameters, CarryTheirUnitInTheKey) {
   EXPECT_EQ(refusal("trunk_pitch_by_speed", 2),
             "walk.yaml:12: found parameter trunk_pitch_by_speed without its unit, expected "
             "trunk_pitch_by_speed_deg_s_per_m");
-  EXPECT_EQ(resolve("attempts_to_get_up", 3).value, 3u);  // a count has none
+  EXPECT_EQ(resolve("attempts_to_get_up", 3).value, 3u);  // a count has no unit
   EXPECT_THAT(refusal("com_hieght_mm", 167.5), HasSubstr("expected com_height_mm, the nearest of "));
 }
 
@@ -72,7 +72,7 @@ TEST(Parameters, AreToldByTheirNewNameWhereAFileHasTheOld) {
 TEST(Parameters, AreRefusedByAnUnknownName) {
   const std::string message = refusal("elbow_gain", 0.1);
   EXPECT_THAT(message, HasSubstr("walk.yaml:12: found the unknown parameter elbow_gain"));
-  EXPECT_THAT(message, HasSubstr("ankle_pitch_gain_s"));  // what there is
+  EXPECT_THAT(message, HasSubstr("ankle_pitch_gain_s"));  // the message lists the available names
 }
 
 TEST(Parameters, AreRefusedBeyondTheRangeOfTheControllersDictionary) {

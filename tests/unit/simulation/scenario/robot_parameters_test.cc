@@ -25,7 +25,7 @@ const std::filesystem::path kRobot = KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.s
 
 class RobotParameters : public ::testing::Test {
  protected:
-  // Of the same file, but for one value, in line 99; without a value, without the parameter.
+  // Returns the parameters of the same file with one value in line 99 replaced or, without a value, removed.
   sim::RobotParameters with(const std::string& name, std::optional<double> value) const {
     sim::RobotParameters changed = parameters_;
     std::erase_if(changed.settings, [&](const auto& setting) { return setting.name.text == name; });
@@ -90,7 +90,7 @@ TEST_F(RobotParameters, HaveAWholeGaitOrNone) {
               AllOf(HasSubstr("parameters.yaml: found no com_height_mm"), HasSubstr("the whole of a gait")));
   EXPECT_THAT(refusal("step_time_ms", {}), HasSubstr("found no step_time_ms"));
   EXPECT_THAT(refusal("fall_to_the_side_deg", {}), HasSubstr("the whole of fall detection"));
-  EXPECT_EQ(refusal("fall_to_the_front_deg", 0), "");  // deliberately off
+  EXPECT_EQ(refusal("fall_to_the_front_deg", 0), "");  // intentionally off
   sim::RobotParameters none = parameters_;
   none.settings.clear();
   EXPECT_NO_THROW(check_robot_parameters(none, model_.model));
@@ -115,7 +115,7 @@ TEST_F(RobotParameters, KeepTheSolesApart) {
   EXPECT_THAT(refusal("widest_step_mm", 70), HasSubstr("at least the step width"));
 }
 
-// Of a foot that reaches 62 mm ahead of the ankle, below a centre of mass in 167.5 mm: 20.3 degrees.
+// A foot that extends 62 mm in front of the ankle, with the centre of mass at 167.5 mm: 20.3 degrees.
 TEST_F(RobotParameters, CountNoLeanOverTheFeetAsAFall) {
   EXPECT_EQ(
       refusal("fall_to_the_front_deg", 15),

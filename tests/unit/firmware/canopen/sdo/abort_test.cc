@@ -8,8 +8,8 @@
 namespace koboshi::canopen {
 namespace {
 
-// A misuse: requests to node 0x10, of which the last is answered with the abort code, or the silence behind
-// it.
+// Requests to node 0x10 that misuse the protocol. The server answers the last with the abort code, or not at
+// all.
 struct Misuse {
   const char* what;
   std::vector<hal::CanFrame> requests;
@@ -20,7 +20,7 @@ struct Misuse {
 
 hal::CanFrame request(std::initializer_list<unsigned> bytes) { return can_frame(0x610, bytes); }
 
-// TPDO 1 made invalid, and then without objects.
+// Makes TPDO 1 invalid and then clears its mapping.
 const hal::CanFrame kInvalidTpdo = request({0x23, 0x00, 0x18, 1, 0x90, 1, 0, 0xC0});
 const hal::CanFrame kUnmappedTpdo = request({0x2F, 0x00, 0x1A, 0, 0, 0, 0, 0});
 
@@ -260,7 +260,7 @@ TEST(SdoAbort, NamesEachMisuse) {
         .size = 8,
         .data = sdo::message(sdo::kAbort, sdo::address_of(answers[0].data), misuse.abort_code)};
     EXPECT_EQ(answers[0], expected);
-    // Whatever it was, the server is ready for the next transfer.
+    // In all cases the server is ready for the next transfer.
     EXPECT_EQ(device.ask(request({0x40, 0x02, 0x65, 0, 0, 0, 0, 0})),
               std::vector{can_frame(0x590, {0x43, 0x02, 0x65, 0, 0x80, 0, 0, 0})});
   }

@@ -11,9 +11,9 @@ namespace {
 using test::Random;
 using Answer = test::SdoOracle::Answer;
 
-constexpr std::uint32_t kMaxBusy_ms = 4;  // of each step of a transfer
+constexpr std::uint32_t kMaxBusy_ms = 4;  // per step of a transfer
 
-// Is busy for a few calls now and then, and now and then refuses.
+// Random verdicts: sometimes busy for a few calls, sometimes an error.
 class Mood {
  public:
   explicit Mood(Random& random) : random_(random) {}
@@ -35,7 +35,7 @@ class Mood {
   std::uint32_t busy_ms_ = 0;
 };
 
-// Bytes in flash: to commit them takes time, in each transfer anew.
+// A domain in flash: committing the data takes time in each transfer.
 class FlashDomain final : public Domain {
  public:
   explicit FlashDomain(Random& random) : random_(random), mood_(random) {}
@@ -82,8 +82,8 @@ ObjectAddress random_object(Random& random) {
   return {index, subindex};
 }
 
-// Each request that CiA 301 says is answered is answered, whatever came before and whatever the object does;
-// the others are not.
+// The server answers each request that CiA 301 requires it to answer, after any history and with any
+// behaviour of the object, and no other request.
 TEST(SdoAnswers, NoRequestIsLeftWithoutOne) {
   constexpr std::uint64_t kSeed = 20250621;
   constexpr std::uint64_t kPatience_us = 100'000;  // the longest block takes 64 ms

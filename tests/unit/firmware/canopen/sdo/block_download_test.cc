@@ -4,10 +4,10 @@
 namespace koboshi::canopen {
 namespace {
 
-// Block downloads after CiA 301, 7.2.4.3.9 to 7.2.4.3.11, into the domain 0x2100:1 of node 0x10.
+// Block downloads by CiA 301, 7.2.4.3.9 to 7.2.4.3.11, to the domain 0x2100:1 of node 0x10.
 class SdoBlockDownload : public SdoConversation {
  protected:
-  // Segment number `sequence` of a block whose first byte is at `start`.
+  // Sends segment `sequence` of a block whose first byte is at `start`, and returns the answers.
   std::vector<hal::CanFrame> send_segment(const std::vector<std::uint8_t>& data, std::size_t start,
                                           unsigned sequence) {
     const std::size_t from = start + 7 * (sequence - 1);

@@ -4,10 +4,10 @@
 namespace koboshi::canopen {
 namespace {
 
-// Block uploads after CiA 301, 7.2.4.3.12 to 7.2.4.3.15, from the domain 0x2100:1 of node 0x10.
+// Block uploads by CiA 301, 7.2.4.3.12 to 7.2.4.3.15, from the domain 0x2100:1 of node 0x10.
 class SdoBlockUpload : public SdoConversation {
  protected:
-  // The segments of the block that the node sends now.
+  // Returns the segments of the block that the node sends now.
   std::vector<hal::CanFrame> take_block() {
     std::vector<hal::CanFrame> block;
     for (int i = 0; i < 127; ++i) {

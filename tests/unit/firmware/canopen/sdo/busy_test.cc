@@ -4,7 +4,7 @@
 namespace koboshi::canopen {
 namespace {
 
-// Downloads into an object that says kBusy for a while, as flash does: the client of node 0x10 waits.
+// Downloads to an object that is busy for a while, as flash is. The client of node 0x10 waits.
 class SdoBusy : public SdoConversation {
  protected:
   std::vector<hal::CanFrame> pass(std::uint64_t time_us) {
@@ -30,7 +30,8 @@ TEST_F(SdoBusy, ItsOwnSlownessIsNoTimeOutOfTheClient) {
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(pass(900'000).empty());
   device_.bytes.begin_verdict = AbortCode::kNone;
   EXPECT_EQ(pass(1'000), answer({0x60, 0x00, 0x21, 1, 0, 0, 0, 0}));
-  EXPECT_EQ(pass(1'000'000), answer({0x80, 0x00, 0x21, 1, 0x00, 0x00, 0x04, 0x05}));  // but this is
+  EXPECT_EQ(pass(1'000'000), answer({0x80, 0x00, 0x21, 1, 0x00, 0x00, 0x04, 0x05}));  // after this time the
+                                                                                      // transfer is aborted
 }
 
 TEST_F(SdoBusy, RefusalAfterAWhileReachesTheClient) {
@@ -112,13 +113,13 @@ TEST_F(SdoBusy, SegmentsOfABlockAreToBeSentAgain) {
   };
   ask({0xC6, 0x00, 0x21, 1, 21, 0, 0, 0});
   EXPECT_TRUE(segment(1, 0).empty());
-  device_.bytes.write_verdict = AbortCode::kBusy;  // for the first, which the second lets go on
+  device_.bytes.write_verdict = AbortCode::kBusy;  // applies to the first segment; the second waits for it
   EXPECT_TRUE(segment(2, 7).empty());
   EXPECT_EQ(segment(0x83, 14), answer({0xA2, 1, 127, 0, 0, 0, 0, 0}));
   device_.bytes.write_verdict = AbortCode::kNone;
   EXPECT_TRUE(segment(1, 7).empty());
   EXPECT_EQ(segment(0x82, 14), answer({0xA2, 2, 127, 0, 0, 0, 0, 0}));
-  device_.bytes.write_verdict = AbortCode::kBusy;  // and for the last, which only the end lets go on
+  device_.bytes.write_verdict = AbortCode::kBusy;  // and to the last segment; the end request waits for it
   EXPECT_TRUE(ask({0xC1, crc & 0xFF, crc >> 8, 0, 0, 0, 0, 0}).empty());
   device_.bytes.write_verdict = AbortCode::kNone;
   device_.bytes.commit_verdict = AbortCode::kBusy;

@@ -57,7 +57,7 @@ TEST_F(SdoClientTest, GivesUpExactlyAfterItsTime) {
   client_.process(15'000);
   EXPECT_EQ(client_.state(), SdoState::kTimedOut);
   EXPECT_EQ(sink_.take(), std::vector{can_frame(0x622, {0x80, 0x41, 0x60, 0x00, 0x00, 0x00, 0x04, 0x05})});
-  // The answer that comes too late changes nothing.
+  // A late answer changes nothing.
   EXPECT_FALSE(client_.on_frame(can_frame(0x5A2, {0x4B, 0x41, 0x60, 0x00, 0x37, 0x02, 0, 0})));
   EXPECT_EQ(client_.state(), SdoState::kTimedOut);
 }

@@ -6,7 +6,7 @@
 
 namespace koboshi::canopen {
 
-// An SDO client's side of a conversation with node 0x10.
+// The client's side of an SDO transfer with node 0x10.
 class SdoConversation : public testing::Test {
  protected:
   void SetUp() override { device_.make_operational(); }

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::array<std::uint8_t, 9> kCheck{'1', '2', '3', '4', '5', '6', '7', '8', '9'};
 
-// The check value that CiA 301, 7.2.4.3.16 prints.
+// The check value of CiA 301, 7.2.4.3.16.
 TEST(Crc16, GivesTheCheckValueOfTheStandard) {
   static_assert(crc16(0, kCheck) == 0x31C3);
   EXPECT_EQ(crc16(0, {}), 0);

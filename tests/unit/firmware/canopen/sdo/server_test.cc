@@ -9,7 +9,7 @@
 namespace koboshi::canopen {
 namespace {
 
-// Wire vectors after CiA 301, 7.2.4.3, of node 0x10; requests on 0x610, responses on 0x590.
+// Wire vectors by CiA 301, 7.2.4.3, of node 0x10: requests on 0x610, responses on 0x590.
 class SdoServerTest : public testing::Test {
  protected:
   void SetUp() override { device_.make_operational(); }
