@@ -11,22 +11,22 @@
 
 namespace koboshi::simulation {
 
-// Simulations of one scenario, each with a seed of its own, that are stepped together on several threads.
-// They share no state: each gives the bits that it would give alone.
+// Several simulations of one scenario with different seeds, stepped in parallel. They share no state: each
+// gives the same bits as alone.
 class Batch {
  public:
-  // One simulation for each seed; at least one. `threads` from 1 on. Throws sim::InputError for whatever a
-  // file of the scenario has wrong.
+  // Creates one simulation per seed, at least one, and `threads` >= 1 threads. Throws sim::InputError for an
+  // error in a file of the scenario.
   Batch(const sim::Scenario& scenario, std::span<const std::uint64_t> seeds, std::size_t threads);
 
   std::size_t size() const { return worlds_.size(); }
   WatchedSimulation& at(std::size_t world) { return *worlds_.at(world); }
   const WatchedSimulation& at(std::size_t world) const { return *worlds_.at(world); }
 
-  // Steps each simulation by so many milliseconds. When simulations throw, the others still make their steps
-  // and the exception of the first of them in order is thrown on.
+  // Advances each simulation by this many milliseconds. If simulations throw, the others still complete their
+  // steps. The exception of the first failed simulation, in order, is then rethrown.
   void step(std::size_t milliseconds);
-  // Begins one of them anew with a seed.
+  // Restarts one simulation with a new seed.
   void reset(std::size_t world, std::uint64_t seed);
 
  private:

@@ -10,7 +10,7 @@
 
 namespace koboshi::simulation {
 namespace {
-// Angles are kept as a motion file writes them, so that the file and the source are the same motion.
+// Angles are rounded to the resolution of a motion file, so that file and source give the same motion.
 constexpr double kWritten_deg = 1e-3;
 constexpr std::uint32_t kStand_us = 500'000;
 
@@ -33,7 +33,8 @@ class MotionMaker {
   }
 
  private:
-  // Moves over [begin, begin + duration], each to a point of the plan; the last ends with the stretch.
+  // Adds moves over [begin, begin + duration], each to a point of the plan; the last move ends with the
+  // interval.
   template <typename At>
   void add_points(std::vector<StepSource>& steps, const std::string& name, double begin_s, double duration_s,
                   At&& at) {

@@ -10,14 +10,14 @@
 
 namespace koboshi::simulation {
 
-// The walk as a motion: the plan divided into points, each a pose by inverse kinematics, between which the
-// firmware interpolates linearly (the paper's figure 6). Begins by standing, repeats the cycle until it is
-// stopped. Throws sim::InputError, naming the gait's file, where a leg does not reach or a joint's limit is
-// in the way.
+// Makes a motion from a gait: samples the plan, computes each pose by inverse kinematics, and leaves linear
+// interpolation between the poses to the firmware (the paper's figure 6). The motion begins in the standing
+// pose and repeats the cycle until it is stopped. Throws sim::InputError with the gait's file if a pose is
+// out of a leg's reach or violates a joint limit.
 [[nodiscard]] MotionSource make_gait_motion(const Gait& gait, const sim::RobotDescription& robot,
                                             const NamedModel& model);
 
-// The motion file of it: what parse_motion makes a MotionSource of with the same poses.
+// Returns the motion as the text of a motion file. parse_motion reads it back with the same poses.
 [[nodiscard]] std::string gait_motion_text(const MotionSource& motion, const NamedModel& model);
 
 }  // namespace koboshi::simulation

@@ -14,12 +14,13 @@ using hal::Side;
 std::size_t index(Side side) { return static_cast<std::size_t>(side); }
 Side other(Side side) { return side == Side::kLeft ? Side::kRight : Side::kLeft; }
 
-// Position and velocity on one axis.
+// Returns position and velocity along one axis.
 Vector2d along(const PendulumState& state, int axis) {
   return {state.position_m[axis], state.velocity_m_per_s[axis]};
 }
 
-// How far of its way a swinging sole is at `phase`: at rest at both ends (a cycloid).
+// Returns the progress (0 to 1) of the swing sole at `phase`: a cycloid with zero speed at both ends, blended
+// with constant speed by `ease`.
 double swing_progress(double phase, double ease) {
   const double turn = 2.0 * std::numbers::pi * phase;
   return phase - ease * std::sin(turn) / (2.0 * std::numbers::pi);
@@ -72,7 +73,7 @@ Vector2d GaitPlan::middle_zmp(const Soles& soles) const {
   return 0.5 * (zmp_of(Side::kLeft, soles[0]) + zmp_of(Side::kRight, soles[1]));
 }
 
-// The ZMP leaves the middle and comes back, as far as `aim` says.
+// Returns a stage in which the ZMP leaves the middle between the feet and returns. `aim` sets the amplitude.
 GaitPlan::Stage GaitPlan::shift(const Soles& soles) const {
   const Vector2d middle = middle_zmp(soles);
   const ZmpPiece piece{gait_.period_s / 3.0, middle, middle};
@@ -98,7 +99,7 @@ GaitPlan::Stage GaitPlan::step(const Soles& soles, Side swing, double length_m) 
           .begin = {}};
 }
 
-// Steps of a share of the whole length each; returns where the feet are then.
+// Adds a step for each of `shares` of the full step length. Returns the final positions of the soles.
 GaitPlan::Soles GaitPlan::add_steps(std::vector<Stage>& stages, Soles soles, Side swing,
                                     const std::vector<double>& shares) const {
   for (const double share : shares) {
@@ -132,7 +133,8 @@ void GaitPlan::plan() {
   aim(stop_, {&stop_.front(), &stop_.back()}, cycle_.front().begin, standing(stop_.back()));
 }
 
-// Two steps move the state by a stride: a linear equation, whose matrix is read off by passing unit states.
+// Returns the initial state that two steps shift by exactly one stride. The condition is linear; its matrix
+// follows from propagating unit states.
 PendulumState GaitPlan::periodic_state() const {
   const PendulumState offset = pass(cycle_, {});
   const PendulumState by_position = pass(cycle_, {Vector2d::Ones(), Vector2d::Zero()});
@@ -168,7 +170,7 @@ void GaitPlan::enter(std::vector<Stage>& stages, PendulumState state) const {
   }
 }
 
-// Moves the ZMP of two of the stages so that all lead from one state to the other.
+// Shifts the ZMP of two stages such that the stages lead from `begin` to `end`.
 void GaitPlan::aim(std::vector<Stage>& stages, const std::array<Stage*, 2>& movable,
                    const PendulumState& begin, const PendulumState& end) const {
   const PendulumState missed = pass(stages, begin);

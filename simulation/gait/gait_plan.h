@@ -12,54 +12,55 @@
 
 namespace koboshi::simulation {
 
-// What a walk intends at one instant. W lies on level ground in the middle between the feet of the robot that
-// stands before the walk, x ahead.
+// Reference state of a walk at one instant. W lies on level ground, midway between the feet of the robot
+// before it walks, with x forward.
 struct GaitInstant {
   Eigen::Vector2d com_W_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d zmp_W_m = Eigen::Vector2d::Zero();
   std::array<Eigen::Isometry3d, 2> X_WSole{Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity()};
-  std::array<double, 2> load_share{};                 // of the weight on each foot, by hal::Side
-  hal::Side support = hal::Side::kLeft;               // the foot with more of the load
-  Eigen::Vector2d zmp_S_m = Eigen::Vector2d::Zero();  // in the sole frame of the support
+  std::array<double, 2> load_share{};                 // share of the weight on each foot, by hal::Side
+  hal::Side support = hal::Side::kLeft;               // the foot with more load
+  Eigen::Vector2d zmp_S_m = Eigen::Vector2d::Zero();  // in the sole frame of the support foot
 };
 
-// The pattern of a walk straight ahead by the linear inverted pendulum: from standing, with growing steps,
-// into a cycle of two steps that repeats for ever, and with shrinking steps back to standing.
+// Plan of a straight walk by the linear inverted pendulum: from standing, with growing steps, into a periodic
+// cycle of two steps, and with shrinking steps back to standing.
 //
-// The ZMP rests in one foot during single support and goes to the other at constant speed during double
-// support. Feet and ZMP are given; the mass follows by the closed form. In the cycle it moves on the one
-// periodic orbit. It gets there from rest, and back to rest, because the ZMP leaves its place a little in two
-// stages: before the first step and in the last before the cycle, in the first behind the cycle and after the
-// last step (two unknowns an axis, two conditions).
+// During single support the ZMP is fixed in the support foot; during double support it moves to the other
+// foot at constant speed. Feet and ZMP are given; the motion of the centre of mass follows in closed form. In
+// the cycle the mass is on the unique periodic orbit. To reach this orbit from rest, and to come to rest
+// again, the ZMP deviates in two stages each: at the start in the first stage and in the last before the
+// cycle, at the stop in the first stage after the cycle and in the last. Two unknowns per axis satisfy the
+// two conditions.
 class GaitPlan {
  public:
   explicit GaitPlan(const Gait& gait);
 
-  // `time_s` counts from the beginning of the walk; before it the robot stands. The cycle repeats until the
-  // end of time.
+  // Reference state at `time_s` after the beginning of the walk. Before it the robot stands; afterwards the
+  // cycle repeats without end.
   GaitInstant at(double time_s) const;
-  // `time_s` counts from the end of a cycle.
+  // Reference state at `time_s` after the end of the last cycle.
   GaitInstant at_stop(double time_s) const;
 
   double start_s() const { return duration_s(start_); }
   double cycle_s() const { return duration_s(cycle_); }
   double stop_s() const { return duration_s(stop_); }
-  // How far the robot gets in a cycle.
+  // Distance per cycle.
   double stride_m() const { return 2.0 * gait_.step_length_m; }
 
  private:
   using Soles = std::array<Eigen::Vector2d, 2>;  // by Side
 
-  // A stretch of time between two moments in the middle of double support.
+  // An interval between two midpoints of double support.
   struct Stage {
     Soles soles;  // at its beginning
     std::optional<hal::Side> swing;
-    Eigen::Vector2d landing = Eigen::Vector2d::Zero();  // of the sole that swings
+    Eigen::Vector2d landing = Eigen::Vector2d::Zero();  // of the swing sole
     std::array<ZmpPiece, 3> zmp;
     PendulumState begin;
 
     double duration_s() const;
-    // What lies between the ends, parallel to itself.
+    // Shifts the ZMP between the ends, parallel to itself.
     void move_zmp(const Eigen::Vector2d& by);
   };
 

@@ -4,15 +4,15 @@
 
 namespace koboshi::simulation {
 
-// The linear inverted pendulum of the paper's section 3.1, sagittal (x) and lateral (y) alike: a point mass
-// at constant height over a ZMP in the plane.
+// The linear inverted pendulum of the paper's section 3.1, for the sagittal (x) and lateral (y) axes: a point
+// mass at constant height above a ZMP in the plane.
 
 struct PendulumState {
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d velocity_m_per_s = Eigen::Vector2d::Zero();
 };
 
-// The ZMP on its way along a straight line, at constant speed.
+// A ZMP that moves along a straight line at constant speed.
 struct ZmpPiece {
   double duration_s = 0.0;
   Eigen::Vector2d from_m = Eigen::Vector2d::Zero();
@@ -23,14 +23,13 @@ struct ZmpPiece {
 
 class Pendulum {
  public:
-  // `height_m` is positive.
+  // `height_m` must be positive.
   explicit Pendulum(double height_m);
 
   // T_c = sqrt(z / g).
   double time_constant_s() const { return time_constant_s_; }
-  // Where the mass is after `time_s`: the paper's equation 3, about a ZMP that moves. A ZMP on a straight
-  // line has no acceleration, so that the distance from it obeys the same equation as that from a resting
-  // one.
+  // Returns the state after `time_s`: the paper's equation 3, extended to a moving ZMP. A ZMP at constant
+  // velocity has no acceleration, so the relative position obeys the same equation as with a fixed ZMP.
   PendulumState advance(const PendulumState& state, const ZmpPiece& zmp, double time_s) const;
 
  private:

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using hal::Side;
-// The centre of mass moves with the trunk but for the legs, so each round takes most of what is left: five
+// The centre of mass shifts almost as much as the trunk, so each iteration removes most of the error; five
 // leave micrometres.
 constexpr int kRounds = 5;
 
@@ -30,7 +30,7 @@ robot::Pose fixed_pose(const Isometry3d& X) {
   return pose;
 }
 
-// Torque that turns the joint by one radian of error.
+// Returns the servo's torque per radian of position error.
 double stiffness_Nm_per_rad(const sim::ServoDescription& servo) {
   const double stall_Nm = servo.torque_constant_Nm_per_A * servo.supply_V / servo.resistance_ohm;
   return stall_Nm / servo.full_voltage_error_rad;
@@ -41,7 +41,7 @@ double stiffness_Nm_per_rad(const sim::ServoDescription& servo) {
 WalkingPose::WalkingPose(const Gait& gait, const sim::RobotDescription& robot, const NamedModel& model)
     : gait_(gait), robot_(robot), model_(model), tree_(robot), upper_body_rad_(robot.joints.size(), 0.0) {
   for (const Side side : {Side::kLeft, Side::kRight}) {
-    // load_named_model has checked that the robot has such legs.
+    // load_named_model has checked that the legs have this geometry.
     if (!robot::make_leg_geometry(model.model, side, legs_[static_cast<std::size_t>(side)])) {
       throw std::logic_error("a robot model without legs");
     }
@@ -88,8 +88,8 @@ std::vector<double> WalkingPose::solve_legs(const GaitInstant& instant, const Is
   return angles_rad;
 }
 
-// Under a load a servo stands beside its target by torque over stiffness. The load of a leg's joint is what
-// the ground does to the foot, less the weight of the links in between, at rest.
+// A loaded servo deviates from its target by torque over stiffness. The load of a leg joint is the static
+// moment of the ground reaction force, less the weight of the links below the joint.
 void WalkingPose::compensate_sag(const GaitInstant& instant, const Isometry3d& X_WB,
                                  std::vector<double>& angles_rad) const {
   const std::vector<Isometry3d> X_WLs = tree_.poses(robot_, X_WB, angles_rad);
@@ -97,7 +97,7 @@ void WalkingPose::compensate_sag(const GaitInstant& instant, const Isometry3d& X
   for (std::size_t side = 0; side < legs_.size(); ++side) {
     Vector3d force_W(0.0, 0.0, instant.load_share[side] * robot_.total_mass_kg() * g);
     const Vector3d zmp_W(instant.zmp_W_m.x(), instant.zmp_W_m.y(), 0.0);
-    // In double support each foot bears its share at its own spot.
+    // In double support each foot carries its share at its own ZMP.
     const Vector3d sole_W = instant.X_WSole[side].translation();
     const Vector3d p_W = instant.load_share[side] >= 1.0 ? zmp_W : sole_W;
     Vector3d moment_W = p_W.cross(force_W);  // about the world's origin

@@ -12,15 +12,14 @@
 
 namespace koboshi::simulation {
 
-// From what a plan intends to what the joints are told.
+// Computes joint targets from a plan.
 class WalkingPose {
  public:
-  // All must outlive this.
+  // All arguments must outlive this object.
   WalkingPose(const Gait& gait, const sim::RobotDescription& robot, const NamedModel& model);
 
-  // Joint targets in rad, by joint: the whole robot's centre of mass over the plan's, the trunk leaning as
-  // the gait says, the soles where the plan has them, and the servos' sag made up for. Throws
-  // sim::InputError.
+  // Returns the targets in rad, by joint. They place the robot's centre of mass and soles as planned with the
+  // gait's trunk pitch, and compensate the servos' sag. Throws sim::InputError if a pose cannot be reached.
   std::vector<double> targets_rad(const GaitInstant& instant) const;
 
  private:

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::uint64_t kServicesATick = 10;
 
-// The sensors of a simulated board stand where those of a real robot do.
+// The simulated sensors must have the node ids of a real robot's.
 static_assert(hal::CanSensors::kInertialNode == sim::kInertialNode &&
               hal::CanSensors::kLeftAnkleNode == sim::kLeftAnkleNode &&
               hal::CanSensors::kRightAnkleNode == sim::kRightAnkleNode);
@@ -23,7 +23,7 @@ void FirmwareProcess::service(std::uint64_t now_us) {
   input_.tick = services_++ % kServicesATick == 0;
   input_.transmit_space.fill(hal::BatchOutput::kMaxFrames);
   if (const auto sample = sensors_.inertial(now_us))
-    static_cast<void>(input_.imu.push(*sample));  // the list is empty
+    static_cast<void>(input_.imu.push(*sample));  // cannot fail, the list is empty
   for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
     const auto sample = sensors_.take_ankle(side);
     if (!sample) continue;

@@ -12,23 +12,24 @@
 
 namespace koboshi::simulation {
 
-// The firmware by itself on a bus, with drives and sensors that stand there too, simulated or real. Its time
-// is that of the wall. The drive-enable line of a board is no part of a bus: nobody hears of it here, and
-// whoever builds the robot gives the drives another one.
+// The firmware alone on a bus with simulated or real drives and sensors, in real time. The drive-enable line
+// is not part of a bus and has no effect here; a robot on such a bus needs another one for its drives.
 class FirmwareProcess {
  public:
-  // Storage as make_storage_contents makes it, in a file if one is named (FlashMemory). The transport must
-  // outlive this.
+  // `storage_contents` is as made by make_storage_contents, kept in a file if one is named (FlashMemory). The
+  // transport must outlive this object.
   FirmwareProcess(std::span<const std::byte> storage_contents, sim::Transport& transport,
                   const std::filesystem::path& storage_file = {})
       : host_(storage_contents, storage_file, hal::CanSensors::kNodes), transport_(transport) {}
 
-  // Once a millisecond; every tenth call is a tick. Microseconds since the start.
+  // Services the firmware; call it once per millisecond. Every tenth call is a tick. `now_us` counts from the
+  // start.
   void service(std::uint64_t now_us);
 
-  std::uint64_t frames_lost() const { return frames_lost_; }  // for which the bus had no room
+  std::uint64_t frames_lost() const { return frames_lost_; }  // because the bus had no room
   bool drive_enabled() const { return output_.drive_enabled; }
-  // It has found another controller on the bus, and does nothing more before it is told to reset.
+  // Returns true if the controller has found another one on the bus. It then stays passive until a reset
+  // command.
   bool gave_way() const {
     const auto& behaviour = host_.values().behaviour;
     return behaviour.state == behaviour::State::kFault &&

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::byte kErased{0xFF};
 
-// The file as long as a flash; true when it was made for it.
+// Extends the file to the size of the flash. Returns true if the file was created.
 bool make_long_enough(const std::filesystem::path& file) {
   const std::uintmax_t size = std::filesystem::file_size(file);
   if (size == FlashMemory::kSize_bytes) return false;

@@ -9,15 +9,15 @@
 
 namespace koboshi::simulation {
 
-// The flash of a robot's board. In a file it outlives the program, and whatever ends the program, as flash
-// does: each write is in the file at once.
+// Flash memory of a robot's board. If backed by a file, it is persistent even when the program crashes: each
+// write reaches the file at once.
 class FlashMemory {
  public:
   static constexpr std::size_t kSize_bytes = hal::FlashModel::kSize_bytes;
 
-  // With these contents from its start on, where the factory puts them; behind them, what the file holds of
-  // an earlier robot's life (storage::ItemStore), or nothing. Without a file it lasts as long as this object.
-  // Throws std::length_error when the contents do not fit, sim::InputError for a file that is no such flash.
+  // Starts with `contents`, which is where the factory writes them. The rest comes from the file
+  // (storage::ItemStore) or is erased. Without a file the memory is volatile. Throws std::length_error if the
+  // contents do not fit and sim::InputError if the file is not a flash image.
   explicit FlashMemory(std::span<const std::byte> contents, const std::filesystem::path& file = {});
 
   [[nodiscard]] std::span<std::byte, kSize_bytes> bytes() {

@@ -13,10 +13,10 @@
 
 namespace koboshi::simulation {
 
-// The firmware in this process.
+// Runs the firmware in this process.
 class InProcessHost final : public sim::ControllerHost {
  public:
-  // Storage as FlashMemory makes it; sensors as in hal::Board.
+  // Storage as in FlashMemory; sensors as in hal::Board.
   explicit InProcessHost(std::span<const std::byte> storage_contents,
                          const std::filesystem::path& storage_file = {},
                          std::span<const std::uint8_t> sensor_nodes = {})

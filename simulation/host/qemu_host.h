@@ -15,8 +15,7 @@
 
 namespace koboshi::simulation {
 
-// The firmware on the Cortex-M4 took a fault: its handler pulled the drive-enable line low and reset the
-// core.
+// A fault of the Cortex-M4: its handler pulled the drive-enable line low and reset the core.
 class FirmwareFault : public std::runtime_error {
  public:
   explicit FirmwareFault(const cortex_m::FaultRecord& record);
@@ -26,27 +25,27 @@ class FirmwareFault : public std::runtime_error {
   cortex_m::FaultRecord record_;
 };
 
-// The firmware as the Cortex-M4 image, inside QEMU (hal/cortex_m/mps2).
+// Runs the firmware as a Cortex-M4 image in QEMU (hal/cortex_m/mps2).
 class QemuHost final : public sim::ControllerHost {
  public:
-  // `more` are arguments for QEMU. Throws what QemuProcess throws, and std::length_error when the contents do
-  // not fit into storage.
+  // `more` are additional arguments for QEMU. Throws what QemuProcess throws, and std::length_error if the
+  // contents do not fit into the storage.
   QemuHost(const std::filesystem::path& image, std::span<const std::byte> storage_contents,
            std::span<const std::string> more = {});
 
-  // Throws FirmwareFault besides what QemuProcess::ask throws. After a fault the core waits for `start`.
+  // Throws FirmwareFault, and what QemuProcess::ask throws. After a fault the core waits for `start`.
   void exchange(const hal::BatchInput& input, hal::BatchOutput& output) override;
   void archive(sim::StateArchive&) override {
     throw sim::NotSaveable("firmware inside QEMU has no snapshots: use --controller in-process");
   }
-  // Starts the firmware on what is in storage. The constructor has done so.
+  // Starts the firmware with the present storage, as the constructor does.
   void start() { ask(cortex_m::wire::Kind::kStart, 0); }
 
-  // Instructions that the firmware executed in the last exchange: exact, and the same in each run.
+  // Instructions that the firmware executed in the last exchange; exact and repeatable.
   std::uint32_t last_instructions() const;
-  // The deepest that the stack has been since the start.
+  // Maximum stack depth since the start.
   std::uint32_t stack_peak_bytes();
-  // Breaks the machine. Always throws FirmwareFault.
+  // Provokes a fault. Always throws FirmwareFault.
   void provoke(cortex_m::wire::Provocation provocation);
 
   pid_t pid() const { return process_.pid(); }
@@ -54,7 +53,7 @@ class QemuHost final : public sim::ControllerHost {
  private:
   std::span<std::byte> request_body() { return std::span(request_).subspan(cortex_m::wire::kHeaderBytes); }
   void program(std::span<const std::byte> contents);
-  // The body of the answer; valid until the next request.
+  // Sends a request and returns the body of the answer, valid until the next request.
   std::span<const std::byte> ask(cortex_m::wire::Kind kind, std::size_t body_size);
 
   QemuProcess process_;
@@ -63,10 +62,11 @@ class QemuHost final : public sim::ControllerHost {
   std::uint32_t last_periods_ = 0;  // of SysTick
 };
 
-// The firmware as this image inside QEMU.
+// Returns a factory of hosts that run this image in QEMU.
 [[nodiscard]] HostFactory in_qemu(const std::filesystem::path& image);
 
-// Where ./run target puts the image: beside this program's preset, or in the current folder's build.
+// Returns the default path of the image: next to this program's preset, or in the build folder of the current
+// folder (where ./run target builds it).
 [[nodiscard]] std::filesystem::path default_image();
 
 }  // namespace koboshi::simulation

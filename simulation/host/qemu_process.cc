@@ -44,8 +44,8 @@ struct Pipe {
   std::array<int, 2> ends{};
 };
 
-// One instruction takes 64 ns of virtual time, whatever the host does (-icount), and no time passes while the
-// image waits for a message: so that SysTick counts instructions.
+// With -icount, each instruction takes 64 ns of virtual time, independent of the host, and virtual time stops
+// while the image waits for a message. SysTick therefore counts instructions.
 std::vector<std::string> command(const std::filesystem::path& program, const std::filesystem::path& image) {
   return {program,
           "-M",
@@ -65,12 +65,12 @@ std::vector<std::string> command(const std::filesystem::path& program, const std
           image};
 }
 
-// In the child, between fork and exec: nothing but system calls.
+// Runs in the child between fork and exec, where only system calls are safe.
 [[noreturn]] void become(char* const* arguments, pid_t parent, int requests, int answers, int complaints) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(0);  // it had died before
+  if (getppid() != parent) _exit(0);  // the parent has died already
   signal(SIGPIPE, SIG_DFL);
-  // The descriptors may stand in each other's places, so that all move out of the way first.
+  // Descriptors may occupy each other's targets, so all are first moved to high numbers.
   const int nothing = fcntl(open("/dev/null", O_RDWR), F_DUPFD_CLOEXEC, 16);
   requests = fcntl(requests, F_DUPFD_CLOEXEC, 16);
   answers = fcntl(answers, F_DUPFD_CLOEXEC, 16);
@@ -98,7 +98,7 @@ QemuProcess::QemuProcess(const std::filesystem::path& image, int timeout_ms,
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
 
-  signal(SIGPIPE, SIG_IGN);  // a write to a dead QEMU is an error like any other
+  signal(SIGPIPE, SIG_IGN);  // makes a write to a dead QEMU return an error
   const Pipe requests;
   const Pipe answers;
   complaints_ = memfd_create("qemu", MFD_CLOEXEC);
@@ -123,7 +123,7 @@ QemuProcess::~QemuProcess() {
 }
 
 std::span<const std::byte> QemuProcess::ask(std::span<const std::byte> message, std::span<std::byte> answer) {
-  // Up to PIPE_BUF bytes go through a pipe in one piece.
+  // Writes of up to PIPE_BUF bytes to a pipe are atomic.
   if (write(requests_, message.data(), message.size()) != static_cast<ssize_t>(message.size())) fail("ended");
   pollfd wait{.fd = answers_, .events = POLLIN, .revents = 0};
   if (poll(&wait, 1, timeout_ms_) == 0) fail("did not answer for " + std::to_string(timeout_ms_) + " ms");
@@ -133,7 +133,7 @@ std::span<const std::byte> QemuProcess::ask(std::span<const std::byte> message, 
 }
 
 void QemuProcess::fail(const std::string& what) const {
-  std::array<char, 200> said{};  // the beginning: it may dump all registers
+  std::array<char, 200> said{};  // only the beginning: QEMU may dump all registers
   const ssize_t size = pread(complaints_, said.data(), said.size(), 0);
   std::string words(said.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
   for (char& letter : words) letter = letter == '\n' ? ' ' : letter;

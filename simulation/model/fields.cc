@@ -24,7 +24,7 @@ using sim::RobotDescription;
 
 constexpr std::uint8_t kDrivePositionBits = 20;  // CiA 402 position unit of our drives: 2^-20 turn
 
-// In the order of robot::JointRole.
+// Indexed by robot::JointRole.
 constexpr std::array<std::string_view, robot::kRoleCount> kRoleNames{
     "",
     "head_pan",
@@ -62,7 +62,7 @@ int index_of_joint(const RobotDescription& robot, const std::string& name) {
   return -1;
 }
 
-// A link as the firmware knows it.
+// Converts a link's index to the firmware's numbering.
 robot::LinkIndex link_index(const RobotDescription& robot, int link) {
   if (link == 0) return {};
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
@@ -93,7 +93,7 @@ void set_mirror(const RobotDescription& robot, std::size_t index, robot::Joint& 
   joint.mirror_sign = cosine < 0.0 ? std::int8_t{-1} : std::int8_t{1};
 }
 
-// What the firmware's image may hold; checked here, where the link's name and line are known.
+// Limits of the firmware's image, checked here because the link's name and line are known.
 fixed::Mass mass_of(const RobotDescription& robot, std::size_t link) {
   const sim::LinkDescription& described = robot.links.at(link);
   const double max_kg = fixed::to_double(robot::kMaxLinkMass);
@@ -116,7 +116,7 @@ robot::Drive drive_fields(const sim::DriveDescription& drive) {
           .serial_number = drive.serial_number};
 }
 
-// The zero pose seen from the base: all that the firmware knows is in the base's axes.
+// The zero pose in the base's axes, which the firmware uses for all vectors.
 class BaseFrame {
  public:
   explicit BaseFrame(const RobotDescription& robot)
@@ -140,7 +140,8 @@ class BaseFrame {
   Isometry3d X_BM_;
 };
 
-// A limit of half a turn is often written with a few digits only, and then on either side of it.
+// Converts a joint limit. Half a turn is often written with a few digits, just above or below the exact
+// value.
 fixed::Angle limit(double angle_rad) {
   return from_double<fixed::Angle>(std::clamp(angle_rad, -std::numbers::pi, std::numbers::pi));
 }

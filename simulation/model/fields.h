@@ -5,8 +5,8 @@
 
 namespace koboshi::simulation {
 
-// The fields of the robot's model as they go into its image; `id` and `order` come from reading it. Throws
-// sim::InputError.
+// Returns the fields of the robot model as stored in its image, except `id` and `order`, which reading sets.
+// Throws sim::InputError.
 [[nodiscard]] robot::RobotModel model_fields(const sim::RobotDescription& robot);
 
 }  // namespace koboshi::simulation

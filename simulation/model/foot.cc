@@ -18,9 +18,9 @@ using fixed::from_double;
 using sim::InputError;
 using sim::RobotDescription;
 
-constexpr double kFlat_m = 1e-4;  // corners that are no higher than this above the lowest touch the ground
+constexpr double kFlat_m = 1e-4;  // corners up to this height above the lowest one count as ground contacts
 
-// Corners of the link's collision boxes at joint zero, in the base's frame.
+// Returns the corners of the link's collision boxes at joint angle zero, in the base frame.
 std::vector<Vector3d> corners_B(const RobotDescription& robot, const sim::LinkDescription& link) {
   const Isometry3d X_BL = robot.links.at(0).X_ML.inverse() * link.X_ML;
   std::vector<Vector3d> corners;

@@ -9,8 +9,7 @@
 
 namespace koboshi::simulation {
 
-// Writes the images that firmware/storage/image.h reads: little-endian fields one after the other behind a
-// header.
+// Writes images in the format of firmware/storage/image.h: a header followed by little-endian fields.
 class ImageWriter {
  public:
   void u8(std::uint8_t value) { put(value, 1); }
@@ -29,7 +28,7 @@ class ImageWriter {
     quantity(value.z);
   }
 
-  // The image with its header: size and CRC-32 filled in.
+  // Returns the image with its header, including size and CRC-32.
   [[nodiscard]] std::vector<std::byte> finish(std::uint32_t magic, std::uint16_t version) const;
 
  private:

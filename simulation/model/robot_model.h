@@ -9,12 +9,12 @@
 
 namespace koboshi::simulation {
 
-// The image by which the firmware knows the robot: the same bytes for the same description, on every machine.
-// Joints keep their order. Throws sim::InputError, naming the robot's file, for what a RobotModel cannot
-// express.
+// Returns the robot model image for the firmware. The same description gives the same bytes on every machine.
+// The order of the joints is kept. Throws sim::InputError with the robot's file for properties that a
+// RobotModel cannot represent.
 [[nodiscard]] std::vector<std::byte> make_robot_model(const sim::RobotDescription& robot);
 
-// A robot as the firmware sees it, with the names that the firmware does without.
+// A robot model as the firmware loads it, plus the names that its image does not contain.
 struct NamedModel {
   std::string robot;
   std::vector<std::string> joint_names;
@@ -22,10 +22,10 @@ struct NamedModel {
   robot::RobotModel model;
 };
 
-// make_robot_model and what the firmware reads from it. Throws sim::InputError.
+// Makes the image and loads it as the firmware does. Throws sim::InputError.
 [[nodiscard]] NamedModel load_named_model(const sim::RobotDescription& robot);
 
-// Why the firmware refuses an image, in words: "a CRC-32 that does not fit".
+// Describes why the firmware rejects an image, for example "a CRC-32 that does not fit".
 [[nodiscard]] std::string describe(robot::ModelStatus status);
 
 }  // namespace koboshi::simulation

@@ -38,7 +38,7 @@ constexpr std::array<std::string_view, 19> kMotionStatusTexts{
     "an attitude that is no direction",
 };
 
-// The steps in the firmware's order, each with its line.
+// Writes the steps in the firmware's order and records the line of each.
 class StepWriter {
  public:
   explicit StepWriter(const MotionSource& motion) : motion_(motion) {
@@ -138,7 +138,7 @@ void write_pose(ImageWriter& writer, const PoseSource& pose) {
   for (const auto& angle : pose.angles) writer.quantity(angle.value_or(fixed::Angle()));
 }
 
-// The line of what the firmware found wrong.
+// Returns the source line of an error that the firmware's validator found.
 int line_of(const motion::MotionVerdict& verdict, const MotionSource& motion, const StepWriter& steps) {
   const bool is_pose = verdict.status == motion::MotionStatus::kBadPose ||
                        verdict.status == motion::MotionStatus::kBeyondLimits;

@@ -13,17 +13,17 @@
 
 namespace koboshi::simulation {
 
-// The image that the firmware plays on this robot: the same bytes for the same motion. Throws sim::InputError
-// with the line of a move that is too fast for a joint, a label that is missing, doubled or in another loop,
-// a loop in which no time passes, or whatever else the firmware would refuse.
+// Compiles a motion to the image that the firmware plays on this robot. The same motion gives the same bytes.
+// Throws sim::InputError with the line of the error: a move too fast for a joint, a label that is missing,
+// duplicate or in another loop, a loop without time, or any other error that the firmware would reject.
 [[nodiscard]] std::vector<std::byte> compile_motion(const MotionSource& motion, const NamedModel& robot);
 
-// Reads and compiles a motion file, some of its values replaced.
+// Reads and compiles a motion file with the given overrides.
 [[nodiscard]] std::vector<std::byte> compile_motion(const std::filesystem::path& file,
                                                     const NamedModel& robot,
                                                     std::span<const sim::Override> overrides = {});
 
-// Why the firmware refuses a motion, in words.
+// Describes why the firmware rejects a motion.
 [[nodiscard]] std::string describe(motion::MotionStatus status);
 
 }  // namespace koboshi::simulation

@@ -17,8 +17,8 @@ namespace {
 using fixed::Angle;
 using sim::YamlMap;
 using sim::YamlValue;
-// A limit written in radians in the robot's file need not be the degrees that a motion's author sees in it to
-// the last bit.
+// Tolerance of joint limits: the robot file gives them in radians, the motion in degrees, and rounding may
+// differ.
 constexpr double kLimitTolerance_deg = 1e-4;
 constexpr double kMinTime_s = motion::kMinStepTime_us * 1e-6;
 constexpr double kMaxTime_s = motion::kMaxStepTime_us * 1e-6;
@@ -96,7 +96,8 @@ PoseSource MotionParser::parse_pose(const std::string& name, const YamlValue& va
   return pose;
 }
 
-// A joint by its name, or left and right by the name without the side: the right one then mirrors the left.
+// Sets one joint by its name, or both sides by the name without the side; the right joint then mirrors the
+// left.
 void MotionParser::set_angles(PoseSource& pose, const std::string& key, const YamlValue& value) const {
   const double angle_deg = value.number();
   if (const auto joint = find_joint(key)) return set_angle(pose, *joint, angle_deg, value);
@@ -181,8 +182,8 @@ StepSource MotionParser::parse_move(const YamlMap& map) const {
   return step;
 }
 
-// A trunk with roll about x, then pitch about y has the world's upright at (-sin p, sin r cos p, cos r cos
-// p).
+// For a trunk with roll r about x, then pitch p about y, the world's up vector in trunk axes is (-sin p, sin
+// r cos p, cos r cos p).
 StepSource MotionParser::parse_expect(const YamlMap& map) {
   const double roll = map.number("roll_deg", {.min = -180.0, .max = 180.0}, 0.0) * sim::kRadPerDegree;
   const double pitch = map.number("pitch_deg", {.min = -90.0, .max = 90.0}, 0.0) * sim::kRadPerDegree;

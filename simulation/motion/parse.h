@@ -9,8 +9,8 @@
 
 namespace koboshi::simulation {
 
-// Reads a motion file for this robot. Throws sim::InputError with the line of whatever is missing, unknown,
-// doubled, out of its joint's limits or for another robot.
+// Reads a motion file for this robot. Throws sim::InputError with the line of a missing, unknown or duplicate
+// key, of a value beyond a joint's limits, or if the file is for another robot.
 [[nodiscard]] MotionSource parse_motion(const std::filesystem::path& file, const NamedModel& robot,
                                         std::span<const sim::Override> overrides = {});
 

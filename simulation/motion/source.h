@@ -11,13 +11,13 @@
 
 namespace koboshi::simulation {
 
-// A motion as it is written, with the lines that error messages need. docs/reference/motion-format.md
-// describes the language.
+// A parsed motion file with the line numbers for error messages. docs/reference/motion-format.md describes
+// the language.
 
 struct PoseSource {
   std::string name;
   int line = 0;
-  std::vector<std::optional<fixed::Angle>> angles;  // by joint; nothing: the joint stays where it is
+  std::vector<std::optional<fixed::Angle>> angles;  // by joint; empty: the joint keeps its angle
 };
 
 struct StepSource {

@@ -23,7 +23,7 @@ class SpeedCheck {
       if (step.kind == Kind::kLabel) angles_.assign(angles_.size(), std::nullopt);
       if (step.kind != Kind::kLoop) continue;
       walk(step.body);
-      if (step.times != 1) walk(step.body);  // once more, from where the body ends
+      if (step.times != 1) walk(step.body);  // the second pass starts from the pose at the end of the body
     }
   }
 

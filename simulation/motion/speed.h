@@ -5,8 +5,8 @@
 
 namespace koboshi::simulation {
 
-// Throws sim::InputError at the first move that asks a joint for more than its speed, as far as the joint's
-// angle before the move is known: not before its first pose, and not behind a label.
+// Checks that no move exceeds a joint's speed limit. A joint's first move and its moves directly after a
+// label are not checked, because the initial angle is unknown. Throws sim::InputError at the first violation.
 void check_speeds(const MotionSource& motion, const NamedModel& robot);
 
 }  // namespace koboshi::simulation

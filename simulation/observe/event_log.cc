@@ -16,13 +16,13 @@ namespace {
 using behaviour::Command;
 using behaviour::State;
 
-// The controller takes a frame within a millisecond, and the telemetry of a tick is on the bus 2.6 to 3 ms
-// after it (docs/design/timing.md).
+// Maximum time from a command to the telemetry of its outcome: the controller receives a frame within a
+// millisecond, and the telemetry of a tick is on the bus 2.6 to 3 ms after it (docs/design/timing.md).
 constexpr std::uint64_t kAnswer_us = 4'000;
-// No telemetry that ends sooner than this after a command can report its outcome.
+// Telemetry that ends earlier than this after a command cannot report its outcome.
 constexpr std::uint64_t kEarliestAnswer_us = 2'000;
-// Emergency messages with the same code that follow each other within this time are one event: twenty drives
-// that miss the same heartbeat.
+// Emergency messages with the same code within this time of each other form one event, for example when
+// twenty drives miss the same heartbeat.
 constexpr std::uint64_t kSameEmergency_us = 100'000;
 
 constexpr std::uint16_t kCommandIdentifier = canopen::kRpdo1Base + drive::kControllerNodeId;
@@ -85,7 +85,7 @@ void EventLog::on_bus_frame(const hal::CanFrame& frame, std::uint64_t end_us, co
   }
 }
 
-// Expedited downloads (CiA 301, 7.2.4.3.3) to the object of commands.
+// Detects expedited downloads (CiA 301, 7.2.4.3.3) to the command object.
 void EventLog::hear_sdo(const hal::CanFrame& frame, std::uint64_t time_us, const Telemetry& said) {
   const bool is_download = (frame.data[0] & 0xE2) == 0x22;
   if (!is_download || canopen::load_u16(&frame.data[1]) != app::kRequestObject) return;
@@ -106,8 +106,8 @@ void EventLog::hear_command(Command command, std::int16_t argument, std::uint64_
   given_.push_back(given);
 }
 
-// The telemetry reports the outcome of the last command that came before its tick. An earlier command of the
-// same cycle has no outcome that could be known.
+// The telemetry reports the outcome of the last command before its tick. The outcome of an earlier command in
+// the same cycle is unknown.
 void EventLog::judge_commands(std::uint64_t time_us, const Telemetry& said) {
   const auto is_answered = [&](const GivenCommand& given) { return time_us >= given.time_us + kAnswer_us; };
   while (!given_.empty() && is_answered(given_.front())) {
@@ -150,7 +150,7 @@ void EventLog::judge(const GivenCommand& given, std::optional<behaviour::Reason>
 void EventLog::judge_velocity(std::uint64_t time_us, const Telemetry& said) {
   if (!velocity_us_ || time_us < *velocity_us_ + kAnswer_us) return;
   const std::uint64_t at_us = *std::exchange(velocity_us_, std::nullopt);
-  if (told_velocity_ == velocity_) return;  // a joystick repeats it
+  if (told_velocity_ == velocity_) return;  // a joystick repeats the velocity
   told_velocity_ = velocity_;
   const bool is_refused = said.refusal == behaviour::Reason::kVelocityOutOfRange;
   refused_ += is_refused ? 1 : 0;
@@ -165,7 +165,7 @@ void EventLog::judge_velocity(std::uint64_t time_us, const Telemetry& said) {
 void EventLog::hear_emergency(const hal::CanFrame& frame, std::uint64_t time_us) {
   if (frame.size != 8) return;
   const std::uint16_t code = canopen::load_u16(frame.data.data());
-  if (code == 0) return;  // the end of an error
+  if (code == 0) return;  // error reset
   const std::string node = node_name(static_cast<std::uint8_t>(frame.identifier & 0x7F));
   const std::string name(canopen::name_of(canopen::kErrorCodeNames, code));
   const std::string what = fmt::format("Emergency message 0x{:04X}{}", code, name.empty() ? "" : ", " + name);
@@ -194,7 +194,7 @@ void EventLog::follow_state(std::uint64_t time_us, const Telemetry& said) {
   said_.motion = said.motion;
 }
 
-// What was under way and did not come to its own end.
+// Reports the motion or walk that was interrupted before its end.
 void EventLog::tell_cut_off(std::uint64_t time_us, const Telemetry& said) {
   const bool was_moving = said_.state == State::kMotion || said_.state == State::kWalking;
   if (!was_moving || said.state == State::kStanding) return;

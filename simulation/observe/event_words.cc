@@ -40,7 +40,8 @@ std::string velocity_text(const walk::Velocity& velocity) {
   return text.empty() ? "in place" : text;
 }
 
-// The horizontal part of the trunk's z axis, by pitch and roll; R_WB = Rz(yaw) Ry(pitch) Rx(roll).
+// Direction of the horizontal part of the trunk's z axis, from pitch and roll; R_WB = Rz(yaw) Ry(pitch)
+// Rx(roll).
 std::string lean_direction(const Eigen::Vector3d& rpy_rad) {
   const double forward = std::sin(rpy_rad.y()) * std::cos(rpy_rad.x());
   const double left = -std::sin(rpy_rad.x());

@@ -11,13 +11,13 @@
 
 namespace koboshi::simulation {
 
-// The words of events and verdicts, and what they mean.
+// Texts of events and verdicts, and the thresholds behind them.
 
-// A trunk that leans less than this is up: half of kFallen_rad, so that one that sways about neither angle
-// falls many times.
+// Lean below which a fallen trunk counts as up again. The hysteresis to kFallen_rad keeps a swaying trunk
+// from being counted as several falls.
 inline constexpr double kUpAgain_rad = 0.5 * kFallen_rad;
 
-// On the way from lying to standing.
+// Returns whether the state is a part of standing up.
 [[nodiscard]] constexpr bool gets_up(behaviour::State state) {
   return state == behaviour::State::kRighting || state == behaviour::State::kRolling ||
          state == behaviour::State::kRising || state == behaviour::State::kSteadying;
@@ -25,26 +25,27 @@ inline constexpr double kUpAgain_rad = 0.5 * kFallen_rad;
 
 [[nodiscard]] std::string name_of(behaviour::State state);
 [[nodiscard]] std::string name_of(behaviour::Reason reason);
-// Whether a controller in this state has missed that the trunk leans so: a robot does not lie when it stands
-// or walks, and one that stands does not even lean. (A motion may bow.)
+// Returns whether the controller's state contradicts this lean of the trunk: beyond
+// kFallen_rad in every state that should have detected a fall, beyond kUpAgain_rad only when standing. (A
+// motion may bow.)
 [[nodiscard]] constexpr bool has_not_noticed(behaviour::State state, double tilt_rad) {
   return tilt_rad > kFallen_rad ? behaviour::kMayFall.contains(state)
                                 : tilt_rad > kUpAgain_rad && state == behaviour::State::kStanding;
 }
 inline constexpr const char* kNotNoticed = "its controller has not noticed";
 
-// Seconds with a fixed number of decimals: "3.21 s".
+// Formats seconds with a fixed number of decimals: "3.21 s".
 [[nodiscard]] std::string seconds_text(std::uint64_t time_us, int decimals = 2);
-// "0.15 m/s forward, 0.05 m/s left, 0.40 rad/s"; "in place".
+// Formats a velocity: "0.15 m/s forward, 0.05 m/s left, 0.40 rad/s" or "in place".
 [[nodiscard]] std::string velocity_text(const walk::Velocity& velocity);
-// Where the trunk leans to: front, back, left or right.
+// Returns the direction of the trunk's lean: front, back, left or right.
 [[nodiscard]] std::string lean_direction(const Eigen::Vector3d& rpy_rad);
-// Where a vector of the world points for a robot with this heading: forward, backward, left, right, up or
-// down.
+// Returns the direction of a vector in the world for a robot with this heading: forward, backward, left,
+// right, up or down.
 [[nodiscard]] std::string direction_text(const Eigen::Vector3d& v_W, double heading_rad);
-// "drive_silent of left_knee", "supply_drop to 3 V".
+// Describes a fault: "drive_silent of left_knee", "supply_drop to 3 V".
 [[nodiscard]] std::string fault_text(const sim::Fault& fault);
-// "3 faults", "1 fault".
+// Formats a count with its noun: "3 faults", "1 fault".
 [[nodiscard]] std::string count_text(std::size_t count, const std::string& noun);
 
 }  // namespace koboshi::simulation

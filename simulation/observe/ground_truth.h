@@ -15,45 +15,45 @@
 
 namespace koboshi::simulation {
 
-// A trunk that leans further than this does not come back by itself.
+// Lean of the trunk beyond which the robot cannot recover its balance and counts as fallen.
 inline constexpr double kFallen_rad = std::numbers::pi / 3.0;
 
-// What is true of the robot in the world at one instant, beside what the firmware believes.
+// Ground truth of the robot in the world at one instant, independent of the firmware's estimates.
 struct GroundTruth {
   Eigen::Vector3d p_WB_W = Eigen::Vector3d::Zero();   // origin of the trunk
   Eigen::Vector3d rpy_rad = Eigen::Vector3d::Zero();  // roll, pitch, yaw: R_WB = Rz(yaw) Ry(pitch) Rx(roll)
   Eigen::Vector3d w_WB_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d p_WCom_W = Eigen::Vector3d::Zero();
-  double tilt_rad = 0.0;       // of the trunk's z axis from the vertical
-  double pose_height_m = 0.0;  // of the trunk above the lowest sole, in the pose that the targets make
-  std::array<double, 2> foot_load_N{};  // of the ground on the feet, normal to the soles, by Side
-  std::array<double, 2> foot_slip_m{};  // how far each foot has slid since it took load, by Side
+  double tilt_rad = 0.0;       // angle of the trunk's z axis from the vertical
+  double pose_height_m = 0.0;  // height of the trunk above the lowest sole in the pose of the targets
+  std::array<double, 2> foot_load_N{};  // normal force of the ground on each sole, by Side
+  std::array<double, 2> foot_slip_m{};  // slip of each foot since it took load, by Side
   std::array<Eigen::Isometry3d, 2> X_WSole{Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity()};
-  // Centres of pressure: of each foot in its sole's frame, and of all loaded feet, weighted with their loads,
-  // in the world. Below sim::kLoaded_N there is none.
+  // Centres of pressure: of each foot in its sole's frame, and of all loaded feet, weighted by load, in the
+  // world. Empty below a load of sim::kLoaded_N.
   std::array<std::optional<Eigen::Vector2d>, 2> foot_zmp_S_m;
   std::optional<Eigen::Vector3d> p_WZmp_W;
-  // Of the lowest corner of each sole above the ground, by Side.
+  // Height of the lowest corner of each sole above the ground, by Side.
   std::array<double, 2> foot_height_m{};
-  // Distance of the latter from the edge of the support polygon, seen from above; positive inside. The
-  // polygon is the convex hull of the points on which the loaded feet rest (sim_board/world/foot.h).
+  // Distance of `zmp_W` from the edge of the support polygon in plan view; positive inside. The polygon is
+  // the convex hull of the contact points of the loaded feet (sim_board/world/foot.h).
   std::optional<double> zmp_margin_m;
 };
 
-// Observes the truth, and what only its history tells.
+// Computes the ground truth, including quantities that depend on the history.
 class TruthObserver {
  public:
   // The robot must outlive the observer.
   explicit TruthObserver(const sim::RobotDescription& robot, sim::GroundDescription ground = {});
 
-  // Once a tick, in the order of time.
+  // Observes the world; call it once per tick.
   const GroundTruth& observe(const sim::World& world, const Telemetry& telemetry);
   void archive(sim::StateArchive& archive) { archive(anchors_, truth_); }
 
  private:
   struct Anchor {
     bool loaded = false;
-    Eigen::Vector3d p_W = Eigen::Vector3d::Zero();  // where the foot took load
+    Eigen::Vector3d p_W = Eigen::Vector3d::Zero();  // position at which the foot took load
   };
 
   void observe_feet(const sim::World& world);
@@ -66,7 +66,7 @@ class TruthObserver {
   std::array<std::optional<sim::Foot>, 2> feet_;
   std::array<Anchor, 2> anchors_;
   std::vector<double> targets_rad_;
-  std::vector<Eigen::Isometry3d> X_BLs_;  // of the pose that the targets make
+  std::vector<Eigen::Isometry3d> X_BLs_;  // poses of the links for the targets
   GroundTruth truth_;
 };
 

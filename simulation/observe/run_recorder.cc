@@ -11,7 +11,7 @@
 namespace koboshi::simulation {
 namespace {
 
-// The robot settles this long after the stand has let go of it, before its stance is judged.
+// Settling time after the stand's release, before the stance is evaluated.
 constexpr std::uint64_t kSettle_us = 500'000;
 
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
@@ -28,7 +28,7 @@ RunRecorder::RunRecorder(Simulation& simulation, sim::Recorder* recorder, sim::B
       events_(simulation.scenario(), simulation.model(),
               controller_values(simulation.scenario()).velocity_limits) {
   if (const GaitPlan* plan = simulation.gait_plan()) {
-    // The walk is the motion behind those that the scenario names.
+    // The gait's motion follows those that the scenario names.
     const auto motion = static_cast<std::uint8_t>(simulation.scenario().motions.size());
     walk_.emplace(
         simulation.robot(), simulation.scenario(), [plan](double time_s) { return plan->at(time_s); },
@@ -42,7 +42,7 @@ RunRecorder::RunRecorder(Simulation& simulation, sim::Recorder* recorder, sim::B
   simulation_.attach(*this);
 }
 
-// Beside it a row of the trace, which does not outlast a tick.
+// Excludes the row of the trace, which does not outlast a tick.
 void RunRecorder::archive(sim::StateArchive& archive) {
   if (recorder_ != nullptr)
     throw sim::NotSaveable(
@@ -204,8 +204,8 @@ void RunRecorder::add_feet_to_row() {
   }
 }
 
-// What firmware and plan tell in the frame of a sole stands in the world where that sole stands, so that it
-// can be laid over the footprints.
+// Writes the ZMPs in world coordinates, using the true pose of the sole in whose frame firmware and plan give
+// them. They can then be overlaid on the footprints.
 void RunRecorder::add_zmp_to_row() {
   const Telemetry& said = telemetry_.now();
   const Eigen::Isometry3d& X_WSole = truth_now_->X_WSole[static_cast<std::size_t>(said.zmp.frame)];
@@ -231,7 +231,7 @@ sim::RunSummary RunRecorder::summary() const {
   summary.duration_s = 1e-6 * static_cast<double>(board.now_us());
   summary.can_bus_load = sim::bus_load({}, board.bus().usage());
   summary.state_hash = hash_.hex();
-  // Besides what was said on the bus: what keeps the controller from saying it.
+  // A controller that is not error active counts as a fault of its own: it may be unable to report it.
   const bool mute = board.controller_can_status().state != hal::CanErrorState::kErrorActive;
   summary.faults = telemetry_.now().emergencies + (mute ? 1 : 0) + (board.watchdog_bitten() ? 1 : 0);
   summary.solver_warnings = board.world().solver_warnings();

@@ -15,12 +15,12 @@
 
 namespace koboshi::simulation {
 
-// Watches a simulation: every frame of its bus, and once a tick the state of firmware and world. Makes of it
-// the state hash, the summary and, if given a recorder, trace.csv and can.log.
+// Observes a simulation: every frame of its bus, and at each tick the state of firmware and world. Computes
+// the state hash and the summary and, with a recorder, writes trace.csv and can.log.
 class RunRecorder final : private sim::BusObserver, private Companion {
  public:
-  // `recorder` may be null, and so may `listener`, which hears every frame after this has. All must outlive
-  // this.
+  // `recorder` and `listener` may be null. The listener receives every frame after this object. All arguments
+  // must outlive this object.
   RunRecorder(Simulation& simulation, sim::Recorder* recorder, sim::BusObserver* listener = nullptr);
   ~RunRecorder() {
     simulation_.board().bus().set_observer(nullptr);
@@ -29,17 +29,17 @@ class RunRecorder final : private sim::BusObserver, private Companion {
   RunRecorder(const RunRecorder&) = delete;
   RunRecorder& operator=(const RunRecorder&) = delete;
 
-  // The columns of trace.csv for this robot.
+  // Columns of trace.csv for this robot.
   static std::vector<sim::TraceColumn> columns(const sim::RobotDescription& robot);
 
-  // After each millisecond of the simulation: what is observed then, and after each tick the tick.
+  // Observes a millisecond of the simulation, and a tick if there was one. Call it after each millisecond.
   void record();
-  // A tick alone; of a walk, the check of the ankle sensors is missing then.
+  // Observes only the tick. In a walk this omits the check of the ankle sensors.
   void record_tick();
   sim::RunSummary summary() const;
-  // Of all frames, and of the world at each tick, so far.
+  // Hash of all frames and of the state of the world at each tick, so far.
   std::uint64_t state_hash() const { return hash_.value(); }
-  // Whether the trunk has leaned further than a robot comes back from.
+  // Returns whether the trunk's lean has exceeded kFallen_rad.
   bool fell() const { return fell_; }
 
   const Telemetry& telemetry() const { return telemetry_.now(); }
@@ -68,7 +68,7 @@ class RunRecorder final : private sim::BusObserver, private Companion {
   sim::StateHash hash_;
   std::vector<sim::TraceValue> row_;
   bool fell_ = false;
-  double base_height_error_m_ = 0.0;  // largest, while the robot stands or moves on its own feet
+  double base_height_error_m_ = 0.0;  // maximum while the robot stands or moves on its feet
   double foot_slip_m_ = 0.0;
 };
 

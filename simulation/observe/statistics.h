@@ -7,8 +7,7 @@
 
 namespace koboshi::simulation {
 
-// The value below which this share (0..1) of the values lies, linear between the two next to it; not a number
-// without values.
+// Returns the percentile of the values for a share of 0 to 1, interpolated linearly; NaN without values.
 inline double percentile(std::vector<double> values, double share) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   std::ranges::sort(values);
@@ -18,7 +17,7 @@ inline double percentile(std::vector<double> values, double share) {
   return values[low] + (place - std::floor(place)) * (values[high] - values[low]);
 }
 
-// Square root of the mean of squares; not a number without any.
+// Root mean square; NaN without values.
 class RootMeanSquare {
  public:
   void add(double square) {

@@ -11,11 +11,11 @@ namespace koboshi::simulation {
 namespace {
 
 constexpr double kRadPerTurn = 2.0 * std::numbers::pi;
-constexpr double kRadPerAngleUnit = kRadPerTurn / (1 << 16);  // units of the telemetry PDOs
+constexpr double kRadPerAngleUnit = kRadPerTurn / (1 << 16);  // unit of angles in the telemetry PDOs
 constexpr double kMetrePerLengthUnit = 1.0 / (1 << 15);
 constexpr double kRadPerSPerRateUnit = kRadPerTurn / (1 << 12);
 
-// The controller's TPDOs beyond its fourth have the identifiers of this node, which the robot does not have.
+// The controller's TPDOs from the fifth on use the identifiers of this node id, which no drive has.
 constexpr std::uint8_t kBalanceNode = drive::kControllerNodeId + 1;
 
 constexpr std::uint16_t kTpdo2Base = canopen::kTpdo1Base + canopen::kPdoStep;
@@ -92,7 +92,7 @@ void TelemetryReader::read_controller(std::uint16_t base, const hal::CanFrame& f
   }
 }
 
-// Flags come last; where they say that a ZMP is not valid, its numbers are zero.
+// The flags come last. The values of an invalid ZMP are zero.
 void TelemetryReader::read_balance(std::uint16_t base, const hal::CanFrame& frame) {
   const auto length_m = [&](std::size_t at) { return kMetrePerLengthUnit * signed_16(frame, at); };
   switch (base) {

@@ -13,20 +13,19 @@
 
 namespace koboshi::simulation {
 
-// What the firmware and the drives say of themselves, read off the bus: the telemetry PDOs of the controller
-// (firmware/app/dictionary.cc), the PDOs between it and the drives, and emergency messages. Knows nothing but
-// the frames, so that it is the same wherever the firmware runs.
+// State of firmware and drives decoded from the bus: the controller's telemetry PDOs
+// (firmware/app/dictionary.cc), the PDOs between controller and drives, and emergency messages. It uses only
+// the frames, so it is the same wherever the firmware runs.
 struct Telemetry {
   behaviour::State state = behaviour::State::kBoot;
   behaviour::Reason reason = behaviour::Reason::kNone;
-  behaviour::Reason refusal =
-      behaviour::Reason::kNone;  // why the last command was refused; none if it was not
+  behaviour::Reason refusal = behaviour::Reason::kNone;  // reason of the last command's refusal, or none
   std::uint8_t motion = 0;
   drive::DriveFault drive_fault = drive::DriveFault::kNone;
   std::uint8_t faulty_joint = 0;
-  double roll_rad = 0.0;  // attitude of the trunk, from gyro and inclination
+  double roll_rad = 0.0;  // attitude of the trunk, estimated from gyro and accelerometer
   double pitch_rad = 0.0;
-  std::array<double, 3> rate_rad_per_s{};  // filtered gyro, free of its bias
+  std::array<double, 3> rate_rad_per_s{};  // filtered gyro rates without bias
   std::array<double, 2> foot_load_N{};     // by Side
   struct FootZmp {
     double x_m = 0.0;
@@ -38,17 +37,17 @@ struct Telemetry {
     double x_m = 0.0;
     double y_m = 0.0;
     bool valid = false;
-    hal::Side frame = hal::Side::kLeft;  // the foot that carries more
-  } zmp;                                 // of both feet, in the sole's frame of one
-  std::array<double, 3> com_S_m{};       // centre of mass by the joints, in the same frame
+    hal::Side frame = hal::Side::kLeft;  // the foot with more load
+  } zmp;                                 // of both feet, in the sole frame of `frame`
+  std::array<double, 3> com_S_m{};       // centre of mass from the joint angles, in the same frame
   struct Joint {
     double target_rad = 0.0;
-    double position_rad = 0.0;  // as the encoder shows it
+    double position_rad = 0.0;  // from the encoder
     double torque_permille = 0.0;
     std::uint16_t statusword = 0;
   };
   std::array<Joint, robot::kMaxJoints> joints{};
-  std::uint64_t emergencies = 0;  // messages that tell of an error
+  std::uint64_t emergencies = 0;  // number of messages with an error
 };
 
 class TelemetryReader final : public sim::BusObserver {

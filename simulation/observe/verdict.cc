@@ -1,4 +1,4 @@
-// What a run comes to, in the events of an EventLog.
+// Summarises a run from the events of an EventLog.
 
 #include <fmt/format.h>
 
@@ -90,7 +90,7 @@ std::string EventLog::falls_text() const {
     const char* const how = falls_.size() == 1 ? " and got up in {}" : " and got up each time, in {} at most";
     return text + fmt::format(fmt::runtime(how), seconds_text(longest_us, 1));
   }
-  // One that fell again while it was getting up has not got up from the first fall by itself.
+  // If the robot fell again while standing up, the recovery counts from the first fall.
   if (falls_.back().up_us)
     return text + fmt::format(" and got up at last, in {}",
                               seconds_text(*falls_.back().up_us - falls_.front().at_us, 1));

@@ -11,14 +11,14 @@ namespace koboshi::simulation {
 namespace {
 
 constexpr double kTick_s = 1e-6 * static_cast<double>(sim::SimBoard::kTick_us);
-// Targets are in effect this long after the tick that computed them, and reached a tick later
-// (docs/design/timing.md). A tick computes them for the end of its cycle. So what the drives pursue at the
-// k-th tick of a motion is what the motion tells for k ticks, less this.
+// Delay from a tick to the time at which its targets take effect; they are reached one tick later
+// (docs/design/timing.md). A tick computes targets for the end of its cycle, so at the k-th tick of a motion
+// the drives follow the motion at k ticks minus this delay.
 constexpr double kInEffect_s = 0.00265;
-// What telemetry says at a tick was computed at the tick before.
+// Telemetry on the bus at a tick was computed one tick before.
 constexpr double kTelemetryAge_s = kTick_s;
 
-// The measured ZMP in the sole frame of another foot, seen from above its sole.
+// Transforms a measured ZMP from its sole frame to that of another foot, in the plane of the latter.
 Eigen::Vector2d in_sole_of(hal::Side side, const GroundTruth& truth, const Telemetry& said) {
   const Eigen::Isometry3d& X_WMeasured = truth.X_WSole[static_cast<std::size_t>(said.zmp.frame)];
   const Eigen::Isometry3d& X_WWanted = truth.X_WSole[static_cast<std::size_t>(side)];
@@ -71,7 +71,7 @@ void WalkObserver::follow(const GroundTruth& truth) {
   roll_rad_.add(truth.rpy_rad.x() * truth.rpy_rad.x());
 }
 
-// A step lasts from a foot's last load to its next.
+// Detects steps: a step lasts from a foot's lift-off to its touchdown.
 void WalkObserver::follow_steps(const GroundTruth& truth) {
   for (std::size_t side = 0; side < lift_m_.size(); ++side) {
     if (truth.foot_load_N[side] < sim::kLoaded_N) {

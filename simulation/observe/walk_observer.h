@@ -15,31 +15,31 @@
 
 namespace koboshi::simulation {
 
-// Judges a walk: what summary.json says of it (docs/reference/summary.md). The walk begins with the first
-// tick whose telemetry tells that the robot walks, on the gait's motion or by command, and ends when it no
-// longer does, when the robot has fallen, or with the run.
+// Evaluates a walk for summary.json (docs/reference/summary.md). The walk begins with the first tick whose
+// telemetry reports walking, by the gait's motion or by command. It ends when the telemetry no longer does,
+// when the robot falls, or with the run.
 class WalkObserver {
  public:
-  // What the walk intends, by the time since its motion began (GaitPlan::at).
+  // Reference of the walk as a function of the time since its motion began (GaitPlan::at).
   using Plan = std::function<GaitInstant(double time_s)>;
 
-  // `motion` is the number by which the controller knows the gait of the plan; without one, the robot walks
-  // by command only. The robot must outlive the observer.
+  // `motion` is the controller's index of the gait's motion; without it, only walks by command are evaluated.
+  // The robot must outlive the observer.
   WalkObserver(const sim::RobotDescription& robot, const sim::Scenario& scenario, Plan plan = {},
                std::optional<std::uint8_t> motion = {});
 
-  // After each millisecond of the board.
+  // Observes the ankle sensors; call it after each millisecond of the board.
   void observe_sensors(const sim::SimBoard& board);
-  // After each tick, with what was observed then.
+  // Observes a tick; call it after each tick.
   void observe_tick(const GroundTruth& truth, const Telemetry& said);
 
-  // The ZMP that the walk intended for the last tick, where the foot stands in whose frame it is planned;
-  // nothing unless the robot walks.
+  // Planned ZMP of the last tick, placed at the true pose of the foot in whose frame it is planned. Empty
+  // unless the robot walks.
   std::optional<Eigen::Vector3d> planned_zmp_W(const GroundTruth& truth) const;
-  // How far the walk has come: ahead and to the left of the heading at its start [m], and turned [rad]; zero
-  // before.
+  // Displacement since the start of the walk: forward and left of the initial heading [m], and turn [rad].
+  // Zero before the walk.
   Eigen::Vector3d made_good() const;
-  // Nothing before the walk has begun.
+  // Empty before the walk begins.
   std::optional<sim::WalkSummary> summary() const;
 
   void archive(sim::StateArchive& archive) {
@@ -57,19 +57,19 @@ class WalkObserver {
   std::optional<std::uint8_t> motion_;
   bool begun_ = false;
   bool walking_ = false;
-  int ticks_ = 0;  // since the first
+  int ticks_ = 0;  // since the first tick
   std::optional<GaitInstant> planned_;
   Eigen::Vector2d start_W_m_ = Eigen::Vector2d::Zero();
   double start_yaw_rad_ = 0.0;
   Eigen::Vector2d now_W_m_ = Eigen::Vector2d::Zero();
-  double yaw_rad_ = 0.0;  // continuous
-  double drawn_J_ = 0.0;  // as SimBoard::drawn_J
+  double yaw_rad_ = 0.0;  // unwrapped
+  double drawn_J_ = 0.0;  // SimBoard::drawn_J at the start
   double energy_J_ = 0.0;
   ZmpAlignment zmp_error_;
   RootMeanSquare roll_rad_;
   std::vector<double> margins_m_;
-  std::array<double, 2> lift_m_{};  // of the step under way, by Side
-  std::vector<double> lifts_m_;     // of the steps that ended
+  std::array<double, 2> lift_m_{};  // of the present step, by Side
+  std::vector<double> lifts_m_;     // of the completed steps
   ZmpSensorCheck sensor_check_;
 };
 

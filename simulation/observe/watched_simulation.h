@@ -12,14 +12,14 @@
 
 namespace koboshi::simulation {
 
-// A frame as it stood on the bus.
+// A frame on the bus.
 struct BusFrame {
-  std::uint64_t end_us = 0;  // after the last bit of EOF
+  std::uint64_t end_us = 0;  // end of the last bit of EOF
   hal::CanFrame frame;
 };
 
-// A simulation together with what observes it: telemetry, ground truth, events, verdict, and, if wanted, the
-// frames of its bus. What a program that only wants to run a robot needs.
+// A simulation with its observers: telemetry, ground truth, events, verdict and, on request, the frames of
+// its bus. Sufficient for programs that only run a robot.
 class WatchedSimulation final : private sim::BusObserver {
  public:
   // Throws as Simulation does.
@@ -27,13 +27,14 @@ class WatchedSimulation final : private sim::BusObserver {
   WatchedSimulation(const WatchedSimulation&) = delete;
   WatchedSimulation& operator=(const WatchedSimulation&) = delete;
 
-  // Steps by so many milliseconds, past the scenario's duration too. Throws sim::WorldBlewUp,
+  // Advances by this many milliseconds, also beyond the scenario's duration. Throws sim::WorldBlewUp,
   // sim::SdoFailed, and what the host throws.
   void step(std::size_t milliseconds);
 
-  // Begins anew with another seed (Simulation::reset), and observes from there.
+  // Restarts simulation and observers with another seed (Simulation::reset).
   void reset(std::uint64_t seed);
-  // As of Simulation, with what is observed. Kept frames are not in a snapshot: none remain after `restore`.
+  // As in Simulation, including the observers. Kept frames are not part of a snapshot: `restore` discards
+  // them.
   Snapshot snapshot() { return simulation_.snapshot(); }
   void restore(const Snapshot& snapshot);
 
@@ -42,9 +43,9 @@ class WatchedSimulation final : private sim::BusObserver {
   const RunRecorder& recorder() const { return *recorder_; }
   std::uint64_t now_us() const { return simulation_.board().now_us(); }
 
-  // Frames are kept from now on, or no longer. They are not kept at first.
+  // Switches the keeping of frames on or off. Initially off.
   void keep_frames(bool keep) { keeps_frames_ = keep; }
-  // The frames that were kept since the last call, in the order in which they ended.
+  // Returns the frames kept since the last call, in order of their end.
   std::vector<BusFrame> take_frames();
 
  private:

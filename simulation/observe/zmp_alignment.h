@@ -9,23 +9,23 @@
 
 namespace koboshi::simulation {
 
-// The error of a measured ZMP against a planned one, aligned in time.
+// Error of a measured ZMP relative to a planned one, after alignment in time.
 //
-// The two differ in two ways that must not be mixed: in place, which is what a walk is judged by, and in
-// time. The time is a constant of the chain from plan to measurement: interpolation of the targets, lag of
-// the servos, and on the other side the ankle sensors' filters. While the ZMP crosses from foot to foot at
-// 0.6 m/s, 25 ms of it alone make 15 mm. So the error is the root mean square at the one lag, of a walk, at
-// which that is least; the lag is told beside it. This is the least-squares estimate of a constant delay, as
-// by the peak of a cross-correlation.
+// The two differ in place, which is the criterion of a walk, and in time. The delay is a constant of the
+// chain from plan to measurement: interpolation of the targets, lag of the servos, and filters of the ankle
+// sensors. While the ZMP crosses between the feet at 0.6 m/s, a delay of 25 ms alone causes 15 mm of error.
+// The error is therefore the RMS at the one lag per walk that minimises it, and the lag is reported
+// separately. This is the least-squares estimate of a constant delay, equivalent to the peak of a
+// cross-correlation.
 class ZmpAlignment {
  public:
   struct Best {
-    double rms_error_m;  // not a number without samples
-    double lag_s;        // the measurement is so much later than the plan
+    double rms_error_m;  // NaN without samples
+    double lag_s;        // delay of the measurement relative to the plan
   };
 
-  // Adds a sample. `squared_error_m2(lag_s)` is the squared distance of what is measured now from what was
-  // planned for `lag_s` earlier.
+  // Adds a sample. `squared_error_m2(lag_s)` is the squared distance between the present measurement and the
+  // plan `lag_s` earlier.
   template <typename SquaredError>
   void add(const SquaredError& squared_error_m2) {
     for (std::size_t i = 0; i < errors_.size(); ++i) errors_[i].add(squared_error_m2(lag_s(i)));
@@ -40,7 +40,7 @@ class ZmpAlignment {
   }
 
  private:
-  // A step is 0.35 s long: beyond a quarter of it a lag would be another phase of the walk.
+  // Maximum lag: a quarter of the 0.35 s of a step. A larger lag would align different phases of the walk.
   static constexpr std::size_t kMiddle = 32;
   static constexpr double kStep_s = 0.0025;
 

@@ -11,22 +11,22 @@
 
 namespace koboshi::simulation {
 
-// Holds the ZMP by the ankle sensors (sim_board/sensor/ankle_zmp.h: with their errors, without filter and
-// delay) to the engine's contact forces: each foot in its own sole's frame, whenever both say that it
-// carries at least kLeastLoad_N.
+// Compares the ZMP from the ankle sensors (sim_board/sensor/ankle_zmp.h: with their errors, without filter
+// and delay) with the engine's contact forces. Each foot is compared in its own sole's frame while both
+// report a load of at least kLeastLoad_N.
 class ZmpSensorCheck {
  public:
-  // A sixth of the robot. The sensor does not see what the foot's own mass takes when it touches down: of the
-  // ZMP of a foot that has just taken a newton that is millimetres (in a walk 1.0 mm RMS above 1 N, 0.8 mm
-  // above 2 N, and with the foot's acceleration known less than 0.1 um), so that it says little.
+  // A sixth of the robot's weight. At touchdown the sensor does not measure the inertial force of the foot
+  // itself, which shifts the ZMP by millimetres at a load of 1 N. Measured in a walk: 1.0 mm RMS above 1 N,
+  // 0.8 mm above 2 N, and less than 0.1 um with the foot's acceleration known.
   static constexpr double kLeastLoad_N = 2.0;
 
   // The robot must outlive the check.
   ZmpSensorCheck(const sim::RobotDescription& robot, const sim::Scenario& scenario);
 
-  // After a step of the board's physics, at most once for each.
+  // Compares the present state; call it at most once after each step of the board's physics.
   void observe(const sim::SimBoard& board);
-  // Of the distance between the two; not a number when no foot was loaded.
+  // RMS distance of the two ZMPs; NaN if no foot was loaded.
   double rms_m() const { return error_.value(); }
   void archive(sim::StateArchive& archive) { archive(sensors_, error_); }
 

@@ -1,4 +1,4 @@
-// The Python module `koboshi`: simulations of a scenario, alone or many at once, with NumPy arrays.
+// The Python module `koboshi`: single simulations and batches, with NumPy arrays.
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -29,7 +29,7 @@ namespace py = pybind11;
 namespace koboshi::simulation {
 namespace {
 
-// JSON is a part of YAML: what Python calls a value, the readers of scenarios call the same.
+// Converts a Python value to YAML for the scenario readers. JSON is a subset of YAML.
 std::string yaml_of(const py::handle& value) {
   return py::module_::import("json").attr("dumps")(value).cast<std::string>();
 }
@@ -70,7 +70,8 @@ void give_push(Simulation& simulation, const py::object& force_N, double duratio
   push(simulation, yaml_of(item));
 }
 
-// One thread at a time: while a step runs without the interpreter's lock, other threads are turned away.
+// Lock that rejects concurrent use: a step runs without the GIL, and other threads get an exception
+// meanwhile.
 class Exclusive {
  public:
   explicit Exclusive(std::atomic_flag& flag) : flag_(flag) {
@@ -84,7 +85,7 @@ class Exclusive {
   std::atomic_flag& flag_;
 };
 
-// Steps without the interpreter's lock, so that other Python threads run; looks for Ctrl-C now and then.
+// Steps without the GIL, so that other Python threads run. Checks for Ctrl-C periodically.
 template <typename Step>
 void step_unlocked(std::size_t milliseconds, const Step& step) {
   constexpr std::size_t kBetweenSignals = 500;
@@ -153,7 +154,7 @@ class PySimulation {
     const Exclusive exclusive(busy_);
     world_.restore(snapshot);
   }
-  // For everything but stepping. Throws while another thread steps.
+  // Access for everything except stepping. Throws while another thread steps.
   WatchedSimulation& idle() {
     const Exclusive exclusive(busy_);
     return world_;
@@ -196,7 +197,7 @@ class PyBatch {
     for (std::size_t i = 0; i < batch_.size(); ++i) worlds.push_back(&batch_.at(i));
     return worlds;
   }
-  // What `world` names: one of them, or all.
+  // Applies `act` to the simulation with index `world`, or to all of them.
   template <typename Do>
   void each(const std::optional<std::size_t>& world, const Do& act) {
     if (world) return act(idle(*world).simulation());

@@ -18,7 +18,8 @@ namespace {
 
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
-// How many numbers a field has: as many as its shape multiplied; kJoints and kLinks stand for the robot's.
+// Placeholders in a field's shape for the robot's number of joints and of links. The size of a field is the
+// product of its shape.
 constexpr py::ssize_t kJoints = -1;
 constexpr py::ssize_t kLinks = -2;
 
@@ -26,7 +27,7 @@ using Worlds = std::span<const WatchedSimulation* const>;
 
 struct Field {
   const char* name;
-  std::vector<py::ssize_t> shape;  // empty: a number
+  std::vector<py::ssize_t> shape;  // empty: a scalar
   const char* meaning;
   std::function<void(const WatchedSimulation&, double*)> read;
 };
@@ -48,7 +49,7 @@ const GroundTruth& truth(const WatchedSimulation& world) { return world.recorder
 std::size_t joints(const WatchedSimulation& world) { return world.simulation().robot().joints.size(); }
 std::size_t links(const WatchedSimulation& world) { return world.simulation().robot().links.size(); }
 
-// A number of each joint.
+// Field with one value per joint.
 template <typename Number>
 auto by_joint(Number number) {
   return [number](const WatchedSimulation& world, double* to) {
@@ -56,7 +57,7 @@ auto by_joint(Number number) {
   };
 }
 
-// Some numbers of each link, as the body stands in the world now.
+// Field with several values per link, from the body's present state in the world.
 template <typename Numbers>
 auto by_link(Numbers numbers) {
   return [numbers](const WatchedSimulation& world, double* to) {

@@ -9,13 +9,14 @@
 
 namespace koboshi::simulation {
 
-// The named tuples State and Truth of the Python module, whose fields stand in one table each
-// (observation.cc).
+// The named tuples State and Truth of the Python module. observation.cc lists the fields of each in one
+// table.
 class ObservationTypes {
  public:
   explicit ObservationTypes(pybind11::module_& module);
 
-  // Of these worlds. With `by_world` every field has one more dimension, in front; without, there must be one
+  // Returns the state of these simulations. `by_world` adds a leading dimension to every field; without it
+  // there must be exactly one simulation.
   // world.
   pybind11::object state(std::span<const WatchedSimulation* const> worlds, bool by_world) const;
   pybind11::object truth(std::span<const WatchedSimulation* const> worlds, bool by_world) const;

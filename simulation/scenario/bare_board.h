@@ -8,12 +8,12 @@
 
 namespace koboshi::simulation {
 
-// The robot of a scenario without a controller: drives and sensors on their bus, for whatever CANopen master
-// comes. Its drive-enable line, which no bus carries, is high.
+// The robot of a scenario without a controller: drives and sensors on their bus, for an external CANopen
+// master. The drive-enable line, which no bus carries, is high.
 class BareBoard {
  public:
-  // Throws sim::InputError for whatever a file of the scenario has wrong, and for a scenario that tells a
-  // controller what to do: there is none.
+  // Throws sim::InputError for an error in a file of the scenario, and for a scenario with commands or
+  // parameters for a controller.
   explicit BareBoard(const sim::Scenario& scenario);
 
   void advance() { player_->advance(); }
@@ -21,7 +21,7 @@ class BareBoard {
   sim::SimBoard& board() { return *board_; }
 
  private:
-  // In place of the firmware.
+  // Replaces the firmware.
   class NoController final : public sim::ControllerHost {
     void exchange(const hal::BatchInput&, hal::BatchOutput& output) override;
     void archive(sim::StateArchive&) override {}

@@ -1,4 +1,4 @@
-// Whether the parameters of a robot fit its body.
+// Checks that a robot's parameters are consistent with its body.
 
 #include <fmt/format.h>
 
@@ -26,11 +26,12 @@ namespace {
 using canopen::ObjectAddress;
 using fixed::to_double;
 
-constexpr double kMetresPerCount = 1e-4;                         // of lengths in the walk's objects
-constexpr double kRadPerCount = 2.0 * std::numbers::pi / 65536;  // of angles
+constexpr double kMetresPerCount = 1e-4;                         // unit of the lengths in the walk's objects
+constexpr double kRadPerCount = 2.0 * std::numbers::pi / 65536;  // unit of the angles
 constexpr double kDown_rad =
-    std::numbers::pi / 3.0;  // the robot then counts as down (behaviour/lying_pose.h)
-// walk::Body puts the centre of mass this near, with knees ahead of the line from hip to ankle.
+    std::numbers::pi / 3.0;  // lean at which the robot counts as down (behaviour/lying_pose.h)
+// Accuracy of walk::Body for the height of the centre of mass: the knees are in front of the line from hip to
+// ankle.
 constexpr double kComTolerance_m = 5e-3;
 constexpr double kSoleTolerance_m = 0.5e-3;
 
@@ -44,7 +45,7 @@ constexpr ObjectAddress kLongestStep{kSteps, 9};
 constexpr ObjectAddress kWidestStep{kSteps, 10};
 constexpr ObjectAddress kNarrowestStep{kSteps, 11};
 constexpr ObjectAddress kComHeight{kPosture, 1};
-// What a walk cannot do without (walk::is_gait).
+// The parameters that a walk requires (walk::is_gait).
 constexpr std::array kGait{ObjectAddress{kSteps, 1},
                            kStepWidth,
                            ObjectAddress{kSteps, 6},
@@ -54,7 +55,7 @@ constexpr std::array kGait{ObjectAddress{kSteps, 1},
                            kWidestStep,
                            kNarrowestStep,
                            kComHeight};
-// What fall detection cannot do without (behaviour::FallLimits::are_set), the front first.
+// The parameters that fall detection requires (behaviour::FallLimits::are_set), the front first.
 constexpr std::array kFallLimits{ObjectAddress{kFall, 1}, ObjectAddress{kFall, 2}, ObjectAddress{kFall, 3},
                                  ObjectAddress{kFall, 5}};
 
@@ -94,7 +95,7 @@ class RobotParameterCheck {
     return std::ranges::find(controller_parameters(), address, &Parameter::address)->key;
   }
 
-  // The error of a parameter at its line; of one that is not given, in the file.
+  // Returns an error at the parameter's line, or for the whole file if the parameter is missing.
   sim::InputError error(const ObjectAddress& address, const std::string& expected,
                         const std::string& limit) const {
     const auto setting = std::ranges::find(
@@ -106,7 +107,7 @@ class RobotParameterCheck {
             fmt::format("{} = {}", setting->name.text, setting->value), expected, limit};
   }
 
-  // All parts or none; a first part of 0 turns off what they are for.
+  // Checks that all or none of the parameters are given. A first one of 0 turns the function off.
   template <std::size_t kCount>
   void check_complete(const std::array<ObjectAddress, kCount>& parts, const std::string& what) const {
     const sim::SdoWrite* first = find(parts.front());
@@ -127,7 +128,7 @@ class RobotParameterCheck {
                   "the order of the supply limits");
   }
 
-  // Both inner halves of the soles, which touch where the feet are as near as that.
+  // Checks that the soles do not touch at the narrowest distance of the feet.
   void check_soles() const {
     const double soles_m = to_double(model_.feet[1].left) - to_double(model_.feet[0].right);
     const auto& step = values_.walk.step;
@@ -164,8 +165,8 @@ class RobotParameterCheck {
     return fmt::format("{} to {} mm", heights_mm.front(), heights_mm.back());
   }
 
-  // Whether the robot can stand on both feet with its centre of mass over their middle, at this height, and
-  // the right foot this far behind and beside the left one.
+  // Returns whether the legs can place both soles with the centre of mass above their middle at this height,
+  // when the right foot is `step_m` behind and `width_m` beside the left one.
   bool reaches(double com_m, double step_m, double width_m) const {
     const auto length = [](double value_m) { return fixed::from_double<fixed::Length>(value_m); };
     walk::Stance stance;
@@ -183,7 +184,7 @@ class RobotParameterCheck {
                kSoleTolerance_m;
   }
 
-  // A robot that leans on flat feet falls once its centre of mass is past their edge.
+  // A robot on flat feet tips over once its centre of mass is beyond their edge.
   void check_fall_limits() const {
     const std::array<fixed::Angle, robot::kMaxJoints> upright{};
     const estimation::Posture posture = estimation::posture_at(model_, {upright.data(), model_.joint_count});

@@ -15,7 +15,7 @@ std::string replaced(std::string text, std::string_view from, std::string_view t
   return text;
 }
 
-// As the dictionary names it, in small letters and without blanks.
+// Returns the object's name in the dictionary, in lower case and with underscores.
 std::string parameter_name(const canopen::DescribedObject& object, std::size_t element) {
   std::string name(object.text.name);
   if (object.entry.count > 1) name.append(" ").append(object.text.elements[element]);
@@ -25,7 +25,7 @@ std::string parameter_name(const canopen::DescribedObject& object, std::size_t e
   return name;
 }
 
-// What PDOs write, such as requests and what drives report, is no setting.
+// Objects that PDOs write, such as requests and feedback from drives, are not parameters.
 bool is_parameter(const canopen::DescribedObject& object) {
   if (object.is_heading() || object.entry.access != canopen::Access::kReadWrite) return false;
   if (object.entry.mappable != canopen::Mappable::kNo) return false;

@@ -12,26 +12,25 @@ namespace koboshi::simulation {
 
 struct NodeKind;
 
-// An object of the controller that a client may write, or one element of it, as scenarios and studies name
-// it.
+// A writable object of the controller, or an element of one, with its name in scenarios and studies.
 struct Parameter {
-  std::string key;                           // with its unit: com_height_mm
-  std::string name_without_unit;             // as older files have it: com_height
-  const canopen::DescribedObject* object{};  // type, range and unit stand in its dictionary
+  std::string key;                           // name with its unit: com_height_mm
+  std::string name_without_unit;             // name in older files: com_height
+  const canopen::DescribedObject* object{};  // provides type, range and unit
   std::uint8_t element = 0;
 
   canopen::ObjectAddress address() const;
   double raw_per_unit() const;
-  // What the controller accepts, in counts of the wire.
+  // Lowest value that the controller accepts, in wire units.
   std::int64_t low() const;
   std::int64_t high() const;
 };
 
-// All of them, by key.
+// All parameters, sorted by key.
 std::span<const Parameter> controller_parameters();
 
-// The part of a key that names a unit of the dictionary: "mm/s^2" becomes "mm_per_s2", "%" "percent"; empty
-// for a number without unit.
+// Returns the suffix of a key for a unit of the dictionary: "mm/s^2" becomes "mm_per_s2", "%" becomes
+// "percent". Empty for a number without a unit.
 std::string unit_suffix(std::string_view unit);
 
 }  // namespace koboshi::simulation

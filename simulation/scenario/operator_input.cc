@@ -11,7 +11,7 @@
 namespace koboshi::simulation {
 namespace {
 
-// A scenario that has nothing but this item, due at the start, under the key of its list.
+// Returns a scenario document with a single item at the start, under the key of its list.
 sim::YamlFile document_of(const std::string& list, const std::string& text) {
   sim::YamlNode root = sim::parse_yaml(list + ": [{at_s: 0}]", list);
   sim::YamlNode item = sim::parse_yaml(text, list);

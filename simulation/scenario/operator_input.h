@@ -6,9 +6,9 @@
 
 namespace koboshi::simulation {
 
-// What an operator does to a simulation, in the words of a scenario file (docs/reference/scenario-format.md)
-// without its time: everything begins with the next step. All throw sim::InputError for what a scenario may
-// not contain either, and change nothing then.
+// Operator input to a running simulation, in the syntax of a scenario file
+// (docs/reference/scenario-format.md) without times: everything takes effect at the next step. All functions
+// throw sim::InputError for input that a scenario could not contain, and then change nothing.
 
 // `text` is one item of the list `commands`: "walk: {forward_m_per_s: 0.2}", "play: squat", "stop: true".
 void command(Simulation& simulation, const std::string& text);

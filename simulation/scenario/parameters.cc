@@ -23,7 +23,7 @@ sim::InputError error_at(const sim::SourcedName& name, const std::string& found,
   return {name.source, name.line, found, expected};
 }
 
-// Parameters that had another name, without units: files that still have the old one are told the new.
+// Parameters that have been renamed. Error messages for the old name give the new one.
 struct Renamed {
   std::string_view old_name;
   std::string_view name;
@@ -38,7 +38,7 @@ constexpr std::array<Renamed, 9> kRenamed{{{"acceleration_of_turn", "acceleratio
                                            {"touch_down_load", "touchdown_load"},
                                            {"zmp_ahead", "zmp_forward"}}};
 
-// The old name of this one, with its unit or without.
+// Returns whether `text` is the old name of this parameter, with its unit or without.
 bool is_old_name(std::string_view text, const Parameter& parameter) {
   const auto renamed = std::ranges::find(kRenamed, parameter.name_without_unit, &Renamed::name);
   if (renamed == kRenamed.end()) return false;

@@ -8,15 +8,14 @@
 
 namespace koboshi::simulation {
 
-// The parameters that a scenario sets, as the controller's object dictionary has them: rounded to its
-// resolution. Throws sim::InputError for a name that the controller does not have, and for a value out of the
-// range that its dictionary allows.
+// Converts the parameters of a scenario to SDO writes, rounded to the resolution of the object dictionary.
+// Throws sim::InputError for an unknown name and for a value outside the dictionary's range.
 std::vector<sim::SdoWrite> resolve_parameters(std::span<const sim::ParameterSetting> settings);
 
-// The controller's values when a scenario's first command comes: neutral, with the robot's parameters, and on
-// top of them the scenario's. Throws sim::InputError as resolve_parameters does.
+// Returns the controller's values at the first command of the scenario: the neutral values, overridden by the
+// robot's parameters and then by the scenario's. Throws sim::InputError as resolve_parameters does.
 [[nodiscard]] app::ControllerValues controller_values(const sim::Scenario& scenario);
-// The same of a robot alone.
+// The same for the robot's parameters only.
 [[nodiscard]] app::ControllerValues controller_values(const sim::RobotParameters& parameters);
 
 }  // namespace koboshi::simulation

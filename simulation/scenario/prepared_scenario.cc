@@ -14,8 +14,8 @@
 namespace koboshi::simulation {
 namespace {
 
-// What a gait brings into the scenario besides its motion: the plan to judge it by, the gains of its
-// feedback, and a robot that begins in its stand.
+// Adds a gait to the scenario: its motion, the plan as the reference for the evaluation, the gains of its
+// feedback, and the initial pose of the robot.
 std::vector<std::byte> compile_gait(const Gait& gait, PreparedScenario& prepared) {
   auto& [scenario, robot, model, gait_plan, contents] = prepared;
   gait_plan.emplace(gait);

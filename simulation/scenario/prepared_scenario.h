@@ -11,16 +11,16 @@
 
 namespace koboshi::simulation {
 
-// A scenario with its files read and compiled: all that a robot needs before it is switched on.
+// A scenario with all its files read and compiled, ready for power-on.
 struct PreparedScenario {
-  sim::Scenario scenario;       // with what its gait brings along
-  sim::RobotDescription robot;  // as its file describes it
+  sim::Scenario scenario;       // including the items that its gait adds
+  sim::RobotDescription robot;  // as described in its file
   NamedModel model{};
-  std::optional<GaitPlan> gait_plan{};  // what the gait intends
+  std::optional<GaitPlan> gait_plan{};  // the reference of the gait
   std::vector<std::byte> storage_contents{};
 };
 
-// Throws sim::InputError for whatever a file of the scenario has wrong.
+// Reads and compiles a scenario. Throws sim::InputError for an error in any of its files.
 PreparedScenario prepare(const sim::Scenario& scenario);
 
 }  // namespace koboshi::simulation

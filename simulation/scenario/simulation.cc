@@ -16,7 +16,7 @@ sim::RobotDescription changed(sim::RobotDescription robot, const RobotChange& ch
   return robot;
 }
 
-// In the order in which their states stand in a snapshot.
+// The parts in the order of their states in a snapshot.
 struct Parts {
   void archive(sim::StateArchive& archive) {
     archive(board, player);
@@ -53,7 +53,8 @@ void Simulation::write(const sim::ParameterSetting& setting) {
 }
 
 void Simulation::reset(std::uint64_t seed) {
-  if (!companions_.empty()) throw std::logic_error("a simulation is reset while observers are attached to it");
+  if (!companions_.empty())
+    throw std::logic_error("a simulation is reset while observers are attached to it");
   player_.reset();
   board_.reset();
   host_.reset();

@@ -9,18 +9,18 @@
 
 namespace koboshi::simulation {
 
-// An observer that goes back in time with the simulation that it observes (Simulation::attach).
+// An observer whose state is saved and restored with the simulation (Simulation::attach).
 class Companion {
  public:
-  // Saves or restores its state between two milliseconds. Throws sim::NotSaveable where that is impossible.
+  // Saves or restores the state between two milliseconds. Throws sim::NotSaveable if that is impossible.
   virtual void archive(sim::StateArchive& archive) = 0;
 
  protected:
   ~Companion() = default;
 };
 
-// The state of a Simulation at one instant: firmware with flash, bus, drives, sensors, world, scenario player
-// and companions. It owns its memory, 360 KiB for Koboshi, and may outlive the Simulation.
+// State of a Simulation at one instant: firmware with flash, bus, drives, sensors, world, scenario player and
+// companions. It owns its memory (360 KiB for Koboshi) and may outlive the Simulation.
 class Snapshot {
  public:
   std::uint64_t time_us() const { return time_us_; }
@@ -28,7 +28,7 @@ class Snapshot {
 
  private:
   friend class Simulation;
-  // Identifies one run of one Simulation, by its address.
+  // Identifies one run of one Simulation by its address.
   struct Run {};
 
   Snapshot() = default;

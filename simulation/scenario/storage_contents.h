@@ -6,9 +6,9 @@
 
 namespace koboshi::simulation {
 
-// What a robot's storage holds when it leaves the factory: catalogue (firmware/storage/catalogue.h),
-// RobotModel image, motion images, the i-th as motion i, and, unless it is empty, the image of the robot's
-// parameters.
+// Returns the factory contents of a robot's storage: the catalogue (firmware/storage/catalogue.h), the images
+// of the RobotModel and of the motions, where the i-th becomes motion i, and the image of the robot's
+// parameters unless it is empty.
 [[nodiscard]] std::vector<std::byte> make_storage_contents(std::span<const std::byte> model,
                                                            std::span<const std::vector<std::byte>> motions,
                                                            std::span<const std::byte> parameters = {});
