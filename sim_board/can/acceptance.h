@@ -12,7 +12,7 @@ namespace koboshi::sim {
 
 inline constexpr std::size_t kIdentifiers = 2048;
 
-// Which 11-bit identifiers a CAN controller hands to its node.
+// The 11-bit identifiers that a CAN controller passes to its node.
 class AcceptanceFilter {
  public:
   static AcceptanceFilter all() {
@@ -20,7 +20,7 @@ class AcceptanceFilter {
     filter.accepted_.set();
     return filter;
   }
-  AcceptanceFilter() = default;  // accepts nothing
+  AcceptanceFilter() = default;  // rejects all frames
   AcceptanceFilter(std::initializer_list<std::uint16_t> identifiers) {
     for (const std::uint16_t identifier : identifiers) accept(identifier);
   }
@@ -35,7 +35,8 @@ class AcceptanceFilter {
   std::bitset<kIdentifiers> accepted_;
 };
 
-// The receivers of each identifier, in the order of their indices: a frame costs only those that want it.
+// Receivers of each identifier, in the order of their indices. A frame costs time only for the nodes that
+// accept it.
 class ReceiverTable {
  public:
   ReceiverTable() { rebuild({}); }

@@ -20,7 +20,7 @@ void Babbler::advance(std::uint64_t end_us) {
       static_cast<void>(bus_.queue(handle_, babble_.frame, next_us_));
     return;
   }
-  // What finds no room is lost: it does not wait.
+  // Frames that find no room are lost.
   for (; next_us_ < end_us && next_us_ < babble_.until_us; next_us_ += babble_.interval_us)
     static_cast<void>(bus_.queue(handle_, babble_.frame, next_us_));
 }

@@ -7,16 +7,16 @@
 
 namespace koboshi::sim {
 
-// What a babbling node says, and when.
+// Content and timing of a babbling node's traffic.
 struct Babble {
   hal::CanFrame frame;
-  std::uint64_t interval_us = 0;  // 0: as fast as the bus takes it
+  std::uint64_t interval_us = 0;  // 0: as fast as the bus permits
   std::uint64_t from_us = 0;
   std::uint64_t until_us = std::numeric_limits<std::uint64_t>::max();
 };
 
-// A node that babbles: it sends one frame over and over, hears nothing, and is on the bus only while it does
-// so.
+// A babbling node: it sends one frame repeatedly and receives nothing. It is on the bus only during this
+// time.
 class Babbler final : private BusNode {
  public:
   // The bus must outlive the babbler.
@@ -25,13 +25,13 @@ class Babbler final : private BusNode {
   Babbler(const Babbler&) = delete;
   Babbler& operator=(const Babbler&) = delete;
 
-  // Queues what it says up to `end_us`, to which the bus is brought next. Once a millisecond.
+  // Queues the frames up to `end_us`, the time to which the bus advances next. Call it once per millisecond.
   void advance(std::uint64_t end_us);
 
   void archive(StateArchive& archive) { archive(next_us_); }
 
  private:
-  // More than the shortest frames of a millisecond.
+  // More than the number of shortest frames in a millisecond.
   static constexpr std::size_t kTransmitFifo = 32;
 
   void on_frame(const hal::CanFrame&, std::uint64_t) override {}

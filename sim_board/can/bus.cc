@@ -13,7 +13,7 @@ std::uint32_t priority(const hal::CanFrame& frame) {
   return frame.identifier * 2u + (frame.remote ? 1u : 0u);
 }
 
-// As the wire carries it: with nothing beyond its size.
+// Returns the frame as transmitted: without bytes beyond its size.
 hal::CanFrame without_rest(hal::CanFrame frame) {
   const std::size_t used = frame.remote ? 0 : frame.size;
   std::fill(frame.data.begin() + static_cast<std::ptrdiff_t>(used), frame.data.end(), std::uint8_t{0});
@@ -87,7 +87,7 @@ BusUsage Bus::usage() const {
   } else if (dominant_since_us_) {
     usage.busy_us += now_us_ - *dominant_since_us_;
   } else if (idle_from_us_ > now_us_) {
-    usage.busy_us -= idle_from_us_ - now_us_;  // the intermission has not passed yet
+    usage.busy_us -= idle_from_us_ - now_us_;  // the intermission is not over yet
   }
   return usage;
 }
@@ -111,7 +111,7 @@ std::uint64_t Bus::next_start_us() const {
   return std::max(ready_us, idle_from_us_);
 }
 
-// Starts the next transmission if that happens before the given time.
+// Starts the next transmission if it begins before `until_us`.
 bool Bus::start_next(std::uint64_t until_us) {
   if (dominant_since_us_) return false;
   if (std::exchange(receivers_stale_, false)) receivers_.rebuild(filters_);
@@ -126,7 +126,8 @@ bool Bus::start_next(std::uint64_t until_us) {
   return true;
 }
 
-// A node sends one frame at a time: of two with one identifier, the one of its first FIFO.
+// Collects the frames that begin at this time. A node sends one frame at a time: of two with the same
+// identifier, the one in its first FIFO.
 void Bus::gather_senders(std::uint64_t start_us) {
   senders_.clear();
   std::uint32_t best = std::numeric_limits<std::uint32_t>::max();
@@ -138,14 +139,14 @@ void Bus::gather_senders(std::uint64_t start_us) {
   }
 }
 
-// What follows the end of a transmission on the wire before the next may start.
+// Returns the bits between the end of a transmission and the earliest start of the next.
 int Bus::bits_after(Outcome outcome) {
-  // The receivers' overload flags begin a bit after the sender's error flag.
+  // The receivers' overload flags begin one bit after the sender's error flag.
   constexpr int kSendersErrorBits = kErrorFlagBits + 1 + kErrorDelimiterBits;
   return outcome == Outcome::kDoubled ? kSendersErrorBits + kIntermissionBits : kIntermissionBits;
 }
 
-// Of a frame that does not collide.
+// Returns the outcome of a frame without a collision.
 Bus::Outcome Bus::outcome_of(const hal::CanFrame& frame, std::uint64_t start_us) {
   const WireEffect effect = disturbance_ == nullptr
                                 ? WireEffect::kNone
@@ -165,9 +166,9 @@ Bus::Transmission Bus::make_transmission(std::uint64_t start_us) {
   if (collides) {
     bits = destroyed_after_bits + kErrorFrameBits;
   } else if (outcome == Outcome::kDestroyed) {
-    bits = bits - kUnstuffedTailBits + kErrorFrameBits;  // found at the end of the CRC sequence
+    bits = bits - kUnstuffedTailBits + kErrorFrameBits;  // detected at the end of the CRC sequence
   } else if (outcome == Outcome::kUnacknowledged) {
-    // The ACK slot stays recessive; nobody else adds an error flag.
+    // The ACK slot stays recessive; no other node adds an error flag.
     bits = bits - kAckDelimiterBits - kEndOfFrameBits + kErrorFlagBits + kErrorDelimiterBits;
   }
   if (recovering_ > 0) {
@@ -210,7 +211,7 @@ void Bus::deliver(const Transmission& done) {
 void Bus::deliver_late() {
   const LateFrame late = late_.begin()->second;
   late_.erase(late_.begin());
-  // What was in the controller is gone when it has left the bus since.
+  // The frame was in the controller's memory, which is lost if the node has left the bus since.
   if (nodes_[late.receiver].online_since_us <= late.start_us) hand_over(late.receiver, late.frame);
 }
 

@@ -19,111 +19,111 @@
 
 namespace koboshi::sim {
 
-// What happened on the bus since it was made, up to `time_us`.
+// Statistics of the bus from its creation to `time_us`.
 struct BusUsage {
   std::uint64_t time_us = 0;
-  std::uint64_t busy_us = 0;       // frames, error frames and the intermission after them
-  std::uint64_t frames = 0;        // sound ones
-  std::uint64_t error_frames = 0;  // for whatever reason
-  std::uint64_t collisions = 0;    // two nodes sent the same identifier with different contents
+  std::uint64_t busy_us = 0;       // frames, error frames and the following intermissions
+  std::uint64_t frames = 0;        // valid frames
+  std::uint64_t error_frames = 0;  // of any cause
+  std::uint64_t collisions = 0;    // simultaneous frames with the same identifier and different contents
 };
 
-// Share of the bus, 0..1, that was busy between two looks at its usage.
+// Returns the bus load, 0..1, between two readings of the usage.
 double bus_load(const BusUsage& from, const BusUsage& to);
 
 struct NodeCounters {
   std::uint64_t sent = 0;
   std::uint64_t received = 0;
   std::uint64_t overruns = 0;  // frames lost because a transmit FIFO was full
-  std::uint64_t late = 0;      // of those sent, how many had been ready for longer than Bus::kLate_us
+  std::uint64_t late = 0;      // sent frames that had been ready for longer than Bus::kLate_us
 };
 
-// An event-driven model of a classic CAN bus with its controllers, exact to the bit time.
+// Event-driven model of a classic CAN bus and its controllers with bit-time resolution.
 //
-// Each node has the transmit FIFOs of hal::CanPort. A frame becomes eligible at its ready time, first in
-// first out in each FIFO. When the bus is idle, the lowest identifier among the eligible heads of all FIFOs
-// wins (of equal identifiers the data frame). So nothing delays a frame by more than the one on the wire, but
-// for what has a lower identifier or stands before it in its own FIFO. The frame occupies
-// its bits with stuffing; at the end of its last EOF bit every other node that was on the bus since its start
-// and accepts the identifier is told; the next frame starts at the earliest after three bits of intermission.
+// Each node has the transmit FIFOs of hal::CanPort. A frame becomes eligible at its ready time; each FIFO
+// keeps its order. When the bus is idle, the lowest identifier among the eligible heads of all FIFOs wins
+// (with equal identifiers, the data frame). A frame is therefore delayed only by the frame on the wire, by
+// lower identifiers and by earlier frames in its own FIFO. The frame occupies its bits with stuffing. At the
+// end of its last EOF bit it is delivered to every other node that accepts the identifier and has been on the
+// bus since the frame's start. The next frame starts after at least three bits of intermission.
 //
-// Several nodes with the very same frame send it at once. With the same identifier and different contents the
-// first different bit is a bit error for those that sent it recessive: the error-active ones destroy the
-// frame with an error flag and all count and try again; the error-passive ones cannot disturb it, count alone
-// and lose.
+// Nodes with identical frames send them simultaneously. With the same identifier and different contents, the
+// first different bit is a bit error for the nodes that sent it recessive. Error-active ones destroy the
+// frame with an error flag, and all senders count the error and retry. Error-passive ones cannot disturb the
+// frame; only they count the error and they lose arbitration.
 //
-// A frame that no other node acknowledges is repeated without end; its sender becomes error-passive and stays
-// so.
+// A frame that no other node acknowledges is repeated without end; its sender becomes and stays
+// error-passive.
 //
-// A disturbance may destroy, double, lose and delay frames.
+// A BusDisturbance can destroy, double, drop and delay frames.
 //
-// Times are in microseconds and never decrease. Memory is taken only when nodes are attached, by the first
-// advance after that or after a change of filters, and for frames that a disturbance delays.
+// Times are in microseconds and never decrease. Memory is allocated only when nodes are attached, by the
+// first advance after that or after a change of filters, and for frames that a disturbance delays.
 class Bus {
  public:
-  // On a bus with room to spare a frame waits for less: a control cycle of the robot.
+  // Threshold for late frames: one control cycle of the robot. On a bus with spare capacity frames wait less.
   static constexpr std::uint64_t kLate_us = 10'000;
 
   explicit Bus(std::uint64_t bit_time_us = 1);
 
-  // The node must outlive the bus. It is on the bus from now on. The capacities are those of its FIFOs, by
-  // hal::TransmitFifo.
+  // Attaches a node, which is then on the bus. The node must outlive the bus. The capacities are those of its
+  // FIFOs, by hal::TransmitFifo.
   using TransmitCapacity = std::array<std::size_t, hal::kTransmitFifos>;
   NodeHandle attach(BusNode& node, const AcceptanceFilter& filter, const TransmitCapacity& capacity);
-  // All FIFOs as long as that.
+  // Attaches a node with FIFOs of equal capacity.
   NodeHandle attach(BusNode& node, const AcceptanceFilter& filter, std::size_t capacity) {
     return attach(node, filter, {capacity, capacity, capacity});
   }
   void set_filter(NodeHandle node, const AcceptanceFilter& filter);
-  // Marks a node that stands for others outside of the simulation: from now on the bus cannot be saved.
+  // Marks a node as a bridge to nodes outside the simulation. The bus can then no longer be saved.
   void bridge(NodeHandle node) { nodes_[index(node)].is_bridge = true; }
 
-  // A node without power: its FIFOs and error counts are lost, a frame that it was just sending ends in an
-  // error frame. With power again it takes part in what starts from then on.
+  // Switches a node's power. Without power, its FIFOs and error counts are lost, and a frame in transmission
+  // ends in an error frame. After power-on, it participates in transmissions that start from then on.
   void power_off(NodeHandle node);
   void power_on(NodeHandle node);
   bool powered(NodeHandle node) const { return nodes_[index(node)].powered; }
 
-  // Appends to one of the node's transmit FIFOs. A ready time in the past means now. The frame keeps its
-  // place until it has been sent. False when the FIFO is full (counted) or the node has no power. Nodes may
-  // call it from within `on_frame`. Precondition: identifier at most 0x7FF, size at most 8.
+  // Appends a frame to a transmit FIFO of the node. A ready time in the past means now. The frame occupies
+  // its slot until it has been sent. Returns false if the FIFO is full (counted) or the node has no power.
+  // Nodes may call it from `on_frame`. Precondition: identifier at most 0x7FF, size at most 8.
   [[nodiscard]] bool queue(NodeHandle node, const hal::CanFrame& frame, std::uint64_t ready_us);
   std::size_t transmit_space(NodeHandle node, hal::TransmitFifo fifo) const {
     return nodes_[index(node)].queues[fifo].space();
   }
-  // Whether a frame of this FIFO has yet to be sent.
+  // Returns whether this FIFO contains frames.
   bool transmit_pending(NodeHandle node, hal::TransmitFifo fifo) const {
     return !nodes_[index(node)].queues[fifo].empty();
   }
 
-  // A short circuit, or a transceiver that has failed: the bus is dominant from now on, or no longer. What is
-  // on the wire is destroyed, and nothing starts. Of each eight dominant bits, the node that was sending
-  // counts eight transmit errors, and every other one eight receive errors, until the one is bus-off and the
-  // others are error-passive; a recovery from bus-off stands still.
+  // Forces the bus dominant, as a short circuit or a defective transceiver does, or ends this. The frame on
+  // the wire is destroyed, and none starts. For each eight dominant bits, the transmitting node counts eight
+  // transmit errors and every other node eight receive errors, until the former is bus-off and the others are
+  // error-passive. Recoveries from bus-off are suspended.
   void set_dominant(bool dominant);
 
-  // Everything that ends up to and including this time is delivered; a frame that could start at this very
-  // time waits for what else may be queued for it. Not to be called from within `on_frame`.
+  // Delivers all frames that end up to and including this time. A frame that could start exactly at this time
+  // waits, because further frames may still be queued for it. Must not be called from `on_frame`.
   void advance_to(std::uint64_t time_us);
   std::uint64_t now_us() const { return now_us_; }
 
-  // Receive overruns are the business of who owns a receive ring: zero here.
+  // CAN status of the node. Receive overruns are zero here: the owner of the receive ring counts them.
   hal::CanStatus status(NodeHandle node) const;
-  // Starts the recovery of a node that is bus-off: 128 times 11 recessive bits, that is 1408 bit times of
-  // idle bus, or fewer idle ones with frames between, each of which ends in 11 recessive bits. No effect in
-  // the other states.
+  // Starts the recovery of a bus-off node: 128 occurrences of 11 recessive bits. That is 1408 bit times of
+  // idle bus, or fewer with frames in between, each of which ends in 11 recessive bits. No effect in other
+  // states.
   void recover(NodeHandle node);
 
   NodeCounters counters(NodeHandle node) const { return nodes_[index(node)].counters; }
   BusUsage usage() const;
 
-  // Null for none. They must outlive the bus or be taken away before.
+  // Null removes it. Both must outlive the bus or be removed before.
   void set_observer(BusObserver* observer) { observer_ = observer; }
   void set_disturbance(BusDisturbance* disturbance) { disturbance_ = disturbance; }
 
-  // Saves or restores the bus with the CAN controllers of its nodes. Nodes, observer and disturbance keep
-  // their own states; which nodes there are, and their filters, is no state. Throws NotSaveable where a node
-  // is a bridge, std::logic_error where nodes were attached since.
+  // Saves or restores the bus and the CAN controllers of its nodes. Nodes, observer and disturbance archive
+  // their own states; the set of nodes and their filters are not archived. Throws NotSaveable if a node is a
+  // bridge, and std::logic_error if nodes have been attached since.
   void archive(StateArchive& archive);
 
  private:
@@ -135,9 +135,9 @@ class Bus {
     ErrorCounters errors;
     NodeCounters counters;
     bool powered = true;
-    std::uint64_t online_since_us;        // kNever without power and while bus-off
-    std::uint64_t hold_until_us = 0;      // suspended transmission
-    std::uint64_t recovered_us = kNever;  // end of a recovery from bus-off under way
+    std::uint64_t online_since_us;        // kNever without power and in bus-off
+    std::uint64_t hold_until_us = 0;      // end of the suspended transmission
+    std::uint64_t recovered_us = kNever;  // end of a recovery from bus-off in progress
     bool is_bridge = false;
 
     void archive(StateArchive& archive) {
@@ -145,11 +145,11 @@ class Bus {
     }
   };
 
-  // What takes part in an arbitration, beside each other in memory: the head of a FIFO, those of a node in a
-  // row.
+  // A participant of the arbitration: the head of a FIFO. All heads are contiguous in memory, those of one
+  // node in a row.
   struct Head {
     std::uint64_t ready_us = kNever;
-    std::uint32_t priority = 0;  // identifier and RTR bit; the lowest wins
+    std::uint32_t priority = 0;  // identifier and RTR bit; the lowest value wins
   };
 
   enum class Outcome { kDelivered, kDoubled, kUnacknowledged, kDestroyed };
@@ -161,7 +161,7 @@ class Bus {
     Outcome outcome;
   };
 
-  // A frame of which a receiver is told only after its end.
+  // A frame with delayed delivery to one receiver.
   struct LateFrame {
     std::size_t receiver;
     hal::CanFrame frame;
@@ -208,11 +208,12 @@ class Bus {
   std::size_t online_ = 0;
   std::size_t recovering_ = 0;
   std::optional<std::uint64_t> dominant_since_us_;
-  std::uint64_t dominant_due_us_ = kNever;  // the next eight dominant bits
-  bool receive_errors_ = false;             // some node's receive error count is not zero
+  std::uint64_t dominant_due_us_ = kNever;  // time of the next eight dominant bits
+  bool receive_errors_ = false;             // any node's receive error count is not zero
   std::optional<Transmission> wire_;
-  std::vector<std::size_t> senders_;  // of the transmission on the wire; heads, at most one a node
-  std::multimap<std::uint64_t, LateFrame> late_;  // by the time at which the receiver is told
+  std::vector<std::size_t> senders_;  // of the transmission on the wire; indices of heads, at most one per
+                                      // node
+  std::multimap<std::uint64_t, LateFrame> late_;  // by time of delivery
   BusUsage usage_;
   BusObserver* observer_ = nullptr;
   BusDisturbance* disturbance_ = nullptr;

@@ -1,4 +1,4 @@
-// What goes wrong on the bus: error counts, collisions, nodes that leave and come back.
+// Errors on the bus: error counts, collisions, nodes that leave and return.
 
 #include <algorithm>
 #include <utility>
@@ -13,7 +13,7 @@ constexpr int kSuspendBits = 8;
 constexpr int kDominantBits = 8;
 constexpr int kRecoveryBits = 128 * kRecessiveEndBits;
 
-// Of frames with the same identifier: whether the first is dominant in the first bit in which they differ.
+// For frames with the same identifier: returns whether the first is dominant in the first bit that differs.
 bool stronger(const hal::CanFrame& first, const hal::CanFrame& second) {
   return std::pair(first.size, first.data) < std::pair(second.size, second.data);
 }
@@ -73,7 +73,7 @@ void Bus::set_dominant(bool dominant) {
       usage_.busy_us += now_us_ - wire_->start_us;
     } else {
       senders_.clear();
-      if (idle_from_us_ > now_us_) usage_.busy_us -= idle_from_us_ - now_us_;  // cut short
+      if (idle_from_us_ > now_us_) usage_.busy_us -= idle_from_us_ - now_us_;  // ended early
     }
     wire_.reset();
     dominant_since_us_ = now_us_;
@@ -100,7 +100,7 @@ void Bus::count_dominant_bits() {
     if (node.errors.bus_off()) leave(i);
   }
   dominant_due_us_ += duration_us(kDominantBits);
-  // Nothing changes any more: the one who sent is off, the others count no further.
+  // All counters are final: the sender is bus-off, and the others count no further.
   if (dominant_due_us_ > *dominant_since_us_ + 33 * duration_us(kDominantBits)) dominant_due_us_ = kNever;
 }
 
@@ -116,9 +116,9 @@ void Bus::complete_recoveries(std::uint64_t until_us) {
   }
 }
 
-// Several nodes have won with the same identifier. Returns after how many bits an error flag destroys the
-// frame, or zero when it survives: then only those that send it remain senders. The strongest frame's first
-// sender comes to the front.
+// Resolves a collision of frames with the same identifier. Returns the number of bits after which an error
+// flag destroys the frame, or zero if the strongest frame survives; then only its senders remain, with the
+// first of them at the front.
 int Bus::settle_collision() {
   const auto frame_of = [this](std::size_t sender) -> const hal::CanFrame& {
     return queue_of(sender).front().frame;

@@ -6,14 +6,14 @@
 
 namespace koboshi::sim {
 
-// How a simulated node comes back from bus-off: after a pause, so that one with a broken transceiver cannot
-// fill the bus with error frames. Its length is what Linux users give `ip link set can0 type can restart-ms`.
+// Recovers a simulated node from bus-off after a pause, so that a defective transceiver cannot fill the bus
+// with error frames. The pause equals the usual `ip link set can0 type can restart-ms` of Linux users.
 class BusOffPause {
  public:
   static constexpr std::uint64_t kPause_us = 100'000;
 
-  // One look at the node's status; recovers it when the pause is over. True when it has gone bus-off since
-  // the last look.
+  // Checks the node's status and recovers it after the pause. Returns true if the node has entered bus-off
+  // since the last call.
   bool step(Bus& bus, NodeHandle node, const hal::CanStatus& status, std::uint64_t now_us) {
     const bool was_off = off_;
     off_ = status.state == hal::CanErrorState::kBusOff;

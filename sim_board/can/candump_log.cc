@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t kMicrosecondsPerSecond = 1'000'000;
 constexpr int kSecondDigits = 10;
-constexpr int kMaxSecondDigits = 13;  // microseconds still fit in 64 bits
+constexpr int kMaxSecondDigits = 13;  // so that microseconds fit in 64 bits
 constexpr std::string_view kHexDigits = "0123456789ABCDEF";
 
 char* put_decimal(char* out, std::uint64_t value, int digits) {
@@ -42,7 +42,7 @@ char* put_content(char* out, const hal::CanFrame& frame) {
   return out;
 }
 
-// Takes a line apart from its beginning; each function is false when the line does not go on like that.
+// Parses a line from its beginning; each function returns false if the next part does not match.
 class LineParser {
  public:
   explicit LineParser(std::string_view line) : rest_(line) {}

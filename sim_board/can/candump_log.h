@@ -13,14 +13,13 @@
 
 namespace koboshi::sim {
 
-// The log format of `candump -L`, which canplayer, log2asc, Wireshark and SavvyCAN read, here in simulated
-// time:
+// The log format of `candump -L`, which canplayer, log2asc, Wireshark and SavvyCAN read, with simulated time:
 //   (0000000012.345678) vcan0 210#0F00112233
-// A remote frame is `#R`, followed by the size it asks for unless that is zero.
+// A remote frame is `#R`, followed by the requested size unless it is zero.
 
 inline constexpr std::string_view kLogInterface = "vcan0";
 
-// The longest line: 20 digits of seconds and the longest name of a Linux network interface, 15 characters.
+// Maximum length of a line: 20 digits of seconds, and an interface name of 15 characters, Linux' maximum.
 inline constexpr std::size_t kMaxLogLineBytes = 1 + 20 + 1 + 6 + 2 + 15 + 1 + 4 + 16 + 1;
 
 // Writes the line with its newline and returns its length. Precondition: the interface's name has at most 15
@@ -36,14 +35,14 @@ struct LoggedFrame {
   friend bool operator==(const LoggedFrame&, const LoggedFrame&) = default;
 };
 
-// Reads a log line by line. Strict: what is not exactly a classic frame with an 11-bit identifier in the
-// format above, or goes back in time, is an error. Hexadecimal digits may be of either case, the seconds of
-// any length up to 13 digits.
+// Reads a log line by line. Strict: a line that is not a classic frame with an 11-bit identifier in the above
+// format, or with an earlier time than its predecessor, is an error. Hexadecimal digits may be upper or lower
+// case; seconds may have up to 13 digits.
 class CandumpReader {
  public:
-  // Throws InputError when the file cannot be opened.
+  // Throws InputError if the file cannot be opened.
   explicit CandumpReader(const std::filesystem::path& file);
-  // The next frame; nothing at the end. Throws InputError.
+  // Returns the next frame, or nothing at the end. Throws InputError.
   std::optional<LoggedFrame> next();
 
  private:

@@ -23,12 +23,13 @@ class ErrorCounters {
   void on_transmitted() { transmit_ = std::max(transmit_ - 1, 0); }
   void on_received() { receive_ = receive_ > 127 ? 127 : std::max(receive_ - 1, 0); }
   void on_transmit_error() { transmit_ = std::min(transmit_ + 8, 256); }
-  // An error-passive node that nobody acknowledges stays as it is: alone on the bus, it must not go bus-off.
+  // An error-passive node without an acknowledgement keeps its count: alone on the bus, it must not go
+  // bus-off.
   void on_missing_acknowledge() {
     if (!error_passive()) on_transmit_error();
   }
   void on_receive_error() { receive_ = std::min(receive_ + 1, 128); }
-  // Eight more dominant bits in a row after an error flag.
+  // Counts eight more consecutive dominant bits after an error flag.
   void on_dominant_bits(bool transmits) {
     if (transmits) {
       on_transmit_error();

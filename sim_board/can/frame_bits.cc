@@ -17,8 +17,8 @@ std::uint32_t header(const hal::CanFrame& frame) {
 
 int data_bytes(const hal::CanFrame& frame) { return frame.remote ? 0 : frame.size; }
 
-// What the stuffing of the next bit depends on: the last bit in bit 2, the length of its row (1..4) less one
-// below.
+// State that determines the next stuff bit: bit 2 is the last bit, bits 0..1 are its run length (1..4) minus
+// one.
 using StuffState = std::uint8_t;
 
 struct StuffStep {
@@ -34,7 +34,7 @@ constexpr StuffStep push_bit(StuffState state, unsigned bit) {
   return {static_cast<StuffState>((bit ^ 1u) << 2), true};
 }
 
-// One byte at a time: the state after it in bits 0..2, the stuff bits that it needed above them.
+// Per state and byte: the state after the byte in bits 0..2, and the number of its stuff bits above.
 using StuffTable = std::array<std::array<std::uint8_t, 256>, 8>;
 
 constexpr StuffTable make_stuff_table() {
@@ -94,7 +94,7 @@ unsigned bit_at(const hal::CanFrame& frame, int index) {
 }  // namespace
 
 std::uint16_t crc15(const hal::CanFrame& frame) {
-  // The register starts at zero, so the five zeros that fill the header up to three bytes change nothing.
+  // The register starts at zero, so the five zeros that pad the header to three bytes have no effect.
   const std::uint32_t bits = header(frame);
   unsigned crc = push_crc(push_crc(push_crc(0, bits >> 16), bits >> 8 & 0xFFu), bits & 0xFFu);
   for (int i = 0; i < data_bytes(frame); ++i) crc = push_crc(crc, frame.data[static_cast<std::size_t>(i)]);
@@ -102,8 +102,8 @@ std::uint16_t crc15(const hal::CanFrame& frame) {
 }
 
 int stuff_bits(const hal::CanFrame& frame) {
-  // Whole bytes only: alternating bits before SOF and, after the CRC, the opposite of its last bit never
-  // cause one.
+  // Pads to whole bytes with bits that cannot cause a stuff bit: alternating bits before SOF, and after the
+  // CRC the opposite of its last bit.
   const std::uint32_t bits = 0b10101u << kHeaderBits | header(frame);
   const unsigned crc = crc15(frame);
   StuffCounter counter;

@@ -6,11 +6,10 @@
 
 namespace koboshi::sim {
 
-// A node's place on its bus.
+// Identifies a node on its bus.
 enum class NodeHandle : std::uint16_t {};
 
-// What stands on the bus: is told of every frame that reaches it, at the microsecond at which its last bit
-// has passed.
+// A node on the bus. It receives each frame at the microsecond at which the frame's last bit has passed.
 class BusNode {
  public:
   virtual void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) = 0;

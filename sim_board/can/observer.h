@@ -6,8 +6,8 @@
 
 namespace koboshi::sim {
 
-// Sees every sound frame on the bus, in the order in which they end, before any node does. Part of no node:
-// it neither acknowledges nor sends.
+// Receives every valid frame on the bus, in the order of their ends and before any node. It is not a node: it
+// neither acknowledges nor sends.
 class BusObserver {
  public:
   // The frame occupied the wire from `start_us` (SOF) to `end_us` (after the last bit of EOF).

@@ -14,14 +14,14 @@ struct QueuedFrame {
   std::uint64_t ready_us = 0;
 };
 
-// A transmit FIFO of a CAN controller; its memory is taken once.
+// A transmit FIFO of a CAN controller with a fixed allocation.
 class TransmitQueue {
  public:
   explicit TransmitQueue(std::size_t capacity) : slots_(capacity) { assert(capacity > 0); }
 
   bool empty() const { return size_ == 0; }
   std::size_t space() const { return slots_.size() - size_; }
-  // False when the FIFO is full.
+  // Returns false if the FIFO is full.
   bool push(const QueuedFrame& frame) {
     if (space() == 0) return false;
     const std::size_t end = first_ + size_++;

@@ -6,12 +6,12 @@
 
 namespace koboshi::sim {
 
-// Input that cannot be used. `what()` is one line, `FILE:LINE: found FOUND, expected EXPECTED`
-// (without `:LINE` where the trouble is the file itself). The program prints it and exits with status 2.
+// An input error. `what()` is one line, `FILE:LINE: found FOUND, expected EXPECTED` (without `:LINE` if the
+// error concerns the whole file). The program prints it and exits with status 2.
 class InputError : public std::runtime_error {
  public:
-  // `limit` names what the input violates, without the value that was found, such as "the reach of the legs";
-  // a search counts by it. Without one it is what was expected.
+  // `limit` names the violated limit without the value found, such as "the reach of the legs"; a search
+  // counts errors by it. Default: `expected`.
   InputError(const std::filesystem::path& file, int line, const std::string& found,
              const std::string& expected, const std::string& limit = {})
       : std::runtime_error(file.string() + (line > 0 ? ":" + std::to_string(line) : std::string()) +

@@ -15,7 +15,7 @@
 namespace koboshi::sim {
 namespace {
 
-// Far above any file that a person writes; /dev/zero ends here too.
+// Far above the size of any hand-written file. It also terminates the reading of /dev/zero.
 constexpr std::size_t kLargestFile = 16u << 20;
 constexpr std::size_t kLongestQuote = 80;
 
@@ -47,8 +47,8 @@ std::string describe_range(const Range& range, const std::string& kind,
   return kind;
 }
 
-// Of the optimal string alignment, row by row: rows[i][j] turns the first i letters of a into the first j of
-// b.
+// Optimal string alignment distance by dynamic programming: rows[i][j] is the distance between the first i
+// letters of a and the first j letters of b.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::vector<std::size_t>> rows(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) {

@@ -4,7 +4,7 @@
 
 namespace koboshi::sim {
 
-// The program computes in rad and m; files and figures for people have degrees and millimetres.
+// The program computes in rad and m; files and output for users have degrees and millimetres.
 inline constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 inline constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
 inline constexpr double kMmPerM = 1000.0;

@@ -14,7 +14,7 @@ using tinyxml2::XMLAttribute;
 using tinyxml2::XMLElement;
 using tinyxml2::XMLNode;
 
-// Finite numbers between blanks; nothing if one of the words is none.
+// Parses finite numbers separated by blanks. Returns nothing if any word is not a number.
 std::optional<std::vector<double>> parse_numbers(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\r\n";
   std::vector<double> values;
@@ -30,7 +30,7 @@ std::optional<std::vector<double>> parse_numbers(std::string_view text) {
 
 std::string tag(std::string_view name) { return "<" + one_line(name) + ">"; }
 
-// Holds elements against their rules.
+// Checks elements against their rules.
 class Checker {
  public:
   explicit Checker(const std::filesystem::path& file) : file_(file) {}
@@ -140,7 +140,7 @@ class Checker {
   const std::filesystem::path& file_;
 };
 
-// "XML error: mismatched element" of tinyxml2's XML_ERROR_MISMATCHED_ELEMENT.
+// Returns "XML error: mismatched element" for tinyxml2's XML_ERROR_MISMATCHED_ELEMENT.
 std::string describe_error(const tinyxml2::XMLDocument& document) {
   std::string name = document.ErrorName();
   constexpr std::string_view kPrefix = "XML_ERROR_";

@@ -17,8 +17,8 @@ class XMLElement;
 
 namespace koboshi::sim {
 
-// An element of an XmlFile, which has passed its schema; it must not outlive the file. What the schema
-// promises is not checked again: asking for what the schema does not require is a mistake of the program and
+// An element of an XmlFile that has passed its schema; it must not outlive the file. Accessors do not repeat
+// the schema's checks: access to something that the schema does not require is a programming error and
 // asserts.
 class XmlNode {
  public:
@@ -34,7 +34,7 @@ class XmlNode {
 
   std::string text() const;
   std::vector<double> numbers() const;
-  // Of the child with this name.
+  // Number in the child with this name.
   double number(const std::string& child_name) const;
   double number(const std::string& child_name, double fallback) const;
 
@@ -44,7 +44,7 @@ class XmlNode {
   std::int64_t attribute_integer(const std::string& name) const;
   std::int64_t attribute_integer(const std::string& name, std::int64_t fallback) const;
 
-  // To throw at this element's line.
+  // Returns an error at this element's line, for the caller to throw.
   InputError error(const std::string& found, const std::string& expected) const;
 
  private:
@@ -52,17 +52,17 @@ class XmlNode {
   const std::filesystem::path* file_;
 };
 
-// What the file's root element is called, for a reader of more than one kind of file; empty where the file is
-// malformed. Throws InputError where it cannot be read.
+// Returns the name of the file's root element, for readers of several kinds of file; empty if the file is
+// malformed. Throws InputError if the file cannot be read.
 std::string xml_root_name(const std::filesystem::path& file);
 
-// The strict reader of every XML file: malformed text, unknown or doubled elements and attributes, missing
-// ones, bad numbers and numbers out of range are InputErrors with file and line.
+// Strict reader for all XML files. Malformed text, unknown, duplicate or missing elements and attributes, and
+// malformed or out-of-range numbers are InputErrors with file and line.
 class XmlFile {
  public:
-  // Reads the whole file and holds it against the rule of its root element. Throws InputError.
+  // Reads the whole file and checks it against the rule of its root element. Throws InputError.
   XmlFile(std::filesystem::path file, const XmlRule& root_rule);
-  // The same of a text that is in no file, or not yet; errors name `file`.
+  // Reads from a text instead; errors name `file`.
   XmlFile(std::filesystem::path file, const std::string& text, const XmlRule& root_rule);
   XmlFile(const XmlFile&) = delete;
   XmlFile& operator=(const XmlFile&) = delete;

@@ -7,16 +7,16 @@
 
 namespace koboshi::sim {
 
-// What a kind of XML file may hold. Elements and attributes that no rule names are errors.
+// Schema of a kind of XML file. Elements and attributes without a rule are errors.
 
 enum class XmlCount { kOptional, kRequired, kRepeated };
 
 enum class XmlContent {
   kChildren,  // elements only, those of the rule
   kText,      // not empty
-  kNumbers,   // as many as the rule says, finite and within its range
+  kNumbers,   // as many as the rule requires, finite and within its range
   kInteger,
-  kAnything  // not looked into
+  kAnything  // not checked
 };
 
 struct XmlAttributeRule {

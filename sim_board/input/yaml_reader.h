@@ -14,17 +14,17 @@
 
 namespace koboshi::sim {
 
-// The strict reader of every YAML file: what is missing, malformed, doubled, unknown, of the wrong type or
-// out of range is an InputError with file and line.
+// Strict reader for all YAML files: a missing, malformed, duplicate, unknown, wrongly typed or out-of-range
+// value is an InputError with file and line.
 //
 //   YamlFile file("scenarios/squat.yaml", overrides);
 //   const YamlMap root = file.root();
 //   root.require_version(1);
 //   const double duration_s = root.number("duration_s", {.min = 0.01, .max = 3600});
 //   for (const YamlValue& push : root.list("pushes")) read_push(push.map());
-//   file.finish();  // every key that nobody asked for is an error
+//   file.finish();  // every key that was not read is an error
 //
-// Maps, lists and values look into their YamlFile and must not outlive it.
+// Maps, lists and values refer to their YamlFile and must not outlive it.
 
 class YamlMap;
 
@@ -32,7 +32,7 @@ class YamlValue {
  public:
   explicit YamlValue(const YamlNode& node) : node_(&node) {}
 
-  // Each throws InputError unless the value is just that. Numbers are finite and unquoted.
+  // Each accessor throws InputError unless the value has this type. Numbers are finite and unquoted.
   double number(const NumberRange& range = {}) const;
   std::int64_t integer(const IntegerRange& range = {}) const;
   bool boolean() const;      // true or false
@@ -41,16 +41,16 @@ class YamlValue {
   YamlMap map() const;
   std::vector<YamlValue> list() const;
   std::vector<double> numbers(std::size_t count,
-                              const NumberRange& range = {}) const;  // a list of just `count`
+                              const NumberRange& range = {}) const;  // a list of exactly `count` numbers
 
   bool is_map() const { return node_->kind == YamlNode::Kind::kMap; }
   bool is_list() const { return node_->kind == YamlNode::Kind::kList; }
-  // Where the value stands: the file, or the option of the command line, whose line is 0.
+  // Source of the value: the file, or the option of the command line. The line of an option is 0.
   const std::filesystem::path& source() const { return node_->source; }
   int line() const { return node_->line; }
-  // To throw: this value, with its path, is not what was expected.
+  // Returns an error with this value and its path, for the caller to throw.
   InputError error(const std::string& expected) const;
-  // To throw at this value's line, with words of the caller's.
+  // Returns an error at this value's line with the caller's text.
   InputError error(const std::string& found, const std::string& expected) const;
 
  private:
@@ -61,7 +61,7 @@ class YamlMap {
  public:
   explicit YamlMap(const YamlNode& node) : node_(&node) {}
 
-  // With a fallback a key may be missing; without, that is an InputError.
+  // Returns the fallback if the key is missing; without a fallback, a missing key is an InputError.
   double number(const std::string& key, const NumberRange& range = {},
                 std::optional<double> fallback = std::nullopt) const;
   std::int64_t integer(const std::string& key, const IntegerRange& range = {},
@@ -73,19 +73,19 @@ class YamlMap {
   std::vector<double> numbers(const std::string& key, std::size_t count, const NumberRange& range = {}) const;
   YamlMap child(const std::string& key) const;
   std::optional<YamlMap> optional_child(const std::string& key) const;
-  // A missing list is an error, too; ask has() first where it may be missing.
+  // A missing list is an InputError; check has() first if it is optional.
   std::vector<YamlValue> list(const std::string& key) const;
   YamlValue value(const std::string& key) const;
   bool has(const std::string& key) const;
-  // Every key of the map with its value, in the file's order, where the keys are names that only the caller
-  // knows.
+  // Returns every key of the map with its value, in the file's order, for maps whose keys are user-defined
+  // names.
   std::vector<std::pair<std::string, YamlValue>> entries() const;
-  // The key `version`, which must have this value.
+  // Checks the key `version`, which must have this value.
   void require_version(std::int64_t version) const;
 
-  // The line of a key, or of the map if it has no such key.
+  // Returns the line of a key, or of the map if the key is missing.
   int line_of(const std::string& key) const;
-  // To throw at the key's line.
+  // Returns an error at the key's line, for the caller to throw.
   InputError error_at(const std::string& key, const std::string& found, const std::string& expected) const;
 
  private:
@@ -97,9 +97,9 @@ class YamlMap {
 
 class YamlFile {
  public:
-  // Reads and parses the whole file, then applies the overrides in their order. Throws InputError.
+  // Reads and parses the whole file, then applies the overrides in order. Throws InputError.
   explicit YamlFile(std::filesystem::path file, std::span<const Override> overrides = {});
-  // A document that stands in no file. Messages name `source` in its place.
+  // Uses a document without a file. Messages name `source` instead.
   YamlFile(std::filesystem::path source, YamlNode document)
       : path_(std::move(source)), root_(std::move(document)) {}
   YamlFile(const YamlFile&) = delete;
@@ -107,9 +107,9 @@ class YamlFile {
 
   const std::filesystem::path& path() const { return path_; }
   YamlMap root() const { return YamlMap(root_); }
-  // The whole document, with the overrides.
+  // The whole document, including the overrides.
   const YamlNode& tree() const { return root_; }
-  // Throws InputError at the first key that no reader has asked for.
+  // Throws InputError at the first key that was never read.
   void finish() const;
 
  private:

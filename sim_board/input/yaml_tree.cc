@@ -13,7 +13,7 @@
 namespace koboshi::sim {
 namespace {
 
-// What the text is, which messages name.
+// Source of the text, for messages.
 struct Source {
   std::filesystem::path name;
   bool has_lines = true;  // false: a value of the command line
@@ -21,8 +21,8 @@ struct Source {
 
 int line_of(const YAML::Mark& mark, const Source& source) { return source.has_lines ? mark.line + 1 : 0; }
 
-// Builds the tree from the parser's events. yaml-cpp's own tree forgets doubled keys and whether a scalar was
-// quoted.
+// Builds the tree from the parser's events. yaml-cpp's own tree does not record duplicate keys or whether a
+// scalar was quoted.
 class TreeBuilder final : public YAML::EventHandler {
  public:
   explicit TreeBuilder(const Source& source) : source_(source) {}
@@ -59,7 +59,7 @@ class TreeBuilder final : public YAML::EventHandler {
  private:
   struct Level {
     YamlNode node;
-    std::string key;  // read, its value still to come
+    std::string key;  // read, still without a value
     int key_line = 0;
     bool has_key = false;
 
@@ -120,7 +120,7 @@ class TreeBuilder final : public YAML::EventHandler {
     if (parent.node.kind == YamlNode::Kind::kList) {
       node.path = parent.node.path + "[" + std::to_string(parent.node.items.size()) + "]";
     } else {
-      // The line of a value is that of its key, where a person looks for it.
+      // A value takes the line of its key, which is where a reader looks.
       node.line = parent.key_line;
       node.key = parent.key;
       node.path = parent.node.path.empty() ? parent.key : parent.node.path + "." + parent.key;
@@ -158,7 +158,7 @@ YamlNode parse_any(const std::string& text, const Source& source) {
   return builder.take_root();
 }
 
-// Gives a value from the command line, and what it holds, their place in the tree.
+// Sets path and source of a command-line value and its contents.
 void relocate(YamlNode& node, const std::string& path) {
   node.path = path;
   for (std::size_t i = 0; i < node.items.size(); ++i) {
@@ -167,7 +167,7 @@ void relocate(YamlNode& node, const std::string& path) {
   }
 }
 
-// A plain scalar stays plain, as a quoted number is text.
+// Plain scalars stay unquoted, because a quoted number is text.
 std::string scalar_text(const YamlNode& node) {
   if (!node.quoted && node.scalar.find_first_of(",[]{}#:&*!|>'\"%@`\\\n\t") == std::string::npos)
     return node.scalar;

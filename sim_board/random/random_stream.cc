@@ -24,7 +24,7 @@ std::uint64_t hash(std::string_view text) {
 }  // namespace
 
 RandomStream::RandomStream(std::uint64_t seed, std::string_view name) {
-  // The seed goes through SplitMix64 before it meets the name, so that neighbouring seeds share no bits.
+  // SplitMix64 mixes the seed before it is combined with the name, so that neighbouring seeds share no bits.
   std::uint64_t mixed = split_mix(seed) ^ hash(name);
   for (std::uint64_t& word : state_) word = split_mix(mixed);
 }

@@ -35,8 +35,8 @@ void check_pose(const XmlNode& node, const Names& frames) {
   if (const auto pose = node.find("pose")) check_frame(*pose, "relative_to", frames);
 }
 
-// Principal moments of a rigid body are positive, and none exceeds the sum of the others. A thin plate meets
-// the sum exactly, hence the margin for the digits of the file.
+// The principal moments of a rigid body are positive, and none exceeds the sum of the others. A thin plate
+// equals the sum exactly, so the margin allows for rounding in the file.
 void check_inertia(const XmlNode& link) {
   constexpr double kMargin = 1e-4;
   const XmlNode node = link.child("inertial").child("inertia");
@@ -54,7 +54,7 @@ void check_inertia(const XmlNode& link) {
   }
 }
 
-// A mistyped digit of an axis would pass libsdformat, which makes a unit vector of any.
+// libsdformat normalises any axis and would not detect a mistyped digit.
 void check_axis(const XmlNode& node) {
   const std::vector<double> xyz = node.numbers();
   const double length = std::hypot(xyz[0], xyz[1], xyz[2]);

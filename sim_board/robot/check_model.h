@@ -4,9 +4,9 @@
 
 namespace koboshi::sim {
 
-// What can be told of a model before libsdformat reads it, which would correct it in silence or complain
-// without a line: names used twice, names of links and frames that do not exist, inertias of no rigid body,
-// joints that are no hinges, axes that are no unit vectors. Throws InputError.
+// Checks a model before libsdformat reads it, which would correct errors silently or report them without a
+// line: duplicate names, references to missing links and frames, inertias of no rigid body, joints that are
+// not hinges, axes that are not unit vectors. Throws InputError.
 void check_model(const XmlNode& model);
 
 }  // namespace koboshi::sim

@@ -14,7 +14,7 @@ namespace {
 
 const char* const kVersion = "1.9";
 
-// Asks libsdformat for the frames of a file that the schema has passed.
+// Loads the frames of a file that has passed the schema with libsdformat.
 void load_sdf(const XmlFile& file, sdf::Root& root) {
   sdf::ParserConfig config;
   config.SetWarningsPolicy(sdf::EnforcementPolicy::ERR);
@@ -26,7 +26,7 @@ void load_sdf(const XmlFile& file, sdf::Root& root) {
                    one_line(first.Message()), "a model that libsdformat accepts");
 }
 
-// Puts the base, the one link that is no joint's child, first.
+// Loads the links, with the base (the only link that is not a joint's child) first.
 void load_links(const sdf::Model& model, const XmlNode& model_node, RobotDescription& robot) {
   std::set<std::string> children;
   for (const XmlNode& joint : model_node.children("joint")) children.insert(joint.child("child").text());
@@ -46,7 +46,7 @@ void load_links(const sdf::Model& model, const XmlNode& model_node, RobotDescrip
   }
 }
 
-// With one base and no link twice a child, whatever the base does not reach hangs in a ring.
+// With one base and no link twice a child, links that the base does not reach form a loop.
 void check_tree(const RobotDescription& robot, const XmlNode& model_node) {
   std::vector<bool> reached(robot.links.size(), false);
   reached[0] = true;

@@ -6,11 +6,10 @@
 
 namespace koboshi::sim {
 
-// Reads a robot from an SDF 1.9 file (the part of it that sdf_schema.cc names). Meshes are relative to the
-// file. Throws InputError, with the line, where the file is missing, malformed or describes no robot that can
-// be simulated: inertias of no rigid body, axes that are no unit vectors, empty ranges, collisions that are
-// no boxes, joints that are no hinges or do not make one tree of all links, node ids or names used twice,
-// meshes that are not there.
+// Reads a robot from an SDF 1.9 file (the subset in sdf_schema.cc). Mesh paths are relative to the file.
+// Throws InputError, with the line, if the file is missing or malformed or cannot be simulated: inertias of
+// no rigid body, axes that are not unit vectors, empty ranges, collisions that are not boxes, joints that are
+// not hinges or do not form one tree of all links, duplicate node ids or names, missing meshes.
 RobotDescription load_robot(const std::filesystem::path& file);
 
 }  // namespace koboshi::sim

@@ -25,7 +25,7 @@ EncoderDescription load_encoder(const XmlNode& node) {
           .noise_counts = node.attribute_number("noise_counts", 0.0)};
 }
 
-// The encoder reads one turn: the shaft must stay within it over the joint's whole range.
+// The encoder measures one turn: the shaft must stay within it over the joint's whole range.
 void check_range(const JointDescription& joint, const XmlNode& axis_node, const XmlNode& drive_node) {
   const XmlNode limit = axis_node.child("limit");
   if (joint.lower_rad >= joint.upper_rad) {

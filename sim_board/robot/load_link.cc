@@ -88,7 +88,7 @@ LinkDescription load_link(const sdf::Link& link, const XmlNode& node, const std:
   description.mass_kg = inertial.MassMatrix().Mass();
   description.mass_line = node.child("inertial").child("mass").line();
   description.p_LCom_L = to_isometry(inertial.Pose()).translation();
-  const auto inertia = inertial.Moi();  // about the centre of mass, turned into the link's axes
+  const auto inertia = inertial.Moi();  // about the centre of mass, in the link's axes
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
       description.I_LCom_L(row, column) =

@@ -6,7 +6,7 @@
 namespace koboshi::sim {
 namespace {
 
-// Two samples never change places.
+// The jitter must be so small that samples keep their order.
 double load_jitter_s(const XmlNode& sensor) {
   const double jitter_s = sensor.number("koboshi:jitter_s", 0.0);
   const double half_period_s = 0.5 / sensor.number("update_rate");
@@ -32,7 +32,7 @@ ChannelDescription load_channel(const XmlNode& sensor, const std::string& name) 
                              .sample_period_s = 1.0 / sensor.number("update_rate"),
                              .jitter_s = load_jitter_s(sensor),
                              .delay_s = node.number("delay_s")};
-  // Half a count may be missing at the upper end; two's complement has one more below zero.
+  // The upper end may lack half a count; two's complement has one more value below zero.
   if (channel.range / channel.resolution > 32768.5) {
     throw node.error("<" + name + "> of range " + number_text(channel.range) + " at resolution " +
                          number_text(channel.resolution),
@@ -46,7 +46,7 @@ void check_type(const XmlNode& node, const std::string& type) {
     throw node.error("a sensor of type " + one_line(node.attribute("type")), type);
 }
 
-// Height of the sensor above the lowest corner of the link's boxes, at joint zero.
+// Height of the sensor above the lowest corner of the link's boxes, at joint angles zero.
 double height_above_sole_m(const LinkDescription& link, const Eigen::Isometry3d& X_LS, const XmlNode& node) {
   if (link.collisions.empty())
     throw node.error("an ankle sensor above link " + link.name + " without a box", "a sole");
@@ -62,7 +62,7 @@ double height_above_sole_m(const LinkDescription& link, const Eigen::Isometry3d&
   return (link.X_ML * X_LS).translation().z() - lowest_m;
 }
 
-// The firmware's ZMP wants what the ground side exerts on the shank side, in the sensor's axes.
+// The firmware's ZMP needs the wrench that the ground side exerts on the shank side, in the sensor's axes.
 void check_direction(const XmlNode& node) {
   const XmlNode frame = node.child("force_torque").child("frame");
   if (frame.text() != "sensor") throw frame.error("<frame> = " + one_line(frame.text()), "sensor");
@@ -101,15 +101,15 @@ void load_ankle_sensors(const sdf::Joint& joint, const XmlNode& joint_node, Robo
     const int joint_index = robot.find_joint(joint.Name()).value();
     const int foot_index = robot.joints[static_cast<std::size_t>(joint_index)].child;
     const LinkDescription& foot = robot.links[static_cast<std::size_t>(foot_index)];
-    AnkleSensorDescription sensor{
-        .name = name,
-        .joint = joint_index,
-        // libsdformat 12 gives a joint's sensor no frame to resolve: its pose is that in the joint's frame.
-        .X_LS = resolve_pose(joint.SemanticPose(), foot.name, node) *
-                to_isometry(joint.SensorByName(name)->RawPose()),
-        .force = load_channel(node, "koboshi:force"),
-        .torque = load_channel(node, "koboshi:torque"),
-        .crosstalk = node.number("koboshi:crosstalk", 0.0)};
+    AnkleSensorDescription sensor{.name = name,
+                                  .joint = joint_index,
+                                  // libsdformat 12 does not resolve the frame of a joint's sensor: its pose
+                                  // is relative to the joint's frame.
+                                  .X_LS = resolve_pose(joint.SemanticPose(), foot.name, node) *
+                                          to_isometry(joint.SensorByName(name)->RawPose()),
+                                  .force = load_channel(node, "koboshi:force"),
+                                  .torque = load_channel(node, "koboshi:torque"),
+                                  .crosstalk = node.number("koboshi:crosstalk", 0.0)};
     sensor.height_above_sole_m = height_above_sole_m(foot, sensor.X_LS, node);
     slot = sensor;
   }

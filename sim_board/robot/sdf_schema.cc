@@ -8,9 +8,9 @@ using enum XmlCount;
 
 constexpr NumberRange kFraction{.min = 0, .max = 1};
 constexpr NumberRange kNotNegative{.min = 0};
-// Of an error: a sensor that is wrong by more is broken.
+// Bound of relative errors: a sensor with a larger error is broken.
 constexpr NumberRange kShare{.min = 0, .max = 0.5};
-// Lengths of a robot that stands on a table or beside a person.
+// Lengths of robots from table-top to human size.
 constexpr NumberRange kSize{.min = 1e-4, .max = 10};
 constexpr NumberRange kUnsigned32{.min = 0, .max = 4294967295.0};
 constexpr NumberRange kPosition{.min = -1000, .max = 1000};
@@ -41,7 +41,7 @@ XmlRule pose() {
   return rule;
 }
 
-// An element that is all attributes.
+// An element with attributes only.
 XmlRule attributes_only(std::string name, std::vector<XmlAttributeRule> attributes) {
   return {.name = std::move(name), .attributes = std::move(attributes)};
 }
@@ -77,7 +77,7 @@ XmlRule command() {
                                      {"dead_band_rad", kNumbers, false, {.min = 0, .max = 1}}});
 }
 
-// Of one quantity; `unit` is that of its values, `difference` that of what is added to them.
+// Rule of a scalar sensor; `unit` is that of its values, `difference` that of offsets and noise.
 XmlRule meter(std::string name, const std::string& unit, const std::string& difference) {
   constexpr NumberRange kValue{.min = -1000, .max = 1000};
   constexpr NumberRange kError{.min = 0, .max = 100};
@@ -92,7 +92,7 @@ XmlRule meter(std::string name, const std::string& unit, const std::string& diff
 }
 
 XmlRule servo_type() {
-  // Of a share of 1 and more, friction would grow faster than the load that causes it.
+  // With a share of 1 or more, friction would grow faster than the load that causes it.
   constexpr NumberRange kShare{.min = 0, .max = 0.99};
   return group("koboshi:servo_type", kRepeated,
                {number("torque_constant_Nm_per_A", kRequired, {.min = 1e-3, .max = 100}),
@@ -118,7 +118,7 @@ XmlRule battery() {
                           {"internal_resistance_ohm", kNumbers, true, {.min = 0, .max = 100}}});
 }
 
-// Takes over the servo types of a library.
+// Imports the servo types of a library.
 XmlRule servo_library() {
   return {.name = "koboshi:servo_types", .count = kRepeated, .attributes = {{.name = "file"}}};
 }

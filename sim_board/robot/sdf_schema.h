@@ -4,10 +4,10 @@
 
 namespace koboshi::sim {
 
-// The part of SDF 1.9 that a robot may use, with the koboshi: elements that SDF lacks. What this rule does
-// not name would have no effect on the simulation, so that it is an error.
+// Rule for the subset of SDF 1.9 that a robot may use, plus the koboshi: elements. Elements without a rule
+// are errors, because they would have no effect on the simulation.
 const XmlRule& sdf_rule();
-// A file of servo types that robot files may take over (robots/servos).
+// Rule for a library of servo types, which robot files can import (robots/servos).
 const XmlRule& servo_library_rule();
 
 }  // namespace koboshi::sim

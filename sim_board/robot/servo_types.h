@@ -10,8 +10,8 @@ namespace koboshi::sim {
 
 using ServoTypes = std::map<std::string, ServoDescription>;
 
-// The servo types of a file, by name: those that a robot file (SDF) has or takes over, or those of a library
-// such as robots/servos/bam.xml. Throws InputError with the line.
+// Reads the servo types of a file, by name: those that a robot file (SDF) defines or imports, or those of a
+// library such as robots/servos/bam.xml. Throws InputError with the line.
 ServoTypes read_servo_types(const std::filesystem::path& file);
 
 }  // namespace koboshi::sim

@@ -7,7 +7,7 @@ namespace koboshi::sim {
 
 double box_overlap_m(const Eigen::Isometry3d& X_WA, const Eigen::Vector3d& half_A_m,
                      const Eigen::Isometry3d& X_WB, const Eigen::Vector3d& half_B_m) {
-  // Parallel edges span no axis; the faces' normals are among the others.
+  // The cross product of parallel edges is zero; the face normals already cover this case.
   constexpr double kParallel = 1e-6;
   const Eigen::Matrix3d& A = X_WA.linear();
   const Eigen::Matrix3d& B = X_WB.linear();

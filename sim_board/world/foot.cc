@@ -42,7 +42,7 @@ FootPressure foot_pressure(const RobotDescription& robot, const Foot& foot, cons
   const Isometry3d X_WSole = pose_before_step(robot, world, foot.link) * foot.X_LSole;
   const Vector3d normal_W = X_WSole.linear().col(2);
   FootPressure pressure;
-  Vector3d moment_W = Vector3d::Zero();  // of the normal forces: the sum of force times place
+  Vector3d moment_W = Vector3d::Zero();  // of the normal forces: sum of force times position
   for (const Contact& contact : world.contacts()) {
     if (!is_of_ground(contact, foot)) continue;
     const double force_N = normal_W.dot(contact.f_W);

@@ -15,10 +15,10 @@ using Eigen::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Of a convex body the ground under a point is the face through which a line along z leaves it upwards.
+// The surface of a convex body below a point is the face through which an upward vertical line leaves it.
 double height_above(const GroundBox& box, const Vector3d& p_W) {
   const Vector3d p_G = box.X_WG.inverse() * p_W;
-  // In the world straight up, so that a ramp, a box that lies askew, has a top.
+  // Vertical in the world, so that the top of a tilted box (a ramp) is found.
   const Vector3d up_G = box.X_WG.linear().transpose() * Vector3d::UnitZ();
   double enter_m = -kInfinity;
   double leave_m = kInfinity;
@@ -37,7 +37,7 @@ double height_above(const GroundBox& box, const Vector3d& p_W) {
       top = axis;
     }
   }
-  if (enter_m > leave_m || enter_m > 0.0) return kInfinity;  // beside it, or under it
+  if (enter_m > leave_m || enter_m > 0.0) return kInfinity;  // beside or under the box
   return -leave_m * std::abs(up_G[top]);
 }
 
@@ -100,7 +100,7 @@ void check(const GroundDescription& ground) {
 GroundBox ramp_box(const Ramp& ramp) {
   const double slope_m = ramp.length_m / std::cos(ramp.angle_rad);
   const double thickness_m =
-      slope_m * std::tan(ramp.angle_rad);  // the lower edge of the far end is on the plane
+      slope_m * std::tan(ramp.angle_rad);  // puts the lower edge of the far end on the plane
   GroundBox box;
   box.size_m = {slope_m, ramp.width_m, thickness_m};
   box.X_WG = ramp.X_WR * Eigen::AngleAxisd(-ramp.angle_rad, Vector3d::UnitY()) *

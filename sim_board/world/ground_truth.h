@@ -7,7 +7,7 @@
 
 namespace koboshi::sim {
 
-// What no sensor shows: quantities of the whole robot, from the poses and velocities of its links.
+// Quantities of the whole robot that no sensor measures, from the poses and velocities of its links.
 
 struct CentreOfMass {
   Eigen::Vector3d p_WCom_W = Eigen::Vector3d::Zero();
@@ -16,12 +16,12 @@ struct CentreOfMass {
 
 CentreOfMass centre_of_mass(const RobotDescription& robot, const World& world);
 
-// The pose of a link when the last step began: the solver found contact points, contact forces and joint
-// wrenches for it. The engines move a body with the velocity at the end of a step, so that it can be gone
-// back.
+// Pose of a link at the beginning of the last step, for which the solver computed contact points, contact
+// forces and joint wrenches. The engines integrate the pose with the velocity at the end of the step, so the
+// step can be reversed.
 Eigen::Isometry3d pose_before_step(const RobotDescription& robot, const World& world, int link);
 
-// Kinetic energy of a link, or of all (rotors not counted), and potential energy relative to the world's
+// Kinetic energy of a link or of all links (without rotors), and potential energy relative to the world's
 // origin.
 double link_energy_J(const RobotDescription& robot, const World& world, int link,
                      const Eigen::Vector3d& gravity_W_m_per_s2);

@@ -10,7 +10,7 @@ LinkTree::LinkTree(const RobotDescription& robot) {
   parent_link_.assign(link_count, -1);
   depth_.assign(link_count, -1);
   depth_[0] = 0;
-  // Each pass finds at least one more joint whose parent is reached; one that finds none ends it.
+  // Each pass finds at least one more joint with a reached parent; the loop ends when a pass finds none.
   for (bool found = true; found;) {
     found = false;
     for (std::size_t j = 0; j < robot.joints.size(); ++j) {
@@ -39,8 +39,8 @@ std::vector<Eigen::Isometry3d> LinkTree::poses(const RobotDescription& robot, co
 void LinkTree::poses(const RobotDescription& robot, const Eigen::Isometry3d& X_WB,
                      std::span<const double> joint_positions_rad,
                      std::vector<Eigen::Isometry3d>& X_WLs) const {
-  // At first X_moved[l] takes a point of link l from where it is at joint zero, in the model frame, to where
-  // it is in the world.
+  // Initially X_moved[l] transforms a point of link l from its position at joint angles zero, in the model
+  // frame, to its position in the world.
   std::vector<Eigen::Isometry3d>& X_moved = X_WLs;
   X_moved.resize(robot.links.size());
   X_moved[0] = X_WB * robot.links[0].X_ML.inverse();

@@ -8,21 +8,21 @@
 
 namespace koboshi::sim {
 
-// The links as a tree whose root is links[0] and whose edges are the joints.
+// The kinematic tree: links[0] is the root, the joints are the edges.
 class LinkTree {
  public:
-  // Throws std::invalid_argument unless the joints make one tree of all links.
+  // Throws std::invalid_argument unless the joints form one tree of all links.
   explicit LinkTree(const RobotDescription& robot);
 
-  // X_WL of every link, given that of links[0] and the joint positions in rad, by joint.
+  // Returns X_WL of every link, given that of links[0] and the joint positions in rad, by joint.
   std::vector<Eigen::Isometry3d> poses(const RobotDescription& robot, const Eigen::Isometry3d& X_WB,
                                        std::span<const double> joint_positions_rad) const;
-  // The same into `X_WLs`, whose memory is used again.
+  // The same into `X_WLs`, whose memory is reused.
   void poses(const RobotDescription& robot, const Eigen::Isometry3d& X_WB,
              std::span<const double> joint_positions_rad, std::vector<Eigen::Isometry3d>& X_WLs) const;
   // Indices of the joints, parents before children.
   const std::vector<int>& joints_from_root() const { return joints_from_root_; }
-  // How many joints lie on the way from one link to the other.
+  // Returns the number of joints between the two links.
   int distance(int link, int other_link) const;
 
  private:

@@ -7,7 +7,7 @@
 
 namespace koboshi::sim {
 
-// In the order of the enumeration.
+// Indexed by the enumeration.
 const std::vector<std::string>& stepper_names() {
   static const std::vector<std::string> names{"world", "lumped", "quick", "mujoco"};
   return names;

@@ -38,12 +38,14 @@ double lift_onto_plane(const Box& box, const GroundDescription& ground) {
   return depth_m / normal_W.z();
 }
 
-// How far up `box` has to go until this axis, of any length, separates it from the other; kNever_m if it does
-// so at any height.
+// Returns the upward displacement of `box` at which this axis, of any length, separates it from the other;
+// kNever_m if no displacement does.
 double lift_along(const Vector3d& axis_W, const Box& box, const Box& other) {
   const Vector3d upward_W = axis_W.z() < 0.0 ? Vector3d(-axis_W) : axis_W;
   const double length = upward_W.norm();
-  if (length < 1e-9) return std::numeric_limits<double>::infinity();  // of parallel edges: no axis
+  if (length < 1e-9)
+    return std::numeric_limits<double>::infinity();  // cross product of parallel edges: not
+                                                     // an axis
   const double reach_m = box.reach_m(upward_W) + other.reach_m(upward_W);
   const double apart_m = upward_W.dot(box.X_WG.translation() - other.X_WG.translation());
   if (upward_W.z() > 1e-9 * length) return (reach_m - apart_m) / upward_W.z();

@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Positive when a, b, c turn left.
+// Positive if a, b, c make a left turn.
 double turn(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   const Vector2d ab = b - a;
   const Vector2d ac = c - a;
@@ -25,7 +25,7 @@ double distance_to_edge(const Vector2d& a, const Vector2d& b, const Vector2d& po
 
 }  // namespace
 
-// Andrew's monotone chain: the lower side from left to right, then the upper side back.
+// Andrew's monotone chain: the lower hull from left to right, then the upper hull back.
 std::vector<Vector2d> convex_hull(std::vector<Vector2d> points) {
   std::ranges::sort(points, {}, [](const Vector2d& p) { return std::tuple(p.x(), p.y()); });
   points.erase(std::unique(points.begin(), points.end()), points.end());
@@ -39,7 +39,7 @@ std::vector<Vector2d> convex_hull(std::vector<Vector2d> points) {
   for (const Vector2d& point : points) add(point, 0);
   const std::size_t upper_begin = hull.size() - 1;
   for (auto point = points.rbegin() + 1; point != points.rend(); ++point) add(*point, upper_begin);
-  hull.pop_back();  // the first again
+  hull.pop_back();  // a duplicate of the first point
   return hull;
 }
 

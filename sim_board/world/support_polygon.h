@@ -5,14 +5,15 @@
 
 namespace koboshi::sim {
 
-// Plane geometry of the support polygon. Points in m.
+// Plane geometry of the support polygon; points in m.
 
-// The corners of the convex hull of the points, counter-clockwise; points on its edges are not corners. Fewer
-// than three when the points lie on a line or in one place.
+// Returns the corners of the convex hull, counter-clockwise, without points on its edges. Fewer than three
+// corners if all points are on a line or coincide.
 std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points);
 
-// Distance from the point to the edge of a convex polygon as convex_hull makes it: positive inside, negative
-// outside. A polygon of one or two corners has no inside; one without corners is infinitely far away.
+// Returns the distance of the point from the edge of a convex polygon in the order of convex_hull: positive
+// inside, negative outside. A polygon of one or two corners has no inside; an empty one is infinitely far
+// away.
 double distance_inside(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& point);
 
 }  // namespace koboshi::sim

@@ -5,9 +5,9 @@
 namespace koboshi::sim {
 namespace {
 
-// Below this the contact rows of one foot depend on each other to the last digit.
+// Lower bound of CFM: below it the contact rows of one foot are numerically dependent.
 constexpr double kLeastForceMixing = 1e-9;
-// A pure spring (ERP 1) still needs some damping to have an inverse.
+// Upper bound of ERP: a pure spring (ERP 1) would have no inverse.
 constexpr double kLargestErrorReduction = 0.999;
 constexpr double kLeastErrorReduction = 1e-6;
 

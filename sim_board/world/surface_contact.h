@@ -17,10 +17,10 @@ struct Softness {
   double constraint_force_mixing = 0.0;  // CFM, m/(N s) or rad/(N m s)
 };
 
-// Stiffness in N/m or N m/rad, damping in N s/m or N m s/rad, not both zero.
+// Stiffness in N/m or N m/rad, damping in N s/m or N m s/rad; not both zero.
 Softness softness(double stiffness, double damping, double step_s);
 
-// How two surfaces meet, in ODE's parameters at one step.
+// Contact of two surfaces in ODE's parameters at one step.
 struct SurfaceContact {
   double friction = 0.0;
   double friction_second = 0.0;
@@ -32,7 +32,7 @@ struct SurfaceContact {
   bool has_direction() const { return friction != friction_second; }
 };
 
-// How two materials meet. What is given counts in place of what their surfaces make of it by themselves.
+// Contact of two materials. Given values replace those computed from the two surfaces.
 struct MaterialPair {
   struct Spring {
     double stiffness_N_per_m = 0.0;  // of one contact point
@@ -47,11 +47,12 @@ struct MaterialPair {
   std::optional<double> slip_m_per_N_s;
 };
 
-// A file gives ERP and CFM at its reference step h; solved for the material, which is the same at any step,
+// A file gives ERP and CFM at its reference step h. The material parameters follow, which do not depend on
+// the step:
 //   1/kp = h CFM / ERP,  1/kd = CFM / (1 - ERP).
-// Two surfaces lie in series: their compliances 1/kp and 1/kd add, and so do their slips. Friction is that of
-// the more slippery, bounce and its threshold that of the bouncier. A surface given as rigid (CFM 0) is taken
-// as CFM 1e-9. Of the pairs, the one of the two materials counts.
+// Two surfaces are in series: their compliances 1/kp and 1/kd add, and so do their slips. Friction is the
+// smaller value, bounce and its threshold are those of the bouncier surface. A rigid surface (CFM 0) is
+// treated as CFM 1e-9. A matching material pair overrides these values.
 SurfaceContact meet(const SurfaceDescription& one, const SurfaceDescription& other, double step_s,
                     std::span<const MaterialPair> pairs = {});
 

@@ -10,21 +10,20 @@
 
 namespace koboshi::sim {
 
-// What a servo asks of the solver: a torque affine in the joint's new speed, tau = drive_Nm - damping_Nm_s *
-// w_new, the inertia of its rotor, and a bound on the dry friction that opposes the motion. All at the joint,
-// output side.
+// Servo input to the solver: a torque affine in the joint's new speed, tau = drive_Nm - damping_Nm_s * w_new,
+// the rotor inertia, and a bound of the dry friction. All at the joint, output side.
 struct ServoTorque {
   double drive_Nm = 0.0;      // a, without the rotor's inertial term
   double damping_Nm_s = 0.0;  // b, without the rotor's inertial term
   double rotor_inertia_kg_m2 = 0.0;
-  double friction_Nm = 0.0;  // largest magnitude of dry friction
+  double friction_Nm = 0.0;  // bound of the dry friction's magnitude
 };
 
 struct JointState {
-  double position_rad = 0.0;  // continuous: counts turns beyond +-pi
+  double position_rad = 0.0;  // continuous: may exceed +-pi
   double speed_rad_per_s = 0.0;
-  // What the servo (motor, friction, rotor) gave the joint's child in the last step, about the axis; its
-  // gears carry the opposite. The joint's stops are not in it.
+  // Torque of the servo (motor, friction, rotor) on the joint's child in the last step, about the axis,
+  // without the joint's stops. Its reaction acts on the parent.
   double servo_Nm = 0.0;
 };
 
@@ -34,39 +33,39 @@ struct BodyState {
   Eigen::Vector3d w_WL_W = Eigen::Vector3d::Zero();        // rad/s
 };
 
-// Force and torque about a point that the comment of the function names.
+// Force and torque; the function's comment names the reference point.
 struct Wrench {
   Eigen::Vector3d force_N = Eigen::Vector3d::Zero();
   Eigen::Vector3d torque_Nm = Eigen::Vector3d::Zero();
 };
 
-// One point where a link touched the ground or another link during the last step.
+// A contact point of a link with the ground or another link during the last step.
 struct Contact {
   int link = -1;
   int other_link = -1;  // -1: the ground
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
-  Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();  // unit normal, out of the other and into `link`
-  Eigen::Vector3d f_W = Eigen::Vector3d::Zero();   // what `link` feels, N; the other feels the opposite
-  double depth_m = 0.0;                            // of the overlap when the step began
+  Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();  // unit normal, from the other body towards `link`
+  Eigen::Vector3d f_W = Eigen::Vector3d::Zero();   // force on `link`, N; the other body feels the opposite
+  double depth_m = 0.0;                            // penetration at the beginning of the step
 };
 
-// Physics that left the finite: the run ends with this. `what()` names time, body and reason.
+// The simulation has diverged; this ends the run. `what()` gives time, body and reason.
 class WorldBlewUp : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// A robot and its ground in a physics engine. Several may live in one process, each in any thread, one thread
-// at a time. Links and joints are numbered as in the RobotDescription.
+// A robot and its ground in a physics engine. A process may contain several worlds; each may be used from any
+// thread, by one thread at a time. Links and joints are numbered as in the RobotDescription.
 class World {
  public:
   virtual ~World() = default;
 
-  // Applies to every following step, until set again.
+  // Applies to all following steps until set again.
   virtual void set_servo(int joint, const ServoTorque& torque) = 0;
-  // Force at a point given in the link's frame, for the next step only. Several in one step add up.
+  // Applies a force at a point in the link's frame, for the next step only. Several forces add up.
   virtual void push(int link, const Eigen::Vector3d& p_L, const Eigen::Vector3d& f_W) = 0;
-  // Lets go of a base that hung on a stand. No effect otherwise.
+  // Releases a base that is fixed to a stand; otherwise no effect.
   virtual void release_base() = 0;
   // Advances by one step of step_s(). Throws WorldBlewUp.
   virtual void step() = 0;
@@ -75,19 +74,19 @@ class World {
   virtual double time_s() const = 0;
   virtual JointState joint(int joint) const = 0;
   virtual BodyState body(int link) const = 0;
-  // The whole wrench (hinge, stop, motor and friction) that the joint's child exerted on its parent during
-  // the last step, about the joint's anchor, in world axes. A robot that stands: the foot, child of the
-  // ankle, pushes the shank up, so force_N.z() > 0. Zero before the first step.
+  // Total wrench (hinge, stop, motor and friction) of the joint's child on its parent during the last step,
+  // about the joint's anchor, in world axes. On a standing robot the foot, child of the ankle, pushes the
+  // shank up: force_N.z() > 0. Zero before the first step.
   virtual Wrench joint_wrench(int joint) const = 0;
-  // Contacts of the last step, ordered alike in every run. Valid until the next.
+  // Contacts of the last step, in the same order in every run. Valid until the next step.
   virtual std::span<const Contact> contacts() const = 0;
-  // Complaints of the solver since the world was made.
+  // Number of solver warnings since the world was created.
   virtual std::uint64_t solver_warnings() const = 0;
-  // Steps since the world was made in which contacts that slide were left further from Coulomb's law than the
-  // engine's tolerance. Always zero in an engine that solves the law directly.
+  // Number of steps in which sliding contacts were left further from Coulomb's law than the engine's
+  // tolerance. Always zero in an engine that solves the law directly.
   virtual std::uint64_t unsettled_steps() const { return 0; }
 
-  // Saves or restores the state between two steps. A world that is restored steps on to the same bits.
+  // Saves or restores the state between two steps. A restored world continues with the same bits.
   virtual void archive(StateArchive& archive) = 0;
 };
 

@@ -9,7 +9,7 @@ namespace koboshi::sim {
 namespace {
 
 constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 500'000};
-constexpr int kRoundsADropCheck = 100;  // it costs a system call
+constexpr int kRoundsADropCheck = 100;  // each check costs a system call
 
 }  // namespace
 
@@ -71,7 +71,7 @@ void BackgroundTransport::pass_on() {
 void BackgroundTransport::send_waiting() {
   while (has_waiting()) {
     const Outgoing& next = waiting_[waiting_next_];
-    if (!transport_->send(next.frame, next.time_us)) break;  // no room: it is tried again
+    if (!transport_->send(next.frame, next.time_us)) break;  // no room: retried later
     ++waiting_next_;
   }
   transport_->flush();
@@ -86,7 +86,7 @@ bool BackgroundTransport::has_waiting() {
   return !waiting_.empty();
 }
 
-// The lock is not held while the system is asked.
+// Calls the system without holding the lock.
 void BackgroundTransport::fetch_arrived() {
   while (fetched_.size() < kCapacity) {
     const auto frame = transport_->receive();

@@ -12,21 +12,21 @@
 
 namespace koboshi::sim {
 
-// A transport whose calls are made by a thread of its own, which takes the time of a system call from the
-// simulation. It looks for frames to send every half millisecond, so that the simulation need not wake it,
-// and for frames that came in as soon as they do.
+// Moves the calls of a transport to a separate thread, so that system calls do not delay the simulation. The
+// thread polls for frames to send every half millisecond, so that the simulation need not wake it, and reads
+// incoming frames as soon as they arrive.
 class BackgroundTransport final : public Transport {
  public:
-  // Frames that may wait each way: a second of a full bus. Beyond, those to be sent are refused, and those
-  // that came in wait where they are.
+  // Capacity of the queue in each direction: one second of a full bus. Beyond it, `send` refuses frames, and
+  // incoming frames stay in the transport.
   static constexpr std::size_t kCapacity = 8192;
 
   explicit BackgroundTransport(std::unique_ptr<Transport> transport);
-  // Lets go of what still waits, as far as there is room for it.
+  // Sends the queued frames while the transport has room.
   ~BackgroundTransport() override;
 
   bool send(const hal::CanFrame& frame, std::uint64_t time_us) override;
-  // Throws what the thread ended with, once.
+  // Rethrows the thread's exception, once.
   std::optional<hal::CanFrame> receive() override;
   std::uint64_t dropped() const override { return dropped_.load(std::memory_order_relaxed); }
   std::string place() const override { return transport_->place(); }
@@ -45,26 +45,26 @@ class BackgroundTransport final : public Transport {
   bool has_waiting();
   void fetch_arrived();
 
-  std::unique_ptr<Transport> transport_;  // the thread's, but for what never changes
+  std::unique_ptr<Transport> transport_;  // used by the thread only, except for constant properties
 
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;  // protects the following members
   std::vector<Outgoing> outgoing_;
   std::vector<hal::CanFrame> arrived_;
   std::exception_ptr failure_;
-  std::atomic<bool> has_arrived_ = false;  // or failed; so that a look costs no lock
+  std::atomic<bool> has_arrived_ = false;  // or the thread has failed; checked without the lock
   std::atomic<std::uint64_t> dropped_ = 0;
 
-  // The thread's: what is being sent, and what came in and is not handed over yet.
+  // Owned by the thread: frames to send, and received frames not yet handed over.
   std::vector<Outgoing> waiting_;
   std::size_t waiting_next_ = 0;
   std::vector<hal::CanFrame> fetched_;
   bool full_ = false;
   int rounds_ = 0;
 
-  std::vector<hal::CanFrame> incoming_;  // the simulation's
+  std::vector<hal::CanFrame> incoming_;  // owned by the simulation
   std::size_t incoming_next_ = 0;
 
-  std::jthread thread_;  // ends before all else
+  std::jthread thread_;  // declared last, so that it ends first
 };
 
 }  // namespace koboshi::sim

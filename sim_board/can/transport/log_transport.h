@@ -7,7 +7,7 @@
 
 namespace koboshi::sim {
 
-// A log of the bus in simulated time, as of candump -L. Nothing comes from it.
+// Writes the bus traffic in simulated time to a log in the format of candump -L. Receives nothing.
 class LogTransport final : public Transport {
  public:
   // Throws WriteError, as send and flush do.

@@ -17,7 +17,7 @@ constexpr std::string_view kRefused = "\a";
 constexpr std::string_view kDigits = "0123456789ABCDEF";
 constexpr std::uint64_t kStampPeriod_ms = 60'000;
 
-// Nothing unless all of the text is one number.
+// Returns nothing unless the whole text is one number.
 std::optional<unsigned> hex(std::string_view text) {
   unsigned value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
@@ -29,7 +29,7 @@ void append_hex(std::string& text, unsigned value, int digits) {
   for (int shift = 4 * (digits - 1); shift >= 0; shift -= 4) text += kDigits[(value >> shift) & 0xF];
 }
 
-// tiiildd.. and riiil.
+// Parses tiiildd.. and riiil.
 std::optional<hal::CanFrame> frame_of(std::string_view command) {
   if (command.size() < 5) return std::nullopt;
   const auto identifier = hex(command.substr(1, 3));
@@ -87,7 +87,7 @@ std::string SlcanProtocol::obey(std::string_view command) {
     case 'Z':
       stamps_ = command == "Z1";
       return std::string(kDone);
-    case 'S':  // the bit rate, filters and modes of the adapter: the bus has its own
+    case 'S':  // bit rate, filters and modes of the adapter: accepted without effect
     case 's':
     case 'M':
     case 'm':
@@ -96,7 +96,7 @@ std::string SlcanProtocol::obey(std::string_view command) {
     case 'Q':
     case 'U':
       return std::string(kDone);
-    default:  // also T and R: no 29-bit identifiers on this bus
+    default:  // includes T and R: 29-bit identifiers are not supported
       return std::string(kRefused);
   }
 }
@@ -150,7 +150,7 @@ void Slcan::listen() {
   if (got > 0) write_out(protocol_.take({text.data(), static_cast<std::size_t>(got)}));
 }
 
-// A line is written whole or not at all; of one that was begun, the rest comes first.
+// Writes each line completely or not at all; the rest of a partly written line comes first.
 bool Slcan::write_out(std::string_view text) {
   if (text.empty()) return true;
   if (!unsent_.empty()) {

@@ -10,14 +10,14 @@
 
 namespace koboshi::sim {
 
-// The adapter's side of Lawicel's ASCII protocol (CANUSB manual, "CANUSB ASCII commands"; Linux: slcan),
-// without the serial line: commands in, answers and frames out.
+// The adapter's side of Lawicel's ASCII protocol (CANUSB manual, "CANUSB ASCII commands"; Linux: slcan)
+// without the serial line: converts commands to answers and frames.
 class SlcanProtocol {
  public:
-  // What the host wrote. Returns what it is answered; frames to send are in frames().
+  // Processes text from the host. Returns the answers; frames to send are in frames().
   std::string take(std::string_view text);
-  // A frame as the host gets it; empty while the host has not opened the channel. `time_us` for the stamp
-  // that a host may ask for.
+  // Returns the text of a frame for the host; empty until the host opens the channel. `time_us` gives the
+  // time stamp that a host may request.
   std::string line_of(const hal::CanFrame& frame, std::uint64_t time_us) const;
   std::deque<hal::CanFrame>& frames() { return frames_; }
   bool is_open() const { return open_; }
@@ -28,15 +28,15 @@ class SlcanProtocol {
 
   static constexpr std::size_t kLongestCommand = 32;
 
-  std::string command_;  // as far as it has come
+  std::string command_;  // incomplete command
   bool open_ = false;
   bool listens_only_ = false;
   bool stamps_ = false;
   std::deque<hal::CanFrame> frames_;
 };
 
-// An adapter on a pseudo-terminal: slcand, python-can's slcan and any program that speaks to a CANUSB find it
-// at place().
+// An adapter on a pseudo-terminal for slcand, python-can's slcan and any other CANUSB program. place() is its
+// name.
 class Slcan final : public Transport {
  public:
   // Throws std::system_error.
@@ -52,10 +52,10 @@ class Slcan final : public Transport {
   bool write_out(std::string_view text);
 
   hal::FileDescriptor adapter_;
-  hal::FileDescriptor terminal_;  // kept open, so that hosts may come and go
+  hal::FileDescriptor terminal_;  // kept open, so that hosts can reconnect
   std::string place_;
   SlcanProtocol protocol_;
-  std::string unsent_;  // the rest of a line that the terminal had no room for
+  std::string unsent_;  // rest of a line that the terminal had no room for
 };
 
 }  // namespace koboshi::sim

@@ -7,7 +7,7 @@
 
 namespace koboshi::sim {
 
-// Linux' own CAN.
+// A SocketCAN interface of Linux.
 class SocketCanTransport final : public Transport {
  public:
   // Throws std::system_error.

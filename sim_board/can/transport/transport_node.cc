@@ -6,7 +6,7 @@ namespace koboshi::sim {
 
 void TransportNode::poll(std::uint64_t now_us, bool behind) {
   behind_ = behind;
-  // No more process data than fits: what floods in from outside waits there, or is lost there.
+  // Takes only as many process data frames as fit: the rest waits in the transport or is lost there.
   while (bus_.transmit_space(handle_, hal::kProcessFifo) > 0) {
     const auto frame = transport_.receive();
     if (!frame) return;
@@ -20,7 +20,7 @@ void TransportNode::poll(std::uint64_t now_us, bool behind) {
 TransportNode::Counters TransportNode::counters() const {
   Counters counters = counters_;
   counters.dropped = transport_.dropped();
-  // A frame may be late for both reasons.
+  // A frame can be late for both reasons.
   counters.late_received = std::min(counters.received, counters.late_received + bus_.counters(handle_).late);
   return counters;
 }

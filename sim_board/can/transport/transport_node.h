@@ -7,29 +7,30 @@
 
 namespace koboshi::sim {
 
-// Everybody behind a transport, as one node of the simulated bus. It acknowledges what it hears, as their
-// controllers would. As from any other node, the oldest process frame and the oldest service frame take part
-// in the arbitration, however many wait behind them.
+// Represents all nodes behind a transport as one node of the simulated bus. It acknowledges frames, as their
+// controllers would. As with any other node, only the oldest process frame and the oldest service frame take
+// part in the arbitration.
 class TransportNode final : private BusNode {
  public:
   static constexpr std::size_t kTransmitFifo = 256;
-  // Half a second of a full bus: several block transfers at once must not hold up the process data behind
+  // Half a second of a full bus: several simultaneous block transfers must not delay the process data behind
   // them.
-  static constexpr std::size_t kServiceFifo = 4096;  // SDO answers, and as much of what comes behind them
+  static constexpr std::size_t kServiceFifo = 4096;  // for SDO answers and frames behind them
 
   struct Counters {
-    std::uint64_t sent = 0;       // handed over to the transport
-    std::uint64_t lost = 0;       // for which the transport had no room
-    std::uint64_t received = 0;   // taken from it
-    std::uint64_t refused = 0;    // for which this node's FIFO had no room
-    std::uint64_t stalls = 0;     // polls that left frames outside: so many process data wait for the bus
-    std::uint64_t dropped = 0;    // before they could be taken (Transport::dropped)
-    std::uint64_t late_sent = 0;  // of those sent, while the simulation was behind the clock
+    std::uint64_t sent = 0;       // passed to the transport
+    std::uint64_t lost = 0;       // refused by the transport for lack of room
+    std::uint64_t received = 0;   // taken from the transport
+    std::uint64_t refused = 0;    // no room in this node's FIFO
+    std::uint64_t stalls = 0;     // polls that left frames in the transport because the process FIFO was full
+    std::uint64_t dropped = 0;    // lost before reception (Transport::dropped)
+    std::uint64_t late_sent = 0;  // sent frames while the simulation lagged behind real time
     std::uint64_t late_received =
-        0;  // of those received, while it was, or for which the bus was not free in time
+        0;  // received frames while it lagged, or for which the bus was not free in time
   };
 
-  // On the bus from now on. Both must outlive this node's last poll, and this the bus' last advance.
+  // Attaches itself to the bus. Bus and transport must outlive this node's last poll, and this node the bus'
+  // last advance.
   TransportNode(Bus& bus, Transport& transport)
       : bus_(bus),
         transport_(transport),
@@ -39,8 +40,8 @@ class TransportNode final : private BusNode {
   TransportNode(const TransportNode&) = delete;
   TransportNode& operator=(const TransportNode&) = delete;
 
-  // Puts what has come in on the bus, as if it had been ready at this time. `behind`: the simulation is
-  // behind the clock, and what is carried until the next call, either way, is late.
+  // Queues the received frames, ready at `now_us`. `behind`: the simulation lags behind real time, so all
+  // frames in either direction until the next call count as late.
   void poll(std::uint64_t now_us, bool behind = false);
   Counters counters() const;
 

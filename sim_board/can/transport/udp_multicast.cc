@@ -44,10 +44,10 @@ hal::FileDescriptor udp_socket() {
       checked(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0), "a UDP socket"));
 }
 
-// Of a field that may be missing.
+// Returns a boolean field, which may be missing.
 bool is_true(const Json& message, const char* name) { return message.value(name, false); }
 
-// Appends to a datagram what MessagePack has for each type; all numbers are big-endian.
+// Appends values to a datagram in MessagePack's encoding; all numbers are big-endian.
 class Packer {
  public:
   explicit Packer(Datagram& datagram) : datagram_(datagram) {}
@@ -60,7 +60,7 @@ class Packer {
   void number(std::uint64_t value, int size) {
     while (--size >= 0) byte(static_cast<unsigned>(value >> 8 * size & 0xFF));
   }
-  void key(std::string_view name) {  // of up to 31 characters
+  void key(std::string_view name) {  // up to 31 characters
     byte(0xA0u | static_cast<unsigned>(name.size()));
     bytes(name.data(), name.size());
   }
@@ -73,8 +73,8 @@ class Packer {
   Datagram& datagram_;
 };
 
-// Datagrams as the kernel takes them: a message for each train, which is one whose datagrams are all of one
-// size and named in its control data, or for each datagram. They must outlive it.
+// Datagrams prepared for sendmmsg: one message per train (datagrams of equal size, which its control data
+// gives) or per datagram. The datagrams must outlive this object.
 class Messages {
  public:
   Messages(std::span<Datagram> datagrams, bool trains) {
@@ -90,7 +90,8 @@ class Messages {
       }
     }
   }
-  // How many datagrams the kernel has taken; -1 for none, with errno. Adds the messages that they were in.
+  // Returns the number of sent datagrams, or -1 with errno if there is none. Adds their messages to
+  // `messages`.
   int send(const hal::FileDescriptor& socket, std::uint64_t& messages) {
     const int sent = ::sendmmsg(socket.number(), headers_.data(), count_, 0);
     if (sent < 0) return sent;
@@ -192,22 +193,22 @@ UdpMulticast::UdpMulticast(const std::string& group, std::uint16_t port)
   const sockaddr_in there = address_of(host, port);
   checked(::connect(sender_.number(), reinterpret_cast<const sockaddr*>(&there), sizeof there),
           "a route to " + place_);
-  // A system that knows no trains says so here; each names the size of its own.
+  // Fails on a system without segmentation offload; each message gives its own segment size.
   const int none = 0;
   trains_ = ::setsockopt(sender_.number(), SOL_UDP, UDP_SEGMENT, &none, sizeof none) == 0;
-  // Without it, the kernel takes our own apart before it looks at the filter.
+  // Without GRO, the kernel splits our own trains before it applies the filter.
   const int whole = 1;
   static_cast<void>(::setsockopt(receiver_.number(), SOL_UDP, UDP_GRO, &whole, sizeof whole));
   drop_own_datagrams();
 }
 
-// The group gives back what is sent to it. By a filter, it costs neither a copy nor a call to throw away.
+// The group returns our own datagrams. A filter drops them without a copy or a system call.
 void UdpMulticast::drop_own_datagrams() {
   sockaddr_in own{};
   socklen_t length = sizeof own;
   checked(::getsockname(sender_.number(), reinterpret_cast<sockaddr*>(&own), &length), "a UDP socket");
   sock_filter program[] = {
-      BPF_STMT(BPF_LD | BPF_H | BPF_ABS, 0),  // the source port, first in the header of UDP
+      BPF_STMT(BPF_LD | BPF_H | BPF_ABS, 0),  // the source port, the first field of the UDP header
       BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, ntohs(own.sin_port), 0, 1),
       BPF_STMT(BPF_RET | BPF_K, 0),
       BPF_STMT(BPF_RET | BPF_K, UINT32_MAX),
@@ -227,7 +228,7 @@ void UdpMulticast::flush() {
   if (outgoing_count_ == 0) return;
   const auto outgoing = std::span(outgoing_).first(outgoing_count_);
   int sent = Messages(outgoing, trains_).send(sender_, own_messages_);
-  // An interface that leaves the checksums to the system takes no trains.
+  // An interface without checksum offload rejects trains.
   if (sent < 0 && trains_ && errno == EIO) {
     trains_ = false;
     sent = Messages(outgoing, trains_).send(sender_, own_messages_);
@@ -251,7 +252,8 @@ std::optional<hal::CanFrame> UdpMulticast::receive() {
   return std::nullopt;
 }
 
-// A datagram, or a train with the size of each but its last. False when there is none.
+// Receives a datagram, or a train with the size of all datagrams but the last. Returns false if there is
+// none.
 bool UdpMulticast::fetch() {
   iovec part{incoming_bytes_.data(), incoming_bytes_.size()};
   alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(int))> control_bytes;

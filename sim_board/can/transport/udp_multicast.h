@@ -12,12 +12,12 @@
 
 namespace koboshi::sim {
 
-// A frame as python-can's interface udp_multicast packs it: one datagram with one MessagePack map (python-can
-// 4, interfaces/udp_multicast/utils.py). The time is that of the epoch, in seconds. Of python-can's own
-// datagrams, those of identifiers below 0x100 are one or two bytes shorter: here all frames with as many
-// bytes of data are of one size, as a train of datagrams wants it.
+// A frame in the format of python-can's udp_multicast: one datagram with one MessagePack map (python-can 4,
+// interfaces/udp_multicast/utils.py). The time is in seconds since the epoch. python-can's own datagrams are
+// one or two bytes shorter for identifiers below 0x100; here frames of equal data size have equal datagram
+// size, as required for trains.
 struct Datagram {
-  static constexpr std::size_t kCapacity_bytes = 162;  // of 8 bytes of data
+  static constexpr std::size_t kCapacity_bytes = 162;  // with 8 bytes of data
 
   std::span<const std::uint8_t> view() const { return std::span(bytes).first(size); }
 
@@ -25,26 +25,26 @@ struct Datagram {
   std::size_t size = 0;
 };
 Datagram pack_datagram(const hal::CanFrame& frame, double timestamp_s);
-// Nothing for what is no such datagram, or no classic frame with an 11-bit identifier.
+// Returns nothing for other datagrams and for frames that are not classic ones with an 11-bit identifier.
 std::optional<hal::CanFrame> unpack_datagram(std::span<const std::uint8_t> datagram);
 
-// A bus between processes and machines that hear the same multicast group. What is sent here is not heard
-// here: the kernel drops it.
+// A bus between processes and machines in the same multicast group. The kernel drops the datagrams that this
+// object sent itself.
 //
-// A datagram through the kernel costs microseconds, so those of a millisecond go there in one system call,
-// and those of one size beside each other as one train, which the kernel takes apart where they arrive,
-// and not for one of these ends (udp(7): UDP_SEGMENT, UDP_GRO).
+// Each datagram in the kernel costs microseconds. All datagrams of a millisecond are therefore sent in one
+// system call, and consecutive ones of equal size as one train, which the kernel splits only for receivers
+// other than this class (udp(7): UDP_SEGMENT, UDP_GRO).
 class UdpMulticast final : public Transport {
  public:
-  static constexpr std::size_t kBatch = 64;  // of the kernel's UDP_MAX_SEGMENTS, too
+  static constexpr std::size_t kBatch = 64;  // also the kernel's UDP_MAX_SEGMENTS
 
-  // Throws std::invalid_argument for a group that is no IPv4 multicast address, std::system_error for what
-  // the system refuses, such as a machine without a route to the group.
+  // Throws std::invalid_argument if the group is not an IPv4 multicast address, and std::system_error if a
+  // system call fails, for example without a route to the group.
   UdpMulticast(const std::string& group, std::uint16_t port);
 
-  // Keeps the frame for the next flush.
+  // Buffers the frame until the next flush.
   bool send(const hal::CanFrame& frame, std::uint64_t time_us) override;
-  // What the system has no room for stays and is tried again.
+  // Frames that the system has no room for stay buffered.
   void flush() override;
   std::optional<hal::CanFrame> receive() override;
   std::uint64_t dropped() const override;
@@ -58,13 +58,13 @@ class UdpMulticast final : public Transport {
 
   std::string place_;
   hal::FileDescriptor receiver_;
-  hal::FileDescriptor sender_;  // of a port of its own, by which our datagrams are known
-  bool trains_ = false;         // whether the system takes them
+  hal::FileDescriptor sender_;  // bound to its own port, which identifies our datagrams
+  bool trains_ = false;         // whether the system supports them
   std::array<Datagram, kBatch> outgoing_;
   std::size_t outgoing_count_ = 0;
-  std::uint64_t own_messages_ = 0;  // that were sent, and thrown away again by the receiver's filter
-  std::array<std::uint8_t, 65536> incoming_bytes_;  // the largest that IP has
-  std::span<const std::uint8_t> incoming_;          // what of it is to be read
+  std::uint64_t own_messages_ = 0;                  // own messages that the receiver's filter has dropped
+  std::array<std::uint8_t, 65536> incoming_bytes_;  // the maximum size of an IP packet
+  std::span<const std::uint8_t> incoming_;          // unread part
   std::size_t incoming_size_ = 0;                   // of each datagram in it
 };
 
