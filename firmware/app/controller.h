@@ -28,9 +28,10 @@ namespace koboshi::app {
 // one Controller, calls `service` each millisecond and `tick` after each tenth of them, and does nothing
 // else. The robot model and the motions come from storage (storage/catalogue.h).
 //
-// A tick is a pipeline. Each stage takes and returns values, and is tested without bus and board:
+// The path from a gyro sample to a joint target is a pipeline: the first row runs in `service`, the others in
+// `tick`. Each stage takes and returns values, and is tested without bus and board:
 //
-//   samples      Estimator::add(ImuSample)                                    1 kHz
+//   samples      read_inertial_unit -> Estimator::add(ImuSample)              1 kHz, filters at 500 Hz
 //   estimation   Estimator::update(joint angles) -> RobotState                100 Hz
 //   behaviour    Behaviour::step(RobotState, DriveStatus, ...) -> Decision    100 Hz
 //   balance      joint_targets(Decision, RobotState) -> JointAngles           100 Hz
@@ -44,7 +45,8 @@ class Controller final {
 
   // Both are never inlined, so that they can be found in an image and measured. `now_us`: since power-on.
   //
-  // Receives, answers and watches: CAN, boot of drives and sensors, storage, watchdog. At 1 kHz.
+  // Receives and answers CAN frames, reads the sensors, boots drives and sensor nodes, continues storage
+  // operations, and kicks the watchdog. At 1 kHz.
   [[gnu::noinline]] void service(std::uint64_t now_us);
   // One control cycle: samples to joint targets, RPDOs, SYNC, telemetry. At 100 Hz.
   [[gnu::noinline]] void tick(std::uint64_t now_us);

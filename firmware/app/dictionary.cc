@@ -29,7 +29,7 @@ constexpr PdoConfiguration kRpdos[] = {
 static_assert(std::size(kRpdos) == kFirstDriveRpdo);
 
 // The predefined connection set (CiA 301, 7.3.5) has four TPDOs for each node. TPDOs 4 to 6 take the
-// identifiers of node 2, which the robot has not.
+// identifiers of node 2, which does not exist on this robot.
 constexpr PdoConfiguration telemetry(std::size_t number,
                                      std::array<std::uint32_t, canopen::kMaxMappedObjects> objects) {
   return {.cob_id =

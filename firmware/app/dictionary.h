@@ -38,7 +38,7 @@ struct ControllerValues {
   struct {
     Command command = Command::kNone;
     std::int16_t argument = 0;
-  } request;  // 0x2000: RPDO 1 (identifier 0x201), or by SDO
+  } request;  // 0x2000: RPDO 0 (identifier 0x201), or by SDO
   struct {
     State state = State::kBoot;
     Reason reason = Reason::kNone;
@@ -57,12 +57,12 @@ struct ControllerValues {
     std::int16_t acceleration[3] = {};  // 2^-8 m/s^2
   } attitude;                           // 0x2010
   struct {
-    std::int16_t foot_zmp[2][2] = {};      // x, y of each foot in its sole's frame; 2^-15 m, as all here
-    std::int16_t zmp[2] = {};              // x, y of both feet, in the frame of the sole that carries more
-    std::int16_t com[3] = {};              // centre of mass by the joints, in the same frame
-    std::uint8_t flags = 0;                // kLeftZmpValid and its like; what is not valid is zero
-  } balance;                               // 0x2011
-  std::int16_t ankles[2][6] = {};          // 0x2020, 0x2021: force and torque in the sensor's counts
+    std::int16_t foot_zmp[2][2] = {};  // x, y of each foot in its sole's frame; 2^-15 m, as all lengths here
+    std::int16_t zmp[2] = {};          // x, y of both feet, in the frame of the sole that carries more
+    std::int16_t com[3] = {};          // centre of mass by the joints, in the same frame
+    std::uint8_t flags = 0;            // kLeftZmpValid etc.; invalid values are zero
+  } balance;                           // 0x2011
+  std::int16_t ankles[2][6] = {};      // 0x2020, 0x2021: force and torque in the sensor's counts
   behaviour::PowerParameters parameters;   // 0x2100
   balance::FeedbackParameters feedback;    // 0x2101 to 0x2106
   walk::Velocity velocity;                 // 0x2110; always within its limits

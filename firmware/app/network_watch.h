@@ -15,10 +15,10 @@ class NetworkWatch {
  public:
   // How long the controller listens for another master before it resets the network: three of its cycles.
   static constexpr std::uint64_t kListen_us = 30'000;
-  // Threshold for a second master: a cycle in which one is heard counts two, any other takes one off. A few
-  // frames that a person sends by hand stay below.
+  // Threshold for a second master: each cycle in which one is heard adds two, every other cycle subtracts one
+  // (a leaky bucket). A few frames that a person sends by hand stay below.
   static constexpr std::uint8_t kMaxImpostors = 10;
-  // Time-outs of a boot, from its begin: until another node acknowledges frames, and until the first samples
+  // Time-outs of a boot, from its start: until another node acknowledges frames, and until the first samples
   // of the sensors.
   static constexpr std::uint64_t kBusTimeout_us = 200'000;
   static constexpr std::uint32_t kSensorStart_us = 500'000;

@@ -45,8 +45,8 @@ canopen::AbortCode NodeCallbacks::on_restore(canopen::ParameterGroup) {
 
 // --- The network
 
-// A reset of the node is a power-on once more: no torque, the stored parameters, and a boot. One of the
-// communication boots too, and keeps what the application knows.
+// Reset Node acts like a power-on: no torque, stored parameters, and a boot. Reset Communication also boots,
+// but keeps the application's state.
 void NodeCallbacks::on_reset(NmtCommand reset) {
   const bool node = reset == NmtCommand::kResetNode;
   if (node) parts_.values.request = {};
@@ -85,8 +85,8 @@ void NodeCallbacks::on_state(canopen::NmtState state) {
   if (boots && state == canopen::NmtState::kOperational) parts_.network.on_operational(now_us_);
 }
 
-// Until a drive has its configuration it sends a heartbeat each second, as after its reset, which is less
-// often than the consumer's time: monitoring begins when all have theirs.
+// Before its configuration a drive sends a heartbeat each second, as after its reset. That is slower than the
+// consumer's time-out allows, so monitoring begins once all drives are configured.
 void NodeCallbacks::on_heartbeat(const canopen::HeartbeatEvent& event) {
   parts_.drives.on_heartbeat(event);
   const bool booted_up = event.kind == canopen::HeartbeatEventKind::kBootedUp;

@@ -36,8 +36,8 @@ class Requests {
   void reset_parameters();
   // Applies all parameters, after a reset.
   void apply_parameters();
-  // To be called after each cycle of the estimator: takes the result of a calibration of the gyro that has
-  // ended into the parameters.
+  // To be called after each cycle of the estimator: stores the result of a finished gyro calibration in
+  // the parameters.
   void end_calibration();
 
  private:

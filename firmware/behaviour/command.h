@@ -4,7 +4,8 @@
 
 namespace koboshi::behaviour {
 
-// Commands of the operator. The values are those of RPDO 1 and of object 0x2000.
+// Commands of the operator. The values are those of object 0x2000, which RPDO 0 carries (CiA 301 counts it as
+// the first, 0x1400).
 enum class Command : std::uint8_t {
   kNone = 0,
   kEnable = 1,

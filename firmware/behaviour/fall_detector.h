@@ -7,14 +7,14 @@
 
 namespace koboshi::behaviour {
 
-// The lean that counts as a fall. Angles in units of 2^-16 turn. A limit of 0 is not set; while any of the
-// four is not, falls are not detected.
+// The lean that counts as a fall. Angles in units of 2^-16 turn. An angle of 0 means "not set"; unless all
+// four angles are set, falls are not detected.
 struct FallLimits {
   std::int16_t front = 0;  // of the predicted lean, as the next two
   std::int16_t back = 0;
   std::int16_t side = 0;
   std::int16_t lead_ms = 0;   // how far ahead a lean is predicted: the pendulum's time constant
-  std::int16_t min_lean = 0;  // of the present lean: with less, no rate makes a fall
+  std::int16_t min_lean = 0;  // of the present lean; below it, no rate counts as a fall
   std::int16_t cycles = 1;    // of 10 ms, in a row
 
   [[nodiscard]] bool are_set() const { return front > 0 && back > 0 && side > 0 && min_lean > 0; }
@@ -22,7 +22,7 @@ struct FallLimits {
 
 enum class FallDirection : std::uint8_t { kNone, kFront, kBack, kLeft, kRight };
 
-// Detects a fall before the robot lies, from the lean of the trunk and its rate:
+// Detects a fall before the robot hits the ground, from the lean of the trunk and its rate:
 //
 //   predicted = lean + lead * rate
 //

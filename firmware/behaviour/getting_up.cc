@@ -11,14 +11,16 @@ namespace koboshi::behaviour {
 using motion::Role;
 namespace {
 
-// Time-outs of the states, set by hand (2026-11-22) and not tuned: too long a time-out only costs time. Of a
-// fall: after it the robot counts as down and goes limp, although it did not fall or somebody holds it.
+// Time-outs of the states, set by hand (2026-11-22) and not tuned: too long a time-out only costs time.
+//
+// Fall: the robot then counts as down and goes limp, although it did not fall or somebody holds it.
 constexpr std::uint64_t kMaxFallDuration_us = 1'500'000;
-// A robot that slides down a slope or that somebody carries never comes to rest.
+// Rest on the ground: a robot that slides down a slope or is carried never comes to rest.
 constexpr std::uint64_t kMaxSettlingDuration_us = 4'000'000;
-// Of a robot that has risen and does not come to rest upright.
+// Rest after rising: a robot that sways for longer has failed to get up.
 constexpr std::uint64_t kMaxSteadyingDuration_us = 3'000'000;
-// Of the motions' own pace, set by hand (2026-11-22). The parameter "slower" alone would let attempts stop.
+// Lower limit of the pace, in percent of the motion's own; set by hand (2026-11-22). Without it, `slower`
+// could bring the pace to zero.
 constexpr std::uint32_t kMinPace_percent = 30;
 
 constexpr Role role_of(FallDirection direction) {

@@ -10,18 +10,19 @@ namespace koboshi::behaviour {
 
 // Supply and soft start, object 0x2100.
 struct PowerParameters {
-  // With less, or with more than supply_max_mV, the robot refuses to be enabled. The neutral values take any
-  // supply: the firmware does not know the battery.
+  // Below it, or above supply_max_mV, the robot refuses to be enabled. The neutral values accept any supply,
+  // because the firmware does not know the battery.
   std::uint16_t supply_min_mV = 0;
   std::uint16_t supply_max_mV = 0xFFFF;
-  // Of the soft start, 2^-12 turn/s. By hand, 2026-11-21: 60 degrees a second, at which half a turn takes 3 s.
+  // Speed of the soft start, 2^-12 turn/s. By hand, 2026-11-21: 60 degrees a second, at which half a turn
+  // takes 3 s.
   std::int16_t ramp_rate = 683;
-  std::uint16_t supply_low_mV = 0;  // with less for two seconds the robot stands until it was limp
+  std::uint16_t supply_low_mV = 0;  // below it for two seconds the robot stands until it is commanded limp
 };
 
 struct GettingUp {
   std::uint8_t attempts = 0;  // each is slower than the last; 0: a robot that fell stays down
-  std::uint8_t slower = 0;    // percent of the first attempt's pace, which each further attempt has less
+  std::uint8_t slower = 0;    // slowdown per further attempt, in percent of the first one's pace
 };
 
 struct RecoveryParameters {

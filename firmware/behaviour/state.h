@@ -17,7 +17,7 @@ enum class State : std::uint8_t {
   kFault = 6,          // the drives stop quickly, then limp
   kEmergencyStop = 7,  // limp at once, by the drive-enable line; latched
   kWalking = 8,        // at the commanded velocity
-  kLowBattery = 9,     // stands; refuses to move until it was limp
+  kLowBattery = 9,     // stands; refuses to move until it has been limp
   kFalling = 10,       // moves into the protective pose
   kFallen = 11,        // limp until the robot is at rest
   kRighting = 12,      // the drives go to operation enabled again, each holding the position it has
@@ -44,7 +44,7 @@ enum class Event : std::uint8_t {
   kStill,               // at rest on the ground
   kProneOrSupine,       // on chest or back
   kOnSide,              // on a side
-  kUpright,             // the robot does not lie
+  kUpright,             // the robot is not lying down
   kRecoveryStepFailed,  // the body is not where it should be by now
   kFailure,             // a drive, a sensor or the bus failed
 };
@@ -65,7 +65,7 @@ enum class Reason : std::uint8_t {
   kOnRightSide = 9,
   kHeldUpright = 10,
   kCaughtItself = 11,  // it came to rest on its feet after all
-  kOnSeat = 12,        // one more of how it lies
+  kOnSeat = 12,        // another pose of a robot that lies, as kProne to kOnRightSide
   // Faults: they lead to State::kFault.
   kModelInvalid = 16,  // no valid RobotModel in storage
   kDriveFault = 17,    // its kind, joint and error code stand beside it
@@ -131,7 +131,7 @@ struct Rule {
   State to;
 };
 
-// All there are. No two have a state and the event in common; an event without a rule for the state is
+// All transitions. No two rules share both a state and an event; an event without a rule for the state is
 // ignored.
 inline constexpr Rule kRules[] = {
     {States{State::kBoot}, Event::kReady, State::kLimp},

@@ -15,9 +15,10 @@ class AttitudeEstimator {
  public:
   using Acceleration = robot::Vector<fixed::Acceleration>;
 
-  // Selects the time constant of the correction by the specific force. Moving: 2 s. A residual gyro bias of
-  // 0.1 deg/s then tilts the estimate by 0.2 degrees, and an acceleration of 0.25 g that alternates twice a
-  // second, as in a walk, by 0.6. Resting: 0.1 s, since the gyro's bias may not be known yet.
+  // Selects the time constant with which the specific force corrects the attitude. Moving: 2 s. A residual
+  // gyro bias of 0.1 deg/s then tilts the estimate by 0.2 degrees, and an acceleration of 0.25 g that
+  // alternates twice a second, as in a walk, by 0.6. Resting: 0.1 s, since the gyro's bias may not be known
+  // yet.
   enum class Condition { kMoving, kResting };
 
   // One 100 Hz cycle. `turn_B_rad`: rotation vector of the trunk since the last cycle, in axes of B, free of

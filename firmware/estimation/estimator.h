@@ -18,7 +18,8 @@ namespace koboshi::estimation {
 
 // The first stage of a control cycle: takes samples as they arrive and computes a RobotState each 10 ms. It
 // filters the inertial samples (second order, 20 Hz), measures the gyro's bias while the robot rests, and
-// estimates attitude, ZMP and centre of mass.
+// estimates attitude, ZMP and centre of mass. The attitude integrates the unfiltered samples, because the
+// filter's delay would be an error of the angle; the rates that the feedback uses are the filtered ones.
 class Estimator {
  public:
   using Rates = InertialSensor::Rates;
@@ -38,8 +39,8 @@ class Estimator {
   // Takes the latest sample of an ankle sensor.
   void add(hal::Side side, const hal::AnkleSample& sample, std::uint64_t now_us);
 
-  // Ends a control cycle of 10 ms. `angles`: measured, one for each joint. `rests`: the drives make no
-  // torque. The reference stays valid until the next call.
+  // Computes the state of a control cycle of 10 ms. `angles`: measured, one for each joint. `rests`: the
+  // drives make no torque. The reference stays valid until the next call.
   const RobotState& update(std::span<const fixed::Angle> angles, bool rests, std::uint64_t now_us);
   // Returns the state of the last cycle.
   const RobotState& state() const { return state_; }

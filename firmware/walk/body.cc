@@ -22,7 +22,7 @@ Position scaled(const Position& p, Ratio factor) {
   return {product<Length>(p.x, factor), product<Length>(p.y, factor), product<Length>(p.z, factor)};
 }
 
-// R_SB v for a trunk B that is pitched forward and then yawed to the left.
+// R_SupportB v for a trunk B that is pitched forward and then yawed to the left.
 Position from_trunk(const Position& v, SineCosine yaw, SineCosine pitch) {
   const Length forward = product_sum<Length>(v.x, pitch.cosine, v.z, pitch.sine);
   return {product_sum<Length>(forward, yaw.cosine, -v.y, yaw.sine),
@@ -100,17 +100,18 @@ void Body::solve(const Stance& stance, const Compliance& compliance, std::span<A
   const SineCosine pitch = fixed::sin_cos(stance.pitch);
   const Position feet =
       at_height(stance.soles[0].p + stance.soles[1].p, stance.heights[0] + stance.heights[1]);
-  const Position p_SB =
+  const Position p_SupportB =
       scaled(stance.centre_of_mass - from_trunk(constant_B_, yaw, pitch) - scaled(feet, foot_share_),
              inverse_share_);
   for (std::size_t side = 0; side < legs_.size(); ++side) {
     const robot::LegGeometry& geometry = legs_[side];
     const Foothold& sole = stance.soles[side];
-    const Position p_SSole = at_height(sole.p, stance.heights[side]);
-    robot::LegAngles leg = robot::leg_inverse_kinematics(
-        model_, geometry,
-        {.R = level_in_trunk(sole.yaw - stance.yaw, pitch), .p = into_trunk(p_SSole - p_SB, yaw, pitch)});
-    compensate(side, stance, compliance, p_SB + from_trunk(geometry.p_BH_B, yaw, pitch), leg);
+    const Position p_SupportSole = at_height(sole.p, stance.heights[side]);
+    robot::LegAngles leg =
+        robot::leg_inverse_kinematics(model_, geometry,
+                                      {.R = level_in_trunk(sole.yaw - stance.yaw, pitch),
+                                       .p = into_trunk(p_SupportSole - p_SupportB, yaw, pitch)});
+    compensate(side, stance, compliance, p_SupportB + from_trunk(geometry.p_BH_B, yaw, pitch), leg);
     for (std::size_t i = 0; i < robot::kLegJoints; ++i) targets[geometry.joints[i]] = leg.angles[i];
   }
 }

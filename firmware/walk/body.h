@@ -31,7 +31,7 @@ struct Compliance {
 // The arms hang down, and the masses of a leg lie on the line from hip to ankle. Then the CoM is linear in
 // the positions of trunk B and soles L, R,
 //
-//   p_Com = (1 - 2 mu) p_B + R_SB k + mu (p_L + p_R),
+//   p_Com = (1 - 2 mu) p_B + R_SupportB k + mu (p_L + p_R),
 //
 // and the position of the trunk follows without iteration. mu is the share of a leg's mass that moves with
 // the sole, k a constant of the body. Knees in front of that line move the CoM by 1 to 2 mm, in every step

@@ -32,8 +32,8 @@ constexpr std::int32_t kArrivalTicks = 20;
 // Time-out of the shift of weight onto a foot or back to the middle: 0.6 s, three times what it takes with
 // the default robot, and still enough for a pendulum of 1 m.
 constexpr std::int32_t kMaxShiftTicks = 60;
-// Duration of the rest between the feet at the end, in time constants of the pendulum: what is left of the
-// CoM's offset is e^-3, a twentieth.
+// How long the ZMP stays midway between the feet at the end, in time constants of the pendulum: the CoM's
+// remaining offset is then e^-3 of the first one, a twentieth.
 constexpr std::int64_t kRestTimeConstants = 3;
 // Clamp of the predicted lean: beyond it no step restores balance. By hand, 2026-11-22, above the lean at
 // which a fall is detected.
@@ -55,7 +55,7 @@ Point interpolated(Point from, Point to, Ratio fraction) {
   return {fixed::interpolate(from.x, to.x, fraction), fixed::interpolate(from.y, to.y, fraction)};
 }
 
-// The time at rest between the feet in cycles of 10 ms, rounded up.
+// Returns how long the ZMP stays midway between the feet, in cycles of 10 ms, rounded up.
 std::int32_t rest_ticks(Ratio time_constant_s) {
   const std::int64_t ticks_raw = kRestTimeConstants * 100 * time_constant_s.raw();
   return static_cast<std::int32_t>((ticks_raw + kOne.raw() - 1) / kOne.raw());
@@ -72,8 +72,8 @@ Walker::Walker(const robot::RobotModel& model)
   const std::array roles{kLeftShoulderPitch, kRightShoulderPitch};
   for (std::size_t side = 0; side < roles.size(); ++side) {
     if (const auto joint = model.find(roles[side])) {
-      const bool turns_left = model.joints[*joint].axis.y > Ratio();
-      shoulders_[side] = {*joint, static_cast<std::int8_t>(turns_left ? 1 : -1)};
+      const bool axis_points_left = model.joints[*joint].axis.y > Ratio();
+      shoulders_[side] = {*joint, static_cast<std::int8_t>(axis_points_left ? 1 : -1)};
     }
   }
 }
@@ -134,19 +134,20 @@ void Walker::run_preparing() {
   if (tick_ >= kRampTicks) enter(Phase::kWeightShift);
 }
 
-// Double support with the ZMP under the foot that swings first, from which the DCM runs away to the other
-// one, until it is where a step onto that foot begins (Footsteps::offset). In the last cycle the ZMP is only
-// as far away as moves the DCM exactly there: the first step would multiply an overshoot by its growth.
+// Double support with the ZMP under the right foot, which swings first. The DCM moves away from that ZMP, to
+// the left, until it is at the offset from the left foot with which a step begins (Footsteps::offset). The
+// ZMP of the last cycle is placed so that the DCM arrives exactly there, because the first step multiplies
+// any overshoot by its growth. After the time-out the first step begins from wherever the DCM is.
 void Walker::run_weight_shift() {
   const Point foot = zmp_under(swing_side());
-  const Length begins = zmp_under(support_).y + footsteps_.offset(support_, stride_).y;
+  const Length step_begins_y = zmp_under(support_).y + footsteps_.offset(support_, stride_).y;
   const PendulumState before = com_;
   Point zmp = foot;
   pendulum_.advance(com_, zmp);
-  const bool arrived = com_.dcm.y >= begins;
+  const bool arrived = com_.dcm.y >= step_begins_y;  // the left foot supports
   if (arrived) {
-    const Ratio share =
-        std::clamp(fixed::quotient<Ratio>(begins - before.dcm.y, com_.dcm.y - before.dcm.y), Ratio(), kOne);
+    const Ratio share = std::clamp(
+        fixed::quotient<Ratio>(step_begins_y - before.dcm.y, com_.dcm.y - before.dcm.y), Ratio(), kOne);
     zmp = interpolated(before.dcm, foot, share);
     com_ = before;
     pendulum_.advance(com_, zmp);
@@ -161,13 +162,14 @@ void Walker::run_weight_shift() {
 void Walker::run_stepping(const Velocity& command, const Observation& seen) {
   speed_.approach(command, gait_);
   heading_error_ -= speed_.turn();
-  const bool both = tick_ <= gait_.double_ticks;  // double support: the ZMP moves from the last foot to this
-  const Ratio shifted = both ? fixed::elapsed_fraction(tick_, gait_.double_ticks + 1) : kOne;
+  // In double support the ZMP moves from the foot that will swing to the support foot.
+  const bool double_support = tick_ <= gait_.double_ticks;
+  const Ratio shifted = double_support ? fixed::elapsed_fraction(tick_, gait_.double_ticks + 1) : kOne;
   stance_.zmp = interpolated(last_zmp_, zmp_under(support_), shifted);
   pendulum_.advance(com_, stance_.zmp);
   stance_.load_shares[support_] = shifted;
   stance_.load_shares[swing_side()] = kOne - shifted;
-  if (!both) {
+  if (!double_support) {
     plan_landing();
     move_swing_foot();
   }
@@ -177,8 +179,10 @@ void Walker::run_stepping(const Velocity& command, const Observation& seen) {
   if (tick_ >= gait_.step_ticks || has_touched_down(seen)) end_step();
 }
 
-// Double support with the ZMP under the support foot, until the DCM is back in the middle. Then the ZMP and
-// the DCM stay there while the convergent component decays.
+// Double support with the ZMP under the support foot, until the DCM is midway between the feet. Then both are
+// put exactly there and stay, while the convergent component of motion decays. The jump of the planned DCM is
+// one cycle's motion in y, and in x what is left of the last stride; after the time-out it may be larger, and
+// the feedback takes it up.
 void Walker::run_closing_step() {
   const Point middle_zmp = middle();
   const bool left = support_ == Side::kLeft;
@@ -212,21 +216,24 @@ void Walker::run_settling() {
 //
 //   z (a + w T_c),  T_c = 1 / omega = sqrt(z / g)
 //
-// The lean a + w T_c is clamped. What persists is no push but a floor that slopes or servos that sag: the
-// bias, subtracted because a robot that steps after it wanders off. The rest is smoothed:
+// The lean a + w T_c is clamped. A sloping floor and sagging servos cause a lasting error, the bias. It is
+// subtracted, because a robot that stepped towards it would never stop walking that way. The remainder is
+// smoothed:
 //
 //   bias  += (measured - bias) / 150
 //   error  = (1 - smoothing) (measured - bias) + smoothing * last error
 void Walker::observe(const Observation& seen) {
   const auto dcm_offset = [&](Angle angle, AngularRate rate) {
-    // Turns in 2^-24 times seconds in 2^-30, in turns of 2^-32.
-    const Angle soon = Angle::from_raw(fixed::saturate<std::int32_t>(
+    // The rate's LSB is 2^-24 turn/s, the time's 2^-30 s and the angle's 2^-32 turn: the shift is 24 + 30
+    // - 32.
+    const Angle lean_within_time_constant = Angle::from_raw(fixed::saturate<std::int32_t>(
         fixed::shift_rounded(std::int64_t{rate.raw()} * pendulum_.time_constant_s().raw(), 22)));
-    const std::int64_t lean_raw = std::int64_t{angle.raw()} + soon.raw();
+    const std::int64_t lean_raw = std::int64_t{angle.raw()} + lean_within_time_constant.raw();
     const std::int64_t max_raw = kMaxLean.raw();
     const Angle lean = Angle::from_raw(static_cast<std::int32_t>(std::clamp(lean_raw, -max_raw, max_raw)));
     return product<Length>(gait_.com_height, in_rad(lean));
   };
+  // A roll to the right moves the CoM towards negative y; no roll is planned.
   const Point measured{dcm_offset(seen.pitch - stance_.pitch, seen.rates.y),
                        -dcm_offset(seen.roll, seen.rates.x)};
   dcm_bias_ = interpolated(dcm_bias_, measured, kDcmBiasShare);
@@ -235,11 +242,13 @@ void Walker::observe(const Observation& seen) {
 }
 
 // Chooses the landing position of the swing foot's sole, from which the next step begins with the DCM of a
-// periodic gait. With the DCM xi and its error e, the ZMP p, the time t left of the step, the growth G(t) =
-// e^(omega t), the lag lambda and the offset c at once (footsteps.h; all as seen from the support foot):
+// periodic gait. With the DCM xi, its error e beyond the dead band, the ZMP p, the time t left of the step,
+// the growth G(t) = e^(omega t), the lag lambda of double support (Pendulum::lag) and the offset c of the
+// next step's DCM from its ZMP (Footsteps::offset_at_once, turned by half the step's yaw), all in the frame
+// of the support foot:
 //
 //   end     = G(t) (xi + capture e - p)     DCM at the end of the step, from the ZMP
-//   landing = p + end / (1 - lambda) - c    ZMP of the next step
+//   landing = p + end / (1 - lambda) - c    ZMP of the next step; 1 / (1 - lambda) is Footsteps::widening
 //
 // The first line is the motion of the DCM about a resting ZMP (pendulum.h). The second is the foot placement
 // of Englsberger et al. with the double support that follows (docs/design/walking.md). The sole lies
@@ -293,7 +302,7 @@ bool Walker::has_touched_down(const Observation& seen) const {
 
 // Makes the swing foot, where it is now, the support foot: all positions are moved into the frame of its
 // sole. The next step begins there, or, when the robot is to stop and the feet are side by side, the closing
-// step.
+// step. A foot that touched down early is on the ground although its planned height was not zero yet.
 void Walker::end_step() {
   const Foothold landed = stance_.soles[swing_side()];
   const Foothold left_behind{.p = seen_from(landed, Point()), .yaw = -landed.yaw};

@@ -33,10 +33,12 @@ struct Observation {
 //   phase         lasts                 what happens
 //   Preparing     0.5 s                 a ramp from the standing targets to bent knees, CoM between the feet
 //   WeightShift   at most 0.6 s         double support with the ZMP under the right foot, until the DCM is
-//                                       where the first step, onto the left foot, begins
+//                                       where the first step begins, in which the left foot supports
 //   Stepping      until a stop at zero  double support, then swing, in turn; it ends when the feet stand
 //                 speed                 side by side
-//   ClosingStep   3 T_c                 double support with the ZMP moved back between the feet
+//   ClosingStep   at most 0.6 s, then   double support: the ZMP stays under the support foot until the DCM
+//                 3 T_c                 is midway between the feet, then the ZMP and the DCM rest there
+//                                       while the CoM follows (T_c: time constant of the pendulum)
 //   Settling      0.7 s                 a ramp back to the standing targets, and time for the servos to follow
 // clang-format on
 //
@@ -48,11 +50,11 @@ class Walker {
   explicit Walker(const robot::RobotModel& model);
 
   // Begins a walk from standing at `targets`, one angle a joint, to which it returns in the end. `parameters`
-  // must be a gait (walk::is_gait) and hold for the whole walk.
+  // must be a gait (walk::is_gait); they are copied and stay in force for the whole walk.
   void start(const WalkParameters& parameters, std::span<const fixed::Angle> targets);
   // Brings the robot to a stand: it slows down, puts its feet side by side and ends the walk.
   void stop() { stopping_ = true; }
-  // Takes the stop back. Without effect once the feet are side by side.
+  // Takes the stop back. Without effect once the closing step has begun.
   void resume() { stopping_ = false; }
   // Ends the walk at once; the targets stay as they are.
   void abort() { phase_ = Phase::kIdle; }
@@ -115,12 +117,13 @@ class Walker {
 
   Phase phase_ = Phase::kIdle;
   bool stopping_ = false;
-  std::int32_t tick_ = 0;  // cycles since the phase, or the step, began
+  // Cycles since the phase or the step began; in the closing step, since the ZMP has been midway.
+  std::int32_t tick_ = 0;
   hal::Side support_ = hal::Side::kLeft;
   Stance stance_;
   PendulumState com_;
-  Point last_zmp_;    // at the beginning of the step, as the next one
-  Foothold liftoff_;  // of the swing foot's sole
+  Point last_zmp_;  // the ZMP at the beginning of the step, or midway once the closing step has put it there
+  Foothold liftoff_;  // of the swing foot's sole, at the beginning of the step
   Foothold landing_;  // planned, of the same sole
   Point dcm_bias_;    // slow average of the measured DCM error: slopes and sagging servos, not pushes
   Point dcm_error_;   // measured DCM less planned DCM, without the bias; smoothed

@@ -60,7 +60,7 @@ inline constexpr canopen::DescribedObject kAnkleObjects[] = {
     kSensorTime,
     kSensorTimeMs,
     kSensorTimeDays,
-    canopen::heading(0x2020, "Force", "What the ground side exerts on the shank side."),
+    canopen::heading(0x2020, "Force", "Exerted by the ground side on the shank side."),
     {OBJECT(0x2020, 1, force[0], kReadOnly, kTpdo).repeated(3, 2),
      {.name = "Force", .unit = kForceCount, .elements = canopen::kAxes}},
     canopen::heading(0x2021, "Torque", "About the sensor's origin."),

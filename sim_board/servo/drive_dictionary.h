@@ -43,8 +43,8 @@ struct DriveValues {
   std::int16_t current_actual_permille = 0;     // 0x6078: of 0x6075
   std::int16_t torque_actual_permille = 0;      // of 0x6076
   std::uint32_t rated_torque_mNm = 0;           // 0x6076: the stall torque at nominal supply
-  std::uint32_t supply_mV = 0;                  // 0x6079: what the voltmeter shows
-  std::int16_t winding_dC = 0;                  // kWindingTemperature: 0.1 C, what the thermometer shows
+  std::uint32_t supply_mV = 0;                  // 0x6079: as measured by the drive
+  std::int16_t winding_dC = 0;                  // kWindingTemperature: 0.1 C, as measured by the drive
   std::uint32_t following_window = kWindowOff;  // 0x6065: of the following error
   std::uint16_t following_timeout_ms = 0;       // 0x6066: how long it may be larger
   std::uint32_t position_window = kWindowOff;   // 0x6067: of the shaft around a target that it has reached

@@ -46,7 +46,7 @@ inline constexpr std::string_view kHomingSpeedNames[] = {"to the switch", "to th
 
 inline constexpr canopen::DescribedObject kDriveObjects[] = {
     {canopen::object(kWindingTemperature, 0, KOBOSHI_FIELD(DriveValues, winding_dC), kReadOnly, kTpdo),
-     {.name = "Winding temperature", .unit = {"C", 1, 10}, .comment = "What the drive's thermometer shows."}},
+     {.name = "Winding temperature", .unit = {"C", 1, 10}, .comment = "As measured by the drive."}},
     {canopen::object(kLargestCyclicStep, 0, KOBOSHI_FIELD(DriveValues, largest_cyclic_step), kReadWrite),
      {.name = "Largest cyclic step",
       .unit = kShaftUnit,
@@ -106,7 +106,7 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
     {OBJECT(kFollowingErrorWindow, 0, following_window, kReadWrite),
      {.name = "Following error window",
       .unit = kShaftUnit,
-      .comment = "To either side of the demand; FFFFFFFFh: not watched."}},
+      .comment = "Allowed deviation from the demand; FFFFFFFFh: not monitored."}},
     {OBJECT(kFollowingErrorTimeOut, 0, following_timeout_ms, kReadWrite),
      {.name = "Following error time out",
       .unit = {"ms"},
@@ -128,7 +128,7 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
     {OBJECT(kCurrentActual, 0, current_actual_permille, kReadOnly, kTpdo),
      {.name = "Current actual value", .unit = kShareUnit, .comment = "Of the rated current."}},
     {OBJECT(kSupplyVoltage, 0, supply_mV, kReadOnly, kTpdo),
-     {.name = "DC link circuit voltage", .unit = {"mV"}, .comment = "What the drive's voltmeter shows."}},
+     {.name = "DC link circuit voltage", .unit = {"mV"}, .comment = "As measured by the drive."}},
     {OBJECT(kTargetPosition, 0, target_position, kReadWrite, kRpdo),
      {.name = "Target position",
       .unit = kShaftUnit,
@@ -156,7 +156,9 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
     {OBJECT(kProfileDeceleration, 0, profile_deceleration, kReadWrite, kRpdo)
          .within<std::uint32_t>(1'000, 0x7FFF'FFFF)
          .parameter(),
-     {.name = "Profile deceleration", .unit = kShaftAccelerationUnit, .comment = "Of slow-down ramps, too."}},
+     {.name = "Profile deceleration",
+      .unit = kShaftAccelerationUnit,
+      .comment = "Also applies to slow-down ramps."}},
     {OBJECT(kQuickStopDeceleration, 0, quick_stop_deceleration, kReadWrite)
          .within<std::uint32_t>(1'000, 0x7FFF'FFFF),
      {.name = "Quick stop deceleration",
@@ -166,8 +168,7 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
      {.name = "Motion profile type", .values = kMotionProfileNames}},
     {OBJECT(kHomingMethod, 0, homing_method, kReadWrite),
      {.name = "Homing method", .comment = "35 or 37: the present position is home; nothing moves."}},
-    canopen::heading(cia402::kHomingSpeeds, "Homing speeds",
-                     "Of methods that move, of which there are none."),
+    canopen::heading(cia402::kHomingSpeeds, "Homing speeds", "Not used: no homing method moves."),
     {OBJECT(kHomingSpeeds, 1, homing_speed[0], kReadWrite).repeated(2, 4),
      {.name = "Homing speed", .unit = kShaftSpeedUnit, .elements = kHomingSpeedNames}},
     canopen::heading(cia402::kInterpolationTimePeriod, "Interpolation time period",

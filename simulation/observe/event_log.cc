@@ -248,8 +248,8 @@ void EventLog::tell_state(std::uint64_t time_us, const Telemetry& said) {
       return tell("state", "Walks.");
     case State::kFalling:
       down_us_ = time_us;
-      down_by_ = "the fall was foreseen";
-      return tell("fall_foreseen", "A fall is foreseen: takes the pose of " + motion + ".");
+      down_by_ = "the fall was detected";
+      return tell("fall_foreseen", "A fall is detected: takes the pose of " + motion + ".");
     case State::kFallen:
       if (gets_up(said_.state))
         return tell("recovery_failed", "The attempt to get up has failed: " + reason_text(said) + ".");
@@ -304,7 +304,7 @@ void EventLog::follow_scenario(std::uint64_t now_us, std::span<const sim::Push> 
   const auto release_us = scenario_.initial.release_us;
   if (!released_ && release_us && now_us > *release_us) {
     released_ = true;
-    add(*release_us, "release", "The stand lets go of the robot.");
+    add(*release_us, "release", "The stand releases the robot.");
   }
   for (; next_push_ < pushes.size() && pushes[next_push_].at_us < now_us; ++next_push_)
     tell_push(pushes[next_push_]);

@@ -13,13 +13,13 @@ class InputError(ValueError):
     """A file or a value is not as it should be: file, line, what was found and what was expected."""
 
 class WorldBlewUp(RuntimeError):
-    """The physics gained energy or left the finite."""
+    """The physics gained energy or is no longer finite."""
 
 class SdoFailed(RuntimeError):
     """The controller did not take a value."""
 
 class State(NamedTuple):
-    """What the firmware says of itself on the bus. Of Simulations every field has the worlds as first dimension."""
+    """Telemetry of the firmware on the bus. In Simulations the first dimension of every field is the world."""
 
     state: str
     reason: str
@@ -34,7 +34,7 @@ class State(NamedTuple):
     joint_torque_permille: NDArray[np.float64]
 
 class Truth(NamedTuple):
-    """What is true of the robot in the world. Of Simulations every field has the worlds as first dimension."""
+    """Ground truth of the robot in the world. In Simulations the first dimension of every field is the world."""
 
     time_s: float
     position_m: NDArray[np.float64]

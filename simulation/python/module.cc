@@ -240,9 +240,8 @@ Raises InputError with file and line for whatever a file has wrong.)")
 
 The firmware's control cycle is 10 ms. Other Python threads run meanwhile. Raises WorldBlewUp when the physics left the
 finite, and SdoFailed when the controller refused a value of write().)")
-      .def(
-          "reset", &PySimulation::reset, "seed"_a = py::none(),
-          "Begins anew at time zero, with this seed or the one before. Nothing of what was done to it stays.")
+      .def("reset", &PySimulation::reset, "seed"_a = py::none(),
+           "Restarts at time zero with this seed or the previous one, and discards all calls.")
       .def("snapshot", &PySimulation::snapshot,
            "The whole state of this moment, for restore(): firmware, bus, drives, sensors, world, observers.")
       .def("restore", &PySimulation::restore, "snapshot"_a,
@@ -299,14 +298,14 @@ The keys are those of docs/reference/parameters.md. Commands that follow wait un
             const WatchedSimulation* world = &self.idle();
             return types.state(std::span(&world, 1), false);
           },
-          "What the firmware says of itself on the bus: a State. Its arrays are copies of the caller's own.")
+          "Telemetry of the firmware on the bus: a State. Its arrays are copies that belong to the caller.")
       .def(
           "truth",
           [types](PySimulation& self) {
             const WatchedSimulation* world = &self.idle();
             return types.truth(std::span(&world, 1), false);
           },
-          "What is true in the world: a Truth. Its arrays are copies of the caller's own.")
+          "Ground truth of the world: a Truth. Its arrays are copies that belong to the caller.")
       .def("frames", &PySimulation::frames,
            R"(The frames of the bus since the last call, in the order in which they ended.
 
@@ -401,7 +400,7 @@ PYBIND11_MODULE(koboshi, module) {
   py::register_exception<sim::InputError>(module, "InputError", PyExc_ValueError).doc() =
       "A file or a value is not as it should be: file, line, what was found and what was expected.";
   py::register_exception<sim::WorldBlewUp>(module, "WorldBlewUp", PyExc_RuntimeError).doc() =
-      "The physics gained energy or left the finite.";
+      "The physics gained energy or is no longer finite.";
   py::register_exception<sim::SdoFailed>(module, "SdoFailed", PyExc_RuntimeError).doc() =
       "The controller did not take a value.";
   const ObservationTypes types = define_observations(module);

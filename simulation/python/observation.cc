@@ -256,9 +256,9 @@ py::object make(const py::object& type, const std::vector<TextField>& text_field
 }  // namespace
 
 ObservationTypes::ObservationTypes(py::module_& module)
-    : state_type_(define(module, "State", "What the firmware says of itself on the bus.", state_texts(),
-                         state_fields())),
-      truth_type_(define(module, "Truth", "What is true of the robot in the world.", {}, truth_fields())) {}
+    : state_type_(
+          define(module, "State", "Telemetry of the firmware on the bus.", state_texts(), state_fields())),
+      truth_type_(define(module, "Truth", "Ground truth of the robot in the world.", {}, truth_fields())) {}
 
 py::object ObservationTypes::state(Worlds worlds, bool by_world) const {
   return make(state_type_, state_texts(), state_fields(), worlds, by_world);

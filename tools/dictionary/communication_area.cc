@@ -268,10 +268,10 @@ void add_services(std::vector<Object>& objects, const canopen::NodeDescription& 
   objects.push_back(error_history());
   objects.push_back(variable(item(0x1005, 0, "COB-ID SYNC message", DataType::kUnsigned32, "rw", hex(sync)),
                              "Bit 30: the node produces SYNC."));
-  objects.push_back(
-      variable(item(0x1006, 0, "Communication cycle period", DataType::kUnsigned32, "rw",
-                    decimal(node.sync_period_us)),
-               "Of SYNC; 0: the node sends none. The controller takes its own cycle and 0 only.", "us"));
+  objects.push_back(variable(item(0x1006, 0, "Communication cycle period", DataType::kUnsigned32, "rw",
+                                  decimal(node.sync_period_us)),
+                             "SYNC period; 0: no SYNC. The controller accepts only 0 and its own cycle.",
+                             "us"));
   objects.push_back(variable(item(0x1007, 0, "Synchronous window length", DataType::kUnsigned32, "rw", "0"),
                              "0: as long as the cycle.", "us"));
   objects.push_back(text(0x1008, "Manufacturer device name", node.device_name));
@@ -283,7 +283,7 @@ void add_services(std::vector<Object>& objects, const canopen::NodeDescription& 
   objects.push_back(variable(
       item(0x1014, 0, "COB-ID EMCY", DataType::kUnsigned32, "rw", with_node_id(canopen::kEmergencyBase))));
   objects.push_back(variable(item(0x1015, 0, "Inhibit time EMCY", DataType::kUnsigned16, "rw", "0"),
-                             "At least so long between two messages.", "100 us"));
+                             "Minimum time between two messages.", "100 us"));
 }
 
 }  // namespace

@@ -21,17 +21,20 @@ using Text = std::back_insert_iterator<std::string>;
 constexpr std::string_view kIntroduction =
     R"(# Object dictionary
 
-What the nodes on the bus show of themselves, over SDO and in PDOs: the controller (node 1), the servo drives (16 to 35,
-CiA 402) and the sensors (36 to 38). Written by `koboshi dictionary write` from the tables that the nodes themselves are
-made of: `firmware/app/controller_objects.h`, `sim_board/servo/drive_objects.h` and `sim_board/sensor/sensor_objects.h`.
-The same in the formats that other programs read: [controller.eds](controller.eds), [drive.eds](drive.eds),
-[inertial.eds](inertial.eds) and [ankle.eds](ankle.eds) (CiA 306), and [koboshi.dbc](koboshi.dbc) with every message on the
-bus. A CANopen master of another make takes the drives and sensors from these and [bus.yml](bus.yml)
-([how](../guide/another-master.md)).
+This page lists every object that can be read or written over SDO or in PDOs: of the controller (node 1),
+the servo drives (16 to 35, CiA 402) and the sensors (36 to 38). `koboshi dictionary write` generates it from
+the tables from which the nodes themselves are built: `firmware/app/controller_objects.h`,
+`sim_board/servo/drive_objects.h` and `sim_board/sensor/sensor_objects.h`.
 
-Indices, sub-indices and identifiers are hexadecimal. A value on the bus is a count of its *unit*: with 0.1 %, 123 means
-12.3 %. *PDO* is where it may be mapped. Sub-index 0 of an index that has others tells the highest of them, or in a
-mapping how many objects are mapped. `const` and `ro` are read only; `rww` may be written by SDO and by an RPDO.
+The same objects in formats for other programs: [controller.eds](controller.eds), [drive.eds](drive.eds),
+[inertial.eds](inertial.eds) and [ankle.eds](ankle.eds) (CiA 306), and [koboshi.dbc](koboshi.dbc) with every
+message on the bus. Another CANopen master reads the drives and sensors from these and from
+[bus.yml](bus.yml) ([how](../guide/another-master.md)).
+
+Indices, sub-indices and identifiers are hexadecimal: index 2130 is 0x2130. A value on the bus is a count of
+its *unit*: with 0.1 %, 123 means 12.3 %. The column *PDO* states where the object may be mapped. Sub-index 0
+of an index with several sub-indices contains the highest of them, in a mapping the number of mapped objects.
+`const` and `ro` are read only; `rww` may be written by SDO and by an RPDO.
 )";
 
 constexpr std::uint16_t kFirstOwnIndex = canopen::kFirstOwnersIndex;

@@ -16,20 +16,23 @@ namespace {
 constexpr std::string_view kParametersIntroduction =
     R"(# Parameters of the controller
 
-You can set these numbers of the controller in the robot's file of parameters, in a scenario, in a parameter file and in a
-study. The end of a key names the unit. [walking.md](../design/walking.md) explains how the robot walks, and
-[getting-up.md](../design/getting-up.md) how it gets up. A client on the bus writes the same numbers in counts of the wire:
-[object-dictionary.md](object-dictionary.md) has the scale of each object. Written by `koboshi dictionary write`.
+These parameters of the controller can be set in the robot's parameter file, in a scenario, in a parameter
+file of your own and in a study. The end of a key names the unit. [walking.md](../design/walking.md) explains
+how the robot walks, and [getting-up.md](../design/getting-up.md) how it gets up. A client on the bus writes
+the same parameters as integers: [object-dictionary.md](object-dictionary.md) has the scale of each object.
+`koboshi dictionary write` generates this page.
 
-## Whose value counts
+## Precedence of values
 
-1. The firmware's default is neutral: no feedback, no gait, no velocity, no fall detection. It knows no robot. A robot that has
-   nothing else boots, stands and plays motions; the command to walk is refused with the reason `no gait`. An empty default means
-   that the parameter is not set.
-2. `parameters.yaml` beside the robot's file holds what this robot leaves the factory with. Every command that makes a storage image
-   compiles it in; the firmware reads it at power-on, at a reset, and therefore after restore default parameters (object 1011).
-3. What a client has saved (object 1010) replaces the factory's value.
-4. A scenario's `parameter_file` and `parameters`, and `--set parameters.KEY=VALUE`, are written by SDO at the start of a run.
+1. The firmware's default is neutral: no feedback, no gait, no velocity, no fall detection. Without any other
+   value the robot boots, stands and plays motions; the command to walk is refused with the reason `no gait`.
+   An empty default means that the parameter is not set.
+2. `parameters.yaml` beside the robot's file contains this robot's factory values. Every command that makes a
+   storage image compiles it in; the firmware reads it at power-on and at a reset, and therefore also after
+   restore default parameters (object 1011).
+3. Values that a client has saved (object 1010) replace the factory values.
+4. A scenario's `parameter_file` and `parameters`, and `--set parameters.KEY=VALUE`, are written by SDO at the
+   start of a run.
 
 ```yaml
 version: 1

@@ -111,7 +111,7 @@ as numbers.
 
 ## Budgets
 
-What the firmware may take of a Cortex-M4, and what it takes. Instructions are those of a tick while the robot moves: 60,000 take
+Budgets of the firmware on a Cortex-M4, and what it uses of them. Instructions are those of a tick while the robot moves: 60,000 take
 8 to 17 % of the 720,000 cycles that a Cortex-M4 of 72 MHz has in 10 ms, at one to two cycles an instruction. An image that exceeds
 the budget of flash or RAM does not link (`hal/cortex_m/mps2/image.ld`); `tests/target` checks all five.
 
@@ -130,7 +130,7 @@ tells them apart from outside, so that the image that is measured is the image t
 {}
 ## Flash and RAM
 
-Of the image, without the robot's model and its motions, which lie in a flash of their own. Code and constants belong to the folder
+Sizes of the image, without the robot's model and motions, which are in a flash of their own. Code and constants belong to the folder
 whose library the linker took them from; those of a header, to a folder that uses it. Objects of the firmware live in
 `firmware/programs/mps2`, which makes them.
 

@@ -198,7 +198,7 @@ TEST_F(EventLogTest, SaysThatAMotionWasCutOffThoughTheRobotDidNotFall) {
   change(State::kStanding, Reason::kProgress, kFallFront);
   EXPECT_THAT(texts(), ElementsAre("Plays the motion squat.",
                                    "The motion squat is cut off after 1.21 s: fall foreseen.",
-                                   "A fall is foreseen: takes the pose of fall_front.",
+                                   "A fall is detected: takes the pose of fall_front.",
                                    "Goes to the standing pose: caught itself.", "Stands.",
                                    "End: stands; did not fall; squat was cut off at 1.31 s; 0 faults."));
   EXPECT_EQ(event_of("cut_off").fields["motion"], "squat");
@@ -212,7 +212,7 @@ TEST_F(EventLogTest, SaysThatTheRobotFellAndGotUp) {
   EXPECT_EQ(event_of("fall").text, "The robot falls: its trunk leans more than 60 degrees, to the front.");
   EXPECT_EQ(event_of("recovery_begun").text, "Begins to get up, attempt 1.");
   EXPECT_EQ(event_of("recovery_ended").text,
-            "Stands: has got up at attempt 1, 1.55 s after the fall was foreseen.");
+            "Stands: has got up at attempt 1, 1.55 s after the fall was detected.");
   play_until(10.0);
   fall_and_get_up();
   EXPECT_EQ(log_.verdict(),
@@ -308,7 +308,7 @@ TEST_F(EventLogTest, TellsOfPushesFaultsAndTheStand) {
     log.observe_tick(now_us, said_, truth_, {&push, 1});
   const std::vector<sim::RunEvent> events = log.events();
   EXPECT_EQ(events_text(events),
-            "    0.500 s  The stand lets go of the robot.\n"
+            "    0.500 s  The stand releases the robot.\n"
             "    0.700 s  The trunk is pushed backward with 1.20 N s in 0.10 s.\n"
             "    1.000 s  The scenario's fault drive_silent of left_knee begins.\n"
             "    1.030 s  The scenario's fault drive_silent of left_knee ends.\n"
