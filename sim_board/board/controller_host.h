@@ -5,17 +5,17 @@
 
 namespace koboshi::sim {
 
-// Where the firmware runs: in this process, or in a machine of its own. One exchange is one `service` call of
-// the firmware and, if the input says so, the `tick` that follows it.
+// Runs the firmware in this process or in a virtual machine. One exchange is one `service` call of the
+// firmware and, if the input requests it, the following `tick`.
 class ControllerHost {
  public:
   virtual ~ControllerHost() = default;
 
-  // `output` is overwritten. Throws std::runtime_error when the firmware cannot be reached any more.
+  // Overwrites `output`. Throws std::runtime_error if the firmware can no longer be reached.
   virtual void exchange(const hal::BatchInput& input, hal::BatchOutput& output) = 0;
 
-  // Saves or restores the firmware and its storage between two exchanges. Throws NotSaveable where it runs
-  // outside of this process.
+  // Saves or restores the firmware and its storage between two exchanges. Throws NotSaveable if it runs
+  // outside this process.
   virtual void archive(StateArchive& archive) = 0;
 };
 

@@ -18,8 +18,9 @@ AcceptanceFilter sdo_answers() {
   return filter;
 }
 
-// Of so many milliseconds the time of one is taken, for all of them: to ask for the time costs some itself,
-// and in a virtual machine more than what is measured. Prime to the ten of a tick.
+// The wall time is sampled in one of this many milliseconds and counted for all of them: reading the clock is
+// expensive, in a virtual machine more so than the measured code. The number is coprime to the ten
+// milliseconds of a tick.
 constexpr std::uint64_t kTimedOf = 7;
 
 // Adds the wall time of its scope to a share.
@@ -175,7 +176,7 @@ void SimBoard::serve_controller() {
 
   const std::uint64_t ready_us =
       now_us_ + (input_.tick ? options_.computing_time_us : options_.service_time_us);
-  // The ports refused what would not fit.
+  // The ports have refused all frames that would not fit.
   for (const hal::CanFrame& frame : output_.frames.view()) {
     static_cast<void>(bus_.queue(controller_, frame, ready_us));
   }
@@ -227,7 +228,7 @@ void SimBoard::add_frame_fault(const FrameFault& fault) {
   bus_.set_disturbance(&bus_faults_);
 }
 
-// Neither the wall time that the parts have taken, nor what lives within a step.
+// Excludes the measured wall times and data that exist only within a step.
 void SimBoard::archive(StateArchive& archive) {
   archive(now_us_, host_, world_, input_, output_, bus_, drives_, imu_, ankles_, imu_node_, ankle_nodes_,
           bus_faults_, babblers_, highest_supply_V_, drawn_J_, kicked_us_, enable_line_, bitten_,

@@ -24,23 +24,23 @@ namespace koboshi::sim {
 struct BoardOptions {
   WorldOptions world;
   std::uint64_t seed = 1;
-  double noise_scale = 1.0;               // of all random errors of sensors and encoders
-  std::uint64_t computing_time_us = 500;  // from a tick to the first frame it sends
-  std::uint64_t service_time_us = 50;     // the same of a service call without a tick
-  bool sensors_on_bus = false;  // inertial unit and ankle sensors are CANopen nodes, not the controller's own
+  double noise_scale = 1.0;               // scales all random errors of sensors and encoders
+  std::uint64_t computing_time_us = 500;  // from a tick to its first frame
+  std::uint64_t service_time_us = 50;     // the same for a service call without a tick
+  bool sensors_on_bus = false;  // IMU and ankle sensors are CANopen nodes instead of the controller's own
 };
 
-// Wall time that each part of the board has taken, in seconds, by samples. It depends on the machine and
-// enters no run.
+// Wall time of each part of the board in seconds, estimated from samples. It depends on the machine and has
+// no effect on a run.
 struct TimeShares {
-  double bus_s = 0.0;  // with the drives' answers to frames
+  double bus_s = 0.0;  // includes the drives' processing of frames
   double drives_s = 0.0;
   double firmware_s = 0.0;
   double physics_s = 0.0;
   double sensors_s = 0.0;
 };
 
-// Told before each physics step, to disturb the robot in it.
+// Called before each physics step, to disturb the robot in it.
 class StepListener {
  public:
   virtual void before_step(World& world, std::uint64_t start_us, std::uint64_t end_us) = 0;
@@ -49,27 +49,27 @@ class StepListener {
   ~StepListener() = default;
 };
 
-// The robot with all its electronics, and the owner of simulated time: world, drives, sensors and bus on one
-// side, the ports of the firmware on the other. Several may live in one process.
+// The robot with all its electronics and the simulated clock: world, drives, sensors and bus on one side, the
+// firmware's ports on the other. A process may contain several boards.
 //
-// One millisecond: the bus is brought up to date, each frame at its own microsecond; the drives run their
-// loops; the firmware is served with what has arrived, and what it sends is ready for the bus after its
-// computing time; physics steps to the end of the millisecond, supply, motors and gears with it, and the
-// sensors sample it.
+// Sequence of one millisecond: (1) the bus advances, each frame at its own microsecond; (2) the drives run
+// their loops; (3) the firmware is serviced with the received frames, and its frames become ready after its
+// computing time; (4) physics advances to the end of the millisecond together with supply, motors and gears;
+// (5) the sensors sample.
 class SimBoard {
  public:
   static constexpr std::uint64_t kService_us = hal::kServicePeriod_us;
   static constexpr std::uint64_t kTick_us = hal::kControlPeriod_us;
   static constexpr std::uint64_t kWatchdog_us = 500'000;
-  static constexpr std::size_t kTransmitFifo = 32;  // each
+  static constexpr std::size_t kTransmitFifo = 32;  // capacity of each
 
-  // Powers everything on at time zero. `robot` and `host` must outlive the board. Throws what make_world
-  // and the sensors throw.
+  // Powers everything on at time zero. `robot` and `host` must outlive the board. Throws what make_world and
+  // the sensors throw.
   SimBoard(const RobotDescription& robot, const BoardOptions& options, ControllerHost& host);
   SimBoard(const SimBoard&) = delete;
   SimBoard& operator=(const SimBoard&) = delete;
 
-  // One millisecond. Throws WorldBlewUp, and what the host throws.
+  // Advances one millisecond. Throws WorldBlewUp, and what the host throws.
   void advance();
 
   std::uint64_t now_us() const { return now_us_; }
@@ -82,53 +82,52 @@ class SimBoard {
   const RobotDescription& robot() const { return robot_; }
   const GroundDescription& ground() const { return options_.world.ground; }
   const Drive& drive(std::size_t joint) const { return *drives_[joint]; }
-  // Null where the robot has none.
+  // Null if the robot has none on this side.
   const AnkleSensor* ankle_sensor(hal::Side side) const {
     const auto& ankle = ankles_[static_cast<std::size_t>(side)];
     return ankle ? &*ankle : nullptr;
   }
-  // What the servos have taken from their supply since time zero, less what they have given back to it.
+  // Net energy that the servos have drawn from their supply since time zero.
   double drawn_J() const { return drawn_J_; }
   const TimeShares& time_shares() const { return shares_; }
   bool drive_enable_line() const { return enable_line_; }
   bool watchdog_bitten() const { return bitten_; }
-  // What the firmware was last given and answered; valid until the next `advance`.
+  // Last input and output of the firmware; valid until the next `advance`.
   const hal::BatchInput& last_input() const { return input_; }
   const hal::BatchOutput& last_output() const { return output_; }
 
-  // Null for none. It must outlive the board or be taken away before.
+  // Null removes it. It must outlive the board or be removed before.
   void set_step_listener(StepListener* listener) { step_listener_ = listener; }
-  // Who hears what SDO servers answer to the operator's PC. Null for none, as above.
+  // Sets the receiver of the SDO answers to the operator's PC. Null removes it, as above.
   void set_operator_listener(BusNode* listener) { operator_node_.listener = listener; }
-  // Sends a frame from the operator's PC, a node of the bus beside the robot's own. False when its FIFO is
-  // full.
+  // Sends a frame from the operator's PC, an additional node on the bus. Returns false if its FIFO is full.
   bool send_as_operator(const hal::CanFrame& frame) { return bus_.queue(operator_, frame, now_us_); }
 
-  // Saves or restores everything on the board, the firmware included, between two calls of `advance`. Nodes
-  // that a test or a tool has put on the bus keep their own states. Throws as Bus::archive and the host do.
+  // Saves or restores the whole board including the firmware, between two calls of `advance`. Nodes that a
+  // test or tool has attached archive their own states. Throws as Bus::archive and the host do.
   void archive(StateArchive& archive);
 
-  // What breaks stays broken until it is mended.
+  // Faults; each lasts until it is reverted.
   void hang_drive(std::size_t joint) { drives_[joint]->hang(); }
   void cut_drive_power(std::size_t joint) { drives_[joint]->power_off(); }
-  // Power returns to a drive, or its own watchdog resets one that hangs.
+  // Restores a drive's power, or resets a hanging drive as its own watchdog does.
   void restart_drive(std::size_t joint) { drives_[joint]->power_on(now_us_); }
   void break_encoder(std::size_t joint) { drives_[joint]->break_encoder(); }
   void overheat_drive(std::size_t joint) { drives_[joint]->overheat(); }
-  // What a voltage regulator that fails leaves of the supply of all servos; none: what battery or robot file
-  // give.
+  // Limits the supply of all servos, as a failing voltage regulator does. Empty: the voltage of the battery
+  // or the robot file.
   void limit_supply(std::optional<double> highest_V) { highest_supply_V_ = highest_V; }
   void set_imu_running(bool running);
   void set_ankle_running(hal::Side side, bool running);
   void set_controller_running(bool running) { controller_stopped_ = !running; }
   void add_frame_fault(const FrameFault& fault);
-  // Puts a further node on the bus; no state from before can be restored afterwards.
+  // Attaches another node to the bus; earlier saved states can then no longer be restored.
   void add_babbler(const Babble& babble) { babblers_.push_back(std::make_unique<Babbler>(bus_, babble)); }
-  // Takes the controller off the bus, for a board that has none of its own.
+  // Disconnects the controller from the bus, for a board without one.
   void unplug_controller() { bus_.power_off(controller_); }
-  // Takes every node but the controller off the bus, so that nobody acknowledges its frames.
+  // Disconnects every node but the controller, so that its frames are not acknowledged.
   void isolate_controller();
-  // Puts them back.
+  // Reconnects these nodes.
   void rejoin_controller();
 
  private:
@@ -179,13 +178,13 @@ class SimBoard {
   std::optional<Battery> battery_;
   std::optional<Imu> imu_;
   std::array<std::optional<AnkleSensor>, 2> ankles_;
-  // Null where the robot has no such sensor, or the controller has it.
+  // Null if the robot lacks the sensor or the controller reads it directly.
   std::unique_ptr<SensorNode> imu_node_;
   std::array<std::unique_ptr<SensorNode>, 2> ankle_nodes_;
   BusFaults bus_faults_;
   std::vector<std::unique_ptr<Babbler>> babblers_;
   std::optional<double> highest_supply_V_;
-  std::vector<SupplyLoad> loads_;  // of each servo, in this physics step
+  std::vector<SupplyLoad> loads_;  // per servo, in this physics step
   double drawn_J_ = 0.0;
   StepListener* step_listener_ = nullptr;
   TimeShares shares_;

@@ -22,7 +22,7 @@ int open_to_write(const fs::path& file, int more_flags) {
   return descriptor;
 }
 
-// Returns how many bytes were written; fewer than asked for leave the reason in errno.
+// Returns the number of bytes written; if it is less than requested, errno gives the reason.
 std::size_t write_bytes(int descriptor, std::string_view bytes) {
   std::size_t done = 0;
   while (done < bytes.size()) {
@@ -34,9 +34,10 @@ std::size_t write_bytes(int descriptor, std::string_view bytes) {
   return done;
 }
 
-// After the last line feed of what was written; a file that cannot be cut, such as a pipe, stays.
+// Truncates the file after the last line feed of `written`. Files that cannot be truncated, such as pipes,
+// stay as they are.
 void cut_off_last_row(int descriptor, std::string_view written) {
-  const std::size_t whole = written.rfind('\n') + 1;  // none: npos + 1 is 0
+  const std::size_t whole = written.rfind('\n') + 1;  // if there is none: npos + 1 is 0
   const off_t end = ::lseek(descriptor, 0, SEEK_CUR);
   if (end < 0) return;
   static_cast<void>(!::ftruncate(descriptor, end - static_cast<off_t>(written.size() - whole)));

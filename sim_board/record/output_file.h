@@ -8,7 +8,7 @@
 
 namespace koboshi::sim {
 
-// A file that could not be written, such as on a full disk. `what()` is one line that names the file.
+// A failed write, for example to a full disk. `what()` is one line that names the file.
 class WriteError : public std::system_error {
  public:
   // `error` is a value of errno.
@@ -16,28 +16,27 @@ class WriteError : public std::system_error {
       : std::system_error(error, std::generic_category(), "cannot write " + file.string()) {}
 };
 
-// A file that grows row by row, such as a table or a log, with a buffer. Only whole rows reach the file, so
-// that whatever ends the program, its readers accept what is there. Every failure throws WriteError; the row
-// that did not fit is cut off again.
+// A buffered file that grows by rows, such as a table or a log. Only complete rows reach the file, so it is
+// readable even if the program crashes. Every failure throws WriteError, and an incomplete row is truncated.
 class OutputFile {
  public:
   enum class Mode {
     kReplace,
-    kAppend,  // the file is locked meanwhile (flock): rows of two programs do not mix
+    kAppend,  // locks the file (flock), so that rows of two programs do not mix
   };
 
-  // Throws InputError when another program appends to the file.
+  // Throws InputError if another program appends to the file.
   explicit OutputFile(const std::filesystem::path& file, Mode mode = Mode::kReplace);
-  // Writes what is in the buffer as far as that goes: call `close` first, which reports errors.
+  // Writes the buffer and ignores errors: call `close` first to detect them.
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  // One or more whole rows.
+  // Writes one or more complete rows.
   void write(std::string_view rows);
   // Writes the buffer to the file.
   void flush();
-  // Only after this is everything known to be written. Nothing may be written afterwards.
+  // Closes the file; only then is it known that all data were written. No writes are permitted afterwards.
   void close();
 
  private:
@@ -48,9 +47,8 @@ class OutputFile {
   std::string buffer_;
 };
 
-// Writes the text to a file beside and renames it, so that a reader finds the whole text or the file as it
-// was. A symbolic link stays one. What is no regular file, such as a pipe or a terminal, is written directly.
-// Throws WriteError.
+// Replaces a file atomically: writes a temporary file next to it and renames it. A symbolic link stays one.
+// Special files, such as pipes or terminals, are written directly. Throws WriteError.
 void write_whole_file(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace koboshi::sim

@@ -28,7 +28,7 @@ bool left_by_a_run(const fs::path& folder) {
          std::ranges::all_of(kStreams, [&](const char* stream) { return fs::exists(folder / stream); });
 }
 
-// A nearest existing parent that is no folder cannot hold one.
+// Throws if the nearest existing parent is not a folder.
 void check_parents(const fs::path& folder) {
   for (fs::path parent = fs::absolute(folder).parent_path(); !parent.empty(); parent = parent.parent_path()) {
     if (fs::is_directory(parent)) return;
@@ -74,8 +74,8 @@ FolderLock::FolderLock(const fs::path& folder)
 FolderLock::~FolderLock() { ::close(descriptor_); }
 
 OutputFolder::OutputFolder(const fs::path& folder) : lock_(checked_and_made(folder)) {
-  check_output_folder(folder);  // what came between the check and the lock
-  // First what says that a run is complete, last what says that the folder is a run's.
+  check_output_folder(folder);  // another process may have written between the check and the lock
+  // Removes the file that marks a run as complete first, and the files that mark the folder as a run's last.
   fs::remove(folder / kSummary);
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (!is_stream(entry.path())) fs::remove_all(entry.path());

@@ -4,12 +4,11 @@
 
 namespace koboshi::sim {
 
-// Locks a folder for whoever writes to it, until the end of this object or of the process (flock). No file is
-// left behind.
+// Exclusive lock of an output folder until this object or the process ends (flock). It creates no file.
 class FolderLock {
  public:
-  // Throws InputError when another process holds it, or another lock in this one; std::system_error when the
-  // folder cannot be opened.
+  // Throws InputError if the folder is locked by another process or by another lock in this one, and
+  // std::system_error if it cannot be opened.
   explicit FolderLock(const std::filesystem::path& folder);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
@@ -19,17 +18,17 @@ class FolderLock {
   int descriptor_;
 };
 
-// Throws InputError unless a run may write there: the path is free, or an empty folder, or one that an
-// earlier run left (with summary.json, or with the trace.csv and can.log of one that was cut short) and that
-// has no folder in it but `figures`. Touches nothing.
+// Throws InputError unless a run may use this folder: the path does not exist, or is an empty folder, or the
+// folder of an earlier run (with summary.json, or with trace.csv and can.log of an interrupted one) without
+// subfolders except `figures`. Changes nothing.
 void check_output_folder(const std::filesystem::path& folder);
 
-// The folder of a run. It is written in place, so that a run that fails leaves what it recorded and a running
-// one can be watched. Check it with all other input, before anything is computed; make it when all input has
-// proved good. It stays locked as long as this object lives.
+// The output folder of a run. Files are written in place, so a failed run leaves its records and a running
+// one can be watched. Call check_output_folder together with the other input checks, and create this object
+// after all of them. The folder stays locked during the lifetime of this object.
 class OutputFolder {
  public:
-  // Checks again, makes the folder, and empties it of the earlier run. Throws InputError or
+  // Checks again, creates the folder and removes the files of an earlier run. Throws InputError or
   // std::filesystem::filesystem_error.
   explicit OutputFolder(const std::filesystem::path& folder);
 

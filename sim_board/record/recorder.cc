@@ -76,7 +76,7 @@ void Recorder::finish() {
   writer_.join();
 }
 
-// After an error it goes on emptying the ring: the run hears of it with the next row, or in `close`.
+// After an error the thread continues to empty the ring; the next `row` or `close` reports the error.
 void Recorder::write_records() {
   Ring::Record record;
   while (ring_.read(record)) {

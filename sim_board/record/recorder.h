@@ -17,31 +17,31 @@
 
 namespace koboshi::sim {
 
-// Records a run into its folder: `trace.csv`, one row for each call of `row`, and `can.log`, every sound
-// frame on the bus at the time of its last bit, as `candump -L` would. What is recorded is copied into a
-// ring; a thread of the recorder's own formats and writes it, so that a simulation step neither allocates nor
-// formats nor waits for the disk.
+// Records a run in its folder: `trace.csv`, one row per call of `row`, and `can.log`, every valid frame on
+// the bus with the time of its last bit, as `candump -L` would. Records are copied into a ring, and a
+// separate thread formats and writes them. A simulation step therefore neither allocates nor formats nor
+// waits for the disk.
 class Recorder final : public BusObserver {
  public:
   static constexpr std::size_t kDefaultRingWords = std::size_t{1}
-                                                   << 16;  // half a mebibyte, more than a second of a walk
+                                                   << 16;  // 512 KiB, more than a second of a walk
 
   // Opens both files in an existing folder; throws WriteError.
   Recorder(const std::filesystem::path& folder, std::vector<TraceColumn> columns, WhenFull when_full,
            std::size_t ring_words = kDefaultRingWords);
-  // Writes what has been recorded. Errors can no longer be told: call `close` first.
+  // Writes the remaining records and ignores errors: call `close` first to detect them.
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  // One value for each column, of its kind. Throws WriteError once something could not be written.
+  // Records one value per column, of the column's type. Throws WriteError after a failed write.
   void row(std::uint64_t time_us, std::span<const TraceValue> values);
   void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) override;
 
-  // Writes everything and ends the thread; nothing may be recorded afterwards. Throws WriteError for the
-  // first thing that could not be written, then or before.
+  // Writes all records and ends the thread; nothing may be recorded afterwards. Throws WriteError for the
+  // first failed write.
   void close();
-  // Rows and frames that were lost because the ring was full.
+  // Number of rows and frames lost because the ring was full.
   std::uint64_t dropped() const { return ring_.dropped(); }
 
  private:

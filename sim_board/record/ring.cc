@@ -7,7 +7,7 @@ namespace koboshi::sim {
 namespace {
 
 constexpr std::uint32_t kFiller =
-    0xFFFFFFFF;  // what is left at the end of the memory where a record did not fit
+    0xFFFFFFFF;  // marks unused words at the end of the memory, where a record did not fit
 
 std::uint64_t make_header(std::uint32_t kind, std::size_t words) { return std::uint64_t{kind} << 32 | words; }
 
@@ -83,7 +83,7 @@ bool Ring::read(Record& record) {
       release();
     } else {
       if (closed) return false;
-      wake_producer();  // it may wait for less space than a batch
+      wake_producer();  // the producer may need less space than a batch
       filled_.wait(filled);
     }
   }

@@ -9,13 +9,12 @@
 namespace koboshi::sim {
 
 enum class WhenFull {
-  kWait,  // the producer waits: nothing is lost (lockstep)
-  kDrop,  // the record is lost and counted: the producer is never held up (real time)
+  kWait,  // the producer waits; nothing is lost (lockstep)
+  kDrop,  // the record is lost and counted; the producer never waits (real time)
 };
 
-// A queue of records of 64-bit words from one producer thread to one consumer thread, in memory taken once.
-// The consumer is woken a batch at a time, not for each record, so that the producer hardly ever enters the
-// kernel.
+// A single-producer, single-consumer queue of records of 64-bit words with a fixed allocation. The consumer
+// is woken once per batch instead of per record, so the producer rarely makes a system call.
 class Ring {
  public:
   struct Record {
@@ -23,18 +22,18 @@ class Ring {
     std::span<const std::uint64_t> words;
   };
 
-  // The capacity is a power of two of at least kBatchWords.
+  // `capacity_words` must be a power of two of at least kBatchWords.
   Ring(std::size_t capacity_words, WhenFull when_full);
 
-  // Producer. Memory for a record of at most a quarter of the capacity, to be filled and published; empty
-  // when it was dropped, and then there is nothing to publish.
+  // Producer: returns memory for a record of at most a quarter of the capacity, to be filled and published.
+  // Empty if the record was dropped; then nothing must be published.
   std::span<std::uint64_t> claim(std::uint32_t kind, std::size_t words);
   void publish();
-  // No record follows.
+  // Producer: ends the stream.
   void close();
   std::uint64_t dropped() const { return dropped_; }
 
-  // Consumer. Waits for the next record, which is valid until it is released. False once the ring is closed
+  // Consumer: waits for the next record, which is valid until released. Returns false if the ring is closed
   // and empty.
   [[nodiscard]] bool read(Record& record);
   void release();
@@ -51,15 +50,15 @@ class Ring {
   const std::uint64_t mask_;
   const WhenFull when_full_;
 
-  // Both count words for ever; their difference is what is in the ring. A record is a header and its words,
-  // in one piece.
+  // Both count words without wrapping; their difference is the fill level. A record is a header and its
+  // words, contiguous in memory.
   alignas(64) std::atomic<std::uint64_t> head_{0};  // written by the producer
   std::uint64_t claimed_until_ = 0;
   std::uint64_t dropped_ = 0;
   alignas(64) std::atomic<std::uint64_t> tail_{0};  // written by the consumer
   std::uint64_t read_until_ = 0;
-  alignas(64) std::atomic<std::uint32_t> filled_{0};  // changes when the consumer should look again
-  std::atomic<std::uint32_t> drained_{0};             // changes when the producer should look again
+  alignas(64) std::atomic<std::uint32_t> filled_{0};  // changes when the consumer should check again
+  std::atomic<std::uint32_t> drained_{0};             // changes when the producer should check again
   std::atomic<bool> closed_{false};
 };
 

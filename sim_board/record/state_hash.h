@@ -12,9 +12,9 @@
 
 namespace koboshi::sim {
 
-// A running 64-bit hash (XXH3) of the state of a run, field by field in the caller's order: integers
-// little-endian in their own width, doubles by their bits. Never whole structs, whose padding and layout
-// differ between machines.
+// A running 64-bit hash (XXH3) of a run's state, field by field in the caller's order: integers little-endian
+// in their own width, doubles as bit patterns. Never hashes whole structs, whose padding and layout depend on
+// the machine.
 class StateHash {
  public:
   StateHash();
@@ -35,9 +35,9 @@ class StateHash {
   }
   void add(std::span<const std::byte> bytes);
 
-  // Of everything added so far; more may follow.
+  // Hash of all data added so far; more may follow.
   std::uint64_t value() const;
-  // 16 lower-case digits.
+  // The hash as 16 lower-case hexadecimal digits.
   std::string hex() const;
 
  private:

@@ -9,33 +9,36 @@
 
 namespace koboshi::sim {
 
-// What a walk comes to. Not a number where there was nothing to measure.
+// Results of a walk. NaN for values that could not be measured.
 struct WalkSummary {
-  double distance_m = 0.0;  // net, along the heading at the start
+  double distance_m = 0.0;  // net, along the initial heading
   double speed_m_per_s = 0.0;
-  double lateral_drift_m = 0.0;  // to the left
+  double lateral_drift_m = 0.0;  // positive to the left
   double heading_drift_rad = 0.0;
-  double energy_J = 0.0;                   // that the servos took from their supply, net
+  double energy_J = 0.0;                   // net energy that the servos drew from their supply
   double zmp_rms_error_m = 0.0;            // measured by the firmware against planned, aligned in time
-  double zmp_lag_s = 0.0;                  // by which the measured ZMP was later than the planned one
-  double zmp_margin_p05_m = 0.0;           // 5th percentile of the true ZMP's distance to the support's edge
-  double zmp_sensor_vs_truth_rms_m = 0.0;  // by the ankle sensors against the contact forces
-  double roll_rms_rad = 0.0;               // of the trunk, true
-  double foot_lift_m = 0.0;  // of a sole's lowest corner, greatest in a step, median over the steps
+  double zmp_lag_s = 0.0;                  // delay of the measured ZMP relative to the planned one
+  double zmp_margin_p05_m = 0.0;           // 5th percentile of the true ZMP's distance from the edge of the
+                                           // support polygon
+  double zmp_sensor_vs_truth_rms_m = 0.0;  // ankle sensors against contact forces
+  double roll_rms_rad = 0.0;               // true roll of the trunk
+  double foot_lift_m = 0.0;  // height of a sole's lowest corner: maximum per step, median over the steps
 };
 
-// Something that happened in a run.
+// An event of a run.
 struct RunEvent {
   std::uint64_t time_us = 0;
-  std::string kind;                                                  // docs/reference/events.md lists them
+  std::string kind;                                                  // listed in docs/reference/events.md
   std::string text;                                                  // one sentence
-  nlohmann::ordered_json fields = nlohmann::ordered_json::object();  // the same as data, by kind
+  nlohmann::ordered_json fields = nlohmann::ordered_json::object();  // the same as data; the fields depend on
+                                                                     // the kind
 };
 
-// What a run comes to. The same inputs and seed give the same bytes of summary.json: no path, date or host is
-// in it.
+// Results of a run. The same inputs and seed give the same bytes of summary.json, so it contains no path,
+// date or host name.
 struct RunSummary {
-  bool fell = false;    // the trunk leaned further than a robot comes back from by itself
+  bool fell = false;    // the trunk's lean exceeded the limit beyond which the robot cannot recover its
+                        // balance
   std::string verdict;  // "stands; fell once at 3.2 s and got up in 3.4 s; 0 faults"
   std::size_t falls = 0;
   bool stands = false;  // at the end
@@ -45,19 +48,18 @@ struct RunSummary {
   std::uint64_t faults = 0;
   std::uint64_t solver_warnings = 0;
   std::string stepper;
-  // While the robot stands or plays a motion on its own feet: largest difference of the trunk's height from
-  // that of the pose it is told to take, and farthest that a loaded foot slid.
+  // While the robot stands or plays a motion on its feet: maximum difference between the trunk's height and
+  // that of the target pose, and maximum slip of a loaded foot.
   double base_height_error_max_m = 0.0;
   double foot_slip_max_m = 0.0;
-  std::optional<WalkSummary> walk{};  // of a run in which one was played
-  std::vector<RunEvent> events{};     // in the order of time
+  std::optional<WalkSummary> walk{};  // only for runs with a walk
+  std::vector<RunEvent> events{};     // in order of time
 };
 
-// The keys of summary.json in their order (docs/reference/summary.md).
+// Returns the document of summary.json with its keys in order (docs/reference/summary.md).
 nlohmann::ordered_json to_json(const RunSummary& summary);
 
-// Writes the document to a file beside and renames it, so that a reader finds the whole or nothing new.
-// Throws std::system_error.
+// Replaces a file atomically with this document, by a temporary file and a rename. Throws std::system_error.
 void write_json(const std::filesystem::path& file, const nlohmann::ordered_json& document);
 
 }  // namespace koboshi::sim

@@ -10,7 +10,7 @@ namespace koboshi::sim {
 namespace {
 
 constexpr std::size_t kMaxCellBytes =
-    26;  // comma, then at most 24 characters of a double or 20 of an integer
+    26;  // a comma, and at most 24 characters of a double or 20 of an integer
 constexpr std::size_t kMaxTimeBytes = 32;
 constexpr std::uint64_t kMicrosecondsPerSecond = 1'000'000;
 
@@ -19,7 +19,7 @@ char* put(char* out, char* end, Number value) {
   return std::to_chars(out, end, value).ptr;
 }
 
-// Seconds as an exact decimal number.
+// Writes seconds as an exact decimal number.
 char* put_seconds(char* out, char* end, std::uint64_t time_us) {
   out = put(out, end, time_us / kMicrosecondsPerSecond);
   std::uint64_t fraction_us = time_us % kMicrosecondsPerSecond;

@@ -14,16 +14,17 @@ namespace koboshi::sim {
 
 enum class TraceKind : std::uint8_t { kReal, kInteger };
 
-// A column of trace.csv. Its title is `name_unit`, or the name alone for a number without a unit.
+// A column of trace.csv. Its title is `name_unit`, or `name` for a number without a unit.
 struct TraceColumn {
   std::string name;
   std::string unit{};
   TraceKind kind = TraceKind::kReal;
-  // Of an integer that is written as the name of its value, without a comma in it; such columns have no unit.
+  // Value names of an integer column, written instead of the number. The names contain no comma; such columns
+  // have no unit.
   std::span<const canopen::ValueName> names{};
 };
 
-// One cell. A value that is not valid is NaN.
+// A cell. NaN represents an invalid value.
 struct TraceValue {
   TraceValue(double value) : bits(std::bit_cast<std::uint64_t>(value)), kind(TraceKind::kReal) {}
   template <std::integral Integer>
@@ -34,15 +35,15 @@ struct TraceValue {
   TraceKind kind;
 };
 
-// Writes the text of trace.csv: first column `time_s`, exact to the microsecond; numbers as short as they
-// read back the same; an empty cell for NaN. The text stays valid until the next call.
+// Formats trace.csv. The first column is `time_s`, exact to the microsecond; numbers have the shortest form
+// that reads back the same; NaN gives an empty cell. Returned text is valid until the next call.
 class TraceFormatter {
  public:
   explicit TraceFormatter(std::vector<TraceColumn> columns);
 
   const std::vector<TraceColumn>& columns() const { return columns_; }
   std::string header() const;
-  // One line. The cells are a TraceValue's bits, as many as there are columns.
+  // Formats one line. `cells` contains the bits of a TraceValue for each column.
   std::string_view row(std::uint64_t time_us, std::span<const std::uint64_t> cells);
 
  private:

@@ -19,7 +19,7 @@ Eigen::Vector3d read_vector(const YamlMap& map, const std::string& key, double l
   return {v[0], v[1], v[2]};
 }
 
-// Reads every item of a list that may be missing.
+// Reads all items of an optional list.
 template <typename Event, typename Read>
 std::vector<Event> read_events(const YamlMap& root, const std::string& key, const Read& read) {
   std::vector<Event> events;
@@ -52,7 +52,7 @@ constexpr std::array<std::pair<const char*, Command::Kind>, 7> kVerbs{
      {"emergency_stop", Command::Kind::kEmergencyStop},
      {"reset", Command::Kind::kReset}}};
 
-// A message for an item without a verb that names what stands in its place.
+// Returns an error for an item without a known command, naming the key found instead.
 InputError no_verb(const YamlValue& item) {
   std::vector<std::string> verbs;
   for (const auto& [verb, kind] : kVerbs) verbs.emplace_back(verb);
@@ -104,7 +104,7 @@ std::uint16_t read_identifier(const YamlValue& value) {
   return static_cast<std::uint16_t>(value.integer({.min = 0, .max = 0x7FF}));
 }
 
-// One identifier, or the first and the last of several.
+// Reads a single identifier, or the first and last of a range.
 void read_identifiers(const YamlMap& map, FrameFault& frames) {
   if (!map.has("identifier")) return;
   const YamlValue value = map.value("identifier");
@@ -131,7 +131,7 @@ void read_frames(const YamlMap& map, FrameFault::Effect effect, Fault& fault) {
     fault.frames.delay_us = to_us(1e-3 * map.number("delay_ms", {.min = 0.001, .max = 10'000.0}));
 }
 
-// Its bytes, or how many zeros.
+// Reads the data bytes, or a number of zero bytes.
 void read_data(const YamlMap& map, hal::CanFrame& frame) {
   if (!map.has("data")) {
     frame.size = static_cast<std::uint8_t>(map.integer("size", {.min = 0, .max = 8}, 8));
@@ -154,7 +154,7 @@ void read_babble(const YamlMap& map, Fault& fault) {
   fault.babble.interval_us = to_us(1.0 / rate_per_s);
 }
 
-// What a kind of fault says of itself besides its times.
+// Reads the details of a fault other than its times.
 void read_details(const YamlMap& map, Fault& fault) {
   using Effect = FrameFault::Effect;
   switch (fault.kind) {
@@ -197,7 +197,7 @@ Fault read_fault(const YamlValue& item) {
   fault.kind =
       static_cast<Fault::Kind>(std::ranges::find(Fault::kind_names(), kind) - Fault::kind_names().begin());
   fault.target = read_name(map.value("kind"));
-  // A cable that has torn stays torn, and copper cools when it does.
+  // A broken cable stays broken, and an overheated winding cools at its own rate.
   const bool may_end = fault.kind != Fault::Kind::kEncoderBreak && fault.kind != Fault::Kind::kDriveOverheat;
   if (may_end && map.has("duration_s"))
     fault.duration_us = to_us(map.number("duration_s", {.min = 1e-6, .max = 86400.0}));

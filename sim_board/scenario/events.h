@@ -9,13 +9,13 @@
 
 namespace koboshi::sim {
 
-// The lists of a scenario file whose items have a time. Each may be missing; the results are in the order of
-// time. Throw InputError. `motions` are the names of those that can be played.
+// Readers of the optional lists of timed items in a scenario file. The results are in order of time. Throw
+// InputError. `motions` are the names of the playable motions.
 std::vector<Command> read_commands(const YamlMap& root, const std::vector<std::string>& motions);
 std::vector<Push> read_pushes(const YamlMap& root);
 std::vector<Fault> read_faults(const YamlMap& root);
 
-// The nearest whole number of microseconds; `time_s` is not negative.
+// Rounds to the nearest microsecond; `time_s` must not be negative.
 std::uint64_t to_us(double time_s);
 
 }  // namespace koboshi::sim

@@ -48,13 +48,13 @@ std::string push_text(const Push& push) {
          (push.shape == Push::Shape::kHalfSine ? ", shape: half-sine}" : ", shape: rectangle}");
 }
 
-// Whether a value of a scenario, by its path in the document, is that of a file.
+// Returns whether the value at this path of the document is a file name.
 bool names_file(const std::string& path) {
   return path == "robot" || path == "parameter_file" || path == "gait.file" || path.starts_with("motions[") ||
          path.ends_with(".height_field.file");
 }
 
-// Files that were found from one folder are found from another.
+// Rewrites file names relative to one folder as relative to another.
 void move_files(YamlNode& node, const std::filesystem::path& from, const std::filesystem::path& to) {
   if (node.kind == YamlNode::Kind::kScalar && names_file(node.path)) {
     const std::filesystem::path file = find_referenced(from, node.scalar);

@@ -33,7 +33,7 @@ constexpr NumberRange kHeight_m{.min = 0.0001, .max = 10.0};
 constexpr NumberRange kTurn_deg{.min = -360.0, .max = 360.0};
 constexpr std::int64_t kMostSteps = 200;
 
-// One number for all directions, or a list of two.
+// Reads one number for all directions, or a list of two.
 std::array<double, 2> read_friction(const YamlValue& value) {
   if (!value.is_list()) {
     const double friction = value.number(kFriction);
@@ -48,7 +48,7 @@ std::optional<double> read_optional(const YamlMap& map, const std::string& key, 
   return map.number(key, range);
 }
 
-// A spring needs a damper; a damper alone is an unknown key.
+// A stiffness requires a damping; a damping alone is reported as an unknown key.
 std::optional<std::array<double, 2>> read_spring(const YamlMap& map) {
   if (!map.has("stiffness_N_per_m")) return std::nullopt;
   return std::array{map.number("stiffness_N_per_m", kStiffness_N_per_m),
@@ -72,7 +72,7 @@ GroundSurface read_surface(const YamlMap& map) {
   return surface;
 }
 
-// Where a shape stands on the plane, and how far it is turned about its normal.
+// Reads the pose of a shape on the plane: position and rotation about the plane's normal.
 Isometry3d read_place(const YamlMap& map) {
   const std::vector<double> p_m = map.numbers("position_m", 2, kPosition_m);
   const double yaw_rad = map.number("yaw_deg", kTurn_deg, 0.0) * kRadPerDegree;
@@ -158,7 +158,7 @@ RoughGround read_rough(const YamlMap& map) {
   return rough;
 }
 
-// Either from a file or by chance.
+// Reads a height field from a file, or a randomly generated one.
 GroundShape read_height_field(const YamlMap& map, const fs::path& folder) {
   if (map.has("file")) return {read_height_map(map, folder), read_surface(map)};
   if (!map.has("wavelength_m"))

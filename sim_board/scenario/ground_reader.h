@@ -8,8 +8,8 @@
 
 namespace koboshi::sim {
 
-// The keys `ground` and `materials` of a scenario file; each may be missing. Files that the ground names are
-// relative to `folder`, as in read_path(). Throw InputError.
+// Reads the optional keys `ground` and `materials` of a scenario file. File names are relative to `folder`,
+// as in read_path(). Throws InputError.
 Ground read_ground(const YamlMap& root, const std::filesystem::path& folder);
 std::vector<NamedMaterialPair> read_materials(const YamlMap& root);
 

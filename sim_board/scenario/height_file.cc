@@ -21,7 +21,7 @@ struct Line {
   int number;
 };
 
-// The lines that are not blank, without what stands behind a '#'.
+// Returns the lines that are not blank, without comments after '#'.
 std::vector<Line> lines_of(std::string_view text) {
   std::vector<Line> lines;
   int number = 0;
@@ -40,7 +40,7 @@ void check_size(const fs::path& file, const Line& line, std::size_t count, const
                      "2 to " + std::to_string(kMaxHeightPoints));
 }
 
-// The words of a plain PGM with their lines, in the file's order.
+// The words of a plain PGM file with their line numbers, in file order.
 class Words {
  public:
   Words(const fs::path& file, const std::vector<Line>& lines) : file_(file) {
@@ -118,7 +118,7 @@ HeightField read_table(const fs::path& file, const std::vector<Line>& lines) {
   return field;
 }
 
-// A file begins with the row of the highest y, a field with that of the lowest.
+// Reverses the rows: a file begins with the row of highest y, a field with that of lowest y.
 void turn_over(HeightField& field) {
   for (int row = 0; row < field.rows / 2; ++row) {
     const auto begin = field.heights_m.begin() + row * field.columns;

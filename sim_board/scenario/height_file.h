@@ -6,19 +6,19 @@
 
 namespace koboshi::sim {
 
-// The most points along one side of a height field: more than enough for a robot's world, and few enough to
-// be searched.
+// Maximum number of points along a side of a height field: ample for a robot's world, and small enough for
+// searches.
 inline constexpr int kMaxHeightPoints = 1000;
 
-// The heights of a grid from a text file:
+// Heights of a grid from a text file:
 //
-//   plain PGM (P2)   an image: from 0, black, to 1, the brightest grey that the file allows
-//   anything else    comma-separated: a line for each row, a number for each point, as many in each line
+//   plain PGM (P2)   an image: 0 (black) is the lowest, the file's maximum grey value is 1
+//   anything else    comma-separated: one line per row, one number per point, the same count in each line
 //
-// Seen from above with x to the right and y up the page: the first line is the row of the highest y.
+// In plan view with x to the right and y up, the first line is the row of highest y.
 struct HeightFile {
   bool is_image = false;
-  HeightField field;  // columns, rows and heights only
+  HeightField field;  // only columns, rows and heights are set
 };
 // Throws InputError.
 HeightFile read_height_file(const std::filesystem::path& file);

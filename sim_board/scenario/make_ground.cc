@@ -17,7 +17,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
-// Enough that no direction stands out.
+// Enough waves that no direction dominates.
 constexpr std::size_t kWaves = 24;
 
 SurfaceDescription apply(const GroundSurface& given, SurfaceDescription surface) {
@@ -59,7 +59,7 @@ std::array<Wave, kWaves> draw_waves(double wavelength_m, std::uint64_t seed, std
   return waves;
 }
 
-// From 0 at the rim to 1 a wavelength inside, without a kink.
+// Smooth transition from 0 at the rim to 1 one wavelength inside.
 double rim(const Vector2d& xy_F, const RoughGround& rough) {
   const double inside_m = (0.5 * rough.size_m - xy_F.cwiseAbs()).minCoeff();
   const double part = std::clamp(inside_m / rough.wavelength_m, 0.0, 1.0);
@@ -91,7 +91,7 @@ HeightField make_rough(const RoughGround& rough, std::uint64_t seed, std::size_t
   return field;
 }
 
-// Puts the shapes of a scenario into the world.
+// Adds the shapes of a scenario to the ground.
 class Builder {
  public:
   Builder(GroundDescription& ground, const Isometry3d& X_WG, std::uint64_t seed)
@@ -138,7 +138,7 @@ GroundDescription make_ground(const Ground& ground, std::uint64_t seed) {
   made.surface = apply(ground, made.surface);
   Builder builder(made, X_WG, seed);
   for (const GroundShape& shape : ground.shapes) builder.add(shape);
-  // A plane's direction is the world's; the pieces', which may be as on the plane, are their own.
+  // A plane's friction direction is in world axes; a shape's, which may be inherited, is in its own.
   if (made.surface.friction_direction)
     made.surface.friction_direction = X_WG.linear() * *made.surface.friction_direction;
   return made;

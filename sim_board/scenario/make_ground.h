@@ -7,8 +7,8 @@
 
 namespace koboshi::sim {
 
-// The ground of a scenario as the world gets it: surfaces filled in, shapes turned with the plane, rough
-// ground made from its seed or else from this one.
+// Converts a scenario's ground for the world: fills in surface properties, tilts the shapes with the plane,
+// and generates rough ground from its own seed or, by default, from `seed`.
 GroundDescription make_ground(const Ground& ground, std::uint64_t seed);
 
 }  // namespace koboshi::sim

@@ -19,8 +19,7 @@ std::optional<YamlValue> find_item(const YamlValue& value, const std::string& ke
   return items[static_cast<std::size_t>(*index)];
 }
 
-// An override adds what is missing; a pose that nothing plays or a joint that is misspelt must not get lost
-// so.
+// An override adds missing keys, so an unused pose or a misspelt joint must be detected here.
 void collect(const YamlValue& set, const std::optional<YamlValue>& replaced, const std::string& path,
              MotionChoice& motion) {
   const bool is_leaf = !set.is_map();

@@ -7,8 +7,8 @@
 
 namespace koboshi::sim {
 
-// Gives the motions the numbers that `motion_set` has for them instead of what their files say. Throws
-// InputError where a file has no such number.
+// Replaces numbers of the motion files by those in `motion_set`. Throws InputError if a file has no such
+// number.
 void read_motion_set(const YamlMap& root, std::vector<MotionChoice>& motions);
 
 }  // namespace koboshi::sim

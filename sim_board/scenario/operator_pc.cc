@@ -8,7 +8,7 @@ namespace koboshi::sim {
 namespace {
 
 constexpr std::uint8_t kControllerNodeId = 1;
-// Identifier and codes of the controller's commands: RPDO 1 of node 1, object 0x2000 of its dictionary.
+// COB-ID of the controller's commands: RPDO 1 of node 1, mapped to object 0x2000 of its dictionary.
 constexpr std::uint16_t kCommandIdentifier = 0x201;
 constexpr std::uint16_t kVelocityIdentifier = 0x301;  // RPDO 2: object 0x2110, in mm/s and mrad/s
 
@@ -50,12 +50,12 @@ void OperatorPc::advance() {
   }
   if (ready() || client_.state() == canopen::SdoState::kBusy) return;
   const SdoWrite& write = writes_[next_];
-  // The FIFO is far longer than what the PC has to say in a millisecond.
+  // The FIFO holds far more frames than the PC sends in a millisecond.
   static_cast<void>(
       client_.begin_write(kControllerNodeId, write.address, write.value, write.size_bytes, board_.now_us()));
 }
 
-// Whoever walks hears the velocity first.
+// A walk command is preceded by its velocity.
 void OperatorPc::command(const Command& command) {
   if (command.kind == Command::Kind::kWalk) {
     hal::CanFrame velocity{.identifier = kVelocityIdentifier, .size = 6};

@@ -11,7 +11,7 @@
 
 namespace koboshi::sim {
 
-// A value for an object of the controller's dictionary, from a setting of a scenario.
+// An SDO write to the controller's dictionary that a scenario's parameter requires.
 struct SdoWrite {
   SourcedName parameter;
   canopen::ObjectAddress address;
@@ -19,14 +19,13 @@ struct SdoWrite {
   std::uint32_t value = 0;
 };
 
-// The controller did not take a value.
+// The controller has refused a value or not answered.
 class SdoFailed : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// The operator's PC: sets the controller's parameters by SDO, one after the other, and then tells it what to
-// do.
+// The operator's PC: writes the controller's parameters by SDO, one after the other, and then sends commands.
 class OperatorPc final : private BusNode, private canopen::FrameSink {
  public:
   // The board must outlive the PC.
@@ -35,13 +34,13 @@ class OperatorPc final : private BusNode, private canopen::FrameSink {
   OperatorPc(const OperatorPc&) = delete;
   OperatorPc& operator=(const OperatorPc&) = delete;
 
-  // Before each millisecond of the board. Throws SdoFailed when the controller refuses a value, or has not
-  // answered for 100 ms.
+  // Call it before each millisecond of the board. Throws SdoFailed if the controller refuses a value or does
+  // not answer within 100 ms.
   void advance();
-  // Every parameter is set: the PC may command.
+  // Returns whether all parameters are written, so that the PC may send commands.
   bool ready() const { return next_ == writes_.size(); }
   void command(const Command& command);
-  // Appends a parameter to those that are to be set. Commands wait for it.
+  // Appends a parameter write. Commands wait for it.
   void write(SdoWrite write) { writes_.push_back(std::move(write)); }
 
   void archive(StateArchive& archive) {
@@ -56,7 +55,7 @@ class OperatorPc final : private BusNode, private canopen::FrameSink {
 
   SimBoard& board_;
   std::vector<SdoWrite> writes_;
-  std::size_t next_ = 0;  // the write under way
+  std::size_t next_ = 0;  // index of the write in progress
   canopen::SdoClient client_;
 };
 

@@ -6,15 +6,15 @@
 
 namespace koboshi::sim {
 
-// The repository that a folder belongs to: the folder itself or the nearest one above it that holds robots/
-// and scenarios/; failing that, the one that the program was built from.
+// Returns the repository of a folder: the folder or its nearest parent that contains robots/ and scenarios/,
+// or else the repository from which the program was built.
 std::filesystem::path repository_root(const std::filesystem::path& folder);
 
-// The file that `path` means where a file in `folder` names it: relative to that folder, then to the
-// repository's root. Empty if there is none.
+// Resolves a path that a file in `folder` contains: relative to that folder, then to the repository's root.
+// Empty if no such file exists.
 std::filesystem::path find_referenced(const std::filesystem::path& folder, const std::filesystem::path& path);
 
-// The same for a value that is a path. Throws InputError if there is no such file.
+// Resolves a value that is a path. Throws InputError if the file does not exist.
 std::filesystem::path read_path(const YamlValue& value, const std::filesystem::path& folder);
 
 }  // namespace koboshi::sim

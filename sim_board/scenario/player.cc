@@ -140,7 +140,7 @@ void ScenarioPlayer::cause(const Fault& fault) {
     case Fault::Kind::kFramesDelayed:
     case Fault::Kind::kFramesDoubled:
       return disturb_frames(fault);
-    // Stands on the bus from the beginning, and knows its time.
+    // The babbler is attached at the start and starts by its own schedule.
     case Fault::Kind::kBabblingNode:
       return;
   }
@@ -182,13 +182,13 @@ void ScenarioPlayer::mend(const Fault& fault) {
       return board_.rejoin_controller();
     case Fault::Kind::kBusDominant:
       return board_.bus().set_dominant(false);
-    // They know their end, to the microsecond.
+    // Frame faults end by their own schedule, to the microsecond.
     case Fault::Kind::kFramesLost:
     case Fault::Kind::kFramesCorrupted:
     case Fault::Kind::kFramesDelayed:
     case Fault::Kind::kFramesDoubled:
     case Fault::Kind::kBabblingNode:
-    // They have none.
+    // These faults have no end.
     case Fault::Kind::kEncoderBreak:
     case Fault::Kind::kDriveOverheat:
       return;

@@ -11,35 +11,35 @@
 
 namespace koboshi::sim {
 
-// World and board as a scenario asks for them. The scenario has been checked against the robot.
+// Returns the options of world and board for a scenario that has been checked against the robot.
 BoardOptions board_options(const Scenario& scenario, const RobotDescription& robot);
 
-// Does to a board what its scenario says, each thing in its time: commands from the operator's PC, faults,
-// pushes, and letting go of the stand. An operator who takes part in the run may command and push besides.
+// Applies a scenario to a board at the given times: commands from the operator's PC, faults, pushes, and the
+// release of the stand. An operator may add commands and pushes during the run.
 class ScenarioPlayer final : private StepListener {
  public:
   // Scenario and board must outlive the player. The scenario has been checked against the board's robot.
-  // `parameters` are the scenario's, as the controller knows them; they are set before the first command.
+  // `parameters` are the scenario's parameters as SDO writes, sent before the first command.
   ScenarioPlayer(const Scenario& scenario, SimBoard& board, std::vector<SdoWrite> parameters = {});
   ~ScenarioPlayer() { board_.set_step_listener(nullptr); }
   ScenarioPlayer(const ScenarioPlayer&) = delete;
   ScenarioPlayer& operator=(const ScenarioPlayer&) = delete;
 
-  // One millisecond of board and scenario. Throws what the board throws, and SdoFailed.
+  // Advances board and scenario by one millisecond. Throws what the board throws, and SdoFailed.
   void advance();
   bool finished() const { return board_.now_us() >= scenario_.duration_us; }
 
-  // With the next advance(), as if it stood in the scenario with the time that it is now.
+  // Takes effect at the next advance(), like a command of the scenario at the present time.
   void command(Command command);
   void push(Push push);
-  // Sets a parameter of the controller by SDO; commands wait until it is set. `advance` throws SdoFailed if
-  // the controller refuses it.
+  // Writes a controller parameter by SDO; commands wait for it. `advance` throws SdoFailed if the controller
+  // refuses it.
   void write(SdoWrite write) { operator_.write(std::move(write)); }
-  // The scenario's and these, in the order of time.
+  // The scenario's and the operator's commands, in order of time.
   const std::vector<Command>& commands() const { return commands_; }
   const std::vector<Push>& pushes() const { return pushes_; }
 
-  // Not of the board.
+  // Excludes the board, which has its own archive function.
   void archive(StateArchive& archive) {
     archive(operator_, commands_, pushes_, pushed_links_, next_command_, next_fault_event_, held_);
   }
@@ -57,9 +57,9 @@ class ScenarioPlayer final : private StepListener {
   OperatorPc operator_;
   std::vector<Command> commands_;
   std::vector<Push> pushes_;
-  std::vector<int> pushed_links_;  // by push
+  std::vector<int> pushed_links_;  // indexed by push
   std::size_t next_command_ = 0;
-  // Faults begin and end; in the order of time, of equal times the ends first.
+  // Beginning or end of a fault, in order of time; at equal times the ends come first.
   struct FaultEvent {
     std::uint64_t at_us;
     bool begins;

@@ -56,7 +56,7 @@ void check_motion_names(const Scenario& scenario, const YamlMap& root) {
   }
 }
 
-// true, false, or a factor.
+// Reads true, false, or a factor.
 double read_noise_scale(const YamlMap& root) {
   if (!root.has("noise")) return 1.0;
   const YamlValue value = root.value("noise");
@@ -100,7 +100,7 @@ Physics read_physics(const YamlMap& root) {
   return physics;
 }
 
-// Fixed angles, as a pose in SDF: about the world's x, then y, then z axis.
+// Reads fixed-axis angles as in an SDF pose: about the world's x, then y, then z axis.
 Eigen::Matrix3d read_attitude(const YamlMap& map) {
   constexpr NumberRange kTurn{.min = -360.0, .max = 360.0};
   const auto about = [&](const char* name, const Eigen::Vector3d& axis_W) {

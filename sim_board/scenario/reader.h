@@ -8,12 +8,12 @@
 
 namespace koboshi::sim {
 
-// The parameters of the robot in this file: those of `parameters.yaml` in the same folder; none without one.
-// Throws InputError.
+// Reads the parameters of a robot from `parameters.yaml` in the folder of its file; empty if that does not
+// exist. Throws InputError.
 [[nodiscard]] RobotParameters read_robot_parameters(const std::filesystem::path& robot);
 
-// Reads scenarios/*.yaml (docs/reference/scenario-format.md), with the overrides of the command line. The
-// files that it names exist; names of joints and links are not yet checked, see check(). Throws InputError.
+// Reads scenarios/*.yaml (docs/reference/scenario-format.md) with the overrides of the command line. Checks
+// that referenced files exist, but not the names of joints and links, see check(). Throws InputError.
 Scenario read_scenario(const std::filesystem::path& file, std::span<const Override> overrides = {});
 
 // Reads the robot of a scenario and checks the scenario against it. Throws InputError.

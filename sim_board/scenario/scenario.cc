@@ -30,12 +30,12 @@ const T& find_named(const std::vector<T>& items, const SourcedName& name, const 
   throw unknown_name(name, what, known);
 }
 
-// As a motion's: a limit written in radians need not be to the last bit the degrees that people see in it.
+// As for motions: the robot file gives limits in radians, the scenario in degrees, and rounding may differ.
 constexpr double kLimitTolerance_rad = 1e-4 * kRadPerDegree;
 
 void check_initial(const InitialJoint& initial, const RobotDescription& robot, std::set<int>& set_before) {
   const std::vector<MirroredJoint> joints = robot.find_joints(initial.joint.text);
-  if (joints.empty()) static_cast<void>(find_named(robot.joints, initial.joint, "joint"));  // throws
+  if (joints.empty()) static_cast<void>(find_named(robot.joints, initial.joint, "joint"));  // always throws
   for (const auto& [index, sign] : joints) {
     const JointDescription& joint = robot.joints[static_cast<std::size_t>(index)];
     const double position_rad = sign * initial.position_rad;

@@ -19,10 +19,10 @@
 
 namespace koboshi::sim {
 
-// What is done to a robot in one run. SI units and radians; the file's own units are in
-// docs/reference/scenario-format.md.
+// Contents of a scenario file. SI units and radians; docs/reference/scenario-format.md gives the units of the
+// file.
 
-// A name of something in the robot, and where it stands, so that an error can say so.
+// A name of a part of the robot, with its source for error messages.
 struct SourcedName {
   std::string text;
   std::filesystem::path source;
@@ -31,17 +31,17 @@ struct SourcedName {
 
 struct MotionChoice {
   std::filesystem::path file;
-  std::vector<Override> overrides{};  // of the file's values
+  std::vector<Override> overrides{};  // applied to the motion file
 
   std::string name() const { return file.stem().string(); }
 };
 
-// A walk, generated for the robot from a gait file (docs/reference/gait-format.md) as the motion `walk`,
-// behind all others.
+// A walk that is generated for the robot from a gait file (docs/reference/gait-format.md). It becomes the
+// motion `walk`, after all others.
 struct GaitChoice {
   std::filesystem::path file;
-  std::vector<Override> overrides;  // of the file's values
-  bool feedback = true;             // its gains of the gyro feedback are set in the controller
+  std::vector<Override> overrides;  // applied to the gait file
+  bool feedback = true;             // sets the gait's gyro feedback gains in the controller
 };
 inline constexpr const char* kGaitMotion = "walk";
 
@@ -50,58 +50,60 @@ struct InitialJoint {
   double position_rad = 0.0;
 };
 
-// The robot before the first step, at rest.
+// The robot's initial state, at rest.
 struct InitialState {
   std::optional<double>
-      base_height_m;    // of the base link's origin; without it the lowest point touches the ground
-  double drop_m = 0.0;  // how far above touching the ground, without a base height
-  Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();  // how the base link lies or stands
-  bool fixed_base = false;                             // the base link hangs on a stand
-  std::optional<std::uint64_t> release_us;             // when the stand lets go of it; without it, never
-  std::vector<InitialJoint> joints;  // all others are at zero; without any, the stand of the gait
+      base_height_m;    // of the base link's origin; if empty, the lowest point touches the ground
+  double drop_m = 0.0;  // height above ground contact if base_height_m is empty
+  Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();  // attitude of the base link
+  bool fixed_base = false;                             // the base link is fixed to a stand
+  std::optional<std::uint64_t> release_us;             // time of release from the stand; empty: never
+  std::vector<InitialJoint> joints;  // all others are zero; if empty, the standing pose of the gait
 };
 
-// What the ground or a piece of it is like. What is not given is as on the plane, and on the plane itself as
-// on a hard floor.
+// Properties of the ground or a piece of it. Missing values are inherited from the plane, and those of the
+// plane from a hard floor.
 struct GroundSurface {
   struct Softness {
-    double stiffness_N_per_m = 0.0;  // of one contact point; a sole has four
+    double stiffness_N_per_m = 0.0;  // per contact point; a sole has four
     double damping_N_s_per_m = 0.0;
   };
 
-  std::string material;                          // empty: not given
-  std::optional<double> friction;                // Coulomb's mu; the robot file's may be less
-  std::optional<double> friction_second;         // across the first direction; without it, as along it
-  std::optional<double> friction_direction_rad;  // from the piece's x axis, about its z
+  std::string material;                          // empty: inherited
+  std::optional<double> friction;                // Coulomb's mu; a lower value in the robot file prevails
+  std::optional<double> friction_second;         // across the first direction; if empty, as along it
+  std::optional<double> friction_direction_rad;  // from the piece's x axis, about its z axis
   std::optional<Softness> softness;
   std::optional<double> bounce;  // coefficient of restitution
   std::optional<double> bounce_threshold_m_per_s;
   std::optional<double> slip_m_per_N_s;
 };
 
-// A height field that is made by chance: waves of one length from all sides, down to nothing at the rim.
+// A randomly generated height field: waves of one wavelength from all directions, decaying to zero at the
+// rim.
 struct RoughGround {
   Eigen::Isometry3d X_WF = Eigen::Isometry3d::Identity();
   Eigen::Vector2d size_m = Eigen::Vector2d::Ones();
-  double spacing_m = 0.01;  // of the grid, about
-  double height_m = 0.01;   // from its lowest to its highest point, the rim aside
+  double spacing_m = 0.01;  // approximate grid spacing
+  double height_m = 0.01;   // from the lowest to the highest point, without the rim
   double wavelength_m = 0.05;
-  std::optional<std::uint64_t> seed;  // without it, the scenario's
+  std::optional<std::uint64_t> seed;  // if empty, the scenario's
 };
 
-// A piece of ground on the plane. Its pose is in the plane's frame: origin in the world's, z the normal.
+// A piece of ground on the plane. Its pose is in the plane's frame, which has the world's origin and z along
+// the normal.
 struct GroundShape {
   std::variant<FrictionPatch, GroundBox, HeightField, RoughGround> shape;
   GroundSurface surface;
 };
 
 struct Ground : GroundSurface {
-  double roll_rad = 0.0;  // the plane turned about x, then about y
+  double roll_rad = 0.0;  // rotation of the plane about x, then about y
   double pitch_rad = 0.0;
   std::vector<GroundShape> shapes;
 };
 
-// How two materials meet, and where the scenario names them.
+// Contact properties of a pair of materials, with the source for error messages.
 struct NamedMaterialPair {
   std::array<SourcedName, 2> names;
   MaterialPair pair;
@@ -114,24 +116,25 @@ struct Physics {
   FrictionMethod friction = FrictionMethod::kLockAndCheck;
 };
 
-// A parameter of the controller, in the unit that its name ends with. Which there are, the firmware knows.
+// A controller parameter in the unit that its name ends with. The firmware's dictionary defines the valid
+// names.
 struct ParameterSetting {
   SourcedName name;
   double value = 0.0;
 };
 
-// What an operator tells the controller over the bus.
+// An operator's command to the controller.
 struct Command {
   enum class Kind { kEnable, kPlay, kWalk, kStop, kGetUp, kEmergencyStop, kReset };
 
   std::uint64_t at_us = 0;
   Kind kind = Kind::kEnable;
-  std::size_t motion = 0;  // of kPlay: index into Scenario::motions
-  // Of kWalk: m/s ahead and to the left, rad/s counter-clockwise.
+  std::size_t motion = 0;  // for kPlay: index into Scenario::motions
+  // For kWalk: m/s forward and to the left, rad/s counter-clockwise.
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
 };
 
-// A force on a link for a while.
+// A force on a link during an interval.
 struct Push {
   enum class Shape { kRectangle, kHalfSine };
 
@@ -139,46 +142,46 @@ struct Push {
   std::uint64_t duration_us = 0;
   SourcedName link;
   Shape shape = Shape::kRectangle;
-  Eigen::Vector3d force_W_N = Eigen::Vector3d::Zero();  // peak, in world axes
-  std::optional<Eigen::Vector3d> p_L_m;                 // in the link's frame; without it the centre of mass
+  Eigen::Vector3d force_W_N = Eigen::Vector3d::Zero();  // peak value in world axes
+  std::optional<Eigen::Vector3d> p_L_m;                 // in the link's frame; empty: the centre of mass
 
-  // The mean force over [start_us, end_us), which is not empty: whatever the physics step, the impulse is the
-  // same.
+  // Mean force over the non-empty interval [start_us, end_us): the impulse does not depend on the physics
+  // step.
   Eigen::Vector3d mean_force_W_N(std::uint64_t start_us, std::uint64_t end_us) const;
 };
 
-// Something that breaks, for a while or for the rest of the run.
+// A fault, temporary or for the rest of the run.
 struct Fault {
   enum class Kind {
-    kDriveSilent,        // a drive neither hears nor answers; its motor stays as it is
-    kDrivePowerLoss,     // a drive and its motor are without current
-    kEncoderBreak,       // a drive no longer knows where its shaft is
-    kDriveOverheat,      // the winding of a motor is too hot
-    kSupplyDrop,         // the supply of all servos is limited
-    kImuStop,            // the inertial unit delivers no samples
+    kDriveSilent,        // a drive neither receives nor sends; its motor keeps its state
+    kDrivePowerLoss,     // a drive and its motor lose power
+    kEncoderBreak,       // a drive loses its encoder
+    kDriveOverheat,      // a motor's winding overheats
+    kSupplyDrop,         // the supply voltage of all servos is limited
+    kImuStop,            // the IMU delivers no samples
     kAnkleStop,          // an ankle sensor delivers no samples
-    kControllerStop,     // the firmware stops; the board lives on
-    kBusUnacknowledged,  // nobody acknowledges the controller's frames
-    kBusDominant,        // a short circuit: nothing can be sent
-    kFramesLost,         // receivers' controllers drop frames that were acknowledged
+    kControllerStop,     // the firmware stops; the board continues
+    kBusUnacknowledged,  // no node acknowledges the controller's frames
+    kBusDominant,        // a short circuit blocks the bus
+    kFramesLost,         // receivers drop acknowledged frames
     kFramesCorrupted,    // bit errors on the wire
-    kFramesDelayed,      // receivers are told late
-    kFramesDoubled,      // receivers are told twice
-    kBabblingNode,       // a further node floods the bus
+    kFramesDelayed,      // delayed delivery to receivers
+    kFramesDoubled,      // duplicate delivery to receivers
+    kBabblingNode,       // an additional node floods the bus
   };
-  // What the file calls them, in their order.
+  // Names of the kinds in scenario files, in the order of the enumeration.
   static const std::vector<std::string>& kind_names();
 
   std::uint64_t at_us = 0;
-  std::optional<std::uint64_t> duration_us;  // none: for the rest of the run
+  std::optional<std::uint64_t> duration_us;  // empty: for the rest of the run
   Kind kind = Kind::kControllerStop;
-  // The joint of faults of a drive. Of faults of frames, whose they are: a joint, kControllerTarget, or empty
-  // for everybody's. The place of all others.
+  // For drive faults, the joint. For frame faults, the affected node: a joint, kControllerTarget, or empty
+  // for all. For all others, only the source location.
   SourcedName target;
-  hal::Side side = hal::Side::kLeft;  // of kAnkleStop
-  double highest_V = 0.0;             // of kSupplyDrop
-  FrameFault frames;                  // of faults of frames; its node and times are those above
-  Babble babble;                      // of kBabblingNode; so are its times
+  hal::Side side = hal::Side::kLeft;  // for kAnkleStop
+  double highest_V = 0.0;             // for kSupplyDrop
+  FrameFault frames;                  // for frame faults; node and times are those above
+  Babble babble;                      // for kBabblingNode; times as above
 
   std::uint64_t end_us() const {
     return duration_us ? at_us + *duration_us : std::numeric_limits<std::uint64_t>::max();
@@ -186,48 +189,48 @@ struct Fault {
 };
 inline constexpr const char* kControllerTarget = "controller";
 
-// What the robot's controller holds when it leaves the factory: robots/ROBOT/parameters.yaml. No name twice.
+// Factory parameters of the robot's controller: robots/ROBOT/parameters.yaml. No duplicate names.
 struct RobotParameters {
   std::filesystem::path file;  // empty: the robot has none
-  SourcedName robot;           // for which they were found
+  SourcedName robot;           // the robot for which they were tuned
   std::vector<ParameterSetting> settings;
 };
 
 struct Scenario {
   std::filesystem::path file;
-  YamlNode document{};  // what stands in the file, with the overrides; null where there is none
+  YamlNode document{};  // contents of the file including the overrides; null if there is no file
   std::filesystem::path robot;
   RobotParameters robot_parameters;
-  std::vector<MotionChoice> motions;  // index = the number by which the controller knows it
+  std::vector<MotionChoice> motions;  // the index is the motion's number in the controller
   std::optional<GaitChoice> gait;
   std::uint64_t duration_us = 0;
   std::uint64_t seed = 1;
-  double noise_scale = 1.0;               // of the sensors' random errors
-  std::uint64_t computing_time_us = 500;  // of the controller, a tick
-  bool teleop = false;                    // an operator takes part in the run
+  double noise_scale = 1.0;               // scales the sensors' random errors
+  std::uint64_t computing_time_us = 500;  // of the controller per tick
+  bool teleop = false;                    // an operator controls the run
   Physics physics;
   Ground ground;
   std::vector<NamedMaterialPair> materials;
   InitialState initial;
   std::optional<std::filesystem::path> parameter_file;
-  // Those of that file, then the scenario's own, set before the first command in this order. No name twice.
+  // The parameters of that file, then the scenario's own, written in this order before the first command. No
+  // duplicate names.
   std::vector<ParameterSetting> parameters;
-  // Each in the order of time; of equal times, in the file's.
+  // Each list is in order of time, and in file order for equal times.
   std::vector<Command> commands;
   std::vector<Push> pushes;
   std::vector<Fault> faults;
 };
 
-// The files that decide what becomes of the scenario: itself, and those that it names.
+// Returns the files that determine the scenario's result: itself and all that it refers to.
 std::vector<std::filesystem::path> input_files(const Scenario& scenario);
 
-// Throws InputError at the first name in the scenario that the robot does not have, at a material that
-// neither robot nor ground is of, at an initial joint position beyond the joint's limits, and at parameters
-// of another robot.
+// Throws InputError at the first error: a name that the robot does not have, a material that neither robot
+// nor ground uses, an initial joint position beyond the joint's limits, or parameters of another robot.
 void check(const Scenario& scenario, const RobotDescription& robot);
-// The same for one push.
+// Checks a single push.
 void check(const Push& push, const RobotDescription& robot);
-// The names by which commands play its motions, in the order of the controller's numbers; a gait comes last.
+// Returns the names of the motions for commands, in the order of the controller's numbers; a gait comes last.
 std::vector<std::string> motion_names(const Scenario& scenario);
 
 }  // namespace koboshi::sim

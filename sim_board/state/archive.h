@@ -11,21 +11,20 @@
 
 namespace koboshi::sim {
 
-// A simulation that cannot be saved, because a part of it lives outside of this process. `what()` is one
-// line.
+// Thrown if a simulation cannot be saved because a part of it is outside this process. `what()` is one line.
 class NotSaveable : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// State that a StateArchive has saved. Only the objects from which it was saved can use it.
+// State saved by a StateArchive. Only the objects from which it was saved can restore it.
 class SavedState {
  public:
   SavedState() = default;
   SavedState(SavedState&&) = default;
   SavedState& operator=(SavedState&&) = default;
 
-  // The size of what is saved as bytes. Copies of containers come on top.
+  // Size of the state saved as bytes, without copies of containers.
   std::size_t size_bytes() const { return bytes_.size(); }
 
  private:
@@ -44,8 +43,8 @@ concept HasArchive = requires(T& member, StateArchive& archive) {
   member.archive(archive);
 };
 
-// A type whose bytes are its whole value. (Eigen's vectors are not trivially copyable only because their copy
-// functions are written out.)
+// A type whose bytes are its complete value. (Eigen's vectors are not trivially copyable only because their
+// copy functions are user-defined.)
 template <typename T>
 concept OwnsNothing = std::is_trivially_destructible_v<T> && std::is_copy_assignable_v<T>;
 
@@ -63,7 +62,7 @@ inline constexpr bool kIsHolder<std::optional<T>> = true;
 template <typename T>
 inline constexpr bool kIsHolder<std::unique_ptr<T>> = true;
 
-// Whether a value is saved by the `archive` functions of its elements rather than by a copy.
+// Whether a value is saved by the `archive` functions of its elements instead of by a copy.
 template <typename T>
 inline constexpr bool kIsAsked = HasArchive<T>;
 template <typename T>
@@ -77,18 +76,18 @@ inline constexpr bool kIsAsked<std::unique_ptr<T>> = true;
 
 }  // namespace archive_detail
 
-// Writes the state of objects into a SavedState, or back into the same objects. A class lists its state once,
-// for both directions:
+// Saves the state of objects to a SavedState, or restores it to the same objects. A class lists its state
+// once for both directions:
 //
 //   void archive(StateArchive& archive) { archive(position_, speed_, queue_); }
 //
-// Constants, references and configuration are no state: an object has them from its constructor. Members are
+// Constants, references and configuration are not state: the constructor sets them. Supported members are
 //   - objects with an `archive` function;
 //   - values that own nothing: their bytes are saved;
 //   - other copyable values, such as strings and containers: a copy is kept;
-//   - containers, optionals and owning pointers of objects with an `archive` function. Their number stays.
-// Members that can be copied are saved as a whole. So only classes that cannot be copied need an `archive`
-// function, and only they can forget a member.
+//   - containers, optionals and owning pointers of objects with an `archive` function. Their count is fixed.
+// Copyable members are saved as a whole. Only non-copyable classes need an `archive` function, so only they
+// can omit a member by mistake.
 class StateArchive {
  public:
   template <typename... Objects>
@@ -98,8 +97,8 @@ class StateArchive {
     archive(objects...);
     return state;
   }
-  // Restores objects to the state that was saved from them. Throws std::logic_error where the number of their
-  // parts has changed; their state is then undefined.
+  // Restores objects to the state saved from them. Throws std::logic_error if the number of their parts has
+  // changed; their state is then undefined.
   template <typename... Objects>
   static void restore(const SavedState& state, Objects&... objects) {
     StateArchive archive(nullptr, &state);
@@ -114,10 +113,10 @@ class StateArchive {
     (visit(members), ...);
   }
 
-  // Saves objects that own no memory but hold pointers to themselves and to each other: the firmware, and
-  // CANopen nodes. They cannot be copied to another place. They never leave their own, though, and what they
-  // point to does not move either, so the bytes at their address are their whole state: pointers, references
-  // and pointers to virtual tables are the same before and after.
+  // Saves objects that own no memory but contain pointers to themselves and each other: the firmware and
+  // CANopen nodes. Such objects cannot be copied elsewhere. They and all that they point to keep their
+  // addresses, however, so their bytes are their complete state: pointers, references and virtual table
+  // pointers stay valid.
   template <typename... Objects>
   void in_place(Objects&... objects) {
     static_assert((std::is_trivially_destructible_v<Objects> && ...), "an object that may own memory");
@@ -126,7 +125,7 @@ class StateArchive {
 
   // Saves memory of a fixed size.
   void bytes(std::span<std::byte> bytes);
-  // Saves flash of a fixed size, without the erased bytes (0xFF) at its end.
+  // Saves flash of a fixed size, without trailing erased bytes (0xFF).
   void flash(std::span<std::byte> bytes);
 
  private:
@@ -161,9 +160,9 @@ class StateArchive {
     }
   }
 
-  // Throws when this number is not the one that was saved.
+  // Throws if the count differs from the saved one.
   void same(std::size_t count);
-  // Throws when something is left to read.
+  // Throws if saved data are left.
   void end() const;
   std::span<const std::byte> next_bytes(std::size_t count);
   const void* next_copy();

@@ -9,21 +9,21 @@
 
 namespace koboshi::sim {
 
-// The flash of a drive's or sensor's microcontroller, three sectors of it. An operation ends after a fixed
-// number of `state` calls, one a millisecond; the range that it works on reads as scrambled bytes until then,
-// and for good where the power fails in the middle.
+// Flash of a drive's or sensor's microcontroller with three sectors. An operation ends after a fixed number
+// of `state` calls, one per millisecond. Until then its range reads as scrambled bytes, and permanently so if
+// power fails meanwhile.
 class NodeFlash final : public hal::StoragePort {
  public:
   static constexpr std::size_t kSectorSize_bytes = 2048;
   static constexpr std::size_t kSectors = 3;
-  // An STM32G431 (DS12589) takes 22 ms to erase a page of 2 KiB and 82 us to program 8 bytes, which is 2.6 ms
-  // for kMaxWriteSize.
+  // From the data sheet of the STM32G431 (DS12589): 22 ms to erase a page of 2 KiB and 82 us to program 8
+  // bytes, which is 2.6 ms for kMaxWriteSize.
   static constexpr int kErasePolls = 22;
   static constexpr int kWritePolls = 3;
 
   NodeFlash() { memory_.fill(kErased); }
 
-  // The operation that runs is never finished.
+  // Aborts the operation in progress; its range stays scrambled.
   void lose_power() { polls_left_ = -1; }
 
   [[nodiscard]] std::span<const std::byte> contents() const override { return memory_; }
@@ -44,12 +44,12 @@ class NodeFlash final : public hal::StoragePort {
   void begin(std::size_t offset, std::size_t size, int polls);
   void complete() const;
 
-  // Time passes for the memory where `state`, a const verb, is polled.
+  // Mutable, because polling the const function `state` advances the operation.
   mutable std::array<std::byte, kSectors * kSectorSize_bytes> memory_;
-  std::array<std::byte, kSectorSize_bytes> result_{};  // what the range of the operation is to hold
+  std::array<std::byte, kSectorSize_bytes> result_{};  // final contents of the operation's range
   std::size_t offset_ = 0;
   std::size_t size_ = 0;
-  mutable int polls_left_ = -1;  // of the running operation; negative when there is none
+  mutable int polls_left_ = -1;  // of the operation in progress; negative: none
 };
 
 }  // namespace koboshi::sim

@@ -34,7 +34,7 @@ Status NodeStorage::write_node_id(std::uint8_t node_id) {
   storage::ItemStore& items = volatile_->items;
   if (!volatile_->node_id_begun) {
     const Status begun = items.begin(storage::ItemKind::kNodeId, 0);
-    // Parameters are being written; they end by themselves.
+    // A write of parameters is in progress and will end.
     if (begun == Status::kInUse) return Status::kBusy;
     if (begun != Status::kOk) return begun;
     volatile_->node_id_begun = true;

@@ -13,8 +13,8 @@
 
 namespace koboshi::sim {
 
-// What a drive or sensor keeps while it has no power: its parameters (0x1010, 0x1011) and the node id that
-// LSS has given it. The owner passes on what its node asks for (canopen::NodeApplication).
+// Non-volatile data of a drive or sensor: its parameters (0x1010, 0x1011) and the node id assigned by LSS.
+// The owner forwards the node's requests (canopen::NodeApplication).
 class NodeStorage {
  public:
   // The node must outlive the storage.
@@ -22,17 +22,17 @@ class NodeStorage {
   NodeStorage(const NodeStorage&) = delete;
   NodeStorage& operator=(const NodeStorage&) = delete;
 
-  // Power fails and comes back: what was being written is lost, and what was there before holds.
+  // Simulates a power failure: a write in progress is lost, and the old data stay valid.
   void power_on();
-  // The stored node id, else the factory's.
+  // Returns the stored node id, or else the factory's.
   std::uint8_t node_id(std::uint8_t factory) const;
 
   canopen::AbortCode store(canopen::ParameterGroup group) { return volatile_->parameters.store(group); }
   canopen::AbortCode restore(canopen::ParameterGroup group) { return volatile_->parameters.restore(group); }
   canopen::AbortCode store_node_id(std::uint8_t node_id);
-  // From within on_reset: the parameters that this reset brings back.
+  // Restores the parameters that this reset restores. Call it from on_reset.
   void load(canopen::NmtCommand reset);
-  // Once a millisecond.
+  // Call it once per millisecond.
   void process();
 
   void archive(StateArchive& archive) {
@@ -43,7 +43,7 @@ class NodeStorage {
  private:
   static constexpr storage::ItemStore::Layout kLayout{NodeFlash::kSectorSize_bytes, NodeFlash::kSectors};
 
-  // The firmware's view of the flash, which a restart makes anew.
+  // The firmware's view of the flash, which a restart creates anew.
   struct Volatile {
     Volatile(NodeFlash& flash, canopen::Node& node) : items(flash, kLayout), parameters(items, node) {}
 
