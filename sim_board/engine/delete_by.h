@@ -2,7 +2,7 @@
 
 namespace koboshi::sim {
 
-// Ends a library's object by the library's own function, for std::unique_ptr.
+// Deleter for std::unique_ptr that calls the library's own function.
 template <auto kDelete>
 struct DeleteBy {
   template <typename T>

@@ -7,7 +7,7 @@
 
 namespace koboshi::sim {
 
-// Another world, as it is: for worlds that add something to one, and override what they change.
+// Forwards all calls to another world; base class of worlds that extend or change one.
 class ForwardingWorld : public World {
  public:
   explicit ForwardingWorld(std::unique_ptr<World> world) : world_(std::move(world)) {}

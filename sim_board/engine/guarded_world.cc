@@ -15,10 +15,10 @@ namespace {
 
 constexpr double kCheck_s = 0.01;
 constexpr std::size_t kMostPushes = 64;
-// What is left after a check of what springs of the ground may still give back.
+// Decay factor per check of the energy that the ground's springs may still return.
 constexpr double kForget = 0.9;
 
-// The softest spring that a contact point between a link and the ground can have, N/m.
+// Returns the lowest stiffness in N/m that a contact point between a link and the ground can have.
 double softest_spring_N_per_m(const RobotDescription& robot, const WorldOptions& options) {
   double softest = std::numeric_limits<double>::infinity();
   const auto meet_all = [&](const SurfaceDescription& ground) {
@@ -68,10 +68,10 @@ class GuardedWorld final : public ForwardingWorld {
   const int steps_a_check_;
   int steps_ = 0;
   std::vector<double> speeds_rad_per_s_;  // by joint, before the step
-  std::vector<Push> pushes_;              // of the next step
-  double work_J_ = 0.0;                   // put in since the beginning
+  std::vector<Push> pushes_;              // for the next step
+  double work_J_ = 0.0;                   // input since the beginning
   double lowest_J_ = std::numeric_limits<double>::infinity();
-  double returnable_J_ = 0.0;       // that the ground's springs hold or held a moment ago
+  double returnable_J_ = 0.0;       // energy in the ground's springs now or shortly before
   std::vector<double> energies_J_;  // by link, at the last check
 };
 
@@ -121,8 +121,8 @@ void GuardedWorld::add_work() {
   pushes_.clear();
 }
 
-// What springs under these forces hold, and a quarter more: the forces are those of a step's end, less deep
-// than its deepest, and dampers have a part in them.
+// Energy of springs under these forces plus a quarter: the forces are those at the end of a step, lower than
+// their maximum within it, and include the dampers.
 double GuardedWorld::elastic_J() const {
   double sum_N2 = 0.0;
   for (const Contact& contact : contacts()) sum_N2 += std::pow(contact.f_W.dot(contact.n_W), 2);

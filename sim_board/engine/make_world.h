@@ -8,11 +8,11 @@
 
 namespace koboshi::sim {
 
-// Whether this program was built with MuJoCo. Without, there is no Stepper::kMujoco.
+// Returns whether this program was built with MuJoCo. Without it, Stepper::kMujoco is not available.
 [[nodiscard]] bool has_mujoco();
 
-// The robot at rest in the engine that options.stepper names. Throws std::invalid_argument for a description
-// or options that make no world.
+// Creates a world with the robot at rest in the engine of options.stepper. Throws std::invalid_argument for
+// an invalid description or options.
 std::unique_ptr<World> make_world(const RobotDescription& robot, const WorldOptions& options);
 
 }  // namespace koboshi::sim

@@ -7,13 +7,13 @@
 namespace koboshi::sim {
 namespace {
 
-// Throws through MuJoCo's C functions. They hold nothing but their arena, whose world ends with the error,
-// and Debian's amd64 and arm64 libraries carry the tables that unwinding needs.
+// Throws through MuJoCo's C functions. They own nothing but their arena, which is discarded with the world,
+// and Debian's amd64 and arm64 libraries contain unwind tables.
 void throw_error(const char* message) { throw MujocoError(message); }
 
 void drop_warning(const char*) {}
 
-// A mjVFS has room for thousands of names: too much for a stack.
+// A mjVFS contains thousands of names: too large for the stack.
 class VirtualFile {
  public:
   static constexpr const char* kName = "world.xml";
@@ -45,7 +45,7 @@ void start_mujoco() {
 }
 
 MujocoModel load_model(const std::string& mjcf) {
-  // The reader keeps the last model it has read in a variable of the process.
+  // MuJoCo's reader stores the last model in a global variable.
   static std::mutex reader;
   const std::lock_guard lock(reader);
   const VirtualFile file(mjcf);

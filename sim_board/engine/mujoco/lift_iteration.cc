@@ -6,8 +6,8 @@
 namespace koboshi::sim {
 namespace {
 
-// Bounds of the step: slopes F' from -49 to 0.9 converge with them. A contact that changes between sticking,
-// sliding and parting gives a secant that means nothing.
+// Bounds of the relaxation factor: slopes F' from -49 to 0.9 converge within them. When a contact changes
+// between sticking, sliding and separation, the secant is meaningless.
 constexpr double kMinOmega = 0.02;
 constexpr double kMaxOmega = 10.0;
 

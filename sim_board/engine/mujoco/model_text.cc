@@ -15,24 +15,25 @@ namespace {
 
 using tinyxml2::XMLPrinter;
 
-// Dry friction: as in ODE a row that stops the joint, bounded by Kc. A joint that sticks creeps by CFM times
-// the torque, 3e-9 rad/s for a small servo; smaller numbers cost the solver iterations.
+// Dry friction: as in ODE, a row that stops the joint, bounded by Kc. A sticking joint creeps by CFM times
+// the torque, 3e-9 rad/s for a small servo; smaller values cost solver iterations.
 constexpr Softness kStickingJoint{.error_reduction = 0.0, .constraint_force_mixing = 1e-7};
 
-// In the tangents of a contact MuJoCo's row is this many times as hard as along the normal. A foot creeps by
-// CFM / ratio times the force across it.
+// Ratio of the tangential to the normal stiffness of MuJoCo's contact rows. A foot creeps by CFM / ratio
+// times the tangential force.
 constexpr double kTangentHardness = 10.0;
 
-// A step's memory, 2 MB; MuJoCo's own choice is 17 MB. 44 rows take 0.03 MB, and it grows with the rows.
+// Memory of a step, 2 MB instead of MuJoCo's default of 17 MB. 44 rows take 0.03 MB; the use grows with the
+// number of rows.
 constexpr int kStack_numbers = 1 << 18;
 
 constexpr int kRowsOfContact = 3;
-constexpr int kRowsOfJoint = 2;  // friction, stop
+constexpr int kRowsOfJoint = 2;  // friction and stop
 
 std::string text_of(std::initializer_list<double> numbers) {
   std::string text;
   for (const double number : numbers) {
-    std::array<char, 32> digits{};  // the shortest that reads back as the same number
+    std::array<char, 32> digits{};  // the shortest text that reads back as the same number
     const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
     text.append(text.empty() ? "" : " ").append(digits.data(), end);
   }
@@ -52,7 +53,7 @@ void push(XMLPrinter& xml, const char* name, const std::string& value) {
 
 void push_row(XMLPrinter& xml, const std::string& suffix, const ConstraintRow& row) {
   push(xml, ("solref" + suffix).c_str(), text_of({row.solref_stiffness, row.solref_damping}));
-  // The impedance is the same at any depth.
+  // The impedance does not depend on the depth.
   push(xml, ("solimp" + suffix).c_str(), text_of({row.impedance, row.impedance, 0.001, 0.5, 2.0}));
 }
 
@@ -94,7 +95,7 @@ void Writer::add_options() {
   push(xml_, "collision", "predefined");
   push(xml_, "cone", "elliptic");
   push(xml_, "solver", "Newton");
-  push(xml_, "jacobian", "sparse");  // a fifth faster than dense for 26 degrees of freedom
+  push(xml_, "jacobian", "sparse");  // for 26 degrees of freedom a fifth faster than dense
   push(xml_, "impratio", text_of({kTangentHardness}));
   push(xml_, "iterations", "100");
   push(xml_, "tolerance", "1e-10");
@@ -129,7 +130,7 @@ void Writer::add_ground_box(int number, const GroundBox& box) {
   xml_.CloseElement();
 }
 
-// A body and, within it, those that hang on it.
+// Adds a body with its child bodies nested in it.
 void Writer::add_link(int number, const Eigen::Isometry3d& X_PL, const JointDescription* joint, Base base) {
   const LinkDescription& link = robot_.links[static_cast<std::size_t>(number)];
   xml_.OpenElement("body");

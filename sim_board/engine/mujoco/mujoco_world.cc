@@ -43,11 +43,11 @@ class MujocoWorld final : public World {
   const WorldOptions options_;
   std::vector<TouchingPair> pairs_;
   std::optional<Scene> scene_;
-  bool held_;  // the base, on its stand
+  bool held_;  // the base is fixed to its stand
   std::uint64_t steps_ = 0;
-  std::uint64_t earlier_warnings_ = 0;  // of the scene before the base was released
+  std::uint64_t earlier_warnings_ = 0;  // of the scene before the release of the base
   std::uint64_t earlier_unsettled_ = 0;
-  // By joint:
+  // Indexed by joint:
   std::vector<ServoTorque> servos_;
   std::vector<double> servo_Nm_;
   std::vector<Wrench> wrenches_;
@@ -76,7 +76,7 @@ void MujocoWorld::push(int link, const Eigen::Vector3d& p_L, const Eigen::Vector
   scene_->push(link, body(link).X_WL * p_L, f_W);
 }
 
-// A base that hangs on a stand is a part of the world; one that is let go belongs to another model.
+// A fixed base belongs to MuJoCo's world body, a released one is a free body, so each needs its own model.
 void MujocoWorld::release_base() {
   if (!held_) return;
   held_ = false;
@@ -122,7 +122,7 @@ JointState MujocoWorld::joint(int joint) const {
 void MujocoWorld::archive(StateArchive& archive) {
   const bool was_held = held_;
   archive(held_);
-  // The other model is compiled again, which takes some milliseconds.
+  // Recompiling the other model takes some milliseconds.
   if (held_ != was_held) scene_.emplace(robot_, pairs_, options_, held_ ? Base::kFixed : Base::kFree);
   archive(scene_, steps_, earlier_warnings_, earlier_unsettled_, servos_, servo_Nm_, wrenches_, contacts_);
 }

@@ -8,7 +8,8 @@
 
 namespace koboshi::sim {
 
-// The robot at rest in MuJoCo. Throws std::invalid_argument for a description or options that make no world.
+// Creates a MuJoCo world with the robot at rest. Throws std::invalid_argument for an invalid description or
+// options.
 std::unique_ptr<World> make_mujoco_world(const RobotDescription& robot, const WorldOptions& options);
 
 }  // namespace koboshi::sim

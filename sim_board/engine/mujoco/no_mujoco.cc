@@ -5,7 +5,7 @@
 
 namespace koboshi::sim {
 
-// Instead of all else in this folder, where MuJoCo was not found.
+// Replaces the rest of this folder if MuJoCo is not installed.
 
 bool has_mujoco() { return false; }
 

@@ -20,10 +20,10 @@ int named(const mjModel& model, mjtObj kind, const std::string& name) {
 
 int geom_of(const mjModel& model, int box) { return named(model, mjOBJ_GEOM, geom_name(box)); }
 
-// The i-th vector of an array of vectors.
+// Returns the i-th vector of an array of vectors.
 Map<const Vector3d> vector_at(const mjtNum* array, int i) { return Map<const Vector3d>(array + 3 * i); }
 
-// A contact's axes: normal, from its first geom into its second, and two tangents, as columns.
+// Returns a contact's axes as columns: the normal from its first geom to its second, and two tangents.
 Eigen::Matrix3d axes_of(const mjContact& contact) { return Map<const RowMajor3d>(contact.frame).transpose(); }
 
 }  // namespace
@@ -33,10 +33,11 @@ Scene::Scene(const RobotDescription& robot, const std::vector<TouchingPair>& pai
   start_mujoco();
   model_ = load_model(model_text(robot, pairs, options, base));
   data_ = make_data(*model_);
-  // What the softness of the rows was computed for (constraint_row.h); the world has none.
+  // The inverse inertia for which the softness of the rows was computed (constraint_row.h); the world body
+  // has none.
   std::fill_n(model_->body_invweight0 + 2, 2 * (model_->nbody - 1), kInverseInertia);
   std::fill_n(model_->dof_invweight0, model_->nv, kInverseInertia);
-  // A joint that MuJoCo finds simple keeps the inertia that it was compiled with, whatever its armature is.
+  // MuJoCo would compute "simple" joints with the inertia at compile time and ignore changes of the armature.
   std::fill_n(model_->dof_simplenum, model_->nv, 0);
   find_numbers(robot);
   bouncing_of_geoms_.assign(index(model_->ngeom * model_->ngeom), -1);
@@ -103,8 +104,8 @@ void Scene::push(int link, const Vector3d& p_W, const Vector3d& f_W) {
   torque += (p_W - vector_at(data_->xipos, body)).cross(f_W);
 }
 
-// The stages of mj_step, without those that this model has no use for: kinematics is done when a step ends,
-// and there are no tendons, actuators and sensors.
+// The stages of mj_step that this model needs: kinematics is computed at the end of a step, and there are no
+// tendons, actuators or sensors.
 void Scene::solve() {
   mj_crb(model_.get(), data_.get());
   mj_factorM(model_.get(), data_.get());
@@ -118,8 +119,8 @@ void Scene::solve() {
   if (data_->solver_iter >= model_->opt.iterations) ++unconverged_;
 }
 
-// MuJoCo knows no restitution. Where surfaces that bounce meet fast enough, the normal row aims at the speed
-// with which they part, if that is more than what the overlap asks for, as ODE's does.
+// MuJoCo does not model restitution. If bouncing surfaces meet fast enough, the target of the normal row is
+// the separation speed when it exceeds the correction of the penetration, as in ODE.
 void Scene::bounce() {
   for (int i = 0; i < data_->ncon; ++i) {
     const mjContact& contact = data_->contact[i];
@@ -133,7 +134,7 @@ void Scene::bounce() {
   }
 }
 
-// Coulomb's law: see LiftIteration.
+// Solves Coulomb's law: see LiftIteration.
 void Scene::solve_sliding() {
   std::fill_n(row_acceleration_.begin(), data_->nefc, 0.0);
   std::fill(lift_m_per_s_.begin(), lift_m_per_s_.end(), 0.0);
@@ -150,7 +151,7 @@ void Scene::solve_sliding() {
   if (!iteration_.settled()) ++unsettled_;
 }
 
-// mu |v_t| of each contact at the end of the step, by its rows' accelerations.
+// Returns mu |v_t| of each contact at the end of the step, from its rows' accelerations.
 std::span<const double> Scene::slips() {
   const double step_s = model_->opt.timestep;
   for (int i = 0; i < data_->ncon; ++i) {
@@ -165,7 +166,7 @@ std::span<const double> Scene::slips() {
   return std::span(slip_m_per_s_).first(index(data_->ncon));
 }
 
-// Gives the contacts' normal rows the iteration's lifts.
+// Applies the iteration's lifts to the contacts' normal rows.
 void Scene::lower_aims() {
   const std::span<const double> lifts = iteration_.lifts_m_per_s();
   for (int i = 0; i < data_->ncon; ++i) {
@@ -193,7 +194,7 @@ double Scene::servo_Nm(int joint, const ServoTorque& servo) const {
 
 Wrench Scene::joint_wrench(int joint) const {
   const JointNumbers& numbers = numbers_[index(joint)];
-  // What the parent exerts on the child, torque first, about the centre of mass of the whole tree.
+  // Wrench of the parent on the child, torque first, about the centre of mass of the whole tree.
   const Vector3d p_WCom_W = vector_at(data_->subtree_com, model_->body_rootid[numbers.child]);
   const Vector3d torque_Nm = vector_at(data_->cfrc_int, 2 * numbers.child);
   const Vector3d force_N = vector_at(data_->cfrc_int, 2 * numbers.child + 1);
@@ -251,7 +252,7 @@ BodyState Scene::body(int link) const {
   BodyState state;
   state.X_WL.translation() = vector_at(data_->xpos, body);
   state.X_WL.linear() = Map<const RowMajor3d>(data_->xmat + 9 * body);
-  // The velocity of the body at the centre of mass of the whole tree, rate first.
+  // Velocity of the body at the centre of mass of the whole tree, angular velocity first.
   const Vector3d p_WCom_W = vector_at(data_->subtree_com, model_->body_rootid[body]);
   state.w_WL_W = vector_at(data_->cvel, 2 * body);
   state.v_WCom_W =

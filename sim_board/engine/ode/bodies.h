@@ -14,26 +14,26 @@
 
 namespace koboshi::sim {
 
-// ODE's bodies of the links. Each has its frame in its centre of mass and the axes of its link. A link
-// between the hinges of a chain has none: its mass and inertia are added to those of the link that it rides
-// on, as they are at joint zero.
+// ODE bodies of the links. Each frame is at the body's centre of mass with the axes of its link. A link
+// between the hinges of a chain has no body: its mass and inertia, in the pose at joint angles zero, are
+// added to the link that carries it.
 class Bodies {
  public:
-  // Throws std::invalid_argument for a link without positive mass and inertia. The bodies stand as at joint
-  // zero, with the model frame in the world's.
+  // Throws std::invalid_argument for a link without positive mass and inertia. The initial poses are those at
+  // joint angles zero, with the model frame equal to the world frame.
   Bodies(dWorldID world, const RobotDescription& robot, std::span<const HingeChain> chains);
 
   bool has_own(int link) const { return at(link).rides_on < 0; }
-  // The link's own body, or that of the link it rides on.
+  // Returns the link's own body, or that of the link that carries it.
   dBodyID of(int link) const;
-  // From the frame of a link with a body to the body's centre of mass.
+  // Position of the body's centre of mass in the frame of its link.
   const Eigen::Vector3d& p_LCom_L(int link) const { return at(link).inertia.p_LCom_L; }
   void set_pose(int link, const Eigen::Isometry3d& X_WL);
-  // Of a link with a body.
+  // State of a link with a body.
   BodyState state(const RobotDescription& robot, int link) const;
 
   std::span<const OdeBody> all() const { return bodies_; }
-  // The link whose body is all()[index].
+  // Returns the link whose body is all()[index].
   int link_of(std::size_t index) const { return links_[index]; }
 
  private:
@@ -45,8 +45,8 @@ class Bodies {
     void add(const Inertia& other);
   };
   struct Entry {
-    Inertia inertia;       // of the body, riders included
-    int rides_on = -1;     // a link with a body; -1: has its own
+    Inertia inertia;       // of the body, including carried links
+    int rides_on = -1;     // a link with a body; -1: has its own body
     std::size_t body = 0;  // index into bodies_
   };
 

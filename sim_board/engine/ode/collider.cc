@@ -10,7 +10,7 @@
 namespace koboshi::sim {
 namespace {
 
-// A box has eight corners; two boxes face to face touch in an octagon.
+// A box has eight corners, and the contact area of two boxes face to face has at most eight.
 constexpr int kMaxContactsOfPair = 8;
 
 dSurfaceParameters ode_surface(const SurfaceContact& surface) {
@@ -46,7 +46,8 @@ OdeGeom make_ground_box(const GroundBox& box) {
   return geom;
 }
 
-// Lays the first direction of friction into the plane of the contact. False where it stands upright on it:
+// Projects the first friction direction onto the contact plane. Returns false if it is perpendicular to the
+// plane; ODE then chooses one.
 // then ODE chooses one.
 bool set_direction(const Eigen::Vector3d& direction, dGeomID frame, dContact& contact) {
   const Eigen::Vector3d direction_W =

@@ -17,39 +17,40 @@
 
 namespace koboshi::sim {
 
-// What ODE knows of a contact.
+// ODE's data of a contact.
 struct Touch {
   dJointID joint;
   double depth_m;
   dSurfaceParameters surface;
 };
 
-// Finds where the boxes of the links touch the ground and each other, and makes ODE's contact joints of it.
-// Links that fewer than three joints part never touch: neighbours overlap at their hinge by construction.
+// Detects contacts of the links' boxes with the ground and each other, and creates ODE's contact joints.
+// Links with fewer than three joints between them are excluded: neighbours overlap at their hinge by design.
 class Collider {
  public:
-  // Links without a body of their own have no boxes. The options must outlive the collider.
+  // Links without a body have no boxes. The options must outlive the collider.
   Collider(dWorldID world, const RobotDescription& robot, const LinkTree& tree, const Bodies& bodies,
            const WorldOptions& options);
 
-  // Replaces the contact joints by those of the bodies' present poses.
+  // Replaces the contact joints by those for the bodies' present poses.
   void touch();
-  // After the solver: reads the forces of the joints that the last touch() made.
+  // Reads the forces of the contact joints after the solver has run.
   void read_forces();
   std::span<const Contact> contacts() const { return contacts_; }
-  // Beside each contact.
+  // ODE's data of each contact, in the order of the contacts.
   std::span<const Touch> touches() const { return touches_; }
-  // Where others than the contact joints held: what the links feel at the contacts from `first` on.
+  // Sets the forces on the links for the contacts from `first` on, where held soles replaced the contact
+  // joints.
   void set_forces(std::size_t first, std::span<const Eigen::Vector3d> forces_W);
 
-  // The contacts of the last step. Their joints are made anew in each step.
+  // Archives the contacts of the last step. Their joints are created anew in each step.
   void archive(StateArchive& archive) { archive(contacts_); }
 
  private:
-  // How two shapes meet.
+  // Contact properties of a pair of shapes.
   struct Meeting {
     dSurfaceParameters surface;
-    // Where friction has directions, the first.
+    // First friction direction, if friction is anisotropic.
     Eigen::Vector3d direction;
     dGeomID direction_frame;  // null: the world
   };
@@ -60,7 +61,7 @@ class Collider {
     int link;
     int other_link;       // -1: the ground
     std::size_t meeting;  // index into meetings_
-    bool is_plane;        // then the meetings with its patches follow the one with the plane
+    bool is_plane;        // the meetings with its patches follow the one with the plane
   };
 
   struct Box {
@@ -72,7 +73,7 @@ class Collider {
 
   struct Field {
     HeightFieldContact contact;
-    std::size_t first_meeting;  // by box from here on
+    std::size_t first_meeting;  // by box, starting here
   };
 
   static std::vector<Box> make_boxes(const RobotDescription& robot, const Bodies& bodies);
@@ -80,7 +81,8 @@ class Collider {
   void make_pairs(const LinkTree& tree);
   void make_ground_pairs(const Box& box);
   void make_fields();
-  // Each appends to meetings_. `R_W` turns the direction of the ground's surface into the world.
+  // Each function appends to meetings_. `R_W` rotates the friction direction of the ground's surface to the
+  // world.
   std::size_t meet_ground(const Box& box, const SurfaceDescription& ground, const Eigen::Matrix3d& R_W);
   std::size_t meet_box(const Box& box, const Box& other);
   void touch(const Pair& pair);
@@ -100,7 +102,7 @@ class Collider {
   std::vector<Meeting> meetings_;
   std::vector<Contact> contacts_;
   std::vector<Touch> touches_;
-  std::vector<dJointFeedback> feedbacks_;  // by contact; ODE writes into it, so it never moves
+  std::vector<dJointFeedback> feedbacks_;  // by contact; must not move, because ODE writes into it
 };
 
 }  // namespace koboshi::sim

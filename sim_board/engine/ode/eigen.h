@@ -7,7 +7,7 @@
 
 namespace koboshi::sim {
 
-// ODE's arrays (vectors of 3 in 4, rotations as 3 rows of 4) as Eigen's.
+// Converts ODE's arrays (4-element vectors, 3x4 rotation matrices) to Eigen's types.
 
 inline Eigen::Vector3d vector_of(const dReal* v) { return {v[0], v[1], v[2]}; }
 
@@ -29,7 +29,7 @@ inline void copy_rotation(const Eigen::Matrix3d& rotation, dMatrix3 R) {
   }
 }
 
-// Pose of a body: its frame sits in the centre of mass.
+// Pose of a body; its frame is at the centre of mass.
 inline Eigen::Isometry3d pose_of(dBodyID body) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = rotation_of(dBodyGetRotation(body));

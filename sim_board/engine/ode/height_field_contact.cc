@@ -19,7 +19,7 @@ Vector3d corner(std::size_t number, const Vector3d& half_m) {
           (number & 4U) != 0 ? half_m.z() : -half_m.z()};
 }
 
-// As many points as a row of the grid can have below a length.
+// Returns the number of points of a grid row below a length.
 std::size_t points_below(double length_m, double spacing_m, int points) {
   return static_cast<std::size_t>(std::min(length_m / spacing_m + 2.0, static_cast<double>(points)));
 }
@@ -85,7 +85,7 @@ void HeightFieldContact::add_grid_point(const Vector3d& p_F, const Isometry3d& X
   Vector3d n_F = Vector3d::UnitZ();
   for (int axis = 0; axis < 3; ++axis) {
     const Vector3d into_box_F = X_FG.linear().col(axis) * (p_G[axis] > 0.0 ? -1.0 : 1.0);
-    // Ground pushes sideways or up: a box is not pressed further into it.
+    // The ground pushes sideways or upwards, never downwards into the box.
     if (into_box_F.z() < -1e-9 || inside_m[axis] >= depth_m) continue;
     depth_m = inside_m[axis];
     n_F = into_box_F;

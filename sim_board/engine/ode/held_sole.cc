@@ -7,7 +7,7 @@
 namespace koboshi::sim {
 namespace {
 
-// Leaves the rows of two soles that stand solvable beside each other; creep under 10 N: 1e-9 m/s.
+// Keeps the rows of two held soles solvable together; the creep under 10 N is 1e-9 m/s.
 constexpr double kSoleForceMixing = 1e-10;
 constexpr double kLength_m = 1.0;
 
@@ -77,7 +77,7 @@ void HeldSole::hold(std::span<const SolePoint> points, const Eigen::Vector3d& n_
     p_WMean_W_ += point.p_W / count;
     mean_depth_m += point.depth_m / count;
   }
-  // Principal axes in the plane.
+  // Principal axes in the contact plane.
   const Eigen::Vector3d u_W = n_W.unitOrthogonal();
   const Eigen::Vector3d v_W = n_W.cross(u_W);
   double uu = 0.0, uv = 0.0, vv = 0.0;
@@ -101,7 +101,7 @@ void HeldSole::hold(std::span<const SolePoint> points, const Eigen::Vector3d& n_
     x_depth += x * point.depth_m;
     y_depth += y * point.depth_m;
   }
-  // A point at (x, y) rises by rise + y turn_x - x turn_y.
+  // The point at (x, y) rises by rise + y turn_x - x turn_y.
   place(0, p_WMean_W_, n_W, restoring_per_s_ * mean_depth_m, force_mixing / count, step_s);
   place(1, p_WMean_W_, axes_W_[1], 0.0, kSoleForceMixing, step_s);
   place(2, p_WMean_W_, axes_W_[2], 0.0, kSoleForceMixing, step_s);
@@ -131,7 +131,7 @@ bool HeldSole::is_possible(double friction) {
   }
   if (!(sum_N > 0.0)) return false;
   const Eigen::Vector3d p_WPressure_W = moment / sum_N;
-  double turned_Nm2 = 0.0;  // sum of normal force times the square of the arm about the centre of pressure
+  double turned_Nm2 = 0.0;  // sum of normal force times squared distance from the centre of pressure
   for (std::size_t i = 0; i < points_.size(); ++i)
     turned_Nm2 += n_W.dot(forces_W_[i]) * (points_[i].p_W - p_WPressure_W).squaredNorm();
   const Eigen::Vector3d slide_N = held_N(1) * axes_W_[1] + held_N(2) * axes_W_[2];

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMostHinges = 3;
 constexpr double kSamePlace_m = 1e-6;
-constexpr double kPerpendicular = 1e-6;  // cosine between axes
+constexpr double kPerpendicular = 1e-6;  // maximum cosine between perpendicular axes
 
 const JointDescription& joint_of(const RobotDescription& robot, int joint) {
   return robot.joints.at(static_cast<std::size_t>(joint));
@@ -21,7 +21,7 @@ const LinkDescription& link_of(const RobotDescription& robot, int link) {
 
 bool carries_sensor(const RobotDescription& robot, int link) { return robot.imu && robot.imu->link == link; }
 
-// The joint that goes on from this link, if the link is nothing but what joins two hinges; else -1.
+// Returns the child joint of a link that only connects two hinges, otherwise -1.
 int only_joint_behind(const RobotDescription& robot, int link) {
   if (!link_of(robot, link).collisions.empty() || carries_sensor(robot, link)) return -1;
   int behind = -1;
@@ -37,7 +37,7 @@ bool perpendicular(const JointDescription& one, const JointDescription& other) {
   return std::abs(one.axis_M.dot(other.axis_M)) < kPerpendicular;
 }
 
-// Beyond a quarter turn of the middle hinge the outer axes have fallen together on the way.
+// Beyond a quarter turn of the middle hinge, the outer axes become parallel on the way (gimbal lock).
 bool passes_gimbal_lock(const JointDescription& middle) {
   constexpr double kQuarterTurn_rad = std::numbers::pi / 2.0 + 1e-6;
   return middle.lower_rad < -kQuarterTurn_rad || middle.upper_rad > kQuarterTurn_rad;
@@ -53,14 +53,15 @@ bool fits(const RobotDescription& robot, const HingeChain& chain, int next) {
   });
 }
 
-// How far wrong a link may be placed, kg m, when the hinge between it and what it rides on turns.
+// Returns the largest displacement of a link's mass, kg m, when the hinge between the link and its carrier
+// turns.
 double misplacement(const LinkDescription& link, const JointDescription& hinge) {
   const Eigen::Vector3d p_JCom_M = link.X_ML * link.p_LCom_L - hinge.p_MJ;
   const double arm_m = p_JCom_M.cross(hinge.axis_M).norm();
   return link.mass_kg * arm_m * std::min(hinge.upper_rad - hinge.lower_rad, std::numbers::pi);
 }
 
-// Every link between the hinges turns, against the link that carries it, by all hinges between the two.
+// Each link between the hinges moves relative to its carrier by all hinges between the two.
 std::size_t best_cut(const RobotDescription& robot, const HingeChain& chain) {
   std::size_t best = 0;
   double least = std::numeric_limits<double>::infinity();

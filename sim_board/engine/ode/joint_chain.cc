@@ -89,7 +89,7 @@ Eigen::Vector3d JointChain::p_WAnchor_W() const {
   return vector_of(dBodyGetPosition(parent_)) + rotation_of(dBodyGetRotation(parent_)) * p_ParentAnchor_;
 }
 
-// With alpha, beta, gamma about the columns of F, child against parent is turned by
+// With rotations alpha, beta, gamma about the columns of F, the child's orientation relative to the parent is
 //   Rx(alpha) Ry(beta) Rz(gamma) = [  cb cg           -cb sg           sb
 //                                     sa sb cg + ca sg  ca cg - sa sb sg  -sa cb
 //                                     sa sg - ca sb cg  ca sb sg + sa cg   ca cb ].
@@ -121,9 +121,9 @@ JointChain::Vectors JointChain::duals(const Vectors& axes_W) const {
   return {first / volume, axes_W[1], axes_W[0].cross(axes_W[1]) / volume};
 }
 
-// sum of da_i/dt speed_i, the part of dw/dt that no speed's change has: with w_P of the parent,
+// Returns sum of da_i/dt speed_i, the part of dw/dt without changes of the speeds. With w_P of the parent,
 //   da_1/dt = w_P x a_1,  da_2/dt = (w_P + a_1 speed_1) x a_2,  and so on.
-// A hinge by itself has none along its axis.
+// A single hinge has no such component along its axis.
 Eigen::Vector3d JointChain::turning_of_axes_W(const Vectors& axes_W) const {
   Eigen::Vector3d turning_W = Eigen::Vector3d::Zero();
   if (size() == 1) return turning_W;
@@ -198,8 +198,8 @@ void JointChain::finish_step() {
   for (std::size_t i = 0; i < size(); ++i) motors_[i].set_speed(b[i].dot(w_W));
 }
 
-// At the cut the solver tells the wrench. From one hinge to the next it changes by what the link between them
-// takes: m (a - g), and the rate of its angular momentum about the anchor less the moment of its weight.
+// The solver gives the wrench at the cut. From one hinge to the next it changes by the dynamics of the link
+// in between: m (a - g), and the rate of its angular momentum about the anchor less the moment of its weight.
 Wrench JointChain::wrench(std::size_t i, const Eigen::Vector3d& gravity_W_m_per_s2) const {
   Wrench wrench{.force_N = vector_of(feedback_->f2), .torque_Nm = vector_of(feedback_->t2)};
   for (const ServoMotor& motor : motors_) wrench.torque_Nm += motor.on_parent_Nm();

@@ -9,7 +9,7 @@
 
 namespace koboshi::sim {
 
-// ODE's objects with their owners.
+// Owning pointers for ODE's objects.
 using OdeThreading = std::unique_ptr<dxThreadingImplementation, DeleteBy<dThreadingFreeImplementation>>;
 using OdeWorldHandle = std::unique_ptr<dxWorld, DeleteBy<dWorldDestroy>>;
 using OdeBody = std::unique_ptr<dxBody, DeleteBy<dBodyDestroy>>;
@@ -17,15 +17,15 @@ using OdeJoint = std::unique_ptr<dxJoint, DeleteBy<dJointDestroy>>;
 using OdeJointGroup = std::unique_ptr<dxJointGroup, DeleteBy<dJointGroupDestroy>>;
 using OdeGeom = std::unique_ptr<dxGeom, DeleteBy<dGeomDestroy>>;
 
-// What ODE keeps once for a process, arranged so that several worlds do not disturb each other: start-up,
-// per-thread data, the message handler and the random numbers.
+// ODE's global state, managed for use by several worlds: start-up, per-thread data, message handler and
+// random numbers.
 
-// Starts the library and its data of this thread; free after the first call in a thread. Must precede any
-// other call.
+// Initialises the library and its data of this thread; cheap after the first call in a thread. Must be called
+// before any other function.
 void start_ode_in_this_thread();
 
-// While it lives, what ODE complains of in this thread is added to `warnings`; outside of any, it is dropped
-// (set-up noise).
+// Adds ODE's warnings in this thread to `warnings` during its lifetime. Warnings outside any such object,
+// which occur only during set-up, are dropped.
 class OdeWarningCount {
  public:
   explicit OdeWarningCount(std::uint64_t& warnings);
@@ -34,8 +34,8 @@ class OdeWarningCount {
   OdeWarningCount& operator=(const OdeWarningCount&) = delete;
 };
 
-// QuickStep shuffles its rows with random numbers whose seed is one for the process. This steps the world
-// with the seed given and leaves the seed's successor in it; worlds in other threads wait.
+// Steps the world with QuickStep, which shuffles its rows with a random generator whose seed is global. Uses
+// `seed` and updates it; worlds in other threads wait.
 void quick_step(dWorldID world, double step_s, unsigned long& seed);
 
 }  // namespace koboshi::sim

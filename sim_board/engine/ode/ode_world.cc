@@ -23,7 +23,8 @@ namespace {
 
 constexpr unsigned kStepMemory_bytes = 1u << 20;
 
-// Guesses at friction in one step; then the solver decides. A squat needs 1.12 in the mean, a walk 1.17.
+// Maximum number of friction guesses per step; then the solver decides. A squat needs 1.12 on average, a walk
+// 1.17.
 constexpr int kMostGuesses = 4;
 
 template <typename List>
@@ -56,7 +57,7 @@ class OdeWorld final : public World {
  private:
   struct Place {
     std::size_t chain = 0;
-    std::size_t hinge = 0;  // in the chain
+    std::size_t hinge = 0;  // index in the chain
   };
 
   void make_world();
@@ -82,7 +83,7 @@ class OdeWorld final : public World {
   std::vector<Place> places_;     // by joint
   std::vector<int> joint_above_;  // by link; the base has none
   std::unique_ptr<Collider> collider_;
-  std::optional<Soles> soles_;  // of the stepper that holds them
+  std::optional<Soles> soles_;  // only for the stepper that holds soles
 };
 
 OdeWorld::OdeWorld(const RobotDescription& robot, const WorldOptions& options)
@@ -103,14 +104,14 @@ OdeWorld::OdeWorld(const RobotDescription& robot, const WorldOptions& options)
 
 void OdeWorld::make_world() {
   world_.reset(dWorldCreate());
-  // Without an implementation of its own a world shares the process' one, which knows no locks.
+  // Without an implementation of its own, a world shares the global one, which is not thread-safe.
   threading_.reset(dThreadingAllocateSelfThreadedImplementation());
   dWorldSetStepThreadingImplementation(world_.get(), dThreadingImplementationGetFunctions(threading_.get()),
                                        threading_.get());
   const Eigen::Vector3d& g = options_.gravity_W_m_per_s2;
   dWorldSetGravity(world_.get(), g.x(), g.y(), g.z());
   dWorldSetAutoDisableFlag(world_.get(), 0);
-  // A step's memory is taken once, at a size that contacts of a fall do not exceed, and not given back.
+  // Reserves the memory of a step once, for more contacts than a fall has, and keeps it.
   const dWorldStepReserveInfo memory{.struct_size = sizeof(dWorldStepReserveInfo),
                                      .reserve_factor = 1.2F,
                                      .reserve_minimum = kStepMemory_bytes};
@@ -201,8 +202,8 @@ Wrench OdeWorld::joint_wrench(int joint) const {
   return chain_of(joint).wrench(at(places_, joint).hinge, options_.gravity_W_m_per_s2);
 }
 
-// ODE's joints carry nothing from one step to the next: their parameters are written before each solution,
-// and it starts from no former one.
+// ODE's joints have no state between steps: their parameters are written before each solution, and the solver
+// has no warm start.
 void OdeWorld::archive(StateArchive& archive) {
   bool held = dBodyIsKinematic(bodies_->of(0)) != 0;
   if (archive.writes()) saved_.save(bodies_->all());

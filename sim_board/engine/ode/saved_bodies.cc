@@ -10,8 +10,8 @@ void copy(const dReal* from, std::array<dReal, kSize>& to) {
   std::copy_n(from, kSize, to.begin());
 }
 
-// ODE's functions that set a quaternion or a rotation make it a unit one again and compute the other from it,
-// which changes its last bits. Their arrays are members of a body, which is no constant: they may be written.
+// ODE's setters of quaternion and rotation normalise their argument and compute the other from it, which
+// changes the last bits. The arrays are members of a non-const body, so writing to them is permitted.
 template <std::size_t kSize>
 void write(const std::array<dReal, kSize>& from, const dReal* to) {
   std::ranges::copy(from, const_cast<dReal*>(to));
@@ -38,7 +38,7 @@ void SavedBodies::restore(std::span<const OdeBody> bodies) const {
     const Saved& saved = bodies_[i];
     write(saved.quaternion, dBodyGetQuaternion(body));
     write(saved.rotation, dBodyGetRotation(body));
-    // Tells the body's boxes, too, that it has moved.
+    // Also marks the body's boxes as moved.
     dBodySetPosition(body, saved.position[0], saved.position[1], saved.position[2]);
     dBodySetLinearVel(body, saved.velocity[0], saved.velocity[1], saved.velocity[2]);
     dBodySetAngularVel(body, saved.rate[0], saved.rate[1], saved.rate[2]);

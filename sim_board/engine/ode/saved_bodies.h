@@ -9,10 +9,10 @@
 
 namespace koboshi::sim {
 
-// What a step changes in the bodies: state of motion and accumulated forces. Restored, it has the same bits.
+// Saves what a step changes in the bodies: their motion and the accumulated forces. Restores the same bits.
 class SavedBodies {
  public:
-  // Room for so many bodies; save and restore need no more memory.
+  // Allocates memory for this number of bodies; save and restore then allocate none.
   void resize(std::size_t bodies) { bodies_.resize(bodies); }
   void save(std::span<const OdeBody> bodies);
   void restore(std::span<const OdeBody> bodies) const;
@@ -22,7 +22,7 @@ class SavedBodies {
   struct Saved {
     std::array<dReal, 3> position;
     std::array<dReal, 4> quaternion;
-    std::array<dReal, 12> rotation;  // of the same turn: ODE's matrix
+    std::array<dReal, 12> rotation;  // ODE's matrix of the same rotation
     std::array<dReal, 3> velocity;
     std::array<dReal, 3> rate;
     std::array<dReal, 3> force;

@@ -11,17 +11,18 @@
 namespace koboshi::sim {
 namespace {
 
-// After two wrong guesses within so long the solver decides, until as long has passed: a joint whose encoder
-// flickers, or two that hold each other through the feet, would be guessed wrong again and again.
+// After two wrong guesses within this time the solver decides, for the same duration. Otherwise a joint with
+// a flickering encoder, or two joints that hold each other through the feet, would be guessed wrong
+// repeatedly.
 constexpr double kDoubt_s = 0.03;
-// Leaves the friction row solvable beside others; creep under 0.03 N m: 3e-12 rad/s.
+// Keeps the friction row solvable together with others; the creep under 0.03 N m is 3e-12 rad/s.
 constexpr double kStickingForceMixing = 1e-10;
-// A constant torque without any damping still needs a CFM: 1e-9 N m of error at 1 rad/s.
+// A constant torque without damping still needs a CFM: the error is 1e-9 N m at 1 rad/s.
 constexpr double kLeastDamping_Nm_s = 1e-9;
 
-constexpr int kDrive = 0;  // numbers of the motor's axes
+constexpr int kDrive = 0;  // indices of the motor's axes
 constexpr int kFriction = 1;
-constexpr int kInWorld = 0;  // what an axis is fixed to
+constexpr int kInWorld = 0;  // body to which an axis is fixed
 
 void set(const OdeJoint& motor, int axis, int parameter, double value) {
   dJointSetAMotorParam(motor.get(), axis * dParamGroup + parameter, value);
@@ -67,14 +68,14 @@ void ServoMotor::begin_step(const Eigen::Vector3d& b_W, double drift_rad_per_s) 
   set(stop_, 0, dParamHiStop, upper_rad_ / scale_);
   set(stop_, 0, dParamStopCFM, stop_force_mixing_ / (scale_ * scale_));
   dJointSetAMotorAngle(stop_.get(), 0, state_.position_rad / scale_);
-  *feedbacks_ = {};  // ODE leaves that of a motor without a row alone
+  *feedbacks_ = {};  // ODE does not update the feedback of a motor without rows
 
   if (doubted_steps_ > 0) --doubted_steps_;
   if (std::abs(state_.speed_rad_per_s) > kSlidingSpeed_rad_per_s) {
     friction_ = Friction::kSliding;
     direction_ = std::copysign(1.0, state_.speed_rad_per_s);
   } else if (friction_ == Friction::kSliding) {
-    friction_ = Friction::kCreeping;  // and one that crept goes on creeping, as the first guess
+    friction_ = Friction::kCreeping;  // a creeping joint stays so as the first guess
   } else if (friction_ == Friction::kBounded && doubted_steps_ == 0) {
     friction_ = Friction::kLocked;
   }
@@ -105,7 +106,7 @@ void ServoMotor::write_rows() {
 
 double ServoMotor::servo_Nm() const { return b_W_.dot(vector_of(feedbacks_->servo.t1)) / (scale_ * scale_); }
 
-// Of what the servo gave in a solution that ended with this speed, the part that dry friction has.
+// Returns the share of dry friction in the servo's torque for a solution with this final speed.
 double ServoMotor::friction_Nm(double speed_rad_per_s) const {
   const double inertial_Nm_s = servo_.rotor_inertia_kg_m2 / step_s_;
   return servo_Nm() - servo_.drive_Nm - inertial_Nm_s * state_.speed_rad_per_s +

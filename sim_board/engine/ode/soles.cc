@@ -10,11 +10,11 @@ namespace {
 
 constexpr std::size_t kLeastPoints = 3;
 constexpr double kSameDirection = 1e-9;  // 1 - cosine
-// Points closer to a line than this hold no sole.
+// Minimum width of the area that the points of a held sole span.
 constexpr double kLeastWidth_m = 1e-3;
-// A sole is held when it has rested so long: one whose load wanders to an edge, and was let go, not at once.
+// A sole is held after it has rested for this long, which delays soles whose load wanders to an edge.
 constexpr double kRest_s = 0.01;
-// What friction rows let creep is far below; what slides, above.
+// Speed limit of a resting sole: far above the creep of friction rows, below the speed of sliding.
 constexpr double kAtRest_m_per_s = 1e-6;
 
 bool can_be_held(const Touch& touch) {
@@ -31,7 +31,7 @@ double friction(const Touch& touch) {
                                                  : touch.surface.mu;
 }
 
-// Whether the points span an area: some two of them seen from the first.
+// Returns whether the points span an area.
 bool is_wide(std::span<const Contact> contacts) {
   Eigen::Vector3d longest = Eigen::Vector3d::Zero();
   for (const Contact& contact : contacts) {
@@ -58,7 +58,7 @@ Soles::Soles(dWorldID world, const RobotDescription& robot, const Bodies& bodies
   points_.reserve(HeldSole::kMostPoints);
 }
 
-// The contacts of one link with the ground follow each other.
+// The contacts of a link with the ground are consecutive.
 void Soles::guess(const Collider& collider) {
   for (Sole& sole : soles_) {
     sole.count = 0;
@@ -141,7 +141,7 @@ void Soles::finish_step(Collider& collider) {
   }
 }
 
-// Points are those of the step's beginning; a sole at rest has not gone from them.
+// The points are those at the beginning of the step; a resting sole has not moved away from them.
 bool Soles::rests(const Sole& sole, const Collider& collider) const {
   const Eigen::Vector3d v_W = vector_of(dBodyGetLinearVel(sole.body));
   const Eigen::Vector3d w_W = vector_of(dBodyGetAngularVel(sole.body));

@@ -13,22 +13,22 @@
 
 namespace koboshi::sim {
 
-// Which links stand flat on the ground, as a guess before each solution. Theirs are held soles, and the
-// contact joints are switched off; where that turns out impossible, or for all others, the contact joints do
-// the work. A link that its contact joints have kept still is held in the next step.
+// Guesses before each solution which links rest flat on the ground. These become held soles, and their
+// contact joints are switched off. The contact joints handle all other links, and those for which the guess
+// proves wrong. A link that its contact joints have kept at rest is held in the next step.
 class Soles {
  public:
   Soles(dWorldID world, const RobotDescription& robot, const Bodies& bodies, double step_s);
 
-  // After Collider::touch.
+  // Call it after Collider::touch.
   void guess(const Collider& collider);
-  // Whether all that were held can be; those that cannot are let go, for another solution.
+  // Returns whether all held soles are possible. Releases those that are not, for another solution.
   bool confirm();
   void let_go();
-  // After the solution is accepted and the collider has read its forces.
+  // Call it after the solution is accepted and the collider has read its forces.
   void finish_step(Collider& collider);
 
-  // Only guesses outlast a step: guess() holds each sole anew, or lets it go.
+  // Only the guesses persist between steps: guess() holds or releases each sole anew.
   void archive(StateArchive& archive) {
     for (Sole& sole : soles_) archive(sole.stands, sole.resting_steps);
   }
@@ -38,11 +38,11 @@ class Soles {
     HeldSole held;
     dBodyID body = nullptr;
     bool stands = false;    // the guess for the next step
-    int resting_steps = 0;  // since it came to rest or was let go
-    bool eligible = false;  // its contacts of this step could be held
-    std::size_t first = 0;  // contacts of this step
+    int resting_steps = 0;  // since it came to rest or was released
+    bool eligible = false;  // its contacts of this step can be held
+    std::size_t first = 0;  // index of the first contact of this step
     std::size_t count = 0;
-    double friction = 0.0;  // the least of them
+    double friction = 0.0;  // the lowest of its contacts
     std::vector<dJointID> joints;
   };
 
@@ -54,7 +54,7 @@ class Soles {
   double step_s_;
   std::vector<Sole> soles_;        // by link with boxes
   std::vector<int> sole_of_link_;  // -1: none
-  std::vector<SolePoint> points_;  // of one sole, to be used again
+  std::vector<SolePoint> points_;  // of one sole; reused memory
 };
 
 }  // namespace koboshi::sim
