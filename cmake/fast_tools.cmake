@@ -1,9 +1,9 @@
-# Uses ccache and mold on machines that have them. Neither changes what is built.
+# Uses ccache and mold if they are installed. Neither changes the build results.
 
 find_program(KOBOSHI_CCACHE ccache)
 if(KOBOSHI_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER AND NOT CMAKE_CXX_CLANG_TIDY AND NOT CMAKE_CROSSCOMPILING)
-  # Not for the Cortex-M4: ccache does not keep the .ci files, from which the bound of the image's stack is computed.
-  # Paths below the source tree are hashed relative to it, so that every clone shares the cache.
+  # Not for the Cortex-M4: ccache does not store the .ci files, from which the bound of the image's stack is computed.
+  # Paths below the source tree are hashed relative to it, so that all clones share the cache.
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${KOBOSHI_CCACHE})
 endif()
 

@@ -1,6 +1,7 @@
-# How this project declares its targets: one library a second-level folder, one test program a test file's subject.
+# Functions to declare targets: one library per second-level folder, one test program per subject.
 
-# What a translation unit needs that includes headers of this project. A foreign project's own warnings do not apply to them.
+# Properties of translation units that include this project's headers. They do not include the project's warnings, so
+# external projects keep their own.
 add_library(koboshi_headers INTERFACE)
 target_compile_features(koboshi_headers INTERFACE cxx_std_20)
 if(PROJECT_IS_TOP_LEVEL)
@@ -10,29 +11,30 @@ else()
 endif()
 target_include_directories(koboshi_headers INTERFACE $<INSTALL_INTERFACE:include/koboshi>)
 
-# What every translation unit of this project is compiled with; libraries do not pass it on. Contraction is off so that a run
-# repeats to the bit.
+# Compiler options of every translation unit of this project, not propagated by libraries. Floating-point contraction is
+# off so that runs are bit-identical.
 add_library(koboshi_options INTERFACE)
 target_compile_options(koboshi_options INTERFACE
   -Wall -Wextra -Wconversion -Wsign-conversion -Wdouble-promotion -ffp-contract=off)
-if(PROJECT_IS_TOP_LEVEL)  # at another optimisation, another compiler warns of other things: no reason to stop somebody else's build
+if(PROJECT_IS_TOP_LEVEL)  # compilers and optimisation levels differ in their warnings, which must not break a user's
+                          # build
   target_compile_options(koboshi_options INTERFACE -Werror)
 endif()
 target_link_libraries(koboshi_options INTERFACE koboshi_headers)
 
-# What the firmware is compiled with besides, on every board: any float arithmetic is a hard error on the host. tests/proof
-# reads the types of all variables from the debug information.
+# Additional compiler options of the firmware on every board: floating-point arithmetic is a compile error on the host.
+# tests/proof checks the types of all variables in the debug information.
 set(KOBOSHI_FIRMWARE_FLAGS -fno-exceptions -fno-rtti -fno-threadsafe-statics -g)
-# Not for the target (-mfloat-abi=soft; the linked image has no function for it), nor for clang, which cannot read the standard
-# headers with it.
+# Not for the target (-mfloat-abi=soft; the linked image has no such functions), nor for clang, which cannot parse the
+# standard headers with this option.
 if(NOT CMAKE_SYSTEM_PROCESSOR STREQUAL "cortex-m4" AND NOT CMAKE_CXX_CLANG_TIDY)
   list(APPEND KOBOSHI_FIRMWARE_FLAGS -mgeneral-regs-only)
 endif()
 add_library(koboshi_firmware_options INTERFACE)
 target_compile_options(koboshi_firmware_options INTERFACE ${KOBOSHI_FIRMWARE_FLAGS})
 
-# koboshi_library(NAME [FIRMWARE] [SOURCES ...] [DEPS ...]) makes koboshi::NAME; without sources, an interface library. It belongs to
-# the component of its folder, as cmake/install.cmake installs them.
+# koboshi_library(NAME [FIRMWARE] [SOURCES ...] [DEPS ...]) defines koboshi::NAME; without sources it is an interface
+# library. cmake/install.cmake installs it with the component of its folder.
 function(koboshi_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "FIRMWARE" "" "SOURCES;DEPS")
   if(arg_SOURCES)
@@ -55,20 +57,23 @@ function(koboshi_library name)
   endif()
 endfunction()
 
-# koboshi_test(NAME LABEL label SOURCES ... [DEPS ...]) makes a GoogleTest program whose cases ctest runs under the label.
+# koboshi_test(NAME LABEL label SOURCES ... [DEPS ...]) defines a GoogleTest program. ctest runs its cases under the
+# label.
 function(koboshi_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL" "SOURCES;DEPS")
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE koboshi_options ${arg_DEPS} GTest::gtest GTest::gmock GTest::gtest_main)
-  # What a test spends its time in is the code under test, which has its own options; its own is compiled in half the time.
+  # A test spends its time in the code under test, which has its own options; -O1 halves the compile time of the test
+  # itself.
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(${name} PRIVATE KOBOSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                              KOBOSHI_BINARY_DIR="${PROJECT_BINARY_DIR}")
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${arg_LABEL})
 endfunction()
 
-# koboshi_command_test(NAME LABEL label [NEEDS thing ...] COMMAND command ...) runs a command from the source folder. The test is skipped
-# where a thing is missing (a program, a path, or module:NAME of Python), or the command ends with status 77.
+# koboshi_command_test(NAME LABEL label [NEEDS thing ...] COMMAND command ...) runs a command from the source folder.
+# The test is skipped if a needed thing is missing (a program, a path, or module:NAME of Python) or if the command exits
+# with status 77.
 function(koboshi_command_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL" "NEEDS;COMMAND")
   list(TRANSFORM arg_NEEDS PREPEND "--need=")
@@ -78,14 +83,14 @@ function(koboshi_command_test name)
   set_tests_properties(${name} PROPERTIES LABELS ${arg_LABEL} SKIP_RETURN_CODE 77)
 endfunction()
 
-# koboshi_python_test(NAME LABEL label SCRIPT script [NEEDS thing ...] [ARGS ...]) runs a Python program with Debian's interpreter; it is
-# skipped if tests of its unittest are and none fails.
+# koboshi_python_test(NAME LABEL label SCRIPT script [NEEDS thing ...] [ARGS ...]) runs a Python program with Debian's
+# interpreter. It is skipped if its unittest skips tests and none fails.
 function(koboshi_python_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL;SCRIPT" "NEEDS;ARGS")
   koboshi_command_test(${name} LABEL ${arg_LABEL} NEEDS ${arg_NEEDS} COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/${arg_SCRIPT} ${arg_ARGS})
 endfunction()
 
-# koboshi_skipped_test(NAME LABEL label REASON reason) stands for a test that this build cannot have.
+# koboshi_skipped_test(NAME LABEL label REASON reason) reports a test that this build cannot contain as skipped.
 function(koboshi_skipped_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL;REASON" "")
   koboshi_command_test(${name} LABEL ${arg_LABEL} COMMAND ${CMAKE_COMMAND} -E echo "skipped: ${arg_REASON}")

@@ -8,7 +8,7 @@
 namespace koboshi::cortex_m {
 namespace {
 
-constexpr std::uint32_t kValid = 0x4B46'4C54;  // "KFLT"; RAM holds anything after power-on
+constexpr std::uint32_t kValid = 0x4B46'4C54;  // "KFLT"; RAM is undefined after power-on
 
 struct Kept {
   std::uint32_t valid;
@@ -20,7 +20,7 @@ struct Kept {
 
 Kept& kept() { return *reinterpret_cast<Kept*>(storage); }
 
-// What the core pushes when it takes an exception (ARMv7-M, B1.5.6).
+// Stack frame that the core pushes when it takes an exception (ARMv7-M, B1.5.6).
 struct ExceptionFrame {
   std::uint32_t r0, r1, r2, r3, r12, link_register, program_counter, program_status;
 };
@@ -47,7 +47,8 @@ const FaultRecord* last_fault() { return kept().valid == kValid ? &kept().record
 void clear_fault() { kept().valid = 0; }
 void note_behaviour_state(std::uint32_t state) { kept().behaviour_state = state; }
 
-// `r4_to_r11` as the program had them, `stack_pointer` to the exception frame.
+// Stores the fault record. `r4_to_r11` are the program's values; `stack_pointer` points to the exception
+// frame.
 extern "C" [[noreturn, gnu::used]] void record_fault(const std::uint32_t* r4_to_r11,
                                                      std::uint32_t stack_pointer) {
   set_drive_enable_line(false);
@@ -58,7 +59,7 @@ extern "C" [[noreturn, gnu::used]] void record_fault(const std::uint32_t* r4_to_
   record.stack_pointer = stack_pointer;
   if (in_ram(stack_pointer)) {
     const auto& frame = *reinterpret_cast<const ExceptionFrame*>(stack_pointer);
-    const bool padded = (frame.program_status & (1u << 9)) != 0;  // to an address that is a multiple of 8
+    const bool padded = (frame.program_status & (1u << 9)) != 0;  // the core aligned the stack to 8 bytes
     record.stack_pointer += static_cast<std::uint32_t>(sizeof frame) + (padded ? 4 : 0);
     record.r[0] = frame.r0;
     record.r[1] = frame.r1;
@@ -79,8 +80,7 @@ extern "C" [[noreturn, gnu::used]] void record_fault(const std::uint32_t* r4_to_
   reset();
 }
 
-// The program's stack may be what broke, so the handler starts a new one at its top: nobody will return to
-// what was there.
+// The program's stack may be corrupt, so the handler restarts it at its top. It never returns to the program.
 extern "C" [[gnu::naked]] void fault_handler() {
   asm volatile(
       "mov r1, sp\n"

@@ -13,15 +13,16 @@ std::uint32_t stack_peak_bytes() {
                                     reinterpret_cast<std::uintptr_t>(word));
 }
 
-// Makes the kibibyte below RAM, which the stack would run into, a memory fault (ARMv7-M, B3.5).
+// Makes access to the kibibyte below RAM, into which the stack would overflow, a memory fault (ARMv7-M,
+// B3.5).
 void guard_stack() {
   constexpr std::uint32_t kGuard_bytes = 1024;
   constexpr std::uint32_t kRegion0 = 1u << 4;        // with the "valid" bit: region 0
-  constexpr std::uint32_t kNoAccess = 9u << 1 | 1u;  // 2^(9 + 1) bytes, never to be executed or touched
+  constexpr std::uint32_t kNoAccess = 9u << 1 | 1u;  // size 2^(9 + 1) bytes; no access, no execution
   Registers::protection_base() =
       (reinterpret_cast<std::uintptr_t>(image_ram_begin) - kGuard_bytes) | kRegion0;
   Registers::protection_attributes() = kNoAccess;
-  Registers::protection_control() = 0b101;  // on; whatever no region covers is as without it
+  Registers::protection_control() = 0b101;  // enabled; the default memory map applies outside the regions
 }
 
 extern "C" [[noreturn, gnu::used]] void reset_handler() {
@@ -30,7 +31,7 @@ extern "C" [[noreturn, gnu::used]] void reset_handler() {
   const std::uint32_t* load = image_data_load;
   for (std::uint32_t* word = image_data_begin; word < image_data_end; ++word) *word = *load++;
   for (std::uint32_t* word = image_bss_begin; word < image_bss_end; ++word) *word = 0;
-  Registers::handler_control() = 0b111 << 16;  // memory, bus and usage faults with their own numbers
+  Registers::handler_control() = 0b111 << 16;  // enables the separate memory, bus and usage faults
   guard_stack();
   run_image();
 }
@@ -41,7 +42,7 @@ using Handler = void (*)();
 
 struct VectorTable {
   const void* stack_top;
-  Handler handlers[15 + 32];  // of the core, and of the first interrupts; all of those are disabled
+  Handler handlers[15 + 32];  // of the core, and of the first interrupts, all of which are disabled
 };
 
 constexpr VectorTable make_vector_table() {
@@ -55,7 +56,7 @@ constexpr VectorTable make_vector_table() {
 
 }  // namespace
 
-// What the compiler and <cassert> call when the program is wrong: a fault.
+// The compiler and <cassert> call these functions on programming errors: they cause a fault.
 extern "C" [[noreturn]] void __cxa_pure_virtual() { __builtin_trap(); }
 extern "C" [[noreturn]] void __assert_func(const char*, int, const char*, const char*) { __builtin_trap(); }
 

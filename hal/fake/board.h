@@ -11,7 +11,7 @@
 
 namespace koboshi::hal {
 
-// A complete board for unit tests of controller logic: scripted, deterministic, without a clock.
+// A complete fake board for unit tests of controller logic: scripted, deterministic, without a clock.
 //
 //   FakeBoard board;
 //   Subject subject(board.ports());
@@ -23,10 +23,10 @@ struct FakeBoard {
   FakeCan can;
   FakeImu imu;
   FakeAnkles ankles;
-  FakeStorage storage{128, 2048};  // as hal/flash has it
+  FakeStorage storage{128, 2048};  // as in hal/flash
   FakeWatchdog watchdog;
   FakeDriveEnable drive_enable;
-  std::span<const std::uint8_t> sensor_nodes;  // none: wired
+  std::span<const std::uint8_t> sensor_nodes;  // empty: the sensors are wired to the controller
 
   // Returns the ports, valid as long as this object exists at its address.
   [[nodiscard]] Board ports() { return {can, imu, ankles, storage, watchdog, drive_enable, sensor_nodes}; }

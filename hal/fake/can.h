@@ -18,7 +18,7 @@ class FakeCan final : public CanPort {
   static constexpr std::size_t kReceiveCapacity = 64;
   static constexpr std::size_t kTransmitCapacity = 64;
 
-  // --- for the test ---
+  // --- Functions for tests ---
 
   // Delivers a frame. If the receive ring is full, it is lost and counted.
   void deliver(const CanFrame& frame) {
@@ -37,7 +37,7 @@ class FakeCan final : public CanPort {
   void clear_sent() { sent_.clear(); }
   // Stalls the bus: each FIFO takes this many more frames and then refuses, until `release_transmit`.
   void limit_transmit(std::size_t frames) { transmit_limits_.fill(frames); }
-  // Stalls one FIFO, as other nodes with lower identifiers would.
+  // Stalls one FIFO, as traffic of other nodes with lower identifiers would.
   void limit_transmit(TransmitFifo fifo, std::size_t frames) { transmit_limits_[fifo] = frames; }
   void release_transmit() { transmit_limits_.fill(std::nullopt); }
   void set_error_state(CanErrorState state) { status_.state = state; }
@@ -45,8 +45,8 @@ class FakeCan final : public CanPort {
     status_.transmit_error_count = transmit;
     status_.receive_error_count = receive;
   }
-  // Returns how often the firmware started a recovery from bus-off. The state stays until the test changes
-  // it.
+  // Returns the number of recoveries from bus-off that the firmware has started. The state stays until the
+  // test changes it.
   [[nodiscard]] int recoveries() const { return recoveries_; }
 
   // --- CanPort ---

@@ -9,7 +9,8 @@ namespace {
 
 using namespace stm32;
 
-constexpr int kMaxInterrupts = 1'000;  // in a row: more is a handler that does not clear what called it
+constexpr int kMaxInterrupts = 1'000;  // limit of consecutive calls; beyond it a handler does not clear its
+                                       // interrupt
 constexpr std::uint32_t kResetBitTiming = 0x0123'0000;
 constexpr std::uint32_t kClearedByWriting = 0x0F0F0F;  // of TSR: RQCP, TXOK, ALST and TERR of three mailboxes
 
@@ -58,7 +59,7 @@ void FakeCanRegisters::settle() {
   }
 }
 
-// --- What the driver has written
+// --- Register writes of the driver
 
 void FakeCanRegisters::take_writes() {
   take_modes();
@@ -71,7 +72,7 @@ void FakeCanRegisters::take_writes() {
 void FakeCanRegisters::take_modes() {
   const std::uint32_t mode = registers.mcr;
   asleep_ = (mode & mcr::kSleep) != 0;
-  if (initialisation_) bit_timing_ = registers.btr;  // protected in every other mode
+  if (initialisation_) bit_timing_ = registers.btr;  // read-only in every other mode
   const bool requested = (mode & mcr::kInrq) != 0;
   if (initialisation_ && !requested) sequences_left_ = bus_off() ? kRecoverySequences : 1;
   initialisation_ = requested;
@@ -81,7 +82,7 @@ void FakeCanRegisters::take_transmit_status() {
   const std::uint32_t written = registers.tsr;
   if (written == shown_tsr_) return;
   const std::uint32_t cleared = written & completed_ & tsr::kAllCompleted;
-  // Clearing RQCP clears the flags beside it.
+  // Clearing RQCP also clears the mailbox's other flags.
   completed_ &= ~(cleared * 0xF | (written & kClearedByWriting));
   for (std::size_t box = 0; box < mailboxes_.size(); ++box) {
     if ((written & tsr::abrq(box)) != 0 && mailboxes_[box].pending) complete(box, tsr::rqcp(box));
@@ -112,7 +113,7 @@ void FakeCanRegisters::complete(std::size_t box, std::uint32_t flags) {
   registers.transmit[box].identifier = registers.transmit[box].identifier & ~mailbox::kTxrq;
 }
 
-// --- What the driver sees next
+// --- Register values for the driver
 
 void FakeCanRegisters::show() {
   registers.msr = (initialisation_ ? msr::kInak : 0u) | (asleep_ ? msr::kSlak : 0u);

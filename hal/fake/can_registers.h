@@ -11,61 +11,62 @@
 
 namespace koboshi::hal {
 
-// The hardware behind stm32::CanRegisters: mailboxes, receive FIFO, error counts and modes as RM0090, section
-// 32, describes them, for a driver that runs on the host.
+// Simulates the hardware behind stm32::CanRegisters for a driver that runs on the host: mailboxes, receive
+// FIFO, error counts and modes as described in RM0090, section 32.
 //
 //   FakeCanRegisters hardware;
 //   stm32::Can can(hardware.registers);
 //   hardware.connect([&] { can.on_receive_interrupt(); }, [&] { can.on_transmit_interrupt(); });
-//   hardware.deliver({.identifier = 0x181});    // the interrupt takes it out of the FIFO
+//   hardware.deliver({.identifier = 0x181});    // the interrupt handler reads it from the FIFO
 //
-// Plain memory cannot act while it is written. So the hardware looks at its registers between two calls of
-// the driver, in `settle`: what differs from the value that it showed last has been written. Within one call
-// the driver therefore finds flags as they were when it began, as on a part whose peripheral clock is slow.
-// The FIFO 1, interrupts of errors, time stamps and loop-back are not there.
+// Plain memory cannot react to writes. The hardware therefore inspects its registers between two calls of the
+// driver, in `settle`: a value that differs from the last one shown has been written. Within one call the
+// driver sees the flags as they were at its beginning, as on a part with a slow peripheral clock. Not
+// simulated: FIFO 1, error interrupts, time stamps and loop-back.
 class FakeCanRegisters {
  public:
   static constexpr std::size_t kFifoCapacity = 3;
-  static constexpr int kRecoverySequences = 128;  // of 11 recessive bits
+  static constexpr int kRecoverySequences = 128;  // each of 11 recessive bits
 
-  // As after a reset: asleep.
+  // Starts as after a reset: in sleep mode.
   FakeCanRegisters();
   FakeCanRegisters(const FakeCanRegisters&) = delete;
   FakeCanRegisters& operator=(const FakeCanRegisters&) = delete;
 
-  // The handlers of the interrupts RX0 and TX. Called from here on whenever an interrupt is active.
+  // Sets the handlers of the interrupts RX0 and TX. They are called whenever the interrupt is active.
   void connect(std::function<void()> on_receive, std::function<void()> on_transmit);
 
-  // Time passes: what the driver has written takes effect, and its handlers run until no interrupt is active.
-  // Throws std::logic_error when a handler leaves its interrupt active for ever. Every function below begins
-  // and ends with this.
+  // Processes the driver's register writes and calls its handlers until no interrupt is active. Throws
+  // std::logic_error if a handler never clears its interrupt. Every function below begins and ends with a
+  // call of this function.
   void settle();
 
-  // --- the bus ---
+  // --- The bus ---
 
-  // Whether the controller takes part in the bus: in normal mode and not bus-off.
+  // Returns whether the controller participates in the bus: in normal mode and not bus-off.
   [[nodiscard]] bool on_bus();
-  // Another node's frame. Nothing happens where the controller is not on the bus or no filter lets it pass.
+  // Delivers another node's frame. No effect if the controller is not on the bus or no filter accepts the
+  // frame.
   void deliver(const CanFrame& frame);
-  // The frame that takes part in the arbitration: the lowest identifier among the mailboxes, or the oldest
-  // request where MCR.TXFP is set.
+  // Returns the frame that participates in the arbitration: the one with the lowest identifier in the
+  // mailboxes, or the oldest request if MCR.TXFP is set.
   [[nodiscard]] std::optional<CanFrame> contender();
-  // That frame wins, and is acknowledged. Nothing when there is none.
+  // Lets that frame win the arbitration and acknowledges it. Returns nothing if there is none.
   std::optional<CanFrame> send();
-  // That frame is destroyed, and will be tried again: 8 transmit errors. Nothing when there is none.
+  // Destroys that frame, which will be retransmitted: 8 transmit errors. No effect if there is none.
   void destroy_transmission();
-  // Another node's frame is destroyed: one receive error.
+  // Destroys another node's frame: one receive error.
   void destroy_reception();
-  // The bus is recessive for so many times 11 bits.
+  // Lets this many sequences of 11 recessive bits pass.
   void pass_recessive(int sequences);
 
-  // --- what the driver sees ---
+  // --- The driver's view ---
   stm32::CanRegisters registers{};
 
  private:
   struct Mailbox {
     bool pending = false;
-    std::uint64_t request = 0;  // which it was, counted over all mailboxes
+    std::uint64_t request = 0;  // sequence number of the request, over all mailboxes
     CanFrame frame;
   };
 
@@ -86,7 +87,7 @@ class FakeCanRegisters {
   std::function<void()> on_transmit_;
   bool asleep_ = true;
   bool initialisation_ = false;
-  int sequences_left_ = 0;  // of recessive bits, until the bus may be used
+  int sequences_left_ = 0;  // sequences of 11 recessive bits left until the controller may use the bus
   std::array<Mailbox, 3> mailboxes_;
   std::uint64_t requests_ = 0;
   std::uint32_t completed_ = 0;  // RQCP, TXOK and TERR of all mailboxes

@@ -29,7 +29,7 @@ class FakeWatchdog final : public WatchdogPort {
 class FakeDriveEnable final : public DriveEnablePort {
  public:
   [[nodiscard]] bool enabled() const { return enabled_; }
-  // Returns every level to which the line changed, in order. Setting the present level is no change.
+  // Returns the levels to which the line has changed, in order. Setting the present level is not a change.
   [[nodiscard]] const std::vector<bool>& changes() const { return changes_; }
 
   void set(bool enabled) override {

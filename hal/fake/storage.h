@@ -9,27 +9,27 @@
 
 namespace koboshi::hal {
 
-// Flash memory in RAM. An erasure or a write stays busy for a scripted number of `state` calls, or until
-// `finish`. Until then its range reads as scrambled bytes, so that a test notices a reader that does not
-// wait.
+// Flash memory in RAM. An erase or write operation is busy for a scripted number of `state` calls, or until
+// `finish`. Until then its range reads as scrambled bytes, so that tests detect code that does not wait.
 class FakeStorage final : public StoragePort {
  public:
   explicit FakeStorage(std::size_t sector_count = 4, std::size_t sector_size_bytes = 1024);
 
-  // --- what a test scripts ---
+  // --- Functions for tests ---
 
-  // Operations begun from now on return kBusy to this many calls of `state` and are done at the next.
-  // Default: 0.
+  // Sets the number of kBusy results of `state` for each operation begun from now on; the next call then
+  // reports its completion. Default: 0.
   void complete_after(int polls) { polls_ = polls; }
-  // Operations begun from now on stay busy until `finish`.
+  // Keeps operations begun from now on busy until `finish`.
   void complete_by_finish() { polls_.reset(); }
-  // Ends the running operation. No effect when there is none.
+  // Completes the operation in progress. No effect if there is none.
   void finish();
-  // The next operation to be begun ends in kFailed, its range scrambled.
+  // Makes the next operation end in kFailed with its range scrambled.
   void fail_next() { fail_next_ = true; }
-  // Power fails and returns: a running operation is cancelled, with its range scrambled; the state is idle.
+  // Simulates a power failure: an operation in progress is aborted with its range scrambled, and the state is
+  // idle.
   void lose_power();
-  // Puts bytes in place at once, as programmed in the factory. The range must lie in the memory.
+  // Writes bytes at once, as in the factory. The range must be within the memory.
   void load(std::size_t offset, std::span<const std::byte> bytes);
 
   // --- StoragePort ---
@@ -43,8 +43,8 @@ class FakeStorage final : public StoragePort {
  private:
   struct Operation {
     std::size_t offset;
-    std::vector<std::byte> result;  // what the range holds once the operation is done
-    std::optional<int> polls_left;  // without: until `finish`
+    std::vector<std::byte> result;  // contents of the range after completion
+    std::optional<int> polls_left;  // empty: until `finish`
     bool fails;
   };
 
@@ -54,7 +54,7 @@ class FakeStorage final : public StoragePort {
   std::size_t sector_size_bytes_;
   std::optional<int> polls_ = 0;
   bool fail_next_ = false;
-  // Time passes for the memory where `state`, a const verb, is polled.
+  // Mutable, because polling the const function `state` advances the operation.
   mutable std::vector<std::byte> bytes_;
   mutable std::optional<Operation> operation_;
   mutable bool failed_ = false;

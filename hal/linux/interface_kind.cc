@@ -18,7 +18,7 @@ struct LinkRequest {
   ifinfomsg link;
 };
 
-// The first attribute of this type among those in the bytes from `first` on; null without one.
+// Returns the first attribute of this type in the `bytes` bytes from `first` on, or null if there is none.
 const rtattr* find(const rtattr* first, std::size_t bytes, unsigned short type) {
   const auto* at = reinterpret_cast<const char*>(first);
   while (bytes >= sizeof(rtattr)) {

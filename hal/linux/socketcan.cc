@@ -13,10 +13,10 @@
 namespace koboshi::hal {
 namespace {
 
-// Half a second of a full bus, at the kernel's reckoning of 0.5 KiB and more a frame.
+// Half a second of a full bus; the kernel counts at least 0.5 KiB per frame.
 constexpr int kBuffer_bytes = 4 << 20;
 
-// A message to or from the kernel for each of these frames, which must outlive it.
+// A sendmmsg/recvmmsg message for each of these frames, which must outlive it.
 class Messages {
  public:
   explicit Messages(std::span<can_frame> frames) : count_(static_cast<unsigned>(frames.size())) {
@@ -87,7 +87,7 @@ std::optional<CanFrame> SocketCan::receive() {
   }
 }
 
-// False when the kernel has none.
+// Receives a batch of frames. Returns false if there is none.
 bool SocketCan::fetch() {
   Messages messages{incoming_};
   incoming_next_ = incoming_count_ = 0;

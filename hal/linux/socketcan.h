@@ -23,9 +23,9 @@ class SocketCan {
   // Throws std::system_error if the kernel has no CAN or no such interface, or if the interface is down.
   explicit SocketCan(const std::string& interface);
 
-  // Keeps the frame for the next flush. Returns false, with the frame lost, if there is no room.
+  // Buffers the frame until the next flush. Returns false, with the frame lost, if there is no room.
   [[nodiscard]] bool send(const CanFrame& frame);
-  // Sends the kept frames in order. Frames for which the interface has no room are kept for the next call.
+  // Sends the buffered frames in order. Frames for which the interface has no room stay buffered.
   void flush();
   // Returns the oldest received frame, nothing if there is none. Skips frames with 29-bit identifiers and
   // error frames. Throws std::system_error if the interface is gone or down.

@@ -3,12 +3,12 @@
 namespace koboshi::hal {
 namespace {
 
-constexpr std::uint8_t kRemoteBit = 0x80;  // in the byte of the frame's size
+constexpr std::uint8_t kRemoteBit = 0x80;  // in the size byte of a frame
 constexpr std::uint8_t kRecoverBit = 0x01;
 constexpr std::uint8_t kKickedBit = 0x02;
 constexpr std::uint8_t kEnabledBit = 0x04;
 
-// Appends integers, little-endian. Past the end of the buffer it writes nothing and remembers that.
+// Appends little-endian integers. Past the end of the buffer it writes nothing and records the error.
 class Writer {
  public:
   explicit Writer(std::span<std::byte> bytes) : bytes_(bytes) {}
@@ -32,8 +32,8 @@ class Writer {
   bool overflown_ = false;
 };
 
-// Takes integers, little-endian. Once something was missing or out of range it reads zeros and is not
-// `complete`.
+// Reads little-endian integers. After a missing or out-of-range value it returns zeros, and `complete`
+// returns false.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -60,7 +60,7 @@ class Reader {
     for (std::int16_t& axis : axes) axis = static_cast<std::int16_t>(get<std::uint16_t>());
   }
   void require(bool condition) { valid_ = valid_ && condition; }
-  // Whether every field was there and valid, and nothing came after them.
+  // Returns whether every field was present and valid and no bytes follow.
   [[nodiscard]] bool complete() const { return valid_ && bytes_.empty(); }
 
  private:

@@ -11,10 +11,10 @@
 
 namespace koboshi::hal {
 
-// The inputs and outputs of one `service` call, as one message each way. The board fills a BatchInput; the
-// ports of a BatchBoard serve the firmware from it and collect a BatchOutput. Within a process the structs
-// are passed directly; to another process or machine their encoding is sent. Both carry the same data, so
-// that the runs are identical.
+// Inputs and outputs of one `service` call, as one message in each direction. The board fills a BatchInput;
+// the ports of a BatchBoard serve the firmware from it and collect a BatchOutput. Within a process the
+// structs are passed directly; another process or machine receives their encoding. Both carry the same data,
+// so the runs are identical.
 
 template <typename T, std::size_t kCapacity>
 struct BoundedList {
@@ -31,8 +31,8 @@ struct BoundedList {
 };
 
 struct BatchInput {
-  static constexpr std::size_t kMaxFrames = 64;      // the receive ring
-  static constexpr std::size_t kMaxImuSamples = 16;  // the IMU's FIFO
+  static constexpr std::size_t kMaxFrames = 64;      // capacity of the receive ring
+  static constexpr std::size_t kMaxImuSamples = 16;  // capacity of the IMU's FIFO
 
   std::uint64_t now_us = 0;
   bool tick = false;  // `tick` follows this `service`
@@ -47,18 +47,18 @@ struct BatchInput {
 };
 
 struct BatchOutput {
-  static constexpr std::size_t kMaxFrames = 64;  // all transmit FIFOs together
+  static constexpr std::size_t kMaxFrames = 64;  // of all transmit FIFOs together
 
   BoundedList<CanFrame, kMaxFrames> frames;
-  bool recover = false;  // from bus-off
+  bool recover = false;  // start the recovery from bus-off
   bool watchdog_kicked = false;
   bool drive_enabled = false;  // level of the line after the call
 };
 
-// Little-endian, fields in the order above, lists as a 16-bit count and their items, truth values as a byte
-// of 0 or 1; no padding. A frame is its identifier, a byte with its size and bit 7 for a remote frame, and 8
-// bytes of data. A BatchOutput ends with a byte of flags: bit 0 recover, bit 1 watchdog_kicked, bit 2
-// drive_enabled.
+// Encoding: little-endian, fields in the above order without padding, lists as a 16-bit count followed by
+// their items, booleans as a byte of 0 or 1. A frame is its identifier, a byte with its size and bit 7 for a
+// remote frame, and 8 bytes of data. A BatchOutput ends with a flag byte: bit 0 recover, bit 1
+// watchdog_kicked, bit 2 drive_enabled.
 inline constexpr std::size_t kMaxFrameBytes = 2 + 1 + 8;
 inline constexpr std::size_t kMaxBatchInputBytes = 8 + 1 + 5 + 3 * kTransmitFifos + 2 + 2 +
                                                    BatchInput::kMaxFrames * kMaxFrameBytes + 2 +

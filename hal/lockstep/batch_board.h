@@ -11,13 +11,13 @@
 
 namespace koboshi::hal {
 
-// A board whose peripherals are messages: between `begin` and `end` its ports serve the firmware from one
-// BatchInput and collect one BatchOutput. The simulated board uses it in process, the Cortex-M4 image at its
-// end of the link.
+// A board that exchanges messages instead of driving peripherals: between `begin` and `end` its ports serve
+// the firmware from one BatchInput and collect one BatchOutput. Both the simulated board and the Cortex-M4
+// image use it.
 //
-// As on hardware, unread data waits for the next call: frames and IMU samples in queues of the capacity of a
-// BatchInput (more is lost and counted as overrun), and the latest sample of each ankle. Storage is not part
-// of the messages: each board has its own.
+// As on hardware, unread data stay available in the next call: frames and IMU samples in queues with the
+// capacity of a BatchInput (the excess is lost and counted as overrun), and the latest sample of each ankle.
+// Storage is not part of the messages: each board has its own.
 class BatchBoard final : private CanPort,
                          private ImuPort,
                          private AnklePort,
@@ -32,8 +32,8 @@ class BatchBoard final : private CanPort,
 
   // Returns the ports, valid during the lifetime of this object.
   [[nodiscard]] Board board() { return {*this, *this, *this, storage_, *this, *this, sensor_nodes_}; }
-  // Starts a call: takes the input and clears the output except the level of the drive-enable line, which is
-  // low at first and is then kept. `input` is not used afterwards.
+  // Starts a call: copies the input and clears the output except the level of the drive-enable line, which is
+  // initially low and then keeps its value.
   void begin(const BatchInput& input);
   // Ends the call and returns its output, valid until the next `begin`.
   [[nodiscard]] const BatchOutput& end() const { return output_; }
@@ -55,11 +55,11 @@ class BatchBoard final : private CanPort,
   std::span<const std::uint8_t> sensor_nodes_;
   Fifo<CanFrame, BatchInput::kMaxFrames> frames_;
   Fifo<ImuSample, BatchInput::kMaxImuSamples> imu_;
-  std::uint16_t frames_lost_ = 0;  // here, beside those that the board lost itself
+  std::uint16_t frames_lost_ = 0;  // overruns here, in addition to those of the board
   std::uint16_t samples_lost_ = 0;
   CanStatus status_;
   std::uint16_t imu_overruns_ = 0;
-  std::array<std::uint16_t, kTransmitFifos> transmit_space_{};  // by TransmitFifo; what is left in this call
+  std::array<std::uint16_t, kTransmitFifos> transmit_space_{};  // by TransmitFifo; room left in this call
   std::array<bool, kTransmitFifos> transmit_pending_{};
   std::array<bool, 2> ankle_fresh_{};
   std::array<AnkleSample, 2> ankles_{};

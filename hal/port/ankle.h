@@ -11,7 +11,7 @@ namespace koboshi::hal {
 // the wrench that the ground side exerts on the shank side, at the sensor's origin.
 struct AnkleSample {
   std::uint32_t time_us = 0;                 // low 32 bits of board time at the sampling instant
-  std::array<std::int16_t, 3> force_raw{};   // x, y, z; 2^15 counts are the full scale of the robot's model
+  std::array<std::int16_t, 3> force_raw{};   // x, y, z; 2^15 counts are the full scale in the robot's model
   std::array<std::int16_t, 3> torque_raw{};  // likewise
 
   friend bool operator==(const AnkleSample&, const AnkleSample&) = default;

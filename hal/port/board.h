@@ -11,8 +11,8 @@
 
 namespace koboshi::hal {
 
-// The hardware behind the firmware: a reference to each driver. The drivers outlive the firmware. Time is no
-// driver: it is an argument of each call, in microseconds since reset.
+// The hardware behind the firmware: a reference to each driver. The drivers must outlive the firmware. There
+// is no clock driver: each call receives the time, in microseconds since reset, as an argument.
 struct Board {
   CanPort& can;
   ImuPort& imu;

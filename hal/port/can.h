@@ -9,7 +9,7 @@ namespace koboshi::hal {
 // A classic CAN data frame with an 11-bit identifier (ISO 11898-1). Remote frames carry no data.
 struct CanFrame {
   std::uint16_t identifier = 0;  // 0..0x7FF
-  std::uint8_t size = 0;         // 0..8; of a remote frame, the size it asks for
+  std::uint8_t size = 0;         // 0..8; for a remote frame, the requested size
   bool remote = false;
   std::array<std::uint8_t, 8> data{};
 
@@ -23,7 +23,7 @@ struct CanStatus {
   CanErrorState state = CanErrorState::kErrorActive;
   std::uint8_t transmit_error_count = 0;
   std::uint8_t receive_error_count = 0;
-  std::uint16_t receive_overruns = 0;  // received frames that were lost for lack of room; saturates
+  std::uint16_t receive_overruns = 0;  // received frames lost for lack of room; saturates
 
   friend bool operator==(const CanStatus&, const CanStatus&) = default;
 };
@@ -32,9 +32,9 @@ struct CanStatus {
 // delay the SYNC behind it for as long as the bus is busy (priority inversion). Frames of different priority
 // therefore use different FIFOs. Any controller with three transmit buffers that sends the lowest identifier
 // first can implement them: ST's bxCAN, Bosch's M_CAN, NXP's FlexCAN.
-enum TransmitFifo : std::uint8_t {  // unscoped: the index of arrays of all
+enum TransmitFifo : std::uint8_t {  // unscoped, so that it can index arrays
   kProcessFifo = 0,                 // boot-up, NMT, SYNC, emergencies, PDOs
-  kAnswerFifo = 1,                  // of SDO servers
+  kAnswerFifo = 1,                  // answers of SDO servers
   kBackgroundFifo = 2,              // SDO requests, heartbeats, LSS
 };
 inline constexpr std::size_t kTransmitFifos = 3;
@@ -63,14 +63,14 @@ class CanPort {
   // Appends a frame to its FIFO (transmit_fifo), which keeps the order. Returns false, with nothing sent, if
   // that FIFO is full.
   [[nodiscard]] virtual bool transmit(const CanFrame& frame) = 0;
-  // Returns how many frames `transmit` would accept into this FIFO now.
+  // Returns the number of frames that `transmit` would accept into this FIFO now.
   [[nodiscard]] virtual std::size_t transmit_space(TransmitFifo fifo) const = 0;
-  // Returns whether a frame of this FIFO waits for its transmission or is being transmitted.
+  // Returns whether this FIFO contains a frame that is waiting or in transmission.
   [[nodiscard]] virtual bool transmit_pending(TransmitFifo fifo) const = 0;
-  // Returns the state and the error counts of this moment.
+  // Returns the present state and error counts.
   [[nodiscard]] virtual CanStatus status() const = 0;
-  // Starts the recovery from bus-off, which takes 128 sequences of 11 recessive bits (ISO 11898-1). The
-  // frames that wait may be dropped. No effect in other states or during a recovery.
+  // Starts the recovery from bus-off, which takes 128 sequences of 11 recessive bits (ISO 11898-1). Waiting
+  // frames may be dropped. No effect in other states or during a recovery.
   virtual void recover() = 0;
 
  protected:

@@ -8,7 +8,7 @@ namespace koboshi::hal {
 // One sample of a six-axis inertial unit, in the sensor's own frame and counts.
 struct ImuSample {
   std::uint32_t time_us = 0;               // low 32 bits of board time at the sampling instant
-  std::array<std::int16_t, 3> gyro_raw{};  // x, y, z; 2^15 counts are the full scale of the robot's model
+  std::array<std::int16_t, 3> gyro_raw{};  // x, y, z; 2^15 counts are the full scale in the robot's model
   std::array<std::int16_t, 3> accelerometer_raw{};  // likewise; specific force, +1 g upwards at rest
 
   friend bool operator==(const ImuSample&, const ImuSample&) = default;

@@ -4,8 +4,8 @@
 
 namespace koboshi::hal {
 
-// A watchdog without window. When its time-out expires, the board resets and the drive-enable line goes low.
-// The firmware kicks it in each `service`; a time-out of 0.5 s is expected.
+// A watchdog without a window. When its time-out expires, the board resets and the drive-enable line goes
+// low. The firmware kicks the watchdog in each `service`; the expected time-out is 0.5 s.
 class WatchdogPort {
  public:
   // Restarts the time-out.

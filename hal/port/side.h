@@ -6,10 +6,10 @@
 
 namespace koboshi::hal {
 
-// The side of a foot, leg or arm, seen by the robot.
+// The side of a foot, leg or arm, from the robot's point of view.
 enum class Side : std::uint8_t { kLeft = 0, kRight = 1 };
 
-// One T for each side, the left one first: an array whose index is a Side.
+// One T per side, the left one first: an array with a Side as index.
 template <typename T>
 struct BySide : std::array<T, 2> {
   using std::array<T, 2>::operator[];

@@ -17,13 +17,13 @@ class StoragePort {
   [[nodiscard]] virtual std::span<const std::byte> contents() const = 0;
   // Returns the size of a sector, a divisor of the size of `contents`.
   [[nodiscard]] virtual std::size_t sector_size_bytes() const = 0;
-  // Begins to erase the sector that starts at `offset`. Returns false, with nothing begun, if busy, if the
-  // offset is no sector's start, or if it is out of range.
+  // Begins to erase the sector at `offset`. Returns false and does nothing if busy, or if the offset is out
+  // of range or not the start of a sector.
   [[nodiscard]] virtual bool begin_erase(std::size_t offset) = 0;
-  // Begins to write `bytes`, at most kMaxWriteSize, and copies them before it returns. Returns false, with
-  // nothing begun, if busy, out of range, too long, or if a cleared bit would have to be set.
+  // Begins to write `bytes`, at most kMaxWriteSize, and copies them before it returns. Returns false and does
+  // nothing if busy, out of range or too long, or if a cleared bit would have to be set.
   [[nodiscard]] virtual bool begin_write(std::size_t offset, std::span<const std::byte> bytes) = 0;
-  // Returns the state of the last operation; the firmware polls it each millisecond while one runs.
+  // Returns the state of the last operation. The firmware polls it each millisecond during an operation.
   [[nodiscard]] virtual StorageState state() const = 0;
 
   static constexpr std::size_t kMaxWriteSize = 256;

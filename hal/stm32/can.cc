@@ -14,7 +14,7 @@ void put_word(std::uint32_t word, CanFrame& frame, std::size_t first) {
   for (std::size_t i = 0; i < 4; ++i) frame.data[first + i] = static_cast<std::uint8_t>(word >> (8 * i));
 }
 
-// The request comes last: from then on the mailbox belongs to the hardware.
+// The request must be last: it passes ownership of the mailbox to the hardware.
 void write(const CanFrame& frame, CanRegisters::Mailbox& box) {
   box.length = frame.size;
   box.data_low = word(frame, 0);
@@ -23,7 +23,7 @@ void write(const CanFrame& frame, CanRegisters::Mailbox& box) {
                    (frame.remote ? mailbox::kRtr : 0u) | mailbox::kTxrq;
 }
 
-// A DLC of 9..15 stands for 8 bytes (ISO 11898-1). Bytes behind the size are zero.
+// A DLC of 9..15 means 8 bytes (ISO 11898-1). Bytes beyond the size are zero.
 CanFrame read(const CanRegisters::Mailbox& box) {
   const std::uint32_t identifier = box.identifier;
   const std::uint32_t size = box.length & mailbox::kDlc;
@@ -48,13 +48,13 @@ void Can::update() {
   if (initialises_ && (registers_.msr & msr::kInak) != 0) {
     configure();
     initialises_ = false;
-    // Takes part in the bus again after 11 recessive bits, out of bus-off after 128 times as many.
+    // Returns to the bus after 11 recessive bits, or from bus-off after 128 sequences of them.
     registers_.mcr = mcr::kRflm;
   }
   if (recovers_ && !initialises_ && (registers_.esr & esr::kBoff) == 0) recovers_ = false;
 }
 
-// One bank of 32 bits, by mask: whatever has an 11-bit identifier comes into FIFO 0.
+// Configures one 32-bit filter bank in mask mode: all frames with an 11-bit identifier go to FIFO 0.
 void Can::configure() {
   registers_.btr = bit_timing_;
   registers_.fmr = registers_.fmr | fmr::kFinit;
@@ -68,8 +68,8 @@ void Can::configure() {
   registers_.ier = ier::kTmeie | ier::kFmpie0;
 }
 
-// The release takes the hardware a few clock periods, in which the level still calls and the mailbox still
-// shows the frame that has been read.
+// The release takes a few clock cycles. Meanwhile the interrupt stays active, and the mailbox still shows the
+// frame that has been read.
 void Can::on_receive_interrupt() {
   const std::uint32_t fifo = registers_.rf0r;
   if ((fifo & rf0r::kLevel) == 0 || (fifo & rf0r::kRelease) != 0) return;
@@ -80,7 +80,7 @@ void Can::on_receive_interrupt() {
 
 void Can::on_transmit_interrupt() {
   const std::uint32_t completed = registers_.tsr & tsr::kAllCompleted;
-  registers_.tsr = completed;  // also clears why: sent, aborted or in error
+  registers_.tsr = completed;  // also clears the flags of the cause: sent, aborted or in error
   for (std::size_t fifo = 0; fifo < kTransmitFifos; ++fifo) {
     if ((completed & tsr::rqcp(fifo)) != 0) load_next(fifo);
   }
@@ -100,7 +100,8 @@ void Can::load_next(std::size_t fifo) {
   if (more) write(frame, registers_.transmit[fifo]);
 }
 
-// By the receive interrupt alone. The flag says that frames were lost, not how many: it counts as one.
+// Called by the receive interrupt only. The flag does not give the number of lost frames: each overrun counts
+// as one.
 void Can::count_overrun() {
   const std::uint16_t overruns = overruns_.load(std::memory_order_relaxed);
   if (overruns < std::numeric_limits<std::uint16_t>::max())

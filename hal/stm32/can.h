@@ -11,16 +11,16 @@
 
 namespace koboshi::hal::stm32 {
 
-// How the controller samples a bit, in time quanta (RM0090, 32.7.7): one, then `segment_1`, the sample, then
-// `segment_2`.
+// Bit timing in time quanta (RM0090, 32.7.7): a synchronisation quantum, then `segment_1`, the sample point,
+// then `segment_2`.
 struct BitTiming {
-  std::uint32_t prescaler;   // clock periods of a quantum, 1..1024
+  std::uint32_t prescaler;   // clock periods per quantum, 1..1024
   std::uint32_t segment_1;   // 1..16
   std::uint32_t segment_2;   // 1..8
-  std::uint32_t jump_width;  // 1..4: how far a bit stretches to follow another node's clock
+  std::uint32_t jump_width;  // 1..4: resynchronisation jump width
 
   constexpr std::uint32_t quanta() const { return 1 + segment_1 + segment_2; }
-  // Zero when no whole number of bits a second comes out of this clock of the peripheral bus.
+  // Returns the bit rate for this clock of the peripheral bus, or zero if it is not an integer.
   constexpr std::uint32_t bit_rate(std::uint32_t clock_Hz) const {
     return clock_Hz % (prescaler * quanta()) == 0 ? clock_Hz / (prescaler * quanta()) : 0;
   }
@@ -30,34 +30,35 @@ struct BitTiming {
   }
 };
 
-// The driver of a bxCAN, in normal mode, for data and remote frames with 11-bit identifiers.
+// Driver of a bxCAN in normal mode, for data and remote frames with 11-bit identifiers.
 //
-// Each of the port's three transmit FIFOs owns one of the three mailboxes. The hardware sends the lowest
-// identifier among the mailboxes first (MCR.TXFP = 0), which is the order that the port asks for.
+// Each of the port's three transmit FIFOs owns one of the three mailboxes. The hardware sends the mailbox
+// with the lowest identifier first (MCR.TXFP = 0), which is the order that the port requires.
 //
-// The handlers of both interrupts have the same priority, so that neither interrupts the other, and handle
-// one event a call: the interrupt is a level and calls again while there is more. Everything else is called
-// by the program. Registers that clear bits by writing them are written, never read, changed and written.
+// The handlers of both interrupts must have the same priority, so that neither interrupts the other. Each
+// call handles one event: the interrupt is level-triggered and calls again while more are pending. The
+// program calls all other functions. Registers with write-to-clear bits are only written, never read,
+// modified and written back.
 class Can final : public CanPort {
  public:
-  // Three times what the bus can carry in the millisecond between two calls of `Controller::service`.
+  // Three times the number of frames that the bus carries between two calls of `Controller::service`.
   static constexpr std::size_t kReceiveCapacity = 64;
-  // What a control cycle transmits at once: 20 RPDOs, SYNC and 7 telemetry PDOs.
+  // Number of frames that a control cycle transmits at once: 20 RPDOs, SYNC and 7 telemetry PDOs.
   static constexpr std::size_t kTransmitCapacity = 32;
 
-  // The registers must outlive the driver. Nothing is written before `start`.
+  // The registers must outlive the driver. The constructor does not access them.
   explicit Can(CanRegisters& registers) : registers_(registers) {}
   Can(const Can&) = delete;
   Can& operator=(const Can&) = delete;
 
-  // Asks for initialisation mode; `update` does the rest. The clock of the peripheral runs and its pins are
-  // set up.
+  // Requests initialisation mode; `update` completes the start. The peripheral's clock and pins must already
+  // be set up.
   void start(const BitTiming& timing);
-  // Once a millisecond, before the firmware is served: goes on with a start or a recovery once the hardware
-  // has acknowledged it.
+  // Call it every millisecond, before the firmware is serviced. Continues a start or a recovery once the
+  // hardware has acknowledged it.
   void update();
 
-  // Handler of the interrupt RX0: takes one frame out of the receive FIFO.
+  // Handler of the interrupt RX0: reads one frame from the receive FIFO.
   void on_receive_interrupt();
   // Handler of the interrupt TX: loads the mailboxes that have become empty.
   void on_transmit_interrupt();
@@ -73,7 +74,7 @@ class Can final : public CanPort {
     return loaded_[fifo].load(std::memory_order_acquire);
   }
   [[nodiscard]] CanStatus status() const override;
-  // Drops the frames that have not been sent: after a recovery they would be targets from another time.
+  // Drops all unsent frames, because they would be outdated targets after the recovery.
   void recover() override;
 
  private:
@@ -87,10 +88,11 @@ class Can final : public CanPort {
   bool recovers_ = false;
   InterruptRing<CanFrame, kReceiveCapacity> received_;
   std::array<InterruptRing<CanFrame, kTransmitCapacity>, kTransmitFifos> waiting_;  // by TransmitFifo
-  // The FIFO's mailbox holds a frame. While it does, the ring is emptied by the interrupt; while it does not,
-  // there is no interrupt for this mailbox, and the program may load it.
+  // Whether the FIFO's mailbox contains a frame. If so, the interrupt empties the ring; if not, no interrupt
+  // is pending for this mailbox, and the program may load it.
   std::array<std::atomic<bool>, kTransmitFifos> loaded_{};
-  std::atomic<bool> drops_{false};  // the program empties the rings; the interrupt leaves them alone
+  std::atomic<bool> drops_{false};  // the program is emptying the rings, so the interrupt must not access
+                                    // them
   std::atomic<std::uint16_t> overruns_{0};
 };
 

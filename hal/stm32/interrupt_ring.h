@@ -8,15 +8,15 @@
 
 namespace koboshi::hal::stm32 {
 
-// A queue between the program and an interrupt handler of the same core: one side only pushes, the other only
-// pops, and neither masks interrupts. Each index has one writer (Lamport 1977); release and acquire order it
-// after the item.
+// A lock-free queue between the program and an interrupt handler of the same core: one side only pushes, the
+// other only pops, and neither masks interrupts. Each index has a single writer (Lamport 1977);
+// release-acquire ordering publishes the item before the index.
 template <typename T, std::size_t kCapacity>
 class InterruptRing {
   static_assert(std::has_single_bit(kCapacity), "the free-running counters wrap at a power of two");
 
  public:
-  // By the side that pushes. False, and the queue as it was, when it is full.
+  // Called by the pushing side. Returns false, with the queue unchanged, if it is full.
   [[nodiscard]] bool push(const T& item) {
     const std::uint32_t pushed = pushed_.load(std::memory_order_relaxed);
     if (pushed - popped_.load(std::memory_order_acquire) == kCapacity) return false;
@@ -24,7 +24,7 @@ class InterruptRing {
     pushed_.store(pushed + 1, std::memory_order_release);
     return true;
   }
-  // By the side that pops. False, and `item` untouched, when the queue is empty.
+  // Called by the popping side. Returns false, with `item` unchanged, if the queue is empty.
   [[nodiscard]] bool pop(T& item) {
     const std::uint32_t popped = popped_.load(std::memory_order_relaxed);
     if (pushed_.load(std::memory_order_acquire) == popped) return false;
@@ -32,7 +32,7 @@ class InterruptRing {
     popped_.store(popped + 1, std::memory_order_release);
     return true;
   }
-  // By either side; the other may change it at any time.
+  // May be called by either side; the other side may change the result at any time.
   [[nodiscard]] std::size_t size() const {
     return pushed_.load(std::memory_order_relaxed) - popped_.load(std::memory_order_relaxed);
   }

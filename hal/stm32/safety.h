@@ -6,8 +6,8 @@
 
 namespace koboshi::hal::stm32 {
 
-// The independent watchdog (RM0090, section 21), on an oscillator of its own of 17 to 47 kHz, which no fault
-// of the core's clock stops.
+// The independent watchdog (RM0090, section 21). It has its own oscillator of 17 to 47 kHz, so a failure of
+// the core's clock does not stop it.
 struct WatchdogRegisters {
   volatile std::uint32_t key;
   volatile std::uint32_t prescaler;
@@ -15,15 +15,15 @@ struct WatchdogRegisters {
   volatile std::uint32_t status;
 };
 
-// Resets the part when it has not been fed for 0.34 to 0.94 s: 500 ms at the oscillator's 32 kHz. It is
-// started here and cannot be stopped.
+// Resets the part if it is not kicked for 0.34 to 0.94 s (500 ms at the oscillator's nominal 32 kHz). The
+// constructor starts it; it cannot be stopped.
 class IndependentWatchdog final : public WatchdogPort {
  public:
   static constexpr std::uint32_t kStart = 0xCCCC;
   static constexpr std::uint32_t kUnlock = 0x5555;
   static constexpr std::uint32_t kFeed = 0xAAAA;
   static constexpr std::uint32_t kDivideBy16 = 2;
-  static constexpr std::uint32_t kReload = 1'000;  // of 0..4095, at 2 kHz
+  static constexpr std::uint32_t kReload = 1'000;  // range 0..4095, at 2 kHz
 
   explicit IndependentWatchdog(WatchdogRegisters& registers) : registers_(registers) {
     registers_.key = kStart;
@@ -38,8 +38,8 @@ class IndependentWatchdog final : public WatchdogPort {
   WatchdogRegisters& registers_;
 };
 
-// A pin of a GPIO port, by the register that sets and clears single pins: bit n sets, bit n + 16 clears
-// (RM0090, 8.4.7). The board pulls the line low while the pin is an input, as it is at reset.
+// A pin of a GPIO port, driven by the register that sets and clears single pins: bit n sets, bit n + 16
+// clears (RM0090, 8.4.7). The board must pull the line low while the pin is an input, as it is at reset.
 class DriveEnablePin final : public DriveEnablePort {
  public:
   // `pin` is 0..15.

@@ -15,7 +15,7 @@ using wire::Kind;
 
 [[gnu::section(".storage")]] std::byte storage_memory[hal::FlashModel::kSize_bytes];
 
-// After a reset by a fault the host still waits for the answer to what it asked before.
+// After a reset by a fault, the host still waits for the answer to its last request.
 void report_fault(Link& link) {
   const FaultRecord* fault = last_fault();
   if (fault == nullptr) return;
@@ -59,7 +59,7 @@ void provoke(wire::Provocation provocation) {
     case wire::Provocation::kUndefinedInstruction:
       __builtin_trap();
     case wire::Provocation::kBadAddress:
-      Registers::at(0x3000'0000) = 1;  // nothing is there
+      Registers::at(0x3000'0000) = 1;  // an address without a device
       return;
     case wire::Provocation::kStackOverflow:
       asm volatile("1: push {r0-r3}\n b 1b");
@@ -82,8 +82,8 @@ void answer(Link& link, const Link::Request& request, hal::BatchBoard& board, ap
 
 }  // namespace
 
-// Everything lives in functions' statics: made in this order, by code, without heap and without initialisers
-// that run before anybody can see them.
+// All objects are function-local statics: constructed in this order by code, without heap and without dynamic
+// initialisers.
 void run_image() {
   SysTick::start();
   static Link link;

@@ -4,7 +4,7 @@
 namespace koboshi::cortex_m {
 namespace {
 
-// The first LED of the board's FPGA (Arm DAI0386) stands for the pin that the line would hang on.
+// The first LED of the board's FPGA (Arm DAI0386) represents the pin of the drive-enable line.
 volatile std::uint32_t& leds() { return Registers::at(0x4002'8000); }
 constexpr std::uint32_t kLine = 1u << 0;
 

@@ -22,7 +22,7 @@ std::uint32_t call(Operation operation, std::uint32_t a, std::uint32_t b, std::u
   return call(operation, reinterpret_cast<std::uintptr_t>(block));
 }
 
-// Both transfers answer with the number of bytes that were *not* transferred.
+// Both transfers return the number of bytes that were *not* transferred.
 std::size_t transfer(Operation operation, int file, std::uintptr_t bytes, std::size_t size) {
   const std::uint32_t left = call(operation, static_cast<std::uint32_t>(file), bytes, size);
   return left <= size ? size - left : 0;

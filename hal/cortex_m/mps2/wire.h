@@ -23,7 +23,7 @@ enum class Kind : std::uint8_t {
 
 enum class Provocation : std::uint8_t { kUndefinedInstruction = 0, kBadAddress = 1, kStackOverflow = 2 };
 
-// The pipes, as QEMU's process has them.
+// The pipes, as named in QEMU's process.
 inline constexpr const char* kRequestPath = "/dev/fd/3";
 inline constexpr const char* kAnswerPath = "/dev/fd/4";
 
