@@ -24,7 +24,7 @@ void set_gain(ControllerBench& bench, Gains gains, std::uint8_t subindex, std::u
 
 class ControllerFeedback : public testing::Test {
  protected:
-  // Switches all gains off; each test enables those that it tests. Fall detection is off because the trunk
+  // Switches all gains off; each test enables those under test. Fall detection is off because the trunk
   // turns far.
   void SetUp() override {
     bench.board.can.deliver({.identifier = 0x601, .size = 8, .data = {0x2B, 0x40, 0x21, 1, 0, 0}});

@@ -53,8 +53,8 @@ TEST_F(PdoRecordTest, RefusesRestrictedAndExtendedIdentifiers) {
   EXPECT_EQ(transmit_.write_communication(1, 0x40000190), AbortCode::kNone);
 }
 
-// Masters that never send remote frames write it so, for example lely-core's. The bit is not among those that
-// require an invalid PDO (CiA 301, 7.5.2.37).
+// Masters that never send remote frames, such as lely-core's, write this value. The bit is not among those
+// that require an invalid PDO (CiA 301, 7.5.2.37).
 TEST_F(PdoRecordTest, KeepsAnIdentifierThatAllowsRemoteFramesAsItIsWritten) {
   ASSERT_EQ(transmit_.configure(kTestTpdos[0], 0x10, dictionary_), AbortCode::kNone);
   for (const std::uint32_t cob_id : {0x190u, 0x40000190u, 0x80000190u, 0x191u}) {

@@ -247,7 +247,8 @@ TEST_F(StoredParametersTest, WaitsForTheFlash) {
   EXPECT_EQ(device->parameters.store(ParameterGroup::kAll), AbortCode::kBusy);
 }
 
-// At whatever time a reset interrupts a save, all stored values are old or all are new, and the save stops.
+// A reset interrupts a save at each possible time: all stored values are old or all are new, and the save
+// stops.
 TEST_F(StoredParametersTest, AbandonsASaveThatAResetInterrupts) {
   std::uint32_t stored = 0;  // the factory values
   for (int cut_ms = 0; cut_ms < 60; ++cut_ms) {
@@ -272,7 +273,7 @@ TEST_F(StoredParametersTest, AbandonsASaveThatAResetInterrupts) {
   EXPECT_EQ(device->save(), AbortCode::kNone);
 }
 
-// At whatever time power fails, all stored values are old or all are new.
+// Power fails at each possible time: all stored values are old or all are new.
 TEST_F(StoredParametersTest, LosesNothingOldToAPowerFailure) {
   const auto set = [this](std::uint32_t value) {
     for (std::uint8_t i = 1; i <= 3; ++i) {
