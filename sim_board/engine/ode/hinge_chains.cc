@@ -53,8 +53,8 @@ bool fits(const RobotDescription& robot, const HingeChain& chain, int next) {
   });
 }
 
-// Returns the largest displacement of a link's mass, kg m, when the hinge between the link and its carrier
-// turns.
+// Returns a bound of the error of a link's pose, as mass times displacement (kg m), over the range of the
+// hinge between the link and its carrier.
 double misplacement(const LinkDescription& link, const JointDescription& hinge) {
   const Eigen::Vector3d p_JCom_M = link.X_ML * link.p_LCom_L - hinge.p_MJ;
   const double arm_m = p_JCom_M.cross(hinge.axis_M).norm();

@@ -1,5 +1,5 @@
-// Tests the transition rules: one result for each state and event, and no path to torque that bypasses the
-// soft start.
+// Tests the transition rules: one result for each state and event, and no path to torque except by a command
+// or once the robot is at rest.
 
 #include <gtest/gtest.h>
 

@@ -178,8 +178,8 @@ TEST(WalkerTouchDown, IsMadeUpForByTheNextStep) {
   }
 }
 
-// Returns the remaining heading error of a robot whose gyro measures the rotation of its trunk over the
-// support foot, after a disturbance has turned it once.
+// Returns the heading error at the end of a walk that begins with a disturbance of `turned_rad` in yaw. The
+// simulated gyro measures the disturbance and the rotation of the trunk over the support foot.
 double heading_left_rad(std::int16_t heading_hold, double turned_rad, const Velocity& command = {}) {
   WalkParameters parameters = rigid();
   parameters.reaction.heading_hold = heading_hold;
