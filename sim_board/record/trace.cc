@@ -47,10 +47,7 @@ TraceFormatter::TraceFormatter(std::vector<TraceColumn> columns)
 
 std::string TraceFormatter::header() const {
   std::string header = "time_s";
-  for (const TraceColumn& column : columns_) {
-    header += ',' + column.name;
-    if (!column.unit.empty()) header += '_' + column.unit;
-  }
+  for (const TraceColumn& column : columns_) header += ',' + column.title();
   return header + '\n';
 }
 

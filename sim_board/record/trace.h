@@ -22,6 +22,8 @@ struct TraceColumn {
   // Value names of an integer column, written instead of the number. The names contain no comma; such columns
   // have no unit.
   std::span<const canopen::ValueName> names{};
+
+  std::string title() const { return unit.empty() ? name : name + '_' + unit; }
 };
 
 // A cell. NaN represents an invalid value.
@@ -30,6 +32,11 @@ struct TraceValue {
   template <std::integral Integer>
   TraceValue(Integer value)
       : bits(static_cast<std::uint64_t>(static_cast<std::int64_t>(value))), kind(TraceKind::kInteger) {}
+
+  double number() const {
+    return kind == TraceKind::kReal ? std::bit_cast<double>(bits)
+                                    : static_cast<double>(static_cast<std::int64_t>(bits));
+  }
 
   std::uint64_t bits;
   TraceKind kind;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "firmware/app/controller_objects.h"
 #include "sim_board/world/options.h"
 #include "simulation/scenario/parameters.h"
 
@@ -14,8 +13,7 @@ namespace {
 // Settling time after the stand's release, before the stance is evaluated.
 constexpr std::uint64_t kSettle_us = 500'000;
 
-constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
-const Eigen::Vector3d kNowhere = Eigen::Vector3d::Constant(kNotANumber);
+const Eigen::Vector3d kNowhere = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
 
 }  // namespace
 
@@ -37,7 +35,8 @@ RunRecorder::RunRecorder(Simulation& simulation, sim::Recorder* recorder, sim::B
     walk_.emplace(simulation.robot(), simulation.scenario());
   }
   truth_now_ = &truth_.observe(simulation.board().world(), telemetry_.now());
-  row_.reserve(columns(simulation.robot()).size());
+  if (recorder_ != nullptr) trace_ = trace_fields(simulation.robot());
+  row_.reserve(trace_.size());
   simulation_.board().bus().set_observer(this);
   simulation_.attach(*this);
 }
@@ -51,68 +50,8 @@ void RunRecorder::archive(sim::StateArchive& archive) {
 }
 
 std::vector<sim::TraceColumn> RunRecorder::columns(const sim::RobotDescription& robot) {
-  using enum sim::TraceKind;
-  std::vector<sim::TraceColumn> columns{{"state", "", kInteger},
-                                        {"reason", "", kInteger},
-                                        {"state_name", "", kInteger, app::kStateNames},
-                                        {"reason_name", "", kInteger, app::kReasonNames},
-                                        {"drive_fault", "", kInteger},
-                                        {"emergencies", "", kInteger},
-                                        {"drive_enable", "", kInteger},
-                                        {"imu_roll", "rad"},
-                                        {"imu_pitch", "rad"},
-                                        {"gyro_x", "rad_per_s"},
-                                        {"gyro_y", "rad_per_s"},
-                                        {"gyro_z", "rad_per_s"},
-                                        {"left_load", "N"},
-                                        {"right_load", "N"},
-                                        {"true_base_x", "m"},
-                                        {"true_base_y", "m"},
-                                        {"true_base_z", "m"},
-                                        {"pose_base_z", "m"},
-                                        {"true_roll", "rad"},
-                                        {"true_pitch", "rad"},
-                                        {"true_yaw", "rad"},
-                                        {"true_rate_x", "rad_per_s"},
-                                        {"true_rate_y", "rad_per_s"},
-                                        {"true_rate_z", "rad_per_s"},
-                                        {"true_com_x", "m"},
-                                        {"true_com_y", "m"},
-                                        {"true_com_z", "m"},
-                                        {"true_left_load", "N"},
-                                        {"true_right_load", "N"},
-                                        {"true_left_slip", "m"},
-                                        {"true_right_slip", "m"},
-                                        {"true_left_sole_x", "m"},
-                                        {"true_left_sole_y", "m"},
-                                        {"true_left_sole_yaw", "rad"},
-                                        {"true_right_sole_x", "m"},
-                                        {"true_right_sole_y", "m"},
-                                        {"true_right_sole_yaw", "rad"},
-                                        {"left_zmp_x", "m"},
-                                        {"left_zmp_y", "m"},
-                                        {"true_left_zmp_x", "m"},
-                                        {"true_left_zmp_y", "m"},
-                                        {"right_zmp_x", "m"},
-                                        {"right_zmp_y", "m"},
-                                        {"true_right_zmp_x", "m"},
-                                        {"true_right_zmp_y", "m"},
-                                        {"zmp_x", "m"},
-                                        {"zmp_y", "m"},
-                                        {"true_zmp_x", "m"},
-                                        {"true_zmp_y", "m"},
-                                        {"true_zmp_margin", "m"},
-                                        {"planned_zmp_x", "m"},
-                                        {"planned_zmp_y", "m"},
-                                        {"com_x", "m"},
-                                        {"com_y", "m"},
-                                        {"com_z", "m"}};
-  for (const sim::JointDescription& joint : robot.joints) {
-    columns.push_back({joint.name + "_target", "rad"});
-    columns.push_back({joint.name + "_encoder", "rad"});
-    columns.push_back({joint.name + "_true", "rad"});
-    columns.push_back({joint.name + "_torque", "permille"});
-  }
+  std::vector<sim::TraceColumn> columns;
+  for (const TraceField& field : trace_fields(robot)) columns.push_back(field.column);
   return columns;
 }
 
@@ -163,61 +102,19 @@ void RunRecorder::judge() {
   for (const double slip_m : truth_now_->foot_slip_m) foot_slip_m_ = std::max(foot_slip_m_, slip_m);
 }
 
+// Firmware and gait report points in the frame of a sole: the row has them where that sole stands.
 void RunRecorder::write_row() {
-  const Telemetry& said = telemetry_.now();
-  const GroundTruth& truth = *truth_now_;
+  const Telemetry& told = telemetry_.now();
+  const Eigen::Isometry3d& X_WSole = truth_now_->X_WSole[static_cast<std::size_t>(told.zmp.frame)];
+  TraceSample sample{told, *truth_now_, simulation_.board(), kNowhere, kNowhere, kNowhere};
+  if (told.zmp.valid) {
+    sample.zmp_W = X_WSole * Eigen::Vector3d(told.zmp.x_m, told.zmp.y_m, 0.0);
+    sample.com_W = X_WSole * Eigen::Vector3d(told.com_S_m.data());
+  }
+  if (walk_) sample.planned_zmp_W = walk_->planned_zmp_W(*truth_now_).value_or(kNowhere);
   row_.clear();
-  const auto state = static_cast<std::uint8_t>(said.state);
-  const auto reason = static_cast<std::uint8_t>(said.reason);
-  row_.insert(row_.end(), {state, reason, state, reason, static_cast<std::uint8_t>(said.drive_fault),
-                           said.emergencies, simulation_.board().drive_enable_line() ? 1 : 0});
-  row_.insert(row_.end(), {said.roll_rad, said.pitch_rad});
-  row_.insert(row_.end(), said.rate_rad_per_s.begin(), said.rate_rad_per_s.end());
-  row_.insert(row_.end(), said.foot_load_N.begin(), said.foot_load_N.end());
-  row_.insert(row_.end(), truth.p_WB_W.begin(), truth.p_WB_W.end());
-  row_.push_back(truth.pose_height_m);
-  row_.insert(row_.end(), truth.rpy_rad.begin(), truth.rpy_rad.end());
-  row_.insert(row_.end(), truth.w_WB_W.begin(), truth.w_WB_W.end());
-  row_.insert(row_.end(), truth.p_WCom_W.begin(), truth.p_WCom_W.end());
-  row_.insert(row_.end(), truth.foot_load_N.begin(), truth.foot_load_N.end());
-  row_.insert(row_.end(), truth.foot_slip_m.begin(), truth.foot_slip_m.end());
-  add_feet_to_row();
-  add_zmp_to_row();
-  for (std::size_t joint = 0; joint < simulation_.robot().joints.size(); ++joint) {
-    const Telemetry::Joint& drive = said.joints[joint];
-    const double true_rad = simulation_.board().world().joint(static_cast<int>(joint)).position_rad;
-    row_.insert(row_.end(), {drive.target_rad, drive.position_rad, true_rad, drive.torque_permille});
-  }
+  for (const TraceField& field : trace_) row_.push_back(field.value(sample));
   recorder_->row(simulation_.board().now_us(), row_);
-}
-
-void RunRecorder::add_feet_to_row() {
-  for (const Eigen::Isometry3d& X_WSole : truth_now_->X_WSole) {
-    row_.insert(row_.end(), {X_WSole.translation().x(), X_WSole.translation().y(),
-                             std::atan2(X_WSole.linear()(1, 0), X_WSole.linear()(0, 0))});
-  }
-  for (std::size_t side = 0; side < truth_now_->foot_zmp_S_m.size(); ++side) {
-    const Telemetry::FootZmp& said = telemetry_.now().foot_zmp[side];
-    const Eigen::Vector2d true_S_m = truth_now_->foot_zmp_S_m[side].value_or(kNowhere.head<2>());
-    row_.insert(row_.end(), {said.valid ? said.x_m : kNotANumber, said.valid ? said.y_m : kNotANumber,
-                             true_S_m.x(), true_S_m.y()});
-  }
-}
-
-// Writes the ZMPs in world coordinates, using the true pose of the sole in whose frame firmware and plan give
-// them. They can then be overlaid on the footprints.
-void RunRecorder::add_zmp_to_row() {
-  const Telemetry& said = telemetry_.now();
-  const Eigen::Isometry3d& X_WSole = truth_now_->X_WSole[static_cast<std::size_t>(said.zmp.frame)];
-  const Eigen::Vector3d measured_W =
-      said.zmp.valid ? Eigen::Vector3d(X_WSole * Eigen::Vector3d(said.zmp.x_m, said.zmp.y_m, 0.0)) : kNowhere;
-  const Eigen::Vector3d true_W = truth_now_->p_WZmp_W.value_or(kNowhere);
-  const Eigen::Vector3d planned_W = walk_ ? walk_->planned_zmp_W(*truth_now_).value_or(kNowhere) : kNowhere;
-  const Eigen::Vector3d com_W =
-      said.zmp.valid ? Eigen::Vector3d(X_WSole * Eigen::Vector3d(said.com_S_m.data())) : kNowhere;
-  row_.insert(row_.end(), {measured_W.x(), measured_W.y(), true_W.x(), true_W.y(),
-                           truth_now_->zmp_margin_m.value_or(kNotANumber), planned_W.x(), planned_W.y()});
-  row_.insert(row_.end(), com_W.begin(), com_W.end());
 }
 
 sim::RunSummary RunRecorder::summary() const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "sim_board/can/observer.h"
@@ -10,6 +11,7 @@
 #include "simulation/observe/event_log.h"
 #include "simulation/observe/ground_truth.h"
 #include "simulation/observe/telemetry.h"
+#include "simulation/observe/trace_table.h"
 #include "simulation/observe/walk_observer.h"
 #include "simulation/scenario/simulation.h"
 
@@ -36,6 +38,9 @@ class RunRecorder final : private sim::BusObserver, private Companion {
   void record();
   // Observes only the tick. In a walk this omits the check of the ankle sensors.
   void record_tick();
+  // The last tick's row of the trace, in the order of columns(). Empty without a recorder, and before the
+  // first tick.
+  std::span<const sim::TraceValue> row() const { return row_; }
   sim::RunSummary summary() const;
   // Hash of all frames and of the state of the world at each tick, so far.
   std::uint64_t state_hash() const { return hash_.value(); }
@@ -54,8 +59,6 @@ class RunRecorder final : private sim::BusObserver, private Companion {
   void hash_state();
   void judge();
   void write_row();
-  void add_feet_to_row();
-  void add_zmp_to_row();
 
   Simulation& simulation_;
   sim::Recorder* recorder_;
@@ -66,6 +69,7 @@ class RunRecorder final : private sim::BusObserver, private Companion {
   std::optional<WalkObserver> walk_;
   const GroundTruth* truth_now_ = nullptr;
   sim::StateHash hash_;
+  std::vector<TraceField> trace_;  // empty without a recorder
   std::vector<sim::TraceValue> row_;
   bool fell_ = false;
   double base_height_error_m_ = 0.0;  // maximum while the robot stands or moves on its feet

@@ -10,7 +10,6 @@
 
 #include "firmware/fixed/host/convert.h"
 #include "sim_board/input/user_units.h"
-#include "sim_board/record/output_file.h"
 #include "simulation/gait/gait_motion.h"
 #include "simulation/gait/gait_plan.h"
 #include "simulation/gait/walking_pose.h"
@@ -22,6 +21,7 @@ namespace {
 
 constexpr double kSample_s = 0.002;
 constexpr int kCycles = 2;
+constexpr int kDigits = 7;  // of the numbers in the CSV file
 
 struct ShownJoint {
   robot::JointRole role;
@@ -34,7 +34,7 @@ constexpr std::array<ShownJoint, 4> kShown{
      {robot::JointRole::kLeftHipRoll, "hip_roll", "left hip roll"},
      {robot::JointRole::kLeftAnklePitch, "ankle_pitch", "left ankle pitch"}}};
 
-// What the interpreter makes of a motion's poses.
+// The joint angles between the poses of a motion, as the firmware's interpreter interpolates them.
 class Approximation {
  public:
   explicit Approximation(const simulation::MotionSource& motion) : motion_(motion) {
@@ -75,29 +75,32 @@ class Approximation {
   std::vector<TimedPose> points_;
 };
 
-void write_profile(const simulation::Gait& gait, const sim::RobotDescription& robot,
-                   const simulation::NamedModel& model, const std::filesystem::path& csv) {
+Columns profile_of(const simulation::Gait& gait, const sim::RobotDescription& robot,
+                   const simulation::NamedModel& model) {
   const simulation::GaitPlan plan(gait);
   const simulation::WalkingPose pose(gait, robot, model);
   const simulation::MotionSource motion = simulation::make_gait_motion(gait, robot, model);
   const Approximation approximation(motion);
-  std::string text = "time_s,com_x_m,com_y_m,zmp_x_m,zmp_y_m";
-  for (const ShownJoint& joint : kShown) text += fmt::format(",{0}_rad,{0}_points_rad", joint.column);
-  text += "\n";
+  Columns columns = make_columns({"time_s", "com_x_m", "com_y_m", "zmp_x_m", "zmp_y_m"});
+  for (const ShownJoint& joint : kShown) {
+    columns.push_back({std::string(joint.column) + "_rad", {}});
+    columns.push_back({std::string(joint.column) + "_points_rad", {}});
+  }
   const int samples = static_cast<int>(std::lround(approximation.end_s() / kSample_s));
   for (int i = 0; i <= samples; ++i) {
     const double time_s = i * kSample_s;
     const simulation::GaitInstant instant = plan.at(time_s);
     const std::vector<double> targets_rad = pose.targets_rad(instant);
-    text += fmt::format("{:.3f},{:.6f},{:.6f},{:.6f},{:.6f}", time_s, instant.com_W_m.x(),
-                        instant.com_W_m.y(), instant.zmp_W_m.x(), instant.zmp_W_m.y());
+    std::vector<double> row{time_s, instant.com_W_m.x(), instant.com_W_m.y(), instant.zmp_W_m.x(),
+                            instant.zmp_W_m.y()};
     for (const ShownJoint& joint : kShown) {
       const std::size_t index = *model.model.find(joint.role);
-      text += fmt::format(",{:.6f},{:.6f}", targets_rad[index], approximation.angle_rad(index, time_s));
+      row.push_back(targets_rad[index]);
+      row.push_back(approximation.angle_rad(index, time_s));
     }
-    text += "\n";
+    add_row(columns, row);
   }
-  sim::write_whole_file(csv, text);
+  return columns;
 }
 
 Panel pendulum_panel(const std::string& axis, const std::string& label) {
@@ -111,8 +114,6 @@ Panel pendulum_panel(const std::string& axis, const std::string& label) {
 
 void draw_gait(const simulation::Gait& gait, const sim::RobotDescription& robot,
                const simulation::NamedModel& model, const std::filesystem::path& prefix) {
-  const std::filesystem::path csv = prefix.string() + ".csv";
-  write_profile(gait, robot, model, csv);
   Figure figure{.title = fmt::format("Walking motion, {} points a cycle", gait.points)};
   figure.panels.push_back(pendulum_panel("x", "ahead"));
   figure.panels.push_back(pendulum_panel("y", "left"));
@@ -124,7 +125,7 @@ void draw_gait(const simulation::Gait& gait, const sim::RobotDescription& robot,
                                                "target, between points", sim::kDegreesPerRad)},
                              .smallest_span = 2.0});
   }
-  draw(figure, csv, prefix);
+  draw_with_csv(figure, profile_of(gait, robot, model), prefix, kDigits);
 }
 
 }  // namespace koboshi::tools

@@ -47,7 +47,8 @@ struct Ending {
 };
 
 Ending play(simulation::Simulation& simulation, simulation::RunRecorder& recorder, LiveLink& live,
-            const OperatorFactory& make_operator, const std::function<void(const RunProgress&)>& progress) {
+            ShownTrace& trace, const OperatorFactory& make_operator,
+            const std::function<void(const RunProgress&)>& progress) {
   constexpr std::uint64_t kTick_us = sim::SimBoard::kTick_us;
   const auto start = Clock::now();
   const double duration_s = 1e-6 * static_cast<double>(simulation.scenario().duration_us);
@@ -61,6 +62,7 @@ Ending play(simulation::Simulation& simulation, simulation::RunRecorder& recorde
       recorder.record();
       live.after(now_us);
       if (now_us % kTick_us != 0) continue;
+      trace.add(now_us, recorder.row());
       if (run_operator && !run_operator->tick()) break;
       if (progress) progress({1e-6 * static_cast<double>(now_us), duration_s, seconds_since(start)});
     }
@@ -72,11 +74,12 @@ Ending play(simulation::Simulation& simulation, simulation::RunRecorder& recorde
   return {};
 }
 
-void draw_figures(const simulation::Simulation& simulation, const std::filesystem::path& folder) {
+void draw_figures(const simulation::Simulation& simulation, const Columns& trace,
+                  const std::filesystem::path& folder) {
   const sim::Scenario played = simulation.played();
-  draw_run_figures(played, folder);
+  draw_run_figures(played, trace, folder);
   const simulation::GaitPlan* plan = simulation.gait_plan();
-  draw_walk_figures(folder, simulation.robot(), plan ? plan->cycle_s() : commanded_cycle_s(played));
+  draw_walk_figures(trace, simulation.robot(), plan ? plan->cycle_s() : commanded_cycle_s(played), folder);
 }
 
 void tell_ending(const Ending& ending, const simulation::Simulation& simulation, simulation::EventLog& events,
@@ -102,14 +105,15 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   simulation::Simulation simulation(options.scenario, options.make_host, options.change);
   const sim::OutputFolder folder(options.out);
 
-  sim::Recorder files(options.out, simulation::RunRecorder::columns(simulation.robot()),
-                      live.is_live() ? sim::WhenFull::kDrop : sim::WhenFull::kWait);
+  const auto columns = simulation::RunRecorder::columns(simulation.robot());
+  ShownTrace trace(columns);
+  sim::Recorder files(options.out, columns, live.is_live() ? sim::WhenFull::kDrop : sim::WhenFull::kWait);
   simulation::RunRecorder recorder(simulation, &files);
   live.attach(simulation.board().bus());
   if (options.ready) options.ready(live);
   const auto start = Clock::now();
   RunResult result;
-  const Ending ending = play(simulation, recorder, live, options.make_operator, progress);
+  const Ending ending = play(simulation, recorder, live, trace, options.make_operator, progress);
   result.failure = ending.failure;
   const double wall_s = seconds_since(start);
   result.live = live.report();
@@ -125,7 +129,7 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   }
   if (ending.signal && !live.is_live()) throw Interrupted(*ending.signal, how_far(simulation, options.out));
   try {
-    draw_figures(simulation, options.out);
+    draw_figures(simulation, trace.columns(), options.out);
   } catch (const PlotError& error) {
     result.plot_warning = error.what();
   }

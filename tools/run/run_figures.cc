@@ -1,13 +1,14 @@
 #include "tools/run/run_figures.h"
 
 #include <algorithm>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "firmware/behaviour/behaviour.h"
 #include "sim_board/input/user_units.h"
-#include "tools/lab/plot/columns.h"
 #include "tools/lab/plot/legend.h"
+#include "tools/run/walk_figures.h"
 
 namespace koboshi::tools {
 namespace {
@@ -48,13 +49,12 @@ std::vector<Mark> marks_of(const sim::Scenario& scenario) {
 }
 
 // When the controller has heard all drives: before, targets and estimates are zero or still settle.
-double begin_s(const std::filesystem::path& trace) {
-  const std::vector<std::string> names{"time_s", "state"};
-  const Columns columns = read_columns(trace, names);
-  const std::vector<double>& states = columns.at("state");
+double begin_s(const Columns& trace) {
+  const std::vector<double>& states = values_of(trace, "state");
   const auto begun = std::ranges::find_if(
       states, [](double state) { return state != static_cast<double>(behaviour::State::kBoot); });
-  return begun == states.end() ? 0.0 : columns.at("time_s")[static_cast<std::size_t>(begun - states.begin())];
+  return begun == states.end() ? 0.0
+                               : values_of(trace, "time_s")[static_cast<std::size_t>(begun - states.begin())];
 }
 
 Series from(double begin_s, Series series) {
@@ -94,18 +94,42 @@ Panel joint_panel(const std::string& joint, const std::string& name, double begi
       .smallest_span = 2.0};
 }
 
+Figure legs_figure(const sim::Scenario& scenario, double begin_s) {
+  return {.title = "Left leg",
+          .panels = {joint_panel("left_hip_pitch", "hip pitch", begin_s),
+                     joint_panel("left_knee", "knee", begin_s),
+                     joint_panel("left_ankle_pitch", "ankle pitch", begin_s)},
+          .marks = marks_of(scenario)};
+}
+
+std::set<std::string> shown_columns() {
+  std::set<std::string> names{"state"};
+  for (const Figure& figure : {body_figure({}, 0.0), legs_figure({}, 0.0)}) names.merge(columns_of(figure));
+  names.merge(walk_columns());
+  return names;
+}
+
 }  // namespace
 
-void draw_run_figures(const sim::Scenario& scenario, const std::filesystem::path& folder) {
-  const std::filesystem::path trace = folder / "trace.csv";
+ShownTrace::ShownTrace(const std::vector<sim::TraceColumn>& columns) : columns_(make_columns({"time_s"})) {
+  const std::set<std::string> shown = shown_columns();
+  for (std::size_t cell = 0; cell < columns.size(); ++cell) {
+    if (!shown.contains(columns[cell].title())) continue;
+    cells_.push_back(cell);
+    columns_.push_back({columns[cell].title(), {}});
+  }
+}
+
+void ShownTrace::add(std::uint64_t time_us, std::span<const sim::TraceValue> row) {
+  columns_[0].second.push_back(static_cast<double>(time_us) / 1e6);
+  for (std::size_t i = 0; i < cells_.size(); ++i) columns_[i + 1].second.push_back(row[cells_[i]].number());
+}
+
+void draw_run_figures(const sim::Scenario& scenario, const Columns& trace,
+                      const std::filesystem::path& folder) {
   const double begin = begin_s(trace);
   draw(body_figure(scenario, begin), trace, folder / "body");
-  const Figure legs{
-      .title = "Left leg",
-      .panels = {joint_panel("left_hip_pitch", "hip pitch", begin), joint_panel("left_knee", "knee", begin),
-                 joint_panel("left_ankle_pitch", "ankle pitch", begin)},
-      .marks = marks_of(scenario)};
-  draw(legs, trace, folder / "legs");
+  draw(legs_figure(scenario, begin), trace, folder / "legs");
 }
 
 }  // namespace koboshi::tools

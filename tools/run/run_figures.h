@@ -1,14 +1,34 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <span>
+#include <vector>
 
+#include "sim_board/record/trace.h"
 #include "sim_board/scenario/scenario.h"
 #include "tools/lab/plot/figure.h"
 
 namespace koboshi::tools {
 
-// Draws the figures of a run from the trace.csv in its folder, as PNG and SVG: body.* (height, inclination,
-// feet) and legs.* (targets and positions). Throws PlotError.
-void draw_run_figures(const sim::Scenario& scenario, const std::filesystem::path& folder);
+// The columns of a run's trace that its figures show, and the time.
+class ShownTrace {
+ public:
+  // `columns` are those of the trace.
+  explicit ShownTrace(const std::vector<sim::TraceColumn>& columns);
+
+  // A row of the trace.
+  void add(std::uint64_t time_us, std::span<const sim::TraceValue> row);
+  const Columns& columns() const { return columns_; }
+
+ private:
+  std::vector<std::size_t> cells_;  // the cell of a row for each column but the first, the time
+  Columns columns_;
+};
+
+// Draws the figures of a run, as PNG and SVG: body.* (height, inclination, feet) and legs.* (targets and
+// positions). Throws PlotError.
+void draw_run_figures(const sim::Scenario& scenario, const Columns& trace,
+                      const std::filesystem::path& folder);
 
 }  // namespace koboshi::tools

@@ -15,7 +15,6 @@
 #include "sim_board/world/gravity.h"
 #include "sim_board/world/support_polygon.h"
 #include "simulation/scenario/parameters.h"
-#include "tools/lab/plot/columns.h"
 #include "tools/lab/plot/legend.h"
 
 namespace koboshi::tools {
@@ -26,7 +25,7 @@ constexpr double kLongWalk = 6.0;  // cycles
 constexpr double kStance_s = 0.05;
 constexpr double kWordFromHeel_m = 0.012;
 
-constexpr double kLeastLoadShare = 0.1;  // of the weight, with which a ZMP means something
+constexpr double kMinLoadShare = 0.1;  // of the weight, with which a ZMP means something
 using sim::kGravity_m_per_s2;
 constexpr int kOutlineColour = 7;
 
@@ -71,10 +70,12 @@ void add_footprints(PlaneFigure& figure, const Columns& trace, const sim::Foot& 
   const double heel_m = std::ranges::min(outline_m, {}, [](const auto& p) { return p.x(); }).x();
   const Eigen::Vector2d word_S_m(heel_m + kWordFromHeel_m, 0.0);
   const std::string sole = "true_" + side + "_sole_";
-  for (const Rows& stance : stances(trace.at("time_s"), trace.at("true_" + side + "_load_N"), shown)) {
+  for (const Rows& stance :
+       stances(values_of(trace, "time_s"), values_of(trace, "true_" + side + "_load_N"), shown)) {
     const std::size_t middle = (stance.begin + stance.end) / 2;
-    const Eigen::Translation2d p_W_m(trace.at(sole + "x_m")[middle], trace.at(sole + "y_m")[middle]);
-    const Eigen::Rotation2Dd yaw(trace.at(sole + "yaw_rad")[middle]);
+    const Eigen::Translation2d p_W_m(values_of(trace, sole + "x_m")[middle],
+                                     values_of(trace, sole + "y_m")[middle]);
+    const Eigen::Rotation2Dd yaw(values_of(trace, sole + "yaw_rad")[middle]);
     const auto place = [&](const Eigen::Vector2d& p_S_m) {
       const Eigen::Vector2d at_mm = sim::kMmPerM * (p_W_m * (yaw * p_S_m));
       return Point{at_mm.x(), at_mm.y()};
@@ -85,16 +86,17 @@ void add_footprints(PlaneFigure& figure, const Columns& trace, const sim::Foot& 
   }
 }
 
-// Only where the feet carry at least this much.
+// The course of a point. Leaves gaps where the loads together are below `min_N`.
 std::vector<Point> path_mm(const Columns& trace, const std::string& name, Rows shown,
-                           const std::vector<std::string>& loads = {}, double least_N = 0.0) {
+                           const std::vector<std::string>& loads = {}, double min_N = 0.0) {
+  const std::vector<double>& x_m = values_of(trace, name + "_x_m");
+  const std::vector<double>& y_m = values_of(trace, name + "_y_m");
   std::vector<Point> points;
   for (std::size_t row = shown.begin; row < shown.end; ++row) {
     double load_N = 0.0;
-    for (const std::string& load : loads) load_N += trace.at(load)[row];
-    const double nothing = std::numeric_limits<double>::quiet_NaN();
-    const double factor = load_N >= least_N ? sim::kMmPerM : nothing;
-    points.push_back({factor * trace.at(name + "_x_m")[row], factor * trace.at(name + "_y_m")[row]});
+    for (const std::string& load : loads) load_N += values_of(trace, load)[row];
+    const double factor = load_N >= min_N ? sim::kMmPerM : std::numeric_limits<double>::quiet_NaN();
+    points.push_back({factor * x_m[row], factor * y_m[row]});
   }
   return points;
 }
@@ -125,24 +127,19 @@ Panel attitude_panel(const std::string& y_label, const std::string& told, const 
           .smallest_span = 2.0};
 }
 
-// Why the estimate stands beside the truth: the accelerometer's bias, which at rest cannot be told from a
-// tilt.
-std::string offset_note(const std::filesystem::path& trace, Span time_s) {
-  const std::vector<std::string> names{"time_s", "imu_roll_rad", "true_roll_rad", "imu_pitch_rad",
-                                       "true_pitch_rad"};
-  const Columns columns = read_columns(trace, names);
-  const Rows shown = rows_within(columns.at("time_s"), time_s);
+// Explains the offset of the estimate: the bias of the accelerometer, which is equivalent to a tilt.
+std::string offset_note(const Columns& trace, Span time_s) {
+  const Rows shown = rows_within(values_of(trace, "time_s"), time_s);
   const auto mean_deg = [&](const std::string& angle) {
+    const std::vector<double>& estimated_rad = values_of(trace, "imu_" + angle + "_rad");
+    const std::vector<double>& true_rad = values_of(trace, "true_" + angle + "_rad");
     double sum_rad = 0.0;
-    for (std::size_t row = shown.begin; row < shown.end; ++row) {
-      sum_rad += columns.at("imu_" + angle + "_rad")[row] - columns.at("true_" + angle + "_rad")[row];
-    }
+    for (std::size_t row = shown.begin; row < shown.end; ++row) sum_rad += estimated_rad[row] - true_rad[row];
     return sum_rad / static_cast<double>(shown.end - shown.begin) * sim::kDegreesPerRad;
   };
   return fmt::format(
       "Estimated less true, on average: roll {:+.1f} deg, pitch {:+.1f} deg. A constant part is the "
-      "accelerometer's "
-      "bias, drawn by the seed (sensors.md).",
+      "accelerometer's bias, drawn by the seed (sensors.md).",
       mean_deg("roll"), mean_deg("pitch"));
 }
 
@@ -154,9 +151,8 @@ Figure joints_figure(Span time_s) {
           .x_span = time_s};
 }
 
-Figure attitude_figure(const std::filesystem::path& trace, Span time_s) {
+Figure attitude_figure(Span time_s) {
   return {.title = "Attitude of the trunk while walking",
-          .note = offset_note(trace, time_s),
           .panels = {attitude_panel("roll [deg]", "imu_roll_rad", "estimated", "true_roll_rad"),
                      attitude_panel("pitch [deg]", "imu_pitch_rad", "estimated", "true_pitch_rad"),
                      attitude_panel("roll rate [deg/s]", "gyro_x_rad_per_s", "filtered gyro",
@@ -168,15 +164,15 @@ Figure attitude_figure(const std::filesystem::path& trace, Span time_s) {
 
 }  // namespace
 
-std::optional<Span> walk_to_show(const std::filesystem::path& trace, double cycle_s) {
-  const std::vector<std::string> names{"time_s", "state", "planned_zmp_x_m"};
-  const Columns columns = read_columns(trace, names);
-  const std::vector<double>& times_s = columns.at("time_s");
+std::optional<Span> walk_to_show(const Columns& trace, double cycle_s) {
+  const std::vector<double>& times_s = values_of(trace, "time_s");
+  const std::vector<double>& states = values_of(trace, "state");
+  const std::vector<double>& planned_m = values_of(trace, "planned_zmp_x_m");
   std::optional<Span> longest;
   std::optional<Span> walk;
   for (std::size_t row = 0; row < times_s.size(); ++row) {
-    const bool at_velocity = columns.at("state")[row] == static_cast<double>(behaviour::State::kWalking);
-    if (!at_velocity && std::isnan(columns.at("planned_zmp_x_m")[row])) {
+    const bool at_velocity = states[row] == static_cast<double>(behaviour::State::kWalking);
+    if (!at_velocity && std::isnan(planned_m[row])) {
       walk.reset();
       continue;
     }
@@ -193,43 +189,47 @@ double commanded_cycle_s(const sim::Scenario& scenario) {
   return 2.0 * 1e-3 * simulation::controller_values(scenario).walk.step.time_ms;
 }
 
-PlaneFigure zmp_figure(const std::filesystem::path& trace, const sim::RobotDescription& robot, Span time_s) {
-  std::vector<std::string> names{"time_s"};
-  for (const char* path : {"zmp", "true_zmp", "planned_zmp"}) {
-    for (const char* axis : {"_x_m", "_y_m"}) names.push_back(std::string(path) + axis);
+std::set<std::string> walk_columns() {
+  std::set<std::string> names{"state"};
+  for (const std::string axis : {"_x_m", "_y_m"}) {
+    for (const char* path : {"zmp", "true_zmp", "planned_zmp"}) names.insert(path + axis);
   }
   for (const std::string side : {"left", "right"}) {
-    names.push_back(side + "_load_N");
-    names.push_back("true_" + side + "_load_N");
-    for (const char* of_sole : {"x_m", "y_m", "yaw_rad"})
-      names.push_back("true_" + side + "_sole_" + of_sole);
+    for (const std::string name : {"load_N", "sole_x_m", "sole_y_m", "sole_yaw_rad"})
+      names.insert("true_" + side + "_" + name);
+    names.insert(side + "_load_N");
   }
-  const Columns columns = read_columns(trace, names);
-  const Rows shown = rows_within(columns.at("time_s"), time_s);
+  for (const Figure& figure : {joints_figure({}), attitude_figure({})}) names.merge(columns_of(figure));
+  return names;
+}
+
+PlaneFigure zmp_figure(const Columns& trace, const sim::RobotDescription& robot, Span time_s) {
+  const Rows shown = rows_within(values_of(trace, "time_s"), time_s);
   PlaneFigure figure{
       .title = fmt::format("ZMP over the footprints, {:.1f} s to {:.1f} s", time_s.low, time_s.high),
       .x_label = "x, ahead [mm]",
       .y_label = "y, left [mm]"};
   const auto feet = sim::feet_of(robot);
-  if (feet[0]) add_footprints(figure, columns, *feet[0], "left", shown);
-  if (feet[1]) add_footprints(figure, columns, *feet[1], "right", shown);
-  const double least_N = kLeastLoadShare * robot.total_mass_kg() * kGravity_m_per_s2;
+  if (feet[0]) add_footprints(figure, trace, *feet[0], "left", shown);
+  if (feet[1]) add_footprints(figure, trace, *feet[1], "right", shown);
+  const double min_N = kMinLoadShare * robot.total_mass_kg() * kGravity_m_per_s2;
   add_path(figure, Role::kTrue, "true",
-           path_mm(columns, "true_zmp", shown, {"true_left_load_N", "true_right_load_N"}, least_N));
+           path_mm(trace, "true_zmp", shown, {"true_left_load_N", "true_right_load_N"}, min_N));
   add_path(figure, Role::kMeasured, "measured",
-           path_mm(columns, "zmp", shown, {"left_load_N", "right_load_N"}, least_N));
-  add_path(figure, Role::kPlanned, "planned", path_mm(columns, "planned_zmp", shown));
+           path_mm(trace, "zmp", shown, {"left_load_N", "right_load_N"}, min_N));
+  add_path(figure, Role::kPlanned, "planned", path_mm(trace, "planned_zmp", shown));
   return figure;
 }
 
-void draw_walk_figures(const std::filesystem::path& folder, const sim::RobotDescription& robot,
-                       double cycle_s) {
-  const std::filesystem::path trace = folder / "trace.csv";
+void draw_walk_figures(const Columns& trace, const sim::RobotDescription& robot, double cycle_s,
+                       const std::filesystem::path& folder) {
   const std::optional<Span> time_s = walk_to_show(trace, cycle_s);
   if (!time_s) return;
   draw(zmp_figure(trace, robot, *time_s), folder / "zmp");
   draw(joints_figure(*time_s), trace, folder / "joints");
-  draw(attitude_figure(trace, *time_s), trace, folder / "attitude");
+  Figure attitude = attitude_figure(*time_s);
+  attitude.note = offset_note(trace, *time_s);
+  draw(attitude, trace, folder / "attitude");
 }
 
 }  // namespace koboshi::tools

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
+#include <string>
 
 #include "sim_board/robot/description.h"
 #include "sim_board/scenario/scenario.h"
@@ -10,22 +12,23 @@
 
 namespace koboshi::tools {
 
-// The part of the trace.csv of a walk that its figures show: of the longest walk, by a gait or at a commanded
-// velocity, all if it is short, else three cycles from its middle on. Nothing when the trace holds no walk.
-// Throws sim::InputError.
-std::optional<Span> walk_to_show(const std::filesystem::path& trace, double cycle_s);
+// All functions take the trace of a run, or its columns that walk_columns() names.
+std::set<std::string> walk_columns();
 
-// The paper's figure 8 in a part of a trace: planned, measured and true ZMP over the footprints, from above.
-// Where the feet together carry less than a tenth of the weight no ZMP is shown: a point of pressure that
-// bears next to nothing jumps about. Throws sim::InputError.
-PlaneFigure zmp_figure(const std::filesystem::path& trace, const sim::RobotDescription& robot, Span time_s);
+// The part of a walk that its figures show: of the longest walk, by a gait or at a commanded velocity, all if
+// it is short, else three cycles from its middle on. Nothing where the trace holds no walk.
+std::optional<Span> walk_to_show(const Columns& trace, double cycle_s);
 
-// Two steps of a walk at a commanded velocity, by the scenario's parameters.
+// The paper's figure 8: planned, measured and true ZMP over the footprints, seen from above. Shows no ZMP
+// where the feet together carry less than a tenth of the weight: there it is noise.
+PlaneFigure zmp_figure(const Columns& trace, const sim::RobotDescription& robot, Span time_s);
+
+// Duration of two steps of a walk at a commanded velocity, by the scenario's parameters.
 double commanded_cycle_s(const sim::Scenario& scenario);
 
-// Draws the figures of a walk, if there is one, from the trace.csv in its folder, as PNG and SVG: zmp.*,
-// joints.* (targets and positions of the legs) and attitude.*. Throws sim::InputError and PlotError.
-void draw_walk_figures(const std::filesystem::path& folder, const sim::RobotDescription& robot,
-                       double cycle_s);
+// Draws the figures of a walk, if there is one, as PNG and SVG: zmp.*, joints.* (targets and positions of the
+// legs) and attitude.*. Throws PlotError.
+void draw_walk_figures(const Columns& trace, const sim::RobotDescription& robot, double cycle_s,
+                       const std::filesystem::path& folder);
 
 }  // namespace koboshi::tools

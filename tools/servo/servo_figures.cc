@@ -13,10 +13,11 @@
 #include "tools/lab/plot/figure.h"
 #include "tools/lab/plot/legend.h"
 #include "tools/servo/rig.h"
-#include "tools/servo/table.h"
 
 namespace koboshi::tools {
 namespace {
+
+constexpr int kDigits = 6;  // of the numbers in the CSV files
 
 class ServoFigures {
  public:
@@ -45,18 +46,16 @@ class ServoFigures {
   // An inertia that neither the rotor nor the load rules alone.
   double inertia_kg_m2() const { return std::max(servo_.rotor_inertia_kg_m2, 1e-4); }
 
-  void finish(const std::string& what, const Table& table, Figure figure) {
-    const std::filesystem::path csv = folder_ / (what + ".csv");
-    table.write(csv);
+  void finish(const std::string& what, const Columns& table, Figure figure) {
     figure.title = fmt::format("{} at {:.3g} V: {}", name_, servo_.supply_V, figure.title);
-    draw(figure, csv, folder_ / what);
+    draw_with_csv(figure, table, folder_ / what, kDigits);
   }
 
   void draw_torque_speed() {
     constexpr int kLoads = 40;
     constexpr int kSettle_ms = 800;
     constexpr int kHalvings = 8;
-    Table table(
+    Columns table = make_columns(
         {"load_Nm", "speed_rad_per_s", "ideal_rad_per_s", "current_A", "electrical_W", "mechanical_W"});
     // Its speed, after a start without load; nothing once the load stops it or drives it back.
     double last_Nm = 0.0;
@@ -69,8 +68,9 @@ class ServoFigures {
       const double current_A = rig.servo().current_A();
       const double voltage_V = rig.servo().winding().resistance_ohm() * current_A +
                                servo_.torque_constant_Nm_per_A * rig.speed_rad_per_s();
-      table.add({load_Nm, rig.speed_rad_per_s(), no_load_rad_per_s() * (1.0 - load_Nm / ideal_stall_Nm()),
-                 current_A, voltage_V * current_A, load_Nm * rig.speed_rad_per_s()});
+      add_row(table,
+              {load_Nm, rig.speed_rad_per_s(), no_load_rad_per_s() * (1.0 - load_Nm / ideal_stall_Nm()),
+               current_A, voltage_V * current_A, load_Nm * rig.speed_rad_per_s()});
       last_Nm = load_Nm;
       return true;
     };
@@ -111,8 +111,8 @@ class ServoFigures {
   // The target and what comes of it, for as long as asked.
   void draw_motion(const std::string& what, const std::string& title, const RigLoad& load, int duration_ms,
                    const std::function<double(double)>& target_rad) {
-    Table table({"time_s", "target_rad", "position_rad", "error_rad", "speed_rad_per_s", "motor_Nm",
-                 "output_Nm", "friction_Nm"});
+    Columns table = make_columns({"time_s", "target_rad", "position_rad", "error_rad", "speed_rad_per_s",
+                                  "motor_Nm", "output_Nm", "friction_Nm"});
     ServoRig rig(servo_, load);
     for (int ms = 0; ms < duration_ms; ++ms) {
       const double time_s = 0.001 * ms;
@@ -122,8 +122,8 @@ class ServoFigures {
       const double output_Nm = rig.output_Nm();
       rig.drive_to(target, 0.0);
       const double motor_Nm = rig.servo().torque_Nm();
-      table.add({time_s, target, position_rad, target - position_rad, speed_rad_per_s, motor_Nm, output_Nm,
-                 friction_.bound_Nm(motor_Nm, -output_Nm, speed_rad_per_s)});
+      add_row(table, {time_s, target, position_rad, target - position_rad, speed_rad_per_s, motor_Nm,
+                      output_Nm, friction_.bound_Nm(motor_Nm, -output_Nm, speed_rad_per_s)});
     }
     finish(what, table,
            {.title = title,
@@ -163,14 +163,14 @@ class ServoFigures {
       panel.series.push_back(
           {.column = columns.back(), .label = fmt::format("{:.2g} N m", load * stall_Nm())});
     }
-    Table table(columns);
+    Columns table = make_columns(columns);
     for (int i = -kSpeeds; i <= kSpeeds; ++i) {
       const double speed_rad_per_s = no_load_rad_per_s() * i / kSpeeds;
       std::vector<double> row{speed_rad_per_s};
       for (const double load : kLoads) {
         row.push_back(friction_.bound_Nm(load * stall_Nm(), -load * stall_Nm(), speed_rad_per_s));
       }
-      table.add(row);
+      add_row(table, row);
     }
     finish("friction_speed", table,
            {.title = "dry friction over speed, where motor and load are in balance",
@@ -197,12 +197,13 @@ class ServoFigures {
 
   void draw_friction_over_load() {
     constexpr int kTorques = 200;
-    Table table({"motor_Nm", "at_rest_Nm", "moving_Nm", "balance_Nm", "lifts_Nm", "driven_back_Nm"});
+    Columns table =
+        make_columns({"motor_Nm", "at_rest_Nm", "moving_Nm", "balance_Nm", "lifts_Nm", "driven_back_Nm"});
     for (int i = 0; i <= kTorques; ++i) {
       const double motor_Nm = stall_Nm() * i / kTorques;
-      table.add({motor_Nm, friction_.bound_Nm(motor_Nm, -motor_Nm, 0.0),
-                 friction_.bound_Nm(motor_Nm, -motor_Nm, 0.5 * no_load_rad_per_s()), motor_Nm,
-                 holding_limit_Nm(motor_Nm, -1.0), holding_limit_Nm(motor_Nm, 1.0)});
+      add_row(table, {motor_Nm, friction_.bound_Nm(motor_Nm, -motor_Nm, 0.0),
+                      friction_.bound_Nm(motor_Nm, -motor_Nm, 0.5 * no_load_rad_per_s()), motor_Nm,
+                      holding_limit_Nm(motor_Nm, -1.0), holding_limit_Nm(motor_Nm, 1.0)});
     }
     finish("friction_load", table,
            {.title = "dry friction over load",
@@ -221,14 +222,14 @@ class ServoFigures {
   void draw_backlash() {
     constexpr int kPeriod_ms = 4000;
     const double largest_Nm = 0.3 * stall_Nm();
-    Table table({"outer_Nm", "position_rad", "rotor_rad"});
+    Columns table = make_columns({"outer_Nm", "position_rad", "rotor_rad"});
     ServoRig rig(servo_, {.inertia_kg_m2 = inertia_kg_m2()});
     // Up, down and up again: the first quarter leads into the loop.
     for (int ms = 0; ms <= kPeriod_ms + kPeriod_ms / 4; ++ms) {
       const double phase = 2.0 * std::numbers::pi * ms / kPeriod_ms;
       const double outer_Nm = largest_Nm * 2.0 / std::numbers::pi * std::asin(std::sin(phase));
       rig.drive_to(0.0, outer_Nm);
-      table.add({outer_Nm, rig.position_rad(), rig.position_rad() + rig.servo().backlash().lead_rad()});
+      add_row(table, {outer_Nm, rig.position_rad(), rig.position_rad() + rig.servo().backlash().lead_rad()});
     }
     finish("backlash", table,
            {.title = "holding its position under a torque from outside",

@@ -2,18 +2,25 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <map>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace koboshi::tools {
 
-using Columns = std::map<std::string, std::vector<double>>;
+// Named columns of one length: the data of a figure, and of a CSV file. NaN where there is no value.
+using Columns = std::vector<std::pair<std::string, std::vector<double>>>;
 
-// The named columns of a CSV file with one header line; an empty cell is not a number (NaN). Throws
-// sim::InputError with the line where a column is missing, a line is short or a cell is no number.
-Columns read_columns(const std::filesystem::path& csv_file, std::span<const std::string> names);
+// Columns without rows.
+Columns make_columns(const std::vector<std::string>& names);
+// Appends a value to each column, in their order.
+void add_row(Columns& columns, const std::vector<double>& row);
+// The values of a column. Throws PlotError where there is none of this name.
+const std::vector<double>& values_of(const Columns& columns, const std::string& name);
+// Writes a header line and a line per row, with an empty cell for NaN. Numbers have this many significant
+// digits, or with 0 as few as read back the same. Throws sim::WriteError.
+void write_csv(const Columns& columns, const std::filesystem::path& file, int digits = 0);
 
 struct Point {
   double x = 0.0;

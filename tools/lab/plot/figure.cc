@@ -1,17 +1,26 @@
 #include "tools/lab/plot/figure.h"
 
-#include "tools/lab/plot/columns.h"
 #include "tools/lab/plot/gnuplot.h"
 #include "tools/lab/plot/gnuplot_script.h"
 
 namespace koboshi::tools {
-void draw(const Figure& figure, const std::filesystem::path& csv_file,
-          const std::filesystem::path& without_extension) {
-  std::vector<std::string> names{figure.x_column};
+
+std::set<std::string> columns_of(const Figure& figure) {
+  std::set<std::string> names;
   for (const Panel& panel : figure.panels) {
-    for (const Series& series : panel.series) names.push_back(series.column);
+    for (const Series& series : panel.series) names.insert(series.column);
   }
-  run_gnuplot(gnuplot_script(figure, read_columns(csv_file, names)), without_extension);
+  return names;
+}
+
+void draw(const Figure& figure, const Columns& columns, const std::filesystem::path& without_extension) {
+  run_gnuplot(gnuplot_script(figure, columns), without_extension);
+}
+
+void draw_with_csv(const Figure& figure, const Columns& columns,
+                   const std::filesystem::path& without_extension, int digits) {
+  write_csv(columns, without_extension.string() + ".csv", digits);
+  draw(figure, columns, without_extension);
 }
 
 }  // namespace koboshi::tools

@@ -2,9 +2,12 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "tools/lab/plot/columns.h"
 
 namespace koboshi::tools {
 
@@ -13,7 +16,7 @@ namespace koboshi::tools {
 enum class LineStyle { kSolid, kDashed, kPoints, kLinesPoints };
 
 struct Series {
-  std::string column{};  // of the CSV file
+  std::string column{};  // of the data
   std::string label{};   // in the key; empty: none
   LineStyle style = LineStyle::kSolid;
   std::optional<int> colour{};     // 0..7 of a colour-blind-safe palette, see legend.h; else by position
@@ -50,17 +53,21 @@ struct Figure {
   bool log_log = false;          // both axes logarithmic; all values are positive
 };
 
-// A figure that could not be drawn although its data are good: no gnuplot, or gnuplot failed. `what()` is
-// one line.
+// The columns that the figure shows, without that of the abscissa.
+std::set<std::string> columns_of(const Figure& figure);
+
+// A figure that could not be drawn: a missing column, no gnuplot, or gnuplot failed. `what()` is one line.
 class PlotError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// Draws columns of a CSV file to `without_extension`.png and .svg. Long curves are thinned to what a page can
-// show, extremes kept. Throws sim::InputError where the file lacks a column or is malformed, PlotError
-// otherwise.
-void draw(const Figure& figure, const std::filesystem::path& csv_file,
-          const std::filesystem::path& without_extension);
+// Draws the figure to `without_extension`.png and .svg. Long curves are thinned to what a page can show,
+// extremes kept. Throws PlotError where a column is missing or gnuplot fails, and sim::WriteError.
+void draw(const Figure& figure, const Columns& columns, const std::filesystem::path& without_extension);
+
+// Draws it beside its data in `without_extension`.csv, as write_csv() writes them.
+void draw_with_csv(const Figure& figure, const Columns& columns,
+                   const std::filesystem::path& without_extension, int digits = 0);
 
 }  // namespace koboshi::tools

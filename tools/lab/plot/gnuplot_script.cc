@@ -122,7 +122,7 @@ class Script {
   }
 
   void write_data() {
-    const std::vector<double>& all_x = columns_.at(figure_.x_column);
+    const std::vector<double>& all_x = values_of(columns_, figure_.x_column);
     const auto shown = [&](std::size_t i) {
       return !figure_.x_span || (figure_.x_span->low <= all_x[i] && all_x[i] <= figure_.x_span->high);
     };
@@ -141,7 +141,7 @@ class Script {
       Range range;
       for (std::size_t s = 0; s < panel.series.size(); ++s) {
         const Series& series = panel.series[s];
-        std::vector<double> y = cut(columns_.at(series.column), series.factor);
+        std::vector<double> y = cut(values_of(columns_, series.column), series.factor);
         for (std::size_t i = 0; series.from_x && i < x.size(); ++i) {
           if (x[i] < *series.from_x) y[i] = std::numeric_limits<double>::quiet_NaN();
         }

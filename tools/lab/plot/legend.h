@@ -21,7 +21,7 @@ enum class Role { kPlanned, kMeasured, kTrue, kTheory, kLeft, kRight, kFirst, kS
 int colour_of(Role role);
 LineStyle style_of(Role role);
 
-// A curve of this role from a column of the CSV file. `factor` is as in Series.
+// A curve of this role from a column of the data. `factor` is as in Series.
 Series series(Role role, const std::string& column, const std::string& label, double factor = 1.0);
 // The planned and the true course of one side.
 Series planned_series(Role side, const std::string& column, const std::string& label, double factor = 1.0);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -149,12 +150,20 @@ class StudySearch {
     figure.panels.push_back(
         {.y_label = "worth", .series = {{.column = "worth", .style = LineStyle::kPoints}}});
     Panel each{.y_label = "worth of each trial"};
+    Columns columns = make_columns({"evaluation", "worth"});
     for (const StudiedTrial& trial : study_.trials) {
+      columns.push_back({trial.name, {}});
       each.series.push_back({.column = trial.name, .label = trial.name, .style = LineStyle::kPoints});
     }
     figure.panels.push_back(std::move(each));
+    for (const Evaluation& evaluation : evaluations_) {
+      const auto shown = [&](double worth) { return evaluation.violated.empty() ? worth : std::nan(""); };
+      std::vector<double> row{static_cast<double>(columns[0].second.size() + 1), shown(evaluation.worth)};
+      std::ranges::transform(evaluation.worths, std::back_inserter(row), shown);
+      add_row(columns, row);
+    }
     try {
-      draw(figure, options_.out / "evaluations.csv", options_.out / "figure");
+      draw(figure, columns, options_.out / "figure");
       return "![Worth of each evaluation](figure.png)";
     } catch (const PlotError& error) {
       return std::string("No figure: ") + error.what();

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "sim_board/input/text.h"
-#include "sim_board/record/output_file.h"
 #include "sim_board/world/options.h"
 #include "sim_board/world/world.h"
 #include "tools/lab/plot/figure.h"
@@ -101,21 +100,7 @@ std::string to_csv(const std::vector<ValidationResult>& results) {
 }
 
 void draw_plots(const ValidationResult& result, const std::filesystem::path& folder) {
-  for (const Plot& plot : result.findings.plots) {
-    std::string csv;
-    for (const auto& [name, values] : plot.columns) csv += (csv.empty() ? "" : ",") + name;
-    csv += "\n";
-    for (std::size_t i = 0; i < plot.columns.front().second.size(); ++i) {
-      for (std::size_t c = 0; c < plot.columns.size(); ++c) {
-        const double value = plot.columns[c].second[i];
-        csv += (c > 0 ? "," : "") + (std::isnan(value) ? std::string() : sim::number_text(value));
-      }
-      csv += "\n";
-    }
-    const std::filesystem::path file = folder / (plot.name + ".csv");
-    sim::write_whole_file(file, csv);
-    draw(plot.figure, file, folder / plot.name);
-  }
+  for (const Plot& plot : result.findings.plots) draw_with_csv(plot.figure, plot.columns, folder / plot.name);
 }
 
 std::string page_text(const std::vector<ValidationResult>& results, const std::string& command_line,

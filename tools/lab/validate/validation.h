@@ -35,11 +35,11 @@ struct Check {
   bool passed() const { return std::abs(error()) <= tolerance; }  // not for what is no number
 };
 
-// Curves and what they show, drawn from a CSV file of these columns, which are of one length.
+// A figure with its data and its caption.
 struct Plot {
   std::string name{};  // of its files, without ending
   std::string caption{};
-  std::vector<std::pair<std::string, std::vector<double>>> columns{};
+  Columns columns{};
   Figure figure{};
 };
 

@@ -4,59 +4,54 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
+#include <limits>
 
 #include "firmware/behaviour/behaviour.h"
-#include "tests/support/temporary_folder.h"
+#include "tools/run/run_figures.h"
 
 namespace koboshi::tools {
 namespace {
 
 constexpr double kStep_s = 0.1;
 
-class WalkFigures : public testing::Test {
- protected:
-  // A row each tenth of a second: in this state, with a planned ZMP or without.
-  void write(const std::vector<std::pair<behaviour::State, bool>>& rows) {
-    std::ofstream out(trace_);
-    out << "time_s,state,planned_zmp_x_m\n";
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      out << kStep_s * static_cast<double>(i) << ',' << static_cast<int>(rows[i].first) << ','
-          << (rows[i].second ? "0.1" : "") << '\n';
-    }
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// A row each tenth of a second: in this state, with a planned ZMP or without.
+Columns trace_of(const std::vector<std::pair<behaviour::State, bool>>& rows) {
+  Columns trace = make_columns({"time_s", "state", "planned_zmp_x_m"});
+  for (const auto& [state, planned] : rows) {
+    const double time_s = kStep_s * static_cast<double>(trace[0].second.size());
+    add_row(trace, {time_s, static_cast<double>(state), planned ? 0.1 : kNaN});
   }
+  return trace;
+}
 
-  const koboshi::test::TemporaryFolder folder_;
-  const std::filesystem::path trace_ = folder_.path / "trace.csv";
-};
-
-TEST_F(WalkFigures, ShowTheLongestWalkAtACommandedVelocity) {
+TEST(WalkFigures, ShowTheLongestWalkAtACommandedVelocity) {
   std::vector<std::pair<behaviour::State, bool>> rows(10, {behaviour::State::kStanding, false});
   rows.insert(rows.end(), 5, {behaviour::State::kWalking, false});
   rows.insert(rows.end(), 10, {behaviour::State::kFallen, false});
   rows.insert(rows.end(), 8, {behaviour::State::kWalking, false});
   rows.insert(rows.end(), 3, {behaviour::State::kStanding, false});
-  write(rows);
-  const auto span = walk_to_show(trace_, 1.0);
+  const auto span = walk_to_show(trace_of(rows), 1.0);
   ASSERT_TRUE(span);
   EXPECT_NEAR(span->low, 2.5, 1e-9);
   EXPECT_NEAR(span->high, 3.2, 1e-9);
 }
 
-TEST_F(WalkFigures, ShowThreeCyclesOfALongWalk) {
-  write(std::vector<std::pair<behaviour::State, bool>>(101, {behaviour::State::kMotion, true}));
-  const auto span = walk_to_show(trace_, 0.5);
+TEST(WalkFigures, ShowThreeCyclesOfALongWalk) {
+  const std::vector<std::pair<behaviour::State, bool>> rows(101, {behaviour::State::kMotion, true});
+  const auto span = walk_to_show(trace_of(rows), 0.5);
   ASSERT_TRUE(span);
   EXPECT_NEAR(span->low, 5.0, 1e-9);
   EXPECT_NEAR(span->high, 6.5, 1e-9);
 }
 
-TEST_F(WalkFigures, AreNotDrawnWithoutAWalk) {
-  write(std::vector<std::pair<behaviour::State, bool>>(10, {behaviour::State::kMotion, false}));
-  EXPECT_FALSE(walk_to_show(trace_, 0.5));
+TEST(WalkFigures, AreNotDrawnWithoutAWalk) {
+  const std::vector<std::pair<behaviour::State, bool>> rows(10, {behaviour::State::kMotion, false});
+  EXPECT_FALSE(walk_to_show(trace_of(rows), 0.5));
 }
 
-TEST_F(WalkFigures, HaveTheCycleOfTheParameters) {
+TEST(WalkFigures, HaveTheCycleOfTheParameters) {
   sim::Scenario scenario;
   scenario.robot_parameters.settings = {{{"step_time_ms", "parameters.yaml", 3}, 220.0}};
   EXPECT_NEAR(commanded_cycle_s(scenario), 0.44, 1e-9);
@@ -65,27 +60,23 @@ TEST_F(WalkFigures, HaveTheCycleOfTheParameters) {
 }
 
 // The feet bear 10 N, then next to nothing, then 10 N again.
-TEST_F(WalkFigures, LeaveOutAZmpThatBearsNextToNothing) {
-  std::ofstream out(trace_);
-  out << "time_s";
-  for (const char* name :
-       {"zmp_x_m", "zmp_y_m", "true_zmp_x_m", "true_zmp_y_m", "planned_zmp_x_m", "planned_zmp_y_m"})
-    out << ',' << name;
+TEST(WalkFigures, LeaveOutAZmpThatBearsNextToNothing) {
+  Columns trace{{"time_s", {0.0, 1.0, 2.0}}};
+  const auto add = [&](const std::string& name, double value) {
+    trace.push_back({name, std::vector<double>(3, value)});
+  };
+  for (const auto& [name, x_m] : {std::pair("zmp", 0.01), {"true_zmp", 0.03}, {"planned_zmp", kNaN}}) {
+    add(std::string(name) + "_x_m", x_m);
+    add(std::string(name) + "_y_m", x_m + 0.01);
+  }
   for (const std::string side : {"left", "right"}) {
-    out << ',' << side << "_load_N,true_" << side << "_load_N";
-    for (const char* of_sole : {"x_m", "y_m", "yaw_rad"}) out << ",true_" << side << "_sole_" << of_sole;
+    for (const std::string told : {"", "true_"}) trace.push_back({told + side + "_load_N", {5.0, 0.4, 5.0}});
+    for (const char* of_sole : {"x_m", "y_m", "yaw_rad"}) add("true_" + side + "_sole_" + of_sole, 0.0);
   }
-  out << '\n';
-  for (int i = 0; i < 3; ++i) {
-    const double load_N = i == 1 ? 0.4 : 5.0;
-    out << i << ",0.01,0.02,0.03,0.04,," << ',' << load_N << ',' << load_N << ",0,0,0," << load_N << ','
-        << load_N << ",0,0,0\n";
-  }
-  out.close();
   sim::RobotDescription robot;
   robot.links.resize(1);
   robot.links[0].mass_kg = 1.2;
-  const PlaneFigure figure = zmp_figure(trace_, robot, {0.0, 2.0});
+  const PlaneFigure figure = zmp_figure(trace, robot, {0.0, 2.0});
   EXPECT_EQ(figure.title, "ZMP over the footprints, 0.0 s to 2.0 s");
   ASSERT_EQ(figure.curves.size(), 2u);  // nothing was planned
   for (const PlaneCurve& curve : figure.curves) {
@@ -95,6 +86,18 @@ TEST_F(WalkFigures, LeaveOutAZmpThatBearsNextToNothing) {
     EXPECT_FALSE(std::isnan(curve.points[2].x));
   }
   EXPECT_NEAR(figure.curves[0].points[0].y, 40.0, 1e-9);
+}
+
+TEST(ShownTrace, HasTheColumnsOfTheFiguresInMemory) {
+  using enum sim::TraceKind;
+  ShownTrace trace({{"state", "", kInteger}, {"imu_roll", "rad"}, {"left_knee_torque", "permille"}});
+  trace.add(10'000, std::vector<sim::TraceValue>{3, 0.25, 7.0});
+  trace.add(20'000, std::vector<sim::TraceValue>{4, kNaN, 7.0});
+  ASSERT_EQ(trace.columns().size(), 3u);  // no figure shows the torque
+  EXPECT_THAT(values_of(trace.columns(), "time_s"), testing::ElementsAre(0.01, 0.02));
+  EXPECT_THAT(values_of(trace.columns(), "state"), testing::ElementsAre(3.0, 4.0));
+  EXPECT_EQ(values_of(trace.columns(), "imu_roll_rad")[0], 0.25);
+  EXPECT_TRUE(std::isnan(values_of(trace.columns(), "imu_roll_rad")[1]));
 }
 
 }  // namespace

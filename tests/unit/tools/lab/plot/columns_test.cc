@@ -4,53 +4,39 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <limits>
 
-#include "sim_board/input/error.h"
-#include "tests/unit/sim_board/input/scratch_file.h"
+#include "tests/support/temporary_folder.h"
+#include "tools/lab/plot/figure.h"
 
 namespace koboshi::tools {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-class CsvFile : public ::testing::Test {
- protected:
-  static Columns read(const std::string& text, const std::vector<std::string>& names) {
-    return read_columns(sim::ScratchFile("columns.csv", text).path(), names);
-  }
-  std::string refusal(const std::string& text, const std::vector<std::string>& names) {
-    try {
-      read(text, names);
-    } catch (const sim::InputError& error) {
-      return error.what();
-    }
-    return "";
-  }
-};
-
-TEST_F(CsvFile, GivesTheColumnsThatAreAskedFor) {
-  const Columns columns = read("time_s,a_m,b_rad\n0,1.5,-2e-3\n0.01,2.5,7\r\n", {"b_rad", "time_s", "b_rad"});
-  EXPECT_EQ(columns.size(), 2u);
-  EXPECT_THAT(columns.at("time_s"), ElementsAre(0.0, 0.01));
-  EXPECT_THAT(columns.at("b_rad"), ElementsAre(-0.002, 7.0));
+std::string csv_of(const Columns& columns, int digits) {
+  const koboshi::test::TemporaryFolder folder;
+  write_csv(columns, folder.path / "columns.csv", digits);
+  std::ifstream stream(folder.path / "columns.csv");
+  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-TEST_F(CsvFile, TakesAnEmptyCellForNoNumber) {
-  const Columns columns = read("time_s,zmp_m\n0,\n1,2\n", {"zmp_m"});
-  EXPECT_TRUE(std::isnan(columns.at("zmp_m")[0]));
-  EXPECT_EQ(columns.at("zmp_m")[1], 2.0);
+TEST(Columns, BecomeACsvFileWithEmptyCells) {
+  Columns columns = make_columns({"time_s", "a_m"});
+  add_row(columns, {0.0, 1.0 / 3.0});
+  add_row(columns, {0.01, kNaN});
+  EXPECT_EQ(csv_of(columns, 3), "time_s,a_m\n0,0.333\n0.01,\n");
+  EXPECT_EQ(csv_of(columns, 0), "time_s,a_m\n0,0.3333333333333333\n0.01,\n");
 }
 
-TEST_F(CsvFile, IsRefusedWithItsLine) {
-  EXPECT_THAT(refusal("time_s,a\n0,1\n", {"b"}), HasSubstr(".csv:1: found no column b"));
-  EXPECT_THAT(refusal("time_s,a\n0,1\n0\n", {"a"}), HasSubstr(".csv:3: found 1 cells, expected 2"));
-  EXPECT_THAT(refusal("time_s,a\n0,1\n0,x\n", {"a"}), HasSubstr(".csv:3: found x, expected a number"));
-  EXPECT_THAT(refusal("", {"a"}), HasSubstr("found no header"));
-  EXPECT_THROW(read_columns("/no/such/file.csv", {}), sim::InputError);
+TEST(Columns, AreFoundByName) {
+  const Columns columns{{"time_s", {0.0, 1.0}}, {"a_m", {2.0, 3.0}}};
+  EXPECT_THAT(values_of(columns, "a_m"), ElementsAre(2.0, 3.0));
+  EXPECT_THROW(values_of(columns, "b_m"), PlotError);
 }
 
 TEST(Thinning, LeavesAShortCurveAlone) {

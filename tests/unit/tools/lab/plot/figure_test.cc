@@ -11,7 +11,6 @@
 #include <sstream>
 #include <vector>
 
-#include "sim_board/input/error.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/lab/plot/gnuplot.h"
 #include "tools/lab/plot/gnuplot_script.h"
@@ -31,17 +30,16 @@ std::string contents(const std::filesystem::path& file) {
   return text.str();
 }
 
-// A squat as a trace would show it.
-void write_trace(const std::filesystem::path& file) {
-  std::ofstream out(file);
-  out << "time_s,base_z_m,knee_target_rad,knee_rad\n";
+// The trace of a squat.
+Columns squat_trace() {
+  Columns trace = make_columns({"time_s", "base_z_m", "knee_target_rad", "knee_rad"});
   for (int i = 0; i <= 2000; ++i) {
     const double time_s = 0.01 * i;
     const double target = time_s < 4.0 ? 0.0 : 0.6 - 0.6 * std::cos(std::numbers::pi * (time_s - 4.0) / 2.0);
     const double actual = target - 0.02 * std::sin(target) + 0.003 * std::sin(40.0 * time_s);
-    out << time_s << ',' << 0.17 + 0.065 * (2.0 * std::cos(0.5 * actual) - 2.0) << ',' << target << ','
-        << actual << '\n';
+    add_row(trace, {time_s, 0.17 + 0.065 * (2.0 * std::cos(0.5 * actual) - 2.0), target, actual});
   }
+  return trace;
 }
 
 Figure squat_figure() {
@@ -62,11 +60,9 @@ Figure squat_figure() {
 
 class Drawing : public ::testing::Test {
  protected:
-  Drawing() { write_trace(trace_); }
-
   const koboshi::test::TemporaryFolder temporary_;
   const std::filesystem::path folder_ = temporary_.path;
-  std::filesystem::path trace_ = folder_ / "trace.csv";
+  const Columns trace_ = squat_trace();
 };
 
 TEST_F(Drawing, MakesPngAndSvgAndLeavesNothingElse) {
@@ -88,11 +84,11 @@ TEST_F(Drawing, RepeatsItself) {
 }
 
 TEST_F(Drawing, CopesWithConstantAndMissingData) {
-  std::ofstream(trace_) << "time_s,constant,missing\n0,5,\n1,5,\n2,5,\n";
+  const Columns columns{{"time_s", {0, 1, 2}}, {"constant", {5, 5, 5}}, {"missing", {NAN, NAN, NAN}}};
   Figure figure;
   figure.panels = {{.y_label = "c", .series = {{.column = "constant"}}},
                    {.y_label = "m", .series = {{.column = "missing"}}}};
-  EXPECT_NO_THROW(draw(figure, trace_, folder_ / "flat"));
+  EXPECT_NO_THROW(draw(figure, columns, folder_ / "flat"));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "flat.png"));
 }
 
@@ -125,7 +121,7 @@ TEST_F(Drawing, NeedsNoLocaleForItsLetters) {
 TEST_F(Drawing, RefusesAColumnThatIsNotThereAndWritesNothing) {
   Figure figure = squat_figure();
   figure.panels[0].series[0].column = "tail_m";
-  EXPECT_THROW(draw(figure, trace_, folder_ / "squat"), sim::InputError);
+  EXPECT_THROW(draw(figure, trace_, folder_ / "squat"), PlotError);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "squat.gnuplot"));
 }
 
