@@ -1,0 +1,56 @@
+// One recorded run of a scenario, for a profiler: the loop of `koboshi run` without the program around it,
+// whose libraries valgrind cannot start. tools/dev/profile.py reads the profile.
+//
+//   profiled_run SCENARIO STEPPER SIMULATED_SECONDS OUTPUT_FOLDER
+
+#include <fmt/core.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <exception>
+
+#include "sim_board/record/output_folder.h"
+#include "sim_board/scenario/reader.h"
+#include "simulation/observe/run_recorder.h"
+#include "simulation/scenario/simulation.h"
+
+namespace {
+
+using namespace koboshi;
+
+// The functions whose cost is profiled. Neither may be inlined: callgrind counts by their names.
+[[gnu::noinline]] void profiled_advance(simulation::Simulation& simulation) { simulation.advance(); }
+[[gnu::noinline]] void profiled_record(simulation::RunRecorder& recorder) { recorder.record(); }
+
+std::uint64_t play(const sim::Scenario& scenario, const char* folder) {
+  simulation::Simulation simulation(scenario);
+  const sim::OutputFolder out(folder);
+  sim::Recorder files(folder, simulation::RunRecorder::columns(simulation.robot()), sim::WhenFull::kWait);
+  simulation::RunRecorder recorder(simulation, &files);
+  while (!simulation.finished()) {
+    profiled_advance(simulation);
+    profiled_record(recorder);
+  }
+  files.close();
+  return recorder.state_hash();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 5) {
+    fmt::print(stderr, "usage: profiled_run SCENARIO STEPPER SIMULATED_SECONDS OUTPUT_FOLDER\n");
+    return 2;
+  }
+  try {
+    sim::Scenario scenario = sim::read_scenario(argv[1]);
+    const auto stepper = sim::stepper_named(argv[2]);
+    if (!stepper) throw std::runtime_error(fmt::format("no stepper is named {}", argv[2]));
+    scenario.physics.stepper = *stepper;
+    scenario.duration_us = static_cast<std::uint64_t>(1e6 * std::atof(argv[3]));
+    fmt::print("state {:016x}\n", play(scenario, argv[4]));
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "profiled_run: {}\n", error.what());
+    return 2;
+  }
+}
