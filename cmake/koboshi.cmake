@@ -33,12 +33,16 @@ endif()
 add_library(koboshi_firmware_options INTERFACE)
 target_compile_options(koboshi_firmware_options INTERFACE ${KOBOSHI_FIRMWARE_FLAGS})
 
-# koboshi_library(NAME [FIRMWARE] [SOURCES ...] [DEPS ...]) defines koboshi::NAME; without sources it is an interface
-# library. cmake/install.cmake installs it with the component of its folder.
+# koboshi_library(NAME [FIRMWARE] [OBJECT] [SOURCES ...] [DEPS ...]) defines koboshi::NAME: a static library, with OBJECT an
+# object library, without sources an interface library. cmake/install.cmake installs it with the component of its folder.
 function(koboshi_library name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "FIRMWARE" "" "SOURCES;DEPS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "FIRMWARE;OBJECT" "" "SOURCES;DEPS")
   if(arg_SOURCES)
-    add_library(${name} STATIC ${arg_SOURCES})
+    set(type STATIC)
+    if(arg_OBJECT)
+      set(type OBJECT)
+    endif()
+    add_library(${name} ${type} ${arg_SOURCES})
     target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:koboshi_options> PUBLIC koboshi_headers ${arg_DEPS})
     if(arg_FIRMWARE)
       target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:koboshi_firmware_options>)

@@ -4,6 +4,7 @@
 
 #include "hal/cortex_m/registers.h"
 #include "hal/cortex_m/startup.h"
+#include "hal/cortex_m/vectors.h"
 
 namespace koboshi::cortex_m {
 namespace {
@@ -90,5 +91,8 @@ extern "C" [[gnu::naked]] void fault_handler() {
       "mov r0, sp\n"
       "b record_fault\n");
 }
+
+// The default (vectors.h).
+extern "C" [[gnu::weak, gnu::nothrow, gnu::alias("fault_handler")]] void systick_handler();
 
 }  // namespace koboshi::cortex_m

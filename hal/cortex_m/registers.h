@@ -14,6 +14,9 @@ struct Registers {
   static volatile std::uint32_t& systick_control() { return at(0xE000'E010); }
   static volatile std::uint32_t& systick_reload() { return at(0xE000'E014); }
   static volatile std::uint32_t& systick_value() { return at(0xE000'E018); }
+  // Bit n of word i is interrupt 32 i + n.
+  static volatile std::uint32_t& interrupt_enable(std::uint32_t i) { return at(0xE000'E100 + 4 * i); }
+  static volatile std::uint32_t& interrupt_pending(std::uint32_t i) { return at(0xE000'E200 + 4 * i); }
   static volatile std::uint32_t& interrupt_control() { return at(0xE000'ED04); }
   static volatile std::uint32_t& reset_control() { return at(0xE000'ED0C); }
   static volatile std::uint32_t& handler_control() { return at(0xE000'ED24); }

@@ -1,10 +1,9 @@
 #include "hal/cortex_m/startup.h"
 
 #include "hal/cortex_m/registers.h"
+#include "hal/cortex_m/vectors.h"
 
 namespace koboshi::cortex_m {
-
-extern "C" void fault_handler();
 
 std::uint32_t stack_peak_bytes() {
   const std::uint32_t* word = image_stack_bottom;
@@ -38,17 +37,20 @@ extern "C" [[noreturn, gnu::used]] void reset_handler() {
 
 namespace {
 
-using Handler = void (*)();
+constexpr std::size_t kSysTick = 15;  // exception number (ARMv7-M, B1.5.2)
 
+// The vectors of the core. Those of the part's interrupts follow: section .vectors.interrupts, from the
+// board.
 struct VectorTable {
   const void* stack_top;
-  Handler handlers[15 + 32];  // of the core, and of the first interrupts, all of which are disabled
+  Handler handlers[kSysTick];  // of exceptions 1 to 15
 };
 
 constexpr VectorTable make_vector_table() {
   VectorTable table{image_stack_top, {}};
   for (Handler& handler : table.handlers) handler = fault_handler;
   table.handlers[0] = reset_handler;
+  table.handlers[kSysTick - 1] = systick_handler;
   return table;
 }
 

@@ -39,7 +39,9 @@ class IndependentWatchdog final : public WatchdogPort {
 };
 
 // A pin of a GPIO port, driven by the register that sets and clears single pins: bit n sets, bit n + 16
-// clears (RM0090, 8.4.7). The board must pull the line low while the pin is an input, as it is at reset.
+// clears (RM0090, 8.4.7). The board must pull the line low while the pin is an input, as it is at reset. The
+// constructor clears the pin's output bit; the program makes the pin an output after that, so that the first
+// level it drives is low.
 class DriveEnablePin final : public DriveEnablePort {
  public:
   // `pin` is 0..15.

@@ -1,9 +1,9 @@
 """Runs the commands of a documentation page, compares its code with the files that it quotes, and checks its links.
 
 A block of ```console is run from the repository's root: each line that begins with "$ " is a command, a trailing backslash
-continues it, other lines are output and not compared. ```console not-run is only parsed. A block of ```cpp PATH or
-```python PATH must occur in that file word for word; a block of ```python without a path is only parsed. build/release is
-replaced by this test's build folder, and runs/ by a temporary folder.
+continues it, other lines are output and not compared. ```console not-run is only parsed. A block of ```cpp PATH, ```cmake PATH,
+```ld PATH or ```python PATH must occur in that file word for word; a block of ```python without a path is only parsed.
+build/release is replaced by this test's build folder, and runs/ by a temporary folder.
 """
 
 import pathlib
@@ -45,7 +45,8 @@ class Page(unittest.TestCase):
                 self.assertEqual(result.returncode, 0, result.stdout)
 
     def test_code_stands_in_its_file(self):
-        for path, code in blocks(self.text, "cpp") + [block for block in blocks(self.text, "python") if block[0]]:
+        shown = [block for language in ("cpp", "cmake", "ld") for block in blocks(self.text, language)]
+        for path, code in shown + [block for block in blocks(self.text, "python") if block[0]]:
             with self.subTest(path=path):
                 self.assertIsNotNone(path, "a block of code names no file")
                 self.assertIn(code, (ROOT / path).read_text())

@@ -28,6 +28,9 @@ SOURCES = pathlib.Path(__file__).resolve().parents[2]
 FIXTURES = sorted((pathlib.Path(__file__).parent / "fixture").glob("*.cc"))
 EXPECTATION = re.compile(r"^// Expect: (link|image|nothing) ?(.*)$", re.MULTILINE)
 PROGRAM = "firmware/programs/mps2/main.cc"
+INTERRUPTS = pathlib.Path(__file__).parent / "interrupts.cc"
+QEMU = ("qemu-system-arm -M mps2-an386 -icount shift=6,sleep=off -display none -monitor none -nodefaults -nic none "
+        "-semihosting-config enable=on,target=native -kernel").split()
 
 
 def run(command, **options):
@@ -61,12 +64,16 @@ def link(folder, program=None):
     return elf, relocatable, result.stderr if result.returncode else None
 
 
-def link_fixture(source, folder):
+def compile_program(source, folder):
     program = pathlib.Path(folder) / "program.o"
     compilation = run(compile_command(source, program))
     if compilation.returncode:
         raise ValueError(compilation.stderr)
-    return link(folder, program)
+    return program
+
+
+def link_fixture(source, folder):
+    return link(folder, compile_program(source, folder))
 
 
 def load_fixture(elf, folder):
@@ -125,6 +132,26 @@ class Image(unittest.TestCase):
         self.assertLessEqual(description["stack_bytes"], 3 * 1024)
         self.assertGreater(description["flash_bytes"], 16 * 1024)  # less would mean that the image lacks the firmware
         self.assertGreater(description["stack_bytes"], 300)
+
+
+class Board(unittest.TestCase):
+    def link(self, program, folder):
+        """Links a program that has vectors of its own, in place of the board's."""
+        elf = pathlib.Path(folder) / "image.elf"
+        words = [word for word in link_command(elf, program) if not word.endswith("/interrupts.cc.obj")]
+        return elf, run(words)
+
+    def test_installs_handlers_of_its_own(self):
+        with tempfile.TemporaryDirectory() as folder:
+            elf, result = self.link(compile_program(INTERRUPTS, folder), folder)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            output = subprocess.run([*QEMU, elf], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60).stdout
+            self.assertEqual(output, "both handlers ran\n")
+
+    def test_does_not_link_without_vectors(self):
+        with tempfile.TemporaryDirectory() as folder:
+            _, result = self.link(None, folder)
+            self.assertIn("no vectors in .vectors.interrupts", result.stderr)
 
 
 class Violation(unittest.TestCase):

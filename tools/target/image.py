@@ -267,7 +267,7 @@ def folder_of(file):
         return "(padding)"
     if match := re.match(r"/.*/lib(\w+)\.a\(", file):
         return "lib" + match[1]
-    return "/".join(part for part in pathlib.PurePath(file.split("(")[0]).parts[:-1] if part != "CMakeFiles" and "." not in part)
+    return "/".join(part for part in pathlib.PurePath(file.split("(")[0]).parts[:-1] if part not in ("CMakeFiles", "Unity") and "." not in part)
 
 
 def bytes_by_folder(map_file):

@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <deque>
 #include <vector>
 
 #include "firmware/app/controller.h"
 #include "firmware/canopen/emergency.h"
+#include "hal/cortex_m/vectors.h"
 #include "hal/fake/can_registers.h"
 #include "hal/fake/sensors.h"
 #include "hal/fake/storage.h"
@@ -44,12 +46,44 @@ struct ExampleBoard {
   bool drive_enable_line() const { return pins == 1u << 7; }
 };
 
-// Runs each millisecond of the board's clock, from the main loop.
-void serve(stm32::Can& can, Controller& firmware, std::uint64_t now_us) {
-  can.update();
-  firmware.service(now_us);
-  if (now_us % Controller::kTick_us == 0) firmware.tick(now_us);
+// The driver that the interrupts serve; set before they are enabled.
+stm32::Can* can_driver = nullptr;
+
+void can1_tx_handler() { can_driver->on_transmit_interrupt(); }
+void can1_rx0_handler() { can_driver->on_receive_interrupt(); }
+
+// The 82 interrupts of an STM32F407 (RM0090, 12.1.3).
+[[gnu::section(".vectors.interrupts"), gnu::used]] constinit const auto kInterrupts =
+    cortex_m::interrupt_vectors<82>({{19, can1_tx_handler}, {20, can1_rx0_handler}});
+
+// Milliseconds since the start, modulo 2^32.
+std::atomic<std::uint32_t> clock_ms{0};
+
+// Serves the firmware once for each millisecond that SysTick has counted, in order.
+void serve_elapsed(stm32::Can& can, Controller& firmware, std::uint64_t& now_us) {
+  for (std::uint32_t left = clock_ms - static_cast<std::uint32_t>(now_us / 1'000); left > 0; --left) {
+    now_us += 1'000;
+    can.update();
+    firmware.service(now_us);
+    if (now_us % Controller::kTick_us == 0) firmware.tick(now_us);
+  }
 }
+
+}  // namespace
+}  // namespace koboshi::app
+
+namespace koboshi::cortex_m {
+
+// Every millisecond, by SysTick::start_interrupt(168'000'000 / 1'000).
+extern "C" void systick_handler() { app::clock_ms.fetch_add(1, std::memory_order_relaxed); }
+
+// The start-up code of the core has this one.
+extern "C" void fault_handler() { FAIL() << "an interrupt without handler"; }
+
+}  // namespace koboshi::cortex_m
+
+namespace koboshi::app {
+namespace {
 
 // The board with the firmware, and a stub of each drive of the test robot on a bus of 1 Mbit/s.
 class PortExample : public testing::Test {
@@ -60,17 +94,19 @@ class PortExample : public testing::Test {
   PortExample() {
     for (std::size_t i = 0; i < firmware.model().joint_count; ++i)
       drives.emplace_back(firmware.model().joints[i].drive);
-    board.can_hardware.connect([this] { board.can.on_receive_interrupt(); },
-                               [this] { board.can.on_transmit_interrupt(); });
+    can_driver = &board.can;
+    clock_ms = 0;
+    board.can_hardware.connect(kInterrupts[20], kInterrupts[19]);
     board.can.start(kCanTiming);
   }
+  ~PortExample() override { can_driver = nullptr; }
 
   void run_ms(int duration_ms) {
     for (int i = 0; i < duration_ms; ++i) {
       feed_sensors();
-      serve(board.can, firmware, now_us);
+      cortex_m::systick_handler();
+      serve_elapsed(board.can, firmware, now_us);
       pass_a_millisecond_on_the_bus();
-      now_us += 1'000;
     }
   }
   bool run_until(State state, int limit_ms = 3'000) {
@@ -142,6 +178,27 @@ TEST_F(PortExample, BootsLimpAndStandsOnCommand) {
   EXPECT_EQ(firmware.values().diagnosis.frames_lost, 0);
 }
 
+TEST_F(PortExample, SkipsNoMillisecond) {
+  for (int i = 0; i < 25; ++i) cortex_m::systick_handler();  // a call that takes 25 ms
+  serve_elapsed(board.can, firmware, now_us);
+  EXPECT_EQ(now_us, 25'000u);
+  serve_elapsed(board.can, firmware, now_us);
+  EXPECT_EQ(now_us, 25'000u);
+}
+
+// 2^32 ms are 49.7 days.
+TEST_F(PortExample, KeepsTimeWhenTheCounterOfMillisecondsWraps) {
+  now_us = (std::uint64_t{1} << 32) * 1'000 - 1'000;
+  clock_ms = 0xFFFF'FFFF;
+  cortex_m::systick_handler();
+  serve_elapsed(board.can, firmware, now_us);
+  EXPECT_EQ(now_us, (std::uint64_t{1} << 32) * 1'000);
+}
+
+TEST(PortExampleVectors, LeadEverythingElseToTheFaultHandler) {
+  EXPECT_EQ(std::ranges::count(kInterrupts, &cortex_m::fault_handler), 80);
+}
+
 TEST_F(PortExample, BeatsEach20Milliseconds) {
   run_ms(100);
   sent.clear();
@@ -177,7 +234,9 @@ TEST_F(PortExample, ComesBackFromBusOff) {
   sent.clear();
   for (int i = 0; i < 300 && board.can.status().state != hal::CanErrorState::kBusOff; ++i) {
     board.can_hardware.destroy_transmission();
-    if (!board.can_hardware.contender()) serve(board.can, firmware, now_us += 1'000);
+    if (board.can_hardware.contender()) continue;
+    cortex_m::systick_handler();
+    serve_elapsed(board.can, firmware, now_us);
   }
   ASSERT_EQ(board.can.status().state, hal::CanErrorState::kBusOff);
   ASSERT_TRUE(run_until(State::kFault, 20));
