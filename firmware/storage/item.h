@@ -5,7 +5,7 @@
 
 namespace koboshi::storage {
 
-// What an item is. Kind and number together identify it; both stand in flash, so new kinds are appended.
+// What an item is. Kind and number together identify it; both are stored in flash, so new kinds are appended.
 enum class ItemKind : std::uint16_t {
   kRobotModel = 1,
   kMotion = 2,             // numbers 0 to kMaxMotions - 1
@@ -16,7 +16,7 @@ enum class ItemKind : std::uint16_t {
 
 inline constexpr std::size_t kMaxMotions = 32;
 
-// The result of a verb that may write flash. canopen/stored_parameters.h maps it to SDO abort codes.
+// The result of a function that may write flash. canopen/stored_parameters.h maps it to SDO abort codes.
 enum class [[nodiscard]] Status : std::uint8_t{
     kOk,
     kBusy,        // the flash is not ready: nothing was done, call again a millisecond later

@@ -25,6 +25,8 @@ ItemStore::ItemStore(hal::StoragePort& storage, const Layout& layout)
       layout_(layout),
       first_(storage.contents().size() - std::min(storage.contents().size(), layout.size_bytes())) {
   KOBOSHI_ASSERT(layout.slots <= kMaxSlots && layout.slot_size_bytes > kTrailerSize);
+  const std::size_t sector_size_bytes = storage.sector_size_bytes();
+  KOBOSHI_ASSERT(layout.slot_size_bytes % sector_size_bytes == 0 && first_ % sector_size_bytes == 0);
   if (storage_.contents().size() < layout_.size_bytes()) return;
   for (std::size_t i = 0; i < layout_.slots; ++i) {
     Trailer trailer;
@@ -77,9 +79,8 @@ std::span<const std::byte> ItemStore::find(ItemKind kind, std::uint16_t number) 
 }
 
 Status ItemStore::begin(ItemKind kind, std::uint16_t number) {
+  if (begun_) return Status::kInUse;  // only its writer ends an item that is complete or has failed
   switch (state_) {
-    case State::kOpen:
-      return Status::kInUse;
     case State::kFailed:
       state_ = State::kIdle;
       return Status::kFailed;
@@ -94,9 +95,11 @@ Status ItemStore::begin(ItemKind kind, std::uint16_t number) {
       erase_next();
       return Status::kBusy;
     case State::kErasing:
+    case State::kOpen:
     case State::kSealing:
       return Status::kBusy;
   }
+  begun_ = true;
   state_ = State::kOpen;
   kind_ = kind;
   number_ = number;
@@ -124,6 +127,7 @@ void ItemStore::erase_next() {
 }
 
 Status ItemStore::append(std::span<const std::byte> bytes) {
+  KOBOSHI_ASSERT(begun_ && bytes.size() <= kMaxAppendSize);
   if (state_ != State::kOpen) return Status::kFailed;
   if (size_ + bytes.size() > layout_.max_item_size_bytes()) return Status::kTooLong;
   if (page_fill_ + bytes.size() > page_.size()) return Status::kBusy;
@@ -135,6 +139,7 @@ Status ItemStore::append(std::span<const std::byte> bytes) {
 }
 
 Status ItemStore::flush() {
+  KOBOSHI_ASSERT(begun_);
   if (state_ == State::kFailed) return Status::kFailed;
   if (operating_) return Status::kBusy;
   if (page_fill_ == 0) return Status::kOk;
@@ -144,6 +149,7 @@ Status ItemStore::flush() {
 }
 
 Status ItemStore::commit() {
+  KOBOSHI_ASSERT(begun_);
   if (state_ == State::kSealed) return Status::kOk;
   const Status flushed = flush();
   if (flushed != Status::kOk) return flushed;
@@ -152,6 +158,8 @@ Status ItemStore::commit() {
 }
 
 void ItemStore::release() {
+  if (!begun_) return;
+  begun_ = false;
   if (state_ == State::kSealing) return;  // all bytes have come: the item is completed
   state_ = State::kIdle;
 }

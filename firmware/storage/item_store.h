@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "firmware/fixed/contract.h"
 #include "firmware/storage/item.h"
 #include "hal/port/storage.h"
 
@@ -18,12 +19,17 @@ namespace koboshi::storage {
 //   u16, sequence u32, size u32 of the item, reserved u32, CRC-32 u32 of the item and of the trailer before
 //   it; little-endian. Of two slots with the same item the higher sequence counts.
 //
-// One item is written at a time. No verb waits for the flash: it returns kBusy, has done nothing, and is to
-// be called again (docs/decision/0010-parameters-in-flash.md).
+// One item is written at a time, by one writer: `begin`, until it returns kOk, then `append`, `flush`,
+// `written` and `commit` as needed, and `release`. The functions in between require that `begin` has returned
+// kOk and `release` has not been called since. No function waits for the flash: it returns kBusy, has done
+// nothing, and is to be called again (docs/decision/0010-parameters-in-flash.md).
 class ItemStore {
  public:
   static constexpr std::size_t kTrailerSize = 24;
   static constexpr std::size_t kMaxSlots = 64;
+  // The most bytes of one `append`: a page, less what may wait in it for the rest of its write unit.
+  static constexpr std::size_t kMaxAppendSize =
+      hal::StoragePort::kMaxWriteSize - (hal::StoragePort::kWriteUnit_bytes - 1);
 
   struct Layout {
     std::size_t slot_size_bytes;  // a multiple of the storage's sectors
@@ -33,8 +39,8 @@ class ItemStore {
     constexpr std::size_t max_item_size_bytes() const { return slot_size_bytes - kTrailerSize; }
   };
 
-  // Reads all slots. A storage smaller than the layout has no slots: it stores nothing. `storage` must
-  // outlive the store.
+  // Reads all slots. A storage smaller than the layout has no slots: it stores nothing. The storage's sectors
+  // must divide the slots. `storage` must outlive the store.
   ItemStore(hal::StoragePort& storage, const Layout& layout);
 
   // The bytes of an item, in place; empty when there is none.
@@ -43,14 +49,18 @@ class ItemStore {
   // Begins an item: kBusy while its slot is being erased, kInUse while another item is being written, kFull
   // without a free slot. kFailed here and below when the flash fails.
   Status begin(ItemKind kind, std::uint16_t number);
-  // Appends all of these bytes, or none; kTooLong beyond max_item_size_bytes().
+  // Appends all of these bytes, at most kMaxAppendSize, or none: kBusy while there is no room for them,
+  // kTooLong beyond max_item_size_bytes().
   Status append(std::span<const std::byte> bytes);
   // Ends the appending. Once it returns kOk, all bytes are in flash and `written` shows them.
   Status flush();
-  std::span<const std::byte> written() const { return slot(slot_).first(size_); }
-  // Once it returns kOk, `find` finds the new version.
+  std::span<const std::byte> written() const {
+    KOBOSHI_ASSERT(begun_);
+    return slot(slot_).first(size_);
+  }
+  // Once it returns kOk, `find` finds the new version. To be repeated until then.
   Status commit();
-  // Ends what `begin` has begun; without `commit`, nothing has changed.
+  // Ends what `begin` has begun; without `commit`, nothing has changed. No effect if nothing has begun.
   void release();
 
   // To be called once a millisecond.
@@ -70,8 +80,7 @@ class ItemStore {
   };
   struct Trailer;
 
-  // Flash is written by double words, each with its error correction: once only.
-  static constexpr std::size_t kWriteUnit = 8;
+  static constexpr std::size_t kWriteUnit = hal::StoragePort::kWriteUnit_bytes;
 
   std::span<const std::byte> slot(std::size_t number) const;
   std::size_t slot_offset(std::size_t number) const { return first_ + number * layout_.slot_size_bytes; }
@@ -93,6 +102,7 @@ class ItemStore {
   std::uint32_t sequence_ = 0;  // the highest
   std::size_t slot_ = 0;        // written last, or being written
   State state_ = State::kIdle;
+  bool begun_ = false;      // between `begin` and `release`
   bool operating_ = false;  // a flash operation of this store is running
   ItemKind kind_{};
   std::uint16_t number_ = 0;

@@ -67,7 +67,7 @@ bool ParameterStore::is_stored(Change wanted) const {
 
 Status ParameterStore::change(Change wanted, bool may_write) {
   if (busy_) return Status::kBusy;
-  if (failure_ != Status::kOk) return std::exchange(failure_, Status::kOk);
+  if (failure_ != Status::kOk && failed_ == wanted) return std::exchange(failure_, Status::kOk);
   if (is_stored(wanted)) return Status::kOk;
   if (!may_write) return Status::kNotAllowed;
   busy_ = true;
@@ -79,15 +79,21 @@ Status ParameterStore::change(Change wanted, bool may_write) {
 void ParameterStore::advance() {
   const Status status = write_records();
   if (status == Status::kBusy) return;
-  abandon();
+  end();
+  if (status == Status::kOk) return;
+  failed_ = wanted_;
   failure_ = status;
 }
 
 void ParameterStore::abandon() {
+  end();
+  failure_ = Status::kOk;
+}
+
+void ParameterStore::end() {
   if (begun_) items_.release();
   busy_ = false;
   begun_ = false;
-  failure_ = Status::kOk;
 }
 
 Status ParameterStore::write_records() {

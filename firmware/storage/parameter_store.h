@@ -43,6 +43,8 @@ struct IndexRange {
   std::uint16_t last = 0xFFFF;
 
   constexpr bool contains(std::uint16_t index) const { return first <= index && index <= last; }
+
+  friend bool operator==(const IndexRange&, const IndexRange&) = default;
 };
 
 // The parameters of a device in storage: one item of records in the owner's order. A firmware with other
@@ -55,8 +57,9 @@ class ParameterStore {
 
   // Make storage hold the present values of the objects in the range, or (`clear`) no values of them, so that
   // those of the factory count after the next reset. Other objects stay as they are stored. kBusy until it is
-  // done; then kOk, or why it failed. Nothing is written that is stored already; with `may_write` false,
-  // kNotAllowed if something would have to be written.
+  // done, also while another range is stored or cleared; then kOk, or why it failed. A failure is returned
+  // once, to the next call for the same range. Nothing is written that is stored already; with `may_write`
+  // false, kNotAllowed if something would have to be written.
   Status store(IndexRange range, bool may_write = true) { return change({range, true}, may_write); }
   Status clear(IndexRange range, bool may_write = true) { return change({range, false}, may_write); }
   // Gives the owner the stored values in the range. Abandons a change that is under way, as a power failure
@@ -71,6 +74,8 @@ class ParameterStore {
   struct Change {
     IndexRange range;
     bool keeps = true;  // the present values, instead of none
+
+    friend bool operator==(const Change&, const Change&) = default;
   };
   // How far a walk through the records of the wanted item has come.
   struct Cursor {
@@ -85,6 +90,7 @@ class ParameterStore {
   void advance();
   Status write_records();
   void abandon();
+  void end();
 
   ItemStore& items_;
   ParameterOwner& owner_;
@@ -92,7 +98,8 @@ class ParameterStore {
   bool begun_ = false;  // the item
   Change wanted_;
   Cursor cursor_;
-  Status failure_ = Status::kOk;  // of the last change, until it is returned
+  Change failed_;                 // the last change that failed
+  Status failure_ = Status::kOk;  // its result, until it is returned
 };
 
 }  // namespace koboshi::storage

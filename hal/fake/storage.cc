@@ -36,7 +36,7 @@ bool FakeStorage::begin_erase(std::size_t offset) {
 }
 
 bool FakeStorage::begin_write(std::size_t offset, std::span<const std::byte> bytes) {
-  if (operation_ || bytes.size() > kMaxWriteSize) return false;
+  if (operation_ || bytes.empty() || bytes.size() > kMaxWriteSize) return false;
   if (offset > bytes_.size() || bytes.size() > bytes_.size() - offset) return false;
   const auto old = contents().subspan(offset, bytes.size());
   const bool only_clears = std::ranges::equal(

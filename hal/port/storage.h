@@ -13,20 +13,29 @@ enum class StorageState : std::uint8_t { kIdle = 0, kBusy = 1, kFailed = 2 };
 // longer returns kBusy.
 class StoragePort {
  public:
-  // Returns the whole memory. While an erasure or a write runs, the bytes of its range are undefined.
+  // Returns the whole memory: the catalogue of the robot from the start, the slots of storage::kRobotLayout
+  // (204 KiB) at the end. While an erasure or a write runs, the bytes of its range are undefined.
   [[nodiscard]] virtual std::span<const std::byte> contents() const = 0;
-  // Returns the size of a sector, a divisor of the size of `contents`.
+  // Returns the size of a sector. It divides the size of `contents`, and the size of a slot (6 KiB): 2 KiB,
+  // or a smaller power of two.
   [[nodiscard]] virtual std::size_t sector_size_bytes() const = 0;
   // Begins to erase the sector at `offset`. Returns false and does nothing if busy, or if the offset is out
   // of range or not the start of a sector.
   [[nodiscard]] virtual bool begin_erase(std::size_t offset) = 0;
-  // Begins to write `bytes`, at most kMaxWriteSize, and copies them before it returns. Returns false and does
-  // nothing if busy, out of range or too long, or if a cleared bit would have to be set.
+  // Begins to write `bytes`, 1 to kMaxWriteSize, and copies them before it returns. Returns false and does
+  // nothing if busy, empty, out of range or too long, or if a cleared bit would have to be set. The firmware
+  // writes whole units: offset and size are multiples of kWriteUnit_bytes, and no unit is written twice
+  // between two erasures.
   [[nodiscard]] virtual bool begin_write(std::size_t offset, std::span<const std::byte> bytes) = 0;
   // Returns the state of the last operation. The firmware polls it each millisecond during an operation.
+  // After kFailed the contents of the operation's range are undefined, and the next operation may begin; the
+  // state stays kFailed until then. A driver that continues the operation here keeps its progress in mutable
+  // members.
   [[nodiscard]] virtual StorageState state() const = 0;
 
   static constexpr std::size_t kMaxWriteSize = 256;
+  // Flash with error correction is written by double words, each with its check bits: once only.
+  static constexpr std::size_t kWriteUnit_bytes = 8;
 
  protected:
   ~StoragePort() = default;

@@ -312,6 +312,16 @@ TEST_F(StoredParametersTest, ReportsFlashThatFails) {
 
 // --- 0x1020, verify configuration
 
+TEST_F(StoredParametersTest, ReportsAFailureToTheRequestThatFailed) {
+  flash.fail_next();
+  device->values.gains[0] = 7;
+  ASSERT_EQ(device->node.write_object({0x1010, 4}, kSave, 4), AbortCode::kBusy);
+  for (int ms = 0; ms < 100; ++ms) device->pass_a_millisecond();
+  EXPECT_EQ(device->save(2), AbortCode::kNone);  // another client, another group
+  EXPECT_EQ(device->node.write_object({0x1010, 4}, kSave, 4), AbortCode::kHardwareError);
+  EXPECT_EQ(device->save(4), AbortCode::kNone);
+}
+
 TEST_F(StoredParametersTest, VerifiesAConfigurationThatIsSaved) {
   ASSERT_EQ(device->write({0x2000, 1}, 1, 4), AbortCode::kNone);
   ASSERT_EQ(device->write({0x1020, 1}, 15'000, 4), AbortCode::kNone);

@@ -132,6 +132,39 @@ TEST_F(ItemStoreTest, WorksAroundFlashThatFails) {
   EXPECT_EQ(item(3), pattern(100, 2));
 }
 
+TEST_F(ItemStoreTest, OnlyItsWriterEndsAnItem) {
+  ASSERT_EQ(repeat([&] { return store->begin(ItemKind::kMotion, 3); }), Status::kOk);
+  ASSERT_EQ(store->append(pattern(50, 2)), Status::kOk);
+  storage.fail_next();
+  ASSERT_EQ(repeat([&] { return store->flush(); }), Status::kFailed);
+  EXPECT_EQ(store->begin(ItemKind::kMotion, 4), Status::kInUse);
+  EXPECT_EQ(store->commit(), Status::kFailed);
+  store->release();
+  ASSERT_EQ(repeat([&] { return store->begin(ItemKind::kMotion, 3); }), Status::kOk);
+  ASSERT_EQ(repeat([&] { return store->commit(); }), Status::kOk);
+  EXPECT_EQ(store->begin(ItemKind::kMotion, 4), Status::kInUse);
+  EXPECT_EQ(store->commit(), Status::kOk);
+  store->release();
+  EXPECT_EQ(write(4, pattern(50, 3)), Status::kOk);
+}
+
+TEST_F(ItemStoreTest, TakesTheLargestPieceBehindARestOfAWriteUnit) {
+  ASSERT_EQ(repeat([&] { return store->begin(ItemKind::kMotion, 3); }), Status::kOk);
+  ASSERT_EQ(store->append(pattern(7, 1)), Status::kOk);
+  EXPECT_EQ(repeat([&] { return store->append(pattern(ItemStore::kMaxAppendSize, 2)); }), Status::kOk);
+}
+
+TEST_F(ItemStoreTest, AssertsItsPreconditions) {
+  EXPECT_DEATH(static_cast<void>(store->flush()), "begun");
+  EXPECT_DEATH(static_cast<void>(store->commit()), "begun");
+  EXPECT_DEATH(static_cast<void>(store->written()), "begun");
+  EXPECT_DEATH(static_cast<void>(store->append({})), "begun");
+  ASSERT_EQ(repeat([&] { return store->begin(ItemKind::kMotion, 3); }), Status::kOk);
+  EXPECT_DEATH(static_cast<void>(store->append(pattern(ItemStore::kMaxAppendSize + 1, 1))), "kMaxAppendSize");
+  hal::FakeStorage large_sectors(16, 16 * 1024);
+  EXPECT_DEATH(ItemStore(large_sectors, kRobotLayout), "sector_size_bytes");
+}
+
 TEST_F(ItemStoreTest, StorageWithoutRoomStoresNothing) {
   hal::FakeStorage small(4, 1024);
   ItemStore none(small, kRobotLayout);

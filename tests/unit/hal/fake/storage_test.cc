@@ -71,6 +71,7 @@ TEST(FakeStorage, RefusesWhatIsMisalignedOutOfRangeOrTooLong) {
   EXPECT_FALSE(storage.begin_write(static_cast<std::size_t>(-1), bytes(0, 0)));
   const std::array<std::byte, StoragePort::kMaxWriteSize + 1> long_bytes{};
   EXPECT_FALSE(storage.begin_write(0, long_bytes));
+  EXPECT_FALSE(storage.begin_write(0, {}));
   EXPECT_TRUE(storage.begin_write(0, std::span(long_bytes).first(StoragePort::kMaxWriteSize)));
 }
 
