@@ -7,7 +7,8 @@
 // itself is part of the drive.
 namespace koboshi::canopen::cia402 {
 
-// Objects, CiA 402-2.
+// Objects, CiA 402-2. Positions are in 2^-kPositionUnitBits turns of the output shaft; velocities in that
+// unit per second, accelerations in that unit per second squared.
 inline constexpr std::uint16_t kAbortConnectionOption = 0x6007;
 inline constexpr std::uint16_t kErrorCode = 0x603F;
 inline constexpr std::uint16_t kControlword = 0x6040;
@@ -28,7 +29,7 @@ inline constexpr std::uint16_t kPositionWindowTime = 0x6068;  // ms
 inline constexpr std::uint16_t kVelocityActual = 0x606C;
 inline constexpr std::uint16_t kRatedCurrent = 0x6075;   // mA
 inline constexpr std::uint16_t kRatedTorque = 0x6076;    // mNm
-inline constexpr std::uint16_t kTorqueActual = 0x6077;   // per mille of it
+inline constexpr std::uint16_t kTorqueActual = 0x6077;   // per mille of the rated torque
 inline constexpr std::uint16_t kCurrentActual = 0x6078;  // per mille of the rated current
 inline constexpr std::uint16_t kSupplyVoltage = 0x6079;  // mV
 inline constexpr std::uint16_t kTargetPosition = 0x607A;

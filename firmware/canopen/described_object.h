@@ -29,7 +29,8 @@ constexpr std::string_view name_of(std::span<const ValueName> names, std::int64_
   return named == names.end() ? std::string_view() : named->name;
 }
 
-// The sensor whose counts an object shows. Unit::name is then the unit, and the robot's file has the factor.
+// The sensor whose counts an object shows. Unit::name is then the unit; the scale factor is in the robot
+// file.
 enum class Resolution : std::uint8_t { kNone, kGyro, kAccelerometer, kForce, kTorque };
 
 // The unit of an object: a value is raw * numerator / denominator of it, exactly.

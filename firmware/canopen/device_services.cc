@@ -52,7 +52,7 @@ AbortCode TimeStamp::write_cob_id(std::uint32_t value) {
 
 bool TimeStamp::accept(const hal::CanFrame& frame, std::uint64_t now_us) {
   const TimeOfDay told{load_u32(&frame.data[0]) & kMillisecondBits, load_u16(&frame.data[4])};
-  if (frame.size != kTimeMessageSize || told.ms >= kMillisecondsADay) return false;
+  if (frame.size != kTimeMessageSize || told.ms >= kMillisecondsPerDay) return false;
   last_ = told;
   last_us_ = now_us;
   return true;
@@ -61,8 +61,8 @@ bool TimeStamp::accept(const hal::CanFrame& frame, std::uint64_t now_us) {
 std::optional<TimeOfDay> TimeStamp::at(std::uint64_t now_us) const {
   if (!last_) return std::nullopt;
   const std::uint64_t ms = last_->ms + (now_us - last_us_) / 1000;
-  return TimeOfDay{static_cast<std::uint32_t>(ms % kMillisecondsADay),
-                   static_cast<std::uint16_t>(last_->days + ms / kMillisecondsADay)};
+  return TimeOfDay{static_cast<std::uint32_t>(ms % kMillisecondsPerDay),
+                   static_cast<std::uint16_t>(last_->days + ms / kMillisecondsPerDay)};
 }
 
 // --- Services

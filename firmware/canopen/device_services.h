@@ -10,7 +10,7 @@
 #include "firmware/canopen/node.h"
 #include "firmware/canopen/pdo.h"
 
-// Services of a field device that a controller's node has not: TIME (CiA 301, 7.2.6), LSS (CiA 305), and
+// Services of a field device that a controller's node lacks: TIME (CiA 301, 7.2.6), LSS (CiA 305), and
 // object 0x1020, verify configuration.
 namespace koboshi::canopen {
 
@@ -22,7 +22,7 @@ struct TimeOfDay {
   friend bool operator==(const TimeOfDay&, const TimeOfDay&) = default;
 };
 
-inline constexpr std::uint32_t kMillisecondsADay = 86'400'000;
+inline constexpr std::uint32_t kMillisecondsPerDay = 86'400'000;
 inline constexpr std::uint16_t kTimeCobId = 0x100;
 inline constexpr std::uint32_t kTimeConsumer = 1u << 31;  // of 0x1012
 inline constexpr std::uint32_t kTimeProducer = 1u << 30;  // of 0x1012; this stack refuses it
@@ -34,7 +34,8 @@ class TimeStamp {
   // Resets 0x1012 to its default. Keeps the time of day.
   void load_defaults() { cob_id_ = kTimeConsumer | kTimeCobId; }
   std::uint32_t cob_id() const { return cob_id_; }
-  // Writes 0x1012. The identifier does not change while bit 31 is set.
+  // Writes 0x1012. kInvalidValue for a restricted identifier, for kTimeProducer, and for another identifier
+  // while bit 31 is set.
   AbortCode write_cob_id(std::uint32_t value);
 
   bool identifies(const hal::CanFrame& frame) const {

@@ -9,8 +9,8 @@
 #include <type_traits>
 #include <utility>
 
-// The object dictionary (CiA 301, 7.4): addresses, data types (table 44) and rows, which stand in flash;
-// values, which stand in the RAM of the node's owner; and the abort codes (table 22) with which an access is
+// The object dictionary (CiA 301, 7.4): addresses, data types (table 44) and rows, which are in flash;
+// values, which are in the RAM of the node's owner; and the abort codes (table 22) with which an access is
 // refused.
 namespace koboshi::canopen {
 
@@ -127,7 +127,7 @@ struct Field {
   }
 
 // One row of an object dictionary: `count` consecutive sub-indices with values `stride_bytes` apart. Rows
-// stand in flash, sorted by address; the values stand in the RAM of the node's owner. Sub-index 0 of an array
+// are in flash, sorted by address; the values are in the RAM of the node's owner. Sub-index 0 of an array
 // or record ("highest sub-index supported") has no row: it follows from the other rows.
 struct Entry {
   static constexpr std::uint16_t kConstant = 0xFFFF;  // an offset: there is no value in RAM
@@ -211,6 +211,7 @@ constexpr Entry domain(std::uint16_t index, std::uint8_t subindex, Access access
 // The value of an object as it is read: a number of up to 4 bytes, or a text in flash.
 class ObjectValue {
  public:
+  // Sets a number of 1, 2 or 4 bytes. Drops the bytes of `number` beyond `size`.
   void set_number(std::uint32_t number, std::uint8_t size) {
     number_ = size < 4 ? number & ((1u << (8 * size)) - 1) : number;
     text_ = {};
@@ -252,7 +253,7 @@ struct Location {
 // An object dictionary: rows in flash, joined to values in RAM. A copy is another view of the same values.
 class Dictionary {
  public:
-  // `rows` must satisfy is_sorted and fit `values`; both must outlive the dictionary.
+  // `rows` and the size of `values` must satisfy is_valid_table; both must outlive the dictionary.
   constexpr Dictionary(std::span<const Entry> rows, std::span<std::byte> values)
       : rows_(rows), values_(values) {}
 

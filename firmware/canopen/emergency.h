@@ -44,11 +44,14 @@ enum class ErrorReporter : std::uint8_t { kOwner = 1, kStack = 2 };
 // message when it begins and one when it ends, however often it is reported.
 class ErrorLog {
  public:
-  static constexpr std::size_t kHistory = 8;
+  static constexpr std::size_t kHistory = 8;  // set by hand (2026-11-21)
+  // All errors of a drive at once: nine of the stack (error_code), seven of its own (cia402.h).
   static constexpr std::size_t kMaxActive = 16;
 
-  // True when the error is new, so that an emergency message is due. Beyond kMaxActive errors at once,
-  // further ones count as new each time.
+  // Reports an error. True when it is new, so that an emergency message is due. `register_bits` are those of
+  // 0x1001 besides kGeneric, while the error is present; `additional` goes into bits 16..31 of the history.
+  // Both are ignored if the error is present already. Beyond kMaxActive errors at once, further ones count as
+  // new each time and leave the error register as it is.
   bool raise(std::uint16_t code, std::uint8_t register_bits, std::uint16_t additional,
              ErrorReporter reporter = ErrorReporter::kOwner);
   // True when the error has ended by this.
@@ -60,6 +63,8 @@ class ErrorLog {
   bool active(std::uint16_t code) const;
 
   // Object 0x1003: sub-index 0 is the number of entries, 1 the newest. Writing 0 to sub-index 0 erases all.
+  // Both return kSubindexDoesNotExist beyond kHistory. Reading an entry that is not used: kNoData. Writing
+  // any other sub-index: kWriteOfReadOnly; another value: kInvalidValue.
   AbortCode read_history(std::uint8_t subindex, ObjectValue& value) const;
   AbortCode write_history(std::uint8_t subindex, std::uint32_t value);
 
@@ -82,9 +87,11 @@ class ErrorLog {
 };
 
 // Sends emergency messages (CiA 301, 7.2.7) under the COB-ID of 0x1014, at least the inhibit time 0x1015
-// apart; up to kPending wait in order, further ones are dropped (the history has them all).
+// apart; up to kPending wait in order, further ones are dropped. The history shows the last kHistory errors
+// that were raised, but not that they ended.
 class EmergencyProducer {
  public:
+  // Set by hand (2026-11-22): as many as the history holds.
   static constexpr std::size_t kPending = 8;
 
   explicit EmergencyProducer(FrameSink& sink) : sink_(sink) {}
@@ -92,6 +99,7 @@ class EmergencyProducer {
   // Resets 0x1014 and 0x1015 to their defaults.
   void load_defaults(std::uint8_t node_id);
   std::uint32_t cob_id() const { return cob_id_; }
+  // Writes 0x1014. kInvalidValue as of check_cob_id.
   AbortCode write_cob_id(std::uint32_t value);
   std::uint16_t inhibit_time_100us() const { return inhibit_time_100us_; }
   void set_inhibit_time(std::uint16_t time_100us) { inhibit_time_100us_ = time_100us; }

@@ -44,7 +44,9 @@ class HeartbeatMonitor {
   HeartbeatMonitor(std::span<HeartbeatConsumer> consumers, std::span<SlotMap::Item> slots)
       : consumers_(consumers), slots_(slots) {}
 
-  // Object 0x1016, sub-indices 1..n: node id in bits 16..23, time in ms in bits 0..15.
+  // Object 0x1016, sub-indices 1..n: node id in bits 16..23, time in ms in bits 0..15. kSubindexDoesNotExist
+  // beyond n. Writing sub-index 0: kWriteOfReadOnly; a node id above 127: kInvalidValue; a node that another
+  // sub-index monitors: kParameterIncompatibility.
   AbortCode read(std::uint8_t subindex, ObjectValue& value) const;
   AbortCode write(std::uint8_t subindex, std::uint32_t value);
   // Ends the monitoring of all nodes.

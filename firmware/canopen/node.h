@@ -118,7 +118,7 @@ enum class CommunicationError : std::uint8_t {
 // The first index of the owner's objects; the stack itself serves the objects of CiA 301 before.
 inline constexpr std::uint16_t kFirstOwnersIndex = 0x1F50;
 
-// The constants of a kind of node, which stand in flash.
+// The constants of a kind of node, which are in flash.
 struct NodeDescription {
   std::uint32_t device_type = 0;  // 0x1000
   std::uint32_t vendor_id = 0;    // 0x1018
@@ -185,7 +185,8 @@ struct NodeMemory {
 // to 0x1019, 0x1029, 0x1200, 0x1201, the records of its PDOs, and the objects of its NodeServices.
 class Node final : private ObjectServer {
  public:
-  // All arguments must outlive the node. Silent until start().
+  // `description`, `sink`, `application`, `instance.services` and all memory behind spans must outlive the
+  // node; the structs `instance` and `buffers` are copied. Silent until start().
   Node(const NodeDescription& description, const NodeInstance& instance, NodeBuffers buffers, FrameSink& sink,
        NodeApplication& application);
 
@@ -232,10 +233,12 @@ class Node final : private ObjectServer {
   AbortCode read_object(ObjectAddress address, ObjectValue& value) override;
   AbortCode write_object(ObjectAddress address, std::uint32_t value, std::size_t size) override;
   AbortCode open_domain(ObjectAddress address, Access access, Domain*& domain) override;
-  // Set all records of a PDO, valid or not. kObjectDoesNotExist if there is no PDO `number`.
+  // Set all records of PDO `number` (from 0), whether it is valid or not. kObjectDoesNotExist if there is no
+  // such PDO; else as PdoRecord::configure: an error leaves the PDO invalid.
   AbortCode configure_rpdo(std::size_t number, const PdoConfiguration& configuration);
   AbortCode configure_tpdo(std::size_t number, const PdoConfiguration& configuration);
-  // Sets entry `number` (from 0) of object 0x1016: monitors a node; a time of 0 ends it.
+  // Sets entry `number` (from 0) of object 0x1016: monitors the node, and counts it as lost after `time_ms`
+  // without a heartbeat; 0 ends the monitoring. Errors as of HeartbeatMonitor::write.
   AbortCode configure_consumer(std::size_t number, std::uint8_t node_id, std::uint16_t time_ms);
 
   // Write `number`, from 0, of the node's parameters, in the order in which they are to be written: those of

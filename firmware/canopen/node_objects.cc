@@ -20,7 +20,7 @@ constexpr std::uint32_t kSave = 0x6576'6173;
 constexpr std::uint32_t kLoad = 0x6461'6F6C;
 
 // The part of the communication profile area that the stack itself serves. The rest, the objects of CiA 302,
-// stands in the owner's table.
+// is in the owner's table.
 bool is_communication_area(std::uint16_t index) { return index >= 0x1000 && index < kFirstOwnersIndex; }
 
 // Sub-index 0 of records and arrays is read-only, but for the number of objects of a PDO mapping and the size

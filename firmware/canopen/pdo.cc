@@ -223,7 +223,7 @@ bool TpdoSet::sends(std::uint16_t identifier) const {
 
 void TpdoSet::on_changed(std::size_t number) {
   const PdoRecord& changed = pdos_[number].record;
-  pdos_[number].watched = number < watched_ && changed.valid() && changed.tells_changes();
+  pdos_[number].watched = number < watched_ && changed.valid() && changed.is_change_driven();
   forget(pdos_[number]);
   due_us_ = 0;
   synchronous_end_ = 0;

@@ -65,12 +65,19 @@ class PdoRecord {
  public:
   explicit PdoRecord(PdoDirection direction) : direction_(direction) {}
 
-  // Sets both records, as a reset does. An error leaves the PDO invalid.
+  // Sets both records, as a reset does. An error leaves the PDO invalid: kInvalidValue for a transmission
+  // type or a COB-ID that is not supported; kObjectDoesNotExist, kSubindexDoesNotExist or kNotMappable for a
+  // mapped object; kPdoLengthExceeded for more than 8 bytes.
   AbortCode configure(const PdoConfiguration& configuration, std::uint8_t node_id,
                       const Dictionary& dictionary);
 
+  // kSubindexDoesNotExist if the record has no such sub-index, here and below. Writing sub-index 0:
+  // kWriteOfReadOnly; a value that is not supported, or that may not change while the PDO is valid:
+  // kInvalidValue.
   AbortCode read_communication(std::uint8_t subindex, ObjectValue& value) const;
   AbortCode write_communication(std::uint8_t subindex, std::uint32_t value);
+  // Writing while the PDO is valid, or an entry while the number of objects is not 0: kUnsupportedAccess;
+  // else the errors of a mapping as of `configure`.
   AbortCode read_mapping(std::uint8_t subindex, ObjectValue& value) const;
   AbortCode write_mapping(std::uint8_t subindex, std::uint32_t value, const Dictionary& dictionary);
 
@@ -82,7 +89,7 @@ class PdoRecord {
   std::uint32_t event_timer_us() const { return event_timer_ms_ * 1000u; }
   // Whether a change of a value is an event of this TPDO's type. Events of type 254 are the manufacturer's:
   // here the event timer, if it is set, else changes.
-  bool tells_changes() const {
+  bool is_change_driven() const {
     return transmission_type_ == kSynchronousAcyclic || transmission_type_ == kEventProfile ||
            (transmission_type_ == kEventManufacturer && event_timer_ms_ == 0);
   }

@@ -25,7 +25,9 @@ class Sync {
   // To be called when the node leaves initialising or stopped: starts the period, and the counter at 1.
   void start(std::uint64_t now_us);
 
-  // One of the four objects; kObjectDoesNotExist for others.
+  // One of the four objects; kObjectDoesNotExist for others. Writing a value that is not supported, or
+  // another identifier while the node produces SYNC: kInvalidValue; 0x1019 while 0x1006 is not 0:
+  // kDeviceState.
   AbortCode read(std::uint16_t index, ObjectValue& value) const;
   AbortCode write(std::uint16_t index, std::uint32_t value);
 

@@ -44,8 +44,8 @@ class FrameRing {
 // FIFO of the port has its own order: a heartbeat that waits delays no PDO.
 class TransmitQueue final : public FrameSink {
  public:
-  // Frames that may wait: two answers of each of two servers; a request, a boot-up message, and two in
-  // reserve.
+  // Frames that may wait: two answers of each of two servers; an SDO request, the abort of a request that
+  // timed out, an answer of LSS, and one in reserve (set by hand, 2026-11-23). Heartbeats never wait here.
   static constexpr std::size_t kAnswerBacklog = 4;
   static constexpr std::size_t kBackgroundBacklog = 4;
 

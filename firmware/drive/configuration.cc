@@ -18,7 +18,7 @@ using canopen::mapping;
 // One SDO request. Its value is `constant` plus a value of the joint's drive.
 struct Configuration::Step {
   enum class Purpose : std::uint8_t { kWrite, kExpect, kSupply };
-  enum class Own : std::uint8_t {
+  enum class DriveField : std::uint8_t {
     kNothing,
     kNodeId,
     kVendorId,
@@ -32,7 +32,7 @@ struct Configuration::Step {
   canopen::ObjectAddress address;
   std::uint8_t size;
   std::uint32_t constant;
-  Own own = Own::kNothing;
+  DriveField field = DriveField::kNothing;
 };
 
 namespace {
@@ -52,54 +52,54 @@ std::uint32_t position_limit(const robot::Joint& joint, bool highest) {
 }  // namespace
 
 constexpr Configuration::Step Configuration::kSteps[] = {
-    {Step::Purpose::kExpect, {0x1018, 1}, 4, 0, Step::Own::kVendorId},
-    {Step::Purpose::kExpect, {0x1018, 2}, 4, 0, Step::Own::kProductCode},
-    {Step::Purpose::kExpect, {0x1018, 4}, 4, 0, Step::Own::kSerialNumber},
+    {Step::Purpose::kExpect, {0x1018, 1}, 4, 0, Step::DriveField::kVendorId},
+    {Step::Purpose::kExpect, {0x1018, 2}, 4, 0, Step::DriveField::kProductCode},
+    {Step::Purpose::kExpect, {0x1018, 4}, 4, 0, Step::DriveField::kSerialNumber},
     // RPDO 1: controlword and target position, in effect at SYNC.
-    {Step::Purpose::kWrite, {0x1400, 1}, 4, kRpdo | kCobIdInvalid, Step::Own::kNodeId},
+    {Step::Purpose::kWrite, {0x1400, 1}, 4, kRpdo | kCobIdInvalid, Step::DriveField::kNodeId},
     {Step::Purpose::kWrite, {0x1400, 2}, 1, canopen::kSynchronousEverySync},
     {Step::Purpose::kWrite, {0x1400, 5}, 2, kTargetsLost_ms},
     {Step::Purpose::kWrite, {0x1600, 0}, 1, 0},
     {Step::Purpose::kWrite, {0x1600, 1}, 4, mapping(cia402::kControlword, 0, 16)},
     {Step::Purpose::kWrite, {0x1600, 2}, 4, mapping(cia402::kTargetPosition, 0, 32)},
     {Step::Purpose::kWrite, {0x1600, 0}, 1, 2},
-    {Step::Purpose::kWrite, {0x1400, 1}, 4, kRpdo, Step::Own::kNodeId},
+    {Step::Purpose::kWrite, {0x1400, 1}, 4, kRpdo, Step::DriveField::kNodeId},
     // TPDO 1: statusword, position and torque, sampled at SYNC.
-    {Step::Purpose::kWrite, {0x1800, 1}, 4, kTpdo | kCobIdInvalid, Step::Own::kNodeId},
+    {Step::Purpose::kWrite, {0x1800, 1}, 4, kTpdo | kCobIdInvalid, Step::DriveField::kNodeId},
     {Step::Purpose::kWrite, {0x1800, 2}, 1, canopen::kSynchronousEverySync},
     {Step::Purpose::kWrite, {0x1A00, 0}, 1, 0},
     {Step::Purpose::kWrite, {0x1A00, 1}, 4, mapping(cia402::kStatusword, 0, 16)},
     {Step::Purpose::kWrite, {0x1A00, 2}, 4, mapping(cia402::kPositionActual, 0, 32)},
     {Step::Purpose::kWrite, {0x1A00, 3}, 4, mapping(cia402::kTorqueActual, 0, 16)},
     {Step::Purpose::kWrite, {0x1A00, 0}, 1, 3},
-    {Step::Purpose::kWrite, {0x1800, 1}, 4, kTpdo, Step::Own::kNodeId},
+    {Step::Purpose::kWrite, {0x1800, 1}, 4, kTpdo, Step::DriveField::kNodeId},
     // Supervision both ways, and the cycle.
     {Step::Purpose::kWrite, {0x1016, 1}, 4, kControllerLost},
     {Step::Purpose::kWrite, {0x1017, 0}, 2, kDriveHeartbeat_ms},
     {Step::Purpose::kWrite, {0x1006, 0}, 4, hal::kControlPeriod_us},
     {Step::Purpose::kWrite, {cia402::kInterpolationTimePeriod, 1}, 1, hal::kControlPeriod_us / 1000},
-    {Step::Purpose::kWrite, {cia402::kSoftwarePositionLimit, 1}, 4, 0, Step::Own::kLowest},
-    {Step::Purpose::kWrite, {cia402::kSoftwarePositionLimit, 2}, 4, 0, Step::Own::kHighest},
+    {Step::Purpose::kWrite, {cia402::kSoftwarePositionLimit, 1}, 4, 0, Step::DriveField::kLowest},
+    {Step::Purpose::kWrite, {cia402::kSoftwarePositionLimit, 2}, 4, 0, Step::DriveField::kHighest},
     {Step::Purpose::kWrite, {cia402::kModeOfOperation, 0}, 1, cia402::kCyclicSynchronousPosition},
     {Step::Purpose::kSupply, {cia402::kSupplyVoltage, 0}, 4, 0},
 };
 
 std::uint32_t Configuration::value_of(const Step& step) const {
   const robot::Drive& drive = joint_->drive;
-  switch (step.own) {
-    case Step::Own::kNothing:
+  switch (step.field) {
+    case Step::DriveField::kNothing:
       return step.constant;
-    case Step::Own::kNodeId:
+    case Step::DriveField::kNodeId:
       return step.constant + drive.node_id;
-    case Step::Own::kVendorId:
+    case Step::DriveField::kVendorId:
       return drive.vendor_id;
-    case Step::Own::kProductCode:
+    case Step::DriveField::kProductCode:
       return drive.product_code;
-    case Step::Own::kSerialNumber:
+    case Step::DriveField::kSerialNumber:
       return drive.serial_number;
-    case Step::Own::kLowest:
+    case Step::DriveField::kLowest:
       return position_limit(*joint_, false);
-    case Step::Own::kHighest:
+    case Step::DriveField::kHighest:
       return position_limit(*joint_, true);
   }
   return 0;

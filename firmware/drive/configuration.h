@@ -10,10 +10,15 @@
 namespace koboshi::drive {
 
 inline constexpr std::uint8_t kControllerNodeId = 1;
-inline constexpr std::uint16_t kControllerHeartbeat_ms = 20;      // what the controller produces
-inline constexpr std::uint16_t kControllerHeartbeatLost_ms = 60;  // what the drives tolerate
+// Heartbeats, set by hand (2026-11-21; docs/design/timing.md, "Time-outs"). What the controller produces, and
+// what the drives tolerate: three beats, so that a drive stops 10 ms after it would have by the loss of SYNC.
+inline constexpr std::uint16_t kControllerHeartbeat_ms = 20;
+inline constexpr std::uint16_t kControllerHeartbeatLost_ms = 60;
+// What the drives produce, and what the controller tolerates. Missing answers to SYNC show a lost drive
+// within 50 ms, so heartbeats may be rare: those of 20 drives load the bus by 1.1 %. Two may be lost on a bad
+// bus; 50 ms are margin for a third that waits for its turn.
 inline constexpr std::uint16_t kDriveHeartbeat_ms = 100;
-inline constexpr std::uint16_t kDriveHeartbeatLost_ms = 350;  // two may be lost on a bad bus
+inline constexpr std::uint16_t kDriveHeartbeatLost_ms = 350;
 // The event timer of a drive's RPDO, one cycle longer than its SYNC time-out: if both are lost, the loss of
 // SYNC is reported first.
 inline constexpr std::uint16_t kTargetsLost_ms = 60;
@@ -23,6 +28,7 @@ inline constexpr std::uint16_t kTargetsLost_ms = 60;
 // voltage. A request without answer is repeated, kAttempts times in all.
 class Configuration {
  public:
+  // Set by hand (2026-11-21): two frames of one request may be lost on a bad bus.
   static constexpr int kAttempts = 3;
 
   enum class State : std::uint8_t { kIdle, kBusy, kDone, kFailed };
@@ -35,8 +41,9 @@ class Configuration {
   void process(std::uint64_t now_us);
 
   State state() const { return state_; }
+  // The reason in the state kFailed; kNone in all others.
   DriveFault fault() const { return fault_; }
-  // The drive's supply in mV (0x6079), once done.
+  // The drive's supply in mV (0x6079), in the state kDone; before, that of the drive configured last, or 0.
   std::uint32_t supply_mV() const { return supply_mV_; }
 
  private:

@@ -16,8 +16,8 @@ namespace {
 constexpr std::uint8_t kEveryNode = 0;  // NMT, CiA 301, 7.2.8.2.1
 
 // Communication and protocol errors, 0x81xx and 0x82xx (CiA 301, table 26), of a drive whose error register
-// tells of nothing else (table 48; bit 0 is set with every error): it goes on with its work. Not so the two
-// time-outs, which tell that the controller or its targets are lost for the drive.
+// shows no other error (table 48; bit 0 is set with every error): the drive keeps working. The two time-outs
+// are no warnings: the drive has lost the controller or its targets.
 bool is_warning(const canopen::Emergency& emergency) {
   constexpr auto kHarmless =
       static_cast<std::uint8_t>(canopen::error_register::kGeneric | canopen::error_register::kCommunication);
@@ -41,7 +41,7 @@ void DriveGroup::boot(std::uint64_t reset_us) {
   configured_ = 0;
   present_ = 0;
   repeated_ = 0;
-  heard_ = 0;
+  has_answered_ = 0;
   answered_ = 0;
   missed_ = {};
   enabled_ = false;
@@ -82,10 +82,10 @@ void DriveGroup::on_boot_up(std::size_t joint) {
 void DriveGroup::on_emergency(const canopen::Emergency& emergency) {
   std::size_t joint = 0;
   if (!find(emergency.node_id, joint)) return;
-  // What it says before its boot-up message is about its life before the reset.
+  // An emergency from before the boot-up message belongs to the time before the reset.
   if ((present_ >> joint & 1u) == 0) return;
   const bool ended = emergency.code == canopen::error_code::kNoError;
-  // The end of one error while the register still shows another tells nothing of the other.
+  // One error has ended while the register still shows another: the code of the other is kept.
   if (!ended || emergency.error_register == 0) error_code_[joint] = emergency.code;
   if (!ended && !is_warning(emergency)) report(DriveFault::kFault, joint, emergency.code);
 }
@@ -153,40 +153,39 @@ void DriveGroup::configure(std::uint64_t now_us) {
   }
 }
 
-// A drive that does not answer is left out: whether it still works, others watch.
+// Leaves out a drive that does not answer: its loss is detected elsewhere (watch_answers, heartbeats).
 void DriveGroup::read_supply(std::uint64_t now_us) {
   if (client_.state() == canopen::SdoState::kDone) {
     supply_mV_[supplied_] = client_.value();
-    told_supply_mV_ = client_.value();
+    reported_supply_mV_ = client_.value();
   }
   if (client_.state() == canopen::SdoState::kBusy) return;
   client_.reset();
-  // A bus that is full of other services has no room for questions.
+  // Asks nothing while other services fill the bus.
   if (now_us < supply_due_us_ || sink_.pending(hal::kBackgroundFifo)) return;
   supply_due_us_ = now_us + kSupplyPeriod_us;
   supplied_ = supplied_ + 1 < model_.joint_count ? supplied_ + 1 : 0;
-  // A queue that is full has no room for questions.
+  // A queue that is full cannot take a request: the next drive is asked one period later.
   static_cast<void>(
       client_.begin_read(model_.joints[supplied_].drive.node_id, {cia402::kSupplyVoltage, 0}, now_us));
 }
 
 void DriveGroup::observe(std::uint64_t now_us) {
-  new_supply_mV_ = std::exchange(told_supply_mV_, std::nullopt);
+  new_supply_mV_ = std::exchange(reported_supply_mV_, std::nullopt);
   answering_ = phase_ == Phase::kBooted && answered_ != 0;
   if (phase_ != Phase::kBooted) return;
   watch_answers();
   if (booted()) watch_states(now_us);
 }
 
-// A drive that hangs, or is no longer operational, says nothing any more; its last statusword is then worth
-// nothing.
+// A drive that hangs, or is no longer operational, stops sending; its last statusword is then meaningless.
 void DriveGroup::watch_answers() {
   if (answered_ == all_joints()) {  // nearly always
     missed_ = {};
   } else {
     count_missed();
   }
-  heard_ |= answered_;
+  has_answered_ |= answered_;
   answered_ = 0;
 }
 
@@ -217,8 +216,8 @@ void DriveGroup::watch_states(std::uint64_t now_us) {
 }
 
 void DriveGroup::command() {
-  if (enabled_ && told_enabled_) return;  // nearly always: the words of the last cycle hold
-  told_enabled_ = enabled_;
+  if (enabled_ && commanded_enabled_) return;  // nearly always: the words of the last cycle hold
+  commanded_enabled_ = enabled_;
   const bool last_step = enabled_ || all_switched_on();
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
     signals_.controlword[joint] = controlword(joint, last_step);

@@ -40,21 +40,28 @@ enum class Starting : std::uint8_t {
 // sends `signals`, so that a decision takes effect in the same cycle.
 class DriveGroup {
  public:
-  static constexpr std::uint64_t kBootTimeout_us = 1'000'000;  // from the reset to the last boot-up message
-  static constexpr std::uint64_t kEnableTimeout_us = 500'000;  // from the goal to operation enabled
-  static constexpr std::uint64_t kSupplyPeriod_us = 250'000;   // between the supply readings of two drives
+  // From the reset to the last boot-up message. Set by hand (2026-11-21): the simulated drives take 50 ms;
+  // the margin is for firmware that starts more slowly.
+  static constexpr std::uint64_t kBootTimeout_us = 1'000'000;
+  // From the goal to operation enabled. Set by hand (2026-11-21): three transitions of CiA 402 take three
+  // cycles, 30 ms; the margin is for drives that take longer for a transition.
+  static constexpr std::uint64_t kEnableTimeout_us = 500'000;
+  // Between the supply readings of two drives. Set by hand (2026-11-22): a battery discharges in minutes, and
+  // four readings a second load the bus by 0.1 %.
+  static constexpr std::uint64_t kSupplyPeriod_us = 250'000;
   // How far outside its limits a joint may be when it is enabled, for backlash and offset of a robot that
   // leans on its stops. The first target draws the joint back to its limit. Set by hand (2026-11-21): some
   // three times the backlash of kit servos, 0.01 rad.
   static constexpr auto kEncoderMargin = fixed::literals::operator""_deg(2.0L);
-  static constexpr std::uint16_t kMissedAnswers =
-      5;  // consecutive cycles without an answer, after which a drive is lost
+  // Consecutive cycles without an answer, after which a drive is lost. Set by hand (2026-11-21): as many as a
+  // drive tolerates without SYNC, so that both ends lose each other after 50 ms.
+  static constexpr std::uint16_t kMissedAnswers = 5;
 
   // The references must outlive the group. It sends to `sink` as NMT master and SDO client.
   DriveGroup(const robot::RobotModel& model, canopen::FrameSink& sink, DriveSignals& signals);
 
   // Resets the drives at this time, each by a message of its own, which takes them out of any fault, and
-  // boots them; forgets every fault. What a drive said before its boot-up message counts no more.
+  // boots them; forgets every fault. Messages from before a drive's boot-up message are ignored.
   void boot(std::uint64_t reset_us = 0);
   // Sends nothing to the drives until the next boot.
   void give_up() { phase_ = Phase::kFailed; }
@@ -62,7 +69,7 @@ class DriveGroup {
 
   void on_frame(const hal::CanFrame& frame) { client_.on_frame(frame); }
   void on_heartbeat(const canopen::HeartbeatEvent& event);
-  // Keeps the error code. Communication warnings are no trouble: lost frames show as missing answers, and a
+  // Keeps the error code. Communication warnings are ignored: lost frames show as missing answers, and a
   // drive that has stopped reports it in its statusword.
   void on_emergency(const canopen::Emergency& emergency);
   // Notes that statusword and position of the joint's drive were received. Answers from before a boot are
@@ -80,21 +87,22 @@ class DriveGroup {
     KOBOSHI_ASSERT(joint < model_.joint_count);
     signals_.target_position[joint] = robot::drive_position(model_.joints[joint].drive, angle);
   }
-  // Returns the last reported angle of a joint. Valid once booted.
+  // Returns the last reported angle of a joint. Valid once booted; before, the angle at the position 0, which
+  // `boot` sets.
   fixed::Angle angle(std::size_t joint) const;
   // Returns the last reported status of all drives.
   DriveStatus status() const;
   EnableConditions enable_conditions() const;
-  // Returns whether all drives reported this state last.
+  // Returns whether the last statusword of every drive shows this state.
   bool all_in(canopen::cia402::State state) const;
-  // Returns whether no drive reported a state with torque last.
+  // Returns whether the last statusword of no drive shows a state with torque.
   bool all_limp() const;
 
   // Returns whether a boot has begun and no reset has been sent yet.
   bool resetting() const { return phase_ == Phase::kResetting; }
   // Return whether every drive is configured and started, and whether each has also answered a SYNC.
   bool configured() const { return phase_ == Phase::kBooted; }
-  bool booted() const { return phase_ == Phase::kBooted && (all_joints() & ~heard_) == 0; }
+  bool booted() const { return phase_ == Phase::kBooted && (all_joints() & ~has_answered_) == 0; }
   // Returns whether some drive answered in the last cycle: the bus works in both directions.
   bool answering() const { return answering_; }
   // Returns whether the goal kEnabled was reached: all drives in operation enabled, following their targets.
@@ -139,21 +147,22 @@ class DriveGroup {
   std::size_t addressed_ = 0;   // joints whose drives were sent the reset, or the start
   std::size_t configured_ = 0;  // joints that are done
   static_assert(robot::kMaxJoints < 32);
-  std::uint32_t present_ = 0;   // bit i: the boot-up message of joint i's drive has come
-  std::uint32_t repeated_ = 0;  // bit i: it has come twice
-  std::uint32_t heard_ = 0;     // bit i: joint i's drive has answered a SYNC
-  std::uint32_t answered_ = 0;  // the same, in the last cycle
+  std::uint32_t present_ = 0;       // bit i: the boot-up message of joint i's drive has come
+  std::uint32_t repeated_ = 0;      // bit i: it has come twice
+  std::uint32_t has_answered_ = 0;  // bit i: joint i's drive has answered a SYNC
+  std::uint32_t answered_ = 0;      // the same, in the last cycle
   bool answering_ = false;
   std::array<fixed::Debounce, robot::kMaxJoints> missed_{};  // cycles since its last answer
-  bool told_enabled_ = false;  // the controlwords are those of the goal kEnabled, reached
-  bool enabled_ = false;       // the goal kEnabled was reached
+  bool commanded_enabled_ = false;  // the controlwords are those of the goal kEnabled, reached
+  bool enabled_ = false;            // the goal kEnabled was reached
   JointFault fault_;
   std::array<std::uint32_t, robot::kMaxJoints> supply_mV_{};
-  std::optional<std::uint32_t> told_supply_mV_;  // since the last cycle
-  std::optional<std::uint32_t> new_supply_mV_;   // in the last cycle
+  std::optional<std::uint32_t> reported_supply_mV_;  // since the last cycle
+  std::optional<std::uint32_t> new_supply_mV_;       // in the last cycle
   std::uint64_t supply_due_us_ = 0;
-  std::size_t supplied_ = 0;                                   // the joint whose drive was asked last
-  std::array<std::uint16_t, robot::kMaxJoints> error_code_{};  // that each drive told last and still has
+  std::size_t supplied_ = 0;  // the joint whose drive was asked last
+  std::array<std::uint16_t, robot::kMaxJoints>
+      error_code_{};  // the last emergency of each drive that still applies
 };
 
 }  // namespace koboshi::drive

@@ -4,7 +4,7 @@
 
 namespace koboshi::drive {
 
-// Why a drive cannot be used, as the controller sees it. The values stand in telemetry (object 0x2001).
+// Why a drive cannot be used, as the controller sees it. The values appear in telemetry (object 0x2001).
 enum class DriveFault : std::uint8_t {
   kNone = 0,
   kSilent = 1,         // it never booted up

@@ -43,7 +43,8 @@ struct Pose {
   Position p;
 };
 
-// Returns a . v, rounded once. Requires |a| <= 1 and |v| < 4 in the unit of Q, or the sum may overflow.
+// Returns a . v, rounded once; saturates. Requires |a| <= 1: by the Cauchy-Schwarz inequality the sum then
+// stays below 2^62 for every v.
 template <fixed::AnyQuantity Q>
 [[nodiscard]] constexpr Q dot(const Direction& a, const Vector<Q>& v) {
   const std::int64_t sum_raw = std::int64_t{a.x.raw()} * v.x.raw() + std::int64_t{a.y.raw()} * v.y.raw() +

@@ -6,15 +6,15 @@
 
 namespace koboshi::robot {
 
-// The place of a joint in its model, 0..kMaxJoints - 1, and so in every array by joint. It indexes arrays by
-// itself, but no other number becomes a joint's place without being told so. Costs what its byte costs.
+// The place of a joint in its model, 0..kMaxJoints - 1, and so in every array by joint. Converts implicitly
+// to an array index, but only explicitly from an integer. One byte, no overhead.
 class JointIndex {
  public:
   constexpr JointIndex() noexcept = default;
   template <std::integral Integer>
   explicit constexpr JointIndex(Integer place) noexcept : place_(static_cast<std::uint8_t>(place)) {}
 
-  // NOLINTNEXTLINE(google-explicit-constructor): this is what the type is for
+  // NOLINTNEXTLINE(google-explicit-constructor): array index
   constexpr operator std::size_t() const noexcept { return place_; }
 
  private:

@@ -15,10 +15,11 @@ using fixed::Ratio;
 
 constexpr std::array<Direction, kLegJoints> kLegAxes{kAxisZ, kAxisX, kAxisY, kAxisY, kAxisY, kAxisX};
 
-// Distance up to which axes count as meeting: the rounding of the numbers in the robot file.
-constexpr Length kMeet = Length::from_raw(16);  // 1 um
+// Distance up to which axes count as meeting. Set by hand (2026-11-21) for the rounding of the numbers in a
+// robot file; a unit of a drive's position, 6 um at 1 m, is coarser.
+constexpr Length kCoincidenceTolerance = Length::from_raw(16);  // 1 um
 
-bool is_near_zero(Length length) { return fixed::abs(length) <= kMeet; }
+bool is_near_zero(Length length) { return fixed::abs(length) <= kCoincidenceTolerance; }
 bool is_near_zero(const Position& p) { return is_near_zero(p.x) && is_near_zero(p.y) && is_near_zero(p.z); }
 
 // Returns +1 or -1 if `axis` is that multiple of `unit`, else 0.
@@ -27,11 +28,12 @@ std::int8_t sign_along(const Direction& axis, const Direction& unit) {
   return axis == -unit ? std::int8_t{-1} : std::int8_t{0};
 }
 
-// Targets are clamped to this distance in each coordinate: squares of longer distances would overflow, and no
-// leg is as long.
-constexpr Length kFarAway = Length::from_raw(1 << 27);  // 8 m
+// Targets are clamped to this distance in each coordinate, since three squares of the full range, 2^31, would
+// overflow 64 bits. Set by hand (2026-11-21): far beyond thigh and shank of kMaxOffset each; three squares of
+// 2^27 stay below 2^56.
+constexpr Length kMaxTargetDistance = Length::from_raw(1 << 27);  // 8 m
 
-Length pull_in(Length length) { return std::clamp(length, -kFarAway, kFarAway); }
+Length pull_in(Length length) { return std::clamp(length, -kMaxTargetDistance, kMaxTargetDistance); }
 
 std::int64_t square_raw(Length length) { return std::int64_t{length.raw()} * length.raw(); }
 
@@ -41,12 +43,15 @@ Length root_of_raw(std::int64_t square) {
 }
 
 // Tolerances of `reached`, for the rounding of targets that are just reachable: of a distance, of an angle
-// (2^-18 turn, four units of a drive's position), of a sine.
-constexpr Length kReachTolerance = kMeet;
+// (2^-18 turn, four units of a drive's position), of a sine (7.6e-6, a third of that angle). Set by hand
+// (2026-11-21), of the size of the solver's own error: forward of inverse kinematics errs by up to 1.1 um
+// over the workspace (tests/unit/firmware/robot/leg_test.cc).
+constexpr Length kReachTolerance = kCoincidenceTolerance;
 constexpr Angle kLimitTolerance = Angle::from_raw(1 << 14);
 constexpr Ratio kTurnTolerance = Ratio::from_raw(1 << 13);
 
-// Below this cosine of the hip roll (1.5e-5), yaw and pitch are indistinguishable in Ratio; yaw is then zero.
+// Below this cosine of the hip roll (1.5e-5), rounding determines the yaw; it is then zero. Set by hand
+// (2026-11-21): the elements of a rotation err by some 1e-8, which is 1e-3 of it.
 constexpr Ratio kGimbalLock = Ratio::from_raw(1 << 14);
 
 // Solves the leg joint by joint: knee, ankle, hip. Each angle is clamped before the next is computed, so that
@@ -182,8 +187,8 @@ bool make_leg_geometry(const RobotModel& model, hal::Side side, LegGeometry& geo
   const Position& thigh = anchors[kKnee];
   const Position& shank = anchors[kAnklePitch];
   if (!is_near_zero(anchors[kHipRoll]) || !is_near_zero(anchors[kHipPitch]) || !is_near_zero(thigh.y) ||
-      !is_near_zero(shank.y) || !is_near_zero(anchors[kAnkleRoll]) || thigh.z >= -kMeet ||
-      shank.z >= -kMeet) {
+      !is_near_zero(shank.y) || !is_near_zero(anchors[kAnkleRoll]) || thigh.z >= -kCoincidenceTolerance ||
+      shank.z >= -kCoincidenceTolerance) {
     return false;
   }
   geometry.p_BH_B = anchors[kHipYaw];

@@ -41,9 +41,9 @@ struct LegAngles {
 // of Kajita et al., Introduction to Humanoid Robotics, 2.5.2. The knee angle k comes from its half-angle
 // tangent,
 //   tan(k/2)^2 = ((A + B)^2 - C^2) / (C^2 - (A - B)^2)
-// with thigh A, shank B and the distance C from H to A, which needs no division and is exact near the
-// straight leg. At a hip roll of +-90 degrees, yaw and pitch turn about one axis: the result is one of many
-// solutions.
+// with thigh A, shank B and the distance C from H to A. It is computed as atan2 of two square roots, without
+// a division, and is exact near the straight leg. At a hip roll of +-90 degrees, yaw and pitch turn about one
+// axis: the result is one of many solutions.
 [[nodiscard]] LegAngles leg_inverse_kinematics(const RobotModel& model, const LegGeometry& geometry,
                                                const Pose& X_BSole);
 

@@ -12,7 +12,7 @@ using storage::ImageStatus;
 
 namespace {
 
-// The fields stand in the order of docs/reference/robot-model-format.md.
+// The fields are in the order of docs/reference/robot-model-format.md.
 constexpr std::size_t kFixedPartSize = 1 + kModelNameSize + 16 + 4 + 36 + 16 + 2 * 32;
 constexpr std::size_t kJointSize = 75;
 

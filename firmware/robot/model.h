@@ -55,9 +55,9 @@ inline constexpr std::size_t kLegJoints = 6;
 
 // The servo drive of a joint. Its position is sign * joint angle + zero, in units of 2^-position_bits turn.
 struct Drive {
-  std::uint8_t node_id = 0;
-  std::int8_t sign = 1;
-  std::uint8_t position_bits = 20;
+  std::uint8_t node_id = 0;         // 1..127; no other joint has it
+  std::int8_t sign = 1;             // 1 or -1
+  std::uint8_t position_bits = 20;  // 8..31
   fixed::Angle zero;
   std::uint32_t vendor_id = 0;  // the identity that its object 0x1018 must have
   std::uint32_t product_code = 0;
@@ -65,26 +65,27 @@ struct Drive {
 };
 
 // A hinge and the link that it carries. The link's frame has its origin in the hinge's anchor; at joint zero
-// its axes are parallel to those of B.
+// its axes are parallel to those of B. Lengths are at most kMaxOffset in each coordinate.
 struct Joint {
   JointRole role = JointRole::kOther;
   LinkIndex parent;             // on which the hinge is mounted
   JointIndex mirror;            // joint of the other side; itself for one in the middle
-  std::int8_t mirror_sign = 1;  // angle of the mirror image = sign * angle
+  std::int8_t mirror_sign = 1;  // 1 or -1: angle of the mirror image = sign * angle
   Position anchor;              // from the parent's anchor, or from B's origin
   Direction axis = kAxisZ;      // unit vector
   fixed::Angle lower;
-  fixed::Angle upper;
-  fixed::AngularRate max_speed;
+  fixed::Angle upper;            // lower or more
+  fixed::AngularRate max_speed;  // above 0
   Drive drive;
-  fixed::Mass mass;         // of the link
+  fixed::Mass mass;         // of the link, 0 to kMaxLinkMass
   Position centre_of_mass;  // in the link's frame
 };
 
 // A foot: the rectangle of its sole and its force/torque sensor, in the sole's frame (L, R). That frame lies
-// on the ground below the ankle at joint zero; its axes are the foot's, and so are the sensor's.
+// on the ground below the ankle at joint zero; its axes are the foot's, and so are the sensor's. No
+// coordinate exceeds kMaxOffset.
 struct Foot {
-  fixed::Length ankle_height;  // of the ankle's axes above the sole
+  fixed::Length ankle_height;  // of the ankle's axes above the sole, 0 or more
   fixed::Length back;          // x of the heel, negative
   fixed::Length front;
   fixed::Length right;  // y of the edge, negative
@@ -92,7 +93,7 @@ struct Foot {
   Position sensor;  // its z is the distance d of the paper's equation 1
 };
 
-// The full scales of the sensors, at 2^15 counts.
+// The full scales of the sensors, at 2^15 counts; all above 0.
 struct SensorScales {
   fixed::AngularRate gyro;
   fixed::Acceleration accelerometer;
@@ -105,19 +106,20 @@ struct SensorScales {
 struct RobotModel {
   std::uint32_t id = 0;                     // the image's CRC-32: motions are bound to it
   std::array<char, kModelNameSize> name{};  // padded with zeros
-  std::size_t joint_count = 0;
+  std::size_t joint_count = 0;              // 1..kMaxJoints in a loaded model
   std::array<Joint, kMaxJoints> joints{};
   std::array<JointIndex, kMaxJoints> order{};  // each joint after the one that carries its parent
-  fixed::Mass base_mass;
-  Position base_centre_of_mass;  // in B
-  fixed::Length body_height;     // from sole to crown at joint zero
-  Rotation R_BI;                 // from axes of the inertial unit I to those of B
+  fixed::Mass base_mass;                       // above 0, at most kMaxLinkMass
+  Position base_centre_of_mass;                // in B; at most kMaxOffset in each coordinate
+  fixed::Length body_height;  // from sole to crown at joint zero; above 0, at most 2 * kMaxOffset
+  Rotation R_BI;              // from axes of the inertial unit I to those of B
   SensorScales scales;
   hal::BySide<Foot> feet{};
 
   // Returns the joint with this role, the first one; nothing where the robot has none.
   [[nodiscard]] std::optional<JointIndex> find(JointRole role) const;
-  // Returns the joints of a leg in the order of LegJoint (leg.h). A loaded model has them all.
+  // Returns the joints of a leg in the order of LegJoint (leg.h). A loaded model has them all; in any other
+  // model a missing joint has the index 0.
   [[nodiscard]] std::array<JointIndex, kLegJoints> leg(hal::Side side) const;
 };
 
@@ -150,8 +152,8 @@ inline constexpr fixed::Length kMaxOffset = fixed::Length::from_raw(1 << 24);
 // Limit for the mass of a link: with 5 kg, the sum of the base and kMaxJoints links stays within Mass.
 inline constexpr fixed::Mass kMaxLinkMass = fixed::Mass::from_raw(5 << 24);
 
-// Convert a joint angle to the position of its drive's shaft, and back, rounded to nearest. Beyond half a
-// turn they saturate: an encoder just past a stop at 180 degrees must not seem to be at the opposite stop.
+// Converts a joint angle to the position of its drive's shaft, rounded to nearest. Saturates at the range of
+// the result, which matters for 31 position bits only.
 [[nodiscard]] inline std::int32_t drive_position(const Drive& drive, fixed::Angle angle) {
   // A multiplication and a shift by a constant take half the instructions of a shift by a variable.
   constexpr int kSpare = 1;  // so that the product fits
@@ -161,6 +163,8 @@ inline constexpr fixed::Mass kMaxLinkMass = fixed::Mass::from_raw(5 << 24);
   return fixed::saturate<std::int32_t>(
       fixed::shift_rounded(scaled_raw, fixed::Angle::kFractionBits - kSpare));
 }
+// Converts a position of the drive's shaft to the joint angle, exactly. Saturates at half a turn: an encoder
+// just past a stop at 180 degrees must not seem to be at the opposite stop.
 [[nodiscard]] fixed::Angle joint_angle(const Drive& drive, std::int32_t position);
 
 // Returns the angle nearest to `angle` within the joint's limits.

@@ -9,7 +9,11 @@ using fixed::Length;
 using fixed::Mass;
 using fixed::Ratio;
 
-constexpr std::int64_t kUnitTolerance_raw = std::int64_t{1} << 40;  // of a squared length of 2^60: 1e-6
+// Tolerances of unit vectors (of a squared length of 2^60: 1e-6) and of the right-handedness of a rotation
+// (3.8e-6 of an element). Set by hand (2026-11-21): 1,000 times the rounding of an image's elements, 1e-9; an
+// error of that size turns no axis by more than a unit of a drive's position.
+constexpr std::int64_t kUnitTolerance_raw = std::int64_t{1} << 40;
+constexpr Ratio kRotationTolerance = Ratio::from_raw(1 << 12);
 
 bool in_range(Length length) { return fixed::abs(length) <= kMaxOffset; }
 bool in_range(const Position& p) { return in_range(p.x) && in_range(p.y) && in_range(p.z); }
@@ -30,11 +34,11 @@ bool is_rotation(const Rotation& R) {
   const auto& [a, b, c] = R.rows;
   if (!is_unit(a) || !is_unit(b) || !is_unit(c)) return false;
   const Direction a_cross_b = cross(a, b);
-  const auto is_close = [](Ratio p, Ratio q) { return fixed::abs(p - q) < Ratio::from_raw(1 << 12); };
+  const auto is_close = [](Ratio p, Ratio q) { return fixed::abs(p - q) < kRotationTolerance; };
   return is_close(a_cross_b.x, c.x) && is_close(a_cross_b.y, c.y) && is_close(a_cross_b.z, c.z);
 }
 
-bool has_meaning(const RobotModel& model, const Joint& joint) {
+bool fields_are_valid(const RobotModel& model, const Joint& joint) {
   const int count = static_cast<int>(model.joint_count);
   return static_cast<std::size_t>(joint.role) < kRoleCount && joint.parent.raw() < count &&
          (joint.parent.is_trunk() || joint.parent.raw() >= 0) && joint.mirror < model.joint_count &&
@@ -43,7 +47,7 @@ bool has_meaning(const RobotModel& model, const Joint& joint) {
 }
 
 ModelStatus check_joint(const RobotModel& model, const Joint& joint) {
-  if (!has_meaning(model, joint)) return ModelStatus::kBadField;
+  if (!fields_are_valid(model, joint)) return ModelStatus::kBadField;
   if (!in_range(joint.anchor) || !in_range(joint.centre_of_mass) || !in_range(joint.mass) ||
       joint.max_speed <= fixed::AngularRate()) {
     return ModelStatus::kOutOfRange;

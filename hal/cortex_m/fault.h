@@ -24,6 +24,7 @@ struct FaultRecord {
 
 // Returns the record of the fault that caused the last reset; null if the reset had another cause.
 [[nodiscard]] const FaultRecord* last_fault();
+// Forgets the record: last_fault() returns null from then on.
 void clear_fault();
 // Stores the state of the behaviour for the record of a fault.
 void note_behaviour_state(std::uint32_t state);

@@ -19,7 +19,8 @@ class CanSensors {
   static constexpr std::uint8_t kLeftAnkleNode = 37;
   static constexpr std::uint8_t kRightAnkleNode = 38;
   static constexpr std::array<std::uint8_t, 3> kNodes{kInertialNode, kLeftAnkleNode, kRightAnkleNode};
-  // Age of the last sample after which a sensor counts as silent.
+  // Age of the last sample after which the inertial unit counts as silent. Set by hand (2026-11-22): four
+  // samples in a row, one every 4 ms, may be lost; the firmware itself tolerates 50 ms without samples.
   static constexpr std::uint64_t kTimeout_us = 20'000;
 
   // Takes a received frame. Returns whether it belongs to a sample. `now_us`: time of reception.

@@ -58,10 +58,13 @@ constexpr TransmitFifo transmit_fifo(const CanFrame& frame) {
 // one with the lowest identifier takes part in the arbitration. No function blocks.
 class CanPort {
  public:
-  // Removes the oldest received frame. Returns false, with `frame` unchanged, if there is none.
+  // Removes the oldest received frame. Returns false, with `frame` unchanged, if there is none. The queue
+  // holds at least 64 frames: 3 ms of a full bus of 1 Mbit/s, whose shortest frames take 47 bits.
   [[nodiscard]] virtual bool receive(CanFrame& frame) = 0;
   // Appends a frame to its FIFO (transmit_fifo), which keeps the order. Returns false, with nothing sent, if
-  // that FIFO is full.
+  // that FIFO is full. In bus-off it appends frames likewise; `recover` may drop them. Each FIFO holds at
+  // least one frame; the firmware keeps up to 32 frames that the process FIFO refuses, and 4 of each other
+  // FIFO.
   [[nodiscard]] virtual bool transmit(const CanFrame& frame) = 0;
   // Returns the number of frames that `transmit` would accept into this FIFO now.
   [[nodiscard]] virtual std::size_t transmit_space(TransmitFifo fifo) const = 0;

@@ -5,7 +5,9 @@
 namespace koboshi::hal {
 
 // A watchdog without a window. When its time-out expires, the board resets and the drive-enable line goes
-// low. The firmware kicks the watchdog in each `service`; the expected time-out is 0.5 s.
+// low. The firmware kicks the watchdog in each `service`; the expected time-out is 0.5 s, set by hand
+// (2026-11-23): it is the last resort, since the drives stop by themselves after 60 ms without the
+// controller. The uncalibrated oscillator of hal/stm32/safety.h, 0.34 to 0.94 s, meets it.
 class WatchdogPort {
  public:
   // Restarts the time-out.

@@ -43,7 +43,7 @@ class Can final : public CanPort {
  public:
   // Three times the number of frames that the bus carries between two calls of `Controller::service`.
   static constexpr std::size_t kReceiveCapacity = 64;
-  // Number of frames that a control cycle transmits at once: 20 RPDOs, SYNC and 7 telemetry PDOs.
+  // More frames than a control cycle transmits at once: 20 target PDOs, SYNC and the telemetry PDOs.
   static constexpr std::size_t kTransmitCapacity = 32;
 
   // The registers must outlive the driver. The constructor does not access them.

@@ -14,6 +14,8 @@ enum class SdoState : std::uint8_t { kIdle, kBusy, kDone, kAborted, kTimedOut };
 // parallel if their servers differ.
 class SdoClient {
  public:
+  // Set by hand (2026-11-21): a server of this stack answers within a control cycle, 10 ms; the margin is for
+  // a bus that is full of frames of higher priority.
   static constexpr std::uint32_t kDefaultTimeout_us = 100'000;
 
   // Sends to `sink`, that of the node (Node::sink()), so that frames keep their order.

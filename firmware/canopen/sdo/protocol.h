@@ -54,7 +54,7 @@ inline constexpr std::uint8_t kToggle = 0x10;
 inline constexpr std::uint8_t kLastSegment = 0x01;
 inline constexpr std::size_t kSegmentBytes = 7;
 
-// Variable bits of block transfers (CiA 301, 7.2.4.3.9 to 7.2.4.3.15). The sub-command stands in bits 0 and
+// Variable bits of block transfers (CiA 301, 7.2.4.3.9 to 7.2.4.3.15). The sub-command is in bits 0 and
 // 1, in requests of a download in bit 0 alone; of an end message, bits 2..4 count the unused bytes of the
 // last segment.
 inline constexpr std::uint8_t kBlockSubcommandMask = 0x03;

@@ -68,7 +68,9 @@ struct SdoChannel {
 // the client send it again.
 class SdoServer {
  public:
-  static constexpr std::uint32_t kTimeout_us = 1'000'000;  // silence of a client in a transfer
+  // Silence of a client in a transfer. Set by hand (2026-11-21): longer than a busy PC pauses, and short
+  // enough that a transfer which its client has abandoned soon frees its object.
+  static constexpr std::uint32_t kTimeout_us = 1'000'000;
   // Silence within a block after which the server confirms the segments that have arrived, since the last
   // ones may be lost.
   static constexpr std::uint32_t kBlockTimeout_us = kTimeout_us / 2;

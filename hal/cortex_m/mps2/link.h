@@ -17,11 +17,14 @@ class Link {
     std::span<const std::byte> body;
   };
 
+  // Opens both pipes. Ends the debugger if one cannot be opened.
   void open();
   // Waits for the next request; the image idles here. Ends the debugger if the host has closed the pipe.
   [[nodiscard]] Request receive();
   // Returns the buffer for the body of an answer.
   [[nodiscard]] std::span<std::byte> body() { return std::span(message_).subspan(wire::kHeaderBytes); }
+  // Sends an answer whose body, `body_size` bytes, has been written to body(). Ends the debugger if the host
+  // has closed the pipe.
   void answer(wire::Kind kind, std::size_t body_size);
 
  private:

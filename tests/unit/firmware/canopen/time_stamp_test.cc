@@ -23,7 +23,7 @@ TEST(TimeStamp, GoesOnByTheNodesClock) {
   TimeStamp time;
   ASSERT_TRUE(time.accept(kTime, 1'000));
   EXPECT_EQ(time.at(1'000 + 500'000), (TimeOfDay{kTold.ms + 500, 1}));
-  const std::uint64_t to_midnight_us = (kMillisecondsADay - kTold.ms) * std::uint64_t{1000};
+  const std::uint64_t to_midnight_us = (kMillisecondsPerDay - kTold.ms) * std::uint64_t{1000};
   EXPECT_EQ(time.at(1'000 + to_midnight_us), (TimeOfDay{0, 2}));
 }
 
