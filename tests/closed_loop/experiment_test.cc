@@ -1,4 +1,4 @@
-// Trials on the simulated robot: the building blocks of the experiments.
+// Trials of the real robot: what an experiment builds on.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,12 +15,14 @@ namespace {
 const std::filesystem::path kWalk = std::filesystem::path(KOBOSHI_SOURCE_DIR) / "scenarios/walk.yaml";
 
 TEST(GyroFeedback, ComesToTheSameOnOneCoreAndOnTwo) {
-  const Experiment experiment = make_gyro_feedback({.scenario = kWalk,
-                                                    .overrides = {{"duration_s", "5.5"}},
-                                                    .points = {8},
-                                                    .feedback = {true},
-                                                    .disturbed = true,
-                                                    .seeds = 2});
+  GyroFeedbackOptions options;
+  options.scenario = kWalk;
+  options.overrides = {{"duration_s", "5.5"}};
+  options.points = {8};
+  options.feedback = {true};
+  options.disturbed = true;
+  options.seeds = 2;
+  const Experiment experiment = make_gyro_feedback(options);
   const std::string alone = to_csv(experiment, play_experiment(experiment, {.jobs = 1}));
   EXPECT_EQ(to_csv(experiment, play_experiment(experiment, {.jobs = 2})), alone);
   const std::size_t first = alone.find("\n8,on,1,");
@@ -31,7 +33,9 @@ TEST(GyroFeedback, ComesToTheSameOnOneCoreAndOnTwo) {
 }
 
 TEST(GyroFeedback, ChangesTheWorldAndNotWhatTheFirmwareKnows) {
-  const GyroFeedbackOptions options{.scenario = kWalk, .disturbed = true};
+  GyroFeedbackOptions options;
+  options.scenario = kWalk;
+  options.disturbed = true;
   const sim::Scenario plain = gyro_feedback_scenario(options, 8, true);
   const SeededWorld world = seeded_world(plain, options, 5);
   const simulation::Simulation nominal(plain);
@@ -48,13 +52,13 @@ TEST(ScenarioTrial, TellsWhyItEnded) {
                                              {"faults", "[{at_s: 0, kind: controller_stop}]"}};
   const sim::Scenario scenario =
       sim::read_scenario(std::filesystem::path(KOBOSHI_SOURCE_DIR) / "scenarios/go.yaml", overrides);
-  const Values values = play_scenario(scenario, {});
-  EXPECT_EQ(values.at("failed"), 1.0);
-  EXPECT_THAT(values.error, testing::HasSubstr("the controller does not take"));
+  const ScenarioTrial trial = play_scenario(scenario, {});
+  EXPECT_EQ(trial.outcome, Outcome::kFailed);
+  EXPECT_THAT(trial.error, testing::HasSubstr("the controller does not take"));
 }
 
-// Returns the mean height of all corners of both soles while the robot stands, just before it walks. The mean
-// equals the static compression of the contact springs and does not depend on the lean.
+// Mean height of the corners of both soles when the robot stands by itself, just before it walks: whichever
+// way it leans, that is what the springs under the corners give.
 double mean_corner_height_m(const sim::Scenario& scenario) {
   simulation::Simulation simulation(scenario);
   while (!simulation.finished()) simulation.advance();
@@ -75,7 +79,7 @@ TEST(SoftGround, GivesWayByWeightOverStiffness) {
   sim::Scenario scenario = sim::read_scenario(kWalk, overrides);
   const double hard_m = mean_corner_height_m(scenario);
   constexpr double kStiffness_N_per_m = 2000.0;
-  constexpr double kContacts = 8.0;  // four per sole
+  constexpr double kContacts = 8.0;  // four a sole
   scenario.ground.softness = {kStiffness_N_per_m, 30.0};
   const double weight_N = simulation::Simulation(scenario).robot().total_mass_kg() * 9.80665;
   EXPECT_NEAR(hard_m - mean_corner_height_m(scenario), weight_N / (kContacts * kStiffness_N_per_m), 5e-5);

@@ -1,4 +1,4 @@
-// A search over runs of the simulated robot, each so short that the robot only boots.
+// A search over runs of the real robot, each so short that it only boots.
 
 #include "tools/lab/tune/study_search.h"
 
@@ -27,32 +27,32 @@ std::ptrdiff_t lines(const std::filesystem::path& file) { return std::ranges::co
 class StudySearch : public testing::Test {
  protected:
   StudySearch() {
-    study_.file = tree_.write("boot.yaml", "");  // a resumed search checks the contents of this file
+    study_.file = tree_.write("boot.yaml", "");  // what a search goes on from depends on it
     study_.scenario = KOBOSHI_SOURCE_DIR "/scenarios/go.yaml";
     study_.numbers = {
         {.path = "parameters.step_height_mm", .low = 14, .high = 35, .grid = 0.1, .start = 20},
         {.path = "parameters.step_width_mm", .low = 58, .high = 85, .grid = 0.1, .start = 77.2}};
     study_.trials = {{.name = "boots", .set = {{"duration_s", "0.2"}}},
                      {.name = "boots_on", .set = {{"duration_s", "0.3"}}, .weight = 2.0}};
-    options_ = {.overrides = {{"physics.stepper", "lumped"}},
-                .out = tree_.root() / "out",
-                .seeds = 1,
-                .evaluations = 16};
+    options_ = {{.overrides = {{"physics.stepper", "lumped"}},
+                 .out = tree_.root() / "out",
+                 .seeds = 1,
+                 .evaluations = 16}};
   }
-  StudyResult search(Search with) {
-    options_.search = with;
-    return search_study(study_, options_, [this](const StudyProgress& progress) { progress_ = progress; });
+  SearchResult search(Method with) {
+    options_.method = with;
+    return search_study(study_, options_, [this](const SearchProgress& progress) { progress_ = progress; });
   }
 
   sim::TemporaryTree tree_;
   Study study_;
   StudyOptions options_;
-  StudyProgress progress_;
+  SearchProgress progress_;
 };
 
 TEST_F(StudySearch, LeavesWhatItTriedAndWhatItFound) {
-  const StudyResult result = search(Search::kCmaEs);
-  EXPECT_EQ(result.worth, 1.0);
+  const SearchResult result = search(Method::kCmaEs);
+  EXPECT_EQ(result.score, 1.0);
   EXPECT_EQ(progress_.done, 16u);
   EXPECT_EQ(lines(options_.out / "evaluations.csv"), 17);
   const std::string evaluations = contents(options_.out / "evaluations.csv");
@@ -66,10 +66,10 @@ TEST_F(StudySearch, LeavesWhatItTriedAndWhatItFound) {
 }
 
 TEST_F(StudySearch, GoesOnFromItsLogToTheSameEnd) {
-  static_cast<void>(search(Search::kCmaEs));
+  static_cast<void>(search(Method::kCmaEs));
   const std::string first = contents(options_.out / "evaluations.csv");
   const auto played = lines(options_.out / "trials.jsonl");
-  static_cast<void>(search(Search::kCmaEs));
+  static_cast<void>(search(Method::kCmaEs));
   EXPECT_EQ(contents(options_.out / "evaluations.csv"), first);
   EXPECT_EQ(lines(options_.out / "trials.jsonl"), played) << "nothing is played twice";
 }
@@ -78,17 +78,17 @@ class InfeasibleStudySearch : public StudySearch {
  protected:
   InfeasibleStudySearch() {
     study_.scenario = KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml";
-    // Above 170 mm the legs cannot make the step.
+    // From 170 mm on the legs cannot make the step.
     study_.numbers = {
         {.path = "gait.set.com_height_m", .low = 0.15, .high = 0.25, .grid = 0.001, .start = 0.16}};
   }
 };
 
 TEST_F(InfeasibleStudySearch, CountsInfeasibleCandidatesByTheirLimitAndContinues) {
-  const StudyResult result = search(Search::kCmaEs);
+  const SearchResult result = search(Method::kCmaEs);
   EXPECT_EQ(progress_.done, 16u);
   EXPECT_EQ(result.evaluations, 16u);
-  EXPECT_EQ(result.worth, 1.0);
+  EXPECT_EQ(result.score, 1.0);
   std::size_t infeasible = 0;
   for (const auto& [limit, count] : result.infeasible) infeasible += count;
   EXPECT_GT(result.infeasible.at("the reach of the legs"), 0u);
@@ -97,18 +97,18 @@ TEST_F(InfeasibleStudySearch, CountsInfeasibleCandidatesByTheirLimitAndContinues
   EXPECT_THAT(evaluations, HasSubstr(",,,,the reach of the legs\n"));
   EXPECT_THAT(contents(options_.out / "report.md"),
               HasSubstr(std::to_string(infeasible) + " of 16 candidates infeasible: "));
-  // A resumed search gives the same result.
-  EXPECT_EQ(search(Search::kCmaEs).infeasible, result.infeasible);
+  // Resumed, it comes to the same end.
+  EXPECT_EQ(search(Method::kCmaEs).infeasible, result.infeasible);
   EXPECT_EQ(contents(options_.out / "evaluations.csv"), evaluations);
 }
 
 TEST_F(InfeasibleStudySearch, RefusesAnInfeasibleStart) {
   study_.numbers[0].start = 0.25;
-  EXPECT_THROW(static_cast<void>(search(Search::kCmaEs)), sim::InputError);
+  EXPECT_THROW(static_cast<void>(search(Method::kCmaEs)), sim::InputError);
 }
 
 TEST_F(StudySearch, OfEachTrialTellsWhatNoOtherBeats) {
-  static_cast<void>(search(Search::kNsga2));
+  static_cast<void>(search(Method::kNsga2));
   EXPECT_EQ(lines(options_.out / "evaluations.csv"), 17);
   EXPECT_EQ(lines(options_.out / "front.csv"), 17) << "all that stand are worth the same";
 }

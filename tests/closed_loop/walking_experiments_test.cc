@@ -1,10 +1,11 @@
-// Short versions of the experiments on walking by command, with trials that can pass or fail.
+// The experiments on walking by command in short: trials of the real robot that can go either way.
 
 #include <gtest/gtest.h>
 
 #include "tools/lab/catalogue/push_recovery.h"
 #include "tools/lab/catalogue/terrain.h"
 #include "tools/lab/catalogue/walking_speed.h"
+#include "tools/lab/experiment/ladder.h"
 
 namespace koboshi::tools {
 namespace {
@@ -20,20 +21,21 @@ Options short_form() {
   return options;
 }
 
-// A slow walk over a short distance, then a commanded velocity of which the robot reaches less than half.
+// Slowly over a short way, and then at a command that the robot does not follow by half.
 TEST(WalkingSpeed, SustainsASlowWalkAndNoImpossibleOne) {
   WalkingSpeedOptions options = short_form<WalkingSpeedOptions>();
   options.way_m = 0.5;
   options.ladders = {{.direction = SpeedLadder::Direction::kForward, .commands = {0.15, 2.0}}};
-  const WalkingSpeed speed = make_walking_speed(options);
-  const ClimbResult result = climb(speed.experiment, speed.ladders, {});
-  const Conclusions conclusions = walking_speed_conclusions(speed, result);
-  ASSERT_EQ(result.climbs[0].highest, 0u);
-  EXPECT_EQ(result.climbs[0].stop, Stop::kTooMany);
+  const Experiment experiment = make_walking_speed(options);
+  const ExperimentResult result = play_experiment(experiment, {});
+  const Conclusions conclusions = walking_speed_conclusions(experiment, result);
+  const Climb climb = climb_of(experiment.ladders[0], result);
+  ASSERT_EQ(climb.highest, 0u);
+  EXPECT_EQ(climb.stop, Stop::kTooMany);
   const double made_m_per_s = conclusions.values.at("forward_m_per_s");
   EXPECT_GT(made_m_per_s, 0.05);
   EXPECT_LT(made_m_per_s, 0.15) << "faster than it was told to";
-  EXPECT_GT(result.result.cells[0].played[0].values.at("energy_J_per_m"), 1.0);
+  EXPECT_GT(speed_fields().trials(result.cells[0]).at(0).energy_J_per_m, 1.0);
 }
 
 TEST(PushRecovery, SurvivesASmallPushAndNoLargeOne) {
@@ -43,7 +45,7 @@ TEST(PushRecovery, SurvivesASmallPushAndNoLargeOne) {
   options.halvings = 2;
   const Experiment experiment = make_push_recovery(options);
   const ExperimentResult result = play_experiment(experiment, {});
-  const Conclusions conclusions = push_recovery_conclusions(survived_pushes(options, experiment, result));
+  const Conclusions conclusions = experiment.conclude(experiment, result);
   const double standing = conclusions.values.at("standing_min_Ns_per_kg");
   EXPECT_GE(standing, 0.25);
   EXPECT_LE(standing, 0.5) << "0.75 is all that was asked";
@@ -53,14 +55,14 @@ TEST(PushRecovery, SurvivesASmallPushAndNoLargeOne) {
 TEST(Terrain, PassesAFloorAndNotASteepSlope) {
   TerrainOptions options = short_form<TerrainOptions>();
   options.way_m = 0.4;
-  Terrain terrain = make_terrain(options);
-  Ladder& uphill = terrain.ladders[1];
+  Experiment experiment = make_terrain(options);
+  Ladder uphill = experiment.ladders[1];
   ASSERT_EQ(uphill.name, "uphill");
   uphill.cells = {uphill.cells.front(), uphill.cells.back()};
-  terrain.ladders = {uphill};
-  const ClimbResult result = climb(terrain.experiment, terrain.ladders, {});
-  ASSERT_EQ(result.climbs[0].highest, 0u);
-  EXPECT_EQ(terrain_conclusions(terrain, result).values.at("uphill_passed"), 0.0);
+  experiment.ladders = {uphill};
+  const ExperimentResult result = play_experiment(experiment, {});
+  ASSERT_EQ(climb_of(uphill, result).highest, uphill.cells.front());
+  EXPECT_EQ(experiment.conclude(experiment, result).values.at("uphill_passed"), 0.0);
 }
 
 }  // namespace

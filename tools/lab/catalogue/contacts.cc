@@ -1,17 +1,15 @@
 #include "tools/lab/catalogue/contacts.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <memory>
+#include <numeric>
+#include <optional>
 
 #include "sim_board/input/user_units.h"
 #include "sim_board/robot/load.h"
-#include "sim_board/scenario/reader.h"
-#include "tools/lab/trial/contact_observer.h"
-#include "tools/lab/trial/outcome.h"
+#include "tools/lab/experiment/report.h"
 #include "tools/lab/trial/perturbation.h"
 #include "tools/lab/trial/scenario_trial.h"
 
@@ -26,26 +24,6 @@ constexpr double kGetUpFor_s = 14.0;  // from the push on: a fall, and up to thr
 constexpr double kLowestPush_N_s_per_kg = 0.6;
 constexpr double kHighestPush_N_s_per_kg = 1.2;
 
-constexpr const char* kDepth = "deepest_without_force_m";
-constexpr const char* kUnsettled = "unsettled_steps";
-constexpr const char* kSteps = "contact_steps";
-constexpr const char* kOverlap = "largest_overlap_m";
-
-sim::Scenario with_failing_drive(const StandingStart& start, sim::RandomStream& random) {
-  static constexpr std::array<const char*, 4> kJoints{"left_knee", "right_knee", "left_hip_pitch",
-                                                      "right_ankle_pitch"};
-  const double walk_s = kWalkFor_s + random.uniform();
-  const Eigen::Vector3d velocity{between(random, -0.15, 0.22), between(random, -0.06, 0.06),
-                                 between(random, -0.5, 0.5)};
-  sim::Scenario scenario = start.walking(velocity, walk_s + kLimpFor_s);
-  sim::Fault fault;
-  fault.at_us = start.ready_us + to_us(walk_s);
-  fault.kind = sim::Fault::Kind::kDrivePowerLoss;
-  fault.target = {kJoints[static_cast<std::size_t>(random.uniform() * kJoints.size())], "an experiment", 0};
-  scenario.faults.push_back(fault);
-  return scenario;
-}
-
 sim::Scenario with_push(const StandingStart& start, const sim::RobotDescription& robot,
                         sim::RandomStream& random) {
   sim::Scenario scenario = start.standing(kPushAfter_s + kGetUpFor_s);
@@ -58,125 +36,145 @@ sim::Scenario with_push(const StandingStart& start, const sim::RobotDescription&
   return scenario;
 }
 
-std::string pair_measure(const sim::RobotDescription& robot, const LinkPair& pair) {
-  const auto name = [&](int link) { return robot.links[static_cast<std::size_t>(link)].name; };
-  return fmt::format("overlap_{}_{}_m", name(pair.links[0]), name(pair.links[1]));
-}
-
-Values play(const sim::Scenario& scenario, std::uint64_t seed) {
-  std::unique_ptr<ContactObserver> observer;
-  std::uint64_t unsettled = 0;
-  Values values;
-  const Values played = watch_in_world(
+ContactsTrial play(const sim::Scenario& scenario, std::uint64_t seed) {
+  std::optional<ContactObserver> observer;
+  ContactsTrial trial;
+  const ScenarioTrial played = watch_in_world(
       scenario, kRoughWorld, seed, [&](simulation::Simulation& simulation, const simulation::RunRecorder&) {
         const sim::World& world = simulation.board().world();
-        if (!observer) observer = std::make_unique<ContactObserver>(simulation.robot(), world);
+        if (!observer) observer.emplace(simulation.robot(), world);
         observer->observe();
-        unsettled = world.unsettled_steps();
-        for (const LinkPair& pair : observer->pairs()) {
-          const std::string name = pair.collides ? kOverlap : pair_measure(simulation.robot(), pair);
-          values[name] = std::max(values[name], pair.overlap_m);
-        }
+        trial.unsettled_steps = world.unsettled_steps();
         return false;
       });
-  add_outcome(played, values);
-  values[kDepth] = observer->deepest_without_force_m();
-  values[kUnsettled] = static_cast<double>(unsettled);
-  values[kSteps] = static_cast<double>(observer->contact_steps());
-  values["deepest_m"] = observer->deepest_m();
-  values["largest_force_N"] = observer->largest_force_N();
-  return values;
-}
-
-double largest(const ExperimentResult& result, const std::string& measure) {
-  double largest = 0.0;
-  for (const CellResult& cell : result.cells) {
-    for (const double value : values_of(cell, {.name = measure})) largest = std::max(largest, value);
+  trial.outcome = played.outcome;
+  trial.error = played.error;
+  trial.extremes = observer->extremes();
+  for (const LinkPair& pair : observer->pairs()) {
+    if (!pair.collides) trial.free_overlaps_m.push_back(pair.overlap_m);
+    if (pair.collides) trial.largest_overlap_m = std::max(trial.largest_overlap_m, pair.overlap_m);
   }
-  return largest;
+  return trial;
 }
 
-double total(const ExperimentResult& result, const std::string& measure) {
-  double sum = 0.0;
-  for (const CellResult& cell : result.cells) {
-    for (const double value : values_of(cell, {.name = measure})) sum += value;
-  }
-  return sum;
-}
+// A pair of links that never collides.
+struct FreePair {
+  std::string first;
+  std::string second;
+  double overlap_m = 0.0;
 
-// The pairs of links that never collide, by the name of their measure.
-std::vector<std::pair<std::string, std::array<std::string, 2>>> free_pairs(
-    const sim::RobotDescription& robot) {
-  std::vector<std::pair<std::string, std::array<std::string, 2>>> pairs;
+  std::string metric() const { return fmt::format("overlap_{}_{}_m", first, second); }
+};
+
+std::vector<FreePair> free_pairs(const sim::RobotDescription& robot) {
+  const auto name = [&](int link) { return robot.links[static_cast<std::size_t>(link)].name; };
+  std::vector<FreePair> pairs;
   for (const LinkPair& pair : link_pairs(robot)) {
-    if (pair.collides) continue;
-    pairs.push_back({pair_measure(robot, pair),
-                     {robot.links[static_cast<std::size_t>(pair.links[0])].name,
-                      robot.links[static_cast<std::size_t>(pair.links[1])].name}});
+    if (!pair.collides) pairs.push_back({.first = name(pair.links[0]), .second = name(pair.links[1])});
   }
   return pairs;
 }
 
 std::string names_of_bare_links(const sim::RobotDescription& robot) {
-  std::string names;
+  std::vector<std::string> names;
   for (const sim::LinkDescription& link : robot.links) {
-    if (link.collisions.empty()) names += (names.empty() ? "" : ", ") + link.name;
+    if (link.collisions.empty()) names.push_back(link.name);
   }
-  return names;
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+template <typename Member>
+double largest_of(const std::vector<ContactsTrial>& trials, Member member) {
+  const std::vector<double> values = values_of(trials, member);
+  return values.empty() ? 0.0 : std::max(0.0, *std::ranges::max_element(values));
+}
+
+template <typename Member>
+double total_of(const std::vector<ContactsTrial>& trials, Member member) {
+  const std::vector<double> values = values_of(trials, member);
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+Conclusions conclude(const sim::RobotDescription& robot, const std::vector<ContactsTrial>& trials) {
+  using T = ContactsTrial;
+  Conclusions conclusions;
+  const double depth_m =
+      largest_of(trials, [](const T& trial) { return trial.extremes.deepest_without_force_m; });
+  const double overlap_m = largest_of(trials, &T::largest_overlap_m);
+  const double unsettled = total_of(trials, &T::unsettled_steps);
+  const double steps = total_of(trials, [](const T& trial) { return trial.extremes.contact_steps; });
+  conclusions.values["deepest_without_force_m"] = depth_m;
+  conclusions.values["unsettled_share"] = unsettled / steps;
+  conclusions.values["largest_overlap_m"] = overlap_m;
+  conclusions.lines = fmt::format(
+      "closing without force: {:.2f} mm deep at most\n"
+      "unsettled: {:.0f} of {:.0f} steps with a contact, {:.4f} %\n"
+      "links that collide overlap by {:.2f} mm at most\n"
+      "links without a collision shape: {}\n"
+      "links that never collide, and by how much they overlap at most:\n",
+      sim::kMmPerM * depth_m, unsettled, steps, 100.0 * (unsettled / steps), sim::kMmPerM * overlap_m,
+      names_of_bare_links(robot));
+  std::vector<FreePair> pairs = free_pairs(robot);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    pairs[i].overlap_m = largest_of(trials, [i](const T& trial) { return trial.free_overlaps_m.at(i); });
+  }
+  std::ranges::stable_sort(pairs, std::ranges::greater{}, &FreePair::overlap_m);
+  for (const FreePair& pair : pairs) {
+    conclusions.values[pair.metric()] = pair.overlap_m;
+    conclusions.lines +=
+        fmt::format("  {:5.1f} mm  {} and {}\n", sim::kMmPerM * pair.overlap_m, pair.first, pair.second);
+  }
+  return conclusions;
 }
 
 }  // namespace
 
-Experiment make_contacts(const ContactsOptions& options) {
-  const auto start =
-      std::make_shared<StandingStart>(read_standing_start(options.scenario, options.overrides));
-  const auto robot = std::make_shared<sim::RobotDescription>(sim::load_robot(start->scenario.robot));
-  Experiment experiment = begin_experiment("contacts", options, start->scenario, {});
-  using enum Measure::Kind;
-  experiment.measures = outcome_measures();
-  experiment.measures.insert(
-      experiment.measures.end(),
-      {{.name = kDepth, .label = "closing without force, deepest [mm]", .factor = sim::kMmPerM},
-       {.name = kUnsettled, .label = "unsettled steps", .decimals = 2},
-       {.name = kSteps, .label = "steps with contact", .decimals = 0},
-       {.name = "deepest_m", .label = "deepest contact [mm]", .factor = sim::kMmPerM, .decimals = 2},
-       {.name = "largest_force_N", .label = "largest force [N]", .decimals = 0},
-       {.name = kOverlap, .label = "links overlap [mm]", .factor = sim::kMmPerM, .decimals = 2}});
-  for (const auto& [measure, names] : free_pairs(*robot)) experiment.measures.push_back({.name = measure});
-  experiment.cells = {{"drive-failure", {{"fall", "drive failure"}}}, {"push", {{"fall", "push, gets up"}}}};
-  experiment.play = [start, robot](std::size_t cell, std::uint64_t seed) {
-    sim::RandomStream random(seed, "fall of the contacts");
-    return play(cell == 0 ? with_failing_drive(*start, random) : with_push(*start, *robot, random), seed);
-  };
-  return experiment;
+FieldTable<ContactsTrial> contacts_fields(const sim::RobotDescription& robot) {
+  using T = ContactsTrial;
+  using Extremes = ContactExtremes;
+  Fields<T> overlaps;
+  for (const FreePair& pair : free_pairs(robot)) {
+    const std::size_t i = overlaps.size();
+    overlaps.push_back({{.name = pair.metric()},
+                        [i](const T& trial) { return number_of(trial.free_overlaps_m.at(i)); },
+                        [i](T& trial, std::optional<double> overlap_m) {
+                          trial.free_overlaps_m.resize(std::max(i + 1, trial.free_overlaps_m.size()));
+                          assign_number(trial.free_overlaps_m[i], overlap_m);
+                        }});
+  }
+  return {
+      outcome_fields<T>(&T::outcome),
+      Fields<T>{{{"deepest_without_force_m", "closing without force, deepest [mm]", 3, sim::kMmPerM},
+                 &T::extremes,
+                 &Extremes::deepest_without_force_m},
+                {{"unsettled_steps", "unsettled steps", 2}, &T::unsettled_steps},
+                {{"contact_steps", "steps with contact", 0}, &T::extremes, &Extremes::contact_steps},
+                {{"deepest_m", "deepest contact [mm]", 2, sim::kMmPerM}, &T::extremes, &Extremes::deepest_m},
+                {{"largest_force_N", "largest force [N]", 0}, &T::extremes, &Extremes::largest_force_N},
+                {{"largest_overlap_m", "links overlap [mm]", 2, sim::kMmPerM}, &T::largest_overlap_m}},
+      overlaps};
 }
 
-Conclusions contacts_conclusions(const ContactsOptions& options, const ExperimentResult& result) {
-  const sim::RobotDescription robot =
-      sim::load_robot(sim::read_scenario(options.scenario, options.overrides).robot);
-  Conclusions conclusions;
-  const double depth_m = largest(result, kDepth);
-  const double overlap_m = largest(result, kOverlap);
-  const double share = total(result, kUnsettled) / total(result, kSteps);
-  conclusions.values["deepest_without_force_m"] = depth_m;
-  conclusions.values["unsettled_share"] = share;
-  conclusions.values["largest_overlap_m"] = overlap_m;
-  conclusions.lines += fmt::format("closing without force: {:.2f} mm deep at most\n", sim::kMmPerM * depth_m);
-  conclusions.lines += fmt::format("unsettled: {:.0f} of {:.0f} steps with a contact, {:.4f} %\n",
-                                   total(result, kUnsettled), total(result, kSteps), 100.0 * share);
-  conclusions.lines +=
-      fmt::format("links that collide overlap by {:.2f} mm at most\n", sim::kMmPerM * overlap_m);
-  conclusions.lines += fmt::format("links without a collision shape: {}\n", names_of_bare_links(robot));
-  conclusions.lines += "links that never collide, and by how much they overlap at most:\n";
-  auto pairs = free_pairs(robot);
-  std::ranges::stable_sort(pairs, std::ranges::greater{},
-                           [&](const auto& pair) { return largest(result, pair.first); });
-  for (const auto& [measure, names] : pairs) {
-    const double pair_m = largest(result, measure);
-    conclusions.values[measure] = pair_m;
-    conclusions.lines += fmt::format("  {:5.1f} mm  {} and {}\n", sim::kMmPerM * pair_m, names[0], names[1]);
-  }
-  return conclusions;
+Experiment make_contacts(const ExperimentSetup& setup) {
+  const StandingStart start = read_standing_start(setup.scenario, setup.overrides);
+  const sim::RobotDescription robot = sim::load_robot(start.scenario.robot);
+  const FieldTable<ContactsTrial> fields = contacts_fields(robot);
+  Experiment experiment = begin_experiment("contacts", "Contacts in falls", setup, start.scenario, {});
+  experiment.cells = {{"drive-failure", {{"fall", "drive failure"}}}, {"push", {{"fall", "push, gets up"}}}};
+  set_trials(experiment, fields, [start, robot](std::size_t cell, std::uint64_t seed) {
+    sim::RandomStream random(seed, "fall of the contacts");
+    if (cell != 0) return play(with_push(start, robot, random), seed);
+    const double walk_s = kWalkFor_s + random.uniform();
+    return play(with_failing_drive(start, random, walk_s, kLimpFor_s), seed);
+  });
+  experiment.conclude = [fields, robot](const Experiment&, const ExperimentResult& result) {
+    std::vector<ContactsTrial> trials;
+    for (const CellResult& cell : result.cells) {
+      for (const Trial& trial : cell.played) trials.push_back(fields.trial(trial.record));
+    }
+    return conclude(robot, trials);
+  };
+  return experiment;
 }
 
 }  // namespace koboshi::tools

@@ -1,23 +1,34 @@
 #pragma once
 
-#include "tools/lab/experiment/report.h"
+#include <string>
+#include <vector>
+
+#include "sim_board/robot/description.h"
+#include "tools/lab/experiment/field_table.h"
 #include "tools/lab/trial/commanded_walk.h"
+#include "tools/lab/trial/contact_observer.h"
+#include "tools/lab/trial/outcome.h"
 
 namespace koboshi::tools {
 
 // Whether the simulated contacts hold while the robot falls and rises: no surface sinks into another without
-// a force, contacts that slide obey Coulomb's law, and links stay out of each other.
+// a force, sliding contacts obey Coulomb's law, and links do not overlap.
 //
 // Two cells. drive-failure: a leg's drive loses its power in a walk, and the robot goes limp and falls. push:
 // a standing robot is pushed over, falls with its protective motion, and gets up.
-struct ContactsOptions : CommandedWalkOptions {};
+struct ContactsTrial {
+  Outcome outcome = Outcome::kSurvived;
+  std::string error{};
+  ContactExtremes extremes{};
+  std::uint64_t unsettled_steps = 0;      // in which sliding contacts did not settle
+  double largest_overlap_m = 0.0;         // of links that collide
+  std::vector<double> free_overlaps_m{};  // the largest of each pair of links that never collides
+};
+// The fields depend on the robot: each pair of links that never collides has one.
+[[nodiscard]] FieldTable<ContactsTrial> contacts_fields(const sim::RobotDescription& robot);
 
-// Throws sim::InputError.
-[[nodiscard]] Experiment make_contacts(const ContactsOptions& options);
-
-// Over all cells: deepest_without_force_m, unsettled_share, largest_overlap_m of links that collide, and the
-// largest overlap of every pair that does not.
-[[nodiscard]] Conclusions contacts_conclusions(const ContactsOptions& options,
-                                               const ExperimentResult& result);
+// It concludes, over all cells, deepest_without_force_m, unsettled_share, largest_overlap_m, and the largest
+// overlap of every pair that never collides. Throws sim::InputError.
+[[nodiscard]] Experiment make_contacts(const ExperimentSetup& setup);
 
 }  // namespace koboshi::tools

@@ -2,18 +2,18 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
+#include <iterator>
 #include <memory>
 
 #include "sim_board/input/text.h"
 #include "sim_board/random/random_stream.h"
 #include "sim_board/robot/load.h"
-#include "sim_board/scenario/reader.h"
 #include "simulation/scenario/parameters.h"
+#include "tools/lab/experiment/report.h"
 #include "tools/lab/trial/fall_observer.h"
-#include "tools/lab/trial/outcome.h"
 #include "tools/lab/trial/perturbation.h"
 #include "tools/lab/trial/scenario_trial.h"
 
@@ -30,46 +30,57 @@ constexpr double kLongerSettled_s = 1.0;  // after the first touch, trunk and he
 constexpr double kDegreesPerUnit = 360.0 / 65'536.0;
 
 enum class Cause { kPushStanding, kPushWalking, kSlowPush, kTrip, kSlip, kDriveFailure, kNone };
+constexpr std::array kCauses{Cause::kPushStanding, Cause::kPushWalking,  Cause::kSlowPush, Cause::kTrip,
+                             Cause::kSlip,         Cause::kDriveFailure, Cause::kNone};
+// These are also played without fall detection, for comparison.
+constexpr std::array kUnprotected{Cause::kPushStanding, Cause::kPushWalking, Cause::kTrip};
 
-struct NamedCause {
-  Cause cause;
-  const char* name;
-};
-constexpr std::array<NamedCause, 6> kCauses{{{Cause::kPushStanding, "push-standing"},
-                                             {Cause::kPushWalking, "push-walking"},
-                                             {Cause::kSlowPush, "slow-push"},
-                                             {Cause::kTrip, "trip"},
-                                             {Cause::kSlip, "slip"},
-                                             {Cause::kDriveFailure, "drive-failure"}}};
-// Of these also how hard the robot comes down when nothing is done about it; indices of kCauses.
-constexpr std::array<std::size_t, 3> kUnprotected{0, 1, 3};
-constexpr const char* kWalk = "walk";
+std::string name_of(Cause cause) {
+  static constexpr std::array<const char*, 7> kNames{"push-standing", "push-walking",  "slow-push", "trip",
+                                                     "slip",          "drive-failure", "walk"};
+  return kNames.at(static_cast<std::size_t>(cause));
+}
 
 struct Case {
   Cause cause = Cause::kNone;
   double scale = 1.0;  // of the thresholds
-  bool looked_for = true;
+  bool detects = true;
+
+  friend bool operator==(const Case&, const Case&) = default;
 };
 
-sim::ParameterSetting parameter(const std::string& name, double value) {
-  return {.name = {name, "an experiment", 0}, .value = value};
+std::vector<Case> cases_of(const FallDetectionOptions& options) {
+  std::vector<Case> cases;
+  for (const Cause cause : kCauses) cases.push_back({.cause = cause});
+  for (const Cause cause : kUnprotected) cases.push_back({.cause = cause, .detects = false});
+  for (const double scale : options.scales) {
+    cases.push_back({.cause = Cause::kPushWalking, .scale = scale});
+    cases.push_back({.cause = Cause::kNone, .scale = scale});
+  }
+  return cases;
 }
 
-void set_thresholds(sim::Scenario& scenario, const Case& what) {
+Cell cell_of(const Case& played) {
+  const std::string scale = played.detects ? sim::number_text(played.scale) : "off";
+  const std::string cause = name_of(played.cause);
+  return {cause + "-" + scale, {{"cause", cause}, {"thresholds", scale}}};
+}
+
+void set_thresholds(sim::Scenario& scenario, const Case& played) {
   const behaviour::FallLimits limits = simulation::controller_values(scenario).recovery.fall;
-  const auto set = [&](const char* name, std::int16_t value) {
-    scenario.parameters.push_back(parameter(name, what.scale * value * kDegreesPerUnit));
+  const auto set = [&](const char* name, double value) {
+    scenario.parameters.push_back({.name = {name, "an experiment", 0}, .value = value});
   };
-  if (!what.looked_for) {
-    scenario.parameters.push_back(parameter("fall_to_the_front_deg", 0.0));
-  } else if (what.scale != 1.0) {
-    set("fall_to_the_front_deg", limits.front);
-    set("fall_to_the_back_deg", limits.back);
-    set("fall_to_the_side_deg", limits.side);
+  if (!played.detects) {
+    set("fall_to_the_front_deg", 0.0);
+  } else if (played.scale != 1.0) {
+    set("fall_to_the_front_deg", played.scale * limits.front * kDegreesPerUnit);
+    set("fall_to_the_back_deg", played.scale * limits.back * kDegreesPerUnit);
+    set("fall_to_the_side_deg", played.scale * limits.side * kDegreesPerUnit);
   }
 }
 
-// A bar across the way, that the swing foot hits.
+// A bar across the path, which the swing foot hits.
 sim::GroundShape bar(double at_m, double height_m) {
   sim::GroundBox box;
   box.X_WG = Eigen::Translation3d(at_m, 0.0, 0.5 * height_m) * Eigen::Isometry3d::Identity();
@@ -77,16 +88,16 @@ sim::GroundShape bar(double at_m, double height_m) {
   return {.shape = box, .surface = {}};
 }
 
+// Makes the scenario of a case in the world of a seed.
 class Disturbance {
  public:
-  Disturbance(const FallDetectionOptions& options, const StandingStart& start,
-              const sim::RobotDescription& robot)
-      : options_(options), start_(start), robot_(robot) {}
+  Disturbance(const FallDetectionOptions& options, const StandingStart& start)
+      : options_(options), start_(start), robot_(sim::load_robot(start.scenario.robot)) {}
 
-  sim::Scenario scenario(const Case& what, std::uint64_t seed) const {
+  sim::Scenario scenario(const Case& played, std::uint64_t seed) const {
     sim::RandomStream random(seed, "disturbance");
-    sim::Scenario scenario = make(what.cause, random, seed);
-    set_thresholds(scenario, what);
+    sim::Scenario scenario = make(played.cause, random, seed);
+    set_thresholds(scenario, played);
     return scenario;
   }
 
@@ -94,56 +105,38 @@ class Disturbance {
   sim::Scenario make(Cause cause, sim::RandomStream& random, std::uint64_t seed) const {
     const double walk_s = kWalkBefore_s + random.uniform();  // any phase of a step
     switch (cause) {
-      case Cause::kPushStanding: {
-        sim::Scenario scenario = start_.standing(kStandBefore_s + kFallWindow_s);
-        push(scenario, kStandBefore_s, kPush_s, options_.standing_N_s_per_kg, random, seed);
-        return scenario;
-      }
-      case Cause::kPushWalking: {
-        sim::Scenario scenario = start_.walking(velocity(random), walk_s + kFallWindow_s);
-        push(scenario, walk_s, kPush_s, options_.walking_N_s_per_kg, random, seed);
-        return scenario;
-      }
-      case Cause::kSlowPush: {
-        sim::Scenario scenario = start_.standing(kStandBefore_s + kFallWindow_s);
-        push(scenario, kStandBefore_s, kSlowPush_s, kSlowPushFactor * options_.standing_N_s_per_kg, random,
-             seed);
-        return scenario;
-      }
+      case Cause::kPushStanding:
+        return pushed(start_.standing(kStandBefore_s + kFallWindow_s), kStandBefore_s, kPush_s,
+                      options_.standing_N_s_per_kg, random, seed);
+      case Cause::kPushWalking:
+        return pushed(start_.walking(random_velocity(random), walk_s + kFallWindow_s), walk_s, kPush_s,
+                      options_.walking_N_s_per_kg, random, seed);
+      case Cause::kSlowPush:
+        return pushed(start_.standing(kStandBefore_s + kFallWindow_s), kStandBefore_s, kSlowPush_s,
+                      kSlowPushFactor * options_.standing_N_s_per_kg, random, seed);
       case Cause::kTrip: {
         sim::Scenario scenario = start_.walking({0.25, 0.0, 0.0}, kWalkBefore_s + kFallWindow_s);
-        scenario.ground.shapes.push_back(bar(between(random, 0.3, 0.45), between(random, 0.02, 0.03)));
+        const double height_m = between(random, 0.02, 0.03);
+        scenario.ground.shapes.push_back(bar(between(random, 0.3, 0.45), height_m));
         return scenario;
       }
-      case Cause::kSlip: {
-        sim::Scenario scenario = start_.walking({0.25, 0.0, 0.2}, kWalkBefore_s + kFallWindow_s);
-        return scenario;
-      }
-      case Cause::kDriveFailure: {
-        sim::Scenario scenario = start_.walking(velocity(random), walk_s + kFallWindow_s);
-        static constexpr std::array<const char*, 4> kJoints{"left_knee", "right_knee", "left_hip_pitch",
-                                                            "right_ankle_pitch"};
-        const auto joint = static_cast<std::size_t>(random.uniform() * kJoints.size());
-        sim::Fault fault;
-        fault.at_us = start_.ready_us + to_us(walk_s);
-        fault.kind = sim::Fault::Kind::kDrivePowerLoss;
-        fault.target = {kJoints[joint], "an experiment", 0};
-        scenario.faults.push_back(fault);
-        return scenario;
-      }
+      case Cause::kSlip:
+        return start_.walking({0.25, 0.0, 0.2}, kWalkBefore_s + kFallWindow_s);
+      case Cause::kDriveFailure:
+        return with_failing_drive(start_, random, walk_s, kFallWindow_s);
       case Cause::kNone:
         return pushed_walk(random, seed);
     }
     return start_.scenario;
   }
 
-  // Commands that change every 5 s, and pushes that are survived.
+  // Commands that change every 5 s, and pushes that the robot survives.
   sim::Scenario pushed_walk(sim::RandomStream& random, std::uint64_t seed) const {
     sim::Scenario scenario = start_.walking(Eigen::Vector3d::Zero(), options_.walk_s);
     for (double at_s = 2.0; at_s < options_.walk_s; at_s += 5.0) {
       scenario.commands.push_back({.at_us = start_.ready_us + to_us(at_s),
                                    .kind = sim::Command::Kind::kWalk,
-                                   .velocity = velocity(random)});
+                                   .velocity = random_velocity(random)});
     }
     const double highest_N_s = options_.survivable_N_s_per_kg * robot_.total_mass_kg();
     add_pushes(scenario, robot_.links.front().name, start_.ready_us,
@@ -157,27 +150,22 @@ class Disturbance {
     return scenario;
   }
 
-  static Eigen::Vector3d velocity(sim::RandomStream& random) {
-    const double ahead = between(random, -0.15, 0.22);
-    const double left = between(random, -0.06, 0.06);
-    return {ahead, left, between(random, -0.5, 0.5)};
-  }
-
-  // 1.2 to 2 times an impulse, from any side.
-  void push(sim::Scenario& scenario, double at_s, double duration_s, double impulse_N_s_per_kg,
-            sim::RandomStream& random, std::uint64_t seed) const {
+  // Adds a push of 1.2 to 2 times an impulse, from any side.
+  sim::Scenario pushed(sim::Scenario scenario, double at_s, double duration_s, double impulse_N_s_per_kg,
+                       sim::RandomStream& random, std::uint64_t seed) const {
     sim::RobotDescription in_world = robot_;
     perturb_robot(in_world, kRoughWorld, seed);
-    const double impulse = between(random, 1.2, 2.0) * impulse_N_s_per_kg * in_world.total_mass_kg();
+    const double impulse_N_s = between(random, 1.2, 2.0) * impulse_N_s_per_kg * in_world.total_mass_kg();
     const double towards_rad = kTurn_rad * random.uniform();
     scenario.pushes.push_back(
         half_sine_push(robot_.links.front().name, start_.ready_us + to_us(at_s), duration_s,
-                       impulse * Eigen::Vector3d(std::cos(towards_rad), std::sin(towards_rad), 0.0)));
+                       impulse_N_s * Eigen::Vector3d(std::cos(towards_rad), std::sin(towards_rad), 0.0)));
+    return scenario;
   }
 
-  const FallDetectionOptions& options_;
-  const StandingStart& start_;
-  const sim::RobotDescription& robot_;
+  const FallDetectionOptions options_;
+  const StandingStart start_;
+  const sim::RobotDescription robot_;
 };
 
 PerturbationBounds world_of(Cause cause) {
@@ -189,210 +177,174 @@ PerturbationBounds world_of(Cause cause) {
   return bounds;
 }
 
-// Whether the same robot would have stayed on its feet, had nothing been done.
-bool was_false(const Disturbance& disturbance, Case what, std::uint64_t seed, double foreseen_s) {
-  what.looked_for = false;
-  sim::Scenario scenario = disturbance.scenario(what, seed);
+// Whether the same robot would have stayed on its feet without fall detection.
+bool was_false(const Disturbance& disturbance, Case played, std::uint64_t seed, double foreseen_s) {
+  played.detects = false;
+  sim::Scenario scenario = disturbance.scenario(played, seed);
   scenario.duration_us = to_us(foreseen_s + 2.0);
-  return play_in_world(std::move(scenario), world_of(what.cause), seed).at(kLost) == 0.0;
+  return !play_in_world(std::move(scenario), world_of(played.cause), seed).lost();
 }
 
-Values play(const Disturbance& disturbance, const Case& what, std::uint64_t seed) {
+FallTrial play(const Disturbance& disturbance, const Case& played, std::uint64_t seed) {
   FallObserver observer;
-  double side = 0.0;
+  bool side = false;
   double end_s = 0.0;
-  const Values played = watch_in_world(
-      disturbance.scenario(what, seed), world_of(what.cause), seed,
+  const ScenarioTrial ended = watch_in_world(
+      disturbance.scenario(played, seed), world_of(played.cause), seed,
       [&](const simulation::Simulation& simulation, const simulation::RunRecorder& recorder) {
-        const bool touched = observer.touched_s().has_value();
+        const bool touched = observer.history().touched_s.has_value();
         observer.observe(simulation, recorder);
         end_s = simulation.board().world().time_s();
-        if (!touched && observer.touched_s()) {
-          // Where the trunk leans to, in its own axes.
+        if (!touched && observer.history().touched_s) {
+          // The direction in which the trunk leans, in its own axes.
           const Eigen::Matrix3d R_WB = simulation.board().world().body(0).X_WL.linear();
-          side = std::abs(R_WB(2, 1)) > std::abs(R_WB(2, 0)) ? 1.0 : 0.0;
+          side = std::abs(R_WB(2, 1)) > std::abs(R_WB(2, 0));
         }
-        const bool settled = observer.touched_s() && end_s > *observer.touched_s() + kLongerSettled_s;
-        const bool seen_in_walk = what.cause == Cause::kNone && observer.foreseen_s().has_value();
+        const bool settled =
+            observer.history().touched_s && end_s > *observer.history().touched_s + kLongerSettled_s;
+        const bool seen_in_walk = played.cause == Cause::kNone && observer.history().foreseen_s.has_value();
         return settled || seen_in_walk || recorder.telemetry().state == behaviour::State::kRighting;
       });
-  Values values;
-  add_outcome(played, values);
-  const auto foreseen_s = observer.foreseen_s();
-  const auto touched_s = observer.touched_s();
-  if (what.cause == Cause::kNone) {
-    const bool is_false = foreseen_s && was_false(disturbance, what, seed, *foreseen_s);
-    values["false_alarm"] = is_false ? 1.0 : 0.0;
-    values["walked_s"] = end_s;
-    values["fell"] = (foreseen_s && !is_false) || touched_s ? 1.0 : 0.0;
-    return values;
+  const auto foreseen_s = observer.history().foreseen_s;
+  const auto touched_s = observer.history().touched_s;
+  FallTrial trial{.outcome = ended.outcome, .error = ended.error, .fell = touched_s.has_value()};
+  if (played.cause == Cause::kNone) {
+    trial.false_alarm = foreseen_s && was_false(disturbance, played, seed, *foreseen_s);
+    trial.walked_s = end_s;
+    trial.fell = trial.fell || (foreseen_s && !*trial.false_alarm);
+    return trial;
   }
-  values["fell"] = touched_s ? 1.0 : 0.0;
-  if (!touched_s) return values;
-  values["side"] = side;
-  if (what.looked_for) values["missed"] = foreseen_s && *foreseen_s < *touched_s ? 0.0 : 1.0;
-  if (foreseen_s) values["lead_s"] = *touched_s - *foreseen_s;
-  if (observer.impact_m_per_s()) values["impact_m_per_s"] = *observer.impact_m_per_s();
-  return values;
+  if (!touched_s) return trial;
+  trial.side = side;
+  if (played.detects) trial.missed = !(foreseen_s && *foreseen_s < *touched_s);
+  if (foreseen_s) trial.lead_s = *touched_s - *foreseen_s;
+  trial.impact_m_per_s = observer.history().impact_m_per_s;
+  return trial;
 }
 
-std::vector<std::pair<Cell, Case>> cases(const FallDetectionOptions& options) {
-  std::vector<std::pair<Cell, Case>> all;
-  const auto add = [&](const std::string& cause, const Case& what) {
-    const std::string scale = what.looked_for ? sim::number_text(what.scale) : "off";
-    all.push_back({{cause + "-" + scale, {{"cause", cause}, {"thresholds", scale}}}, what});
-  };
-  for (const NamedCause& named : kCauses) add(named.name, {.cause = named.cause});
-  add(kWalk, {.cause = Cause::kNone});
-  for (const std::size_t i : kUnprotected) {
-    add(kCauses[i].name, {.cause = kCauses[i].cause, .looked_for = false});
+// Of all falls, or of those to a side or along the walk. A fall that was not foreseen has a lead of 0.
+std::vector<double> leads_s(const std::vector<FallTrial>& trials, std::optional<bool> side = {}) {
+  std::vector<double> leads;
+  for (const FallTrial& trial : trials) {
+    if (!trial.fell || (side && trial.side.value_or(false) != *side)) continue;
+    leads.push_back(std::max(0.0, trial.lead_s.value_or(0.0)));
   }
-  for (const double scale : options.scales) {
-    add(kCauses[1].name, {.cause = Cause::kPushWalking, .scale = scale});
-    add(kWalk, {.cause = Cause::kNone, .scale = scale});
-  }
-  return all;
+  return leads;
 }
 
-std::string setting(const Cell& cell, const std::string& key) {
-  for (const auto& [name, value] : cell.settings) {
-    if (name == key) return value;
-  }
-  return {};
-}
-
-struct Leads {
-  std::vector<double> all;
-  std::vector<double> along;  // to the front and the back
-  std::vector<double> aside;
-};
-
-// A fall that nobody saw had no lead.
-void add_leads(const CellResult& cell, Leads& leads) {
-  for (const Trial& trial : cell.played) {
-    const Values& values = trial.values;
-    if (values.at("fell") == 0.0) continue;
-    const double lead_s = values.contains("lead_s") ? std::max(0.0, values.at("lead_s")) : 0.0;
-    leads.all.push_back(lead_s);
-    (values.at("side") != 0.0 ? leads.aside : leads.along).push_back(lead_s);
-  }
-}
-
-void tell_leads(const std::string& name, const std::vector<double>& leads_s, Conclusions& conclusions) {
-  const MeanEstimate mean = estimate_mean(leads_s);
-  const QuantileEstimate p05 = estimate_quantile(leads_s, 0.05);
+void add_lead(const std::string& name, const std::vector<double>& leads, Conclusions& conclusions) {
+  const MeanEstimate mean = estimate_mean(leads);
+  const QuantileEstimate p05 = estimate_quantile(leads, 0.05);
   conclusions.values["lead" + name + "_mean_s"] = mean.mean;
   conclusions.values["lead" + name + "_p05_s"] = p05.value;
   conclusions.lines +=
-      fmt::format("lead{}: {} falls, mean {:.0f} ms, {} {:.0f} ms ({:.0f} .. {:.0f})\n", name, leads_s.size(),
-                  1e3 * mean.mean, leads_s.size() < kEnoughFor95Of100 ? "the least" : "95 of 100 have",
+      fmt::format("lead{}: {} falls, mean {:.0f} ms, {} {:.0f} ms ({:.0f} .. {:.0f})\n", name, leads.size(),
+                  1e3 * mean.mean, leads.size() < kEnoughFor95Of100 ? "the least" : "95 of 100 have",
                   1e3 * p05.value, 1e3 * p05.confidence_95.low, 1e3 * p05.confidence_95.high);
 }
 
-// Of the seeds in which trunk or head came down in both.
-double impact_ratio(const CellResult& with, const CellResult& without) {
+struct FalseAlarms {
+  double per_10_min = 0.0;
+  double walked_s = 0.0;
+};
+
+FalseAlarms false_alarms(const std::vector<FallTrial>& walks) {
+  FalseAlarms alarms;
+  double count = 0.0;
+  for (const FallTrial& walk : walks) {
+    count += walk.false_alarm.value_or(false) ? 1.0 : 0.0;
+    alarms.walked_s += walk.walked_s.value_or(0.0);
+  }
+  alarms.per_10_min = 600.0 * count / alarms.walked_s;
+  return alarms;
+}
+
+// Over the seeds in which trunk or head touched the ground without detection.
+double impact_ratio(const std::vector<FallTrial>& with, const std::vector<FallTrial>& without) {
   double protected_sum = 0.0;
   double sum = 0.0;
-  for (std::size_t i = 0; i < std::min(with.played.size(), without.played.size()); ++i) {
-    const Values& a = with.played[i].values;
-    const Values& b = without.played[i].values;
-    if (!b.contains("impact_m_per_s")) continue;
-    protected_sum += a.contains("impact_m_per_s") ? a.at("impact_m_per_s") : 0.0;
-    sum += b.at("impact_m_per_s");
+  for (std::size_t i = 0; i < std::min(with.size(), without.size()); ++i) {
+    if (!without[i].impact_m_per_s) continue;
+    protected_sum += with[i].impact_m_per_s.value_or(0.0);
+    sum += *without[i].impact_m_per_s;
   }
   return protected_sum / sum;
 }
 
-}  // namespace
-
-Experiment make_fall_detection(const FallDetectionOptions& options) {
-  struct Shared {
-    FallDetectionOptions options;
-    StandingStart start;
-    sim::RobotDescription robot;
-    std::vector<std::pair<Cell, Case>> cases;
+Conclusions conclude(const FallDetectionOptions& options, const ExperimentResult& result) {
+  const std::vector<Case> cases = cases_of(options);
+  const auto trials = [&](const Case& played) {
+    const auto cell = std::ranges::find(cases, played) - cases.begin();
+    return fall_fields().trials(result.cells.at(static_cast<std::size_t>(cell)));
   };
-  const auto shared = std::make_shared<Shared>();
-  shared->options = options;
-  shared->start = read_standing_start(options.scenario, options.overrides);
-  shared->robot = sim::load_robot(shared->start.scenario.robot);
-  shared->cases = cases(options);
-  Experiment experiment =
-      begin_experiment("fall-detection", options, shared->start.scenario,
-                       {{"standing_N_s_per_kg", sim::number_text(options.standing_N_s_per_kg)},
-                        {"walking_N_s_per_kg", sim::number_text(options.walking_N_s_per_kg)},
-                        {"survivable_N_s_per_kg", sim::number_text(options.survivable_N_s_per_kg)},
-                        {"walk_s", sim::number_text(options.walk_s)}});
-  using enum Measure::Kind;
-  experiment.measures = {
-      {.name = "fell", .kind = kEvent, .label = "falls"},
-      {.name = "missed", .kind = kEvent, .label = "not foreseen"},
-      {.name = "false_alarm", .kind = kEvent, .label = "false alarm"},
-      {.name = "lead_s", .label = "lead [ms]", .factor = 1e3, .decimals = 0},
-      {.name = "impact_m_per_s", .label = "trunk or head comes down with [m/s]", .decimals = 2},
-      {.name = "walked_s"},
-      {.name = "side", .kind = kEvent},
-      {.name = "gave_up", .kind = kEvent},
-      {.name = "low_supply", .kind = kEvent, .label = "low supply"},
-      {.name = "energy_guard", .kind = kEvent, .label = "energy guard"},
-      {.name = "failed", .kind = kEvent}};
-  for (const auto& [cell, what] : shared->cases) experiment.cells.push_back(cell);
-  experiment.play = [shared](std::size_t cell, std::uint64_t seed) {
-    const Disturbance disturbance(shared->options, shared->start, shared->robot);
-    return play(disturbance, shared->cases[cell].second, seed);
-  };
-  return experiment;
-}
-
-Conclusions fall_detection_conclusions(const FallDetectionOptions& options, const Experiment& experiment,
-                                       const ExperimentResult& result) {
   Conclusions conclusions;
-  Leads leads;
-  const auto& cells = experiment.cells;
-  const std::size_t walk = kCauses.size();
-  for (std::size_t i = 0; i < walk; ++i) {
+  std::vector<FallTrial> falls;
+  for (const Cause cause : kCauses) {
     // A drive that fails is a fault, which ends the behaviour before the fall.
-    if (setting(cells[i], "cause") != "drive-failure") add_leads(result.cells[i], leads);
+    if (cause == Cause::kDriveFailure || cause == Cause::kNone) continue;
+    std::ranges::move(trials({.cause = cause}), std::back_inserter(falls));
   }
-  tell_leads("", leads.all, conclusions);
-  tell_leads("_front_back", leads.along, conclusions);
-  tell_leads("_side", leads.aside, conclusions);
-  const auto alarms_per_10_min = [&](const CellResult& cell) {
-    double alarms = 0.0;
-    double walked_s = 0.0;
-    for (const Trial& trial : cell.played) {
-      alarms += trial.values.at("false_alarm");
-      walked_s += trial.values.at("walked_s");
-    }
-    return std::pair{600.0 * alarms / walked_s, walked_s};
-  };
-  const auto [alarms, walked_s] = alarms_per_10_min(result.cells[walk]);
-  conclusions.values["false_alarms_per_10_min"] = alarms;
-  conclusions.values["walked_s"] = walked_s;
+  add_lead("", leads_s(falls), conclusions);
+  add_lead("_front_back", leads_s(falls, false), conclusions);
+  add_lead("_side", leads_s(falls, true), conclusions);
+  const FalseAlarms alarms = false_alarms(trials({.cause = Cause::kNone}));
+  conclusions.values["false_alarms_per_10_min"] = alarms.per_10_min;
+  conclusions.values["walked_s"] = alarms.walked_s;
   conclusions.lines += fmt::format("{:.2f} false alarms in 10 minutes, of {:.1f} minutes of walking\n",
-                                   alarms, walked_s / 60.0);
-  for (std::size_t i = 0; i < kUnprotected.size(); ++i) {
-    const std::string cause = kCauses[kUnprotected[i]].name;
-    const double ratio = impact_ratio(result.cells[kUnprotected[i]], result.cells[walk + 1 + i]);
-    conclusions.values["impact_ratio_" + cause] = ratio;
+                                   alarms.per_10_min, alarms.walked_s / 60.0);
+  for (const Cause cause : kUnprotected) {
+    const double ratio = impact_ratio(trials({.cause = cause}), trials({.cause = cause, .detects = false}));
+    conclusions.values["impact_ratio_" + name_of(cause)] = ratio;
     conclusions.lines +=
-        fmt::format("{}: trunk or head comes down with {:.2f} of the speed without\n", cause, ratio);
+        fmt::format("{}: trunk or head comes down with {:.2f} of the speed without\n", name_of(cause), ratio);
   }
   conclusions.values["roc"] = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < options.scales.size(); ++i) {
-    const std::size_t first = walk + 1 + kUnprotected.size() + 2 * i;
-    Leads of_scale;
-    add_leads(result.cells[first], of_scale);
-    const MeanEstimate lead = estimate_mean(of_scale.all);
-    const double false_alarms = alarms_per_10_min(result.cells[first + 1]).first;
-    conclusions.values["roc"].push_back({{"thresholds", options.scales[i]},
-                                         {"lead_mean_s", lead.mean},
-                                         {"false_alarms_per_10_min", false_alarms}});
+  for (const double scale : options.scales) {
+    const double lead_s = estimate_mean(leads_s(trials({.cause = Cause::kPushWalking, .scale = scale}))).mean;
+    const double per_10_min = false_alarms(trials({.cause = Cause::kNone, .scale = scale})).per_10_min;
+    conclusions.values["roc"].push_back(
+        {{"thresholds", scale}, {"lead_mean_s", lead_s}, {"false_alarms_per_10_min", per_10_min}});
     conclusions.lines +=
-        fmt::format("thresholds times {}: lead {:.0f} ms, {:.2f} false alarms in 10 minutes\n",
-                    options.scales[i], 1e3 * lead.mean, false_alarms);
+        fmt::format("thresholds times {}: lead {:.0f} ms, {:.2f} false alarms in 10 minutes\n", scale,
+                    1e3 * lead_s, per_10_min);
   }
   return conclusions;
+}
+
+}  // namespace
+
+const FieldTable<FallTrial>& fall_fields() {
+  using T = FallTrial;
+  static constexpr std::array<Loss, 1> kGaveUp{{{Outcome::kGaveUp, "gave_up", ""}}};
+  static const FieldTable<T> kFields{
+      Fields<T>{{{"fell", "falls"}, &T::fell},
+                {{"missed", "not foreseen"}, &T::missed},
+                {{"false_alarm", "false alarm"}, &T::false_alarm},
+                {{"lead_s", "lead [ms]", 0, 1e3}, &T::lead_s},
+                {{"impact_m_per_s", "trunk or head comes down with [m/s]", 2}, &T::impact_m_per_s},
+                {{"walked_s"}, &T::walked_s},
+                {{"side"}, &T::side}},
+      outcome_fields<T>(&T::outcome, kGaveUp), outcome_fields<T>(&T::outcome, kLossesButFalls.subspan<1>())};
+  return kFields;
+}
+
+Experiment make_fall_detection(const FallDetectionOptions& options) {
+  const StandingStart start = read_standing_start(options.scenario, options.overrides);
+  Experiment experiment = begin_experiment("fall-detection", "How it foresees falls", options, start.scenario,
+                                           {{"standing_N_s_per_kg", options.standing_N_s_per_kg},
+                                            {"walking_N_s_per_kg", options.walking_N_s_per_kg},
+                                            {"survivable_N_s_per_kg", options.survivable_N_s_per_kg},
+                                            {"walk_s", options.walk_s}});
+  const std::vector<Case> cases = cases_of(options);
+  for (const Case& played : cases) experiment.cells.push_back(cell_of(played));
+  const auto disturbance = std::make_shared<const Disturbance>(options, start);
+  set_trials(experiment, fall_fields(), [disturbance, cases](std::size_t cell, std::uint64_t seed) {
+    return play(*disturbance, cases[cell], seed);
+  });
+  experiment.conclude = [options](const Experiment&, const ExperimentResult& result) {
+    return conclude(options, result);
+  };
+  return experiment;
 }
 
 }  // namespace koboshi::tools

@@ -1,6 +1,5 @@
 #include "tools/lab/catalogue/gyro_feedback.h"
 
-#include <memory>
 #include <numbers>
 #include <utility>
 
@@ -8,9 +7,7 @@
 #include "sim_board/input/user_units.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/lab/experiment/files.h"
-#include "tools/lab/trial/outcome.h"
 #include "tools/lab/trial/perturbation.h"
-#include "tools/lab/trial/scenario_trial.h"
 
 namespace koboshi::tools {
 namespace {
@@ -28,31 +25,14 @@ PerturbationBounds bounds_of(const GyroFeedbackOptions& options) {
   return bounds;
 }
 
-// What a robot that fell did before is no walk at some speed: these are left out.
-Values without_a_fallen_walk(Values values) {
-  if (values.at(kLost) == 0.0) return values;
-  for (const char* name : {"speed_m_per_s", "lateral_drift_m", "heading_drift_rad"}) values.erase(name);
-  return values;
-}
-
-std::vector<Measure> measures(double falls_within) {
-  using enum Measure::Kind;
-  std::vector<Measure> measures = outcome_measures();
-  measures.front().tight_at = falls_within;
-  measures.insert(
-      measures.end(),
-      {{.name = "distance_m", .label = "distance [m]", .decimals = 2},
-       {.name = "speed_m_per_s", .label = "speed [m/s]"},
-       {.name = "lateral_drift_m", .label = "drift [m]", .decimals = 2},
-       {.name = "zmp_rms_error_m", .label = "ZMP error RMS [mm]", .factor = sim::kMmPerM, .decimals = 1},
-       {.name = "zmp_lag_s", .label = "ZMP lag [ms]", .factor = 1e3, .decimals = 0},
-       {.name = "roll_rms_rad", .label = "roll RMS [deg]", .factor = 1.0 / kDegree_rad, .decimals = 2},
-       {.name = "zmp_margin_p05_m", .label = "ZMP margin p05 [mm]", .factor = sim::kMmPerM, .decimals = 1},
-       {.name = "heading_drift_rad"},
-       {.name = "foot_lift_m", .label = "foot lift [mm]", .factor = sim::kMmPerM, .decimals = 1},
-       {.name = "foot_slip_max_m"},
-       {.name = "duration_s"}});
-  return measures;
+// The distance over time of a robot that fell is no speed of a walk.
+ScenarioTrial without_a_fallen_walk(ScenarioTrial trial) {
+  if (!trial.lost()) return trial;
+  const sim::WalkSummary none = no_walk();
+  trial.walk.speed_m_per_s = none.speed_m_per_s;
+  trial.walk.lateral_drift_m = none.lateral_drift_m;
+  trial.walk.heading_drift_rad = none.heading_drift_rad;
+  return trial;
 }
 
 std::string hash_of(const GyroFeedbackOptions& options, const std::vector<sim::Scenario>& scenarios) {
@@ -100,28 +80,50 @@ SeededWorld seeded_world(sim::Scenario scenario, const GyroFeedbackOptions& opti
           [bounds, seed](sim::RobotDescription& robot) { perturb_robot(robot, bounds, seed); }};
 }
 
+FieldTable<ScenarioTrial> walk_fields(double falls_within) {
+  using T = ScenarioTrial;
+  using Walk = sim::WalkSummary;
+  constexpr auto kWalk = &T::walk;
+  Fields<T> outcomes = outcome_fields<T>(&T::outcome);
+  outcomes.front().metric.tight_at = falls_within;  // the falls
+  return {outcomes,
+          Fields<T>{
+              {{"distance_m", "distance [m]", 2}, kWalk, &Walk::distance_m},
+              {{"speed_m_per_s", "speed [m/s]"}, kWalk, &Walk::speed_m_per_s},
+              {{"lateral_drift_m", "drift [m]", 2}, kWalk, &Walk::lateral_drift_m},
+              {{"zmp_rms_error_m", "ZMP error RMS [mm]", 1, sim::kMmPerM}, kWalk, &Walk::zmp_rms_error_m},
+              {{"zmp_lag_s", "ZMP lag [ms]", 0, 1e3}, kWalk, &Walk::zmp_lag_s},
+              {{"roll_rms_rad", "roll RMS [deg]", 2, 1.0 / kDegree_rad}, kWalk, &Walk::roll_rms_rad},
+              {{"zmp_margin_p05_m", "ZMP margin p05 [mm]", 1, sim::kMmPerM}, kWalk, &Walk::zmp_margin_p05_m},
+              {{"heading_drift_rad"}, kWalk, &Walk::heading_drift_rad},
+              {{"foot_lift_m", "foot lift [mm]", 1, sim::kMmPerM}, kWalk, &Walk::foot_lift_m},
+              {{"foot_slip_max_m"}, &T::foot_slip_max_m},
+              {{"duration_s"}, &T::duration_s}}};
+}
+
 Experiment make_gyro_feedback(const GyroFeedbackOptions& options) {
   Experiment experiment{.name = options.disturbed ? "gyro-feedback-disturbed" : "gyro-feedback",
-                        .measures = measures(options.falls_within),
+                        .title = "Gyro feedback and the number of points",
                         .first_seed = options.first_seed,
                         .seeds = options.seeds};
-  auto scenarios = std::make_shared<std::vector<sim::Scenario>>();
+  std::vector<sim::Scenario> scenarios;
   for (const int points : options.points) {
     for (const bool feedback : options.feedback) {
-      scenarios->push_back(gyro_feedback_scenario(options, points, feedback));
+      scenarios.push_back(gyro_feedback_scenario(options, points, feedback));
       experiment.cells.push_back(
           {gyro_feedback_cell(points, feedback),
            {{"points", std::to_string(points)}, {"feedback", feedback ? "on" : "off"}}});
     }
   }
   experiment.conditions = {
-      {"duration_s", sim::number_text(1e-6 * static_cast<double>(scenarios->front().duration_us))},
+      {"duration_s", sim::number_text(1e-6 * static_cast<double>(scenarios.front().duration_us))},
       {"disturbed", options.disturbed ? "yes" : "no"}};
-  experiment.inputs = hash_of(options, *scenarios);
-  experiment.play = [options, scenarios](std::size_t cell, std::uint64_t seed) {
-    const SeededWorld world = seeded_world(scenarios->at(cell), options, seed);
-    return without_a_fallen_walk(play_scenario(world.scenario, world.change));
-  };
+  experiment.inputs = hash_of(options, scenarios);
+  set_trials(experiment, walk_fields(options.falls_within),
+             [options, scenarios](std::size_t cell, std::uint64_t seed) {
+               const SeededWorld world = seeded_world(scenarios[cell], options, seed);
+               return without_a_fallen_walk(play_scenario(world.scenario, world.change));
+             });
   return experiment;
 }
 

@@ -4,38 +4,41 @@
 #include <string>
 #include <vector>
 
-#include "sim_board/input/yaml_tree.h"
 #include "sim_board/scenario/scenario.h"
 #include "simulation/scenario/simulation.h"
-#include "tools/lab/experiment/experiment.h"
+#include "tools/lab/experiment/field_table.h"
+#include "tools/lab/trial/commanded_walk.h"
+#include "tools/lab/trial/scenario_trial.h"
 
 namespace koboshi::tools {
 
 // The paper's section 3: does a walk need more than four points, and what does gyro feedback do to it? Every
 // world differs from the robot's file by its seed (tools/lab/trial/perturbation.h).
-struct GyroFeedbackOptions {
-  std::filesystem::path scenario = "scenarios/walk.yaml";
-  std::vector<sim::Override> overrides{};  // of the scenario, in all cells
-  std::vector<int> points{4, 8, 16};       // into which the pattern is divided
+struct GyroFeedbackOptions : ExperimentSetup {
+  GyroFeedbackOptions() : ExperimentSetup{.scenario = "scenarios/walk.yaml", .seeds = 20} {}
+
+  std::vector<int> points{4, 8, 16};  // into which the pattern is divided
   std::vector<bool> feedback{false, true};
   // With a file for each cell, 8-on.yaml and so on, which were tuned for it. Empty: the scenario's gait.
   std::filesystem::path gaits{};
   // By pushes against the trunk, soft ground and a tilt of up to 3 degrees.
   bool disturbed = false;
-  double push_N_s = 0.1;  // the strongest push of the disturbed form
-  std::uint64_t first_seed = 1;
-  std::size_t seeds = 20;
-  double falls_within = 0.015;  // a cell stops where the share of falls is known to +- this
+  double push_N_s = 0.1;        // the strongest push of the disturbed form
+  double falls_within = 0.015;  // a cell stops when the share of falls is known to +- this
 };
 
-// "8-on": of the cell, of its gait's file, of its figures.
+// The fields of a walk. A walk that is lost has no speed, drift or turn. A cell stops when the share of falls
+// is known to +- falls_within; 0: never.
+[[nodiscard]] FieldTable<ScenarioTrial> walk_fields(double falls_within = 0.0);
+
+// "8-on": name of the cell, of its gait's file, of its figures.
 [[nodiscard]] std::string gyro_feedback_cell(int points, bool feedback);
 
 // A cell's scenario before a seed has changed the world.
 [[nodiscard]] sim::Scenario gyro_feedback_scenario(const GyroFeedbackOptions& options, int points,
                                                    bool feedback);
 
-// What a seed makes of it: of the scenario, and of the robot in the world.
+// The scenario, and the robot, in the world of a seed.
 struct SeededWorld {
   sim::Scenario scenario;
   simulation::RobotChange change;

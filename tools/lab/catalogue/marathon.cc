@@ -3,12 +3,13 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <memory>
+#include <numeric>
+#include <optional>
 
-#include "sim_board/input/text.h"
 #include "sim_board/random/random_stream.h"
 #include "sim_board/robot/load.h"
-#include "tools/lab/trial/fall_observer.h"
+#include "tools/lab/experiment/report.h"
+#include "tools/lab/trial/perturbation.h"
 #include "tools/lab/trial/scenario_trial.h"
 
 namespace koboshi::tools {
@@ -28,9 +29,9 @@ void add_commands(sim::Scenario& scenario, std::uint64_t from_us, std::uint64_t 
     sim::Command command{.at_us = at_us, .kind = sim::Command::Kind::kStop};
     if (random.uniform() < 0.85) {
       command.kind = sim::Command::Kind::kWalk;
-      const double ahead = between(random, -0.15, 0.25);
+      const double forward = between(random, -0.15, 0.25);
       const double left = between(random, -0.06, 0.06);
-      command.velocity = {ahead, left, between(random, -0.6, 0.6)};
+      command.velocity = {forward, left, between(random, -0.6, 0.6)};
     }
     scenario.commands.push_back(command);
     at_us += to_us(between(random, kShortestCommand_s, kLongestCommand_s));
@@ -38,8 +39,8 @@ void add_commands(sim::Scenario& scenario, std::uint64_t from_us, std::uint64_t 
   scenario.commands.push_back({.at_us = until_us, .kind = sim::Command::Kind::kStop});
 }
 
-Values play(const StandingStart& start, const sim::RobotDescription& robot, const MarathonOptions& options,
-            std::uint64_t seed) {
+MarathonTrial play(const StandingStart& start, const sim::RobotDescription& robot,
+                   const MarathonOptions& options, std::uint64_t seed) {
   const double duration_s = 3600.0 * options.hours;
   sim::Scenario scenario = start.standing(duration_s);
   const std::uint64_t end_us = scenario.duration_us;
@@ -58,7 +59,7 @@ Values play(const StandingStart& start, const sim::RobotDescription& robot, cons
   std::optional<Eigen::Vector2d> was_W;
   behaviour::State state = behaviour::State::kBoot;
   double end_s = 0.0;
-  const Values played = watch_in_world(
+  const ScenarioTrial played = watch_in_world(
       std::move(scenario), kRoughWorld, seed,
       [&](const simulation::Simulation& simulation, const simulation::RunRecorder& recorder) {
         observer.observe(simulation, recorder);
@@ -74,68 +75,60 @@ Values play(const StandingStart& start, const sim::RobotDescription& robot, cons
       });
   const bool stands =
       state == behaviour::State::kStanding && end_s >= 1e-6 * static_cast<double>(end_us) - 0.01;
-  const bool ended_well = played.at("failed") == 0.0 && played.at("energy_guard") == 0.0;
-  Values values{
-      {"down", stands && ended_well ? 0.0 : 1.0},
-      {"falls", observer.falls()},
-      {"attempts", observer.attempts()},
-      {"stand_ups", observer.stands()},
-      {"faults", played.at("faults")},
-      {"distance_m", distance_m},
-      {"time_s", end_s},
-      {"peak_winding_C", observer.peak_winding_C()},
-      {"gave_up", state == behaviour::State::kFault || state == behaviour::State::kEmergencyStop ? 1.0 : 0.0},
-      {"low_supply", state == behaviour::State::kLowBattery ? 1.0 : 0.0},
-      {"energy_guard", played.at("energy_guard")},
-      {"failed", played.at("failed")}};
-  values.error = played.error;
-  return values;
+  return {.outcome = outcome_at_end(played, state),
+          .error = played.error,
+          .down = !stands || !played.error.empty(),
+          .faults = played.faults,
+          .distance_m = distance_m,
+          .time_s = end_s,
+          .history = observer.history()};
+}
+
+Conclusions conclude(const Experiment& experiment, const CellResult& cell) {
+  const ShareEstimate down = share_of(marathon_fields().trials(cell), &MarathonTrial::down);
+  Conclusions conclusions;
+  conclusions.values["stands_at_the_end"] = down.count - down.events;
+  conclusions.values["seeds"] = down.count;
+  for (std::size_t i = 0; i < experiment.metrics.size(); ++i) {
+    if (experiment.metrics[i].is_event) continue;
+    const std::vector<double> values = values_of(cell, i);
+    conclusions.values[experiment.metrics[i].name + "_total"] =
+        std::accumulate(values.begin(), values.end(), 0.0);
+  }
+  conclusions.lines = fmt::format("stands at the end in {} of {}\n", down.count - down.events, down.count);
+  return conclusions;
 }
 
 }  // namespace
 
-Experiment make_marathon(const MarathonOptions& options) {
-  const auto start =
-      std::make_shared<StandingStart>(read_standing_start(options.scenario, options.overrides));
-  const auto robot = std::make_shared<sim::RobotDescription>(sim::load_robot(start->scenario.robot));
-  Experiment experiment =
-      begin_experiment("marathon", options, start->scenario,
-                       {{"hours", sim::number_text(options.hours)},
-                        {"highest_N_s_per_kg", sim::number_text(options.highest_N_s_per_kg)}});
-  using enum Measure::Kind;
-  experiment.measures = {{.name = "down", .kind = kEvent, .label = "does not stand at the end"},
-                         {.name = "falls", .label = "falls", .decimals = 1},
-                         {.name = "attempts", .label = "attempts to get up", .decimals = 1},
-                         {.name = "stand_ups", .label = "got up", .decimals = 1},
-                         {.name = "faults", .label = "faults", .decimals = 1},
-                         {.name = "distance_m", .label = "way [m]", .decimals = 0},
-                         {.name = "time_s", .label = "time [s]", .decimals = 0},
-                         {.name = "peak_winding_C", .label = "hottest winding [C]", .decimals = 1},
-                         {.name = "gave_up", .kind = kEvent, .label = "given up"},
-                         {.name = "low_supply", .kind = kEvent, .label = "low supply"},
-                         {.name = "energy_guard", .kind = kEvent, .label = "energy guard"},
-                         {.name = "failed", .kind = kEvent}};
-  experiment.cells = {{"marathon", {{"robot", start->scenario.robot.stem().string()}}}};
-  experiment.play = [options, start, robot](std::size_t, std::uint64_t seed) {
-    return play(*start, *robot, options, seed);
-  };
-  return experiment;
+const FieldTable<MarathonTrial>& marathon_fields() {
+  using T = MarathonTrial;
+  static const FieldTable<T> kFields{
+      Fields<T>{{{"down", "does not stand at the end"}, &T::down},
+                {{"falls", "falls", 1}, &T::history, &FallHistory::falls},
+                {{"attempts", "attempts to get up", 1}, &T::history, &FallHistory::attempts},
+                {{"stand_ups", "got up", 1}, &T::history, &FallHistory::stands},
+                {{"faults", "faults", 1}, &T::faults},
+                {{"distance_m", "way [m]", 0}, &T::distance_m},
+                {{"time_s", "time [s]", 0}, &T::time_s},
+                {{"peak_winding_C", "hottest winding [C]", 1}, &T::history, &FallHistory::peak_winding_C}},
+      outcome_fields<T>(&T::outcome, kLossesButFalls)};
+  return kFields;
 }
 
-Conclusions marathon_conclusions(const Experiment& experiment, const ExperimentResult& result) {
-  const CellResult& cell = result.cells.front();
-  const ShareEstimate down = share_of(cell, experiment.measures.front());
-  Conclusions conclusions;
-  conclusions.values["stands_at_the_end"] = down.count - down.events;
-  conclusions.values["seeds"] = down.count;
-  for (const Measure& measure : experiment.measures) {
-    if (measure.kind == Measure::Kind::kEvent) continue;
-    double sum = 0.0;
-    for (const double value : values_of(cell, measure)) sum += value;
-    conclusions.values[measure.name + "_total"] = sum;
-  }
-  conclusions.lines = fmt::format("stands at the end in {} of {}\n", down.count - down.events, down.count);
-  return conclusions;
+Experiment make_marathon(const MarathonOptions& options) {
+  const StandingStart start = read_standing_start(options.scenario, options.overrides);
+  Experiment experiment =
+      begin_experiment("marathon", "A marathon", options, start.scenario,
+                       {{"hours", options.hours}, {"highest_N_s_per_kg", options.highest_N_s_per_kg}});
+  experiment.cells = {{"marathon", {{"robot", start.scenario.robot.stem().string()}}}};
+  set_trials(experiment, marathon_fields(),
+             [options, start, robot = sim::load_robot(start.scenario.robot)](
+                 std::size_t, std::uint64_t seed) { return play(start, robot, options, seed); });
+  experiment.conclude = [](const Experiment& played, const ExperimentResult& result) {
+    return conclude(played, result.cells.front());
+  };
+  return experiment;
 }
 
 }  // namespace koboshi::tools

@@ -1,21 +1,33 @@
 #pragma once
 
-#include "tools/lab/experiment/report.h"
+#include <string>
+
+#include "tools/lab/experiment/field_table.h"
 #include "tools/lab/trial/commanded_walk.h"
+#include "tools/lab/trial/fall_observer.h"
+#include "tools/lab/trial/outcome.h"
 
 namespace koboshi::tools {
 
-// A long time of random commands and pushes of any size: nothing may end it but the clock. After a fall that
-// the robot does not get up from, and after a fault, nobody helps it.
-struct MarathonOptions : CommandedWalkOptions {
+// A long time of random commands and pushes of any size, without help: a fall that the robot does not get up
+// from and a fault end what it does, but not the clock.
+struct MarathonOptions : ExperimentSetup {
   double hours = 1.0;
   double highest_N_s_per_kg = 0.6;  // of the pushes, one in 5 to 30 s
 };
 
-// One cell. Throws sim::InputError.
-[[nodiscard]] Experiment make_marathon(const MarathonOptions& options);
+struct MarathonTrial {
+  Outcome outcome = Outcome::kSurvived;
+  std::string error{};
+  bool down = false;  // does not stand at the end
+  std::uint64_t faults = 0;
+  double distance_m = 0.0;  // walked
+  double time_s = 0.0;
+  FallHistory history{};
+};
+[[nodiscard]] const FieldTable<MarathonTrial>& marathon_fields();
 
-// stands_at_the_end, falls, stand_ups, faults, distance_m.
-[[nodiscard]] Conclusions marathon_conclusions(const Experiment& experiment, const ExperimentResult& result);
+// One cell. It concludes stands_at_the_end, seeds, and the total of each quantity. Throws sim::InputError.
+[[nodiscard]] Experiment make_marathon(const MarathonOptions& options);
 
 }  // namespace koboshi::tools

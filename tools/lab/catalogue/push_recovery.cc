@@ -4,14 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <tuple>
+#include <utility>
 
 #include "sim_board/input/text.h"
 #include "sim_board/random/random_stream.h"
 #include "sim_board/scenario/reader.h"
 #include "simulation/scenario/parameters.h"
-#include "tools/lab/trial/outcome.h"
 #include "tools/lab/trial/perturbation.h"
 #include "tools/lab/trial/scenario_trial.h"
 
@@ -21,10 +19,8 @@ namespace {
 constexpr double kStand_s = 0.5;      // before it is pushed, standing;
 constexpr double kWalk_s = 3.0;       // and walking, at least
 constexpr double kAftermath_s = 3.0;  // a robot of this height that is going to fall lies after one second
-constexpr double kStillFall = 0.05;   // of 95 of 100 that survive
+constexpr double kStillFall = 0.05;   // the share that falls if 95 of 100 survive
 
-constexpr const char* kImpulse = "impulse_N_s_per_kg";
-constexpr const char* kPhase = "phase";
 constexpr const char* kStanding = "standing";
 constexpr const char* kWalking = "walking";
 constexpr const char* kNothing = "nothing";
@@ -33,46 +29,69 @@ double cycle_s(const sim::Scenario& scenario) {
   return 2.0 * 1e-3 * simulation::controller_values(scenario).walk.step.time_ms;
 }
 
-struct PushTrial {
-  StandingStart start;
-  bool walks = false;
+// A cell of the experiment.
+struct PushCase {
+  std::string state;
+  std::string without;
   double direction_rad = 0.0;
 };
 
+std::vector<PushCase> cases_of(const PushRecoveryOptions& options) {
+  std::vector<std::string> without{kNothing};
+  without.insert(without.end(), options.ablate.begin(), options.ablate.end());
+  std::vector<PushCase> cases;
+  for (const std::string& state : options.states) {
+    for (const std::string& name : without) {
+      for (std::size_t i = 0; i < options.directions; ++i) {
+        const double turn_rad = kTurn_rad * static_cast<double>(i);
+        cases.push_back({state, name, turn_rad / static_cast<double>(options.directions)});
+      }
+    }
+  }
+  return cases;
+}
+
+StandingStart start_of(const PushRecoveryOptions& options, const std::string& without) {
+  std::vector<sim::Override> overrides = options.overrides;
+  for (const Feedback& feedback : feedbacks()) {
+    if (feedback.name != without) continue;
+    for (const std::string& name : feedback.parameters) overrides.push_back({"parameters." + name, "0"});
+  }
+  return read_standing_start(options.scenario, overrides);
+}
+
 // The largest impulse that this robot survives in the seed's world.
-Values play(const PushTrial& trial, const PushRecoveryOptions& options, const sim::RobotDescription& robot,
-            std::uint64_t seed) {
+PushTrial play(const PushCase& pushed, const StandingStart& start, const PushRecoveryOptions& options,
+               const sim::RobotDescription& robot, std::uint64_t seed) {
+  const bool walks = pushed.state == kWalking;
   sim::RandomStream random(seed, "phase of the push");
-  const double phase = random.uniform();
-  const double wait_s = trial.walks ? kWalk_s + phase * cycle_s(trial.start.scenario) : kStand_s;
+  PushTrial trial{.phase = random.uniform()};
+  const double wait_s = walks ? kWalk_s + trial.phase * cycle_s(start.scenario) : kStand_s;
   const double for_s = wait_s + kPush_s + kAftermath_s;
   sim::RobotDescription in_world = robot;
   perturb_robot(in_world, kRoughWorld, seed);
-  const Eigen::Vector3d along(std::cos(trial.direction_rad), std::sin(trial.direction_rad), 0.0);
-  Values weakest_lost;  // of the pushes, for a bisection only ever goes down from one that was not survived
+  const Eigen::Vector3d along(std::cos(pushed.direction_rad), std::sin(pushed.direction_rad), 0.0);
   const auto survives = [&](double impulse_N_s_per_kg) {
-    sim::Scenario scenario =
-        trial.walks ? trial.start.walking(Eigen::Vector3d::Zero(), for_s) : trial.start.standing(for_s);
-    const std::uint64_t at_us = trial.start.ready_us + static_cast<std::uint64_t>(std::llround(1e6 * wait_s));
-    scenario.pushes = {half_sine_push(robot.links.front().name, at_us, kPush_s,
+    sim::Scenario scenario = walks ? start.walking(Eigen::Vector3d::Zero(), for_s) : start.standing(for_s);
+    scenario.pushes = {half_sine_push(robot.links.front().name, start.ready_us + to_us(wait_s), kPush_s,
                                       impulse_N_s_per_kg * in_world.total_mass_kg() * along)};
-    Values played = play_in_world(scenario, kRoughWorld, seed);
-    const bool survived = played.at(kLost) == 0.0;
-    if (!survived) weakest_lost = std::move(played);
-    return survived;
+    const ScenarioTrial played = play_in_world(scenario, kRoughWorld, seed);
+    if (!played.lost()) return true;
+    // Each push that is lost is weaker than the one before: a bisection goes down from there.
+    trial.lost_by = played.outcome;
+    trial.error = played.error;
+    return false;
   };
-  Values values{{kImpulse, largest_survived(options.highest_N_s_per_kg, options.halvings, survives)},
-                {kPhase, phase}};
-  if (!weakest_lost.empty()) add_outcome(weakest_lost, values);
-  return values;
+  trial.impulse_N_s_per_kg = largest_survived(options.highest_N_s_per_kg, options.halvings, survives);
+  return trial;
 }
 
-// Of all values, or by phase the estimate that is least.
-QuantileEstimate survived_by_95_of_100(const CellResult& cell, std::size_t bins) {
+// Of all trials, or the least of the estimates by phase.
+QuantileEstimate survived_by_95_of_100(const std::vector<PushTrial>& trials, std::size_t bins) {
   std::vector<std::vector<double>> by_phase(bins);
-  for (const Trial& trial : cell.played) {
-    const auto bin = static_cast<std::size_t>(trial.values.at(kPhase) * static_cast<double>(bins));
-    by_phase[std::min(bin, bins - 1)].push_back(trial.values.at(kImpulse));
+  for (const PushTrial& trial : trials) {
+    const auto bin = static_cast<std::size_t>(trial.phase * static_cast<double>(bins));
+    by_phase[std::min(bin, bins - 1)].push_back(trial.impulse_N_s_per_kg);
   }
   QuantileEstimate least = estimate_quantile({}, kStillFall);
   for (const std::vector<double>& values : by_phase) {
@@ -82,79 +101,44 @@ QuantileEstimate survived_by_95_of_100(const CellResult& cell, std::size_t bins)
   return least;
 }
 
-// "walking", "walking without capture".
-std::string column(const SurvivedPush& push) {
-  return push.without == kNothing ? push.state : push.state + " without " + push.without;
-}
-
 std::string degrees(double angle_rad) { return fmt::format("{:.1f}", angle_rad * 360.0 / kTurn_rad); }
 
-// The pushes of each column, in the order of directions.
-std::vector<std::vector<SurvivedPush>> by_column(const std::vector<SurvivedPush>& pushes) {
-  std::vector<std::vector<SurvivedPush>> columns;
-  for (const SurvivedPush& push : pushes) {
-    if (columns.empty() || column(columns.back().front()) != column(push)) columns.emplace_back();
-    columns.back().push_back(push);
-  }
-  return columns;
-}
-
-std::string push_table(const std::vector<SurvivedPush>& pushes, TableStyle style) {
-  const auto columns = by_column(pushes);
+std::string push_table(const std::vector<PushColumn>& columns, TableStyle style) {
   Row head{"pushed towards [deg]"};
-  std::vector<Row> rows(columns.front().size());
-  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = {degrees(columns.front()[i].direction_rad)};
-  for (const auto& of_column : columns) {
-    head.push_back(column(of_column.front()) + " [N s/kg]");
+  std::vector<Row> rows;
+  for (const SurvivedPush& push : columns.front().directions) rows.push_back({degrees(push.direction_rad)});
+  for (const PushColumn& column : columns) {
+    head.push_back(column.label() + " [N s/kg]");
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      const QuantileEstimate& impulse = of_column[i].impulse_N_s_per_kg;
-      rows[i].push_back(impulse.count == 0
-                            ? "-"
-                            : fmt::format("{:.3f} ({:.3f} .. {:.3f})", impulse.value,
-                                          impulse.confidence_95.low, impulse.confidence_95.high));
+      const auto& [count, value, interval] = column.directions[i].impulse_N_s_per_kg;
+      rows[i].push_back(
+          count == 0 ? "-" : fmt::format("{:.3f} ({:.3f} .. {:.3f})", value, interval.low, interval.high));
     }
   }
   return table_text(head, rows, style);
 }
 
 // How the weakest pushes that were not survived ended, summed over directions and seeds.
-std::string loss_table(const std::vector<SurvivedPush>& pushes, TableStyle style) {
+std::string loss_table(const std::vector<PushColumn>& columns, TableStyle style) {
   Row head{"the weakest push that was not survived"};
-  for (const Measure& measure : outcome_measures())
-    head.push_back(measure.label.empty() ? measure.name : measure.label);
+  for (const Loss& loss : kLosses) head.push_back(*loss.label == '\0' ? loss.name : loss.label);
   std::vector<Row> rows;
-  for (const auto& of_column : by_column(pushes)) {
-    Row row{column(of_column.front())};
-    for (const Measure& measure : outcome_measures()) {
-      std::size_t count = 0;
-      for (const SurvivedPush& push : of_column) {
-        const auto found = push.losses.find(measure.name);
-        if (found != push.losses.end()) count += found->second;
-      }
-      row.push_back(std::to_string(count));
+  for (const PushColumn& column : columns) {
+    Row& row = rows.emplace_back(Row{column.label()});
+    for (const Loss& loss : kLosses) {
+      const auto found = column.losses.find(loss.outcome);
+      row.push_back(std::to_string(found == column.losses.end() ? 0 : found->second));
     }
-    rows.push_back(std::move(row));
   }
   return table_text(head, rows, style);
 }
 
-std::map<std::string, std::size_t> losses_of(const CellResult& cell) {
-  std::map<std::string, std::size_t> losses;
-  for (const Trial& trial : cell.played) {
-    for (const Measure& measure : outcome_measures()) {
-      const auto value = trial.values.find(measure.name);
-      if (value != trial.values.end() && value->second > 0.0) ++losses[measure.name];
-    }
-  }
-  return losses;
-}
-
 // The same for a state and the feedback that is off, whatever else is drawn.
-int colour_of_column(const SurvivedPush& push) {
+int colour_of(const PushColumn& column) {
   const auto& states = pushed_states();
-  const auto state = std::ranges::find(states, push.state) - states.begin();
-  const auto off = std::ranges::find(feedbacks(), push.without, &Feedback::name) - feedbacks().begin();
-  const auto row = push.without == kNothing ? 0 : off + 1;
+  const auto state = std::ranges::find(states, column.state) - states.begin();
+  const auto off = std::ranges::find(feedbacks(), column.without, &Feedback::name) - feedbacks().begin();
+  const auto row = column.without == kNothing ? 0 : off + 1;
   constexpr int kPalette = 7;  // the eighth is that of the rings
   return static_cast<int>((state + static_cast<std::ptrdiff_t>(states.size()) * row) % kPalette);
 }
@@ -166,6 +150,33 @@ PlaneCurve ring(double radius) {
     curve.points.push_back({radius * std::cos(angle_rad), radius * std::sin(angle_rad)});
   }
   return curve;
+}
+
+PlaneFigure polar_figure(const std::vector<PushColumn>& columns) {
+  std::size_t fewest = kEnoughFor95Of100;
+  for (const PushColumn& column : columns) {
+    for (const SurvivedPush& push : column.directions)
+      fewest = std::min(fewest, push.impulse_N_s_per_kg.count);
+  }
+  const std::string who = fewest < kEnoughFor95Of100
+                              ? fmt::format("Impulse that the weakest of {} seeds survives", fewest)
+                              : "Impulses that 95 of 100 survive";
+  PlaneFigure figure{.title = who + " [N s/kg], by the direction of the push",
+                     .x_label = "to the right",
+                     .y_label = "forward"};
+  for (const double radius : {0.1, 0.2, 0.3, 0.4}) figure.curves.push_back(ring(radius));
+  for (const PushColumn& column : columns) {
+    PlaneCurve curve{.label = column.label(),
+                     .style = column.without == kNothing ? LineStyle::kSolid : LineStyle::kDashed,
+                     .colour = colour_of(column)};
+    for (const auto& [direction_rad, impulse] : column.directions) {
+      curve.points.push_back(
+          {-impulse.value * std::sin(direction_rad), impulse.value * std::cos(direction_rad)});
+    }
+    curve.points.push_back(curve.points.front());
+    figure.curves.push_back(std::move(curve));
+  }
+  return figure;
 }
 
 }  // namespace
@@ -204,118 +215,83 @@ double largest_survived(double highest, int halvings, const std::function<bool(d
   return low;
 }
 
+const FieldTable<PushTrial>& push_fields() {
+  using T = PushTrial;
+  static const FieldTable<T> kFields{
+      Fields<T>{{{"impulse_N_s_per_kg", "survived [N s/kg]"}, &T::impulse_N_s_per_kg},
+                {{"phase"}, &T::phase}},
+      outcome_fields<T>(&T::lost_by)};
+  return kFields;
+}
+
 Experiment make_push_recovery(const PushRecoveryOptions& options) {
-  auto trials = std::make_shared<std::vector<PushTrial>>();
-  std::vector<Cell> cells;
-  std::vector<std::string> without{kNothing};
-  without.insert(without.end(), options.ablate.begin(), options.ablate.end());
-  for (const std::string& state : options.states) {
-    for (const std::string& name : without) {
-      std::vector<sim::Override> overrides = options.overrides;
-      const auto off = std::ranges::find(feedbacks(), name, &Feedback::name);
-      if (off != feedbacks().end()) {
-        for (const std::string& parameter : off->parameters) {
-          overrides.push_back({"parameters." + parameter, "0"});
-        }
-      }
-      const StandingStart start = read_standing_start(options.scenario, overrides);
-      for (std::size_t i = 0; i < options.directions; ++i) {
-        const double direction_rad =
-            kTurn_rad * static_cast<double>(i) / static_cast<double>(options.directions);
-        trials->push_back({.start = start, .walks = state == kWalking, .direction_rad = direction_rad});
-        cells.push_back({fmt::format("{}-without-{}-{}", state, name, degrees(direction_rad)),
-                         {{"state", state}, {"without", name}, {"direction_deg", degrees(direction_rad)}}});
-      }
-    }
+  std::map<std::string, StandingStart> starts{{kNothing, start_of(options, kNothing)}};
+  for (const std::string& name : options.ablate) starts.emplace(name, start_of(options, name));
+  const sim::Scenario& scenario = starts.at(kNothing).scenario;
+  Experiment experiment = begin_experiment("push-recovery", "What pushes it survives", options, scenario,
+                                           {{"highest_N_s_per_kg", options.highest_N_s_per_kg},
+                                            {"halvings", static_cast<double>(options.halvings)}});
+  const std::vector<PushCase> cases = cases_of(options);
+  for (const auto& [state, without, direction_rad] : cases) {
+    const std::string direction = degrees(direction_rad);
+    experiment.cells.push_back({fmt::format("{}-without-{}-{}", state, without, direction),
+                                {{"state", state}, {"without", without}, {"direction_deg", direction}}});
   }
-  const sim::Scenario& scenario = trials->front().start.scenario;
-  Experiment experiment =
-      begin_experiment("push-recovery", options, scenario,
-                       {{"highest_N_s_per_kg", sim::number_text(options.highest_N_s_per_kg)},
-                        {"halvings", std::to_string(options.halvings)}});
-  experiment.measures = {{.name = kImpulse, .label = "survived [N s/kg]"}, {.name = kPhase}};
-  const std::vector<Measure> outcomes = outcome_measures();
-  experiment.measures.insert(experiment.measures.end(), outcomes.begin(), outcomes.end());
-  experiment.cells = std::move(cells);
-  experiment.play = [options, trials, robot = sim::read_robot(scenario)](std::size_t cell,
-                                                                         std::uint64_t seed) {
-    return play(trials->at(cell), options, robot, seed);
+  set_trials(
+      experiment, push_fields(),
+      [options, cases, robot = sim::read_robot(scenario), starts](std::size_t cell, std::uint64_t seed) {
+        return play(cases[cell], starts.at(cases[cell].without), options, robot, seed);
+      });
+  experiment.conclude = [options](const Experiment&, const ExperimentResult& result) {
+    return push_recovery_conclusions(survived_pushes(options, result));
   };
   return experiment;
 }
 
-std::vector<SurvivedPush> survived_pushes(const PushRecoveryOptions& options, const Experiment& experiment,
-                                          const ExperimentResult& result) {
-  std::vector<SurvivedPush> pushes;
-  for (std::size_t cell = 0; cell < experiment.cells.size(); ++cell) {
-    const auto& settings = experiment.cells[cell].settings;
-    const std::string& state = settings[0].second;
-    const std::size_t direction = cell % options.directions;
-    pushes.push_back({.state = state,
-                      .without = settings[1].second,
-                      .direction_rad = kTurn_rad * static_cast<double>(direction) /
-                                       static_cast<double>(options.directions),
-                      .impulse_N_s_per_kg = survived_by_95_of_100(result.cells[cell],
-                                                                  state == kWalking ? options.phase_bins : 1),
-                      .losses = losses_of(result.cells[cell])});
+std::string PushColumn::label() const { return without == kNothing ? state : state + " without " + without; }
+
+std::vector<PushColumn> survived_pushes(const PushRecoveryOptions& options, const ExperimentResult& result) {
+  std::vector<PushColumn> columns;
+  std::size_t cell = 0;
+  for (const auto& [state, without, direction_rad] : cases_of(options)) {
+    const std::vector<PushTrial> trials = push_fields().trials(result.cells.at(cell++));
+    if (columns.empty() || columns.back().state != state || columns.back().without != without)
+      columns.push_back({.state = state, .without = without});
+    const std::size_t bins = state == kWalking ? options.phase_bins : 1;
+    columns.back().directions.push_back({direction_rad, survived_by_95_of_100(trials, bins)});
+    for (const PushTrial& trial : trials) {
+      if (trial.lost_by) ++columns.back().losses[*trial.lost_by];
+    }
   }
-  return pushes;
+  return columns;
 }
 
-Conclusions push_recovery_conclusions(const std::vector<SurvivedPush>& pushes) {
+Conclusions push_recovery_conclusions(const std::vector<PushColumn>& columns) {
   Conclusions conclusions;
-  conclusions.table = [pushes](TableStyle style) {
-    return push_table(pushes, style) + "\n" + loss_table(pushes, style);
+  conclusions.figure = polar_figure(columns);
+  conclusions.table = [columns](TableStyle style) {
+    return push_table(columns, style) + "\n" + loss_table(columns, style);
   };
-  for (const std::vector<SurvivedPush>& of_column : by_column(pushes)) {
+  const auto impulse_of = [](const SurvivedPush& push) { return push.impulse_N_s_per_kg.value; };
+  for (const PushColumn& column : columns) {
     const auto played = [](const SurvivedPush& push) { return push.impulse_N_s_per_kg.count > 0; };
-    if (!std::ranges::all_of(of_column, played)) {
-      conclusions.lines += column(of_column.front()) + ": some directions were not played\n";
+    if (!std::ranges::all_of(column.directions, played)) {
+      conclusions.lines += column.label() + ": some directions were not played\n";
       continue;
     }
-    const SurvivedPush& least = *std::ranges::min_element(
-        of_column, {}, [](const SurvivedPush& push) { return push.impulse_N_s_per_kg.value; });
-    const QuantileEstimate& impulse = least.impulse_N_s_per_kg;
+    const auto& [direction_rad, impulse] = *std::ranges::min_element(column.directions, {}, impulse_of);
     const std::string who = impulse.count < kEnoughFor95Of100
                                 ? fmt::format("the weakest of {} survives", impulse.count)
                                 : fmt::format("95 of 100 survive, by {} seeds,", impulse.count);
-    conclusions.lines += fmt::format("{}: {} {:.3f} N s/kg, the least towards {} degrees\n", column(least),
-                                     who, impulse.value, degrees(least.direction_rad));
-    const std::string key = least.without == kNothing
-                                ? least.state + "_min_Ns_per_kg"
-                                : least.state + "_without_" + least.without + "_min_Ns_per_kg";
+    conclusions.lines += fmt::format("{}: {} {:.3f} N s/kg, the least towards {} degrees\n", column.label(),
+                                     who, impulse.value, degrees(direction_rad));
+    const std::string ablated = column.without == kNothing ? "" : "_without_" + column.without;
+    const std::string key = column.state + ablated + "_min_Ns_per_kg";
     conclusions.values[key] = impulse.value;
     conclusions.values[key + "_seeds"] = impulse.count;
     conclusions.values[key + "_confidence_95"] = {impulse.confidence_95.low, impulse.confidence_95.high};
   }
   return conclusions;
-}
-
-PlaneFigure polar_figure(const std::vector<SurvivedPush>& pushes) {
-  std::size_t fewest = pushes.empty() ? 0 : pushes.front().impulse_N_s_per_kg.count;
-  for (const SurvivedPush& push : pushes) fewest = std::min(fewest, push.impulse_N_s_per_kg.count);
-  PlaneFigure figure{
-      .title =
-          fewest < kEnoughFor95Of100
-              ? fmt::format(
-                    "Impulse that the weakest of {} seeds survives [N s/kg], by the direction of the push",
-                    fewest)
-              : "Impulses that 95 of 100 survive [N s/kg], by the direction of the push",
-      .x_label = "to the right",
-      .y_label = "forward"};
-  for (const double radius : {0.1, 0.2, 0.3, 0.4}) figure.curves.push_back(ring(radius));
-  for (const std::vector<SurvivedPush>& of_column : by_column(pushes)) {
-    PlaneCurve curve{.label = column(of_column.front()),
-                     .style = of_column.front().without == kNothing ? LineStyle::kSolid : LineStyle::kDashed,
-                     .colour = colour_of_column(of_column.front())};
-    for (const SurvivedPush& push : of_column) {
-      const double radius = push.impulse_N_s_per_kg.value;
-      curve.points.push_back({-radius * std::sin(push.direction_rad), radius * std::cos(push.direction_rad)});
-    }
-    curve.points.push_back(curve.points.front());
-    figure.curves.push_back(std::move(curve));
-  }
-  return figure;
 }
 
 }  // namespace koboshi::tools

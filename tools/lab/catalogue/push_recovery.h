@@ -1,22 +1,23 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "tools/lab/experiment/field_table.h"
 #include "tools/lab/experiment/report.h"
 #include "tools/lab/trial/commanded_walk.h"
-#include "tools/lab/plot/plane_figure.h"
+#include "tools/lab/trial/outcome.h"
 
 namespace koboshi::tools {
 
 // How large a push against the trunk the robot survives, standing and walking in place, from all sides: a
 // half sine of 0.1 s at the trunk's centre of mass. In each seed's world and direction the largest impulse is
-// found by bisection, which takes it that what survives a push survives a weaker one. What 95 of 100 seeds
-// survive is the 5th percentile of that.
+// found by bisection, which assumes that a robot that survives a push survives a weaker one. The impulse that
+// 95 of 100 seeds survive is the 5th percentile.
 
 // A reaction of the firmware that can be switched off.
 struct Feedback {
@@ -25,42 +26,54 @@ struct Feedback {
 };
 [[nodiscard]] const std::vector<Feedback>& feedbacks();
 
-// What a robot does that is pushed: "standing", or "walking" on the spot.
+// What the pushed robot does: "standing", or "walking" on the spot.
 [[nodiscard]] const std::vector<std::string>& pushed_states();
 
-struct PushRecoveryOptions : CommandedWalkOptions {
+struct PushRecoveryOptions : ExperimentSetup {
   std::vector<std::string> states = pushed_states();
   std::vector<std::string> ablate{};  // feedbacks that are switched off, one at a time, beside all on
   std::size_t directions = 16;
-  double highest_N_s_per_kg = 0.8;  // of which all impulses are less
+  double highest_N_s_per_kg = 0.8;  // all impulses are less
   int halvings = 6;
   std::size_t phase_bins = 4;  // of a cycle of two steps
 };
+
+struct PushTrial {
+  std::string error{};
+  double impulse_N_s_per_kg = 0.0;   // the largest that the robot survived
+  double phase = 0.0;                // of the cycle of two steps at which it was pushed, 0..1
+  std::optional<Outcome> lost_by{};  // of the weakest push that it did not survive
+};
+[[nodiscard]] const FieldTable<PushTrial>& push_fields();
 
 // The largest of `halvings` bisections of 0 .. highest that is survived; 0 where none is.
 [[nodiscard]] double largest_survived(double highest, int halvings,
                                       const std::function<bool(double)>& survives);
 
-// A cell for each state, feedback that is off and direction. Throws sim::InputError.
+// A cell for each state, feedback that is off and direction. It concludes push_recovery_conclusions. Throws
+// sim::InputError.
 [[nodiscard]] Experiment make_push_recovery(const PushRecoveryOptions& options);
 
-// What is survived from a direction by 95 of 100 seeds; walking, in the phase in which that is least.
+// The impulse from a direction that 95 of 100 seeds survive; walking, in the phase in which it is least.
 struct SurvivedPush {
-  std::string state;    // "standing", "walking"
-  std::string without;  // the feedback that is off; "nothing"
   double direction_rad = 0.0;
   QuantileEstimate impulse_N_s_per_kg;
-  // How the weakest push ended that was not survived, over the seeds: by the names of outcome_measures().
-  std::map<std::string, std::size_t> losses{};
 };
-[[nodiscard]] std::vector<SurvivedPush> survived_pushes(const PushRecoveryOptions& options,
-                                                        const Experiment& experiment,
-                                                        const ExperimentResult& result);
 
-// standing_min_Ns_per_kg, walking_min_Ns_per_kg, the same without each feedback, and all directions.
-[[nodiscard]] Conclusions push_recovery_conclusions(const std::vector<SurvivedPush>& pushes);
+// A column of the table: a state, and the feedback that is off.
+struct PushColumn {
+  std::string state;    // "standing", "walking"
+  std::string without;  // "nothing"
+  std::vector<SurvivedPush> directions{};
+  std::map<Outcome, std::size_t> losses{};  // PushTrial::lost_by, over directions and seeds
 
-// What is survived over the direction in which the robot is pushed, forward upwards.
-[[nodiscard]] PlaneFigure polar_figure(const std::vector<SurvivedPush>& pushes);
+  std::string label() const;  // "walking without capture"
+};
+[[nodiscard]] std::vector<PushColumn> survived_pushes(const PushRecoveryOptions& options,
+                                                      const ExperimentResult& result);
+
+// standing_min_Ns_per_kg, walking_min_Ns_per_kg, the same without each feedback, and all directions. The
+// figure shows the survived impulse over the direction of the push, forward upwards.
+[[nodiscard]] Conclusions push_recovery_conclusions(const std::vector<PushColumn>& columns);
 
 }  // namespace koboshi::tools

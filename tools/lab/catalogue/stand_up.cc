@@ -3,15 +3,18 @@
 #include <fmt/core.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <numbers>
+#include <utility>
 
 #include "sim_board/engine/make_world.h"
-#include "sim_board/input/text.h"
 #include "sim_board/random/random_stream.h"
 #include "sim_board/robot/load.h"
-#include "tools/lab/trial/fall_observer.h"
+#include "tools/lab/experiment/report.h"
 #include "tools/lab/trial/getting_up.h"
 #include "tools/lab/trial/scenario_trial.h"
 
@@ -21,15 +24,12 @@ namespace {
 constexpr std::uint64_t kCommand_us = 4'000'000;  // it has settled, and its gyro is calibrated
 constexpr double kPatience_s = 45.0;              // for all attempts
 
-const std::vector<std::pair<std::string, behaviour::Reason>>& lying_poses() {
-  static const std::vector<std::pair<std::string, behaviour::Reason>> kPoses{
-      {"prone", behaviour::Reason::kProne},
-      {"supine", behaviour::Reason::kSupine},
-      {"left_side", behaviour::Reason::kOnLeftSide},
-      {"right_side", behaviour::Reason::kOnRightSide},
-      {"seat", behaviour::Reason::kOnSeat}};
-  return kPoses;
-}
+constexpr std::array<std::pair<const char*, behaviour::Reason>, 5> kLyingPoses{
+    {{"prone", behaviour::Reason::kProne},
+     {"supine", behaviour::Reason::kSupine},
+     {"left_side", behaviour::Reason::kOnLeftSide},
+     {"right_side", behaviour::Reason::kOnRightSide},
+     {"seat", behaviour::Reason::kOnSeat}}};
 
 // Uniform over all rotations (Shoemake 1992).
 Eigen::Quaterniond random_rotation(sim::RandomStream& random) {
@@ -82,92 +82,51 @@ sim::Scenario dropped(const sim::Scenario& start, const sim::RobotDescription& r
   return scenario;
 }
 
-Values play(const sim::Scenario& start, const sim::RobotDescription& robot, const StandUpOptions& options,
-            std::uint64_t seed) {
+StandUpTrial play(const sim::Scenario& start, const sim::RobotDescription& robot,
+                  const StandUpOptions& options, std::uint64_t seed) {
   FallObserver observer;
   double stood_s = 0.0;
   behaviour::State state = behaviour::State::kBoot;
-  const Values played =
+  const ScenarioTrial played =
       watch_in_world(dropped(start, robot, options, seed), kRoughWorld, seed,
                      [&](const simulation::Simulation& simulation, const simulation::RunRecorder& recorder) {
                        observer.observe(simulation, recorder);
                        state = recorder.telemetry().state;
-                       if (observer.stands() > 0 && stood_s == 0.0) {
+                       if (observer.history().stands > 0 && stood_s == 0.0) {
                          const bool upright = recorder.truth().tilt_rad < kUpright_rad;
                          if (upright) stood_s = simulation.board().world().time_s();
                        }
                        return stood_s > 0.0 || state == behaviour::State::kFault;
                      });
-  const bool faulted = state == behaviour::State::kFault || state == behaviour::State::kEmergencyStop;
-  Values values{{"gave_up", faulted ? 1.0 : 0.0},
-                {"low_supply", state == behaviour::State::kLowBattery ? 1.0 : 0.0},
-                {"energy_guard", played.at("energy_guard")},
-                {"failed", played.at("failed")},
-                {"down", stood_s > 0.0 ? 0.0 : 1.0},
-                {"not_at_once", stood_s > 0.0 && observer.attempts() == 1 ? 0.0 : 1.0},
-                {"attempts", observer.attempts()},
-                {"lay", static_cast<double>(observer.lay())},
-                {"peak_torque_Nm", observer.peak_torque_Nm()},
-                {"peak_motor_torque_Nm", observer.peak_motor_torque_Nm()},
-                {"peak_winding_C", observer.peak_winding_C()}};
-  values.error = played.error;
-  if (stood_s > 0.0) values["time_s"] = stood_s - 1e-6 * static_cast<double>(kCommand_us);
-  return values;
+  const bool stood = stood_s > 0.0;
+  StandUpTrial trial{.outcome = outcome_at_end(played, state),
+                     .error = played.error,
+                     .down = !stood,
+                     .not_at_once = !stood || observer.history().attempts != 1,
+                     .history = observer.history()};
+  if (stood) trial.time_s = stood_s - 1e-6 * static_cast<double>(kCommand_us);
+  return trial;
 }
 
-std::vector<Trial> that_lay(const CellResult& cell, behaviour::Reason pose) {
-  std::vector<Trial> trials;
-  for (const Trial& trial : cell.played) {
-    if (trial.values.at("lay") == static_cast<double>(pose)) trials.push_back(trial);
-  }
-  return trials;
-}
-
-}  // namespace
-
-Experiment make_stand_up(const StandUpOptions& options) {
-  const auto start =
-      std::make_shared<StandingStart>(read_standing_start(options.scenario, options.overrides));
-  const auto robot = std::make_shared<sim::RobotDescription>(sim::load_robot(start->scenario.robot));
-  Experiment experiment = begin_experiment(
-      "stand-up", options, start->scenario,
-      {{"drop_m", sim::number_text(options.drop_m)}, {"joint_share", sim::number_text(options.joint_share)}});
-  using enum Measure::Kind;
-  experiment.measures = {{.name = "down", .kind = kEvent, .label = "stays down"},
-                         {.name = "not_at_once", .kind = kEvent, .label = "not at the first attempt"},
-                         {.name = "attempts", .label = "attempts", .decimals = 2},
-                         {.name = "time_s", .label = "time [s]", .decimals = 2},
-                         {.name = "peak_motor_torque_Nm", .label = "motor, peak [N m]", .decimals = 2},
-                         {.name = "peak_torque_Nm", .label = "gears, peak [N m]", .decimals = 2},
-                         {.name = "peak_winding_C", .label = "hottest winding [C]", .decimals = 1},
-                         {.name = "lay"},
-                         {.name = "gave_up", .kind = kEvent, .label = "given up"},
-                         {.name = "low_supply", .kind = kEvent, .label = "low supply"},
-                         {.name = "energy_guard", .kind = kEvent, .label = "energy guard"},
-                         {.name = "failed", .kind = kEvent}};
-  experiment.cells = {{"dropped", {{"lies", "as it was dropped"}}}};
-  experiment.play = [options, start, robot](std::size_t, std::uint64_t seed) {
-    return play(start->scenario, *robot, options, seed);
-  };
-  return experiment;
-}
-
-Conclusions stand_up_conclusions(const Experiment& experiment, const ExperimentResult& result) {
-  const CellResult& cell = result.cells.front();
-  const ShareEstimate down = share_of(cell, experiment.measures[0]);
-  const ShareEstimate not_at_once = share_of(cell, experiment.measures[1]);
+Conclusions conclude(const std::vector<StandUpTrial>& trials) {
+  const ShareEstimate down = share_of(trials, &StandUpTrial::down);
+  const ShareEstimate not_at_once = share_of(trials, &StandUpTrial::not_at_once);
   Conclusions conclusions;
   conclusions.values["success_rate"] = 1.0 - down.share;
   conclusions.values["first_attempt_rate"] = 1.0 - not_at_once.share;
-  conclusions.values["attempts_mean"] = mean_of(cell, experiment.measures[2]).mean;
+  conclusions.values["attempts_mean"] =
+      mean_of(trials, [](const StandUpTrial& trial) { return trial.history.attempts; }).mean;
   conclusions.lines = fmt::format("stands in {} of {}, at the first attempt in {}\n",
                                   down.count - down.events, down.count, down.count - not_at_once.events);
-  for (const auto& [name, pose] : lying_poses()) {
-    const CellResult lay{.played = that_lay(cell, pose)};
-    const QuantileEstimate median = estimate_quantile(values_of(lay, experiment.measures[3]), 0.5);
-    const ShareEstimate stays = share_of(lay, experiment.measures[0]);
-    const ShareEstimate again = share_of(lay, experiment.measures[1]);
-    conclusions.values[name + "_median_s"] = median.count > 0 ? median.value : std::nan("");
+  for (const auto& [pose, reason] : kLyingPoses) {
+    const std::string name = pose;
+    std::vector<StandUpTrial> lay;
+    std::ranges::copy_if(trials, std::back_inserter(lay),
+                         [&](const StandUpTrial& trial) { return trial.history.lay == reason; });
+    const QuantileEstimate median = estimate_quantile(values_of(lay, &StandUpTrial::time_s), 0.5);
+    const ShareEstimate stays = share_of(lay, &StandUpTrial::down);
+    const ShareEstimate again = share_of(lay, &StandUpTrial::not_at_once);
+    conclusions.values[name + "_median_s"] = median.value;
     conclusions.values[name + "_trials"] = stays.count;
     conclusions.values[name + "_down"] = stays.events;
     conclusions.values[name + "_not_at_once"] = again.events;
@@ -176,6 +135,39 @@ Conclusions stand_up_conclusions(const Experiment& experiment, const ExperimentR
                     stays.count, stays.events, again.events - stays.events, median.value);
   }
   return conclusions;
+}
+
+}  // namespace
+
+const FieldTable<StandUpTrial>& stand_up_fields() {
+  using T = StandUpTrial;
+  static const FieldTable<T> kFields{
+      Fields<T>{
+          {{"down", "stays down"}, &T::down},
+          {{"not_at_once", "not at the first attempt"}, &T::not_at_once},
+          {{"attempts", "attempts", 2}, &T::history, &FallHistory::attempts},
+          {{"time_s", "time [s]", 2}, &T::time_s},
+          {{"peak_motor_torque_Nm", "motor, peak [N m]", 2}, &T::history, &FallHistory::peak_motor_torque_Nm},
+          {{"peak_torque_Nm", "gears, peak [N m]", 2}, &T::history, &FallHistory::peak_torque_Nm},
+          {{"peak_winding_C", "hottest winding [C]", 1}, &T::history, &FallHistory::peak_winding_C},
+          {{"lay"}, &T::history, &FallHistory::lay}},
+      outcome_fields<T>(&T::outcome, kLossesButFalls)};
+  return kFields;
+}
+
+Experiment make_stand_up(const StandUpOptions& options) {
+  const StandingStart start = read_standing_start(options.scenario, options.overrides);
+  Experiment experiment =
+      begin_experiment("stand-up", "How it gets up", options, start.scenario,
+                       {{"drop_m", options.drop_m}, {"joint_share", options.joint_share}});
+  experiment.cells = {{"dropped", {{"lies", "as it was dropped"}}}};
+  set_trials(experiment, stand_up_fields(),
+             [options, start, robot = sim::load_robot(start.scenario.robot)](
+                 std::size_t, std::uint64_t seed) { return play(start.scenario, robot, options, seed); });
+  experiment.conclude = [](const Experiment&, const ExperimentResult& result) {
+    return conclude(stand_up_fields().trials(result.cells.front()));
+  };
+  return experiment;
 }
 
 }  // namespace koboshi::tools

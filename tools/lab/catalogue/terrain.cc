@@ -3,19 +3,18 @@
 #include <fmt/core.h>
 
 #include <functional>
-#include <memory>
-#include <optional>
 
 #include "sim_board/input/text.h"
-#include "tools/lab/trial/outcome.h"
-#include "tools/lab/trial/scenario_trial.h"
+#include "tools/lab/experiment/ladder.h"
+#include "tools/lab/experiment/report.h"
+#include "tools/lab/trial/perturbation.h"
 
 namespace koboshi::tools {
 namespace {
 
-constexpr double kTerrainPatience = 2.0;  // times what the command promises
+constexpr double kTerrainPatience = 2.0;  // times the distance over the command
 
-// A kind of ground, and what of a scenario makes it at a level other than 0, which is a floor.
+// A kind of ground, and the override of a scenario that makes it at a level other than 0, which is a floor.
 struct Kind {
   std::string name;
   std::string unit;
@@ -23,7 +22,7 @@ struct Kind {
   std::function<sim::Override(double level)> ground;
 };
 
-// A mat to step up to, and down from, across the way.
+// A mat across the path, to step up to and down from.
 sim::Override mat(double height_mm) {
   return {"ground.shapes",
           fmt::format("[{{box: {{position_m: [0.7, 0], size_m: [0.6, 3, {}]}}}}]", 1e-3 * height_mm)};
@@ -33,7 +32,7 @@ sim::Override tilted(double roll_deg, double pitch_deg) {
   return {"ground.tilt_deg", fmt::format("[{}, {}]", roll_deg, pitch_deg)};
 }
 
-// Strips across the way, half as long again as a foot.
+// Strips across the path, half as long again as a foot.
 sim::Override slippery_patches(double slipperiness) {
   std::string shapes;
   for (const double x_m : {0.3, 0.6, 0.9, 1.2}) {
@@ -64,73 +63,73 @@ const std::vector<Kind>& kinds() {
   return kKinds;
 }
 
-std::vector<Measure> terrain_measures() {
-  using enum Measure::Kind;
-  std::vector<Measure> measures{
-      {.name = "not_passed", .kind = kEvent, .label = "not passed", .most_share = kMostFailures}};
-  const std::vector<Measure> outcomes = outcome_measures();
-  measures.insert(measures.end(), outcomes.begin(), outcomes.end());
-  measures.insert(measures.end(), {{.name = "speed_m_per_s", .label = "speed [m/s]"},
-                                   {.name = "lateral_drift_m", .label = "drift [m]", .decimals = 2},
-                                   {.name = "heading_drift_rad", .label = "turned [rad]", .decimals = 2}});
-  return measures;
+TerrainTrial play(const StandingStart& start, const TerrainOptions& options, std::uint64_t seed) {
+  const double patience_s = kTerrainPatience * options.way_m / options.speed_m_per_s;
+  TerrainTrial trial{play_in_world(start.walking({options.speed_m_per_s, 0.0, 0.0}, patience_s), kRoughWorld,
+                                   seed, [&](const simulation::RunRecorder& recorder) {
+                                     return recorder.walk().made_good().x() >= options.way_m;
+                                   })};
+  // False without a walk, too.
+  const bool arrived = trial.walk.distance_m >= (1.0 - 1e-9) * options.way_m;
+  trial.not_passed = trial.lost() || !arrived;
+  if (trial.not_passed) trial.walk = no_walk();
+  return trial;
 }
 
-Values play(const StandingStart& start, const TerrainOptions& options, std::uint64_t seed) {
-  const double patience_s = kTerrainPatience * options.way_m / options.speed_m_per_s;
-  Values values = play_in_world(start.walking({options.speed_m_per_s, 0.0, 0.0}, patience_s), kRoughWorld,
-                                seed, [&](const simulation::RunRecorder& recorder) {
-                                  return recorder.walk().made_good().x() >= options.way_m;
-                                });
-  const bool arrived =
-      values.contains("distance_m") && values.at("distance_m") >= (1.0 - 1e-9) * options.way_m;
-  values["not_passed"] = values.at(kLost) != 0.0 || !arrived ? 1.0 : 0.0;
-  if (values["not_passed"] != 0.0) {
-    for (const char* name : {"speed_m_per_s", "lateral_drift_m", "heading_drift_rad"}) values.erase(name);
+Conclusions highest_levels(const Experiment& experiment, const ExperimentResult& result) {
+  Conclusions conclusions;
+  for (const Ladder& ladder : experiment.ladders) {
+    const Climb climb = climb_of(ladder, result);
+    conclusions.lines += climb_line(experiment, ladder, climb);
+    nlohmann::ordered_json& passed = conclusions.values[ladder.name + "_passed"];
+    if (climb.highest) passed = level_of(experiment.cells[*climb.highest]);
+    conclusions.values[ladder.name + "_ended_by"] = stop_name(climb.stop);
   }
-  return values;
+  conclusions.figure = ladder_figure("Terrain: what is not passed", experiment, result);
+  return conclusions;
 }
 
 }  // namespace
 
-Terrain make_terrain(const TerrainOptions& options) {
-  auto starts = std::make_shared<std::vector<StandingStart>>();
-  Terrain terrain;
+const FieldTable<TerrainTrial>& terrain_fields() {
+  using T = TerrainTrial;
+  using Walk = sim::WalkSummary;
+  static const FieldTable<T> kFields{
+      Fields<T>{
+          {{.name = "not_passed", .label = "not passed", .max_share = kMaxFailureShare}, &T::not_passed}},
+      outcome_fields<T>(&T::outcome),
+      Fields<T>{{{"speed_m_per_s", "speed [m/s]"}, &T::walk, &Walk::speed_m_per_s},
+                {{"lateral_drift_m", "drift [m]", 2}, &T::walk, &Walk::lateral_drift_m},
+                {{"heading_drift_rad", "turned [rad]", 2}, &T::walk, &Walk::heading_drift_rad}}};
+  return kFields;
+}
+
+Experiment make_terrain(const TerrainOptions& options) {
+  std::vector<StandingStart> starts;
   std::vector<Cell> cells;
+  std::vector<Ladder> ladders;
   for (const Kind& kind : kinds()) {
-    terrain.ladders.push_back({.name = kind.name, .unit = kind.unit, .cells = {}});
+    ladders.push_back({.name = kind.name, .unit = kind.unit, .cells = {}});
     for (const double level : kind.levels) {
       std::vector<sim::Override> overrides = options.overrides;
       if (level > 0.0) overrides.push_back(kind.ground(level));
-      terrain.ladders.back().cells.push_back(starts->size());
-      starts->push_back(read_standing_start(options.scenario, overrides));
+      ladders.back().cells.push_back(starts.size());
+      starts.push_back(read_standing_start(options.scenario, overrides));
       const std::string text = sim::number_text(level);
       cells.push_back({kind.name + "-" + text, {{"ground", kind.name}, {"level", text}}});
     }
   }
-  terrain.experiment = begin_experiment("terrain", options, starts->front().scenario,
-                                        {{"speed_m_per_s", sim::number_text(options.speed_m_per_s)},
-                                         {"way_m", sim::number_text(options.way_m)}});
-  terrain.experiment.measures = terrain_measures();
-  terrain.experiment.cells = std::move(cells);
-  terrain.experiment.play = [options, starts](std::size_t cell, std::uint64_t seed) {
-    return play(starts->at(cell), options, seed);
-  };
-  return terrain;
-}
-
-Conclusions terrain_conclusions(const Terrain& terrain, const ClimbResult& result) {
-  Conclusions conclusions;
-  for (std::size_t i = 0; i < terrain.ladders.size(); ++i) {
-    const std::string& name = terrain.ladders[i].name;
-    const Climb& climb = result.climbs[i];
-    conclusions.lines += climb_line(terrain.ladders[i], climb, result);
-    conclusions.values[name + "_passed"] =
-        climb.highest ? nlohmann::ordered_json(level_of(result.experiment.cells[*climb.highest]))
-                      : nlohmann::ordered_json(nullptr);
-    conclusions.values[name + "_ended_by"] = stop_name(climb.stop);
-  }
-  return conclusions;
+  Experiment experiment =
+      begin_experiment("terrain", "What ground it walks over", options, starts.front().scenario,
+                       {{"speed_m_per_s", options.speed_m_per_s}, {"way_m", options.way_m}});
+  experiment.cells = std::move(cells);
+  experiment.ladders = std::move(ladders);
+  set_trials(experiment, terrain_fields(),
+             [options, starts = std::move(starts)](std::size_t cell, std::uint64_t seed) {
+               return play(starts[cell], options, seed);
+             });
+  experiment.conclude = highest_levels;
+  return experiment;
 }
 
 }  // namespace koboshi::tools

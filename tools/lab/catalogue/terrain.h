@@ -1,30 +1,25 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
-#include "tools/lab/experiment/ladder.h"
-#include "tools/lab/experiment/report.h"
+#include "tools/lab/experiment/field_table.h"
 #include "tools/lab/trial/commanded_walk.h"
+#include "tools/lab/trial/scenario_trial.h"
 
 namespace koboshi::tools {
 
-// What ground the robot walks over without looking, at a speed that is no challenge on a floor: each kind of
-// ground is made harder until more than 5 of 100 seeds fall or do not get over it in twice the time.
-struct TerrainOptions : CommandedWalkOptions {
+// The ground that the robot walks over without seeing it, at a speed that is easy on a floor: each kind of
+// ground is made harder until more than 5 of 100 seeds fall or need more than twice the time.
+struct TerrainOptions : ExperimentSetup {
   double speed_m_per_s = 0.15;
-  double way_m = 1.5;  // that must be made
+  double way_m = 1.5;  // to be walked
 };
 
-struct Terrain {
-  Experiment experiment;
-  std::vector<Ladder> ladders;
+struct TerrainTrial : ScenarioTrial {
+  bool not_passed = false;
 };
+[[nodiscard]] const FieldTable<TerrainTrial>& terrain_fields();
 
-// Throws sim::InputError.
-[[nodiscard]] Terrain make_terrain(const TerrainOptions& options);
-
-// The hardest level of each kind that was passed: step_up_mm and so on.
-[[nodiscard]] Conclusions terrain_conclusions(const Terrain& terrain, const ClimbResult& result);
+// A ladder for each kind of ground. It concludes the hardest level of each that was passed: step_passed and
+// so on. Throws sim::InputError.
+[[nodiscard]] Experiment make_terrain(const TerrainOptions& options);
 
 }  // namespace koboshi::tools

@@ -1,53 +1,65 @@
 #pragma once
 
-#include <cstdint>
-#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "tools/lab/experiment/ladder.h"
+#include "tools/lab/experiment/field_table.h"
 #include "tools/lab/experiment/report.h"
 #include "tools/lab/trial/commanded_walk.h"
-#include "tools/lab/trial/perturbation.h"
+#include "tools/lab/trial/scenario_trial.h"
 
 namespace koboshi::tools {
 
-// How fast the robot walks ahead, back, to the side and round: in each direction the command is raised until
-// more than 5 of 100 seeds do not sustain it over the way. Each begins standing, and its clock with the
-// command; what counts is the speed made good along the heading at the start, or the yaw over time. Odd seeds
-// go to the left, even ones to the right.
-
-// A direction and the commands in it, the slowest first.
+// How fast the robot walks forward, backward, sideways and on the spot: in each direction the command is
+// raised until more than 5 of 100 seeds do not sustain it over the distance. Each trial begins standing, and
+// its clock with the command. The speed counts along the heading at the start, the turn rate as yaw over
+// time. Odd seeds go to the left, even ones to the right.
 struct SpeedLadder {
   enum class Direction { kForward, kBackward, kSideways, kTurn };
-  // "forward"; what files and options call them, in their order.
+  // "forward"; the names in files and options, in the order of the enumerators.
   static const std::vector<std::string>& names();
 
   Direction direction = Direction::kForward;
-  std::vector<double> commands;  // m/s, of kTurn rad/s
+  std::vector<double> commands;  // m/s, of kTurn rad/s; the slowest first
 };
 
-struct WalkingSpeedOptions : CommandedWalkOptions {
-  std::vector<SpeedLadder> ladders{};
+struct WalkingSpeedOptions : ExperimentSetup {
+  std::vector<SpeedLadder> ladders{
+      {SpeedLadder::Direction::kForward, {0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4}},
+      {SpeedLadder::Direction::kBackward, {0.05, 0.1, 0.15, 0.2, 0.25, 0.3}},
+      {SpeedLadder::Direction::kSideways, {0.03, 0.06, 0.09, 0.12, 0.15, 0.18}},
+      {SpeedLadder::Direction::kTurn, {0.25, 0.5, 0.75, 1.0, 1.25, 1.5}}};
+  std::vector<std::string> only = SpeedLadder::names();  // ladders that are played
   double way_m = 10.0 * kBodyHeight_m;
   double turns = 1.0;  // on the spot
 };
 
-struct WalkingSpeed {
-  Experiment experiment;
-  std::vector<Ladder> ladders;
+struct SpeedTrial {
+  Outcome outcome = Outcome::kSurvived;
+  std::string error{};
+  bool not_sustained = true;
+  // Of a walk that was sustained; the turn rate and its energy only on the spot, the others only elsewhere.
+  std::optional<double> speed_m_per_s{};
+  std::optional<double> turn_rad_per_s{};
+  std::optional<double> drift_m{};  // to the side, on the spot in any direction
+  std::optional<double> energy_J_per_m{};
+  std::optional<double> energy_J_per_rad{};
+  std::optional<double> heading_off_deg{};  // unsigned
 };
+[[nodiscard]] const FieldTable<SpeedTrial>& speed_fields();
 
-// Throws sim::InputError.
-[[nodiscard]] WalkingSpeed make_walking_speed(const WalkingSpeedOptions& options);
+// A ladder for each direction. Throws sim::InputError.
+[[nodiscard]] Experiment make_walking_speed(const WalkingSpeedOptions& options);
 
-// What a walk comes to, of `way` m or rad that were asked for, by the values of its scenario. `time_s` since
-// the command; `sign` -1 of what goes to the right.
-[[nodiscard]] Values judge_walk(SpeedLadder::Direction direction, double way, double sign, double time_s,
-                                const Values& scenario_values);
+// Judges a walk over a commanded distance of `way` m or rad. `time_s` since the command; `sign` is -1 for
+// walks to the right.
+[[nodiscard]] SpeedTrial judge_walk(SpeedLadder::Direction direction, double way, double sign, double time_s,
+                                    const ScenarioTrial& walk);
 
-// The speed of each direction at its highest command that was sustained: forward_m_per_s and so on, with
-// 95 % intervals.
-[[nodiscard]] Conclusions walking_speed_conclusions(const WalkingSpeed& speed, const ClimbResult& result);
+// The speed in each direction at its highest command that was sustained: forward_m_per_s and so on, with
+// 95 % confidence intervals.
+[[nodiscard]] Conclusions walking_speed_conclusions(const Experiment& experiment,
+                                                    const ExperimentResult& result);
 
 }  // namespace koboshi::tools

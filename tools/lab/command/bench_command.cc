@@ -10,6 +10,7 @@
 #include "sim_board/record/summary.h"
 #include "tools/lab/bench/bench.h"
 #include "tools/lab/bench/report.h"
+#include "tools/lab/command/session.h"
 
 namespace koboshi::tools {
 namespace {
@@ -23,9 +24,8 @@ struct BenchArguments {
 
 std::vector<BenchStepper> chosen(const std::vector<std::string>& names) {
   std::vector<BenchStepper> steppers = bench_steppers();
-  if (names.empty()) return steppers;
   std::erase_if(steppers, [&](const BenchStepper& stepper) {
-    return std::ranges::find(names, stepper.name) == names.end();
+    return !names.empty() && std::ranges::find(names, stepper.name) == names.end();
   });
   return steppers;
 }
@@ -45,9 +45,9 @@ void add_bench_command(CLI::App& program, Invocation&) {
   auto arguments = std::make_shared<BenchArguments>();
   CLI::App* command = program.add_subcommand("bench", "How fast and how accurate each stepper is");
   command->footer(
-      "Plays a walk and squats in closed loop with every stepper, in turns of a quarter of a second, and "
-      "the\n"
-      "squats once more at a fine step as the reference. Times are of the processor. Takes some minutes.\n\n"
+      "Plays a walk and squats in closed loop with every stepper, in turns of a quarter of a second, and\n"
+      "the squats once more at a fine step as the reference. Times are of the processor. Takes some\n"
+      "minutes.\n\n"
       "Examples:\n"
       "  koboshi bench\n"
       "  koboshi bench --json bench.json\n"
@@ -57,9 +57,8 @@ void add_bench_command(CLI::App& program, Invocation&) {
   command->add_option("--steppers", arguments->names, "Only these (default: all)")
       ->delimiter(',')
       ->check(CLI::IsMember(known));
-  command->add_option("--duration", arguments->options.duration_s, "Simulated seconds of each scenario")
-      ->check(CLI::Range(1.0, 600.0))
-      ->capture_default_str();
+  add_number(*command, "--duration", arguments->options.duration_s, 1.0, 600.0,
+             "Simulated seconds of each scenario");
   command->add_option("--reference-step-ms", arguments->reference_step_ms, "Physics step of the reference")
       ->check(CLI::IsMember({0.01, 0.02, 0.025, 0.05, 0.1, 0.2, 0.25, 0.5, 1.0}))
       ->capture_default_str();

@@ -1,14 +1,14 @@
-#include "tools/cli/commands.h"
-
 #include <fmt/core.h>
-#include <unistd.h>
 
-#include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 
-#include "sim_board/world/options.h"
-#include "simulation/batch/parallel.h"
+#include "sim_board/record/output_file.h"
+#include "tools/cli/commands.h"
+#include "tools/lab/command/session.h"
+#include "tools/lab/command/tune_gait_command.h"
+#include "tools/lab/tune/gait_search.h"
 #include "tools/lab/tune/infeasible.h"
 #include "tools/lab/tune/study_search.h"
 
@@ -22,42 +22,79 @@ struct TuneArguments {
   std::string stepper;
 };
 
-void tune(TuneArguments arguments) {
+struct TuneGaitArguments {
+  GaitSearchOptions options;
+  int points = 8;
+  std::string feedback = "on";
+  std::string duration = "10";
+  std::string stepper;
+  std::filesystem::path result;
+};
+
+void add_search_options(CLI::App& command, SearchOptions& options, std::size_t min_evaluations,
+                        std::string& stepper) {
+  add_number(command, "--evaluations", options.evaluations, min_evaluations, 1'000'000,
+             "Candidates that are tried");
+  add_number(command, "--spread", options.spread, 0.001, 0.5,
+             "Standard deviation of the first candidates about the start, as a share of the ranges");
+  add_number(command, "--seeds", options.seeds, 1, 1000, "Worlds in which each candidate is tried");
+  command.add_option("--first-seed", options.first_seed, "The first of them; judge the result on others")
+      ->capture_default_str();
+  add_stepper_option(command, stepper,
+                     "Stepper of the physics: mujoco is fast; confirm what it finds with world");
+  add_jobs_option(command, options.jobs);
+}
+
+// Prints the result of `search`, which is given a function that shows its progress.
+template <typename Run>
+auto show_search(const std::string& label, const std::string& unit, const std::filesystem::path& out,
+                 const Run& run) {
+  const auto result = [&] {
+    const ProgressLine line;
+    return run([&](const SearchProgress& progress) {
+      line.show(fmt::format("{} of {} evaluations, {}{:.4f}{}, best {:.4f}{}", progress.done, progress.total,
+                            label, progress.score, unit, progress.best, unit));
+    });
+  }();
+  for (const auto& [path, value] : result.numbers) fmt::print("{}: {}\n", path, value);
+  fmt::print("{}", infeasible_text(result.infeasible, result.evaluations));
+  fmt::print("{}{:.4f}{} on the seeds that it was tuned on; results in {}\n", label, result.score, unit,
+             out.string());
+  return result;
+}
+
+void tune(const TuneArguments& arguments) {
   const Study study = read_study(arguments.study);
-  StudyOptions& options = arguments.options;
-  options.search = arguments.search == "cma-es" ? Search::kCmaEs : Search::kNsga2;
+  StudyOptions options = arguments.options;
+  options.method = arguments.search == "cma-es" ? Method::kCmaEs : Method::kNsga2;
   if (!arguments.stepper.empty())
     options.overrides.push_back({"physics.stepper", arguments.stepper, "--stepper"});
   if (options.out.empty()) options.out = "runs/tune" / arguments.study.stem();
-  const bool terminal = isatty(STDERR_FILENO) != 0;
-  const StudyResult result = search_study(study, options, [&](const StudyProgress& progress) {
-    if (!terminal) return;
-    fmt::print(stderr, "\r{} of {} evaluations, worth {:.4f}, best {:.4f} ", progress.done, progress.total,
-               progress.worth, progress.best);
-    std::fflush(stderr);
-  });
-  if (terminal) fmt::print(stderr, "\n");
-  for (const auto& [path, value] : result.numbers) fmt::print("{}: {}\n", path, value);
-  fmt::print("{}", infeasible_text(result.infeasible, result.evaluations));
-  fmt::print("worth {:.4f} on the seeds that it was tuned on; results in {}\n", result.worth,
-             options.out.string());
+  show_search("worth ", "", options.out,
+              [&](const ShowProgress& show) { return search_study(study, options, show); });
+}
+
+void tune_gait(const TuneGaitArguments& arguments) {
+  GaitSearchOptions options = arguments.options;
+  options.experiment.points = {arguments.points};
+  options.experiment.feedback = {arguments.feedback == "on"};
+  options.experiment.overrides = overrides_of({.duration = arguments.duration, .stepper = arguments.stepper});
+  if (options.out.empty())
+    options.out = "runs/tune-gait/" + gyro_feedback_cell(arguments.points, arguments.feedback == "on");
+  const GaitSearchResult result = show_search(
+      "", " m/s", options.out, [&](const ShowProgress& show) { return search_gait(options, show); });
+  if (!arguments.result.empty()) sim::write_whole_file(arguments.result, result.text);
 }
 
 }  // namespace
 
 void add_tune_command(CLI::App& program, Invocation&) {
   auto arguments = std::make_shared<TuneArguments>();
-  StudyOptions& options = arguments->options;
-  options.jobs = simulation::core_count();
   CLI::App* command = program.add_subcommand("tune", "Optimise the parameters of a study");
   command->footer(
-      "CMA-ES or NSGA-II over numbers of a scenario: parameters of the controller, of a gait, or of the "
-      "world. "
-      "Each\n"
-      "evaluation plays the study's trials in the same worlds. A search that was interrupted goes on when it "
-      "is called "
-      "again.\n"
-      "docs/reference/study-format.md describes the file.\n\n"
+      "CMA-ES or NSGA-II over parameters of a scenario: of the controller, of a gait, or of the world. Each\n"
+      "evaluation plays the study's trials in the same worlds. An interrupted search resumes when it is\n"
+      "called again. docs/reference/study-format.md describes the file.\n\n"
       "Example:\n"
       "  koboshi tune studies/walk.yaml --stepper mujoco --evaluations 400\n");
   command->add_option("STUDY", arguments->study, "The study's file")->required();
@@ -66,32 +103,42 @@ void add_tune_command(CLI::App& program, Invocation&) {
                    "For the largest mean worth (cma-es), or for each trial's (nsga-2)")
       ->check(CLI::IsMember({"cma-es", "nsga-2"}))
       ->capture_default_str();
-  command->add_option("--evaluations", options.evaluations, "How many sets of numbers are tried")
-      ->check(CLI::Range(16, 1'000'000))
-      ->capture_default_str();
-  command->add_option("--population", options.population, "Of them in a generation")
-      ->check(CLI::Range(5, 1000))
-      ->capture_default_str();
-  command
-      ->add_option("--spread", options.spread,
-                   "How widely the first lie about the start, as a share of the ranges")
-      ->check(CLI::Range(0.001, 0.5))
-      ->capture_default_str();
-  command->add_option("--seeds", options.seeds, "Worlds in which each is tried")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command
-      ->add_option("--first-seed", options.first_seed, "The first of them; take others to judge the result")
-      ->capture_default_str();
-  command
-      ->add_option("--stepper", arguments->stepper,
-                   "Of the physics: mujoco is fast; confirm what it finds with world")
-      ->check(CLI::IsMember(sim::stepper_names()));
-  command->add_option("--jobs", options.jobs, "Trials at a time (default: the number of cores)")
-      ->check(CLI::Range(1, 1024));
-  command->add_option("--out", options.out,
+  add_search_options(*command, arguments->options, 16, arguments->stepper);
+  add_number(*command, "--population", arguments->options.population, 5, 1000, "Candidates of a generation");
+  command->add_option("--out", arguments->options.out,
                       "Folder of the results (default: runs/tune/ and the study's name)");
   command->callback([arguments] { tune(*arguments); });
+}
+
+void add_tune_gait_command(CLI::App& experiment) {
+  auto arguments = std::make_shared<TuneGaitArguments>();
+  GaitSearchOptions& options = arguments->options;
+  options.start = "robots/koboshi/gait.yaml";
+  options.evaluations = 150;
+  CLI::App* command = experiment.add_subcommand(
+      "tune-gait", "Optimise the parameters of a gait: the robot walks fast and does not fall");
+  command->footer(
+      "CMA-ES, started from a gait file; keys that it does not have, and the gains where the feedback is\n"
+      "off, are left alone. All cases get the same number of evaluations, each on the same worlds. An\n"
+      "interrupted search resumes when it is called again. evaluations.csv in the folder of the results\n"
+      "lists every evaluation.\n\n"
+      "Example:\n"
+      "  koboshi experiment tune-gait --points 8 --feedback off --gait robots/koboshi/gaits/8-off.yaml\n");
+  command->add_option("SCENARIO", options.experiment.scenario, "A scenario that walks")
+      ->capture_default_str();
+  add_number(*command, "--points", arguments->points, 2, 64, "Points of a cycle of two steps");
+  command->add_option("--feedback", arguments->feedback, "off or on")
+      ->check(CLI::IsMember({"off", "on"}))
+      ->capture_default_str();
+  add_disturbance_options(*command, options.experiment);
+  command->add_option("--start", options.start, "The gait file to begin with")->capture_default_str();
+  command->add_option("--gait", arguments->result, "Also write the gait that was found to this file");
+  add_search_options(*command, options, 24, arguments->stepper);
+  command->add_option("--duration", arguments->duration, "Simulated seconds of a trial")
+      ->capture_default_str();
+  command->add_option("--out", options.out,
+                      "Folder of the results (default: runs/tune-gait/ and the case's name)");
+  command->callback([arguments] { tune_gait(*arguments); });
 }
 
 }  // namespace koboshi::tools

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <numeric>
 
 #include "simulation/batch/parallel.h"
+#include "tools/lab/experiment/ladder.h"
+#include "tools/lab/experiment/statistics.h"
 #include "tools/lab/experiment/trial_log.h"
 
 namespace koboshi::tools {
@@ -19,31 +22,53 @@ class Session {
  public:
   Session(const Experiment& experiment, const ExperimentOptions& options)
       : experiment_(experiment), options_(options), log_(options.log, experiment) {
-    result_.cells.resize(experiment.cells.size());
-    open_.assign(experiment.cells.size(), true);
+    result_.cells.assign(experiment.cells.size(), {.stop = Stop::kNotReached});
   }
 
   ExperimentResult play() {
-    for (std::size_t begin = 0; begin < experiment_.seeds && !out_of_time_; begin += options_.batch) {
-      play_batch(begin, std::min(begin + options_.batch, experiment_.seeds));
-      close_cells();
+    if (experiment_.ladders.empty()) {
+      std::vector<std::size_t> all(experiment_.cells.size());
+      std::iota(all.begin(), all.end(), std::size_t{0});
+      play_cells(std::move(all));
+    }
+    for (std::size_t level = 0; play_level(level); ++level) {
     }
     return std::move(result_);
   }
 
  private:
-  bool in_time() const { return Clock::now() - start_ < options_.budget; }
+  // False when no ladder goes on.
+  bool play_level(std::size_t level) {
+    std::vector<std::size_t> cells;
+    for (const Ladder& ladder : experiment_.ladders) {
+      if (level >= ladder.cells.size()) continue;
+      if (level == 0 || is_passed(result_.cells[ladder.cells[level - 1]])) {
+        cells.push_back(ladder.cells[level]);
+      }
+    }
+    if (cells.empty()) return false;
+    play_cells(std::move(cells));
+    return true;
+  }
 
-  void play_batch(std::size_t begin, std::size_t end) {
+  void play_cells(std::vector<std::size_t> open) {
+    total_ += open.size() * experiment_.seeds;
+    for (const std::size_t cell : open) result_.cells[cell].stop = Stop::kAllSeeds;
+    out_of_time_ = false;
+    for (std::size_t begin = 0; begin < experiment_.seeds && !out_of_time_; begin += options_.batch) {
+      play_batch(open, begin, std::min(begin + options_.batch, experiment_.seeds));
+      std::erase_if(open, [this](std::size_t cell) { return closes(result_.cells[cell]); });
+    }
+  }
+
+  void play_batch(const std::vector<std::size_t>& open, std::size_t begin, std::size_t end) {
     std::vector<Trial> trials;
     for (std::size_t i = begin; i < end; ++i) {
-      for (std::size_t cell = 0; cell < open_.size(); ++cell) {
-        if (open_[cell]) trials.push_back({cell, experiment_.first_seed + i});
-      }
+      for (const std::size_t cell : open) trials.push_back({cell, experiment_.first_seed + i});
     }
     const std::size_t started = simulation::for_each_parallel(
         trials.size(), options_.jobs, [&](std::size_t number) { finish(trials[number]); },
-        [&] { return in_time(); });
+        [&] { return Clock::now() - start_ < options_.budget; });
     out_of_time_ = started < trials.size();
     for (std::size_t number = 0; number < trials.size(); ++number) {
       CellResult& cell = result_.cells[trials[number].cell];
@@ -56,45 +81,50 @@ class Session {
   }
 
   void finish(Trial& trial) {
-    if (const auto known = log_.find(trial.cell, trial.seed)) {
-      trial.values = *known;
+    if (auto known = log_.find(trial.cell, trial.seed)) {
+      trial.record = std::move(*known);
     } else {
-      trial.values = experiment_.play(trial.cell, trial.seed);
-      std::erase_if(trial.values, [](const auto& value) { return !std::isfinite(value.second); });
+      trial.record = experiment_.play(trial.cell, trial.seed);
       log_.add(trial);
     }
     const std::lock_guard lock(mutex_);
     ++done_;
     if (!options_.progress) return;
     const std::chrono::duration<double> wall = Clock::now() - start_;
-    options_.progress({done_, experiment_.cells.size() * experiment_.seeds, wall.count()});
+    options_.progress({done_, total_, wall.count()});
   }
 
-  void close_cells() {
-    for (std::size_t cell = 0; cell < open_.size(); ++cell) {
-      if (!open_[cell]) continue;
-      CellResult& played = result_.cells[cell];
-      if (has_too_many(experiment_, played)) {
-        played.stop = Stop::kTooMany;
-      } else if (!out_of_time_ && played.played.size() < experiment_.seeds && is_tight(played)) {
-        played.stop = Stop::kTightEnough;
-      } else {
-        continue;
-      }
-      open_[cell] = false;
+  bool closes(CellResult& cell) const {
+    if (has_too_many(cell)) {
+      cell.stop = Stop::kTooMany;
+    } else if (!out_of_time_ && cell.played.size() < experiment_.seeds && is_tight(cell)) {
+      cell.stop = Stop::kTightEnough;
     }
+    return cell.stop == Stop::kTooMany || cell.stop == Stop::kTightEnough;
+  }
+
+  bool has_too_many(const CellResult& cell) const {
+    for (std::size_t i = 0; i < experiment_.metrics.size(); ++i) {
+      const Metric& metric = experiment_.metrics[i];
+      if (!metric.is_event || metric.max_share >= 1.0) continue;
+      const double most = std::floor(metric.max_share * static_cast<double>(experiment_.seeds) + 1e-9);
+      if (static_cast<double>(estimate_share(values_of(cell, i)).events) > most) return true;
+    }
+    return false;
   }
 
   bool is_tight(const CellResult& cell) const {
-    const auto tight = [&](const Measure& measure) {
-      const Interval interval = measure.kind == Measure::Kind::kEvent ? share_of(cell, measure).confidence_95
-                                                                      : mean_of(cell, measure).confidence_95;
-      return interval.half_width() <= measure.tight_at;
-    };
-    const auto minded = [](const Measure& measure) { return measure.tight_at > 0.0; };
-    return std::ranges::any_of(experiment_.measures, minded) &&
-           std::ranges::all_of(experiment_.measures,
-                               [&](const Measure& measure) { return !minded(measure) || tight(measure); });
+    bool considered = false;
+    for (std::size_t i = 0; i < experiment_.metrics.size(); ++i) {
+      const Metric& metric = experiment_.metrics[i];
+      if (metric.tight_at <= 0.0) continue;
+      considered = true;
+      const std::vector<double> values = values_of(cell, i);
+      const Interval interval =
+          metric.is_event ? estimate_share(values).confidence_95 : estimate_mean(values).confidence_95;
+      if (!(interval.half_width() <= metric.tight_at)) return false;
+    }
+    return considered;
   }
 
   const Experiment& experiment_;
@@ -102,10 +132,10 @@ class Session {
   TrialLog log_;
   const Clock::time_point start_ = Clock::now();
   ExperimentResult result_;
-  std::vector<bool> open_;  // by cell
   bool out_of_time_ = false;
   std::mutex mutex_;
   std::size_t done_ = 0;
+  std::size_t total_ = 0;
 };
 
 }  // namespace
@@ -114,31 +144,12 @@ ExperimentResult play_experiment(const Experiment& experiment, const ExperimentO
   return Session(experiment, options).play();
 }
 
-std::vector<double> values_of(const CellResult& cell, const Measure& measure) {
+std::vector<double> values_of(const CellResult& cell, std::size_t metric) {
   std::vector<double> values;
   for (const Trial& trial : cell.played) {
-    const auto value = trial.values.find(measure.name);
-    if (value != trial.values.end()) values.push_back(value->second);
+    if (const std::optional<double> value = trial.record.values.at(metric)) values.push_back(*value);
   }
   return values;
-}
-
-bool has_too_many(const Experiment& experiment, const CellResult& cell) {
-  return std::ranges::any_of(experiment.measures, [&](const Measure& measure) {
-    if (measure.kind != Measure::Kind::kEvent || measure.most_share >= 1.0) return false;
-    const double most = std::floor(measure.most_share * static_cast<double>(experiment.seeds) + 1e-9);
-    return static_cast<double>(share_of(cell, measure).events) > most;
-  });
-}
-
-ShareEstimate share_of(const CellResult& cell, const Measure& event) {
-  const std::vector<double> values = values_of(cell, event);
-  const auto events = std::ranges::count_if(values, [](double value) { return value != 0.0; });
-  return estimate_share(static_cast<std::size_t>(events), values.size());
-}
-
-MeanEstimate mean_of(const CellResult& cell, const Measure& quantity) {
-  return estimate_mean(values_of(cell, quantity));
 }
 
 }  // namespace koboshi::tools

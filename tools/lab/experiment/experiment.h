@@ -5,31 +5,29 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include "tools/lab/experiment/statistics.h"
 
 namespace koboshi::tools {
 
 // An experiment plays the same trial in several cells, such as feedback off and on, for a run of seeds each.
 // A trial depends on its cell and seed alone, so that the results are the same in whatever order and on
 // however many cores the trials are played.
+//
+// The engine sees a trial as a record of numbers, one for each metric. The experiment itself works with a
+// struct of its own; a table of fields (tools/lab/experiment/field_table.h) converts one into the other.
 
-// What is measured in a trial. Its values are SI, its name ends in their unit.
-struct Measure {
-  enum class Kind { kEvent, kQuantity };  // 0 or 1, of which shares are told; or a number
-
-  std::string name;  // "speed_m_per_s", in CSV and JSON
-  Kind kind = Kind::kQuantity;
-  std::string label{};    // "speed [m/s]", in tables; empty: not in tables
-  double factor = 1.0;    // from SI to the label's unit
-  int decimals = 3;       // in tables
-  double tight_at = 0.0;  // a cell stops where all its intervals are within +- this of SI; 0: never mind
-  // Of an event: a cell stops where more than this share of all its seeds have had it.
-  double most_share = 1.0;
+// What a number of a trial is called, and how it is reported. Its unit is SI.
+struct Metric {
+  std::string name;        // "speed_m_per_s", in CSV and JSON; ends in the unit
+  std::string label{};     // "speed [m/s]", in tables; empty: not in tables
+  int decimals = 3;        // in tables
+  double factor = 1.0;     // from SI to the label's unit
+  double tight_at = 0.0;   // a cell stops when each such interval is within +- this, in SI; 0: not considered
+  double max_share = 1.0;  // of an event: a cell stops when more than this share of all its seeds have had it
+  bool is_event = false;   // 0 or 1, reported as a share of the trials; otherwise a quantity
 };
 
 struct Cell {
@@ -37,33 +35,44 @@ struct Cell {
   std::vector<std::pair<std::string, std::string>> settings;  // {"points", "8"}: the same names in all cells
 };
 
-// The values of a trial by the names of the measures. What has no finite value in this trial is left out.
-struct Values : std::map<std::string, double> {
-  using map::map;
-
-  std::string error{};  // that ended the trial; empty without
-
-  friend bool operator==(const Values&, const Values&) = default;
+// Cells of increasing difficulty: the engine plays the next one only if this one has not failed.
+struct Ladder {
+  std::string name;
+  std::string unit;                // of the levels
+  std::vector<std::size_t> cells;  // of the experiment, the easiest first
 };
 
+// The numbers of a trial, in the order of the metrics. Nothing where the trial has no finite value.
+struct Record {
+  std::vector<std::optional<double>> values{};
+  std::string error{};  // that ended the trial; empty without
+
+  friend bool operator==(const Record&, const Record&) = default;
+};
+
+struct Conclusions;       // tools/lab/experiment/report.h
+struct ExperimentResult;  // below
+
 struct Experiment {
-  std::string name;                 // "gyro-feedback"
-  std::vector<Measure> measures{};  // the first column first
-  std::vector<Cell> cells{};
-  std::uint64_t first_seed = 1;
+  std::string name;                                               // "gyro-feedback"
+  std::string title{};                                            // of a page that begins with its results
+  std::vector<Metric> metrics{};                                  // the first column first
+  std::vector<Cell> cells{};                                      //
+  std::vector<Ladder> ladders{};                                  // empty: all cells are played side by side
+  std::uint64_t first_seed = 1;                                   //
   std::size_t seeds = 1;                                          // of each cell, unless it stops early
   std::vector<std::pair<std::string, std::string>> conditions{};  // the same in all cells, for the reader
   std::string inputs{};  // a hash of whatever else a trial depends on
   // Plays the trial of a cell, by number, and a seed. Called from several threads at a time.
-  std::function<Values(std::size_t cell, std::uint64_t seed)> play{};
+  std::function<Record(std::size_t cell, std::uint64_t seed)> play{};
+  // Draws conclusions from the cells. May be empty.
+  std::function<Conclusions(const Experiment&, const ExperimentResult&)> conclude{};
 };
 
 struct Trial {
   std::size_t cell = 0;
   std::uint64_t seed = 0;
-  Values values{};
-
-  friend bool operator==(const Trial&, const Trial&) = default;
+  Record record{};
 };
 
 struct ExperimentProgress {
@@ -75,14 +84,20 @@ struct ExperimentProgress {
 struct ExperimentOptions {
   std::filesystem::path log{};  // where finished trials are kept and looked up; empty: nowhere
   std::size_t jobs = 1;         // threads
-  std::size_t batch = 10;       // seeds after which a cell is asked whether its intervals are tight enough
+  std::size_t batch = 10;       // seeds after which the engine checks whether a cell's intervals are tight
   // No trial begins when this has passed; those under way are finished.
   std::chrono::duration<double> budget = std::chrono::duration<double>::max();
   std::function<void(const ExperimentProgress&)> progress{};  // after each trial, one call at a time
 };
 
 // Why a cell has no more trials.
-enum class Stop { kAllSeeds, kTightEnough, kTooMany, kBudget };
+enum class Stop {
+  kAllSeeds,
+  kTightEnough,
+  kTooMany,     // more trials than Metric::max_share allows had an event
+  kBudget,      // the time was over
+  kNotReached,  // an easier cell of its ladder failed, or has not been finished; not part of the report
+};
 
 struct CellResult {
   Stop stop = Stop::kAllSeeds;
@@ -93,16 +108,13 @@ struct ExperimentResult {
   std::vector<CellResult> cells{};  // by cell
 };
 
-// Plays what the log does not hold yet. Rethrows what a trial throws, of several the first in the order of
+// Plays what the log does not hold yet. The levels of all ladders are played side by side, so that a budget
+// that runs out leaves all about as far. Rethrows what a trial throws, of several the first in the order of
 // seeds; finished trials stay in the log.
 [[nodiscard]] ExperimentResult play_experiment(const Experiment& experiment,
                                                const ExperimentOptions& options);
 
-// The values of a measure in the trials that have one.
-[[nodiscard]] std::vector<double> values_of(const CellResult& cell, const Measure& measure);
-// Whether more trials than Measure::most_share allows had an event.
-[[nodiscard]] bool has_too_many(const Experiment& experiment, const CellResult& cell);
-[[nodiscard]] ShareEstimate share_of(const CellResult& cell, const Measure& event);
-[[nodiscard]] MeanEstimate mean_of(const CellResult& cell, const Measure& quantity);
+// The values of a metric, by its place, in the trials that have one.
+[[nodiscard]] std::vector<double> values_of(const CellResult& cell, std::size_t metric);
 
 }  // namespace koboshi::tools

@@ -1,57 +1,63 @@
 #include "tools/lab/experiment/report.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
+#include <array>
 #include <map>
-#include <optional>
 #include <set>
-#include <string>
+#include <utility>
 
 #include "sim_board/input/text.h"
+#include "tools/lab/experiment/statistics.h"
 
 namespace koboshi::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-// nlohmann writes what is not a number as null.
-Json interval_json(const Interval& interval) { return Json::array({interval.low, interval.high}); }
+struct StopText {
+  const char* name;
+  const char* reason;
+};
 
-Json measure_json(const CellResult& cell, const Measure& measure) {
-  if (measure.kind == Measure::Kind::kEvent) {
-    const ShareEstimate share = share_of(cell, measure);
+StopText text_of(Stop stop) {
+  static constexpr std::array<StopText, 5> kTexts{{{"all_seeds", "all are played"},
+                                                   {"tight_enough", "the intervals are tight enough"},
+                                                   {"too_many", "too many had failed"},
+                                                   {"budget", "the time was over"},
+                                                   {"not_reached", "the ladder ended before"}}};
+  return kTexts.at(static_cast<std::size_t>(stop));
+}
+
+// Calls `act` with each cell that was reached and its result.
+template <typename Act>
+void for_each_cell(const Experiment& experiment, const ExperimentResult& result, const Act& act) {
+  for (std::size_t c = 0; c < experiment.cells.size(); ++c) {
+    if (result.cells[c].stop != Stop::kNotReached) act(experiment.cells[c], result.cells[c]);
+  }
+}
+
+// nlohmann writes what is not a number as null.
+Json metric_json(const Metric& metric, const std::vector<double>& values) {
+  if (metric.is_event) {
+    const ShareEstimate share = estimate_share(values);
     return {{"count", share.count},
             {"events", share.events},
             {"share", share.share},
-            {"confidence_95", interval_json(share.confidence_95)}};
+            {"confidence_95", {share.confidence_95.low, share.confidence_95.high}}};
   }
-  const MeanEstimate mean = mean_of(cell, measure);
+  const MeanEstimate mean = estimate_mean(values);
   return {{"count", mean.count},
           {"mean", mean.mean},
           {"standard_deviation", mean.standard_deviation},
-          {"confidence_95", interval_json(mean.confidence_95)}};
+          {"confidence_95", {mean.confidence_95.low, mean.confidence_95.high}}};
 }
 
 // Settings are text; programs get those that are numbers as numbers.
 Json setting_json(const std::string& value) {
   const std::optional<double> number = sim::parse_number(value);
   return number ? Json(*number) : Json(value);
-}
-
-std::string_view reason(Stop stop) {
-  switch (stop) {
-    case Stop::kAllSeeds:
-      return "all are played";
-    case Stop::kTightEnough:
-      return "the intervals are tight enough";
-    case Stop::kTooMany:
-      return "too many had failed";
-    case Stop::kBudget:
-      return "the time was over";
-  }
-  return {};
 }
 
 // A mean of a hair less than zero is zero, not -0.0.
@@ -61,155 +67,107 @@ std::string fixed_text(double value, int decimals) {
   return text;
 }
 
-std::string table_cell(const CellResult& cell, const Measure& measure) {
-  if (measure.kind == Measure::Kind::kEvent) {
-    const ShareEstimate share = share_of(cell, measure);
-    if (share.count == 0) return "-";
+std::string table_cell(const Metric& metric, const std::vector<double>& values, std::size_t trials) {
+  if (values.empty()) return "-";
+  if (metric.is_event) {
+    const ShareEstimate share = estimate_share(values);
     return fmt::format("{} of {} ({:.0f} .. {:.0f} %)", share.events, share.count,
                        100.0 * share.confidence_95.low, 100.0 * share.confidence_95.high);
   }
-  const MeanEstimate mean = mean_of(cell, measure);
-  if (mean.count == 0) return "-";
-  const std::string value = fixed_text(measure.factor * mean.mean, measure.decimals);
+  const MeanEstimate mean = estimate_mean(values);
+  const std::string value = fixed_text(metric.factor * mean.mean, metric.decimals);
   if (mean.count == 1) return value;
-  const std::string reach =
-      fmt::format("{:.{}f}", measure.factor * mean.confidence_95.half_width(), measure.decimals);
-  const std::string few = mean.count < cell.played.size() ? fmt::format(" (n = {})", mean.count) : "";
-  return value + " +- " + reach + few;
-}
-
-std::string padded(const std::string& text, std::size_t width, bool first) {
-  return first ? fmt::format("{:<{}}", text, width) : fmt::format("{:>{}}", text, width);
-}
-
-}  // namespace
-
-std::string stop_name(Stop stop) {
-  switch (stop) {
-    case Stop::kAllSeeds:
-      return "all_seeds";
-    case Stop::kTightEnough:
-      return "tight_enough";
-    case Stop::kTooMany:
-      return "too_many";
-    case Stop::kBudget:
-      return "budget";
-  }
-  return {};
-}
-
-std::string table_text(const Row& head, const std::vector<Row>& rows, TableStyle style) {
-  const bool markdown = style == TableStyle::kMarkdown;
-  std::vector<std::size_t> widths(head.size());
-  for (std::size_t c = 0; c < head.size(); ++c) {
-    widths[c] = head[c].size();
-    for (const Row& row : rows) widths[c] = std::max(widths[c], row.at(c).size());
-  }
-  const auto line = [&](const Row& row) {
-    std::string text = markdown ? "|" : "";
-    for (std::size_t c = 0; c < row.size(); ++c) {
-      if (markdown) {
-        text += " " + row[c] + " |";
-      } else {
-        text += (c > 0 ? "  " : "") + padded(row[c], widths[c], c == 0);
-      }
-    }
-    return text + "\n";
-  };
-  std::string text = line(head);
-  if (markdown) {
-    text += "|";
-    for (std::size_t c = 0; c < head.size(); ++c) text += c == 0 ? " --- |" : " ---: |";
-    text += "\n";
-  }
-  for (const Row& row : rows) text += line(row);
-  return text;
-}
-
-std::string result_table(const Experiment& experiment, const ExperimentResult& result, TableStyle style) {
-  Row head;
-  for (const auto& [name, value] : experiment.cells.front().settings) head.push_back(name);
-  head.push_back("trials");
-  for (const Measure& measure : experiment.measures) {
-    if (!measure.label.empty()) head.push_back(measure.label);
-  }
-  std::vector<Row> rows;
-  for (std::size_t c = 0; c < experiment.cells.size(); ++c) {
-    Row row;
-    for (const auto& [name, value] : experiment.cells[c].settings) row.push_back(value);
-    row.push_back(std::to_string(result.cells[c].played.size()));
-    for (const Measure& measure : experiment.measures) {
-      if (!measure.label.empty()) row.push_back(table_cell(result.cells[c], measure));
-    }
-    rows.push_back(row);
-  }
-  return table_text(head, rows, style);
+  const double reach = metric.factor * mean.confidence_95.half_width();
+  const std::string few = mean.count < trials ? fmt::format(" (n = {})", mean.count) : "";
+  return fmt::format("{} +- {:.{}f}{}", value, reach, metric.decimals, few);
 }
 
 // Which cells have fewer seeds than they should, one line for each reason.
 std::string stop_notes(const Experiment& experiment, const ExperimentResult& result) {
   struct Stopped {
-    std::string names;
-    std::size_t cells = 0;
-    std::size_t fewest = std::numeric_limits<std::size_t>::max();
-    std::size_t most = 0;
+    std::vector<std::string> names;
+    std::set<std::size_t> seeds;
   };
   constexpr std::size_t kNamed = 4;
   std::map<std::string, Stopped> by_reason;
-  for (std::size_t c = 0; c < experiment.cells.size(); ++c) {
-    const CellResult& cell = result.cells[c];
-    if (cell.stop == Stop::kAllSeeds || cell.played.size() >= experiment.seeds) continue;
-    Stopped& stopped = by_reason[std::string(reason(cell.stop))];
-    if (stopped.cells < kNamed) stopped.names += (stopped.cells > 0 ? ", " : "") + experiment.cells[c].name;
-    ++stopped.cells;
-    stopped.fewest = std::min(stopped.fewest, cell.played.size());
-    stopped.most = std::max(stopped.most, cell.played.size());
-  }
+  std::size_t cells = 0;
+  for_each_cell(experiment, result, [&](const Cell& cell, const CellResult& played) {
+    ++cells;
+    if (played.stop == Stop::kAllSeeds || played.played.size() >= experiment.seeds) return;
+    Stopped& stopped = by_reason[text_of(played.stop).reason];
+    stopped.names.push_back(cell.name);
+    stopped.seeds.insert(played.played.size());
+  });
   std::string notes;
   for (const auto& [why, stopped] : by_reason) {
-    const std::string names = stopped.cells > kNamed
-                                  ? fmt::format("{} of {} cells", stopped.cells, experiment.cells.size())
-                                  : stopped.names;
-    const std::string played = stopped.fewest == stopped.most
-                                   ? std::to_string(stopped.most)
-                                   : fmt::format("{} to {}", stopped.fewest, stopped.most);
-    notes += fmt::format("{}: stopped after {} of {} seeds, {}\n", names, played, experiment.seeds, why);
+    const auto& [names, seeds] = stopped;
+    notes += names.size() > kNamed ? fmt::format("{} of {} cells", names.size(), cells)
+                                   : fmt::format("{}", fmt::join(names, ", "));
+    notes += fmt::format(": stopped after {} of {} seeds, {}\n",
+                         seeds.size() == 1 ? std::to_string(*seeds.begin())
+                                           : fmt::format("{} to {}", *seeds.begin(), *seeds.rbegin()),
+                         experiment.seeds, why);
   }
   return notes;
 }
 
+}  // namespace
+
+std::string stop_name(Stop stop) { return text_of(stop).name; }
+
+std::string result_table(const Experiment& experiment, const ExperimentResult& result, TableStyle style) {
+  Row head;
+  for (const auto& [name, value] : experiment.cells.front().settings) head.push_back(name);
+  head.push_back("trials");
+  for (const Metric& metric : experiment.metrics) {
+    if (!metric.label.empty()) head.push_back(metric.label);
+  }
+  std::vector<Row> rows;
+  for_each_cell(experiment, result, [&](const Cell& cell, const CellResult& played) {
+    Row& row = rows.emplace_back();
+    for (const auto& [name, value] : cell.settings) row.push_back(value);
+    row.push_back(std::to_string(played.played.size()));
+    for (std::size_t i = 0; i < experiment.metrics.size(); ++i) {
+      const Metric& metric = experiment.metrics[i];
+      if (!metric.label.empty())
+        row.push_back(table_cell(metric, values_of(played, i), played.played.size()));
+    }
+  });
+  return table_text(head, rows, style);
+}
+
 std::string notes(const Experiment& experiment, const ExperimentResult& result) {
   std::string notes;
-  for (std::size_t c = 0; c < experiment.cells.size(); ++c) {
-    const CellResult& cell = result.cells[c];
-    const std::string& name = experiment.cells[c].name;
-    for (const Measure& measure : experiment.measures) {
-      if (measure.kind != Measure::Kind::kEvent || !measure.label.empty()) continue;
-      const ShareEstimate share = share_of(cell, measure);
+  for_each_cell(experiment, result, [&](const Cell& cell, const CellResult& played) {
+    for (std::size_t i = 0; i < experiment.metrics.size(); ++i) {
+      const Metric& metric = experiment.metrics[i];
+      if (!metric.is_event || !metric.label.empty()) continue;
+      const ShareEstimate share = estimate_share(values_of(played, i));
       if (share.events > 0)
-        notes += fmt::format("{}: {} of {} {}\n", name, share.events, share.count, measure.name);
+        notes += fmt::format("{}: {} of {} {}\n", cell.name, share.events, share.count, metric.name);
     }
-    std::set<std::string> told;  // each error with the first seed that met it
-    for (const Trial& trial : cell.played) {
-      const std::string& error = trial.values.error;
-      if (!error.empty() && told.insert(error).second)
-        notes += fmt::format("{}: seed {}: {}\n", name, trial.seed, error);
+    std::set<std::string> seen;  // each error is shown with the first seed that met it
+    for (const Trial& trial : played.played) {
+      const std::string& error = trial.record.error;
+      if (!error.empty() && seen.insert(error).second)
+        notes += fmt::format("{}: seed {}: {}\n", cell.name, trial.seed, error);
     }
-  }
+  });
   return notes + stop_notes(experiment, result);
 }
 
 Json to_json(const Experiment& experiment, const ExperimentResult& result) {
   Json cells = Json::array();
-  for (std::size_t c = 0; c < experiment.cells.size(); ++c) {
-    const CellResult& cell = result.cells[c];
-    Json json{{"cell", experiment.cells[c].name}};
-    for (const auto& [name, value] : experiment.cells[c].settings) json[name] = setting_json(value);
-    json["trials"] = cell.played.size();
-    json["stop"] = stop_name(cell.stop);
-    for (const Measure& measure : experiment.measures) json[measure.name] = measure_json(cell, measure);
+  for_each_cell(experiment, result, [&](const Cell& cell, const CellResult& played) {
+    Json json{{"cell", cell.name}};
+    for (const auto& [name, value] : cell.settings) json[name] = setting_json(value);
+    json["trials"] = played.played.size();
+    json["stop"] = stop_name(played.stop);
+    for (std::size_t i = 0; i < experiment.metrics.size(); ++i) {
+      json[experiment.metrics[i].name] = metric_json(experiment.metrics[i], values_of(played, i));
+    }
     cells.push_back(json);
-  }
+  });
   Json json{{"experiment", experiment.name},
             {"first_seed", experiment.first_seed},
             {"seeds", experiment.seeds},
@@ -220,23 +178,20 @@ Json to_json(const Experiment& experiment, const ExperimentResult& result) {
 }
 
 std::string to_csv(const Experiment& experiment, const ExperimentResult& result) {
-  std::string csv;
-  for (const auto& [name, value] : experiment.cells.front().settings) csv += name + ",";
-  csv += "seed";
-  for (const Measure& measure : experiment.measures) csv += "," + measure.name;
-  csv += "\n";
-  for (std::size_t c = 0; c < experiment.cells.size(); ++c) {
-    for (const Trial& trial : result.cells[c].played) {
-      for (const auto& [name, value] : experiment.cells[c].settings) csv += value + ",";
-      csv += std::to_string(trial.seed);
-      for (const Measure& measure : experiment.measures) {
-        const auto value = trial.values.find(measure.name);
-        csv += "," + (value == trial.values.end() ? std::string() : sim::number_text(value->second));
-      }
-      csv += "\n";
+  Row head;
+  for (const auto& [name, value] : experiment.cells.front().settings) head.push_back(name);
+  head.push_back("seed");
+  for (const Metric& metric : experiment.metrics) head.push_back(metric.name);
+  std::vector<Row> rows;
+  for_each_cell(experiment, result, [&](const Cell& cell, const CellResult& played) {
+    for (const Trial& trial : played.played) {
+      Row& row = rows.emplace_back();
+      for (const auto& [name, value] : cell.settings) row.push_back(value);
+      row.push_back(std::to_string(trial.seed));
+      for (const auto& value : trial.record.values) row.push_back(value ? csv_cell(*value) : "");
     }
-  }
-  return csv;
+  });
+  return table_text(head, rows, TableStyle::kCsv);
 }
 
 }  // namespace koboshi::tools

@@ -47,6 +47,11 @@ ShareEstimate estimate_share(std::size_t events, std::size_t count) {
   return {count, events, share, {low, high}};
 }
 
+ShareEstimate estimate_share(std::span<const double> values) {
+  const auto events = std::ranges::count_if(values, [](double value) { return value != 0.0; });
+  return estimate_share(static_cast<std::size_t>(events), values.size());
+}
+
 QuantileEstimate estimate_quantile(std::span<const double> values, double share) {
   if (values.empty()) return {0, kNotANumber, {kNotANumber, kNotANumber}};
   std::vector<double> sorted(values.begin(), values.end());

@@ -34,6 +34,8 @@ struct ShareEstimate {
 
 // `events` of `count`, at most all.
 ShareEstimate estimate_share(std::size_t events, std::size_t count);
+// The share of the values that are not 0.
+ShareEstimate estimate_share(std::span<const double> values);
 
 // The value below which a share of all values of a quantity lies.
 struct QuantileEstimate {

@@ -1,12 +1,15 @@
 #include "tools/lab/trial/commanded_walk.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
 #include "sim_board/scenario/reader.h"
 #include "sim_board/world/options.h"
 #include "tools/lab/experiment/files.h"
+#include "tools/lab/trial/perturbation.h"
 
 namespace koboshi::tools {
 
@@ -35,15 +38,35 @@ StandingStart read_standing_start(const std::filesystem::path& scenario,
   return start;
 }
 
-Experiment begin_experiment(const std::string& name, const CommandedWalkOptions& options,
+Eigen::Vector3d random_velocity(sim::RandomStream& random) {
+  const double forward = between(random, -0.15, 0.22);
+  const double left = between(random, -0.06, 0.06);
+  return {forward, left, between(random, -0.5, 0.5)};
+}
+
+sim::Scenario with_failing_drive(const StandingStart& start, sim::RandomStream& random, double walk_s,
+                                 double after_s) {
+  static constexpr std::array<const char*, 4> kJoints{"left_knee", "right_knee", "left_hip_pitch",
+                                                      "right_ankle_pitch"};
+  sim::Scenario scenario = start.walking(random_velocity(random), walk_s + after_s);
+  const auto joint = static_cast<std::size_t>(random.uniform() * kJoints.size());
+  sim::Fault& fault = scenario.faults.emplace_back();
+  fault.at_us = start.ready_us + to_us(walk_s);
+  fault.kind = sim::Fault::Kind::kDrivePowerLoss;
+  fault.target = {kJoints[joint], "an experiment", 0};
+  return scenario;
+}
+
+Experiment begin_experiment(const std::string& name, const std::string& title, const ExperimentSetup& setup,
                             const sim::Scenario& scenario,
-                            const std::vector<std::pair<std::string, std::string>>& conditions) {
-  Experiment experiment{.name = name, .first_seed = options.first_seed, .seeds = options.seeds};
+                            const std::vector<std::pair<std::string, double>>& conditions) {
+  Experiment experiment{.name = name, .title = title, .first_seed = setup.first_seed, .seeds = setup.seeds};
   experiment.conditions = {{"stepper", std::string(sim::name_of(scenario.physics.stepper))}};
-  experiment.conditions.insert(experiment.conditions.end(), conditions.begin(), conditions.end());
+  for (const auto& [key, value] : conditions)
+    experiment.conditions.emplace_back(key, sim::number_text(value));
   std::vector<std::string> texts;
   for (const auto& [key, value] : experiment.conditions) texts.insert(texts.end(), {key, value});
-  for (const sim::Override& item : options.overrides) texts.insert(texts.end(), {item.path, item.value});
+  for (const sim::Override& item : setup.overrides) texts.insert(texts.end(), {item.path, item.value});
   experiment.inputs = hash_inputs(sim::input_files(scenario), texts);
   return experiment;
 }

@@ -32,13 +32,13 @@ void ContactObserver::observe() {
 }
 
 void ContactObserver::observe_contacts() {
-  if (!world_.contacts().empty()) ++contact_steps_;
+  if (!world_.contacts().empty()) ++extremes_.contact_steps;
   for (const sim::Contact& contact : world_.contacts()) {
-    deepest_m_ = std::max(deepest_m_, contact.depth_m);
-    largest_force_N_ = std::max(largest_force_N_, contact.f_W.norm());
+    extremes_.deepest_m = std::max(extremes_.deepest_m, contact.depth_m);
+    extremes_.largest_force_N = std::max(extremes_.largest_force_N, contact.f_W.norm());
     // A contact that opens faster than its overlap asks for needs no force.
     if (contact.f_W.dot(contact.n_W) > 0.0 || closing_m_per_s(contact) <= 0.0) continue;
-    deepest_without_force_m_ = std::max(deepest_without_force_m_, contact.depth_m);
+    extremes_.deepest_without_force_m = std::max(extremes_.deepest_without_force_m, contact.depth_m);
   }
 }
 

@@ -17,6 +17,14 @@ struct LinkPair {
 };
 [[nodiscard]] std::vector<LinkPair> link_pairs(const sim::RobotDescription& robot);
 
+// The extremes of the contacts of a world.
+struct ContactExtremes {
+  std::uint64_t contact_steps = 0;       // observed with at least one contact
+  double deepest_m = 0.0;                // of all contacts, with the ground too
+  double deepest_without_force_m = 0.0;  // of contacts whose surfaces go on closing, and that feel no force
+  double largest_force_N = 0.0;
+};
+
 // Observes whether the contacts of a world do what contacts must: bear a force where surfaces overlap, and
 // keep links out of each other.
 class ContactObserver {
@@ -27,11 +35,7 @@ class ContactObserver {
   // After each step, or less often.
   void observe();
 
-  std::uint64_t contact_steps() const { return contact_steps_; }  // observed with at least one contact
-  double deepest_m() const { return deepest_m_; }                 // of all contacts, with the ground too
-  // The deepest contact whose surfaces went on closing, and that felt no force.
-  double deepest_without_force_m() const { return deepest_without_force_m_; }
-  double largest_force_N() const { return largest_force_N_; }
+  const ContactExtremes& extremes() const { return extremes_; }
   const std::vector<LinkPair>& pairs() const { return pairs_; }
 
  private:
@@ -41,10 +45,7 @@ class ContactObserver {
 
   const sim::RobotDescription& robot_;
   const sim::World& world_;
-  std::uint64_t contact_steps_ = 0;
-  double deepest_m_ = 0.0;
-  double deepest_without_force_m_ = 0.0;
-  double largest_force_N_ = 0.0;
+  ContactExtremes extremes_;
   std::vector<LinkPair> pairs_;
 };
 

@@ -16,7 +16,7 @@ void FallObserver::observe(const simulation::Simulation& simulation,
   const double time_s = world.time_s();
   follow_state(recorder.telemetry().state, recorder.telemetry().reason, time_s);
   look_at_ground(world, time_s);
-  if (attempts_ > 0) look_at_servos(simulation.board());
+  if (history_.attempts > 0) look_at_servos(simulation.board());
   keep_parts(simulation.robot(), world);
 }
 
@@ -34,33 +34,34 @@ void FallObserver::begin(const simulation::Simulation& simulation) {
 void FallObserver::follow_state(State state, behaviour::Reason reason, double time_s) {
   if (state == state_) return;
   if (state == State::kFalling) {
-    ++falls_;
-    if (!foreseen_s_) foreseen_s_ = time_s;
+    ++history_.falls;
+    if (!history_.foreseen_s) history_.foreseen_s = time_s;
   }
-  if (state == State::kRighting && state_ == State::kFallen) ++attempts_;
-  if (state == State::kStanding && state_ == State::kSteadying) ++stands_;
+  if (state == State::kRighting && state_ == State::kFallen) ++history_.attempts;
+  if (state == State::kStanding && state_ == State::kSteadying) ++history_.stands;
   const bool begins = state == State::kRolling || state == State::kRising;
-  if (begins && lay_ == behaviour::Reason::kNone) lay_ = reason;
+  if (begins && history_.lay == behaviour::Reason::kNone) history_.lay = reason;
   state_ = state;
 }
 
 void FallObserver::look_at_ground(const sim::World& world, double time_s) {
   for (const sim::Contact& contact : world.contacts()) {
     if (contact.other_link >= 0 || is_foot_[static_cast<std::size_t>(contact.link)]) continue;
-    if (!touched_s_) touched_s_ = time_s;
+    if (!history_.touched_s) history_.touched_s = time_s;
     const auto part = std::ranges::find(parts_, contact.link, &Part::link);
-    if (part == parts_.end() || impact_m_per_s_) continue;
+    if (part == parts_.end() || history_.impact_m_per_s) continue;
     const Eigen::Vector3d v = part->v_WCom_W + part->w_WL_W.cross(contact.p_W - part->p_WCom_W);
-    impact_m_per_s_ = std::max(0.0, -v.dot(contact.n_W));
+    history_.impact_m_per_s = std::max(0.0, -v.dot(contact.n_W));
   }
 }
 
 void FallObserver::look_at_servos(const sim::SimBoard& board) {
   for (std::size_t joint = 0; joint < board.robot().joints.size(); ++joint) {
     const double torque_Nm = std::abs(board.world().joint(static_cast<int>(joint)).servo_Nm);
-    peak_torque_Nm_ = std::max(peak_torque_Nm_, torque_Nm);
-    peak_motor_torque_Nm_ = std::max(peak_motor_torque_Nm_, std::abs(board.drive(joint).torque_Nm()));
-    peak_winding_C_ = std::max(peak_winding_C_, board.drive(joint).winding_C());
+    history_.peak_torque_Nm = std::max(history_.peak_torque_Nm, torque_Nm);
+    history_.peak_motor_torque_Nm =
+        std::max(history_.peak_motor_torque_Nm, std::abs(board.drive(joint).torque_Nm()));
+    history_.peak_winding_C = std::max(history_.peak_winding_C, board.drive(joint).winding_C());
   }
 }
 

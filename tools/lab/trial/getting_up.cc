@@ -38,7 +38,8 @@ std::optional<double> GettingUp::stood_s() const {
   return 1e-6 * static_cast<double>(*stands_since_us_ - begin_us_);
 }
 
-Values play_getting_up(const sim::Scenario& scenario, const PerturbationBounds& bounds, std::uint64_t seed) {
+GettingUpTrial play_getting_up(const sim::Scenario& scenario, const PerturbationBounds& bounds,
+                               std::uint64_t seed) {
   GettingUp getting_up(scenario);
   const auto is_over = [&](const simulation::Simulation& simulation,
                            const simulation::RunRecorder& recorder) {
@@ -46,12 +47,10 @@ Values play_getting_up(const sim::Scenario& scenario, const PerturbationBounds& 
     return now_us > 0 && now_us % sim::SimBoard::kTick_us == 0 &&
            getting_up.observe(recorder.truth(), now_us);
   };
-  Values values = watch_in_world(scenario, bounds, seed, is_over);
-  const auto stood_s = getting_up.stood_s();
-  values["stood"] = stood_s && values.at("failed") == 0.0 && values.at("energy_guard") == 0.0 ? 1.0 : 0.0;
-  if (stood_s) values["stood_s"] = *stood_s;
-  values["uprightness"] = getting_up.uprightness();
-  return values;
+  GettingUpTrial trial{watch_in_world(scenario, bounds, seed, is_over)};
+  if (trial.error.empty()) trial.stood_s = getting_up.stood_s();
+  trial.uprightness = getting_up.uprightness();
+  return trial;
 }
 
 }  // namespace koboshi::tools

@@ -23,8 +23,8 @@ class GettingUp {
   // From the command until the robot stood, within 15 degrees of upright and turning by less than 0.15 rad/s,
   // and stayed so to the end; nothing when it does not.
   std::optional<double> stood_s() const;
-  // 0 for who lies on its head, 1 for who stands upright: half of it the trunk's tilt, half its height, as a
-  // share of that which the joints' targets would give it.
+  // 0 for a robot on its head, 1 for one that stands upright: half of it comes from the trunk's tilt, half
+  // from its height, as a share of the height at the joints' targets.
   double uprightness() const { return uprightness_; }
 
  private:
@@ -33,9 +33,14 @@ class GettingUp {
   double uprightness_ = 0.0;
 };
 
+struct GettingUpTrial : ScenarioTrial {
+  std::optional<double> stood_s{};      // as GettingUp::stood_s
+  std::optional<double> uprightness{};  // at the end
+};
+
 // Plays a scenario in which a robot gets up, in the world that a seed draws within these bounds, until it
-// stands. The values are those of watch_in_world, with `stood`, `stood_s` and `uprightness`.
-[[nodiscard]] Values play_getting_up(const sim::Scenario& scenario, const PerturbationBounds& bounds,
-                                     std::uint64_t seed);
+// stands.
+[[nodiscard]] GettingUpTrial play_getting_up(const sim::Scenario& scenario, const PerturbationBounds& bounds,
+                                             std::uint64_t seed);
 
 }  // namespace koboshi::tools

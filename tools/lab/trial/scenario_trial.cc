@@ -1,9 +1,10 @@
 #include "tools/lab/trial/scenario_trial.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <mutex>
-
-#include "tools/lab/trial/outcome.h"
 
 namespace koboshi::tools {
 namespace {
@@ -16,67 +17,42 @@ std::unique_ptr<simulation::Simulation> make_simulation(const sim::Scenario& sce
   return std::make_unique<simulation::Simulation>(scenario, simulation::in_process(), change);
 }
 
-// How a run ended, and what the firmware did in it.
-struct Played {
-  bool blew_up = false;
-  bool failed = false;
-  bool low_supply = false;
-  bool gave_up = false;
-  std::string error{};  // that ended it
-};
-
-void follow_state(const simulation::Telemetry& said, Played& played) {
+// The firmware's reason for having stopped, worst first.
+void follow_state(const simulation::Telemetry& telemetry, Outcome& outcome) {
   using behaviour::State;
-  const bool supply_low = said.reason == behaviour::Reason::kSupplyLow;
-  played.low_supply = played.low_supply || said.state == State::kLowBattery || supply_low;
-  played.gave_up = played.gave_up || said.state == State::kFalling || said.state == State::kFault ||
-                   said.state == State::kEmergencyStop;
-}
-
-Played play_until(simulation::Simulation& simulation, simulation::RunRecorder& recorder,
-                  const Watch& is_over) {
-  Played played;
-  try {
-    while (!simulation.finished() && !is_over(simulation, recorder)) {
-      simulation.advance();
-      recorder.record();
-      follow_state(recorder.telemetry(), played);
-    }
-  } catch (const sim::WorldBlewUp& error) {
-    played.blew_up = true;
-    played.error = error.what();
-  } catch (const std::runtime_error& error) {
-    played.failed = true;
-    played.error = error.what();
+  const State state = telemetry.state;
+  if (state == State::kLowBattery || telemetry.reason == behaviour::Reason::kSupplyLow) {
+    outcome = Outcome::kLowSupply;
+  } else if (state == State::kFalling || state == State::kFault || state == State::kEmergencyStop) {
+    outcome = std::min(outcome, Outcome::kGaveUp);
   }
-  return played;
 }
 
-Values watch_scenario(const sim::Scenario& scenario, const simulation::RobotChange& change,
-                      const Watch& is_over) {
+ScenarioTrial watch_scenario(const sim::Scenario& scenario, const simulation::RobotChange& change,
+                             const Watch& is_over) {
   const std::unique_ptr<simulation::Simulation> simulation = make_simulation(scenario, change);
   simulation::RunRecorder recorder(*simulation, nullptr);
-  const Played played = play_until(*simulation, recorder, is_over);
-  Values values;
-  const nlohmann::ordered_json summary = sim::to_json(recorder.summary());
-  for (const auto& [key, value] : summary.items()) {
-    if (value.is_number()) values[key] = value.get<double>();
-    if (value.is_boolean()) values[key] = value.get<bool>() ? 1.0 : 0.0;
+  ScenarioTrial trial;
+  try {
+    while (!simulation->finished() && !is_over(*simulation, recorder)) {
+      simulation->advance();
+      recorder.record();
+      follow_state(recorder.telemetry(), trial.outcome);
+    }
+    if (recorder.fell()) trial.outcome = Outcome::kFell;
+  } catch (const sim::WorldBlewUp& error) {
+    trial.outcome = Outcome::kEnergyGuard;
+    trial.error = error.what();
+  } catch (const std::runtime_error& error) {
+    trial.outcome = Outcome::kFailed;
+    trial.error = error.what();
   }
-  const bool fell = recorder.fell();
-  bool lost = false;
-  const auto set = [&](const char* name, bool happened) {
-    values[name] = happened && !lost ? 1.0 : 0.0;
-    lost = lost || happened;
-  };
-  set("energy_guard", played.blew_up);
-  set("failed", played.failed);
-  set("fell", fell);
-  set("low_supply", played.low_supply);
-  set("gave_up", played.gave_up);
-  values[kLost] = lost ? 1.0 : 0.0;
-  values.error = played.error;
-  return values;
+  const sim::RunSummary summary = recorder.summary();
+  trial.duration_s = summary.duration_s;
+  trial.faults = summary.faults;
+  trial.foot_slip_max_m = summary.foot_slip_max_m;
+  if (summary.walk) trial.walk = *summary.walk;
+  return trial;
 }
 
 simulation::RobotChange robot_of(const PerturbationBounds& bounds, std::uint64_t seed) {
@@ -85,22 +61,36 @@ simulation::RobotChange robot_of(const PerturbationBounds& bounds, std::uint64_t
 
 }  // namespace
 
-Values play_scenario(const sim::Scenario& scenario, const simulation::RobotChange& change,
-                     const IsOver& is_over) {
+sim::WalkSummary no_walk() {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  return {kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
+}
+
+bool ScenarioTrial::walked() const { return !std::isnan(walk.distance_m); }
+
+Outcome outcome_at_end(const ScenarioTrial& trial, behaviour::State state) {
+  if (!trial.error.empty()) return trial.outcome;
+  if (state == behaviour::State::kLowBattery) return Outcome::kLowSupply;
+  const bool faulted = state == behaviour::State::kFault || state == behaviour::State::kEmergencyStop;
+  return faulted ? Outcome::kGaveUp : Outcome::kSurvived;
+}
+
+ScenarioTrial play_scenario(const sim::Scenario& scenario, const simulation::RobotChange& change,
+                            const IsOver& is_over) {
   return watch_scenario(scenario, change,
                         [&](const simulation::Simulation&, const simulation::RunRecorder& recorder) {
                           return recorder.fell() || (is_over && is_over(recorder));
                         });
 }
 
-Values watch_in_world(sim::Scenario scenario, const PerturbationBounds& bounds, std::uint64_t seed,
-                      const Watch& is_over) {
+ScenarioTrial watch_in_world(sim::Scenario scenario, const PerturbationBounds& bounds, std::uint64_t seed,
+                             const Watch& is_over) {
   perturb_scenario(scenario, bounds, seed);
   return watch_scenario(scenario, robot_of(bounds, seed), is_over);
 }
 
-Values play_in_world(sim::Scenario scenario, const PerturbationBounds& bounds, std::uint64_t seed,
-                     const IsOver& is_over) {
+ScenarioTrial play_in_world(sim::Scenario scenario, const PerturbationBounds& bounds, std::uint64_t seed,
+                            const IsOver& is_over) {
   perturb_scenario(scenario, bounds, seed);
   return play_scenario(scenario, robot_of(bounds, seed), is_over);
 }

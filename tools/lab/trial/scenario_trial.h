@@ -2,32 +2,53 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 
+#include "sim_board/record/summary.h"
 #include "sim_board/scenario/scenario.h"
 #include "simulation/observe/run_recorder.h"
 #include "simulation/scenario/simulation.h"
-#include "tools/lab/experiment/experiment.h"
+#include "tools/lab/trial/outcome.h"
 #include "tools/lab/trial/perturbation.h"
 
 namespace koboshi::tools {
 
-// Asked after each millisecond whether there is nothing left to see.
+// A walk of which nothing was measured: every figure is NaN.
+[[nodiscard]] sim::WalkSummary no_walk();
+
+// A scenario that was played to its end.
+struct ScenarioTrial {
+  Outcome outcome = Outcome::kSurvived;
+  std::string error{};
+  double duration_s = 0.0;
+  std::uint64_t faults = 0;
+  double foot_slip_max_m = 0.0;
+  sim::WalkSummary walk = no_walk();
+
+  bool lost() const { return outcome != Outcome::kSurvived; }
+  bool walked() const;
+};
+
+// The outcome of a trial in which the robot may fall and get up again: lost if it ended by an error, or with
+// the firmware in this state.
+[[nodiscard]] Outcome outcome_at_end(const ScenarioTrial& trial, behaviour::State state);
+
+// Asked after each millisecond whether the trial is over.
 using IsOver = std::function<bool(const simulation::RunRecorder&)>;
-// The same of who looks at more than is recorded.
+// The same for observers that look at more than is recorded.
 using Watch = std::function<bool(simulation::Simulation&, const simulation::RunRecorder&)>;
 
-// Plays a scenario in this process, without leaving files, to its end or until it is over or the robot has
-// fallen. The values are the numbers and truths of summary.json, and the outcome
-// (tools/lab/trial/outcome.h). May be called from several threads at a time. Throws sim::InputError.
-[[nodiscard]] Values play_scenario(const sim::Scenario& scenario, const simulation::RobotChange& change,
-                                   const IsOver& is_over = {});
+// Plays a scenario in this process, without leaving files, until it ends, is over or the robot has fallen.
+// May be called from several threads at a time. Throws sim::InputError.
+[[nodiscard]] ScenarioTrial play_scenario(const sim::Scenario& scenario,
+                                          const simulation::RobotChange& change, const IsOver& is_over = {});
 
 // The same in the world that a seed draws within these bounds.
-[[nodiscard]] Values play_in_world(sim::Scenario scenario, const PerturbationBounds& bounds,
-                                   std::uint64_t seed, const IsOver& is_over = {});
+[[nodiscard]] ScenarioTrial play_in_world(sim::Scenario scenario, const PerturbationBounds& bounds,
+                                          std::uint64_t seed, const IsOver& is_over = {});
 
-// The same, to its end or until the watch says so: who falls may get up again.
-[[nodiscard]] Values watch_in_world(sim::Scenario scenario, const PerturbationBounds& bounds,
-                                    std::uint64_t seed, const Watch& is_over);
+// The same, but a fall does not end the trial.
+[[nodiscard]] ScenarioTrial watch_in_world(sim::Scenario scenario, const PerturbationBounds& bounds,
+                                           std::uint64_t seed, const Watch& is_over);
 
 }  // namespace koboshi::tools

@@ -6,19 +6,18 @@
 
 #include "sim_board/input/yaml_reader.h"
 #include "sim_board/scenario/paths.h"
-#include "tools/lab/trial/outcome.h"
 
 namespace koboshi::tools {
 namespace {
 
 constexpr sim::NumberRange kAny{.min = -1e6, .max = 1e6};
 
-StudiedNumber read_number(const std::string& path, const sim::YamlValue& value) {
+SearchedNumber read_number(const std::string& path, const sim::YamlValue& value) {
   const sim::YamlMap map = value.map();
   const std::vector<double> range = map.numbers("range", 2, kAny);
   if (!(range[0] < range[1]))
     throw map.error_at("range", "a range that ends before it begins", "[low, high]");
-  StudiedNumber number{.path = path, .low = range[0], .high = range[1]};
+  SearchedNumber number{.path = path, .low = range[0], .high = range[1]};
   number.grid = map.number("grid", {.min = 1e-9, .max = range[1] - range[0]});
   number.start = map.number("start", {.min = range[0], .max = range[1]});
   return number;
@@ -77,36 +76,34 @@ Study read_study(const std::filesystem::path& file) {
   return study;
 }
 
-double worth(const StudiedTrial& trial, const Values& values, double duration_s) {
+double worth(const StudiedTrial& trial, const GettingUpTrial& played, double duration_s) {
   using enum StudiedTrial::Reward;
   constexpr double kStrayCost = 0.25;  // of a way off the wanted one that is as long
   if (trial.reward == kStandUp) {
-    if (values.at("stood") == 0.0) return values.at("uprightness") - 1.0;
-    return trial.wanted / std::max(values.at("stood_s"), trial.wanted);
+    if (!played.stood_s) return played.uprightness.value_or(0.0) - 1.0;
+    return trial.wanted / std::max(*played.stood_s, trial.wanted);
   }
-  if (values.at(kLost) != 0.0) return values.at("duration_s") / duration_s - 1.0;
+  if (played.lost()) return played.duration_s / duration_s - 1.0;
   if (trial.reward == kSurvival) return 1.0;
-  if (!values.contains("distance_m")) return -1.0;  // it has not even begun
-  const double speed = values.at("speed_m_per_s");
-  const double ahead_m = values.at("distance_m");
-  const double left_m = values.at("lateral_drift_m");
-  const double turn_rad = values.at("heading_drift_rad");
-  const double time_s = std::abs(speed) > 1e-6 ? ahead_m / speed : duration_s;
+  if (!played.walked()) return -1.0;  // it has not even begun
+  const sim::WalkSummary& walk = played.walk;
+  const double time_s =
+      std::abs(walk.speed_m_per_s) > 1e-6 ? walk.distance_m / walk.speed_m_per_s : duration_s;
   double made = 0.0;
   double strayed = 0.0;
   switch (trial.reward) {
     case kForward:
     case kBackward:
-      made = trial.reward == kForward ? ahead_m : -ahead_m;
-      strayed = std::abs(left_m);
+      made = trial.reward == kForward ? walk.distance_m : -walk.distance_m;
+      strayed = std::abs(walk.lateral_drift_m);
       break;
     case kLeft:
-      made = left_m;
-      strayed = std::abs(ahead_m);
+      made = walk.lateral_drift_m;
+      strayed = std::abs(walk.distance_m);
       break;
     case kTurn:
-      made = turn_rad;
-      strayed = std::hypot(ahead_m, left_m);
+      made = walk.heading_drift_rad;
+      strayed = std::hypot(walk.distance_m, walk.lateral_drift_m);
       break;
     case kSurvival:
     case kStandUp:

@@ -6,20 +6,11 @@
 #include <vector>
 
 #include "sim_board/input/yaml_tree.h"
-#include "tools/lab/experiment/experiment.h"
+#include "tools/lab/trial/getting_up.h"
 #include "tools/lab/trial/perturbation.h"
+#include "tools/lab/tune/search.h"
 
 namespace koboshi::tools {
-
-// A number that a search may change, and how far: a value of a scenario, such as a parameter of the
-// controller, or of a gait, by its dotted path.
-struct StudiedNumber {
-  std::string path;
-  double low = 0.0;
-  double high = 0.0;
-  double grid = 0.0;  // what it is a multiple of
-  double start = 0.0;
-};
 
 // A run of the scenario that counts for a set of numbers, and by what.
 struct StudiedTrial {
@@ -39,7 +30,7 @@ struct Study {
   std::filesystem::path file;
   std::filesystem::path scenario;
   PerturbationBounds world = kRoughWorld;
-  std::vector<StudiedNumber> numbers;
+  std::vector<SearchedNumber> numbers;
   std::vector<StudiedTrial> trials;
 };
 
@@ -49,6 +40,6 @@ struct Study {
 // What a trial is worth: one that fell is worth -1 to 0, more the longer it stayed up; others what they come
 // to, less what they stray from the way. Who does not come to stand up is worth -1 to 0, too, more the
 // further it came.
-[[nodiscard]] double worth(const StudiedTrial& trial, const Values& values, double duration_s);
+[[nodiscard]] double worth(const StudiedTrial& trial, const GettingUpTrial& played, double duration_s);
 
 }  // namespace koboshi::tools

@@ -2,9 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <numbers>
-
 namespace koboshi::tools {
 namespace {
 
@@ -22,21 +19,30 @@ TEST(Bisection, FindsTheLargestThatIsSurvived) {
   EXPECT_DOUBLE_EQ(largest_survived(0.8, 4, up_to(2.0)), 0.75);
 }
 
-// Nothing that five seeds did says what 95 of 100 do.
-TEST(PushRecovery, SpeaksOfTheWeakestOfFewSeeds) {
-  PushRecoveryOptions options;
-  options.directions = 1;
-  Experiment experiment;
-  experiment.cells = {
-      {"standing", {{"state", "standing"}, {"without", "nothing"}, {"direction_deg", "0.0"}}}};
+// Plays nothing: the trials are given, the cells follow from the options.
+Conclusions conclude(const PushRecoveryOptions& options, const std::vector<std::vector<PushTrial>>& cells) {
   ExperimentResult result;
-  result.cells.resize(1);
-  for (std::uint64_t seed = 0; seed < 5; ++seed)
-    result.cells[0].played.push_back({0, seed, {{"impulse_N_s_per_kg", 0.36}, {"phase", 0.5}}});
-  const std::vector<SurvivedPush> pushes = survived_pushes(options, experiment, result);
-  EXPECT_EQ(push_recovery_conclusions(pushes).lines,
+  for (const std::vector<PushTrial>& trials : cells) {
+    CellResult& cell = result.cells.emplace_back();
+    for (const PushTrial& trial : trials) cell.played.push_back({.record = push_fields().record(trial)});
+  }
+  return push_recovery_conclusions(survived_pushes(options, result));
+}
+
+PushRecoveryOptions one_cell(const std::string& state) {
+  PushRecoveryOptions options;
+  options.states = {state};
+  options.directions = 1;
+  return options;
+}
+
+// Five seeds do not show what 95 of 100 do.
+TEST(PushRecovery, SpeaksOfTheWeakestOfFewSeeds) {
+  const std::vector<PushTrial> trials(5, {.impulse_N_s_per_kg = 0.36, .phase = 0.5});
+  const Conclusions conclusions = conclude(one_cell("standing"), {trials});
+  EXPECT_EQ(conclusions.lines,
             "standing: the weakest of 5 survives 0.360 N s/kg, the least towards 0.0 degrees\n");
-  EXPECT_EQ(polar_figure(pushes).title.find("95 of 100"), std::string::npos);
+  EXPECT_EQ(conclusions.figure.value().title.find("95 of 100"), std::string::npos);
 }
 
 // Standing survives 0.3 from all sides, walking 0.2, but for one phase of one direction.
@@ -44,70 +50,48 @@ TEST(PushRecovery, TellsTheWorstPhaseOfTheWorstDirection) {
   PushRecoveryOptions options;
   options.directions = 2;
   options.phase_bins = 2;
-  Experiment experiment;
-  ExperimentResult result;
-  for (const char* state : {"standing", "walking"}) {
-    for (const char* direction : {"0.0", "180.0"}) {
-      experiment.cells.push_back({std::string(state) + direction,
-                                  {{"state", state}, {"without", "nothing"}, {"direction_deg", direction}}});
-      CellResult cell;
-      for (std::uint64_t seed = 0; seed < 40; ++seed) {
+  std::vector<std::vector<PushTrial>> cells;
+  for (const bool walks : {false, true}) {
+    for (const bool backward : {false, true}) {
+      std::vector<PushTrial>& trials = cells.emplace_back();
+      for (int seed = 0; seed < 40; ++seed) {
         const bool late = seed >= 20;
-        const bool walks = state == std::string("walking");
         double impulse = walks ? 0.2 : 0.3;
-        if (walks && late && direction == std::string("180.0")) impulse = 0.1;
+        if (walks && late && backward) impulse = 0.1;
         if (seed == 0) impulse = 0.01;  // one of twenty, or of forty, may do worse
-        cell.played.push_back({0, seed, {{"impulse_N_s_per_kg", impulse}, {"phase", late ? 0.9 : 0.1}}});
+        trials.push_back({.impulse_N_s_per_kg = impulse, .phase = late ? 0.9 : 0.1});
       }
-      result.cells.push_back(cell);
     }
   }
-  const std::vector<SurvivedPush> pushes = survived_pushes(options, experiment, result);
-  ASSERT_EQ(pushes.size(), 4u);
-  EXPECT_DOUBLE_EQ(pushes[3].direction_rad, std::numbers::pi);
-  const Conclusions conclusions = push_recovery_conclusions(pushes);
+  const Conclusions conclusions = conclude(options, cells);
   EXPECT_EQ(conclusions.values.at("standing_min_Ns_per_kg"), 0.3);
   EXPECT_EQ(conclusions.values.at("walking_min_Ns_per_kg"), 0.1);
   EXPECT_NE(conclusions.table(TableStyle::kTerminal).find("180.0"), std::string::npos);
 
   EXPECT_NE(conclusions.lines.find("standing: 95 of 100 survive, by 40 seeds, 0.300"), std::string::npos);
 
-  const PlaneFigure figure = polar_figure(pushes);
-  const std::vector<Point>& walking = figure.curves.back().points;
+  const std::vector<Point>& walking = conclusions.figure.value().curves.back().points;
   EXPECT_NEAR(walking.at(0).y, 0.2, 1e-12) << "pushed forward is up";
   EXPECT_NEAR(walking.at(1).y, -0.1, 1e-12);
   EXPECT_EQ(walking.front(), walking.back()) << "closed";
 }
 
 TEST(PushRecovery, CountsHowPushesWereLost) {
-  PushRecoveryOptions options;
-  options.directions = 1;
-  Experiment experiment;
-  experiment.cells = {{"walking", {{"state", "walking"}, {"without", "nothing"}, {"direction_deg", "0.0"}}}};
-  ExperimentResult result;
-  result.cells.resize(1);
-  const auto lost = [](double fell, double gave_up) {
-    return Values{{"impulse_N_s_per_kg", 0.2}, {"phase", 0.5}, {"fell", fell}, {"gave_up", gave_up}};
+  const auto lost = [](Outcome outcome) {
+    return PushTrial{.impulse_N_s_per_kg = 0.2, .phase = 0.5, .lost_by = outcome};
   };
-  result.cells[0].played = {{0, 1, lost(1, 0)},
-                            {0, 2, lost(0, 1)},
-                            {0, 3, lost(0, 1)},
-                            {0, 4, {{"impulse_N_s_per_kg", 0.3}, {"phase", 0.5}}}};
-  const Conclusions conclusions = push_recovery_conclusions(survived_pushes(options, experiment, result));
+  const Conclusions conclusions =
+      conclude(one_cell("walking"), {{lost(Outcome::kFell),
+                                      lost(Outcome::kGaveUp),
+                                      lost(Outcome::kGaveUp),
+                                      {.impulse_N_s_per_kg = 0.3, .phase = 0.5}}});
   EXPECT_NE(conclusions.table(TableStyle::kMarkdown).find("| walking | 1 | 2 | 0 | 0 | 0 |"),
             std::string::npos)
       << conclusions.table(TableStyle::kMarkdown);
 }
 
 TEST(PushRecovery, TellsNoFigureOfWhatWasNotPlayed) {
-  Experiment experiment;
-  experiment.cells = {
-      {"standing", {{"state", "standing"}, {"without", "nothing"}, {"direction_deg", "0.0"}}}};
-  ExperimentResult result;
-  result.cells.resize(1);
-  PushRecoveryOptions options;
-  options.directions = 1;
-  const Conclusions conclusions = push_recovery_conclusions(survived_pushes(options, experiment, result));
+  const Conclusions conclusions = conclude(one_cell("standing"), {{}});
   EXPECT_FALSE(conclusions.values.contains("standing_min_Ns_per_kg"));
   EXPECT_EQ(conclusions.lines, "standing: some directions were not played\n");
 }

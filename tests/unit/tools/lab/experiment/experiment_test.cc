@@ -36,7 +36,7 @@ TEST(Experiment, PlaysEverySeedInEveryCell) {
 
 TEST(Experiment, ComesToTheSameWithAnyNumberOfThreads) {
   StandIn stand_in;
-  stand_in.experiment.measures[1].tight_at = 0.006;  // so that cells stop early, too
+  stand_in.experiment.metrics[1].tight_at = 0.006;  // so that cells stop early, too
   const std::string alone = results(stand_in.experiment, {.jobs = 1});
   for (const std::size_t jobs : {2u, 5u, 64u}) EXPECT_EQ(results(stand_in.experiment, {.jobs = jobs}), alone);
 }
@@ -44,8 +44,8 @@ TEST(Experiment, ComesToTheSameWithAnyNumberOfThreads) {
 TEST(Experiment, StopsACellWhoseIntervalsAreTight) {
   StandIn stand_in;
   stand_in.experiment.seeds = 1000;
-  stand_in.experiment.measures[0].tight_at = 0.1;  // 20 trials without a fall: +- 0.08
-  stand_in.experiment.measures[1].tight_at = 0.006;
+  stand_in.experiment.metrics[0].tight_at = 0.1;  // 20 trials without a fall: +- 0.08
+  stand_in.experiment.metrics[1].tight_at = 0.006;
   const ExperimentResult result = play_experiment(stand_in.experiment, {.batch = 10});
   EXPECT_EQ(result.cells[0].stop, Stop::kTightEnough);
   EXPECT_EQ(result.cells[0].played.size(), 20u);
@@ -61,10 +61,10 @@ TEST(Experiment, GoesOnAfterAnInterruption) {
   const std::string expected = results(whole.experiment, {});
 
   StandIn interrupted;
-  interrupted.experiment.play = [&](std::size_t cell, std::uint64_t seed) {
+  interrupted.set([&](std::size_t cell, std::uint64_t seed) {
     if (seed == 111) throw std::runtime_error("the power failed");
     return interrupted.play(cell, seed);
-  };
+  });
   EXPECT_THROW(static_cast<void>(play_experiment(interrupted.experiment, options)), std::runtime_error);
   const int before = interrupted.played;
   EXPECT_GE(before, 22);
@@ -104,15 +104,15 @@ TEST(Experiment, RemembersWhyATrialFailed) {
   const TemporaryFolder folder;
   const ExperimentOptions options{.log = folder.path / "trials.jsonl"};
   StandIn stand_in;
-  stand_in.experiment.play = [&](std::size_t cell, std::uint64_t seed) {
-    Values values = stand_in.play(cell, seed);
-    if (seed == 103) values.error = "the world \"blew\" up";
-    return values;
-  };
+  stand_in.set([&](std::size_t cell, std::uint64_t seed) {
+    test::StandInTrial trial = stand_in.play(cell, seed);
+    if (seed == 103) trial.error = "the world \"blew\" up";
+    return trial;
+  });
   for (int session = 0; session < 2; ++session) {
     const ExperimentResult result = play_experiment(stand_in.experiment, options);
-    EXPECT_EQ(result.cells[0].played[3].values.error, "the world \"blew\" up");
-    EXPECT_EQ(result.cells[0].played[4].values.error, "");
+    EXPECT_EQ(result.cells[0].played[3].record.error, "the world \"blew\" up");
+    EXPECT_EQ(result.cells[0].played[4].record.error, "");
   }
   EXPECT_EQ(stand_in.played, 50);
 }
@@ -152,11 +152,12 @@ TEST(Experiment, TellsHowFarItIs) {
 
 TEST(Experiment, LeavesOutWhatIsNoNumber) {
   StandIn stand_in;
-  stand_in.experiment.play = [](std::size_t, std::uint64_t) {
-    return Values{{"fell", 0.0}, {"speed_m_per_s", std::numeric_limits<double>::quiet_NaN()}};
-  };
+  stand_in.set([](std::size_t, std::uint64_t) {
+    return test::StandInTrial{.speed_m_per_s = std::numeric_limits<double>::quiet_NaN()};
+  });
   const ExperimentResult result = play_experiment(stand_in.experiment, {});
-  EXPECT_EQ(mean_of(result.cells[0], stand_in.experiment.measures[1]).count, 0u);
+  EXPECT_EQ(values_of(result.cells[0], 0).size(), 25u);
+  EXPECT_TRUE(values_of(result.cells[0], 1).empty());
 }
 
 }  // namespace

@@ -11,12 +11,14 @@ using test::StandIn;
 
 // Three trials in one cell, one in the other, which the budget ended.
 ExperimentResult few_trials() {
-  const auto walked = [](std::size_t cell, std::uint64_t seed, double speed_m_per_s) {
-    return Trial{cell, seed, {{"fell", 0.0}, {"speed_m_per_s", speed_m_per_s}}};
+  const auto trial = [](std::size_t cell, std::uint64_t seed, const test::StandInTrial& played) {
+    return Trial{cell, seed, test::stand_in_fields().record(played)};
   };
   ExperimentResult result;
-  result.cells.push_back({Stop::kAllSeeds, {walked(0, 1, 0.1), walked(0, 2, 0.3), {0, 3, {{"fell", 1.0}}}}});
-  result.cells.push_back({Stop::kBudget, {{1, 1, {{"fell", 1.0}}}}});
+  result.cells.push_back({Stop::kAllSeeds,
+                          {trial(0, 1, {.speed_m_per_s = 0.1}), trial(0, 2, {.speed_m_per_s = 0.3}),
+                           trial(0, 3, {.fell = true})}});
+  result.cells.push_back({Stop::kBudget, {trial(1, 1, {.fell = true})}});
   return result;
 }
 
@@ -45,15 +47,29 @@ TEST(Report, SaysWhichCellsStoppedEarly) {
 
 TEST(Report, TellsOfEventsThatAreInNoColumn) {
   StandIn stand_in;
-  stand_in.experiment.measures.push_back({.name = "failed", .kind = Measure::Kind::kEvent});
+  stand_in.experiment.metrics.push_back({.name = "failed", .is_event = true});
   ExperimentResult result = few_trials();
   result.cells[1].stop = Stop::kTightEnough;
-  result.cells[0].played[2].values["failed"] = 1.0;
-  result.cells[0].played[2].values.error = "the world blew up";
+  for (CellResult& cell : result.cells) {
+    for (Trial& trial : cell.played) trial.record.values.push_back(std::nullopt);
+  }
+  result.cells[0].played[2].record.values.back() = 1.0;
+  result.cells[0].played[2].record.error = "the world blew up";
   EXPECT_EQ(notes(stand_in.experiment, result),
             "calm: 1 of 1 failed\n"
             "calm: seed 3: the world blew up\n"
             "shaky: stopped after 1 of 25 seeds, the intervals are tight enough\n");
+}
+
+TEST(Report, LeavesOutCellsThatWereNotReached) {
+  StandIn stand_in;
+  ExperimentResult result = few_trials();
+  result.cells[1] = {.stop = Stop::kNotReached};
+  EXPECT_EQ(to_json(stand_in.experiment, result)["cells"].size(), 1u);
+  EXPECT_EQ(to_csv(stand_in.experiment, result).find("rough"), std::string::npos);
+  EXPECT_EQ(result_table(stand_in.experiment, result, TableStyle::kTerminal).find("rough"),
+            std::string::npos);
+  EXPECT_EQ(notes(stand_in.experiment, result), "");
 }
 
 TEST(Report, WritesALineATrial) {

@@ -111,14 +111,15 @@ TEST_F(StudyReader, WantsANumberAndATrial) {
 
 constexpr double kStudyDuration_s = 10.0;
 
-// Of ten seconds on its feet.
-Values came(double ahead_m, double left_m, double turn_rad) {
-  return {{"lost", 0.0},
-          {"duration_s", kStudyDuration_s},
-          {"distance_m", ahead_m},
-          {"speed_m_per_s", ahead_m / kStudyDuration_s},
-          {"lateral_drift_m", left_m},
-          {"heading_drift_rad", turn_rad}};
+// Ten seconds on its feet.
+GettingUpTrial came(double forward_m, double left_m, double turn_rad) {
+  GettingUpTrial trial;
+  trial.duration_s = kStudyDuration_s;
+  trial.walk.distance_m = forward_m;
+  trial.walk.speed_m_per_s = forward_m / kStudyDuration_s;
+  trial.walk.lateral_drift_m = left_m;
+  trial.walk.heading_drift_rad = turn_rad;
+  return trial;
 }
 
 StudiedTrial trial(StudiedTrial::Reward reward, double wanted) {
@@ -151,13 +152,12 @@ TEST(Worth, TakesOffWhatStrays) {
 TEST(Worth, OfStandingUpIsHowSoonElseHowFar) {
   const StudiedTrial rise = trial(StudiedTrial::Reward::kStandUp, 2.0);
   const auto stood = [&](double after_s) {
-    return worth(rise, {{"lost", 1.0}, {"stood", 1.0}, {"stood_s", after_s}, {"uprightness", 1.0}},
-                 kStudyDuration_s);
+    return worth(rise, {{.outcome = Outcome::kFell}, after_s, 1.0}, kStudyDuration_s);
   };
   EXPECT_EQ(stood(1.0), 1.0);
   EXPECT_NEAR(stood(4.0), 0.5, 1e-12);
   const auto came_to = [&](double uprightness) {
-    return worth(rise, {{"lost", 1.0}, {"stood", 0.0}, {"uprightness", uprightness}}, kStudyDuration_s);
+    return worth(rise, {{.outcome = Outcome::kFell}, std::nullopt, uprightness}, kStudyDuration_s);
   };
   EXPECT_EQ(came_to(0.0), -1.0);
   EXPECT_NEAR(came_to(0.7), -0.3, 1e-12);
@@ -167,14 +167,14 @@ TEST(Worth, OfStandingUpIsHowSoonElseHowFar) {
 TEST(Worth, PutsEveryFallBelowEverySurvivalAndALateOneBeforeAnEarlyOne) {
   using enum StudiedTrial::Reward;
   const auto fell = [](double after_s) {
-    Values values = came(5.0, 0.0, 0.0);
-    values["lost"] = 1.0;
-    values["duration_s"] = after_s;
-    return worth(trial(kForward, 0.2), values, kStudyDuration_s);
+    GettingUpTrial fallen = came(5.0, 0.0, 0.0);
+    fallen.outcome = Outcome::kFell;
+    fallen.duration_s = after_s;
+    return worth(trial(kForward, 0.2), fallen, kStudyDuration_s);
   };
   EXPECT_NEAR(fell(9.0), -0.1, 1e-12);
   EXPECT_NEAR(fell(2.0), -0.8, 1e-12);
-  EXPECT_EQ(worth(trial(kForward, 0.2), {{"lost", 0.0}}, kStudyDuration_s), -1.0);  // it never walked
+  EXPECT_EQ(worth(trial(kForward, 0.2), {}, kStudyDuration_s), -1.0);  // it never walked
 }
 
 }  // namespace

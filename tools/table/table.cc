@@ -1,0 +1,48 @@
+#include "tools/table/table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim_board/input/text.h"
+
+namespace koboshi::tools {
+namespace {
+
+std::string markdown_line(const Row& row) { return fmt::format("| {} |\n", fmt::join(row, " | ")); }
+
+// The first column to the left, all others to the right.
+std::string aligned_line(const Row& row, const std::vector<std::size_t>& widths) {
+  std::string text = fmt::format("{:<{}}", row.front(), widths.front());
+  for (std::size_t c = 1; c < row.size(); ++c) text += fmt::format("  {:>{}}", row[c], widths[c]);
+  return text + "\n";
+}
+
+}  // namespace
+
+std::string csv_cell(double value) { return std::isnan(value) ? std::string() : sim::number_text(value); }
+
+std::string csv_line(const Row& row) { return fmt::format("{}\n", fmt::join(row, ",")); }
+
+std::string table_text(const Row& head, const std::vector<Row>& rows, TableStyle style) {
+  std::vector<std::size_t> widths;
+  for (std::size_t c = 0; c < head.size(); ++c) {
+    widths.push_back(head[c].size());
+    for (const Row& row : rows) widths[c] = std::max(widths[c], row.at(c).size());
+  }
+  const auto line = [&](const Row& row) {
+    if (style == TableStyle::kCsv) return csv_line(row);
+    return style == TableStyle::kMarkdown ? markdown_line(row) : aligned_line(row, widths);
+  };
+  std::string text = line(head);
+  if (style == TableStyle::kMarkdown) {
+    Row rule(head.size(), "---:");
+    rule.front() = "---";
+    text += markdown_line(rule);
+  }
+  for (const Row& row : rows) text += line(row);
+  return text;
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace koboshi::tools {
+
+// The one writer of tables: aligned columns for a terminal, Markdown, or CSV.
+enum class TableStyle { kTerminal, kMarkdown, kCsv };
+using Row = std::vector<std::string>;
+
+// One line for the head and one for each row; all have the same number of cells.
+[[nodiscard]] std::string table_text(const Row& head, const std::vector<Row>& rows, TableStyle style);
+
+// One line of a CSV file, for files that grow row by row.
+[[nodiscard]] std::string csv_line(const Row& row);
+
+// The shortest text that reads back as the same number; empty for NaN.
+[[nodiscard]] std::string csv_cell(double value);
+
+}  // namespace koboshi::tools
