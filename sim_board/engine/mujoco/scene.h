@@ -75,6 +75,8 @@ class Scene {
   int body_of(int link) const { return bodies_.at(index(link)); }
   void find_numbers(const RobotDescription& robot);
   void update_poses();
+  void drop_false_contacts();
+  void approach();
   void bounce();
   void solve_sliding();
   std::span<const double> slips();
