@@ -12,7 +12,7 @@
 
 namespace koboshi::tools {
 
-// What is measured: one way to solve the physics, by a name of its own.
+// A named way to solve the physics.
 struct BenchStepper {
   std::string name;
   sim::Physics physics;
@@ -20,11 +20,11 @@ struct BenchStepper {
   bool is_ode() const { return physics.stepper != sim::Stepper::kMujoco; }
 };
 
-// All there are in this program: the named steppers at 1 ms, `world` with friction by rows, `quick` with
-// three numbers of iterations.
+// All steppers of this program: the named ones at 1 ms, `world` with friction by rows, `quick` with three
+// numbers of iterations.
 std::vector<BenchStepper> bench_steppers();
 
-// What a squat that holds the accuracy stays below.
+// Largest errors of an accurate squat.
 inline constexpr double kSquatRmsBar_m = 2e-4;
 inline constexpr double kSquatSlipBar_m = 1e-3;
 
@@ -36,7 +36,7 @@ struct BenchOptions {
   std::vector<BenchStepper> steppers;
 };
 
-// One scenario with one stepper. Times are of the processor, not of the clock on the wall.
+// One scenario with one stepper. Times are processor time, not wall-clock time.
 struct BenchRun {
   double real_time_factor = 0.0;     // of the closed loop
   double physics_steps_per_s = 0.0;  // of the physics in it, alone
@@ -60,12 +60,12 @@ struct BenchResult {
 };
 
 // Runs the closed loop (firmware, bus, drives, sensors, physics) of both scenarios with every stepper, all in
-// turns of a quarter of a simulated second, so that whatever else the machine does meets all alike. `tell` is
-// told what is being done. Throws what Simulation throws.
+// turns of a quarter of a simulated second, so that other load of the machine affects all alike. `tell` gets
+// the name of each phase. Throws what Simulation throws.
 std::vector<BenchResult> bench(const BenchOptions& options,
                                const std::function<void(const std::string&)>& tell);
 
-// The fastest ODE stepper, in the walk, that holds the accuracy; null if there is none.
+// The accurate ODE stepper that is fastest in the walk; null if there is none.
 const BenchResult* fastest_accurate(const std::vector<BenchResult>& results);
 
 }  // namespace koboshi::tools

@@ -8,11 +8,11 @@
 
 namespace koboshi::tools {
 
-// A line for each stepper, for people.
+// A table with a line for each stepper.
 std::string bench_table(const std::vector<BenchResult>& results);
 
-// At the top level the figures of the fastest accurate ODE stepper, null where there is none; all under
-// `steppers`, by name. docs/reference/bench.md names the keys.
+// The figures of the fastest accurate ODE stepper at the top level, null if there is none; those of all
+// steppers under `steppers`, by name. docs/reference/bench.md names the keys.
 nlohmann::ordered_json bench_json(const std::vector<BenchResult>& results);
 
 }  // namespace koboshi::tools

@@ -13,8 +13,8 @@ struct Interval {
   friend bool operator==(const Interval&, const Interval&) = default;
 };
 
-// Of independent values of a quantity. Not a number: the mean of no value, and the deviation and interval of
-// fewer than two.
+// Mean of independent values of a quantity. The mean of no value, and the deviation and interval of fewer
+// than two, are NaN.
 struct MeanEstimate {
   std::size_t count = 0;
   double mean = 0.0;
@@ -24,7 +24,7 @@ struct MeanEstimate {
 
 MeanEstimate estimate_mean(std::span<const double> values);
 
-// Of independent trials that had an event or not.
+// Share of independent trials that had an event.
 struct ShareEstimate {
   std::size_t count = 0;
   std::size_t events = 0;
@@ -37,7 +37,7 @@ ShareEstimate estimate_share(std::size_t events, std::size_t count);
 // The share of the values that are not 0.
 ShareEstimate estimate_share(std::span<const double> values);
 
-// The value below which a share of all values of a quantity lies.
+// Quantile: the value below which a share of all values of a quantity lies.
 struct QuantileEstimate {
   std::size_t count = 0;
   double value = 0.0;  // the smallest that at least 1 - share of the values reach; not a number without any
@@ -47,8 +47,7 @@ struct QuantileEstimate {
 
 QuantileEstimate estimate_quantile(std::span<const double> values, double share);
 
-// Of fewer values than this the weakest is what the 5 % quantile is taken from, and no "95 of 100" may be
-// said.
+// With fewer values than this the 5 % quantile is the smallest value, and a report may not say "95 of 100".
 inline constexpr std::size_t kEnoughFor95Of100 = 20;
 
 }  // namespace koboshi::tools

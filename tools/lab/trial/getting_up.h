@@ -11,17 +11,17 @@ namespace koboshi::tools {
 
 inline constexpr double kUpright_rad = std::numbers::pi / 12.0;  // largest tilt of a robot that stands
 
-// How a robot that lay comes to stand.
+// Observes how a robot that lies comes to stand.
 class GettingUp {
  public:
-  // From the first command to play a motion or to get up on.
+  // Observes from the first command to play a motion or to get up on.
   explicit GettingUp(const sim::Scenario& scenario);
 
-  // Once a tick. True when it has stood still for so long that it will not fall any more.
+  // Call it once a tick. Returns true when the robot has stood still for half a second.
   bool observe(const simulation::GroundTruth& truth, std::uint64_t now_us);
 
-  // From the command until the robot stood, within 15 degrees of upright and turning by less than 0.15 rad/s,
-  // and stayed so to the end; nothing when it does not.
+  // Time from the command until the robot stood to the end, within 15 degrees of upright and turning by less
+  // than 0.15 rad/s; nothing if it did not.
   std::optional<double> stood_s() const;
   // 0 for a robot on its head, 1 for one that stands upright: half of it comes from the trunk's tilt, half
   // from its height, as a share of the height at the joints' targets.

@@ -11,8 +11,7 @@
 
 namespace koboshi::tools {
 
-// How far a seed may take the world from the one that the firmware was made for. Everything is drawn
-// uniformly between its bounds.
+// The bounds within which a seed changes the world. Everything is drawn uniformly between its bounds.
 struct PerturbationBounds {
   double lowest_friction = 0.5;  // Coulomb's mu between the robot and the ground
   double highest_friction = 1.0;
@@ -21,14 +20,15 @@ struct PerturbationBounds {
   double tilt_rad = 0.01745;  // of the ground, largest, in any direction, beside the scenario's: 1 degree
   double backlash_rad = 0.0;  // of each servo's gears, largest, from edge to edge
   double encoder_offset_rad = 0.0;  // of each joint, either way, beside the robot file's
-  // Of soft ground under one contact point, a sole has four; both 0: the ground stays as hard as it is.
+  // Stiffness of soft ground under one contact point, of which a sole has four; both 0: the ground stays as
+  // hard as it is.
   double softest_N_per_m = 0.0;
   double stiffest_N_per_m = 0.0;
 };
 
-// What a robot has to bear that is not made for one floor and one set of parts. Kit servos have a backlash of
-// about 0.01 rad (the models of RoboCup's Humanoid League Virtual Season); a joint that is trimmed by eye
-// against the edge of a link of 65 mm is off by some tenths of a millimetre there, 0.005 rad.
+// Differences between floors and between robots of one design. Kit servos have a backlash of about 0.01 rad
+// (the models of RoboCup's Humanoid League Virtual Season); a joint that is trimmed by eye against the edge
+// of a link of 65 mm is off by some tenths of a millimetre there, 0.005 rad.
 inline constexpr PerturbationBounds kRoughWorld{.lowest_friction = 0.4,
                                                 .highest_friction = 1.0,
                                                 .mass_share = 0.1,
@@ -39,7 +39,7 @@ inline constexpr PerturbationBounds kRoughWorld{.lowest_friction = 0.4,
 
 // Pushes against the trunk at random times and in random level directions.
 struct PushBounds {
-  double first_s = 0.0;     // after the moment from which it is pushed
+  double first_s = 0.0;     // from the start to the first push
   double shortest_s = 1.5;  // from one push to the next
   double longest_s = 3.0;
   double lowest_N_s = 0.0;  // impulse
@@ -59,12 +59,12 @@ inline constexpr double kPush_s = 0.1;                       // duration of a ha
 [[nodiscard]] sim::Push half_sine_push(const std::string& link, std::uint64_t at_us, double duration_s,
                                        const Eigen::Vector3d& impulse_W_N_s);
 
-// The links' masses and friction, the supply and the servos of the world with this seed. The same seed gives
-// the same masses on every machine, and so for everything below; each thing has a stream of its own, so that
-// one more does not change the others.
+// Changes the links' masses and friction, the supply and the servos to those of the world with this seed. The
+// same seed gives the same masses on every machine, and so for everything below; each thing has a stream of
+// its own, so that one more does not change the others.
 void perturb_robot(sim::RobotDescription& robot, const PerturbationBounds& bounds, std::uint64_t seed);
 
-// Its ground, and the sensors' noise and bias.
+// Changes the ground, and the seed of the sensors' noise and bias.
 void perturb_scenario(sim::Scenario& scenario, const PerturbationBounds& bounds, std::uint64_t seed);
 
 // Adds pushes against `link` from `from_us` to the scenario's end.

@@ -7,7 +7,7 @@
 namespace koboshi::tools {
 
 // Numbers by the dotted keys of a gait file: "period_s", "feedback.ankle_pitch_s". The last part of a key
-// stands in the file but once.
+// occurs once in the file.
 using GaitNumbers = std::map<std::string, double>;
 
 [[nodiscard]] bool has_number(const std::string& text, const std::string& key);
@@ -17,7 +17,7 @@ using GaitNumbers = std::map<std::string, double>;
 [[nodiscard]] double gait_number(const std::string& text, const std::string& key,
                                  const std::filesystem::path& file);
 
-// The text of a gait file with other numbers; its comments and order stay. Throws the same.
+// Returns the text of a gait file with other numbers; its comments and order stay. Throws the same.
 [[nodiscard]] std::string with_numbers(std::string text, const GaitNumbers& numbers,
                                        const std::filesystem::path& file);
 

@@ -7,7 +7,7 @@
 
 namespace koboshi::tools {
 
-// To be made small over the unit box.
+// An objective over the unit box, to be minimised.
 using Objective = std::function<double(const std::vector<double>& x)>;
 
 struct OptimiserOptions {
@@ -23,17 +23,17 @@ struct OptimiserOptions {
 [[nodiscard]] std::vector<double> minimise(const Objective& objective, const std::vector<double>& start,
                                            const OptimiserOptions& options);
 
-// Several, each to be made small over the unit box.
+// Several objectives over the unit box, each to be minimised.
 using Objectives = std::function<std::vector<double>(const std::vector<double>& x)>;
 
-// Evaluates points on the way to where none of the `count` objectives gets smaller but at another's cost, by
-// NSGA-II (Deb et al., 2002) as in libpagmo. Who wants them keeps what the objectives are asked for. The
-// population is rounded up to a multiple of four, and the start is the first, as above.
+// Approaches the Pareto front of `count` objectives by NSGA-II (Deb et al., 2002) as in libpagmo. Returns
+// nothing: the caller keeps the points at which the objectives are evaluated. The population is rounded up to
+// a multiple of four, and the start is evaluated first, as above.
 void minimise_each(const Objectives& objectives, std::size_t count, const std::vector<double>& start,
                    const OptimiserOptions& options);
 
-// The places of those values of which no other is smaller in one objective and larger in none, in their
-// order.
+// The indices of the Pareto-optimal values: no other is smaller in one objective and larger in none. In
+// ascending order.
 [[nodiscard]] std::vector<std::size_t> non_dominated(const std::vector<std::vector<double>>& values);
 
 }  // namespace koboshi::tools

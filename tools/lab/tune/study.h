@@ -12,10 +12,10 @@
 
 namespace koboshi::tools {
 
-// A run of the scenario that counts for a set of numbers, and by what.
+// A run of the scenario by which a set of parameters is scored.
 struct StudiedTrial {
-  // What is to become large: the speed made good along an axis of the heading at the start, to the left or
-  // round; 1 for who is still on its feet at the end; or how soon who lay stands.
+  // The quantity to maximise: the speed made good along an axis of the heading at the start, to the left, or
+  // the turn rate; 1 for a robot that is on its feet at the end; or how soon a robot that lay stands.
   enum class Reward { kForward, kBackward, kLeft, kTurn, kSurvival, kStandUp };
 
   std::string name;
@@ -37,8 +37,8 @@ struct Study {
 // Throws sim::InputError.
 [[nodiscard]] Study read_study(const std::filesystem::path& file);
 
-// What a trial is worth: one that fell is worth -1 to 0, more the longer it stayed up; others what they come
-// to, less what they stray from the way. Who does not come to stand up is worth -1 to 0, too, more the
+// The worth of a trial: -1 to 0 after a fall, more the longer the robot stayed up; otherwise the share of the
+// wanted reward, less for straying from the path. A robot that does not stand up gets -1 to 0, too, more the
 // further it came.
 [[nodiscard]] double worth(const StudiedTrial& trial, const GettingUpTrial& played, double duration_s);
 
