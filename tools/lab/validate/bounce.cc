@@ -1,5 +1,3 @@
-#include "tools/lab/validate/bounce.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include "sim_board/engine/make_world.h"
 #include "tools/lab/plot/legend.h"
 #include "tools/lab/validate/rigs.h"
+#include "tools/lab/validate/validation.h"
 
 namespace koboshi::tools {
 namespace {
@@ -89,13 +88,11 @@ void check_bounces(const ValidationSetup& setup, Findings& findings) {
     height_off += 0.5 * speed * h;  // and semi-implicit Euler rises v h/2 less
     const bool over = trace.flights.size() > static_cast<std::size_t>(n);
     const auto flight = [&](int number) { return trace.flights[static_cast<std::size_t>(number)]; };
-    findings.checks.push_back({fmt::format("height of bounce {}", n), "m",
-                               speed * speed / (2.0 * kGravity_m_per_s2),
-                               over ? flight(n - 1).highest_m : std::nan(""), height_off});
-    findings.checks.push_back({fmt::format("time from impact {} to {}", n, n + 1), "s",
-                               2.0 * speed / kGravity_m_per_s2,
-                               over ? flight(n).impact_s - flight(n - 1).impact_s : std::nan(""),
-                               3.0 * h + 2.0 * speed_off / kGravity_m_per_s2});
+    findings.check(fmt::format("height of bounce {}", n), "m", speed * speed / (2.0 * kGravity_m_per_s2),
+                   over ? flight(n - 1).highest_m : std::nan(""), height_off);
+    findings.check(fmt::format("time from impact {} to {}", n, n + 1), "s", 2.0 * speed / kGravity_m_per_s2,
+                   over ? flight(n).impact_s - flight(n - 1).impact_s : std::nan(""),
+                   3.0 * h + 2.0 * speed_off / kGravity_m_per_s2);
   }
   std::vector<double> ideal_m;
   for (const double time_s : trace.time_s) ideal_m.push_back(ideal_height_m(time_s));
@@ -137,12 +134,10 @@ void check_edge(const ValidationSetup& setup, Findings& findings) {
       (1.0 + kEdgeRestitution) / (1.0 / kMass_kg + p_edge.x() * p_edge.x() / inertia);
   // Up to a step late, and gravity of the impact's own step is taken up by the impulse.
   const double speed_off = kGravity_m_per_s2 * setup.world.step_s * (1.0 + 1.0 / (1.0 + kEdgeRestitution));
-  findings.checks.push_back({"rod on its edge: speed after", "m/s",
-                             (impulse_a_speed / kMass_kg - 1.0) * speed, body.v_WCom_W.z(),
-                             speed_off * (std::abs(impulse_a_speed / kMass_kg - 1.0) + 1.0)});
-  findings.checks.push_back({"rod on its edge: rate after", "rad/s",
-                             -impulse_a_speed * speed * p_edge.x() / inertia, body.w_WL_W.y(),
-                             speed_off * impulse_a_speed * p_edge.x() / inertia});
+  findings.check("rod on its edge: speed after", "m/s", (impulse_a_speed / kMass_kg - 1.0) * speed,
+                 body.v_WCom_W.z(), speed_off * (std::abs(impulse_a_speed / kMass_kg - 1.0) + 1.0));
+  findings.check("rod on its edge: rate after", "rad/s", -impulse_a_speed * speed * p_edge.x() / inertia,
+                 body.w_WL_W.y(), speed_off * impulse_a_speed * p_edge.x() / inertia);
 }
 
 Findings run_bounce(const ValidationSetup& setup) {

@@ -1,5 +1,3 @@
-#include "tools/lab/validate/convergence.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -7,11 +5,8 @@
 
 #include "sim_board/servo/encoder.h"
 #include "simulation/scenario/simulation.h"
-#include "tools/lab/validate/free_fall.h"
-#include "tools/lab/validate/inverted_pendulum.h"
-#include "tools/lab/validate/pendulum_swing.h"
-#include "tools/lab/validate/servo_response.h"
-#include "tools/lab/validate/squat.h"
+#include "tools/lab/validate/rigs.h"
+#include "tools/lab/validate/validation.h"
 
 namespace koboshi::tools {
 namespace {
@@ -50,8 +45,7 @@ void check_known(const ValidationSetup& setup, Findings& findings, Plot& plot) {
     for (const double step_ms : kSteps_ms) {
       errors.push_back(std::abs(subject.error(at_step(setup, step_ms))));
     }
-    findings.checks.push_back(
-        {subject.name + ": order of convergence", "1", 1.0, observed_order(kSteps_ms, errors), 0.1});
+    findings.check(subject.name + ": order of convergence", "1", 1.0, observed_order(kSteps_ms, errors), 0.1);
     add_curve(plot, subject.name, relative(errors), LineStyle::kLinesPoints);
   }
 }
@@ -122,12 +116,10 @@ void check_squat(const ValidationSetup& setup, Findings& findings, Plot& plot) {
     heights.figure.panels[1].series.push_back({.column = "off_um at " + label, .label = label});
     distances_ms.push_back(steps_ms[i] - steps_ms.back());
     errors_m.push_back(rms_difference(runs[i].height_m, finest.height_m));
-    findings.checks.push_back(
-        {fmt::format("squat: height at {} ms against {} ms, RMS", steps_ms[i], steps_ms.back()), "m", 0.0,
-         errors_m.back(), 1e-3 * steps_ms[i] * fastest_m_per_s(finest)});
+    findings.check(fmt::format("squat: height at {} ms against {} ms, RMS", steps_ms[i], steps_ms.back()),
+                   "m", 0.0, errors_m.back(), 1e-3 * steps_ms[i] * fastest_m_per_s(finest));
   }
-  findings.checks.push_back(
-      {"squat: order of convergence", "1", 1.0, observed_order(distances_ms, errors_m), 0.5});
+  findings.check("squat: order of convergence", "1", 1.0, observed_order(distances_ms, errors_m), 0.5);
   findings.plots.push_back(heights);
   if (setup.short_form) return;
   std::vector<double> shown = relative(errors_m);

@@ -1,7 +1,6 @@
-#include "tools/lab/validate/free_fall.h"
-
 #include "sim_board/engine/make_world.h"
 #include "tools/lab/validate/rigs.h"
+#include "tools/lab/validate/validation.h"
 
 namespace koboshi::tools {
 namespace {

@@ -1,10 +1,9 @@
-#include "tools/lab/validate/friction_loop.h"
-
 #include <cmath>
 #include <numbers>
 
 #include "tools/lab/plot/legend.h"
 #include "tools/lab/validate/rigs.h"
+#include "tools/lab/validate/validation.h"
 
 namespace koboshi::tools {
 namespace {
@@ -76,11 +75,10 @@ void check_loop(const ValidationSetup& setup, Findings& findings) {
   const double swing_Nm = std::sqrt(kInertia * kWeight_Nm) * fastest;
   const double torque_off_Nm = kInertia * kFrequency * fastest + h * kAmplitude_Nm * kFrequency +
                                swing_Nm * std::exp(-kDamping_Nm_s / (2.0 * kInertia) * kPeriod_s / 8.0);
-  findings.checks.push_back(
-      {"hysteresis: width at the bottom", "N m", 2.0 * (kFriction_Nm + kDamping_Nm_s * at_bottom),
-       torque_at_bottom_Nm(loop, 1.0) - torque_at_bottom_Nm(loop, -1.0), 2.0 * torque_off_Nm});
-  findings.checks.push_back({"hysteresis: area", "J", 4.0 * kFriction_Nm * turn_rad + viscous_J, area_J(loop),
-                             4.0 * turn_rad * torque_off_Nm + 0.5 * viscous_J});
+  findings.check("hysteresis: width at the bottom", "N m", 2.0 * (kFriction_Nm + kDamping_Nm_s * at_bottom),
+                 torque_at_bottom_Nm(loop, 1.0) - torque_at_bottom_Nm(loop, -1.0), 2.0 * torque_off_Nm);
+  findings.check("hysteresis: area", "J", 4.0 * kFriction_Nm * turn_rad + viscous_J, area_J(loop),
+                 4.0 * turn_rad * torque_off_Nm + 0.5 * viscous_J);
   std::vector<double> upper, lower;
   for (const double position_rad : loop.position_rad) {
     upper.push_back(kWeight_Nm * std::sin(position_rad) + kFriction_Nm);
@@ -113,8 +111,8 @@ void check_rest(double part, const ValidationSetup& setup, Findings& findings, c
   const double duration_s = setup.short_form ? 1.0 : 5.0;
   run_for(*world, duration_s);
   constexpr double kEncoderCount_rad = 2.0 * std::numbers::pi / 4096;
-  findings.checks.push_back(
-      {quantity, "rad/s", 0.0, world->joint(0).position_rad / duration_s, kEncoderCount_rad / 3600.0});
+  findings.check(quantity, "rad/s", 0.0, world->joint(0).position_rad / duration_s,
+                 kEncoderCount_rad / 3600.0);
 }
 
 // A torque that rises steadily: the joint lets go at Kc.
@@ -132,9 +130,9 @@ void check_break_away(const ValidationSetup& setup, Findings& findings) {
   }
   // q = rise t^3/(6 J) from Kc on; each step acts a step late, and comes up to a step late to the mark.
   const double noticed_s = std::cbrt(6.0 * kInertia * kNoticed_rad / kRise_Nm_per_s);
-  findings.checks.push_back({"break-away: torque when moved by 1e-5 rad", "N m",
-                             kFriction_Nm + kRise_Nm_per_s * noticed_s, torque,
-                             kRise_Nm_per_s * 2.0 * setup.world.step_s});
+  findings.check("break-away: torque when moved by 1e-5 rad", "N m",
+                 kFriction_Nm + kRise_Nm_per_s * noticed_s, torque,
+                 kRise_Nm_per_s * 2.0 * setup.world.step_s);
 }
 
 Findings run_friction_loop(const ValidationSetup& setup) {

@@ -1,13 +1,12 @@
-#include "tools/lab/validate/inverted_pendulum.h"
-
 #include <cmath>
 #include <numbers>
 
 #include "sim_board/engine/make_world.h"
 #include "simulation/gait/pendulum.h"
 #include "tools/lab/plot/legend.h"
-#include "tools/lab/validate/pendulum_theory.h"
 #include "tools/lab/validate/rigs.h"
+#include "tools/lab/validate/theory.h"
+#include "tools/lab/validate/validation.h"
 
 namespace koboshi::tools {
 namespace {
@@ -69,10 +68,10 @@ void check_leg(const ValidationSetup& setup, Findings& findings) {
   const Vector2d end_m = gait.advance(kStart, kStep, kStep.duration_s).position_m;
   const Vector2d acceleration = (kStart.position_m - kStep.from_m) / (kTimeConstant_s * kTimeConstant_s);
   for (int axis = 0; axis < 2; ++axis) {
-    findings.checks.push_back({axis == 0 ? "massless leg: x after 0.4 s" : "massless leg: y after 0.4 s", "m",
-                               end_m[axis], way.position_m.back()[axis],
-                               tolerance_m(acceleration[axis], end_m[axis] - kStep.to_m[axis],
-                                           kStep.duration_s, setup.world.step_s)});
+    findings.check(axis == 0 ? "massless leg: x after 0.4 s" : "massless leg: y after 0.4 s", "m",
+                   end_m[axis], way.position_m.back()[axis],
+                   tolerance_m(acceleration[axis], end_m[axis] - kStep.to_m[axis], kStep.duration_s,
+                               setup.world.step_s));
   }
   Plot plot{.name = "inverted-pendulum",
             .caption =
@@ -118,14 +117,14 @@ void check_tipping(const ValidationSetup& setup, Findings& findings) {
   const double ratio = h / Tc;
   // sin a = a - a^3/6 slows the growth by at most a^2/6.
   const double bent = last_rad * last_rad / 6.0;
-  findings.checks.push_back({"link on a hinge: angle after 0.6 s", "rad", theory_rad, last_rad,
-                             late_rad * (1.0 + ratio) + theory_rad * (bent + ratio * ratio * last_s / Tc)});
+  findings.check("link on a hinge: angle after 0.6 s", "rad", theory_rad, last_rad,
+                 late_rad * (1.0 + ratio) + theory_rad * (bent + ratio * ratio * last_s / Tc));
   // ln(cosh) instead of the exponent alone: what decays is not yet gone.
   const double growth = std::log(std::cosh(last_s / Tc) / std::cosh(first_s / Tc)) / (last_s - first_s);
   const double decayed = std::exp(-2.0 * first_s / Tc);
-  findings.checks.push_back({"link on a hinge: mean growth rate", "1/s", growth,
-                             std::log(last_rad / first_rad) / (last_s - first_s),
-                             (ratio * decayed + bent) / (last_s - first_s) + ratio * ratio / Tc});
+  findings.check("link on a hinge: mean growth rate", "1/s", growth,
+                 std::log(last_rad / first_rad) / (last_s - first_s),
+                 (ratio * decayed + bent) / (last_s - first_s) + ratio * ratio / Tc);
 }
 
 Findings run_inverted_pendulum(const ValidationSetup& setup) {

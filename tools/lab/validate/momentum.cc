@@ -1,11 +1,10 @@
-#include "tools/lab/validate/momentum.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "sim_board/engine/make_world.h"
 #include "sim_board/world/ground_truth.h"
 #include "tools/lab/validate/rigs.h"
+#include "tools/lab/validate/validation.h"
 
 namespace koboshi::tools {
 namespace {

@@ -1,5 +1,3 @@
-#include "tools/lab/validate/pendulum_swing.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -8,8 +6,8 @@
 
 #include "sim_board/world/ground_truth.h"
 #include "tools/lab/plot/legend.h"
-#include "tools/lab/validate/pendulum_theory.h"
-#include "tools/lab/validate/runge_kutta.h"
+#include "tools/lab/validate/theory.h"
+#include "tools/lab/validate/validation.h"
 
 namespace koboshi::tools {
 namespace {
@@ -70,12 +68,12 @@ void check_swing(double amplitude_rad, int periods, const ValidationSetup& setup
   const double swung_J = 0.5 * h * weight_Nm * fastest;
   const double moment = kPendulumLink.mass_kg * kPendulumLink.arm_m * kPendulumLink.arm_m;
   const double lost_J = periods * 4.0 * hinge_loss_J(moment, fastest * fastest, 0.5 * fastest * fastest, h);
-  findings.checks.push_back(
-      {fmt::format("period at {} rad, mean of {}", amplitude_rad, periods), "s", theory_s, simulated_s,
-       theory_s * relative + quicker_s(length_m, amplitude_rad, lost_J / weight_Nm) + 1e-9});
+  findings.check(fmt::format("period at {} rad, mean of {}", amplitude_rad, periods), "s", theory_s,
+                 simulated_s,
+                 theory_s * relative + quicker_s(length_m, amplitude_rad, lost_J / weight_Nm) + 1e-9);
   const double energy_J = sim::energy_J(robot, *world, kDown);
-  findings.checks.push_back({fmt::format("energy error at {} rad after {} periods", amplitude_rad, periods),
-                             "J", 0.0, energy_J - energy_start_J, swung_J + lost_J});
+  findings.check(fmt::format("energy error at {} rad after {} periods", amplitude_rad, periods), "J", 0.0,
+                 energy_J - energy_start_J, swung_J + lost_J);
 }
 
 constexpr HangingLink kUpper{.mass_kg = 0.2, .inertia_kg_m2 = 5e-4, .arm_m = 0.1, .length_m = 0.2};
@@ -130,10 +128,8 @@ void check_double(const ValidationSetup& setup, Findings& findings) {
     lower_theory_rad.push_back(compared ? state[1] : std::nan(""));
     off_mJ.push_back(1e3 * now_J);
   }
-  findings.checks.push_back(
-      {"double pendulum: angles in the first second", "rad", 0.0, largest_rad, h * fastest});
-  findings.checks.push_back(
-      {"double pendulum: energy", "J", 0.0, energy_off_J, 0.5 * h * most_power_W + lost_J});
+  findings.check("double pendulum: angles in the first second", "rad", 0.0, largest_rad, h * fastest);
+  findings.check("double pendulum: energy", "J", 0.0, energy_off_J, 0.5 * h * most_power_W + lost_J);
   findings.plots.push_back(
       {.name = "double-pendulum",
        .caption =

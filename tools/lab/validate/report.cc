@@ -31,6 +31,12 @@ double use(const Check& check) {
 
 }  // namespace
 
+std::vector<Validation> all_validations() {
+  return {
+      free_fall(),         bounce(),         slope(),         pendulum_swing(), tennis_racket(), momentum(),
+      inverted_pendulum(), servo_response(), friction_loop(), zmp_comparison(), convergence()};
+}
+
 bool ValidationResult::passed() const { return std::ranges::all_of(findings.checks, &Check::passed); }
 
 ValidationResult play(const Validation& validation, const ValidationSetup& setup) {

@@ -1,5 +1,3 @@
-#include "tools/lab/validate/servo_response.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 
 #include "tools/lab/plot/legend.h"
 #include "tools/lab/validate/servo_trial.h"
+#include "tools/lab/validate/validation.h"
 
 namespace koboshi::tools {
 namespace {
@@ -45,9 +44,9 @@ void check_motion(const std::string& what, const ServoTrial& trial, const Valida
   const ServoMotion exact = reference(trial);
   const ServoMotion found = simulated(trial, setup);
   const double count_rad = 2.0 * std::numbers::pi / std::ldexp(1.0, trial.encoder_bits);
-  findings.checks.push_back({what + ": largest position error", "rad", 0.0,
-                             largest_difference(found.position_rad, exact.position_rad),
-                             setup.world.step_s * largest_magnitude(exact.speed_rad_per_s) + count_rad});
+  findings.check(what + ": largest position error", "rad", 0.0,
+                 largest_difference(found.position_rad, exact.position_rad),
+                 setup.world.step_s * largest_magnitude(exact.speed_rad_per_s) + count_rad);
 }
 
 Plot motion_figure(const std::string& name, const std::string& title, const std::string& caption,
@@ -93,8 +92,8 @@ void check_line(const ValidationSetup& setup, Findings& findings) {
     trial.load_Nm = -load_Nm;
     const double theory = steady_speed_rad_per_s(trial.servo, -load_Nm);
     const double found = simulated(trial, setup).speed_rad_per_s.back();
-    findings.checks.push_back({fmt::format("steady speed against {} N m", load_Nm), "rad/s", theory, found,
-                               1e-6 * steady_speed_rad_per_s(trial.servo, 0.0)});
+    findings.check(fmt::format("steady speed against {} N m", load_Nm), "rad/s", theory, found,
+                   1e-6 * steady_speed_rad_per_s(trial.servo, 0.0));
     plot.columns[0].second.push_back(load_Nm);
     plot.columns[1].second.push_back(found);
     plot.columns[2].second.push_back(theory);

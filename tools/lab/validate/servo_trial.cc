@@ -6,7 +6,7 @@
 
 #include "sim_board/servo/servo.h"
 #include "tools/lab/validate/rigs.h"
-#include "tools/lab/validate/runge_kutta.h"
+#include "tools/lab/validate/theory.h"
 
 namespace koboshi::tools {
 namespace {

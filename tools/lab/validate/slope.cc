@@ -1,5 +1,3 @@
-#include "tools/lab/validate/slope.h"
-
 #include <fmt/core.h>
 #include <array>
 
@@ -9,6 +7,7 @@
 #include "sim_board/engine/make_world.h"
 #include "tools/lab/plot/legend.h"
 #include "tools/lab/validate/rigs.h"
+#include "tools/lab/validate/validation.h"
 
 namespace koboshi::tools {
 namespace {

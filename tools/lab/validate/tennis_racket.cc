@@ -1,5 +1,3 @@
-#include "tools/lab/validate/tennis_racket.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -7,9 +5,9 @@
 
 #include "sim_board/engine/make_world.h"
 #include "tools/lab/plot/legend.h"
-#include "tools/lab/validate/free_body.h"
 #include "tools/lab/validate/rigs.h"
-#include "tools/lab/validate/runge_kutta.h"
+#include "tools/lab/validate/theory.h"
+#include "tools/lab/validate/validation.h"
 
 namespace koboshi::tools {
 namespace {
@@ -124,20 +122,20 @@ void check_flips(const ValidationSetup& setup, Findings& findings) {
   for (int n = 0; n < flips; ++n) {
     const double theory_s = (n + 0.5) * flip_s;
     const Drift until = drift_along(start, theory_s, h, [](const Vector3d&) {});
-    findings.checks.push_back({fmt::format("intermediate axis: passage {}", n + 1), "s", theory_s,
-                               passages_s[static_cast<std::size_t>(n)],
-                               h + (n + 0.5) * flip_tolerance_s(constants, until)});
+    findings.check(fmt::format("intermediate axis: passage {}", n + 1), "s", theory_s,
+                   passages_s[static_cast<std::size_t>(n)],
+                   h + (n + 0.5) * flip_tolerance_s(constants, until));
   }
   // Until the first passage the simulated motion is the true one but for the next order, h w.
   const double momentum = std::sqrt(constants.momentum_squared);
   const double next_order = 1.0 + 10.0 * h * kRate;
   const Drift until = drift_along(start, 0.5 * flip_s, h, [](const Vector3d&) {});
-  findings.checks.push_back({"intermediate axis: energy until passage 1, relative", "1", 0.0,
-                             at_passage.energy_J / constants.energy_J - 1.0,
-                             next_order * until.energy_J / constants.energy_J});
-  findings.checks.push_back({"intermediate axis: angular momentum until passage 1, relative", "1", 0.0,
-                             (momentum_at_passage - momentum_start).norm() / momentum,
-                             next_order * until.momentum_vector / momentum});
+  findings.check("intermediate axis: energy until passage 1, relative", "1", 0.0,
+                 at_passage.energy_J / constants.energy_J - 1.0,
+                 next_order * until.energy_J / constants.energy_J);
+  findings.check("intermediate axis: angular momentum until passage 1, relative", "1", 0.0,
+                 (momentum_at_passage - momentum_start).norm() / momentum,
+                 next_order * until.momentum_vector / momentum);
   findings.plots.push_back(
       {.name = "tennis-racket",
        .caption =
@@ -178,8 +176,8 @@ void check_stable(int axis, const ValidationSetup& setup, Findings& findings) {
   const double amplified = (Io * (Io + I) * w_other + I2 * (I2 + I) * w_2) /
                            std::abs(Io * (Io - I) * w_other + I2 * (I2 - I) * w_2);
   const double growth = std::expm1(0.5 * setup.world.step_s * nutation * nutation * amplified * duration_s);
-  findings.checks.push_back({fmt::format("{} axis: largest deviation", axis == 0 ? "minor" : "major"),
-                             "rad/s", theory, largest, theory * growth + 1e-4 * theory});
+  findings.check(fmt::format("{} axis: largest deviation", axis == 0 ? "minor" : "major"), "rad/s", theory,
+                 largest, theory * growth + 1e-4 * theory);
 }
 
 Findings run_tennis_racket(const ValidationSetup& setup) {

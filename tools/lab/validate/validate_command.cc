@@ -87,11 +87,11 @@ int validate(ValidateArguments arguments, const std::string& command_line) {
     std::fflush(stdout);
   }
   const sim::OutputFolder folder(arguments.out);
-  sim::write_json(arguments.out / "summary.json", to_json(results, setup));
   sim::write_whole_file(arguments.out / "checks.csv", to_csv(results));
-  if (!arguments.json.empty()) sim::write_json(arguments.json, to_json(results, setup));
   const bool drawn = !setup.short_form && draw_all(results, arguments.out);
   if (drawn && !arguments.page.empty()) write_page(results, arguments, command_line);
+  if (!arguments.json.empty()) sim::write_json(arguments.json, to_json(results, setup));
+  sim::write_json(arguments.out / "summary.json", to_json(results, setup));  // last: the folder is complete
   const bool passed = std::ranges::all_of(results, &ValidationResult::passed);
   fmt::print("\n{}; stepper {}, {} ms; results in {}\n",
              passed ? "all within tolerance" : "NOT within tolerance", arguments.stepper, arguments.step_ms,

@@ -1,5 +1,3 @@
-#include "tools/lab/validate/zmp_comparison.h"
-
 #include <array>
 #include <cmath>
 #include <limits>
@@ -13,7 +11,7 @@
 #include "tools/lab/plot/legend.h"
 #include "tools/lab/validate/inertial_zmp.h"
 #include "tools/lab/validate/rigs.h"
-#include "tools/lab/validate/squat.h"
+#include "tools/lab/validate/validation.h"
 
 namespace koboshi::tools {
 namespace {

@@ -5,10 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "tools/lab/validate/convergence.h"
-#include "tools/lab/validate/free_body.h"
-#include "tools/lab/validate/pendulum_theory.h"
-#include "tools/lab/validate/runge_kutta.h"
+#include "tools/lab/validate/theory.h"
+#include "tools/lab/validate/validation.h"
 
 namespace koboshi::tools {
 namespace {
