@@ -31,55 +31,34 @@ std::string state_name(std::uint8_t state) {
                  "unknown state");  // bit 7 is the toggle of node guarding
 }
 
-// CiA 301, table 26, by classes of codes.
+// Classes of error codes by their high byte (CiA 301, table 26).
+struct EmergencyClass {
+  int first;
+  int last;
+  const char* name;
+};
+constexpr EmergencyClass kEmergencyClasses[] = {
+    {0x00, 0x00, "error reset or no error"},
+    {0x10, 0x10, "generic error"},
+    {0x20, 0x23, "current"},
+    {0x30, 0x33, "voltage"},
+    {0x40, 0x43, "temperature"},
+    {0x50, 0x50, "device hardware"},
+    {0x60, 0x63, "device software"},
+    {0x70, 0x71, "additional modules"},
+    {0x73, 0x73, "additional modules"},
+    {0x80, 0x81, "communication"},
+    {0x82, 0x82, "protocol"},
+    {0x84, 0x86, "velocity or position control"},
+    {0x90, 0x90, "external error"},
+    {0xFF, 0xFF, "device specific"},
+};
+
 const char* emergency_class(std::uint16_t code) {
-  switch (code >> 8) {
-    case 0x00:
-      return "error reset or no error";
-    case 0x10:
-      return "generic error";
-    case 0x20:
-    case 0x21:
-    case 0x22:
-    case 0x23:
-      return "current";
-    case 0x30:
-    case 0x31:
-    case 0x32:
-    case 0x33:
-      return "voltage";
-    case 0x40:
-    case 0x41:
-    case 0x42:
-    case 0x43:
-      return "temperature";
-    case 0x50:
-      return "device hardware";
-    case 0x60:
-    case 0x61:
-    case 0x62:
-    case 0x63:
-      return "device software";
-    case 0x70:
-    case 0x71:
-    case 0x73:
-      return "additional modules";
-    case 0x80:
-    case 0x81:
-      return "communication";
-    case 0x82:
-      return "protocol";
-    case 0x84:
-    case 0x85:
-    case 0x86:
-      return "velocity or position control";
-    case 0x90:
-      return "external error";
-    case 0xFF:
-      return "device specific";
-    default:
-      return "error";
+  for (const EmergencyClass& one : kEmergencyClasses) {
+    if (one.first <= code >> 8 && code >> 8 <= one.last) return one.name;
   }
+  return "error";
 }
 
 std::string address_text(const sdo::Data& data) {
@@ -123,7 +102,7 @@ std::string sdo_text(const hal::CanFrame& frame, bool request) {
   }
 }
 
-// The drive on whose second channel (0x1201) a frame is; no function code tells it. 0: on none.
+// Returns the drive whose second SDO channel (0x1201) has this identifier, or 0.
 int second_channel_of(std::uint16_t identifier, std::uint16_t base) {
   const int node = identifier - base;
   return node > 0 && node <= canopen::kMaxNodeId && sim::has_pc_sdo(static_cast<std::uint8_t>(node)) ? node

@@ -8,14 +8,14 @@ namespace koboshi::tools {
 
 enum class FrameKind { kNmt, kSync, kEmergency, kTime, kPdo, kSdo, kHeartbeat, kOther };
 
-// What the predefined connection set (CiA 301, 7.3.5), and the second SDO channels of the drives, make of an
-// identifier.
+// Returns the kind of an identifier by the predefined connection set (CiA 301, 7.3.5) and the second SDO
+// channels of the drives.
 FrameKind kind_of(const hal::CanFrame& frame);
-// The node that an identifier belongs to; 0 for those of all.
+// Returns the node that a frame belongs to; 0 for frames to all nodes.
 int node_of(const hal::CanFrame& frame);
 
-// A frame in words, without knowledge of any dictionary: NMT, SYNC, EMCY, heartbeat and SDO; empty for a PDO
-// and for what is none of CANopen's.
+// Describes an NMT, SYNC, EMCY, heartbeat or SDO frame without an object dictionary. Empty for a PDO and for
+// frames that are not CANopen.
 std::string describe(const hal::CanFrame& frame);
 
 }  // namespace koboshi::tools

@@ -7,22 +7,21 @@
 
 namespace koboshi::tools {
 
-// One that a person may want to send: it tells the controller to enable the drives.
+// An example of a useful frame: it commands the controller to enable the drives.
 inline constexpr std::string_view kSampleFrame = "201#010000";
 
-// The notation of cansend and candump: 123#0011AABB, 123#R3. Throws std::invalid_argument for anything else.
+// Parses the notation of cansend and candump: 123#0011AABB, 123#R3. Throws std::invalid_argument.
 hal::CanFrame parse_frame(std::string_view text);
 std::string frame_text(const hal::CanFrame& frame);
 
-// Numbers of a command line, by one rule: what candump and CiA 301 write in hexadecimal (identifiers,
-// indices, sub-indices, data) is hexadecimal, everything else (nodes, values, counts) decimal; 0x is
-// hexadecimal everywhere. What could be read in two ways is refused. Both throw std::invalid_argument that
-// names `what`.
+// Numbers on a command line follow one rule. Identifiers, indices, sub-indices and data are hexadecimal, as
+// in candump and CiA 301; nodes, values and counts are decimal; 0x means hexadecimal everywhere. Ambiguous
+// numbers are refused. Both functions throw std::invalid_argument that names `what`.
 
-// Decimal, or 0x and hexadecimal digits. Refuses leading zeros, which are octal to some.
+// Parses a decimal number, or 0x and hexadecimal digits. Refuses leading zeros, which some read as octal.
 std::uint64_t parse_number(std::string_view text, std::string_view what, std::uint64_t most);
-// Hexadecimal, with or without 0x. With `digits`, 0x may only be left out where just so many digits are
-// written, as an identifier or an index has them, or where decimal would mean the same.
+// Parses a hexadecimal number, with or without 0x. Without 0x, the number must have exactly `digits` digits,
+// as an identifier or an index has, or mean the same in decimal.
 std::uint64_t parse_hexadecimal(std::string_view text, std::string_view what, std::uint64_t most,
                                 std::size_t digits);
 

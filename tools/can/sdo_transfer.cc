@@ -191,7 +191,7 @@ std::vector<std::uint8_t> SdoTransfer::read_blocks(std::size_t size, const SdoPr
         throw SdoAborted(static_cast<AbortCode>(sdo::data_of(segment)));
       sequence = segment[0] & ~sdo::kBlockLastSegment & 0xFF;
       if (sequence != expected) {
-        // The last, with some lost before it: asked for again.
+        // Segments before the last are lost: request them again.
         if ((segment[0] & sdo::kBlockLastSegment) != 0) break;
         continue;
       }

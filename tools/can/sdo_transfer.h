@@ -12,7 +12,7 @@
 
 namespace koboshi::tools {
 
-// The server refused, or either side broke off.
+// An abort of the transfer by either side.
 class SdoAborted : public std::runtime_error {
  public:
   explicit SdoAborted(canopen::AbortCode code);
@@ -22,25 +22,25 @@ class SdoAborted : public std::runtime_error {
   canopen::AbortCode code_;
 };
 
-// What CiA 301, table 22, says of a code.
+// The text of an abort code in CiA 301, table 22.
 std::string text_of(canopen::AbortCode code);
 
-// How far a transfer has come, in bytes; a total of 0 is not known.
+// Receives the progress of a transfer in bytes; a total of 0 means unknown.
 using SdoProgress = std::function<void(std::size_t done, std::size_t total)>;
 
-// The client's side of one SDO channel (CiA 301, 7.2.4), for a person or a test that waits for it. Objects of
-// any size, by segments or by blocks with a checksum.
+// A blocking client of one SDO channel (CiA 301, 7.2.4). Transfers objects of any size, by segments or by
+// blocks with a checksum.
 class SdoTransfer {
  public:
   static constexpr std::uint64_t kTimeout_us = 1'000'000;  // for each answer
 
-  // On the node's default channel. The transport must outlive it.
+  // Uses the node's default channel. The transport must outlive this.
   SdoTransfer(sim::Transport& transport, std::uint8_t node_id);
-  // On any channel: identifiers of requests and responses.
+  // Uses the channel with these identifiers of requests and responses.
   SdoTransfer(sim::Transport& transport, std::uint16_t request, std::uint16_t response)
       : transport_(transport), request_(request), response_(response) {}
 
-  // Throw SdoAborted, and std::runtime_error where nobody answers.
+  // These throw SdoAborted, and std::runtime_error if the node does not answer.
   std::vector<std::uint8_t> read(canopen::ObjectAddress address);
   void write(canopen::ObjectAddress address, std::span<const std::uint8_t> data);
   std::vector<std::uint8_t> upload(canopen::ObjectAddress address, const SdoProgress& progress = {});
@@ -52,7 +52,7 @@ class SdoTransfer {
 
   void send(const Data& data);
   Data receive();
-  // Sends, and returns the answer, whose specifier must be this one.
+  // Sends a request and returns the answer. Aborts if the answer has another specifier.
   Data ask(const Data& data, std::uint8_t specifier);
   [[noreturn]] void abort(canopen::AbortCode code);
   std::vector<std::uint8_t> read_segments(std::size_t size);
@@ -67,8 +67,8 @@ class SdoTransfer {
   canopen::ObjectAddress address_;  // of the transfer under way
 };
 
-// On a drive's second channel, which leaves the controller's alone. Throws std::invalid_argument for a node
-// that has none: its identifiers are another node's.
+// Uses a drive's second channel and leaves the first to the controller. Throws std::invalid_argument for a
+// node without one.
 SdoTransfer second_sdo(sim::Transport& transport, std::uint8_t node_id);
 
 }  // namespace koboshi::tools

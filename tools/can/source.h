@@ -12,30 +12,29 @@ namespace koboshi::tools {
 
 struct TimedFrame {
   hal::CanFrame frame;
-  std::uint64_t time_us = 0;  // of a log, its own; of a live bus, since it was opened
+  std::uint64_t time_us = 0;  // the log's own, or since the live bus was opened
 };
 
-// Frames from a log or a live bus, in their order.
+// A sequence of frames, from a log or a live bus.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
 
-  // The next frame; nothing at the end of a log, or when a live bus was silent for so long.
+  // Returns the next frame; nothing at the end of a log, or after a live bus was silent for this long.
   virtual std::optional<TimedFrame> next(std::uint64_t timeout_us) = 0;
   virtual bool is_live() const = 0;
 };
 
-// A log as of candump -L, or the folder of a run, whose can.log it takes. Throws sim::InputError.
+// Opens a log of candump -L, or the can.log in the folder of a run. Throws sim::InputError.
 std::unique_ptr<FrameSource> open_log(const std::filesystem::path& place);
 
-// What comes in on a transport, which must outlive the source.
+// Reads the frames that arrive on a transport, which must outlive the source.
 std::unique_ptr<FrameSource> listen_to(sim::Transport& transport);
 
-// Hands over a frame at once, waiting for room as long as a second. Throws std::runtime_error where there is
-// none.
+// Sends a frame, and waits up to a second for room. Throws std::runtime_error if there is none.
 void send_surely(sim::Transport& transport, const hal::CanFrame& frame);
 
-// Waits until something may have come in on a transport, or this time has passed.
+// Waits until a frame may have arrived on a transport, or this time has passed.
 void wait_for_frames(const sim::Transport& transport, std::uint64_t timeout_us);
 
 }  // namespace koboshi::tools

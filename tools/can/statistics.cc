@@ -13,27 +13,9 @@ namespace {
 
 constexpr double kBitsPerSecond = 1e6;
 
-const char* name_of(FrameKind kind) {
-  switch (kind) {
-    case FrameKind::kNmt:
-      return "NMT";
-    case FrameKind::kSync:
-      return "SYNC";
-    case FrameKind::kEmergency:
-      return "EMCY";
-    case FrameKind::kTime:
-      return "TIME";
-    case FrameKind::kPdo:
-      return "PDO";
-    case FrameKind::kSdo:
-      return "SDO";
-    case FrameKind::kHeartbeat:
-      return "heartbeat";
-    case FrameKind::kOther:
-      return "";
-  }
-  return "";
-}
+constexpr const char* kKindNames[] = {"NMT", "SYNC", "EMCY", "TIME", "PDO", "SDO", "heartbeat", ""};
+
+const char* name_of(FrameKind kind) { return kKindNames[static_cast<std::size_t>(kind)]; }
 
 }  // namespace
 

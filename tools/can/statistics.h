@@ -8,7 +8,7 @@
 
 namespace koboshi::tools {
 
-// How one identifier came: by how many frames, in what periods.
+// Frames, bits and periods of one identifier.
 struct IdentifierStatistics {
   std::uint64_t frames = 0;
   std::uint64_t bits = 0;  // with stuff bits and intermission
@@ -16,7 +16,7 @@ struct IdentifierStatistics {
   std::uint64_t last_us = 0;
   std::uint64_t shortest_us = UINT64_MAX;  // between two frames
   std::uint64_t longest_us = 0;
-  // After the SYNC before it; of frames between two SYNCs.
+  // Time since the last SYNC.
   std::uint64_t earliest_after_sync_us = UINT64_MAX;
   std::uint64_t latest_after_sync_us = 0;
 
@@ -32,7 +32,7 @@ class BusStatistics {
 
   std::uint64_t frames() const { return frames_; }
   double duration_s() const { return 1e-6 * static_cast<double>(last_us_ - first_us_); }
-  // Share of the time that the bus was busy, 0 to 1.
+  // Share of the time during which the bus was busy, 0 to 1.
   double load() const;
   const std::map<std::uint16_t, IdentifierStatistics>& identifiers() const { return identifiers_; }
 
@@ -45,7 +45,7 @@ class BusStatistics {
   std::optional<std::uint64_t> sync_us_;
 };
 
-// A table, a line for each identifier.
+// Formats a table with a line for each identifier.
 std::string statistics_table(const BusStatistics& statistics);
 
 }  // namespace koboshi::tools

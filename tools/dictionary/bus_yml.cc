@@ -1,4 +1,4 @@
-#include "tools/dictionary/bus_yml.h"
+#include "tools/dictionary/formats.h"
 
 #include <iterator>
 #include <string_view>
@@ -62,8 +62,8 @@ void add_pdos(std::string& text, std::string_view direction,
   }
 }
 
-// Whether dcfgen makes these requests itself, from the keys above. It has none that works for an RPDO's event
-// timer.
+// Returns whether dcfgen makes these requests from the keys above. It has no working key for the event timer
+// of an RPDO.
 bool stands_in_keys(canopen::ObjectAddress address) {
   const bool pdo = address.index >= 0x1400 && address.index < 0x1C00;
   const bool rpdo_timer = address.index < 0x1600 && address.subindex == 5;
@@ -89,7 +89,7 @@ void add_drive(std::string& text, const robot::Joint& joint, const sim::JointDes
   }
 }
 
-// Its defaults are what it is used with; the controller does not ask for its heartbeat.
+// A sensor runs with its defaults; the controller does not monitor its heartbeat.
 void add_sensor(std::string& text, std::string_view name, sim::SensorKind kind, std::uint8_t node_id) {
   const canopen::NodeDescription node = sim::sensor_node_description(kind);
   add_identity(text, name, kind == sim::SensorKind::kInertial ? "inertial.eds" : "ankle.eds", node_id,

@@ -111,7 +111,7 @@ Object sync_counter() {
   return variable(std::move(value), "0: SYNC carries no counter; else 2 to 240.");
 }
 
-// Drives and sensors have these two.
+// Only drives and sensors have these two objects.
 Object time_stamp() {
   return variable(item(0x1012, 0, "COB-ID time stamp object", DataType::kUnsigned32, "rw",
                        hex(canopen::kTimeConsumer | canopen::kTimeCobId)),
@@ -167,7 +167,7 @@ Object second_sdo_server(const canopen::SdoChannel& channel) {
       "A channel for a second client, beside the first and independent of it; bit 31: it is not in use.");
 }
 
-// The stack answers no remote frames, and says so of every TPDO after a reset.
+// The stack answers no remote frames; bit 30 of every TPDO says so after a reset.
 std::string cob_id(const PdoConfiguration& pdo, bool transmit) {
   const std::uint32_t value = pdo.cob_id | (transmit ? canopen::kCobIdNoRemote : 0u);
   return pdo.plus_node_id ? with_node_id(value) : hex(value);
@@ -225,7 +225,7 @@ struct PdoIndices {
   bool transmit;
 };
 
-// Those beyond these are invalid after a reset.
+// PDOs beyond the configured ones are invalid after a reset.
 void add_pdos(std::vector<Object>& objects, std::string_view name, const PdoIndices& first,
               std::span<const PdoConfiguration> configured, std::size_t count) {
   const auto configuration = [&](std::size_t i) {
@@ -249,7 +249,7 @@ std::vector<PdoConfiguration> joined(std::span<const PdoConfiguration> first,
   return all;
 }
 
-// Those beyond `configured` are not in use.
+// Entries beyond `configured` are not in use.
 Object heartbeat_consumers(std::size_t count, std::span<const std::uint32_t> configured) {
   Object made = array(0x1016, "Consumer heartbeat time", count,
                       item(0x1016, 1, "Consumer heartbeat time", DataType::kUnsigned32, "rw", hex(0)),

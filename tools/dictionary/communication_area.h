@@ -7,8 +7,8 @@
 
 namespace koboshi::tools {
 
-// The objects 0x1000..0x1FFF of a node (CiA 301, 7.5.2) with their defaults, ascending. No table holds them:
-// the stack serves them from its own state, and tests/unit/tools/dictionary asks it whether this is true.
+// The objects 0x1000..0x1FFF of a node (CiA 301, 7.5.2) with their defaults, ascending. The CANopen stack
+// serves them from its state, without a table; tests/unit/tools/dictionary compares this list with the stack.
 std::vector<Object> communication_area(const canopen::NodeDescription& description,
                                        const NodeCapacity& capacity, const InstanceDefaults& instance);
 

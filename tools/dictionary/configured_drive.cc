@@ -46,7 +46,7 @@ class DriveNode final : private canopen::NodeApplication {
     return wire_.take();
   }
 
-  // The firmware writes numbers only, each in one request.
+  // Decodes a request of the firmware, which writes only numbers that fit into one.
   ConfiguredDrive::Write decode(const canopen::sdo::Data& request) {
     const canopen::ObjectAddress address{canopen::load_u16(&request[1]), request[3]};
     canopen::Location location;
@@ -64,7 +64,7 @@ class DriveNode final : private canopen::NodeApplication {
     return node_.read_object({index, subindex}, value) == canopen::AbortCode::kNone ? value.number() : 0;
   }
 
-  // The PDOs in use of those whose records begin at these indices.
+  // The PDOs in use among those whose records begin at these indices.
   std::vector<canopen::PdoConfiguration> pdos(std::uint16_t communication, std::uint16_t mapping) {
     std::vector<canopen::PdoConfiguration> used;
     canopen::ObjectValue value;

@@ -16,14 +16,14 @@ struct ConfiguredDrive {
     std::int64_t value = 0;  // signed where the object is
   };
 
-  std::vector<canopen::PdoConfiguration> rpdos;  // those that are in use
+  std::vector<canopen::PdoConfiguration> rpdos;  // PDOs in use
   std::vector<canopen::PdoConfiguration> tpdos;
   std::uint16_t heartbeat_ms = 0;
   std::vector<Write> writes;  // in the order in which the firmware makes them
 };
 
-// What a drive has been told when the controller starts it. The firmware's own configuration writes to the
-// drive's own node here; nothing repeats its steps. Throws std::logic_error if it fails.
+// Returns the state of a drive after the controller has configured it: runs the firmware's configuration
+// against the drive's CANopen node. Throws std::logic_error if it fails.
 ConfiguredDrive configure_drive(const robot::Joint& joint, const sim::DriveDescription& drive);
 
 }  // namespace koboshi::tools

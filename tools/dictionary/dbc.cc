@@ -1,4 +1,4 @@
-#include "tools/dictionary/dbc.h"
+#include "tools/dictionary/formats.h"
 
 #include <iterator>
 

@@ -1,4 +1,4 @@
-#include "tools/dictionary/eds.h"
+#include "tools/dictionary/formats.h"
 
 #include <array>
 #include <iterator>
@@ -12,7 +12,7 @@ namespace {
 
 using Text = std::back_insert_iterator<std::string>;
 
-// CiA 306-1 has no way to say that there is no date.
+// CiA 306-1 requires a date; a fixed one keeps the bytes the same.
 constexpr std::string_view kDate = "01-01-2026";
 constexpr std::string_view kTime = "12:00AM";
 
@@ -62,7 +62,7 @@ void add_comments(std::string& eds, const NodeKind& kind) {
   }
 }
 
-// 7.1.3 of CiA 306-1: which section an object belongs to.
+// The section of an object (CiA 306-1, 7.1.3).
 enum class Section { kMandatory, kOptional, kManufacturer };
 
 Section section_of(std::uint16_t index) {
@@ -77,7 +77,7 @@ void add_value(std::string& eds, const ObjectItem& item) {
   if (item.limits) {
     fmt::format_to(Text(eds), "LowLimit={}\nHighLimit={}\n", item.limits->low, item.limits->high);
   }
-  // CiA 306-1 lets the entry be left out; an empty one is no value, and readers refuse it.
+  // The entry is optional in CiA 306-1; readers refuse an empty one.
   if (!item.default_value.empty()) fmt::format_to(Text(eds), "DefaultValue={}\n", item.default_value);
   fmt::format_to(Text(eds), "PDOMapping={}\n", item.mappable == canopen::Mappable::kNo ? 0 : 1);
 }

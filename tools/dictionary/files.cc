@@ -1,13 +1,9 @@
 #include "tools/dictionary/files.h"
 
 #include "simulation/model/robot_model.h"
-#include "tools/dictionary/bus_yml.h"
-#include "tools/dictionary/dbc.h"
-#include "tools/dictionary/eds.h"
+#include "tools/dictionary/formats.h"
 #include "tools/dictionary/network.h"
 #include "tools/dictionary/node_kinds.h"
-#include "tools/dictionary/page.h"
-#include "tools/dictionary/parameters_page.h"
 
 namespace koboshi::tools {
 

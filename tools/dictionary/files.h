@@ -14,9 +14,9 @@ struct GeneratedFile {
   std::string text;
 };
 
-// What docs/reference keeps of the tables of objects: the data sheets of all kinds of nodes, koboshi.dbc and
-// bus.yml of the robot's network, and the pages. `values` are the parameters of the robot. Throws
-// sim::InputError as make_network does.
+// The files in docs/reference that are generated from the object dictionaries: the data sheets of all kinds
+// of nodes, koboshi.dbc and bus.yml of the robot's network, and the pages. `values` are the robot's
+// parameters. Throws sim::InputError as make_network does.
 std::vector<GeneratedFile> dictionary_files(const sim::RobotDescription& robot,
                                             const app::ControllerValues& values);
 

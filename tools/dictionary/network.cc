@@ -26,7 +26,7 @@ using canopen::PdoConfiguration;
 constexpr std::string_view kController = "controller";
 constexpr std::string_view kOperator = "operator";  // a PC at the bus
 
-// What a count of the robot's sensors is worth.
+// The resolutions of the robot's sensors.
 class Resolutions {
  public:
   explicit Resolutions(const sim::RobotDescription& robot) : robot_(robot) {}
@@ -52,7 +52,7 @@ class Resolutions {
   const sim::RobotDescription& robot_;
 };
 
-// "Rate x" as programs want a name: rate_x.
+// Makes an identifier of a name: "Rate x" becomes rate_x.
 std::string identifier(std::string_view name) {
   std::string text;
   for (const char letter : name) {
@@ -96,6 +96,15 @@ class Builder {
     }
     message.size_bytes = start_bit / 8;
     add(std::move(message));
+  }
+
+  // PDOs numbered from 1 with this prefix, between a node and its peer.
+  void add_pdos(const NodeKind& kind, const NetworkNode& node, std::string_view prefix,
+                std::span<const PdoConfiguration> pdos, const std::string& sender,
+                const std::string& receiver) {
+    int number = 0;
+    for (const PdoConfiguration& pdo : pdos)
+      add_pdo(kind, node, fmt::format("{}{}", prefix, ++number), pdo, sender, receiver);
   }
 
   void add(Message message) { network_.messages.push_back(std::move(message)); }
@@ -152,14 +161,8 @@ void add_controller(Builder& builder) {
   builder.add(nmt_message(node.name));
   builder.add(sync_message(node.name, hal::kControlPeriod_us / 1000));
   builder.add_node(node.node_id, node.name, kind.description.heartbeat_ms);
-  int number = 0;
-  for (const PdoConfiguration& pdo : kind.description.rpdos) {
-    builder.add_pdo(kind, node, fmt::format("RPDO{}", ++number), pdo, pc, node.name);
-  }
-  number = 0;
-  for (const PdoConfiguration& pdo : kind.description.tpdos) {
-    builder.add_pdo(kind, node, fmt::format("TPDO{}", ++number), pdo, node.name, pc);
-  }
+  builder.add_pdos(kind, node, "RPDO", kind.description.rpdos, pc, node.name);
+  builder.add_pdos(kind, node, "TPDO", kind.description.tpdos, node.name, pc);
 }
 
 void add_drives(Builder& builder, const sim::RobotDescription& robot) {
@@ -169,23 +172,14 @@ void add_drives(Builder& builder, const sim::RobotDescription& robot) {
     const NetworkNode node{robot.joints[i].drive.node_id, robot.joints[i].name};
     const ConfiguredDrive drive = configure_drive(model.model.joints[i], robot.joints[i].drive);
     builder.add_node(node.node_id, node.name, drive.heartbeat_ms);
-    int number = 0;
-    for (const PdoConfiguration& pdo : drive.rpdos) {
-      builder.add_pdo(kind, node, fmt::format("RPDO{}", ++number), pdo, std::string(kController), node.name);
-    }
-    number = 0;
-    for (const PdoConfiguration& pdo : drive.tpdos) {
-      builder.add_pdo(kind, node, fmt::format("TPDO{}", ++number), pdo, node.name, std::string(kController));
-    }
+    builder.add_pdos(kind, node, "RPDO", drive.rpdos, std::string(kController), node.name);
+    builder.add_pdos(kind, node, "TPDO", drive.tpdos, node.name, std::string(kController));
   }
 }
 
 void add_sensor(Builder& builder, const NodeKind& kind, const NetworkNode& node) {
   builder.add_node(node.node_id, node.name, kind.description.heartbeat_ms);
-  int number = 0;
-  for (const PdoConfiguration& pdo : kind.description.tpdos) {
-    builder.add_pdo(kind, node, fmt::format("TPDO{}", ++number), pdo, node.name, std::string(kController));
-  }
+  builder.add_pdos(kind, node, "TPDO", kind.description.tpdos, node.name, std::string(kController));
 }
 
 void add_sensors(Builder& builder, const sim::RobotDescription& robot) {

@@ -32,7 +32,7 @@ struct Message {
   std::string name;
   unsigned size_bytes = 0;
   std::string sender;
-  std::uint32_t cycle_time_ms = 0;  // 0: when something happens
+  std::uint32_t cycle_time_ms = 0;  // 0: event-driven
   std::string comment;
   std::vector<Signal> signals;
 };
@@ -42,12 +42,12 @@ struct NetworkNode {
   std::string name;
 };
 
-// Everything that can be seen on a robot's bus in operation.
+// All messages on a robot's bus in operation.
 struct Network {
   std::vector<NetworkNode> nodes;
   std::vector<Message> messages;  // by identifier, ascending
 
-  // Null where there is none.
+  // Null if there is none.
   const Message* find(std::uint16_t identifier) const;
 };
 
@@ -56,16 +56,16 @@ struct Network {
 // express.
 Network make_network(const sim::RobotDescription& robot);
 
-// A signal of a frame that came.
+// A decoded signal of a received frame.
 struct Reading {
   const Signal* signal = nullptr;
   std::int64_t raw = 0;
   double value = 0.0;          // of signal->unit
-  std::string_view name = {};  // of the raw value, where it has one
+  std::string_view name = {};  // name of the raw value, or empty
 };
 
-// What a frame says, in the order of its bytes. Signals that a short frame leaves out are left out; nothing
-// where the network has no such message. The network must outlive the readings.
+// Decodes the signals of a frame, in the order of its bytes, without those beyond the end of a short frame.
+// Empty if the network has no such message. The network must outlive the readings.
 std::vector<Reading> decode(const Network& network, const hal::CanFrame& frame);
 
 }  // namespace koboshi::tools

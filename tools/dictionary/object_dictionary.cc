@@ -34,8 +34,8 @@ std::string access_of(const Entry& row) {
   return row.mappable == canopen::Mappable::kRpdo ? "rww" : "rw";
 }
 
-// Only what a configuration sets has a default: neither what the node measures nor what RPDOs carry. One
-// outside of its limits is an instance's own.
+// Only settings have a default: neither measurements nor objects that RPDOs carry. A default outside of its
+// limits differs between nodes.
 std::string default_of(const ObjectItem& item, const Entry& row, std::span<const std::byte> values) {
   if (row.access == canopen::Access::kReadOnly && row.offset != Entry::kConstant) return {};
   if (row.mappable == canopen::Mappable::kRpdo || row.mappable == canopen::Mappable::kBoth) return {};

@@ -12,8 +12,8 @@
 
 namespace koboshi::tools {
 
-// The whole object dictionary of a kind of node, as CiA 306 describes one: the objects of its own table and
-// those of the communication profile area, which the CANopen stack serves.
+// The object dictionary of a kind of node, as in CiA 306: the objects of its own table and those of the
+// communication profile area, which the CANopen stack serves.
 
 inline constexpr std::uint8_t kVisibleString = 0x09;  // data type, CiA 301 table 44
 
@@ -29,36 +29,36 @@ struct ObjectItem {
   canopen::ObjectAddress address;
   std::string name;
   std::uint8_t data_type = 0;  // a canopen::DataType, or kVisibleString
-  std::string access;          // as an EDS says it: const, ro, rw, or rww where an RPDO may write it
+  std::string access;          // in the terms of an EDS: const, ro, rw, or rww if an RPDO may write it
   canopen::Mappable mappable = canopen::Mappable::kNo;
-  std::string
-      default_value;  // as an EDS says it, `$NODEID+0x180`; empty where instances differ or it is measured
+  // In the notation of an EDS, `$NODEID+0x180`; empty if nodes differ or the value is measured.
+  std::string default_value;
   std::optional<ValueLimits> limits;
   canopen::Unit unit;
   std::span<const canopen::ValueName> values;
   std::string comment;
-  std::string family;  // of consecutive items that differ only in their number; else empty
+  std::string family;  // common name of consecutive items that differ only in their number; else empty
 };
 
 struct Object {
   std::uint16_t index = 0;
   ObjectType type = ObjectType::kVariable;
   std::string name;
-  std::vector<ObjectItem> items;  // with sub-index 0, where there are sub-indices
+  std::vector<ObjectItem> items;  // including sub-index 0, if there are sub-indices
   std::string comment;
-  std::string family;  // of consecutive objects that differ only in their number; else empty
+  std::string family;  // common name of consecutive objects that differ only in their number; else empty
 };
 
-// How many services of a sort the node's stack has room for.
+// Numbers of services that the node's stack has room for.
 struct NodeCapacity {
   std::size_t rpdos = 0;
   std::size_t tpdos = 0;
   std::size_t heartbeat_consumers = 0;
 };
 
-// What a node configures by itself in each reset, besides what stands in its description.
+// Settings that a node makes in each reset, in addition to its description.
 struct InstanceDefaults {
-  std::vector<canopen::PdoConfiguration> rpdos;  // behind the description's
+  std::vector<canopen::PdoConfiguration> rpdos;  // after the description's
   std::vector<canopen::PdoConfiguration> tpdos;
   std::vector<std::uint32_t> heartbeat_consumers;  // 0x1016, from sub-index 1
 };
@@ -69,7 +69,7 @@ struct NodeKind {
   NodeCapacity capacity;
   std::vector<Object> objects;  // ascending
 
-  // Null where there is none.
+  // Null if there is none.
   const ObjectItem* find(canopen::ObjectAddress address) const;
 };
 

@@ -1,4 +1,4 @@
-#include "tools/dictionary/page.h"
+#include "tools/dictionary/formats.h"
 
 #include <algorithm>
 #include <array>
@@ -39,28 +39,16 @@ of an index with several sub-indices contains the highest of them, in a mapping 
 
 constexpr std::uint16_t kFirstOwnIndex = canopen::kFirstOwnersIndex;
 
-// Values of which a page shows names: once each, however many objects have them.
+// Named values; the page shows each table once.
 using ValueTable = std::span<const canopen::ValueName>;
 
 std::string bounds(const ObjectItem& item) {
   return item.limits ? fmt::format("{} to {}", item.limits->low, item.limits->high) : std::string();
 }
 
-std::string pdo(canopen::Mappable mappable) {
-  switch (mappable) {
-    case canopen::Mappable::kNo:
-      return "";
-    case canopen::Mappable::kTpdo:
-      return "TPDO";
-    case canopen::Mappable::kRpdo:
-      return "RPDO";
-    case canopen::Mappable::kBoth:
-      return "both";
-  }
-  return "";
-}
+constexpr const char* kPdoNames[] = {"", "TPDO", "RPDO", "both"};  // by canopen::Mappable
 
-// 360/65536 deg; for a sensor's counts only the unit.
+// Formats a unit: 360/65536 deg, or for a sensor's counts its unit alone.
 std::string unit_text(const canopen::Unit& unit) {
   if (unit.resolution != canopen::Resolution::kNone) return fmt::format("counts, in {}", unit.name);
   if (unit.denominator == 1 && unit.numerator == 1) return std::string(unit.name);
@@ -71,11 +59,12 @@ std::string unit_text(const canopen::Unit& unit) {
 void add_item(std::string& page, const ObjectItem& item, std::string_view index, std::string_view subindex,
               std::string_view name, std::string_view default_value) {
   fmt::format_to(Text(page), "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", index, subindex, name,
-                 data_type_name(item.data_type), item.access, pdo(item.mappable), default_value, bounds(item),
+                 data_type_name(item.data_type), item.access,
+                 kPdoNames[static_cast<std::size_t>(item.mappable)], default_value, bounds(item),
                  unit_text(item.unit), item.comment);
 }
 
-// Sub-index 0 says nothing of its own unless it may be written and counts.
+// Sub-index 0 is shown only if it can be written.
 bool is_plain_count(const ObjectItem& item) { return item.address.subindex == 0 && item.access == "const"; }
 
 void add_items(std::string& page, const Object& object) {
@@ -111,7 +100,7 @@ void add_object_row(std::string& page, const Object& object) {
   add_items(page, object);
 }
 
-// Records of PDOs, of which a node has as many as its chapter says.
+// Records of PDOs, as one family: the node's chapter says how many there are.
 void add_family(std::string& page, const Object& first) {
   fmt::format_to(Text(page), "| {:04X} ... | | **{}** | | | | | | | One record for each PDO. |\n",
                  first.index, first.family);
@@ -137,7 +126,7 @@ void add_objects(std::string& page, std::span<const Object> objects, std::uint16
   }
 }
 
-// What any of the kinds has in the communication profile area, by index.
+// The objects of all kinds in the communication profile area, by index.
 std::vector<Object> common_objects(std::span<const NodeKind> kinds) {
   std::map<std::uint16_t, Object> found;
   for (const NodeKind& kind : kinds) {
@@ -150,8 +139,7 @@ std::vector<Object> common_objects(std::span<const NodeKind> kinds) {
   return objects;
 }
 
-// The communication profile area once for all kinds; defaults that not all share stand in the nodes'
-// chapters.
+// Adds the communication profile area once for all kinds, with the defaults that all share.
 void add_common_objects(std::string& page, std::span<const NodeKind> kinds) {
   std::vector<Object> objects = common_objects(kinds);
   for (Object& object : objects) {
@@ -212,7 +200,7 @@ void add_message(std::string& page, const Message& message) {
   page += "|\n";
 }
 
-// PDOs of nodes with these ids.
+// Adds the PDOs of nodes with these ids.
 void add_pdos(std::string& page, const Network& network, std::span<const std::uint8_t> node_ids) {
   page += "\n| identifier | PDO | sent each | bytes | signals |\n| --- | --- | --- | --- | --- |\n";
   for (const NetworkNode& node : network.nodes) {

@@ -1,4 +1,4 @@
-#include "tools/dictionary/parameters_page.h"
+#include "tools/dictionary/formats.h"
 
 #include <fmt/format.h>
 
@@ -56,7 +56,7 @@ std::string in_units(const simulation::Parameter& parameter, std::int64_t raw) {
   return fmt::format("{:.6g}", static_cast<double>(raw) / parameter.raw_per_unit());
 }
 
-// The value on the robot; empty where it is the default.
+// The value on the robot; empty if it is the default.
 std::string robot_value_of(const simulation::Parameter& parameter, const std::string& default_value,
                            const app::ControllerValues& values) {
   app::ControllerValues copy = values;

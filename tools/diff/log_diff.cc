@@ -7,7 +7,7 @@
 namespace koboshi::tools {
 namespace {
 
-// `first` and what follows it.
+// Returns `first` and the frames after it.
 std::vector<sim::LoggedFrame> take(std::optional<sim::LoggedFrame> first, sim::CandumpReader& reader) {
   std::vector<sim::LoggedFrame> frames;
   for (; first && frames.size() < kFramesAfter; first = reader.next()) frames.push_back(*first);

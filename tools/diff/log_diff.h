@@ -9,21 +9,21 @@
 
 namespace koboshi::tools {
 
-// The first frame in which two CAN logs differ, and what stands around it.
+// The first difference of two CAN logs, with the frames around it.
 struct LogDifference {
   std::size_t line = 0;                  // of the first difference, from 1
-  std::vector<sim::LoggedFrame> before;  // the same in both
-  std::vector<sim::LoggedFrame> a;       // from the difference on; empty when the log ends there
+  std::vector<sim::LoggedFrame> before;  // equal in both logs
+  std::vector<sim::LoggedFrame> a;       // from the difference on; empty if the log ends there
   std::vector<sim::LoggedFrame> b;
 
-  // When the runs part: the earlier of the two frames.
+  // Time of the difference: the earlier of the two frames.
   std::uint64_t time_us() const;
 };
 
 inline constexpr std::size_t kFramesBefore = 4;
-inline constexpr std::size_t kFramesAfter = 4;  // with the one that differs
+inline constexpr std::size_t kFramesAfter = 4;  // including the one that differs
 
-// Throws sim::InputError when a file cannot be read or has a line that is no frame.
+// Throws sim::InputError if a file cannot be read or a line is not a frame.
 std::optional<LogDifference> compare_logs(const std::filesystem::path& a, const std::filesystem::path& b);
 
 }  // namespace koboshi::tools

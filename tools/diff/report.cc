@@ -12,7 +12,7 @@
 namespace koboshi::tools {
 namespace {
 
-constexpr std::size_t kMaxCells = 12;  // of one tick; the others are counted
+constexpr std::size_t kMaxCells = 12;  // shown of a tick; the report counts the others
 
 std::string frame_text(const sim::LoggedFrame& logged) {
   std::array<char, sim::kMaxLogLineBytes> line;
@@ -49,7 +49,7 @@ std::string describe(const LogDifference& difference) {
   return text;
 }
 
-// Where the trace differs and the bus does not: what was on the bus then.
+// The frames before a tick, for a difference of the trace alone.
 std::string frames_before(const std::filesystem::path& log, const std::string& time_s) {
   sim::CandumpReader reader(log);
   const double end_us = 1e6 * std::stod(time_s);

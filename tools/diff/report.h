@@ -10,9 +10,9 @@ struct RunComparison {
   std::string report;  // for people; ends with a newline
 };
 
-// Compares trace.csv and can.log of two runs' folders, and says in what they differ first: the tick with its
-// variables, the frame on the bus, and the frames around that. Throws sim::InputError when a folder holds no
-// run.
+// Compares trace.csv and can.log in the folders of two runs. Reports the first difference: the tick with its
+// variables, and the frame on the bus with the frames around it. Throws sim::InputError for a folder without
+// a run.
 RunComparison compare_runs(const std::filesystem::path& a, const std::filesystem::path& b);
 
 }  // namespace koboshi::tools

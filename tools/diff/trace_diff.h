@@ -8,7 +8,7 @@
 
 namespace koboshi::tools {
 
-// A cell of trace.csv as it stands in two runs.
+// A cell of trace.csv in two runs.
 struct CellDifference {
   std::string column;
   std::string a;
@@ -20,13 +20,13 @@ struct CellDifference {
 // The first line in which two traces differ.
 struct TraceDifference {
   int line = 0;                       // 1 for the header
-  std::string time_s;                 // first cell of the line; of the run that has it, if one is longer
-  std::vector<CellDifference> cells;  // those that differ; none when one trace ends before the line
+  std::string time_s;                 // first cell of the line, in the longer trace if one has ended
+  std::vector<CellDifference> cells;  // cells that differ; none if a trace ends before the line
   std::optional<char> ended;          // 'A' or 'B': the run that ends before the line
 };
 
-// Compares text with text, so that numbers are the same only to the last bit. Throws sim::InputError when a
-// file cannot be read, is empty, or has a line with too many or too few cells.
+// Compares the texts: numbers are equal only if all their digits are. Throws sim::InputError if a file cannot
+// be read, is empty, or has a line with too many or too few cells.
 std::optional<TraceDifference> compare_traces(const std::filesystem::path& a, const std::filesystem::path& b);
 
 }  // namespace koboshi::tools

@@ -8,9 +8,9 @@
 
 namespace koboshi::tools {
 
-// Writes PREFIX.csv, the profile of a walk and its linear approximation by the gait's points, from standing
-// over two cycles, and draws both like the paper's figure 6 to PREFIX.png and PREFIX.svg. Throws
-// sim::InputError and PlotError.
+// Draws the profile of a walk and its linear approximation by the gait's points, like the paper's figure 6,
+// to PREFIX.png and PREFIX.svg, with the data in PREFIX.csv: two cycles that begin with standing. Throws
+// sim::InputError, sim::WriteError and PlotError.
 void draw_gait(const simulation::Gait& gait, const sim::RobotDescription& robot,
                const simulation::NamedModel& model, const std::filesystem::path& prefix);
 

@@ -7,7 +7,7 @@
 
 namespace koboshi::tools {
 
-// Thrown where a signal ended what had not come to its end. `what()` is one line.
+// A signal ended the run before its end. `what()` is one line.
 class Interrupted : public std::runtime_error {
  public:
   Interrupted(int signal, const std::string& how_far) : std::runtime_error(how_far), signal_(signal) {}
@@ -17,8 +17,8 @@ class Interrupted : public std::runtime_error {
   int signal_;
 };
 
-// Ctrl-C and a request to end, as something to ask for: what runs ends as if it had come to its end, and
-// writes its files. For the thread that makes it and those that this thread starts afterwards.
+// Blocks SIGINT (Ctrl-C) and SIGTERM, so that a run can poll for them, end in order and write its files.
+// Holds for the thread that makes it and the threads that this one starts afterwards.
 class Interrupt {
  public:
   Interrupt();
@@ -26,7 +26,7 @@ class Interrupt {
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
 
-  // The signal that has come since the last time this was asked: SIGINT or SIGTERM.
+  // Returns the signal that has come since the last call.
   [[nodiscard]] std::optional<int> requested();
 
  private:

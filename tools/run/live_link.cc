@@ -11,8 +11,8 @@
 namespace koboshi::tools {
 namespace {
 
-// With one processor, the thread would take its time from the simulation all the same.
-std::unique_ptr<sim::Transport> beside_the_simulation(std::unique_ptr<sim::Transport> transport) {
+// A thread only helps where there is a second processor for it.
+std::unique_ptr<sim::Transport> in_background(std::unique_ptr<sim::Transport> transport) {
   if (!transport || !transport->is_slow() || std::thread::hardware_concurrency() < 2) return transport;
   return std::make_unique<sim::BackgroundTransport>(std::move(transport));
 }
@@ -31,7 +31,7 @@ LiveLink::LiveLink(const LiveOptions& options, std::unique_ptr<sim::Transport> t
     throw std::invalid_argument(
         "found --speed without a clock, expected --realtime or a live bus (--can socketcan, udp or slcan)");
   }
-  transport_ = beside_the_simulation(std::move(transport_));
+  transport_ = in_background(std::move(transport_));
 }
 
 void LiveLink::attach(sim::Bus& bus, const WallClock& wall) {
@@ -39,30 +39,30 @@ void LiveLink::attach(sim::Bus& bus, const WallClock& wall) {
   if (live_) pacer_.emplace(bus.now_us(), speed_, wall);
 }
 
-void LiveLink::look_for_troubles() {
+void LiveLink::check_for_losses() {
   if (pacer_) {
     const std::uint64_t delay_us = pacer_->delay_us();
-    if (delay_us <= kLate_us) told_behind_ = false;  // it has caught up
+    if (delay_us <= kLate_us) warned_behind_ = false;  // it has caught up
     warn_once(
-        delay_us > kOverload_us, told_behind_,
+        delay_us > kOverload_us, warned_behind_,
         fmt::format("{} ms behind the clock, frames are late: too much for this machine", delay_us / 1000));
   }
   if (!node_) return;
   const sim::TransportNode::Counters counters = node_->counters();
-  // A channel that nobody has opened yet takes no frames, and nobody misses them.
-  warn_once(counters.lost > 0 && counters.sent > 0, told_lost_,
+  // A channel that no program has opened yet accepts no frames; none of them counts as lost.
+  warn_once(counters.lost > 0 && counters.sent > 0, warned_lost_,
             "frames are lost: outside there is no room for them");
-  warn_once(counters.refused > 0, told_refused_,
+  warn_once(counters.refused > 0, warned_refused_,
             "frames from outside are lost: they are more than the bus can carry");
-  warn_once(counters.stalls > 0, told_stalled_,
+  warn_once(counters.stalls > 0, warned_stalled_,
             "frames from outside are late: they are more than the bus can carry");
-  warn_once(counters.dropped > 0, told_dropped_,
+  warn_once(counters.dropped > 0, warned_dropped_,
             "frames from outside are lost: they come faster than this machine takes them");
 }
 
-void LiveLink::warn_once(bool trouble, bool& told, const std::string& text) {
-  if (trouble && !told) warn_(text);
-  told = told || trouble;
+void LiveLink::warn_once(bool occurs, bool& warned, const std::string& text) {
+  if (occurs && !warned) warn_(text);
+  warned = warned || occurs;
 }
 
 nlohmann::ordered_json LiveLink::report() const {

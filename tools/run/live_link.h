@@ -12,81 +12,79 @@
 
 namespace koboshi::tools {
 
-// How a simulation is joined to the world outside.
+// The connection of a simulation to other programs and to the wall clock.
 struct LiveOptions {
   std::string can = "none";  // see sim::open_transport
   bool real_bus = false;     // allows an interface that is neither vcan nor vxcan
-  bool realtime = false;     // by the clock on the wall; always so with a live transport
-  std::optional<double> speed =
-      {};  // simulated seconds in one of the wall clock, 1 unless given; refused without it
+  bool realtime = false;     // in real time; implied by a live transport
+  // Simulated seconds per second of the wall clock, 1 by default. Only in real time.
+  std::optional<double> speed{};
 
   friend bool operator==(const LiveOptions&, const LiveOptions&) = default;
 };
 
-// Joins the bus of a simulation to a transport, and its time to the clock on the wall.
+// Connects the bus of a simulation to a transport, and its time to the wall clock.
 class LiveLink {
  public:
-  // Further behind the clock than this, the frames that are carried either way count as late: a control
-  // cycle.
+  // Delay beyond which frames count as late: one control cycle.
   static constexpr std::uint64_t kLate_us = 10'000;
-  // And so far behind, the machine is too slow, or what it carries too much, and a warning says so.
+  // Delay beyond which a warning says that the machine is too slow.
   static constexpr std::uint64_t kOverload_us = 100'000;
-  // Told in a sentence when frames begin to be lost, or the simulation to fall behind.
+  // Receives a sentence when frames begin to be lost or the simulation falls behind.
   using Warn = std::function<void(const std::string&)>;
 
-  // Opens the transport. Throws what sim::open_transport throws, and std::invalid_argument for a speed where
-  // nothing goes by the wall clock.
+  // Opens the transport. Throws what sim::open_transport throws, and std::invalid_argument for a speed
+  // without real time.
   explicit LiveLink(const LiveOptions& options, Warn warn = {});
-  // With a transport that is open already, or none.
+  // Takes an open transport, or null.
   LiveLink(const LiveOptions& options, std::unique_ptr<sim::Transport> transport, Warn warn = {});
 
-  // Begins, with a bus that stands at its present time.
+  // Connects the bus, from its present time on.
   void attach(sim::Bus& bus, const WallClock& wall = {});
-  // Before and after each millisecond of the simulation.
+  // Call these before and after each millisecond of the simulation.
   void before(std::uint64_t now_us) {
     if (node_) node_->poll(now_us, pacer_ && pacer_->delay_us() > kLate_us);
   }
   void after(std::uint64_t now_us) {
     if (transport_) transport_->flush();
     if (pacer_) pacer_->wait_for(now_us);
-    if (warn_ && now_us % kWarnPeriod_us == 0) look_for_troubles();
+    if (warn_ && now_us % kWarnPeriod_us == 0) check_for_losses();
   }
-  // The signal by which the user wants an end, such as Ctrl-C. Asks the system now and then only.
+  // Returns the signal by which the user ends the run, such as Ctrl-C. Polls the system only now and then.
   std::optional<int> interrupted() {
-    return ++asked_ % kAsksACheck == 0 ? interrupt_.requested() : std::nullopt;
+    return ++calls_ % kCallsPerPoll == 0 ? interrupt_.requested() : std::nullopt;
   }
 
   bool is_live() const { return live_; }
-  // Where others find the bus; null without a transport.
+  // Null without a transport.
   const sim::Transport* transport() const { return transport_.get(); }
-  // What holds the time back; null where nothing does, and before attach().
+  // Null without real time, and before attach().
   const Pacer* pacer() const { return pacer_ ? &*pacer_ : nullptr; }
-  // What became of it: frames carried, lost and late, overruns. Null when there was neither transport nor
-  // pacing.
+  // Frames carried, lost and late, and overruns. Null without transport and real time.
   nlohmann::ordered_json report() const;
 
  private:
-  static constexpr std::uint64_t kAsksACheck = 50;  // milliseconds, as a run asks
+  static constexpr std::uint64_t kCallsPerPoll = 50;  // one call per millisecond of a run
   static constexpr std::uint64_t kWarnPeriod_us = 50'000;
 
-  void look_for_troubles();
-  void warn_once(bool trouble, bool& told, const std::string& text);
+  void check_for_losses();
+  void warn_once(bool occurs, bool& warned, const std::string& text);
 
-  // Before any thread is started, so that none of them is ended by Ctrl-C.
+  // First member: threads that start later inherit the blocked signals.
   Interrupt interrupt_;
   std::unique_ptr<sim::Transport> transport_;
   bool live_;
   double speed_;
   std::optional<sim::TransportNode> node_;
   std::optional<Pacer> pacer_;
-  std::uint64_t asked_ = 0;
+  std::uint64_t calls_ = 0;
   Warn warn_;
-  // Which troubles were told of.
-  bool told_behind_ = false;
-  bool told_lost_ = false;
-  bool told_refused_ = false;
-  bool told_stalled_ = false;
-  bool told_dropped_ = false;
+  // The warnings that were given.
+  bool warned_behind_ = false;
+  bool warned_lost_ = false;
+  bool warned_refused_ = false;
+  bool warned_stalled_ = false;
+  bool warned_dropped_ = false;
 };
 
 }  // namespace koboshi::tools

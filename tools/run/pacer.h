@@ -8,7 +8,7 @@
 
 namespace koboshi::tools {
 
-// The clock on the wall; a test has one of its own.
+// The wall clock; tests replace it.
 struct WallClock {
   using Time = std::chrono::steady_clock::time_point;
 
@@ -16,21 +16,21 @@ struct WallClock {
   std::function<void(Time)> sleep_until = [](Time due) { std::this_thread::sleep_until(due); };
 };
 
-// Holds simulated time back to the clock on the wall.
+// Keeps simulated time from running ahead of the wall clock.
 class Pacer {
  public:
-  // Later than this is an overrun.
+  // A longer delay is an overrun.
   static constexpr std::uint64_t kTolerance_us = 2'000;
 
-  // `speed` is how many simulated seconds one of the wall has.
+  // `speed` is in simulated seconds per second of the wall clock.
   explicit Pacer(std::uint64_t now_us, double speed = 1.0, WallClock wall = {})
       : start_us_(now_us), speed_(speed), wall_(std::move(wall)), start_(wall_.now()) {}
 
-  // Returns when the wall has reached this simulated time; at once when it is later already. Time that was
-  // lost is made up for as fast as the simulation can.
+  // Returns when the wall clock has reached this simulated time, and at once if it is later: the simulation
+  // then catches up as fast as it can.
   void wait_for(std::uint64_t now_us);
 
-  // How far behind the wall it was at the last wait.
+  // Delay behind the wall clock at the last wait.
   std::uint64_t delay_us() const { return delay_us_; }
   std::uint64_t overruns() const { return overruns_; }
   std::uint64_t largest_delay_us() const { return largest_delay_us_; }

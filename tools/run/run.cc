@@ -20,7 +20,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// What depends on the machine, and so stands in a file of its own.
+// Times that depend on the machine, for a file of their own.
 nlohmann::ordered_json timing_json(const sim::SimBoard& board, double wall_s, std::uint64_t dropped,
                                    const LiveLink& live) {
   const double simulated_s = 1e-6 * static_cast<double>(board.now_us());
@@ -40,7 +40,7 @@ nlohmann::ordered_json timing_json(const sim::SimBoard& board, double wall_s, st
           {"live", live.report()}};
 }
 
-// How playing came to an end; neither of both at the scenario's end, or when the operator wanted it.
+// The reason of an early end; empty at the end of the scenario, or when the operator ends the run.
 struct Ending {
   std::optional<std::string> failure{};  // the error
   std::optional<int> signal{};
@@ -82,8 +82,8 @@ void draw_figures(const simulation::Simulation& simulation, const Columns& trace
   draw_walk_figures(trace, simulation.robot(), plan ? plan->cycle_s() : commanded_cycle_s(played), folder);
 }
 
-void tell_ending(const Ending& ending, const simulation::Simulation& simulation, simulation::EventLog& events,
-                 bool is_live) {
+void add_ending(const Ending& ending, const simulation::Simulation& simulation, simulation::EventLog& events,
+                bool is_live) {
   const std::uint64_t now_us = simulation.board().now_us();
   if (ending.failure) events.add(now_us, "error", "An error ends the run: " + *ending.failure + ".");
   if (!ending.signal) return;
@@ -119,7 +119,7 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   result.live = live.report();
   files.close();
 
-  tell_ending(ending, simulation, recorder.events(), live.is_live());
+  add_ending(ending, simulation, recorder.events(), live.is_live());
   result.summary = recorder.summary();
   sim::write_whole_file(options.out / "events.txt", simulation::events_text(result.summary.events));
   sim::write_json(options.out / "timing.json",

@@ -13,12 +13,12 @@
 
 namespace koboshi::tools {
 
-// Takes part in a run as long as it lives.
+// An operator who commands a running simulation.
 class RunOperator {
  public:
   virtual ~RunOperator() = default;
 
-  // After each tick of the simulation, which it may command. False ends the run.
+  // Called after each tick of the simulation. Returns false to end the run.
   virtual bool tick() = 0;
 };
 
@@ -32,12 +32,12 @@ struct RunOptions {
   simulation::HostFactory make_host = simulation::in_process();  // where the firmware runs
   simulation::RobotChange change{};                              // of the robot in the world
   LiveOptions live{};
-  std::function<void(const LiveLink&)> ready{};  // told when the bus can be reached from outside
-  LiveLink::Warn warn{};                         // while it runs; nobody is told, without
-  OperatorFactory make_operator{};               // nobody, without
+  std::function<void(const LiveLink&)> ready{};  // called when the bus can be reached from outside
+  LiveLink::Warn warn{};                         // receives warnings while it runs; may be empty
+  OperatorFactory make_operator{};               // may be empty
 };
 
-// How far a run has come, told now and then.
+// Progress of a run.
 struct RunProgress {
   double simulated_s = 0.0;
   double duration_s = 0.0;
@@ -46,19 +46,18 @@ struct RunProgress {
 
 struct RunResult {
   sim::RunSummary summary;
-  std::optional<std::string>
-      failure;  // what ended the run before its time, such as a world that blew up or a firmware that faulted
+  // The error that ended the run early, such as a simulation that diverged or a fault of the firmware.
+  std::optional<std::string> failure;
   nlohmann::ordered_json live;              // LiveLink::report
   std::optional<std::string> plot_warning;  // why there are no figures
 };
 
-// `koboshi run`: plays a scenario, as fast as it goes or by the clock on the wall, and leaves trace.csv,
-// can.log, events.txt, timing.json and figures in the folder; after an operator also played.yaml; and last
-// summary.json, which says that the run came to its end and all files are complete. The folder is locked
-// meanwhile. Bad input throws sim::InputError before anything is written. A run that fails half-way keeps
-// what it has recorded, as do one that cannot write any more, which throws sim::WriteError, and one that
-// SIGINT or SIGTERM ended, which throws Interrupted; a run by the clock on the wall ends by these signals in
-// the ordinary way.
+// `koboshi run`: plays a scenario, as fast as possible or in real time. Writes trace.csv, can.log,
+// events.txt, timing.json and figures into the folder, after an operator also played.yaml, and last
+// summary.json, whose presence means that all files are complete. Locks the folder meanwhile. Throws
+// sim::InputError for bad input, before anything is written. A run that ends early keeps its records: after
+// an error, after sim::WriteError, and after SIGINT or SIGTERM, which throw Interrupted. In real time these
+// signals end the run normally.
 RunResult run(const RunOptions& options, const std::function<void(const RunProgress&)>& progress);
 
 }  // namespace koboshi::tools

@@ -48,7 +48,7 @@ std::vector<Mark> marks_of(const sim::Scenario& scenario) {
   return marks;
 }
 
-// When the controller has heard all drives: before, targets and estimates are zero or still settle.
+// The time when the controller has found all drives. Before, targets and estimates are zero or settle.
 double begin_s(const Columns& trace) {
   const std::vector<double>& states = values_of(trace, "state");
   const auto begun = std::ranges::find_if(

@@ -21,15 +21,15 @@ namespace koboshi::tools {
 namespace {
 constexpr double kShownCycles = 3.0;
 constexpr double kLongWalk = 6.0;  // cycles
-// A foot that lets go for less than this still stands, and one that touches for less has not stood.
+// Minimum duration of a stance, and of a gap between two stances.
 constexpr double kStance_s = 0.05;
 constexpr double kWordFromHeel_m = 0.012;
 
-constexpr double kMinLoadShare = 0.1;  // of the weight, with which a ZMP means something
+constexpr double kMinLoadShare = 0.1;  // of the weight; a ZMP under less load is noise
 using sim::kGravity_m_per_s2;
 constexpr int kOutlineColour = 7;
 
-// A stretch of rows.
+// A range of rows.
 struct Rows {
   std::size_t begin = 0;
   std::size_t end = 0;
@@ -66,7 +66,7 @@ std::vector<Eigen::Vector2d> outline_in_sole(const sim::Foot& foot) {
 void add_footprints(PlaneFigure& figure, const Columns& trace, const sim::Foot& foot, const std::string& side,
                     Rows shown) {
   const std::vector<Eigen::Vector2d> outline_m = outline_in_sole(foot);
-  // Near the heel, where the ZMP seldom comes.
+  // Near the heel, where the ZMP rarely is.
   const double heel_m = std::ranges::min(outline_m, {}, [](const auto& p) { return p.x(); }).x();
   const Eigen::Vector2d word_S_m(heel_m + kWordFromHeel_m, 0.0);
   const std::string sole = "true_" + side + "_sole_";

@@ -71,7 +71,7 @@ void ServoRig::advance(std::int32_t target_units, double outer_Nm) {
   for (long i = 0; i < steps; ++i) {
     servo_.draw(world_->joint(0));
     world_->set_servo(0, servo_.torque(supply_V_));
-    // The arm's tip goes round a circle about y: a force across the arm is a torque alone about the shaft.
+    // The arm's tip moves on a circle about y: a force across the arm is a pure torque about the shaft.
     const double angle_rad = world_->joint(0).position_rad;
     const Eigen::Vector3d across_W(-std::sin(angle_rad), 0.0, std::cos(angle_rad));
     world_->push(1, {kArm_m, 0.0, 0.0}, outer_Nm / kArm_m * across_W);

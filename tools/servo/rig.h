@@ -9,28 +9,28 @@
 
 namespace koboshi::tools {
 
-// What hangs on the servo of a test rig.
+// The load on the servo of a test bench.
 struct RigLoad {
   double inertia_kg_m2 = 1e-4;  // about the shaft, without the weight
   double weight_Nm = 0.0;       // torque of a weight at the end of a level arm; the arm hangs at -pi/2
 };
 
-// One servo on a test bench: its case is fixed, an arm turns on its shaft. The physics is that of the robot.
+// A servo on a test bench: its case is fixed, an arm turns on its shaft. Uses the physics of the robot.
 class ServoRig {
  public:
   static constexpr double kStep_s = 0.0005;
 
   ServoRig(const sim::ServoDescription& servo, const RigLoad& load);
 
-  // One millisecond of the servo's loop, with a torque from outside on the arm.
+  // Runs the servo's loop for a millisecond, with an external torque on the arm.
   void drive_to(double target_rad, double outer_Nm);
-  // The same with the loop's error far beyond its limit: the whole duty, forward.
+  // The same with a saturated position error: full duty, forward.
   void drive_fully(double outer_Nm);
 
   double time_s() const { return world_->time_s(); }
   double position_rad() const { return world_->joint(0).position_rad; }
   double speed_rad_per_s() const { return world_->joint(0).speed_rad_per_s; }
-  // What the servo gave the arm in the last step.
+  // Torque of the servo on the arm in the last step.
   double output_Nm() const { return world_->joint(0).servo_Nm; }
   const sim::Servo& servo() const { return servo_; }
 

@@ -35,7 +35,7 @@ class ServoFigures {
   }
 
  private:
-  // Without friction, at the largest duty and within the current limit.
+  // Stall torque without friction, at the largest duty and within the current limit.
   double stall_Nm() const {
     const double current_A = servo_.max_duty * servo_.supply_V / servo_.resistance_ohm;
     return servo_.torque_constant_Nm_per_A * std::min(current_A, servo_.current_limit_A);
@@ -43,7 +43,7 @@ class ServoFigures {
   double no_load_rad_per_s() const {
     return servo_.max_duty * servo_.supply_V / servo_.torque_constant_Nm_per_A;
   }
-  // An inertia that neither the rotor nor the load rules alone.
+  // Inertia of the load, similar to the rotor's.
   double inertia_kg_m2() const { return std::max(servo_.rotor_inertia_kg_m2, 1e-4); }
 
   void finish(const std::string& what, const Columns& table, Figure figure) {
@@ -57,11 +57,11 @@ class ServoFigures {
     constexpr int kHalvings = 8;
     Columns table = make_columns(
         {"load_Nm", "speed_rad_per_s", "ideal_rad_per_s", "current_A", "electrical_W", "mechanical_W"});
-    // Its speed, after a start without load; nothing once the load stops it or drives it back.
+    // Adds the steady speed under a load. Returns false if the load stops the servo or drives it back.
     double last_Nm = 0.0;
     const auto add = [&](double load_Nm) {
       ServoRig rig(servo_, {.inertia_kg_m2 = inertia_kg_m2()});
-      // Up to speed first, then under load: what a servo can carry on with, not what it can start.
+      // Starts without load: the figure shows the load that a turning servo can carry.
       for (int ms = 0; ms < kSettle_ms; ++ms) rig.drive_fully(0.0);
       for (int ms = 0; ms < kSettle_ms && rig.speed_rad_per_s() > 0.0; ++ms) rig.drive_fully(-load_Nm);
       if (rig.speed_rad_per_s() <= 1e-6) return false;
@@ -108,7 +108,7 @@ class ServoFigures {
     return servo_.torque_constant_Nm_per_A * servo_.max_duty * servo_.supply_V / servo_.resistance_ohm;
   }
 
-  // The target and what comes of it, for as long as asked.
+  // Draws the response to a target.
   void draw_motion(const std::string& what, const std::string& title, const RigLoad& load, int duration_ms,
                    const std::function<double(double)>& target_rad) {
     Columns table = make_columns({"time_s", "target_rad", "position_rad", "error_rad", "speed_rad_per_s",
@@ -179,8 +179,9 @@ class ServoFigures {
             .x_label = "speed [rad/s]"});
   }
 
-  // The load at which friction at rest just holds: `direction` 1 for the greatest load that the motor cannot
-  // be driven back by, -1 for the greatest that it lifts. Nothing where friction grows as the load does.
+  // Returns the limit of the loads that friction holds at rest: with `direction` 1 the largest that does not
+  // drive the motor back, with -1 the largest that the motor cannot yet lift. NaN if friction grows as fast
+  // as the load.
   double holding_limit_Nm(double motor_Nm, double direction) const {
     const auto holds = [&](double load_Nm) {
       return std::abs(load_Nm - motor_Nm) <= friction_.bound_Nm(motor_Nm, -load_Nm, 0.0);
@@ -224,7 +225,7 @@ class ServoFigures {
     const double largest_Nm = 0.3 * stall_Nm();
     Columns table = make_columns({"outer_Nm", "position_rad", "rotor_rad"});
     ServoRig rig(servo_, {.inertia_kg_m2 = inertia_kg_m2()});
-    // Up, down and up again: the first quarter leads into the loop.
+    // One period and a quarter: the first quarter leads into the loop.
     for (int ms = 0; ms <= kPeriod_ms + kPeriod_ms / 4; ++ms) {
       const double phase = 2.0 * std::numbers::pi * ms / kPeriod_ms;
       const double outer_Nm = largest_Nm * 2.0 / std::numbers::pi * std::asin(std::sin(phase));

@@ -7,16 +7,16 @@
 
 namespace koboshi::tools {
 
-// What a servo does on a test bench, each as a table and a figure (CSV, PNG, SVG) in `folder`, which is made:
+// Simulates a servo on a test bench and draws each result, with its data (CSV, PNG, SVG), into `folder`:
 //
-//   torque_speed    speed, current and power over the load that the servo drives, at its whole duty
+//   torque_speed    speed, current and power over the load, at full duty
 //   step            a step of the target, with an inertia like the rotor's
 //   sine            a sine of the target under a weight that goes up and down
 //   friction_speed  the bound on dry friction over the speed, for several loads
-//   friction_load   the same over the load; the load that the motor just lifts, and that just drives it back
-//   backlash        the shaft under an outer torque that comes and goes while the servo holds its position
+//   friction_load   the same over the load; the largest load that the motor lifts, the smallest that drives
+//   it back backlash        the shaft under an alternating external torque while the servo holds its position
 //
-// Throws std::system_error, PlotError.
+// Makes the folder. Throws sim::WriteError and PlotError.
 void draw_servo(const std::string& name, const sim::ServoDescription& servo,
                 const std::filesystem::path& folder);
 

@@ -15,7 +15,7 @@ constexpr const char* kService = "app::Controller::service";
 constexpr const char* kTick = "app::Controller::tick";
 constexpr int kPartOfCaller = -1;
 
-// That of the innermost function which has one.
+// The part of the innermost function that belongs to one.
 int part_number(const nlohmann::ordered_json& functions) {
   for (const auto& function : functions) {
     if (const auto part = part_of(function.get<std::string>())) return static_cast<int>(*part);
@@ -59,14 +59,14 @@ PartCounter::PartCounter(const nlohmann::ordered_json& image) {
                         part_number(stretch.at("of")),
                         address == service_address_ || address == tick_address_ ? 1 : 0);
   }
-  std::ofstream(counts).close();  // so that it can be opened before the plugin writes it
+  std::ofstream(counts).close();  // so that the file exists before the plugin writes it
   counts_.open(counts);
   arguments_ = {"-plugin",
                 fmt::format("{},code={},counts={}", find_plugin().string(), table.string(), counts.string())};
 }
 
 PartCounts PartCounter::next(std::uint64_t root_address) {
-  counts_.clear();  // it has grown since it was last at its end
+  counts_.clear();  // the file has grown since the end was reached
   std::uint64_t address = 0;
   counts_ >> address;
   PartCounts counts{};

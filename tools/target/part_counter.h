@@ -13,10 +13,10 @@
 
 namespace koboshi::tools {
 
-// Instructions of a call of the firmware, by Part.
+// Instructions in a call of the firmware, by Part.
 using PartCounts = std::array<std::uint64_t, kPartNames.size()>;
 
-// An empty folder of its own, gone with the object.
+// A new empty folder; the destructor removes it.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -39,15 +39,15 @@ class PartCounter {
 
   // Arguments for QEMU.
   const std::vector<std::string>& arguments() const { return arguments_; }
-  // Of the next call of service and tick, once it has returned, in the order of the calls. Throws
-  // std::runtime_error when the next call was another.
+  // Instructions of the next call of service or tick, which has returned. Ask in the order of the calls:
+  // throws std::runtime_error when the next call was the other.
   PartCounts next_service() { return next(service_address_); }
   PartCounts next_tick() { return next(tick_address_); }
 
  private:
   PartCounts next(std::uint64_t root_address);
 
-  TemporaryFolder folder_;  // of the files that the plugin reads and writes
+  TemporaryFolder folder_;  // for the files that the plugin reads and writes
   std::vector<std::string> arguments_;
   std::uint64_t service_address_ = 0;
   std::uint64_t tick_address_ = 0;

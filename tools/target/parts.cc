@@ -8,7 +8,7 @@ struct Rule {
   Part part;
 };
 
-// The first that fits.
+// The first rule that matches counts.
 constexpr Rule kRules[] = {
     {"app::Controller::read_inertial_unit", Part::kSensors},
     {"app::Controller::read_ankles", Part::kSensors},

@@ -39,7 +39,7 @@ std::uint64_t sum(const PartCounts& counts) {
   return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
 }
 
-// Plays the scenario to its end. `stack_peak_bytes` is set to what it was then.
+// Plays the scenario to its end and sets `stack_peak_bytes`.
 std::vector<Tick> play(const sim::Scenario& scenario, const std::filesystem::path& image,
                        PartCounter& counter, std::uint32_t& stack_peak_bytes) {
   simulation::QemuHost* host = nullptr;

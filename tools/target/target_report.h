@@ -20,39 +20,39 @@ namespace koboshi::tools {
 inline constexpr std::uint64_t kMeanInstructions = 60'000;
 inline constexpr std::uint64_t kMaxInstructions = 100'000;
 
-// Of numbers of instructions, one a tick.
+// Distribution of the number of instructions per tick.
 struct Distribution {
   double mean = 0.0;
-  std::uint64_t p99 = 0;  // no more in 99 of 100 ticks
+  std::uint64_t p99 = 0;  // 99th percentile
   std::uint64_t max = 0;
 };
 
 // Throws std::invalid_argument when there are no values.
 [[nodiscard]] Distribution distribution(std::vector<std::uint64_t> values);
 
-// What the firmware takes of a Cortex-M4. A tick here is everything that the firmware executes in 10 ms: ten
-// calls of service, and the tick.
+// Resources that the firmware uses on a Cortex-M4. A tick here is everything that the firmware executes in 10
+// ms: ten calls of service, and the tick.
 struct TargetReport {
   std::size_t ticks = 0;
   std::size_t ticks_moving = 0;
   Distribution instructions;         // of all ticks
-  Distribution instructions_moving;  // of those in which a motion plays or the robot walks
+  Distribution instructions_moving;  // of ticks in which a motion plays or the robot walks
   std::array<Distribution, kPartNames.size()> by_part;
-  Distribution
-      rest;  // what is in the total and in no part: reading the counter before and after each exchange
-  std::uint32_t stack_peak_bytes = 0;  // the deepest that the stack was in the run
+  // In the total but in no part: reading the counter before and after each exchange.
+  Distribution rest;
+  std::uint32_t stack_peak_bytes = 0;  // maximum in the run
   nlohmann::ordered_json image;        // its description, tools/target/describe.py
 };
 
-// Plays the scenario with the firmware as this image in QEMU; the image's description lies beside it. The
-// same image and scenario give the same report. Throws sim::InputError when a file is missing, and what a run
+// Plays the scenario with this image of the firmware in QEMU; its description is a file beside it. The same
+// image and scenario give the same report. Throws sim::InputError when a file is missing, and what a run
 // throws.
 [[nodiscard]] TargetReport measure_target(const sim::Scenario& scenario, const std::filesystem::path& image);
 
 [[nodiscard]] nlohmann::ordered_json to_json(const TargetReport& report);
 // The tables of the report in Markdown, which also reads well on a terminal.
 [[nodiscard]] std::string to_tables(const TargetReport& report);
-// The page docs/reference/target.md. `scenario` is named in it.
+// The page docs/reference/target.md, which names the scenario.
 [[nodiscard]] std::string to_page(const TargetReport& report, const std::string& scenario);
 
 }  // namespace koboshi::tools

@@ -1,104 +1,52 @@
 #include "tools/teleop/key.h"
 
+#include <algorithm>
+#include <iterator>
+
 namespace koboshi::tools {
 namespace {
 
 constexpr char kEscape = '\x1B';
 
+struct KeyRow {
+  Key key;
+  std::string_view name;
+  std::string_view letters;
+  char arrow = '\0';  // final byte of its sequence
+};
+constexpr KeyRow kKeyRows[] = {
+    {Key::kForward, "forward", "w", 'A'},
+    {Key::kBackward, "backward", "s", 'B'},
+    {Key::kTurnLeft, "turn left", "", 'D'},
+    {Key::kTurnRight, "turn right", "", 'C'},
+    {Key::kLeft, "left", "a,"},
+    {Key::kRight, "right", "d."},
+    {Key::kGo, "go", "g\n\r"},
+    {Key::kStop, "stop", " "},
+    {Key::kPush, "push", "p"},
+    {Key::kPushMore, "push more", "+"},
+    {Key::kPushLess, "push less", "-"},
+    {Key::kEnable, "enable", "n"},
+    {Key::kGetUp, "get up", "u"},
+    {Key::kEmergencyStop, "emergency stop", "e"},
+    {Key::kReset, "reset", "r"},
+    {Key::kEnd, "end", "qx"},
+};
+
 std::optional<Key> arrow(char final_byte) {
-  switch (final_byte) {
-    case 'A':
-      return Key::kForward;
-    case 'B':
-      return Key::kBackward;
-    case 'C':
-      return Key::kTurnRight;
-    case 'D':
-      return Key::kTurnLeft;
-    default:
-      return std::nullopt;
-  }
+  const auto* row = std::ranges::find(kKeyRows, final_byte, &KeyRow::arrow);
+  return row == std::end(kKeyRows) ? std::nullopt : std::optional(row->key);
 }
 
 std::optional<Key> letter(char byte) {
-  switch (byte) {
-    case 'w':
-      return Key::kForward;
-    case 's':
-      return Key::kBackward;
-    case 'a':
-    case ',':
-      return Key::kLeft;
-    case 'd':
-    case '.':
-      return Key::kRight;
-    case 'g':
-    case '\n':
-    case '\r':
-      return Key::kGo;
-    case ' ':
-      return Key::kStop;
-    case 'p':
-      return Key::kPush;
-    case '+':
-      return Key::kPushMore;
-    case '-':
-      return Key::kPushLess;
-    case 'n':
-      return Key::kEnable;
-    case 'u':
-      return Key::kGetUp;
-    case 'e':
-      return Key::kEmergencyStop;
-    case 'r':
-      return Key::kReset;
-    case 'q':
-    case 'x':
-      return Key::kEnd;
-    default:
-      return std::nullopt;
-  }
+  const auto* row = std::ranges::find_if(
+      kKeyRows, [byte](const KeyRow& one) { return one.letters.find(byte) != std::string_view::npos; });
+  return row == std::end(kKeyRows) ? std::nullopt : std::optional(row->key);
 }
 
 }  // namespace
 
-std::string_view name_of(Key key) {
-  switch (key) {
-    case Key::kForward:
-      return "forward";
-    case Key::kBackward:
-      return "backward";
-    case Key::kTurnLeft:
-      return "turn left";
-    case Key::kTurnRight:
-      return "turn right";
-    case Key::kLeft:
-      return "left";
-    case Key::kRight:
-      return "right";
-    case Key::kGo:
-      return "go";
-    case Key::kStop:
-      return "stop";
-    case Key::kPush:
-      return "push";
-    case Key::kPushMore:
-      return "push more";
-    case Key::kPushLess:
-      return "push less";
-    case Key::kEnable:
-      return "enable";
-    case Key::kGetUp:
-      return "get up";
-    case Key::kEmergencyStop:
-      return "emergency stop";
-    case Key::kReset:
-      return "reset";
-    case Key::kEnd:
-      return "end";
-  }
-  return {};
-}
+std::string_view name_of(Key key) { return std::ranges::find(kKeyRows, key, &KeyRow::key)->name; }
 
 std::optional<Key> KeyDecoder::take(char byte) {
   if (byte == kEscape) {
@@ -109,7 +57,7 @@ std::optional<Key> KeyDecoder::take(char byte) {
     case State::kPlain:
       return letter(byte);
     case State::kEscape:
-      // Escape itself is no key here, so what follows it otherwise is one of its own.
+      // Escape itself is not a key, so any other byte after it is one.
       state_ = byte == '[' || byte == 'O' ? State::kSequence : State::kPlain;
       return state_ == State::kPlain ? letter(byte) : std::nullopt;
     case State::kSequence: {

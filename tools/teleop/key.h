@@ -5,7 +5,7 @@
 
 namespace koboshi::tools {
 
-// What an operator at a keyboard wants.
+// The keys of the operator.
 enum class Key {
   kForward,
   kBackward,
@@ -15,7 +15,7 @@ enum class Key {
   kRight,
   kGo,
   kStop,
-  kPush,  // towards the direction of the key that follows
+  kPush,  // in the direction of the next key
   kPushMore,
   kPushLess,
   kEnable,
@@ -27,11 +27,11 @@ enum class Key {
 
 std::string_view name_of(Key key);
 
-// Makes keys of the bytes of a terminal, in which an arrow is a sequence of three (ECMA-48, and the
+// Decodes keys from the bytes of a terminal, where an arrow is a sequence of three (ECMA-48, and the
 // application mode of the DEC VT100).
 class KeyDecoder {
  public:
-  // The key that this byte completes; none in the midst of a sequence, and for whatever means nothing here.
+  // Returns the key that this byte completes; nothing within a sequence and for a byte without a meaning.
   [[nodiscard]] std::optional<Key> take(char byte);
 
  private:

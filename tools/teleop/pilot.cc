@@ -2,8 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <iterator>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -19,23 +19,22 @@ std::int16_t step(std::int16_t value, int by, std::int16_t lowest, std::int16_t 
   return static_cast<std::int16_t>(std::clamp<int>(value + by, lowest, highest));
 }
 
-// Ahead and to the left; none for keys that point nowhere.
-std::optional<Eigen::Vector2d> direction_of(Key key) {
-  switch (key) {
-    case Key::kForward:
-      return Eigen::Vector2d(1.0, 0.0);
-    case Key::kBackward:
-      return Eigen::Vector2d(-1.0, 0.0);
-    case Key::kLeft:
-    case Key::kTurnLeft:
-      return Eigen::Vector2d(0.0, 1.0);
-    case Key::kRight:
-    case Key::kTurnRight:
-      return Eigen::Vector2d(0.0, -1.0);
-    default:
-      return std::nullopt;
-  }
-}
+// The effect of a key that steers: a change of velocity or, after kPush, a push.
+struct Steering {
+  Key key;
+  std::int16_t walk::Velocity::*axis;
+  int change;  // of the velocity
+  double push_forward;
+  double push_left;
+};
+constexpr Steering kSteering[] = {
+    {Key::kForward, &walk::Velocity::forward_mm_per_s, Pilot::kSpeedStep_mm_per_s, 1.0, 0.0},
+    {Key::kBackward, &walk::Velocity::forward_mm_per_s, -Pilot::kSpeedStep_mm_per_s, -1.0, 0.0},
+    {Key::kLeft, &walk::Velocity::left_mm_per_s, Pilot::kSpeedStep_mm_per_s, 0.0, 1.0},
+    {Key::kRight, &walk::Velocity::left_mm_per_s, -Pilot::kSpeedStep_mm_per_s, 0.0, -1.0},
+    {Key::kTurnLeft, &walk::Velocity::turn_mrad_per_s, Pilot::kTurnStep_mrad_per_s, 0.0, 1.0},
+    {Key::kTurnRight, &walk::Velocity::turn_mrad_per_s, -Pilot::kTurnStep_mrad_per_s, 0.0, -1.0},
+};
 
 sim::Command command(sim::Command::Kind kind) { return {.kind = kind}; }
 
@@ -63,11 +62,14 @@ Order Pilot::press(Key key, behaviour::State state) {
   const bool on_its_feet = state == behaviour::State::kStanding || state == behaviour::State::kWalking;
   if (!on_its_feet) velocity_ = {};
   const bool aimed = std::exchange(aims_, key == Key::kPush);
-  if (const auto direction = direction_of(key)) {
-    if (aimed) return push(*direction);
+  const auto* steering = std::ranges::find(kSteering, key, &Steering::key);
+  if (steering != std::end(kSteering)) {
+    if (aimed) return push({steering->push_forward, steering->push_left});
     if (!on_its_feet) return tell("nothing: it takes a velocity when it stands or walks only", {});
     const walk::Velocity before = velocity_;
-    change_velocity(key);
+    std::int16_t& value = velocity_.*steering->axis;
+    value =
+        step(value, steering->change, limits_.lowest().*steering->axis, limits_.highest().*steering->axis);
     const Order order = walk();
     if (velocity_ == before) effect_ += ", the limit";
     return order;
@@ -122,30 +124,6 @@ Order Pilot::push(const Eigen::Vector2d& direction) {
 void Pilot::change_push(int by_mN_s) {
   push_mN_s_ = std::clamp(push_mN_s_ + by_mN_s, kPushStep_mN_s, kLargestPush_mN_s);
   effect_ = fmt::format("the next push has {:.2f} N s", push_N_s());
-}
-
-void Pilot::change_velocity(Key key) {
-  const walk::Velocity lowest = limits_.lowest();
-  const walk::Velocity highest = limits_.highest();
-  const auto change = [&](std::int16_t walk::Velocity::*axis, int by) {
-    velocity_.*axis = step(velocity_.*axis, by, lowest.*axis, highest.*axis);
-  };
-  switch (key) {
-    case Key::kForward:
-      return change(&walk::Velocity::forward_mm_per_s, kSpeedStep_mm_per_s);
-    case Key::kBackward:
-      return change(&walk::Velocity::forward_mm_per_s, -kSpeedStep_mm_per_s);
-    case Key::kLeft:
-      return change(&walk::Velocity::left_mm_per_s, kSpeedStep_mm_per_s);
-    case Key::kRight:
-      return change(&walk::Velocity::left_mm_per_s, -kSpeedStep_mm_per_s);
-    case Key::kTurnLeft:
-      return change(&walk::Velocity::turn_mrad_per_s, kTurnStep_mrad_per_s);
-    case Key::kTurnRight:
-      return change(&walk::Velocity::turn_mrad_per_s, -kTurnStep_mrad_per_s);
-    default:
-      return;
-  }
 }
 
 }  // namespace koboshi::tools

@@ -12,19 +12,19 @@
 
 namespace koboshi::tools {
 
-// A push as the operator means it: ahead and to the left of the robot.
+// A push in the robot's frame: forward and to the left.
 struct BodyPush {
   Eigen::Vector2d impulse_B_N_s = Eigen::Vector2d::Zero();
 
-  // On a link of a robot that heads there, counter-clockwise from the world's x axis. A half sine of 0.1 s.
+  // Returns the push of a link, for a robot with this heading: a half sine of 0.1 s.
   [[nodiscard]] sim::Push on(const std::string& link, double heading_rad) const;
 };
 
-// What a key leads to: nothing, a command for the controller, a push, or the end of the run.
+// The effect of a key: none, a command for the controller, a push, or the end of the run.
 struct EndOfRun {};
 using Order = std::variant<std::monostate, sim::Command, BodyPush, EndOfRun>;
 
-// Makes orders of keys. Knows the velocity that it has commanded last, and neither terminal nor robot.
+// Translates keys into orders. Keeps the last commanded velocity; knows neither terminal nor robot.
 class Pilot {
  public:
   static constexpr std::int16_t kSpeedStep_mm_per_s = 20;
@@ -34,14 +34,15 @@ class Pilot {
 
   explicit Pilot(const walk::VelocityLimits& limits) : limits_(limits) {}
 
-  // In this state of the controller. Off its feet the robot takes no velocity, and begins anew from zero.
+  // Translates a key in this state of the controller. A robot that is not on its feet takes no velocity; the
+  // commanded velocity then starts again from zero.
   [[nodiscard]] Order press(Key key, behaviour::State state);
 
   const walk::Velocity& velocity() const { return velocity_; }
   double push_N_s() const { return 1e-3 * push_mN_s_; }
-  // The next direction is that of a push.
+  // Whether the next direction key gives a push.
   bool aims() const { return aims_; }
-  // What the last key did, in a few words: "walk, 0.04 m/s forward".
+  // Describes the effect of the last key: "walk, 0.04 m/s forward".
   const std::string& effect() const { return effect_; }
 
  private:
@@ -49,11 +50,10 @@ class Pilot {
   Order walk();
   Order tell(const char* effect, const Order& order);
   void change_push(int by_mN_s);
-  void change_velocity(Key key);
 
   walk::VelocityLimits limits_;
   walk::Velocity velocity_;
-  // 0.17 N s/kg of koboshi's 1.2 kg.
+  // 0.17 N s/kg for Koboshi's 1.2 kg.
   int push_mN_s_ = 200;
   bool aims_ = false;
   std::string effect_;

@@ -6,7 +6,7 @@
 
 namespace koboshi::tools {
 
-// The mean rate of change of running totals, over the last so many seconds or what there is of them.
+// The mean rate of change of running totals over a sliding window.
 template <std::size_t kTotals>
 class SlidingRate {
  public:
@@ -14,7 +14,7 @@ class SlidingRate {
 
   explicit SlidingRate(double window_s) : window_s_(window_s) {}
 
-  // In the order of time.
+  // Samples come in the order of time.
   void add(double time_s, const Totals& totals) {
     samples_.push_back({time_s, totals});
     while (samples_.size() > 2 && samples_[1].time_s <= time_s - window_s_) samples_.pop_front();

@@ -34,7 +34,7 @@ std::string time_text(const TeleopStatus& status) {
                      status.real_time_factor, status.overruns, status.largest_delay_us / 1000);
 }
 
-// The trunk tells whether it stands, its controller why.
+// The true lean of the trunk, then the state and the reason of the controller.
 std::string state_text(const TeleopStatus& status) {
   std::string text;
   if (status.tilt_rad > simulation::kFallen_rad) {
@@ -113,7 +113,7 @@ std::vector<std::string> status_lines(const TeleopStatus& status) {
   add("last key", status.last_key + (status.effect.empty() ? "" : ": " + status.effect));
   add("command", status.last_command);
   add("event", status.last_event);
-  // Below the title and beside the numbers, of which the longest end before it.
+  // Below the title, right of the numbers.
   put_beside(lines, kMapLine, kColumns - TrailMap::kColumns, status.map);
   lines.emplace_back();
   lines.insert(lines.end(), std::begin(kKeys), std::end(kKeys));

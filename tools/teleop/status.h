@@ -10,7 +10,7 @@
 
 namespace koboshi::tools {
 
-// What an operator is shown. Velocities ahead and to the left, and counter-clockwise.
+// The data on the operator's screen.
 struct TeleopStatus {
   struct Velocity {
     double forward_m_per_s = 0.0;
@@ -19,7 +19,7 @@ struct TeleopStatus {
   };
 
   std::string scenario;  // its file
-  std::string bus;       // where others find it; empty where they do not
+  std::string bus;       // address of the bus; empty without a transport
   double simulated_s = 0.0;
   double real_time_factor = 0.0;
   std::uint64_t overruns = 0;
@@ -31,22 +31,22 @@ struct TeleopStatus {
   Velocity commanded;
   Velocity measured;
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  // true x, y [m] and heading [rad]
-  std::optional<double> zmp_margin_m;               // of the true one, inside the support polygon
-  std::optional<double> supply_V;                   // the lowest that a drive measures
+  std::optional<double> zmp_margin_m;               // of the true ZMP, positive inside the support polygon
+  std::optional<double> supply_V;                   // lowest voltage that a drive measures
   double push_N_s = 0.0;
-  bool aims = false;  // the next direction is that of a push
+  bool aims = false;  // the next direction key gives a push
   std::string last_key;
   std::string effect;        // of that key
-  std::string last_command;  // on the bus, whoever gave it, and what became of it
+  std::string last_command;  // on the bus, from any sender, with its outcome
   std::string last_event;
   std::vector<std::string> map{};  // of TrailMap
 };
 
-// The status in at most 24 lines of at most 80 characters, with the map at the right and the keys below. A
-// robot that lies is never shown as standing, whatever its controller says.
+// Formats the status in at most 24 lines of at most 80 characters, with the map at the right and the keys
+// below. Shows a robot that lies as lying, even if its controller has not noticed.
 [[nodiscard]] std::vector<std::string> status_lines(const TeleopStatus& status);
 
-// What draws these lines over a screen of so many rows: each in its place, so that nothing ever scrolls.
+// Returns the control sequences that draw these lines on a screen with this many rows, without scrolling.
 [[nodiscard]] std::string screen_of(const std::vector<std::string>& lines, std::size_t rows);
 
 }  // namespace koboshi::tools

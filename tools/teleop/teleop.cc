@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kDrawing{100};
 constexpr double kPaceWindow_s = 1.0;
-constexpr double kVelocityWindow_s = 1.0;  // about two cycles of steps, within which the trunk sways
+constexpr double kVelocityWindow_s = 1.0;  // about two gait cycles, to average the sway of the trunk
 
 TeleopStatus::Velocity as_velocity(const std::array<double, 3>& rates) {
   return {rates[0], rates[1], rates[2]};
@@ -60,13 +60,13 @@ void Teleop::measure() {
   if (place_) {
     const Eigen::Vector3d moved = place - *place_;
     const Eigen::Vector2d moved_B = Eigen::Rotation2Dd(-place.z()) * moved.head<2>();
-    way_[0] += moved_B.x();
-    way_[1] += moved_B.y();
-    way_[2] += std::remainder(moved.z(), 2.0 * std::numbers::pi);
+    distance_[0] += moved_B.x();
+    distance_[1] += moved_B.y();
+    distance_[2] += std::remainder(moved.z(), 2.0 * std::numbers::pi);
   }
   place_ = place;
   map_.move_to(place);
-  velocity_.add(now_s(), way_);
+  velocity_.add(now_s(), distance_);
   pace_.add(std::chrono::duration<double>(Clock::now() - start_).count(), {now_s()});
 }
 

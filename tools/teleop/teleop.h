@@ -14,11 +14,11 @@
 
 namespace koboshi::tools {
 
-// An operator at the keyboard of this terminal: keys become commands on the simulated bus, which come from
-// the same PC as those of the scenario, and pushes of the base link. The screen shows what the robot does.
+// An operator at the keyboard of this terminal. Keys become commands on the simulated bus, sent by the PC
+// that also sends the scenario's, and pushes of the base link. The screen shows the state of the robot.
 class Teleop final : public RunOperator {
  public:
-  // Takes the terminal until the end. Throws what Terminal and velocity_limits throw.
+  // Holds the terminal as long as it lives. Throws what Terminal and controller_values throw.
   Teleop(simulation::Simulation& simulation, const simulation::RunRecorder& recorder, const LiveLink& live);
 
   bool tick() override;
@@ -26,7 +26,7 @@ class Teleop final : public RunOperator {
  private:
   using Clock = std::chrono::steady_clock;
 
-  // False when the key ends the run.
+  // Returns false if the key ends the run.
   bool obey(Key key);
   void measure();
   double now_s() const { return 1e-6 * static_cast<double>(simulation_.board().now_us()); }
@@ -42,8 +42,8 @@ class Teleop final : public RunOperator {
   Clock::time_point next_drawing_ = start_;
   SlidingRate<1> pace_;
   SlidingRate<3> velocity_;
-  // The way so far: each tick's ahead and to the left of the trunk's heading in it [m], and its turn [rad].
-  std::array<double, 3> way_{};
+  // Distance walked forward and to the left [m] and angle turned [rad], in the heading of each tick.
+  std::array<double, 3> distance_{};
   std::optional<Eigen::Vector3d> place_;  // x, y and yaw in the world
   TrailMap map_;
   Terminal terminal_;

@@ -14,13 +14,13 @@
 namespace koboshi::tools {
 namespace {
 
-// xterm's control sequences: the other screen, no wrapping at the right edge, no cursor; and all that back.
+// Control sequences of xterm: alternate screen, no wrapping at the right edge, no cursor; and their reverse.
 constexpr std::string_view kBegin = "\x1B[?1049h\x1B[?7l\x1B[?25l\x1B[2J";
 constexpr std::string_view kEnd = "\x1B[?25h\x1B[?7h\x1B[?1049l";
 
-constexpr std::size_t kRows = 24;  // of a terminal that does not say
+constexpr std::size_t kRows = 24;  // if the terminal does not report its size
 
-// A screen that cannot be written is not worth a run.
+// Ignores errors: they must not end the run.
 void write_out(std::string_view text) {
   while (!text.empty()) {
     const ssize_t written = ::write(STDOUT_FILENO, text.data(), text.size());

@@ -7,12 +7,12 @@
 
 namespace koboshi::tools {
 
-// The terminal of this process while keys are taken from it one by one and its screen is drawn over. Ctrl-C
-// stays the signal that it is; what would stop or kill the process without giving the terminal back
-// (Ctrl-Z, Ctrl-\) or hold the run up (Ctrl-S) is off. Gives it back as it was.
+// The terminal of this process in raw mode, with its alternate screen. Ctrl-C remains a signal. Keys that
+// would stop or kill the process without restoring the terminal (Ctrl-Z, Ctrl-\) or block the run (Ctrl-S)
+// are off. The destructor restores the terminal.
 class Terminal {
  public:
-  // Whether both standard input and output are one.
+  // Returns whether standard input and output are a terminal.
   [[nodiscard]] static bool is_there();
 
   // Throws std::system_error.
@@ -21,9 +21,9 @@ class Terminal {
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
 
-  // What has been typed; does not wait.
+  // Returns the bytes that have been typed, without waiting.
   [[nodiscard]] std::string read();
-  // Whoever was at it has gone.
+  // Whether the terminal has been closed.
   bool closed() const { return closed_; }
   // Draws these lines.
   void show(const std::vector<std::string>& lines);

@@ -11,7 +11,7 @@
 
 namespace koboshi::tools {
 
-// Curves over a common abscissa, panel above panel, for a page or a screen.
+// Curves over a common abscissa, panel above panel.
 
 enum class LineStyle { kSolid, kDashed, kPoints, kLinesPoints };
 
@@ -21,17 +21,17 @@ struct Series {
   LineStyle style = LineStyle::kSolid;
   std::optional<int> colour{};     // 0..7 of a colour-blind-safe palette, see legend.h; else by position
   double factor = 1.0;             // from the column's unit to the panel's, such as 180/pi
-  std::optional<double> from_x{};  // values before it mean nothing and are not shown
+  std::optional<double> from_x{};  // earlier values are not shown
 };
 
 struct Panel {
   std::string y_label{};  // with the unit: "base height [mm]"
   std::vector<Series> series{};
-  double smallest_span = 0.0;  // of the ordinate, so that a constant's rounding noise does not fill the panel
+  double smallest_span = 0.0;  // of the ordinate, so that noise of a constant does not fill the panel
 };
 
-// A vertical line through all panels, such as the moment of a command. Marks come in the order of x; labels
-// that would run into each other stand in rows above each other. Marks outside the abscissa are not shown.
+// A vertical line through all panels, such as the time of a command. Marks are in the order of x; labels that
+// would overlap are placed in rows above each other. Marks outside the abscissa are not shown.
 struct Mark {
   double x = 0.0;
   std::string label{};
@@ -49,7 +49,7 @@ struct Figure {
   std::vector<Mark> marks{};
   std::string x_column = "time_s";
   std::string x_label = "time [s]";
-  std::optional<Span> x_span{};  // the part that is shown; without it all
+  std::optional<Span> x_span{};  // the part that is shown; all by default
   bool log_log = false;          // both axes logarithmic; all values are positive
 };
 

@@ -42,8 +42,8 @@ std::string number(double value) { return std::isnan(value) ? "NaN" : sim::numbe
 // output_png, output_svg
 std::string output_variable(const std::string& extension) { return "output_" + extension.substr(1); }
 
-// A file without a place on any disk, which this process and its children can open by its path: gnuplot does
-// not notice a disk that is full.
+// A file in memory, which this process and its children can open by its path: gnuplot does not notice a full
+// disk.
 class MemoryFile {
  public:
   explicit MemoryFile(const char* name)

@@ -24,7 +24,7 @@ constexpr int kMarkGap_px = 8;    // between two labels
 constexpr std::size_t kMaxMarkRows = 5;
 constexpr int kGap_px = 36;  // between panels, for the key of the lower one
 constexpr int kYLabel_px = 24;
-// Of curves that have no role in the legend, by position.
+// Colours of curves without a role in the legend, by position.
 constexpr std::array<std::size_t, 6> kNeutralColours{6, 5, 4, 2, 3, 7};
 
 struct Range {
@@ -42,20 +42,20 @@ std::string block_name(std::size_t panel, std::size_t series) {
   return "$panel" + std::to_string(panel) + "_series" + std::to_string(series);
 }
 
-// How many letters a reader sees.
+// The number of characters in a text.
 std::size_t letters(const std::string& utf8) {
   return static_cast<std::size_t>(
       std::ranges::count_if(utf8, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
-// Some air around positive data on a logarithmic axis.
+// Adds a margin around positive data on a logarithmic axis.
 Range padded_log(Range data) {
   if (data.low > data.high) data = {1.0, 1.0};
   const double margin = std::pow(data.high / data.low, 0.08) * 1.1;
   return {data.low / margin, data.high * margin};
 }
 
-// The part of a plot command that says what a line looks like.
+// The part of a plot command for the style of a line.
 std::string with_style(LineStyle style, const std::string& colour) {
   const std::string points = " pointtype 7 pointsize 0.9";
   const std::string line = " linewidth 1.8 linecolor '" + colour + "'";
@@ -64,7 +64,7 @@ std::string with_style(LineStyle style, const std::string& colour) {
   return "with lines" + line + " dashtype " + (style == LineStyle::kDashed ? "(9,5)" : "1");
 }
 
-// Some air around the data, and never less than the smallest span.
+// Adds a margin around the data, and widens the range to the smallest span.
 Range padded(Range data, double smallest_span) {
   if (data.low > data.high) data = {0.0, 0.0};
   double span = std::max(data.high - data.low, smallest_span);
@@ -97,7 +97,7 @@ class Script {
     return kTitleHead_px + note + static_cast<int>(mark_rows_) * kMarkRow_px + kMarkFoot_px;
   }
 
-  // Each label in the lowest row where it does not run into another.
+  // Places each label in the lowest row where it does not overlap another.
   void place_marks() {
     std::array<double, kMaxMarkRows> taken_px{};  // end of the last label in each row
     for (const Mark& mark : figure_.marks) {
@@ -186,12 +186,12 @@ class Script {
     out_ << "set format x " << (last ? "'%g'" : "''") << "\nset xlabel "
          << quoted(last ? figure_.x_label : "") << "\nset yrange [" << sim::number_text(y_ranges_[p].low)
          << ":" << sim::number_text(y_ranges_[p].high) << "]\n";
-    // A label and no ylabel, which would stand elsewhere in each panel, as wide as its tics' numbers are.
+    // A label instead of ylabel, whose position depends on the width of the tics' numbers.
     out_ << "set label " << quoted(panel.y_label) << " at screen " << screen_x(kYLabel_px)
          << ", graph 0.5 center rotate\n";
     write_marks(p == 0);
     out_ << "plot ";
-    // Dashed curves last: through their gaps one sees what lies below.
+    // Dashed curves last: the curves below show through their gaps.
     const char* separator = "";
     for (const bool dashed : {false, true}) {
       for (std::size_t s = 0; s < panel.series.size(); ++s) {
@@ -203,7 +203,7 @@ class Script {
     out_ << "\nunset label\nunset arrow\n";
   }
 
-  // In the first panel the lines reach up to their labels.
+  // Draws the lines; in the first panel they reach up to their labels.
   void write_marks(bool first_panel) {
     for (const PlacedMark& placed : placed_marks_) {
       const Mark& mark = *placed.mark;

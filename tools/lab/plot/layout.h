@@ -2,7 +2,7 @@
 
 namespace koboshi::tools {
 
-// What all figures have in common, in pixels.
+// The layout that all figures share, in pixels.
 inline constexpr int kWidth_px = 1000;
 inline constexpr int kTitle_px = 22;  // from the top to the title's base line
 inline constexpr int kFoot_px = 60;   // tick labels and label of the abscissa

@@ -1,34 +1,19 @@
 #include "tools/lab/plot/legend.h"
 
+#include <cstddef>
+
 namespace koboshi::tools {
 namespace {
 
 enum PaletteColour { kBlue, kOrange, kGreen, kPurple, kYellow, kLightBlue, kBlack, kGrey };
 
+// By Role.
+constexpr PaletteColour kColours[] = {kOrange, kBlue,      kBlack,  kGrey, kGreen,
+                                      kPurple, kLightBlue, kYellow, kGrey};
+
 }  // namespace
 
-int colour_of(Role role) {
-  switch (role) {
-    case Role::kPlanned:
-      return kOrange;
-    case Role::kMeasured:
-      return kBlue;
-    case Role::kTrue:
-      return kBlack;
-    case Role::kTheory:
-    case Role::kThird:
-      return kGrey;
-    case Role::kLeft:
-      return kGreen;
-    case Role::kRight:
-      return kPurple;
-    case Role::kFirst:
-      return kLightBlue;
-    case Role::kSecond:
-      return kYellow;
-  }
-  return kBlack;
-}
+int colour_of(Role role) { return kColours[static_cast<std::size_t>(role)]; }
 
 LineStyle style_of(Role role) {
   return role == Role::kPlanned || role == Role::kTheory ? LineStyle::kDashed : LineStyle::kSolid;

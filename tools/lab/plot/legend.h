@@ -6,14 +6,13 @@
 
 namespace koboshi::tools {
 
-// The legend of all figures: what a curve stands for decides its colour and its line style, here and nowhere
-// else. A reader who has learned one figure can read them all.
+// The legend of all figures: the role of a curve decides its colour and its line style.
 //
-//   dashed orange   planned: what was asked for (target, plan, commanded pose)
-//   solid blue      measured: what the robot's sensors or its estimate say
+//   dashed orange   planned: target, plan, commanded pose
+//   solid blue      measured: by the robot's sensors, or estimated
 //   solid black     true: the state of the simulation, which the firmware does not know
 //   dashed grey     theory: a bound, an ideal model or an analytical solution
-//   green, purple   left and right, where both stand in one panel; dashed where planned
+//   green, purple   left and right in one panel; dashed if planned
 //   light blue, yellow, grey   further quantities of a panel, in this order
 enum class Role { kPlanned, kMeasured, kTrue, kTheory, kLeft, kRight, kFirst, kSecond, kThird };
 

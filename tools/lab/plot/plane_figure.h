@@ -19,7 +19,7 @@ struct PlaneCurve {
   double width = 1.8;
 };
 
-// A polygon, closed and lightly filled, with a word at a place of its own.
+// A closed and lightly filled polygon with a label.
 struct Outline {
   std::vector<Point> corners{};
   int colour = 7;
@@ -35,8 +35,8 @@ struct PlaneFigure {
   std::vector<PlaneCurve> curves{};  // above the outlines, the last on top
 };
 
-// Draws it to `without_extension`.png and .svg, as wide as other figures and as high as its data ask for.
-// Throws PlotError.
+// Draws the figure to `without_extension`.png and .svg, as wide as other figures and as high as its data
+// need. Throws PlotError.
 void draw(const PlaneFigure& figure, const std::filesystem::path& without_extension);
 
 }  // namespace koboshi::tools

@@ -1,4 +1,4 @@
-#include "tools/dictionary/eds.h"
+#include "tools/dictionary/formats.h"
 
 #include <string>
 
