@@ -57,7 +57,7 @@ class Results(unittest.TestCase):
         self.assertTrue((self.folder / "out" / "slope.svg").exists())
         self.assertTrue((self.folder / "page" / "slope.png").exists())
         written_ns = {file.name: file.stat().st_mtime_ns for file in (self.folder / "out").iterdir()}
-        self.assertEqual(max(written_ns, key=written_ns.get), "summary.json")
+        self.assertEqual(written_ns["summary.json"], max(written_ns.values()))
         self.assertIn("](page/slope.png)", page.read_text())
         self.assertEqual((self.folder / "slope.json").read_bytes(), (self.folder / "out" / "summary.json").read_bytes())
 

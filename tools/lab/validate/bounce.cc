@@ -15,7 +15,7 @@ constexpr double kRestitution = 0.7;
 constexpr double kDrop_m = 0.5;
 constexpr double kHalf_m = 0.05;  // of the cube
 
-// As hard as the engine has it: what is tested is the impact, not the spring.
+// The hardest surface of the engine: the subject is the impact, not the spring.
 sim::SurfaceDescription hard(double restitution) {
   sim::SurfaceDescription surface;
   surface.bounce = restitution;
@@ -25,8 +25,8 @@ sim::SurfaceDescription hard(double restitution) {
 }
 
 struct Flight {
-  double impact_s = 0.0;   // when it began
-  double highest_m = 0.0;  // above where it bounced
+  double impact_s = 0.0;   // when the impact began
+  double highest_m = 0.0;  // above the ground
 };
 
 struct Trace {
@@ -60,7 +60,7 @@ Trace drop(const ValidationSetup& setup, int impacts) {
   return trace;
 }
 
-// Height at a time of the motion between ideal impacts.
+// The height at a time, with ideal impacts.
 double ideal_height_m(double time_s) {
   const double fall_s = std::sqrt(2.0 * kDrop_m / kGravity_m_per_s2);
   if (time_s < fall_s) return kDrop_m - 0.5 * kGravity_m_per_s2 * time_s * time_s;
@@ -78,7 +78,7 @@ void check_bounces(const ValidationSetup& setup, Findings& findings) {
   const double h = setup.world.step_s;
   const Trace trace = drop(setup, impacts);
   double speed = std::sqrt(2.0 * kGravity_m_per_s2 * kDrop_m);  // before the impact
-  double speed_off = 0.0;                                       // what it may be off by then
+  double speed_off = 0.0;                                       // its error bound by then
   double height_off = 0.0;
   for (int n = 1; n <= impacts; ++n) {
     // An impact is noticed up to a step late, g h faster and up to v h below the ground.
@@ -99,8 +99,8 @@ void check_bounces(const ValidationSetup& setup, Findings& findings) {
   findings.plots.push_back(
       {.name = "bounce",
        .caption =
-           "Heights shrink by e^2 = 0.49 from bounce to bounce; the curves lie on each other but for the "
-           "step by which each impact is late.",
+           "Heights shrink by e^2 = 0.49 from bounce to bounce; the curves agree up to the step by which "
+           "each impact is late.",
        .columns = {{"time_s", trace.time_s}, {"simulated_m", trace.height_m}, {"theory_m", ideal_m}},
        .figure = {.title = "A cube dropped from 0.5 m, restitution 0.7",
                   .panels = {{.y_label = "height [m]",
@@ -108,7 +108,7 @@ void check_bounces(const ValidationSetup& setup, Findings& findings) {
                                          series(Role::kTheory, "theory_m", "theory")}}}}});
 }
 
-// A rod at an angle, let fall without friction onto the edge of its lower end.
+// Drops a tilted rod without friction onto the edge of its lower end.
 void check_edge(const ValidationSetup& setup, Findings& findings) {
   constexpr double kMass_kg = 0.5;
   constexpr double kTilt_rad = 0.5;

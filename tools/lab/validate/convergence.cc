@@ -50,8 +50,8 @@ void check_known(const ValidationSetup& setup, Findings& findings, Plot& plot) {
   }
 }
 
-// The trunk's height at each tick of a squat. With encoders as fine as the bus tells positions: by rounding
-// to 12 bits they act at one step and not at another, which hides all that the step itself does.
+// The trunk's height at each tick of a squat. The encoders have the resolution of the bus: rounding to 12
+// bits would hide the effect of the step.
 struct Heights {
   std::vector<double> time_s;
   std::vector<double> height_m;
@@ -89,7 +89,8 @@ double fastest_m_per_s(const Heights& heights) {
   return fastest;
 }
 
-// Nobody knows a squat's truth: held to the finest step. An error c h then shows as c (h - h_finest).
+// The exact motion of a squat is unknown: compares with the finest step. An error c h then shows as
+// c (h - h_finest).
 void check_squat(const ValidationSetup& setup, Findings& findings, Plot& plot) {
   const std::vector<double> steps_ms = setup.short_form ? std::vector{1.0, 0.5, 0.25} : kSteps_ms;
   std::vector<Heights> runs;

@@ -25,7 +25,7 @@ struct Loop {
   std::vector<double> time_s, position_rad, torque_Nm;
 };
 
-// From the first turning point, a quarter of a period after the start, once around.
+// One period from the first turning point, which is a quarter of a period after the start.
 Loop go_around(const ValidationSetup& setup) {
   const auto world = hang(chain_rig({kFrictionLink}), {0.0}, setup);
   Loop loop;
@@ -41,7 +41,7 @@ Loop go_around(const ValidationSetup& setup) {
   return loop;
 }
 
-// The torque at which the loop passes straight down, on its way in this direction.
+// The torque at which the link passes the bottom in this direction.
 double torque_at_bottom_Nm(const Loop& loop, double direction) {
   for (std::size_t i = 1; i < loop.time_s.size(); ++i) {
     const double before = direction * loop.position_rad[i - 1], now = direction * loop.position_rad[i];
@@ -102,7 +102,7 @@ void check_loop(const ValidationSetup& setup, Findings& findings) {
                   .x_label = "joint angle [rad]"}});
 }
 
-// Held by friction against a torque below Kc.
+// Checks that friction holds the joint against a torque below Kc.
 void check_rest(double part, const ValidationSetup& setup, Findings& findings, const std::string& quantity) {
   ValidationSetup weightless = setup;
   weightless.world.gravity_W_m_per_s2.setZero();
@@ -115,7 +115,7 @@ void check_rest(double part, const ValidationSetup& setup, Findings& findings, c
                  kEncoderCount_rad / 3600.0);
 }
 
-// A torque that rises steadily: the joint lets go at Kc.
+// Checks that the joint breaks away at Kc under a rising torque.
 void check_break_away(const ValidationSetup& setup, Findings& findings) {
   constexpr double kRise_Nm_per_s = 0.05;
   constexpr double kNoticed_rad = 1e-5;

@@ -10,7 +10,7 @@ namespace koboshi::tools {
 
 // The ZMP on z = 0 by the motion of all links alone (Vukobratovic and Borovac, 2004):
 //   x = (sum m (x (z'' + g) - z x'') - sum dL_y/dt) / sum m (z'' + g),  y alike with dL_x/dt.
-// It is what the rate of momentum about the origin asks of the ground. Over one step the rates are those of
+// It follows from the rate of momentum about the origin. Over one step the rates are those of
 // momentum and angular momentum between two observations; rotors are inside the robot and not in them.
 class InertialZmp {
  public:
@@ -18,7 +18,7 @@ class InertialZmp {
   InertialZmp(const sim::RobotDescription& robot, double gravity_m_per_s2)
       : robot_(robot), gravity_m_per_s2_(gravity_m_per_s2) {}
 
-  // After each step of the world. Nothing the first time, and while the ground carries nothing.
+  // Call this after each step of the world. Returns nothing the first time, and without load on the ground.
   std::optional<Eigen::Vector2d> observe(const sim::World& world);
 
  private:

@@ -25,29 +25,29 @@ Vector3d leg_force_N(const Vector3d& p_W, const Vector2d& zmp_m) {
   return {along * (p_W.x() - zmp_m.x()), along * (p_W.y() - zmp_m.y()), kMass_kg * kGravity_m_per_s2};
 }
 
-struct Way {
+struct Path {
   std::vector<double> time_s;
   std::vector<Vector2d> position_m;
 };
 
-// Begins at rest but for the blow that gives it its velocity, in the first step.
-Way walk_on_leg(const simulation::PendulumState& start, const simulation::ZmpPiece& zmp,
-                const ValidationSetup& setup) {
+// Starts at rest; a force in the first step gives the mass its velocity.
+Path walk_on_leg(const simulation::PendulumState& start, const simulation::ZmpPiece& zmp,
+                 const ValidationSetup& setup) {
   sim::WorldOptions options = setup.world;
   options.ground.present = false;
   options.X_WB.translation() << start.position_m, kHeight_m;
   const auto world = sim::make_world(box_rig(kMass_kg, Vector3d::Constant(0.05)), options);
   const Vector2d blow_N = kMass_kg / options.step_s * start.velocity_m_per_s;
   world->push(0, Vector3d::Zero(), {blow_N.x(), blow_N.y(), 0.0});
-  Way way;
+  Path path;
   for (long i = steps_of(zmp.duration_s, *world); i > 0; --i) {
     const Vector3d p_W = world->body(0).X_WL.translation();
     world->push(0, Vector3d::Zero(), leg_force_N(p_W, zmp.at(world->time_s())));
     world->step();
-    way.time_s.push_back(world->time_s());
-    way.position_m.push_back(world->body(0).X_WL.translation().head<2>());
+    path.time_s.push_back(world->time_s());
+    path.position_m.push_back(world->body(0).X_WL.translation().head<2>());
   }
-  return way;
+  return path;
 }
 
 // Semi-implicit Euler is the leap-frog with its speeds half a step earlier: as if it began with (h/2) x''
@@ -63,13 +63,13 @@ const simulation::PendulumState kStart{.position_m = {-0.02, 0.01}, .velocity_m_
 const simulation::ZmpPiece kStep{.duration_s = 0.4, .from_m = {0.0, 0.0}, .to_m = {0.01, 0.006}};
 
 void check_leg(const ValidationSetup& setup, Findings& findings) {
-  const Way way = walk_on_leg(kStart, kStep, setup);
+  const Path path = walk_on_leg(kStart, kStep, setup);
   const simulation::Pendulum gait(kHeight_m);
   const Vector2d end_m = gait.advance(kStart, kStep, kStep.duration_s).position_m;
   const Vector2d acceleration = (kStart.position_m - kStep.from_m) / (kTimeConstant_s * kTimeConstant_s);
   for (int axis = 0; axis < 2; ++axis) {
     findings.check(axis == 0 ? "massless leg: x after 0.4 s" : "massless leg: y after 0.4 s", "m",
-                   end_m[axis], way.position_m.back()[axis],
+                   end_m[axis], path.position_m.back()[axis],
                    tolerance_m(acceleration[axis], end_m[axis] - kStep.to_m[axis], kStep.duration_s,
                                setup.world.step_s));
   }
@@ -78,7 +78,7 @@ void check_leg(const ValidationSetup& setup, Findings& findings) {
                 "A step of the walk: the mass comes in, slows down over the foot and leaves (x), and draws "
                 "near to it (y), as the gait's pendulum (dashed) says; at 0.4 s the error of a step of 1 ms "
                 "has grown to what theory says of it.",
-            .columns = {{"time_s", way.time_s},
+            .columns = {{"time_s", path.time_s},
                         {"x_mm", {}},
                         {"x_theory_mm", {}},
                         {"y_mm", {}},
@@ -89,17 +89,17 @@ void check_leg(const ValidationSetup& setup, Findings& findings) {
                                               series(Role::kSecond, "y_mm", "y, simulated"),
                                               series(Role::kTheory, "x_theory_mm", "pendulum of the gait"),
                                               series(Role::kTheory, "y_theory_mm", "")}}}}};
-  for (std::size_t i = 0; i < way.time_s.size(); ++i) {
-    const Vector2d theory_m = gait.advance(kStart, kStep, way.time_s[i]).position_m;
-    plot.columns[1].second.push_back(1e3 * way.position_m[i].x());
+  for (std::size_t i = 0; i < path.time_s.size(); ++i) {
+    const Vector2d theory_m = gait.advance(kStart, kStep, path.time_s[i]).position_m;
+    plot.columns[1].second.push_back(1e3 * path.position_m[i].x());
     plot.columns[2].second.push_back(1e3 * theory_m.x());
-    plot.columns[3].second.push_back(1e3 * way.position_m[i].y());
+    plot.columns[3].second.push_back(1e3 * path.position_m[i].y());
     plot.columns[4].second.push_back(1e3 * theory_m.y());
   }
   findings.plots.push_back(plot);
 }
 
-// A rigid link that stands on its hinge, a tenth of a milliradian off, and tips over.
+// A rigid link on its hinge, 0.1 mrad from upright, tips over.
 void check_tipping(const ValidationSetup& setup, Findings& findings) {
   constexpr HangingLink kLink{.mass_kg = 1.0, .inertia_kg_m2 = 2e-3, .arm_m = 0.15, .length_m = 0.3};
   constexpr double kStart_rad = 1e-4;
@@ -150,7 +150,8 @@ Validation inverted_pendulum() {
       .theory =
           "The paper's equation 3, x = x0 cosh(t/Tc) + Tc v0 sinh(t/Tc), Tc = sqrt(z/g): a mass of 1.2 kg "
           "0.18 m high on a massless leg, which is a force along the line from the ZMP, held to the "
-          "pendulum that makes the gaits (tools/gait/pendulum.h) over a ZMP that moves. A rigid link on a "
+          "pendulum that makes the gaits (simulation/gait/pendulum.h) over a ZMP that moves. A rigid link on "
+          "a "
           "hinge, 0.1 mrad from upright, tips with Tc = sqrt((I + m r^2)/(m g r)).",
       .tolerances =
           "Semi-implicit Euler is the leap-frog with its speeds half a step early: an error of (h/2) "

@@ -17,7 +17,7 @@ constexpr double kLarge_rad = 1.5;
 
 const Eigen::Vector3d kDown(0.0, 0.0, -kGravity_m_per_s2);
 
-// Times at which the pendulum passes the bottom in the direction of its start.
+// The times at which the pendulum passes the bottom, moving towards the side of its release.
 std::vector<double> passages_s(sim::World& world, int count, double longest_s) {
   std::vector<double> times_s;
   double before_rad = world.joint(0).position_rad;
@@ -32,14 +32,15 @@ std::vector<double> passages_s(sim::World& world, int count, double longest_s) {
   return times_s;
 }
 
-// What the hinge may cost, J. A step along the tangent loses r w (w h)^2/2 of the speed; the error reduction
-// gives it back, but about five steps late, so that (r w h/2) 5 h |d(w^2)/dt| remains. Here as if nothing of
-// what is lost on the way down came back on the way up. `speed_squared` and its change in a step.
+// Bound of the energy that the hinge takes, J. A step along the tangent loses r w (w h)^2/2 of the speed; the
+// error reduction gives it back, but about five steps late, so that (r w h/2) 5 h |d(w^2)/dt| remains.
+// Assumes that nothing of the loss on the way down comes back on the way up. `speed_squared` and its change
+// in a step.
 double hinge_loss_J(double moment_kg_m2, double speed_squared, double change, double h) {
   return 2.5 * moment_kg_m2 * h * h * speed_squared * std::abs(change);
 }
 
-// By what a pendulum that has lost this energy swings quicker, s.
+// The decrease of the period after this relative loss of energy, s.
 double quicker_s(double length_m, double amplitude_rad, double relative_loss) {
   const double lower_rad = std::acos(std::cos(amplitude_rad) + relative_loss);
   return pendulum_period_s(length_m, amplitude_rad) - pendulum_period_s(length_m, lower_rad);
@@ -79,7 +80,7 @@ void check_swing(double amplitude_rad, int periods, const ValidationSetup& setup
 constexpr HangingLink kUpper{.mass_kg = 0.2, .inertia_kg_m2 = 5e-4, .arm_m = 0.1, .length_m = 0.2};
 constexpr HangingLink kLower{.mass_kg = 0.1, .inertia_kg_m2 = 2e-4, .arm_m = 0.1, .length_m = 0.2};
 
-// Held to Runge-Kutta for a second, to its energy for ten.
+// Compares the motion with Runge-Kutta for one second, and the energy for ten.
 void check_double(const ValidationSetup& setup, Findings& findings) {
   const auto robot = chain_rig({kUpper, kLower});
   const auto world = hang(robot, {1.2, 0.6}, setup);
@@ -90,7 +91,7 @@ void check_double(const ValidationSetup& setup, Findings& findings) {
   const long fine_steps = std::lround(h / kFine_s);
   Eigen::Vector4d state(1.2, 0.6, 0.0, 0.0);
   double largest_rad = 0.0, fastest = 0.0, most_power_W = 0.0, energy_off_J = 0.0, lost_J = 0.0;
-  // About the upper hinge the lower link counts as a point where it hangs.
+  // For the upper hinge, the lower link is a point mass at its own hinge.
   const std::array moments{
       kUpper.mass_kg * kUpper.arm_m * kUpper.arm_m + kLower.mass_kg * kUpper.length_m * kUpper.length_m,
       kLower.mass_kg * kLower.arm_m * kLower.arm_m};

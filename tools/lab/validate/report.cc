@@ -22,7 +22,7 @@ std::string quantity(const Check& check) {
   return check.unit == "1" ? check.quantity : fmt::format("{} [{}]", check.quantity, check.unit);
 }
 
-// How much of its tolerance a check uses; what is no number uses more than all.
+// The share of its tolerance that a check uses; infinite for NaN.
 double use(const Check& check) {
   if (std::isnan(check.error())) return std::numeric_limits<double>::infinity();
   if (check.error() == 0.0) return 0.0;

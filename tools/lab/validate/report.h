@@ -10,7 +10,7 @@
 
 namespace koboshi::tools {
 
-// What the experiments found, in every form in which it is read.
+// The results of validations, in all formats.
 
 struct ValidationResult {
   Validation validation;
@@ -19,15 +19,15 @@ struct ValidationResult {
   bool passed() const;
 };
 
-// Plays it. A world that blows up is a check that failed.
+// Runs a validation. A simulation that diverges gives a check that fails.
 [[nodiscard]] ValidationResult play(const Validation& validation, const ValidationSetup& setup);
 
-// A row a check.
+// A table with a row per check.
 [[nodiscard]] std::string check_table(const std::vector<Check>& checks, TableStyle style);
-// A row an experiment: how many checks passed, and which came nearest to its tolerance.
+// A table with a row per validation: the number of passed checks, and the check nearest to its tolerance.
 [[nodiscard]] std::string overview_table(const std::vector<ValidationResult>& results, TableStyle style);
 
-// Nothing that depends on the machine or the time. What is not a number is null.
+// Independent of the machine and the time. NaN becomes null.
 [[nodiscard]] nlohmann::ordered_json to_json(const std::vector<ValidationResult>& results,
                                              const ValidationSetup& setup);
 [[nodiscard]] std::string to_csv(const std::vector<ValidationResult>& results);

@@ -13,14 +13,14 @@
 
 namespace koboshi::tools {
 
-// The mechanisms of the experiments, built in code.
+// The mechanisms of the validations, built in code.
 
 using sim::kGravity_m_per_s2;
 
 // One free box of uniform density, its frame in the middle.
 [[nodiscard]] sim::RobotDescription box_rig(double mass_kg, const Eigen::Vector3d& size_m,
                                             const sim::SurfaceDescription& surface = {});
-// The moments of inertia of such a box about its axes.
+// The moments of inertia of this box about its axes.
 [[nodiscard]] Eigen::Vector3d box_moments_kg_m2(double mass_kg, const Eigen::Vector3d& size_m);
 
 // A link that hangs straight down from its hinge when the joint is at zero; the inertia about its centre of
@@ -31,7 +31,7 @@ struct HangingLink {
   double arm_m = 0.1;     // from the hinge to the centre of mass
   double length_m = 0.2;  // from the hinge to the next link's
 };
-// A chain of them below a bearing, hinged about y; to be held with WorldOptions::fixed_base.
+// A chain of hanging links below a bearing, hinged about y. The bearing needs WorldOptions::fixed_base.
 [[nodiscard]] sim::RobotDescription chain_rig(const std::vector<HangingLink>& links);
 
 // A world without ground whose bearing is held, its joints at these positions.
@@ -42,11 +42,11 @@ struct HangingLink {
 [[nodiscard]] long steps_of(double duration_s, const sim::World& world);
 void run_for(sim::World& world, double duration_s);
 
-// The whole robot in squats, quicker than in the scenario's file: enabled at 0.7 s, standing by itself from
-// 1.4 s, told to play at 1.5 s. It begins to go down at 3.5 s and is down at 4.5 s.
+// Squats of the whole robot, earlier than in the scenario's file: enabled at 0.7 s, released at 1.4 s,
+// commanded to play at 1.5 s. The robot moves down from 3.5 s to 4.5 s.
 inline constexpr std::uint64_t kSquatBegins_us = 3'500'000;
 
-// Throws sim::InputError where the setup's scenario does not play a motion.
+// Throws sim::InputError if the setup's scenario has no motion.
 [[nodiscard]] sim::Scenario squat_scenario(const ValidationSetup& setup);
 
 }  // namespace koboshi::tools

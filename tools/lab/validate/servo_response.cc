@@ -38,7 +38,7 @@ ServoTrial sine_of(double amplitude_rad, double frequency_Hz) {
   return trial;
 }
 
-// `count_rad`: what an encoder adds, whose rounding may fall to either side.
+// The tolerance includes a count of the encoder, whose rounding may fall to either side.
 void check_motion(const std::string& what, const ServoTrial& trial, const ValidationSetup& setup,
                   Findings& findings) {
   const ServoMotion exact = reference(trial);
@@ -73,7 +73,7 @@ Plot motion_figure(const std::string& name, const std::string& title, const std:
                                 {.y_label = "error [mrad]", .series = {{.column = "error_mrad"}}}}}};
 }
 
-// At the full supply against loads from none to stall.
+// Steady speed at full supply under loads from zero to near stall.
 void check_line(const ValidationSetup& setup, Findings& findings) {
   Plot plot{.name = "torque-speed",
             .caption = "The motor's line at 7.5 V, less friction: every simulated point lies on it.",

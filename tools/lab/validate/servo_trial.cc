@@ -18,7 +18,7 @@ std::int32_t units(double angle_rad) {
   return static_cast<std::int32_t>(std::lround(angle_rad / sim::kRadPerPositionUnit));
 }
 
-// (position, speed) while the voltage is held.
+// The derivative of (position, speed) at a constant voltage.
 class Motor {
  public:
   Motor(const ServoTrial& trial, double voltage_V, double direction)
@@ -28,7 +28,7 @@ class Motor {
                                                          trial.servo.torque_constant_Nm_per_A /
                                                          trial.servo.resistance_ohm) {}
 
-  // All torque at rest but friction.
+  // The torque at rest without friction.
   static double drive_Nm(const ServoTrial& trial, double voltage_V) {
     return trial.load_Nm + trial.servo.torque_constant_Nm_per_A * voltage_V / trial.servo.resistance_ohm;
   }
@@ -49,7 +49,7 @@ void turn_a_period(Eigen::Vector2d& state, const ServoTrial& trial, double volta
     if (state[1] == 0.0 && std::abs(drive_Nm) <= trial.servo.coulomb_friction_Nm) return;
     const double direction = std::copysign(1.0, state[1] == 0.0 ? drive_Nm : state[1]);
     state = runge_kutta_step(state, kStep_s, Motor(trial, voltage_V, direction));
-    if (direction * state[1] < 0.0) state[1] = 0.0;  // it stands; friction decides anew
+    if (direction * state[1] < 0.0) state[1] = 0.0;  // at rest: friction may hold it
   }
 }
 
@@ -71,9 +71,9 @@ ServoMotion simulated(const ServoTrial& trial, const ValidationSetup& setup) {
     servo.sense(world->joint(0));
     servo.drive(units(trial.target_rad(kLoopPeriod_s * static_cast<double>(ms))));
     for (long i = 0; i < steps; ++i) {
-      static_cast<void>(servo.draw(world->joint(0)));  // the supply stands whatever it draws
+      static_cast<void>(servo.draw(world->joint(0)));  // the supply voltage is constant
       world->set_servo(0, servo.torque(trial.servo.supply_V));
-      // Across a lever that turns with the link.
+      // Perpendicular to a lever that turns with the link.
       const Eigen::Vector3d f_L(-trial.load_Nm / kLever_m, 0.0, 0.0);
       world->push(1, {0.0, 0.0, -kLever_m}, world->body(1).X_WL.linear() * f_L);
       world->step();

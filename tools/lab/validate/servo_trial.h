@@ -8,14 +8,14 @@
 
 namespace koboshi::tools {
 
-// One servo that turns a small link without gravity.
+// A servo that turns a small link without gravity.
 struct ServoTrial {
   std::function<double(double time_s)> target_rad = [](double) { return 0.0; };
-  double load_Nm = 0.0;  // of an outer torque on the output
+  double load_Nm = 0.0;  // external torque on the output
   double duration_s = 0.5;
   double link_inertia_kg_m2 = 1e-4;
   int encoder_bits = 20;
-  sim::ServoDescription servo{};  // of which BAM M1 is taken
+  sim::ServoDescription servo{};  // only its BAM M1 parameters count
 };
 
 // At each millisecond, when the drive's loop runs.
@@ -25,10 +25,10 @@ struct ServoMotion {
   std::vector<double> speed_rad_per_s;
 };
 
-// By sim::Servo in a world.
+// Simulates the trial with sim::Servo in a world.
 [[nodiscard]] ServoMotion simulated(const ServoTrial& trial, const ValidationSetup& setup);
 
-// By the equations of Rhoban BAM (arXiv 2410.08650), friction model M1, in Runge-Kutta steps of 2 us:
+// Integrates the equations of Rhoban BAM (arXiv 2410.08650), friction model M1, in Runge-Kutta steps of 2 us:
 //   (J + J_link) w' = kt (V - kt w)/R - Kv w - Kc sgn(w) + load,  V = clip(k (target - measured), supply),
 // V held for a millisecond and the measured angle rounded to an encoder's count.
 [[nodiscard]] ServoMotion reference(const ServoTrial& trial);

@@ -14,10 +14,9 @@ namespace {
 
 constexpr double kFriction = 0.5;
 constexpr double kSettle_s = 0.2;  // the ground's spring, 20 ms, is at rest by then
-// A real foot that rests does not move at all. A millimetre in an hour is beyond notice and far beyond
-// round-off.
+// A real foot at rest does not move. A millimetre in an hour is negligible and well above round-off.
 constexpr double kCreep_m_per_s = 1e-3 / 3600.0;
-// What the solver may leave of an exact balance of forces.
+// Residual of the solver, relative to an exact balance of forces.
 constexpr double kResidual = 1e-6;
 
 std::unique_ptr<sim::World> box_on(double slope_rad, const ValidationSetup& setup) {
@@ -28,7 +27,7 @@ std::unique_ptr<sim::World> box_on(double slope_rad, const ValidationSetup& setu
   return sim::make_world(box_rig(1.2, {0.1, 0.056, 0.01}), options);
 }
 
-// Down the slope.
+// The speed down the slope.
 double speed_along(const sim::World& world, double slope_rad) {
   return world.body(0).v_WCom_W.dot(Eigen::Vector3d(std::cos(slope_rad), 0.0, -std::sin(slope_rad)));
 }
@@ -56,7 +55,7 @@ Check slide(double part, const ValidationSetup& setup) {
           (speed_along(*world, slope_rad) - before) / kDuration_s, kResidual * kGravity_m_per_s2};
 }
 
-// Gathers speed against time for the figure.
+// Simulates speed over time for the figure.
 Plot sliding_figure(const ValidationSetup& setup) {
   Plot plot{
       .name = "slope",

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 const Moments kMoments(1e-3, 2e-3, 3e-3);
 constexpr double kRate = 10.0;  // rad/s about the axis in question
 
-// A weightless body that turns with `w` after its first step, which a couple has spun up.
+// A weightless body that a couple in the first step spins up to `w`.
 std::unique_ptr<sim::World> spun(const Vector3d& w, const ValidationSetup& setup) {
   sim::RobotDescription robot = box_rig(1.0, {0.1, 0.1, 0.1});
   robot.links[0].I_LCom_L = kMoments.asDiagonal();
@@ -46,9 +46,9 @@ Vector3d momentum_in_world(const sim::World& world) {
   return world.body(0).X_WL.linear() * kMoments.cwiseProduct(rate_in_body(world));
 }
 
-// What a method of first order may lose or gain in a time: of the energy (h/2) int w' I w' dt, of the
-// momentum's magnitude (h/2) int |L'|^2/L dt, and of it as a vector (h/2) int |w| |L'| dt, L' as the body
-// sees it. Along the true motion, which `each` is shown.
+// Bounds of the drift of a first-order method, along the true motion: of the energy (h/2) int w' I w' dt, of
+// the momentum's magnitude (h/2) int |L'|^2/L dt, of its vector (h/2) int |w| |L'| dt, with L' in the body's
+// frame. Calls `each` with the rate at each time.
 struct Drift {
   double energy_J = 0.0;
   double momentum = 0.0;
@@ -70,7 +70,7 @@ Drift drift_along(Vector3d w, double duration_s, double step_s, const Each& each
   return drift;
 }
 
-// By how much the flip's time may be off if the constants are.
+// Bound of the error of the flip's time from the drift of the constants.
 double flip_tolerance_s(const FreeBodyConstants& constants, const Drift& drift) {
   const double exact_s = flip_time_s(kMoments, constants);
   double most_s = 0.0;
@@ -126,7 +126,7 @@ void check_flips(const ValidationSetup& setup, Findings& findings) {
                    passages_s[static_cast<std::size_t>(n)],
                    h + (n + 0.5) * flip_tolerance_s(constants, until));
   }
-  // Until the first passage the simulated motion is the true one but for the next order, h w.
+  // Until the first passage, simulated and true motion agree up to the next order, h w.
   const double momentum = std::sqrt(constants.momentum_squared);
   const double next_order = 1.0 + 10.0 * h * kRate;
   const Drift until = drift_along(start, 0.5 * flip_s, h, [](const Vector3d&) {});
@@ -149,8 +149,8 @@ void check_flips(const ValidationSetup& setup, Findings& findings) {
                                          series(Role::kTheory, "theory", "theory")}}}}});
 }
 
-// Small deviations from rotation about a stable axis go round an ellipse; the largest seen is its longer
-// half axis.
+// A small deviation from rotation about a stable axis moves on an ellipse. Its maximum is the semi-major
+// axis.
 void check_stable(int axis, const ValidationSetup& setup, Findings& findings) {
   constexpr double kDeviation = 0.1;  // rad/s
   const int other = axis == 0 ? 2 : 0;

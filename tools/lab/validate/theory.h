@@ -19,7 +19,7 @@ template <typename State, typename Derivative>
 
 // Pendulums of HangingLinks without friction. Angles are those of the joints, from straight down.
 
-// (I + m r^2) / (m r): the length of the simple pendulum that swings alike.
+// The length of the equivalent simple pendulum, (I + m r^2) / (m r).
 [[nodiscard]] double reduced_length_m(const HangingLink& link);
 
 // T = 4 sqrt(l/g) K(sin(amplitude/2)), K the complete elliptic integral of the first kind (Landau and
@@ -41,7 +41,7 @@ using Moments = Eigen::Vector3d;
 
 [[nodiscard]] Eigen::Vector3d euler_rate(const Moments& moments, const Eigen::Vector3d& w);
 
-// Kinetic energy and the square of the angular momentum, which both stay.
+// The constants of motion: kinetic energy and the square of the angular momentum.
 struct FreeBodyConstants {
   double energy_J = 0.0;
   double momentum_squared = 0.0;  // (kg m^2/s)^2
@@ -50,8 +50,7 @@ struct FreeBodyConstants {
 };
 [[nodiscard]] FreeBodyConstants constants_of(const Moments& moments, const Eigen::Vector3d& w);
 
-// How long it takes from one passage of w2 = 0 to the next, which is one flip about the intermediate axis:
-// 2 K(k)/p with
+// The time between two passages of w2 = 0, one flip about the intermediate axis: 2 K(k)/p with
 //   p^2 = (I3 - I2)(L^2 - 2 E I1) / (I1 I2 I3),
 //   k^2 = (I2 - I1)(2 E I3 - L^2) / ((I3 - I2)(L^2 - 2 E I1))
 // where L^2 > 2 E I2; otherwise with I1 and I3 exchanged (Landau and Lifshitz, Mechanics, section 37).

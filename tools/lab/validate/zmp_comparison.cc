@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
-// The ZMP of the ground's forces on all links, on z = 0 but for the contacts' depth.
+// The ZMP of the contact forces of the ground, on z = 0 up to the contacts' depth.
 Vector2d by_contacts_m(const sim::World& world) {
   double load_N = 0.0;
   Vector2d moment = Vector2d::Zero();
@@ -67,8 +67,8 @@ class SensorZmp {
   std::array<std::optional<sim::AnkleZmp>, 2> sensors_;
 };
 
-// Compares after every step. It takes the place of the scenario's player, which has let go of the stand by
-// then and pushes nobody.
+// Compares the three ZMPs after every step. Replaces the scenario's player, which has released the stand by
+// then and applies no pushes.
 class Comparison final : public sim::StepListener {
  public:
   explicit Comparison(const simulation::Simulation& simulation)
@@ -99,7 +99,7 @@ class Comparison final : public sim::StepListener {
   }
 
  private:
-  SensorZmp exact_;  // but for its resolution
+  SensorZmp exact_;  // without noise and bias
   SensorZmp noisy_;
   InertialZmp inertial_;
   simulation::RootMeanSquare inertial_rms_, exact_rms_, noisy_rms_;
@@ -111,14 +111,14 @@ class Comparison final : public sim::StepListener {
                                                                        {"resolution_error_um", {}}}};
 };
 
-// What one foot's torque about an axis in the sole is off by if its force is off by `force_N` and its torque
-// by `torque_Nm`: tau + d f + p f, p up to the sole's half length.
+// Error of one foot's torque about an axis in the sole, from errors of its force and its torque: tau + d f +
+// p f, with p up to half the sole's length.
 double moment_Nm(const sim::AnkleSensorDescription& ankle, double force_N, double torque_Nm) {
   constexpr double kHalfSole_m = 0.05;
   return std::hypot(torque_Nm, force_N * std::hypot(ankle.height_above_sole_m, kHalfSole_m));
 }
 
-// Half way down, millisecond by millisecond.
+// In the middle of the way down.
 constexpr Span kShown_s{3.9, 4.1};
 
 Plot figure(const Comparison& comparison) {
@@ -165,7 +165,8 @@ Findings run_zmp_comparison(const ValidationSetup& setup) {
       2.0 *
       std::hypot(moment_Nm(ankle, ankle.force.bias, ankle.torque.bias), moment_Nm(ankle, noise_N, noise_Nm)) /
       weight_N;
-  // What the contacts' friction makes of their depth. A sole of four springs of this stiffness each.
+  // The depth of the contacts: the sole rests on four springs of this stiffness each. Friction forces act at
+  // this depth, which shifts the ZMP.
   const sim::SurfaceDescription& sole =
       simulation.robot()
           .links[static_cast<std::size_t>(sim::feet_of(simulation.robot())[0]->link)]
