@@ -6,21 +6,15 @@
 #include "simulation/batch/parallel.h"
 
 namespace koboshi::simulation {
-namespace {
-
-std::unique_ptr<WatchedSimulation> make_world(sim::Scenario scenario, std::uint64_t seed) {
-  scenario.seed = seed;
-  return std::make_unique<WatchedSimulation>(scenario);
-}
-
-}  // namespace
 
 Batch::Batch(const sim::Scenario& scenario, std::span<const std::uint64_t> seeds, std::size_t threads)
     : threads_(threads), worlds_(seeds.size()) {
   if (seeds.empty()) throw std::invalid_argument("found no seed, expected one for each simulation");
   if (threads == 0) throw std::invalid_argument("found 0 threads, expected at least 1");
-  for_each_parallel(seeds.size(), threads,
-                    [&](std::size_t world) { worlds_[world] = make_world(scenario, seeds[world]); });
+  const auto prepared = std::make_shared<const PreparedScenario>(prepare(scenario));
+  for_each_parallel(seeds.size(), threads, [&](std::size_t world) {
+    worlds_[world] = std::make_unique<WatchedSimulation>(prepared, seeds[world]);
+  });
 }
 
 void Batch::step(std::size_t milliseconds) {

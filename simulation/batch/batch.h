@@ -11,8 +11,8 @@
 
 namespace koboshi::simulation {
 
-// Several simulations of one scenario with different seeds, stepped in parallel. They share no state: each
-// gives the same bits as alone.
+// Several simulations of one scenario with different seeds, stepped in parallel. They share the files, which
+// are read and compiled once, and no state: each gives the same bits as alone.
 class Batch {
  public:
   // Creates one simulation per seed, at least one, and `threads` >= 1 threads. Throws sim::InputError for an

@@ -9,6 +9,11 @@ WatchedSimulation::WatchedSimulation(const sim::Scenario& scenario, const HostFa
   observe();
 }
 
+WatchedSimulation::WatchedSimulation(std::shared_ptr<const PreparedScenario> prepared, std::uint64_t seed)
+    : simulation_(std::move(prepared), seed) {
+  observe();
+}
+
 void WatchedSimulation::observe() {
   sim::BusObserver& frames = *this;
   recorder_.emplace(simulation_, nullptr, &frames);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -24,6 +25,7 @@ class WatchedSimulation final : private sim::BusObserver {
  public:
   // Throws as Simulation does.
   explicit WatchedSimulation(const sim::Scenario& scenario, const HostFactory& make_host = in_process());
+  WatchedSimulation(std::shared_ptr<const PreparedScenario> prepared, std::uint64_t seed);
   WatchedSimulation(const WatchedSimulation&) = delete;
   WatchedSimulation& operator=(const WatchedSimulation&) = delete;
 

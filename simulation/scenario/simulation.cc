@@ -11,8 +11,12 @@
 namespace koboshi::simulation {
 namespace {
 
-sim::RobotDescription changed(sim::RobotDescription robot, const RobotChange& change) {
-  if (change) change(robot);
+using Prepared = std::shared_ptr<const PreparedScenario>;
+
+std::shared_ptr<const sim::RobotDescription> changed(const Prepared& prepared, const RobotChange& change) {
+  if (!change) return {prepared, &prepared->robot};
+  auto robot = std::make_shared<sim::RobotDescription>(prepared->robot);
+  change(*robot);
   return robot;
 }
 
@@ -37,15 +41,24 @@ HostFactory in_process(const std::filesystem::path& storage_file) {
 }
 
 Simulation::Simulation(const sim::Scenario& scenario, const HostFactory& make_host, const RobotChange& change)
-    : prepared_(prepare(scenario)), robot_(changed(prepared_.robot, change)), make_host_(make_host) {
+    : Simulation(std::make_shared<const PreparedScenario>(prepare(scenario)), scenario.seed, make_host,
+                 change) {}
+
+Simulation::Simulation(Prepared prepared, std::uint64_t seed, const HostFactory& make_host,
+                       const RobotChange& change)
+    : prepared_(std::move(prepared)),
+      scenario_(prepared_->scenario),
+      robot_(changed(prepared_, change)),
+      make_host_(make_host) {
+  scenario_.seed = seed;
   power_on();
 }
 
 void Simulation::power_on() {
-  host_ = make_host_(prepared_.storage_contents);
-  board_ = std::make_unique<sim::SimBoard>(robot_, sim::board_options(prepared_.scenario, robot_), *host_);
-  player_ = std::make_unique<sim::ScenarioPlayer>(prepared_.scenario, *board_,
-                                                  resolve_parameters(prepared_.scenario.parameters));
+  host_ = make_host_(prepared_->storage_contents);
+  board_ = std::make_unique<sim::SimBoard>(*robot_, sim::board_options(scenario_, *robot_), *host_);
+  player_ =
+      std::make_unique<sim::ScenarioPlayer>(scenario_, *board_, resolve_parameters(scenario_.parameters));
 }
 
 void Simulation::write(const sim::ParameterSetting& setting) {
@@ -59,7 +72,7 @@ void Simulation::reset(std::uint64_t seed) {
   board_.reset();
   host_.reset();
   run_ = std::make_shared<Snapshot::Run>();
-  prepared_.scenario.seed = seed;
+  scenario_.seed = seed;
   power_on();
 }
 
@@ -82,7 +95,7 @@ void Simulation::restore(const Snapshot& snapshot) {
 }
 
 sim::Scenario Simulation::played() const {
-  sim::Scenario played = prepared_.scenario;
+  sim::Scenario played = scenario_;
   played.teleop = false;
   played.duration_us = board_->now_us();
   played.commands = player_->commands();

@@ -33,6 +33,10 @@ class Simulation {
   // world. Throws sim::InputError for an error in a file of the scenario, and what `make_host` throws.
   explicit Simulation(const sim::Scenario& scenario, const HostFactory& make_host = in_process(),
                       const RobotChange& change = {});
+  // The same with files that are already read and compiled, and another seed. Simulations may share them, in
+  // any threads: nobody writes to them.
+  Simulation(std::shared_ptr<const PreparedScenario> prepared, std::uint64_t seed,
+             const HostFactory& make_host = in_process(), const RobotChange& change = {});
 
   void advance() { player_->advance(); }
   bool finished() const { return player_->finished(); }
@@ -63,20 +67,21 @@ class Simulation {
   // Returns the scenario so far, including the operator's input, as a scenario without an operator.
   sim::Scenario played() const;
 
-  const sim::Scenario& scenario() const { return prepared_.scenario; }
+  const sim::Scenario& scenario() const { return scenario_; }
   // The robot in the world, after the change.
-  const sim::RobotDescription& robot() const { return robot_; }
-  const NamedModel& model() const { return prepared_.model; }
+  const sim::RobotDescription& robot() const { return *robot_; }
+  const NamedModel& model() const { return prepared_->model; }
   // Plan of the scenario's gait; null without a gait.
-  const GaitPlan* gait_plan() const { return prepared_.gait_plan ? &*prepared_.gait_plan : nullptr; }
+  const GaitPlan* gait_plan() const { return prepared_->gait_plan ? &*prepared_->gait_plan : nullptr; }
   sim::SimBoard& board() { return *board_; }
   const sim::SimBoard& board() const { return *board_; }
 
  private:
   void power_on();
 
-  PreparedScenario prepared_;
-  const sim::RobotDescription robot_;
+  const std::shared_ptr<const PreparedScenario> prepared_;
+  sim::Scenario scenario_;                                    // the prepared one with this simulation's seed
+  const std::shared_ptr<const sim::RobotDescription> robot_;  // the prepared one where nothing is changed
   const HostFactory make_host_;
   std::unique_ptr<sim::ControllerHost> host_;
   std::unique_ptr<sim::SimBoard> board_;
