@@ -4,82 +4,10 @@
 
 #include <algorithm>
 
-#include "hal/fake/can.h"
-#include "hal/port/period.h"
-#include "tests/support/drive_stub.h"
-#include "tests/unit/firmware/robot/test_robot.h"
+#include "tests/unit/firmware/drive/drive_group_fixture.h"
 
 namespace koboshi::drive {
 namespace {
-
-namespace cia402 = canopen::cia402;
-using canopen::HeartbeatEventKind;
-
-// The group with a stub of each drive. SDO and NMT use a fake bus; the test passes the cyclic signals
-// directly.
-class DriveGroupTest : public testing::Test {
- protected:
-  DriveGroupTest() {
-    for (std::size_t i = 0; i < model.joint_count; ++i) drives.emplace_back(model.joints[i].drive);
-  }
-
-  void run_ms(int duration_ms) {
-    for (int i = 0; i < duration_ms; ++i, now_us += 1'000) {
-      group.process(now_us);
-      std::vector<hal::CanFrame> answers;
-      for (const hal::CanFrame& frame : can.sent()) {
-        for (test::DriveStub& drive : drives) drive.on_frame(frame, answers);
-      }
-      can.clear_sent();
-      for (const hal::CanFrame& answer : answers) hear(answer);
-    }
-  }
-  void hear(const hal::CanFrame& frame) {
-    group.on_frame(frame);
-    if (const auto heartbeat = canopen::decode_heartbeat(frame)) {
-      if (heartbeat->state == canopen::NmtState::kInitialising)
-        tell(heartbeat->node_id, HeartbeatEventKind::kBootedUp);
-    }
-  }
-  void tell(std::uint8_t node_id, HeartbeatEventKind kind) {
-    group.on_heartbeat({.node_id = node_id, .kind = kind});
-  }
-  // Runs a control cycle: the drives obey and answer the last commands, then the group issues the next ones.
-  void cycle() {
-    for (std::size_t i = 0; i < drives.size(); ++i) {
-      if (drives[i].hangs) continue;
-      signals.statusword[i] = drives[i].cycle(signals.controlword[i], signals.target_position[i]);
-      group.on_answer(i);
-    }
-    group.observe(now_us);
-    group.command();
-    now_us += hal::kControlPeriod_us;
-  }
-  void cycles(int count) {
-    for (int i = 0; i < count; ++i) cycle();
-  }
-  void boot() {
-    group.boot();
-    run_ms(700);
-    cycle();
-    ASSERT_TRUE(group.booted());
-    ASSERT_FALSE(group.fault());
-  }
-  void enable() {
-    boot();
-    group.set_goal(Goal::kEnabled, now_us);
-    cycles(5);
-    ASSERT_TRUE(group.all_in(cia402::State::kOperationEnabled));
-  }
-
-  robot::RobotModel model = test::make_test_robot();
-  hal::FakeCan can;
-  canopen::CanPortSink sink{can};
-  DriveSignals signals;
-  DriveGroup group{model, sink, signals};
-  std::vector<test::DriveStub> drives;
-  std::uint64_t now_us = 0;
-};
 
 TEST_F(DriveGroupTest, IsBootedOnceEveryDriveHasAnswered) {
   group.boot();
@@ -298,85 +226,6 @@ TEST_F(DriveGroupTest, TakesNoAnswerOfBeforeTheReset) {
   group.observe(now_us);
   EXPECT_FALSE(group.booted());
   EXPECT_FALSE(group.fault());
-}
-
-TEST_F(DriveGroupTest, ReportsFaultsByEmergencyMessageWithItsCode) {
-  boot();
-  group.on_emergency({.node_id = 16 + 9, .code = 0x2310});
-  EXPECT_EQ(group.fault().kind, DriveFault::kFault);
-  EXPECT_EQ(group.fault().joint, 9);
-  EXPECT_EQ(group.fault().error_code, 0x2310);
-}
-
-// Codes of CiA 301, table 26, with the error register's bits for generic and communication errors.
-TEST_F(DriveGroupTest, BearsWarningsAboutCommunication) {
-  enable();
-  for (const std::uint16_t code :
-       std::array<std::uint16_t, 6>{0x8110, 0x8120, 0x8140, 0x8210, 0x8220, 0x8240}) {
-    group.on_emergency({.node_id = 16 + 9, .code = code, .error_register = 0x11});
-    cycle();
-    EXPECT_FALSE(group.fault()) << std::hex << code;
-  }
-}
-
-TEST_F(DriveGroupTest, TakesACommunicationErrorOfADriveWithOtherErrorsForAFault) {
-  boot();
-  group.on_emergency({.node_id = 16 + 9, .code = 0x8120, .error_register = 0x11 | 0x08});
-  EXPECT_EQ(group.fault().kind, DriveFault::kFault);
-  EXPECT_EQ(group.fault().error_code, 0x8120);
-}
-
-TEST_F(DriveGroupTest, TakesALostControllerForAFault) {
-  for (const std::uint16_t code : std::array<std::uint16_t, 3>{0x8700, 0x8130, 0x8250}) {
-    boot();
-    group.on_emergency({.node_id = 16 + 9, .code = code, .error_register = 0x11});
-    EXPECT_EQ(group.fault().kind, DriveFault::kFault);
-    EXPECT_EQ(group.fault().error_code, code);
-  }
-}
-
-TEST_F(DriveGroupTest, NamesTheWarningThatADriveMadeAFault) {
-  enable();
-  group.on_emergency({.node_id = 16 + 9, .code = 0x8140, .error_register = 0x11});
-  group.on_emergency({.node_id = 16 + 9, .code = 0x0000, .error_register = 0x11});  // reset of another error
-  drives[9].state = cia402::State::kFault;
-  cycle();
-  EXPECT_EQ(group.fault().kind, DriveFault::kFault);
-  EXPECT_EQ(group.fault().joint, 9);
-  EXPECT_EQ(group.fault().error_code, 0x8140);
-}
-
-TEST_F(DriveGroupTest, ForgetsAWarningThatIsOver) {
-  enable();
-  group.on_emergency({.node_id = 16 + 9, .code = 0x8120, .error_register = 0x11});
-  group.on_emergency({.node_id = 16 + 9, .code = 0x0000, .error_register = 0x00});
-  drives[9].state = cia402::State::kFault;
-  cycle();
-  EXPECT_EQ(group.fault().error_code, 0);
-}
-
-TEST_F(DriveGroupTest, ReportsFaultsByStatusword) {
-  boot();
-  drives[9].state = cia402::State::kFault;
-  cycle();
-  EXPECT_EQ(group.fault().kind, DriveFault::kFault);
-  EXPECT_EQ(group.fault().joint, 9);
-}
-
-TEST_F(DriveGroupTest, IgnoresTheEndOfAnErrorAndOtherNodes) {
-  boot();
-  group.on_emergency({.node_id = 16, .code = 0x0000});
-  group.on_emergency({.node_id = 100, .code = 0x2310});
-  tell(100, HeartbeatEventKind::kLost);
-  EXPECT_FALSE(group.fault());
-}
-
-TEST_F(DriveGroupTest, KeepsTheFirstFaultUntilTheNextBoot) {
-  boot();
-  group.on_emergency({.node_id = 16 + 9, .code = 0x2310});
-  tell(16 + 3, HeartbeatEventKind::kLost);
-  EXPECT_EQ(group.fault().joint, 9);
-  boot();
 }
 
 TEST_F(DriveGroupTest, TranslatesAnglesByTheDrivesSignZeroAndUnit) {
