@@ -100,7 +100,7 @@ void EventLog::hear_command(Command command, std::int16_t argument, std::uint64_
   GivenCommand given{time_us, command, argument, {}, said.state};
   if (command == Command::kWalk) {
     given.velocity = velocity_.value_or(walk::Velocity{});
-    told_velocity_ = given.velocity;
+    reported_velocity_ = given.velocity;
     velocity_us_.reset();
   }
   given_.push_back(given);
@@ -150,8 +150,8 @@ void EventLog::judge(const GivenCommand& given, std::optional<behaviour::Reason>
 void EventLog::judge_velocity(std::uint64_t time_us, const Telemetry& said) {
   if (!velocity_us_ || time_us < *velocity_us_ + kAnswer_us) return;
   const std::uint64_t at_us = *std::exchange(velocity_us_, std::nullopt);
-  if (told_velocity_ == velocity_) return;  // a joystick repeats the velocity
-  told_velocity_ = velocity_;
+  if (reported_velocity_ == velocity_) return;  // a joystick repeats the velocity
+  reported_velocity_ = velocity_;
   const bool is_refused = said.refusal == behaviour::Reason::kVelocityOutOfRange;
   refused_ += is_refused ? 1 : 0;
   nlohmann::ordered_json fields = velocity_json(*velocity_);
@@ -255,7 +255,7 @@ void EventLog::tell_state(std::uint64_t time_us, const Telemetry& said) {
         return tell("recovery_failed", "The attempt to get up has failed: " + reason_text(said) + ".");
       if (!down_us_) {
         down_us_ = time_us;
-        down_by_ = "it was told to";
+        down_by_ = "it was commanded";
       }
       return tell("state", "Down and limp, until it lies still.");
     case State::kRighting:
@@ -370,7 +370,7 @@ std::string events_text(std::span<const sim::RunEvent> events) {
 
 void EventLog::archive(sim::StateArchive& archive) {
   archive(events_, left_out_, said_, truth_, now_us_, heard_state_, entered_us_, given_, velocity_,
-          velocity_us_, told_velocity_, sdo_argument_, last_command_, last_text_, refused_, emergencies_,
+          velocity_us_, reported_velocity_, sdo_argument_, last_command_, last_text_, refused_, emergencies_,
           falls_, is_down_, was_upright_, down_us_, down_by_, attempts_, cut_offs_, next_push_, begun_,
           ended_, released_);
 }

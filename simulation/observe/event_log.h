@@ -111,7 +111,7 @@ class EventLog {
   std::vector<GivenCommand> given_;  // commands without a known outcome yet
   std::optional<walk::Velocity> velocity_;
   std::optional<std::uint64_t> velocity_us_;  // time of a velocity that no command has followed yet
-  std::optional<walk::Velocity> told_velocity_;
+  std::optional<walk::Velocity> reported_velocity_;
   std::int16_t sdo_argument_ = 0;
   std::string last_command_;
   std::string last_text_;

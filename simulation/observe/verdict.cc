@@ -92,7 +92,7 @@ std::string EventLog::falls_text() const {
   }
   // If the robot fell again while standing up, the recovery counts from the first fall.
   if (falls_.back().up_us)
-    return text + fmt::format(" and got up at last, in {}",
+    return text + fmt::format(" and finally got up, in {}",
                               seconds_text(*falls_.back().up_us - falls_.front().at_us, 1));
   if (risen > 0) text += fmt::format(", got up {} of them", risen);
   return text + (gets_up(said_.state) ? " and is getting up" : " and did not get up");

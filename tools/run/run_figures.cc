@@ -40,7 +40,7 @@ std::vector<Mark> marks_of(const sim::Scenario& scenario) {
     marks.push_back({1e-6 * static_cast<double>(command.at_us), label_of(command, scenario)});
   }
   if (scenario.initial.release_us) {
-    marks.push_back({1e-6 * static_cast<double>(*scenario.initial.release_us), "let go"});
+    marks.push_back({1e-6 * static_cast<double>(*scenario.initial.release_us), "release"});
   }
   for (const sim::Push& push : scenario.pushes)
     marks.push_back({1e-6 * static_cast<double>(push.at_us), "push"});
@@ -120,7 +120,17 @@ ShownTrace::ShownTrace(const std::vector<sim::TraceColumn>& columns) : columns_(
   }
 }
 
+void ShownTrace::thin_out() {
+  for (auto& [name, values] : columns_) {
+    for (std::size_t i = 0; 2 * i < values.size(); ++i) values[i] = values[2 * i];
+    values.resize((values.size() + 1) / 2);
+  }
+  stride_ *= 2;
+}
+
 void ShownTrace::add(std::uint64_t time_us, std::span<const sim::TraceValue> row) {
+  if (rows_++ % stride_ != 0) return;
+  if (columns_[0].second.size() == kMaxRows) thin_out();
   columns_[0].second.push_back(static_cast<double>(time_us) / 1e6);
   for (std::size_t i = 0; i < cells_.size(); ++i) columns_[i + 1].second.push_back(row[cells_[i]].number());
 }

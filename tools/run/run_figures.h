@@ -11,9 +11,12 @@
 
 namespace koboshi::tools {
 
-// The columns of a run's trace that its figures show, and the time.
+// The columns of a run's trace that its figures show, and the time. Memory is bounded: a trace longer than
+// kMaxRows is thinned to every second row, every fourth and so on, as often as needed.
 class ShownTrace {
  public:
+  static constexpr std::size_t kMaxRows = 120'000;  // 20 minutes at 100 Hz, about 50 MB
+
   // `columns` are those of the trace.
   explicit ShownTrace(const std::vector<sim::TraceColumn>& columns);
 
@@ -22,6 +25,10 @@ class ShownTrace {
   const Columns& columns() const { return columns_; }
 
  private:
+  void thin_out();
+
+  std::uint64_t rows_ = 0;          // of the trace
+  std::uint64_t stride_ = 1;        // rows of the trace for one that is kept
   std::vector<std::size_t> cells_;  // the cell of a row for each column but the first, the time
   Columns columns_;
 };

@@ -233,7 +233,7 @@ TEST_F(EventLogTest, CountsFromTheFirstOfFallsThatFollowEachOther) {
   fall_and_get_up();
   EXPECT_EQ(log_.falls(), 2u);
   EXPECT_THAT(log_.verdict(),
-              testing::StartsWith("stands; fell 2 times, first at 3.0 s and got up at last, in "));
+              testing::StartsWith("stands; fell 2 times, first at 3.0 s and finally got up, in "));
 }
 
 TEST_F(EventLogTest, NeverTakesARobotThatLiesForOneThatStands) {

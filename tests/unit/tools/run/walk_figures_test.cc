@@ -100,5 +100,16 @@ TEST(ShownTrace, HasTheColumnsOfTheFiguresInMemory) {
   EXPECT_TRUE(std::isnan(values_of(trace.columns(), "imu_roll_rad")[1]));
 }
 
+TEST(ShownTrace, KeepsEverySecondRowOfALongRun) {
+  ShownTrace trace({{"state", "", sim::TraceKind::kInteger}});
+  for (std::uint64_t row = 0; row < ShownTrace::kMaxRows + 4; ++row)
+    trace.add(10'000 * row, std::vector<sim::TraceValue>{static_cast<int>(row % 8)});
+  const std::vector<double>& time_s = values_of(trace.columns(), "time_s");
+  ASSERT_EQ(time_s.size(), ShownTrace::kMaxRows / 2 + 2);
+  EXPECT_DOUBLE_EQ(time_s[1], 0.02);
+  EXPECT_DOUBLE_EQ(time_s.back(), 0.01 * (ShownTrace::kMaxRows + 2));
+  EXPECT_EQ(values_of(trace.columns(), "state").back(), 2.0);
+}
+
 }  // namespace
 }  // namespace koboshi::tools
