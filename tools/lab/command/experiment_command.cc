@@ -234,7 +234,7 @@ void add_experiment_command(CLI::App& program, Invocation& invocation) {
   add<FallDetectionOptions>(
       command, invocation,
       {.name = "fall-detection",
-       .description = "How long before the ground falls are foreseen, and how often in vain",
+       .description = "Lead time and false alarms of fall detection",
        .footer = "Pushes of 1.2 to 2 times the survived impulse, from all sides; bars in the path, slippery\n"
                  "floors, a push that lasts, drives that fail; and walks with pushes that are survived.\n",
        .examples = {"fall-detection --seeds 60 --stepper mujoco --roc 0.8,1.25"},
@@ -244,7 +244,7 @@ void add_experiment_command(CLI::App& program, Invocation& invocation) {
   add<MarathonOptions>(command, invocation,
                        {.name = "marathon",
                         .description = "An hour of random commands and pushes",
-                        .footer = "Nobody helps the robot up.\n",
+                        .footer = "The robot gets no help.\n",
                         .examples = {"marathon --stepper mujoco --hours 0.1"},
                         .make = make_marathon,
                         .add_options = add_marathon_options,

@@ -70,7 +70,7 @@ void tune(const TuneArguments& arguments) {
   if (!arguments.stepper.empty())
     options.overrides.push_back({"physics.stepper", arguments.stepper, "--stepper"});
   if (options.out.empty()) options.out = "runs/tune" / arguments.study.stem();
-  show_search("worth ", "", options.out,
+  show_search("score ", "", options.out,
               [&](const ShowProgress& show) { return search_study(study, options, show); });
 }
 
@@ -99,8 +99,9 @@ void add_tune_command(CLI::App& program, Invocation&) {
       "  koboshi tune studies/walk.yaml --stepper mujoco --evaluations 400\n");
   command->add_option("STUDY", arguments->study, "The study's file")->required();
   command
-      ->add_option("--search", arguments->search,
-                   "For the largest mean worth (cma-es), or for each trial's (nsga-2)")
+      ->add_option(
+          "--search", arguments->search,
+          "Maximises the mean score (cma-es) or finds the Pareto front of the trials' scores (nsga-2)")
       ->check(CLI::IsMember({"cma-es", "nsga-2"}))
       ->capture_default_str();
   add_search_options(*command, arguments->options, 16, arguments->stepper);

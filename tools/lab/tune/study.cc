@@ -76,7 +76,7 @@ Study read_study(const std::filesystem::path& file) {
   return study;
 }
 
-double worth(const StudiedTrial& trial, const GettingUpTrial& played, double duration_s) {
+double score(const StudiedTrial& trial, const GettingUpTrial& played, double duration_s) {
   using enum StudiedTrial::Reward;
   constexpr double kStrayCost = 0.25;  // of a way off the wanted one that is as long
   if (trial.reward == kStandUp) {

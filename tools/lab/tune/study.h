@@ -21,7 +21,7 @@ struct StudiedTrial {
   std::string name;
   std::vector<sim::Override> set{};
   Reward reward = Reward::kSurvival;
-  double wanted = 1.0;  // that much of it is worth 1, more is worth no more; of kStandUp, so soon, in s
+  double wanted = 1.0;  // the value with score 1, which is the highest; of kStandUp the time, in s
   double weight = 1.0;
 };
 
@@ -37,9 +37,9 @@ struct Study {
 // Throws sim::InputError.
 [[nodiscard]] Study read_study(const std::filesystem::path& file);
 
-// The worth of a trial: -1 to 0 after a fall, more the longer the robot stayed up; otherwise the share of the
+// The score of a trial: -1 to 0 after a fall, more the longer the robot stayed up; otherwise the share of the
 // wanted reward, less for straying from the path. A robot that does not stand up gets -1 to 0, too, more the
 // further it came.
-[[nodiscard]] double worth(const StudiedTrial& trial, const GettingUpTrial& played, double duration_s);
+[[nodiscard]] double score(const StudiedTrial& trial, const GettingUpTrial& played, double duration_s);
 
 }  // namespace koboshi::tools

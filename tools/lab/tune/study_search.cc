@@ -22,7 +22,7 @@
 namespace koboshi::tools {
 namespace {
 
-// Below what any run is worth, yet near: optimisers rank candidates, and some fit models to their values.
+// Below the score of any run, yet near it: optimisers rank candidates, and some fit models to their values.
 constexpr double kInfeasibleWorth = -10.0;
 
 const FieldTable<GettingUpTrial>& trial_fields() {
@@ -67,10 +67,10 @@ class StudySearch {
   Search::Setup setup() {
     Row columns;
     for (const StudiedTrial& trial : study_.trials) columns.push_back(trial.name);
-    columns.insert(columns.end(), {"worth", "violated_limit"});
+    columns.insert(columns.end(), {"score", "violated_limit"});
     const auto cells = [](const Candidate& candidate) {
       Row row;
-      for (const double worth : candidate.scores) row.push_back(csv_cell(worth));
+      for (const double score : candidate.scores) row.push_back(csv_cell(score));
       row.push_back(csv_cell(candidate.score));
       if (!candidate.violated.empty()) row.assign(row.size(), "");
       row.push_back(csv_cell(candidate.violated));
@@ -123,38 +123,39 @@ class StudySearch {
             options_.first_seed + options_.seeds - 1) +
             infeasible_text(search_.infeasible().counts(), evaluations) + figure +
             table_text({"number", "range", "start", "found"}, numbers, TableStyle::kMarkdown) + "\n" +
-            table_text({"trial", "weight", "worth of the start", "of what was found"}, trials,
+            table_text({"trial", "weight", "score of the start", "score of the result"}, trials,
                        TableStyle::kMarkdown));
   }
 
-  // The worth of each evaluation and of each trial in it, as Markdown; where nothing can draw, why.
+  // Draws the score of each evaluation and of each trial in it. Returns the Markdown that shows the figure,
+  // or the reason why none could be drawn.
   std::string draw_course() const {
     Figure figure{
         .title = study_.file.filename().string(), .x_column = "evaluation", .x_label = "evaluation"};
     figure.panels.push_back(
-        {.y_label = "worth", .series = {{.column = "worth", .style = LineStyle::kPoints}}});
-    Panel each{.y_label = "worth of each trial"};
-    Columns columns = make_columns({"evaluation", "worth"});
+        {.y_label = "score", .series = {{.column = "score", .style = LineStyle::kPoints}}});
+    Panel each{.y_label = "score of each trial"};
+    Columns columns = make_columns({"evaluation", "score"});
     for (const StudiedTrial& trial : study_.trials) {
       columns.push_back({trial.name, {}});
       each.series.push_back({.column = trial.name, .label = trial.name, .style = LineStyle::kPoints});
     }
     figure.panels.push_back(std::move(each));
     for (const Candidate& candidate : search_.candidates()) {
-      const auto shown = [&](double worth) { return candidate.violated.empty() ? worth : std::nan(""); };
+      const auto shown = [&](double score) { return candidate.violated.empty() ? score : std::nan(""); };
       std::vector<double> row{static_cast<double>(columns[0].second.size() + 1), shown(candidate.score)};
       std::ranges::transform(candidate.scores, std::back_inserter(row), shown);
       add_row(columns, row);
     }
     try {
       draw(figure, columns, options_.out / "figure");
-      return "![Worth of each evaluation](figure.png)";
+      return "![Score of each evaluation](figure.png)";
     } catch (const PlotError& error) {
       return std::string("No figure: ") + error.what();
     }
   }
 
-  // Sets what its parameters are worth.
+  // Sets the scores of its parameters.
   void play(Candidate& candidate) {
     const Experiment experiment = make_experiment(candidate.numbers);
     const ExperimentResult result = play_experiment(
@@ -165,7 +166,7 @@ class StudySearch {
       const StudiedTrial& studied = study_.trials[cell];
       double mean = 0.0;
       for (const GettingUpTrial& trial : trial_fields().trials(result.cells[cell])) {
-        mean += worth(studied, trial, durations_s_[cell]);
+        mean += score(studied, trial, durations_s_[cell]);
       }
       mean /= static_cast<double>(options_.seeds);
       candidate.scores.push_back(mean);

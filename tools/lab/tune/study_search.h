@@ -9,8 +9,8 @@
 namespace koboshi::tools {
 
 enum class Method {
-  kCmaEs,  // for the largest mean worth of all trials
-  kNsga2,  // for the worth of each trial, where none gets more but at another's cost
+  kCmaEs,  // maximises the mean score of all trials
+  kNsga2,  // finds the Pareto front of the trials' scores
 };
 
 struct StudyOptions : SearchOptions {
@@ -23,9 +23,9 @@ struct StudyOptions : SearchOptions {
 
 // Searches for the numbers of a study with the same worlds in each evaluation. Leaves in the folder:
 // evaluations.csv and trials.jsonl, from which an interrupted search resumes; best.yaml, the numbers
-// of the largest mean worth as a scenario has them; report.md with figure.png, what they are and what each
-// trial is worth with them; front.csv, of NSGA-II, the evaluations that no other beats in every trial. A
-// candidate that violates a limit of the robot or of a parameter is worth less than any other and is counted;
+// of the largest mean score as a scenario has them; report.md with figure.png, what they are and what each
+// trial scores with them; front.csv, of NSGA-II, the evaluations that no other beats in every trial. A
+// candidate that violates a limit of the robot or of a parameter scores less than any other and is counted;
 // only the start must be feasible. Throws sim::InputError.
 [[nodiscard]] SearchResult search_study(const Study& study, const StudyOptions& options,
                                         const ShowProgress& progress);

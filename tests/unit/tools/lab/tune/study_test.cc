@@ -126,55 +126,55 @@ StudiedTrial trial(StudiedTrial::Reward reward, double wanted) {
   return {.name = "trial", .reward = reward, .wanted = wanted};
 }
 
-TEST(Worth, IsTheShareOfWhatIsWanted) {
+TEST(Score, IsTheShareOfWhatIsWanted) {
   using enum StudiedTrial::Reward;
-  EXPECT_NEAR(worth(trial(kForward, 0.2), came(1.0, 0.0, 0.0), kStudyDuration_s), 0.5, 1e-12);
-  EXPECT_NEAR(worth(trial(kBackward, 0.2), came(-1.0, 0.0, 0.0), kStudyDuration_s), 0.5, 1e-12);
-  EXPECT_NEAR(worth(trial(kLeft, 0.2), came(0.0, 1.0, 0.0), kStudyDuration_s), 0.5, 1e-12);
-  EXPECT_NEAR(worth(trial(kTurn, 1.0), came(0.0, 0.0, 5.0), kStudyDuration_s), 0.5, 1e-12);
-  EXPECT_EQ(worth(trial(kSurvival, 1.0), came(0.0, 0.0, 0.0), kStudyDuration_s), 1.0);
+  EXPECT_NEAR(score(trial(kForward, 0.2), came(1.0, 0.0, 0.0), kStudyDuration_s), 0.5, 1e-12);
+  EXPECT_NEAR(score(trial(kBackward, 0.2), came(-1.0, 0.0, 0.0), kStudyDuration_s), 0.5, 1e-12);
+  EXPECT_NEAR(score(trial(kLeft, 0.2), came(0.0, 1.0, 0.0), kStudyDuration_s), 0.5, 1e-12);
+  EXPECT_NEAR(score(trial(kTurn, 1.0), came(0.0, 0.0, 5.0), kStudyDuration_s), 0.5, 1e-12);
+  EXPECT_EQ(score(trial(kSurvival, 1.0), came(0.0, 0.0, 0.0), kStudyDuration_s), 1.0);
 }
 
-TEST(Worth, IsNoMoreThanOneAndLessForTheWrongWay) {
+TEST(Score, IsNoMoreThanOneAndLessForTheWrongWay) {
   using enum StudiedTrial::Reward;
-  EXPECT_EQ(worth(trial(kForward, 0.2), came(9.0, 0.0, 0.0), kStudyDuration_s), 1.0);
-  EXPECT_LT(worth(trial(kForward, 0.2), came(-1.0, 0.0, 0.0), kStudyDuration_s), 0.0);
+  EXPECT_EQ(score(trial(kForward, 0.2), came(9.0, 0.0, 0.0), kStudyDuration_s), 1.0);
+  EXPECT_LT(score(trial(kForward, 0.2), came(-1.0, 0.0, 0.0), kStudyDuration_s), 0.0);
 }
 
-TEST(Worth, TakesOffWhatStrays) {
+TEST(Score, TakesOffWhatStrays) {
   using enum StudiedTrial::Reward;
-  const double straight = worth(trial(kForward, 0.2), came(1.0, 0.0, 0.0), kStudyDuration_s);
-  EXPECT_NEAR(worth(trial(kForward, 0.2), came(1.0, -1.0, 0.0), kStudyDuration_s), straight - 0.125, 1e-12);
-  EXPECT_LT(worth(trial(kTurn, 1.0), came(1.0, 0.0, 5.0), kStudyDuration_s),
-            worth(trial(kTurn, 1.0), came(0.0, 0.0, 5.0), kStudyDuration_s));
+  const double straight = score(trial(kForward, 0.2), came(1.0, 0.0, 0.0), kStudyDuration_s);
+  EXPECT_NEAR(score(trial(kForward, 0.2), came(1.0, -1.0, 0.0), kStudyDuration_s), straight - 0.125, 1e-12);
+  EXPECT_LT(score(trial(kTurn, 1.0), came(1.0, 0.0, 5.0), kStudyDuration_s),
+            score(trial(kTurn, 1.0), came(0.0, 0.0, 5.0), kStudyDuration_s));
 }
 
-TEST(Worth, OfStandingUpIsHowSoonElseHowFar) {
+TEST(Score, OfStandingUpIsHowSoonElseHowFar) {
   const StudiedTrial rise = trial(StudiedTrial::Reward::kStandUp, 2.0);
   const auto stood = [&](double after_s) {
-    return worth(rise, {{.outcome = Outcome::kFell}, after_s, 1.0}, kStudyDuration_s);
+    return score(rise, {{.outcome = Outcome::kFell}, after_s, 1.0}, kStudyDuration_s);
   };
   EXPECT_EQ(stood(1.0), 1.0);
   EXPECT_NEAR(stood(4.0), 0.5, 1e-12);
   const auto came_to = [&](double uprightness) {
-    return worth(rise, {{.outcome = Outcome::kFell}, std::nullopt, uprightness}, kStudyDuration_s);
+    return score(rise, {{.outcome = Outcome::kFell}, std::nullopt, uprightness}, kStudyDuration_s);
   };
   EXPECT_EQ(came_to(0.0), -1.0);
   EXPECT_NEAR(came_to(0.7), -0.3, 1e-12);
   EXPECT_LE(came_to(1.0), 0.0);  // upright, and yet not still
 }
 
-TEST(Worth, PutsEveryFallBelowEverySurvivalAndALateOneBeforeAnEarlyOne) {
+TEST(Score, PutsEveryFallBelowEverySurvivalAndALateOneBeforeAnEarlyOne) {
   using enum StudiedTrial::Reward;
   const auto fell = [](double after_s) {
     GettingUpTrial fallen = came(5.0, 0.0, 0.0);
     fallen.outcome = Outcome::kFell;
     fallen.duration_s = after_s;
-    return worth(trial(kForward, 0.2), fallen, kStudyDuration_s);
+    return score(trial(kForward, 0.2), fallen, kStudyDuration_s);
   };
   EXPECT_NEAR(fell(9.0), -0.1, 1e-12);
   EXPECT_NEAR(fell(2.0), -0.8, 1e-12);
-  EXPECT_EQ(worth(trial(kForward, 0.2), {}, kStudyDuration_s), -1.0);  // it never walked
+  EXPECT_EQ(score(trial(kForward, 0.2), {}, kStudyDuration_s), -1.0);  // it never walked
 }
 
 }  // namespace
