@@ -3,6 +3,7 @@
 #include "firmware/fixed/gravity.h"
 #include "firmware/fixed/interpolation.h"
 #include "firmware/fixed/rounding.h"
+#include "firmware/robot/kinematics.h"
 
 namespace koboshi::estimation {
 
@@ -35,6 +36,7 @@ FootSensor::FootSensor(const robot::RobotModel& model, hal::Side side)
   if (model.joint_count == 0) return;
   const robot::Foot& geometry = model.feet[side];
   const robot::Joint& foot = model.joints[model.leg(side)[robot::kLegJoints - 1]];
+  min_load_ = fixed::product<Force>(robot::total_mass(model), fixed::kGravity) / kWeightPerMinLoad;
   weight_ = fixed::product<Force>(foot.mass, fixed::kGravity);
   // The foot's frame lies in the ankle, over the sole frame's origin.
   weight_x_ = fixed::product<Torque>(foot.centre_of_mass.y - geometry.sensor.y, weight_);
@@ -46,7 +48,7 @@ FootPressure FootSensor::pressure(std::span<const std::int16_t, 6> counts) const
   const auto torque = [&](std::size_t axis) { return scaled(model_.scales.ankle_torque, counts[3 + axis]); };
   FootPressure foot;
   foot.load = force(2) + weight_;
-  foot.valid = foot.load >= kMinLoad;
+  foot.valid = foot.load >= min_load_;
   if (!foot.valid) return foot;
   const Length d = sensor_.z;
   foot.x = sensor_.x + lever(-(torque(1) + weight_y_), -force(0), d, foot.load);

@@ -4,7 +4,6 @@
 #include <span>
 
 #include "firmware/estimation/posture.h"
-#include "firmware/fixed/literals.h"
 #include "firmware/robot/model.h"
 
 namespace koboshi::estimation {
@@ -12,7 +11,7 @@ namespace koboshi::estimation {
 // The ground reaction on one foot.
 struct FootPressure {
   fixed::Force load;   // normal to the sole, the foot's weight included; sensor errors may make it negative
-  bool valid = false;  // load >= FootSensor::kMinLoad
+  bool valid = false;  // the load is at least a twelfth of the robot's weight
   fixed::Length x;     // of the ZMP in the sole's frame; zero unless valid
   fixed::Length y;
 };
@@ -34,20 +33,23 @@ struct Pressure {
 // one foot.
 class FootSensor {
  public:
-  // A twelfth of the default robot's weight. With less load, the noise of the torques is millimetres of ZMP.
-  static constexpr auto kMinLoad = fixed::literals::operator""_N(1.0L);
+  // The share of the robot's weight that a foot must bear for its ZMP to be valid, as its reciprocal. Chosen
+  // by hand on 2026-11-21: on the default robot it is 1 N, at which the noise of the torques is millimetres
+  // of ZMP.
+  static constexpr int kWeightPerMinLoad = 12;
 
   // The model must outlive the sensor.
   FootSensor(const robot::RobotModel& model, hal::Side side);
 
   // Computes load and ZMP. `counts`: the sensor's reading in its axes, force x, y, z, then torque x, y, z,
   // exerted by the ground side on the shank side. The result is rounded once, besides the scaling to LSB of
-  // Force and Torque: at most 1 um off the formula, at kMinLoad.
+  // Force and Torque: on the default robot at most 1 um off the formula, at the minimum load.
   FootPressure pressure(std::span<const std::int16_t, 6> counts) const;
 
  private:
   const robot::RobotModel& model_;
   robot::Position sensor_;  // in the sole's frame
+  fixed::Force min_load_;   // with which the ZMP is valid
   fixed::Force weight_;     // of the foot
   fixed::Torque weight_x_;  // moment of what carries it, about the sensor
   fixed::Torque weight_y_;

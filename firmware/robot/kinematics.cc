@@ -52,6 +52,12 @@ class MomentSum {
 
 }  // namespace
 
+fixed::Mass total_mass(const RobotModel& model) {
+  fixed::Mass total = model.base_mass;
+  for (std::size_t i = 0; i < model.joint_count; ++i) total += model.joints[i].mass;
+  return total;
+}
+
 Position centre_of_mass(const RobotModel& model, const LinkPoses& X_BLinks) {
   MomentSum sum;
   sum.add(model.base_mass, model.base_centre_of_mass);

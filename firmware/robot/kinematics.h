@@ -17,6 +17,9 @@ void forward_kinematics(const RobotModel& model, std::span<const fixed::Angle> a
 // Returns the pose of a sole's frame in B.
 [[nodiscard]] Pose sole_pose(const RobotModel& model, hal::Side side, const LinkPoses& X_BLinks);
 
+// Returns the mass of the whole robot.
+[[nodiscard]] fixed::Mass total_mass(const RobotModel& model);
+
 // Returns the centre of mass of the whole robot in B, in m.
 [[nodiscard]] Position centre_of_mass(const RobotModel& model, const LinkPoses& X_BLinks);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "firmware/fixed/trigonometry.h"
+#include "firmware/robot/kinematics.h"
 
 namespace koboshi::walk {
 
@@ -52,9 +53,7 @@ Position at_height(Point p, Length height) { return {p.x, p.y, height}; }
 // Masses as shares of the robot's mass: weights of the sum that is its CoM.
 class Shares {
  public:
-  explicit Shares(const robot::RobotModel& model) : total_(model.base_mass) {
-    for (std::size_t i = 0; i < model.joint_count; ++i) total_ += model.joints[i].mass;
-  }
+  explicit Shares(const robot::RobotModel& model) : total_(robot::total_mass(model)) {}
   [[nodiscard]] Ratio of(Mass mass) const { return fixed::quotient<Ratio>(mass, total_); }
 
  private:

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/robot/kinematics.h"
 #include "tests/unit/firmware/estimation/random_posture.h"
 #include "tests/unit/firmware/robot/test_robot.h"
 
@@ -145,8 +146,9 @@ TEST_F(ZmpTest, IsInvalidBelowTheLeastLoad) {
     const std::int16_t z = count((load_N - weight_N) / to_double(robot.model.scales.ankle_force));
     return pressure(hal::Side::kLeft, {0, 0, z, 100, 100, 100});
   };
-  EXPECT_FALSE(at_load(0.99).valid);
-  EXPECT_TRUE(at_load(1.01).valid);
+  const double min_load_N = to_double(robot::total_mass(robot.model)) * kGravity / 12.0;
+  EXPECT_FALSE(at_load(0.99 * min_load_N).valid);
+  EXPECT_TRUE(at_load(1.01 * min_load_N).valid);
   EXPECT_FALSE(at_load(-5.0).valid);
 }
 
