@@ -25,7 +25,7 @@ inline constexpr int kErrorFrameBits = 2 * kErrorFlagBits + kErrorDelimiterBits;
 // intermission.
 inline constexpr int kRecessiveEndBits = kErrorDelimiterBits + kIntermissionBits;
 inline constexpr int kShortestFrameBits = 44;  // no data, without stuff bits
-inline constexpr int kLongestFrameBits = 132;  // 8 bytes and 24 stuff bits
+inline constexpr int kMaxFrameBits = 132;      // 8 bytes and 24 stuff bits
 
 // Returns the CRC sequence: polynomial 0x4599 over the unstuffed bits from SOF to the end of the data.
 std::uint16_t crc15(const hal::CanFrame& frame);

@@ -14,7 +14,7 @@ namespace koboshi::sim {
 namespace {
 
 constexpr double kCheck_s = 0.01;
-constexpr std::size_t kMostPushes = 64;
+constexpr std::size_t kMaxPushes = 64;
 // Decay factor per check of the energy that the ground's springs may still return.
 constexpr double kForget = 0.9;
 
@@ -84,7 +84,7 @@ GuardedWorld::GuardedWorld(std::unique_ptr<World> world, const RobotDescription&
       spring_N_per_m_(softest_spring_N_per_m(robot, options)),
       steps_a_check_(static_cast<int>(std::lround(kCheck_s / options.step_s))),
       speeds_rad_per_s_(robot.joints.size(), 0.0) {
-  pushes_.reserve(kMostPushes);
+  pushes_.reserve(kMaxPushes);
   energies_J_.resize(robot.links.size());
   check();
 }

@@ -9,8 +9,8 @@ void blow_up(double time_s, const std::string& what, const std::string& reason) 
 }
 
 void check_servo(double time_s, const JointDescription& joint, const ServoTorque& servo) {
-  const auto is_amount = [](double value) { return value >= 0.0 && value <= kLargestForce; };
-  if (std::abs(servo.drive_Nm) <= kLargestForce && is_amount(servo.damping_Nm_s) &&
+  const auto is_amount = [](double value) { return value >= 0.0 && value <= kMaxForce; };
+  if (std::abs(servo.drive_Nm) <= kMaxForce && is_amount(servo.damping_Nm_s) &&
       is_amount(servo.rotor_inertia_kg_m2) && is_amount(servo.friction_Nm))
     return;
   blow_up(time_s, "joint '" + joint.name + "'", "a servo torque that is not finite or beyond 1e6");
@@ -18,7 +18,7 @@ void check_servo(double time_s, const JointDescription& joint, const ServoTorque
 
 void check_push(double time_s, const LinkDescription& link, const Eigen::Vector3d& p_L,
                 const Eigen::Vector3d& f_W) {
-  if (f_W.cwiseAbs().maxCoeff() <= kLargestForce && f_W.allFinite() && p_L.allFinite()) return;
+  if (f_W.cwiseAbs().maxCoeff() <= kMaxForce && f_W.allFinite() && p_L.allFinite()) return;
   blow_up(time_s, "body '" + link.name + "'", "a push that is not finite or beyond 1e6 N");
 }
 

@@ -10,7 +10,7 @@ namespace koboshi::sim {
 
 // Bound of forces and torques, far above those of any real scenario. Much larger values overflow the engines'
 // arithmetic within a step.
-inline constexpr double kLargestForce = 1e6;  // N or N m
+inline constexpr double kMaxForce = 1e6;  // N or N m
 
 // Ends a run by throwing WorldBlewUp with the time, `what` (a body, a joint, a library) and the reason.
 [[noreturn]] void blow_up(double time_s, const std::string& what, const std::string& reason);

@@ -16,8 +16,8 @@ namespace koboshi::sim {
 namespace {
 
 // Far above the size of any hand-written file. It also terminates the reading of /dev/zero.
-constexpr std::size_t kLargestFile = 16u << 20;
-constexpr std::size_t kLongestQuote = 80;
+constexpr std::size_t kMaxFileSize = 16u << 20;
+constexpr std::size_t kMaxQuoteLength = 80;
 
 std::string_view trim(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\r\n";
@@ -78,7 +78,7 @@ std::string read_text_file(const std::filesystem::path& file, const std::string&
   std::array<char, 4096> chunk;
   while (stream.read(chunk.data(), chunk.size()), stream.gcount() > 0) {
     text.append(chunk.data(), static_cast<std::size_t>(stream.gcount()));
-    if (text.size() > kLargestFile) throw InputError(file, 0, "more than 16 MiB", expected);
+    if (text.size() > kMaxFileSize) throw InputError(file, 0, "more than 16 MiB", expected);
   }
   return text;
 }
@@ -116,7 +116,7 @@ std::string join_alternatives(std::span<const std::string> names) {
 }
 
 std::optional<std::string> nearest_name(std::string_view misspelt, std::span<const std::string> names) {
-  misspelt = misspelt.substr(0, kLongestQuote);
+  misspelt = misspelt.substr(0, kMaxQuoteLength);
   std::size_t least = std::max<std::size_t>(misspelt.size() / 3, 1) + 1;
   std::optional<std::string> nearest;
   for (const std::string& name : names) {
@@ -151,11 +151,11 @@ std::string number_text(double value) {
 }
 
 std::string one_line(std::string_view text) {
-  std::string line(text.substr(0, kLongestQuote));
+  std::string line(text.substr(0, kMaxQuoteLength));
   for (char& c : line) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
   }
-  if (text.size() > kLongestQuote) line += "...";
+  if (text.size() > kMaxQuoteLength) line += "...";
   return line;
 }
 

@@ -31,7 +31,7 @@ constexpr NumberRange kPosition_m{.min = -100.0, .max = 100.0};
 constexpr NumberRange kLength_m{.min = 0.001, .max = 100.0};
 constexpr NumberRange kHeight_m{.min = 0.0001, .max = 10.0};
 constexpr NumberRange kTurn_deg{.min = -360.0, .max = 360.0};
-constexpr std::int64_t kMostSteps = 200;
+constexpr std::int64_t kMaxGroundSteps = 200;
 
 // Reads one number for all directions, or a list of two.
 std::array<double, 2> read_friction(const YamlValue& value) {
@@ -109,7 +109,7 @@ GroundBox read_ramp(const YamlMap& map) {
 
 std::vector<GroundBox> read_steps(const YamlMap& map) {
   return stair_boxes({.X_WR = read_place(map),
-                      .count = static_cast<int>(map.integer("count", {.min = 1, .max = kMostSteps})),
+                      .count = static_cast<int>(map.integer("count", {.min = 1, .max = kMaxGroundSteps})),
                       .rise_m = map.number("rise_m", kHeight_m),
                       .run_m = map.number("run_m", kLength_m),
                       .width_m = map.number("width_m", kLength_m)});

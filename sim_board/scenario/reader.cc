@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLongestRun_s = 86400.0;
+constexpr double kMaxRun_s = 86400.0;
 
 std::vector<MotionChoice> read_motions(const YamlMap& root, const fs::path& folder) {
   std::vector<MotionChoice> motions;
@@ -126,7 +126,7 @@ InitialState read_initial(const YamlMap& root) {
     if (initial.fixed_base)
       throw map->error_at("held_until_s", "held_until_s beside fixed_base", "one of the two");
     initial.fixed_base = true;
-    initial.release_us = to_us(map->number("held_until_s", {.min = 0.0, .max = kLongestRun_s}));
+    initial.release_us = to_us(map->number("held_until_s", {.min = 0.0, .max = kMaxRun_s}));
   }
   if (const auto joints = map->optional_child("joints_deg")) {
     for (const auto& [name, value] : joints->entries()) {
@@ -185,7 +185,7 @@ Scenario read_scenario(const fs::path& file, std::span<const Override> overrides
   scenario.robot_parameters = read_robot_parameters(scenario.robot);
   scenario.motions = read_motions(root, folder);
   scenario.gait = read_gait(root, folder);
-  scenario.duration_us = to_us(root.number("duration_s", {.min = 0.01, .max = kLongestRun_s}));
+  scenario.duration_us = to_us(root.number("duration_s", {.min = 0.01, .max = kMaxRun_s}));
   scenario.seed = static_cast<std::uint64_t>(root.integer("seed", {.min = 0}, 1));
   scenario.noise_scale = read_noise_scale(root);
   scenario.computing_time_us = read_computing_time_us(root);

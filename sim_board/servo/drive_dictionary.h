@@ -66,7 +66,7 @@ struct DriveValues {
   std::uint32_t max_acceleration = kDefaultMaxAcceleration;  // 0x60C5: 2^-20 turn/s^2
   std::int32_t following_error = 0;                          // 0x60F4
   std::int8_t interpolation_exponent = -3;                   // 0x60C2:2: powers of ten of a second
-  std::uint32_t largest_cyclic_step = kDefaultCyclicStep;    // kLargestCyclicStep: 2^-20 turn
+  std::uint32_t largest_cyclic_step = kDefaultCyclicStep;    // kMaxCyclicStep: 2^-20 turn
   std::uint32_t limited_ms = 0;                              // kLimitedTime; saturates
   std::uint32_t time_ms = 0;                                 // kTimeOfDay: after midnight
   std::uint16_t time_days = 0;                               // since 1 January 1984
@@ -77,7 +77,7 @@ bool is_supported_mode(std::int32_t mode);
 
 // Manufacturer-specific: CiA 402 has none of them.
 inline constexpr std::uint16_t kWindingTemperature = 0x2000;
-inline constexpr std::uint16_t kLargestCyclicStep = 0x2001;
+inline constexpr std::uint16_t kMaxCyclicStep = 0x2001;
 inline constexpr std::uint16_t kLimitedTime = 0x2002;
 // The time by the last TIME message.
 inline constexpr std::uint16_t kTimeOfDay = 0x2003;

@@ -47,7 +47,7 @@ inline constexpr std::string_view kHomingSpeedNames[] = {"to the switch", "to th
 inline constexpr canopen::DescribedObject kDriveObjects[] = {
     {canopen::object(kWindingTemperature, 0, KOBOSHI_FIELD(DriveValues, winding_dC), kReadOnly, kTpdo),
      {.name = "Winding temperature", .unit = {"C", 1, 10}, .comment = "As measured by the drive."}},
-    {canopen::object(kLargestCyclicStep, 0, KOBOSHI_FIELD(DriveValues, largest_cyclic_step), kReadWrite),
+    {canopen::object(kMaxCyclicStep, 0, KOBOSHI_FIELD(DriveValues, largest_cyclic_step), kReadWrite),
      {.name = "Largest cyclic step",
       .unit = kShaftUnit,
       .comment = "From one target of the cyclic mode to the next; a longer one is approached by 6081, 6083 "

@@ -6,10 +6,10 @@ namespace koboshi::sim {
 namespace {
 
 // Lower bound of CFM: below it the contact rows of one foot are numerically dependent.
-constexpr double kLeastForceMixing = 1e-9;
+constexpr double kMinForceMixing = 1e-9;
 // Upper bound of ERP: a pure spring (ERP 1) would have no inverse.
-constexpr double kLargestErrorReduction = 0.999;
-constexpr double kLeastErrorReduction = 1e-6;
+constexpr double kMaxErrorReduction = 0.999;
+constexpr double kMinErrorReduction = 1e-6;
 
 struct Compliance {
   double spring_m_per_N = 0.0;    // 1/kp
@@ -17,8 +17,8 @@ struct Compliance {
 };
 
 Compliance compliance(const SurfaceDescription& surface) {
-  const double cfm = std::max(surface.constraint_force_mixing, kLeastForceMixing);
-  const double erp = std::clamp(surface.error_reduction, kLeastErrorReduction, kLargestErrorReduction);
+  const double cfm = std::max(surface.constraint_force_mixing, kMinForceMixing);
+  const double erp = std::clamp(surface.error_reduction, kMinErrorReduction, kMaxErrorReduction);
   return {surface.reference_step_s * cfm / erp, cfm / (1.0 - erp)};
 }
 

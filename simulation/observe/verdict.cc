@@ -68,10 +68,10 @@ std::string EventLog::posture(bool controller_is_dead) const {
 
 std::string EventLog::verdict(bool controller_is_dead) const {
   std::string text = posture(controller_is_dead) + "; " + falls_text();
-  constexpr std::size_t kMostNamed = 3;
-  for (std::size_t i = 0; i < std::min(cut_offs_.size(), kMostNamed); ++i) text += "; " + cut_offs_[i];
-  if (cut_offs_.size() > kMostNamed)
-    text += fmt::format("; {} more were cut off", cut_offs_.size() - kMostNamed);
+  constexpr std::size_t kMaxNamed = 3;
+  for (std::size_t i = 0; i < std::min(cut_offs_.size(), kMaxNamed); ++i) text += "; " + cut_offs_[i];
+  if (cut_offs_.size() > kMaxNamed)
+    text += fmt::format("; {} more were cut off", cut_offs_.size() - kMaxNamed);
   if (refused_ > 0) text += "; " + count_text(refused_, "command") + " refused";
   return text + "; " + count_text(said_.emergencies, "fault");
 }

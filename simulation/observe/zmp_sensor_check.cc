@@ -20,7 +20,7 @@ void ZmpSensorCheck::observe(const sim::SimBoard& board) {
     if (sensor == nullptr) continue;
     const sim::AnkleZmp::Reading shown = sensors_[i]->read(sensor->wrench_S());
     const sim::FootPressure truth = sim::foot_pressure(robot_, *feet_[i], board.world());
-    if (shown.load_N < kLeastLoad_N || truth.load_N < kLeastLoad_N) continue;
+    if (shown.load_N < kMinLoad_N || truth.load_N < kMinLoad_N) continue;
     error_.add((shown.zmp_S_m - truth.zmp_S_m).squaredNorm());
   }
 }

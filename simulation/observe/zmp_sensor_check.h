@@ -13,13 +13,13 @@ namespace koboshi::simulation {
 
 // Compares the ZMP from the ankle sensors (sim_board/sensor/ankle_zmp.h: with their errors, without filter
 // and delay) with the engine's contact forces. Each foot is compared in its own sole's frame while both
-// report a load of at least kLeastLoad_N.
+// report a load of at least kMinLoad_N.
 class ZmpSensorCheck {
  public:
   // A sixth of the robot's weight. At touchdown the sensor does not measure the inertial force of the foot
   // itself, which shifts the ZMP by millimetres at a load of 1 N. Measured in a walk: 1.0 mm RMS above 1 N,
   // 0.8 mm above 2 N, and less than 0.1 um with the foot's acceleration known.
-  static constexpr double kLeastLoad_N = 2.0;
+  static constexpr double kMinLoad_N = 2.0;
 
   // The robot must outlive the check.
   ZmpSensorCheck(const sim::RobotDescription& robot, const sim::Scenario& scenario);

@@ -41,7 +41,7 @@ constexpr std::uint16_t kPosture = 0x2131;
 constexpr std::uint16_t kReactions = 0x2132;
 constexpr std::uint16_t kFall = 0x2140;
 constexpr ObjectAddress kStepWidth{kSteps, 3};
-constexpr ObjectAddress kLongestStep{kSteps, 9};
+constexpr ObjectAddress kMaxStepLength{kSteps, 9};
 constexpr ObjectAddress kWidestStep{kSteps, 10};
 constexpr ObjectAddress kNarrowestStep{kSteps, 11};
 constexpr ObjectAddress kComHeight{kPosture, 1};
@@ -50,7 +50,7 @@ constexpr std::array kGait{ObjectAddress{kSteps, 1},
                            kStepWidth,
                            ObjectAddress{kSteps, 6},
                            ObjectAddress{kSteps, 7},
-                           kLongestStep,
+                           kMaxStepLength,
                            ObjectAddress{kSteps, 8},
                            kWidestStep,
                            kNarrowestStep,
@@ -151,7 +151,7 @@ class RobotParameterCheck {
       throw error(kComHeight, reachable_heights(width_m) + ", which the legs reach", "the reach of the legs");
     }
     if (!reaches(com_m, metres(values_.walk.step.max_forward), width_m))
-      throw error(kLongestStep, "a step that the legs reach at this CoM height", "the reach of the legs");
+      throw error(kMaxStepLength, "a step that the legs reach at this CoM height", "the reach of the legs");
     if (!reaches(com_m, 0.0, metres(values_.walk.step.max_lateral)))
       throw error(kWidestStep, "a step that the legs reach at this CoM height", "the reach of the legs");
   }

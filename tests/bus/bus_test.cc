@@ -18,7 +18,7 @@ constexpr std::uint16_t kSync = 0x080;
 constexpr std::uint64_t kCycle_us = 10'000;
 // Duration at 1 Mbit/s of the longest frame with all stuff bits, plus the intermission
 // (docs/design/timing.md).
-constexpr std::uint64_t kLongestFrame_us = 132 + 3;
+constexpr std::uint64_t kMaxFrame_us = 132 + 3;
 
 // Returns the latest end of a SYNC frame relative to its tick, over all SYNCs seen.
 std::uint64_t latest_sync_us(const BusBench& bench) {
@@ -49,7 +49,7 @@ TEST_P(SdoFlood, DelaysNoSyncByMoreThanAFrameAndLosesNobody) {
 
   EXPECT_GT(sim::bus_load(before, bench.bus.usage()), 0.99);
   EXPECT_EQ(bench.seen_with(kSync).size(), 200u);
-  EXPECT_LE(latest_sync_us(bench), usual_us + kLongestFrame_us);
+  EXPECT_LE(latest_sync_us(bench), usual_us + kMaxFrame_us);
   for (std::uint16_t node = 16; node < 36; ++node) EXPECT_EQ(bench.seen_with(0x180 + node).size(), 200u);
   for (std::uint8_t node = 1; node < 36; ++node) EXPECT_TRUE(bench.emergencies(node).empty()) << int{node};
   EXPECT_EQ(bench.controller().state(), behaviour::State::kStanding);

@@ -95,5 +95,15 @@ TEST(Contacts, HoldInFallsAndInGettingUp) {
   EXPECT_LT(conclusions.values.at("largest_overlap_m").get<double>(), 0.002);
 }
 
+// Two links meet at 2.5 m/s in this seed. They overlapped by 2.5 mm when a contact existed only after the
+// step in which they met.
+TEST(Contacts, SlowLinksDownBeforeTheyOverlap) {
+  if (!sim::has_mujoco()) GTEST_SKIP() << "built without MuJoCo";
+  Experiment experiment = make_contacts(in_mujoco<ExperimentSetup>(1, 20096));
+  const ExperimentResult result = play_experiment(experiment, {});
+  const Conclusions conclusions = experiment.conclude(experiment, result);
+  EXPECT_LT(conclusions.values.at("largest_overlap_m").get<double>(), 0.0005);
+}
+
 }  // namespace
 }  // namespace koboshi::tools

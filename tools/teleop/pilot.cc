@@ -122,7 +122,7 @@ Order Pilot::push(const Eigen::Vector2d& direction) {
 }
 
 void Pilot::change_push(int by_mN_s) {
-  push_mN_s_ = std::clamp(push_mN_s_ + by_mN_s, kPushStep_mN_s, kLargestPush_mN_s);
+  push_mN_s_ = std::clamp(push_mN_s_ + by_mN_s, kPushStep_mN_s, kMaxPush_mN_s);
   effect_ = fmt::format("the next push has {:.2f} N s", push_N_s());
 }
 

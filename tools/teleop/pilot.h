@@ -30,7 +30,7 @@ class Pilot {
   static constexpr std::int16_t kSpeedStep_mm_per_s = 20;
   static constexpr std::int16_t kTurnStep_mrad_per_s = 100;
   static constexpr int kPushStep_mN_s = 50;
-  static constexpr int kLargestPush_mN_s = 2000;
+  static constexpr int kMaxPush_mN_s = 2000;
 
   explicit Pilot(const walk::VelocityLimits& limits) : limits_(limits) {}
 

@@ -55,7 +55,7 @@ std::string SlcanProtocol::take(std::string_view text) {
   for (const char letter : text) {
     if (letter == '\n') continue;
     if (letter != '\r') {
-      if (command_.size() <= kLongestCommand) command_ += letter;
+      if (command_.size() <= kMaxCommandLength) command_ += letter;
       continue;
     }
     if (!command_.empty()) answers += obey(command_);

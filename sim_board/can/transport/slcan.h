@@ -26,7 +26,7 @@ class SlcanProtocol {
   std::string obey(std::string_view command);
   std::string transmit(std::string_view command);
 
-  static constexpr std::size_t kLongestCommand = 32;
+  static constexpr std::size_t kMaxCommandLength = 32;
 
   std::string command_;  // incomplete command
   bool open_ = false;

@@ -105,9 +105,9 @@ void Writer::add_options() {
   push(xml_, "tolerance", "1e-10");
   xml_.CloseElement();
   xml_.OpenElement("size");
-  xml_.PushAttribute("nconmax", kMostContacts);
+  xml_.PushAttribute("nconmax", kMaxContacts);
   xml_.PushAttribute("njmax",
-                     kRowsOfContact * kMostContacts + kRowsOfJoint * static_cast<int>(robot_.joints.size()));
+                     kRowsOfContact * kMaxContacts + kRowsOfJoint * static_cast<int>(robot_.joints.size()));
   xml_.PushAttribute("nstack", kStack_numbers);
   xml_.CloseElement();
 }

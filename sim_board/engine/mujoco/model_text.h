@@ -39,7 +39,7 @@ enum class Base { kFree, kFixed };
 
 // Maximum number of contacts. A robot that lies with crossed arms and legs has about 60. Further contacts are
 // dropped with a warning.
-inline constexpr int kMostContacts = 200;
+inline constexpr int kMaxContacts = 200;
 
 // Describes a robot and its ground in MuJoCo's XML format. Link i is the body `link<i>` in the link's frame,
 // joint i is `joint<i>`, and geom_name() gives the names of boxes and ground.

@@ -62,7 +62,7 @@ MujocoWorld::MujocoWorld(const RobotDescription& robot, const WorldOptions& opti
   servos_.resize(robot_.joints.size());
   servo_Nm_.resize(robot_.joints.size());
   wrenches_.resize(robot_.joints.size());
-  contacts_.reserve(kMostContacts);
+  contacts_.reserve(kMaxContacts);
 }
 
 void MujocoWorld::check_links() const {

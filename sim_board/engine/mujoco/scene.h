@@ -94,7 +94,7 @@ class Scene {
   std::vector<TouchingPair> bouncing_;
   std::vector<int> bouncing_of_geoms_;  // by the one geom times their number plus the other; -1: no
                                         // restitution
-  LiftIteration iteration_{kMostContacts};
+  LiftIteration iteration_{kMaxContacts};
   std::vector<double> lift_m_per_s_;      // by contact: lift of its normal row
   std::vector<double> slip_m_per_s_;      // by contact: mu |v_t| of the solution
   std::vector<double> row_acceleration_;  // of the constraints, m/s^2 or rad/s^2

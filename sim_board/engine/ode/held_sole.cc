@@ -35,8 +35,8 @@ HeldSole::HeldSole(dWorldID world, dBodyID body) : body_(body), feedbacks_(std::
   for (int axis = 0; axis < static_cast<int>(kDirections); ++axis)
     dJointSetAMotorParam(turns_.get(), axis * dParamGroup + dParamFMax, dInfinity);
   dJointSetFeedback(turns_.get(), &feedbacks_->turns);
-  points_.reserve(kMostPoints);
-  forces_W_.reserve(kMostPoints);
+  points_.reserve(kMaxSolePoints);
+  forces_W_.reserve(kMaxSolePoints);
   holding_ = true;
   let_go();
 }

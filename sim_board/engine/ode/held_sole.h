@@ -31,13 +31,13 @@ struct SolePoint {
 // The other three rows (sliding in two directions and rotation about the normal) are rigid.
 class HeldSole {
  public:
-  static constexpr std::size_t kMostPoints = 16;
+  static constexpr std::size_t kMaxSolePoints = 16;
 
   // Constrains the body relative to the world; initially nothing is held.
   HeldSole(dWorldID world, dBodyID body);
 
-  // Holds these points in the next solution: three to kMostPoints, not collinear, with a common normal out of
-  // the ground. ERP and CFM are those of one point at this step.
+  // Holds these points in the next solution: three to kMaxSolePoints, not collinear, with a common normal out
+  // of the ground. ERP and CFM are those of one point at this step.
   void hold(std::span<const SolePoint> points, const Eigen::Vector3d& n_W, double error_reduction,
             double force_mixing, double step_s);
   void let_go();

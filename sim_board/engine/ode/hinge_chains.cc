@@ -8,7 +8,7 @@
 namespace koboshi::sim {
 namespace {
 
-constexpr std::size_t kMostHinges = 3;
+constexpr std::size_t kMaxHinges = 3;
 constexpr double kSamePlace_m = 1e-6;
 constexpr double kPerpendicular = 1e-6;  // maximum cosine between perpendicular axes
 
@@ -44,7 +44,7 @@ bool passes_gimbal_lock(const JointDescription& middle) {
 }
 
 bool fits(const RobotDescription& robot, const HingeChain& chain, int next) {
-  if (next < 0 || chain.joints.size() == kMostHinges) return false;
+  if (next < 0 || chain.joints.size() == kMaxHinges) return false;
   if (chain.joints.size() == 2 && passes_gimbal_lock(joint_of(robot, chain.joints[1]))) return false;
   const JointDescription& joint = joint_of(robot, next);
   return std::ranges::all_of(chain.joints, [&](int before) {

@@ -10,7 +10,7 @@ namespace koboshi::sim {
 namespace {
 
 // Five degrees short of a quarter turn.
-constexpr double kMostOfMiddle_rad = std::numbers::pi / 2.0 * 85.0 / 90.0;
+constexpr double kMaxMiddle_rad = std::numbers::pi / 2.0 * 85.0 / 90.0;
 
 OdeJoint make_constraint(dWorldID world, std::size_t hinges, dBodyID child, dBodyID parent,
                          const Eigen::Vector3d& p, const Eigen::Matrix3d& R_MF) {
@@ -61,8 +61,8 @@ JointChain::JointChain(dWorldID world, const RobotDescription& robot, const Hing
   for (std::size_t i = 0; i < size(); ++i) {
     JointDescription description = joint(i);
     if (size() == 3 && i == 1) {
-      description.lower_rad = std::max(description.lower_rad, -kMostOfMiddle_rad);
-      description.upper_rad = std::min(description.upper_rad, kMostOfMiddle_rad);
+      description.lower_rad = std::max(description.lower_rad, -kMaxMiddle_rad);
+      description.upper_rad = std::min(description.upper_rad, kMaxMiddle_rad);
     }
     motors_.emplace_back(world, description, child_, parent_,
                          starts_rad[static_cast<std::size_t>(chain_.joints[i])], step_s);
@@ -93,7 +93,7 @@ Eigen::Vector3d JointChain::p_WAnchor_W() const {
 //   Rx(alpha) Ry(beta) Rz(gamma) = [  cb cg           -cb sg           sb
 //                                     sa sb cg + ca sg  ca cg - sa sb sg  -sa cb
 //                                     sa sg - ca sb cg  ca sb sg + sa cg   ca cb ].
-std::array<double, JointChain::kMostHinges> JointChain::positions_rad() const {
+std::array<double, JointChain::kMaxHinges> JointChain::positions_rad() const {
   const Eigen::Matrix3d R = (R_WParent() * R_MF_).transpose() * (R_WChild() * R_MF_);
   if (size() == 1) return {std::atan2(R(2, 1), R(1, 1))};
   if (size() == 2) return {std::atan2(R(2, 1), R(1, 1)), std::atan2(R(0, 2), R(0, 0))};
@@ -191,7 +191,7 @@ bool JointChain::confirm_friction() {
 }
 
 void JointChain::finish_step() {
-  const std::array<double, kMostHinges> positions = positions_rad();
+  const std::array<double, kMaxHinges> positions = positions_rad();
   for (std::size_t i = 0; i < size(); ++i) motors_[i].set_position(positions[i]);
   const Vectors b = duals(axes_W());
   const Eigen::Vector3d w_W = relative_rate_W();

@@ -28,7 +28,7 @@ namespace koboshi::sim {
 // no more than 85 degrees, before the gimbal lock.
 class JointChain {
  public:
-  static constexpr std::size_t kMostHinges = 3;
+  static constexpr std::size_t kMaxHinges = 3;
 
   // The bodies must be in the pose of joint angles zero, with the model frame equal to the world frame.
   // `starts_rad`, by joint of the robot, are the positions to which the caller then moves them. All arguments
@@ -57,7 +57,7 @@ class JointChain {
   void archive(StateArchive& archive) { archive(*feedback_, motors_, p_AnchorParentCom_W_, before_); }
 
  private:
-  using Vectors = std::array<Eigen::Vector3d, kMostHinges>;
+  using Vectors = std::array<Eigen::Vector3d, kMaxHinges>;
   // Motion of a link between the hinges, for the Newton-Euler equations.
   struct Motion {
     Eigen::Matrix3d R_WL = Eigen::Matrix3d::Identity();
@@ -73,7 +73,7 @@ class JointChain {
   Eigen::Matrix3d R_WChild() const;
   Eigen::Vector3d relative_rate_W() const;
   Eigen::Vector3d p_WAnchor_W() const;
-  std::array<double, kMostHinges> positions_rad() const;
+  std::array<double, kMaxHinges> positions_rad() const;
   Vectors axes_W() const;  // at the positions of the last step
   Vectors duals(const Vectors& axes_W) const;
   Eigen::Vector3d turning_of_axes_W(const Vectors& axes_W) const;
@@ -94,7 +94,7 @@ class JointChain {
   std::vector<ServoMotor> motors_;
   // Values at the beginning of the step:
   Eigen::Vector3d p_AnchorParentCom_W_ = Eigen::Vector3d::Zero();
-  std::array<Motion, kMostHinges - 1> before_;
+  std::array<Motion, kMaxHinges - 1> before_;
 };
 
 }  // namespace koboshi::sim

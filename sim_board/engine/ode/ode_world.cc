@@ -21,11 +21,11 @@
 namespace koboshi::sim {
 namespace {
 
-constexpr unsigned kStepMemory_bytes = 1u << 20;
+constexpr unsigned kStepMemory_bytes = 768u << 10;
 
 // Maximum number of friction guesses per step; then the solver decides. A squat needs 1.12 on average, a walk
 // 1.17.
-constexpr int kMostGuesses = 4;
+constexpr int kMaxGuesses = 4;
 
 template <typename List>
 auto& at(List& list, int index) {
@@ -169,7 +169,7 @@ void OdeWorld::step() {
 bool OdeWorld::solve_guessing_friction() {
   if (options_.stepper == Stepper::kQuick || options_.friction == FrictionMethod::kRows) return false;
   saved_.save(bodies_->all());
-  for (int guess = 0; guess < kMostGuesses; ++guess) {
+  for (int guess = 0; guess < kMaxGuesses; ++guess) {
     for (JointChain& chain : chains_) chain.guess_friction();
     dWorldStep(world_.get(), options_.step_s);
     bool confirmed = true;

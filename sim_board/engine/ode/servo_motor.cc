@@ -18,7 +18,7 @@ constexpr double kDoubt_s = 0.03;
 // Keeps the friction row solvable together with others; the creep under 0.03 N m is 3e-12 rad/s.
 constexpr double kStickingForceMixing = 1e-10;
 // A constant torque without damping still needs a CFM: the error is 1e-9 N m at 1 rad/s.
-constexpr double kLeastDamping_Nm_s = 1e-9;
+constexpr double kMinDamping_Nm_s = 1e-9;
 
 constexpr int kDrive = 0;  // indices of the motor's axes
 constexpr int kFriction = 1;
@@ -92,9 +92,9 @@ void ServoMotor::write_rows() {
   const bool locked = friction_ == Friction::kLocked && servo_.friction_Nm > 0.0;
   const double a = servo_.drive_Nm + inertial_Nm_s * state_.speed_rad_per_s -
                    (slides ? direction_ * servo_.friction_Nm : 0.0);
-  const double b = std::max(servo_.damping_Nm_s + inertial_Nm_s, kLeastDamping_Nm_s);
+  const double b = std::max(servo_.damping_Nm_s + inertial_Nm_s, kMinDamping_Nm_s);
   const double target_rad_per_s = a / b - drift_rad_per_s_;
-  const bool driven = !locked && (a != 0.0 || b > kLeastDamping_Nm_s);
+  const bool driven = !locked && (a != 0.0 || b > kMinDamping_Nm_s);
 
   set(motor_, kDrive, dParamVel, target_rad_per_s / scale_);
   set(motor_, kDrive, dParamCFM, 1.0 / (b * scale_ * scale_));

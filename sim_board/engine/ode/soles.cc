@@ -8,10 +8,10 @@
 namespace koboshi::sim {
 namespace {
 
-constexpr std::size_t kLeastPoints = 3;
+constexpr std::size_t kMinPoints = 3;
 constexpr double kSameDirection = 1e-9;  // 1 - cosine
 // Minimum width of the area that the points of a held sole span.
-constexpr double kLeastWidth_m = 1e-3;
+constexpr double kMinWidth_m = 1e-3;
 // A sole is held after it has rested for this long, which delays soles whose load wanders to an edge.
 constexpr double kRest_s = 0.01;
 // Speed limit of a resting sole: far above the creep of friction rows, below the speed of sliding.
@@ -39,8 +39,8 @@ bool is_wide(std::span<const Contact> contacts) {
     if (way.squaredNorm() > longest.squaredNorm()) longest = way;
   }
   const double length_m = longest.norm();
-  return length_m > kLeastWidth_m && std::ranges::any_of(contacts, [&](const Contact& contact) {
-           return longest.cross(contact.p_W - contacts.front().p_W).norm() > kLeastWidth_m * length_m;
+  return length_m > kMinWidth_m && std::ranges::any_of(contacts, [&](const Contact& contact) {
+           return longest.cross(contact.p_W - contacts.front().p_W).norm() > kMinWidth_m * length_m;
          });
 }
 
@@ -53,9 +53,9 @@ Soles::Soles(dWorldID world, const RobotDescription& robot, const Bodies& bodies
     sole_of_link_[l] = static_cast<int>(soles_.size());
     const dBodyID body = bodies.of(static_cast<int>(l));
     soles_.push_back({.held = HeldSole(world, body), .body = body, .joints = {}});
-    soles_.back().joints.reserve(HeldSole::kMostPoints);
+    soles_.back().joints.reserve(HeldSole::kMaxSolePoints);
   }
-  points_.reserve(HeldSole::kMostPoints);
+  points_.reserve(HeldSole::kMaxSolePoints);
 }
 
 // The contacts of a link with the ground are consecutive.
@@ -83,7 +83,7 @@ void Soles::guess(const Collider& collider) {
 
 void Soles::look_at(Sole& sole, const Collider& collider) {
   sole.eligible = false;
-  if (sole.count < kLeastPoints || sole.count > HeldSole::kMostPoints) return;
+  if (sole.count < kMinPoints || sole.count > HeldSole::kMaxSolePoints) return;
   const auto contacts = collider.contacts().subspan(sole.first, sole.count);
   const auto touches = collider.touches().subspan(sole.first, sole.count);
   sole.friction = dInfinity;

@@ -18,7 +18,7 @@ namespace {
 // The last push comes so long before the end that the robot can be on its feet again.
 constexpr double kQuietEnd_s = 60.0;
 constexpr double kShortestCommand_s = 2.0;
-constexpr double kLongestCommand_s = 10.0;
+constexpr double kMaxCommand_s = 10.0;
 
 // Walks, turns and stops; a robot that lies refuses them.
 void add_commands(sim::Scenario& scenario, std::uint64_t from_us, std::uint64_t until_us,
@@ -34,7 +34,7 @@ void add_commands(sim::Scenario& scenario, std::uint64_t from_us, std::uint64_t 
       command.velocity = {forward, left, between(random, -0.6, 0.6)};
     }
     scenario.commands.push_back(command);
-    at_us += to_us(between(random, kShortestCommand_s, kLongestCommand_s));
+    at_us += to_us(between(random, kShortestCommand_s, kMaxCommand_s));
   }
   scenario.commands.push_back({.at_us = until_us, .kind = sim::Command::Kind::kStop});
 }

@@ -12,8 +12,8 @@
 namespace koboshi::tools {
 namespace {
 
-constexpr int kMostHeight_px = 700;  // of the plane
-constexpr int kPlaneHead_px = 66;    // title and a row of the key
+constexpr int kMaxHeight_px = 700;  // of the plane
+constexpr int kPlaneHead_px = 66;   // title and a row of the key
 constexpr double kKeySample_px = 60.0;
 constexpr double kMargin = 0.04;  // of the data's extent, around it
 
@@ -44,7 +44,7 @@ struct View {
     y_low -= margin;
     y_high += margin;
     const double width_px = kWidth_px - kLeft_px - kRight_px;
-    const double scale = std::min(width_px / (x_high - x_low), kMostHeight_px / (y_high - y_low));
+    const double scale = std::min(width_px / (x_high - x_low), kMaxHeight_px / (y_high - y_low));
     const double missing = width_px / scale - (x_high - x_low);
     x_low -= 0.5 * missing;
     x_high += 0.5 * missing;

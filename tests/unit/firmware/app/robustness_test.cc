@@ -133,8 +133,8 @@ bool lead_to(State state, ControllerBench& bench) {
 // The complete controller with all objects, in every state that it reaches. tests/proof shows that it cannot
 // use the heap.
 TEST(ControllerRobustness, SurvivesRandomFrames) {
-  constexpr std::uint64_t kEpisode = 20'000;  // frames for one controller, before a new one starts
-  constexpr std::uint32_t kMostFrames = 24;   // per millisecond; leaves room for the drives' answers
+  constexpr std::uint64_t kEpisode = 20'000;    // frames for one controller, before a new one starts
+  constexpr std::uint32_t kMaxFuzzFrames = 24;  // per millisecond; leaves room for the drives' answers
   const std::uint64_t frames = test::frames_to_survive();
   std::array<std::uint64_t, 9> visits{};  // milliseconds spent in each state
   std::uint64_t delivered = 0;
@@ -150,7 +150,7 @@ TEST(ControllerRobustness, SurvivesRandomFrames) {
     while (delivered < end) {
       bench.sent.clear();
       bench.board.can.limit_transmit(random.below(65));
-      for (std::uint32_t i = random.below(kMostFrames + 1); i > 0; --i) {
+      for (std::uint32_t i = random.below(kMaxFuzzFrames + 1); i > 0; --i) {
         const auto lost = bench.board.can.status().receive_overruns;
         bench.board.can.deliver(random_frame(random, bus, bench.model()));
         if (bench.board.can.status().receive_overruns == lost) ++delivered;

@@ -73,7 +73,7 @@ TEST(FrameBits, StayWithinTheirBounds) {
   for (int i = 0; i < 10000; ++i) {
     const int bits = frame_bits(random_frame(random));
     ASSERT_GE(bits, kShortestFrameBits);
-    ASSERT_LE(bits, kLongestFrameBits);
+    ASSERT_LE(bits, kMaxFrameBits);
   }
 }
 
