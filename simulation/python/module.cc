@@ -16,59 +16,17 @@
 
 #include "sim_board/input/error.h"
 #include "sim_board/scenario/operator_pc.h"
-#include "sim_board/scenario/reader.h"
 #include "sim_board/world/world.h"
 #include "simulation/batch/batch.h"
 #include "simulation/batch/parallel.h"
 #include "simulation/observe/watched_simulation.h"
+#include "simulation/python/arguments.h"
 #include "simulation/python/observation.h"
-#include "simulation/scenario/operator_input.h"
 
 namespace py = pybind11;
 
 namespace koboshi::simulation {
 namespace {
-
-// Converts a Python value to YAML for the scenario readers. JSON is a subset of YAML.
-std::string yaml_of(const py::handle& value) {
-  return py::module_::import("json").attr("dumps")(value).cast<std::string>();
-}
-
-std::vector<double> numbers_of(const py::handle& vector) { return vector.cast<std::vector<double>>(); }
-
-sim::Scenario read(const std::filesystem::path& file, const std::optional<std::uint64_t>& seed,
-                   const std::optional<std::string>& stepper, const py::dict& set) {
-  std::vector<sim::Override> overrides;
-  for (const auto& [path, value] : set) overrides.push_back({py::str(path), yaml_of(value), "set"});
-  if (seed) overrides.push_back({"seed", std::to_string(*seed), "seed"});
-  if (stepper) overrides.push_back({"physics.stepper", *stepper, "stepper"});
-  return sim::read_scenario(file, overrides);
-}
-
-void give_command(Simulation& simulation, const std::string& verb, const py::object& value,
-                  const py::kwargs& fields) {
-  py::dict item;
-  if (fields.empty() && value.is_none()) {
-    item[py::str(verb)] = verb == "walk" ? py::object(py::dict()) : py::object(py::bool_(true));
-  } else if (fields.empty()) {
-    item[py::str(verb)] = value;
-  } else {
-    if (!value.is_none()) throw py::type_error("command() takes a value or fields, not both");
-    item[py::str(verb)] = fields;
-  }
-  command(simulation, yaml_of(item));
-}
-
-void give_push(Simulation& simulation, const py::object& force_N, double duration_s,
-               const std::optional<std::string>& link, const py::object& at_m, const std::string& shape) {
-  py::dict item;
-  item["link"] = link.value_or(simulation.robot().links.front().name);
-  item["force_N"] = numbers_of(force_N);
-  item["duration_s"] = duration_s;
-  item["shape"] = shape;
-  if (!at_m.is_none()) item["at_m"] = numbers_of(at_m);
-  push(simulation, yaml_of(item));
-}
 
 // Lock that rejects concurrent use: a step runs without the GIL, and other threads get an exception
 // meanwhile.
@@ -118,15 +76,11 @@ py::array frames_array(const std::vector<BusFrame>& frames) {
   return array;
 }
 
-std::vector<std::string> link_names(const sim::RobotDescription& robot) {
+// Returns the names of links or joints.
+template <typename Part>
+std::vector<std::string> names_of(const std::vector<Part>& parts) {
   std::vector<std::string> names;
-  for (const sim::LinkDescription& link : robot.links) names.push_back(link.name);
-  return names;
-}
-
-std::vector<std::string> joint_names(const sim::RobotDescription& robot) {
-  std::vector<std::string> names;
-  for (const sim::JointDescription& joint : robot.joints) names.push_back(joint.name);
+  for (const Part& part : parts) names.push_back(part.name);
   return names;
 }
 
@@ -332,10 +286,10 @@ A structured array: time_us (after the last bit), identifier, size, remote, data
           "finished", [](PySimulation& self) { return self.idle().simulation().finished(); },
           "Whether the scenario's duration is over.")
       .def_property_readonly(
-          "joint_names", [](PySimulation& self) { return joint_names(self.idle().simulation().robot()); },
+          "joint_names", [](PySimulation& self) { return names_of(self.idle().simulation().robot().joints); },
           "In the order of all arrays by joint.")
       .def_property_readonly(
-          "link_names", [](PySimulation& self) { return link_names(self.idle().simulation().robot()); },
+          "link_names", [](PySimulation& self) { return names_of(self.idle().simulation().robot().links); },
           "In the order of all arrays by link.");
 }
 

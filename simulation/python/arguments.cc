@@ -1,0 +1,59 @@
+#include "simulation/python/arguments.h"
+
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <vector>
+
+#include "sim_board/scenario/reader.h"
+#include "simulation/scenario/operator_input.h"
+
+namespace py = pybind11;
+
+namespace koboshi::simulation {
+namespace {
+
+// Converts a Python value to YAML for the scenario readers. JSON is a subset of YAML.
+std::string yaml_of(const py::handle& value) {
+  return py::module_::import("json").attr("dumps")(value).cast<std::string>();
+}
+
+std::vector<double> numbers_of(const py::handle& vector) { return vector.cast<std::vector<double>>(); }
+
+}  // namespace
+
+sim::Scenario read(const std::filesystem::path& file, const std::optional<std::uint64_t>& seed,
+                   const std::optional<std::string>& stepper, const py::dict& set) {
+  std::vector<sim::Override> overrides;
+  for (const auto& [path, value] : set) overrides.push_back({py::str(path), yaml_of(value), "set"});
+  if (seed) overrides.push_back({"seed", std::to_string(*seed), "seed"});
+  if (stepper) overrides.push_back({"physics.stepper", *stepper, "stepper"});
+  return sim::read_scenario(file, overrides);
+}
+
+void give_command(Simulation& simulation, const std::string& verb, const py::object& value,
+                  const py::kwargs& fields) {
+  py::dict item;
+  if (fields.empty() && value.is_none()) {
+    item[py::str(verb)] = verb == "walk" ? py::object(py::dict()) : py::object(py::bool_(true));
+  } else if (fields.empty()) {
+    item[py::str(verb)] = value;
+  } else {
+    if (!value.is_none()) throw py::type_error("command() takes a value or fields, not both");
+    item[py::str(verb)] = fields;
+  }
+  command(simulation, yaml_of(item));
+}
+
+void give_push(Simulation& simulation, const py::object& force_N, double duration_s,
+               const std::optional<std::string>& link, const py::object& at_m, const std::string& shape) {
+  py::dict item;
+  item["link"] = link.value_or(simulation.robot().links.front().name);
+  item["force_N"] = numbers_of(force_N);
+  item["duration_s"] = duration_s;
+  item["shape"] = shape;
+  if (!at_m.is_none()) item["at_m"] = numbers_of(at_m);
+  push(simulation, yaml_of(item));
+}
+
+}  // namespace koboshi::simulation

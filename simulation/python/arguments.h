@@ -1,0 +1,29 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "sim_board/scenario/scenario.h"
+#include "simulation/scenario/simulation.h"
+
+// The arguments of the Python module, as the scenario readers take them. All of them throw sim::InputError.
+namespace koboshi::simulation {
+
+// Reads a scenario; `set` has the paths and values of the keys to override.
+sim::Scenario read(const std::filesystem::path& file, const std::optional<std::uint64_t>& seed,
+                   const std::optional<std::string>& stepper, const pybind11::dict& set);
+
+// Gives a command with one value or with fields, not both.
+void give_command(Simulation& simulation, const std::string& verb, const pybind11::object& value,
+                  const pybind11::kwargs& fields);
+
+// Pushes a link, without a name the trunk. `at_m` is None for its centre of mass.
+void give_push(Simulation& simulation, const pybind11::object& force_N, double duration_s,
+               const std::optional<std::string>& link, const pybind11::object& at_m,
+               const std::string& shape);
+
+}  // namespace koboshi::simulation
