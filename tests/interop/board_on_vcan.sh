@@ -9,8 +9,7 @@ here=$(dirname "$0")
 log=$(mktemp -p /mnt)
 
 candump -r 16777216 -L vcan0 >"$log" &
-# A device without receivers is listed, too, as "(vcan0: no entry)".
-until grep -q '^ *vcan0' /proc/net/can/rcvlist_all; do sleep 0.05; done
+"$here/await_receiver.sh"
 "$koboshi" board --can socketcan:vcan0 --set physics.stepper=lumped >/mnt/board 2>&1 &
 board=$!
 until grep -q 'CAN bus on' /mnt/board; do

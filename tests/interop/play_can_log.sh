@@ -8,8 +8,7 @@ folder=$(mktemp -d -p /mnt)
 
 candump -r 16777216 -L vcan0 >"$folder/seen.log" &
 candump=$!
-# A device without receivers is listed, too, as "(vcan0: no entry)".
-until grep -q '^ *vcan0' /proc/net/can/rcvlist_all; do sleep 0.05; done
+"$(dirname "$0")/await_receiver.sh"
 canplayer -t -I "$log"
 until [ "$(wc -l <"$folder/seen.log")" -ge "$(wc -l <"$log")" ] || [ "${waited:=0}" -ge 600 ]; do
   waited=$((waited + 1))

@@ -11,8 +11,7 @@ stepper=${4:-lumped}
 # On a single processor candump takes half of it. It therefore gets the highest priority and may finish seconds late.
 nice -n -20 candump -r 67108864 -L vcan0 >/mnt/can.log &
 candump=$!
-# A device without receivers is listed, too, as "(vcan0: no entry)".
-until grep -q '^ *vcan0' /proc/net/can/rcvlist_all; do sleep 0.05; done
+"$(dirname "$0")/await_receiver.sh"
 "$koboshi" run scenarios/walk.yaml --set physics.stepper="$stepper" --can socketcan:vcan0 --speed "$speed" --duration "$seconds" --out /mnt/run
 heard=-1
 until [ "$heard" -eq "$(wc -l </mnt/can.log)" ]; do  # candump may lag

@@ -67,33 +67,25 @@ TEST(SlcanProtocol, WritesFramesAndStamps) {
 constexpr int kDelivery_ms = 5'000;
 constexpr int kSilence_ms = 100;  // after which nothing more is on the way
 
+// Returns what the host reads within this time, as soon as there is anything; else nothing.
+std::string read_part(int host, int wait_ms) {
+  std::array<char, 4096> part{};
+  pollfd readable{.fd = host, .events = POLLIN, .revents = 0};
+  const ssize_t got = ::poll(&readable, 1, wait_ms) > 0 ? ::read(host, part.data(), part.size()) : 0;
+  return {part.data(), static_cast<std::size_t>(std::max<ssize_t>(got, 0))};
+}
+
 // Writes to the terminal as its host, and lets the adapter take it until it has answered as expected. Returns
 // the answer, and the last frame that the adapter received meanwhile.
 std::pair<std::string, std::optional<hal::CanFrame>> tell(Slcan& slcan, int host, std::string_view text,
                                                           std::size_t answer_size) {
   EXPECT_EQ(::write(host, text.data(), text.size()), static_cast<ssize_t>(text.size()));
   std::pair<std::string, std::optional<hal::CanFrame>> answer;
-  std::array<char, 64> part{};
   for (int waited_ms = 0; answer.first.size() < answer_size && waited_ms < kDelivery_ms; ++waited_ms) {
     while (const auto frame = slcan.receive()) answer.second = frame;
-    pollfd readable{.fd = host, .events = POLLIN, .revents = 0};
-    if (::poll(&readable, 1, 1) <= 0) continue;
-    const ssize_t got = ::read(host, part.data(), part.size());
-    answer.first.append(part.data(), static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+    answer.first += read_part(host, 1);
   }
   return answer;
-}
-
-// Reads what the adapter sends, `size` bytes of it.
-std::string read_as_host(int host, std::size_t size) {
-  std::string text;
-  std::array<char, 64> part{};
-  pollfd readable{.fd = host, .events = POLLIN, .revents = 0};
-  while (text.size() < size && ::poll(&readable, 1, kDelivery_ms) > 0) {
-    const ssize_t got = ::read(host, part.data(), part.size());
-    text.append(part.data(), static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
-  }
-  return text;
 }
 
 TEST(Slcan, IsATerminalThatHostsOpen) {
@@ -107,7 +99,11 @@ TEST(Slcan, IsATerminalThatHostsOpen) {
   EXPECT_EQ(slcan.receive(), std::nullopt);
   EXPECT_TRUE(slcan.send(kFrame, 0));
   const std::string line = "t1813012FFF\r";
-  EXPECT_EQ(read_as_host(host.number(), line.size()), line);
+  std::string text;
+  for (std::string part;
+       text.size() < line.size() && !(part = read_part(host.number(), kDelivery_ms)).empty();)
+    text += part;
+  EXPECT_EQ(text, line);
 }
 
 TEST(Slcan, IsNotHeldUpByAHostThatDoesNotRead) {
@@ -119,18 +115,8 @@ TEST(Slcan, IsNotHeldUpByAHostThatDoesNotRead) {
   EXPECT_LT(sent, 100'000);
   // Once it reads again, it finds whole lines.
   std::string text;
-  std::array<char, 4096> part{};
-  for (ssize_t got = 0; (got = ::read(host.number(), part.data(), part.size())) > 0;)
-    text.append(part.data(), static_cast<std::size_t>(got));
-  while (!slcan.send(kFrame, 0)) {
-    const ssize_t got = ::read(host.number(), part.data(), part.size());
-    if (got > 0) text.append(part.data(), static_cast<std::size_t>(got));
-  }
-  pollfd readable{.fd = host.number(), .events = POLLIN, .revents = 0};
-  while (::poll(&readable, 1, kSilence_ms) > 0) {
-    const ssize_t got = ::read(host.number(), part.data(), part.size());
-    if (got > 0) text.append(part.data(), static_cast<std::size_t>(got));
-  }
+  while (!slcan.send(kFrame, 0)) text += read_part(host.number(), 0);
+  for (std::string part; !(part = read_part(host.number(), kSilence_ms)).empty();) text += part;
   const std::string line = "t1813012FFF\r";
   ASSERT_EQ(text.size() % line.size(), 0u);
   for (std::size_t i = 0; i < text.size(); i += line.size()) ASSERT_EQ(text.substr(i, line.size()), line);
