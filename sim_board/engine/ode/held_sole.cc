@@ -7,9 +7,10 @@
 namespace koboshi::sim {
 namespace {
 
-// Keeps the rows of two held soles solvable together; the creep under 10 N is 1e-9 m/s.
+// CFM of the rigid rows, in m/s per N. Not zero, because the rigid rows of two held feet can be redundant. A
+// tangential force of 10 N makes the foot creep by 1e-9 m/s.
 constexpr double kSoleForceMixing = 1e-10;
-constexpr double kLength_m = 1.0;
+constexpr double kLength_m = 1.0;  // of the distance joints
 
 void set_turn(const OdeJoint& motor, int axis, const Eigen::Vector3d& axis_W, double speed_rad_per_s,
               double force_mixing) {
@@ -101,7 +102,7 @@ void HeldSole::hold(std::span<const SolePoint> points, const Eigen::Vector3d& n_
     x_depth += x * point.depth_m;
     y_depth += y * point.depth_m;
   }
-  // The point at (x, y) rises by rise + y turn_x - x turn_y.
+  // Velocity of the point at (x, y) along the normal: v + y w_x - x w_y.
   place(0, p_WMean_W_, n_W, restoring_per_s_ * mean_depth_m, force_mixing / count, step_s);
   place(1, p_WMean_W_, axes_W_[1], 0.0, kSoleForceMixing, step_s);
   place(2, p_WMean_W_, axes_W_[2], 0.0, kSoleForceMixing, step_s);

@@ -13,42 +13,50 @@
 
 namespace koboshi::sim {
 
-// A contact point of a box with the ground.
+// A contact point of a foot with the ground.
 struct SolePoint {
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
-  double depth_m = 0.0;
+  double depth_m = 0.0;  // penetration
 };
 
-// A flat face at rest on the ground: replaces the contact of all its points by six unbounded rows. ODE's
-// contact joints have three rows per point; the solver must determine one by one that they neither separate
-// nor slip, and they are redundant for a sole. Assuming contact and checking it afterwards costs one
-// factorisation and no search.
+// Contact of one flat foot that stands still on the ground, solved as a whole instead of point by point.
 //
-// All points have equal springs and dampers, f_i = (ERP depth_i / h - v_i) / CFM along the normal. About the
-// principal axes of the points they form three independent rows:
-//   rise     CFM / n,
-//   tilts    CFM / sum y_i^2, CFM / sum x_i^2.
-// The other three rows (sliding in two directions and rotation about the normal) are rigid.
+// Why: ODE gives each contact point a joint of three bounded rows: the normal force must not pull, and
+// friction is limited. The LCP solver searches for the rows at their bounds, which dominates the cost of a
+// step. For a flat foot at rest no row is at its bound, and six rows describe the contact of the rigid foot
+// completely. This class provides these six rows without bounds: one factorisation, no search.
+//
+// When: the foot has rested on three or more points for some steps (class Soles decides, and disables the
+// contact joints of the points meanwhile). After the solution is_possible() checks the bounds that the rows
+// lack. If one is violated, Soles releases the foot and the step is solved again with the contact joints.
+//
+// Model: all n points have the same spring and damper along the normal, f_i = (ERP depth_i / h - v_i) / CFM
+// with step size h. With x and y along the principal axes of the points, about their mean, the sum of these
+// forces and their moments decouple into three rows:
+//   translation along the normal   CFM / n,
+//   rotation about x, about y      CFM / sum y_i^2, CFM / sum x_i^2.
+// The other three rows (translation along x and y, rotation about the normal) are rigid: static friction.
 class HeldSole {
  public:
   static constexpr std::size_t kMaxSolePoints = 16;
 
-  // Constrains the body relative to the world; initially nothing is held.
+  // Creates the disabled joints between the body of the foot and the world.
   HeldSole(dWorldID world, dBodyID body);
 
-  // Holds these points in the next solution: three to kMaxSolePoints, not collinear, with a common normal out
-  // of the ground. ERP and CFM are those of one point at this step.
+  // Enables the six rows for the next solution. `points` are three to kMaxSolePoints, not collinear; `n_W` is
+  // their common normal, out of the ground; ERP and CFM are those of one point at this step size.
   void hold(std::span<const SolePoint> points, const Eigen::Vector3d& n_W, double error_reduction,
             double force_mixing, double step_s);
+  // Disables the rows.
   void let_go();
   bool holds() const { return holding_; }
 
-  // Returns, after a solution, whether the ground can exert these forces: no point is pulled, and friction at
-  // each point is within its cone when force and moment about the centre of pressure are distributed in
-  // proportion to the normal forces (for the moment also to the distance). This condition is sufficient;
-  // another distribution might be valid where this one is not.
+  // Returns, after a solution, whether contact points could exert the forces of the six rows: no point pulls,
+  // and friction at each is within Coulomb's limit. Tangential force and moment about the centre of pressure
+  // are shared among the points in proportion to their normal forces (the moment also to the distance). The
+  // condition is therefore sufficient, not necessary: another distribution might satisfy the limits.
   bool is_possible(double friction);
-  // Force on the body at each point in N, as computed by is_possible.
+  // Force on the body at each point in N, as computed by is_possible().
   std::span<const Eigen::Vector3d> forces_W() const { return forces_W_; }
 
  private:
@@ -59,10 +67,10 @@ class HeldSole {
   double held_N(std::size_t direction) const;
 
   dBodyID body_;
-  // Each joint fixes the distance between a point of the body and a world point 1 m away along an axis: one
-  // row.
+  // The rows of translation. A joint fixes the distance between the mean of the points and a world point 1 m
+  // away along the axis: the cheapest joint of ODE with one linear row.
   std::array<OdeJoint, kDirections> distances_;
-  OdeJoint turns_;  // angular motor about the axes of the sole
+  OdeJoint turns_;  // the rows of rotation: an angular motor about the axes
   struct Feedbacks {
     std::array<dJointFeedback, kDirections> distances{};
     dJointFeedback turns{};
@@ -73,8 +81,8 @@ class HeldSole {
   // State of the last hold():
   std::vector<SolePoint> points_;
   std::vector<Eigen::Vector3d> forces_W_;
-  std::array<Eigen::Vector3d, kDirections> axes_W_;  // normal first
-  Eigen::Vector3d p_WMean_W_ = Eigen::Vector3d::Zero();
+  std::array<Eigen::Vector3d, kDirections> axes_W_;      // normal first
+  Eigen::Vector3d p_WMean_W_ = Eigen::Vector3d::Zero();  // of the points
   Eigen::Vector3d p_WCom_W_ = Eigen::Vector3d::Zero();
   double restoring_per_s_ = 0.0;  // ERP / h
   double force_mixing_ = 0.0;
