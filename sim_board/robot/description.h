@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -30,18 +31,24 @@ struct SurfaceDescription {
   std::string material;  // name by which material pairs refer to it (sim_board/world/surface_contact.h)
 };
 
+// Colour of a visual: red, green and blue, each 0..1, sRGB.
+using ColourDescription = std::array<float, 3>;
+
 struct BoxDescription {
   std::string name;
   Eigen::Isometry3d X_LG = Eigen::Isometry3d::Identity();  // pose of the geometry in its link's frame
   Eigen::Vector3d size_m = Eigen::Vector3d::Ones();
   SurfaceDescription surface;
+  std::optional<ColourDescription> colour;  // visuals only; without it, the viewer chooses
 };
 
-// A triangle mesh for rendering only.
+// A triangle mesh for rendering only: its vertices, times `scale`, are in frame G.
 struct MeshDescription {
+  std::string name;
   std::filesystem::path file;
   Eigen::Isometry3d X_LG = Eigen::Isometry3d::Identity();
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+  std::optional<ColourDescription> colour;  // without it, the viewer chooses
 };
 
 struct LinkDescription {

@@ -41,22 +41,31 @@ BoxDescription load_collision(const sdf::Collision& collision, const XmlNode& no
   return {.name = collision.Name(),
           .X_LG = resolve_pose(collision.SemanticPose(), link_name, node),
           .size_m = vector_of(box_node->child("size")),
-          .surface = load_surface(node.child("surface"))};
+          .surface = load_surface(node.child("surface")),
+          .colour = std::nullopt};
 }
 
-MeshDescription load_mesh(const XmlNode& node, const Eigen::Isometry3d& X_LG,
-                          const std::filesystem::path& folder) {
+MeshDescription load_mesh(const XmlNode& node, const std::filesystem::path& folder) {
   const XmlNode uri = node.child("uri");
   const auto scale = node.find("scale");
-  MeshDescription mesh{.file = folder / uri.text(),
-                       .X_LG = X_LG,
-                       .scale = scale ? vector_of(*scale) : Eigen::Vector3d::Ones()};
+  MeshDescription mesh;
+  mesh.file = folder / uri.text();
+  if (scale) mesh.scale = vector_of(*scale);
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(mesh.file, ignored)) {
     throw uri.error("<uri> = " + one_line(uri.text()),
                     "a mesh file that exists, relative to this file's folder");
   }
   return mesh;
+}
+
+std::optional<ColourDescription> load_colour(const XmlNode& visual) {
+  const auto material = visual.find("material");
+  const auto diffuse = material ? material->find("diffuse") : std::nullopt;
+  if (!diffuse) return std::nullopt;
+  const std::vector<double> values = diffuse->numbers();  // the fourth is the opacity
+  return ColourDescription{static_cast<float>(values[0]), static_cast<float>(values[1]),
+                           static_cast<float>(values[2])};
 }
 
 void load_visual(const sdf::Visual& visual, const XmlNode& node, const std::filesystem::path& folder,
@@ -70,10 +79,17 @@ void load_visual(const sdf::Visual& visual, const XmlNode& node, const std::file
                          "one box or one mesh");
   }
   if (mesh) {
-    link.meshes.push_back(load_mesh(*mesh, X_LG, folder));
+    MeshDescription loaded = load_mesh(*mesh, folder);
+    loaded.name = visual.Name();
+    loaded.X_LG = X_LG;
+    loaded.colour = load_colour(node);
+    link.meshes.push_back(std::move(loaded));
   } else {
-    link.visual_boxes.push_back(
-        {.name = visual.Name(), .X_LG = X_LG, .size_m = vector_of(box->child("size")), .surface = {}});
+    link.visual_boxes.push_back({.name = visual.Name(),
+                                 .X_LG = X_LG,
+                                 .size_m = vector_of(box->child("size")),
+                                 .surface = {},
+                                 .colour = load_colour(node)});
   }
 }
 

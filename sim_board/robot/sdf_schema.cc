@@ -143,6 +143,17 @@ XmlRule mesh() {
                 {.name = "scale", .content = kNumbers, .numbers = 3, .range = {.min = 1e-6, .max = 1000}}});
 }
 
+// Only the diffuse colour is used; the other elements of SDF's materials are accepted.
+XmlRule material() {
+  XmlRule rule = group("material", kOptional,
+                       {{.name = "diffuse", .content = kNumbers, .numbers = 4, .range = kFraction}});
+  for (const char* unused : {"ambient", "specular", "emissive", "shininess", "render_order", "lighting",
+                             "double_sided", "script", "shader", "pbr"}) {
+    rule.children.push_back({.name = unused, .content = kAnything});
+  }
+  return rule;
+}
+
 XmlRule surface() {
   return group(
       "surface", kRequired,
@@ -199,17 +210,15 @@ XmlRule force_torque() {
 }
 
 XmlRule link() {
-  return group("link", kRepeated,
-               {pose(), inertial(),
-                group("collision", kRepeated, {pose(), group("geometry", kRequired, {box()}), surface()},
-                      {{.name = "name"}}),
-                group("visual", kRepeated,
-                      {pose(),
-                       group("geometry", kRequired, {box(), mesh()}),
-                       {.name = "material", .content = kAnything}},
-                      {{.name = "name"}}),
-                imu()},
-               {{.name = "name"}});
+  return group(
+      "link", kRepeated,
+      {pose(), inertial(),
+       group("collision", kRepeated, {pose(), group("geometry", kRequired, {box()}), surface()},
+             {{.name = "name"}}),
+       group("visual", kRepeated, {pose(), group("geometry", kRequired, {box(), mesh()}), material()},
+             {{.name = "name"}}),
+       imu()},
+      {{.name = "name"}});
 }
 
 XmlRule axis() {

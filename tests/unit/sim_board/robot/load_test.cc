@@ -180,6 +180,45 @@ TEST(LoadRobot, RefusesPosesThatHangInTheAir) {
               MatchesRegex("FILE:[0-9]+: found .*, expected a model that libsdformat accepts"));
 }
 
+TEST(LoadRobot, ReadsPoseScaleAndColourOfVisuals) {
+  const ScratchFile mesh("stl", "");
+  const ScratchFile scratch(
+      "sdf",
+      with("<collision name",
+           "<visual name='shell'><pose>0.1 0.2 0.3 0 0 1.5707963267948966</pose>\n"
+           "<geometry><mesh><uri>" +
+               mesh.path().string() +
+               "</uri><scale>0.001 0.002 0.003</scale></mesh></geometry>\n"
+               "<material><ambient>1 1 1 1</ambient><diffuse>0.25 0.5 1 1</diffuse></material></visual>\n"
+               "<visual name='bare'><geometry><mesh><uri>" +
+               mesh.path().string() +
+               "</uri></mesh></geometry></visual>\n"
+               "<visual name='block'><geometry><box><size>1 2 3</size></box></geometry>\n"
+               "<material><diffuse>1 0 0 1</diffuse></material></visual>\n<collision name"));
+  const LinkDescription hand = load_robot(scratch.path()).links.at(1);
+  ASSERT_EQ(hand.meshes.size(), 2u);
+  const MeshDescription& shell = hand.meshes[0];
+  EXPECT_EQ(shell.name, "shell");
+  EXPECT_EQ(shell.file, mesh.path());
+  EXPECT_EQ(shell.scale, Eigen::Vector3d(0.001, 0.002, 0.003));
+  EXPECT_TRUE(shell.X_LG.translation().isApprox(Eigen::Vector3d(0.1, 0.2, 0.3)));
+  EXPECT_TRUE((shell.X_LG.linear() * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d::UnitY()));
+  EXPECT_EQ(shell.colour, (ColourDescription{0.25F, 0.5F, 1.0F}));
+  EXPECT_EQ(hand.meshes[1].scale, Eigen::Vector3d(1, 1, 1));
+  EXPECT_EQ(hand.meshes[1].colour, std::nullopt);
+  EXPECT_EQ(hand.visual_boxes.at(0).colour, (ColourDescription{1.0F, 0.0F, 0.0F}));
+}
+
+TEST(LoadRobot, RefusesColoursThatAreNone) {
+  for (const std::string bad : {"red", "1 0 0", "2 0 0 1"}) {
+    EXPECT_EQ(complaint(with("<collision name",
+                             "<visual name='v'><geometry><box><size>1 1 1</size></box></geometry>\n"
+                             "<material><diffuse>" +
+                                 bad + "</diffuse></material></visual>\n<collision name")),
+              "FILE:20: found <diffuse> = " + bad + ", expected 4 times a number from 0 to 1");
+  }
+}
+
 TEST(LoadRobot, RefusesMeshesThatAreNotThere) {
   EXPECT_EQ(
       complaint(with(
