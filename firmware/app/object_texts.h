@@ -76,6 +76,7 @@ inline constexpr canopen::ValueName kReasonNames[] = {
     canopen::value_name(Reason::kVelocityOutOfRange, "velocity out of range"),
     canopen::value_name(Reason::kNotAtRest, "not at rest"),
     canopen::value_name(Reason::kNoGait, "no gait"),
+    canopen::value_name(Reason::kGyroBiasUnknown, "gyro bias unknown"),
 };
 
 inline constexpr canopen::ValueName kFactoryStatusNames[] = {

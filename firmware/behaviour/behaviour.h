@@ -123,7 +123,7 @@ class Behaviour {
   Reason enable(const Judgement& judgement);
   Reason refusal_to_enable(const Judgement& judgement) const;
   Reason play(std::int16_t number, std::uint64_t now_us);
-  Reason walk(std::uint64_t now_us);
+  Reason walk(const Judgement& judgement);
   Reason get_up(const Judgement& judgement);
   Reason stop();
 

@@ -46,7 +46,7 @@ Reason Behaviour::judge(Command command, std::int16_t argument, const Judgement&
     case Command::kStop:
       return stop();
     case Command::kWalk:
-      return walk(judgement.now_us);
+      return walk(judgement);
     case Command::kEmergencyStop:
       return obey_event(Event::kEmergencyStop, judgement.now_us);
     case Command::kReset:
@@ -98,16 +98,18 @@ Reason Behaviour::play(std::int16_t number, std::uint64_t now_us) {
   return obey_event(Event::kPlay, now_us);
 }
 
-// While the robot walks, the command only takes a stop back.
-Reason Behaviour::walk(std::uint64_t now_us) {
+// While the robot walks, the command only cancels a stop. Without a known gyro bias, the estimated attitude
+// drifts: the walk would balance on a wrong attitude, and nothing would detect the fall (watch_for_falls).
+Reason Behaviour::walk(const Judgement& judgement) {
   if (status_.state == State::kWalking) {
     walker_.resume();
     return Reason::kNone;
   }
   if (status_.state != State::kStanding) return Reason::kNotInThisState;
   if (!walk::is_gait(parameters_.walk)) return Reason::kNoGait;
+  if (!judgement.robot.gyro_known) return Reason::kGyroBiasUnknown;
   walker_.start(parameters_.walk, targets());
-  return obey_event(Event::kWalk, now_us);
+  return obey_event(Event::kWalk, judgement.now_us);
 }
 
 Reason Behaviour::get_up(const Judgement& judgement) {

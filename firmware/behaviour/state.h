@@ -85,8 +85,9 @@ enum class Reason : std::uint8_t {
   kUnknownCommand = 37,
   kDriveNotReady = 38,  // a drive is in fault, or still moves since it was last enabled
   kVelocityOutOfRange = 39,
-  kNotAtRest = 40,  // the robot moved in the second of its calibration
-  kNoGait = 41,     // the parameters of the walk are not set, see walk::is_gait
+  kNotAtRest = 40,        // the robot moved in the second of its calibration
+  kNoGait = 41,           // the parameters of the walk are not set, see walk::is_gait
+  kGyroBiasUnknown = 42,  // no second of rest since power-on, and no bias in the parameters
 };
 
 // A set of states.

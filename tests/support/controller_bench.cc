@@ -79,6 +79,12 @@ bool ControllerBench::run_until_standing() {
   return run_until(behaviour::State::kStanding);
 }
 
+bool ControllerBench::run_until_ready_to_walk() {
+  if (!run_until(behaviour::State::kLimp)) return false;
+  for (int ms = 0; ms < 2'000 && values().diagnosis.gyro_calibrations == 0; ++ms) run_ms(1);
+  return values().diagnosis.gyro_calibrations != 0 && run_until_standing();
+}
+
 void ControllerBench::command(behaviour::Command command, std::int16_t argument) {
   hal::CanFrame frame{.identifier = kCommandIdentifier, .size = 3};
   frame.data[0] = static_cast<std::uint8_t>(command);

@@ -47,6 +47,8 @@ class ControllerBench {
   bool run_until(behaviour::State state, int limit_ms = 3'000);
   // Boots and enables the robot and waits until it stands.
   bool run_until_standing();
+  // As above, after the rest in which the controller measures the gyro's bias: the robot may walk.
+  bool run_until_ready_to_walk();
   // Sends a frame from another node to the drives. The firmware receives their answers next.
   void tell_drives(const hal::CanFrame& frame);
   // Sends a command frame as a PC does. The firmware receives it in the next millisecond.

@@ -12,7 +12,7 @@ constexpr int kTwoSeconds_ms = 2'300;  // including the pending request
 
 class ControllerBattery : public testing::Test {
  protected:
-  void SetUp() override { ASSERT_TRUE(bench.run_until_standing()); }
+  void SetUp() override { ASSERT_TRUE(bench.run_until_ready_to_walk()); }
   void supply(std::uint32_t supply_mV) {
     for (auto& drive : bench.drives) drive.set_object(0x6079, 0, supply_mV);
   }

@@ -26,10 +26,13 @@ void reach(ControllerBench& bench, State state) {
   }
   ASSERT_TRUE(bench.run_until(State::kLimp));
   if (state == State::kLimp) return bench.run_ms(21);
-  bench.run_ms(20);
-  bench.command(Command::kEnable);
-  const bool from_standing = state == State::kMotion || state == State::kWalking;
-  ASSERT_TRUE(bench.run_until(from_standing ? State::kStanding : state));
+  if (state == State::kEnabling || state == State::kSoftStart) {
+    bench.run_ms(20);
+    bench.command(Command::kEnable);
+    ASSERT_TRUE(bench.run_until(state));
+    return;
+  }
+  ASSERT_TRUE(bench.run_until_ready_to_walk());
   if (state == State::kMotion) bench.command(Command::kPlay, 1);
   if (state == State::kWalking) bench.command(Command::kWalk);
 }

@@ -77,7 +77,7 @@ TEST_F(ControllerFactoryParameters, WithoutThemNoGyroMovesAJoint) {
 // A client can write the gait parameters, for example to tune them.
 TEST_F(ControllerFactoryParameters, AreNotNeededOnceAClientHasSetTheGait) {
   start_with({});
-  ASSERT_TRUE(bench.run_until_standing());
+  ASSERT_TRUE(bench.run_until_ready_to_walk());
   test::SdoPc pc{bench};
   const auto& gait = test::tuned_gait().step;
   const std::int16_t steps[] = {gait.time_ms,         gait.double_support,  gait.width,

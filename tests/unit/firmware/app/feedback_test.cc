@@ -65,7 +65,7 @@ TEST_F(ControllerFeedback, TurnsTheAnklesOfAWalkingRobotByGainsOfItsOwn) {
   const auto walks_to_rad = [](Gains gains) {
     ControllerBench bench;
     set_gain(bench, gains, 1, 0, 4);  // a quarter
-    EXPECT_TRUE(bench.run_until_standing());
+    EXPECT_TRUE(bench.run_until_ready_to_walk());
     bench.command(Command::kWalk);
     bench.imu_sample.gyro_raw[1] = kOneRadPerS;
     bench.run_ms(200);

@@ -50,7 +50,7 @@ class ControllerNetwork : public testing::Test {
         bench.board.can.deliver(bench.drives[6].emergency(0x2310));
         return bench.run_until(State::kFault, 20);
       default:
-        if (bench.now().state != State::kStanding && !bench.run_until_standing()) return false;
+        if (bench.now().state != State::kStanding && !bench.run_until_ready_to_walk()) return false;
         if (state == State::kMotion) bench.command(Command::kPlay, 1);
         if (state == State::kWalking) bench.command(Command::kWalk);
         if (state == State::kEmergencyStop) bench.command(Command::kEmergencyStop);

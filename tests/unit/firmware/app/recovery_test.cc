@@ -247,6 +247,20 @@ TEST(RecoveryWithoutGyroBias, LooksForNoFalls) {
   EXPECT_EQ(bench.now().state, State::kStanding);
 }
 
+TEST(WithoutGyroBias, TheRobotDoesNotWalk) {
+  ControllerBench bench;
+  ASSERT_TRUE(bench.run_until_standing());
+  ASSERT_EQ(bench.values().diagnosis.gyro_calibrations, 0);
+  bench.command(Command::kWalk);
+  EXPECT_EQ(bench.now().state, State::kStanding);
+  EXPECT_EQ(bench.now().refusal, Reason::kGyroBiasUnknown);
+  bench.command(Command::kLimp);
+  bench.run_ms(2'000);
+  ASSERT_TRUE(bench.run_until_standing());
+  bench.command(Command::kWalk);
+  EXPECT_EQ(bench.now().state, State::kWalking);
+}
+
 // Each fault and command in each state of a fall and of standing up.
 class RecoveryState : public RecoveryTest, public testing::WithParamInterface<State> {
  protected:

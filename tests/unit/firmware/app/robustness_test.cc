@@ -124,7 +124,7 @@ constexpr Beginning kBeginnings[] = {{State::kMotion, Bus::kMild},
 bool lead_to(State state, ControllerBench& bench) {
   if (state == State::kBoot) return true;
   if (state == State::kLimp) return bench.run_until(state);
-  if (!bench.run_until_standing()) return false;
+  if (!bench.run_until_ready_to_walk()) return false;
   if (state == State::kMotion) bench.command(Command::kPlay, 1);
   if (state == State::kWalking) bench.command(Command::kWalk);
   return bench.now().state == state;

@@ -18,7 +18,7 @@ constexpr int kComesToItsEnd_ms = 5'000;
 
 class ControllerWalk : public testing::Test {
  protected:
-  void SetUp() override { ASSERT_TRUE(bench.run_until_standing()); }
+  void SetUp() override { ASSERT_TRUE(bench.run_until_ready_to_walk()); }
 
   void send(const Velocity& velocity) {
     hal::CanFrame frame{.identifier = 0x301, .size = 6};
@@ -121,7 +121,7 @@ TEST_F(ControllerWalk, IsRefusedWhileAMotionPlays) {
 TEST_F(ControllerWalk, EndsInFaultLimpOrEmergencyStopAndStaysThere) {
   const auto ends = [&](const auto& cause, State state) {
     ControllerBench walks;
-    ASSERT_TRUE(walks.run_until_standing());
+    ASSERT_TRUE(walks.run_until_ready_to_walk());
     walks.command(Command::kWalk);
     walks.run_ms(kGetsReady_ms);
     cause(walks);
