@@ -1,0 +1,275 @@
+#include "tools/edit/yaml_document.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <random>
+#include <sstream>
+#include <vector>
+
+#include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
+#include "tests/support/temporary_folder.h"
+
+namespace koboshi::tools {
+namespace {
+
+using sim::YamlNode;
+
+const std::string kMotion = R"(# A bow.
+version: 1
+name: bow   # as on the bus
+
+steps:
+  # down
+  - pose: {left_knee: 30, "right_knee": -30.5}   # degrees
+    time_s: 0.8
+  # and up again
+  - pose: {}
+    time_s: 1   # slowly
+  - wait_s: 0.5
+
+joints: [head, neck]
+roles:
+- first
+- 'second'
+text: |
+  two
+  lines
+empty:
+last: 7
+)";
+
+YamlDocument document(const std::string& text = kMotion) { return {"bow.yaml", text}; }
+
+// The text with one place changed.
+std::string with(const std::string& before, const std::string& after, std::string text = kMotion) {
+  const std::size_t at = text.find(before);
+  EXPECT_NE(at, std::string::npos) << before;
+  EXPECT_EQ(text.find(before, at + 1), std::string::npos) << before;
+  return text.replace(at, before.size(), after);
+}
+
+TEST(YamlDocument, ReplacesAValueAndNoOtherByte) {
+  const std::vector<std::array<std::string, 4>> cases = {
+      {"steps.0.time_s", "1.25", "time_s: 0.8", "time_s: 1.25"},
+      {"steps.1.time_s", "2", "time_s: 1   # slowly", "time_s: 2   # slowly"},
+      {"name", "\"deep bow\"", "bow   #", "\"deep bow\"   #"},
+      {"steps.0.pose.left_knee", "-5", "left_knee: 30", "left_knee: -5"},
+      {"steps.0.pose.right_knee", "0", "-30.5", "0"},
+      {"joints.1", "trunk", ", neck]", ", trunk]"},
+      {"roles.1", "third", "'second'", "third"},
+      {"joints", "[]", "[head, neck]", "[]"},
+      {"steps.1.pose", "{left_hip: 1}", "{}", "{left_hip: 1}"},
+      {"empty", "3", "empty:", "empty: 3"},
+      {"text", "short", "|\n  two\n  lines\n", "short\n"},
+      {"roles", "[a]", "\n- first\n- 'second'", " [a]"},
+      {"steps.2", "{wait_s: 1}", "wait_s: 0.5", "{wait_s: 1}"},
+  };
+  for (const auto& [path, value, before, after] : cases) {
+    SCOPED_TRACE(path);
+    YamlDocument bow = document();
+    bow.set(std::string_view(path), value);
+    EXPECT_EQ(bow.text(), with(before, after));
+  }
+}
+
+TEST(YamlDocument, AddsAKeyAsItsMapsLast) {
+  YamlDocument bow = document();
+  bow.set("steps.0.pose.neck", "3");
+  bow.set("steps.1.pose.neck", "4");
+  bow.set("steps.1.stiffness", "0.5");
+  bow.set("note", "done");
+  EXPECT_EQ(bow.text(),
+            with("-30.5}", "-30.5, neck: 3}",
+                 with("{}", "{neck: 4}",
+                      with("slowly\n", "slowly\n    stiffness: 0.5\n", kMotion + "note: done\n"))));
+}
+
+TEST(YamlDocument, InsertsItemsWithTheIndentationOfTheirNeighbours) {
+  YamlDocument bow = document();
+  bow.insert("steps.1", "{wait_s: 2}");
+  EXPECT_EQ(bow.text(), with("  # and up", "  - {wait_s: 2}\n  # and up"));
+  bow = document();
+  bow.insert("steps.3", "{wait_s: 2}");
+  EXPECT_EQ(bow.text(), with("wait_s: 0.5\n", "wait_s: 0.5\n  - {wait_s: 2}\n"));
+  bow = document();
+  bow.insert("roles.0", "zero");
+  EXPECT_EQ(bow.text(), with("- first", "- zero\n- first"));
+  bow = document();
+  bow.insert("joints.0", "trunk");
+  EXPECT_EQ(bow.text(), with("[head", "[trunk, head"));
+  bow = document();
+  bow.insert("joints.2", "trunk");
+  EXPECT_EQ(bow.text(), with("neck]", "neck, trunk]"));
+}
+
+TEST(YamlDocument, ErasesAnItemWithItsLinesAndNoComment) {
+  YamlDocument bow = document();
+  bow.erase("steps.1");
+  EXPECT_EQ(bow.text(), with("  - pose: {}\n    time_s: 1   # slowly\n", ""));
+  bow = document();
+  bow.erase("steps.0.pose");
+  EXPECT_EQ(bow.text(), with("pose: {left_knee: 30, \"right_knee\": -30.5}   # degrees\n    ", ""));
+  bow = document();
+  bow.erase("steps.0.pose.left_knee");
+  EXPECT_EQ(bow.text(), with("left_knee: 30, ", ""));
+  bow = document();
+  bow.erase("joints.1");
+  EXPECT_EQ(bow.text(), with(", neck", ""));
+  bow = document();
+  bow.erase("steps.2.wait_s");
+  EXPECT_EQ(bow.text(), with("wait_s: 0.5", "{}"));
+  bow = document("roles:\n- only\n");
+  bow.erase("roles.0");
+  EXPECT_EQ(bow.text(), "roles: []\n");
+}
+
+TEST(YamlDocument, RenamesAKey) {
+  YamlDocument bow = document();
+  bow.rename("steps.0.time_s", "duration_s");
+  EXPECT_EQ(bow.text(), with("time_s: 0.8", "duration_s: 0.8"));
+}
+
+TEST(YamlDocument, RefusesAnEditThatDoesNotFitAndKeepsItsText) {
+  YamlDocument bow = document();
+  EXPECT_THROW(bow.set("steps.3.time_s", "1"), sim::InputError);  // no such step
+  EXPECT_THROW(bow.set("steps.9", "1"), sim::InputError);         // beyond the end
+  EXPECT_THROW(bow.set("name.first", "1"), sim::InputError);      // not a map
+  EXPECT_THROW(bow.set("steps.0.pose.neck", "1, 2"), sim::InputError);
+  EXPECT_THROW(bow.set("name", "[1"), sim::InputError);
+  EXPECT_THROW(bow.set("name", "1\nother: 2"), sim::InputError);
+  EXPECT_THROW(bow.set("name", "1 # a comment"), sim::InputError);
+  EXPECT_THROW(bow.set("version", "*alias"), sim::InputError);
+  EXPECT_THROW(bow.insert("name", "1"), sim::InputError);  // is there already
+  EXPECT_THROW(bow.erase("steps.0.nothing"), sim::InputError);
+  EXPECT_THROW(bow.rename("steps.0.time_s", "pose"), sim::InputError);  // a second pose
+  EXPECT_THROW(bow.rename("steps.0.time_s", "a: b"), sim::InputError);
+  EXPECT_EQ(bow.text(), kMotion);
+}
+
+TEST(YamlDocument, ReplacesTheFileAsAWhole) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path / "bow.yaml";
+  test::write_file(file, kMotion);
+  YamlDocument bow(file);
+  bow.set("version", "2");
+  EXPECT_EQ(sim::read_text_file(file, ""), kMotion);
+  bow.save();
+  EXPECT_EQ(sim::read_text_file(file, ""), with("version: 1", "version: 2"));
+}
+
+// --- Every YAML file of the repository
+
+std::vector<std::filesystem::path> shipped_files() {
+  std::vector<std::filesystem::path> files;
+  for (const char* folder : {"robots", "scenarios", "studies"})
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(std::filesystem::path(KOBOSHI_SOURCE_DIR) / folder))
+      if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+  std::ranges::sort(files);
+  return files;
+}
+
+using Steps = std::vector<std::string>;
+
+Steps with_step(Steps steps, const std::string& step) {
+  steps.push_back(step);
+  return steps;
+}
+
+void collect_paths(const YamlNode& node, const Steps& path, std::vector<Steps>& paths) {
+  for (std::size_t i = 0; i < node.items.size(); ++i) {
+    const YamlNode& item = node.items[i];
+    const Steps steps = with_step(path, node.kind == YamlNode::Kind::kMap ? item.key : std::to_string(i));
+    paths.push_back(steps);
+    collect_paths(item, steps, paths);
+  }
+}
+
+std::vector<Steps> paths_of(const YamlDocument& document) {
+  std::vector<Steps> paths;
+  collect_paths(document.tree(), {}, paths);
+  return paths;
+}
+
+const YamlNode& at(const YamlNode& root, const YamlPath& path) {
+  const YamlNode* node = &root;
+  for (const std::string& step : path.steps())
+    node = node->kind == YamlNode::Kind::kMap ? node->find(step) : &node->items[std::stoul(step)];
+  return *node;
+}
+
+// Number of bytes that both texts have at the start and, beyond these, at the end.
+std::size_t common_bytes(const std::string& one, const std::string& other) {
+  const std::size_t start = static_cast<std::size_t>(std::ranges::mismatch(one, other).in1 - one.begin());
+  std::size_t end = 0;
+  while (start + end < std::min(one.size(), other.size()) &&
+         one[one.size() - 1 - end] == other[other.size() - 1 - end])
+    ++end;
+  return start + end;
+}
+
+TEST(YamlDocumentOfEachFile, ChangesAnyScalarInPlaceAndBack) {
+  std::mt19937 random(20081123);
+  for (const auto& file : shipped_files()) {
+    const YamlDocument original(file);
+    for (const Steps& steps : paths_of(original)) {
+      const YamlPath path(steps);
+      const YamlNode& node = at(original.tree(), path);
+      if (node.kind != YamlNode::Kind::kScalar || random() % 4 != 0) continue;
+      SCOPED_TRACE(file.string() + ": " + path.text());
+      const std::string value = std::to_string(static_cast<double>(random()) / 1e6);
+      YamlDocument edited = original;
+      edited.set(path, value);
+      EXPECT_EQ(at(edited.tree(), path).scalar, value);
+      const std::size_t quotes = node.quoted ? 2 : 0;
+      EXPECT_GE(common_bytes(original.text(), edited.text()) + node.scalar.size() + quotes,
+                original.text().size());
+      edited.set(path, node.quoted ? '"' + node.scalar + '"' : node.scalar);
+      EXPECT_EQ(edited.text(), original.text());
+    }
+  }
+}
+
+TEST(YamlDocumentOfEachFile, InsertsAnywhereAndErasesAgain) {
+  std::mt19937 random(20081124);
+  for (const auto& file : shipped_files()) {
+    const YamlDocument original(file);
+    for (const Steps& steps : paths_of(original)) {
+      const YamlPath path(steps);
+      const YamlNode& node = at(original.tree(), path);
+      if (node.items.empty() || random() % 3 != 0) continue;
+      SCOPED_TRACE(file.string() + ": " + path.text());
+      const bool is_map = node.kind == YamlNode::Kind::kMap;
+      const YamlPath place(
+          with_step(steps, is_map ? "added" : std::to_string(random() % (node.items.size() + 1))));
+      YamlDocument edited = original;
+      edited.insert(place, "{a: [1, 2]}");
+      EXPECT_EQ(at(edited.tree(), place).items.size(), 1u);
+      edited.erase(place);
+      EXPECT_EQ(edited.text(), original.text());
+    }
+  }
+}
+
+TEST(YamlDocumentOfEachFile, ErasesAnythingOrRefuses) {
+  std::mt19937 random(20081125);
+  for (const auto& file : shipped_files()) {
+    const YamlDocument original(file);
+    for (const Steps& steps : paths_of(original)) {
+      const YamlPath path(steps);
+      if (random() % 4 != 0) continue;
+      SCOPED_TRACE(file.string() + ": " + path.text());
+      YamlDocument edited = original;
+      EXPECT_NO_THROW(edited.erase(path));
+      const auto comments = [](const std::string& text) { return std::ranges::count(text, '#'); };
+      EXPECT_LE(comments(edited.text()), comments(original.text()));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace koboshi::tools
