@@ -29,24 +29,24 @@ struct Box {
 
 // Triangles with counter-clockwise corners as seen from outside.
 struct Mesh {
-  std::vector<Eigen::Vector3f> vertices_m;
-  std::vector<std::array<std::uint32_t, 3>> triangles;  // indices of vertices
+  std::vector<Eigen::Vector3f> vertices_m{};
+  std::vector<std::array<std::uint32_t, 3>> triangles{};  // indices of vertices
 };
 
 struct Shape {
-  std::string name;
+  std::string name{};
   Eigen::Isometry3d X_LG = Eigen::Isometry3d::Identity();  // pose in the link, or in the world for the ground
-  std::variant<Box, Mesh> geometry;
-  Colour colour;
+  std::variant<Box, Mesh> geometry{};
+  Colour colour{};
 };
 
 struct Link {
-  std::string name;
+  std::string name{};
   int parent = -1;  // index of the link towards the trunk; -1: the trunk
   double mass_kg = 0.0;
   Eigen::Vector3d p_LCom_L = Eigen::Vector3d::Zero();
-  std::vector<Shape> visuals;
-  std::vector<Shape> collisions;
+  std::vector<Shape> visuals{};
+  std::vector<Shape> collisions{};
 };
 
 // The plane of points p with normal_W . p = offset_m.
@@ -56,21 +56,21 @@ struct Plane {
 };
 
 struct Scene {
-  std::string robot;
-  std::vector<Link> links;
-  std::vector<Plane> planes;  // at most one
-  std::vector<Shape> ground;  // boxes, height fields and friction patches
+  std::string robot{};
+  std::vector<Link> links{};
+  std::vector<Plane> planes{};  // at most one
+  std::vector<Shape> ground{};  // boxes, height fields and friction patches
   // Corners of each sole in its link's frame, counter-clockwise from above, by Side; and the sole's link.
-  std::array<std::vector<Eigen::Vector3d>, 2> soles_L;
+  std::array<std::vector<Eigen::Vector3d>, 2> soles_L{};
   std::array<int, 2> sole_links{-1, -1};
 };
 
 // A column of Sample::values: those of trace.csv (docs/reference/recording.md).
 struct Signal {
-  std::string name;
-  std::string unit;  // empty: without one
+  std::string name{};
+  std::string unit{};  // empty: without one
   // Names of the values of an integer signal, such as the states; empty for a number.
-  std::vector<std::pair<std::int64_t, std::string>> names;
+  std::vector<std::pair<std::int64_t, std::string>> names{};
 };
 
 struct Pose {
@@ -88,15 +88,15 @@ struct ContactForce {
 // The state after a tick.
 struct Sample {
   std::uint64_t time_us = 0;
-  std::vector<Pose> links;  // by index of Scene::links
-  std::vector<ContactForce> contacts;
-  std::vector<float> values;  // by index of Recording::signals; NaN: no value
+  std::vector<Pose> links{};  // by index of Scene::links
+  std::vector<ContactForce> contacts{};
+  std::vector<float> values{};  // by index of Recording::signals; NaN: no value
 };
 
 struct Event {
   std::uint64_t time_us = 0;
-  std::string kind;  // docs/reference/events.md
-  std::string text;
+  std::string kind{};  // docs/reference/events.md
+  std::string text{};
 };
 
 // A force on a link during an interval.
@@ -110,22 +110,22 @@ struct Push {
 
 struct Frame {
   std::uint64_t end_us = 0;  // end of the last bit of EOF
-  hal::CanFrame frame;
+  hal::CanFrame frame{};
 };
 
 struct Recording {
-  std::string title;     // the scenario's name
-  std::string scenario;  // the text of the file
+  std::string title{};     // the scenario's name
+  std::string scenario{};  // the text of the file
   std::uint64_t seed = 0;
-  std::string stepper;
-  std::string version;   // of Koboshi
-  bool complete = true;  // false: interrupted, read up to its last whole block
-  Scene scene;
-  std::vector<Signal> signals;
-  std::vector<Sample> samples;  // in order of time
-  std::vector<Event> events;
-  std::vector<Push> pushes;
-  std::vector<Frame> frames;
+  std::string stepper{};
+  std::string version{};  // of Koboshi
+  bool complete = true;   // false: interrupted, read up to its last whole block
+  Scene scene{};
+  std::vector<Signal> signals{};
+  std::vector<Sample> samples{};  // in order of time
+  std::vector<Event> events{};
+  std::vector<Push> pushes{};
+  std::vector<Frame> frames{};
 };
 
 }  // namespace koboshi::view
