@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -29,9 +30,29 @@ const JointDescription& joint_of(const std::string& name) {
   return default_robot().joints.at(static_cast<std::size_t>(default_robot().find_joint(name).value()));
 }
 
-// The box that stands for a link's mass: what it collides with, or the case of its servo.
-const BoxDescription& mass_box(const LinkDescription& link) {
-  return link.collisions.empty() ? link.visual_boxes.at(0) : link.collisions.at(0);
+// The box of uniform density that stands for a link's mass.
+struct MassBox {
+  Eigen::Vector3d p_LBox_m;
+  Eigen::Vector3d size_m;
+};
+
+// The box with which the link collides, or around the servo of a link without one.
+MassBox mass_box(const LinkDescription& link) {
+  if (!link.collisions.empty()) {
+    return {link.collisions[0].X_LG.translation(), link.collisions[0].size_m};
+  }
+  static const std::map<std::string, MassBox> kServos{
+      {"neck", {{0, 0, 0.011}, {0.03, 0.024, 0.022}}},
+      {"left_hip_yaw_link", {{-0.016, 0, 0.01}, {0.03, 0.024, 0.036}}},
+      {"right_hip_yaw_link", {{-0.016, 0, 0.01}, {0.03, 0.024, 0.036}}},
+      {"left_hip_roll_link", {{0.012, 0, 0.004}, {0.036, 0.024, 0.03}}},
+      {"right_hip_roll_link", {{0.012, 0, 0.004}, {0.036, 0.024, 0.03}}},
+      {"left_ankle_link", {{-0.01, 0, -0.008}, {0.036, 0.024, 0.022}}},
+      {"right_ankle_link", {{-0.01, 0, -0.008}, {0.036, 0.024, 0.022}}},
+      {"left_shoulder_link", {{0, -0.006, 0.004}, {0.036, 0.024, 0.03}}},
+      {"right_shoulder_link", {{0, 0.006, 0.004}, {0.036, 0.024, 0.03}}},
+  };
+  return kServos.at(link.name);
 }
 
 Eigen::Vector3d corner_M(const LinkDescription& link, const BoxDescription& box, int corner) {
@@ -147,12 +168,12 @@ TEST(DefaultRobot, MirrorsItsSides) {
 
 TEST(DefaultRobot, GivesEachLinkTheInertiaOfItsBox) {
   for (const LinkDescription& link : default_robot().links) {
-    const BoxDescription& box = mass_box(link);
+    const MassBox box = mass_box(link);
     const Eigen::Vector3d squares = box.size_m.cwiseProduct(box.size_m);
     const Eigen::Vector3d moments = link.mass_kg / 12 * (Eigen::Vector3d::Constant(squares.sum()) - squares);
     EXPECT_LT((link.I_LCom_L - Eigen::Matrix3d(moments.asDiagonal())).norm(), 1e-3 * moments.norm())
         << link.name;
-    EXPECT_LT((link.p_LCom_L - box.X_LG.translation()).norm(), 1e-9) << link.name;
+    EXPECT_LT((link.p_LCom_L - box.p_LBox_m).norm(), 1e-9) << link.name;
     EXPECT_GT(moments.minCoeff(), 5e-7) << link.name << " would be hard on the solver";
   }
 }
@@ -239,16 +260,20 @@ TEST(DefaultRobot, CarriesItsSensors) {
   EXPECT_NEAR(robot.right_ankle->height_above_sole_m, 0.040, 1e-9);
 }
 
-TEST(DefaultRobot, DressesItsBoxesInShells) {
+TEST(DefaultRobot, ShowsEveryLinkInColour) {
   std::uintmax_t bytes = 0;
   std::set<std::filesystem::path> files;
   for (const LinkDescription& link : default_robot().links) {
-    EXPECT_EQ(link.meshes.empty(), link.collisions.empty()) << link.name;
-    for (const MeshDescription& mesh : link.meshes) files.insert(mesh.file);
+    EXPECT_FALSE(link.meshes.empty()) << link.name;
+    EXPECT_TRUE(link.visual_boxes.empty()) << link.name;
+    for (const MeshDescription& mesh : link.meshes) {
+      EXPECT_TRUE(mesh.colour.has_value()) << link.name << " " << mesh.name;
+      EXPECT_EQ(mesh.scale, Eigen::Vector3d::Constant(0.001)) << "the files are in millimetres";
+      files.insert(mesh.file);
+    }
   }
   for (const auto& file : files) bytes += std::filesystem::file_size(file);
-  EXPECT_EQ(files.size(), 7u);
-  EXPECT_LT(bytes, 300'000u);
+  EXPECT_LT(bytes, 1'500'000u);
 }
 
 }  // namespace
