@@ -173,6 +173,19 @@ class Meshes(unittest.TestCase):
             loose = [(shells[i][0], np.round((boxes[i][0] + boxes[i][1]) / 2, 1)) for i in set(range(len(shells))) - reached]
             self.assertEqual(loose, [], name)
 
+    def test_covers_stay_near_what_collides(self):
+        joints = ("servo", "label", "horn", "horns", "fork", "bracket", "strut", "frame")  # no box covers the joints
+        for link in MODEL.findall("link"):
+            box = link.find("collision")
+            if box is None:
+                continue
+            middle, half = numbers(box.find("pose"), "")[:3] * 1000, numbers(box.find("geometry/box/size"), "") * 500
+            for visual in LINKS[link.get("name")]:
+                if not visual.name.endswith(joints):
+                    points = np.concatenate([shell.reshape(-1, 3) for shell in visual.shells()])
+                    outside = np.linalg.norm(np.maximum(np.abs(points - middle) - half, 0), axis=1)
+                    self.assertLess(outside.max(), 5.5, f"{link.get('name')}: {visual.name}, in millimetres")
+
     def test_soles_are_level_with_what_collides(self):
         for side in SIDES:
             box = next(link for link in MODEL.findall("link") if link.get("name") == f"{side}_foot").find("collision")

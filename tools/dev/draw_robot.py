@@ -2,7 +2,7 @@
 """draw_robot.py ROBOT.sdf TRACE.csv OUT.png TIME_s...: draws the robot as it stood at these times of a run, side by side.
 
 For pictures in the documentation; needs python3-numpy and python3-matplotlib. Reads just what robots/koboshi/robot.sdf uses: links
-whose poses are translations relative to other links, hinges, boxes and binary STL meshes as visuals.
+whose poses are translations relative to other links, hinges, boxes and binary STL meshes as visuals, with their colours.
 """
 
 import csv
@@ -16,8 +16,6 @@ import numpy as np
 
 VIEW = np.radians([62.0, 14.0])  # azimuth from ahead to the robot's left, elevation
 LIGHT = np.array([0.5, 0.6, 0.8]) / np.linalg.norm([0.5, 0.6, 0.8])
-COLOURS = {"trunk": (0.16, 0.36, 0.56), "head": (0.93, 0.93, 0.9), "neck": (0.3, 0.3, 0.32)}
-JOINT_COLOUR, LIMB_COLOUR, FOOT_COLOUR = (0.3, 0.3, 0.32), (0.9, 0.9, 0.87), (0.82, 0.33, 0.05)
 PIXELS_PER_M, TILE = 2600, (1150, 1000)  # oversampled twofold; height, width
 BOX_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 BOX_FACES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -56,7 +54,7 @@ class Robot:
         self.links, self.joints = {}, []
         for link in model.findall("link"):
             pose = link.find("pose")
-            triangles = []
+            shapes = []
             for visual in link.findall("visual"):
                 at = numbers(visual.find("pose"))
                 mesh, box = visual.find("geometry/mesh"), visual.find("geometry/box/size")
@@ -65,8 +63,9 @@ class Robot:
                     shape = stl_triangles(pathlib.Path(file).parent / mesh.find("uri").text, scale)
                 else:
                     shape = box_triangles(numbers(box))
-                triangles.append(shape @ rpy(at[3:]).T + at[:3])
-            self.links[link.get("name")] = (numbers(pose)[:3], np.concatenate(triangles))
+                colour = numbers(visual.find("material/diffuse"), "0.8 0.8 0.8 1")[:3]
+                shapes.append((colour, shape @ rpy(at[3:]).T + at[:3]))
+            self.links[link.get("name")] = (numbers(pose)[:3], shapes)
         for joint in model.findall("joint"):
             axis = numbers(joint.find("axis/xyz"))
             self.joints.append((joint.get("name"), joint.find("parent").text, joint.find("child").text, axis))
@@ -85,9 +84,8 @@ class Robot:
             angle = float(row[f"{name}_true_rad"])
             frames[child] = (rotation @ turn(axis, angle), origin + rotation @ self.links[child][0])
         for name, (rotation, origin) in frames.items():
-            colour = COLOURS.get(name, FOOT_COLOUR if "foot" in name else LIMB_COLOUR if any(
-                part in name for part in ("thigh", "shank", "arm")) else JOINT_COLOUR)
-            yield colour, self.links[name][1] @ rotation.T + origin
+            for colour, triangles in self.links[name][1]:
+                yield colour, triangles @ rotation.T + origin
 
 
 def draw_tile(shapes, middle_x):

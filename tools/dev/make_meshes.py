@@ -16,13 +16,14 @@ import sys
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from solids import (ALONG_X, ALONG_Y, DOWN, arc_band, block, both_sides, circle, curve, disc, hull, inset, join, loft, loft_x, move,  # noqa: E402
-                    plate_x, plate_y, plate_z, rectangle, stl_bytes, superellipse, tapered, tube, turn, turned)
+from solids import (ALONG_X, ALONG_Y, DOWN, arc_band, block, both_sides, circle, curve, disc, hull, inset, join, loft, loft_x, move, # noqa: E402
+                    plate_x, plate_y, plate_z, rectangle, rounded, stl_bytes, superellipse, tapered, tube, turn, turned)
 
 COLOURS = {
     "case": (0.13, 0.135, 0.15),
     "dark": (0.07, 0.072, 0.08),
     "rubber": (0.1, 0.1, 0.105),
+    "label": (0.8, 0.81, 0.82),
     "steel": (0.45, 0.47, 0.5),
     "sheet": (0.76, 0.78, 0.81),
     "cover": (0.95, 0.93, 0.88),
@@ -51,9 +52,14 @@ def servo():
     boss = [(0, 10.2), (6.6, 10.2), (6.6, 11.0), (0, 11.0)]
     screws = [move(screw(1.5, 0.9), x, y, 10.2) for x in (19.6,) for y in (6.2, -6.2)]
     ends = join(turned(boss, 12), *screws)
-    label = block(3.0, 17.0, 8.6, 9.35, -4.2, 4.2, 0.3, 0.2, 1)
     plugs = join(block(22.0, 23.6, -6.5, -0.7, -3.0, 3.0, 0.4, 0.3, 1), block(22.0, 23.6, 0.7, 6.5, -3.0, 3.0, 0.4, 0.3, 1))
-    return join(*slabs, ends, turn(ends, DOWN), both_sides(label), plugs)
+    return join(*slabs, ends, turn(ends, DOWN), plugs)
+
+
+def servo_label():
+    """The maker's stripe and two lines of print on both narrow sides of the case."""
+    lines = [plate_y(rectangle(x0, x1, z0, z1), 8.8, 9.15) for x0, x1, z0, z1 in ((4.5, 17.5, 1.6, 4.0), (4.5, 14.0, -1.2, -0.1), (4.5, 11.0, -3.4, -2.3))]
+    return both_sides(join(*lines))
 
 
 def tapered_slab(outline, z0, z1, bevel=0.45):
@@ -77,7 +83,7 @@ def horns():
     return join(horn(), turn(horn(), DOWN))
 
 
-def bend(radius_in=0.5, steps=4):
+def bend(radius_in=0.5, steps=3):
     """The section of a bend of the sheet from the direction -y to +z, about the origin: outside in the quadrant y > 0, z < 0."""
     return arc_band(radius_in, radius_in + SHEET, -90, 0, steps)
 
@@ -85,11 +91,11 @@ def bend(radius_in=0.5, steps=4):
 def fork(foot=20.0, half_depth=8.5):
     """A U of sheet metal about the joint's y axis: two tabs on the horns, a foot across at z = -foot."""
     outline = hull(circle(HORN_RADIUS), rectangle(-half_depth, half_depth, 0.1 - foot, 2.0 - foot))
-    waist = hull(circle(2.2, (-3.2, -12.6), 10), circle(2.2, (3.2, -12.6), 10))
-    tabs = both_sides(plate_y(outline, TAB, TAB_OUT, [circle(3.4, corners=16), waist], 0.2))
+    waist = hull(circle(2.2, (-3.2, -12.6), 8), circle(2.2, (3.2, -12.6), 8))
+    tabs = both_sides(plate_y(outline, TAB, TAB_OUT, [circle(3.4, corners=12), waist], 0.2))
     corner = bend() + np.array([TAB_OUT - 2.0, 0.5 - foot])
     bends = both_sides(plate_x(corner, -half_depth, half_depth))
-    across = plate_z(rectangle(-half_depth, half_depth, -TAB_OUT + 1.8, TAB_OUT - 1.8), -foot - SHEET, -foot, [circle(4.0, corners=16)])
+    across = plate_z(rectangle(-half_depth, half_depth, -TAB_OUT + 1.8, TAB_OUT - 1.8), -foot - SHEET, -foot, [circle(4.0, corners=12)])
     return join(tabs, bends, across)
 
 
@@ -137,7 +143,7 @@ def hip_roll_bracket():
 
 
 def thigh_cover():
-    front = tapered((-56.0, 7.5, 10.0, -6.5, 6.5, 1.0), (-54.5, 6.0, 11.0, -8.0, 8.0, 1.8), (-40.0, 4.5, 12.4, -10.2, 10.2, 2.6),
+    front = rounded((-56.0, 7.5, 10.0, -6.5, 6.5, 1.0), (-54.5, 6.0, 11.0, -8.0, 8.0, 1.8), (-40.0, 4.5, 12.4, -10.2, 10.2, 2.6),
                     (-26.0, 4.5, 12.4, -10.2, 10.2, 2.6), (-19.5, 5.0, 11.2, -8.6, 8.6, 2.2), (-17.5, 6.0, 9.8, -7.0, 7.0, 1.2))
     side = tapered_side(-24.5, -43.0)
     return join(front, both_sides(side))
@@ -154,7 +160,7 @@ def thigh_stripe():
 
 
 def shank_cover():
-    front = tapered((-56.5, 7.0, 10.0, -6.0, 6.0, 1.0), (-54.5, 5.5, 11.2, -8.0, 8.0, 2.0), (-38.0, 4.5, 13.2, -11.6, 11.6, 3.0),
+    front = rounded((-56.5, 7.0, 10.0, -6.0, 6.0, 1.0), (-54.5, 5.5, 11.2, -8.0, 8.0, 2.0), (-38.0, 4.5, 13.2, -11.6, 11.6, 3.0),
                     (-24.0, 4.5, 13.6, -12.0, 12.0, 3.0), (-15.5, 5.5, 12.2, -9.5, 9.5, 2.4), (-12.5, 7.0, 10.8, -7.5, 7.5, 1.4))
     return join(front, both_sides(tapered_side(-25.0, -42.0)))
 
@@ -167,7 +173,7 @@ def shank_stripe():
 
 def leg_core(top, bottom):
     """Wiring between the plates."""
-    cables = [tube(curve((x, y, bottom - 1.0), (x - 0.8, 1.2 * y, (top + bottom) / 2), (x, y, top + 1.5), steps=4), 1.2)
+    cables = [tube(curve((x, y, bottom - 1.0), (x - 0.8, 1.2 * y, (top + bottom) / 2), (x, y, top + 1.5), steps=3), 1.2)
               for x, y in ((-3.2, -3.6), (-3.2, 3.6), (-1.0, -1.2))]
     return join(block(-1.0, 5.2, -8.2, 8.2, bottom - 1.0, top + 0.5, 1.0, 0.6), *cables)
 
@@ -209,7 +215,7 @@ def foot_sole():
 
 
 def foot_cover():
-    toe = tapered((-36.4, 5.0, 60.5, -26.5, 26.5, 8.0), (-34.0, 5.0, 61.0, -27.0, 27.0, 8.0), (-31.0, 6.5, 58.5, -26.0, 26.0, 8.0),
+    toe = rounded((-36.4, 5.0, 60.5, -26.5, 26.5, 8.0), (-34.0, 5.0, 61.0, -27.0, 27.0, 8.0), (-31.0, 6.5, 58.5, -26.0, 26.0, 8.0),
                   (-25.2, 12.0, 44.0, -20.0, 20.0, 7.0), (-24.0, 14.0, 41.5, -18.0, 18.0, 6.0), steps=5)
     rail = tapered((-36.4, -37.0, 7.0, 17.5, 26.8, 4.0), (-33.0, -36.6, 7.0, 17.5, 26.6, 4.0), (-29.5, -33.0, 7.0, 18.5, 24.5, 2.5),
                    (-28.7, -31.0, 7.0, 19.5, 23.5, 1.5))
@@ -299,19 +305,19 @@ def trunk_core():
     ribs = join(*[tapered((z, -14.0, 13.5, -24.0, 24.0, 4.0), (z + 0.9, -15.5, 15.0, -25.5, 25.5, 5.0), (z + 3.3, -15.5, 15.0, -25.5, 25.5, 5.0),
                           (z + 4.2, -14.0, 13.5, -24.0, 24.0, 4.0)) for z in (51.0, 55.0, 59.0, 63.0, 67.0)])
     boards = block(-9.0, 9.0, -19.5, 19.5, 70.0, 117.0, 1.0, 0.5)
-    cable = join(tube(curve((-22, 20, 66), (-27, 24, 60), (-25, 29, 54), (-21.8, 30, 46), steps=5), 1.5),
-                 tube(curve((-22, 16, 66), (-26.5, 20, 59), (-24.5, 25, 53), (-21.8, 26.5, 44), steps=5), 1.5),
-                 tube(curve((-20, 28, 112), (-17, 35, 112), (-11, 38, 106), (-4, 36, 100), steps=5), 1.5))
+    cable = join(tube(curve((-22, 20, 66), (-27, 24, 60), (-25, 29, 54), (-21.8, 30, 46), steps=3), 1.5),
+                 tube(curve((-22, 16, 66), (-26.5, 20, 59), (-24.5, 25, 53), (-21.8, 26.5, 44), steps=3), 1.5),
+                 tube(curve((-20, 28, 112), (-17, 35, 112), (-11, 38, 106), (-4, 36, 100), steps=3), 1.5))
     return join(pelvis, ribs, boards, both_sides(cable))
 
 
 def chest_cover():
-    chest = tapered((76.0, 10.0, 22.0, -22.0, 22.0, 4.0), (78.0, 9.0, 25.0, -26.0, 26.0, 5.0), (90.0, 9.3, 30.0, -36.5, 36.5, 7.0),
+    chest = rounded((76.0, 10.0, 22.0, -22.0, 22.0, 4.0), (78.0, 9.0, 25.0, -26.0, 26.0, 5.0), (90.0, 9.3, 30.0, -36.5, 36.5, 7.0),
                     (96.0, 9.3, 31.0, -38.5, 38.5, 7.5), (120.0, 9.3, 31.0, -39.0, 39.0, 8.0), (128.0, 9.3, 28.5, -37.0, 37.0, 8.0),
-                    (133.0, 9.3, 23.0, -32.0, 32.0, 6.0), (134.5, 9.6, 19.0, -29.0, 29.0, 4.0), steps=4)
-    abdomen = tapered((56.5, 13.0, 18.5, -13.0, 13.0, 2.5), (58.0, 12.5, 20.0, -15.0, 15.0, 3.5), (72.5, 12.5, 23.5, -21.0, 21.0, 4.0),
+                    (133.0, 9.3, 23.0, -32.0, 32.0, 6.0), (134.5, 9.6, 19.0, -29.0, 29.0, 4.0), steps=6)
+    abdomen = rounded((56.5, 13.0, 18.5, -13.0, 13.0, 2.5), (58.0, 12.5, 20.0, -15.0, 15.0, 3.5), (72.5, 12.5, 23.5, -21.0, 21.0, 4.0),
                       (74.5, 12.5, 22.0, -19.5, 19.5, 3.5))
-    skirt = tapered((33.0, 9.5, 15.5, -27.0, 27.0, 2.5), (35.0, 8.8, 18.0, -31.0, 31.0, 4.0), (49.0, 8.8, 21.0, -38.5, 38.5, 5.0),
+    skirt = rounded((33.0, 9.5, 15.5, -27.0, 27.0, 2.5), (35.0, 8.8, 18.0, -31.0, 31.0, 4.0), (49.0, 8.8, 21.0, -38.5, 38.5, 5.0),
                     (53.0, 9.0, 19.5, -37.5, 37.5, 4.5), (54.0, 10.0, 17.5, -35.5, 35.5, 3.0), steps=4)
     top = tapered((130.3, -14.0, 9.6, -22.0, 22.0, 3.0), (133.0, -14.0, 9.6, -21.0, 21.0, 3.0), (134.5, -12.0, 9.6, -18.0, 18.0, 2.0))
     return join(chest, abdomen, skirt, top)
@@ -367,12 +373,12 @@ def head_frame():
     return both_sides(join(tab, move(turn(ear, ALONG_Y), -3.0, 0, FACE[1])))
 
 
-def head_outline(scale, corners=44):
+def head_outline(scale, corners=52):
     return superellipse(27.6 * scale, 21.6 * scale, 2.6, (0.0, FACE[1] + 2.0), corners)
 
 
 def helmet():
-    sections = [(-24.8, 0.36), (-24.0, 0.52), (-22.4, 0.66), (-19.4, 0.79), (-15.0, 0.9), (-9.0, 0.97), (-2.0, 1.0), (8.0, 1.0), (15.0, 0.975), (17.5, 0.955)]
+    sections = [(-25.0, 0.2), (-24.6, 0.38), (-23.7, 0.52), (-22.2, 0.64), (-20.0, 0.75), (-17.0, 0.84), (-13.0, 0.92), (-8.0, 0.975), (-2.0, 1.0), (8.0, 1.0), (15.0, 0.975), (17.5, 0.955)]
     shell = loft_x([(x, head_outline(s)) for x, s in sections])
     rim = plate_x(head_outline(0.955), 17.0, 23.0, [face_outline(0.0)], 1.6)
     crest = loft_x([(-21.0, superellipse(1.6, 1.6, 2.5, (0, 42.5), 12)), (-14.0, superellipse(2.6, 2.6, 2.5, (0, 46.6), 12)), (0.0, superellipse(3.2, 2.6, 2.5, (0, 49.0), 12)),
@@ -385,20 +391,23 @@ def face_outline(grow):
 
 
 def face_plate():
-    return plate_x(face_outline(0.5), 16.5, 19.6)
+    """The face, and a glint in each eye."""
+    glints = [move(turn(disc(1.1, 20.0, 22.3, 0.2, 10), ALONG_X), 0, y + 1.7, EYE[1] + 1.7) for y in (EYE[0], -EYE[0])]
+    return join(plate_x(face_outline(0.5), 16.5, 19.6), *glints)
 
 
 EYE = (9.4, 27.2)
 
 
 def face_dark():
-    """Eyes' rims, mouth and the camera in the forehead."""
+    """Eyes' rims, a daruma's brows, mouth and the camera in the forehead."""
     eye = move(turn(turned([(0, 19.0), (6.6, 19.0), (6.6, 20.8), (6.0, 21.4), (4.9, 21.4), (4.5, 20.6), (0, 20.6)], 24), ALONG_X), 0, *EYE)
     mouth = plate_x(hull(circle(0.9, (-4.5, 15.6), 8), circle(0.9, (4.5, 15.6), 8)), 19.2, 20.3)
     camera = move(turn(turned([(0, 21.0), (2.6, 21.0), (2.6, 23.8), (2.1, 24.2), (1.5, 24.2), (1.3, 23.4), (0, 23.4)], 14), ALONG_X), 0, 0, 43.6)
     ears = both_sides(move(turn(turned([(0, 29.0), (4.6, 29.0), (4.6, 30.2), (4.0, 30.6), (0, 30.6)], 18), ALONG_Y), -3.0, 0, FACE[1]))
     mast = move(turned([(0, 0.0), (1.5, 0.0), (1.5, 5.0), (0.7, 6.0), (0.6, 19.0), (0, 19.0)], 8), -3.0, 28.0, FACE[1] + 7.5)
-    return join(both_sides(eye), mouth, camera, ears, mast)
+    brow = plate_x(arc_band(7.8, 10.4, 48, 132, 10, EYE), 19.2, 20.8)
+    return join(both_sides(join(eye, brow)), mouth, camera, ears, mast)
 
 
 def face_lens():
@@ -406,15 +415,14 @@ def face_lens():
 
 
 def face_gold():
-    """A daruma's brows and whiskers; the tip of the antenna."""
-    brow = plate_x(arc_band(7.6, 9.4, 42, 128, 10, EYE), 19.2, 20.6)
-    whisker = plate_x(arc_band(8.4, 9.8, -92, -42, 7, EYE), 19.2, 20.4)
+    """A daruma's whiskers; the tip of the antenna."""
+    whisker = join(*[plate_x(arc_band(r, r + 1.2, -88 - s, -40 + s, 7, EYE), 19.2, 20.4) for r, s in ((8.2, 0), (10.4, 6))])
     tip = move(turned([(0, -1.8), (1.2, -1.4), (1.8, 0.0), (1.2, 1.4), (0, 1.8)], 10), -3.0, 28.0, FACE[1] + 27.0)
-    return join(both_sides(join(brow, whisker)), tip)
+    return join(both_sides(whisker), tip)
 
 
 PARTS = {
-    "servo": servo, "horn": horn, "horns": horns, "fork": fork,
+    "servo": servo, "servo_label": servo_label, "horn": horn, "horns": horns, "fork": fork,
     "leg_strut": lambda: strut(-20.4, -55.0), "arm_strut": lambda: strut(-20.4, -60.0),
     "leg_core": lambda: leg_core(-21.3, -42.7),
     "hip_yaw_bracket": hip_yaw_bracket, "hip_roll_bracket": hip_roll_bracket,
@@ -445,6 +453,11 @@ def frame(shaft, case):
 
 def servo_at(name, x, y, z, shaft, case):
     return (f"{name}_servo", "servo", "case", (x, y, z), frame(shaft, case))
+
+
+def labelled(visuals):
+    """Adds stickers to the servos among them."""
+    return [each for v in visuals for each in ([v, (v[0].replace("servo", "label"), "servo_label", "label", *v[3:])] if v[1] == "servo" else [v])]
 
 
 def horn_at(kind, x, y, z, shaft, case="+x"):
@@ -498,7 +511,7 @@ def layout():
             f"{side}_forearm": [horn_at("horns", 0, 0, 0, outward), part("fork", "sheet"), part("forearm_cover", "cover"), part("forearm_stripe", "red"),
                                 part("hand", "rubber")],
         }
-    return links
+    return {link: labelled(visuals) for link, visuals in links.items()}
 
 
 def number(value):

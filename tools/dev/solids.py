@@ -233,6 +233,12 @@ def tapered(*sections, steps=3):
     return loft([(z, rectangle(x0, x1, y0, y1, radius, steps)) for z, x0, x1, y0, y1, radius in sections])
 
 
+def rounded(*sections, steps=3, between=2):
+    """As tapered(), with `between` - 1 more sections between every two that follow one another on a smooth curve."""
+    path = curve(*sections, steps=between)
+    return tapered(*path, steps=steps)
+
+
 def block(x0, x1, y0, y1, z0, z1, radius=1.0, bevel=0.5, steps=2):
     """A box with rounded edges along z and bevelled ends."""
     outline = rectangle(x0, x1, y0, y1, radius, steps)
