@@ -25,7 +25,9 @@ def triangles_of(file):
     data = file.read_bytes()
     (count,) = struct.unpack_from("<I", data, 80)
     assert len(data) == 84 + 50 * count, file
-    rows = np.frombuffer(data, dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("spare", "<u2")], count=count, offset=84)
+    rows = np.frombuffer(
+        data, dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("spare", "<u2")], count=count, offset=84
+    )
     return rows["corners"].astype(float)
 
 
@@ -135,7 +137,9 @@ class Meshes(unittest.TestCase):
                 edges = np.concatenate([indices[:, [0, 1]], indices[:, [1, 2]], indices[:, [2, 0]]])
                 there, count = np.unique(edges, axis=0, return_counts=True)
                 back = np.unique(edges[:, ::-1], axis=0)
-                self.assertTrue(np.all(count == 1) and np.array_equal(there, back), f"{file.name}: an edge without one neighbour each way")
+                self.assertTrue(
+                    np.all(count == 1) and np.array_equal(there, back), f"{file.name}: an edge without one neighbour each way"
+                )
                 doubled_areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
                 self.assertGreater(doubled_areas.min(), 1e-4, f"{file.name}: a triangle without area")
                 volume = np.sum(np.cross(corners[:, 0], corners[:, 1]) * corners[:, 2]) / 6
@@ -144,7 +148,9 @@ class Meshes(unittest.TestCase):
     def test_there_are_not_too_many_triangles(self):
         total = sum(len(triangles_of(visual.file)) for visuals in LINKS.values() for visual in visuals)
         self.assertLessEqual(total, MAX_TRIANGLES)
-        self.assertEqual({visual.file for visuals in LINKS.values() for visual in visuals}, set((ROBOT / "meshes").glob("*.stl")))
+        self.assertEqual(
+            {visual.file for visuals in LINKS.values() for visual in visuals}, set((ROBOT / "meshes").glob("*.stl"))
+        )
 
     def test_a_joint_holds_at_every_angle(self):
         """A turn about the axis leaves the axis in its place: where both links have material on it, they meet at every angle."""
@@ -191,7 +197,14 @@ class Meshes(unittest.TestCase):
             box = next(link for link in MODEL.findall("link") if link.get("name") == f"{side}_foot").find("collision")
             middle, size = numbers(box.find("pose"), "")[:3] * 1000, numbers(box.find("geometry/box/size"), "") * 1000
             points = np.concatenate([shell.reshape(-1, 3) for visual in LINKS[f"{side}_foot"] for shell in visual.shells()])
-            sole = np.concatenate([shell.reshape(-1, 3) for visual in LINKS[f"{side}_foot"] if visual.name == "foot_sole" for shell in visual.shells()])
+            sole = np.concatenate(
+                [
+                    shell.reshape(-1, 3)
+                    for visual in LINKS[f"{side}_foot"]
+                    if visual.name == "foot_sole"
+                    for shell in visual.shells()
+                ]
+            )
             self.assertAlmostEqual(points[:, 2].min(), middle[2] - size[2] / 2, places=4)
             np.testing.assert_allclose(sole[:, :2].min(axis=0), (middle - size / 2)[:2], atol=1e-4)
             np.testing.assert_allclose(sole[:, :2].max(axis=0), (middle + size / 2)[:2], atol=1e-4)

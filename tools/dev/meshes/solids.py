@@ -1,4 +1,4 @@
-"""Closed triangle meshes of plates, lofts and turned parts, for make_meshes.py.
+"""Closed triangle meshes of plates, lofts and turned parts.
 
 A solid is an array of triangles (n, 3, 3) in millimetres, corners counter-clockwise as seen from outside. Each function
 returns a closed surface: every edge belongs to two triangles, which run through it in opposite directions. Parts that are
@@ -74,8 +74,13 @@ def rectangle(x0, x1, y0, y1, radius=0.0, steps=3):
 def superellipse(half_width, half_height, exponent=2.5, centre=(0.0, 0.0), corners=40):
     angles = 2 * np.pi * (np.arange(corners) + 0.5) / corners
     c, s = np.cos(angles), np.sin(angles)
-    return np.stack([centre[0] + half_width * np.sign(c) * np.abs(c) ** (2 / exponent),
-                     centre[1] + half_height * np.sign(s) * np.abs(s) ** (2 / exponent)], axis=1)
+    return np.stack(
+        [
+            centre[0] + half_width * np.sign(c) * np.abs(c) ** (2 / exponent),
+            centre[1] + half_height * np.sign(s) * np.abs(s) ** (2 / exponent),
+        ],
+        axis=1,
+    )
 
 
 def arc_band(inner, outer, start, end, steps, centre=(0.0, 0.0)):
@@ -131,10 +136,12 @@ def with_bridges(outline, holes):
         start = max(range(len(hole)), key=lambda i: points[hole[i]][0])
         hole = hole[start:] + hole[:start]
         target = points[hole[0]]
-        order = sorted(range(len(ring)), key=lambda i: (points[ring[i]][0] - target[0]) ** 2 + (points[ring[i]][1] - target[1]) ** 2)
+        order = sorted(
+            range(len(ring)), key=lambda i: (points[ring[i]][0] - target[0]) ** 2 + (points[ring[i]][1] - target[1]) ** 2
+        )
         place = next(i for i in order if inside(i, target) and not crosses(ring[i], hole[0]))
         bridges.append((ring[place], hole[0]))
-        ring = ring[:place + 1] + hole + [hole[0]] + ring[place:]
+        ring = ring[: place + 1] + hole + [hole[0]] + ring[place:]
     return ring, np.array(points)
 
 
@@ -263,7 +270,9 @@ def turned(profile, corners=16, phase=0.0):
 
 
 def disc(radius, z0, z1, bevel=0.3, corners=16):
-    return turned([(0, z0), (radius - bevel, z0), (radius, z0 + bevel), (radius, z1 - bevel), (radius - bevel, z1), (0, z1)], corners)
+    return turned(
+        [(0, z0), (radius - bevel, z0), (radius, z0 + bevel), (radius, z1 - bevel), (radius - bevel, z1), (0, z1)], corners
+    )
 
 
 def tube(path, radius, corners=6):
@@ -291,8 +300,15 @@ def curve(*points, steps=5):
     path = []
     for i in range(1, len(p) - 2):
         for t in np.arange(steps) / steps:
-            path.append(0.5 * (2 * p[i] + (p[i + 1] - p[i - 1]) * t + (2 * p[i - 1] - 5 * p[i] + 4 * p[i + 1] - p[i + 2]) * t**2
-                               + (3 * p[i] - p[i - 1] - 3 * p[i + 1] + p[i + 2]) * t**3))
+            path.append(
+                0.5
+                * (
+                    2 * p[i]
+                    + (p[i + 1] - p[i - 1]) * t
+                    + (2 * p[i - 1] - 5 * p[i] + 4 * p[i + 1] - p[i + 2]) * t**2
+                    + (3 * p[i] - p[i - 1] - 3 * p[i + 1] + p[i + 2]) * t**3
+                )
+            )
     return np.array(path + [p[-2]])
 
 
