@@ -36,58 +36,34 @@ Recorder::Recorder(const std::filesystem::path& folder, std::vector<TraceColumn>
     : formatter_(std::move(columns)),
       trace_(folder / "trace.csv"),
       log_(folder / "can.log"),
-      ring_(ring_words, when_full) {
+      writer_(ring_words, when_full, [this](const Ring::Record& record) { write(record); }) {
   trace_.write(formatter_.header());
-  writer_ = std::thread([this] { write_records(); });
 }
-
-Recorder::~Recorder() { finish(); }
 
 void Recorder::row(std::uint64_t time_us, std::span<const TraceValue> values) {
   assert(values.size() == formatter_.columns().size());
-  if (failed_.load(std::memory_order_acquire)) std::rethrow_exception(error_);
-  const std::span<std::uint64_t> words = ring_.claim(kRow, values.size() + 1);
+  writer_.check();
+  const std::span<std::uint64_t> words = writer_.claim(kRow, values.size() + 1);
   if (words.empty()) return;
   words[0] = time_us;
   for (std::size_t i = 0; i < values.size(); ++i) {
     assert(values[i].kind == formatter_.columns()[i].kind);
     words[i + 1] = values[i].bits;
   }
-  ring_.publish();
+  writer_.publish();
 }
 
 void Recorder::on_bus_frame(const hal::CanFrame& frame, std::uint64_t /*start_us*/, std::uint64_t end_us) {
-  const std::span<std::uint64_t> words = ring_.claim(kFrame, kFrameWords);
+  const std::span<std::uint64_t> words = writer_.claim(kFrame, kFrameWords);
   if (words.empty()) return;
   pack(words, frame, end_us);
-  ring_.publish();
+  writer_.publish();
 }
 
 void Recorder::close() {
-  finish();
-  if (error_ != nullptr) std::rethrow_exception(std::exchange(error_, nullptr));
+  writer_.close();
   trace_.close();
   log_.close();
-}
-
-void Recorder::finish() {
-  if (!writer_.joinable()) return;
-  ring_.close();
-  writer_.join();
-}
-
-// After an error the thread continues to empty the ring; the next `row` or `close` reports the error.
-void Recorder::write_records() {
-  Ring::Record record;
-  while (ring_.read(record)) {
-    try {
-      if (error_ == nullptr) write(record);
-    } catch (...) {
-      error_ = std::current_exception();
-      failed_.store(true, std::memory_order_release);
-    }
-    ring_.release();
-  }
 }
 
 void Recorder::write(const Ring::Record& record) {

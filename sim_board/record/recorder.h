@@ -1,18 +1,15 @@
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <exception>
 #include <filesystem>
 #include <span>
-#include <thread>
 #include <vector>
 
 #include "hal/port/can.h"
 #include "sim_board/can/observer.h"
+#include "sim_board/record/background_writer.h"
 #include "sim_board/record/output_file.h"
-#include "sim_board/record/ring.h"
 #include "sim_board/record/trace.h"
 
 namespace koboshi::sim {
@@ -23,14 +20,11 @@ namespace koboshi::sim {
 // waits for the disk.
 class Recorder final : public BusObserver {
  public:
-  static constexpr std::size_t kDefaultRingWords = std::size_t{1}
-                                                   << 16;  // 512 KiB, more than a second of a walk
-
   // Opens both files in an existing folder; throws WriteError.
   Recorder(const std::filesystem::path& folder, std::vector<TraceColumn> columns, WhenFull when_full,
-           std::size_t ring_words = kDefaultRingWords);
+           std::size_t ring_words = BackgroundWriter::kDefaultRingWords);
   // Writes the remaining records and ignores errors: call `close` first to detect them.
-  ~Recorder();
+  ~Recorder() = default;
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
@@ -42,20 +36,15 @@ class Recorder final : public BusObserver {
   // first failed write.
   void close();
   // Number of rows and frames lost because the ring was full.
-  std::uint64_t dropped() const { return ring_.dropped(); }
+  std::uint64_t dropped() const { return writer_.dropped(); }
 
  private:
-  void write_records();
   void write(const Ring::Record& record);
-  void finish();
 
   TraceFormatter formatter_;
   OutputFile trace_;
   OutputFile log_;
-  Ring ring_;
-  std::exception_ptr error_;  // of the thread; read after it has ended or once failed_ is set
-  std::atomic<bool> failed_ = false;
-  std::thread writer_;
+  BackgroundWriter writer_;  // last member: its thread uses the others
 };
 
 }  // namespace koboshi::sim

@@ -42,6 +42,9 @@ class EventLog {
 
   // Returns the events in order of time. The last one is the end of the run, with the verdict as its text.
   std::vector<sim::RunEvent> events(bool controller_is_dead = false) const;
+  // Returns the events so far, in order of detection. A group of emergency messages still changes the text of
+  // its event; the end adds others (`events`).
+  std::span<const sim::RunEvent> so_far() const { return events_; }
   // Returns the verdict, for example "stands; fell once at 3.2 s and got up in 3.4 s; 0 faults".
   std::string verdict(bool controller_is_dead = false) const;
   // Number of times the trunk's lean has exceeded 60 degrees. A robot that starts beyond this lean has not

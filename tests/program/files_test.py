@@ -54,7 +54,7 @@ class Files(unittest.TestCase):
         result = subprocess.run(command, cwd=support.ROOT, capture_output=True, text=True, check=False,
                                 preexec_fn=on_a_small_disk)
         self.assertEqual(result.returncode, 2)
-        self.assertRegex(result.stderr, r"^koboshi: cannot write .*/(can\.log|trace\.csv): File too large\n$")
+        self.assertRegex(result.stderr, r"^koboshi: cannot write .*/(can\.log|trace\.csv|run\.mcap): File too large\n$")
         self.assertFalse((self.out / "summary.json").exists())
         self.assert_whole_rows()
         PROGRAM.run_scenario(support.SQUAT, self.out, "--duration", "0.1")  # the folder is reusable

@@ -14,18 +14,25 @@ namespace {
 // By an option's first name.
 const std::map<std::string, std::string>& placeholders() {
   static const std::map<std::string, std::string> kPlaceholders{
-      {"--ablate", "NAME"},     {"--budget-s", "SECONDS"}, {"--can", "BUS"},
-      {"--controller", "NAME"}, {"--drop", "METRES"},      {"--duration", "SECONDS"},
-      {"--feedback", "NAME"},   {"--first-seed", "N"},     {"--folder", "FOLDER"},
-      {"--gait", "FILE"},       {"--gltf", "FILE"},        {"--gaits", "FOLDER"},
-      {"--hours", "HOURS"},     {"--id", "IDENTIFIER"},    {"--image", "FILE"},
-      {"--json", "FILE"},       {"--kind", "NAME"},        {"--node", "NODE"},
-      {"--only", "NAME"},       {"--out", "FOLDER"},       {"--page", "FILE"},
-      {"--points", "N"},        {"--robot", "FILE"},       {"--scenario", "FILE"},
-      {"--search", "NAME"},     {"--section", "NAME"},     {"--seed", "N"},
-      {"--set", "KEY=VALUE"},   {"--start", "FILE"},       {"--stepper", "NAME"},
-      {"--steppers", "NAME"},   {"--storage", "FILE"},     {"--time-constant-s", "SECONDS"},
-      {"--type", "NAME"},       {"--walk", "SECONDS"},     {"--name", "NAME"}};
+      {"--ablate", "NAME"},   {"--budget-s", "SECONDS"},
+      {"--can", "BUS"},       {"--controller", "NAME"},
+      {"--drop", "METRES"},   {"--duration", "SECONDS"},
+      {"--feedback", "NAME"}, {"--first-seed", "N"},
+      {"--folder", "FOLDER"}, {"--gait", "FILE"},
+      {"--gltf", "FILE"},     {"--gaits", "FOLDER"},
+      {"--hours", "HOURS"},   {"--id", "IDENTIFIER"},
+      {"--image", "FILE"},    {"--json", "FILE"},
+      {"--kind", "NAME"},     {"--node", "NODE"},
+      {"--only", "NAME"},     {"--out", "FOLDER"},
+      {"--page", "FILE"},     {"--points", "N"},
+      {"--record", "HZ"},     {"--robot", "FILE"},
+      {"--scenario", "FILE"}, {"--search", "NAME"},
+      {"--section", "NAME"},  {"--seed", "N"},
+      {"--set", "KEY=VALUE"}, {"--start", "FILE"},
+      {"--stepper", "NAME"},  {"--steppers", "NAME"},
+      {"--storage", "FILE"},  {"--time-constant-s", "SECONDS"},
+      {"--type", "NAME"},     {"--walk", "SECONDS"},
+      {"--name", "NAME"}};
   return kPlaceholders;
 }
 

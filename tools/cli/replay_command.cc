@@ -42,6 +42,9 @@ void add_replay_command(CLI::App& program, Invocation& /*invocation*/) {
   CLI::App* command = program.add_subcommand("replay", "Show a recorded run elsewhere");
   command->footer(
       R"(Describes the recording of a run (run.mcap, docs/reference/recording.md) and converts it.
+
+Example:
+  koboshi replay runs/host --gltf walk.glb
 )");
   command->add_option("RUN", arguments->run, "The folder of a run's results, or its file run.mcap")
       ->required();

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -35,8 +36,15 @@ struct RunArguments {
   std::string controller = "in-process";
   std::filesystem::path image;
   std::filesystem::path storage;
+  std::string record = "100";
   LiveOptions live;
 };
+
+// By the value of --record, a rate in hertz.
+const std::map<std::string, std::uint64_t>& recording_periods_us() {
+  static const std::map<std::string, std::uint64_t> kPeriods{{"no", 0}, {"100", 10'000}, {"500", 2'000}};
+  return kPeriods;
+}
 
 // Shows the progress of a run on a terminal, and nothing in a pipe.
 class ProgressBar {
@@ -108,6 +116,7 @@ int run_scenario(const RunArguments& arguments) {
     options.make_host =
         simulation::in_qemu(arguments.image.empty() ? simulation::default_image() : arguments.image);
   }
+  options.recording_period_us = recording_periods_us().at(arguments.record);
   options.live = arguments.live;
   options.ready = print_bus_address;
   options.warn = warn;
@@ -133,6 +142,7 @@ void add_run_command(CLI::App& program, Invocation& invocation) {
       R"(Runs as fast as possible; the same scenario and seed give the same bytes. The folder of the results holds
   trace.csv     firmware state and ground truth, every 10 ms
   can.log       every frame on the bus, in the format of candump -L
+  run.mcap      the whole run, for koboshi replay and other viewers (docs/reference/recording.md)
   events.txt    events with their times and reasons
   summary.json  the outcome; timing.json: the computing time on this machine
   *.png, *.svg  figures
@@ -165,6 +175,10 @@ Examples:
       ->add_option("--set", arguments->sets,
                    "Override a key of the scenario: physics.step_ms=0.5; may be repeated")
       ->allow_extra_args(false);
+  command
+      ->add_option("--record", arguments->record,
+                   "Samples per second of the recording run.mcap: 100 (default), 500 or no recording")
+      ->check(CLI::IsMember({"no", "100", "500"}));
   add_live_options(*command, arguments->live);
   command->callback([arguments, &invocation] { invocation.exit_status = run_scenario(*arguments); });
 }

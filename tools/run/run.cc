@@ -10,6 +10,7 @@
 #include "simulation/observe/run_recorder.h"
 #include "tools/run/run_figures.h"
 #include "tools/run/walk_figures.h"
+#include "tools/view/capture/run_recording.h"
 
 namespace koboshi::tools {
 namespace {
@@ -22,7 +23,7 @@ double seconds_since(Clock::time_point start) {
 
 // Times that depend on the machine, for a file of their own.
 nlohmann::ordered_json timing_json(const sim::SimBoard& board, double wall_s, std::uint64_t dropped,
-                                   const LiveLink& live) {
+                                   std::uint64_t recording_dropped, const LiveLink& live) {
   const double simulated_s = 1e-6 * static_cast<double>(board.now_us());
   const sim::TimeShares& shares = board.time_shares();
   const double parts_s =
@@ -37,6 +38,7 @@ nlohmann::ordered_json timing_json(const sim::SimBoard& board, double wall_s, st
             {"sensors", shares.sensors_s / wall_s},
             {"recording_and_rest", 1.0 - parts_s / wall_s}}},
           {"records_dropped", dropped},
+          {"recording_dropped", recording_dropped},
           {"live", live.report()}};
 }
 
@@ -46,9 +48,9 @@ struct Ending {
   std::optional<int> signal{};
 };
 
-Ending play(simulation::Simulation& simulation, simulation::RunRecorder& recorder, LiveLink& live,
-            ShownTrace& trace, const OperatorFactory& make_operator,
-            const std::function<void(const RunProgress&)>& progress) {
+Ending play(simulation::Simulation& simulation, simulation::RunRecorder& recorder,
+            view::RunRecording* recording, LiveLink& live, ShownTrace& trace,
+            const OperatorFactory& make_operator, const std::function<void(const RunProgress&)>& progress) {
   constexpr std::uint64_t kTick_us = sim::SimBoard::kTick_us;
   const auto start = Clock::now();
   const double duration_s = 1e-6 * static_cast<double>(simulation.scenario().duration_us);
@@ -60,6 +62,7 @@ Ending play(simulation::Simulation& simulation, simulation::RunRecorder& recorde
       simulation.advance();
       const std::uint64_t now_us = simulation.board().now_us();
       recorder.record();
+      if (recording != nullptr) recording->record(recorder);
       live.after(now_us);
       if (now_us % kTick_us != 0) continue;
       trace.add(now_us, recorder.row());
@@ -107,13 +110,21 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
 
   const auto columns = simulation::RunRecorder::columns(simulation.robot());
   ShownTrace trace(columns);
-  sim::Recorder files(options.out, columns, live.is_live() ? sim::WhenFull::kDrop : sim::WhenFull::kWait);
-  simulation::RunRecorder recorder(simulation, &files);
+  const auto when_full = live.is_live() ? sim::WhenFull::kDrop : sim::WhenFull::kWait;
+  sim::Recorder files(options.out, columns, when_full);
+  std::optional<view::RunRecording> recording;
+  if (options.recording_period_us > 0) {
+    recording.emplace(options.out / "run.mcap", simulation,
+                      view::RunRecording::Options{options.recording_period_us, when_full});
+  }
+  view::RunRecording* const recording_or_none = recording ? &*recording : nullptr;
+  simulation::RunRecorder recorder(simulation, &files, recording_or_none);
   live.attach(simulation.board().bus());
   if (options.ready) options.ready(live);
   const auto start = Clock::now();
   RunResult result;
-  const Ending ending = play(simulation, recorder, live, trace, options.make_operator, progress);
+  const Ending ending =
+      play(simulation, recorder, recording_or_none, live, trace, options.make_operator, progress);
   result.failure = ending.failure;
   const double wall_s = seconds_since(start);
   result.live = live.report();
@@ -121,9 +132,10 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
 
   add_ending(ending, simulation, recorder.events(), live.is_live());
   result.summary = recorder.summary();
+  if (recording) recording->close(result.summary.events);
   sim::write_whole_file(options.out / "events.txt", simulation::events_text(result.summary.events));
-  sim::write_json(options.out / "timing.json",
-                  timing_json(simulation.board(), wall_s, files.dropped(), live));
+  sim::write_json(options.out / "timing.json", timing_json(simulation.board(), wall_s, files.dropped(),
+                                                           recording ? recording->dropped() : 0, live));
   if (options.make_operator) {
     sim::write_whole_file(options.out / "played.yaml", sim::played_text(simulation.played(), options.out));
   }

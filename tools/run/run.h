@@ -35,6 +35,8 @@ struct RunOptions {
   std::function<void(const LiveLink&)> ready{};  // called when the bus can be reached from outside
   LiveLink::Warn warn{};                         // receives warnings while it runs; may be empty
   OperatorFactory make_operator{};               // may be empty
+  // Time between the samples of the recording, run.mcap; a divisor of a tick. Zero: no recording.
+  std::uint64_t recording_period_us = 0;
 };
 
 // Progress of a run.
@@ -53,11 +55,11 @@ struct RunResult {
 };
 
 // `koboshi run`: plays a scenario, as fast as possible or in real time. Writes trace.csv, can.log,
-// events.txt, timing.json and figures into the folder, after an operator also played.yaml, and last
-// summary.json, whose presence means that all files are complete. Locks the folder meanwhile. Throws
-// sim::InputError for bad input, before anything is written. A run that ends early keeps its records: after
-// an error, after sim::WriteError, and after SIGINT or SIGTERM, which throw Interrupted. In real time these
-// signals end the run normally.
+// events.txt, timing.json, figures and, if asked for, run.mcap into the folder, after an operator also
+// played.yaml, and last summary.json, whose presence means that all files are complete. Locks the folder
+// meanwhile. Throws sim::InputError for bad input, before anything is written. A run that ends early keeps
+// its records: after an error, after sim::WriteError, and after SIGINT or SIGTERM, which throw Interrupted.
+// In real time these signals end the run normally.
 RunResult run(const RunOptions& options, const std::function<void(const RunProgress&)>& progress);
 
 }  // namespace koboshi::tools

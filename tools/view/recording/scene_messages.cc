@@ -1,6 +1,8 @@
 #include "tools/view/recording/scene_messages.h"
 
+#include <algorithm>
 #include <stdexcept>
+#include <vector>
 
 namespace koboshi::view {
 namespace {
@@ -16,7 +18,20 @@ void append(const Values& values, Container& container) {
   for (const auto value : values) container.Add(value);
 }
 
-koboshi::Shape message_of(const Shape& shape) {
+// Index of the mesh among those of the scene, to which it is added.
+std::uint32_t index_of(const Mesh& mesh, koboshi::Scene& scene, std::vector<const Mesh*>& meshes) {
+  const auto known = std::ranges::find_if(meshes, [&](const Mesh* other) {
+    return other->triangles == mesh.triangles && other->vertices_m == mesh.vertices_m;
+  });
+  if (known != meshes.end()) return static_cast<std::uint32_t>(known - meshes.begin());
+  meshes.push_back(&mesh);
+  koboshi::Mesh& message = *scene.add_meshes();
+  for (const Eigen::Vector3f& vertex : mesh.vertices_m) append(vertex, *message.mutable_vertices_m());
+  for (const auto& triangle : mesh.triangles) append(triangle, *message.mutable_triangles());
+  return static_cast<std::uint32_t>(meshes.size() - 1);
+}
+
+koboshi::Shape message_of(const Shape& shape, koboshi::Scene& scene, std::vector<const Mesh*>& meshes) {
   koboshi::Shape message;
   message.set_name(shape.name);
   append(shape.X_LG.translation(), *message.mutable_translation_m());
@@ -26,9 +41,7 @@ koboshi::Shape message_of(const Shape& shape) {
     append(box->size_m, *message.mutable_size_m());
     return message;
   }
-  const auto& mesh = std::get<Mesh>(shape.geometry);
-  for (const Eigen::Vector3f& vertex : mesh.vertices_m) append(vertex, *message.mutable_vertices_m());
-  for (const auto& triangle : mesh.triangles) append(triangle, *message.mutable_triangles());
+  message.set_mesh(index_of(std::get<Mesh>(shape.geometry), scene, meshes));
   return message;
 }
 
@@ -41,7 +54,7 @@ Eigen::Vector3d vector_of(const pb::RepeatedField<double>& values, const char* p
   return {values[0], values[1], values[2]};
 }
 
-Mesh mesh_of(const koboshi::Shape& message) {
+Mesh mesh_of(const koboshi::Mesh& message) {
   check(message.vertices_m_size() % 3 == 0 && message.triangles_size() % 3 == 0, "a mesh's lists");
   Mesh mesh;
   for (int i = 0; i < message.vertices_m_size(); i += 3)
@@ -54,7 +67,7 @@ Mesh mesh_of(const koboshi::Shape& message) {
   return mesh;
 }
 
-Shape shape_of(const koboshi::Shape& message) {
+Shape shape_of(const koboshi::Shape& message, const std::vector<Mesh>& meshes) {
   Shape shape{.name = message.name()};
   shape.X_LG.translation() = vector_of(message.translation_m(), "a shape's place");
   check(message.rotation_size() == 4, "a shape's rotation");
@@ -66,22 +79,24 @@ Shape shape_of(const koboshi::Shape& message) {
   if (message.size_m_size() > 0) {
     shape.geometry = Box{vector_of(message.size_m(), "a box's size")};
   } else {
-    shape.geometry = mesh_of(message);
+    check(message.mesh() < meshes.size(), "a shape's mesh");
+    shape.geometry = meshes[message.mesh()];
   }
   return shape;
 }
 
-std::vector<Shape> shapes_of(const pb::RepeatedPtrField<koboshi::Shape>& messages) {
+std::vector<Shape> shapes_of(const pb::RepeatedPtrField<koboshi::Shape>& messages,
+                             const std::vector<Mesh>& meshes) {
   std::vector<Shape> shapes;
-  for (const koboshi::Shape& message : messages) shapes.push_back(shape_of(message));
+  for (const koboshi::Shape& message : messages) shapes.push_back(shape_of(message, meshes));
   return shapes;
 }
 
-Link link_of(const koboshi::Link& message) {
+Link link_of(const koboshi::Link& message, const std::vector<Mesh>& meshes) {
   Link link{.name = message.name(), .parent = message.parent(), .mass_kg = message.mass_kg()};
   link.p_LCom_L = vector_of(message.centre_of_mass_m(), "a link's centre of mass");
-  link.visuals = shapes_of(message.visuals());
-  link.collisions = shapes_of(message.collisions());
+  link.visuals = shapes_of(message.visuals(), meshes);
+  link.collisions = shapes_of(message.collisions(), meshes);
   return link;
 }
 
@@ -151,6 +166,7 @@ Shape slab(const Plane& plane) {
 
 koboshi::Scene message_of(const Scene& scene) {
   koboshi::Scene message;
+  std::vector<const Mesh*> meshes;
   message.set_robot(scene.robot);
   for (const Link& link : scene.links) {
     koboshi::Link& part = *message.add_links();
@@ -158,15 +174,15 @@ koboshi::Scene message_of(const Scene& scene) {
     part.set_parent(link.parent);
     part.set_mass_kg(link.mass_kg);
     append(link.p_LCom_L, *part.mutable_centre_of_mass_m());
-    for (const Shape& shape : link.visuals) *part.add_visuals() = message_of(shape);
-    for (const Shape& shape : link.collisions) *part.add_collisions() = message_of(shape);
+    for (const Shape& shape : link.visuals) *part.add_visuals() = message_of(shape, message, meshes);
+    for (const Shape& shape : link.collisions) *part.add_collisions() = message_of(shape, message, meshes);
   }
   for (const Plane& plane : scene.planes) {
     koboshi::Plane& part = *message.add_planes();
     append(plane.normal_W, *part.mutable_normal());
     part.set_offset_m(plane.offset_m);
   }
-  for (const Shape& shape : scene.ground) *message.add_ground() = message_of(shape);
+  for (const Shape& shape : scene.ground) *message.add_ground() = message_of(shape, message, meshes);
   for (std::size_t side = 0; side < scene.soles_L.size(); ++side) {
     koboshi::Sole& sole = *message.add_soles();
     sole.set_link(scene.sole_links[side]);
@@ -176,13 +192,15 @@ koboshi::Scene message_of(const Scene& scene) {
 }
 
 Scene scene_of(const koboshi::Scene& message) {
+  std::vector<Mesh> meshes;
+  for (const koboshi::Mesh& mesh : message.meshes()) meshes.push_back(mesh_of(mesh));
   Scene scene{.robot = message.robot()};
-  for (const koboshi::Link& link : message.links()) scene.links.push_back(link_of(link));
+  for (const koboshi::Link& link : message.links()) scene.links.push_back(link_of(link, meshes));
   const int links = message.links_size();
   for (const Link& link : scene.links) check(link.parent >= -1 && link.parent < links, "a link's parent");
   for (const koboshi::Plane& plane : message.planes())
     scene.planes.push_back({vector_of(plane.normal(), "a plane's normal"), plane.offset_m()});
-  scene.ground = shapes_of(message.ground());
+  scene.ground = shapes_of(message.ground(), meshes);
   check(message.soles_size() == static_cast<int>(scene.soles_L.size()), "the number of soles");
   for (int side = 0; side < message.soles_size(); ++side) {
     const koboshi::Sole& sole = message.soles(side);
