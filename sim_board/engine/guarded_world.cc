@@ -151,8 +151,8 @@ void GuardedWorld::check() {
   if (gain_J <= tolerance_J_) return;
   throw WorldBlewUp("the world gained energy at " + std::to_string(time_s()) + " s: body '" +
                     robot_.links[static_cast<std::size_t>(gainer)].name + "': " + std::to_string(gain_J) +
-                    " J more than servos and pushes put in, where " + std::to_string(tolerance_J_) +
-                    " J are borne; " + cause(gainer));
+                    " J more than the work of servos and pushes (tolerance " + std::to_string(tolerance_J_) +
+                    " J); " + cause(gainer));
 }
 
 std::string GuardedWorld::cause(int link) const {
@@ -163,11 +163,11 @@ std::string GuardedWorld::cause(int link) const {
     force_N = contact.f_W.norm();
     strongest = &contact;
   }
-  if (strongest == nullptr) return "it touches nothing, so its joints did it";
+  if (strongest == nullptr) return "it has no contact, so its joints are the source";
   const int other = strongest->link == link ? strongest->other_link : strongest->link;
   const std::string name =
       other < 0 ? "the ground" : "'" + robot_.links[static_cast<std::size_t>(other)].name + "'";
-  return "it touches " + name + " with " + std::to_string(force_N) + " N";
+  return "its strongest contact: " + name + ", " + std::to_string(force_N) + " N";
 }
 
 }  // namespace

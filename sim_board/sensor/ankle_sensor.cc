@@ -3,7 +3,7 @@
 namespace koboshi::sim {
 namespace {
 
-// The joint's anchor in the frame of its child link, where it does not move.
+// Returns the joint's anchor in the frame of its child link, in which it is fixed.
 Eigen::Vector3d anchor_in_child(const RobotDescription& robot, int joint_index) {
   const JointDescription& joint = robot.joints.at(static_cast<std::size_t>(joint_index));
   return robot.links.at(static_cast<std::size_t>(joint.child)).X_ML.inverse() * joint.p_MJ;
@@ -28,7 +28,7 @@ void AnkleSensor::step(const World& world, std::uint64_t time_us) {
 void AnkleSensor::step(const BodyState& foot, const Wrench& joint_W, std::uint64_t time_us) {
   if (!started_) R_WL_before_ = foot.X_WL.linear();
   started_ = true;
-  // The solver found the wrench for the poses from before the step, so they are what turns it.
+  // The solver computed the wrench for the poses at the beginning of the step.
   const Eigen::Matrix3d R_SW = R_SL_ * R_WL_before_.transpose();
   wrench_S_.force_N = R_SW * joint_W.force_N;
   wrench_S_.torque_Nm = R_SW * joint_W.torque_Nm + p_SJ_S_.cross(wrench_S_.force_N);

@@ -14,7 +14,7 @@ Wrench weight_below(const AnkleSensorDescription& sensor, const RobotDescription
   return {carried_N, p_SCom_S.cross(carried_N)};
 }
 
-// What the channel shows of a value that has been there for ever.
+// Returns a sample of a constant value.
 Eigen::Vector3d shown(Channel& channel, const Eigen::Vector3d& value, double resolution) {
   channel.filter().settle(value);
   const std::array<std::int16_t, 3> counts = channel.sample();

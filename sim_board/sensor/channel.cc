@@ -1,8 +1,28 @@
 #include "sim_board/sensor/channel.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
 #include <string>
 
 namespace koboshi::sim {
+
+Saturation::Saturation(double range) : range_(range) {
+  if (!(range > 0.0)) throw std::invalid_argument("saturation: range must be greater than zero");
+}
+
+double Saturation::apply(double value) const { return std::clamp(value, -range_, range_); }
+
+Quantiser::Quantiser(double resolution) : resolution_(resolution) {
+  if (!(resolution > 0.0)) throw std::invalid_argument("quantiser: resolution must be greater than zero");
+}
+
+std::int16_t Quantiser::convert(double value) const {
+  using Limits = std::numeric_limits<std::int16_t>;
+  const double count = std::nearbyint(value / resolution_);
+  return static_cast<std::int16_t>(std::clamp<double>(count, Limits::min(), Limits::max()));
+}
 
 Channel::Channel(const ChannelDescription& description, std::string_view name, const SensorErrors& errors)
     : filter_(description.bandwidth_Hz),

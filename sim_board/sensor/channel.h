@@ -6,32 +6,46 @@
 #include <string_view>
 
 #include "sim_board/robot/description.h"
-#include "sim_board/sensor/converter.h"
-#include "sim_board/sensor/drift.h"
 #include "sim_board/sensor/low_pass.h"
 #include "sim_board/sensor/noise.h"
 #include "sim_board/sensor/sensitivity.h"
 
 namespace koboshi::sim {
 
-// What makes a robot's sensors imperfect, and by how much.
-struct SensorErrors {
-  std::uint64_t seed = 1;
-  double scale = 1.0;  // of all that is random: 0 leaves bandwidth, range, resolution, rate and delay only
+// Range of a sensing element: limits values to +-range.
+class Saturation {
+ public:
+  // Throws std::invalid_argument unless range > 0.
+  explicit Saturation(double range);
+  double apply(double value) const;
+
+ private:
+  double range_;
 };
 
-// Three axes of one quantity on their way from the world to counts:
-// anti-alias filter, scale and cross axis, bias and its drift, noise, range, resolution. Units as in the
-// description. (Scale and cross axis belong to the sensing element, in front of the filter; as it is linear
-// and alike for the three axes, to turn what comes out of it is the same and takes a product a sample only.)
+// 16-bit analogue-to-digital converter: rounds to the nearest count, ties to even, and saturates at its ends.
+class Quantiser {
+ public:
+  // `resolution` in unit / count. Throws std::invalid_argument unless it is positive.
+  explicit Quantiser(double resolution);
+  std::int16_t convert(double value) const;
+
+ private:
+  double resolution_;
+};
+
+// Converts three axes of one quantity to counts, in this order: anti-alias filter, scale factor and
+// cross-axis sensitivity, bias and its drift, noise, range, resolution. Units as in the description. (Scale
+// factor and cross-axis sensitivity belong to the sensing element, in front of the filter. The filter is
+// linear and equal for all axes, so multiplying its output is equivalent and costs one product per sample.)
 class Channel {
  public:
-  // `name` tells this channel's random streams from all others'. Throws std::invalid_argument for a
-  // bandwidth, range, resolution or sampling period that is not positive.
+  // `name` identifies the random streams of this channel. Throws std::invalid_argument for a bandwidth,
+  // range, resolution or sampling period that is not positive.
   Channel(const ChannelDescription& description, std::string_view name, const SensorErrors& errors);
 
   LowPass& filter() { return filter_; }
-  // What a sample taken now reads.
+  // Takes a sample now.
   std::array<std::int16_t, 3> sample();
 
  private:

@@ -11,28 +11,29 @@
 
 namespace koboshi::sim {
 
-// An inertial unit at X_LS of a link, measuring in its own frame S
+// Inertial measurement unit at pose X_LS in a link. Measures in its frame S:
 //
 //   gyro            w_WL_S,
 //   accelerometer   R_SW (a_WS - g_W): +1 g upwards at rest,
 //
-// where a_WS is the velocity difference of the sensor's point over the last physics step divided by it. That
-// mean contains the centripetal and the tangential term and is the acceleration at the middle of the step, so
-// it is turned into the sensor's axes as they are there; the gyro's rate is that at the end of the step. To
-// it comes what the vibrating masses of a real gyro take acceleration for (g-sensitivity).
+// where a_WS is the change of the sensor's velocity over the last physics step, divided by the step. This
+// mean includes the centripetal and tangential terms. It is the acceleration at the middle of the step, so it
+// is rotated by the mean of R_SW before and after the step. The gyro measures the rate at the end of the
+// step, plus its response to acceleration (g-sensitivity of its vibrating masses).
 class Imu {
  public:
-  // `link` is the one that the sensor sits on; `g_W` the world's gravity, m/s^2. Throws as SixAxis does.
+  // `link` carries the sensor; `g_W` is the world's gravity in m/s^2. Throws as SixAxis does.
   Imu(const ImuDescription& description, const LinkDescription& link, const Eigen::Vector3d& g_W,
       const SensorErrors& errors);
 
-  // Once before the first physics step, with the link at rest, and then after each. `time_us` is the world's
-  // time.
+  // Call it once before the first physics step, with the link at rest, and after each step. `time_us` is the
+  // world's time.
   void step(const World& world, std::uint64_t time_us) { step(world.body(link_), time_us); }
   void step(const BodyState& link, std::uint64_t time_us);
-  // Takes the oldest sample that has arrived by `now_us`. False, and `sample` untouched, when there is none.
+  // Takes the oldest sample that has arrived by `now_us`. Returns false and leaves `sample` unchanged if
+  // there is none.
   [[nodiscard]] bool poll(std::uint64_t now_us, hal::ImuSample& sample);
-  // A stopped sensor delivers nothing.
+  // A stopped sensor delivers no samples.
   void set_running(bool running) { channels_.set_running(running); }
 
  private:

@@ -5,23 +5,22 @@
 
 namespace koboshi::sim {
 
-// The analogue anti-alias filter in front of a sensor's converter: a 2nd-order Butterworth low-pass of unit
-// gain,
+// Analogue anti-alias filter in front of a sensor's converter: a second-order Butterworth low-pass with unit
+// gain for three axes,
 //
 //   H(s) = wn^2 / (s^2 + sqrt(2) wn s + wn^2),   wn = 2 pi bandwidth,
 //
-// for three axes alike. The input is taken as a straight line between the values that it is given, and for
-// such an input the output is exact: it depends neither on the physics step nor on how a step is divided at
-// sampling instants. (The low-pass of the paper is another one, and the firmware's.)
+// The input is interpolated linearly between the given values. For this input the output is exact, so it
+// depends neither on the physics step nor on the division of a step at sampling instants. (This is not the
+// low-pass of the paper, which the firmware implements.)
 class LowPass {
  public:
-  // `bandwidth_Hz` is where the gain is -3 dB; greater than zero.
+  // The gain is -3 dB at `bandwidth_Hz`. Throws std::invalid_argument unless it is positive.
   explicit LowPass(double bandwidth_Hz);
 
-  // At rest, as if `input` had been there for ever.
+  // Sets the steady state for a constant `input`.
   void settle(const Eigen::Vector3d& input);
-  // The input moves on a straight line from its last value to `input` within `duration_us`, which is greater
-  // than zero.
+  // Moves the input linearly from its last value to `input` within `duration_us`, greater than zero.
   void advance(const Eigen::Vector3d& input, std::uint64_t duration_us);
 
   const Eigen::Vector3d& input() const { return input_; }

@@ -16,7 +16,7 @@ std::int64_t Jitter::sample_us() {
 
 Sampler::Sampler(std::uint64_t period_us, const Jitter& jitter) : period_us_(period_us), jitter_(jitter) {
   if (period_us == 0) throw std::invalid_argument("sampler: period must be at least one microsecond");
-  if (jitter.largest_us() > most_jitter_us(period_us)) {
+  if (jitter.largest_us() > max_jitter_us(period_us)) {
     throw std::invalid_argument("sampler: jitter must be less than half the period");
   }
   start(0);

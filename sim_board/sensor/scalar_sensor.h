@@ -10,20 +10,21 @@
 
 namespace koboshi::sim {
 
-// One slow quantity on its way to a microcontroller's register, as a supply's voltage behind its divider or
-// the temperature of a winding: scale, offset, noise, range, resolution, held between samples. A sample is
+// Sensor of one slow quantity, such as a supply voltage or the temperature of a winding, as read by a
+// microcontroller. Models scale error, offset, noise, range and resolution, and holds each sample until the
+// next:
 //
-//   lowest + resolution round((clamp((1 + scale) value + offset + noise) - lowest) / resolution).
+//   sample = lowest + resolution round((clamp((1 + scale) value + offset + noise) - lowest) / resolution).
 class ScalarSensor {
  public:
-  // `name` tells this sensor's random streams from all others'. Throws std::invalid_argument for a resolution
-  // or sampling period that is not positive, and where highest is not above lowest.
+  // `name` identifies the random streams of this sensor. Throws std::invalid_argument unless resolution and
+  // sampling period are positive and highest is above lowest.
   ScalarSensor(const ScalarSensorDescription& description, std::string_view name, const SensorErrors& errors);
 
-  // What there is at `time_us`, and on a straight line since the last call. Takes the samples that fall due;
-  // the first call takes one at once. Times increase.
+  // Sets the value at `time_us` and takes the samples that have become due, with linear interpolation since
+  // the previous call. The first call takes a sample at once. Times must increase.
   void step(double value, std::uint64_t time_us);
-  // What the last sample reads, in the description's unit.
+  // Last sample, in the description's unit.
   double reading() const { return reading_; }
 
  private:

@@ -4,16 +4,18 @@
 #include <cstdint>
 #include <string_view>
 
-#include "sim_board/random/random_stream.h"
+#include "sim_board/robot/description.h"
+#include "sim_board/sensor/noise.h"
+#include "sim_board/world/world.h"
 
 namespace koboshi::sim {
 
-// By how much each axis of a triad answers to each direction: what a data sheet calls scale factor tolerance
-// (on the diagonal, 1 + error) and cross-axis sensitivity (beside it; axes that are not orthogonal are part
-// of it). Drawn once by the seed: uniform within the given bounds.
+// Linear response of a triad to its own quantity: 1 + scale factor error on the diagonal, cross-axis
+// sensitivity (which includes non-orthogonal axes) off it. Each element is drawn once, uniform within its
+// bound.
 class AxisGains {
  public:
-  // Both bounds are shares, as 0.03 for 3 %.
+  // Both bounds are fractions: 0.03 is 3 %.
   AxisGains(double scale_error, double cross_axis, std::uint64_t seed, std::string_view name);
 
   const Eigen::Matrix3d& value() const { return value_; }
@@ -22,8 +24,8 @@ class AxisGains {
   Eigen::Matrix3d value_;
 };
 
-// What a triad shows of another quantity than its own, as a gyro of acceleration: a matrix that is drawn once
-// by the seed, each element uniform within +-largest, in the unit of the one by the unit of the other.
+// Linear response of a triad to another quantity, such as that of a gyro to acceleration. Each element is
+// drawn once, uniform within +-largest, in the triad's unit per unit of the other quantity.
 class CrossSensitivity {
  public:
   CrossSensitivity(double largest, std::uint64_t seed, std::string_view name);
@@ -32,6 +34,24 @@ class CrossSensitivity {
 
  private:
   Eigen::Matrix3d value_;
+};
+
+// Crosstalk between the force axes and the torque axes of a six-axis sensor. Its strain gauges share one
+// body, and calibration leaves a residual. Together with the AxisGains of both triads this fills the sensor's
+// 6 x 6 matrix. Drawn once:
+//
+//   f_i += c_ij F/T tau_j,   tau_i += c'_ij T/F f_j,   |c|, |c'| <= crosstalk,
+//
+// where F and T are the ranges of force and torque.
+class AnkleCrosstalk {
+ public:
+  AnkleCrosstalk(const AnkleSensorDescription& description, const SensorErrors& errors);
+
+  Wrench apply(const Wrench& wrench) const;
+
+ private:
+  CrossSensitivity force_by_torque_;  // N / (N m)
+  CrossSensitivity torque_by_force_;  // N m / N
 };
 
 }  // namespace koboshi::sim

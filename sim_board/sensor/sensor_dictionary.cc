@@ -16,7 +16,7 @@ constexpr auto kAnkleRows = canopen::rows_of<kAnkleObjects>();
 static_assert(canopen::is_valid_table(kInertialRows, sizeof(SensorValues)));
 static_assert(canopen::is_valid_table(kAnkleRows, sizeof(SensorValues)));
 
-// Three axes of an object and the sample's number: eight bytes.
+// Returns a TPDO of eight bytes: three axes of an object and the number of the sample.
 constexpr canopen::PdoConfiguration axes(std::size_t number, std::uint16_t index, std::uint8_t type,
                                          std::uint16_t period_ms) {
   return {.cob_id = static_cast<std::uint32_t>(canopen::kTpdo1Base + number * canopen::kPdoStep) |
@@ -42,8 +42,8 @@ constexpr canopen::PdoConfiguration kForceTorqueTpdos[kSensorTpdos] = {
 canopen::NodeDescription sensor_node_description(SensorKind kind) {
   const bool inertial = kind == SensorKind::kInertial;
   return {
-      .device_type = 0,         // of no standard profile
-      .vendor_id = 0x4B4F4249,  // no number that CiA has given to anybody
+      .device_type = 0,         // no device profile
+      .vendor_id = 0x4B4F4249,  // not assigned by CiA
       .product_code = inertial ? 0x4B02u : 0x4B03u,
       .revision_number = 0x0001'0000,
       .device_name = inertial ? "Koboshi inertial unit" : "Koboshi ankle sensor",
@@ -51,7 +51,7 @@ canopen::NodeDescription sensor_node_description(SensorKind kind) {
       .software_version = "0.1.0",
       .heartbeat_ms = kSensorHeartbeat_ms,
       .stored_groups = canopen::group_bit(canopen::ParameterGroup::kAll) |
-                       canopen::group_bit(canopen::ParameterGroup::kCommunication),  // it has no others
+                       canopen::group_bit(canopen::ParameterGroup::kCommunication),  // the only ones it has
       .field_device = true,
       .rows = inertial ? std::span<const canopen::Entry>(kInertialRows) : kAnkleRows,
       .rpdos = {},

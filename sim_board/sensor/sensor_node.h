@@ -13,34 +13,34 @@
 
 namespace koboshi::sim {
 
-// Node ids on a board whose sensors stand on the bus.
+// Default node ids on a board whose sensors are nodes of the bus.
 inline constexpr std::uint8_t kInertialNode = 36;
 inline constexpr std::uint8_t kLeftAnkleNode = 37;
 inline constexpr std::uint8_t kRightAnkleNode = 38;
 
-// A sensor as a CANopen node: it sends its latest sample, an inertial unit by its own clock and an ankle at
-// each SYNC.
+// Sensor as a CANopen node. Sends its latest sample: an inertial unit periodically, an ankle sensor at each
+// SYNC.
 class SensorNode final : private BusNode,
                          private canopen::FrameSink,
                          private canopen::NodeApplication,
                          private canopen::DeviceOwner {
  public:
-  static constexpr std::uint64_t kBootTime_us = 50'000;  // from power to the boot-up message
+  static constexpr std::uint64_t kBootTime_us = 50'000;  // from power-on to the boot-up message
   static constexpr std::size_t kTransmitFifo = 8;
 
-  // On the bus, and powered, from now on. The bus must outlive it.
+  // Attaches the node to the bus and powers it. The bus must outlive it.
   SensorNode(SensorKind kind, std::uint8_t node_id, Bus& bus);
   SensorNode(const SensorNode&) = delete;
   SensorNode& operator=(const SensorNode&) = delete;
 
-  // What was measured last.
+  // Sets the latest sample.
   void take(const hal::ImuSample& sample) {
     store(sample.gyro_raw, values_.gyro, sample.accelerometer_raw, values_.accelerometer);
   }
   void take(const hal::AnkleSample& sample) {
     store(sample.force_raw, values_.force, sample.torque_raw, values_.torque);
   }
-  // Once a millisecond: what the node does by itself.
+  // Call it once per millisecond: processes timers, storage and bus-off recovery.
   void update(std::uint64_t now_us);
 
   void archive(StateArchive& archive) {

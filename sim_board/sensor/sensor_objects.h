@@ -4,9 +4,8 @@
 #include "firmware/canopen/dictionary.h"
 #include "sim_board/sensor/sensor_dictionary.h"
 
-// The objects of the two kinds of sensor nodes: from these tables come the nodes' rows, inertial.eds and
-// ankle.eds, their part of koboshi.dbc and of docs/reference/object-dictionary.md (`koboshi dictionary
-// write`).
+// Objects of the two kinds of sensor nodes. Source of the nodes' object dictionaries and, by `koboshi
+// dictionary write`, of inertial.eds, ankle.eds, koboshi.dbc and docs/reference/object-dictionary.md.
 namespace koboshi::sim {
 
 using enum canopen::Access;

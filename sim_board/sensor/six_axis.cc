@@ -8,7 +8,8 @@
 namespace koboshi::sim {
 namespace {
 
-// Samples that a sensor keeps beyond those under way, for a board that polls less often than it samples.
+// Capacity of the FIFO in addition to the samples in transit, for a board that polls less often than the
+// sensor samples.
 constexpr std::size_t kFifoSamples = 64;
 
 std::uint64_t to_us(double time_s) {
@@ -27,14 +28,14 @@ std::size_t fifo_capacity(const ChannelDescription& channel) {
   return kFifoSamples + static_cast<std::size_t>(channel.delay_s / channel.sample_period_s);
 }
 
-// The clock that the two share.
+// The clock that both channels share.
 Sampler make_sampler(const ChannelDescription& first, const ChannelDescription& second, std::string_view name,
                      const SensorErrors& errors) {
   const std::uint64_t period_us = shared_us(first.sample_period_s, second.sample_period_s);
   const std::uint64_t jitter_us = shared_us(first.jitter_s * errors.scale, second.jitter_s * errors.scale);
   return {
       period_us,
-      {std::min(jitter_us, Sampler::most_jitter_us(period_us)), errors.seed, std::string(name) + ".jitter"}};
+      {std::min(jitter_us, Sampler::max_jitter_us(period_us)), errors.seed, std::string(name) + ".jitter"}};
 }
 
 }  // namespace

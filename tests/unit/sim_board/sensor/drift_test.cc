@@ -1,4 +1,4 @@
-#include "sim_board/sensor/drift.h"
+#include "sim_board/sensor/noise.h"
 
 #include <gtest/gtest.h>
 

@@ -53,7 +53,7 @@ TEST(Sampler, MissesEachInstantUniformlyWithinItsJitter) {
 
 TEST(Sampler, KeepsItsOrderAtTheMostJitter) {
   for (const std::uint64_t period_us : {1u, 2u, 3u, 100u}) {
-    Sampler sampler(period_us, {Sampler::most_jitter_us(period_us), 3, "imu"});
+    Sampler sampler(period_us, {Sampler::max_jitter_us(period_us), 3, "imu"});
     sampler.start(0);
     std::uint64_t last_us = 0;
     for (int i = 0; i < 10'000; ++i) {
@@ -78,6 +78,35 @@ TEST(Sampler, NeverSamplesBeforeItStarts) {
 TEST(Sampler, RefusesWhatWouldDisorderIt) {
   EXPECT_THROW(Sampler(0, {0, 1, "imu"}), std::invalid_argument);
   EXPECT_THROW(Sampler(1000, {500, 1, "imu"}), std::invalid_argument);
+}
+
+TEST(Delay, DeliversToTheMicrosecond) {
+  Delay<int> delay(1234, 4);
+  delay.push(42, 1000);
+  int value = 0;
+  EXPECT_FALSE(delay.poll(2233, value));
+  EXPECT_EQ(value, 0);
+  EXPECT_TRUE(delay.poll(2234, value));
+  EXPECT_EQ(value, 42);
+  EXPECT_FALSE(delay.poll(9999, value));
+}
+
+TEST(Delay, DeliversAtOnceWithoutDelay) {
+  Delay<int> delay(0, 1);
+  delay.push(42, 1000);
+  int value = 0;
+  EXPECT_TRUE(delay.poll(1000, value));
+}
+
+TEST(Delay, KeepsOrderAndLosesTheOldestWhenFull) {
+  Delay<int> delay(10, 3);
+  for (int i = 0; i < 5; ++i) delay.push(i, static_cast<std::uint64_t>(i));
+  int value = -1;
+  for (int expected = 2; expected < 5; ++expected) {
+    ASSERT_TRUE(delay.poll(100, value));
+    EXPECT_EQ(value, expected);
+  }
+  EXPECT_FALSE(delay.poll(100, value));
 }
 
 }  // namespace

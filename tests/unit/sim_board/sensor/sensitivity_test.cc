@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim_board/sensor/ankle_crosstalk.h"
 #include "sim_board/sensor/channel.h"
 
 namespace koboshi::sim {

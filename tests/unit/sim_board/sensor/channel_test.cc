@@ -1,4 +1,4 @@
-#include "sim_board/sensor/converter.h"
+#include "sim_board/sensor/channel.h"
 
 #include <gtest/gtest.h>
 
