@@ -32,7 +32,7 @@ std::uint64_t latest_sync_us(const BusBench& bench) {
 // all bandwidth that the other nodes leave.
 class SdoFlood : public testing::TestWithParam<std::vector<std::uint16_t>> {};
 
-TEST_P(SdoFlood, DelaysNoSyncByMoreThanAFrameAndLosesNobody) {
+TEST_P(SdoFlood, DelaysSyncByAtMostOneFrameAndLosesNoNode) {
   BusBench bench;
   ASSERT_TRUE(bench.run_until_standing());
   bench.seen.clear();
@@ -79,7 +79,7 @@ void expect_fault(BusBench& bench, behaviour::Reason reason) {
   for (std::size_t i = 0; i < bench.drive_count(); ++i) EXPECT_FALSE(bench.drive(i).makes_torque()) << i;
 }
 
-TEST(SecondMaster, RefusesToBootAndLeavesTheRobotStanding) {
+TEST(SecondMaster, RefusesToBootWhileTheRobotStands) {
   BusBench bench;
   ASSERT_TRUE(bench.run_until_standing());
   bench.seen.clear();
@@ -105,7 +105,7 @@ TEST(SecondMaster, RefusesToBootAndLeavesTheRobotStanding) {
   EXPECT_EQ(second.state(), behaviour::State::kLimp);
 }
 
-TEST(SecondMaster, ThatIsPoweredOnWithTheFirstLetsNeitherBoot) {
+TEST(SecondMaster, PoweredOnWithTheFirstPreventsBothFromBooting) {
   BusBench bench;
   bench.run_ms(4);
   BusBench::Unit& second = bench.add_controller();
@@ -116,7 +116,7 @@ TEST(SecondMaster, ThatIsPoweredOnWithTheFirstLetsNeitherBoot) {
 }
 
 // SYNC, heartbeat or targets from a second source, each on its own and at the rate of a master.
-TEST(SecondMaster, ThatSpeaksAsTheFirstStopsTheRobot) {
+TEST(SecondMaster, SendingAsTheFirstStopsTheRobot) {
   for (const hal::CanFrame& frame :
        {hal::CanFrame{.identifier = kSync}, hal::CanFrame{.identifier = 0x701, .size = 1, .data = {5}},
         hal::CanFrame{.identifier = 0x213, .size = 6, .data = {0x0F}}}) {
@@ -134,7 +134,7 @@ TEST(SecondMaster, ThatSpeaksAsTheFirstStopsTheRobot) {
   }
 }
 
-TEST(SecondMaster, IsNoneThatSpeaksOnceASecond) {
+TEST(SecondMaster, IsNotReportedForOneFrameASecond) {
   BusBench bench;
   ASSERT_TRUE(bench.run_until_standing());
   for (const std::uint16_t identifier : {kSync, std::uint16_t{0x701}})
@@ -147,7 +147,7 @@ TEST(SecondMaster, IsNoneThatSpeaksOnceASecond) {
 
 // --- A second node with the same id
 
-TEST(DuplicateNode, OfADriveIsFoundWhileTheControllerBoots) {
+TEST(DuplicateNode, OfADriveIsDetectedDuringBoot) {
   BusBench bench;
   bench.add_drive(3, 9'999);
   bench.run_ms(3'000);
@@ -155,7 +155,7 @@ TEST(DuplicateNode, OfADriveIsFoundWhileTheControllerBoots) {
   EXPECT_EQ(bench.controller().values().behaviour.faulty_joint, 3);
 }
 
-TEST(DuplicateNode, ThatIsPluggedInStopsTheRobot) {
+TEST(DuplicateNode, PluggedInStopsTheRobot) {
   BusBench bench;
   ASSERT_TRUE(bench.run_until_standing());
   bench.add_drive(3, 9'999);
@@ -167,7 +167,7 @@ TEST(DuplicateNode, ThatIsPluggedInStopsTheRobot) {
 
 // --- A bus that is stuck
 
-TEST(DominantBus, ForFiveMillisecondsIsBorne) {
+TEST(DominantBus, ForFiveMillisecondsIsTolerated) {
   BusBench bench;
   ASSERT_TRUE(bench.run_until_standing());
   bench.bus.set_dominant(true);
@@ -179,7 +179,7 @@ TEST(DominantBus, ForFiveMillisecondsIsBorne) {
   EXPECT_EQ(bench.count_in(State::kOperationEnabled), 20);
 }
 
-TEST(DominantBus, StopsTheRobotAndLetsItBootAgainWhenItIsMended) {
+TEST(DominantBus, StopsTheRobotWhichBootsAgainAfterRepair) {
   BusBench bench;
   ASSERT_TRUE(bench.run_until_standing());
   bench.bus.set_dominant(true);
@@ -195,7 +195,7 @@ TEST(DominantBus, StopsTheRobotAndLetsItBootAgainWhenItIsMended) {
 
 // --- Oscillators with the frequency tolerance of cheap parts
 
-TEST(Clocks, MayDifferByFiveHundredMillionths) {
+TEST(Clocks, MayDifferByFiveHundredPpm) {
   for (const double rate : {1.0 - 500e-6, 1.0 + 500e-6}) {
     SCOPED_TRACE(rate);
     BusBench bench(rate);
@@ -237,7 +237,7 @@ class DeadClient : public testing::TestWithParam<Transfer> {
   BusBench bench;
 };
 
-TEST_P(DeadClient, IsGivenUpAfterASecond) {
+TEST_P(DeadClient, TimesOutAfterOneSecond) {
   ASSERT_TRUE(bench.run_until_standing());
   bench.seen.clear();
   for (const canopen::sdo::Data& request : GetParam().requests) {
@@ -261,7 +261,7 @@ TEST_P(DeadClient, IsGivenUpAfterASecond) {
   expect_standing(bench);
 }
 
-TEST_P(DeadClient, IsReplacedAtOnceByAnother) {
+TEST_P(DeadClient, IsReplacedAtOnceByAnotherClient) {
   ASSERT_TRUE(bench.run_until_standing());
   for (const canopen::sdo::Data& request : GetParam().requests) {
     ask(request);
@@ -296,7 +296,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 // A winding that is still hot is a fault from the first moment after the reset, while the resets of the other
 // drives keep the bus busy. The emergency message must not overtake the boot-up message.
-TEST(Reset, TellsWhyADriveIsInFaultAgain) {
+TEST(Reset, ReportsWhyADriveIsInFaultAgain) {
   BusBench bench;
   ASSERT_TRUE(bench.run_until_standing());
   bench.drive(5).overheat();
@@ -312,7 +312,7 @@ TEST(Reset, TellsWhyADriveIsInFaultAgain) {
 }
 
 // The controller is the SDO client of the drives while it boots them; then another master takes over.
-TEST(DeadMaster, LeavesDrivesThatTheNextOneBoots) {
+TEST(DeadMaster, LeavesDrivesThatANewMasterCanBoot) {
   BusBench bench;
   bench.run_ms(200);
   ASSERT_EQ(bench.controller().state(), behaviour::State::kBoot);

@@ -14,7 +14,7 @@ namespace {
 
 const std::filesystem::path kWalk = std::filesystem::path(KOBOSHI_SOURCE_DIR) / "scenarios/walk.yaml";
 
-TEST(GyroFeedback, ComesToTheSameOnOneCoreAndOnTwo) {
+TEST(GyroFeedback, IsIndependentOfTheNumberOfCores) {
   GyroFeedbackOptions options;
   options.scenario = kWalk;
   options.overrides = {{"duration_s", "5.5"}};
@@ -32,7 +32,7 @@ TEST(GyroFeedback, ComesToTheSameOnOneCoreAndOnTwo) {
       << "seeds make no difference";
 }
 
-TEST(GyroFeedback, ChangesTheWorldAndNotWhatTheFirmwareKnows) {
+TEST(GyroFeedback, ChangesTheMotionButNotTheEstimate) {
   GyroFeedbackOptions options;
   options.scenario = kWalk;
   options.disturbed = true;
@@ -47,7 +47,7 @@ TEST(GyroFeedback, ChangesTheWorldAndNotWhatTheFirmwareKnows) {
   EXPECT_FALSE(world.scenario.pushes.empty());
 }
 
-TEST(ScenarioTrial, TellsWhyItEnded) {
+TEST(ScenarioTrial, ReportsWhyItEnded) {
   const std::vector<sim::Override> overrides{{"duration_s", "1"},
                                              {"faults", "[{at_s: 0, kind: controller_stop}]"}};
   const sim::Scenario scenario =
@@ -74,7 +74,7 @@ double mean_corner_height_m(const sim::Scenario& scenario) {
   return sum_m / corners;
 }
 
-TEST(SoftGround, GivesWayByWeightOverStiffness) {
+TEST(SoftGround, SinksByWeightOverStiffness) {
   const std::vector<sim::Override> overrides{{"duration_s", "3.45"}};
   sim::Scenario scenario = sim::read_scenario(kWalk, overrides);
   const double hard_m = mean_corner_height_m(scenario);

@@ -162,7 +162,7 @@ class FaultRun {
 
 class FaultMatrix : public testing::TestWithParam<Row> {};
 
-TEST_P(FaultMatrix, SaysWhatHappens) {
+TEST_P(FaultMatrix, MatchesTheReferencePage) {
   FaultRun fault(GetParam());
   EXPECT_EQ(fault.emergencies(), GetParam().emergencies);
   EXPECT_EQ(fault.controller(), GetParam().controller);
@@ -185,7 +185,7 @@ std::string test_name(const testing::TestParamInfo<Row>& info) {
 
 INSTANTIATE_TEST_SUITE_P(Page, FaultMatrix, testing::ValuesIn(read_rows()), test_name);
 
-TEST(FaultMatrixPage, HasEveryKindOfFault) {
+TEST(FaultMatrixPage, ListsEveryKindOfFault) {
   std::set<sim::Fault::Kind> kinds;
   for (const Row& row : read_rows()) {
     for (const sim::Fault& fault : read_faults(row)) kinds.insert(fault.kind);

@@ -39,7 +39,7 @@ void expect_emergency(const RobotRun& run, State state, Reason reason) {
 
 // --- The firmware stops
 
-TEST(FirmwareStops, InMidSquatAndAllDrivesStopQuicklyThenCutTheirTorque) {
+TEST(FirmwareStops, InMidSquatAllDrivesPerformAQuickStopThenCutTheirTorque) {
   RobotRun run(with_fault(quick_squat(), Kind::kControllerStop, kMidSquat_us));
   run.run_until_us(kMidSquat_us);
   ASSERT_EQ(run.count_in(DriveState::kOperationEnabled), 20);
@@ -65,7 +65,7 @@ TEST(FirmwareStops, InMidSquatAndAllDrivesStopQuicklyThenCutTheirTorque) {
   }
 }
 
-TEST(FirmwareStops, AndTheWatchdogLowersTheLine) {
+TEST(FirmwareStops, WatchdogLowersTheLine) {
   RobotRun run(with_fault(hanging_squat(), Kind::kControllerStop, kInMotion_us));
   run.run_until_us(kInMotion_us + sim::SimBoard::kWatchdog_us - 1'000);
   EXPECT_TRUE(run.board().drive_enable_line());
@@ -76,7 +76,7 @@ TEST(FirmwareStops, AndTheWatchdogLowersTheLine) {
 
 // --- Drives
 
-TEST(DriveHangs, FromTheStartAndTheRobotStaysLimp) {
+TEST(DriveHangs, FromTheStartTheRobotStaysLimp) {
   RobotRun run(with_fault(hanging_squat(), Kind::kDriveSilent, 0, "left_knee"));
   ASSERT_TRUE(run.run_until(State::kFault, 1'100'000));
   EXPECT_EQ(run.behaviour().drive_fault, DriveFault::kSilent);
@@ -85,7 +85,7 @@ TEST(DriveHangs, FromTheStartAndTheRobotStaysLimp) {
   expect_emergency(run, State::kBoot, Reason::kDriveFault);
 }
 
-TEST(DriveHangs, InMotionAndTheOthersStop) {
+TEST(DriveHangs, InMotionTheOthersStop) {
   RobotRun run(with_fault(hanging_squat(), Kind::kDriveSilent, kInMotion_us, "left_knee"));
   ASSERT_TRUE(run.run_until(State::kFault, kInMotion_us + 61'000));
   EXPECT_EQ(run.behaviour().drive_fault, DriveFault::kLost);
@@ -98,7 +98,7 @@ TEST(DriveHangs, InMotionAndTheOthersStop) {
   expect_emergency(run, State::kMotion, Reason::kDriveFault);
 }
 
-TEST(DriveLosesPower, InMotionAndTheOthersStop) {
+TEST(DriveLosesPower, InMotionTheOthersStop) {
   RobotRun run(with_fault(hanging_squat(), Kind::kDrivePowerLoss, kInMotion_us, "right_hip_pitch"));
   ASSERT_TRUE(run.run_until(State::kFault, kInMotion_us + 61'000));
   EXPECT_EQ(run.behaviour().drive_fault, DriveFault::kLost);
@@ -110,7 +110,7 @@ TEST(DriveLosesPower, InMotionAndTheOthersStop) {
 // --- Reset
 
 // At some of these times the drives' answers to the last SYNC are still on the bus when the command arrives.
-TEST(Reset, IsObeyedInEachMillisecondOfTheCycle) {
+TEST(Reset, IsProcessedInEachMillisecondOfTheCycle) {
   constexpr std::uint64_t kPeriod_us = 900'000;
   constexpr std::uint64_t kPhases = 10;
   sim::Scenario scenario = hanging_squat();
@@ -174,7 +174,7 @@ TEST(BusWithoutAcknowledgement, FromTheStart) {
   EXPECT_TRUE(run.frames().empty());
 }
 
-TEST(BusWithoutAcknowledgement, InMotionAndTheDrivesStopByThemselves) {
+TEST(BusWithoutAcknowledgement, InMotionTheDrivesStopAutonomously) {
   RobotRun run(with_fault(hanging_squat(), Kind::kBusUnacknowledged, kInMotion_us));
   ASSERT_TRUE(run.run_until(State::kFault, kInMotion_us + 30'000));
   run.run_until_us(kInMotion_us + 61'000);
@@ -225,7 +225,7 @@ TEST(EmergencyStop, InMidSquatCutsAllTorqueAtOnce) {
   EXPECT_EQ(run.behaviour().faults, 0);
 }
 
-TEST(EmergencyStop, IsOverAfterResetAndTheRobotEnablesAgain) {
+TEST(EmergencyStop, EndsByResetAndTheRobotEnablesAgain) {
   auto scenario = hanging_squat();
   using CommandKind = sim::Command::Kind;
   scenario.commands.push_back({.at_us = 2'000'000, .kind = CommandKind::kEmergencyStop});

@@ -23,7 +23,7 @@ Options short_recovery(std::size_t seeds) {
   return options;
 }
 
-TEST(StandUp, GetsUpFromWhereItWasDropped) {
+TEST(StandUp, GetsUpFromEveryDroppedPose) {
   const auto options = short_recovery<StandUpOptions>(2);
   const Experiment experiment = make_stand_up(options);
   const ExperimentResult result = play_experiment(experiment, {});
@@ -46,7 +46,7 @@ TEST(StandUp, StaysDownWithoutItsMotions) {
   EXPECT_EQ(experiment.conclude(experiment, result).values.at("success_rate"), 0.0);
 }
 
-TEST(FallDetection, ForeseesPushesAndNoWalk) {
+TEST(FallDetection, PredictsFallsFromPushesAndNoneWhileWalking) {
   auto options = short_recovery<FallDetectionOptions>(1);
   options.walk_s = 6.0;
   const Experiment experiment = make_fall_detection(options);

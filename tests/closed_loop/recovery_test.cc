@@ -35,7 +35,7 @@ bool lies(const RobotRun& run) {
   return false;
 }
 
-TEST(Recovery, ForeseesAFallToTheFrontAndOneToTheBackAndGetsUp) {
+TEST(Recovery, PredictsAFallToFrontAndBackAndGetsUp) {
   RobotRun run(read("get_up.yaml"));
   for (const Reason lying : {Reason::kProne, Reason::kSupine}) {
     ASSERT_TRUE(run.run_until(State::kFalling, run.now_us() + 20'000'000));
@@ -60,7 +60,7 @@ TEST(Recovery, ForeseesAFallToTheFrontAndOneToTheBackAndGetsUp) {
   EXPECT_EQ(run.limited_ms(), 0u);
 }
 
-TEST(Recovery, RisesFromTheSeatOnWhichAFallToTheBackEnded) {
+TEST(Recovery, RisesFromTheSeatAfterAFallToTheBack) {
   RobotRun run(
       read("get_up.yaml",
            {{"pushes", "[{at_s: 8, duration_s: 0.1, shape: half-sine, link: trunk, force_N: [-10.5, 0, 0]}]"},

@@ -37,7 +37,7 @@ class Server final : private sim::BusNode, private canopen::FrameSink {
   canopen::TestNode device_{kServer, canopen::kTestDescription, *this};
 };
 
-TEST(SdoUpload, ByBlocksIsQuickBesideAWalk) {
+TEST(SdoUpload, ByBlocksIsFastDuringAWalk) {
   const std::vector<sim::Override> lumped{{"physics.stepper", "lumped"}};
   simulation::Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml", lumped));
   sim::SimBoard& board = simulation.board();

@@ -134,7 +134,7 @@ void spoil(Watched& watched) {
 
 class SnapshotInEachStepper : public testing::TestWithParam<sim::Stepper> {};
 
-TEST_P(SnapshotInEachStepper, GoesOnToTheSameBitsFromWhereverItIsRestored) {
+TEST_P(SnapshotInEachStepper, ContinuesWithTheSameBitsFromAnyTime) {
   if (GetParam() == sim::Stepper::kMujoco && !sim::has_mujoco()) GTEST_SKIP() << "built without MuJoCo";
   constexpr std::uint64_t kEnd_ms = 2100;
   const sim::Scenario scenario = adventure(GetParam(), 7);
@@ -182,7 +182,7 @@ std::vector<std::byte> image(const sim::SimBoard& board) {
   return image;
 }
 
-TEST(Snapshot, LeavesNoByteOfAnotherRunBehind) {
+TEST(Snapshot, ReplacesTheStateCompletely) {
   Watched watched(adventure(sim::Stepper::kLumped, 3));
   Simulation& simulation = watched.simulation();
   watched.run_until_ms(300);
@@ -204,7 +204,7 @@ TEST(Snapshot, LeavesNoByteOfAnotherRunBehind) {
   }
 }
 
-TEST(Snapshot, IsOfOneSimulationAndItsObserversAlone) {
+TEST(Snapshot, BelongsToOneSimulationAndItsObservers) {
   const sim::Scenario scenario = hanging_squat();
   Simulation simulation(scenario), other(scenario);
   const Snapshot snapshot = simulation.snapshot();
@@ -217,7 +217,7 @@ TEST(Snapshot, IsOfOneSimulationAndItsObserversAlone) {
   EXPECT_EQ(snapshot.time_us(), 0u);
 }
 
-TEST(Snapshot, IsRefusedWhereSomethingLivesOutside) {
+TEST(Snapshot, IsRejectedWithExternalProcesses) {
   Simulation simulation(hanging_squat());
   {
     const TemporaryFolder folder;
@@ -259,7 +259,7 @@ TEST(Snapshot, IsSmall) {
               heap_bytes >> 10, kept.size_bytes() >> 10, times_us.front());
 }
 
-TEST_P(SnapshotInEachStepper, IsOfARunThatAResetEndsForOneAsIfMadeAnew) {
+TEST_P(SnapshotInEachStepper, ResetEqualsANewSimulation) {
   if (GetParam() == sim::Stepper::kMujoco && !sim::has_mujoco()) GTEST_SKIP() << "built without MuJoCo";
   constexpr std::size_t kDuration_ms = 150;
   sim::Scenario scenario = adventure(GetParam(), 1);

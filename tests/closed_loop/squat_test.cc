@@ -9,7 +9,7 @@ namespace {
 
 using behaviour::State;
 
-TEST(Squat, BootsLimpAndStandsUpOnlyWhenTold) {
+TEST(Squat, BootsLimpAndStandsUpOnCommandOnly) {
   RobotRun run(quick_squat());
   ASSERT_TRUE(run.run_until(State::kLimp, kEnable_us));
   run.run_until_us(kEnable_us);
@@ -41,7 +41,7 @@ TEST(Squat, GoesDownByThreeCentimetresAndUpAgainWithoutFaults) {
   EXPECT_EQ(run.board().bus().usage().collisions, 0u);
 }
 
-TEST(Squat, EndsWhereItBeganWhenTheOperatorStopsIt) {
+TEST(Squat, ReturnsToItsStartWhenStopped) {
   auto scenario = hanging_squat();
   scenario.commands.push_back({.at_us = 3'600'000, .kind = sim::Command::Kind::kStop});
   RobotRun run(scenario);

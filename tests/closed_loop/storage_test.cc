@@ -52,7 +52,7 @@ canopen::AbortCode refusal(const std::function<void()>& transfer) {
   return canopen::AbortCode::kNone;
 }
 
-TEST(Storage, PlaysAMotionThatCameOverTheBus) {
+TEST(Storage, PlaysAMotionDownloadedOverTheBus) {
   simulation::Simulation simulation(stand());
   test::Pc pc(simulation, kController);
   tools::SdoTransfer sdo(pc, kController);
@@ -81,7 +81,7 @@ TEST(Storage, PlaysAMotionThatCameOverTheBus) {
 }
 
 // The horns of both ankle servos are mounted two degrees off, so the robot leans until the trims are set.
-TEST(Storage, TrimsMakeUpForServosThatAreOff) {
+TEST(Storage, TrimsCompensateServoOffsets) {
   constexpr double kOff_rad = 0.035;
   constexpr auto kTrim = static_cast<std::uint16_t>(kOff_rad / (2.0 * std::numbers::pi) * 65536.0 + 0.5);
   const std::string ankles[] = {"left_ankle_pitch", "right_ankle_pitch"};

@@ -50,7 +50,7 @@ class StudySearch : public testing::Test {
   SearchProgress progress_;
 };
 
-TEST_F(StudySearch, LeavesWhatItTriedAndWhatItFound) {
+TEST_F(StudySearch, WritesItsLogAndItsResult) {
   const SearchResult result = search(Method::kCmaEs);
   EXPECT_EQ(result.score, 1.0);
   EXPECT_EQ(progress_.done, 16u);
@@ -65,7 +65,7 @@ TEST_F(StudySearch, LeavesWhatItTriedAndWhatItFound) {
   EXPECT_FALSE(std::filesystem::exists(options_.out / "front.csv"));
 }
 
-TEST_F(StudySearch, GoesOnFromItsLogToTheSameEnd) {
+TEST_F(StudySearch, ResumesFromItsLogWithTheSameResult) {
   static_cast<void>(search(Method::kCmaEs));
   const std::string first = contents(options_.out / "evaluations.csv");
   const auto played = lines(options_.out / "trials.jsonl");
@@ -107,7 +107,7 @@ TEST_F(InfeasibleStudySearch, RefusesAnInfeasibleStart) {
   EXPECT_THROW(static_cast<void>(search(Method::kCmaEs)), sim::InputError);
 }
 
-TEST_F(StudySearch, OfEachTrialTellsWhatNoOtherBeats) {
+TEST_F(StudySearch, ReportsNonDominatedCandidates) {
   static_cast<void>(search(Method::kNsga2));
   EXPECT_EQ(lines(options_.out / "evaluations.csv"), 17);
   EXPECT_EQ(lines(options_.out / "front.csv"), 17) << "all that stand are worth the same";

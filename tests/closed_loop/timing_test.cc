@@ -76,7 +76,7 @@ TEST_F(Timing, TargetsTakeEffectWithinFourTenthsOfAMillisecond) {
   EXPECT_LE(latest_us, 2'900u);
 }
 
-TEST_F(Timing, AnswersAndTelemetryAreThereLongBeforeTheNextTick) {
+TEST_F(Timing, AnswersAndTelemetryArriveLongBeforeTheNextTick) {
   std::uint64_t answers_us = 0;
   std::uint64_t all_us = 0;
   for (const RobotRun::Frame& frame : run_->frames()) {
@@ -91,7 +91,7 @@ TEST_F(Timing, AnswersAndTelemetryAreThereLongBeforeTheNextTick) {
   EXPECT_LE(all_us, 6'500u);
 }
 
-TEST_F(Timing, LoadsTheBusByAboutAHalf) {
+TEST_F(Timing, LoadsTheBusToAboutHalf) {
   const double load = sim::bus_load(before_, after_);
   EXPECT_GE(load, 0.49);
   EXPECT_LE(load, 0.60);

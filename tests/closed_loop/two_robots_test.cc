@@ -115,7 +115,7 @@ TEST(TwoRobots, WalkWithTheSameFirmware) {
 }
 
 // Gait parameters belong to a robot: the firmware does not walk without them.
-TEST(TwoRobots, WithoutParametersOfItsOwnOneStandsButDoesNotWalk) {
+TEST(TwoRobots, OneWithoutParametersStandsButDoesNotWalk) {
   const TemporaryFolder folder;
   write_tall_robot(folder.path);
   RobotRun run(walk_of(folder.path / "robot.sdf", folder.path / "stand.yaml", folder.path));

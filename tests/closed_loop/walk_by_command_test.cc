@@ -38,7 +38,7 @@ Eigen::Vector2d way_m(const Place& from, const Place& to) {
   return Eigen::Rotation2Dd(-from.yaw_rad) * (to.p_m - from.p_m);
 }
 
-TEST(WalkByCommand, GoesAheadAndRoundACurveAndStandsStill) {
+TEST(WalkByCommand, WalksStraightThenACurveThenStands) {
   RobotRun run(go());
   run.run_until_us(3'900'000);
   ASSERT_EQ(run.behaviour().state, State::kStanding);
@@ -71,7 +71,7 @@ TEST(WalkByCommand, GoesAheadAndRoundACurveAndStandsStill) {
 }
 
 // An operator's command during a run has the same effect as the same command in the scenario.
-TEST(WalkByCommand, RepeatsWhatAnOperatorDid) {
+TEST(WalkByCommand, ReplaysAnOperatorsCommands) {
   using Kind = sim::Command::Kind;
   sim::Scenario scenario = go();
   scenario.duration_us = 1'500'000;
@@ -108,7 +108,7 @@ TEST(WalkByCommand, RepeatsWhatAnOperatorDid) {
   EXPECT_EQ(repeated_recorder.summary().state_hash, operated_recorder.summary().state_hash);
 }
 
-TEST(WalkByCommand, IsToldTheVelocityBeforeTheCommand) {
+TEST(WalkByCommand, SendsTheVelocityBeforeTheCommand) {
   sim::Scenario scenario = go();
   scenario.initial.release_us.reset();
   scenario.initial.fixed_base = true;

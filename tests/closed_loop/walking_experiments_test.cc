@@ -38,7 +38,7 @@ TEST(WalkingSpeed, SustainsASlowWalkAndNoImpossibleOne) {
   EXPECT_GT(speed_fields().trials(result.cells[0]).at(0).energy_J_per_m, 1.0);
 }
 
-TEST(PushRecovery, SurvivesASmallPushAndNoLargeOne) {
+TEST(PushRecovery, SurvivesASmallPushButNotALargeOne) {
   PushRecoveryOptions options = short_form<PushRecoveryOptions>();
   options.directions = 1;
   options.highest_N_s_per_kg = 1.0;
@@ -52,7 +52,7 @@ TEST(PushRecovery, SurvivesASmallPushAndNoLargeOne) {
   EXPECT_LE(conclusions.values.at("walking_min_Ns_per_kg"), 0.5);
 }
 
-TEST(Terrain, PassesAFloorAndNotASteepSlope) {
+TEST(Terrain, PassesOnAFloorAndFailsOnASteepSlope) {
   TerrainOptions options = short_form<TerrainOptions>();
   options.way_m = 0.4;
   Experiment experiment = make_terrain(options);

@@ -32,24 +32,24 @@ sim::Scenario pushed_squat() {
   return scenario;
 }
 
-TEST(ZmpOfAnkleSensors, IsThatOfTheContactForcesInSquats) {
+TEST(ZmpOfAnkleSensors, EqualsThatOfTheContactForcesInSquats) {
   const double error_m = zmp_error_rms_m(quick_squat(), 3'000'000, 5'000'000);
   EXPECT_LT(error_m, 0.001);
   EXPECT_GT(error_m, 0.00001);  // the sensors have noise and bias
 }
 
-TEST(ZmpOfAnkleSensors, IsThatOfTheContactForcesUnderPushes) {
+TEST(ZmpOfAnkleSensors, EqualsThatOfTheContactForcesUnderPushes) {
   EXPECT_LT(zmp_error_rms_m(pushed_squat(), 3'000'000, 5'000'000), 0.001);
 }
 
-TEST(ZmpOfAnkleSensors, IsThatOfTheContactForcesOnTiltedGround) {
+TEST(ZmpOfAnkleSensors, EqualsThatOfTheContactForcesOnTiltedGround) {
   sim::Scenario scenario = pushed_squat();
   scenario.ground.roll_rad = 0.03;
   scenario.ground.pitch_rad = -0.03;
   EXPECT_LT(zmp_error_rms_m(scenario, 3'000'000, 5'000'000), 0.001);
 }
 
-TEST(ZmpOfAnkleSensors, IsThatOfTheContactForcesWhileWalking) {
+TEST(ZmpOfAnkleSensors, EqualsThatOfTheContactForcesWhileWalking) {
   const sim::Scenario scenario = sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml");
   const double error_m = zmp_error_rms_m(scenario, 3'500'000, 8'000'000);
   EXPECT_LT(error_m, 0.001);

@@ -122,7 +122,7 @@ TEST_F(PtraceXstate, CompletesAShorterState) {
   EXPECT_EQ(state(), expected);
 }
 
-TEST_F(PtraceXstate, PutsNoComponentInUseThatHasNoData) {
+TEST_F(PtraceXstate, EnablesNoComponentWithoutData) {
   State expected = with_avx();
   set_xstate_bv(expected, xstate_bv(expected) & ~kAvx);
   ASSERT_EQ(raw_set_state(child_, expected), 0) << strerror(errno);
@@ -135,7 +135,7 @@ TEST_F(PtraceXstate, PutsNoComponentInUseThatHasNoData) {
   EXPECT_EQ(state(), expected);
 }
 
-TEST_F(PtraceXstate, TakesComponentsThatAreWhole) {
+TEST_F(PtraceXstate, AcceptsCompleteComponents) {
   State expected = with_avx();
   if (expected.size() <= avx_offset_ + avx_size_)
     GTEST_SKIP() << "this processor has no component behind AVX";
@@ -146,7 +146,7 @@ TEST_F(PtraceXstate, TakesComponentsThatAreWhole) {
   EXPECT_EQ(state(), expected);
 }
 
-TEST_F(PtraceXstate, LeavesComponentsThatAreCutOff) {
+TEST_F(PtraceXstate, IgnoresTruncatedComponents) {
   const State expected = with_avx();
   State front = expected;
   front.resize(avx_offset_ + avx_size_ - sizeof(std::uint64_t));
@@ -155,7 +155,7 @@ TEST_F(PtraceXstate, LeavesComponentsThatAreCutOff) {
   EXPECT_EQ(state(), expected);
 }
 
-TEST_F(PtraceXstate, PassesWholeStatesOn) {
+TEST_F(PtraceXstate, ForwardsCompleteStates) {
   State expected = with_avx();
   set_xstate_bv(expected, kX87AndSse);
   ASSERT_EQ(set_state(child_, expected), 0) << strerror(errno);
@@ -178,7 +178,7 @@ TEST_F(PtraceXstate, LeavesErrorsToTheKernel) {
 }
 
 // glibc's ptrace returns the peeked word; the system call writes it to its fourth argument.
-TEST_F(PtraceXstate, PassesOtherRequestsOn) {
+TEST_F(PtraceXstate, ForwardsOtherRequests) {
   long word = -1;  // the child has a copy at the same address
   errno = EIO;
   EXPECT_EQ(ptrace(PTRACE_POKEDATA, child_, &word, 0x1234'5678'9ABC'DEF0), 0);

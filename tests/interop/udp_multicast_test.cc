@@ -25,7 +25,7 @@ std::vector<hal::CanFrame> frames_of_all_sizes() {
   return frames;
 }
 
-TEST(UdpMulticast, ReachesTheOthersInOrderAndNotItself) {
+TEST(UdpMulticast, ReachesOtherSocketsInOrderButNotItsOwn) {
   UdpMulticast one(kGroup, kPort);
   UdpMulticast other(kGroup, kPort);
   UdpMulticast third(kGroup, kPort);

@@ -61,14 +61,14 @@ TEST_F(Fault, RecordsAnUndefinedInstruction) {
   EXPECT_THAT(message_, HasSubstr("usage fault"));
 }
 
-TEST_F(Fault, RecordsTheAddressThatNobodyHas) {
+TEST_F(Fault, RecordsAnUnmappedAddress) {
   const FaultRecord record = provoke(Provocation::kBadAddress);
   EXPECT_EQ(record.exception, 5u);
   EXPECT_EQ(record.configurable_status, kPreciseBusError | kBusAddressValid);
   EXPECT_EQ(record.bus_address, 0x3000'0000u);
 }
 
-TEST_F(Fault, CatchesAStackThatOverflows) {
+TEST_F(Fault, CatchesAStackOverflow) {
   const FaultRecord record = provoke(Provocation::kStackOverflow);
   EXPECT_EQ(record.exception, 4u);
   EXPECT_NE(record.configurable_status & (kStackingError | kDataViolation), 0u);
@@ -76,7 +76,7 @@ TEST_F(Fault, CatchesAStackThatOverflows) {
   EXPECT_EQ(record.program_counter, 0u);  // the stack was full, so nothing was pushed
 }
 
-TEST_F(Fault, LeavesStorageAndAFreshFirmwareBehind) {
+TEST_F(Fault, LeavesStorageIntactAndRestartsTheFirmware) {
   const hal::BatchOutput before = serve();
   provoke(Provocation::kUndefinedInstruction);
   host_.start();

@@ -33,15 +33,17 @@ void expect_same_bytes(const char* scenario) {
   }
 }
 
-TEST(Lockstep, GivesTheSameBytesAsInProcess) { expect_same_bytes(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml"); }
+TEST(Lockstep, EqualsTheInProcessRunToTheByte) {
+  expect_same_bytes(KOBOSHI_SOURCE_DIR "/scenarios/walk.yaml");
+}
 
 // Generating the walk is most of the firmware's arithmetic.
-TEST(Lockstep, GivesTheSameBytesWalkingByCommand) {
+TEST(Lockstep, EqualsTheInProcessRunWhileWalkingByCommand) {
   expect_same_bytes(KOBOSHI_SOURCE_DIR "/scenarios/go.yaml");
 }
 
 // Storage without a robot model, and with corrupt contents.
-TEST(Lockstep, HoldsOnEmptyAndBrokenStorage) {
+TEST(Lockstep, EqualsTheInProcessRunOnEmptyAndDamagedStorage) {
   std::vector<std::byte> broken =
       simulation::make_storage_contents(std::vector<std::byte>(3000, std::byte{0x55}), {});
   for (const std::vector<std::byte>& storage : {std::vector<std::byte>{}, broken}) {

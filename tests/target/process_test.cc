@@ -68,7 +68,7 @@ TEST(QemuProcess, EndsWithItsOwner) {
   EXPECT_EQ(errno, ESRCH);
 }
 
-TEST(QemuProcess, TellsWhenQemuEnds) {
+TEST(QemuProcess, ReportsWhenQemuEnds) {
   simulation::QemuHost host(KOBOSHI_IMAGE, {});
   kill(host.pid(), SIGKILL);
   hal::BatchOutput output;
@@ -76,7 +76,7 @@ TEST(QemuProcess, TellsWhenQemuEnds) {
               ThrowsMessage<std::runtime_error>(HasSubstr("qemu-system-arm ended")));
 }
 
-TEST(QemuProcess, TellsWhenQemuDoesNotAnswer) {
+TEST(QemuProcess, ReportsWhenQemuDoesNotAnswer) {
   simulation::QemuProcess process(KOBOSHI_IMAGE, 200);
   kill(process.pid(), SIGSTOP);
   std::array<std::byte, wire::kMaxMessageBytes> message{};
@@ -86,14 +86,14 @@ TEST(QemuProcess, TellsWhenQemuDoesNotAnswer) {
               ThrowsMessage<std::runtime_error>(HasSubstr("did not answer for 200 ms")));
 }
 
-TEST(QemuProcess, RefusesAnImageThatIsNotThere) {
+TEST(QemuProcess, RejectsAMissingImage) {
   EXPECT_THAT(
       [] { simulation::QemuProcess("no/such.elf"); },
       ThrowsMessage<sim::InputError>(
           "no/such.elf: found no such file, expected the Cortex-M4 image, which ./run target builds"));
 }
 
-TEST(QemuProcess, RefusesToGoWithoutQemu) {
+TEST(QemuProcess, RejectsAMissingQemu) {
   const std::string path = getenv("PATH");
   setenv("PATH", "/nowhere:", 1);
   EXPECT_THAT([] { simulation::QemuProcess(KOBOSHI_IMAGE); },
@@ -102,7 +102,7 @@ TEST(QemuProcess, RefusesToGoWithoutQemu) {
 }
 
 // QEMU rejects a text file as a program, and the error repeats QEMU's message.
-TEST(QemuProcess, RepeatsWhatQemuComplainsOf) {
+TEST(QemuProcess, ForwardsErrorsOfQemu) {
   simulation::QemuProcess process(KOBOSHI_SOURCE_DIR "/README.md");
   std::array<std::byte, wire::kMaxMessageBytes> buffer{};
   EXPECT_THAT([&] { process.ask(std::span(buffer).first(3), buffer); },

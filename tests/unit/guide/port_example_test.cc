@@ -195,11 +195,11 @@ TEST_F(PortExample, KeepsTimeWhenTheCounterOfMillisecondsWraps) {
   EXPECT_EQ(now_us, (std::uint64_t{1} << 32) * 1'000);
 }
 
-TEST(PortExampleVectors, LeadEverythingElseToTheFaultHandler) {
+TEST(PortExampleVectors, MapAllOthersToTheFaultHandler) {
   EXPECT_EQ(std::ranges::count(kInterrupts, &cortex_m::fault_handler), 80);
 }
 
-TEST_F(PortExample, BeatsEach20Milliseconds) {
+TEST_F(PortExample, SendsAHeartbeatEach20Milliseconds) {
   run_ms(100);
   sent.clear();
   run_ms(1'000);
@@ -215,7 +215,7 @@ TEST_F(PortExample, AnswersAnSdoRequestWithinACycle) {
   EXPECT_EQ(sent_with(0x581)[0].data[0], 0x43);  // four bytes
 }
 
-TEST_F(PortExample, TakesTheTorqueOnEmergencyStop) {
+TEST_F(PortExample, CutsTheTorqueOnEmergencyStop) {
   ASSERT_TRUE(run_until(State::kLimp));
   run_ms(20);
   command(Command::kEnable);
@@ -226,7 +226,7 @@ TEST_F(PortExample, TakesTheTorqueOnEmergencyStop) {
   EXPECT_EQ(state(), State::kEmergencyStop);
 }
 
-TEST_F(PortExample, ComesBackFromBusOff) {
+TEST_F(PortExample, RecoversFromBusOff) {
   ASSERT_TRUE(run_until(State::kLimp));
   run_ms(20);
   command(Command::kEnable);
@@ -248,7 +248,7 @@ TEST_F(PortExample, ComesBackFromBusOff) {
   EXPECT_FALSE(sent_with(0x701).empty());
 }
 
-TEST_F(PortExample, TellsOfAReceiveOverrun) {
+TEST_F(PortExample, ReportsAReceiveOverrun) {
   ASSERT_TRUE(run_until(State::kLimp));
   sent.clear();
   for (std::size_t i = 0; i < stm32::Can::kReceiveCapacity + 3; ++i)

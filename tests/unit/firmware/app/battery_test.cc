@@ -42,7 +42,7 @@ TEST_F(ControllerBattery, IsNotLowForOneDropUnderLoad) {
   EXPECT_EQ(bench.now().state, State::kStanding);
 }
 
-TEST_F(ControllerBattery, LowRefusesAllButToGoLimp) {
+TEST_F(ControllerBattery, LowRefusesAllCommandsButLimp) {
   supply(6'200);
   bench.run_ms(kTwoSeconds_ms);
   for (const Command command : {Command::kWalk, Command::kPlay, Command::kEnable}) {
@@ -68,7 +68,7 @@ TEST_F(ControllerBattery, LowEndsAMotionFirst) {
   EXPECT_TRUE(bench.run_until(State::kLowBattery, 3'000));
 }
 
-TEST_F(ControllerBattery, LowEndsAWalkFirstAndNoCommandTakesThatBack) {
+TEST_F(ControllerBattery, LowEndsAWalkFirstAndNoCommandRevokesThat) {
   bench.command(Command::kWalk);
   supply(6'200);
   bench.run_ms(kTwoSeconds_ms);
@@ -77,7 +77,7 @@ TEST_F(ControllerBattery, LowEndsAWalkFirstAndNoCommandTakesThatBack) {
   EXPECT_TRUE(bench.run_until(State::kLowBattery, 5'000));
 }
 
-TEST_F(ControllerBattery, OfADriveThatDoesNotAnswerSaysNothing) {
+TEST_F(ControllerBattery, IgnoresADriveThatDoesNotAnswer) {
   bench.drives[4].answers_sdo = false;
   supply(6'200);
   EXPECT_TRUE(bench.run_until(State::kLowBattery, kTwoSeconds_ms + 500));

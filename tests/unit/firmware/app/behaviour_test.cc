@@ -58,7 +58,7 @@ constexpr Cause kCauses[] = {
 
 class BehaviourIn : public testing::TestWithParam<State> {};
 
-TEST_P(BehaviourIn, ChangesAsTheTableSaysAndInNoOtherWay) {
+TEST_P(BehaviourIn, ChangesOnlyAsTheTransitionTableStates) {
   for (const Cause& cause : kCauses) {
     SCOPED_TRACE("event " + std::to_string(static_cast<int>(cause.event)));
     ControllerBench bench;

@@ -11,7 +11,7 @@ using test::ControllerBench;
 
 constexpr std::uint16_t kEmergencyOfController = 0x081;
 
-TEST(ControllerBoot, BecomesLimpOnceAllDrivesAndSensorsSpeak) {
+TEST(ControllerBoot, BecomesLimpOnceAllDrivesAndSensorsAnswer) {
   ControllerBench bench;
   ASSERT_TRUE(bench.run_until(State::kLimp));
   EXPECT_EQ(bench.now().reason, Reason::kProgress);
@@ -35,7 +35,7 @@ TEST(ControllerBoot, ResetsItsDrivesFirstAndStartsThemLast) {
   EXPECT_EQ(commands, expected);
 }
 
-TEST(ControllerBoot, ShowsItsStateAndProducesSyncAndHeartbeatAllTheWhile) {
+TEST(ControllerBoot, ReportsItsStateAndProducesSyncAndHeartbeatThroughout) {
   ControllerBench bench;
   bench.run_ms(200);
   ASSERT_EQ(bench.now().state, State::kBoot);
@@ -66,7 +66,7 @@ struct Misbehaviour {
 
 class ControllerBootFails : public testing::TestWithParam<Misbehaviour> {};
 
-TEST_P(ControllerBootFails, TellingWhichDriveAndWhy) {
+TEST_P(ControllerBootFails, AndReportsTheDriveAndTheReason) {
   constexpr std::size_t kJoint = 7;
   ControllerBench bench;
   GetParam().cause(bench.drives[kJoint]);
@@ -85,7 +85,7 @@ TEST_P(ControllerBootFails, TellingWhichDriveAndWhy) {
   EXPECT_TRUE(bench.board.drive_enable.changes().empty());
 }
 
-TEST_P(ControllerBootFails, AndWorksAfterRepairAndReset) {
+TEST_P(ControllerBootFails, AndSucceedsAfterRepairAndReset) {
   ControllerBench bench;
   const auto healthy = bench.drives[7];
   GetParam().cause(bench.drives[7]);
@@ -113,7 +113,7 @@ INSTANTIATE_TEST_SUITE_P(
                                  DriveFault::kWrongIdentity}),
     [](const auto& info) { return info.param.name; });
 
-TEST(ControllerBoot, FailsWhenADriveGoesQuietBeforeItsFirstAnswer) {
+TEST(ControllerBoot, FailsWhenADriveFallsSilentBeforeItsFirstAnswer) {
   ControllerBench bench;
   for (int i = 0; i < 1'000 && !bench.drives[4].operational(); ++i) bench.run_ms(1);
   bench.drives[4].hangs = true;
@@ -123,7 +123,7 @@ TEST(ControllerBoot, FailsWhenADriveGoesQuietBeforeItsFirstAnswer) {
 }
 
 // After its reset a drive sends a heartbeat every second, less often than the controller will configure.
-TEST(ControllerBoot, DoesNotMissADriveThatBeatsBeforeItsConfiguration) {
+TEST(ControllerBoot, ReportsNoLossBeforeADriveIsConfigured) {
   ControllerBench bench;
   bench.drives.back().beats = false;
   bench.run_ms(100);
@@ -149,7 +149,7 @@ TEST(ControllerBoot, NeedsBothAnkles) {
   EXPECT_EQ(bench.now().reason, Reason::kAnkleSilent);
 }
 
-TEST(ControllerBoot, FailsWhenNobodyAcknowledges) {
+TEST(ControllerBoot, FailsWithoutAcknowledgement) {
   ControllerBench bench;
   for (auto& drive : bench.drives) drive.hangs = true;
   bench.board.can.set_error_state(hal::CanErrorState::kErrorPassive);
@@ -158,7 +158,7 @@ TEST(ControllerBoot, FailsWhenNobodyAcknowledges) {
   EXPECT_EQ(bench.now_us(), 201'000u);
 }
 
-TEST(ControllerBoot, NeverLeavesAFaultWithoutAModelHoweverOftenItIsReset) {
+TEST(ControllerBoot, NeverLeavesTheFaultWithoutAModel) {
   ControllerBench bench;
   bench.restart(std::vector<std::byte>(4096, std::byte{0xFF}));
   for (int i = 0; i < 3; ++i) {
@@ -170,7 +170,7 @@ TEST(ControllerBoot, NeverLeavesAFaultWithoutAModelHoweverOftenItIsReset) {
   EXPECT_TRUE(bench.board.drive_enable.changes().empty());
 }
 
-TEST(ControllerBoot, KeepsTheLineLowWhileDrivesOfAnEarlierLifeMakeTorque) {
+TEST(ControllerBoot, KeepsTheLineLowWhileDrivesFromBeforeTheResetMakeTorque) {
   ControllerBench bench;
   ASSERT_TRUE(bench.run_until_standing());
   const auto storage = bench.board.storage.contents();

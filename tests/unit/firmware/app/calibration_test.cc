@@ -37,7 +37,7 @@ class ControllerCalibration : public testing::Test {
   SdoPc pc{bench};
 };
 
-TEST_F(ControllerCalibration, TrimIsAddedToWhatIsCommanded) {
+TEST_F(ControllerCalibration, TrimIsAddedToTargets) {
   ASSERT_EQ(pc.write(trim_of(kKnee), -kFiveDegrees, 2), AbortCode::kNone);
   const robot::Drive with_trim = bench.model().joints[kKnee].drive;
   ASSERT_TRUE(bench.run_until_standing());
@@ -51,7 +51,7 @@ TEST_F(ControllerCalibration, TrimIsAddedToWhatIsCommanded) {
   EXPECT_NEAR(trimmed - untrimmed, -with_trim.sign * counts, 1.0);
 }
 
-TEST_F(ControllerCalibration, TrimIsTakenFromWhatIsMeasured) {
+TEST_F(ControllerCalibration, TrimIsSubtractedFromPositions) {
   bench.run_ms(20);
   const double before_rad = fixed::to_double(bench.target(kKnee));  // limp: the target follows the joint
   const std::int32_t position = bench.values().drives.target_position[kKnee];
@@ -61,7 +61,7 @@ TEST_F(ControllerCalibration, TrimIsTakenFromWhatIsMeasured) {
   EXPECT_NEAR(fixed::to_double(bench.target(kKnee)) - before_rad, angle_rad(kFiveDegrees), 1e-5);
 }
 
-TEST_F(ControllerCalibration, TrimIsOfTenDegreesAtMost) {
+TEST_F(ControllerCalibration, TrimIsLimitedToTenDegrees) {
   EXPECT_EQ(pc.write(trim_of(kKnee), 1'820, 2), AbortCode::kNone);
   EXPECT_EQ(pc.write(trim_of(kKnee), 1'821, 2), AbortCode::kValueTooHigh);
   EXPECT_EQ(pc.write(trim_of(kKnee), -1'821, 2), AbortCode::kValueTooLow);
@@ -90,7 +90,7 @@ TEST_F(ControllerCalibration, AttitudeIsRightOnceTheMountingIsKnown) {
   EXPECT_NEAR(bench.values().attitude.acceleration[2], 9.80665 * 256, 5);
 }
 
-TEST_F(ControllerCalibration, RatesTurnWithTheMounting) {
+TEST_F(ControllerCalibration, RotatesRatesByTheMounting) {
   ASSERT_EQ(pc.write(mounting(2), 5'461, 2), AbortCode::kNone);  // 30 degrees to the left
   bench.imu_sample.gyro_raw[0] = static_cast<std::int16_t>(kCountsPerRadPerS);
   bench.run_ms(300);

@@ -56,7 +56,7 @@ TEST(ControllerCycle, PutsControlwordAndTargetIntoAnRpdo) {
             (hal::CanFrame{.identifier = 0x213, .size = 6, .data = {0x0F, 0x00, 0x1C, 0xC7, 0x01, 0x00}}));
 }
 
-TEST(ControllerCycle, TellsStateReasonAndRefusal) {
+TEST(ControllerCycle, ReportsStateReasonAndRefusal) {
   ControllerBench bench;
   ASSERT_TRUE(bench.run_until_standing());
   bench.command(Command::kEnable);
@@ -69,7 +69,7 @@ TEST(ControllerCycle, TellsStateReasonAndRefusal) {
   EXPECT_EQ(bench.last_sent(0x181), telemetry);
 }
 
-TEST(ControllerCycle, TellsTheAttitude) {
+TEST(ControllerCycle, ReportsTheAttitude) {
   ControllerBench bench;
   bench.imu_sample.accelerometer_raw = {0, 4'100, 7'101};  // 30 degrees of roll to the right
   ASSERT_TRUE(bench.run_until(State::kLimp));
@@ -78,7 +78,7 @@ TEST(ControllerCycle, TellsTheAttitude) {
   EXPECT_NEAR(bench.values().attitude.pitch, 0, 1);
 }
 
-TEST(ControllerCycle, CountsWhatItLoses) {
+TEST(ControllerCycle, CountsLostFrames) {
   ControllerBench bench;
   for (int i = 0; i < 20; ++i) bench.board.imu.deliver({});
   for (int i = 0; i < 70; ++i) bench.board.can.deliver({.identifier = 0x7FF});
@@ -93,7 +93,7 @@ TEST(ControllerCycle, FeedsTheWatchdogEachMillisecond) {
   EXPECT_EQ(bench.board.watchdog.kicks(), 100);
 }
 
-TEST(ControllerCycle, RepeatsToTheByte) {
+TEST(ControllerCycle, IsDeterministicToTheByte) {
   const auto run = [] {
     ControllerBench bench;
     EXPECT_TRUE(bench.run_until_standing());
@@ -106,7 +106,7 @@ TEST(ControllerCycle, RepeatsToTheByte) {
   EXPECT_EQ(run(), run());
 }
 
-TEST(ControllerCycle, KnowsItsModelAndItsMotions) {
+TEST(ControllerCycle, LoadsItsModelAndItsMotions) {
   ControllerBench bench;
   bench.run_ms(1);
   EXPECT_EQ(bench.values().diagnosis.model_id, bench.model().id);

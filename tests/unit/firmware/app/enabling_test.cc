@@ -50,7 +50,7 @@ TEST_F(ControllerEnabling, HappensOnlyByCommand) {
   EXPECT_TRUE(bench.board.drive_enable.enabled());
 }
 
-TEST_F(ControllerEnabling, WorksBySdoToo) {
+TEST_F(ControllerEnabling, AlsoWorksBySdo) {
   // Expedited download of one byte, 1, to 0x2000:1.
   bench.board.can.deliver({.identifier = 0x601, .size = 8, .data = {0x2F, 0x00, 0x20, 0x01, 1}});
   bench.run_ms(1);
@@ -62,7 +62,7 @@ TEST_F(ControllerEnabling, IsRefusedWithAnEncoderBeyondItsLimits) {
   expect_refusal(Reason::kEncoderBeyondLimits);
 }
 
-TEST_F(ControllerEnabling, ForgivesAJointThatLeansOnItsStop) {
+TEST_F(ControllerEnabling, ToleratesAJointThatRestsOnItsStop) {
   turn(bench, kKnee, -1.9);
   bench.run_ms(20);
   bench.command(Command::kEnable);
@@ -70,13 +70,13 @@ TEST_F(ControllerEnabling, ForgivesAJointThatLeansOnItsStop) {
   EXPECT_EQ(bench.target(kKnee), degrees(0));  // no target ever exceeds the limits
 }
 
-TEST_F(ControllerEnabling, IsRefusedWithAnImuThatFeelsNoGravity) {
+TEST_F(ControllerEnabling, IsRefusedWhenTheImuMeasuresNoGravity) {
   bench.imu_sample.accelerometer_raw = {0, 0, 3'000};
   bench.run_ms(200);
   expect_refusal(Reason::kImuImplausible);
 }
 
-TEST_F(ControllerEnabling, IsRefusedWithAnImuThatFeelsTwoG) {
+TEST_F(ControllerEnabling, IsRefusedWhenTheImuMeasuresTwoG) {
   bench.imu_sample.accelerometer_raw = {16'400, 0, 0};
   bench.run_ms(200);
   expect_refusal(Reason::kImuImplausible);
@@ -176,14 +176,14 @@ TEST_F(ControllerEnabling, GoesToTheStandingPoseOnABoundedRamp) {
   EXPECT_NEAR(fixed::to_double(bench.target(kKnee) - degrees(40.0)), 0.0, unit_deg * test::kRadPerDegree);
 }
 
-TEST_F(ControllerEnabling, TakesHalfASecondAtLeastAndObeysTheRampParameter) {
+TEST_F(ControllerEnabling, TakesAtLeastHalfASecondAndFollowsTheRampParameter) {
   bench.command(Command::kEnable);
   ASSERT_TRUE(bench.run_until(State::kSoftStart));
   EXPECT_FALSE(bench.run_until(State::kStanding, 480));
   EXPECT_TRUE(bench.run_until(State::kStanding, 400));  // 40 degrees of the knee at 60 degrees/s
 }
 
-TEST(ControllerEnablingSupply, IsRefusedOutsideTheParametersAtAnyDrive) {
+TEST(ControllerEnablingSupply, IsRefusedOutOfRangeAtAnyDrive) {
   for (const std::uint32_t supply_mV : {5'999u, 9'001u}) {
     ControllerBench bench;
     bench.drives[19].set_object(0x6079, 0, supply_mV);

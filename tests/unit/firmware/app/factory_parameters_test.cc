@@ -61,7 +61,7 @@ TEST_F(ControllerFactoryParameters, WithoutThemTheRobotStandsAndPlaysButDoesNotW
   EXPECT_EQ(bench.now().state, State::kMotion);
 }
 
-TEST_F(ControllerFactoryParameters, WithoutThemNoGyroMovesAJoint) {
+TEST_F(ControllerFactoryParameters, WithoutThemTheGyroMovesNoJoint) {
   start_with({});
   ASSERT_TRUE(bench.run_until_standing());
   std::vector<fixed::Angle> before;
@@ -75,7 +75,7 @@ TEST_F(ControllerFactoryParameters, WithoutThemNoGyroMovesAJoint) {
 }
 
 // A client can write the gait parameters, for example to tune them.
-TEST_F(ControllerFactoryParameters, AreNotNeededOnceAClientHasSetTheGait) {
+TEST_F(ControllerFactoryParameters, AreNotRequiredOnceAClientHasSetTheGait) {
   start_with({});
   ASSERT_TRUE(bench.run_until_ready_to_walk());
   test::SdoPc pc{bench};
@@ -94,7 +94,7 @@ TEST_F(ControllerFactoryParameters, AreNotNeededOnceAClientHasSetTheGait) {
   EXPECT_EQ(bench.now().state, State::kWalking);
 }
 
-TEST_F(ControllerFactoryParameters, DamagedAreReportedAndTheRobotStandsWithoutThem) {
+TEST_F(ControllerFactoryParameters, AreReportedWhenDamagedAndTheRobotStandsWithoutThem) {
   auto damaged = item(test::factory_values());
   damaged.back() ^= std::byte{1};
   start_with(damaged);
@@ -107,7 +107,7 @@ TEST_F(ControllerFactoryParameters, DamagedAreReportedAndTheRobotStandsWithoutTh
   EXPECT_EQ(emergency->data[3], static_cast<std::uint8_t>(FactoryStatus::kDamaged));
 }
 
-TEST_F(ControllerFactoryParameters, OfAnotherModelAreReported) {
+TEST_F(ControllerFactoryParameters, AreReportedWhenTheyBelongToAnotherModel) {
   start_with(test::encode(test::factory_values(), bench.model().id + 1));
   bench.run_ms(5);
   EXPECT_EQ(status(), FactoryStatus::kOtherModel);
@@ -115,7 +115,7 @@ TEST_F(ControllerFactoryParameters, OfAnotherModelAreReported) {
   EXPECT_TRUE(bench.last_sent(kEmergencyIdentifier));
 }
 
-TEST_F(ControllerFactoryParameters, BeyondTheRangeOfOneObjectAreRefusedAsAWhole) {
+TEST_F(ControllerFactoryParameters, AreRefusedAsAWholeWhenOneIsOutOfRange) {
   ControllerValues values = test::factory_values();
   values.parameters.ramp_rate = 4'097;
   start_with(item(values));
@@ -125,7 +125,7 @@ TEST_F(ControllerFactoryParameters, BeyondTheRangeOfOneObjectAreRefusedAsAWhole)
   EXPECT_EQ(bench.values().parameters.supply_min_mV, 0);
 }
 
-TEST_F(ControllerFactoryParameters, AreWhatRestoreDefaultParametersRestores) {
+TEST_F(ControllerFactoryParameters, AreRestoredByRestoreDefaultParameters) {
   test::SdoPc pc{bench};
   ASSERT_TRUE(bench.run_until(State::kLimp));
   ASSERT_EQ(pc.write({0x2130, 1}, 300, 2), canopen::AbortCode::kNone);
@@ -145,7 +145,7 @@ TEST_F(ControllerFactoryParameters, AreWhatRestoreDefaultParametersRestores) {
 }
 
 // Object 0x2200:0C, read by a client.
-TEST_F(ControllerFactoryParameters, TellAClientWhatBecameOfThem) {
+TEST_F(ControllerFactoryParameters, ReportTheirStatusToAClient) {
   test::SdoPc pc{bench};
   ASSERT_TRUE(bench.run_until(State::kLimp));
   EXPECT_EQ(pc.read({0x2200, 12}), static_cast<std::uint32_t>(FactoryStatus::kLoaded));

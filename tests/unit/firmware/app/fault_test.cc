@@ -85,7 +85,7 @@ TEST_F(ControllerFault, NamesADriveWhoseStatuswordShowsAFault) {
   expect_drive_fault(DriveFault::kFault, 6);
 }
 
-TEST_F(ControllerFault, DoesNotLeadADriveBackThatDroppedOutOfOperation) {
+TEST_F(ControllerFault, DoesNotReEnableADriveThatLeftOperation) {
   bench.drives[8].state = DriveState::kSwitchOnDisabled;
   ASSERT_TRUE(bench.run_until(State::kFault, 21));
   expect_drive_fault(DriveFault::kNotEnabled, 8);
@@ -135,7 +135,7 @@ TEST_F(ControllerFault, ComesFromBusOffAndTriesToRecover) {
   EXPECT_GE(bench.board.can.recoveries(), 1);
 }
 
-TEST_F(ControllerFault, IsNotABusThatIsDisturbedAndWorks) {
+TEST_F(ControllerFault, DoesNotComeFromABusThatIsDisturbedButWorks) {
   bench.board.can.set_error_state(hal::CanErrorState::kErrorPassive);
   bench.run_ms(500);
   EXPECT_EQ(bench.now().state, State::kMotion);
@@ -177,7 +177,7 @@ TEST_F(ControllerFault, IsLeftOnlyByResetAndThenThroughABoot) {
   EXPECT_TRUE(bench.run_until_standing());
 }
 
-TEST_F(ControllerFault, IsOverOnceItsCauseIsGoneAndResetCame) {
+TEST_F(ControllerFault, EndsByResetOnceItsCauseIsGone) {
   struct Cause {
     Reason reason;
     void (*set)(ControllerBench& bench, bool broken);
@@ -209,7 +209,7 @@ TEST_F(ControllerFault, IsOverOnceItsCauseIsGoneAndResetCame) {
   EXPECT_EQ(bench.now().faults, std::size(kCauses));
 }
 
-TEST_F(ControllerFault, IgnoresWhatADriveSaidBeforeItsReset) {
+TEST_F(ControllerFault, IgnoresAnswersOfADriveFromBeforeItsReset) {
   bench.board.can.deliver(bench.drives[6].emergency(0x2310));
   ASSERT_TRUE(bench.run_until(State::kFault, 10));
   bench.board.can.deliver(
@@ -220,7 +220,7 @@ TEST_F(ControllerFault, IgnoresWhatADriveSaidBeforeItsReset) {
 
 // Sends the reset in each millisecond of the cycle, with drive answers that arrive after the command or while
 // the drives restart.
-TEST_F(ControllerFault, IsLeftWhateverDrivesAnsweredBeforeTheirReset) {
+TEST_F(ControllerFault, IsLeftForAnyAnswersFromBeforeTheReset) {
   for (int phase_ms = 0; phase_ms < 10; ++phase_ms) {
     for (const bool emergency : {false, true}) {
       SCOPED_TRACE(testing::Message() << phase_ms << " ms, emergency stop " << emergency);

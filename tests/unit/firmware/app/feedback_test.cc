@@ -61,7 +61,7 @@ TEST_F(ControllerFeedback, TurnsTheAnklesOfAStandingRobot) {
   EXPECT_NEAR(target_rad(kAnklePitch), before_rad, 1e-5);
 }
 
-TEST_F(ControllerFeedback, TurnsTheAnklesOfAWalkingRobotByGainsOfItsOwn) {
+TEST_F(ControllerFeedback, TurnsTheAnklesOfAWalkingRobotBySeparateGains) {
   const auto walks_to_rad = [](Gains gains) {
     ControllerBench bench;
     set_gain(bench, gains, 1, 0, 4);  // a quarter
@@ -76,7 +76,7 @@ TEST_F(ControllerFeedback, TurnsTheAnklesOfAWalkingRobotByGainsOfItsOwn) {
 }
 
 // The test robot's attitude integrates its gyro: 0.3 s at 1 rad/s.
-TEST_F(ControllerFeedback, AnswersToTheLeanOfAStandingRobot) {
+TEST_F(ControllerFeedback, CountersTheLeanOfAStandingRobot) {
   set_gain(bench, kStandingLean, 1, 0x00, 0x08);  // one half
   set_gain(bench, kWalkingLean, 1, 0x00, 0x10);
   ASSERT_TRUE(bench.run_until_standing());
@@ -89,7 +89,7 @@ TEST_F(ControllerFeedback, AnswersToTheLeanOfAStandingRobot) {
   EXPECT_NEAR(target_rad(kAnklePitch) - before_rad, 0.5 * lean_rad, 1e-3);
 }
 
-TEST_F(ControllerFeedback, DoesNotJudgeTheLeanOfAMotion) {
+TEST_F(ControllerFeedback, IgnoresTheLeanDuringAMotion) {
   set_gain(bench, kStandingLean, 1, 0x00, 0x10);
   set_gain(bench, kWalkingLean, 1, 0x00, 0x10);
   ASSERT_TRUE(bench.run_until_standing());
@@ -110,7 +110,7 @@ TEST_F(ControllerFeedback, AddsToAMotion) {
   EXPECT_NEAR(target_rad(kAnklePitch) - before_rad, 0.05, 1e-3);
 }
 
-TEST_F(ControllerFeedback, LeavesNoTargetBeyondItsLimits) {
+TEST_F(ControllerFeedback, KeepsTargetsWithinTheirLimits) {
   set_gain(bench, kStandingRate, 4, 0x00, 0x10);  // one second
   ASSERT_TRUE(bench.run_until_standing());
   bench.imu_sample.gyro_raw[1] = -32'768;
@@ -119,7 +119,7 @@ TEST_F(ControllerFeedback, LeavesNoTargetBeyondItsLimits) {
   EXPECT_NEAR(target_rad(kKnee), (40 - 15) * test::kRadPerDegree, 1e-5);
 }
 
-TEST_F(ControllerFeedback, RefusesAGainBeyondASecond) {
+TEST_F(ControllerFeedback, RefusesAGainAboveOneSecond) {
   set_gain(bench, kMotionRate, 2, 0x01, 0x10);
   EXPECT_EQ(bench.values().feedback.motion.ankle_roll, 0);
   const auto answer = bench.last_sent(0x581);
@@ -127,7 +127,7 @@ TEST_F(ControllerFeedback, RefusesAGainBeyondASecond) {
   EXPECT_EQ(answer->data[0], 0x80);
 }
 
-TEST_F(ControllerFeedback, KnowsNothingOfTheGyrosBias) {
+TEST_F(ControllerFeedback, IsIndependentOfTheGyroBias) {
   bench.imu_sample.gyro_raw = {0, kOneRadPerS / 3, 0};  // 19 deg/s
   set_gain(bench, kStandingRate, 1, 205);
   ASSERT_TRUE(bench.run_until(State::kLimp));
@@ -141,7 +141,7 @@ TEST_F(ControllerFeedback, KnowsNothingOfTheGyrosBias) {
   EXPECT_NEAR(target_rad(kAnklePitch), 0.05 * 2 / 3, 1e-3);
 }
 
-TEST_F(ControllerFeedback, SaysThatItDoesNotKnowTheBiasWithoutASecondOfRest) {
+TEST_F(ControllerFeedback, ReportsAnUnknownBiasWithoutASecondOfRest) {
   for (int i = 0; i < 200; ++i) {
     bench.imu_sample.gyro_raw[2] = i % 20 < 10 ? kOneRadPerS : -kOneRadPerS;
     bench.run_ms(10);

@@ -83,19 +83,19 @@ TEST_F(LoadFactoryParameters, AreWrittenIntoTheDictionary) {
   EXPECT_EQ(values_.gain, -300);
 }
 
-TEST_F(LoadFactoryParameters, MayBeNone) {
+TEST_F(LoadFactoryParameters, MayBeEmpty) {
   EXPECT_EQ(load({}), FactoryStatus::kNone);
   expect_neutral();
   EXPECT_EQ(load(item_of({})), FactoryStatus::kLoaded);  // an item without records
   expect_neutral();
 }
 
-TEST_F(LoadFactoryParameters, AreThoseOfOneModel) {
+TEST_F(LoadFactoryParameters, BelongToOneModel) {
   EXPECT_EQ(load(item_of(kGood, kFoundFor + 1)), FactoryStatus::kOtherModel);
   expect_neutral();
 }
 
-TEST_F(LoadFactoryParameters, WithAnyByteChangedOrCutShortAreNotLoaded) {
+TEST_F(LoadFactoryParameters, AreNotLoadedWhenChangedOrTruncated) {
   const auto good = item_of(kGood);
   for (std::size_t at = 0; at < good.size(); ++at) {
     auto damaged = good;
@@ -106,7 +106,7 @@ TEST_F(LoadFactoryParameters, WithAnyByteChangedOrCutShortAreNotLoaded) {
   expect_neutral();
 }
 
-TEST_F(LoadFactoryParameters, EndWithAWholeRecord) {
+TEST_F(LoadFactoryParameters, EndWithACompleteRecord) {
   auto half = item_of(kGood);
   half.resize(half.size() - 3);
   test::seal(half);
@@ -118,7 +118,7 @@ TEST_F(LoadFactoryParameters, EndWithAWholeRecord) {
   expect_neutral();
 }
 
-TEST_F(LoadFactoryParameters, AreRefusedAsAWholeForOneThatIsNot) {
+TEST_F(LoadFactoryParameters, AreRejectedAsAWholeForOneInvalidValue) {
   for (const FewRecord& bad : std::to_array<FewRecord>({{0x2100, 1, 1, 101},    // too high
                                                         {0x2100, 1, 1, 0},      // too low
                                                         {0x2100, 2, 2, -4097},  // too low for a signed

@@ -17,7 +17,7 @@ class ControllerMotion : public testing::Test {
   ControllerBench bench;
 };
 
-TEST_F(ControllerMotion, PlaysWhatItsTargetsSay) {
+TEST_F(ControllerMotion, PlaysItsTargets) {
   bench.command(Command::kPlay, 1);
   ASSERT_EQ(bench.now().state, State::kMotion);
   EXPECT_EQ(bench.now().motion, 1);
@@ -29,7 +29,7 @@ TEST_F(ControllerMotion, PlaysWhatItsTargetsSay) {
   EXPECT_NEAR(highest_rad, 20 * test::kRadPerDegree, 1e-5);
 }
 
-TEST_F(ControllerMotion, ComesToItsEndWhenToldToStop) {
+TEST_F(ControllerMotion, EndsOnStop) {
   bench.command(Command::kPlay, 1);
   bench.run_ms(2'000);
   EXPECT_EQ(bench.now().state, State::kMotion);
@@ -39,7 +39,7 @@ TEST_F(ControllerMotion, ComesToItsEndWhenToldToStop) {
   EXPECT_EQ(bench.target(kHeadTilt), degrees(0));
 }
 
-TEST_F(ControllerMotion, StopIsRefusedWhereNothingPlays) {
+TEST_F(ControllerMotion, StopIsRefusedWhenNothingPlays) {
   bench.command(Command::kStop);
   EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
 }
@@ -84,7 +84,7 @@ TEST_F(ControllerMotion, LimpEndsTheMotionAndTheTorque) {
   EXPECT_FALSE(bench.board.drive_enable.enabled());
 }
 
-TEST_F(ControllerMotion, GoesOnWhereItWasAfterAGapInTime) {
+TEST_F(ControllerMotion, ContinuesWhereItWasAfterAGapInTime) {
   bench.command(Command::kPlay, 1);
   bench.run_ms(100);
   const double before_rad = fixed::to_double(bench.target(kHeadTilt));

@@ -64,7 +64,7 @@ TEST_F(ControllerMotions, DownloadedByBlocksArePlayedAndKept) {
   EXPECT_NEAR(head_deg(), 15, 1e-3);
 }
 
-TEST_F(ControllerMotions, LongOnesGoStraightIntoFlashHoweverSlowItIs) {
+TEST_F(ControllerMotions, LongOnesAreWrittenDirectlyToSlowFlash) {
   for (const int polls : {0, 1, 3, 5, 9}) {
     bench.board.storage.complete_after(polls);
     const Image image = nod(10 + polls, 65);
@@ -74,20 +74,20 @@ TEST_F(ControllerMotions, LongOnesGoStraightIntoFlashHoweverSlowItIs) {
   }
 }
 
-TEST_F(ControllerMotions, MayComeBySegmentsToo) {
+TEST_F(ControllerMotions, MayBeDownloadedBySegments) {
   const Image image = nod(15, 10);
   ASSERT_EQ(pc.download(motion_object(31), image), AbortCode::kNone);
   EXPECT_EQ(pc.upload(motion_object(31)), image);
 }
 
-TEST_F(ControllerMotions, TakeThePlaceOfTheFactorys) {
+TEST_F(ControllerMotions, ReplaceFactoryMotions) {
   ASSERT_FALSE(pc.upload(motion_object(1)).empty());
   const Image image = nod(15);
   ASSERT_EQ(pc.download_blocks(motion_object(1), image), AbortCode::kNone);
   EXPECT_EQ(pc.upload(motion_object(1)), image);
 }
 
-TEST_F(ControllerMotions, InvalidOnesLeaveTheOldOne) {
+TEST_F(ControllerMotions, InvalidOnesKeepTheOldOne) {
   const Image image = nod(15);
   ASSERT_EQ(pc.download_blocks(motion_object(7), image), AbortCode::kNone);
   Image damaged = nod(10);
@@ -114,7 +114,7 @@ TEST_F(ControllerMotions, MustBeAsLongAsTheirHeadersState) {
 }
 
 // The controller answers an expedited transfer but erases no flash for data too short for a motion.
-TEST_F(ControllerMotions, OfAFewBytesAreRefusedAtOnce) {
+TEST_F(ControllerMotions, AreRefusedAtOnceWhenOfAFewBytes) {
   const Image storage(bench.board.storage.contents().begin(), bench.board.storage.contents().end());
   for (const std::size_t size : {std::size_t{1}, std::size_t{4}}) {
     EXPECT_EQ(pc.write(motion_object(2), 0x55, size), AbortCode::kLengthTooLow);
@@ -144,7 +144,7 @@ TEST_F(ControllerMotions, AreRefusedUnlessTheRobotStandsOrIsLimp) {
   EXPECT_EQ(pc.download_blocks(motion_object(7), nod(15)), AbortCode::kNone);
 }
 
-TEST_F(ControllerMotions, AreRefusedWhenTooLongAndUnknownOnesToo) {
+TEST_F(ControllerMotions, AreRefusedWhenTooLongOrUnknown) {
   EXPECT_EQ(pc.download_blocks(motion_object(7), Image(storage::kRobotLayout.max_item_size_bytes() + 1)),
             AbortCode::kLengthTooHigh);
   pc.upload(motion_object(7));
@@ -152,7 +152,7 @@ TEST_F(ControllerMotions, AreRefusedWhenTooLongAndUnknownOnesToo) {
   EXPECT_EQ(pc.download_blocks(motion_object(32), nod(15)), AbortCode::kSubindexDoesNotExist);
 }
 
-TEST_F(ControllerMotions, BrokenOffLeaveTheOldOneAndTheWayFree) {
+TEST_F(ControllerMotions, AbortedDownloadsKeepTheOldOneAndAllowANewDownload) {
   const Image image = nod(15);
   ASSERT_EQ(pc.download_blocks(motion_object(7), image), AbortCode::kNone);
   begin_and_stay_silent();

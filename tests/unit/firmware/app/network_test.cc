@@ -83,7 +83,7 @@ constexpr State kStatesToReset[] = {State::kBoot,    State::kLimp,  State::kStan
                                     State::kWalking, State::kFault, State::kEmergencyStop};
 
 // CiA 301, 7.3.2.2: in every state and in each millisecond of the cycle.
-TEST_F(ControllerNetwork, AnNmtResetIsPowerOnOnceMore) {
+TEST_F(ControllerNetwork, AnNmtResetActsAsPowerOn) {
   for (const State state : kStatesToReset) {
     for (int phase_ms = 0; phase_ms < 10; ++phase_ms) {
       const NmtCommand reset = phase_ms % 2 == 0 ? NmtCommand::kResetNode : NmtCommand::kResetCommunication;
@@ -105,7 +105,7 @@ TEST_F(ControllerNetwork, AnNmtResetIsPowerOnOnceMore) {
   }
 }
 
-TEST_F(ControllerNetwork, AnNmtResetOfAllNodesEndsInTheSameWay) {
+TEST_F(ControllerNetwork, AnNmtResetOfAllNodesActsAsPowerOn) {
   for (const NmtCommand reset : {NmtCommand::kResetNode, NmtCommand::kResetCommunication}) {
     ASSERT_TRUE(bench.run_until_standing());
     order(reset, kAll);
@@ -114,7 +114,7 @@ TEST_F(ControllerNetwork, AnNmtResetOfAllNodesEndsInTheSameWay) {
   }
 }
 
-TEST_F(ControllerNetwork, AResetOfTheNodeGivesARobotThatStoodItsSavedParameters) {
+TEST_F(ControllerNetwork, AResetOfTheNodeLoadsSavedParametersInAStandingRobot) {
   ASSERT_TRUE(bench.run_until_standing());
   ASSERT_EQ(pc.write(kStoredParameter, 6'500, 2), AbortCode::kNone);
   order(NmtCommand::kResetCommunication);
@@ -123,7 +123,7 @@ TEST_F(ControllerNetwork, AResetOfTheNodeGivesARobotThatStoodItsSavedParameters)
   EXPECT_EQ(bench.values().parameters.supply_min_mV, 6'000);
 }
 
-TEST_F(ControllerNetwork, AResetOfTheNodeForgetsWhatTheRobotWasTold) {
+TEST_F(ControllerNetwork, AResetOfTheNodeClearsCommands) {
   ASSERT_TRUE(lead_to(State::kFault));
   ASSERT_EQ(pc.write({kVelocityObject, 1}, 50, 2), AbortCode::kNone);
   ASSERT_EQ(bench.now().faults, 1);
@@ -134,7 +134,7 @@ TEST_F(ControllerNetwork, AResetOfTheNodeForgetsWhatTheRobotWasTold) {
 
 // --- Object 0x1F80
 
-TEST_F(ControllerNetwork, StartupIsThatOfASelfStartingMaster) {
+TEST_F(ControllerNetwork, StartupObjectDescribesASelfStartingMaster) {
   EXPECT_EQ(pc.read(kNmtStartup), kNmtMaster);
   for (const std::int32_t value : {0, 2, 0x11, 0x21, 0x41, 0x101})
     EXPECT_EQ(pc.write(kNmtStartup, value, 4), AbortCode::kInvalidValue) << value;
@@ -202,7 +202,7 @@ TEST_F(ControllerNetwork, MayLeaveTheStartOfTheDrivesToAnotherMaster) {
 
 // --- Another master stops the controller
 
-TEST_F(ControllerNetwork, LeavesOperationalWithAFaultInEveryStateThatHasOne) {
+TEST_F(ControllerNetwork, EntersAFaultWhenItLeavesOperationalInAnyState) {
   for (const NmtCommand command : {NmtCommand::kStop, NmtCommand::kEnterPreOperational}) {
     for (const State state : {State::kLimp, State::kStanding, State::kMotion, State::kWalking}) {
       SCOPED_TRACE(testing::Message() << "state " << int(state) << ", command " << int(command));
@@ -225,7 +225,7 @@ TEST_F(ControllerNetwork, LeavesOperationalWithAFaultInEveryStateThatHasOne) {
   }
 }
 
-TEST_F(ControllerNetwork, StaysInAnEmergencyStopWhateverItsMasterSays) {
+TEST_F(ControllerNetwork, StaysInAnEmergencyStopForAnyCommandOfTheMaster) {
   ASSERT_TRUE(lead_to(State::kEmergencyStop));
   for (const NmtCommand command : {NmtCommand::kStop, NmtCommand::kEnterPreOperational, NmtCommand::kStart}) {
     order(command);
@@ -249,7 +249,7 @@ TEST_F(ControllerNetwork, BootsInPreOperationalAndWaitsForTheStart) {
   EXPECT_TRUE(bench.run_until(State::kLimp, 50));
 }
 
-TEST_F(ControllerNetwork, ABootThatIsStoppedHalfwayIsAFault) {
+TEST_F(ControllerNetwork, AnInterruptedBootIsAFault) {
   bench.run_ms(300);
   order(NmtCommand::kStop);
   EXPECT_TRUE(bench.run_until(State::kFault, 10));
@@ -258,7 +258,7 @@ TEST_F(ControllerNetwork, ABootThatIsStoppedHalfwayIsAFault) {
 
 // --- Frames of foreign nodes
 
-TEST_F(ControllerNetwork, AddressesItsOwnDrivesAndNobodyElse) {
+TEST_F(ControllerNetwork, AddressesItsOwnDrivesOnly) {
   ASSERT_TRUE(lead_to(State::kEmergencyStop));
   bench.sent.clear();
   bench.command(Command::kReset);
@@ -286,7 +286,7 @@ TEST_F(ControllerNetwork, ResetsSensorsThatAreNodesAndStartsEachThatHasBooted) {
 }
 
 // With room for only a few frames per millisecond, the commands to all nodes are still sent.
-TEST_F(ControllerNetwork, BootsOverABusWithLittleRoom) {
+TEST_F(ControllerNetwork, BootsWithASmallTransmitFifo) {
   for (int i = 0; i < 2'000 && bench.now().state == State::kBoot; ++i) {
     bench.board.can.limit_transmit(6);
     bench.run_ms(1);

@@ -46,7 +46,7 @@ TEST_F(ControllerParameters, SurviveAPowerCycleOnceTheyAreSaved) {
   EXPECT_EQ(bench.values().feedback.motion.knee, -300);
 }
 
-TEST_F(ControllerParameters, AreThoseOfTheFactoryAgainAfterRestoreAndReset) {
+TEST_F(ControllerParameters, AreFactoryDefaultsAfterRestoreAndReset) {
   ASSERT_EQ(pc.write(kLowestSupply, 6'500, 2), AbortCode::kNone);
   ASSERT_EQ(pc.save(), AbortCode::kNone);
   ASSERT_EQ(pc.restore(), AbortCode::kNone);
@@ -56,7 +56,7 @@ TEST_F(ControllerParameters, AreThoseOfTheFactoryAgainAfterRestoreAndReset) {
   EXPECT_EQ(bench.values().parameters.supply_min_mV, 6'000);
 }
 
-TEST_F(ControllerParameters, ResetOfTheNodeBringsBackTheSaved) {
+TEST_F(ControllerParameters, ResetOfTheNodeLoadsTheSavedOnes) {
   ASSERT_EQ(pc.write(kLowestSupply, 6'500, 2), AbortCode::kNone);
   ASSERT_EQ(pc.save(), AbortCode::kNone);
   ASSERT_EQ(pc.write(kLowestSupply, 7'000, 2), AbortCode::kNone);
@@ -75,7 +75,7 @@ TEST_F(ControllerParameters, AreWrittenOnlyWhenTheyHaveChanged) {
   EXPECT_EQ(pc.answer_ms, 1);
 }
 
-TEST_F(ControllerParameters, TellWhichGroupsAreStored) {
+TEST_F(ControllerParameters, ReportWhichGroupsAreStored) {
   for (const std::uint16_t index : {std::uint16_t{0x1010}, std::uint16_t{0x1011}}) {
     EXPECT_EQ(pc.read({index, 0}), 4u);
     for (const std::uint8_t group : std::to_array<std::uint8_t>({1, 3, 4}))
@@ -100,14 +100,14 @@ TEST_F(ControllerParameters, AreNotSavedWhileTheRobotMoves) {
   EXPECT_EQ(bench.now().state, State::kStanding);  // motion continues
 }
 
-TEST_F(ControllerParameters, SavingTellsOfFlashThatFails) {
+TEST_F(ControllerParameters, SavingReportsAFlashFailure) {
   bench.board.storage.fail_next();
   EXPECT_EQ(pc.save(), AbortCode::kHardwareError);
   EXPECT_EQ(pc.save(), AbortCode::kNone);
 }
 
 // Power fails in each millisecond of a save: afterwards both parameters are old or both are new.
-TEST_F(ControllerParameters, AreNeverMixedByAPowerFailure) {
+TEST_F(ControllerParameters, AreNeverPartlySavedByAPowerFailure) {
   bench.board.storage.complete_after(2);
   ASSERT_EQ(pc.write(kLowestSupply, 6'100, 2), AbortCode::kNone);
   ASSERT_EQ(pc.write(kRampRate, 100, 2), AbortCode::kNone);

@@ -87,7 +87,7 @@ class RecoveryTest : public testing::Test {
   double pitch_deg_ = 0.0;
 };
 
-TEST_F(RecoveryTest, MeetsTheGroundInThePoseOfItsDirectionAndGoesLimp) {
+TEST_F(RecoveryTest, LandsInThePoseOfItsDirectionAndGoesLimp) {
   stand();
   turn_to(0, 30);
   expect_state(State::kFalling, Reason::kFallForeseen);
@@ -99,7 +99,7 @@ TEST_F(RecoveryTest, MeetsTheGroundInThePoseOfItsDirectionAndGoesLimp) {
   EXPECT_EQ(bench.values().diagnosis.falls, 1);
 }
 
-TEST_F(RecoveryTest, StandsUpStraightWhenItBentLowAndDidNotFall) {
+TEST_F(RecoveryTest, StraightensUpAfterAPredictedFallThatDidNotHappen) {
   stand();
   turn_to(0, 28);
   EXPECT_EQ(bench.now().state, State::kFalling);
@@ -110,7 +110,7 @@ TEST_F(RecoveryTest, StandsUpStraightWhenItBentLowAndDidNotFall) {
   EXPECT_TRUE(bench.run_until(State::kFalling, 100));
 }
 
-TEST_F(RecoveryTest, HasFallenWhereItRestsOnItsSeat) {
+TEST_F(RecoveryTest, IsDownWhenItRestsOnItsSeat) {
   stand();
   turn_to(0, -50, 100);
   ASSERT_TRUE(bench.run_until(State::kFallen, 600));
@@ -174,7 +174,7 @@ TEST_F(RecoveryTest, TriesAgainSlowerAndGivesUpInFault) {
   EXPECT_TRUE(bench.last_sent(0x081).has_value());
 }
 
-TEST_F(RecoveryTest, LeavesAMotionWhoseExpectationFails) {
+TEST_F(RecoveryTest, AbortsAMotionWhoseExpectationFails) {
   give(Role::kRiseProne, {kUprightAttitude.step(), {Opcode::kWait, 0, 5'000'000}});
   lie_limp_from_standing(0, 90);
   ASSERT_TRUE(bench.run_until(State::kRising, 500));
@@ -182,7 +182,7 @@ TEST_F(RecoveryTest, LeavesAMotionWhoseExpectationFails) {
   EXPECT_EQ(bench.now().reason, Reason::kRecoveryStepFailed);
 }
 
-TEST_F(RecoveryTest, DoesNotCallItStandingBeforeItIsUprightAndStill) {
+TEST_F(RecoveryTest, StandsOnlyOnceUprightAndAtRest) {
   lie_limp_from_standing(0, 90);
   ASSERT_TRUE(bench.run_until(State::kRising, 500));
   turn_to(0, 40, 150);
@@ -193,7 +193,7 @@ TEST_F(RecoveryTest, DoesNotCallItStandingBeforeItIsUprightAndStill) {
   expect_state(State::kFallen, Reason::kRecoveryStepFailed);
 }
 
-TEST_F(RecoveryTest, StandsAtOnceWhenSomebodyHoldsItUpright) {
+TEST_F(RecoveryTest, StandsAtOnceWhenHeldUpright) {
   lie_limp_from_standing(0, 90);
   turn_to(0, 0, 100);
   ASSERT_TRUE(bench.run_until(State::kSoftStart, 600));
@@ -201,7 +201,7 @@ TEST_F(RecoveryTest, StandsAtOnceWhenSomebodyHoldsItUpright) {
   EXPECT_TRUE(bench.run_until(State::kStanding, 3'000));
 }
 
-TEST_F(RecoveryTest, WaitsUntilItLiesStill) {
+TEST_F(RecoveryTest, WaitsUntilItRests) {
   lie_limp_from_standing(0, 90);
   for (int i = 0; i < 5; ++i) {
     turn_to(0, i % 2 == 0 ? 80 : 90, 100);
@@ -210,7 +210,7 @@ TEST_F(RecoveryTest, WaitsUntilItLiesStill) {
   EXPECT_TRUE(bench.run_until(State::kRighting, 400));
 }
 
-TEST_F(RecoveryTest, GetsUpByCommandOnlyWhereItIsLimp) {
+TEST_F(RecoveryTest, GetsUpByCommandOnlyWhenLimp) {
   bench.command(Command::kGetUp);
   EXPECT_EQ(bench.now().state, State::kFallen);
   ASSERT_TRUE(bench.run_until(State::kStanding, 4'000));  // it was upright before
@@ -218,14 +218,14 @@ TEST_F(RecoveryTest, GetsUpByCommandOnlyWhereItIsLimp) {
   EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
 }
 
-TEST_F(RecoveryTest, WithoutAttemptsStaysDownInFault) {
+TEST_F(RecoveryTest, StaysDownInFaultWithoutAttempts) {
   ASSERT_EQ(pc.write({0x2141, 1}, 0, 1), canopen::AbortCode::kNone);
   lie_limp_from_standing(0, -90);
   ASSERT_TRUE(bench.run_until(State::kFault, 400));
   EXPECT_EQ(bench.now().reason, Reason::kCannotGetUp);
 }
 
-TEST(RecoveryWithoutMotions, FallsAsItIsAndStaysDownInFault) {
+TEST(RecoveryWithoutMotions, FallsAndStaysDownInFault) {
   ControllerBench bench;
   bench.run_ms(2'000);
   ASSERT_TRUE(bench.run_until_standing());
@@ -238,7 +238,7 @@ TEST(RecoveryWithoutMotions, FallsAsItIsAndStaysDownInFault) {
   EXPECT_EQ(bench.now().reason, Reason::kCannotGetUp);
 }
 
-TEST(RecoveryWithoutGyroBias, LooksForNoFalls) {
+TEST(RecoveryWithoutGyroBias, DetectsNoFalls) {
   ControllerBench bench;
   ASSERT_TRUE(bench.run_until_standing());
   ASSERT_EQ(bench.values().diagnosis.gyro_calibrations, 0);
@@ -349,7 +349,7 @@ TEST_P(RecoveryState, GoesLimpByCommand) {
   expect_limp(State::kLimp);
 }
 
-TEST_P(RecoveryState, RefusesEverythingElse) {
+TEST_P(RecoveryState, RefusesOtherCommands) {
   for (const Command command :
        {Command::kEnable, Command::kPlay, Command::kWalk, Command::kGetUp, Command::kReset}) {
     bench.command(command);

@@ -38,14 +38,14 @@ std::uint32_t write(ControllerBench& bench, std::uint16_t index, std::uint8_t su
   return response->data[0] == 0x80 ? canopen::load_u32(&response->data[4]) : 0;
 }
 
-TEST(VelocityLimits, ReduceEachPartToItsOwn) {
+TEST(VelocityLimits, ClampEachComponent) {
   const VelocityLimits limits{400, 300, 200, 1500};
   EXPECT_EQ(clamped({401, -201, 1501}, limits), (Velocity{400, -200, 1500}));
   EXPECT_EQ(clamped({-301, 201, -1501}, limits), (Velocity{-300, 200, -1500}));
   EXPECT_EQ(clamped({-300, 200, -1500}, limits), (Velocity{-300, 200, -1500}));
 }
 
-TEST(ControllerVelocity, ComesInOneFrame) {
+TEST(ControllerVelocity, IsSetByOneFrame) {
   ControllerBench bench;
   bench.run_ms(10);
   send(bench, {300, -100, 1000});
@@ -78,7 +78,7 @@ TEST(ControllerVelocity, DoesNotHideTheRefusalOfACommand) {
   EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
 }
 
-TEST(ControllerVelocity, IsCheckedFromAnSdoClientToo) {
+TEST(ControllerVelocity, IsAlsoCheckedFromAnSdoClient) {
   ControllerBench bench;
   bench.run_ms(10);
   EXPECT_EQ(write(bench, kVelocityObject, 1, 301), 0x0609'0031u);
@@ -92,7 +92,7 @@ TEST(ControllerVelocity, IsCheckedFromAnSdoClientToo) {
   EXPECT_EQ(bench.values().velocity, (Velocity{0, -100, 0}));
 }
 
-TEST(ControllerVelocity, FollowsItsLimits) {
+TEST(ControllerVelocity, IsClampedToItsLimits) {
   ControllerBench bench;
   bench.run_ms(10);
   send(bench, {300, -100, 1000});

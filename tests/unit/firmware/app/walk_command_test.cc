@@ -48,7 +48,7 @@ class ControllerWalk : public testing::Test {
   ControllerBench bench;
 };
 
-TEST_F(ControllerWalk, WalksWhenToldTo) {
+TEST_F(ControllerWalk, StartsOnCommand) {
   const auto standing = targets();
   bench.command(Command::kWalk);
   EXPECT_EQ(bench.now().state, State::kWalking);
@@ -59,7 +59,7 @@ TEST_F(ControllerWalk, WalksWhenToldTo) {
   EXPECT_NE(targets(), standing);
 }
 
-TEST_F(ControllerWalk, HearsItsVelocityWhileItWalks) {
+TEST_F(ControllerWalk, AcceptsAVelocityWhileWalking) {
   bench.command(Command::kWalk);
   bench.run_ms(kGetsReady_ms);
   const double on_the_spot_rad = stride_rad();
@@ -68,7 +68,7 @@ TEST_F(ControllerWalk, HearsItsVelocityWhileItWalks) {
   EXPECT_GT(stride_rad(), 1.5 * on_the_spot_rad);
 }
 
-TEST_F(ControllerWalk, EndsAtTheStandingTargetsWhenToldToStop) {
+TEST_F(ControllerWalk, EndsAtTheStandingTargetsOnStop) {
   const auto standing = targets();
   send({150, 30, 300});
   bench.command(Command::kWalk);
@@ -82,7 +82,7 @@ TEST_F(ControllerWalk, EndsAtTheStandingTargetsWhenToldToStop) {
   EXPECT_EQ(targets(), standing);
 }
 
-TEST_F(ControllerWalk, TakesTheStopBackWhenToldToWalkAgain) {
+TEST_F(ControllerWalk, RevokesTheStopOnANewWalkCommand) {
   send({150, 0, 0});
   bench.command(Command::kWalk);
   bench.run_ms(3'000);
@@ -103,7 +103,7 @@ TEST_F(ControllerWalk, WalksAgainAfterItHasStood) {
   }
 }
 
-TEST_F(ControllerWalk, PlaysNoMotionMeanwhile) {
+TEST_F(ControllerWalk, PlaysNoMotionWhileWalking) {
   bench.command(Command::kWalk);
   bench.run_ms(kGetsReady_ms);
   bench.command(Command::kPlay, 1);
@@ -142,7 +142,7 @@ TEST_F(ControllerWalk, EndsInFaultLimpOrEmergencyStopAndStaysThere) {
       State::kFault);
 }
 
-TEST(ControllerWalkCommand, IsRefusedWhereTheRobotDoesNotStand) {
+TEST(ControllerWalkCommand, IsRefusedUnlessTheRobotStands) {
   ControllerBench bench;
   bench.run_ms(25);
   bench.command(Command::kWalk);

@@ -71,9 +71,9 @@ class FeedbackTest : public testing::Test {
   }();
 };
 
-TEST_F(FeedbackTest, ChangesNotABitWithoutGains) { EXPECT_EQ(corrected({}, rates(10, -10)), pose); }
+TEST_F(FeedbackTest, ChangesNoBitWithoutGains) { EXPECT_EQ(corrected({}, rates(10, -10)), pose); }
 
-TEST_F(FeedbackTest, TurnsByGainTimesRate) {
+TEST_F(FeedbackTest, AddsGainTimesRate) {
   const auto targets = corrected(
       {.rate = {.ankle_pitch = 205, .ankle_roll = 123, .hip_roll = -82, .knee = 41, .hip_pitch = 20},
        .lean = {}},
@@ -89,7 +89,7 @@ TEST_F(FeedbackTest, TurnsByGainTimesRate) {
   for (std::size_t joint = 12; joint < 20; ++joint) EXPECT_EQ(targets[joint], pose[joint]);
 }
 
-TEST_F(FeedbackTest, TurnsByGainTimesLean) {
+TEST_F(FeedbackTest, AddsGainTimesLean) {
   const auto targets = corrected(
       {.rate = {},
        .lean = {.ankle_pitch = 2050, .ankle_roll = 1230, .hip_roll = -820, .knee = 410, .hip_pitch = 200}},
@@ -127,13 +127,13 @@ TEST_F(FeedbackTest, TurnsAFallingTrunkBack) {
   }
 }
 
-TEST_F(FeedbackTest, PressesTheToesOfARobotThatFallsForward) {
+TEST_F(FeedbackTest, PressesTheToesDownInAForwardFall) {
   const auto targets = corrected(kTenthOfASecond, rates(0, 1));
   EXPECT_GT(change_rad(targets, 4), 0.0);  // positive ankle pitch: toes down
   EXPECT_GT(change_rad(targets, 10), 0.0);
 }
 
-TEST_F(FeedbackTest, FollowsTheAxisOfAJointThatTurnsTheOtherWay) {
+TEST_F(FeedbackTest, RespectsTheSignOfAJointsAxis) {
   model.joints[4].axis = -robot::kAxisY;
   const auto targets = corrected(kTenthOfASecond, rates(0, 1));
   EXPECT_LT(change_rad(targets, 4), 0.0);
@@ -151,7 +151,7 @@ TEST_F(FeedbackTest, DoesNotWrapATargetAtHalfATurn) {
   EXPECT_EQ(corrected(kTenthOfASecond, rates(1, 0))[5], Angle::max());
 }
 
-TEST_F(FeedbackTest, LeavesARobotWithoutLegsAlone) {
+TEST_F(FeedbackTest, DoesNothingWithoutLegs) {
   model.joint_count = 0;
   EXPECT_EQ(corrected(kTenthOfASecond, rates(1, 1)), pose);
 }

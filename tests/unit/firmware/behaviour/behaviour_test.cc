@@ -112,7 +112,7 @@ TEST_F(BehaviourStage, HoldsTheJointsWhereTheyAreUntilItIsEnabled) {
   EXPECT_EQ(step().targets[test::kKnee], test::degrees(33));
 }
 
-TEST_F(BehaviourStage, SaysWhyItRefuses) {
+TEST_F(BehaviourStage, StatesTheReasonOfARefusal) {
   EXPECT_EQ(request(Command::kEnable), Reason::kNotInThisState);
   boot();
   conditions.supply_mV[4] = 5'900;
@@ -150,7 +150,7 @@ TEST_F(BehaviourStage, ReportsAFaultOnceAndHoldsTheLineUntilTheDrivesHaveStopped
   EXPECT_EQ(behaviour.status().faults, 1u);
 }
 
-TEST_F(BehaviourStage, MissesASensorAfterFiftyMilliseconds) {
+TEST_F(BehaviourStage, ReportsALostSensorAfterFiftyMilliseconds) {
   boot();
   robot.ankle_age_us[1] = Behaviour::kSensorTimeout_us;
   step();
@@ -160,7 +160,7 @@ TEST_F(BehaviourStage, MissesASensorAfterFiftyMilliseconds) {
   EXPECT_EQ(behaviour.status().reason, Reason::kAnkleSilent);
 }
 
-TEST_F(BehaviourStage, ForeseesAFall) {
+TEST_F(BehaviourStage, PredictsAFall) {
   stand();
   step();
   lean(0.2);
@@ -176,7 +176,7 @@ TEST_F(BehaviourStage, ForeseesAFall) {
   EXPECT_EQ(behaviour.state(), State::kFallen);
 }
 
-TEST_F(BehaviourStage, DoesNotTrustAGyroWithoutBias) {
+TEST_F(BehaviourStage, DoesNotUseAGyroWithoutBias) {
   robot.gyro_known = false;
   stand();
   lean(0.2);

@@ -43,14 +43,14 @@ class FallDetectorTest : public testing::Test {
   FallDetector watch_;
 };
 
-TEST_F(FallDetectorTest, NamesWhereTheRobotFallsTo) {
+TEST_F(FallDetectorTest, NamesTheDirectionOfTheFall) {
   EXPECT_EQ(after_standing({.pitch = 27}), FallDirection::kFront);
   EXPECT_EQ(after_standing({.pitch = -27}), FallDirection::kBack);
   EXPECT_EQ(after_standing({.roll = 29}), FallDirection::kRight);
   EXPECT_EQ(after_standing({.roll = -29}), FallDirection::kLeft);
 }
 
-TEST_F(FallDetectorTest, HasItsLimitsWhereTheParametersSay) {
+TEST_F(FallDetectorTest, AppliesTheLimitsOfTheParameters) {
   EXPECT_EQ(after_standing({.pitch = 25.9}, 10), FallDirection::kNone);
   EXPECT_EQ(after_standing({.pitch = -25.9}, 10), FallDirection::kNone);
   EXPECT_EQ(after_standing({.roll = 27.9}, 10), FallDirection::kNone);
@@ -60,7 +60,7 @@ TEST_F(FallDetectorTest, HasItsLimitsWhereTheParametersSay) {
   EXPECT_EQ(after_standing({.pitch = -10.2}, 10), FallDirection::kNone);
 }
 
-TEST_F(FallDetectorTest, TakesRateAndAngleTogether) {
+TEST_F(FallDetectorTest, CombinesRateAndAngle) {
   // Predicted lean: 12 + 0.135 * 110 = 26.9 degrees.
   EXPECT_EQ(after_standing({.pitch = 12, .pitch_rate = 110}), FallDirection::kFront);
   EXPECT_EQ(after_standing({.pitch = 12, .pitch_rate = 95}, 10), FallDirection::kNone);
@@ -69,17 +69,17 @@ TEST_F(FallDetectorTest, TakesRateAndAngleTogether) {
   EXPECT_EQ(after_standing({.pitch = 28, .pitch_rate = -60}, 10), FallDirection::kNone);
 }
 
-TEST_F(FallDetectorTest, FallsBetweenTheAxesByTheEllipse) {
+TEST_F(FallDetectorTest, CombinesTheAxesByAnEllipse) {
   EXPECT_EQ(after_standing({.roll = 19, .pitch = 18}, 10), FallDirection::kNone);
   EXPECT_EQ(after_standing({.roll = 19, .pitch = 20}), FallDirection::kFront);
   EXPECT_EQ(after_standing({.roll = 22, .pitch = -18}), FallDirection::kRight);
 }
 
-TEST_F(FallDetectorTest, BelievesNoRateWithoutALean) {
+TEST_F(FallDetectorTest, IgnoresARateWithoutALean) {
   EXPECT_EQ(after_standing({.pitch = 9, .pitch_rate = 400}, 10), FallDirection::kNone);
 }
 
-TEST_F(FallDetectorTest, WaitsForAsManyCyclesInARow) {
+TEST_F(FallDetectorTest, RequiresConsecutiveCycles) {
   limits_.cycles = 3;
   EXPECT_EQ(after_standing({.pitch = 30}, 2), FallDirection::kNone);
   EXPECT_EQ(see({.pitch = 5}), FallDirection::kNone);
@@ -88,20 +88,20 @@ TEST_F(FallDetectorTest, WaitsForAsManyCyclesInARow) {
   EXPECT_EQ(see({.pitch = 30}), FallDirection::kFront);
 }
 
-TEST_F(FallDetectorTest, SeesOneFallOnceAndNoneBeforeTheRobotWasUpright) {
+TEST_F(FallDetectorTest, DetectsAFallOnceAndNoneBeforeTheRobotWasUpright) {
   for (int i = 0; i < 20; ++i) EXPECT_EQ(see({.pitch = 90}), FallDirection::kNone);
   EXPECT_EQ(after_standing({.pitch = 30}), FallDirection::kFront);
   for (int i = 0; i < 20; ++i) EXPECT_EQ(see({.pitch = 90}), FallDirection::kNone);
 }
 
-TEST_F(FallDetectorTest, SeesAFallOfARobotThatHasToBeOnItsFeet) {
+TEST_F(FallDetectorTest, DetectsAFallOfARobotInAStandingState) {
   EXPECT_EQ(see({.pitch = 90}), FallDirection::kNone);
   watch_.arm();
   EXPECT_EQ(see({.pitch = 90}), FallDirection::kNone);
   EXPECT_EQ(see({.pitch = 90}), FallDirection::kFront);
 }
 
-TEST_F(FallDetectorTest, LooksForNoneWithoutALimit) {
+TEST_F(FallDetectorTest, IsOffWithoutALimit) {
   const FallLimits set = limits_;
   for (std::int16_t FallLimits::*limit :
        {&FallLimits::front, &FallLimits::back, &FallLimits::side, &FallLimits::min_lean}) {
@@ -113,7 +113,7 @@ TEST_F(FallDetectorTest, LooksForNoneWithoutALimit) {
   EXPECT_EQ(after_standing({.roll = 60, .pitch = 80}, 10), FallDirection::kNone);
 }
 
-TEST_F(FallDetectorTest, TakesWhateverTheSensorsShow) {
+TEST_F(FallDetectorTest, AcceptsAnySensorValues) {
   for (const double angle : {-179.9, -90.0, 90.0, 179.9}) {
     for (const double rate : {-40'000.0, 40'000.0}) {
       after_standing({.roll = angle, .pitch = angle, .roll_rate = rate, .pitch_rate = rate});

@@ -32,7 +32,7 @@ TEST(LyingPoseTest, HasAName) {
   EXPECT_EQ(classify_straight(up(90, 0)), LyingPose::kRightSide);
 }
 
-TEST(LyingPoseTest, BetweenTwoIsTheNearerOneAndASideFromItsShoulderOn) {
+TEST(LyingPoseTest, IsTheNearerOfTwoAndASideFromItsShoulderOn) {
   EXPECT_EQ(classify_straight(up(0, 14)), LyingPose::kUpright);
   EXPECT_EQ(classify_straight(up(0, 16)), LyingPose::kProne);
   EXPECT_EQ(classify_straight(up(0, -16)), LyingPose::kSupine);
@@ -43,13 +43,13 @@ TEST(LyingPoseTest, BetweenTwoIsTheNearerOneAndASideFromItsShoulderOn) {
   }
 }
 
-TEST(LyingPoseTest, OnTheHeadIsWhereItLeansTo) {
+TEST(LyingPoseTest, OnTheHeadIsTheSideOfItsLean) {
   EXPECT_EQ(classify_straight(up(180, 20)), LyingPose::kProne);
   EXPECT_EQ(classify_straight(up(180, -20)), LyingPose::kSupine);
   EXPECT_EQ(classify_straight(up(150, 0)), LyingPose::kRightSide);
 }
 
-TEST(LyingPoseTest, SitsWhereTheThighsAreRaised) {
+TEST(LyingPoseTest, SitsWhenTheThighsAreRaised) {
   for (const double pitch : {-50.0, -20.0, 0.0, 30.0, 50.0}) {
     EXPECT_EQ(classify(up(0, pitch), test::degrees(-90)), LyingPose::kSitting) << pitch;
   }

@@ -102,7 +102,7 @@ TEST(BehaviourPage, ShowsTheRules) {
     EXPECT_NE(page.str().find(part), std::string::npos) << "the page has to have:\n" << part;
 }
 
-TEST(BehaviourPage, SaysWhereThereIsTorque) {
+TEST(BehaviourPage, StatesWhichStatesHaveTorque) {
   std::ifstream file(KOBOSHI_SOURCE_DIR "/docs/reference/behaviour.md");
   std::ostringstream page;
   page << file.rdbuf();

@@ -7,14 +7,14 @@ namespace {
 
 using namespace fixed::literals;
 
-TEST(RestDetectorTest, IsAWhileWithoutATurnAboutAnyAxis) {
+TEST(RestDetectorTest, NeedsATimeWithoutRotationAboutAnyAxis) {
   RestDetector rest;
   for (int i = 1; i < RestDetector::kCycles; ++i) EXPECT_FALSE(rest.update({}));
   EXPECT_TRUE(rest.update({0.14_rad_per_s, -0.14_rad_per_s, 0.14_rad_per_s}));
   EXPECT_TRUE(rest.update({}));
 }
 
-TEST(RestDetectorTest, BeginsAnewWithEachTurn) {
+TEST(RestDetectorTest, RestartsWithEachRotation) {
   const RestDetector::Rates turns[] = {
       {0.16_rad_per_s, {}, {}}, {{}, -0.16_rad_per_s, {}}, {{}, {}, 0.16_rad_per_s}};
   for (const auto& turn : turns) {
@@ -26,7 +26,7 @@ TEST(RestDetectorTest, BeginsAnewWithEachTurn) {
   }
 }
 
-TEST(RestDetectorTest, LastsAsLongAsItIsStill) {
+TEST(RestDetectorTest, LastsAsLongAsTheRobotRests) {
   RestDetector rest;
   for (int i = 0; i < 1'000; ++i) EXPECT_EQ(rest.update({}), i + 1 >= RestDetector::kCycles);
   rest.restart();

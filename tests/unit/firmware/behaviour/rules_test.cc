@@ -47,7 +47,7 @@ std::set<State> reachable_from(State start) {
   return seen;
 }
 
-TEST(Rules, HaveOneAnswerForAStateAndEvent) {
+TEST(Rules, AreUniqueForAStateAndEvent) {
   for (const State state : states()) {
     for (const Event event : events())
       EXPECT_LE(rules_for(state, event), 1) << static_cast<int>(state) << ' ' << static_cast<int>(event);
@@ -68,7 +68,7 @@ TEST(Rules, LeadFromEveryStateBackToTheBoot) {
   for (const State state : states()) EXPECT_TRUE(reachable_from(state).contains(State::kBoot));
 }
 
-TEST(Rules, LeaveNoStateWithoutTorqueButByACommandOrStillness) {
+TEST(Rules, LeaveStatesWithoutTorqueOnlyByACommandOrAtRest) {
   for (const State state : states()) {
     for (const Event event : events()) {
       const auto next = next_state(state, event);
@@ -80,7 +80,7 @@ TEST(Rules, LeaveNoStateWithoutTorqueButByACommandOrStillness) {
   }
 }
 
-TEST(Rules, TakeTheTorqueFromEveryStateAtOnce) {
+TEST(Rules, CutTheTorqueFromEveryStateAtOnce) {
   for (const State state : states()) {
     if (!kTorque.contains(state)) continue;
     EXPECT_EQ(next_state(state, Event::kLimp), State::kLimp);
@@ -89,7 +89,7 @@ TEST(Rules, TakeTheTorqueFromEveryStateAtOnce) {
   }
 }
 
-TEST(Rules, LetOnlyAResetOutOfALatchedState) {
+TEST(Rules, LeaveALatchedStateOnlyByReset) {
   for (const Event event : events()) {
     if (event == Event::kReset) continue;
     EXPECT_EQ(next_state(State::kEmergencyStop, event), std::nullopt);
@@ -98,7 +98,7 @@ TEST(Rules, LetOnlyAResetOutOfALatchedState) {
   }
 }
 
-TEST(States, AreSets) {
+TEST(States, FormSets) {
   constexpr States kTwo{State::kBoot, State::kLimp};
   static_assert(kTwo.contains(State::kBoot) && !kTwo.contains(State::kFault));
   static_assert(!(~kTwo).contains(State::kBoot) && (~kTwo).contains(State::kSteadying));

@@ -33,7 +33,7 @@ TEST(SoftStart, ArrivesWithAllJointsAtOnceAndTurnsNoneFasterThanItsRate) {
   EXPECT_EQ(targets, to);
 }
 
-TEST(SoftStart, TakesHalfASecondAtLeast) {
+TEST(SoftStart, TakesAtLeastHalfASecond) {
   const Pose pose{};
   SoftStart ramp;
   ramp.begin(pose, pose, kSixtyDegreesASecond);
@@ -43,7 +43,7 @@ TEST(SoftStart, TakesHalfASecondAtLeast) {
   EXPECT_EQ(ticks, 50);
 }
 
-TEST(SoftStartDeathTest, DemandsAPositiveRateAndPosesOfOneSize) {
+TEST(SoftStartDeathTest, RequiresAPositiveRateAndPosesOfEqualSize) {
   SoftStart ramp;
   const Pose pose{};
   EXPECT_DEATH(ramp.begin(pose, pose, 0), "rate");

@@ -39,7 +39,7 @@ TEST_F(DictionaryTest, ReadsTheOwnersValues) {
   EXPECT_EQ(read({0x6502, 0}), 0x80u);
 }
 
-TEST_F(DictionaryTest, TellsTheHighestSubindexOfAnArray) {
+TEST_F(DictionaryTest, ReportsTheHighestSubindexOfAnArray) {
   ObjectValue value;
   ASSERT_EQ(dictionary_.read({0x2000, 0}, value), AbortCode::kNone);
   EXPECT_EQ(value.number(), 3u);
@@ -68,7 +68,7 @@ TEST_F(DictionaryTest, ComparesLimitsWithTheObjectsSign) {
   EXPECT_EQ(values_.mode, 0);
 }
 
-TEST_F(DictionaryTest, TakesTheObjectsSizeWhereNoneIsTold) {
+TEST_F(DictionaryTest, UsesTheObjectsSizeWhenNoneIsGiven) {
   EXPECT_EQ(write({0x6040, 0}, 0xAABBCCDD, 0), AbortCode::kNone);
   EXPECT_EQ(values_.controlword, 0xCCDD);
   EXPECT_EQ(values_.target, 0);

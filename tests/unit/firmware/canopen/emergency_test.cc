@@ -13,7 +13,7 @@ std::uint32_t history(const ErrorLog& log, std::uint8_t subindex) {
   return value.number();
 }
 
-TEST(ErrorLog, TellsAnErrorOnceUntilItIsCleared) {
+TEST(ErrorLog, ReportsAnErrorOnceUntilItIsCleared) {
   ErrorLog log;
   EXPECT_TRUE(log.raise(0x2310, error_register::kCurrent, 0));
   EXPECT_FALSE(log.raise(0x2310, error_register::kCurrent, 0));
@@ -22,7 +22,7 @@ TEST(ErrorLog, TellsAnErrorOnceUntilItIsCleared) {
   EXPECT_TRUE(log.raise(0x2310, error_register::kCurrent, 0));
 }
 
-TEST(ErrorLog, JoinsTheRegisterOfAllActiveErrors) {
+TEST(ErrorLog, CombinesTheRegisterOfAllActiveErrors) {
   ErrorLog log;
   EXPECT_EQ(log.error_register(), 0);
   log.raise(0x2310, error_register::kCurrent, 0);
@@ -88,7 +88,7 @@ TEST(NodeEmergency, RecordsSilentlyInStopped) {
   EXPECT_EQ(device.node.errors().error_register(), 0x03);
 }
 
-TEST(NodeEmergency, HandsOnThoseOfOthers) {
+TEST(NodeEmergency, ForwardsThoseOfOtherNodes) {
   TestNode device;
   device.make_operational();
   device.node.on_frame(can_frame(0x081, {0x30, 0x81, 0x11, 1, 0, 0, 0, 0}), 0);
@@ -110,7 +110,7 @@ TEST(EmergencyProducer, SpacesMessagesByTheInhibitTime) {
   EXPECT_EQ(device.sink.take(), std::vector{can_frame(0x090, {0x10, 0x43, 0x01, 0, 0, 0, 0, 0})});
 }
 
-TEST(EmergencyProducer, DropsWhatIsTooMuchAndForgetsAllInStopped) {
+TEST(EmergencyProducer, DropsExcessMessagesAndDiscardsAllInStopped) {
   TestNode device;
   device.make_operational();
   ASSERT_EQ(device.node.write_object({0x1015, 0}, 1, 2), AbortCode::kNone);
@@ -124,7 +124,7 @@ TEST(EmergencyProducer, DropsWhatIsTooMuchAndForgetsAllInStopped) {
   EXPECT_TRUE(device.sink.take().empty());
 }
 
-TEST(EmergencyProducer, ChangesItsIdentifierOnlyWhileItHasNone) {
+TEST(EmergencyProducer, ChangesItsIdentifierOnlyWhileInvalid) {
   TestNode device;
   device.make_operational();
   EXPECT_EQ(device.node.write_object({0x1014, 0}, 0x0A0, 4), AbortCode::kInvalidValue);

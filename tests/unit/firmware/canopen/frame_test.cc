@@ -7,7 +7,7 @@
 namespace koboshi::canopen {
 namespace {
 
-TEST(Frame, EncodesNmtCommandsAsCia301Says) {
+TEST(Frame, EncodesNmtCommandsAsCia301Specifies) {
   EXPECT_EQ(encode(NmtMessage{NmtCommand::kStart, 0}), can_frame(0x000, {0x01, 0x00}));
   EXPECT_EQ(encode(NmtMessage{NmtCommand::kStop, 0x23}), can_frame(0x000, {0x02, 0x23}));
   EXPECT_EQ(encode(NmtMessage{NmtCommand::kEnterPreOperational, 1}), can_frame(0x000, {0x80, 0x01}));
@@ -27,7 +27,7 @@ TEST(Frame, EncodesEmergencies) {
             can_frame(0x0A2, {0x30, 0x81, 0x11, 0x01, 0x02, 0x03, 0x04, 0x05}));
 }
 
-TEST(Frame, DecodesWhatItEncodes) {
+TEST(Frame, RoundTrips) {
   const NmtMessage command{NmtCommand::kResetNode, 35};
   const Heartbeat heartbeat{127, NmtState::kOperational};
   const Emergency emergency{1, 0xFF01, 0x81, {9, 8, 7, 6, 5}};

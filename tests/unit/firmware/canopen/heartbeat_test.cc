@@ -40,7 +40,7 @@ TEST_F(HeartbeatMonitorTest, LosesANodeExactlyAfterItsTime) {
   EXPECT_TRUE(check(200'000).empty());
 }
 
-TEST_F(HeartbeatMonitorTest, EachHeartbeatProlongs) {
+TEST_F(HeartbeatMonitorTest, EachHeartbeatRestartsTheTime) {
   std::uint64_t now_us = 0;
   hear(NmtState::kOperational, now_us);
   for (int i = 0; i < 10; ++i) {
@@ -55,14 +55,14 @@ TEST_F(HeartbeatMonitorTest, NeverLosesANodeThatWasNeverHeardOf) {
   EXPECT_TRUE(check(1'000'000'000).empty());
 }
 
-TEST_F(HeartbeatMonitorTest, TellsChangesOfState) {
+TEST_F(HeartbeatMonitorTest, ReportsChangesOfState) {
   hear(NmtState::kPreOperational, 0);
   EXPECT_TRUE(hear(NmtState::kPreOperational, 1'000).empty());
   EXPECT_EQ(hear(NmtState::kOperational, 2'000), one(kStateChanged, NmtState::kOperational));
   EXPECT_EQ(hear(NmtState::kStopped, 3'000), one(kStateChanged, NmtState::kStopped));
 }
 
-TEST_F(HeartbeatMonitorTest, TellsTheReturnOfALostNode) {
+TEST_F(HeartbeatMonitorTest, ReportsTheReturnOfALostNode) {
   hear(NmtState::kOperational, 0);
   check(100'000);
   EXPECT_EQ(hear(NmtState::kOperational, 150'000), one(kFirstSeen, NmtState::kOperational));
@@ -76,7 +76,7 @@ TEST_F(HeartbeatMonitorTest, LosesANodeThatIsSilentAfterItsBootUp) {
   EXPECT_EQ(hear(NmtState::kPreOperational, 600'000), one(kFirstSeen, NmtState::kPreOperational));
 }
 
-TEST_F(HeartbeatMonitorTest, GoesOnWithANodeThatSpeaksAfterItsBootUp) {
+TEST_F(HeartbeatMonitorTest, ContinuesWithANodeThatSpeaksAfterItsBootUp) {
   hear(NmtState::kOperational, 0);
   hear(NmtState::kInitialising, 50'000);
   EXPECT_EQ(hear(NmtState::kPreOperational, 100'000), one(kFirstSeen, NmtState::kPreOperational));
@@ -94,7 +94,7 @@ TEST_F(HeartbeatMonitorTest, ABootUpAloneDoesNotStartMonitoring) {
   EXPECT_TRUE(check(1'000'000).empty());
 }
 
-TEST_F(HeartbeatMonitorTest, ExpectsNothingOfANodeThatItAwaits) {
+TEST_F(HeartbeatMonitorTest, DoesNotTimeOutForAnAwaitedNode) {
   hear(NmtState::kOperational, 0);
   monitor_.await(0x10);
   monitor_.await(0x11);  // not monitored
@@ -116,7 +116,7 @@ TEST_F(HeartbeatMonitorTest, IgnoresNodesItDoesNotMonitor) {
   EXPECT_FALSE(monitor_.find(0x10)->alive);
 }
 
-TEST_F(HeartbeatMonitorTest, Object1016TellsAndTakesItsConsumers) {
+TEST_F(HeartbeatMonitorTest, Object1016ReadsAndWritesItsConsumers) {
   ObjectValue value;
   ASSERT_EQ(monitor_.read(0, value), AbortCode::kNone);
   EXPECT_EQ(value.number(), 3u);
@@ -132,7 +132,7 @@ TEST_F(HeartbeatMonitorTest, Object1016TellsAndTakesItsConsumers) {
   EXPECT_EQ(monitor_.find(0x10), nullptr);
 }
 
-TEST_F(HeartbeatMonitorTest, ClearForgetsAll) {
+TEST_F(HeartbeatMonitorTest, ClearRemovesAllConsumers) {
   hear(NmtState::kOperational, 0);
   monitor_.clear();
   EXPECT_EQ(monitor_.find(0x10), nullptr);

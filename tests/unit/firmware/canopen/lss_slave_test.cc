@@ -55,7 +55,7 @@ class UnconfiguredLssSlave : public LssSlaveTest {
   }
 };
 
-TEST_F(LssSlaveTest, TakesRequestsOfEightBytesOnly) {
+TEST_F(LssSlaveTest, AcceptsRequestsOfEightBytesOnly) {
   EXPECT_TRUE(LssSlave::takes(lss_request({0x04, 1})));
   EXPECT_FALSE(LssSlave::takes(can_frame(0x7E5, {0x04, 1})));
   EXPECT_FALSE(LssSlave::takes(lss_response({0x04, 1})));
@@ -81,7 +81,7 @@ TEST_F(LssSlaveTest, SwitchesByItsAddress) {
   EXPECT_EQ(slave.state(), LssSlave::State::kConfiguration);
 }
 
-TEST_F(LssSlaveTest, StaysWhereOnePartOfTheAddressIsAnothers) {
+TEST_F(LssSlaveTest, DoesNotSwitchWhenOnePartOfTheAddressDiffers) {
   ask({0x40, 0x49, 0x42, 0x4F, 0x4B});
   ask({0x41, 0x02});
   ask({0x42, 0x00, 0x00, 0x01, 0x00});
@@ -98,7 +98,7 @@ TEST_F(LssSlaveTest, ObeysConfigurationServicesInConfigurationOnly) {
   EXPECT_EQ(slave.node_id(), kConfigured);
 }
 
-TEST_F(LssSlaveTest, TakesANodeId) {
+TEST_F(LssSlaveTest, AcceptsANodeId) {
   configure();
   EXPECT_EQ(ask({0x11, 0x7F}), lss_response({0x11, 0}));
   EXPECT_EQ(slave.node_id(), 127);
@@ -109,7 +109,7 @@ TEST_F(LssSlaveTest, TakesANodeId) {
   EXPECT_EQ(slave.node_id(), kUnconfiguredNodeId);
 }
 
-TEST_F(LssSlaveTest, KnowsOneBitTiming) {
+TEST_F(LssSlaveTest, SupportsOneBitTiming) {
   configure();
   EXPECT_EQ(ask({0x13, 0, 0}), lss_response({0x13, 0}));  // 1 Mbit/s
   EXPECT_EQ(ask({0x13, 0, 2}), lss_response({0x13, 1}));  // 500 kbit/s
@@ -128,7 +128,7 @@ TEST_F(LssSlaveTest, AnswersAStoreWhenItIsDone) {
             (std::vector{lss_response({0x17, 0}), lss_response({0x17, 1}), lss_response({0x17, 2})}));
 }
 
-TEST_F(LssSlaveTest, TellsItsAddressAndNodeId) {
+TEST_F(LssSlaveTest, ReportsItsAddressAndNodeId) {
   configure();
   EXPECT_EQ(ask({0x5A}), lss_response({0x5A, 0x49, 0x42, 0x4F, 0x4B}));
   EXPECT_EQ(ask({0x5B}), lss_response({0x5B, 0x01}));
@@ -158,9 +158,9 @@ TEST_F(LssSlaveTest, IsNotUnconfigured) {
   EXPECT_EQ(ask({0x51, 0, 0, 0, 0, 0x80, 0, 0}), std::nullopt);
 }
 
-TEST_F(UnconfiguredLssSlave, TellsThatThereIsOne) { EXPECT_EQ(ask({0x4C}), lss_response({0x50})); }
+TEST_F(UnconfiguredLssSlave, ReportsItsPresence) { EXPECT_EQ(ask({0x4C}), lss_response({0x50})); }
 
-TEST_F(UnconfiguredLssSlave, IsNoLongerOneWithANodeId) {
+TEST_F(UnconfiguredLssSlave, IsConfiguredOnceItHasANodeId) {
   configure();
   ask({0x11, 0x22});
   ask({0x04, 0});
@@ -186,7 +186,7 @@ TEST_F(UnconfiguredLssSlave, IsFoundByFastscan) {
   EXPECT_EQ(ask({0x11, 0x22}), lss_response({0x11, 0}));
 }
 
-TEST_F(UnconfiguredLssSlave, IsSilentInAScanOfAnother) {
+TEST_F(UnconfiguredLssSlave, IsSilentInAScanForAnother) {
   scan(0, 0x80, 0, 0);
   EXPECT_EQ(scan(0x4B4F'4248, 0, 0, 1), std::nullopt);  // the last bit of the vendor id
   EXPECT_EQ(scan(1, 0, 1, 2), std::nullopt);            // and all later scans

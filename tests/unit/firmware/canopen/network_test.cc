@@ -132,7 +132,7 @@ TEST_F(NetworkTest, MasterNoticesADeviceThatFallsSilent) {
   EXPECT_EQ(client_.state(), SdoState::kTimedOut);
 }
 
-TEST_F(NetworkTest, DeviceTellsItsErrorsToTheMaster) {
+TEST_F(NetworkTest, DeviceReportsItsErrorsToTheMaster) {
   master_.node.start(now_us_);
   device_.node.start(now_us_);
   device_.node.raise_error(0x3220, error_register::kVoltage);

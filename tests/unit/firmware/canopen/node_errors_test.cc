@@ -19,7 +19,7 @@ hal::CanFrame emergency(unsigned code, unsigned error_register, unsigned detail 
   return can_frame(0x090, {code & 0xFF, code >> 8, error_register, detail, 0, 0, 0, 0});
 }
 
-TEST(NodeCanStatus, TellsErrorPassiveWhileItLasts) {
+TEST(NodeCanStatus, ReportsErrorPassiveWhileItLasts) {
   TestNode device;
   device.make_operational();
   EXPECT_TRUE(tell(device, {}).empty());
@@ -28,7 +28,7 @@ TEST(NodeCanStatus, TellsErrorPassiveWhileItLasts) {
   EXPECT_EQ(tell(device, {}), std::vector{emergency(0, 0)});
 }
 
-TEST(NodeCanStatus, TellsEveryOverrun) {
+TEST(NodeCanStatus, ReportsEveryOverrun) {
   TestNode device;
   device.make_operational();
   EXPECT_EQ(tell(device, {.receive_overruns = 3}), std::vector{emergency(0x8110, 0x11)});
@@ -37,7 +37,7 @@ TEST(NodeCanStatus, TellsEveryOverrun) {
   EXPECT_EQ(tell(device, {.receive_overruns = 6}), std::vector{emergency(0x8110, 0x11)});
 }
 
-TEST(NodeCanStatus, TellsTheRecoveryFromBusOff) {
+TEST(NodeCanStatus, ReportsTheRecoveryFromBusOff) {
   TestNode device;
   device.make_operational();
   tell(device, {.state = CanErrorState::kBusOff});
@@ -75,9 +75,9 @@ class NodeWatchesHeartbeats : public testing::Test {
   std::optional<TestNode> device;
 };
 
-TEST_F(NodeWatchesHeartbeats, LosesItInTimeOnABusWithRoom) { EXPECT_EQ(lost_at_ms(1, 200), 60); }
+TEST_F(NodeWatchesHeartbeats, ReportsALossInTimeOnAFreeBus) { EXPECT_EQ(lost_at_ms(1, 200), 60); }
 
-TEST_F(NodeWatchesHeartbeats, DoesNotLoseItWhileItsOwnDoNotGetOut) {
+TEST_F(NodeWatchesHeartbeats, ReportsNoLossWhileItsOwnHeartbeatsAreBlocked) {
   EXPECT_EQ(lost_at_ms(1, 30), -1);
   device->sink.beats_wait = true;
   EXPECT_EQ(lost_at_ms(30, 1'000), -1);
@@ -85,7 +85,7 @@ TEST_F(NodeWatchesHeartbeats, DoesNotLoseItWhileItsOwnDoNotGetOut) {
   EXPECT_EQ(lost_at_ms(1'000, 1'200), 999 + 60);
 }
 
-TEST_F(NodeWatchesHeartbeats, LosesItWhenItsOwnWaitNoLongerThanACycle) {
+TEST_F(NodeWatchesHeartbeats, ReportsALossWhenItsOwnWaitLessThanACycle) {
   for (int now_ms = 1; now_ms < 60; ++now_ms) {
     device->sink.beats_wait = now_ms % 10 != 0;
     ASSERT_EQ(lost_at_ms(now_ms, now_ms + 1), -1);
@@ -95,13 +95,13 @@ TEST_F(NodeWatchesHeartbeats, LosesItWhenItsOwnWaitNoLongerThanACycle) {
 }
 
 // The other nodes cannot delay it here: no node acknowledges its frames.
-TEST_F(NodeWatchesHeartbeats, LosesItWhenItIsAlone) {
+TEST_F(NodeWatchesHeartbeats, ReportsALossWhenAlone) {
   device->sink.beats_wait = true;
   device->node.on_can_status({.state = CanErrorState::kErrorPassive}, 1'000);
   EXPECT_EQ(lost_at_ms(1, 200), 60);
 }
 
-TEST_F(NodeWatchesHeartbeats, BeatsEarlyBeforeItLosesOneToFindOutWhetherTheBusHasRoom) {
+TEST_F(NodeWatchesHeartbeats, SendsAnEarlyHeartbeatToProbeTheBusBeforeItReportsALoss) {
   std::vector<int> beats_ms;
   for (int now_ms = 1; now_ms < 60; ++now_ms) {
     EXPECT_EQ(lost_at_ms(now_ms, now_ms + 1), -1);
@@ -112,7 +112,7 @@ TEST_F(NodeWatchesHeartbeats, BeatsEarlyBeforeItLosesOneToFindOutWhetherTheBusHa
   EXPECT_EQ(beats_ms, (std::vector<int>{40, 50}));
 }
 
-TEST(NodeHeartbeat, ThatFindsNoRoomIsDroppedAndNotLost) {
+TEST(NodeHeartbeat, IsDroppedWhenTheFifoIsFull) {
   NodeDescription description = kTestDescription;
   description.heartbeat_ms = 10;
   TestNode device(0x10, description);
@@ -125,7 +125,7 @@ TEST(NodeHeartbeat, ThatFindsNoRoomIsDroppedAndNotLost) {
 
 // --- Foreign senders of this node's identifiers
 
-TEST(NodeImpostor, IsToldByItsHeartbeatSyncEmergencyOrPdo) {
+TEST(NodeImpostor, IsDetectedByItsHeartbeatSyncEmergencyOrPdo) {
   NodeDescription description = kTestDescription;
   description.sync_producer = true;
   description.sync_period_us = 5'000;
@@ -150,14 +150,14 @@ TEST(NodeImpostor, IsToldByItsHeartbeatSyncEmergencyOrPdo) {
   EXPECT_TRUE(device.impostors.empty());
 }
 
-TEST(NodeImpostor, IsNoSyncProducerWhereTheNodeIsNone) {
+TEST(NodeImpostor, IsNoSyncProducerIfTheNodeIsNot) {
   TestNode device;
   device.make_operational();
   device.node.on_frame(can_frame(0x080, {}), 0);
   EXPECT_TRUE(device.impostors.empty());
 }
 
-TEST(NodeMute, SaysNothingUntilItIsUnmuted) {
+TEST(NodeMute, SendsNothingUntilUnmuted) {
   TestNode device;
   device.make_operational();
   device.node.mute(true);
@@ -193,7 +193,7 @@ TEST(NodeErrorBehaviour, ActsOnALostHeartbeat) {
   }
 }
 
-TEST(NodeErrorBehaviour, TellsTheLossAndTheReturn) {
+TEST(NodeErrorBehaviour, ReportsTheLossAndTheReturn) {
   TestNode device;
   device.make_operational();
   ASSERT_EQ(device.node.configure_consumer(0, 1, 100), AbortCode::kNone);
@@ -206,7 +206,7 @@ TEST(NodeErrorBehaviour, TellsTheLossAndTheReturn) {
   EXPECT_EQ(device.ask(can_frame(0x702, {5}), 110'000), std::vector{emergency(0, 0)});
 }
 
-TEST(NodeErrorBehaviour, KeepsAnErrorThatItsOwnerStillSees) {
+TEST(NodeErrorBehaviour, KeepsAnErrorThatItsOwnerStillReports) {
   TestNode device;
   device.make_operational();
   ASSERT_EQ(device.node.configure_consumer(0, 1, 100), AbortCode::kNone);
@@ -219,7 +219,7 @@ TEST(NodeErrorBehaviour, KeepsAnErrorThatItsOwnerStillSees) {
   EXPECT_EQ(device.sink.take(), std::vector{emergency(0, 0)});
 }
 
-TEST(NodeErrorBehaviour, AnErrorGoesWithTheConsumerThatSawIt) {
+TEST(NodeErrorBehaviour, AnErrorEndsWhenItsConsumerIsRemoved) {
   TestNode device;
   device.make_operational();
   ASSERT_EQ(device.node.configure_consumer(0, 1, 100), AbortCode::kNone);
@@ -230,7 +230,7 @@ TEST(NodeErrorBehaviour, AnErrorGoesWithTheConsumerThatSawIt) {
   EXPECT_EQ(device.sink.take(), std::vector{emergency(0, 0)});
 }
 
-TEST(NodeRpdoTimer, TellsAPdoThatFallsSilent) {
+TEST(NodeRpdoTimer, ReportsAPdoThatFallsSilent) {
   TestNode device;
   device.make_operational();
   ASSERT_EQ(device.node.write_object({0x1401, 5}, 10, 2), AbortCode::kNone);
@@ -247,7 +247,7 @@ TEST(NodeRpdoTimer, TellsAPdoThatFallsSilent) {
   EXPECT_EQ(device.ask(can_frame(0x310, {7, 0}), 200'000), std::vector{emergency(0, 0)});
 }
 
-TEST(NodeRpdoTimer, RestsOutsideOperational) {
+TEST(NodeRpdoTimer, IsInactiveOutsideOperational) {
   TestNode device;
   device.make_operational();
   ASSERT_EQ(device.node.write_object({0x1401, 5}, 10, 2), AbortCode::kNone);

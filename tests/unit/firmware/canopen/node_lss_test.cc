@@ -40,7 +40,7 @@ TEST(NodeLss, AnswersInEveryState) {
   }
 }
 
-TEST(NodeLss, TakesANewIdWithTheNextReset) {
+TEST(NodeLss, AppliesANewIdAtTheNextReset) {
   TestNode owner(0x10, kTestDevice);
   owner.start(0x10, 0);
   owner.node.command(NmtCommand::kStart, 0);
@@ -62,7 +62,7 @@ TEST(NodeLss, TakesANewIdWithTheNextReset) {
             std::vector<std::uint16_t>{0x5A2});
 }
 
-TEST(NodeLss, StoresWhatItWasGiven) {
+TEST(NodeLss, StoresTheConfiguredId) {
   TestNode owner(0x10, kTestDevice);
   owner.start(0x10, 0);
   owner.node.command(NmtCommand::kStart, 0);

@@ -159,7 +159,7 @@ TEST(NodeNmt, ResetForgetsTheHeartbeatConsumers) {
   EXPECT_TRUE(device.heartbeats.empty());
 }
 
-TEST(NodeNmt, ReportsADescriptionThatCannotBe) {
+TEST(NodeNmt, ReportsAnInvalidDescription) {
   static constexpr PdoConfiguration kImpossible[] = {{.cob_id = 0x180, .mapping = {mapping(0x2001, 0, 8)}}};
   NodeDescription description = kTestDescription;
   description.tpdos = kImpossible;

@@ -38,7 +38,7 @@ TEST_F(NodeObjects, HaveTheirLengthInSubindexZero) {
   }
 }
 
-TEST_F(NodeObjects, CannotBeWrittenWhereTheyDescribeTheDevice) {
+TEST_F(NodeObjects, AreReadOnlyIfTheyDescribeTheDevice) {
   for (const std::uint16_t index :
        std::initializer_list<std::uint16_t>{0x1000, 0x1001, 0x1008, 0x1009, 0x100A}) {
     EXPECT_EQ(write(index, 0, 1, 1), AbortCode::kWriteOfReadOnly) << index;
@@ -48,7 +48,7 @@ TEST_F(NodeObjects, CannotBeWrittenWhereTheyDescribeTheDevice) {
   EXPECT_EQ(write(0x1200, 1, 0, 4), AbortCode::kWriteOfReadOnly);
 }
 
-TEST_F(NodeObjects, AreNotThereWithoutAName) {
+TEST_F(NodeObjects, DoNotExistWithoutAName) {
   NodeDescription description = kTestDescription;
   description.hardware_version = {};
   TestNode nameless(0x10, description);
@@ -76,7 +76,7 @@ TEST_F(NodeObjects, StoreAndRestoreAskTheOwner) {
 }
 
 // The sub-index comes from the bus. Above 31 it must not be used as a bit index (found by the sanitizer).
-TEST_F(NodeObjects, HaveNoParameterGroupsBeyondTheirs) {
+TEST_F(NodeObjects, HaveOnlyTheirParameterGroups) {
   ObjectValue value;
   for (int subindex = 5; subindex < 256; ++subindex) {
     for (const std::uint16_t index : {std::uint16_t{0x1010}, std::uint16_t{0x1011}}) {

@@ -21,7 +21,7 @@ TEST(NodeRpdo, SynchronousDataTakeEffectAtTheNextSync) {
   EXPECT_EQ(device.rpdos.size(), 1u);
 }
 
-TEST(NodeRpdo, TheLastOfSeveralBeforeASyncCounts) {
+TEST(NodeRpdo, TheLastOneBeforeASyncIsUsed) {
   TestNode device;
   device.make_operational();
   device.node.on_frame(can_frame(0x210, {0x01, 0, 0, 0, 0, 0}), 0);
@@ -38,7 +38,7 @@ TEST(NodeRpdo, EventDrivenDataTakeEffectAtOnce) {
   EXPECT_EQ(device.rpdos, std::vector<std::size_t>{1});
 }
 
-TEST(NodeRpdo, LeavingOperationalDropsWhatWaits) {
+TEST(NodeRpdo, LeavingOperationalDropsPendingData) {
   TestNode device;
   device.make_operational();
   device.node.on_frame(can_frame(0x210, {0x0F, 0, 0, 0, 0, 0}), 0);
@@ -48,7 +48,7 @@ TEST(NodeRpdo, LeavingOperationalDropsWhatWaits) {
   EXPECT_EQ(device.values.controlword, 0);
 }
 
-TEST(NodeRpdo, DestroyingOrReconfiguringDropsWhatWaits) {
+TEST(NodeRpdo, DestroyingOrReconfiguringDropsPendingData) {
   for (const bool reconfigure : {false, true}) {
     TestNode device;
     device.make_operational();
@@ -61,7 +61,7 @@ TEST(NodeRpdo, DestroyingOrReconfiguringDropsWhatWaits) {
   }
 }
 
-TEST(NodeRpdo, TooShortIsRefusedAndToldOnce) {
+TEST(NodeRpdo, TooShortIsRejectedAndReportedOnce) {
   TestNode device;
   device.make_operational();
   const hal::CanFrame short_frame = can_frame(0x210, {0x0F, 0x00, 0x01});
@@ -73,7 +73,7 @@ TEST(NodeRpdo, TooShortIsRefusedAndToldOnce) {
             std::vector{can_frame(0x090, {0, 0, 0, 0, 0, 0, 0, 0})});
 }
 
-TEST(NodeRpdo, TooLongIsObeyedAndTold) {
+TEST(NodeRpdo, TooLongIsProcessedAndReported) {
   TestNode device;
   device.make_operational();
   EXPECT_EQ(device.ask(can_frame(0x310, {0x07, 0x00, 0xAA})),
@@ -82,7 +82,7 @@ TEST(NodeRpdo, TooLongIsObeyedAndTold) {
   EXPECT_EQ(device.values.target, 0);
 }
 
-TEST(NodeRpdo, SharesItsIdentifierWithNoOther) {
+TEST(NodeRpdo, RejectsAnIdentifierInUse) {
   TestNode device;
   device.make_operational();
   ASSERT_EQ(device.node.write_object({0x1401, 1}, 0x8000'0310, 4), AbortCode::kNone);
@@ -104,7 +104,7 @@ TEST(NodeRpdo, IgnoresRemoteFrames) {
   EXPECT_EQ(device.values.controlword, 0);
 }
 
-TEST(NodeTpdo, AnswersNoRemoteFrameWhateverItsIdentifierAllows) {
+TEST(NodeTpdo, AnswersNoRemoteFrameForAnyIdentifier) {
   TestNode device;
   device.make_operational();
   hal::CanFrame remote = can_frame(0x190, {});
@@ -115,7 +115,7 @@ TEST(NodeTpdo, AnswersNoRemoteFrameWhateverItsIdentifierAllows) {
   }
 }
 
-TEST(NodeTpdo, AnswersTheSyncWithWhatTheOwnerUpdatesInIt) {
+TEST(NodeTpdo, AnswersTheSyncWithValuesThatTheOwnerUpdatesInIt) {
   TestNode device;
   device.make_operational();
   device.next_statusword = 0x0237;
@@ -188,7 +188,7 @@ class NodeWatchedTpdo : public testing::Test {
   TestNode device;
 };
 
-TEST_F(NodeWatchedTpdo, IsSentWhenAValueHasChangedAndOnlyThen) {
+TEST_F(NodeWatchedTpdo, IsSentOnlyWhenAValueHasChanged) {
   EXPECT_TRUE(step(1'000).empty());
   device.values.statusword = 0x1234;
   EXPECT_EQ(step(2'000), std::vector{can_frame(0x290, {0x34, 0x12})});
@@ -199,7 +199,7 @@ TEST_F(NodeWatchedTpdo, IsSentWhenAValueHasChangedAndOnlyThen) {
   EXPECT_EQ(step(5'000), std::vector{can_frame(0x290, {0, 0})});
 }
 
-TEST_F(NodeWatchedTpdo, TellsItsValuesWhenOperationalBegins) {
+TEST_F(NodeWatchedTpdo, IsSentWhenOperationalBegins) {
   for (const NmtCommand command : {NmtCommand::kEnterPreOperational, NmtCommand::kStop}) {
     device.node.command(command, 0);
     EXPECT_TRUE(step(1'000).empty());
@@ -209,7 +209,7 @@ TEST_F(NodeWatchedTpdo, TellsItsValuesWhenOperationalBegins) {
   }
 }
 
-TEST_F(NodeWatchedTpdo, WaitsForItsInhibitTimeAndTellsTheLastThen) {
+TEST_F(NodeWatchedTpdo, SendsTheLastValueAfterItsInhibitTime) {
   configure({.inhibit_time_100us = 50});
   EXPECT_EQ(step(10'000).size(), 1u);
   std::vector<unsigned> told;
@@ -236,7 +236,7 @@ TEST_F(NodeWatchedTpdo, OfTypeZeroIsSentAtTheSyncAfterAChange) {
 }
 
 // Type 254 is manufacturer-specific: with an event timer, only the timer triggers, as for sensors.
-TEST_F(NodeWatchedTpdo, OfType254TellsChangesOnlyWithoutAnEventTimer) {
+TEST_F(NodeWatchedTpdo, OfType254ReportsChangesOnlyWithoutAnEventTimer) {
   configure({.transmission_type = kEventManufacturer});
   EXPECT_EQ(step(1'000).size(), 1u);
   device.values.statusword = 1;
@@ -256,7 +256,7 @@ TEST_F(NodeWatchedTpdo, IsNotSentTwiceWhenItsEventTimerRunsOutToo) {
   EXPECT_TRUE(step(12'000).empty());
 }
 
-TEST_F(NodeWatchedTpdo, BeginsWhenItIsConfiguredInOperational) {
+TEST_F(NodeWatchedTpdo, StartsWhenItIsConfiguredInOperational) {
   ASSERT_EQ(device.node.write_object({0x1800, 2}, 255, 1), AbortCode::kNone);
   EXPECT_EQ(step(1'000).size(), 1u);
   device.values.torque = 3;
@@ -265,7 +265,7 @@ TEST_F(NodeWatchedTpdo, BeginsWhenItIsConfiguredInOperational) {
   EXPECT_EQ(sent[0].identifier, 0x190);
 }
 
-TEST(NodeTpdo, BehindTheWatchedOnesIsLeftToTheOwner) {
+TEST(NodeTpdo, BeyondTheWatchedOnesIsSentByTheOwner) {
   NodeDescription description = kTestDescription;
   description.watched_tpdos = 1;
   TestNode device(0x10, description);
@@ -275,7 +275,7 @@ TEST(NodeTpdo, BehindTheWatchedOnesIsLeftToTheOwner) {
   EXPECT_TRUE(device.sink.take().empty());
 }
 
-TEST(NodeTpdo, IsRetriedWhenItFoundNoRoom) {
+TEST(NodeTpdo, IsRetriedAfterAFullFifo) {
   TestNode device;
   device.make_operational();
   device.sink.room = 0;
@@ -291,7 +291,7 @@ TEST(NodeTpdo, IsRetriedWhenItFoundNoRoom) {
   EXPECT_EQ(sent.back(), can_frame(0x290, {0x05, 0x00}));
 }
 
-TEST(NodeTpdo, SaysNothingWhileItIsInvalid) {
+TEST(NodeTpdo, IsNotSentWhileInvalid) {
   TestNode device;
   device.make_operational();
   ASSERT_EQ(device.node.write_object({0x1800, 1}, 0xC0000190, 4), AbortCode::kNone);

@@ -28,7 +28,7 @@ TEST(NodeTiming, HeartbeatKeepsItsPeriod) {
   EXPECT_EQ(send_times_ms(device, 0x710, 1, 45), (std::vector{10, 20, 30, 40}));
 }
 
-TEST(NodeTiming, HeartbeatStartsAnewWhenItsPeriodIsWritten) {
+TEST(NodeTiming, HeartbeatRestartsWhenItsPeriodIsWritten) {
   TestNode device;
   device.make_operational();
   EXPECT_TRUE(send_times_ms(device, 0x710, 1, 100).empty());
@@ -46,7 +46,7 @@ TEST(NodeTiming, HeartbeatDoesNotCatchUpAfterAPause) {
   EXPECT_EQ(send_times_ms(device, 0x710, 75, 100), (std::vector{75, 85, 95}));
 }
 
-TEST(NodeTiming, SyncProducerKeepsItsPeriodAndObeysItself) {
+TEST(NodeTiming, SyncProducerKeepsItsPeriodAndReceivesItsOwnSync) {
   NodeDescription description = kTestDescription;
   description.sync_producer = true;
   description.sync_period_us = 5'000;
@@ -68,7 +68,7 @@ TEST(NodeTiming, SyncIsProducedOnlyByAProducer) {
   EXPECT_TRUE(send_times_ms(device, 0x080, 1, 20).empty());
 }
 
-TEST(NodeTiming, SyncOnDemandFollowsWhatWasSentBefore) {
+TEST(NodeTiming, SyncOnDemandFollowsEarlierFrames) {
   NodeDescription description = kTestDescription;
   description.sync_producer = true;
   TestNode device(0x10, description);
@@ -124,7 +124,7 @@ TEST(NodeTiming, AnEventDoesNotOutliveOperationalOrItsConfiguration) {
   }
 }
 
-TEST(NodeTiming, SyncPeriodStartsAnewWhenItIsWritten) {
+TEST(NodeTiming, SyncPeriodRestartsWhenItIsWritten) {
   NodeDescription description = kTestDescription;
   description.sync_producer = true;
   TestNode device(0x10, description);
@@ -162,7 +162,7 @@ TEST(NodeTiming, EventTimerRepeatsAndRestartsAtEachTransmission) {
   EXPECT_EQ(send_times_ms(device, 0x290, 26, 50), (std::vector{35, 45}));
 }
 
-TEST(NodeTiming, SyncCountersStartAnewWithOperational) {
+TEST(NodeTiming, SyncCountersRestartWithOperational) {
   TestNode device;
   device.make_operational();
   ASSERT_EQ(device.node.write_object({0x1800, 2}, 2, 1), AbortCode::kNone);

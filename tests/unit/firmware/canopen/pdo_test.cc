@@ -75,7 +75,7 @@ TEST_F(PdoRecordTest, ChangesIdentifierAndInhibitTimeOnlyWhileInvalid) {
   EXPECT_EQ(transmit_.inhibit_time_us(), 1'000u);
 }
 
-TEST_F(PdoRecordTest, TakesExactlyTheTransmissionTypesItServes) {
+TEST_F(PdoRecordTest, AcceptsExactlyTheSupportedTransmissionTypes) {
   for (unsigned type = 0; type <= 255; ++type) {
     const bool served = type <= 240 || type >= 254;
     EXPECT_EQ(receive_.write_communication(2, type), served ? AbortCode::kNone : AbortCode::kInvalidValue);
@@ -96,7 +96,7 @@ TEST_F(PdoRecordTest, MapsOnlyWhileInvalidAndDisabled) {
   EXPECT_EQ(receive_.size_bytes(), 2);
 }
 
-TEST_F(PdoRecordTest, AnEntryOfZeroRemovesWhatWasThere) {
+TEST_F(PdoRecordTest, AnEntryOfZeroRemovesTheMapping) {
   ASSERT_EQ(map(receive_, 1, mapping(0x6040, 0, 16)), AbortCode::kNone);
   ASSERT_EQ(map(receive_, 1, 0), AbortCode::kNone);
   ObjectValue value;
@@ -105,7 +105,7 @@ TEST_F(PdoRecordTest, AnEntryOfZeroRemovesWhatWasThere) {
   EXPECT_EQ(map(receive_, 0, 1), AbortCode::kObjectDoesNotExist);
 }
 
-TEST_F(PdoRecordTest, StaysInvalidWhenItsDescriptionCannotBe) {
+TEST_F(PdoRecordTest, StaysInvalidWithAnInvalidDescription) {
   ASSERT_EQ(receive_.configure(kTestRpdos[0], 0x10, dictionary_), AbortCode::kNone);
   PdoConfiguration wrong_type = kTestRpdos[0];
   wrong_type.transmission_type = 252;
@@ -113,7 +113,7 @@ TEST_F(PdoRecordTest, StaysInvalidWhenItsDescriptionCannotBe) {
   EXPECT_FALSE(receive_.valid());
 }
 
-TEST_F(PdoRecordTest, RefusesWhatCannotBeMapped) {
+TEST_F(PdoRecordTest, RejectsObjectsThatCannotBeMapped) {
   EXPECT_EQ(map(receive_, 1, mapping(0x0007, 1, 32)), AbortCode::kNotMappable);
   EXPECT_EQ(map(receive_, 1, mapping(0x6050, 0, 16)), AbortCode::kObjectDoesNotExist);
   EXPECT_EQ(map(receive_, 1, mapping(0x6040, 1, 16)), AbortCode::kSubindexDoesNotExist);

@@ -8,7 +8,7 @@
 namespace koboshi::canopen {
 namespace {
 
-TEST(SlotMap, FindsWhatWasInsertedInAnyOrder) {
+TEST(SlotMap, FindsKeysInsertedInAnyOrder) {
   std::array<SlotMap::Item, 5> items;
   SlotMap map(items);
   const std::uint16_t keys[] = {0x210, 0x180, 0x7FF, 0x200, 0x001};
@@ -19,7 +19,7 @@ TEST(SlotMap, FindsWhatWasInsertedInAnyOrder) {
   }
 }
 
-TEST(SlotMap, LetsTheFirstOfEqualKeysWin) {
+TEST(SlotMap, PrefersTheFirstOfEqualKeys) {
   std::array<SlotMap::Item, 2> items;
   SlotMap map(items);
   map.insert(7, 1);
@@ -28,7 +28,7 @@ TEST(SlotMap, LetsTheFirstOfEqualKeysWin) {
 }
 
 // Each search leaves its result as the first guess of the next.
-TEST(SlotMap, FindsEveryKeyAfterEveryOther) {
+TEST(SlotMap, FindsEveryKeyAfterAnyOther) {
   std::array<SlotMap::Item, 6> items;
   SlotMap map(items);
   const std::uint16_t keys[] = {3, 7, 7, 9, 9, 20};
@@ -43,7 +43,7 @@ TEST(SlotMap, FindsEveryKeyAfterEveryOther) {
   }
 }
 
-TEST(SlotMap, ForgetsItsGuessWithItsKeys) {
+TEST(SlotMap, ClearsItsGuessWithItsKeys) {
   std::array<SlotMap::Item, 4> items;
   SlotMap map(items);
   for (std::uint8_t slot = 0; slot < 4; ++slot) map.insert(slot, slot);

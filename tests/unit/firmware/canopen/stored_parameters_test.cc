@@ -110,21 +110,21 @@ class StoredParametersTest : public testing::Test {
   std::optional<Device> device{std::in_place, flash};
 };
 
-TEST_F(StoredParametersTest, TellsThatEachGroupIsSavedOnCommand) {
+TEST_F(StoredParametersTest, ReportsThatEachGroupIsSavedOnCommand) {
   for (const std::uint16_t index : std::to_array<std::uint16_t>({0x1010, 0x1011})) {
     EXPECT_EQ(device->read(index), 4u);
     for (std::uint8_t i = 1; i <= 4; ++i) EXPECT_EQ(device->read(index, i), 1u);
   }
 }
 
-TEST_F(StoredParametersTest, WantsTheSignatures) {
+TEST_F(StoredParametersTest, RequiresTheSignatures) {
   EXPECT_EQ(device->write({0x1010, 1}, kLoad, 4), AbortCode::kCannotTransfer);
   EXPECT_EQ(device->write({0x1011, 1}, kSave, 4), AbortCode::kCannotTransfer);
   EXPECT_EQ(device->write({0x1010, 0}, kSave, 1), AbortCode::kWriteOfReadOnly);
   EXPECT_EQ(device->write({0x1010, 5}, kSave, 4), AbortCode::kSubindexDoesNotExist);
 }
 
-TEST_F(StoredParametersTest, KeepsParametersOverAPowerCycle) {
+TEST_F(StoredParametersTest, KeepsParametersAcrossAPowerCycle) {
   ASSERT_EQ(device->write({0x2000, 3}, 77, 4), AbortCode::kNone);
   ASSERT_EQ(device->write({0x6060, 0}, 0xFF, 1), AbortCode::kNone);
   ASSERT_EQ(device->write({0x1017, 0}, 250, 2), AbortCode::kNone);
@@ -144,13 +144,13 @@ TEST_F(StoredParametersTest, KeepsNoProcessValues) {
   EXPECT_EQ(device->values.target, 0);
 }
 
-TEST_F(StoredParametersTest, ForgetsWhatWasNotSaved) {
+TEST_F(StoredParametersTest, DiscardsUnsavedValues) {
   ASSERT_EQ(device->write({0x2000, 3}, 77, 4), AbortCode::kNone);
   restart();
   EXPECT_EQ(device->values.gains[2], 0u);
 }
 
-TEST_F(StoredParametersTest, KeepsEverySortOfCommunicationParameter) {
+TEST_F(StoredParametersTest, KeepsEveryKindOfCommunicationParameter) {
   const std::vector<std::pair<ObjectAddress, std::uint32_t>> wanted{
       {{0x1005, 0}, 0x90},        {{0x1019, 0}, 10},          {{0x1006, 0}, 20'000},
       {{0x1007, 0}, 500},         {{0x1012, 0}, 0x0000'0100}, {{0x1014, 0}, 0x8000'0090},
@@ -177,7 +177,7 @@ TEST_F(StoredParametersTest, KeepsEverySortOfCommunicationParameter) {
   }
 }
 
-TEST_F(StoredParametersTest, SavesEachGroupForItself) {
+TEST_F(StoredParametersTest, SavesEachGroupSeparately) {
   ASSERT_EQ(device->write({0x2000, 1}, 1, 4), AbortCode::kNone);
   ASSERT_EQ(device->write({0x6060, 0}, 2, 1), AbortCode::kNone);
   ASSERT_EQ(device->write({0x1017, 0}, 3, 2), AbortCode::kNone);
@@ -211,7 +211,7 @@ TEST_F(StoredParametersTest, RestoresEachGroupWithTheNextReset) {
   EXPECT_EQ(device->values.gains[0], 0u);
 }
 
-TEST_F(StoredParametersTest, GivesCommunicationParametersBackWithEitherReset) {
+TEST_F(StoredParametersTest, RestoresCommunicationParametersAtEitherReset) {
   ASSERT_EQ(device->write({0x2000, 1}, 1, 4), AbortCode::kNone);
   ASSERT_EQ(device->write({0x1017, 0}, 3, 2), AbortCode::kNone);
   ASSERT_EQ(device->save(), AbortCode::kNone);
@@ -224,7 +224,7 @@ TEST_F(StoredParametersTest, GivesCommunicationParametersBackWithEitherReset) {
   EXPECT_EQ(device->values.gains[0], 1u);
 }
 
-TEST_F(StoredParametersTest, FollowsItsNodeIdWhereNothingElseWasConfigured) {
+TEST_F(StoredParametersTest, DerivesIdentifiersFromItsNodeIdByDefault) {
   ASSERT_EQ(device->write({0x1017, 0}, 3, 2), AbortCode::kNone);
   ASSERT_EQ(device->save(), AbortCode::kNone);
   restart(0x20);
@@ -234,7 +234,7 @@ TEST_F(StoredParametersTest, FollowsItsNodeIdWhereNothingElseWasConfigured) {
   EXPECT_EQ(device->read(0x1800, 1), 0x4000'01A0u);
 }
 
-TEST_F(StoredParametersTest, WritesNothingThatIsThere) {
+TEST_F(StoredParametersTest, WritesOnlyChangedItems) {
   ASSERT_EQ(device->write({0x2000, 1}, 1, 4), AbortCode::kNone);
   ASSERT_EQ(device->save(), AbortCode::kNone);
   EXPECT_EQ(device->parameters.store(ParameterGroup::kAll), AbortCode::kNone);  // completes at once
@@ -274,7 +274,7 @@ TEST_F(StoredParametersTest, AbandonsASaveThatAResetInterrupts) {
 }
 
 // Power fails at each possible time: all stored values are old or all are new.
-TEST_F(StoredParametersTest, LosesNothingOldToAPowerFailure) {
+TEST_F(StoredParametersTest, KeepsTheOldValuesAtAPowerFailure) {
   const auto set = [this](std::uint32_t value) {
     for (std::uint8_t i = 1; i <= 3; ++i) {
       EXPECT_EQ(device->write({0x2000, i}, value, 4), AbortCode::kNone);
@@ -322,7 +322,7 @@ TEST_F(StoredParametersTest, ReportsAFailureToTheRequestThatFailed) {
   EXPECT_EQ(device->save(4), AbortCode::kNone);
 }
 
-TEST_F(StoredParametersTest, VerifiesAConfigurationThatIsSaved) {
+TEST_F(StoredParametersTest, VerifiesASavedConfiguration) {
   ASSERT_EQ(device->write({0x2000, 1}, 1, 4), AbortCode::kNone);
   ASSERT_EQ(device->write({0x1020, 1}, 15'000, 4), AbortCode::kNone);
   ASSERT_EQ(device->write({0x1020, 2}, 43'200'000, 4), AbortCode::kNone);
@@ -333,7 +333,7 @@ TEST_F(StoredParametersTest, VerifiesAConfigurationThatIsSaved) {
   EXPECT_EQ(device->read(0x1020, 2), 43'200'000u);
 }
 
-TEST_F(StoredParametersTest, VerifiesNoLongerWhatHasChanged) {
+TEST_F(StoredParametersTest, DoesNotVerifyAChangedConfiguration) {
   const std::vector<std::pair<ObjectAddress, std::uint32_t>> changes{
       {{0x2000, 1}, 7}, {{0x6060, 0}, 1}, {{0x1017, 0}, 50}, {{0x1801, 2}, 3}, {{0x1A01, 0}, 1}};
   for (const auto& [address, value] : changes) {
@@ -349,7 +349,7 @@ TEST_F(StoredParametersTest, VerifiesNoLongerWhatHasChanged) {
   }
 }
 
-TEST_F(StoredParametersTest, VerifiesOnAfterProcessValuesAndRefusals) {
+TEST_F(StoredParametersTest, StillVerifiesAfterProcessValuesAndRefusals) {
   ASSERT_EQ(device->write({0x1020, 1}, 15'000, 4), AbortCode::kNone);
   ASSERT_EQ(device->write({0x6040, 0}, 6, 2), AbortCode::kNone);
   EXPECT_EQ(device->write({0x6060, 0}, 99, 1), AbortCode::kValueTooHigh);
@@ -358,7 +358,7 @@ TEST_F(StoredParametersTest, VerifiesOnAfterProcessValuesAndRefusals) {
   EXPECT_EQ(device->read(0x1020, 1), 15'000u);
 }
 
-TEST_F(StoredParametersTest, VerifiesNothingAfterARestore) {
+TEST_F(StoredParametersTest, DoesNotVerifyAfterARestore) {
   ASSERT_EQ(device->write({0x1020, 1}, 15'000, 4), AbortCode::kNone);
   ASSERT_EQ(device->save(), AbortCode::kNone);
   ASSERT_EQ(device->load(), AbortCode::kNone);

@@ -19,7 +19,7 @@ TEST(Sync, CountsFromOneToItsOverflow) {
   EXPECT_EQ(sync.next(), can_frame(0x080, {1}));
 }
 
-TEST(Sync, TakesTheOverflowsOfTheStandardOnlyWithoutAPeriod) {
+TEST(Sync, AcceptsOverflowsOnlyWithoutAPeriod) {
   for (unsigned overflow = 0; overflow <= 255; ++overflow) {
     Sync sync;
     const bool allowed = overflow == 0 || (overflow >= 2 && overflow <= 240);
@@ -29,7 +29,7 @@ TEST(Sync, TakesTheOverflowsOfTheStandardOnlyWithoutAPeriod) {
   }
 }
 
-TEST(Sync, CountsAnewWhenItBecomesTheProducer) {
+TEST(Sync, RestartsItsCounterWhenItBecomesTheProducer) {
   Sync sync;
   sync.load_defaults(true, 0);
   ASSERT_EQ(sync.write(0x1019, 3), AbortCode::kNone);
@@ -39,7 +39,7 @@ TEST(Sync, CountsAnewWhenItBecomesTheProducer) {
   EXPECT_EQ(sync.next(), can_frame(0x080, {1}));
 }
 
-TEST(NodeSync, CountsAnewAfterStopped) {
+TEST(NodeSync, RestartsItsCounterAfterStopped) {
   NodeDescription description = kTestDescription;
   description.sync_producer = true;
   TestNode device(0x10, description);
@@ -91,14 +91,14 @@ class NodeSyncByOwner : public testing::Test {
 
 TEST_F(NodeSyncByOwner, SendsOneInEachCycle) { EXPECT_EQ(syncs(), 10); }
 
-TEST_F(NodeSyncByOwner, IsNoneWithoutBit30) {
+TEST_F(NodeSyncByOwner, IsOffWithoutBit30) {
   ASSERT_EQ(write(0x1005, 0x080), AbortCode::kNone);
   EXPECT_EQ(syncs(), 0);
   ASSERT_EQ(write(0x1005, 0x4000'0080), AbortCode::kNone);
   EXPECT_EQ(syncs(), 10);
 }
 
-TEST_F(NodeSyncByOwner, TakesItsPeriodAndNoneAndNoOther) {
+TEST_F(NodeSyncByOwner, AcceptsOnlyItsPeriodAndZero) {
   ObjectValue period;
   ASSERT_EQ(device.node.read_object({0x1006, 0}, period), AbortCode::kNone);
   EXPECT_EQ(period.number(), 10'000u);
@@ -112,7 +112,7 @@ TEST_F(NodeSyncByOwner, TakesItsPeriodAndNoneAndNoOther) {
   EXPECT_EQ(syncs(), 10);
 }
 
-TEST_F(NodeSyncByOwner, CountsWhenItIsToldToWhileThereIsNone) {
+TEST_F(NodeSyncByOwner, AcceptsACounterOnlyWithoutAPeriod) {
   EXPECT_EQ(write(0x1019, 10), AbortCode::kDeviceState);
   ASSERT_EQ(write(0x1006, 0), AbortCode::kNone);
   ASSERT_EQ(write(0x1019, 10), AbortCode::kNone);
@@ -121,7 +121,7 @@ TEST_F(NodeSyncByOwner, CountsWhenItIsToldToWhileThereIsNone) {
   EXPECT_EQ(device.sink.frames.front(), can_frame(0x080, {1}));
 }
 
-TEST(NodeSync, OfAnUnexpectedLengthIsNoneAndIsTold) {
+TEST(NodeSync, OfUnexpectedLengthIsIgnoredAndReported) {
   for (const unsigned overflow : {0u, 10u}) {
     TestNode device;
     device.make_operational();
@@ -139,7 +139,7 @@ TEST(NodeSync, OfAnUnexpectedLengthIsNoneAndIsTold) {
   }
 }
 
-TEST(NodeSync, StartValueSaysFromWhichSyncATpdoCounts) {
+TEST(NodeSync, StartValueSelectsTheFirstSyncOfATpdo) {
   TestNode device;
   device.node.start(0);
   ASSERT_EQ(device.node.write_object({0x1019, 0}, 10, 1), AbortCode::kNone);
@@ -156,7 +156,7 @@ TEST(NodeSync, StartValueSaysFromWhichSyncATpdoCounts) {
   EXPECT_EQ(answered, "...x.x.");
 }
 
-TEST(NodeSync, WindowBoundsWhatMayWaitForTheNext) {
+TEST(NodeSync, WindowDiscardsLateData) {
   TestNode device;
   device.make_operational();
   ASSERT_EQ(device.node.write_object({0x1007, 0}, 1'000, 4), AbortCode::kNone);

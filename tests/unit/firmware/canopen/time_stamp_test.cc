@@ -11,7 +11,7 @@ namespace {
 const hal::CanFrame kTime = can_frame(0x100, {0x95, 0x2C, 0xB3, 0x02, 0x01, 0x00});
 constexpr TimeOfDay kTold{45'296'789, 1};
 
-TEST(TimeStamp, TakesTheTimeOfDay) {
+TEST(TimeStamp, SetsTheTimeOfDay) {
   TimeStamp time;
   EXPECT_FALSE(time.at(5).has_value());
   ASSERT_TRUE(time.identifies(kTime));
@@ -19,7 +19,7 @@ TEST(TimeStamp, TakesTheTimeOfDay) {
   EXPECT_EQ(time.at(1'999), kTold);
 }
 
-TEST(TimeStamp, GoesOnByTheNodesClock) {
+TEST(TimeStamp, AdvancesByTheClockOfTheNode) {
   TimeStamp time;
   ASSERT_TRUE(time.accept(kTime, 1'000));
   EXPECT_EQ(time.at(1'000 + 500'000), (TimeOfDay{kTold.ms + 500, 1}));
@@ -27,7 +27,7 @@ TEST(TimeStamp, GoesOnByTheNodesClock) {
   EXPECT_EQ(time.at(1'000 + to_midnight_us), (TimeOfDay{0, 2}));
 }
 
-TEST(TimeStamp, IgnoresTheReservedBitsAndRefusesWhatIsNoTime) {
+TEST(TimeStamp, IgnoresReservedBitsAndRejectsInvalidTimes) {
   TimeStamp time;
   EXPECT_FALSE(time.accept(can_frame(0x100, {0x95, 0x2C, 0xB3, 0x02, 0x01}), 0));
   EXPECT_FALSE(time.accept(can_frame(0x100, {0x00, 0x5C, 0x26, 0x05, 0x01, 0x00}), 0));  // 86 400 000 ms
@@ -36,7 +36,7 @@ TEST(TimeStamp, IgnoresTheReservedBitsAndRefusesWhatIsNoTime) {
   EXPECT_EQ(time.at(0), kTold);
 }
 
-TEST(TimeStamp, HasAnIdentifierThatDoesNotChangeWhileItIsInUse) {
+TEST(TimeStamp, DoesNotChangeItsIdentifierWhileInUse) {
   TimeStamp time;
   EXPECT_EQ(time.cob_id(), 0x8000'0100u);
   EXPECT_EQ(time.write_cob_id(0x8000'0110), AbortCode::kInvalidValue);
@@ -49,7 +49,7 @@ TEST(TimeStamp, HasAnIdentifierThatDoesNotChangeWhileItIsInUse) {
   EXPECT_TRUE(time.identifies(can_frame(0x090, {})));
 }
 
-TEST(NodeTime, IsToldInPreOperationalAndOperational) {
+TEST(NodeTime, IsReceivedInPreOperationalAndOperational) {
   TestNode owner(0x10, kTestDevice);
   owner.start(0x10, 0);
   owner.hear(kTime, 10);

@@ -23,13 +23,13 @@ class TransmitQueueTest : public testing::Test {
   TransmitQueue queue_{sink_, backlog_};
 };
 
-TEST_F(TransmitQueueTest, SendsAtOnceWhileThereIsRoom) {
+TEST_F(TransmitQueueTest, SendsAtOnceWhileThereIsSpace) {
   EXPECT_TRUE(send(1));
   EXPECT_EQ(sent(), std::vector<int>{1});
   EXPECT_EQ(queue_.backlog(), 0u);
 }
 
-TEST_F(TransmitQueueTest, KeepsTheOrderOfWhatHadToWait) {
+TEST_F(TransmitQueueTest, KeepsTheOrderOfQueuedFrames) {
   sink_.room = 1;
   for (const std::uint16_t identifier : std::to_array<std::uint16_t>({1, 2, 3}))
     EXPECT_TRUE(send(identifier));
@@ -60,7 +60,7 @@ class FickleSink final : public FrameSink {
   int refusals_ = 2;
 };
 
-TEST(TransmitQueue, NeverOvertakesWhatWaits) {
+TEST(TransmitQueue, KeepsTheOrderOfPendingFrames) {
   FickleSink sink;
   std::array<hal::CanFrame, 8> backlog;
   TransmitQueue queue(sink, backlog);
@@ -82,7 +82,7 @@ class BusyServices final : public FrameSink {
   bool idle = false;
 };
 
-TEST(TransmitQueue, LetsNoServiceHoldUpProcessData) {
+TEST(TransmitQueue, SendsProcessDataBeforeServices) {
   BusyServices sink;
   std::array<hal::CanFrame, 1> backlog;
   TransmitQueue queue(sink, backlog);
@@ -98,7 +98,7 @@ TEST(TransmitQueue, LetsNoServiceHoldUpProcessData) {
 }
 
 // CiA 301, 7.3.2.2: the boot-up message is the first frame after a reset. A heartbeat may wait.
-TEST_F(TransmitQueueTest, LetsNoProcessDataOvertakeABootUp) {
+TEST_F(TransmitQueueTest, SendsABootUpBeforeProcessData) {
   sink_.room = 0;
   EXPECT_TRUE(queue_.send({.identifier = 0x701, .size = 1, .data = {0x05}}));
   EXPECT_TRUE(queue_.send({.identifier = 0x701, .size = 1, .data = {0x00}}));
@@ -109,7 +109,7 @@ TEST_F(TransmitQueueTest, LetsNoProcessDataOvertakeABootUp) {
   EXPECT_EQ(sink_.frames.front().data[0], 0x00);
 }
 
-TEST_F(TransmitQueueTest, CountsWhatItCannotKeep) {
+TEST_F(TransmitQueueTest, CountsDroppedFrames) {
   sink_.room = 0;
   EXPECT_TRUE(send(1));
   EXPECT_TRUE(send(2));

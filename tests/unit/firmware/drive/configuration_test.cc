@@ -43,7 +43,7 @@ class ConfigurationTest : public testing::Test {
 
 // The left hip yaw: node 16, serial number 1000, from -90 to 90 degrees. Bytes derived by hand from CiA 301,
 // 7.2.4.3, and CiA 402-2: command, index, sub-index, value, little-endian.
-TEST_F(ConfigurationTest, SaysExactlyThisToADrive) {
+TEST_F(ConfigurationTest, SendsExactlyTheseRequests) {
   using Data = std::array<std::uint8_t, 8>;
   constexpr Data kExpected[] = {
       {0x40, 0x18, 0x10, 0x01},                          // read vendor, product, serial number
@@ -86,7 +86,7 @@ TEST_F(ConfigurationTest, SaysExactlyThisToADrive) {
   EXPECT_EQ(configuration.supply_mV(), 7'400u);
 }
 
-TEST_F(ConfigurationTest, TurnsTheLimitsRoundForADriveMountedTheOtherWay) {
+TEST_F(ConfigurationTest, SwapsTheLimitsOfADriveMountedInReverse) {
   robot::Joint& knee = model.joints[3];  // from 0 to 150 degrees
   knee.drive.sign = -1;
   begin(knee);
@@ -98,13 +98,13 @@ TEST_F(ConfigurationTest, TurnsTheLimitsRoundForADriveMountedTheOtherWay) {
   EXPECT_EQ(limit(2), 0);
 }
 
-TEST_F(ConfigurationTest, TakesOneMillisecondARequest) {
+TEST_F(ConfigurationTest, TakesOneMillisecondPerRequest) {
   begin(model.joints[0]);
   run();
   EXPECT_EQ(now_us, 28'000u);  // 27 requests, and one check of the last answer
 }
 
-TEST_F(ConfigurationTest, AsksThreeTimesAndThenGivesUp) {
+TEST_F(ConfigurationTest, GivesUpAfterThreeAttempts) {
   begin(model.joints[0]);
   drive->answers_sdo = false;
   run();
@@ -116,7 +116,7 @@ TEST_F(ConfigurationTest, AsksThreeTimesAndThenGivesUp) {
   EXPECT_EQ(requests, 3u);
 }
 
-TEST_F(ConfigurationTest, CountsAttemptsForEachRequestAnew) {
+TEST_F(ConfigurationTest, CountsAttemptsPerRequest) {
   begin(model.joints[0]);
   for (int silence = 0; silence < 3; ++silence) {
     for (int i = 0; i < 5; ++i) exchange();
@@ -130,7 +130,7 @@ TEST_F(ConfigurationTest, CountsAttemptsForEachRequestAnew) {
   EXPECT_EQ(configuration.state(), State::kDone);
 }
 
-TEST_F(ConfigurationTest, StartsOverInTheMiddleOfARequest) {
+TEST_F(ConfigurationTest, RestartsInTheMiddleOfARequest) {
   begin(model.joints[0]);
   drive->answers_sdo = false;
   exchange();
@@ -140,7 +140,7 @@ TEST_F(ConfigurationTest, StartsOverInTheMiddleOfARequest) {
   EXPECT_LT(now_us, 30'000u);  // did not wait for the other's time-out
 }
 
-TEST_F(ConfigurationTest, WaitsForRoomOnTheBus) {
+TEST_F(ConfigurationTest, WaitsForSpaceInTheTransmitFifo) {
   begin(model.joints[0]);
   can.limit_transmit(0);
   for (int i = 0; i < 500; ++i) exchange();
@@ -150,7 +150,7 @@ TEST_F(ConfigurationTest, WaitsForRoomOnTheBus) {
   EXPECT_EQ(configuration.state(), State::kDone);
 }
 
-TEST_F(ConfigurationTest, StopsAtAnotherIdentityBeforeItWritesAnything) {
+TEST_F(ConfigurationTest, StopsAtAWrongIdentityBeforeItWritesAnything) {
   for (const std::uint8_t subindex : {std::uint8_t{1}, std::uint8_t{2}, std::uint8_t{4}}) {
     begin(model.joints[0]);
     drive->set_object(0x1018, subindex, 0xBAD);

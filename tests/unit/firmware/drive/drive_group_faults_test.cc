@@ -16,7 +16,7 @@ TEST_F(DriveGroupTest, ReportsFaultsByEmergencyMessageWithItsCode) {
 }
 
 // Codes of CiA 301, table 26, with the error register's bits for generic and communication errors.
-TEST_F(DriveGroupTest, BearsWarningsAboutCommunication) {
+TEST_F(DriveGroupTest, ToleratesCommunicationWarnings) {
   enable();
   for (const std::uint16_t code :
        std::array<std::uint16_t, 6>{0x8110, 0x8120, 0x8140, 0x8210, 0x8220, 0x8240}) {
@@ -26,14 +26,14 @@ TEST_F(DriveGroupTest, BearsWarningsAboutCommunication) {
   }
 }
 
-TEST_F(DriveGroupTest, TakesACommunicationErrorOfADriveWithOtherErrorsForAFault) {
+TEST_F(DriveGroupTest, TreatsACommunicationErrorWithOtherErrorsAsAFault) {
   boot();
   group.on_emergency({.node_id = 16 + 9, .code = 0x8120, .error_register = 0x11 | 0x08});
   EXPECT_EQ(group.fault().kind, DriveFault::kFault);
   EXPECT_EQ(group.fault().error_code, 0x8120);
 }
 
-TEST_F(DriveGroupTest, TakesALostControllerForAFault) {
+TEST_F(DriveGroupTest, TreatsALostControllerAsAFault) {
   for (const std::uint16_t code : std::array<std::uint16_t, 3>{0x8700, 0x8130, 0x8250}) {
     boot();
     group.on_emergency({.node_id = 16 + 9, .code = code, .error_register = 0x11});
@@ -42,7 +42,7 @@ TEST_F(DriveGroupTest, TakesALostControllerForAFault) {
   }
 }
 
-TEST_F(DriveGroupTest, NamesTheWarningThatADriveMadeAFault) {
+TEST_F(DriveGroupTest, ReportsTheWarningThatBecameAFault) {
   enable();
   group.on_emergency({.node_id = 16 + 9, .code = 0x8140, .error_register = 0x11});
   group.on_emergency({.node_id = 16 + 9, .code = 0x0000, .error_register = 0x11});  // reset of another error
@@ -53,7 +53,7 @@ TEST_F(DriveGroupTest, NamesTheWarningThatADriveMadeAFault) {
   EXPECT_EQ(group.fault().error_code, 0x8140);
 }
 
-TEST_F(DriveGroupTest, ForgetsAWarningThatIsOver) {
+TEST_F(DriveGroupTest, ClearsAWarningThatHasEnded) {
   enable();
   group.on_emergency({.node_id = 16 + 9, .code = 0x8120, .error_register = 0x11});
   group.on_emergency({.node_id = 16 + 9, .code = 0x0000, .error_register = 0x00});

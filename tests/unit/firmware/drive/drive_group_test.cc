@@ -19,7 +19,7 @@ TEST_F(DriveGroupTest, IsBootedOnceEveryDriveHasAnswered) {
   EXPECT_TRUE(group.all_limp());
 }
 
-TEST_F(DriveGroupTest, AsksOneDriveAfterTheOtherForItsSupply) {
+TEST_F(DriveGroupTest, PollsTheSupplyOfOneDriveAfterTheOther) {
   boot();
   for (std::size_t i = 0; i < drives.size(); ++i) {
     drives[i].set_object(0x6079, 0, 7'000 + static_cast<std::uint32_t>(i));
@@ -50,7 +50,7 @@ TEST_F(DriveGroupTest, WaitsASecondForBootUpMessages) {
   EXPECT_EQ(group.fault().joint, 13);
 }
 
-TEST_F(DriveGroupTest, LeadsDrivesToOperationEnabledOneTransitionACycle) {
+TEST_F(DriveGroupTest, BringsDrivesToOperationEnabledOneTransitionPerCycle) {
   boot();
   group.set_goal(Goal::kEnabled, now_us);
   group.command();
@@ -63,7 +63,7 @@ TEST_F(DriveGroupTest, LeadsDrivesToOperationEnabledOneTransitionACycle) {
   EXPECT_FALSE(group.all_limp());
 }
 
-TEST_F(DriveGroupTest, KeepsEveryDriveFromTheLastStepUntilTheSlowestIsThere) {
+TEST_F(DriveGroupTest, HoldsAllDrivesBeforeTheLastTransitionUntilTheSlowestIsReady) {
   boot();
   drives[2].enables = false;
   group.set_goal(Goal::kEnabled, now_us);
@@ -86,7 +86,7 @@ TEST_F(DriveGroupTest, ReportsTheDriveThatTheOthersWaitFor) {
   EXPECT_EQ(group.fault().joint, 2);
 }
 
-TEST_F(DriveGroupTest, ReportsADriveThatLeavesOperationAtOnceAndDoesNotLeadItBack) {
+TEST_F(DriveGroupTest, ReportsADriveThatLeavesOperationAtOnceAndDoesNotReEnableIt) {
   enable();
   drives[2].state = cia402::State::kSwitchOnDisabled;
   cycle();
@@ -140,7 +140,7 @@ TEST_F(DriveGroupTest, CommandsAQuickStopOrTorqueOff) {
 }
 
 // Occurs when the reset has to wait for the bus.
-TEST_F(DriveGroupTest, ForgetsWhatWasAnsweredBeforeTheReset) {
+TEST_F(DriveGroupTest, DiscardsAnswersFromBeforeTheReset) {
   group.boot();
   for (std::size_t i = 0; i < drives.size(); ++i) {
     signals.statusword[i] = cia402::statusword_of(cia402::State::kFault);
@@ -163,7 +163,7 @@ TEST_F(DriveGroupTest, LosesADriveAfterFiveCyclesWithoutAnswer) {
   EXPECT_EQ(group.fault().joint, 4);
 }
 
-TEST_F(DriveGroupTest, ForgivesFourMissedAnswersInARow) {
+TEST_F(DriveGroupTest, ToleratesFourConsecutiveMissedAnswers) {
   enable();
   for (int i = 0; i < 5; ++i) {
     drives[4].hangs = true;
@@ -188,7 +188,7 @@ TEST_F(DriveGroupTest, ReportsADriveThatBootsUpOnItsOwn) {
 }
 
 // Another master resets a drive just before the group does: two boot-up messages follow.
-TEST_F(DriveGroupTest, BearsASecondBootUpMessageOfADriveThatIsNotConfigured) {
+TEST_F(DriveGroupTest, ToleratesASecondBootUpMessageBeforeConfiguration) {
   group.boot();
   run_ms(2);
   for (const std::uint8_t node : {std::uint8_t{16}, std::uint8_t{35}})
@@ -198,7 +198,7 @@ TEST_F(DriveGroupTest, BearsASecondBootUpMessageOfADriveThatIsNotConfigured) {
   EXPECT_FALSE(group.fault());
 }
 
-TEST_F(DriveGroupTest, ReportsADriveThatBootsUpAgainAndAgain) {
+TEST_F(DriveGroupTest, ReportsADriveThatKeepsBootingUp) {
   group.boot();
   run_ms(2);
   tell(35, HeartbeatEventKind::kBootedUp);
@@ -214,7 +214,7 @@ TEST_F(DriveGroupTest, ReportsADriveThatLosesItsConfigurationInTheBoot) {
   EXPECT_EQ(group.fault().kind, DriveFault::kRestarted);
 }
 
-TEST_F(DriveGroupTest, TakesNoAnswerOfBeforeTheReset) {
+TEST_F(DriveGroupTest, IgnoresAnswersFromBeforeTheReset) {
   enable();
   group.boot();
   for (std::size_t i = 0; i < drives.size(); ++i) {
@@ -238,7 +238,7 @@ TEST_F(DriveGroupTest, TranslatesAnglesByTheDrivesSignZeroAndUnit) {
   EXPECT_NEAR(fixed::to_double(group.angle(0)), 30 * test::kRadPerDegree, 1e-5);
 }
 
-TEST_F(DriveGroupTest, JudgesLimitsWithAMargin) {
+TEST_F(DriveGroupTest, ChecksLimitsWithAMargin) {
   signals.position[0] = 267'500;  // 91.8 degrees: limit of 90, tolerance of 2
   EXPECT_EQ(group.enable_conditions().beyond_limits, 0u);
   signals.position[0] = 268'500;  // 92.2 degrees
@@ -247,7 +247,7 @@ TEST_F(DriveGroupTest, JudgesLimitsWithAMargin) {
 
 using DriveGroupDeathTest = DriveGroupTest;
 
-TEST_F(DriveGroupDeathTest, HasNoJointBeyondTheModels) {
+TEST_F(DriveGroupDeathTest, RejectsAJointBeyondTheModels) {
   EXPECT_DEATH(group.set_target(model.joint_count, {}), "joint_count");
   EXPECT_DEATH(static_cast<void>(group.angle(model.joint_count)), "joint_count");
 }

@@ -62,13 +62,13 @@ double error_deg(const AttitudeEstimator& attitude, const Point& up) {
   return std::atan2(norm(cross(seen, up)), dot(seen, up)) / kRadPerDegree;
 }
 
-TEST(AttitudeEstimator, StandsUprightUntilItFeelsGravity) {
+TEST(AttitudeEstimator, IsUprightBeforeTheFirstAccelerometerSample) {
   AttitudeEstimator attitude;
   attitude.update({}, fixed_vector<fixed::Acceleration>({0, 0, 3.0}), kResting);
   EXPECT_EQ(attitude.up_B(), robot::kAxisZ);
 }
 
-TEST(AttitudeEstimator, TakesTheFirstGravityAtOnceWithTheRightSigns) {
+TEST(AttitudeEstimator, AdoptsTheFirstGravityVectorWithCorrectSigns) {
   for (double roll_deg = -170; roll_deg <= 170; roll_deg += 20) {
     for (double pitch_deg = -85; pitch_deg <= 85; pitch_deg += 17) {
       AttitudeEstimator attitude;
@@ -82,7 +82,7 @@ TEST(AttitudeEstimator, TakesTheFirstGravityAtOnceWithTheRightSigns) {
 }
 
 // Gyro only, without accelerometer: a forward roll over the head and through the back, beyond any real fall.
-TEST(AttitudeEstimator, FollowsAnyTurnWithoutAnAccelerometer) {
+TEST(AttitudeEstimator, IntegratesAnyRotationWithoutAnAccelerometer) {
   AttitudeEstimator attitude;
   attitude.update({}, fixed_vector<fixed::Acceleration>({0, 0, kGravity}), kResting);
   Trunk trunk({0, 0, 1});
@@ -114,7 +114,7 @@ TEST(AttitudeEstimator, PitchesForwardWithThePositiveRateAboutY) {
   EXPECT_NEAR(to_double(attitude.roll()), 0.5, 1e-4);
 }
 
-TEST(AttitudeEstimator, BelievesGravityQuicklyAtRestAndSlowlyInMotion) {
+TEST(AttitudeEstimator, ConvergesToGravityFastAtRestAndSlowlyInMotion) {
   for (const auto& [condition, time_constant_s] : {std::pair{kResting, 0.1}, std::pair{kMoving, 2.0}}) {
     AttitudeEstimator attitude;
     attitude.update({}, fixed_vector<fixed::Acceleration>({0, 0, kGravity}), kResting);
@@ -127,7 +127,7 @@ TEST(AttitudeEstimator, BelievesGravityQuicklyAtRestAndSlowlyInMotion) {
   }
 }
 
-TEST(AttitudeEstimator, DoesNotBelieveAForceThatIsNotGravity) {
+TEST(AttitudeEstimator, IgnoresAccelerationThatIsNotGravity) {
   AttitudeEstimator attitude;
   attitude.update({}, fixed_vector<fixed::Acceleration>({0, 0, kGravity}), kResting);
   for (const double strength : {0.0, 0.84, 1.16, 4.0, 200.0}) {

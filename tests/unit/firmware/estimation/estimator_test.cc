@@ -47,7 +47,7 @@ class EstimatorTest : public testing::Test {
   std::uint64_t now_us = 0;
 };
 
-TEST_F(EstimatorTest, KnowsNothingBeforeTheFirstSample) {
+TEST_F(EstimatorTest, IsInvalidBeforeTheFirstSample) {
   const RobotState& state = estimator.update(angles, kRests, 10'000);
   EXPECT_EQ(state.inertial_age_us, RobotState::kNever);
   EXPECT_EQ(state.ankle_age_us[0], RobotState::kNever);
@@ -55,13 +55,13 @@ TEST_F(EstimatorTest, KnowsNothingBeforeTheFirstSample) {
   EXPECT_FALSE(state.zmp.valid);
 }
 
-TEST_F(EstimatorTest, SeesHowTheTrunkLeans) {
+TEST_F(EstimatorTest, EstimatesTheLeanOfTheTrunk) {
   const RobotState& state = run(100, at_rest(10 * kRadPerDegree), kRests);
   EXPECT_NEAR(to_double(state.pitch) / kRadPerDegree, 10.0, 0.1);
   EXPECT_NEAR(to_double(state.roll), 0.0, 1e-3);
 }
 
-TEST_F(EstimatorTest, TellsHowOldItsSamplesAre) {
+TEST_F(EstimatorTest, ReportsTheAgeOfItsSamples) {
   cycle(at_rest(), kRests);
   estimator.add(hal::Side::kRight, {}, now_us);
   const RobotState& state = estimator.update(angles, kRests, now_us + 30'000);
@@ -78,12 +78,12 @@ TEST_F(EstimatorTest, MeasuresTheGyrosBiasInASecondOfRest) {
   EXPECT_NEAR(to_double(state.rates_B.y), 0.0, 1e-3);
 }
 
-TEST_F(EstimatorTest, DoesNotTakeATurnForABias) {
+TEST_F(EstimatorTest, DoesNotMistakeARotationForABias) {
   EXPECT_NEAR(to_double(run(200, turning(0.1), kMoves).rates_B.y), 0.1, 1e-3);
   EXPECT_EQ(estimator.gyro_calibrations(), 0u);
 }
 
-TEST_F(EstimatorTest, TrustsABiasThatWasStored) {
+TEST_F(EstimatorTest, UsesAStoredBias) {
   estimator.assume_gyro_bias({{}, fixed::from_double<fixed::AngularRate>(0.1), {}});
   const RobotState& state = run(20, turning(0.1), kMoves);
   EXPECT_TRUE(state.gyro_known);
@@ -101,7 +101,7 @@ TEST_F(EstimatorTest, EndsACalibrationAfterASecondOfRest) {
   EXPECT_EQ(estimator.calibration(), Estimator::Calibration::kNone) << "it has ended once";
 }
 
-TEST_F(EstimatorTest, GivesACalibrationUpWhenTheRobotMoves) {
+TEST_F(EstimatorTest, AbortsACalibrationWhenTheRobotMoves) {
   estimator.begin_calibration();
   run(50, at_rest(), kRests);
   cycle(at_rest(), kMoves);
@@ -125,7 +125,7 @@ TEST_F(EstimatorTest, FindsTheZmpUnderTheFootThatCarries) {
 
 using EstimatorDeathTest = EstimatorTest;
 
-TEST_F(EstimatorDeathTest, DemandsAnAngleOfEveryJoint) {
+TEST_F(EstimatorDeathTest, RequiresAnAngleOfEveryJoint) {
   EXPECT_DEATH(estimator.update(std::span(angles).first(model.joint_count - 1), kRests, 0), "joint_count");
 }
 

@@ -54,7 +54,7 @@ TEST(GyroBias, IsTheMeanOfASecondOfRest) {
   EXPECT_EQ(bias.bias().z, AngularRate());
 }
 
-TEST(GyroBias, ThrowsAwayASecondInWhichTheRobotMoved) {
+TEST(GyroBias, DiscardsASecondInWhichTheRobotMoved) {
   GyroBias bias;
   ASSERT_TRUE(observe(bias, deg_per_s(1, 2, 3), GyroBias::kSamples));
   // Swaying at 1 Hz with an amplitude of 0.7 deg/s, above the limit.
@@ -64,7 +64,7 @@ TEST(GyroBias, ThrowsAwayASecondInWhichTheRobotMoved) {
   EXPECT_EQ(bias.bias(), deg_per_s(1, 2, 3));
 }
 
-TEST(GyroBias, CountsTheSecondFromTheLastMovement) {
+TEST(GyroBias, RestartsTheSecondAtEachMovement) {
   GyroBias bias;
   observe(bias, deg_per_s(0, 0, 0), 50);
   EXPECT_FALSE(observe(bias, deg_per_s(0, 9, 0), GyroBias::kSamples));  // the first sample still saw the
@@ -73,7 +73,7 @@ TEST(GyroBias, CountsTheSecondFromTheLastMovement) {
   EXPECT_EQ(bias.bias(), deg_per_s(0, 9, 0));
 }
 
-TEST(GyroBias, DoesNotMendASecondThatTorqueInterrupted) {
+TEST(GyroBias, DiscardsASecondInterruptedByTorque) {
   GyroBias bias;
   observe(bias, deg_per_s(4, 0, 0), 60);
   bias.interrupt();

@@ -51,7 +51,7 @@ TEST_F(InertialSensorTest, ScalesByTheModel) {
   EXPECT_NEAR(to_double(sensor.accelerations().z), 9.80665, 7e-4);
 }
 
-TEST_F(InertialSensorTest, TurnsIntoTheTrunksAxes) {
+TEST_F(InertialSensorTest, RotatesIntoTheAxesOfTheTrunk) {
   // An IMU whose x points along the trunk's y, and whose y points along the trunk's -x.
   const auto one = fixed::kOne;
   const fixed::Ratio zero;
@@ -61,7 +61,7 @@ TEST_F(InertialSensorTest, TurnsIntoTheTrunksAxes) {
   EXPECT_NEAR(to_double(sensor.accelerations().x), -2.0, 7e-4);
 }
 
-TEST_F(InertialSensorTest, ShowsTheFirstSampleAtOnceAndSmoothesTheMeanOfTheNextTwo) {
+TEST_F(InertialSensorTest, PassesTheFirstSampleAndFiltersTheMeanOfEachTwo) {
   sensor.add({.accelerometer_raw = {0, 0, 8'000}}, 1'000);
   const double first = to_double(sensor.accelerations().z);
   EXPECT_NEAR(first, 8'000 * 39.2 / 32768, 1e-3);
@@ -71,7 +71,7 @@ TEST_F(InertialSensorTest, ShowsTheFirstSampleAtOnceAndSmoothesTheMeanOfTheNextT
   EXPECT_NEAR(to_double(sensor.accelerations().z) / first, 1.0 + to_double(kInertialLowPass.b0), 1e-4);
 }
 
-TEST_F(InertialSensorTest, SumsTheTurnOfItsSamplesLessTheBias) {
+TEST_F(InertialSensorTest, IntegratesItsSamplesMinusTheBias) {
   const auto turn = [&](double bias_rad_per_s) {
     const auto bias = fixed::from_double<fixed::AngularRate>(bias_rad_per_s);
     return sensor.take_turn({{}, bias, {}});
@@ -86,7 +86,7 @@ TEST_F(InertialSensorTest, SumsTheTurnOfItsSamplesLessTheBias) {
   EXPECT_EQ(turn(0.5).y, fixed::Ratio());  // no rotation without a sample
 }
 
-TEST_F(InertialSensorTest, TellsWhenTheLastSampleCame) {
+TEST_F(InertialSensorTest, ReportsTheTimeOfTheLastSample) {
   EXPECT_EQ(sensor.last_us(), std::nullopt);
   sensor.add({}, 100'000);
   EXPECT_EQ(sensor.last_us(), 100'000u);

@@ -15,7 +15,7 @@ using test::to_point;
 
 constexpr std::array kSides{hal::Side::kLeft, hal::Side::kRight};
 
-TEST(Posture, FindsSolesAndCentreOfMassAsDoubleDoes) {
+TEST(Posture, FindsSolesAndCentreOfMassAsDoublePrecisionDoes) {
   RandomPosture robot;
   double worst_sole_m = 0.0;
   double worst_com_m = 0.0;
@@ -42,7 +42,7 @@ TEST(Posture, FindsSolesAndCentreOfMassAsDoubleDoes) {
   EXPECT_GT(worst_com_m, 1e-9);
 }
 
-TEST(Posture, OfARobotWithoutAModelIsNothing) {
+TEST(Posture, IsInvalidWithoutAModel) {
   const Posture posture = posture_at(robot::RobotModel(), {});
   EXPECT_EQ(posture.centre_of_mass(hal::Side::kRight), robot::Position{});
 }

@@ -67,7 +67,7 @@ class ZmpTest : public testing::Test {
   RandomPosture robot;
 };
 
-TEST_F(ZmpTest, OfAFootIsThatOfTheSameComputationInDouble) {
+TEST_F(ZmpTest, OfAFootAgreesWithDoublePrecision) {
   double worst_m = 0.0;
   int valid = 0;
   for (int round = 0; round < 100'000; ++round) {
@@ -90,7 +90,7 @@ TEST_F(ZmpTest, OfAFootIsThatOfTheSameComputationInDouble) {
   RecordProperty("worst_um", std::to_string(1e6 * worst_m));
 }
 
-TEST_F(ZmpTest, OfBothFeetIsThatOfTheSameComputationInDouble) {
+TEST_F(ZmpTest, OfBothFeetAgreesWithDoublePrecision) {
   double worst_m = 0.0;
   for (int round = 0; round < 5'000; ++round) {
     robot.draw();
@@ -119,7 +119,7 @@ TEST_F(ZmpTest, OfBothFeetIsThatOfTheSameComputationInDouble) {
 
 // 5.9 N act on the sole 20 mm in front of and 10 mm to the left of the point below the sensor, with a forward
 // friction force.
-TEST_F(ZmpTest, HasTheSignsOfThePapersEquation) {
+TEST_F(ZmpTest, HasTheSignsOfThePaper) {
   const robot::Joint& foot = robot.model.joints[robot.model.leg(hal::Side::kLeft)[5]];
   const double load_N = 5.9;
   const double drag_N = 1.2;
@@ -140,7 +140,7 @@ TEST_F(ZmpTest, HasTheSignsOfThePapersEquation) {
   EXPECT_NEAR(to_double(zmp.y), 0.01, 1e-4);
 }
 
-TEST_F(ZmpTest, IsInvalidBelowTheLeastLoad) {
+TEST_F(ZmpTest, IsInvalidBelowTheMinimumLoad) {
   const double weight_N = to_double(robot.model.joints[robot.model.leg(hal::Side::kLeft)[5]].mass) * kGravity;
   const auto at_load = [&](double load_N) {
     const std::int16_t z = count((load_N - weight_N) / to_double(robot.model.scales.ankle_force));
@@ -152,7 +152,7 @@ TEST_F(ZmpTest, IsInvalidBelowTheLeastLoad) {
   EXPECT_FALSE(at_load(-5.0).valid);
 }
 
-TEST_F(ZmpTest, OfBothFeetIsThatOfTheOneThatCarries) {
+TEST_F(ZmpTest, OfBothFeetIsThatOfTheLoadedOne) {
   robot.draw();
   const FootPressure none{.load = {}, .valid = false, .x = {}, .y = {}};
   FootPressure some = none;

@@ -74,7 +74,7 @@ TEST(DesignLowPass, HasAGainOfExactlyOneAtDc) {
   }
 }
 
-TEST(DesignLowPass, RefusesWhatItCannotDo) {
+TEST(DesignLowPass, RejectsCutOffFrequenciesOutOfRange) {
   EXPECT_THROW(static_cast<void>(design_low_pass(0.09, 1000.0)), std::domain_error);
   EXPECT_THROW(static_cast<void>(design_low_pass(451.0, 1000.0)), std::domain_error);
   EXPECT_THROW(static_cast<void>(design_low_pass(-20.0, 1000.0)), std::domain_error);
@@ -157,7 +157,7 @@ TEST(BiquadFilter, SaturatesUpToFourTimesFullScale) {
   EXPECT_EQ(filter.filter(fourfold, kMax), kMax);
 }
 
-TEST(BiquadFilter, RoundsUpToTheLargestAndNoFurther) {
+TEST(BiquadFilter, RoundsUpToTheLargestValueAndSaturates) {
   const BiquadCoefficients c{.b0 = Ratio::from_raw(1 << 29), .b1 = kOne, .b2 = {}, .a1 = {}, .a2 = {}};
   for (const std::int32_t last : {0x3FFFFFFF, 0x40000000}) {  // half an LSB below the largest, and above it
     BiquadFilter filter;
@@ -166,7 +166,7 @@ TEST(BiquadFilter, RoundsUpToTheLargestAndNoFurther) {
   }
 }
 
-TEST(BiquadFilter, StaysWhereItIsReset) {
+TEST(BiquadFilter, HoldsTheValueOfItsReset) {
   const BiquadCoefficients c = design_low_pass(20.0, kSampleRate_Hz);
   BiquadFilter filter;
   for (const std::int32_t value : {0, 1, -77'777, 0x7FFFFFFF, -0x7FFFFFFF - 1}) {

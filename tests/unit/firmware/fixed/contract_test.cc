@@ -5,9 +5,9 @@
 namespace koboshi::fixed {
 namespace {
 
-TEST(Contract, LetsWhoKeepsItPass) { KOBOSHI_ASSERT(1 + 1 == 2); }
+TEST(Contract, PassesWhenItHolds) { KOBOSHI_ASSERT(1 + 1 == 2); }
 
-TEST(ContractDeathTest, EndsTheProgramOfWhoBreaksIt) {
+TEST(ContractDeathTest, EndsTheProgramWhenItIsViolated) {
   volatile int count = 3;
   EXPECT_DEATH(KOBOSHI_ASSERT(count < 3), "count < 3");
 }

@@ -12,7 +12,7 @@ namespace {
 
 using namespace literals;
 
-TEST(Convert, ReturnsWhatWentIn) {
+TEST(Convert, RoundTrips) {
   for (std::int64_t raw = std::numeric_limits<std::int32_t>::min();
        raw <= std::numeric_limits<std::int32_t>::max(); raw += 65'521) {
     const auto bits = static_cast<std::int32_t>(raw);
@@ -23,7 +23,7 @@ TEST(Convert, ReturnsWhatWentIn) {
   }
 }
 
-TEST(Convert, SpeaksSiUnits) {
+TEST(Convert, UsesSiUnits) {
   EXPECT_DOUBLE_EQ(to_double(90.0_deg), std::numbers::pi / 2.0);
   EXPECT_DOUBLE_EQ(to_double(-360.0_deg_per_s), -2.0 * std::numbers::pi);
   EXPECT_DOUBLE_EQ(to_double(0.5_m), 0.5);
@@ -33,14 +33,14 @@ TEST(Convert, SpeaksSiUnits) {
   EXPECT_EQ(from_double<Torque>(1.373), 1.373_Nm);
 }
 
-TEST(Convert, KeepsAHalfTurnOnItsSide) {
+TEST(Convert, KeepsTheSignOfAHalfTurn) {
   EXPECT_EQ(from_double<Angle>(std::numbers::pi), Angle::max());
   EXPECT_EQ(from_double<Angle>(-std::numbers::pi), Angle::min());
   EXPECT_EQ(from_double<Angle>(1.5 * std::numbers::pi), -90.0_deg);
   EXPECT_EQ(from_double<Angle>(-4.5 * std::numbers::pi), -90.0_deg);
 }
 
-TEST(Convert, SaturatesQuantitiesAndRefusesNoNumbers) {
+TEST(Convert, SaturatesQuantitiesAndRejectsNaN) {
   EXPECT_EQ(from_double<Length>(1e9), Length::max());
   EXPECT_EQ(from_double<Length>(-1e9), Length::min());
   EXPECT_THROW(static_cast<void>(from_double<Length>(std::nan(""))), std::domain_error);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr Length raw(std::int32_t value) { return Length::from_raw(value); }
 
-TEST(DeadBand, TakesItsHalfWidthOffWhatLiesOutside) {
+TEST(DeadBand, SubtractsItsHalfWidthOutside) {
   for (std::int32_t value = -20; value <= 20; ++value) {
     const std::int32_t expected = value > 7 ? value - 7 : value < -7 ? value + 7 : 0;
     EXPECT_EQ(dead_band(raw(value), raw(7)).raw(), expected) << value;
@@ -34,13 +34,13 @@ TEST(Debounce, WaitsForAsManyConsecutiveSamplesAsRequired) {
   EXPECT_TRUE(debounce.update(true, 1));
 }
 
-TEST(Debounce, OfNothingRequiredIsOneSample) {
+TEST(Debounce, TakesOneSampleWhenNoneIsRequired) {
   Debounce debounce;
   EXPECT_FALSE(debounce.update(false, 0));
   EXPECT_TRUE(debounce.update(true, 0));
 }
 
-TEST(Debounce, StaysAtItsHighestCount) {
+TEST(Debounce, SaturatesItsCount) {
   Debounce debounce;
   for (int i = 0; i < 0x1'0000; ++i) debounce.count(true);
   EXPECT_TRUE(debounce.reached(0xFFFF));

@@ -59,7 +59,7 @@ TEST(Interpolate, IsMonotone) {
   EXPECT_EQ(last, 0.2_m);
 }
 
-TEST(InterpolateHeading, TakesTheShortWayRound) {
+TEST(InterpolateHeading, TurnsTheShortWay) {
   EXPECT_EQ(interpolate_heading(-170.0_deg, 170.0_deg, 0.5_ratio), Angle::min());
   EXPECT_EQ(interpolate_heading(10.0_deg, 30.0_deg, 0.5_ratio), 20.0_deg);
   EXPECT_EQ(interpolate_heading(170.0_deg, -170.0_deg, kOne), -170.0_deg);

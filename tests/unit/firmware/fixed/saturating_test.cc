@@ -62,7 +62,7 @@ TYPED_TEST(Saturating, NarrowsFromWiderIntegers) {
   }
 }
 
-TEST(Saturate, KnowsTheSignOfItsArgument) {
+TEST(Saturate, HandlesTheSignOfItsArgument) {
   EXPECT_EQ(saturate<std::int32_t>(0xFFFFFFFFU), 0x7FFFFFFF);
   EXPECT_EQ(saturate<std::uint32_t>(-1), 0U);
   EXPECT_EQ(saturate<std::uint32_t>(std::int64_t{1} << 40), 0xFFFFFFFFU);

@@ -55,7 +55,7 @@ TEST(IntegerSquareRoot, RoundsToNearest) {
   }
 }
 
-TEST(SquareRoot, IsTheNearestForAllUpperHalves) {
+TEST(SquareRoot, IsRoundedToNearestForAllUpperHalves) {
   for (std::int32_t upper = 0; upper < 32'768; ++upper) {
     const Ratio square = Ratio::from_raw(upper << 16 | 0x1234);
     const long double exact = std::sqrt(std::ldexp(static_cast<long double>(square.raw()), 30));
@@ -74,7 +74,7 @@ TEST(SquareRoot, OfANegativeNumberIsZero) {
   EXPECT_EQ(square_root<Ratio>(0.0_ratio), 0.0_ratio);
 }
 
-TEST(Hypotenuse, IsTheNearest) {
+TEST(Hypotenuse, IsRoundedToNearest) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::mt19937 random(kSeed);
   const auto draw = [&] {

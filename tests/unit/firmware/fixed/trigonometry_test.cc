@@ -118,7 +118,7 @@ TEST(Sine, RisesOverTheHalfTurn) {
   expect_rising(-100'000, 100'000, 1);
 }
 
-TEST(SineCosine, AreTheSingleFunctions) {
+TEST(SineCosine, EqualTheSingleFunctions) {
   for_domain<Angle>([](Angle a) {
     const SineCosine both = sin_cos(a);
     ASSERT_EQ(both.sine, sin(a)) << a.raw();

@@ -62,7 +62,7 @@ TEST_F(InterpreterTest, InterpolatesLinearlyBetweenPoses) {
   EXPECT_EQ(interpreter_.targets()[kKnee], degrees(20));
 }
 
-TEST_F(InterpreterTest, FailsWhereTheTrunkIsNotAsExpected) {
+TEST_F(InterpreterTest, FailsIfTheTrunkIsNotAsExpected) {
   const Step upright = ExpectedAttitude{.up_B = {0, 0, 127}, .min_cosine = 28'378}.step();  // 30 degrees
   const auto builder = knee_poses()
                            .step(kMove, 1, 300'000)
@@ -86,7 +86,7 @@ TEST_F(InterpreterTest, FailsWhereTheTrunkIsNotAsExpected) {
   EXPECT_FALSE(interpreter_.failed());
 }
 
-TEST_F(InterpreterTest, BeginsWhereTheRobotIsAndLeavesOtherJointsThere) {
+TEST_F(InterpreterTest, StartsFromThePresentPoseAndKeepsOtherJoints) {
   pose_[kKnee] = degrees(30);
   pose_[kPan] = degrees(-45);
   start(knee_poses().step(kMove, 1, 300'000).step(kEnd));
@@ -97,13 +97,13 @@ TEST_F(InterpreterTest, BeginsWhereTheRobotIsAndLeavesOtherJointsThere) {
   EXPECT_EQ(interpreter_.targets()[kPan], degrees(-45));
 }
 
-TEST_F(InterpreterTest, ClampsWhereItBeginsToTheLimits) {
+TEST_F(InterpreterTest, ClampsItsStartToTheLimits) {
   pose_[kKnee] = degrees(-3);
   start(knee_poses().step(kMove, 1, 300'000).step(kEnd));
   EXPECT_EQ(interpreter_.targets()[kKnee], degrees(0));
 }
 
-TEST_F(InterpreterTest, GoesTheLongWayThroughZeroAndNotThroughTheStop) {
+TEST_F(InterpreterTest, MovesThroughZeroInsteadOfThroughTheStop) {
   constexpr std::size_t kShoulder = 12;
   pose_[kShoulder] = degrees(-170);
   MotionBuilder builder(model_);
@@ -112,7 +112,7 @@ TEST_F(InterpreterTest, GoesTheLongWayThroughZeroAndNotThroughTheStop) {
   EXPECT_NEAR(fixed::to_double(interpreter_.targets()[kShoulder]), 0.0, 1e-6);
 }
 
-TEST_F(InterpreterTest, LastsWhatItsStepsAddUpToWhateverTheTicks) {
+TEST_F(InterpreterTest, LastsTheSumOfItsStepsForAnyTicks) {
   for (const std::uint32_t tick_us : {1'000u, 7'001u, 10'000u, 99'999u}) {
     MotionBuilder builder = knee_poses();
     for (int i = 0; i < 100; ++i) builder.step(kMove, static_cast<std::uint16_t>(i % 3), 33'333);
@@ -132,7 +132,7 @@ TEST_F(InterpreterTest, PlaysSeveralStepsInOneTick) {
   EXPECT_NEAR(knee_deg(), 10, 1e-6);
 }
 
-TEST_F(InterpreterTest, DoesNotLeapOverAGap) {
+TEST_F(InterpreterTest, DoesNotJumpAfterAGap) {
   start(knee_poses().step(kMove, 1, 600'000).step(kEnd));
   interpreter_.advance(5'000'000);
   EXPECT_NEAR(knee_deg(), 10, 1e-6);

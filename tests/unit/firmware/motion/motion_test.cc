@@ -43,7 +43,7 @@ constexpr Step loop(std::uint16_t times) { return {kLoopBegin, times, 0}; }
 constexpr Step loop_end(std::uint16_t begin) { return {kLoopEnd, begin, 0}; }
 constexpr Step jump(std::uint16_t target) { return {kJump, target, 0}; }
 
-TEST_F(MotionTest, ShowsWhatIsInTheImage) {
+TEST_F(MotionTest, ReadsTheImage) {
   const std::vector<std::byte> image = builder().step(kMove, 1, 40'000).step(kEnd).image();
   Motion motion;
   ASSERT_TRUE(Motion::open(image, model_, motion).ok());
@@ -65,14 +65,14 @@ TEST_F(MotionTest, IsEmptyUntilOpened) {
   EXPECT_EQ(Motion().step(0).opcode, kEnd);
 }
 
-TEST_F(MotionTest, RefusesEveryCutImage) {
+TEST_F(MotionTest, RejectsEveryTruncatedImage) {
   const std::vector<std::byte> image = builder().step(kEnd).image();
   for (std::size_t size = 0; size < image.size(); ++size) {
     EXPECT_EQ(status({image.begin(), image.begin() + static_cast<std::ptrdiff_t>(size)}), kTruncated) << size;
   }
 }
 
-TEST_F(MotionTest, RefusesWhatIsNotForThisRobotOrVersion) {
+TEST_F(MotionTest, RejectsAnotherRobotOrVersion) {
   MotionBuilder other = builder().step(kEnd);
   other.model_id ^= 1;
   EXPECT_EQ(status(other), kOtherRobot);
@@ -84,7 +84,7 @@ TEST_F(MotionTest, RefusesWhatIsNotForThisRobotOrVersion) {
   EXPECT_EQ(status(image), kBadMagic);
 }
 
-TEST_F(MotionTest, RefusesCountsThatDoNotFit) {
+TEST_F(MotionTest, RejectsInvalidCounts) {
   EXPECT_EQ(status(builder()), kBadCount);
   MotionBuilder long_one = builder();
   long_one.steps.assign(kMaxSteps, kWaitStep);
@@ -109,7 +109,7 @@ TEST_F(MotionTest, RefusesBadNames) {
   }
 }
 
-TEST_F(MotionTest, RefusesPosesBeyondTheRobot) {
+TEST_F(MotionTest, RejectsPosesForJointsThatTheRobotLacks) {
   EXPECT_EQ(status(builder().pose(3, 150.1).step(kEnd)), kBeyondLimits);
   EXPECT_EQ(status(builder().pose(3, -0.1).step(kEnd)), kBeyondLimits);
   EXPECT_EQ(status(builder().pose(3, 150).step(kEnd)), kOk);
@@ -121,7 +121,7 @@ TEST_F(MotionTest, RefusesPosesBeyondTheRobot) {
   EXPECT_EQ(status(no_such_joint), kBadPose);
 }
 
-TEST_F(MotionTest, TellsWherePosesAndStepsAreBad) {
+TEST_F(MotionTest, ReportsTheIndexOfABadPoseOrStep) {
   EXPECT_EQ(open(builder().pose(3, 150.1).step(kEnd).image()).index, 2);
   EXPECT_EQ(open(builder().step(kWait, 0, 1'000).step(kMove, 7, 1'000).step(kEnd).image()).index, 1);
 }
@@ -136,7 +136,7 @@ TEST_F(MotionTest, RefusesBadSteps) {
   EXPECT_EQ(of_steps({kMoveStep}), kNoEnd);
 }
 
-TEST_F(MotionTest, RefusesAnAttitudeThatIsNoDirection) {
+TEST_F(MotionTest, RejectsAnAttitudeThatIsNoUnitVector) {
   const auto expect = [](std::int8_t x, std::int8_t y, std::int8_t z) {
     return ExpectedAttitude{.up_B = {x, y, z}, .min_cosine = 20'000}.step();
   };
@@ -149,7 +149,7 @@ TEST_F(MotionTest, RefusesAnAttitudeThatIsNoDirection) {
   EXPECT_EQ(of_steps({{kExpect, 0, 0x0100'007F}, kEndStep}), kBadAttitude);
 }
 
-TEST_F(MotionTest, RefusesLoopsThatDoNotNest) {
+TEST_F(MotionTest, RejectsImproperlyNestedLoops) {
   EXPECT_EQ(of_steps({loop(2), kWaitStep, kEndStep}), kBadLoop);
   EXPECT_EQ(of_steps({kWaitStep, loop_end(0), kEndStep}), kBadLoop);
   EXPECT_EQ(of_steps({loop(2), loop(2), kWaitStep, loop_end(0), loop_end(1), kEndStep}), kBadLoop);
@@ -186,7 +186,7 @@ TEST_F(MotionTest, RefusesJumpsAcrossLoops) {
   EXPECT_EQ(of_steps(many), kBadJump);
 }
 
-TEST_F(MotionTest, RefusesCyclesThatTakeNoTime) {
+TEST_F(MotionTest, RejectsCyclesOfZeroDuration) {
   EXPECT_EQ(of_steps({loop(2), loop_end(0), kEndStep}), kTakesNoTime);
   EXPECT_EQ(of_steps({jump(0), kEndStep}), kTakesNoTime);
   EXPECT_EQ(of_steps({jump(1), jump(0), kEndStep}), kTakesNoTime);

@@ -118,7 +118,7 @@ class MutationTest : public testing::Test {
   int ended_ = 0;
 };
 
-TEST_F(MutationTest, WhatTheValidatorAcceptsIsSafeToPlay) {
+TEST_F(MutationTest, AcceptedImagesAreSafeToPlay) {
   RecordProperty("seed", static_cast<int>(kSeed));
   SCOPED_TRACE("seed " + std::to_string(kSeed));
   Random random(kSeed);

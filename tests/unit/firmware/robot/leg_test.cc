@@ -150,9 +150,9 @@ class LegTest : public testing::TestWithParam<hal::Side> {
   std::mt19937 random_{kLegSeed};
 };
 
-TEST_P(LegTest, PutsTheSoleWhereItWasAskedToOverTheWholeWorkspace) { check_workspace(100000); }
+TEST_P(LegTest, ReachesItsTargetInTheWholeWorkspace) { check_workspace(100000); }
 
-TEST_P(LegTest, ServesAnyDirectionOfItsAxes) {
+TEST_P(LegTest, SupportsAnySignOfItsAxes) {
   RobotModel written = test::make_test_robot();
   for (const auto side : {hal::Side::kLeft, hal::Side::kRight}) {
     for (const JointIndex index : written.leg(side)) {
@@ -167,7 +167,7 @@ TEST_P(LegTest, ServesAnyDirectionOfItsAxes) {
   check_workspace(10000);
 }
 
-TEST_P(LegTest, ServesKneesBesideTheLineFromHipToAnkle) {
+TEST_P(LegTest, SupportsKneesOffTheLineFromHipToAnkle) {
   RobotModel written = test::make_test_robot();
   for (const auto side : {hal::Side::kLeft, hal::Side::kRight}) {
     const auto joints = written.leg(side);
@@ -180,7 +180,7 @@ TEST_P(LegTest, ServesKneesBesideTheLineFromHipToAnkle) {
   check_workspace(10000);
 }
 
-TEST_P(LegTest, ReturnsAllAnglesWhereTheyAreWellConditioned) {
+TEST_P(LegTest, ReturnsAllAnglesWhereWellConditioned) {
   for (int round = 0; round < 20000; ++round) {
     const Angles wanted = draw_angles();
     if (!is_well_conditioned(wanted)) continue;
@@ -214,7 +214,7 @@ TEST_P(LegTest, FoldsForATargetAtTheHip) {
   EXPECT_EQ(solution.angles[3], model_.joints[leg_.joints[3]].upper);
 }
 
-TEST_P(LegTest, AnswersWithinLimitsForAnyTargetWhatever) {
+TEST_P(LegTest, StaysWithinLimitsForAnyTarget) {
   for (int round = 0; round < 20000; ++round) {
     const auto length = [&] {
       return fixed::Length::from_raw(static_cast<std::int32_t>(random_()) >> (random_() % 24));
@@ -228,7 +228,7 @@ TEST_P(LegTest, AnswersWithinLimitsForAnyTargetWhatever) {
   }
 }
 
-TEST_P(LegTest, TakesNoYawInGimbalLock) {
+TEST_P(LegTest, IgnoresYawInGimbalLock) {
   const double roll = GetParam() == hal::Side::kLeft ? 90 : -90;
   Angles wanted{};
   wanted[leg_.joints[1]] = roll * kRadPerDegree;

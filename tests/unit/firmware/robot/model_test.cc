@@ -19,7 +19,7 @@ ModelStatus load_changed(const std::function<void(RobotModel&)>& change) {
   return load_model(test::encode(model), loaded);
 }
 
-TEST(RobotModel, ReadsBackWhatWasWritten) {
+TEST(RobotModel, RoundTrips) {
   const RobotModel written = test::make_test_robot();
   const std::vector<std::byte> image = test::encode(written);
   RobotModel read;
@@ -28,7 +28,7 @@ TEST(RobotModel, ReadsBackWhatWasWritten) {
   EXPECT_EQ(test::encode(read), image);
 }
 
-TEST(RobotModel, HasAnIdOfItsContent) {
+TEST(RobotModel, HasAnIdDerivedFromItsContent) {
   RobotModel first;
   RobotModel second;
   RobotModel other = test::make_test_robot();
@@ -41,7 +41,7 @@ TEST(RobotModel, HasAnIdOfItsContent) {
   EXPECT_NE(first.id, heavier.id);
 }
 
-TEST(RobotModel, RefusesEveryCutImage) {
+TEST(RobotModel, RejectsEveryTruncatedImage) {
   const std::vector<std::byte> image = test::encode(test::make_test_robot());
   RobotModel model;
   for (std::size_t size = 0; size < image.size(); ++size) {
@@ -49,7 +49,7 @@ TEST(RobotModel, RefusesEveryCutImage) {
   }
 }
 
-TEST(RobotModel, RefusesABodyOfAnotherSizeThanItsJointsNeed) {
+TEST(RobotModel, RejectsABodyOfWrongSize) {
   std::vector<std::byte> image = test::encode(test::make_test_robot());
   RobotModel model;
   image.push_back(std::byte{0});
@@ -96,7 +96,7 @@ TEST(RobotModel, RefusesWithTheReason) {
   EXPECT_EQ(load_changed([](Model& m) { m.joints[2].anchor.x = fixed::Length::from_raw(32); }), kBadLeg);
 }
 
-TEST(RobotModel, SortsJointsThatStandBeforeTheirParents) {
+TEST(RobotModel, SortsJointsListedBeforeTheirParents) {
   RobotModel model = test::make_test_robot();
   std::swap(model.joints[18], model.joints[19]);  // makes pan the parent of tilt
   for (const std::size_t i : {18u, 19u}) model.joints[i].mirror = JointIndex(i);
@@ -137,7 +137,7 @@ TEST(RobotModel, SurvivesMutatedImages) {
   EXPECT_LT(accepted, 19000);
 }
 
-TEST(DriveUnits, TurnShaftAndJointIntoEachOther) {
+TEST(DriveUnits, ConvertBetweenShaftAndJoint) {
   const Drive drive{.node_id = 16, .sign = -1, .position_bits = 20, .zero = test::degrees(90)};
   EXPECT_EQ(drive_position(drive, fixed::Angle()), 1 << 18);
   EXPECT_EQ(drive_position(drive, test::degrees(45)), 1 << 17);

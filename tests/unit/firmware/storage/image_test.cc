@@ -28,7 +28,7 @@ TEST(Crc32, GivesTheStandardsCheckValue) {
   EXPECT_EQ(crc32({}), 0u);
 }
 
-TEST(ImageReader, ReadsLittleEndianAndNeverPastTheEnd) {
+TEST(ImageReader, ReadsLittleEndianWithinBounds) {
   const std::array<std::byte, 8> bytes{std::byte{1},    std::byte{0xFE}, std::byte{0x34}, std::byte{0x12},
                                        std::byte{0xFF}, std::byte{0xFF}, std::byte{0xFF}, std::byte{9}};
   ImageReader reader(bytes);
@@ -65,7 +65,7 @@ TEST(OpenImage, RefusesWithTheReason) {
   EXPECT_TRUE(image.body.empty());
 }
 
-TEST(OpenImage, NoticesEachFlippedBit) {
+TEST(OpenImage, DetectsEachFlippedBit) {
   const std::vector<std::byte> good = make_image(5);
   for (std::size_t bit = 0; bit < good.size() * 8; ++bit) {
     std::vector<std::byte> bad = good;

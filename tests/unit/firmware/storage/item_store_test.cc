@@ -78,7 +78,7 @@ TEST_F(ItemStoreTest, KeepsItemsOfAnySizeOverAPowerCycle) {
   for (std::uint16_t i = 0; i < std::size(sizes); ++i) EXPECT_EQ(item(i), pattern(sizes[i], i));
 }
 
-TEST_F(ItemStoreTest, TheNewestCounts) {
+TEST_F(ItemStoreTest, TheNewestItemIsValid) {
   for (unsigned version = 0; version < 3 * kRobotLayout.slots; ++version) {
     ASSERT_EQ(write(3, pattern(100, version)), Status::kOk) << version;
     EXPECT_EQ(item(3), pattern(100, version));
@@ -100,7 +100,7 @@ TEST_F(ItemStoreTest, EverySlotButOneMayBeInUseAndEachBeReplaced) {
   for (std::uint16_t i = 0; i + 1u < kRobotLayout.slots; ++i) EXPECT_EQ(item(i), pattern(60, i));
 }
 
-TEST_F(ItemStoreTest, LeavesTheFactorysPartAlone) {
+TEST_F(ItemStoreTest, DoesNotModifyTheFactoryPart) {
   const Bytes factory = pattern(kFirst, 1);
   storage.load(0, factory);
   for (std::uint16_t i = 0; i < 40; ++i) ASSERT_EQ(write(i % 8, pattern(6'000, i)), Status::kOk);
@@ -148,7 +148,7 @@ TEST_F(ItemStoreTest, OnlyItsWriterEndsAnItem) {
   EXPECT_EQ(write(4, pattern(50, 3)), Status::kOk);
 }
 
-TEST_F(ItemStoreTest, TakesTheLargestPieceBehindARestOfAWriteUnit) {
+TEST_F(ItemStoreTest, AcceptsTheLargestPieceAfterAPartialWriteUnit) {
   ASSERT_EQ(repeat([&] { return store->begin(ItemKind::kMotion, 3); }), Status::kOk);
   ASSERT_EQ(store->append(pattern(7, 1)), Status::kOk);
   EXPECT_EQ(repeat([&] { return store->append(pattern(ItemStore::kMaxAppendSize, 2)); }), Status::kOk);
@@ -173,7 +173,7 @@ TEST_F(ItemStoreTest, StorageWithoutRoomStoresNothing) {
 }
 
 // Power fails in every millisecond of a write; the interrupted operation leaves its range scrambled.
-TEST_F(ItemStoreTest, PowerFailureLeavesTheOldOrTheNew) {
+TEST_F(ItemStoreTest, PowerFailureLeavesTheOldOrTheNewItem) {
   const Bytes before = pattern(700, 1);
   const Bytes after = pattern(700, 2);
   int failures = 0;

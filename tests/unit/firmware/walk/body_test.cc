@@ -85,7 +85,7 @@ test::Point asked(const Stance& stance, Side from, Point p, Length height) {
           to_double(height - stance.heights[i])};
 }
 
-TEST_F(BodyTest, PutsTheSolesWhereTheyAreAskedFor) {
+TEST_F(BodyTest, PutsTheSolesAtTheirTargets) {
   double worst_m = 0.0;
   double worst_axis = 0.0;
   for (int round = 0; round < 2'000; ++round) {
@@ -142,14 +142,14 @@ TEST_F(BodyTest, PutsTheCentreOfMassWithinTwoMillimetresOfAConstant) {
   EXPECT_NEAR(mean.z, 0.5e-3, 1e-3);
 }
 
-TEST_F(BodyTest, LeavesArmsAndHeadAlone) {
+TEST_F(BodyTest, DoesNotMoveArmsAndHead) {
   std::array<Angle, robot::kMaxJoints> targets;
   targets.fill(test::degrees(12));
   Body(model).solve(draw(), {}, targets);
   for (std::size_t joint = 12; joint < targets.size(); ++joint) EXPECT_EQ(targets[joint], test::degrees(12));
 }
 
-TEST_F(BodyTest, StaysWithinTheJointsLimitsWhereALegDoesNotReach) {
+TEST_F(BodyTest, StaysWithinJointLimitsForTargetsOutOfReach) {
   int stretched = 0;
   for (int round = 0; round < 2'000; ++round) {
     Stance stance = draw();
@@ -200,7 +200,7 @@ class CompliantBody : public BodyTest {
 
 constexpr double kSameLever_rad = 1e-3;  // the trunk's lean rotates the hip's axes relative to the ground's
 
-TEST_F(CompliantBody, MakesUpForTheSagOfTheJointsThatBear) {
+TEST_F(CompliantBody, CompensatesTheSagOfLoadedJoints) {
   model.joints[4].axis = -robot::kAxisY;  // must also hold for a reversed joint axis
   for (const Side side : kSides) {
     const Stance stance = on_one_foot(side);
@@ -217,12 +217,12 @@ TEST_F(CompliantBody, MakesUpForTheSagOfTheJointsThatBear) {
   }
 }
 
-TEST_F(CompliantBody, LeavesALegThatBearsNothingAlone) {
+TEST_F(CompliantBody, DoesNotCorrectAnUnloadedLeg) {
   const Stance stance = on_one_foot(Side::kLeft);
   for (const std::size_t joint : model.leg(Side::kRight)) EXPECT_EQ(given_rad(stance, joint), 0.0);
 }
 
-TEST_F(CompliantBody, BearsItsShareAboutItsOwnPlaceInDoubleSupport) {
+TEST_F(CompliantBody, ScalesTheCorrectionByTheLoadShareInDoubleSupport) {
   Stance stance = on_one_foot(Side::kLeft);
   stance.heights = {};
   stance.load_shares = {fixed::kOne / 4, fixed::kOne - fixed::kOne / 4};

@@ -60,7 +60,7 @@ Stride mirrored(const Stride& stride) {
 
 std::int32_t difference_raw(Length a, Length b) { return std::abs((a - b).raw()); }
 
-TEST(Footsteps, GoByTheWayAndTheTurnInEachOfTwoSteps) {
+TEST(Footsteps, AdvanceByDistanceAndTurnInEachOfTwoSteps) {
   std::mt19937 random{20081};
   for (int round = 0; round < 1'000; ++round) {
     const RandomGait gait(random);
@@ -72,7 +72,7 @@ TEST(Footsteps, GoByTheWayAndTheTurnInEachOfTwoSteps) {
   }
 }
 
-TEST(Footsteps, OpenWithTheFootOnTheSideTheyGoToAndCloseWithTheOther) {
+TEST(Footsteps, OpenWithTheFootOnTheSideOfTheMotionAndCloseWithTheOther) {
   const Length width = from_double<Length>(0.06);
   const Footsteps steps(width, from_double<fixed::Gain>(7.0), {});
   const Stride stride{.distance = {{}, from_double<Length>(0.01)}, .turn = from_double<Angle>(0.1)};
@@ -109,7 +109,7 @@ TEST(FootstepsOffset, IsMirroredToFourLsb) {
   EXPECT_LE(worst_raw, 4);
 }
 
-TEST(FootstepsOffset, RepeatsItselfOverTwoSteps) {
+TEST(FootstepsOffset, IsPeriodicOverTwoSteps) {
   std::mt19937 random{20081};
   double worst_m = 0.0;
   for (int round = 0; round < 2'000; ++round) {
@@ -130,7 +130,7 @@ TEST(FootstepsOffset, RepeatsItselfOverTwoSteps) {
 
 // Marching on the spot in single support only: the offset is half the width divided by (growth + 1), from the
 // middle between the feet.
-TEST(FootstepsOffset, OnTheSpotIsTheTextbooks) {
+TEST(FootstepsOffset, OnTheSpotEqualsTheTextbook) {
   const double growth = 7.0;
   const double width_m = 0.062;
   const Footsteps steps(from_double<Length>(width_m), from_double<fixed::Gain>(growth), {});

@@ -23,7 +23,7 @@ Gait with_steps(const decltype(WalkParameters::step)& step) {
   return Gait(parameters);
 }
 
-TEST(Gait, IsTheParametersInQuantities) {
+TEST(Gait, ConvertsTheParametersToQuantities) {
   const Gait gait({.step = {.time_ms = 240,
                             .double_support = 250,
                             .width = 771,
@@ -72,7 +72,7 @@ TEST(Gait, IsTheParametersInQuantities) {
   EXPECT_NEAR(to_double(gait.heading_hold), 0.125, 1e-9);
 }
 
-TEST(Gait, IsNoneWithoutAnyOfWhatAWalkNeeds) {
+TEST(Gait, IsInvalidWithoutAnyRequiredParameter) {
   EXPECT_FALSE(is_gait({}));
   EXPECT_TRUE(is_gait(test::tuned_gait()));
   const auto lacks = [](auto&& take_away) {
@@ -91,7 +91,7 @@ TEST(Gait, IsNoneWithoutAnyOfWhatAWalkNeeds) {
   EXPECT_TRUE(lacks([](WalkParameters& p) { p.posture.com_height = 0; }));
 }
 
-TEST(Gait, CutsTimesDownToWholeCyclesAndLeavesOneToSwing) {
+TEST(Gait, TruncatesTimesToWholeCyclesAndKeepsOneForTheSwing) {
   EXPECT_EQ(with_steps({.time_ms = 269}).step_ticks, 26);
   EXPECT_EQ(with_steps({.time_ms = 0}).step_ticks, 1);
   EXPECT_EQ(with_steps({.time_ms = 32'000}).step_ticks, std::int32_t{Pendulum::kMaxTicks});
@@ -100,7 +100,7 @@ TEST(Gait, CutsTimesDownToWholeCyclesAndLeavesOneToSwing) {
   EXPECT_EQ(with_steps({.time_ms = 260, .double_support = -1}).double_ticks, 0);
 }
 
-TEST(Speed, GainsNoMoreThanTheAccelerationInACycle) {
+TEST(Speed, ChangesByAtMostTheAccelerationPerCycle) {
   const Gait gait = with_steps({.time_ms = 200, .acceleration = {300, 200, 1500}});
   Speed speed;
   EXPECT_TRUE(speed.is_zero());
@@ -116,7 +116,7 @@ TEST(Speed, GainsNoMoreThanTheAccelerationInACycle) {
   EXPECT_FALSE(speed.is_zero());
 }
 
-TEST(Speed, ArrivesAtItsCommandAndStaysThere) {
+TEST(Speed, ReachesItsCommandAndStaysThere) {
   const Gait gait =
       with_steps({.time_ms = 200, .acceleration = {70, 70, 70}});  // not a divisor of the requested time
   Speed speed;
@@ -130,7 +130,7 @@ TEST(Speed, ArrivesAtItsCommandAndStaysThere) {
   EXPECT_TRUE(speed.is_zero());
 }
 
-TEST(Speed, LeansByHowFastItGoes) {
+TEST(Speed, LeansInProportionToSpeed) {
   WalkParameters parameters = test::tuned_gait();
   parameters.posture.trunk_pitch = 0x100;
   parameters.posture.trunk_pitch_by_speed = 0x1000;

@@ -88,7 +88,7 @@ TEST(Pendulum, FollowsTheClosedFormForAStep) {
   EXPECT_GT(worst, 1e-8);
 }
 
-TEST(Pendulum, MovesInAStraightLineNoMoreThanTheZmpDoes) {
+TEST(Pendulum, MovesLinearlyLikeItsZmp) {
   const Pendulum pendulum(from_double<Length>(0.17));
   const Point zmp{from_double<Length>(0.03), from_double<Length>(-0.02)};
   PendulumState state = PendulumState::at_rest(zmp);
@@ -96,7 +96,7 @@ TEST(Pendulum, MovesInAStraightLineNoMoreThanTheZmpDoes) {
   EXPECT_EQ(state.position(), zmp);
 }
 
-TEST(Pendulum, KnowsItsTimeConstantAndGrowth) {
+TEST(Pendulum, ComputesItsTimeConstantAndGrowth) {
   double worst = 0.0;
   for (double height_m = 0.05; height_m <= 1.0; height_m += 0.01) {
     const Pendulum pendulum(from_double<Length>(height_m));
@@ -111,12 +111,12 @@ TEST(Pendulum, KnowsItsTimeConstantAndGrowth) {
   EXPECT_GT(worst, 1e-7);
 }
 
-TEST(Pendulum, TakesHeightsBeyondItsBoundsForTheBounds) {
+TEST(Pendulum, ClampsHeightsToItsBounds) {
   EXPECT_EQ(Pendulum(Length()).time_constant_s(), Pendulum(from_double<Length>(0.05)).time_constant_s());
   EXPECT_EQ(Pendulum(Length::max()).time_constant_s(), Pendulum(from_double<Length>(1.0)).time_constant_s());
 }
 
-TEST(PendulumLag, IsTheSumOfWhatIsMissing) {
+TEST(PendulumLag, IsTheSumOfTheMissingParts) {
   for (const double height_m : {0.05, 0.17, 0.5}) {
     const Pendulum pendulum(from_double<Length>(height_m));
     const double growth = std::exp(omega_per_s(height_m) * kTickLength_s);
@@ -132,7 +132,7 @@ TEST(PendulumLag, IsTheSumOfWhatIsMissing) {
 
 // Purpose of the lag: a ZMP that ramps over several cycles gives the same final DCM as a ZMP step from an
 // offset initial state.
-TEST(PendulumLag, StandsForAZmpThatTakesItsTime) {
+TEST(PendulumLag, RepresentsADelayedZmp) {
   const Pendulum pendulum(from_double<Length>(0.17));
   const Length way = from_double<Length>(0.06);
   const Length begin = from_double<Length>(0.025);

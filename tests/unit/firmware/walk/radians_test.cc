@@ -10,7 +10,7 @@ namespace {
 using fixed::from_double;
 using fixed::to_double;
 
-TEST(Radians, AreRightToTheBitsOfBothFormatsAndBack) {
+TEST(Radians, AreExactInBothFormatsAndBack) {
   for (double rad = -1.99; rad < 2.0; rad += 0.0037) {
     const auto angle = from_double<fixed::Angle>(rad);
     EXPECT_NEAR(to_double(in_rad(angle)), rad, 3e-9);

@@ -62,7 +62,7 @@ WalkParameters capturing(std::int16_t ahead, std::int16_t aside) {
 // Remaining share of a constant lean after one step: the slow estimate of the DCM bias absorbs the rest.
 const double kDcmBiasShare = std::pow(1.0 - 1.0 / 150.0, 26);
 
-TEST(WalkerCapture, MovesTheFootholdTowardsALeanAhead) {
+TEST(WalkerCapture, MovesTheFootholdForwardTowardsALean) {
   for (const double lean_rad : {0.1, -0.1}) {
     const double sign = lean_rad > 0 ? 1.0 : -1.0;
     const test::Point moved = shift(capturing(500, 500), Side::kLeft, leaning(0, lean_rad));
@@ -71,19 +71,19 @@ TEST(WalkerCapture, MovesTheFootholdTowardsALeanAhead) {
   }
 }
 
-TEST(WalkerCapture, MovesTheFootholdOutTowardsALeanAside) {
+TEST(WalkerCapture, MovesTheFootholdLaterallyTowardsALean) {
   // Positive roll about the forward axis x: the robot leans to the right.
   const double way_m = 0.5 * (kDcmBiasShare * kComHeight_m * 0.1 - 0.005);
   EXPECT_NEAR(shift(capturing(500, 500), Side::kRight, leaning(0.1, 0)).y, -way_m, 0.1e-3);
   EXPECT_NEAR(shift(capturing(500, 500), Side::kLeft, leaning(-0.1, 0)).y, way_m, 0.1e-3);
 }
 
-TEST(WalkerCapture, CountsARateByThePendulumsTimeConstant) {
+TEST(WalkerCapture, WeightsARateByThePendulumsTimeConstant) {
   const double way_m = 0.5 * (kDcmBiasShare * kComHeight_m * kTimeConstant_s * 0.5 - 0.005);
   EXPECT_NEAR(shift(capturing(500, 0), Side::kLeft, turning(0.5, 0)).x, way_m, 0.1e-3);
 }
 
-TEST(WalkerCapture, DoesNothingWithinTheDeadBandOrWithoutAShare) {
+TEST(WalkerCapture, DoesNothingWithinTheDeadBandOrWithoutGain) {
   const double band_rad = 0.005 / kComHeight_m;
   const Observation small = leaning(0.9 * band_rad, -0.9 * band_rad);
   const Observation large = leaning(0.2, 0.2);
@@ -99,7 +99,7 @@ TEST(WalkerCapture, DoesNothingWithinTheDeadBandOrWithoutAShare) {
   }
 }
 
-TEST(WalkerCapture, DoesNotStepAfterALeanThatStays) {
+TEST(WalkerCapture, IgnoresAConstantLean) {
   WalkingRobot robot(capturing(500, 500));
   for (int tick = 0; tick < 1'200; ++tick) robot.advance({}, leaning(0.05, 0.05));
   const test::Point last = robot.landings.back().p;
@@ -107,13 +107,13 @@ TEST(WalkerCapture, DoesNotStepAfterALeanThatStays) {
   EXPECT_NEAR(std::abs(last.y), 0.066, 0.1e-3);
 }
 
-TEST(WalkerCapture, DoesNotBelieveALeanThatNoStepCatches) {
+TEST(WalkerCapture, ClampsALeanThatNoStepCatches) {
   WalkParameters parameters = capturing(100, 0);
   const double most_m = 0.1 * (kDcmBiasShare * kComHeight_m * 30.0 * M_PI / 180.0 - 0.005);
   EXPECT_NEAR(shift(parameters, Side::kLeft, leaning(0, 1.5)).x, most_m, 0.1e-3);
 }
 
-TEST(WalkerCapture, SmoothsWhatItSees) {
+TEST(WalkerCapture, SmoothsTheLean) {
   WalkParameters parameters = capturing(500, 0);
   parameters.reaction.dead_band = 0;
   parameters.reaction.smoothing = 900;
@@ -145,7 +145,7 @@ int step_ticks(std::int16_t threshold_cN, double load_N, int from_tick) {
   return robot.tick - begin;
 }
 
-TEST(WalkerTouchDown, EndsAStepBeforeItsTime) {
+TEST(WalkerTouchdown, EndsAStepEarly) {
   const int in_time = step_ticks(200, 0.0, 0);
   EXPECT_EQ(in_time, 26 + 3 + 1);  // one step and the double support of the next
   EXPECT_EQ(step_ticks(200, 3.0, 20), in_time - 26 + 21);
@@ -154,13 +154,13 @@ TEST(WalkerTouchDown, EndsAStepBeforeItsTime) {
 }
 
 // 0.6 of the 23 cycles of swing, after 3 cycles of double support.
-TEST(WalkerTouchDown, IsNotBelievedBeforeTheFootHasGoneMostOfItsWay) {
+TEST(WalkerTouchdown, IsIgnoredEarlyInTheSwing) {
   EXPECT_EQ(step_ticks(200, 3.0, 0), step_ticks(200, 0.0, 0) - 26 + 17);
 }
 
 // The mass has then moved less than planned: the next step lands further out, and the following ones are as
 // before.
-TEST(WalkerTouchDown, IsMadeUpForByTheNextStep) {
+TEST(WalkerTouchdown, IsCompensatedByTheNextStep) {
   WalkParameters parameters = rigid();
   parameters.reaction.touchdown_load_cN = 200;
   WalkingRobot robot(parameters);
@@ -207,15 +207,15 @@ double heading_left_rad(std::int16_t heading_hold, double turned_rad, const Velo
   return heading_rad - 1e-3 * command.turn_mrad_per_s * 1'500 * kTick_s;
 }
 
-TEST(WalkerHeading, TurnsBackWhenItWasTurned) {
+TEST(WalkerHeading, CorrectsADisturbedHeading) {
   EXPECT_NEAR(heading_left_rad(300, 0.3), 0.0, 0.02);
   EXPECT_NEAR(heading_left_rad(300, -0.3), 0.0, 0.02);
 }
 
-TEST(WalkerHeading, StaysTurnedWhereItIsNotHeld) { EXPECT_NEAR(heading_left_rad(0, 0.3), 0.3, 1e-3); }
+TEST(WalkerHeading, StaysTurnedWithoutHeadingControl) { EXPECT_NEAR(heading_left_rad(0, 0.3), 0.3, 1e-3); }
 
 // The error is reduced by the lag during a turn.
-TEST(WalkerHeading, HoldsACurveToo) { EXPECT_NEAR(heading_left_rad(300, 0.3, {0, 0, 300}), 0.0, 0.15); }
+TEST(WalkerHeading, AlsoHoldsACurve) { EXPECT_NEAR(heading_left_rad(300, 0.3, {0, 0, 300}), 0.0, 0.15); }
 
 }  // namespace
 }  // namespace koboshi::walk

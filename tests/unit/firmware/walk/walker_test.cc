@@ -23,7 +23,7 @@ constexpr int kRampTicks = 50;
 constexpr double kWidth_m = 0.066;
 constexpr double kStep_s = 0.26;
 
-TEST(Walker, StandsIdleBeforeItIsStarted) {
+TEST(Walker, IsIdleBeforeItIsStarted) {
   const robot::RobotModel model = test::load_test_robot();
   Walker walker(model);
   EXPECT_FALSE(walker.running());
@@ -43,7 +43,7 @@ TEST(Walker, BendsItsKneesBeforeItLiftsAFoot) {
   EXPECT_NEAR(com.z, 0.17, 2e-3);
 }
 
-TEST(Walker, SwaysToTheLeftAndThenStepsWithTheRightFirst) {
+TEST(Walker, ShiftsItsWeightToTheLeftAndStepsWithTheRightFirst) {
   WalkingRobot robot;
   double furthest_right_m = 0.0;
   while (!robot.swing_side()) {
@@ -96,7 +96,7 @@ void expect_pace(const Velocity& command, double forward_m_per_s, double left_m_
   }
 }
 
-TEST(Walker, GoesAsFastAsItIsTold) {
+TEST(Walker, ReachesTheCommandedVelocity) {
   expect_pace({200, 0, 0}, 0.2, 0, 0);
   expect_pace({-150, 0, 0}, -0.15, 0, 0);
   expect_pace({0, 80, 0}, 0, 0.08, 0);
@@ -104,7 +104,7 @@ TEST(Walker, GoesAsFastAsItIsTold) {
   expect_pace({100, 50, 0}, 0.1, 0.05, 0);
 }
 
-TEST(Walker, TurnsAsFastAsItIsTold) {
+TEST(Walker, TurnsAtTheCommandedRate) {
   for (const std::int16_t turn_mrad_per_s : {std::int16_t{1'000}, std::int16_t{-1'000}}) {
     WalkingRobot robot;
     for (int step = 0; step < 30; ++step) ASSERT_TRUE(robot.advance_until_landing({0, 0, turn_mrad_per_s}));
@@ -148,7 +148,7 @@ TEST(Walker, KeepsToTheJointsLimitsAtAnyVelocity) {
 
 // Within the reach of the legs at the default parameters: the mass stays between the feet and at its height,
 // and no target changes faster than a servo can follow.
-TEST(Walker, KeepsItsMassOverItsFeetForAHundredStepsOfAnyVelocity) {
+TEST(Walker, KeepsItsCentreOfMassOverItsFeetForAHundredStepsAtAnyVelocity) {
   constexpr double kFastest_rad_per_s = 2 * 7.48;
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
     WalkingRobot robot;
@@ -177,7 +177,7 @@ TEST(Walker, KeepsItsMassOverItsFeetForAHundredStepsOfAnyVelocity) {
   }
 }
 
-TEST(Walker, EndsAtTheStandingTargetsWhenToldToStop) {
+TEST(Walker, EndsAtTheStandingTargetsOnStop) {
   for (const int after_ticks : {0, 20, 60, 75, 130, 300, 307, 314, 321}) {
     WalkingRobot robot{test::tuned_gait()};
     for (int tick = 0; tick < after_ticks; ++tick) robot.advance({200, 50, 300});
@@ -200,7 +200,7 @@ TEST(Walker, PutsItsFeetSideBySideBeforeItEnds) {
   EXPECT_NEAR(last.yaw_rad, 0.0, 0.02);
 }
 
-TEST(Walker, GoesOnWhenTheStopIsTakenBack) {
+TEST(Walker, ContinuesWhenTheStopIsRevoked) {
   WalkingRobot robot;
   for (int tick = 0; tick < 200; ++tick) robot.advance({200, 0, 0});
   robot.walker.stop();
@@ -212,7 +212,7 @@ TEST(Walker, GoesOnWhenTheStopIsTakenBack) {
               0.1e-3);
 }
 
-TEST(Walker, DoesNotGoOnOnceTheFeetAreSideBySide) {
+TEST(Walker, StopsOnceTheFeetAreSideBySide) {
   WalkingRobot robot;
   for (int tick = 0; tick < 200; ++tick) robot.advance();
   robot.walker.stop();
@@ -222,7 +222,7 @@ TEST(Walker, DoesNotGoOnOnceTheFeetAreSideBySide) {
   EXPECT_TRUE(robot.advance_to_the_end());
 }
 
-TEST(Walker, LeavesItsTargetsAloneAfterAnAbort) {
+TEST(Walker, KeepsItsTargetsAfterAnAbort) {
   WalkingRobot robot;
   for (int tick = 0; tick < 200; ++tick) robot.advance({100, 0, 0});
   robot.walker.abort();
@@ -232,7 +232,7 @@ TEST(Walker, LeavesItsTargetsAloneAfterAnAbort) {
   EXPECT_EQ(robot.targets(), targets);
 }
 
-TEST(Walker, WalksTheSameTwiceAndAfterAnotherWalk) {
+TEST(Walker, RepeatsAWalkAfterAnotherWalk) {
   WalkParameters lively = test::tuned_gait();
   lively.reaction.capture_forward = 500;
   lively.reaction.capture_lateral = 500;
@@ -262,7 +262,7 @@ TEST(Walker, WalksTheSameTwiceAndAfterAnotherWalk) {
   EXPECT_TRUE(play(again) == told);
 }
 
-TEST(Walker, SwingsAnArmWithTheFootOfTheOtherSide) {
+TEST(Walker, SwingsEachArmWithTheOppositeFoot) {
   auto parameters = rigid();
   parameters.posture.arm_swing = 1'000;
   WalkingRobot robot(parameters);
@@ -275,7 +275,7 @@ TEST(Walker, SwingsAnArmWithTheFootOfTheOtherSide) {
   }
 }
 
-TEST(Walker, LeansFurtherTheFasterItGoes) {
+TEST(Walker, LeansFurtherAtHigherSpeed) {
   auto parameters = rigid();
   parameters.posture.trunk_pitch_by_speed = 0x1000;
   WalkingRobot robot(parameters);

@@ -24,7 +24,7 @@ TEST_F(FakeBoardTest, DeliversFramesInOrderAndCountsTheOverrun) {
   EXPECT_FALSE(ports.can.receive(frame));
 }
 
-TEST_F(FakeBoardTest, RemembersWhatWasSent) {
+TEST_F(FakeBoardTest, RecordsSentFrames) {
   const CanFrame sync{.identifier = 0x80};
   const CanFrame first{.identifier = 0x210, .size = 1, .data = {1}};
   const CanFrame second{.identifier = 0x210, .size = 1, .data = {2}};

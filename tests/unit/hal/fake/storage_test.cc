@@ -63,7 +63,7 @@ TEST(FakeStorage, ClearsBitsOnlyUntilErased) {
   EXPECT_EQ(storage.contents()[16], std::byte{0}) << "another sector";
 }
 
-TEST(FakeStorage, RefusesWhatIsMisalignedOutOfRangeOrTooLong) {
+TEST(FakeStorage, RejectsMisalignedOutOfRangeAndTooLongWrites) {
   FakeStorage storage(2, 512);
   EXPECT_FALSE(storage.begin_erase(1));
   EXPECT_FALSE(storage.begin_erase(1024));
@@ -75,7 +75,7 @@ TEST(FakeStorage, RefusesWhatIsMisalignedOutOfRangeOrTooLong) {
   EXPECT_TRUE(storage.begin_write(0, std::span(long_bytes).first(StoragePort::kMaxWriteSize)));
 }
 
-TEST(FakeStorage, FailsOnceWhenTold) {
+TEST(FakeStorage, FailsOnceOnRequest) {
   FakeStorage storage(1, 16);
   storage.fail_next();
   ASSERT_TRUE(storage.begin_write(0, bytes(1, 2)));

@@ -62,7 +62,7 @@ TEST_F(Flash, RefusesWhileBusy) {
   EXPECT_TRUE(flash_.begin_erase(FlashModel::kSectorSize_bytes));
 }
 
-TEST_F(Flash, RefusesWhatDoesNotFit) {
+TEST_F(Flash, RejectsWritesOutOfRange) {
   const std::vector<std::byte> page(StoragePort::kMaxWriteSize);
   EXPECT_FALSE(flash_.begin_erase(1));
   EXPECT_FALSE(flash_.begin_erase(FlashModel::kSize_bytes));

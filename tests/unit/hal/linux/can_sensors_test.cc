@@ -14,7 +14,7 @@ CanFrame half(std::uint16_t identifier, std::int16_t x, std::uint8_t number) {
       .data = {static_cast<std::uint8_t>(word), static_cast<std::uint8_t>(word >> 8), 0, 0, 0, 0, number}};
 }
 
-TEST(CanSensors, PutTheHalvesOfASampleTogether) {
+TEST(CanSensors, JoinTheHalvesOfASample) {
   CanSensors sensors;
   EXPECT_TRUE(sensors.on_frame(half(0x1A4, -300, 7), 1'000));
   EXPECT_FALSE(sensors.inertial(1'000));
@@ -31,7 +31,7 @@ TEST(CanSensors, DoNotMixHalvesOfDifferentSamples) {
   EXPECT_EQ(sensors.take_ankle(Side::kLeft), (AnkleSample{0, {3, 0, 0}, {2, 0, 0}}));
 }
 
-TEST(CanSensors, GiveAnAnklesSampleOnce) {
+TEST(CanSensors, DeliverAnAnkleSampleOnce) {
   CanSensors sensors;
   EXPECT_TRUE(sensors.on_frame(half(0x1A6, 1, 1), 5'000));
   EXPECT_TRUE(sensors.on_frame(half(0x2A6, 2, 1), 5'100));
@@ -54,7 +54,7 @@ TEST(CanSensors, LeaveHeartbeatsToTheFirmware) {
   EXPECT_FALSE(sensors.on_frame({.identifier = 0x724, .size = 1, .data = {5}}, 0));
 }
 
-TEST(CanSensors, LeaveOtherFramesAlone) {
+TEST(CanSensors, IgnoreOtherFrames) {
   CanSensors sensors;
   EXPECT_FALSE(sensors.on_frame(half(0x1A3, 1, 1), 0));
   EXPECT_FALSE(sensors.on_frame(half(0x1A7, 1, 1), 0));
@@ -62,7 +62,7 @@ TEST(CanSensors, LeaveOtherFramesAlone) {
   EXPECT_FALSE(sensors.on_frame(half(0x5A4, 1, 1), 0));
 }
 
-TEST(CanSensors, TakeNothingFromAFrameOfWrongLength) {
+TEST(CanSensors, IgnoreFramesOfWrongLength) {
   CanSensors sensors;
   EXPECT_TRUE(sensors.on_frame(half(0x1A4, 1, 0), 0));
   CanFrame cut = half(0x2A4, 1, 0);

@@ -42,7 +42,7 @@ TEST_F(BatchBoardTest, ServesFramesAndSamplesInOrder) {
   EXPECT_FALSE(board.imu.read(sample));
 }
 
-TEST_F(BatchBoardTest, KeepsWhatWasNotReadForTheNextCall) {
+TEST_F(BatchBoardTest, KeepsUnreadInputForTheNextCall) {
   add_frames(1, 0x100);
   ASSERT_TRUE(input.imu.push({.time_us = 1}));
   input.ankle_fresh = {true, false};
@@ -63,7 +63,7 @@ TEST_F(BatchBoardTest, KeepsWhatWasNotReadForTheNextCall) {
   EXPECT_EQ(ankle.time_us, 7u);
 }
 
-TEST_F(BatchBoardTest, CountsWhatNoLongerFits) {
+TEST_F(BatchBoardTest, CountsDroppedFramesAndSamples) {
   add_frames(BatchInput::kMaxFrames);
   for (std::uint32_t i = 0; i < BatchInput::kMaxImuSamples; ++i) ASSERT_TRUE(input.imu.push({.time_us = i}));
   input.can_status.receive_overruns = 5;
@@ -100,7 +100,7 @@ TEST_F(BatchBoardTest, TakesNoMoreFramesThanOneMessageCarries) {
   EXPECT_FALSE(board.can.transmit({}));
 }
 
-TEST_F(BatchBoardTest, KeepsTheDriveEnableLineAndForgetsTheRest) {
+TEST_F(BatchBoardTest, KeepsTheDriveEnableLineAndClearsTheRest) {
   input.can_status.state = CanErrorState::kBusOff;
   batch.begin(input);
   EXPECT_FALSE(batch.end().drive_enabled) << "low at reset";
@@ -127,7 +127,7 @@ TEST_F(BatchBoardTest, RecoversFromBusOffOnly) {
   EXPECT_FALSE(batch.end().recover);
 }
 
-TEST_F(BatchBoardTest, HandsOverEachAnkleSampleOnce) {
+TEST_F(BatchBoardTest, DeliversEachAnkleSampleOnce) {
   input.ankle_fresh = {false, true};
   input.ankles[1].force_raw = {1, 2, 3};
   batch.begin(input);
@@ -138,7 +138,7 @@ TEST_F(BatchBoardTest, HandsOverEachAnkleSampleOnce) {
   EXPECT_FALSE(board.ankles.read(Side::kRight, sample));
 }
 
-TEST_F(BatchBoardTest, PassesStorageOn) { EXPECT_EQ(&board.storage, &storage); }
+TEST_F(BatchBoardTest, ForwardsStorage) { EXPECT_EQ(&board.storage, &storage); }
 
 }  // namespace
 }  // namespace koboshi::hal

@@ -70,7 +70,7 @@ void expect_equal(const BatchInput& a, const BatchInput& b) {
   EXPECT_EQ(a.ankles, b.ankles);
 }
 
-TEST(BatchInput, ComesBackAsItWasAtEveryFillLevel) {
+TEST(BatchInput, RoundTripsAtEveryFillLevel) {
   std::mt19937 random(1);
   for (std::size_t frames = 0; frames <= BatchInput::kMaxFrames; ++frames) {
     const std::size_t samples = frames % (BatchInput::kMaxImuSamples + 1);
@@ -81,7 +81,7 @@ TEST(BatchInput, ComesBackAsItWasAtEveryFillLevel) {
   }
 }
 
-TEST(BatchInput, FillsItsLargestMessageExactly) {
+TEST(BatchInput, FillsTheLargestMessageExactly) {
   std::mt19937 random(2);
   const BatchInput full = random_input(random, BatchInput::kMaxFrames, BatchInput::kMaxImuSamples);
   EXPECT_EQ(encoded(full).size(), kMaxBatchInputBytes);
@@ -124,7 +124,7 @@ TEST(BatchInput, IsRejectedWhenCutAnywhereOrTooLong) {
   EXPECT_FALSE(decode(bytes, input));
 }
 
-TEST(BatchInput, IsRejectedWithAValueThatNoFieldCanHave) {
+TEST(BatchInput, IsRejectedWithAValueOutOfRange) {
   BatchInput input;
   ASSERT_TRUE(input.frames.push({.identifier = 0x123, .size = 8}));
   const Bytes good = encoded(input);
@@ -146,7 +146,7 @@ TEST(BatchInput, IsRejectedWithAValueThatNoFieldCanHave) {
   EXPECT_FALSE(decodes_with(40, 2)) << "fresh ankle";
 }
 
-TEST(BatchInput, NeverReadsOutOfBoundsFromNoise) {
+TEST(BatchInput, NeverReadsOutOfBoundsOnRandomBytes) {
   std::mt19937 random(4);
   for (int round = 0; round < 20'000; ++round) {
     std::mt19937 content(random());
@@ -160,7 +160,7 @@ TEST(BatchInput, NeverReadsOutOfBoundsFromNoise) {
   }
 }
 
-TEST(BatchOutput, ComesBackAsItWas) {
+TEST(BatchOutput, RoundTrips) {
   std::mt19937 random(5);
   for (std::size_t frames = 0; frames <= BatchOutput::kMaxFrames; ++frames) {
     BatchOutput sent;

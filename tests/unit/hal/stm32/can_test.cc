@@ -48,7 +48,7 @@ TEST(BitTiming, GivesTheRegisterOfTheManual) {
   static_assert(k1MbitAt42MHz.bit_rate(8'000'000) == 0, "190,476.2 bits a second");
 }
 
-TEST_F(Stm32Can, IsSilentUntilItIsStarted) {
+TEST_F(Stm32Can, IsSilentUntilStarted) {
   ASSERT_TRUE(can.transmit(kSync));
   EXPECT_FALSE(hardware.on_bus());
   EXPECT_EQ(hardware.send(), std::nullopt);
@@ -118,7 +118,7 @@ TEST_F(Stm32Can, CountsAnOverrunOfTheHardwareFifo) {
 }
 
 // The interrupt line falls some clock cycles after the release, so the handler runs again.
-TEST_F(Stm32Can, TakesAFrameOnceWhileItsReleaseIsPending) {
+TEST_F(Stm32Can, ReadsAFrameOnceWhileItsReleaseIsPending) {
   start();
   hardware.connect([] {}, [] {});
   const std::uint32_t enabled = hardware.registers.ier;
@@ -147,7 +147,7 @@ TEST_F(Stm32Can, SendsFramesAsTheyWereGiven) {
   }
 }
 
-TEST_F(Stm32Can, SaysWhatWaitsInWhichFifo) {
+TEST_F(Stm32Can, ReportsPendingFramesPerFifo) {
   start();
   ASSERT_TRUE(can.transmit(kAnswer));
   EXPECT_TRUE(can.transmit_pending(kAnswerFifo));
@@ -181,7 +181,7 @@ TEST_F(Stm32Can, ReportsTheErrorStates) {
   EXPECT_EQ(can.status().transmit_error_count, 255);
 }
 
-TEST_F(Stm32Can, StaysBusOffUntilItIsToldToRecover) {
+TEST_F(Stm32Can, StaysBusOffUntilRecoveryIsRequested) {
   start();
   destroy_until_bus_off();
   for (int i = 0; i < 10; ++i) {
@@ -230,7 +230,7 @@ TEST_F(Stm32Can, SendsNothingFromBeforeTheRecovery) {
   EXPECT_EQ(send_all(), (std::vector<std::uint16_t>{0x080}));
 }
 
-TEST_F(Stm32Can, DoesNotRecoverWhatIsNotBusOff) {
+TEST_F(Stm32Can, RecoversFromBusOffOnly) {
   start();
   ASSERT_TRUE(can.transmit(kSync));
   can.recover();
@@ -276,7 +276,7 @@ TEST(FakeCanRegisters, ReplacesTheNewestFrameOfAFifoThatIsNotLocked) {
   EXPECT_EQ(seen, (std::vector<std::uint32_t>{1, 2, 4}));
 }
 
-TEST(FakeCanRegisters, SendsInTheOrderOfRequestsWhereThatIsSet) {
+TEST(FakeCanRegisters, SendsInTheOrderOfRequestsWhenConfigured) {
   FakeCanRegisters hardware;
   hardware.registers.mcr = mcr::kInrq | mcr::kTxfp;
   hardware.settle();

@@ -72,7 +72,7 @@ class SimBoardTest : public testing::Test {
   std::optional<SimBoard> board;
 };
 
-TEST_F(SimBoardTest, FeedsItsDrivesFromItsBatteryOrEachFromItsOwnSupply) {
+TEST_F(SimBoardTest, SuppliesItsDrivesFromABatteryOrIndividually) {
   run_ms(5);
   EXPECT_EQ(board->drive(0).values().supply_mV, 7500u);
   robot.battery = {.open_circuit_V = 8.1, .internal_resistance_ohm = 0.2};
@@ -81,7 +81,7 @@ TEST_F(SimBoardTest, FeedsItsDrivesFromItsBatteryOrEachFromItsOwnSupply) {
   EXPECT_EQ(board->drive(0).values().supply_mV, 8100u);
 }
 
-TEST_F(SimBoardTest, ServesEachMillisecondAndTicksEachTenth) {
+TEST_F(SimBoardTest, RunsServicesEachMillisecondAndTicksEachTenth) {
   run_ms(25);
   ASSERT_EQ(host.inputs.size(), 25u);
   for (std::size_t i = 0; i < host.inputs.size(); ++i) {
@@ -91,7 +91,7 @@ TEST_F(SimBoardTest, ServesEachMillisecondAndTicksEachTenth) {
   EXPECT_EQ(board->now_us(), 25'000u);
 }
 
-TEST_F(SimBoardTest, ServesAlikeWhateverThePhysicsStep) {
+TEST_F(SimBoardTest, BehavesTheSameForAnyPhysicsStep) {
   run_ms(25);
   const auto coarse = host.inputs;
   host.inputs.clear();
@@ -105,7 +105,7 @@ TEST_F(SimBoardTest, ServesAlikeWhateverThePhysicsStep) {
   }
 }
 
-TEST_F(SimBoardTest, SendsATicksFramesAfterItsComputingTime) {
+TEST_F(SimBoardTest, SendsTheFramesOfATickAfterItsComputingTime) {
   host.answer = [](const hal::BatchInput& input, hal::BatchOutput& output) {
     if (input.now_us == 10'000 || input.now_us == 15'000)
       static_cast<void>(output.frames.push({.identifier = 0x123}));
@@ -116,7 +116,7 @@ TEST_F(SimBoardTest, SendsATicksFramesAfterItsComputingTime) {
   EXPECT_EQ(log.items[1].start_us, 15'050u);
 }
 
-TEST_F(SimBoardTest, HandsOverTheDrivesBootUp) {
+TEST_F(SimBoardTest, DeliversTheBootUpOfDrives) {
   run_ms(60);
   std::vector<hal::CanFrame> received;
   for (const auto& input : host.inputs) {
@@ -126,7 +126,7 @@ TEST_F(SimBoardTest, HandsOverTheDrivesBootUp) {
   EXPECT_EQ(received[0], (hal::CanFrame{.identifier = 0x710, .size = 1, .data = {0}}));
 }
 
-TEST_F(SimBoardTest, TakesFramesFromAnOperator) {
+TEST_F(SimBoardTest, ReceivesFramesFromAnOperator) {
   run_ms(5);
   ASSERT_TRUE(board->send_as_operator({.identifier = 0x201, .size = 3, .data = {1}}));
   run_ms(2);
@@ -147,7 +147,7 @@ TEST_F(SimBoardTest, DeliversOneInertialSampleEachMillisecondUntilTheUnitStops) 
   for (const auto& input : host.inputs) EXPECT_EQ(input.imu.size, 0);
 }
 
-TEST_F(SimBoardTest, FollowsTheFirmwareWithTheDriveEnableLine) {
+TEST_F(SimBoardTest, SetsTheDriveEnableLineAsCommanded) {
   run_ms(5);
   EXPECT_FALSE(board->drive_enable_line());
   host.line = true;
@@ -158,7 +158,7 @@ TEST_F(SimBoardTest, FollowsTheFirmwareWithTheDriveEnableLine) {
   EXPECT_FALSE(board->drive_enable_line());
 }
 
-TEST_F(SimBoardTest, LowersTheLineForGoodWhenTheWatchdogStarves) {
+TEST_F(SimBoardTest, LatchesTheLineLowWhenTheWatchdogExpires) {
   host.line = true;
   run_ms(10);
   host.kicks = false;
@@ -172,7 +172,7 @@ TEST_F(SimBoardTest, LowersTheLineForGoodWhenTheWatchdogStarves) {
   EXPECT_FALSE(board->drive_enable_line());
 }
 
-TEST_F(SimBoardTest, CountsWhatAStoppedFirmwareDoesNotReceive) {
+TEST_F(SimBoardTest, CountsFramesLostByAStoppedFirmware) {
   board->set_controller_running(false);
   for (int i = 0; i < 10; ++i) {
     for (int j = 0; j < 10; ++j) ASSERT_TRUE(board->send_as_operator({.identifier = 0x7FF}));
@@ -198,7 +198,7 @@ TEST_F(SimBoardTest, LeavesTheControllerAloneOnTheBus) {
   EXPECT_EQ(host.inputs.back().can_status.state, hal::CanErrorState::kErrorActive);
 }
 
-TEST_F(SimBoardTest, LeavesADeadDriveOffTheBusThatTheControllerRejoins) {
+TEST_F(SimBoardTest, KeepsADeadDriveOffTheBusAfterTheControllerRejoins) {
   board->cut_drive_power(0);
   board->isolate_controller();
   board->rejoin_controller();

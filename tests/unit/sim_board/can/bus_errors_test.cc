@@ -58,7 +58,7 @@ TEST_F(BusErrors, EndInBusOffAndRecover) {
   EXPECT_EQ(receiver.seen[0].time_us, 100000 + 128 * 11 + length_us(make_frame(0x123, {})));
 }
 
-TEST_F(BusErrors, LengthenARecoveryByAllButTheElevenRecessiveBitsOfEachFrame) {
+TEST_F(BusErrors, ExtendARecoveryByAllButTheElevenRecessiveBitsOfEachFrame) {
   test::ListeningNode other;
   const NodeHandle third = bus.attach(other, {}, 8);
   destroyer.left = 32;
@@ -85,7 +85,7 @@ TEST_F(BusErrors, SuspendAPassiveSenderForEightBits) {
 }
 
 // A short circuit in the middle of a frame.
-TEST_F(BusErrors, OfADominantBusTakeItsSenderOffAndMakeTheOthersPassive) {
+TEST_F(BusErrors, OnADominantBusTurnTheSenderOffAndTheOthersPassive) {
   const hal::CanFrame frame = make_frame(0x123, {1, 2, 3});
   ASSERT_TRUE(bus.queue(from, frame, 0));
   bus.advance_to(20);
@@ -109,7 +109,7 @@ TEST_F(BusErrors, OfADominantBusTakeItsSenderOffAndMakeTheOthersPassive) {
   EXPECT_EQ(receiver.seen[0].time_us, 10'000u + 128 * 11 + length_us(frame));
 }
 
-TEST_F(BusErrors, OfAShortDominantPulseAreBorne) {
+TEST_F(BusErrors, FromAShortDominantPulseAreTolerated) {
   const hal::CanFrame frame = make_frame(0x123, {1, 2, 3});
   ASSERT_TRUE(bus.queue(from, frame, 0));
   bus.advance_to(20);
@@ -123,7 +123,7 @@ TEST_F(BusErrors, OfAShortDominantPulseAreBorne) {
 }
 
 // A boot-up message and a heartbeat have one identifier, and wait in different FIFOs.
-TEST(Bus, LetsALoneNodeNotAcknowledgeItself) {
+TEST(Bus, DoesNotLetALoneNodeAcknowledgeItself) {
   Bus bus;
   test::ListeningNode alone;
   const NodeHandle node = bus.attach(alone, AcceptanceFilter::all(), 4);
@@ -190,7 +190,7 @@ TEST(Bus, SendsTheSameFrameOfTwoNodesAtOnce) {
 
 // Both count eight a collision. After sixteen both are error-passive: the one that sends the recessive bit
 // can no longer disturb, so the stronger frame passes, then the weaker.
-TEST(Bus, SettlesACollisionOfContentsInFavourOfTheDominantOne) {
+TEST(Bus, ResolvesACollisionOfContentsInFavourOfTheDominantBit) {
   Bus bus;
   test::ListeningNode a, b, c;
   const NodeHandle node_a = bus.attach(a, {}, 4);
@@ -242,7 +242,7 @@ TEST(Bus, CutsOffTheFrameOfANodeThatLosesPower) {
   EXPECT_EQ(b.seen[0].frame.data[0], 4);
 }
 
-TEST(Bus, GivesANodeThatComesLateOnlyWhatStartsAfterIt) {
+TEST(Bus, DeliversToALateNodeOnlyFramesThatStartAfterIt) {
   Bus bus;
   test::ListeningNode a, b, late;
   const NodeHandle node_a = bus.attach(a, {}, 4);

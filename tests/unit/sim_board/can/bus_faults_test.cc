@@ -62,7 +62,7 @@ TEST_F(BusFaultsTest, DropAFrameInAllReceiversOrInNone) {
   EXPECT_NEAR(static_cast<double>(first.seen.size()), 100.0, 30.0) << "seed " << kSeed;
 }
 
-TEST_F(BusFaultsTest, DrawOtherFramesWithAnotherSeed) {
+TEST_F(BusFaultsTest, SelectOtherFramesWithAnotherSeed) {
   faults.add({.effect = Effect::kLost, .share = 0.5});
   send(50);
   const std::vector<int> once = numbers(first);
@@ -78,7 +78,7 @@ TEST_F(BusFaultsTest, DrawOtherFramesWithAnotherSeed) {
   EXPECT_NE(numbers(first), once);
 }
 
-TEST_F(BusFaultsTest, ConcernOnlyTheirIdentifiersAndTime) {
+TEST_F(BusFaultsTest, AffectOnlyTheirIdentifiersAndTime) {
   faults.add({.effect = Effect::kLost,
               .first_identifier = 0x190,
               .last_identifier = 0x191,
@@ -110,7 +110,7 @@ TEST_F(BusFaultsTest, CorruptFramesWhichAreThenSentAgain) {
   EXPECT_EQ(bus.usage().error_frames, 1u);
 }
 
-TEST_F(BusFaultsTest, DriveABrokenTransceiverIntoBusOffAndItsNodeComesBackAfterAPause) {
+TEST_F(BusFaultsTest, DriveABrokenTransceiverIntoBusOffAndItsNodeRecoversAfterAPause) {
   faults.add({.effect = Effect::kCorrupted, .node = from, .until_us = 5'000});
   BusOffPause pause;
   ASSERT_TRUE(bus.queue(from, make_frame(0x190, {1}), 0));
@@ -132,7 +132,7 @@ TEST_F(BusFaultsTest, DriveABrokenTransceiverIntoBusOffAndItsNodeComesBackAfterA
   EXPECT_EQ(first.seen[0].time_us, 103'000 + 1408 + length_us(make_frame(0x190, {1})));
 }
 
-TEST_F(BusFaultsTest, DelayFramesOnTheWayToTheirReceivers) {
+TEST_F(BusFaultsTest, DelayFramesToTheirReceivers) {
   faults.add({.effect = Effect::kDelayed, .node = to_first, .delay_us = 2500});
   std::vector<std::uint64_t> sent_us;
   first.answer = [&](const hal::CanFrame&, std::uint64_t time_us) {
@@ -150,7 +150,7 @@ TEST_F(BusFaultsTest, DelayFramesOnTheWayToTheirReceivers) {
       << "the answer leaves at the very time";
 }
 
-TEST_F(BusFaultsTest, HandOverDelayedFramesWhileOthersAreOnTheWire) {
+TEST_F(BusFaultsTest, DeliverDelayedFramesWhileOthersAreOnTheWire) {
   faults.add(
       {.effect = Effect::kDelayed, .first_identifier = 0x080, .last_identifier = 0x080, .delay_us = 60});
   ASSERT_TRUE(bus.queue(from, make_frame(0x080, {}), 0));
@@ -162,7 +162,7 @@ TEST_F(BusFaultsTest, HandOverDelayedFramesWhileOthersAreOnTheWire) {
   EXPECT_GT(first.seen[1].time_us, first.seen[0].time_us);
 }
 
-TEST_F(BusFaultsTest, ForgetDelayedFramesOfAReceiverThatLosesItsPower) {
+TEST_F(BusFaultsTest, DiscardDelayedFramesOfAReceiverThatLosesPower) {
   faults.add({.effect = Effect::kDelayed, .delay_us = 5000});
   send(1);
   bus.power_off(to_first);
@@ -197,7 +197,7 @@ TEST_F(BusFaultsTest, DoubleEveryFrameOnceOnly) {
   EXPECT_EQ(bus.status(from).transmit_error_count, 3 * (8 - 1));
 }
 
-TEST_F(BusFaultsTest, LeaveANodeThatNobodyHearsUnacknowledged) {
+TEST_F(BusFaultsTest, LeaveFramesOfAnUnheardNodeUnacknowledged) {
   faults.add({.effect = Effect::kDoubled});
   bus.power_off(to_first);
   bus.power_off(to_second);
@@ -209,7 +209,7 @@ TEST_F(BusFaultsTest, LeaveANodeThatNobodyHearsUnacknowledged) {
 
 // --- Babbling nodes
 
-TEST_F(BusFaultsTest, BabbleAsFastAsTheBusTakesIt) {
+TEST_F(BusFaultsTest, BabbleAtFullBusLoad) {
   Babbler babbler(bus, {.frame = make_frame(0x010, {1, 2}), .from_us = 1500, .until_us = 4000});
   const std::uint64_t slot_us = length_us(make_frame(0x010, {1, 2})) + kIntermission_us;
   for (std::uint64_t now_us = 0; now_us <= 6000; now_us += 1000) {
@@ -241,7 +241,7 @@ TEST_F(BusFaultsTest, BabbleAtARate) {
     EXPECT_EQ(first.seen[i].time_us, 400 * i + length_us(make_frame(0x010, {})));
 }
 
-TEST_F(BusFaultsTest, BabbleWithAnothersIdentifierCollides) {
+TEST_F(BusFaultsTest, BabbleWithTheIdentifierOfAnotherNodeCollides) {
   Babbler babbler(bus, {.frame = make_frame(0x190, {0}), .interval_us = 1000});
   for (std::uint64_t now_us = 1000; now_us <= 5000; now_us += 1000) {
     ASSERT_TRUE(bus.queue(from, make_frame(0x190, {1}), now_us - 1000));
@@ -253,7 +253,7 @@ TEST_F(BusFaultsTest, BabbleWithAnothersIdentifierCollides) {
 }
 
 // With a frame on the wire, one that comes late, and a node that comes back from bus-off.
-TEST_F(BusFaultsTest, GoOnAsBeforeOnABusThatIsRestored) {
+TEST_F(BusFaultsTest, ContinueOnARestoredBus) {
   faults.add({.effect = Effect::kCorrupted, .node = from, .share = 0.3});
   faults.add({.effect = Effect::kDelayed, .node = to_first, .share = 0.5, .delay_us = 700});
   faults.add({.effect = Effect::kDoubled, .share = 0.2});

@@ -61,7 +61,7 @@ TEST(Bus, LetsTheLowestIdentifierOfTheReadyHeadsWin) {
 
 // A heartbeat that loses every arbitration delays the PDOs of its node by nothing, and a PDO that is being
 // sent no longer than any other frame.
-TEST(Bus, HoldsUpNoProcessDataBehindAServiceOfTheSameNode) {
+TEST(Bus, DoesNotDelayProcessDataBehindAServiceOfTheSameNode) {
   Bus bus;
   test::ListeningNode one, flood, receiver;
   const NodeHandle node = bus.attach(one, {}, 4);
@@ -81,7 +81,7 @@ TEST(Bus, HoldsUpNoProcessDataBehindAServiceOfTheSameNode) {
   EXPECT_EQ(order.back(), 0x701);
 }
 
-TEST(Bus, GivesEachFifoItsOwnRoom) {
+TEST(Bus, GivesEachFifoItsOwnCapacity) {
   Bus bus;
   test::ListeningNode sender, receiver;
   const NodeHandle from = bus.attach(sender, {}, {1, 2, 1});
@@ -114,7 +114,7 @@ TEST(Bus, LetsADataFrameWinAgainstARemoteFrameOfTheSameIdentifier) {
   EXPECT_EQ(bus.usage().error_frames, 0u);
 }
 
-TEST(Bus, TakesIntoAnArbitrationWhatIsQueuedForItsVeryMicrosecond) {
+TEST(Bus, IncludesFramesQueuedInTheMicrosecondOfArbitration) {
   Bus bus;
   test::ListeningNode a, b;
   const NodeHandle node_a = bus.attach(a, AcceptanceFilter::all(), 4);
@@ -150,7 +150,7 @@ TEST(Bus, DeliversOnlyWhatTheFilterAccepts) {
   EXPECT_EQ(one.seen[2].frame.identifier, 0x300);
 }
 
-TEST(Bus, CountsWhatTheTransmitFifoCannotTake) {
+TEST(Bus, CountsFramesDroppedByAFullTransmitFifo) {
   Bus bus;
   test::ListeningNode sender, receiver;
   const NodeHandle from = bus.attach(sender, {}, 2);
@@ -185,7 +185,7 @@ TEST(Bus, MeasuresItsLoadWithIntermission) {
   EXPECT_EQ(bus.usage().frames, 1u);
 }
 
-TEST(Bus, ShowsTheObserverStartAndEndBeforeAnyNode) {
+TEST(Bus, NotifiesTheObserverBeforeAnyNode) {
   Bus bus;
   test::ListeningNode sender, receiver;
   test::ListeningObserver observer;
@@ -284,7 +284,7 @@ TEST(Bus, KeepsAHandMadeScheduleToTheMicrosecond) {
   EXPECT_EQ(drives[3].seen[1].time_us, sync_us);
 }
 
-TEST(Bus, DoesTheSameInWhateverStepsItIsAdvanced) {
+TEST(Bus, BehavesTheSameForAnyStepSize) {
   const auto run = [](std::uint64_t step_us) {
     Bus bus;
     test::ListeningNode a, b, all;

@@ -63,7 +63,7 @@ TEST_F(CandumpLog, FitsTheLongestLine) {
   EXPECT_LE(line.size(), kMaxLogLineBytes);
 }
 
-TEST_F(CandumpLog, ReadsBackWhatItWrote) {
+TEST_F(CandumpLog, RoundTrips) {
   std::mt19937 random(3);
   std::vector<LoggedFrame> written;
   std::string text;
@@ -82,7 +82,7 @@ TEST_F(CandumpLog, ReadsBackWhatItWrote) {
   EXPECT_EQ(read(text), written);
 }
 
-TEST_F(CandumpLog, ReadsWhatOtherToolsWrite) {
+TEST_F(CandumpLog, ReadsLogsOfOtherTools) {
   const std::vector<LoggedFrame> frames =
       read("(1436509052.249713) can0 044#2a366c2bba\n(1436509052.249713) slcan1 7ff#R\n");
   ASSERT_EQ(frames.size(), 2u);
@@ -93,7 +93,7 @@ TEST_F(CandumpLog, ReadsWhatOtherToolsWrite) {
   EXPECT_TRUE(read("").empty());
 }
 
-TEST_F(CandumpLog, RefusesWhatIsNotALine) {
+TEST_F(CandumpLog, RejectsMalformedLines) {
   const std::string good = "(0000000001.000000) vcan0 080#\n";
   for (const std::string bad : {
            "",
@@ -125,7 +125,7 @@ TEST_F(CandumpLog, RefusesWhatIsNotALine) {
   }
 }
 
-TEST_F(CandumpLog, RefusesACutLineTimeThatGoesBackAndAMissingFile) {
+TEST_F(CandumpLog, RejectsATruncatedLineDecreasingTimeAndAMissingFile) {
   EXPECT_NE(error_of("(0000000001.000000) vcan0 080#00").find(":1: found a line without end"),
             std::string::npos);
   EXPECT_NE(

@@ -13,7 +13,7 @@ using test::allocations;
 class Allocations : public EachEngine {};
 
 // ODE's own arenas, which come from malloc, are not counted.
-TEST_P(Allocations, AreNotMadeInAStep) {
+TEST_P(Allocations, DoNotOccurInAStep) {
   WorldOptions options = Allocations::options();
   options.X_WB.translation().z() = kSampleHumanoidHeight_m + 0.02;
   const auto world = make_world(sample_humanoid(), options);
@@ -32,7 +32,7 @@ TEST_P(Allocations, AreNotMadeInAStep) {
 INSTANTIATE_TEST_SUITE_P(Engines, Allocations,
                          testing::Values(Stepper::kWorld, Stepper::kMujoco, Stepper::kQuick), engine_name);
 
-TEST(World, StepsOnEveryKindOfGroundWithoutTheHeap) {
+TEST(World, StepsOnEveryKindOfGroundWithoutAllocation) {
   WorldOptions options;
   options.X_WB.translation().z() = kSampleHumanoidHeight_m + 0.05;
   options.ground.patches.emplace_back().surface.friction = 0.1;

@@ -64,7 +64,7 @@ TEST_P(ContactInEachEngine, SlidesOnASlopeBeyondTheFrictionAngle) {
   EXPECT_NEAR(slope.world->body(0).v_WCom_W.norm(), expected, 0.01 * expected);
 }
 
-TEST(Contact, TakesTheSlipperierOfTwoSurfaces) {
+TEST(Contact, UsesTheLowerFrictionOfTwoSurfaces) {
   SurfaceDescription ice, rubber;
   ice.friction = 0.05;
   rubber.friction = 1.5;
@@ -89,7 +89,7 @@ TEST(Contact, KeepsSpringAndDamperAtAnyStep) {
   EXPECT_NEAR(meet(soft, soft, 0.001).softness.error_reduction, 0.3, 1e-12);
 }
 
-TEST_P(ContactInEachEngine, SinksAsDeepAtAHalvedStep) {
+TEST_P(ContactInEachEngine, SinksEquallyAtHalfTheStep) {
   for (const double step_s : {0.001, 0.0005, 0.00025}) {
     WorldOptions options = this->options();
     options.step_s = step_s;

@@ -76,7 +76,7 @@ TEST(EnergyGuard, TakesServosIntoAccount) {
   EXPECT_GT(world->joint(0).speed_rad_per_s, 10.0);
 }
 
-TEST(EnergyGuard, LetsASoftGroundGiveBackWhatItTook) {
+TEST(EnergyGuard, AllowsSoftGroundToReturnItsElasticEnergy) {
   WorldOptions options;
   options.X_WB.translation().z() = 0.25;
   // ERP and CFM of 2 kN/m and 1 N s/m at a point: a trampoline.

@@ -38,14 +38,14 @@ class FrictionOfJoint : public testing::TestWithParam<WorldOptions> {
   }
 };
 
-TEST_P(FrictionOfJoint, HoldsAgainstLessThanItsBound) {
+TEST_P(FrictionOfJoint, HoldsBelowItsBound) {
   const auto world = make_rig({}, GetParam());
   world->set_servo(0, {.drive_Nm = 0.99 * 0.0275, .rotor_inertia_kg_m2 = 0.00116, .friction_Nm = 0.0275});
   run(*world, 1.0);
   EXPECT_LT(std::abs(world->joint(0).position_rad), 1e-6);
 }
 
-TEST_P(FrictionOfJoint, BreaksAwayAgainstMoreThanItsBound) {
+TEST_P(FrictionOfJoint, SlidesAboveItsBound) {
   const auto world = make_rig({}, GetParam());
   world->set_servo(0, {.drive_Nm = 1.1 * 0.0275, .rotor_inertia_kg_m2 = 0.00116, .friction_Nm = 0.0275});
   run(*world, 1.0);
@@ -72,7 +72,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, FrictionOfJoint, testing::ValuesIn(friction_me
                            return info.param.friction == FrictionMethod::kRows ? "Rows" : "LockAndCheck";
                          });
 
-TEST_P(JointInEachEngine, GivesABlowToLinkAndRotorTogether) {
+TEST_P(JointInEachEngine, TransfersAnImpactToLinkAndRotorTogether) {
   const auto world = make_rig({.inertia_kg_m2 = 1e-4}, options());
   world->set_servo(0, {.rotor_inertia_kg_m2 = 0.00116});
   world->push(1, {0.1, 0, 0}, {0, 0, -60.0});  // 6 N m about +y for one step
@@ -80,7 +80,7 @@ TEST_P(JointInEachEngine, GivesABlowToLinkAndRotorTogether) {
   EXPECT_NEAR(world->joint(0).speed_rad_per_s, 6.0 * 0.001 / (0.00116 + 1e-4), 1e-6);  // 4.76
 }
 
-TEST_P(JointInEachEngine, TakesATorqueThatIsAffineInTheNewSpeed) {
+TEST_P(JointInEachEngine, AppliesATorqueThatIsAffineInTheNewSpeed) {
   const auto world = make_rig({.inertia_kg_m2 = 1e-4}, options());
   const double a = 0.3, b = 0.2, inertia = 1e-4 + 0.00116;
   world->set_servo(0, {.drive_Nm = a, .damping_Nm_s = b, .rotor_inertia_kg_m2 = 0.00116});

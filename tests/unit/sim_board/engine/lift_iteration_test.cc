@@ -35,14 +35,14 @@ Slips struck_contact(double W_nn, double W_nt, double W_tt, double friction, dou
   };
 }
 
-TEST(LiftIteration, TakesOneSolutionWhereNothingSlides) {
+TEST(LiftIteration, NeedsOneSolutionWithoutSliding) {
   LiftIteration iteration(2);
   EXPECT_EQ(iterate(iteration, {0.0, 0.001}, [](auto) { return std::vector<double>{0.001, 0.0}; }), 1);
   EXPECT_TRUE(iteration.settled());
 }
 
 // mu W_nt is 0.72 of W_nn = 1, no paradox, but the plain iteration has the slope -2.9 and alternates.
-TEST(LiftIteration, SettlesWhereThePlainIterationAlternates) {
+TEST(LiftIteration, ConvergesWhereThePlainIterationAlternates) {
   const Slips slips = struck_contact(1.0, 0.99, 1.0, 0.9, -1.24, 0.5);
   double plain = 0.45;
   std::vector<double> seen;
@@ -56,7 +56,7 @@ TEST(LiftIteration, SettlesWhereThePlainIterationAlternates) {
   EXPECT_NEAR(slips({{lift}})[0], lift, LiftIteration::kTolerance_m_per_s);
 }
 
-TEST(LiftIteration, SettlesForEveryContactThatIsNoParadox) {
+TEST(LiftIteration, ConvergesForEveryContactWithoutParadox) {
   std::mt19937_64 random(test::kSeed);
   std::uniform_real_distribution<double> share(0.0, 1.0);
   for (int i = 0; i < 2000; ++i) {
@@ -74,7 +74,7 @@ TEST(LiftIteration, SettlesForEveryContactThatIsNoParadox) {
 
 // Slips that no lift agrees with: whatever is left, no lift stays above its slip, so no contact is off that
 // must not be.
-TEST(LiftIteration, EndsBelowWhatItCannotReach) {
+TEST(LiftIteration, EndsBelowAnUnreachableLift) {
   const Slips jumps = [](std::span<const double> lifts) {
     const bool off = lifts[0] + 0.5 * lifts[1] > 0.7;
     return off ? std::vector<double>{0.1, 0.3} : std::vector<double>{1.0, 0.8};

@@ -102,14 +102,14 @@ double largest_difference_rad(std::size_t hinges, double step_s) {
   return largest_rad;
 }
 
-TEST_P(Gimbal, MovesAsItsHingesDoOneByOne) {
+TEST_P(Gimbal, MovesLikeSeparateHinges) {
   const double coarse_rad = largest_difference_rad(GetParam(), 0.0005);
   const double fine_rad = largest_difference_rad(GetParam(), 0.00005);
   EXPECT_LT(coarse_rad, 0.01);
   EXPECT_LT(fine_rad, 0.15 * coarse_rad + 1e-6);
 }
 
-TEST_P(Gimbal, TellsWhereTheLinksBetweenAre) {
+TEST_P(Gimbal, ReportsThePosesOfTheLinksBetween) {
   const RobotDescription robot = gimbal(GetParam(), 0.01, {0.01, -0.02, 0.005});
   std::vector<double> starts_rad{0.3, 0.9, -0.5};
   starts_rad.resize(GetParam());
@@ -135,7 +135,7 @@ TEST_P(Gimbal, TellsWhereTheLinksBetweenAre) {
 }
 
 // The weight of each ring is carried by the hinges above it only; at joint zero a ring rides where it is.
-TEST_P(Gimbal, CarriesTheWeightOfWhatHangsBelowEachHinge) {
+TEST_P(Gimbal, CarriesTheWeightBelowEachHinge) {
   const double ring_kg = 0.02;
   const Vector3d ring_com(0.015, 0.0, 0.0);
   const RobotDescription robot = gimbal(GetParam(), ring_kg, ring_com);
@@ -183,7 +183,7 @@ RobotDescription framed_humanoid() {
   return robot;
 }
 
-TEST(Lumped, PutsHipsAnklesAndShouldersTogether) {
+TEST(Lumped, MergesHipsAnklesAndShoulders) {
   const RobotDescription robot = framed_humanoid();
   std::vector<std::size_t> sizes(4, 0);
   for (const HingeChain& chain : lumped_hinges(robot, LinkTree(robot))) ++sizes[chain.joints.size()];
@@ -230,7 +230,7 @@ class Standing {
   std::unique_ptr<World> world_;
 };
 
-TEST(Lumped, HeldSolesBearTheRobotAsContactJointsDo) {
+TEST(Lumped, HeldSolesEqualContactJoints) {
   Standing lumped(Stepper::kLumped, 0.8, 0.05);
   Standing world(Stepper::kWorld, 0.8, 0.05);
   lumped.run(1.0);
@@ -248,7 +248,7 @@ TEST(Lumped, HeldSolesBearTheRobotAsContactJointsDo) {
 }
 
 // A push below the friction's limit moves nothing, one beyond it slides both worlds alike.
-TEST(Lumped, HeldSolesLetGoWhereFrictionDoesNotSuffice) {
+TEST(Lumped, HeldSolesAreReleasedWhenFrictionDoesNotSuffice) {
   const double weight_N = framed_humanoid().total_mass_kg() * kGravity;
   for (const double share : {0.8, 1.5}) {
     Standing lumped(Stepper::kLumped, 0.2, 0.0);

@@ -23,7 +23,7 @@ TEST(Mujoco, ThrowsItsErrorsAndLeavesNoLog) {
   EXPECT_FALSE(std::filesystem::exists("MUJOCO_LOG.TXT"));
 }
 
-TEST(Mujoco, SaysWhatIsWrongWithARobotThatItRefuses) {
+TEST(Mujoco, StatesWhyItRejectsARobot) {
   RobotDescription robot = sample_box(1.0, {0.1, 0.1, 0.1});
   robot.links[0].I_LCom_L = Eigen::Vector3d(1.0, 1.0, 3.0).asDiagonal();  // of no body: 1 + 1 < 3
   WorldOptions options;
@@ -38,7 +38,7 @@ TEST(Mujoco, SaysWhatIsWrongWithARobotThatItRefuses) {
 
 // Row by row what constraint_row.h claims: in the rows that MuJoCo makes of a model stand B = 1/h,
 // K d = ERP/h^2 and R = CFM/h.
-TEST(Mujoco, MakesTheRowsOfOde) {
+TEST(Mujoco, HasRowsEquivalentToOde) {
   for (const double step_s : {0.001, 0.00025}) {
     const RobotDescription robot = sample_box(1.2, {0.1, 0.056, 0.01});
     WorldOptions options;
@@ -84,7 +84,7 @@ TEST(Mujoco, SlidesWithoutTakingOff) {
 }
 
 // A base that is let go goes on from where it hangs, and falls.
-TEST(Mujoco, LetsGoOfABaseWhereItHangs) {
+TEST(Mujoco, ReleasesTheBaseAtItsPresentPose) {
   WorldOptions options;
   options.stepper = Stepper::kMujoco;
   options.ground.present = false;

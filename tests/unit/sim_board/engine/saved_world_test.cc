@@ -82,7 +82,7 @@ class SavedWorld : public EachEngine {
 };
 
 // A robot that sinks down, sticks and slides; between, another run of it.
-TEST_P(SavedWorld, StepsOnToTheSameBits) {
+TEST_P(SavedWorld, ContinuesWithTheSameBits) {
   const auto world = make(options());
   RandomStream random(1, "saved world");
   for (const int steps : {0, 1, 30, 170}) {

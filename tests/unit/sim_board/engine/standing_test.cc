@@ -133,7 +133,7 @@ TEST_P(StandingInEachEngine, SquatsWithoutSlipOrWarning) {
   EXPECT_EQ(humanoid.world().solver_warnings(), 0U);
 }
 
-TEST(Standing, MovesAlikeWhicheverWayFrictionIsSolved) {
+TEST(Standing, IsTheSameForBothFrictionSolvers) {
   WorldOptions rows;
   rows.friction = FrictionMethod::kRows;
   Humanoid one(rows, 0.4);
@@ -176,7 +176,7 @@ TEST_P(SeveralWorlds, InParallelAreBitIdenticalToOneAlone) {
 INSTANTIATE_TEST_SUITE_P(Steppers, SeveralWorlds,
                          testing::Values(Stepper::kWorld, Stepper::kMujoco, Stepper::kQuick), engine_name);
 
-TEST(SeveralWorlds, InOneThreadTakeTurnsWithoutDisturbingEachOther) {
+TEST(SeveralWorlds, InOneThreadAreIndependent) {
   WorldOptions quick;
   quick.stepper = Stepper::kQuick;
   Humanoid alone(quick, 0.4), one(quick, 0.4), other(quick, 0.4);

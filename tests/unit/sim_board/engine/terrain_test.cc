@@ -64,7 +64,7 @@ TEST(Ramp, HoldsASoleBelowTheFrictionAngle) {
   EXPECT_NEAR(start.z(), 0.45 + 0.5 * kSole_m.z() * std::cos(std::atan(0.45)), 1e-4);
 }
 
-TEST(Ramp, LetsASoleSlideAboveIt) {
+TEST(Ramp, LetsASoleSlideAboveTheFrictionAngle) {
   const double angle_rad = std::atan(0.6);
   Sole sole = on_ramp(angle_rad, 0.5);
   sole.run(0.3);
@@ -74,7 +74,7 @@ TEST(Ramp, LetsASoleSlideAboveIt) {
 }
 
 // A push that the first direction's friction would let slide and the second's holds.
-TEST(Anisotropy, LetsSlideInOneDirectionOnly) {
+TEST(Anisotropy, AllowsSlidingInOneDirectionOnly) {
   const double push_N = 0.4 * kMass_kg * kGravity;
   const auto speed = [&](const Vector3d& direction, std::optional<Vector3d> ground,
                          std::optional<Vector3d> sole_direction, double yaw_rad) {
@@ -130,7 +130,7 @@ TEST(Patch, ChangesTheDecelerationAtItsEdge) {
   EXPECT_NEAR(inside, 0.1 * kGravity, 0.02);
 }
 
-TEST(Patch, TheLastThatHoldsAPointCounts) {
+TEST(Patch, TheLastPatchThatContainsAPointIsUsed) {
   Sole sole;
   for (const double friction : {0.0, 0.5}) {
     FrictionPatch& patch = sole.options.ground.patches.emplace_back();
@@ -203,7 +203,7 @@ TEST(MaterialPair, SlipsByItsForceAtAnyStep) {
   }
 }
 
-TEST(MaterialPair, LeavesOtherMaterialsAlone) {
+TEST(MaterialPair, DoesNotAffectOtherMaterials) {
   Sole sole;
   sole.surface().material = "rubber";
   sole.options.material_pairs.push_back({.between = {"rubber", "ice"},
@@ -244,7 +244,7 @@ HeightField field_of(double (*height_m)(double x, double y)) {
   return field;
 }
 
-TEST(HeightField, CarriesASoleOnALevelOne) {
+TEST(HeightField, CarriesASoleOnALevelField) {
   Sole sole;
   sole.options.ground.height_fields.push_back(field_of([](double, double) { return 0.03; }));
   sole.place(Isometry3d(Translation3d(0.013, -0.007, 0.03 + 0.5 * kSole_m.z())));

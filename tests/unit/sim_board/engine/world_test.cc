@@ -49,7 +49,7 @@ TEST_P(WorldInEachEngine, PushesForOneStepAtTheGivenPoint) {
   EXPECT_NEAR(world->body(0).w_WL_W.x(), 8.0 * 0.05 * 0.001 / box.links[0].I_LCom_L(1, 1), 1e-6);
 }
 
-TEST_P(WorldInEachEngine, StartsWhereTheOptionsSay) {
+TEST_P(WorldInEachEngine, StartsInThePoseOfTheOptions) {
   RobotDescription robot = sample_humanoid();
   for (LinkDescription& link : robot.links) link.collisions.clear();  // the pose is not one of a real robot
   WorldOptions options = in_the_air();
@@ -103,7 +103,7 @@ TEST_P(WorldInEachEngine, MovesTheCentreOfMassByExternalForcesOnly) {
   EXPECT_NEAR((end.p_WCom_W - start.p_WCom_W).z(), -0.5 * 9.80665 * 0.2 * 0.201, in_mujoco() ? 2e-5 : 1e-6);
 }
 
-TEST_P(WorldInEachEngine, EndsWithTimeBodyAndReasonWhenABodyIsTooFast) {
+TEST_P(WorldInEachEngine, ThrowsTimeBodyAndReasonWhenABodyIsTooFast) {
   const auto world = make_world(sample_box(0.001, {0.1, 0.1, 0.1}), in_the_air());
   run(*world, 0.25);
   world->push(0, Vector3d::Zero(), {0, 0, 1e3});
@@ -115,7 +115,7 @@ TEST_P(WorldInEachEngine, EndsWithTimeBodyAndReasonWhenABodyIsTooFast) {
   }
 }
 
-TEST_P(WorldInEachEngine, RefusesWhatIsNotFinite) {
+TEST_P(WorldInEachEngine, RejectsNonFiniteValues) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto world = make_world(sample_hinge({}), in_the_air());
   EXPECT_THROW(world->push(1, Vector3d::Zero(), {nan, 0, 0}), WorldBlewUp);
@@ -126,7 +126,7 @@ TEST_P(WorldInEachEngine, RefusesWhatIsNotFinite) {
   EXPECT_THROW(world->step(), WorldBlewUp);
 }
 
-TEST_P(WorldInEachEngine, RefusesOptionsThatMakeNoWorld) {
+TEST_P(WorldInEachEngine, RejectsInvalidOptions) {
   const RobotDescription robot = sample_hinge({});
   for (const double step_s : {0.0, -0.001, 0.002, 0.0003, 0.0007}) {
     WorldOptions options = this->options();

@@ -41,7 +41,7 @@ std::string complaint(const std::string& text) {
 
 std::string boxes(const std::string& content) { return "<boxes unit='m'>\n" + content + "\n</boxes>"; }
 
-TEST(XmlReader, ReadsWhatTheRulesAllow) {
+TEST(XmlReader, ReadsWhatTheSchemaAllows) {
   const ScratchFile scratch(
       "xml",
       "<?xml version='1.0'?>\n<!-- a comment -->\n<boxes unit='m' count='2'>\n"
@@ -64,7 +64,7 @@ TEST(XmlReader, ReadsWhatTheRulesAllow) {
   EXPECT_EQ(all[0].number("mass", 9.0), 9.0);
 }
 
-TEST(XmlReader, RejectsWhatIsNoXml) {
+TEST(XmlReader, RejectsMalformedXml) {
   EXPECT_EQ(complaint("<boxes unit='m'>\n<box>\n</boxes>"),
             "FILE:2: found XML error: mismatched element, expected well-formed XML");
   EXPECT_EQ(complaint("<boxes unit='m' unit='m'/>"),
@@ -91,7 +91,7 @@ TEST(XmlReader, RejectsUnknownElementsAndAttributes) {
             "FILE:2: found the element <x> in <size>, expected a value");
 }
 
-TEST(XmlReader, RejectsMissingAndDoubledOnes) {
+TEST(XmlReader, RejectsMissingAndDuplicateElements) {
   EXPECT_EQ(complaint("<boxes/>"), "FILE:1: found <boxes> without unit, expected that attribute");
   EXPECT_EQ(complaint(boxes("<box/>")), "FILE:2: found <box> without <size>, expected that element");
   EXPECT_EQ(complaint(boxes("<box><size>1 2 3</size>\n<size>1 2 3</size></box>")),

@@ -55,7 +55,7 @@ TEST(YamlReader, ReadsEveryType) {
   file.finish();
 }
 
-TEST(YamlReader, FallsBackOnlyWhereTheKeyIsMissing) {
+TEST(YamlReader, UsesTheFallbackOnlyForAMissingKey) {
   EXPECT_EQ("nothing", complaint("a: 1\n", [](const YamlMap& root) {
               root.integer("a");
               EXPECT_EQ(root.number("x", {}, 4.0), 4.0);
@@ -69,7 +69,7 @@ TEST(YamlReader, FallsBackOnlyWhereTheKeyIsMissing) {
             complaint("x: oops\n", [](const YamlMap& root) { root.number("x", {}, 4.0); }));
 }
 
-TEST(YamlReader, NamesFileAndReasonWhenThereIsNothingToRead) {
+TEST(YamlReader, NamesFileAndReasonWhenItCannotBeRead) {
   const auto message = [](const std::filesystem::path& path) -> std::string {
     try {
       YamlFile file(path);
@@ -83,7 +83,7 @@ TEST(YamlReader, NamesFileAndReasonWhenThereIsNothingToRead) {
   EXPECT_EQ(message("/dev/zero"), "/dev/zero: found more than 16 MiB, expected a YAML file");
 }
 
-TEST(YamlReader, RejectsWhatIsNoMap) {
+TEST(YamlReader, RejectsAnythingButAMap) {
   EXPECT_EQ(complaint("", read_nothing), "FILE: found an empty file, expected a map of keys and values");
   EXPECT_EQ(complaint("\n- 1\n", read_nothing),
             "FILE:2: found a document that is no map, expected a map of keys and values");
@@ -100,7 +100,7 @@ TEST(YamlReader, RejectsMalformedTextWithItsLine) {
               testing::MatchesRegex("FILE:1: found .*, expected .*"));
 }
 
-TEST(YamlReader, RejectsDoubledKeys) {
+TEST(YamlReader, RejectsDuplicateKeys) {
   EXPECT_EQ(complaint("a: 1\nground:\n  mu: 1\n  mu: 2\n", read_nothing),
             "FILE:4: found a second ground.mu (the first is in line 3), expected each key once");
 }
@@ -113,13 +113,14 @@ TEST(YamlReader, RejectsAliasesTagsAndOddKeys) {
   EXPECT_EQ(complaint("~: 1\n", read_nothing), "FILE:1: found an empty key, expected a name");
 }
 
-TEST(YamlReader, RejectsUnknownKeysAndSaysWhichItKnows) {
+TEST(YamlReader, RejectsUnknownKeysAndListsKnownOnes) {
   const auto read = [](const YamlMap& root) {
     root.number("duration_s");
     if (const auto ground = root.optional_child("ground")) ground->number("mu", {}, 1.0);
   };
-  EXPECT_EQ(complaint("duration_s: 1\ndurations: 2\n", read),
-            "FILE:2: found the unknown key durations, expected duration_s or ground; the nearest is duration_s");
+  EXPECT_EQ(
+      complaint("duration_s: 1\ndurations: 2\n", read),
+      "FILE:2: found the unknown key durations, expected duration_s or ground; the nearest is duration_s");
   EXPECT_EQ(complaint("duration_s: 1\nground:\n  mux: 2\n", read),
             "FILE:3: found the unknown key ground.mux, expected mu");
 }
@@ -178,7 +179,7 @@ TEST(YamlReader, ChecksTheVersion) {
   EXPECT_EQ(complaint("name: a\n", read), "FILE:1: found no key version, expected version 1");
 }
 
-TEST(YamlReader, LetsCallersPlaceErrorsOfMeaning) {
+TEST(YamlReader, ReportsErrorsOfCallersAtTheirLine) {
   EXPECT_EQ(complaint("a: 1\nmotion: jump\n",
                       [](const YamlMap& root) {
                         throw root.error_at("motion", "motion = jump", "a motion of this robot");

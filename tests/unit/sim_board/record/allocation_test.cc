@@ -17,7 +17,7 @@ class Sender final : public BusNode {
   void on_frame(const hal::CanFrame&, std::uint64_t) override {}
 };
 
-TEST(Step, AllocatesNothingOnTheBusAndForItsRecord) {
+TEST(Step, DoesNotAllocateForBusAndRecord) {
   test::TemporaryFolder folder;
   Recorder recorder(folder.path, std::vector<TraceColumn>(200, {"x", "m"}), WhenFull::kWait);
   const std::vector<TraceValue> row(200, TraceValue(0.125));

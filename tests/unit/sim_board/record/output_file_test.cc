@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using test::read_file;
 using test::TemporaryFolder;
 
-TEST(WholeFile, ReplacesAndLeavesNothingBeside) {
+TEST(WholeFile, ReplacesTheFileAtomically) {
   const TemporaryFolder folder;
   write_whole_file(folder.path / "a.txt", "old");
   write_whole_file(folder.path / "a.txt", "new");
@@ -29,7 +29,7 @@ TEST(WholeFile, ReplacesAndLeavesNothingBeside) {
   EXPECT_THROW(write_whole_file(folder.path / "missing" / "a.txt", "text"), std::system_error);
 }
 
-TEST(WholeFile, KeepsALinkAndWritesWhatItNames) {
+TEST(WholeFile, FollowsASymbolicLink) {
   const TemporaryFolder folder;
   test::write_file(folder.path / "a.txt", "old");
   fs::create_symlink("a.txt", folder.path / "link");
@@ -45,7 +45,7 @@ TEST(WholeFile, WritesADeviceDirectly) {
   EXPECT_TRUE(fs::is_character_file("/dev/full"));
 }
 
-TEST(OutputFile, HasOnlyWholeRowsWhileItIsWritten) {
+TEST(OutputFile, HasOnlyCompleteRowsWhileItIsWritten) {
   const TemporaryFolder folder;
   const fs::path file = folder.path / "rows.csv";
   OutputFile rows(file);
@@ -58,7 +58,7 @@ TEST(OutputFile, HasOnlyWholeRowsWhileItIsWritten) {
   EXPECT_EQ(read_file(file).size(), 2000 * row.size());
 }
 
-TEST(OutputFile, AppendsToWhatIsThere) {
+TEST(OutputFile, AppendsToAnExistingFile) {
   const TemporaryFolder folder;
   test::write_file(folder.path / "log", "one\n");
   OutputFile log(folder.path / "log", OutputFile::Mode::kAppend);
@@ -68,7 +68,7 @@ TEST(OutputFile, AppendsToWhatIsThere) {
   EXPECT_EQ(read_file(folder.path / "log"), "one\ntwo\n");
 }
 
-TEST(OutputFile, TellsOfADiskThatIsFull) {
+TEST(OutputFile, ReportsAFullDisk) {
   OutputFile file("/dev/full");
   file.write("row\n");
   try {
@@ -81,7 +81,7 @@ TEST(OutputFile, TellsOfADiskThatIsFull) {
 }
 
 // A limit of the file's size stands for a disk of so many bytes.
-TEST(OutputFile, CutsOffTheRowThatDidNotFit) {
+TEST(OutputFile, TruncatesTheRowThatDidNotFit) {
   const TemporaryFolder folder;
   const fs::path file = folder.path / "rows.csv";
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);

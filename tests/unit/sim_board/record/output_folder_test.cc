@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(OutputFolder, IsMadeWithItsParents) {
+TEST(OutputFolder, IsCreatedWithItsParents) {
   test::TemporaryFolder folder;
   check_output_folder(folder.path / "a" / "b");
   EXPECT_FALSE(fs::exists(folder.path / "a")) << "a check touches nothing";
@@ -31,7 +31,7 @@ TEST(OutputFolder, ReplacesAnEarlierRun) {
   EXPECT_TRUE(fs::is_empty(folder.path));
 }
 
-TEST(OutputFolder, ReplacesARunThatWasCutShort) {
+TEST(OutputFolder, ReplacesAnInterruptedRun) {
   test::TemporaryFolder folder;
   test::write_file(folder.path / "can.log", "");
   test::write_file(folder.path / "trace.csv", "");
@@ -66,7 +66,7 @@ TEST(FolderLock, IsRefusedInOneLine) {
   EXPECT_THROW(FolderLock{folder.path / "missing"}, std::system_error);
 }
 
-TEST(OutputFolder, RefusesWhatIsNotOurs) {
+TEST(OutputFolder, RejectsAFolderOfOtherContents) {
   test::TemporaryFolder folder;
   test::write_file(folder.path / "thesis.tex", "years of work");
   EXPECT_THROW(check_output_folder(folder.path), InputError);

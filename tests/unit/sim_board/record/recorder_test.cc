@@ -40,7 +40,7 @@ TEST(Recorder, WritesTraceAndLog) {
   EXPECT_EQ(recorder.dropped(), 0u);
 }
 
-TEST(Recorder, LosesNothingThroughASmallRing) {
+TEST(Recorder, LosesNothingWithASmallRing) {
   test::TemporaryFolder folder;
   Recorder recorder(folder.path, kColumns, WhenFull::kWait, 2048);
   constexpr std::uint64_t kFrames = 50'000;
@@ -61,7 +61,7 @@ TEST(Recorder, LosesNothingThroughASmallRing) {
   }
 }
 
-TEST(Recorder, LeavesWhatWasRecordedWhenARunFails) {
+TEST(Recorder, KeepsItsFilesWhenARunFails) {
   test::TemporaryFolder folder;
   {
     Recorder recorder(folder.path, kColumns, WhenFull::kWait);
@@ -70,7 +70,7 @@ TEST(Recorder, LeavesWhatWasRecordedWhenARunFails) {
   EXPECT_EQ(test::read_file(folder.path / "trace.csv"), "time_s,base_z_m,phase\n0,1,1\n");
 }
 
-TEST(Recorder, TellsOfAFullDiskWhenClosed) {
+TEST(Recorder, ReportsAFullDiskWhenClosed) {
   test::TemporaryFolder folder;
   std::filesystem::create_symlink("/dev/full", folder.path / "can.log");
   for (const std::uint64_t frames :
@@ -87,7 +87,7 @@ TEST(Recorder, TellsOfAFullDiskWhenClosed) {
   }
 }
 
-TEST(Recorder, RefusesAFolderThatDoesNotExist) {
+TEST(Recorder, RejectsAMissingFolder) {
   EXPECT_THROW(Recorder("/nowhere/at/all", kColumns, WhenFull::kWait), std::system_error);
 }
 

@@ -6,7 +6,7 @@ namespace koboshi::sim {
 namespace {
 
 // Values of the reference implementation: XXH3_64bits of nothing, and of the bytes 01 02 03 04 05 06 07 08.
-TEST(StateHash, IsXxh3OfTheBytes) {
+TEST(StateHash, EqualsXxh3OfTheBytes) {
   StateHash hash;
   EXPECT_EQ(hash.hex(), "2d06800538d394c2");
   hash.add(std::uint32_t{0x04030201});
@@ -18,7 +18,7 @@ TEST(StateHash, IsXxh3OfTheBytes) {
   EXPECT_EQ(whole.hex(), hash.hex());
 }
 
-TEST(StateHash, TakesDoublesByTheirBits) {
+TEST(StateHash, HashesTheBitsOfDoubles) {
   StateHash number, bits, negative_zero, zero;
   number.add(1.0);
   bits.add(std::uint64_t{0x3FF0000000000000});
@@ -39,7 +39,7 @@ TEST(StateHash, DependsOnOrderAndWidth) {
   EXPECT_NE(ab.value(), wide.value());
 }
 
-TEST(StateHash, GoesOnAfterALook) {
+TEST(StateHash, ContinuesAfterADigest) {
   StateHash looked, other;
   looked.add(std::uint64_t{1});
   other.add(std::uint64_t{1});

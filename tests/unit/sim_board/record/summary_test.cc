@@ -56,7 +56,7 @@ TEST(Summary, HasItsKeysInOrder) {
             "}\n");
 }
 
-TEST(Summary, TellsOfAWalkOnlyWhereThereWasOne) {
+TEST(Summary, HasWalkKeysOnlyAfterAWalk) {
   EXPECT_FALSE(to_json(kSummary).contains("distance_m"));
   RunSummary walked = kSummary;
   walked.events.clear();
@@ -81,7 +81,7 @@ TEST(Summary, TellsOfAWalkOnlyWhereThereWasOne) {
       << text;
 }
 
-TEST(Summary, ReplacesTheWholeFileAndLeavesNothingBeside) {
+TEST(Summary, ReplacesTheFileAtomically) {
   test::TemporaryFolder folder;
   test::write_file(folder.path / "timing.json", std::string(10'000, 'x'));
   write_json(folder.path / "timing.json", {{"real_time_factor", 6.5}});

@@ -20,7 +20,7 @@ TEST(Trace, NamesColumnsWithTheirUnits) {
   EXPECT_EQ(formatter.header(), "time_s,base_z_m,behaviour\n");
 }
 
-TEST(Trace, WritesNumbersAsShortAsTheyReadBack) {
+TEST(Trace, WritesTheShortestTextThatRoundTrips) {
   TraceFormatter formatter({{"a", "m"}, {"b", "", TraceKind::kInteger}});
   EXPECT_EQ(formatter.row(0, cells({0.1, 10'000'000})), "0,0.1,10000000\n");
   EXPECT_EQ(formatter.row(70'000, cells({-1.0 / 3.0, std::numeric_limits<std::int64_t>::min()})),
@@ -42,7 +42,7 @@ TEST(Trace, WritesTheNamesOfValues) {
   EXPECT_EQ(formatter.row(0, cells({9, 9})), "0,9,\n");
 }
 
-TEST(Trace, ReadsBackEveryDouble) {
+TEST(Trace, RoundTripsEveryDouble) {
   TraceFormatter formatter(std::vector<TraceColumn>{{"a", ""}});
   std::uint64_t bits = 1;
   for (int i = 0; i < 10000; ++i) {

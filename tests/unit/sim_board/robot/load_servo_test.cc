@@ -80,7 +80,7 @@ TEST(LoadServo, ReadsTheEffectsOfAServo) {
   EXPECT_EQ(robot.battery->internal_resistance_ohm, 0.05);
 }
 
-TEST(LoadServo, HasNoEffectThatItsFileDoesNotName) {
+TEST(LoadServo, HasOnlyTheEffectsOfItsFile) {
   const ScratchFile scratch("sdf", kSmallRobot);
   const RobotDescription robot = load_robot(scratch.path());
   const ServoDescription& servo = robot.joints.at(0).servo;
@@ -94,7 +94,7 @@ TEST(LoadServo, HasNoEffectThatItsFileDoesNotName) {
   EXPECT_EQ(robot.joints.at(0).encoder.noise_counts, 0.0);
 }
 
-TEST(LoadServo, RefusesEffectsThatCannotBe) {
+TEST(LoadServo, RejectsImpossibleEffects) {
   EXPECT_EQ(complaint(with_effects("friction_Nm=\"0.02\"", "friction_Nm=\"-1\"")),
             "FILE:13: found friction_Nm = -1, expected a number from 0 to 100");
   EXPECT_EQ(complaint(with_effects("load_friction motor=\"0.1\"", "load_friction motor=\"1\"")),
@@ -128,7 +128,7 @@ const char* const kLibrary = R"(<koboshi:servo_types xmlns:koboshi="https://kobo
 </koboshi:servo_types>
 )";
 
-TEST(LoadServo, TakesServoTypesOverFromALibrary) {
+TEST(LoadServo, ImportsServoTypesFromALibrary) {
   const koboshi::test::TemporaryFolder folder;
   koboshi::test::write_file(folder.path / "library.xml", kLibrary);
   const std::string take = "<koboshi:servo_types file=\"library.xml\"/><link name=\"hand\">";
@@ -140,7 +140,7 @@ TEST(LoadServo, TakesServoTypesOverFromALibrary) {
   EXPECT_EQ(types.at("small").supply_V, 7.5);
 }
 
-TEST(LoadServo, RefusesAServoLibraryThatIsNotThere) {
+TEST(LoadServo, RejectsAMissingServoLibrary) {
   EXPECT_EQ(
       complaint(with("<link name=\"hand\">", "<koboshi:servo_types file='no.xml'/><link name=\"hand\">")),
       "FILE:12: found file = no.xml, "
@@ -154,7 +154,7 @@ TEST(ServoTypes, AreReadFromALibraryAlone) {
   EXPECT_EQ(types.at("large").torque_constant_Nm_per_A, 2.0);
 }
 
-TEST(ServoTypes, OfBamAreAllThere) {
+TEST(ServoTypes, OfBamAreComplete) {
   const ServoTypes types =
       read_servo_types(std::filesystem::path(KOBOSHI_SOURCE_DIR) / "robots/servos/bam.xml");
   EXPECT_EQ(types.size(), 9u);

@@ -55,14 +55,14 @@ TEST(LoadRobot, ReadsEveryNumber) {
   EXPECT_EQ(wrist.drive.zero_rad, 0.5);
 }
 
-TEST(LoadRobot, TurnsInertiasIntoTheAxesOfTheLink) {
+TEST(LoadRobot, RotatesInertiasIntoTheAxesOfTheLink) {
   const ScratchFile scratch("sdf", with("<pose>0 0 0.05 0 0 0</pose>\n        <mass>",
                                         "<pose>0 0 0.05 1.5707963267948966 0 0</pose>\n        <mass>"));
   const RobotDescription robot = load_robot(scratch.path());
   EXPECT_TRUE(robot.links[1].I_LCom_L.diagonal().isApprox(Eigen::Vector3d(2e-4, 4e-4, 3e-4)));
 }
 
-TEST(LoadRobot, RefusesFilesThatAreNoRobot) {
+TEST(LoadRobot, RejectsFilesThatAreNotARobot) {
   EXPECT_EQ(complaint(""), "FILE: found XML error: empty document, expected well-formed XML");
   EXPECT_EQ(complaint("<robot name='urdf'/>"), "FILE:1: found <robot>, expected <sdf>");
   EXPECT_EQ(complaint("<sdf version='1.9'/>"), "FILE:1: found <sdf> without <model>, expected that element");
@@ -72,7 +72,7 @@ TEST(LoadRobot, RefusesFilesThatAreNoRobot) {
   EXPECT_THROW(load_robot("no/such.sdf"), InputError);
 }
 
-TEST(LoadRobot, RefusesUnknownDoubledAndMissingElements) {
+TEST(LoadRobot, RejectsUnknownDuplicateAndMissingElements) {
   EXPECT_EQ(complaint(with("<mass>0.1</mass>", "<mass>0.1</mass><colour/>")),
             "FILE:16: found the unknown element <colour> in <inertial>, expected pose, mass or inertia");
   EXPECT_EQ(complaint(with("<mass>0.1</mass>", "<mass>0.1</mass>\n<mass>0.2</mass>")),
@@ -101,7 +101,7 @@ TEST(LoadRobot, RefusesBadNumbers) {
   EXPECT_EQ(complaint(with("sign=\"-1\"", "sign=\"0\"")), "FILE:47: found sign = 0, expected 1 or -1");
 }
 
-TEST(LoadRobot, RefusesBodiesThatCannotBe) {
+TEST(LoadRobot, RejectsImpossibleBodies) {
   EXPECT_EQ(complaint(with("<izz>4e-4</izz>", "<izz>6e-4</izz>")),
             "FILE:17: found principal moments 2e-04, 3e-04 and 6e-04 kg m^2 in link hand, "
             "expected none greater than the sum of the others");
@@ -109,7 +109,7 @@ TEST(LoadRobot, RefusesBodiesThatCannotBe) {
               MatchesRegex("FILE:17: found principal moments -.*, expected positive ones"));
 }
 
-TEST(LoadRobot, RefusesJointsThatCannotBe) {
+TEST(LoadRobot, RejectsImpossibleJoints) {
   EXPECT_EQ(complaint(with("\"revolute\"", "\"prismatic\"")),
             "FILE:38: found joint wrist of type prismatic, expected revolute");
   EXPECT_EQ(complaint(with("<xyz>1 0 0", "<xyz>1 0 0.1")),
@@ -147,7 +147,7 @@ std::string another_link(const std::string& name) {
          "link>\n";
 }
 
-TEST(LoadRobot, RefusesWhatIsNoTree) {
+TEST(LoadRobot, RejectsJointsThatFormNoTree) {
   EXPECT_EQ(complaint(with("</model>", another_joint("elbow", "base", "hand", 18) + "</model>")),
             "FILE:49: found a second joint that moves link hand, expected one joint a link");
   EXPECT_EQ(
@@ -171,7 +171,7 @@ TEST(LoadRobot, RefusesNamesAndNodesUsedTwice) {
             "FILE:59: found a second node_id 17, expected each node id once");
 }
 
-TEST(LoadRobot, RefusesPosesThatHangInTheAir) {
+TEST(LoadRobot, RejectsPosesRelativeToUnknownFrames) {
   EXPECT_EQ(complaint(with("relative_to=\"base\"", "relative_to=\"moon\"")),
             "FILE:13: found relative_to = moon, expected the name of a link or joint");
   EXPECT_EQ(complaint(with("<xyz>", "<xyz expressed_in=\"moon\">")),
@@ -219,7 +219,7 @@ TEST(LoadRobot, RefusesColoursThatAreNone) {
   }
 }
 
-TEST(LoadRobot, RefusesMeshesThatAreNotThere) {
+TEST(LoadRobot, RejectsMissingMeshes) {
   EXPECT_EQ(
       complaint(with(
           "<collision name",

@@ -84,7 +84,7 @@ int joints_between(int a, int b) {
   return -1;
 }
 
-TEST(DefaultRobot, WeighsAndMeasuresWhatThePaperSays) {
+TEST(DefaultRobot, HasTheMassAndSizeOfThePaper) {
   EXPECT_NEAR(default_robot().total_mass_kg(), 1.2, 0.001);
   double lowest_m = 1e9;
   double highest_m = -1e9;
@@ -126,7 +126,7 @@ TEST(DefaultRobot, HasTwentyHingesInTheOrderOfTheirNodes) {
   EXPECT_EQ(link_of(0).name, "trunk");
 }
 
-TEST(DefaultRobot, TurnsAboutTheAxesThatTheFramesPageNames) {
+TEST(DefaultRobot, HasTheJointAxesOfTheFramesPage) {
   for (const JointDescription& joint : default_robot().joints) {
     const bool yaw = joint.name.ends_with("yaw") || joint.name.ends_with("pan");
     const Eigen::Vector3d axis = yaw                            ? Eigen::Vector3d::UnitZ()
@@ -136,7 +136,7 @@ TEST(DefaultRobot, TurnsAboutTheAxesThatTheFramesPageNames) {
   }
 }
 
-TEST(DefaultRobot, PutsJointsWhereThePrototypesHadThem) {
+TEST(DefaultRobot, HasTheJointPositionsOfThePrototype) {
   const auto expect_at = [](const std::string& name, double y_m, double z_m) {
     EXPECT_TRUE(joint_of("left_" + name).p_MJ.isApprox(Eigen::Vector3d(0, y_m, z_m), 1e-9)) << name;
     EXPECT_TRUE(joint_of("right_" + name).p_MJ.isApprox(Eigen::Vector3d(0, -y_m, z_m), 1e-9)) << name;
@@ -178,7 +178,7 @@ TEST(DefaultRobot, GivesEachLinkTheInertiaOfItsBox) {
   }
 }
 
-TEST(DefaultRobot, KeepsItsBoxesApartAtJointZero) {
+TEST(DefaultRobot, HasNoOverlappingBoxesAtJointZero) {
   // Boxes are parallel to the axes there, so that a gap along one axis is enough.
   const auto& links = default_robot().links;
   int pairs = 0;

@@ -15,7 +15,7 @@ using scenario_text::kFull;
 using scenario_text::kShort;
 using scenario_text::read;
 
-TEST(ScenarioReader, PutsCommandsInTheOrderOfTimeAndOfTheFile) {
+TEST(ScenarioReader, SortsCommandsByTimeAndOrderOfTheFile) {
   const TemporaryTree tree;
   const std::vector<Command> commands = read(tree, kFull).commands;
   using Kind = Command::Kind;
@@ -27,7 +27,7 @@ TEST(ScenarioReader, PutsCommandsInTheOrderOfTimeAndOfTheFile) {
   EXPECT_EQ(commands[1].motion, 1u);
 }
 
-TEST(ScenarioReader, ReadsTheVelocityToWalkWith) {
+TEST(ScenarioReader, ReadsTheVelocityOfAWalk) {
   const TemporaryTree tree;
   const std::vector<Command> commands = read(tree, std::string(kShort) + R"(commands:
   - {at_s: 4, walk: {}}
@@ -67,7 +67,7 @@ TEST(ScenarioReader, ReadsFaults) {
   EXPECT_EQ(faults[2].at_us, 8'600'000u);
 }
 
-TEST(ScenarioReader, KnowsEveryKindOfFault) {
+TEST(ScenarioReader, ReadsEveryKindOfFault) {
   const TemporaryTree tree;
   const std::vector<std::pair<std::string, Fault::Kind>> kinds{
       {"drive_silent, target: a", Fault::Kind::kDriveSilent},
@@ -92,7 +92,7 @@ TEST(ScenarioReader, KnowsEveryKindOfFault) {
   }
 }
 
-TEST(ScenarioReader, ReadsWhatAFaultOfFramesConcerns) {
+TEST(ScenarioReader, ReadsTheFramesOfAFault) {
   const TemporaryTree tree;
   const Scenario scenario =
       read(tree,
@@ -124,7 +124,7 @@ TEST(ScenarioReader, ReadsWhatAFaultOfFramesConcerns) {
   EXPECT_EQ(one.frames.last_identifier, 0x080);
 }
 
-TEST(ScenarioReader, ReadsWhatABabblingNodeSays) {
+TEST(ScenarioReader, ReadsTheFramesOfABabblingNode) {
   const TemporaryTree tree;
   const Scenario scenario = read(
       tree, kShort + std::string("faults:\n"
@@ -140,7 +140,7 @@ TEST(ScenarioReader, ReadsWhatABabblingNodeSays) {
   EXPECT_EQ(scenario.faults.at(2).babble.frame, (hal::CanFrame{.size = 2, .data = {0x81, 1}}));
 }
 
-TEST(ScenarioEvents, AreReadAgainAsTheyWereWritten) {
+TEST(ScenarioEvents, RoundTrip) {
   const TemporaryTree tree;
   Scenario written = read(tree, kFull, {"commands.2.at_s=9.123456"});
   written.commands.push_back(

@@ -43,7 +43,7 @@ std::string refusal_of_ground(const TemporaryTree& tree, const std::string& grou
   return "";
 }
 
-TEST(ScenarioGround, IsTheHardFloorWhenNothingIsGiven) {
+TEST(ScenarioGround, IsAHardFloorByDefault) {
   const TemporaryTree tree;
   const GroundDescription ground = make(tree, "");
   EXPECT_TRUE(ground.present && ground.is_only_a_plane() && ground.patches.empty());
@@ -69,7 +69,7 @@ TEST(ScenarioGround, ReadsASurface) {
   EXPECT_NEAR(ground.surface.constraint_force_mixing, 1.0 / (0.001 * 2000 + 20), 1e-12);
 }
 
-TEST(ScenarioGround, ReadsEveryShapeAndTurnsItWithThePlane) {
+TEST(ScenarioGround, ReadsEveryShapeAndRotatesItWithThePlane) {
   const TemporaryTree tree;
   tree.write("scenarios/bump.csv", "0, 0, 0\n0, 0.02, 0\n0, 0, 0.01\n");
   tree.write("scenarios/bump.pgm", "P2\n# a comment\n3 2\n255\n0 0 255\n0 51 0\n");
@@ -198,7 +198,7 @@ TEST(ScenarioMaterials, AreReadAsPairs) {
   EXPECT_FALSE(scenario.materials[1].pair.bounce || scenario.materials[1].pair.spring);
 }
 
-TEST(ScenarioMaterials, MustBeThoseOfRobotOrGround) {
+TEST(ScenarioMaterials, MustExistInRobotOrGround) {
   const TemporaryTree tree;
   RobotDescription robot = sample_box(1.0, {0.1, 0.1, 0.1});
   robot.links[0].collisions[0].surface.material = "rubber";

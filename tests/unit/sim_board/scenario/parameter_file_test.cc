@@ -50,7 +50,7 @@ TEST_F(ParameterFile, IsReadBeforeTheScenariosOwn) {
                                               std::pair("step_height", 20.0)));
 }
 
-TEST_F(ParameterFile, KnowsItsOwnLines) {
+TEST_F(ParameterFile, ReportsItsOwnLines) {
   const Scenario scenario = read("version: 1\nparameters:\n  gain: 2\n");
   ASSERT_EQ(scenario.parameters.size(), 1u);
   EXPECT_EQ(scenario.parameters[0].name.line, 3);
@@ -63,12 +63,12 @@ TEST_F(ParameterFile, IsRefusedWithItsLine) {
   EXPECT_THAT(refusal("version: 1\nparameters:\n  gain: much\n"), HasSubstr("standing.yaml:3"));
 }
 
-TEST_F(ParameterFile, IsNoRobotsOwn) {
+TEST_F(ParameterFile, IsRejectedIfItNamesARobot) {
   EXPECT_THAT(refusal("version: 1\nrobot: box\nparameters: {gain: 2}\n"),
               HasSubstr("standing.yaml:2: found the parameters of a robot, which its storage holds"));
 }
 
-TEST_F(ParameterFile, IsOneOfTheFilesThatTheScenarioDependsOn) {
+TEST_F(ParameterFile, IsADependencyOfTheScenario) {
   const auto files = input_files(read("version: 1\n"));
   EXPECT_THAT(files, ElementsAre(tree_.root() / "scenarios/test.yaml", tree_.root() / "robots/box/robot.sdf",
                                  tree_.root() / "robots/box/standing.yaml"));
@@ -94,7 +94,7 @@ class RobotParametersFile : public ::testing::Test {
   TemporaryTree tree_;
 };
 
-TEST_F(RobotParametersFile, BelongsToEveryScenarioOfTheRobot) {
+TEST_F(RobotParametersFile, AppliesToEveryScenarioOfTheRobot) {
   const Scenario scenario = read("version: 1\nrobot: box\nparameters:\n  gain: 2\n");
   ASSERT_EQ(scenario.robot_parameters.settings.size(), 1u);
   EXPECT_EQ(scenario.robot_parameters.settings[0].name.text, "gain");
@@ -110,7 +110,7 @@ TEST_F(RobotParametersFile, IsRefusedWithItsLine) {
   EXPECT_THAT(refusal("version: 1\nrobot: box\nparameters:\n  gain: much\n"), HasSubstr("parameters.yaml:4"));
 }
 
-TEST_F(RobotParametersFile, IsOfTheRobotBesideIt) {
+TEST_F(RobotParametersFile, BelongsToTheRobotBesideIt) {
   const Scenario scenario = read("version: 1\nrobot: sphere\nparameters: {}\n");
   RobotDescription box;
   box.name = "box";

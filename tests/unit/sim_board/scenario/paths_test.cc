@@ -7,14 +7,14 @@
 namespace koboshi::sim {
 namespace {
 
-TEST(RepositoryRoot, IsTheNearestFolderAboveWithRobotsAndScenarios) {
+TEST(RepositoryRoot, IsTheNearestParentWithRobotsAndScenarios) {
   const TemporaryTree tree;
   tree.write("scenarios/deep/down/a.yaml", "");
   EXPECT_EQ(repository_root(tree.root() / "scenarios/deep/down"), tree.root());
   EXPECT_EQ(repository_root(tree.root()), tree.root());
 }
 
-TEST(RepositoryRoot, IsLookedForFromHereWhereAFileIsNamedWithoutAFolder) {
+TEST(RepositoryRoot, IsSearchedFromTheWorkingFolderForABareFileName) {
   const TemporaryTree tree;
   const auto before = std::filesystem::current_path();
   std::filesystem::current_path(tree.root() / "scenarios");
@@ -23,11 +23,11 @@ TEST(RepositoryRoot, IsLookedForFromHereWhereAFileIsNamedWithoutAFolder) {
   std::filesystem::current_path(before);
 }
 
-TEST(RepositoryRoot, IsWhereTheProgramWasBuiltFromElsewhere) {
+TEST(RepositoryRoot, IsTheSourceFolderOfTheBuildOtherwise) {
   EXPECT_EQ(repository_root("/"), KOBOSHI_SOURCE_DIR);
 }
 
-TEST(ReferencedFile, IsLookedForBesideTheScenarioFirst) {
+TEST(ReferencedFile, IsFirstSearchedBesideTheScenario) {
   const TemporaryTree tree;
   const auto beside = tree.write("scenarios/robots/box/robot.sdf", "");
   EXPECT_EQ(find_referenced(tree.root() / "scenarios", "robots/box/robot.sdf"), beside);
@@ -36,14 +36,14 @@ TEST(ReferencedFile, IsLookedForBesideTheScenarioFirst) {
             tree.root() / "robots/box/robot.sdf");
 }
 
-TEST(ReferencedFile, MayLeaveTheFolderOrBeAbsolute) {
+TEST(ReferencedFile, MayBeOutsideTheFolderOrAbsolute) {
   const TemporaryTree tree;
   const auto robot = tree.root() / "robots/box/robot.sdf";
   EXPECT_EQ(find_referenced(tree.root() / "scenarios", "../robots/box/robot.sdf"), robot);
   EXPECT_EQ(find_referenced("/", robot), robot);
 }
 
-TEST(ReferencedFile, IsEmptyWhereThereIsNone) {
+TEST(ReferencedFile, IsEmptyWithoutAReference) {
   const TemporaryTree tree;
   EXPECT_TRUE(find_referenced(tree.root(), "robots/box/other.sdf").empty());
   EXPECT_TRUE(find_referenced(tree.root(), "robots/box").empty()) << "a folder is no file";

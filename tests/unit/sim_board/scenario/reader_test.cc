@@ -21,7 +21,7 @@ using scenario_text::read;
 using scenario_text::refusal;
 using ::testing::HasSubstr;
 
-TEST(ScenarioReader, FillsInWhatAFileLeavesOut) {
+TEST(ScenarioReader, FillsInDefaults) {
   const TemporaryTree tree;
   const Scenario scenario = read(tree, kShort);
   EXPECT_EQ(scenario.robot, tree.root() / "robots/box/robot.sdf");
@@ -98,7 +98,7 @@ TEST(ScenarioReader, ReplacesNumbersOfItsMotions) {
   EXPECT_THAT(refused("squat: {}"), HasSubstr("found the motion squat, expected one of the scenario's"));
 }
 
-TEST(ScenarioReader, TurnsTheBaseAboutTheAxesOfTheWorld) {
+TEST(ScenarioReader, RotatesTheBaseAboutTheAxesOfTheWorld) {
   const TemporaryTree tree;
   EXPECT_EQ(read(tree, kShort).initial.R_WB, Eigen::Matrix3d::Identity());
   const auto turned = [&](const std::string& attitude) {
@@ -112,7 +112,7 @@ TEST(ScenarioReader, TurnsTheBaseAboutTheAxesOfTheWorld) {
   EXPECT_TRUE((turned("{roll: 90, pitch: 90}") * Vector3d::UnitY()).isApprox(Vector3d::UnitX()));
 }
 
-TEST(ScenarioReader, TakesNoiseAsSwitchOrFactor) {
+TEST(ScenarioReader, ReadsNoiseAsSwitchOrFactor) {
   const TemporaryTree tree;
   EXPECT_EQ(read(tree, kShort, {"noise=true"}).noise_scale, 1.0);
   EXPECT_EQ(read(tree, kShort, {"noise=false"}).noise_scale, 0.0);
@@ -121,7 +121,7 @@ TEST(ScenarioReader, TakesNoiseAsSwitchOrFactor) {
   EXPECT_THAT(refusal(kShort, {"noise=-1"}), HasSubstr("-1"));
 }
 
-TEST(ScenarioReader, TakesTheSecondEngineOnlyWhereThereIsOne) {
+TEST(ScenarioReader, AcceptsTheSecondEngineOnlyIfAvailable) {
   const TemporaryTree tree;
   if (has_mujoco()) {
     EXPECT_EQ(read(tree, kShort, {"physics.stepper=mujoco"}).physics.stepper, Stepper::kMujoco);
@@ -130,7 +130,7 @@ TEST(ScenarioReader, TakesTheSecondEngineOnlyWhereThereIsOne) {
   }
 }
 
-TEST(PlayedScenario, RunsByItselfFromAnyFolder) {
+TEST(PlayedScenario, IsSelfContainedInAnyFolder) {
   const TemporaryTree tree;
   Scenario played = read(tree, kFull, {"teleop=true", "seed=9"});
   played.duration_us = 3'210'000;
@@ -165,7 +165,7 @@ TEST(ScenarioReader, LetsTheCommandLineReplaceAndAdd) {
 }
 
 // Each line alone makes a good file bad; the message names its line (the fourth) and what it found.
-TEST(ScenarioReader, RefusesWhatIsOutOfRangeOrUnknown) {
+TEST(ScenarioReader, RejectsValuesOutOfRangeAndUnknownKeys) {
   const std::vector<std::pair<std::string, std::string>> bad{
       {"colour: red", "unknown key colour"},
       {"seed: -1", "seed = -1"},
@@ -241,7 +241,7 @@ TEST(ScenarioReader, RefusesWhatIsOutOfRangeOrUnknown) {
   }
 }
 
-TEST(ScenarioReader, RefusesAFileWithoutItsEssentials) {
+TEST(ScenarioReader, RejectsAFileWithoutRequiredKeys) {
   EXPECT_THAT(refusal("robot: robots/box/robot.sdf\nduration_s: 1\n"), HasSubstr("version"));
   EXPECT_THAT(refusal("version: 2\nrobot: robots/box/robot.sdf\nduration_s: 1\n"),
               HasSubstr(":1: found version = 2"));
@@ -251,7 +251,7 @@ TEST(ScenarioReader, RefusesAFileWithoutItsEssentials) {
   EXPECT_THROW(read_scenario("/no/such/scenario.yaml"), InputError);
 }
 
-TEST(ScenarioReader, RefusesAMotionThatIsNotListed) {
+TEST(ScenarioReader, RejectsAMotionThatIsNotListed) {
   const std::string text = kShort + std::string("motions: [robots/box/motions/bow.yaml]\n");
   EXPECT_THAT(refusal(text + "commands: [{at_s: 1, play: squat}]\n"),
               HasSubstr("play = squat, expected bow"));

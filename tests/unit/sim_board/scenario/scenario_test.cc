@@ -33,7 +33,7 @@ double impulse(const Push& push, std::uint64_t step_us) {
   return sum;
 }
 
-TEST(Push, HasTheSameImpulseWhateverTheStep) {
+TEST(Push, HasTheSameImpulseForAnyStep) {
   for (const std::uint64_t step_us : {1000u, 500u, 250u, 20u}) {
     EXPECT_NEAR(impulse(make_push(Push::Shape::kRectangle), step_us), 2.0 * 0.0054, 1e-12) << step_us;
     EXPECT_NEAR(impulse(make_push(Push::Shape::kHalfSine), step_us), 2.0 * 0.0054 * 2.0 / std::numbers::pi,
@@ -42,7 +42,7 @@ TEST(Push, HasTheSameImpulseWhateverTheStep) {
   }
 }
 
-TEST(Push, ActsOnlyInItsTime) {
+TEST(Push, ActsOnlyDuringItsInterval) {
   const Push push = make_push(Push::Shape::kRectangle);
   EXPECT_EQ(push.mean_force_W_N(9'300, 10'300), Eigen::Vector3d::Zero());
   EXPECT_EQ(push.mean_force_W_N(15'700, 16'700), Eigen::Vector3d::Zero());
@@ -90,7 +90,7 @@ Scenario with_fault(Fault::Kind kind, const std::string& target, hal::Side side 
   return scenario;
 }
 
-TEST(ScenarioCheck, PassesWhatTheRobotHas) {
+TEST(ScenarioCheck, AcceptsElementsOfTheRobot) {
   Scenario scenario = with_fault(Fault::Kind::kDriveSilent, "knee");
   scenario.initial.joints.push_back({at_line("knee", 3), 0.5 * std::numbers::pi});
   scenario.pushes.push_back(make_push(Push::Shape::kRectangle));
@@ -98,14 +98,14 @@ TEST(ScenarioCheck, PassesWhatTheRobotHas) {
   EXPECT_EQ(refusal_of_event(scenario), "");
 }
 
-TEST(ScenarioCheck, RefusesAnUnknownLink) {
+TEST(ScenarioCheck, RejectsAnUnknownLink) {
   Scenario scenario;
   scenario.pushes.push_back(make_push(Push::Shape::kRectangle));
   scenario.pushes[0].link = at_line("tail", 4);
   EXPECT_EQ(refusal_of_event(scenario), "a.yaml:4: found the unknown link tail, expected trunk or shank");
 }
 
-TEST(ScenarioCheck, RefusesAnUnknownJoint) {
+TEST(ScenarioCheck, RejectsAnUnknownJoint) {
   EXPECT_THAT(refusal_of_event(with_fault(Fault::Kind::kDrivePowerLoss, "hip")),
               HasSubstr("a.yaml:5: found the unknown joint hip"));
   Scenario scenario;
@@ -113,14 +113,14 @@ TEST(ScenarioCheck, RefusesAnUnknownJoint) {
   EXPECT_THAT(refusal_of_event(scenario), HasSubstr("a.yaml:3: found the unknown joint hip"));
 }
 
-TEST(ScenarioCheck, RefusesAPositionBeyondTheLimits) {
+TEST(ScenarioCheck, RejectsAPositionBeyondTheLimits) {
   Scenario scenario;
   scenario.initial.joints.push_back({at_line("knee", 3), 0.51 * std::numbers::pi});
   EXPECT_THAT(refusal_of_event(scenario), HasSubstr("a.yaml:3: found knee = 91.8"));
   EXPECT_THAT(refusal_of_event(scenario), HasSubstr("from 0 to 90 degrees"));
 }
 
-TEST(ScenarioCheck, RoundsLimitsToWhatAPersonReads) {
+TEST(ScenarioCheck, RoundsLimitsInMessages) {
   RobotDescription robot = one_knee();
   robot.joints[0].upper_rad = 2.617994;  // 150.00000699057244 degrees
   Scenario scenario;
@@ -180,7 +180,7 @@ TEST(InitialJoints, HaveOneAngleEach) {
   }
 }
 
-TEST(ScenarioCheck, RefusesFaultsOfSensorsThatTheRobotLacks) {
+TEST(ScenarioCheck, RejectsFaultsOfMissingSensors) {
   EXPECT_THAT(refusal_of_event(with_fault(Fault::Kind::kImuStop, "imu_stop")), HasSubstr("a.yaml:5"));
   EXPECT_THAT(refusal_of_event(with_fault(Fault::Kind::kAnkleStop, "right", hal::Side::kRight)),
               HasSubstr("right ankle sensor"));
@@ -188,7 +188,7 @@ TEST(ScenarioCheck, RefusesFaultsOfSensorsThatTheRobotLacks) {
   EXPECT_EQ(refusal_of_event(with_fault(Fault::Kind::kControllerStop, "controller_stop")), "");
 }
 
-TEST(ScenarioCheck, KnowsWhoseFramesAFaultMayConcern) {
+TEST(ScenarioCheck, AcceptsKnownNodesInFrameFaults) {
   EXPECT_EQ(refusal_of_event(with_fault(Fault::Kind::kFramesLost, "")), "");
   EXPECT_EQ(refusal_of_event(with_fault(Fault::Kind::kFramesLost, "controller")), "");
   EXPECT_EQ(refusal_of_event(with_fault(Fault::Kind::kFramesDoubled, "knee")), "");
@@ -196,7 +196,7 @@ TEST(ScenarioCheck, KnowsWhoseFramesAFaultMayConcern) {
               HasSubstr("a.yaml:5: found the unknown joint hip"));
 }
 
-TEST(BoardOptions, LayTheLowestPointOnTheGround) {
+TEST(BoardOptions, PlaceTheLowestPointOnTheGround) {
   const RobotDescription box = sample_box(1.0, {0.1, 0.06, 0.02});
   Scenario scenario;
   scenario.initial.drop_m = 0.003;

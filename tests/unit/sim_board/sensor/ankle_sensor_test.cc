@@ -64,7 +64,7 @@ Eigen::Vector2d zero_moment_point(const Wrench& w, double d_m) {
           (w.torque_Nm.x() - w.force_N.y() * d_m) / w.force_N.z()};
 }
 
-TEST(AnkleSensor, ReadsAPositiveForceWhereTheGroundCarriesTheRobot) {
+TEST(AnkleSensor, ReadsPositiveForceWhenTheGroundCarriesTheRobot) {
   const Wrench reading = read(clean_sensor(), {}, ground_force_at({0.0, 0.0, -0.04}, {0.0, 0.0, 6.0}));
   EXPECT_NEAR(reading.force_N.z(), 6.0, kForceResolution);
   EXPECT_NEAR(reading.torque_Nm.norm(), 0.0, kTorqueResolution);
@@ -78,7 +78,7 @@ TEST(AnkleSensor, GivesTheZeroMomentPointOfAForceOnTheSole) {
   EXPECT_NEAR(p.y(), 0.012, 1e-5);
 }
 
-TEST(AnkleSensor, ReadsTheSameWhereverTheFootPoints) {
+TEST(AnkleSensor, ReadsTheSameInAnyOrientationOfTheFoot) {
   const Wrench level = ground_force_at({0.03, 0.012, -0.04}, {1.5, -0.8, 6.0});
   BodyState foot;
   foot.X_WL.linear() =
@@ -101,7 +101,7 @@ TEST(AnkleSensor, ReadsInItsOwnAxes) {
   EXPECT_NEAR(reading.force_N.y(), -2.0, kForceResolution);
 }
 
-TEST(AnkleSensor, TurnsAWrenchByThePoseFromBeforeTheStep) {
+TEST(AnkleSensor, RotatesTheWrenchByThePoseBeforeTheStep) {
   AnkleSensorDescription description = clean_sensor();
   description.force.bandwidth_Hz = 1e6;  // as good as none
   description.torque.bandwidth_Hz = 1e6;
@@ -121,7 +121,7 @@ TEST(AnkleSensor, TurnsAWrenchByThePoseFromBeforeTheStep) {
   EXPECT_NEAR(sample.force_raw[1] * kForceResolution, -5.0 * std::sin(0.1), 2e-2);
 }
 
-TEST(AnkleSensor, ShowsItsCrosstalkAndKeepsItFromTheTruth) {
+TEST(AnkleSensor, AppliesCrosstalkToSamplesButNotToTheTrueWrench) {
   AnkleSensorDescription description = clean_sensor();
   description.crosstalk = 0.05;
   const Wrench joint_W{{1.0, -2.0, 12.0}, {0.1, -0.05, 0.02}};

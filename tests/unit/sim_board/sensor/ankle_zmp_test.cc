@@ -39,7 +39,7 @@ struct Rig {
   AnkleSensorDescription sensor;
 };
 
-TEST(AnkleZmp, IsWhereTheGroundPushesWhateverItsFriction) {
+TEST(AnkleZmp, IsTheCentreOfPressureForAnyFriction) {
   Rig rig;
   for (const Vector3d& f_N :
        {Vector3d(0.0, 0.0, 12.0), Vector3d(3.0, -2.0, 12.0), Vector3d(-0.5, 0.5, 2.0)}) {
@@ -76,7 +76,7 @@ TEST(AnkleZmp, HasTheSensorsCrosstalk) {
   EXPECT_LT((rig.on_ground(f_N, {0.0, 0.0}, 1.0).zmp_S_m - expected_m).norm(), 0.00005);
 }
 
-TEST(AnkleZmp, IsTheSolesOriginWithoutLoad) {
+TEST(AnkleZmp, IsTheOriginOfTheSoleWithoutLoad) {
   EXPECT_EQ(Rig().on_ground(Vector3d::Zero(), {0.03, 0.0}).zmp_S_m, Vector2d(0.0, 0.0));
 }
 

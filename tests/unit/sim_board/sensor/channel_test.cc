@@ -7,7 +7,7 @@
 namespace koboshi::sim {
 namespace {
 
-TEST(Saturation, LetsThroughWhatIsInRangeAndEndsThere) {
+TEST(Saturation, PassesValuesInRangeAndLimitsOthers) {
   const Saturation saturation(4.0);
   EXPECT_EQ(saturation.apply(3.999), 3.999);
   EXPECT_EQ(saturation.apply(-4.0), -4.0);
@@ -15,9 +15,9 @@ TEST(Saturation, LetsThroughWhatIsInRangeAndEndsThere) {
   EXPECT_EQ(saturation.apply(-1e9), -4.0);
 }
 
-TEST(Saturation, RefusesARangeThatIsNotPositive) { EXPECT_THROW(Saturation(0.0), std::invalid_argument); }
+TEST(Saturation, RejectsANonPositiveRange) { EXPECT_THROW(Saturation(0.0), std::invalid_argument); }
 
-TEST(Quantiser, GivesTheNearestCountOverAllSixteenBits) {
+TEST(Quantiser, RoundsToTheNearestCountOverAllSixteenBits) {
   constexpr double kResolution = 0.25;  // exact in binary, so that the halves below are exact ties
   const Quantiser quantiser(kResolution);
   for (int count = -32768; count <= 32767; ++count) {
@@ -29,7 +29,7 @@ TEST(Quantiser, GivesTheNearestCountOverAllSixteenBits) {
   }
 }
 
-TEST(Quantiser, SaturatesAtItsEnds) {
+TEST(Quantiser, SaturatesAtBothEnds) {
   const Quantiser quantiser(0.001);
   EXPECT_EQ(quantiser.convert(32.768), 32767);
   EXPECT_EQ(quantiser.convert(1e12), 32767);
@@ -37,7 +37,7 @@ TEST(Quantiser, SaturatesAtItsEnds) {
   EXPECT_EQ(quantiser.convert(-1e12), -32768);
 }
 
-TEST(Quantiser, RefusesAResolutionThatIsNotPositive) { EXPECT_THROW(Quantiser(0.0), std::invalid_argument); }
+TEST(Quantiser, RejectsANonPositiveResolution) { EXPECT_THROW(Quantiser(0.0), std::invalid_argument); }
 
 }  // namespace
 }  // namespace koboshi::sim

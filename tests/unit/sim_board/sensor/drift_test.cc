@@ -65,7 +65,7 @@ double process_allan_variance(double sigma, double correlation_s, double tau_s) 
   return 2.0 * sigma * sigma / x * (1.0 - (3.0 - 4.0 * std::exp(-x) + std::exp(-2.0 * x)) / (2.0 * x));
 }
 
-TEST(WhiteNoise, FallsInAllanDeviationAsTheRootOfTime) {
+TEST(WhiteNoise, HasAnAllanDeviationThatFallsWithTheRootOfTime) {
   constexpr double kDensity = 0.004;
   WhiteNoise noise(kDensity, kPeriod_s, 3, "gyro");
   const Record record(500'000, kPeriod_s, [&] { return noise.sample(); });
@@ -101,7 +101,7 @@ TEST(BiasInstability, IsFlatInAllanDeviation) {
   }
 }
 
-TEST(BiasInstability, StartsAsIfItHadAlwaysBeenThere) {
+TEST(BiasInstability, StartsInItsStationaryDistribution) {
   double early = 0.0;
   double late = 0.0;
   constexpr int kSeeds = 2000;
@@ -117,7 +117,7 @@ TEST(BiasInstability, StartsAsIfItHadAlwaysBeenThere) {
   EXPECT_NEAR(late / variance, 1.0, four_sigma_of_variance);
 }
 
-TEST(RandomWalk, RisesInAllanDeviationAsTheRootOfTime) {
+TEST(RandomWalk, HasAnAllanDeviationThatRisesWithTheRootOfTime) {
   constexpr double kCoefficient = 0.0003;
   RandomWalk walk(kCoefficient, kPeriod_s, 7, "gyro");
   const Record record(1'000'000, kPeriod_s, [&] { return walk.sample(); });
@@ -129,7 +129,7 @@ TEST(RandomWalk, RisesInAllanDeviationAsTheRootOfTime) {
   }
 }
 
-TEST(RandomWalk, SpreadsAsTheRootOfTimeFromZero) {
+TEST(RandomWalk, SpreadsWithTheRootOfTimeFromZero) {
   constexpr double kCoefficient = 2.0;
   constexpr int kSeeds = 2000;
   double square = 0.0;
@@ -176,7 +176,7 @@ TEST(Channel, HasTheAllanDeviationOfItsThreeCoefficients) {
   }
 }
 
-TEST(Drift, RepeatsForItsSeedAndDiffersByAxisSeedAndName) {
+TEST(Drift, IsReproducibleAndDiffersByAxisSeedAndName) {
   BiasInstability a(1.0, 0.001, 1, "gyro");
   BiasInstability b(1.0, 0.001, 1, "gyro");
   BiasInstability seed(1.0, 0.001, 2, "gyro");
@@ -190,7 +190,7 @@ TEST(Drift, RepeatsForItsSeedAndDiffersByAxisSeedAndName) {
   }
 }
 
-TEST(Drift, IsNothingWithoutCoefficients) {
+TEST(Drift, IsZeroWithZeroCoefficients) {
   BiasInstability instability(0.0, 0.001, 1, "gyro");
   RandomWalk walk(0.0, 0.001, 1, "gyro");
   for (int i = 0; i < 10; ++i) {

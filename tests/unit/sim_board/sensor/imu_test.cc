@@ -85,7 +85,7 @@ TEST(Imu, ReadsGravityInItsOwnAxes) {
               0.51 * kAccelerometerResolution);
 }
 
-TEST(Imu, ReadsNothingInFreeFall) {
+TEST(Imu, ReadsZeroInFreeFall) {
   const Reading reading = read(clean_imu(), {}, [](double time_s) {
     BodyState state;
     state.v_WCom_W = kGravity * time_s;
@@ -94,7 +94,7 @@ TEST(Imu, ReadsNothingInFreeFall) {
   expect_near(reading.accelerometer, Eigen::Vector3d::Zero(), kAccelerometerResolution);
 }
 
-TEST(Imu, FeelsTheCentripetalAccelerationOfARotatingRig) {
+TEST(Imu, MeasuresCentripetalAcceleration) {
   constexpr double kRate = 10.0;
   constexpr double kRadius = 0.15;
   LinkDescription link;
@@ -108,7 +108,7 @@ TEST(Imu, FeelsTheCentripetalAccelerationOfARotatingRig) {
               0.6 * kAccelerometerResolution);
 }
 
-TEST(Imu, FeelsTheTangentialAccelerationOfARigThatSpeedsUp) {
+TEST(Imu, MeasuresTangentialAcceleration) {
   constexpr double kAcceleration = 20.0;  // rad/s^2
   constexpr double kRadius = 0.2;
   ImuDescription description = clean_imu();
@@ -125,7 +125,7 @@ TEST(Imu, FeelsTheTangentialAccelerationOfARigThatSpeedsUp) {
               kGyroResolution);
 }
 
-TEST(Imu, ShowsGravityInItsGyroByItsGSensitivity) {
+TEST(Imu, GyroRespondsToGravityByItsGSensitivity) {
   constexpr double kSensitivity = 0.01;  // rad/s per m/s^2
   ImuDescription description = clean_imu();
   description.g_sensitivity = kSensitivity;
@@ -145,7 +145,7 @@ TEST(Imu, ShowsGravityInItsGyroByItsGSensitivity) {
   }
 }
 
-TEST(Imu, AddsTheGSensitivityToItsRate) {
+TEST(Imu, AddsTheGSensitivityToTheRate) {
   ImuDescription description = clean_imu();
   description.g_sensitivity = 0.01;
   const auto spin = [](double time_s) { return turned(3.0 * time_s, 3.0, Eigen::Vector3d::Zero()); };

@@ -66,7 +66,7 @@ TEST(LowPass, HasTheGainAndPhaseOfAButterworthFilter) {
   }
 }
 
-TEST(LowPass, LosesAtOneKilohertzNoMoreThanTheStraightLinesBetweenSamplesDo) {
+TEST(LowPass, AttenuatesAtOneKilohertzLikeLinearInterpolation) {
   for (const double frequency_Hz : {5.0, 20.0, 50.0, 98.0}) {
     const double x = std::numbers::pi * frequency_Hz * 1e-3;
     const double straight_lines = std::pow(std::sin(x) / x, 2);

@@ -11,7 +11,7 @@
 namespace koboshi::sim {
 namespace {
 
-TEST(RandomStream, RepeatsForEqualSeedAndName) {
+TEST(RandomStream, IsReproducibleForEqualSeedAndName) {
   RandomStream a(7, "imu.gyro");
   RandomStream b(7, "imu.gyro");
   for (int i = 0; i < 100; ++i) ASSERT_EQ(a.normal(), b.normal());
@@ -109,7 +109,7 @@ TEST(WhiteNoise, IsFlatUpToHalfTheSamplingRate) {
   }
 }
 
-TEST(WhiteNoise, IsSilentWithoutDensity) {
+TEST(WhiteNoise, IsZeroWithoutDensity) {
   WhiteNoise noise(0.0, 0.001, 1, "gyro");
   EXPECT_EQ(noise.sample(), Eigen::Vector3d::Zero());
 }

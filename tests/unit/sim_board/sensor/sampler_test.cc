@@ -26,7 +26,7 @@ TEST(Sampler, StartsWithTheFirstMultipleAfterATime) {
   EXPECT_EQ(sampler.take().actual_us, 1500u);
 }
 
-TEST(Sampler, MissesEachInstantUniformlyWithinItsJitter) {
+TEST(Sampler, DisplacesInstantsUniformlyWithinItsJitter) {
   constexpr std::int64_t kJitter_us = 7;
   constexpr int kInstants = 30'000;
   Sampler sampler(1000, {kJitter_us, 5, "imu"});
@@ -51,7 +51,7 @@ TEST(Sampler, MissesEachInstantUniformlyWithinItsJitter) {
   EXPECT_NEAR(product, 0.0, 4.0 * variance_us2 / std::sqrt(kInstants));  // each independent of the last
 }
 
-TEST(Sampler, KeepsItsOrderAtTheMostJitter) {
+TEST(Sampler, KeepsItsOrderAtTheLargestJitter) {
   for (const std::uint64_t period_us : {1u, 2u, 3u, 100u}) {
     Sampler sampler(period_us, {Sampler::max_jitter_us(period_us), 3, "imu"});
     sampler.start(0);
@@ -75,12 +75,12 @@ TEST(Sampler, NeverSamplesBeforeItStarts) {
   }
 }
 
-TEST(Sampler, RefusesWhatWouldDisorderIt) {
+TEST(Sampler, RejectsPeriodsAndJitterThatWouldReorderSamples) {
   EXPECT_THROW(Sampler(0, {0, 1, "imu"}), std::invalid_argument);
   EXPECT_THROW(Sampler(1000, {500, 1, "imu"}), std::invalid_argument);
 }
 
-TEST(Delay, DeliversToTheMicrosecond) {
+TEST(Delay, IsExactToTheMicrosecond) {
   Delay<int> delay(1234, 4);
   delay.push(42, 1000);
   int value = 0;
@@ -91,14 +91,14 @@ TEST(Delay, DeliversToTheMicrosecond) {
   EXPECT_FALSE(delay.poll(9999, value));
 }
 
-TEST(Delay, DeliversAtOnceWithoutDelay) {
+TEST(Delay, DeliversAtOnceWithZeroDelay) {
   Delay<int> delay(0, 1);
   delay.push(42, 1000);
   int value = 0;
   EXPECT_TRUE(delay.poll(1000, value));
 }
 
-TEST(Delay, KeepsOrderAndLosesTheOldestWhenFull) {
+TEST(Delay, KeepsOrderAndDropsTheOldestWhenFull) {
   Delay<int> delay(10, 3);
   for (int i = 0; i < 5; ++i) delay.push(i, static_cast<std::uint64_t>(i));
   int value = -1;

@@ -21,21 +21,21 @@ double read(const ScalarSensorDescription& description, double value, const Sens
   return sensor.reading();
 }
 
-TEST(ScalarSensor, ShowsTheNearestCount) {
+TEST(ScalarSensor, RoundsToTheNearestCount) {
   EXPECT_EQ(read(voltmeter(), 7.5), 7.5);
   const double resolution = voltmeter().resolution;
   EXPECT_DOUBLE_EQ(read(voltmeter(), 7.5 + 0.49 * resolution), 7.5);
   EXPECT_DOUBLE_EQ(read(voltmeter(), 7.5 + 0.51 * resolution), 7.5 + resolution);
 }
 
-TEST(ScalarSensor, ShowsTheEndsOfItsRange) {
+TEST(ScalarSensor, SaturatesAtTheEndsOfItsRange) {
   ScalarSensorDescription thermometer{.lowest = -40.0, .highest = 125.0, .resolution = 0.5};
   EXPECT_EQ(read(thermometer, -60.0), -40.0);
   EXPECT_EQ(read(thermometer, 24.8), 25.0);
   EXPECT_EQ(read(thermometer, 300.0), 125.0);
 }
 
-TEST(ScalarSensor, IsOffByScaleAndOffsetWithinTheirBounds) {
+TEST(ScalarSensor, HasScaleErrorAndOffsetWithinTheirBounds) {
   ScalarSensorDescription description = voltmeter();
   description.resolution = 1e-9;
   description.offset = 0.05;
@@ -55,7 +55,7 @@ TEST(ScalarSensor, IsOffByScaleAndOffsetWithinTheirBounds) {
   EXPECT_GT(largest, 0.098);
 }
 
-TEST(ScalarSensor, HasItsNoise) {
+TEST(ScalarSensor, HasTheSpecifiedNoise) {
   ScalarSensorDescription description = voltmeter();
   description.noise = 0.02;
   ScalarSensor sensor(description, "supply", {});
@@ -72,7 +72,7 @@ TEST(ScalarSensor, HasItsNoise) {
   EXPECT_NEAR(square / variance, 1.0, 4.0 * std::sqrt(2.0 / kSamples));
 }
 
-TEST(ScalarSensor, HoldsBetweenSamplesWhateverThePhysicsStep) {
+TEST(ScalarSensor, HoldsBetweenSamplesForAnyPhysicsStep) {
   for (const std::uint64_t step_us : {100u, 375u, 1000u, 7000u}) {
     ScalarSensorDescription description = voltmeter();
     description.resolution = 1e-6;
@@ -85,7 +85,7 @@ TEST(ScalarSensor, HoldsBetweenSamplesWhateverThePhysicsStep) {
   }
 }
 
-TEST(ScalarSensor, IsExactButForRangeAndResolutionWhereErrorsAreScaledAway) {
+TEST(ScalarSensor, IsExactExceptForRangeAndResolutionWithErrorsScaledToZero) {
   ScalarSensorDescription description = voltmeter();
   description.noise = 1.0;
   description.offset = 1.0;
@@ -105,7 +105,7 @@ TEST(ScalarSensor, DrawsItsErrorsByName) {
   EXPECT_EQ(readings.size(), 3u);
 }
 
-TEST(ScalarSensor, RefusesWhatCannotBe) {
+TEST(ScalarSensor, RejectsInvalidDescriptions) {
   ScalarSensorDescription description = voltmeter();
   description.resolution = 0.0;
   EXPECT_THROW(ScalarSensor(description, "supply", {}), std::invalid_argument);

@@ -69,7 +69,7 @@ Vector3d shown(Channel& channel, const Vector3d& value, double resolution) {
   return resolution * Vector3d(counts[0], counts[1], counts[2]);
 }
 
-TEST(Channel, ShowsScaleAndCrossAxisInEachDirection) {
+TEST(Channel, AppliesScaleAndCrossAxisInEachDirection) {
   ChannelDescription description;
   description.scale_error = 0.03;
   description.cross_axis = 0.02;
@@ -111,7 +111,7 @@ AnkleSensorDescription ankle(double crosstalk) {
   return sensor;
 }
 
-TEST(AnkleCrosstalk, IsWithinItsShareOfTheRanges) {
+TEST(AnkleCrosstalk, IsBoundedByItsFractionOfTheRanges) {
   double largest_N = 0.0;
   double largest_Nm = 0.0;
   for (std::uint64_t seed = 0; seed < 500; ++seed) {
@@ -140,7 +140,7 @@ TEST(AnkleCrosstalk, IsLinearAndDiffersByElement) {
   EXPECT_NE(x.torque_Nm.x(), y.torque_Nm.x());
 }
 
-TEST(AnkleCrosstalk, IsNothingWhereItIsAbsentOrScaledAway) {
+TEST(AnkleCrosstalk, IsZeroWhenAbsentOrScaledToZero) {
   const Wrench wrench{{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}};
   for (const AnkleCrosstalk& crosstalk :
        {AnkleCrosstalk(ankle(0.0), {}), AnkleCrosstalk(ankle(0.01), {.scale = 0.0})}) {

@@ -40,7 +40,7 @@ class BareSensorNode final : private canopen::FrameSink, private canopen::NodeAp
   canopen::Node node;
 };
 
-TEST(InertialNode, SendsItsAxesByItsOwnClock) {
+TEST(InertialNode, SendsItsAxesPeriodically) {
   BareSensorNode sensor(SensorKind::kInertial, 36);
   sensor.values.sample = 0x0102;
   sensor.values.gyro[0] = -2;

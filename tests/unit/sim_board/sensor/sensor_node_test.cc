@@ -59,14 +59,14 @@ class AnkleSensorNode : public SensorNodeTest {
   AnkleSensorNode() : SensorNodeTest(SensorKind::kForceTorque, kLeftAnkleNode) {}
 };
 
-TEST_F(InertialSensorNode, TellsThatItBootsAndThenWaits) {
+TEST_F(InertialSensorNode, SendsBootUpAndWaits) {
   play_until(SensorNode::kBootTime_us);
   EXPECT_THAT(identifiers_, IsEmpty());
   play_until(SensorNode::kBootTime_us + 20'000);
   EXPECT_THAT(identifiers_, ElementsAre(canopen::kHeartbeatBase + kInertialNode));
 }
 
-TEST_F(InertialSensorNode, SendsItsLatestSampleByItsOwnClock) {
+TEST_F(InertialSensorNode, SendsItsLatestSamplePeriodically) {
   start();
   sensor_.take(hal::ImuSample{.gyro_raw = {1, 2, 3}, .accelerometer_raw = {4, 5, 6}});
   sensor_.take(hal::ImuSample{.gyro_raw = {-7, 8, 9}, .accelerometer_raw = {10, 11, -12}});
@@ -78,13 +78,13 @@ TEST_F(InertialSensorNode, SendsItsLatestSampleByItsOwnClock) {
   EXPECT_THAT(sample->accelerometer_raw, ElementsAre(10, 11, -12));
 }
 
-TEST_F(InertialSensorNode, BeatsEachSecond) {
+TEST_F(InertialSensorNode, SendsAHeartbeatEachSecond) {
   start();
   play_until(now_us_ + 3'000'000);
   EXPECT_EQ(std::ranges::count(identifiers_, canopen::kHeartbeatBase + kInertialNode), 3);
 }
 
-TEST_F(AnkleSensorNode, KeepsItsParametersOverAReset) {
+TEST_F(AnkleSensorNode, KeepsItsParametersAcrossAReset) {
   start();
   const auto write = [this](unsigned command, unsigned index, unsigned subindex, std::uint32_t value) {
     hal::CanFrame frame{.identifier = canopen::kSdoRequestBase + kLeftAnkleNode, .size = 8};

@@ -49,7 +49,7 @@ bool equal(const Sample& a, const Sample& b) {
   return a.time_us == b.time_us && a.first_raw == b.first_raw && a.second_raw == b.second_raw;
 }
 
-TEST(SixAxis, SamplesAtItsOwnPeriodWhateverThePhysicsStep) {
+TEST(SixAxis, SamplesAtItsPeriodForAnyPhysicsStep) {
   const std::vector<Sample> reference = run(make(clean_channel()), 1000, 120'000);
   ASSERT_EQ(reference.size(), 119u);  // those of 1 to 119 ms have arrived, 1 ms later, by 120 ms
   EXPECT_EQ(reference.front().time_us, 1000u);
@@ -62,7 +62,7 @@ TEST(SixAxis, SamplesAtItsOwnPeriodWhateverThePhysicsStep) {
   }
 }
 
-TEST(SixAxis, TrailsARampByTheFiltersLag) {
+TEST(SixAxis, LagsBehindARampByTheFilter) {
   const std::vector<Sample> samples = run(make(clean_channel()), 1000, 1'000'000);
   const double lag_s = 1.0 / (std::numbers::sqrt2 * std::numbers::pi * 98.0);
   const double expected = static_cast<double>(samples.back().time_us) * 1e-6 - lag_s;
@@ -82,7 +82,7 @@ TEST(SixAxis, DeliversTheDelayAfterTheSamplingInstant) {
   EXPECT_EQ(sample.time_us, 1000u);
 }
 
-TEST(SixAxis, RepeatsItselfForASeed) {
+TEST(SixAxis, IsReproducibleForASeed) {
   const std::vector<Sample> a = run(make(noisy_channel(), {.seed = 5}), 1000, 50'000);
   const std::vector<Sample> b = run(make(noisy_channel(), {.seed = 5}), 1000, 50'000);
   const std::vector<Sample> other = run(make(noisy_channel(), {.seed = 6}), 1000, 50'000);
@@ -91,7 +91,7 @@ TEST(SixAxis, RepeatsItselfForASeed) {
   EXPECT_NE(a.front().first_raw, other.front().first_raw);
 }
 
-TEST(SixAxis, DrawsTheSameWhateverItsNeighbourDoes) {
+TEST(SixAxis, DrawsIndependentlyOfOtherSensors) {
   const ChannelDescription quiet = clean_channel();
   const std::vector<Sample> both = run(make(noisy_channel(), {.seed = 5}), 1000, 50'000);
   const SixAxis half(noisy_channel(), quiet, "imu.gyro", "imu.accelerometer", "imu", {.seed = 5});
@@ -99,7 +99,7 @@ TEST(SixAxis, DrawsTheSameWhateverItsNeighbourDoes) {
   for (std::size_t i = 0; i < both.size(); ++i) EXPECT_EQ(both[i].first_raw, alone[i].first_raw);
 }
 
-TEST(SixAxis, ScalesNoiseAndBiasToNothing) {
+TEST(SixAxis, ScalesNoiseAndBiasToZero) {
   const std::vector<Sample> scaled = run(make(noisy_channel(), {.seed = 5, .scale = 0.0}), 1000, 50'000);
   const std::vector<Sample> clean = run(make(clean_channel()), 1000, 50'000);
   for (std::size_t i = 0; i < clean.size(); ++i) EXPECT_TRUE(equal(scaled[i], clean[i]));
@@ -126,7 +126,7 @@ ChannelDescription jittery_channel() {
 }
 
 // A ramp tells when it was sampled; the sensor itself tells the time at which it should have been.
-TEST(SixAxis, SamplesOffItsNominalInstantsByItsJitter) {
+TEST(SixAxis, DisplacesSamplesByItsJitter) {
   constexpr double kResolution = 1e-4;
   ChannelDescription fine = clean_channel();
   fine.resolution = kResolution;
@@ -152,7 +152,7 @@ TEST(SixAxis, SamplesOffItsNominalInstantsByItsJitter) {
   EXPECT_NEAR(square_s2 / expected_s2, 1.0, 4.0 * std::sqrt(0.8 / 970.0));
 }
 
-TEST(SixAxis, DrawsTheSameJitterWhateverThePhysicsStep) {
+TEST(SixAxis, DrawsTheSameJitterForAnyPhysicsStep) {
   ChannelDescription channel = jittery_channel();
   channel.jitter_s = 0.00049;
   channel.resolution = 0.0001;
@@ -167,7 +167,7 @@ TEST(SixAxis, DrawsTheSameJitterWhateverThePhysicsStep) {
   }
 }
 
-TEST(SixAxis, ScalesJitterToNothingAndNeverToDisorder) {
+TEST(SixAxis, ScalesJitterWithoutReorderingSamples) {
   const std::vector<Sample> clean = run(make(clean_channel()), 1000, 50'000);
   const std::vector<Sample> still = run(make(jittery_channel(), {.scale = 0.0}), 1000, 50'000);
   for (std::size_t i = 0; i < clean.size(); ++i) EXPECT_TRUE(equal(still[i], clean[i]));
@@ -176,7 +176,7 @@ TEST(SixAxis, ScalesJitterToNothingAndNeverToDisorder) {
   for (std::size_t i = 1; i < wild.size(); ++i) EXPECT_GE(wild[i].second_raw[1], wild[i - 1].second_raw[1]);
 }
 
-TEST(SixAxis, RefusesChannelsOfDifferentClocks) {
+TEST(SixAxis, RejectsChannelsOfDifferentClocks) {
   ChannelDescription slow = clean_channel();
   slow.sample_period_s = 0.002;
   EXPECT_THROW(SixAxis(clean_channel(), slow, "a", "b", "ab", {}), std::invalid_argument);

@@ -68,7 +68,7 @@ TEST(Backlash, GivesTheOutputTheRotorsMomentumAtTheEdge) {
   EXPECT_EQ(torque.drive_Nm, 0.5);
 }
 
-TEST(Backlash, LetsGoWhereTheServoWouldPull) {
+TEST(Backlash, SeparatesWhereTheServoWouldPull) {
   Backlash backlash(with_backlash(), 0.001);
   ServoTorque torque;
   for (int i = 0; i < 1000 && !backlash.engaged(); ++i) {
@@ -135,7 +135,7 @@ TEST(Backlash, ConvergesWithTheStep) {
   EXPECT_LT(errors_rad[2], 0.3 * errors_rad[1]);
 }
 
-TEST(Backlash, OfNoGapChangesNothing) {
+TEST(Backlash, WithoutAGapChangesNothing) {
   Backlash backlash(ServoDescription{}, 0.001);
   backlash.observe({.position_rad = 1.0, .speed_rad_per_s = 2.0, .servo_Nm = 0.3});
   ServoTorque torque{.drive_Nm = 0.5, .damping_Nm_s = 0.1, .rotor_inertia_kg_m2 = 0.001, .friction_Nm = 0.02};

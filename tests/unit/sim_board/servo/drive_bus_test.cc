@@ -22,7 +22,7 @@ class DriveOnABadBus : public DriveTest {
   BusFaults faults{1};
 };
 
-TEST_F(DriveOnABadBus, SaysThatItIsErrorPassiveAndGoesOn) {
+TEST_F(DriveOnABadBus, ReportsErrorPassiveAndContinues) {
   write({0x1800, 2}, 1, 1);  // answers each SYNC
   enable();
   corrupt(17);
@@ -36,7 +36,7 @@ TEST_F(DriveOnABadBus, SaysThatItIsErrorPassiveAndGoesOn) {
   EXPECT_EQ(drive->state(), State::kOperationEnabled);
 }
 
-TEST_F(DriveOnABadBus, StopsAtBusOffAndComesBackAfterAPause) {
+TEST_F(DriveOnABadBus, StopsAtBusOffAndRecoversAfterAPause) {
   write({0x1800, 2}, 1, 1);
   enable();
   corrupt(40);
@@ -58,7 +58,7 @@ TEST_F(DriveOnABadBus, StopsAtBusOffAndComesBackAfterAPause) {
   EXPECT_EQ(emergencies().back(), 0);
 }
 
-TEST_F(DriveOnABadBus, DoesAtBusOffWhatItsOptionCodeSays) {
+TEST_F(DriveOnABadBus, FollowsItsOptionCodeAtBusOff) {
   write({0x6007, 0}, 0, 2);  // nothing
   write({0x1800, 2}, 1, 1);
   enable();

@@ -4,7 +4,7 @@
 namespace koboshi::sim {
 namespace {
 
-TEST_F(DriveTest, WatchesNoFollowingErrorUnlessItIsToldTo) {
+TEST_F(DriveTest, MonitorsTheFollowingErrorOnlyWhenConfigured) {
   enable();
   target = 100'000;  // the shaft is held
   run_ms(2'000);
@@ -56,7 +56,7 @@ class HotDriveTest : public DriveTest {
   HotDriveTest() : DriveTest(joint_that_heats()) {}
 };
 
-TEST_F(HotDriveTest, ShutsDownTellsAndCanBeResetWhenItHasCooled) {
+TEST_F(HotDriveTest, ShutsDownReportsAndCanBeResetAfterCooling) {
   enable();
   target = 100'000;  // the shaft is held
   run_ms(2'000);     // time to fault, and to cool
@@ -116,7 +116,7 @@ TEST_F(DriveTest, FaultsWhenItsSupplyIsLowForLonger) {
   EXPECT_EQ(emergencies().back(), 0);
 }
 
-TEST_F(DriveTest, DoesNotMindALowSupplyWhileItIsLimp) {
+TEST_F(DriveTest, ToleratesALowSupplyWhileLimp) {
   configure();
   supply_V = 0.0;
   run_ms(200);
@@ -135,7 +135,7 @@ class LimitedDriveTest : public DriveTest {
   LimitedDriveTest() : DriveTest(with_current_limit()) {}
 };
 
-TEST_F(LimitedDriveTest, DoesNotFaultAtItsCurrentLimit) {
+TEST_F(LimitedDriveTest, OperatesAtItsCurrentLimitWithoutAFault) {
   enable();
   target = 500'000;  // the shaft is held
   run_ms(500);
@@ -164,7 +164,7 @@ TEST_F(DriveTest, NeverFaultsForCurrentWithoutALimit) {
   EXPECT_EQ(drive->state(), State::kOperationEnabled);
 }
 
-TEST_F(DriveTest, LetsGoAtOnceWhenItsEncoderBreaks) {
+TEST_F(DriveTest, DisablesTorqueAtOnceWhenItsEncoderFails) {
   enable();
   drive->break_encoder();
   run_ms(2);
@@ -180,7 +180,7 @@ TEST_F(DriveTest, LetsGoAtOnceWhenItsEncoderBreaks) {
   EXPECT_EQ(drive->state(), State::kFault);
 }
 
-TEST_F(DriveTest, LetsGoWhenItsEncoderBreaksDuringAQuickStop) {
+TEST_F(DriveTest, DisablesTorqueWhenItsEncoderFailsDuringAQuickStop) {
   enable();
   controlword = cia402::kControlQuickStop;
   run_ms(12);

@@ -81,7 +81,7 @@ TEST_F(HomingDriveTest, StartsWithTheRisingEdge) {
   EXPECT_EQ(position(), 1'000);
 }
 
-TEST_F(HomingDriveTest, CountsFromHomeInOtherModes) {
+TEST_F(HomingDriveTest, UsesTheHomePositionInOtherModes) {
   enable_homing(0);
   command(kStartsHoming);
   target = 0;
@@ -96,7 +96,7 @@ TEST_F(HomingDriveTest, CountsFromHomeInOtherModes) {
   EXPECT_EQ(drive->values().following_error, 1'000);
 }
 
-TEST_F(HomingDriveTest, IsNotStartedAgainByAModeThatReturns) {
+TEST_F(HomingDriveTest, DoesNotRestartWhenItsModeReturns) {
   enable_homing(0);
   command(kStartsHoming);
   command(kEnabledForHoming);
@@ -107,7 +107,7 @@ TEST_F(HomingDriveTest, IsNotStartedAgainByAModeThatReturns) {
   EXPECT_EQ(homing_bits(), cia402::kTargetReached);
 }
 
-TEST_F(HomingDriveTest, ForgetsHomeWithAReset) {
+TEST_F(HomingDriveTest, ClearsHomeAtReset) {
   enable_homing(0);
   command(kStartsHoming);
   ASSERT_EQ(position(), 0);

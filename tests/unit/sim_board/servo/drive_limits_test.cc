@@ -141,7 +141,7 @@ class RefusesToEnable : public LimitedDrive, public testing::WithParamInterface<
   }
 };
 
-TEST_P(RefusesToEnable, WhileTheLimitsContradictEachOther) {
+TEST_P(RefusesToEnable, WhileTheLimitsAreContradictory) {
   configure();
   write({0x605A, 0}, 6, 2);  // quick stop active stays
   if (GetParam().by_sdo) write({0x1400, 1}, 0x8000'0000u + 0x200 + kNode, 4);
@@ -220,7 +220,7 @@ TEST_F(LimitedDrive, KeepsItsMaxMotorSpeedInTheCyclicMode) {
   EXPECT_EQ(demand(), target);
 }
 
-TEST_F(LimitedDrive, KeepsItsMaxAccelerationInTheCyclicModeAndPassesNoTarget) {
+TEST_F(LimitedDrive, KeepsItsMaxAccelerationInTheCyclicModeWithoutOvershoot) {
   write({0x60C5, 0}, 300'000, 4);
   enable();
   measure();

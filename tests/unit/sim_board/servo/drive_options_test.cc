@@ -37,7 +37,7 @@ class DriveStops : public DriveTest, public testing::WithParamInterface<Stop> {
   }
 };
 
-TEST_P(DriveStops, AsItsOptionCodeSays) {
+TEST_P(DriveStops, AsItsOptionCodeSpecifies) {
   const Stop& stop = GetParam();
   configure();
   ASSERT_EQ(abort_of({stop.option_code, 0}, stop.option, 2), 0u);
@@ -84,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(
 // Codes 5 to 8: as 1 to 4, and then the shaft is held until the controller says what follows.
 class DriveStays : public DriveStops {};
 
-TEST_P(DriveStays, InQuickStopActiveUntilItIsTold) {
+TEST_P(DriveStays, InQuickStopActiveUntilCommanded) {
   const Stop& stop = GetParam();
   for (const std::uint16_t way_out : {cia402::kControlDisableVoltage, cia402::kControlEnableOperation}) {
     controlword = 0;
@@ -123,7 +123,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& info) { return info.param.name; });
 
 // In the cyclic mode the next targets then lead on from where the demand is, without a jump.
-TEST_F(DriveTest, GoesOnFromAQuickStopRampWithoutAJump) {
+TEST_F(DriveTest, ResumesFromAQuickStopRampWithoutAJump) {
   configure();
   write({0x605A, 0}, 6, 2);
   enable();
@@ -143,7 +143,7 @@ TEST_F(DriveTest, GoesOnFromAQuickStopRampWithoutAJump) {
   EXPECT_EQ(before, 20'000);
 }
 
-TEST_F(DriveTest, StaysEnabledWhenADisableIsTakenBackOnItsRamp) {
+TEST_F(DriveTest, StaysEnabledWhenADisableIsRevokedDuringItsRamp) {
   configure();
   write({0x605C, 0}, 1, 2);
   enable();

@@ -50,7 +50,7 @@ TEST_F(ProfileDriveTest, HasAMotionProfileTypeThatIsLinear) {
   EXPECT_EQ(abort_of({0x6086, 0}, 3, 2), 0x0609'0031u);
 }
 
-TEST_F(ProfileDriveTest, TellsItsFollowingErrorOnTheBus) {
+TEST_F(ProfileDriveTest, ReportsItsFollowingErrorOnTheBus) {
   enable_profile();
   target = 50'000;
   controlword = static_cast<std::uint16_t>(kEnabled | cia402::kNewSetPoint);
@@ -86,7 +86,7 @@ TEST_F(ProfileDriveTest, MovesOnTheRisingEdgeOfANewSetPointOnly) {
 }
 
 // 0.1 s and 5'000 units up, 0.2 s and 10'000 down, 0.35 s and 35'000 at the profile's velocity.
-TEST_F(ProfileDriveTest, TakesTheTimeOfItsProfile) {
+TEST_F(ProfileDriveTest, TakesTheDurationOfItsProfile) {
   enable_profile();
   target = 50'000;
   controlword = kEnabled | cia402::kNewSetPoint;
@@ -151,7 +151,7 @@ TEST_F(ProfileDriveTest, AddsARelativeSetPointToTheLastOneWithinItsLimits) {
   EXPECT_EQ(drive->values().target_position, 10'000);
 }
 
-TEST_F(ProfileDriveTest, HaltsOnTheRampOfItsOptionAndGoesOn) {
+TEST_F(ProfileDriveTest, HaltsOnTheRampOfItsOptionAndContinues) {
   for (const std::uint16_t option : {std::uint16_t{1}, std::uint16_t{2}}) {
     controlword = 0;
     enable_profile();
@@ -176,7 +176,7 @@ TEST_F(ProfileDriveTest, HaltsOnTheRampOfItsOptionAndGoesOn) {
   }
 }
 
-TEST_F(ProfileDriveTest, ReachesATargetWhenTheShaftHasBeenInItsWindowForItsTime) {
+TEST_F(ProfileDriveTest, ReportsTargetReachedAfterTheWindowTime) {
   enable_profile();
   write({0x6067, 0}, 1'000, 4);
   write({0x6068, 0}, 40, 2);
@@ -211,7 +211,7 @@ TEST_F(ProfileDriveTest, ChangesItsModeInOperationOnlyAtRest) {
   EXPECT_GE(demand(), 50'000);
 }
 
-TEST_F(ProfileDriveTest, RefusesModesAndOptionsThatItDoesNotHave) {
+TEST_F(ProfileDriveTest, RejectsUnsupportedModesAndOptions) {
   struct Refusal {
     ObjectAddress object;
     std::uint32_t value;

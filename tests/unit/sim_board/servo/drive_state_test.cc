@@ -33,7 +33,7 @@ DriveStateMachine machine_in(State state) {
 
 // CiA 402-2, figure 5 and table 27, with the numbers of the transitions. Rows: states in the order of
 // kStates; columns: disable voltage, quick stop, shutdown, switch on, enable operation, fault reset.
-TEST(DriveStateMachine, FollowsEveryCommandFromEveryStateAsTheProfileSays) {
+TEST(DriveStateMachine, FollowsEveryCommandFromEveryStateAsCia402Specifies) {
   using enum State;
   constexpr State kNext[8][6] = {
       {kNotReadyToSwitchOn, kNotReadyToSwitchOn, kNotReadyToSwitchOn, kNotReadyToSwitchOn,
@@ -63,7 +63,7 @@ TEST(DriveStateMachine, FollowsEveryCommandFromEveryStateAsTheProfileSays) {
 }
 
 // For quick stop option codes 5 to 8.
-TEST(DriveStateMachine, ResumesAQuickStopByEnableOperationOnlyWhereItMay) {
+TEST(DriveStateMachine, ResumesAQuickStopByEnableOperationOnlyIfAllowed) {
   for (const State state : kStates) {
     for (const std::uint16_t word : kWords) {
       DriveStateMachine strict = machine_in(state);
@@ -84,7 +84,7 @@ TEST(DriveStateMachine, MakesTorqueInThreeStatesOnly) {
   }
 }
 
-TEST(DriveStateMachine, MakesNoTorqueAfterTheLineFellWhateverItsState) {
+TEST(DriveStateMachine, MakesNoTorqueInAnyStateAfterTheLineFell) {
   for (const State state : kStates) {
     DriveStateMachine machine = machine_in(state);
     machine.torque_off();
@@ -94,7 +94,7 @@ TEST(DriveStateMachine, MakesNoTorqueAfterTheLineFellWhateverItsState) {
   }
 }
 
-TEST(DriveStateMachine, ReactsToAFaultWithAStopWhereItMakesTorque) {
+TEST(DriveStateMachine, ReactsToAFaultWithAStopInStatesWithTorque) {
   for (const State state : kStates) {
     DriveStateMachine machine = machine_in(state);
     const bool torque = machine.makes_torque();

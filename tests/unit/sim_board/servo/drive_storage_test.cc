@@ -35,7 +35,7 @@ class StoringDriveTest : public DriveTest {
   }
 };
 
-TEST_F(StoringDriveTest, KeepsParametersOverAPowerCycle) {
+TEST_F(StoringDriveTest, KeepsParametersAcrossAPowerCycle) {
   write({0x605A, 0}, 6, 2);
   write({0x607D, 1}, 0xFFFF'FF00, 4);
   write({0x6081, 0}, 77'777, 4);
@@ -49,7 +49,7 @@ TEST_F(StoringDriveTest, KeepsParametersOverAPowerCycle) {
   EXPECT_EQ(std::ranges::count(heard, 0x700 + kNode, &hal::CanFrame::identifier), 1 + 2);
 }
 
-TEST_F(StoringDriveTest, AnswersASaveWhenItIsDone) {
+TEST_F(StoringDriveTest, AnswersASaveOnceComplete) {
   heard.clear();
   write({0x1010, 1}, kSave, 4);
   EXPECT_FALSE(heard_of(0x580 + kNode));
@@ -58,7 +58,7 @@ TEST_F(StoringDriveTest, AnswersASaveWhenItIsDone) {
   EXPECT_EQ(heard.back().data[0], 0x60);
 }
 
-TEST_F(StoringDriveTest, RestoresTheFactorysWithTheNextReset) {
+TEST_F(StoringDriveTest, RestoresDefaultsAtTheNextReset) {
   const std::uint32_t factory = drive->values().profile_velocity;
   write({0x6081, 0}, 77'777, 4);
   save();
@@ -70,7 +70,7 @@ TEST_F(StoringDriveTest, RestoresTheFactorysWithTheNextReset) {
   EXPECT_EQ(drive->values().profile_velocity, factory);
 }
 
-TEST_F(StoringDriveTest, LosesNothingOldToAPowerFailure) {
+TEST_F(StoringDriveTest, KeepsTheOldValuesAtAPowerFailure) {
   write({0x6081, 0}, 77'777, 4);
   save();
   for (const int cut_ms : {1, 10, 25, 30, 35}) {
@@ -82,13 +82,13 @@ TEST_F(StoringDriveTest, LosesNothingOldToAPowerFailure) {
   }
 }
 
-TEST_F(StoringDriveTest, BeatsEachSecondAfterAReset) {
+TEST_F(StoringDriveTest, SendsAHeartbeatEachSecondAfterAReset) {
   heard.clear();
   run_ms(3'000);
   EXPECT_EQ(std::ranges::count(heard, 0x700 + kNode, &hal::CanFrame::identifier), 3);
 }
 
-TEST_F(StoringDriveTest, TellsTheTimeOfDay) {
+TEST_F(StoringDriveTest, ReportsTheTimeOfDay) {
   EXPECT_EQ(drive->values().time_days, 0);
   // 12:34:56.789 on 2 January 1984.
   say({.identifier = 0x100, .size = 6, .data = {0x95, 0x2C, 0xB3, 0x02, 0x01, 0x00}});
@@ -97,7 +97,7 @@ TEST_F(StoringDriveTest, TellsTheTimeOfDay) {
   EXPECT_NEAR(drive->values().time_ms, 45'296'789 + 101, 1);
 }
 
-TEST_F(StoringDriveTest, KeepsANodeIdFromLss) {
+TEST_F(StoringDriveTest, KeepsANodeIdStoredByLss) {
   lss({0x04, 1});
   lss({0x11, 40});
   lss({0x17});
@@ -111,7 +111,7 @@ TEST_F(StoringDriveTest, KeepsANodeIdFromLss) {
   EXPECT_FALSE(heard_of(0x700 + kNode));
 }
 
-TEST_F(StoringDriveTest, KeepsItsNodeIdOverARestore) {
+TEST_F(StoringDriveTest, KeepsItsNodeIdAcrossARestore) {
   lss({0x04, 1});
   lss({0x11, 40});
   lss({0x17});
@@ -122,7 +122,7 @@ TEST_F(StoringDriveTest, KeepsItsNodeIdOverARestore) {
   EXPECT_TRUE(heard_of(0x728));
 }
 
-TEST_F(StoringDriveTest, ForgetsANodeIdThatWasNotStored) {
+TEST_F(StoringDriveTest, DiscardsANodeIdThatWasNotStored) {
   lss({0x04, 1});
   lss({0x11, 40});
   lss({0x04, 0});

@@ -3,7 +3,7 @@
 namespace koboshi::sim {
 namespace {
 
-TEST_F(DriveTest, SaysThatItBootedAndIsLimp) {
+TEST_F(DriveTest, SendsBootUpAndIsLimp) {
   ASSERT_FALSE(heard.empty());
   EXPECT_EQ(heard[0], (hal::CanFrame{.identifier = 0x700 + kNode, .size = 1, .data = {0}}));
   EXPECT_EQ(drive->state(), State::kSwitchOnDisabled);
@@ -17,7 +17,7 @@ TEST_F(DriveTest, IsEnabledByControlwordsAtSync) {
   EXPECT_EQ(drive->values().statusword & 0x6F, 0x27);
 }
 
-TEST_F(DriveTest, StartsFromWhereTheShaftIsEvenWhenEnabledWithoutSync) {
+TEST_F(DriveTest, StartsFromTheShaftsPositionEvenWhenEnabledWithoutSync) {
   shaft.position_rad = 1.0;
   run_ms(2);
   configure();
@@ -82,7 +82,7 @@ TEST_F(DriveTest, CannotBeEnabledWhileTheLineIsLow) {
   EXPECT_NE(drive->values().statusword & cia402::kTorqueOff, 0);
 }
 
-TEST_F(DriveTest, StopsQuicklyHoldsAndThenLetsGo) {
+TEST_F(DriveTest, PerformsAQuickStopHoldsAndDisables) {
   enable();
   target = 12'000;  // in a cycle of 10 ms: 7.2 rad/s, of 7.48
   run_ms(15);
@@ -109,7 +109,7 @@ struct Loss {
 };
 class DriveLoses : public DriveTest, public testing::WithParamInterface<Loss> {};
 
-TEST_P(DriveLoses, StopsQuicklyTellsAndCutsItsTorque) {
+TEST_P(DriveLoses, PerformsAQuickStopReportsAndCutsItsTorque) {
   enable();
   while (now_us % 20'000 != 1'000) run_ms(1);  // both have just been
   GetParam().cause(heartbeats, syncs);
@@ -152,7 +152,7 @@ TEST_F(DriveTest, StopsWhenItsControllerRestartsAndThenIsSilent) {
   EXPECT_EQ(emergencies(), std::vector<std::uint16_t>{0x8130});
 }
 
-TEST_F(DriveTest, DoesNotMissSyncWhileItIsLimp) {
+TEST_F(DriveTest, ToleratesMissingSyncWhileLimp) {
   configure();
   syncs = false;
   run_ms(200);
@@ -170,7 +170,7 @@ TEST_F(DriveTest, StopsWhenItIsTakenOutOfOperational) {
   EXPECT_FALSE(is_driven());
 }
 
-TEST_F(DriveTest, IsLimpAfterAReset) {
+TEST_F(DriveTest, IsLimpAfterReset) {
   enable();
   say({.identifier = 0x000, .size = 2, .data = {129, 0}});
   run_ms(3);
@@ -221,7 +221,7 @@ class MeasuringDriveTest : public DriveTest {
   MeasuringDriveTest() : DriveTest(with_meters()) {}
 };
 
-TEST_F(MeasuringDriveTest, ShowsWhatItsMetersShow) {
+TEST_F(MeasuringDriveTest, ReportsTheReadingsOfItsMeters) {
   EXPECT_EQ(drive->values().winding_dC, 250);
   enable();
   supply_V = 6.96;
@@ -234,7 +234,7 @@ TEST_F(MeasuringDriveTest, ShowsWhatItsMetersShow) {
   EXPECT_EQ(drive->values().winding_dC % 5, 0);
 }
 
-TEST_F(MeasuringDriveTest, AnswersForItsTemperatureOnTheBus) {
+TEST_F(MeasuringDriveTest, ReportsItsTemperatureOnTheBus) {
   hal::CanFrame question{.identifier = 0x600 + kNode, .size = 8, .data = {0x40, 0x00, 0x20, 0x00}};
   heard.clear();
   say(question);
@@ -245,7 +245,7 @@ TEST_F(MeasuringDriveTest, AnswersForItsTemperatureOnTheBus) {
 
 // --- What breaks
 
-TEST_F(DriveTest, HangsWithItsMotorAsItWasUntilTheLineFalls) {
+TEST_F(DriveTest, KeepsItsMotorTorqueWhileHungUntilTheLineFalls) {
   enable();
   target = 5'000;
   run_ms(40);
@@ -262,7 +262,7 @@ TEST_F(DriveTest, HangsWithItsMotorAsItWasUntilTheLineFalls) {
   EXPECT_FALSE(is_driven());
 }
 
-TEST_F(DriveTest, IsSilentAndLimpWithoutPowerAndBootsAgainWithIt) {
+TEST_F(DriveTest, IsSilentAndLimpWithoutPowerAndBootsWhenItReturns) {
   enable();
   drive->power_off();
   heard.clear();

@@ -17,7 +17,7 @@ class DriveWithoutSync : public DriveTest {
   State shown() const { return cia402::state_of(drive->values().statusword); }
 };
 
-TEST_F(DriveWithoutSync, ShowsAtOnceWhatAWordBySdoDoesInPreOperational) {
+TEST_F(DriveWithoutSync, ShowsTheEffectOfAControlwordBySdoAtOnceInPreOperational) {
   EXPECT_EQ(shown(), State::kSwitchOnDisabled);
   for (const State state : {State::kReadyToSwitchOn, State::kSwitchedOn, State::kOperationEnabled}) {
     write({0x6040, 0}, kWayToOperation[static_cast<int>(state) - 2], 2);
@@ -95,7 +95,7 @@ TEST_F(DriveWithoutSync, ObeysAnEventDrivenRpdoAtOnce) {
   EXPECT_FALSE(is_driven());
 }
 
-TEST_F(DriveWithoutSync, TellsEveryChangeOfItsStatuswordByTpdo1) {
+TEST_F(DriveWithoutSync, SendsEveryChangeOfItsStatuswordByTpdo1) {
   heard.clear();
   start();
   run_ms(100);
@@ -130,7 +130,7 @@ TEST_F(DriveWithoutSync, DoesNotFloodTheBusWithAPosition) {
   EXPECT_LE(told, 51);
 }
 
-TEST_F(DriveWithoutSync, MissesNoWordBetweenTwoSyncs) {
+TEST_F(DriveWithoutSync, ProcessesEveryControlwordBetweenTwoSyncs) {
   start();
   say({.identifier = 0x080});
   run_ms(1);
@@ -140,7 +140,7 @@ TEST_F(DriveWithoutSync, MissesNoWordBetweenTwoSyncs) {
   EXPECT_EQ(drive->state(), State::kOperationEnabled);
 }
 
-TEST_F(DriveWithoutSync, LetsASynchronousRpdoWait) {
+TEST_F(DriveWithoutSync, DefersASynchronousRpdo) {
   write({0x1400, 2}, 1, 1);
   start();
   tell(cia402::kControlShutdown);

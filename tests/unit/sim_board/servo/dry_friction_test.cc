@@ -27,14 +27,14 @@ ServoDescription xl_320_like() {
           .stribeck_load_friction = {.motor = 0.25, .external = 0.25}};
 }
 
-TEST(DryFriction, OfModelM1IsCoulombs) {
+TEST(DryFriction, EqualsCoulombsLawInModelM1) {
   const DryFriction friction({.coulomb_friction_Nm = 0.03});
   EXPECT_EQ(friction.bound_Nm(2.0, -3.0, 0.5), 0.03);
   EXPECT_EQ(friction.bound_Nm(0.0, 0.0, 0.0), 0.03);
 }
 
 // Numbers of the formula in Rhoban's bam/model.py, computed apart.
-TEST(DryFriction, OfModelM4IsThatOfBam) {
+TEST(DryFriction, EqualsBamInModelM4) {
   const DryFriction friction({.coulomb_friction_Nm = 0.06,
                               .stribeck = {.friction_Nm = 0.024, .speed_rad_per_s = 1.52, .exponent = 1.33},
                               .load_friction = {.motor = 0.009, .external = 0.009},
@@ -42,7 +42,7 @@ TEST(DryFriction, OfModelM4IsThatOfBam) {
   EXPECT_NEAR(friction.bound_Nm(2.0, -1.0, 1.0), 0.496345161, 1e-9);
 }
 
-TEST(DryFriction, OfModelM6IsThatOfBam) {
+TEST(DryFriction, EqualsBamInModelM6) {
   const DryFriction friction(mx_106_m6());
   EXPECT_NEAR(friction.bound_Nm(2.0, -3.0, 0.5), 1.118364974, 1e-9);   // driven back: the motor's square
   EXPECT_NEAR(friction.bound_Nm(3.0, -2.0, -0.5), 1.356734523, 1e-9);  // it lifts: the load's
@@ -50,7 +50,7 @@ TEST(DryFriction, OfModelM6IsThatOfBam) {
   EXPECT_NEAR(friction.bound_Nm(2.0, -3.0, 0.0), 1.293100000, 1e-9);
 }
 
-TEST(DryFriction, HoldsALimpArmUntilTheLoadOutgrowsItsOwnFriction) {
+TEST(DryFriction, HoldsALimpArmUntilTheLoadExceedsTheFriction) {
   // te = Kc + Kcs + (Kl + Kls) te
   const double breaks_Nm = (0.01 + 0.02) / (1.0 - 0.15 - 0.25);
   for (const double share : {0.98, 1.02}) {
@@ -66,7 +66,7 @@ TEST(DryFriction, HoldsALimpArmUntilTheLoadOutgrowsItsOwnFriction) {
   }
 }
 
-TEST(DryFriction, OfALoadDoesNotFlutterFromStepToStep) {
+TEST(DryFriction, DoesNotChatterUnderLoad) {
   for (const double step_s : {0.001, 0.0005, 0.0001}) {
     for (const double inertia_kg_m2 : {1e-5, 1e-4, 1e-2}) {
       ServoBench bench(xl_320_like(), step_s, 0.0, inertia_kg_m2);
@@ -100,7 +100,7 @@ TEST(DryFriction, KeepsALoadedArmStill) {
 
 // Up and down between the same targets, an arm under load stops short of both: friction gives what the motor
 // lacks on the way up, and holds what it has too much on the way down.
-TEST(DryFriction, LeavesAHysteresisThatGrowsWithTheLoad) {
+TEST(DryFriction, CausesAHysteresisThatGrowsWithTheLoad) {
   std::vector<double> widths_rad;
   for (const double weight_Nm : {0.05, 0.2, 0.4}) {
     ServoBench bench(xl_320_like(), 0.001, weight_Nm);

@@ -25,7 +25,7 @@ struct StalledServo {
   }
 };
 
-TEST(Battery, SagsForAllThatHangOnIt) {
+TEST(Battery, SagsForAllMotorsConnectedToIt) {
   const Battery battery({.open_circuit_V = 8.0, .internal_resistance_ohm = 0.5});
   StalledServo a, b;
   SupplyLoad load = a.draw();
@@ -36,7 +36,7 @@ TEST(Battery, SagsForAllThatHangOnIt) {
   EXPECT_NEAR(a.servo.torque(supply_V).drive_Nm, 1.0027 * supply_V / 5.477, 1e-9);
 }
 
-TEST(Battery, StaysSteadyUnderMoreMotorsThanItCanFeed) {
+TEST(Battery, StaysStableUnderMoreMotorsThanItCanSupply) {
   // Conductance times resistance is 3.7: the current of the last step would make it swing up.
   const Battery battery({.open_circuit_V = 8.0, .internal_resistance_ohm = 1.0});
   std::vector<StalledServo> servos(20);
@@ -62,7 +62,7 @@ TEST(Battery, LosesNoPowerInTheBridge) {
   EXPECT_NEAR(7.0 * (load.conductance_S * 7.0 - load.generated_A), motor_V * servo.current_A(), 1e-9);
 }
 
-TEST(Battery, IsChargedByAMotorThatBrakes) {
+TEST(Battery, IsChargedByABrakingMotor) {
   const Battery battery({.open_circuit_V = 8.0, .internal_resistance_ohm = 0.5});
   JointDescription joint;
   Servo servo(joint);
@@ -72,7 +72,7 @@ TEST(Battery, IsChargedByAMotorThatBrakes) {
   EXPECT_GT(battery.voltage_V(servo.draw(fast)), 8.0);
 }
 
-TEST(CurrentLimit, BoundsTheTorqueOfAStalledMotorEitherWay) {
+TEST(CurrentLimit, BoundsTheTorqueOfAStalledMotorInBothDirections) {
   JointDescription joint;
   joint.servo.current_limit_A = 0.4;
   Servo servo(joint);
@@ -98,7 +98,7 @@ TEST(CurrentLimit, BoundsTheBrakingOfATurningMotor) {
 }
 
 // Of first order in the step, in which the back EMF grows but the voltage does not.
-TEST(CurrentLimit, AcceleratesAsItsTorqueDoes) {
+TEST(CurrentLimit, AcceleratesInProportionToTorque) {
   const double expected = 1.0027 * 0.2 / (0.00116 + 1e-4) * 0.02;
   std::vector<double> errors;
   for (const double step_s : {0.001, 0.0005, 0.0001}) {
@@ -130,7 +130,7 @@ TEST(Winding, WarmsWithItsTimeConstant) {
   EXPECT_NEAR(winding.temperature_C(), 25.0 + 8.0 * 3.2 * (1.0 - std::exp(-1.0)) * std::exp(-1.0), 1e-6);
 }
 
-TEST(Winding, RaisesItsResistanceAsCopperDoes) {
+TEST(Winding, RaisesItsResistanceLikeCopper) {
   WindingDescription description = small_winding();
   description.copper_per_K = 0.00393;
   Winding winding({.resistance_ohm = 5.0, .winding = description}, 0.001);
@@ -142,7 +142,7 @@ TEST(Winding, RaisesItsResistanceAsCopperDoes) {
   EXPECT_NEAR(winding.resistance_ohm(), 5.0 * (1.0 + 0.00393 * rise_K), 1e-3);
 }
 
-TEST(Winding, TakesVoltageAwayAndIsTooHotUntilItHasCooled) {
+TEST(Winding, DeratesTheVoltageAndIsTooHotUntilItHasCooled) {
   Winding winding({.resistance_ohm = 5.0, .winding = small_winding()}, 0.001);
   while (winding.temperature_C() < 70.0) winding.heat(2.0);
   EXPECT_NEAR(winding.voltage_share(), 1.0, 1e-3);
@@ -158,7 +158,7 @@ TEST(Winding, TakesVoltageAwayAndIsTooHotUntilItHasCooled) {
   EXPECT_FALSE(winding.too_hot());
 }
 
-TEST(Winding, WithoutDescriptionStaysCold) {
+TEST(Winding, StaysColdWithoutDescription) {
   Winding winding({.resistance_ohm = 5.0}, 0.001);
   for (int ms = 0; ms < 10'000; ++ms) winding.heat(100.0);
   EXPECT_EQ(winding.temperature_C(), 25.0);
@@ -166,7 +166,7 @@ TEST(Winding, WithoutDescriptionStaysCold) {
   EXPECT_EQ(winding.voltage_share(), 1.0);
 }
 
-TEST(Winding, OfAStalledServoWarmsByItsCurrent) {
+TEST(Winding, WarmsByTheCurrentOfAStalledServo) {
   ServoDescription servo;
   servo.winding = small_winding();
   ServoBench bench(servo);
@@ -185,7 +185,7 @@ TEST(CommandPeriod, HoldsATargetBetween) {
   EXPECT_EQ(period.sample(9), 9);
 }
 
-TEST(DelayLine, GivesWhatItGotSomeCallsAgo) {
+TEST(DelayLine, ReturnsTheInputOfSomeCallsAgo) {
   DelayLine line(2);
   std::vector<std::int32_t> out;
   for (std::int32_t i = 1; i <= 5; ++i) out.push_back(line.shift(i));
@@ -195,7 +195,7 @@ TEST(DelayLine, GivesWhatItGotSomeCallsAgo) {
   EXPECT_EQ(DelayLine(0).shift(5), 5);
 }
 
-TEST(DeadBand, TakesSmallErrorsForNone) {
+TEST(DeadBand, IsZeroForSmallErrors) {
   const DeadBand band(10.5 * kRadPerPositionUnit);
   EXPECT_EQ(band.target(110, 100), 100);
   EXPECT_EQ(band.target(90, 100), 100);
@@ -203,7 +203,7 @@ TEST(DeadBand, TakesSmallErrorsForNone) {
   EXPECT_EQ(DeadBand(0.0).target(101, 100), 101);
 }
 
-TEST(Servo, TakesTargetsLateAndShowsPositionsLate) {
+TEST(Servo, DelaysTargetsAndPositions) {
   JointDescription joint;
   joint.servo.command = {.period_ms = 4, .write_delay_ms = 3, .read_delay_ms = 2};
   Servo servo(joint);

@@ -21,7 +21,7 @@ TEST(MotionProfile, IsATrapezoid) {
   EXPECT_DOUBLE_EQ(profile.distance_units(1.5), 125.0);
 }
 
-TEST(MotionProfile, IsATriangleOnAShortWay) {
+TEST(MotionProfile, IsATriangleOverAShortDistance) {
   const MotionProfile profile(-12.0, 0.0, kLimits);
   // v^2 (1/400 + 1/800) = 12: v is 56.6 units/s, up in 0.283 s and down in 0.141 s.
   const double top = std::sqrt(3'200.0);
@@ -30,13 +30,13 @@ TEST(MotionProfile, IsATriangleOnAShortWay) {
   EXPECT_NEAR(profile.distance_units(profile.duration_s()), -12.0, 1e-9);
 }
 
-TEST(MotionProfile, StandsWhereItIs) {
+TEST(MotionProfile, StaysAtRestAtItsTarget) {
   const MotionProfile profile(0.0, 0.0, kLimits);
   EXPECT_EQ(profile.duration_s(), 0.0);
   EXPECT_EQ(profile.distance_units(0.0), 0.0);
 }
 
-TEST(MotionProfile, BrakesAndComesBackWhenItWouldOvershoot) {
+TEST(MotionProfile, BrakesAndReturnsWhenItWouldOvershoot) {
   const MotionProfile profile(5.0, 80.0, kLimits);  // 80^2 / 800: 8 units to rest
   EXPECT_NEAR(profile.distance_units(0.2), 8.0, 1e-12);
   EXPECT_NEAR(profile.speed_units_per_s(0.2), 0.0, 1e-12);
@@ -45,7 +45,7 @@ TEST(MotionProfile, BrakesAndComesBackWhenItWouldOvershoot) {
 }
 
 // Whatever it starts with: it arrives, at rest, without a jump of position or speed, within its limits.
-TEST(MotionProfile, KeepsItsLimitsOnAnyWay) {
+TEST(MotionProfile, KeepsItsLimitsOverAnyDistance) {
   constexpr unsigned kSeed = 402;
   SCOPED_TRACE(kSeed);
   std::mt19937 random(kSeed);

@@ -23,7 +23,7 @@ TEST(PositionDemand, ApproachesATargetLinearlyOverOneCycle) {
   EXPECT_EQ(demand.speed_units_per_s(60'000), 0);
 }
 
-TEST(PositionDemand, GoesOnSmoothlyWhenTheNextTargetIsEarly) {
+TEST(PositionDemand, ContinuesSmoothlyWhenTheNextTargetIsEarly) {
   PositionDemand demand;
   demand.hold(0);
   demand.approach(1'000, 0, kCycle_us);
@@ -32,7 +32,7 @@ TEST(PositionDemand, GoesOnSmoothlyWhenTheNextTargetIsEarly) {
   EXPECT_EQ(demand.at(19'000), 2'000);
 }
 
-TEST(PositionDemand, NeverJumpsWhateverTheTargets) {
+TEST(PositionDemand, NeverJumpsForAnyTargets) {
   PositionDemand demand;
   demand.hold(0);
   std::int32_t before = 0;
@@ -69,7 +69,7 @@ TEST(PositionDemand, FollowsAStreamWithinItsLimitsByInterpolationAlone) {
 }
 
 // The same target, again and again: too fast, too far, and too far for the first of a stream.
-TEST(PositionDemand, GoesToATargetBeyondItsLimitsOnOneProfile) {
+TEST(PositionDemand, MovesToAnUnreachableTargetOnOneProfile) {
   struct Way {
     bool joined;
     std::int32_t target;
@@ -95,7 +95,7 @@ TEST(PositionDemand, GoesToATargetBeyondItsLimitsOnOneProfile) {
 }
 
 // From rest to 130,000 units/s within one cycle, where 100,000 are allowed.
-TEST(PositionDemand, CatchesUpWithAStreamThatBeganTooFast) {
+TEST(PositionDemand, CatchesUpWithAStreamThatStartsTooFast) {
   PositionDemand demand;
   demand.hold(0);
   std::int32_t target = 0;
@@ -111,7 +111,7 @@ TEST(PositionDemand, CatchesUpWithAStreamThatBeganTooFast) {
   EXPECT_EQ(demand.at(now_us), target - 1'300);  // on its way to the last one
 }
 
-TEST(PositionDemand, EndsAtTheLastTargetOfAStreamWhateverItsSpeed) {
+TEST(PositionDemand, EndsAtTheLastTargetOfAStreamAtAnySpeed) {
   PositionDemand demand;
   demand.hold(0);
   std::int32_t target = 0;
@@ -127,7 +127,7 @@ TEST(PositionDemand, EndsAtTheLastTargetOfAStreamWhateverItsSpeed) {
 }
 
 // Whatever the targets: no faster than the limit, and no more speed gained from one cycle to the next.
-TEST(PositionDemand, KeepsItsLimitsWhateverTheTargets) {
+TEST(PositionDemand, KeepsItsLimitsForAnyTargets) {
   constexpr unsigned kSeed = 607;
   SCOPED_TRACE(kSeed);
   std::mt19937 random(kSeed);
@@ -182,7 +182,7 @@ TEST(PositionDemand, StopsWithAConstantDeceleration) {
   }
 }
 
-TEST(PositionDemand, StandsAtOnceWhenStoppedAtRest) {
+TEST(PositionDemand, StopsAtOnceAtRest) {
   PositionDemand demand;
   demand.hold(123);
   demand.stop(7'000, 4e6);

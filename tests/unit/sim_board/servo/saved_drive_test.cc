@@ -48,7 +48,7 @@ class SavedDriveTest : public DriveTest {
   }
 };
 
-TEST_F(SavedDriveTest, GoesOnInTheMiddleOfAProfile) {
+TEST_F(SavedDriveTest, ContinuesInTheMiddleOfAProfile) {
   configure();
   write({0x6060, 0}, 1, 1);
   write({0x6081, 0}, 100'000, 4);
@@ -78,7 +78,7 @@ TEST_F(SavedDriveTest, GoesOnInTheMiddleOfAProfile) {
 }
 
 // Its parameters are in flash when it is restored to a time before they were, and again half written.
-TEST_F(SavedDriveTest, GoesOnWhileItStoresItsParameters) {
+TEST_F(SavedDriveTest, ContinuesWhileStoringItsParameters) {
   const SavedState fresh = save();
   configure();
   write({0x6065, 0}, 1234, 4);

@@ -163,7 +163,7 @@ TEST(ServoAgainstReference, FollowsASmallStep) { expect_first_order(step_of(0.1)
 
 TEST(ServoAgainstReference, FollowsALargeStep) { expect_first_order(step_of(1.0)); }
 
-TEST(ServoAgainstReference, FollowsAStepWithItsRealEncoder) {
+TEST(ServoAgainstReference, FollowsAStepWithAQuantisedEncoder) {
   for (const double amplitude_rad : {0.1, 0.5, 1.5}) {
     Experiment experiment = step_of(amplitude_rad);
     experiment.encoder_bits = 12;
@@ -190,7 +190,7 @@ TEST(ServoAgainstReference, ReachesItsNoLoadSpeed) {
   EXPECT_NEAR(simulate(experiment, 0.001).speed_rad_per_s.back(), expected, 1e-6);
 }
 
-TEST(ServoAgainstReference, StallsAgainstAnOuterTorque) {
+TEST(ServoAgainstReference, StallsAgainstAnExternalTorque) {
   Experiment experiment = step_of(1.0);
   // As much as the motor has, less than it has with friction: it does not move.
   experiment.blow_Nm = [](int) { return -1.0027 * 7.5 / 5.477; };
@@ -201,7 +201,7 @@ TEST(ServoAgainstReference, StallsAgainstAnOuterTorque) {
   expect_first_order(experiment);
 }
 
-TEST(ServoAgainstReference, TakesABlowOnItsOutput) {
+TEST(ServoAgainstReference, RespondsToAnImpactOnItsOutput) {
   Experiment blow;
   blow.duration_ms = 200;
   blow.blow_Nm = [](int ms) { return ms == 0 ? 6.0 : 0.0; };
@@ -215,7 +215,7 @@ TEST(ServoAgainstReference, TakesABlowOnItsOutput) {
   EXPECT_NEAR(at_500_us / at_250_us, 2.0, 0.3);
 }
 
-TEST(ServoAgainstReference, TakesABlowWithTheInertiaOfLinkAndRotor) {
+TEST(ServoAgainstReference, RespondsToAnImpactWithTheInertiaOfLinkAndRotor) {
   Experiment blow;
   blow.duration_ms = 1;
   blow.driven = false;
@@ -225,7 +225,7 @@ TEST(ServoAgainstReference, TakesABlowWithTheInertiaOfLinkAndRotor) {
   EXPECT_NEAR(simulate(blow, 0.001).speed_rad_per_s[0], 6.0 * 0.001 / (kLinkInertia + 0.00116), 0.015);
 }
 
-TEST(ServoAgainstReference, BreaksAwayAndStopsByFriction) {
+TEST(ServoAgainstReference, StartsAndStopsByFriction) {
   Experiment experiment;
   experiment.driven = false;
   experiment.duration_ms = 600;

@@ -30,20 +30,20 @@ TEST(Encoder, GivesPositionsInUnitsOfTheBus) {
   EXPECT_EQ(Encoder({.bits = 20}).position_units(7), 7);
 }
 
-TEST(PositionController, AsksForTheWholeSupplyAtItsFullError) {
+TEST(PositionController, CommandsTheFullSupplyAtItsFullError) {
   const ServoDescription servo{.supply_V = 7.5, .full_voltage_error_rad = 0.25 * std::numbers::pi};
   const PositionController controller(servo);
   EXPECT_NEAR(controller.duty((1 << 20) / 8, 0, 0), 1.0, 1e-12);
   EXPECT_NEAR(controller.duty(0, (1 << 20) / 16, (1 << 20) / 16), -0.5, 1e-12);
 }
 
-TEST(PositionController, DampsOnTheEncodersSpeed) {
+TEST(PositionController, DampsByTheSpeedOfTheEncoder) {
   const PositionController controller({.supply_V = 5.0, .velocity_gain_V_s_per_rad = 0.5});
   const double one_count_a_period = kRadPerCount / 0.001;
   EXPECT_NEAR(controller.duty(kUnitsPerCount, kUnitsPerCount, 0), -0.1 * one_count_a_period, 1e-12);
 }
 
-TEST(Bridge, GivesTheSupplyOrTheLargestDuty) {
+TEST(Bridge, LimitsItsOutputToTheSupplyAndTheLargestDuty) {
   EXPECT_EQ(Bridge(ServoDescription{}).limit(1.5, 1.0), 1.0);
   const Bridge bridge({.max_duty = 0.9});
   EXPECT_EQ(bridge.limit(-1.5, 1.0), -0.9);
@@ -80,7 +80,7 @@ TEST(Servo, DrawsLessCurrentTheFasterItTurns) {
   EXPECT_NEAR(servo.current_A(), 0.0, 2e-3);
 }
 
-TEST(Servo, MakesOfItsDutyAPartOfThePresentSupply) {
+TEST(Servo, AppliesItsDutyToThePresentSupply) {
   JointDescription joint;
   Servo servo(joint);
   const std::int32_t target_units = 1 << 13;  // 0.049 rad, less than half the full error
@@ -88,7 +88,7 @@ TEST(Servo, MakesOfItsDutyAPartOfThePresentSupply) {
   EXPECT_NEAR(driven(servo, target_units, {}, 6.0).drive_Nm / nominal_Nm, 6.0 / 7.5, 1e-12);
 }
 
-TEST(Servo, WhenReleasedKeepsFrictionAndRotorOnly) {
+TEST(Servo, HasFrictionAndRotorInertiaOnlyWhenReleased) {
   JointDescription joint;
   Servo servo(joint);
   driven(servo, 1 << 18);
@@ -103,7 +103,7 @@ TEST(Servo, WhenReleasedKeepsFrictionAndRotorOnly) {
   EXPECT_EQ(servo.current_A(), 0.0);
 }
 
-TEST(Servo, MountedTheOtherWayRoundTurnsTheJointBackwards) {
+TEST(Servo, MountedInReverseTurnsTheJointBackwards) {
   JointDescription joint;
   joint.drive.sign = -1;
   joint.drive.zero_rad = std::numbers::pi;
@@ -115,7 +115,7 @@ TEST(Servo, MountedTheOtherWayRoundTurnsTheJointBackwards) {
   EXPECT_GT(servo.current_A(), 7.5 / 5.477);  // the shaft turns against its voltage
 }
 
-TEST(Servo, SeesNoSpeedInItsFirstSample) {
+TEST(Servo, MeasuresNoSpeedInItsFirstSample) {
   JointDescription joint;
   joint.servo.velocity_gain_V_s_per_rad = 1.0;
   Servo servo(joint);

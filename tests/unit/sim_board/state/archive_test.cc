@@ -49,7 +49,7 @@ struct Machine {
   Ring ring;
 };
 
-TEST(StateArchive, BringsBackEveryKindOfMember) {
+TEST(StateArchive, RestoresEveryKindOfMember) {
   Machine machine;
   machine.parts.push_back(std::make_unique<Machine::Part>(7));
   machine.spare.emplace(8);
@@ -78,7 +78,7 @@ TEST(StateArchive, BringsBackEveryKindOfMember) {
   }
 }
 
-TEST(StateArchive, RefusesObjectsOfAnotherNumber) {
+TEST(StateArchive, RejectsAnotherNumberOfObjects) {
   Machine machine;
   const SavedState saved = StateArchive::save(machine);
   machine.parts.push_back(std::make_unique<Machine::Part>(7));
@@ -93,7 +93,7 @@ TEST(StateArchive, RefusesObjectsOfAnotherNumber) {
   EXPECT_THROW(StateArchive::restore(larger, machine), std::logic_error);
 }
 
-TEST(StateArchive, DrawsTheSameRandomNumbersAgain) {
+TEST(StateArchive, RestoresRandomStreams) {
   RandomStream random(1, "test");
   random.normal();  // leaves a spare one
   const SavedState saved = StateArchive::save(random);
@@ -102,7 +102,7 @@ TEST(StateArchive, DrawsTheSameRandomNumbersAgain) {
   EXPECT_EQ((std::array{random.normal(), random.normal(), random.uniform()}), first);
 }
 
-TEST(StateArchive, KeepsFlashWithoutItsErasedEndAndWhatIsBeingWritten) {
+TEST(StateArchive, RestoresFlashAndPendingWrites) {
   NodeFlash flash;
   ASSERT_TRUE(flash.begin_write(NodeFlash::kSectorSize_bytes, std::array{std::byte{1}, std::byte{2}}));
   while (flash.state() == hal::StorageState::kBusy) {

@@ -42,7 +42,7 @@ TEST(NodeFlash, TakesItsTime) {
   EXPECT_EQ(flash.contents()[16], std::byte{0xFF});
 }
 
-TEST(NodeFlash, RefusesWhatFlashCannot) {
+TEST(NodeFlash, RejectsImpossibleOperations) {
   NodeFlash flash;
   EXPECT_FALSE(flash.begin_erase(1));
   EXPECT_FALSE(flash.begin_erase(6144));
@@ -54,7 +54,7 @@ TEST(NodeFlash, RefusesWhatFlashCannot) {
   EXPECT_TRUE(flash.begin_write(0, std::array{std::byte{0x10}}));
 }
 
-TEST(NodeFlash, LeavesAScrambledRangeWhenThePowerFails) {
+TEST(NodeFlash, LeavesAnUndefinedRangeAfterAPowerFailure) {
   NodeFlash flash;
   ASSERT_TRUE(flash.begin_write(0, kBytes));
   flash.lose_power();

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 const Vector3d kBar_m(0.5, 0.1, 0.2);
 
-TEST(BoxOverlap, OfBoxesSideBySideIsTheShortestWayOut) {
+TEST(BoxOverlap, IsTheShortestSeparationOfBoxesSideBySide) {
   const auto at = [](double x, double y, double z) {
     return box_overlap_m(Isometry3d::Identity(), kBar_m, Isometry3d(Translation3d(x, y, z)), kBar_m);
   };
@@ -25,7 +25,7 @@ TEST(BoxOverlap, OfBoxesSideBySideIsTheShortestWayOut) {
 }
 
 // The edge of one that stands on its edge, above the face of the other: half a diagonal high.
-TEST(BoxOverlap, OfAnEdgeInAFace) {
+TEST(BoxOverlap, FindsAnEdgeInAFace) {
   const Vector3d half_m(0.1, 0.1, 0.1);
   const Isometry3d X_WB = Translation3d(0.0, 0.0, 0.1 + 0.1 * std::numbers::sqrt2 - 0.003) *
                           AngleAxisd(0.25 * std::numbers::pi, Vector3d::UnitX());
@@ -33,7 +33,7 @@ TEST(BoxOverlap, OfAnEdgeInAFace) {
 }
 
 // Two edges that cross: only the axis across both tells how deep, and that they are apart.
-TEST(BoxOverlap, OfCrossedEdges) {
+TEST(BoxOverlap, FindsCrossedEdges) {
   const Vector3d half_m(0.1, 0.1, 1.0);
   const double diagonal_m = 0.1 * std::numbers::sqrt2;
   const Isometry3d X_WA(AngleAxisd(0.5 * std::numbers::pi, Vector3d::UnitX()) *

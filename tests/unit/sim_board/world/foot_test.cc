@@ -60,7 +60,7 @@ class StandingBox {
   std::unique_ptr<World> world_;
 };
 
-TEST(FootPressure, IsUnderTheMiddleOfABoxAndInTheSolesFrame) {
+TEST(FootPressure, IsAtTheCentreOfABoxInTheFrameOfTheSole) {
   StandingBox box({-0.02, 0.01, -0.01});
   box.load(Vector3d::Zero(), 0.0);
   EXPECT_NEAR(box.pressure().load_N, kWeight_N, 1e-6);
@@ -68,7 +68,7 @@ TEST(FootPressure, IsUnderTheMiddleOfABoxAndInTheSolesFrame) {
   EXPECT_LT(box.pressure().p_WZmp_W.head<2>().norm(), 1e-6);
 }
 
-TEST(FootPressure, GoesForwardAndLeftWithTheLoad) {
+TEST(FootPressure, MovesForwardAndLeftWithTheLoad) {
   StandingBox box;
   box.load({0.04, 0.02, 0.01}, kWeight_N);  // as much as the box weighs: half way there
   EXPECT_NEAR(box.pressure().load_N, 2 * kWeight_N, 1e-5);
@@ -76,7 +76,7 @@ TEST(FootPressure, GoesForwardAndLeftWithTheLoad) {
   EXPECT_NEAR(box.pressure().zmp_S_m.y(), 0.01, 1e-4);
 }
 
-TEST(FootPressure, GoesDownhillInThePlaneOfATiltedSole) {
+TEST(FootPressure, MovesDownhillInThePlaneOfATiltedSole) {
   const double tilt_rad = 0.2;
   StandingBox box({0.0, 0.0, -0.01}, {std::sin(tilt_rad), 0.0, std::cos(tilt_rad)});  // falls towards +x
   box.load(Vector3d::Zero(), 0.0);
@@ -85,14 +85,14 @@ TEST(FootPressure, GoesDownhillInThePlaneOfATiltedSole) {
   EXPECT_NEAR(box.pressure().zmp_S_m.y(), 0.0, 1e-6);
 }
 
-TEST(FootPressure, IsNothingInTheAir) {
+TEST(FootPressure, IsInvalidInTheAir) {
   StandingBox box;
   EXPECT_EQ(box.pressure().load_N, 0.0);
   EXPECT_EQ(box.pressure().zmp_S_m, Vector2d(0.0, 0.0));
   EXPECT_EQ(box.support_points().size(), 0u);
 }
 
-TEST(SupportPoints, AreAllOfABoxThatStandsAndTwoOfOneThatRollsOverItsEdge) {
+TEST(SupportPoints, AreFourOfAStandingBoxAndTwoOfATippingOne) {
   StandingBox box;
   box.load({0.04, 0.02, 0.01}, kWeight_N);
   EXPECT_EQ(box.support_points().size(), 4u);
@@ -120,7 +120,7 @@ TEST(SupportPoints, EndAtTheEdgeOfAStep) {
   EXPECT_NEAR(back_m, -0.05, 1e-4);
 }
 
-TEST(PoseBeforeStep, IsTheOneThatTheStepBeganWith) {
+TEST(PoseBeforeStep, IsThePoseAtTheBeginningOfTheStep) {
   const RobotDescription robot = sample_humanoid();
   WorldOptions options;
   options.ground.present = false;

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-TEST(StairBoxes, ClimbByRiseAndRun) {
+TEST(StairBoxes, HaveTheRiseAndRun) {
   Stairs stairs{.X_WR = Isometry3d(Translation3d(1.0, 0.0, 0.0)),
                 .count = 3,
                 .rise_m = 0.02,
@@ -55,7 +55,7 @@ TEST(RampBox, RisesByItsAngleAndReachesThePlane) {
   EXPECT_NEAR(edge_W.z(), 0.0, 1e-12);
 }
 
-TEST(FrictionPatch, HoldsWhatLiesInItsOutline) {
+TEST(FrictionPatch, ContainsPointsInsideItsOutline) {
   FrictionPatch patch;
   patch.X_WP = Translation3d(1.0, 0.0, 0.0) * Eigen::AngleAxisd(90 * kDegree, Vector3d::UnitZ());
   patch.size_m = {0.4, 0.2};
@@ -76,7 +76,7 @@ HeightField tent() {  // one cell, one corner up
   return field;
 }
 
-TEST(HeightField, IsTwoTrianglesACell) {
+TEST(HeightField, HasTwoTrianglesPerCell) {
   const HeightField field = tent();
   EXPECT_NEAR(field.at({0.0, 0.0})->height_m, 0.01, 1e-12);  // on the diagonal
   EXPECT_NEAR(field.at({0.1, 0.05})->height_m, 0.02, 1e-12);
@@ -90,7 +90,7 @@ TEST(HeightField, IsTwoTrianglesACell) {
   EXPECT_FALSE(field.at({0.0, -0.051}));
 }
 
-TEST(HeightAbove, TakesTheHighestGround) {
+TEST(HeightAbove, UsesTheHighestGround) {
   GroundDescription ground;
   ground.boxes.push_back(
       {.X_WG = Isometry3d(Translation3d(0.0, 0.0, 0.02)), .size_m = {0.2, 0.2, 0.04}, .surface = {}});
@@ -103,7 +103,7 @@ TEST(HeightAbove, TakesTheHighestGround) {
   EXPECT_TRUE(std::isinf(height_above(ground, {5.0, 0.0, 0.1})));
 }
 
-TEST(GroundCheck, RefusesWhatMakesNoGround) {
+TEST(GroundCheck, RejectsInvalidGround) {
   GroundDescription ground;
   EXPECT_NO_THROW(check(ground));
   ground.height_fields.push_back(tent());

@@ -19,7 +19,7 @@ TEST(LinkTree, CountsTheJointsBetweenLinks) {
   EXPECT_EQ(tree.distance(4, 6), 2);
 }
 
-TEST(LinkTree, PosesAreTheSameInWhateverOrderTheJointsCome) {
+TEST(LinkTree, PosesDoNotDependOnTheOrderOfJoints) {
   RobotDescription robot = sample_humanoid();
   std::vector<double> positions;
   for (int j = 0; j < 20; ++j) positions.push_back(0.05 * j - 0.3);
@@ -32,7 +32,7 @@ TEST(LinkTree, PosesAreTheSameInWhateverOrderTheJointsCome) {
     EXPECT_TRUE(forwards[l].isApprox(backwards[l], 1e-14)) << l;
 }
 
-TEST(LinkTree, BendsAKneeAsTrigonometrySays) {
+TEST(LinkTree, BendsAKneeAsTrigonometryPredicts) {
   const RobotDescription robot = sample_humanoid();
   std::vector<double> positions(20, 0.0);
   positions[2] = -0.5;  // left hip pitch

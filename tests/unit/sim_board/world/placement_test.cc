@@ -23,7 +23,7 @@ double lift(const Isometry3d& X_WB, const GroundDescription& ground) {
   return lift_onto_ground(sample_box(1.0, 2.0 * kHalf_m), poses, ground);
 }
 
-TEST(Placement, TouchesThePlaneWithTheLowestPoint) {
+TEST(Placement, PlacesTheLowestPointOnThePlane) {
   GroundDescription ground;
   EXPECT_NEAR(lift(Isometry3d::Identity(), ground), 0.01, 1e-12);
   EXPECT_NEAR(lift(Isometry3d(Translation3d(0, 0, 1)), ground), 0.01 - 1.0, 1e-12);

@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector2d;
 using ::testing::ElementsAre;
 
-TEST(ConvexHull, IsCounterClockwiseWithoutWhatLiesInsideOrOnAnEdge) {
+TEST(ConvexHull, IsCounterClockwiseWithoutInteriorAndCollinearPoints) {
   EXPECT_THAT(convex_hull({{1, 1}, {0, 0}, {0.5, 0.5}, {1, 0}, {0.5, 0}, {0, 1}, {0, 0}}),
               ElementsAre(Vector2d(0, 0), Vector2d(1, 0), Vector2d(1, 1), Vector2d(0, 1)));
 }
@@ -30,7 +30,7 @@ TEST(ConvexHull, OfTwoFeetReachesFromHeelToToe) {
                           Vector2d(0.13, 0.08), Vector2d(0.03, 0.08), Vector2d(0, -0.02)));
 }
 
-TEST(ConvexHull, OfPointsOnALineIsItsEnds) {
+TEST(ConvexHull, OfCollinearPointsIsTheSegmentsEnds) {
   EXPECT_THAT(convex_hull({{0, 0}, {1, 1}, {2, 2}}), ElementsAre(Vector2d(0, 0), Vector2d(2, 2)));
   EXPECT_THAT(convex_hull({{1, 1}, {1, 1}}), ElementsAre(Vector2d(1, 1)));
   EXPECT_THAT(convex_hull({}), ElementsAre());
@@ -45,7 +45,7 @@ TEST(DistanceInside, IsPositiveInsideAndNegativeOutside) {
   EXPECT_NEAR(distance_inside(foot, {0.13, 0.10}), -0.05, 1e-15);  // from a corner
 }
 
-TEST(DistanceInside, OfALineAPointOrNothingIsNeverPositive) {
+TEST(DistanceInside, IsNeverPositiveForALineAPointOrAnEmptyHull) {
   EXPECT_NEAR(distance_inside(convex_hull({{0, 0}, {0.1, 0}}), {0.05, 0.02}), -0.02, 1e-15);
   EXPECT_NEAR(distance_inside(convex_hull({{0, 0}, {0.1, 0}}), {0.05, 0}), 0.0, 1e-15);
   EXPECT_NEAR(distance_inside(convex_hull({{0, 0}}), {0.03, 0.04}), -0.05, 1e-15);

@@ -35,7 +35,7 @@ TEST(Batch, GivesEachWorldTheBitsThatItHasAlone) {
   }
 }
 
-TEST(Batch, BeginsOneAnewAndLeavesTheOthers) {
+TEST(Batch, RestartsOneWorldAndLeavesTheOthers) {
   Batch batch(squat(), kSeeds, 2);
   batch.step(50);
   batch.reset(1, 5);
@@ -57,7 +57,7 @@ TEST(Batch, StepsTheOthersWhenOneThrows) {
   EXPECT_EQ(batch.at(2).now_us(), 2'600'000u);
 }
 
-TEST(Batch, RefusesNoSeedAndNoThread) {
+TEST(Batch, RejectsAnEmptySeedListAndZeroThreads) {
   EXPECT_THROW(Batch(squat(), {}, 1), std::invalid_argument);
   EXPECT_THROW(Batch(squat(), kSeeds, 0), std::invalid_argument);
 }

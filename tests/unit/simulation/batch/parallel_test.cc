@@ -18,14 +18,14 @@ TEST(Parallel, DoesEachTaskOnce) {
   }
 }
 
-TEST(Parallel, RunsAsManyAtATimeAsAsked) {
+TEST(Parallel, RunsTheRequestedNumberAtATime) {
   // Deadlocks with fewer threads.
   std::latch together(3);
   for_each_parallel(3, 3, [&](std::size_t) { together.arrive_and_wait(); });
   SUCCEED();
 }
 
-TEST(Parallel, StartsNoMoreOnceToldSo) {
+TEST(Parallel, StartsNoMoreTasksOnceStopped) {
   int asked = 0;
   std::vector<int> done(10);
   const std::size_t started = for_each_parallel(
@@ -34,7 +34,7 @@ TEST(Parallel, StartsNoMoreOnceToldSo) {
   EXPECT_EQ(done, (std::vector<int>{1, 1, 1, 1, 0, 0, 0, 0, 0, 0}));
 }
 
-TEST(Parallel, ThrowsWhatTheFirstInOrderThrew) {
+TEST(Parallel, RethrowsTheExceptionOfTheFirstTask) {
   std::latch together(2);
   const auto fail = [&](std::size_t task) {
     if (task >= 2) return;

@@ -37,7 +37,7 @@ class GaitMotionTest : public testing::Test {
 
 // Uses the firmware's forward kinematics and centre of mass, which are independent of the code that made the
 // poses.
-TEST_F(GaitMotionTest, PutsCentreOfMassAndSolesWhereThePlanHasThem) {
+TEST_F(GaitMotionTest, PlacesCentreOfMassAndSolesAsPlanned) {
   gait_.sag_compensation = 0.0;
   gait_.trunk_pitch_rad = 0.0;
   const GaitPlan plan(gait_);
@@ -56,7 +56,7 @@ TEST_F(GaitMotionTest, PutsCentreOfMassAndSolesWhereThePlanHasThem) {
   }
 }
 
-TEST_F(GaitMotionTest, MakesUpForTheSagOfTheStandingLegOnly) {
+TEST_F(GaitMotionTest, CompensatesTheSagOfTheSupportLegOnly) {
   const GaitPlan plan(gait_);
   gait_.sag_compensation = 0.0;
   const std::vector<double> without = WalkingPose(gait_, robot_, model_).targets_rad(plan.at(0.0));
@@ -72,7 +72,7 @@ TEST_F(GaitMotionTest, MakesUpForTheSagOfTheStandingLegOnly) {
   EXPECT_EQ(change(robot::JointRole::kLeftElbow), 0.0);
 }
 
-TEST_F(GaitMotionTest, DividesTheCycleIntoAsManyPointsAsAsked) {
+TEST_F(GaitMotionTest, DividesTheCycleIntoTheRequestedPoints) {
   for (const int points : {4, 7, 8, 16}) {
     gait_.points = points;
     const double slowly = points < 8 ? 1.0 : 0.0;
@@ -88,18 +88,18 @@ TEST_F(GaitMotionTest, DividesTheCycleIntoAsManyPointsAsAsked) {
   }
 }
 
-TEST_F(GaitMotionTest, WritesTheMotionThatItIs) {
+TEST_F(GaitMotionTest, WritesTheMotionFile) {
   const MotionSource motion = make_gait_motion(gait_, robot_, model_);
   const sim::ScratchFile file("walk.yaml", gait_motion_text(motion, model_));
   EXPECT_EQ(compile_motion(file.path(), model_), compile_motion(motion, model_));
 }
 
-TEST_F(GaitMotionTest, RefusesWhatALegCannotReach) {
+TEST_F(GaitMotionTest, RejectsTargetsOutOfReach) {
   gait_.com_height_m = 0.26;
   EXPECT_THROW(static_cast<void>(make_gait_motion(gait_, robot_, model_)), sim::InputError);
 }
 
-TEST_F(GaitMotionTest, RefusesAJointThatTheRobotHasNot) {
+TEST_F(GaitMotionTest, RejectsAJointThatTheRobotLacks) {
   gait_.upper_body.push_back({"tail", 7, 0.1});
   EXPECT_THROW(static_cast<void>(make_gait_motion(gait_, robot_, model_)), sim::InputError);
 }

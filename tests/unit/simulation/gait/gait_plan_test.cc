@@ -28,7 +28,7 @@ class GaitPlanTest : public testing::Test {
   GaitPlan plan_{gait_};
 };
 
-TEST_F(GaitPlanTest, BeginsAtRestInTheMiddleOverTheZmp) {
+TEST_F(GaitPlanTest, StartsAtRestInTheMiddleAboveTheZmp) {
   const GaitInstant begin = plan_.at(0.0);
   EXPECT_NEAR(begin.com_W_m.x(), gait_.zmp_ahead_m, 1e-12);
   EXPECT_NEAR(begin.com_W_m.y(), 0.0, 1e-12);
@@ -37,7 +37,7 @@ TEST_F(GaitPlanTest, BeginsAtRestInTheMiddleOverTheZmp) {
   EXPECT_NEAR(begin.load_share[0], 0.5, 1e-12);
 }
 
-TEST_F(GaitPlanTest, MovesTheMassAsAPendulumEverywhere) {
+TEST_F(GaitPlanTest, FollowsThePendulumEquationThroughout) {
   const double h = 1e-4;
   const double rate = sim::kGravity_m_per_s2 / gait_.com_height_m;
   for (double t = h; t < end_s(); t += 0.0037) {
@@ -50,7 +50,7 @@ TEST_F(GaitPlanTest, MovesTheMassAsAPendulumEverywhere) {
   }
 }
 
-TEST_F(GaitPlanTest, RepeatsItsCycleAStrideOn) {
+TEST_F(GaitPlanTest, RepeatsItsCycleOneStrideFurther) {
   const double t = plan_.start_s() + 0.3 * plan_.cycle_s();
   const GaitInstant first = plan_.at(t);
   const GaitInstant later = plan_.at(t + 7.0 * plan_.cycle_s());
@@ -60,7 +60,7 @@ TEST_F(GaitPlanTest, RepeatsItsCycleAStrideOn) {
   EXPECT_NEAR((later.zmp_S_m - first.zmp_S_m).norm(), 0.0, 1e-9);
 }
 
-TEST_F(GaitPlanTest, MirrorsItsTwoSteps) {
+TEST_F(GaitPlanTest, HasTwoMirroredSteps) {
   const double t = plan_.start_s() + 0.2 * plan_.cycle_s();
   const GaitInstant one = plan_.at(t);
   const GaitInstant other = plan_.at(t + 0.5 * plan_.cycle_s());

@@ -28,7 +28,7 @@ std::string refusal(const std::string& text, std::span<const sim::Override> over
   return "accepted";
 }
 
-TEST(Gait, ReadsWhatStandsInTheFileAndDefaultsTheRest) {
+TEST(Gait, ReadsTheFileAndFillsInDefaults) {
   const Gait gait = read(std::string(kGood) + "feedback: {hip_roll_s: 0.03}\n");
   EXPECT_DOUBLE_EQ(gait.period_s, 0.6);
   EXPECT_EQ(gait.points, 8);
@@ -36,21 +36,21 @@ TEST(Gait, ReadsWhatStandsInTheFileAndDefaultsTheRest) {
   EXPECT_DOUBLE_EQ(gait.feedback.knee_s, 0.0);
 }
 
-TEST(Gait, TakesOverrides) {
+TEST(Gait, AppliesOverrides) {
   const sim::Override points[] = {{"points", "16"}, {"feedback.knee_s", "0.01"}};
   const Gait gait = read(kGood, points);
   EXPECT_EQ(gait.points, 16);
   EXPECT_DOUBLE_EQ(gait.feedback.knee_s, 0.01);
 }
 
-TEST(Gait, NamesTheLineOfWhatIsWrong) {
+TEST(Gait, NamesTheLineOfAnError) {
   EXPECT_THAT(refusal(std::string(kGood) + "hop: 3\n"), HasSubstr(":9:"));
   EXPECT_THAT(refusal("version: 2\n"), HasSubstr(":1:"));
   EXPECT_THAT(refusal("version: 1\nrobot: koboshi\nperiod_s: 0\n"), HasSubstr(":3:"));
   EXPECT_THAT(refusal(std::string(kGood) + "points: 1\n"), HasSubstr("points"));
 }
 
-TEST(Gait, MissesWhatHasNoDefault) {
+TEST(Gait, RejectsMissingKeysWithoutDefault) {
   EXPECT_THAT(refusal("version: 1\nrobot: koboshi\n"), HasSubstr("period_s"));
 }
 

@@ -42,7 +42,7 @@ TEST(Pendulum, HasTheGravityOfTheFirmware) {
   EXPECT_EQ(fixed::kInverseGravity, fixed::from_double<fixed::Ratio>(1.0 / sim::kGravity_m_per_s2));
 }
 
-TEST(Pendulum, FollowsEquation3OverARestingZmp) {
+TEST(Pendulum, FollowsEquation3ForAConstantZmp) {
   const Pendulum pendulum(kHeight_m);
   const double Tc = pendulum.time_constant_s();
   const ZmpPiece zmp{1.0, Vector2d::Zero(), Vector2d::Zero()};
@@ -51,7 +51,7 @@ TEST(Pendulum, FollowsEquation3OverARestingZmp) {
   EXPECT_NEAR(end.velocity_m_per_s.y(), 0.01 / Tc * std::sinh(0.2 / Tc) - 0.1 * std::cosh(0.2 / Tc), 1e-15);
 }
 
-TEST(Pendulum, AgreesWithIntegrationOverAZmpThatMoves) {
+TEST(Pendulum, AgreesWithIntegrationForAMovingZmp) {
   const Pendulum pendulum(kHeight_m);
   const ZmpPiece zmp{0.15, Vector2d(0.01, -0.03), Vector2d(0.05, 0.03)};
   const PendulumState begin{Vector2d(0.0, 0.004), Vector2d(0.2, 0.15)};

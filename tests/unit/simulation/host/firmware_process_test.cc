@@ -33,7 +33,7 @@ class FirmwareProcessTest : public testing::Test {
   std::uint64_t now_us_ = 0;
 };
 
-TEST_F(FirmwareProcessTest, IsNodeOneOfTheBus) {
+TEST_F(FirmwareProcessTest, IsNode1OfTheBus) {
   play(100);
   EXPECT_THAT(outside_.heard, Contains(hal::CanFrame{.identifier = canopen::kHeartbeatBase + 1, .size = 1}));
   EXPECT_FALSE(firmware_.drive_enabled());
@@ -49,7 +49,7 @@ TEST_F(FirmwareProcessTest, StartsASensorThatHasBootedOnce) {
   EXPECT_THAT(outside_.heard, Contains(start).Times(1));
 }
 
-TEST_F(FirmwareProcessTest, ResetsItsOwnNodesAndNoOther) {
+TEST_F(FirmwareProcessTest, ResetsItsOwnNodesOnly) {
   const auto orders = [this] {
     std::vector<hal::CanFrame> orders;
     std::ranges::copy_if(outside_.heard, std::back_inserter(orders),
@@ -65,14 +65,14 @@ TEST_F(FirmwareProcessTest, ResetsItsOwnNodesAndNoOther) {
   EXPECT_THAT(orders(), testing::UnorderedElementsAreArray(resets));
 }
 
-TEST_F(FirmwareProcessTest, AnswersAnOperator) {
+TEST_F(FirmwareProcessTest, AnswersTheOperatorsCommands) {
   play(100);
   outside_.said.push_back({.identifier = 0x601, .size = 8, .data = {0x40, 0x00, 0x10}});
   play(10);
   EXPECT_THAT(outside_.heard, Contains(testing::Field(&hal::CanFrame::identifier, 0x581)));
 }
 
-TEST_F(FirmwareProcessTest, GivesWayToAControllerThatIsThereAlready) {
+TEST_F(FirmwareProcessTest, StepsAsideForAnExistingController) {
   play(5);
   EXPECT_FALSE(firmware_.gave_way());
   outside_.said.push_back({.identifier = canopen::kSyncCobId});
@@ -83,7 +83,7 @@ TEST_F(FirmwareProcessTest, GivesWayToAControllerThatIsThereAlready) {
   EXPECT_TRUE(outside_.heard.empty());
 }
 
-TEST_F(FirmwareProcessTest, CountsFramesForWhichThereIsNoRoom) {
+TEST_F(FirmwareProcessTest, CountsFramesLostToAFullFifo) {
   outside_.full = true;
   play(100);
   EXPECT_GT(firmware_.frames_lost(), 0u);

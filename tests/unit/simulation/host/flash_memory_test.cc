@@ -20,7 +20,7 @@ class FlashFile : public testing::Test {
   const std::vector<std::byte> contents = std::vector<std::byte>(100, std::byte{7});
 };
 
-TEST(FlashMemory, HoldsItsContentsAndIsErasedBehind) {
+TEST(FlashMemory, HoldsItsContentsAndIsErasedAfterThem) {
   const std::vector<std::byte> contents(100, std::byte{7});
   FlashMemory flash(contents);
   EXPECT_EQ(flash.bytes()[99], std::byte{7});
@@ -28,12 +28,12 @@ TEST(FlashMemory, HoldsItsContentsAndIsErasedBehind) {
   EXPECT_EQ(flash.bytes().back(), std::byte{0xFF});
 }
 
-TEST(FlashMemory, LeavesRoomForWhatTheRobotStores) {
+TEST(FlashMemory, LeavesSpaceForStoredItems) {
   EXPECT_NO_THROW(FlashMemory(std::vector<std::byte>(kStored)));
   EXPECT_THROW(FlashMemory(std::vector<std::byte>(kStored + 1)), std::length_error);
 }
 
-TEST_F(FlashFile, KeepsWhatTheRobotStoredAndTakesAnotherFactorysContents) {
+TEST_F(FlashFile, KeepsStoredItemsAndReplacesTheFactoryContents) {
   {
     FlashMemory flash(contents, file);
     EXPECT_EQ(flash.bytes()[kStored], std::byte{0xFF});
@@ -47,7 +47,7 @@ TEST_F(FlashFile, KeepsWhatTheRobotStoredAndTakesAnotherFactorysContents) {
   EXPECT_EQ(flash.bytes().back(), std::byte{2});
 }
 
-TEST_F(FlashFile, IsNoOtherFile) {
+TEST_F(FlashFile, RejectsAnyOtherFile) {
   koboshi::test::write_file(file, "something else");
   EXPECT_THROW(FlashMemory(contents, file), sim::InputError);
   EXPECT_EQ(std::filesystem::file_size(file), 14u);  // unchanged

@@ -38,7 +38,7 @@ class EchoingQemu {
   const std::string path_ = std::getenv("PATH");
 };
 
-TEST(QemuHost, RefusesASnapshotInOneLine) {
+TEST(QemuHost, RejectsASnapshotWithOneLine) {
   const EchoingQemu qemu;
   Simulation simulation(sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"),
                         in_qemu(qemu.image()));

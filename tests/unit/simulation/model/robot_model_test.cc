@@ -49,7 +49,7 @@ class RobotModelImageTest : public testing::Test {
   }
 };
 
-TEST_F(RobotModelImageTest, IsTheSameBytesAgain) {
+TEST_F(RobotModelImageTest, IsReproducibleToTheByte) {
   EXPECT_EQ(make_robot_model(koboshi()), make_robot_model(sim::load_robot(koboshi().file)));
 }
 
@@ -99,7 +99,7 @@ TEST_F(RobotModelImageTest, GivesEachJointItsDrive) {
   }
 }
 
-TEST_F(RobotModelImageTest, PutsJointsAndCentreOfMassWhereTheDescriptionDoes) {
+TEST_F(RobotModelImageTest, MatchesJointsAndCentreOfMassOfTheDescription) {
   const robot::RobotModel model = load_named_model(koboshi()).model;
   const std::array<fixed::Angle, robot::kMaxJoints> zero{};
   robot::LinkPoses X_BLinks;
@@ -145,7 +145,7 @@ TEST_F(RobotModelImageTest, PairsLeftAndRight) {
   EXPECT_EQ(model.joints[pan].mirror_sign, -1);
 }
 
-TEST_F(RobotModelImageTest, KeepsALimitOfHalfATurnOnItsSide) {
+TEST_F(RobotModelImageTest, KeepsTheSignOfALimitOfHalfATurn) {
   RobotDescription robot = koboshi();
   sim::JointDescription& shoulder = robot.joints[index(robot, "left_shoulder_pitch")];
   shoulder.lower_rad = -3.141593;
@@ -155,7 +155,7 @@ TEST_F(RobotModelImageTest, KeepsALimitOfHalfATurnOnItsSide) {
   EXPECT_EQ(model.joints[index(robot, "left_shoulder_pitch")].upper, fixed::Angle::max());
 }
 
-TEST_F(RobotModelImageTest, RefusesWhatItCannotExpress) {
+TEST_F(RobotModelImageTest, RejectsRobotsThatItCannotExpress) {
   EXPECT_THAT(refusal([](auto& r) { r.imu.reset(); }),
               HasSubstr("found no inertial unit, expected one in the base"));
   EXPECT_THAT(refusal([](auto& r) { r.imu->link = 1; }), HasSubstr("an inertial unit outside the base"));

@@ -76,7 +76,7 @@ class MotionCompileTest : public testing::Test {
   std::vector<std::byte> image_;
 };
 
-TEST_F(MotionCompileTest, MirrorsWhatIsForBothSides) {
+TEST_F(MotionCompileTest, MirrorsAnglesGivenForBothSides) {
   const motion::Motion motion = compile("steps: [end]\n");
   EXPECT_NEAR(angle_deg(motion, 0, "left_knee"), 60, 1e-6);
   EXPECT_NEAR(angle_deg(motion, 0, "right_knee"), 60, 1e-6);
@@ -85,7 +85,7 @@ TEST_F(MotionCompileTest, MirrorsWhatIsForBothSides) {
   EXPECT_NEAR(angle_deg(motion, 2, "head_pan"), 20, 1e-6);
 }
 
-TEST_F(MotionCompileTest, LeavesJointsOutUnlessOthersAreZero) {
+TEST_F(MotionCompileTest, OmitsJointsUnlessOthersAreZero) {
   const motion::Motion motion = compile("steps: [end]\n");
   EXPECT_EQ(std::popcount(motion.joint_mask(0)), 2);
   EXPECT_EQ(motion.joint_mask(1), (1u << 20) - 1);
@@ -131,7 +131,7 @@ TEST_F(MotionCompileTest, LetsALabelStandAtTheEnd) {
   EXPECT_EQ(motion.step(0).operand, 3);
 }
 
-TEST_F(MotionCompileTest, TakesTheExampleOfTheReference) {
+TEST_F(MotionCompileTest, CompilesTheExampleOfTheReference) {
   const std::string page =
       sim::read_text_file(KOBOSHI_SOURCE_DIR "/docs/reference/motion-format.md", "the reference");
   const std::string opening = "```yaml\n";
@@ -139,14 +139,14 @@ TEST_F(MotionCompileTest, TakesTheExampleOfTheReference) {
   EXPECT_EQ(refusal(page.substr(begin, page.find("```", begin) - begin)), "accepted");
 }
 
-TEST_F(MotionCompileTest, GivesTheSameBytesAgain) {
+TEST_F(MotionCompileTest, IsReproducibleToTheByte) {
   compile("steps: [{pose: bend, time_s: 0.5}]\n");
   const std::vector<std::byte> first = image_;
   compile("steps: [{pose: bend, time_s: 0.5}]\n");
   EXPECT_EQ(image_, first);
 }
 
-TEST_F(MotionCompileTest, TakesALimitThatTheRobotWritesInRadians) {
+TEST_F(MotionCompileTest, AcceptsALimitGivenInRadians) {
   EXPECT_EQ(refusal_of_pose("{knee: 150, hip_roll: 90, ankle_pitch: 75}"), "accepted");
 }
 
@@ -181,7 +181,7 @@ TEST_F(MotionCompileTest, RefusesBadStepsWithTheirLine) {
               HasSubstr(":8: found a second label 'a'"));
 }
 
-TEST_F(MotionCompileTest, RefusesWhatTheFirmwareWouldWithItsLine) {
+TEST_F(MotionCompileTest, RejectsWhatTheFirmwareWouldWithItsLine) {
   EXPECT_THAT(refusal_of_steps("steps:\n  - {wait_s: 1}\n  - {loop: {times: 2, steps: []}}\n"),
               HasSubstr(":8: found a loop or a chain of jumps in which no time passes"));
   EXPECT_THAT(refusal_of_steps("steps:\n  - {label: a}\n  - {jump: a}\n"),

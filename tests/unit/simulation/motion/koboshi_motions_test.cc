@@ -47,7 +47,7 @@ class KoboshiMotionsTest : public testing::Test {
   robot::LinkPoses X_BLinks_;
 };
 
-TEST_F(KoboshiMotionsTest, StandIsUprightOnFeetAsWideApartAsItWalks) {
+TEST_F(KoboshiMotionsTest, StandIsUprightWithTheStepWidthOfItsGait) {
   start("stand");
   advance(2'000'000);
   EXPECT_FALSE(interpreter_.running());

@@ -96,7 +96,7 @@ class EventLogTest : public testing::Test {
   std::uint64_t now_us_ = 0;
 };
 
-TEST_F(EventLogTest, TellsOfACommandThatIsObeyedAndOfOneThatIsRefused) {
+TEST_F(EventLogTest, ReportsAcceptedAndRefusedCommands) {
   play_until(1.0);
   hear(0x201, 3, {3, kSquat, 0});
   change(State::kMotion, Reason::kCommand);
@@ -117,7 +117,7 @@ TEST_F(EventLogTest, TellsOfACommandThatIsObeyedAndOfOneThatIsRefused) {
   EXPECT_EQ(log_.last_command(), "enable: refused, not in this state (motion)");
 }
 
-TEST_F(EventLogTest, DoesNotTakeTelemetryFromBeforeACommandForItsAnswer) {
+TEST_F(EventLogTest, DoesNotMistakeEarlierTelemetryForTheAnswerToACommand) {
   said_.refusal = Reason::kNoSuchMotion;  // left from an earlier command
   play_until(1.0);
   hear(0x201, 3, {4, 0, 0});
@@ -128,7 +128,7 @@ TEST_F(EventLogTest, DoesNotTakeTelemetryFromBeforeACommandForItsAnswer) {
   EXPECT_THAT(texts(), Contains("Command stop: obeyed."));
 }
 
-TEST_F(EventLogTest, KnowsTheOutcomeOfTheLastOfSeveralCommandsOnly) {
+TEST_F(EventLogTest, ReportsTheOutcomeOfTheLastOfSeveralCommandsOnly) {
   play_until(1.0);
   hear(0x201, 3, {3, kSquat, 0});
   hear(0x201, 3, {1, 0, 0});
@@ -140,7 +140,7 @@ TEST_F(EventLogTest, KnowsTheOutcomeOfTheLastOfSeveralCommandsOnly) {
   EXPECT_EQ(log_.events().front().fields.at("outcome"), "unknown");
 }
 
-TEST_F(EventLogTest, TellsACommandFromOneThatFollowsAfterItsAnswer) {
+TEST_F(EventLogTest, DistinguishesACommandFromALaterOne) {
   play_until(1.0);
   hear(0x201, 3, {3, kSquat, 0});
   log_.on_bus_frame({.identifier = 0x181, .size = 8}, now_us_ + 8'000, said_);
@@ -151,14 +151,14 @@ TEST_F(EventLogTest, TellsACommandFromOneThatFollowsAfterItsAnswer) {
   EXPECT_THAT(texts(), Contains("Command play squat: obeyed."));
 }
 
-TEST_F(EventLogTest, HearsACommandBySdo) {
+TEST_F(EventLogTest, RecordsACommandBySdo) {
   hear(0x601, 8, {0x2B, 0x00, 0x20, 2, kFallFront, 0, 0, 0});
   hear(0x601, 8, {0x2F, 0x00, 0x20, 1, 3, 0, 0, 0});
   play_until(0.1);
   EXPECT_THAT(texts(), Contains("Command play fall_front: obeyed."));
 }
 
-TEST_F(EventLogTest, TellsTheVelocityOfAWalk) {
+TEST_F(EventLogTest, ReportsTheVelocityOfAWalk) {
   hear(0x301, 6, {150, 0, 0xCE, 0xFF, 0x90, 0x01});
   hear(0x201, 3, {7, 0, 0});
   play_until(0.1);
@@ -173,7 +173,7 @@ TEST_F(EventLogTest, TellsTheVelocityOfAWalk) {
   EXPECT_EQ(event_of("velocity").text, "Velocity 2.00 m/s forward: refused, velocity out of range.");
 }
 
-TEST_F(EventLogTest, TellsOfAVelocityThatTheCommandBehindItHides) {
+TEST_F(EventLogTest, ReportsARefusedVelocityHiddenByTheNextCommand) {
   hear(0x301, 6, {0xD0, 0x07});
   hear(0x201, 3, {7, 0, 0});
   play_until(0.1);
@@ -181,14 +181,14 @@ TEST_F(EventLogTest, TellsOfAVelocityThatTheCommandBehindItHides) {
             "Command walk, 2.00 m/s forward: obeyed, but its velocity is refused, velocity out of range.");
 }
 
-TEST_F(EventLogTest, TellsOfACommandThatNobodyAnswers) {
+TEST_F(EventLogTest, ReportsAnUnansweredCommand) {
   play_until(1.0);
   hear(0x201, 3, {5, 0, 0});
   EXPECT_THAT(texts(true), ElementsAre("Command emergency stop: no answer until the end.",
                                        "End: is upright, its controller is dead; did not fall; 0 faults."));
 }
 
-TEST_F(EventLogTest, SaysThatAMotionWasCutOffThoughTheRobotDidNotFall) {
+TEST_F(EventLogTest, ReportsAnInterruptedMotionWithoutAFall) {
   play_until(0.1);
   change(State::kMotion, Reason::kCommand);
   play_until(1.31);
@@ -204,7 +204,7 @@ TEST_F(EventLogTest, SaysThatAMotionWasCutOffThoughTheRobotDidNotFall) {
   EXPECT_EQ(event_of("cut_off").fields["motion"], "squat");
 }
 
-TEST_F(EventLogTest, SaysThatTheRobotFellAndGotUp) {
+TEST_F(EventLogTest, ReportsThatTheRobotFellAndGotUp) {
   play_until(3.0);
   fall_and_get_up();
   EXPECT_EQ(log_.verdict(), "stands; fell once at 3.0 s and got up in 1.5 s; 0 faults");
@@ -220,7 +220,7 @@ TEST_F(EventLogTest, SaysThatTheRobotFellAndGotUp) {
   EXPECT_EQ(log_.falls(), 2u);
 }
 
-TEST_F(EventLogTest, CountsFromTheFirstOfFallsThatFollowEachOther) {
+TEST_F(EventLogTest, CountsFromTheFirstOfConsecutiveFalls) {
   play_until(3.0);
   change(State::kFalling, Reason::kFallForeseen, kFallFront);
   lean(85.0);
@@ -236,7 +236,7 @@ TEST_F(EventLogTest, CountsFromTheFirstOfFallsThatFollowEachOther) {
               testing::StartsWith("stands; fell 2 times, first at 3.0 s and finally got up, in "));
 }
 
-TEST_F(EventLogTest, NeverTakesARobotThatLiesForOneThatStands) {
+TEST_F(EventLogTest, NeverReportsALyingRobotAsStanding) {
   play_until(1.0);
   lean(-80.0);
   play_until(2.0);
@@ -252,14 +252,14 @@ TEST_F(EventLogTest, NeverTakesARobotThatLiesForOneThatStands) {
   EXPECT_EQ(log_.posture(), "leans by 45 degrees, plays squat") << "as a bow would";
 }
 
-TEST_F(EventLogTest, DoesNotCountTheLyingOfARobotThatBeganSo) {
+TEST_F(EventLogTest, DoesNotCountLyingAtTheStartAsAFall) {
   lean(90.0);
   said_.state = State::kLimp;
   play_until(1.0);
   EXPECT_EQ(log_.verdict(), "lies, limp; did not fall; 0 faults");
 }
 
-TEST_F(EventLogTest, GathersTheSameEmergencyOfManyNodes) {
+TEST_F(EventLogTest, MergesTheSameEmergencyOfManyNodes) {
   hear(0x090, 8, {0x30, 0x81});
   hear(0x091, 8, {0x30, 0x81});
   hear(0x091, 8, {0x30, 0x81});
@@ -272,7 +272,7 @@ TEST_F(EventLogTest, GathersTheSameEmergencyOfManyNodes) {
   EXPECT_THAT(event_of("emergency").fields["nodes"], ElementsAre("left_knee", "right_knee"));
 }
 
-TEST_F(EventLogTest, SaysWhichDriveIsToBlame) {
+TEST_F(EventLogTest, NamesTheFaultyDrive) {
   said_.drive_fault = drive::DriveFault::kLost;
   said_.faulty_joint = 1;
   play_until(0.5);
@@ -281,14 +281,14 @@ TEST_F(EventLogTest, SaysWhichDriveIsToBlame) {
   EXPECT_EQ(log_.posture(), "is upright, fault: right_knee lost");
 }
 
-TEST_F(EventLogTest, TellsOfALowSupply) {
+TEST_F(EventLogTest, ReportsALowSupply) {
   play_until(0.1);
   change(State::kLowBattery, Reason::kSupplyLow);
   EXPECT_THAT(event_of("low_supply").text, HasSubstr("The supply is low"));
   EXPECT_EQ(log_.posture(), "stands, its supply low");
 }
 
-TEST_F(EventLogTest, TellsOfPushesFaultsAndTheStand) {
+TEST_F(EventLogTest, ReportsPushesFaultsAndTheStand) {
   scenario_.initial.fixed_base = true;
   scenario_.initial.release_us = 500'000;
   sim::Fault fault;
@@ -316,14 +316,14 @@ TEST_F(EventLogTest, TellsOfPushesFaultsAndTheStand) {
   EXPECT_NEAR(events[1].fields["impulse_N_s"][1].get<double>(), -1.2, 1e-12);
 }
 
-TEST_F(EventLogTest, ShowsWhereTheRobotHangs) {
+TEST_F(EventLogTest, ReportsThatTheRobotHangs) {
   scenario_.initial.fixed_base = true;
   said_.state = State::kLimp;
   play_until(0.1);
   EXPECT_EQ(log_.posture(), "hangs on its stand, limp");
 }
 
-TEST_F(EventLogTest, CountsWhatIsTooMuch) {
+TEST_F(EventLogTest, CountsExcessEvents) {
   for (std::size_t i = 0; i < EventLog::kMaxEvents + 7; ++i) log_.add(i, "note", "Again.");
   const std::vector<sim::RunEvent> events = log_.events();
   EXPECT_EQ(events.size(), EventLog::kMaxEvents + 2);

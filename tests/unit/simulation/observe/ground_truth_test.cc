@@ -54,7 +54,7 @@ class Truth : public testing::Test {
   TruthObserver observer_{robot_};
 };
 
-TEST_F(Truth, HeightOfThePoseIsThatOfTheTrunkAboveTheSoles) {
+TEST_F(Truth, PoseHeightIsThatOfTheTrunkAboveTheSoles) {
   EXPECT_NEAR(observer_.observe(world_, telemetry_).pose_height_m, 0.17, 1e-6);
   Telemetry bent;
   for (const char* side : {"left", "right"}) {
@@ -78,7 +78,7 @@ TEST_F(Truth, TiltAndAnglesAreThoseOfTheTrunk) {
   EXPECT_NEAR(truth.tilt_rad, std::acos(std::cos(0.2) * std::cos(0.1)), 1e-12);
 }
 
-TEST_F(Truth, HeightOfAFootIsThatOfItsLowestCorner) {
+TEST_F(Truth, FootHeightIsThatOfItsLowestCorner) {
   world_.pose(Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 0.18)));
   EXPECT_NEAR(observer_.observe(world_, telemetry_).foot_height_m[0], 0.01, 1e-9);
   world_.pose(Eigen::Translation3d(0.0, 0.0, 0.2) * Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY()));
@@ -90,7 +90,7 @@ TEST_F(Truth, HeightOfAFootIsThatOfItsLowestCorner) {
   }
 }
 
-TEST_F(Truth, SlipIsCountedFromWhereAFootTookLoad) {
+TEST_F(Truth, SlipIsCountedFromTheLoadingOfAFoot) {
   world_.load(left_foot_, 6.0);
   observer_.observe(world_, telemetry_);
   world_.pose(Eigen::Isometry3d(Eigen::Translation3d(0.003, 0.004, 0.17)));
@@ -118,7 +118,7 @@ TEST_F(Truth, ZmpOfBothFeetLiesBetweenThemByTheirLoads) {
   EXPECT_NEAR(*truth.zmp_margin_m, 0.058 - 0.01875, 1e-9);
 }
 
-TEST_F(Truth, ThereIsNoZmpBelowTheThreshold) {
+TEST_F(Truth, ZmpIsInvalidBelowTheLoadThreshold) {
   world_.load(left_foot_, 0.9, {0.01, 0.03, 0.0});
   const GroundTruth& truth = observer_.observe(world_, telemetry_);
   EXPECT_FALSE(truth.foot_zmp_S_m[0]);

@@ -5,7 +5,7 @@
 namespace koboshi::simulation {
 namespace {
 
-TEST(Percentile, IsLinearBetweenTheValuesNextToIt) {
+TEST(Percentile, InterpolatesLinearly) {
   EXPECT_EQ(percentile({3.0, 1.0, 2.0}, 0.0), 1.0);
   EXPECT_EQ(percentile({3.0, 1.0, 2.0}, 0.5), 2.0);
   EXPECT_EQ(percentile({3.0, 1.0, 2.0}, 1.0), 3.0);
@@ -14,7 +14,7 @@ TEST(Percentile, IsLinearBetweenTheValuesNextToIt) {
   EXPECT_TRUE(std::isnan(percentile({}, 0.5)));
 }
 
-TEST(RootMeanSquare, IsNotANumberOfNothing) {
+TEST(RootMeanSquare, IsNaNOfAnEmptySeries) {
   RootMeanSquare error;
   EXPECT_TRUE(std::isnan(error.value()));
   error.add(9.0);

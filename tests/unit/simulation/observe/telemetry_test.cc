@@ -31,7 +31,7 @@ class TelemetryOfFrames : public testing::Test {
   TelemetryReader reader_{model_};
 };
 
-TEST_F(TelemetryOfFrames, ShowsWhatTheControllerIsDoing) {
+TEST_F(TelemetryOfFrames, ShowsTheStateOfTheController) {
   hear(0x181, 8, {6, 17, 3, 5, 9, 1, 0, 39});
   EXPECT_EQ(reader_.now().state, behaviour::State::kFault);
   EXPECT_EQ(reader_.now().reason, behaviour::Reason::kDriveFault);
@@ -93,7 +93,7 @@ TEST_F(TelemetryOfFrames, CountsEmergenciesButNotTheirEnds) {
   EXPECT_EQ(reader_.now().emergencies, 2u);
 }
 
-TEST_F(TelemetryOfFrames, IgnoresWhatItDoesNotKnow) {
+TEST_F(TelemetryOfFrames, IgnoresUnknownFrames) {
   hear(0x080, 0, {});
   hear(0x1FF, 8, {1, 2, 3, 4, 5, 6, 7, 8});
   hear(0x210, 2, {0x06, 0x00});

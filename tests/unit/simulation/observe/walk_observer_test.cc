@@ -44,7 +44,7 @@ class Walk : public testing::Test {
   WalkObserver observer_{robot_, {}, [this](double time_s) { return plan(time_s); }, kWalk};
 };
 
-TEST_F(Walk, BeginsWithItsMotionAndNoOther) {
+TEST_F(Walk, StartsWithItsOwnMotionOnly) {
   said_.state = behaviour::State::kStanding;
   tick(0.0, 0.0, 0.0);
   said_.state = behaviour::State::kMotion;
@@ -56,7 +56,7 @@ TEST_F(Walk, BeginsWithItsMotionAndNoOther) {
   EXPECT_TRUE(observer_.summary());
 }
 
-TEST_F(Walk, GoesAlongTheHeadingAtItsStart) {
+TEST_F(Walk, IsMeasuredAlongTheHeadingAtItsStart) {
   const double heading_rad = 0.5;
   const Eigen::Vector2d ahead(std::cos(heading_rad), std::sin(heading_rad));
   const Eigen::Vector2d left(-ahead.y(), ahead.x());
@@ -71,12 +71,12 @@ TEST_F(Walk, GoesAlongTheHeadingAtItsStart) {
   EXPECT_NEAR(summary->heading_drift_rad, 0.1, 1e-12);
 }
 
-TEST_F(Walk, CountsTurnsBeyondHalfAround) {
+TEST_F(Walk, CountsTurnsBeyondHalfATurn) {
   for (int i = 0; i <= 40; ++i) tick(0.0, 0.0, std::remainder(0.1 * i, 2.0 * M_PI));
   EXPECT_NEAR(observer_.summary()->heading_drift_rad, 4.0, 1e-12);
 }
 
-TEST_F(Walk, EndsWithItsMotionOrAFallForGood) {
+TEST_F(Walk, EndsForGoodWithItsMotionOrAFall) {
   tick(0.0, 0.0, 0.0);
   tick(0.1, 0.0, 0.0);
   said_.state = behaviour::State::kStanding;
@@ -96,7 +96,7 @@ TEST_F(Walk, EndsWithItsMotionOrAFallForGood) {
   EXPECT_EQ(falls.summary()->distance_m, 0.0);
 }
 
-TEST_F(Walk, AsksThePlanForWhatTheDrivesPursue) {
+TEST_F(Walk, ComparesWithThePlanAtTheDrivesTime) {
   for (int i = 0; i < 3; ++i) tick(0.0, 0.0, 0.0);
   ASSERT_EQ(planned_for_s_.size(), 3u);
   EXPECT_NEAR(planned_for_s_[0], -0.00265, 1e-12);
@@ -113,7 +113,7 @@ TEST_F(Walk, ComparesZmpsInThePlannedSupportsFrameWhileValid) {
 }
 
 // A ZMP that swings as planned, but 25 ms late and 4 mm to the side.
-TEST_F(Walk, TellsLagAndErrorOfTheZmpApart) {
+TEST_F(Walk, SeparatesLagAndErrorOfTheZmp) {
   const auto swinging = [](double time_s) {
     GaitInstant instant;
     instant.support = hal::Side::kRight;
@@ -133,7 +133,7 @@ TEST_F(Walk, TellsLagAndErrorOfTheZmpApart) {
   }
 }
 
-TEST_F(Walk, TakesTheRollOfTheTrunk) {
+TEST_F(Walk, ReportsTheRollOfTheTrunk) {
   for (int i = 0; i < 100; ++i) {
     truth_.rpy_rad.x() = i % 2 == 0 ? 0.03 : -0.03;
     observer_.observe_tick(truth_, said_);
@@ -142,7 +142,7 @@ TEST_F(Walk, TakesTheRollOfTheTrunk) {
 }
 
 // Steps of 5, 6 and 9 mm; the phase after the last step is not complete.
-TEST_F(Walk, TakesTheLiftOfTheSteps) {
+TEST_F(Walk, ReportsTheLiftOfTheSteps) {
   const auto foot = [&](std::size_t side, double load_N, double height_m) {
     truth_.foot_load_N[side] = load_N;
     truth_.foot_height_m[side] = height_m;
@@ -178,7 +178,7 @@ TEST_F(Walk, ByCommandNeedsNoPlan) {
   EXPECT_TRUE(std::isnan(summary->zmp_rms_error_m));
 }
 
-TEST_F(Walk, TakesTheFifthPercentileOfTheMargin) {
+TEST_F(Walk, ReportsTheFifthPercentileOfTheMargin) {
   for (int i = 0; i <= 100; ++i) {
     truth_.zmp_margin_m = 0.001 * (100 - i);
     tick(0.0, 0.0, 0.0);

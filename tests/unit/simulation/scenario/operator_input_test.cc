@@ -27,7 +27,7 @@ class OperatorInput : public testing::Test {
   }
 };
 
-TEST_F(OperatorInput, CommandsInTheWordsOfAScenario) {
+TEST_F(OperatorInput, AcceptsTheKeysOfAScenario) {
   for (int i = 0; i < 20; ++i) simulation_.advance();
   command(simulation_, "play: squat");
   command(simulation_, R"({"walk": {"forward_m_per_s": 0.2}})");
@@ -39,7 +39,7 @@ TEST_F(OperatorInput, CommandsInTheWordsOfAScenario) {
   EXPECT_EQ(commands[1].at_us, 20'000u);
 }
 
-TEST_F(OperatorInput, RefusesWhatAScenarioMayNotContain) {
+TEST_F(OperatorInput, RejectsWhatAScenarioMayNotContain) {
   EXPECT_EQ(error_of([&] { command(simulation_, "wlk: {}"); }),
             "commands:1: found the unknown command wlk, expected enable, play, walk, stop, get_up, "
             "emergency_stop or "

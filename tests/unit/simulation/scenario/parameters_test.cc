@@ -28,7 +28,7 @@ std::string refusal(const std::string& name, double value) {
   return "";
 }
 
-TEST(Parameters, BecomeWhatTheControllerHolds) {
+TEST(Parameters, AreConvertedToObjectsOfTheController) {
   const sim::SdoWrite write = resolve("knee_gain_s", 0.05);
   EXPECT_EQ(write.address, (canopen::ObjectAddress{0x2101, 4}));
   EXPECT_EQ(write.size_bytes, 2);
@@ -57,7 +57,7 @@ TEST(Parameters, CarryTheirUnitInTheKey) {
   EXPECT_THAT(refusal("com_hieght_mm", 167.5), HasSubstr("expected com_height_mm, the nearest of "));
 }
 
-TEST(Parameters, AreToldByTheirNewNameWhereAFileHasTheOld) {
+TEST(Parameters, AreRejectedByTheirOldNameWithTheNewOne) {
   EXPECT_EQ(
       refusal("zmp_ahead_mm", 7),
       "walk.yaml:12: found parameter zmp_ahead_mm, which has another name now, expected zmp_forward_mm");
@@ -69,13 +69,13 @@ TEST(Parameters, AreToldByTheirNewNameWhereAFileHasTheOld) {
     EXPECT_THAT(refusal(old_name, 1), HasSubstr("which has another name now")) << old_name;
 }
 
-TEST(Parameters, AreRefusedByAnUnknownName) {
+TEST(Parameters, AreRejectedWithAnUnknownName) {
   const std::string message = refusal("elbow_gain", 0.1);
   EXPECT_THAT(message, HasSubstr("walk.yaml:12: found the unknown parameter elbow_gain"));
   EXPECT_THAT(message, HasSubstr("ankle_pitch_gain_s"));  // the message lists the available names
 }
 
-TEST(Parameters, AreRefusedBeyondTheRangeOfTheControllersDictionary) {
+TEST(Parameters, AreRejectedOutOfTheDictionarysRange) {
   EXPECT_THAT(refusal("knee_gain_s", 1.01),
               HasSubstr("walk.yaml:12: found knee_gain_s = 1.01, expected -1 to 1 s"));
   EXPECT_NE(refusal("highest_supply_mV", 70000.0), "");
@@ -83,7 +83,7 @@ TEST(Parameters, AreRefusedBeyondTheRangeOfTheControllersDictionary) {
   EXPECT_NE(refusal("ramp_rate_deg_per_s", 0.0), "");
 }
 
-TEST(ControllerValues, AreNeutralThenTheRobotsThenTheScenarios) {
+TEST(ControllerValues, AreOverriddenByTheRobotThenByTheScenario) {
   sim::Scenario scenario;
   EXPECT_EQ(controller_values(scenario).velocity_limits.highest(), walk::Velocity{});
   EXPECT_EQ(controller_values(scenario).walk, walk::WalkParameters{});

@@ -45,7 +45,7 @@ class RobotParameters : public ::testing::Test {
   const sim::RobotParameters parameters_ = sim::read_robot_parameters(kRobot);
 };
 
-TEST_F(RobotParameters, OfKoboshiAreAllThatTheFirmwareNeedsToBeTheDefaultRobot) {
+TEST_F(RobotParameters, OfKoboshiConfigureTheDefaultRobotCompletely) {
   app::ControllerValues values;
   const auto image = compile_robot_parameters(parameters_, model_.model);
   ASSERT_EQ(
@@ -72,20 +72,20 @@ TEST_F(RobotParameters, OfKoboshiAreAllThatTheFirmwareNeedsToBeTheDefaultRobot) 
   EXPECT_EQ(values.recovery.getting_up.slower, 20);
 }
 
-TEST_F(RobotParameters, AreTheSameBytesEachTimeAndNoneWithoutAFile) {
+TEST_F(RobotParameters, AreReproducibleAndEmptyWithoutAFile) {
   EXPECT_EQ(compile_robot_parameters(parameters_, model_.model),
             compile_robot_parameters(sim::read_robot_parameters(kRobot), model_.model));
   EXPECT_TRUE(compile_robot_parameters({}, model_.model).empty());
 }
 
-TEST_F(RobotParameters, BeyondTheirRangeAreRefusedWithTheirLine) {
+TEST_F(RobotParameters, OutOfRangeAreRejectedWithTheirLine) {
   EXPECT_EQ(refusal("step_time_ms", 700),
             "parameters.yaml:99: found step_time_ms = 700, expected 100 to 600 ms");
   EXPECT_THAT(refusal("step_tyme_ms", 220), StartsWith("parameters.yaml:99: found the unknown parameter"));
   EXPECT_THAT(refusal("nmt_startup", 1), StartsWith("parameters.yaml:99: found nmt_startup, expected"));
 }
 
-TEST_F(RobotParameters, HaveAWholeGaitOrNone) {
+TEST_F(RobotParameters, HaveACompleteGaitOrNone) {
   EXPECT_THAT(refusal("com_height_mm", {}),
               AllOf(HasSubstr("parameters.yaml: found no com_height_mm"), HasSubstr("the whole of a gait")));
   EXPECT_THAT(refusal("step_time_ms", {}), HasSubstr("found no step_time_ms"));
@@ -96,7 +96,7 @@ TEST_F(RobotParameters, HaveAWholeGaitOrNone) {
   EXPECT_NO_THROW(check_robot_parameters(none, model_.model));
 }
 
-TEST_F(RobotParameters, AskForAPostureThatTheLegsReach) {
+TEST_F(RobotParameters, DescribeAReachablePosture) {
   EXPECT_THAT(
       refusal("com_height_mm", 400),
       AllOf(StartsWith("parameters.yaml:99: found com_height_mm = 400"), HasSubstr("which the legs reach")));
@@ -116,7 +116,7 @@ TEST_F(RobotParameters, KeepTheSolesApart) {
 }
 
 // A foot that extends 62 mm in front of the ankle, with the centre of mass at 167.5 mm: 20.3 degrees.
-TEST_F(RobotParameters, CountNoLeanOverTheFeetAsAFall) {
+TEST_F(RobotParameters, DoNotCountALeanOverTheFeetAsAFall) {
   EXPECT_EQ(
       refusal("fall_to_the_front_deg", 15),
       "parameters.yaml:99: found fall_to_the_front_deg = 15, expected 20.3 to 60 deg: from the edge of the "
@@ -125,7 +125,7 @@ TEST_F(RobotParameters, CountNoLeanOverTheFeetAsAFall) {
   EXPECT_THAT(refusal("fall_to_the_side_deg", 70), HasSubstr("to 60 deg"));
 }
 
-TEST_F(RobotParameters, FitTheWeightAndTheBattery) {
+TEST_F(RobotParameters, MatchTheWeightAndTheBattery) {
   EXPECT_THAT(refusal("touchdown_load_N", 30), HasSubstr("N, the weight of the robot"));
   EXPECT_THAT(refusal("lowest_supply_mV", 9500), HasSubstr("at most 9000 mV"));
   EXPECT_THAT(refusal("low_supply_mV", 5000), HasSubstr("at least 6000 mV"));

@@ -52,7 +52,7 @@ TEST_F(StorageContents, AnItemThatDoesNotFitIntoStorageIsNotFound) {
   EXPECT_FALSE(catalogue.find(ItemKind::kMotion, 0).empty());
 }
 
-TEST(ErasedStorage, HasNothing) {
+TEST(ErasedStorage, IsEmpty) {
   const Bytes erased(4096, std::byte{0xFF});
   EXPECT_TRUE(Catalogue(erased).find(ItemKind::kRobotModel, 0).empty());
   EXPECT_TRUE(Catalogue({}).find(ItemKind::kRobotModel, 0).empty());

@@ -11,7 +11,7 @@ namespace {
 
 std::string words(const char* text) { return describe(parse_frame(text)); }
 
-TEST(Describe, TellsTheServicesOfTheNetwork) {
+TEST(Describe, DescribesNetworkServices) {
   EXPECT_EQ(words("000#0100"), "NMT all nodes: start");
   EXPECT_EQ(words("000#8110"), "NMT node 16: reset node");
   EXPECT_EQ(words("080#"), "SYNC");
@@ -24,7 +24,7 @@ TEST(Describe, TellsTheServicesOfTheNetwork) {
   EXPECT_EQ(words("190#0102"), "");
 }
 
-TEST(Describe, TellsWhatSdosCarry) {
+TEST(Describe, DescribesSdoTransfers) {
   EXPECT_EQ(words("601#4018100100000000"), "SDO node 1: read 1018:01");
   EXPECT_EQ(words("581#4318100192010200"), "SDO node 1: read answered 1018:01 = 0x00020192");
   EXPECT_EQ(words("610#2F60600008000000"), "SDO node 16: write 6060:00 = 0x08");
@@ -34,7 +34,7 @@ TEST(Describe, TellsWhatSdosCarry) {
             "SDO node 1: abort 2000:00: 06010002 attempt to write a read-only object");
 }
 
-TEST(Describe, TellsTheDrivesSecondSdoChannels) {
+TEST(Describe, DescribesTheDrivesSecondSdoChannels) {
   EXPECT_EQ(words("690#4041600000000000"), "second SDO node 16: read 6041:00");
   EXPECT_EQ(words("6A4#4B41600040020000"), "second SDO node 16: read answered 6041:00 = 0x0240");
   EXPECT_EQ(words("6A3#4041600000000000"), "second SDO node 35: read 6041:00");
@@ -45,7 +45,7 @@ TEST(Describe, TellsTheDrivesSecondSdoChannels) {
   }
 }
 
-TEST(Describe, SurvivesAnything) {
+TEST(Describe, SurvivesAnyFrame) {
   std::mt19937 random(1);  // the seed
   for (int i = 0; i < 100'000; ++i) {
     hal::CanFrame frame{.identifier = static_cast<std::uint16_t>(random() & 0x7FF),

@@ -24,7 +24,7 @@ TEST(FrameText, IsReadAndWrittenAsCansendDoes) {
 }
 
 // As the help promises: the identifier of the controller's first RPDO, and all that this holds.
-TEST(FrameText, HasASampleThatTheControllerObeys) {
+TEST(FrameText, SampleMatchesTheCommandPdoOfTheController) {
   const hal::CanFrame sample = parse_frame(kSampleFrame);
   const canopen::PdoConfiguration& commands = app::kControllerNode.rpdos[app::kCommandRpdo];
   EXPECT_EQ(sample.identifier, commands.cob_id + drive::kControllerNodeId);
@@ -40,7 +40,7 @@ TEST(FrameText, HasASampleThatTheControllerObeys) {
   }
 }
 
-TEST(FrameText, RefusesWhatIsNoFrame) {
+TEST(FrameText, RejectsMalformedFrames) {
   for (const char* bad : {"", "201", "#01", "800#01", "0201#01", "201#0", "201#0G", "201#010203040506070809",
                           "201#R9", "201##01", "2x1#01", "-01#01"}) {
     EXPECT_THROW(parse_frame(bad), std::invalid_argument) << bad;

@@ -77,13 +77,13 @@ TEST_F(SdoTransferTest, WritesNumbers) {
   EXPECT_EQ(cable.device.values.gains[1], 0x04030201u);
 }
 
-TEST_F(SdoTransferTest, TellsWhyItWasRefused) {
+TEST_F(SdoTransferTest, ReportsTheAbortReason) {
   EXPECT_EQ(code_of([&] { transfer.read({0x5000, 0}); }), AbortCode::kObjectDoesNotExist);
   EXPECT_EQ(code_of([&] { transfer.write({0x6041, 0}, pattern(2)); }), AbortCode::kWriteOfReadOnly);
   EXPECT_EQ(code_of([&] { transfer.upload({0x2001, 0}); }), AbortCode::kReadOfWriteOnly);
 }
 
-TEST_F(SdoTransferTest, MovesBytesBySegmentsAndByBlocks) {
+TEST_F(SdoTransferTest, TransfersBytesBySegmentsAndBlocks) {
   auto& domain = cable.device.bytes;
   for (const std::size_t size : {1u, 6u, 7u, 8u, 100u, 889u, 890u, 5'000u}) {
     transfer.download({0x2100, 1}, pattern(size));
@@ -96,14 +96,14 @@ TEST_F(SdoTransferTest, MovesBytesBySegmentsAndByBlocks) {
   }
 }
 
-TEST_F(SdoTransferTest, RepeatsWhatWasLost) {
+TEST_F(SdoTransferTest, RepeatsLostSegments) {
   auto& domain = cable.device.bytes;
   cable.lost_request = 20;  // a segment of the download's first block
   transfer.download({0x2100, 1}, pattern(3'000));
   EXPECT_EQ(domain.bytes, pattern(3'000));
 }
 
-TEST_F(SdoTransferTest, TellsHowFarItHasCome) {
+TEST_F(SdoTransferTest, ReportsItsProgress) {
   std::vector<std::size_t> done;
   const SdoProgress progress = [&](std::size_t bytes, std::size_t total) {
     EXPECT_EQ(total, 3'000u);
@@ -115,7 +115,7 @@ TEST_F(SdoTransferTest, TellsHowFarItHasCome) {
   EXPECT_TRUE(std::ranges::is_sorted(done));
 }
 
-TEST_F(SdoTransferTest, GivesUpOnSilence) {
+TEST_F(SdoTransferTest, TimesOutOnSilence) {
   SdoTransfer nobody(cable, 6);
   EXPECT_THROW(nobody.read({0x1000, 0}), std::runtime_error);
 }
@@ -136,7 +136,7 @@ class Ear final : public sim::Transport {
 };
 
 // Elsewhere its identifiers are another node's: 0x6A4 answers for drive 16, and would be the request of 36.
-TEST(SecondSdo, IsThatOfDrivesOnly) {
+TEST(SecondSdo, ExistsInDrivesOnly) {
   Ear ear;
   second_sdo(ear, 16).write({0x6060, 0}, std::vector<std::uint8_t>{8});
   EXPECT_EQ(ear.identifiers, std::vector<std::uint16_t>{0x690});

@@ -6,7 +6,7 @@
 namespace koboshi::tools {
 namespace {
 
-TEST(Statistics, MeasurePeriodsAndTheWayFromSync) {
+TEST(Statistics, MeasurePeriodsAndTheDelayAfterSync) {
   BusStatistics statistics;
   for (std::uint64_t cycle = 0; cycle < 100; ++cycle) {
     const std::uint64_t sync_us = 10'000 * cycle + (cycle % 2) * 20;
@@ -32,7 +32,7 @@ TEST(Statistics, MeasureTheLoadOfABusOfOneMegabit) {
   EXPECT_LT(statistics.load(), 0.57);
 }
 
-TEST(Statistics, OfNothingAreATable) {
+TEST(Statistics, PrintATableWithoutFrames) {
   EXPECT_THAT(statistics_table({}), testing::HasSubstr("0 frames"));
   BusStatistics one;
   one.add({{.identifier = 0x701}, 5});

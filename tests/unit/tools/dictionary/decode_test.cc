@@ -19,7 +19,7 @@ std::vector<Reading> decoded(std::uint16_t identifier, std::initializer_list<uns
   return decode(default_network(), frame);
 }
 
-TEST(Decode, ScalesAndNamesWhatADriveAnswers) {
+TEST(Decode, ScalesAndNamesTheValuesOfADrive) {
   const auto readings = decoded(0x190, {0x37, 0x12, 0x00, 0x00, 0xFC, 0xFF, 0x85, 0xFF});
   ASSERT_THAT(readings, SizeIs(3));
   EXPECT_EQ(readings[0].signal->name, "statusword");
@@ -42,7 +42,7 @@ TEST(Decode, NamesTheStatesOfTheController) {
   EXPECT_EQ(readings[6].name, "IMU implausible");
 }
 
-TEST(Decode, ReadsWhatNoPdoCarries) {
+TEST(Decode, DecodesMessagesThatAreNoPdos) {
   EXPECT_EQ(decoded(0x000, {129, 0})[0].name, "reset node");
   EXPECT_EQ(decoded(0x710, {127})[0].name, "pre-operational");
   EXPECT_EQ(decoded(0x081, {0x00, 0xFF, 0x81, 6, 17, 8, 2, 0})[3].name, "drive fault");
@@ -51,7 +51,7 @@ TEST(Decode, ReadsWhatNoPdoCarries) {
   EXPECT_THAT(decoded(0x080, {}), IsEmpty());
 }
 
-TEST(Decode, GivesCountsTheWorthThatTheRobotsFileSays) {
+TEST(Decode, ScalesCountsByTheRobotsFile) {
   const sim::RobotDescription robot = default_robot();
   EXPECT_DOUBLE_EQ(decoded(0x1A5, {0, 0, 0, 0, 100, 0, 7, 0})[2].value,
                    100 * robot.left_ankle->force.resolution);
@@ -59,12 +59,12 @@ TEST(Decode, GivesCountsTheWorthThatTheRobotsFileSays) {
               1000 * robot.imu->gyro.resolution * 57.29577951, 1e-6);
 }
 
-TEST(Decode, LeavesOutWhatAShortFrameDoesNotHold) {
+TEST(Decode, OmitsValuesThatAShortFrameLacks) {
   EXPECT_THAT(decoded(0x190, {0x37, 0x12, 0x00}), SizeIs(1));
   EXPECT_THAT(decoded(0x190, {}), IsEmpty());
 }
 
-TEST(Decode, KnowsNothingOfOtherFrames) {
+TEST(Decode, IgnoresOtherFrames) {
   EXPECT_THAT(decoded(0x7FF, {1, 2}), IsEmpty());
   EXPECT_THAT(decode(default_network(), {.identifier = 0x190, .size = 8, .remote = true}), IsEmpty());
 }

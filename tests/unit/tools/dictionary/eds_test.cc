@@ -25,7 +25,7 @@ TEST(Eds, DescribesAValueWithItsLimits) {
                                                      "PDOMapping=0\n"));
 }
 
-TEST(Eds, RefersToTheNodesId) {
+TEST(Eds, RefersToTheNodeId) {
   const std::string eds = eds_text(drive_kind());
   EXPECT_THAT(eds,
               HasSubstr("\n[1800sub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\n"
@@ -43,12 +43,12 @@ TEST(Eds, SortsObjectsIntoTheirSections) {
   EXPECT_LT(eds.find("[ManufacturerObjects]"), eds.find("[2000]"));
 }
 
-TEST(Eds, TellsWhatAnRpdoMayWrite) {
+TEST(Eds, StatesWhatAnRpdoMayWrite) {
   EXPECT_THAT(eds_text(drive_kind()), HasSubstr("\n[6040]\nParameterName=Controlword\nObjectType=0x7\n"
                                                 "DataType=0x0006\nAccessType=rww\nPDOMapping=1\n"));
 }
 
-TEST(Eds, LeavesOutADefaultThatThereIsNot) {
+TEST(Eds, OmitsAMissingDefault) {
   for (const NodeKind& kind : documented_kinds({})) {
     EXPECT_THAT(eds_text(kind), Not(HasSubstr("DefaultValue=\n"))) << kind.name;
   }

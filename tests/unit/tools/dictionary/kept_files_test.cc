@@ -7,8 +7,8 @@
 
 #include "sim_board/robot/load.h"
 #include "sim_board/scenario/reader.h"
-#include "tools/dictionary/files.h"
 #include "simulation/scenario/parameters.h"
+#include "tools/dictionary/files.h"
 
 namespace koboshi::tools {
 namespace {
@@ -20,10 +20,10 @@ std::string contents(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-TEST(DictionaryFiles, InTheRepositoryAreThoseOfTheTables) {
+TEST(DictionaryFiles, InTheRepositoryMatchTheTables) {
   const auto robot = kRoot / "robots/koboshi/robot.sdf";
-  const auto files =
-      dictionary_files(sim::load_robot(robot), simulation::controller_values(sim::read_robot_parameters(robot)));
+  const auto files = dictionary_files(sim::load_robot(robot),
+                                      simulation::controller_values(sim::read_robot_parameters(robot)));
   EXPECT_EQ(files.size(), 8u);
   for (const GeneratedFile& file : files) {
     EXPECT_TRUE(contents(kRoot / "docs/reference" / file.name) == file.text)

@@ -30,7 +30,7 @@ TEST(Network, HasEveryNodeAndService) {
   EXPECT_EQ(network.find(0x7FF), nullptr);
 }
 
-TEST(Network, FitsWhatADbcCanSay) {
+TEST(Network, CanBeExpressedAsADbc) {
   std::set<std::string> names;
   for (const Message& message : default_network().messages) {
     EXPECT_LE(message.name.size(), 32u) << message.name;
@@ -77,7 +77,7 @@ TEST(ConfiguredDrive, AgreesWithTheControllersOwnPdos) {
 
 // Whoever watches drives that no controller has configured reads them by the same DBC: what they send is what
 // it says, and of what they take they know the beginning.
-TEST(ConfiguredDrive, SpeaksAsItDoesBeforeItsConfiguration) {
+TEST(ConfiguredDrive, SendsItsDefaultPdosBeforeItsConfiguration) {
   const sim::RobotDescription robot = default_robot();
   const sim::DriveDescription& drive = robot.joints[0].drive;
   const ConfiguredDrive configured =
@@ -89,7 +89,7 @@ TEST(ConfiguredDrive, SpeaksAsItDoesBeforeItsConfiguration) {
   EXPECT_EQ(before.rpdos[0].mapping[0], configured.rpdos[0].mapping[0]);
 }
 
-TEST(ConfiguredDrive, TellsWhatTheFirmwareWrites) {
+TEST(ConfiguredDrive, ListsWhatTheFirmwareWrites) {
   const sim::RobotDescription robot = default_robot();
   const ConfiguredDrive configured =
       configure_drive(simulation::load_named_model(robot).model.joints[0], robot.joints[0].drive);
@@ -107,13 +107,13 @@ TEST(ConfiguredDrive, TellsWhatTheFirmwareWrites) {
   EXPECT_GT(written(0x607D, 2), 0);
 }
 
-TEST(ConfiguredDrive, IsAnErrorWhereTheDriveIsAnother) {
+TEST(ConfiguredDrive, IsAnErrorForAnotherDrive) {
   const sim::RobotDescription robot = default_robot();
   const simulation::NamedModel model = simulation::load_named_model(robot);
   EXPECT_THROW(configure_drive(model.model.joints[0], robot.joints[1].drive), std::logic_error);
 }
 
-TEST(Network, RefusesTwoNodesWithOneIdentifier) {
+TEST(Network, RejectsDuplicateIdentifiers) {
   sim::RobotDescription robot = default_robot();
   robot.joints[0].drive.node_id = 36;
   EXPECT_THROW(make_network(robot), sim::InputError);

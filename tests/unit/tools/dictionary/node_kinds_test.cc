@@ -153,7 +153,7 @@ TEST(Sensor, HasNoObjectsOfTheOtherKind) {
   EXPECT_EQ(ankle_kind().find({0x1018, 2})->default_value, "0x00004B03");
 }
 
-TEST(NodeKind, HasNoDefaultsOfProcessValues) {
+TEST(NodeKind, HasNoDefaultsForProcessValues) {
   for (const NodeKind& kind : documented_kinds({})) {
     for (const Object& object : kind.objects) {
       for (const ObjectItem& item : object.items) {
@@ -173,7 +173,7 @@ TEST(NodeKind, NamesItsObjects) {
   EXPECT_EQ(kind.find({0x2300, 0})->default_value, "24");
 }
 
-TEST(NodeKind, IsAnArrayWhereAllIsOfOneRow) {
+TEST(NodeKind, IsAnArrayIfAllSubindicesShareOneRow) {
   const std::map<std::uint16_t, ObjectType> expected{
       {0x607D, ObjectType::kArray}, {0x60C2, ObjectType::kRecord}, {0x6040, ObjectType::kVariable}};
   for (const Object& object : drive_kind().objects) {

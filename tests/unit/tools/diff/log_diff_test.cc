@@ -40,13 +40,13 @@ TEST_F(LogDiff, ShowsTheFramesAroundTheFirstDifference) {
   EXPECT_EQ(difference->a[1], difference->b[1]);
 }
 
-TEST_F(LogDiff, TakesAShiftInTimeForADifference) {
+TEST_F(LogDiff, CountsAShiftInTimeAsADifference) {
   const auto difference = compare("(0.000005) vcan0 080#\n", "(0.000006) vcan0 080#\n");
   ASSERT_TRUE(difference);
   EXPECT_EQ(difference->time_us(), 5u);
 }
 
-TEST_F(LogDiff, TellsThatALogEnds) {
+TEST_F(LogDiff, ReportsThatALogEnds) {
   const auto difference = compare(log_of(3), log_of(5));
   ASSERT_TRUE(difference);
   EXPECT_EQ(difference->line, 4u);
@@ -55,7 +55,7 @@ TEST_F(LogDiff, TellsThatALogEnds) {
   EXPECT_EQ(difference->time_us(), 1003u);
 }
 
-TEST_F(LogDiff, RefusesWhatIsNoLog) {
+TEST_F(LogDiff, RejectsAFileThatIsNoLog) {
   EXPECT_THROW(static_cast<void>(compare(log_of(1), "nonsense\n")), sim::InputError);
 }
 

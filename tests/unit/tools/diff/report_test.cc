@@ -21,7 +21,7 @@ class Report : public RunFiles {
   }
 };
 
-TEST_F(Report, SaysThatRunsAreTheSame) {
+TEST_F(Report, ReportsIdenticalRuns) {
   const RunComparison comparison = compare_runs(a(), b());
   EXPECT_TRUE(comparison.same);
   EXPECT_THAT(comparison.report, HasSubstr("the same"));
@@ -48,7 +48,7 @@ TEST_F(Report, ShowsTheBusEvenWhereOnlyTheTraceDiffers) {
   EXPECT_THAT(comparison.report, Not(HasSubstr("201#02")));  // after that tick
 }
 
-TEST_F(Report, RefusesAFolderWithoutARun) {
+TEST_F(Report, RejectsAFolderWithoutARun) {
   EXPECT_THROW(static_cast<void>(compare_runs(a(), b() / "none")), sim::InputError);
 }
 

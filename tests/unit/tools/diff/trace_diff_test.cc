@@ -35,7 +35,7 @@ TEST_F(TraceDiff, NamesTickAndVariablesOfTheFirstDifference) {
                                              CellDifference{"knee_rad", "0.25", "0.250000000000001"}));
 }
 
-TEST_F(TraceDiff, TellsWhichTraceEndsFirst) {
+TEST_F(TraceDiff, ReportsWhichTraceEndsFirst) {
   const auto difference = compare(kTrace, kTrace + "0.02,2,0\n");
   ASSERT_TRUE(difference);
   EXPECT_EQ(difference->ended, 'A');
@@ -51,7 +51,7 @@ TEST_F(TraceDiff, ComparesHeaders) {
                                              CellDifference{"column 4", "", "x"}));
 }
 
-TEST_F(TraceDiff, RefusesWhatIsNoTrace) {
+TEST_F(TraceDiff, RejectsAFileThatIsNoTrace) {
   EXPECT_THROW(static_cast<void>(compare("", kTrace)), sim::InputError);
   try {
     static_cast<void>(compare(kTrace, "time_s,state,knee_rad\n0,1\n"));

@@ -26,7 +26,7 @@ TEST(Interrupt, IsRequestedOnceForEachSignal) {
   EXPECT_FALSE(interrupt.requested());
 }
 
-TEST(Interrupt, IsHeardWhateverThreadTheSystemWouldChoose) {
+TEST(Interrupt, IsReceivedInAnyThread) {
   Interrupt interrupt;
   bool blocked = false;
   std::thread([&blocked] { blocked = is_blocked(SIGINT) && is_blocked(SIGTERM); }).join();
@@ -35,7 +35,7 @@ TEST(Interrupt, IsHeardWhateverThreadTheSystemWouldChoose) {
   EXPECT_TRUE(interrupt.requested());
 }
 
-TEST(Interrupt, LeavesTheSignalsAsTheyWere) {
+TEST(Interrupt, RestoresTheSignalHandlers) {
   ASSERT_FALSE(is_blocked(SIGINT));
   {
     const Interrupt interrupt;

@@ -42,7 +42,7 @@ class LiveLinkTest : public testing::Test {
   sim::NodeHandle other_handle_ = bus_.attach(another_, sim::AcceptanceFilter::all(), 4);
 };
 
-TEST_F(LiveLinkTest, IsNothingUnlessAskedFor) {
+TEST_F(LiveLinkTest, IsOffByDefault) {
   LiveLink link({});
   play(link, 10'000);
   EXPECT_FALSE(link.is_live());
@@ -51,7 +51,7 @@ TEST_F(LiveLinkTest, IsNothingUnlessAskedFor) {
   EXPECT_FALSE(is_interrupted(link));
 }
 
-TEST_F(LiveLinkTest, CountsWhatWentOutside) {
+TEST_F(LiveLinkTest, CountsTransmittedFrames) {
   const sim::ScratchFile log("log", "");
   LiveLink link({.can = "log:" + log.path().string()});
   play(link, 10'000);
@@ -67,7 +67,7 @@ TEST_F(LiveLinkTest, CountsWhatWentOutside) {
                                                      {"frames_received_late", 0}}}}));
 }
 
-TEST_F(LiveLinkTest, GoesByTheClockWhereItIsToldTo) {
+TEST_F(LiveLinkTest, FollowsTheClockOnRequest) {
   LiveLink link({.realtime = true, .speed = kSpeed});
   play(link, 100'000);
   EXPECT_TRUE(link.is_live());
@@ -76,7 +76,7 @@ TEST_F(LiveLinkTest, GoesByTheClockWhereItIsToldTo) {
   EXPECT_TRUE(link.report().contains("largest_delay_us"));
 }
 
-TEST_F(LiveLinkTest, GoesByTheClockWithALiveTransport) {
+TEST_F(LiveLinkTest, FollowsTheClockWithALiveTransport) {
   LiveLink link({.can = "slcan", .speed = kSpeed});
   play(link, 100'000);
   EXPECT_TRUE(link.is_live());
@@ -84,7 +84,7 @@ TEST_F(LiveLinkTest, GoesByTheClockWithALiveTransport) {
   EXPECT_TRUE(link.report().contains("overruns"));
 }
 
-TEST_F(LiveLinkTest, EndsByASignalWithoutTheClockAsWell) {
+TEST_F(LiveLinkTest, EndsOnASignalWithoutTheClock) {
   LiveLink link({});
   EXPECT_FALSE(is_interrupted(link));
   raise(SIGTERM);
@@ -120,7 +120,7 @@ class OverloadedLink : public LiveLinkTest {
   std::optional<LiveLink> link_;
 };
 
-TEST_F(OverloadedLink, WarnsWhenItBeginsToFallBehindAndCountsWhatIsLate) {
+TEST_F(OverloadedLink, WarnsWhenItFallsBehindAndCountsLateFrames) {
   play(100, std::chrono::microseconds(500));
   EXPECT_TRUE(warnings_.empty());
   EXPECT_EQ(link_->report()["can"]["frames_sent_late"], 0);
@@ -138,7 +138,7 @@ TEST_F(OverloadedLink, WarnsWhenItBeginsToFallBehindAndCountsWhatIsLate) {
   EXPECT_EQ(warnings_.size(), 2u) << "and once more when it begins anew";
 }
 
-TEST_F(OverloadedLink, WarnsOfFramesThatAreLost) {
+TEST_F(OverloadedLink, WarnsOfLostFrames) {
   play(100, std::chrono::microseconds(500));
   outside_->full = true;
   outside_->lost_by_system = 3;
@@ -152,7 +152,7 @@ TEST_F(OverloadedLink, WarnsOfFramesThatAreLost) {
 }
 
 // Ten frames of 111 bits and more in each millisecond: the bus takes nine at most. None is lost.
-TEST_F(OverloadedLink, WarnsOfFramesThatAreMoreThanTheBusCarries) {
+TEST_F(OverloadedLink, WarnsOfMoreFramesThanTheBusCarries) {
   for (int i = 0; i < 500; ++i) {
     outside_->said.insert(outside_->said.end(), 9, {.identifier = 0x321, .size = 8});
     play(1, std::chrono::microseconds(500));
@@ -164,7 +164,7 @@ TEST_F(OverloadedLink, WarnsOfFramesThatAreMoreThanTheBusCarries) {
   EXPECT_EQ(report["can"]["frames_refused"], 0);
 }
 
-TEST_F(LiveLinkTest, EndsByCtrlC) {
+TEST_F(LiveLinkTest, EndsOnCtrlC) {
   LiveLink link({.realtime = true, .speed = kSpeed});
   EXPECT_FALSE(is_interrupted(link));
   raise(SIGINT);
@@ -176,7 +176,7 @@ TEST_F(LiveLinkTest, RefusesASpeedWithoutAClock) {
   EXPECT_THROW(LiveLink({.can = "none", .speed = 0.5}), std::invalid_argument);
 }
 
-TEST_F(LiveLinkTest, RefusesATransportThatItDoesNotKnow) {
+TEST_F(LiveLinkTest, RejectsAnUnknownTransport) {
   EXPECT_THROW(LiveLink({.can = "pigeon:1"}), std::invalid_argument);
 }
 

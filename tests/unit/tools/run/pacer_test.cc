@@ -18,7 +18,7 @@ class PacerTest : public testing::Test {
   WallClock::Time wall_ = start_;
 };
 
-TEST_F(PacerTest, HoldsTimeBackToTheWall) {
+TEST_F(PacerTest, WaitsForTheWallClock) {
   Pacer pacer = make(5'000, 1.0);
   pacer.wait_for(5'000);
   EXPECT_EQ(wall_, start_);
@@ -28,7 +28,7 @@ TEST_F(PacerTest, HoldsTimeBackToTheWall) {
   EXPECT_EQ(pacer.largest_delay_us(), 0u);
 }
 
-TEST_F(PacerTest, GoesAtItsSpeed) {
+TEST_F(PacerTest, RunsAtItsSpeed) {
   Pacer fast = make(0, 10.0);
   fast.wait_for(50'000);
   EXPECT_EQ(wall_, start_ + milliseconds(5));
@@ -37,7 +37,7 @@ TEST_F(PacerTest, GoesAtItsSpeed) {
   EXPECT_EQ(wall_, start_ + milliseconds(105));
 }
 
-TEST_F(PacerTest, CountsWhatIsLaterThanItsTolerance) {
+TEST_F(PacerTest, CountsDelaysBeyondItsTolerance) {
   Pacer pacer = make(0, 1.0);
   wall_ = start_ + std::chrono::microseconds(1'000 + Pacer::kTolerance_us);
   pacer.wait_for(1'000);
@@ -49,7 +49,7 @@ TEST_F(PacerTest, CountsWhatIsLaterThanItsTolerance) {
   EXPECT_EQ(pacer.largest_delay_us(), Pacer::kTolerance_us + 1);
 }
 
-TEST_F(PacerTest, TellsHowFarBehindItIs) {
+TEST_F(PacerTest, ReportsItsLag) {
   Pacer pacer = make(0, 1.0);
   wall_ = start_ + milliseconds(30);
   pacer.wait_for(10'000);
@@ -58,7 +58,7 @@ TEST_F(PacerTest, TellsHowFarBehindItIs) {
   EXPECT_EQ(pacer.delay_us(), 0u);
 }
 
-TEST_F(PacerTest, MakesUpForLostTime) {
+TEST_F(PacerTest, CatchesUpAfterADelay) {
   Pacer pacer = make(0, 1.0);
   wall_ = start_ + milliseconds(10);
   for (std::uint64_t now_us = 1'000; now_us <= 10'000; now_us += 1'000) pacer.wait_for(now_us);

@@ -60,7 +60,7 @@ TEST(WalkFigures, HaveTheCycleOfTheParameters) {
 }
 
 // The feet bear 10 N, then next to nothing, then 10 N again.
-TEST(WalkFigures, LeaveOutAZmpThatBearsNextToNothing) {
+TEST(WalkFigures, OmitTheZmpOfAnUnloadedFoot) {
   Columns trace{{"time_s", {0.0, 1.0, 2.0}}};
   const auto add = [&](const std::string& name, double value) {
     trace.push_back({name, std::vector<double>(3, value)});
@@ -88,7 +88,7 @@ TEST(WalkFigures, LeaveOutAZmpThatBearsNextToNothing) {
   EXPECT_NEAR(figure.curves[0].points[0].y, 40.0, 1e-9);
 }
 
-TEST(ShownTrace, HasTheColumnsOfTheFiguresInMemory) {
+TEST(ShownTrace, KeepsTheColumnsOfTheFigures) {
   using enum sim::TraceKind;
   ShownTrace trace({{"state", "", kInteger}, {"imu_roll", "rad"}, {"left_knee_torque", "permille"}});
   trace.add(10'000, std::vector<sim::TraceValue>{3, 0.25, 7.0});

@@ -10,7 +10,7 @@
 namespace koboshi::tools {
 namespace {
 
-TEST(Distribution, FindsWhatNinetyNineOfAHundredDoNotExceed) {
+TEST(Distribution, FindsThe99thPercentile) {
   std::vector<std::uint64_t> values(200);
   std::iota(values.rbegin(), values.rend(), std::uint64_t{1});
   const Distribution found = distribution(values);
@@ -26,11 +26,11 @@ TEST(Distribution, OfOneValueIsThatValue) {
   EXPECT_DOUBLE_EQ(found.mean, 7.0);
 }
 
-TEST(Distribution, OfNothingIsRefused) {
+TEST(Distribution, RejectsAnEmptySample) {
   EXPECT_THROW(static_cast<void>(distribution({})), std::invalid_argument);
 }
 
-TEST(TargetReport, NeedsTheImagesDescription) {
+TEST(TargetReport, RequiresTheDescriptionOfTheImage) {
   EXPECT_THROW(static_cast<void>(measure_target({}, "no/such.elf")), sim::InputError);
 }
 

@@ -21,7 +21,7 @@ std::vector<Key> keys_of(std::string_view bytes) {
 
 using Keys = std::vector<Key>;
 
-TEST(KeyDecoder, KnowsEveryLetter) {
+TEST(KeyDecoder, DecodesEveryLetter) {
   EXPECT_EQ(keys_of("wsad,."),
             (Keys{Key::kForward, Key::kBackward, Key::kLeft, Key::kRight, Key::kLeft, Key::kRight}));
   EXPECT_EQ(keys_of("g\n\r "), (Keys{Key::kGo, Key::kGo, Key::kGo, Key::kStop}));
@@ -29,7 +29,7 @@ TEST(KeyDecoder, KnowsEveryLetter) {
   EXPECT_EQ(keys_of("nerqx"), (Keys{Key::kEnable, Key::kEmergencyStop, Key::kReset, Key::kEnd, Key::kEnd}));
 }
 
-TEST(KeyDecoder, KnowsTheArrowsInBothModes) {
+TEST(KeyDecoder, DecodesTheArrowsInBothModes) {
   const Keys arrows{Key::kForward, Key::kBackward, Key::kTurnRight, Key::kTurnLeft};
   EXPECT_EQ(keys_of("\x1B[A\x1B[B\x1B[C\x1B[D"), arrows);
   EXPECT_EQ(keys_of("\x1BOA\x1BOB\x1BOC\x1BOD"), arrows);
@@ -37,19 +37,19 @@ TEST(KeyDecoder, KnowsTheArrowsInBothModes) {
 
 // Home, delete, F5, and an arrow with control, which is an arrow all the same: none of their bytes is a
 // letter.
-TEST(KeyDecoder, SwallowsOtherSequencesWhole) {
+TEST(KeyDecoder, SkipsOtherSequencesEntirely) {
   EXPECT_EQ(keys_of("\x1B[H\x1B[3~\x1B[15~g"), (Keys{Key::kGo}));
   EXPECT_EQ(keys_of("\x1B[1;5Ag"), (Keys{Key::kForward, Key::kGo}));
 }
 
-TEST(KeyDecoder, TakesALoneEscapeForNothing) {
+TEST(KeyDecoder, IgnoresALoneEscape) {
   EXPECT_EQ(keys_of("\x1B g"), (Keys{Key::kStop, Key::kGo}));
   EXPECT_EQ(keys_of("\x1B\x1B[A"), (Keys{Key::kForward}));
 }
 
-TEST(KeyDecoder, IgnoresWhatMeansNothing) { EXPECT_EQ(keys_of("zZ1\t\x7F\xC3\xA4"), Keys{}); }
+TEST(KeyDecoder, IgnoresUnknownBytes) { EXPECT_EQ(keys_of("zZ1\t\x7F\xC3\xA4"), Keys{}); }
 
-TEST(Key, HasANameOfItsOwn) {
+TEST(Key, HasAUniqueName) {
   std::set<std::string_view> names;
   for (int key = 0; key <= static_cast<int>(Key::kEnd); ++key) {
     const std::string_view name = name_of(static_cast<Key>(key));

@@ -13,7 +13,7 @@ using testing::Not;
 
 constexpr double kQuarterTurn = 0.5 * std::numbers::pi;
 
-TEST(TrailMap, ShowsTheWayAheadUpwardsAndTheLeftAtTheLeft) {
+TEST(TrailMap, ShowsForwardUpAndLeftLeft) {
   TrailMap map;
   for (int i = 0; i <= 10; ++i) map.move_to({0.06 * i, 0.0, 0.0});           // 0.6 m ahead
   for (int i = 0; i <= 10; ++i) map.move_to({0.6, 0.05 * i, kQuarterTurn});  // 0.5 m to the left
@@ -45,7 +45,7 @@ TEST(TrailMap, ShowsTheHeading) {
   EXPECT_EQ(letter(-3.0), 'v');
 }
 
-TEST(TrailMap, KeepsItsSizeHoweverFarTheRobotGoes) {
+TEST(TrailMap, KeepsItsSizeForAnyDistance) {
   TrailMap map;
   for (int i = 0; i < 5000; ++i) map.move_to({0.1 * i, 0.05 * i, 0.0});
   const auto lines = map.lines(false);
@@ -54,7 +54,7 @@ TEST(TrailMap, KeepsItsSizeHoweverFarTheRobotGoes) {
   EXPECT_THAT(lines, Each(Not(testing::HasSubstr("o")))) << "the start is out of sight";
 }
 
-TEST(PutBeside, CutsOffWhatStandsThere) {
+TEST(PutBeside, TruncatesTheExistingText) {
   std::vector<std::string> lines{"title", "short", "a line that is too long", "end"};
   put_beside(lines, 1, 8, {"|1|", "|2|", "|3|", "|4|"});
   EXPECT_EQ(lines, (std::vector<std::string>{"title", "short   |1|", "a line t|2|", "end     |3|"}));

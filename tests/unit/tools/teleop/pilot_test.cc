@@ -28,7 +28,7 @@ class PilotTest : public testing::Test {
   Pilot pilot_{kLimits};
 };
 
-TEST_F(PilotTest, GoesInPlaceAndStops) {
+TEST_F(PilotTest, WalksInPlaceAndStops) {
   EXPECT_EQ(command(Key::kGo, State::kStanding).kind, Kind::kWalk);
   EXPECT_EQ(command(Key::kGo).velocity, Eigen::Vector3d::Zero());
   EXPECT_EQ(command(Key::kStop).kind, Kind::kStop);
@@ -47,7 +47,7 @@ TEST_F(PilotTest, ChangesTheVelocityStepByStep) {
   EXPECT_EQ(command(Key::kGo).velocity, Eigen::Vector3d(0.02, -0.02, 0.1));
 }
 
-TEST_F(PilotTest, KeepsWithinTheLimits) {
+TEST_F(PilotTest, StaysWithinTheLimits) {
   const auto press_often = [&](Key key) {
     for (int i = 0; i < 100; ++i) command(key);
   };
@@ -57,13 +57,13 @@ TEST_F(PilotTest, KeepsWithinTheLimits) {
   EXPECT_EQ(pilot_.velocity(), kLimits.lowest());
 }
 
-TEST_F(PilotTest, BeginsAnewAfterAStop) {
+TEST_F(PilotTest, StartsAgainAfterAStop) {
   command(Key::kForward);
   command(Key::kStop);
   EXPECT_EQ(command(Key::kGo, State::kStanding).velocity, Eigen::Vector3d::Zero());
 }
 
-TEST_F(PilotTest, TakesNoVelocityOffItsFeet) {
+TEST_F(PilotTest, IgnoresVelocityKeysUnlessStanding) {
   for (const State state : {State::kBoot, State::kLimp, State::kEnabling, State::kSoftStart, State::kMotion,
                             State::kFault, State::kEmergencyStop}) {
     command(Key::kForward);
@@ -72,7 +72,7 @@ TEST_F(PilotTest, TakesNoVelocityOffItsFeet) {
   }
 }
 
-TEST_F(PilotTest, CommandsWhateverTheState) {
+TEST_F(PilotTest, SendsCommandsInAnyState) {
   for (int number = 0; number <= static_cast<int>(State::kWalking); ++number) {
     const auto state = static_cast<State>(number);
     EXPECT_EQ(command(Key::kEmergencyStop, state).kind, Kind::kEmergencyStop);
@@ -83,7 +83,7 @@ TEST_F(PilotTest, CommandsWhateverTheState) {
   }
 }
 
-TEST_F(PilotTest, PushesTowardsTheDirectionThatFollows) {
+TEST_F(PilotTest, PushesInTheDirectionOfTheNextKey) {
   const auto pushed = [&](Key key) {
     EXPECT_TRUE(is_nothing(Key::kPush));
     EXPECT_TRUE(pilot_.aims());
@@ -100,7 +100,7 @@ TEST_F(PilotTest, PushesTowardsTheDirectionThatFollows) {
   EXPECT_EQ(pilot_.velocity(), walk::Velocity{});
 }
 
-TEST_F(PilotTest, ForgetsAPushWhenAnotherKeyComes) {
+TEST_F(PilotTest, CancelsAPushOnAnotherKey) {
   EXPECT_TRUE(is_nothing(Key::kPush));
   command(Key::kStop);
   EXPECT_FALSE(pilot_.aims());
@@ -116,7 +116,7 @@ TEST_F(PilotTest, ChangesTheSizeOfAPush) {
   EXPECT_DOUBLE_EQ(pilot_.push_N_s(), 2.0);
 }
 
-TEST_F(PilotTest, SaysWhatEachKeyDoes) {
+TEST_F(PilotTest, DescribesEachKey) {
   const auto effect = [&](Key key, State state = State::kWalking) {
     static_cast<void>(pilot_.press(key, state));
     return pilot_.effect();

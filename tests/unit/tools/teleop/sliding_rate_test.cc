@@ -5,7 +5,7 @@
 namespace koboshi::tools {
 namespace {
 
-TEST(SlidingRate, IsZeroBeforeTimePasses) {
+TEST(SlidingRate, IsZeroInitially) {
   SlidingRate<1> rate(1.0);
   EXPECT_EQ(rate.per_s()[0], 0.0);
   rate.add(3.0, {7.0});
@@ -14,7 +14,7 @@ TEST(SlidingRate, IsZeroBeforeTimePasses) {
   EXPECT_EQ(rate.per_s()[0], 0.0);
 }
 
-TEST(SlidingRate, IsTheMeanOfWhatThereIs) {
+TEST(SlidingRate, IsTheMeanOfAvailableValues) {
   SlidingRate<2> rate(1.0);
   rate.add(0.0, {0.0, 1.0});
   rate.add(0.5, {1.0, 0.0});
@@ -22,7 +22,7 @@ TEST(SlidingRate, IsTheMeanOfWhatThereIs) {
   EXPECT_DOUBLE_EQ(rate.per_s()[1], -2.0);
 }
 
-TEST(SlidingRate, ForgetsWhatIsOlderThanTheWindow) {
+TEST(SlidingRate, DropsValuesOlderThanTheWindow) {
   SlidingRate<1> rate(1.0);
   for (int i = 0; i <= 40; ++i) rate.add(0.125 * i, {i < 20 ? 100.0 * i : 2000.0 + i});
   EXPECT_DOUBLE_EQ(rate.per_s()[0], 8.0);

@@ -41,7 +41,7 @@ TeleopStatus walking() {
   return status;
 }
 
-TEST(TeleopStatus, TellsWhatTheRobotDoes) {
+TEST(TeleopStatus, ShowsTheActivityOfTheRobot) {
   const auto lines = status_lines(walking());
   EXPECT_THAT(lines, Contains("koboshi, driven by keys: scenarios/teleop.yaml"));
   EXPECT_THAT(lines, Contains("time        12.34 s, 1.00 x real time, 3 overruns, 4 ms at most"));
@@ -60,7 +60,7 @@ TEST(TeleopStatus, TellsWhatTheRobotDoes) {
   EXPECT_THAT(lines, Contains("event       Walks."));
 }
 
-TEST(TeleopStatus, TellsWhatIsAmiss) {
+TEST(TeleopStatus, ShowsErrors) {
   TeleopStatus status = walking();
   status.bus = "slcan:/dev/pts/3";
   status.held = true;
@@ -77,7 +77,7 @@ TEST(TeleopStatus, TellsWhatIsAmiss) {
   EXPECT_THAT(status_lines(status), Contains("push        0.20 N s, where to?"));
 }
 
-TEST(TeleopStatus, NeverShowsARobotThatLiesAsOneThatStands) {
+TEST(TeleopStatus, NeverShowsALyingRobotAsStanding) {
   TeleopStatus status = walking();
   status.tilt_rad = 1.4;
   for (const behaviour::State state :
@@ -96,7 +96,7 @@ TEST(TeleopStatus, NeverShowsARobotThatLiesAsOneThatStands) {
   EXPECT_THAT(status_lines(status), Not(Contains(HasSubstr("standing"))));
 }
 
-TEST(TeleopStatus, HasTheMapBesideTheNumbers) {
+TEST(TeleopStatus, ShowsTheMapBesideTheNumbers) {
   TeleopStatus status = walking();
   TrailMap map;
   map.move_to(Eigen::Vector3d::Zero());
@@ -109,7 +109,7 @@ TEST(TeleopStatus, HasTheMapBesideTheNumbers) {
   EXPECT_LE(lines.size(), 24u);
 }
 
-TEST(TeleopStatus, FitsAScreenWhateverItTells) {
+TEST(TeleopStatus, AlwaysFitsTheScreen) {
   TeleopStatus status = walking();
   status.scenario.assign(200, 'x');
   const auto lines = status_lines(status);
@@ -119,7 +119,7 @@ TEST(TeleopStatus, FitsAScreenWhateverItTells) {
   EXPECT_THAT(status_lines(walking()), Not(Contains(SizeIs(testing::Ge(80u))))) << "a line was cut";
 }
 
-TEST(Screen, PutsEachLineInItsPlaceAndNeverScrolls) {
+TEST(Screen, PlacesEachLineAndNeverScrolls) {
   EXPECT_EQ(screen_of({"one", "", "three"}, 24),
             "\x1B[1;1Hone\x1B[K\x1B[2;1H\x1B[K\x1B[3;1Hthree\x1B[K\x1B[J");
   EXPECT_EQ(screen_of({"one", "two"}, 1), "\x1B[1;1Hone\x1B[K\x1B[J");

@@ -266,7 +266,7 @@ TEST(SdoAbort, NamesEachMisuse) {
   }
 }
 
-TEST(SdoAbort, KnowsEveryCodeThatAServerMayNeed) {
+TEST(SdoAbort, DefinesEveryCodeOfAServer) {
   std::set<std::uint32_t> missing{0x05030000, 0x05040000, 0x05040001, 0x05040002, 0x05040003, 0x05040004,
                                   0x05040005, 0x06010000, 0x06010001, 0x06010002, 0x06020000, 0x06040041,
                                   0x06040042, 0x06040043, 0x06040047, 0x06070010, 0x06070012, 0x06070013,

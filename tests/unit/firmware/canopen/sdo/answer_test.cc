@@ -84,7 +84,7 @@ ObjectAddress random_object(Random& random) {
 
 // The server answers each request that CiA 301 requires it to answer, after any history and with any
 // behaviour of the object, and no other request.
-TEST(SdoAnswers, NoRequestIsLeftWithoutOne) {
+TEST(SdoAnswers, ExistForEveryRequest) {
   constexpr std::uint64_t kSeed = 20250621;
   constexpr std::uint64_t kPatience_us = 100'000;  // the longest block takes 64 ms
   constexpr std::uint64_t kQuiet_us = 3 * kMaxBusy_ms * 1'000 + 1'000;

@@ -28,7 +28,7 @@ class SdoBlockDownload : public SdoConversation {
   }
 };
 
-TEST_F(SdoBlockDownload, MovesAnyNumberOfBytes) {
+TEST_F(SdoBlockDownload, TransfersAnyNumberOfBytes) {
   for (const std::size_t size : {1u, 6u, 7u, 8u, 13u, 14u, 888u, 889u, 890u, 5000u}) {
     SCOPED_TRACE(size);
     const auto data = counted_bytes(size);
@@ -57,7 +57,7 @@ TEST_F(SdoBlockDownload, NeedsNeitherSizeNorCrc) {
   EXPECT_EQ(device_.bytes.bytes, data);
 }
 
-TEST_F(SdoBlockDownload, HasTheClientRepeatWhatWasLost) {
+TEST_F(SdoBlockDownload, RequestsRepetitionOfLostSegments) {
   const auto data = counted_bytes(70);
   begin(data.size());
   for (const unsigned sequence : {1u, 2u, 3u, 5u, 6u, 7u, 8u, 9u}) {
@@ -70,7 +70,7 @@ TEST_F(SdoBlockDownload, HasTheClientRepeatWhatWasLost) {
   EXPECT_EQ(device_.bytes.bytes, data);
 }
 
-TEST_F(SdoBlockDownload, PromptsAClientWhoseLastSegmentsWereLost) {
+TEST_F(SdoBlockDownload, RequestsLostLastSegmentsAgain) {
   const auto data = counted_bytes(70);
   begin(data.size());
   send_segment(data, 0, 1);
@@ -85,7 +85,7 @@ TEST_F(SdoBlockDownload, PromptsAClientWhoseLastSegmentsWereLost) {
   EXPECT_EQ(device_.bytes.bytes, data);
 }
 
-TEST_F(SdoBlockDownload, EndsWithASilentClient) {
+TEST_F(SdoBlockDownload, TimesOutWithASilentClient) {
   begin(70);
   device_.node.process(SdoServer::kBlockTimeout_us);
   EXPECT_EQ(device_.sink.take(), answer({0xA2, 0, 127, 0, 0, 0, 0, 0}));
@@ -94,14 +94,14 @@ TEST_F(SdoBlockDownload, EndsWithASilentClient) {
   EXPECT_EQ(device_.bytes.open, 0);
 }
 
-TEST_F(SdoBlockDownload, IsForNumbersToo) {
+TEST_F(SdoBlockDownload, AlsoWritesNumbers) {
   EXPECT_EQ(ask({0xC2, 0x7A, 0x60, 0, 4, 0, 0, 0}), answer({0xA4, 0x7A, 0x60, 0, 127, 0, 0, 0}));
   EXPECT_EQ(ask({0x81, 0x18, 0xFC, 0xFF, 0xFF, 0, 0, 0}), answer({0xA2, 1, 127, 0, 0, 0, 0, 0}));
   EXPECT_EQ(ask({0xCD, 0, 0, 0, 0, 0, 0, 0}), answer({0xA1, 0, 0, 0, 0, 0, 0, 0}));
   EXPECT_EQ(device_.values.target, -1000);
 }
 
-TEST_F(SdoBlockDownload, CommitsNothingThatIsBrokenOff) {
+TEST_F(SdoBlockDownload, CommitsNoAbortedTransfer) {
   device_.bytes.bytes = {42};
   begin(14);
   EXPECT_EQ(device_.bytes.open, 1);

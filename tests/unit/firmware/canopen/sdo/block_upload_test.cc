@@ -36,7 +36,7 @@ class SdoBlockUpload : public SdoConversation {
   std::vector<std::uint8_t> received_;
 };
 
-TEST_F(SdoBlockUpload, MovesAnyNumberOfBytesInBlocksOfAnySize) {
+TEST_F(SdoBlockUpload, TransfersAnyNumberOfBytesInBlocksOfAnySize) {
   for (const bool announces : {true, false}) {
     for (const std::size_t size : {0u, 1u, 6u, 7u, 8u, 14u, 889u, 2000u}) {
       for (const unsigned block_size : {1u, 3u, 127u}) {
@@ -65,7 +65,7 @@ TEST_F(SdoBlockUpload, MovesAnyNumberOfBytesInBlocksOfAnySize) {
   }
 }
 
-TEST_F(SdoBlockUpload, RepeatsWhatWasLostAndChangesTheBlockSize) {
+TEST_F(SdoBlockUpload, RepeatsLostSegmentsAndChangesTheBlockSize) {
   device_.bytes.bytes = counted_bytes(100);
   ask({0xA4, 0x00, 0x21, 1, 10, 0, 0, 0});
   ask({0xA3, 0, 0, 0, 0, 0, 0, 0});
@@ -85,7 +85,7 @@ TEST_F(SdoBlockUpload, RepeatsWhatWasLostAndChangesTheBlockSize) {
   expect_end(ask({0xA2, 6, 127, 0, 0, 0, 0, 0}));
 }
 
-TEST_F(SdoBlockUpload, SendsOnlyAsManySegmentsAtOnceAsTheCycleBears) {
+TEST_F(SdoBlockUpload, LimitsTheSegmentsPerCycle) {
   device_.bytes.bytes = counted_bytes(100);
   ask({0xA4, 0x00, 0x21, 1, 10, 0, 0, 0});
   ask({0xA3, 0, 0, 0, 0, 0, 0, 0});
@@ -93,7 +93,7 @@ TEST_F(SdoBlockUpload, SendsOnlyAsManySegmentsAtOnceAsTheCycleBears) {
   EXPECT_EQ(device_.sink.take().size(), static_cast<std::size_t>(SdoServer::kSegmentsPerProcess));
 }
 
-TEST_F(SdoBlockUpload, WaitsForRoomWithoutLosingAnything) {
+TEST_F(SdoBlockUpload, WaitsForFifoSpaceWithoutLoss) {
   device_.bytes.bytes = counted_bytes(100);
   ask({0xA4, 0x00, 0x21, 1, 127, 0, 0, 0});
   ask({0xA3, 0, 0, 0, 0, 0, 0, 0});
@@ -115,7 +115,7 @@ TEST_F(SdoBlockUpload, SwitchesTheProtocolForFewBytes) {
   EXPECT_EQ(ask({0xA4, 0x02, 0x65, 0, 10, 0, 0, 0}), answer({0xC6, 0x02, 0x65, 0, 4, 0, 0, 0}));
 }
 
-TEST_F(SdoBlockUpload, LeavesOutTheCrcForAClientWithoutOne) {
+TEST_F(SdoBlockUpload, OmitsTheCrcForAClientWithoutOne) {
   device_.bytes.bytes = counted_bytes(3);
   ask({0xA0, 0x00, 0x21, 1, 10, 0, 0, 0});
   ask({0xA3, 0, 0, 0, 0, 0, 0, 0});
@@ -123,7 +123,7 @@ TEST_F(SdoBlockUpload, LeavesOutTheCrcForAClientWithoutOne) {
   EXPECT_EQ(ask({0xA2, 1, 10, 0, 0, 0, 0, 0}), answer({0xD1, 0, 0, 0, 0, 0, 0, 0}));
 }
 
-TEST_F(SdoBlockUpload, EndsWithASilentClient) {
+TEST_F(SdoBlockUpload, TimesOutWithASilentClient) {
   device_.bytes.bytes = counted_bytes(3);
   ask({0xA4, 0x00, 0x21, 1, 10, 0, 0, 0});
   ask({0xA3, 0, 0, 0, 0, 0, 0, 0});

@@ -14,7 +14,7 @@ class SdoBusy : public SdoConversation {
   }
 };
 
-TEST_F(SdoBusy, BeginningIsAnsweredOnceTheObjectIsReady) {
+TEST_F(SdoBusy, InitiationIsAnsweredOnceTheObjectIsReady) {
   device_.bytes.begin_verdict = AbortCode::kBusy;
   EXPECT_TRUE(ask({0x21, 0x00, 0x21, 1, 9, 0, 0, 0}).empty());
   EXPECT_TRUE(pass(1'000).empty());
@@ -24,7 +24,7 @@ TEST_F(SdoBusy, BeginningIsAnsweredOnceTheObjectIsReady) {
   EXPECT_EQ(device_.bytes.open, 1);
 }
 
-TEST_F(SdoBusy, ItsOwnSlownessIsNoTimeOutOfTheClient) {
+TEST_F(SdoBusy, AServerDelayIsNoTimeOutOfTheClient) {
   device_.bytes.begin_verdict = AbortCode::kBusy;
   EXPECT_TRUE(ask({0x21, 0x00, 0x21, 1, 9, 0, 0, 0}).empty());
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(pass(900'000).empty());
@@ -34,7 +34,7 @@ TEST_F(SdoBusy, ItsOwnSlownessIsNoTimeOutOfTheClient) {
                                                                                       // transfer is aborted
 }
 
-TEST_F(SdoBusy, RefusalAfterAWhileReachesTheClient) {
+TEST_F(SdoBusy, ADelayedRefusalReachesTheClient) {
   device_.bytes.begin_verdict = AbortCode::kBusy;
   EXPECT_TRUE(ask({0x21, 0x00, 0x21, 1, 9, 0, 0, 0}).empty());
   device_.bytes.begin_verdict = AbortCode::kHardwareError;
@@ -50,7 +50,7 @@ TEST_F(SdoBusy, ClientMayGiveUp) {
   EXPECT_EQ(device_.bytes.open, 0);
 }
 
-TEST_F(SdoBusy, SegmentsAndTheirEndWaitWithoutBeingTakenTwice) {
+TEST_F(SdoBusy, PendingSegmentsAreProcessedOnce) {
   ask({0x21, 0x00, 0x21, 1, 9, 0, 0, 0});
   device_.bytes.write_verdict = AbortCode::kBusy;
   EXPECT_TRUE(ask({0x00, 1, 2, 3, 4, 5, 6, 7}).empty());
@@ -67,7 +67,7 @@ TEST_F(SdoBusy, SegmentsAndTheirEndWaitWithoutBeingTakenTwice) {
   EXPECT_EQ(device_.bytes.open, 0);
 }
 
-TEST_F(SdoBusy, AnExpeditedDownloadIsTakenOnceHoweverOftenItsDomainIsBusy) {
+TEST_F(SdoBusy, AnExpeditedDownloadIsProcessedOnceForABusyDomain) {
   device_.bytes.begin_verdict = AbortCode::kBusy;
   EXPECT_TRUE(ask({0x2B, 0x00, 0x21, 1, 8, 9, 0, 0}).empty());
   device_.bytes.begin_verdict = AbortCode::kNone;
@@ -84,7 +84,7 @@ TEST_F(SdoBusy, AnExpeditedDownloadIsTakenOnceHoweverOftenItsDomainIsBusy) {
   EXPECT_EQ(device_.bytes.open, 0);
 }
 
-TEST_F(SdoBusy, AnExpeditedDownloadThatWaitsMakesWayForAnotherRequest) {
+TEST_F(SdoBusy, APendingExpeditedDownloadYieldsToAnotherRequest) {
   device_.bytes.commit_verdict = AbortCode::kBusy;
   EXPECT_TRUE(ask({0x2B, 0x00, 0x21, 1, 8, 9, 0, 0}).empty());
   EXPECT_EQ(ask({0x00, 1, 2, 3, 4, 5, 6, 7}), answer({0x80, 0x00, 0x21, 1, 0x01, 0x00, 0x04, 0x05}));
@@ -103,7 +103,7 @@ TEST_F(SdoBusy, EndsWithAnAbortWhenItsObjectStaysBusy) {
   EXPECT_TRUE(pass(1'000).empty());
 }
 
-TEST_F(SdoBusy, SegmentsOfABlockAreToBeSentAgain) {
+TEST_F(SdoBusy, SegmentsOfABlockAreRequestedAgain) {
   const auto data = counted_bytes(21);
   const unsigned crc = crc16(0, data);
   const auto segment = [&](unsigned sequence, std::size_t start) {
@@ -129,7 +129,7 @@ TEST_F(SdoBusy, SegmentsOfABlockAreToBeSentAgain) {
   EXPECT_EQ(device_.bytes.bytes, data);
 }
 
-TEST_F(SdoBusy, StoringIsAnsweredOnceItIsDone) {
+TEST_F(SdoBusy, StoringIsAnsweredOnceComplete) {
   NodeDescription description = kTestDescription;
   description.stored_groups = group_bit(ParameterGroup::kAll);
   TestNode storing(0x10, description);

@@ -21,7 +21,7 @@ TEST_F(SdoClientTest, WritesExpedited) {
   EXPECT_EQ(client_.state(), SdoState::kDone);
 }
 
-TEST_F(SdoClientTest, TellsEachSize) {
+TEST_F(SdoClientTest, ReportsEachSize) {
   const unsigned commands[] = {0x2F, 0x2B, 0x27, 0x23};
   for (std::size_t size = 1; size <= 4; ++size) {
     client_.reset();
@@ -49,7 +49,7 @@ TEST_F(SdoClientTest, ReportsTheServersRefusal) {
   EXPECT_EQ(client_.abort_code(), AbortCode::kWriteOfReadOnly);
 }
 
-TEST_F(SdoClientTest, GivesUpExactlyAfterItsTime) {
+TEST_F(SdoClientTest, TimesOutExactly) {
   ASSERT_TRUE(client_.begin_read(0x22, {0x6041, 0}, 5'000));
   sink_.take();
   client_.process(14'999);
@@ -62,7 +62,7 @@ TEST_F(SdoClientTest, GivesUpExactlyAfterItsTime) {
   EXPECT_EQ(client_.state(), SdoState::kTimedOut);
 }
 
-TEST_F(SdoClientTest, IgnoresWhatIsNotOfItsTransfer) {
+TEST_F(SdoClientTest, IgnoresFramesOfOtherTransfers) {
   ASSERT_TRUE(client_.begin_read(0x22, {0x6041, 0}, 0));
   EXPECT_FALSE(client_.on_frame(can_frame(0x5A3, {0x4B, 0x41, 0x60, 0x00, 1, 0, 0, 0})));
   EXPECT_FALSE(client_.on_frame(can_frame(0x5A2, {0x4B, 0x40, 0x60, 0x00, 1, 0, 0, 0})));
@@ -74,14 +74,14 @@ TEST_F(SdoClientTest, IgnoresWhatIsNotOfItsTransfer) {
   EXPECT_EQ(client_.state(), SdoState::kBusy);
 }
 
-TEST_F(SdoClientTest, ForgetsTheLastRefusalWhenItBeginsAnew) {
+TEST_F(SdoClientTest, ClearsTheLastRefusalOnANewTransfer) {
   ASSERT_TRUE(client_.begin_write(0x22, {0x6041, 0}, 0, 2, 0));
   client_.on_frame(can_frame(0x5A2, {0x80, 0x41, 0x60, 0x00, 0x02, 0x00, 0x01, 0x06}));
   ASSERT_TRUE(client_.begin_read(0x22, {0x6041, 0}, 0));
   EXPECT_EQ(client_.abort_code(), AbortCode::kNone);
 }
 
-TEST_F(SdoClientTest, AbortsWhatItCannotFollow) {
+TEST_F(SdoClientTest, AbortsOnAnInvalidResponse) {
   ASSERT_TRUE(client_.begin_read(0x22, {0x1008, 0}, 0));
   sink_.take();
   EXPECT_TRUE(client_.on_frame(can_frame(0x5A2, {0x41, 0x08, 0x10, 0x00, 17, 0, 0, 0})));
@@ -90,13 +90,13 @@ TEST_F(SdoClientTest, AbortsWhatItCannotFollow) {
   EXPECT_EQ(sink_.take(), std::vector{can_frame(0x622, {0x80, 0x08, 0x10, 0x00, 0x01, 0x00, 0x04, 0x05})});
 }
 
-TEST_F(SdoClientTest, DoesOneThingAtATime) {
+TEST_F(SdoClientTest, RunsOneTransferAtATime) {
   ASSERT_TRUE(client_.begin_read(0x22, {0x6041, 0}, 0));
   EXPECT_FALSE(client_.begin_read(0x23, {0x6041, 0}, 0));
   EXPECT_EQ(client_.server(), 0x22);
 }
 
-TEST_F(SdoClientTest, BeginsNothingWithoutRoom) {
+TEST_F(SdoClientTest, StartsNothingWithoutFifoSpace) {
   sink_.room = 0;
   EXPECT_FALSE(client_.begin_read(0x22, {0x6041, 0}, 0));
   EXPECT_EQ(client_.state(), SdoState::kIdle);

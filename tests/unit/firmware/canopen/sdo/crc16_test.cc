@@ -15,7 +15,7 @@ TEST(Crc16, GivesTheCheckValueOfTheStandard) {
   EXPECT_EQ(crc16(0, {}), 0);
 }
 
-TEST(Crc16, GoesOnWhereItStopped) {
+TEST(Crc16, ContinuesIncrementally) {
   const std::span<const std::uint8_t> all(kCheck);
   for (std::size_t cut = 0; cut <= all.size(); ++cut) {
     EXPECT_EQ(crc16(crc16(0, all.first(cut)), all.subspan(cut)), 0x31C3);

@@ -58,7 +58,7 @@ TEST_F(SdoServerTest, DownloadsNumbersExpedited) {
   EXPECT_EQ(device_.values.controlword, 0x07);
 }
 
-TEST_F(SdoServerTest, AsksTheOwnerBeforeItStores) {
+TEST_F(SdoServerTest, ConsultsTheOwnerBeforeItStores) {
   device_.verdict = AbortCode::kDeviceState;
   EXPECT_EQ(ask({0x2F, 0x60, 0x60, 0x00, 0xFF, 0, 0, 0}),
             answer({0x80, 0x60, 0x60, 0x00, 0x22, 0x00, 0x00, 0x08}));
@@ -90,7 +90,7 @@ TEST_F(SdoServerTest, DownloadsInSegments) {
   EXPECT_EQ(device_.values.target, 1000);
 }
 
-TEST_F(SdoServerTest, AbortsATransferWhoseClientFallsSilent) {
+TEST_F(SdoServerTest, AbortsATransferOfASilentClient) {
   ask({0x40, 0x08, 0x10, 0x00, 0, 0, 0, 0}, 5'000);
   device_.node.process(5'000 + SdoServer::kTimeout_us - 1);
   EXPECT_TRUE(device_.sink.take().empty());

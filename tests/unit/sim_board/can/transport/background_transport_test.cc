@@ -62,7 +62,7 @@ class BackgroundTransportTest : public testing::Test {
   std::optional<BackgroundTransport> transport_;
 };
 
-TEST_F(BackgroundTransportTest, SendsAllInTheirOrderBeforeItEnds) {
+TEST_F(BackgroundTransportTest, SendsAllFramesInOrderBeforeItEnds) {
   open();
   for (std::uint16_t i = 0; i < 2'000; ++i) ASSERT_TRUE(transport_->send(numbered(i), i));
   close();
@@ -70,14 +70,14 @@ TEST_F(BackgroundTransportTest, SendsAllInTheirOrderBeforeItEnds) {
   for (std::uint16_t i = 0; i < 2'000; ++i) EXPECT_EQ(ends_.heard[i], numbered(i));
 }
 
-TEST_F(BackgroundTransportTest, BringsInAllInTheirOrder) {
+TEST_F(BackgroundTransportTest, ReceivesAllFramesInOrder) {
   for (std::uint16_t i = 500; i > 0; --i) ends_.said.push_back(numbered(i));
   open();
   for (std::uint16_t i = 1; i <= 500; ++i) EXPECT_EQ(receive(), numbered(i));
   EXPECT_EQ(transport_->receive(), std::nullopt);
 }
 
-TEST_F(BackgroundTransportTest, RefusesWhatItHasNoRoomForAndNeverWaits) {
+TEST_F(BackgroundTransportTest, RejectsFramesWhenFullWithoutBlocking) {
   ends_.room = 10;
   open();
   std::size_t taken = 0;
@@ -90,7 +90,7 @@ TEST_F(BackgroundTransportTest, RefusesWhatItHasNoRoomForAndNeverWaits) {
   EXPECT_EQ(ends_.heard.size(), 10u);
 }
 
-TEST_F(BackgroundTransportTest, LeavesOutsideWhatNobodyFetches) {
+TEST_F(BackgroundTransportTest, StopsReadingWhenItsQueueIsFull) {
   for (std::size_t i = 0; i < 4 * BackgroundTransport::kCapacity; ++i) ends_.said.push_back(numbered(1));
   open();
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -98,7 +98,7 @@ TEST_F(BackgroundTransportTest, LeavesOutsideWhatNobodyFetches) {
   EXPECT_GE(ends_.said.size(), 2 * BackgroundTransport::kCapacity);
 }
 
-TEST_F(BackgroundTransportTest, TellsTheSimulationThatTheOtherEndIsGone) {
+TEST_F(BackgroundTransportTest, ReportsThatThePeerIsGone) {
   ends_.gone = true;
   open();
   EXPECT_THROW(receive(), std::runtime_error);

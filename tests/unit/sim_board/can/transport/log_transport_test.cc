@@ -10,7 +10,7 @@
 namespace koboshi::sim {
 namespace {
 
-TEST(LogTransport, IsReadBack) {
+TEST(LogTransport, RoundTrips) {
   const ScratchFile scratch("log", "");
   const hal::CanFrame frame{.identifier = 0x181, .size = 2, .data = {1, 2}};
   {

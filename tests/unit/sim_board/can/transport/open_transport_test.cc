@@ -19,14 +19,14 @@ std::string complaint(const std::string& name) {
   return "nothing";
 }
 
-TEST(OpenTransport, KnowsNoneAndSlcan) {
+TEST(OpenTransport, AcceptsNoneAndSlcan) {
   EXPECT_EQ(open_transport("none"), nullptr);
   const auto slcan = open_transport("slcan");
   EXPECT_TRUE(slcan->is_live());
   EXPECT_THAT(slcan->place(), testing::StartsWith("/dev/pts/"));
 }
 
-TEST(OpenTransport, SaysWhatItExpects) {
+TEST(OpenTransport, ListsWhatItExpects) {
   for (const char* name : {"", "can0", "socketcan", "socketcan:", "serial:/dev/ttyUSB0", "log:"}) {
     EXPECT_EQ(complaint(name),
               "found the CAN transport '" + std::string(name) +
@@ -40,7 +40,7 @@ TEST(OpenTransport, SaysWhatItExpects) {
 }
 
 // Whatever it is that the machine lacks, the interface or CAN itself, the name of the interface is told.
-TEST(OpenTransport, TellsWhatTheSystemRefuses) {
+TEST(OpenTransport, ReportsTheErrorOfTheSystem) {
   try {
     open_transport("socketcan:nocan0", true);
     FAIL();
@@ -49,7 +49,7 @@ TEST(OpenTransport, TellsWhatTheSystemRefuses) {
   }
 }
 
-TEST(OpenTransport, RefusesAnInterfaceThatMayBeReal) {
+TEST(OpenTransport, RejectsAnInterfaceThatMayBePhysical) {
   EXPECT_THAT(complaint("socketcan:lo"), testing::HasSubstr("--real-bus"));
 }
 

@@ -15,7 +15,7 @@ namespace {
 const hal::CanFrame kFrame{.identifier = 0x181, .size = 3, .data = {0x01, 0x2F, 0xFF}};
 
 // What the manual's examples say (CANUSB manual, "CANUSB ASCII commands").
-TEST(SlcanProtocol, AnswersCommandsWithCarriageReturnAndWhatItDoesNotKnowWithBell) {
+TEST(SlcanProtocol, AnswersCommandsWithCarriageReturnAndUnknownOnesWithBell) {
   SlcanProtocol protocol;
   EXPECT_EQ(protocol.take("\r\rS8\rV\rF\rN\r"), "\rV1013\rF00\rNKBSH\r");
   EXPECT_EQ(protocol.take("G\r"), "\a");
@@ -34,7 +34,7 @@ TEST(SlcanProtocol, SendsOnlyWhileItsChannelIsOpen) {
   EXPECT_EQ(protocol.take("L\rt1000\r"), "\r\a");
 }
 
-TEST(SlcanProtocol, TakesCommandsInPieces) {
+TEST(SlcanProtocol, ParsesCommandsReceivedInPieces) {
   SlcanProtocol protocol;
   EXPECT_EQ(protocol.take("O\rr12"), "\r");
   EXPECT_EQ(protocol.take("33"), "");
@@ -42,7 +42,7 @@ TEST(SlcanProtocol, TakesCommandsInPieces) {
   EXPECT_EQ(protocol.frames().at(0), (hal::CanFrame{.identifier = 0x123, .size = 3, .remote = true}));
 }
 
-TEST(SlcanProtocol, RefusesFramesThatAreNone) {
+TEST(SlcanProtocol, RejectsMalformedFrames) {
   SlcanProtocol protocol;
   protocol.take("O\r");
   for (const char* bad : {"t", "t100", "t8000", "t1009", "t10021", "t100211", "t1002113", "t10021133FF",
@@ -88,7 +88,7 @@ std::pair<std::string, std::optional<hal::CanFrame>> tell(Slcan& slcan, int host
   return answer;
 }
 
-TEST(Slcan, IsATerminalThatHostsOpen) {
+TEST(Slcan, IsATerminalForHosts) {
   Slcan slcan;
   EXPECT_FALSE(slcan.send(kFrame, 0));  // nobody has opened the channel
   const hal::FileDescriptor host(::open(slcan.place().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK));
@@ -106,7 +106,7 @@ TEST(Slcan, IsATerminalThatHostsOpen) {
   EXPECT_EQ(text, line);
 }
 
-TEST(Slcan, IsNotHeldUpByAHostThatDoesNotRead) {
+TEST(Slcan, IsNotBlockedByAHostThatDoesNotRead) {
   Slcan slcan;
   const hal::FileDescriptor host(::open(slcan.place().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK));
   ASSERT_EQ(tell(slcan, host.number(), "O\r", 1).first, "\r");

@@ -25,7 +25,7 @@ class TransportNodeTest : public testing::Test {
   NodeHandle handle = bus.attach(inside, AcceptanceFilter::all(), 4);
 };
 
-TEST_F(TransportNodeTest, CarriesTheBusOutsideAtItsTimes) {
+TEST_F(TransportNodeTest, ForwardsBusFramesWithTheirTimes) {
   ASSERT_TRUE(bus.queue(handle, frame, 100));
   bus.advance_to(1'000);
   EXPECT_EQ(outside.heard, std::vector{frame});
@@ -34,7 +34,7 @@ TEST_F(TransportNodeTest, CarriesTheBusOutsideAtItsTimes) {
   EXPECT_EQ(node.counters().sent, 1u);
 }
 
-TEST_F(TransportNodeTest, BringsInWhatIsSaidOutsideAndDoesNotEchoIt) {
+TEST_F(TransportNodeTest, ForwardsExternalFramesToTheBusWithoutEcho) {
   outside.said = {frame, {.identifier = 0x001}};
   node.poll(0);
   bus.advance_to(1'000);
@@ -43,7 +43,7 @@ TEST_F(TransportNodeTest, BringsInWhatIsSaidOutsideAndDoesNotEchoIt) {
   EXPECT_EQ(node.counters().received, 2u);
 }
 
-TEST_F(TransportNodeTest, IsNotHeldUpByAListenerThatTakesNothing) {
+TEST_F(TransportNodeTest, IsNotBlockedByAListenerThatDoesNotRead) {
   outside.full = true;
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(bus.queue(handle, frame, 0));
   bus.advance_to(1'000);
@@ -51,14 +51,14 @@ TEST_F(TransportNodeTest, IsNotHeldUpByAListenerThatTakesNothing) {
   EXPECT_EQ(bus.usage().frames, 3u);
 }
 
-TEST_F(TransportNodeTest, LeavesAFloodOutside) {
+TEST_F(TransportNodeTest, ReadsAFloodOnlyAsFastAsTheBusSendsIt) {
   for (int i = 0; i < 1'000; ++i) outside.said.push_back(frame);
   node.poll(0);
   EXPECT_EQ(node.counters().refused, 0u);
   EXPECT_EQ(outside.said.size(), 1'000 - TransportNode::kTransmitFifo);
 }
 
-TEST_F(TransportNodeTest, LetsProcessDataPassAFloodOfServices) {
+TEST_F(TransportNodeTest, ForwardsProcessDataDuringAFloodOfServices) {
   for (int i = 0; i < 1'000; ++i) outside.said.push_back({.identifier = 0x601, .size = 8});
   outside.said.push_back({.identifier = 0x080});
   node.poll(0);
@@ -68,7 +68,7 @@ TEST_F(TransportNodeTest, LetsProcessDataPassAFloodOfServices) {
   EXPECT_TRUE(outside.said.empty());
 }
 
-TEST_F(TransportNodeTest, CountsServicesThatTheBusCannotCarry) {
+TEST_F(TransportNodeTest, CountsDroppedServices) {
   for (std::size_t i = 0; i < TransportNode::kServiceFifo + 10; ++i)
     outside.said.push_back({.identifier = 0x601, .size = 8});
   node.poll(0);
@@ -76,7 +76,7 @@ TEST_F(TransportNodeTest, CountsServicesThatTheBusCannotCarry) {
   EXPECT_EQ(node.counters().received, TransportNode::kServiceFifo + 10);
 }
 
-TEST_F(TransportNodeTest, CountsWhatIsCarriedWhileTheSimulationIsBehindTheClock) {
+TEST_F(TransportNodeTest, CountsFramesForwardedBehindTheClock) {
   outside.said = {frame};
   node.poll(0, true);
   ASSERT_TRUE(bus.queue(handle, {.identifier = 0x124}, 0));
@@ -91,7 +91,7 @@ TEST_F(TransportNodeTest, CountsWhatIsCarriedWhileTheSimulationIsBehindTheClock)
   EXPECT_EQ(node.counters().late_sent, 1u);
 }
 
-TEST_F(TransportNodeTest, CountsWhatABusyBusMadeLate) {
+TEST_F(TransportNodeTest, CountsFramesDelayedByABusyBus) {
   for (std::size_t i = 0; i < 200; ++i) outside.said.push_back({.identifier = 0x601, .size = 8});
   node.poll(0);
   bus.advance_to(100'000);
@@ -101,7 +101,7 @@ TEST_F(TransportNodeTest, CountsWhatABusyBusMadeLate) {
   EXPECT_EQ(bus.counters(handle).late, 0u);
 }
 
-TEST_F(TransportNodeTest, TellsWhatTheSystemHasDropped) {
+TEST_F(TransportNodeTest, ReportsFramesDroppedByTheSystem) {
   outside.lost_by_system = 7;
   EXPECT_EQ(node.counters().dropped, 7u);
 }

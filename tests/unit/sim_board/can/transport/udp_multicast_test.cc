@@ -44,7 +44,7 @@ TEST(Datagram, IsWrittenAsPythonWritesIt) {
   EXPECT_TRUE(std::ranges::equal(pack_datagram(kRemote, 0.0).view(), bytes_of(kRemoteOfPython)));
 }
 
-TEST(Datagram, IsReadBack) {
+TEST(Datagram, RoundTrips) {
   for (std::uint16_t identifier = 0; identifier < 0x800; ++identifier) {
     for (std::uint8_t size = 0; size <= 8; ++size) {
       hal::CanFrame frame{.identifier = identifier, .size = size};
@@ -55,7 +55,7 @@ TEST(Datagram, IsReadBack) {
 }
 
 // Else those of one millisecond would not make a train. The largest fill their place.
-TEST(Datagram, IsAsLongAsAllOthersWithAsMuchData) {
+TEST(Datagram, HasALengthThatDependsOnItsDataOnly) {
   for (std::uint8_t size = 0; size <= 8; ++size) {
     const std::size_t expected = pack_datagram({.identifier = 0x7FF, .size = size}, 1.5).size;
     for (const int identifier : {0x000, 0x07F, 0x080, 0x0FF, 0x100})
@@ -65,7 +65,7 @@ TEST(Datagram, IsAsLongAsAllOthersWithAsMuchData) {
   EXPECT_EQ(pack_datagram({.size = 8}, 0.0).size, Datagram::kCapacity_bytes);
 }
 
-TEST(Datagram, IsNothingWhereItIsNoClassicFrame) {
+TEST(Datagram, IsRejectedUnlessItIsAClassicFrame) {
   EXPECT_EQ(unpack_datagram({}), std::nullopt);
   const std::vector<std::uint8_t> whole = bytes_of(kDataOfPython);
   for (std::size_t size = 0; size < whole.size(); ++size)
@@ -79,7 +79,7 @@ TEST(Datagram, IsNothingWhereItIsNoClassicFrame) {
 }
 
 // Whatever each byte of a datagram is, nothing worse happens than that it is none.
-TEST(Datagram, MayHoldAnything) {
+TEST(Datagram, SurvivesArbitraryBytes) {
   const std::vector<std::uint8_t> whole = bytes_of(kDataOfPython);
   for (std::size_t place = 0; place < whole.size(); ++place) {
     for (int value = 0; value < 256; ++value) {
@@ -91,7 +91,7 @@ TEST(Datagram, MayHoldAnything) {
   }
 }
 
-TEST(UdpMulticast, RefusesAGroupThatIsNone) {
+TEST(UdpMulticast, RejectsAnInvalidGroup) {
   EXPECT_THROW(UdpMulticast("10.0.0.1", 43113), std::invalid_argument);
   EXPECT_THROW(UdpMulticast("somewhere", 43113), std::invalid_argument);
 }

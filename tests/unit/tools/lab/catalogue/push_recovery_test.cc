@@ -5,7 +5,7 @@
 namespace koboshi::tools {
 namespace {
 
-TEST(Bisection, FindsTheLargestThatIsSurvived) {
+TEST(Bisection, FindsTheLargestSurvivedValue) {
   int asked = 0;
   const auto up_to = [&](double largest) {
     return [&asked, largest](double impulse) {
@@ -37,7 +37,7 @@ PushRecoveryOptions one_cell(const std::string& state) {
 }
 
 // Five seeds do not show what 95 of 100 do.
-TEST(PushRecovery, SpeaksOfTheWeakestOfFewSeeds) {
+TEST(PushRecovery, ReportsTheWeakestOfFewSeeds) {
   const std::vector<PushTrial> trials(5, {.impulse_N_s_per_kg = 0.36, .phase = 0.5});
   const Conclusions conclusions = conclude(one_cell("standing"), {trials});
   EXPECT_EQ(conclusions.lines,
@@ -46,7 +46,7 @@ TEST(PushRecovery, SpeaksOfTheWeakestOfFewSeeds) {
 }
 
 // Standing survives 0.3 from all sides, walking 0.2, but for one phase of one direction.
-TEST(PushRecovery, TellsTheWorstPhaseOfTheWorstDirection) {
+TEST(PushRecovery, ReportsTheWorstPhaseOfTheWorstDirection) {
   PushRecoveryOptions options;
   options.directions = 2;
   options.phase_bins = 2;
@@ -76,7 +76,7 @@ TEST(PushRecovery, TellsTheWorstPhaseOfTheWorstDirection) {
   EXPECT_EQ(walking.front(), walking.back()) << "closed";
 }
 
-TEST(PushRecovery, CountsHowPushesWereLost) {
+TEST(PushRecovery, CountsTheOutcomesOfFailedPushes) {
   const auto lost = [](Outcome outcome) {
     return PushTrial{.impulse_N_s_per_kg = 0.2, .phase = 0.5, .lost_by = outcome};
   };
@@ -90,7 +90,7 @@ TEST(PushRecovery, CountsHowPushesWereLost) {
       << conclusions.table(TableStyle::kMarkdown);
 }
 
-TEST(PushRecovery, TellsNoFigureOfWhatWasNotPlayed) {
+TEST(PushRecovery, ReportsNoResultForSkippedTrials) {
   const Conclusions conclusions = conclude(one_cell("standing"), {{}});
   EXPECT_FALSE(conclusions.values.contains("standing_min_Ns_per_kg"));
   EXPECT_EQ(conclusions.lines, "standing: some directions were not played\n");

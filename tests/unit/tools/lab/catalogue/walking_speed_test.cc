@@ -31,7 +31,7 @@ TEST(JudgedWalk, IsMeasuredAlongTheHeadingAtItsStart) {
   EXPECT_FALSE(backward.turn_rad_per_s);
 }
 
-TEST(JudgedWalk, MayGoToEitherSide) {
+TEST(JudgedWalk, MayDriftToEitherSide) {
   const SpeedTrial right = judge_walk(Direction::kSideways, 2.0, -1.0, 20.0, walked(0.4, -2.0, 0.0));
   EXPECT_DOUBLE_EQ(right.speed_m_per_s.value(), 0.1);
   EXPECT_DOUBLE_EQ(right.drift_m.value(), 0.4);
@@ -42,7 +42,7 @@ TEST(JudgedWalk, MayGoToEitherSide) {
   EXPECT_FALSE(clockwise.speed_m_per_s);
 }
 
-TEST(JudgedWalk, HasNoSpeedWhereItFellOrCameShort) {
+TEST(JudgedWalk, HasNoSpeedAfterAFallOrAShortfall) {
   ScenarioTrial fallen = walked(4.0, 0.0, 0.0);
   fallen.outcome = Outcome::kFell;
   ScenarioTrial given_up = walked(4.0, 0.0, 0.0);
@@ -54,7 +54,7 @@ TEST(JudgedWalk, HasNoSpeedWhereItFellOrCameShort) {
   }
 }
 
-TEST(WalkingSpeed, TellsTheSpeedMadeAtTheHighestCommandThatWasSustained) {
+TEST(WalkingSpeed, ReportsTheSpeedAtTheHighestSustainedCommand) {
   const Experiment experiment{.name = "walking-speed",
                               .metrics = speed_fields().metrics(),
                               .cells = {{"forward-0.1", {{"command", "0.1"}}},
@@ -75,7 +75,7 @@ TEST(WalkingSpeed, TellsTheSpeedMadeAtTheHighestCommandThatWasSustained) {
             "forward: up to 0.1; the next is too much\nturn: at no level; the time was over\n");
 }
 
-TEST(WalkingSpeed, ClimbsTheChosenDirectionsFromTheSlowestCommand) {
+TEST(WalkingSpeed, TestsTheChosenDirectionsFromTheSlowestCommand) {
   WalkingSpeedOptions options;
   options.scenario = KOBOSHI_SOURCE_DIR "/scenarios/go.yaml";
   options.ladders[1].commands = {0.2, 0.1};
@@ -87,7 +87,7 @@ TEST(WalkingSpeed, ClimbsTheChosenDirectionsFromTheSlowestCommand) {
   EXPECT_EQ(experiment.cells[0].name, "backward-0.1");
 }
 
-TEST(WalkingSpeed, NeedsAScenarioThatWalksByCommand) {
+TEST(WalkingSpeed, RequiresAScenarioThatWalksByCommand) {
   EXPECT_THROW(std::ignore = make_walking_speed({{.scenario = KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml"}}),
                sim::InputError);
 }

@@ -23,7 +23,7 @@ std::string results(const Experiment& experiment, const ExperimentOptions& optio
   return to_csv(experiment, result) + to_json(experiment, result).dump();
 }
 
-TEST(Experiment, PlaysEverySeedInEveryCell) {
+TEST(Experiment, RunsEverySeedInEveryCell) {
   StandIn stand_in;
   const ExperimentResult result = play_experiment(stand_in.experiment, {});
   EXPECT_EQ(stand_in.played, 50);
@@ -34,14 +34,14 @@ TEST(Experiment, PlaysEverySeedInEveryCell) {
   }
 }
 
-TEST(Experiment, ComesToTheSameWithAnyNumberOfThreads) {
+TEST(Experiment, IsIndependentOfTheNumberOfThreads) {
   StandIn stand_in;
   stand_in.experiment.metrics[1].tight_at = 0.006;  // so that cells stop early, too
   const std::string alone = results(stand_in.experiment, {.jobs = 1});
   for (const std::size_t jobs : {2u, 5u, 64u}) EXPECT_EQ(results(stand_in.experiment, {.jobs = jobs}), alone);
 }
 
-TEST(Experiment, StopsACellWhoseIntervalsAreTight) {
+TEST(Experiment, StopsACellOnceItsIntervalsAreNarrow) {
   StandIn stand_in;
   stand_in.experiment.seeds = 1000;
   stand_in.experiment.metrics[0].tight_at = 0.1;  // 20 trials without a fall: +- 0.08
@@ -54,7 +54,7 @@ TEST(Experiment, StopsACellWhoseIntervalsAreTight) {
   EXPECT_LT(result.cells[1].played.size(), 120u);
 }
 
-TEST(Experiment, GoesOnAfterAnInterruption) {
+TEST(Experiment, ResumesAfterAnInterruption) {
   const TemporaryFolder folder;
   const ExperimentOptions options{.log = folder.path / "trials.jsonl", .jobs = 2};
   StandIn whole;
@@ -77,7 +77,7 @@ TEST(Experiment, GoesOnAfterAnInterruption) {
   EXPECT_EQ(again.played, 0);
 }
 
-TEST(Experiment, PlaysALineThatWasCutOffAgain) {
+TEST(Experiment, RepeatsATrialWhoseLineWasCutOff) {
   const TemporaryFolder folder;
   const ExperimentOptions options{.log = folder.path / "trials.jsonl"};
   StandIn first;
@@ -90,7 +90,7 @@ TEST(Experiment, PlaysALineThatWasCutOffAgain) {
   EXPECT_EQ(read_file(options.log), whole);
 }
 
-TEST(Experiment, PlaysAnewWhenItsInputsChange) {
+TEST(Experiment, RepeatsTrialsWhenItsInputsChange) {
   const TemporaryFolder folder;
   const ExperimentOptions options{.log = folder.path / "trials.jsonl"};
   StandIn stand_in;
@@ -100,7 +100,7 @@ TEST(Experiment, PlaysAnewWhenItsInputsChange) {
   EXPECT_EQ(stand_in.played, 100);
 }
 
-TEST(Experiment, RemembersWhyATrialFailed) {
+TEST(Experiment, RecordsWhyATrialFailed) {
   const TemporaryFolder folder;
   const ExperimentOptions options{.log = folder.path / "trials.jsonl"};
   StandIn stand_in;
@@ -117,7 +117,7 @@ TEST(Experiment, RemembersWhyATrialFailed) {
   EXPECT_EQ(stand_in.played, 50);
 }
 
-TEST(Experiment, RefusesALogThatIsNone) {
+TEST(Experiment, RejectsAFileThatIsNoLog) {
   const TemporaryFolder folder;
   const std::filesystem::path log = folder.path / "letter.txt";
   write_file(log, "{\"dear\": \"reader\"}\n");
@@ -126,7 +126,7 @@ TEST(Experiment, RefusesALogThatIsNone) {
   EXPECT_EQ(read_file(log), "{\"dear\": \"reader\"}\n");
 }
 
-TEST(Experiment, BeginsNoTrialWhenItsTimeIsOver) {
+TEST(Experiment, StartsNoTrialAfterItsTimeLimit) {
   StandIn stand_in;
   const ExperimentResult result =
       play_experiment(stand_in.experiment, {.budget = std::chrono::duration<double>::zero()});
@@ -137,7 +137,7 @@ TEST(Experiment, BeginsNoTrialWhenItsTimeIsOver) {
   }
 }
 
-TEST(Experiment, TellsHowFarItIs) {
+TEST(Experiment, ReportsItsProgress) {
   StandIn stand_in;
   std::vector<std::size_t> done;
   ExperimentOptions options{.jobs = 3};
@@ -150,7 +150,7 @@ TEST(Experiment, TellsHowFarItIs) {
   for (std::size_t i = 0; i < done.size(); ++i) EXPECT_EQ(done[i], i + 1);
 }
 
-TEST(Experiment, LeavesOutWhatIsNoNumber) {
+TEST(Experiment, OmitsNaN) {
   StandIn stand_in;
   stand_in.set([](std::size_t, std::uint64_t) {
     return test::StandInTrial{.speed_m_per_s = std::numeric_limits<double>::quiet_NaN()};

@@ -40,13 +40,13 @@ FieldTable<FieldTrial> fields() {
           outcome_fields<T>(&T::outcome)};
 }
 
-TEST(FieldTable, TellsEventsFromQuantities) {
+TEST(FieldTable, DistinguishesEventsFromQuantities) {
   const std::vector<Metric> metrics = fields().metrics();
   ASSERT_EQ(metrics.size(), 11u);
   for (std::size_t i = 0; i < metrics.size(); ++i) EXPECT_EQ(metrics[i].is_event, i < 2 || i > 5) << i;
 }
 
-TEST(FieldTable, RefusesTwoFieldsOfOneName) {
+TEST(FieldTable, RejectsDuplicateFieldNames) {
   using T = FieldTrial;
   const Fields<T> down{{{.name = "down"}, &T::down}};
   EXPECT_THROW((FieldTable<T>{down, down}), std::logic_error);
@@ -70,7 +70,7 @@ FieldTrial through_log(const FieldTrial& trial, int* played) {
   return read;
 }
 
-TEST(FieldTable, ReadsATrialBackFromTheLog) {
+TEST(FieldTable, RoundTripsATrialThroughTheLog) {
   int played = 0;
   const FieldTrial trial = through_log({.error = "it \"failed\"",
                                         .outcome = Outcome::kFailed,
@@ -102,7 +102,7 @@ TEST(FieldTable, ReadsMissingValuesBackAsMissing) {
   EXPECT_TRUE(std::isnan(trial.figures.speed_m_per_s));
 }
 
-TEST(FieldTable, TellsNoOutcomeFromSurvival) {
+TEST(FieldTable, DistinguishesNoOutcomeFromSurvival) {
   using T = FieldTrial;
   const FieldTable<T> table{outcome_fields<T>(&T::lost_by)};
   for (const std::optional<Outcome> outcome :

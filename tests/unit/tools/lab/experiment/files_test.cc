@@ -13,7 +13,7 @@ using koboshi::test::read_file;
 using koboshi::test::TemporaryFolder;
 using koboshi::test::write_file;
 
-TEST(InputHash, TellsFilesAndTextsApart) {
+TEST(InputHash, DistinguishesFilesAndTexts) {
   const TemporaryFolder folder;
   const fs::path a = folder.path / "a";
   write_file(a, "one");
@@ -29,7 +29,7 @@ TEST(InputHash, TellsFilesAndTextsApart) {
   EXPECT_THROW(static_cast<void>(hash_inputs(std::vector<fs::path>{folder.path / "b"}, {})), sim::InputError);
 }
 
-TEST(PageSection, BeginsAPageAndIsReplacedInPlace) {
+TEST(PageSection, CreatesAPageAndIsReplacedInPlace) {
   const TemporaryFolder folder;
   const fs::path page = folder.path / "page.md";
   write_section(page, "Walking", "level", "20 seeds\n");
@@ -43,7 +43,7 @@ TEST(PageSection, BeginsAPageAndIsReplacedInPlace) {
             "\n<!-- generated: pushed -->\n10 seeds\n<!-- end of pushed -->\n\nWhat it means.\n");
 }
 
-TEST(PageSection, RefusesAPageThatLostOneOfItsComments) {
+TEST(PageSection, RejectsAPageThatLacksOneOfItsComments) {
   const TemporaryFolder folder;
   const fs::path page = folder.path / "page.md";
   write_file(page, "# Walking\n<!-- generated: level -->\n20 seeds\n");

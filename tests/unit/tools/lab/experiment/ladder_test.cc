@@ -66,7 +66,7 @@ TEST(Ladder, IsClimbedUntilMoreThanFiveOfAHundredFail) {
   EXPECT_EQ(test.line(1, result), "b: up to 4; nothing beyond was tried\n");
 }
 
-TEST(Ladder, PlaysNoMoreOfALevelThanFailureNeeds) {
+TEST(Ladder, StopsALevelOnceItsFailureIsCertain) {
   Ladders test;
   test.failing[0] = test.failing[4] = 40;
   const ExperimentResult result = play_experiment(test.experiment, {.batch = 10});
@@ -75,7 +75,7 @@ TEST(Ladder, PlaysNoMoreOfALevelThanFailureNeeds) {
   EXPECT_EQ(test.line(0, result), "a: at no level; the next is too much\n");
 }
 
-TEST(Ladder, SaysThatTheTimeWasOver) {
+TEST(Ladder, ReportsThatTheTimeLimitWasReached) {
   Ladders test;
   const ExperimentResult result =
       play_experiment(test.experiment, {.budget = std::chrono::duration<double>(0.0)});
@@ -84,7 +84,7 @@ TEST(Ladder, SaysThatTheTimeWasOver) {
   EXPECT_FALSE(test.climb(1, result).highest);
 }
 
-TEST(Ladder, ShowsLevelsAsSharesOfTheHardest) {
+TEST(Ladder, ShowsLevelsAsFractionsOfTheHardest) {
   Ladders test;
   test.failing[1] = 10;
   const ExperimentResult result = play_experiment(test.experiment, {});

@@ -39,13 +39,13 @@ TEST(Report, WritesAMarkdownTable) {
             "| rough | 1 | 1 of 1 (21 .. 100 %) | - |\n");
 }
 
-TEST(Report, SaysWhichCellsStoppedEarly) {
+TEST(Report, ReportsWhichCellsStoppedEarly) {
   StandIn stand_in;
   EXPECT_EQ(notes(stand_in.experiment, few_trials()),
             "shaky: stopped after 1 of 25 seeds, the time was over\n");
 }
 
-TEST(Report, TellsOfEventsThatAreInNoColumn) {
+TEST(Report, ReportsEventsWithoutAColumn) {
   StandIn stand_in;
   stand_in.experiment.metrics.push_back({.name = "failed", .is_event = true});
   ExperimentResult result = few_trials();
@@ -61,7 +61,7 @@ TEST(Report, TellsOfEventsThatAreInNoColumn) {
             "shaky: stopped after 1 of 25 seeds, the intervals are tight enough\n");
 }
 
-TEST(Report, LeavesOutCellsThatWereNotReached) {
+TEST(Report, OmitsCellsThatWereNotReached) {
   StandIn stand_in;
   ExperimentResult result = few_trials();
   result.cells[1] = {.stop = Stop::kNotReached};
@@ -72,7 +72,7 @@ TEST(Report, LeavesOutCellsThatWereNotReached) {
   EXPECT_EQ(notes(stand_in.experiment, result), "");
 }
 
-TEST(Report, WritesALineATrial) {
+TEST(Report, WritesOneLinePerTrial) {
   StandIn stand_in;
   EXPECT_EQ(to_csv(stand_in.experiment, few_trials()),
             "ground,seed,fell,speed_m_per_s\n"
@@ -82,7 +82,7 @@ TEST(Report, WritesALineATrial) {
             "rough,1,1,\n");
 }
 
-TEST(Report, GivesProgramsSIUnitsAndNullForWhatIsNoNumber) {
+TEST(Report, WritesJsonInSiUnitsWithNullForNaN) {
   StandIn stand_in;
   stand_in.experiment.conditions = {{"duration_s", "30"}, {"disturbed", "no"}};
   const auto json = nlohmann::ordered_json::parse(to_json(stand_in.experiment, few_trials()).dump());

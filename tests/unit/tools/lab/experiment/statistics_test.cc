@@ -9,7 +9,7 @@
 namespace koboshi::tools {
 namespace {
 
-TEST(MeanEstimate, IsThatOfAWorkedExample) {
+TEST(MeanEstimate, MatchesAWorkedExample) {
   // Mean 5, deviation sqrt(2.5); Student's t for 4 degrees of freedom, 97.5 %, is 2.7764451 in any table.
   const std::array values{3.0, 4.0, 5.0, 6.0, 7.0};
   const MeanEstimate estimate = estimate_mean(values);
@@ -32,7 +32,7 @@ TEST(MeanEstimate, OfEqualValuesHasNoWidth) {
   EXPECT_EQ(estimate_mean(values).confidence_95, (Interval{0.25, 0.25}));
 }
 
-TEST(ShareEstimate, HasTheIntervalsThatNewcombePrints) {
+TEST(ShareEstimate, MatchesTheIntervalsOfNewcombe) {
   // R. G. Newcombe, "Two-sided confidence intervals for the single proportion", 1998, table I, method 3.
   struct Printed {
     std::size_t events, count;
@@ -46,7 +46,7 @@ TEST(ShareEstimate, HasTheIntervalsThatNewcombePrints) {
   }
 }
 
-TEST(ShareEstimate, IsTheSameFromEitherSide) {
+TEST(ShareEstimate, IsSymmetric) {
   const ShareEstimate few = estimate_share(3, 40);
   const ShareEstimate many = estimate_share(37, 40);
   EXPECT_NEAR(few.confidence_95.low, 1.0 - many.confidence_95.high, 1e-15);
@@ -54,11 +54,11 @@ TEST(ShareEstimate, IsTheSameFromEitherSide) {
   EXPECT_EQ(estimate_share(0, 20).confidence_95.low, 0.0);
 }
 
-TEST(ShareEstimate, KnowsNothingWithoutTrials) {
+TEST(ShareEstimate, IsNaNWithoutTrials) {
   EXPECT_EQ(estimate_share(0, 0).confidence_95, (Interval{0.0, 1.0}));
 }
 
-TEST(Quantile, IsWhatAllButAShareReach) {
+TEST(Quantile, IsReachedByAllButAFraction) {
   std::vector<double> values;
   for (int i = 100; i >= 1; --i) values.push_back(i);
   const QuantileEstimate estimate = estimate_quantile(values, 0.05);

@@ -39,20 +39,20 @@ TEST(Columns, AreFoundByName) {
   EXPECT_THROW(values_of(columns, "b_m"), PlotError);
 }
 
-TEST(Thinning, LeavesAShortCurveAlone) {
+TEST(Thinning, KeepsAShortCurveUnchanged) {
   const std::vector<double> x{0, 1, 2, 3};
   const std::vector<double> y{5, 4, 6, 1};
   EXPECT_THAT(thin(x, y, 4), ElementsAre(Point{0, 5}, Point{1, 4}, Point{2, 6}, Point{3, 1}));
   EXPECT_EQ(thin(x, y, 1000), thin(x, y, 4));
 }
 
-TEST(Thinning, KeepsTheExtremesOfEachRunInTheirOrder) {
+TEST(Thinning, KeepsTheExtremesOfEachIntervalInOrder) {
   const std::vector<double> x{0, 1, 2, 3, 4, 5, 6, 7};
   const std::vector<double> y{0, 9, -3, 1, 2, -7, 4, 3};
   EXPECT_THAT(thin(x, y, 2), ElementsAre(Point{1, 9}, Point{2, -3}, Point{5, -7}, Point{6, 4}));
 }
 
-TEST(Thinning, BreaksTheLineWhereThereIsNoNumber) {
+TEST(Thinning, BreaksTheLineAtNaN) {
   const std::vector<double> x{0, 1, 2, 3, 4, 5};
   const std::vector<double> y{1, kNaN, kNaN, kNaN, 3, kNaN};
   const std::vector<Point> points = thin(x, y, 3);
@@ -62,7 +62,7 @@ TEST(Thinning, BreaksTheLineWhereThereIsNoNumber) {
   EXPECT_EQ(points[2], (Point{4, 3}));
 }
 
-TEST(Thinning, MakesNothingOfNothing) { EXPECT_TRUE(thin({}, {}, 10).empty()); }
+TEST(Thinning, KeepsAnEmptyCurveEmpty) { EXPECT_TRUE(thin({}, {}, 10).empty()); }
 
 }  // namespace
 }  // namespace koboshi::tools

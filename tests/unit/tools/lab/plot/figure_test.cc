@@ -65,7 +65,7 @@ class Drawing : public ::testing::Test {
   const Columns trace_ = squat_trace();
 };
 
-TEST_F(Drawing, MakesPngAndSvgAndLeavesNothingElse) {
+TEST_F(Drawing, WritesPngAndSvgOnly) {
   draw(squat_figure(), trace_, folder_ / "squat");
   EXPECT_THAT(contents(folder_ / "squat.png"), StartsWith("\x89PNG"));
   const std::string svg = contents(folder_ / "squat.svg");
@@ -76,14 +76,14 @@ TEST_F(Drawing, MakesPngAndSvgAndLeavesNothingElse) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "squat.gnuplot"));
 }
 
-TEST_F(Drawing, RepeatsItself) {
+TEST_F(Drawing, IsReproducible) {
   draw(squat_figure(), trace_, folder_ / "a");
   draw(squat_figure(), trace_, folder_ / "b");
   EXPECT_EQ(contents(folder_ / "a.png"), contents(folder_ / "b.png"));
   EXPECT_EQ(contents(folder_ / "a.svg"), contents(folder_ / "b.svg"));
 }
 
-TEST_F(Drawing, CopesWithConstantAndMissingData) {
+TEST_F(Drawing, DrawsConstantAndMissingData) {
   const Columns columns{{"time_s", {0, 1, 2}}, {"constant", {5, 5, 5}}, {"missing", {NAN, NAN, NAN}}};
   Figure figure;
   figure.panels = {{.y_label = "c", .series = {{.column = "constant"}}},
@@ -108,7 +108,7 @@ TEST_F(Drawing, ShowsPathsOverTheGroundWithEqualAxes) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "path.gnuplot"));
 }
 
-TEST_F(Drawing, NeedsNoLocaleForItsLetters) {
+TEST_F(Drawing, DrawsUnicodeInAnyLocale) {
   const char* const before = getenv("LC_ALL");
   const std::string kept = before != nullptr ? before : "";
   setenv("LC_ALL", "C", 1);
@@ -118,14 +118,14 @@ TEST_F(Drawing, NeedsNoLocaleForItsLetters) {
   before != nullptr ? setenv("LC_ALL", kept.c_str(), 1) : unsetenv("LC_ALL");
 }
 
-TEST_F(Drawing, RefusesAColumnThatIsNotThereAndWritesNothing) {
+TEST_F(Drawing, RejectsAMissingColumnAndWritesNothing) {
   Figure figure = squat_figure();
   figure.panels[0].series[0].column = "tail_m";
   EXPECT_THROW(draw(figure, trace_, folder_ / "squat"), PlotError);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "squat.gnuplot"));
 }
 
-TEST_F(Drawing, SaysSoWhenGnuplotIsNotInstalled) {
+TEST_F(Drawing, ReportsAMissingGnuplot) {
   const std::string path = getenv("PATH");
   setenv("PATH", folder_.c_str(), 1);
   std::string message;
@@ -139,7 +139,7 @@ TEST_F(Drawing, SaysSoWhenGnuplotIsNotInstalled) {
   EXPECT_THAT(message, Not(HasSubstr("\n")));
 }
 
-TEST_F(Drawing, SaysSoWhenGnuplotFails) {
+TEST_F(Drawing, ReportsAFailureOfGnuplot) {
   std::ofstream(folder_ / "gnuplot") << "#!/bin/sh\nexit 3\n";
   std::filesystem::permissions(folder_ / "gnuplot", std::filesystem::perms::owner_all);
   const std::string path = getenv("PATH");
@@ -149,7 +149,7 @@ TEST_F(Drawing, SaysSoWhenGnuplotFails) {
   EXPECT_TRUE(std::filesystem::exists(folder_ / "squat.gnuplot")) << "the script stays, to be looked at";
 }
 
-TEST(GnuplotScript, ShowsThePartThatIsAskedFor) {
+TEST(GnuplotScript, ShowsTheRequestedInterval) {
   Figure figure;
   figure.panels = {{.y_label = "y", .series = {{.column = "y"}}}};
   figure.x_span = {1.0, 2.0};
@@ -187,7 +187,7 @@ TEST(GnuplotScript, PlacesLabelsThatWouldCollideAboveEachOther) {
   EXPECT_EQ(near[0], near[3]);
 }
 
-TEST(GnuplotScript, ShowsNoMarkOutsideTheAbscissa) {
+TEST(GnuplotScript, OmitsMarksOutsideTheAbscissa) {
   EXPECT_EQ(label_heights({{10, "enable"}, {101, "stop"}}).size(), 1u);
 }
 
@@ -200,7 +200,7 @@ TEST(GnuplotScript, KeepsLabelsBelowTheTitle) {
   for (const double height : heights) EXPECT_GT(height * kPage_px, kTitleEnd_px);
 }
 
-TEST(GnuplotScript, ShowsNoValuesThatMeanNothing) {
+TEST(GnuplotScript, OmitsValuesBeforeTheirStart) {
   Figure figure{.panels = {{.series = {{.column = "y", .from_x = 1.0}}}}};
   const Columns columns{{"time_s", {0.0, 1.0, 2.0, 3.0}}, {"y", {-900.0, 2.0, 3.0, 2.0}}};
   const std::string script = gnuplot_script(figure, columns);
@@ -218,13 +218,13 @@ TEST(GnuplotScript, DrawsDashedCurvesOnTop) {
   EXPECT_NE(script.find("title 'planned'"), std::string::npos);
 }
 
-TEST(GnuplotScript, SaysWhatItsReaderMustKnow) {
+TEST(GnuplotScript, ShowsItsNote) {
   Figure figure{.note = "It's off by 1.8 deg.", .panels = {{.series = {{.column = "y"}}}}};
   const Columns columns{{"time_s", {0.0, 1.0}}, {"y", {0.0, 1.0}}};
   EXPECT_THAT(gnuplot_script(figure, columns), HasSubstr("set label 'It''s off by 1.8 deg.'"));
 }
 
-TEST(Legend, TellsRolesApart) {
+TEST(Legend, DistinguishesRoles) {
   const std::vector<Role> roles{Role::kPlanned, Role::kMeasured, Role::kTrue,  Role::kTheory,
                                 Role::kLeft,    Role::kRight,    Role::kFirst, Role::kSecond};
   std::set<int> colours;

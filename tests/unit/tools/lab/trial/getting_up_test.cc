@@ -41,7 +41,7 @@ class GettingUpTest : public testing::Test {
   std::uint64_t now_us_ = 0;
 };
 
-TEST_F(GettingUpTest, CountsFromTheCommandToWhenItStandsForGood) {
+TEST_F(GettingUpTest, CountsFromTheCommandToTheFinalStand) {
   EXPECT_FALSE(observe(trunk(90 * kDegree, 0.03), 2.0));
   EXPECT_FALSE(getting_up_.stood_s());
   EXPECT_FALSE(observe(trunk(5 * kDegree, 0.16), 2.2));  // passes upright, and sways on
@@ -51,18 +51,18 @@ TEST_F(GettingUpTest, CountsFromTheCommandToWhenItStandsForGood) {
   EXPECT_NEAR(getting_up_.stood_s().value(), 2.0, 1e-9);
 }
 
-TEST_F(GettingUpTest, TakesNoLeanAndNoSeatForAStand) {
+TEST_F(GettingUpTest, DoesNotMistakeALeanOrASeatForAStand) {
   EXPECT_FALSE(observe(trunk(16 * kDegree, 0.16), 3.0));
   EXPECT_FALSE(observe(trunk(0.0, 0.08), 5.0));
   EXPECT_FALSE(getting_up_.stood_s());
 }
 
-TEST_F(GettingUpTest, IsNotOverBeforeItBegins) {
+TEST_F(GettingUpTest, DoesNotEndBeforeItBegins) {
   EXPECT_FALSE(observe(trunk(0.0, 0.16), 1.0));
   EXPECT_FALSE(getting_up_.stood_s());
 }
 
-TEST_F(GettingUpTest, TellsHowFarItCame) {
+TEST_F(GettingUpTest, ReportsHowFarItCame) {
   observe(trunk(180 * kDegree, 0.0), 0.1);
   EXPECT_NEAR(getting_up_.uprightness(), 0.0, 1e-12);
   observe(trunk(90 * kDegree, 0.04), 0.2);

@@ -52,7 +52,7 @@ TEST(Perturbation, KeepsMassesWithinTheirBoundsAndUsesAllOfThem) {
 }
 
 // Where robot and ground meet, not of the ground alone: the robot's own soles would cut it off at 0.8.
-TEST(Perturbation, GivesTheContactsTheFrictionThatItDraws) {
+TEST(Perturbation, AppliesTheDrawnFriction) {
   double lowest = 1.0;
   double highest = 0.0;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
@@ -73,7 +73,7 @@ TEST(Perturbation, GivesTheContactsTheFrictionThatItDraws) {
   EXPECT_GT(highest, 0.999);
 }
 
-TEST(Perturbation, GivesEveryServoABacklashAndAnEncoderOffsetOfItsOwn) {
+TEST(Perturbation, DrawsBacklashAndEncoderOffsetPerServo) {
   double largest_rad = 0.0;
   double farthest_rad = 0.0;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
@@ -129,7 +129,7 @@ TEST(Perturbation, KeepsTheGroundWithinItsBoundsAndUsesAllOfThem) {
   for (const int count : quadrants) EXPECT_GT(count, kSeeds / 5);
 }
 
-TEST(Perturbation, LeavesTheGroundHardUnlessToldOtherwise) {
+TEST(Perturbation, KeepsTheGroundHardByDefault) {
   sim::Scenario scenario;
   perturb_scenario(scenario, {}, 1);
   EXPECT_FALSE(scenario.ground.softness);
@@ -156,7 +156,7 @@ TEST(Perturbation, IsTheSameForTheSameSeedAndOnEveryMachine) {
   EXPECT_EQ(more_links.links[1].mass_kg, robot.links[0].mass_kg);
 }
 
-TEST(Pushes, ComeInTimeWithinTheirBounds) {
+TEST(Pushes, AreDrawnWithinTheirBounds) {
   sim::Scenario scenario;
   scenario.duration_us = 600'000'000;
   const PushBounds bounds{.first_s = 2.0,

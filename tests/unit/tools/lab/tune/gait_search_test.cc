@@ -37,7 +37,7 @@ ScenarioTrial fallen(double after_s) {
   return trial;
 }
 
-TEST(Reward, PutsEveryWalkBeforeEveryFall) {
+TEST(Reward, RanksEveryWalkAboveEveryFall) {
   const ScenarioTrial worst_walk = slid(drifted(walked(0.0), -3.0), 0.02);
   EXPECT_GT(reward(walked(0.2), kDuration_s), reward(walked(0.1), kDuration_s));
   EXPECT_LT(reward(fallen(9.0), kDuration_s), 0.0);
@@ -65,7 +65,7 @@ TEST(GaitParameters, HoldTheRobotsOwnGait) {
   }
 }
 
-TEST(SearchedNumbers, LieOnTheirGridsAndWithinTheirBounds) {
+TEST(SearchedNumbers, LieOnTheirGridsWithinTheirBounds) {
   const std::vector<SearchedNumber> numbers{{"a", 0.3, 1.0, 0.02, 0.65}, {"b", 0.0, 5.0, 0.3, 9.0}};
   EXPECT_EQ(start_of(numbers), (std::vector{(0.65 - 0.3) / (1.0 - 0.3), 1.0}));
   EXPECT_EQ(values_at(numbers, {0.513, 0.0}), (std::vector{0.66, 0.0}));

@@ -16,7 +16,7 @@ const std::string kText =
     "hip:\n"
     "  width_m: 0.06\n";
 
-TEST(GaitText, ReadsNumbersWhereverTheyStand) {
+TEST(GaitText, ReadsNumbersAtAnyPosition) {
   EXPECT_EQ(gait_number(kText, "points", "gait.yaml"), 8.0);
   EXPECT_EQ(gait_number(kText, "period_s", "gait.yaml"), 0.484);
   EXPECT_EQ(gait_number(kText, "feedback.ankle_pitch_s", "gait.yaml"), 0.02);
@@ -24,7 +24,7 @@ TEST(GaitText, ReadsNumbersWhereverTheyStand) {
   EXPECT_EQ(gait_number(kText, "hip.width_m", "gait.yaml"), 0.06);
 }
 
-TEST(GaitText, ReplacesNumbersAndNothingElse) {
+TEST(GaitText, ReplacesNumbersOnly) {
   const std::string text = with_numbers(
       kText, {{"period_s", 0.5}, {"feedback.knee_s", 0.25}, {"hip.width_m", 0.0625}}, "gait.yaml");
   EXPECT_EQ(text,
@@ -37,7 +37,7 @@ TEST(GaitText, ReplacesNumbersAndNothingElse) {
             "  width_m: 0.0625\n");
 }
 
-TEST(GaitText, RefusesKeysThatAreNotThereOrDoubled) {
+TEST(GaitText, RejectsMissingAndDuplicateKeys) {
   EXPECT_FALSE(has_number(kText, "step_length_m"));
   EXPECT_TRUE(has_number(kText, "points"));
   EXPECT_THROW(static_cast<void>(gait_number(kText, "step_length_m", "gait.yaml")), sim::InputError);

@@ -19,7 +19,9 @@ TEST(Infeasible, IsCountedByTheLimitAndNotByTheValue) {
   EXPECT_EQ(infeasible_text({}, 20), "");
 }
 
-TEST(Infeasible, IsOneCellOfATable) { EXPECT_EQ(csv_cell("period_s, a number"), "period_s; a number"); }
+TEST(Infeasible, IsShownInOneCellOfATable) {
+  EXPECT_EQ(csv_cell("period_s, a number"), "period_s; a number");
+}
 
 }  // namespace
 }  // namespace koboshi::tools

@@ -18,12 +18,12 @@ double valley(const std::vector<double>& x) {
   return sum;
 }
 
-TEST(Optimiser, FindsTheBottom) {
+TEST(Optimiser, FindsTheMinimum) {
   const std::vector<double> found = minimise(valley, {0.1, 0.9, 0.1}, {.evaluations = 1200});
   for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], kBest[i], 1e-3);
 }
 
-TEST(Optimiser, EvaluatesTheStartFirstStaysInTheBoxAndWithinItsBudget) {
+TEST(Optimiser, EvaluatesTheStartFirstAndStaysWithinBoundsAndBudget) {
   std::vector<std::vector<double>> evaluated;
   const auto corner = [&](const std::vector<double>& x) {
     evaluated.push_back(x);
@@ -40,7 +40,7 @@ TEST(Optimiser, EvaluatesTheStartFirstStaysInTheBoxAndWithinItsBudget) {
   }
 }
 
-TEST(Optimiser, RepeatsItself) {
+TEST(Optimiser, IsReproducible) {
   std::vector<std::vector<double>> runs[2];
   for (auto& run : runs) {
     const auto objective = [&](const std::vector<double>& x) {
@@ -60,7 +60,7 @@ TEST(Optimiser, DoesNotStopOnFlatGround) {
 }
 
 // Near the one corner each wants something else: all on the line between is as good as any.
-TEST(Optimiser, SpreadsOverWhatCostsAnother) {
+TEST(Optimiser, CoversTheFrontOfConflictingObjectives) {
   std::vector<std::vector<double>> values;
   const auto objectives = [&](const std::vector<double>& x) {
     const double beside = std::pow(x[1] - 0.3, 2.0);
@@ -82,7 +82,7 @@ TEST(Optimiser, SpreadsOverWhatCostsAnother) {
   EXPECT_GT(most, 0.9);
 }
 
-TEST(NonDominated, AreThoseThatNoOtherBeats) {
+TEST(NonDominated, AreThoseThatNoOtherDominates) {
   EXPECT_EQ(non_dominated({{1, 5}, {2, 2}, {3, 3}, {5, 1}, {2, 6}}), (std::vector<std::size_t>{0, 1, 3}));
   EXPECT_EQ(non_dominated({{1, 5}}), std::vector<std::size_t>{0});
   EXPECT_TRUE(non_dominated({}).empty());

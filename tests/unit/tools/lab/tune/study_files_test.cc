@@ -6,7 +6,7 @@
 namespace koboshi::tools {
 namespace {
 
-TEST(StudyFiles, AreThoseOfEveryTrialEachOnce) {
+TEST(StudyFiles, ListTheFilesOfEveryTrialOnce) {
   Study study;
   study.file = "walk.yaml";
   sim::Scenario calm;

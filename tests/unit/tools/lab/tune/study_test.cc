@@ -74,7 +74,7 @@ TEST_F(StudyReader, ReadsEverySetting) {
   EXPECT_EQ(forward.weight, 3.0);
 }
 
-TEST_F(StudyReader, FillsInWhatATrialLeavesOut) {
+TEST_F(StudyReader, FillsInDefaultsOfATrial) {
   const StudiedTrial trial = read(kStudy).trials[1];
   EXPECT_TRUE(trial.set.empty());
   EXPECT_EQ(trial.reward, StudiedTrial::Reward::kSurvival);
@@ -89,7 +89,7 @@ TEST_F(StudyReader, ReadsTheStudiesOfTheRepository) {
   }
 }
 
-TEST_F(StudyReader, SaysInWhichLineItFoundWhat) {
+TEST_F(StudyReader, ReportsLineAndValueOfAnError) {
   EXPECT_THAT(refusal(with("[58, 85]", "[85, 58]")),
               HasSubstr("walk.yaml:6: found a range that ends before it begins"));
   EXPECT_THAT(refusal(with("start: 77.2", "start: 90")), HasSubstr("walk.yaml:6: found"));
@@ -102,7 +102,7 @@ TEST_F(StudyReader, SaysInWhichLineItFoundWhat) {
   EXPECT_THAT(refusal(with("version: 1", "version: 2")), HasSubstr("walk.yaml:1: found"));
 }
 
-TEST_F(StudyReader, WantsANumberAndATrial) {
+TEST_F(StudyReader, RequiresAParameterAndATrial) {
   const std::string head = "version: 1\nscenario: ../scenarios/go.yaml\n";
   EXPECT_THAT(refusal(head + "numbers: {}\ntrials: [{name: a}]\n"), HasSubstr("no number"));
   EXPECT_THAT(refusal(head + "numbers: {a: {range: [0, 1], grid: 0.1, start: 0}}\ntrials: []\n"),
@@ -126,7 +126,7 @@ StudiedTrial trial(StudiedTrial::Reward reward, double wanted) {
   return {.name = "trial", .reward = reward, .wanted = wanted};
 }
 
-TEST(Score, IsTheShareOfWhatIsWanted) {
+TEST(Score, IsTheFractionOfTheGoal) {
   using enum StudiedTrial::Reward;
   EXPECT_NEAR(score(trial(kForward, 0.2), came(1.0, 0.0, 0.0), kStudyDuration_s), 0.5, 1e-12);
   EXPECT_NEAR(score(trial(kBackward, 0.2), came(-1.0, 0.0, 0.0), kStudyDuration_s), 0.5, 1e-12);
@@ -135,13 +135,13 @@ TEST(Score, IsTheShareOfWhatIsWanted) {
   EXPECT_EQ(score(trial(kSurvival, 1.0), came(0.0, 0.0, 0.0), kStudyDuration_s), 1.0);
 }
 
-TEST(Score, IsNoMoreThanOneAndLessForTheWrongWay) {
+TEST(Score, IsAtMostOneAndLowerInTheWrongDirection) {
   using enum StudiedTrial::Reward;
   EXPECT_EQ(score(trial(kForward, 0.2), came(9.0, 0.0, 0.0), kStudyDuration_s), 1.0);
   EXPECT_LT(score(trial(kForward, 0.2), came(-1.0, 0.0, 0.0), kStudyDuration_s), 0.0);
 }
 
-TEST(Score, TakesOffWhatStrays) {
+TEST(Score, SubtractsTheDeviation) {
   using enum StudiedTrial::Reward;
   const double straight = score(trial(kForward, 0.2), came(1.0, 0.0, 0.0), kStudyDuration_s);
   EXPECT_NEAR(score(trial(kForward, 0.2), came(1.0, -1.0, 0.0), kStudyDuration_s), straight - 0.125, 1e-12);
@@ -149,7 +149,7 @@ TEST(Score, TakesOffWhatStrays) {
             score(trial(kTurn, 1.0), came(0.0, 0.0, 5.0), kStudyDuration_s));
 }
 
-TEST(Score, OfStandingUpIsHowSoonElseHowFar) {
+TEST(Score, OfStandingUpDependsOnTimeOrProgress) {
   const StudiedTrial rise = trial(StudiedTrial::Reward::kStandUp, 2.0);
   const auto stood = [&](double after_s) {
     return score(rise, {{.outcome = Outcome::kFell}, after_s, 1.0}, kStudyDuration_s);
@@ -164,7 +164,7 @@ TEST(Score, OfStandingUpIsHowSoonElseHowFar) {
   EXPECT_LE(came_to(1.0), 0.0);  // upright, and yet not still
 }
 
-TEST(Score, PutsEveryFallBelowEverySurvivalAndALateOneBeforeAnEarlyOne) {
+TEST(Score, RanksFallsBelowSurvivalAndLateFallsAboveEarlyOnes) {
   using enum StudiedTrial::Reward;
   const auto fell = [](double after_s) {
     GettingUpTrial fallen = came(5.0, 0.0, 0.0);

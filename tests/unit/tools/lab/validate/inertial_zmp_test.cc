@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-TEST(InertialZmp, IsWhereTheForceOnAFreeBodyComesFrom) {
+TEST(InertialZmp, IsThePointOfTheForceOnAFreeBody) {
   const sim::RobotDescription robot = box_rig(1.5, {0.1, 0.06, 0.2});
   sim::WorldOptions options;
   options.ground.present = false;
@@ -34,7 +34,7 @@ TEST(InertialZmp, IsWhereTheForceOnAFreeBodyComesFrom) {
   }
 }
 
-TEST(InertialZmp, IsNowhereInFreeFall) {
+TEST(InertialZmp, IsInvalidInFreeFall) {
   const sim::RobotDescription robot = box_rig(1.5, {0.1, 0.06, 0.2});
   sim::WorldOptions options;
   options.ground.present = false;

@@ -27,7 +27,7 @@ TEST(Check, PassesUpToItsTolerance) {
   EXPECT_FALSE((Check{.theory = 1.0, .simulated = 0.75, .tolerance = 0.125}.passed()));
 }
 
-TEST(Check, FailsOnWhatIsNoNumber) {
+TEST(Check, FailsOnNaN) {
   EXPECT_FALSE((Check{.simulated = std::nan(""), .tolerance = 1.0}.passed()));
   EXPECT_FALSE((Check{.tolerance = std::nan("")}.passed()));
 }
@@ -38,7 +38,7 @@ TEST(ValidationResult, PassesWithAllOfItsChecks) {
   EXPECT_FALSE(result_of({good, bad}).passed());
 }
 
-TEST(Play, TakesAWorldThatBlowsUpForAFailure) {
+TEST(Play, CountsAnUnstableWorldAsAFailure) {
   Validation validation{.name = "boom"};
   validation.run = [](const ValidationSetup&) -> Findings { throw sim::WorldBlewUp("it blew up"); };
   const ValidationResult result = play(validation, {});
@@ -46,7 +46,7 @@ TEST(Play, TakesAWorldThatBlowsUpForAFailure) {
   EXPECT_THAT(check_table(result.findings.checks, TableStyle::kTerminal), HasSubstr("it blew up"));
 }
 
-TEST(Report, TellsTheSameInEveryForm) {
+TEST(Report, HasTheSameContentInEveryFormat) {
   const std::vector<ValidationResult> results{
       result_of({{"height", "m", 2.0, 2.5, 1.0}, {"way, aside", "m", 0.0, std::nan(""), 1.0}})};
   EXPECT_THAT(check_table(results[0].findings.checks, TableStyle::kMarkdown),
@@ -66,7 +66,7 @@ TEST(Report, TellsTheSameInEveryForm) {
   }
 }
 
-TEST(Catalogue, HasNamesOfItsOwnAndSaysWhatItExpects) {
+TEST(Catalogue, NamesItsEntriesAndListsThemOnAnUnknownName) {
   std::set<std::string> names;
   for (const Validation& validation : all_validations()) {
     EXPECT_TRUE(names.insert(validation.name).second) << validation.name;
@@ -74,7 +74,7 @@ TEST(Catalogue, HasNamesOfItsOwnAndSaysWhatItExpects) {
   }
 }
 
-TEST(StepperName, IsFoundAgain) {
+TEST(StepperName, RoundTrips) {
   for (const std::string_view name : sim::stepper_names()) {
     EXPECT_EQ(sim::name_of(sim::stepper_named(name).value()), name);
   }

@@ -44,7 +44,7 @@ TEST(ServoReference, StopsByFrictionAndStays) {
   EXPECT_LT(torque_Nm, trial.servo.coulomb_friction_Nm);
 }
 
-TEST(ServoSimulation, IsLateByLessThanAStepButNotExact) {
+TEST(ServoSimulation, LagsByLessThanAStep) {
   ServoTrial trial;
   trial.target_rad = [](double) { return 0.5; };
   const double exact_rad = reference(trial).position_rad[20];

@@ -26,7 +26,7 @@ TEST(RungeKutta, IsOfFourthOrder) {
   EXPECT_NEAR(error_at(20) / error_at(40), 16.0, 2.0);
 }
 
-TEST(PendulumPeriod, IsThatOfTheSeriesAtSmallAmplitudes) {
+TEST(PendulumPeriod, EqualsTheSeriesAtSmallAmplitudes) {
   const double small_s = 2.0 * std::numbers::pi * std::sqrt(0.3 / kGravity_m_per_s2);
   EXPECT_NEAR(pendulum_period_s(0.3, 1e-6), small_s, 1e-9);
   const double a = 0.2;
@@ -34,7 +34,7 @@ TEST(PendulumPeriod, IsThatOfTheSeriesAtSmallAmplitudes) {
               1e-6);
 }
 
-TEST(PendulumPeriod, BringsALargeSwingBackToItsStart) {
+TEST(PendulumPeriod, ReturnsALargeSwingToItsStart) {
   const double period_s = pendulum_period_s(0.25, 2.5);
   EXPECT_NEAR(pendulum_angle_rad(0.25, 2.5, period_s), 2.5, 1e-6);
   EXPECT_NEAR(pendulum_angle_rad(0.25, 2.5, 0.5 * period_s), -2.5, 1e-6);
@@ -60,7 +60,7 @@ double double_pendulum_energy_J(const HangingLink& upper, const HangingLink& low
          kGravity_m_per_s2 * heights;
 }
 
-TEST(DoublePendulum, KeepsItsEnergy) {
+TEST(DoublePendulum, ConservesEnergy) {
   const HangingLink upper{.mass_kg = 0.3, .inertia_kg_m2 = 1e-3, .arm_m = 0.08, .length_m = 0.2};
   const HangingLink lower{.mass_kg = 0.1, .inertia_kg_m2 = 2e-4, .arm_m = 0.12, .length_m = 0.2};
   Eigen::Vector4d state(1.5, -0.7, 0.0, 2.0);
@@ -87,7 +87,7 @@ double integrated_flip_s(const Moments& moments, Vector3d w) {
   return std::nan("");
 }
 
-TEST(FreeBody, FlipsWhenTheEllipticIntegralSays) {
+TEST(FreeBody, FlipsAtTheTimeOfTheEllipticIntegral) {
   const Moments moments(1e-3, 2e-3, 3e-3), others(2e-3, 2.5e-3, 4e-3);
   for (const Vector3d& w :
        {Vector3d(0, 10, 1), Vector3d(0.5, 10, 0), Vector3d(3, 2, 5), Vector3d(8, 1, 0.5)}) {
@@ -96,14 +96,14 @@ TEST(FreeBody, FlipsWhenTheEllipticIntegralSays) {
   }
 }
 
-TEST(FreeBody, KeepsEnergyAndMomentum) {
+TEST(FreeBody, ConservesEnergyAndMomentum) {
   const Moments moments(1e-3, 2e-3, 3e-3);
   const Vector3d w(3, 2, 5), rate = euler_rate(moments, w);
   EXPECT_NEAR(moments.cwiseProduct(w).dot(rate), 0.0, 1e-15);
   EXPECT_NEAR(moments.cwiseAbs2().cwiseProduct(w).dot(rate), 0.0, 1e-15);
 }
 
-TEST(ObservedOrder, IsTheSlopeOfTheLogarithms) {
+TEST(ObservedOrder, IsTheSlopeInLogarithmicAxes) {
   EXPECT_NEAR(observed_order({1.0, 0.5, 0.1}, {3.0, 1.5, 0.3}), 1.0, 1e-12);
   EXPECT_NEAR(observed_order({1.0, 0.5, 0.25}, {8.0, 2.0, 0.5}), 2.0, 1e-12);
 }
