@@ -1,10 +1,28 @@
 #include "simulation/gait/gait.h"
 
+#include <array>
+#include <string>
+
 #include "sim_board/input/user_units.h"
 #include "sim_board/input/yaml_reader.h"
 
 namespace koboshi::simulation {
 namespace {
+
+// Keys that have been renamed. Error messages for the old key give the new one.
+struct RenamedKey {
+  const char* old_key;
+  const char* key;
+};
+constexpr std::array<RenamedKey, 2> kRenamedKeys{
+    {{"swing_ease", "swing_profile"}, {"zmp_ahead_m", "zmp_forward_m"}}};
+
+void check_renamed(const sim::YamlMap& root) {
+  for (const auto& [old_key, key] : kRenamedKeys) {
+    if (root.has(old_key))
+      throw root.error_at(old_key, std::string("key ") + old_key + ", which has another name now", key);
+  }
+}
 
 void read_pattern(const sim::YamlMap& root, Gait& gait) {
   gait.points = static_cast<int>(root.integer("points", {.min = 2, .max = 64}, gait.points));
@@ -12,12 +30,12 @@ void read_pattern(const sim::YamlMap& root, Gait& gait) {
   gait.step_length_m = root.number("step_length_m", {.min = -0.5, .max = 0.5});
   gait.step_width_m = root.number("step_width_m", {.min = 0.001, .max = 1.0});
   gait.step_height_m = root.number("step_height_m", {.min = 0.0, .max = 0.5});
-  gait.swing_ease = root.number("swing_ease", {.min = 0.0, .max = 1.0}, gait.swing_ease);
+  gait.swing_profile = root.number("swing_profile", {.min = 0.0, .max = 1.0}, gait.swing_profile);
   gait.com_height_m = root.number("com_height_m", {.min = 0.01, .max = 2.0});
   gait.double_support = root.number("double_support", {.min = 0.01, .max = 0.9});
   gait.trunk_pitch_rad =
       sim::kRadPerDegree * root.number("trunk_pitch_deg", {.min = -45.0, .max = 45.0}, 0.0);
-  gait.zmp_ahead_m = root.number("zmp_ahead_m", {.min = -0.2, .max = 0.2}, 0.0);
+  gait.zmp_forward_m = root.number("zmp_forward_m", {.min = -0.2, .max = 0.2}, 0.0);
   gait.zmp_inward_m = root.number("zmp_inward_m", {.min = -0.2, .max = 0.2}, 0.0);
   gait.sag_compensation = root.number("sag_compensation", {.min = 0.0, .max = 2.0}, 0.0);
   gait.start_steps = static_cast<int>(root.integer("start_steps", {.min = 0, .max = 20}, gait.start_steps));
@@ -45,6 +63,7 @@ Gait read_gait(const std::filesystem::path& file, std::span<const sim::Override>
   const sim::YamlFile yaml(file, overrides);
   const sim::YamlMap root = yaml.root();
   root.require_version(1);
+  check_renamed(root);
   Gait gait;
   gait.file = file;
   gait.robot = root.text("robot");

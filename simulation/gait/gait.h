@@ -34,11 +34,11 @@ struct Gait {
   double step_length_m = 0.03;    // forward distance between the feet at touchdown
   double step_width_m = 0.064;    // between the centre lines of the soles
   double step_height_m = 0.02;    // clearance of the swing sole
-  double swing_ease = 0.5;        // 1: zero forward speed at lift-off and touchdown, 0: constant speed
+  double swing_profile = 0.5;     // 1: zero forward speed at lift-off and touchdown, 0: constant speed
   double com_height_m = 0.17;     // above the ground
   double double_support = 0.2;    // share of a step in which the ZMP shifts between the feet
   double trunk_pitch_rad = 0.0;   // positive forward
-  double zmp_ahead_m = 0.0;       // forward offset from the sole's origin below the ankle
+  double zmp_forward_m = 0.0;     // forward offset from the sole's origin below the ankle
   double zmp_inward_m = 0.0;      // offset towards the other foot from the sole's centre line
   double sag_compensation = 0.0;  // share of the servos' gravity sag that the targets compensate
   int start_steps = 2;  // steps of increasing length at the start, and of decreasing length at the stop

@@ -20,10 +20,10 @@ Vector2d along(const PendulumState& state, int axis) {
 }
 
 // Returns the progress (0 to 1) of the swing sole at `phase`: a cycloid with zero speed at both ends, blended
-// with constant speed by `ease`.
-double swing_progress(double phase, double ease) {
+// with constant speed by `profile`.
+double swing_progress(double phase, double profile) {
   const double turn = 2.0 * std::numbers::pi * phase;
-  return phase - ease * std::sin(turn) / (2.0 * std::numbers::pi);
+  return phase - profile * std::sin(turn) / (2.0 * std::numbers::pi);
 }
 
 double swing_height(double phase) { return 0.5 * (1.0 - std::cos(2.0 * std::numbers::pi * phase)); }
@@ -36,10 +36,10 @@ GaitInstant GaitPlan::at(double time_s) const {
   if (time_s < start_s()) return instant(start_, std::max(time_s, 0.0));
   const double cycles = std::floor((time_s - start_s()) / cycle_s());
   GaitInstant now = instant(cycle_, time_s - start_s() - cycles * cycle_s());
-  const double way_m = cycles * stride_m();
-  now.com_W_m.x() += way_m;
-  now.zmp_W_m.x() += way_m;
-  for (Eigen::Isometry3d& sole : now.X_WSole) sole.translation().x() += way_m;
+  const double travel_m = cycles * stride_m();
+  now.com_W_m.x() += travel_m;
+  now.zmp_W_m.x() += travel_m;
+  for (Eigen::Isometry3d& sole : now.X_WSole) sole.translation().x() += travel_m;
   return now;
 }
 
@@ -66,7 +66,7 @@ double GaitPlan::duration_s(const std::vector<Stage>& stages) {
 
 Vector2d GaitPlan::zmp_of(Side side, const Vector2d& sole) const {
   const double inward_m = side == Side::kLeft ? -gait_.zmp_inward_m : gait_.zmp_inward_m;
-  return sole + Vector2d(gait_.zmp_ahead_m, inward_m);
+  return sole + Vector2d(gait_.zmp_forward_m, inward_m);
 }
 
 Vector2d GaitPlan::middle_zmp(const Soles& soles) const {
@@ -207,7 +207,7 @@ GaitInstant GaitPlan::instant(const std::vector<Stage>& stages, double time_s) c
     const double airborne_s = stage->zmp[1].duration_s;
     const double phase = std::clamp((time_s - stage->zmp[0].duration_s) / airborne_s, 0.0, 1.0);
     Vector2d& sole = soles[index(*stage->swing)];
-    sole += swing_progress(phase, gait_.swing_ease) * (stage->landing - sole);
+    sole += swing_progress(phase, gait_.swing_profile) * (stage->landing - sole);
     height_m = gait_.step_height_m * swing_height(phase);
   }
   for (const Side side : {Side::kLeft, Side::kRight}) {

@@ -18,7 +18,7 @@ constexpr double kWorst = -1.0;  // a fall at once
 // What a drift as long as the way costs, and a slide of a metre.
 constexpr double kDriftCost_m_per_s = 0.1;
 constexpr double kSlipCost_per_s = 0.5;
-constexpr double kShortestWay_m = 0.1;  // bounds the drift of a robot that marks time
+constexpr double kMinDistance_m = 0.1;  // bounds the drift of a robot that marks time
 
 // {period_s: 0.5, feedback.knee_s: 0.01}
 std::string flow_map(const GaitNumbers& numbers) {
@@ -54,28 +54,21 @@ std::vector<SearchedNumber> gait_parameters() {
   // stumbles over any real one.
   constexpr double kTwoTicks_s = 0.02;
   constexpr double kGrid = 1e-5;
-  return {{"period_s", 0.3, 1.0, kTwoTicks_s},
-          {"step_length_m", 0.01, 0.08, kGrid},
-          {"step_width_m", 0.055, 0.085, kGrid},
-          {"step_height_m", 0.015, 0.035, kGrid},
-          {"swing_ease", 0.0, 1.0, kGrid},
-          {"com_height_m", 0.15, 0.19, kGrid},
-          {"double_support", 0.03, 0.6, kGrid},
-          {"trunk_pitch_deg", -4.0, 12.0, kGrid},
-          {"zmp_ahead_m", -0.015, 0.03, kGrid},
-          {"zmp_inward_m", -0.01, 0.02, kGrid},
-          {"sag_compensation", 0.0, 1.2, kGrid},
-          {"feedback.ankle_pitch_s", 0.0, 0.12, kGrid},
-          {"feedback.ankle_roll_s", 0.0, 0.12, kGrid},
-          {"feedback.hip_roll_s", 0.0, 0.12, kGrid},
+  return {{"period_s", 0.3, 1.0, kTwoTicks_s},         {"step_length_m", 0.01, 0.08, kGrid},
+          {"step_width_m", 0.055, 0.085, kGrid},       {"step_height_m", 0.015, 0.035, kGrid},
+          {"swing_profile", 0.0, 1.0, kGrid},          {"com_height_m", 0.15, 0.19, kGrid},
+          {"double_support", 0.03, 0.6, kGrid},        {"trunk_pitch_deg", -4.0, 12.0, kGrid},
+          {"zmp_forward_m", -0.015, 0.03, kGrid},      {"zmp_inward_m", -0.01, 0.02, kGrid},
+          {"sag_compensation", 0.0, 1.2, kGrid},       {"feedback.ankle_pitch_s", 0.0, 0.12, kGrid},
+          {"feedback.ankle_roll_s", 0.0, 0.12, kGrid}, {"feedback.hip_roll_s", 0.0, 0.12, kGrid},
           {"feedback.knee_s", 0.0, 0.12, kGrid}};
 }
 
 double reward(const ScenarioTrial& trial, double duration_s) {
   if (!trial.walked()) return kWorst;  // it has not even begun
   if (trial.lost()) return kWorst * (1.0 - trial.duration_s / duration_s);
-  const double way_m = std::max(std::abs(trial.walk.distance_m), kShortestWay_m);
-  const double drift = std::min(1.0, std::abs(trial.walk.lateral_drift_m) / way_m);
+  const double distance_m = std::max(std::abs(trial.walk.distance_m), kMinDistance_m);
+  const double drift = std::min(1.0, std::abs(trial.walk.lateral_drift_m) / distance_m);
   return trial.walk.speed_m_per_s - kDriftCost_m_per_s * drift - kSlipCost_per_s * trial.foot_slip_max_m;
 }
 

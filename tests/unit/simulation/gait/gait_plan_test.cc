@@ -30,7 +30,7 @@ class GaitPlanTest : public testing::Test {
 
 TEST_F(GaitPlanTest, StartsAtRestInTheMiddleAboveTheZmp) {
   const GaitInstant begin = plan_.at(0.0);
-  EXPECT_NEAR(begin.com_W_m.x(), gait_.zmp_ahead_m, 1e-12);
+  EXPECT_NEAR(begin.com_W_m.x(), gait_.zmp_forward_m, 1e-12);
   EXPECT_NEAR(begin.com_W_m.y(), 0.0, 1e-12);
   EXPECT_NEAR((begin.com_W_m - begin.zmp_W_m).norm(), 0.0, 1e-12);
   EXPECT_NEAR((plan_.at(1e-4).com_W_m - begin.com_W_m).norm() / 1e-4, 0.0, 1e-3);

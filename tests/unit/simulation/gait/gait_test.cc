@@ -50,6 +50,13 @@ TEST(Gait, NamesTheLineOfAnError) {
   EXPECT_THAT(refusal(std::string(kGood) + "points: 1\n"), HasSubstr("points"));
 }
 
+TEST(Gait, RejectsOldKeysWithTheirNewName) {
+  EXPECT_THAT(refusal(std::string(kGood) + "swing_ease: 0.5\n"),
+              HasSubstr(":9: found key swing_ease, which has another name now, expected swing_profile"));
+  EXPECT_THAT(refusal(std::string(kGood) + "zmp_ahead_m: 0.005\n"),
+              HasSubstr(":9: found key zmp_ahead_m, which has another name now, expected zmp_forward_m"));
+}
+
 TEST(Gait, RejectsMissingKeysWithoutDefault) {
   EXPECT_THAT(refusal("version: 1\nrobot: koboshi\n"), HasSubstr("period_s"));
 }
