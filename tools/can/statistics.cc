@@ -3,10 +3,13 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include "firmware/canopen/frame.h"
 #include "sim_board/can/frame_bits.h"
 #include "tools/can/describe.h"
+#include "tools/table/table.h"
 
 namespace koboshi::tools {
 namespace {
@@ -14,6 +17,11 @@ namespace {
 constexpr double kBitsPerSecond = 1e6;
 
 constexpr const char* kKindNames[] = {"NMT", "SYNC", "EMCY", "TIME", "PDO", "SDO", "heartbeat", ""};
+
+template <typename Time>
+std::string ms_text(Time time_us) {
+  return fmt::format("{:.3f}", 1e-3 * static_cast<double>(time_us));
+}
 
 const char* name_of(FrameKind kind) { return kKindNames[static_cast<std::size_t>(kind)]; }
 
@@ -54,25 +62,19 @@ std::string statistics_table(const BusStatistics& statistics) {
                                      ? static_cast<double>(statistics.frames()) / statistics.duration_s()
                                      : 0.0,
                                  100.0 * statistics.load());
-  text += fmt::format("{:>4} {:<10}{:>9}{:>12}{:>12}{:>12}{:>22}\n", "id", "kind", "frames", "period ms",
-                      "shortest", "longest", "after SYNC ms");
+  std::vector<Row> rows;
   for (const auto& [identifier, one] : statistics.identifiers()) {
-    text += fmt::format("{:>4X} {:<10}{:>9}", identifier, name_of(kind_of({.identifier = identifier})),
-                        one.frames);
-    if (one.frames > 1) {
-      text += fmt::format("{:>12.3f}{:>12.3f}{:>12.3f}", 1e-3 * one.mean_period_us(),
-                          1e-3 * static_cast<double>(one.shortest_us),
-                          1e-3 * static_cast<double>(one.longest_us));
-    } else {
-      text += fmt::format("{:>36}", "");
-    }
-    if (one.earliest_after_sync_us != UINT64_MAX) {
-      text += fmt::format("{:>11.3f} to {:.3f}", 1e-3 * static_cast<double>(one.earliest_after_sync_us),
-                          1e-3 * static_cast<double>(one.latest_after_sync_us));
-    }
-    text += '\n';
+    const bool repeats = one.frames > 1;
+    const bool follows_sync = one.earliest_after_sync_us != UINT64_MAX;
+    rows.push_back({fmt::format("{:03X} {}", identifier, name_of(kind_of({.identifier = identifier}))),
+                    std::to_string(one.frames), repeats ? ms_text(one.mean_period_us()) : "",
+                    repeats ? ms_text(one.shortest_us) : "", repeats ? ms_text(one.longest_us) : "",
+                    follows_sync
+                        ? ms_text(one.earliest_after_sync_us) + " to " + ms_text(one.latest_after_sync_us)
+                        : ""});
   }
-  return text;
+  return text + table_text({"frame", "number", "period [ms]", "shortest", "longest", "after SYNC [ms]"}, rows,
+                           TableStyle::kTerminal);
 }
 
 }  // namespace koboshi::tools

@@ -10,9 +10,17 @@
 namespace koboshi::tools {
 namespace {
 
+// Quotes a cell that contains a separator, a quote or a line break.
+std::string quoted_cell(const std::string& cell) {
+  if (cell.find_first_of(",\"\r\n") == std::string::npos) return cell;
+  std::string quoted = "\"";
+  for (const char letter : cell) quoted += letter == '"' ? "\"\"" : std::string(1, letter);
+  return quoted + "\"";
+}
+
 std::string markdown_line(const Row& row) { return fmt::format("| {} |\n", fmt::join(row, " | ")); }
 
-// The first column to the left, all others to the right.
+// Aligns the first column to the left, all others to the right.
 std::string aligned_line(const Row& row, const std::vector<std::size_t>& widths) {
   std::string text = fmt::format("{:<{}}", row.front(), widths.front());
   for (std::size_t c = 1; c < row.size(); ++c) text += fmt::format("  {:>{}}", row[c], widths[c]);
@@ -23,7 +31,11 @@ std::string aligned_line(const Row& row, const std::vector<std::size_t>& widths)
 
 std::string csv_cell(double value) { return std::isnan(value) ? std::string() : sim::number_text(value); }
 
-std::string csv_line(const Row& row) { return fmt::format("{}\n", fmt::join(row, ",")); }
+std::string csv_line(const Row& row) {
+  Row cells = row;
+  for (std::string& cell : cells) cell = quoted_cell(cell);
+  return fmt::format("{}\n", fmt::join(cells, ","));
+}
 
 std::string table_text(const Row& head, const std::vector<Row>& rows, TableStyle style) {
   std::vector<std::size_t> widths;

@@ -3,6 +3,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <string>
+
+#include "tools/table/table.h"
 
 namespace koboshi::tools {
 namespace {
@@ -46,20 +49,20 @@ Json result_json(const BenchResult& result, const BenchResult* mujoco) {
 }  // namespace
 
 std::string bench_table(const std::vector<BenchResult>& results) {
-  std::string text =
-      fmt::format("{:<12}{:>9}{:>9}{:>12}{:>12}{:>11}{:>7}{:>9}{:>8}  {}\n", "stepper", "walk", "squat",
-                  "physics", "height RMS", "foot slip", "falls", "memory", "2 cores", "accurate");
-  text += fmt::format("{:<12}{:>9}{:>9}{:>12}{:>12}{:>11}{:>7}{:>9}{:>8}\n", "", "x real", "x real",
-                      "steps/s", "mm", "mm", "", "MB", "x");
+  std::vector<Row> rows;
   for (const BenchResult& result : results) {
     const int falls = (result.walk.fell ? 1 : 0) + (result.squat.fell ? 1 : 0);
-    text += fmt::format("{:<12}{:>9.2f}{:>9.2f}{:>12.0f}{:>12.4f}{:>11.4f}{:>7}{:>9.1f}{:>8.2f}  {}\n",
-                        result.stepper.name, result.walk.real_time_factor, result.squat.real_time_factor,
-                        result.walk.physics_steps_per_s, 1e3 * result.squat_base_height_rms_m,
-                        1e3 * result.squat_foot_slip_m, falls, 1e-6 * result.memory_bytes,
-                        result.two_worlds_speedup, result.accurate() ? "yes" : "no");
+    rows.push_back({result.stepper.name, fmt::format("{:.2f}", result.walk.real_time_factor),
+                    fmt::format("{:.2f}", result.squat.real_time_factor),
+                    fmt::format("{:.0f}", result.walk.physics_steps_per_s),
+                    fmt::format("{:.4f}", 1e3 * result.squat_base_height_rms_m),
+                    fmt::format("{:.4f}", 1e3 * result.squat_foot_slip_m), std::to_string(falls),
+                    fmt::format("{:.1f}", 1e-6 * result.memory_bytes),
+                    fmt::format("{:.2f}", result.two_worlds_speedup), result.accurate() ? "yes" : "no"});
   }
-  return text;
+  return table_text({"stepper", "walk [x real]", "squat [x real]", "steps/s", "height RMS [mm]", "slip [mm]",
+                     "falls", "memory [MB]", "2 cores [x]", "accurate"},
+                    rows, TableStyle::kTerminal);
 }
 
 nlohmann::ordered_json bench_json(const std::vector<BenchResult>& results) {

@@ -6,9 +6,9 @@
 
 #include <fmt/core.h>
 
-#include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
 #include "tools/lab/plot/figure.h"
+#include "tools/table/table.h"
 
 namespace koboshi::tools {
 
@@ -29,17 +29,16 @@ const std::vector<double>& values_of(const Columns& columns, const std::string& 
 }
 
 void write_csv(const Columns& columns, const std::filesystem::path& file, int digits) {
-  std::string text;
-  for (const auto& [name, values] : columns) text += (text.empty() ? "" : ",") + name;
-  text += '\n';
-  for (std::size_t row = 0; row < columns.front().second.size(); ++row) {
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      const double value = columns[i].second[row];
-      if (i > 0) text += ',';
-      if (!std::isnan(value))
-        text += digits > 0 ? fmt::format("{:.{}g}", value, digits) : sim::number_text(value);
+  Row row;
+  for (const auto& [name, values] : columns) row.push_back(name);
+  std::string text = csv_line(row);
+  for (std::size_t i = 0; i < columns.front().second.size(); ++i) {
+    row.clear();
+    for (const auto& [name, values] : columns) {
+      const bool rounded = digits > 0 && !std::isnan(values[i]);
+      row.push_back(rounded ? fmt::format("{:.{}g}", values[i], digits) : csv_cell(values[i]));
     }
-    text += '\n';
+    text += csv_line(row);
   }
   sim::write_whole_file(file, text);
 }

@@ -19,10 +19,4 @@ std::string infeasible_text(const std::map<std::string, std::size_t>& counts, st
   return std::to_string(sum) + " of " + std::to_string(candidates) + " candidates infeasible: " + list + "\n";
 }
 
-std::string csv_cell(const std::string& limit) {
-  std::string cell = limit;
-  std::ranges::replace(cell, ',', ';');
-  return cell;
-}
-
 }  // namespace koboshi::tools

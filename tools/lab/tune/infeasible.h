@@ -23,7 +23,4 @@ class InfeasibleCounter {
 // empty where all were feasible.
 std::string infeasible_text(const std::map<std::string, std::size_t>& counts, std::size_t candidates);
 
-// A limit as a cell of a CSV file.
-std::string csv_cell(const std::string& limit);
-
 }  // namespace koboshi::tools

@@ -73,7 +73,7 @@ class StudySearch {
       for (const double score : candidate.scores) row.push_back(csv_cell(score));
       row.push_back(csv_cell(candidate.score));
       if (!candidate.violated.empty()) row.assign(row.size(), "");
-      row.push_back(csv_cell(candidate.violated));
+      row.push_back(candidate.violated);
       return row;
     };
     return {.numbers = study_.numbers,

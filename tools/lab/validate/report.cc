@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "sim_board/input/text.h"
 #include "sim_board/world/options.h"
 #include "sim_board/world/world.h"
 #include "tools/lab/plot/figure.h"
@@ -93,16 +92,16 @@ Json to_json(const std::vector<ValidationResult>& results, const ValidationSetup
 }
 
 std::string to_csv(const std::vector<ValidationResult>& results) {
-  std::string csv = "experiment,quantity,unit,theory,simulated,error,tolerance,passed\n";
+  std::vector<Row> rows;
   for (const ValidationResult& result : results) {
     for (const Check& check : result.findings.checks) {
-      csv += fmt::format("{},\"{}\",{},{},{},{},{},{}\n", result.validation.name, check.quantity, check.unit,
-                         sim::number_text(check.theory), sim::number_text(check.simulated),
-                         sim::number_text(check.error()), sim::number_text(check.tolerance),
-                         check.passed() ? 1 : 0);
+      rows.push_back({result.validation.name, check.quantity, check.unit, csv_cell(check.theory),
+                      csv_cell(check.simulated), csv_cell(check.error()), csv_cell(check.tolerance),
+                      check.passed() ? "1" : "0"});
     }
   }
-  return csv;
+  return table_text({"experiment", "quantity", "unit", "theory", "simulated", "error", "tolerance", "passed"},
+                    rows, TableStyle::kCsv);
 }
 
 void draw_plots(const ValidationResult& result, const std::filesystem::path& folder) {

@@ -19,9 +19,5 @@ TEST(Infeasible, IsCountedByTheLimitAndNotByTheValue) {
   EXPECT_EQ(infeasible_text({}, 20), "");
 }
 
-TEST(Infeasible, IsShownInOneCellOfATable) {
-  EXPECT_EQ(csv_cell("period_s, a number"), "period_s; a number");
-}
-
 }  // namespace
 }  // namespace koboshi::tools
