@@ -13,7 +13,18 @@ std::optional<int> find_named(const std::vector<Part>& parts, const std::string&
   return static_cast<int>(place - parts.begin());
 }
 
+template <class Part>
+std::vector<std::string> names_of(const std::vector<Part>& parts) {
+  std::vector<std::string> names;
+  for (const Part& part : parts) names.push_back(part.name);
+  return names;
+}
+
 }  // namespace
+
+std::vector<std::string> RobotDescription::joint_names() const { return names_of(joints); }
+
+std::vector<std::string> RobotDescription::link_names() const { return names_of(links); }
 
 double RobotDescription::total_mass_kg() const {
   double mass_kg = 0.0;

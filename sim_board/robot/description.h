@@ -226,6 +226,9 @@ struct RobotDescription {
   std::optional<AnkleSensorDescription> right_ankle;
 
   double total_mass_kg() const;
+  // Names in the order of `joints` and `links`.
+  std::vector<std::string> joint_names() const;
+  std::vector<std::string> link_names() const;
   // Returns the index of the joint or link with this name, or nothing.
   std::optional<int> find_joint(const std::string& joint_name) const;
   std::optional<int> find_link(const std::string& link_name) const;

@@ -98,10 +98,10 @@ std::vector<std::byte> make_robot_model(const RobotDescription& robot) {
 }
 
 NamedModel load_named_model(const RobotDescription& robot) {
-  NamedModel named{.robot = robot.name, .joint_names = {}, .image = make_robot_model(robot), .model = {}};
-  for (const sim::JointDescription& joint : robot.joints) named.joint_names.push_back(joint.name);
+  NamedModel named{
+      .robot = robot.name, .joint_names = robot.joint_names(), .image = make_robot_model(robot), .model = {}};
   if (robot::load_model(named.image, named.model) != robot::ModelStatus::kOk) {
-    throw std::logic_error("a robot model that was good is not any more");
+    throw std::logic_error("a valid robot model could not be loaded again");
   }
   return named;
 }

@@ -10,55 +10,58 @@ import numpy as np
 from numpy.typing import NDArray
 
 class InputError(ValueError):
-    """A file or a value is not as it should be: file, line, what was found and what was expected."""
+    """Invalid file or value: file, line, what was found and what was expected."""
 
 class WorldBlewUp(RuntimeError):
-    """The physics gained energy or is no longer finite."""
+    """The physics state gained energy or is no longer finite."""
 
 class SdoFailed(RuntimeError):
-    """The controller did not take a value."""
+    """The controller rejected a value."""
 
 class State(NamedTuple):
-    """Telemetry of the firmware on the bus. In Simulations the first dimension of every field is the world."""
+    """Telemetry of the firmware on the bus. In Simulations every field has a leading dimension: the simulation."""
 
     state: str
     reason: str
     time_s: float
-    attitude_rad: NDArray[np.float64]
-    rate_rad_per_s: NDArray[np.float64]
-    foot_load_N: NDArray[np.float64]
-    foot_zmp_m: NDArray[np.float64]
-    com_m: NDArray[np.float64]
+    attitude_rad: NDArray[np.float64]  # roll, pitch of the trunk
+    rate_rad_per_s: NDArray[np.float64]  # in the trunk's axes
+    foot_load_N: NDArray[np.float64]  # left, right
+    foot_zmp_m: NDArray[np.float64]  # (left, right) by (x, y), each in the frame of its sole
+    com_m: NDArray[np.float64]  # in the frame of the sole with more load
     joint_target_rad: NDArray[np.float64]
     joint_position_rad: NDArray[np.float64]
     joint_torque_permille: NDArray[np.float64]
 
 class Truth(NamedTuple):
-    """Ground truth of the robot in the world. In Simulations the first dimension of every field is the world."""
+    """Ground truth of the robot. In Simulations every field has a leading dimension: the simulation.
+
+    Positions and vectors are in the world frame, z up.
+    """
 
     time_s: float
-    position_m: NDArray[np.float64]
-    rpy_rad: NDArray[np.float64]
-    rate_rad_per_s: NDArray[np.float64]
-    tilt_rad: float
+    position_m: NDArray[np.float64]  # of the trunk's origin
+    rpy_rad: NDArray[np.float64]  # of the trunk: Rz(yaw) Ry(pitch) Rx(roll)
+    rate_rad_per_s: NDArray[np.float64]  # of the trunk
+    tilt_rad: float  # of the trunk's z axis from the vertical
     com_m: NDArray[np.float64]
     zmp_m: NDArray[np.float64]
-    zmp_margin_m: float
-    foot_load_N: NDArray[np.float64]
+    zmp_margin_m: float  # distance from the edge of the support polygon, positive inside
+    foot_load_N: NDArray[np.float64]  # left, right
     joint_position_rad: NDArray[np.float64]
     joint_speed_rad_per_s: NDArray[np.float64]
     joint_torque_Nm: NDArray[np.float64]
-    link_position_m: NDArray[np.float64]
-    link_rotation: NDArray[np.float64]
+    link_position_m: NDArray[np.float64]  # link by (x, y, z)
+    link_rotation: NDArray[np.float64]  # link by 3 by 3: from the link's frame to the world
 
 class Snapshot:
-    """The state of a Simulation at one instant (Simulation.snapshot)."""
+    """Complete state of a Simulation at one instant, made by Simulation.snapshot()."""
 
     @property
     def time_s(self) -> float: ...
 
 class Simulation:
-    """A robot with its firmware and board in a scenario."""
+    """Simulation of a scenario: the robot with its firmware and board."""
 
     def __init__(
         self,
@@ -101,7 +104,7 @@ class Simulation:
     def link_names(self) -> list[str]: ...
 
 class Simulations:
-    """Simulations of one scenario with different seeds, stepped together on several threads."""
+    """Simulations of one scenario with different seeds, stepped in parallel."""
 
     def __init__(
         self,

@@ -76,14 +76,6 @@ py::array frames_array(const std::vector<BusFrame>& frames) {
   return array;
 }
 
-// Returns the names of links or joints.
-template <typename Part>
-std::vector<std::string> names_of(const std::vector<Part>& parts) {
-  std::vector<std::string> names;
-  for (const Part& part : parts) names.push_back(part.name);
-  return names;
-}
-
 class PySimulation {
  public:
   PySimulation(const std::filesystem::path& scenario, const std::optional<std::uint64_t>& seed,
@@ -165,41 +157,45 @@ class PyBatch {
 
 void define_simulation(py::module_& module, const ObservationTypes& types) {
   using namespace py::literals;
-  py::class_<Snapshot>(module, "Snapshot", "The state of a Simulation at one instant (Simulation.snapshot).")
+  py::class_<Snapshot>(module, "Snapshot",
+                       "Complete state of a Simulation at one instant, made by Simulation.snapshot().")
       .def_property_readonly(
           "time_s", [](const Snapshot& self) { return 1e-6 * static_cast<double>(self.time_us()); },
-          "Simulated time at which it was taken.");
-  py::class_<PySimulation>(module, "Simulation", R"(A robot with its firmware and board in a scenario.
+          "Simulated time of the snapshot in seconds.");
+  py::class_<PySimulation>(module, "Simulation",
+                           R"(Simulation of a scenario: the robot with its firmware and board.
 
     sim = koboshi.Simulation("scenarios/go.yaml", seed=1, stepper="lumped")
     sim.step(5000)
     print(sim.state().state, sim.truth().position_m)
 
-The commands, pushes and faults of the scenario happen in their time; what the methods below do comes besides. The
-same scenario, seed and calls give the same bits.
+The calls below act in addition to the commands, pushes and faults of the scenario. The same scenario, seed and calls
+produce the same bits. The world frame has its z axis upwards; the frames of the
+links are those of the robot's file. Names of values end with their unit.
 
-scenario: a file as docs/reference/scenario-format.md describes it.
-seed:     of all random errors; without it, the scenario's.
-stepper:  "world", "lumped", "quick" or "mujoco"; without it, the scenario's.
-set:      values in place of the file's, by dotted path: {"ground.friction": 0.5}.
-frames:   whether the frames of the bus are kept for frames().
+scenario: scenario file (docs/reference/scenario-format.md).
+seed:     seed of all random errors; default: the scenario's.
+stepper:  "world", "lumped", "quick" or "mujoco"; default: the scenario's.
+set:      values that replace those of the file, by dotted path: {"ground.friction": 0.5}.
+frames:   True to record the frames on the bus for frames().
 
-Raises InputError with file and line for whatever a file has wrong.)")
+Raises InputError with file and line for an error in a file.)")
       .def(py::init<const std::filesystem::path&, const std::optional<std::uint64_t>&,
                     const std::optional<std::string>&, const py::dict&, bool>(),
            "scenario"_a, py::kw_only(), "seed"_a = py::none(), "stepper"_a = py::none(), "set"_a = py::dict(),
            "frames"_a = false)
       .def("step", &PySimulation::step, "milliseconds"_a = 10,
-           R"(Steps by so many milliseconds, past the scenario's duration too.
+           R"(Advances the simulation by this time, also beyond the scenario's duration.
 
-The firmware's control cycle is 10 ms. Other Python threads run meanwhile. Raises WorldBlewUp when the physics left the
-finite, and SdoFailed when the controller refused a value of write().)")
+The control cycle of the firmware is 10 ms. Other Python threads run during the call. Raises WorldBlewUp if the physics
+state is no longer finite, and SdoFailed if the controller rejects a value of write().)")
       .def("reset", &PySimulation::reset, "seed"_a = py::none(),
-           "Restarts at time zero with this seed or the previous one, and discards all calls.")
+           "Restarts at time zero with this seed, by default the present one. Discards the effects of all "
+           "calls.")
       .def("snapshot", &PySimulation::snapshot,
-           "The whole state of this moment, for restore(): firmware, bus, drives, sensors, world, observers.")
+           "Returns the complete present state: firmware, bus, drives, sensors, world and observers.")
       .def("restore", &PySimulation::restore, "snapshot"_a,
-           R"(Goes back, or forth, to a snapshot of this simulation; it then goes on to the same bits.
+           R"(Returns to a snapshot of this simulation. The simulation then continues with the same bits.
 
     standing = sim.snapshot()
     for force_N in range(5, 50, 5):
@@ -207,20 +203,20 @@ finite, and SdoFailed when the controller refused a value of write().)")
         sim.push([force_N, 0, 0], 0.1)
         sim.step(2000)
 
-Raises RuntimeError for a snapshot of another simulation, or from before a reset().)")
+Raises RuntimeError for a snapshot of another simulation or from before a reset().)")
       .def(
           "command",
           [](PySimulation& self, const std::string& verb, const py::object& value, const py::kwargs& fields) {
             give_command(self.idle().simulation(), verb, value, fields);
           },
           "verb"_a, "value"_a = py::none(),
-          R"(Gives the firmware a command over the bus, with the next step.
+          R"(Sends a command to the firmware over the bus at the next step.
 
     sim.command("enable")
     sim.command("walk", forward_m_per_s=0.15, turn_rad_per_s=0.2)
     sim.command("play", "squat")
 
-The verbs and their fields are those of the list `commands` of a scenario. The firmware may refuse: events() tells.)")
+Verbs and fields are those of the list `commands` of a scenario. events() reports whether the firmware refuses it.)")
       .def(
           "push",
           [](PySimulation& self, const py::object& force_N, double duration_s,
@@ -228,12 +224,12 @@ The verbs and their fields are those of the list `commands` of a scenario. The f
             give_push(self.idle().simulation(), force_N, duration_s, link, at_m, shape);
           },
           "force_N"_a, "duration_s"_a, "link"_a = py::none(), "at_m"_a = py::none(), "shape"_a = "rectangle",
-          R"(Pushes a link from the next step on.
+          R"(Applies a force to a link from the next step on.
 
-force_N:    three numbers, in the axes of the world; the peak of a half sine.
-duration_s: of the push.
-link:       its name; without it, the trunk.
-at_m:       the point, in the link's frame; without it, its centre of mass.
+force_N:    three components in the axes of the world; for a half sine, the peak.
+duration_s: duration of the push.
+link:       name of the link; default: the trunk.
+at_m:       point of application in the frame of the link; default: its centre of mass.
 shape:      "rectangle" or "half-sine".)")
       .def(
           "write",
@@ -241,29 +237,29 @@ shape:      "rectangle" or "half-sine".)")
             write(self.idle().simulation(), parameter, value);
           },
           "parameter"_a, "value"_a,
-          R"(Sets a parameter of the controller by SDO, in the unit that its key ends with.
+          R"(Writes a parameter of the controller by SDO, in the unit at the end of its key.
 
     sim.write("step_time_ms", 240)
 
-The keys are those of docs/reference/parameters.md. Commands that follow wait until it is set.)")
+docs/reference/parameters.md lists the keys. Later commands are sent after the controller has accepted the value.)")
       .def(
           "state",
           [types](PySimulation& self) {
             const WatchedSimulation* world = &self.idle();
             return types.state(std::span(&world, 1), false);
           },
-          "Telemetry of the firmware on the bus: a State. Its arrays are copies that belong to the caller.")
+          "Returns the telemetry of the firmware on the bus as a State. Its arrays are copies.")
       .def(
           "truth",
           [types](PySimulation& self) {
             const WatchedSimulation* world = &self.idle();
             return types.truth(std::span(&world, 1), false);
           },
-          "Ground truth of the world: a Truth. Its arrays are copies that belong to the caller.")
+          "Returns the ground truth of the world as a Truth. Its arrays are copies.")
       .def("frames", &PySimulation::frames,
-           R"(The frames of the bus since the last call, in the order in which they ended.
+           R"(Returns the CAN frames since the last call, in the order of their ends. Requires frames=True.
 
-A structured array: time_us (after the last bit), identifier, size, remote, data (8 bytes). Needs frames=True.)")
+A structured array with the fields time_us (end of the last bit), identifier, size, remote and data (8 bytes).)")
       .def(
           "events",
           [](PySimulation& self) {
@@ -272,47 +268,52 @@ A structured array: time_us (after the last bit), identifier, size, remote, data
               events.emplace_back(1e-6 * static_cast<double>(event.time_us), event.text);
             return events;
           },
-          "What happened so far: pairs of a time in seconds and a sentence. The last one is the verdict.")
+          "Returns the events of the run (docs/reference/events.md) as pairs of a time in seconds and a "
+          "sentence.")
       .def_property_readonly(
           "verdict", [](PySimulation& self) { return self.idle().recorder().events().verdict(); },
-          "\"stands; fell once at 3.2 s and got up in 3.4 s; 0 faults\".")
+          "Outcome in one sentence: \"stands; fell once at 3.2 s and got up in 3.4 s; 0 faults\".")
       .def_property_readonly(
           "state_hash", [](PySimulation& self) { return self.idle().recorder().summary().state_hash; },
-          "Of every frame and of the world at every tick: that of `koboshi run` after as many milliseconds.")
+          "Hash of all frames and of the world at every tick, equal to that of `koboshi run` after the same "
+          "time.")
       .def_property_readonly(
           "time_s", [](PySimulation& self) { return 1e-6 * static_cast<double>(self.idle().now_us()); },
-          "Simulated seconds since the start.")
+          "Simulated time since the start in seconds.")
       .def_property_readonly(
           "finished", [](PySimulation& self) { return self.idle().simulation().finished(); },
-          "Whether the scenario's duration is over.")
+          "True if the scenario's duration has passed.")
       .def_property_readonly(
-          "joint_names", [](PySimulation& self) { return names_of(self.idle().simulation().robot().joints); },
-          "In the order of all arrays by joint.")
+          "joint_names", [](PySimulation& self) { return self.idle().simulation().robot().joint_names(); },
+          "Names of the joints, in the order of all arrays by joint.")
       .def_property_readonly(
-          "link_names", [](PySimulation& self) { return names_of(self.idle().simulation().robot().links); },
-          "In the order of all arrays by link.");
+          "link_names", [](PySimulation& self) { return self.idle().simulation().robot().link_names(); },
+          "Names of the links, in the order of all arrays by link. The first one is the trunk.");
 }
 
 void define_batch(py::module_& module, const ObservationTypes& types) {
   using namespace py::literals;
-  py::class_<PyBatch>(
-      module, "Simulations",
-      R"(Simulations of one scenario with different seeds, stepped together on several threads.
+  py::class_<PyBatch>(module, "Simulations",
+                      R"(Simulations of one scenario with different seeds, stepped in parallel.
 
     sims = koboshi.Simulations("scenarios/go.yaml", seeds=range(8), stepper="lumped")
     sims.step(5000)
-    sims.truth().position_m          # an array of 8 by 3
+    sims.truth().position_m          # array of shape (8, 3)
 
-Each gives the bits that it would give alone. Arguments are those of Simulation; threads: without it, one for each core.)")
+Each one produces the same bits as a single Simulation. Arguments are those of Simulation and
+
+seeds:   one simulation per seed.
+threads: number of threads; default: one per core.)")
       .def(py::init<const std::filesystem::path&, const std::vector<std::uint64_t>&,
                     const std::optional<std::size_t>&, const std::optional<std::string>&, const py::dict&>(),
            "scenario"_a, "seeds"_a, py::kw_only(), "threads"_a = py::none(), "stepper"_a = py::none(),
            "set"_a = py::dict())
       .def("__len__", &PyBatch::size)
       .def("step", &PyBatch::step, "milliseconds"_a = 10,
-           "Steps each by so many milliseconds. If some raise, the others make their steps and the first "
-           "error is raised.")
-      .def("reset", &PyBatch::reset, "world"_a, "seed"_a, "Begins one of them anew, with this seed.")
+           "Advances each simulation by this time. If some of them raise, the others complete the step, and "
+           "the "
+           "first error is raised.")
+      .def("reset", &PyBatch::reset, "world"_a, "seed"_a, "Restarts one of the simulations with this seed.")
       .def(
           "command",
           [](PyBatch& self, const std::string& verb, const py::object& value,
@@ -320,7 +321,7 @@ Each gives the bits that it would give alone. Arguments are those of Simulation;
             self.each(world, [&](Simulation& one) { give_command(one, verb, value, fields); });
           },
           "verb"_a, "value"_a = py::none(), "world"_a = py::none(),
-          "As Simulation.command, to one of them or to all.")
+          "Simulation.command for one of the simulations or, by default, for all.")
       .def(
           "push",
           [](PyBatch& self, const py::object& force_N, double duration_s,
@@ -330,20 +331,21 @@ Each gives the bits that it would give alone. Arguments are those of Simulation;
                       [&](Simulation& one) { give_push(one, force_N, duration_s, link, at_m, shape); });
           },
           "force_N"_a, "duration_s"_a, "world"_a = py::none(), "link"_a = py::none(), "at_m"_a = py::none(),
-          "shape"_a = "rectangle", "As Simulation.push, to one of them or to all.")
+          "shape"_a = "rectangle", "Simulation.push for one of the simulations or, by default, for all.")
       .def(
           "write",
           [](PyBatch& self, const std::string& parameter, double value,
              const std::optional<std::size_t>& world) {
             self.each(world, [&](Simulation& one) { write(one, parameter, value); });
           },
-          "parameter"_a, "value"_a, "world"_a = py::none(), "As Simulation.write, to one of them or to all.")
+          "parameter"_a, "value"_a, "world"_a = py::none(),
+          "Simulation.write for one of the simulations or, by default, for all.")
       .def(
           "state", [types](PyBatch& self) { return types.state(self.all(), true); },
-          "As Simulation.state; every field has one more dimension, in front: the world.")
+          "Simulation.state with an additional leading dimension in every field: the simulation.")
       .def(
           "truth", [types](PyBatch& self) { return types.truth(self.all(), true); },
-          "As Simulation.truth; every field has one more dimension, in front: the world.");
+          "Simulation.truth with an additional leading dimension in every field: the simulation.");
 }
 
 }  // namespace
@@ -352,11 +354,11 @@ PYBIND11_MODULE(koboshi, module) {
   module.doc() = "Koboshi: the firmware of a small humanoid robot on its simulated board.";
   PYBIND11_NUMPY_DTYPE(FrameRecord, time_us, identifier, size, remote, data);
   py::register_exception<sim::InputError>(module, "InputError", PyExc_ValueError).doc() =
-      "A file or a value is not as it should be: file, line, what was found and what was expected.";
+      "Invalid file or value: file, line, what was found and what was expected.";
   py::register_exception<sim::WorldBlewUp>(module, "WorldBlewUp", PyExc_RuntimeError).doc() =
-      "The physics gained energy or is no longer finite.";
+      "The physics state gained energy or is no longer finite.";
   py::register_exception<sim::SdoFailed>(module, "SdoFailed", PyExc_RuntimeError).doc() =
-      "The controller did not take a value.";
+      "The controller rejected a value.";
   const ObservationTypes types = define_observations(module);
   define_simulation(module, types);
   define_batch(module, types);

@@ -76,9 +76,9 @@ double time_s(const WatchedSimulation& world) { return 1e-6 * static_cast<double
 
 const std::vector<TextField>& state_texts() {
   static const std::vector<TextField> kFields{
-      {"state", "of the firmware: \"limp\", \"standing\", \"walking\" ...",
+      {"state", "state of the firmware: \"limp\", \"standing\", \"walking\" ...",
        [](const auto& world) { return name_of(said(world).state); }},
-      {"reason", "why it is in a fault; \"none\" otherwise",
+      {"reason", "reason of the present state (docs/reference/behaviour.md)",
        [](const auto& world) { return name_of(said(world).reason); }}};
   return kFields;
 }
@@ -91,19 +91,19 @@ const std::vector<Field>& state_fields() {
        [](const auto& world, double* to) { *to = time_s(world); }},
       {"attitude_rad",
        {2},
-       "roll and pitch of the trunk, from gyro and inclination",
+       "roll and pitch of the trunk, estimated from gyro and accelerometer",
        [](const auto& world, double* to) { to[0] = said(world).roll_rad, to[1] = said(world).pitch_rad; }},
       {"rate_rad_per_s",
        {3},
-       "filtered gyro without its bias, axes of the trunk",
+       "filtered gyro rates without bias, in the trunk's axes",
        [](const auto& world, double* to) { copy(said(world).rate_rad_per_s, to); }},
       {"foot_load_N",
        {2},
-       "of the left and the right ankle sensor",
+       "normal force at the left and right ankle sensor",
        [](const auto& world, double* to) { copy(said(world).foot_load_N, to); }},
       {"foot_zmp_m",
        {2, 2},
-       "ZMP of the left and the right foot, x and y in its sole's frame; nan: not valid",
+       "x and y of the ZMP of the left and right foot, each in the frame of its sole; nan: invalid",
        [](const auto& world, double* to) {
          for (const Telemetry::FootZmp& zmp : said(world).foot_zmp) {
            *to++ = zmp.valid ? zmp.x_m : kNotANumber;
@@ -112,19 +112,18 @@ const std::vector<Field>& state_fields() {
        }},
       {"com_m",
        {3},
-       "centre of mass by the joints, in the frame of the sole that carries more",
+       "centre of mass from the joint angles, in the frame of the sole with more load",
        [](const auto& world, double* to) { copy(said(world).com_S_m, to); }},
-      {"joint_target_rad",
-       {kJoints},
-       "what the drives are told",
-       by_joint([](const auto& world, std::size_t i) { return said(world).joints[i].target_rad; })},
+      {"joint_target_rad", {kJoints}, "targets of the drives", by_joint([](const auto& world, std::size_t i) {
+         return said(world).joints[i].target_rad;
+       })},
       {"joint_position_rad",
        {kJoints},
-       "what the encoders show",
+       "positions from the encoders",
        by_joint([](const auto& world, std::size_t i) { return said(world).joints[i].position_rad; })},
       {"joint_torque_permille",
        {kJoints},
-       "of each drive's rated torque, as the drive estimates it",
+       "torques as estimated by the drives, in 1/1000 of their rated torque",
        by_joint([](const auto& world, std::size_t i) { return said(world).joints[i].torque_permille; })}};
   return kFields;
 }
@@ -141,15 +140,15 @@ const std::vector<Field>& truth_fields() {
        [](const auto& world, double* to) { copy(truth(world).p_WB_W, to); }},
       {"rpy_rad",
        {3},
-       "roll, pitch and yaw of the trunk, at the last tick",
+       "roll, pitch, yaw of the trunk, R = Rz(yaw) Ry(pitch) Rx(roll), at the last tick",
        [](const auto& world, double* to) { copy(truth(world).rpy_rad, to); }},
       {"rate_rad_per_s",
        {3},
-       "angular velocity of the trunk, axes of the world, at the last tick",
+       "angular velocity of the trunk in the axes of the world, at the last tick",
        [](const auto& world, double* to) { copy(truth(world).w_WB_W, to); }},
       {"tilt_rad",
        {},
-       "of the trunk's z axis from the vertical, at the last tick",
+       "angle of the trunk's z axis from the vertical, at the last tick",
        [](const auto& world, double* to) { *to = truth(world).tilt_rad; }},
       {"com_m",
        {3},
@@ -163,22 +162,23 @@ const std::vector<Field>& truth_fields() {
        }},
       {"zmp_margin_m",
        {},
-       "its distance from the edge of the support polygon, positive inside; nan: no load",
+       "distance of zmp_m from the edge of the support polygon, positive inside; nan: no load",
        [](const auto& world, double* to) { *to = truth(world).zmp_margin_m.value_or(kNotANumber); }},
       {"foot_load_N",
        {2},
-       "of the ground on the left and the right foot, at the last tick",
+       "normal force of the ground on the left and right foot, at the last tick",
        [](const auto& world, double* to) { copy(truth(world).foot_load_N, to); }},
-      {"joint_position_rad", {kJoints}, "of the shafts, now", by_joint([](const auto& world, std::size_t i) {
-         return true_joint(world, i).position_rad;
-       })},
+      {"joint_position_rad",
+       {kJoints},
+       "positions of the joints, now",
+       by_joint([](const auto& world, std::size_t i) { return true_joint(world, i).position_rad; })},
       {"joint_speed_rad_per_s",
        {kJoints},
-       "of the shafts, now",
+       "speeds of the joints, now",
        by_joint([](const auto& world, std::size_t i) { return true_joint(world, i).speed_rad_per_s; })},
       {"joint_torque_Nm",
        {kJoints},
-       "of the servos on the joints' children in the last step",
+       "torques of the servos on the joints' child links in the last step",
        by_joint([](const auto& world, std::size_t i) { return true_joint(world, i).servo_Nm; })},
       {"link_position_m",
        {kLinks, 3},
@@ -186,7 +186,7 @@ const std::vector<Field>& truth_fields() {
        by_link([](const sim::BodyState& body) -> Eigen::Vector3d { return body.X_WL.translation(); })},
       {"link_rotation",
        {kLinks, 3, 3},
-       "rotation matrices of the links, now",
+       "rotation matrices from the links' frames to the world, now",
        by_link([](const sim::BodyState& body) {
          std::array<double, 9> rows;
          for (int i = 0; i < 9; ++i) rows[static_cast<std::size_t>(i)] = body.X_WL.linear()(i / 3, i % 3);

@@ -17,7 +17,6 @@ class ObservationTypes {
 
   // Returns the state of these simulations. `by_world` adds a leading dimension to every field; without it
   // there must be exactly one simulation.
-  // world.
   pybind11::object state(std::span<const WatchedSimulation* const> worlds, bool by_world) const;
   pybind11::object truth(std::span<const WatchedSimulation* const> worlds, bool by_world) const;
 
