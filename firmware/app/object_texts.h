@@ -48,7 +48,7 @@ inline constexpr canopen::ValueName kReasonNames[] = {
     canopen::value_name(Reason::kCommand, "command"),
     canopen::value_name(Reason::kProgress, "progress"),
     canopen::value_name(Reason::kSupplyLow, "supply low"),
-    canopen::value_name(Reason::kFallForeseen, "fall foreseen"),
+    canopen::value_name(Reason::kFallPredicted, "fall predicted"),
     canopen::value_name(Reason::kRecoveryStepFailed, "recovery step failed"),
     canopen::value_name(Reason::kProne, "prone"),
     canopen::value_name(Reason::kSupine, "supine"),

@@ -44,7 +44,7 @@ void Behaviour::begin_falling(FallDirection direction, const Cycle& cycle) {
   status_.falls = fixed::add_saturated(status_.falls, std::uint16_t{1});
   // A robot without a motion for this direction keeps its pose.
   static_cast<void>(begin_role(role_of(direction)));
-  handle(Event::kFall, Reason::kFallForeseen, cycle);
+  handle(Event::kFall, Reason::kFallPredicted, cycle);
 }
 
 bool Behaviour::begin_role(Role role) {

@@ -56,7 +56,7 @@ enum class Reason : std::uint8_t {
   kCommand = 1,
   kProgress = 2,   // the last state was complete
   kSupplyLow = 3,  // for two seconds
-  kFallForeseen = 4,
+  kFallPredicted = 4,
   kRecoveryStepFailed = 5,  // it did not rise, roll or come to rest as it should
   // The pose in which the robot lies.
   kProne = 6,

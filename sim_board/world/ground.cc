@@ -77,8 +77,8 @@ std::optional<HeightField::Place> HeightField::at(const Vector2d& xy_F) const {
   const Vector3d upward_F =
       (highest_F - lowest_F).cross(third_F - lowest_F) * (right_of_diagonal ? -1.0 : 1.0);
   const Vector3d normal_F = upward_F.normalized();
-  const Vector2d way_m = xy_F - lowest_F.head<2>();
-  return Place{lowest_F.z() - normal_F.head<2>().dot(way_m) / normal_F.z(), normal_F};
+  const Vector2d offset_m = xy_F - lowest_F.head<2>();
+  return Place{lowest_F.z() - normal_F.head<2>().dot(offset_m) / normal_F.z(), normal_F};
 }
 
 void check(const GroundDescription& ground) {

@@ -28,9 +28,9 @@ class FirmwareProcess {
 
   std::uint64_t frames_lost() const { return frames_lost_; }  // because the bus had no room
   bool drive_enabled() const { return output_.drive_enabled; }
-  // Returns true if the controller has found another one on the bus. It then stays passive until a reset
+  // Returns whether the controller has detected another one on the bus. It then stays passive until a reset
   // command.
-  bool gave_way() const {
+  bool found_second_master() const {
     const auto& behaviour = host_.values().behaviour;
     return behaviour.state == behaviour::State::kFault &&
            behaviour.reason == behaviour::Reason::kSecondMaster;

@@ -249,7 +249,7 @@ void EventLog::tell_state(std::uint64_t time_us, const Telemetry& said) {
     case State::kFalling:
       down_us_ = time_us;
       down_by_ = "the fall was detected";
-      return tell("fall_foreseen", "A fall is detected: takes the pose of " + motion + ".");
+      return tell("fall_predicted", "A fall is detected: takes the pose of " + motion + ".");
     case State::kFallen:
       if (gets_up(said_.state))
         return tell("recovery_failed", "The attempt to get up has failed: " + reason_text(said) + ".");

@@ -98,19 +98,19 @@ std::optional<Eigen::Vector3d> WalkObserver::planned_zmp_W(const GroundTruth& tr
   return X_WSole * Eigen::Vector3d(planned_->zmp_S_m.x(), planned_->zmp_S_m.y(), 0.0);
 }
 
-Eigen::Vector3d WalkObserver::made_good() const {
-  const Eigen::Vector2d way_m = Eigen::Rotation2Dd(-start_yaw_rad_) * (now_W_m_ - start_W_m_);
-  return {way_m.x(), way_m.y(), yaw_rad_ - start_yaw_rad_};
+Eigen::Vector3d WalkObserver::displacement() const {
+  const Eigen::Vector2d moved_m = Eigen::Rotation2Dd(-start_yaw_rad_) * (now_W_m_ - start_W_m_);
+  return {moved_m.x(), moved_m.y(), yaw_rad_ - start_yaw_rad_};
 }
 
 std::optional<sim::WalkSummary> WalkObserver::summary() const {
   if (!begun_) return std::nullopt;
-  const Eigen::Vector3d way = made_good();
+  const Eigen::Vector3d moved = displacement();
   sim::WalkSummary summary;
-  summary.distance_m = way.x();
-  summary.speed_m_per_s = ticks_ > 0 ? way.x() / (kTick_s * ticks_) : 0.0;
-  summary.lateral_drift_m = way.y();
-  summary.heading_drift_rad = way.z();
+  summary.distance_m = moved.x();
+  summary.speed_m_per_s = ticks_ > 0 ? moved.x() / (kTick_s * ticks_) : 0.0;
+  summary.lateral_drift_m = moved.y();
+  summary.heading_drift_rad = moved.z();
   summary.energy_J = energy_J_;
   const ZmpAlignment::Best aligned = zmp_error_.best();
   summary.zmp_rms_error_m = aligned.rms_error_m;

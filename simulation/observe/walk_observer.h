@@ -38,7 +38,7 @@ class WalkObserver {
   std::optional<Eigen::Vector3d> planned_zmp_W(const GroundTruth& truth) const;
   // Displacement since the start of the walk: forward and left of the initial heading [m], and turn [rad].
   // Zero before the walk.
-  Eigen::Vector3d made_good() const;
+  Eigen::Vector3d displacement() const;
   // Empty before the walk begins.
   std::optional<sim::WalkSummary> summary() const;
 

@@ -41,9 +41,9 @@ TEST(Recovery, PredictsAFallToFrontAndBackAndGetsUp) {
     ASSERT_TRUE(run.run_until(State::kFalling, run.now_us() + 20'000'000));
     EXPECT_FALSE(lies(run));
     EXPECT_LT(tilt_deg(run), 35.0);
-    const std::uint64_t foreseen_us = run.now_us();
+    const std::uint64_t predicted_us = run.now_us();
     while (!lies(run)) run.run_until_us(run.now_us() + 1'000);
-    EXPECT_GT(run.now_us() - foreseen_us, 100'000u);
+    EXPECT_GT(run.now_us() - predicted_us, 100'000u);
     ASSERT_TRUE(run.run_until(State::kFallen, run.now_us() + 1'000'000));
     run.run_until_us(run.now_us() + 20'000);
     EXPECT_EQ(run.torque_count(), 0);

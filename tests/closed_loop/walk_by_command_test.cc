@@ -34,7 +34,7 @@ Place place(const RobotRun& run) {
 }
 
 // Displacement between two poses, in the frame of the first heading: x forward, y left.
-Eigen::Vector2d way_m(const Place& from, const Place& to) {
+Eigen::Vector2d displacement_m(const Place& from, const Place& to) {
   return Eigen::Rotation2Dd(-from.yaw_rad) * (to.p_m - from.p_m);
 }
 
@@ -47,7 +47,7 @@ TEST(WalkByCommand, WalksStraightThenACurveThenStands) {
   const Place straight = place(run);
   run.run_until_us(12'000'000);
   const Place curve = place(run);
-  const Eigen::Vector2d ahead_m = way_m(straight, curve);
+  const Eigen::Vector2d ahead_m = displacement_m(straight, curve);
   EXPECT_NEAR(ahead_m.x(), 5.0 * 0.15, 0.15);
   EXPECT_LT(std::abs(ahead_m.y()), 0.15);
 
@@ -63,7 +63,7 @@ TEST(WalkByCommand, WalksStraightThenACurveThenStands) {
   const Place stands = place(run);
   run.run_until_us(20'500'000);
   EXPECT_GT(place(run).up, std::cos(3.0 * std::numbers::pi / 180.0));
-  EXPECT_LT(way_m(stands, place(run)).norm(), 3e-3);
+  EXPECT_LT(displacement_m(stands, place(run)).norm(), 3e-3);
   EXPECT_EQ(run.behaviour().faults, 0);
   EXPECT_EQ(run.behaviour().refusal, behaviour::Reason::kNone);
   EXPECT_EQ(run.limited_ms(), 0u);

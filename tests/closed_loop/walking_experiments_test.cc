@@ -24,7 +24,7 @@ Options short_form() {
 // Slowly over a short way, and then at a command that the robot does not follow by half.
 TEST(WalkingSpeed, SustainsASlowWalkAndNoImpossibleOne) {
   WalkingSpeedOptions options = short_form<WalkingSpeedOptions>();
-  options.way_m = 0.5;
+  options.distance_m = 0.5;
   options.ladders = {{.direction = SpeedLadder::Direction::kForward, .commands = {0.15, 2.0}}};
   const Experiment experiment = make_walking_speed(options);
   const ExperimentResult result = play_experiment(experiment, {});
@@ -54,7 +54,7 @@ TEST(PushRecovery, SurvivesASmallPushButNotALargeOne) {
 
 TEST(Terrain, PassesOnAFloorAndFailsOnASteepSlope) {
   TerrainOptions options = short_form<TerrainOptions>();
-  options.way_m = 0.4;
+  options.distance_m = 0.4;
   Experiment experiment = make_terrain(options);
   Ladder uphill = experiment.ladders[1];
   ASSERT_EQ(uphill.name, "uphill");

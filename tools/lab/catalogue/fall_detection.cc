@@ -178,10 +178,10 @@ PerturbationBounds world_of(Cause cause) {
 }
 
 // Whether the same robot would have stayed on its feet without fall detection.
-bool was_false(const Disturbance& disturbance, Case played, std::uint64_t seed, double foreseen_s) {
+bool was_false(const Disturbance& disturbance, Case played, std::uint64_t seed, double predicted_s) {
   played.detects = false;
   sim::Scenario scenario = disturbance.scenario(played, seed);
-  scenario.duration_us = to_us(foreseen_s + 2.0);
+  scenario.duration_us = to_us(predicted_s + 2.0);
   return !play_in_world(std::move(scenario), world_of(played.cause), seed).lost();
 }
 
@@ -202,27 +202,27 @@ FallTrial play(const Disturbance& disturbance, const Case& played, std::uint64_t
         }
         const bool settled =
             observer.history().touched_s && end_s > *observer.history().touched_s + kLongerSettled_s;
-        const bool seen_in_walk = played.cause == Cause::kNone && observer.history().foreseen_s.has_value();
+        const bool seen_in_walk = played.cause == Cause::kNone && observer.history().predicted_s.has_value();
         return settled || seen_in_walk || recorder.telemetry().state == behaviour::State::kRighting;
       });
-  const auto foreseen_s = observer.history().foreseen_s;
+  const auto predicted_s = observer.history().predicted_s;
   const auto touched_s = observer.history().touched_s;
   FallTrial trial{.outcome = ended.outcome, .error = ended.error, .fell = touched_s.has_value()};
   if (played.cause == Cause::kNone) {
-    trial.false_alarm = foreseen_s && was_false(disturbance, played, seed, *foreseen_s);
+    trial.false_alarm = predicted_s && was_false(disturbance, played, seed, *predicted_s);
     trial.walked_s = end_s;
-    trial.fell = trial.fell || (foreseen_s && !*trial.false_alarm);
+    trial.fell = trial.fell || (predicted_s && !*trial.false_alarm);
     return trial;
   }
   if (!touched_s) return trial;
   trial.side = side;
-  if (played.detects) trial.missed = !(foreseen_s && *foreseen_s < *touched_s);
-  if (foreseen_s) trial.lead_s = *touched_s - *foreseen_s;
+  if (played.detects) trial.missed = !(predicted_s && *predicted_s < *touched_s);
+  if (predicted_s) trial.lead_s = *touched_s - *predicted_s;
   trial.impact_m_per_s = observer.history().impact_m_per_s;
   return trial;
 }
 
-// Of all falls, or of those to a side or along the walk. A fall that was not foreseen has a lead of 0.
+// Of all falls, or of those to a side or along the walk. A fall that was not predicted has a lead of 0.
 std::vector<double> leads_s(const std::vector<FallTrial>& trials, std::optional<bool> side = {}) {
   std::vector<double> leads;
   for (const FallTrial& trial : trials) {
@@ -318,7 +318,7 @@ const FieldTable<FallTrial>& fall_fields() {
   static constexpr std::array<Loss, 1> kGaveUp{{{Outcome::kGaveUp, "gave_up", ""}}};
   static const FieldTable<T> kFields{
       Fields<T>{{{"fell", "falls"}, &T::fell},
-                {{"missed", "not foreseen"}, &T::missed},
+                {{"missed", "not predicted"}, &T::missed},
                 {{"false_alarm", "false alarm"}, &T::false_alarm},
                 {{"lead_s", "lead [ms]", 0, 1e3}, &T::lead_s},
                 {{"impact_m_per_s", "trunk or head comes down with [m/s]", 2}, &T::impact_m_per_s},
@@ -330,7 +330,7 @@ const FieldTable<FallTrial>& fall_fields() {
 
 Experiment make_fall_detection(const FallDetectionOptions& options) {
   const StandingStart start = read_standing_start(options.scenario, options.overrides);
-  Experiment experiment = begin_experiment("fall-detection", "How it foresees falls", options, start.scenario,
+  Experiment experiment = begin_experiment("fall-detection", "How it predicts falls", options, start.scenario,
                                            {{"standing_N_s_per_kg", options.standing_N_s_per_kg},
                                             {"walking_N_s_per_kg", options.walking_N_s_per_kg},
                                             {"survivable_N_s_per_kg", options.survivable_N_s_per_kg},

@@ -10,8 +10,8 @@
 
 namespace koboshi::tools {
 
-// How long before the first link other than a foot touches the ground the firmware foresees a fall, by its
-// cause; how hard trunk or head come down, with the protective motion and without; and how often it foresees
+// How long before the first link other than a foot touches the ground the firmware predicts a fall, by its
+// cause; how hard trunk or head come down, with the protective motion and without; and how often it predicts
 // a fall in a walk that would not have fallen.
 struct FallDetectionOptions : ExperimentSetup {
   // About what the robot survives standing and walking: falls come from 1.2 to 2 times as much.
@@ -27,9 +27,9 @@ struct FallTrial {
   Outcome outcome = Outcome::kSurvived;
   std::string error{};
   bool fell = false;
-  std::optional<bool> missed{};            // the fall touched the ground before it was foreseen
-  std::optional<bool> false_alarm{};       // of a walk: a fall was foreseen that would not have happened
-  std::optional<double> lead_s{};          // from foreseeing the fall to its touching the ground
+  std::optional<bool> missed{};            // the fall touched the ground before it was predicted
+  std::optional<bool> false_alarm{};       // of a walk: a fall was predicted that would not have happened
+  std::optional<double> lead_s{};          // from the prediction to the contact with the ground
   std::optional<double> impact_m_per_s{};  // of trunk or head
   std::optional<double> walked_s{};        // of a walk
   std::optional<bool> side{};              // the trunk leant more to a side than forward or backward

@@ -64,13 +64,13 @@ const std::vector<Kind>& kinds() {
 }
 
 TerrainTrial play(const StandingStart& start, const TerrainOptions& options, std::uint64_t seed) {
-  const double patience_s = kTerrainPatience * options.way_m / options.speed_m_per_s;
+  const double patience_s = kTerrainPatience * options.distance_m / options.speed_m_per_s;
   TerrainTrial trial{play_in_world(start.walking({options.speed_m_per_s, 0.0, 0.0}, patience_s), kRoughWorld,
                                    seed, [&](const simulation::RunRecorder& recorder) {
-                                     return recorder.walk().made_good().x() >= options.way_m;
+                                     return recorder.walk().displacement().x() >= options.distance_m;
                                    })};
   // False without a walk, too.
-  const bool arrived = trial.walk.distance_m >= (1.0 - 1e-9) * options.way_m;
+  const bool arrived = trial.walk.distance_m >= (1.0 - 1e-9) * options.distance_m;
   trial.not_passed = trial.lost() || !arrived;
   if (trial.not_passed) trial.walk = no_walk();
   return trial;
@@ -121,7 +121,7 @@ Experiment make_terrain(const TerrainOptions& options) {
   }
   Experiment experiment =
       begin_experiment("terrain", "What ground it walks over", options, starts.front().scenario,
-                       {{"speed_m_per_s", options.speed_m_per_s}, {"way_m", options.way_m}});
+                       {{"speed_m_per_s", options.speed_m_per_s}, {"distance_m", options.distance_m}});
   experiment.cells = std::move(cells);
   experiment.ladders = std::move(ladders);
   set_trials(experiment, terrain_fields(),

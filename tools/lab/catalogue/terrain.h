@@ -10,7 +10,7 @@ namespace koboshi::tools {
 // ground is made harder until more than 5 of 100 seeds fall or need more than twice the time.
 struct TerrainOptions : ExperimentSetup {
   double speed_m_per_s = 0.15;
-  double way_m = 1.5;  // to be walked
+  double distance_m = 1.5;  // to be walked
 };
 
 struct TerrainTrial : ScenarioTrial {

@@ -35,27 +35,27 @@ Eigen::Vector3d velocity_of(Direction direction, double command) {
   return Eigen::Vector3d::Zero();
 }
 
-// The distance made good in the direction of a velocity: m or rad.
-double made_good(const Eigen::Vector3d& velocity, const Eigen::Vector3d& way) {
-  return way.dot(velocity.normalized());
+// Returns the component of a displacement (forward, left, turn) along a velocity, in m or rad.
+double progress(const Eigen::Vector3d& velocity, const Eigen::Vector3d& displacement) {
+  return displacement.dot(velocity.normalized());
 }
 
 struct CommandedSpeed {
   Direction direction;
   double command;
-  double way;  // m or rad
+  double distance;  // m or rad
 };
 
 SpeedTrial play(const CommandedSpeed& speed, const StandingStart& start, std::uint64_t seed) {
   const double sign = sign_of(speed.direction, seed);
   const Eigen::Vector3d velocity = velocity_of(speed.direction, sign * speed.command);
-  const double patience_s = kWalkPatience * speed.way / speed.command;
+  const double patience_s = kWalkPatience * speed.distance / speed.command;
   const ScenarioTrial walk = play_in_world(
       start.walking(velocity, patience_s), kRoughWorld, seed, [&](const simulation::RunRecorder& recorder) {
-        return made_good(velocity, recorder.walk().made_good()) >= speed.way;
+        return progress(velocity, recorder.walk().displacement()) >= speed.distance;
       });
   const double time_s = walk.duration_s - 1e-6 * static_cast<double>(start.ready_us);
-  return judge_walk(speed.direction, speed.way, sign, time_s, walk);
+  return judge_walk(speed.direction, speed.distance, sign, time_s, walk);
 }
 
 }  // namespace
@@ -65,24 +65,24 @@ const std::vector<std::string>& SpeedLadder::names() {
   return kNames;
 }
 
-SpeedTrial judge_walk(Direction direction, double way, double sign, double time_s,
+SpeedTrial judge_walk(Direction direction, double distance, double sign, double time_s,
                       const ScenarioTrial& walk) {
   SpeedTrial judged{.outcome = walk.outcome, .error = walk.error};
   if (walk.lost() || !walk.walked()) return judged;
   const Eigen::Vector3d made(walk.walk.distance_m, walk.walk.lateral_drift_m, walk.walk.heading_drift_rad);
   const Eigen::Vector3d along = velocity_of(direction, sign);
-  const double made_way = made_good(along, made);
+  const double made_distance = progress(along, made);
   // The last cycle may have been rounded in different ways in the summary and in the predicate.
-  if (made_way < (1.0 - 1e-9) * way) return judged;
+  if (made_distance < (1.0 - 1e-9) * distance) return judged;
   judged.not_sustained = false;
   if (direction == Direction::kTurn) {
-    judged.turn_rad_per_s = made_way / time_s;
+    judged.turn_rad_per_s = made_distance / time_s;
     judged.drift_m = made.head<2>().norm();
-    judged.energy_J_per_rad = walk.walk.energy_J / made_way;
+    judged.energy_J_per_rad = walk.walk.energy_J / made_distance;
   } else {
-    judged.speed_m_per_s = made_way / time_s;
+    judged.speed_m_per_s = made_distance / time_s;
     judged.drift_m = std::abs(made.head<2>().dot(along.head<2>().unitOrthogonal()));
-    judged.energy_J_per_m = walk.walk.energy_J / made_way;
+    judged.energy_J_per_m = walk.walk.energy_J / made_distance;
     judged.heading_off_deg = std::abs(made.z()) * 360.0 / kTurn_rad;
   }
   return judged;
@@ -112,7 +112,7 @@ Experiment make_walking_speed(const WalkingSpeedOptions& options) {
   overrides.insert(overrides.end(), options.overrides.begin(), options.overrides.end());
   const StandingStart start = read_standing_start(options.scenario, overrides);
   Experiment experiment = begin_experiment("walking-speed", "How fast it walks", options, start.scenario,
-                                           {{"way_m", options.way_m}, {"turns", options.turns}});
+                                           {{"distance_m", options.distance_m}, {"turns", options.turns}});
   std::vector<CommandedSpeed> speeds;
   for (SpeedLadder commanded : options.ladders) {
     const bool turns = commanded.direction == Direction::kTurn;
@@ -123,7 +123,8 @@ Experiment make_walking_speed(const WalkingSpeedOptions& options) {
         experiment.ladders.emplace_back(Ladder{.name = name, .unit = turns ? "rad/s" : "m/s", .cells = {}});
     for (const double command : commanded.commands) {
       ladder.cells.push_back(speeds.size());
-      speeds.push_back({commanded.direction, command, turns ? kTurn_rad * options.turns : options.way_m});
+      speeds.push_back(
+          {commanded.direction, command, turns ? kTurn_rad * options.turns : options.distance_m});
       const std::string text = sim::number_text(command);
       experiment.cells.push_back({name + "-" + text, {{"direction", name}, {"command", text}}});
     }

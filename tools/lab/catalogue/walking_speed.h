@@ -31,7 +31,7 @@ struct WalkingSpeedOptions : ExperimentSetup {
       {SpeedLadder::Direction::kSideways, {0.03, 0.06, 0.09, 0.12, 0.15, 0.18}},
       {SpeedLadder::Direction::kTurn, {0.25, 0.5, 0.75, 1.0, 1.25, 1.5}}};
   std::vector<std::string> only = SpeedLadder::names();  // ladders that are played
-  double way_m = 10.0 * kBodyHeight_m;
+  double distance_m = 10.0 * kBodyHeight_m;
   double turns = 1.0;  // on the spot
 };
 
@@ -54,8 +54,8 @@ struct SpeedTrial {
 
 // Judges a walk over a commanded distance of `way` m or rad. `time_s` since the command; `sign` is -1 for
 // walks to the right.
-[[nodiscard]] SpeedTrial judge_walk(SpeedLadder::Direction direction, double way, double sign, double time_s,
-                                    const ScenarioTrial& walk);
+[[nodiscard]] SpeedTrial judge_walk(SpeedLadder::Direction direction, double distance, double sign,
+                                    double time_s, const ScenarioTrial& walk);
 
 // The speed in each direction at its highest command that was sustained: forward_m_per_s and so on, with
 // 95 % confidence intervals.

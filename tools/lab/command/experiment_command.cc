@@ -143,7 +143,7 @@ void add_push_recovery_options(CLI::App& command, PushRecoveryOptions& options, 
 
 void add_terrain_options(CLI::App& command, TerrainOptions& options, SessionOptions&) {
   add_number(command, "--speed", options.speed_m_per_s, 0.01, 3.0, "Commanded speed, m/s");
-  add_number(command, "--way", options.way_m, 0.1, 10.0, "Distance to walk, m");
+  add_number(command, "--distance", options.distance_m, 0.1, 10.0, "Distance to walk, m");
 }
 
 void add_stand_up_options(CLI::App& command, StandUpOptions& options, SessionOptions&) {

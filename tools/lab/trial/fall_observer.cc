@@ -35,7 +35,7 @@ void FallObserver::follow_state(State state, behaviour::Reason reason, double ti
   if (state == state_) return;
   if (state == State::kFalling) {
     ++history_.falls;
-    if (!history_.foreseen_s) history_.foreseen_s = time_s;
+    if (!history_.predicted_s) history_.predicted_s = time_s;
   }
   if (state == State::kRighting && state_ == State::kFallen) ++history_.attempts;
   if (state == State::kStanding && state_ == State::kSteadying) ++history_.stands;

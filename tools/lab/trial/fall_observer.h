@@ -12,8 +12,8 @@ namespace koboshi::tools {
 
 // The history of a robot that falls and gets up, as the firmware reports it and as the ground feels it.
 struct FallHistory {
-  std::optional<double> foreseen_s{};  // the firmware foresaw the first fall
-  std::optional<double> touched_s{};   // a link other than a foot first touched the ground
+  std::optional<double> predicted_s{};  // when the firmware predicted the first fall
+  std::optional<double> touched_s{};    // a link other than a foot first touched the ground
   std::optional<double>
       impact_m_per_s{};  // downward speed of the first part of trunk or head that touched it
   int falls = 0;

@@ -15,7 +15,7 @@ enum class Outcome {
   kFailed,       // any other error ended the run
   kFell,         // the trunk leant beyond 60 degrees
   kLowSupply,    // the firmware stopped for a low supply
-  kGaveUp,       // the firmware foresaw a fall, faulted or stopped in an emergency; the robot did not fall
+  kGaveUp,       // the firmware predicted a fall, faulted or stopped in an emergency; the robot did not fall
   kSurvived,
 };
 

@@ -90,7 +90,7 @@ class RecoveryTest : public testing::Test {
 TEST_F(RecoveryTest, LandsInThePoseOfItsDirectionAndGoesLimp) {
   stand();
   turn_to(0, 30);
-  expect_state(State::kFalling, Reason::kFallForeseen);
+  expect_state(State::kFalling, Reason::kFallPredicted);
   EXPECT_EQ(bench.now().motion, number_of(Role::kFallFront));
   EXPECT_TRUE(bench.board.drive_enable.enabled());
   turn_to(0, 65, 100);

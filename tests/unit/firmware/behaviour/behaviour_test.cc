@@ -169,7 +169,7 @@ TEST_F(BehaviourStage, PredictsAFall) {
   robot.rates_B.y = fixed::from_double<fixed::AngularRate>(3.0);
   step(2);
   EXPECT_EQ(behaviour.state(), State::kFalling);
-  EXPECT_EQ(behaviour.status().reason, Reason::kFallForeseen);
+  EXPECT_EQ(behaviour.status().reason, Reason::kFallPredicted);
   EXPECT_EQ(behaviour.status().falls, 1u);
   lean(1.2);
   EXPECT_FALSE(step().drive_enable) << "it lies: limp";

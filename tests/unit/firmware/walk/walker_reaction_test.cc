@@ -73,14 +73,14 @@ TEST(WalkerCapture, MovesTheFootholdForwardTowardsALean) {
 
 TEST(WalkerCapture, MovesTheFootholdLaterallyTowardsALean) {
   // Positive roll about the forward axis x: the robot leans to the right.
-  const double way_m = 0.5 * (kDcmBiasShare * kComHeight_m * 0.1 - 0.005);
-  EXPECT_NEAR(shift(capturing(500, 500), Side::kRight, leaning(0.1, 0)).y, -way_m, 0.1e-3);
-  EXPECT_NEAR(shift(capturing(500, 500), Side::kLeft, leaning(-0.1, 0)).y, way_m, 0.1e-3);
+  const double shift_m = 0.5 * (kDcmBiasShare * kComHeight_m * 0.1 - 0.005);
+  EXPECT_NEAR(shift(capturing(500, 500), Side::kRight, leaning(0.1, 0)).y, -shift_m, 0.1e-3);
+  EXPECT_NEAR(shift(capturing(500, 500), Side::kLeft, leaning(-0.1, 0)).y, shift_m, 0.1e-3);
 }
 
 TEST(WalkerCapture, WeightsARateByThePendulumsTimeConstant) {
-  const double way_m = 0.5 * (kDcmBiasShare * kComHeight_m * kTimeConstant_s * 0.5 - 0.005);
-  EXPECT_NEAR(shift(capturing(500, 0), Side::kLeft, turning(0.5, 0)).x, way_m, 0.1e-3);
+  const double shift_m = 0.5 * (kDcmBiasShare * kComHeight_m * kTimeConstant_s * 0.5 - 0.005);
+  EXPECT_NEAR(shift(capturing(500, 0), Side::kLeft, turning(0.5, 0)).x, shift_m, 0.1e-3);
 }
 
 TEST(WalkerCapture, DoesNothingWithinTheDeadBandOrWithoutGain) {

@@ -257,13 +257,13 @@ TEST(Lumped, HeldSolesAreReleasedWhenFrictionDoesNotSuffice) {
       standing->run(0.5);
       standing->run(0.3, {0.2 * share * weight_N, 0, 0});
     }
-    const double way_m = lumped.world().body(0).X_WL.translation().x();
-    const double way_of_world_m = world.world().body(0).X_WL.translation().x();
+    const double travel_m = lumped.world().body(0).X_WL.translation().x();
+    const double travel_of_world_m = world.world().body(0).X_WL.translation().x();
     if (share < 1.0) {
-      EXPECT_LT(std::abs(way_m - way_of_world_m), 1e-4);
+      EXPECT_LT(std::abs(travel_m - travel_of_world_m), 1e-4);
     } else {
-      EXPECT_GT(way_m, 0.02);
-      EXPECT_NEAR(way_m, way_of_world_m, 0.05 * way_of_world_m);
+      EXPECT_GT(travel_m, 0.02);
+      EXPECT_NEAR(travel_m, travel_of_world_m, 0.05 * travel_of_world_m);
     }
   }
 }

@@ -78,9 +78,9 @@ TEST(Mujoco, SlidesWithoutTakingOff) {
     world->step();
     highest_m = std::max(highest_m, world->body(0).X_WL.translation().z());
   }
-  const double way_m = 0.5 / (0.8 * 9.80665);
+  const double travel_m = 0.5 / (0.8 * 9.80665);
   EXPECT_LT(highest_m, 0.0051);  // 17 mm when the blow is left out of the contacts, 0.05 mm with it
-  EXPECT_NEAR(world->body(0).X_WL.translation().x(), way_m, 0.02 * way_m);
+  EXPECT_NEAR(world->body(0).X_WL.translation().x(), travel_m, 0.02 * travel_m);
 }
 
 // A base that is let go goes on from where it hangs, and falls.

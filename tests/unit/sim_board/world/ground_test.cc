@@ -25,9 +25,9 @@ TEST(StairBoxes, HaveTheRiseAndRun) {
   ground.boxes = stair_boxes(stairs);
   ASSERT_EQ(ground.boxes.size(), 3u);
   for (int tread = 0; tread < 3; ++tread) {
-    for (const double way_m : {0.01, 0.05, 0.09}) {
-      const Vector3d p_W(1.15, 0.1 * tread + way_m, 0.5);
-      EXPECT_NEAR(height_above(ground, p_W), 0.5 - 0.02 * (tread + 1), 1e-12) << tread << " " << way_m;
+    for (const double offset_m : {0.01, 0.05, 0.09}) {
+      const Vector3d p_W(1.15, 0.1 * tread + offset_m, 0.5);
+      EXPECT_NEAR(height_above(ground, p_W), 0.5 - 0.02 * (tread + 1), 1e-12) << tread << " " << offset_m;
     }
   }
   EXPECT_NEAR(height_above(ground, {1.0, -0.01, 0.5}), 0.5, 1e-12);  // before them
@@ -43,10 +43,10 @@ TEST(RampBox, RisesByItsAngleAndReachesThePlane) {
                                   .angle_rad = angle_rad});
   GroundDescription ground;
   ground.boxes.push_back(box);
-  for (const double way_m : {0.01, 0.5, 0.99}) {
+  for (const double offset_m : {0.01, 0.5, 0.99}) {
     // The distance is taken along the face's normal.
-    const double expected = (0.5 - way_m * std::tan(angle_rad)) * std::cos(angle_rad);
-    EXPECT_NEAR(height_above(ground, {0.5 + way_m, 0.0, 0.5}), expected, 1e-12) << way_m;
+    const double expected = (0.5 - offset_m * std::tan(angle_rad)) * std::cos(angle_rad);
+    EXPECT_NEAR(height_above(ground, {0.5 + offset_m, 0.0, 0.5}), expected, 1e-12) << offset_m;
   }
   EXPECT_NEAR(height_above(ground, {0.49, 0.2, 0.5}), 0.5, 1e-12);
   EXPECT_NEAR(height_above(ground, {0.7, 0.51, 0.5}), 0.5, 1e-12);

@@ -74,10 +74,10 @@ TEST_F(FirmwareProcessTest, AnswersTheOperatorsCommands) {
 
 TEST_F(FirmwareProcessTest, StepsAsideForAnExistingController) {
   play(5);
-  EXPECT_FALSE(firmware_.gave_way());
+  EXPECT_FALSE(firmware_.found_second_master());
   outside_.said.push_back({.identifier = canopen::kSyncCobId});
   play(5);
-  EXPECT_TRUE(firmware_.gave_way());
+  EXPECT_TRUE(firmware_.found_second_master());
   outside_.heard.clear();
   play(1'000);
   EXPECT_TRUE(outside_.heard.empty());

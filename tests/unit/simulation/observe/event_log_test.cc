@@ -73,7 +73,7 @@ class EventLogTest : public testing::Test {
     return {};
   }
   void fall_and_get_up() {
-    change(State::kFalling, Reason::kFallForeseen, kFallFront);
+    change(State::kFalling, Reason::kFallPredicted, kFallFront);
     lean(85.0);
     play_until(1e-6 * static_cast<double>(now_us_) + 0.5);
     change(State::kFallen);
@@ -192,12 +192,12 @@ TEST_F(EventLogTest, ReportsAnInterruptedMotionWithoutAFall) {
   play_until(0.1);
   change(State::kMotion, Reason::kCommand);
   play_until(1.31);
-  change(State::kFalling, Reason::kFallForeseen, kFallFront);
+  change(State::kFalling, Reason::kFallPredicted, kFallFront);
   play_until(2.0);
   change(State::kSoftStart, Reason::kCaughtItself, kFallFront);
   change(State::kStanding, Reason::kProgress, kFallFront);
   EXPECT_THAT(texts(), ElementsAre("Plays the motion squat.",
-                                   "The motion squat is cut off after 1.21 s: fall foreseen.",
+                                   "The motion squat is cut off after 1.21 s: fall predicted.",
                                    "A fall is detected: takes the pose of fall_front.",
                                    "Goes to the standing pose: caught itself.", "Stands.",
                                    "End: stands; did not fall; squat was cut off at 1.31 s; 0 faults."));
@@ -222,7 +222,7 @@ TEST_F(EventLogTest, ReportsThatTheRobotFellAndGotUp) {
 
 TEST_F(EventLogTest, CountsFromTheFirstOfConsecutiveFalls) {
   play_until(3.0);
-  change(State::kFalling, Reason::kFallForeseen, kFallFront);
+  change(State::kFalling, Reason::kFallPredicted, kFallFront);
   lean(85.0);
   play_until(4.0);
   change(State::kFallen);
