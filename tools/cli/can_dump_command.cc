@@ -12,8 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "sim_board/robot/load.h"
-#include "sim_board/scenario/paths.h"
 #include "tools/can/describe.h"
 #include "tools/can/frame_text.h"
 #include "tools/cli/options.h"
@@ -24,7 +22,6 @@ namespace koboshi::tools {
 namespace {
 
 constexpr std::uint64_t kPatience_us = 100'000;  // between two checks for Ctrl-C
-constexpr const char* kRobot = "robots/koboshi/robot.sdf";
 
 struct CanDumpArguments {
   std::filesystem::path log;
@@ -105,17 +102,9 @@ void print(const TimedFrame& timed, const Network& network, bool colored) {
   }
 }
 
-// The network of the robot of --robot, else of the repository's robot; empty if there is none.
-Network network_of(const CanDumpArguments& arguments) {
-  const std::filesystem::path robot = arguments.robot.empty()
-                                          ? sim::find_referenced(std::filesystem::current_path(), kRobot)
-                                          : arguments.robot;
-  return robot.empty() ? Network{} : make_network(sim::load_robot(robot));
-}
-
 void dump(const CanDumpArguments& arguments) {
   const Filter filter(arguments);
-  const Network network = network_of(arguments);
+  const Network network = network_of(arguments.robot);
   const OpenedSource opened = open_source(arguments.log, arguments.can);
   const bool colored = isatty(STDOUT_FILENO) != 0;
   Interrupt interrupt;

@@ -8,6 +8,8 @@
 #include <fmt/core.h>
 
 #include "firmware/canopen/frame.h"
+#include "sim_board/robot/load.h"
+#include "sim_board/scenario/paths.h"
 #include "tools/can/frame_text.h"
 
 namespace koboshi::tools {
@@ -16,7 +18,15 @@ namespace {
 constexpr const char* kRealBusHelp =
     "Allow an interface other than vcan and vxcan. Frames that are sent there may move real servos";
 
+constexpr const char* kRobot = "robots/koboshi/robot.sdf";
+
 }  // namespace
+
+Network network_of(const std::filesystem::path& robot) {
+  const std::filesystem::path file =
+      robot.empty() ? sim::find_referenced(std::filesystem::current_path(), kRobot) : robot;
+  return file.empty() ? Network{} : make_network(sim::load_robot(file));
+}
 
 std::vector<sim::Override> overrides_of(std::span<const std::string> sets,
                                         const std::vector<sim::Override>& options) {

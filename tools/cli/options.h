@@ -11,6 +11,7 @@
 #include "sim_board/can/transport/transport.h"
 #include "sim_board/input/yaml_tree.h"
 #include "tools/can/source.h"
+#include "tools/dictionary/network.h"
 #include "tools/run/live_link.h"
 
 namespace koboshi::tools {
@@ -41,6 +42,10 @@ struct OpenedSource {
   std::unique_ptr<FrameSource> source;
 };
 OpenedSource open_source(const std::filesystem::path& log, const CanOptions& options);
+
+// The messages on the bus of a robot's file; without one, of Koboshi from the repository of this folder or of
+// the program, and empty if there is none.
+Network network_of(const std::filesystem::path& robot);
 
 // A node id, 1 to 127. Throws std::invalid_argument.
 std::uint8_t parse_node(const std::string& text);

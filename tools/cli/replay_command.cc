@@ -1,13 +1,16 @@
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include <fmt/core.h>
 
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/options.h"
 #include "tools/view/gltf/gltf.h"
 #include "tools/view/recording/read_recording.h"
+#include "tools/view/replay/replay_page.h"
 
 namespace koboshi::tools {
 namespace {
@@ -15,7 +18,22 @@ namespace {
 struct ReplayArguments {
   std::filesystem::path run;
   std::filesystem::path gltf;
+  std::filesystem::path html;
+  std::filesystem::path other;
+  bool make_page = false;
 };
+
+void make_page(const ReplayArguments& arguments, const view::Recording& recording) {
+  std::filesystem::path file = arguments.html;
+  if (file.empty()) {
+    const bool is_folder = std::filesystem::is_directory(arguments.run);
+    file = (is_folder ? arguments.run : arguments.run.parent_path()) / "replay.html";
+  }
+  std::optional<view::Recording> other;
+  if (!arguments.other.empty()) other = view::read_recording(arguments.other);
+  view::write_replay_page(recording, other ? &*other : nullptr, network_of({}), file);
+  fmt::print("replay page in {}\n", file.string());
+}
 
 void describe(const view::Recording& recording, const std::filesystem::path& run) {
   const double end_s =
@@ -29,6 +47,7 @@ void describe(const view::Recording& recording, const std::filesystem::path& run
 void replay(const ReplayArguments& arguments) {
   const view::Recording recording = view::read_recording(arguments.run);
   describe(recording, arguments.run);
+  if (arguments.make_page) make_page(arguments, recording);
   if (!arguments.gltf.empty()) {
     view::write_gltf(recording, arguments.gltf);
     fmt::print("animation in {}\n", arguments.gltf.string());
@@ -50,7 +69,20 @@ Example:
       ->required();
   command->add_option("--gltf", arguments->gltf,
                       "Write shapes and motion as binary glTF 2.0, for Blender and others: walk.glb");
-  command->callback([arguments] { replay(*arguments); });
+  CLI::Option* html =
+      command
+          ->add_option("--html", arguments->html,
+                       "Write a page that shows the run in a browser, without server and network (default: "
+                       "replay.html in the folder of the run)")
+          ->expected(0, 1);
+  command
+      ->add_option("--with", arguments->other,
+                   "A second run, which the page compares with the first: a folder or run.mcap")
+      ->needs(html);
+  command->callback([arguments, html] {
+    arguments->make_page = html->count() > 0;
+    replay(*arguments);
+  });
 }
 
 }  // namespace koboshi::tools

@@ -1,0 +1,322 @@
+// --- main: one cursor for everything ----------------------------------------------------------------------
+
+const PHONE = window.matchMedia("(max-width: 760px)");
+
+class Page {
+  constructor({run, other, difference}) {
+    Object.assign(this, {run, other, difference});
+    this.end = Math.max(run.end, other ? other.end : 0);
+    this.time = run.start;
+    this.playing = false;
+    const pick = (time) => this.setTime(time);
+    this.view = new View(this, (text) => this.fail(text));
+    this.plots = new Plots(this, pick, () => this.plotsChanged_());
+    this.timeline = new Timeline(this, this.plots, pick);
+    this.events = new EventList(run, pick);
+    this.can = new CanTable(run, pick);
+    this.signalList = new SignalList(run, this.plots);
+    this.parts = [this.view, this.plots, this.timeline, this.events, this.can, this.signalList];
+    this.describe_();
+    this.makeLayers_();
+    this.listen_();
+    this.showTab(PHONE.matches ? "plots" : "events");
+    this.setTime(this.timeOfAddress_());
+  }
+
+  fail(text) {
+    const box = byId("failure");
+    box.textContent = text;
+    box.hidden = false;
+  }
+
+  describe_() {
+    const facts = (run) => [["robot", run.scene.robot], ["seed", run.json.seed], ["stepper", run.json.stepper],
+                            ["version", run.json.version], ["duration", secondsText(run.end, 2)]];
+    const show = (list, pairs) => list.replaceChildren(...pairs.filter(([, value]) => value).flatMap(([name, value]) =>
+      [element("dt", {textContent: name}), element("dd", {textContent: value})]));
+    show(byId("facts"), facts(this.run).slice(1, 4));
+    show(byId("about-facts"), [
+      ...facts(this.run), ["recording", this.run.json.complete ? "complete" : "interrupted: read up to its last whole block"],
+      ["ticks", String(this.run.times.length)], ["signals", String(this.run.signals.length)],
+      ["frames", String(this.run.frames.count)],
+      ...(this.other ? facts(this.other).map(([name, value]) => ["second run, " + name, value]) : [])]);
+    byId("scenario").textContent = this.run.json.scenario;
+    if (!this.run.json.complete) byId("facts").append(element("dd", {className: "warning", textContent: "interrupted"}));
+    if (!this.other) return;
+    const badge = byId("difference");
+    badge.hidden = false;
+    if (this.difference) {
+      badge.textContent = "≠ first difference at " + secondsText(this.difference.time);
+      badge.title = this.difference.text;
+      badge.addEventListener("click", () => this.showDifference());
+    } else {
+      badge.textContent = "= both runs are the same";
+      badge.disabled = true;
+    }
+  }
+
+  // The layers of the view: name, key of the setting, what shows or hides it.
+  makeLayers_() {
+    const {robot, balance, ghost} = this.view;
+    const layer = (name) => (on) => { balance.layers[name].visible = on; };
+    const zmp = SERIES.light;
+    this.layers = new Map();
+    const add = (key, text, mark, colour, on, set) => {
+      const box = element("input", {type: "checkbox", checked: on});
+      const sign = element("i", {textContent: mark});
+      sign.style.color = colour;
+      const label = element("label", {}, [box, sign, text]);
+      const apply = () => {
+        set(box.checked);
+        this.view.request();
+      };
+      box.addEventListener("change", apply);
+      this.layers.set(key, {box, apply});
+      byId("layer-list").append(label);
+      set(on);
+    };
+    add("robot", "robot", "▣", "", true, (on) => { robot.group.visible = on; });
+    add("boxes", "collision boxes", "□", "", false, (on) => {
+      robot.setBoxes(on);
+      if (ghost) ghost.setBoxes(on);
+    });
+    add("translucent", "translucent", "◫", "", false, (on) => robot.setTranslucent(on));
+    if (ghost) add("ghost", "second run", "▣", GHOST_COLOUR, true, (on) => { ghost.group.visible = on; });
+    add("footprints", "footprints", "▭", SIDES[0], true, layer("footprints"));
+    add("polygon", "support polygon", "⬠", "#00825f", true, layer("polygon"));
+    add("zmp", "ZMP", "", "", true, layer("zmp"));
+    const legend = byId("layer-list").lastElementChild;
+    legend.append(": ", ...[["○", "planned"], ["✕", "measured"], ["●", "true"]].map(([mark, text], i) => {
+      const part = element("span", {textContent: mark + " " + text});
+      part.style.color = zmp[i];
+      return part;
+    }));
+    add("com", "centre of mass", "●", "#e69f00", true, layer("com"));
+    add("contacts", "contact forces, 12 mm/N", "↑", "#d55e00", true, layer("contacts"));
+    add("pushes", "pushes, 20 mm/N", "→", "#b2467f", true, layer("pushes"));
+    if (PHONE.matches) byId("layers").open = false;
+  }
+  toggleLayer(key) {
+    const {box, apply} = this.layers.get(key);
+    box.checked = !box.checked;
+    apply();
+  }
+
+  // --- time ---
+  setTime(time) {
+    this.time = Math.min(this.end, Math.max(this.run.start, time));
+    for (const part of this.parts) part.setTime(this.time);
+    byId("time").textContent = secondsText(this.time);
+    byId("state").textContent = this.timeline.stateAt(this.time);
+    byId("hud").textContent = secondsText(this.time);
+  }
+  step(ticks) {
+    this.pause();
+    const {times} = this.run;
+    const at = indexAtOrBefore(times, this.time);
+    // Between two ticks a step back leads to the one before.
+    const next = ticks < 0 && times[at] < this.time ? at + ticks + 1 : at + ticks;
+    this.setTime(times[Math.min(times.length - 1, Math.max(0, next))]);
+  }
+  jump(by) { this.setTime(this.time + by); }
+  jumpToEvent(direction) {
+    const times = this.run.events.map((event) => event.time);
+    const next = direction > 0 ? times.find((time) => time > this.time)
+                               : times.filter((time) => time < this.time).pop();
+    if (next !== undefined) this.setTime(next);
+  }
+  showDifference() {
+    if (!this.difference) return;
+    this.pause();
+    this.setTime(this.difference.time);
+    this.plots.showTwoSeconds();
+    this.announce_(this.difference.text);
+  }
+  announce_(text) {
+    const box = byId("difference").getBoundingClientRect();
+    tooltip.show(text, box.left, box.bottom - 14);
+    setTimeout(() => tooltip.hide(), 6000);
+  }
+  get speed() { return Number(byId("speed").value); }
+  play() {
+    if (this.playing) return;
+    if (this.time >= this.end) this.setTime(this.run.start);
+    this.playing = true;
+    this.showPlaying_();
+    let last = performance.now();
+    const frame = (now) => {
+      if (!this.playing) return;
+      this.setTime(this.time + Math.max(0, now - last) * 1e3 * this.speed);
+      last = now;
+      if (this.time >= this.end) this.pause();
+      else requestAnimationFrame(frame);
+    };
+    requestAnimationFrame(frame);
+  }
+  pause() {
+    this.playing = false;
+    this.showPlaying_();
+  }
+  togglePlay() { this.playing ? this.pause() : this.play(); }
+  showPlaying_() {
+    byId("play").querySelector("path").setAttribute("d", this.playing ? "M3 2h3v12H3zM10 2h3v12h-3z" : "M4 2l10 6-10 6z");
+    byId("play").setAttribute("aria-label", this.playing ? "Pause" : "Play");
+  }
+  changeSpeed(by) {
+    const select = byId("speed");
+    select.selectedIndex = Math.min(select.length - 1, Math.max(0, select.selectedIndex + by));
+  }
+  // #t=3.21
+  timeOfAddress_() {
+    const match = /[#&]t=([0-9.]+)/.exec(window.location.hash);
+    return match ? 1e6 * Number(match[1]) : this.run.start;
+  }
+
+  // --- panels ---
+  showTab(name) {
+    document.body.dataset.tab = name;
+    for (const tab of document.querySelectorAll("[role=tab]")) {
+      const selected = tab.dataset.tab === name;
+      tab.setAttribute("aria-selected", String(selected));
+      tab.tabIndex = selected ? 0 : -1;
+    }
+    for (const part of [this.events, this.can, this.signalList]) part.setTime(this.time);
+    this.plots.draw();
+  }
+  plotsChanged_() {
+    if (this.signalList) this.signalList.showPlotted();
+    if (this.timeline) this.timeline.draw();
+  }
+  setView(number) { this.view.look(number); }
+  toggleFollow() {
+    this.view.setFollow(!this.view.follow);
+    byId("follow").setAttribute("aria-pressed", String(this.view.follow));
+  }
+  toggleDegrees() {
+    settings.degrees = !settings.degrees;
+    byId("degrees").setAttribute("aria-pressed", String(settings.degrees));
+    this.plots.draw();
+    this.setTime(this.time);
+  }
+  showHelp() {
+    if (byId("help").open) byId("help").close();
+    else byId("help").showModal();
+  }
+
+  // --- input ---
+  listen_() {
+    const click = (id, action) => byId(id).addEventListener("click", action);
+    click("play", () => this.togglePlay());
+    click("step-back", () => this.step(-1));
+    click("step-on", () => this.step(1));
+    click("to-start", () => this.setTime(this.run.start));
+    click("to-end", () => this.setTime(this.end));
+    click("follow", () => this.toggleFollow());
+    click("degrees", () => this.toggleDegrees());
+    click("help-button", () => this.showHelp());
+    for (const button of document.querySelectorAll("[data-view]")) {
+      button.addEventListener("click", () => this.setView(Number(button.dataset.view)));
+    }
+    const tabs = [...document.querySelectorAll("[role=tab]")];
+    for (const tab of tabs) tab.addEventListener("click", () => this.showTab(tab.dataset.tab));
+    byId("tabs").addEventListener("keydown", (event) => {
+      const by = {ArrowLeft: -1, ArrowRight: 1}[event.key];
+      if (!by) return;
+      const seen = tabs.filter((tab) => tab.offsetWidth > 0);
+      const next = seen[(seen.indexOf(document.activeElement) + by + seen.length) % seen.length];
+      next.focus();
+      this.showTab(next.dataset.tab);
+      event.preventDefault();
+      event.stopPropagation();
+    });
+    document.addEventListener("keydown", (event) => this.onKey_(event));
+    window.addEventListener("hashchange", () => this.setTime(this.timeOfAddress_()));
+    darkQuery.addEventListener("change", () => {
+      this.view.setTheme();
+      this.plots.setTheme();
+      this.timeline.draw();
+    });
+    PHONE.addEventListener("change", () => {
+      if (!PHONE.matches && document.body.dataset.tab === "plots") this.showTab("events");
+    });
+    listenToSplit(byId("split-x"), "--split-x", byId("main"), (event, box) => (event.clientX - box.left) / box.width);
+    listenToSplit(byId("split-y"), "--split-y", byId("side"), (event, box) => (event.clientY - box.top) / box.height);
+  }
+  onKey_(event) {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (byId("help").open && event.key !== "?") return;
+    const target = event.target;
+    const types = target instanceof HTMLInputElement && target.type !== "checkbox";
+    if (types || target instanceof HTMLSelectElement) {
+      if (event.key === "Escape") target.blur();
+      return;
+    }
+    if (target.getAttribute && target.getAttribute("role") === "separator") return;
+    const onButton = target instanceof HTMLButtonElement || target instanceof HTMLInputElement || target.tagName === "SUMMARY";
+    if (onButton && event.key === " ") return;  // presses the button
+    const keys = {
+      " ": () => this.togglePlay(),
+      ArrowLeft: () => (event.shiftKey ? this.jump(-1e6) : this.step(-1)),
+      ArrowRight: () => (event.shiftKey ? this.jump(1e6) : this.step(1)),
+      Home: () => this.setTime(this.run.start),
+      End: () => this.setTime(this.end),
+      ",": () => this.changeSpeed(-1),
+      ".": () => this.changeSpeed(1),
+      n: () => this.jumpToEvent(1),
+      p: () => this.jumpToEvent(-1),
+      1: () => this.setView(1), 2: () => this.setView(2), 3: () => this.setView(3), 4: () => this.setView(4),
+      f: () => this.toggleFollow(),
+      b: () => this.toggleLayer("boxes"),
+      t: () => this.toggleLayer("translucent"),
+      w: () => this.plots.setRange(this.plots.whole.from, this.plots.whole.to),
+      z: () => this.plots.showTwoSeconds(),
+      d: () => this.showDifference(),
+      "?": () => this.showHelp(),
+    };
+    const action = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+    if (!action) return;
+    action();
+    event.preventDefault();
+  }
+}
+
+// A bar that divides two panels: its position is a share of the box, in a variable of the style.
+function listenToSplit(bar, variable, container, shareOf) {
+  const root = document.documentElement;
+  const low = Number(bar.getAttribute("aria-valuemin"));
+  const high = Number(bar.getAttribute("aria-valuemax"));
+  const set = (percent) => {
+    const value = Math.min(high, Math.max(low, percent));
+    root.style.setProperty(variable, value + "%");
+    bar.setAttribute("aria-valuenow", value.toFixed(0));
+  };
+  const now = () => parseFloat(getComputedStyle(root).getPropertyValue(variable));
+  set(now());
+  bar.addEventListener("pointerdown", (event) => {
+    bar.setPointerCapture(event.pointerId);
+    const move = (moved) => set(100 * shareOf(moved, container.getBoundingClientRect()));
+    bar.addEventListener("pointermove", move);
+    bar.addEventListener("pointerup", () => bar.removeEventListener("pointermove", move), {once: true});
+    event.preventDefault();
+  });
+  bar.addEventListener("keydown", (event) => {
+    const by = {ArrowLeft: -2, ArrowUp: -2, ArrowRight: 2, ArrowDown: 2}[event.key];
+    if (!by) return;
+    set(now() + by);
+    event.preventDefault();
+  });
+}
+
+readPage().then((data) => {
+  const page = new Page(data);
+  // What tests and the console may use.
+  window.koboshi = page;
+  page.view.render();
+  page.readyMs = performance.now();
+  document.body.dataset.ready = "true";
+}).catch((error) => {
+  const box = byId("failure");
+  box.textContent = "The replay cannot be shown: " + error.message;
+  box.hidden = false;
+  throw error;
+});

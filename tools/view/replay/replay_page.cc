@@ -1,0 +1,106 @@
+#include "tools/view/replay/replay_page.h"
+
+#include <zlib.h>
+
+#include <cstdint>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include "sim_board/record/output_file.h"
+#include "tools/view/replay/page_parts.h"
+#include "tools/view/replay/replay_data.h"
+
+namespace koboshi::view {
+namespace {
+
+std::string gzip(std::string_view data) {
+  constexpr int kGzipWindow = 15 + 16;  // the largest window, and a gzip header (zlib.h)
+  constexpr int kDefaultMemory = 8;
+  z_stream stream{};
+  if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, kGzipWindow, kDefaultMemory,
+                   Z_DEFAULT_STRATEGY) != Z_OK) {
+    throw std::runtime_error("zlib cannot start compression");
+  }
+  std::string compressed(deflateBound(&stream, data.size()), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(data.data()));
+  stream.avail_in = static_cast<uInt>(data.size());
+  stream.next_out = reinterpret_cast<Bytef*>(compressed.data());
+  stream.avail_out = static_cast<uInt>(compressed.size());
+  const int status = deflate(&stream, Z_FINISH);
+  compressed.resize(stream.total_out);
+  deflateEnd(&stream);
+  if (status != Z_STREAM_END) throw std::runtime_error("zlib cannot compress the data of the page");
+  return compressed;
+}
+
+std::string base64(std::string_view data) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((data.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < data.size(); i += 3) {
+    const std::string_view group = data.substr(i, 3);
+    std::uint32_t bits = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      bits = bits << 8 | (k < group.size() ? static_cast<unsigned char>(group[k]) : 0U);
+    for (std::size_t k = 0; k < 4; ++k)
+      text += k <= group.size() ? kDigits[bits >> (18 - 6 * k) & 0x3F] : '=';
+  }
+  return text;
+}
+
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+
+// Replaces each {{NAME}} of the template by the text of this name, in one pass.
+std::string filled(std::string_view text,
+                   std::initializer_list<std::pair<std::string_view, std::string_view>> values) {
+  std::string result;
+  for (std::size_t at = 0;;) {
+    const std::size_t begin = text.find("{{", at);
+    result += text.substr(at, begin - at);
+    if (begin == std::string_view::npos) return result;
+    const std::size_t end = text.find("}}", begin);
+    const std::string_view name = text.substr(begin + 2, end - begin - 2);
+    for (const auto& [key, value] : values) {
+      if (key == name) result += value;
+    }
+    at = end + 2;
+  }
+}
+
+}  // namespace
+
+std::string replay_page(const Recording& recording, const Recording* other, const tools::Network& network) {
+  const PageParts parts = page_parts();
+  const std::string data = base64(gzip(replay_data(recording, other, network)));
+  return filled(parts.html, {{"title", escaped(recording.title)},
+                             {"style", parts.style},
+                             {"three", parts.three},
+                             {"scripts", parts.scripts},
+                             {"data", data}});
+}
+
+void write_replay_page(const Recording& recording, const Recording* other, const tools::Network& network,
+                       const std::filesystem::path& file) {
+  sim::write_whole_file(file, replay_page(recording, other, network));
+}
+
+}  // namespace koboshi::view
