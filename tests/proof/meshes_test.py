@@ -152,13 +152,13 @@ class Meshes(unittest.TestCase):
             {visual.file for visuals in LINKS.values() for visual in visuals}, set((ROBOT / "meshes").glob("*.stl"))
         )
 
-    def test_a_joint_holds_at_every_angle(self):
-        """A turn about the axis leaves the axis in its place: where both links have material on it, they meet at every angle."""
+    def test_links_overlap_on_the_axis_of_their_joint(self):
+        """A rotation of the joint leaves points on its axis in place: links that overlap there touch at every angle."""
         places = {link.get("name"): numbers(link.find("pose"), "")[:3] for link in MODEL.findall("link")}
         for joint in MODEL.findall("joint"):
             parent, child = joint.find("parent").text, joint.find("child").text
             axis = numbers(joint.find("axis/xyz"), "")
-            beside = 0.1 * np.roll(axis, 1) + 0.07 * np.roll(axis, 2)  # clear of vertices on the axis
+            beside = 0.1 * np.roll(axis, 1) + 0.07 * np.roll(axis, 2)  # avoids vertices on the axis
             of_parent = spans([s for v in LINKS[parent] for s in v.shells()], 1000 * places[child] + beside, axis)
             of_child = spans([s for v in LINKS[child] for s in v.shells()], beside, axis)
             overlap = max(min(p[1], c[1]) - max(p[0], c[0]) for p in of_parent for c in of_child)
@@ -179,7 +179,7 @@ class Meshes(unittest.TestCase):
             loose = [(shells[i][0], np.round((boxes[i][0] + boxes[i][1]) / 2, 1)) for i in set(range(len(shells))) - reached]
             self.assertEqual(loose, [], name)
 
-    def test_covers_stay_near_what_collides(self):
+    def test_covers_stay_near_the_collision_box(self):
         joints = ("servo", "label", "horn", "horns", "fork", "bracket", "strut", "frame")  # no box covers the joints
         for link in MODEL.findall("link"):
             box = link.find("collision")
@@ -192,7 +192,7 @@ class Meshes(unittest.TestCase):
                     outside = np.linalg.norm(np.maximum(np.abs(points - middle) - half, 0), axis=1)
                     self.assertLess(outside.max(), 5.5, f"{link.get('name')}: {visual.name}, in millimetres")
 
-    def test_soles_are_level_with_what_collides(self):
+    def test_soles_are_level_with_the_collision_box(self):
         for side in SIDES:
             box = next(link for link in MODEL.findall("link") if link.get("name") == f"{side}_foot").find("collision")
             middle, size = numbers(box.find("pose"), "")[:3] * 1000, numbers(box.find("geometry/box/size"), "") * 1000

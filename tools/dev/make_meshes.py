@@ -3,7 +3,7 @@
 
 A kit robot: servo cases with a horn at each end of the shaft, brackets of bent sheet between the horns of one joint and the
 case of the next servo, and covers. The folder meshes/ makes the parts; here are their places and colours. On every joint's
-axis the case of the parent's servo meets the horn of the child, at any angle of the joint. tests/proof/meshes_test.py checks
+axis the parent's servo case overlaps the child's horn, so links touch at every angle. tests/proof/meshes_test.py checks
 that, closed surfaces, the number of triangles, and that the committed files are these.
 
     tools/dev/make_meshes.py [ROBOT_FOLDER]      needs python3-numpy
