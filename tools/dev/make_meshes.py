@@ -173,7 +173,9 @@ def layout():
                 part("hand", "rubber"),
             ],
         }
-    return {link: labelled(visuals) for link, visuals in links.items()}
+    return {
+        link: visuals if link == "trunk" else labelled(visuals) for link, visuals in links.items()
+    }  # covers hide the trunk's
 
 
 def number(value):
