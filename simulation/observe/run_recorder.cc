@@ -17,7 +17,8 @@ const Eigen::Vector3d kNowhere = Eigen::Vector3d::Constant(std::numeric_limits<d
 
 }  // namespace
 
-RunRecorder::RunRecorder(Simulation& simulation, sim::Recorder* recorder, sim::BusObserver* listener)
+RunRecorder::RunRecorder(Simulation& simulation, sim::Recorder* recorder, sim::BusObserver* listener,
+                         Rows rows)
     : simulation_(simulation),
       recorder_(recorder),
       listener_(listener),
@@ -35,7 +36,7 @@ RunRecorder::RunRecorder(Simulation& simulation, sim::Recorder* recorder, sim::B
     walk_.emplace(simulation.robot(), simulation.scenario());
   }
   truth_now_ = &truth_.observe(simulation.board().world(), telemetry_.now());
-  if (recorder_ != nullptr) trace_ = trace_fields(simulation.robot());
+  if (recorder_ != nullptr || rows == Rows::kAlways) trace_ = trace_fields(simulation.robot());
   row_.reserve(trace_.size());
   simulation_.board().bus().set_observer(this);
   simulation_.attach(*this);
@@ -76,7 +77,7 @@ void RunRecorder::record_tick() {
   judge();
   events_.observe_tick(simulation_.board().now_us(), telemetry_.now(), *truth_now_, simulation_.pushes());
   if (walk_) walk_->observe_tick(*truth_now_, telemetry_.now());
-  if (recorder_ != nullptr) write_row();
+  if (!trace_.empty()) make_row();
 }
 
 void RunRecorder::hash_state() {
@@ -103,7 +104,7 @@ void RunRecorder::judge() {
 }
 
 // Firmware and gait report points in the frame of a sole: the row has them where that sole stands.
-void RunRecorder::write_row() {
+void RunRecorder::make_row() {
   const Telemetry& told = telemetry_.now();
   const Eigen::Isometry3d& X_WSole = truth_now_->X_WSole[static_cast<std::size_t>(told.zmp.frame)];
   TraceSample sample{told, *truth_now_, simulation_.board(), kNowhere, kNowhere, kNowhere};
@@ -114,7 +115,7 @@ void RunRecorder::write_row() {
   if (walk_) sample.planned_zmp_W = walk_->planned_zmp_W(*truth_now_).value_or(kNowhere);
   row_.clear();
   for (const TraceField& field : trace_) row_.push_back(field.value(sample));
-  recorder_->row(simulation_.board().now_us(), row_);
+  if (recorder_ != nullptr) recorder_->row(simulation_.board().now_us(), row_);
 }
 
 sim::RunSummary RunRecorder::summary() const {

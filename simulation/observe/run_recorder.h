@@ -21,9 +21,15 @@ namespace koboshi::simulation {
 // the state hash and the summary and, with a recorder, writes trace.csv and can.log.
 class RunRecorder final : private sim::BusObserver, private Companion {
  public:
+  enum class Rows {
+    kForFiles,  // with a recorder
+    kAlways,
+  };
+
   // `recorder` and `listener` may be null. The listener receives every frame after this object. All arguments
   // must outlive this object.
-  RunRecorder(Simulation& simulation, sim::Recorder* recorder, sim::BusObserver* listener = nullptr);
+  RunRecorder(Simulation& simulation, sim::Recorder* recorder, sim::BusObserver* listener = nullptr,
+              Rows rows = Rows::kForFiles);
   ~RunRecorder() {
     simulation_.board().bus().set_observer(nullptr);
     simulation_.detach(*this);
@@ -38,8 +44,8 @@ class RunRecorder final : private sim::BusObserver, private Companion {
   void record();
   // Observes only the tick. In a walk this omits the check of the ankle sensors.
   void record_tick();
-  // The last tick's row of the trace, in the order of columns(). Empty without a recorder, and before the
-  // first tick.
+  // The last tick's row of the trace, in the order of columns(). Empty before the first tick, and without
+  // rows.
   std::span<const sim::TraceValue> row() const { return row_; }
   sim::RunSummary summary() const;
   // Hash of all frames and of the state of the world at each tick, so far.
@@ -58,7 +64,7 @@ class RunRecorder final : private sim::BusObserver, private Companion {
   void archive(sim::StateArchive& archive) override;
   void hash_state();
   void judge();
-  void write_row();
+  void make_row();
 
   Simulation& simulation_;
   sim::Recorder* recorder_;
@@ -69,7 +75,7 @@ class RunRecorder final : private sim::BusObserver, private Companion {
   std::optional<WalkObserver> walk_;
   const GroundTruth* truth_now_ = nullptr;
   sim::StateHash hash_;
-  std::vector<TraceField> trace_;  // empty without a recorder
+  std::vector<TraceField> trace_;  // empty without rows
   std::vector<sim::TraceValue> row_;
   bool fell_ = false;
   double base_height_error_m_ = 0.0;  // maximum while the robot stands or moves on its feet

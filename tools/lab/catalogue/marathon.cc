@@ -104,7 +104,7 @@ Conclusions conclude(const Experiment& experiment, const CellResult& cell) {
 const FieldTable<MarathonTrial>& marathon_fields() {
   using T = MarathonTrial;
   static const FieldTable<T> kFields{
-      Fields<T>{{{"down", "does not stand at the end"}, &T::down},
+      Fields<T>{{{.name = "down", .label = "does not stand at the end", .is_loss = true}, &T::down},
                 {{"falls", "falls", 1}, &T::history, &FallHistory::falls},
                 {{"attempts", "attempts to get up", 1}, &T::history, &FallHistory::attempts},
                 {{"stand_ups", "got up", 1}, &T::history, &FallHistory::stands},

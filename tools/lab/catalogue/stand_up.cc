@@ -143,7 +143,7 @@ const FieldTable<StandUpTrial>& stand_up_fields() {
   using T = StandUpTrial;
   static const FieldTable<T> kFields{
       Fields<T>{
-          {{"down", "stays down"}, &T::down},
+          {{.name = "down", .label = "stays down", .is_loss = true}, &T::down},
           {{"not_at_once", "not at the first attempt"}, &T::not_at_once},
           {{"attempts", "attempts", 2}, &T::history, &FallHistory::attempts},
           {{"time_s", "time [s]", 2}, &T::time_s},

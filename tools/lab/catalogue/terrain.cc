@@ -96,7 +96,8 @@ const FieldTable<TerrainTrial>& terrain_fields() {
   using Walk = sim::WalkSummary;
   static const FieldTable<T> kFields{
       Fields<T>{
-          {{.name = "not_passed", .label = "not passed", .max_share = kMaxFailureShare}, &T::not_passed}},
+          {{.name = "not_passed", .label = "not passed", .max_share = kMaxFailureShare, .is_loss = true},
+           &T::not_passed}},
       outcome_fields<T>(&T::outcome),
       Fields<T>{{{"speed_m_per_s", "speed [m/s]"}, &T::walk, &Walk::speed_m_per_s},
                 {{"lateral_drift_m", "drift [m]", 2}, &T::walk, &Walk::lateral_drift_m},

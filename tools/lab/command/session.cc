@@ -12,6 +12,7 @@
 #include "simulation/batch/parallel.h"
 #include "tools/cli/options.h"
 #include "tools/lab/experiment/files.h"
+#include "tools/lab/trial/trial_recordings.h"
 
 namespace koboshi::tools {
 namespace {
@@ -36,6 +37,24 @@ void check_file(const fs::path& file) {
     throw sim::InputError(file, 0, "no folder to write it in", "one that exists");
 }
 
+bool is_lost(const std::vector<Metric>& metrics, const Record& record) {
+  for (std::size_t i = 0; i < metrics.size(); ++i)
+    if (metrics[i].is_loss && record.values[i].value_or(0.0) != 0.0) return true;
+  return !record.error.empty();
+}
+
+// The same experiment, which keeps a recording of each lost trial in the folder: CELL-SEED.mcap.
+Experiment recorded(Experiment experiment, const fs::path& folder) {
+  experiment.play = [play = experiment.play, metrics = experiment.metrics, cells = experiment.cells, folder](
+                        std::size_t cell, std::uint64_t seed) {
+    TrialRecordings recordings(folder / fmt::format("{}-{}", cells[cell].name, seed));
+    Record record = play(cell, seed);
+    if (is_lost(metrics, record)) recordings.keep();
+    return record;
+  };
+  return experiment;
+}
+
 ExperimentResult play(const Experiment& experiment, const SessionOptions& session) {
   check_folder(session.out);
   check_file(session.json);
@@ -50,7 +69,8 @@ ExperimentResult play(const Experiment& experiment, const SessionOptions& sessio
     line.show(fmt::format("{} of {} trials, {:.1f} min, at most {:.1f} min to go", progress.done,
                           progress.total, played_min, played_min * (1.0 / share - 1.0)));
   };
-  return play_experiment(experiment, options);
+  return play_experiment(session.record_lost.empty() ? experiment : recorded(experiment, session.record_lost),
+                         options);
 }
 
 // Draws the figure in the folder of the results and copies it beside the page. Returns Markdown that shows it
@@ -102,6 +122,8 @@ void add_session_options(CLI::App& command, ExperimentSetup& setup, SessionOptio
   command.add_option("--out", session.out,
                      "Folder of the results; resumes the experiment if the folder holds an interrupted one");
   command.add_option("--json", session.json, "Also write the results to this file");
+  command.add_option("--record-lost", session.record_lost,
+                     "Keep a recording of each trial that is lost in this folder: CELL-SEED.mcap");
   CLI::Option* page =
       command.add_option("--page", session.page, "Update this Markdown page with the results");
   command.add_option("--section", session.section, "Section of the page that they replace")->needs(page);

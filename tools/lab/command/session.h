@@ -23,6 +23,7 @@ struct SessionOptions {
   double budget_s = 0.0;        // 0: none
   std::filesystem::path out{};  // empty: runs/ and the experiment's name
   std::filesystem::path json{};
+  std::filesystem::path record_lost{};  // folder of the recordings of lost trials; empty: none
   std::filesystem::path page{};
   std::string section{};  // empty: the experiment's name
 };

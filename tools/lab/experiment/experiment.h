@@ -28,6 +28,7 @@ struct Metric {
   double tight_at = 0.0;   // a cell stops when each such interval is within +- this, in SI; 0: not considered
   double max_share = 1.0;  // of an event: a cell stops when more than this share of all its seeds have had it
   bool is_event = false;   // 0 or 1, reported as a share of the trials; otherwise a quantity
+  bool is_loss = false;    // an event with which the trial is lost
 };
 
 struct Cell {

@@ -47,7 +47,7 @@ Fields<T> outcome_fields(Member member, std::span<const Loss> losses = kLosses) 
       const std::optional<Outcome> had = trial.*member;
       if (happened) trial.*member = *happened != 0.0 ? outcome : had.value_or(Outcome::kSurvived);
     };
-    fields.push_back({{.name = loss.name, .label = loss.label, .is_event = true}, get, set});
+    fields.push_back({{.name = loss.name, .label = loss.label, .is_event = true, .is_loss = true}, get, set});
   }
   return fields;
 }

@@ -5,6 +5,10 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
+
+#include "tools/lab/trial/trial_recordings.h"
+#include "tools/view/capture/run_recording.h"
 
 namespace koboshi::tools {
 namespace {
@@ -31,15 +35,23 @@ void follow_state(const simulation::Telemetry& telemetry, Outcome& outcome) {
 ScenarioTrial watch_scenario(const sim::Scenario& scenario, const simulation::RobotChange& change,
                              const Watch& is_over) {
   const std::unique_ptr<simulation::Simulation> simulation = make_simulation(scenario, change);
-  simulation::RunRecorder recorder(*simulation, nullptr);
+  std::optional<view::RunRecording> recording;
+  if (TrialRecordings* recordings = TrialRecordings::of_this_thread())
+    recording.emplace(recordings->next_file(), *simulation, view::RunRecording::Options{});
+  using Rows = simulation::RunRecorder::Rows;
+  simulation::RunRecorder recorder(*simulation, nullptr, recording ? &*recording : nullptr,
+                                   recording ? Rows::kAlways : Rows::kForFiles);
   ScenarioTrial trial;
   try {
     while (!simulation->finished() && !is_over(*simulation, recorder)) {
       simulation->advance();
       recorder.record();
+      if (recording) recording->record(recorder);
       follow_state(recorder.telemetry(), trial.outcome);
     }
     if (recorder.fell()) trial.outcome = Outcome::kFell;
+  } catch (const sim::WriteError&) {
+    throw;
   } catch (const sim::WorldBlewUp& error) {
     trial.outcome = Outcome::kEnergyGuard;
     trial.error = error.what();
@@ -48,6 +60,7 @@ ScenarioTrial watch_scenario(const sim::Scenario& scenario, const simulation::Ro
     trial.error = error.what();
   }
   const sim::RunSummary summary = recorder.summary();
+  if (recording) recording->close(summary.events);
   trial.duration_s = summary.duration_s;
   trial.faults = summary.faults;
   trial.foot_slip_max_m = summary.foot_slip_max_m;
