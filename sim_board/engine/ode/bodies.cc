@@ -63,9 +63,9 @@ void Bodies::let_ride(const RobotDescription& robot, int link, int carrier) {
   at(link).rides_on = carrier;
 }
 
-dBodyID Bodies::of(int link) const {
+std::size_t Bodies::index_of(int link) const {
   const Entry& entry = at(link);
-  return bodies_[entry.rides_on < 0 ? entry.body : at(entry.rides_on).body].get();
+  return entry.rides_on < 0 ? entry.body : at(entry.rides_on).body;
 }
 
 void Bodies::set_pose(int link, const Eigen::Isometry3d& X_WL) {

@@ -25,7 +25,9 @@ class Bodies {
 
   bool has_own(int link) const { return at(link).rides_on < 0; }
   // Returns the link's own body, or that of the link that carries it.
-  dBodyID of(int link) const;
+  dBodyID of(int link) const { return bodies_[index_of(link)].get(); }
+  // Index of that body in all(). The base's is 0.
+  std::size_t index_of(int link) const;
   // Position of the body's centre of mass in the frame of its link.
   const Eigen::Vector3d& p_LCom_L(int link) const { return at(link).inertia.p_LCom_L; }
   void set_pose(int link, const Eigen::Isometry3d& X_WL);
@@ -33,6 +35,9 @@ class Bodies {
   BodyState state(const RobotDescription& robot, int link) const;
 
   std::span<const OdeBody> all() const { return bodies_; }
+  // Mass of all()[index], and its inertia about the centre of mass in its own axes.
+  double mass_kg(std::size_t index) const { return at(links_[index]).inertia.mass_kg; }
+  const Eigen::Matrix3d& I_Com(std::size_t index) const { return at(links_[index]).inertia.I_LCom_L; }
   // Returns the link whose body is all()[index].
   int link_of(std::size_t index) const { return links_[index]; }
 

@@ -59,6 +59,12 @@ bool set_direction(const Eigen::Vector3d& direction, dGeomID frame, dContact& co
   return true;
 }
 
+// Identifies a contact's first row across steps, apart from the rows of the joints.
+std::uint64_t row_id(const Contact& contact, int ordinal) {
+  const auto bits = [](int number, int shift) { return static_cast<std::uint64_t>(number) << shift; };
+  return bits(1, 60) | bits(contact.link, 40) | bits(contact.other_link + 1, 20) | bits(ordinal, 2);
+}
+
 bool apart(dGeomID geom, dGeomID other) {
   std::array<dReal, 6> a;  // min x, max x, min y, ...
   std::array<dReal, 6> b;
@@ -156,16 +162,15 @@ std::size_t Collider::meet_box(const Box& box, const Box& other) {
   return meetings_.size() - 1;
 }
 
-void Collider::touch() {
-  dJointGroupEmpty(joints_.get());
+void Collider::find_contacts() {
   contacts_.clear();
   touches_.clear();
   for (const Pair& pair : pairs_)
-    if (pair.is_plane || !apart(pair.geom, pair.other_geom)) touch(pair);
-  touch_fields();
+    if (pair.is_plane || !apart(pair.geom, pair.other_geom)) find_contacts_of(pair);
+  find_contacts_with_fields();
 }
 
-void Collider::touch(const Pair& pair) {
+void Collider::find_contacts_of(const Pair& pair) {
   std::array<dContactGeom, kMaxContactsOfPair> points;
   const int count =
       dCollide(pair.geom, pair.other_geom, kMaxContactsOfPair, points.data(), sizeof(dContactGeom));
@@ -176,7 +181,7 @@ void Collider::touch(const Pair& pair) {
   }
 }
 
-void Collider::touch_fields() {
+void Collider::find_contacts_with_fields() {
   for (Field& field : fields_) {
     for (std::size_t i = 0; i < boxes_.size(); ++i) {
       const Box& box = boxes_[i];
@@ -214,16 +219,84 @@ void Collider::add_contact(const dContactGeom& point, int link, int other_link, 
   if ((meeting.surface.mode & dContactFDir1) != 0 &&
       !set_direction(meeting.direction, meeting.direction_frame, contact))
     contact.surface.mode &= ~dContactFDir1;
-  const dJointID joint = dJointCreateContact(world_, joints_.get(), &contact);
-  dJointAttach(joint, body, other_body);
-  dJointSetFeedback(joint, &feedbacks_[contacts_.size()]);
-  touches_.push_back({joint, contact.geom.depth, contact.surface});
+  const bool same_pair =
+      !contacts_.empty() && contacts_.back().link == link && contacts_.back().other_link == other_link;
+  touches_.push_back({contact, body, other_body, same_pair ? touches_.back().ordinal + 1 : 0});
   contacts_.push_back({link, other_link, vector_of(contact.geom.pos), vector_of(contact.geom.normal),
                        Eigen::Vector3d::Zero(), contact.geom.depth});
 }
 
-void Collider::read_forces() {
+void Collider::make_joints() {
+  dJointGroupEmpty(joints_.get());
+  for (std::size_t i = 0; i < touches_.size(); ++i) {
+    const dJointID joint = dJointCreateContact(world_, joints_.get(), &touches_[i].contact);
+    dJointAttach(joint, touches_[i].body, touches_[i].other_body);
+    dJointSetFeedback(joint, &feedbacks_[i]);
+  }
+}
+
+void Collider::read_joint_forces() {
   for (std::size_t i = 0; i < contacts_.size(); ++i) contacts_[i].f_W = vector_of(feedbacks_[i].f1);
+}
+
+// Equations and friction directions are those of ODE's contact joint.
+void Collider::add_rows(std::size_t contact, std::vector<TreeRow>& rows, const Bodies& bodies,
+                        const Eigen::Vector3d& p_WO_W, std::span<const Vector6> velocities) {
+  Touch& touch = touches_[contact];
+  const Contact& point = contacts_[contact];
+  const dSurfaceParameters& surface = touch.contact.surface;
+  const Eigen::Vector3d p_O = point.p_W - p_WO_W;
+  TreeRow row{.body = static_cast<int>(bodies.index_of(point.link))};
+  if (point.other_link >= 0) row.other_body = static_cast<int>(bodies.index_of(point.other_link));
+  const auto lay_along = [&](const Eigen::Vector3d& direction_W) {
+    row.jacobian = spatial_force(p_O, direction_W);
+    if (row.other_body >= 0) row.other_jacobian = -row.jacobian;
+  };
+  touch.first_row = rows.size();
+  row.id = row_id(point, touch.ordinal);
+
+  lay_along(point.n_W);
+  const double step_s = options_.step_s;
+  row.target = surface.soft_erp / step_s * point.depth_m;
+  if (surface.bounce > 0.0) {
+    const double approach_m_per_s = -row.speed(velocities);
+    if (approach_m_per_s > surface.bounce_vel)
+      row.target = std::max(row.target, surface.bounce * approach_m_per_s);
+  }
+  row.softness = surface.soft_cfm / step_s;
+  row.lower = 0.0;
+  rows.push_back(row);
+
+  std::array<Eigen::Vector3d, 2> directions_W;
+  if ((surface.mode & dContactFDir1) != 0) {
+    directions_W = {vector_of(touch.contact.fdir1), point.n_W.cross(vector_of(touch.contact.fdir1))};
+  } else {
+    dVector3 first;
+    dVector3 second;
+    dPlaneSpace(touch.contact.geom.normal, first, second);
+    directions_W = {vector_of(first), vector_of(second)};
+  }
+  row.target = 0.0;
+  const bool slips = (surface.mode & dContactSlip1) != 0;
+  row.softness = (slips ? surface.slip1 : kStickingForceMixing) / step_s;
+  row.normal = static_cast<int>(touch.first_row);
+  for (std::size_t i = 0; i < directions_W.size(); ++i) {
+    row.upper = i == 0 ? surface.mu : surface.mu2;
+    if (!(row.upper > 0.0)) continue;
+    lay_along(directions_W[i]);
+    ++row.id;
+    rows.push_back(row);
+  }
+  touch.rows = rows.size() - touch.first_row;
+}
+
+void Collider::read_row_forces(const TreeSolver& solver) {
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    contacts_[i].f_W.setZero();
+    const std::size_t first = touches_[i].first_row;
+    for (std::size_t row = first; row < first + touches_[i].rows; ++row)
+      contacts_[i].f_W += solver.impulse(row) / options_.step_s * solver.row(row).jacobian.tail<3>();
+  }
 }
 
 void Collider::set_forces(std::size_t first, std::span<const Eigen::Vector3d> forces_W) {

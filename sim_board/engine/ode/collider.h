@@ -9,6 +9,7 @@
 #include "sim_board/engine/ode/bodies.h"
 #include "sim_board/engine/ode/height_field_contact.h"
 #include "sim_board/engine/ode/library.h"
+#include "sim_board/engine/tree/tree_solver.h"
 #include "sim_board/robot/description.h"
 #include "sim_board/state/archive.h"
 #include "sim_board/world/link_tree.h"
@@ -17,14 +18,19 @@
 
 namespace koboshi::sim {
 
-// ODE's data of a contact.
+// ODE's description of a contact: point, surface and first friction direction.
 struct Touch {
-  dJointID joint;
-  double depth_m;
-  dSurfaceParameters surface;
+  dContact contact;
+  dBodyID body;
+  dBodyID other_body;  // null: the ground
+  int ordinal;         // among the contacts of the two links
+  // Rows of the tree's solver; none if a held sole replaces the contact.
+  std::size_t first_row = 0;
+  std::size_t rows = 0;
 };
 
-// Detects contacts of the links' boxes with the ground and each other, and creates ODE's contact joints.
+// Detects contacts of the links' boxes with the ground and each other, and creates ODE's contact joints or
+// rows of the tree's solver.
 // Links with fewer than three joints between them are excluded: neighbours overlap at their hinge by design.
 class Collider {
  public:
@@ -32,10 +38,18 @@ class Collider {
   Collider(dWorldID world, const RobotDescription& robot, const LinkTree& tree, const Bodies& bodies,
            const WorldOptions& options);
 
-  // Replaces the contact joints by those for the bodies' present poses.
-  void touch();
-  // Reads the forces of the contact joints after the solver has run.
-  void read_forces();
+  // Detects the contacts for the bodies' present poses.
+  void find_contacts();
+  // Replaces ODE's contact joints by those of the present contacts.
+  void make_joints();
+  // Reads the forces of the contact joints after ODE's solver has run.
+  void read_joint_forces();
+  // Appends the rows of one contact: its normal, then one or two directions of friction. `p_WO_W` is the
+  // origin of the tree's spatial vectors, `velocities` are those of the bodies before the step.
+  void add_rows(std::size_t contact, std::vector<TreeRow>& rows, const Bodies& bodies,
+                const Eigen::Vector3d& p_WO_W, std::span<const Vector6> velocities);
+  // Reads the forces of these rows after the tree's solver has run.
+  void read_row_forces(const TreeSolver& solver);
   std::span<const Contact> contacts() const { return contacts_; }
   // ODE's data of each contact, in the order of the contacts.
   std::span<const Touch> touches() const { return touches_; }
@@ -43,7 +57,7 @@ class Collider {
   // joints.
   void set_forces(std::size_t first, std::span<const Eigen::Vector3d> forces_W);
 
-  // Archives the contacts of the last step. Their joints are created anew in each step.
+  // Archives the contacts of the last step. Their joints or rows are created anew in each step.
   void archive(StateArchive& archive) { archive(contacts_); }
 
  private:
@@ -85,8 +99,8 @@ class Collider {
   // world.
   std::size_t meet_ground(const Box& box, const SurfaceDescription& ground, const Eigen::Matrix3d& R_W);
   std::size_t meet_box(const Box& box, const Box& other);
-  void touch(const Pair& pair);
-  void touch_fields();
+  void find_contacts_of(const Pair& pair);
+  void find_contacts_with_fields();
   const Meeting& meeting_at(const Pair& pair, const dContactGeom& point) const;
   void add_contact(const dContactGeom& point, int link, int other_link, dBodyID body, dBodyID other_body,
                    const Meeting& meeting);

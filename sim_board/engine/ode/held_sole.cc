@@ -3,85 +3,42 @@
 #include <cmath>
 
 #include "sim_board/engine/ode/eigen.h"
+#include "sim_board/engine/ode/library.h"
 
 namespace koboshi::sim {
 namespace {
 
-// CFM of the rigid rows, in m/s per N. Not zero, because the rigid rows of two held feet can be redundant. A
-// tangential force of 10 N makes the foot creep by 1e-9 m/s.
-constexpr double kSoleForceMixing = 1e-10;
-constexpr double kLength_m = 1.0;  // of the distance joints
-
-void set_turn(const OdeJoint& motor, int axis, const Eigen::Vector3d& axis_W, double speed_rad_per_s,
-              double force_mixing) {
-  constexpr int kInWorld = 0;
-  dJointSetAMotorAxis(motor.get(), axis, kInWorld, axis_W.x(), axis_W.y(), axis_W.z());
-  dJointSetAMotorParam(motor.get(), axis * dParamGroup + dParamVel, speed_rad_per_s);
-  dJointSetAMotorParam(motor.get(), axis * dParamGroup + dParamCFM, force_mixing);
-}
+// The sole's rows in their order, beginning with first_row_.
+enum Row : std::size_t { kRise, kSlideX, kSlideY, kTurnNormal, kTurnX, kTurnY };
 
 }  // namespace
 
-HeldSole::HeldSole(dWorldID world, dBodyID body) : body_(body), feedbacks_(std::make_unique<Feedbacks>()) {
-  for (std::size_t i = 0; i < kDirections; ++i) {
-    distances_[i].reset(dJointCreateDBall(world, nullptr));
-    dJointAttach(distances_[i].get(), body, nullptr);
-    dJointSetDBallParam(distances_[i].get(), dParamERP, 1.0);
-    dJointSetFeedback(distances_[i].get(), &feedbacks_->distances[i]);
-  }
-  turns_.reset(dJointCreateAMotor(world, nullptr));
-  dJointAttach(turns_.get(), body, nullptr);
-  dJointSetAMotorMode(turns_.get(), dAMotorUser);
-  dJointSetAMotorNumAxes(turns_.get(), kDirections);
-  for (int axis = 0; axis < static_cast<int>(kDirections); ++axis)
-    dJointSetAMotorParam(turns_.get(), axis * dParamGroup + dParamFMax, dInfinity);
-  dJointSetFeedback(turns_.get(), &feedbacks_->turns);
+HeldSole::HeldSole(dBodyID ode_body, int body) : ode_body_(ode_body), body_(body) {
   points_.reserve(kMaxSolePoints);
   forces_W_.reserve(kMaxSolePoints);
-  holding_ = true;
-  let_go();
-}
-
-void HeldSole::let_go() {
-  if (!holding_) return;
-  for (const OdeJoint& distance : distances_) dJointDisable(distance.get());
-  dJointDisable(turns_.get());
-  holding_ = false;
-}
-
-void HeldSole::place(std::size_t direction, const Eigen::Vector3d& p_W, const Eigen::Vector3d& axis_W,
-                     double speed_m_per_s, double force_mixing, double step_s) {
-  const dJointID joint = distances_[direction].get();
-  const Eigen::Vector3d far_W = p_W - kLength_m * axis_W;
-  dJointSetDBallAnchor1(joint, p_W.x(), p_W.y(), p_W.z());
-  dJointSetDBallAnchor2(joint, far_W.x(), far_W.y(), far_W.z());
-  dJointSetDBallDistance(joint, kLength_m + speed_m_per_s * step_s);
-  dJointSetDBallParam(joint, dParamCFM, force_mixing);
 }
 
 void HeldSole::hold(std::span<const SolePoint> points, const Eigen::Vector3d& n_W, double error_reduction,
                     double force_mixing, double step_s) {
-  if (!holding_) {
-    for (const OdeJoint& distance : distances_) dJointEnable(distance.get());
-    dJointEnable(turns_.get());
-    holding_ = true;
-  }
+  holding_ = true;
   points_.assign(points.begin(), points.end());
-  p_WCom_W_ = vector_of(dBodyGetPosition(body_));
   restoring_per_s_ = error_reduction / step_s;
   force_mixing_ = force_mixing;
+  step_s_ = step_s;
+  find_axes(n_W);
+  find_springs();
+}
 
-  const double count = static_cast<double>(points_.size());
+// Along the principal axes the sum of x y is zero. Their angle to any axes u, v in the contact plane is half
+// of atan2(2 sum uv, sum uu - sum vv).
+void HeldSole::find_axes(const Eigen::Vector3d& n_W) {
   p_WMean_W_.setZero();
-  double mean_depth_m = 0.0;
-  for (const SolePoint& point : points_) {
-    p_WMean_W_ += point.p_W / count;
-    mean_depth_m += point.depth_m / count;
-  }
-  // Principal axes in the contact plane.
+  for (const SolePoint& point : points_) p_WMean_W_ += point.p_W / static_cast<double>(points_.size());
   const Eigen::Vector3d u_W = n_W.unitOrthogonal();
   const Eigen::Vector3d v_W = n_W.cross(u_W);
-  double uu = 0.0, uv = 0.0, vv = 0.0;
+  double uu = 0.0;
+  double uv = 0.0;
+  double vv = 0.0;
   for (const SolePoint& point : points_) {
     const double u = u_W.dot(point.p_W - p_WMean_W_);
     const double v = v_W.dot(point.p_W - p_WMean_W_);
@@ -90,60 +47,82 @@ void HeldSole::hold(std::span<const SolePoint> points, const Eigen::Vector3d& n_
     vv += v * v;
   }
   const double angle_rad = 0.5 * std::atan2(2.0 * uv, uu - vv);
-  axes_W_ = {n_W, std::cos(angle_rad) * u_W + std::sin(angle_rad) * v_W, Eigen::Vector3d::Zero()};
+  axes_W_[0] = n_W;
+  axes_W_[1] = std::cos(angle_rad) * u_W + std::sin(angle_rad) * v_W;
   axes_W_[2] = n_W.cross(axes_W_[1]);
+}
 
-  double xx = 0.0, yy = 0.0, x_depth = 0.0, y_depth = 0.0;
+void HeldSole::find_springs() {
+  depth_m_ = xx_m2_ = yy_m2_ = x_depth_m2_ = y_depth_m2_ = 0.0;
   for (const SolePoint& point : points_) {
     const double x = axes_W_[1].dot(point.p_W - p_WMean_W_);
     const double y = axes_W_[2].dot(point.p_W - p_WMean_W_);
-    xx += x * x;
-    yy += y * y;
-    x_depth += x * point.depth_m;
-    y_depth += y * point.depth_m;
+    depth_m_ += point.depth_m;
+    xx_m2_ += x * x;
+    yy_m2_ += y * y;
+    x_depth_m2_ += x * point.depth_m;
+    y_depth_m2_ += y * point.depth_m;
   }
-  // Velocity of the point at (x, y) along the normal: v + y w_x - x w_y.
-  place(0, p_WMean_W_, n_W, restoring_per_s_ * mean_depth_m, force_mixing / count, step_s);
-  place(1, p_WMean_W_, axes_W_[1], 0.0, kSoleForceMixing, step_s);
-  place(2, p_WMean_W_, axes_W_[2], 0.0, kSoleForceMixing, step_s);
-  set_turn(turns_, 0, n_W, 0.0, kSoleForceMixing);
-  set_turn(turns_, 1, axes_W_[1], restoring_per_s_ * y_depth / yy, force_mixing / yy);
-  set_turn(turns_, 2, axes_W_[2], -restoring_per_s_ * x_depth / xx, force_mixing / xx);
 }
 
-double HeldSole::held_N(std::size_t direction) const {
-  return axes_W_[direction].dot(vector_of(feedbacks_->distances[direction].f1));
+void HeldSole::add_rows(std::vector<TreeRow>& rows, const Eigen::Vector3d& p_WO_W) {
+  first_row_ = rows.size();
+  const auto add = [&](const Vector6& jacobian, double speed, double force_mixing) {
+    rows.push_back(
+        {.body = body_, .jacobian = jacobian, .target = speed, .softness = force_mixing / step_s_});
+  };
+  const auto slide = [&](const Eigen::Vector3d& axis_W) {
+    return spatial_force(p_WMean_W_ - p_WO_W, axis_W);
+  };
+  const auto turn = [](const Eigen::Vector3d& axis_W) { return spatial(axis_W, Eigen::Vector3d::Zero()); };
+  const double count = static_cast<double>(points_.size());
+  // In the order of Row. The target of a spring's row is the speed at which its force would be zero.
+  add(slide(axes_W_[0]), restoring_per_s_ * depth_m_ / count, force_mixing_ / count);
+  add(slide(axes_W_[1]), 0.0, kStickingForceMixing);
+  add(slide(axes_W_[2]), 0.0, kStickingForceMixing);
+  add(turn(axes_W_[0]), 0.0, kStickingForceMixing);
+  add(turn(axes_W_[1]), restoring_per_s_ * y_depth_m2_ / yy_m2_, force_mixing_ / yy_m2_);
+  add(turn(axes_W_[2]), -restoring_per_s_ * x_depth_m2_ / xx_m2_, force_mixing_ / xx_m2_);
 }
 
-bool HeldSole::is_possible(double friction) {
-  const Eigen::Vector3d v_W = vector_of(dBodyGetLinearVel(body_));
-  const Eigen::Vector3d w_W = vector_of(dBodyGetAngularVel(body_));
+bool HeldSole::is_possible(const TreeSolver& solver, double friction) {
+  const Eigen::Vector3d v_W = vector_of(dBodyGetLinearVel(ode_body_));
+  const Eigen::Vector3d w_W = vector_of(dBodyGetAngularVel(ode_body_));
+  const Eigen::Vector3d p_WCom_W = vector_of(dBodyGetPosition(ode_body_));
   const Eigen::Vector3d& n_W = axes_W_[0];
+
+  // Normal force at each point, from the sole's speed there.
   forces_W_.clear();
   double sum_N = 0.0;
-  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  Eigen::Vector3d moment_Nm = Eigen::Vector3d::Zero();
   for (const SolePoint& point : points_) {
-    const double rise_m_per_s = n_W.dot(v_W + w_W.cross(point.p_W - p_WCom_W_));
+    const double rise_m_per_s = n_W.dot(v_W + w_W.cross(point.p_W - p_WCom_W));
     const double normal_N = (restoring_per_s_ * point.depth_m - rise_m_per_s) / force_mixing_;
     if (normal_N < 0.0) return false;
     forces_W_.push_back(normal_N * n_W);
     sum_N += normal_N;
-    moment += normal_N * point.p_W;
+    moment_Nm += normal_N * point.p_W;
   }
   if (!(sum_N > 0.0)) return false;
-  const Eigen::Vector3d p_WPressure_W = moment / sum_N;
-  double turned_Nm2 = 0.0;  // sum of normal force times squared distance from the centre of pressure
+  const Eigen::Vector3d p_WPressure_W = moment_Nm / sum_N;
+
+  // Friction exerts a tangential force and a moment about the normal through the centre of pressure. Point i
+  // has the share f_i (slide / sum f + twist n x r_i), with r_i from the centre of pressure. The moments add
+  // up to twist sum f_i r_i^2, since sum f_i r_i = 0.
+  const auto row_N = [&](Row row) { return solver.impulse(first_row_ + row) / step_s_; };
+  const Eigen::Vector3d slide_N = row_N(kSlideX) * axes_W_[1] + row_N(kSlideY) * axes_W_[2];
+  const double turn_Nm = row_N(kTurnNormal) + n_W.dot((p_WMean_W_ - p_WPressure_W).cross(slide_N));
+  double polar_Nm2 = 0.0;  // sum f_i r_i^2
   for (std::size_t i = 0; i < points_.size(); ++i)
-    turned_Nm2 += n_W.dot(forces_W_[i]) * (points_[i].p_W - p_WPressure_W).squaredNorm();
-  const Eigen::Vector3d slide_N = held_N(1) * axes_W_[1] + held_N(2) * axes_W_[2];
-  const double turn_Nm =
-      n_W.dot(vector_of(feedbacks_->turns.t1)) + n_W.dot((p_WMean_W_ - p_WPressure_W).cross(slide_N));
-  const double twist_per_m = turned_Nm2 > 0.0 ? turn_Nm / turned_Nm2 : 0.0;
+    polar_Nm2 += n_W.dot(forces_W_[i]) * (points_[i].p_W - p_WPressure_W).squaredNorm();
+  const double twist_per_m = polar_Nm2 > 0.0 ? turn_Nm / polar_Nm2 : 0.0;
+
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    const Eigen::Vector3d share = slide_N / sum_N + twist_per_m * n_W.cross(points_[i].p_W - p_WPressure_W);
+    // Tangential over normal force, limited by Coulomb's law.
+    const Eigen::Vector3d ratio = slide_N / sum_N + twist_per_m * n_W.cross(points_[i].p_W - p_WPressure_W);
     const double normal_N = n_W.dot(forces_W_[i]);
-    if (normal_N > 0.0 && share.norm() > friction) return false;
-    forces_W_[i] += normal_N * share;
+    if (normal_N > 0.0 && ratio.norm() > friction) return false;
+    forces_W_[i] += normal_N * ratio;
   }
   return true;
 }

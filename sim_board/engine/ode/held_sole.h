@@ -4,12 +4,10 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <memory>
 #include <span>
 #include <vector>
 
-#include "sim_board/engine/ode/library.h"
-#include "sim_board/world/world.h"
+#include "sim_board/engine/tree/tree_solver.h"
 
 namespace koboshi::sim {
 
@@ -21,14 +19,14 @@ struct SolePoint {
 
 // Contact of one flat foot that stands still on the ground, solved as a whole instead of point by point.
 //
-// Why: ODE gives each contact point a joint of three bounded rows: the normal force must not pull, and
-// friction is limited. The LCP solver searches for the rows at their bounds, which dominates the cost of a
-// step. For a flat foot at rest no row is at its bound, and six rows describe the contact of the rigid foot
-// completely. This class provides these six rows without bounds: one factorisation, no search.
+// Why: each contact point has three bounded rows: the normal force must not pull, and friction is limited.
+// The rows of several points are redundant, and the solver searches for those at their bounds. For a flat
+// foot at rest no row is at its bound, and six rows describe the contact of the rigid foot completely. This
+// class provides these six rows without bounds: one factorisation, no search.
 //
-// When: the foot has rested on three or more points for some steps (class Soles decides, and disables the
-// contact joints of the points meanwhile). After the solution is_possible() checks the bounds that the rows
-// lack. If one is violated, Soles releases the foot and the step is solved again with the contact joints.
+// When: the foot has rested on three or more points for some steps (class Soles decides, and leaves out the
+// rows of the points meanwhile). After the solution is_possible() checks the bounds that the rows lack. If
+// one is violated, Soles releases the foot and the step is solved again with the rows of the points.
 //
 // Model: all n points have the same spring and damper along the normal, f_i = (ERP depth_i / h - v_i) / CFM
 // with step size h. With x and y along the principal axes of the points, about their mean, the sum of these
@@ -40,52 +38,49 @@ class HeldSole {
  public:
   static constexpr std::size_t kMaxSolePoints = 16;
 
-  // Creates the disabled joints between the body of the foot and the world.
-  HeldSole(dWorldID world, dBodyID body);
+  // `body` is the index of `ode_body` in the tree. Initially nothing is held.
+  HeldSole(dBodyID ode_body, int body);
 
-  // Enables the six rows for the next solution. `points` are three to kMaxSolePoints, not collinear; `n_W` is
-  // their common normal, out of the ground; ERP and CFM are those of one point at this step size.
+  // Holds the foot until let_go(). `points` are three to kMaxSolePoints, not collinear; `n_W` is their common
+  // normal, out of the ground; ERP and CFM are those of one point at this step size.
   void hold(std::span<const SolePoint> points, const Eigen::Vector3d& n_W, double error_reduction,
             double force_mixing, double step_s);
-  // Disables the rows.
-  void let_go();
+  void let_go() { holding_ = false; }
   bool holds() const { return holding_; }
+  // Appends the six rows. `p_WO_W` is the origin of the tree's spatial vectors.
+  void add_rows(std::vector<TreeRow>& rows, const Eigen::Vector3d& p_WO_W);
 
   // Returns, after a solution, whether contact points could exert the forces of the six rows: no point pulls,
   // and friction at each is within Coulomb's limit. Tangential force and moment about the centre of pressure
   // are shared among the points in proportion to their normal forces (the moment also to the distance). The
   // condition is therefore sufficient, not necessary: another distribution might satisfy the limits.
-  bool is_possible(double friction);
+  bool is_possible(const TreeSolver& solver, double friction);
   // Force on the body at each point in N, as computed by is_possible().
   std::span<const Eigen::Vector3d> forces_W() const { return forces_W_; }
 
  private:
-  static constexpr std::size_t kDirections = 3;  // normal and two tangents
+  void find_axes(const Eigen::Vector3d& n_W);
+  void find_springs();
 
-  void place(std::size_t direction, const Eigen::Vector3d& p_W, const Eigen::Vector3d& axis_W,
-             double speed_m_per_s, double force_mixing, double step_s);
-  double held_N(std::size_t direction) const;
-
-  dBodyID body_;
-  // The rows of translation. A joint fixes the distance between the mean of the points and a world point 1 m
-  // away along the axis: the cheapest joint of ODE with one linear row.
-  std::array<OdeJoint, kDirections> distances_;
-  OdeJoint turns_;  // the rows of rotation: an angular motor about the axes
-  struct Feedbacks {
-    std::array<dJointFeedback, kDirections> distances{};
-    dJointFeedback turns{};
-  };
-  std::unique_ptr<Feedbacks> feedbacks_;  // must not move, because ODE writes into it
+  dBodyID ode_body_;
+  int body_;
   bool holding_ = false;
 
   // State of the last hold():
   std::vector<SolePoint> points_;
   std::vector<Eigen::Vector3d> forces_W_;
-  std::array<Eigen::Vector3d, kDirections> axes_W_;      // normal first
+  std::array<Eigen::Vector3d, 3> axes_W_;                // normal, then principal axes of the points
   Eigen::Vector3d p_WMean_W_ = Eigen::Vector3d::Zero();  // of the points
-  Eigen::Vector3d p_WCom_W_ = Eigen::Vector3d::Zero();
-  double restoring_per_s_ = 0.0;  // ERP / h
-  double force_mixing_ = 0.0;
+  double restoring_per_s_ = 0.0;                         // ERP / h
+  double force_mixing_ = 0.0;                            // of one point
+  double step_s_ = 0.0;
+  // Sums over the points, with x and y along the principal axes: of depth, x^2, y^2, x depth, y depth.
+  double depth_m_ = 0.0;
+  double xx_m2_ = 0.0;
+  double yy_m2_ = 0.0;
+  double x_depth_m2_ = 0.0;
+  double y_depth_m2_ = 0.0;
+  std::size_t first_row_ = 0;
 };
 
 }  // namespace koboshi::sim

@@ -9,6 +9,10 @@
 namespace koboshi::sim {
 namespace {
 
+// Share of a joint's position error that one step removes: ODE's default ERP. The tree's joints drift by
+// round-off and by the finite rotations of a step, a few micrometres.
+constexpr double kJointErrorReduction = 0.2;
+
 // Five degrees short of a quarter turn.
 constexpr double kMaxMiddle_rad = std::numbers::pi / 2.0 * 85.0 / 90.0;
 
@@ -45,10 +49,13 @@ JointChain::JointChain(dWorldID world, const RobotDescription& robot, const Hing
       chain_(chain),
       parent_(bodies.of(joint(0).parent)),
       child_(bodies.of(joint(size() - 1).child)),
+      parent_index_(bodies.index_of(joint(0).parent)),
+      child_index_(bodies.index_of(joint(size() - 1).child)),
       step_s_(step_s),
       R_ParentM_(rotation_of(dBodyGetRotation(parent_)).transpose()),
       R_ChildM_(rotation_of(dBodyGetRotation(child_)).transpose()),
       p_ParentAnchor_(R_ParentM_ * (joint(0).p_MJ - vector_of(dBodyGetPosition(parent_)))),
+      p_ChildAnchor_(R_ChildM_ * (joint(0).p_MJ - vector_of(dBodyGetPosition(child_)))),
       feedback_(std::make_unique<dJointFeedback>()) {
   R_MF_.col(0) = joint(0).axis_M;
   R_MF_.col(1) = size() > 1 ? joint(1).axis_M : joint(0).axis_M.unitOrthogonal();
@@ -163,20 +170,64 @@ BodyState JointChain::link_between(std::size_t i) const {
 }
 
 void JointChain::begin_step() {
-  const Vectors axes = axes_W();
-  const Vectors b = duals(axes);
-  const Eigen::Vector3d turning_W = turning_of_axes_W(axes);
+  axes_W_ = axes_W();
+  const Vectors b = duals(axes_W_);
+  const Eigen::Vector3d turning_W = turning_of_axes_W(axes_W_);
   for (std::size_t i = 0; i < size(); ++i) motors_[i].begin_step(b[i], -step_s_ * b[i].dot(turning_W));
   p_AnchorParentCom_W_ = vector_of(dBodyGetPosition(parent_)) - p_WAnchor_W();
-  for (std::size_t i = 0; i + 1 < size(); ++i) before_[i] = motion(i, axes);
-}
-
-void JointChain::guess_friction() {
-  for (ServoMotor& motor : motors_) motor.guess_friction();
+  for (std::size_t i = 0; i + 1 < size(); ++i) before_[i] = motion(i, axes_W_);
 }
 
 void JointChain::bound_friction() {
   for (ServoMotor& motor : motors_) motor.bound_friction();
+}
+
+void JointChain::write_ode_rows() {
+  for (ServoMotor& motor : motors_) motor.write_ode_rows();
+}
+
+// Returns the angular velocity of the child relative to the parent that corrects the axes: aligns the images
+// of a hinge's axis in both bodies, makes those of a universal joint perpendicular.
+Eigen::Vector3d JointChain::correcting_rate_W() const {
+  if (size() == 1) return kJointErrorReduction / step_s_ * (R_WChild() * joint(0).axis_M).cross(axes_W_[0]);
+  if (size() == 2)
+    return kJointErrorReduction / step_s_ * axes_W_[0].dot(axes_W_[1]) *
+           axes_W_[0].cross(axes_W_[1]).normalized();
+  return Eigen::Vector3d::Zero();
+}
+
+void JointChain::write_tree_joint(const Eigen::Vector3d& p_WO_W, JointSpace& tree, std::size_t index,
+                                  std::vector<TreeRow>& rows) {
+  const Eigen::Vector3d p_WAnchor = p_WAnchor_W();
+  const Eigen::Vector3d p_OAnchor_W = p_WAnchor - p_WO_W;
+  const Eigen::Vector3d p_WChildAnchor =
+      vector_of(dBodyGetPosition(child_)) + rotation_of(dBodyGetRotation(child_)) * p_ChildAnchor_;
+  tree.slip(index) = spatial_velocity(correcting_rate_W(), p_OAnchor_W,
+                                      kJointErrorReduction / step_s_ * (p_WAnchor - p_WChildAnchor));
+  for (std::size_t i = 0; i < size(); ++i) {
+    const std::size_t dof = tree.first_dof(index) + i;
+    JointSpace::Axis& axis = tree.axis(dof);
+    axis.motion = spatial_velocity(axes_W_[i], p_OAnchor_W, Eigen::Vector3d::Zero());
+    motors_[i].write_tree_axis(axis);
+    motors_[i].add_rows(rows, static_cast<int>(child_index_), static_cast<int>(parent_index_), dof);
+  }
+}
+
+void JointChain::read_tree_torques(const TreeSolver& solver, std::size_t index) {
+  const std::size_t first = solver.tree().first_dof(index);
+  for (std::size_t i = 0; i < size(); ++i) motors_[i].read_tree(solver, solver.tree().speed(first + i));
+}
+
+// The impulse through the tree's joint includes the torques of its axes, but not those of the bounded rows.
+void JointChain::read_tree_constraint(const Eigen::Vector3d& p_WO_W, const TreeSolver& solver,
+                                      std::size_t index) {
+  Eigen::Vector3d axes_Nm = Eigen::Vector3d::Zero();
+  for (const ServoMotor& motor : motors_) axes_Nm += motor.tree_torque_W_Nm();
+  const Vector6 wrench = solver.tree().joint_impulse(index) / step_s_;  // on the child, about the origin
+  const Eigen::Vector3d force_N = wrench.tail<3>();
+  const Eigen::Vector3d p_OParent_W = vector_of(dBodyGetPosition(parent_)) - p_WO_W;
+  copy_vector(-force_N, feedback_->f2);
+  copy_vector(axes_Nm - wrench.head<3>() + p_OParent_W.cross(force_N), feedback_->t2);
 }
 
 bool JointChain::confirm_friction() {

@@ -37,13 +37,25 @@ class JointChain {
              std::span<const double> starts_rad, double step_s);
 
   const HingeChain& hinges() const { return chain_; }
+  // Indices in Bodies::all().
+  std::size_t parent_index() const { return parent_index_; }
+  std::size_t child_index() const { return child_index_; }
   ServoMotor& motor(std::size_t i) { return motors_[i]; }
   const ServoMotor& motor(std::size_t i) const { return motors_[i]; }
 
   // Same as for ServoMotor, for all hinges.
   void begin_step();
-  void guess_friction();
   void bound_friction();
+  void write_ode_rows();
+  // Writes the tree's joint `index` and appends the chain's bounded rows. `p_WO_W` is the origin of the
+  // tree's spatial vectors.
+  void write_tree_joint(const Eigen::Vector3d& p_WO_W, JointSpace& tree, std::size_t index,
+                        std::vector<TreeRow>& rows);
+  // Reads the torques of the tree's solution.
+  void read_tree_torques(const TreeSolver& solver, std::size_t index);
+  // Reads the force of the joint itself from the accepted solution, after the solver has found the joints'
+  // impulses.
+  void read_tree_constraint(const Eigen::Vector3d& p_WO_W, const TreeSolver& solver, std::size_t index);
   // Returns whether the solution satisfies Coulomb's law at all hinges. Corrects the guesses of those where
   // it does not.
   bool confirm_friction();
@@ -73,6 +85,7 @@ class JointChain {
   Eigen::Matrix3d R_WChild() const;
   Eigen::Vector3d relative_rate_W() const;
   Eigen::Vector3d p_WAnchor_W() const;
+  Eigen::Vector3d correcting_rate_W() const;
   std::array<double, kMaxHinges> positions_rad() const;
   Vectors axes_W() const;  // at the positions of the last step
   Vectors duals(const Vectors& axes_W) const;
@@ -83,16 +96,20 @@ class JointChain {
   const HingeChain chain_;
   dBodyID parent_;
   dBodyID child_;
+  std::size_t parent_index_;  // in the bodies
+  std::size_t child_index_;
   double step_s_;
   Eigen::Matrix3d R_ParentM_;  // model frame's axes in the parent's
   Eigen::Matrix3d R_ChildM_;
   Eigen::Vector3d p_ParentAnchor_;  // from the parent body's centre of mass, in its axes
+  Eigen::Vector3d p_ChildAnchor_;   // the same of the child
   Eigen::Matrix3d R_MF_;            // columns: first axis, second axis, their cross product
   double third_sign_ = 1.0;         // sign of the third axis relative to the third column
   OdeJoint constraint_;
   std::unique_ptr<dJointFeedback> feedback_;  // must not move, because ODE writes into it
   std::vector<ServoMotor> motors_;
   // Values at the beginning of the step:
+  Vectors axes_W_{};
   Eigen::Vector3d p_AnchorParentCom_W_ = Eigen::Vector3d::Zero();
   std::array<Motion, kMaxHinges - 1> before_;
 };

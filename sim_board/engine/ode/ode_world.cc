@@ -16,6 +16,7 @@
 #include "sim_board/engine/ode/library.h"
 #include "sim_board/engine/ode/saved_bodies.h"
 #include "sim_board/engine/ode/soles.h"
+#include "sim_board/engine/ode/tree_step.h"
 #include "sim_board/world/link_tree.h"
 
 namespace koboshi::sim {
@@ -62,8 +63,12 @@ class OdeWorld final : public World {
 
   void make_world();
   void make_joints(std::span<const HingeChain> chains);
+  void step_with_ode();
   bool solve_guessing_friction();
   void solve_bounding_friction();
+  void step_as_tree();
+  bool solve_tree();
+  bool solve_tree_once() { return tree_->step.solve(chains_, *collider_, tree_->soles); }
   void pose_bodies(const std::vector<Eigen::Isometry3d>& X_WLs);
   JointChain& chain_of(int joint) { return chains_[at(places_, joint).chain]; }
   const JointChain& chain_of(int joint) const { return chains_[at(places_, joint).chain]; }
@@ -83,7 +88,13 @@ class OdeWorld final : public World {
   std::vector<Place> places_;     // by joint
   std::vector<int> joint_above_;  // by link; the base has none
   std::unique_ptr<Collider> collider_;
-  std::optional<Soles> soles_;  // only for the stepper that holds soles
+  struct Tree {
+    TreeStep step;
+    Soles soles;
+
+    void archive(StateArchive& archive) { archive(step, soles); }
+  };
+  std::optional<Tree> tree_;  // only for the stepper that eliminates the tree
 };
 
 OdeWorld::OdeWorld(const RobotDescription& robot, const WorldOptions& options)
@@ -99,7 +110,10 @@ OdeWorld::OdeWorld(const RobotDescription& robot, const WorldOptions& options)
   pose_bodies(tree.poses(robot_, options_.X_WB, options_.joint_positions_rad));
   if (options_.fixed_base) dBodySetKinematic(bodies_->of(0));
   collider_ = std::make_unique<Collider>(world_.get(), robot_, tree, *bodies_, options_);
-  if (options_.stepper == Stepper::kLumped) soles_.emplace(world_.get(), robot_, *bodies_, options_.step_s);
+  if (options_.stepper == Stepper::kLumped) {
+    tree_.emplace(Tree{TreeStep(*bodies_, chains_, options_.gravity_W_m_per_s2, options_.step_s),
+                       Soles(robot_, *bodies_, options_.step_s)});
+  }
 }
 
 void OdeWorld::make_world() {
@@ -155,26 +169,32 @@ void OdeWorld::step() {
   for (JointChain& chain : chains_) chain.begin_step();
   {
     const OdeWarningCount count(solver_warnings_);
-    collider_->touch();
-    if (soles_) soles_->guess(*collider_);
-    if (!solve_guessing_friction()) solve_bounding_friction();
+    collider_->find_contacts();
+    if (tree_) {
+      step_as_tree();
+    } else {
+      step_with_ode();
+    }
   }
   ++steps_;
   for (JointChain& chain : chains_) chain.finish_step();
-  collider_->read_forces();
-  if (soles_) soles_->finish_step(*collider_);
   check_bodies();
+}
+
+void OdeWorld::step_with_ode() {
+  collider_->make_joints();
+  if (!solve_guessing_friction()) solve_bounding_friction();
+  collider_->read_joint_forces();
 }
 
 bool OdeWorld::solve_guessing_friction() {
   if (options_.stepper == Stepper::kQuick || options_.friction == FrictionMethod::kRows) return false;
   saved_.save(bodies_->all());
   for (int guess = 0; guess < kMaxGuesses; ++guess) {
-    for (JointChain& chain : chains_) chain.guess_friction();
+    for (JointChain& chain : chains_) chain.write_ode_rows();
     dWorldStep(world_.get(), options_.step_s);
     bool confirmed = true;
     for (JointChain& chain : chains_) confirmed = chain.confirm_friction() && confirmed;
-    if (soles_) confirmed = soles_->confirm() && confirmed;
     if (confirmed) return true;
     saved_.restore(bodies_->all());
   }
@@ -182,13 +202,45 @@ bool OdeWorld::solve_guessing_friction() {
 }
 
 void OdeWorld::solve_bounding_friction() {
-  for (JointChain& chain : chains_) chain.bound_friction();
-  if (soles_) soles_->let_go();
+  for (JointChain& chain : chains_) {
+    chain.bound_friction();
+    chain.write_ode_rows();
+  }
   if (options_.stepper == Stepper::kQuick) {
     quick_step(world_.get(), options_.step_s, quick_seed_);
   } else {
     dWorldStep(world_.get(), options_.step_s);
   }
+}
+
+// ODE's solver does the step if the tree's finds no solution within rounding. This counts as a warning.
+void OdeWorld::step_as_tree() {
+  tree_->soles.guess(*collider_);
+  tree_->step.begin();
+  if (solve_tree()) {
+    tree_->step.finish(chains_);
+    collider_->read_row_forces(tree_->step.solver());
+  } else {
+    ++solver_warnings_;
+    tree_->soles.let_go();
+    collider_->make_joints();
+    solve_bounding_friction();
+    collider_->read_joint_forces();
+  }
+  tree_->soles.finish_step(*collider_);
+}
+
+bool OdeWorld::solve_tree() {
+  const int guesses = options_.friction == FrictionMethod::kRows ? 0 : kMaxGuesses;
+  for (int guess = 0; guess < guesses; ++guess) {
+    if (!solve_tree_once()) return false;
+    bool confirmed = tree_->soles.confirm(tree_->step.solver());
+    for (JointChain& chain : chains_) confirmed = chain.confirm_friction() && confirmed;
+    if (confirmed) return true;
+  }
+  tree_->soles.let_go();
+  for (JointChain& chain : chains_) chain.bound_friction();
+  return solve_tree_once();
 }
 
 BodyState OdeWorld::body(int link) const {
@@ -202,12 +254,12 @@ Wrench OdeWorld::joint_wrench(int joint) const {
   return chain_of(joint).wrench(at(places_, joint).hinge, options_.gravity_W_m_per_s2);
 }
 
-// ODE's joints have no state between steps: their parameters are written before each solution, and the solver
-// has no warm start.
+// ODE's joints have no state between steps: their parameters are written before each solution, and ODE's
+// solver has no warm start.
 void OdeWorld::archive(StateArchive& archive) {
   bool held = dBodyIsKinematic(bodies_->of(0)) != 0;
   if (archive.writes()) saved_.save(bodies_->all());
-  archive(steps_, solver_warnings_, quick_seed_, held, saved_, chains_, collider_, soles_);
+  archive(steps_, solver_warnings_, quick_seed_, held, saved_, chains_, collider_, tree_);
   if (archive.writes()) return;
   if (held) {
     dBodySetKinematic(bodies_->of(0));

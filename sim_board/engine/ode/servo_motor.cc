@@ -15,8 +15,6 @@ namespace {
 // a flickering encoder, or two joints that hold each other through the feet, would be guessed wrong
 // repeatedly.
 constexpr double kDoubt_s = 0.03;
-// Keeps the friction row solvable together with others; the creep under 0.03 N m is 3e-12 rad/s.
-constexpr double kStickingForceMixing = 1e-10;
 // A constant torque without damping still needs a CFM: the error is 1e-9 N m at 1 rad/s.
 constexpr double kMinDamping_Nm_s = 1e-9;
 
@@ -48,26 +46,14 @@ ServoMotor::ServoMotor(dWorldID world, const JointDescription& joint, dBodyID ch
       state_{.position_rad = start_rad} {
   motor_ = make_motor(world, child, parent, 2, feedbacks_->servo);
   stop_ = make_motor(world, child, parent, 1, feedbacks_->stop);
-  const Softness stop = softness(kStopStiffness_Nm_per_rad, kStopDamping_Nm_s_per_rad, step_s_);
-  set(stop_, 0, dParamStopERP, stop.error_reduction);
-  stop_force_mixing_ = stop.constraint_force_mixing;
-}
-
-void ServoMotor::set_direction(const Eigen::Vector3d& b_W) {
-  b_W_ = b_W;
-  scale_ = b_W.norm();
-  for (int axis : {kDrive, kFriction})
-    dJointSetAMotorAxis(motor_.get(), axis, kInWorld, b_W.x(), b_W.y(), b_W.z());
-  dJointSetAMotorAxis(stop_.get(), 0, kInWorld, b_W.x(), b_W.y(), b_W.z());
+  stop_softness_ = softness(kStopStiffness_Nm_per_rad, kStopDamping_Nm_s_per_rad, step_s_);
+  set(stop_, 0, dParamStopERP, stop_softness_.error_reduction);
 }
 
 void ServoMotor::begin_step(const Eigen::Vector3d& b_W, double drift_rad_per_s) {
-  set_direction(b_W);
+  b_W_ = b_W;
+  scale_ = b_W.norm();
   drift_rad_per_s_ = drift_rad_per_s;
-  set(stop_, 0, dParamLoStop, lower_rad_ / scale_);
-  set(stop_, 0, dParamHiStop, upper_rad_ / scale_);
-  set(stop_, 0, dParamStopCFM, stop_force_mixing_ / (scale_ * scale_));
-  dJointSetAMotorAngle(stop_.get(), 0, state_.position_rad / scale_);
   *feedbacks_ = {};  // ODE does not update the feedback of a motor without rows
 
   if (doubted_steps_ > 0) --doubted_steps_;
@@ -83,16 +69,25 @@ void ServoMotor::begin_step(const Eigen::Vector3d& b_W, double drift_rad_per_s) 
 
 void ServoMotor::bound_friction() {
   if (friction_ != Friction::kSliding) friction_ = Friction::kBounded;
-  write_rows();
 }
 
-void ServoMotor::write_rows() {
+// The damping of a locked joint is the inverse of the friction row's softness.
+ServoMotor::Torque ServoMotor::tree_torque() const {
+  return is_locked() ? Torque{0.0, 1.0 / kStickingForceMixing} : unbounded_torque();
+}
+
+ServoMotor::Torque ServoMotor::unbounded_torque() const {
   const double inertial_Nm_s = servo_.rotor_inertia_kg_m2 / step_s_;
-  const bool slides = friction_ == Friction::kSliding || friction_ == Friction::kCreeping;
-  const bool locked = friction_ == Friction::kLocked && servo_.friction_Nm > 0.0;
-  const double a = servo_.drive_Nm + inertial_Nm_s * state_.speed_rad_per_s -
-                   (slides ? direction_ * servo_.friction_Nm : 0.0);
-  const double b = std::max(servo_.damping_Nm_s + inertial_Nm_s, kMinDamping_Nm_s);
+  return {servo_.drive_Nm + inertial_Nm_s * state_.speed_rad_per_s -
+              (slides() ? direction_ * servo_.friction_Nm : 0.0),
+          std::max(servo_.damping_Nm_s + inertial_Nm_s, kMinDamping_Nm_s)};
+}
+
+void ServoMotor::write_ode_rows() {
+  for (int axis : {kDrive, kFriction})
+    dJointSetAMotorAxis(motor_.get(), axis, kInWorld, b_W_.x(), b_W_.y(), b_W_.z());
+  const auto [a, b] = unbounded_torque();
+  const bool locked = is_locked();
   const double target_rad_per_s = a / b - drift_rad_per_s_;
   const bool driven = !locked && (a != 0.0 || b > kMinDamping_Nm_s);
 
@@ -101,7 +96,62 @@ void ServoMotor::write_rows() {
   set(motor_, kDrive, dParamFMax, driven ? dInfinity : 0.0);
   set(motor_, kFriction, dParamVel, -drift_rad_per_s_ / scale_);
   set(motor_, kFriction, dParamCFM, kStickingForceMixing / (scale_ * scale_));
-  set(motor_, kFriction, dParamFMax, locked ? dInfinity : slides ? 0.0 : servo_.friction_Nm * scale_);
+  set(motor_, kFriction, dParamFMax, locked ? dInfinity : slides() ? 0.0 : servo_.friction_Nm * scale_);
+  write_ode_stop();
+}
+
+void ServoMotor::write_ode_stop() {
+  dJointSetAMotorAxis(stop_.get(), 0, kInWorld, b_W_.x(), b_W_.y(), b_W_.z());
+  set(stop_, 0, dParamLoStop, lower_rad_ / scale_);
+  set(stop_, 0, dParamHiStop, upper_rad_ / scale_);
+  set(stop_, 0, dParamStopCFM, stop_softness_.constraint_force_mixing / (scale_ * scale_));
+  dJointSetAMotorAngle(stop_.get(), 0, state_.position_rad / scale_);
+}
+
+void ServoMotor::write_tree_axis(JointSpace::Axis& axis) const {
+  const Torque torque = tree_torque();
+  axis.damping = step_s_ * torque.damping_Nm_s;
+  axis.drive = step_s_ * (torque.at_rest_Nm - torque.damping_Nm_s * drift_rad_per_s_);
+}
+
+void ServoMotor::add_rows(std::vector<TreeRow>& rows, int child, int parent, std::size_t dof) {
+  friction_row_ = stop_row_ = kNoRow;
+  TreeRow row{.body = child, .other_body = parent};
+  row.jacobian = spatial(b_W_, Eigen::Vector3d::Zero());
+  row.other_jacobian = -row.jacobian;
+  if (friction_ == Friction::kBounded && servo_.friction_Nm > 0.0) {
+    row.target = -drift_rad_per_s_;
+    row.softness = kStickingForceMixing / step_s_;
+    row.upper = step_s_ * servo_.friction_Nm;
+    row.lower = -row.upper;
+    row.id = 2 * dof;
+    friction_row_ = static_cast<int>(rows.size());
+    rows.push_back(row);
+  }
+  const bool below = state_.position_rad <= lower_rad_;
+  if (!below && state_.position_rad < upper_rad_) return;
+  const double error_rad = state_.position_rad - (below ? lower_rad_ : upper_rad_);
+  row.target = -stop_softness_.error_reduction / step_s_ * error_rad;
+  row.softness = stop_softness_.constraint_force_mixing / step_s_;
+  row.lower = below ? 0.0 : -dInfinity;
+  row.upper = below ? dInfinity : 0.0;
+  row.id = 2 * dof + 1;
+  stop_row_ = static_cast<int>(rows.size());
+  rows.push_back(row);
+}
+
+void ServoMotor::read_tree(const TreeSolver& solver, double speed_rad_per_s) {
+  const auto torque_Nm = [&](int row) {
+    return row == kNoRow ? 0.0 : solver.impulse(static_cast<std::size_t>(row)) / step_s_;
+  };
+  const Torque torque = tree_torque();
+  tree_Nm_ = torque.at_rest_Nm - torque.damping_Nm_s * (speed_rad_per_s + drift_rad_per_s_);
+  const auto write = [&](double hinge_Nm, dJointFeedback& feedback) {
+    copy_vector(hinge_Nm * b_W_, feedback.t1);
+    copy_vector(-hinge_Nm * b_W_, feedback.t2);
+  };
+  write(tree_Nm_ + torque_Nm(friction_row_), feedbacks_->servo);
+  write(torque_Nm(stop_row_), feedbacks_->stop);
 }
 
 double ServoMotor::servo_Nm() const { return b_W_.dot(vector_of(feedbacks_->servo.t1)) / (scale_ * scale_); }

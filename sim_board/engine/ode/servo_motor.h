@@ -4,10 +4,13 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <vector>
 
 #include "sim_board/engine/ode/library.h"
+#include "sim_board/engine/tree/tree_solver.h"
 #include "sim_board/robot/description.h"
 #include "sim_board/state/archive.h"
+#include "sim_board/world/surface_contact.h"
 #include "sim_board/world/world.h"
 
 namespace koboshi::sim {
@@ -31,16 +34,25 @@ class ServoMotor {
   void set_servo(const ServoTorque& torque) { servo_ = torque; }
   const ServoTorque& servo() const { return servo_; }
 
-  // Sequence of a step: begin_step, then guess_friction or bound_friction, the solver, set_position and
-  // set_speed. After a guess, the solution must be confirmed; if it is rejected, the guess is corrected and
-  // the step is solved again from the same state. The speed after the step is b . w_new + drift, where the
-  // drift is the contribution of b's own rotation.
+  // Sequence of a step: begin_step; at will bound_friction; write_ode_rows, or write_tree_axis and add_rows;
+  // the solver, and for the tree read_tree; set_position and set_speed. After a guess, the solution must be
+  // confirmed; if it is rejected, the guess is corrected and the step is solved again from the same state.
+  // The speed after the step is b . w_new + drift, where the drift is the contribution of b's own rotation.
   void begin_step(const Eigen::Vector3d& b_W, double drift_rad_per_s);
-  // Treats friction as known: the joint slides in one direction, or one unbounded row locks it. Cheap to
-  // solve.
-  void guess_friction() { write_rows(); }
-  // Adds a row bounded by Kc. Always correct, but expensive to solve.
+  // Leaves friction to the solver, as a row bounded by Kc: always correct, but expensive to solve. Otherwise
+  // friction is a guess, cheap to solve: the joint slides in one direction, or an unbounded row locks it.
   void bound_friction();
+
+  void write_ode_rows();
+
+  // Writes drive and damping of the hinge's axis in the tree.
+  void write_tree_axis(JointSpace::Axis& axis) const;
+  // Appends the bounded rows: friction that the solver decides, and the stop. `child` and `parent` are the
+  // bodies' indices in the tree, `dof` is the index of the hinge's axis.
+  void add_rows(std::vector<TreeRow>& rows, int child, int parent, std::size_t dof);
+  // Reads the torques of a solution; `speed_rad_per_s` is that of the tree's axis.
+  void read_tree(const TreeSolver& solver, double speed_rad_per_s);
+
   // Returns whether the solution satisfies Coulomb's law: a locked joint is held by less than Kc, and a slow
   // sliding joint has not reversed. `w_W` is the solution's angular velocity of the child relative to the
   // parent.
@@ -53,6 +65,8 @@ class ServoMotor {
   void set_speed(double speed_rad_per_s) { state_.speed_rad_per_s = speed_rad_per_s; }
 
   const JointState& state() const { return state_; }
+  // Torque on the child that the tree's axis exerted, without the bounded rows.
+  Eigen::Vector3d tree_torque_W_Nm() const { return tree_Nm_ * b_W_; }
   // Torque of servo and stop on the parent in the last step; they exert no force.
   Eigen::Vector3d on_parent_Nm() const;
 
@@ -74,15 +88,26 @@ class ServoMotor {
     kBounded    // slow; the solver decides
   };
 
-  void set_direction(const Eigen::Vector3d& b_W);
-  void write_rows();
+  // The servo's torque without that of a bounded friction row: at_rest - damping * speed.
+  struct Torque {
+    double at_rest_Nm = 0.0;
+    double damping_Nm_s = 0.0;
+  };
+
+  void write_ode_stop();
+  Torque unbounded_torque() const;  // of a joint that is not locked
+  Torque tree_torque() const;
   double servo_Nm() const;
   double friction_Nm(double speed_rad_per_s) const;
+  bool slides() const { return friction_ == Friction::kSliding || friction_ == Friction::kCreeping; }
+  bool is_locked() const { return friction_ == Friction::kLocked && servo_.friction_Nm > 0.0; }
+
+  static constexpr int kNoRow = -1;
 
   double step_s_;
   double lower_rad_;
   double upper_rad_;
-  double stop_force_mixing_;
+  Softness stop_softness_;
   OdeJoint motor_;
   OdeJoint stop_;
   std::unique_ptr<Feedbacks> feedbacks_;  // must not move, because ODE writes into it
@@ -94,6 +119,10 @@ class ServoMotor {
   Eigen::Vector3d b_W_ = Eigen::Vector3d::UnitZ();  // at the beginning of the step
   double drift_rad_per_s_ = 0.0;
   double scale_ = 1.0;  // length of b_W_
+  // Rows of the tree's solver in this step:
+  int friction_row_ = kNoRow;
+  int stop_row_ = kNoRow;
+  double tree_Nm_ = 0.0;  // torque of the tree's axis, without those rows
 };
 
 }  // namespace koboshi::sim

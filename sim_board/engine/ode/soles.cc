@@ -17,18 +17,17 @@ constexpr double kRest_s = 0.01;
 // Speed limit of a resting sole: far above the creep of friction rows, below the speed of sliding.
 constexpr double kAtRest_m_per_s = 1e-6;
 
-bool can_be_held(const Touch& touch) {
+bool can_be_held(const dSurfaceParameters& surface) {
   constexpr int kNeither = dContactSlip1 | dContactSlip2 | dContactMotion1 | dContactMotion2;
-  return touch.surface.bounce == 0.0 && (touch.surface.mode & kNeither) == 0;
+  return surface.bounce == 0.0 && (surface.mode & kNeither) == 0;
 }
 
-bool alike(const Touch& one, const Touch& other) {
-  return one.surface.soft_erp == other.surface.soft_erp && one.surface.soft_cfm == other.surface.soft_cfm;
+bool alike(const dSurfaceParameters& one, const dSurfaceParameters& other) {
+  return one.soft_erp == other.soft_erp && one.soft_cfm == other.soft_cfm;
 }
 
-double friction(const Touch& touch) {
-  return (touch.surface.mode & dContactMu2) != 0 ? std::min(touch.surface.mu, touch.surface.mu2)
-                                                 : touch.surface.mu;
+double friction(const dSurfaceParameters& surface) {
+  return (surface.mode & dContactMu2) != 0 ? std::min(surface.mu, surface.mu2) : surface.mu;
 }
 
 // Returns whether the points span an area.
@@ -46,24 +45,21 @@ bool is_wide(std::span<const Contact> contacts) {
 
 }  // namespace
 
-Soles::Soles(dWorldID world, const RobotDescription& robot, const Bodies& bodies, double step_s)
+Soles::Soles(const RobotDescription& robot, const Bodies& bodies, double step_s)
     : step_s_(step_s), sole_of_link_(robot.links.size(), -1) {
   for (std::size_t l = 0; l < robot.links.size(); ++l) {
     if (robot.links[l].collisions.empty()) continue;
     sole_of_link_[l] = static_cast<int>(soles_.size());
     const dBodyID body = bodies.of(static_cast<int>(l));
-    soles_.push_back({.held = HeldSole(world, body), .body = body, .joints = {}});
-    soles_.back().joints.reserve(HeldSole::kMaxSolePoints);
+    const int index = static_cast<int>(bodies.index_of(static_cast<int>(l)));
+    soles_.push_back({.held = HeldSole(body, index), .body = body});
   }
   points_.reserve(HeldSole::kMaxSolePoints);
 }
 
 // The contacts of a link with the ground are consecutive.
 void Soles::guess(const Collider& collider) {
-  for (Sole& sole : soles_) {
-    sole.count = 0;
-    sole.joints.clear();
-  }
+  for (Sole& sole : soles_) sole.count = 0;
   const std::span<const Contact> contacts = collider.contacts();
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     if (contacts[i].other_link >= 0) continue;
@@ -89,9 +85,11 @@ void Soles::look_at(Sole& sole, const Collider& collider) {
   sole.friction = dInfinity;
   for (std::size_t i = 0; i < sole.count; ++i) {
     if (contacts[i].link != contacts[0].link || contacts[i].other_link >= 0) return;
-    if (!can_be_held(touches[i]) || !alike(touches[i], touches[0])) return;
+    if (!can_be_held(touches[i].contact.surface) ||
+        !alike(touches[i].contact.surface, touches[0].contact.surface))
+      return;
     if (contacts[i].n_W.dot(contacts[0].n_W) < 1.0 - kSameDirection) return;
-    sole.friction = std::min(sole.friction, friction(touches[i]));
+    sole.friction = std::min(sole.friction, friction(touches[i].contact.surface));
   }
   sole.eligible = is_wide(contacts);
 }
@@ -100,26 +98,22 @@ void Soles::hold(Sole& sole, const Collider& collider) {
   const auto contacts = collider.contacts().subspan(sole.first, sole.count);
   const auto touches = collider.touches().subspan(sole.first, sole.count);
   points_.clear();
-  for (std::size_t i = 0; i < sole.count; ++i) {
-    points_.push_back({contacts[i].p_W, touches[i].depth_m});
-    sole.joints.push_back(touches[i].joint);
-    dJointDisable(touches[i].joint);
-  }
-  const dSurfaceParameters& surface = touches[0].surface;
+  for (std::size_t i = 0; i < sole.count; ++i)
+    points_.push_back({contacts[i].p_W, touches[i].contact.geom.depth});
+  const dSurfaceParameters& surface = touches[0].contact.surface;
   sole.held.hold(points_, contacts[0].n_W, surface.soft_erp, surface.soft_cfm, step_s_);
 }
 
-void Soles::let_go(Sole& sole) {
-  if (!sole.held.holds()) return;
-  sole.held.let_go();
-  for (const dJointID joint : sole.joints) dJointEnable(joint);
+void Soles::add_rows(std::vector<TreeRow>& rows, const Eigen::Vector3d& p_WO_W) {
+  for (Sole& sole : soles_)
+    if (sole.held.holds()) sole.held.add_rows(rows, p_WO_W);
 }
 
-bool Soles::confirm() {
+bool Soles::confirm(const TreeSolver& solver) {
   bool confirmed = true;
   for (Sole& sole : soles_) {
-    if (!sole.held.holds() || sole.held.is_possible(sole.friction)) continue;
-    let_go(sole);
+    if (!sole.held.holds() || sole.held.is_possible(solver, sole.friction)) continue;
+    sole.held.let_go();
     sole.resting_steps = 0;
     confirmed = false;
   }
@@ -127,7 +121,7 @@ bool Soles::confirm() {
 }
 
 void Soles::let_go() {
-  for (Sole& sole : soles_) let_go(sole);
+  for (Sole& sole : soles_) sole.held.let_go();
 }
 
 void Soles::finish_step(Collider& collider) {

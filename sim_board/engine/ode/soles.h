@@ -13,17 +13,23 @@
 
 namespace koboshi::sim {
 
-// Guesses before each solution which links rest flat on the ground. These become held soles, and their
-// contact joints are switched off. The contact joints handle all other links, and those for which the guess
-// proves wrong. A link that its contact joints have kept at rest is held in the next step.
+// Guesses before each solution which links rest flat on the ground. These become held soles, whose rows
+// replace those of their contacts. A link whose contacts have kept it at rest for a while is held from then
+// on, until the ground could not exert the forces.
 class Soles {
  public:
-  Soles(dWorldID world, const RobotDescription& robot, const Bodies& bodies, double step_s);
+  Soles(const RobotDescription& robot, const Bodies& bodies, double step_s);
 
-  // Call it after Collider::touch.
+  // Call it after Collider::find_contacts.
   void guess(const Collider& collider);
+  void add_rows(std::vector<TreeRow>& rows, const Eigen::Vector3d& p_WO_W);
+  // Returns whether a held sole replaces this link's contacts with the ground.
+  bool holds(int link) const {
+    const int sole = sole_of_link_[static_cast<std::size_t>(link)];
+    return sole >= 0 && soles_[static_cast<std::size_t>(sole)].held.holds();
+  }
   // Returns whether all held soles are possible. Releases those that are not, for another solution.
-  bool confirm();
+  bool confirm(const TreeSolver& solver);
   void let_go();
   // Call it after the solution is accepted and the collider has read its forces.
   void finish_step(Collider& collider);
@@ -43,12 +49,10 @@ class Soles {
     std::size_t first = 0;  // index of the first contact of this step
     std::size_t count = 0;
     double friction = 0.0;  // the lowest of its contacts
-    std::vector<dJointID> joints;
   };
 
   void look_at(Sole& sole, const Collider& collider);
   void hold(Sole& sole, const Collider& collider);
-  static void let_go(Sole& sole);
   bool rests(const Sole& sole, const Collider& collider) const;
 
   double step_s_;

@@ -30,7 +30,9 @@ TEST_P(Allocations, DoNotOccurInAStep) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Engines, Allocations,
-                         testing::Values(Stepper::kWorld, Stepper::kMujoco, Stepper::kQuick), engine_name);
+                         testing::Values(Stepper::kWorld, Stepper::kLumped, Stepper::kMujoco,
+                                         Stepper::kQuick),
+                         engine_name);
 
 TEST(World, StepsOnEveryKindOfGroundWithoutAllocation) {
   WorldOptions options;

@@ -1,0 +1,126 @@
+#include "sim_board/engine/ode/tree_step.h"
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "sim_board/engine/ode/eigen.h"
+
+namespace koboshi::sim {
+namespace {
+
+// Gyroscopic torque in N m, implicit as in ODE, so that it adds no energy. With the angular momentum L = I w:
+//   tau = (I (I - h [L]x)^-1 - 1) L / h,
+// which tends to L x w for h -> 0.
+Eigen::Vector3d gyroscopic_torque_Nm(const Eigen::Matrix3d& I_W, const Eigen::Vector3d& w_W, double step_s) {
+  const Eigen::Vector3d L = I_W * w_W;
+  const Eigen::Matrix3d implicit = I_W - step_s * cross_matrix(L);
+  return (I_W * (implicit.inverse() * L) - L) / step_s;
+}
+
+// Integrates the orientation as ODE does, by the quaternion's rate at the new angular velocity:
+//   dq/dt = 1/2 (0, w) q, with the scalar part first.
+void turn(dBodyID body, const Eigen::Vector3d& w_W, double step_s) {
+  const dReal* q = dBodyGetQuaternion(body);
+  const Eigen::Vector3d axis(q[1], q[2], q[3]);
+  const Eigen::Vector3d half = 0.5 * step_s * w_W;
+  const Eigen::Vector3d vector = axis + q[0] * half + half.cross(axis);
+  const dQuaternion turned{q[0] - half.dot(axis), vector.x(), vector.y(), vector.z()};
+  dBodySetQuaternion(body, turned);  // normalises it
+}
+
+std::vector<JointSpace::Joint> tree_joints(std::span<const JointChain> chains) {
+  std::vector<JointSpace::Joint> joints;
+  for (const JointChain& chain : chains)
+    joints.push_back({chain.parent_index(), chain.child_index(), chain.hinges().joints.size()});
+  return joints;
+}
+
+}  // namespace
+
+TreeStep::TreeStep(const Bodies& bodies, std::span<const JointChain> chains,
+                   const Eigen::Vector3d& gravity_W_m_per_s2, double step_s)
+    : bodies_(bodies),
+      gravity_W_m_per_s2_(gravity_W_m_per_s2),
+      step_s_(step_s),
+      solver_(bodies.all().size(), tree_joints(chains)),
+      velocities_(bodies.all().size()),
+      spatial_velocities_(bodies.all().size()) {}
+
+void TreeStep::begin() {
+  const dBodyID base = bodies_.all().front().get();
+  p_WO_W_ = vector_of(dBodyGetPosition(base));
+  solver_.tree().fix_root(dBodyIsKinematic(base) != 0);
+  for (std::size_t b = 0; b < velocities_.size(); ++b) read_body(b);
+}
+
+void TreeStep::read_body(std::size_t index) {
+  const dBodyID body = bodies_.all()[index].get();
+  velocities_[index] = {vector_of(dBodyGetLinearVel(body)), vector_of(dBodyGetAngularVel(body))};
+  const auto& [v_W, w_W] = velocities_[index];
+  const Eigen::Vector3d p_OCom_W = vector_of(dBodyGetPosition(body)) - p_WO_W_;
+  const Eigen::Matrix3d R = rotation_of(dBodyGetRotation(body));
+  const Eigen::Matrix3d I_W = R * bodies_.I_Com(index) * R.transpose();
+  const double mass_kg = bodies_.mass_kg(index);
+  const Eigen::Vector3d force_N = vector_of(dBodyGetForce(body)) + mass_kg * gravity_W_m_per_s2_;
+  const Eigen::Vector3d torque_Nm = vector_of(dBodyGetTorque(body)) + gyroscopic_torque_Nm(I_W, w_W, step_s_);
+  spatial_velocities_[index] = spatial_velocity(w_W, p_OCom_W, v_W);
+  JointSpace::Body& part = solver_.tree().body(index);
+  part.inertia = SpatialInertia(mass_kg, p_OCom_W, I_W);
+  part.momentum = spatial_force(p_OCom_W, mass_kg * v_W + step_s_ * force_N);
+  part.momentum.head<3>() += I_W * w_W + step_s_ * torque_Nm;
+}
+
+bool TreeStep::solve(std::span<JointChain> chains, Collider& collider, Soles& soles) {
+  std::vector<TreeRow>& rows = solver_.rows();
+  rows.clear();
+  for (std::size_t j = 0; j < chains.size(); ++j)
+    chains[j].write_tree_joint(p_WO_W_, solver_.tree(), j, rows);
+  soles.add_rows(rows, p_WO_W_);
+  for (std::size_t i = 0; i < collider.contacts().size(); ++i) {
+    const Contact& contact = collider.contacts()[i];
+    if (contact.other_link < 0 && soles.holds(contact.link)) continue;
+    collider.add_rows(i, rows, bodies_, p_WO_W_, spatial_velocities_);
+  }
+  if (!solver_.solve()) {
+    restore_velocities();
+    return false;
+  }
+  write_velocities();
+  for (std::size_t j = 0; j < chains.size(); ++j) chains[j].read_tree_torques(solver_, j);
+  return true;
+}
+
+void TreeStep::write_velocities() {
+  for (std::size_t b = 0; b < velocities_.size(); ++b) {
+    const dBodyID body = bodies_.all()[b].get();
+    const Vector6& velocity = solver_.tree().velocity(b);
+    const Eigen::Vector3d v_W = velocity_at(velocity, vector_of(dBodyGetPosition(body)) - p_WO_W_);
+    dBodySetLinearVel(body, v_W.x(), v_W.y(), v_W.z());
+    dBodySetAngularVel(body, velocity[0], velocity[1], velocity[2]);
+  }
+}
+
+void TreeStep::restore_velocities() {
+  for (std::size_t b = 0; b < velocities_.size(); ++b) {
+    const dBodyID body = bodies_.all()[b].get();
+    const auto& [v_W, w_W] = velocities_[b];
+    dBodySetLinearVel(body, v_W.x(), v_W.y(), v_W.z());
+    dBodySetAngularVel(body, w_W.x(), w_W.y(), w_W.z());
+  }
+}
+
+void TreeStep::finish(std::span<JointChain> chains) {
+  solver_.find_joint_impulses();
+  for (std::size_t j = 0; j < chains.size(); ++j) chains[j].read_tree_constraint(p_WO_W_, solver_, j);
+  for (const OdeBody& owned : bodies_.all()) {
+    const dBodyID body = owned.get();
+    turn(body, vector_of(dBodyGetAngularVel(body)), step_s_);
+    const Eigen::Vector3d p_W =
+        vector_of(dBodyGetPosition(body)) + step_s_ * vector_of(dBodyGetLinearVel(body));
+    dBodySetPosition(body, p_W.x(), p_W.y(), p_W.z());
+    dBodySetForce(body, 0.0, 0.0, 0.0);
+    dBodySetTorque(body, 0.0, 0.0, 0.0);
+  }
+}
+
+}  // namespace koboshi::sim
