@@ -82,6 +82,9 @@ class Frames {
     for (const group of this.groups) {
       const message = messages.get(group.identifier);
       group.message = group.kind === "PDO" && !group.remote && message ? message : null;
+      // Some PDOs of the controller use identifiers that belong to no node.
+      const sender = group.message && network.nodes.find((node) => node.name === message.sender);
+      if (sender && !this.nodeNames.has(group.node)) group.node = sender.id;
     }
   }
   get count() { return this.times.length; }

@@ -206,7 +206,7 @@ class CanTable {
                    this.frames.nodeName(group), group.remote ? "remote " + group.size : data.join(" "),
                    this.frames.content(row.frame)];
     texts.forEach((text, i) => { row.cells[i].textContent = text; });
-    row.cells[5].title = texts[5];
+    row.node.title = texts[3] + ": " + texts[4] + "\n" + texts[5];
     row.node.dataset.kind = group.kind;
     row.node.setAttribute("aria-rowindex", String(index + 1));
     if (index === this.row) row.node.setAttribute("aria-current", "true");

@@ -1,0 +1,60 @@
+#!/usr/bin/python3
+"""draw_replay.py PAGE.html OUT.png [--size=WIDTHxHEIGHT] [--dark] [--time=SECONDS] [--script=JAVASCRIPT]: takes a picture of a replay page.
+
+For pictures in the documentation; needs the packages of packages-gui.txt. The script may use `koboshi`, the page's object. The pictures
+of docs/guide/replay.md:
+
+    koboshi run scenarios/okiagari.yaml --out runs/okiagari && koboshi replay runs/okiagari --html
+    draw_replay.py runs/okiagari/replay.html docs/guide/replay.png --time=6 --script="koboshi.showTab('can'); koboshi.plots.showTwoSeconds()"
+    draw_replay.py runs/okiagari/replay.html docs/guide/replay-phone.png --size=390x844 --dark --time=6
+"""
+
+import argparse
+import base64
+import io
+import pathlib
+import time
+
+import PIL.Image
+from selenium import webdriver
+from selenium.webdriver.chrome.service import Service
+
+
+def parse_arguments():
+    parser = argparse.ArgumentParser(description="Takes a picture of a replay page.")
+    parser.add_argument("page", type=pathlib.Path)
+    parser.add_argument("picture", type=pathlib.Path)
+    parser.add_argument("--size", default="1400x900")
+    parser.add_argument("--dark", action="store_true")
+    parser.add_argument("--time", type=float, default=0.0, help="in s")
+    parser.add_argument("--script", default="")
+    return parser.parse_args()
+
+
+def main():
+    arguments = parse_arguments()
+    width, height = map(int, arguments.size.split("x"))
+    options = webdriver.ChromeOptions()
+    options.binary_location = "/usr/bin/chromium"
+    for argument in ("--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars"):
+        options.add_argument(argument)
+    browser = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+    try:
+        theme = "dark" if arguments.dark else "light"
+        browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": theme}]})
+        browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 760})
+        browser.get(f"{arguments.page.resolve().as_uri()}#t={arguments.time}")
+        while browser.execute_script("return document.body.dataset.ready !== 'true'"):
+            time.sleep(0.1)
+        browser.execute_script(arguments.script)
+        browser.execute_script("koboshi.view.render()")
+        shot = browser.execute_cdp_cmd("Page.captureScreenshot", {"format": "png"})["data"]
+        # A palette halves the size of the file.
+        PIL.Image.open(io.BytesIO(base64.b64decode(shot))).convert("RGB").quantize(256).save(arguments.picture, optimize=True)
+    finally:
+        browser.quit()
+
+
+if __name__ == "__main__":
+    main()
