@@ -128,6 +128,17 @@ class BadInput(unittest.TestCase):
         self.refuse("--duration", None, "run", file, "--duration", "-1")
         self.refuse("--image", None, "run", file, "--image", "image.elf")
 
+    def test_render(self):
+        film = self.folder / "film.mp4"
+        self.refuse("nothing", None, "render", "nothing", "--out", film)
+        self.refuse("--size", None, "render", self.folder, "--out", film, "--size", "1280")
+        self.refuse("--size", None, "render", self.folder, "--out", film, "--size", "9999x10")
+        for arguments in (["--view", "behind"], ["--camera", "shaky"], ["--overlay", "zmp,soul"], ["--target", "1,2"],
+                          ["--fps", "0"], ["--at", "1", "--frames", "3"]):
+            with self.subTest(arguments):
+                self.assertEqual(PROGRAM.run("render", self.folder, "--out", film, *arguments).returncode, 2)
+        self.assertEqual(list(self.folder.iterdir()), [])
+
     def test_a_folder_that_is_not_ours_is_left_alone(self):
         file = self.write("scenario.yaml", SCENARIO)
         self.write("letter.txt", "dear reader")

@@ -1,0 +1,40 @@
+#!/usr/bin/python3
+"""make_pictures.py [PROGRAM]: runs scenarios and draws all pictures of the robot in README and docs with `koboshi render`.
+
+PROGRAM defaults to build/release/bin/koboshi. Takes a few minutes; call it from anywhere. The seeds are those of the scenarios.
+"""
+
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = ROOT / "build/release/bin/koboshi"
+
+# Run: scenario and options of `koboshi run`.
+RUNS = {
+    "walk": ["scenarios/walk.yaml", "--seed", "1", "--duration", "8"],
+    "get_up": ["scenarios/get_up.yaml", "--seed", "1", "--duration", "27"],
+}
+# Picture: run and options of `koboshi render`.
+PICTURES = {
+    "docs/guide/walk.png": ["walk", "--at", "6.20,6.35,6.50,6.65,6.80", "--overlay", "time,zmp,footprints"],
+    "docs/guide/get_up.png": ["get_up", "--at", "18.0,18.4,18.9,19.8,20.4,20.9,21.3,22.2", "--view", "side", "--azimuth", "65",
+                              "--size", "340x380", "--overlay", "time"],
+    "docs/guide/okiagari.webp": ["get_up", "--from", "6", "--to", "20.5", "--camera", "follow", "--azimuth", "55",
+                                 "--overlay", "time,events,pushes,footprints"],
+}
+
+
+def main():
+    program = pathlib.Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else PROGRAM
+    with tempfile.TemporaryDirectory() as folder:
+        for name, arguments in RUNS.items():
+            subprocess.run([program, "run", *arguments, "--out", f"{folder}/{name}"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+        for file, (run, *options) in PICTURES.items():
+            subprocess.run([program, "render", f"{folder}/{run}", "--out", file, *options], cwd=ROOT, check=True)
+
+
+if __name__ == "__main__":
+    main()

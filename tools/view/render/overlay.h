@@ -1,0 +1,79 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/view/recording/recording.h"
+#include "tools/view/render/marks.h"
+#include "tools/view/render/playback.h"
+
+namespace koboshi::view {
+
+// What a picture shows besides robot and ground.
+enum class Overlay {
+  kTime,        // time, title and state
+  kEvents,      // the latest event
+  kZmp,         // zero moment point: planned, measured, true
+  kCom,         // centre of mass and its projection
+  kContacts,    // contact forces
+  kPushes,      // pushes while they act
+  kFootprints,  // soles that stood still, of the last seconds
+  kSupport,     // support polygon
+  kLegend,      // meaning of the marks, and the scales
+};
+inline constexpr std::array<std::string_view, 9> kOverlayNames{
+    "time", "events", "zmp", "com", "contacts", "pushes", "footprints", "support", "legend"};
+
+class Overlays {
+ public:
+  bool has(Overlay overlay) const { return (bits_ & bit(overlay)) != 0; }
+  void add(Overlay overlay) { bits_ |= bit(overlay); }
+
+ private:
+  static unsigned bit(Overlay overlay) { return 1U << static_cast<unsigned>(overlay); }
+  unsigned bits_ = 0;
+};
+
+// Colours of the marks, those of the figures (tools/lab/plot/legend.h).
+inline constexpr Colour kPlannedColour{0.835F, 0.369F, 0.0F};
+inline constexpr Colour kMeasuredColour{0.0F, 0.447F, 0.698F};
+inline constexpr Colour kTrueColour{0.08F, 0.08F, 0.09F};
+inline constexpr Colour kComColour{0.902F, 0.624F, 0.0F};
+inline constexpr Colour kContactColour{0.0F, 0.62F, 0.451F};
+inline constexpr Colour kPushColour{0.80F, 0.12F, 0.16F};
+inline constexpr std::array<Colour, 2> kSideColours{{{0.0F, 0.62F, 0.451F}, {0.8F, 0.475F, 0.655F}}};
+inline constexpr double kForceScale_m_per_N = 0.008;  // length of arrows; the legend shows it
+
+// The marks of a recording at each time.
+class OverlayMarks {
+ public:
+  // The recording must outlive this.
+  OverlayMarks(const Recording& recording, const Overlays& overlays);
+  Marks at(std::uint64_t time_us) const;
+
+ private:
+  struct PointSignal {  // of the ground plane
+    std::array<std::size_t, 2> signals;
+    Colour colour;
+    double radius_m;
+    double inner_radius_m;
+  };
+  void add_footprints_at(Marks& marks, std::uint64_t time_us) const;
+  void add_support(Marks& marks, const Sample& sample) const;
+  void add_zmp(Marks& marks, const Sample& sample) const;
+  void add_com(Marks& marks, std::uint64_t time_us, const Sample& sample) const;
+  void add_contacts(Marks& marks, const Sample& sample) const;
+  void add_pushes(Marks& marks, std::uint64_t time_us) const;
+  double ground_m(const Sample& sample, const Eigen::Vector2d& p_W_m) const;
+
+  const Recording& recording_;
+  Overlays overlays_;
+  std::vector<Footprint> footprints_;
+  std::vector<PointSignal> zmps_;
+};
+
+}  // namespace koboshi::view

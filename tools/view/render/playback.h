@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/view/recording/recording.h"
+
+namespace koboshi::view {
+
+// A recording at any time, not only at its samples.
+
+// Index of the last sample at or before a time; the first one for earlier times.
+std::size_t sample_at(const Recording& recording, std::uint64_t time_us);
+
+// Poses between samples: positions linearly, attitudes along the shortest arc. Outside the recording, the
+// nearest sample's.
+std::vector<Pose> poses_at(const Recording& recording, std::uint64_t time_us);
+
+// Index of the signal of this name, or nothing.
+std::optional<std::size_t> find_signal(const Recording& recording, std::string_view name);
+// The text of a signal of named values, such as a state; empty without a value or a name for it.
+std::string name_of_value(const Recording& recording, std::size_t signal, std::size_t sample);
+
+// The centre of mass of all links in the world.
+Eigen::Vector3d centre_of_mass_W_m(const Scene& scene, const std::vector<Pose>& links);
+
+// A sole that stood still on the ground.
+struct Footprint {
+  std::uint64_t start_us = 0;
+  std::uint64_t end_us = 0;
+  std::size_t side = 0;
+  std::vector<Eigen::Vector3d> corners_W_m;  // counter-clockwise from above
+};
+
+// All footprints in order of time: a sole that touches the ground and moves less than 10 mm for 150 ms.
+std::vector<Footprint> footprints(const Recording& recording);
+
+}  // namespace koboshi::view

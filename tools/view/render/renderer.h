@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "tools/view/recording/recording.h"
+#include "tools/view/render/camera.h"
+#include "tools/view/render/marks.h"
+
+namespace koboshi::view {
+
+// A picture of a scene at one instant.
+struct Picture {
+  Camera camera{};
+  std::vector<Pose> links{};  // by index of Scene::links
+  Marks marks{};
+  bool collisions = false;  // the shapes that collide in place of those that are seen
+  float opacity = 1.0F;     // of the robot
+};
+
+// Draws pictures of a scene with OpenGL 3.3 core. A context must be current when it is made, used and
+// destroyed; whose it is does not matter. It draws into the framebuffer that is bound for drawing, which
+// needs a depth buffer, and leaves the state of the context as it found it.
+class Renderer {
+ public:
+  // Uploads the shapes of the scene. Throws GlError.
+  explicit Renderer(const Scene& scene);
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  // Fills the framebuffer from its lower left corner to this size. Throws GlError.
+  void draw(const Picture& picture, int width_px, int height_px);
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace koboshi::view
