@@ -1,8 +1,10 @@
 #include "sim_board/can/candump_log.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <charconv>
+#include <cstring>
 
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
@@ -11,25 +13,34 @@ namespace koboshi::sim {
 namespace {
 
 constexpr std::uint64_t kMicrosecondsPerSecond = 1'000'000;
-constexpr int kSecondDigits = 10;
-constexpr int kMaxSecondDigits = 13;  // so that microseconds fit in 64 bits
+constexpr std::uint64_t kMaxPaddedSeconds = 9'999'999'999;  // candump pads to ten digits
+constexpr int kMaxSecondDigits = 13;                        // so that microseconds fit in 64 bits
 constexpr std::string_view kHexDigits = "0123456789ABCDEF";
 
-char* put_decimal(char* out, std::uint64_t value, int digits) {
-  for (int i = digits - 1; i >= 0; --i, value /= 10) out[i] = static_cast<char>('0' + value % 10);
-  return out + digits;
+// The two digits of each number below base * base.
+template <std::size_t kBase>
+constexpr auto make_pairs() {
+  std::array<std::array<char, 2>, kBase * kBase> pairs{};
+  for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i] = {kHexDigits[i / kBase], kHexDigits[i % kBase]};
+  return pairs;
+}
+constexpr auto kDecimalPairs = make_pairs<10>();
+constexpr auto kHexPairs = make_pairs<16>();
+
+char* put_decimal(char* out, std::uint64_t value, int pairs) {
+  for (int i = pairs - 1; i >= 0; --i, value /= 100)
+    std::memcpy(out + 2 * i, kDecimalPairs[value % 100].data(), 2);
+  return out + 2 * pairs;
 }
 
 char* put_seconds(char* out, std::uint64_t seconds) {
-  int digits = kSecondDigits;
-  for (std::uint64_t rest = seconds / 10'000'000'000; rest > 0; rest /= 10) ++digits;
-  return put_decimal(out, seconds, digits);
+  if (seconds <= kMaxPaddedSeconds) return put_decimal(out, seconds, 5);
+  return std::to_chars(out, out + 20, seconds).ptr;
 }
 
 char* put_byte(char* out, std::uint8_t byte) {
-  *out++ = kHexDigits[byte >> 4];
-  *out++ = kHexDigits[byte & 0xFu];
-  return out;
+  std::memcpy(out, kHexPairs[byte].data(), 2);
+  return out + 2;
 }
 
 char* put_content(char* out, const hal::CanFrame& frame) {
@@ -120,7 +131,7 @@ std::size_t format_log_line(std::span<char, kMaxLogLineBytes> line, const hal::C
   *out++ = '(';
   out = put_seconds(out, time_us / kMicrosecondsPerSecond);
   *out++ = '.';
-  out = put_decimal(out, time_us % kMicrosecondsPerSecond, 6);
+  out = put_decimal(out, time_us % kMicrosecondsPerSecond, 3);
   *out++ = ')';
   *out++ = ' ';
   out = std::copy(interface.begin(), interface.end(), out);

@@ -32,6 +32,16 @@ char* put_seconds(char* out, char* end, std::uint64_t time_us) {
   return out;
 }
 
+// Writes a comma and the cell.
+char* put_cell(char* out, char* end, const TraceColumn& column, std::uint64_t cell) {
+  *out++ = ',';
+  if (!column.names.empty())
+    return std::ranges::copy(canopen::name_of(column.names, static_cast<std::int64_t>(cell)), out).out;
+  if (column.kind == TraceKind::kInteger) return put(out, end, static_cast<std::int64_t>(cell));
+  const double value = std::bit_cast<double>(cell);
+  return std::isnan(value) ? out : put(out, end, value);
+}
+
 std::size_t max_cell_bytes(const std::vector<TraceColumn>& columns) {
   std::size_t most = kMaxCellBytes;
   for (const TraceColumn& column : columns) {
@@ -43,7 +53,11 @@ std::size_t max_cell_bytes(const std::vector<TraceColumn>& columns) {
 }  // namespace
 
 TraceFormatter::TraceFormatter(std::vector<TraceColumn> columns)
-    : columns_(std::move(columns)), line_(kMaxTimeBytes + columns_.size() * max_cell_bytes(columns_)) {}
+    : columns_(std::move(columns)),
+      line_(kMaxTimeBytes + columns_.size() * max_cell_bytes(columns_)),
+      last_line_(line_.size()),
+      last_cells_(columns_.size()),
+      cell_ends_(columns_.size()) {}
 
 std::string TraceFormatter::header() const {
   std::string header = "time_s";
@@ -53,18 +67,23 @@ std::string TraceFormatter::header() const {
 
 std::string_view TraceFormatter::row(std::uint64_t time_us, std::span<const std::uint64_t> cells) {
   assert(cells.size() == columns_.size());
+  std::swap(line_, last_line_);
   char* const end = line_.data() + line_.size();
   char* out = put_seconds(line_.data(), end, time_us);
+  std::uint32_t last_begin = last_time_end_;
+  last_time_end_ = static_cast<std::uint32_t>(out - line_.data());
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    *out++ = ',';
-    if (const auto& names = columns_[i].names; !names.empty()) {
-      out = std::ranges::copy(canopen::name_of(names, static_cast<std::int64_t>(cells[i])), out).out;
-    } else if (columns_[i].kind == TraceKind::kInteger) {
-      out = put(out, end, static_cast<std::int64_t>(cells[i]));
-    } else if (const double value = std::bit_cast<double>(cells[i]); !std::isnan(value)) {
-      out = put(out, end, value);
-    }
+    const std::uint32_t last_end = cell_ends_[i];
+    // Many values, such as targets of a robot that stands, are those of the last row: to copy a cell takes a
+    // tenth of the time of formatting it.
+    out = has_last_ && cells[i] == last_cells_[i]
+              ? std::copy(&last_line_[last_begin], last_line_.data() + last_end, out)
+              : put_cell(out, end, columns_[i], cells[i]);
+    last_begin = last_end;
+    cell_ends_[i] = static_cast<std::uint32_t>(out - line_.data());
+    last_cells_[i] = cells[i];
   }
+  has_last_ = true;
   *out++ = '\n';
   return {line_.data(), static_cast<std::size_t>(out - line_.data())};
 }

@@ -56,6 +56,11 @@ class TraceFormatter {
  private:
   std::vector<TraceColumn> columns_;
   std::vector<char> line_;
+  std::vector<char> last_line_;
+  std::vector<std::uint64_t> last_cells_;
+  std::uint32_t last_time_end_ = 0;       // in last_line_; cells follow
+  std::vector<std::uint32_t> cell_ends_;  // in last_line_
+  bool has_last_ = false;
 };
 
 }  // namespace koboshi::sim

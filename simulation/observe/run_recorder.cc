@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "sim_board/world/options.h"
 #include "simulation/scenario/parameters.h"
@@ -14,6 +15,13 @@ namespace {
 constexpr std::uint64_t kSettle_us = 500'000;
 
 const Eigen::Vector3d kNowhere = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+
+// By columns.
+template <typename Matrix>
+std::span<const double> numbers_of(const Matrix& matrix) {
+  static_assert(!Matrix::IsRowMajor || Matrix::IsVectorAtCompileTime);
+  return {matrix.data(), static_cast<std::size_t>(matrix.size())};
+}
 
 }  // namespace
 
@@ -37,7 +45,7 @@ RunRecorder::RunRecorder(Simulation& simulation, sim::Recorder* recorder, sim::B
   }
   truth_now_ = &truth_.observe(simulation.board().world(), telemetry_.now());
   if (recorder_ != nullptr || rows == Rows::kAlways) trace_ = trace_fields(simulation.robot());
-  row_.reserve(trace_.size());
+  for (const TraceFields& fields : trace_) row_.reserve(row_.capacity() + fields.columns.size());
   simulation_.board().bus().set_observer(this);
   simulation_.attach(*this);
 }
@@ -52,7 +60,8 @@ void RunRecorder::archive(sim::StateArchive& archive) {
 
 std::vector<sim::TraceColumn> RunRecorder::columns(const sim::RobotDescription& robot) {
   std::vector<sim::TraceColumn> columns;
-  for (const TraceField& field : trace_fields(robot)) columns.push_back(field.column);
+  for (const TraceFields& fields : trace_fields(robot))
+    columns.insert(columns.end(), fields.columns.begin(), fields.columns.end());
   return columns;
 }
 
@@ -86,9 +95,9 @@ void RunRecorder::hash_state() {
   hash_.add(static_cast<std::uint8_t>(simulation_.board().drive_enable_line()));
   for (std::size_t link = 0; link < simulation_.robot().links.size(); ++link) {
     const sim::BodyState body = world.body(static_cast<int>(link));
-    for (const double value : body.X_WL.matrix().reshaped()) hash_.add(value);
-    for (const double value : body.v_WCom_W) hash_.add(value);
-    for (const double value : body.w_WL_W) hash_.add(value);
+    hash_.add(numbers_of(body.X_WL.matrix()));
+    hash_.add(numbers_of(body.v_WCom_W));
+    hash_.add(numbers_of(body.w_WL_W));
   }
 }
 
@@ -114,7 +123,7 @@ void RunRecorder::make_row() {
   }
   if (walk_) sample.planned_zmp_W = walk_->planned_zmp_W(*truth_now_).value_or(kNowhere);
   row_.clear();
-  for (const TraceField& field : trace_) row_.push_back(field.value(sample));
+  for (const TraceFields& fields : trace_) fields.append(sample, row_);
   if (recorder_ != nullptr) recorder_->row(simulation_.board().now_us(), row_);
 }
 

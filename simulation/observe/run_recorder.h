@@ -75,7 +75,7 @@ class RunRecorder final : private sim::BusObserver, private Companion {
   std::optional<WalkObserver> walk_;
   const GroundTruth* truth_now_ = nullptr;
   sim::StateHash hash_;
-  std::vector<TraceField> trace_;  // empty without rows
+  std::vector<TraceFields> trace_;  // empty without rows
   std::vector<sim::TraceValue> row_;
   bool fell_ = false;
   double base_height_error_m_ = 0.0;  // maximum while the robot stands or moves on its feet

@@ -1,5 +1,6 @@
 #include "simulation/observe/trace_table.h"
 
+#include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <initializer_list>
@@ -13,6 +14,7 @@ namespace koboshi::simulation {
 namespace {
 
 using Sample = const TraceSample&;
+using Row = std::vector<sim::TraceValue>;
 
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
@@ -21,28 +23,28 @@ class Fields {
   // An integer, or its name from a table of names.
   template <typename Getter>
   void add_integer(const char* name, Getter get, std::span<const canopen::ValueName> names = {}) {
-    fields_.push_back({{name, "", sim::TraceKind::kInteger, names}, [get](Sample sample) {
-                         return sim::TraceValue(static_cast<std::int64_t>(get(sample)));
+    fields_.push_back({{{name, "", sim::TraceKind::kInteger, names}}, [get](Sample sample, Row& row) {
+                         row.emplace_back(static_cast<std::int64_t>(get(sample)));
                        }});
   }
 
-  // Numbers of one unit; `get` returns as many of them as there are names.
+  // Numbers of one unit; `get` returns at least as many of them as there are names.
   template <typename Getter>
   void add(std::initializer_list<std::string> names, const char* unit, Getter get) {
-    std::ptrdiff_t i = 0;
-    for (const std::string& name : names) {
-      fields_.push_back({{name, unit}, [get, i](Sample sample) {
-                           const auto values = get(sample);
-                           return sim::TraceValue(*(values.begin() + i));
-                         }});
-      ++i;
-    }
+    std::vector<sim::TraceColumn> columns;
+    for (const std::string& name : names) columns.push_back({name, unit});
+    fields_.push_back({std::move(columns), [get, count = names.size()](Sample sample, Row& row) {
+                         const auto values = get(sample);
+                         assert(static_cast<std::size_t>(values.size()) >= count);
+                         for (std::size_t i = 0; i < count; ++i)
+                           row.emplace_back(*(values.begin() + static_cast<std::ptrdiff_t>(i)));
+                       }});
   }
 
-  std::vector<TraceField> take() { return std::move(fields_); }
+  std::vector<TraceFields> take() { return std::move(fields_); }
 
  private:
-  std::vector<TraceField> fields_;
+  std::vector<TraceFields> fields_;
 };
 
 std::array<double, 3> sole_pose(Sample sample, std::size_t side) {
@@ -125,7 +127,7 @@ void add_joint(Fields& fields, const std::string& name, std::size_t joint) {
 
 }  // namespace
 
-std::vector<TraceField> trace_fields(const sim::RobotDescription& robot) {
+std::vector<TraceFields> trace_fields(const sim::RobotDescription& robot) {
   Fields fields;
   add_controller(fields);
   add_world(fields);

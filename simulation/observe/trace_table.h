@@ -23,13 +23,14 @@ struct TraceSample {
   Eigen::Vector3d com_W;          // estimated by the firmware
 };
 
-// A column of trace.csv and the value of its cells.
-struct TraceField {
-  sim::TraceColumn column;
-  std::function<sim::TraceValue(const TraceSample&)> value;
+// Neighbouring columns of trace.csv whose cells are computed together.
+struct TraceFields {
+  std::vector<sim::TraceColumn> columns;
+  // Appends the value of each column.
+  std::function<void(const TraceSample& sample, std::vector<sim::TraceValue>& row)> append;
 };
 
 // All columns of the trace but its first, the time: of the controller, of the world, of each joint.
-std::vector<TraceField> trace_fields(const sim::RobotDescription& robot);
+std::vector<TraceFields> trace_fields(const sim::RobotDescription& robot);
 
 }  // namespace koboshi::simulation

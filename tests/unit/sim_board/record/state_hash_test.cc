@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 namespace koboshi::sim {
 namespace {
 
@@ -16,6 +19,20 @@ TEST(StateHash, EqualsXxh3OfTheBytes) {
   StateHash whole;
   whole.add(std::uint64_t{0x0807060504030201});
   EXPECT_EQ(whole.hex(), hash.hex());
+}
+
+TEST(StateHash, IsTheSameHoweverTheBytesAreDivided) {
+  std::vector<std::byte> bytes(5000);
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::byte>(i * i >> 3);
+  const std::uint64_t expected = XXH3_64bits(bytes.data(), bytes.size());
+  for (const std::size_t part : {1u, 7u, 8u, 1000u, 1024u, 1025u, 5000u}) {
+    StateHash hash;
+    for (std::size_t i = 0; i < bytes.size(); i += part)
+      hash.add(std::span<const std::byte>(bytes).subspan(i, std::min(part, bytes.size() - i)));
+    EXPECT_EQ(hash.value(), expected) << part;
+    const StateHash copy(hash);
+    EXPECT_EQ(copy.value(), expected) << part;
+  }
 }
 
 TEST(StateHash, HashesTheBitsOfDoubles) {

@@ -42,6 +42,17 @@ TEST(Trace, WritesTheNamesOfValues) {
   EXPECT_EQ(formatter.row(0, cells({9, 9})), "0,9,\n");
 }
 
+TEST(Trace, RepeatsCellsBesideThoseThatChange) {
+  TraceFormatter formatter({{"a", "m"}, {"b", "m"}, {"c", "", TraceKind::kInteger}});
+  EXPECT_EQ(formatter.row(0, cells({0.125, 1.0 / 3.0, 7})), "0,0.125,0.3333333333333333,7\n");
+  EXPECT_EQ(formatter.row(10'000, cells({0.125, 1.0 / 3.0, 7})), "0.01,0.125,0.3333333333333333,7\n");
+  EXPECT_EQ(formatter.row(20'000, cells({2.0, 1.0 / 3.0, 7})), "0.02,2,0.3333333333333333,7\n");
+  EXPECT_EQ(formatter.row(30'000, cells({2.0, std::nan(""), 7})), "0.03,2,,7\n");
+  EXPECT_EQ(formatter.row(40'000, cells({0.0, std::nan(""), 7})), "0.04,0,,7\n");
+  EXPECT_EQ(formatter.row(50'000, cells({-0.0, std::nan(""), 1'000'000})), "0.05,-0,,1000000\n");
+  EXPECT_EQ(formatter.row(60'000, cells({-0.0, 0.5, 1'000'000})), "0.06,-0,0.5,1000000\n");
+}
+
 TEST(Trace, RoundTripsEveryDouble) {
   TraceFormatter formatter(std::vector<TraceColumn>{{"a", ""}});
   std::uint64_t bits = 1;
