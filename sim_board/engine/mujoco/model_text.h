@@ -38,8 +38,9 @@ std::vector<TouchingPair> touching_pairs(const RobotDescription& robot, const Li
 enum class Base { kFree, kFixed };
 
 // Maximum number of contacts. A robot that lies with crossed arms and legs has about 60. Further contacts are
-// dropped with a warning.
-inline constexpr int kMaxContacts = 200;
+// dropped with a warning. MuJoCo reserves 12 bytes for each pair of rows, and a contact has three rows: 1.4
+// MB for 100 contacts, 4.9 MB for 200.
+inline constexpr int kMaxContacts = 100;
 
 // Describes a robot and its ground in MuJoCo's XML format. Link i is the body `link<i>` in the link's frame,
 // joint i is `joint<i>`, and geom_name() gives the names of boxes and ground.
