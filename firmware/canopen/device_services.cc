@@ -58,8 +58,7 @@ bool TimeStamp::accept(const hal::CanFrame& frame, std::uint64_t now_us) {
   return true;
 }
 
-std::optional<TimeOfDay> TimeStamp::at(std::uint64_t now_us) const {
-  if (!last_) return std::nullopt;
+TimeOfDay TimeStamp::advanced(std::uint64_t now_us) const {
   const std::uint64_t ms = last_->ms + (now_us - last_us_) / 1000;
   return TimeOfDay{static_cast<std::uint32_t>(ms % kMillisecondsPerDay),
                    static_cast<std::uint16_t>(last_->days + ms / kMillisecondsPerDay)};

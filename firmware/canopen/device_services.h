@@ -38,15 +38,19 @@ class TimeStamp {
   // while bit 31 is set.
   AbortCode write_cob_id(std::uint32_t value);
 
-  bool identifies(const hal::CanFrame& frame) const {
-    return (cob_id_ & kTimeConsumer) != 0 && frame.identifier == (cob_id_ & kCobIdMask);
-  }
+  bool consumes() const { return (cob_id_ & kTimeConsumer) != 0; }
+  std::uint16_t identifier() const { return static_cast<std::uint16_t>(cob_id_ & kCobIdMask); }
+  bool identifies(const hal::CanFrame& frame) const { return consumes() && frame.identifier == identifier(); }
   // Takes the time of a TIME message. False if it is invalid: not six bytes, or beyond 24 hours.
   bool accept(const hal::CanFrame& frame, std::uint64_t now_us);
   // The time of day; nullopt before the first message.
-  std::optional<TimeOfDay> at(std::uint64_t now_us) const;
+  std::optional<TimeOfDay> at(std::uint64_t now_us) const {
+    return last_ ? std::optional(advanced(now_us)) : std::nullopt;
+  }
 
  private:
+  TimeOfDay advanced(std::uint64_t now_us) const;
+
   std::uint32_t cob_id_ = kTimeConsumer | kTimeCobId;
   std::optional<TimeOfDay> last_;
   std::uint64_t last_us_ = 0;
@@ -76,6 +80,12 @@ class DeviceServices final : public NodeServices {
 
   // Power-on, before Node::start: takes the stored node id.
   void start(Node& node, std::uint8_t node_id);
+  // Calls visit(identifier) for each frame that the services act on, as Node::for_each_identifier.
+  template <typename Visit>
+  void for_each_identifier(Visit visit) const {
+    visit(kLssRequestCobId);
+    if (time_.consumes()) visit(time_.identifier());
+  }
   // Takes each frame before the node. True when it is for these services.
   bool on_frame(Node& node, const hal::CanFrame& frame, std::uint64_t now_us);
   // To be called once a millisecond.

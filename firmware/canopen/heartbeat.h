@@ -61,12 +61,19 @@ class HeartbeatMonitor {
   // Takes a heartbeat. True, and `event` set, when it is an event.
   bool on_heartbeat(const Heartbeat& heartbeat, std::uint64_t now_us, HeartbeatEvent& event);
   // True, and `event` set, when a node has been lost; to be called again until false.
-  bool check(std::uint64_t now_us, HeartbeatEvent& event) {
-    return now_us >= earliest_us_ && find_lost(now_us, event);
-  }
+  bool check(std::uint64_t now_us, HeartbeatEvent& event) { return due(now_us) && find_lost(now_us, event); }
+  // Whether `check` has anything to look at.
+  bool due(std::uint64_t now_us) const { return now_us >= earliest_us_; }
 
   // The state of a node; null if it is not monitored.
   const HeartbeatConsumer* find(std::uint8_t node_id) const;
+  // Calls visit(node id) for each node that is monitored.
+  template <typename Visit>
+  void for_each_node(Visit visit) const {
+    for (const HeartbeatConsumer& consumer : consumers_) {
+      if (monitors(consumer)) visit(consumer.node_id);
+    }
+  }
   // True while some node is lost.
   bool any_lost() const;
 

@@ -73,8 +73,8 @@ void Node::process(std::uint64_t now_us) {
   if (state_ == NmtState::kInitialising) return;
   if (now_us >= heartbeat_due_us_) produce_heartbeat(now_us);
   watch_own_beats(now_us);
-  watch_heartbeats(now_us);
-  watch_rpdos(now_us);
+  if (heartbeats_.due(now_us)) watch_heartbeats(now_us);
+  if (rpdos_.due(now_us)) watch_rpdos(now_us);
   if (permits_sync(state_) && sync_.take_due(now_us)) send_sync(now_us);
   if (permits_pdo(state_)) tpdos_.process(now_us);
   emergencies_.process(now_us);
@@ -125,6 +125,7 @@ void Node::reset(NmtCommand reset, std::uint64_t now_us) {
 }
 
 void Node::load_defaults() {
+  ++configuration_;
   heartbeat_ms_ = description_.heartbeat_ms;
   communication_error_ = description_.communication_error;
   sync_.load_defaults(description_.sync_producer, description_.sync_period_us, description_.sync_by_owner);
@@ -154,6 +155,7 @@ void Node::load_defaults() {
 
 AbortCode Node::configure_rpdo(std::size_t number, const PdoConfiguration& configuration) {
   if (number >= rpdos_.size()) return AbortCode::kObjectDoesNotExist;
+  ++configuration_;
   const AbortCode configured = rpdos_[number].record.configure(configuration, node_id_, dictionary_);
   on_rpdo_changed(number);
   return configured;
@@ -167,6 +169,7 @@ AbortCode Node::configure_tpdo(std::size_t number, const PdoConfiguration& confi
 }
 
 AbortCode Node::configure_consumer(std::size_t number, std::uint8_t node_id, std::uint16_t time_ms) {
+  ++configuration_;
   return write_consumer(static_cast<std::uint8_t>(number + 1), std::uint32_t{node_id} << 16 | time_ms);
 }
 
@@ -245,10 +248,6 @@ void Node::raise_error(std::uint16_t code, std::uint8_t register_bits,
   if (errors_.raise(code, register_bits, load_u16(manufacturer.data()))) send_emergency(code, manufacturer);
 }
 
-void Node::clear_error(std::uint16_t code) {
-  if (errors_.clear(code)) send_emergency(error_code::kNoError, {});
-}
-
 void Node::report(std::uint16_t code, bool present, std::uint8_t detail) {
   constexpr auto kStack = ErrorReporter::kStack;
   if (present) {
@@ -263,10 +262,12 @@ void Node::send_emergency(std::uint16_t code, const std::array<std::uint8_t, 5>&
   emergencies_.send({node_id_, code, errors_.error_register(), manufacturer});
 }
 
-void Node::on_can_status(const hal::CanStatus& status, std::uint64_t now_us) {
+// A status like the last one is taken once: then no overrun and no recovery is left to report.
+void Node::take_can_status(const hal::CanStatus& status, std::uint64_t now_us) {
   using enum hal::CanErrorState;
   const hal::CanStatus before = can_status_;
   can_status_ = status;
+  can_status_changed_ = status != before;
   // An overrun or a recovery is an error until a call finds that it has not happened again.
   report(error_code::kCanOverrun, status.receive_overruns != before.receive_overruns);
   report(error_code::kBusOffRecovered, before.state == kBusOff && status.state != kBusOff);

@@ -201,11 +201,15 @@ class Node final : private ObjectServer {
   // Takes the state of the CAN controller, at any rate: raises EMCY 0x8110 while frames are lost, 0x8120
   // while it is error passive, 0x8140 when it has recovered from bus-off. Bus-off itself is a communication
   // error (0x1029).
-  void on_can_status(const hal::CanStatus& status, std::uint64_t now_us);
+  void on_can_status(const hal::CanStatus& status, std::uint64_t now_us) {
+    if (can_status_changed_ || status != can_status_) take_can_status(status, now_us);
+  }
 
   // Executes a command as if the NMT master had sent it.
   void command(NmtCommand command, std::uint64_t now_us);
   NmtState state() const { return state_; }
+  // 0x1006, communication cycle period; 0: none.
+  std::uint32_t sync_period_us() const { return sync_.period_us(); }
   // kUnconfiguredNodeId: the node stays in initialising, and is silent.
   std::uint8_t node_id() const { return node_id_; }
   // Sets the node id from the next reset on; from within on_state(kInitialising), for the present reset.
@@ -226,8 +230,30 @@ class Node final : private ObjectServer {
   void raise_error(std::uint16_t code, std::uint8_t register_bits,
                    const std::array<std::uint8_t, 5>& manufacturer = {});
   // Clears an error. Does nothing if it was not raised.
-  void clear_error(std::uint16_t code);
+  void clear_error(std::uint16_t code) {
+    if (errors_.clear(code)) send_emergency(error_code::kNoError, {});
+  }
   const ErrorLog& errors() const { return errors_; }
+
+  // Calls visit(identifier) for each frame that the node acts on, for the acceptance filter of its CAN
+  // controller. Behind such a filter the application hears neither of another node's emergency message
+  // (on_emergency) nor of a frame that only this node may send (on_impostor).
+  template <typename Visit>
+  void for_each_identifier(Visit visit) const {
+    visit(kNmtCobId);
+    visit(sync_.identifier());
+    for (const SdoServer& server : servers_) {
+      if (server.request_identifier() <= kCobIdMask) visit(server.request_identifier());
+    }
+    for (std::size_t i = 0; i < rpdos_.size(); ++i) {
+      if (rpdos_[i].record.valid()) visit(rpdos_[i].record.identifier());
+    }
+    heartbeats_.for_each_node(
+        [&](std::uint8_t node_id) { visit(static_cast<std::uint16_t>(kHeartbeatBase + node_id)); });
+  }
+  // Another value after each reset and each change of the communication profile area: the identifiers may be
+  // others then.
+  std::uint32_t configuration() const { return configuration_; }
 
   // Access the whole dictionary as an SDO client does, with the same checks and errors. `size` in bytes.
   AbortCode read_object(ObjectAddress address, ObjectValue& value) override;
@@ -282,6 +308,7 @@ class Node final : private ObjectServer {
   void report(std::uint16_t code, bool present, std::uint8_t detail = 0);
   void note_reception(std::size_t number, Reception reception);
   void watch_own_beats(std::uint64_t now_us);
+  void take_can_status(const hal::CanStatus& status, std::uint64_t now_us);
   void watch_heartbeats(std::uint64_t now_us);
   void on_rpdo_changed(std::size_t number);
   void watch_rpdos(std::uint64_t now_us);
@@ -320,7 +347,9 @@ class Node final : private ObjectServer {
   Sync sync_;
   ErrorLog errors_;
   EmergencyProducer emergencies_;
-  hal::CanStatus can_status_;  // of the last on_can_status
+  hal::CanStatus can_status_;        // of the last on_can_status
+  bool can_status_changed_ = false;  // in it
+  std::uint32_t configuration_ = 0;
   CommunicationError communication_error_ = CommunicationError::kEnterPreOperational;
   std::uint8_t second_client_ = 0;  // 0x1201:3
   std::uint16_t heartbeat_ms_ = 0;

@@ -76,6 +76,7 @@ AbortCode Node::read_object(ObjectAddress address, ObjectValue& value) {
 }
 
 AbortCode Node::write_object(ObjectAddress address, std::uint32_t value, std::size_t size) {
+  if (is_communication_area(address.index)) ++configuration_;
   return services_ != nullptr ? services_->write(*this, address, value, size)
                               : write_own(address, value, size);
 }

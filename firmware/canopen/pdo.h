@@ -182,9 +182,9 @@ class RpdoSet {
     if (pdo.record.event_timer_us() != 0) set_deadline(pdo, now_us + pdo.record.event_timer_us());
   }
   // True, and `number` set, when a PDO has exceeded its event timer; to be called again until false.
-  bool check(std::uint64_t now_us, std::size_t& number) {
-    return now_us >= earliest_us_ && find_silent(now_us, number);
-  }
+  bool check(std::uint64_t now_us, std::size_t& number) { return due(now_us) && find_silent(now_us, number); }
+  // Whether `check` has anything to look at.
+  bool due(std::uint64_t now_us) const { return now_us >= earliest_us_; }
 
  private:
   void set_deadline(Rpdo& pdo, std::uint64_t deadline_us);

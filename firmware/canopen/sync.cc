@@ -88,13 +88,13 @@ bool Sync::accept(const hal::CanFrame& frame, std::uint64_t now_us) {
 }
 
 bool Sync::take_beat(std::uint64_t now_us) {
-  if (!producer() || now_us < due_us_) return false;
+  if (now_us < due_us_) return false;
   due_us_ = next_beat(due_us_, period_us_, now_us);
   return true;
 }
 
 hal::CanFrame Sync::next() {
-  hal::CanFrame frame{.identifier = static_cast<std::uint16_t>(cob_id_ & kCobIdMask)};
+  hal::CanFrame frame{.identifier = identifier()};
   if (overflow_ == 0) return frame;
   produced_ = produced_ < overflow_ ? static_cast<std::uint8_t>(produced_ + 1) : std::uint8_t{1};
   frame.size = 1;

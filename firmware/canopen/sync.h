@@ -31,7 +31,10 @@ class Sync {
   AbortCode read(std::uint16_t index, ObjectValue& value) const;
   AbortCode write(std::uint16_t index, std::uint32_t value);
 
-  bool identifies(const hal::CanFrame& frame) const { return frame.identifier == (cob_id_ & kCobIdMask); }
+  std::uint16_t identifier() const { return static_cast<std::uint16_t>(cob_id_ & kCobIdMask); }
+  bool identifies(const hal::CanFrame& frame) const { return frame.identifier == identifier(); }
+  // 0x1006; 0: none.
+  std::uint32_t period_us() const { return period_us_; }
   // Takes a SYNC. False, and nothing taken, when its length does not fit 0x1019.
   bool accept(const hal::CanFrame& frame, std::uint64_t now_us);
   // The counter of the last SYNC: 1..240, or 0 without one.
@@ -43,7 +46,7 @@ class Sync {
   bool produces() const { return producer() && (owners_period_us_ == 0 || period_us_ != 0); }
   // True, once for each SYNC, when the producer's next one is due by its period.
   bool take_due(std::uint64_t now_us) {
-    return period_us_ != 0 && owners_period_us_ == 0 && take_beat(now_us);
+    return producer() && period_us_ != 0 && owners_period_us_ == 0 && take_beat(now_us);
   }
   // The next SYNC frame; advances the counter.
   hal::CanFrame next();

@@ -110,10 +110,12 @@ void SimBoard::drive_servos() {
     loads_[joint] = drives_[joint]->draw(world_->joint(static_cast<int>(joint)));
     load += loads_[joint];
   }
+  const double step_s = world_->step_s();
+  const double battery_V = battery_ ? battery_->voltage_V(load) : 0.0;
   for (std::size_t joint = 0; joint < drives_.size(); ++joint) {
-    const double whole_V = battery_ ? battery_->voltage_V(load) : robot_.joints[joint].servo.supply_V;
+    const double whole_V = battery_ ? battery_V : robot_.joints[joint].servo.supply_V;
     const double supply_V = std::min(whole_V, highest_supply_V_.value_or(whole_V));
-    drawn_J_ += world_->step_s() * supply_V * loads_[joint].current_A(supply_V);
+    drawn_J_ += step_s * supply_V * loads_[joint].current_A(supply_V);
     world_->set_servo(static_cast<int>(joint), drives_[joint]->torque(supply_V));
   }
 }

@@ -12,11 +12,11 @@
 #include "sim_board/can/babbler.h"
 #include "sim_board/can/bus.h"
 #include "sim_board/can/bus_faults.h"
+#include "sim_board/drive/drive.h"
 #include "sim_board/robot/description.h"
 #include "sim_board/sensor/ankle_sensor.h"
 #include "sim_board/sensor/imu.h"
 #include "sim_board/sensor/sensor_node.h"
-#include "sim_board/servo/drive.h"
 #include "sim_board/world/options.h"
 
 namespace koboshi::sim {

@@ -37,26 +37,22 @@ NodeHandle Bus::attach(BusNode& node, const AcceptanceFilter& filter, const Tran
        .counters = {},
        .online_since_us = now_us_});
   heads_.resize(hal::kTransmitFifos * nodes_.size());
-  filters_.push_back(filter);
-  receivers_stale_ = true;
+  waiting_.resize(heads_.size() / kWordBits + 1);
+  receivers_.add(filter);
   senders_.reserve(nodes_.size());
   ++online_;
   return static_cast<NodeHandle>(nodes_.size() - 1);
 }
 
-void Bus::set_filter(NodeHandle node, const AcceptanceFilter& filter) {
-  filters_[index(node)] = filter;
-  receivers_stale_ = true;
-}
-
 bool Bus::queue(NodeHandle node, const hal::CanFrame& frame, std::uint64_t ready_us) {
   Node& sender = nodes_[index(node)];
   if (!sender.powered) return false;
-  if (!sender.queues[hal::transmit_fifo(frame)].push({without_rest(frame), std::max(ready_us, now_us_)})) {
+  const hal::TransmitFifo fifo = hal::transmit_fifo(frame);
+  if (!sender.queues[fifo].push({without_rest(frame), std::max(ready_us, now_us_)})) {
     ++sender.counters.overruns;
     return false;
   }
-  refresh_heads(index(node));
+  refresh_head(hal::kTransmitFifos * index(node) + fifo);
   return true;
 }
 
@@ -92,29 +88,33 @@ BusUsage Bus::usage() const {
   return usage;
 }
 
-void Bus::refresh_heads(std::size_t node) {
-  const Node& sender = nodes_[node];
-  for (std::size_t fifo = 0; fifo < hal::kTransmitFifos; ++fifo) {
-    Head& head = heads_[hal::kTransmitFifos * node + fifo];
-    if (sender.queues[fifo].empty() || sender.online_since_us == kNever) {
-      head = {};
-    } else {
-      const QueuedFrame& front = sender.queues[fifo].front();
-      head = {std::max(front.ready_us, sender.hold_until_us), priority(front.frame)};
-    }
+void Bus::refresh_head(std::size_t head) {
+  const Node& sender = nodes_[node_of(head)];
+  const TransmitQueue& queue = queue_of(head);
+  const std::uint64_t bit = std::uint64_t{1} << head % kWordBits;
+  if (queue.empty() || sender.online_since_us == kNever) {
+    waiting_[head / kWordBits] &= ~bit;
+  } else {
+    const QueuedFrame& front = queue.front();
+    heads_[head] = {std::max(front.ready_us, sender.hold_until_us), priority(front.frame)};
+    waiting_[head / kWordBits] |= bit;
   }
+}
+
+void Bus::refresh_heads(std::size_t node) {
+  for (std::size_t fifo = 0; fifo < hal::kTransmitFifos; ++fifo)
+    refresh_head(hal::kTransmitFifos * node + fifo);
 }
 
 std::uint64_t Bus::next_start_us() const {
   std::uint64_t ready_us = kNever;
-  for (const Head& head : heads_) ready_us = std::min(ready_us, head.ready_us);
+  for_each_waiting([&](std::size_t head) { ready_us = std::min(ready_us, heads_[head].ready_us); });
   return std::max(ready_us, idle_from_us_);
 }
 
 // Starts the next transmission if it begins before `until_us`.
 bool Bus::start_next(std::uint64_t until_us) {
   if (dominant_since_us_) return false;
-  if (std::exchange(receivers_stale_, false)) receivers_.rebuild(filters_);
   std::uint64_t start_us = next_start_us();
   if (recovering_ > 0) {
     complete_recoveries(std::min(start_us, until_us));
@@ -131,12 +131,12 @@ bool Bus::start_next(std::uint64_t until_us) {
 void Bus::gather_senders(std::uint64_t start_us) {
   senders_.clear();
   std::uint32_t best = std::numeric_limits<std::uint32_t>::max();
-  for (std::size_t i = 0; i < heads_.size(); ++i) {
-    if (heads_[i].ready_us > start_us || heads_[i].priority > best) continue;
+  for_each_waiting([&](std::size_t i) {
+    if (heads_[i].ready_us > start_us || heads_[i].priority > best) return;
     if (heads_[i].priority < best) senders_.clear();
     best = heads_[i].priority;
     if (senders_.empty() || node_of(senders_.back()) != node_of(i)) senders_.push_back(i);
-  }
+  });
 }
 
 // Returns the bits between the end of a transmission and the earliest start of the next.
@@ -195,22 +195,31 @@ void Bus::finish() {
 }
 
 void Bus::deliver(const Transmission& done) {
-  for (const std::uint16_t receiver : receivers_.of(done.frame.identifier)) {
-    if (nodes_[receiver].online_since_us > done.start_us || is_sender(receiver)) continue;
-    if (disturbance_ != nullptr) {
-      const Reception reception =
-          disturbance_->on_reception(done.frame, static_cast<NodeHandle>(receiver), done.start_us);
-      if (reception.delay_us > 0 && !reception.lost)
-        late_.emplace(done.end_us + reception.delay_us, LateFrame{receiver, done.frame, done.start_us});
-      if (reception.lost || reception.delay_us > 0) continue;
+  if (disturbance_ != nullptr) return deliver_disturbed(done);
+  receivers_.for_each(done.frame.identifier, [&](std::size_t node) {
+    if (receives(node, done)) hand_over(node, done.frame);
+  });
+}
+
+// What disturbs a frame on its way into a controller does not depend on the controller's filter.
+void Bus::deliver_disturbed(const Transmission& done) {
+  for (std::size_t node = 0; node < nodes_.size(); ++node) {
+    if (!receives(node, done)) continue;
+    const Reception reception =
+        disturbance_->on_reception(done.frame, static_cast<NodeHandle>(node), done.start_us);
+    if (reception.lost) continue;
+    if (reception.delay_us > 0) {
+      late_.emplace(done.end_us + reception.delay_us, LateFrame{node, done.frame, done.start_us});
+    } else if (receivers_.accepts(node, done.frame.identifier)) {
+      hand_over(node, done.frame);
     }
-    hand_over(receiver, done.frame);
   }
 }
 
 void Bus::deliver_late() {
   const LateFrame late = late_.begin()->second;
   late_.erase(late_.begin());
+  if (!receivers_.accepts(late.receiver, late.frame.identifier)) return;
   // The frame was in the controller's memory, which is lost if the node has left the bus since.
   if (nodes_[late.receiver].online_since_us <= late.start_us) hand_over(late.receiver, late.frame);
 }
@@ -228,8 +237,12 @@ void Bus::count_sent(std::uint64_t start_us) {
     queue_of(sender).pop();
     node.errors.on_transmitted();
     ++node.counters.sent;
-    suspend_if_passive(node);
-    refresh_heads(node_of(sender));
+    if (node.errors.error_passive()) {
+      suspend_if_passive(node);
+      refresh_heads(node_of(sender));
+    } else {
+      refresh_head(sender);
+    }
   }
 }
 
@@ -237,8 +250,10 @@ void Bus::archive(StateArchive& archive) {
   if (std::ranges::any_of(nodes_, &Node::is_bridge))
     throw NotSaveable(
         "a simulation whose bus is bridged to the outside has no snapshots: what lives there has none");
-  archive(now_us_, idle_from_us_, nodes_, heads_, online_, recovering_, dominant_since_us_, dominant_due_us_,
+  archive(now_us_, idle_from_us_, nodes_, online_, recovering_, dominant_since_us_, dominant_due_us_,
           receive_errors_, wire_, senders_, late_, usage_);
+  if (archive.writes()) return;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) refresh_heads(i);
 }
 
 bool Bus::is_sender(std::size_t node) const {

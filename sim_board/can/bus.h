@@ -57,8 +57,8 @@ struct NodeCounters {
 //
 // A BusDisturbance can destroy, double, drop and delay frames.
 //
-// Times are in microseconds and never decrease. Memory is allocated only when nodes are attached, by the
-// first advance after that or after a change of filters, and for frames that a disturbance delays.
+// Times are in microseconds and never decrease. Memory is allocated only when nodes are attached and for
+// frames that a disturbance delays.
 class Bus {
  public:
   // Threshold for late frames: one control cycle of the robot. On a bus with spare capacity frames wait less.
@@ -74,7 +74,8 @@ class Bus {
   NodeHandle attach(BusNode& node, const AcceptanceFilter& filter, std::size_t capacity) {
     return attach(node, filter, {capacity, capacity, capacity});
   }
-  void set_filter(NodeHandle node, const AcceptanceFilter& filter);
+  // Nodes may call it from `on_frame`.
+  void set_filter(NodeHandle node, const AcceptanceFilter& filter) { receivers_.set(index(node), filter); }
   // Marks a node as a bridge to nodes outside the simulation. The bus can then no longer be saved.
   void bridge(NodeHandle node) { nodes_[index(node)].is_bridge = true; }
 
@@ -107,8 +108,8 @@ class Bus {
   void advance_to(std::uint64_t time_us);
   std::uint64_t now_us() const { return now_us_; }
 
-  // CAN status of the node. Receive overruns are zero here: the owner of the receive ring counts them.
-  hal::CanStatus status(NodeHandle node) const;
+  // CAN status of the node, as of ErrorCounters::status.
+  hal::CanStatus status(NodeHandle node) const { return nodes_[index(node)].errors.status(); }
   // Starts the recovery of a bus-off node: 128 occurrences of 11 recessive bits. That is 1408 bit times of
   // idle bus, or fewer with frames in between, each of which ends in 11 recessive bits. No effect in other
   // states.
@@ -122,8 +123,9 @@ class Bus {
   void set_disturbance(BusDisturbance* disturbance) { disturbance_ = disturbance; }
 
   // Saves or restores the bus and the CAN controllers of its nodes. Nodes, observer and disturbance archive
-  // their own states; the set of nodes and their filters are not archived. Throws NotSaveable if a node is a
-  // bridge, and std::logic_error if nodes have been attached since.
+  // their own states; the set of nodes and their filters are not archived: a node that changes its filter
+  // sets it again when it is restored. Throws NotSaveable if a node is a bridge, and std::logic_error if
+  // nodes have been attached since.
   void archive(StateArchive& archive);
 
  private:
@@ -177,7 +179,12 @@ class Bus {
 
   static int bits_after(Outcome outcome);
   std::uint64_t next_late_us() const { return late_.empty() ? kNever : late_.begin()->first; }
+  void refresh_head(std::size_t head);
   void refresh_heads(std::size_t node);
+  template <typename Visit>
+  void for_each_waiting(Visit visit) const {
+    for (std::size_t i = 0; i < waiting_.size(); ++i) for_each_bit(waiting_[i], kWordBits * i, visit);
+  }
   std::uint64_t next_start_us() const;
   bool start_next(std::uint64_t until_us);
   void gather_senders(std::uint64_t start_us);
@@ -186,6 +193,7 @@ class Bus {
   Outcome outcome_of(const hal::CanFrame& frame, std::uint64_t start_us);
   void finish();
   void deliver(const Transmission& done);
+  void deliver_disturbed(const Transmission& done);
   void deliver_late();
   void hand_over(std::size_t receiver, const hal::CanFrame& frame);
   void count_sent(std::uint64_t start_us);
@@ -193,6 +201,9 @@ class Bus {
   void count_errors(Outcome outcome);
   void suspend_if_passive(Node& node);
   bool is_sender(std::size_t node) const;
+  bool receives(std::size_t node, const Transmission& done) const {
+    return nodes_[node].online_since_us <= done.start_us && !is_sender(node);
+  }
   void complete_recoveries(std::uint64_t until_us);
   void count_dominant_bits();
   void leave(std::size_t node);
@@ -202,9 +213,8 @@ class Bus {
   std::uint64_t idle_from_us_ = 0;  // end of the last intermission
   std::vector<Node> nodes_;
   std::vector<Head> heads_;
-  std::vector<AcceptanceFilter> filters_;
+  std::vector<std::uint64_t> waiting_;  // a bit for each head: it has a frame
   ReceiverTable receivers_;
-  bool receivers_stale_ = false;
   std::size_t online_ = 0;
   std::size_t recovering_ = 0;
   std::optional<std::uint64_t> dominant_since_us_;

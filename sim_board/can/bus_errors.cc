@@ -20,14 +20,6 @@ bool stronger(const hal::CanFrame& first, const hal::CanFrame& second) {
 
 }  // namespace
 
-hal::CanStatus Bus::status(NodeHandle node) const {
-  const ErrorCounters& errors = nodes_[index(node)].errors;
-  return {.state = errors.state(),
-          .transmit_error_count = static_cast<std::uint8_t>(std::min(errors.transmit(), 255)),
-          .receive_error_count = static_cast<std::uint8_t>(errors.receive()),
-          .receive_overruns = 0};
-}
-
 void Bus::power_off(NodeHandle node) {
   Node& off = nodes_[index(node)];
   if (off.recovered_us != kNever) --recovering_;

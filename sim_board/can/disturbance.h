@@ -29,7 +29,8 @@ class BusDisturbance {
   // Called once for each transmission, before it starts.
   virtual WireEffect on_transmission(const hal::CanFrame& frame, NodeHandle sender,
                                      std::uint64_t start_us) = 0;
-  // Called for each receiver of a valid frame, at its end.
+  // Called at the end of a valid frame for each node that has been on the bus since its start, except its
+  // senders, whether the node accepts the frame or not.
   virtual Reception on_reception(const hal::CanFrame& frame, NodeHandle receiver, std::uint64_t start_us) = 0;
 
  protected:

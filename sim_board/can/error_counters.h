@@ -17,6 +17,13 @@ class ErrorCounters {
   }
   bool error_passive() const { return state() == hal::CanErrorState::kErrorPassive; }
   bool bus_off() const { return state() == hal::CanErrorState::kBusOff; }
+  // The counts saturate at 255. Receive overruns are zero: the owner of the receive ring counts them.
+  hal::CanStatus status() const {
+    return {.state = state(),
+            .transmit_error_count = static_cast<std::uint8_t>(std::min(transmit_, 255)),
+            .receive_error_count = static_cast<std::uint8_t>(receive_),
+            .receive_overruns = 0};
+  }
   int transmit() const { return transmit_; }
   int receive() const { return receive_; }
 

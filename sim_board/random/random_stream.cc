@@ -1,6 +1,5 @@
 #include "sim_board/random/random_stream.h"
 
-#include <bit>
 #include <cmath>
 
 namespace koboshi::sim {
@@ -29,25 +28,8 @@ RandomStream::RandomStream(std::uint64_t seed, std::string_view name) {
   for (std::uint64_t& word : state_) word = split_mix(mixed);
 }
 
-std::uint64_t RandomStream::bits() {
-  const std::uint64_t result = std::rotl(state_[0] + state_[3], 23) + state_[0];
-  const std::uint64_t shifted = state_[1] << 17;
-  state_[2] ^= state_[0];
-  state_[3] ^= state_[1];
-  state_[1] ^= state_[2];
-  state_[0] ^= state_[3];
-  state_[2] ^= shifted;
-  state_[3] = std::rotl(state_[3], 45);
-  return result;
-}
-
-double RandomStream::uniform() { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
-
-double RandomStream::normal() {
-  if (has_spare_) {
-    has_spare_ = false;
-    return spare_normal_;
-  }
+// Returns the first of two normal numbers, and keeps the other.
+double RandomStream::draw_pair() {
   double x = 0.0;
   double y = 0.0;
   double squared = 0.0;

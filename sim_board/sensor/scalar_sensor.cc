@@ -35,7 +35,7 @@ ScalarSensor::ScalarSensor(const ScalarSensorDescription& description, std::stri
   if (!(highest_ > lowest_)) throw std::invalid_argument("scalar sensor: highest must be above lowest");
 }
 
-void ScalarSensor::step(double value, std::uint64_t time_us) {
+void ScalarSensor::take_samples(double value, std::uint64_t time_us) {
   if (!started_) {
     reading_ = sample(value);
     sampler_.start(time_us);
@@ -46,8 +46,6 @@ void ScalarSensor::step(double value, std::uint64_t time_us) {
     const double part = static_cast<double>(instant_us - time_us_) / static_cast<double>(time_us - time_us_);
     reading_ = sample(value_ + part * (value - value_));
   }
-  value_ = value;
-  time_us_ = time_us;
 }
 
 double ScalarSensor::sample(double value) {

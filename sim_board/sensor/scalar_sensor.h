@@ -22,12 +22,20 @@ class ScalarSensor {
   ScalarSensor(const ScalarSensorDescription& description, std::string_view name, const SensorErrors& errors);
 
   // Sets the value at `time_us` and takes the samples that have become due, with linear interpolation since
-  // the previous call. The first call takes a sample at once. Times must increase.
-  void step(double value, std::uint64_t time_us);
+  // the previous call. The first call takes a sample at once. Times must increase. Returns whether it has
+  // taken any.
+  bool step(double value, std::uint64_t time_us) {
+    const bool samples = !started_ || sampler_.due(time_us);
+    if (samples) take_samples(value, time_us);
+    value_ = value;
+    time_us_ = time_us;
+    return samples;
+  }
   // Last sample, in the description's unit.
   double reading() const { return reading_; }
 
  private:
+  void take_samples(double value, std::uint64_t time_us);
   double sample(double value);
 
   double noise_;

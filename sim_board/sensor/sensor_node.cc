@@ -6,7 +6,7 @@ namespace koboshi::sim {
 
 SensorNode::SensorNode(SensorKind kind, std::uint8_t node_id, Bus& bus)
     : bus_(bus),
-      handle_(bus.attach(*this, AcceptanceFilter::all(), kTransmitFifo)),
+      handle_(bus.attach(*this, AcceptanceFilter(), kTransmitFifo)),
       description_(sensor_node_description(kind)),
       values_{.kind = kind},
       services_({description_.vendor_id, description_.product_code, description_.revision_number, node_id},
@@ -31,6 +31,7 @@ void SensorNode::update(std::uint64_t now_us) {
     started_ = true;
     services_.start(node_, node_.node_id());
     node_.start(now_us);
+    filter_.set(bus_, handle_, node_, services_);
   }
   if (!started_) return;
   const hal::CanStatus status = bus_.status(handle_);
@@ -39,14 +40,17 @@ void SensorNode::update(std::uint64_t now_us) {
   storage_.process();
   services_.process(node_);
   node_.process(now_us);
-  const auto time = services_.time_of_day(now_us).value_or(canopen::TimeOfDay{});
-  values_.time_ms = time.ms;
-  values_.time_days = time.days;
+  if (const auto time = services_.time_of_day(now_us)) {
+    values_.time_ms = time->ms;
+    values_.time_days = time->days;
+  }
 }
 
 void SensorNode::on_frame(const hal::CanFrame& frame, std::uint64_t time_us) {
+  if (!started_) return;
   now_us_ = time_us;
-  if (started_ && !services_.on_frame(node_, frame, time_us)) node_.on_frame(frame, time_us);
+  if (!services_.on_frame(node_, frame, time_us)) node_.on_frame(frame, time_us);
+  filter_.update(bus_, handle_, node_, services_);
 }
 
 }  // namespace koboshi::sim

@@ -8,6 +8,7 @@
 #include "hal/port/imu.h"
 #include "sim_board/can/bus.h"
 #include "sim_board/can/bus_off_pause.h"
+#include "sim_board/can/canopen_filter.h"
 #include "sim_board/sensor/sensor_dictionary.h"
 #include "sim_board/storage/node_storage.h"
 
@@ -46,6 +47,7 @@ class SensorNode final : private BusNode,
   void archive(StateArchive& archive) {
     archive(values_, storage_, bus_off_, started_, now_us_);
     archive.in_place(memory_, services_, node_);
+    if (!archive.writes()) filter_.set(bus_, handle_, node_, services_);
   }
 
  private:
@@ -72,6 +74,7 @@ class SensorNode final : private BusNode,
   canopen::Node node_;
   NodeStorage storage_{node_};
   BusOffPause bus_off_;
+  CanopenFilter filter_;
   bool started_ = false;
   std::uint64_t now_us_ = 0;
 };

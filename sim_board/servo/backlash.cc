@@ -36,8 +36,7 @@ void Backlash::cross_gap(const JointState& shaft) {
   arrives_ = true;
 }
 
-void Backlash::apply(ServoTorque& torque) {
-  if (half_gap_rad_ == 0.0) return;
+void Backlash::apply_gap(ServoTorque& torque) {
   if (edge_ == 0) {
     turn_rotor(torque);
     torque = {};

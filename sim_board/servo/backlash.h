@@ -21,7 +21,9 @@ class Backlash {
   // After a physics step, with the shaft's state: what it has done to rotor and gap.
   void observe(const JointState& shaft);
   // Makes of what rotor and output feel together what the output feels in the next step.
-  void apply(ServoTorque& torque);
+  void apply(ServoTorque& torque) {
+    if (half_gap_rad_ != 0.0) apply_gap(torque);
+  }
 
   double rotor_speed_rad_per_s() const { return rotor_speed_rad_per_s_; }
   // What the rotor felt of the output in the last step: nothing within the gap.
@@ -34,6 +36,7 @@ class Backlash {
   int edge() const { return edge_; }
 
  private:
+  void apply_gap(ServoTorque& torque);
   void cross_gap(const JointState& shaft);
   void turn_rotor(const ServoTorque& torque);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -18,7 +19,7 @@ class CommandPeriod {
 
   std::int32_t sample(std::int32_t target) {
     if (count_ == 0) held_ = target;
-    count_ = (count_ + 1) % period_;
+    count_ = count_ + 1 == period_ ? 0 : count_ + 1;
     return held_;
   }
   void restart() { count_ = 0; }
@@ -35,10 +36,10 @@ class DelayLine {
   explicit DelayLine(int delay) : values_(static_cast<std::size_t>(delay) + 1) {}
 
   std::int32_t shift(std::int32_t value) {
-    if (!filled_) values_.assign(values_.size(), value);
+    if (!filled_) std::ranges::fill(values_, value);
     filled_ = true;
     values_[newest_] = value;
-    newest_ = (newest_ + 1) % values_.size();
+    newest_ = newest_ + 1 == values_.size() ? 0 : newest_ + 1;
     return values_[newest_];
   }
   void restart() { filled_ = false; }

@@ -7,12 +7,9 @@
 
 #include "sim_board/random/random_stream.h"
 #include "sim_board/robot/description.h"
+#include "sim_board/servo/position_unit.h"
 
 namespace koboshi::sim {
-
-// Positions on the bus and in a drive's loops are finer than any encoder here: 2^-20 turn.
-inline constexpr int kPositionBits = 20;
-inline constexpr double kRadPerPositionUnit = 2.0 * std::numbers::pi / (1 << kPositionBits);
 
 // The absolute encoder on a servo's output shaft: mounting error, noise, rounding to the nearest count. It
 // keeps account of turns.
@@ -22,7 +19,8 @@ class Encoder {
   // this seed and name.
   explicit Encoder(const EncoderDescription& encoder, std::uint64_t seed = 1, double noise_scale = 1.0,
                    std::string_view name = "encoder")
-      : bits_(encoder.bits),
+      : counts_per_turn_(1 << encoder.bits),
+        units_per_count_(1 << (kPositionBits - encoder.bits)),
         offset_rad_(encoder.offset_rad),
         noise_counts_(noise_scale * encoder.noise_counts),
         random_(seed, name) {}
@@ -30,12 +28,13 @@ class Encoder {
   std::int32_t read_counts(double shaft_rad) {
     const double turns = (shaft_rad + offset_rad_) / (2.0 * std::numbers::pi);
     const double noise = noise_counts_ == 0.0 ? 0.0 : noise_counts_ * random_.normal();
-    return static_cast<std::int32_t>(std::floor(std::ldexp(turns, bits_) + noise + 0.5));
+    return static_cast<std::int32_t>(std::floor(counts_per_turn_ * turns + noise + 0.5));
   }
-  std::int32_t position_units(std::int32_t counts) const { return counts * (1 << (kPositionBits - bits_)); }
+  std::int32_t position_units(std::int32_t counts) const { return counts * units_per_count_; }
 
  private:
-  int bits_;
+  double counts_per_turn_;  // a power of two: the product is exact
+  std::int32_t units_per_count_;
   double offset_rad_;
   double noise_counts_;
   RandomStream random_;

@@ -21,12 +21,6 @@ Servo::Servo(const JointDescription& joint, const ServoOptions& options)
       backlash_(joint.servo, options.step_s),
       supply_V_(joint.servo.supply_V) {}
 
-JointState Servo::shaft_of(const JointState& joint) const {
-  return {.position_rad = sign_ * joint.position_rad + zero_rad_,
-          .speed_rad_per_s = sign_ * joint.speed_rad_per_s,
-          .servo_Nm = sign_ * joint.servo_Nm};
-}
-
 // --- Electronics
 
 void Servo::sense(const JointState& joint) {

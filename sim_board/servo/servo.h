@@ -60,9 +60,13 @@ class Servo {
   ServoTorque torque(double supply_V);
 
  private:
-  JointState shaft_of(const JointState& joint) const;
+  JointState shaft_of(const JointState& joint) const {
+    return {.position_rad = sign_ * joint.position_rad + zero_rad_,
+            .speed_rad_per_s = sign_ * joint.speed_rad_per_s,
+            .servo_Nm = sign_ * joint.servo_Nm};
+  }
 
-  int sign_;
+  double sign_;  // 1 or -1
   double zero_rad_;
   Encoder encoder_;
   DelayLine read_delay_;

@@ -53,9 +53,4 @@ void NodeStorage::load(canopen::NmtCommand reset) {
                                  : canopen::ParameterGroup::kCommunication);
 }
 
-void NodeStorage::process() {
-  volatile_->items.process();
-  volatile_->parameters.process();
-}
-
 }  // namespace koboshi::sim

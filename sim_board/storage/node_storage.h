@@ -33,7 +33,10 @@ class NodeStorage {
   // Restores the parameters that this reset restores. Call it from on_reset.
   void load(canopen::NmtCommand reset);
   // Call it once per millisecond.
-  void process();
+  void process() {
+    volatile_->items.process();
+    volatile_->parameters.process();
+  }
 
   void archive(StateArchive& archive) {
     archive(flash_);

@@ -11,7 +11,7 @@
 #include "hal/lockstep/batch_board.h"
 #include "sim_board/can/babbler.h"
 #include "sim_board/can/bus.h"
-#include "sim_board/servo/drive.h"
+#include "sim_board/drive/drive.h"
 
 namespace koboshi::test {
 

@@ -6,7 +6,7 @@
 #include "firmware/canopen/dictionary.h"
 #include "firmware/canopen/frame.h"
 #include "firmware/canopen/sdo/protocol.h"
-#include "sim_board/servo/pc_sdo.h"
+#include "sim_board/drive/pc_sdo.h"
 #include "tools/can/sdo_transfer.h"
 
 namespace koboshi::tools {

@@ -9,7 +9,7 @@
 
 #include "firmware/canopen/frame.h"
 #include "firmware/canopen/sdo/protocol.h"
-#include "sim_board/servo/pc_sdo.h"
+#include "sim_board/drive/pc_sdo.h"
 #include "tools/can/source.h"
 
 namespace koboshi::tools {

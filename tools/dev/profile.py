@@ -26,6 +26,7 @@ PARTS = {
     "sim_board/engine": "physics",
     "sim_board/world": "physics",
     "sim_board/can": "bus",
+    "sim_board/drive": "drives",
     "sim_board/servo": "drives",
     "sim_board/storage": "drives",
     "sim_board/sensor": "sensors",

@@ -7,8 +7,8 @@
 
 #include "firmware/app/dictionary.h"
 #include "firmware/drive/configuration.h"
+#include "sim_board/drive/drive_dictionary.h"
 #include "sim_board/sensor/sensor_node.h"
-#include "sim_board/servo/drive_dictionary.h"
 #include "simulation/model/robot_model.h"
 #include "tools/dictionary/configured_drive.h"
 

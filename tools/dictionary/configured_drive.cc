@@ -8,7 +8,7 @@
 #include "firmware/canopen/sdo/client.h"
 #include "firmware/canopen/sdo/protocol.h"
 #include "firmware/drive/configuration.h"
-#include "sim_board/servo/drive_dictionary.h"
+#include "sim_board/drive/drive_dictionary.h"
 
 namespace koboshi::tools {
 namespace {

@@ -5,8 +5,8 @@
 #include "firmware/app/controller_objects.h"
 #include "firmware/app/dictionary.h"
 #include "firmware/drive/configuration.h"
+#include "sim_board/drive/drive_objects.h"
 #include "sim_board/sensor/sensor_objects.h"
-#include "sim_board/servo/drive_objects.h"
 
 namespace koboshi::tools {
 namespace {

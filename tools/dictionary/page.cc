@@ -24,7 +24,7 @@ constexpr std::string_view kIntroduction =
 This page lists every object that can be read or written over SDO or in PDOs: of the controller (node 1),
 the servo drives (16 to 35, CiA 402) and the sensors (36 to 38). `koboshi dictionary write` generates it from
 the tables from which the nodes themselves are built: `firmware/app/controller_objects.h`,
-`sim_board/servo/drive_objects.h` and `sim_board/sensor/sensor_objects.h`.
+`sim_board/drive/drive_objects.h` and `sim_board/sensor/sensor_objects.h`.
 
 The same objects in formats for other programs: [controller.eds](controller.eds), [drive.eds](drive.eds),
 [inertial.eds](inertial.eds) and [ankle.eds](ankle.eds) (CiA 306), and [koboshi.dbc](koboshi.dbc) with every

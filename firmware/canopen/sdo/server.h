@@ -87,6 +87,8 @@ class SdoServer {
   void configure(const SdoChannel& channel);
   const SdoChannel& channel() const { return channel_; }
 
+  // Above 0x7FF if the channel is invalid.
+  std::uint16_t request_identifier() const { return request_identifier_; }
   bool takes(const hal::CanFrame& frame) const { return frame.identifier == request_identifier_; }
   void on_request(const hal::CanFrame& request, std::uint64_t now_us);
   // Sends further segments of a block, repeats a request whose object was busy, and checks the time-outs.

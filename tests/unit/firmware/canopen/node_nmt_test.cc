@@ -1,11 +1,89 @@
 #include <gtest/gtest.h>
 
+#include <cstddef>
+#include <initializer_list>
+#include <set>
+#include <span>
+#include <vector>
+
 #include "tests/unit/firmware/canopen/test_node.h"
 
 namespace koboshi::canopen {
 namespace {
 
 using enum NmtState;
+
+std::set<std::uint16_t> identifiers(const TestNode& device) {
+  std::set<std::uint16_t> heard;
+  const auto add = [&heard](std::uint16_t identifier) { heard.insert(identifier); };
+  device.node.for_each_identifier(add);
+  device.services.for_each_identifier(add);
+  return heard;
+}
+
+// What a node with this id hears after a reset: NMT, SYNC, TIME, two RPDOs, SDO, LSS.
+const std::set<std::uint16_t> kHeardAfterReset{0x000, 0x080, 0x100, 0x210, 0x310, 0x610, 0x7E5};
+
+TEST(NodeIdentifiers, AreThoseOfTheFramesThatItActsOn) {
+  TestNode device(0x10, kTestDevice);
+  device.start(0x10, 0);
+  EXPECT_EQ(identifiers(device), kHeardAfterReset);
+  struct Write {
+    ObjectAddress address;
+    std::uint32_t value;
+    std::size_t size;
+    std::vector<std::uint16_t> gone;
+    std::vector<std::uint16_t> new_ones;
+  };
+  std::set<std::uint16_t> expected = kHeardAfterReset;
+  for (const Write& write : std::vector<Write>{{{0x1005, 0}, 0x81, 4, {0x080}, {0x081}},
+                                               {{0x1012, 0}, 0x100, 4, {0x100}, {}},
+                                               {{0x1012, 0}, 0x8000'0250, 4, {}, {0x250}},
+                                               {{0x1016, 1}, 0x0005'0064, 4, {}, {0x705}},
+                                               {{0x1016, 1}, 0x0005'0000, 4, {0x705}, {}},
+                                               {{0x1201, 2}, 0x6A0, 4, {}, {}},
+                                               {{0x1201, 1}, 0x690, 4, {}, {0x690}},
+                                               {{0x1400, 1}, 0x8000'0210, 4, {0x210}, {}},
+                                               {{0x1400, 1}, 0x211, 4, {}, {0x211}},
+                                               {{0x1401, 1}, 0x8000'0310, 4, {0x310}, {}}}) {
+    const std::uint32_t before = device.node.configuration();
+    ASSERT_EQ(device.node.write_object(write.address, write.value, write.size), AbortCode::kNone)
+        << std::hex << write.address.index;
+    for (const std::uint16_t identifier : write.gone) expected.erase(identifier);
+    expected.insert(write.new_ones.begin(), write.new_ones.end());
+    EXPECT_EQ(identifiers(device), expected) << std::hex << write.address.index;
+    EXPECT_NE(device.node.configuration(), before);
+  }
+  const std::uint32_t before = device.node.configuration();
+  device.hear(can_frame(0x000, {0x82, 0x10}), 0);
+  EXPECT_EQ(identifiers(device), kHeardAfterReset);
+  EXPECT_NE(device.node.configuration(), before);
+}
+
+// A frame that is not among them changes nothing, and nothing answers it.
+TEST(NodeIdentifiers, LeaveOutOnlyFramesWithoutEffect) {
+  TestNode device(0x10, kTestDevice);
+  device.start(0x10, 0);
+  device.node.command(NmtCommand::kStart, 0);
+  ASSERT_EQ(device.node.write_object({0x1016, 1}, 0x0005'0064, 4), AbortCode::kNone);
+  const std::set<std::uint16_t> heard = identifiers(device);
+  const auto state = [&device] {
+    const auto bytes = std::as_bytes(std::span(&device.node, 1));
+    const auto services = std::as_bytes(std::span(&device.services, 1));
+    std::vector<std::byte> all(bytes.begin(), bytes.end());
+    all.insert(all.end(), services.begin(), services.end());
+    return all;
+  };
+  for (std::uint16_t identifier = 0; identifier < 0x800; ++identifier) {
+    if (heard.contains(identifier)) continue;
+    for (const std::initializer_list<unsigned> bytes :
+         {std::initializer_list<unsigned>{}, {5}, {0, 0x10, 1, 0, 0, 0, 0, 0}}) {
+      const auto before = state();
+      EXPECT_TRUE(device.ask(can_frame(identifier, bytes), 1'000).empty());
+      EXPECT_EQ(state(), before) << std::hex << identifier;
+    }
+  }
+}
 
 TEST(NodeNmt, BootsUpIntoPreOperational) {
   TestNode device;

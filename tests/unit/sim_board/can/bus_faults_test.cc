@@ -55,6 +55,24 @@ TEST_F(BusFaultsTest, DropAcknowledgedFramesInOneReceiver) {
   EXPECT_EQ(bus.usage().error_frames, 0u);
 }
 
+// What is lost in a controller's transceiver is lost before its filter.
+TEST_F(BusFaultsTest, DoNotDependOnTheFilters) {
+  faults.add({.effect = Effect::kLost, .node = to_first, .count = 2});
+  bus.set_filter(to_first, {0x191});
+  send(1, 0x190);
+  send(3, 0x191);
+  EXPECT_EQ(numbers(first), (std::vector<int>{1, 2}));
+}
+
+TEST_F(BusFaultsTest, DelayNoFrameAroundTheFilter) {
+  faults.add({.effect = Effect::kDelayed, .node = to_first, .count = 2, .delay_us = 100});
+  bus.set_filter(to_first, {0x191});
+  send(1, 0x190);
+  send(2, 0x191);
+  ASSERT_EQ(numbers(first), (std::vector<int>{0, 1}));
+  EXPECT_EQ(first.seen[0].frame.identifier, 0x191);
+}
+
 TEST_F(BusFaultsTest, DropAFrameInAllReceiversOrInNone) {
   faults.add({.effect = Effect::kLost, .share = 0.5});
   send(200);

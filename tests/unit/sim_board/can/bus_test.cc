@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <deque>
 
 #include "tests/unit/sim_board/can/bus_fixture.h"
 #include "tests/unit/sim_board/can/bus_times.h"
@@ -148,6 +149,43 @@ TEST(Bus, DeliversOnlyWhatTheFilterAccepts) {
   bus.advance_to(2000);
   ASSERT_EQ(one.seen.size(), 3u);
   EXPECT_EQ(one.seen[2].frame.identifier, 0x300);
+}
+
+TEST(Bus, LetsANodeChangeItsFilterWhileItReceives) {
+  Bus bus;
+  test::ListeningNode sender, one, two;
+  const NodeHandle from = bus.attach(sender, {}, 4);
+  const NodeHandle node_one = bus.attach(one, {0x100}, 4);
+  const NodeHandle node_two = bus.attach(two, {0x100}, 4);
+  one.answer = [&](const hal::CanFrame&, std::uint64_t) {
+    bus.set_filter(node_one, {0x101});
+    bus.set_filter(node_two, {0x102});
+  };
+  for (const std::uint16_t identifier : std::initializer_list<std::uint16_t>{0x100, 0x101, 0x102}) {
+    ASSERT_TRUE(bus.queue(from, make_frame(identifier, {}), 0));
+  }
+  bus.advance_to(1000);
+  ASSERT_EQ(one.seen.size(), 2u);
+  EXPECT_EQ(one.seen[1].frame.identifier, 0x101);
+  ASSERT_EQ(two.seen.size(), 2u) << "the frame that was being delivered, and what it accepts now";
+  EXPECT_EQ(two.seen[1].frame.identifier, 0x102);
+}
+
+// More nodes than a word of the table of receivers has bits.
+TEST(Bus, DeliversToEachOfManyNodes) {
+  Bus bus;
+  test::ListeningNode sender;
+  const NodeHandle from = bus.attach(sender, {}, 4);
+  std::deque<test::ListeningNode> nodes(150);
+  std::vector<NodeHandle> handles;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    handles.push_back(bus.attach(nodes[i], {0x080, static_cast<std::uint16_t>(0x200 + i)}, 4));
+  ASSERT_TRUE(bus.queue(from, make_frame(0x080, {}), 0));
+  ASSERT_TRUE(bus.queue(from, make_frame(0x200 + 99, {}), 0));
+  ASSERT_TRUE(bus.queue(handles[149], make_frame(0x200 + 64, {}), 0));
+  bus.advance_to(1000);
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    EXPECT_EQ(nodes[i].seen.size(), i == 99 || i == 64 ? 2u : 1u) << i;
 }
 
 TEST(Bus, CountsFramesDroppedByAFullTransmitFifo) {

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "firmware/app/dictionary.h"
+#include "sim_board/drive/drive_dictionary.h"
 #include "sim_board/input/error.h"
-#include "sim_board/servo/drive_dictionary.h"
 #include "simulation/model/robot_model.h"
 #include "tests/unit/tools/dictionary/default_network.h"
 #include "tools/dictionary/configured_drive.h"

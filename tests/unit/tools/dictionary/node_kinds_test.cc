@@ -7,8 +7,8 @@
 
 #include "firmware/app/dictionary.h"
 #include "firmware/canopen/device_services.h"
+#include "sim_board/drive/drive_dictionary.h"
 #include "sim_board/sensor/sensor_dictionary.h"
-#include "sim_board/servo/drive_dictionary.h"
 #include "simulation/model/robot_model.h"
 #include "tests/unit/tools/dictionary/default_network.h"
 

@@ -1,0 +1,75 @@
+#include "sim_board/drive/drive_dictionary.h"
+
+#include "firmware/canopen/cia402.h"
+#include "firmware/canopen/dictionary.h"
+#include "firmware/canopen/pdo.h"
+#include "sim_board/drive/drive_objects.h"
+
+namespace koboshi::sim {
+namespace {
+
+using canopen::mapping;
+
+constexpr auto kRows = canopen::rows_of<kDriveObjects>();
+static_assert(canopen::is_valid_table(kRows, sizeof(DriveValues)));
+
+constexpr canopen::PdoConfiguration kRpdos[] = {
+    {.cob_id = canopen::kRpdo1Base,
+     .plus_node_id = true,
+     .transmission_type = canopen::kEventProfile,
+     .mapping = {mapping(cia402::kControlword, 0, 16)}},
+};
+
+// An event-driven PDO with a value that is never at rest, such as a position with the encoder's noise, takes
+// no more of the bus than one in each of the controller's cycles, unless the master wants it to.
+constexpr std::uint16_t kInhibitTime_100us = 100;
+constexpr canopen::PdoConfiguration kFreeTpdo{.inhibit_time_100us = kInhibitTime_100us};
+
+constexpr canopen::PdoConfiguration kTpdos[] = {
+    {.cob_id = canopen::kTpdo1Base | canopen::kCobIdNoRemote,
+     .plus_node_id = true,
+     .transmission_type = canopen::kEventProfile,
+     .inhibit_time_100us = kInhibitTime_100us,
+     // What the controller maps: whoever decodes the bus by koboshi.dbc needs no configured drive.
+     .mapping = {mapping(cia402::kStatusword, 0, 16), mapping(cia402::kPositionActual, 0, 32),
+                 mapping(cia402::kTorqueActual, 0, 16)}},
+    kFreeTpdo,
+    kFreeTpdo,
+    kFreeTpdo,
+};
+
+}  // namespace
+
+// Without a node id the description is that of the kind.
+canopen::SdoChannel pc_channel(std::uint8_t node_id) {
+  if (node_id != 0 && !has_pc_sdo(node_id)) return {};
+  return {.request_cob_id = kPcSdoRequestBase, .response_cob_id = kPcSdoResponseBase, .plus_node_id = true};
+}
+
+bool is_supported_mode(std::int32_t mode) {
+  return mode == cia402::kNoMode || mode == cia402::kProfilePosition || mode == cia402::kHoming ||
+         mode == cia402::kCyclicSynchronousPosition;
+}
+
+canopen::NodeDescription drive_node_description(const DriveDescription& drive) {
+  return {
+      .device_type = cia402::kDeviceType,
+      .vendor_id = drive.vendor_id,
+      .product_code = drive.product_code,
+      .revision_number = 0x0001'0000,
+      .device_name = "Koboshi servo drive",
+      .hardware_version = "simulated",
+      .software_version = "0.1.0",
+      .heartbeat_ms = kNodeHeartbeat_ms,
+      // What a lost controller means is the drive profile's (0x6007); its statusword must stay to be seen.
+      .communication_error = canopen::CommunicationError::kNoChange,
+      .stored_groups = canopen::kAllGroups,
+      .field_device = true,
+      .second_sdo = pc_channel(drive.node_id),
+      .rows = kRows,
+      .rpdos = kRpdos,
+      .tpdos = kTpdos,
+  };
+}
+
+}  // namespace koboshi::sim
