@@ -74,10 +74,12 @@ Example:
           ->add_option("--html", arguments->html,
                        "Write a page that shows the run in a browser, without server and network (default: "
                        "replay.html in the folder of the run)")
-          ->expected(0, 1);
+          ->expected(0, 1)
+          ->type_name("FILE");
   command
       ->add_option("--with", arguments->other,
                    "A second run, which the page compares with the first: a folder or run.mcap")
+      ->type_name("RUN")
       ->needs(html);
   command->callback([arguments, html] {
     arguments->make_page = html->count() > 0;
