@@ -150,10 +150,12 @@ void add_camera_options(CLI::App& command, RenderArguments& arguments) {
   command
       .add_option("--camera", arguments.camera,
                   "follow: beside the robot (default); fixed: with all of its path in view; orbit: around it")
-      ->check(CLI::IsMember({"follow", "fixed", "orbit"}));
+      ->check(CLI::IsMember({"follow", "fixed", "orbit"}))
+      ->type_name("NAME");
   command
       .add_option("--view", arguments.view, "Direction: front, side (from the left), top or iso (default)")
-      ->check(CLI::IsMember(view_names()));
+      ->check(CLI::IsMember(view_names()))
+      ->type_name("NAME");
   command.add_option("--azimuth", arguments.azimuth_deg, "Direction: 0 from ahead of x, 90 from the left")
       ->type_name("DEGREES");
   command.add_option("--elevation", arguments.elevation_deg, "Height of the camera above the horizon")
@@ -169,7 +171,7 @@ void add_camera_options(CLI::App& command, RenderArguments& arguments) {
       ->delimiter(',')
       ->expected(3)
       ->type_name("X,Y,Z");
-  command.add_option("--turn-rate", arguments.turn_deg_per_s, "Degrees per second of --camera orbit")
+  command.add_option("--turn-rate", arguments.turn_deg_per_s, "Degrees per second with --camera orbit")
       ->capture_default_str();
 }
 
@@ -188,7 +190,7 @@ Films need the package ffmpeg.
 Examples:
   koboshi render runs/walk --out walk.mp4
   koboshi render runs/walk --out step.png --at 6.4 --overlay zmp,com,contacts,support
-  koboshi render runs/get_up --out get_up.png --frames 8 --from 8 --to 14 --view side
+  koboshi render runs/walk --out steps.png --frames 8 --from 6 --to 7.4 --view side
   koboshi render runs/walk --out boxes.gif --boxes --camera orbit --to 8 --speed 0.5
 )");
   view::FilmOptions& options = arguments->options;
@@ -203,8 +205,7 @@ Examples:
   add_camera_options(*command, *arguments);
   command
       ->add_option("--overlay", arguments->overlays,
-                   "What to show besides the robot (default: time,events,zmp,footprints,pushes,legend):\n"
-                   "time, events, zmp, com, contacts, pushes, footprints, support, legend, all, none")
+                   "What to show besides the robot\n(default: time,events,zmp,footprints,pushes,legend)")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember(overlay_names()))
