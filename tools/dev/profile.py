@@ -41,7 +41,7 @@ PARTS = {
 }
 # Functions whose part is not that of their library.
 NAMED = ((re.compile(r"sim::(Collider|HeightFieldContact)::|sim::Soles::|sim::HeldSole::"), "contact"),)
-COLLECTED = ("*profiled_advance*", "*profiled_record*", "*Recorder::write_records*")
+COLLECTED = ("*profiled_advance*", "*profiled_record*", "*BackgroundWriter::write_records*")
 SHOWN = ("physics", "contact", "bus", "drives", "sensors", "firmware", "recording", "board")
 
 
