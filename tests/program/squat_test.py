@@ -45,8 +45,8 @@ class Squat(unittest.TestCase):
 
     def test_leaves_its_files(self):
         names = sorted(file.name for file in self.run_folder.iterdir())
-        self.assertEqual(names, ["body.png", "body.svg", "can.log", "events.txt", "legs.png", "legs.svg", "summary.json",
-                                 "timing.json", "trace.csv"])
+        self.assertEqual(names, ["body.png", "body.svg", "can.log", "events.txt", "legs.png", "legs.svg", "run.mcap",
+                                 "summary.json", "timing.json", "trace.csv"])
 
 
 if __name__ == "__main__":

@@ -50,7 +50,7 @@ class Walk(unittest.TestCase):
     def test_leaves_its_files(self):
         names = sorted(file.name for file in self.run_folder.iterdir())
         figures = [f"{name}.{kind}" for name in ("attitude", "body", "joints", "legs", "zmp") for kind in ("png", "svg")]
-        self.assertEqual(names, sorted(figures + ["can.log", "events.txt", "summary.json", "timing.json", "trace.csv"]))
+        self.assertEqual(names, sorted(figures + ["can.log", "events.txt", "run.mcap", "summary.json", "timing.json", "trace.csv"]))
         for figure in figures:
             self.assertGreater((self.run_folder / figure).stat().st_size, 5000, figure)
 

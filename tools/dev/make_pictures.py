@@ -16,14 +16,15 @@ PROGRAM = ROOT / "build/release/bin/koboshi"
 RUNS = {
     "walk": ["scenarios/walk.yaml", "--seed", "1", "--duration", "8"],
     "get_up": ["scenarios/get_up.yaml", "--seed", "1", "--duration", "27"],
+    "okiagari": ["scenarios/okiagari.yaml", "--seed", "1"],
 }
 # Picture: run and options of `koboshi render`.
 PICTURES = {
     "docs/guide/walk.png": ["walk", "--at", "6.20,6.35,6.50,6.65,6.80", "--overlay", "time,zmp,footprints"],
     "docs/guide/get_up.png": ["get_up", "--at", "18.0,18.4,18.9,19.8,20.4,20.9,21.3,22.2", "--view", "side", "--azimuth", "65",
                               "--size", "340x380", "--overlay", "time"],
-    "docs/guide/okiagari.webp": ["get_up", "--from", "6", "--to", "20.5", "--camera", "follow", "--azimuth", "55",
-                                 "--overlay", "time,events,pushes,footprints"],
+    "docs/guide/okiagari.webp": ["okiagari", "--from", "3.5", "--to", "13.5", "--camera", "follow", "--azimuth", "55",
+                                 "--size", "640x360", "--fps", "20", "--overlay", "time,events,pushes,footprints"],
 }
 
 
