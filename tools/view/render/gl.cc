@@ -43,6 +43,18 @@ void switch_to(GLenum capability, GLboolean on) {
   }
 }
 
+void set_filter(GLint smaller, GLint larger) {
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, smaller);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, larger);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
+void check_framebuffer() {
+  if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    throw GlError("OpenGL: a framebuffer of the renderer is not supported");
+}
+
 }  // namespace
 
 void check_gl(const std::string& what) {
@@ -55,6 +67,34 @@ GlVertexArray make_vertex_array() { return generate<GlVertexArray>(glGenVertexAr
 GlTexture make_texture() { return generate<GlTexture>(glGenTextures); }
 GlFramebuffer make_framebuffer() { return generate<GlFramebuffer>(glGenFramebuffers); }
 GlRenderbuffer make_renderbuffer() { return generate<GlRenderbuffer>(glGenRenderbuffers); }
+
+GlTarget make_depth_target(GLsizei side_px) {
+  GlTarget target;
+  glBindTexture(GL_TEXTURE_2D, target.texture.name());
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, side_px, side_px, 0, GL_DEPTH_COMPONENT,
+               GL_UNSIGNED_INT, nullptr);
+  set_filter(GL_LINEAR, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.name());
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, target.texture.name(), 0);
+  glDrawBuffer(GL_NONE);
+  glReadBuffer(GL_NONE);
+  check_framebuffer();
+  return target;
+}
+
+GlTarget make_height_target(GLsizei side_px) {
+  GlTarget target;
+  glBindTexture(GL_TEXTURE_2D, target.texture.name());
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_R16F, side_px, side_px, 0, GL_RED, GL_FLOAT, nullptr);
+  set_filter(GL_LINEAR_MIPMAP_LINEAR, GL_LINEAR);
+  glGenerateMipmap(GL_TEXTURE_2D);
+  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.name());
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, target.texture.name(), 0);
+  check_framebuffer();
+  return target;
+}
 
 void set_attributes(std::span<const GLint> sizes) {
   GLsizei stride_bytes = 0;

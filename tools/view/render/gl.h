@@ -67,6 +67,11 @@ struct GlTarget {
   GlFramebuffer framebuffer = make_framebuffer();
 };
 
+// A square of depths that samplers compare (sampler2DShadow), and one of 16-bit floats with mipmaps. Both
+// bind their framebuffer, and throw GlError if the driver does not support it.
+GlTarget make_depth_target(GLsizei side_px);
+GlTarget make_height_target(GLsizei side_px);
+
 // Attributes of vertices that are rows of floats: their sizes, in order of location from 0.
 void set_attributes(std::span<const GLint> sizes);
 

@@ -38,46 +38,6 @@ Eigen::Matrix4f matrix_of(const Pose& pose) {
 
 Eigen::Vector3f vector_of(const Colour& colour) { return {colour.red, colour.green, colour.blue}; }
 
-void set_filter(GLint smaller, GLint larger) {
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, smaller);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, larger);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-}
-
-void check_framebuffer() {
-  if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    throw GlError("OpenGL: a framebuffer of the renderer is not supported");
-}
-
-GlTarget make_shadow_target() {
-  GlTarget target;
-  glBindTexture(GL_TEXTURE_2D, target.texture.name());
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, kShadow_px, kShadow_px, 0, GL_DEPTH_COMPONENT,
-               GL_UNSIGNED_INT, nullptr);
-  set_filter(GL_LINEAR, GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
-  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.name());
-  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, target.texture.name(), 0);
-  glDrawBuffer(GL_NONE);
-  glReadBuffer(GL_NONE);
-  check_framebuffer();
-  return target;
-}
-
-GlTarget make_proximity_target() {
-  GlTarget target;
-  glBindTexture(GL_TEXTURE_2D, target.texture.name());
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_R16F, kProximity_px, kProximity_px, 0, GL_RED, GL_FLOAT, nullptr);
-  set_filter(GL_LINEAR_MIPMAP_LINEAR, GL_LINEAR);
-  glGenerateMipmap(GL_TEXTURE_2D);
-  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.name());
-  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, target.texture.name(), 0);
-  check_framebuffer();
-  return target;
-}
-
 GlProgram make_program(const std::string& name, const ShaderSources& sources) {
   return GlProgram(name, sources.vertex, sources.fragment);
 }
@@ -138,8 +98,8 @@ class Renderer::Implementation {
   GlProgram depth_ = make_program("depth", depth_shader());
   GlProgram proximity_ = make_program("proximity", proximity_shader());
   GlProgram marks_ = make_program("marks", mark_shader());
-  GlTarget shadow_target_ = make_shadow_target();
-  GlTarget proximity_target_ = make_proximity_target();
+  GlTarget shadow_target_ = make_depth_target(kShadow_px);
+  GlTarget proximity_target_ = make_height_target(kProximity_px);
 
   // Of the picture that is being drawn.
   Eigen::Matrix4f view_projection_ = Eigen::Matrix4f::Identity();
