@@ -5,7 +5,7 @@ For pictures in the documentation; needs the packages of packages-gui.txt. The s
 of docs/guide/replay.md:
 
     koboshi run scenarios/okiagari.yaml --out runs/okiagari && koboshi replay runs/okiagari --html
-    draw_replay.py runs/okiagari/replay.html docs/guide/replay.png --time=6 --script="koboshi.showTab('can'); koboshi.plots.showTwoSeconds()"
+    draw_replay.py runs/okiagari/replay.html docs/guide/replay.png --time=7.05 --script="koboshi.showTab('can'); koboshi.plots.showTwoSeconds()"
     draw_replay.py runs/okiagari/replay.html docs/guide/replay-phone.png --size=390x844 --dark --time=6
 """
 

@@ -205,6 +205,8 @@ class Page {
 
   // --- input ---
   listen_() {
+    // A closed dialog may keep the focus on its button, which would then take the space bar from the player.
+    byId("help").addEventListener("close", () => document.activeElement.blur());
     const click = (id, action) => byId(id).addEventListener("click", action);
     click("play", () => this.togglePlay());
     click("step-back", () => this.step(-1));
