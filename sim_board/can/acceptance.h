@@ -80,7 +80,7 @@ class ReceiverTable {
 
  private:
   std::vector<AcceptanceFilter> filters_;  // by node
-  // One bit for each node: bit n of element i is node 64 i + n.
+  // A bit per node: bit n of element i belongs to node 64 i + n.
   std::vector<std::array<std::uint64_t, kIdentifiers>> nodes_;
 };
 

@@ -201,7 +201,7 @@ void Bus::deliver(const Transmission& done) {
   });
 }
 
-// What disturbs a frame on its way into a controller does not depend on the controller's filter.
+// A disturbance acts on the reception of every node, whether or not its filter accepts the frame.
 void Bus::deliver_disturbed(const Transmission& done) {
   for (std::size_t node = 0; node < nodes_.size(); ++node) {
     if (!receives(node, done)) continue;

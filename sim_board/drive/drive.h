@@ -120,7 +120,7 @@ class Drive final : private BusNode,
   bool limited() const;
   std::uint16_t mode_bits() const;  // of the statusword
   void show();
-  // What the servo senses once in each loop; most often the same: no current flows in a limp servo.
+  // Updates the torque in the object dictionary. In a limp servo, which carries no current, it is unchanged.
   void show_torque() {
     if (servo_.current_A() != shown_current_A_) compute_torque();
   }

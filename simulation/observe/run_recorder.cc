@@ -16,7 +16,7 @@ constexpr std::uint64_t kSettle_us = 500'000;
 
 const Eigen::Vector3d kNowhere = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
 
-// By columns.
+// Returns the elements in column-major order.
 template <typename Matrix>
 std::span<const double> numbers_of(const Matrix& matrix) {
   static_assert(!Matrix::IsRowMajor || Matrix::IsVectorAtCompileTime);

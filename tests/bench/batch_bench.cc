@@ -58,7 +58,8 @@ class Worker {
     ::close(commands_[0]);
     ::close(answers_[1]);
   }
-  // By a command, since later workers have inherited this end of the pipe.
+  // The end is sent as a command: closing the pipe would not be noticed, because later workers have
+  // inherited this end of it.
   ~Worker() {
     const char command = kQuit;
     static_cast<void>(!::write(commands_[1], &command, 1));
