@@ -5,6 +5,7 @@
 #include <yaml-cpp/parser.h>
 
 #include <algorithm>
+#include <map>
 #include <sstream>
 
 #include "sim_board/input/error.h"
@@ -20,6 +21,7 @@ struct Source {
 };
 
 int line_of(const YAML::Mark& mark, const Source& source) { return source.has_lines ? mark.line + 1 : 0; }
+int column_of(const YAML::Mark& mark, const Source& source) { return source.has_lines ? mark.column + 1 : 0; }
 
 // Builds the tree from the parser's events. yaml-cpp's own tree does not record duplicate keys or whether a
 // scalar was quoted.
@@ -61,7 +63,9 @@ class TreeBuilder final : public YAML::EventHandler {
     YamlNode node;
     std::string key;  // read, still without a value
     int key_line = 0;
+    int key_column = 0;
     bool has_key = false;
+    std::map<std::string, int> lines = {};  // of the keys, so that a long map takes no quadratic time
 
     bool awaits_key() const { return node.kind == YamlNode::Kind::kMap && !has_key; }
   };
@@ -88,20 +92,22 @@ class TreeBuilder final : public YAML::EventHandler {
   void take_key(YamlNode::Kind kind, const YAML::Mark& mark, const std::string& key) {
     if (kind != YamlNode::Kind::kScalar || key.empty()) fail(mark, "an empty key", "a name");
     Level& level = levels_.back();
-    if (const YamlNode* first = level.node.find(key)) {
-      fail(
-          mark,
-          "a second " + one_line(first->path) + " (the first is in line " + std::to_string(first->line) + ")",
-          "each key once");
+    const auto [first, is_new] = level.lines.emplace(key, line_of(mark, source_));
+    if (!is_new) {
+      const std::string path = level.node.path.empty() ? key : level.node.path + "." + key;
+      fail(mark,
+           "a second " + one_line(path) + " (the first is in line " + std::to_string(first->second) + ")",
+           "each key once");
     }
     level.key = key;
     level.key_line = line_of(mark, source_);
+    level.key_column = column_of(mark, source_);
     level.has_key = true;
   }
 
   void open(YamlNode::Kind kind, const YAML::Mark& mark) {
     if (!levels_.empty() && levels_.back().awaits_key()) fail(mark, "a map or list as a key", "a name");
-    levels_.push_back({make_node(kind, mark), {}, 0, false});
+    levels_.push_back({.node = make_node(kind, mark), .key = {}});
   }
 
   void close() {
@@ -115,6 +121,9 @@ class TreeBuilder final : public YAML::EventHandler {
     node.kind = kind;
     node.source = source_.name;
     node.line = line_of(mark, source_);
+    node.column = column_of(mark, source_);
+    node.value_line = node.line;
+    node.value_column = node.column;
     if (levels_.empty()) return node;
     const Level& parent = levels_.back();
     if (parent.node.kind == YamlNode::Kind::kList) {
@@ -122,6 +131,7 @@ class TreeBuilder final : public YAML::EventHandler {
     } else {
       // A value takes the line of its key, which is where a reader looks.
       node.line = parent.key_line;
+      node.column = parent.key_column;
       node.key = parent.key;
       node.path = parent.node.path.empty() ? parent.key : parent.node.path + "." + parent.key;
     }

@@ -13,9 +13,12 @@ struct YamlNode {
 
   Kind kind = Kind::kNull;
   std::filesystem::path source;  // the file or the command-line option that set the value
-  int line = 0;                  // 0: from the command line
-  std::string path;              // dotted path from the root: pushes[0].force_N; empty at the root
-  std::string key;               // in the parent map
+  int line = 0;                  // of the key, in a map; 0: from the command line
+  int column = 0;                // of the key, in a map; from 1
+  int value_line = 0;            // of the value itself
+  int value_column = 0;
+  std::string path;  // dotted path from the root: pushes[0].force_N; empty at the root
+  std::string key;   // in the parent map
   std::string scalar;
   bool quoted = false;                  // a quoted 7 is text, not a number
   std::vector<YamlNode> items;          // of a map or a list, in file order
