@@ -1,0 +1,207 @@
+#include "tools/motion/check/analysis.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <string>
+
+#include "sim_board/input/user_units.h"
+#include "tests/unit/tools/motion/koboshi_robot.h"
+#include "tools/motion/check/report.h"
+#include "tools/motion/check/servo_curve.h"
+
+namespace koboshi::tools {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr Supply kSupply{.nominal_V = 7.6, .lowest_V = 6.0};
+constexpr double kDegree_rad = 1.0 / sim::kDegreesPerRad;
+
+// Poses by joint names without their sides, in degrees, as in a motion file.
+using PoseDeg = std::map<std::string, double>;
+
+const PoseDeg kStand{
+    {"hip_pitch", -15.9}, {"knee", 43.72}, {"ankle_pitch", -27.82}, {"shoulder_roll", 8.0}, {"elbow", -20.0}};
+
+class AnalysisTest : public testing::Test {
+ protected:
+  std::vector<double> row(const PoseDeg& pose) const {
+    std::vector<double> result(robot_.joints.size(), 0.0);
+    for (const auto& [name, value_deg] : pose) {
+      for (const sim::MirroredJoint& joint : robot_.find_joints(name))
+        result[static_cast<std::size_t>(joint.joint)] = joint.sign * value_deg * kDegree_rad;
+    }
+    return result;
+  }
+  static PoseDeg with(PoseDeg pose, const PoseDeg& changes) {
+    for (const auto& [name, value] : changes) pose[name] = value;
+    return pose;
+  }
+
+  // Linear steps of `seconds` between the poses, each followed by a rest of half a second.
+  Trajectory linear(const std::vector<PoseDeg>& poses, double seconds) const {
+    Trajectory trajectory;
+    std::vector<double> from = row(poses.front());
+    trajectory.add(from, 0);
+    std::uint16_t step = 0;
+    for (std::size_t i = 1; i < poses.size(); ++i) {
+      const std::vector<double> to = row(poses[i]);
+      const int ticks = static_cast<int>(std::lround(seconds / kTick_s));
+      for (int tick = 1; tick <= ticks; ++tick) {
+        std::vector<double> now(from.size());
+        for (std::size_t j = 0; j < now.size(); ++j)
+          now[j] = std::lerp(from[j], to[j], static_cast<double>(tick) / ticks);
+        trajectory.add(now, step);
+      }
+      ++step;
+      for (int tick = 0; tick < 50; ++tick) trajectory.add(to, step);
+      ++step;
+      from = to;
+    }
+    return trajectory;
+  }
+
+  PathReport check(const Trajectory& trajectory) {
+    return judge(trajectory, analysis_.analyse(trajectory), robot_, limits_);
+  }
+  static const Finding* find(const PathReport& report, const std::string& code) {
+    for (const Finding& finding : report.findings)
+      if (finding.code == code) return &finding;
+    return nullptr;
+  }
+
+  const sim::RobotDescription& robot_ = koboshi_robot();
+  MotionAnalysis analysis_{robot_, kSupply};
+  // Limits of the fall detector as in robots/koboshi/parameters.yaml: 26, 26, 28 and 10 degrees.
+  CheckLimits limits_{
+      .fall = {.front = 4733, .back = 4733, .side = 5097, .lead_ms = 135, .min_lean = 1820, .cycles = 2},
+      .largest_cyclic_step_rad = 30.0 * kDegree_rad,
+      .standing_rad = {}};
+};
+
+TEST_F(AnalysisTest, ResponseIsAWeightedMean) {
+  const auto& response = analysis_.response();
+  EXPECT_NEAR(std::accumulate(response.begin(), response.end(), 0.0), 1.0, 1e-12);
+  EXPECT_GT(analysis_.natural_frequency_rad_per_s(), 15.0);
+  EXPECT_LT(analysis_.natural_frequency_rad_per_s(), 40.0);
+}
+
+TEST_F(AnalysisTest, StandingIsStable) {
+  const PathReport report = check(linear({kStand, kStand}, 1.0));
+  EXPECT_EQ(report.balance, Balance::kStable);
+  EXPECT_TRUE(report.findings.empty()) << report.findings.front().text;
+  EXPECT_GT(report.least_margin_m, 0.02);
+  EXPECT_NEAR(report.duration_s, 1.5, 1e-9);
+  ASSERT_EQ(report.steps.size(), 2U);
+}
+
+TEST_F(AnalysisTest, ReportsTheEdgeThatTheCentreOfMassLeaves) {
+  const PathReport report = check(linear({kStand, with(kStand, {{"ankle_pitch", -50.0}}), kStand}, 2.0));
+  EXPECT_EQ(report.balance, Balance::kUnstable);
+  const Finding* const finding = find(report, "C006");
+  ASSERT_NE(finding, nullptr);
+  EXPECT_THAT(finding->text, HasSubstr("to the front"));
+  EXPECT_THAT(finding->repair, HasSubstr("to the back"));
+  const PathReport back = check(linear({kStand, with(kStand, {{"ankle_pitch", -5.0}}), kStand}, 2.0));
+  ASSERT_NE(find(back, "C006"), nullptr);
+  EXPECT_THAT(find(back, "C006")->text, HasSubstr("to the back"));
+}
+
+// The same poses, fast: the pose is within the soles, its accelerations are not.
+TEST_F(AnalysisTest, AQuickLeanIsUnstableByItsAccelerations) {
+  const std::vector<PoseDeg> poses{kStand, with(kStand, {{"ankle_pitch", -21.0}}), kStand};
+  EXPECT_EQ(check(linear(poses, 2.0)).balance, Balance::kStable);
+  const PathReport quick = check(linear(poses, 0.04));
+  EXPECT_EQ(quick.balance, Balance::kUnstable);
+  ASSERT_NE(find(quick, "C006"), nullptr);
+  EXPECT_THAT(find(quick, "C006")->text, HasSubstr("ZMP"));
+}
+
+TEST_F(AnalysisTest, ReportsSpeedsAndSteps) {
+  const PathReport report = check(linear({kStand, with(kStand, {{"head_pan", 80.0}}), kStand}, 0.02));
+  const Finding* const speed = find(report, "C001");
+  ASSERT_NE(speed, nullptr);
+  EXPECT_THAT(speed->text, HasSubstr("head_pan turns at 4000 deg/s"));
+  ASSERT_NE(find(report, "C002"), nullptr);
+  EXPECT_THAT(find(report, "C002")->text, HasSubstr("40.0 deg in one cycle"));
+  EXPECT_EQ(find(check(linear({kStand, with(kStand, {{"head_pan", 80.0}}), kStand}, 1.0)), "C001"), nullptr);
+}
+
+TEST_F(AnalysisTest, ReportsSelfCollisionWithThePair) {
+  const PathReport report =
+      check(linear({kStand, with(kStand, {{"elbow", 0.0}, {"shoulder_roll", -15.0}})}, 1.0));
+  const Finding* const finding = find(report, "C005");
+  ASSERT_NE(finding, nullptr);
+  EXPECT_THAT(finding->text, HasSubstr("forearm"));
+}
+
+TEST_F(AnalysisTest, TheFirmwaresFallDetectorSeesALeanUnlessItIsDeclared) {
+  // The trunk bows by 40 degrees over hips that move back.
+  const PoseDeg bow = with(kStand, {{"hip_pitch", -62.0}, {"ankle_pitch", -34.0}});
+  Trajectory trajectory = linear({kStand, bow, kStand}, 1.5);
+  ASSERT_NE(find(check(trajectory), "C009"), nullptr);
+  const auto& states = analysis_.analyse(trajectory);
+  for (std::size_t tick = 0; tick < trajectory.ticks(); ++tick)
+    trajectory.lean_pitch_rad[tick] = states[tick].pitch_rad;
+  EXPECT_EQ(find(check(trajectory), "C009"), nullptr);
+}
+
+TEST_F(AnalysisTest, WarnsOfAnEndThatIsNotTheStandingPose) {
+  limits_.standing_rad = row(kStand);
+  const PathReport report = check(linear({kStand, with(kStand, {{"head_pan", 30.0}})}, 1.0));
+  ASSERT_NE(find(report, "C013"), nullptr);
+  EXPECT_THAT(find(report, "C013")->text, HasSubstr("head_pan is 30 deg away"));
+}
+
+TEST_F(AnalysisTest, AMotionThatLiesIsNotJudged) {
+  Trajectory trajectory = linear({kStand, with(kStand, {{"ankle_pitch", -5.0}})}, 1.0);
+  trajectory.on_feet.assign(trajectory.ticks(), false);
+  EXPECT_EQ(check(trajectory).balance, Balance::kNotJudged);
+}
+
+// An edit costs the edited ticks, and gives what a fresh analysis gives.
+TEST_F(AnalysisTest, AnEditedStepIsComputedAlone) {
+  std::vector<PoseDeg> poses;
+  for (int i = 0; i < 12; ++i)
+    poses.push_back(with(kStand, {{"head_pan", 5.0 * (i % 3)}, {"elbow", -20.0 - i}}));
+  analysis_.analyse(linear(poses, 0.5));
+  poses[6]["ankle_pitch"] = -25.0;
+  const Trajectory edited = linear(poses, 0.5);
+  const std::vector<TickState> incremental = analysis_.analyse(edited);
+  EXPECT_LT(analysis_.computed(), 300U);
+  EXPECT_GT(analysis_.computed(), 100U);
+  MotionAnalysis fresh(robot_, kSupply);
+  const std::vector<TickState>& whole = fresh.analyse(edited);
+  EXPECT_EQ(fresh.computed(), edited.ticks());
+  for (std::size_t tick = 0; tick < edited.ticks(); ++tick) {
+    ASSERT_EQ(incremental[tick].zmp_m, whole[tick].zmp_m) << tick;
+    ASSERT_EQ(incremental[tick].torque.share, whole[tick].torque.share) << tick;
+    ASSERT_EQ(incremental[tick].overlap.depth_m, whole[tick].overlap.depth_m) << tick;
+  }
+  // A step that is left out moves the rest.
+  poses.erase(poses.begin() + 3);
+  const Trajectory shorter = linear(poses, 0.5);
+  const std::vector<TickState> moved = analysis_.analyse(shorter);
+  EXPECT_LT(analysis_.computed(), 400U);
+  const std::vector<TickState>& whole_shorter = fresh.analyse(shorter);
+  for (std::size_t tick = 0; tick < shorter.ticks(); ++tick)
+    ASSERT_EQ(moved[tick].zmp_m, whole_shorter[tick].zmp_m) << tick;
+}
+
+TEST(ServoCurve, FallsWithTheSpeedAndGrowsInBraking) {
+  const sim::ServoDescription servo;
+  const double stall_Nm = servo.torque_constant_Nm_per_A * 6.0 / servo.resistance_ohm;
+  EXPECT_NEAR(available_torque_Nm(servo, 0.0, 6.0), stall_Nm, 1e-12);
+  EXPECT_NEAR(available_torque_Nm(servo, 6.0 / servo.torque_constant_Nm_per_A, 6.0), 0.0, 1e-12);
+  EXPECT_GT(available_torque_Nm(servo, -1.0, 6.0), stall_Nm);
+  EXPECT_NEAR(torque_share(servo, 0.5 * stall_Nm, 0.0, 6.0), 0.5, 1e-12);
+  EXPECT_GT(torque_share(servo, 0.5 * stall_Nm, 2.0, 6.0), 0.5);
+  EXPECT_LT(torque_share(servo, 0.5 * stall_Nm, -2.0, 6.0), 0.5);
+}
+
+}  // namespace
+}  // namespace koboshi::tools

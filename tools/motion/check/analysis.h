@@ -1,0 +1,94 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sim_board/robot/description.h"
+#include "tools/motion/check/body.h"
+#include "tools/motion/check/collision.h"
+#include "tools/motion/check/trajectory.h"
+
+namespace koboshi::tools {
+
+// A joint and how much of something it uses.
+struct JointShare {
+  std::uint8_t joint = 0;
+  double share = 0.0;
+};
+
+// What the mechanics say about one tick. Points are projected to the ground, in GroundAxes of the tick.
+struct TickState {
+  Eigen::Vector3d up_B = Eigen::Vector3d::UnitZ();
+  Eigen::Vector2d zmp_m = Eigen::Vector2d::Zero();
+  Eigen::Vector2d com_m = Eigen::Vector2d::Zero();
+  Margin zmp{};                        // of the ZMP in the support polygon
+  Margin com{};                        // of the CoM's projection
+  double pitch_rad = 0.0;              // of the trunk, forward positive; as the robot comes to rest
+  double roll_rad = 0.0;               // to the right
+  double tip_rad = 0.0;                // by which it rolls onto another edge (Rest)
+  bool rests = true;                   // false: it tips over
+  std::array<double, 2> load_share{};  // by hal::Side
+  std::uint32_t corners = 0;           // of the soles, on the ground
+  JointShare torque{};                 // the greatest share of a servo's torque at the lowest supply
+  Overlap overlap{};                   // the deepest self-collision, of the targets
+
+  // The smaller margin: it decides.
+  const Margin& margin() const { return com.distance_m < zmp.distance_m ? com : zmp; }
+};
+
+// Supply of the servos in V.
+struct Supply {
+  double nominal_V = 0.0;  // at which the servos' stiffness is computed
+  double lowest_V = 0.0;   // at which their torque must suffice
+};
+
+// Analyses trajectories of one robot tick by tick. Every tick depends on the targets of a short window alone;
+// the ticks of the previous trajectory whose window is unchanged are reused, so that an edited step costs as
+// much as its own ticks.
+class MotionAnalysis {
+ public:
+  // The robot must outlive the analysis.
+  MotionAnalysis(const sim::RobotDescription& robot, const Supply& supply);
+
+  // Returns the state at each tick; valid until the next call.
+  const std::vector<TickState>& analyse(const Trajectory& trajectory);
+  // Number of ticks that the last call computed.
+  std::size_t computed() const { return computed_; }
+
+  const Body& body() const { return body_; }
+  // The smoothing of targets: the impulse response of a critically damped oscillator, by tick. Its natural
+  // frequency is that of the robot's mass on the stiffness of its ankles; a joint does not follow the corners
+  // of its target faster. The response is shifted back by its mean delay, so that states belong to the ticks
+  // that cause them.
+  const std::vector<double>& response() const { return response_; }
+  double natural_frequency_rad_per_s() const { return natural_rad_per_s_; }
+
+ private:
+  void smooth(const Trajectory& trajectory, std::size_t first, std::size_t last);
+  TickState compute(const Trajectory& trajectory, std::size_t tick);
+  JointShare torque_share(const Stance& stance);
+
+  const sim::RobotDescription& robot_;
+  Supply supply_;
+  Body body_;
+  CollisionPairs pairs_;
+  double natural_rad_per_s_ = 0.0;
+  std::vector<double> response_;
+  std::size_t shift_ = 0;             // of the response
+  std::vector<double> stiffness_Nm_;  // by joint, per rad
+
+  std::vector<double> targets_rad_;  // of the last trajectory, as the next
+  std::vector<bool> on_feet_;
+  std::vector<TickState> states_;
+  std::size_t computed_ = 0;
+
+  // Scratch.
+  std::vector<double> smoothed_;  // rows of the present trajectory
+  std::vector<double> angles_, speeds_, accelerations_;
+  Stance stance_;
+  LinkPlaces places_;
+};
+
+}  // namespace koboshi::tools

@@ -1,0 +1,123 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sim_board/robot/description.h"
+#include "tools/motion/check/support.h"
+
+namespace koboshi::tools {
+
+// The robot's mechanics for the check of motions: a tree of rigid links on one or two soles that do not slip,
+// on level ground, in double precision. Vectors are in axes of the trunk B, from its origin, unless a name
+// says otherwise.
+
+// Poses of all links in B, by index of RobotDescription::links.
+struct LinkPlaces {
+  std::vector<Eigen::Matrix3d> R_BL;
+  std::vector<Eigen::Vector3d> p_BL;
+};
+
+// The state of the standing robot at an instant.
+struct Stance {
+  Rest rest;                                        // on the soles' corners, as in Body::corners
+  Eigen::Vector2d com_m = Eigen::Vector2d::Zero();  // projected to the ground, in GroundAxes from B's origin
+  Eigen::Vector2d zmp_m = Eigen::Vector2d::Zero();  // in the same axes
+  std::array<double, 2> load_share{};               // share of the ground force on each foot, by hal::Side
+  std::vector<double> torques_Nm;                   // of the servo on each joint, friction excluded
+};
+
+class Body {
+ public:
+  // The robot needs both ankle sensors: they say which links are feet. It must outlive the body.
+  explicit Body(const sim::RobotDescription& robot);
+
+  std::size_t joint_count() const { return joints_.size(); }
+  void place(std::span<const double> angles_rad, LinkPlaces& places) const;
+
+  // Solves the inverse dynamics of the robot with these joint angles, speeds in rad/s and accelerations in
+  // rad/s^2, whose support foot is at rest: Newton-Euler recursion over the tree (Featherstone, "Rigid Body
+  // Dynamics Algorithms", 2008, section 5.3), and the ZMP as the point of the ground about which the
+  // horizontal moment of the ground force is zero (Vukobratovic and Borovac 2004).
+  //
+  // On two feet the torques are statically indeterminate. The force is divided so that the feet's own centres
+  // of pressure are equally far from their middles; the moment about the vertical is left out.
+  void solve(std::span<const double> angles_rad, std::span<const double> speeds,
+             std::span<const double> accelerations, Stance& stance);
+  // The same without motion.
+  void solve_at_rest(std::span<const double> angles_rad, Stance& stance);
+
+  // The corners of the soles that touch the ground, projected to it, in the axes of stance.com_m; hull.
+  std::vector<Eigen::Vector2d> support_polygon(const Stance& stance) const;
+  // Those of the last solved stance.
+  const std::array<Eigen::Vector3d, 8>& corners_B() const { return corners_B_; }
+  const LinkPlaces& places() const { return places_; }
+  // The foot that carries more.
+  static std::size_t support_side(const Stance& stance) {
+    return stance.load_share[1] > stance.load_share[0] ? 1 : 0;
+  }
+  double mass_kg() const { return mass_kg_; }
+  // Height of the centre of mass above the soles at joint angles zero.
+  double com_height_m() const { return com_height_m_; }
+  std::size_t foot_link(std::size_t side) const { return feet_[side].link; }
+
+  // The height by which the servos yield: corners this close to the ground carry. By hand: twice the
+  // deflection of a leg of this robot that takes up the weight.
+  static constexpr double kTouching_m = 0.0015;
+
+ private:
+  struct Joint {
+    std::size_t index;  // in the robot's order
+    std::size_t parent;
+    std::size_t child;
+    Eigen::Vector3d axis_P;  // in the parent link's frame
+    Eigen::Vector3d anchor_P;
+    Eigen::Matrix3d R_PC;    // of the child at joint angle zero
+    Eigen::Vector3d p_AC_P;  // from the anchor to the child's origin at joint angle zero
+  };
+  struct LinkMass {
+    double mass_kg;
+    Eigen::Vector3d com_L;
+    Eigen::Matrix3d inertia_L;
+  };
+  struct Foot {
+    std::size_t link;
+    std::array<Eigen::Vector3d, 4> corners_L;
+    Eigen::Vector3d normal_L;
+  };
+  struct Wrench {
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // about B's origin
+  };
+  struct Motion {
+    Eigen::Vector3d w, v, dw, dv;  // of the link's frame
+  };
+
+  void find_support(Stance& stance);
+  Eigen::Vector3d initial_up() const;
+  void set_rates(std::span<const double> speeds, std::span<const double> accelerations);
+  void fix_support_foot(std::size_t side);
+  Wrench link_wrenches(const Eigen::Vector3d& up_B);
+  void divide_load(const Wrench& total, Stance& stance);
+  void finish(Stance& stance, std::span<const double> accelerations);
+
+  std::vector<Joint> joints_;  // parents before children
+  std::vector<LinkMass> links_;
+  std::vector<double> rotor_inertias_kg_m2_;  // by joint
+  std::array<Foot, 2> feet_;
+  double mass_kg_ = 0.0;
+  double com_height_m_ = 0.0;
+
+  // Of the stance being solved.
+  LinkPlaces places_;
+  std::vector<Eigen::Vector3d> axes_B_, anchors_B_;  // by position in joints_
+  std::array<Eigen::Vector3d, 8> corners_B_;
+  Eigen::Vector3d com_B_ = Eigen::Vector3d::Zero();
+  std::vector<Motion> motions_;  // relative to B as if B were at rest, then absolute
+  std::vector<Wrench> wrenches_;
+};
+
+}  // namespace koboshi::tools

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "sim_board/robot/description.h"
+#include "tools/motion/check/body.h"
+
+namespace koboshi::tools {
+
+// Penetration of two links' collision boxes.
+struct Overlap {
+  double depth_m = 0.0;  // 0: no pair overlaps
+  std::uint16_t link = 0;
+  std::uint16_t other_link = 0;
+};
+
+// The pairs of collision boxes that may touch each other: those of links with at least sim::kMinJointsBetween
+// joints between them, as in the simulation, unless they overlap at joint angles zero.
+class CollisionPairs {
+ public:
+  CollisionPairs(const sim::RobotDescription& robot, const Body& body);
+
+  // Returns the deepest overlap of links at these places, by separating axes of their boxes.
+  Overlap deepest(const LinkPlaces& places) const;
+  std::size_t size() const { return pairs_.size(); }
+
+ private:
+  struct Box {
+    std::size_t link;
+    Eigen::Matrix3d R_LG;
+    Eigen::Vector3d p_LG;
+    Eigen::Vector3d half_m;
+    double radius_m;
+  };
+  struct Pair {
+    std::size_t box;
+    std::size_t other_box;
+  };
+
+  double overlap_m(const LinkPlaces& places, const Pair& pair) const;
+
+  std::vector<Box> boxes_;
+  std::vector<Pair> pairs_;
+};
+
+}  // namespace koboshi::tools

@@ -1,0 +1,304 @@
+#include "tools/motion/check/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "firmware/fixed/host/convert.h"
+#include "sim_board/input/user_units.h"
+
+namespace koboshi::tools {
+namespace {
+
+using sim::kDegreesPerRad;
+using sim::kMmPerM;
+
+// Speeds of targets are those of poses in steps of 2^-14 turn, divided by the time of a step.
+constexpr double kSpeedTolerance = 1.01;
+constexpr double kHighTorque = 0.8;                 // share of the torque from which a warning is due
+constexpr double kTouching_m = 0.0005;              // collision boxes that overlap by less only touch
+constexpr double kRoll_rad = 2.0 / kDegreesPerRad;  // a roll onto an edge that the targets do not intend
+constexpr double kAtStanding_rad = 1.0 / kDegreesPerRad;
+
+// The direction of a vector in GroundAxes, in words.
+std::string_view direction_of(const Eigen::Vector2d& outward) {
+  if (std::abs(outward.x()) >= std::abs(outward.y())) return outward.x() > 0.0 ? "front" : "back";
+  return outward.y() > 0.0 ? "left" : "right";
+}
+
+std::string_view opposite_of(const Eigen::Vector2d& outward) { return direction_of(-outward); }
+
+class Judge {
+ public:
+  Judge(const Trajectory& trajectory, const std::vector<TickState>& states,
+        const sim::RobotDescription& robot, const CheckLimits& limits)
+      : trajectory_(trajectory), states_(states), robot_(robot), limits_(limits) {}
+
+  PathReport run() {
+    report_.duration_s = time_s(trajectory_.ticks() - 1);
+    list_steps();
+    check_targets();
+    check_torques();
+    check_overlaps();
+    check_balance();
+    check_fall_detector();
+    check_end();
+    std::ranges::stable_sort(report_.findings, {}, &Finding::time_s);
+    return std::move(report_);
+  }
+
+ private:
+  static double time_s(std::size_t tick) { return static_cast<double>(tick) * kTick_s; }
+  const std::string& joint_name(std::size_t joint) const { return robot_.joints[joint].name; }
+  const std::string& link_name(std::size_t link) const { return robot_.links[link].name; }
+
+  void add(std::string code, Level level, std::size_t tick, std::string text, std::string repair = {}) {
+    report_.findings.push_back({.code = std::move(code),
+                                .level = level,
+                                .step = trajectory_.steps[tick],
+                                .time_s = time_s(tick),
+                                .text = std::move(text),
+                                .repair = std::move(repair),
+                                .path = trajectory_.path});
+  }
+
+  StepReport& step_report(std::size_t tick) {
+    return report_.steps[report_of_step_[trajectory_.steps[tick]]];
+  }
+
+  void list_steps() {
+    for (std::size_t tick = 1; tick < trajectory_.ticks(); ++tick) {
+      const std::uint16_t step = trajectory_.steps[tick];
+      if (step >= report_of_step_.size()) report_of_step_.resize(step + 1U, kNone);
+      if (report_of_step_[step] == kNone) {
+        report_of_step_[step] = report_.steps.size();
+        report_.steps.push_back({.step = step, .start_s = time_s(tick - 1)});
+      }
+      StepReport& report = step_report(tick);
+      report.duration_s += kTick_s;
+      const TickState& state = states_[tick];
+      if (!trajectory_.on_feet[tick]) continue;
+      if (state.torque.share > report.torque.share) report.torque = state.torque;
+      const double margin_m = state.margin().distance_m;
+      if (margin_m < report.least_margin_m) {
+        report.least_margin_m = margin_m;
+        report.least_margin_s = time_s(tick);
+      }
+    }
+  }
+
+  // The worst tick of a quantity by step and joint, from which one finding is made.
+  struct Worst {
+    std::size_t tick = 0;
+    double value = 0.0;
+  };
+  using WorstByJoint = std::map<std::pair<std::uint16_t, std::size_t>, Worst>;
+
+  void keep_worst(WorstByJoint& worst, std::size_t tick, std::size_t joint, double value) const {
+    Worst& kept = worst[{trajectory_.steps[tick], joint}];
+    if (value > kept.value) kept = {tick, value};
+  }
+
+  void check_targets() {
+    WorstByJoint speeds;
+    WorstByJoint changes;
+    for (std::size_t tick = 1; tick < trajectory_.ticks(); ++tick) {
+      const auto before = trajectory_.row(tick - 1);
+      const auto now = trajectory_.row(tick);
+      StepReport& report = step_report(tick);
+      for (std::size_t j = 0; j < trajectory_.joints; ++j) {
+        const double change_rad = std::abs(now[j] - before[j]);
+        const double share = change_rad / kTick_s / robot_.joints[j].max_speed_rad_per_s;
+        if (share > report.speed.share) report.speed = {static_cast<std::uint8_t>(j), share};
+        if (share > kSpeedTolerance) keep_worst(speeds, tick, j, share);
+        if (change_rad > limits_.largest_cyclic_step_rad) keep_worst(changes, tick, j, change_rad);
+      }
+    }
+    for (const auto& [key, worst] : speeds) {
+      const double limit = robot_.joints[key.second].max_speed_rad_per_s * kDegreesPerRad;
+      add("C001", Level::kError, worst.tick,
+          fmt::format("{} turns at {:.0f} deg/s; its limit is {:.0f} deg/s", joint_name(key.second),
+                      worst.value * limit, limit),
+          fmt::format("Give the step {:.2f} times its time.", std::ceil(100.0 * worst.value) / 100.0));
+    }
+    for (const auto& [key, worst] : changes) {
+      add("C002", Level::kError, worst.tick,
+          fmt::format("the target of {} changes by {:.1f} deg in one cycle; the drive takes {:.1f} deg",
+                      joint_name(key.second), worst.value * kDegreesPerRad,
+                      limits_.largest_cyclic_step_rad * kDegreesPerRad),
+          "Give the step more time.");
+    }
+  }
+
+  void check_torques() {
+    WorstByJoint worst;
+    for (std::size_t tick = 1; tick < trajectory_.ticks(); ++tick) {
+      const JointShare& torque = states_[tick].torque;
+      if (torque.share > kHighTorque) keep_worst(worst, tick, torque.joint, torque.share);
+    }
+    for (const auto& [key, at] : worst) {
+      const bool cannot = at.value > 1.0;
+      add(cannot ? "C003" : "C004", cannot ? Level::kError : Level::kWarning, at.tick,
+          fmt::format("{} needs {:.0f} % of its torque at the lowest supply", joint_name(key.second),
+                      100.0 * at.value),
+          cannot ? "Bend the joint less, or move slower." : "");
+    }
+  }
+
+  void check_overlaps() {
+    std::map<std::pair<std::uint16_t, std::uint16_t>, Worst> worst;
+    for (std::size_t tick = 0; tick < trajectory_.ticks(); ++tick) {
+      const Overlap& overlap = states_[tick].overlap;
+      if (overlap.depth_m <= kTouching_m) continue;
+      Worst& kept = worst[{overlap.link, overlap.other_link}];
+      if (overlap.depth_m > kept.value) kept = {tick, overlap.depth_m};
+    }
+    for (const auto& [links, at] : worst) {
+      add("C005", Level::kError, at.tick,
+          fmt::format("{} and {} overlap by {:.1f} mm", link_name(links.first), link_name(links.second),
+                      at.value * kMmPerM));
+    }
+  }
+
+  // One finding per step in which the margin is small, at the least margin of the step.
+  void check_balance() {
+    std::map<std::uint16_t, std::size_t> worst;
+    std::map<std::uint16_t, std::size_t> rolls;
+    for (std::size_t tick = 1; tick < trajectory_.ticks(); ++tick) {
+      if (!trajectory_.on_feet[tick]) continue;
+      const double margin_m = states_[tick].margin().distance_m;
+      if (margin_m < report_.least_margin_m) {
+        report_.least_margin_m = margin_m;
+        report_.least_margin_s = time_s(tick);
+      }
+      const auto [found, is_new] = worst.emplace(trajectory_.steps[tick], tick);
+      if (!is_new && margin_m < states_[found->second].margin().distance_m) found->second = tick;
+      if (states_[tick].tip_rad > kRoll_rad) {
+        const auto [roll, first] = rolls.emplace(trajectory_.steps[tick], tick);
+        if (!first && states_[tick].tip_rad > states_[roll->second].tip_rad) roll->second = tick;
+      }
+    }
+    if (worst.empty()) return;
+    report_.balance = report_.least_margin_m < -limits_.close_m  ? Balance::kUnstable
+                      : report_.least_margin_m < limits_.close_m ? Balance::kClose
+                                                                 : Balance::kStable;
+    for (const auto& [step, tick] : worst) add_margin(step, tick);
+    for (const auto& [step, tick] : rolls) {
+      if (!states_[tick].rests) continue;
+      add("C008", Level::kWarning, tick,
+          fmt::format(
+              "the robot rolls by {:.0f} deg onto another edge of its soles: the soles are not in one "
+              "plane and the centre of mass is not above the lower one",
+              states_[tick].tip_rad * kDegreesPerRad));
+    }
+  }
+
+  void add_margin(std::uint16_t step, std::size_t tick) {
+    const TickState& state = states_[tick];
+    const bool is_com = state.com.distance_m <= state.zmp.distance_m;
+    const Margin& margin = state.margin();
+    if (margin.distance_m >= limits_.close_m) return;
+    const char* const point = is_com ? "centre of mass" : "ZMP";
+    const std::string_view side = direction_of(margin.outward);
+    if (margin.distance_m >= -limits_.close_m) {
+      add("C007", Level::kWarning, tick,
+          fmt::format("the {} is {:.1f} mm {} the {} edge of the support polygon", point,
+                      std::abs(margin.distance_m) * kMmPerM, margin.distance_m < 0.0 ? "beyond" : "within",
+                      side),
+          repair_of(state));
+      return;
+    }
+    std::size_t first = tick;
+    while (first > 1 && trajectory_.steps[first - 1] == step && trajectory_.on_feet[first - 1] &&
+           states_[first - 1].margin().distance_m < 0.0)
+      --first;
+    add("C006", Level::kError, tick,
+        fmt::format("the {} leaves the support polygon to the {}, from {:.2f} s on, by {:.0f} mm", point,
+                    side, time_s(first), -margin.distance_m * kMmPerM),
+        repair_of(state));
+  }
+
+  // Either the pose is out of balance, or its accelerations are: their part of the ZMP falls with the square
+  // of the time.
+  std::string repair_of(const TickState& state) const {
+    const double static_m = state.com.distance_m;
+    const double dynamic_m = state.zmp.distance_m;
+    if (static_m > 2.0 * limits_.close_m && dynamic_m < static_m) {
+      const double factor = std::sqrt((static_m - dynamic_m) / (static_m - limits_.close_m));
+      if (factor > 1.0)
+        return fmt::format("Give the step {:.1f} times its time, or use minimum_jerk.",
+                           std::ceil(10.0 * factor) / 10.0);
+    }
+    return fmt::format("Move the centre of mass {:.0f} mm to the {}.",
+                       std::ceil((limits_.close_m - static_m) * kMmPerM), opposite_of(state.com.outward));
+  }
+
+  // The firmware's own detector, with the attitude and the rates of the plan.
+  void check_fall_detector() {
+    behaviour::FallDetector detector;
+    for (std::size_t tick = 1; tick < trajectory_.ticks(); ++tick) {
+      if (!trajectory_.on_feet[tick] || !trajectory_.on_feet[tick - 1]) continue;
+      const auto pitch_rad = [&](std::size_t t) {
+        return states_[t].pitch_rad - trajectory_.lean_pitch_rad[t];
+      };
+      const auto roll_rad = [&](std::size_t t) { return states_[t].roll_rad - trajectory_.lean_roll_rad[t]; };
+      const estimation::TrunkMotion trunk{
+          .roll_rate =
+              fixed::from_double<fixed::AngularRate>((roll_rad(tick) - roll_rad(tick - 1)) / kTick_s),
+          .pitch_rate =
+              fixed::from_double<fixed::AngularRate>((pitch_rad(tick) - pitch_rad(tick - 1)) / kTick_s),
+          .roll = fixed::from_double<fixed::Angle>(roll_rad(tick)),
+          .pitch = fixed::from_double<fixed::Angle>(pitch_rad(tick))};
+      const behaviour::FallDirection direction = detector.update(limits_.fall, trunk);
+      if (direction == behaviour::FallDirection::kNone) continue;
+      constexpr std::array<const char*, 5> kDirections{"", "front", "back", "left", "right"};
+      add("C009", Level::kError, tick,
+          fmt::format("the fall detector reports a fall to the {}: the trunk leans by {:.0f} deg forward and "
+                      "{:.0f} deg to the right",
+                      kDirections[static_cast<std::size_t>(direction)],
+                      states_[tick].pitch_rad * kDegreesPerRad, states_[tick].roll_rad * kDegreesPerRad),
+          "Lean less or more slowly, or declare the lean (`lean:`).");
+      return;
+    }
+  }
+
+  void check_end() {
+    if (limits_.standing_rad.empty() || !trajectory_.on_feet.back()) return;
+    const auto end = trajectory_.row(trajectory_.ticks() - 1);
+    std::size_t farthest = 0;
+    double distance_rad = 0.0;
+    for (std::size_t j = 0; j < trajectory_.joints; ++j) {
+      const double difference_rad = std::abs(end[j] - limits_.standing_rad[j]);
+      if (difference_rad > distance_rad) {
+        farthest = j;
+        distance_rad = difference_rad;
+      }
+    }
+    if (distance_rad <= kAtStanding_rad) return;
+    add("C013", Level::kWarning, trajectory_.ticks() - 1,
+        fmt::format("the motion does not end in the standing pose: {} is {:.0f} deg away from it",
+                    joint_name(farthest), distance_rad * kDegreesPerRad));
+  }
+
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+  const Trajectory& trajectory_;
+  const std::vector<TickState>& states_;
+  const sim::RobotDescription& robot_;
+  const CheckLimits& limits_;
+  std::vector<std::size_t> report_of_step_;
+  PathReport report_;
+};
+
+}  // namespace
+
+PathReport judge(const Trajectory& trajectory, const std::vector<TickState>& states,
+                 const sim::RobotDescription& robot, const CheckLimits& limits) {
+  if (trajectory.ticks() == 0) return {};
+  return Judge(trajectory, states, robot, limits).run();
+}
+
+}  // namespace koboshi::tools

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/behaviour/fall_detector.h"
+#include "sim_board/robot/description.h"
+#include "tools/motion/check/analysis.h"
+#include "tools/motion/check/trajectory.h"
+
+namespace koboshi::tools {
+
+enum class Level : std::uint8_t { kNote, kWarning, kError };
+
+// A finding of the check; docs/reference/motion-check.md lists the codes.
+struct Finding {
+  std::string code{};  // "C006"
+  Level level = Level::kError;
+  std::uint16_t step = 0;  // of the image
+  double time_s = 0.0;     // since the start of the motion
+  std::string text{};      // what and by how much, without the moment
+  std::string repair{};    // a whole sentence; empty: none
+  std::string path{};      // Trajectory::path
+};
+
+enum class Balance : std::uint8_t { kNotJudged, kStable, kClose, kUnstable };
+inline constexpr std::array<std::string_view, 4> kBalanceNames{"not judged", "stable", "close", "unstable"};
+
+// A step on a path, with the extremes of its ticks.
+struct StepReport {
+  std::uint16_t step = 0;
+  double start_s = 0.0;  // of its first tick
+  double duration_s = 0.0;
+  double least_margin_m = std::numeric_limits<double>::infinity();  // infinite: not judged
+  double least_margin_s = 0.0;
+  JointShare speed{};   // of the joint's greatest speed
+  JointShare torque{};  // of the torque at the lowest supply
+};
+
+// The result of the check of one path.
+struct PathReport {
+  std::vector<Finding> findings{};
+  std::vector<StepReport> steps{};  // in the order of their first ticks
+  Balance balance = Balance::kNotJudged;
+  double least_margin_m = std::numeric_limits<double>::infinity();
+  double least_margin_s = 0.0;
+  double duration_s = 0.0;
+};
+
+// What a motion is checked against.
+struct CheckLimits {
+  behaviour::FallLimits fall{};
+  double largest_cyclic_step_rad = 0.0;  // object 2001h of the drives
+  // A margin of less than this on either side of the edge is called close.
+  double close_m = kClose_m;
+  std::vector<double> standing_rad{};  // the pose from which other motions begin, by joint; empty: unknown
+
+  // docs/experiment/motion-check.md says how this was found.
+  static constexpr double kClose_m = 0.005;
+};
+
+// Judges a path. `states` are those of the trajectory.
+[[nodiscard]] PathReport judge(const Trajectory& trajectory, const std::vector<TickState>& states,
+                               const sim::RobotDescription& robot, const CheckLimits& limits);
+
+}  // namespace koboshi::tools

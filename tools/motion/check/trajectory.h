@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace koboshi::tools {
+
+inline constexpr double kTick_s = 0.01;
+
+// A step of a motion, as findings name it.
+struct StepPlace {
+  int line = 0;        // in the motion's file; 0: unknown
+  int column = 0;      // 0: unknown
+  std::string text{};  // such as "move to bow"
+};
+
+// One path through a motion, sampled every 10 ms as the firmware plays it: the targets at the end of each
+// tick and the step that is then played. It knows nothing of the language in which the motion was written.
+struct Trajectory {
+  std::size_t joints = 0;
+  std::vector<double> targets_rad{};   // tick by tick; the first row is the pose before the motion
+  std::vector<std::uint16_t> steps{};  // by tick
+  // By tick: whether the motion counts on the robot's soles. A motion that expects a lying robot is not
+  // judged for balance until it expects an upright one.
+  std::vector<bool> on_feet{};
+  // By tick: the declared lean in rad, forward and to the right.
+  std::vector<double> lean_pitch_rad{};
+  std::vector<double> lean_roll_rad{};
+  std::string path{};  // the outcomes of its branches, such as "if at line 12: no"; empty without branches
+
+  std::size_t ticks() const { return steps.size(); }
+  std::span<const double> row(std::size_t tick) const {
+    return std::span(targets_rad).subspan(tick * joints, joints);
+  }
+  void add(std::span<const double> row_rad, std::uint16_t step, bool feet = true, double pitch_rad = 0.0,
+           double roll_rad = 0.0) {
+    joints = row_rad.size();
+    targets_rad.insert(targets_rad.end(), row_rad.begin(), row_rad.end());
+    steps.push_back(step);
+    on_feet.push_back(feet);
+    lean_pitch_rad.push_back(pitch_rad);
+    lean_roll_rad.push_back(roll_rad);
+  }
+};
+
+}  // namespace koboshi::tools
