@@ -11,15 +11,14 @@ constexpr std::uint32_t kFiller =
 
 std::uint64_t make_header(std::uint32_t kind, std::size_t words) { return std::uint64_t{kind} << 32 | words; }
 
-bool crosses_batch(std::uint64_t from, std::uint64_t to) {
-  return from / Ring::kBatchWords != to / Ring::kBatchWords;
-}
-
 }  // namespace
 
 Ring::Ring(std::size_t capacity_words, WhenFull when_full)
-    : words_(capacity_words), mask_(capacity_words - 1), when_full_(when_full) {
-  assert(std::has_single_bit(capacity_words) && capacity_words >= kBatchWords);
+    : words_(capacity_words),
+      mask_(capacity_words - 1),
+      batch_mask_(~std::uint64_t{capacity_words / kBatches - 1}),
+      when_full_(when_full) {
+  assert(std::has_single_bit(capacity_words) && capacity_words >= kBatches);
 }
 
 std::span<std::uint64_t> Ring::claim(std::uint32_t kind, std::size_t words) {
@@ -42,6 +41,10 @@ std::span<std::uint64_t> Ring::claim(std::uint32_t kind, std::size_t words) {
 bool Ring::has_space(std::size_t words) const {
   const std::uint64_t used = head_.load(std::memory_order_relaxed) - tail_.load(std::memory_order_acquire);
   return words_.size() - used >= words;
+}
+
+bool Ring::crosses_batch(std::uint64_t from, std::uint64_t to) const {
+  return ((from ^ to) & batch_mask_) != 0;
 }
 
 bool Ring::reserve(std::size_t words) {

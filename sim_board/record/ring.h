@@ -22,7 +22,7 @@ class Ring {
     std::span<const std::uint64_t> words;
   };
 
-  // `capacity_words` must be a power of two of at least kBatchWords.
+  // `capacity_words` must be a power of two of at least kBatches.
   Ring(std::size_t capacity_words, WhenFull when_full);
 
   // Producer: returns memory for a record of at most a quarter of the capacity, to be filled and published.
@@ -38,16 +38,20 @@ class Ring {
   [[nodiscard]] bool read(Record& record);
   void release();
 
-  static constexpr std::size_t kBatchWords = 2048;
+  // A thread is woken after each of these parts of the capacity: often enough that neither waits for long,
+  // seldom enough that system calls and changes of thread take less time than the writing.
+  static constexpr std::size_t kBatches = 8;
 
  private:
   bool reserve(std::size_t words);
   bool has_space(std::size_t words) const;
+  bool crosses_batch(std::uint64_t from, std::uint64_t to) const;
   void wake_consumer();
   void wake_producer();
 
   std::vector<std::uint64_t> words_;
   const std::uint64_t mask_;
+  const std::uint64_t batch_mask_;
   const WhenFull when_full_;
 
   // Both count words without wrapping; their difference is the fill level. A record is a header and its

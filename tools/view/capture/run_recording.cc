@@ -121,18 +121,22 @@ bool same(const sim::RunEvent& a, const sim::RunEvent& b) {
 
 RunRecording::RunRecording(const std::filesystem::path& file, const simulation::Simulation& simulation,
                            const Options& options)
+    : RunRecording(file, simulation, options, head_of(simulation)) {}
+
+RunRecording::RunRecording(const std::filesystem::path& file, const simulation::Simulation& simulation,
+                           const Options& options, const Recording& head)
     : simulation_(simulation),
       period_us_(options.period_us),
-      file_(file, head_of(simulation)),
+      values_(head.signals.size(), std::numeric_limits<float>::quiet_NaN()),
+      file_(file, head),
       writer_(sim::BackgroundWriter::kDefaultRingWords, options.when_full,
               [this](const sim::Ring::Record& record) { write(record); }) {
-  const std::vector<Signal> signals = signals_of(simulation.robot());
-  values_.assign(signals.size(), std::numeric_limits<float>::quiet_NaN());
   const auto& joints = simulation.robot().joints;
   for (std::size_t joint = 0; joint < joints.size(); ++joint) {
-    const auto signal = std::ranges::find(signals, joints[joint].name + "_true", &Signal::name);
-    if (signal != signals.end())
-      true_joints_.push_back({static_cast<int>(joint), static_cast<std::size_t>(signal - signals.begin())});
+    const auto signal = std::ranges::find(head.signals, joints[joint].name + "_true", &Signal::name);
+    if (signal == head.signals.end()) continue;
+    true_joints_.push_back(
+        {static_cast<int>(joint), static_cast<std::size_t>(signal - head.signals.begin())});
   }
 }
 

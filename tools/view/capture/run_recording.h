@@ -42,6 +42,10 @@ class RunRecording final : public sim::BusObserver {
   std::uint64_t dropped() const { return writer_.dropped(); }
 
  private:
+  // `head` is a recording without its samples, events, pushes and frames.
+  RunRecording(const std::filesystem::path& file, const simulation::Simulation& simulation,
+               const Options& options, const Recording& head);
+
   struct TrueJoint {
     int joint;
     std::size_t signal;  // its position's column

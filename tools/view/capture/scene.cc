@@ -1,7 +1,10 @@
 #include "tools/view/capture/scene.h"
 
 #include <cmath>
+#include <filesystem>
+#include <map>
 #include <numbers>
+#include <optional>
 
 #include "sim_board/world/foot.h"
 #include "sim_board/world/support_polygon.h"
@@ -28,8 +31,13 @@ Shape shape_of(const sim::BoxDescription& box) {
           .colour = colour_of(box.colour, kBoxColour)};
 }
 
-std::optional<Shape> shape_of(const sim::MeshDescription& description) {
-  std::optional<Mesh> mesh = read_stl(description.file);
+// The meshes of a robot by their files, each of which is read once: its servos share one.
+using MeshFiles = std::map<std::filesystem::path, std::optional<Mesh>>;
+
+std::optional<Shape> shape_of(const sim::MeshDescription& description, MeshFiles& files) {
+  const auto [file, is_new] = files.try_emplace(description.file);
+  if (is_new) file->second = read_stl(description.file);
+  std::optional<Mesh> mesh = file->second;
   if (!mesh) return {};
   const Eigen::Vector3f scale = description.scale.cast<float>();
   for (Eigen::Vector3f& vertex : mesh->vertices_m) vertex = vertex.cwiseProduct(scale);
@@ -42,12 +50,12 @@ std::optional<Shape> shape_of(const sim::MeshDescription& description) {
                .colour = colour_of(description.colour, kMeshColour)};
 }
 
-std::vector<Shape> visuals_of(const sim::LinkDescription& link) {
+std::vector<Shape> visuals_of(const sim::LinkDescription& link, MeshFiles& files) {
   std::vector<Shape> shapes;
   for (const sim::BoxDescription& box : link.visual_boxes) shapes.push_back(shape_of(box));
   bool all_read = true;
   for (const sim::MeshDescription& mesh : link.meshes) {
-    std::optional<Shape> shape = shape_of(mesh);
+    std::optional<Shape> shape = shape_of(mesh, files);
     all_read = all_read && shape;
     if (shape) shapes.push_back(*std::move(shape));
   }
@@ -58,9 +66,10 @@ std::vector<Shape> visuals_of(const sim::LinkDescription& link) {
 
 std::vector<Link> links_of(const sim::RobotDescription& robot) {
   std::vector<Link> links;
+  MeshFiles files;
   for (const sim::LinkDescription& description : robot.links) {
     Link link{.name = description.name, .mass_kg = description.mass_kg, .p_LCom_L = description.p_LCom_L};
-    link.visuals = visuals_of(description);
+    link.visuals = visuals_of(description, files);
     for (const sim::BoxDescription& box : description.collisions) link.collisions.push_back(shape_of(box));
     links.push_back(std::move(link));
   }

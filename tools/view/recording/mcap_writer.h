@@ -2,10 +2,15 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
+#include <limits>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <zstd.h>
 
 #include "sim_board/record/output_file.h"
 #include "tools/view/recording/mcap_format.h"
@@ -53,7 +58,8 @@ class McapWriter {
   };
 
   void write(std::string_view bytes);
-  std::string compressed_block() const;
+  void write_record(McapRecord kind, std::initializer_list<std::string_view> parts);
+  std::string_view compressed_block();
   void write_chunk(std::string& index);
   std::map<std::uint16_t, std::uint64_t> write_message_indices();
   std::string statistics() const;
@@ -62,6 +68,9 @@ class McapWriter {
   std::uint64_t offset_ = 0;  // bytes written
   std::uint32_t crc_ = 0;     // of all bytes written
   std::string block_;         // records of the present block
+  // Kept from block to block for its memory.
+  std::unique_ptr<ZSTD_CCtx, std::size_t (*)(ZSTD_CCtx*)> compressor_;
+  std::string compressed_;
   Times block_times_;
   std::map<std::uint16_t, std::vector<Place>> places_;  // of the present block's messages, by channel
 

@@ -11,6 +11,7 @@
 #include <recording.pb.h>
 
 #include "tools/view/recording/mcap_writer.h"
+#include "tools/view/recording/sample_messages.h"
 #include "tools/view/recording/scene_messages.h"
 #include "tools/view/recording/trace_schema.h"
 
@@ -42,20 +43,6 @@ void set_time(std::uint64_t time_us, pb::Timestamp& time) {
   time.set_nanos(static_cast<std::int32_t>(time_us % 1'000'000 * 1000));
 }
 
-template <typename Vector>
-void set_vector(const Vector& v, foxglove::Vector3& message) {
-  message.set_x(static_cast<double>(v.x()));
-  message.set_y(static_cast<double>(v.y()));
-  message.set_z(static_cast<double>(v.z()));
-}
-
-void set_rotation(const Eigen::Quaternionf& q, foxglove::Quaternion& message) {
-  message.set_x(static_cast<double>(q.x()));
-  message.set_y(static_cast<double>(q.y()));
-  message.set_z(static_cast<double>(q.z()));
-  message.set_w(static_cast<double>(q.w()));
-}
-
 foxglove::Log::Level level_of(const std::string& kind) {
   if (kind == "error" || kind == "fall") return foxglove::Log::ERROR;
   if (kind == "emergency" || kind == "fault" || kind == "push") return foxglove::Log::WARNING;
@@ -67,7 +54,9 @@ foxglove::Log::Level level_of(const std::string& kind) {
 class RecordingFile::Messages {
  public:
   Messages(const std::filesystem::path& file, const Recording& head)
-      : mcap_(file, "koboshi " + head.version), signals_(head.signals) {
+      : mcap_(file, "koboshi " + head.version),
+        pose_messages_(kWorldFrame, head.scene.links),
+        signals_(head.signals) {
     mcap_.add_metadata(kRecordingMetadata, {{"title", head.title},
                                             {"scenario", head.scenario},
                                             {"seed", std::to_string(head.seed)},
@@ -83,11 +72,6 @@ class RecordingFile::Messages {
     events_ = add_channel(kEventsTopic, *foxglove::Log::descriptor());
     pushes_ = add_channel(kPushesTopic, *koboshi::Push::descriptor());
     frames_ = add_channel(kFramesTopic, *koboshi::CanFrames::descriptor());
-    for (const Link& link : head.scene.links) {
-      foxglove::FrameTransform& transform = *transforms_.add_transforms();
-      transform.set_parent_frame_id(kWorldFrame);
-      transform.set_child_frame_id(link.name);
-    }
     add(scene_, 0, scene_update(head.scene, kWorldFrame));
     add(model_, 0, message_of(head.scene));
     mcap_.end_block();
@@ -96,14 +80,12 @@ class RecordingFile::Messages {
   void add_sample(std::uint64_t time_us, std::span<const Pose> links, std::span<const ContactForce> contacts,
                   std::span<const float> values) {
     start_block(time_us);
-    for (std::size_t i = 0; i < links.size(); ++i) {
-      foxglove::FrameTransform& transform = *transforms_.mutable_transforms(static_cast<int>(i));
-      set_time(time_us, *transform.mutable_timestamp());
-      set_vector(links[i].p_WL_m, *transform.mutable_translation());
-      set_rotation(links[i].q_WL, *transform.mutable_rotation());
-    }
-    add(poses_, time_us, transforms_);
-    add_contacts(time_us, contacts);
+    data_.clear();
+    pose_messages_.append(time_us, links, data_);
+    mcap_.add_message(poses_, time_us, data_);
+    data_.clear();
+    append_contacts(contacts, data_);
+    mcap_.add_message(contacts_, time_us, data_);
     if (values.empty()) return;
     data_.clear();
     append_trace(signals_, values, data_);
@@ -161,22 +143,6 @@ class RecordingFile::Messages {
     mcap_.add_message(channel, time_us, data_);
   }
 
-  void add_contacts(std::uint64_t time_us, std::span<const ContactForce> contacts) {
-    contacts_message_.Clear();
-    for (const ContactForce& force : contacts) {
-      koboshi::Contact& contact = *contacts_message_.add_contacts();
-      contact.set_link(force.link);
-      contact.set_other_link(force.other_link);
-      contact.set_x_m(force.p_W_m.x());
-      contact.set_y_m(force.p_W_m.y());
-      contact.set_z_m(force.p_W_m.z());
-      contact.set_force_x_n(force.f_W_N.x());
-      contact.set_force_y_n(force.f_W_N.y());
-      contact.set_force_z_n(force.f_W_N.z());
-    }
-    add(contacts_, time_us, contacts_message_);
-  }
-
   void add_batch() {
     if (batch_.identifier_size() == 0) return;
     add(frames_, batch_start_us_, batch_);
@@ -191,6 +157,7 @@ class RecordingFile::Messages {
   }
 
   McapWriter mcap_;
+  const PoseMessages pose_messages_;
   const std::vector<Signal> signals_;
   std::map<std::string, std::uint16_t> schemas_;  // by message
   std::uint16_t scene_ = 0;
@@ -205,8 +172,6 @@ class RecordingFile::Messages {
   std::uint64_t batch_start_us_ = 0;
 
   // Kept from call to call for their memory.
-  foxglove::FrameTransforms transforms_;
-  koboshi::Contacts contacts_message_;
   koboshi::CanFrames batch_;
   std::string data_;
 };
