@@ -42,4 +42,7 @@ inline constexpr AddCommand* kCommands[] = {
 AddCommand add_can_dump_command;
 AddCommand add_can_sdo_command;
 
+// Commands below `koboshi motion`.
+AddCommand add_motion_check_command;
+
 }  // namespace koboshi::tools

@@ -32,10 +32,11 @@ void compile(const MotionArguments& arguments) {
 
 }  // namespace
 
-void add_motion_command(CLI::App& program, Invocation&) {
+void add_motion_command(CLI::App& program, Invocation& invocation) {
   auto arguments = std::make_shared<MotionArguments>();
   CLI::App* command = program.add_subcommand("motion", "Check and compile motions");
   command->require_subcommand(1);
+  add_motion_check_command(*command, invocation);
   CLI::App* compile_command =
       command->add_subcommand("compile", "Compile a motion file into the image that the firmware plays");
   compile_command->footer(R"(Example:

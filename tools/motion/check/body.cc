@@ -244,6 +244,15 @@ std::vector<Vector2d> Body::support_polygon(const Stance& stance) const {
   for (std::size_t i = 0; i < corners_B_.size(); ++i) {
     if ((stance.rest.corners >> i & 1U) != 0) points.push_back(axes.flat(corners_B_[i]));
   }
+  std::vector<Vector2d> hull = sim::convex_hull(points);
+  if (points.size() == corners_B_.size()) return hull;
+  for (std::size_t i = 0; i < corners_B_.size(); ++i) {
+    if ((stance.rest.corners >> i & 1U) != 0) continue;
+    const Vector2d corner = axes.flat(corners_B_[i]);
+    const double height_m = stance.rest.up_B.dot(corners_B_[i]) - stance.rest.height_m;
+    const double outside_m = -margin_in(hull, corner).distance_m;
+    if (height_m < outside_m * std::tan(kNearRoll_rad)) points.push_back(corner);
+  }
   return sim::convex_hull(std::move(points));
 }
 

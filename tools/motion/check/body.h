@@ -50,7 +50,9 @@ class Body {
   // The same without motion.
   void solve_at_rest(std::span<const double> angles_rad, Stance& stance);
 
-  // The corners of the soles that touch the ground, projected to it, in the axes of stance.com_m; hull.
+  // The hull of the soles' corners that carry, in the axes of stance.com_m: those on the ground, and those
+  // that a roll of at most kNearRoll_rad about its edge brings to the ground. Beyond an edge that such a
+  // corner guards the robot does not fall; it shifts its weight.
   std::vector<Eigen::Vector2d> support_polygon(const Stance& stance) const;
   // Those of the last solved stance.
   const std::array<Eigen::Vector3d, 8>& corners_B() const { return corners_B_; }
@@ -67,6 +69,8 @@ class Body {
   // The height by which the servos yield: corners this close to the ground carry. By hand: twice the
   // deflection of a leg of this robot that takes up the weight.
   static constexpr double kTouching_m = 0.0015;
+  // By hand: the roll in which a robot of this size takes up no speed that its soles do not absorb.
+  static constexpr double kNearRoll_rad = 0.1;
 
  private:
   struct Joint {

@@ -15,13 +15,16 @@ namespace {
 
 using sim::kDegreesPerRad;
 using sim::kMmPerM;
+using simulation::Severity;
 
 // Speeds of targets are those of poses in steps of 2^-14 turn, divided by the time of a step.
 constexpr double kSpeedTolerance = 1.01;
-constexpr double kHighTorque = 0.8;                 // share of the torque from which a warning is due
-constexpr double kTouching_m = 0.0005;              // collision boxes that overlap by less only touch
+constexpr double kHighTorque = 0.8;     // share of the torque from which a warning is due
+constexpr double kTouching_m = 0.0005;  // collision boxes that overlap by less only touch
+constexpr double kYielding_m = 0.002;   // by which the servos of a chain of joints yield to a light contact
 constexpr double kRoll_rad = 2.0 / kDegreesPerRad;  // a roll onto an edge that the targets do not intend
-constexpr double kAtStanding_rad = 1.0 / kDegreesPerRad;
+// Motions begin with a move from the pose in force: the other ones are written for a start near standing.
+constexpr double kAtStanding_rad = 10.0 / kDegreesPerRad;
 
 // The direction of a vector in GroundAxes, in words.
 std::string_view direction_of(const Eigen::Vector2d& outward) {
@@ -55,13 +58,15 @@ class Judge {
   const std::string& joint_name(std::size_t joint) const { return robot_.joints[joint].name; }
   const std::string& link_name(std::size_t link) const { return robot_.links[link].name; }
 
-  void add(std::string code, Level level, std::size_t tick, std::string text, std::string repair = {}) {
+  void add(std::string code, Severity severity, std::size_t tick, std::string found, std::string expected,
+           std::string hint = {}) {
     report_.findings.push_back({.code = std::move(code),
-                                .level = level,
+                                .severity = severity,
                                 .step = trajectory_.steps[tick],
                                 .time_s = time_s(tick),
-                                .text = std::move(text),
-                                .repair = std::move(repair),
+                                .found = std::move(found),
+                                .expected = std::move(expected),
+                                .hint = std::move(hint),
                                 .path = trajectory_.path});
   }
 
@@ -119,15 +124,16 @@ class Judge {
     }
     for (const auto& [key, worst] : speeds) {
       const double limit = robot_.joints[key.second].max_speed_rad_per_s * kDegreesPerRad;
-      add("C001", Level::kError, worst.tick,
-          fmt::format("{} turns at {:.0f} deg/s; its limit is {:.0f} deg/s", joint_name(key.second),
-                      worst.value * limit, limit),
+      add("C001", Severity::kError, worst.tick,
+          fmt::format("{} turning at {:.0f} deg/s", joint_name(key.second), worst.value * limit),
+          fmt::format("at most {:.0f} deg/s", limit),
           fmt::format("Give the step {:.2f} times its time.", std::ceil(100.0 * worst.value) / 100.0));
     }
     for (const auto& [key, worst] : changes) {
-      add("C002", Level::kError, worst.tick,
-          fmt::format("the target of {} changes by {:.1f} deg in one cycle; the drive takes {:.1f} deg",
-                      joint_name(key.second), worst.value * kDegreesPerRad,
+      add("C002", Severity::kError, worst.tick,
+          fmt::format("the target of {} changing by {:.1f} deg in one cycle", joint_name(key.second),
+                      worst.value * kDegreesPerRad),
+          fmt::format("at most {:.1f} deg, the drive's largest cyclic step (object 2001h)",
                       limits_.largest_cyclic_step_rad * kDegreesPerRad),
           "Give the step more time.");
     }
@@ -141,9 +147,10 @@ class Judge {
     }
     for (const auto& [key, at] : worst) {
       const bool cannot = at.value > 1.0;
-      add(cannot ? "C003" : "C004", cannot ? Level::kError : Level::kWarning, at.tick,
-          fmt::format("{} needs {:.0f} % of its torque at the lowest supply", joint_name(key.second),
+      add(cannot ? "C003" : "C004", cannot ? Severity::kError : Severity::kWarning, at.tick,
+          fmt::format("{} taking {:.0f} % of its torque at the lowest supply", joint_name(key.second),
                       100.0 * at.value),
+          fmt::format("at most {:.0f} %", 100.0 * (cannot ? 1.0 : kHighTorque)),
           cannot ? "Bend the joint less, or move slower." : "");
     }
   }
@@ -157,9 +164,10 @@ class Judge {
       if (overlap.depth_m > kept.value) kept = {tick, overlap.depth_m};
     }
     for (const auto& [links, at] : worst) {
-      add("C005", Level::kError, at.tick,
-          fmt::format("{} and {} overlap by {:.1f} mm", link_name(links.first), link_name(links.second),
-                      at.value * kMmPerM));
+      add("C005", at.value > kYielding_m ? Severity::kError : Severity::kWarning, at.tick,
+          fmt::format("{} and {} overlapping by {:.1f} mm", link_name(links.first), link_name(links.second),
+                      at.value * kMmPerM),
+          "links apart from each other");
     }
   }
 
@@ -188,11 +196,10 @@ class Judge {
     for (const auto& [step, tick] : worst) add_margin(step, tick);
     for (const auto& [step, tick] : rolls) {
       if (!states_[tick].rests) continue;
-      add("C008", Level::kWarning, tick,
-          fmt::format(
-              "the robot rolls by {:.0f} deg onto another edge of its soles: the soles are not in one "
-              "plane and the centre of mass is not above the lower one",
-              states_[tick].tip_rad * kDegreesPerRad));
+      add("C008", Severity::kWarning, tick,
+          fmt::format("the robot rolling by {:.0f} deg onto another edge of its soles",
+                      states_[tick].tip_rad * kDegreesPerRad),
+          "soles in one plane, or the centre of mass above the lower one");
     }
   }
 
@@ -203,22 +210,23 @@ class Judge {
     if (margin.distance_m >= limits_.close_m) return;
     const char* const point = is_com ? "centre of mass" : "ZMP";
     const std::string_view side = direction_of(margin.outward);
+    const std::string expected = fmt::format("at least {:.0f} mm inside", limits_.close_m * kMmPerM);
     if (margin.distance_m >= -limits_.close_m) {
-      add("C007", Level::kWarning, tick,
-          fmt::format("the {} is {:.1f} mm {} the {} edge of the support polygon", point,
-                      std::abs(margin.distance_m) * kMmPerM, margin.distance_m < 0.0 ? "beyond" : "within",
+      add("C007", Severity::kWarning, tick,
+          fmt::format("the {} {:.1f} mm {} the {} edge of the support polygon", point,
+                      std::abs(margin.distance_m) * kMmPerM, margin.distance_m < 0.0 ? "beyond" : "inside",
                       side),
-          repair_of(state));
+          expected, repair_of(state));
       return;
     }
     std::size_t first = tick;
     while (first > 1 && trajectory_.steps[first - 1] == step && trajectory_.on_feet[first - 1] &&
            states_[first - 1].margin().distance_m < 0.0)
       --first;
-    add("C006", Level::kError, tick,
-        fmt::format("the {} leaves the support polygon to the {}, from {:.2f} s on, by {:.0f} mm", point,
-                    side, time_s(first), -margin.distance_m * kMmPerM),
-        repair_of(state));
+    add("C006", Severity::kError, tick,
+        fmt::format("the {} {:.0f} mm outside the support polygon to the {} (outside from {:.2f} s on)",
+                    point, -margin.distance_m * kMmPerM, side, time_s(first)),
+        expected, repair_of(state));
   }
 
   // Either the pose is out of balance, or its accelerations are: their part of the ZMP falls with the square
@@ -255,12 +263,13 @@ class Judge {
       const behaviour::FallDirection direction = detector.update(limits_.fall, trunk);
       if (direction == behaviour::FallDirection::kNone) continue;
       constexpr std::array<const char*, 5> kDirections{"", "front", "back", "left", "right"};
-      add("C009", Level::kError, tick,
-          fmt::format("the fall detector reports a fall to the {}: the trunk leans by {:.0f} deg forward and "
-                      "{:.0f} deg to the right",
-                      kDirections[static_cast<std::size_t>(direction)],
-                      states_[tick].pitch_rad * kDegreesPerRad, states_[tick].roll_rad * kDegreesPerRad),
-          "Lean less or more slowly, or declare the lean (`lean:`).");
+      add("C009", Severity::kError, tick,
+          fmt::format(
+              "a fall to the {} by the fall detector, at a lean of {:.0f} deg forward and {:.0f} deg to "
+              "the right",
+              kDirections[static_cast<std::size_t>(direction)], states_[tick].pitch_rad * kDegreesPerRad,
+              states_[tick].roll_rad * kDegreesPerRad),
+          "a lean and a rate within its limits", "Lean less or more slowly, or declare the lean (`lean:`).");
       return;
     }
   }
@@ -278,9 +287,10 @@ class Judge {
       }
     }
     if (distance_rad <= kAtStanding_rad) return;
-    add("C013", Level::kWarning, trajectory_.ticks() - 1,
-        fmt::format("the motion does not end in the standing pose: {} is {:.0f} deg away from it",
-                    joint_name(farthest), distance_rad * kDegreesPerRad));
+    add("C013", Severity::kWarning, trajectory_.ticks() - 1,
+        fmt::format("an end with {} {:.0f} deg away from the standing pose", joint_name(farthest),
+                    distance_rad * kDegreesPerRad),
+        "the standing pose, from which motions begin");
   }
 
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);

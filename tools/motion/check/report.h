@@ -9,22 +9,23 @@
 
 #include "firmware/behaviour/fall_detector.h"
 #include "sim_board/robot/description.h"
+#include "simulation/motion/diagnostic.h"
 #include "tools/motion/check/analysis.h"
 #include "tools/motion/check/trajectory.h"
 
 namespace koboshi::tools {
 
-enum class Level : std::uint8_t { kNote, kWarning, kError };
-
 // A finding of the check; docs/reference/motion-check.md lists the codes.
 struct Finding {
   std::string code{};  // "C006"
-  Level level = Level::kError;
+  simulation::Severity severity = simulation::Severity::kError;
   std::uint16_t step = 0;  // of the image
   double time_s = 0.0;     // since the start of the motion
-  std::string text{};      // what and by how much, without the moment
-  std::string repair{};    // a whole sentence; empty: none
-  std::string path{};      // Trajectory::path
+  // "found FOUND at TIME, expected EXPECTED", then the hint: a whole sentence, empty if there is none.
+  std::string found{};
+  std::string expected{};
+  std::string hint{};
+  std::string path{};  // Trajectory::path
 };
 
 enum class Balance : std::uint8_t { kNotJudged, kStable, kClose, kUnstable };

@@ -93,7 +93,7 @@ TEST_F(AnalysisTest, ResponseIsAWeightedMean) {
 TEST_F(AnalysisTest, StandingIsStable) {
   const PathReport report = check(linear({kStand, kStand}, 1.0));
   EXPECT_EQ(report.balance, Balance::kStable);
-  EXPECT_TRUE(report.findings.empty()) << report.findings.front().text;
+  EXPECT_TRUE(report.findings.empty()) << report.findings.front().found;
   EXPECT_GT(report.least_margin_m, 0.02);
   EXPECT_NEAR(report.duration_s, 1.5, 1e-9);
   ASSERT_EQ(report.steps.size(), 2U);
@@ -104,11 +104,11 @@ TEST_F(AnalysisTest, ReportsTheEdgeThatTheCentreOfMassLeaves) {
   EXPECT_EQ(report.balance, Balance::kUnstable);
   const Finding* const finding = find(report, "C006");
   ASSERT_NE(finding, nullptr);
-  EXPECT_THAT(finding->text, HasSubstr("to the front"));
-  EXPECT_THAT(finding->repair, HasSubstr("to the back"));
+  EXPECT_THAT(finding->found, HasSubstr("to the front"));
+  EXPECT_THAT(finding->hint, HasSubstr("to the back"));
   const PathReport back = check(linear({kStand, with(kStand, {{"ankle_pitch", -5.0}}), kStand}, 2.0));
   ASSERT_NE(find(back, "C006"), nullptr);
-  EXPECT_THAT(find(back, "C006")->text, HasSubstr("to the back"));
+  EXPECT_THAT(find(back, "C006")->found, HasSubstr("to the back"));
 }
 
 // The same poses, fast: the pose is within the soles, its accelerations are not.
@@ -118,16 +118,16 @@ TEST_F(AnalysisTest, AQuickLeanIsUnstableByItsAccelerations) {
   const PathReport quick = check(linear(poses, 0.04));
   EXPECT_EQ(quick.balance, Balance::kUnstable);
   ASSERT_NE(find(quick, "C006"), nullptr);
-  EXPECT_THAT(find(quick, "C006")->text, HasSubstr("ZMP"));
+  EXPECT_THAT(find(quick, "C006")->found, HasSubstr("ZMP"));
 }
 
 TEST_F(AnalysisTest, ReportsSpeedsAndSteps) {
   const PathReport report = check(linear({kStand, with(kStand, {{"head_pan", 80.0}}), kStand}, 0.02));
   const Finding* const speed = find(report, "C001");
   ASSERT_NE(speed, nullptr);
-  EXPECT_THAT(speed->text, HasSubstr("head_pan turns at 4000 deg/s"));
+  EXPECT_THAT(speed->found, HasSubstr("head_pan turning at 4000 deg/s"));
   ASSERT_NE(find(report, "C002"), nullptr);
-  EXPECT_THAT(find(report, "C002")->text, HasSubstr("40.0 deg in one cycle"));
+  EXPECT_THAT(find(report, "C002")->found, HasSubstr("40.0 deg in one cycle"));
   EXPECT_EQ(find(check(linear({kStand, with(kStand, {{"head_pan", 80.0}}), kStand}, 1.0)), "C001"), nullptr);
 }
 
@@ -136,7 +136,7 @@ TEST_F(AnalysisTest, ReportsSelfCollisionWithThePair) {
       check(linear({kStand, with(kStand, {{"elbow", 0.0}, {"shoulder_roll", -15.0}})}, 1.0));
   const Finding* const finding = find(report, "C005");
   ASSERT_NE(finding, nullptr);
-  EXPECT_THAT(finding->text, HasSubstr("forearm"));
+  EXPECT_THAT(finding->found, HasSubstr("forearm"));
 }
 
 TEST_F(AnalysisTest, TheFirmwaresFallDetectorSeesALeanUnlessItIsDeclared) {
@@ -154,7 +154,7 @@ TEST_F(AnalysisTest, WarnsOfAnEndThatIsNotTheStandingPose) {
   limits_.standing_rad = row(kStand);
   const PathReport report = check(linear({kStand, with(kStand, {{"head_pan", 30.0}})}, 1.0));
   ASSERT_NE(find(report, "C013"), nullptr);
-  EXPECT_THAT(find(report, "C013")->text, HasSubstr("head_pan is 30 deg away"));
+  EXPECT_THAT(find(report, "C013")->found, HasSubstr("head_pan 30 deg away"));
 }
 
 TEST_F(AnalysisTest, AMotionThatLiesIsNotJudged) {

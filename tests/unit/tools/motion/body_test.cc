@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "sim_board/world/gravity.h"
@@ -111,6 +113,34 @@ TEST_F(BodyTest, AtRestTheZmpIsBelowTheCentreOfMass) {
   body_.solve_at_rest(angles(0.1), stance);
   EXPECT_LT((stance.zmp_m - stance.com_m).norm(), 1e-9);
   EXPECT_EQ(stance.load_share[1], 1.0) << "stands on the right sole";
+}
+
+// One knee is bent by a little more: a roll of 4 degrees brings that sole to the ground, so that the weight
+// may move to it.
+TEST_F(BodyTest, ASoleJustAboveTheGroundBelongsToTheSupportPolygon) {
+  const auto polygon_of = [&](double lift_rad) {
+    std::vector<double> pose(robot_.joints.size(), 0.0);
+    const auto bend = [&](const std::string& side, double by_rad) {
+      pose[static_cast<std::size_t>(*robot_.find_joint(side + "_hip_pitch"))] = -by_rad;
+      pose[static_cast<std::size_t>(*robot_.find_joint(side + "_knee"))] = 2.0 * by_rad;
+      pose[static_cast<std::size_t>(*robot_.find_joint(side + "_ankle_pitch"))] = -by_rad;
+    };
+    bend("left", 0.4 + lift_rad);
+    bend("right", 0.4);
+    // Towards the right foot, so that it carries alone.
+    for (const char* const side : {"left", "right"}) {
+      pose[static_cast<std::size_t>(*robot_.find_joint(std::string(side) + "_hip_roll"))] = 0.3;
+      pose[static_cast<std::size_t>(*robot_.find_joint(std::string(side) + "_ankle_roll"))] = -0.3;
+    }
+    Stance stance;
+    body_.solve_at_rest(pose, stance);
+    EXPECT_EQ(stance.rest.corners, 0xF0U) << "stands on the right sole";
+    double left_m = -1.0;
+    for (const Vector2d& corner : body_.support_polygon(stance)) left_m = std::max(left_m, corner.y());
+    return left_m - stance.com_m.y();
+  };
+  EXPECT_GT(polygon_of(0.05), 0.05);
+  EXPECT_LT(polygon_of(0.4), 0.05);
 }
 
 // The power of the servos is the change of the energy, whatever the recursion.

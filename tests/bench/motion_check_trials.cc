@@ -1,0 +1,111 @@
+// Compares the verdict of `koboshi motion check` with simulated falls of random slow motions:
+//   motion_check_trials FIRST_SEED COUNT STEPPER [THREADS]
+// prints a line for each motion and the table of docs/experiment/motion-check.md.
+
+#include <fmt/core.h>
+
+#include <array>
+#include <atomic>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "sim_board/scenario/reader.h"
+#include "simulation/observe/watched_simulation.h"
+#include "tests/support/random_motion.h"
+#include "tests/support/temporary_folder.h"
+#include "tools/motion/check/check.h"
+
+namespace koboshi {
+namespace {
+
+struct Trial {
+  tools::Balance balance = tools::Balance::kNotJudged;
+  double margin_mm = 0.0;
+  bool detected = false;  // by the check's fall detector
+  bool refused = false;   // for another error than balance
+  bool fell = false;
+};
+
+constexpr double kAfter_s = 2.0;  // a robot that tips slowly falls within this time
+
+bool falls(const std::filesystem::path& motion, const std::string& stepper, double duration_s) {
+  const std::filesystem::path scenario = motion.parent_path() / (motion.stem().string() + "_scenario.yaml");
+  const double end_s = test::kTrialPlay_s + duration_s + kAfter_s;
+  std::ofstream(scenario) << test::trial_scenario(motion, stepper, end_s);
+  simulation::WatchedSimulation run(sim::read_scenario(scenario));
+  run.step(static_cast<std::size_t>(1000.0 * end_s));
+  const simulation::EventLog& events = run.recorder().events();
+  if (events.verdict().find("refused") != std::string::npos) throw std::runtime_error(events.verdict());
+  return run.recorder().fell() || events.falls() > 0 || !events.stands();
+}
+
+Trial run_trial(tools::MotionChecker& checker, const std::filesystem::path& folder, std::uint64_t seed,
+                const std::string& stepper) {
+  const std::filesystem::path file = folder / fmt::format("trial_{}.yaml", seed);
+  std::ofstream(file) << test::random_motion(seed);
+  Trial trial;
+  const tools::MotionReport report = checker.check(file);
+  trial.balance = report.balance;
+  trial.margin_mm = 1e3 * report.least_margin_m;
+  for (const simulation::Diagnostic& diagnostic : report.diagnostics) {
+    trial.detected = trial.detected || diagnostic.code == "C009";
+    trial.refused = trial.refused || (diagnostic.severity == simulation::Severity::kError &&
+                                      diagnostic.code != "C006" && diagnostic.code != "C009");
+  }
+  if (!trial.refused) trial.fell = falls(file, stepper, report.duration_s);
+  return trial;
+}
+
+int run(std::uint64_t first_seed, int count, const std::string& stepper, int threads) {
+  const test::TemporaryFolder folder;
+  std::vector<Trial> trials(static_cast<std::size_t>(count));
+  std::atomic<int> next = 0;
+  std::vector<std::thread> workers;
+  for (int i = 0; i < threads; ++i) {
+    workers.emplace_back([&] {
+      tools::MotionChecker checker(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
+      for (int n = next++; n < count; n = next++) {
+        const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(n);
+        trials[static_cast<std::size_t>(n)] = run_trial(checker, folder.path, seed, stepper);
+      }
+    });
+  }
+  for (std::thread& worker : workers) worker.join();
+  std::array<std::array<int, 2>, 4> counts{};
+  int refused = 0;
+  for (std::size_t n = 0; n < trials.size(); ++n) {
+    const Trial& trial = trials[n];
+    const auto called = trial.detected ? tools::Balance::kUnstable : trial.balance;
+    if (trial.refused) {
+      ++refused;
+      continue;
+    }
+    ++counts[static_cast<std::size_t>(called)][trial.fell ? 1 : 0];
+    fmt::print("{} {} margin {:.1f} mm{}: {}\n", first_seed + n,
+               tools::kBalanceNames[static_cast<std::size_t>(called)], trial.margin_mm,
+               trial.detected ? ", fall detector" : "", trial.fell ? "fell" : "stood");
+  }
+  fmt::print("\n| called | motions | stood | fell |\n| --- | --- | --- | --- |\n");
+  for (const std::size_t called : {1U, 2U, 3U})
+    fmt::print("| {} | {} | {} | {} |\n", tools::kBalanceNames[called], counts[called][0] + counts[called][1],
+               counts[called][0], counts[called][1]);
+  fmt::print("{} more were refused for speed, torque or collision\n", refused);
+  return 0;
+}
+
+}  // namespace
+}  // namespace koboshi
+
+int main(int argc, char** argv) {
+  if (argc < 4) {
+    fmt::print(stderr, "motion_check_trials FIRST_SEED COUNT STEPPER [THREADS]\n");
+    return 2;
+  }
+  return koboshi::run(std::strtoull(argv[1], nullptr, 10), std::atoi(argv[2]), argv[3],
+                      argc > 4 ? std::atoi(argv[4]) : 1);
+}
