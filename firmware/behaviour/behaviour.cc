@@ -26,13 +26,12 @@ Behaviour::Behaviour(const robot::RobotModel& model, bool model_valid, const mot
       model_valid_(model_valid),
       motions_(motions),
       parameters_(parameters),
-      interpreter_(model, up_B_),
+      interpreter_(model),
       walker_(model) {}
 
 const Decision& Behaviour::step(const estimation::RobotState& robot, const drive::DriveStatus& drives,
                                 const NetworkStatus& network, std::uint64_t now_us) {
   const Cycle cycle{robot, drives, now_us};
-  up_B_ = robot.up_B;
   watch_for_faults(cycle, network);
   watch_battery(drives);
   watch_for_falls(cycle);
@@ -158,8 +157,11 @@ void Behaviour::begin_soft_start() {
   auto to = decision_.targets;
   motion::Motion standing;
   const bool known = motions_.open(0, standing) && standing.pose_count() > 0;
-  for (std::size_t joint = 0; known && joint < model_.joint_count; ++joint) {
-    if ((standing.joint_mask(0) >> joint & 1u) != 0) to[joint] = standing.angle(0, joint);
+  auto pose = known ? standing.pose_reader(0) : motion::PoseReader();
+  while (pose.joints() != 0) {
+    std::size_t joint = 0;
+    const fixed::Angle angle = pose.read(joint);
+    to[joint] = robot::clamp_to_limits(model_.joints[joint], angle);
   }
   soft_start_.begin(targets(), {to.data(), model_.joint_count}, parameters_.power.ramp_rate);
 }
@@ -236,12 +238,12 @@ void Behaviour::run_standing(const Cycle& cycle) {
 
 void Behaviour::run_motion(const Cycle& cycle) {
   if (battery_low()) interpreter_.stop();
-  play_on(hal::kControlPeriod_us);
+  play_on(hal::kControlPeriod_us, cycle);
   if (!interpreter_.running()) handle(Event::kEnded, Reason::kProgress, cycle);
 }
 
-void Behaviour::play_on(std::uint32_t elapsed_us) {
-  interpreter_.advance(elapsed_us);
+void Behaviour::play_on(std::uint32_t elapsed_us, const Cycle& cycle) {
+  interpreter_.advance(elapsed_us, {.robot = cycle.robot});
   std::ranges::copy(interpreter_.targets(), decision_.targets.begin());
 }
 

@@ -122,7 +122,7 @@ class Behaviour {
   Reason obey_event(Event event, std::uint64_t now_us);
   Reason enable(const Judgement& judgement);
   Reason refusal_to_enable(const Judgement& judgement) const;
-  Reason play(std::int16_t number, std::uint64_t now_us);
+  Reason play(std::int16_t number, const Judgement& judgement);
   Reason walk(const Judgement& judgement);
   Reason get_up(const Judgement& judgement);
   Reason stop();
@@ -148,14 +148,14 @@ class Behaviour {
   void run_soft_start(const Cycle& cycle);
   void run_standing(const Cycle& cycle);
   void run_motion(const Cycle& cycle);
-  void play_on(std::uint32_t elapsed_us);
+  void play_on(std::uint32_t elapsed_us, const Cycle& cycle);
   void run_walking(const Cycle& cycle);
   void run_fault(const Cycle& cycle);
   void follow_actual(const drive::DriveStatus& drives) { decision_.targets = drives.angles; }
 
   // The states of a fall and of getting up (getting_up.cc).
   void begin_falling(FallDirection direction, const Cycle& cycle);
-  bool begin_role(motion::Role role);
+  bool begin_role(motion::Role role, const Cycle& cycle);
   void run_falling(const Cycle& cycle);
   void stand_up_straight(Reason reason, const Cycle& cycle);
   void run_fallen(const Cycle& cycle);
@@ -176,11 +176,10 @@ class Behaviour {
   const Parameters parameters_;
   Status status_;
   Decision decision_;
-  walk::Velocity velocity_;                // commanded; the last one within the limits
-  std::uint64_t entered_us_ = 0;           // when the present state began
-  fixed::Debounce low_supply_;             // by the drives' readings
-  bool has_rolled_ = false;                // in this attempt to get up
-  robot::Direction up_B_ = robot::kAxisZ;  // of the present cycle, for the interpreter
+  walk::Velocity velocity_;       // commanded; the last one within the limits
+  std::uint64_t entered_us_ = 0;  // when the present state began
+  fixed::Debounce low_supply_;    // by the drives' readings
+  bool has_rolled_ = false;       // in this attempt to get up
   motion::Interpreter interpreter_;
   walk::Walker walker_;
   SoftStart soft_start_;

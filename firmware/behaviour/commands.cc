@@ -42,7 +42,7 @@ Reason Behaviour::judge(Command command, std::int16_t argument, const Judgement&
     case Command::kLimp:
       return obey_event(Event::kLimp, judgement.now_us);
     case Command::kPlay:
-      return play(argument, judgement.now_us);
+      return play(argument, judgement);
     case Command::kStop:
       return stop();
     case Command::kWalk:
@@ -88,14 +88,14 @@ Reason Behaviour::refusal_to_enable(const Judgement& judgement) const {
   return plausible ? Reason::kNone : Reason::kImuImplausible;
 }
 
-Reason Behaviour::play(std::int16_t number, std::uint64_t now_us) {
+Reason Behaviour::play(std::int16_t number, const Judgement& judgement) {
   if (status_.state != State::kStanding) return Reason::kNotInThisState;
   if (number < 0) return Reason::kNoSuchMotion;
   motion::Motion motion;
   if (!motions_.open(static_cast<std::uint16_t>(number), motion)) return Reason::kNoSuchMotion;
   status_.motion = static_cast<std::uint8_t>(number);
-  interpreter_.start(motion, targets());
-  return obey_event(Event::kPlay, now_us);
+  interpreter_.start(motion, targets(), {.robot = judgement.robot});
+  return obey_event(Event::kPlay, judgement.now_us);
 }
 
 // While the robot walks, the command only cancels a stop. Without a known gyro bias, the estimated attitude

@@ -43,16 +43,16 @@ void Behaviour::begin_falling(FallDirection direction, const Cycle& cycle) {
   interpreter_.abort();
   status_.falls = fixed::add_saturated(status_.falls, std::uint16_t{1});
   // A robot without a motion for this direction keeps its pose.
-  static_cast<void>(begin_role(role_of(direction)));
+  static_cast<void>(begin_role(role_of(direction), cycle));
   handle(Event::kFall, Reason::kFallPredicted, cycle);
 }
 
-bool Behaviour::begin_role(Role role) {
+bool Behaviour::begin_role(Role role, const Cycle& cycle) {
   const auto number = motions_.number_of(role);
   motion::Motion motion;
   if (!number || !motions_.open(*number, motion)) return false;
   status_.motion = static_cast<std::uint8_t>(*number);
-  interpreter_.start(motion, targets());
+  interpreter_.start(motion, targets(), {.robot = cycle.robot});
   return true;
 }
 
@@ -60,7 +60,7 @@ bool Behaviour::begin_role(Role role) {
 // they go limp, so that the impact does not load the gears. A robot that bends low enough may not fall at
 // all: it comes to rest on its feet.
 void Behaviour::run_falling(const Cycle& cycle) {
-  if (interpreter_.running()) play_on(hal::kControlPeriod_us);
+  if (interpreter_.running()) play_on(hal::kControlPeriod_us, cycle);
   const bool rests = !interpreter_.running() && rest_detector_.update(cycle.robot.rates_B);
   if (rests && can_rest_on_feet(cycle.robot.up_B)) return stand_up_straight(Reason::kCaughtItself, cycle);
   if (rests || is_down(cycle.robot.up_B) || cycle.now_us - entered_us_ >= kMaxFallDuration_us) {
@@ -106,7 +106,7 @@ void Behaviour::run_righting(const Cycle& cycle) {
 }
 
 void Behaviour::rise(Role role, Reason lying, const Cycle& cycle) {
-  if (!begin_role(role)) return fail(Reason::kCannotGetUp, cycle.drives.fault, cycle.now_us);
+  if (!begin_role(role, cycle)) return fail(Reason::kCannotGetUp, cycle.drives.fault, cycle.now_us);
   handle(Event::kProneOrSupine, lying, cycle);
 }
 
@@ -132,12 +132,12 @@ fixed::Angle Behaviour::thigh_pitch(const Cycle& cycle) const {
 void Behaviour::turn_from_side(Role roll, Reason side, const Cycle& cycle) {
   if (has_rolled_) return handle(Event::kRecoveryStepFailed, Reason::kRecoveryStepFailed, cycle);
   has_rolled_ = true;
-  if (!begin_role(roll)) return fail(Reason::kCannotGetUp, cycle.drives.fault, cycle.now_us);
+  if (!begin_role(roll, cycle)) return fail(Reason::kCannotGetUp, cycle.drives.fault, cycle.now_us);
   handle(Event::kOnSide, side, cycle);
 }
 
 void Behaviour::run_getting_up(const Cycle& cycle) {
-  play_on(hal::kControlPeriod_us * pace_percent() / 100);
+  play_on(hal::kControlPeriod_us * pace_percent() / 100, cycle);
   if (interpreter_.running()) return;
   if (interpreter_.failed()) return handle(Event::kRecoveryStepFailed, Reason::kRecoveryStepFailed, cycle);
   handle(Event::kEnded, Reason::kProgress, cycle);

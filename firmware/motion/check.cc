@@ -1,7 +1,7 @@
 #include "firmware/motion/check.h"
 
-#include <algorithm>
-#include <array>
+#include "firmware/motion/flow_check.h"
+#include "firmware/motion/instructions.h"
 
 namespace koboshi::motion {
 namespace {
@@ -9,118 +9,149 @@ namespace {
 using robot::RobotModel;
 
 MotionStatus check_pose(const Motion& motion, const RobotModel& model, std::size_t pose) {
-  const std::uint32_t mask = motion.joint_mask(pose);
-  if ((mask >> motion.joint_count()) != 0) return MotionStatus::kBadPose;
-  for (std::size_t i = 0; i < motion.joint_count(); ++i) {
-    const fixed::Angle angle = motion.angle(pose, i);
-    if ((mask >> i & 1u) == 0) {
-      if (angle != fixed::Angle()) return MotionStatus::kBadPose;
-    } else if (angle < model.joints[i].lower || angle > model.joints[i].upper) {
+  constexpr std::int64_t kTolerance = std::int64_t{1} << kPoseShift;  // of rounding
+  PoseReader reader = motion.pose_reader(pose);
+  while (reader.joints() != 0) {
+    std::size_t joint = 0;
+    const std::int64_t angle_raw = reader.read(joint).raw();
+    if (angle_raw < model.joints[joint].lower.raw() - kTolerance ||
+        angle_raw > model.joints[joint].upper.raw() + kTolerance) {
       return MotionStatus::kBeyondLimits;
     }
   }
-  return MotionStatus::kOk;
+  return reader.rest() == 0 ? MotionStatus::kOk : MotionStatus::kBadPose;
 }
 
-bool uses_operand(Opcode opcode) { return opcode != Opcode::kEnd && opcode != Opcode::kWait; }
+constexpr MotionStatus ok_if(bool condition, MotionStatus otherwise = MotionStatus::kBadOpcode) {
+  return condition ? MotionStatus::kOk : otherwise;
+}
+
+constexpr bool only(std::uint8_t mode, std::uint8_t mask) { return (mode & ~mask) == 0; }
+
+bool is_time(std::uint32_t time_us) { return time_us >= kMinStepTime_us && time_us <= kMaxStepTime_us; }
 
 MotionStatus check_attitude(const Step& step) {
   constexpr int kMinSquare = 100 * 100;
   constexpr int kMaxSquare = 154 * 154;
   int square = 0;
   for (const int part : ExpectedAttitude::of(step).up_B) square += part * part;
-  const bool is_direction = square >= kMinSquare && square <= kMaxSquare && step.time_us >> 24 == 0;
-  return is_direction ? MotionStatus::kOk : MotionStatus::kBadAttitude;
+  const bool is_direction = square >= kMinSquare && square <= kMaxSquare && step.value >> 24 == 0;
+  return ok_if(is_direction && step.mode == 0, MotionStatus::kBadAttitude);
+}
+
+MotionStatus check_move(const Motion& motion, const Step& step) {
+  const Move move = Move::of(step);
+  if (!only(step.mode, Move::kModeMask) || move.interpolation > kLastInterpolation)
+    return MotionStatus::kBadOpcode;
+  if (!(move.by_speed ? move.value > 0 : is_time(move.value))) return MotionStatus::kBadStepTime;
+  return ok_if(move.pose < motion.pose_count(), MotionStatus::kNoSuchPose);
+}
+
+bool is_source(const Motion& motion, SourceRef ref) {
+  switch (ref.source) {
+    case Source::kVariable:
+      return ref.index < motion.variable_count();
+    case Source::kJointAngle:
+    case Source::kJointError:
+    case Source::kJointTorque:
+      return ref.index < motion.joint_count();
+    case Source::kInput:
+      return ref.index < kInputCount;
+    default:
+      return ref.source <= kLastSource && ref.index == 0;
+  }
+}
+
+MotionStatus check_test(const Motion& motion, const Step& step) {
+  const Test test = Test::of(step);
+  if (!only(step.mode, Test::kModeMask) || test.comparison > kLastComparison) return MotionStatus::kBadOpcode;
+  const bool right_known = !test.with_variable || step.value < motion.variable_count();
+  return ok_if(right_known && is_source(motion, test.left), MotionStatus::kBadSource);
+}
+
+MotionStatus check_condition(const Step& step) {
+  if (!only(step.mode, Condition::kModeMask)) return MotionStatus::kBadOpcode;
+  const std::size_t count = Condition::of(step).count;
+  if (count == 0 || count > kMaxTests) return MotionStatus::kBadTest;
+  if (step.opcode == Opcode::kAwait) return ok_if(is_time(step.value), MotionStatus::kBadStepTime);
+  return ok_if(step.value == 0);
+}
+
+MotionStatus check_assignment(const Motion& motion, const Step& step) {
+  const Assignment assignment = Assignment::of(step);
+  if (!only(step.mode, Assignment::kModeMask)) return MotionStatus::kBadOpcode;
+  if (assignment.variable >= motion.variable_count()) return MotionStatus::kBadSource;
+  const bool known = step.value >> 16 == 0 && is_source(motion, SourceRef::of(step.value));
+  return ok_if(!assignment.from_source || known, MotionStatus::kBadSource);
+}
+
+MotionStatus check_mix(const Motion& motion, const Step& step) {
+  const Mix mix = Mix::of(step);
+  if (mix.source > kLastMixSource) return MotionStatus::kBadOpcode;
+  const bool limited = mix.limit >= Mix::kMinLimit && mix.limit <= Mix::kMaxLimit;
+  const bool removes = mix.gain == 0 && mix.limit == 0;
+  return ok_if(step.operand < motion.joint_count() && (limited || removes), MotionStatus::kBadJoint);
+}
+
+MotionStatus check_stiffness(const Motion& motion, const Step& step) {
+  const Stiffness stiffness = Stiffness::of(step);
+  const bool joints_exist = stiffness.joints != 0 && stiffness.joints >> motion.joint_count() == 0;
+  if (step.operand != 0) return MotionStatus::kBadOpcode;
+  return ok_if(joints_exist && stiffness.percent <= Stiffness::kFull, MotionStatus::kBadJoint);
 }
 
 MotionStatus check_fields(const Motion& motion, const Step& step) {
-  if (step.opcode > Opcode::kExpect) return MotionStatus::kBadOpcode;
-  if (!uses_operand(step.opcode) && step.operand != 0) return MotionStatus::kBadOpcode;
-  if (step.opcode == Opcode::kExpect) return check_attitude(step);
-  if (!takes_time(step.opcode)) return step.time_us == 0 ? MotionStatus::kOk : MotionStatus::kBadOpcode;
-  if (step.time_us < kMinStepTime_us || step.time_us > kMaxStepTime_us) return MotionStatus::kBadStepTime;
-  if (step.opcode == Opcode::kMove && step.operand >= motion.pose_count()) return MotionStatus::kNoSuchPose;
-  return MotionStatus::kOk;
-}
-
-constexpr MotionVerdict kGood{};
-
-constexpr MotionVerdict refuse(MotionStatus status, std::size_t index) {
-  return {status, static_cast<std::uint16_t>(index)};
-}
-
-MotionVerdict check_loops(const Motion& motion) {
-  std::array<std::size_t, kMaxLoopDepth> open{};
-  std::size_t depth = 0;
-  for (std::size_t i = 0; i < motion.step_count(); ++i) {
-    const Step step = motion.step(i);
-    if (step.opcode == Opcode::kLoopBegin) {
-      if (depth == kMaxLoopDepth) return refuse(MotionStatus::kBadLoop, i);
-      open[depth++] = i;
-    } else if (step.opcode == Opcode::kLoopEnd) {
-      if (depth == 0 || open[--depth] != step.operand) return refuse(MotionStatus::kBadLoop, i);
-    }
+  switch (step.opcode) {
+    case Opcode::kEnd:
+    case Opcode::kReturn:
+    case Opcode::kFail:
+    case Opcode::kMixClear:
+      return ok_if(step.mode == 0 && step.operand == 0 && step.value == 0);
+    case Opcode::kMove:
+      return check_move(motion, step);
+    case Opcode::kWait:
+      if (step.mode != 0 || step.operand != 0) return MotionStatus::kBadOpcode;
+      return ok_if(is_time(step.value), MotionStatus::kBadStepTime);
+    case Opcode::kLoopBegin:
+    case Opcode::kLoopEnd:
+    case Opcode::kJump:
+    case Opcode::kCall:
+      return ok_if(step.mode == 0 && step.value == 0);
+    case Opcode::kExpect:
+      return check_attitude(step);
+    case Opcode::kTest:
+      return check_test(motion, step);
+    case Opcode::kBranch:
+    case Opcode::kAwait:
+      return check_condition(step);
+    case Opcode::kSet:
+      return check_assignment(motion, step);
+    case Opcode::kMix:
+      return check_mix(motion, step);
+    case Opcode::kStiffness:
+      return check_stiffness(motion, step);
+    case Opcode::kLean:
+      return ok_if(step.mode == 0 && step.value >> 16 == 0);
   }
-  return depth == 0 ? kGood : refuse(MotionStatus::kBadLoop, open[depth - 1]);
-}
-
-// Whether two steps are in one loop body: every loop that begins between them ends between them, and the
-// other way round.
-bool same_body(const Motion& motion, std::size_t first, std::size_t last) {
-  std::size_t depth = 0;
-  for (std::size_t i = first; i < last; ++i) {
-    const Opcode opcode = motion.step(i).opcode;
-    if (opcode == Opcode::kLoopBegin) ++depth;
-    if (opcode == Opcode::kLoopEnd) {
-      if (depth == 0) return false;
-      --depth;
-    }
-  }
-  return depth == 0;
-}
-
-MotionVerdict check_jumps(const Motion& motion) {
-  std::size_t jumps = 0;
-  for (std::size_t i = 0; i < motion.step_count(); ++i) {
-    const Step step = motion.step(i);
-    if (step.opcode != Opcode::kJump) continue;
-    const std::size_t target = step.operand;
-    if (++jumps > kMaxJumps || target >= motion.step_count() ||
-        !same_body(motion, std::min(i, target), std::max(i, target))) {
-      return refuse(MotionStatus::kBadJump, i);
-    }
-  }
-  return kGood;
-}
-
-// Walks from a step until one that takes time or ends the motion, leaving loops at their end. At most
-// kMaxZeroTimeSteps. With `within_body`, a loop's end is no way out: what comes there without time could go
-// round for ever.
-bool time_passes_from(const Motion& motion, std::size_t index, bool within_body) {
-  for (std::size_t count = 0; count <= kMaxZeroTimeSteps; ++count) {
-    const Step step = motion.step(index);
-    if (takes_time(step.opcode) || step.opcode == Opcode::kEnd) return true;
-    if (within_body && step.opcode == Opcode::kLoopEnd) return false;
-    index = step.opcode == Opcode::kJump ? step.operand : index + 1;
-  }
-  return false;
-}
-
-// A cycle without time would have to go back through the end of a loop or by jumps alone. The walk from the
-// loop's first step rules out the one, the bounded walk from every step the other.
-MotionVerdict check_time(const Motion& motion) {
-  for (std::size_t i = 0; i < motion.step_count(); ++i) {
-    const bool is_loop = motion.step(i).opcode == Opcode::kLoopBegin;
-    if (!time_passes_from(motion, i, false) || (is_loop && !time_passes_from(motion, i + 1, true))) {
-      return refuse(MotionStatus::kTakesNoTime, i);
-    }
-  }
-  return kGood;
+  return MotionStatus::kBadOpcode;
 }
 
 }  // namespace
 
-MotionVerdict check_motion(const Motion& motion, const RobotModel& model) {
+MotionVerdict check_groups(const Motion& motion) {
+  std::size_t poses = 0;
+  for (std::size_t i = 0; i < motion.group_count(); ++i) {
+    const PoseGroup group = motion.group(i);
+    poses += group.count;
+    bool good = group.joints != 0 && group.joints >> motion.joint_count() == 0 && group.count != 0;
+    for (std::size_t earlier = 0; earlier < i; ++earlier)
+      good = good && motion.group(earlier).joints != group.joints;
+    if (!good) return refuse(MotionStatus::kBadGroup, i);
+  }
+  return poses == motion.pose_count() ? kAccepted : refuse(MotionStatus::kBadCount, 0);
+}
+
+MotionVerdict check_motion(const Motion& motion, const RobotModel& model, std::uint16_t& main_step_count) {
   for (std::size_t i = 0; i < motion.pose_count(); ++i) {
     const MotionStatus status = check_pose(motion, model, i);
     if (status != MotionStatus::kOk) return refuse(status, i);
@@ -129,11 +160,10 @@ MotionVerdict check_motion(const Motion& motion, const RobotModel& model) {
     const MotionStatus status = check_fields(motion, motion.step(i));
     if (status != MotionStatus::kOk) return refuse(status, i);
   }
-  const std::size_t last = motion.step_count() - 1;
-  if (motion.step(last).opcode != Opcode::kEnd) return refuse(MotionStatus::kNoEnd, last);
-  if (const MotionVerdict verdict = check_loops(motion); !verdict.ok()) return verdict;
-  if (const MotionVerdict verdict = check_jumps(motion); !verdict.ok()) return verdict;
-  return check_time(motion);
+  FlowCheck flow(motion);
+  const MotionVerdict verdict = flow.check();
+  if (verdict.ok()) main_step_count = static_cast<std::uint16_t>(flow.main_step_count());
+  return verdict;
 }
 
 }  // namespace koboshi::motion

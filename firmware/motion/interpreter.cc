@@ -8,117 +8,274 @@
 namespace koboshi::motion {
 
 using fixed::Angle;
-using robot::clamp_to_limits;
 
-Interpreter::Interpreter(const robot::RobotModel& model, const robot::Direction& up_B)
-    : model_(model), up_B_(up_B) {
-  for (std::size_t i = 0; i < model_.joint_count; ++i)
-    targets_[i] = clamp_to_limits(model_.joints[i], Angle());
-  from_ = targets_;
-  to_ = targets_;
-}
-
-void Interpreter::start(const Motion& motion, std::span<const Angle> pose) {
-  KOBOSHI_ASSERT(pose.size() == model_.joint_count);
+void Interpreter::start(const Motion& motion, std::span<const Angle> pose, const Inputs& inputs) {
+  trajectory_.reset(pose);
+  state_.reset();
+  mixer_.clear();
   motion_ = motion;
   running_ = true;
-  stopping_ = false;
   failed_ = false;
-  loop_depth_ = 0;
-  for (std::size_t i = 0; i < model_.joint_count; ++i)
-    targets_[i] = clamp_to_limits(model_.joints[i], pose[i]);
-  from_ = targets_;
-  to_ = targets_;
-  enter(0);
+  exit_pending_ = false;
+  exiting_ = false;
+  cubic_through_ = kNoStep;
+  owed_us_ = 0;
+  depth_ = 0;
+  lean_from_ = lean_to_ = lean_ = declared_ = {};
+  stiffness_percent_.fill(Stiffness::kFull);
+  zero_time_left_ = kMaxZeroTimeSteps;
+  moves_left_ = kMaxMoves;
+  enter(0, inputs);
 }
 
-void Interpreter::advance(std::uint32_t elapsed_us) {
-  std::uint32_t left_us = std::min(elapsed_us, kMaxAdvance_us);
+void Interpreter::stop() {
+  state_.stop();
+  if (motion_.exit_step() == kNoStep || exiting_) return;
+  exit_pending_ = true;
+  if (awaiting_) step_time_us_ = step_elapsed_us_;
+}
+
+void Interpreter::advance(std::uint32_t elapsed_us, const Inputs& inputs) {
+  std::uint32_t left_us = std::min(std::min(elapsed_us, kMaxAdvance_us) + owed_us_, kMaxAdvance_us);
+  owed_us_ = 0;
+  zero_time_left_ = kMaxZeroTimeSteps;
+  moves_left_ = kMaxMoves;
+  if (running_ && awaiting_) {
+    const Step step = motion_.step(step_index_);
+    zero_time_left_ -= Condition::of(step).count;
+    if (state_.holds(motion_, step_index_, step, inputs, targets())) {
+      awaiting_ = false;
+      step_time_us_ = step_elapsed_us_;
+      next_index_ = following(step);
+    }
+  }
   while (running_ && left_us > 0) {
     const std::uint32_t step_left_us = step_time_us_ - step_elapsed_us_;
-    if (left_us < step_left_us) {
-      step_elapsed_us_ += left_us;
-      left_us = 0;
-    } else {
-      left_us -= step_left_us;
-      from_ = to_;
-      enter(static_cast<std::uint16_t>(step_index_ + 1));
+    const std::uint32_t passing_us = std::min(left_us, step_left_us);
+    state_.pass(passing_us);
+    step_elapsed_us_ += passing_us;
+    left_us -= passing_us;
+    if (passing_us < step_left_us) break;
+    if (!end_step(inputs)) {
+      owed_us_ = left_us;
+      break;
     }
   }
-  interpolate();
+  if (running_) interpolate();
 }
 
-// Goes through steps that take no time until one that does. The validator has bounded their number; the bound
-// here is for the reader.
-void Interpreter::enter(std::uint16_t index) {
+// Ends the present step and enters the next one. Returns whether the work of this call goes on.
+bool Interpreter::end_step(const Inputs& inputs) {
+  trajectory_.finish();
+  lean_from_ = lean_ = lean_to_;
+  if (exit_pending_) {
+    exit_pending_ = false;
+    exiting_ = true;
+    depth_ = 0;
+    return enter(motion_.exit_step(), inputs);
+  }
+  if (!awaiting_) return enter(next_index_, inputs);
+  const Step await = motion_.step(step_index_);
+  if (await.operand != kNoStep) return enter(jump(await.operand, following(await)), inputs);
+  fail();
+  return false;
+}
+
+// Carries out steps that take no time until one that does. Returns false if the motion has ended, or the work
+// of this call is done.
+bool Interpreter::enter(std::uint16_t index, const Inputs& inputs) {
+  awaiting_ = false;
+  step_time_us_ = 0;
   step_elapsed_us_ = 0;
-  for (std::size_t count = 0; count < kMaxSteps; ++count) {
+  for (;;) {
     step_index_ = index;
     const Step step = motion_.step(index);
-    step_time_us_ = takes_time(step.opcode) ? step.time_us : 0;
-    switch (step.opcode) {
-      case Opcode::kMove:
-        return begin_move(step);
-      case Opcode::kWait:
-        return;
-      case Opcode::kLoopBegin:
-        index = next_of_loop_begin(index, step);
-        break;
-      case Opcode::kLoopEnd:
-        index = next_of_loop_end(index, step);
-        break;
-      case Opcode::kJump:
-        index = next_of_jump(index, step);
-        break;
-      case Opcode::kExpect:
-        failed_ = !ExpectedAttitude::of(step).is_met_by(up_B_);
-        if (failed_) {
-          running_ = false;
-          return;
-        }
-        ++index;
-        break;
-      case Opcode::kEnd:
-        running_ = false;
-        return;
+    if (!spend(step)) {
+      suspend(index);
+      return false;
     }
-  }
-  running_ = false;
-}
-
-void Interpreter::begin_move(const Step& step) {
-  const std::uint32_t mask = motion_.joint_mask(step.operand);
-  for (std::size_t i = 0; i < model_.joint_count; ++i) {
-    if ((mask >> i & 1u) != 0) to_[i] = motion_.angle(step.operand, i);
+    if (begin_timed(step, inputs)) return true;
+    index = execute(step, inputs);
+    if (!running_) return false;
   }
 }
 
-std::uint16_t Interpreter::next_of_loop_begin(std::uint16_t index, const Step& step) {
-  rounds_left_[loop_depth_++] = step.operand;
-  return static_cast<std::uint16_t>(index + 1);
+// Subtracts a step from the work that this call may do. Returns false if too little is left.
+bool Interpreter::spend(const Step& step) {
+  if (takes_time(step.opcode)) {
+    const bool cubic = step.opcode == Opcode::kMove && Move::of(step).interpolation == Interpolation::kCubic;
+    moves_left_ -= cubic ? 2 : 1;
+    return moves_left_ >= 0;
+  }
+  zero_time_left_ -= has_condition(step.opcode) ? 1 + Condition::of(step).count : 1;
+  return zero_time_left_ >= 0;
 }
 
-std::uint16_t Interpreter::next_of_loop_end(std::uint16_t index, const Step& step) {
-  std::uint16_t& rounds_left = rounds_left_[loop_depth_ - 1];
-  if (stopping_ || rounds_left == 1) {
-    --loop_depth_;
-    return static_cast<std::uint16_t>(index + 1);
+// Leaves the step to the next call: nothing moves until then.
+void Interpreter::suspend(std::uint16_t index) {
+  trajectory_.begin_wait();
+  next_index_ = index;
+}
+
+// Begins the step if it takes time. Returns false if it does not.
+bool Interpreter::begin_timed(const Step& step, const Inputs& inputs) {
+  switch (step.opcode) {
+    case Opcode::kMove:
+      begin_move(Move::of(step));
+      break;
+    case Opcode::kWait:
+      trajectory_.begin_wait();
+      step_time_us_ = step.value;
+      break;
+    case Opcode::kAwait:
+      if (state_.holds(motion_, step_index_, step, inputs, targets())) return false;
+      trajectory_.begin_wait();
+      awaiting_ = true;
+      step_time_us_ = step.value;
+      break;
+    default:
+      return false;
+  }
+  next_index_ = static_cast<std::uint16_t>(step_index_ + 1);
+  lean_to_ = declared_;
+  return true;
+}
+
+std::uint32_t Interpreter::time_of(const Move& move, PoseReader pose) const {
+  if (!move.by_speed) return move.value;
+  return Trajectory::duration_us(move.interpolation, trajectory_.travel_to(pose), move.value);
+}
+
+void Interpreter::begin_move(const Move& move) {
+  const PoseReader pose = motion_.pose_reader(move.pose);
+  step_time_us_ = time_of(move, pose);
+  const bool continues = cubic_through_ == step_index_;
+  cubic_through_ = kNoStep;
+  trajectory_.begin_move(move.interpolation, pose, continues);
+  if (move.interpolation != Interpolation::kCubic) return;
+  const auto next_index = static_cast<std::uint16_t>(step_index_ + 1);
+  const Step next_step = motion_.step(next_index);
+  const Move next = Move::of(next_step);
+  if (next_step.opcode != Opcode::kMove || next.interpolation != Interpolation::kCubic) return;
+  const PoseReader next_pose = motion_.pose_reader(next.pose);
+  trajectory_.plan_through(step_time_us_, next_pose, time_of(next, next_pose));
+  cubic_through_ = next_index;
+}
+
+// Carries out a step that takes no time, or an await whose condition holds. Returns the next one, unless the
+// motion ends.
+std::uint16_t Interpreter::execute(const Step& step, const Inputs& inputs) {
+  const std::uint16_t next = following(step);
+  switch (step.opcode) {
+    case Opcode::kLoopBegin:
+      KOBOSHI_ASSERT(depth_ < stack_.size());
+      stack_[depth_++] = {.rounds_left = step.operand};
+      return next;
+    case Opcode::kLoopEnd:
+      return after_loop_end(step);
+    case Opcode::kJump: {
+      const std::uint16_t target = jump(step.operand, next);
+      if (target == motion_.main_step_count()) running_ = false;  // ran past the main program, after a stop
+      return target;
+    }
+    case Opcode::kExpect:
+      if (!ExpectedAttitude::of(step).is_met_by(inputs.robot.up_B)) fail();
+      return next;
+    case Opcode::kBranch:
+      return state_.holds(motion_, step_index_, step, inputs, targets()) ? jump(step.operand, next) : next;
+    case Opcode::kSet:
+      if (!state_.assign(Assignment::of(step), inputs, targets())) fail();
+      return next;
+    case Opcode::kCall:
+      KOBOSHI_ASSERT(depth_ < stack_.size());
+      stack_[depth_++] = {.resume = next};
+      return step.operand;
+    case Opcode::kReturn:
+      return after_return();
+    case Opcode::kMix:
+      if (!mixer_.set(Mix::of(step))) fail();
+      return next;
+    case Opcode::kMixClear:
+      mixer_.clear();
+      return next;
+    case Opcode::kStiffness:
+      set_stiffness(Stiffness::of(step));
+      return next;
+    case Opcode::kLean:
+      declared_ = LeanDeclaration::of(step).lean();
+      return next;
+    case Opcode::kFail:
+      fail();
+      return next;
+    case Opcode::kAwait:
+    case Opcode::kTest:  // a condition continues after its tests
+    case Opcode::kMove:  // begin_timed
+    case Opcode::kWait:
+      return next;
+    case Opcode::kEnd:
+      running_ = false;
+      return next;
+  }
+  return next;
+}
+
+// The step after this one, and after the tests of its condition.
+std::uint16_t Interpreter::following(const Step& step) const {
+  const unsigned tests = has_condition(step.opcode) ? Condition::of(step).count : 0u;
+  return static_cast<std::uint16_t>(step_index_ + 1u + tests);
+}
+
+std::uint16_t Interpreter::after_loop_end(const Step& step) {
+  KOBOSHI_ASSERT(depth_ > 0);
+  std::uint16_t& rounds_left = stack_[depth_ - 1].rounds_left;
+  // An exit path repeats what it counts.
+  const bool ends = rounds_left == 1 || (state_.stopping() && !(exiting_ && rounds_left > 1));
+  if (ends) {
+    --depth_;
+    return following(step);
   }
   if (rounds_left > 1) --rounds_left;
   return static_cast<std::uint16_t>(step.operand + 1);
 }
 
-std::uint16_t Interpreter::next_of_jump(std::uint16_t index, const Step& step) const {
-  const bool backwards = step.operand <= index;
-  return stopping_ && backwards ? static_cast<std::uint16_t>(index + 1) : step.operand;
+// Leaves the loops of the subroutine, too.
+std::uint16_t Interpreter::after_return() {
+  std::uint16_t resume = kNoStep;
+  while (resume == kNoStep) {
+    KOBOSHI_ASSERT(depth_ > 0);
+    resume = stack_[--depth_].resume;
+  }
+  return resume;
+}
+
+// After a stop, the program only runs forward.
+std::uint16_t Interpreter::jump(std::uint16_t target, std::uint16_t otherwise) const {
+  return state_.stopping() && target <= step_index_ ? otherwise : target;
+}
+
+void Interpreter::set_stiffness(const Stiffness& stiffness) {
+  for (std::size_t i = 0; i < model_.joint_count; ++i) {
+    if ((stiffness.joints >> i & 1u) != 0) stiffness_percent_[i] = stiffness.percent;
+  }
+}
+
+void Interpreter::fail() {
+  failed_ = true;
+  running_ = false;
+}
+
+void Interpreter::add_corrections(std::span<Angle> targets, const estimation::RobotState& robot) const {
+  KOBOSHI_ASSERT(targets.size() == model_.joint_count);
+  if (running_) mixer_.add_to(targets, model_, robot, lean_);
 }
 
 void Interpreter::interpolate() {
   const fixed::Ratio fraction = fixed::elapsed_fraction(static_cast<std::int32_t>(step_elapsed_us_),
                                                         static_cast<std::int32_t>(step_time_us_));
-  for (std::size_t i = 0; i < model_.joint_count; ++i) {
-    targets_[i] = fixed::interpolate(from_[i], to_[i], fraction);
-  }
+  trajectory_.interpolate(fraction);
+  if (lean_from_ == lean_to_) return;
+  lean_.roll = fixed::interpolate(lean_from_.roll, lean_to_.roll, fraction);
+  lean_.pitch = fixed::interpolate(lean_from_.pitch, lean_to_.pitch, fraction);
 }
 
 }  // namespace koboshi::motion

@@ -4,70 +4,115 @@
 #include <cstdint>
 #include <span>
 
+#include "firmware/motion/inputs.h"
+#include "firmware/motion/mixer.h"
 #include "firmware/motion/motion.h"
+#include "firmware/motion/program_state.h"
+#include "firmware/motion/trajectory.h"
 
 namespace koboshi::motion {
 
-// Plays one motion at a time, with linear interpolation between its poses, as the paper's motion editor does.
-// Time is an argument. The rest of it after the end of a step goes to the next step: a motion takes the sum
-// of its steps' times, however it is divided into calls.
+// Plays one motion at a time. Time is an argument. The rest of it after the end of a step goes to the next
+// step: a motion takes the sum of its steps' times, however it is divided into calls. The work of a call is
+// bounded: what exceeds kMaxZeroTimeSteps or kMaxMoves is left to the next call, together with its time.
 class Interpreter {
  public:
-  // `up_B`: unit vector against gravity in axes of B, which `kExpect` steps read when they are reached. It
-  // and the model must outlive the interpreter. Before the first motion the targets are zero, clamped to the
+  // The steps without time that are carried out in one call, tests included.
+  static constexpr int kMaxZeroTimeSteps = 16;
+  // The moves and waits that begin in one call; a cubic move counts as two.
+  static constexpr int kMaxMoves = 4;
+  static constexpr std::uint32_t kMaxAdvance_us = 100'000;
+
+  // The model must outlive the interpreter. Before the first motion the targets are zero, clamped to the
   // limits.
-  Interpreter(const robot::RobotModel& model, const robot::Direction& up_B);
+  explicit Interpreter(const robot::RobotModel& model) : trajectory_(model), model_(model) {}
 
   // Starts a motion from `pose`, the targets in force, one angle for each joint, so that the targets are
   // continuous; they are clamped to the limits. `motion` was opened for this model; its bytes must remain
   // until it has ended or another one is started.
-  void start(const Motion& motion, std::span<const fixed::Angle> pose);
-  // Ends the motion in an orderly way: loops end instead of repeating, and jumps backwards are not taken. The
-  // rest of the motion takes at most the time of all its steps.
-  void stop() { stopping_ = true; }
+  void start(const Motion& motion, std::span<const fixed::Angle> pose, const Inputs& inputs);
+  // Ends the motion in an orderly way. With an exit path, the program goes on there at the end of the present
+  // step; an await ends at once. Without one, loops end instead of repeating, and jumps backwards are not
+  // taken.
+  void stop();
   // Ends the motion at once; the targets are kept.
   void abort() { running_ = false; }
 
   // Advances the motion. More than kMaxAdvance_us counts as kMaxAdvance_us: after a gap the motion resumes
   // where it was, it does not jump.
-  void advance(std::uint32_t elapsed_us);
+  void advance(std::uint32_t elapsed_us, const Inputs& inputs);
 
   [[nodiscard]] bool running() const { return running_; }
-  // Returns whether the motion ended because a kExpect step was not met.
+  // Returns whether the motion ended at a kFail step, an attitude or time-out that was not met, a division by
+  // zero or more than kMaxMixes corrections.
   [[nodiscard]] bool failed() const { return failed_; }
-  // Returns the target of each joint, within its limits; after the end, the last ones.
-  [[nodiscard]] std::span<const fixed::Angle> targets() const {
-    return {targets_.data(), model_.joint_count};
+  // Returns the target of each joint, within its limits and without the corrections of kMix; after the end,
+  // the last ones.
+  [[nodiscard]] std::span<const fixed::Angle> targets() const { return trajectory_.targets(); }
+  // Adds the corrections of kMix to these targets, one for each joint, within their limits. After the end
+  // there are none.
+  void add_corrections(std::span<fixed::Angle> targets, const estimation::RobotState& robot) const;
+  // Returns the declared lean; after the end, none.
+  [[nodiscard]] Lean lean() const { return running_ ? lean_ : Lean(); }
+  // Returns the share of the drives' full torque, by joint, in percent; after the end, all of it.
+  [[nodiscard]] std::uint8_t stiffness_percent(std::size_t joint) const {
+    return running_ ? stiffness_percent_[joint] : Stiffness::kFull;
   }
-  // Returns the step being played, for monitoring; after the end, that of kEnd.
+  // Returns the joints of the motion, also after its end (Motion::claimed_joints).
+  [[nodiscard]] std::uint32_t claimed_joints() const { return motion_.claimed_joints(); }
+  // Returns the step being played, for monitoring; after the end, the one at which the motion ended.
   [[nodiscard]] std::uint16_t step_index() const { return step_index_; }
-
-  static constexpr std::uint32_t kMaxAdvance_us = 100'000;
+  // Returns the variables of the program, for monitoring.
+  [[nodiscard]] std::span<const std::int32_t, kMaxVariables> variables() const { return state_.variables(); }
 
  private:
-  using Targets = std::array<fixed::Angle, robot::kMaxJoints>;
+  // An open loop or call.
+  struct Frame {
+    std::uint16_t resume = kNoStep;  // call: the step after it; kNoStep: a loop
+    std::uint16_t rounds_left = 0;   // loop; 0: until stopped
+  };
 
-  void enter(std::uint16_t index);
-  void begin_move(const Step& step);
-  [[nodiscard]] std::uint16_t next_of_loop_begin(std::uint16_t index, const Step& step);
-  [[nodiscard]] std::uint16_t next_of_loop_end(std::uint16_t index, const Step& step);
-  [[nodiscard]] std::uint16_t next_of_jump(std::uint16_t index, const Step& step) const;
+  bool end_step(const Inputs& inputs);
+  bool enter(std::uint16_t index, const Inputs& inputs);
+  [[nodiscard]] bool spend(const Step& step);
+  void suspend(std::uint16_t index);
+  bool begin_timed(const Step& step, const Inputs& inputs);
+  void begin_move(const Move& move);
+  [[nodiscard]] std::uint32_t time_of(const Move& move, PoseReader pose) const;
+  [[nodiscard]] std::uint16_t execute(const Step& step, const Inputs& inputs);
+  [[nodiscard]] std::uint16_t after_loop_end(const Step& step);
+  [[nodiscard]] std::uint16_t after_return();
+  [[nodiscard]] std::uint16_t jump(std::uint16_t target, std::uint16_t otherwise) const;
+  [[nodiscard]] std::uint16_t following(const Step& step) const;
+  void set_stiffness(const Stiffness& stiffness);
+  void fail();
   void interpolate();
 
+  ProgramState state_;
+  Trajectory trajectory_;
+  Mixer mixer_;
   const robot::RobotModel& model_;
-  const robot::Direction& up_B_;
   Motion motion_;
   bool running_ = false;
-  bool stopping_ = false;
   bool failed_ = false;
+  bool awaiting_ = false;      // the present step is a kAwait whose condition does not hold
+  bool exit_pending_ = false;  // the exit path follows the present step
+  bool exiting_ = false;       // the program is on its exit path
   std::uint16_t step_index_ = 0;
+  std::uint16_t next_index_ = 0;           // after the present step, unless it is a kAwait
+  std::uint16_t cubic_through_ = kNoStep;  // the cubic move that continues the present one
   std::uint32_t step_time_us_ = 0;
   std::uint32_t step_elapsed_us_ = 0;
-  std::array<std::uint16_t, kMaxLoopDepth> rounds_left_{};  // of the open loops; 0: until asked to stop
-  std::size_t loop_depth_ = 0;
-  Targets from_{};
-  Targets to_{};
-  Targets targets_{};
+  std::uint32_t owed_us_ = 0;  // time that was left when the work of a call was done
+  int zero_time_left_ = 0;     // of kMaxZeroTimeSteps
+  int moves_left_ = 0;         // of kMaxMoves
+  std::array<Frame, kMaxStackDepth> stack_{};
+  std::size_t depth_ = 0;
+  Lean lean_from_;
+  Lean lean_to_;
+  Lean lean_;
+  Lean declared_;  // by the last kLean; the next step that takes time goes there
+  std::array<std::uint8_t, robot::kMaxJoints> stiffness_percent_{};
 };
 
 }  // namespace koboshi::motion

@@ -1,7 +1,12 @@
 #include "firmware/motion/motion.h"
 
+#include <algorithm>
+#include <bit>
+
 #include "firmware/fixed/contract.h"
+#include "firmware/fixed/rounding.h"
 #include "firmware/motion/check.h"
+#include "firmware/motion/instructions.h"
 #include "firmware/storage/image.h"
 
 namespace koboshi::motion {
@@ -22,7 +27,31 @@ bool is_name(std::span<const std::byte> field) {
   return field[0] != std::byte{0};
 }
 
+constexpr std::size_t joints_in(std::uint32_t mask) { return static_cast<std::size_t>(std::popcount(mask)); }
+
+// Little-endian fields at any address; `bytes` has room for them.
+std::uint32_t u16_at(const std::byte* bytes) {
+  return std::to_integer<std::uint32_t>(bytes[0]) | std::to_integer<std::uint32_t>(bytes[1]) << 8;
+}
+std::uint32_t u32_at(const std::byte* bytes) { return u16_at(bytes) | u16_at(bytes + 2) << 16; }
+
+// Returns the joints that steps name directly.
+std::uint32_t joints_of_steps(const Motion& motion) {
+  std::uint32_t joints = 0;
+  for (std::size_t i = 0; i < motion.step_count(); ++i) {
+    const Opcode opcode = motion.opcode(i);
+    if (opcode == Opcode::kMix) joints |= 1u << motion.step(i).operand;
+    if (opcode == Opcode::kStiffness) joints |= motion.step(i).value;
+  }
+  return joints;
+}
+
 }  // namespace
+
+std::int32_t pose_number(fixed::Angle angle) {
+  constexpr std::int64_t kHighest = (1 << (kPoseBits - 1)) - 1;
+  return static_cast<std::int32_t>(std::min(fixed::shift_rounded(angle.raw(), kPoseShift), kHighest));
+}
 
 MotionVerdict Motion::open(std::span<const std::byte> bytes, const robot::RobotModel& model, Motion& motion) {
   storage::Image image;
@@ -34,30 +63,38 @@ MotionVerdict Motion::open(std::span<const std::byte> bytes, const robot::RobotM
   ImageReader counts(image.body.subspan(4 + kNameSize));
   Motion candidate;
   candidate.body_ = image.body;
-  candidate.joint_count_ = counts.u16();
+  candidate.joint_count_ = counts.u8();
+  candidate.variable_count_ = counts.u8();
+  candidate.group_count_ = counts.u8();
+  const bool reserved_1 = counts.u8() == 0;
   candidate.pose_count_ = counts.u16();
   candidate.step_count_ = counts.u16();
+  candidate.exit_step_ = counts.u16();
+  const bool reserved_2 = counts.u16() == 0;
   if (model_id != model.id) return {MotionStatus::kOtherRobot};
-  if (candidate.joint_count_ != model.joint_count || candidate.pose_count_ > kMaxPoses ||
-      candidate.step_count_ == 0 || candidate.step_count_ > kMaxSteps) {
+  if (candidate.joint_count_ != model.joint_count || candidate.variable_count_ > kMaxVariables ||
+      candidate.group_count_ > kMaxPoseGroups || candidate.pose_count_ > kMaxPoses ||
+      candidate.step_count_ == 0 || candidate.step_count_ > kMaxSteps || !reserved_1 || !reserved_2) {
     return {MotionStatus::kBadCount};
   }
-  if (image.body.size() != kMotionFixedSize + candidate.pose_count_ * pose_size(candidate.joint_count_) +
-                               candidate.step_count_ * kStepSize) {
-    return {MotionStatus::kBadSize};
+  const std::size_t poses_at = kMotionFixedSize + candidate.group_count_ * kPoseGroupSize;
+  if (image.body.size() < poses_at) return {MotionStatus::kBadSize};
+  if (const MotionVerdict checked = check_groups(candidate); !checked.ok()) return checked;
+  std::size_t steps_at = poses_at;
+  for (std::size_t i = 0; i < candidate.group_count_; ++i) {
+    const PoseGroup group = candidate.group(i);
+    steps_at += group.count * pose_size(joints_in(group.joints));
+    candidate.claimed_joints_ |= group.joints;
   }
+  if (image.body.size() != steps_at + candidate.step_count_ * kStepSize) return {MotionStatus::kBadSize};
+  candidate.poses_ = image.body.data() + poses_at;
+  candidate.steps_ = image.body.data() + steps_at;
   if (!is_name(image.body.subspan(4, kNameSize))) return {MotionStatus::kBadName};
-  const MotionVerdict checked = check_motion(candidate, model);
-  if (checked.ok()) motion = candidate;
+  const MotionVerdict checked = check_motion(candidate, model, candidate.main_step_count_);
+  if (!checked.ok()) return checked;
+  candidate.claimed_joints_ |= joints_of_steps(candidate);
+  motion = candidate;
   return checked;
-}
-
-bool ExpectedAttitude::is_met_by(const robot::Direction& up_B_now) const {
-  const std::int64_t projection_raw = std::int64_t{up_B_now.x.raw()} * up_B[0] +
-                                      std::int64_t{up_B_now.y.raw()} * up_B[1] +
-                                      std::int64_t{up_B_now.z.raw()} * up_B[2];
-  constexpr int kShift = fixed::Ratio::kFractionBits - 15;
-  return projection_raw >= (std::int64_t{min_cosine} * 127 << kShift);
 }
 
 std::size_t Motion::image_size_bytes() const {
@@ -72,26 +109,46 @@ std::string_view Motion::name() const {
   return {reinterpret_cast<const char*>(field.data()), length};
 }
 
-std::uint32_t Motion::joint_mask(std::size_t pose) const {
+PoseGroup Motion::group(std::size_t index) const {
+  KOBOSHI_ASSERT(index < group_count_);
+  const std::byte* bytes = body_.data() + kMotionFixedSize + index * kPoseGroupSize;
+  return {u32_at(bytes), static_cast<std::uint16_t>(u16_at(bytes + 4))};
+}
+
+PoseReader Motion::pose_reader(std::size_t pose) const {
   KOBOSHI_ASSERT(pose < pose_count_);
-  return ImageReader(body_.subspan(kMotionFixedSize + pose * pose_size(joint_count_))).u32();
+  const std::byte* bytes = poses_;
+  for (std::size_t i = 0; i < group_count_; ++i) {
+    const PoseGroup poses = group(i);
+    const std::size_t size = pose_size(joints_in(poses.joints));
+    if (pose < poses.count) return {poses.joints, bytes + pose * size};
+    pose -= poses.count;
+    bytes += poses.count * size;
+  }
+  return {};  // the numbers of the groups add up to pose_count_
 }
 
 fixed::Angle Motion::angle(std::size_t pose, std::size_t joint) const {
-  KOBOSHI_ASSERT(pose < pose_count_ && joint < joint_count_);
-  const std::size_t offset = kMotionFixedSize + pose * pose_size(joint_count_) + 4 + 4 * joint;
-  return fixed::Angle::from_raw(ImageReader(body_.subspan(offset)).i32());
+  KOBOSHI_ASSERT(joint < joint_count_);
+  for (PoseReader reader = pose_reader(pose); reader.joints() != 0;) {
+    std::size_t read_joint = 0;
+    const fixed::Angle angle = reader.read(read_joint);
+    if (read_joint == joint) return angle;
+  }
+  return {};
 }
 
 Step Motion::step(std::size_t index) const {
   if (index >= step_count_) return {};
-  ImageReader reader(
-      body_.subspan(kMotionFixedSize + pose_count_ * pose_size(joint_count_) + index * kStepSize));
-  Step step;
-  step.opcode = static_cast<Opcode>(reader.u16());
-  step.operand = reader.u16();
-  step.time_us = reader.u32();
-  return step;
+  const std::byte* bytes = steps_ + index * kStepSize;
+  return {.opcode = static_cast<Opcode>(bytes[0]),
+          .operand = static_cast<std::uint16_t>(u16_at(bytes + 2)),
+          .value = u32_at(bytes + 4),
+          .mode = std::to_integer<std::uint8_t>(bytes[1])};
+}
+
+Opcode Motion::opcode(std::size_t index) const {
+  return index < step_count_ ? static_cast<Opcode>(steps_[index * kStepSize]) : Opcode::kEnd;
 }
 
 }  // namespace koboshi::motion

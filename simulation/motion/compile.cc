@@ -2,8 +2,10 @@
 
 #include <array>
 #include <map>
+#include <optional>
 #include <string_view>
 
+#include "firmware/motion/instructions.h"
 #include "sim_board/input/error.h"
 #include "simulation/model/image_writer.h"
 #include "simulation/motion/parse.h"
@@ -16,7 +18,7 @@ using motion::Opcode;
 using sim::InputError;
 using Kind = StepSource::Kind;
 
-constexpr std::array<std::string_view, 19> kMotionStatusTexts{
+constexpr std::array<std::string_view, 26> kMotionStatusTexts{
     "a good motion",
     "a motion cut short",
     "something that is no motion image",
@@ -24,24 +26,79 @@ constexpr std::array<std::string_view, 19> kMotionStatusTexts{
     "a motion image with a wrong size",
     "a motion image with a CRC-32 that does not fit",
     "a motion for another robot, or for another version of it",
-    "a number of joints, poses or steps beyond what the firmware takes",
+    "a number of joints, variables, poses or steps beyond what the firmware takes",
     "a name that is empty or not printable",
-    "a pose with joints that the robot has not",
+    "a pose with bits that belong to no joint",
     "an angle beyond its joint's limits",
     "a step of unknown kind",
     "a step's time out of range",
     "a step to a pose that is not there",
     "loops that are not nested properly, or too deep",
-    "a jump out of its loop or past the end, or too many jumps",
+    "a jump out of its loop or past the end, or jumps too long in sum",
     "no end",
     "a loop or a chain of jumps in which no time passes",
     "an attitude that is no direction",
+    "a group of poses without joints, with joints that the robot has not, or for the joints of another",
+    "a test without a condition, or a condition without its tests",
+    "a source or variable that is not there",
+    "a subroutine called from itself or a later one, one that does not return, or too many",
+    "loops and calls too deep together",
+    "an exit path that begins within a loop or subroutine",
+    "a joint, gain, limit or percentage out of range",
+};
+
+std::uint32_t joints_of(const PoseSource& pose) {
+  std::uint32_t joints = 0;
+  for (std::size_t i = 0; i < pose.angles.size(); ++i) joints |= pose.angles[i] ? 1u << i : 0u;
+  return joints;
+}
+
+// The poses in the order of the image: grouped by the joints that they move, the groups and the poses of each
+// as they come in the source. A pose without joints is in no group.
+class PoseTable {
+ public:
+  struct Group {
+    std::uint32_t joints = 0;
+    std::vector<std::size_t> poses;  // of the source
+  };
+
+  explicit PoseTable(const MotionSource& motion) : numbers_(motion.poses.size()) {
+    for (std::size_t i = 0; i < motion.poses.size(); ++i) {
+      if (const std::uint32_t joints = joints_of(motion.poses[i]); joints != 0)
+        group_of(joints).poses.push_back(i);
+    }
+    for (const Group& group : groups_) {
+      for (const std::size_t pose : group.poses) {
+        numbers_[pose] = static_cast<std::uint16_t>(order_.size());
+        order_.push_back(pose);
+      }
+    }
+  }
+
+  const std::vector<Group>& groups() const { return groups_; }
+  std::size_t size() const { return order_.size(); }
+  // Returns the number in the image of a pose of the source; none for one without joints.
+  std::optional<std::uint16_t> number(std::size_t pose) const { return numbers_[pose]; }
+  // Returns the pose of the source that has this number in the image.
+  std::size_t source(std::size_t number) const { return order_[number]; }
+
+ private:
+  Group& group_of(std::uint32_t joints) {
+    for (Group& group : groups_) {
+      if (group.joints == joints) return group;
+    }
+    return groups_.emplace_back(Group{joints, {}});
+  }
+
+  std::vector<Group> groups_;
+  std::vector<std::optional<std::uint16_t>> numbers_;  // by pose of the source
+  std::vector<std::size_t> order_;
 };
 
 // Writes the steps in the firmware's order and records the line of each.
 class StepWriter {
  public:
-  explicit StepWriter(const MotionSource& motion) : motion_(motion) {
+  StepWriter(const MotionSource& motion, const PoseTable& poses) : motion_(motion), poses_(poses) {
     write(motion.steps);
     if (steps_.empty() || steps_.back().opcode != Opcode::kEnd || labels_at_end()) {
       add({Opcode::kEnd, 0, 0}, motion.steps.empty() ? 0 : motion.steps.back().line);
@@ -78,7 +135,7 @@ class StepWriter {
   void write(const StepSource& step) {
     switch (step.kind) {
       case Kind::kMove:
-        return add({Opcode::kMove, static_cast<std::uint16_t>(step.pose), step.time_us}, step.line);
+        return write_move(step);
       case Kind::kWait:
         return add({Opcode::kWait, 0, step.time_us}, step.line);
       case Kind::kLoop:
@@ -93,6 +150,12 @@ class StepWriter {
       case Kind::kEnd:
         return add({Opcode::kEnd, 0, 0}, step.line);
     }
+  }
+
+  // A move to a pose without joints is a wait.
+  void write_move(const StepSource& step) {
+    const std::optional<std::uint16_t> pose = poses_.number(step.pose);
+    add({pose ? Opcode::kMove : Opcode::kWait, pose.value_or(0), step.time_us}, step.line);
   }
 
   void write_loop(const StepSource& loop) {
@@ -119,6 +182,7 @@ class StepWriter {
   }
 
   const MotionSource& motion_;
+  const PoseTable& poses_;
   std::vector<motion::Step> steps_;
   std::vector<int> lines_;
   std::map<std::string, std::uint16_t> labels_;
@@ -131,18 +195,51 @@ void write_name(ImageWriter& writer, const std::string& name) {
   }
 }
 
+// Writes the angles of the joints that the pose moves, one after the other without gaps.
 void write_pose(ImageWriter& writer, const PoseSource& pose) {
-  std::uint32_t mask = 0;
-  for (std::size_t i = 0; i < pose.angles.size(); ++i) mask |= pose.angles[i] ? 1u << i : 0u;
-  writer.u32(mask);
-  for (const auto& angle : pose.angles) writer.quantity(angle.value_or(fixed::Angle()));
+  std::uint32_t buffer = 0;
+  int bits = 0;
+  const auto flush = [&](int least) {
+    for (; bits >= least; bits -= 8, buffer >>= 8) writer.u8(static_cast<std::uint8_t>(buffer));
+  };
+  for (const auto& angle : pose.angles) {
+    if (!angle) continue;
+    constexpr std::uint32_t kMask = (1u << motion::kPoseBits) - 1;
+    buffer |= (static_cast<std::uint32_t>(motion::pose_number(*angle)) & kMask) << bits;
+    bits += motion::kPoseBits;
+    flush(8);
+  }
+  flush(1);
+}
+
+void write_poses(ImageWriter& writer, const MotionSource& motion, const PoseTable& poses) {
+  for (const PoseTable::Group& group : poses.groups()) {
+    writer.u32(group.joints);
+    writer.u16(static_cast<std::uint16_t>(group.poses.size()));
+    writer.u16(0);
+  }
+  for (const PoseTable::Group& group : poses.groups()) {
+    for (const std::size_t pose : group.poses) write_pose(writer, motion.poses[pose]);
+  }
+}
+
+void write_steps(ImageWriter& writer, const std::vector<motion::Step>& steps) {
+  for (const motion::Step& step : steps) {
+    writer.u8(static_cast<std::uint8_t>(step.opcode));
+    writer.u8(step.mode);
+    writer.u16(step.operand);
+    writer.u32(step.value);
+  }
 }
 
 // Returns the source line of an error that the firmware's validator found.
-int line_of(const motion::MotionVerdict& verdict, const MotionSource& motion, const StepWriter& steps) {
-  const bool is_pose = verdict.status == motion::MotionStatus::kBadPose ||
-                       verdict.status == motion::MotionStatus::kBeyondLimits;
-  return is_pose ? motion.poses[verdict.index].line : steps.line(verdict.index);
+int line_of(const motion::MotionVerdict& verdict, const MotionSource& motion, const PoseTable& poses,
+            const StepWriter& steps) {
+  using enum motion::MotionStatus;
+  if (verdict.status == kBadPose || verdict.status == kBeyondLimits)
+    return motion.poses[poses.source(verdict.index)].line;
+  if (verdict.status == kBadGroup) return motion.poses[poses.groups()[verdict.index].poses.front()].line;
+  return steps.line(verdict.index);
 }
 
 }  // namespace
@@ -157,24 +254,26 @@ std::vector<std::byte> compile_motion(const MotionSource& motion, const NamedMod
     throw InputError(motion.file, motion.poses.back().line, std::to_string(motion.poses.size()) + " poses",
                      "at most " + std::to_string(motion::kMaxPoses));
   }
-  const StepWriter steps(motion);
+  const PoseTable poses(motion);
+  const StepWriter steps(motion, poses);
   ImageWriter writer;
   writer.u32(robot.model.id);
   write_name(writer, motion.name);
-  writer.u16(static_cast<std::uint16_t>(robot.model.joint_count));
-  writer.u16(static_cast<std::uint16_t>(motion.poses.size()));
+  writer.u8(static_cast<std::uint8_t>(robot.model.joint_count));
+  writer.u8(0);  // variables
+  writer.u8(static_cast<std::uint8_t>(poses.groups().size()));
+  writer.u8(0);
+  writer.u16(static_cast<std::uint16_t>(poses.size()));
   writer.u16(static_cast<std::uint16_t>(steps.steps().size()));
-  for (const PoseSource& pose : motion.poses) write_pose(writer, pose);
-  for (const motion::Step& step : steps.steps()) {
-    writer.u16(static_cast<std::uint16_t>(step.opcode));
-    writer.u16(step.operand);
-    writer.u32(step.time_us);
-  }
+  writer.u16(motion::kNoStep);  // exit path
+  writer.u16(0);
+  write_poses(writer, motion, poses);
+  write_steps(writer, steps.steps());
   std::vector<std::byte> image = writer.finish(motion::kMotionMagic, motion::kMotionVersion);
   motion::Motion opened;
   const motion::MotionVerdict verdict = motion::Motion::open(image, robot.model, opened);
   if (!verdict.ok()) {
-    throw InputError(motion.file, line_of(verdict, motion, steps), describe(verdict.status),
+    throw InputError(motion.file, line_of(verdict, motion, poses, steps), describe(verdict.status),
                      "a motion that the firmware accepts");
   }
   return image;

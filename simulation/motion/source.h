@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "firmware/fixed/units.h"
-#include "firmware/motion/motion.h"
+#include "firmware/motion/instructions.h"
 
 namespace koboshi::simulation {
 

@@ -4,7 +4,7 @@
 
 #include "firmware/storage/catalogue.h"
 #include "firmware/storage/image.h"
-#include "tests/unit/firmware/robot/test_robot.h"
+#include "tests/unit/firmware/motion/motion_builder.h"
 
 namespace koboshi::test {
 namespace {
@@ -21,24 +21,16 @@ std::vector<std::byte> begin_image(std::uint32_t magic, std::uint16_t version) {
 
 std::vector<std::byte> encode(const TestMotion& motion, std::uint32_t model_id) {
   const std::size_t joints = motion.poses.empty() ? 0 : motion.poses.front().size();
-  std::vector<std::byte> image = begin_image(motion::kMotionMagic, motion::kMotionVersion);
-  put(image, model_id, 4);
-  for (const char letter : motion.name) image.push_back(static_cast<std::byte>(letter));
-  image.resize(storage::kImageHeaderSize + 4 + motion::kNameSize);
-  put(image, static_cast<std::uint32_t>(joints), 2);
-  put(image, static_cast<std::uint32_t>(motion.poses.size()), 2);
-  put(image, static_cast<std::uint32_t>(motion.steps.size()), 2);
+  MotionBuilder builder(model_id);
+  builder.name = motion.name;
+  builder.joint_count = static_cast<std::uint8_t>(joints);
   for (const auto& pose : motion.poses) {
-    put(image, (1u << joints) - 1, 4);
-    for (const fixed::Angle angle : pose) put(image, static_cast<std::uint32_t>(angle.raw()), 4);
+    std::vector<std::int32_t> numbers;
+    for (const fixed::Angle angle : pose) numbers.push_back(motion::pose_number(angle));
+    builder.packed_pose((1u << joints) - 1, std::move(numbers));
   }
-  for (const motion::Step& step : motion.steps) {
-    put(image, static_cast<std::uint32_t>(step.opcode), 2);
-    put(image, step.operand, 2);
-    put(image, step.time_us, 4);
-  }
-  seal(image);
-  return image;
+  builder.steps = motion.steps;
+  return builder.image();
 }
 
 std::vector<std::byte> encode(const app::ControllerValues& values, std::uint32_t model_id) {

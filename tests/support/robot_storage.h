@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "firmware/app/dictionary.h"
-#include "firmware/motion/motion.h"
+#include "firmware/motion/instructions.h"
 #include "firmware/robot/model.h"
+#include "tests/unit/firmware/motion/motion_builder.h"
 
 namespace koboshi::test {
 

@@ -7,6 +7,7 @@
 #include "firmware/fixed/host/convert.h"
 #include "tests/support/controller_bench.h"
 #include "tests/support/sdo_pc.h"
+#include "tests/unit/firmware/motion/motion_builder.h"
 #include "tests/unit/firmware/robot/test_robot.h"
 
 namespace koboshi::app {
@@ -43,7 +44,7 @@ TEST_F(ControllerCalibration, TrimIsAddedToTargets) {
   ASSERT_TRUE(bench.run_until_standing());
   bench.run_ms(20);
   const std::int32_t trimmed = bench.values().drives.target_position[kKnee];
-  EXPECT_NEAR(fixed::to_double(bench.target(kKnee)), 40 * test::kRadPerDegree, 1e-5);
+  EXPECT_NEAR(fixed::to_double(bench.target(kKnee)), test::stored_deg(40) * test::kRadPerDegree, 1e-5);
   ASSERT_EQ(pc.write(trim_of(kKnee), 0, 2), AbortCode::kNone);
   bench.run_ms(20);
   const std::int32_t untrimmed = bench.values().drives.target_position[kKnee];

@@ -51,9 +51,9 @@ TEST(ControllerCycle, PutsControlwordAndTargetIntoAnRpdo) {
   ControllerBench bench;
   ASSERT_TRUE(bench.run_until_standing());
   bench.run_ms(20);
-  // Left knee, node 19: operation enabled, 40 degrees = 116508 units of 2^-20 turn.
+  // Left knee, node 19: operation enabled, 1820 * 2^-14 turn (40 degrees) = 116480 units of 2^-20 turn.
   EXPECT_EQ(bench.last_sent(0x213),
-            (hal::CanFrame{.identifier = 0x213, .size = 6, .data = {0x0F, 0x00, 0x1C, 0xC7, 0x01, 0x00}}));
+            (hal::CanFrame{.identifier = 0x213, .size = 6, .data = {0x0F, 0x00, 0x00, 0xC7, 0x01, 0x00}}));
 }
 
 TEST(ControllerCycle, ReportsStateReasonAndRefusal) {

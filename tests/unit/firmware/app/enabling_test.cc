@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/controller_bench.h"
+#include "tests/unit/firmware/motion/motion_builder.h"
 #include "tests/unit/firmware/robot/test_robot.h"
 
 namespace koboshi::app {
@@ -173,7 +174,8 @@ TEST_F(ControllerEnabling, GoesToTheStandingPoseOnABoundedRamp) {
   EXPECT_EQ(bench.now_us() - start_us, 1'500'000u);  // the longest distance is 90 degrees, at 60.03 degrees/s
   EXPECT_EQ(bench.now().state, State::kStanding);
   EXPECT_EQ(bench.target(kElbow), degrees(0.0));
-  EXPECT_NEAR(fixed::to_double(bench.target(kKnee) - degrees(40.0)), 0.0, unit_deg * test::kRadPerDegree);
+  EXPECT_NEAR(fixed::to_double(bench.target(kKnee) - test::stored(40.0)), 0.0,
+              unit_deg * test::kRadPerDegree);
 }
 
 TEST_F(ControllerEnabling, TakesAtLeastHalfASecondAndFollowsTheRampParameter) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/controller_bench.h"
+#include "tests/unit/firmware/motion/motion_builder.h"
 #include "tests/unit/firmware/robot/test_robot.h"
 
 namespace koboshi::app {
@@ -116,7 +117,7 @@ TEST_F(ControllerFeedback, KeepsTargetsWithinTheirLimits) {
   bench.imu_sample.gyro_raw[1] = -32'768;
   bench.run_ms(300);
   EXPECT_GE(bench.target(kKnee), bench.model().joints[kKnee].lower);
-  EXPECT_NEAR(target_rad(kKnee), (40 - 15) * test::kRadPerDegree, 1e-5);
+  EXPECT_NEAR(target_rad(kKnee), (test::stored_deg(40) - 15) * test::kRadPerDegree, 1e-5);
 }
 
 TEST_F(ControllerFeedback, RefusesAGainAboveOneSecond) {

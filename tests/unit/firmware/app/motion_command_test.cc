@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/controller_bench.h"
+#include "tests/unit/firmware/motion/motion_builder.h"
 #include "tests/unit/firmware/robot/test_robot.h"
 
 namespace koboshi::app {
@@ -26,7 +27,7 @@ TEST_F(ControllerMotion, PlaysItsTargets) {
     bench.run_ms(10);
     highest_rad = std::max(highest_rad, fixed::to_double(bench.target(kHeadTilt)));
   }
-  EXPECT_NEAR(highest_rad, 20 * test::kRadPerDegree, 1e-5);
+  EXPECT_NEAR(highest_rad, test::stored_deg(20) * test::kRadPerDegree, 1e-5);
 }
 
 TEST_F(ControllerMotion, EndsOnStop) {

@@ -61,13 +61,13 @@ TEST_F(ControllerMotions, DownloadedByBlocksArePlayedAndKept) {
   bench.command(Command::kPlay, 7);
   ASSERT_EQ(bench.now().state, State::kMotion);
   ASSERT_TRUE(bench.run_until(State::kStanding, 400));
-  EXPECT_NEAR(head_deg(), 15, 1e-3);
+  EXPECT_NEAR(head_deg(), test::stored_deg(15), 1e-3);
 }
 
 TEST_F(ControllerMotions, LongOnesAreWrittenDirectlyToSlowFlash) {
   for (const int polls : {0, 1, 3, 5, 9}) {
     bench.board.storage.complete_after(polls);
-    const Image image = nod(10 + polls, 65);
+    const Image image = nod(10 + polls, 130);
     ASSERT_GT(image.size(), 5'500u);
     ASSERT_EQ(pc.download_blocks(motion_object(2), image), AbortCode::kNone) << polls;
     EXPECT_EQ(pc.upload(motion_object(2)), image) << polls;

@@ -11,10 +11,15 @@ using enum Opcode;
 using fixed::Angle;
 using test::degrees;
 using test::MotionBuilder;
+using test::stored;
+using test::stored_deg;
 
 constexpr std::size_t kKnee = 3;
 constexpr std::size_t kPan = 18;
 constexpr std::uint32_t kTick_us = 10'000;
+
+const double kBent_deg = stored_deg(60);
+const double kFlexed_deg = stored_deg(20);
 
 class InterpreterTest : public testing::Test {
  protected:
@@ -28,22 +33,27 @@ class InterpreterTest : public testing::Test {
     image_ = builder.image();
     Motion motion;
     ASSERT_TRUE(Motion::open(image_, model_, motion).ok());
-    interpreter_.start(motion, pose_);
+    interpreter_.start(motion, pose_, inputs_);
   }
   double knee_deg() const { return fixed::to_double(interpreter_.targets()[kKnee]) / test::kRadPerDegree; }
   void advance(std::uint32_t total_us, std::uint32_t tick_us = kTick_us) {
-    for (std::uint32_t time_us = 0; time_us < total_us; time_us += tick_us) interpreter_.advance(tick_us);
+    for (std::uint32_t time_us = 0; time_us < total_us; time_us += tick_us)
+      interpreter_.advance(tick_us, inputs_);
   }
   // Returns the remaining time of the motion, at most 60 s.
   std::uint32_t time_to_end_us(std::uint32_t tick_us = 1'000) {
     std::uint32_t time_us = 0;
-    for (; interpreter_.running() && time_us < 60'000'000; time_us += tick_us) interpreter_.advance(tick_us);
+    for (; interpreter_.running() && time_us < 60'000'000; time_us += tick_us)
+      interpreter_.advance(tick_us, inputs_);
     return time_us;
   }
 
   const robot::RobotModel model_ = test::load_test_robot();
-  robot::Direction up_B_ = robot::kAxisZ;
-  Interpreter interpreter_{model_, up_B_};
+  estimation::RobotState state_;
+  std::array<Angle, 20> measured_{};
+  std::array<std::int16_t, 20> torques_{};
+  Inputs inputs_{.robot = state_, .angles = measured_, .torques_permille = torques_};
+  Interpreter interpreter_{model_};
   std::vector<std::byte> image_;
   std::array<Angle, 20> pose_{};
 };
@@ -51,37 +61,37 @@ class InterpreterTest : public testing::Test {
 TEST_F(InterpreterTest, InterpolatesLinearlyBetweenPoses) {
   start(knee_poses().step(kMove, 1, 600'000).step(kMove, 2, 400'000).step(kEnd));
   for (int tick = 1; tick <= 60; ++tick) {
-    interpreter_.advance(kTick_us);
-    EXPECT_NEAR(knee_deg(), tick, 1e-6);
+    interpreter_.advance(kTick_us, inputs_);
+    EXPECT_NEAR(knee_deg(), kBent_deg * tick / 60, 1e-6);
   }
   for (int tick = 1; tick <= 40; ++tick) {
-    interpreter_.advance(kTick_us);
-    EXPECT_NEAR(knee_deg(), 60 - tick, 1e-6);
+    interpreter_.advance(kTick_us, inputs_);
+    EXPECT_NEAR(knee_deg(), kBent_deg + (kFlexed_deg - kBent_deg) * tick / 40, 1e-6);
   }
   EXPECT_FALSE(interpreter_.running());
-  EXPECT_EQ(interpreter_.targets()[kKnee], degrees(20));
+  EXPECT_EQ(interpreter_.targets()[kKnee], stored(20));
 }
 
 TEST_F(InterpreterTest, FailsIfTheTrunkIsNotAsExpected) {
   const Step upright = ExpectedAttitude{.up_B = {0, 0, 127}, .min_cosine = 28'378}.step();  // 30 degrees
   const auto builder = knee_poses()
                            .step(kMove, 1, 300'000)
-                           .step(kExpect, upright.operand, upright.time_us)
+                           .step(kExpect, upright.operand, upright.value)
                            .step(kMove, 2, 300'000)
                            .step(kEnd);
   start(builder);
   advance(600'000);
   EXPECT_FALSE(interpreter_.running());
   EXPECT_FALSE(interpreter_.failed());
-  EXPECT_EQ(interpreter_.targets()[kKnee], degrees(20));
+  EXPECT_EQ(interpreter_.targets()[kKnee], stored(20));
   start(builder);
   advance(150'000);
-  up_B_ = robot::kAxisX;  // supine, but the step checks the attitude only at its own time
+  state_.up_B = robot::kAxisX;  // supine, but the step checks the attitude only at its own time
   EXPECT_TRUE(interpreter_.running());
   advance(150'000);
   EXPECT_FALSE(interpreter_.running());
   EXPECT_TRUE(interpreter_.failed());
-  EXPECT_NEAR(knee_deg(), 60, 1e-6);
+  EXPECT_NEAR(knee_deg(), kBent_deg, 1e-6);
   start(knee_poses().step(kMove, 1, 300'000).step(kEnd));
   EXPECT_FALSE(interpreter_.failed());
 }
@@ -92,7 +102,7 @@ TEST_F(InterpreterTest, StartsFromThePresentPoseAndKeepsOtherJoints) {
   start(knee_poses().step(kMove, 1, 300'000).step(kEnd));
   EXPECT_EQ(interpreter_.targets()[kKnee], degrees(30));
   advance(150'000);
-  EXPECT_NEAR(knee_deg(), 45, 1e-6);
+  EXPECT_NEAR(knee_deg(), (30 + kBent_deg) / 2, 1e-6);
   advance(500'000);
   EXPECT_EQ(interpreter_.targets()[kPan], degrees(-45));
 }
@@ -109,7 +119,8 @@ TEST_F(InterpreterTest, MovesThroughZeroInsteadOfThroughTheStop) {
   MotionBuilder builder(model_);
   start(builder.pose(kShoulder, 170).step(kMove, 0, 1'000'000).step(kEnd));
   advance(500'000);
-  EXPECT_NEAR(fixed::to_double(interpreter_.targets()[kShoulder]), 0.0, 1e-6);
+  EXPECT_NEAR(fixed::to_double(interpreter_.targets()[kShoulder]),
+              (stored_deg(170) - 170) / 2 * test::kRadPerDegree, 1e-6);
 }
 
 TEST_F(InterpreterTest, LastsTheSumOfItsStepsForAnyTicks) {
@@ -128,14 +139,14 @@ TEST_F(InterpreterTest, PlaysSeveralStepsInOneTick) {
             .step(kWait, 0, 2'000)
             .step(kMove, 0, 8'000)
             .step(kEnd));
-  interpreter_.advance(kTick_us);
-  EXPECT_NEAR(knee_deg(), 10, 1e-6);
+  interpreter_.advance(kTick_us, inputs_);
+  EXPECT_NEAR(knee_deg(), kFlexed_deg / 2, 1e-6);
 }
 
 TEST_F(InterpreterTest, DoesNotJumpAfterAGap) {
   start(knee_poses().step(kMove, 1, 600'000).step(kEnd));
-  interpreter_.advance(5'000'000);
-  EXPECT_NEAR(knee_deg(), 10, 1e-6);
+  interpreter_.advance(5'000'000, inputs_);
+  EXPECT_NEAR(knee_deg(), kBent_deg / 6, 1e-6);
 }
 
 TEST_F(InterpreterTest, CountsLoops) {
@@ -164,7 +175,7 @@ TEST_F(InterpreterTest, LoopsUntilStoppedAndThenEndsTheRound) {
   advance(30'000);
   interpreter_.stop();
   EXPECT_EQ(time_to_end_us(), 170'000u + 50'000u);
-  EXPECT_EQ(interpreter_.targets()[kKnee], degrees(20));
+  EXPECT_EQ(interpreter_.targets()[kKnee], stored(20));
 }
 
 TEST_F(InterpreterTest, JumpsUntilStopped) {
@@ -177,7 +188,7 @@ TEST_F(InterpreterTest, JumpsUntilStopped) {
             .step(kEnd));
   advance(5'000'000);
   EXPECT_TRUE(interpreter_.running());
-  EXPECT_NEAR(knee_deg(), 60, 1e-6) << "the step to 20 degrees is jumped over";
+  EXPECT_NEAR(knee_deg(), kBent_deg, 1e-6) << "the step to 20 degrees is jumped over";
   interpreter_.stop();
   EXPECT_LE(time_to_end_us(), 20'000u);
 }
@@ -188,17 +199,17 @@ TEST_F(InterpreterTest, StaysWhereItIsWhenAborted) {
   interpreter_.abort();
   advance(1'000'000);
   EXPECT_FALSE(interpreter_.running());
-  EXPECT_NEAR(knee_deg(), 30, 1e-6);
+  EXPECT_NEAR(knee_deg(), kBent_deg / 2, 1e-6);
 }
 
 TEST_F(InterpreterTest, HoldsTheZeroPoseBeforeAnyMotion) {
-  interpreter_.advance(kTick_us);
+  interpreter_.advance(kTick_us, inputs_);
   EXPECT_FALSE(interpreter_.running());
   for (const Angle target : interpreter_.targets()) EXPECT_EQ(target, Angle());
 }
 
 TEST_F(InterpreterTest, EndsAnEmptyMotionAtOnce) {
-  interpreter_.start(Motion(), pose_);
+  interpreter_.start(Motion(), pose_, inputs_);
   EXPECT_FALSE(interpreter_.running());
 }
 

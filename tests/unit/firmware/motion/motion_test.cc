@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+
 #include "tests/unit/firmware/motion/motion_builder.h"
 
 namespace koboshi::motion {
@@ -53,9 +55,13 @@ TEST_F(MotionTest, ReadsTheImage) {
   EXPECT_EQ(motion.pose_count(), 2u);
   EXPECT_EQ(motion.step_count(), 2u);
   EXPECT_EQ(motion.joint_mask(0), 1u << 3);
-  EXPECT_EQ(motion.angle(0, 3), test::degrees(60));
+  EXPECT_NEAR(fixed::to_double(motion.angle(0, 3)), 60 * test::kRadPerDegree, 2e-4);
+  EXPECT_EQ(motion.angle(0, 4), fixed::Angle());
+  EXPECT_EQ(motion.claimed_joints(), 1u << 3 | 1u << 18);
+  EXPECT_EQ(motion.main_step_count(), 2u);
+  EXPECT_EQ(motion.exit_step(), kNoStep);
   EXPECT_EQ(motion.step(0).opcode, kMove);
-  EXPECT_EQ(motion.step(0).time_us, 40'000u);
+  EXPECT_EQ(motion.step(0).value, 40'000u);
   EXPECT_EQ(motion.step(99).opcode, kEnd);
 }
 
@@ -77,7 +83,7 @@ TEST_F(MotionTest, RejectsAnotherRobotOrVersion) {
   other.model_id ^= 1;
   EXPECT_EQ(status(other), kOtherRobot);
   std::vector<std::byte> image = builder().step(kEnd).image();
-  image[4] = std::byte{2};
+  image[4] = std::byte{1};
   test::seal(image);
   EXPECT_EQ(status(image), kBadVersion);
   image[0] = std::byte{0};
@@ -109,25 +115,53 @@ TEST_F(MotionTest, RefusesBadNames) {
   }
 }
 
-TEST_F(MotionTest, RejectsPosesForJointsThatTheRobotLacks) {
+TEST_F(MotionTest, RejectsPosesBeyondLimits) {
   EXPECT_EQ(status(builder().pose(3, 150.1).step(kEnd)), kBeyondLimits);
   EXPECT_EQ(status(builder().pose(3, -0.1).step(kEnd)), kBeyondLimits);
   EXPECT_EQ(status(builder().pose(3, 150).step(kEnd)), kOk);
-  MotionBuilder left_out = builder().step(kEnd);
-  left_out.poses[1].first = 0;
-  EXPECT_EQ(status(left_out), kBadPose);
-  MotionBuilder no_such_joint = builder().step(kEnd);
-  no_such_joint.poses[1].first |= 1u << 20;
-  EXPECT_EQ(status(no_such_joint), kBadPose);
+}
+
+// An angle is rounded to 2^-14 turn, and so may lie beyond the limit by one of them.
+TEST_F(MotionTest, AcceptsOneUnitBeyondALimitAndNoMore) {
+  for (const std::int32_t sign : {-1, 1}) {
+    const fixed::Angle limit = sign < 0 ? model_.joints[3].lower : model_.joints[3].upper;
+    const std::int32_t inside = limit.raw() >> kPoseShift;
+    const std::int32_t accepted = sign > 0 ? inside + 1 : inside - (limit.raw() % (1 << kPoseShift) == 0);
+    EXPECT_EQ(status(builder().packed_pose(1u << 3, {accepted}).step(kEnd)), kOk);
+    EXPECT_EQ(status(builder().packed_pose(1u << 3, {accepted + sign}).step(kEnd)), kBeyondLimits);
+  }
+}
+
+TEST_F(MotionTest, RejectsInvalidPoseGroups) {
+  const auto of_groups = [&](const std::vector<MotionBuilder::Group>& groups) {
+    MotionBuilder with_groups = builder().step(kEnd);
+    with_groups.groups = groups;
+    return status(with_groups);
+  };
+  EXPECT_EQ(of_groups({{1u << 3, {{100}}}, {1u << 4, {{0}}}}), kOk);
+  EXPECT_EQ(of_groups({{0, {{}}}}), kBadGroup);
+  EXPECT_EQ(of_groups({{1u << 20, {{0}}}}), kBadGroup);
+  EXPECT_EQ(of_groups({{1u << 3, {}}}), kBadGroup);
+  EXPECT_EQ(of_groups({{1u << 3, {{100}}}, {1u << 3, {{200}}}}), kBadGroup);
+  std::vector<MotionBuilder::Group> many;
+  for (std::uint32_t joints = 1; many.size() < kMaxPoseGroups; ++joints)
+    many.push_back({joints, {std::vector<std::int32_t>(static_cast<std::size_t>(std::popcount(joints)))}});
+  EXPECT_EQ(of_groups(many), kOk);
+  many.push_back({1u << 19, {{0}}});
+  EXPECT_EQ(of_groups(many), kBadCount);
+  std::vector<std::byte> spare = builder().step(kEnd).image();
+  spare[16 + kMotionFixedSize + 2 * kPoseGroupSize + 1] |= std::byte{0x80};
+  test::seal(spare);
+  EXPECT_EQ(status(spare), kBadPose);
 }
 
 TEST_F(MotionTest, ReportsTheIndexOfABadPoseOrStep) {
-  EXPECT_EQ(open(builder().pose(3, 150.1).step(kEnd).image()).index, 2);
+  EXPECT_EQ(open(builder().pose(18, 179).step(kEnd).image()).index, 2);
   EXPECT_EQ(open(builder().step(kWait, 0, 1'000).step(kMove, 7, 1'000).step(kEnd).image()).index, 1);
 }
 
 TEST_F(MotionTest, RefusesBadSteps) {
-  EXPECT_EQ(of_steps({{static_cast<Opcode>(7), 0, 0}, kEndStep}), kBadOpcode);
+  EXPECT_EQ(of_steps({{static_cast<Opcode>(18), 0, 0}, kEndStep}), kBadOpcode);
   EXPECT_EQ(of_steps({{kEnd, 1, 0}}), kBadOpcode);
   EXPECT_EQ(of_steps({{kEnd, 0, 1}}), kBadOpcode);
   EXPECT_EQ(of_steps({{kMove, 2, 10'000}, kEndStep}), kNoSuchPose);
@@ -154,9 +188,9 @@ TEST_F(MotionTest, RejectsImproperlyNestedLoops) {
   EXPECT_EQ(of_steps({kWaitStep, loop_end(0), kEndStep}), kBadLoop);
   EXPECT_EQ(of_steps({loop(2), loop(2), kWaitStep, loop_end(0), loop_end(1), kEndStep}), kBadLoop);
   EXPECT_EQ(of_steps({loop(2), loop(2), kWaitStep, loop_end(1), loop_end(0), kEndStep}), kOk);
-  std::vector<Step> deep(kMaxLoopDepth + 1, loop(1));
+  std::vector<Step> deep(kMaxStackDepth + 1, loop(1));
   deep.push_back(kWaitStep);
-  for (std::uint16_t depth = kMaxLoopDepth + 1; depth > 0; --depth) {
+  for (std::uint16_t depth = kMaxStackDepth + 1; depth > 0; --depth) {
     deep.push_back(loop_end(static_cast<std::uint16_t>(depth - 1)));
   }
   deep.push_back(kEndStep);
@@ -177,13 +211,15 @@ TEST_F(MotionTest, RefusesJumpsAcrossLoops) {
                                                                                         // its end
   EXPECT_EQ(of_steps({loop(2), kWaitStep, loop_end(0), jump(0), kEndStep}), kOk);       // backwards over the
                                                                                         // whole loop
-  std::vector<Step> many;
-  for (std::uint16_t i = 0; i <= kMaxJumps; ++i) {
-    many.push_back(jump(static_cast<std::uint16_t>(many.size() + 1)));
-    many.push_back(kWaitStep);
-  }
-  many.push_back(kEndStep);
-  EXPECT_EQ(of_steps(many), kBadJump);
+}
+
+// The time to check jumps grows with their distances.
+TEST_F(MotionTest, BoundsTheDistancesOfAllJumpsInSum) {
+  std::vector<Step> far(kMaxSteps, jump(kMaxSteps - 1));
+  far.back() = kEndStep;
+  EXPECT_EQ(of_steps(far), kBadJump);
+  for (std::uint16_t i = 0; i + 1u < far.size(); ++i) far[i] = jump(static_cast<std::uint16_t>(i + 1));
+  EXPECT_EQ(of_steps(far), kOk);
 }
 
 TEST_F(MotionTest, RejectsCyclesOfZeroDuration) {
