@@ -52,20 +52,20 @@ bool is_upright(const motion::ExpectedAttitude& expected) {
 class Player {
  public:
   Player(const motion::Motion& played, const simulation::NamedModel& robot)
-      : motion_(played), robot_(robot), interpreter_(robot.model, up_B_) {}
+      : motion_(played), robot_(robot), interpreter_(robot.model) {}
 
   Trajectory play(std::span<const double> from_rad) {
     std::vector<fixed::Angle> from;
     for (const double angle_rad : from_rad) from.push_back(fixed::from_double<fixed::Angle>(angle_rad));
     on_feet_ = begins_on_feet(motion_);
     meet_expectation(0);
-    interpreter_.start(motion_, from);
+    interpreter_.start(motion_, from, inputs_);
     add(interpreter_.step_index());
     for (std::size_t tick = 0; interpreter_.running() && tick < 2 * kMaxTicks; ++tick) {
       if (tick == kMaxTicks) interpreter_.stop();
       const std::uint16_t before = interpreter_.step_index();
       meet_expectation(before);
-      interpreter_.advance(kTick_us);
+      interpreter_.advance(kTick_us, inputs_);
       pass_expectations(before, interpreter_.step_index());
       add(before);  // in which the tick began
     }
@@ -83,7 +83,7 @@ class Player {
       const auto part = [&](std::size_t i) {
         return fixed::from_double<fixed::Ratio>(expected.up_B[i] / 127.0);
       };
-      up_B_ = {part(0), part(1), part(2)};
+      state_.up_B = {part(0), part(1), part(2)};
       return;
     }
   }
@@ -103,7 +103,8 @@ class Player {
 
   const motion::Motion& motion_;
   const simulation::NamedModel& robot_;
-  robot::Direction up_B_ = robot::kAxisZ;
+  estimation::RobotState state_;
+  const motion::Inputs inputs_{.robot = state_};
   motion::Interpreter interpreter_;
   bool on_feet_ = true;
   Trajectory trajectory_;
