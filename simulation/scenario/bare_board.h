@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "sim_board/board/sim_board.h"
 #include "sim_board/scenario/player.h"
@@ -19,6 +20,10 @@ class BareBoard {
   void advance() { player_->advance(); }
   bool finished() const { return player_->finished(); }
   sim::SimBoard& board() { return *board_; }
+  const sim::SimBoard& board() const { return *board_; }
+  const sim::Scenario& scenario() const { return scenario_; }
+  const sim::RobotDescription& robot() const { return robot_; }
+  const std::vector<sim::Push>& pushes() const { return player_->pushes(); }
 
  private:
   // Replaces the firmware.

@@ -4,12 +4,15 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "sim_board/scenario/reader.h"
 #include "simulation/scenario/bare_board.h"
 #include "tools/cli/options.h"
+#include "tools/dictionary/network.h"
+#include "tools/view/capture/run_recording.h"
 
 namespace koboshi::tools {
 namespace {
@@ -19,19 +22,39 @@ struct BoardArguments {
   std::vector<std::string> sets;
   std::string duration;
   LiveOptions live;
+  ViewOptions view;
 };
 
 void play_board(const BoardArguments& arguments) {
   const auto overrides = overrides_of(arguments.sets, {{"duration_s", arguments.duration, "--duration"}});
-  LiveLink live(arguments.live, warn);
+  LiveOptions live_options = arguments.live;
+  const auto view = open_view(arguments.view, live_options);
+  LiveLink live(live_options, warn);
   simulation::BareBoard bare(sim::read_scenario(arguments.scenario, overrides));
   sim::SimBoard& board = bare.board();
+  std::optional<view::RunRecording> recording;
+  if (view) {
+    view->set_keys({.refusal = "A board without controller takes no keys."});
+    recording.emplace(bare, *view);
+    board.bus().set_observer(&*recording);
+    view->start(view::recording_head(bare), make_network(bare.robot()));
+  }
   live.attach(board.bus());
   print_bus_address(live);
+  print_view_address(view.get());
   while (!bare.finished() && !live.interrupted()) {
     live.before(board.now_us());
     bare.advance();
+    if (recording) {
+      recording->record();
+      view->set_dropped(recording->dropped());
+    }
     live.after(board.now_us());
+  }
+  if (recording) {
+    board.bus().set_observer(nullptr);
+    recording->close({});
+    view->close();
   }
   const sim::BusUsage usage = board.bus().usage();
   fmt::print("{:.2f} s, {} frames, bus load {:.0f} %\n", 1e-6 * static_cast<double>(board.now_us()),
@@ -52,6 +75,7 @@ the scenario's duration or by Ctrl-C.
 Examples:
   koboshi board --can socketcan:vcan0
   koboshi board --can udp:239.74.163.2:43113 --duration 60
+  koboshi board --can socketcan:vcan0 --view
 )");
   command->add_option("SCENARIO", arguments->scenario,
                       "A scenario without commands, motions and gait (default: scenarios/board.yaml)");
@@ -59,6 +83,7 @@ Examples:
   command->add_option("--set", arguments->sets, "Override a key of the scenario; may be repeated")
       ->allow_extra_args(false);
   add_live_options(*command, arguments->live);
+  add_view_options(*command, arguments->view);
   command->callback([arguments] { play_board(*arguments); });
 }
 

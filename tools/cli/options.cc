@@ -73,12 +73,34 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
                      "Connect the simulated bus to: none (default), socketcan:vcan0,\n"
                      "udp:239.74.163.2:43113 (python-can's udp_multicast), slcan (on a pseudo-terminal),\n"
                      "log:FILE (in the format of candump -L)");
-  command.add_flag("--realtime", options.realtime, "Run in real time; implied by socketcan, udp and slcan");
+  command.add_flag("--realtime", options.realtime,
+                   "Run in real time; implied by --view, socketcan, udp and slcan");
   command
       .add_option("--speed", options.speed,
                   "Simulated seconds per second of real time (default: 1); less on a slow machine")
       ->check(CLI::Range(0.01, 100.0));
   command.add_flag("--real-bus", options.real_bus, kRealBusHelp);
+}
+
+void add_view_options(CLI::App& command, ViewOptions& options) {
+  CLI::Option* view =
+      command.add_flag("--view", options.view,
+                       "Show the simulation in a browser of this machine, and print the page's address");
+  command.add_option("--view-port", options.port, "Port of that address on 127.0.0.1 (default: a free one)")
+      ->needs(view)
+      ->check(CLI::Range(1, 65535));
+}
+
+std::unique_ptr<view::LiveView> open_view(const ViewOptions& options, LiveOptions& live) {
+  if (!options.view) return nullptr;
+  live.realtime = true;
+  return std::make_unique<view::LiveView>(options.port);
+}
+
+void print_view_address(const view::LiveView* view) {
+  if (view == nullptr) return;
+  fmt::print("live view on {}\n", view->address());
+  std::fflush(stdout);
 }
 
 void print_bus_address(const LiveLink& link) {

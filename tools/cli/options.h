@@ -13,6 +13,7 @@
 #include "tools/can/source.h"
 #include "tools/dictionary/network.h"
 #include "tools/run/live_link.h"
+#include "tools/view/live/live_view.h"
 
 namespace koboshi::tools {
 
@@ -52,6 +53,19 @@ std::uint8_t parse_node(const std::string& text);
 
 // Adds --can, --realtime, --speed and --real-bus of a simulation.
 void add_live_options(CLI::App& command, LiveOptions& options);
+
+// Adds --view and --view-port.
+struct ViewOptions {
+  bool view = false;
+  std::uint16_t port = 0;  // 0: a free one
+};
+void add_view_options(CLI::App& command, ViewOptions& options);
+
+// Opens the live view, which runs in real time; null without --view. With --real-bus its pages may not drive.
+std::unique_ptr<view::LiveView> open_view(const ViewOptions& options, LiveOptions& live);
+
+// Prints the address of the pages, if there is a live view.
+void print_view_address(const view::LiveView* view);
 
 // Prints the address of the bus, if the simulation is joined to one.
 void print_bus_address(const LiveLink& link);

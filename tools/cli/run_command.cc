@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -21,6 +22,7 @@
 #include "simulation/observe/event_log.h"
 #include "tools/cli/options.h"
 #include "tools/run/run.h"
+#include "tools/teleop/page_keys.h"
 #include "tools/teleop/teleop.h"
 
 namespace koboshi::tools {
@@ -38,6 +40,7 @@ struct RunArguments {
   std::filesystem::path storage;
   std::string record = "100";
   LiveOptions live;
+  ViewOptions view;
 };
 
 // By the value of --record, a rate in hertz.
@@ -88,17 +91,26 @@ void report(const RunResult& result, const std::filesystem::path& out) {
   fmt::print("{}\n", summary.verdict);
 }
 
-// The operator needs a terminal, and a run in real time.
-void give_operator(RunOptions& options) {
-  if (!Terminal::is_there()) {
+// Why the keys of a page have no effect on this run; empty if they have one.
+std::string refusal_of_keys(const RunOptions& options) {
+  if (options.live.real_bus) return "Keys are refused: this run is on a real bus (--real-bus).";
+  if (!options.scenario.teleop) return "This run takes no keys: --set teleop=true lets a page drive.";
+  return {};
+}
+
+// The operator needs a terminal or a page, and a run in real time.
+void give_operator(RunOptions& options, KeyQueue& keys) {
+  const bool takes_page_keys = options.view != nullptr && refusal_of_keys(options).empty();
+  const Teleop::Seats seats{Terminal::is_there(), options.view, takes_page_keys ? &keys : nullptr};
+  if (!seats.terminal && !takes_page_keys) {
     throw sim::InputError(options.scenario.file, 0,
                           "teleop: true, but no terminal on standard input and output",
-                          "one, whose keys drive the robot, or --set teleop=false");
+                          "one, whose keys drive the robot, or --view, or --set teleop=false");
   }
   options.live.realtime = true;
-  options.make_operator = [](simulation::Simulation& simulation, const simulation::RunRecorder& recorder,
-                             const LiveLink& live) {
-    return std::make_unique<Teleop>(simulation, recorder, live);
+  options.make_operator = [seats](simulation::Simulation& simulation, const simulation::RunRecorder& recorder,
+                                  const LiveLink& live) {
+    return std::make_unique<Teleop>(simulation, recorder, live, seats);
   };
 }
 
@@ -118,15 +130,28 @@ int run_scenario(const RunArguments& arguments) {
   }
   options.recording_period_us = recording_periods_us().at(arguments.record);
   options.live = arguments.live;
-  options.ready = print_bus_address;
+  KeyQueue keys;  // outlives the view
+  const auto view = open_view(arguments.view, options.live);
+  options.view = view.get();
+  if (view) {
+    view::PageKeys offered = page_keys(keys);
+    offered.refusal = refusal_of_keys(options);
+    view->set_keys(std::move(offered));
+  }
+  options.ready = [&](const LiveLink& link) {
+    print_bus_address(link);
+    print_view_address(view.get());
+  };
   options.warn = warn;
   std::function<void(const RunProgress&)> show = [bar = ProgressBar()](const RunProgress& progress) mutable {
     bar.show(progress);
   };
   if (options.scenario.teleop) {
-    give_operator(options);
-    show = {};  // the operator has the screen
-    options.warn = {};
+    give_operator(options, keys);
+    if (Terminal::is_there()) {
+      show = {};  // the operator has the screen
+      options.warn = {};
+    }
   }
   const RunResult result = run(options, show);
   report(result, options.out);
@@ -151,6 +176,7 @@ Examples:
   koboshi run scenarios/walk.yaml
   koboshi run scenarios/walk.yaml --seed 7 --set ground.friction=0.4 --out runs/slippery
   koboshi run scenarios/teleop.yaml --realtime
+  koboshi run scenarios/teleop.yaml --realtime --view
 )");
   command->add_option("SCENARIO", arguments->scenario, "A scenario file, docs/reference/scenario-format.md")
       ->required();
@@ -180,6 +206,7 @@ Examples:
                    "Samples per second of the recording run.mcap: 100 (default), 500 or no recording")
       ->check(CLI::IsMember({"no", "100", "500"}));
   add_live_options(*command, arguments->live);
+  add_view_options(*command, arguments->view);
   command->callback([arguments, &invocation] { invocation.exit_status = run_scenario(*arguments); });
 }
 

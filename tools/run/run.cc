@@ -8,6 +8,7 @@
 #include "sim_board/record/output_folder.h"
 #include "sim_board/scenario/events_text.h"
 #include "simulation/observe/run_recorder.h"
+#include "tools/dictionary/network.h"
 #include "tools/run/run_figures.h"
 #include "tools/run/walk_figures.h"
 #include "tools/view/capture/run_recording.h"
@@ -49,7 +50,7 @@ struct Ending {
 };
 
 Ending play(simulation::Simulation& simulation, simulation::RunRecorder& recorder,
-            view::RunRecording* recording, LiveLink& live, ShownTrace& trace,
+            view::RunRecording* recording, view::LiveView* view, LiveLink& live, ShownTrace& trace,
             const OperatorFactory& make_operator, const std::function<void(const RunProgress&)>& progress) {
   constexpr std::uint64_t kTick_us = sim::SimBoard::kTick_us;
   const auto start = Clock::now();
@@ -66,6 +67,7 @@ Ending play(simulation::Simulation& simulation, simulation::RunRecorder& recorde
       live.after(now_us);
       if (now_us % kTick_us != 0) continue;
       trace.add(now_us, recorder.row());
+      if (view != nullptr) view->set_dropped(recording->dropped());
       if (run_operator && !run_operator->tick()) break;
       if (progress) progress({1e-6 * static_cast<double>(now_us), duration_s, seconds_since(start)});
     }
@@ -115,16 +117,22 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   std::optional<view::RunRecording> recording;
   if (options.recording_period_us > 0) {
     recording.emplace(options.out / "run.mcap", simulation,
-                      view::RunRecording::Options{options.recording_period_us, when_full});
+                      view::RunRecording::Options{options.recording_period_us, when_full, options.view});
+  } else if (options.view != nullptr) {
+    recording.emplace(std::filesystem::path(), simulation,
+                      view::RunRecording::Options{.when_full = when_full, .listener = options.view});
   }
   view::RunRecording* const recording_or_none = recording ? &*recording : nullptr;
   simulation::RunRecorder recorder(simulation, &files, recording_or_none);
+  if (options.view != nullptr) {
+    options.view->start(view::recording_head(simulation), make_network(simulation.robot()));
+  }
   live.attach(simulation.board().bus());
   if (options.ready) options.ready(live);
   const auto start = Clock::now();
   RunResult result;
-  const Ending ending =
-      play(simulation, recorder, recording_or_none, live, trace, options.make_operator, progress);
+  const Ending ending = play(simulation, recorder, recording_or_none, options.view, live, trace,
+                             options.make_operator, progress);
   result.failure = ending.failure;
   const double wall_s = seconds_since(start);
   result.live = live.report();
@@ -133,6 +141,7 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
   add_ending(ending, simulation, recorder.events(), live.is_live());
   result.summary = recorder.summary();
   if (recording) recording->close(result.summary.events);
+  if (options.view != nullptr) options.view->close();
   sim::write_whole_file(options.out / "events.txt", simulation::events_text(result.summary.events));
   sim::write_json(options.out / "timing.json", timing_json(simulation.board(), wall_s, files.dropped(),
                                                            recording ? recording->dropped() : 0, live));

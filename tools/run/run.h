@@ -10,6 +10,7 @@
 #include "simulation/observe/run_recorder.h"
 #include "simulation/scenario/simulation.h"
 #include "tools/run/live_link.h"
+#include "tools/view/live/live_view.h"
 
 namespace koboshi::tools {
 
@@ -37,6 +38,8 @@ struct RunOptions {
   OperatorFactory make_operator{};               // may be empty
   // Time between the samples of the recording, run.mcap; a divisor of a tick. Zero: no recording.
   std::uint64_t recording_period_us = 0;
+  // Shows the run in browsers; may be null, and outlives the run, which starts and closes it.
+  view::LiveView* view = nullptr;
 };
 
 // Progress of a run.

@@ -12,16 +12,17 @@ struct KeyRow {
   Key key;
   std::string_view name;
   std::string_view letters;
-  char arrow = '\0';  // final byte of its sequence
+  char arrow = '\0';                   // final byte of its sequence
+  std::string_view browser_name = {};  // if it is not one of the letters
 };
 constexpr KeyRow kKeyRows[] = {
-    {Key::kForward, "forward", "w", 'A'},
-    {Key::kBackward, "backward", "s", 'B'},
-    {Key::kTurnLeft, "turn left", "", 'D'},
-    {Key::kTurnRight, "turn right", "", 'C'},
+    {Key::kForward, "forward", "w", 'A', "ArrowUp"},
+    {Key::kBackward, "backward", "s", 'B', "ArrowDown"},
+    {Key::kTurnLeft, "turn left", "", 'D', "ArrowLeft"},
+    {Key::kTurnRight, "turn right", "", 'C', "ArrowRight"},
     {Key::kLeft, "left", "a,"},
     {Key::kRight, "right", "d."},
-    {Key::kGo, "go", "g\n\r"},
+    {Key::kGo, "go", "g\n\r", '\0', "Enter"},
     {Key::kStop, "stop", " "},
     {Key::kPush, "push", "p"},
     {Key::kPushMore, "push more", "+"},
@@ -32,6 +33,8 @@ constexpr KeyRow kKeyRows[] = {
     {Key::kReset, "reset", "r"},
     {Key::kEnd, "end", "qx"},
 };
+
+bool is_printable(char byte) { return byte >= ' ' && byte <= '~'; }
 
 std::optional<Key> arrow(char final_byte) {
   const auto* row = std::ranges::find(kKeyRows, final_byte, &KeyRow::arrow);
@@ -47,6 +50,25 @@ std::optional<Key> letter(char byte) {
 }  // namespace
 
 std::string_view name_of(Key key) { return std::ranges::find(kKeyRows, key, &KeyRow::key)->name; }
+
+std::optional<Key> key_of_browser(std::string_view name) {
+  const auto* row = std::ranges::find_if(
+      kKeyRows, [name](const KeyRow& one) { return !name.empty() && one.browser_name == name; });
+  if (row != std::end(kKeyRows)) return row->key;
+  return name.size() == 1 && is_printable(name.front()) ? letter(name.front()) : std::nullopt;
+}
+
+std::vector<KeyHelp> key_help() {
+  std::vector<KeyHelp> help;
+  for (const KeyRow& row : kKeyRows) {
+    KeyHelp& one = help.emplace_back(KeyHelp{{}, row.name});
+    if (!row.browser_name.empty()) one.browser_keys.emplace_back(row.browser_name);
+    for (const char letter : row.letters) {
+      if (is_printable(letter)) one.browser_keys.emplace_back(1, letter);
+    }
+  }
+  return help;
+}
 
 std::optional<Key> KeyDecoder::take(char byte) {
   if (byte == kEscape) {

@@ -113,6 +113,7 @@ std::vector<std::string> status_lines(const TeleopStatus& status) {
   add("last key", status.last_key + (status.effect.empty() ? "" : ": " + status.effect));
   add("command", status.last_command);
   add("event", status.last_event);
+  if (!status.page.empty()) add("page", status.page);
   // Below the title, right of the numbers.
   put_beside(lines, kMapLine, kColumns - TrailMap::kColumns, status.map);
   lines.emplace_back();

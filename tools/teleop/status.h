@@ -20,6 +20,7 @@ struct TeleopStatus {
 
   std::string scenario;  // its file
   std::string bus;       // address of the bus; empty without a transport
+  std::string page;      // address of the live view; empty without one
   double simulated_s = 0.0;
   double real_time_factor = 0.0;
   std::uint64_t overruns = 0;

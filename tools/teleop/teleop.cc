@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <utility>
 #include <variant>
 
 #include "simulation/observe/run_recorder.h"
@@ -23,25 +25,48 @@ TeleopStatus::Velocity as_velocity(const std::array<double, 3>& rates) {
 }  // namespace
 
 Teleop::Teleop(simulation::Simulation& simulation, const simulation::RunRecorder& recorder,
-               const LiveLink& live)
+               const LiveLink& live, const Seats& seats)
     : simulation_(simulation),
       recorder_(recorder),
       live_(live),
+      seats_(seats),
       pilot_(simulation::controller_values(simulation.scenario()).velocity_limits),
       pace_(kPaceWindow_s),
-      velocity_(kVelocityWindow_s) {}
+      velocity_(kVelocityWindow_s) {
+  if (seats.terminal) terminal_.emplace();
+}
 
 bool Teleop::tick() {
-  for (const char byte : terminal_.read()) {
-    const auto key = decoder_.take(byte);
-    if (key && !obey(*key)) return false;
+  if (terminal_) {
+    for (const char byte : terminal_->read()) {
+      const auto key = decoder_.take(byte);
+      if (key && !obey(*key)) return false;
+    }
   }
+  if (seats_.page_keys != nullptr) {
+    while (const auto key = seats_.page_keys->pop()) {
+      if (!obey(*key)) return false;
+    }
+  }
+  if (seats_.view != nullptr) tell_page();
+  if (!terminal_) return true;
   measure();
   if (Clock::now() >= next_drawing_) {
     next_drawing_ = Clock::now() + kDrawing;
-    terminal_.show(status_lines(status()));
+    terminal_->show(status_lines(status()));
   }
-  return !terminal_.closed();
+  return !terminal_->closed();
+}
+
+// Tells the effect of the last key and the controller's answer.
+void Teleop::tell_page() {
+  std::string note;
+  if (!last_key_.empty()) note = "key " + last_key_ + ": " + pilot_.effect();
+  const std::string& command = recorder_.events().last_command();
+  if (!command.empty()) note += (note.empty() ? "" : "\n") + ("command " + command);
+  if (note == told_) return;
+  told_ = note;
+  seats_.view->tell(std::move(note));
 }
 
 bool Teleop::obey(Key key) {
@@ -76,6 +101,7 @@ TeleopStatus Teleop::status() const {
   TeleopStatus status;
   status.scenario = scenario.file.filename().string();
   if (live_.transport() != nullptr) status.bus = live_.transport()->place();
+  if (seats_.view != nullptr) status.page = seats_.view->address();
   status.simulated_s = now_s();
   status.real_time_factor = pace_.per_s()[0];
   if (const Pacer* pacer = live_.pacer()) {

@@ -6,20 +6,31 @@
 #include <string>
 
 #include "tools/run/run.h"
+#include "tools/teleop/key_queue.h"
 #include "tools/teleop/map.h"
 #include "tools/teleop/pilot.h"
 #include "tools/teleop/sliding_rate.h"
 #include "tools/teleop/status.h"
 #include "tools/teleop/terminal.h"
+#include "tools/view/live/live_view.h"
 
 namespace koboshi::tools {
 
-// An operator at the keyboard of this terminal. Keys become commands on the simulated bus, sent by the PC
-// that also sends the scenario's, and pushes of the base link. The screen shows the state of the robot.
+// An operator at the keyboard of this terminal, at a page of the live view, or at both. Keys become commands
+// on the simulated bus, sent by the PC that also sends the scenario's, and pushes of the base link. The
+// terminal's screen shows the state of the robot.
 class Teleop final : public RunOperator {
  public:
+  struct Seats {
+    bool terminal = true;
+    // The page of the run and its keys; both may be null.
+    view::LiveView* view = nullptr;
+    KeyQueue* page_keys = nullptr;
+  };
+
   // Holds the terminal as long as it lives. Throws what Terminal and controller_values throw.
-  Teleop(simulation::Simulation& simulation, const simulation::RunRecorder& recorder, const LiveLink& live);
+  Teleop(simulation::Simulation& simulation, const simulation::RunRecorder& recorder, const LiveLink& live,
+         const Seats& seats);
 
   bool tick() override;
 
@@ -28,6 +39,7 @@ class Teleop final : public RunOperator {
 
   // Returns false if the key ends the run.
   bool obey(Key key);
+  void tell_page();
   void measure();
   double now_s() const { return 1e-6 * static_cast<double>(simulation_.board().now_us()); }
   TeleopStatus status() const;
@@ -35,6 +47,7 @@ class Teleop final : public RunOperator {
   simulation::Simulation& simulation_;
   const simulation::RunRecorder& recorder_;
   const LiveLink& live_;
+  const Seats seats_;
   Pilot pilot_;
   KeyDecoder decoder_;
   std::string last_key_;
@@ -46,7 +59,8 @@ class Teleop final : public RunOperator {
   std::array<double, 3> distance_{};
   std::optional<Eigen::Vector3d> place_;  // x, y and yaw in the world
   TrailMap map_;
-  Terminal terminal_;
+  std::string told_;  // to the pages
+  std::optional<Terminal> terminal_;
 };
 
 }  // namespace koboshi::tools

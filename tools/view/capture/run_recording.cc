@@ -100,16 +100,25 @@ std::vector<Signal> signals_of(const sim::RobotDescription& robot) {
   return signals;
 }
 
-Recording head_of(const simulation::Simulation& simulation) {
-  const sim::Scenario& scenario = simulation.scenario();
+// The names that plots and layers of a run know.
+constexpr const char* kBasePlace[] = {"true_base_x", "true_base_y", "true_base_z"};
+
+std::vector<Signal> signals_of_board(const sim::RobotDescription& robot) {
+  std::vector<Signal> signals;
+  for (const char* name : kBasePlace) signals.push_back({.name = name, .unit = "m"});
+  for (const auto& joint : robot.joints) signals.push_back({.name = joint.name + "_true", .unit = "rad"});
+  return signals;
+}
+
+Recording head_of(const sim::Scenario& scenario, const sim::RobotDescription& robot,
+                  const sim::SimBoard& board) {
   Recording head;
   head.title = scenario.file.stem().string();
   if (scenario.document.kind == sim::YamlNode::Kind::kMap) head.scenario = sim::yaml_text(scenario.document);
   head.seed = scenario.seed;
   head.stepper = sim::name_of(scenario.physics.stepper);
   head.version = KOBOSHI_VERSION;
-  head.scene = make_scene(simulation.robot(), simulation.board().ground());
-  head.signals = signals_of(simulation.robot());
+  head.scene = make_scene(robot, board.ground());
   return head;
 }
 
@@ -119,24 +128,47 @@ bool same(const sim::RunEvent& a, const sim::RunEvent& b) {
 
 }  // namespace
 
-RunRecording::RunRecording(const std::filesystem::path& file, const simulation::Simulation& simulation,
-                           const Options& options)
-    : RunRecording(file, simulation, options, head_of(simulation)) {}
+Recording recording_head(const simulation::Simulation& simulation) {
+  Recording head = head_of(simulation.scenario(), simulation.robot(), simulation.board());
+  head.signals = signals_of(simulation.robot());
+  return head;
+}
+
+Recording recording_head(const simulation::BareBoard& board) {
+  Recording head = head_of(board.scenario(), board.robot(), board.board());
+  head.signals = signals_of_board(board.robot());
+  return head;
+}
 
 RunRecording::RunRecording(const std::filesystem::path& file, const simulation::Simulation& simulation,
-                           const Options& options, const Recording& head)
-    : simulation_(simulation),
+                           const Options& options)
+    : RunRecording(
+          file, recording_head(simulation), simulation.board(), simulation.robot(),
+          [&simulation]() -> const std::vector<sim::Push>& { return simulation.pushes(); }, options) {}
+
+RunRecording::RunRecording(const simulation::BareBoard& board, RecordingListener& listener)
+    : RunRecording(
+          {}, recording_head(board), board.board(), board.robot(),
+          [&board]() -> const std::vector<sim::Push>& { return board.pushes(); },
+          Options{.when_full = sim::WhenFull::kDrop, .listener = &listener}) {}
+
+RunRecording::RunRecording(const std::filesystem::path& file, const Recording& head,
+                           const sim::SimBoard& board, const sim::RobotDescription& robot,
+                           std::function<const std::vector<sim::Push>&()> pushes, const Options& options)
+    : board_(board),
+      robot_(robot),
+      pushes_(std::move(pushes)),
       period_us_(options.period_us),
-      values_(head.signals.size(), std::numeric_limits<float>::quiet_NaN()),
-      file_(file, head),
+      listener_(options.listener),
       writer_(sim::BackgroundWriter::kDefaultRingWords, options.when_full,
               [this](const sim::Ring::Record& record) { write(record); }) {
-  const auto& joints = simulation.robot().joints;
-  for (std::size_t joint = 0; joint < joints.size(); ++joint) {
-    const auto signal = std::ranges::find(head.signals, joints[joint].name + "_true", &Signal::name);
-    if (signal == head.signals.end()) continue;
-    true_joints_.push_back(
-        {static_cast<int>(joint), static_cast<std::size_t>(signal - head.signals.begin())});
+  if (!file.empty()) file_.emplace(file, head);
+  values_.assign(head.signals.size(), std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t joint = 0; joint < robot.joints.size(); ++joint) {
+    const auto signal = std::ranges::find(head.signals, robot.joints[joint].name + "_true", &Signal::name);
+    if (signal != head.signals.end())
+      true_joints_.push_back(
+          {static_cast<int>(joint), static_cast<std::size_t>(signal - head.signals.begin())});
   }
 }
 
@@ -151,27 +183,38 @@ void RunRecording::on_bus_frame(const hal::CanFrame& frame, std::uint64_t /*star
 }
 
 void RunRecording::record(const simulation::RunRecorder& recorder) {
-  const std::uint64_t now_us = simulation_.board().now_us();
+  const std::uint64_t now_us = board_.now_us();
   if (now_us % period_us_ != 0) return;
   writer_.check();
-  const bool is_tick = now_us % sim::SimBoard::kTick_us == 0;
-  if (is_tick) {
+  if (now_us % sim::SimBoard::kTick_us == 0) {
     record_pushes(now_us);
     if (now_us >= kSettled_us) record_events(now_us - kSettled_us, recorder.events().so_far());
-  }
-  record_sample(now_us, recorder.row(), is_tick);
-}
-
-void RunRecording::record_sample(std::uint64_t now_us, std::span<const sim::TraceValue> row, bool is_tick) {
-  const sim::World& world = simulation_.board().world();
-  if (is_tick) {
-    std::ranges::transform(row, values_.begin(),
+    std::ranges::transform(recorder.row(), values_.begin(),
                            [](const sim::TraceValue& value) { return static_cast<float>(value.number()); });
   } else {
-    for (const TrueJoint& joint : true_joints_)
-      values_[joint.signal] = static_cast<float>(world.joint(joint.joint).position_rad);
+    record_true_joints();
   }
-  const std::size_t links = simulation_.robot().links.size();
+  record_sample(now_us);
+}
+
+void RunRecording::record() {
+  const std::uint64_t now_us = board_.now_us();
+  if (now_us % period_us_ != 0) return;
+  record_pushes(now_us);
+  const Eigen::Vector3d p_WB_W = board_.world().body(0).X_WL.translation();
+  std::ranges::transform(p_WB_W, values_.begin(), [](double x) { return static_cast<float>(x); });
+  record_true_joints();
+  record_sample(now_us);
+}
+
+void RunRecording::record_true_joints() {
+  for (const TrueJoint& joint : true_joints_)
+    values_[joint.signal] = static_cast<float>(board_.world().joint(joint.joint).position_rad);
+}
+
+void RunRecording::record_sample(std::uint64_t now_us) {
+  const sim::World& world = board_.world();
+  const std::size_t links = robot_.links.size();
   const std::span<const sim::Contact> contacts = world.contacts();
   const std::size_t bytes = sizeof(PackedSampleHead) + links * sizeof(PackedPose) +
                             contacts.size() * sizeof(PackedContact) + values_.size() * sizeof(float);
@@ -207,12 +250,11 @@ void RunRecording::record_events(std::uint64_t until_us, std::span<const sim::Ru
 }
 
 void RunRecording::record_pushes(std::uint64_t now_us) {
-  const sim::RobotDescription& robot = simulation_.robot();
-  const auto& pushes = simulation_.pushes();
+  const auto& pushes = pushes_();
   for (; next_push_ < pushes.size() && pushes[next_push_].at_us <= now_us; ++next_push_) {
     const sim::Push& push = pushes[next_push_];
-    const int link = robot.find_link(push.link.text).value_or(0);
-    const Eigen::Vector3d p_L_m = push.p_L_m.value_or(robot.links[static_cast<std::size_t>(link)].p_LCom_L);
+    const int link = robot_.find_link(push.link.text).value_or(0);
+    const Eigen::Vector3d p_L_m = push.p_L_m.value_or(robot_.links[static_cast<std::size_t>(link)].p_LCom_L);
     const auto words = writer_.claim(kPush, words_for(2 * sizeof(std::uint64_t) + 8 * sizeof(double)));
     if (words.empty()) continue;
     Packer packer(words);
@@ -234,7 +276,7 @@ void RunRecording::write(const sim::Ring::Record& record) {
       Event event{.time_us = words.take<std::uint64_t>()};
       event.kind = words.take_text();
       event.text = words.take_text();
-      return file_.add_event(event);
+      return add(event);
     }
     case kPush: {
       Push push{.start_us = words.take<std::uint64_t>()};
@@ -242,12 +284,16 @@ void RunRecording::write(const sim::Ring::Record& record) {
       push.link = static_cast<int>(words.take<std::int64_t>());
       for (double& value : push.p_L_m) value = words.take<double>();
       for (double& value : push.f_W_N) value = words.take<double>();
-      return file_.add_push(push);
+      if (file_) file_->add_push(push);
+      if (listener_ != nullptr) listener_->add_push(push);
+      return;
     }
     case kFrame: {
       Frame frame{.end_us = words.take<std::uint64_t>()};
       frame.frame = words.take<hal::CanFrame>();
-      return file_.add_frame(frame);
+      if (file_) file_->add_frame(frame);
+      if (listener_ != nullptr) listener_->add_frame(frame);
+      return;
     }
   }
 }
@@ -268,7 +314,14 @@ void RunRecording::write_sample(std::span<const std::byte> bytes) {
   }
   sample_values_.resize(head.values);
   for (float& value : sample_values_) value = words.take<float>();
-  file_.add_sample(head.time_us, links_, contacts_, sample_values_);
+  if (file_) file_->add_sample(head.time_us, links_, contacts_, sample_values_);
+  if (listener_ != nullptr && head.time_us % sim::SimBoard::kTick_us == 0)
+    listener_->add_sample(head.time_us, links_, contacts_, sample_values_);
+}
+
+void RunRecording::add(const Event& event) {
+  if (file_) file_->add_event(event);
+  if (listener_ != nullptr) listener_->add_event(event);
 }
 
 // The end of a run changes events that are not settled, and adds the verdict.
@@ -276,9 +329,9 @@ void RunRecording::close(std::span<const sim::RunEvent> events) {
   writer_.close();
   for (const sim::RunEvent& event : events) {
     const auto is_same = [&](const sim::RunEvent& other) { return same(event, other); };
-    if (std::ranges::none_of(recorded_, is_same)) file_.add_event({event.time_us, event.kind, event.text});
+    if (std::ranges::none_of(recorded_, is_same)) add({event.time_us, event.kind, event.text});
   }
-  file_.close();
+  if (file_) file_->close();
 }
 
 }  // namespace koboshi::view

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,15 +11,21 @@
 #include "sim_board/record/background_writer.h"
 #include "sim_board/record/summary.h"
 #include "simulation/observe/run_recorder.h"
+#include "simulation/scenario/bare_board.h"
 #include "simulation/scenario/simulation.h"
+#include "tools/view/recording/listener.h"
 #include "tools/view/recording/recording_file.h"
 
 namespace koboshi::view {
 
-// Records a simulation into run.mcap. It observes from outside: frames as the listener of a RunRecorder, and
-// after each millisecond the world, the row of the trace, events and pushes. A step copies a few kilobytes
-// into a ring; a thread makes messages of them, compresses and writes them. Times are those of the
-// simulation, so the same run gives the same bytes.
+// The recording of a simulation without its samples, events, pushes and frames.
+[[nodiscard]] Recording recording_head(const simulation::Simulation& simulation);
+[[nodiscard]] Recording recording_head(const simulation::BareBoard& board);
+
+// Records a simulation into run.mcap, or for a listener, or both. It observes from outside: frames as the
+// listener of a RunRecorder, and after each millisecond the world, the row of the trace, events and pushes. A
+// step copies a few kilobytes into a ring; a thread makes messages of them, compresses and writes them. Times
+// are those of the simulation, so the same run gives the same bytes.
 class RunRecording final : public sim::BusObserver {
  public:
   struct Options {
@@ -25,16 +33,25 @@ class RunRecording final : public sim::BusObserver {
     // the tick before, but the true joint positions of their own.
     std::uint64_t period_us = sim::SimBoard::kTick_us;
     sim::WhenFull when_full = sim::WhenFull::kWait;
+    // Receives the samples at ticks and everything else, in the thread that writes. May be null; outlives
+    // this object.
+    RecordingListener* listener = nullptr;
   };
 
-  // The simulation must outlive this object. Throws sim::WriteError.
+  // Without the name of a file, records for the listener only. The simulation must outlive this object.
+  // Throws sim::WriteError.
   RunRecording(const std::filesystem::path& file, const simulation::Simulation& simulation,
                const Options& options);
+  // Records a board without controller for a listener, and drops what it is too slow for. Its signals are
+  // the true place of the base link and the true joint positions.
+  RunRecording(const simulation::BareBoard& board, RecordingListener& listener);
 
   void on_bus_frame(const hal::CanFrame& frame, std::uint64_t start_us, std::uint64_t end_us) override;
   // Records a millisecond, after `recorder` has; it must write a trace. Throws sim::WriteError after a failed
   // write.
   void record(const simulation::RunRecorder& recorder);
+  // Records a millisecond of a board without controller.
+  void record();
   // Completes the file. `events` are those of the whole run. Throws sim::WriteError.
   void close(std::span<const sim::RunEvent> events);
 
@@ -42,22 +59,27 @@ class RunRecording final : public sim::BusObserver {
   std::uint64_t dropped() const { return writer_.dropped(); }
 
  private:
-  // `head` is a recording without its samples, events, pushes and frames.
-  RunRecording(const std::filesystem::path& file, const simulation::Simulation& simulation,
-               const Options& options, const Recording& head);
-
   struct TrueJoint {
     int joint;
     std::size_t signal;  // its position's column
   };
 
-  void record_sample(std::uint64_t now_us, std::span<const sim::TraceValue> row, bool is_tick);
+  // `head` is a recording without its samples, events, pushes and frames.
+  RunRecording(const std::filesystem::path& file, const Recording& head, const sim::SimBoard& board,
+               const sim::RobotDescription& robot, std::function<const std::vector<sim::Push>&()> pushes,
+               const Options& options);
+
+  void record_true_joints();
+  void record_sample(std::uint64_t now_us);
   void record_events(std::uint64_t until_us, std::span<const sim::RunEvent> events);
   void record_pushes(std::uint64_t now_us);
   void write(const sim::Ring::Record& record);
   void write_sample(std::span<const std::byte> bytes);
+  void add(const Event& event);
 
-  const simulation::Simulation& simulation_;
+  const sim::SimBoard& board_;
+  const sim::RobotDescription& robot_;
+  const std::function<const std::vector<sim::Push>&()> pushes_;
   const std::uint64_t period_us_;
   std::vector<TrueJoint> true_joints_;
   std::vector<float> values_;            // of the last tick
@@ -70,7 +92,8 @@ class RunRecording final : public sim::BusObserver {
   std::vector<ContactForce> contacts_;
   std::vector<float> sample_values_;
 
-  RecordingFile file_;
+  std::optional<RecordingFile> file_;
+  RecordingListener* const listener_;
   sim::BackgroundWriter writer_;  // last member: its thread uses the others
 };
 

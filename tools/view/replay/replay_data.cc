@@ -189,27 +189,6 @@ struct FrameGroup {
 };
 using FrameKey = std::tuple<std::uint16_t, std::uint8_t, bool>;
 
-const char* kind_text(tools::FrameKind kind) {
-  switch (kind) {
-    case tools::FrameKind::kNmt:
-      return "NMT";
-    case tools::FrameKind::kSync:
-      return "SYNC";
-    case tools::FrameKind::kEmergency:
-      return "EMCY";
-    case tools::FrameKind::kTime:
-      return "TIME";
-    case tools::FrameKind::kPdo:
-      return "PDO";
-    case tools::FrameKind::kSdo:
-      return "SDO";
-    case tools::FrameKind::kHeartbeat:
-      return "heartbeat";
-    default:
-      return "other";
-  }
-}
-
 // Texts that many frames share, each stored once.
 class Texts {
  public:
@@ -292,16 +271,9 @@ ordered_json json_of(const tools::Network& network) {
 
 ordered_json run_json(PagePack& pack, const Recording& recording) {
   ordered_json events = ordered_json::array();
-  for (const Event& event : recording.events)
-    events.push_back({{"time", event.time_us}, {"kind", event.kind}, {"text", event.text}});
+  for (const Event& event : recording.events) events.push_back(event_json(event));
   ordered_json pushes = ordered_json::array();
-  for (const Push& push : recording.pushes) {
-    pushes.push_back({{"start", push.start_us},
-                      {"end", push.end_us},
-                      {"link", push.link},
-                      {"position", json_of(push.p_L_m)},
-                      {"force", json_of(push.f_W_N)}});
-  }
+  for (const Push& push : recording.pushes) pushes.push_back(push_json(push));
   return {{"title", recording.title},
           {"scenario", recording.scenario},
           {"seed", std::to_string(recording.seed)},  // JavaScript's numbers have 53 bits
@@ -319,6 +291,39 @@ ordered_json run_json(PagePack& pack, const Recording& recording) {
 }
 
 }  // namespace
+
+const char* kind_text(tools::FrameKind kind) {
+  switch (kind) {
+    case tools::FrameKind::kNmt:
+      return "NMT";
+    case tools::FrameKind::kSync:
+      return "SYNC";
+    case tools::FrameKind::kEmergency:
+      return "EMCY";
+    case tools::FrameKind::kTime:
+      return "TIME";
+    case tools::FrameKind::kPdo:
+      return "PDO";
+    case tools::FrameKind::kSdo:
+      return "SDO";
+    case tools::FrameKind::kHeartbeat:
+      return "heartbeat";
+    default:
+      return "other";
+  }
+}
+
+ordered_json event_json(const Event& event) {
+  return {{"time", event.time_us}, {"kind", event.kind}, {"text", event.text}};
+}
+
+ordered_json push_json(const Push& push) {
+  return {{"start", push.start_us},
+          {"end", push.end_us},
+          {"link", push.link},
+          {"position", json_of(push.p_L_m)},
+          {"force", json_of(push.f_W_N)}};
+}
 
 std::string replay_data(const Recording& recording, const Recording* other, const tools::Network& network) {
   PagePack pack;

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 
+#include "tools/can/describe.h"
 #include "tools/dictionary/network.h"
 #include "tools/view/recording/recording.h"
 
@@ -17,5 +19,10 @@ inline constexpr double kForceQuantum_N = 1e-3;
 // columns that it describes (column_pack.h). `other`, a second run for comparison, may be null. The network
 // decodes the PDOs; without messages they are shown as bytes.
 std::string replay_data(const Recording& recording, const Recording* other, const tools::Network& network);
+
+// Parts of it.
+nlohmann::ordered_json event_json(const Event& event);
+nlohmann::ordered_json push_json(const Push& push);
+const char* kind_text(tools::FrameKind kind);
 
 }  // namespace koboshi::view

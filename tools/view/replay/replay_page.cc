@@ -1,5 +1,6 @@
 #include "tools/view/replay/replay_page.h"
 
+#include <fmt/core.h>
 #include <zlib.h>
 
 #include <cstdint>
@@ -86,16 +87,33 @@ std::string filled(std::string_view text,
   }
 }
 
-}  // namespace
+// Nothing is loaded from anywhere, and the data cannot become code.
+constexpr const char* kPolicy =
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:";
 
-std::string replay_page(const Recording& recording, const Recording* other, const tools::Network& network) {
+// `data` is base64 text, or "live".
+std::string page_of(const std::string& title, const std::string& policy, std::string_view data) {
   const PageParts parts = page_parts();
-  const std::string data = base64(gzip(replay_data(recording, other, network)));
-  return filled(parts.html, {{"title", escaped(recording.title)},
+  return filled(parts.html, {{"policy", policy},
+                             {"title", escaped(title)},
                              {"style", parts.style},
                              {"three", parts.three},
                              {"scripts", parts.scripts},
                              {"data", data}});
+}
+
+}  // namespace
+
+std::string replay_page(const Recording& recording, const Recording* other, const tools::Network& network) {
+  return page_of(recording.title, kPolicy, base64(gzip(replay_data(recording, other, network))));
+}
+
+std::string live_page(const std::string& title, std::uint16_t port) {
+  return page_of(title, live_page_policy(port), "live");
+}
+
+std::string live_page_policy(std::uint16_t port) {
+  return fmt::format("{}; connect-src ws://127.0.0.1:{} ws://localhost:{}", kPolicy, port, port);
 }
 
 void write_replay_page(const Recording& recording, const Recording* other, const tools::Network& network,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -16,5 +17,11 @@ std::string replay_page(const Recording& recording, const Recording* other, cons
 // Writes the page atomically. Throws sim::WriteError.
 void write_replay_page(const Recording& recording, const Recording* other, const tools::Network& network,
                        const std::filesystem::path& file);
+
+// Returns the same page without data: it reads a running simulation from the stream beside its address.
+std::string live_page(const std::string& title, std::uint16_t port);
+
+// The Content-Security-Policy of that page: as the replay page, and its own stream.
+std::string live_page_policy(std::uint16_t port);
 
 }  // namespace koboshi::view

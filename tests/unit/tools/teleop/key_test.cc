@@ -7,6 +7,9 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/teleop/key_queue.h"
+#include "tools/teleop/page_keys.h"
+
 namespace koboshi::tools {
 namespace {
 
@@ -56,6 +59,60 @@ TEST(Key, HasAUniqueName) {
     EXPECT_FALSE(name.empty()) << key;
     EXPECT_TRUE(names.insert(name).second) << name;
   }
+}
+
+TEST(KeyOfBrowser, KnowsTheSameKeys) {
+  EXPECT_EQ(key_of_browser("w"), Key::kForward);
+  EXPECT_EQ(key_of_browser(" "), Key::kStop);
+  EXPECT_EQ(key_of_browser("ArrowUp"), Key::kForward);
+  EXPECT_EQ(key_of_browser("ArrowDown"), Key::kBackward);
+  EXPECT_EQ(key_of_browser("ArrowLeft"), Key::kTurnLeft);
+  EXPECT_EQ(key_of_browser("ArrowRight"), Key::kTurnRight);
+  EXPECT_EQ(key_of_browser("Enter"), Key::kGo);
+  for (const char* none : {"", "W", "ww", "\n", "\x1B", "Escape", "arrowup", "F5"})
+    EXPECT_EQ(key_of_browser(none), std::nullopt) << none;
+}
+
+// Every key of the terminal is offered to a page, once.
+TEST(KeyHelp, OffersEveryKeyOfTheTerminal) {
+  std::set<std::string> offered;
+  for (const KeyHelp& row : key_help()) {
+    ASSERT_FALSE(row.browser_keys.empty()) << row.name;
+    for (const std::string& key : row.browser_keys) {
+      EXPECT_TRUE(offered.insert(key).second) << key;
+      ASSERT_TRUE(key_of_browser(key)) << key;
+      EXPECT_EQ(name_of(*key_of_browser(key)), row.name);
+    }
+  }
+  for (char letter = ' '; letter <= '~'; ++letter) {
+    const std::string key(1, letter);
+    EXPECT_EQ(!keys_of(key).empty(), offered.contains(key)) << key;
+  }
+}
+
+TEST(KeyQueue, KeepsTheOrderAndDropsWhatItCannotHold) {
+  KeyQueue queue;
+  EXPECT_EQ(queue.pop(), std::nullopt);
+  for (int round = 0; round < 3; ++round) {
+    for (std::size_t i = 0; i < KeyQueue::kCapacity; ++i)
+      EXPECT_TRUE(queue.push(i == 1 ? Key::kGo : Key::kStop));
+    EXPECT_FALSE(queue.push(Key::kEnd));
+    for (std::size_t i = 0; i < KeyQueue::kCapacity; ++i)
+      EXPECT_EQ(queue.pop(), i == 1 ? Key::kGo : Key::kStop);
+    EXPECT_EQ(queue.pop(), std::nullopt);
+  }
+}
+
+TEST(PageKeys, GoIntoTheQueue) {
+  KeyQueue queue;
+  const view::PageKeys keys = page_keys(queue);
+  using Answer = view::PageKeys::Answer;
+  EXPECT_EQ(keys.press("ArrowUp"), Answer::kTaken);
+  EXPECT_EQ(keys.press("nonsense"), Answer::kUnknown);
+  EXPECT_EQ(queue.pop(), Key::kForward);
+  EXPECT_EQ(queue.pop(), std::nullopt);
+  for (std::size_t i = 0; i < KeyQueue::kCapacity; ++i) EXPECT_EQ(keys.press("w"), Answer::kTaken);
+  EXPECT_EQ(keys.press("w"), Answer::kBusy);
 }
 
 }  // namespace

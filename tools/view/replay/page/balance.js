@@ -61,9 +61,9 @@ function supportPhases(run) {
 
 // Outlines of the soles where they landed, in order of time.
 class Footprints {
-  constructor(run) {
+  constructor(run, group = new THREE.Group()) {
     this.run = run;
-    this.group = new THREE.Group();
+    this.group = group;
     const phases = supportPhases(run);
     this.sides = run.scene.soles.map((sole, side) => this.side_(sole, phases[side], SIDES[side % 2]));
   }
@@ -188,12 +188,19 @@ class Balance {
     this.makeZmp_();
     this.makeCom_();
     this.contactArrows_ = [];
-    this.pushArrows_ = run.pushes.map(() => {
-      const arrow = new Arrow("#b2467f", 0.0042);
-      this.layers.pushes.add(arrow.group);
-      return arrow;
-    });
+    this.pushArrows_ = [];
     this.now = {};
+  }
+  // Footprints of a run that has grown.
+  grow() {
+    const {group} = this.footprints;
+    for (const old of group.children) {
+      old.geometry.dispose();
+      old.material.dispose();
+    }
+    group.remove(...group.children);
+    this.footprints = new Footprints(this.run, group);
+    this.footprints.setTime(this.time_);
   }
   get groups() { return Object.values(this.layers); }
 
@@ -241,8 +248,10 @@ class Balance {
 
   setTime(time) {
     const {run} = this;
+    this.time_ = time;
     const sample = run.sampleAt(time);
-    this.now = {sample, com: new THREE.Vector3(...run.vector(["true_com_x", "true_com_y", "true_com_z"], sample))};
+    const com = run.vector(["true_com_x", "true_com_y", "true_com_z"], sample);
+    this.now = {sample, com: new THREE.Vector3(...com), comKnown: com.every(Number.isFinite)};
     if (run.times.length === 0) return;
     this.footprints.setTime(time);
     const ground = this.setContacts_(sample);
@@ -315,9 +324,8 @@ class Balance {
     }
   }
   setCom_(ground) {
-    const known = this.now.com.toArray().every(Number.isFinite);
-    this.layers.com.children.forEach((child) => { child.visible = known; });
-    if (!known) return;
+    this.layers.com.children.forEach((child) => { child.visible = this.now.comKnown; });
+    if (!this.now.comKnown) return;
     this.com_.position.copy(this.now.com);
     this.comFoot_.position.set(this.now.com.x, this.now.com.y, ground + 3 * LIFT_M);
     this.comLine_.set([this.com_.position, this.comFoot_.position]);
@@ -325,6 +333,10 @@ class Balance {
   setPushes_(time) {
     this.now.pushes = 0;
     this.run.pushes.forEach((push, i) => {
+      if (i === this.pushArrows_.length) {
+        this.pushArrows_.push(new Arrow("#b2467f", 0.0042));
+        this.layers.pushes.add(this.pushArrows_[i].group);
+      }
       const arrow = this.pushArrows_[i];
       const end = Math.max(push.end, push.start + PUSH_SHOWN_US);
       if (time < push.start || time > end || !this.robot.links[push.link]) {

@@ -77,15 +77,18 @@ class Frames {
     this.texts = json.texts;
     this.bytes_ = bytes;
     this.nodeNames = new Map(network.nodes.map((node) => [node.id, node.name]));
-    const messages = new Map(network.messages.map((message) => [message.identifier, message]));
+    this.nodes_ = network.nodes;
+    this.messages_ = new Map(network.messages.map((message) => [message.identifier, message]));
     this.groups = json.groups;
-    for (const group of this.groups) {
-      const message = messages.get(group.identifier);
-      group.message = group.kind === "PDO" && !group.remote && message ? message : null;
-      // Some PDOs of the controller use identifiers that belong to no node.
-      const sender = group.message && network.nodes.find((node) => node.name === message.sender);
-      if (sender && !this.nodeNames.has(group.node)) group.node = sender.id;
-    }
+    for (const group of this.groups) this.complete_(group);
+  }
+  // Adds the message of a group, and its sender.
+  complete_(group) {
+    const message = this.messages_.get(group.identifier);
+    group.message = group.kind === "PDO" && !group.remote && message ? message : null;
+    // Some PDOs of the controller use identifiers that belong to no node.
+    const sender = group.message && this.nodes_.find((node) => node.name === message.sender);
+    if (sender && !this.nodeNames.has(group.node)) group.node = sender.id;
   }
   get count() { return this.times.length; }
 
@@ -187,12 +190,17 @@ class Run {
   }
 }
 
+// The header and the columns of replay_data.h.
+function parseData(bytes) {
+  const length = new DataView(bytes.buffer, bytes.byteOffset).getUint32(0, true);
+  return {header: JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + length))), columns: bytes.subarray(4 + length)};
+}
+
 async function readPage() {
-  const bytes = await unzipped(bytesOfBase64(document.getElementById("data").textContent));
+  const text = document.getElementById("data").textContent;
+  if (text === "live") return readStream();
+  const {header, columns} = parseData(await unzipped(bytesOfBase64(text)));
   document.getElementById("data").textContent = "";
-  const length = new DataView(bytes.buffer).getUint32(0, true);
-  const header = JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + length)));
-  const columns = bytes.subarray(4 + length);
   return {
     run: new Run(header.run, header.network, columns),
     other: header.other ? new Run(header.other, header.network, columns) : null,

@@ -3,7 +3,14 @@
 class EventList {
   constructor(run, onPick) {
     this.run = run;
+    this.onPick = onPick;
     this.list = byId("event-list");
+    byId("event-filter").addEventListener("input", () => this.filter_());
+    this.fill_();
+  }
+  fill_() {
+    const {run} = this;
+    this.list.replaceChildren();
     this.rows = run.events.map((event) => {
       const look = eventLook(event.kind);
       const mark = element("i", {textContent: look.mark});
@@ -11,18 +18,23 @@ class EventList {
       const row = element("button", {}, [element("time", {textContent: secondsText(event.time)}), mark,
                                          element("span", {textContent: event.text})]);
       row.title = event.kind.replace(/_/g, " ");
-      row.addEventListener("click", () => onPick(event.time));
+      row.addEventListener("click", () => this.onPick(event.time));
       const item = element("li", {}, [row]);
       this.list.append(item);
       return item;
     });
     this.times_ = run.events.map((event) => event.time);
     this.current = -1;
-    byId("event-filter").addEventListener("input", (event) => this.filter_(event.target.value));
-    this.filter_("");
+    this.filter_();
   }
-  filter_(text) {
-    const wanted = text.trim().toLowerCase();
+  // After a run has grown.
+  grow(time) {
+    if (this.rows.length === this.run.events.length) return;
+    this.fill_();
+    this.setTime(time);
+  }
+  filter_() {
+    const wanted = byId("event-filter").value.trim().toLowerCase();
     let shown = 0;
     this.rows.forEach((row, i) => {
       const {kind, text: sentence} = this.run.events[i];
@@ -65,23 +77,9 @@ class CanTable {
     this.rows_ = [];
     this.first = 0;
     this.time = run.start;
-    const present = CAN_KINDS.filter((kind) => this.frames.groups.some((group) => group.kind === kind));
-    this.kinds = new Set(present);
-    byId("can-kinds").replaceChildren(...present.map((kind) => {
-      const button = element("button", {textContent: kind, title: "Show or hide frames of this kind"});
-      button.setAttribute("aria-pressed", "true");
-      button.addEventListener("click", () => {
-        const shown = !this.kinds.has(kind);
-        if (shown) this.kinds.add(kind);
-        else this.kinds.delete(kind);
-        button.setAttribute("aria-pressed", String(shown));
-        this.filter();
-      });
-      return button;
-    }));
-    const nodes = [...new Set(this.frames.groups.map((group) => group.node))].sort((a, b) => a - b);
-    byId("can-node").replaceChildren(element("option", {value: "", textContent: "all nodes"}), ...nodes.map((node) =>
-      element("option", {value: String(node), textContent: node + " " + this.frames.nodeName({node})})));
+    this.kinds = new Set();
+    this.offered_ = new Set();
+    this.offer_();
     byId("can-node").addEventListener("change", () => this.filter());
     byId("can-filter").addEventListener("input", () => {
       clearTimeout(this.typing_);
@@ -100,6 +98,40 @@ class CanTable {
     this.filtered_ = false;
   }
 
+  // Offers kinds and nodes of the frames that there are.
+  offer_() {
+    this.offeredGroups_ = this.frames.groups.length;
+    const present = CAN_KINDS.filter((kind) => this.frames.groups.some((group) => group.kind === kind));
+    for (const kind of present) if (!this.offered_.has(kind)) this.kinds.add(kind);
+    this.offered_ = new Set(present);
+    byId("can-kinds").replaceChildren(...present.map((kind) => {
+      const button = element("button", {textContent: kind, title: "Show or hide frames of this kind"});
+      button.setAttribute("aria-pressed", String(this.kinds.has(kind)));
+      button.addEventListener("click", () => {
+        const shown = !this.kinds.has(kind);
+        if (shown) this.kinds.add(kind);
+        else this.kinds.delete(kind);
+        button.setAttribute("aria-pressed", String(shown));
+        this.filter();
+      });
+      return button;
+    }));
+    const nodes = [...new Set(this.frames.groups.map((group) => group.node))].sort((a, b) => a - b);
+    const chosen = byId("can-node").value;
+    byId("can-node").replaceChildren(element("option", {value: "", textContent: "all nodes"}), ...nodes.map((node) =>
+      element("option", {value: String(node), textContent: node + " " + this.frames.nodeName({node})})));
+    byId("can-node").value = chosen;
+  }
+  // After a run has grown. Cutting its beginning changes the numbers of all frames.
+  grow(cuts) {
+    if (this.offeredGroups_ !== this.frames.groups.length) this.offer_();
+    if (cuts !== this.cuts_) this.filtered_ = false;
+    this.cuts_ = cuts;
+    if (!this.active) return;
+    if (this.filtered_) this.filterRest_();
+    else this.filter();
+  }
+
   // Filtering costs time with many frames, so it waits until the table is seen.
   get active() { return this.list.clientHeight > 0; }
 
@@ -112,11 +144,18 @@ class CanTable {
   }
   filter() {
     this.filtered_ = true;
+    this.shown = [];
+    this.seen_ = 0;  // frames that have been filtered
+    this.texts_ = new Map();
+    this.filterRest_();
+    this.setTime(this.time, true);
+  }
+  filterRest_() {
     const words = byId("can-filter").value.trim().toLowerCase().split(/\s+/).filter(Boolean);
     const node = byId("can-node").value;
     const rest = this.frames.groups.map((group) =>
       this.kinds.has(group.kind) && (node === "" || group.node === Number(node)) ? this.matches_(group, words) : null);
-    const texts = new Map();
+    const texts = this.texts_;
     const textPasses = (frame, left) => {
       const index = this.frames.textIndex(frame);
       if (index === NONE) return false;
@@ -127,18 +166,17 @@ class CanTable {
       }
       return texts.get(key);
     };
-    const shown = [];
-    for (let frame = 0; frame < this.frames.count; ++frame) {
+    const {shown} = this;
+    for (let frame = this.seen_; frame < this.frames.count; ++frame) {
       const left = rest[this.frames.groupOf[frame]];
       if (left && (left.length === 0 || textPasses(frame, left))) shown.push(frame);
     }
-    this.shown = Uint32Array.from(shown);
+    this.seen_ = this.frames.count;
     const format = (n) => n.toLocaleString("en-GB");
     byId("can-count").textContent = shown.length === this.frames.count
       ? format(shown.length) + " frames" : format(shown.length) + " of " + format(this.frames.count);
     this.list.setAttribute("aria-rowcount", String(shown.length));
     this.space.style.height = Math.min(HIGHEST_PX, ROW_PX * shown.length) + "px";
-    this.setTime(this.time, true);
   }
   get visibleRows_() { return Math.ceil(this.list.clientHeight / ROW_PX); }
   get mostFirst_() { return Math.max(0, this.shown.length - Math.floor(this.list.clientHeight / ROW_PX)); }

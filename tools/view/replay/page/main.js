@@ -1,9 +1,14 @@
 // --- main: one cursor for everything ----------------------------------------------------------------------
 
+const PLOT_GROWTH_MS = 40;    // between drawings of the plots of a live run
+const FRAME_MS = 17;
+const MAX_REST_MS = 300;      // between drawings
+const SLOW_GROWTH_MS = 200;   // between updates of time line, footprints and lists
+
 const PHONE = window.matchMedia("(max-width: 760px)");
 
 class Page {
-  constructor({run, other, difference}) {
+  constructor({run, other, difference, stream = null}) {
     Object.assign(this, {run, other, difference});
     this.end = Math.max(run.end, other ? other.end : 0);
     this.time = run.start;
@@ -20,7 +25,60 @@ class Page {
     this.makeLayers_();
     this.listen_();
     this.showTab(PHONE.matches ? "plots" : "events");
+    this.following = false;  // a live run's newest moment
     this.setTime(this.timeOfAddress_());
+    if (stream) this.followRun_(stream);
+  }
+
+  // --- a run that grows ---
+  followRun_(stream) {
+    this.panel = new LivePanel(this, stream);
+    this.goLive();
+    let drawn = -Infinity;   // times of the last drawing of plots, and of the rest
+    let grown = -Infinity;
+    let pending = false;
+    let asked = 0;   // time of the request for the next drawing
+    let rest = 0;    // pause before it
+    const show = (now) => {
+      pending = false;
+      // A browser that draws too slowly, as without a graphics processor, gets as much rest as it needs to draw.
+      const late = performance.now() - asked;
+      rest = late > 2 * FRAME_MS ? Math.min(late, MAX_REST_MS) : 0;
+      this.run.refresh();
+      this.end = this.run.end;
+      if (now - grown >= SLOW_GROWTH_MS) {
+        grown = now;
+        for (const part of [this.view, this.timeline]) part.grow();
+        this.events.grow(this.time);
+        this.can.grow(this.run.cuts);
+        this.panel.show();
+      }
+      if (now - drawn >= PLOT_GROWTH_MS) {
+        drawn = now;
+        this.plots.grow(this.following);
+      }
+      if (this.following) this.show_(this.end);
+      else if (this.time < this.run.start) this.show_(this.run.start);
+    };
+    stream.onGrowth = () => {
+      if (pending) return;
+      pending = true;
+      setTimeout(() => {
+        asked = performance.now();
+        requestAnimationFrame(show);
+      }, rest);
+    };
+    stream.onFailure = (error) => this.fail("The stream cannot be read: " + error.message);
+    // The last message may come while the slow parts rest.
+    stream.onEnd = () => setTimeout(stream.onGrowth, 2 * SLOW_GROWTH_MS);
+  }
+  goLive() {
+    if (!this.panel) return this.setTime(this.end);
+    this.playing = false;
+    this.following = true;
+    this.show_(this.end);
+    this.showPlaying_();
+    this.panel.show();
   }
 
   fail(text) {
@@ -104,6 +162,14 @@ class Page {
 
   // --- time ---
   setTime(time) {
+    if (this.following) {
+      this.following = false;
+      this.showPlaying_();
+      this.panel.show();
+    }
+    this.show_(time);
+  }
+  show_(time) {
     this.time = Math.min(this.end, Math.max(this.run.start, time));
     for (const part of this.parts) part.setTime(this.time);
     byId("time").textContent = secondsText(this.time);
@@ -140,6 +206,7 @@ class Page {
   get speed() { return Number(byId("speed").value); }
   play() {
     if (this.playing) return;
+    if (this.panel && this.time >= this.end) return this.goLive();
     if (this.time >= this.end) this.setTime(this.run.start);
     this.playing = true;
     this.showPlaying_();
@@ -148,19 +215,22 @@ class Page {
       if (!this.playing) return;
       this.setTime(this.time + Math.max(0, now - last) * 1e3 * this.speed);
       last = now;
-      if (this.time >= this.end) this.pause();
+      if (this.time >= this.end && this.panel) this.goLive();
+      else if (this.time >= this.end) this.pause();
       else requestAnimationFrame(frame);
     };
     requestAnimationFrame(frame);
   }
   pause() {
     this.playing = false;
+    if (this.following) this.setTime(this.time);
     this.showPlaying_();
   }
-  togglePlay() { this.playing ? this.pause() : this.play(); }
+  togglePlay() { this.playing || this.following ? this.pause() : this.play(); }
   showPlaying_() {
-    byId("play").querySelector("path").setAttribute("d", this.playing ? "M3 2h3v12H3zM10 2h3v12h-3z" : "M4 2l10 6-10 6z");
-    byId("play").setAttribute("aria-label", this.playing ? "Pause" : "Play");
+    const moves = this.playing || this.following;
+    byId("play").querySelector("path").setAttribute("d", moves ? "M3 2h3v12H3zM10 2h3v12h-3z" : "M4 2l10 6-10 6z");
+    byId("play").setAttribute("aria-label", moves ? "Pause" : "Play");
   }
   changeSpeed(by) {
     const select = byId("speed");
@@ -196,7 +266,7 @@ class Page {
     settings.degrees = !settings.degrees;
     byId("degrees").setAttribute("aria-pressed", String(settings.degrees));
     this.plots.draw();
-    this.setTime(this.time);
+    this.show_(this.time);
   }
   showHelp() {
     if (byId("help").open) byId("help").close();
@@ -212,7 +282,7 @@ class Page {
     click("step-back", () => this.step(-1));
     click("step-on", () => this.step(1));
     click("to-start", () => this.setTime(this.run.start));
-    click("to-end", () => this.setTime(this.end));
+    click("to-end", () => this.goLive());
     click("follow", () => this.toggleFollow());
     click("degrees", () => this.toggleDegrees());
     click("help-button", () => this.showHelp());
@@ -253,6 +323,7 @@ class Page {
       if (event.key === "Escape") target.blur();
       return;
     }
+    if (this.panel && this.panel.takes(event)) return;
     if (target.getAttribute && target.getAttribute("role") === "separator") return;
     const onButton = target instanceof HTMLButtonElement || target instanceof HTMLInputElement || target.tagName === "SUMMARY";
     if (onButton && event.key === " ") return;  // presses the button
@@ -261,7 +332,7 @@ class Page {
       ArrowLeft: () => (event.shiftKey ? this.jump(-1e6) : this.step(-1)),
       ArrowRight: () => (event.shiftKey ? this.jump(1e6) : this.step(1)),
       Home: () => this.setTime(this.run.start),
-      End: () => this.setTime(this.end),
+      End: () => this.goLive(),
       ",": () => this.changeSpeed(-1),
       ".": () => this.changeSpeed(1),
       n: () => this.jumpToEvent(1),
@@ -318,7 +389,7 @@ readPage().then((data) => {
   document.body.dataset.ready = "true";
 }).catch((error) => {
   const box = byId("failure");
-  box.textContent = "The replay cannot be shown: " + error.message;
+  box.textContent = "The run cannot be shown: " + error.message;
   box.hidden = false;
   throw error;
 });

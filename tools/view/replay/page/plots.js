@@ -8,6 +8,8 @@ const DEFAULT_PANES = [
 ];
 const AXIS_WIDTH = 58;
 const SHORTEST_RANGE_US = 20e3;
+const LOWEST_RANGE = 1e-6;  // of values, in their unit: less is noise
+const LIVE_RANGE_US = 10e6;  // of a live run, until the user zooms
 const DASHES = [[], [7, 3], [2, 2], [9, 3, 2, 3]];
 
 // Draws a signal as a polyline; where several samples share a pixel, from their minimum to their maximum.
@@ -132,7 +134,7 @@ class Pane {
       }
     }
     if (!(low <= high)) return {low: -1, high: 1};
-    const margin = low === high ? Math.max(1e-6, 0.1 * Math.abs(low) || 1) : 0.06 * (high - low);
+    const margin = high - low < LOWEST_RANGE ? Math.max(1e-6, 0.1 * Math.abs(low) || 1) : 0.06 * (high - low);
     return {low: low - margin, high: high + margin};
   }
 
@@ -276,8 +278,9 @@ class Plots {
     this.runs = page.other ? [page.run, page.other] : [page.run];
     this.onPick = onPick;
     this.onChange = onChange;
-    this.whole = {from: this.run.start, to: Math.max(this.run.end, this.run.start + SHORTEST_RANGE_US)};
+    this.whole = this.wholeRange_();
     this.range = {...this.whole};
+    this.followed_ = LIVE_RANGE_US;
     this.time = this.run.start;
     this.box = byId("panes");
     this.panes = DEFAULT_PANES.map((names) => names.filter((name) => this.run.signalByName.has(name)))
@@ -292,6 +295,16 @@ class Plots {
     byId("whole").addEventListener("click", () => this.setRange(this.whole.from, this.whole.to));
     byId("two-seconds").addEventListener("click", () => this.showTwoSeconds());
     new ResizeObserver(() => this.draw()).observe(this.box);
+  }
+  wholeRange_() { return {from: this.run.start, to: Math.max(this.run.end, this.run.start + SHORTEST_RANGE_US)}; }
+  // After a run has grown: at its end, the range moves along.
+  grow(follows) {
+    const isWhole = this.range.from <= this.whole.from && this.range.to >= this.whole.to;
+    this.whole = this.wholeRange_();
+    const {from, to} = this.whole;
+    if (follows) this.range = {from: Math.max(from, to - this.followed_), to};
+    else if (isWhole) this.range = {...this.whole};
+    this.draw();
   }
   fill_() {
     this.box.replaceChildren(...this.panes.map((pane) => pane.box));
@@ -337,6 +350,7 @@ class Plots {
     const length = Math.min(Math.max(to - from, SHORTEST_RANGE_US), this.whole.to - this.whole.from);
     const begin = Math.min(Math.max(from, this.whole.from), this.whole.to - length);
     this.range = {from: begin, to: begin + length};
+    this.followed_ = length >= this.whole.to - this.whole.from ? Infinity : length;
     this.draw();
     this.onChange();
   }

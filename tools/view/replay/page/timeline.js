@@ -36,10 +36,9 @@ class Timeline {
     this.plots = plots;
     this.canvas = byId("timeline");
     this.cache_ = document.createElement("canvas");
-    this.bands = (page.other ? [page.run, page.other] : [page.run]).map(stateIntervals);
-    this.states = [...new Set(this.bands.flat().map((interval) => interval.name))];
+    this.runs_ = page.other ? [page.run, page.other] : [page.run];
     this.time = this.run.start;
-    this.makeLegend_();
+    this.readStates_();
     let dragging = false;
     const pick = (event) => onPick(this.toTime_(event.clientX - this.canvas.getBoundingClientRect().left));
     this.canvas.addEventListener("pointerdown", (event) => {
@@ -57,9 +56,25 @@ class Timeline {
     });
     for (const name of ["pointerup", "pointercancel"]) this.canvas.addEventListener(name, () => { dragging = false; });
     this.canvas.addEventListener("pointerleave", () => tooltip.hide());
+    this.showLimits_();
+    new ResizeObserver(() => this.draw()).observe(this.canvas);
+  }
+  readStates_() {
+    this.bands = this.runs_.map(stateIntervals);
+    const states = [...new Set(this.bands.flat().map((interval) => interval.name))];
+    if (String(states) === String(this.states)) return;
+    this.states = states;
+    this.makeLegend_();
+  }
+  showLimits_() {
     this.canvas.setAttribute("aria-valuemin", (1e-6 * this.run.start).toFixed(3));
     this.canvas.setAttribute("aria-valuemax", (1e-6 * this.run.end).toFixed(3));
-    new ResizeObserver(() => this.draw()).observe(this.canvas);
+  }
+  // After a run has grown.
+  grow() {
+    this.readStates_();
+    this.showLimits_();
+    this.draw();
   }
   colour_(name) { return stateColour(name, this.states.indexOf(name)); }
   makeLegend_() {

@@ -118,16 +118,8 @@ class View {
   }
 
   // Metres along x and y where the robot goes.
-  makeMetreLabels_(colour) {
-    this.labels.remove(...this.labels.children);
-    if (!this.robot.links.length) return;
-    const [x, y] = this.page.run.poses[0].position;
-    const put = (text, px, py) => {
-      const label = makeLabel(text, colour, 0.035);
-      label.position.set(px, py, 0.012);
-      this.labels.add(label);
-    };
-    const range = (values) => {
+  metreRanges_() {
+    return this.page.run.poses[0].position.slice(0, 2).map((values) => {
       let low = 0;
       let high = 0;
       for (const value of values) {
@@ -135,11 +127,31 @@ class View {
         high = Math.max(high, value);
       }
       return [Math.max(-50, Math.floor(low)), Math.min(50, Math.ceil(high + 0.5))];
+    });
+  }
+  makeMetreLabels_(colour) {
+    for (const label of this.labels.children) {
+      label.material.map.dispose();
+      label.material.dispose();
+    }
+    this.labels.remove(...this.labels.children);
+    if (!this.robot.links.length) return;
+    const put = (text, px, py) => {
+      const label = makeLabel(text, colour, 0.035);
+      label.position.set(px, py, 0.012);
+      this.labels.add(label);
     };
-    const [lowX, highX] = range(x);
-    const [lowY, highY] = range(y);
+    const ranges = this.metreRanges_();
+    this.labelled_ = String(ranges);
+    const [[lowX, highX], [lowY, highY]] = ranges;
     for (let i = lowX; i <= highX; ++i) put(i === 0 ? "x = y = 0" : "x = " + i + " m", i, 0);
     for (let i = lowY; i <= highY; ++i) if (i !== 0) put("y = " + i + " m", 0, i);
+  }
+  // Shows what follows from the whole of a run that has grown.
+  grow() {
+    this.balance.grow();
+    if (this.robot.links.length && String(this.metreRanges_()) !== this.labelled_) this.makeMetreLabels_(theme().dim);
+    this.request();
   }
 
   setTime(time) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim_board/record/recorder.h"
@@ -39,17 +40,21 @@ class Frames final : public sim::BusObserver {
   sim::BusObserver& next_;
 };
 
+sim::Push push_on_trunk() {
+  sim::Push push;
+  push.duration_us = 50'000;
+  push.force_W_N.x() = 2.0;
+  push.link.text = "trunk";
+  return push;
+}
+
 Played play(std::uint64_t period_us) {
   const test::TemporaryFolder folder;
   const sim::Scenario scenario = sim::read_scenario(
       KOBOSHI_SOURCE_DIR "/scenarios/rise.yaml",
       std::vector<sim::Override>{{"duration_s", "0.2"}, {"physics.stepper", "lumped"}, {"seed", "11"}});
   simulation::Simulation simulation(scenario);
-  sim::Push push;
-  push.duration_us = 50'000;
-  push.force_W_N.x() = 2.0;
-  push.link.text = "trunk";
-  simulation.push(push);
+  simulation.push(push_on_trunk());
   sim::Recorder files(folder.path, simulation::RunRecorder::columns(simulation.robot()),
                       sim::WhenFull::kWait);
   const std::filesystem::path file = folder.path / "run.mcap";
@@ -144,6 +149,80 @@ TEST(RunRecording, HasPosesAndJointsBetweenTicks) {
 }
 
 TEST(RunRecording, HasTheSameBytesInEveryRun) { EXPECT_EQ(play(10'000).bytes, at_100_Hz().bytes); }
+
+// Counts what it hears.
+class Listener final : public RecordingListener {
+ public:
+  void add_sample(std::uint64_t time_us, std::span<const Pose> links, std::span<const ContactForce>,
+                  std::span<const float> values) override {
+    times_us.push_back(time_us);
+    last_base_m = links[0].p_WL_m;
+    last_values.assign(values.begin(), values.end());
+  }
+  void add_event(const Event& event) override { last_event = event.text; }
+  void add_push(const Push& push) override { pushes.push_back(push); }
+  void add_frame(const Frame&) override { ++frames; }
+
+  std::vector<std::uint64_t> times_us;
+  Eigen::Vector3f last_base_m;
+  std::vector<float> last_values;
+  std::string last_event;
+  std::vector<Push> pushes;
+  std::size_t frames = 0;
+};
+
+// A listener hears the ticks of what the file has, with or without a file.
+TEST(RunRecording, TellsAListener) {
+  const sim::Scenario scenario = sim::read_scenario(
+      KOBOSHI_SOURCE_DIR "/scenarios/rise.yaml",
+      std::vector<sim::Override>{{"duration_s", "0.2"}, {"physics.stepper", "lumped"}, {"seed", "11"}});
+  simulation::Simulation simulation(scenario);
+  simulation.push(push_on_trunk());
+  Listener listener;
+  RunRecording recording({}, simulation, {.period_us = 2'000, .listener = &listener});
+  simulation::RunRecorder recorder(simulation, nullptr, &recording, simulation::RunRecorder::Rows::kAlways);
+  while (!simulation.finished()) {
+    simulation.advance();
+    recorder.record();
+    recording.record(recorder);
+  }
+  const std::vector<sim::RunEvent> events = recorder.summary().events;
+  recording.close(events);
+  ASSERT_EQ(listener.times_us.size(), 20u);
+  EXPECT_EQ(listener.times_us.front(), 10'000u);
+  EXPECT_EQ(listener.times_us.back(), 200'000u);
+  EXPECT_EQ(listener.last_values.size(), at_100_Hz().recording.signals.size());
+  EXPECT_EQ(listener.frames, at_100_Hz().frames);
+  EXPECT_EQ(listener.pushes.size(), 1u);
+  EXPECT_EQ(listener.last_event, events.back().text);
+}
+
+TEST(RunRecording, TellsOfABoardWithoutController) {
+  simulation::BareBoard board(
+      sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/board.yaml",
+                         std::vector<sim::Override>{
+                             {"duration_s", "0.5"},
+                             {"pushes", "[{at_s: 0.1, link: trunk, force_N: [1, 0, 0], duration_s: 0.1}]"}}));
+  const Recording head = recording_head(board);
+  EXPECT_EQ(head.title, "board");
+  ASSERT_EQ(head.signals.size(), 3 + board.robot().joints.size());
+  Listener listener;
+  RunRecording recording(board, listener);
+  board.board().bus().set_observer(&recording);
+  while (!board.finished()) {
+    board.advance();
+    recording.record();
+  }
+  board.board().bus().set_observer(nullptr);
+  recording.close({});
+  EXPECT_EQ(listener.times_us.size(), 50u);
+  EXPECT_GT(listener.frames, 0u);  // the boot-up messages
+  EXPECT_EQ(listener.pushes.size(), 1u);
+  ASSERT_EQ(listener.last_values.size(), head.signals.size());
+  EXPECT_EQ(listener.last_values[2], listener.last_base_m.z());
+  EXPECT_FLOAT_EQ(listener.last_values[3],
+                  static_cast<float>(std::as_const(board).board().world().joint(0).position_rad));
+}
 
 }  // namespace
 }  // namespace koboshi::view
