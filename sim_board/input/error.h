@@ -16,11 +16,20 @@ class InputError : public std::runtime_error {
              const std::string& expected, const std::string& limit = {})
       : std::runtime_error(file.string() + (line > 0 ? ":" + std::to_string(line) : std::string()) +
                            ": found " + found + ", expected " + expected),
+        line_(line),
+        found_(found),
+        expected_(expected),
         limit_(limit.empty() ? expected : limit) {}
 
+  int line() const { return line_; }
+  const std::string& found() const { return found_; }
+  const std::string& expected() const { return expected_; }
   const std::string& limit() const { return limit_; }
 
  private:
+  int line_;
+  std::string found_;
+  std::string expected_;
   std::string limit_;
 };
 

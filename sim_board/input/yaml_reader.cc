@@ -5,6 +5,21 @@
 namespace koboshi::sim {
 namespace {
 
+bool is_plain(const YamlNode& node) { return node.kind == YamlNode::Kind::kScalar && !node.quoted; }
+
+void check_all_known(const YamlNode& node) {
+  for (const YamlNode& item : node.items) {
+    if (node.kind == YamlNode::Kind::kMap && !node.asked.contains(item.key)) {
+      const std::vector<std::string> known(node.asked.begin(), node.asked.end());
+      throw InputError(item.source, item.line, "the unknown key " + one_line(item.path),
+                       known.empty() ? "no key here" : expected_names(item.key, known));
+    }
+    check_all_known(item);
+  }
+}
+
+}  // namespace
+
 std::string describe_found(const YamlNode& node) {
   const std::string name = node.path.empty() ? "the document" : one_line(node.path);
   switch (node.kind) {
@@ -20,21 +35,6 @@ std::string describe_found(const YamlNode& node) {
   const std::string quote = node.quoted ? "\"" : "";
   return name + " = " + quote + one_line(node.scalar) + quote;
 }
-
-bool is_plain(const YamlNode& node) { return node.kind == YamlNode::Kind::kScalar && !node.quoted; }
-
-void check_all_known(const YamlNode& node) {
-  for (const YamlNode& item : node.items) {
-    if (node.kind == YamlNode::Kind::kMap && !node.asked.contains(item.key)) {
-      const std::vector<std::string> known(node.asked.begin(), node.asked.end());
-      throw InputError(item.source, item.line, "the unknown key " + one_line(item.path),
-                       known.empty() ? "no key here" : expected_names(item.key, known));
-    }
-    check_all_known(item);
-  }
-}
-
-}  // namespace
 
 double YamlValue::number(const NumberRange& range) const {
   const auto value = is_plain(*node_) ? parse_number(node_->scalar) : std::nullopt;

@@ -28,6 +28,9 @@ namespace koboshi::sim {
 
 class YamlMap;
 
+// Describes a value and its path for a message: "steps[0].time_s = 0", "poses, a list".
+std::string describe_found(const YamlNode& node);
+
 class YamlValue {
  public:
   explicit YamlValue(const YamlNode& node) : node_(&node) {}

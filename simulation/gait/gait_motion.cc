@@ -50,7 +50,7 @@ class MotionMaker {
   }
 
   StepSource move(const std::string& name, const GaitInstant& instant, std::uint32_t time_us) {
-    PoseSource pose{.name = name, .line = 0, .angles = {}};
+    PoseSource pose{.name = name};
     const std::vector<double> targets_rad = pose_.targets_rad(instant);
     for (std::size_t joint = 0; joint < targets_rad.size(); ++joint) {
       const double angle_deg =

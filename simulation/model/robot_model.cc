@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "firmware/fixed/host/convert.h"
 #include "sim_board/input/error.h"
 #include "simulation/model/fields.h"
 #include "simulation/model/image_writer.h"
@@ -77,6 +78,27 @@ constexpr std::array<std::string_view, 16> kModelStatusTexts{
     "a leg without one of its six joints, or with axes that do not meet in hip and ankle",
 };
 
+std::optional<robot::Position> hand_tip(const RobotDescription& robot, const robot::RobotModel& model,
+                                        robot::JointRole elbow) {
+  const auto index = model.find(elbow);
+  if (!index) return std::nullopt;
+  const sim::JointDescription& joint = robot.joints.at(*index);
+  const sim::LinkDescription& link = robot.links.at(static_cast<std::size_t>(joint.child));
+  Eigen::Vector3d tip = Eigen::Vector3d::Zero();
+  for (const sim::BoxDescription& box : link.collisions) {
+    for (int face = 0; face < 6; ++face) {
+      const Eigen::Vector3d p_G =
+          (face % 2 == 0 ? 0.5 : -0.5) * box.size_m[face / 2] * Eigen::Vector3d::Unit(face / 2);
+      const Eigen::Vector3d p_M = link.X_ML * (box.X_LG * p_G) - joint.p_MJ;
+      if (p_M.norm() > tip.norm()) tip = p_M;
+    }
+  }
+  if (tip.isZero()) return std::nullopt;
+  const Eigen::Vector3d tip_B = robot.links.at(0).X_ML.linear().transpose() * tip;
+  const auto length = [](double value_m) { return fixed::from_double<fixed::Length>(value_m); };
+  return robot::Position{length(tip_B.x()), length(tip_B.y()), length(tip_B.z())};
+}
+
 }  // namespace
 
 std::string describe(robot::ModelStatus status) {
@@ -103,6 +125,8 @@ NamedModel load_named_model(const RobotDescription& robot) {
   if (robot::load_model(named.image, named.model) != robot::ModelStatus::kOk) {
     throw std::logic_error("a valid robot model could not be loaded again");
   }
+  named.hands = {hand_tip(robot, named.model, robot::JointRole::kLeftElbow),
+                 hand_tip(robot, named.model, robot::JointRole::kRightElbow)};
   return named;
 }
 

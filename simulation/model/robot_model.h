@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,12 +16,15 @@ namespace koboshi::simulation {
 // RobotModel cannot represent.
 [[nodiscard]] std::vector<std::byte> make_robot_model(const sim::RobotDescription& robot);
 
-// A robot model as the firmware loads it, plus the names that its image does not contain.
+// A robot model as the firmware loads it, plus the names and points that its image does not contain.
 struct NamedModel {
   std::string robot;
   std::vector<std::string> joint_names;
   std::vector<std::byte> image;
   robot::RobotModel model;
+  // The tip of each hand (left, right) in the frame of the link that the elbow carries: the centre of that
+  // face of the link's collision boxes which is farthest from the elbow. Empty: no elbow, or no box.
+  std::array<std::optional<robot::Position>, 2> hands{};
 };
 
 // Makes the image and loads it as the firmware does. Throws sim::InputError.

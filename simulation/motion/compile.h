@@ -13,12 +13,25 @@
 
 namespace koboshi::simulation {
 
+// An image with the places of the source from which its parts were made.
+struct CompiledMotion {
+  std::vector<std::byte> image;
+  std::vector<Place> step_places;       // by step of the image
+  std::vector<Place> pose_places;       // by pose of the image
+  std::vector<std::string> pose_names;  // by pose of the image; empty for poses of a step
+};
+
 // Compiles a motion to the image that the firmware plays on this robot. The same motion gives the same bytes.
-// Throws sim::InputError with the line of the error: a move too fast for a joint, a label that is missing,
-// duplicate or in another loop, a loop without time, or any other error that the firmware would reject.
+// Adds errors to `diagnostics`: a move too fast for a joint, a label that is missing, duplicate or in another
+// loop, a loop without time, or any other error that the firmware would reject. The result is empty if there
+// is an error.
+[[nodiscard]] CompiledMotion compile_motion(const MotionSource& motion, const NamedModel& robot,
+                                            Diagnostics& diagnostics);
+
+// As above. Throws MotionError.
 [[nodiscard]] std::vector<std::byte> compile_motion(const MotionSource& motion, const NamedModel& robot);
 
-// Reads and compiles a motion file with the given overrides.
+// Reads and compiles a motion file with the given overrides. Throws MotionError.
 [[nodiscard]] std::vector<std::byte> compile_motion(const std::filesystem::path& file,
                                                     const NamedModel& robot,
                                                     std::span<const sim::Override> overrides = {});

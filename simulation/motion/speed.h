@@ -5,8 +5,9 @@
 
 namespace koboshi::simulation {
 
-// Checks that no move exceeds a joint's speed limit. A joint's first move and its moves directly after a
-// label are not checked, because the initial angle is unknown. Throws sim::InputError at the first violation.
-void check_speeds(const MotionSource& motion, const NamedModel& robot);
+// Checks that no move exceeds a joint's speed limit, with the peak speed of its interpolation. A joint's
+// moves are not checked where its angle before is unknown: the first one, and those directly after a label, a
+// call, or branches that end in different poses.
+void check_speeds(const MotionSource& motion, const NamedModel& robot, Diagnostics& diagnostics);
 
 }  // namespace koboshi::simulation

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "firmware/fixed/host/convert.h"
+#include "firmware/motion/motion.h"
 #include "sim_board/drive/drive_dictionary.h"
 #include "sim_board/robot/load.h"
 #include "sim_board/scenario/reader.h"
@@ -32,70 +33,98 @@ std::string text_of(const std::filesystem::path& file) {
   return text.str();
 }
 
-// The place of each step of the image, in the order in which the compiler writes them.
-void add_places(const simulation::MotionSource& motion, const std::vector<StepSource>& steps,
-                std::vector<StepPlace>& places) {
-  for (const StepSource& step : steps) {
-    const auto add = [&](std::string text) { places.push_back({step.line, 0, std::move(text)}); };
-    switch (step.kind) {
-      case Kind::kMove:
-        add("pose " + motion.poses[step.pose].name);
-        break;
-      case Kind::kWait:
-        add("wait");
-        break;
-      case Kind::kLoop:
-        add("loop");
-        add_places(motion, step.body, places);
-        add("end of loop");
-        break;
-      case Kind::kLabel:
-        break;
-      case Kind::kJump:
-        add("jump " + step.label);
-        break;
-      case Kind::kExpect:
-        add("expect");
-        break;
-      case Kind::kEnd:
-        add("end");
-        break;
+std::string step_text(const motion::Step& step, const simulation::CompiledMotion& compiled) {
+  using enum motion::Opcode;
+  switch (step.opcode) {
+    case kMove: {
+      const std::string& name = compiled.pose_names.at(step.operand);
+      return name.empty() ? "pose of the step" : "pose " + name;
     }
+    case kWait:
+      return "wait";
+    case kLoopBegin:
+      return "loop";
+    case kLoopEnd:
+      return "end of loop";
+    case kJump:
+      return "jump";
+    case kExpect:
+      return "expect";
+    case kTest:
+      return "test";
+    case kBranch:
+      return "branch";
+    case kAwait:
+      return "wait until";
+    case kSet:
+      return "set";
+    case kCall:
+      return "call";
+    case kReturn:
+      return "return";
+    case kFail:
+      return "fail";
+    case kMix:
+    case kMixClear:
+      return "mix";
+    case kStiffness:
+      return "stiffness";
+    case kLean:
+      return "lean";
+    case kEnd:
+      break;
   }
+  return "end";
+}
+
+// The place of each step of the image.
+std::vector<StepPlace> places_of(const simulation::CompiledMotion& compiled,
+                                 const simulation::NamedModel& model) {
+  std::vector<StepPlace> places;
+  motion::Motion motion;
+  if (!motion::Motion::open(compiled.image, model.model, motion).ok()) return places;
+  for (std::size_t i = 0; i < motion.step_count(); ++i) {
+    const simulation::Place& place = compiled.step_places.at(i);
+    places.push_back({place.line, place.column, step_text(motion.step(i), compiled)});
+  }
+  return places;
 }
 
 struct Names {
   std::set<std::size_t> poses;
   std::set<std::string> targets;
-  std::vector<std::pair<std::string, int>> labels;
+  std::vector<std::pair<std::string, simulation::Place>> labels;
 };
 
 void collect(const std::vector<StepSource>& steps, Names& names) {
   for (const StepSource& step : steps) {
     if (step.kind == Kind::kMove) names.poses.insert(step.pose);
-    if (step.kind == Kind::kJump) names.targets.insert(step.label);
-    if (step.kind == Kind::kLabel) names.labels.emplace_back(step.label, step.line);
+    if (step.kind == Kind::kJump || step.kind == Kind::kAwait) names.targets.insert(step.label);
+    if (step.kind == Kind::kLabel) names.labels.emplace_back(step.label, step.place);
     collect(step.body, names);
+    collect(step.otherwise, names);
   }
 }
 
 std::vector<simulation::Diagnostic> unused_names(const simulation::MotionSource& motion) {
   Names names;
   collect(motion.steps, names);
+  for (const simulation::RoutineSource& routine : motion.routines) collect(routine.steps, names);
+  names.targets.insert(motion.exit);
   std::vector<simulation::Diagnostic> diagnostics;
-  const auto add = [&](const std::string& what, int line) {
+  const auto add = [&](const std::string& what, const simulation::Place& place) {
     diagnostics.push_back({.code = "C017",
                            .severity = Severity::kWarning,
-                           .place = {.line = line},
+                           .place = place,
                            .found = what,
                            .expected = "a step that uses it"});
   };
   for (std::size_t pose = 0; pose < motion.poses.size(); ++pose) {
-    if (!names.poses.contains(pose))
-      add("the unused pose '" + motion.poses[pose].name + "'", motion.poses[pose].line);
+    if (!names.poses.contains(pose) && !motion.poses[pose].is_base)
+      add("the unused pose '" + motion.poses[pose].name + "'", motion.poses[pose].place);
   }
-  for (const auto& [label, line] : names.labels) {
-    if (!names.targets.contains(label)) add("the unused label '" + label + "'", line);
+  for (const auto& [label, place] : names.labels) {
+    if (!names.targets.contains(label)) add("the unused label '" + label + "'", place);
   }
   return diagnostics;
 }
@@ -150,8 +179,11 @@ MotionChecker::MotionChecker(const std::filesystem::path& robot_file)
 CompiledMotion MotionChecker::compile(const std::filesystem::path& file) const {
   const simulation::MotionSource source = simulation::parse_motion(file, model_);
   CompiledMotion compiled{.file = file, .text = text_of(file), .name = source.name};
-  compiled.image = simulation::compile_motion(source, model_);
-  add_places(source, source.steps, compiled.places);
+  simulation::Diagnostics diagnostics(file, compiled.text);
+  simulation::CompiledMotion image = simulation::compile_motion(source, model_, diagnostics);
+  diagnostics.throw_errors();
+  compiled.places = places_of(image, model_);
+  compiled.image = std::move(image.image);
   compiled.unused = unused_names(source);
   return compiled;
 }

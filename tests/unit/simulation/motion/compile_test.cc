@@ -210,7 +210,7 @@ TEST_F(MotionCompileTest, RefusesMovesThatAreTooFast) {
 }
 
 TEST_F(MotionCompileTest, RefusesFilesForOtherRobotsAndVersions) {
-  EXPECT_THAT(refusal("version: 2\nrobot: koboshi\nname: a\nsteps: [end]\n"), HasSubstr(":1: found"));
+  EXPECT_THAT(refusal("version: 3\nrobot: koboshi\nname: a\nsteps: [end]\n"), HasSubstr(":1: found"));
   EXPECT_THAT(refusal("version: 1\nrobot: nao\nname: a\nsteps: [end]\n"),
               HasSubstr(":2: found the robot 'nao'"));
   EXPECT_THAT(refusal("version: 1\nrobot: koboshi\nname: 'a name of more than 24 letters'\nsteps: [end]\n"),
