@@ -24,7 +24,7 @@ bool load(const storage::Catalogue& catalogue, robot::RobotModel& model) {
 Controller::Controller(const hal::Board& board)
     : board_(board),
       catalogue_(board.storage.contents()),
-      items_(board.storage, storage::kRobotLayout),
+      items_(board.storage, storage::kRobotLogSize_bytes),
       model_valid_(load(catalogue_, model_)),
       motions_(catalogue_, items_, model_),
       callbacks_({.values = values_,
@@ -68,7 +68,7 @@ void Controller::service(std::uint64_t now_us) {
   if (!drives_.resetting()) sensor_nodes_.process(NetworkWatch::starts_nodes(starting));
   items_.process();
   callbacks_.process();
-  values_.diagnosis.motions = motions_.valid();
+  std::ranges::copy(motions_.valid(), values_.diagnosis.motions);
   read_inertial_unit(now_us);
 }
 

@@ -299,8 +299,8 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
     canopen::heading(0x2200, "Diagnosis", "Counters saturate."),
     {OBJECT(0x2200, 1, diagnosis.model_id, kReadOnly),
      {.name = "Model id", .comment = "Of the robot model in storage."}},
-    {OBJECT(0x2200, 2, diagnosis.motions, kReadOnly),
-     {.name = "Motions", .comment = "Bit n: motion n in storage is valid."}},
+    {OBJECT(0x2200, 2, diagnosis.motions[0], kReadOnly),
+     {.name = "Motions", .comment = "Bit n: motion n in storage is valid; 2403 has all of them."}},
     {OBJECT(0x2200, 3, diagnosis.frames_lost, kReadOnly),
      {.name = "Frames lost", .comment = "For lack of room in the transmit queue."}},
     {OBJECT(0x2200, 4, diagnosis.imu_overruns, kReadOnly),
@@ -342,7 +342,26 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
     canopen::heading(kMotionObject, "Motion images",
                      "Motion n at sub-index n + 1; stored once it is complete and valid."),
     {canopen::domain(kMotionObject, 1, kReadWrite).repeated(storage::kMaxMotions, 0),
-     {.name = "Image of motion", .comment = "Written only while the robot stands or is limp."}},
+     {.name = "Image of motion",
+      .comment = "Written only while the robot stands, plays a motion, or is limp."}},
+    canopen::heading(kMotionNameObject, "Motion names", "Motion n at sub-index n + 1."),
+    {canopen::computed(kMotionNameObject, 1, canopen::DataType::kVisibleString, kReadOnly)
+         .repeated(storage::kMaxMotions, 0),
+     {.name = "Name of motion"}},
+    canopen::heading(kMotionCrcObject, "Motion CRCs", "Motion n at sub-index n + 1."),
+    {canopen::computed(kMotionCrcObject, 1, canopen::DataType::kUnsigned32, kReadWrite)
+         .repeated(storage::kMaxMotions, 0),
+     {.name = "CRC of motion",
+      .comment =
+          "CRC-32 in the image's header. Writing 0 erases the stored motion; that of the factory takes "
+          "its place, if there is one."}},
+    canopen::heading(0x2403, "Valid motions"),
+    {OBJECT(0x2403, 1, diagnosis.motions[0], kReadOnly).repeated(kMotionMasks, sizeof(std::uint32_t)),
+     {.name = "Valid motions", .comment = "Bit b of sub-index i + 1: motion 32 i + b is valid."}},
+    {canopen::computed(kFreeStorageObject, 0, canopen::DataType::kUnsigned32, kReadOnly),
+     {.name = "Free storage",
+      .unit = {"byte"},
+      .comment = "For further motions up to the size of the largest one; each takes 16 bytes more."}},
 };
 static_assert(canopen::is_described(kControllerObjects));
 

@@ -12,6 +12,7 @@
 #include "firmware/canopen/node.h"
 #include "firmware/drive/fault.h"
 #include "firmware/drive/signals.h"
+#include "firmware/motion/motion_library.h"
 #include "firmware/robot/model.h"
 #include "firmware/walk/gait.h"
 #include "firmware/walk/velocity.h"
@@ -22,6 +23,9 @@ using behaviour::Command;
 using behaviour::Event;
 using behaviour::Reason;
 using behaviour::State;
+
+// Elements of a mask with a bit for each motion.
+inline constexpr std::size_t kMotionMasks = std::tuple_size_v<motion::MotionLibrary::Mask>;
 
 // Bits of object 0x1F80 (CiA 302-2).
 inline constexpr std::uint32_t kNmtMaster = 1u << 0;       // always set
@@ -72,7 +76,7 @@ struct ControllerValues {
   behaviour::RecoveryParameters recovery;  // 0x2140 and 0x2141
   struct {
     std::uint32_t model_id = 0;
-    std::uint32_t motions = 0;  // bit n: motion n is valid
+    std::uint32_t motions[kMotionMasks] = {};  // bit b of element i: motion 32 i + b is valid
     std::uint16_t frames_lost = 0;
     std::uint16_t imu_overruns = 0;
     std::uint16_t receive_overruns = 0;
@@ -81,7 +85,7 @@ struct ControllerValues {
     std::uint16_t falls = 0;              // since power-on; saturates, as the next
     std::uint16_t risen = 0;
     FactoryStatus factory_parameters = FactoryStatus::kNone;
-  } diagnosis;                 // 0x2200
+  } diagnosis;                 // 0x2200, 0x2403
   drive::DriveSignals drives;  // 0x2300..0x2304, by joint from sub-index 1
 };
 
@@ -92,7 +96,12 @@ inline constexpr std::uint16_t kVelocityLimitsObject = 0x2111;
 inline constexpr std::uint16_t kTrimObject = 0x2120;
 inline constexpr std::uint16_t kMountingObject = 0x2121;
 inline constexpr std::uint16_t kGyroBiasObject = 0x2122;
-inline constexpr std::uint16_t kMotionObject = 0x2400;  // motion n at sub-index n + 1
+// Motion n at sub-index n + 1.
+inline constexpr std::uint16_t kMotionObject = 0x2400;
+inline constexpr std::uint16_t kMotionNameObject = 0x2401;
+inline constexpr std::uint16_t kMotionCrcObject = 0x2402;
+
+inline constexpr std::uint16_t kFreeStorageObject = 0x2404;
 
 // Bits of the balance's flags: which ZMPs are valid, and whether the right sole is the frame.
 inline constexpr std::uint8_t kLeftZmpValid = 1 << 0;

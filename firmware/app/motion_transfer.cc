@@ -22,6 +22,7 @@ AbortCode MotionTransfer::begin_upload(std::uint32_t& size_bytes) {
   if (image_.empty()) return AbortCode::kNoData;
   size_bytes = static_cast<std::uint32_t>(image_.size());
   activity_ = Activity::kUpload;
+  items_.pin(storage::Holder::kTransfer, image_);
   return AbortCode::kNone;
 }
 
@@ -34,11 +35,10 @@ std::size_t MotionTransfer::read(std::uint32_t position, std::span<std::uint8_t>
 
 AbortCode MotionTransfer::begin_download(std::uint32_t size_bytes) {
   if (!may_store_) return AbortCode::kDeviceState;
-  // Refused before a slot is erased; so is every expedited transfer.
+  // Refused before flash is erased; so is every expedited transfer.
   if (size_bytes < storage::kImageHeaderSize) return AbortCode::kLengthTooLow;
-  if (size_bytes != kUnknownSize && size_bytes > storage::kRobotLayout.max_item_size_bytes())
-    return AbortCode::kLengthTooHigh;
-  const AbortCode begun = abort_code_of(items_.begin(storage::ItemKind::kMotion, number_));
+  const std::size_t size = size_bytes == kUnknownSize ? storage::ItemStore::kMaxItemSize_bytes : size_bytes;
+  const AbortCode begun = abort_code_of(items_.begin(storage::ItemKind::kMotion, number_, size));
   if (begun == AbortCode::kNone) activity_ = Activity::kDownload;
   checked_ = {};
   return begun;
@@ -64,6 +64,7 @@ AbortCode MotionTransfer::commit() {
 
 void MotionTransfer::release() {
   if (activity_ == Activity::kDownload) items_.release();
+  if (activity_ == Activity::kUpload) items_.unpin(storage::Holder::kTransfer);
   activity_ = Activity::kNone;
 }
 

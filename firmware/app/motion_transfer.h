@@ -11,7 +11,8 @@
 namespace koboshi::app {
 
 // Transfers motion images between an SDO client and storage, one at a time: the DOMAIN behind object 0x2400.
-// A download goes straight into a free slot, and counts only once it is complete and valid for this robot.
+// A download goes straight into the log, and counts only once it is complete and valid for this robot. A
+// motion that is being uploaded stays in place until then.
 class MotionTransfer final : public canopen::Domain {
  public:
   // Adds each stored motion to `motions`. All must outlive the transfer.

@@ -4,12 +4,23 @@
 
 #include "firmware/app/factory_parameters.h"
 #include "firmware/app/telemetry.h"
+#include "firmware/storage/image.h"
 
 namespace koboshi::app {
 
+using canopen::AbortCode;
 using canopen::NmtCommand;
 
+namespace {
+
+std::uint16_t motion_number(canopen::ObjectAddress address) {
+  return static_cast<std::uint16_t>(address.subindex - 1);
+}
+
+}  // namespace
+
 canopen::AbortCode NodeCallbacks::on_write(canopen::ObjectAddress address, std::uint32_t value) {
+  if (address.index == kMotionCrcObject) return erase_motion(motion_number(address), value);
   const canopen::AbortCode answer = parts_.requests.write(address, value, now_us_);
   execute_decision();
   return answer;
@@ -30,8 +41,31 @@ void NodeCallbacks::execute_decision() {
 // --- Storage
 
 canopen::Domain* NodeCallbacks::domain(canopen::ObjectAddress address) {
-  motion_transfer_.select(static_cast<std::uint16_t>(address.subindex - 1), may_store());
+  motion_transfer_.select(motion_number(address), may_store());
   return &motion_transfer_;
+}
+
+canopen::AbortCode NodeCallbacks::on_read(canopen::ObjectAddress address, canopen::ObjectValue& value) {
+  if (address.index == kFreeStorageObject) {
+    value.set_number(static_cast<std::uint32_t>(parts_.items.free_bytes()), 4);
+    return AbortCode::kNone;
+  }
+  motion::Motion motion;
+  const auto image = parts_.motions.open_image(motion_number(address), motion);
+  if (image.empty()) return AbortCode::kNoData;
+  if (address.index == kMotionNameObject) {
+    value.copy_text(motion.name());
+  } else {
+    value.set_number(storage::ImageReader(image.subspan(storage::kImageCrcOffset)).u32(), 4);
+  }
+  return AbortCode::kNone;
+}
+
+// Erases a motion when a client writes 0 as its CRC.
+canopen::AbortCode NodeCallbacks::erase_motion(std::uint16_t number, std::uint32_t value) {
+  if (value != 0) return AbortCode::kInvalidValue;
+  if (!may_store()) return AbortCode::kDeviceState;
+  return canopen::abort_code_of(parts_.motions.erase(number));
 }
 
 // All parameters are the manufacturer's, so each group that the node knows means all of them.

@@ -21,7 +21,7 @@ namespace koboshi::app {
 
 // Receives the callbacks of the controller's CANopen node (CiA 301). Passes requests, resets and messages of
 // the drives to Requests, Behaviour and DriveGroup, and executes at once what the behaviour decides about
-// them. Stores parameters (0x1010, 0x1011) and motions (0x2400).
+// them. Stores parameters (0x1010, 0x1011) and motions (0x2400 to 0x2404).
 class NodeCallbacks final : public canopen::NodeApplication {
  public:
   struct Parts {
@@ -46,10 +46,14 @@ class NodeCallbacks final : public canopen::NodeApplication {
 
   // Sets the time of the callbacks that follow; to be called before the node processes anything.
   void set_time(std::uint64_t now_us) { now_us_ = now_us; }
-  // Continues to store parameters; to be called once a millisecond.
-  void process() { parameters_.process(); }
+  // Continues to store parameters and to look for motions; to be called once a millisecond.
+  void process() {
+    parameters_.process();
+    parts_.motions.process();
+  }
 
  private:
+  canopen::AbortCode on_read(canopen::ObjectAddress address, canopen::ObjectValue& value) override;
   canopen::AbortCode on_write(canopen::ObjectAddress address, std::uint32_t value) override;
   canopen::Domain* domain(canopen::ObjectAddress address) override;
   canopen::AbortCode on_store(canopen::ParameterGroup group) override;
@@ -63,6 +67,7 @@ class NodeCallbacks final : public canopen::NodeApplication {
   void on_impostor(std::uint16_t identifier) override;
 
   bool may_store() const { return behaviour::kMayStore.contains(parts_.behaviour.state()); }
+  canopen::AbortCode erase_motion(std::uint16_t number, std::uint32_t value);
   void execute_decision();
   FactoryStatus load_factory_parameters();
   void report_factory_parameters();

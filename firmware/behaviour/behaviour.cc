@@ -20,7 +20,7 @@ Reason silent_sensor(const estimation::RobotState& robot) {
 
 }  // namespace
 
-Behaviour::Behaviour(const robot::RobotModel& model, bool model_valid, const motion::MotionLibrary& motions,
+Behaviour::Behaviour(const robot::RobotModel& model, bool model_valid, motion::MotionLibrary& motions,
                      const Parameters& parameters)
     : model_(model),
       model_valid_(model_valid),
@@ -36,6 +36,7 @@ const Decision& Behaviour::step(const estimation::RobotState& robot, const drive
   watch_battery(drives);
   watch_for_falls(cycle);
   run_state(cycle);
+  if (!interpreter_.running()) motions_.close(storage::Holder::kPlayer);
   choose_feedback();
   return decision_;
 }

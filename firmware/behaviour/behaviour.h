@@ -76,7 +76,7 @@ class Behaviour {
 
   // `model_valid`: whether the storage holds a model. Without one the robot boots into a fault. The
   // references must outlive the behaviour.
-  Behaviour(const robot::RobotModel& model, bool model_valid, const motion::MotionLibrary& motions,
+  Behaviour(const robot::RobotModel& model, bool model_valid, motion::MotionLibrary& motions,
             const Parameters& parameters);
 
   // One control cycle of 10 ms. The reference stays valid until the next call.
@@ -172,7 +172,7 @@ class Behaviour {
 
   const robot::RobotModel& model_;
   const bool model_valid_;
-  const motion::MotionLibrary& motions_;
+  motion::MotionLibrary& motions_;
   const Parameters parameters_;
   Status status_;
   Decision decision_;

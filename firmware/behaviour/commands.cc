@@ -92,7 +92,8 @@ Reason Behaviour::play(std::int16_t number, const Judgement& judgement) {
   if (status_.state != State::kStanding) return Reason::kNotInThisState;
   if (number < 0) return Reason::kNoSuchMotion;
   motion::Motion motion;
-  if (!motions_.open(static_cast<std::uint16_t>(number), motion)) return Reason::kNoSuchMotion;
+  if (!motions_.open_to_play(storage::Holder::kPlayer, static_cast<std::uint16_t>(number), motion))
+    return Reason::kNoSuchMotion;
   status_.motion = static_cast<std::uint8_t>(number);
   interpreter_.start(motion, targets(), {.robot = judgement.robot});
   return obey_event(Event::kPlay, judgement.now_us);

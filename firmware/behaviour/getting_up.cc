@@ -50,7 +50,7 @@ void Behaviour::begin_falling(FallDirection direction, const Cycle& cycle) {
 bool Behaviour::begin_role(Role role, const Cycle& cycle) {
   const auto number = motions_.number_of(role);
   motion::Motion motion;
-  if (!number || !motions_.open(*number, motion)) return false;
+  if (!number || !motions_.open_to_play(storage::Holder::kPlayer, *number, motion)) return false;
   status_.motion = static_cast<std::uint8_t>(*number);
   interpreter_.start(motion, targets(), {.robot = cycle.robot});
   return true;

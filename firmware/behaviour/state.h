@@ -120,8 +120,9 @@ inline constexpr States kTorque =
     kMayFall | States{State::kEnabling, State::kFalling, State::kRighting, State::kRolling, State::kRising};
 // The drives make no torque, so that the robot rests unless somebody carries it: the gyro's bias is measured.
 inline constexpr States kResting{State::kBoot, State::kLimp, State::kFallen};
-// Storage may be written: no motion is played from it, and no motion is due.
-inline constexpr States kMayStore{State::kLimp, State::kStanding};
+// Storage may be written. A motion that is played is pinned in storage, so that it stays. The check of a new
+// motion takes milliseconds, which are too long for the balance of a walk or of getting up.
+inline constexpr States kMayStore{State::kLimp, State::kStanding, State::kMotion};
 // Only a reset leads out of them.
 inline constexpr States kLatched{State::kFault, State::kEmergencyStop};
 

@@ -38,9 +38,8 @@ AbortCode Dictionary::find(ObjectAddress address, Location& location) const {
   if (row != rows_.end() && row->index == address.index && row->subindex <= address.subindex) {
     const unsigned element = address.subindex - static_cast<unsigned>(row->subindex);
     location.entry = &*row;
-    location.offset = row->offset == Entry::kConstant
-                          ? Entry::kConstant
-                          : static_cast<std::uint16_t>(row->offset + element * row->stride_bytes);
+    location.offset = row->is_in_ram() ? static_cast<std::uint16_t>(row->offset + element * row->stride_bytes)
+                                       : row->offset;
     return AbortCode::kNone;
   }
   const bool index_exists = (row != rows_.end() && row->index == address.index) ||
@@ -64,7 +63,7 @@ AbortCode Dictionary::read(ObjectAddress address, ObjectValue& value) const {
   if (found != AbortCode::kNone) return found;
   const Entry& row = *location.entry;
   if (row.access == Access::kWriteOnly) return AbortCode::kReadOfWriteOnly;
-  if (row.type == DataType::kDomain) return AbortCode::kUnsupportedAccess;
+  if (row.type == DataType::kDomain || row.offset == Entry::kComputed) return AbortCode::kUnsupportedAccess;
   std::uint32_t number = row.low;
   if (location.offset != Entry::kConstant) {
     number = 0;
@@ -89,6 +88,7 @@ AbortCode Dictionary::check_write(ObjectAddress address, std::uint32_t& value, s
 }
 
 void Dictionary::store(const Location& location, std::uint32_t value) {
+  if (!location.entry->is_in_ram()) return;
   std::memcpy(value_at(location.offset), &value, size_bytes(location.entry->type));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -71,10 +72,11 @@ enum class DataType : std::uint8_t {
   kUnsigned8 = 0x05,
   kUnsigned16 = 0x06,
   kUnsigned32 = 0x07,
-  kDomain = 0x0F,  // any number of bytes, behind a Domain of the node's owner
+  kVisibleString = 0x09,  // only of computed objects
+  kDomain = 0x0F,         // any number of bytes, behind a Domain of the node's owner
 };
 
-// The size of a value of the type; 0 for a DOMAIN and for numbers that are not among the types above.
+// The size of a value of the type; 0 for a text, a DOMAIN and for numbers that are not among the types above.
 constexpr std::uint8_t size_bytes(DataType type) {
   switch (type) {
     case DataType::kBoolean:
@@ -87,6 +89,7 @@ constexpr std::uint8_t size_bytes(DataType type) {
     case DataType::kInteger32:
     case DataType::kUnsigned32:
       return 4;
+    case DataType::kVisibleString:
     case DataType::kDomain:
       break;
   }
@@ -130,12 +133,14 @@ struct Field {
 // are in flash, sorted by address; the values are in the RAM of the node's owner. Sub-index 0 of an array
 // or record ("highest sub-index supported") has no row: it follows from the other rows.
 struct Entry {
-  static constexpr std::uint16_t kConstant = 0xFFFF;  // an offset: there is no value in RAM
+  // Offsets of values that are not in RAM.
+  static constexpr std::uint16_t kConstant = 0xFFFF;
+  static constexpr std::uint16_t kComputed = 0xFFFE;
 
   std::uint16_t index = 0;
   std::uint8_t subindex = 0;
   std::uint8_t count = 1;
-  std::uint16_t offset = 0;  // of the first value in bytes; kConstant: the value is `low`
+  std::uint16_t offset = 0;  // of the first value in bytes; kConstant: the value is `low`; kComputed
   std::uint16_t stride_bytes = 0;
   DataType type = DataType::kUnsigned32;
   Access access = Access::kReadOnly;
@@ -144,6 +149,8 @@ struct Entry {
   bool kept : 1 = false;  // is_parameter although a PDO may write it
   std::uint32_t low = 0;  // limits of what may be written, sign-extended for a signed type
   std::uint32_t high = 0;
+
+  constexpr bool is_in_ram() const { return offset < kComputed; }
 
   // The same row, which refuses values outside [minimum, maximum] from SDO clients. A PDO cannot be refused:
   // the owner clamps its values.
@@ -186,7 +193,7 @@ constexpr Entry object(std::uint16_t index, std::uint8_t subindex, Field field, 
 // an RPDO may write are process values.
 constexpr bool is_parameter(const Entry& row) {
   const bool by_rpdo = row.mappable == Mappable::kRpdo || row.mappable == Mappable::kBoth;
-  return row.access == Access::kReadWrite && row.type != DataType::kDomain && (row.kept || !by_rpdo);
+  return row.access == Access::kReadWrite && row.is_in_ram() && (row.kept || !by_rpdo);
 }
 
 // A value that never changes and costs no RAM.
@@ -199,6 +206,11 @@ constexpr Entry constant(std::uint16_t index, std::uint8_t subindex, T value) {
           .low = static_cast<std::uint32_t>(value)};
 }
 
+// An object whose value NodeApplication::on_read computes, and whose writes only on_write receives.
+constexpr Entry computed(std::uint16_t index, std::uint8_t subindex, DataType type, Access access) {
+  return {.index = index, .subindex = subindex, .offset = Entry::kComputed, .type = type, .access = access};
+}
+
 // A DOMAIN, whose bytes NodeApplication::domain gives access to.
 constexpr Entry domain(std::uint16_t index, std::uint8_t subindex, Access access) {
   return {.index = index,
@@ -208,34 +220,47 @@ constexpr Entry domain(std::uint16_t index, std::uint8_t subindex, Access access
           .access = access};
 }
 
-// The value of an object as it is read: a number of up to 4 bytes, or a text in flash.
+// The value of an object as it is read: a number of up to 4 bytes, or a text in flash, or a copy of a short
+// one.
 class ObjectValue {
  public:
+  static constexpr std::size_t kMaxCopySize = 24;
+
   // Sets a number of 1, 2 or 4 bytes. Drops the bytes of `number` beyond `size`.
   void set_number(std::uint32_t number, std::uint8_t size) {
     number_ = size < 4 ? number & ((1u << (8 * size)) - 1) : number;
-    text_ = {};
+    kind_ = Kind::kNumber;
     size_ = size;
   }
   void set_text(std::string_view text) {
-    text_ = text;
+    text_ = text.data();
+    kind_ = Kind::kText;
     size_ = static_cast<std::uint16_t>(text.size());
+  }
+  // Sets a text of up to kMaxCopySize characters that may change later.
+  void copy_text(std::string_view text) {
+    size_ = static_cast<std::uint16_t>(text.copy(copy_.data(), copy_.size()));
+    kind_ = Kind::kCopy;
   }
 
   // Not sign-extended; 0 for a text.
-  std::uint32_t number() const { return number_; }
+  std::uint32_t number() const { return is_text() ? 0 : number_; }
   std::uint16_t size() const { return size_; }
-  bool is_text() const { return text_.data() != nullptr; }
+  bool is_text() const { return kind_ != Kind::kNumber; }
   // Little-endian, as SDO carries them. Valid as long as this object.
   std::span<const std::uint8_t> bytes() const {
-    const void* start = is_text() ? text_.data() : static_cast<const void*>(&number_);
-    return {static_cast<const std::uint8_t*>(start), size_};
+    const void* const starts[] = {&number_, text_, copy_.data()};
+    return {static_cast<const std::uint8_t*>(starts[static_cast<std::size_t>(kind_)]), size_};
   }
 
  private:
+  enum class Kind : std::uint8_t { kNumber, kText, kCopy };
+
   std::uint32_t number_ = 0;
-  std::string_view text_;
+  const char* text_ = nullptr;
+  std::array<char, kMaxCopySize> copy_{};
   std::uint16_t size_ = 0;
+  Kind kind_ = Kind::kNumber;
 };
 
 // Compares the `size` in bytes that a client sends (0: not indicated) with that of the object, `expected`.
@@ -260,13 +285,14 @@ class Dictionary {
   // kObjectDoesNotExist or kSubindexDoesNotExist when there is no such row. O(log n).
   AbortCode find(ObjectAddress address, Location& location) const;
 
-  // Reads a value. kUnsupportedAccess for a DOMAIN, here and below.
+  // Reads a value. kUnsupportedAccess for a DOMAIN, here and below, and for a computed object, which is not
+  // here.
   AbortCode read(ObjectAddress address, ObjectValue& value) const;
   // Checks whether `value`, of `size` bytes (0: that of the object), may be written, and sign-extends it if
   // the object is signed. Stores nothing.
   AbortCode check_write(ObjectAddress address, std::uint32_t& value, std::size_t size,
                         Location& location) const;
-  // Stores what check_write has accepted.
+  // Stores what check_write has accepted. No effect on a computed object.
   void store(const Location& location, std::uint32_t value);
 
   // The bytes of a value, for PDOs. `offset` comes from a Location of this dictionary.
@@ -287,7 +313,7 @@ constexpr bool is_valid_table(std::span<const Entry> rows, std::size_t values_si
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Entry& row = rows[i];
     if (row.count == 0 || row.subindex + row.count > 255) return false;
-    if (row.offset != Entry::kConstant &&
+    if (row.is_in_ram() &&
         row.offset + (row.count - 1u) * row.stride_bytes + size_bytes(row.type) > values_size_bytes) {
       return false;
     }

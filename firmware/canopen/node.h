@@ -40,6 +40,8 @@ inline constexpr std::uint8_t kAllGroups =
 // it needs, and may call the node from within them.
 class NodeApplication {
  public:
+  // Reads a computed object of the owner's table (Entry::kComputed): a number of its type, or a text.
+  virtual AbortCode on_read(ObjectAddress, ObjectValue&) { return AbortCode::kNoData; }
   // Asks whether an SDO client (or write_object) may change a value of the owner's table: kNone permits it.
   // `value` is sign-extended if the object is signed. Length, access and limits have been checked.
   virtual AbortCode on_write(ObjectAddress, std::uint32_t /*value*/) { return AbortCode::kNone; }

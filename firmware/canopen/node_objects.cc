@@ -71,8 +71,11 @@ AbortCode array(ObjectValue& value, std::uint8_t subindex, std::uint8_t count, s
 }  // namespace
 
 AbortCode Node::read_object(ObjectAddress address, ObjectValue& value) {
-  return is_communication_area(address.index) ? read_communication(address, value)
-                                              : dictionary_.read(address, value);
+  if (is_communication_area(address.index)) return read_communication(address, value);
+  Location location;
+  const bool is_computed =
+      dictionary_.find(address, location) == AbortCode::kNone && location.entry->offset == Entry::kComputed;
+  return is_computed ? application_.on_read(address, value) : dictionary_.read(address, value);
 }
 
 AbortCode Node::write_object(ObjectAddress address, std::uint32_t value, std::size_t size) {

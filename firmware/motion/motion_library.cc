@@ -4,7 +4,7 @@
 
 namespace koboshi::motion {
 
-MotionLibrary::MotionLibrary(const storage::Catalogue& factory, const storage::ItemStore& stored,
+MotionLibrary::MotionLibrary(const storage::Catalogue& factory, storage::ItemStore& stored,
                              const robot::RobotModel& model)
     : factory_(factory), stored_(stored), model_(model) {
   by_role_.fill(kNone);
@@ -15,14 +15,47 @@ void MotionLibrary::load() {
     Motion motion;
     if (open(number, motion)) add(number, motion);
   }
+  searched_ = storage::kMaxMotions;
 }
 
 void MotionLibrary::add(std::uint16_t number, const Motion& motion) {
-  KOBOSHI_ASSERT(number < storage::kMaxMotions);
-  valid_ |= 1u << number;
+  remove(number);
+  valid_[number / 32u] |= 1u << number % 32u;
   for (std::size_t role = 0; role < by_role_.size(); ++role) {
-    if (by_role_[role] == number) by_role_[role] = kNone;
     if (motion.name() == kMotionNames[role]) by_role_[role] = static_cast<std::uint8_t>(number);
+  }
+}
+
+void MotionLibrary::remove(std::uint16_t number) {
+  KOBOSHI_ASSERT(number < storage::kMaxMotions);
+  valid_[number / 32u] &= ~(1u << number % 32u);
+  for (std::uint8_t& by_role : by_role_) {
+    if (by_role != number) continue;
+    by_role = kNone;
+    searched_ = 0;
+  }
+}
+
+storage::Status MotionLibrary::erase(std::uint16_t number) {
+  const storage::Status status = stored_.erase(storage::ItemKind::kMotion, number);
+  if (status != storage::Status::kOk) return status;
+  Motion factory;
+  if (open(number, factory)) {
+    add(number, factory);
+  } else {
+    remove(number);
+  }
+  return status;
+}
+
+// One motion in each call: to check all at once would take many milliseconds.
+void MotionLibrary::search_next() {
+  Motion motion;
+  const std::uint16_t number = searched_++;
+  if (!open(number, motion)) return;
+  for (std::size_t role = 0; role < by_role_.size(); ++role) {
+    if (by_role_[role] == kNone && motion.name() == kMotionNames[role])
+      by_role_[role] = static_cast<std::uint8_t>(number);
   }
 }
 
@@ -31,11 +64,21 @@ std::span<const std::byte> MotionLibrary::image(std::uint16_t number) const {
   return stored.empty() ? factory_.find(storage::ItemKind::kMotion, number) : stored;
 }
 
-bool MotionLibrary::open(std::uint16_t number, Motion& motion) const {
-  if (number >= storage::kMaxMotions) return false;
-  // One that was stored for another model makes way for the factory's.
-  return Motion::open(stored_.find(storage::ItemKind::kMotion, number), model_, motion).ok() ||
-         Motion::open(factory_.find(storage::ItemKind::kMotion, number), model_, motion).ok();
+// One that was stored for another model makes way for the factory's.
+std::span<const std::byte> MotionLibrary::open_image(std::uint16_t number, Motion& motion) const {
+  if (number >= storage::kMaxMotions) return {};
+  for (const auto image : {stored_.find(storage::ItemKind::kMotion, number),
+                           factory_.find(storage::ItemKind::kMotion, number)}) {
+    if (Motion::open(image, model_, motion).ok()) return image;
+  }
+  return {};
+}
+
+bool MotionLibrary::open_to_play(storage::Holder player, std::uint16_t number, Motion& motion) {
+  const auto image = open_image(number, motion);
+  if (image.empty()) return false;
+  stored_.pin(player, image);
+  return true;
 }
 
 std::optional<std::uint16_t> MotionLibrary::number_of(Role role) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -16,31 +17,53 @@ namespace koboshi::motion {
 // take their place. Numbers go from 0 to kMaxMotions - 1.
 class MotionLibrary {
  public:
+  // Bit b of element i: there is a motion 32 i + b that this robot can play.
+  using Mask = std::array<std::uint32_t, (storage::kMaxMotions + 31) / 32>;
+
   // All must outlive the library.
-  MotionLibrary(const storage::Catalogue& factory, const storage::ItemStore& stored,
+  MotionLibrary(const storage::Catalogue& factory, storage::ItemStore& stored,
                 const robot::RobotModel& model);
 
   // Looks through storage, which takes as long as checking all motions does.
   void load();
   // A motion that is new under its number. Of two with the same name the one that came last has its role.
   void add(std::uint16_t number, const Motion& motion);
+  // Erases the stored motion of a number; that of the factory takes its place, if there is one. To be
+  // repeated while it returns kBusy.
+  storage::Status erase(std::uint16_t number);
+  // Gives roles that lost their motion to another of this name. To be called once a millisecond.
+  void process() {
+    if (searched_ < storage::kMaxMotions) search_next();
+  }
 
   // The bytes under a number, valid or not; empty: none.
   std::span<const std::byte> image(std::uint16_t number) const;
-  // False when there is no motion under that number which this robot can play.
-  [[nodiscard]] bool open(std::uint16_t number, Motion& motion) const;
+  // Returns the image of a motion that this robot can play, and sets `motion`; empty when there is none under
+  // that number.
+  std::span<const std::byte> open_image(std::uint16_t number, Motion& motion) const;
+  [[nodiscard]] bool open(std::uint16_t number, Motion& motion) const {
+    return !open_image(number, motion).empty();
+  }
+  // The same, to play it: its bytes stay, whatever is stored meanwhile, until this player opens another or
+  // closes it.
+  [[nodiscard]] bool open_to_play(storage::Holder player, std::uint16_t number, Motion& motion);
+  void close(storage::Holder player) { stored_.unpin(player); }
   std::optional<std::uint16_t> number_of(Role role) const;
-  // Bit n: there is a motion n that this robot can play.
-  std::uint32_t valid() const { return valid_; }
+  const Mask& valid() const { return valid_; }
 
  private:
   static constexpr std::uint8_t kNone = 0xFF;
+  static_assert(storage::kMaxMotions <= kNone);
+
+  void remove(std::uint16_t number);
+  void search_next();
 
   const storage::Catalogue& factory_;
-  const storage::ItemStore& stored_;
+  storage::ItemStore& stored_;
   const robot::RobotModel& model_;
-  std::uint32_t valid_ = 0;
+  Mask valid_{};
   std::array<std::uint8_t, kMotionNames.size()> by_role_;
+  std::uint16_t searched_ = storage::kMaxMotions;  // for roles without a motion
 };
 
 }  // namespace koboshi::motion

@@ -14,17 +14,21 @@ enum class ItemKind : std::uint16_t {
   kNodeId = 5,             // of a drive or sensor: one byte
 };
 
-inline constexpr std::size_t kMaxMotions = 32;
+inline constexpr std::size_t kMaxMotions = 200;
+
+// Those that may hold an item in place while they read it, one item each.
+enum class Holder : std::uint8_t { kPlayer = 0, kSecondPlayer = 1, kTransfer = 2 };
+inline constexpr std::size_t kHolders = 3;
 
 // The result of a function that may write flash. canopen/stored_parameters.h maps it to SDO abort codes.
 enum class [[nodiscard]] Status : std::uint8_t{
     kOk,
     kBusy,        // the flash is not ready: nothing was done, call again a millisecond later
-    kInUse,       // another item is being written
+    kInUse,       // another item is being written, or one that is being read occupies the space
     kNotAllowed,  // the caller does not permit flash to be written now
-    kFull,        // no free slot, or no storage at all
-    kTooLong,     // the item does not fit into a slot
-    kFailed,      // the flash failed; the next attempt takes another slot
+    kFull,        // the item does not fit beside those that are stored, or there is no storage at all
+    kTooLong,     // more bytes than announced, or than any item may have
+    kFailed,      // the flash failed; the next attempt uses another place
 };
 
 }  // namespace koboshi::storage

@@ -65,6 +65,14 @@ bool ParameterStore::is_stored(Change wanted) const {
   return offset == item.size();
 }
 
+std::size_t ParameterStore::size_bytes(Change wanted) const {
+  Cursor cursor;
+  ParameterRecord record;
+  std::size_t size = 0;
+  while (next(wanted, cursor, record)) size += ParameterRecord::kSize_bytes;
+  return size;
+}
+
 Status ParameterStore::change(Change wanted, bool may_write) {
   if (busy_) return Status::kBusy;
   if (failure_ != Status::kOk && failed_ == wanted) return std::exchange(failure_, Status::kOk);
@@ -72,6 +80,7 @@ Status ParameterStore::change(Change wanted, bool may_write) {
   if (!may_write) return Status::kNotAllowed;
   busy_ = true;
   wanted_ = wanted;
+  size_bytes_ = size_bytes(wanted);
   cursor_ = {};
   return Status::kBusy;
 }
@@ -98,7 +107,7 @@ void ParameterStore::end() {
 
 Status ParameterStore::write_records() {
   if (!begun_) {
-    const Status begun = items_.begin(ItemKind::kParameters, 0);
+    const Status begun = items_.begin(ItemKind::kParameters, 0, size_bytes_);
     if (begun != Status::kOk) return begun;
     begun_ = true;
   }

@@ -87,6 +87,7 @@ class ParameterStore {
   Status change(Change wanted, bool may_write);
   bool next(Change wanted, Cursor& cursor, ParameterRecord& record) const;
   bool is_stored(Change wanted) const;
+  std::size_t size_bytes(Change wanted) const;
   void advance();
   Status write_records();
   void abandon();
@@ -97,6 +98,7 @@ class ParameterStore {
   bool busy_ = false;
   bool begun_ = false;  // the item
   Change wanted_;
+  std::size_t size_bytes_ = 0;  // of the wanted item
   Cursor cursor_;
   Change failed_;                 // the last change that failed
   Status failure_ = Status::kOk;  // its result, until it is returned

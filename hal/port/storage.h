@@ -13,11 +13,12 @@ enum class StorageState : std::uint8_t { kIdle = 0, kBusy = 1, kFailed = 2 };
 // longer returns kBusy.
 class StoragePort {
  public:
-  // Returns the whole memory: the catalogue of the robot from the start, the slots of storage::kRobotLayout
-  // (204 KiB) at the end. While an erasure or a write runs, the bytes of its range are undefined.
+  // Returns the whole memory: the catalogue of the robot from the start, the log of its own items at the end
+  // (storage::kRobotLogSize_bytes, 128 KiB). While an erasure or a write runs, the bytes of its range are
+  // undefined, and all others can be read: the firmware stores items also while it plays a motion in place.
   [[nodiscard]] virtual std::span<const std::byte> contents() const = 0;
-  // Returns the size of a sector. It divides the size of `contents`, and the size of a slot (6 KiB): 2 KiB,
-  // or a smaller power of two.
+  // Returns the size of a sector: 128 bytes to 4 KiB, a power of two. It divides the size of `contents`. With
+  // sectors of up to 2 KiB the log holds 200 motions of 592 bytes and the parameters, with 4 KiB 194.
   [[nodiscard]] virtual std::size_t sector_size_bytes() const = 0;
   // Begins to erase the sector at `offset`. Returns false and does nothing if busy, or if the offset is out
   // of range or not the start of a sector.

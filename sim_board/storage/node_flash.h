@@ -9,13 +9,14 @@
 
 namespace koboshi::sim {
 
-// Flash of a drive's or sensor's microcontroller with three sectors. An operation ends after a fixed number
+// Flash of a drive's or sensor's microcontroller with six sectors. An operation ends after a fixed number
 // of `state` calls, one per millisecond. Until then its range reads as scrambled bytes, and permanently so if
 // power fails meanwhile.
 class NodeFlash final : public hal::StoragePort {
  public:
   static constexpr std::size_t kSectorSize_bytes = 2048;
-  static constexpr std::size_t kSectors = 3;
+  static constexpr std::size_t kSectors = 6;
+  static constexpr std::size_t kSize_bytes = kSectors * kSectorSize_bytes;
   // From the data sheet of the STM32G431 (DS12589): 22 ms to erase a page of 2 KiB and 82 us to program 8
   // bytes, which is 2.6 ms for kMaxWriteSize.
   static constexpr int kErasePolls = 22;
@@ -45,7 +46,7 @@ class NodeFlash final : public hal::StoragePort {
   void complete() const;
 
   // Mutable, because polling the const function `state` advances the operation.
-  mutable std::array<std::byte, kSectors * kSectorSize_bytes> memory_;
+  mutable std::array<std::byte, kSize_bytes> memory_;
   std::array<std::byte, kSectorSize_bytes> result_{};  // final contents of the operation's range
   std::size_t offset_ = 0;
   std::size_t size_ = 0;

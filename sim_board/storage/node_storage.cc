@@ -33,7 +33,7 @@ AbortCode NodeStorage::store_node_id(std::uint8_t node_id) {
 Status NodeStorage::write_node_id(std::uint8_t node_id) {
   storage::ItemStore& items = volatile_->items;
   if (!volatile_->node_id_begun) {
-    const Status begun = items.begin(storage::ItemKind::kNodeId, 0);
+    const Status begun = items.begin(storage::ItemKind::kNodeId, 0, 1);
     // A write of parameters is in progress and will end.
     if (begun == Status::kInUse) return Status::kBusy;
     if (begun != Status::kOk) return begun;

@@ -44,11 +44,10 @@ class NodeStorage {
   }
 
  private:
-  static constexpr storage::ItemStore::Layout kLayout{NodeFlash::kSectorSize_bytes, NodeFlash::kSectors};
-
   // The firmware's view of the flash, which a restart creates anew.
   struct Volatile {
-    Volatile(NodeFlash& flash, canopen::Node& node) : items(flash, kLayout), parameters(items, node) {}
+    Volatile(NodeFlash& flash, canopen::Node& node)
+        : items(flash, NodeFlash::kSize_bytes), parameters(items, node) {}
 
     storage::ItemStore items;
     canopen::StoredParameters parameters;

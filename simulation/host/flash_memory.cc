@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 #include <stdexcept>
+#include <string_view>
 
 #include "firmware/storage/item_store.h"
 #include "hal/linux/file_descriptor.h"
@@ -15,6 +16,21 @@ namespace koboshi::simulation {
 namespace {
 
 constexpr std::byte kErased{0xFF};
+
+// Until version 0.1 the file contained 34 slots of 6 KiB at its end, each with a trailer that began so.
+constexpr std::size_t kOldSlots = 34;
+constexpr std::size_t kOldSlotSize_bytes = 6 * 1024;
+constexpr std::size_t kOldTrailerSize_bytes = 24;
+constexpr std::string_view kOldTrailer = "KITM";
+
+bool has_old_slots(std::span<const std::byte> flash) {
+  for (std::size_t slot = 0; slot < kOldSlots; ++slot) {
+    const auto trailer =
+        flash.last(slot * kOldSlotSize_bytes + kOldTrailerSize_bytes).first(kOldTrailer.size());
+    if (std::memcmp(trailer.data(), kOldTrailer.data(), kOldTrailer.size()) == 0) return true;
+  }
+  return false;
+}
 
 // Extends the file to the size of the flash. Returns true if the file was created.
 bool make_long_enough(const std::filesystem::path& file) {
@@ -39,7 +55,7 @@ std::byte* map(int file_number) {
 }  // namespace
 
 FlashMemory::FlashMemory(std::span<const std::byte> contents, const std::filesystem::path& file) {
-  constexpr std::size_t kFactory_bytes = kSize_bytes - storage::kRobotLayout.size_bytes();
+  constexpr std::size_t kFactory_bytes = kSize_bytes - storage::kRobotLogSize_bytes;
   if (contents.size() > kFactory_bytes) {
     throw std::length_error("model and motions take " + std::to_string(contents.size()) +
                             " bytes, more than the storage's " + std::to_string(kFactory_bytes));
@@ -53,6 +69,10 @@ FlashMemory::FlashMemory(std::span<const std::byte> contents, const std::filesys
     fresh = make_long_enough(file);
   }
   bytes_.reset(map(opened.number()));
+  if (!fresh && has_old_slots(bytes())) {
+    throw sim::InputError(file, 0, "items in slots of 6 KiB, as an earlier version stored them",
+                          "a storage of this version, or no file yet");
+  }
   std::ranges::fill(bytes().first(fresh ? kSize_bytes : kFactory_bytes), kErased);
   std::ranges::copy(contents, bytes().begin());
 }

@@ -57,6 +57,10 @@ class Eds:
                 subs = [s for s in self.eds.sections() if SUB_OBJECT.match(s) and s.startswith(section)]
                 if number(self.eds[section]["ObjectType"]) == VARIABLE:
                     self.assertEqual(subs, [], section)
+                elif "CompactSubObj" in self.eds[section]:
+                    self.assertEqual(subs, [], section)
+                    self.assertEqual(number(self.eds[section]["ObjectType"]), ARRAY)
+                    self.assertIn(number(self.eds[section]["CompactSubObj"]), range(1, 255))
                 else:
                     self.assertEqual(int(self.eds[section]["SubNumber"], 0), len(subs), section)
                     self.assertIn(f"{section}sub0", subs)

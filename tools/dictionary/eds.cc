@@ -1,5 +1,6 @@
 #include "tools/dictionary/formats.h"
 
+#include <algorithm>
 #include <array>
 #include <iterator>
 #include <string_view>
@@ -70,10 +71,8 @@ Section section_of(std::uint16_t index) {
   return index >= 0x2000 && index <= 0x5FFF ? Section::kManufacturer : Section::kOptional;
 }
 
-void add_value(std::string& eds, const ObjectItem& item) {
-  const bool domain = item.data_type == static_cast<std::uint8_t>(canopen::DataType::kDomain);
-  fmt::format_to(Text(eds), "ObjectType=0x{}\nDataType=0x{:04X}\nAccessType={}\n", domain ? 2 : 7,
-                 item.data_type, item.access);
+void add_type_and_value(std::string& eds, const ObjectItem& item) {
+  fmt::format_to(Text(eds), "DataType=0x{:04X}\nAccessType={}\n", item.data_type, item.access);
   if (item.limits) {
     fmt::format_to(Text(eds), "LowLimit={}\nHighLimit={}\n", item.limits->low, item.limits->high);
   }
@@ -82,7 +81,28 @@ void add_value(std::string& eds, const ObjectItem& item) {
   fmt::format_to(Text(eds), "PDOMapping={}\n", item.mappable == canopen::Mappable::kNo ? 0 : 1);
 }
 
+void add_value(std::string& eds, const ObjectItem& item) {
+  const bool domain = item.data_type == static_cast<std::uint8_t>(canopen::DataType::kDomain);
+  fmt::format_to(Text(eds), "ObjectType=0x{}\n", domain ? 2 : 7);
+  add_type_and_value(eds, item);
+}
+
+// A long array of equal elements has one section (CiA 306-1, 7.1.4.2): their names are its name and a number.
+bool is_compact(const Object& object) {
+  constexpr std::size_t kMaxSections = 64;
+  if (object.type != ObjectType::kArray || object.items.size() <= kMaxSections) return false;
+  const std::string& family = object.items.back().family;
+  return !family.empty() && std::all_of(object.items.begin() + 1, object.items.end(),
+                                        [&](const ObjectItem& item) { return item.family == family; });
+}
+
 void add_object_section(std::string& eds, const Object& object) {
+  if (is_compact(object)) {
+    const ObjectItem& element = object.items.back();
+    fmt::format_to(Text(eds), "\n[{:04X}]\nParameterName={}\nObjectType=0x{:X}\nCompactSubObj={}\n",
+                   object.index, element.family, static_cast<int>(object.type), object.items.size() - 1);
+    return add_type_and_value(eds, element);
+  }
   fmt::format_to(Text(eds), "\n[{:04X}]\nParameterName={}\n", object.index, object.name);
   if (object.type == ObjectType::kVariable) return add_value(eds, object.items.front());
   fmt::format_to(Text(eds), "ObjectType=0x{:X}\nSubNumber={}\n", static_cast<int>(object.type),

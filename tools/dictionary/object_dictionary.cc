@@ -37,6 +37,7 @@ std::string access_of(const Entry& row) {
 // Only settings have a default: neither measurements nor objects that RPDOs carry. A default outside of its
 // limits differs between nodes.
 std::string default_of(const ObjectItem& item, const Entry& row, std::span<const std::byte> values) {
+  if (row.offset == Entry::kComputed) return {};
   if (row.access == canopen::Access::kReadOnly && row.offset != Entry::kConstant) return {};
   if (row.mappable == canopen::Mappable::kRpdo || row.mappable == canopen::Mappable::kBoth) return {};
   std::vector<std::byte> copy(values.begin(), values.end());

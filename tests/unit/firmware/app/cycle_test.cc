@@ -110,7 +110,7 @@ TEST(ControllerCycle, LoadsItsModelAndItsMotions) {
   ControllerBench bench;
   bench.run_ms(1);
   EXPECT_EQ(bench.values().diagnosis.model_id, bench.model().id);
-  EXPECT_EQ(bench.values().diagnosis.motions, 0b11u);
+  EXPECT_EQ(bench.values().diagnosis.motions[0], 0b11u);
 }
 
 }  // namespace

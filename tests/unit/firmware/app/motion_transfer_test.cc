@@ -2,6 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "firmware/storage/image.h"
 #include "tests/support/controller_bench.h"
 #include "tests/support/robot_storage.h"
 #include "tests/support/sdo_pc.h"
@@ -22,18 +28,28 @@ constexpr canopen::ObjectAddress motion_object(std::uint8_t number) {
   return {kMotionObject, static_cast<std::uint8_t>(number + 1)};
 }
 
+constexpr canopen::ObjectAddress name_object(std::uint8_t number) {
+  return {kMotionNameObject, static_cast<std::uint8_t>(number + 1)};
+}
+
+constexpr canopen::ObjectAddress crc_object(std::uint8_t number) {
+  return {kMotionCrcObject, static_cast<std::uint8_t>(number + 1)};
+}
+
 class ControllerMotions : public testing::Test {
  protected:
   void SetUp() override {
     bench.board.storage.complete_after(3);
     ASSERT_TRUE(bench.run_until(State::kLimp));
   }
-  // Raises the head and holds it for `poses` steps, which set the size of the image.
-  Image nod(double angle_deg, std::size_t poses = 1) const {
+  // Raises the head and holds it, or moves it on, for `poses` steps, which set the size of the image.
+  Image nod(double angle_deg, std::size_t poses = 1, double step_deg = 0) const {
     std::vector<fixed::Angle> pose(bench.model().joint_count);
-    pose[kHeadTilt] = degrees(angle_deg);
     test::TestMotion motion{.name = "downloaded", .poses = {poses, pose}, .steps = {}};
-    for (std::uint16_t i = 0; i < poses; ++i) motion.steps.push_back({Opcode::kMove, i, 200'000});
+    for (std::uint16_t i = 0; i < poses; ++i) {
+      motion.poses[i][kHeadTilt] = degrees(angle_deg + i * step_deg);
+      motion.steps.push_back({Opcode::kMove, i, 200'000});
+    }
     motion.steps.push_back({Opcode::kEnd});
     return test::encode(motion, bench.model().id);
   }
@@ -50,14 +66,14 @@ class ControllerMotions : public testing::Test {
 };
 
 TEST_F(ControllerMotions, DownloadedByBlocksArePlayedAndKept) {
-  ASSERT_EQ(bench.values().diagnosis.motions, 0b11u);
+  ASSERT_EQ(bench.values().diagnosis.motions[0], 0b11u);
   const Image image = nod(15);
   ASSERT_EQ(pc.download_blocks(motion_object(7), image), AbortCode::kNone);
-  EXPECT_EQ(bench.values().diagnosis.motions, 0b1000'0011u);
+  EXPECT_EQ(bench.values().diagnosis.motions[0], 0b1000'0011u);
   EXPECT_EQ(pc.upload(motion_object(7)), image);
   bench.restart();
   ASSERT_TRUE(bench.run_until_standing());
-  EXPECT_EQ(bench.values().diagnosis.motions, 0b1000'0011u);
+  EXPECT_EQ(bench.values().diagnosis.motions[0], 0b1000'0011u);
   bench.command(Command::kPlay, 7);
   ASSERT_EQ(bench.now().state, State::kMotion);
   ASSERT_TRUE(bench.run_until(State::kStanding, 400));
@@ -87,6 +103,87 @@ TEST_F(ControllerMotions, ReplaceFactoryMotions) {
   EXPECT_EQ(pc.upload(motion_object(1)), image);
 }
 
+// What a list of the motions needs, without a transfer of the images.
+TEST_F(ControllerMotions, AreListedWithNameAndCrc) {
+  const Image image = nod(15);
+  ASSERT_EQ(pc.download_blocks(motion_object(199), image), AbortCode::kNone);
+  EXPECT_EQ(bench.values().diagnosis.motions[6], 1u << 199 % 32);
+  EXPECT_EQ(pc.read({0x2403, 7}), 1u << 199 % 32);
+  EXPECT_EQ(pc.read({0x2403, 1}), 0b11u);
+  const Image name = pc.upload(name_object(199));
+  EXPECT_EQ(std::string(reinterpret_cast<const char*>(name.data()), name.size()), "downloaded");
+  EXPECT_EQ(pc.read(crc_object(199)), storage::image_crc32(image));
+  EXPECT_TRUE(pc.upload(name_object(198)).empty());
+  EXPECT_EQ(pc.refusal, AbortCode::kNoData);
+  const std::uint32_t free = pc.read({kFreeStorageObject, 0});
+  EXPECT_LT(free, storage::kRobotLogSize_bytes - 2 * image.size());
+  ASSERT_EQ(pc.download_blocks(motion_object(198), image), AbortCode::kNone);
+  EXPECT_EQ(pc.read({kFreeStorageObject, 0}),
+            free - storage::ItemStore::kHeaderSize - (image.size() + 7) / 8 * 8);
+}
+
+TEST_F(ControllerMotions, AreErasedByWritingTheirCrc) {
+  const Image factory = pc.upload(motion_object(1));
+  ASSERT_FALSE(factory.empty());
+  for (const std::uint8_t number : {std::uint8_t{1}, std::uint8_t{150}})
+    ASSERT_EQ(pc.download_blocks(motion_object(number), nod(15)), AbortCode::kNone);
+  EXPECT_EQ(pc.write(crc_object(1), 7, 4), AbortCode::kInvalidValue);
+  EXPECT_EQ(pc.upload(motion_object(1)), nod(15));
+  for (int i = 0; i < 2; ++i) {  // the second time there is nothing to do
+    EXPECT_EQ(pc.write(crc_object(1), 0, 4), AbortCode::kNone);
+    EXPECT_EQ(pc.write(crc_object(150), 0, 4), AbortCode::kNone);
+    EXPECT_EQ(pc.upload(motion_object(1)), factory);
+    EXPECT_TRUE(pc.upload(motion_object(150)).empty());
+    EXPECT_EQ(bench.values().diagnosis.motions[0], 0b11u);
+    EXPECT_EQ(bench.values().diagnosis.motions[4], 0u);
+  }
+  bench.restart();
+  bench.run_ms(10);
+  EXPECT_EQ(bench.values().diagnosis.motions[0], 0b11u);
+}
+
+// The motion that is played is replaced and erased, and the log around it is filled, until only its own place
+// is left: its targets stay the same.
+TEST_F(ControllerMotions, PlayTheSameWhateverIsStoredMeanwhile) {
+  using Target = std::pair<std::uint64_t, std::array<std::uint8_t, 8>>;
+  const auto play = [this](bool stores) {
+    ControllerBench own;
+    SdoPc client(own);
+    own.board.storage.complete_after(3);
+    EXPECT_TRUE(own.run_until(State::kLimp));
+    EXPECT_EQ(client.download_blocks(motion_object(7), nod(-5, 65, 0.3)), AbortCode::kNone);
+    EXPECT_TRUE(own.run_until_standing());
+    const std::uint64_t start_us = own.now_us();
+    own.command(Command::kPlay, 7);
+    EXPECT_EQ(own.now().state, State::kMotion);
+    int refused = 0;
+    for (int i = 0; stores && own.now_us() < start_us + 12'000'000; ++i) {
+      const auto number = static_cast<std::uint8_t>(7 + i % 3);
+      if (i % 5 == 4) static_cast<void>(client.write(crc_object(number), 0, 4));
+      const AbortCode code = client.download_blocks(motion_object(number), nod(i % 30, 64));
+      EXPECT_TRUE(code == AbortCode::kNone || code == AbortCode::kDeviceState) << i;
+      refused += code == AbortCode::kNone ? 0 : 1;
+    }
+    EXPECT_EQ(refused > 0, stores);
+    // The client keeps the frames of its last transfer only, which show where the motion is.
+    own.sent.clear();
+    while (own.now_us() < start_us + 12'900'000) own.run_ms(1);
+    EXPECT_EQ(own.now().state, State::kMotion);
+    while (own.now_us() < start_us + 14'000'000) own.run_ms(1);
+    EXPECT_EQ(own.now().state, State::kStanding);
+    std::vector<Target> targets;
+    for (const auto& [time_us, frame] : own.sent) {
+      if (frame.identifier >= 0x210 && frame.identifier < 0x230)
+        targets.emplace_back(time_us - start_us, frame.data);
+    }
+    return targets;
+  };
+  const std::vector<Target> alone = play(false);
+  const std::vector<Target> beside = play(true);
+  ASSERT_GT(beside.size(), 1'000u);
+  EXPECT_TRUE(std::ranges::equal(beside, std::span(alone).last(beside.size())));
+}
+
 TEST_F(ControllerMotions, InvalidOnesKeepTheOldOne) {
   const Image image = nod(15);
   ASSERT_EQ(pc.download_blocks(motion_object(7), image), AbortCode::kNone);
@@ -97,7 +194,7 @@ TEST_F(ControllerMotions, InvalidOnesKeepTheOldOne) {
   const Image whole = nod(10);
   EXPECT_EQ(pc.download(motion_object(7), std::span(whole).first(20)), AbortCode::kInvalidValue);
   EXPECT_EQ(pc.upload(motion_object(7)), image);
-  EXPECT_EQ(bench.values().diagnosis.motions, 0b1000'0011u);
+  EXPECT_EQ(bench.values().diagnosis.motions[0], 0b1000'0011u);
 }
 
 TEST_F(ControllerMotions, MustBeAsLongAsTheirHeadersState) {
@@ -110,7 +207,7 @@ TEST_F(ControllerMotions, MustBeAsLongAsTheirHeadersState) {
     EXPECT_EQ(pc.download(motion_object(8), other), AbortCode::kInvalidValue) << size;
   }
   EXPECT_EQ(pc.upload(motion_object(7)), image);
-  EXPECT_EQ(bench.values().diagnosis.motions, 0b1000'0011u);
+  EXPECT_EQ(bench.values().diagnosis.motions[0], 0b1000'0011u);
 }
 
 // The controller answers an expedited transfer but erases no flash for data too short for a motion.
@@ -131,13 +228,15 @@ TEST_F(ControllerMotions, AreRefusedAtOnceWhenOfAFewBytes) {
   EXPECT_EQ(pc.download_blocks(motion_object(2), nod(15)), AbortCode::kNone);
 }
 
-TEST_F(ControllerMotions, AreRefusedUnlessTheRobotStandsOrIsLimp) {
-  bench.run_ms(20);
+TEST_F(ControllerMotions, AreRefusedWhileTheRobotStartsOrWalks) {
+  bench.run_ms(1'200);  // of rest, for the gyro's bias
   bench.command(Command::kEnable);
   EXPECT_EQ(pc.download_blocks(motion_object(7), nod(15)), AbortCode::kDeviceState);
   ASSERT_TRUE(bench.run_until(State::kStanding));
-  bench.command(Command::kPlay, 1);
+  bench.command(Command::kWalk);
+  ASSERT_EQ(bench.now().state, State::kWalking);
   EXPECT_EQ(pc.download_blocks(motion_object(7), nod(15)), AbortCode::kDeviceState);
+  EXPECT_EQ(pc.write(crc_object(1), 0, 4), AbortCode::kDeviceState);
   EXPECT_FALSE(pc.upload(motion_object(1)).empty());  // reading is permitted
   bench.command(Command::kStop);
   ASSERT_TRUE(bench.run_until(State::kStanding));
@@ -145,11 +244,11 @@ TEST_F(ControllerMotions, AreRefusedUnlessTheRobotStandsOrIsLimp) {
 }
 
 TEST_F(ControllerMotions, AreRefusedWhenTooLongOrUnknown) {
-  EXPECT_EQ(pc.download_blocks(motion_object(7), Image(storage::kRobotLayout.max_item_size_bytes() + 1)),
+  EXPECT_EQ(pc.download_blocks(motion_object(7), Image(storage::ItemStore::kMaxItemSize_bytes + 1)),
             AbortCode::kLengthTooHigh);
   pc.upload(motion_object(7));
   EXPECT_EQ(pc.refusal, AbortCode::kNoData);
-  EXPECT_EQ(pc.download_blocks(motion_object(32), nod(15)), AbortCode::kSubindexDoesNotExist);
+  EXPECT_EQ(pc.download_blocks({kMotionObject, 201}, nod(15)), AbortCode::kSubindexDoesNotExist);
 }
 
 TEST_F(ControllerMotions, AbortedDownloadsKeepTheOldOneAndAllowANewDownload) {

@@ -25,7 +25,7 @@ class BehaviourStage : public testing::Test {
                   {.power = power, .velocity_limits = limits, .walk = gait, .recovery = recovery}) {
     flash.load(0, test::factory_storage());
     catalogue.emplace(flash.contents());
-    items.emplace(flash, storage::kRobotLayout);
+    items.emplace(flash, storage::kRobotLogSize_bytes);
     // Loads the model from its image, because motions refer to a model by its id.
     static_cast<void>(robot::load_model(catalogue->find(storage::ItemKind::kRobotModel, 0), model));
     motions.load();
@@ -70,7 +70,7 @@ class BehaviourStage : public testing::Test {
   robot::RobotModel model = test::make_test_robot();
   hal::FakeStorage flash;
   std::optional<storage::Catalogue> catalogue{std::in_place, std::span<const std::byte>()};
-  std::optional<storage::ItemStore> items{std::in_place, flash, storage::kRobotLayout};
+  std::optional<storage::ItemStore> items{std::in_place, flash, storage::kRobotLogSize_bytes};
   motion::MotionLibrary motions{*catalogue, *items, model};
   PowerParameters power = test::kTestPower;
   walk::VelocityLimits limits = test::kTestVelocityLimits;

@@ -12,7 +12,7 @@
 namespace koboshi::canopen {
 namespace {
 
-constexpr storage::ItemStore::Layout kLayout{2048, 2};
+constexpr std::size_t kSectors = 6;
 constexpr std::uint32_t kSave = 0x6576'6173;
 constexpr std::uint32_t kLoad = 0x6461'6F6C;
 
@@ -42,7 +42,7 @@ NodeDescription storing_description() {
 }
 const NodeDescription kStoringDescription = storing_description();
 
-// A device with its node and a flash of two slots that survives every restart.
+// A device with its node and a flash that survives every restart.
 class Device final : public NodeApplication, public DeviceOwner {
  public:
   explicit Device(hal::FakeStorage& flash, std::uint8_t node_id = 0x10)
@@ -53,7 +53,7 @@ class Device final : public NodeApplication, public DeviceOwner {
               .values = std::as_writable_bytes(std::span(&values, 1)),
               .services = &services},
              memory.buffers(), sink, *this),
-        items(flash, kLayout),
+        items(flash, kSectors * 2048),
         parameters(items, node) {
     services.start(node, node_id);
     node.start(0);
@@ -106,7 +106,7 @@ class StoredParametersTest : public testing::Test {
     device.emplace(flash, node_id);
   }
 
-  hal::FakeStorage flash{2, 2048};
+  hal::FakeStorage flash{kSectors, 2048};
   std::optional<Device> device{std::in_place, flash};
 };
 

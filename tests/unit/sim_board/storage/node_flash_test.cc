@@ -24,7 +24,7 @@ bool holds(const NodeFlash& flash, std::size_t offset) {
 
 TEST(NodeFlash, IsErasedWhenItIsNew) {
   const NodeFlash flash;
-  EXPECT_EQ(flash.contents().size(), 6144u);
+  EXPECT_EQ(flash.contents().size(), NodeFlash::kSize_bytes);
   EXPECT_TRUE(std::ranges::all_of(flash.contents(), [](std::byte byte) { return byte == std::byte{0xFF}; }));
   EXPECT_EQ(flash.state(), StorageState::kIdle);
 }
@@ -45,8 +45,8 @@ TEST(NodeFlash, TakesItsTime) {
 TEST(NodeFlash, RejectsImpossibleOperations) {
   NodeFlash flash;
   EXPECT_FALSE(flash.begin_erase(1));
-  EXPECT_FALSE(flash.begin_erase(6144));
-  EXPECT_FALSE(flash.begin_write(6143, kBytes));
+  EXPECT_FALSE(flash.begin_erase(NodeFlash::kSize_bytes));
+  EXPECT_FALSE(flash.begin_write(NodeFlash::kSize_bytes - 1, kBytes));
   EXPECT_FALSE(flash.begin_write(0, {}));
   ASSERT_TRUE(flash.begin_write(0, kBytes));
   polls_until_idle(flash);

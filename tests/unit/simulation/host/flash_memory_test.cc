@@ -1,5 +1,6 @@
 #include "simulation/host/flash_memory.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -11,7 +12,7 @@
 namespace koboshi::simulation {
 namespace {
 
-constexpr std::size_t kStored = FlashMemory::kSize_bytes - storage::kRobotLayout.size_bytes();
+constexpr std::size_t kStored = FlashMemory::kSize_bytes - storage::kRobotLogSize_bytes;
 
 class FlashFile : public testing::Test {
  protected:
@@ -52,6 +53,22 @@ TEST_F(FlashFile, RejectsAnyOtherFile) {
   EXPECT_THROW(FlashMemory(contents, file), sim::InputError);
   EXPECT_EQ(std::filesystem::file_size(file), 14u);  // unchanged
   EXPECT_THROW(FlashMemory(contents, folder.path), sim::InputError);
+}
+
+TEST_F(FlashFile, RejectsTheSlotsOfAnEarlierVersion) {
+  { FlashMemory flash(contents, file); }
+  std::vector<std::byte> slots(FlashMemory::kSize_bytes, std::byte{0xFF});
+  const std::size_t trailer = slots.size() - 33 * 6'144 - 24;
+  for (std::size_t i = 0; i < 4; ++i) slots[trailer + i] = static_cast<std::byte>("KITM"[i]);
+  koboshi::test::write_file(file, std::string(reinterpret_cast<const char*>(slots.data()), slots.size()));
+  try {
+    const FlashMemory flash(contents, file);
+    FAIL();
+  } catch (const sim::InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("slots of 6 KiB"));
+  }
+  FlashMemory other(contents, folder.path / "other.flash");
+  EXPECT_EQ(other.bytes()[trailer], std::byte{0xFF});
 }
 
 }  // namespace
