@@ -26,9 +26,10 @@ class BackgroundWriter {
   BackgroundWriter(const BackgroundWriter&) = delete;
   BackgroundWriter& operator=(const BackgroundWriter&) = delete;
 
-  // As Ring::claim and Ring::publish.
+  // As Ring::claim, Ring::publish and Ring::hurry.
   std::span<std::uint64_t> claim(std::uint32_t kind, std::size_t words) { return ring_.claim(kind, words); }
   void publish() { ring_.publish(); }
+  void hurry() { ring_.hurry(); }
   // Throws the error, if there was one.
   void check() const {
     if (failed_.load(std::memory_order_acquire)) std::rethrow_exception(error_);

@@ -29,6 +29,8 @@ class Ring {
   // Empty if the record was dropped; then nothing must be published.
   std::span<std::uint64_t> claim(std::uint32_t kind, std::size_t words);
   void publish();
+  // Producer: wakes the consumer for what has been published, before a batch is full.
+  void hurry() { wake_consumer(); }
   // Producer: ends the stream.
   void close();
   std::uint64_t dropped() const { return dropped_; }

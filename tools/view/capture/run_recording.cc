@@ -229,6 +229,7 @@ void RunRecording::record_sample(std::uint64_t now_us) {
     packer.put(PackedContact{contact.link, contact.other_link, packed(contact.p_W), packed(contact.f_W)});
   packer.put_bytes(std::as_bytes(std::span(values_)));
   writer_.publish();
+  if (listener_ != nullptr) writer_.hurry();  // a page shows it now, not when a batch is full
 }
 
 void RunRecording::record_events(std::uint64_t until_us, std::span<const sim::RunEvent> events) {

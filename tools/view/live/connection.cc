@@ -18,6 +18,7 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 
 constexpr std::chrono::seconds kRequestTimeout{10};
+constexpr std::chrono::seconds kResponseTimeout{60};  // for a megabyte through a slow tunnel
 constexpr std::chrono::seconds kIdleTimeout{30};  // a page that does not answer a ping for so long is gone
 constexpr std::size_t kMaxKeyBytes = 32;
 // Memory of the kernel for a page that reads slowly: less than a second of a walk.
@@ -81,6 +82,7 @@ void Connection::respond(http::status status, const char* type, std::string body
   if (status == http::status::method_not_allowed) response_.set(http::field::allow, "GET");
   response_.body() = std::move(body);
   response_.prepare_payload();
+  socket_.expires_after(kResponseTimeout);
   http::async_write(socket_, response_, [self = shared_from_this()](Error, std::size_t) {
     Error ignored;  // the browser may have gone already
     self->socket_.socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send, ignored);

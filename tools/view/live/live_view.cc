@@ -8,6 +8,7 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
+#include <cstdio>
 #include <deque>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -77,7 +78,7 @@ class LiveView::Server {
     accept();
     next_flush_ = std::chrono::steady_clock::now();
     flush_later();
-    thread_ = std::thread([this] { context_.run(); });
+    thread_ = std::thread([this] { serve(); });
   }
 
   void close() {
@@ -100,6 +101,15 @@ class LiveView::Server {
 
  private:
   // --- the server's thread ---
+
+  // An error ends the view, not the run.
+  void serve() {
+    try {
+      context_.run();
+    } catch (const std::exception& error) {
+      fmt::print(stderr, "koboshi: warning: the live view has ended: {}\n", error.what());
+    }
+  }
 
   void accept() {
     acceptor_.async_accept([this](boost::beast::error_code error, tcp::socket socket) {

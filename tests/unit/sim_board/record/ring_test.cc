@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <future>
 #include <random>
 #include <thread>
 
@@ -32,6 +34,26 @@ TEST(Ring, KeepsKindsAndWordsInOrder) {
   EXPECT_TRUE(std::ranges::equal(record.words, std::vector<std::uint64_t>{4}));
   ring.release();
   EXPECT_FALSE(ring.read(record));
+}
+
+// The consumer sleeps until a batch is full, unless it is told to hurry.
+TEST(Ring, WakesTheConsumerForLessThanABatch) {
+  Ring ring(2048, WhenFull::kWait);
+  std::promise<std::uint64_t> first;
+  std::thread consumer([&] {
+    Ring::Record record;
+    for (bool is_first = true; ring.read(record); is_first = false) {
+      if (is_first) first.set_value(record.words[0]);
+      ring.release();
+    }
+  });
+  put(ring, 1, {42});
+  ring.hurry();
+  std::future<std::uint64_t> read = first.get_future();
+  EXPECT_EQ(read.wait_for(std::chrono::seconds(60)), std::future_status::ready);
+  ring.close();
+  consumer.join();
+  EXPECT_EQ(read.get(), 42u);
 }
 
 TEST(Ring, CountsWhatItDropsWhenFullInRealTime) {

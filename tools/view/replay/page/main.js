@@ -41,9 +41,6 @@ class Page {
     let rest = 0;    // pause before it
     const show = (now) => {
       pending = false;
-      // A browser that draws too slowly, as without a graphics processor, gets as much rest as it needs to draw.
-      const late = performance.now() - asked;
-      rest = late > 2 * FRAME_MS ? Math.min(late, MAX_REST_MS) : 0;
       this.run.refresh();
       this.end = this.run.end;
       if (now - grown >= SLOW_GROWTH_MS) {
@@ -59,6 +56,9 @@ class Page {
       }
       if (this.following) this.show_(this.end);
       else if (this.time < this.run.start) this.show_(this.run.start);
+      // A browser that draws too slowly, as without a graphics processor, rests as long as it draws.
+      const busy = performance.now() - asked;
+      rest = busy > 2 * FRAME_MS ? Math.min(busy, MAX_REST_MS) : 0;
     };
     stream.onGrowth = () => {
       if (pending) return;
@@ -89,14 +89,15 @@ class Page {
 
   describe_() {
     const facts = (run) => [["robot", run.scene.robot], ["seed", run.json.seed], ["stepper", run.json.stepper],
-                            ["version", run.json.version], ["duration", secondsText(run.end, 2)]];
+                            ["version", run.json.version], ["duration", run.live ? "" : secondsText(run.end, 2)]];
     const show = (list, pairs) => list.replaceChildren(...pairs.filter(([, value]) => value).flatMap(([name, value]) =>
       [element("dt", {textContent: name}), element("dd", {textContent: value})]));
     show(byId("facts"), facts(this.run).slice(1, 4));
     show(byId("about-facts"), [
-      ...facts(this.run), ["recording", this.run.json.complete ? "complete" : "interrupted: read up to its last whole block"],
-      ["ticks", String(this.run.times.length)], ["signals", String(this.run.signals.length)],
-      ["frames", String(this.run.frames.count)],
+      ...facts(this.run), ["signals", String(this.run.signals.length)],
+      ...(this.run.live ? [] : [
+        ["recording", this.run.json.complete ? "complete" : "interrupted: read up to its last whole block"],
+        ["ticks", String(this.run.times.length)], ["frames", String(this.run.frames.count)]]),
       ...(this.other ? facts(this.other).map(([name, value]) => ["second run, " + name, value]) : [])]);
     byId("scenario").textContent = this.run.json.scenario;
     if (!this.run.json.complete) byId("facts").append(element("dd", {className: "warning", textContent: "interrupted"}));
