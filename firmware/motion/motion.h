@@ -149,7 +149,7 @@ class PoseReader {
 };
 
 // A view of a validated motion image, which is played in place. The bytes must outlive the view and must not
-// change. docs/reference/motion-format.md describes the image.
+// change. docs/reference/motion-language.md describes the image.
 class Motion {
  public:
   // Makes an empty motion, which ends at once.

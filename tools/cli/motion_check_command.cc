@@ -43,7 +43,7 @@ Examples:
   koboshi motion check robots/koboshi/motions/squat.yaml
   koboshi motion check robots/koboshi/motions/wave.yaml --steps
 )");
-  command->add_option("MOTION", arguments->motions, "Motion files, docs/reference/motion-format.md")
+  command->add_option("MOTION", arguments->motions, "Motion files, docs/reference/motion-language.md")
       ->required();
   command->add_option("--robot", arguments->robot, "The robot's file")->capture_default_str();
   CLI::Option* steps = command->add_flag("--steps", arguments->steps, "Also print a line for each step");

@@ -97,11 +97,14 @@ class Formatter {
     }
   }
 
-  // Begins a line for the value that begins at `begin`, after the comments above it.
-  void begin_line(std::size_t begin, std::size_t comments_end, const std::string& indent) {
+  // Begins a line for the value that begins at `begin`, after the comments above it. A dash of `lead` stands
+  // in the line alone.
+  void begin_line(std::size_t begin, std::size_t comments_end, const std::string& lead) {
+    std::string indent = lead;
+    if (indent.ends_with("- ")) indent.resize(indent.size() - 2);
     write_comments_before(comments_end, indent);
     write_empty_line(begin);
-    out_ += indent;
+    out_ += lead;
   }
 
   // Ends the line, with a comment that stands in the same line as `end`.

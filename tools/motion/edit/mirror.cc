@@ -232,14 +232,15 @@ std::string mirror_expression(std::string_view text, const JointNames& joints) {
   std::string result;
   // Whether the last token ends an operand, so that a minus after it subtracts.
   bool after_operand = false;
-  std::optional<std::size_t> sign;  // place in `result` of a unary minus directly before this token
+  constexpr std::size_t kNone = std::string::npos;
+  std::size_t sign = kNone;  // place in `result` of a unary minus directly before this token
   for (std::size_t i = 0; i < text.size();) {
     if (!is_word_letter(text[i])) {
       const char letter = text[i++];
       if (letter == '-' && !after_operand) {
         sign = result.size();
       } else if (letter != ' ') {
-        sign.reset();
+        sign = kNone;
       }
       // The quotes around the text are not part of it.
       if (letter != ' ' && letter != '"' && letter != '\'') after_operand = letter == ')';
@@ -268,13 +269,13 @@ std::string mirror_expression(std::string_view text, const JointNames& joints) {
         }
       }
     }
-    if (opposite && sign) {
-      result.erase(*sign, 1);
+    if (opposite && sign != kNone) {
+      result.erase(sign, 1);
     } else if (opposite) {
       word.insert(0, "-");
     }
     result += word;
-    sign.reset();
+    sign = kNone;
     after_operand = !is_operator;
   }
   return result;

@@ -17,7 +17,7 @@ inline fixed::Angle stored(double angle_deg) {
 }
 inline double stored_deg(double angle_deg) { return fixed::to_double(stored(angle_deg)) / kRadPerDegree; }
 
-// Writes valid and invalid motion images in the format of docs/reference/motion-format.md.
+// Writes valid and invalid motion images in the format of docs/reference/motion-language.md.
 struct MotionBuilder {
   struct Group {
     std::uint32_t joints = 0;

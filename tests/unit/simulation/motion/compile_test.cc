@@ -134,12 +134,24 @@ TEST_F(MotionCompileTest, LetsALabelStandAtTheEnd) {
   EXPECT_EQ(motion.step(0).operand, 3);
 }
 
-TEST_F(MotionCompileTest, CompilesTheExampleOfTheReference) {
+TEST_F(MotionCompileTest, CompilesTheExamplesOfTheReference) {
   const std::string page =
-      sim::read_text_file(KOBOSHI_SOURCE_DIR "/docs/reference/motion-format.md", "the reference");
+      sim::read_text_file(KOBOSHI_SOURCE_DIR "/docs/reference/motion-language.md", "the reference");
   const std::string opening = "```yaml\n";
-  const std::size_t begin = page.find(opening) + opening.size();
-  EXPECT_EQ(refusal(page.substr(begin, page.find("```", begin) - begin)), "accepted");
+  int examples = 0;
+  for (std::size_t at = page.find(opening); at != std::string::npos; at = page.find(opening, at)) {
+    at += opening.size();
+    EXPECT_EQ(refusal(page.substr(at, page.find("```", at) - at)), "accepted");
+    ++examples;
+  }
+  EXPECT_EQ(examples, 3);
+}
+
+TEST_F(MotionCompileTest, CompilesTheMotionsOfTheRobot) {
+  for (const auto& entry :
+       std::filesystem::directory_iterator(KOBOSHI_SOURCE_DIR "/robots/koboshi/motions")) {
+    EXPECT_NO_THROW(static_cast<void>(compile_motion(entry.path(), koboshi())));
+  }
 }
 
 TEST_F(MotionCompileTest, IsReproducibleToTheByte) {

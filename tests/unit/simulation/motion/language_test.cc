@@ -1,4 +1,8 @@
+#include <set>
+#include <sstream>
+
 #include "firmware/motion/instructions.h"
+#include "sim_board/input/text.h"
 #include "simulation/motion/decompile.h"
 #include "simulation/motion/joints.h"
 #include "tests/unit/simulation/motion/motion_fixture.h"
@@ -265,6 +269,21 @@ TEST(MotionDiagnostics, OfVersions) {
       "steps: [{pose: p, time_s: 1, pause_s: 1}, {call: x}]\n");
   EXPECT_EQ(old.codes(), "M008 M008");
   EXPECT_THAT(old.messages(), HasSubstr("motion format --upgrade"));
+}
+
+// Every code of codes.h is in the reference, and no other one of the compiler.
+TEST(MotionDiagnostics, HaveTheirCodesInTheReference) {
+  const auto codes_of = [](const char* file, const std::string& before) {
+    const std::string text = sim::read_text_file(std::string(KOBOSHI_SOURCE_DIR) + file, "a text");
+    std::set<std::string> codes;
+    for (std::size_t at = text.find(before + "M0"); at != std::string::npos;
+         at = text.find(before + "M0", at + 1))
+      codes.insert(text.substr(at + before.size(), 4));
+    return codes;
+  };
+  const std::set<std::string> codes = codes_of("/simulation/motion/codes.h", "\"");
+  EXPECT_GT(codes.size(), 30u);
+  EXPECT_EQ(codes, codes_of("/docs/reference/motion-language.md", "| "));
 }
 
 TEST(MotionDiagnostics, ReportCyclesOfPoses) {
