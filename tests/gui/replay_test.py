@@ -40,12 +40,12 @@ DESKTOP = (1400, 900)
 PHONE = (390, 844)
 
 
-def start_browser(folder):
+def start_browser(folder, *more):
     """Starts Chromium, which keeps its temporary files in the folder: it leaves some behind."""
     options = webdriver.ChromeOptions()
     options.binary_location = "/usr/bin/chromium"
     for argument in ("--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
-                     "--force-device-scale-factor=1", "--window-size=1400,900", "--disable-background-networking"):
+                     "--force-device-scale-factor=1", "--window-size=1400,900", "--disable-background-networking", *more):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     service = Service("/usr/bin/chromedriver", env={**os.environ, "TMPDIR": str(folder)})

@@ -19,7 +19,9 @@ namespace websocket = beast::websocket;
 
 constexpr std::chrono::seconds kRequestTimeout{10};
 constexpr std::chrono::seconds kResponseTimeout{60};  // for a megabyte through a slow tunnel
-constexpr std::chrono::seconds kIdleTimeout{30};  // a page that does not answer a ping for so long is gone
+// A page that does not answer a ping for so long is gone. A browser answers only after it has read what came
+// before, which takes long on a machine that is too slow for it.
+constexpr std::chrono::seconds kIdleTimeout{120};
 constexpr std::size_t kMaxKeyBytes = 32;
 // Memory of the kernel for a page that reads slowly: less than a second of a walk.
 constexpr int kSocketBuffer_bytes = 1 << 17;

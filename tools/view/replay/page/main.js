@@ -2,7 +2,7 @@
 
 const PLOT_GROWTH_MS = 40;    // between drawings of the plots of a live run
 const FRAME_MS = 17;
-const MAX_REST_MS = 300;      // between drawings
+const MAX_REST_MS = 2000;     // between drawings
 const SLOW_GROWTH_MS = 200;   // between updates of time line, footprints and lists
 
 const PHONE = window.matchMedia("(max-width: 760px)");
