@@ -195,6 +195,10 @@ class Reader {
     if (compression.empty()) return std::string(stored);
     if (compression != "zstd") throw damaged(fmt::format("a block compressed by '{}'", compression));
     if (size > kMaxReadBlock_bytes) throw damaged(fmt::format("a block of {} bytes", size));
+    // The frame's own size, if it has one, before memory is allocated for the size that the block claims.
+    const auto content = ZSTD_getFrameContentSize(stored.data(), stored.size());
+    if (content == ZSTD_CONTENTSIZE_ERROR || (content != ZSTD_CONTENTSIZE_UNKNOWN && content != size))
+      throw damaged("a block that cannot be decompressed");
     std::string records(size, '\0');
     const std::size_t result = ZSTD_decompress(records.data(), records.size(), stored.data(), stored.size());
     if (ZSTD_isError(result) != 0 || result != size) throw damaged("a block that cannot be decompressed");
