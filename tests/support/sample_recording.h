@@ -17,6 +17,8 @@ inline view::Recording sample_recording(std::size_t samples = 300) {
   recording.stepper = "lumped";
   recording.version = "1.2.3";
 
+  recording.nodes = {{1, "controller"}, {16, "left \"knee\""}};
+
   view::Scene& scene = recording.scene;
   scene.robot = "sample";
   view::Link trunk{.name = "trunk", .mass_kg = 1.5, .p_LCom_L = {0.0, 0.01, 0.05}};

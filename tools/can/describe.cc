@@ -61,10 +61,18 @@ const char* emergency_class(std::uint16_t code) {
   return "error";
 }
 
-std::string address_text(const sdo::Data& data) {
-  const canopen::ObjectAddress address = sdo::address_of(data);
-  return fmt::format("{:04X}:{:02X}", address.index, address.subindex);
-}
+// An object of a node by its address and, if that is known, its name.
+struct Object {
+  int node;
+  const ObjectNames& names;
+
+  std::string text(const sdo::Data& data) const {
+    const canopen::ObjectAddress address = sdo::address_of(data);
+    std::string text = fmt::format("{:04X}:{:02X}", address.index, address.subindex);
+    const std::string name = names ? names(node, address) : "";
+    return name.empty() ? text : text + " " + name;
+  }
+};
 
 std::string expedited_text(const sdo::Data& data) {
   std::string text = "0x";
@@ -72,31 +80,32 @@ std::string expedited_text(const sdo::Data& data) {
   return text;
 }
 
-std::string initiate_text(const char* what, const sdo::Data& data, std::uint8_t initiate, bool carries) {
-  std::string text = fmt::format("{} {}", what, address_text(data));
+std::string initiate_text(const char* what, const Object& object, const sdo::Data& data,
+                          std::uint8_t initiate, bool carries) {
+  std::string text = fmt::format("{} {}", what, object.text(data));
   if (!carries) return text;
   if (sdo::is_expedited(data[0], initiate)) return text + " = " + expedited_text(data);
   return (data[0] & sdo::kSizeIndicated) != 0 ? fmt::format("{}, {} bytes", text, sdo::data_of(data)) : text;
 }
 
-std::string sdo_text(const hal::CanFrame& frame, bool request) {
+std::string sdo_text(const hal::CanFrame& frame, bool request, const Object& object) {
   const sdo::Data& data = frame.data;
   if (data[0] == sdo::kAbort) {
     const auto code = static_cast<canopen::AbortCode>(sdo::data_of(data));
-    return fmt::format("abort {}: {:08X} {}", address_text(data), static_cast<std::uint32_t>(code),
+    return fmt::format("abort {}: {:08X} {}", object.text(data), static_cast<std::uint32_t>(code),
                        text_of(code));
   }
   switch (data[0] & sdo::kSpecifierMask) {
     case 0x00:
       return request ? "write segment" : "read segment answered";
     case 0x20:
-      return request ? initiate_text("write", data, sdo::kInitiateDownloadRequest, true)
+      return request ? initiate_text("write", object, data, sdo::kInitiateDownloadRequest, true)
                      : "write segment done";
     case 0x40:
-      return request ? initiate_text("read", data, 0, false)
-                     : initiate_text("read answered", data, sdo::kInitiateUploadResponse, true);
+      return request ? initiate_text("read", object, data, 0, false)
+                     : initiate_text("read answered", object, data, sdo::kInitiateUploadResponse, true);
     case 0x60:
-      return request ? "read segment" : initiate_text("write done", data, 0, false);
+      return request ? "read segment" : initiate_text("write done", object, data, 0, false);
     default:
       return "block transfer";
   }
@@ -154,7 +163,7 @@ int node_of(const hal::CanFrame& frame) {
   return kind == FrameKind::kSync || kind == FrameKind::kTime ? 0 : frame.identifier & 0x7F;
 }
 
-std::string describe(const hal::CanFrame& frame) {
+std::string describe(const hal::CanFrame& frame, const ObjectNames& names) {
   const int node = node_of(frame);
   if (frame.remote) return fmt::format("remote request of {}", node_name(node));
   switch (kind_of(frame)) {
@@ -174,8 +183,9 @@ std::string describe(const hal::CanFrame& frame) {
     case FrameKind::kSdo: {
       const bool request = is_request(frame.identifier);
       const char* channel = second_channel_of(frame.identifier) != 0 ? "second SDO" : "SDO";
-      return frame.size == 8 ? fmt::format("{} {}: {}", channel, node_name(node), sdo_text(frame, request))
-                             : "SDO of wrong length";
+      return frame.size == 8
+                 ? fmt::format("{} {}: {}", channel, node_name(node), sdo_text(frame, request, {node, names}))
+                 : "SDO of wrong length";
     }
     default:
       return {};

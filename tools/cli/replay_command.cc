@@ -31,7 +31,7 @@ void make_page(const ReplayArguments& arguments, const view::Recording& recordin
   }
   std::optional<view::Recording> other;
   if (!arguments.other.empty()) other = view::read_recording(arguments.other);
-  view::write_replay_page(recording, other ? &*other : nullptr, network_of({}), file);
+  view::write_replay_page(recording, other ? &*other : nullptr, view::network_of(recording, network_of({})), file);
   fmt::print("replay page in {}\n", file.string());
 }
 

@@ -190,6 +190,15 @@ void add_sensors(Builder& builder, const sim::RobotDescription& robot) {
 
 }  // namespace
 
+std::vector<NetworkNode> network_nodes(const sim::RobotDescription& robot) {
+  std::vector<NetworkNode> nodes{{drive::kControllerNodeId, std::string(kController)}};
+  for (const sim::JointDescription& joint : robot.joints) nodes.push_back({joint.drive.node_id, joint.name});
+  if (robot.imu) nodes.push_back({sim::kInertialNode, robot.imu->name});
+  if (robot.left_ankle) nodes.push_back({sim::kLeftAnkleNode, robot.left_ankle->name});
+  if (robot.right_ankle) nodes.push_back({sim::kRightAnkleNode, robot.right_ankle->name});
+  return nodes;
+}
+
 Network make_network(const sim::RobotDescription& robot) {
   Builder builder(robot);
   add_controller(builder);

@@ -51,6 +51,9 @@ struct Network {
   const Message* find(std::uint16_t identifier) const;
 };
 
+// The CANopen nodes of a robot: the controller, its drives by the names of their joints, its sensors.
+std::vector<NetworkNode> network_nodes(const sim::RobotDescription& robot);
+
 // The network of a robot: the controller, its drives by the names of their joints, its sensors. The drives'
 // PDOs are those that the firmware configures. Throws sim::InputError for a robot that the firmware cannot
 // express.

@@ -5,9 +5,11 @@
 #include <cstring>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "sim_board/input/yaml_tree.h"
 #include "sim_board/world/options.h"
+#include "tools/dictionary/network.h"
 #include "tools/view/capture/scene.h"
 
 namespace koboshi::view {
@@ -118,6 +120,8 @@ Recording head_of(const sim::Scenario& scenario, const sim::RobotDescription& ro
   head.seed = scenario.seed;
   head.stepper = sim::name_of(scenario.physics.stepper);
   head.version = KOBOSHI_VERSION;
+  for (tools::NetworkNode& node : tools::network_nodes(robot))
+    head.nodes.push_back({node.node_id, std::move(node.name)});
   head.scene = make_scene(robot, board.ground());
   return head;
 }

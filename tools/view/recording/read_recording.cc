@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 #include <foxglove.pb.h>
+#include <google/protobuf/stubs/logging.h>
 #include <recording.pb.h>
 #include <nlohmann/json.hpp>
 
@@ -37,6 +38,7 @@ class RecordingReader {
   explicit RecordingReader(const fs::path& file) : file_(file) {}
 
   Recording read() {
+    const google::protobuf::LogSilencer silencer;  // this class reports what is wrong
     recording_.complete =
         read_mcap(file_, {.on_metadata = [this](const auto& name, const auto& texts) { take(name, texts); },
                           .on_message = [this](const McapChannel& channel, std::uint64_t time_us,
@@ -67,10 +69,21 @@ class RecordingReader {
     recording_.scenario = text("scenario");
     recording_.stepper = text("stepper");
     recording_.version = text("version");
+    if (texts.contains("nodes")) take_nodes(text("nodes"));
     try {
       recording_.seed = std::stoull(text("seed"));
     } catch (const std::logic_error&) {
       throw wrong("seed '" + sim::one_line(text("seed")) + "'");
+    }
+  }
+
+  void take_nodes(const std::string& text) {
+    try {
+      for (const auto& [id, name] :
+           nlohmann::json::parse(text).get<std::vector<std::pair<int, std::string>>>())
+        recording_.nodes.push_back({id, name});
+    } catch (const nlohmann::json::exception&) {
+      throw wrong("nodes that cannot be read");
     }
   }
 

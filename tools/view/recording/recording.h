@@ -113,6 +113,12 @@ struct Frame {
   hal::CanFrame frame{};
 };
 
+// A node on the CAN bus: the controller, a drive by its joint's name, or a sensor.
+struct CanNode {
+  int id = 0;
+  std::string name{};
+};
+
 struct Recording {
   std::string title{};     // the scenario's name
   std::string scenario{};  // the text of the file
@@ -120,6 +126,7 @@ struct Recording {
   std::string stepper{};
   std::string version{};  // of Koboshi
   bool complete = true;   // false: interrupted, read up to its last whole block
+  std::vector<CanNode> nodes{};  // empty in recordings that do not name them
   Scene scene{};
   std::vector<Signal> signals{};
   std::vector<Sample> samples{};  // in order of time

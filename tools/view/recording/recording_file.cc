@@ -9,6 +9,7 @@
 #include <foxglove.pb.h>
 #include <google/protobuf/descriptor.pb.h>
 #include <recording.pb.h>
+#include <nlohmann/json.hpp>
 
 #include "tools/view/recording/mcap_writer.h"
 #include "tools/view/recording/sample_messages.h"
@@ -43,6 +44,13 @@ void set_time(std::uint64_t time_us, pb::Timestamp& time) {
   time.set_nanos(static_cast<std::int32_t>(time_us % 1'000'000 * 1000));
 }
 
+// [[1, "controller"], ...]
+std::string nodes_json(const std::vector<CanNode>& nodes) {
+  auto list = nlohmann::json::array();
+  for (const CanNode& node : nodes) list.push_back({node.id, node.name});
+  return list.dump();
+}
+
 foxglove::Log::Level level_of(const std::string& kind) {
   if (kind == "error" || kind == "fall") return foxglove::Log::ERROR;
   if (kind == "emergency" || kind == "fault" || kind == "push") return foxglove::Log::WARNING;
@@ -62,7 +70,8 @@ class RecordingFile::Messages {
                                             {"seed", std::to_string(head.seed)},
                                             {"stepper", head.stepper},
                                             {"version", head.version},
-                                            {"robot", head.scene.robot}});
+                                            {"robot", head.scene.robot},
+                                            {"nodes", nodes_json(head.nodes)}});
     scene_ = add_channel(kSceneTopic, *foxglove::SceneUpdate::descriptor());
     model_ = add_channel(kModelTopic, *koboshi::Scene::descriptor());
     poses_ = add_channel(kPosesTopic, *foxglove::FrameTransforms::descriptor());

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "tools/can/describe.h"
+#include "tools/dictionary/object_names.h"
 #include "tools/view/replay/column_pack.h"
 #include "tools/view/replay/first_difference.h"
 
@@ -204,7 +205,8 @@ class Texts {
   std::vector<std::string> list_;
 };
 
-ordered_json group_json(ColumnPack& pack, const FrameGroup& group, Texts& texts) {
+ordered_json group_json(ColumnPack& pack, const FrameGroup& group, const tools::ObjectNames& names,
+                        Texts& texts) {
   const hal::CanFrame& first = *group.frames.front();
   const tools::FrameKind kind = tools::kind_of(first);
   ordered_json bytes = ordered_json::array();
@@ -215,8 +217,9 @@ ordered_json group_json(ColumnPack& pack, const FrameGroup& group, Texts& texts)
                        {"remote", first.remote},         {"kind", kind_text(kind)},
                        {"node", tools::node_of(first)},  {"bytes", bytes}};
   if (kind != tools::FrameKind::kPdo) {
-    json["texts"] = integer_column(
-        pack, group.frames, [&](const auto* frame) { return texts.index_of(tools::describe(*frame)); });
+    json["texts"] = integer_column(pack, group.frames, [&](const auto* frame) {
+      return texts.index_of(tools::describe(*frame, names));
+    });
   }
   return json;
 }
@@ -228,10 +231,11 @@ ordered_json frames_json(ColumnPack& pack, const std::vector<Frame>& frames) {
     groups[{frame.identifier, frame.size, frame.remote}].frames.push_back(&frame);
   }
   Texts texts;
+  const tools::ObjectNames names = tools::object_names();
   ordered_json list = ordered_json::array();
   for (auto& [key, group] : groups) {
     group.index = list.size();
-    list.push_back(group_json(pack, group, texts));
+    list.push_back(group_json(pack, group, names, texts));
   }
   return {{"times", integer_column(pack, frames, [](const Frame& frame) { return frame.end_us; })},
           {"group", integer_column(pack, frames,

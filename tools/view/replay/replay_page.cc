@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <stdexcept>
 #include <string_view>
@@ -103,6 +104,18 @@ std::string page_of(const std::string& title, const std::string& policy, std::st
 }
 
 }  // namespace
+
+tools::Network network_of(const Recording& recording, tools::Network network) {
+  tools::Network recorded;
+  for (const CanNode& node : recording.nodes)
+    recorded.nodes.push_back({static_cast<std::uint8_t>(node.id), node.name});
+  const auto is_known = [&](const tools::NetworkNode& node) {
+    return std::ranges::any_of(network.nodes, [&](const tools::NetworkNode& other) {
+      return other.node_id == node.node_id && other.name == node.name;
+    });
+  };
+  return std::ranges::all_of(recorded.nodes, is_known) ? std::move(network) : std::move(recorded);
+}
 
 std::string replay_page(const Recording& recording, const Recording* other, const tools::Network& network) {
   return page_of(recording.title, kPolicy, base64(gzip(replay_data(recording, other, network))));

@@ -9,6 +9,10 @@
 
 namespace koboshi::view {
 
+// The network with which a recording's frames are decoded: `network`, or the recorded nodes without their
+// messages if `network` is that of another robot.
+tools::Network network_of(const Recording& recording, tools::Network network);
+
 // Returns the replay page of a run: one HTML file that needs neither server nor network. It consists of the
 // sources in page/, three.js, and the run's data (replay_data.h), compressed by gzip. `other`, a second run
 // for comparison, may be null.

@@ -34,6 +34,20 @@ TEST(Describe, DescribesSdoTransfers) {
             "SDO node 1: abort 2000:00: 06010002 attempt to write a read-only object");
 }
 
+TEST(Describe, NamesTheObjectsOfSdoTransfers) {
+  const auto named = [](const char* text) {
+    return describe(parse_frame(text), [](int node, canopen::ObjectAddress address) {
+      return node == 16 && address.index == 0x6060 ? std::string("modes of operation") : std::string();
+    });
+  };
+  EXPECT_EQ(named("610#2F60600008000000"), "SDO node 16: write 6060:00 modes of operation = 0x08");
+  EXPECT_EQ(named("590#6060600000000000"), "SDO node 16: write done 6060:00 modes of operation");
+  EXPECT_EQ(named("690#4060600000000000"), "second SDO node 16: read 6060:00 modes of operation");
+  EXPECT_EQ(named("590#8060600002000106"),
+            "SDO node 16: abort 6060:00 modes of operation: 06010002 attempt to write a read-only object");
+  EXPECT_EQ(named("611#2F60600008000000"), "SDO node 17: write 6060:00 = 0x08") << "no name, no text";
+}
+
 TEST(Describe, DescribesTheDrivesSecondSdoChannels) {
   EXPECT_EQ(words("690#4041600000000000"), "second SDO node 16: read 6041:00");
   EXPECT_EQ(words("6A4#4B41600040020000"), "second SDO node 16: read answered 6041:00 = 0x0240");

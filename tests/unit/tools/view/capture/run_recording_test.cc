@@ -111,6 +111,10 @@ TEST(RunRecording, TellsWhichRunItIs) {
   EXPECT_EQ(recording.stepper, "lumped");
   EXPECT_NE(recording.scenario.find("duration_s: 0.2\n"), std::string::npos);
   EXPECT_EQ(recording.scene.links.at(0).name, "trunk");
+  ASSERT_GT(recording.nodes.size(), 20u) << "the controller, its drives and sensors";
+  EXPECT_EQ(recording.nodes[0].id, 1);
+  EXPECT_EQ(recording.nodes[0].name, "controller");
+  EXPECT_NE(std::ranges::find(recording.nodes, "left_knee", &CanNode::name), recording.nodes.end());
 }
 
 TEST(RunRecording, HasAllFramesPushesAndEvents) {

@@ -109,6 +109,9 @@ TEST_F(ReadRecording, ReturnsWhatWasWritten) {
   EXPECT_EQ(read.seed, written.seed);
   EXPECT_EQ(read.stepper, written.stepper);
   EXPECT_EQ(read.version, written.version);
+  ASSERT_EQ(read.nodes.size(), written.nodes.size());
+  EXPECT_EQ(read.nodes[1].id, 16);
+  EXPECT_EQ(read.nodes[1].name, written.nodes[1].name);
   expect_same(read.scene, written.scene);
   ASSERT_EQ(read.signals.size(), written.signals.size());
   EXPECT_EQ(read.signals[0].names, written.signals[0].names);

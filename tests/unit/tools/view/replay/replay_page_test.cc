@@ -80,12 +80,47 @@ TEST(ReplayData, DescribesFramesOfServices) {
   const Data data(replay_data(walking_recording({.duration_s = 1.6}), nullptr, walking_network()));
   const ordered_json& frames = data.header["run"]["frames"];
   const std::string texts = frames["texts"].dump();
-  for (const char* text : {"NMT all nodes: ", "SDO node 16: write 1016:01 = 0x000101F4", "EMCY node 16: 8110",
-                           "heartbeat node 16: operational"}) {
+  for (const char* text :
+       {"NMT all nodes: ", "SDO node 16: write 1016:01 Consumer heartbeat time 1 = 0x000101F4",
+        "EMCY node 16: 8110", "heartbeat node 16: operational"}) {
     EXPECT_THAT(texts, HasSubstr(text));
   }
   for (const ordered_json& group : frames["groups"])
     EXPECT_EQ(group.contains("texts"), group["kind"] != "PDO");
+}
+
+hal::CanFrame write_request(std::uint16_t node, std::array<std::uint8_t, 8> data) {
+  return {.identifier = static_cast<std::uint16_t>(0x600 + node), .size = 8, .data = data};
+}
+
+TEST(ReplayData, NamesTheObjectsOfControllerDrivesAndSensors) {
+  Recording recording = walking_recording({.duration_s = 0.1});
+  recording.frames = {{1'000, write_request(1, {0x2B, 0x11, 0x21, 0x01, 0x64, 0x00})},
+                      {2'000, write_request(16, {0x2F, 0x60, 0x60, 0x00, 0x08})},
+                      {3'000, write_request(36, {0x2B, 0x17, 0x10, 0x00, 0x64, 0x00})},
+                      {4'000, write_request(16, {0x2F, 0x00, 0x5F, 0x00, 0x08})}};
+  const Data data(replay_data(recording, nullptr, {}));
+  const std::string texts = data.header["run"]["frames"]["texts"].dump();
+  for (const char* text :
+       {"SDO node 1: write 2111:01 Highest velocity forward = 0x0064",
+        "SDO node 16: write 6060:00 Modes of operation = 0x08",
+        "SDO node 36: write 1017:00 Producer heartbeat time = 0x0064", "SDO node 16: write 5F00:00 = 0x08"}) {
+    EXPECT_THAT(texts, HasSubstr(text));
+  }
+}
+
+TEST(ReplayPage, NodesHaveTheNamesOfTheRecording) {
+  const tools::Network known = walking_network();
+  Recording recording = walking_recording({.duration_s = 0.1});
+  EXPECT_EQ(network_of(recording, known).messages.size(), known.messages.size()) << "no nodes recorded";
+  recording.nodes = {{1, "controller"}, {16, known.nodes[1].name}};
+  ASSERT_EQ(known.nodes[1].node_id, 16);
+  EXPECT_EQ(network_of(recording, known).messages.size(), known.messages.size());
+  recording.nodes[1].name = "tail";
+  const tools::Network other = network_of(recording, known);
+  ASSERT_EQ(other.nodes.size(), 2U);
+  EXPECT_EQ(other.nodes[1].name, "tail");
+  EXPECT_TRUE(other.messages.empty()) << "whose factors are those of another robot's drives";
 }
 
 TEST(ReplayData, EqualMeshesAreStoredOnce) {
