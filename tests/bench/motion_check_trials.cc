@@ -38,7 +38,8 @@ bool falls(const std::filesystem::path& motion, const std::string& stepper, doub
   const double end_s = test::kTrialPlay_s + duration_s + kAfter_s;
   std::ofstream(scenario) << test::trial_scenario(motion, stepper, end_s);
   simulation::WatchedSimulation run(sim::read_scenario(scenario));
-  run.step(static_cast<std::size_t>(1000.0 * end_s));
+  const auto end_us = static_cast<std::uint64_t>(1e6 * end_s);
+  while (run.now_us() < end_us && !run.recorder().fell()) run.step(10);
   const simulation::EventLog& events = run.recorder().events();
   if (events.verdict().find("refused") != std::string::npos) throw std::runtime_error(events.verdict());
   return run.recorder().fell() || events.falls() > 0 || !events.stands();

@@ -44,7 +44,7 @@ class Generator {
 
   std::string motion(std::uint64_t seed) {
     std::vector<PoseDeg> poses{standing()};
-    for (int i = 0; i < 2; ++i) add_target(poses);
+    add_target(poses);
     poses.push_back(standing());
     const bool jerk = uniform(0, 1) < 0.5;
     std::string text = fmt::format("version: 1\nrobot: koboshi\nname: trial_{}\nposes:\n", seed);
@@ -93,8 +93,8 @@ class Generator {
     const double kind = uniform(0, 1);
     const double knee = uniform(25, 85);
     const double lean = uniform(-12, 22);  // of the trunk, forward
-    const double ankle = -0.5 * knee + uniform(-23, 23) - 4.0;
-    const double roll = kind < 0.6 ? uniform(-30, 30) : uniform(4, 30) * (uniform(0, 1) < 0.5 ? -1.0 : 1.0);
+    const double ankle = -0.5 * knee + uniform(-36, 36) - 4.0;
+    const double roll = kind < 0.6 ? uniform(-36, 36) : uniform(12, 33) * (uniform(0, 1) < 0.5 ? -1.0 : 1.0);
     for (const char* const side : {"left", "right"}) {
       pose[fmt::format("{}_knee", side)] = knee;
       pose[fmt::format("{}_ankle_pitch", side)] = ankle;
@@ -103,13 +103,17 @@ class Generator {
       pose[fmt::format("{}_ankle_roll", side)] = -roll;
     }
     if (kind >= 0.6) {
-      // The pose with both feet down comes first.
-      if (kind < 0.9) poses.push_back(pose);
+      // The pose with both feet down comes before and after.
+      const PoseDeg both_down = pose;
+      if (kind < 0.9) poses.push_back(both_down);
       const char* const lifted = (roll > 0) != (kind >= 0.9) ? "left" : "right";
       const double lift = kind < 0.9 ? uniform(12, 35) : uniform(2, 10);
       pose[fmt::format("{}_hip_pitch", lifted)] -= lift;
       pose[fmt::format("{}_knee", lifted)] += 2.0 * lift;
       pose[fmt::format("{}_ankle_pitch", lifted)] -= lift;
+      poses.push_back(pose);
+      if (kind < 0.9) poses.push_back(both_down);
+      return;
     }
     poses.push_back(pose);
   }

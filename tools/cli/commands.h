@@ -44,5 +44,7 @@ AddCommand add_can_sdo_command;
 
 // Commands below `koboshi motion`.
 AddCommand add_motion_check_command;
+AddCommand add_motion_plot_command;
+AddCommand add_motion_preview_command;
 
 }  // namespace koboshi::tools

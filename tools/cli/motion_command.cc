@@ -266,6 +266,8 @@ void add_motion_command(CLI::App& program, Invocation& invocation) {
   CLI::App* command = program.add_subcommand("motion", "Check, compile and edit motions");
   command->require_subcommand(1);
   add_motion_check_command(*command, invocation);
+  add_motion_plot_command(*command, invocation);
+  add_motion_preview_command(*command, invocation);
   add_compile(*command, invocation);
   add_decompile(*command, invocation);
   add_format(*command, invocation);
