@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <random>
@@ -37,6 +37,8 @@ const PoseDeg& standing() {
                             {"head_tilt", 0}};
   return pose;
 }
+
+constexpr double kBothDown = 0.65;  // share of the motions that keep both feet on the ground
 
 class Generator {
  public:
@@ -93,29 +95,28 @@ class Generator {
     const double kind = uniform(0, 1);
     const double knee = uniform(25, 85);
     const double lean = uniform(-12, 22);  // of the trunk, forward
-    const double ankle = -0.5 * knee + uniform(-36, 36) - 4.0;
-    const double roll = kind < 0.6 ? uniform(-36, 36) : uniform(12, 33) * (uniform(0, 1) < 0.5 ? -1.0 : 1.0);
+    const double ankle = std::max(-0.5 * knee + uniform(-60, 60) - 4.0, -85.0);
+    const double roll =
+        kind < kBothDown ? uniform(-24, 24) : uniform(19, 32) * (uniform(0, 1) < 0.5 ? -1.0 : 1.0);
     for (const char* const side : {"left", "right"}) {
       pose[fmt::format("{}_knee", side)] = knee;
       pose[fmt::format("{}_ankle_pitch", side)] = ankle;
-      pose[fmt::format("{}_hip_pitch", side)] = -lean - knee - ankle;
+      pose[fmt::format("{}_hip_pitch", side)] = std::max(-lean - knee - ankle, -85.0);
       pose[fmt::format("{}_hip_roll", side)] = roll;
       pose[fmt::format("{}_ankle_roll", side)] = -roll;
     }
-    if (kind >= 0.6) {
-      // The pose with both feet down comes before and after.
-      const PoseDeg both_down = pose;
-      if (kind < 0.9) poses.push_back(both_down);
-      const char* const lifted = (roll > 0) != (kind >= 0.9) ? "left" : "right";
-      const double lift = kind < 0.9 ? uniform(12, 35) : uniform(2, 10);
-      pose[fmt::format("{}_hip_pitch", lifted)] -= lift;
-      pose[fmt::format("{}_knee", lifted)] += 2.0 * lift;
-      pose[fmt::format("{}_ankle_pitch", lifted)] -= lift;
+    if (kind < kBothDown) {
       poses.push_back(pose);
-      if (kind < 0.9) poses.push_back(both_down);
       return;
     }
-    poses.push_back(pose);
+    const PoseDeg both_down = pose;
+    const char* const lifted = roll > 0 ? "left" : "right";
+    const double lift = uniform(12, 35);
+    pose[fmt::format("{}_hip_pitch", lifted)] -= lift;
+    pose[fmt::format("{}_knee", lifted)] += 2.0 * lift;
+    pose[fmt::format("{}_ankle_pitch", lifted)] =
+        std::max(pose[fmt::format("{}_ankle_pitch", lifted)] - lift, -88.0);
+    poses.insert(poses.end(), {both_down, pose, both_down});
   }
 
   std::mt19937_64 engine_;

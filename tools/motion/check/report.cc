@@ -193,11 +193,8 @@ class Judge {
     report_.balance = report_.least_margin_m < -limits_.close_m  ? Balance::kUnstable
                       : report_.least_margin_m < limits_.close_m ? Balance::kClose
                                                                  : Balance::kStable;
-    // What a longer roll does depends on its speed, which the check does not compute.
-    for (const auto& [step, tick] : rolls) {
-      if (states_[tick].tip_rad > Body::kNearRoll_rad && report_.balance == Balance::kStable)
-        report_.balance = Balance::kClose;
-    }
+    // What a roll does depends on its speed, which the check does not compute.
+    if (!rolls.empty() && report_.balance == Balance::kStable) report_.balance = Balance::kClose;
     for (const auto& [step, tick] : worst) add_margin(step, tick);
     for (const auto& [step, tick] : rolls) {
       if (!states_[tick].rests) continue;
