@@ -22,7 +22,7 @@ struct MotionViewArguments {
 };
 
 void add_common_options(CLI::App& command, MotionViewArguments& arguments) {
-  command.add_option("MOTION", arguments.motion, "A motion file, docs/reference/motion-format.md")
+  command.add_option("MOTION", arguments.motion, "A motion file, docs/reference/motion-language.md")
       ->required();
   command.add_option("--robot", arguments.robot, "The robot's file")->capture_default_str();
   command.add_option("-o,--out", arguments.out, "The file to write")->required()->type_name("FILE");
