@@ -52,7 +52,8 @@ Controller::Controller(const hal::Board& board)
                  {.power = values_.parameters,
                   .velocity_limits = values_.velocity_limits,
                   .walk = values_.walk,
-                  .recovery = values_.recovery}),
+                  .recovery = values_.recovery},
+                 {.torques_permille = values_.drives.torque_permille, .inputs = values_.motion.inputs}),
       feedback_(model_),
       requests_(values_, model_, behaviour_, estimator_, drives_),
       executor_(board_.drive_enable, node_, network_, drives_, sensor_nodes_, model_valid_) {}

@@ -47,6 +47,8 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
      {.name = "Refusal", .values = kReasonNames, .comment = "Of the last command; none if it was executed."}},
     {OBJECT(0x2001, 9, behaviour.attempts, kReadOnly, kTpdo),
      {.name = "Attempts", .comment = "To get up, since the robot last stood."}},
+    {OBJECT(0x2001, 10, behaviour.overlay, kReadOnly, kTpdo),
+     {.name = "Second motion", .comment = "Number of the motion that plays beside the first; 255: none."}},
     canopen::heading(
         0x2010, "Attitude",
         "Of the trunk, with the rates and accelerations of the inertial unit in the trunk's axes."),
@@ -288,6 +290,10 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
     {OBJECT(0x2140, 6, recovery.fall.cycles, kReadWrite).within(1, 100),
      {.name = "Cycles of a fall",
       .comment = "How many cycles of 10 ms in a row the lean must exceed its limits."}},
+    {OBJECT(0x2140, 7, recovery.max_declared_lean, kReadWrite).within(0, kMaxLean),
+     {.name = "Largest declared lean",
+      .unit = kAngleUnit,
+      .comment = "That a motion may declare, so that only the deviation from it counts as a fall; 0: none."}},
     canopen::heading(0x2141, "Getting up"),
     {OBJECT(0x2141, 1, recovery.getting_up.attempts, kReadWrite).within(0, 20),
      {.name = "Attempts to get up", .comment = "0: a robot that has fallen stays down, in fault."}},
@@ -362,6 +368,9 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
      {.name = "Free storage",
       .unit = {"byte"},
       .comment = "For further motions up to the size of the largest one; each takes 16 bytes more."}},
+    canopen::heading(kMotionInputObject, "Motion inputs", "Numbers that motions read."),
+    {OBJECT(kMotionInputObject, 1, motion.inputs[0], kReadWrite, kRpdo).repeated(motion::kInputCount, 2),
+     {.name = "Motion input"}},
 };
 static_assert(canopen::is_described(kControllerObjects));
 

@@ -25,6 +25,11 @@ constexpr PdoConfiguration kRpdos[] = {
      .plus_node_id = true,
      .transmission_type = canopen::kEventProfile,
      .mapping = {mapping(0x2110, 1, 16), mapping(0x2110, 2, 16), mapping(0x2110, 3, 16)}},
+    {.cob_id = canopen::kRpdo1Base + 2 * canopen::kPdoStep,
+     .plus_node_id = true,
+     .transmission_type = canopen::kEventProfile,
+     .mapping = {mapping(0x2410, 1, 16), mapping(0x2410, 2, 16), mapping(0x2410, 3, 16),
+                 mapping(0x2410, 4, 16)}},
 };
 static_assert(std::size(kRpdos) == kFirstDriveRpdo);
 

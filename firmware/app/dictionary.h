@@ -6,6 +6,7 @@
 #include "firmware/app/calibration.h"
 #include "firmware/app/factory_parameters.h"
 #include "firmware/balance/feedback.h"
+#include "firmware/behaviour/behaviour.h"
 #include "firmware/behaviour/command.h"
 #include "firmware/behaviour/parameters.h"
 #include "firmware/behaviour/state.h"
@@ -50,10 +51,11 @@ struct ControllerValues {
     drive::DriveFault drive_fault = drive::DriveFault::kNone;
     std::uint8_t faulty_joint = 0;
     std::uint16_t drive_error_code = 0;
-    std::uint16_t faults = 0;        // since power-on; saturates
-    Reason refusal = Reason::kNone;  // of the last command; kNone when it was obeyed
-    std::uint8_t attempts = 0;       // to get up since the robot stood last
-  } behaviour;                       // 0x2001
+    std::uint16_t faults = 0;                              // since power-on; saturates
+    Reason refusal = Reason::kNone;                        // of the last command; kNone when it was obeyed
+    std::uint8_t attempts = 0;                             // to get up since the robot stood last
+    std::uint8_t overlay = behaviour::Status::kNoOverlay;  // number of the second motion being played
+  } behaviour;                                             // 0x2001
   struct {
     std::int16_t roll = 0;  // 2^-16 turn
     std::int16_t pitch = 0;
@@ -87,6 +89,9 @@ struct ControllerValues {
     FactoryStatus factory_parameters = FactoryStatus::kNone;
   } diagnosis;                 // 0x2200, 0x2403
   drive::DriveSignals drives;  // 0x2300..0x2304, by joint from sub-index 1
+  struct {
+    std::int16_t inputs[motion::kInputCount] = {};  // that motions read
+  } motion;                                         // 0x2410
 };
 
 inline constexpr std::uint16_t kNmtStartupObject = 0x1F80;
@@ -102,6 +107,7 @@ inline constexpr std::uint16_t kMotionNameObject = 0x2401;
 inline constexpr std::uint16_t kMotionCrcObject = 0x2402;
 
 inline constexpr std::uint16_t kFreeStorageObject = 0x2404;
+inline constexpr std::uint16_t kMotionInputObject = 0x2410;  // input n at sub-index n + 1
 
 // Bits of the balance's flags: which ZMPs are valid, and whether the right sole is the frame.
 inline constexpr std::uint8_t kLeftZmpValid = 1 << 0;
@@ -109,11 +115,12 @@ inline constexpr std::uint8_t kRightZmpValid = 1 << 1;
 inline constexpr std::uint8_t kZmpValid = 1 << 2;
 inline constexpr std::uint8_t kFrameIsRight = 1 << 3;
 
-// RPDO 0 (identifier 0x201) carries commands, RPDO 1 (0x301) the velocity, RPDO 2 + i the answers of joint
-// i's drive; TPDO 0..6 carry telemetry, TPDO 7 + i controlword and target of joint i's drive.
+// RPDO 0 (identifier 0x201) carries commands, RPDO 1 (0x301) the velocity, RPDO 2 (0x401) the first four
+// inputs of motions, RPDO 3 + i the answers of joint i's drive; TPDO 0..6 carry telemetry, TPDO 7 + i
+// controlword and target of joint i's drive.
 inline constexpr std::size_t kCommandRpdo = 0;
 inline constexpr std::size_t kVelocityRpdo = 1;
-inline constexpr std::size_t kFirstDriveRpdo = 2;
+inline constexpr std::size_t kFirstDriveRpdo = 3;
 inline constexpr std::size_t kTelemetryTpdos = 7;
 inline constexpr std::size_t kFirstDriveTpdo = kTelemetryTpdos;
 

@@ -84,6 +84,7 @@ canopen::AbortCode NodeCallbacks::on_restore(canopen::ParameterGroup) {
 void NodeCallbacks::on_reset(NmtCommand reset) {
   const bool node = reset == NmtCommand::kResetNode;
   if (node) parts_.values.request = {};
+  if (node) parts_.values.motion = {};
   parts_.behaviour.restart(node, now_us_);
   execute_decision();
   if (node) {

@@ -77,6 +77,7 @@ inline constexpr canopen::ValueName kReasonNames[] = {
     canopen::value_name(Reason::kNotAtRest, "not at rest"),
     canopen::value_name(Reason::kNoGait, "no gait"),
     canopen::value_name(Reason::kGyroBiasUnknown, "gyro bias unknown"),
+    canopen::value_name(Reason::kJointsInUse, "joints in use"),
 };
 
 inline constexpr canopen::ValueName kFactoryStatusNames[] = {

@@ -39,7 +39,8 @@ void show(const behaviour::Behaviour& behaviour, ControllerValues& values) {
                       .drive_error_code = status.drive_fault.error_code,
                       .faults = status.faults,
                       .refusal = status.refusal,
-                      .attempts = status.attempts};
+                      .attempts = status.attempts,
+                      .overlay = status.overlay};
   values.diagnosis.falls = status.falls;
   values.diagnosis.risen = status.risen;
 }

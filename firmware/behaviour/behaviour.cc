@@ -21,21 +21,27 @@ Reason silent_sensor(const estimation::RobotState& robot) {
 }  // namespace
 
 Behaviour::Behaviour(const robot::RobotModel& model, bool model_valid, motion::MotionLibrary& motions,
-                     const Parameters& parameters)
+                     const Parameters& parameters, const BusValues& bus_values)
     : model_(model),
       model_valid_(model_valid),
       motions_(motions),
       parameters_(parameters),
+      bus_values_(bus_values),
       interpreter_(model),
+      overlay_(model),
       walker_(model) {}
 
 const Decision& Behaviour::step(const estimation::RobotState& robot, const drive::DriveStatus& drives,
                                 const NetworkStatus& network, std::uint64_t now_us) {
   const Cycle cycle{robot, drives, now_us};
+  measured_ = drives.angles;
+  lowest_supply_mV_ = drives.lowest_supply_mV;
   watch_for_faults(cycle, network);
   watch_battery(drives);
   watch_for_falls(cycle);
+  overlay_.uncover(targets());
   run_state(cycle);
+  cover_targets(cycle);
   if (!interpreter_.running()) motions_.close(storage::Holder::kPlayer);
   choose_feedback();
   return decision_;
@@ -73,10 +79,24 @@ void Behaviour::watch_battery(const drive::DriveStatus& drives) {
 // s tilt the estimated attitude by 40 degrees.
 void Behaviour::watch_for_falls(const Cycle& cycle) {
   if (!cycle.robot.gyro_known || !kMayFall.contains(status_.state)) return;
-  const fixed::Angle planned = status_.state == State::kWalking ? walker_.pitch() : fixed::Angle();
-  const FallDirection direction =
-      fall_detector_.update(parameters_.recovery.fall, estimation::trunk_motion(cycle.robot, planned));
+  const FallDirection direction = fall_detector_.update(parameters_.recovery.fall, deviation(cycle.robot));
   if (direction != FallDirection::kNone) begin_falling(direction, cycle);
+}
+
+// Returns the deviation from the lean that the walk plans, or the motion declares, within the bound of the
+// parameters. The rates are never declared.
+estimation::TrunkMotion Behaviour::deviation(const estimation::RobotState& robot) const {
+  if (status_.state == State::kWalking) return estimation::trunk_motion(robot, walker_.pitch());
+  if (status_.state != State::kMotion) return estimation::trunk_motion(robot, {});
+  const auto bounded = [this](fixed::Angle lean) {
+    constexpr int kScale = 1 << (fixed::Angle::kFractionBits - 16);
+    const std::int32_t bound_raw = parameters_.recovery.max_declared_lean * kScale;
+    return fixed::Angle::from_raw(std::clamp(lean.raw(), -bound_raw, bound_raw));
+  };
+  const motion::Lean lean = interpreter_.lean();
+  estimation::TrunkMotion trunk = estimation::trunk_motion(robot, bounded(lean.pitch));
+  trunk.roll -= bounded(lean.roll);
+  return trunk;
 }
 
 void Behaviour::fail(Reason reason, const drive::JointFault& drive_fault, std::uint64_t now_us) {
@@ -99,6 +119,7 @@ void Behaviour::enter(State state, Reason reason, std::uint64_t now_us) {
   status_.reason = reason;
   entered_us_ = now_us;
   if (state != State::kFault) decision_.drive_enable = kTorque.contains(state);
+  if (!kMayOverlay.contains(state)) abort_overlay();
   switch (state) {
     case State::kBoot:
       status_.drive_fault.kind = drive::DriveFault::kNone;
@@ -234,22 +255,54 @@ void Behaviour::run_soft_start(const Cycle& cycle) {
 }
 
 void Behaviour::run_standing(const Cycle& cycle) {
+  if (battery_low()) overlay_.stop();
   if (battery_low()) handle(Event::kLowBattery, Reason::kSupplyLow, cycle);
 }
 
 void Behaviour::run_motion(const Cycle& cycle) {
-  if (battery_low()) interpreter_.stop();
+  if (battery_low()) stop_motions();
   play_on(hal::kControlPeriod_us, cycle);
   if (!interpreter_.running()) handle(Event::kEnded, Reason::kProgress, cycle);
 }
 
 void Behaviour::play_on(std::uint32_t elapsed_us, const Cycle& cycle) {
-  interpreter_.advance(elapsed_us, {.robot = cycle.robot});
+  interpreter_.advance(elapsed_us, inputs(cycle.robot));
   std::ranges::copy(interpreter_.targets(), decision_.targets.begin());
+  interpreter_.add_corrections(targets(), cycle.robot);
+}
+
+motion::Inputs Behaviour::inputs(const estimation::RobotState& robot) const {
+  return {.robot = robot,
+          .angles = {measured_.data(), model_.joint_count},
+          .torques_permille = bus_values_.torques_permille,
+          .supply_mV = lowest_supply_mV_,
+          .values = bus_values_.inputs,
+          .walking = status_.state == State::kWalking};
+}
+
+// Puts the second motion's targets in place of those of the first layer.
+void Behaviour::cover_targets(const Cycle& cycle) {
+  overlay_.cover(hal::kControlPeriod_us, inputs(cycle.robot), targets());
+  if (overlay_.playing()) return;
+  status_.overlay = Status::kNoOverlay;
+  motions_.close(storage::Holder::kSecondPlayer);
+}
+
+void Behaviour::abort_overlay() {
+  overlay_.abort();
+  status_.overlay = Status::kNoOverlay;
+}
+
+void Behaviour::stop_motions() {
+  interpreter_.stop();
+  overlay_.stop();
 }
 
 void Behaviour::run_walking(const Cycle& cycle) {
-  if (battery_low()) walker_.stop();
+  if (battery_low()) {
+    walker_.stop();
+    overlay_.stop();
+  }
   const estimation::RobotState& robot = cycle.robot;
   walker_.advance(velocity_, {.roll = robot.roll,
                               .pitch = robot.pitch,

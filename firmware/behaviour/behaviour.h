@@ -8,6 +8,7 @@
 #include "firmware/balance/feedback.h"
 #include "firmware/behaviour/command.h"
 #include "firmware/behaviour/fall_detector.h"
+#include "firmware/behaviour/overlay.h"
 #include "firmware/behaviour/parameters.h"
 #include "firmware/behaviour/rest_detector.h"
 #include "firmware/behaviour/soft_start.h"
@@ -33,16 +34,25 @@ struct NetworkStatus {
 
 // The state of the behaviour, as telemetry shows it.
 struct Status {
+  static constexpr std::uint8_t kNoOverlay = 255;
+
   State state = State::kBoot;
-  Reason reason = Reason::kNone;   // of the last change of state
-  Reason refusal = Reason::kNone;  // of the last command; kNone if it was obeyed
-  std::uint8_t motion = 0;         // number of the motion being played or played last
-  std::uint8_t attempts = 0;       // to stand up, since the robot last stood
-  drive::JointFault drive_fault;   // of the last fault, if a drive caused it
+  Reason reason = Reason::kNone;      // of the last change of state
+  Reason refusal = Reason::kNone;     // of the last command; kNone if it was obeyed
+  std::uint8_t motion = 0;            // number of the motion being played or played last
+  std::uint8_t overlay = kNoOverlay;  // number of the second motion being played
+  std::uint8_t attempts = 0;          // to stand up, since the robot last stood
+  drive::JointFault drive_fault;      // of the last fault, if a drive caused it
   // Counters since power-on; they saturate.
   std::uint16_t faults = 0;
   std::uint16_t falls = 0;
   std::uint16_t risen = 0;
+};
+
+// What motions can read from the object dictionary; by joint, and by number of the input.
+struct BusValues {
+  std::span<const std::int16_t> torques_permille{};
+  std::span<const std::int16_t> inputs{};
 };
 
 // A fault: the state in which it occurred, and its cause.
@@ -77,7 +87,7 @@ class Behaviour {
   // `model_valid`: whether the storage holds a model. Without one the robot boots into a fault. The
   // references must outlive the behaviour.
   Behaviour(const robot::RobotModel& model, bool model_valid, motion::MotionLibrary& motions,
-            const Parameters& parameters);
+            const Parameters& parameters, const BusValues& bus_values);
 
   // One control cycle of 10 ms. The reference stays valid until the next call.
   const Decision& step(const estimation::RobotState& robot, const drive::DriveStatus& drives,
@@ -123,6 +133,8 @@ class Behaviour {
   Reason enable(const Judgement& judgement);
   Reason refusal_to_enable(const Judgement& judgement) const;
   Reason play(std::int16_t number, const Judgement& judgement);
+  Reason play_overlay(const motion::Motion& motion, std::uint8_t number, const Judgement& judgement);
+  std::uint32_t walking_joints() const;
   Reason walk(const Judgement& judgement);
   Reason get_up(const Judgement& judgement);
   Reason stop();
@@ -151,6 +163,11 @@ class Behaviour {
   void play_on(std::uint32_t elapsed_us, const Cycle& cycle);
   void run_walking(const Cycle& cycle);
   void run_fault(const Cycle& cycle);
+  void cover_targets(const Cycle& cycle);
+  void abort_overlay();
+  void stop_motions();
+  estimation::TrunkMotion deviation(const estimation::RobotState& robot) const;
+  motion::Inputs inputs(const estimation::RobotState& robot) const;
   void follow_actual(const drive::DriveStatus& drives) { decision_.targets = drives.angles; }
 
   // The states of a fall and of getting up (getting_up.cc).
@@ -169,6 +186,7 @@ class Behaviour {
   std::uint32_t pace_percent() const;
 
   std::span<const fixed::Angle> targets() const { return {decision_.targets.data(), model_.joint_count}; }
+  std::span<fixed::Angle> targets() { return {decision_.targets.data(), model_.joint_count}; }
 
   const robot::RobotModel& model_;
   const bool model_valid_;
@@ -180,7 +198,11 @@ class Behaviour {
   std::uint64_t entered_us_ = 0;  // when the present state began
   fixed::Debounce low_supply_;    // by the drives' readings
   bool has_rolled_ = false;       // in this attempt to get up
+  const BusValues bus_values_;
+  std::array<fixed::Angle, robot::kMaxJoints> measured_{};  // joint angles of the last cycle
+  std::uint32_t lowest_supply_mV_ = 0;                      // in the last cycle
   motion::Interpreter interpreter_;
+  Overlay overlay_;
   walk::Walker walker_;
   SoftStart soft_start_;
   FallDetector fall_detector_;

@@ -88,15 +88,40 @@ Reason Behaviour::refusal_to_enable(const Judgement& judgement) const {
   return plausible ? Reason::kNone : Reason::kImuImplausible;
 }
 
+// In standing it starts the first layer, in a motion or a walk the overlay.
 Reason Behaviour::play(std::int16_t number, const Judgement& judgement) {
-  if (status_.state != State::kStanding) return Reason::kNotInThisState;
-  if (number < 0) return Reason::kNoSuchMotion;
+  const bool overlays = status_.state == State::kMotion || status_.state == State::kWalking;
+  if (status_.state != State::kStanding && !overlays) return Reason::kNotInThisState;
   motion::Motion motion;
-  if (!motions_.open_to_play(storage::Holder::kPlayer, static_cast<std::uint16_t>(number), motion))
+  // There is one overlay at a time, until its joints have returned.
+  if (overlays && overlay_.joints() != 0) return Reason::kNotInThisState;
+  const storage::Holder player = overlays ? storage::Holder::kSecondPlayer : storage::Holder::kPlayer;
+  if (number < 0 || !motions_.open_to_play(player, static_cast<std::uint16_t>(number), motion))
     return Reason::kNoSuchMotion;
+  if (overlays) return play_overlay(motion, static_cast<std::uint8_t>(number), judgement);
+  if ((motion.claimed_joints() & overlay_.joints()) != 0) return Reason::kJointsInUse;
   status_.motion = static_cast<std::uint8_t>(number);
-  interpreter_.start(motion, targets(), {.robot = judgement.robot});
+  overlay_.uncover(targets());
+  interpreter_.start(motion, targets(), inputs(judgement.robot));
   return obey_event(Event::kPlay, judgement.now_us);
+}
+
+Reason Behaviour::play_overlay(const motion::Motion& motion, std::uint8_t number,
+                               const Judgement& judgement) {
+  const bool walks = status_.state == State::kWalking;
+  const std::uint32_t in_use = walks ? walking_joints() : interpreter_.claimed_joints();
+  if ((motion.claimed_joints() & in_use) != 0) return Reason::kJointsInUse;
+  overlay_.start(motion, targets(), inputs(judgement.robot));
+  status_.overlay = number;
+  return Reason::kNone;
+}
+
+std::uint32_t Behaviour::walking_joints() const {
+  std::uint32_t joints = 0;
+  for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
+    for (const robot::JointIndex joint : model_.leg(side)) joints |= 1u << joint;
+  }
+  return joints;
 }
 
 // While the robot walks, the command only cancels a stop. Without a known gyro bias, the estimated attitude
@@ -109,6 +134,8 @@ Reason Behaviour::walk(const Judgement& judgement) {
   if (status_.state != State::kStanding) return Reason::kNotInThisState;
   if (!walk::is_gait(parameters_.walk)) return Reason::kNoGait;
   if (!judgement.robot.gyro_known) return Reason::kGyroBiasUnknown;
+  if ((overlay_.joints() & walking_joints()) != 0) return Reason::kJointsInUse;
+  overlay_.uncover(targets());
   walker_.start(parameters_.walk, targets());
   return obey_event(Event::kWalk, judgement.now_us);
 }
@@ -123,10 +150,15 @@ Reason Behaviour::get_up(const Judgement& judgement) {
 Reason Behaviour::stop() {
   switch (status_.state) {
     case State::kMotion:
-      interpreter_.stop();
+      stop_motions();
       return Reason::kNone;
     case State::kWalking:
       walker_.stop();
+      overlay_.stop();
+      return Reason::kNone;
+    case State::kStanding:
+      if (!overlay_.playing()) return Reason::kNotInThisState;
+      overlay_.stop();
       return Reason::kNone;
     default:
       return Reason::kNotInThisState;

@@ -1,6 +1,7 @@
 // The states of a fall and of standing up again: kFalling to kSteadying.
 
 #include <algorithm>
+#include <utility>
 
 #include "firmware/behaviour/behaviour.h"
 #include "firmware/behaviour/lying_pose.h"
@@ -52,7 +53,7 @@ bool Behaviour::begin_role(Role role, const Cycle& cycle) {
   motion::Motion motion;
   if (!number || !motions_.open_to_play(storage::Holder::kPlayer, *number, motion)) return false;
   status_.motion = static_cast<std::uint8_t>(*number);
-  interpreter_.start(motion, targets(), {.robot = cycle.robot});
+  interpreter_.start(motion, std::as_const(*this).targets(), inputs(cycle.robot));
   return true;
 }
 

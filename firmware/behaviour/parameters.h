@@ -27,6 +27,8 @@ struct GettingUp {
 
 struct RecoveryParameters {
   FallLimits fall;
+  // Limit of the lean that a motion may declare, in each direction, 2^-16 turn; 0: none counts.
+  std::int16_t max_declared_lean = 0;
   GettingUp getting_up;
 };
 

@@ -87,6 +87,7 @@ enum class Reason : std::uint8_t {
   kVelocityOutOfRange = 39,
   kNotAtRest = 40,        // the robot moved in the second of its calibration
   kNoGait = 41,           // the parameters of the walk are not set, see walk::is_gait
+  kJointsInUse = 43,      // another motion or the walk moves a joint of the motion
   kGyroBiasUnknown = 42,  // no second of rest since power-on, and no bias in the parameters
 };
 
@@ -118,6 +119,8 @@ inline constexpr States kMayFall = kBalancing | States{State::kSoftStart};
 // have stopped.
 inline constexpr States kTorque =
     kMayFall | States{State::kEnabling, State::kFalling, State::kRighting, State::kRolling, State::kRising};
+// A second motion may play on joints that nothing else moves.
+inline constexpr States kMayOverlay{State::kStanding, State::kMotion, State::kWalking, State::kLowBattery};
 // The drives make no torque, so that the robot rests unless somebody carries it: the gyro's bias is measured.
 inline constexpr States kResting{State::kBoot, State::kLimp, State::kFallen};
 // Storage may be written. A motion that is played is pinned in storage, so that it stays. The check of a new

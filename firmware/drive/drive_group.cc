@@ -172,6 +172,8 @@ void DriveGroup::read_supply(std::uint64_t now_us) {
 
 void DriveGroup::observe(std::uint64_t now_us) {
   new_supply_mV_ = std::exchange(reported_supply_mV_, std::nullopt);
+  if (new_supply_mV_ || lowest_supply_mV_ == 0)
+    lowest_supply_mV_ = *std::ranges::min_element(std::span(supply_mV_).first(model_.joint_count));
   answering_ = phase_ == Phase::kBooted && answered_ != 0;
   if (phase_ != Phase::kBooted) return;
   watch_answers();
@@ -260,7 +262,8 @@ DriveStatus DriveGroup::status() const {
                      .enabled = enabled_,
                      .limp = all_limp(),
                      .fault = fault_,
-                     .new_supply_mV = new_supply_mV_};
+                     .new_supply_mV = new_supply_mV_,
+                     .lowest_supply_mV = lowest_supply_mV_};
   for (std::size_t joint = 0; joint < model_.joint_count; ++joint) status.angles[joint] = angle(joint);
   return status;
 }

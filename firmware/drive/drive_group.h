@@ -159,6 +159,7 @@ class DriveGroup {
   std::array<std::uint32_t, robot::kMaxJoints> supply_mV_{};
   std::optional<std::uint32_t> reported_supply_mV_;  // since the last cycle
   std::optional<std::uint32_t> new_supply_mV_;       // in the last cycle
+  std::uint32_t lowest_supply_mV_ = 0;               // of supply_mV_
   std::uint64_t supply_due_us_ = 0;
   std::size_t supplied_ = 0;  // the joint whose drive was asked last
   std::array<std::uint16_t, robot::kMaxJoints>

@@ -18,6 +18,7 @@ struct DriveStatus {
   JointFault fault;         // the first since the boot
   std::array<fixed::Angle, robot::kMaxJoints> angles{};  // where the joints are; meaningful once booted
   std::optional<std::uint32_t> new_supply_mV;            // of one drive, if it was read in this cycle
+  std::uint32_t lowest_supply_mV = 0;                    // of the last readings of all drives
 };
 
 // What decides whether the drives may be enabled, at one instant; needed only when that is requested.

@@ -108,7 +108,7 @@ std::int32_t ProgramState::read(SourceRef ref, const Inputs& inputs,
     case Source::kSupply:
       return fixed::saturate<std::int32_t>(inputs.supply_mV);
     case Source::kInput:
-      return inputs.values[ref.index];
+      return ref.index < inputs.values.size() ? inputs.values[ref.index] : 0;
     case Source::kStopping:
       return stopping_ ? 1 : 0;
     case Source::kWalking:

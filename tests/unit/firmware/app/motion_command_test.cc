@@ -45,12 +45,12 @@ TEST_F(ControllerMotion, StopIsRefusedWhenNothingPlays) {
   EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
 }
 
-TEST_F(ControllerMotion, PlayIsRefusedWhileAnotherPlays) {
+TEST_F(ControllerMotion, PlayIsRefusedWhileAnotherMovesTheJoints) {
   bench.command(Command::kPlay, 1);
   bench.run_ms(150);
   const fixed::Angle before = bench.target(kHeadTilt);
   bench.command(Command::kPlay, 0);
-  EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
+  EXPECT_EQ(bench.now().refusal, Reason::kJointsInUse);
   EXPECT_EQ(bench.now().motion, 1);
   bench.run_ms(10);
   EXPECT_GT(bench.target(kHeadTilt), before);  // motion continues

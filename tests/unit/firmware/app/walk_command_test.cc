@@ -103,11 +103,11 @@ TEST_F(ControllerWalk, WalksAgainAfterItHasStood) {
   }
 }
 
-TEST_F(ControllerWalk, PlaysNoMotionWhileWalking) {
+TEST_F(ControllerWalk, PlaysNoMotionOfItsLegsWhileWalking) {
   bench.command(Command::kWalk);
   bench.run_ms(kGetsReady_ms);
   bench.command(Command::kPlay, 1);
-  EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
+  EXPECT_EQ(bench.now().refusal, Reason::kJointsInUse);
   EXPECT_EQ(bench.now().state, State::kWalking);
 }
 
