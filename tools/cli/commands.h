@@ -46,5 +46,6 @@ AddCommand add_can_sdo_command;
 AddCommand add_motion_check_command;
 AddCommand add_motion_plot_command;
 AddCommand add_motion_preview_command;
+AddCommand add_motion_robot_commands;  // upload, download, play
 
 }  // namespace koboshi::tools

@@ -20,6 +20,8 @@
 #include "simulation/motion/decompile.h"
 #include "simulation/motion/parse.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/motion_robot_command.h"
+#include "tools/cli/options.h"
 #include "tools/motion/edit/format.h"
 #include "tools/motion/edit/mirror.h"
 
@@ -39,6 +41,7 @@ struct MotionArguments {
   bool json = false;
   bool check = false;
   bool upgrade = false;
+  CanOptions can;
 
   const std::filesystem::path& motion() const { return motions.front(); }
 };
@@ -254,10 +257,16 @@ void add_mirror(CLI::App& parent, Invocation& invocation) {
 void add_list(CLI::App& parent, Invocation& invocation) {
   auto arguments = std::make_shared<MotionArguments>();
   arguments->motions = {"robots/koboshi/motions"};
-  CLI::App& command = add_command(parent, "list", "List motion files with their size",
-                                  "list robots/koboshi/motions", *arguments);
-  command.add_option("PATH", arguments->motions, "Motion files, or folders of them")->capture_default_str();
-  set_callback(command, invocation, arguments, list);
+  CLI::App& command =
+      add_command(parent, "list", "List motion files with their size, or the robot's motions",
+                  "list robots/koboshi/motions\n  koboshi motion list --can socketcan:vcan0", *arguments);
+  CLI::Option* files = command.add_option("PATH", arguments->motions, "Motion files, or folders of them")
+                           ->capture_default_str();
+  add_can_options(command, arguments->can, files);
+  const CLI::Option* can = command.get_option("--can");
+  set_callback(command, invocation, arguments, [can](const MotionArguments& given) {
+    return can->count() > 0 ? list_on_robot(given.can) : list(given);
+  });
 }
 
 }  // namespace
@@ -273,6 +282,7 @@ void add_motion_command(CLI::App& program, Invocation& invocation) {
   add_format(*command, invocation);
   add_mirror(*command, invocation);
   add_list(*command, invocation);
+  add_motion_robot_commands(*command, invocation);
 }
 
 }  // namespace koboshi::tools

@@ -1,167 +1,22 @@
-#include "tools/cli/commands.h"
-
-#include <unistd.h>
-
-#include <cstdio>
 #include <filesystem>
-#include <functional>
-#include <map>
 #include <memory>
-#include <span>
-#include <string>
-#include <utility>
-#include <vector>
 
-#include <fmt/core.h>
-
-#include "sim_board/input/error.h"
-#include "sim_board/input/text.h"
 #include "sim_board/scenario/reader.h"
-#include "sim_board/world/options.h"
-#include "simulation/host/qemu_host.h"
-#include "simulation/observe/event_log.h"
-#include "tools/cli/options.h"
-#include "tools/run/run.h"
-#include "tools/teleop/page_keys.h"
-#include "tools/teleop/teleop.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/run_and_report.h"
 
 namespace koboshi::tools {
 namespace {
 
-struct RunArguments {
+struct ScenarioArguments {
   std::filesystem::path scenario;
-  std::filesystem::path out;
-  std::vector<std::string> sets;
-  std::string seed;
-  std::string duration;
-  std::string stepper;
-  std::string controller = "in-process";
-  std::filesystem::path image;
-  std::filesystem::path storage;
-  std::string record = "100";
-  LiveOptions live;
-  ViewOptions view;
+  RunArguments run;
 };
-
-// By the value of --record, a rate in hertz.
-const std::map<std::string, std::uint64_t>& recording_periods_us() {
-  static const std::map<std::string, std::uint64_t> kPeriods{{"no", 0}, {"100", 10'000}, {"500", 2'000}};
-  return kPeriods;
-}
-
-// Shows the progress of a run on a terminal, and nothing in a pipe.
-class ProgressBar {
- public:
-  void show(const RunProgress& progress) {
-    if (!terminal_) return;
-    const int percent = static_cast<int>(100.0 * progress.simulated_s / progress.duration_s);
-    if (percent == percent_) return;
-    percent_ = percent;
-    const int filled = percent * kWidth / 100;
-    fmt::print(stderr, "\r[{:#<{}}{:<{}}] {:7.2f} s of {:.2f} s, {:.1f} x real time ", "", filled, "",
-               kWidth - filled, progress.simulated_s, progress.duration_s,
-               progress.simulated_s / progress.wall_s);
-    if (percent == 100) fmt::print(stderr, "\n");
-  }
-
- private:
-  static constexpr int kWidth = 40;
-  bool terminal_ = isatty(STDERR_FILENO) != 0;
-  int percent_ = -1;
-};
-
-std::vector<sim::Override> overrides(const RunArguments& arguments) {
-  return overrides_of(arguments.sets, {{"seed", arguments.seed, "--seed"},
-                                       {"duration_s", arguments.duration, "--duration"},
-                                       {"physics.stepper", arguments.stepper, "--stepper"}});
-}
-
-void report(const RunResult& result, const std::filesystem::path& out) {
-  const sim::RunSummary& summary = result.summary;
-  // The last event is the verdict.
-  const auto but_the_last = std::span(summary.events).first(summary.events.size() - 1);
-  fmt::print("{}{} after {:.2f} s: {}, bus load {:.0f} %, state {}\nresults in {}\n",
-             simulation::events_text(but_the_last), result.failure ? "ended early" : "done",
-             summary.duration_s, sim::count_text(summary.solver_warnings, "solver warning"),
-             100.0 * summary.can_bus_load, summary.state_hash, out.string());
-  std::fflush(stdout);  // before what follows on standard error
-  warn_of_losses(result.live);
-  if (result.plot_warning) fmt::print(stderr, "koboshi: no figures: {}\n", *result.plot_warning);
-  if (result.failure) fmt::print(stderr, "koboshi: {}\n", *result.failure);
-  fmt::print("{}\n", summary.verdict);
-}
-
-// Why the keys of a page have no effect on this run; empty if they have one.
-std::string refusal_of_keys(const RunOptions& options) {
-  if (options.live.real_bus) return "Keys are refused: this run is on a real bus (--real-bus).";
-  if (!options.scenario.teleop) return "This run takes no keys: --set teleop=true lets a page drive.";
-  return {};
-}
-
-// The operator needs a terminal or a page, and a run in real time.
-void give_operator(RunOptions& options, KeyQueue& keys) {
-  const bool takes_page_keys = options.view != nullptr && refusal_of_keys(options).empty();
-  const Teleop::Seats seats{Terminal::is_there(), options.view, takes_page_keys ? &keys : nullptr};
-  if (!seats.terminal && !takes_page_keys) {
-    throw sim::InputError(options.scenario.file, 0,
-                          "teleop: true, but no terminal on standard input and output",
-                          "one, whose keys drive the robot, or --view, or --set teleop=false");
-  }
-  options.live.realtime = true;
-  options.make_operator = [seats](simulation::Simulation& simulation, const simulation::RunRecorder& recorder,
-                                  const LiveLink& live) {
-    return std::make_unique<Teleop>(simulation, recorder, live, seats);
-  };
-}
-
-int run_scenario(const RunArguments& arguments) {
-  RunOptions options;
-  options.scenario = sim::read_scenario(arguments.scenario, overrides(arguments));
-  options.out =
-      arguments.out.empty() ? std::filesystem::path("runs") / arguments.scenario.stem() : arguments.out;
-  options.make_host = simulation::in_process(arguments.storage);
-  if (arguments.controller != "qemu" && !arguments.image.empty())
-    throw sim::InputError("--image", 0, "--controller " + arguments.controller, "--controller qemu");
-  if (arguments.controller == "qemu") {
-    if (!arguments.storage.empty())
-      throw sim::InputError("--storage", 0, "--controller qemu", "--controller in-process");
-    options.make_host =
-        simulation::in_qemu(arguments.image.empty() ? simulation::default_image() : arguments.image);
-  }
-  options.recording_period_us = recording_periods_us().at(arguments.record);
-  options.live = arguments.live;
-  KeyQueue keys;  // outlives the view
-  const auto view = open_view(arguments.view, options.live);
-  options.view = view.get();
-  if (view) {
-    view::PageKeys offered = page_keys(keys);
-    offered.refusal = refusal_of_keys(options);
-    view->set_keys(std::move(offered));
-  }
-  options.ready = [&](const LiveLink& link) {
-    print_bus_address(link);
-    print_view_address(view.get());
-  };
-  options.warn = warn;
-  std::function<void(const RunProgress&)> show = [bar = ProgressBar()](const RunProgress& progress) mutable {
-    bar.show(progress);
-  };
-  if (options.scenario.teleop) {
-    give_operator(options, keys);
-    if (Terminal::is_there()) {
-      show = {};  // the operator has the screen
-      options.warn = {};
-    }
-  }
-  const RunResult result = run(options, show);
-  report(result, options.out);
-  return result.failure ? 1 : 0;
-}
 
 }  // namespace
 
 void add_run_command(CLI::App& program, Invocation& invocation) {
-  auto arguments = std::make_shared<RunArguments>();
+  auto arguments = std::make_shared<ScenarioArguments>();
   CLI::App* command = program.add_subcommand("run", "Play a scenario: firmware and robot in lockstep");
   command->footer(
       R"(Runs as fast as possible; the same scenario and seed give the same bytes. The folder of the results holds
@@ -180,34 +35,21 @@ Examples:
 )");
   command->add_option("SCENARIO", arguments->scenario, "A scenario file, docs/reference/scenario-format.md")
       ->required();
-  command->add_option("--out", arguments->out,
-                      "Folder of the results (default: runs/ and the scenario's name)");
-  command->add_option("--seed", arguments->seed, "Seed of all random numbers of the run");
-  command->add_option("--duration", arguments->duration, "Simulated seconds");
+  add_run_options(*command, arguments->run);
+  command->add_option("--duration", arguments->run.duration, "Simulated seconds");
   command
-      ->add_option("--controller", arguments->controller,
+      ->add_option("--controller", arguments->run.controller,
                    "Where the firmware runs: in-process (default); qemu: on a Cortex-M4")
       ->check(CLI::IsMember({"in-process", "qemu"}));
-  command->add_option("--image", arguments->image,
+  command->add_option("--image", arguments->run.image,
                       "The image for --controller qemu (default: the one that ./run target builds)");
-  command->add_option("--storage", arguments->storage,
+  command->add_option("--storage", arguments->run.storage,
                       "File that keeps the flash between runs: saved parameters and motions (default: none)");
-  command
-      ->add_option("--stepper", arguments->stepper,
-                   "world: exact contacts (default); lumped: the same with fewer joints; quick: iterative;\n"
-                   "mujoco: the second engine, fast")
-      ->check(CLI::IsMember(sim::stepper_names()));
-  command
-      ->add_option("--set", arguments->sets,
-                   "Override a key of the scenario: physics.step_ms=0.5; may be repeated")
-      ->allow_extra_args(false);
-  command
-      ->add_option("--record", arguments->record,
-                   "Samples per second of the recording run.mcap: 100 (default), 500 or no recording")
-      ->check(CLI::IsMember({"no", "100", "500"}));
-  add_live_options(*command, arguments->live);
-  add_view_options(*command, arguments->view);
-  command->callback([arguments, &invocation] { invocation.exit_status = run_scenario(*arguments); });
+  add_live_options(*command, arguments->run.live);
+  command->callback([arguments, &invocation] {
+    invocation.exit_status = run_and_report(
+        arguments->run, sim::read_scenario(arguments->scenario, scenario_overrides(arguments->run)));
+  });
 }
 
 }  // namespace koboshi::tools
