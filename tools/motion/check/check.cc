@@ -168,6 +168,7 @@ MotionChecker::MotionChecker(const std::filesystem::path& robot_file)
       model_(simulation::load_named_model(*robot_)) {
   const app::ControllerValues values = simulation::controller_values(sim::read_robot_parameters(robot_file));
   limits_.fall = values.recovery.fall;
+  limits_.max_declared_lean_rad = 2.0 * std::numbers::pi * values.recovery.max_declared_lean / (1 << 16);
   limits_.largest_cyclic_step_rad = sim::kDefaultCyclicStep * sim::kRadPerPositionUnit;
   limits_.standing_rad = standing_pose(robot_file, model_);
   supply_.nominal_V =

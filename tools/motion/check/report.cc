@@ -22,7 +22,8 @@ constexpr double kSpeedTolerance = 1.01;
 constexpr double kHighTorque = 0.8;     // share of the torque from which a warning is due
 constexpr double kTouching_m = 0.0005;  // collision boxes that overlap by less only touch
 constexpr double kYielding_m = 0.002;   // by which the servos of a chain of joints yield to a light contact
-constexpr double kRoll_rad = 2.0 / kDegreesPerRad;  // a roll onto an edge that the targets do not intend
+constexpr double kRoll_rad = 2.0 / kDegreesPerRad;     // a roll onto an edge that the targets do not intend
+constexpr double kLeanRounding_rad = 6.3 / (1 << 16);  // of a declared lean in the image, 2^-16 turn
 // Motions begin with a move from the pose in force: the other ones are written for a start near standing.
 constexpr double kAtStanding_rad = 10.0 / kDegreesPerRad;
 
@@ -47,6 +48,7 @@ class Judge {
     check_torques();
     check_overlaps();
     check_balance();
+    name_declared_leans();
     check_fall_detector();
     check_end();
     std::ranges::stable_sort(report_.findings, {}, &Finding::time_s);
@@ -246,22 +248,47 @@ class Judge {
                        std::ceil((limits_.close_m - static_m) * kMmPerM), opposite_of(state.com.outward));
   }
 
+  // Returns the part of a declared lean that the firmware accepts.
+  double bounded(double lean_rad) const {
+    return std::clamp(lean_rad, -limits_.max_declared_lean_rad, limits_.max_declared_lean_rad);
+  }
+
+  // Names each use of a declared lean, from the tick in which it begins until it is back at zero.
+  void name_declared_leans() {
+    double largest_rad = 0.0;
+    std::size_t first = 0;
+    for (std::size_t tick = 0; tick < trajectory_.ticks(); ++tick) {
+      const double lean_rad =
+          std::max(std::abs(trajectory_.lean_pitch_rad[tick]), std::abs(trajectory_.lean_roll_rad[tick]));
+      if (lean_rad > 0.0 && largest_rad == 0.0) first = tick;
+      largest_rad = lean_rad > 0.0 ? std::max(largest_rad, lean_rad) : largest_rad;
+      if (largest_rad == 0.0 || (lean_rad > 0.0 && tick + 1 < trajectory_.ticks())) continue;
+      const bool beyond = largest_rad > limits_.max_declared_lean_rad + kLeanRounding_rad;
+      add(beyond ? "C011" : "C010", beyond ? Severity::kWarning : Severity::kNote, first,
+          fmt::format("a declared lean of {:.1f} deg", largest_rad * kDegreesPerRad),
+          fmt::format("at most {:.1f} deg, the robot's parameter largest_declared_lean_deg",
+                      limits_.max_declared_lean_rad * kDegreesPerRad),
+          beyond ? "The firmware takes the part within the limit." : "");
+      largest_rad = 0.0;
+    }
+  }
+
   // The firmware's own detector, with the attitude and the rates of the plan.
   void check_fall_detector() {
     behaviour::FallDetector detector;
     for (std::size_t tick = 1; tick < trajectory_.ticks(); ++tick) {
       if (!trajectory_.on_feet[tick] || !trajectory_.on_feet[tick - 1]) continue;
-      const auto pitch_rad = [&](std::size_t t) {
-        return states_[t].pitch_rad - trajectory_.lean_pitch_rad[t];
+      const TickState& now = states_[tick];
+      const TickState& before = states_[tick - 1];
+      const auto rate = [](double difference_rad) {
+        return fixed::from_double<fixed::AngularRate>(difference_rad / kTick_s);
       };
-      const auto roll_rad = [&](std::size_t t) { return states_[t].roll_rad - trajectory_.lean_roll_rad[t]; };
       const estimation::TrunkMotion trunk{
-          .roll_rate =
-              fixed::from_double<fixed::AngularRate>((roll_rad(tick) - roll_rad(tick - 1)) / kTick_s),
-          .pitch_rate =
-              fixed::from_double<fixed::AngularRate>((pitch_rad(tick) - pitch_rad(tick - 1)) / kTick_s),
-          .roll = fixed::from_double<fixed::Angle>(roll_rad(tick)),
-          .pitch = fixed::from_double<fixed::Angle>(pitch_rad(tick))};
+          .roll_rate = rate(now.roll_rad - before.roll_rad),
+          .pitch_rate = rate(now.pitch_rad - before.pitch_rad),
+          .roll = fixed::from_double<fixed::Angle>(now.roll_rad - bounded(trajectory_.lean_roll_rad[tick])),
+          .pitch =
+              fixed::from_double<fixed::Angle>(now.pitch_rad - bounded(trajectory_.lean_pitch_rad[tick]))};
       const behaviour::FallDirection direction = detector.update(limits_.fall, trunk);
       if (direction == behaviour::FallDirection::kNone) continue;
       constexpr std::array<const char*, 5> kDirections{"", "front", "back", "left", "right"};

@@ -55,6 +55,7 @@ struct PathReport {
 // What a motion is checked against.
 struct CheckLimits {
   behaviour::FallLimits fall{};
+  double max_declared_lean_rad = 0.0;    // object 2140:7; the firmware clamps declared leans to it
   double largest_cyclic_step_rad = 0.0;  // object 2001h of the drives
   // A margin of less than this on either side of the edge is called close.
   double close_m = kClose_m;

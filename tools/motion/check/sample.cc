@@ -98,7 +98,8 @@ class Player {
   void add(std::uint16_t step) {
     std::vector<double> row;
     for (const fixed::Angle target : interpreter_.targets()) row.push_back(fixed::to_double(target));
-    trajectory_.add(row, step, on_feet_);
+    const motion::Lean lean = interpreter_.lean();
+    trajectory_.add(row, step, on_feet_, fixed::to_double(lean.pitch), fixed::to_double(lean.roll));
   }
 
   const motion::Motion& motion_;

@@ -22,7 +22,7 @@ class BehaviourStage : public testing::Test {
  protected:
   explicit BehaviourStage(bool model_valid = true)
       : behaviour(model, model_valid, motions,
-                  {.power = power, .velocity_limits = limits, .walk = gait, .recovery = recovery}) {
+                  {.power = power, .velocity_limits = limits, .walk = gait, .recovery = recovery}, {}) {
     flash.load(0, test::factory_storage());
     catalogue.emplace(flash.contents());
     items.emplace(flash, storage::kRobotLogSize_bytes);

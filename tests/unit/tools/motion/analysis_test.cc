@@ -147,7 +147,12 @@ TEST_F(AnalysisTest, TheFirmwaresFallDetectorSeesALeanUnlessItIsDeclared) {
   const auto& states = analysis_.analyse(trajectory);
   for (std::size_t tick = 0; tick < trajectory.ticks(); ++tick)
     trajectory.lean_pitch_rad[tick] = states[tick].pitch_rad;
+  limits_.max_declared_lean_rad = 60.0 * kDegree_rad;
   EXPECT_EQ(find(check(trajectory), "C009"), nullptr);
+  EXPECT_NE(find(check(trajectory), "C010"), nullptr);
+  limits_.max_declared_lean_rad = 5.0 * kDegree_rad;
+  EXPECT_NE(find(check(trajectory), "C009"), nullptr) << "the firmware takes 5 degrees of it";
+  EXPECT_NE(find(check(trajectory), "C011"), nullptr);
 }
 
 TEST_F(AnalysisTest, WarnsOfAnEndThatIsNotTheStandingPose) {
