@@ -1,7 +1,6 @@
 #include "firmware/motion/motion.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "firmware/fixed/contract.h"
 #include "firmware/fixed/rounding.h"
@@ -27,7 +26,13 @@ bool is_name(std::span<const std::byte> field) {
   return field[0] != std::byte{0};
 }
 
-constexpr std::size_t joints_in(std::uint32_t mask) { return static_cast<std::size_t>(std::popcount(mask)); }
+// Bit by bit: for std::popcount, and for a loop over the set bits, a core without the instruction needs the
+// compiler's library.
+constexpr std::size_t joints_in(std::uint32_t mask) {
+  std::size_t joints = 0;
+  for (std::size_t joint = 0; joint < robot::kMaxJoints; ++joint) joints += mask >> joint & 1u;
+  return joints;
+}
 
 // Little-endian fields at any address; `bytes` has room for them.
 std::uint32_t u16_at(const std::byte* bytes) {

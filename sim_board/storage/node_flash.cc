@@ -16,7 +16,8 @@ bool only_clears(std::span<const std::byte> wanted, std::span<const std::byte> p
 
 bool NodeFlash::begin_erase(std::size_t offset) {
   if (polls_left_ >= 0 || offset >= memory_.size() || offset % kSectorSize_bytes != 0) return false;
-  result_.fill(kErased);
+  erases_ = true;
+  written_.fill(kErased);  // takes no room in an archive
   begin(offset, kSectorSize_bytes, kErasePolls);
   return true;
 }
@@ -25,7 +26,8 @@ bool NodeFlash::begin_write(std::size_t offset, std::span<const std::byte> bytes
   if (polls_left_ >= 0 || bytes.empty() || bytes.size() > kMaxWriteSize) return false;
   if (offset > memory_.size() || bytes.size() > memory_.size() - offset) return false;
   if (!only_clears(bytes, contents().subspan(offset, bytes.size()))) return false;
-  std::ranges::copy(bytes, result_.begin());
+  erases_ = false;
+  std::ranges::copy(bytes, written_.begin());
   begin(offset, bytes.size(), kWritePolls);
   return true;
 }
@@ -45,7 +47,12 @@ hal::StorageState NodeFlash::state() const {
 }
 
 void NodeFlash::complete() const {
-  std::copy_n(result_.begin(), size_, memory_.begin() + static_cast<std::ptrdiff_t>(offset_));
+  const auto range = std::span(memory_).subspan(offset_, size_);
+  if (erases_) {
+    std::ranges::fill(range, kErased);
+  } else {
+    std::copy_n(written_.begin(), size_, range.begin());
+  }
 }
 
 }  // namespace koboshi::sim

@@ -9,20 +9,24 @@
 
 namespace koboshi::sim {
 
-// Flash of a drive's or sensor's microcontroller with six sectors. An operation ends after a fixed number
+// Flash of a drive's or sensor's microcontroller with four sectors: room for some
+// hundred parameters beside what ItemStore needs for its compaction. An operation ends after a fixed number
 // of `state` calls, one per millisecond. Until then its range reads as scrambled bytes, and permanently so if
 // power fails meanwhile.
 class NodeFlash final : public hal::StoragePort {
  public:
   static constexpr std::size_t kSectorSize_bytes = 2048;
-  static constexpr std::size_t kSectors = 6;
+  static constexpr std::size_t kSectors = 4;
   static constexpr std::size_t kSize_bytes = kSectors * kSectorSize_bytes;
   // From the data sheet of the STM32G431 (DS12589): 22 ms to erase a page of 2 KiB and 82 us to program 8
   // bytes, which is 2.6 ms for kMaxWriteSize.
   static constexpr int kErasePolls = 22;
   static constexpr int kWritePolls = 3;
 
-  NodeFlash() { memory_.fill(kErased); }
+  NodeFlash() {
+    memory_.fill(kErased);
+    written_.fill(kErased);
+  }
 
   // Aborts the operation in progress; its range stays scrambled.
   void lose_power() { polls_left_ = -1; }
@@ -35,8 +39,8 @@ class NodeFlash final : public hal::StoragePort {
 
   void archive(StateArchive& archive) {
     archive.flash(memory_);
-    archive.flash(result_);
-    archive(offset_, size_, polls_left_);
+    archive.flash(written_);
+    archive(offset_, size_, erases_, polls_left_);
   }
 
  private:
@@ -47,9 +51,10 @@ class NodeFlash final : public hal::StoragePort {
 
   // Mutable, because polling the const function `state` advances the operation.
   mutable std::array<std::byte, kSize_bytes> memory_;
-  std::array<std::byte, kSectorSize_bytes> result_{};  // final contents of the operation's range
+  std::array<std::byte, kMaxWriteSize> written_{};  // final contents of the range of a write
   std::size_t offset_ = 0;
   std::size_t size_ = 0;
+  bool erases_ = false;
   mutable int polls_left_ = -1;  // of the operation in progress; negative: none
 };
 

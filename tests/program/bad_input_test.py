@@ -71,19 +71,25 @@ class BadInput(unittest.TestCase):
         file.write_text(text)
         return file
 
-    def refuse(self, file, line, *arguments):
+    def refuse(self, file, line, *arguments, caret=False):
         before = sorted(self.folder.rglob("*"))
         result = PROGRAM.run(*arguments, cwd=self.folder)
         self.assertEqual(result.returncode, 2, result.stderr)
         self.assertEqual(result.stdout, "")
         lines = result.stderr.splitlines()
-        self.assertEqual(len(lines), 1, result.stderr)
         where = re.escape(str(file)) + (f":{line}" if line else r"(:\d+)?")
-        self.assertRegex(lines[0], f"^{where}: found .+, expected .+$")
+        if caret:  # as a compiler: place with column and code, the line, a caret, and perhaps a hint
+            self.assertRegex(lines[0], rf"^{where}:\d+: error\[M\d{{3}}\]: found .+, expected .+$")
+            self.assertRegex(lines[1], r"^ *\d+ \| ")
+            self.assertRegex(lines[2], r"^ *\| +\^~*$")
+            self.assertLessEqual(len(lines), 4, result.stderr)
+        else:
+            self.assertRegex(lines[0], f"^{where}: found .+, expected .+$")
+            self.assertEqual(len(lines), 1, result.stderr)
         self.assertEqual(sorted(self.folder.rglob("*")), before, "something was written")
 
     def test_more_motions_than_the_controller_knows(self):
-        motions = [self.write(f"squat_{number}.yaml", MOTION.read_text()) for number in range(33)]
+        motions = [self.write(f"squat_{number}.yaml", MOTION.read_text()) for number in range(201)]
         scenario = self.write("scenario.yaml", SCENARIO.replace(str(MOTION), ", ".join(map(str, motions))))
         self.refuse(scenario, None, "run", scenario, "--out", self.folder / "out")
 
@@ -101,7 +107,8 @@ class BadInput(unittest.TestCase):
                 self.assertIn(old, text)
                 file = self.write("motion.yaml", text.replace(old, new, 1))
                 out = self.folder / "motion.kmot"
-                self.refuse(file, None, "motion", "compile", file, "--robot", ROBOT / "robot.sdf", "-o", out)
+                self.refuse(file, None, "motion", "compile", file, "--robot", ROBOT / "robot.sdf", "-o", out,
+                            caret=True)
 
     def test_robots(self):
         for name, (pattern, new) in BAD_ROBOTS.items():

@@ -142,10 +142,11 @@ void add_motion_robot_commands(CLI::App& motion, Invocation& invocation) {
       add(motion, "upload", "Store a motion in the robot on the bus, and read it back", arguments);
   upload_command->add_option("MOTION", arguments->motion, "A motion file, or an image (.kmot)")->required();
   upload_command->add_option("--robot", arguments->robot, "The robot's file")->capture_default_str();
-  upload_command->add_option(
-      "--number", arguments->number,
-      "The number of the motion, 0 to 199 (default: that of the robot's motion with the "
-      "same name, else the lowest free one)");
+  upload_command
+      ->add_option("--number", arguments->number,
+                   "The number of the motion, 0 to 199 (default: that of the robot's motion with the "
+                   "same name, else the lowest free one)")
+      ->type_name("NUMBER");
   upload_command->callback([arguments] { upload(*arguments); });
 
   CLI::App* download_command =

@@ -130,7 +130,8 @@ TEST(Controller, HasTheObjectsOfItsDataSheetAndNoOthers) {
 TEST(Controller, HasThePdosAndConsumersOfItsDrives) {
   const robot::RobotModel model = simulation::load_named_model(default_robot()).model;
   const NodeKind kind = controller_kind(model);
-  EXPECT_EQ(kind.find({0x1400 + 2, 1})->default_value, "0x00000190");  // behind commands and velocity
+  EXPECT_EQ(kind.find({0x1400 + 2, 1})->default_value, "$NODEID+0x400");  // motion inputs
+  EXPECT_EQ(kind.find({0x1400 + 3, 1})->default_value, "0x00000190");
   EXPECT_EQ(kind.find({0x1800 + 7, 1})->default_value, "0x40000210");  // behind the telemetry
   EXPECT_EQ(kind.find({0x1A00 + 26, 0})->default_value, "2");
   EXPECT_EQ(kind.find({0x1800 + 27, 1})->default_value, "0xC0000000");
