@@ -115,7 +115,7 @@ class Teleop(unittest.TestCase):
         # vary.
         operator.wait_for(r"^state +standing, by progress\n(.*\n)*load.*, \d+ falls?\n")
         operator.press("q")
-        self.assert_ended_well(r"stands; fell (once|\d+ times, first) at .* s and got up .*in .* s.*; 1 command refused")
+        self.assert_ended_well(r"stands; fell (once|\d+ times, first) at .* s and (finally )?got up.* in .* s.*; 1 command refused")
         log = (self.out / "can.log").read_text()
         self.assertIn(" 301#500000000000", log)  # 80 mm/s forward, commanded on the bus
         self.assertRegex(log, r" 301#3C0000000000\n(.*\n)*.* 201#040000")
