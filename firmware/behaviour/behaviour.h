@@ -49,7 +49,7 @@ struct Status {
   std::uint16_t risen = 0;
 };
 
-// What motions can read from the object dictionary; by joint, and by number of the input.
+// Values of the object dictionary that motions can read, by joint and by number of the input.
 struct BusValues {
   std::span<const std::int16_t> torques_permille{};
   std::span<const std::int16_t> inputs{};

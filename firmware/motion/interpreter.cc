@@ -64,7 +64,7 @@ void Interpreter::advance(std::uint32_t elapsed_us, const Inputs& inputs) {
   if (running_) interpolate();
 }
 
-// Ends the present step and enters the next one. Returns whether the work of this call goes on.
+// Ends the present step and enters the next one. Returns whether this call does more work.
 bool Interpreter::end_step(const Inputs& inputs) {
   trajectory_.finish();
   lean_from_ = lean_ = lean_to_;
@@ -228,7 +228,7 @@ std::uint16_t Interpreter::following(const Step& step) const {
 std::uint16_t Interpreter::after_loop_end(const Step& step) {
   KOBOSHI_ASSERT(depth_ > 0);
   std::uint16_t& rounds_left = stack_[depth_ - 1].rounds_left;
-  // An exit path repeats what it counts.
+  // After a stop, the loops of an exit path still repeat as often as they count.
   const bool ends = rounds_left == 1 || (state_.stopping() && !(exiting_ && rounds_left > 1));
   if (ends) {
     --depth_;

@@ -170,7 +170,7 @@ class Motion {
   [[nodiscard]] std::size_t step_count() const { return step_count_; }
   // The steps of the main program; the subroutines follow it.
   [[nodiscard]] std::size_t main_step_count() const { return main_step_count_; }
-  // The step at which the motion goes on after a stop; kNoStep if it has no exit path.
+  // Returns the step at which the motion continues after a stop; kNoStep if it has no exit path.
   [[nodiscard]] std::uint16_t exit_step() const { return exit_step_; }
   // The joints that the motion may move, stiffen or correct; bit i: joint i.
   [[nodiscard]] std::uint32_t claimed_joints() const { return claimed_joints_; }

@@ -48,7 +48,7 @@ storage::Status MotionLibrary::erase(std::uint16_t number) {
   return status;
 }
 
-// One motion in each call: to check all at once would take many milliseconds.
+// Checks one motion per call, because a check of all of them takes many milliseconds.
 void MotionLibrary::search_next() {
   Motion motion;
   const std::uint16_t number = searched_++;
@@ -64,7 +64,7 @@ std::span<const std::byte> MotionLibrary::image(std::uint16_t number) const {
   return stored.empty() ? factory_.find(storage::ItemKind::kMotion, number) : stored;
 }
 
-// One that was stored for another model makes way for the factory's.
+// Falls back to the factory's motion if the stored one is for another model.
 std::span<const std::byte> MotionLibrary::open_image(std::uint16_t number, Motion& motion) const {
   if (number >= storage::kMaxMotions) return {};
   for (const auto image : {stored_.find(storage::ItemKind::kMotion, number),

@@ -16,7 +16,7 @@ enum class ItemKind : std::uint16_t {
 
 inline constexpr std::size_t kMaxMotions = 200;
 
-// Those that may hold an item in place while they read it, one item each.
+// Readers that can pin an item, so that it keeps its place while they read it. Each pins at most one.
 enum class Holder : std::uint8_t { kPlayer = 0, kSecondPlayer = 1, kTransfer = 2 };
 inline constexpr std::size_t kHolders = 3;
 

@@ -192,7 +192,7 @@ class ItemStore {
   bool failed_ = false;     // of the operations that prepare a place; reported once
   bool stalled_ = false;    // a copy waits for a pin
   bool tidies_ = true;      // compaction may be due
-  // Of the record that is being written.
+  // State of the record that is being written:
   std::size_t key_ = kNoKey;
   std::size_t record_ = 0;      // its start
   std::size_t source_ = 0;      // of a copy

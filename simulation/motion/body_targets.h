@@ -11,7 +11,7 @@
 namespace koboshi::simulation {
 
 // Cartesian targets of a pose: coordinates in the frame of the support foot's sole (x forward, y left, z up).
-// What is not given keeps its value.
+// A coordinate without a target keeps its value.
 struct Target {
   std::array<std::optional<double>, 3> position_m;
   std::array<std::optional<double>, 3> rpy_rad;  // roll, pitch, yaw about the fixed axes x, y, z

@@ -7,7 +7,7 @@ namespace koboshi::simulation::code {
 inline constexpr const char* kYaml = "M001";  // not well-formed YAML
 inline constexpr const char* kMissingKey = "M002";
 inline constexpr const char* kUnknownKey = "M003";
-inline constexpr const char* kBadValue = "M004";  // of the wrong type, or out of range
+inline constexpr const char* kBadValue = "M004";  // wrong type, or out of range
 inline constexpr const char* kOtherRobot = "M005";
 inline constexpr const char* kBadName = "M006";
 inline constexpr const char* kBadVersion = "M007";
@@ -31,9 +31,9 @@ inline constexpr const char* kRecursion = "M024";
 inline constexpr const char* kBadExit = "M025";
 inline constexpr const char* kContradiction = "M026";  // keys of a step that exclude each other
 
-inline constexpr const char* kSyntax = "M030";  // of an expression
+inline constexpr const char* kSyntax = "M030";  // syntax of an expression
 inline constexpr const char* kUnknownOperand = "M031";
-inline constexpr const char* kNotACondition = "M032";  // a number for a condition, or the reverse
+inline constexpr const char* kNotACondition = "M032";  // a condition where a number is expected
 inline constexpr const char* kIntegerRange = "M033";
 inline constexpr const char* kDivisionByZero = "M034";
 inline constexpr const char* kUnknownVariable = "M035";
@@ -41,7 +41,7 @@ inline constexpr const char* kTooManyVariables = "M036";
 
 inline constexpr const char* kTooFast = "M040";
 inline constexpr const char* kTooMany = "M041";  // poses, steps, groups, levels
-inline constexpr const char* kRefused = "M042";  // by the firmware's validator
+inline constexpr const char* kRefused = "M042";  // rejected by the firmware's validator
 inline constexpr const char* kUnused = "M050";   // warning
 
 }  // namespace koboshi::simulation::code

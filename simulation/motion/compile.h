@@ -1,5 +1,18 @@
 #pragma once
 
+// The motion compiler turns a motion file into the image that the firmware plays
+// (docs/reference/motion-language.md), in these stages:
+//
+//   parse.h    reads the YAML file into a MotionSource (source.h): parse_steps.h reads the steps with their
+//              expressions (expression.h) and settings, poses.h the poses
+//   poses.h    computes the angles of derived, mirrored and Cartesian poses (body_targets.h)
+//   speed.h    checks the speeds of the moves
+//   lower.h    turns structured steps, conditions and expressions into the steps of the image
+//   compile.h  writes poses and steps into the image, which the firmware's own validator then checks
+//
+// All stages add their errors to one list (diagnostic.h), so that one run reports several mistakes.
+// decompile.h is the reverse: it writes an image as a file that compiles to the same bytes.
+
 #include <cstddef>
 #include <filesystem>
 #include <span>

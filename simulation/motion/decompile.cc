@@ -13,8 +13,8 @@
 #include "sim_board/input/text.h"
 #include "sim_board/input/user_units.h"
 #include "simulation/motion/compile.h"
-#include "simulation/motion/expression.h"
-#include "simulation/motion/parse_steps.h"
+#include "simulation/motion/parse_settings.h"
+#include "simulation/motion/sensors.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -196,7 +196,7 @@ class Decompiler {
 
   std::string source_text(motion::SourceRef ref) const {
     if (ref.source == motion::Source::kVariable) return fmt::format("v{}", ref.index);
-    const Sensor& sensor = *find_sensor(static_cast<std::uint8_t>(ref.source));
+    const Sensor& sensor = *find_sensor(ref.source);
     if (sensor.index == Sensor::Index::kJoint)
       return fmt::format("{}({})", sensor.name, robot_.joint_names[ref.index]);
     if (sensor.index == Sensor::Index::kInput) return fmt::format("{}({})", sensor.name, ref.index + 1);

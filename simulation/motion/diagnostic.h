@@ -22,7 +22,7 @@ struct Place {
   std::string option = {};
 };
 
-// One message. Codes are stable; docs/reference/motion-language.md lists them.
+// A message. Its code is stable; docs/reference/motion-language.md lists all codes.
 struct Diagnostic {
   std::string code;  // "M012"
   Severity severity = Severity::kError;

@@ -7,11 +7,14 @@
 
 #include "sim_board/input/text.h"
 #include "simulation/motion/codes.h"
+#include "simulation/motion/sensors.h"
 
 namespace koboshi::simulation {
 namespace {
 
 using ExpressionKind = Expression::Kind;
+using motion::Arithmetic;
+using motion::Comparison;
 
 constexpr std::size_t kMaxLength = 1'000;
 constexpr int kMaxDepth = 40;
@@ -21,29 +24,32 @@ struct Token {
   std::size_t offset = 0;
 };
 
+template <typename Operator>
 struct OperatorName {
   std::string_view text;
-  ExpressionKind kind;
+  Operator operation;
 };
+template <typename Operator, std::size_t N>
+using OperatorNames = std::array<OperatorName<Operator>, N>;
 
-constexpr std::array<OperatorName, 6> kComparisons{{{"==", ExpressionKind::kEqual},
-                                                    {"!=", ExpressionKind::kNotEqual},
-                                                    {"<=", ExpressionKind::kLessEqual},
-                                                    {">=", ExpressionKind::kGreaterEqual},
-                                                    {"<", ExpressionKind::kLess},
-                                                    {">", ExpressionKind::kGreater}}};
-constexpr std::array<OperatorName, 2> kSums{{{"+", ExpressionKind::kAdd}, {"-", ExpressionKind::kSubtract}}};
-constexpr std::array<OperatorName, 3> kProducts{
-    {{"*", ExpressionKind::kMultiply}, {"/", ExpressionKind::kDivide}, {"%", ExpressionKind::kRemainder}}};
+constexpr OperatorNames<Comparison, 6> kComparisons{{{"==", Comparison::kEqual},
+                                                     {"!=", Comparison::kNotEqual},
+                                                     {"<=", Comparison::kLessOrEqual},
+                                                     {">=", Comparison::kGreaterOrEqual},
+                                                     {"<", Comparison::kLess},
+                                                     {">", Comparison::kGreater}}};
+constexpr OperatorNames<Arithmetic, 2> kSums{{{"+", Arithmetic::kAdd}, {"-", Arithmetic::kSubtract}}};
+constexpr OperatorNames<Arithmetic, 3> kProducts{
+    {{"*", Arithmetic::kMultiply}, {"/", Arithmetic::kDivide}, {"%", Arithmetic::kRemainder}}};
 constexpr std::array<std::string_view, 5> kWords{"and", "or", "not", "min", "max"};
 
 bool is_letter(char letter) { return std::isalpha(static_cast<unsigned char>(letter)) != 0 || letter == '_'; }
 bool is_digit(char letter) { return letter >= '0' && letter <= '9'; }
 
-template <std::size_t N>
-std::optional<ExpressionKind> find_operator(const std::array<OperatorName, N>& names, std::string_view text) {
-  for (const OperatorName& name : names) {
-    if (name.text == text) return name.kind;
+template <typename Operator, std::size_t N>
+std::optional<Operator> find_operator(const OperatorNames<Operator, N>& names, std::string_view text) {
+  for (const OperatorName<Operator>& name : names) {
+    if (name.text == text) return name.operation;
   }
   return std::nullopt;
 }
@@ -150,8 +156,8 @@ class ExpressionParser {
   Expression comparison() {
     Expression left = sum();
     if (token_.text == "=") unexpected("'=='", "`=` does not compare.");
-    const auto kind = find_operator(kComparisons, token_.text);
-    if (!kind) return left;
+    const auto comparison = find_operator(kComparisons, token_.text);
+    if (!comparison) return left;
     require_number(left);
     advance();
     Expression right = sum();
@@ -160,38 +166,44 @@ class ExpressionParser {
       unexpected("the end of the comparison", "join two comparisons by `and`.");
     }
     const Place place = left.place;
-    return {.kind = *kind, .place = place, .items = {std::move(left), std::move(right)}};
+    return {.kind = ExpressionKind::kComparison,
+            .place = place,
+            .comparison = *comparison,
+            .items = {std::move(left), std::move(right)}};
   }
 
   Expression sum() { return chain(kSums, &ExpressionParser::product); }
   Expression product() { return chain(kProducts, &ExpressionParser::signed_value); }
 
   template <std::size_t N>
-  Expression chain(const std::array<OperatorName, N>& operators, Expression (ExpressionParser::*part)()) {
+  Expression chain(const OperatorNames<Arithmetic, N>& operators, Expression (ExpressionParser::*part)()) {
     Expression left = (this->*part)();
     int length = 0;
-    while (const auto kind = find_operator(operators, token_.text)) {
+    while (const auto operation = find_operator(operators, token_.text)) {
       if (++length > kMaxDepth) unexpected("at most " + std::to_string(kMaxDepth) + " operators in a row");
       require_number(left);
       const Token token = token_;
       advance();
       Expression right = (this->*part)();
       require_number(right);
-      left = combined(*kind, std::move(left), std::move(right), token);
+      left = combined(*operation, std::move(left), std::move(right), token);
     }
     return left;
   }
 
-  Expression combined(ExpressionKind kind, Expression left, Expression right, const Token& token) {
-    const bool divides = kind == ExpressionKind::kDivide || kind == ExpressionKind::kRemainder;
-    if (divides && right.kind == ExpressionKind::kInteger && right.value == 0) {
+  Expression combined(Arithmetic operation, Expression left, Expression right, const Token& token) {
+    const bool divides = operation == Arithmetic::kDivide || operation == Arithmetic::kRemainder;
+    if (divides && right.is_integer() && right.value == 0) {
       stop(token, code::kDivisionByZero, "a division by zero", "another divisor");
     }
     const Place place = left.place;
-    if (left.kind == ExpressionKind::kInteger && right.kind == ExpressionKind::kInteger) {
-      return {.place = place, .value = *compute(kind, left.value, right.value)};
+    if (left.is_integer() && right.is_integer()) {
+      return {.place = place, .value = *compute(operation, left.value, right.value)};
     }
-    return {.kind = kind, .place = place, .items = {std::move(left), std::move(right)}};
+    return {.kind = ExpressionKind::kArithmetic,
+            .place = place,
+            .operation = operation,
+            .items = {std::move(left), std::move(right)}};
   }
 
   Expression signed_value() {
@@ -201,7 +213,7 @@ class ExpressionParser {
     if (!token_.text.empty() && is_digit(token_.text.front())) return integer(true);
     Expression inner = signed_nested();
     require_number(inner);
-    return combined(ExpressionKind::kSubtract, {.place = place_of(token)}, std::move(inner), token);
+    return combined(Arithmetic::kSubtract, {.place = place_of(token)}, std::move(inner), token);
   }
   Expression signed_nested() {
     const Depth depth(*this);
@@ -239,12 +251,12 @@ class ExpressionParser {
     }
     if (!is_letter(token.text.front())) unexpected("a number, a variable or a sensor");
     advance();
-    if (token.text == "min") return function(ExpressionKind::kMin, token);
-    if (token.text == "max") return function(ExpressionKind::kMax, token);
+    if (token.text == "min") return function(Arithmetic::kMinimum, token);
+    if (token.text == "max") return function(Arithmetic::kMaximum, token);
     return source(token);
   }
 
-  Expression function(ExpressionKind kind, const Token& token) {
+  Expression function(Arithmetic operation, const Token& token) {
     const Depth depth(*this);
     expect("(");
     Expression result = sum();
@@ -255,7 +267,7 @@ class ExpressionParser {
       if (++length > kMaxDepth) unexpected("fewer operands");
       Expression next = sum();
       require_number(next);
-      result = combined(kind, std::move(result), std::move(next), token);
+      result = combined(operation, std::move(result), std::move(next), token);
     }
     expect(")");
     return result;
@@ -265,12 +277,12 @@ class ExpressionParser {
     Expression result{.kind = ExpressionKind::kSource, .place = place_of(token)};
     for (std::size_t i = 0; i < variables_.size(); ++i) {
       if (variables_[i].name != token.text) continue;
-      result.source = {0, static_cast<std::uint8_t>(i)};
+      result.source = {motion::Source::kVariable, static_cast<std::uint8_t>(i)};
       return result;
     }
     const Sensor* sensor = find_sensor(token.text);
     if (sensor == nullptr) unknown(token);
-    result.source.number = sensor->number;
+    result.source.source = sensor->source;
     if (sensor->index == Sensor::Index::kNone) return result;
     expect("(");
     result.source.index = sensor->index == Sensor::Index::kJoint ? joint() : input();
@@ -332,18 +344,6 @@ class ExpressionParser {
 
 }  // namespace
 
-const Sensor* find_sensor(std::string_view name) {
-  const auto found = std::find_if(kSensors.begin(), kSensors.end(),
-                                  [&](const Sensor& sensor) { return sensor.name == name; });
-  return found == kSensors.end() ? nullptr : &*found;
-}
-
-const Sensor* find_sensor(std::uint8_t number) {
-  const auto found = std::find_if(kSensors.begin(), kSensors.end(),
-                                  [&](const Sensor& sensor) { return sensor.number == number; });
-  return found == kSensors.end() ? nullptr : &*found;
-}
-
 bool is_reserved(std::string_view name) {
   return find_sensor(name) != nullptr || std::find(kWords.begin(), kWords.end(), name) != kWords.end();
 }
@@ -363,36 +363,38 @@ std::optional<Expression> parse_expression(std::string_view text, const Place& p
 Expression as_condition(Expression expression) {
   if (expression.is_condition()) return expression;
   const Place place = expression.place;
-  return {.kind = ExpressionKind::kNotEqual,
+  return {.kind = ExpressionKind::kComparison,
           .place = place,
+          .comparison = motion::Comparison::kNotEqual,
           .items = {std::move(expression), Expression{.place = place}}};
 }
 
-std::optional<std::int32_t> compute(ExpressionKind kind, std::int32_t left, std::int32_t right) {
+std::optional<std::int32_t> compute(Arithmetic operation, std::int32_t left, std::int32_t right) {
   const auto saturated = [](std::int64_t value) {
     return static_cast<std::int32_t>(std::clamp<std::int64_t>(value, std::numeric_limits<std::int32_t>::min(),
                                                               std::numeric_limits<std::int32_t>::max()));
   };
   const std::int64_t a = left;
   const std::int64_t b = right;
-  switch (kind) {
-    case ExpressionKind::kAdd:
+  switch (operation) {
+    case Arithmetic::kAdd:
       return saturated(a + b);
-    case ExpressionKind::kSubtract:
+    case Arithmetic::kSubtract:
       return saturated(a - b);
-    case ExpressionKind::kMultiply:
+    case Arithmetic::kMultiply:
       return saturated(a * b);
-    case ExpressionKind::kDivide:
+    case Arithmetic::kDivide:
       return b == 0 ? std::nullopt : std::optional(saturated(a / b));
-    case ExpressionKind::kRemainder:
+    case Arithmetic::kRemainder:
       return b == 0 ? std::nullopt : std::optional(saturated(a % b));
-    case ExpressionKind::kMin:
+    case Arithmetic::kMinimum:
       return std::min(left, right);
-    case ExpressionKind::kMax:
+    case Arithmetic::kMaximum:
       return std::max(left, right);
-    default:
-      return std::nullopt;
+    case Arithmetic::kAssign:
+      return right;
   }
+  return std::nullopt;
 }
 
 }  // namespace koboshi::simulation

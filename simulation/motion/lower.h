@@ -12,8 +12,8 @@ namespace koboshi::simulation {
 struct LoweredMotion {
   std::vector<motion::Step> steps;
   std::vector<Place> places;
-  std::size_t variables = 0;  // those of the file, and those that expressions need
-  std::uint16_t exit = 0xFFFF;
+  std::size_t variables = 0;             // those of the file and those of intermediate results
+  std::uint16_t exit = motion::kNoStep;  // step at which the exit path begins
 };
 
 // Lowers the structured steps of a motion to those of an image: `if`, `while` and mixed conditions become

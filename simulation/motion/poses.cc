@@ -26,8 +26,11 @@ constexpr double kMaxTarget_mm = 10'000.0;
 const std::vector<std::string> kTargetKeys{"trunk",      "com",       "left_foot",
                                            "right_foot", "left_hand", "right_hand"};
 
-double degrees(Angle angle) { return fixed::to_double(angle) / sim::kRadPerDegree; }
-std::string degrees_text(Angle angle) { return sim::number_text(std::round(degrees(angle) * 1e4) / 1e4); }
+double degrees(Angle angle) { return fixed::to_double(angle) * sim::kDegreesPerRad; }
+std::string limit_text(const robot::Joint& joint) {
+  return sim::degrees_text(fixed::to_double(joint.lower)) + " to " +
+         sim::degrees_text(fixed::to_double(joint.upper));
+}
 
 bool is_target(const std::string& key) {
   return std::find(kTargetKeys.begin(), kTargetKeys.end(), key) != kTargetKeys.end();
@@ -149,9 +152,9 @@ void PoseBuilder::mirror(const YamlNode& user, Angles& angles) {
     const Angle clamped = robot::clamp_to_limits(limits, *angles[i]);
     if (std::abs(degrees(*angles[i]) - degrees(clamped)) > kLimitTolerance_deg) {
       reader_.error(code::kBeyondLimits, Reader::value_place(user),
-                    degrees_text(*angles[i]) + " degrees for " + joints_.name(i) + " in the mirror image",
-                    degrees_text(limits.lower) + " to " + degrees_text(limits.upper), {},
-                    "the limits of " + joints_.name(i));
+                    sim::degrees_text(fixed::to_double(*angles[i])) + " degrees for " + joints_.name(i) +
+                        " in the mirror image",
+                    limit_text(limits), {}, "the limits of " + joints_.name(i));
     }
     angles[i] = clamped;
   }
@@ -191,9 +194,9 @@ void PoseBuilder::set_angle(const YamlNode& item, std::size_t joint, double angl
   }
   if (angle_deg < degrees(limits.lower) - kLimitTolerance_deg ||
       angle_deg > degrees(limits.upper) + kLimitTolerance_deg) {
-    reader_.error(
-        code::kBeyondLimits, Reader::value_place(item), sim::number_text(angle_deg) + " degrees for " + name,
-        degrees_text(limits.lower) + " to " + degrees_text(limits.upper), {}, "the limits of " + name);
+    reader_.error(code::kBeyondLimits, Reader::value_place(item),
+                  sim::number_text(angle_deg) + " degrees for " + name, limit_text(limits), {},
+                  "the limits of " + name);
     return;
   }
   pose.angles[joint] =
@@ -210,8 +213,7 @@ void PoseBuilder::set_others(const YamlNode& map, PoseSource& pose) {
     const robot::Joint& limits = joints_.robot().model.joints[i];
     if (robot::clamp_to_limits(limits, Angle()) != Angle()) {
       reader_.error(code::kBeyondLimits, Reader::key_place(*others), "0 degrees for " + joints_.name(i),
-                    degrees_text(limits.lower) + " to " + degrees_text(limits.upper), {},
-                    "the limits of " + joints_.name(i));
+                    limit_text(limits), {}, "the limits of " + joints_.name(i));
     }
     pose.angles[i] = robot::clamp_to_limits(limits, Angle());
   }

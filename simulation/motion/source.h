@@ -22,92 +22,42 @@ struct PoseSource {
   bool is_base = false;                                  // another pose is derived from it
 };
 
-// A value that a motion can read: a variable or a sensor. The numbers are those of the image.
-struct SourceId {
-  std::uint8_t number = 0;  // 0: variable `index`
-  std::uint8_t index = 0;   // of the variable, joint or input
-
-  friend bool operator==(const SourceId&, const SourceId&) = default;
-};
-
-// An expression in integers, or a condition. `items` are the operands.
+// An expression in integers, or a condition. `items` are its operands. Operations, comparisons and values are
+// those of the image (firmware/motion/instructions.h).
 struct Expression {
-  enum class Kind : std::uint8_t {
-    kInteger,
-    kSource,
-    kAdd,
-    kSubtract,
-    kMultiply,
-    kDivide,
-    kRemainder,
-    kMin,
-    kMax,
-    kEqual,  // the comparisons in the order of the image
-    kNotEqual,
-    kLess,
-    kLessEqual,
-    kGreater,
-    kGreaterEqual,
-    kAnd,
-    kOr,
-    kNot,
-  };
+  enum class Kind : std::uint8_t { kInteger, kSource, kArithmetic, kComparison, kAnd, kOr, kNot };
 
   Kind kind = Kind::kInteger;
   Place place = {};
-  std::int32_t value = 0;
-  SourceId source = {};
+  std::int32_t value = 0;                                      // kInteger
+  motion::SourceRef source = {};                               // kSource: a variable or a sensor
+  motion::Arithmetic operation = motion::Arithmetic::kAssign;  // kArithmetic: any but kAssign
+  motion::Comparison comparison = motion::Comparison::kEqual;  // kComparison
   std::vector<Expression> items = {};
 
-  bool is_comparison() const { return kind >= Kind::kEqual && kind <= Kind::kGreaterEqual; }
-  bool is_condition() const { return kind >= Kind::kEqual; }
+  bool is_integer() const { return kind == Kind::kInteger; }
+  bool is_source() const { return kind == Kind::kSource; }
+  bool is_variable() const { return is_source() && source.source == motion::Source::kVariable; }
+  bool is_comparison() const { return kind == Kind::kComparison; }
+  bool is_condition() const { return kind >= Kind::kComparison; }
+  // Whether a comparison is a test of the image: a source on the left, an integer or variable on the right.
+  bool is_test() const {
+    return is_comparison() && items[0].is_source() && (items[1].is_integer() || items[1].is_variable());
+  }
 };
 
-// The tests of one branch as the image has them, for the low-level steps `branch` and `await`.
+// The tests of one branch in the form of the image, for the low-level steps `branch` and `await`.
 struct TestBlock {
-  bool any = false;                    // of the tests must hold, instead of all
+  bool any = false;                    // one of the tests must hold, instead of all
   bool negated = false;                // the branch is taken if the tests do not hold
-  std::vector<Expression> tests = {};  // comparisons of a source with an integer or a variable
+  std::vector<Expression> tests = {};  // Expression::is_test()
 };
 
-// The operators of `set`, in the order of the image.
-enum class SetOperator : std::uint8_t {
-  kAssign,
-  kAdd,
-  kSubtract,
-  kMultiply,
-  kDivide,
-  kRemainder,
-  kMin,
-  kMax
-};
-
+// A change of a variable by `set`.
 struct Assignment {
   std::uint8_t variable = 0;
-  SetOperator op = SetOperator::kAssign;
+  motion::Arithmetic operation = motion::Arithmetic::kAssign;
   Expression value;
-};
-
-struct StiffnessSetting {
-  std::uint32_t joints = 0;  // mask
-  std::uint8_t percent = 0;
-};
-
-// One feedback of the attitude to a joint, in the units of the image.
-struct MixSetting {
-  std::uint8_t joint = 0;
-  std::uint8_t source = 0;  // 0 roll rate, 1 pitch rate, 2 yaw rate, 3 roll, 4 pitch
-  std::int16_t gain = 0;    // 2^-12
-  std::uint16_t limit = 0;  // 2^-16 turn
-
-  friend bool operator==(const MixSetting&, const MixSetting&) = default;
-};
-
-struct LeanSetting {
-  std::int16_t pitch = 0;  // 2^-16 turn, forward
-  std::int16_t roll = 0;   // to the right
-
-  friend bool operator==(const LeanSetting&, const LeanSetting&) = default;
 };
 
 struct StepSource {
@@ -130,29 +80,27 @@ struct StepSource {
     kEnd
   };
   enum class LoopKind { kTimes, kUntilStopped, kWhile, kUntil };
-  // Interpolations in the order of the image.
-  enum class Interpolation : std::uint8_t { kLinear, kMinimumJerk, kCubic };
 
   Kind kind = Kind::kEnd;
   Place place = {};
   std::size_t pose = 0;         // kMove: index of a pose
   std::uint32_t time_us = 0;    // kMove, kWait, kAwait (time-out)
   std::uint32_t speed_raw = 0;  // kMove: peak speed in 2^-24 turn/s; 0: `time_us` counts
-  Interpolation interpolation = Interpolation::kLinear;
-  std::uint32_t pause_us = 0;  // kMove; 0: none
+  motion::Interpolation interpolation = motion::Interpolation::kLinear;  // kMove
+  std::uint32_t pause_us = 0;                                            // kMove; 0: none
   LoopKind loop = LoopKind::kTimes;
   std::uint16_t times = 0;                   // kLoop; 0: until stopped
   std::vector<StepSource> body = {};         // kLoop, kIf
   std::vector<StepSource> otherwise = {};    // kIf
   std::optional<Expression> condition = {};  // kLoop, kIf, kJump, kAwait
   std::optional<TestBlock> tests = {};       // kJump, kAwait: instead of the condition
-  std::string label = {};                    // kLabel, kJump, kCall; kAwait: where to go at the time-out
-  bool continues = false;                    // kAwait: goes on at the time-out; else it fails without label
-  motion::ExpectedAttitude attitude = {};    // kExpect
-  std::vector<Assignment> assignments = {};  // kSet
-  std::vector<StiffnessSetting> stiffness = {};  // kStiffness, kMove
-  std::vector<MixSetting> mix = {};              // kMix (empty: none any more), kMove
-  std::optional<LeanSetting> lean = {};          // kLean, kMove
+  std::string label = {};                    // kLabel, kJump, kCall; kAwait: target at the time-out
+  bool continues = false;  // kAwait: continues at the time-out; otherwise it fails if there is no label
+  motion::ExpectedAttitude attitude = {};            // kExpect
+  std::vector<Assignment> assignments = {};          // kSet
+  std::vector<motion::Stiffness> stiffness = {};     // kStiffness, kMove
+  std::vector<motion::Mix> mix = {};                 // kMix (empty: removes all), kMove
+  std::optional<motion::LeanDeclaration> lean = {};  // kLean, kMove
 };
 
 struct RoutineSource {

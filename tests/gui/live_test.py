@@ -7,14 +7,12 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 
-from selenium import webdriver
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
-from replay_test import PHONE, start_browser
+from replay_test import PHONE, BrowserPage, start_browser
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SMALL = (900, 600)  # every picture of a browser without a graphics processor costs time
@@ -53,7 +51,8 @@ LONG_RUN = """
             last: [run.value("left_knee_true", n - 1), Math.round(run.contacts.position[0][last])]};"""
 
 
-class LivePage(unittest.TestCase):
+class LivePage(BrowserPage, unittest.TestCase):
+    patience_s = 60
     program = None
 
     @classmethod
@@ -89,18 +88,6 @@ class LivePage(unittest.TestCase):
         self.process.send_signal(signal.SIGINT)
         self.process.communicate(timeout=60)
         self.assertEqual(self.process.returncode, 0)
-
-    def run_script(self, script):
-        return self.browser.execute_script(script)
-
-    def wait_until(self, script):
-        deadline = time.monotonic() + 60
-        while not self.run_script(script):
-            self.assertLess(time.monotonic(), deadline, f"waited in vain for: {script}\n{self.browser.get_log('browser')}")
-            time.sleep(0.05)
-
-    def press(self, *keys):
-        webdriver.ActionChains(self.browser).send_keys(*keys).perform()
 
     def text(self, name):
         return self.run_script(f"return document.getElementById('{name}').textContent")
@@ -179,7 +166,7 @@ class LivePage(unittest.TestCase):
         self.wait_until("return koboshi.time > 5e5 && koboshi.run.frames.count > 0")
         self.assertFalse(self.browser.find_element(By.ID, "drive").is_displayed())
         self.check_log()
-        # Of a long run the page keeps two minutes; everything still fits together.
+        # The page keeps two minutes of a long run, and its columns still agree.
         kept = self.run_script(LONG_RUN)
         self.assertGreaterEqual(kept["span"], 120e6)
         self.assertLess(kept["span"], 130.1e6)

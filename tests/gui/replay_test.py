@@ -26,6 +26,9 @@ from skimage.color import rgb2gray
 from skimage.metrics import structural_similarity
 from skimage.transform import resize
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from browser_page import BrowserPage  # noqa: E402
+
 REFERENCE = pathlib.Path(__file__).resolve().parent / "reference"
 
 # Pictures are compared at this width: a text that is set by another font or a line that is smoothed in another way then changes little.
@@ -52,7 +55,7 @@ def start_browser(folder, *more):
     return webdriver.Chrome(service=service, options=options)
 
 
-class ReplayPage(unittest.TestCase):
+class ReplayPage(BrowserPage, unittest.TestCase):
     update = False
     sample_pages = None
 
@@ -66,9 +69,6 @@ class ReplayPage(unittest.TestCase):
         cls.addClassCleanup(cls.browser.quit)
 
     # --- helpers ---
-
-    def run_script(self, script):
-        return self.browser.execute_script(script)
 
     def open(self, name, size=DESKTOP, dark=False, touch=False, fragment=""):
         """Opens a page and returns the main thread's time until it was ready, in s."""
@@ -88,15 +88,6 @@ class ReplayPage(unittest.TestCase):
             time.sleep(0.05)
         metrics = browser.execute_cdp_cmd("Performance.getMetrics", {})["metrics"]
         return {metric["name"]: metric["value"] for metric in metrics}["TaskDuration"]
-
-    def wait_until(self, script):
-        deadline = time.monotonic() + 30
-        while not self.run_script(script):
-            self.assertLess(time.monotonic(), deadline, f"waited in vain for: {script}")
-            time.sleep(0.02)
-
-    def press(self, *keys):
-        webdriver.ActionChains(self.browser).send_keys(*keys).perform()
 
     def press_with_shift(self, key):
         webdriver.ActionChains(self.browser).key_down(Keys.SHIFT).send_keys(key).key_up(Keys.SHIFT).perform()

@@ -6,14 +6,15 @@
 #include <fmt/core.h>
 
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "firmware/motion/motion.h"
 #include "firmware/storage/item.h"
+#include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
 #include "sim_board/robot/load.h"
 #include "sim_board/scenario/paths.h"
@@ -49,9 +50,7 @@ constexpr double kRest_s = 2.0;
 // Returns the image in a file: compiled from a source, or as it is in a .kmot file.
 std::vector<std::byte> image_of(const RobotMotionArguments& arguments, const simulation::NamedModel& robot) {
   if (arguments.motion.extension() != ".kmot") return simulation::compile_motion(arguments.motion, robot);
-  std::ifstream stream(arguments.motion, std::ios::binary);
-  if (!stream) throw sim::InputError(arguments.motion, 0, "no such file", "a motion");
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), {}};
+  const std::string bytes = sim::read_text_file(arguments.motion, "the image of a motion");
   const auto data = std::as_bytes(std::span(bytes));
   return {data.begin(), data.end()};
 }

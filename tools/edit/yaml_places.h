@@ -16,7 +16,7 @@ struct YamlPlace {
   // ends after its colon or dash. A text in block style (| or >) ends after its last line.
   std::size_t begin = 0;
   std::size_t end = 0;
-  // Of a map's entry: the key.
+  // The key of a map's entry; empty for other values.
   std::string key;
   std::size_t key_begin = 0;
   std::size_t key_end = 0;

@@ -145,7 +145,7 @@ class Formatter {
     return text_.substr(place.key_begin, place.key_end - place.key_begin);
   }
 
-  // What a plain scalar of block style must not contain in flow style.
+  // Quotes a plain scalar of block style that flow style would misread.
   std::string flow_scalar(const YamlPlace& place) const {
     std::string text = scalar_text(place);
     const bool plain = !text.empty() && text.front() != '"' && text.front() != '\'';

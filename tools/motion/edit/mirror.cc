@@ -8,7 +8,7 @@
 #include "sim_board/input/text.h"
 #include "sim_board/input/yaml_tree.h"
 #include "simulation/motion/expression.h"
-#include "simulation/motion/parse_steps.h"
+#include "simulation/motion/sensors.h"
 #include "tools/edit/yaml_places.h"
 
 namespace koboshi::tools {
@@ -190,7 +190,7 @@ class Mirror {
   void mirror_mix(const YamlPlace& map) {
     for (const YamlPlace& joint : map.items) {
       rename(joint, mirrored_name(joint.key));
-      // Of a name without side, the right joint's gains are already the mirror image.
+      // A name without its side already gives the right joint the mirror image of the gains.
       if (!joints_.find(joint.key)) continue;
       for (const YamlPlace& gain : joint.items) {
         const bool is_source = gain.key != "limit_deg";

@@ -8,8 +8,8 @@
 #include <fmt/core.h>
 
 #include "firmware/motion/instructions.h"
-#include "simulation/motion/expression.h"
 #include "simulation/motion/joints.h"
+#include "simulation/motion/sensors.h"
 #include "tests/unit/simulation/motion/motion_fixture.h"
 
 namespace koboshi::simulation {
