@@ -11,6 +11,11 @@ namespace {
 constexpr std::size_t kMaxFramesPerService = 64;
 constexpr std::size_t kMaxSamplesPerService = 16;
 
+// Emergency error code of the controller: device specific (CiA 301, table 26). A mask of the joints follows
+// in the manufacturer's field.
+constexpr std::uint16_t kErrorNoTorqueLimit = 0xFF01;
+constexpr unsigned kPermillePerPercent = drive::TorqueLimits::kFull_permille / motion::Stiffness::kFull;
+
 // False, and a robot without joints, when storage holds no valid model.
 bool load(const storage::Catalogue& catalogue, robot::RobotModel& model) {
   const auto image = catalogue.find(storage::ItemKind::kRobotModel, 0);
@@ -85,6 +90,7 @@ void Controller::tick(std::uint64_t now_us) {
   const behaviour::Decision& decision = behaviour_.step(robot, drives, network, now_us);
   requests_.end_calibration();
   executor_.execute(decision, now_us);
+  limit_torques(decision);
   publish();
   if (!network_.operational() || drives_.resetting()) return;
   if (drives_.configured()) command_drives(joint_targets(decision, robot), now_us);
@@ -147,6 +153,29 @@ void Controller::command_drives(const JointAngles& targets, std::uint64_t now_us
   }
 }
 
+void Controller::limit_torques(const behaviour::Decision& decision) {
+  if ((decision.softened | softened_) == 0) return;
+  softened_ = decision.softened;
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint) {
+    const bool softened = (softened_ >> joint & 1u) != 0;
+    const unsigned percent = softened ? decision.stiffness_percent[joint] : motion::Stiffness::kFull;
+    drives_.set_torque_limit(joint, static_cast<std::uint16_t>(percent * kPermillePerPercent));
+  }
+}
+
+// Reports once that drives refuse torque limits; 0x2200 shows which. The next boot clears it.
+void Controller::report_torque_limits() {
+  const std::uint32_t refused = drives_.without_torque_limit();
+  if (refused != 0) {
+    std::array<std::uint8_t, 5> joints{};
+    canopen::store_u32(joints.data(), refused);
+    node_.raise_error(kErrorNoTorqueLimit, canopen::error_register::kManufacturer, joints);
+  } else if (values_.diagnosis.without_torque_limit != 0) {
+    node_.clear_error(kErrorNoTorqueLimit);
+  }
+  values_.diagnosis.without_torque_limit = refused;
+}
+
 void Controller::publish() {
   show(behaviour_, values_);
   show(estimator_.state(), values_);
@@ -154,6 +183,7 @@ void Controller::publish() {
   values_.diagnosis.receive_overruns = network_.can_status().receive_overruns;
   values_.diagnosis.imu_overruns = board_.imu.overruns();
   values_.diagnosis.frames_lost = node_.lost_frames();
+  report_torque_limits();
 }
 
 }  // namespace koboshi::app

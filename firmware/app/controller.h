@@ -64,6 +64,8 @@ class Controller final {
   void read_ankles(std::uint64_t now_us);
   JointAngles joint_targets(const behaviour::Decision& decision, const estimation::RobotState& robot) const;
   void command_drives(const JointAngles& targets, std::uint64_t now_us);
+  void limit_torques(const behaviour::Decision& decision);
+  void report_torque_limits();
   void publish();
 
   hal::Board board_;
@@ -90,7 +92,8 @@ class Controller final {
   Requests requests_;
   DecisionExecutor executor_;
 
-  hal::ImuSample imu_sample_;  // a member, so that it need not be cleared each millisecond
+  hal::ImuSample imu_sample_;   // a member, so that it need not be cleared each millisecond
+  std::uint32_t softened_ = 0;  // joints whose torque the last decision limited; bit i: joint i
   bool started_ = false;
 };
 

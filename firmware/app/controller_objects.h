@@ -328,6 +328,10 @@ inline constexpr canopen::DescribedObject kControllerObjects[] = {
      {.name = "Factory parameters",
       .values = kFactoryStatusNames,
       .comment = "Parameters of this robot in storage. Unless they are loaded, all parameters are neutral."}},
+    {OBJECT(0x2200, 13, diagnosis.without_torque_limit, kReadOnly),
+     {.name = "Joints without torque limit",
+      .comment = "Bit i: the drive of joint i has refused a write of 6072, since the boot; it keeps its full "
+                 "torque."}},
     // Process data of the drives, in their own units (CiA 402), by joint.
     canopen::heading(0x2300, "Drive controlwords"),
     {OBJECT(0x2300, 1, drives.controlword[0], kReadOnly, kTpdo).repeated(kJoints, 2),

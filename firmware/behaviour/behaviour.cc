@@ -44,6 +44,7 @@ const Decision& Behaviour::step(const estimation::RobotState& robot, const drive
   cover_targets(cycle);
   if (!interpreter_.running()) motions_.close(storage::Holder::kPlayer);
   choose_feedback();
+  choose_stiffness();
   return decision_;
 }
 
@@ -138,6 +139,7 @@ void Behaviour::enter(State state, Reason reason, std::uint64_t now_us) {
       set_goal(drive::Goal::kEnabled);
       break;
     case State::kSoftStart:
+      interpreter_.abort();
       begin_soft_start();
       break;
     case State::kStanding:
@@ -200,9 +202,22 @@ void Behaviour::choose_feedback() {
   decision_.planned_pitch = walker_.pitch();
 }
 
+// The joints of two motions are different ones.
+void Behaviour::choose_stiffness() {
+  const motion::Interpreter& overlay = overlay_.interpreter();
+  const std::uint32_t softened = interpreter_.softened() | overlay.softened();
+  decision_.softened = softened;
+  if (softened == 0) return;
+  for (std::size_t joint = 0; joint < model_.joint_count; ++joint)
+    decision_.stiffness_percent[joint] =
+        std::min(interpreter_.stiffness_percent(joint), overlay.stiffness_percent(joint));
+}
+
 // --- One cycle of each state
 
+// The corrections of a motion that has ended fade in the states that follow it.
 void Behaviour::run_state(const Cycle& cycle) {
+  if (interpreter_.fading()) play_on(hal::kControlPeriod_us, cycle);
   switch (status_.state) {
     case State::kBoot:
       return run_boot(cycle);

@@ -65,6 +65,8 @@ struct FaultReport {
 // The output of the behaviour. The controller carries it out after each call that may change it.
 struct Decision {
   std::array<fixed::Angle, robot::kMaxJoints> targets{};  // by joint, before feedback
+  std::uint32_t softened = 0;                             // joints with less than full torque; bit i: joint i
+  std::array<std::uint8_t, robot::kMaxJoints> stiffness_percent{};  // of these joints
   balance::FeedbackMode feedback = balance::FeedbackMode::kNone;
   fixed::Angle planned_pitch;  // of the trunk, forward positive
   drive::Goal goal = drive::Goal::kTorqueOff;
@@ -152,6 +154,7 @@ class Behaviour {
   void stop_moving();
   void begin_soft_start();
   void choose_feedback();
+  void choose_stiffness();
 
   // One cycle of each state.
   void run_state(const Cycle& cycle);

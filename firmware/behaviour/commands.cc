@@ -136,6 +136,7 @@ Reason Behaviour::walk(const Judgement& judgement) {
   if (!judgement.robot.gyro_known) return Reason::kGyroBiasUnknown;
   if ((overlay_.joints() & walking_joints()) != 0) return Reason::kJointsInUse;
   overlay_.uncover(targets());
+  interpreter_.abort();
   walker_.start(parameters_.walk, targets());
   return obey_event(Event::kWalk, judgement.now_us);
 }

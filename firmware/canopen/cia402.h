@@ -27,6 +27,7 @@ inline constexpr std::uint16_t kFollowingErrorTimeOut = 0x6066;  // ms
 inline constexpr std::uint16_t kPositionWindow = 0x6067;
 inline constexpr std::uint16_t kPositionWindowTime = 0x6068;  // ms
 inline constexpr std::uint16_t kVelocityActual = 0x606C;
+inline constexpr std::uint16_t kMaxTorque = 0x6072;      // per mille of the rated torque
 inline constexpr std::uint16_t kRatedCurrent = 0x6075;   // mA
 inline constexpr std::uint16_t kRatedTorque = 0x6076;    // mNm
 inline constexpr std::uint16_t kTorqueActual = 0x6077;   // per mille of the rated torque

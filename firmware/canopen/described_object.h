@@ -129,6 +129,7 @@ inline constexpr ValueName kErrorCodeNames[] = {
     value_name(cia402::kErrorSyncLost, "SYNC lost"),
     value_name(cia402::kErrorFollowing, "following error"),
     {0xFF00, "behaviour fault"},
+    {0xFF01, "no torque limit"},
 };
 
 namespace cia402 {

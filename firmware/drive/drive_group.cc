@@ -30,13 +30,19 @@ bool is_warning(const canopen::Emergency& emergency) {
 }  // namespace
 
 DriveGroup::DriveGroup(const robot::RobotModel& model, canopen::FrameSink& sink, DriveSignals& signals)
-    : model_(model), sink_(sink), signals_(signals), client_(sink), configuration_(client_) {}
+    : model_(model),
+      sink_(sink),
+      signals_(signals),
+      client_(sink),
+      configuration_(client_),
+      torque_limits_(model, sink) {}
 
 void DriveGroup::boot(std::uint64_t reset_us) {
   phase_ = Phase::kResetting;
   reset_us_ = reset_us;
   goal_ = Goal::kTorqueOff;
   client_.reset();
+  torque_limits_.reset();
   addressed_ = 0;
   configured_ = 0;
   present_ = 0;
@@ -73,6 +79,7 @@ void DriveGroup::on_boot_up(std::size_t joint) {
     present_ |= bit;
     return;
   }
+  torque_limits_.on_boot_up(joint);
   const bool unconfigured = phase_ == Phase::kConfiguring && joint >= configured_;
   if (!unconfigured || (repeated_ & bit) != 0) return report(DriveFault::kRestarted, joint);
   repeated_ |= bit;
@@ -99,7 +106,9 @@ void DriveGroup::process(std::uint64_t now_us, Starting starting) {
   if (phase_ == Phase::kWaiting) await_boot_ups(now_us);
   if (phase_ == Phase::kConfiguring) configure(now_us);
   if (phase_ == Phase::kStarting) start(starting);
-  if (phase_ == Phase::kBooted) read_supply(now_us);
+  if (phase_ != Phase::kBooted) return;
+  torque_limits_.process(client_.state() != canopen::SdoState::kBusy, now_us);
+  if (!torque_limits_.busy()) read_supply(now_us);
 }
 
 void DriveGroup::start(Starting starting) {

@@ -13,6 +13,7 @@
 #include "firmware/drive/fault.h"
 #include "firmware/drive/signals.h"
 #include "firmware/drive/status.h"
+#include "firmware/drive/torque_limits.h"
 #include "firmware/fixed/contract.h"
 #include "firmware/fixed/debounce.h"
 #include "firmware/fixed/literals.h"
@@ -67,7 +68,10 @@ class DriveGroup {
   void give_up() { phase_ = Phase::kFailed; }
   void set_goal(Goal goal, std::uint64_t now_us);
 
-  void on_frame(const hal::CanFrame& frame) { client_.on_frame(frame); }
+  void on_frame(const hal::CanFrame& frame) {
+    client_.on_frame(frame);
+    torque_limits_.on_frame(frame);
+  }
   void on_heartbeat(const canopen::HeartbeatEvent& event);
   // Keeps the error code. Communication warnings are ignored: lost frames show as missing answers, and a
   // drive that has stopped reports it in its statusword.
@@ -87,6 +91,13 @@ class DriveGroup {
     KOBOSHI_ASSERT(joint < model_.joint_count);
     signals_.target_position[joint] = robot::drive_position(model_.joints[joint].drive, angle);
   }
+  // Sets the torque limit of a joint's drive, 0 to TorqueLimits::kFull_permille of its rated torque. It is
+  // written by SDO once booted; a boot returns it to the full torque.
+  void set_torque_limit(std::size_t joint, std::uint16_t limit_permille) {
+    torque_limits_.set(joint, limit_permille);
+  }
+  // Returns the joints whose drives have refused torque limits since the last boot; bit i: joint i.
+  std::uint32_t without_torque_limit() const { return torque_limits_.refused(); }
   // Returns the last reported angle of a joint. Valid once booted; before, the angle at the position 0, which
   // `boot` sets.
   fixed::Angle angle(std::size_t joint) const;
@@ -139,6 +150,7 @@ class DriveGroup {
   DriveSignals& signals_;
   canopen::SdoClient client_;
   Configuration configuration_;
+  TorqueLimits torque_limits_;
   Phase phase_ = Phase::kIdle;
   Goal goal_ = Goal::kTorqueOff;
   std::uint64_t reset_us_ = 0;

@@ -12,7 +12,7 @@ using fixed::Angle;
 void Interpreter::start(const Motion& motion, std::span<const Angle> pose, const Inputs& inputs) {
   trajectory_.reset(pose);
   state_.reset();
-  mixer_.clear();
+  mixer_.reset();
   motion_ = motion;
   running_ = true;
   failed_ = false;
@@ -23,6 +23,7 @@ void Interpreter::start(const Motion& motion, std::span<const Angle> pose, const
   depth_ = 0;
   lean_from_ = lean_to_ = lean_ = declared_ = {};
   stiffness_percent_.fill(Stiffness::kFull);
+  softened_ = released_ = 0;
   zero_time_left_ = kMaxZeroTimeSteps;
   moves_left_ = kMaxMoves;
   enter(0, inputs);
@@ -40,6 +41,8 @@ void Interpreter::advance(std::uint32_t elapsed_us, const Inputs& inputs) {
   owed_us_ = 0;
   zero_time_left_ = kMaxZeroTimeSteps;
   moves_left_ = kMaxMoves;
+  mixer_.pass(elapsed_us);
+  if (released_ != 0) trajectory_.release(released_, inputs.angles);
   if (running_ && awaiting_) {
     const Step step = motion_.step(step_index_);
     zero_time_left_ -= Condition::of(step).count;
@@ -61,6 +64,7 @@ void Interpreter::advance(std::uint32_t elapsed_us, const Inputs& inputs) {
       break;
     }
   }
+  if (released_ != 0) trajectory_.release(released_, inputs.angles);
   if (running_) interpolate();
 }
 
@@ -175,7 +179,7 @@ std::uint16_t Interpreter::execute(const Step& step, const Inputs& inputs) {
       return after_loop_end(step);
     case Opcode::kJump: {
       const std::uint16_t target = jump(step.operand, next);
-      if (target == motion_.main_step_count()) running_ = false;  // ran past the main program, after a stop
+      if (target == motion_.main_step_count()) end();  // ran past the main program, after a stop
       return target;
     }
     case Opcode::kExpect:
@@ -213,7 +217,7 @@ std::uint16_t Interpreter::execute(const Step& step, const Inputs& inputs) {
     case Opcode::kWait:
       return next;
     case Opcode::kEnd:
-      running_ = false;
+      end();
       return next;
   }
   return next;
@@ -257,16 +261,26 @@ void Interpreter::set_stiffness(const Stiffness& stiffness) {
   for (std::size_t i = 0; i < model_.joint_count; ++i) {
     if ((stiffness.joints >> i & 1u) != 0) stiffness_percent_[i] = stiffness.percent;
   }
+  const auto put = [&](std::uint32_t& mask, bool set) {
+    mask = set ? mask | stiffness.joints : mask & ~stiffness.joints;
+  };
+  put(softened_, stiffness.percent < Stiffness::kFull);
+  put(released_, stiffness.percent == 0);
+}
+
+void Interpreter::end() {
+  running_ = false;
+  mixer_.clear();
 }
 
 void Interpreter::fail() {
   failed_ = true;
-  running_ = false;
+  end();
 }
 
-void Interpreter::add_corrections(std::span<Angle> targets, const estimation::RobotState& robot) const {
+void Interpreter::add_corrections(std::span<Angle> targets, const estimation::RobotState& robot) {
   KOBOSHI_ASSERT(targets.size() == model_.joint_count);
-  if (running_) mixer_.add_to(targets, model_, robot, lean_);
+  mixer_.add_to(targets, model_, robot, lean_);
 }
 
 void Interpreter::interpolate() {

@@ -35,11 +35,15 @@ class Interpreter {
   // step; an await ends at once. Without one, loops end instead of repeating, and jumps backwards are not
   // taken.
   void stop();
-  // Ends the motion at once; the targets are kept.
-  void abort() { running_ = false; }
+  // Ends the motion at once, and the fading of corrections; the targets are kept.
+  void abort() {
+    running_ = false;
+    mixer_.reset();
+  }
 
   // Advances the motion. More than kMaxAdvance_us counts as kMaxAdvance_us: after a gap the motion resumes
-  // where it was, it does not jump.
+  // where it was, it does not jump. A joint without torque (kStiffness 0) has its measured angle as target,
+  // so that its next move begins there. After the end only the fading of corrections goes on.
   void advance(std::uint32_t elapsed_us, const Inputs& inputs);
 
   [[nodiscard]] bool running() const { return running_; }
@@ -50,14 +54,18 @@ class Interpreter {
   // the last ones.
   [[nodiscard]] std::span<const fixed::Angle> targets() const { return trajectory_.targets(); }
   // Adds the corrections of kMix to these targets, one for each joint, within their limits. After the end
-  // there are none.
-  void add_corrections(std::span<fixed::Angle> targets, const estimation::RobotState& robot) const;
+  // the last ones fade (Mixer::kFade_us).
+  void add_corrections(std::span<fixed::Angle> targets, const estimation::RobotState& robot);
+  // Returns whether the motion has ended and its corrections still fade.
+  [[nodiscard]] bool fading() const { return !running_ && mixer_.fading(); }
   // Returns the declared lean; after the end, none.
   [[nodiscard]] Lean lean() const { return running_ ? lean_ : Lean(); }
   // Returns the share of the drives' full torque, by joint, in percent; after the end, all of it.
   [[nodiscard]] std::uint8_t stiffness_percent(std::size_t joint) const {
     return running_ ? stiffness_percent_[joint] : Stiffness::kFull;
   }
+  // Returns the joints with less than full torque; after the end, none. Bit i: joint i.
+  [[nodiscard]] std::uint32_t softened() const { return running_ ? softened_ : 0; }
   // Returns the joints of the motion, also after its end (Motion::claimed_joints).
   [[nodiscard]] std::uint32_t claimed_joints() const { return motion_.claimed_joints(); }
   // Returns the step being played, for monitoring; after the end, the one at which the motion ended.
@@ -85,6 +93,7 @@ class Interpreter {
   [[nodiscard]] std::uint16_t jump(std::uint16_t target, std::uint16_t otherwise) const;
   [[nodiscard]] std::uint16_t following(const Step& step) const;
   void set_stiffness(const Stiffness& stiffness);
+  void end();
   void fail();
   void interpolate();
 
@@ -113,6 +122,8 @@ class Interpreter {
   Lean lean_;
   Lean declared_;  // by the last kLean; the next step that takes time goes there
   std::array<std::uint8_t, robot::kMaxJoints> stiffness_percent_{};
+  std::uint32_t softened_ = 0;  // joints with less than full torque; bit i: joint i
+  std::uint32_t released_ = 0;  // those without torque
 };
 
 }  // namespace koboshi::motion

@@ -1,6 +1,7 @@
 #include "firmware/motion/mixer.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "firmware/fixed/rounding.h"
 
@@ -35,27 +36,60 @@ bool Mixer::set(const Mix& mix) {
     return other.joint == mix.joint && other.source == mix.source;
   });
   if (mix.gain == 0) {
-    if (place != end) *place = mixes_[--count_];
+    if (place != end) remove(static_cast<std::size_t>(place - mixes_.begin()));
     return true;
   }
   if (place == end) {
     if (count_ == kMaxMixes) return false;
-    ++count_;
+    last_raw_[count_++] = 0;
   }
   *place = mix;
   return true;
 }
 
-void Mixer::add_to(std::span<fixed::Angle> targets, const robot::RobotModel& model,
-                   const estimation::RobotState& robot, const Lean& lean) const {
-  for (const Mix& mix : std::span(mixes_).first(count_)) {
+void Mixer::reset() {
+  count_ = 0;
+  fading_ = 0;
+  fades_ = {};
+}
+
+void Mixer::remove(std::size_t place) {
+  const std::size_t joint = mixes_[place].joint;
+  Fade& fade = fades_[joint];
+  fade = {fade.value_raw() + last_raw_[place], kFade_us};
+  fading_ |= 1u << joint;
+  --count_;
+  mixes_[place] = mixes_[count_];
+  last_raw_[place] = last_raw_[count_];
+}
+
+void Mixer::fade(std::uint32_t elapsed_us) {
+  for (std::size_t joint = 0; joint < fades_.size(); ++joint) {
+    Fade& fade = fades_[joint];
+    fade.left_us -= std::min(fade.left_us, elapsed_us);
+    if (fade.left_us == 0) fading_ &= ~(1u << joint);
+  }
+}
+
+void Mixer::add_all(std::span<fixed::Angle> targets, const robot::RobotModel& model,
+                    const estimation::RobotState& robot, const Lean& lean) {
+  const auto turn = [&](std::size_t number, std::int64_t change_raw) {
+    const robot::Joint& joint = model.joints[number];
+    const std::int64_t target_raw = targets[number].raw() + change_raw;
+    targets[number] = fixed::Angle::from_raw(static_cast<std::int32_t>(
+        std::clamp<std::int64_t>(target_raw, joint.lower.raw(), joint.upper.raw())));
+  };
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Mix& mix = mixes_[i];
     const std::int64_t limit = std::int64_t{mix.limit} << (fixed::Angle::kFractionBits - 16);
     const std::int64_t change =
         fixed::shift_rounded(deviation(mix.source, robot, lean) * mix.gain, kGainBits);
-    const std::int64_t target = targets[mix.joint].raw() + std::clamp(change, -limit, limit);
-    const robot::Joint& joint = model.joints[mix.joint];
-    targets[mix.joint] = fixed::Angle::from_raw(
-        static_cast<std::int32_t>(std::clamp<std::int64_t>(target, joint.lower.raw(), joint.upper.raw())));
+    last_raw_[i] = static_cast<std::int32_t>(std::clamp(change, -limit, limit));
+    turn(mix.joint, last_raw_[i]);
+  }
+  for (std::uint32_t joints = fading_; joints != 0; joints &= joints - 1) {
+    const auto joint = static_cast<std::size_t>(std::countr_zero(joints));
+    turn(joint, fades_[joint].value_raw());
   }
 }
 

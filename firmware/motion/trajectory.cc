@@ -91,6 +91,16 @@ void Trajectory::reset(std::span<const Angle> pose) {
   through_ = 0;
 }
 
+void Trajectory::release(std::uint32_t joints, std::span<const Angle> angles) {
+  moving_ &= ~joints;
+  through_ &= ~joints;
+  for_each(joints, [&](std::size_t joint) {
+    if (joint >= angles.size()) return;
+    const Angle measured = clamp_to_limits(model_.joints[joint], angles[joint]);
+    targets_[joint] = from_[joint] = to_[joint] = measured;
+  });
+}
+
 std::uint32_t Trajectory::duration_us(Interpolation interpolation, std::uint32_t travel,
                                       std::uint32_t speed) {
   KOBOSHI_ASSERT(speed > 0);

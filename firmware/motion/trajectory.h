@@ -40,6 +40,10 @@ class Trajectory {
   // Returns the longest way of a joint from the end of the present step to a pose, 2^-32 turn.
   [[nodiscard]] std::uint32_t travel_to(PoseReader pose) const;
 
+  // The joints of this mask, bit i for joint i, rest where they were measured, clamped to their limits, and
+  // take no part in the present move. Joints beyond the end of `angles` keep their targets.
+  void release(std::uint32_t joints, std::span<const fixed::Angle> angles);
+
   // Begins a step. The one before has finished.
   void begin_wait();
   // `continues`: the step before was a cubic one that was planned to go on to this pose.

@@ -126,7 +126,8 @@ void Drive::update(const JointState& joint, std::uint64_t now_us) {
     }
     if (started_) run_loop();
   }
-  if (makes_torque()) {
+  if (makes_torque() && values_.max_torque_permille > 0) {
+    servo_.limit_torque(values_.max_torque_permille);
     servo_.drive(demand_.at(now_us) - home_units_);
   } else {
     servo_.release();

@@ -23,6 +23,9 @@ inline constexpr std::uint32_t kDefaultCyclicStep = 87'500;              // 30.0
 inline constexpr std::uint32_t kDefaultMotorSpeed_rpm = 500;             // 3,000 degrees/s
 inline constexpr std::uint32_t kDefaultMaxAcceleration = 1'270'000'000;  // 436,000 degrees/s^2
 
+// 0x6072: as much torque as the supply gives.
+inline constexpr std::uint16_t kFullTorque_permille = 1000;
+
 // The values behind a drive's object dictionary, CiA 402. Positions in 2^-20 turn of the shaft.
 struct DriveValues {
   std::int16_t abort_connection_option = 1;  // 0x6007: a lost controller is a fault
@@ -38,12 +41,13 @@ struct DriveValues {
   std::int8_t mode_display = 0;
   std::int32_t position_demand = 0;  // 0x6062
   std::int32_t position_actual = 0;
-  std::int32_t velocity_actual = 0;             // 0x606C: 2^-20 turn/s
-  std::uint32_t rated_current_mA = 0;           // 0x6075: the stall current at nominal supply
-  std::int16_t current_actual_permille = 0;     // 0x6078: of 0x6075
-  std::int16_t torque_actual_permille = 0;      // of 0x6076
-  std::uint32_t rated_torque_mNm = 0;           // 0x6076: the stall torque at nominal supply
-  std::uint32_t supply_mV = 0;                  // 0x6079: as measured by the drive
+  std::int32_t velocity_actual = 0;                          // 0x606C: 2^-20 turn/s
+  std::uint16_t max_torque_permille = kFullTorque_permille;  // 0x6072: of 0x6076
+  std::uint32_t rated_current_mA = 0;                        // 0x6075: the stall current at nominal supply
+  std::int16_t current_actual_permille = 0;                  // 0x6078: of 0x6075
+  std::int16_t torque_actual_permille = 0;                   // of 0x6076
+  std::uint32_t rated_torque_mNm = 0;                        // 0x6076: the stall torque at nominal supply
+  std::uint32_t supply_mV = 0;                               // 0x6079: as measured by the drive
   std::int16_t winding_dC = 0;                  // kWindingTemperature: 0.1 C, as measured by the drive
   std::uint32_t following_window = kWindowOff;  // 0x6065: of the following error
   std::uint16_t following_timeout_ms = 0;       // 0x6066: how long it may be larger

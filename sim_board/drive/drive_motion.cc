@@ -161,8 +161,9 @@ void Drive::make_home() {
   restart_motion(values_.controlword);
 }
 
+// A shaft that turns freely follows nothing, and is not to blame for it.
 void Drive::watch_position() {
-  if (!makes_torque()) return watch_.restart();
+  if (!makes_torque() || values_.max_torque_permille == 0) return watch_.restart();
   const bool arrived = profile_.halted() ? demand_.stands(now_us_) : profile_.arrived();
   const std::int32_t target = profile_.halted() ? demand_.at(now_us_) : profile_.target();
   watch_.step(values_, demand_.at(now_us_), position_units(), target, arrived, now_us_);

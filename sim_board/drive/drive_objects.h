@@ -119,6 +119,11 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
      {.name = "Position window time", .unit = {"ms"}}},
     {OBJECT(kVelocityActual, 0, velocity_actual, kReadOnly, kTpdo),
      {.name = "Velocity actual value", .unit = kShaftSpeedUnit, .comment = "Over the last 8 ms."}},
+    {OBJECT(kMaxTorque, 0, max_torque_permille, kReadWrite).within<std::uint16_t>(0, kFullTorque_permille),
+     {.name = "Max torque",
+      .unit = kShareUnit,
+      .comment = "Of the rated torque. 0: the shaft turns freely, although operation is enabled; 100 %: as "
+                 "much as the supply gives."}},
     {OBJECT(kRatedCurrent, 0, rated_current_mA, kReadOnly),
      {.name = "Motor rated current", .unit = {"mA"}, .comment = "The stall current at nominal supply."}},
     {OBJECT(kRatedTorque, 0, rated_torque_mNm, kReadOnly),

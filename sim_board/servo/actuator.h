@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "sim_board/robot/description.h"
 #include "sim_board/world/world.h"
@@ -52,11 +53,22 @@ class Motor {
   double resistance_ohm_;
 };
 
-// The drive holds the current down by its voltage: |V - kt w| <= R i_max. Behind a limit of the torque itself
-// the back EMF would be lost, and with it what keeps the solver stable.
+// The drive holds the current down by its voltage, to protect itself and to keep the torque limit that it was
+// given: |V - kt w| <= R i_max. Behind a limit of the torque itself the back EMF would be lost, and with it
+// what keeps the solver stable.
 class CurrentLimit {
  public:
-  explicit CurrentLimit(const ServoDescription& servo) : limit_A_(servo.current_limit_A) {}
+  explicit CurrentLimit(const ServoDescription& servo)
+      : own_limit_A_(servo.current_limit_A),
+        stall_A_(servo.supply_V / servo.resistance_ohm),
+        limit_A_(own_limit_A_) {}
+
+  // In 0.001 of the stall torque at nominal supply; 1000: none but the drive's own, so that a motor that is
+  // turned from outside still brakes with more than its stall torque.
+  void set_torque_limit(std::uint16_t limit_permille) {
+    limit_A_ =
+        limit_permille >= 1000 ? own_limit_A_ : std::min(own_limit_A_, stall_A_ * limit_permille / 1000);
+  }
 
   double limit_V(double voltage_V, const Motor& motor, double speed_rad_per_s) const {
     const double middle_V = motor.generated_V(speed_rad_per_s);
@@ -65,6 +77,8 @@ class CurrentLimit {
   }
 
  private:
+  double own_limit_A_;
+  double stall_A_;
   double limit_A_;
 };
 

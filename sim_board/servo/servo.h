@@ -49,6 +49,9 @@ class Servo {
   const Winding& winding() const { return winding_; }
   const Backlash& backlash() const { return backlash_; }
 
+  // Limits the motor's torque to this share of the stall torque at nominal supply, 0.001; 1000: no limit but
+  // the supply.
+  void limit_torque(std::uint16_t limit_permille) { current_limit_.set_torque_limit(limit_permille); }
   // One period of the position loop towards `target_units`.
   void drive(std::int32_t target_units);
   // All switches open: no current flows, so no torque and no braking. Friction and the rotor's inertia

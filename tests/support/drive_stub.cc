@@ -33,6 +33,7 @@ DriveStub::DriveStub(const robot::Drive& drive) : node_id_(drive.node_id) {
   set_object(0x1018, 2, drive.product_code);
   set_object(0x1018, 4, drive.serial_number);
   set_object(canopen::cia402::kSupplyVoltage, 0, 7400);
+  set_object(canopen::cia402::kMaxTorque, 0, 1000);
 }
 
 void DriveStub::on_frame(const hal::CanFrame& frame, std::vector<hal::CanFrame>& answers) {
@@ -57,7 +58,7 @@ std::uint16_t DriveStub::cycle(std::uint16_t next_controlword, std::int32_t next
   target = next_target;
   const bool stuck = !enables && state == State::kReadyToSwitchOn;
   if (state != State::kFault && !stuck) state = follow(state, controlword);
-  if (state == State::kOperationEnabled) position = target;
+  if (state == State::kOperationEnabled && object(canopen::cia402::kMaxTorque, 0) > 0) position = target;
   return statusword();
 }
 
@@ -73,6 +74,7 @@ void DriveStub::on_nmt(const hal::CanFrame& frame, std::vector<hal::CanFrame>& a
   operational_ = message->command == canopen::NmtCommand::kStart;
   if (message->command != canopen::NmtCommand::kResetNode) return;
   state = State::kSwitchOnDisabled;
+  set_object(canopen::cia402::kMaxTorque, 0, 1000);
   answers.push_back(boot_up());
 }
 

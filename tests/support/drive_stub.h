@@ -13,7 +13,7 @@
 namespace koboshi::test {
 
 // An ideal servo drive on a fake bus. It answers SDO requests, obeys controlwords without delay and is always
-// at its target. Tests change its members to inject faults.
+// at its target, unless its torque limit (0x6072) is zero. Tests change its members to inject faults.
 class DriveStub {
  public:
   using State = canopen::cia402::State;

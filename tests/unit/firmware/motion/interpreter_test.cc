@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/firmware/motion/motion_builder.h"
+#include "tests/unit/firmware/motion/interpreter_fixture.h"
 
 namespace koboshi::motion {
 namespace {
@@ -13,50 +13,6 @@ using test::degrees;
 using test::MotionBuilder;
 using test::stored;
 using test::stored_deg;
-
-constexpr std::size_t kKnee = 3;
-constexpr std::size_t kPan = 18;
-constexpr std::uint32_t kTick_us = 10'000;
-
-const double kBent_deg = stored_deg(60);
-const double kFlexed_deg = stored_deg(20);
-
-class InterpreterTest : public testing::Test {
- protected:
-  // Poses 0, 1, 2: left knee at 0, 60, 20 degrees.
-  MotionBuilder knee_poses() const {
-    MotionBuilder builder(model_);
-    builder.pose(kKnee, 0).pose(kKnee, 60).pose(kKnee, 20);
-    return builder;
-  }
-  void start(const MotionBuilder& builder) {
-    image_ = builder.image();
-    Motion motion;
-    ASSERT_TRUE(Motion::open(image_, model_, motion).ok());
-    interpreter_.start(motion, pose_, inputs_);
-  }
-  double knee_deg() const { return fixed::to_double(interpreter_.targets()[kKnee]) / test::kRadPerDegree; }
-  void advance(std::uint32_t total_us, std::uint32_t tick_us = kTick_us) {
-    for (std::uint32_t time_us = 0; time_us < total_us; time_us += tick_us)
-      interpreter_.advance(tick_us, inputs_);
-  }
-  // Returns the remaining time of the motion, at most 60 s.
-  std::uint32_t time_to_end_us(std::uint32_t tick_us = 1'000) {
-    std::uint32_t time_us = 0;
-    for (; interpreter_.running() && time_us < 60'000'000; time_us += tick_us)
-      interpreter_.advance(tick_us, inputs_);
-    return time_us;
-  }
-
-  const robot::RobotModel model_ = test::load_test_robot();
-  estimation::RobotState state_;
-  std::array<Angle, 20> measured_{};
-  std::array<std::int16_t, 20> torques_{};
-  Inputs inputs_{.robot = state_, .angles = measured_, .torques_permille = torques_};
-  Interpreter interpreter_{model_};
-  std::vector<std::byte> image_;
-  std::array<Angle, 20> pose_{};
-};
 
 TEST_F(InterpreterTest, InterpolatesLinearlyBetweenPoses) {
   start(knee_poses().step(kMove, 1, 600'000).step(kMove, 2, 400'000).step(kEnd));

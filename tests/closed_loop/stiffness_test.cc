@@ -1,0 +1,80 @@
+// A motion releases an arm, which sinks, and takes it back.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+#include "tests/closed_loop/run.h"
+
+namespace koboshi::test {
+namespace {
+
+constexpr double kRadPerDegree = std::numbers::pi / 180;
+constexpr std::uint64_t kPlayed_us = 4'000'000;
+
+constexpr const char* kReleaseAnArm = R"(version: 2
+robot: koboshi
+name: release
+poses:
+  raised: {left_shoulder_pitch: -80, left_shoulder_roll: 10, left_elbow: -10}
+steps:
+  - {pose: raised, time_s: 1}
+  - {wait_s: 0.3}
+  - {torque_off: [left_arm]}
+  - {wait_s: 1.5}
+  - {stiffness: {left_arm: 100}}
+  - {pose: raised, time_s: 1, interpolation: minimum_jerk}
+)";
+
+sim::Scenario scenario() {
+  const auto file = std::filesystem::path(testing::TempDir()) / "stiffness_test_release.yaml";
+  std::ofstream(file) << kReleaseAnArm;
+  const std::vector<sim::Override> overrides{
+      {"physics.stepper", "lumped"},
+      {"initial", "{fixed_base: true}"},
+      {"motions", "[robots/koboshi/motions/stand.yaml, " + file.string() + "]"},
+      {"commands", "[{at_s: 2, enable: true}, {at_s: 4, play: stiffness_test_release}]"}};
+  return sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml", overrides);
+}
+
+// Gear friction stops the arm half-way down: it hangs by 30 degrees lower.
+TEST(Stiffness, ReleasesAnArmAndTakesItBackWithoutAJerk) {
+  RobotRun run(scenario());
+  const std::size_t joint = run.joint("left_shoulder_pitch");
+  const auto shaft_deg = [&] {
+    return run.board().world().joint(static_cast<int>(joint)).position_rad / kRadPerDegree;
+  };
+  const auto limit = [&] { return run.board().drive(joint).values().max_torque_permille; };
+
+  run.run_until_us(kPlayed_us + 1'250'000);
+  EXPECT_EQ(limit(), 1'000);
+  EXPECT_NEAR(shaft_deg(), -80, 1);
+  run.run_until_us(kPlayed_us + 1'400'000);
+  EXPECT_EQ(limit(), 0);
+  EXPECT_EQ(run.board().drive(joint).torque_Nm(), 0.0);
+  run.run_until_us(kPlayed_us + 2'750'000);
+  EXPECT_GT(shaft_deg(), -60) << "it hangs";
+  EXPECT_EQ(run.board().drive(joint).torque_Nm(), 0.0);
+
+  // A minimum-jerk move over 31 degrees in a second has a peak speed of 58 deg/s. A drive that was to return
+  // to its old target at once would turn at some 300 deg/s.
+  double fastest_deg_per_s = 0;
+  double before_deg = shaft_deg();
+  while (run.now_us() < kPlayed_us + 3'900'000) {
+    run.run_until_us(run.now_us() + 10'000);
+    fastest_deg_per_s = std::max(fastest_deg_per_s, 100 * std::abs(shaft_deg() - before_deg));
+    before_deg = shaft_deg();
+  }
+  EXPECT_GT(fastest_deg_per_s, 40);
+  EXPECT_LT(fastest_deg_per_s, 75);
+  EXPECT_NEAR(shaft_deg(), -80, 1);
+  EXPECT_EQ(limit(), 1'000);
+  EXPECT_EQ(run.behaviour().state, behaviour::State::kStanding);
+  EXPECT_EQ(run.behaviour().faults, 0);
+}
+
+}  // namespace
+}  // namespace koboshi::test

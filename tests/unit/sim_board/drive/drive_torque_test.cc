@@ -1,0 +1,81 @@
+#include "tests/unit/sim_board/drive/drive_bench.h"
+
+// The torque limit of a drive, 0x6072.
+namespace koboshi::sim {
+namespace {
+
+constexpr std::int32_t kFarAway = 500'000;  // from there the position loop asks for the whole supply
+
+class DriveTorque : public DriveTest {
+ protected:
+  void SetUp() override {
+    enable();
+    target = kFarAway;  // the shaft is held
+    run_ms(500);
+  }
+  double stall_Nm() const {
+    const ServoDescription& servo = joint.servo;
+    return servo.torque_constant_Nm_per_A * servo.supply_V / servo.resistance_ohm;
+  }
+};
+
+TEST_F(DriveTorque, IsFullByDefault) {
+  EXPECT_EQ(drive->values().max_torque_permille, 1'000);
+  const double full_Nm = torque.drive_Nm;
+  EXPECT_GT(full_Nm, 0.9 * stall_Nm());
+  write({0x6072, 0}, 1'000, 2);
+  run_ms(5);
+  EXPECT_EQ(torque.drive_Nm, full_Nm);
+}
+
+TEST_F(DriveTorque, IsLimitedToAShareOfTheRatedTorque) {
+  for (const std::uint32_t permille : {500u, 100u, 1u}) {
+    write({0x6072, 0}, permille, 2);
+    run_ms(5);
+    EXPECT_NEAR(torque.drive_Nm, stall_Nm() * permille / 1'000, 1e-9);
+    EXPECT_NEAR(drive->values().torque_actual_permille, permille, 1);
+  }
+  EXPECT_EQ(drive->state(), State::kOperationEnabled);
+  EXPECT_EQ(torque.damping_Nm_s > 0.1, true) << "still driven";
+}
+
+TEST_F(DriveTorque, OfZeroLetsTheShaftTurnFreelyWithoutAFault) {
+  write({0x6065, 0}, 1'000, 4);  // the following error is watched
+  write({0x6066, 0}, 10, 2);
+  write({0x6072, 0}, 0, 2);
+  run_ms(5);
+  EXPECT_FALSE(is_driven());
+  shaft.position_rad = -0.5;
+  run_ms(500);
+  EXPECT_FALSE(is_driven());
+  EXPECT_EQ(torque.drive_Nm, 0.0);
+  EXPECT_EQ(drive->state(), State::kOperationEnabled);
+  EXPECT_TRUE(cia402::follows_command(drive->values().statusword));
+  EXPECT_EQ(emergencies(), std::vector<std::uint16_t>{}) << "neither blocked nor lagging";
+  EXPECT_EQ(drive->values().following_error, 0);
+  target = drive->values().position_actual;
+  run_ms(20);
+  write({0x6072, 0}, 1'000, 2);
+  run_ms(20);
+  EXPECT_TRUE(is_driven());
+  EXPECT_NEAR(torque.drive_Nm, 0.0, 0.01 * stall_Nm()) << "no jerk from where the shaft is";
+}
+
+TEST_F(DriveTorque, RefusesWhatIsOutOfRange) {
+  EXPECT_EQ(abort_of({0x6072, 0}, 1'001, 2), 0x0609'0031u);
+  EXPECT_EQ(abort_of({0x6072, 0}, 500, 4), 0x0607'0012u);
+  EXPECT_EQ(abort_of({0x6072, 0}, 5, 1), 0x0607'0013u);
+  EXPECT_EQ(abort_of({0x6072, 1}, 500, 2), 0x0609'0011u);
+  EXPECT_EQ(drive->values().max_torque_permille, 1'000);
+}
+
+TEST_F(DriveTorque, IsFullAgainAfterAReset) {
+  write({0x6072, 0}, 200, 2);
+  EXPECT_EQ(drive->values().max_torque_permille, 200);
+  say({.identifier = 0x000, .size = 2, .data = {0x81, kNode}});
+  run_ms(5);
+  EXPECT_EQ(drive->values().max_torque_permille, 1'000);
+}
+
+}  // namespace
+}  // namespace koboshi::sim
