@@ -40,8 +40,9 @@ inline constexpr const char* kUnknownVariable = "M035";
 inline constexpr const char* kTooManyVariables = "M036";
 
 inline constexpr const char* kTooFast = "M040";
-inline constexpr const char* kTooMany = "M041";  // poses, steps, groups, levels
-inline constexpr const char* kRefused = "M042";  // rejected by the firmware's validator
-inline constexpr const char* kUnused = "M050";   // warning
+inline constexpr const char* kTooMany = "M041";          // poses, steps, groups, levels
+inline constexpr const char* kRefused = "M042";          // rejected by the firmware's validator
+inline constexpr const char* kUnused = "M050";           // warning
+inline constexpr const char* kLeanWithoutLegs = "M051";  // warning
 
 }  // namespace koboshi::simulation::code

@@ -167,6 +167,26 @@ Place place_of(const motion::MotionVerdict& verdict, const CompiledMotion& compi
   return at(compiled.step_places);
 }
 
+// Warns of the first lean that a motion declares although it moves no leg: played beside another motion or
+// the walk, as it is made for, its lean does not count.
+void check_leans(const motion::Motion& motion, const CompiledMotion& compiled, const robot::RobotModel& model,
+                 Diagnostics& diagnostics) {
+  std::uint32_t legs = 0;
+  for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
+    for (const robot::JointIndex joint : model.leg(side)) legs |= 1u << joint;
+  }
+  if ((motion.claimed_joints() & legs) != 0) return;
+  for (std::size_t i = 0; i < motion.step_count(); ++i) {
+    if (motion.opcode(i) != motion::Opcode::kLean) continue;
+    diagnostics.add({.code = code::kLeanWithoutLegs,
+                     .severity = Severity::kWarning,
+                     .place = compiled.step_places[i],
+                     .found = "a lean declared by a motion that moves no leg",
+                     .expected = "none: beside another motion or the walk it does not count"});
+    return;
+  }
+}
+
 }  // namespace
 
 std::string describe(motion::MotionStatus status) {
@@ -189,7 +209,10 @@ CompiledMotion compile_motion(const MotionSource& motion, const NamedModel& robo
   compiled.step_places = std::move(lowered.places);
   motion::Motion opened;
   const motion::MotionVerdict verdict = motion::Motion::open(compiled.image, robot.model, opened);
-  if (verdict.ok()) return compiled;
+  if (verdict.ok()) {
+    check_leans(opened, compiled, robot.model, diagnostics);
+    return compiled;
+  }
   diagnostics.add({.code = code::kRefused,
                    .place = place_of(verdict, compiled, motion, table),
                    .found = describe(verdict.status),

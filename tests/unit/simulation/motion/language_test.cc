@@ -137,6 +137,17 @@ TEST(MotionLanguage, OrdersRoutinesByTheirCallsAndLeavesOutUnusedOnes) {
                         "steps:\n  - {call: r2}\n  - end\n"));
 }
 
+// Beside another motion or the walk, the lean of the second motion does not count.
+TEST(MotionLanguage, WarnsOfALeanThatAMotionWithoutLegsDeclares) {
+  const auto codes = [](const std::string& joint) {
+    return compile_text("version: 2\nrobot: koboshi\nname: nod\nposes:\n  nod: {" + joint +
+                        ": 10}\nsteps:\n  - {pose: nod, time_s: 1, lean: {pitch_deg: 5}}\n  - {lean: none}\n")
+        .codes();
+  };
+  EXPECT_EQ(codes("head_tilt"), "M051");
+  EXPECT_EQ(codes("left_knee"), "");
+}
+
 TEST(MotionLanguage, TakesSettingsOfAStepBack) {
   EXPECT_THAT(
       lowered("steps:\n"
