@@ -40,11 +40,11 @@ TEST_F(DriveTorque, IsLimitedToAShareOfTheRatedTorque) {
 }
 
 TEST_F(DriveTorque, OfZeroLetsTheShaftTurnFreelyWithoutAFault) {
-  write({0x6065, 0}, 1'000, 4);  // the following error is watched
-  write({0x6066, 0}, 10, 2);
   write({0x6072, 0}, 0, 2);
   run_ms(5);
   EXPECT_FALSE(is_driven());
+  write({0x6065, 0}, 1'000, 4);  // the following error is watched
+  write({0x6066, 0}, 10, 2);
   shaft.position_rad = -0.5;
   run_ms(500);
   EXPECT_FALSE(is_driven());
@@ -54,7 +54,7 @@ TEST_F(DriveTorque, OfZeroLetsTheShaftTurnFreelyWithoutAFault) {
   EXPECT_EQ(emergencies(), std::vector<std::uint16_t>{}) << "neither blocked nor lagging";
   EXPECT_EQ(drive->values().following_error, 0);
   target = drive->values().position_actual;
-  run_ms(20);
+  run_ms(2'000);  // the demand, which had gone far away, comes back by its profile
   write({0x6072, 0}, 1'000, 2);
   run_ms(20);
   EXPECT_TRUE(is_driven());
