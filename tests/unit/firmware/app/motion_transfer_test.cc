@@ -184,6 +184,28 @@ TEST_F(ControllerMotions, PlayTheSameWhateverIsStoredMeanwhile) {
   EXPECT_TRUE(std::ranges::equal(beside, std::span(alone).last(beside.size())));
 }
 
+// A motion that loops stays where it is in the log, so that compaction cannot pass it. A download then fails
+// with a refusal instead of waiting for ever, and succeeds once the motion has stopped.
+TEST_F(ControllerMotions, AreRefusedWhileALoopBlocksTheirPlaceAndAcceptedAfterwards) {
+  std::vector<fixed::Angle> pose(bench.model().joint_count);
+  const test::TestMotion loop{
+      .name = "loop",
+      .poses = {pose},
+      .steps = {{Opcode::kLoopBegin}, {Opcode::kMove, 0, 50'000}, {Opcode::kLoopEnd}, {Opcode::kEnd}}};
+  ASSERT_EQ(pc.download_blocks(motion_object(7), test::encode(loop, bench.model().id)), AbortCode::kNone);
+  ASSERT_TRUE(bench.run_until_standing());
+  bench.command(Command::kPlay, 7);
+  ASSERT_EQ(bench.now().state, State::kMotion);
+  AbortCode code = AbortCode::kNone;
+  for (int i = 0; code == AbortCode::kNone && i < 200; ++i)
+    code = pc.download_blocks(motion_object(8), nod(i % 30, 64));
+  EXPECT_EQ(code, AbortCode::kDeviceState);
+  EXPECT_EQ(bench.now().state, State::kMotion);
+  bench.command(Command::kStop);
+  ASSERT_TRUE(bench.run_until(State::kStanding, 500));
+  EXPECT_EQ(pc.download_blocks(motion_object(8), nod(20, 64)), AbortCode::kNone);
+}
+
 TEST_F(ControllerMotions, InvalidOnesKeepTheOldOne) {
   const Image image = nod(15);
   ASSERT_EQ(pc.download_blocks(motion_object(7), image), AbortCode::kNone);
