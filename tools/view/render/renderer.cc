@@ -36,7 +36,13 @@ Eigen::Matrix4f matrix_of(const Pose& pose) {
   return matrix;
 }
 
-Eigen::Vector3f vector_of(const Colour& colour) { return {colour.red, colour.green, colour.blue}; }
+// The linear light of an sRGB colour (IEC 61966-2-1).
+Eigen::Vector3f linear(const Colour& colour) {
+  const auto channel = [](float value) {
+    return value <= 0.04045F ? value / 12.92F : std::pow((value + 0.055F) / 1.055F, 2.4F);
+  };
+  return {channel(colour.red), channel(colour.green), channel(colour.blue)};
+}
 
 GlProgram make_program(const std::string& name, const ShaderSources& sources) {
   return GlProgram(name, sources.vertex, sources.fragment);
@@ -260,14 +266,14 @@ void Renderer::Implementation::draw_ground(const Picture& picture) {
                           Eigen::Scaling(1.5 * fade_m));
     Part part = plane_;
     part.X_LG = place.matrix().cast<float>();
-    surface_.set("albedo", vector_of(part.colour));
+    surface_.set("albedo", linear(part.colour));
     draw_part(surface_, part, picture);
   }
   // Patches of the ground may lie in its plane.
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(-1.0F, -2.0F);
   for (const Part& part : ground_) {
-    surface_.set("albedo", vector_of(part.colour));
+    surface_.set("albedo", linear(part.colour));
     draw_part(surface_, part, picture);
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
@@ -290,7 +296,7 @@ void Renderer::Implementation::draw_robot(const Picture& picture) {
     glEnable(GL_BLEND);
   }
   for (const Part& part : robot_parts(picture)) {
-    surface_.set("albedo", vector_of(part.colour));
+    surface_.set("albedo", linear(part.colour));
     draw_part(surface_, part, picture);
   }
   glDepthFunc(GL_LESS);

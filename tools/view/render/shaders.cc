@@ -52,7 +52,7 @@ constexpr const char* kSurfaceFragment = R"(
 in vec3 world;
 in vec3 world_normal;
 out vec4 colour;
-uniform vec3 albedo;       // sRGB
+uniform vec3 albedo;       // linear
 uniform float opacity;
 uniform float gloss;
 uniform vec3 eye;
@@ -71,39 +71,53 @@ const vec3 kSky = vec3(0.40, 0.42, 0.46);
 const vec3 kBounce = vec3(0.21, 0.20, 0.19);
 const float kCamera = 0.10;
 
-// The share of the key light that arrives: a tent over 5 x 5 texels.
+// The share of the key light that arrives: a tent over 5 x 5 texels, in nine samples, because a sample adds two
+// neighbours in each direction: of a row of six texels with the weights 1 - f, 2 - f, 3 - f, 2 + f, 1 + f and f.
+// The loop ends at once where nothing can be in shadow; a software renderer runs both sides of a branch.
 float lit(vec3 normal, float facing) {
   vec3 p = world + normal * shadow_texel_m * mix(3.5, 1.0, facing);
   vec3 at = (world_to_shadow * vec4(p, 1.0)).xyz;
-  if (any(lessThan(at, vec3(0.0))) || any(greaterThan(at, vec3(1.0)))) return 1.0;
-  vec2 texel = 1.0 / vec2(textureSize(shadow_map, 0));
+  bool covered = facing > 0.0 && all(greaterThan(at, vec3(0.0))) && all(lessThan(at, vec3(1.0)));
+  vec2 size = vec2(textureSize(shadow_map, 0));
+  vec2 first = floor(at.xy * size - 0.5);
+  vec2 f = at.xy * size - 0.5 - first;
+  vec2 left = first - 1.5 + (2.0 - f) / (3.0 - 2.0 * f);
+  vec2 middle = first + 0.5 + (2.0 + f) / 5.0;
+  vec2 right = first + 2.5 + f / (1.0 + 2.0 * f);
   float sum = 0.0;
-  float weights = 0.0;
-  for (int y = -2; y <= 2; ++y) {
-    for (int x = -2; x <= 2; ++x) {
-      float weight = (3.0 - abs(float(x))) * (3.0 - abs(float(y)));
-      sum += weight * texture(shadow_map, vec3(at.xy + vec2(x, y) * texel, at.z));
-      weights += weight;
-    }
+  int rows = covered ? 3 : 0;
+  for (int row = 0; row < rows; ++row) {
+    float y = row == 0 ? left.y : row == 1 ? middle.y : right.y;
+    float weight = row == 0 ? 3.0 - 2.0 * f.y : row == 1 ? 5.0 : 1.0 + 2.0 * f.y;
+    sum += weight * ((3.0 - 2.0 * f.x) * textureLod(shadow_map, vec3(vec2(left.x, y) / size, at.z), 0.0) +
+                     5.0 * textureLod(shadow_map, vec3(vec2(middle.x, y) / size, at.z), 0.0) +
+                     (1.0 + 2.0 * f.x) * textureLod(shadow_map, vec3(vec2(right.x, y) / size, at.z), 0.0));
   }
   vec2 edge = smoothstep(vec2(0.0), vec2(0.05), at.xy) * smoothstep(vec2(0.0), vec2(0.05), 1.0 - at.xy);
-  return mix(1.0, sum / weights, edge.x * edge.y);
+  return covered ? mix(1.0, sum / 81.0, edge.x * edge.y) : 1.0;
 }
 
 // The share of the sky that near links hide from the ground.
 float hidden() {
   vec2 at = 0.5 + 0.5 * (world.xy - proximity_place.xy) / proximity_place.z;
-  if (any(lessThan(at, vec2(0.0))) || any(greaterThan(at, vec2(1.0)))) return 0.0;
+  bool covered = is_ground > 0.5 && all(greaterThan(at, vec2(0.0))) && all(lessThan(at, vec2(1.0)));
   float sum = 0.0;
   vec2 step_size = vec2(0.011) / (2.0 * proximity_place.z);
-  for (int y = -1; y <= 1; ++y) {
-    for (int x = -1; x <= 1; ++x) {
-      float weight = (x == 0 ? 2.0 : 1.0) * (y == 0 ? 2.0 : 1.0);
+  int rows = covered ? 3 : 0;
+  for (int row = 0; row < rows; ++row) {
+    float y = float(row) - 1.0;
+    for (float x = -1.0; x <= 1.0; ++x) {
+      float weight = (2.0 - abs(x)) * (2.0 - abs(y));
       sum += weight * textureLod(proximity_map, at + vec2(x, y) * step_size, 2.0).r;
     }
   }
   float height_m = max(world.z - proximity_place.w, 0.0);
   return clamp(sum / 16.0 * exp(height_m / kProximity_m), 0.0, 1.0);
+}
+
+float power16(float x) {
+  float x4 = x * x * x * x;
+  return x4 * x4 * x4 * x4;
 }
 
 float line(vec2 p, float spacing_m, float width_px) {
@@ -119,8 +133,8 @@ void main() {
   vec3 normal = normalize(world_normal);
   if (dot(normal, to_eye) < 0.0) normal = -normal;
   float facing = dot(normal, to_light);
-  float key = facing > 0.0 ? facing * lit(normal, facing) : 0.0;
-  vec3 base = linear(albedo);
+  float key = max(facing, 0.0) * lit(normal, facing);
+  vec3 base = albedo;
   float open_sky = 1.0;
   if (is_ground > 0.5) {
     base *= 1.0 - 0.10 * line(world.xy, 0.1, 1.2) - 0.22 * line(world.xy, 1.0, 2.0);
@@ -129,8 +143,11 @@ void main() {
   vec3 ambient = mix(kBounce, kSky, 0.5 + 0.5 * normal.z) * open_sky;
   vec3 light = ambient + kKey * key * mix(1.0, open_sky, 0.3) + kCamera * dot(normal, to_eye);
   vec3 half_way = normalize(to_light + to_eye);
-  float shine = gloss * pow(max(dot(normal, half_way), 0.0), 48.0) * (key > 0.0 ? 1.0 : 0.0) * key;
-  float rim = gloss * 0.35 * pow(1.0 - dot(normal, to_eye), 4.0);
+  float mirrored = max(dot(normal, half_way), 0.0);
+  float cubed = mirrored * mirrored * mirrored;
+  float shine = gloss * power16(cubed) * key;
+  float away = 1.0 - dot(normal, to_eye);
+  float rim = gloss * 0.35 * away * away * away * away;
   float visible = opacity;
   if (fade_m > 0.0) visible *= 1.0 - smoothstep(0.3 * fade_m, fade_m, distance(world.xy, fade_centre));
   colour = vec4(srgb(base * light + shine * kKey + rim * kSky), visible);
