@@ -12,7 +12,7 @@ import unittest
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
-from replay_test import PHONE, BrowserPage, start_browser
+from replay_test import NO_WEBGL, PHONE, WEBGL, BrowserPage, start_browser
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SMALL = (900, 600)  # every picture of a browser without a graphics processor costs time
@@ -60,7 +60,9 @@ class LivePage(BrowserPage, unittest.TestCase):
         folder = tempfile.TemporaryDirectory(prefix="koboshi_live_", ignore_cleanup_errors=True)
         cls.addClassCleanup(folder.cleanup)
         cls.folder = pathlib.Path(folder.name)
-        cls.browser = start_browser(cls.folder, "--disable-accelerated-2d-canvas")
+        # A browser without a graphics processor spends most of its time on the drawing of the robot, which replay_test.py looks at.
+        # Here it has no WebGL: the page has to serve such browsers, too.
+        cls.browser = start_browser(cls.folder, *(WEBGL if "KOBOSHI_PICTURES" in os.environ else NO_WEBGL))
         cls.addClassCleanup(cls.browser.quit)
 
     def start(self, *arguments):
@@ -76,7 +78,6 @@ class LivePage(BrowserPage, unittest.TestCase):
                                      {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": False})
         self.browser.get(address)
         self.wait_until("return document.body.dataset.ready === 'true'")
-        # Drawing costs a browser without a graphics processor most of its time; replay_test.py looks at pictures.
         self.run_script("window.renderer = koboshi.view.renderer; koboshi.view.renderer = null;")
 
     def close(self):

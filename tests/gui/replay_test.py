@@ -43,12 +43,17 @@ DESKTOP = (1400, 900)
 PHONE = (390, 844)
 
 
-def start_browser(folder, *more):
+# WebGL without a graphics processor; without WebGL, a browser also composes pages without the emulation of such a processor.
+WEBGL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+NO_WEBGL = ("--disable-gpu", "--disable-software-rasterizer")
+
+
+def start_browser(folder, *drawing):
     """Starts Chromium, which keeps its temporary files in the folder: it leaves some behind."""
     options = webdriver.ChromeOptions()
     options.binary_location = "/usr/bin/chromium"
-    for argument in ("--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
-                     "--force-device-scale-factor=1", "--window-size=1400,900", "--disable-background-networking", *more):
+    for argument in ("--headless=new", "--no-sandbox", "--hide-scrollbars",
+                     "--force-device-scale-factor=1", "--window-size=1400,900", "--disable-background-networking", *drawing):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     service = Service("/usr/bin/chromedriver", env={**os.environ, "TMPDIR": str(folder)})
@@ -65,7 +70,7 @@ class ReplayPage(BrowserPage, unittest.TestCase):
         cls.addClassCleanup(folder.cleanup)
         cls.folder = pathlib.Path(folder.name)
         subprocess.run([cls.sample_pages, cls.folder], check=True)
-        cls.browser = start_browser(cls.folder)
+        cls.browser = start_browser(cls.folder, *WEBGL)
         cls.addClassCleanup(cls.browser.quit)
 
     # --- helpers ---
@@ -316,6 +321,7 @@ class ReplayPage(BrowserPage, unittest.TestCase):
         for tab in ("events", "can", "signals", "about", "plots"):
             self.browser.find_element(By.ID, "tab-" + tab).click()
             self.assertTrue(self.browser.find_element(By.ID, tab).is_displayed(), tab)
+            self.assertLess(self.run_script("return document.getElementById('side').offsetHeight"), PHONE[1], tab)
 
 
 if __name__ == "__main__":

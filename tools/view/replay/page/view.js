@@ -16,9 +16,10 @@ class View {
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(35, 1, 0.02, 60);
     this.camera.up.set(0, 0, 1);
-    try {
-      this.renderer = new THREE.WebGLRenderer({canvas: this.canvas, antialias: true});
-    } catch (error) {
+    const context = this.canvas.getContext("webgl", {antialias: true});
+    if (context) {
+      this.renderer = new THREE.WebGLRenderer({canvas: this.canvas, context, antialias: true});
+    } else {
       onError("This browser offers no WebGL, so the robot cannot be drawn; everything else works.");
     }
     if (this.renderer) {
