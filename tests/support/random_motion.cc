@@ -38,13 +38,17 @@ const PoseDeg& standing() {
   return pose;
 }
 
-constexpr double kBothDown = 0.65;  // share of the motions that keep both feet on the ground
+// Shares of the motions: with a turned trunk and legs bent differently, and with both legs bent alike; the
+// others lift a foot.
+constexpr double kTurnedTrunk = 0.25;
+constexpr double kLegsAlike = 0.55;  // of the rest
 
 class Generator {
  public:
   explicit Generator(std::uint64_t seed) : engine_(seed) {}
 
   std::string motion(std::uint64_t seed) {
+    if (uniform(0, 1) < kTurnedTrunk) return turned_trunk(seed);
     std::vector<PoseDeg> poses{standing()};
     add_target(poses);
     poses.push_back(standing());
@@ -82,8 +86,35 @@ class Generator {
     return low + (high - low) * (static_cast<double>(engine_() >> 11) * 0x1.0p-53);
   }
 
-  void add_target(std::vector<PoseDeg>& poses) {
-    PoseDeg pose = standing();
+  // Turns the trunk about all axes above both flat feet and puts the centre of mass somewhere.
+  std::string turned_trunk(std::uint64_t seed) {
+    std::string stand;
+    for (const auto& [joint, angle_deg] : standing()) stand += fmt::format("{}: {:.2f}, ", joint, angle_deg);
+    PoseDeg upper;
+    add_arms(upper);
+    std::string target;
+    for (const auto& [joint, angle_deg] : upper) target += fmt::format("{}: {:.2f}, ", joint, angle_deg);
+    const double roll = uniform(-10, 10);
+    const double pitch = uniform(-12, 22);
+    const double yaw = uniform(-12, 12);
+    target +=
+        fmt::format("trunk: {{roll_deg: {:.1f}, pitch_deg: {:.1f}, yaw_deg: {:.1f}}}, ", roll, pitch, yaw);
+    const double x = uniform(-70, 100);
+    const double y = uniform(-65, 65);
+    const double z = uniform(130, 160);
+    target += fmt::format("com: {{x_mm: {:.1f}, y_mm: {:.1f}, z_mm: {:.1f}}}", x, y, z);
+    const char* const interpolation = uniform(0, 1) < 0.5 ? "minimum_jerk" : "linear";
+    const double there_s = uniform(1.2, 3.0);
+    const double back_s = uniform(1.2, 3.0);
+    return fmt::format(
+        "version: 2\nrobot: koboshi\nname: trial_{}\ninterpolation: {}\nposes:\n  stand: {{{}}}\n"
+        "  target: {{from: stand, {}}}\nsteps:\n  - {{pose: stand, time_s: 1.0}}\n"
+        "  - {{pose: target, time_s: {:.3f}, pause_s: 0.5}}\n  - {{pose: stand, time_s: {:.3f}, pause_s: "
+        "0.5}}\n",
+        seed, interpolation, stand.substr(0, stand.size() - 2), target, there_s, back_s);
+  }
+
+  void add_arms(PoseDeg& pose) {
     for (const char* const side : {"left", "right"}) {
       const double out = std::string(side) == "left" ? 1.0 : -1.0;
       pose[fmt::format("{}_shoulder_pitch", side)] = uniform(-150, 60);
@@ -92,12 +123,17 @@ class Generator {
     }
     pose["head_pan"] = uniform(-60, 60);
     pose["head_tilt"] = uniform(-30, 30);
+  }
+
+  void add_target(std::vector<PoseDeg>& poses) {
+    PoseDeg pose = standing();
+    add_arms(pose);
     const double kind = uniform(0, 1);
     const double knee = uniform(25, 85);
     const double lean = uniform(-12, 22);  // of the trunk, forward
     const double ankle = std::max(-0.5 * knee + uniform(-60, 60) - 4.0, -85.0);
     const double roll =
-        kind < kBothDown ? uniform(-24, 24) : uniform(19, 32) * (uniform(0, 1) < 0.5 ? -1.0 : 1.0);
+        kind < kLegsAlike ? uniform(-24, 24) : uniform(19, 32) * (uniform(0, 1) < 0.5 ? -1.0 : 1.0);
     for (const char* const side : {"left", "right"}) {
       pose[fmt::format("{}_knee", side)] = knee;
       pose[fmt::format("{}_ankle_pitch", side)] = ankle;
@@ -105,7 +141,7 @@ class Generator {
       pose[fmt::format("{}_hip_roll", side)] = roll;
       pose[fmt::format("{}_ankle_roll", side)] = -roll;
     }
-    if (kind < kBothDown) {
+    if (kind < kLegsAlike) {
       poses.push_back(pose);
       return;
     }

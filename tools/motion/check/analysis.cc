@@ -106,6 +106,8 @@ TickState MotionAnalysis::compute(const Trajectory& trajectory, std::size_t tick
     state.pitch_rad = std::asin(std::clamp(-state.up_B.x(), -1.0, 1.0));
     state.roll_rad = std::atan2(state.up_B.y(), state.up_B.z());
     state.tip_rad = stance_.rest.tip_rad;
+    state.drop_m = stance_.rest.drop_m;
+    state.com_height_m = stance_.com_height_m;
     state.rests = stance_.rest.rests;
     state.load_share = stance_.load_share;
     state.corners = stance_.rest.corners;

@@ -28,6 +28,8 @@ struct TickState {
   double pitch_rad = 0.0;              // of the trunk, forward positive; as the robot comes to rest
   double roll_rad = 0.0;               // to the right
   double tip_rad = 0.0;                // by which it rolls onto another edge (Rest)
+  double drop_m = 0.0;                 // of the centre of mass in that roll
+  double com_height_m = 0.0;           // above the ground
   bool rests = true;                   // false: it tips over
   std::array<double, 2> load_share{};  // by hal::Side
   std::uint32_t corners = 0;           // of the soles, on the ground

@@ -65,7 +65,7 @@ Body::Body(const sim::RobotDescription& robot) {
   const std::vector<double> zero(joints_.size(), 0.0);
   Stance stance;
   solve_at_rest(zero, stance);
-  com_height_m_ = stance.rest.up_B.dot(com_B_) - stance.rest.height_m;
+  com_height_m_ = stance.com_height_m;
 }
 
 void Body::place(std::span<const double> angles_rad, LinkPlaces& places) const {
@@ -114,6 +114,7 @@ void Body::find_support(Stance& stance) {
   com_B_ /= mass_kg_;
   stance.rest = find_rest(corners_B_, com_B_, initial_up(), kTouching_m);
   stance.com_m = GroundAxes(stance.rest.up_B).flat(com_B_);
+  stance.com_height_m = stance.rest.up_B.dot(com_B_) - stance.rest.height_m;
 }
 
 // Speeds and accelerations of the links relative to B, in axes of B.

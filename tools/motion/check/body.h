@@ -26,6 +26,7 @@ struct Stance {
   Rest rest;                                        // on the soles' corners, as in Body::corners
   Eigen::Vector2d com_m = Eigen::Vector2d::Zero();  // projected to the ground, in GroundAxes from B's origin
   Eigen::Vector2d zmp_m = Eigen::Vector2d::Zero();  // in the same axes
+  double com_height_m = 0.0;                        // above the ground
   std::array<double, 2> load_share{};               // share of the ground force on each foot, by hal::Side
   std::vector<double> torques_Nm;                   // of the servo on each joint, friction excluded
 };

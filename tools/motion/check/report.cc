@@ -22,8 +22,9 @@ constexpr double kSpeedTolerance = 1.01;
 constexpr double kHighTorque = 0.8;     // share of the torque from which a warning is due
 constexpr double kTouching_m = 0.0005;  // collision boxes that overlap by less only touch
 constexpr double kYielding_m = 0.002;   // by which the servos of a chain of joints yield to a light contact
-constexpr double kRoll_rad = 2.0 / kDegreesPerRad;     // a roll onto an edge that the targets do not intend
-constexpr double kLeanRounding_rad = 6.3 / (1 << 16);  // of a declared lean in the image, 2^-16 turn
+constexpr double kRoll_rad = 2.0 / kDegreesPerRad;  // a roll onto an edge that the targets do not intend
+constexpr double kSuddenRoll_rad = 1.0 / kDegreesPerRad;  // in one tick: faster than targets turn a sole
+constexpr double kLeanRounding_rad = 6.3 / (1 << 16);     // of a declared lean in the image, 2^-16 turn
 // Motions begin with a move from the pose in force: the other ones are written for a start near standing.
 constexpr double kAtStanding_rad = 10.0 / kDegreesPerRad;
 
@@ -173,8 +174,22 @@ class Judge {
     }
   }
 
+  // Returns the margin with which the robot lands after a roll that begins in this tick; infinite without
+  // one. The drop of the centre of mass gives it at most the speed v = sqrt(2 g drop), which moves its
+  // capture point v sqrt(h / g) = sqrt(2 h drop) ahead (Pratt, Carff, Drakunov and Goswami 2006). The energy
+  // that the impact takes is left out.
+  double landing_margin_m(std::size_t tick) const {
+    const TickState& before = states_[tick - 1];
+    const TickState& now = states_[tick];
+    if (std::abs(now.tip_rad - before.tip_rad) <= kSuddenRoll_rad)
+      return std::numeric_limits<double>::infinity();
+    const double drop_m = std::max(before.drop_m, now.drop_m);
+    return now.com.distance_m - std::sqrt(2.0 * now.com_height_m * drop_m);
+  }
+
   // One finding per step in which the margin is small, at the least margin of the step.
   void check_balance() {
+    double least_landing_m = std::numeric_limits<double>::infinity();
     std::map<std::uint16_t, std::size_t> worst;
     std::map<std::uint16_t, std::size_t> rolls;
     for (std::size_t tick = 1; tick < trajectory_.ticks(); ++tick) {
@@ -184,6 +199,7 @@ class Judge {
         report_.least_margin_m = margin_m;
         report_.least_margin_s = time_s(tick);
       }
+      least_landing_m = std::min(least_landing_m, landing_margin_m(tick));
       const auto [found, is_new] = worst.emplace(trajectory_.steps[tick], tick);
       if (!is_new && margin_m < states_[found->second].margin().distance_m) found->second = tick;
       if (states_[tick].tip_rad > kRoll_rad) {
@@ -195,8 +211,9 @@ class Judge {
     report_.balance = report_.least_margin_m < -limits_.close_m  ? Balance::kUnstable
                       : report_.least_margin_m < limits_.close_m ? Balance::kClose
                                                                  : Balance::kStable;
-    // What a roll does depends on its speed, which the check does not compute.
-    if (!rolls.empty() && report_.balance == Balance::kStable) report_.balance = Balance::kClose;
+    // Only a bound of a roll's speed is known: a roll alone does not make a motion unstable.
+    if (least_landing_m < limits_.close_m && report_.balance == Balance::kStable)
+      report_.balance = Balance::kClose;
     for (const auto& [step, tick] : worst) add_margin(step, tick);
     for (const auto& [step, tick] : rolls) {
       if (!states_[tick].rests) continue;

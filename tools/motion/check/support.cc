@@ -85,6 +85,8 @@ Rest find_rest(std::span<const Vector3d> corners_B, const Vector3d& com_B, const
     const Vector2d com = axes.flat(com_B);
     if (margin_in(hull, com).distance_m >= 0.0) {
       rest.rests = true;
+      const auto height_m = [&](const Rest& at) { return at.up_B.dot(com_B) - at.height_m; };
+      rest.drop_m = height_m(initial) - height_m(rest);
       return rest;
     }
     // Rolls about the pivot in the direction u: up' = cos(t) up - sin(t) u. Corner i touches at

@@ -15,6 +15,7 @@ struct Rest {
   double height_m = 0.0;                            // of the ground along up_B, from the origin of B
   std::uint32_t corners = 0;                        // bit i: corner i is on the ground
   double tip_rad = 0.0;                             // rotation from the initial attitude
+  double drop_m = 0.0;                              // by which the rotation lowers the centre of mass
   bool rests = false;  // false: the body tips over; the other members are then those of the initial attitude
 };
 

@@ -155,6 +155,25 @@ TEST_F(AnalysisTest, TheFirmwaresFallDetectorSeesALeanUnlessItIsDeclared) {
   EXPECT_NE(find(check(trajectory), "C011"), nullptr);
 }
 
+// A drop of 0.2 mm carries the capture point sqrt(2 * 0.17 m * 0.2 mm) = 8.2 mm further.
+TEST_F(AnalysisTest, ARollIsStableIfItsEnergyLeavesAMargin) {
+  const Trajectory trajectory = linear({kStand, kStand}, 0.1);
+  const auto balance_after_roll = [&](double margin_m) {
+    std::vector<TickState> states = analysis_.analyse(trajectory);
+    for (std::size_t tick = 20; tick < states.size(); ++tick) {
+      states[tick].tip_rad = 2.5 * kDegree_rad;
+      states[tick].drop_m = 0.0002;
+      states[tick].com_height_m = 0.17;
+      states[tick].com.distance_m = margin_m;
+    }
+    return judge(trajectory, states, robot_, limits_);
+  };
+  const PathReport report = balance_after_roll(0.014);
+  EXPECT_EQ(report.balance, Balance::kStable);
+  EXPECT_NE(find(report, "C008"), nullptr);
+  EXPECT_EQ(balance_after_roll(0.012).balance, Balance::kClose);
+}
+
 TEST_F(AnalysisTest, WarnsOfAnEndThatIsNotTheStandingPose) {
   limits_.standing_rad = row(kStand);
   const PathReport report = check(linear({kStand, with(kStand, {{"head_pan", 30.0}})}, 1.0));
