@@ -1,6 +1,7 @@
 #include "tools/motion/check/analysis.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "sim_board/world/gravity.h"
@@ -11,6 +12,17 @@ namespace {
 
 // The tail of the response that is cut off, in units of the time constant: exp(-7) (1 + 7) < 0.8 %.
 constexpr double kResponseLength = 7.0;
+
+// A hash of 64 bits: among a million windows, two are confused with a probability of 3e-8.
+constexpr std::uint64_t kHashSeed = 0x9E3779B97F4A7C15U;
+
+// Adds a value to a hash (the finaliser of SplitMix64, Steele, Lea and Flood 2014).
+void mix(std::uint64_t& hash, std::uint64_t value) {
+  hash = (hash ^ value) + kHashSeed;
+  hash = (hash ^ hash >> 30) * 0xBF58476D1CE4E5B9U;
+  hash = (hash ^ hash >> 27) * 0x94D049BB133111EBU;
+  hash ^= hash >> 31;
+}
 
 // Mean over each tick of w^2 t exp(-w t), the impulse response of a critically damped oscillator.
 std::vector<double> impulse_response(double natural_rad_per_s) {
@@ -54,19 +66,43 @@ MotionAnalysis::MotionAnalysis(const sim::RobotDescription& robot, const Supply&
   accelerations_.resize(robot.joints.size());
 }
 
-void MotionAnalysis::smooth(const Trajectory& trajectory, std::size_t first, std::size_t last) {
+void MotionAnalysis::smooth(const Trajectory& trajectory, std::size_t tick) {
+  if (is_smoothed_[tick]) return;
+  is_smoothed_[tick] = true;
   const std::size_t joints = trajectory.joints;
   const auto last_tick = static_cast<std::ptrdiff_t>(trajectory.ticks()) - 1;
-  for (std::size_t tick = first; tick <= last; ++tick) {
-    const std::span<double> row = std::span(smoothed_).subspan(tick * joints, joints);
-    std::ranges::fill(row, 0.0);
-    for (std::size_t i = 0; i < response_.size(); ++i) {
-      const std::ptrdiff_t from = std::clamp<std::ptrdiff_t>(
-          static_cast<std::ptrdiff_t>(tick + shift_) - static_cast<std::ptrdiff_t>(i), 0, last_tick);
-      const std::span<const double> targets = trajectory.row(static_cast<std::size_t>(from));
-      for (std::size_t j = 0; j < joints; ++j) row[j] += response_[i] * targets[j];
-    }
+  const std::span<double> row = std::span(smoothed_).subspan(tick * joints, joints);
+  std::ranges::fill(row, 0.0);
+  for (std::size_t i = 0; i < response_.size(); ++i) {
+    const std::ptrdiff_t from = std::clamp<std::ptrdiff_t>(
+        static_cast<std::ptrdiff_t>(tick + shift_) - static_cast<std::ptrdiff_t>(i), 0, last_tick);
+    const std::span<const double> targets = trajectory.row(static_cast<std::size_t>(from));
+    for (std::size_t j = 0; j < joints; ++j) row[j] += response_[i] * targets[j];
   }
+}
+
+// Hashes by tick what its state depends on. A state reads smoothed rows one tick around it, a smoothed row
+// targets from response - shift ticks before to shift ticks after.
+std::vector<std::uint64_t> MotionAnalysis::windows(const Trajectory& trajectory) const {
+  const std::size_t ticks = trajectory.ticks();
+  std::vector<std::uint64_t> rows(ticks, kHashSeed);
+  for (std::size_t tick = 0; tick < ticks; ++tick) {
+    for (const double target_rad : trajectory.row(tick))
+      mix(rows[tick], std::bit_cast<std::uint64_t>(target_rad));
+  }
+  std::vector<std::uint64_t> result(ticks, kHashSeed);
+  const auto before = static_cast<std::ptrdiff_t>(response_.size() - shift_);
+  const auto after = static_cast<std::ptrdiff_t>(shift_ + 1);
+  const auto last = static_cast<std::ptrdiff_t>(ticks) - 1;
+  for (std::ptrdiff_t tick = 0; tick <= last; ++tick) {
+    std::uint64_t& hash = result[static_cast<std::size_t>(tick)];
+    for (std::ptrdiff_t i = tick - before; i <= tick + after; ++i)
+      mix(hash, rows[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(i, 0, last))]);
+    // Rates are one-sided at the ends.
+    mix(hash, (trajectory.on_feet[static_cast<std::size_t>(tick)] ? 1U : 0U) | (tick == 0 ? 2U : 0U) |
+                  (tick == last ? 4U : 0U));
+  }
+  return result;
 }
 
 JointShare MotionAnalysis::torque_share(const Stance& stance) {
@@ -118,47 +154,31 @@ TickState MotionAnalysis::compute(const Trajectory& trajectory, std::size_t tick
   return state;
 }
 
-const std::vector<TickState>& MotionAnalysis::analyse(const Trajectory& trajectory) {
+const std::vector<TickState>& MotionAnalysis::analyse(const Trajectory& trajectory,
+                                                      const std::stop_token& cancel) {
   const std::size_t ticks = trajectory.ticks();
-  const std::size_t joints = trajectory.joints;
-  const std::size_t old_ticks = states_.size();
-  // Rows that begin and end both trajectories alike.
-  const auto equal_rows = [&](std::size_t tick, std::size_t old_tick) {
-    const auto row = trajectory.row(tick);
-    return std::equal(row.begin(), row.end(),
-                      targets_rad_.begin() + static_cast<std::ptrdiff_t>(old_tick * joints));
-  };
-  const std::size_t common = std::min(ticks, old_ticks);
-  std::size_t prefix = 0;
-  while (prefix < common && equal_rows(prefix, prefix) && trajectory.on_feet[prefix] == on_feet_[prefix])
-    ++prefix;
-  std::size_t suffix = 0;
-  while (suffix < common - prefix && equal_rows(ticks - 1 - suffix, old_ticks - 1 - suffix) &&
-         trajectory.on_feet[ticks - 1 - suffix] == on_feet_[old_ticks - 1 - suffix])
-    ++suffix;
-  // A state reads smoothed rows one tick around it, a smoothed row targets from response - shift ticks before
-  // to shift ticks after.
-  const bool unchanged = prefix == ticks && ticks == old_ticks;
-  const std::size_t reads_after = shift_ + 1;
-  const std::size_t reads_before = response_.size() - shift_;
-  const std::size_t first = unchanged ? ticks : prefix > reads_after ? prefix - reads_after : 0;
-  const std::size_t last = suffix > reads_before ? ticks - (suffix - reads_before) : ticks;  // one past
-  std::vector<TickState> states(ticks);
-  std::copy_n(states_.begin(), first, states.begin());
-  if (last < ticks)
-    std::copy_n(states_.end() - static_cast<std::ptrdiff_t>(ticks - last), ticks - last,
-                states.begin() + static_cast<std::ptrdiff_t>(last));
+  const std::vector<std::uint64_t> keys = windows(trajectory);
+  smoothed_.resize(ticks * trajectory.joints);
+  is_smoothed_.assign(ticks, false);
+  states_.resize(ticks);
   computed_ = 0;
-  if (first < last) {
-    smoothed_.resize(ticks * joints);
-    smooth(trajectory, first == 0 ? 0 : first - 1, std::min(last, ticks - 1));
-    for (std::size_t tick = first; tick < last; ++tick) states[tick] = compute(trajectory, tick);
-    computed_ = last - first;
+  for (std::size_t tick = 0; tick < ticks && !cancel.stop_requested(); ++tick) {
+    const auto [known, is_new] = known_.try_emplace(keys[tick]);
+    if (is_new) {
+      for (std::size_t i = tick == 0 ? 0 : tick - 1; i <= std::min(tick + 1, ticks - 1); ++i)
+        smooth(trajectory, i);
+      known->second.state = compute(trajectory, tick);
+      ++computed_;
+    }
+    known->second.used = time_;
+    states_[tick] = known->second.state;
   }
-  states_ = std::move(states);
-  targets_rad_ = trajectory.targets_rad;
-  on_feet_ = trajectory.on_feet;
   return states_;
+}
+
+void MotionAnalysis::forget_unused() {
+  std::erase_if(known_, [&](const auto& known) { return known.second.used < time_; });
+  ++time_;
 }
 
 }  // namespace koboshi::tools

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <stop_token>
+#include <unordered_map>
 #include <vector>
 
 #include "sim_board/robot/description.h"
@@ -47,15 +49,18 @@ struct Supply {
 };
 
 // Analyses trajectories of one robot tick by tick. Every tick depends on the targets of a short window alone;
-// the ticks of the previous trajectory whose window is unchanged are reused, so that an edited step costs as
-// much as its own ticks.
+// states are kept by window, so that an edited step costs as much as its own ticks, wherever it moves the
+// others, and ticks alike on several paths or in the rounds of a loop are computed once.
 class MotionAnalysis {
  public:
   // The robot must outlive the analysis.
   MotionAnalysis(const sim::RobotDescription& robot, const Supply& supply);
 
-  // Returns the state at each tick; valid until the next call.
-  const std::vector<TickState>& analyse(const Trajectory& trajectory);
+  // Returns the state at each tick; valid until the next call. Returns early, with unusable states, once
+  // `cancel` is set.
+  const std::vector<TickState>& analyse(const Trajectory& trajectory, const std::stop_token& cancel = {});
+  // Forgets the states that no trajectory has used since the last call of this function.
+  void forget_unused();
   // Number of ticks that the last call computed.
   std::size_t computed() const { return computed_; }
 
@@ -68,7 +73,14 @@ class MotionAnalysis {
   double natural_frequency_rad_per_s() const { return natural_rad_per_s_; }
 
  private:
-  void smooth(const Trajectory& trajectory, std::size_t first, std::size_t last);
+  // A state by its window, with the last time at which it was used.
+  struct Known {
+    TickState state;
+    std::uint64_t used = 0;
+  };
+
+  std::vector<std::uint64_t> windows(const Trajectory& trajectory) const;
+  void smooth(const Trajectory& trajectory, std::size_t tick);
   TickState compute(const Trajectory& trajectory, std::size_t tick);
   JointShare torque_share(const Stance& stance);
 
@@ -81,13 +93,14 @@ class MotionAnalysis {
   std::size_t shift_ = 0;             // of the response
   std::vector<double> stiffness_Nm_;  // by joint, per rad
 
-  std::vector<double> targets_rad_;  // of the last trajectory, as the next
-  std::vector<bool> on_feet_;
-  std::vector<TickState> states_;
+  std::unordered_map<std::uint64_t, Known> known_;  // by the hash of the window
+  std::uint64_t time_ = 0;                          // number of calls of forget_unused
+  std::vector<TickState> states_;                   // of the last trajectory
   std::size_t computed_ = 0;
 
   // Scratch.
-  std::vector<double> smoothed_;  // rows of the present trajectory
+  std::vector<double> smoothed_;   // rows of the present trajectory
+  std::vector<bool> is_smoothed_;  // by tick
   std::vector<double> angles_, speeds_, accelerations_;
   Stance stance_;
   LinkPlaces places_;

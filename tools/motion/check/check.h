@@ -2,11 +2,14 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "simulation/model/robot_model.h"
 #include "simulation/motion/diagnostic.h"
+#include "simulation/scenario/parameters.h"
 #include "tools/motion/check/analysis.h"
 #include "tools/motion/check/report.h"
 #include "tools/motion/check/sample.h"
@@ -29,7 +32,7 @@ struct MotionReport {
   double least_margin_m = 0.0;  // 0 if not judged
   double least_margin_s = 0.0;
   std::uint16_t least_margin_step = 0;
-  double duration_s = 0.0;  // the longest
+  double duration_s = 0.0;  // the longest, with time-outs
 
   bool has_errors() const;
 };
@@ -45,6 +48,7 @@ struct CompiledMotion {
 };
 
 // Checks the motions of a robot, one after the other; what an edit leaves as it was is not computed again.
+// One thread at a time may use it.
 class MotionChecker {
  public:
   // Reads the robot's file, its parameters and its standing motion (motions/stand.yaml beside it; without
@@ -54,6 +58,9 @@ class MotionChecker {
   // Throws sim::InputError for a file that the compiler refuses.
   [[nodiscard]] CompiledMotion compile(const std::filesystem::path& file) const;
   MotionReport check(const CompiledMotion& motion);
+  // Returns nothing, within a tick of the motion, once `cancel` is set from another thread; what was computed
+  // is kept for the next call.
+  std::optional<MotionReport> check(const CompiledMotion& motion, const std::stop_token& cancel);
   MotionReport check(const std::filesystem::path& file) { return check(compile(file)); }
 
   // The first path of the last check, with its states: what plot and preview show.
@@ -61,15 +68,18 @@ class MotionChecker {
   const std::vector<TickState>& states() const { return states_; }
   const sim::RobotDescription& robot() const { return *robot_; }
   const simulation::NamedModel& model() const { return model_; }
-  const MotionAnalysis& analysis() const { return analyses_.front(); }
+  const MotionAnalysis& analysis() const { return analysis_; }
   CheckLimits& limits() { return limits_; }
 
  private:
+  MotionChecker(const std::filesystem::path& robot_file, const app::ControllerValues& values);
+  void add_path(PathReport path, const Trajectory& trajectory, MotionReport& report) const;
+  void add_diagnostics(const CompiledMotion& motion, MotionReport& report) const;
+
   std::shared_ptr<const sim::RobotDescription> robot_;  // at a fixed address: the analyses refer to it
   simulation::NamedModel model_;
   CheckLimits limits_;
-  Supply supply_;
-  std::vector<MotionAnalysis> analyses_;  // by path
+  MotionAnalysis analysis_;
   Trajectory trajectory_;
   std::vector<TickState> states_;
 };

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "firmware/fixed/host/convert.h"
+#include "firmware/motion/interpreter.h"
 #include "sim_board/input/user_units.h"
 
 namespace koboshi::tools {
@@ -45,6 +46,7 @@ class Judge {
   PathReport run() {
     report_.duration_s = time_s(trajectory_.ticks() - 1);
     list_steps();
+    name_late_steps();
     check_targets();
     check_torques();
     check_overlaps();
@@ -208,7 +210,7 @@ class Judge {
       }
     }
     if (worst.empty()) return;
-    report_.balance = report_.least_margin_m < -limits_.close_m  ? Balance::kUnstable
+    report_.balance = report_.least_margin_m < -limits_.beyond_m ? Balance::kUnstable
                       : report_.least_margin_m < limits_.close_m ? Balance::kClose
                                                                  : Balance::kStable;
     // Only a bound of a roll's speed is known: a roll alone does not make a motion unstable.
@@ -232,7 +234,7 @@ class Judge {
     const char* const point = is_com ? "centre of mass" : "ZMP";
     const std::string_view side = direction_of(margin.outward);
     const std::string expected = fmt::format("at least {:.0f} mm inside", limits_.close_m * kMmPerM);
-    if (margin.distance_m >= -limits_.close_m) {
+    if (margin.distance_m >= -limits_.beyond_m) {
       add("C007", Severity::kWarning, tick,
           fmt::format("the {} {:.1f} mm {} the {} edge of the support polygon", point,
                       std::abs(margin.distance_m) * kMmPerM, margin.distance_m < 0.0 ? "beyond" : "inside",
@@ -268,6 +270,17 @@ class Judge {
   // Returns the part of a declared lean that the firmware accepts.
   double bounded(double lean_rad) const {
     return std::clamp(lean_rad, -limits_.max_declared_lean_rad, limits_.max_declared_lean_rad);
+  }
+
+  // The interpreter leaves to the next cycle what exceeds its work of one.
+  void name_late_steps() {
+    std::map<std::uint16_t, std::size_t> first;
+    for (const std::size_t tick : trajectory_.late) first.emplace(trajectory_.steps[tick], tick);
+    for (const auto& [step, tick] : first)
+      add("C016", Severity::kWarning, tick,
+          "more steps in one cycle of 10 ms than the firmware carries out: the rest is late",
+          fmt::format("at most {} steps without time, and {} moves and waits, cubic moves twice",
+                      motion::Interpreter::kMaxZeroTimeSteps, motion::Interpreter::kMaxMoves));
   }
 
   // Names each use of a declared lean, from the tick in which it begins until it is back at zero.
@@ -321,7 +334,8 @@ class Judge {
   }
 
   void check_end() {
-    if (limits_.standing_rad.empty() || !trajectory_.on_feet.back()) return;
+    const bool ends = !trajectory_.failed && !trajectory_.merged;
+    if (!ends || limits_.standing_rad.empty() || !trajectory_.on_feet.back()) return;
     const auto end = trajectory_.row(trajectory_.ticks() - 1);
     std::size_t farthest = 0;
     double distance_rad = 0.0;

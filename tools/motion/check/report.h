@@ -57,12 +57,14 @@ struct CheckLimits {
   behaviour::FallLimits fall{};
   double max_declared_lean_rad = 0.0;    // object 2140:7; the firmware clamps declared leans to it
   double largest_cyclic_step_rad = 0.0;  // object 2001h of the drives
-  // A margin of less than this on either side of the edge is called close.
+  // A margin is called close from `beyond_m` outside the support polygon to `close_m` inside.
   double close_m = kClose_m;
+  double beyond_m = kBeyond_m;
   std::vector<double> standing_rad{};  // the pose from which other motions begin, by joint; empty: unknown
 
-  // docs/experiment/motion-check.md says how this was found.
+  // docs/experiment/motion-check.md says how these were found.
   static constexpr double kClose_m = 0.005;
+  static constexpr double kBeyond_m = 0.002;
 };
 
 // Judges a path. `states` are those of the trajectory.

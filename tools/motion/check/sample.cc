@@ -2,42 +2,34 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <map>
 #include <numbers>
-#include <stdexcept>
+#include <utility>
 
 #include "firmware/fixed/host/convert.h"
 #include "firmware/motion/interpreter.h"
+#include "firmware/motion/program_state.h"
 #include "firmware/motion/roles.h"
-#include "firmware/storage/image.h"
+#include "tools/motion/check/forced_motion.h"
 
 namespace koboshi::tools {
 namespace {
 
+using motion::Interpreter;
 using motion::Opcode;
 
-constexpr std::uint16_t kRounds = 2;  // of an endless loop
 constexpr std::uint32_t kTick_us = 10'000;
+constexpr std::uint32_t kFineTick_us = 1'000;
 // A motion that jumps back without end is stopped after this time, and after as much again it is cut.
 constexpr std::size_t kMaxTicks = 60'000;
+// The first path comes to a condition so often in one pose; then it takes the other outcome, too, so that it
+// leaves a loop that sensors end.
+constexpr int kMaxVisits = 20;
+// Nothing else happens while a condition is polled; after this time the outcome changes.
+constexpr std::size_t kMaxPollingTicks = 6'000;
 // An expected attitude says that the robot stands again if it is this close to upright.
 constexpr double kUpright_rad = 25.0 * std::numbers::pi / 180.0;
-
-std::span<std::byte> step_bytes(std::vector<std::byte>& image, std::size_t steps, std::size_t index) {
-  return std::span<std::byte>(image).subspan(image.size() - (steps - index) * motion::kStepSize,
-                                             motion::kStepSize);
-}
-
-void set_crc(std::vector<std::byte>& image) {
-  const std::span<std::byte> field = std::span<std::byte>(image).subspan(storage::kImageCrcOffset, 4);
-  storage::FieldWriter(field).u32(storage::image_crc32(image));
-}
-
-motion::Motion opened(const std::vector<std::byte>& image, const simulation::NamedModel& robot) {
-  motion::Motion result;
-  if (!motion::Motion::open(image, robot.model, result).ok())
-    throw std::invalid_argument("the motion was not compiled for this robot");
-  return result;
-}
 
 // The motions of the behaviour's own roles begin during or after a fall.
 bool begins_on_feet(const motion::Motion& played) {
@@ -49,86 +41,246 @@ bool is_upright(const motion::ExpectedAttitude& expected) {
   return up >= std::cos(kUpright_rad) && expected.min_cosine >= 32768.0 * std::cos(kUpright_rad);
 }
 
+// A condition that is come to in a pose: the step and the targets.
+using Visit = std::pair<std::uint16_t, std::vector<std::int32_t>>;
+
+// The visits of all paths so far.
+struct Explored {
+  // A path that is still to be played: its outcomes one by one; the last of them is the new one.
+  using Plan = std::vector<bool>;
+
+  std::map<Visit, std::size_t> visits{};  // with their numbers
+  std::deque<Plan> plans{{}};
+};
+
+// Plays one path.
 class Player {
  public:
-  Player(const motion::Motion& played, const simulation::NamedModel& robot)
-      : motion_(played), robot_(robot), interpreter_(robot.model) {}
+  Player(ForcedMotion& forced, const simulation::NamedModel& robot, Explored& explored, std::size_t path,
+         Explored::Plan plan)
+      : motion_(forced), robot_(robot), explored_(explored), path_(path), plan_(std::move(plan)) {
+    on_feet_ = begins_on_feet(motion_.original());
+    motion_.arm(motion::kNoStep);
+  }
 
-  Trajectory play(std::span<const double> from_rad) {
+  Trajectory play(std::span<const double> from_rad, const std::stop_token& cancel) {
     std::vector<fixed::Angle> from;
     for (const double angle_rad : from_rad) from.push_back(fixed::from_double<fixed::Angle>(angle_rad));
-    on_feet_ = begins_on_feet(motion_);
-    meet_expectation(0);
-    interpreter_.start(motion_, from, inputs_);
-    add(interpreter_.step_index());
-    for (std::size_t tick = 0; interpreter_.running() && tick < 2 * kMaxTicks; ++tick) {
-      if (tick == kMaxTicks) interpreter_.stop();
-      const std::uint16_t before = interpreter_.step_index();
-      meet_expectation(before);
-      interpreter_.advance(kTick_us, inputs_);
-      pass_expectations(before, interpreter_.step_index());
-      add(before);  // in which the tick began
+    std::optional<Interpreter> now(decided(
+        Interpreter(robot_.model), [&](Interpreter& next) { next.start(motion_.forced(), from, inputs_); }));
+    add(*now, now->step_index(), on_feet_);
+    for (std::size_t tick = 0; now->running() && tick < 2 * kMaxTicks && !merged_into_; ++tick) {
+      if (cancel.stop_requested()) return {};
+      if (tick == kMaxTicks) stop(*now);
+      const Interpreter next = advanced(*now);
+      now.emplace(next);
     }
-    for (std::size_t tick = 0; tick < kHoldTicks; ++tick) add(interpreter_.step_index());
+    trajectory_.merged = merged_into_.has_value();
+    trajectory_.failed = !trajectory_.merged && now->failed();
+    if (!trajectory_.merged)
+      for (std::size_t tick = 0; tick < kHoldTicks; ++tick) add(*now, now->step_index(), on_feet_);
     return std::move(trajectory_);
   }
 
+  // The visit of an earlier path at which this one ends.
+  const std::optional<std::size_t>& merged_into() const { return merged_into_; }
+  // The visits of this path with their first ticks.
+  const std::map<std::size_t, std::size_t>& passed() const { return passed_; }
+
  private:
-  // The next expectation after this step is met when it is reached.
-  void meet_expectation(std::size_t index) {
-    for (; index < motion_.step_count(); ++index) {
-      const motion::Step step = motion_.step(index);
-      if (step.opcode != Opcode::kExpect) continue;
-      const auto expected = motion::ExpectedAttitude::of(step);
-      const auto part = [&](std::size_t i) {
-        return fixed::from_double<fixed::Ratio>(expected.up_B[i] / 127.0);
-      };
-      state_.up_B = {part(0), part(1), part(2)};
-      return;
+  void stop(Interpreter& interpreter) {
+    interpreter.stop();
+    stopping_ = true;
+  }
+
+  // Returns the interpreter after the next tick.
+  Interpreter advanced(const Interpreter& now) {
+    const std::uint16_t step = now.step_index();
+    const bool awaits = motion_.original().opcode(step) == Opcode::kAwait;
+    motion_.arm(awaits ? step : motion::kNoStep);
+    const bool on_feet = on_feet_;
+    Interpreter next = decided(now, [&](Interpreter& at) { at.advance(kTick_us, inputs_); });
+    if (merged_into_) return next;
+    if (is_late(now, next)) trajectory_.late.push_back(trajectory_.ticks());
+    add(next, step, on_feet);  // as the tick began
+    return next;
+  }
+
+  // Plays on as `play` does, and decides each condition that it comes to.
+  template <typename Play>
+  Interpreter decided(const Interpreter& from, const Play& play) {
+    for (;;) {
+      Interpreter next = from;
+      play(next);
+      const std::uint16_t step = next.step_index();
+      if (!next.failed() || !motion_.is_armed(step)) return next;
+      if (motion_.original().opcode(step) == Opcode::kExpect) {
+        on_feet_ = is_upright(motion::ExpectedAttitude::of(motion_.original().step(step)));
+        motion_.meet(step);
+        continue;
+      }
+      const std::optional<bool> holds = outcome_of(next);
+      if (!holds) return next;
+      motion_.decide(step, *holds);
     }
   }
 
-  void pass_expectations(std::size_t before, std::size_t after) {
-    for (std::size_t index = before + 1; index < after; ++index) {
-      const motion::Step step = motion_.step(index);
-      if (step.opcode == Opcode::kExpect) on_feet_ = is_upright(motion::ExpectedAttitude::of(step));
+  // Returns the outcome of the condition at which the interpreter is; nothing if the path ends here.
+  std::optional<bool> outcome_of(const Interpreter& at) {
+    const std::uint16_t step = at.step_index();
+    Visit visit{step, {}};
+    for (const fixed::Angle target : at.targets()) visit.second.push_back(target.raw() >> motion::kPoseShift);
+    const std::size_t tick = trajectory_.ticks();
+    const bool planned = taken_.size() < plan_.size();
+    if (taken_.size() + 1 == plan_.size()) {
+      trajectory_.first_own_tick = tick;
+      trajectory_.outcome = Trajectory::Outcome{step, plan_.back()};
     }
+    const auto [place, is_new] = explored_.visits.try_emplace(visit, explored_.visits.size());
+    const bool natural = holds_naturally(at);
+    std::optional<bool> holds = natural;
+    Visits& here = visits_[visit];
+    const bool polls = here.count > 0 && moved_tick_ < here.last_tick;
+    if (planned) {
+      holds = plan_[taken_.size()];
+    } else if (is_new) {
+      explored_.plans.push_back(taken_);
+      explored_.plans.back().push_back(!natural);
+    } else if (polls) {
+      holds = here.holds != (tick - here.first_poll_tick > kMaxPollingTicks);
+    } else if (path_ == 0) {
+      holds = natural != (here.count > kMaxVisits && here.count % 2 == 0);
+    } else {
+      merged_into_ = place->second;
+      return std::nullopt;
+    }
+    if (!polls) here.first_poll_tick = tick;
+    here.last_tick = tick;
+    here.holds = *holds;
+    ++here.count;
+    passed_.try_emplace(place->second, tick);
+    taken_.push_back(*holds);
+    return holds;
   }
 
-  void add(std::uint16_t step) {
+  // Returns the outcome with sensors that read zero.
+  bool holds_naturally(const Interpreter& at) const {
+    motion::ProgramState state;
+    for (std::size_t i = 0; i < motion::kMaxVariables; ++i)
+      static_cast<void>(state.assign({.variable = static_cast<std::uint16_t>(i), .right = at.variables()[i]},
+                                     inputs_, at.targets()));
+    state.pass(static_cast<std::uint32_t>(trajectory_.ticks()) * kTick_us);
+    if (stopping_) state.stop();
+    const motion::Motion& original = motion_.original();
+    return state.holds(original, at.step_index(), original.step(at.step_index()), inputs_, at.targets());
+  }
+
+  // Whether the interpreter had more to do in this tick than it does in one call.
+  bool is_late(const Interpreter& before, const Interpreter& after) const {
+    if (before.step_index() == after.step_index() && after.running()) return false;
+    Interpreter fine = before;
+    for (std::uint32_t time_us = 0; time_us < kTick_us; time_us += kFineTick_us)
+      fine.advance(kFineTick_us, inputs_);
+    const Opcode opcode = motion_.original().opcode(after.step_index());
+    const bool waits = after.running() && !motion::takes_time(opcode) && opcode != Opcode::kAwait;
+    return waits || fine.step_index() != after.step_index();
+  }
+
+  void add(const Interpreter& at, std::uint16_t step, bool on_feet) {
     std::vector<double> row;
-    for (const fixed::Angle target : interpreter_.targets()) row.push_back(fixed::to_double(target));
-    const motion::Lean lean = interpreter_.lean();
-    trajectory_.add(row, step, on_feet_, fixed::to_double(lean.pitch), fixed::to_double(lean.roll));
+    for (const fixed::Angle target : at.targets()) row.push_back(fixed::to_double(target));
+    const std::size_t ticks = trajectory_.ticks();
+    if (ticks > 0 && !std::ranges::equal(row, trajectory_.row(ticks - 1))) moved_tick_ = ticks;
+    const motion::Lean lean = at.lean();
+    trajectory_.add(row, step, on_feet, fixed::to_double(lean.pitch), fixed::to_double(lean.roll));
   }
 
-  const motion::Motion& motion_;
+  // The visits of this path in one pose.
+  struct Visits {
+    int count = 0;
+    bool holds = false;
+    std::size_t last_tick = 0;
+    std::size_t first_poll_tick = 0;  // since which the targets have not changed
+  };
+
+  ForcedMotion& motion_;
   const simulation::NamedModel& robot_;
+  Explored& explored_;
+  std::size_t path_;
+  Explored::Plan plan_;
+  Explored::Plan taken_;
+  std::map<Visit, Visits> visits_;
+  std::optional<std::size_t> merged_into_;
+  std::map<std::size_t, std::size_t> passed_;
   estimation::RobotState state_;
   const motion::Inputs inputs_{.robot = state_};
-  motion::Interpreter interpreter_;
   bool on_feet_ = true;
+  bool stopping_ = false;
+  std::size_t moved_tick_ = 0;  // the last one in which a target changed
   Trajectory trajectory_;
+};
+
+// A path as the way between visits.
+struct Leg {
+  std::size_t ticks = 0;
+  std::map<std::size_t, std::size_t> passed{};  // visits with their ticks
+  std::optional<std::size_t> merged_into{};     // a visit
+};
+
+// Finds the longest way through the legs. A way comes to a visit once: what a loop that sensors end adds is
+// not bounded.
+class LongestWay {
+ public:
+  LongestWay(const std::vector<Leg>& legs, std::size_t visits) : legs_(legs), rest_(visits), open_(visits) {}
+
+  std::size_t ticks() {
+    std::size_t longest = 0;
+    for (const Leg& leg : legs_) longest = std::max(longest, leg.ticks + rest_of(leg));
+    return longest;
+  }
+
+ private:
+  std::size_t rest_of(const Leg& leg) { return leg.merged_into ? rest_from(*leg.merged_into) : 0; }
+
+  std::size_t rest_from(std::size_t visit) {
+    if (rest_[visit]) return *rest_[visit];
+    if (open_[visit]) return 0;
+    open_[visit] = true;
+    std::size_t longest = 0;
+    for (const Leg& leg : legs_) {
+      const auto passed = leg.passed.find(visit);
+      if (passed != leg.passed.end()) longest = std::max(longest, leg.ticks - passed->second + rest_of(leg));
+    }
+    open_[visit] = false;
+    rest_[visit] = longest;
+    return longest;
+  }
+
+  const std::vector<Leg>& legs_;
+  std::vector<std::optional<std::size_t>> rest_;
+  std::vector<bool> open_;
 };
 
 }  // namespace
 
 SampledPaths sample_motion(std::span<const std::byte> image, const simulation::NamedModel& robot,
-                           std::span<const double> from_rad) {
-  std::vector<std::byte> bounded(image.begin(), image.end());
-  const motion::Motion original = opened(bounded, robot);
-  bounded.resize(original.image_size_bytes());
-  SampledPaths sampled;
-  for (std::size_t index = 0; index < original.step_count(); ++index) {
-    const motion::Step step = original.step(index);
-    if (step.opcode == Opcode::kJump && step.operand <= index) sampled.endless = true;
-    if (step.opcode != Opcode::kLoopBegin || step.operand != 0) continue;
-    sampled.endless = true;
-    storage::FieldWriter(step_bytes(bounded, original.step_count(), index).subspan(2, 2)).u16(kRounds);
+                           std::span<const double> from_rad, const std::stop_token& cancel) {
+  ForcedMotion motion(image, robot);
+  SampledPaths sampled{.endless = motion.endless()};
+  Explored explored;
+  std::vector<Leg> legs;
+  while (!explored.plans.empty() && !cancel.stop_requested()) {
+    const std::size_t path = sampled.paths.size();
+    sampled.cut = path == kMaxPaths;
+    if (sampled.cut) break;
+    Explored::Plan plan = std::move(explored.plans.front());
+    explored.plans.pop_front();
+    Player player(motion, robot, explored, path, std::move(plan));
+    sampled.paths.push_back(player.play(from_rad, cancel));
+    legs.push_back({sampled.paths.back().ticks(), player.passed(), player.merged_into()});
   }
-  set_crc(bounded);
-  const motion::Motion played = opened(bounded, robot);
-  sampled.paths.push_back(Player(played, robot).play(from_rad));
+  const std::size_t ticks = LongestWay(legs, explored.visits.size()).ticks();
+  sampled.longest_s = static_cast<double>(ticks > 0 ? ticks - 1 : 0) * kTick_s;
   return sampled;
 }
 

@@ -30,7 +30,18 @@ struct Trajectory {
   // By tick: the declared lean in rad, forward and to the right.
   std::vector<double> lean_pitch_rad{};
   std::vector<double> lean_roll_rad{};
-  std::string path{};  // the outcomes of its branches, such as "if at line 12: no"; empty without branches
+  // How the path differs from the one before it from which it branches off: the outcome of this condition.
+  // Empty: the first path, that of neutral sensors.
+  struct Outcome {
+    std::uint16_t step = 0;
+    bool holds = false;
+  };
+  std::optional<Outcome> outcome{};
+  std::size_t first_own_tick = 0;   // the ticks before it are those of an earlier path
+  bool failed = false;              // the motion ends as failed
+  bool merged = false;              // the path ends where an earlier one was in the same pose
+  std::vector<std::size_t> late{};  // ticks after which steps are left that belong into them
+  std::string path{};               // `outcome` in words
 
   std::size_t ticks() const { return steps.size(); }
   std::span<const double> row(std::size_t tick) const {

@@ -1,0 +1,178 @@
+#include "tools/motion/check/check.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <random>
+#include <string>
+
+#include "tests/support/seed.h"
+#include "tests/support/temporary_folder.h"
+
+namespace koboshi::tools {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::UnorderedElementsAre;
+
+constexpr const char* kRobot = KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf";
+
+// The head of a motion; its poses are `stand`, `nod`, and `crossed`, in which a forearm is in the trunk.
+constexpr const char* kHead =
+    "version: 2\nrobot: koboshi\nname: test\n{}poses:\n"
+    "  stand: {{others: zero, hip_pitch: -15.9, knee: 43.72, ankle_pitch: -27.82, shoulder_roll: 8, elbow: "
+    "-20}}\n"
+    "  nod: {{from: stand, head_tilt: 20}}\n"
+    "  crossed: {{from: stand, elbow: 0, shoulder_roll: -15}}\n";
+
+class MotionCheckerTest : public testing::Test {
+ protected:
+  static MotionChecker& checker() {
+    static MotionChecker checker(kRobot);
+    return checker;
+  }
+  // `extra`: further keys before the poses.
+  CompiledMotion compiled(const std::string& steps, const std::string& extra = "") const {
+    const std::filesystem::path file = folder_.path / "test.yaml";
+    std::ofstream(file) << fmt::format(fmt::runtime(kHead), extra) << steps;
+    return checker().compile(file);
+  }
+  MotionReport check(const std::string& steps, const std::string& extra = "") const {
+    return checker().check(compiled(steps, extra));
+  }
+  // The codes of the findings but those of unused poses.
+  static std::vector<std::string> codes(const MotionReport& report) {
+    std::vector<std::string> result;
+    for (const simulation::Diagnostic& diagnostic : report.diagnostics)
+      if (diagnostic.code != "C017") result.push_back(diagnostic.code);
+    return result;
+  }
+  static const simulation::Diagnostic& find(const MotionReport& report, const std::string& code) {
+    for (const simulation::Diagnostic& diagnostic : report.diagnostics)
+      if (diagnostic.code == code) return diagnostic;
+    throw std::runtime_error("no " + code);
+  }
+
+  const test::TemporaryFolder folder_;
+};
+
+TEST_F(MotionCheckerTest, FollowsBothOutcomesOfABranch) {
+  const std::string branch =
+      "steps:\n  - {{pose: stand, time_s: 1}}\n  - {{if: input(1) == 1, then: [{{pose: {}, time_s: 1}}], "
+      "else: [{{pose: {}, time_s: 1}}]}}\n  - {{pose: stand, time_s: 1}}\n";
+  EXPECT_THAT(codes(check(fmt::format(fmt::runtime(branch), "nod", "stand"))), IsEmpty());
+  const MotionReport then = check(fmt::format(fmt::runtime(branch), "crossed", "nod"));
+  EXPECT_EQ(then.paths.size(), 2U);
+  EXPECT_THAT(find(then, "C005").found, HasSubstr("other outcome of the condition of line 10"));
+  const MotionReport otherwise = check(fmt::format(fmt::runtime(branch), "nod", "crossed"));
+  EXPECT_THAT(find(otherwise, "C005").found, Not(HasSubstr("other outcome")));
+}
+
+TEST_F(MotionCheckerTest, CountsTimeOutsInTheDuration) {
+  const MotionReport report = check(
+      "steps:\n  - {pose: stand, time_s: 1}\n"
+      "  - {wait: {until: input(1) == 0, timeout_s: 7, else: continue}}\n"
+      "  - {wait: {until: input(2) == 0, timeout_s: 4}}\n  - {pose: stand, time_s: 1}\n");
+  EXPECT_NEAR(report.paths.front().duration_s, 2.5, 0.02) << "without time-outs";
+  // The first time-out and then the second, at which the motion fails; its pose is held for 0.5 s.
+  EXPECT_NEAR(report.duration_s, 1.0 + 7.0 + 4.0 + 0.5, 0.02);
+  EXPECT_THAT(codes(report), IsEmpty());
+}
+
+TEST_F(MotionCheckerTest, LeavesALoopThatASensorEnds) {
+  const MotionReport report = check(
+      "steps:\n  - {pose: stand, time_s: 1}\n"
+      "  - loop: {while: input(1) == 0, steps: [{pose: nod, time_s: 0.5}, {pose: stand, time_s: 0.5}]}\n"
+      "  - {pose: crossed, time_s: 1}\n  - {pose: stand, time_s: 1}\n");
+  EXPECT_THAT(find(report, "C005").place.line, 11);
+  const MotionReport body = check(
+      "steps:\n  - {pose: stand, time_s: 1}\n"
+      "  - loop: {while: input(1) == 1, steps: [{pose: crossed, time_s: 0.5}, {pose: stand, time_s: 0.5}]}\n"
+      "  - {pose: stand, time_s: 1}\n");
+  EXPECT_THAT(find(body, "C005").place.line, 10);
+}
+
+TEST_F(MotionCheckerTest, MeetsExpectationsInRoutinesAndBehindJumps) {
+  const MotionReport report = check(
+      "routines:\n  lie:\n    - {expect: {pitch_deg: 80, roll_deg: 0, within_deg: 20}}\n"
+      "    - {pose: nod, time_s: 0.5}\n"
+      "steps:\n  - {expect: {pitch_deg: 0, roll_deg: 0, within_deg: 20}}\n  - {jump: down}\n"
+      "  - {label: up}\n  - {expect: {pitch_deg: 0, roll_deg: 0, within_deg: 20}}\n"
+      "  - {pose: stand, time_s: 1}\n  - end\n"
+      "  - {label: down}\n  - {call: lie}\n  - {jump: up}\n");
+  EXPECT_FALSE(report.paths.front().steps.empty());
+  EXPECT_NEAR(report.paths.front().duration_s, 2.0, 0.03);
+  EXPECT_TRUE(std::isinf(report.paths.front().steps.front().least_margin_m)) << "lying";
+  EXPECT_TRUE(std::isfinite(report.paths.front().steps.back().least_margin_m)) << "upright again";
+}
+
+TEST_F(MotionCheckerTest, NamesMoreStepsThanACycleHolds) {
+  const auto steps = [](int count) {
+    std::string text = "steps:\n  - {pose: stand, time_s: 1}\n";
+    for (int i = 0; i < count; ++i) text += "  - {set: {a: \"+= 1\"}}\n";
+    return text + "  - {pose: nod, time_s: 1}\n  - {if: a > 1, then: [{pose: stand, time_s: 1}]}\n";
+  };
+  EXPECT_THAT(codes(check(steps(15), "variables: {a: 0}\n")), testing::Not(testing::Contains("C016")));
+  EXPECT_THAT(codes(check(steps(20), "variables: {a: 0}\n")), testing::Contains("C016"));
+}
+
+TEST_F(MotionCheckerTest, WarnsOfWhatIsNotReachedOrRead) {
+  const MotionReport report = check(
+      "steps:\n  - {pose: stand, time_s: 1}\n  - {set: {written: 3}}\n  - end\n"
+      "  - {pose: nod, time_s: 1}\n  - {pose: crossed, time_s: 1}\n",
+      "variables: {written: 0}\n");
+  EXPECT_THAT(codes(report), UnorderedElementsAre("C014", "C015"));
+  EXPECT_EQ(find(report, "C014").place.line, 13);
+  EXPECT_THAT(find(report, "C015").found, HasSubstr("'written'"));
+}
+
+TEST_F(MotionCheckerTest, SaysThatThereAreMorePathsThanItFollows) {
+  std::string steps = "steps:\n  - {pose: stand, time_s: 0.1}\n";
+  for (int i = 0; i < 40; ++i)
+    steps += fmt::format(
+        "  - {{if: input(1) == {}, then: [{{pose: {{from: stand, head_pan: {}}}, time_s: 0.1}}]}}\n", i, i);
+  const MotionReport report = check(steps);
+  EXPECT_TRUE(report.cut);
+  EXPECT_EQ(find(report, "C018").severity, simulation::Severity::kNote);
+}
+
+TEST_F(MotionCheckerTest, ACancelledCheckReturnsNothing) {
+  const CompiledMotion motion = compiled("steps:\n  - {pose: stand, time_s: 1}\n");
+  std::stop_source cancel;
+  EXPECT_TRUE(checker().check(motion, cancel.get_token()).has_value());
+  cancel.request_stop();
+  EXPECT_FALSE(checker().check(motion, cancel.get_token()).has_value());
+  EXPECT_TRUE(checker().check(motion, std::stop_token()).has_value());
+}
+
+// A checker that has seen the versions before gives the report of one that has not.
+TEST_F(MotionCheckerTest, RandomEditsGiveTheReportOfAFreshCheck) {
+  std::mt19937_64 random(test::kSeed);
+  std::vector<int> tilts{0, 5, 10, 15, 20};
+  MotionChecker edited(kRobot);
+  for (int edit = 0; edit < 4; ++edit) {
+    tilts[random() % tilts.size()] = static_cast<int>(random() % 30);
+    if (random() % 3 == 0) tilts.push_back(static_cast<int>(random() % 30));
+    std::string steps = "steps:\n  - {pose: stand, time_s: 0.5}\n";
+    for (const int tilt : tilts)
+      steps += fmt::format("  - {{pose: {{from: stand, ankle_pitch: {}}}, time_s: 0.3}}\n", -12 - tilt);
+    const CompiledMotion motion = compiled(steps);
+    const MotionReport seen = edited.check(motion);
+    MotionChecker fresh(kRobot);
+    const MotionReport whole = fresh.check(motion);
+    ASSERT_EQ(simulation::print(seen.diagnostics), simulation::print(whole.diagnostics));
+    ASSERT_EQ(seen.least_margin_m, whole.least_margin_m);
+    ASSERT_EQ(seen.paths.front().steps.size(), whole.paths.front().steps.size());
+    for (std::size_t i = 0; i < whole.paths.front().steps.size(); ++i)
+      ASSERT_EQ(seen.paths.front().steps[i].torque.share, whole.paths.front().steps[i].torque.share);
+    if (edit > 0) {
+      EXPECT_LT(edited.analysis().computed(), fresh.analysis().computed());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace koboshi::tools
