@@ -1,7 +1,7 @@
 #pragma once
 
 // The codes of the motion compiler's messages. They are stable: a code that is no longer used is not given to
-// another message. docs/reference/motion-language.md explains each. The check has the codes from M100 on.
+// another message. docs/reference/motion-language.md explains each. The check has the codes from C001 on.
 namespace koboshi::simulation::code {
 
 inline constexpr const char* kYaml = "M001";  // not well-formed YAML

@@ -11,6 +11,7 @@
 
 #include "sim_board/input/error.h"
 #include "sim_board/record/output_file.h"
+#include "simulation/motion/diagnostic.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/help.h"
 #include "tools/run/interrupt.h"
@@ -74,6 +75,9 @@ int main(int argc, char** argv) {
     const int exit_status = run_program(argc, argv);
     close_standard_output();
     return exit_status;
+  } catch (const koboshi::simulation::MotionError& error) {
+    fmt::print(stderr, "{}", koboshi::simulation::print(error.diagnostics()));
+    return kBadInput;
   } catch (const koboshi::sim::InputError& error) {
     fmt::print(stderr, "{}\n", error.what());
     return kBadInput;

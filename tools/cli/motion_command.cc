@@ -176,18 +176,10 @@ int list(const MotionArguments& arguments) {
   return status;
 }
 
-// Runs a command; the errors of a motion are printed with their places.
 template <typename Command>
 void set_callback(CLI::App& app, Invocation& invocation, const std::shared_ptr<MotionArguments>& arguments,
                   Command command) {
-  app.callback([&invocation, arguments, command] {
-    try {
-      invocation.exit_status = command(*arguments);
-    } catch (const simulation::MotionError& error) {
-      fmt::print(stderr, "{}", simulation::print(error.diagnostics()));
-      invocation.exit_status = kBadMotion;
-    }
-  });
+  app.callback([&invocation, arguments, command] { invocation.exit_status = command(*arguments); });
 }
 
 CLI::App& add_command(CLI::App& parent, const std::string& name, const std::string& help,

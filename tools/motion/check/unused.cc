@@ -22,7 +22,7 @@ struct UsedNames {
 };
 
 void collect(const Expression& expression, UsedNames& names) {
-  if (expression.kind == Expression::Kind::kSource && expression.source.number == 0)
+  if (expression.kind == Expression::Kind::kSource && expression.source.source == motion::Source::kVariable)
     names.variables.insert(expression.source.index);
   for (const Expression& item : expression.items) collect(item, names);
 }
