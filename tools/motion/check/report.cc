@@ -239,7 +239,7 @@ class Judge {
           fmt::format("the {} {:.1f} mm {} the {} edge of the support polygon", point,
                       std::abs(margin.distance_m) * kMmPerM, margin.distance_m < 0.0 ? "beyond" : "inside",
                       side),
-          expected, repair_of(state));
+          expected, repair_of(tick));
       return;
     }
     std::size_t first = tick;
@@ -249,22 +249,36 @@ class Judge {
     add("C006", Severity::kError, tick,
         fmt::format("the {} {:.0f} mm outside the support polygon to the {} (outside from {:.2f} s on)",
                     point, -margin.distance_m * kMmPerM, side, time_s(first)),
-        expected, repair_of(state));
+        expected, repair_of(tick));
   }
 
   // Either the pose is out of balance, or its accelerations are: their part of the ZMP falls with the square
   // of the time.
-  std::string repair_of(const TickState& state) const {
+  std::string repair_of(std::size_t tick) const {
+    const TickState& state = states_[tick];
     const double static_m = state.com.distance_m;
     const double dynamic_m = state.zmp.distance_m;
     if (static_m > 2.0 * limits_.close_m && dynamic_m < static_m) {
       const double factor = std::sqrt((static_m - dynamic_m) / (static_m - limits_.close_m));
       if (factor > 1.0)
-        return fmt::format("Give the step {:.1f} times its time, or use minimum_jerk.",
-                           std::ceil(10.0 * factor) / 10.0);
+        return fmt::format("Give the step {:.1f} times its time{}.", std::ceil(10.0 * factor) / 10.0,
+                           moves_linearly(tick) ? ", or use minimum_jerk" : "");
     }
     return fmt::format("Move the centre of mass {:.0f} mm to the {}.",
                        std::ceil((limits_.close_m - static_m) * kMmPerM), opposite_of(state.com.outward));
+  }
+
+  // Whether the step of this tick begins with the speed of its second tick.
+  bool moves_linearly(std::size_t tick) const {
+    std::size_t first = tick;
+    while (first > 1 && trajectory_.steps[first - 1] == trajectory_.steps[tick]) --first;
+    if (first + 1 >= trajectory_.ticks()) return false;
+    for (std::size_t j = 0; j < trajectory_.joints; ++j) {
+      const double change_rad = trajectory_.row(first)[j] - trajectory_.row(first - 1)[j];
+      const double next_rad = trajectory_.row(first + 1)[j] - trajectory_.row(first)[j];
+      if (std::abs(next_rad - change_rad) > 1e-6) return false;
+    }
+    return true;
   }
 
   // Returns the part of a declared lean that the firmware accepts.

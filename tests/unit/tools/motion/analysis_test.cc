@@ -119,6 +119,7 @@ TEST_F(AnalysisTest, AQuickLeanIsUnstableByItsAccelerations) {
   EXPECT_EQ(quick.balance, Balance::kUnstable);
   ASSERT_NE(find(quick, "C006"), nullptr);
   EXPECT_THAT(find(quick, "C006")->found, HasSubstr("ZMP"));
+  EXPECT_THAT(find(quick, "C006")->hint, HasSubstr("minimum_jerk"));
 }
 
 TEST_F(AnalysisTest, ReportsSpeedsAndSteps) {

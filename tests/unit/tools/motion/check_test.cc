@@ -71,6 +71,20 @@ TEST_F(MotionCheckerTest, FollowsBothOutcomesOfABranch) {
   EXPECT_THAT(find(otherwise, "C005").found, Not(HasSubstr("other outcome")));
 }
 
+TEST_F(MotionCheckerTest, DoesNotProposeAnInterpolationThatIsUsed) {
+  const auto hint = [&](const std::string& interpolation) {
+    const MotionReport report = check(
+        "  lean: {from: stand, ankle_pitch: -21}\nsteps:\n  - {pose: stand, time_s: 1}\n"
+        "  - {pose: lean, time_s: 0.04}\n  - {pose: stand, time_s: 1}\n",
+        "interpolation: " + interpolation + "\n");
+    for (const simulation::Diagnostic& diagnostic : report.diagnostics)
+      if (diagnostic.hint.find("times its time") != std::string::npos) return diagnostic.hint;
+    return simulation::print(report.diagnostics);
+  };
+  EXPECT_THAT(hint("linear"), HasSubstr("times its time, or use minimum_jerk"));
+  EXPECT_THAT(hint("minimum_jerk"), HasSubstr("times its time."));
+}
+
 TEST_F(MotionCheckerTest, CountsTimeOutsInTheDuration) {
   const MotionReport report = check(
       "steps:\n  - {pose: stand, time_s: 1}\n"
