@@ -83,6 +83,37 @@ std::string read_text_file(const std::filesystem::path& file, const std::string&
   return text;
 }
 
+std::size_t find_invalid_utf8(std::string_view text) {
+  // The second byte's range excludes overlong forms, surrogates and numbers above 10FFFF.
+  struct Form {
+    unsigned char first, last;  // of the first byte
+    std::size_t more;           // bytes that follow
+    unsigned char low, high;    // of the second byte
+  };
+  static constexpr std::array<Form, 9> kForms{{{0x00, 0x7F, 0, 0, 0},
+                                               {0xC2, 0xDF, 1, 0x80, 0xBF},
+                                               {0xE0, 0xE0, 2, 0xA0, 0xBF},
+                                               {0xE1, 0xEC, 2, 0x80, 0xBF},
+                                               {0xED, 0xED, 2, 0x80, 0x9F},
+                                               {0xEE, 0xEF, 2, 0x80, 0xBF},
+                                               {0xF0, 0xF0, 3, 0x90, 0xBF},
+                                               {0xF1, 0xF3, 3, 0x80, 0xBF},
+                                               {0xF4, 0xF4, 3, 0x80, 0x8F}}};
+  for (std::size_t i = 0; i < text.size();) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const auto form = std::find_if(kForms.begin(), kForms.end(), [&](const Form& other) {
+      return byte >= other.first && byte <= other.last;
+    });
+    if (form == kForms.end() || text.size() - i <= form->more) return i;
+    for (std::size_t k = 1; k <= form->more; ++k) {
+      const auto next = static_cast<unsigned char>(text[i + k]);
+      if (next < (k == 1 ? form->low : 0x80) || next > (k == 1 ? form->high : 0xBF)) return i;
+    }
+    i += 1 + form->more;
+  }
+  return std::string_view::npos;
+}
+
 std::optional<double> parse_number(std::string_view text) {
   const auto value = parse_whole<double>(text);
   return value && std::isfinite(*value) ? value : std::nullopt;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -25,6 +26,10 @@ struct IntegerRange {
 // Reads a file of at most 16 MiB. Throws InputError with `expected` (e.g. "a YAML file") if it cannot be
 // read.
 std::string read_text_file(const std::filesystem::path& file, const std::string& expected);
+
+// Returns the offset of the first byte that is not part of a character in UTF-8 (RFC 3629, section 4);
+// std::string_view::npos if there is none.
+std::size_t find_invalid_utf8(std::string_view text);
 
 // Parses a finite decimal number, with optional surrounding blanks. Returns nothing for any other text.
 // Independent of the locale.

@@ -153,6 +153,11 @@ class TreeBuilder final : public YAML::EventHandler {
 };
 
 YamlNode parse_any(const std::string& text, const Source& source) {
+  if (const std::size_t bad = find_invalid_utf8(text); bad != std::string_view::npos) {
+    const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(bad), '\n') + 1;
+    throw InputError(source.name, source.has_lines ? static_cast<int>(line) : 0, "a byte that is not UTF-8",
+                     "UTF-8 text");
+  }
   TreeBuilder builder(source);
   TreeBuilder rest(source);
   try {

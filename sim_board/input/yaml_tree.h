@@ -38,8 +38,8 @@ struct Override {
 // Parses "ground.mu=0.5". Throws InputError with --set instead of a file.
 Override parse_override(const std::string& argument);
 
-// Parses one document whose root is a map. Throws InputError for malformed YAML, a second document, a
-// duplicate key, a key that is not plain text, an alias, or a tag.
+// Parses one document whose root is a map. Throws InputError for text that is not UTF-8, malformed YAML, a
+// second document, a duplicate key, a key that is not plain text, an alias, or a tag.
 YamlNode parse_yaml(const std::string& text, const std::filesystem::path& source);
 
 // Writes a document that parse_yaml reads back with the same values: the root's keys and the items of their

@@ -118,7 +118,7 @@ bool SettingParser::mix(const YamlNode& value, std::vector<motion::Mix>& setting
         const int sign = is_image ? joints_.mirror_sign(*left) * mirror_sign_of_source(source) : 1;
         settings.push_back({.source = static_cast<motion::MixSource>(source),
                             .joint = static_cast<std::uint8_t>(joint),
-                            .gain = static_cast<std::int16_t>(sign * gain_raw),
+                            .gain = static_cast<std::int16_t>(std::min(sign * gain_raw, 32'767)),
                             .limit = static_cast<std::uint16_t>(angle_units(*limit_deg))});
       }
     }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "simulation/motion/codes.h"
+#include "simulation/motion/condition.h"
 #include "simulation/motion/expression.h"
 
 namespace koboshi::simulation {
@@ -99,8 +100,11 @@ bool ValueParser::tests(const YamlNode& value, TestBlock& block) {
     return false;
   }
   for (const YamlNode& item : list->items) {
-    auto test = expression(item);
-    if (test && is_test(item, *test)) block.tests.push_back(std::move(*test));
+    const auto parsed = expression(item);
+    if (!parsed) continue;
+    // A sensor may have a minus, as in mirrored motions: -a < 5 is the test a > -5.
+    Expression test = parsed->is_comparison() ? normal_form(*parsed) : *parsed;
+    if (is_test(item, test)) block.tests.push_back(std::move(test));
   }
   return reader_.diagnostics().error_count() == errors;
 }

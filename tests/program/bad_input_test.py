@@ -193,6 +193,67 @@ class BadInput(unittest.TestCase):
                 self.assertEqual((result.returncode, result.stdout), (2, ""))
 
 
+class MotionFiles(unittest.TestCase):
+    """Commands that edit motion files leave all files as they are if they refuse the input."""
+
+    BAD_MOTIONS = {
+        "not UTF-8": 'version: 2\nrobot: koboshi\nname: "M\xfcller"\nsteps: [end]\n'.encode("latin-1"),
+        "UTF-16": "version: 2\nrobot: koboshi\nname: a\nsteps: [end]\n".encode("utf-16"),
+        "other version": b"version: 3\nrobot: koboshi\nname: a\nsteps: [end]\n",
+        "tab": b"version: 2\nrobot: koboshi\nname: a\nsteps:\n\t- end\n",
+        "doubled key": b"version: 2\nrobot: koboshi\nname: a\nsteps: [end]\nsteps: [end]\n",
+        "alias": b"version: 2\nrobot: koboshi\nname: a\nsteps: [&a {wait_s: 1}, *a]\n",
+        "deep": b"version: 2\nrobot: koboshi\nname: a\nsteps: " + b"[" * 20000 + b"]" * 20000 + b"\n",
+        "large": b"version: 2\nrobot: koboshi\nname: a\nsteps:\n" + b"  - {wait_s: 1}\n" * 100000,
+        "empty": b"",
+    }
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def refuse(self, *arguments):
+        before = {file: file.read_bytes() for file in self.folder.iterdir()}
+        result = PROGRAM.run("motion", *arguments)
+        self.assertEqual((result.returncode, result.stdout), (2, ""), result.stderr)
+        self.assertRegex(result.stderr, "^[^\n]*: .*found .*, expected .*\n")
+        for line in result.stderr.splitlines()[1:]:
+            self.assertRegex(line, "^ *([0-9]* [|]|=) ?")  # the place in the file, and a hint
+        self.assertEqual({file: file.read_bytes() for file in self.folder.iterdir()}, before)
+
+    def test_bad_files_are_refused_by_every_command(self):
+        file = self.folder / "motion.yaml"
+        for name, content in self.BAD_MOTIONS.items():
+            file.write_bytes(content)
+            for arguments in (["format", file], ["mirror", file, "-o", file],
+                              ["compile", file, "-o", self.folder / "motion.kmot"]):
+                with self.subTest(f"{name}: {arguments[0]}"):
+                    self.refuse(*arguments)
+
+    def test_a_scenario_is_not_formatted(self):
+        file = self.folder / "scenario.yaml"
+        file.write_text(SCENARIO, encoding="utf-8")
+        self.refuse("format", file)
+
+    def test_a_source_is_not_replaced_by_its_image(self):
+        file = self.folder / "motion.yaml"
+        file.write_bytes(MOTION.read_bytes())
+        self.refuse("compile", file, "-o", file)
+        image = self.folder / "motion.kmot"
+        self.assertEqual(PROGRAM.run("motion", "compile", file, "-o", image).returncode, 0)
+        self.refuse("decompile", image, "-o", image)
+
+    def test_a_name_over_two_lines_is_refused(self):
+        self.refuse("mirror", MOTION, "--name", "two\nlines", "-o", self.folder / "mirrored.yaml")
+
+    def test_a_folder_is_no_image(self):
+        folder = self.folder / "motion.kmot"
+        folder.mkdir()
+        result = PROGRAM.run("motion", "upload", folder)
+        self.assertEqual((result.returncode, result.stderr), (2, f"{folder}: found a folder, expected the image of a motion\n"))
+
+
 class Help(unittest.TestCase):
     def test_help_teaches_and_version_tells(self):
         self.assertRegex(PROGRAM.run("--version").stdout, r"^koboshi \d+\.\d+\.\d+\n$")

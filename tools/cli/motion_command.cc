@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "firmware/motion/motion.h"
+#include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
 #include "sim_board/robot/load.h"
@@ -60,6 +61,13 @@ void write(const std::filesystem::path& file, const std::string& text) {
   }
 }
 
+// Refuses to replace a source by its image, or an image by its source.
+void refuse_own_input(const std::filesystem::path& in, const std::filesystem::path& out) {
+  std::error_code missing;
+  if (std::filesystem::equivalent(in, out, missing))
+    throw sim::InputError(out, 0, "the input as the output", "another file for the result");
+}
+
 std::string bytes_text(const std::vector<std::byte>& image) {
   return {reinterpret_cast<const char*>(image.data()), image.size()};
 }
@@ -93,6 +101,7 @@ int compile(const MotionArguments& arguments) {
   if (image.empty()) return kBadMotion;
   std::filesystem::path out = arguments.out;
   if (out.empty()) out = arguments.motion().stem().string() + ".kmot";
+  refuse_own_input(arguments.motion(), out);
   sim::write_whole_file(out, bytes_text(image));
   if (!arguments.json)
     fmt::print("{}: {} bytes for robot model {:08x}\n", out.string(), image.size(), model.model.id);
@@ -100,6 +109,7 @@ int compile(const MotionArguments& arguments) {
 }
 
 int decompile(const MotionArguments& arguments) {
+  refuse_own_input(arguments.motion(), arguments.out);
   const std::string bytes = sim::read_text_file(arguments.motion(), "the image of a motion");
   write(arguments.out, simulation::decompile_motion(std::as_bytes(std::span(bytes)), load(arguments),
                                                     arguments.motion().string()));
@@ -120,7 +130,7 @@ int format(const MotionArguments& arguments) {
   std::optional<NamedModel> model;
   if (arguments.upgrade) model = load(arguments);
   for (const std::filesystem::path& file : arguments.motions) {
-    const std::string text = read(file);
+    const std::string text = simulation::read_motion_text(file, read(file)).text;
     const std::string formatted = format_motion(file, model ? upgraded(file, text, *model) : text);
     if (formatted == text) continue;
     fmt::print("{}{}\n", file.string(), arguments.check ? " would change" : "");

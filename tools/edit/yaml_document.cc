@@ -131,7 +131,7 @@ YamlNode parsed_value(std::string_view value, const std::filesystem::path& sourc
   const std::string text = "value: " + std::string(value);
   YamlNode root = sim::parse_yaml(text, source);
   const bool is_alone = text.find('\n') == std::string::npos && root.items.size() == 1 &&
-                        locate_yaml(text).items.front().end == text.size();
+                        locate_yaml(text, source).items.front().end == text.size();
   if (!is_alone) throw sim::InputError(source, 0, sim::one_line(value), "a value on one line, in flow style");
   return std::move(root.items.front());
 }
@@ -159,7 +159,7 @@ YamlDocument::YamlDocument(std::filesystem::path source, std::string text)
     : source_(std::move(source)), text_(std::move(text)), tree_(sim::parse_yaml(text_, source_)) {}
 
 void YamlDocument::set(const YamlPath& path, std::string_view value) {
-  const YamlPlace places = locate_yaml(text_);
+  const YamlPlace places = locate_yaml(text_, source_);
   YamlNode intended = tree_;
   const Spot spot = Finder(source_, path).find(intended, places);
   if (spot.node == nullptr) return insert(path, value);
@@ -181,7 +181,7 @@ void YamlDocument::set(const YamlPath& path, std::string_view value) {
 }
 
 void YamlDocument::insert(const YamlPath& path, std::string_view value) {
-  const YamlPlace places = locate_yaml(text_);
+  const YamlPlace places = locate_yaml(text_, source_);
   YamlNode intended = tree_;
   const Finder finder(source_, path);
   const Spot spot = finder.find(intended, places);
@@ -218,7 +218,7 @@ void YamlDocument::insert(const YamlPath& path, std::string_view value) {
 }
 
 void YamlDocument::erase(const YamlPath& path) {
-  const YamlPlace places = locate_yaml(text_);
+  const YamlPlace places = locate_yaml(text_, source_);
   YamlNode intended = tree_;
   const Finder finder(source_, path);
   const Spot spot = finder.find(intended, places);
@@ -248,7 +248,7 @@ void YamlDocument::erase(const YamlPath& path) {
 }
 
 void YamlDocument::rename(const YamlPath& path, std::string_view key) {
-  const YamlPlace places = locate_yaml(text_);
+  const YamlPlace places = locate_yaml(text_, source_);
   YamlNode intended = tree_;
   const Finder finder(source_, path);
   const Spot spot = finder.find(intended, places);

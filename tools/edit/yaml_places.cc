@@ -6,10 +6,17 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sim_board/input/error.h"
+
 namespace koboshi::tools {
 namespace {
 
 using Kind = YamlPlace::Kind;
+
+// libfyaml reads the document in another way than sim::parse_yaml. `what()` says what it found.
+struct Refused : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 std::size_t start_of(fy_token* token) { return fy_token_start_mark(token)->input_pos; }
 std::size_t end_of(fy_token* token) { return fy_token_end_mark(token)->input_pos; }
@@ -23,21 +30,33 @@ struct FreeEvent {
 class Events {
  public:
   explicit Events(std::string_view text)
-      : parser_(fy_parser_create(&kQuiet), fy_parser_destroy), event_(nullptr, FreeEvent{parser_.get()}) {
+      : silence_(silent_diagnostics(), fy_diag_destroy),
+        parser_(create_parser(silence_.get()), fy_parser_destroy),
+        event_(nullptr, FreeEvent{parser_.get()}) {
     if (!parser_ || fy_parser_set_string(parser_.get(), text.data(), text.size()) != 0)
       throw std::runtime_error("libfyaml has no memory for a parser");
   }
 
-  // Throws std::runtime_error at malformed YAML and at the end of the text.
+  // Throws Refused at malformed YAML and at the end of the text.
   const fy_event& next() {
     event_.reset(fy_parser_parse(parser_.get()));
-    if (!event_) throw std::runtime_error("libfyaml refuses the document");
+    if (!event_) throw Refused("YAML that libfyaml refuses");
     return *event_;
   }
 
  private:
-  static constexpr fy_parse_cfg kQuiet{nullptr, FYPCF_QUIET, nullptr, nullptr};
+  // Some errors of libfyaml reach standard error in spite of FYPCF_QUIET.
+  static fy_diag* silent_diagnostics() {
+    fy_diag* diagnostics = fy_diag_create(nullptr);
+    if (diagnostics != nullptr) fy_diag_set_collect_errors(diagnostics, true);
+    return diagnostics;
+  }
+  static fy_parser* create_parser(fy_diag* diagnostics) {
+    const fy_parse_cfg config{nullptr, FYPCF_QUIET, nullptr, diagnostics};
+    return fy_parser_create(&config);
+  }
 
+  std::unique_ptr<fy_diag, decltype(&fy_diag_destroy)> silence_;
   std::unique_ptr<fy_parser, decltype(&fy_parser_destroy)> parser_;
   std::unique_ptr<fy_event, FreeEvent> event_;
 };
@@ -63,7 +82,7 @@ class Locator {
       case FYET_SEQUENCE_START:
         return list(event.sequence_start.sequence_start, after);
       default:
-        throw std::runtime_error("libfyaml reports an alias");
+        throw Refused("an alias");
     }
   }
 
@@ -98,7 +117,7 @@ class Locator {
     for (;;) {
       const fy_event& event = events_.next();
       if (event.type == FYET_MAPPING_END) return close(std::move(place), event.mapping_end.mapping_end);
-      if (event.type != FYET_SCALAR) throw std::runtime_error("libfyaml reports a map or list as a key");
+      if (event.type != FYET_SCALAR) throw Refused("a map or list as a key");
       const YamlPlace key = scalar(event, 0);
       std::size_t length = 0;
       const char* const name = fy_token_get_text(event.scalar.value, &length);
@@ -151,6 +170,12 @@ class Locator {
 
 }  // namespace
 
-YamlPlace locate_yaml(std::string_view text) { return Locator(text).document(); }
+YamlPlace locate_yaml(std::string_view text, const std::filesystem::path& source) {
+  try {
+    return Locator(text).document();
+  } catch (const Refused& refused) {
+    throw sim::InputError(source, 0, refused.what(), "YAML that can be edited in place");
+  }
+}
 
 }  // namespace koboshi::tools

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,8 +29,8 @@ struct YamlPlace {
   bool is_block() const { return kind == Kind::kBlockMap || kind == Kind::kBlockList; }
 };
 
-// Locates the values of a document that sim::parse_yaml accepts. Throws std::runtime_error if libfyaml
-// refuses it.
-YamlPlace locate_yaml(std::string_view text);
+// Locates the values of a document that sim::parse_yaml accepts. Throws sim::InputError, which names
+// `source`, if libfyaml refuses it.
+YamlPlace locate_yaml(std::string_view text, const std::filesystem::path& source);
 
 }  // namespace koboshi::tools

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
 #include "sim_board/input/yaml_tree.h"
 #include "tools/edit/yaml_document.h"
 #include "tools/edit/yaml_places.h"
@@ -261,11 +262,25 @@ bool is_same(const sim::YamlNode& a, const sim::YamlNode& b) {
          std::equal(a.items.begin(), a.items.end(), b.items.begin(), is_same);
 }
 
+// The layout is that of motions: a scenario in it would be no longer readable.
+void refuse_other_files(const sim::YamlNode& root, const std::filesystem::path& source) {
+  const sim::YamlNode* version = root.find("version");
+  const int line = version == nullptr ? 0 : version->line;
+  const std::string number = version == nullptr ? std::string() : version->scalar;
+  if (number != "1" && number != "2") {
+    throw sim::InputError(source, line,
+                          version == nullptr ? "no version" : "version " + sim::one_line(number),
+                          "a motion of version 1 or 2");
+  }
+  if (root.find("steps") == nullptr) throw sim::InputError(source, 0, "no key steps", "a motion");
+}
+
 }  // namespace
 
 std::string format_motion(const std::filesystem::path& source, const std::string& text) {
   const sim::YamlNode before = sim::parse_yaml(text, source);
-  std::string formatted = Formatter(text, locate_yaml(text)).format();
+  refuse_other_files(before, source);
+  std::string formatted = Formatter(text, locate_yaml(text, source)).format();
   if (!is_same(before, sim::parse_yaml(formatted, source)))
     throw sim::InputError(source, 0, "a layout that the formatter cannot keep",
                           "a motion file in flow and block style");

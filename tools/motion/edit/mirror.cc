@@ -109,7 +109,7 @@ class Mirror {
     std::string quoted = "\"";
     for (const char letter : *name_) {
       if (letter == '"' || letter == '\\') quoted += '\\';
-      quoted += letter;
+      quoted += letter == '\n' ? std::string("\\n") : std::string(1, letter);
     }
     const bool plain = simulation::is_identifier(*name_);
     replace(place, plain ? *name_ : quoted + "\"");
@@ -284,7 +284,7 @@ std::string mirror_expression(std::string_view text, const JointNames& joints) {
 std::string mirror_motion(const std::filesystem::path& source, const std::string& text,
                           const JointNames& joints, const std::optional<std::string>& name) {
   static_cast<void>(sim::parse_yaml(text, source));
-  return Mirror(text, joints, name).mirror(locate_yaml(text));
+  return Mirror(text, joints, name).mirror(locate_yaml(text, source));
 }
 
 }  // namespace koboshi::tools

@@ -174,6 +174,14 @@ TEST(MotionLanguage, MirrorsMixesOfBothSides) {
       << "both ankles turn the robot the same way";
 }
 
+TEST(MotionLanguage, SaturatesTheMirrorImageOfTheLeastGain) {
+  EXPECT_THAT(
+      lowered("steps: [{mix: {ankle_roll: {pitch_rate: -8, limit_deg: 5}}}]\n"),
+      testing::ElementsAre(
+          "{mix: {left_ankle_roll: {pitch_rate: -8, limit_deg: 4.998779296875}}}",
+          "{mix: {right_ankle_roll: {pitch_rate: 7.999755859375, limit_deg: 4.998779296875}}}", "end"));
+}
+
 TEST(MotionLanguage, MarksItsExitPath) {
   const Compiled compiled = compile_text(version_2(
       "exit: out\nsteps: [{loop: {until: stopped, steps: [{wait_s: 1}]}}, {label: out}, {wait_s: 2}]\n"));
