@@ -107,8 +107,10 @@ bool Interpreter::enter(std::uint16_t index, const Inputs& inputs) {
 // Subtracts a step from the work that this call may do. Returns false if too little is left.
 bool Interpreter::spend(const Step& step) {
   if (takes_time(step.opcode)) {
-    const bool cubic = step.opcode == Opcode::kMove && Move::of(step).interpolation == Interpolation::kCubic;
-    moves_left_ -= cubic ? 2 : 1;
+    // A cubic move also reads the next pose, one by speed reads its pose twice.
+    const Move move = step.opcode == Opcode::kMove ? Move::of(step) : Move();
+    const int cubic = move.interpolation == Interpolation::kCubic ? 2 : 1;
+    moves_left_ -= move.by_speed ? 2 * cubic : cubic;
     return moves_left_ >= 0;
   }
   zero_time_left_ -= has_condition(step.opcode) ? 1 + Condition::of(step).count : 1;

@@ -19,7 +19,10 @@ class Interpreter {
  public:
   // The steps without time that are carried out in one call, tests included.
   static constexpr int kMaxZeroTimeSteps = 16;
-  // The moves and waits that begin in one call; a cubic move counts as two.
+  // The moves and waits that begin in one call; a cubic move counts as two, and one by speed twice as much.
+  // Measured on the Cortex-M4 in QEMU (`koboshi target-report`, 2026-11-24, 2,000 ticks): two motions on 20
+  // joints with 16 corrections and cubic moves by speed of 1.65 ms, with four assignments between two of
+  // them, take at most 7,736 instructions in 99 of 100 ticks; 12,686 if moves by speed cost no more.
   static constexpr int kMaxMoves = 4;
   static constexpr std::uint32_t kMaxAdvance_us = 100'000;
 

@@ -81,7 +81,12 @@ class InterpolationTest : public InterpreterTest {
     double from_deg = 0;
     for (int i = 0; i < count; ++i) {
       const auto interpolation = kind ? *kind : static_cast<Interpolation>(random() % 3);
-      const double to_deg = test::stored_deg(uniform(0, 120));
+      // A way of 6 degrees takes 15 ms at 400 deg/s, so that one move by speed begins in a tick: of those
+      // that are cubic the interpreter leaves a second one to the next tick (kMaxMoves).
+      double to_deg = from_deg;
+      do {
+        to_deg = test::stored_deg(uniform(0, 120));
+      } while (by_speed && std::abs(to_deg - from_deg) < 6);
       builder.pose(kKnee, to_deg);
       Leg leg{interpolation, from_deg, to_deg, std::floor(uniform(1'000, 2'000'000)) * 1e-6};
       Move move{.interpolation = interpolation,
@@ -104,7 +109,7 @@ class InterpolationTest : public InterpreterTest {
     double time_s = 0;
     double largest_deg = 0;
     while (interpreter_.running() && time_s < 1'000) {
-      const auto tick_us = 1'000 + static_cast<std::uint32_t>(random() % 19'000);
+      const auto tick_us = 1'000 + static_cast<std::uint32_t>(random() % 9'000);
       interpreter_.advance(tick_us, inputs_);
       time_s += 1e-6 * tick_us;
       if (!interpreter_.running()) break;

@@ -49,6 +49,23 @@ TEST_F(OpcodeTest, MoveTakesItsTimeOrThatOfItsSpeed) {
   EXPECT_EQ(time_to_end_us(), 30'000 + static_cast<std::uint32_t>(std::ceil(way_deg / 0.36)) * 1'000);
 }
 
+// The work of a call: a cubic move by speed, which reads three poses, is alone in it. What follows is late by
+// a tick, but takes its time from the next ones.
+TEST_F(OpcodeTest, MoveBySpeedLeavesASecondOneToTheNextCall) {
+  const auto hop = [](std::uint16_t pose) {
+    return Move{.interpolation = Interpolation::kCubic, .by_speed = true, .pose = pose, .value = 1u << 24}
+        .step();
+  };
+  MotionBuilder builder(model_);
+  builder.pose(kKnee, 0.4).pose(kKnee, 0.8);  // 1.65 ms each
+  start(builder.step(kWait, 0, 5'000).step(hop(0)).step(hop(1)).step(kWait, 0, 30'000).step(kEnd));
+  advance(10'000);
+  EXPECT_EQ(interpreter_.targets()[kKnee], stored(0.4));
+  advance(10'000);
+  EXPECT_EQ(interpreter_.targets()[kKnee], stored(0.8));
+  EXPECT_EQ(time_to_end_us(), 19'000u);
+}
+
 TEST_F(OpcodeTest, WaitHoldsTheTargets) {
   start(knee_poses().step(kMove, 1, 10'000).step(kWait, 0, 500'000).step(kEnd));
   advance(300'000);
