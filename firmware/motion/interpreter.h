@@ -20,9 +20,10 @@ class Interpreter {
   // The steps without time that are carried out in one call, tests included.
   static constexpr int kMaxZeroTimeSteps = 16;
   // The moves and waits that begin in one call; a cubic move counts as two, and one by speed twice as much.
-  // Measured on the Cortex-M4 in QEMU (`koboshi target-report`, 2026-11-24, 2,000 ticks): two motions on 20
-  // joints with 16 corrections and cubic moves by speed of 1.65 ms, with four assignments between two of
-  // them, take at most 7,736 instructions in 99 of 100 ticks; 12,686 if moves by speed cost no more.
+  // Measured on the Cortex-M4 in QEMU (`koboshi target-report`, 2026-11-24, 99 of 100 ticks): two motions on
+  // 20 joints with 16 corrections and cubic moves by speed take 7,736 instructions (12,686 if those counted
+  // once), without corrections and with cubic moves of 3 ms 7,958. Both together were not measured; the
+  // target of 8,000 is not proved for them.
   static constexpr int kMaxMoves = 4;
   static constexpr std::uint32_t kMaxAdvance_us = 100'000;
 

@@ -17,8 +17,8 @@ inline constexpr std::size_t kMaxMixes = 16;  // at a time
 // removed does not drop at once: its last value fades linearly within kFade_us.
 class Mixer {
  public:
-  // Set by hand (2026-11-23): the largest correction, 15 degrees, then turns a joint by 75 deg/s, a quarter
-  // of what the servos can do.
+  // Set by hand (2026-11-23): the largest correction, 15 degrees, then turns a joint by 75 deg/s; five
+  // corrections of one joint by 375 deg/s.
   static constexpr std::uint32_t kFade_us = 200'000;
 
   // Removes all corrections, those that fade too.
