@@ -20,6 +20,7 @@ using motion::Opcode;
 using StepKind = StepSource::Kind;
 using PoseNumbers = std::vector<std::optional<std::uint16_t>>;
 
+constexpr std::uint32_t kAfterTimeout_us = 1'000;
 constexpr std::uint32_t kPoll_us = 10'000;  // one control tick
 
 // Returns the condition, in normal form, as the tests of one step; nothing if it needs more.
@@ -246,6 +247,8 @@ class Lowering {
     program_.add_jump(again, place);
     program_.place_label(timeout);
     if (!step.label.empty()) {
+      // The label may lead back to this step, and the validator does not know that time has passed.
+      add({Opcode::kWait, 0, kAfterTimeout_us, 0}, place);
       program_.add_jump(labels_.target(step.label, place), place);
     } else if (!step.continues) {
       add({Opcode::kFail, 0, 0, 0}, place);

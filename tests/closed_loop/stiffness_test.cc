@@ -4,10 +4,10 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
 
 #include "tests/closed_loop/run.h"
+#include "tests/support/temporary_folder.h"
 
 namespace koboshi::test {
 namespace {
@@ -29,20 +29,21 @@ steps:
   - {pose: raised, time_s: 1, interpolation: minimum_jerk}
 )";
 
-sim::Scenario scenario() {
-  const auto file = std::filesystem::path(testing::TempDir()) / "stiffness_test_release.yaml";
-  std::ofstream(file) << kReleaseAnArm;
+sim::Scenario scenario(const std::filesystem::path& folder) {
+  const auto file = folder / "release.yaml";
+  write_file(file, kReleaseAnArm);
   const std::vector<sim::Override> overrides{
       {"physics.stepper", "lumped"},
       {"initial", "{fixed_base: true}"},
       {"motions", "[robots/koboshi/motions/stand.yaml, " + file.string() + "]"},
-      {"commands", "[{at_s: 2, enable: true}, {at_s: 4, play: stiffness_test_release}]"}};
+      {"commands", "[{at_s: 2, enable: true}, {at_s: 4, play: release}]"}};
   return sim::read_scenario(KOBOSHI_SOURCE_DIR "/scenarios/squat.yaml", overrides);
 }
 
 // Gear friction stops the arm half-way down: it hangs by 30 degrees lower.
 TEST(Stiffness, ReleasesAnArmAndTakesItBackWithoutAJerk) {
-  RobotRun run(scenario());
+  const TemporaryFolder folder;
+  RobotRun run(scenario(folder.path));
   const std::size_t joint = run.joint("left_shoulder_pitch");
   const auto shaft_deg = [&] {
     return run.board().world().joint(static_cast<int>(joint)).position_rad / kRadPerDegree;

@@ -111,6 +111,12 @@ TEST(MotionLanguage, PollsConditionsThatNoSingleStepCanTest) {
                                    "{jump: s2}", "{label: s10}", "fail", "{label: s11}", "end"));
 }
 
+TEST(MotionLanguage, LeadsFromThePollingOfAConditionBackToIt) {
+  EXPECT_THAT(lowered("steps: [{label: again}, {wait: {until: left_load_mN + right_load_mN > 9000, "
+                      "timeout_s: 1, else: again}}]\n"),
+              testing::Contains("{wait_s: 0.001000}"));
+}
+
 TEST(MotionLanguage, LoopsWhileAndUntilAConditionHolds) {
   EXPECT_THAT(lowered("steps:\n"
                       "  - loop: {while: supply_mV > 6500, steps: [{pose: bend, time_s: 1}]}\n"

@@ -77,7 +77,7 @@ class RandomProgram {
       text =
           fmt::format("{{support: {}, com: {{x_mm: {}, z_mm: {}}}", support, below(20) - 5, 125 + below(15));
     }
-    if (support == "left") text += fmt::format(", right_foot: {{z_mm: {}}}", below(15));
+    if (support == "left") text += fmt::format(", right_foot: {{z_mm: {}}}", below(8));
     if (flip()) text += fmt::format(", left_hand: {{x_mm: {}, z_mm: {}}}", 50 + below(15), 140 + below(20));
     return text + "}";
   }
