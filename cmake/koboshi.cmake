@@ -61,10 +61,10 @@ function(koboshi_library name)
   endif()
 endfunction()
 
-# koboshi_test(NAME LABEL label SOURCES ... [DEPS ...]) defines a GoogleTest program. ctest runs its cases under the
-# label.
+# koboshi_test(NAME LABEL label [TOGETHER] SOURCES ... [DEPS ...]) defines a GoogleTest program. ctest runs its cases
+# under the label; with TOGETHER as one test, for short cases whose common set-up would take most of the time.
 function(koboshi_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL" "SOURCES;DEPS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "TOGETHER" "LABEL" "SOURCES;DEPS")
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE koboshi_options ${arg_DEPS} GTest::gtest GTest::gmock GTest::gtest_main)
   # A test spends its time in the code under test, which has its own options; -O1 halves the compile time of the test
@@ -72,6 +72,11 @@ function(koboshi_test name)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(${name} PRIVATE KOBOSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                              KOBOSHI_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  if(arg_TOGETHER)
+    add_test(NAME ${name} COMMAND ${name})
+    set_tests_properties(${name} PROPERTIES LABELS ${arg_LABEL})
+    return()
+  endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${arg_LABEL})
 endfunction()
 

@@ -8,18 +8,12 @@
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
+#include "tools/edit/yaml_lines.h"
 #include "tools/edit/yaml_places.h"
 
 namespace koboshi::tools {
 
 using sim::YamlNode;
-
-// Bytes from begin to end become `text`.
-struct YamlDocument::Change {
-  std::size_t begin;
-  std::size_t end;
-  std::string text;
-};
 
 namespace {
 
@@ -65,65 +59,25 @@ class Finder {
     }
     if (spot.index < node.items.size()) {
       spot.node = &node.items[spot.index];
-      spot.place = &outer.place->items[spot.index];
+      spot.place = place_of(*outer.place, spot);
+      if (spot.place == nullptr) throw error(&node, "a value that no other edit of the batch has added");
     }
     return spot;
+  }
+
+  // Edits of a batch change the keys of the tree before those of the text.
+  static const YamlPlace* place_of(const YamlPlace& outer, const Spot& spot) {
+    if (outer.is_list()) return &outer.items[spot.index];
+    const auto item = std::ranges::find(outer.items, spot.key, &YamlPlace::key);
+    return item == outer.items.end() ? nullptr : &*item;
   }
 
   const std::filesystem::path& source_;
   const YamlPath& path_;
 };
 
-// The lines of a text.
-class Lines {
- public:
-  explicit Lines(std::string_view text) : text_(text) {}
-
-  std::size_t begin(std::size_t at) const {
-    const std::size_t newline = at == 0 ? std::string_view::npos : text_.rfind('\n', at - 1);
-    return newline == std::string_view::npos ? 0 : newline + 1;
-  }
-  // The first byte of the next line, or the end of the text.
-  std::size_t next(std::size_t at) const {
-    const std::size_t newline = text_.find('\n', at);
-    return newline == std::string_view::npos ? text_.size() : newline + 1;
-  }
-  // The first byte of the line after a value's last one. A text in block style ends with its line.
-  std::size_t after(const YamlPlace& place) const {
-    const bool ends_a_line = place.end > place.begin && text_[place.end - 1] == '\n';
-    return ends_a_line ? place.end : next(place.end);
-  }
-  bool is_first_on_line(std::size_t at) const { return text_.find_first_not_of(' ', begin(at)) == at; }
-  std::size_t column(std::size_t at) const { return at - begin(at); }
-  // The first of the comment lines directly above `at` and as far indented, or else the line of `at`.
-  std::size_t with_comments_above(std::size_t at) const {
-    std::size_t line = begin(at);
-    while (line > 0) {
-      const std::size_t above = begin(line - 1);
-      const std::size_t first = text_.find_first_not_of(' ', above);
-      if (text_[first] != '#' || first - above != column(at)) break;
-      line = above;
-    }
-    return line;
-  }
-
- private:
-  std::string_view text_;
-};
-
-// First byte of an entry or item, with its key or dash.
-std::size_t start_of(std::string_view text, const YamlPlace& parent, const YamlPlace& item) {
-  if (parent.is_map()) return item.key_begin;
-  return parent.is_flow() ? item.begin : text.rfind('-', item.begin - 1);
-}
-
 std::string entry_text(const Spot& spot, std::string_view value) {
   return spot.parent_place->is_map() ? spot.key + ": " + std::string(value) : std::string(value);
-}
-
-bool same_values(const YamlNode& one, const YamlNode& other) {
-  return one.kind == other.kind && one.key == other.key && one.scalar == other.scalar &&
-         one.quoted == other.quoted && std::ranges::equal(one.items, other.items, same_values);
 }
 
 // Throws InputError unless the text is one value on one line, without a comment.
@@ -158,11 +112,45 @@ YamlDocument::YamlDocument(std::filesystem::path file)
 YamlDocument::YamlDocument(std::filesystem::path source, std::string text)
     : source_(std::move(source)), text_(std::move(text)), tree_(sim::parse_yaml(text_, source_)) {}
 
+const YamlPlace& YamlDocument::places() const {
+  if (!places_) places_ = locate_yaml(text_, source_);
+  return *places_;
+}
+
 void YamlDocument::set(const YamlPath& path, std::string_view value) {
-  const YamlPlace places = locate_yaml(text_, source_);
+  edit(std::vector<YamlEdit>{{YamlEdit::Kind::kSet, path, std::string(value)}});
+}
+
+void YamlDocument::insert(const YamlPath& path, std::string_view value) {
   YamlNode intended = tree_;
-  const Spot spot = Finder(source_, path).find(intended, places);
-  if (spot.node == nullptr) return insert(path, value);
+  const Change change = insert_change(path, value, intended);
+  apply({change}, std::move(intended));
+}
+
+void YamlDocument::erase(const YamlPath& path) {
+  edit(std::vector<YamlEdit>{{YamlEdit::Kind::kErase, path, {}}});
+}
+
+void YamlDocument::rename(const YamlPath& path, std::string_view key) {
+  edit(std::vector<YamlEdit>{{YamlEdit::Kind::kRename, path, std::string(key)}});
+}
+
+void YamlDocument::edit(std::span<const YamlEdit> edits) {
+  YamlNode intended = tree_;
+  std::vector<Change> changes;
+  for (const YamlEdit& edit : edits) {
+    if (edit.kind == YamlEdit::Kind::kSet) changes.push_back(set_change(edit.path, edit.text, intended));
+    if (edit.kind == YamlEdit::Kind::kErase) changes.push_back(erase_change(edit.path, intended));
+    if (edit.kind == YamlEdit::Kind::kRename)
+      changes.push_back(rename_change(edit.path, edit.text, intended));
+  }
+  apply(std::move(changes), std::move(intended));
+}
+
+YamlDocument::Change YamlDocument::set_change(const YamlPath& path, std::string_view value,
+                                              YamlNode& intended) const {
+  const Spot spot = Finder(source_, path).find(intended, places());
+  if (spot.node == nullptr) return insert_change(path, value, intended);
   YamlNode replacement = parsed_value(value, source_);
   replacement.key = spot.node->key;
   *spot.node = std::move(replacement);
@@ -177,98 +165,127 @@ void YamlDocument::set(const YamlPath& path, std::string_view value) {
     change.text.insert(0, " ");
   }
   if (place.kind == YamlPlace::Kind::kBlockText) change.text += "\n";
-  apply(change, intended);
+  return change;
 }
 
-void YamlDocument::insert(const YamlPath& path, std::string_view value) {
-  const YamlPlace places = locate_yaml(text_, source_);
-  YamlNode intended = tree_;
+YamlDocument::Change YamlDocument::insert_change(const YamlPath& path, std::string_view value,
+                                                 YamlNode& intended) const {
   const Finder finder(source_, path);
-  const Spot spot = finder.find(intended, places);
+  const Spot spot = finder.find(intended, places());
   const YamlPlace& parent = *spot.parent_place;
   if (parent.is_map() && spot.node != nullptr) throw finder.error(spot.node, "a key that the map lacks");
   const std::string entry = entry_text(spot, value);
   YamlNode added = parsed_value(value, source_);
   added.key = parent.is_map() ? spot.key : "";
+  const bool is_only = spot.parent->items.empty();
   spot.parent->items.insert(spot.parent->items.begin() + static_cast<std::ptrdiff_t>(spot.index),
                             std::move(added));
 
   const Lines lines(text_);
+  const bool is_last = spot.place == nullptr;
   if (parent.is_flow()) {
-    const std::size_t count = parent.items.size();
-    if (count == 0) return apply({parent.end - 1, parent.end - 1, entry}, intended);
-    if (spot.index == count) {
+    if (parent.items.empty()) return {parent.end - 1, parent.end - 1, (is_only ? "" : ", ") + entry};
+    if (is_last) {
       const std::size_t end = parent.items.back().end;
-      return apply({end, end, ", " + entry}, intended);
+      return {end, end, ", " + entry};
     }
     const std::size_t begin = start_of(text_, parent, *spot.place);
-    return apply({begin, begin, entry + ", "}, intended);
+    return {begin, begin, entry + ", "};
   }
   const std::string indent(lines.column(parent.begin), ' ');
   const std::string line = (parent.is_list() ? "- " : "") + entry + "\n";
-  if (spot.index == parent.items.size()) {
+  if (is_last) {
     const std::size_t at = lines.after(parent.items.back());
     const bool is_open = at > 0 && text_[at - 1] != '\n';
-    return apply({at, at, (is_open ? "\n" : "") + indent + line}, intended);
+    return {at, at, (is_open ? "\n" : "") + indent + line};
   }
   const std::size_t begin = start_of(text_, parent, *spot.place);
-  if (!lines.is_first_on_line(begin)) return apply({begin, begin, line + indent}, intended);
+  if (!lines.is_first_on_line(begin)) return {begin, begin, line + indent};
   const std::size_t at = lines.with_comments_above(begin);
-  apply({at, at, indent + line}, intended);
+  return {at, at, indent + line};
 }
 
-void YamlDocument::erase(const YamlPath& path) {
-  const YamlPlace places = locate_yaml(text_, source_);
-  YamlNode intended = tree_;
+YamlDocument::Change YamlDocument::erase_change(const YamlPath& path, YamlNode& intended) const {
   const Finder finder(source_, path);
-  const Spot spot = finder.find(intended, places);
+  const Spot spot = finder.find(intended, places());
   if (spot.node == nullptr) throw finder.error(spot.parent, "a value that is there");
   const YamlPlace& parent = *spot.parent_place;
   const std::size_t count = parent.items.size();
-  const bool is_last = spot.index + 1 == count;
+  const auto index = static_cast<std::size_t>(spot.place - parent.items.data());
+  const bool is_last = index + 1 == count;
   spot.parent->items.erase(spot.parent->items.begin() + static_cast<std::ptrdiff_t>(spot.index));
 
   const Lines lines(text_);
   const auto start = [&](std::size_t item) { return start_of(text_, parent, parent.items[item]); };
-  const std::size_t begin = start(spot.index);
+  const std::size_t begin = start(index);
   if (parent.is_flow()) {
-    if (!is_last) return apply({begin, start(spot.index + 1), ""}, intended);
-    const std::size_t from = spot.index > 0 ? parent.items[spot.index - 1].end : begin;
-    return apply({from, spot.place->end, ""}, intended);
+    if (!is_last) return {begin, start(index + 1), ""};
+    const std::size_t from = index > 0 ? parent.items[index - 1].end : begin;
+    return {from, spot.place->end, ""};
   }
   if (count == 1) {
-    if (&parent == &places) throw finder.error(spot.parent, "another key beside it in the file");
+    if (&parent == &places()) throw finder.error(spot.parent, "another key beside it in the file");
     const std::string_view empty = parent.is_map() ? "{}" : "[]";
     const bool after_key = text_.rfind('\n', parent.begin) != std::string::npos && parent.key_end > 0;
     const std::size_t from = after_key ? text_.find(':', parent.key_end) + 1 : parent.begin;
-    return apply({from, parent.end, (after_key ? " " : "") + std::string(empty)}, intended);
+    return {from, parent.end, (after_key ? " " : "") + std::string(empty)};
   }
-  if (!lines.is_first_on_line(begin) && !is_last) return apply({begin, start(spot.index + 1), ""}, intended);
-  apply({lines.begin(begin), lines.after(*spot.place), ""}, intended);
+  if (!lines.is_first_on_line(begin) && !is_last) return {begin, start(index + 1), ""};
+  return {lines.begin(begin), lines.after(*spot.place), ""};
 }
 
-void YamlDocument::rename(const YamlPath& path, std::string_view key) {
-  const YamlPlace places = locate_yaml(text_, source_);
-  YamlNode intended = tree_;
+YamlDocument::Change YamlDocument::rename_change(const YamlPath& path, std::string_view key,
+                                                 YamlNode& intended) const {
   const Finder finder(source_, path);
-  const Spot spot = finder.find(intended, places);
+  const Spot spot = finder.find(intended, places());
   if (spot.node == nullptr || !spot.parent_place->is_map()) throw finder.error(spot.parent, "a key of a map");
-  spot.node->key = key;
-  apply({spot.place->key_begin, spot.place->key_end, std::string(key)}, intended);
+  // The key may have quotes.
+  spot.node->key = sim::parse_yaml(std::string(key) + ": 0", source_).items.front().key;
+  return {spot.place->key_begin, spot.place->key_end, std::string(key)};
 }
 
-void YamlDocument::apply(const Change& change, const YamlNode& intended) {
-  std::string text = text_;
-  text.replace(change.begin, change.end - change.begin, change.text);
-  YamlNode tree = sim::parse_yaml(text, source_);
-  if (!same_values(tree, intended)) {
+void YamlDocument::apply(std::vector<Change> changes, YamlNode intended) {
+  if (changes.empty()) return;
+  std::ranges::stable_sort(changes, {}, &Change::begin);
+  const auto refuse = [&](const Change& change) {
     const auto line =
         std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(change.begin), '\n');
     throw sim::InputError(source_, static_cast<int>(line) + 1, "a layout in which this edit changes more",
                           "keys and values in block or flow style");
+  };
+  std::string text;
+  std::size_t done = 0;
+  for (const Change& change : changes) {
+    if (change.begin < done) refuse(change);
+    text.append(text_, done, change.begin - done).append(change.text);
+    done = change.end;
   }
+  text.append(text_, done);
+  auto parsed = reparse_items(text, changes.front().begin, changes.back().end);
+  if (parsed && same_values(parsed->tree, intended)) return take(std::move(text), std::move(*parsed));
+  YamlNode tree = sim::parse_yaml(text, source_);
+  if (!same_values(tree, intended)) refuse(changes.front());
   text_ = std::move(text);
   tree_ = std::move(tree);
+  places_.reset();
+}
+
+void YamlDocument::replace_text(std::string text) {
+  const auto begin = static_cast<std::size_t>(std::ranges::mismatch(text_, text).in1 - text_.begin());
+  std::size_t same = 0;
+  while (begin + same < std::min(text_.size(), text.size()) &&
+         text_[text_.size() - 1 - same] == text[text.size() - 1 - same])
+    ++same;
+  if (auto parsed = reparse_items(text, begin, text_.size() - same))
+    return take(std::move(text), std::move(*parsed));
+  Parsed whole{sim::parse_yaml(text, source_), locate_yaml(text, source_)};
+  take(std::move(text), std::move(whole));
+}
+
+void YamlDocument::take(std::string text, Parsed parsed) {
+  text_ = std::move(text);
+  tree_ = std::move(parsed.tree);
+  places_ = std::move(parsed.places);
 }
 
 void YamlDocument::save() const { sim::write_whole_file(source_, text_); }

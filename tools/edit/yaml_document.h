@@ -2,18 +2,22 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "sim_board/input/yaml_tree.h"
+#include "tools/edit/yaml_places.h"
 
 namespace koboshi::tools {
 
 // The keys and item numbers that lead to a value.
 class YamlPath {
  public:
+  YamlPath() = default;  // of the root
   // Splits a dotted path, as in `--set`: steps.3.pose.left_knee.
   YamlPath(std::string_view dotted);  // NOLINT(google-explicit-constructor): a path is written as text
   YamlPath(const char* dotted) : YamlPath(std::string_view(dotted)) {}  // NOLINT(google-explicit-constructor)
@@ -25,6 +29,22 @@ class YamlPath {
 
  private:
   std::vector<std::string> steps_;
+};
+
+// An edit of one value, see the functions of YamlDocument.
+struct YamlEdit {
+  enum class Kind { kSet, kErase, kRename };
+
+  Kind kind = Kind::kSet;
+  YamlPath path;
+  std::string text;  // the value; of kRename the key; of kErase nothing
+};
+
+// Items of a list, or entries of a map, that follow each other.
+struct YamlItems {
+  YamlPath collection;
+  std::size_t first = 0;
+  std::size_t count = 0;
 };
 
 // A YAML file that programs change and people keep reading: an edit replaces the bytes of one value, and
@@ -54,17 +74,63 @@ class YamlDocument {
   // Renames the last key of a path.
   void rename(const YamlPath& path, std::string_view key);
 
+  // Makes several edits at once, which costs as much as one. They must be about different values of the
+  // document as it is, and may not erase items of lists.
+  void edit(std::span<const YamlEdit> edits);
+
+  // The following functions work on blocks of text: some items of a list, or entries of a map, in block style
+  // from column 0 on, with the comment lines directly above each.
+
+  // Returns such a block of the document. `collection`: path of the list or map.
+  [[nodiscard]] std::string items_text(const YamlPath& collection, std::size_t first,
+                                       std::size_t count) const;
+  // Inserts a block before an item; the number of items appends. An empty list or map becomes one in block
+  // style, one in flow style takes the items in that style, without comments.
+  void insert_items(const YamlPath& collection, std::size_t index, std::string_view block);
+  // Removes items, with the comment lines between and directly above them or without. The runs are in the
+  // order of the text, and none lies within another.
+  enum class Comments { kKeep, kErase };
+  void erase_items(std::span<const YamlItems> runs, Comments comments);
+
+  // Replaces items, with the comment lines that belong to them.
+  void replace_items(const YamlItems& run, std::string_view block);
+
+  // Replaces the whole text. Throws sim::InputError if it is no YAML.
+  void replace_text(std::string text);
+
+  // Where the values stand in the text. Throws sim::InputError as the edits do.
+  const YamlPlace& places() const;
+
   // Replaces the file atomically. Throws sim::WriteError.
   void save() const;
 
  private:
-  struct Change;
+  // Bytes from begin to end become `text`.
+  struct Change {
+    std::size_t begin;
+    std::size_t end;
+    std::string text;
+  };
 
-  void apply(const Change& change, const sim::YamlNode& intended);
+  Change set_change(const YamlPath& path, std::string_view value, sim::YamlNode& intended) const;
+  Change insert_change(const YamlPath& path, std::string_view value, sim::YamlNode& intended) const;
+  Change erase_change(const YamlPath& path, sim::YamlNode& intended) const;
+  Change rename_change(const YamlPath& path, std::string_view key, sim::YamlNode& intended) const;
+  void add_erasure(const YamlItems& run, Comments comments, sim::YamlNode& intended,
+                   std::vector<Change>& changes) const;
+  void apply(std::vector<Change> changes, sim::YamlNode intended);
+
+  struct Parsed {
+    sim::YamlNode tree;
+    YamlPlace places;
+  };
+  std::optional<Parsed> reparse_items(const std::string& text, std::size_t begin, std::size_t end) const;
+  void take(std::string text, Parsed parsed);
 
   std::filesystem::path source_;
   std::string text_;
   sim::YamlNode tree_;
+  mutable std::optional<YamlPlace> places_;
 };
 
 }  // namespace koboshi::tools

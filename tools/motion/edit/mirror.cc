@@ -23,29 +23,6 @@ std::string other_side(const std::string& name) {
   return name;
 }
 
-// Exchanges the words left and right anywhere in a name.
-std::string exchanged_words(const std::string& name) {
-  std::string result;
-  for (std::size_t i = 0; i < name.size();) {
-    const bool begins = i == 0 || std::isalpha(static_cast<unsigned char>(name[i - 1])) == 0;
-    const auto is_word = [&](std::string_view word) {
-      const std::size_t end = i + word.size();
-      return begins && name.compare(i, word.size(), word) == 0 &&
-             (end >= name.size() || std::isalpha(static_cast<unsigned char>(name[end])) == 0);
-    };
-    if (is_word("left")) {
-      result += "right";
-      i += 4;
-    } else if (is_word("right")) {
-      result += "left";
-      i += 5;
-    } else {
-      result += name[i++];
-    }
-  }
-  return result;
-}
-
 std::string negated(std::string number) {
   if (number.starts_with('-')) return number.substr(1);
   const auto value = sim::parse_number(number);
@@ -105,7 +82,7 @@ class Mirror {
   }
 
   void mirror_name(const YamlPlace& place) {
-    if (!name_) return replace(place, exchanged_words(value_of(place)));
+    if (!name_) return replace(place, exchange_left_and_right(value_of(place)));
     std::string quoted = "\"";
     for (const char letter : *name_) {
       if (letter == '"' || letter == '\\') quoted += '\\';
@@ -227,6 +204,28 @@ bool is_word_letter(char letter) {
 }
 
 }  // namespace
+
+std::string exchange_left_and_right(const std::string& name) {
+  std::string result;
+  for (std::size_t i = 0; i < name.size();) {
+    const bool begins = i == 0 || std::isalpha(static_cast<unsigned char>(name[i - 1])) == 0;
+    const auto is_word = [&](std::string_view word) {
+      const std::size_t end = i + word.size();
+      return begins && name.compare(i, word.size(), word) == 0 &&
+             (end >= name.size() || std::isalpha(static_cast<unsigned char>(name[end])) == 0);
+    };
+    if (is_word("left")) {
+      result += "right";
+      i += 4;
+    } else if (is_word("right")) {
+      result += "left";
+      i += 5;
+    } else {
+      result += name[i++];
+    }
+  }
+  return result;
+}
 
 std::string mirror_expression(std::string_view text, const JointNames& joints) {
   std::string result;

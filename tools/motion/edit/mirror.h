@@ -17,6 +17,9 @@ namespace koboshi::tools {
                                         const simulation::JointNames& joints,
                                         const std::optional<std::string>& name);
 
+// Exchanges the words left and right anywhere in a name: "turn_left" becomes "turn_right".
+[[nodiscard]] std::string exchange_left_and_right(const std::string& name);
+
 // Returns a condition or number as the mirrored robot sees it: "-roll_mdeg > left_load_mN".
 [[nodiscard]] std::string mirror_expression(std::string_view text, const simulation::JointNames& joints);
 

@@ -3,10 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <map>
 #include <numeric>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "sim_board/input/user_units.h"
 #include "tests/unit/tools/motion/koboshi_robot.h"
@@ -188,20 +192,48 @@ TEST_F(AnalysisTest, AMotionThatLiesIsNotJudged) {
   EXPECT_EQ(check(trajectory).balance, Balance::kNotJudged);
 }
 
+// The windows of targets on which the states of a trajectory depend, each once: the smoothing reads a
+// response that is shifted back by its mean delay, and rates read one smoothed tick to either side.
+std::set<std::vector<double>> distinct_windows(const Trajectory& trajectory,
+                                               const std::vector<double>& response) {
+  double mean_delay = 0.0;
+  for (std::size_t i = 0; i < response.size(); ++i) mean_delay += static_cast<double>(i) * response[i];
+  const auto shift = static_cast<std::ptrdiff_t>(std::lround(mean_delay));
+  const auto before = static_cast<std::ptrdiff_t>(response.size()) - shift;
+  const auto last = static_cast<std::ptrdiff_t>(trajectory.ticks()) - 1;
+  std::set<std::vector<double>> result;
+  for (std::ptrdiff_t tick = 0; tick <= last; ++tick) {
+    std::vector<double> window{tick == 0 ? 1.0 : 0.0, tick == last ? 1.0 : 0.0};
+    for (std::ptrdiff_t i = tick - before; i <= tick + shift + 1; ++i) {
+      const auto row = trajectory.row(static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(i, 0, last)));
+      window.insert(window.end(), row.begin(), row.end());
+    }
+    result.insert(window);
+  }
+  return result;
+}
+
 // An edit costs the edited ticks, and gives what a fresh analysis gives.
 TEST_F(AnalysisTest, AnEditedStepIsComputedAlone) {
   std::vector<PoseDeg> poses;
   for (int i = 0; i < 12; ++i)
     poses.push_back(with(kStand, {{"head_pan", 5.0 * (i % 3)}, {"elbow", -20.0 - i}}));
-  analysis_.analyse(linear(poses, 0.5));
+  const Trajectory original = linear(poses, 0.5);
+  analysis_.analyse(original);
+  const auto known = distinct_windows(original, analysis_.response());
+  EXPECT_EQ(analysis_.computed(), known.size());
   poses[6]["ankle_pitch"] = -25.0;
   const Trajectory edited = linear(poses, 0.5);
   const std::vector<TickState> incremental = analysis_.analyse(edited);
+  const auto needed = distinct_windows(edited, analysis_.response());
+  const auto is_new = [&](const std::vector<double>& window) { return !known.contains(window); };
+  EXPECT_EQ(analysis_.computed(), static_cast<std::size_t>(std::ranges::count_if(needed, is_new)));
   EXPECT_LT(analysis_.computed(), 300U);
   EXPECT_GT(analysis_.computed(), 100U);
   MotionAnalysis fresh(robot_, kSupply);
   const std::vector<TickState>& whole = fresh.analyse(edited);
-  EXPECT_GT(fresh.computed(), edited.ticks() / 2) << "all but those within the rests, which are alike";
+  EXPECT_EQ(fresh.computed(), needed.size()) << "ticks within a rest are alike and are computed once";
+  EXPECT_GT(fresh.computed(), edited.ticks() / 2);
   for (std::size_t tick = 0; tick < edited.ticks(); ++tick) {
     ASSERT_EQ(incremental[tick].zmp_m, whole[tick].zmp_m) << tick;
     ASSERT_EQ(incremental[tick].torque.share, whole[tick].torque.share) << tick;

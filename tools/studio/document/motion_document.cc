@@ -1,0 +1,256 @@
+#include "tools/studio/document/motion_document.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
+#include "sim_board/record/output_file.h"
+#include "simulation/motion/parse.h"
+#include "tools/motion/edit/format.h"
+#include "tools/studio/document/edit_support.h"
+
+namespace koboshi::studio {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxName = 24;
+constexpr double kStandTime_s = 1.5;
+
+std::string new_motion(const MotionRobot& robot, const std::string& name) {
+  const bool fits = !name.empty() && name.size() <= kMaxName &&
+                    std::ranges::all_of(name, [](char letter) { return letter >= ' ' && letter <= '~'; });
+  if (!fits)
+    throw sim::InputError(name, 0, "the name '" + sim::one_line(name) + "'",
+                          "1 to 24 printable ASCII letters");
+  const auto all = static_cast<std::uint32_t>((std::uint64_t{1} << robot.model.joint_names.size()) - 1);
+  return "version: 2\nrobot: " + yaml_scalar(robot.model.robot) + "\nname: " + yaml_scalar(name) +
+         "\nposes:\n  stand: " + pose_text(robot, robot.standing_rad, all, name) +
+         "\nsteps:\n  - {pose: stand, time_s: " + sim::number_text(kStandTime_s) + "}\n";
+}
+
+}  // namespace
+
+MotionDocument::MotionDocument(std::shared_ptr<const MotionRobot> robot, Start start,
+                               fs::path recovery_folder)
+    : robot_(std::move(robot)),
+      file_(std::move(start.file)),
+      recovery_folder_(std::move(recovery_folder)),
+      disk_(start.disk) {
+  take_text(std::move(start.text));
+}
+
+MotionDocument::MotionDocument(std::shared_ptr<const MotionRobot> robot, const fs::path& file,
+                               fs::path recovery_folder)
+    : MotionDocument(
+          std::move(robot),
+          [&] {
+            ReadFile read = read_file_with_state(file);
+            return Start{fs::absolute(file), std::move(read.text), read.state};
+          }(),
+          std::move(recovery_folder)) {}
+
+std::unique_ptr<MotionDocument> MotionDocument::begin(std::shared_ptr<const MotionRobot> robot,
+                                                      const std::string& name, fs::path recovery_folder) {
+  Start start{{}, new_motion(*robot, name), {}};
+  std::unique_ptr<MotionDocument> document(
+      new MotionDocument(std::move(robot), std::move(start), std::move(recovery_folder)));
+  document->history_.forget_saved();
+  return document;
+}
+
+std::unique_ptr<MotionDocument> MotionDocument::restore(std::shared_ptr<const MotionRobot> robot,
+                                                        const Recovery& recovery, fs::path recovery_folder) {
+  if (!recovery.original.empty() && fs::exists(recovery.original)) {
+    auto document =
+        std::make_unique<MotionDocument>(std::move(robot), recovery.original, std::move(recovery_folder));
+    document->replace(recovery.text, "Restore", {});
+    return document;
+  }
+  Start start{recovery.original, recovery.text, {}};
+  std::unique_ptr<MotionDocument> document(
+      new MotionDocument(std::move(robot), std::move(start), std::move(recovery_folder)));
+  document->history_.forget_saved();
+  return document;
+}
+
+MotionDocument::~MotionDocument() = default;
+
+const sim::YamlNode* MotionDocument::tree() const { return yaml_ ? &yaml_->tree() : nullptr; }
+const simulation::MotionSource* MotionDocument::source() const { return source_ ? &*source_ : nullptr; }
+const simulation::CompiledMotion* MotionDocument::compiled() const {
+  return compiled_ ? &*compiled_ : nullptr;
+}
+
+fs::path MotionDocument::source_name() const { return file_.empty() ? fs::path("untitled.yaml") : file_; }
+
+const tools::YamlDocument& MotionDocument::yaml() const {
+  if (yaml_) return *yaml_;
+  const int line = diagnostics_.empty() ? 0 : diagnostics_.front().place.line;
+  throw sim::InputError(source_name(), line, "a text that is no YAML", "its errors corrected first");
+}
+
+const MotionRow& MotionDocument::row(std::size_t row) const {
+  static_cast<void>(yaml());
+  const std::size_t selected[]{row};
+  static_cast<void>(runs_of(rows_, selected, source_name()));
+  return rows_.rows[row];
+}
+
+void MotionDocument::require_version_2(const std::string& construct) const {
+  const sim::YamlNode& tree = yaml().tree();
+  if (version_of(tree) >= 2) return;
+  const sim::YamlNode* version = tree.find("version");
+  throw sim::InputError(source_name(), version != nullptr ? version->line : 0, "version 1",
+                        "version 2 for " + construct + ": upgrade the motion");
+}
+
+// --- Text
+
+void MotionDocument::edit(std::string_view label, std::string_view drag,
+                          const std::function<void(tools::YamlDocument&)>& change) {
+  static_cast<void>(yaml());
+  try {
+    change(*yaml_);
+  } catch (...) {
+    if (yaml_->text() != text_) yaml_.emplace(source_name(), text_);
+    throw;
+  }
+  if (yaml_->text() == text_) return;
+  history_.record(text_, yaml_->text(), label, drag);
+  text_ = yaml_->text();
+  ++revision_;
+  analyse();
+}
+
+void MotionDocument::take_text(std::string text) {
+  text_ = std::move(text);
+  ++revision_;
+  try {
+    if (yaml_) {
+      yaml_->replace_text(text_);
+    } else {
+      yaml_.emplace(source_name(), text_);
+      static_cast<void>(yaml_->places());
+    }
+  } catch (const sim::InputError&) {
+    yaml_.reset();  // analyse reports it
+  }
+  analyse();
+}
+
+void MotionDocument::analyse() {
+  source_.reset();
+  compiled_.reset();
+  rows_ = {};
+  simulation::Diagnostics diagnostics(source_name(), text_);
+  try {
+    if (!yaml_) {
+      static_cast<void>(simulation::read_motion_text(source_name(), text_));
+      // Only libfyaml refuses it.
+      static_cast<void>(tools::YamlDocument(source_name(), text_).places());
+    }
+    const simulation::MotionFile file{source_name(), text_, yaml_->tree()};
+    source_ = simulation::parse_motion(file, robot_->model, diagnostics);
+    if (!diagnostics.has_errors()) {
+      simulation::CompiledMotion compiled = simulation::compile_motion(*source_, robot_->model, diagnostics);
+      if (!diagnostics.has_errors()) compiled_ = std::move(compiled);
+    }
+    diagnostics_ = diagnostics.all();
+  } catch (const simulation::MotionError& error) {
+    diagnostics_ = error.diagnostics();
+  } catch (const sim::InputError& error) {
+    diagnostics.add({.code = "M001",
+                     .place = {.line = error.line()},
+                     .found = error.found(),
+                     .expected = error.expected()});
+    diagnostics_ = diagnostics.all();
+  }
+  if (yaml_) rows_ = make_rows(yaml_->tree(), source(), diagnostics_, *robot_);
+}
+
+void MotionDocument::replace(std::string text, std::string_view label, std::string_view drag) {
+  if (text == text_) return;
+  history_.record(text_, text, label, drag);
+  take_text(std::move(text));
+}
+
+void MotionDocument::replace_text(std::string text, std::string_view drag) {
+  replace(std::move(text), "Edit text", drag);
+}
+
+void MotionDocument::upgrade() { replace(tools::upgrade_motion(source_name(), text_), "Upgrade", {}); }
+
+bool MotionDocument::undo() {
+  std::string text = text_;
+  if (!history_.undo(text)) return false;
+  take_text(std::move(text));
+  return true;
+}
+
+bool MotionDocument::redo() {
+  std::string text = text_;
+  if (!history_.redo(text)) return false;
+  take_text(std::move(text));
+  return true;
+}
+
+// --- File
+
+void MotionDocument::require_file() const {
+  if (file_.empty()) throw sim::InputError(source_name(), 0, "a motion without a file", "one that was saved");
+}
+
+void MotionDocument::save() {
+  require_file();
+  if (!is_modified() && changed_on_disk() == DiskChange::kNone) return;
+  sim::write_whole_file(file_, text_);
+  disk_ = {.size = text_.size(), .time = fs::last_write_time(file_), .hash = hash_text(text_)};
+  history_.mark_saved();
+  if (slot_) slot_->remove();
+}
+
+void MotionDocument::save_as(const fs::path& file) {
+  const fs::path absolute = fs::absolute(file);
+  sim::write_whole_file(absolute, text_);
+  const bool is_other = absolute != file_;
+  file_ = absolute;
+  disk_ = {.size = text_.size(), .time = fs::last_write_time(file_), .hash = hash_text(text_)};
+  history_.mark_saved();
+  if (slot_) slot_->remove();
+  if (!is_other) return;
+  slot_.reset();
+  yaml_.reset();  // messages name the new file
+  take_text(text_);
+}
+
+DiskChange MotionDocument::changed_on_disk() const {
+  return file_.empty() ? DiskChange::kNone : compare_with_disk(file_, disk_);
+}
+
+void MotionDocument::reload() {
+  require_file();
+  ReadFile read = read_file_with_state(file_);
+  disk_ = read.state;
+  replace(std::move(read.text), "Reload", {});
+  history_.mark_saved();
+}
+
+bool MotionDocument::autosave(std::int64_t now_unix_s) {
+  if (recovery_folder_.empty() || autosaved_revision_ == revision_) return false;
+  if (!is_modified()) {
+    if (slot_) slot_->remove();
+    return false;
+  }
+  if (!slot_) slot_ = std::make_unique<RecoverySlot>(recovery_folder_, file_);
+  slot_->write(text_, disk_.hash, now_unix_s);
+  autosaved_revision_ = revision_;
+  return true;
+}
+
+void MotionDocument::keep_recovery() {
+  if (slot_) slot_->keep();
+}
+
+}  // namespace koboshi::studio

@@ -1,0 +1,23 @@
+#include "tools/studio/document/motion_robot.h"
+
+#include "sim_board/robot/load.h"
+#include "simulation/motion/parse.h"
+#include "tools/studio/document/motion_rows.h"
+
+namespace koboshi::studio {
+
+std::shared_ptr<const MotionRobot> load_motion_robot(const std::filesystem::path& robot_file) {
+  auto robot = std::make_shared<MotionRobot>();
+  robot->model = simulation::load_named_model(sim::load_robot(robot_file));
+  robot->standing_rad.assign(robot->model.joint_names.size(), 0.0);
+  const std::filesystem::path stand = robot_file.parent_path() / "motions" / "stand.yaml";
+  if (!std::filesystem::exists(stand)) return robot;
+  const simulation::MotionFile file = simulation::read_motion_file(stand);
+  const simulation::MotionSource source = simulation::parse_motion(stand, robot->model);
+  const MotionRows rows = make_rows(file.tree, &source, {}, *robot);
+  const MotionSection& program = rows.sections.front();
+  if (program.row_count > 0) robot->standing_rad = rows.rows[program.row_count - 1].angles_rad;
+  return robot;
+}
+
+}  // namespace koboshi::studio

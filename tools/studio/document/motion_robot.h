@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "simulation/model/robot_model.h"
+
+namespace koboshi::studio {
+
+// The robot whose motions are edited.
+struct MotionRobot {
+  simulation::NamedModel model;
+  // Joint angles by joint. A new motion begins with them, and so does the first step of the timeline.
+  std::vector<double> standing_rad;
+};
+
+// Reads a robot's file (SDF or URDF). The standing pose is the end of `motions/stand.yaml` beside it, zero
+// without this file. Throws sim::InputError.
+[[nodiscard]] std::shared_ptr<const MotionRobot> load_motion_robot(const std::filesystem::path& robot_file);
+
+}  // namespace koboshi::studio
