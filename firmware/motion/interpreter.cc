@@ -24,8 +24,7 @@ void Interpreter::start(const Motion& motion, std::span<const Angle> pose, const
   lean_from_ = lean_to_ = lean_ = declared_ = {};
   stiffness_percent_.fill(Stiffness::kFull);
   softened_ = released_ = 0;
-  zero_time_left_ = kMaxZeroTimeSteps;
-  moves_left_ = kMaxMoves;
+  work_left_ = kMaxWork;
   enter(0, inputs);
 }
 
@@ -39,13 +38,12 @@ void Interpreter::stop() {
 void Interpreter::advance(std::uint32_t elapsed_us, const Inputs& inputs) {
   std::uint32_t left_us = std::min(std::min(elapsed_us, kMaxAdvance_us) + owed_us_, kMaxAdvance_us);
   owed_us_ = 0;
-  zero_time_left_ = kMaxZeroTimeSteps;
-  moves_left_ = kMaxMoves;
+  work_left_ = kMaxWork;
   mixer_.pass(elapsed_us);
   if (released_ != 0) trajectory_.release(released_, inputs.angles);
   if (running_ && awaiting_) {
     const Step step = motion_.step(step_index_);
-    zero_time_left_ -= Condition::of(step).count;
+    work_left_ -= work_of(step);
     if (state_.holds(motion_, step_index_, step, inputs, targets())) {
       awaiting_ = false;
       step_time_us_ = step_elapsed_us_;
@@ -94,7 +92,7 @@ bool Interpreter::enter(std::uint16_t index, const Inputs& inputs) {
   for (;;) {
     step_index_ = index;
     const Step step = motion_.step(index);
-    if (!spend(step)) {
+    if (!spend(work_of(step))) {
       suspend(index);
       return false;
     }
@@ -104,17 +102,19 @@ bool Interpreter::enter(std::uint16_t index, const Inputs& inputs) {
   }
 }
 
-// Subtracts a step from the work that this call may do. Returns false if too little is left.
-bool Interpreter::spend(const Step& step) {
-  if (takes_time(step.opcode)) {
-    // A cubic move also reads the next pose, one by speed reads its pose twice.
-    const Move move = step.opcode == Opcode::kMove ? Move::of(step) : Move();
-    const int cubic = move.interpolation == Interpolation::kCubic ? 2 : 1;
-    moves_left_ -= move.by_speed ? 2 * cubic : cubic;
-    return moves_left_ >= 0;
+int Interpreter::work_of(const Step& step) {
+  if (step.opcode == Opcode::kMove) {
+    const Move move = Move::of(step);
+    const int work = move.interpolation == Interpolation::kCubic ? kCubicWork : kMoveWork;
+    return work + (move.by_speed ? kBySpeedWork : 0);
   }
-  zero_time_left_ -= has_condition(step.opcode) ? 1 + Condition::of(step).count : 1;
-  return zero_time_left_ >= 0;
+  return has_condition(step.opcode) ? kStepWork * (1 + Condition::of(step).count) : kStepWork;
+}
+
+// Takes a step's work from what this call may do. Returns false if too little is left.
+bool Interpreter::spend(int work) {
+  work_left_ -= work;
+  return work_left_ >= 0;
 }
 
 // Leaves the step to the next call: nothing moves until then.
@@ -147,24 +147,24 @@ bool Interpreter::begin_timed(const Step& step, const Inputs& inputs) {
   return true;
 }
 
-std::uint32_t Interpreter::time_of(const Move& move, PoseReader pose) const {
-  if (!move.by_speed) return move.value;
-  return Trajectory::duration_us(move.interpolation, trajectory_.travel_to(pose), move.value);
+// Reads the pose of a move. Returns its duration.
+std::uint32_t Interpreter::look_ahead(const Move& move) {
+  const std::uint32_t travel = trajectory_.look_ahead(motion_.pose_reader(move.pose));
+  return move.by_speed ? Trajectory::duration_us(move.interpolation, travel, move.value) : move.value;
 }
 
 void Interpreter::begin_move(const Move& move) {
-  const PoseReader pose = motion_.pose_reader(move.pose);
-  step_time_us_ = time_of(move, pose);
   const bool continues = cubic_through_ == step_index_;
+  step_time_us_ = continues ? cubic_time_us_ : look_ahead(move);
   cubic_through_ = kNoStep;
-  trajectory_.begin_move(move.interpolation, pose, continues);
+  trajectory_.begin_move(move.interpolation, continues);
   if (move.interpolation != Interpolation::kCubic) return;
   const auto next_index = static_cast<std::uint16_t>(step_index_ + 1);
   const Step next_step = motion_.step(next_index);
   const Move next = Move::of(next_step);
   if (next_step.opcode != Opcode::kMove || next.interpolation != Interpolation::kCubic) return;
-  const PoseReader next_pose = motion_.pose_reader(next.pose);
-  trajectory_.plan_through(step_time_us_, next_pose, time_of(next, next_pose));
+  cubic_time_us_ = look_ahead(next);
+  trajectory_.plan_through(step_time_us_, cubic_time_us_);
   cubic_through_ = next_index;
 }
 

@@ -14,17 +14,19 @@ namespace koboshi::motion {
 
 // Plays one motion at a time. Time is an argument. The rest of it after the end of a step goes to the next
 // step: a motion takes the sum of its steps' times, however it is divided into calls. The work of a call is
-// bounded: what exceeds kMaxZeroTimeSteps or kMaxMoves is left to the next call, together with its time.
+// bounded: what exceeds kMaxWork is left to the next call, together with its time.
 class Interpreter {
  public:
-  // The steps without time that are carried out in one call, tests included.
-  static constexpr int kMaxZeroTimeSteps = 16;
-  // The moves and waits that begin in one call; a cubic move counts as two, and one by speed twice as much.
-  // Measured on the Cortex-M4 in QEMU (`koboshi target-report`, 2026-11-24, 99 of 100 ticks): two motions on
-  // 20 joints with 16 corrections and cubic moves by speed take 7,736 instructions (12,686 if those counted
-  // once), without corrections and with cubic moves of 3 ms 7,958. Both together were not measured; the
-  // target of 8,000 is not proved for them.
-  static constexpr int kMaxMoves = 4;
+  // The work of one call, about 70 instructions of the Cortex-M4 each. kMaxWork was found by measuring
+  // (docs/experiment/motion-language.md): two motions on 20 joints with 16 corrections each stay below 8,000
+  // instructions in 99 of 100 ticks, whatever their steps are.
+  static constexpr int kMaxWork = 14;
+  static constexpr int kStepWork = 1;    // a step without time, and each test of a condition
+  static constexpr int kMoveWork = 6;    // reads its pose
+  static constexpr int kCubicWork = 12;  // also reads the next pose, and plans its way through the first
+  static constexpr int kBySpeedWork = 1;  // divides for the duration
+  static_assert(kMaxWork >= kCubicWork + kBySpeedWork && kMaxWork >= kStepWork * (1 + static_cast<int>(kMaxTests)),
+                "each step fits one call");
   static constexpr std::uint32_t kMaxAdvance_us = 100'000;
 
   // The model must outlive the interpreter. Before the first motion the targets are zero, clamped to the
@@ -86,11 +88,12 @@ class Interpreter {
 
   bool end_step(const Inputs& inputs);
   bool enter(std::uint16_t index, const Inputs& inputs);
-  [[nodiscard]] bool spend(const Step& step);
+  [[nodiscard]] static int work_of(const Step& step);
+  [[nodiscard]] bool spend(int work);
   void suspend(std::uint16_t index);
   bool begin_timed(const Step& step, const Inputs& inputs);
   void begin_move(const Move& move);
-  [[nodiscard]] std::uint32_t time_of(const Move& move, PoseReader pose) const;
+  [[nodiscard]] std::uint32_t look_ahead(const Move& move);
   [[nodiscard]] std::uint16_t execute(const Step& step, const Inputs& inputs);
   [[nodiscard]] std::uint16_t after_loop_end(const Step& step);
   [[nodiscard]] std::uint16_t after_return();
@@ -113,12 +116,12 @@ class Interpreter {
   bool exiting_ = false;       // the program is on its exit path
   std::uint16_t step_index_ = 0;
   std::uint16_t next_index_ = 0;           // after the present step, unless it is a kAwait
-  std::uint16_t cubic_through_ = kNoStep;  // the cubic move that continues the present one
+  std::uint16_t cubic_through_ = kNoStep;  // the cubic move that continues the present one; its pose is read
+  std::uint32_t cubic_time_us_ = 0;        // its duration
   std::uint32_t step_time_us_ = 0;
   std::uint32_t step_elapsed_us_ = 0;
   std::uint32_t owed_us_ = 0;  // time that was left when the work of a call was done
-  int zero_time_left_ = 0;     // of kMaxZeroTimeSteps
-  int moves_left_ = 0;         // of kMaxMoves
+  int work_left_ = 0;          // of kMaxWork
   std::array<Frame, kMaxStackDepth> stack_{};
   std::size_t depth_ = 0;
   Lean lean_from_;

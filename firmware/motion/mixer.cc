@@ -1,6 +1,7 @@
 #include "firmware/motion/mixer.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
 #include "firmware/fixed/rounding.h"
@@ -10,22 +11,11 @@ namespace {
 
 constexpr int kGainBits = 12;
 
-// The deviation that a source measures, in 2^-32 turn or turn/s.
-std::int64_t deviation(MixSource source, const estimation::RobotState& robot, const Lean& lean) {
+// What each source measures, by MixSource, in 2^-32 turn or turn/s.
+std::array<std::int64_t, static_cast<std::size_t>(kLastMixSource) + 1> deviations(const estimation::RobotState& robot, const Lean& lean) {
   constexpr std::int64_t kRateScale = 1 << (fixed::Angle::kFractionBits - fixed::AngularRate::kFractionBits);
-  switch (source) {
-    case MixSource::kRollRate:
-      return robot.rates_B.x.raw() * kRateScale;
-    case MixSource::kPitchRate:
-      return robot.rates_B.y.raw() * kRateScale;
-    case MixSource::kYawRate:
-      return robot.rates_B.z.raw() * kRateScale;
-    case MixSource::kRoll:
-      return (robot.roll - lean.roll).raw();
-    case MixSource::kPitch:
-      return (robot.pitch - lean.pitch).raw();
-  }
-  return 0;
+  return {robot.rates_B.x.raw() * kRateScale, robot.rates_B.y.raw() * kRateScale,
+          robot.rates_B.z.raw() * kRateScale, (robot.roll - lean.roll).raw(), (robot.pitch - lean.pitch).raw()};
 }
 
 }  // namespace
@@ -79,11 +69,12 @@ void Mixer::add_all(std::span<fixed::Angle> targets, const robot::RobotModel& mo
     targets[number] = fixed::Angle::from_raw(static_cast<std::int32_t>(
         std::clamp<std::int64_t>(target_raw, joint.lower.raw(), joint.upper.raw())));
   };
+  const auto measured = deviations(robot, lean);
   for (std::size_t i = 0; i < count_; ++i) {
     const Mix& mix = mixes_[i];
     const std::int64_t limit = std::int64_t{mix.limit} << (fixed::Angle::kFractionBits - 16);
     const std::int64_t change =
-        fixed::shift_rounded(deviation(mix.source, robot, lean) * mix.gain, kGainBits);
+        fixed::shift_rounded(measured[static_cast<std::size_t>(mix.source)] * mix.gain, kGainBits);
     last_raw_[i] = static_cast<std::int32_t>(std::clamp(change, -limit, limit));
     turn(mix.joint, last_raw_[i]);
   }

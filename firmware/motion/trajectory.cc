@@ -115,13 +115,14 @@ std::uint32_t Trajectory::duration_us(Interpolation interpolation, std::uint32_t
   return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(time_us, kMinStepTime_us, kMaxStepTime_us));
 }
 
-std::uint32_t Trajectory::travel_to(PoseReader pose) const {
+std::uint32_t Trajectory::look_ahead(PoseReader pose) {
+  joints_ahead_ = pose.joints();
   std::uint32_t travel = 0;
   while (pose.joints() != 0) {
     std::size_t joint = 0;
     const Angle angle = pose.read(joint);
-    const std::int64_t way =
-        std::int64_t{clamp_to_limits(model_.joints[joint], angle).raw()} - to_[joint].raw();
+    ahead_[joint] = clamp_to_limits(model_.joints[joint], angle);
+    const std::int64_t way = std::int64_t{ahead_[joint].raw()} - to_[joint].raw();
     travel = std::max(travel, static_cast<std::uint32_t>(way < 0 ? -way : way));
   }
   return travel;
@@ -132,39 +133,31 @@ void Trajectory::begin_wait() {
   through_ = 0;
 }
 
-void Trajectory::begin_move(Interpolation interpolation, PoseReader pose, bool continues) {
+void Trajectory::begin_move(Interpolation interpolation, bool continues) {
   interpolation_ = interpolation;
-  moving_ = pose.joints();
-  if (interpolation == Interpolation::kCubic) {
-    const std::uint32_t in_motion = continues ? through_ : 0;
-    for_each(moving_, [&](std::size_t joint) {
-      Tangents& tangents = tangents_[joint];
-      tangents = {.start = (in_motion >> joint & 1u) != 0 ? tangents.next : 0};
-    });
-  }
+  moving_ = joints_ahead_;
+  const std::uint32_t in_motion = continues ? through_ : 0;
   through_ = 0;
-  while (pose.joints() != 0) {
-    std::size_t joint = 0;
-    const Angle angle = pose.read(joint);
-    to_[joint] = clamp_to_limits(model_.joints[joint], angle);
-  }
+  const bool cubic = interpolation == Interpolation::kCubic;
+  for_each(moving_, [&](std::size_t joint) {
+    to_[joint] = ahead_[joint];
+    if (!cubic) return;
+    Tangents& tangents = tangents_[joint];
+    tangents = {.start = (in_motion >> joint & 1u) != 0 ? tangents.next : 0};
+  });
 }
 
-void Trajectory::plan_through(std::uint32_t time_us, PoseReader next, std::uint32_t next_time_us) {
+void Trajectory::plan_through(std::uint32_t time_us, std::uint32_t next_time_us) {
   KOBOSHI_ASSERT(interpolation_ == Interpolation::kCubic);
   const Weights weights(time_us, next_time_us);
-  through_ = moving_ & next.joints();
-  while (next.joints() != 0) {
-    std::size_t joint = 0;
-    const Angle angle = next.read(joint);
-    if ((through_ >> joint & 1u) == 0) continue;
-    const std::int64_t way =
-        std::int64_t{clamp_to_limits(model_.joints[joint], angle).raw()} - to_[joint].raw();
+  through_ = moving_ & joints_ahead_;
+  for_each(through_, [&](std::size_t joint) {
+    const std::int64_t way = std::int64_t{ahead_[joint].raw()} - to_[joint].raw();
     const Slopes found = slopes(static_cast<std::int32_t>(difference(joint) >> kTangentShift),
                                 static_cast<std::int32_t>(way >> kTangentShift), weights);
     tangents_[joint].end = found.end;
     tangents_[joint].next = found.next;
-  }
+  });
 }
 
 void Trajectory::interpolate(Ratio fraction) {

@@ -37,8 +37,9 @@ class Trajectory {
   // and above 0; kMinStepTime_us to kMaxStepTime_us.
   [[nodiscard]] static std::uint32_t duration_us(Interpolation interpolation, std::uint32_t travel,
                                                  std::uint32_t speed);
-  // Returns the longest way of a joint from the end of the present step to a pose, 2^-32 turn.
-  [[nodiscard]] std::uint32_t travel_to(PoseReader pose) const;
+  // Reads the pose of the next move, or of the one that continues it. Returns the longest way of a joint from
+  // the end of the present step to it, 2^-32 turn. begin_move and plan_through use the pose read last.
+  std::uint32_t look_ahead(PoseReader pose);
 
   // The joints of this mask, bit i for joint i, rest where they were measured, clamped to their limits, and
   // take no part in the present move. Joints beyond the end of `angles` keep their targets.
@@ -46,10 +47,11 @@ class Trajectory {
 
   // Begins a step. The one before has finished.
   void begin_wait();
-  // `continues`: the step before was a cubic one that was planned to go on to this pose.
-  void begin_move(Interpolation interpolation, PoseReader pose, bool continues);
-  // Plans the present cubic move, of `time_us`, to go on to the next one.
-  void plan_through(std::uint32_t time_us, PoseReader next, std::uint32_t next_time_us);
+  // Begins a move to the pose that look_ahead read. `continues`: the step before was a cubic one that was
+  // planned to go on to this pose.
+  void begin_move(Interpolation interpolation, bool continues);
+  // Plans the present cubic move, of `time_us`, to go on to the pose that look_ahead has read since it began.
+  void plan_through(std::uint32_t time_us, std::uint32_t next_time_us);
 
   // Sets the targets to those after this fraction of the step's time.
   void interpolate(fixed::Ratio fraction);
@@ -83,6 +85,8 @@ class Trajectory {
   std::array<fixed::Angle, robot::kMaxJoints> from_{};
   std::array<fixed::Angle, robot::kMaxJoints> to_{};
   std::array<fixed::Angle, robot::kMaxJoints> targets_{};
+  std::uint32_t joints_ahead_ = 0;  // of the pose that look_ahead read; bit i: joint i
+  std::array<fixed::Angle, robot::kMaxJoints> ahead_{};
   std::array<Tangents, robot::kMaxJoints> tangents_{};
 };
 

@@ -293,8 +293,9 @@ class Judge {
     for (const auto& [step, tick] : first)
       add("C016", Severity::kWarning, tick,
           "more steps in one cycle of 10 ms than the firmware carries out: the rest is late",
-          fmt::format("at most {} steps without time, and {} moves and waits, cubic moves twice",
-                      motion::Interpreter::kMaxZeroTimeSteps, motion::Interpreter::kMaxMoves));
+          fmt::format("work of at most {}: {} for a step or a test, {} for a move, {} for a cubic one",
+                      motion::Interpreter::kMaxWork, motion::Interpreter::kStepWork,
+                      motion::Interpreter::kMoveWork, motion::Interpreter::kCubicWork));
   }
 
   // Names each use of a declared lean, from the tick in which it begins until it is back at zero.

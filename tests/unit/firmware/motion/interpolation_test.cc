@@ -82,13 +82,14 @@ class InterpolationTest : public InterpreterTest {
     for (int i = 0; i < count; ++i) {
       const auto interpolation = kind ? *kind : static_cast<Interpolation>(random() % 3);
       // A way of 6 degrees takes 15 ms at 400 deg/s, so that one move by speed begins in a tick: of those
-      // that are cubic the interpreter leaves a second one to the next tick (kMaxMoves).
+      // that are cubic the interpreter leaves a second one to the next tick (kMaxWork), where it begins at rest.
       double to_deg = from_deg;
       do {
         to_deg = test::stored_deg(uniform(0, 120));
       } while (by_speed && std::abs(to_deg - from_deg) < 6);
       builder.pose(kKnee, to_deg);
-      Leg leg{interpolation, from_deg, to_deg, std::floor(uniform(1'000, 2'000'000)) * 1e-6};
+      const double shortest_us = interpolation == Interpolation::kCubic ? 10'000 : 1'000;
+      Leg leg{interpolation, from_deg, to_deg, std::floor(uniform(shortest_us, 2'000'000)) * 1e-6};
       Move move{.interpolation = interpolation,
                 .pose = static_cast<std::uint16_t>(i),
                 .value = static_cast<std::uint32_t>(std::lround(leg.time_s * 1e6))};

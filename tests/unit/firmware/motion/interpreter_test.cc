@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
+
 #include "tests/unit/firmware/motion/interpreter_fixture.h"
 
 namespace koboshi::motion {
@@ -80,7 +83,7 @@ TEST_F(InterpreterTest, MovesThroughZeroInsteadOfThroughTheStop) {
 }
 
 TEST_F(InterpreterTest, LastsTheSumOfItsStepsForAnyTicks) {
-  for (const std::uint32_t tick_us : {1'000u, 7'001u, 10'000u, 99'999u}) {
+  for (const std::uint32_t tick_us : {1'000u, 7'001u, 10'000u, 65'432u}) {
     MotionBuilder builder = knee_poses();
     for (int i = 0; i < 100; ++i) builder.step(kMove, static_cast<std::uint16_t>(i % 3), 33'333);
     start(builder.step(kEnd));
@@ -97,6 +100,35 @@ TEST_F(InterpreterTest, PlaysSeveralStepsInOneTick) {
             .step(kEnd));
   interpreter_.advance(kTick_us, inputs_);
   EXPECT_NEAR(knee_deg(), kFlexed_deg / 2, 1e-6);
+}
+
+TEST_F(InterpreterTest, LeavesWorkBeyondACallToTheNextOne) {
+  start(knee_poses()
+            .step(kMove, 1, 1'000)
+            .step(kMove, 2, 1'000)
+            .step(kMove, 1, 1'000)
+            .step(kMove, 0, 20'000)
+            .step(kEnd));
+  // Two moves begin in this call. The last one follows in the next call, with the 7 ms that are left.
+  interpreter_.advance(kTick_us, inputs_);
+  EXPECT_NEAR(knee_deg(), kBent_deg, 1e-6);
+  interpreter_.advance(kTick_us, inputs_);
+  EXPECT_NEAR(knee_deg(), kBent_deg * 3 / 20, 1e-6);
+}
+
+TEST_F(InterpreterTest, RepeatsCubicMovesBySpeedWithoutDelay) {
+  MotionBuilder builder = knee_poses();
+  constexpr int kMoves = 40;
+  const Move there{.interpolation = Interpolation::kCubic, .by_speed = true, .pose = 1, .value = (1 << 24) / 2};
+  Move back = there;
+  back.pose = 2;
+  builder.step(kMove, 2, 20'000);
+  for (int i = 0; i < kMoves; ++i) builder.step((i % 2 == 0 ? there : back).step());
+  start(builder.step(kEnd));
+  const std::uint32_t move_us = Trajectory::duration_us(
+      Interpolation::kCubic, static_cast<std::uint32_t>(std::lround((kBent_deg - kFlexed_deg) / 360 * 4294967296.0)),
+      there.value);
+  EXPECT_NEAR(time_to_end_us(), 20'000 + kMoves * move_us, 2'000);
 }
 
 TEST_F(InterpreterTest, DoesNotJumpAfterAGap) {

@@ -129,7 +129,7 @@ TEST_F(MotionCheckerTest, NamesMoreStepsThanACycleHolds) {
     for (int i = 0; i < count; ++i) text += "  - {set: {a: \"+= 1\"}}\n";
     return text + "  - {pose: nod, time_s: 1}\n  - {if: a > 1, then: [{pose: stand, time_s: 1}]}\n";
   };
-  EXPECT_THAT(codes(check(steps(15), "variables: {a: 0}\n")), testing::Not(testing::Contains("C016")));
+  EXPECT_THAT(codes(check(steps(10), "variables: {a: 0}\n")), testing::Not(testing::Contains("C016")));
   EXPECT_THAT(codes(check(steps(20), "variables: {a: 0}\n")), testing::Contains("C016"));
 }
 
