@@ -23,7 +23,7 @@ class Interpreter {
   static constexpr int kMaxWork = 14;
   static constexpr int kStepWork = 1;    // a step without time, and each test of a condition
   static constexpr int kMoveWork = 6;    // reads its pose
-  static constexpr int kCubicWork = 12;  // also reads the next pose, and plans its way through the first
+  static constexpr int kCubicWork = 12;   // also reads the next pose, and plans its way through the first
   static constexpr int kBySpeedWork = 1;  // divides for the duration
   static_assert(kMaxWork >= kCubicWork + kBySpeedWork && kMaxWork >= kStepWork * (1 + static_cast<int>(kMaxTests)),
                 "each step fits one call");

@@ -1,37 +1,65 @@
 #!/bin/sh
 # firmware_on_vcan.sh KOBOSHI: runs firmware and board as two processes on vcan0. cansend enables the drives, and
 # candump shows that the robot stands. Both run at a tenth of real time: User-mode Linux has one processor and slow
-# system calls. Needs a vcan0: see with_vcan.sh.
+# system calls. Needs a vcan0: see with_vcan.sh. Prints what both have written and, after a failure, the step that failed.
 set -eu
 
 koboshi=$1
+step="starting the board"
+report() {
+  status=$?
+  for program in board firmware; do
+    sed "s/^/$program: /" "/mnt/$program" || true
+  done
+  [ "$status" -eq 0 ] || echo "firmware_on_vcan.sh: $step: status $status"
+}
+trap report EXIT
 
+fail() {
+  echo "firmware_on_vcan.sh: $*"
+  exit 1
+}
+
+# Ends the test if one of the programs has ended by itself.
+check_running() {
+  kill -0 "$board" || fail "the board has ended"
+  [ -z "$firmware" ] || kill -0 "$firmware" || fail "the firmware has ended"
+}
+
+firmware=
+: >/mnt/firmware
 "$koboshi" board --can socketcan:vcan0 --speed 0.1 --set physics.stepper=lumped >/mnt/board 2>&1 &
 board=$!
 until grep -q 'CAN bus on' /mnt/board; do
-  kill -0 "$board" || { cat /mnt/board; exit 1; }
+  check_running
   sleep 0.05
 done
+step="starting the firmware"
 "$koboshi" firmware scenarios/squat.yaml --can socketcan:vcan0 --speed 0.1 >/mnt/firmware 2>&1 &
 firmware=$!
 # reach HEX COMMAND...: repeats the command until the controller's telemetry shows this state. The controller refuses to
-# enable the drives until its attitude estimate has settled.
+# enable the drives until its attitude estimate has settled. The number of tries is no deadline: on a loaded machine
+# the time-out of in_uml.sh or of ctest ends a robot that does not get there.
 reach() {
   state=$1
+  step="reaching state $state"
   shift
-  for _ in $(seq 300); do
-    "$@"
+  for _ in $(seq 3000); do
+    check_running
+    "$@" || echo "repeated after status $?: $*"
     candump -T 1000 -n 1 vcan0,181:7FF | grep -q "\[8\]  $state" && return
   done
-  echo "the controller is not in state $state:" && candump -T 1000 -n 3 vcan0,181:7FF
-  cat /mnt/firmware /mnt/board
-  exit 1
+  echo "the telemetry now:"
+  candump -T 1000 -n 3 vcan0,181:7FF
+  fail "the controller has not reached state $state"
 }
 reach 01 true
 reach 04 cansend vcan0 201#010000
+step="measuring the load of the bus"
 "$koboshi" can stats --can socketcan:vcan0 --duration 5
+step="ending the firmware"
 kill -INT "$firmware"
 wait "$firmware"
+step="ending the board"
 kill -INT "$board"
 wait "$board"
-cat /mnt/firmware /mnt/board
