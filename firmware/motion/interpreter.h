@@ -21,11 +21,12 @@ class Interpreter {
   // (docs/experiment/motion-language.md): two motions on 20 joints with 16 corrections each stay below 8,000
   // instructions in 99 of 100 ticks, whatever their steps are.
   static constexpr int kMaxWork = 14;
-  static constexpr int kStepWork = 1;    // a step without time, and each test of a condition
-  static constexpr int kMoveWork = 6;    // reads its pose
+  static constexpr int kStepWork = 1;     // a step without time, and each test of a condition
+  static constexpr int kMoveWork = 6;     // reads its pose
   static constexpr int kCubicWork = 12;   // also reads the next pose, and plans its way through the first
   static constexpr int kBySpeedWork = 1;  // divides for the duration
-  static_assert(kMaxWork >= kCubicWork + kBySpeedWork && kMaxWork >= kStepWork * (1 + static_cast<int>(kMaxTests)),
+  static_assert(kMaxWork >= kCubicWork + kBySpeedWork &&
+                    kMaxWork >= kStepWork * (1 + static_cast<int>(kMaxTests)),
                 "each step fits one call");
   static constexpr std::uint32_t kMaxAdvance_us = 100'000;
 

@@ -12,10 +12,12 @@ namespace {
 constexpr int kGainBits = 12;
 
 // What each source measures, by MixSource, in 2^-32 turn or turn/s.
-std::array<std::int64_t, static_cast<std::size_t>(kLastMixSource) + 1> deviations(const estimation::RobotState& robot, const Lean& lean) {
+std::array<std::int64_t, static_cast<std::size_t>(kLastMixSource) + 1> deviations(
+    const estimation::RobotState& robot, const Lean& lean) {
   constexpr std::int64_t kRateScale = 1 << (fixed::Angle::kFractionBits - fixed::AngularRate::kFractionBits);
   return {robot.rates_B.x.raw() * kRateScale, robot.rates_B.y.raw() * kRateScale,
-          robot.rates_B.z.raw() * kRateScale, (robot.roll - lean.roll).raw(), (robot.pitch - lean.pitch).raw()};
+          robot.rates_B.z.raw() * kRateScale, (robot.roll - lean.roll).raw(),
+          (robot.pitch - lean.pitch).raw()};
 }
 
 }  // namespace

@@ -227,9 +227,17 @@ class MotionFiles(unittest.TestCase):
         for name, content in self.BAD_MOTIONS.items():
             file.write_bytes(content)
             for arguments in (["format", file], ["mirror", file, "-o", file],
-                              ["compile", file, "-o", self.folder / "motion.kmot"]):
+                              ["compile", file, "-o", self.folder / "motion.kmot"],
+                              ["play", file, "--out", self.folder / "run"], ["upload", file]):
                 with self.subTest(f"{name}: {arguments[0]}"):
                     self.refuse(*arguments)
+
+    def test_a_motion_that_does_not_compile_is_neither_played_nor_sent(self):
+        file = self.folder / "motion.yaml"
+        file.write_text("version: 2\nrobot: koboshi\nname: bow\nsteps:\n  - {pose: {knee: 400}, time_s: 1}\n",
+                        encoding="utf-8")
+        self.refuse("play", file, "--out", self.folder / "run")
+        self.refuse("upload", file)
 
     def test_a_scenario_is_not_formatted(self):
         file = self.folder / "scenario.yaml"

@@ -82,7 +82,8 @@ class InterpolationTest : public InterpreterTest {
     for (int i = 0; i < count; ++i) {
       const auto interpolation = kind ? *kind : static_cast<Interpolation>(random() % 3);
       // A way of 6 degrees takes 15 ms at 400 deg/s, so that one move by speed begins in a tick: of those
-      // that are cubic the interpreter leaves a second one to the next tick (kMaxWork), where it begins at rest.
+      // that are cubic the interpreter leaves a second one to the next tick (kMaxWork), where it begins at
+      // rest.
       double to_deg = from_deg;
       do {
         to_deg = test::stored_deg(uniform(0, 120));

@@ -119,15 +119,16 @@ TEST_F(InterpreterTest, LeavesWorkBeyondACallToTheNextOne) {
 TEST_F(InterpreterTest, RepeatsCubicMovesBySpeedWithoutDelay) {
   MotionBuilder builder = knee_poses();
   constexpr int kMoves = 40;
-  const Move there{.interpolation = Interpolation::kCubic, .by_speed = true, .pose = 1, .value = (1 << 24) / 2};
+  const Move there{
+      .interpolation = Interpolation::kCubic, .by_speed = true, .pose = 1, .value = (1 << 24) / 2};
   Move back = there;
   back.pose = 2;
   builder.step(kMove, 2, 20'000);
   for (int i = 0; i < kMoves; ++i) builder.step((i % 2 == 0 ? there : back).step());
   start(builder.step(kEnd));
   const std::uint32_t move_us = Trajectory::duration_us(
-      Interpolation::kCubic, static_cast<std::uint32_t>(std::lround((kBent_deg - kFlexed_deg) / 360 * 4294967296.0)),
-      there.value);
+      Interpolation::kCubic,
+      static_cast<std::uint32_t>(std::lround((kBent_deg - kFlexed_deg) / 360 * 4294967296.0)), there.value);
   EXPECT_NEAR(time_to_end_us(), 20'000 + kMoves * move_us, 2'000);
 }
 
