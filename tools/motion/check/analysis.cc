@@ -15,6 +15,8 @@ constexpr double kResponseLength = 7.0;
 
 // A hash of 64 bits: among a million windows, two are confused with a probability of 3e-8.
 constexpr std::uint64_t kHashSeed = 0x9E3779B97F4A7C15U;
+constexpr std::uint64_t kHashFactor =
+    0xD1342543DE82EF95U;  // of 64-bit congruential generators (Steele, Vigna 2021)
 
 // Adds a value to a hash (the finaliser of SplitMix64, Steele, Lea and Flood 2014).
 void mix(std::uint64_t& hash, std::uint64_t value) {
@@ -90,17 +92,28 @@ std::vector<std::uint64_t> MotionAnalysis::windows(const Trajectory& trajectory)
     for (const double target_rad : trajectory.row(tick))
       mix(rows[tick], std::bit_cast<std::uint64_t>(target_rad));
   }
-  std::vector<std::uint64_t> result(ticks, kHashSeed);
   const auto before = static_cast<std::ptrdiff_t>(response_.size() - shift_);
   const auto after = static_cast<std::ptrdiff_t>(shift_ + 1);
   const auto last = static_cast<std::ptrdiff_t>(ticks) - 1;
+  const auto row = [&](std::ptrdiff_t tick) {
+    return rows[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(tick, 0, last))];
+  };
+  // A window is a polynomial of its rows, modulo 2^64, so that the next one follows from it (Karp and Rabin
+  // 1987). The rows are well mixed, which the modulus requires.
+  std::uint64_t window = 0;
+  std::uint64_t oldest_factor = 1;
+  for (std::ptrdiff_t i = -before; i <= after; ++i) {
+    window = window * kHashFactor + row(i);
+    if (i < after) oldest_factor *= kHashFactor;
+  }
+  std::vector<std::uint64_t> result(ticks, kHashSeed);
   for (std::ptrdiff_t tick = 0; tick <= last; ++tick) {
     std::uint64_t& hash = result[static_cast<std::size_t>(tick)];
-    for (std::ptrdiff_t i = tick - before; i <= tick + after; ++i)
-      mix(hash, rows[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(i, 0, last))]);
+    mix(hash, window);
     // Rates are one-sided at the ends.
     mix(hash, (trajectory.on_feet[static_cast<std::size_t>(tick)] ? 1U : 0U) | (tick == 0 ? 2U : 0U) |
                   (tick == last ? 4U : 0U));
+    window = (window - row(tick - before) * oldest_factor) * kHashFactor + row(tick + after + 1);
   }
   return result;
 }
