@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "tools/view/render/playback.h"
 
@@ -13,6 +16,9 @@ namespace {
 
 constexpr double kEvent_s = 4.0;      // an event is shown this long
 constexpr double kEventFade_s = 0.8;  // and fades at the end
+// An event is left of what the camera follows: its feet are in the middle, above the lower edge.
+constexpr double kEventWidth = 0.4;  // of the picture's width, with the margin
+constexpr std::size_t kEventLines = 3;
 constexpr double kShownForce_N = 10.0;
 constexpr Colour kInk{0.10F, 0.12F, 0.15F};
 constexpr Colour kPale{0.42F, 0.45F, 0.50F};
@@ -30,13 +36,16 @@ void add_event(Caption& caption, const Recording& recording, std::uint64_t time_
   caption.event_opacity = std::min(1.0, (kEvent_s - age_s) / kEventFade_s);
 }
 
-void add_keys(Caption& caption, const Overlays& overlays) {
+// Only what the recording has: a preview measures nothing.
+void add_keys(Caption& caption, const Recording& recording, const Overlays& overlays) {
   const auto add = [&](Overlay overlay, const Colour& colour, const char* text) {
     if (overlays.has(overlay)) caption.keys.push_back({colour, text});
   };
-  add(Overlay::kZmp, kPlannedColour, "ZMP planned");
-  add(Overlay::kZmp, kMeasuredColour, "measured");
-  add(Overlay::kZmp, kTrueColour, "true");
+  std::string prefix = "ZMP ";  // of the first one
+  for (const ZmpMark& mark : kZmpMarks) {
+    if (!overlays.has(Overlay::kZmp) || !find_signal(recording, std::string(mark.signal) + "_x")) continue;
+    caption.keys.push_back({mark.colour, std::exchange(prefix, "") + std::string(mark.text)});
+  }
   add(Overlay::kCom, kComColour, "centre of mass");
   add(Overlay::kContacts, kContactColour, "contact force");
   add(Overlay::kPushes, kPushColour, "push");
@@ -78,17 +87,42 @@ void draw_time(Canvas& canvas, const Caption& caption, const Sizes& sizes) {
     canvas.text(sizes.margin, y + 1.5 * sizes.text, sizes.small, caption.title, kPale);
 }
 
+// The words in at most kEventLines lines of this width; the last one is cut.
+std::vector<std::string> wrapped(Canvas& canvas, double size_px, const std::string& text, double width_px) {
+  std::vector<std::string> lines(1);
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    std::string& line = lines.back();
+    const std::string longer = line.empty() ? word : line + " " + word;
+    if (line.empty() || lines.size() == kEventLines || canvas.text_width_px(size_px, longer) <= width_px) {
+      line = longer;
+    } else {
+      lines.push_back(word);
+    }
+  }
+  for (std::string& line : lines) line = canvas.fitting(size_px, line, width_px);
+  return lines;
+}
+
+// `baseline` is that of the last line.
 void draw_event(Canvas& canvas, const Caption& caption, const Sizes& sizes, double baseline) {
   if (caption.event.empty()) return;
   const double time_width = canvas.text_width_px(sizes.text, caption.event_time) + 0.7 * sizes.text;
-  const double room = canvas.width_px() - 2.0 * sizes.margin - 1.4 * sizes.text - time_width;
-  const std::string text = canvas.fitting(sizes.text, caption.event, room);
-  const double width = time_width + canvas.text_width_px(sizes.text, text) + 1.4 * sizes.text;
-  canvas.rounded_box(sizes.margin, baseline - 1.45 * sizes.text, width, 2.1 * sizes.text, 0.5 * sizes.text,
-                     kPaper, kPaperOpacity * caption.event_opacity);
+  const double room = kEventWidth * canvas.width_px() - sizes.margin - 1.4 * sizes.text - time_width;
+  const std::vector<std::string> lines = wrapped(canvas, sizes.text, caption.event, room);
+  double text_width = 0.0;
+  for (const std::string& line : lines)
+    text_width = std::max(text_width, canvas.text_width_px(sizes.text, line));
+  const double line_height = 1.4 * sizes.text;
+  const double first = baseline - line_height * static_cast<double>(lines.size() - 1);
+  canvas.rounded_box(sizes.margin, first - 1.45 * sizes.text, time_width + text_width + 1.4 * sizes.text,
+                     baseline - first + 2.1 * sizes.text, 0.5 * sizes.text, kPaper,
+                     kPaperOpacity * caption.event_opacity);
   const double x = sizes.margin + 0.7 * sizes.text;
-  canvas.text(x, baseline, sizes.text, caption.event_time, kPale, caption.event_opacity);
-  canvas.text(x + time_width, baseline, sizes.text, text, kInk, caption.event_opacity);
+  canvas.text(x, first, sizes.text, caption.event_time, kPale, caption.event_opacity);
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    canvas.text(x + time_width, first + line_height * static_cast<double>(i), sizes.text, lines[i], kInk,
+                caption.event_opacity);
 }
 
 // Right-aligned, one line.
@@ -143,7 +177,7 @@ Caption caption_at(const Recording& recording, const Overlays& overlays, std::ui
       caption.state = name_of_value(recording, *state, sample_at(recording, time_us));
   }
   if (overlays.has(Overlay::kEvents)) add_event(caption, recording, time_us);
-  if (overlays.has(Overlay::kLegend)) add_keys(caption, overlays);
+  if (overlays.has(Overlay::kLegend)) add_keys(caption, recording, overlays);
   return caption;
 }
 

@@ -37,16 +37,11 @@ OverlayMarks::OverlayMarks(const Recording& recording, const Overlays& overlays)
     : recording_(recording), overlays_(overlays) {
   if (overlays.has(Overlay::kFootprints)) footprints_ = footprints(recording);
   if (!overlays.has(Overlay::kZmp)) return;
-  const auto add = [&](const std::string& name, const Colour& colour, double radius_m,
-                       double inner_radius_m) {
-    const auto x = find_signal(recording, name + "_x");
-    const auto y = find_signal(recording, name + "_y");
-    if (x && y) zmps_.push_back({{*x, *y}, colour, radius_m, inner_radius_m});
-  };
-  // Rings in each other, so that coincident points look like a target.
-  add("planned_zmp", kPlannedColour, 0.0120, 0.0090);
-  add("zmp", kMeasuredColour, 0.0080, 0.0052);
-  add("true_zmp", kTrueColour, 0.0040, 0.0);
+  for (const ZmpMark& mark : kZmpMarks) {
+    const auto x = find_signal(recording, std::string(mark.signal) + "_x");
+    const auto y = find_signal(recording, std::string(mark.signal) + "_y");
+    if (x && y) zmps_.push_back({{*x, *y}, mark.colour, mark.radius_m, mark.inner_radius_m});
+  }
 }
 
 double OverlayMarks::ground_m(const Sample& sample, const Eigen::Vector2d& p_W_m) const {

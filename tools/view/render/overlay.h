@@ -48,6 +48,19 @@ inline constexpr Colour kPushColour{0.80F, 0.12F, 0.16F};
 inline constexpr std::array<Colour, 2> kSideColours{{{0.0F, 0.62F, 0.451F}, {0.8F, 0.475F, 0.655F}}};
 inline constexpr double kForceScale_m_per_N = 0.008;  // length of arrows; the legend shows it
 
+// A zero moment point of a recording: the signals NAME_x and NAME_y. Rings in each other, so that coincident
+// points look like a target.
+struct ZmpMark {
+  std::string_view signal;
+  std::string_view text;  // in the legend
+  Colour colour;
+  double radius_m;
+  double inner_radius_m;
+};
+inline constexpr std::array<ZmpMark, 3> kZmpMarks{{{"planned_zmp", "planned", kPlannedColour, 0.0120, 0.0090},
+                                                   {"zmp", "measured", kMeasuredColour, 0.0080, 0.0052},
+                                                   {"true_zmp", "true", kTrueColour, 0.0040, 0.0}}};
+
 // The marks of a recording at each time.
 class OverlayMarks {
  public:

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include "tests/support/sample_recording.h"
 
@@ -38,6 +40,41 @@ TEST(Caption, ForgetsAnEventAndTellsTheSpeed) {
 TEST(Caption, IsEmptyWithoutOverlays) {
   const Caption caption = caption_at(test::sample_recording(), Overlays(), 1'250'000, 1.0);
   EXPECT_TRUE(caption.time.empty() && caption.state.empty() && caption.event.empty() && caption.keys.empty());
+}
+
+TEST(Caption, ExplainsOnlyMarksThatTheRecordingHas) {
+  const auto texts = [](const Recording& recording) {
+    std::vector<std::string> result;
+    for (const Caption::Key& key : caption_at(recording, all(), 1'250'000, 1.0).keys)
+      result.push_back(key.text);
+    result.resize(3);
+    return result;
+  };
+  Recording recording = test::sample_recording();
+  recording.signals = {{.name = "planned_zmp_x", .unit = "m"}, {.name = "planned_zmp_y", .unit = "m"}};
+  EXPECT_EQ(texts(recording), (std::vector<std::string>{"ZMP planned", "centre of mass", "contact force"}));
+  recording.signals = {{.name = "zmp_x", .unit = "m"}, {.name = "true_zmp_x", .unit = "m"}};
+  EXPECT_EQ(texts(recording), (std::vector<std::string>{"ZMP measured", "true", "centre of mass"}));
+}
+
+// The feet of a robot in the middle stay visible.
+TEST(Caption, KeepsALongEventInTheLeftOfThePicture) {
+  constexpr std::size_t kWidth = 640;
+  Canvas canvas(kWidth, 360);
+  Caption caption = caption_at(test::sample_recording(), all(), 1'250'000, 1.0);
+  for (int i = 0; i < 40; ++i) caption.event += " and so on";
+  caption.keys.clear();
+  draw_caption(canvas, caption, 500.0);
+  const auto pixels = canvas.pixels();
+  std::size_t ink = 0;
+  for (std::size_t row = 270; row < 360; ++row) {
+    for (std::size_t column = 0; column < kWidth; ++column) {
+      const bool dark = pixels[4 * (kWidth * row + column)] < 128;
+      ink += dark ? 1U : 0U;
+      EXPECT_FALSE(dark && column > kWidth * 2 / 5) << row << ", " << column;
+    }
+  }
+  EXPECT_GT(ink, 300U);
 }
 
 TEST(Caption, LeavesAllButTheCornersAlone) {
