@@ -3,6 +3,7 @@
 # master on the interface. Runs in User-mode Linux (in_uml.sh): on other kernels slcand creates the interface outside
 # all network namespaces.
 set -eu
+trap 'cat /mnt/board' EXIT  # also after a failure
 
 insmod /usr/lib/uml/modules/*/kernel/drivers/net/can/slcan/slcan.ko
 mkdir -p /dev/pts
@@ -10,7 +11,7 @@ mount -t devpts devpts /dev/pts
 "$1" board --can slcan --set physics.stepper=lumped >/mnt/board 2>&1 &
 board=$!
 until grep -q 'CAN bus on' /mnt/board; do
-  kill -0 "$board" || { cat /mnt/board; exit 1; }
+  kill -0 "$board" || { echo "the board has ended"; exit 1; }
   sleep 0.05
 done
 slcand -o -s8 -F "$(sed -n 's/CAN bus on //p' /mnt/board)" slcan0 >/mnt/slcand 2>&1 &
@@ -22,4 +23,3 @@ ip link set slcan0 up
 /usr/bin/python3 -B "$(dirname "$0")/board_master.py" "$2" socketcan slcan0
 kill -INT "$board"
 wait "$board"
-cat /mnt/board

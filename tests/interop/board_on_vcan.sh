@@ -2,6 +2,7 @@
 # board_on_vcan.sh KOBOSHI EDS: runs the simulated board on vcan0. A python-can master boots, enables and moves its
 # drives while candump records. Needs a vcan0: see with_vcan.sh.
 set -eu
+trap 'cat /mnt/board' EXIT  # also after a failure
 
 koboshi=$1
 eds=$2
@@ -13,12 +14,11 @@ candump -r 16777216 -L vcan0 >"$log" &
 "$koboshi" board --can socketcan:vcan0 --set physics.stepper=lumped >/mnt/board 2>&1 &
 board=$!
 until grep -q 'CAN bus on' /mnt/board; do
-  kill -0 "$board" || { cat /mnt/board; exit 1; }
+  kill -0 "$board" || { echo "the board has ended"; exit 1; }
   sleep 0.05
 done
 /usr/bin/python3 -B "$here/board_master.py" "$eds" socketcan vcan0
 kill -INT "$board"
 wait "$board"
-cat /mnt/board
 sleep 0.2
 echo "$(wc -l <"$log") frames in candump"

@@ -5,7 +5,11 @@
 set -eu
 
 koboshi=$1
-step="starting the board"
+# begin STEP: names the step, also in the output of a test that is killed.
+begin() {
+  step=$1
+  echo "== $step"
+}
 report() {
   status=$?
   for program in board firmware; do
@@ -14,6 +18,7 @@ report() {
   [ "$status" -eq 0 ] || echo "firmware_on_vcan.sh: $step: status $status"
 }
 trap report EXIT
+begin "starting the board"
 
 fail() {
   echo "firmware_on_vcan.sh: $*"
@@ -34,7 +39,7 @@ until grep -q 'CAN bus on' /mnt/board; do
   check_running
   sleep 0.05
 done
-step="starting the firmware"
+begin "starting the firmware"
 "$koboshi" firmware scenarios/squat.yaml --can socketcan:vcan0 --speed 0.1 >/mnt/firmware 2>&1 &
 firmware=$!
 # reach HEX COMMAND...: repeats the command until the controller's telemetry shows this state. The controller refuses to
@@ -42,7 +47,7 @@ firmware=$!
 # the time-out of in_uml.sh or of ctest ends a robot that does not get there.
 reach() {
   state=$1
-  step="reaching state $state"
+  begin "reaching state $state"
   shift
   for _ in $(seq 3000); do
     check_running
@@ -55,11 +60,11 @@ reach() {
 }
 reach 01 true
 reach 04 cansend vcan0 201#010000
-step="measuring the load of the bus"
+begin "measuring the load of the bus"
 "$koboshi" can stats --can socketcan:vcan0 --duration 5
-step="ending the firmware"
+begin "ending the firmware"
 kill -INT "$firmware"
 wait "$firmware"
-step="ending the board"
+begin "ending the board"
 kill -INT "$board"
 wait "$board"

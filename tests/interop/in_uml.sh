@@ -41,8 +41,13 @@ chmod +x "$folder/init"
 
 limit_s=${KOBOSHI_UML_TIMEOUT_S:-540}
 # UML keeps its sockets in the home folder and its memory in a file in TMPDIR, or in /dev/shm if that is unset.
+ended=0
 env -u TMPDIR -u TMP -u TEMP HOME="$folder" LD_PRELOAD="$(realpath "$ptrace")${LD_PRELOAD:+ $LD_PRELOAD}" \
   timeout "$limit_s" linux.uml rootfstype=hostfs rootflags=/ rw init="$folder/init" mem=512M con=null con0=fd:0,fd:1 \
-  </dev/null >"$folder/console" 2>&1 || [ $? -ne 124 ] || echo "in_uml.sh: no end within $limit_s s"
-cat "$folder/output" 2>/dev/null || cat "$folder/console"
-exit "$(cat "$folder/status" 2>/dev/null || echo 70)"
+  </dev/null >"$folder/console" 2>&1 || ended=$?
+cat "$folder/output" 2>/dev/null || true
+[ -s "$folder/status" ] && exit "$(cat "$folder/status")"
+[ "$ended" -ne 124 ] || echo "in_uml.sh: no end within $limit_s s"
+echo "in_uml.sh: User-mode Linux ended with status $ended, and without the command's; its console:"
+cat "$folder/console"
+exit 70
