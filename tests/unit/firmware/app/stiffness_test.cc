@@ -124,6 +124,17 @@ TEST_F(StiffnessTest, EndsWithAFault) {
   EXPECT_EQ(count(kFull), 20);
 }
 
+// The drives keep their limits while the controller starts again.
+TEST_F(StiffnessTest, EndsWithAResetOfTheController) {
+  bench.command(Command::kPlay, kSoft);
+  bench.run_ms(100);
+  ASSERT_EQ(count(400), 20);
+  bench.restart();
+  ASSERT_EQ(count(400), 20);
+  ASSERT_TRUE(bench.run_until_ready_to_walk());
+  EXPECT_EQ(count(kFull), 20);
+}
+
 // The sensed fall begins as in recovery_test.cc: the trunk turns by 60 degrees within 0.2 s.
 TEST_F(StiffnessTest, EndsWithAFall) {
   bench.command(Command::kPlay, kLoop);
