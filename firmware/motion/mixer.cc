@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kGainBits = 12;
 
-// What each source measures, by MixSource, in 2^-32 turn or turn/s.
+// The measured deviation of each MixSource, in 2^-32 turn or 2^-32 turn/s.
 std::array<std::int64_t, static_cast<std::size_t>(kLastMixSource) + 1> deviations(
     const estimation::RobotState& robot, const Lean& lean) {
   constexpr std::int64_t kRateScale = 1 << (fixed::Angle::kFractionBits - fixed::AngularRate::kFractionBits);

@@ -15,8 +15,8 @@ constexpr double kResponseLength = 7.0;
 
 // A hash of 64 bits: among a million windows, two are confused with a probability of 3e-8.
 constexpr std::uint64_t kHashSeed = 0x9E3779B97F4A7C15U;
-constexpr std::uint64_t kHashFactor =
-    0xD1342543DE82EF95U;  // of 64-bit congruential generators (Steele, Vigna 2021)
+// A multiplier of 64-bit congruential generators (Steele and Vigna 2021).
+constexpr std::uint64_t kHashFactor = 0xD1342543DE82EF95U;
 
 // Adds a value to a hash (the finaliser of SplitMix64, Steele, Lea and Flood 2014).
 void mix(std::uint64_t& hash, std::uint64_t value) {
