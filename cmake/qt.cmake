@@ -1,0 +1,39 @@
+# The window of the studio needs Qt 6. Without it, everything else is built.
+set(KOBOSHI_STUDIO AUTO CACHE STRING "The studio, a program with a window: AUTO where Qt 6 is installed, ON, OFF")
+set_property(CACHE KOBOSHI_STUDIO PROPERTY STRINGS AUTO ON OFF)
+set(KOBOSHI_HAS_QT FALSE)
+if(KOBOSHI_STUDIO)
+  find_package(Qt6 6.4 QUIET COMPONENTS OpenGLWidgets Test Widgets)
+  set(KOBOSHI_HAS_QT ${Qt6_FOUND})
+  if(NOT Qt6_FOUND AND KOBOSHI_STUDIO STREQUAL "ON")
+    message(FATAL_ERROR "KOBOSHI_STUDIO is ON, but there is no Qt 6.4 here: on Debian, apt-get install qt6-base-dev libqt6opengl6-dev")
+  endif()
+endif()
+message(STATUS "The studio: ${KOBOSHI_HAS_QT}")
+
+# koboshi_qt_library(NAME [SOURCES ...] [DEPS ...]) defines koboshi::NAME as koboshi_library does, with Qt Widgets. Classes with
+# Q_OBJECT are in the headers.
+function(koboshi_qt_library name)
+  koboshi_library(${name} ${ARGN})
+  target_link_libraries(${name} PUBLIC Qt6::Widgets)
+  koboshi_use_moc(${name})
+endfunction()
+
+# koboshi_qt_test(NAME SOURCES ... [DEPS ...]) defines a program of Qt Test, which ctest runs as one test with the label gui. The
+# source has a class with Q_OBJECT, QTEST_MAIN and, at its end, #include "FILE.moc".
+function(koboshi_qt_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPS")
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE koboshi_options ${arg_DEPS} Qt6::Test Qt6::Widgets)
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  target_compile_definitions(${name} PRIVATE KOBOSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  koboshi_use_moc(${name})
+  koboshi_command_test(gui.${name} LABEL gui NEEDS xvfb-run
+    COMMAND ${PROJECT_SOURCE_DIR}/tests/support/with_display.sh $<TARGET_FILE:${name}>)
+endfunction()
+
+# The compiler's warnings are not for the code that moc generates, and what it includes may not be in a unity build.
+function(koboshi_use_moc name)
+  set_target_properties(${name} PROPERTIES AUTOMOC ON)
+  target_compile_definitions(${name} PRIVATE QT_NO_KEYWORDS QT_NO_CAST_FROM_ASCII QT_NO_CAST_TO_ASCII)
+endfunction()
