@@ -7,12 +7,10 @@
 #include "firmware/fixed/host/convert.h"
 #include "firmware/motion/motion.h"
 #include "sim_board/drive/drive_dictionary.h"
-#include "sim_board/input/text.h"
 #include "sim_board/robot/load.h"
 #include "sim_board/scenario/reader.h"
 #include "sim_board/servo/position_unit.h"
 #include "simulation/motion/compile.h"
-#include "simulation/motion/parse.h"
 #include "tools/motion/check/unused.h"
 
 namespace koboshi::tools {
@@ -144,10 +142,14 @@ MotionChecker::MotionChecker(const std::filesystem::path& robot_file, const app:
 }
 
 CompiledMotion MotionChecker::compile(const std::filesystem::path& file) const {
-  const simulation::MotionSource source = simulation::parse_motion(file, model_);
-  CompiledMotion compiled{
-      .file = file, .text = sim::read_text_file(file, "a motion file"), .name = source.name};
-  simulation::Diagnostics diagnostics(file, compiled.text);
+  return compile(simulation::read_motion_file(file));
+}
+
+CompiledMotion MotionChecker::compile(const simulation::MotionFile& motion) const {
+  simulation::Diagnostics diagnostics(motion.path, motion.text);
+  const simulation::MotionSource source = simulation::parse_motion(motion, model_, diagnostics);
+  diagnostics.throw_errors();
+  CompiledMotion compiled{.file = motion.path, .text = motion.text, .name = source.name};
   simulation::CompiledMotion image = simulation::compile_motion(source, model_, diagnostics);
   diagnostics.throw_errors();
   compiled.places = places_of(image, model_);

@@ -9,6 +9,7 @@
 
 #include "simulation/model/robot_model.h"
 #include "simulation/motion/diagnostic.h"
+#include "simulation/motion/parse.h"
 #include "simulation/scenario/parameters.h"
 #include "tools/motion/check/analysis.h"
 #include "tools/motion/check/report.h"
@@ -57,6 +58,8 @@ class MotionChecker {
 
   // Throws sim::InputError for a file that the compiler refuses.
   [[nodiscard]] CompiledMotion compile(const std::filesystem::path& file) const;
+  // The same for a text that need not be that of the file.
+  [[nodiscard]] CompiledMotion compile(const simulation::MotionFile& motion) const;
   MotionReport check(const CompiledMotion& motion);
   // Returns nothing, within a tick of the motion, once `cancel` is set from another thread; what was computed
   // is kept for the next call.

@@ -1,0 +1,237 @@
+#include "tools/studio/motion/joint_panel.h"
+
+#include <QCheckBox>
+#include <QDoubleSpinBox>
+#include <QEvent>
+#include <QGridLayout>
+#include <QKeyEvent>
+#include <QLabel>
+#include <QLineEdit>
+#include <QSignalBlocker>
+#include <QSlider>
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/fixed/host/convert.h"
+#include "sim_board/input/user_units.h"
+#include "simulation/motion/joints.h"
+#include "tools/studio/motion/colours.h"
+
+namespace koboshi::studio {
+namespace {
+
+// A slider counts in units of 0.01 degrees, as the file is written.
+constexpr double kUnitsPerDegree = 100.0;
+constexpr int kSliderStep = 50;
+constexpr int kSliderPage = 500;
+
+// Undo and redo concern the motion, not the letters of the spin box.
+bool is_undo_key(const QEvent& event) {
+  if (event.type() != QEvent::ShortcutOverride) return false;
+  const auto& key = static_cast<const QKeyEvent&>(event);
+  return key.matches(QKeySequence::Undo) || key.matches(QKeySequence::Redo);
+}
+
+QString readable(const std::string& joint) {
+  QString name = QString::fromStdString(joint);
+  return name.replace(u'_', u' ');
+}
+
+}  // namespace
+
+JointPanel::JointPanel(MotionEditor& editor, QWidget* parent) : QScrollArea(parent), editor_(editor) {
+  setWidgetResizable(true);
+  setFrameShape(QFrame::NoFrame);
+  setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  setMinimumWidth(330);
+  connect(&editor, &MotionEditor::opened, this, &JointPanel::build);
+  connect(&editor, &MotionEditor::changed, this, &JointPanel::refresh);
+}
+
+void JointPanel::build() {
+  row_.reset();
+  if (robot_ == &editor_.document().robot()) return;
+  robot_ = &editor_.document().robot();
+  joints_.assign(robot_->model.joint_names.size(), {});
+  auto* const content = new QWidget;
+  auto* const grid = new QGridLayout(content);
+  grid->setContentsMargins(8, 4, 8, 4);
+  grid->setHorizontalSpacing(8);
+  grid->setVerticalSpacing(1);
+  grid->setColumnStretch(1, 1);
+  pose_ = new QLabel(content);
+  pose_->setWordWrap(true);
+  pose_->setObjectName(QStringLiteral("pose"));
+  this_step_ = new QCheckBox(tr("Change this step &alone"), content);
+  this_step_->setObjectName(QStringLiteral("this_step"));
+  this_step_->setToolTip(
+      tr("Gives the step a copy of its pose, with a name of its own, before it changes.\n"
+         "Otherwise all steps change that use the pose."));
+  grid->addWidget(pose_, 0, 0, 1, 2);
+  grid->addWidget(this_step_, 0, 2);
+  const simulation::JointNames names(robot_->model);
+  std::uint32_t rest = ~0U;
+  struct Limb {
+    const char* group;
+    QString title;
+  };
+  const Limb limbs[]{{"head", tr("Head")},
+                     {"left_arm", tr("Left arm")},
+                     {"right_arm", tr("Right arm")},
+                     {"left_leg", tr("Left leg")},
+                     {"right_leg", tr("Right leg")}};
+  const auto joints_in = [&](std::uint32_t mask) {
+    std::vector<std::size_t> joints;
+    for (std::size_t j = 0; j < names.count(); ++j) {
+      if ((mask >> j & 1U) != 0) joints.push_back(j);
+    }
+    return joints;
+  };
+  for (const Limb& limb : limbs) {
+    const std::uint32_t mask = names.mask(limb.group) & rest;
+    rest &= ~mask;
+    add_group(*grid, limb.title, joints_in(mask));
+  }
+  add_group(*grid, tr("Other joints"), joints_in(rest));
+  grid->setRowStretch(grid->rowCount(), 1);
+  setWidget(content);
+  refresh();
+}
+
+void JointPanel::add_group(QGridLayout& grid, const QString& title, const std::vector<std::size_t>& joints) {
+  if (joints.empty()) return;
+  auto* const heading = new QLabel(title);
+  QFont font = heading->font();
+  font.setBold(true);
+  heading->setFont(font);
+  heading->setContentsMargins(0, 4, 0, 0);
+  grid.addWidget(heading, grid.rowCount(), 0, 1, 3);
+  for (const std::size_t joint : joints) add_joint(grid, joint);
+}
+
+void JointPanel::add_joint(QGridLayout& grid, std::size_t joint) {
+  const robot::Joint& model = robot_->model.model.joints[joint];
+  const double lower_deg = fixed::to_double(model.lower) * sim::kDegreesPerRad;
+  const double upper_deg = fixed::to_double(model.upper) * sim::kDegreesPerRad;
+  JointRow& row = joints_[joint];
+  row.name = new QLabel(readable(robot_->model.joint_names[joint]));
+  row.slider = new QSlider(Qt::Horizontal);
+  row.slider->setRange(static_cast<int>(std::ceil(lower_deg * kUnitsPerDegree)),
+                       static_cast<int>(std::floor(upper_deg * kUnitsPerDegree)));
+  row.slider->setSingleStep(kSliderStep);
+  row.slider->setPageStep(kSliderPage);
+  row.slider->setObjectName(QString::fromStdString(robot_->model.joint_names[joint]));
+  row.box = new QDoubleSpinBox;
+  row.box->setLocale(QLocale::c());
+  row.box->setDecimals(2);
+  row.box->setSingleStep(0.5);
+  row.box->setRange(row.slider->minimum() / kUnitsPerDegree, row.slider->maximum() / kUnitsPerDegree);
+  row.box->setSuffix(tr("°"));
+  row.box->setAlignment(Qt::AlignRight);
+  row.box->setKeyboardTracking(false);
+  const QString tip = tr("%1: target angle in degrees, %2° to %3°, at most %4 °/s")
+                          .arg(row.name->text())
+                          .arg(lower_deg, 0, 'f', 1)
+                          .arg(upper_deg, 0, 'f', 1)
+                          .arg(fixed::to_double(model.max_speed) * sim::kDegreesPerRad, 0, 'f', 0);
+  const int line = grid.rowCount();
+  int column = 0;
+  for (QWidget* const widget : std::initializer_list<QWidget*>{row.name, row.slider, row.box}) {
+    widget->setToolTip(tip);
+    widget->installEventFilter(this);
+    grid.addWidget(widget, line, column++);
+  }
+  // The line edit is the spin box's only child widget.
+  if (auto* const edit = row.box->findChild<QLineEdit*>()) edit->installEventFilter(this);
+  connect(row.slider, &QSlider::valueChanged, this,
+          [this, joint](int value) { change(joint, value / kUnitsPerDegree); });
+  connect(row.slider, &QSlider::sliderReleased, this, [this, joint] { drag_ended(joint); });
+  connect(row.box, &QDoubleSpinBox::valueChanged, this,
+          [this, joint](double value) { change(joint, value); });
+}
+
+void JointPanel::set_row(std::optional<std::size_t> row) {
+  if (row_ != row) editor_.end_drag();
+  row_ = row;
+  refresh();
+}
+
+QString JointPanel::describe_pose(const MotionRow& row) const {
+  if (row.kind != simulation::StepSource::Kind::kMove) return tr("Angles after this step");
+  if (row.pose.empty()) return tr("Pose of this step");
+  const QString name = QString::fromStdString(row.pose).toHtmlEscaped();
+  return row.pose_uses > 1 ? tr("Pose <b>%1</b>, %2 uses").arg(name).arg(row.pose_uses)
+                           : tr("Pose <b>%1</b>").arg(name);
+}
+
+void JointPanel::refresh() {
+  if (robot_ == nullptr) return;
+  const auto& rows = editor_.rows().rows;
+  const MotionRow* const row = row_ && *row_ < rows.size() ? &rows[*row_] : nullptr;
+  const bool is_move = row != nullptr && row->kind == simulation::StepSource::Kind::kMove;
+  pose_->setText(row == nullptr ? tr("No step") : describe_pose(*row));
+  this_step_->setVisible(is_move && row->pose_uses > 1);
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const JointRow& widgets = joints_[j];
+    const double angle_rad = row != nullptr && j < row->angles_rad.size() ? row->angles_rad[j] : 0.0;
+    const double angle_deg = angle_rad * sim::kDegreesPerRad;
+    {
+      const QSignalBlocker blocked_slider(widgets.slider);
+      const QSignalBlocker blocked_box(widgets.box);
+      if (!widgets.slider->isSliderDown())
+        widgets.slider->setValue(static_cast<int>(std::lround(angle_deg * kUnitsPerDegree)));
+      widgets.box->setValue(angle_deg);
+    }
+    widgets.slider->setEnabled(is_move);
+    widgets.box->setEnabled(is_move);
+    // Bold: the step itself gives the angle.
+    QFont font = widgets.name->font();
+    const bool is_given = is_move && (row->moved >> j & 1U) != 0;
+    if (font.bold() != is_given) {
+      font.setBold(is_given);
+      widgets.name->setFont(font);
+    }
+  }
+}
+
+void JointPanel::change(std::size_t joint, double angle_deg) {
+  if (!row_) return;
+  Q_EMIT joint_chosen(joint);
+  const JointAngle angle{joint, angle_deg * sim::kRadPerDegree};
+  const PoseScope scope =
+      this_step_->isVisible() && this_step_->isChecked() ? PoseScope::kThisStep : PoseScope::kAllSteps;
+  const bool is_drag = joints_[joint].slider->isSliderDown();
+  const std::string drag = is_drag ? "slider " + std::to_string(joint) + " " + std::to_string(*row_) : "";
+  const std::size_t row = *row_;
+  if (!editor_.edit([&](MotionDocument& document) { document.set_angles(row, {&angle, 1}, scope, drag); }))
+    refresh();
+}
+
+void JointPanel::drag_ended(std::size_t joint) {
+  static_cast<void>(joint);
+  editor_.end_drag();
+  refresh();
+}
+
+bool JointPanel::eventFilter(QObject* watched, QEvent* event) {
+  if (is_undo_key(*event)) {
+    event->ignore();
+    return true;
+  }
+  // The wheel scrolls the panel, unless the user has chosen the joint.
+  auto* const widget = qobject_cast<QWidget*>(watched);
+  if (event->type() == QEvent::Wheel && widget != nullptr && !widget->hasFocus()) {
+    event->ignore();
+    return true;
+  }
+  const bool is_chosen = event->type() == QEvent::FocusIn || event->type() == QEvent::MouseButtonPress;
+  if (is_chosen) {
+    const auto found = std::ranges::find_if(joints_, [&](const JointRow& row) {
+      return watched == row.name || watched == row.slider || watched == row.box;
+    });
+    if (found != joints_.end()) Q_EMIT joint_chosen(static_cast<std::size_t>(found - joints_.begin()));
+  }
+  return QScrollArea::eventFilter(watched, event);
+}
+
+}  // namespace koboshi::studio

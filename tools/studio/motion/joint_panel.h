@@ -1,0 +1,59 @@
+#pragma once
+
+#include <QScrollArea>
+#include <optional>
+#include <vector>
+
+#include "tools/studio/motion/motion_editor.h"
+
+class QCheckBox;
+class QDoubleSpinBox;
+class QGridLayout;
+class QLabel;
+class QSlider;
+
+namespace koboshi::studio {
+
+// A slider and a spin box for each joint, by limb, which show and change the pose of a step.
+class JointPanel final : public QScrollArea {
+  Q_OBJECT
+
+ public:
+  explicit JointPanel(MotionEditor& editor, QWidget* parent = nullptr);
+
+  void set_row(std::optional<std::size_t> row);
+  // By joint of the robot.
+  QSlider* slider(std::size_t joint) const { return joints_.at(joint).slider; }
+  QDoubleSpinBox* spin_box(std::size_t joint) const { return joints_.at(joint).box; }
+
+ Q_SIGNALS:
+  // The joint that the user looks at.
+  void joint_chosen(std::size_t joint);
+
+ protected:
+  bool eventFilter(QObject* watched, QEvent* event) override;
+
+ private:
+  struct JointRow {
+    QLabel* name = nullptr;
+    QSlider* slider = nullptr;
+    QDoubleSpinBox* box = nullptr;
+  };
+
+  void build();
+  void add_group(QGridLayout& grid, const QString& title, const std::vector<std::size_t>& joints);
+  void add_joint(QGridLayout& grid, std::size_t joint);
+  void refresh();
+  QString describe_pose(const MotionRow& row) const;
+  void change(std::size_t joint, double angle_deg);
+  void drag_ended(std::size_t joint);
+
+  MotionEditor& editor_;
+  const MotionRobot* robot_ = nullptr;  // whose joints are shown
+  std::optional<std::size_t> row_;
+  QLabel* pose_ = nullptr;
+  QCheckBox* this_step_ = nullptr;
+  std::vector<JointRow> joints_;
+};
+
+}  // namespace koboshi::studio

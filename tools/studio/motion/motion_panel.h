@@ -1,0 +1,109 @@
+#pragma once
+
+#include <QList>
+#include <QWidget>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tools/studio/motion/motion_editor.h"
+
+class QAction;
+class QBoxLayout;
+class QDoubleSpinBox;
+class QTableView;
+class QToolBar;
+
+namespace koboshi::studio {
+
+class JointPanel;
+class MessageLine;
+class OfferBar;
+class StepModel;
+class Timeline;
+
+// The motion editor: the steps as a table and as a timeline, the joints of the current step as sliders, and a
+// line with messages. It never opens a window because of an error.
+class MotionPanel final : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit MotionPanel(QWidget* parent = nullptr);
+  ~MotionPanel() override;
+
+  // Opens a motion for this robot's file. Returns an error of one line, or nothing.
+  std::optional<QString> open(const std::filesystem::path& motion, const std::filesystem::path& robot);
+  // Whether the motion differs from its file.
+  bool modified() const;
+  // Edits and ways to play, with separators.
+  QList<QAction*> edit_actions() const { return edit_actions_; }
+  QList<QAction*> file_actions() const { return file_actions_; }
+  // Returns false after an error, or if the file was changed by another program; the panel says which.
+  bool save();
+  bool save_as(const std::filesystem::path& file);
+  // Empty: none, or a new motion.
+  std::filesystem::path file() const;
+
+  // Selects one row and shows it.
+  void show_row(std::size_t row);
+
+ Q_SIGNALS:
+  // Joint angles of the current step or of the time at which the user looks, by the robot's order of joints.
+  void pose_changed(const std::vector<double>& angles_rad);
+  // From row 0: all of the motion.
+  void play_requested(bool physics, int from_row);
+  void title_changed();
+
+ protected:
+  void changeEvent(QEvent* event) override;
+
+ private:
+  void build_layout();
+  QWidget* build_scale_bar();
+  void follow_document();
+  void follow_selection();
+  void show_pose();
+  void show_tick(std::size_t tick);
+  void offer_recovery();
+  void offer_reload(DiskChange change);
+  bool report(const std::optional<QString>& error);
+
+  // panel_actions.cc
+  QAction* add_action(QList<QAction*>& actions, const QString& name, const QString& text,
+                      const QKeySequence& keys, const QString& tip, std::function<void()> act);
+  void add_separator(QList<QAction*>& actions);
+  void build_actions();
+  void build_file_actions();
+  void build_view_actions();
+  void update_actions();
+  std::vector<std::size_t> selected() const;
+  void select_rows(std::size_t first, std::size_t count);
+  // Edits the selected rows.
+  void edit_selected(const std::function<void(MotionDocument&, std::span<const std::size_t>)>& change);
+  // Adds steps behind the selected rows and selects them.
+  void add_steps(const std::function<std::size_t(MotionDocument&, const StepPlace&)>& add);
+  void undo(bool again);
+  void copy();
+  void paste();
+  void move(int direction);
+  void scale_time();
+  void new_motion();
+
+  MotionEditor* editor_;
+  StepModel* model_;
+  QTableView* table_;
+  Timeline* timeline_;
+  JointPanel* joints_;
+  MessageLine* messages_;
+  OfferBar* recovery_bar_;
+  OfferBar* disk_bar_;
+  QWidget* scale_bar_ = nullptr;
+  QDoubleSpinBox* scale_factor_ = nullptr;
+  QToolBar* tools_;
+  QList<QAction*> edit_actions_;
+  QList<QAction*> file_actions_;
+};
+
+}  // namespace koboshi::studio

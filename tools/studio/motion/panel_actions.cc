@@ -1,0 +1,295 @@
+#include <QAction>
+#include <QClipboard>
+#include <QDoubleSpinBox>
+#include <QFileDialog>
+#include <QGuiApplication>
+#include <QTableView>
+#include <QToolBar>
+#include <algorithm>
+#include <utility>
+
+#include "tools/studio/motion/message_line.h"
+#include "tools/studio/motion/motion_panel.h"
+#include "tools/studio/motion/step_model.h"
+#include "tools/studio/motion/timeline.h"
+
+// The actions of the motion editor.
+namespace koboshi::studio {
+namespace {
+
+constexpr double kNewStepTime_s = 0.5;
+constexpr double kZoomStep = 1.5;
+
+}  // namespace
+
+QAction* MotionPanel::add_action(QList<QAction*>& actions, const QString& name, const QString& text,
+                                 const QKeySequence& keys, const QString& tip, std::function<void()> act) {
+  auto* const action = new QAction(text, this);
+  action->setObjectName(name);
+  action->setShortcut(keys);
+  action->setShortcutContext(Qt::WidgetWithChildrenShortcut);
+  action->setToolTip(QStringLiteral("%1 (%2)").arg(tip, keys.toString(QKeySequence::NativeText)));
+  action->setStatusTip(tip);
+  connect(action, &QAction::triggered, this, [act = std::move(act)] { act(); });
+  addAction(action);
+  actions.append(action);
+  return action;
+}
+
+void MotionPanel::add_separator(QList<QAction*>& actions) {
+  auto* const line = new QAction(this);
+  line->setSeparator(true);
+  actions.append(line);
+}
+
+void MotionPanel::build_actions() {
+  QList<QAction*>& all = edit_actions_;
+  const auto add = [&](const char* name, const QString& text, const QKeySequence& keys, const QString& tip,
+                       std::function<void()> act) {
+    return add_action(all, QString::fromLatin1(name), text, keys, tip, std::move(act));
+  };
+  using Rows = std::span<const std::size_t>;
+  QList<QAction*> shown;
+  shown << add("undo", tr("&Undo"), QKeySequence::Undo, tr("Undo the last edit"), [this] { undo(false); });
+  shown << add("redo", tr("&Redo"), Qt::CTRL | Qt::SHIFT | Qt::Key_Z, tr("Redo the edit that was undone"),
+               [this] { undo(true); });
+  add_separator(all);
+  shown << all.back();
+  add("cut", tr("Cu&t"), QKeySequence::Cut, tr("Copy the selected steps and delete them"), [this] {
+    copy();
+    edit_selected([](MotionDocument& document, Rows rows) { document.erase_rows(rows); });
+  });
+  shown << add("copy", tr("&Copy"), QKeySequence::Copy, tr("Copy the selected steps with their poses"),
+               [this] { copy(); });
+  shown << add("paste", tr("&Paste"), QKeySequence::Paste, tr("Insert copied steps, also of another motion"),
+               [this] { paste(); });
+  shown << add("duplicate", tr("Du&plicate"), Qt::CTRL | Qt::Key_D,
+               tr("Repeat the selected steps behind them"), [this] {
+                 add_steps([this](MotionDocument& document, const StepPlace&) {
+                   return document.duplicate_rows(selected());
+                 });
+               });
+  shown << add("delete", tr("&Delete"), QKeySequence::Delete, tr("Delete the selected steps"), [this] {
+    edit_selected([](MotionDocument& document, Rows rows) { document.erase_rows(rows); });
+  });
+  add("select_all", tr("Select &all"), QKeySequence::SelectAll, tr("Select all steps"),
+      [this] { table_->selectAll(); });
+  add_separator(all);
+  shown << all.back();
+  shown << add("insert_pose", tr("&Insert pose"), Qt::Key_Insert,
+               tr("Insert a move to a new pose with the present angles"), [this] {
+                 add_steps([this](MotionDocument& document, const StepPlace& place) {
+                   const auto& rows = document.rows().rows;
+                   const auto angles = rows.empty() ? document.robot().standing_rad
+                                                    : rows[std::min(place.index, rows.size() - 1)].angles_rad;
+                   return document.insert_pose(place, angles, kNewStepTime_s);
+                 });
+               });
+  add("insert_wait", tr("Insert &wait"), Qt::SHIFT | Qt::Key_Insert, tr("Insert a wait of 0.5 s"), [this] {
+    add_steps([](MotionDocument& document, const StepPlace& place) {
+      return document.insert_step(place, "{wait_s: 0.5}");
+    });
+  });
+  add("insert_loop", tr("Insert &loop"), Qt::CTRL | Qt::Key_L,
+      tr("Insert a loop of two rounds around a wait"), [this] {
+        add_steps([](MotionDocument& document, const StepPlace& place) {
+          return document.insert_step(place, "- loop:\n    times: 2\n    steps:\n      - {wait_s: 0.5}\n");
+        });
+      });
+  add("move_up", tr("Move u&p"), Qt::ALT | Qt::Key_Up, tr("Move the selected steps before the step above"),
+      [this] { move(-1); });
+  add("move_down", tr("Move do&wn"), Qt::ALT | Qt::Key_Down,
+      tr("Move the selected steps behind the step below"), [this] { move(1); });
+  add_separator(all);
+  shown << all.back();
+  shown << add(
+      "mirror", tr("&Mirror"), Qt::CTRL | Qt::Key_M, tr("Exchange left and right in the selected steps"),
+      [this] { edit_selected([](MotionDocument& document, Rows rows) { document.mirror_rows(rows); }); });
+  add("mirror_motion", tr("Mirror the &motion"), Qt::CTRL | Qt::SHIFT | Qt::Key_M,
+      tr("Exchange left and right in the whole motion"),
+      [this] { editor_->edit([](MotionDocument& document) { document.mirror_motion(); }); });
+  shown << add(
+      "reverse", tr("Re&verse"), Qt::CTRL | Qt::Key_R, tr("Play the selected moves in the reverse order"),
+      [this] { edit_selected([](MotionDocument& document, Rows rows) { document.reverse_rows(rows); }); });
+  shown << add("scale_time", tr("&Scale time…"), Qt::CTRL | Qt::Key_T,
+               tr("Make the selected steps slower or faster"), [this] {
+                 scale_bar_->show();
+                 scale_factor_->setFocus();
+                 scale_factor_->selectAll();
+               });
+  add_separator(all);
+  shown << all.back();
+  shown << add("play_preview", tr("Pre&view"), Qt::Key_F5, tr("Play from the current step without physics"),
+               [this] { Q_EMIT play_requested(false, std::max(0, table_->currentIndex().row())); });
+  shown << add("play_physics", tr("Simula&te"), Qt::Key_F6, tr("Play the motion in the simulation"),
+               [this] { Q_EMIT play_requested(true, 0); });
+  build_view_actions();
+  tools_->addActions(shown);
+  build_file_actions();
+}
+
+void MotionPanel::build_view_actions() {
+  QList<QAction*>& all = edit_actions_;
+  add_separator(all);
+  add_action(all, QStringLiteral("next_finding"), tr("&Next finding"), Qt::Key_F8,
+             tr("Go to the next message"), [this] { messages_->show_next(1); });
+  add_action(all, QStringLiteral("previous_finding"), tr("Previous &finding"), Qt::SHIFT | Qt::Key_F8,
+             tr("Go to the previous message"), [this] { messages_->show_next(-1); });
+  add_action(all, QStringLiteral("zoom_in"), tr("&Zoom in"), Qt::CTRL | Qt::Key_Plus,
+             tr("Show less time in the timeline"), [this] { timeline_->zoom(kZoomStep); });
+  add_action(all, QStringLiteral("zoom_out"), tr("Zoom &out"), Qt::CTRL | Qt::Key_Minus,
+             tr("Show more time in the timeline"), [this] { timeline_->zoom(1.0 / kZoomStep); });
+  add_action(all, QStringLiteral("zoom_fit"), tr("Show &all"), Qt::CTRL | Qt::Key_0,
+             tr("Show the whole motion in the timeline"), [this] { timeline_->fit(); });
+}
+
+void MotionPanel::build_file_actions() {
+  QList<QAction*>& all = file_actions_;
+  add_action(all, QStringLiteral("new"), tr("&New motion"), QKeySequence::New,
+             tr("Begin a motion for the same robot"), [this] { new_motion(); });
+  add_action(all, QStringLiteral("save"), tr("&Save motion"), QKeySequence::Save, tr("Save the motion"),
+             [this] {
+               if (!file().empty()) {
+                 save();
+                 return;
+               }
+               findChild<QAction*>(QStringLiteral("save_as"))->trigger();
+             });
+  add_action(all, QStringLiteral("save_as"), tr("Save motion &as…"), Qt::CTRL | Qt::SHIFT | Qt::Key_S,
+             tr("Save the motion in another file"), [this] {
+               const QString name = QFileDialog::getSaveFileName(
+                   this, tr("Save motion"), QString::fromStdString(file().string()), tr("Motions (*.yaml)"));
+               if (!name.isEmpty()) save_as(name.toStdString());
+             });
+  add_action(all, QStringLiteral("upgrade"), tr("&Upgrade to version 2"), Qt::CTRL | Qt::SHIFT | Qt::Key_U,
+             tr("Convert the motion to version 2 of the language"),
+             [this] { editor_->edit([](MotionDocument& document) { document.upgrade(); }); });
+}
+
+void MotionPanel::update_actions() {
+  const bool is_open = editor_->is_open();
+  const bool has_rows = is_open && !selected().empty();
+  const auto enable = [this](const char* name, bool enabled) {
+    findChild<QAction*>(QString::fromLatin1(name), Qt::FindDirectChildrenOnly)->setEnabled(enabled);
+  };
+  for (const char* const name :
+       {"cut", "copy", "duplicate", "delete", "move_up", "move_down", "mirror", "reverse", "scale_time"})
+    enable(name, has_rows);
+  for (const char* const name : {"paste", "insert_pose", "insert_wait", "insert_loop", "mirror_motion",
+                                 "play_preview", "play_physics", "new", "save", "save_as", "upgrade"})
+    enable(name, is_open);
+  const auto name_edit = [&](const char* name, const QString& verb, bool can, std::string_view label) {
+    auto* const action = findChild<QAction*>(QString::fromLatin1(name), Qt::FindDirectChildrenOnly);
+    action->setEnabled(can);
+    const QString what = QString::fromUtf8(label.data(), static_cast<qsizetype>(label.size()));
+    const QString tip = can ? verb + u' ' + what.left(1).toLower() + what.mid(1) : verb;
+    action->setToolTip(
+        QStringLiteral("%1 (%2)").arg(tip, action->shortcut().toString(QKeySequence::NativeText)));
+  };
+  name_edit("undo", tr("Undo:"), is_open && editor_->document().history().can_undo(),
+            is_open ? editor_->document().history().undo_label() : "");
+  name_edit("redo", tr("Redo:"), is_open && editor_->document().history().can_redo(),
+            is_open ? editor_->document().history().redo_label() : "");
+}
+
+// --- Edits
+
+std::vector<std::size_t> MotionPanel::selected() const {
+  std::vector<std::size_t> rows;
+  const QItemSelection ranges = table_->selectionModel()->selection();
+  for (const QItemSelectionRange& range : ranges) {
+    for (int row = range.top(); row <= range.bottom(); ++row) rows.push_back(static_cast<std::size_t>(row));
+  }
+  std::ranges::sort(rows);
+  rows.erase(std::ranges::unique(rows).begin(), rows.end());
+  return rows;
+}
+
+void MotionPanel::select_rows(std::size_t first, std::size_t count) {
+  if (count == 0 || first >= static_cast<std::size_t>(model_->rowCount())) return;
+  show_row(first);
+  const QModelIndex last = model_->index(
+      static_cast<int>(std::min(first + count, static_cast<std::size_t>(model_->rowCount()))) - 1, 0);
+  table_->selectionModel()->select({model_->index(static_cast<int>(first), 0), last},
+                                   QItemSelectionModel::ClearAndSelect | QItemSelectionModel::Rows);
+}
+
+void MotionPanel::edit_selected(
+    const std::function<void(MotionDocument&, std::span<const std::size_t>)>& change) {
+  const std::vector<std::size_t> rows = selected();
+  const std::size_t before = static_cast<std::size_t>(model_->rowCount());
+  if (rows.empty() || !editor_->edit([&](MotionDocument& document) { change(document, rows); })) return;
+  const auto after = static_cast<std::size_t>(model_->rowCount());
+  if (after < before && after > 0) select_rows(std::min(rows.front(), after - 1), 1);
+}
+
+void MotionPanel::add_steps(const std::function<std::size_t(MotionDocument&, const StepPlace&)>& add) {
+  const std::vector<std::size_t> rows = selected();
+  const StepPlace place =
+      rows.empty() ? StepPlace{StepPlace::Kind::kEndOf, 0} : StepPlace{StepPlace::Kind::kAfter, rows.back()};
+  const auto before = static_cast<std::size_t>(model_->rowCount());
+  std::size_t first = 0;
+  if (!editor_->edit([&](MotionDocument& document) { first = add(document, place); })) return;
+  const auto after = static_cast<std::size_t>(model_->rowCount());
+  if (after > before) select_rows(first, after - before);
+}
+
+void MotionPanel::undo(bool again) {
+  editor_->edit(
+      [&](MotionDocument& document) { static_cast<void>(again ? document.redo() : document.undo()); });
+}
+
+void MotionPanel::copy() {
+  const std::vector<std::size_t> rows = selected();
+  if (rows.empty()) return;
+  editor_->edit([&](MotionDocument& document) {
+    QGuiApplication::clipboard()->setText(QString::fromStdString(document.copy_rows(rows)));
+  });
+  messages_->show_note(tr("Copied %n step(s)", nullptr, static_cast<int>(rows.size())));
+}
+
+void MotionPanel::paste() {
+  const std::string text = QGuiApplication::clipboard()->text().toStdString();
+  add_steps([&](MotionDocument& document, const StepPlace& place) { return document.paste(place, text); });
+}
+
+// Moves the selected steps by one place among those around them; out of their loop at its ends.
+void MotionPanel::move(int direction) {
+  const std::vector<std::size_t> rows = selected();
+  if (rows.empty()) return;
+  const auto& all = editor_->rows().rows;
+  const MotionRow& edge = all[direction < 0 ? rows.front() : rows.back()];
+  const auto is_sibling = [&](const MotionRow& other) {
+    return other.section == edge.section && other.parent == edge.parent && other.in_else == edge.in_else &&
+           static_cast<std::ptrdiff_t>(other.list_index) ==
+               static_cast<std::ptrdiff_t>(edge.list_index) + direction;
+  };
+  std::optional<std::size_t> next = edge.parent;
+  const auto sibling = std::ranges::find_if(all, is_sibling);
+  if (sibling != all.end()) next = static_cast<std::size_t>(sibling - all.begin());
+  if (!next) return;
+  const StepPlace place{direction < 0 ? StepPlace::Kind::kBefore : StepPlace::Kind::kAfter, *next};
+  std::size_t first = 0;
+  if (editor_->edit([&](MotionDocument& document) { first = document.move_rows(rows, place); }))
+    select_rows(first, rows.size());
+}
+
+void MotionPanel::scale_time() {
+  scale_bar_->hide();
+  const double factor = scale_factor_->value() / 100.0;
+  edit_selected([factor](MotionDocument& document, std::span<const std::size_t> rows) {
+    document.scale_time(rows, factor);
+  });
+  table_->setFocus();
+}
+
+void MotionPanel::new_motion() {
+  if (modified() && !save()) return;
+  if (const auto error = editor_->begin("untitled")) {
+    messages_->show_error(*error);
+    return;
+  }
+  if (model_->rowCount() > 0) show_row(0);
+}
+
+}  // namespace koboshi::studio

@@ -1,0 +1,410 @@
+#include <QItemSelection>
+#include <QPaintEvent>
+#include <QPainter>
+#include <QPainterPath>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "firmware/fixed/host/convert.h"
+#include "sim_board/input/user_units.h"
+#include "tools/motion/check/report.h"
+#include "tools/studio/motion/timeline.h"
+#include "tools/studio/motion/timeline_layout.h"
+
+// The painting of the timeline.
+namespace koboshi::studio {
+namespace {
+
+using PaintKind = simulation::StepSource::Kind;
+
+constexpr double kMostMargin_mm = 25.0;  // at the upper edge of the band; it begins at -kLeastMargin_mm
+constexpr double kLeastMargin_mm = 10.0;
+
+void paint_head(QPainter& painter, QPointF tip, QPointF direction) {
+  const QPointF across(-direction.y(), direction.x());
+  QPolygonF head;
+  head << tip << tip - 6 * direction + 3 * across << tip - 6 * direction - 3 * across;
+  painter.save();
+  painter.setBrush(painter.pen().color());
+  painter.setPen(Qt::NoPen);
+  painter.drawPolygon(head);
+  painter.restore();
+}
+
+QFont small(const QFont& font) {
+  QFont other = font;
+  other.setPointSizeF(font.pointSizeF() * 0.85);
+  return other;
+}
+
+// A step of the ruler: 1, 2 or 5 times a power of ten.
+double ruler_step_s(double px_per_s) {
+  constexpr double kLeastDistance_px = 70.0;
+  double step_s = 0.01;
+  for (int i = 0; step_s * px_per_s < kLeastDistance_px; ++i) step_s *= i % 3 == 1 ? 2.5 : 2.0;
+  return step_s;
+}
+
+}  // namespace
+
+void Timeline::paintEvent(QPaintEvent* event) {
+  QPainter painter(viewport());
+  const Colours colours = colours_of(palette());
+  painter.fillRect(event->rect(), palette().color(QPalette::Base));
+  if (!editor_.is_open() || section_ >= editor_.rows().sections.size()) return;
+  painter.setFont(small(font()));
+  painter.setRenderHint(QPainter::Antialiasing);
+  paint_ruler(painter, colours);
+  painter.setClipRect(QRect(kLeft - 8, 0, viewport()->width() - kLeft + 8, viewport()->height()));
+  paint_margin(painter, colours);
+  paint_curves(painter, colours);
+  paint_arrows(painter, colours);
+  paint_steps(painter, colours);
+  paint_scrub(painter, colours);
+  if (mode_ == Mode::kBox) {
+    painter.setPen(colours.key);
+    QColor fill = colours.key;
+    fill.setAlpha(40);
+    painter.setBrush(fill);
+    painter.drawRect(QRectF(QPointF(press_.x(), kRuler), QPointF(pointer_.x(), lanes().margin)).normalized());
+  }
+}
+
+void Timeline::paint_ruler(QPainter& painter, const Colours& colours) const {
+  const Lanes lane = lanes();
+  const int width = viewport()->width();
+  painter.fillRect(0, 0, width, kRuler, palette().color(QPalette::AlternateBase));
+  painter.fillRect(kLeft, lane.steps, width, kSteps, colours.lane);
+  const double step_s = ruler_step_s(px_per_s_);
+  for (double time_s = std::max(0.0, std::ceil(time_at(kLeft) / step_s) * step_s); x_of(time_s) < width;
+       time_s += step_s) {
+    const double x = std::round(x_of(time_s)) + 0.5;
+    painter.setPen(colours.grid);
+    painter.drawLine(QPointF(x, kRuler), QPointF(x, viewport()->height()));
+    painter.setPen(colours.dim);
+    const QString text = QString::number(time_s, 'f', step_s < 0.1 ? 2 : step_s < 1.0 ? 1 : 0);
+    painter.drawText(QRectF(x + 3, 0, 70, kRuler), Qt::AlignVCenter, text + tr(" s"));
+  }
+  painter.setPen(colours.dim);
+  const std::string& name = editor_.rows().sections[section_].name;
+  if (!name.empty())
+    painter.drawText(QRectF(0, 0, width - 6, kRuler), Qt::AlignRight | Qt::AlignVCenter,
+                     tr("routine %1").arg(QString::fromStdString(name)));
+  const auto title = [&](const QString& text, int y, int height) {
+    painter.drawText(QRectF(4, y, kLeft - 8, height), Qt::AlignLeft | Qt::AlignVCenter, text);
+  };
+  title(tr("steps"), lane.steps, kSteps);
+  painter.setPen(colours.grid);
+  for (const int y : {lane.margin, lane.curves})
+    painter.drawLine(QPointF(0, y + 0.5), QPointF(width, y + 0.5));
+}
+
+// --- Steps
+
+void Timeline::paint_steps(QPainter& painter, const Colours& colours) const {
+  const MotionSection& section = editor_.rows().sections[section_];
+  std::vector<bool> is_selected(editor_.rows().rows.size(), false);
+  for (const QItemSelectionRange& range : selection_.selection()) {
+    for (int row = range.top(); row <= range.bottom(); ++row)
+      if (static_cast<std::size_t>(row) < is_selected.size())
+        is_selected[static_cast<std::size_t>(row)] = true;
+  }
+  const std::size_t end = section.first_row + section.row_count;
+  const int width = viewport()->width();
+  for (const bool pass : {false, true}) {  // selected steps above the others
+    for (std::size_t row = section.first_row; row < end; ++row) {
+      const MotionRow& step = editor_.rows().rows[row];
+      if (is_selected[row] != pass || x_of(step.start_s) > width + 10 ||
+          x_of(step.start_s + step.duration_s) < 0)
+        continue;
+      paint_step(painter, colours, row, pass);
+    }
+  }
+  if (mode_ != Mode::kScale) return;
+  // Where the selected steps would end.
+  const auto rows = selected();
+  const double begin_s = editor_.rows().rows[rows.front()].start_s;
+  painter.setPen(QPen(colours.key, 1.2, Qt::DashLine));
+  for (const std::size_t row : rows) {
+    const MotionRow& step = editor_.rows().rows[row];
+    const double x = x_of(begin_s + (step.start_s + step.duration_s - begin_s) * drag_factor_);
+    painter.drawLine(QPointF(x, lanes().arrows), QPointF(x, lanes().margin));
+  }
+}
+
+void Timeline::paint_step(QPainter& painter, const Colours& colours, std::size_t row,
+                          bool is_selected) const {
+  const MotionRow& step = editor_.rows().rows[row];
+  const QRectF bar = bar_of(step);
+  const QColor highlight = palette().color(QPalette::Highlight);
+  int worst = step.has_error ? 0 : 3;
+  for (const RowFinding* const finding : editor_.findings_of(row))
+    worst = std::min(worst, static_cast<int>(finding->severity));
+  const QColor marked = worst < 2 ? colours.of(static_cast<simulation::Severity>(worst)) : QColor();
+  if (step.kind == PaintKind::kLoop || step.kind == PaintKind::kIf) return;
+  if (step.kind == PaintKind::kLabel || bar.width() < 0.5) {
+    const bool is_flag = step.kind == PaintKind::kLabel;
+    painter.setPen(QPen(is_selected ? highlight : colours.jump, is_selected ? 2.5 : 1.2));
+    painter.drawLine(QPointF(bar.x(), bar.top() - (is_flag ? 8 : 0)), bar.bottomLeft());
+    if (is_flag) {
+      painter.setBrush(painter.pen().color());
+      painter.drawPolygon(
+          QPolygonF({{bar.x(), bar.top() - 8}, {bar.x() + 8, bar.top() - 5}, {bar.x(), bar.top() - 2}}));
+    }
+    if (!is_flag && marked.isValid()) {
+      painter.setBrush(marked);
+      painter.drawEllipse(QPointF(bar.x(), bar.center().y()), 3, 3);
+    }
+    return;
+  }
+  const bool is_move = step.kind == PaintKind::kMove;
+  QColor fill = is_move ? colours.key : colours.wait;
+  if (marked.isValid()) fill = marked;
+  fill.setAlpha(is_selected ? 130 : 55);
+  const double pause_px = step.pause_s * px_per_s_;
+  painter.setPen(is_selected ? QPen(highlight, 1.5) : QPen(Qt::NoPen));
+  painter.setBrush(is_move ? QBrush(fill) : QBrush(fill, Qt::BDiagPattern));
+  painter.drawRoundedRect(bar.adjusted(0.5, 0, -0.5 - pause_px, 0), 3, 3);
+  const QPointF key = key_point(row);
+  const double text_px = bar.width() - pause_px - 14;
+  if (text_px > 22) {
+    painter.setPen(palette().color(QPalette::Text));
+    const QString text = painter.fontMetrics().elidedText(QString::fromStdString(step.text), Qt::ElideRight,
+                                                          static_cast<int>(text_px));
+    painter.drawText(bar.adjusted(5, 0, 0, 0), Qt::AlignVCenter | Qt::AlignLeft, text);
+  }
+  if (!is_move || (bar.width() < 4 && !is_selected)) return;
+  const double size = bar.width() < 12 ? 3.5 : 5.5;
+  painter.setBrush(marked.isValid() ? marked : is_selected ? highlight : colours.key);
+  painter.setPen(QPen(palette().color(QPalette::Base), 1));
+  painter.drawPolygon(QPolygonF({key + QPointF(0, -size - 1), key + QPointF(size, 0),
+                                 key + QPointF(0, size + 1), key + QPointF(-size, 0)}));
+}
+
+// --- Arrows
+
+void Timeline::paint_loop(QPainter& painter, const Colours& colours, const MotionRow& row) const {
+  const Lanes lane = lanes();
+  const double begin = x_of(row.start_s);
+  const double end = x_of(row.start_s + row.duration_s);
+  const double y = lane.steps - 3.5;
+  const double top = std::min(y - 6, lane.arrows + 9.0 + 5.0 * row.depth);
+  const double round_px = (end - begin) / std::max(1, row.times.value_or(1));
+  QColor fill = colours.arrow;
+  fill.setAlpha(45);
+  painter.fillRect(QRectF(QPointF(begin + round_px, lane.steps + 4), QPointF(end, lane.steps + kSteps - 4)),
+                   QBrush(fill, Qt::DiagCrossPattern));
+  painter.setPen(QPen(colours.arrow, 1.3));
+  painter.setBrush(Qt::NoBrush);
+  QPainterPath path(QPointF(end, y));
+  const double radius = std::clamp((end - begin) / 2, 0.0, 6.0);
+  path.lineTo(end, top + radius);
+  path.quadTo(end, top, end - radius, top);
+  path.lineTo(begin + radius, top);
+  path.quadTo(begin, top, begin, top + radius);
+  path.lineTo(begin, y);
+  painter.drawPath(path);
+  paint_head(painter, {begin, y}, {0, 1});
+  const QString text = row.times ? tr("× %1").arg(*row.times) : QString::fromStdString(row.text);
+  const QRectF area(begin, top - 9, end - begin, 18);
+  const QString shown =
+      painter.fontMetrics().elidedText(text, Qt::ElideRight, static_cast<int>(area.width()) - 16);
+  if (area.width() < 30) return;
+  const double half = painter.fontMetrics().horizontalAdvance(shown) / 2.0 + 4;
+  painter.fillRect(QRectF(area.center().x() - half, top - 6, 2 * half, 12), palette().color(QPalette::Base));
+  painter.drawText(area, Qt::AlignCenter, shown);
+}
+
+void Timeline::paint_arrows(QPainter& painter, const Colours& colours) const {
+  const Lanes lane = lanes();
+  const auto& rows = editor_.rows().rows;
+  const MotionSection& section = editor_.rows().sections[section_];
+  for (std::size_t i = section.first_row; i < section.first_row + section.row_count; ++i) {
+    const MotionRow& row = rows[i];
+    const double x = x_of(row.start_s);
+    if (row.kind == PaintKind::kLoop) paint_loop(painter, colours, row);
+    if (row.kind == PaintKind::kIf) {
+      painter.setPen(QPen(colours.arrow, 1.3));
+      painter.drawText(QPointF(x + 4, lane.steps - 6), QString::fromStdString(row.text));
+      painter.drawLine(QPointF(x, lane.steps - 14), QPointF(x, lane.otherwise + kOtherwise / 2.0));
+      const bool has_else = std::ranges::any_of(
+          rows, [&](const MotionRow& other) { return other.parent == i && other.in_else; });
+      if (has_else) {
+        painter.drawLine(QPointF(x, lane.otherwise + kOtherwise / 2.0),
+                         QPointF(x + 8, lane.otherwise + kOtherwise / 2.0));
+        paint_head(painter, {x + 10, lane.otherwise + kOtherwise / 2.0}, {1, 0});
+      }
+    }
+    const bool leads = row.kind == PaintKind::kJump || row.kind == PaintKind::kAwait;
+    if (!leads || !row.target || rows[*row.target].section != row.section) continue;
+    const double to = x_of(rows[*row.target].start_s);
+    painter.setPen(QPen(colours.jump, 1.3, Qt::DashLine));
+    painter.setBrush(Qt::NoBrush);
+    QPainterPath path(QPointF(x, lane.steps));
+    const double top = lane.arrows - 4.0;
+    if (std::abs(to - x) < 12) {
+      path.cubicTo(x - 10, top, to + 14, top, to, lane.steps - 4);
+    } else {
+      path.cubicTo(x, top, to, top, to, lane.steps - 4);
+    }
+    painter.drawPath(path);
+    painter.setPen(colours.jump);
+    paint_head(painter, {to, lane.steps - 3.0}, {0, 1});
+  }
+}
+
+// --- What the check says
+
+std::pair<std::size_t, std::size_t> Timeline::ticks_in(int x) const {
+  const std::vector<double>& shown = editor_.shown_s();
+  const auto begin = std::ranges::lower_bound(shown, time_at(x));
+  const auto end = std::lower_bound(begin, shown.end(), time_at(x + 1));
+  const auto first = static_cast<std::size_t>(begin - shown.begin());
+  const auto last = static_cast<std::size_t>(end - shown.begin());
+  if (first == last && first > 0 && first < shown.size()) return {first - 1, first};  // wide ticks
+  return {first, last};
+}
+
+void Timeline::paint_margin(QPainter& painter, const Colours& colours) const {
+  const Lanes lane = lanes();
+  const double height = kMargin - 6.0;
+  const double top = lane.margin + 3.0;
+  const auto y_of = [&](double margin_mm) {
+    const double share = (std::clamp(margin_mm, -kLeastMargin_mm, kMostMargin_mm) + kLeastMargin_mm) /
+                         (kMostMargin_mm + kLeastMargin_mm);
+    return top + height * (1.0 - share);
+  };
+  const double zero = y_of(0.0);
+  painter.save();
+  painter.setClipping(false);
+  painter.setPen(colours.dim);
+  painter.drawText(QRectF(4, lane.margin + 1, kLeft - 8, 14), Qt::AlignLeft, tr("margin"));
+  painter.drawText(QRectF(4, zero - 8, kLeft - 12, 16), Qt::AlignRight | Qt::AlignVCenter, tr("0 mm"));
+  painter.restore();
+  painter.setRenderHint(QPainter::Antialiasing, false);
+  const auto is_judged = [&] {
+    return editor_.checked() != nullptr && section_ == 0 && editor_.document().compiled() != nullptr;
+  };
+  for (int x = kLeft; is_judged() && x < viewport()->width(); ++x) {
+    const auto [first, last] = ticks_in(x);
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = first; i < last; ++i) {
+      const double margin = editor_.checked()->ticks[i].margin_m;
+      if (!std::isnan(margin)) least = std::min(least, margin);
+    }
+    if (std::isinf(least)) continue;
+    QColor colour = least >= tools::CheckLimits::kClose_m     ? colours.stable
+                    : least >= -tools::CheckLimits::kBeyond_m ? colours.close
+                                                              : colours.unstable;
+    const double y = y_of(least * sim::kMmPerM);
+    painter.setPen(colour);
+    painter.drawLine(QPointF(x, y), QPointF(x, y + 1));
+    colour.setAlpha(editor_.is_checking() ? 50 : 110);
+    painter.setPen(colour);
+    painter.drawLine(QPointF(x, std::min(y, zero)), QPointF(x, std::max(y, zero)));
+  }
+  painter.setPen(colours.dim);
+  painter.drawLine(QPointF(kLeft, zero), QPointF(viewport()->width(), zero));
+  painter.setRenderHint(QPainter::Antialiasing);
+  if (!is_judged() && section_ == 0)
+    painter.drawText(QRectF(kLeft + 8, top, 400, 16),
+                     editor_.is_checking() ? tr("checking…") : tr("no result: the motion has errors"));
+  if (section_ != 0)
+    painter.drawText(QRectF(kLeft + 8, top, 500, 16), tr("A routine is checked where the program calls it."));
+}
+
+void Timeline::paint_curves(QPainter& painter, const Colours& colours) const {
+  const Lanes lane = lanes();
+  const MotionRobot& robot = editor_.document().robot();
+  if (!joint_ || *joint_ >= robot.model.joint_names.size()) return;
+  const robot::Joint& joint = robot.model.model.joints[*joint_];
+  const double lower_deg = fixed::to_double(joint.lower) * sim::kDegreesPerRad;
+  const double upper_deg = fixed::to_double(joint.upper) * sim::kDegreesPerRad;
+  const QRectF area(kLeft, lane.curves + 18.0, viewport()->width() - kLeft, lane.end - lane.curves - 24.0);
+  const auto y_of = [&](double angle_deg) {
+    return area.bottom() - (angle_deg - lower_deg) / (upper_deg - lower_deg) * area.height();
+  };
+  paint_shares(painter, colours, area);
+  painter.setPen(QPen(colours.angle, 1, Qt::DashLine));
+  for (const double limit_deg : {lower_deg, upper_deg})
+    painter.drawLine(QPointF(area.left(), y_of(limit_deg)), QPointF(area.right(), y_of(limit_deg)));
+  QPolygonF curve;
+  const CheckResult* const result = editor_.checked();
+  if (result != nullptr && section_ == 0 && *joint_ < result->joints) {
+    for (int x = kLeft; x < viewport()->width(); ++x) {
+      const auto [first, last] = ticks_in(x);
+      if (first < last)
+        curve << QPointF(x,
+                         y_of(result->targets_rad[first * result->joints + *joint_] * sim::kDegreesPerRad));
+    }
+  } else {
+    const MotionSection& section = editor_.rows().sections[section_];
+    for (std::size_t i = section.first_row; i < section.first_row + section.row_count; ++i) {
+      const MotionRow& row = editor_.rows().rows[i];
+      if (row.angles_rad.size() > *joint_ && !is_in_else(editor_.rows(), row))
+        curve << QPointF(x_of(row.start_s + row.duration_s),
+                         y_of(row.angles_rad[*joint_] * sim::kDegreesPerRad));
+    }
+  }
+  painter.setPen(QPen(colours.angle, 1.8));
+  painter.drawPolyline(curve);
+  painter.save();
+  painter.setClipping(false);
+  painter.setPen(colours.angle);
+  const auto label = [&](double angle_deg) {
+    painter.drawText(QRectF(0, y_of(angle_deg) - 8, kLeft - 4, 16), Qt::AlignRight | Qt::AlignVCenter,
+                     tr("%1°").arg(angle_deg, 0, 'f', 0));
+  };
+  label(lower_deg);
+  label(upper_deg);
+  if (lower_deg < -8 && upper_deg > 8 && area.height() > 60) label(0.0);
+  double x = kLeft;
+  const auto legend = [&](const QString& text, const QColor& colour) {
+    painter.setPen(colour);
+    painter.drawText(QPointF(x, lane.curves + 13), text);
+    x += painter.fontMetrics().horizontalAdvance(text) + 18;
+  };
+  const QString name = QString::fromStdString(robot.model.joint_names[*joint_]).replace(u'_', u' ');
+  legend(tr("%1, with its limits").arg(name), colours.angle);
+  legend(tr("its speed, % of the limit"), colours.speed);
+  legend(tr("torque of the most loaded servo, %"), colours.torque);
+  painter.restore();
+}
+
+void Timeline::paint_shares(QPainter& painter, const Colours& colours, const QRectF& area) const {
+  const CheckResult* const result = editor_.checked();
+  if (result == nullptr || section_ != 0 || *joint_ >= result->joints) return;
+  const double limit = fixed::to_double(editor_.document().robot().model.model.joints[*joint_].max_speed);
+  QPolygonF torques;
+  QColor fill = colours.speed;
+  fill.setAlpha(90);
+  for (int x = kLeft; x < viewport()->width(); ++x) {
+    const auto [first, last] = ticks_in(x);
+    double speed = 0.0;
+    double torque = -1.0;
+    for (std::size_t i = first; i < last; ++i) {
+      const std::size_t at = i * result->joints + *joint_;
+      if (i > 0)
+        speed = std::max(speed, std::abs(result->targets_rad[at] - result->targets_rad[at - result->joints]) /
+                                    tools::kTick_s / limit);
+      if (!std::isnan(result->ticks[i].torque_share))
+        torque = std::max(torque, result->ticks[i].torque_share);
+    }
+    const auto y_of = [&](double share) { return area.bottom() - std::min(share, 1.0) * area.height(); };
+    painter.setPen(fill);
+    if (speed > 0.0) painter.drawLine(QPointF(x, area.bottom()), QPointF(x, y_of(speed)));
+    if (torque >= 0.0) torques << QPointF(x, y_of(torque));
+  }
+  painter.setPen(QPen(colours.torque, 1.2));
+  painter.drawPolyline(torques);
+}
+
+void Timeline::paint_scrub(QPainter& painter, const Colours&) const {
+  if (!scrub_s_) return;
+  const double x = x_of(*scrub_s_);
+  painter.setPen(QPen(palette().color(QPalette::Highlight), 1.5));
+  painter.drawLine(QPointF(x, 0), QPointF(x, viewport()->height()));
+}
+
+}  // namespace koboshi::studio
