@@ -1,0 +1,55 @@
+#include "tools/studio/plot/run_samples.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/fixed/contract.h"
+
+namespace koboshi::studio {
+
+void RunSamples::set_signals(std::span<const view::Signal> signals) {
+  signals_.assign(signals.begin(), signals.end());
+  times_ = std::make_shared<Timeline>();
+  values_.clear();
+  for (std::size_t i = 0; i < signals.size(); ++i) values_.push_back(std::make_shared<Series>());
+  marks_.clear();
+  states_.clear();
+  state_signal_ = index_of("state_name");
+}
+
+void RunSamples::append(std::uint64_t time_us, std::span<const float> values) {
+  KOBOSHI_ASSERT(values.size() == values_.size());
+  times_->append(time_us);
+  for (std::size_t i = 0; i < values.size(); ++i) values_[i]->append(values[i]);
+  if (!state_signal_ || !std::isfinite(values[*state_signal_])) return;
+  const auto state = std::llround(values[*state_signal_]);
+  if (states_.empty() || states_.back().state != state) states_.push_back({time_us, state});
+}
+
+void RunSamples::add_event(std::uint64_t time_us, const QString& text) {
+  const auto after = std::ranges::upper_bound(marks_, time_us, {}, &Mark::time_us);
+  marks_.insert(after, {time_us, text});
+}
+
+void RunSamples::truncate_after(std::uint64_t time_us) {
+  const std::size_t size = times_->count_until(time_us);
+  times_->truncate(size);
+  for (const std::shared_ptr<Series>& values : values_) values->truncate(size);
+  std::erase_if(marks_, [time_us](const Mark& mark) { return mark.time_us > time_us; });
+  std::erase_if(states_, [time_us](const StateSpan& span) { return span.start_us > time_us; });
+}
+
+std::optional<std::size_t> RunSamples::index_of(std::string_view name) const {
+  const auto found = std::ranges::find(signals_, name, &view::Signal::name);
+  if (found == signals_.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - signals_.begin());
+}
+
+QString RunSamples::state_name(std::int64_t state) const {
+  if (!state_signal_) return {};
+  for (const auto& [value, name] : signals_[*state_signal_].names)
+    if (value == state) return QString::fromStdString(name).replace(QLatin1Char('_'), QLatin1Char(' '));
+  return QString::number(state);
+}
+
+}  // namespace koboshi::studio
