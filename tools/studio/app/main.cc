@@ -1,0 +1,59 @@
+#include <QApplication>
+#include <QSurfaceFormat>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "tools/studio/view/robot_view.h"
+#include "tools/studio/window/main_window.h"
+
+namespace {
+
+constexpr int kBadInput = 2;
+
+bool is_set(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value != nullptr && *value != '\0';
+}
+
+// Qt ends the process with a page of text where there is no display.
+bool has_display() {
+  const char* platform = std::getenv("QT_QPA_PLATFORM");
+  if (platform != nullptr && std::string_view(platform).starts_with("offscreen")) return true;
+  return is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App program("Koboshi Studio: run, watch and push the robot, and edit its motions.", "koboshi studio");
+  program.set_version_flag("--version", "koboshi studio " KOBOSHI_VERSION);
+  std::vector<std::filesystem::path> files;
+  std::filesystem::path robot = "robots/koboshi/robot.sdf";
+  program.add_option("FILE", files, "Scenarios, motions, and folders or files of recorded runs to open")->check(CLI::ExistingPath);
+  program.add_option("--robot", robot, "The robot whose motions are edited")->capture_default_str()->check(CLI::ExistingFile);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return program.exit(error) == 0 ? 0 : kBadInput;
+  }
+  if (!has_display()) {
+    fmt::print(stderr, "koboshi studio: no display here; `koboshi replay RUN --html` writes replay.html, which shows a recorded run in a browser elsewhere\n");
+    return kBadInput;
+  }
+  QSurfaceFormat::setDefaultFormat(koboshi::studio::RobotView::format());
+  QApplication application(argc, argv);
+  QApplication::setOrganizationName(QStringLiteral("Koboshi"));
+  QApplication::setApplicationName(QStringLiteral("Koboshi Studio"));
+  QApplication::setApplicationVersion(QStringLiteral(KOBOSHI_VERSION));
+  koboshi::studio::MainWindow window(robot);
+  for (const std::filesystem::path& file : files) window.open(file);
+  window.show();
+  return QApplication::exec();
+}

@@ -1,0 +1,265 @@
+#include "tools/studio/view/robot_view.h"
+
+#include <Eigen/Geometry>
+#include <QElapsedTimer>
+#include <QKeyEvent>
+#include <QMouseEvent>
+#include <QOpenGLContext>
+#include <QSurfaceFormat>
+#include <QWheelEvent>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+
+#include "tools/view/render/overlay.h"
+#include "tools/view/render/playback.h"
+
+namespace koboshi::studio {
+namespace {
+
+constexpr int kRest_ms = 150;
+constexpr double kFrame_s = 1.0 / 40.0;  // of the picture alone, so that a window of several panels keeps its 25 frames/s
+constexpr double kRadPerDegree = std::numbers::pi / 180.0;
+constexpr double kArrowRadius_m = 0.004;
+
+Eigen::Vector2d pixels(const QPointF& point) { return {point.x(), point.y()}; }
+
+}  // namespace
+
+QSurfaceFormat RobotView::format() {
+  QSurfaceFormat format;
+  format.setVersion(3, 3);
+  format.setProfile(QSurfaceFormat::CoreProfile);
+  format.setDepthBufferSize(24);
+  return format;
+}
+
+RobotView::RobotView(QWidget* parent) : QOpenGLWidget(parent), resolution_(kFrame_s) {
+  setFocusPolicy(Qt::StrongFocus);
+  setMouseTracking(true);
+  setMinimumSize(200, 150);
+  setAccessibleName(tr("View of the robot"));
+  setToolTip(tr("Drag: turn. Shift+drag: move. Wheel: distance. Double click: look there. Ctrl+drag a link: push it."));
+  rest_.setSingleShot(true);
+  rest_.setInterval(kRest_ms);
+  connect(&rest_, &QTimer::timeout, this, [this] {
+    moving_ = false;
+    update();
+  });
+  picture_.camera.azimuth_rad = 50.0 * kRadPerDegree;
+  picture_.camera.elevation_rad = 14.0 * kRadPerDegree;
+}
+
+RobotView::~RobotView() { release_gl(); }
+
+void RobotView::release_gl() {
+  if (!renderer_ && !framebuffer_) return;
+  makeCurrent();
+  renderer_.reset();
+  framebuffer_.reset();
+  doneCurrent();
+}
+
+void RobotView::set_scene(view::Scene scene) {
+  scene_ = std::move(scene);
+  picture_.links.clear();
+  picture_.marks = {};
+  scene_changed_ = true;
+  framed_ = false;
+  followed_W_m_.reset();
+  push_.reset();
+  update();
+}
+
+void RobotView::show_robot(std::vector<view::Pose> links, view::Marks marks) {
+  picture_.links = std::move(links);
+  picture_.marks = std::move(marks);
+  if (!framed_) look_at_robot();
+  follow_robot();
+  redraw_moving();
+}
+
+void RobotView::set_collisions(bool collisions) {
+  picture_.collisions = collisions;
+  update();
+}
+
+void RobotView::set_follow(bool follow) {
+  follow_ = follow;
+  followed_W_m_.reset();
+}
+
+void RobotView::look_from(double azimuth_rad, double elevation_rad) {
+  picture_.camera.azimuth_rad = azimuth_rad;
+  picture_.camera.elevation_rad = elevation_rad;
+  update();
+}
+
+void RobotView::look_at_robot() {
+  if (picture_.links.empty()) return;
+  Eigen::AlignedBox3d box;
+  for (const view::Pose& pose : picture_.links) box.extend(pose.p_WL_m.cast<double>());
+  constexpr double kAroundOrigins_m = 0.06;  // limbs reach beyond the origins of their links
+  picture_.camera.target_W_m = box.center();
+  picture_.camera.distance_m = view::distance_to_fit(picture_.camera, std::max(1.0, double(width()) / std::max(height(), 1)),
+                                                     0.5 * box.diagonal().norm() + kAroundOrigins_m);
+  framed_ = true;
+  followed_W_m_.reset();
+  update();
+}
+
+Eigen::Vector3d RobotView::robot_W_m() const { return picture_.links.front().p_WL_m.cast<double>(); }
+
+// Moves the camera along the ground as the trunk does.
+void RobotView::follow_robot() {
+  if (!follow_ || picture_.links.empty()) return;
+  const Eigen::Vector3d now_m = robot_W_m();
+  if (followed_W_m_) picture_.camera.target_W_m.head<2>() += (now_m - *followed_W_m_).head<2>();
+  followed_W_m_ = now_m;
+}
+
+void RobotView::redraw_moving() {
+  moving_ = true;
+  rest_.start();
+  update();
+}
+
+void RobotView::initializeGL() {
+  // The context is made anew when the widget moves to another window.
+  connect(context(), &QOpenGLContext::aboutToBeDestroyed, this, &RobotView::release_gl);
+  scene_changed_ = true;
+}
+
+void RobotView::paintGL() {
+  if (!error_.isEmpty()) return;
+  const double ratio = devicePixelRatioF();
+  const int width_px = std::max(1, static_cast<int>(std::lround(width() * ratio)));
+  const int height_px = std::max(1, static_cast<int>(std::lround(height() * ratio)));
+  try {
+    if (scene_changed_) {
+      renderer_ = std::make_unique<view::Renderer>(scene_);
+      scene_changed_ = false;
+    }
+    if (!framebuffer_) framebuffer_ = std::make_unique<ScaledFramebuffer>();
+    QElapsedTimer timer;
+    timer.start();
+    const double scale = moving_ ? resolution_.scale() : 1.0;
+    const int scaled_width_px = std::max(1, static_cast<int>(std::lround(width_px * scale)));
+    const int scaled_height_px = std::max(1, static_cast<int>(std::lround(height_px * scale)));
+    framebuffer_->bind(scaled_width_px, scaled_height_px);
+    view::Marks marks = marks_with_push();
+    std::swap(picture_.marks, marks);
+    renderer_->draw(picture_, scaled_width_px, scaled_height_px);
+    std::swap(picture_.marks, marks);
+    framebuffer_->stretch_into(defaultFramebufferObject(), width_px, height_px);
+    glFinish();  // otherwise the time is not that of the picture
+    if (moving_) resolution_.drawn_in(1e-9 * static_cast<double>(timer.nsecsElapsed()));
+    ++frames_;
+  } catch (const std::runtime_error& error) {
+    error_ = QString::fromUtf8(error.what());
+    Q_EMIT failed(error_);
+  }
+}
+
+view::Marks RobotView::marks_with_push() const {
+  view::Marks marks = picture_.marks;
+  if (push_) {
+    const Eigen::Vector3d tip_m = point_W_m(push_->hit);
+    view::add_arrow(marks, tip_m, tip_m + view::kForceScale_m_per_N * push_->force_W_N, kArrowRadius_m, view::kPushColour);
+  }
+  return marks;
+}
+
+Eigen::Vector3d RobotView::point_W_m(const Hit& hit) const {
+  const view::Pose& pose = picture_.links[static_cast<std::size_t>(hit.link)];
+  return pose.q_WL.cast<double>() * hit.p_L_m + pose.p_WL_m.cast<double>();
+}
+
+std::optional<Hit> RobotView::link_at(const QPointF& place) const {
+  return pick(scene_, picture_.links, ray_through(picture_.camera, width(), height(), pixels(place)));
+}
+
+void RobotView::mousePressEvent(QMouseEvent* event) {
+  drag_start_ = drag_last_ = event->position();
+  const bool control = event->modifiers().testFlag(Qt::ControlModifier);
+  if (event->button() == Qt::LeftButton && control) {
+    const auto hit = pushable_ ? link_at(event->position()) : std::nullopt;
+    if (!hit) return;
+    push_ = {*hit};
+    drag_ = Drag::kPush;
+  } else if (event->button() == Qt::MiddleButton || event->modifiers().testFlag(Qt::ShiftModifier)) {
+    drag_ = Drag::kPan;
+  } else if (event->button() == Qt::LeftButton) {
+    drag_ = Drag::kOrbit;
+  }
+}
+
+void RobotView::mouseMoveEvent(QMouseEvent* event) {
+  const Eigen::Vector2d step = pixels(event->position() - drag_last_);
+  drag_last_ = event->position();
+  switch (drag_) {
+    case Drag::kNone: {
+      const auto hit = link_at(event->position());
+      const int link = hit ? hit->link : -1;
+      if (std::exchange(hovered_, link) != link) Q_EMIT hovered(link);
+      return;
+    }
+    case Drag::kOrbit:
+      orbit(picture_.camera, step, height());
+      break;
+    case Drag::kPan:
+      pan(picture_.camera, step, height());
+      break;
+    case Drag::kPush: {
+      const Eigen::Vector3d drag_m = displacement_W_m(picture_.camera, height(), point_W_m(push_->hit),
+                                                      pixels(event->position() - drag_start_));
+      push_->force_W_N = kPush_N_per_m * drag_m;
+      if (push_->force_W_N.norm() > kMaxPush_N) push_->force_W_N *= kMaxPush_N / push_->force_W_N.norm();
+      break;
+    }
+  }
+  redraw_moving();
+}
+
+void RobotView::mouseReleaseEvent(QMouseEvent* /*event*/) {
+  const Drag drag = std::exchange(drag_, Drag::kNone);
+  if (drag != Drag::kPush) return;
+  const PushDrag push = *std::exchange(push_, std::nullopt);
+  update();
+  if (!push.force_W_N.isZero()) Q_EMIT push_requested(push.hit.link, push.hit.p_L_m, push.force_W_N);
+}
+
+void RobotView::mouseDoubleClickEvent(QMouseEvent* event) {
+  if (const auto hit = link_at(event->position())) {
+    picture_.camera.target_W_m = point_W_m(*hit);
+    update();
+  } else {
+    look_at_robot();
+  }
+}
+
+void RobotView::wheelEvent(QWheelEvent* event) {
+  constexpr double kPerNotch = 1.15;
+  constexpr double kUnitsPerNotch = 120.0;  // QWheelEvent::angleDelta
+  zoom(picture_.camera, std::pow(kPerNotch, event->angleDelta().y() / kUnitsPerNotch));
+  redraw_moving();
+}
+
+void RobotView::keyPressEvent(QKeyEvent* event) {
+  constexpr double kTurn_px = 20.0;
+  Eigen::Vector2d turn = Eigen::Vector2d::Zero();
+  switch (event->key()) {
+    case Qt::Key_Left: turn.x() = kTurn_px; break;
+    case Qt::Key_Right: turn.x() = -kTurn_px; break;
+    case Qt::Key_Up: turn.y() = kTurn_px; break;
+    case Qt::Key_Down: turn.y() = -kTurn_px; break;
+    default: return QOpenGLWidget::keyPressEvent(event);
+  }
+  orbit(picture_.camera, turn, height());
+  redraw_moving();
+}
+
+}  // namespace koboshi::studio

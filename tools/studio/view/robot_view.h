@@ -1,0 +1,109 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <QOpenGLWidget>
+#include <QPoint>
+#include <QString>
+#include <QTimer>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "tools/studio/view/picking.h"
+#include "tools/studio/view/scaled_framebuffer.h"
+#include "tools/view/recording/recording.h"
+#include "tools/view/render/renderer.h"
+
+namespace koboshi::studio {
+
+// Shows a robot and its ground. Drag: turn; drag with Shift or the middle button: move; wheel: distance; double click: look
+// at that place; drag a link with Ctrl: push it. While the picture moves, its resolution follows the machine's speed; 150 ms
+// after that it is drawn in full.
+class RobotView final : public QOpenGLWidget {
+  Q_OBJECT
+
+ public:
+  // Force of a push per length of the drag.
+  static constexpr double kPush_N_per_m = 60.0;
+  static constexpr double kMaxPush_N = 60.0;
+
+  explicit RobotView(QWidget* parent = nullptr);
+  ~RobotView() override;
+
+  // The format that windows with this view need; set it as default before the application is made.
+  static QSurfaceFormat format();
+
+  // Shows another robot, with the camera on it once it is posed.
+  void set_scene(view::Scene scene);
+  // Poses by index of Scene::links, and marks of this instant.
+  void show_robot(std::vector<view::Pose> links, view::Marks marks);
+  void set_collisions(bool collisions);
+  // The camera goes with the robot.
+  void set_follow(bool follow);
+  void set_pushable(bool pushable) { pushable_ = pushable; }
+  void look_from(double azimuth_rad, double elevation_rad);
+  void look_at_robot();
+
+  const view::Camera& camera() const { return picture_.camera; }
+  // A link under a place of the widget.
+  std::optional<Hit> link_at(const QPointF& place) const;
+  // Number of frames drawn so far.
+  std::uint64_t frames() const { return frames_; }
+  // The error of OpenGL that keeps the view empty; empty: none.
+  const QString& error() const { return error_; }
+
+ Q_SIGNALS:
+  // At the end of a drag: the point in the link's frame, the force in the world.
+  void push_requested(int link, const Eigen::Vector3d& p_L_m, const Eigen::Vector3d& force_W_N);
+  // The link under the mouse, -1: none.
+  void hovered(int link);
+  void failed(const QString& error);
+
+ protected:
+  void initializeGL() override;
+  void paintGL() override;
+  void mousePressEvent(QMouseEvent* event) override;
+  void mouseMoveEvent(QMouseEvent* event) override;
+  void mouseReleaseEvent(QMouseEvent* event) override;
+  void mouseDoubleClickEvent(QMouseEvent* event) override;
+  void wheelEvent(QWheelEvent* event) override;
+  void keyPressEvent(QKeyEvent* event) override;
+
+ private:
+  enum class Drag { kNone, kOrbit, kPan, kPush };
+  struct PushDrag {
+    Hit hit;
+    Eigen::Vector3d force_W_N = Eigen::Vector3d::Zero();
+  };
+
+  void redraw_moving();
+  void release_gl();
+  void follow_robot();
+  Eigen::Vector3d robot_W_m() const;
+  Eigen::Vector3d point_W_m(const Hit& hit) const;
+  view::Marks marks_with_push() const;
+
+  view::Scene scene_;
+  view::Picture picture_;
+  bool scene_changed_ = false;
+  bool framed_ = false;  // the camera has looked at this robot
+  bool follow_ = true;
+  bool pushable_ = false;
+  std::optional<Eigen::Vector3d> followed_W_m_;
+
+  std::unique_ptr<view::Renderer> renderer_;
+  std::unique_ptr<ScaledFramebuffer> framebuffer_;
+  AdaptiveResolution resolution_;
+  bool moving_ = false;
+  QTimer rest_;
+  std::uint64_t frames_ = 0;
+  QString error_;
+
+  Drag drag_ = Drag::kNone;
+  QPointF drag_start_;
+  QPointF drag_last_;
+  std::optional<PushDrag> push_;
+  int hovered_ = -1;
+};
+
+}  // namespace koboshi::studio

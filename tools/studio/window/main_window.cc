@@ -1,0 +1,417 @@
+#include "tools/studio/window/main_window.h"
+
+#include <QAction>
+#include <QActionGroup>
+#include <QCloseEvent>
+#include <QCoreApplication>
+#include <QDockWidget>
+#include <QDragEnterEvent>
+#include <QFileDialog>
+#include <QHeaderView>
+#include <QLabel>
+#include <QMenuBar>
+#include <QMimeData>
+#include <QSettings>
+#include <QStandardItemModel>
+#include <QStatusBar>
+#include <QTableView>
+#include <QVBoxLayout>
+#include <algorithm>
+#include <numbers>
+#include <ranges>
+#include <utility>
+
+#include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
+#include "sim_board/input/yaml_tree.h"
+#include "tools/dictionary/network.h"
+#include "tools/studio/motion/motion_panel.h"
+#include "tools/studio/plot/plot_panel.h"
+#include "tools/studio/window/can_panel.h"
+#include "tools/studio/window/command_search.h"
+#include "tools/studio/window/message_bar.h"
+#include "tools/studio/window/operator_panel.h"
+#include "tools/studio/window/theme.h"
+#include "tools/studio/window/transport_bar.h"
+#include "tools/view/render/playback.h"
+#include "tools/view/replay/replay_page.h"
+
+namespace koboshi::studio {
+namespace {
+
+constexpr int kCanPeriod_ms = 200;
+constexpr std::uint64_t kPush_us = 100'000;
+constexpr int kLayoutVersion = 1;  // of the saved layout: another one is ignored
+
+// Directions from which to look at the robot, as in `koboshi render --view`.
+struct NamedView {
+  const char* name;
+  Qt::Key key;
+  double azimuth_deg;
+  double elevation_deg;
+};
+constexpr std::array<NamedView, 4> kViews{{{QT_TRANSLATE_NOOP("MainWindow", "From the front"), Qt::Key_1, 0.0, 6.0},
+                                           {QT_TRANSLATE_NOOP("MainWindow", "From the left"), Qt::Key_2, 90.0, 6.0},
+                                           {QT_TRANSLATE_NOOP("MainWindow", "From above"), Qt::Key_3, 180.0, 90.0},
+                                           {QT_TRANSLATE_NOOP("MainWindow", "Diagonally"), Qt::Key_4, 50.0, 14.0}}};
+
+// The texts of Overlay that belong to the world; time, events and legend have panels of their own.
+struct OverlayText {
+  view::Overlay overlay;
+  const char* text;
+  bool shown;
+};
+constexpr std::array<OverlayText, 6> kOverlayTexts{
+    {{view::Overlay::kZmp, QT_TRANSLATE_NOOP("MainWindow", "Zero moment point"), true},
+     {view::Overlay::kCom, QT_TRANSLATE_NOOP("MainWindow", "Centre of mass"), false},
+     {view::Overlay::kSupport, QT_TRANSLATE_NOOP("MainWindow", "Support polygon"), true},
+     {view::Overlay::kContacts, QT_TRANSLATE_NOOP("MainWindow", "Contact forces"), false},
+     {view::Overlay::kPushes, QT_TRANSLATE_NOOP("MainWindow", "Pushes"), true},
+     {view::Overlay::kFootprints, QT_TRANSLATE_NOOP("MainWindow", "Footprints of a recorded run"), true}}};
+
+QString tr_view(const char* text) { return QCoreApplication::translate("MainWindow", text); }
+
+enum class FileKind { kScenario, kMotion, kRecording };
+
+// Tells what a file holds. Throws sim::InputError for a file that is none of them.
+FileKind kind_of_file(const std::filesystem::path& file) {
+  if (std::filesystem::is_directory(file) || file.extension() == ".mcap") return FileKind::kRecording;
+  const sim::YamlNode document = sim::parse_yaml(sim::read_text_file(file, "a scenario or a motion"), file);
+  if (document.find("steps") != nullptr) return FileKind::kMotion;
+  if (document.find("duration_s") != nullptr) return FileKind::kScenario;
+  throw sim::InputError(file, 0, "neither duration_s nor steps", "a scenario, a motion, or the folder of a run");
+}
+
+}  // namespace
+
+MainWindow::MainWindow(const std::filesystem::path& robot)
+    : robot_file_(robot),
+      run_(new RunController(this)),
+      view_(new RobotView),
+      messages_(new MessageBar),
+      search_(new CommandSearch) {
+  auto* centre = new QWidget(this);
+  auto* layout = new QVBoxLayout(centre);
+  layout->setContentsMargins(0, 0, 0, 0);
+  layout->setSpacing(0);
+  layout->addWidget(view_, 1);
+  layout->addWidget(messages_);
+  setCentralWidget(centre);
+  setAcceptDrops(true);
+  setDockOptions(AnimatedDocks | AllowNestedDocks | AllowTabbedDocks);
+  setCorner(Qt::BottomLeftCorner, Qt::LeftDockWidgetArea);
+  setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
+  make_panels();
+  make_menus();
+  link_name_ = new QLabel(this);
+  statusBar()->addPermanentWidget(link_name_);
+  connect_run();
+  resize(1280, 800);
+  default_layout_ = saveState(kLayoutVersion);
+  restore_layout();
+  update_title();
+  can_timer_.setInterval(kCanPeriod_ms);
+  connect(&can_timer_, &QTimer::timeout, this, [this] {
+    if (can_->isVisible() && run_->playing()) {
+      can_->update_frames();
+      can_->set_cursor(run_->cursor_us());
+    }
+  });
+  can_timer_.start();
+}
+
+// The panels refer to the recording of the controller, and children are destroyed in the order of their making.
+MainWindow::~MainWindow() { can_->set_recording(nullptr, {}); }
+
+QDockWidget* MainWindow::add_panel(const QString& name, const QString& title, QWidget* widget, Qt::DockWidgetArea area) {
+  auto* dock = new QDockWidget(title, this);
+  dock->setObjectName(name);
+  dock->setWidget(widget);
+  addDockWidget(area, dock);
+  return dock;
+}
+
+void MainWindow::make_panels() {
+  addToolBar(Qt::BottomToolBarArea, new TransportBar(*run_, this));
+  operator_ = new OperatorPanel(*run_);
+  auto* operator_dock = add_panel(QStringLiteral("operator"), tr("Operator"), operator_, Qt::LeftDockWidgetArea);
+  motion_ = new MotionPanel;
+  auto* motion_dock = add_panel(QStringLiteral("motion"), tr("Motion"), motion_, Qt::RightDockWidgetArea);
+  plots_ = new PlotPanel;
+  auto* plot_dock = add_panel(QStringLiteral("plots"), tr("Plots"), plots_, Qt::RightDockWidgetArea);
+  events_ = new QStandardItemModel(0, 2, this);
+  events_->setHorizontalHeaderLabels({tr("Time [s]"), tr("Event")});
+  event_table_ = new QTableView;
+  event_table_->setModel(events_);
+  event_table_->setEditTriggers(QAbstractItemView::NoEditTriggers);
+  event_table_->setSelectionBehavior(QAbstractItemView::SelectRows);
+  event_table_->verticalHeader()->hide();
+  event_table_->horizontalHeader()->setStretchLastSection(true);
+  event_table_->setAccessibleName(tr("Events"));
+  auto* event_dock = add_panel(QStringLiteral("events"), tr("Events"), event_table_, Qt::RightDockWidgetArea);
+  can_ = new CanPanel;
+  auto* can_dock = add_panel(QStringLiteral("can"), tr("CAN bus"), can_, Qt::RightDockWidgetArea);
+  splitDockWidget(plot_dock, event_dock, Qt::Vertical);
+  tabifyDockWidget(event_dock, can_dock);
+  tabifyDockWidget(plot_dock, motion_dock);
+  event_dock->raise();
+  plot_dock->raise();
+  resizeDocks({operator_dock, plot_dock}, {240, 460}, Qt::Horizontal);
+  resizeDocks({plot_dock, event_dock}, {460, 240}, Qt::Vertical);
+}
+
+QAction* MainWindow::add_action(QMenu& menu, const QString& text, const QKeySequence& shortcut,
+                                const std::function<void()>& does) {
+  QAction* action = menu.addAction(text);
+  action->setShortcut(shortcut);
+  connect(action, &QAction::triggered, this, does);
+  return action;
+}
+
+void MainWindow::make_menus() {
+  QMenu* file = menuBar()->addMenu(tr("&File"));
+  add_action(*file, tr("&Open scenario, motion or run..."), QKeySequence::Open, [this] { choose_file(); });
+  file->addSeparator();
+  file->addActions(motion_->file_actions());
+  file->addSeparator();
+  add_action(*file, tr("&Quit"), QKeySequence::Quit, [this] { close(); });
+  QMenu* edit = menuBar()->addMenu(tr("&Edit"));
+  edit->addActions(motion_->edit_actions());
+  QMenu* run = menuBar()->addMenu(tr("&Run"));
+  run->addActions(findChild<TransportBar*>()->actions());
+  add_action(*run, tr("Start &again with seed and stepper"), QKeySequence(tr("Ctrl+R")), [this] { operator_->restart(); });
+  add_action(*run, tr("To the &beginning"), Qt::Key_Home, [this] { run_->set_cursor(0); });
+  add_action(*run, tr("To the &end"), Qt::Key_End, [this] { run_->set_cursor(run_->end_us()); });
+  make_robot_menu();
+  make_view_menu();
+  QMenu* help = menuBar()->addMenu(tr("&Help"));
+  add_action(*help, tr("&Search commands"), QKeySequence(tr("Ctrl+K")), [this] { search_->setFocus(); });
+  add_action(*help, tr("&About Koboshi"), {}, [this] {
+    statusBar()->showMessage(tr("Koboshi %1").arg(QStringLiteral(KOBOSHI_VERSION)));
+  });
+  menuBar()->setCornerWidget(search_);
+  search_->set_actions(all_actions());
+}
+
+// The operator's keys, as in a terminal and in the live page; Alt keeps them apart from the keys of other panels.
+void MainWindow::make_robot_menu() {
+  QMenu* menu = menuBar()->addMenu(tr("R&obot"));
+  for (const tools::KeyHelp& help : tools::key_help()) {
+    const std::optional<tools::Key> key = tools::key_of_browser(help.browser_keys.front());
+    if (!key || *key == tools::Key::kEnd) continue;
+    std::string name = help.browser_keys.front();
+    if (name.starts_with("Arrow")) name.erase(0, 5);
+    if (name == " ") name = "Space";
+    QString text = QString::fromUtf8(help.name.data(), static_cast<int>(help.name.size()));
+    text[0] = text[0].toUpper();
+    add_action(*menu, text, QKeySequence(QStringLiteral("Alt+") + QString::fromStdString(name)),
+               [this, key = *key] { operator_->press(key); });
+  }
+}
+
+void MainWindow::make_view_menu() {
+  QMenu* menu = menuBar()->addMenu(tr("&View"));
+  for (const NamedView& named : kViews) {
+    add_action(*menu, tr_view(named.name), QKeySequence(named.key), [this, &named] {
+      constexpr double kRad = std::numbers::pi / 180.0;  // per degree
+      view_->look_from(kRad * named.azimuth_deg, kRad * named.elevation_deg);
+    });
+  }
+  add_action(*menu, tr("Look at the &robot"), Qt::Key_F, [this] { view_->look_at_robot(); });
+  QAction* follow = add_action(*menu, tr("&Follow the robot"), QKeySequence(tr("Ctrl+F")), {});
+  follow->setCheckable(true);
+  follow->setChecked(true);
+  connect(follow, &QAction::toggled, view_, &RobotView::set_follow);
+  QAction* collisions = add_action(*menu, tr("&Collision shapes"), QKeySequence(tr("Ctrl+Shift+C")), {});
+  collisions->setCheckable(true);
+  connect(collisions, &QAction::toggled, view_, &RobotView::set_collisions);
+  menu->addSeparator();
+  for (const OverlayText& row : kOverlayTexts) {
+    QAction* action = add_action(*menu, tr_view(row.text), {}, {});
+    action->setCheckable(true);
+    action->setChecked(row.shown);
+    overlay_actions_[static_cast<std::size_t>(row.overlay)] = action;
+    connect(action, &QAction::toggled, this, &MainWindow::show_marks);
+  }
+  menu->addSeparator();
+  panels_menu_ = menu->addMenu(tr("&Panels"));
+  for (QDockWidget* dock : findChildren<QDockWidget*>()) panels_menu_->addAction(dock->toggleViewAction());
+  add_action(*panels_menu_, tr("&Default layout"), {}, [this] { reset_layout(); });
+  QAction* dark = add_action(*menu, tr("&Dark colours"), QKeySequence(tr("Ctrl+Shift+D")), {});
+  dark->setCheckable(true);
+  dark->setChecked(QSettings().value(QStringLiteral("dark"), false).toBool());
+  connect(dark, &QAction::toggled, this, [](bool on) {
+    apply_theme(on ? Theme::kDark : Theme::kLight);
+    QSettings().setValue(QStringLiteral("dark"), on);
+  });
+  apply_theme(dark->isChecked() ? Theme::kDark : Theme::kLight);
+  QAction* full = add_action(*menu, tr("Full &screen"), QKeySequence(Qt::Key_F11), {});
+  full->setCheckable(true);
+  connect(full, &QAction::toggled, this, [this](bool on) { setWindowState(windowState().setFlag(Qt::WindowFullScreen, on)); });
+}
+
+QList<QAction*> MainWindow::all_actions() const {
+  QList<QAction*> all;
+  for (const QMenu* menu : menuBar()->findChildren<QMenu*>()) {
+    for (QAction* action : menu->actions())
+      if (!action->isSeparator() && action->menu() == nullptr && !action->text().isEmpty() && !all.contains(action)) all << action;
+  }
+  return all;
+}
+
+void MainWindow::connect_run() {
+  connect(run_, &RunController::opened, this, &MainWindow::show_opened);
+  connect(run_, &RunController::grown, this, &MainWindow::show_grown);
+  connect(run_, &RunController::rewound, this, [this](std::uint64_t time_us) { plots_->truncate_after(time_us); });
+  connect(run_, &RunController::cursor_moved, this, &MainWindow::show_cursor);
+  connect(run_, &RunController::failed, messages_, &MessageBar::show_message);
+  connect(view_, &RobotView::failed, messages_, &MessageBar::show_message);
+  connect(view_, &RobotView::push_requested, this, &MainWindow::push);
+  connect(view_, &RobotView::hovered, this, [this](int link) {
+    const auto& links = run_->recording().scene.links;
+    const auto index = static_cast<std::size_t>(link);
+    link_name_->setText(link >= 0 && index < links.size() ? QString::fromStdString(links[index].name) : QString());
+  });
+  connect(plots_, &PlotPanel::cursor_moved, run_, &RunController::set_cursor);
+  connect(can_, &CanPanel::cursor_moved, run_, &RunController::set_cursor);
+  connect(event_table_, &QTableView::clicked, this, [this](const QModelIndex& index) {
+    run_->set_cursor(run_->recording().events[static_cast<std::size_t>(index.row())].time_us);
+  });
+  connect(motion_, &MotionPanel::title_changed, this, &MainWindow::update_title);
+  connect(motion_, &MotionPanel::play_requested, this, [this](bool physics, int /*from_row*/) { play_motion(physics); });
+}
+
+void MainWindow::choose_file() {
+  const QString file = QFileDialog::getOpenFileName(this, tr("Open"), QString(),
+                                                    tr("Scenarios, motions and recorded runs (*.yaml *.mcap);;All files (*)"));
+  if (!file.isEmpty()) open(std::filesystem::path(file.toStdString()));
+}
+
+void MainWindow::open(const std::filesystem::path& file) {
+  try {
+    switch (kind_of_file(file)) {
+      case FileKind::kScenario: return run_->open_scenario(file);
+      case FileKind::kRecording: return run_->open_recording(file);
+      case FileKind::kMotion:
+        if (const auto error = motion_->open(file, robot_file_)) return messages_->show_message(*error);
+        if (auto* dock = findChild<QDockWidget*>(QStringLiteral("motion"))) dock->raise();
+        return;
+    }
+  } catch (const std::exception& error) {
+    messages_->show_message(QString::fromUtf8(error.what()));
+  }
+}
+
+void MainWindow::show_opened() {
+  messages_->hide();
+  const view::Recording& recording = run_->recording();
+  view_->set_scene(recording.scene);
+  view_->set_pushable(run_->session() != nullptr);
+  plots_->set_signals(recording.signals);
+  plots_->set_follow(run_->session() != nullptr);
+  events_->setRowCount(0);
+  shown_events_ = 0;
+  can_->set_recording(&recording, run_->session() != nullptr ? tools::make_network(run_->session()->robot())
+                                                             : view::network_of(recording, tools::Network()));
+  show_marks();
+  update_title();
+}
+
+void MainWindow::show_grown(std::size_t first_sample) {
+  const view::Recording& recording = run_->recording();
+  for (std::size_t i = first_sample; i < recording.samples.size(); ++i)
+    plots_->append(recording.samples[i].time_us, recording.samples[i].values);
+  show_events();
+  if (!run_->playing()) can_->update_frames();
+}
+
+void MainWindow::show_events() {
+  const auto& events = run_->recording().events;
+  const auto row_text = [&](std::size_t i) { return QString::fromStdString(events[i].text); };
+  const bool kept = shown_events_ <= events.size() &&
+                    std::ranges::all_of(std::views::iota(std::size_t{0}, shown_events_), [&](std::size_t i) {
+                      return events_->item(static_cast<int>(i), 1)->text() == row_text(i);
+                    });
+  if (kept && shown_events_ == events.size()) return;
+  if (!kept) {
+    events_->setRowCount(0);
+    shown_events_ = 0;
+  }
+  for (; shown_events_ < events.size(); ++shown_events_) {
+    auto* time = new QStandardItem(QString::number(1e-6 * static_cast<double>(events[shown_events_].time_us), 'f', 3));
+    time->setTextAlignment(Qt::AlignRight | Qt::AlignVCenter);
+    auto* text = new QStandardItem(row_text(shown_events_));
+    text->setToolTip(text->text());
+    events_->appendRow({time, text});
+    plots_->add_event(events[shown_events_].time_us, text->text());
+  }
+  event_table_->scrollToBottom();
+}
+
+void MainWindow::show_marks() {
+  view::Overlays overlays;
+  for (std::size_t i = 0; i < overlay_actions_.size(); ++i)
+    if (overlay_actions_[i] != nullptr && overlay_actions_[i]->isChecked()) overlays.add(static_cast<view::Overlay>(i));
+  marks_.emplace(run_->recording(), overlays);
+  show_cursor();
+}
+
+void MainWindow::show_cursor() {
+  const view::Recording& recording = run_->recording();
+  const std::uint64_t time_us = run_->cursor_us();
+  if (!recording.samples.empty()) {
+    view_->show_robot(view::poses_at(recording, time_us), marks_ ? marks_->at(time_us) : view::Marks());
+  }
+  plots_->set_cursor(time_us);
+  if (!run_->playing()) can_->set_cursor(time_us);
+}
+
+void MainWindow::push(int link, const Eigen::Vector3d& p_L_m, const Eigen::Vector3d& force_W_N) {
+  sim::Push given;
+  given.link.text = run_->recording().scene.links[static_cast<std::size_t>(link)].name;
+  given.shape = sim::Push::Shape::kHalfSine;
+  given.duration_us = kPush_us;
+  given.force_W_N = force_W_N;
+  given.p_L_m = p_L_m;
+  run_->give(std::move(given));
+  statusBar()->showMessage(tr("%1 N on %2 for %3 s").arg(force_W_N.norm(), 0, 'f', 1)
+                               .arg(QString::fromStdString(run_->recording().scene.links[static_cast<std::size_t>(link)].name))
+                               .arg(1e-6 * static_cast<double>(kPush_us)), 3000);
+}
+
+void MainWindow::play_motion(bool /*physics*/) {}
+
+void MainWindow::update_title() {
+  QStringList parts;
+  if (!run_->file().empty()) parts << QString::fromStdString(run_->file().filename().string());
+  if (!motion_->file().empty())
+    parts << QString::fromStdString(motion_->file().filename().string()) + (motion_->modified() ? QStringLiteral("*") : QString());
+  parts << QStringLiteral("Koboshi Studio");
+  setWindowTitle(parts.join(QStringLiteral(" - ")));
+}
+
+void MainWindow::restore_layout() {
+  const QSettings settings;
+  restoreGeometry(settings.value(QStringLiteral("geometry")).toByteArray());
+  restoreState(settings.value(QStringLiteral("layout")).toByteArray(), kLayoutVersion);
+}
+
+void MainWindow::reset_layout() { restoreState(default_layout_, kLayoutVersion); }
+
+void MainWindow::closeEvent(QCloseEvent* event) {
+  QSettings settings;
+  settings.setValue(QStringLiteral("geometry"), saveGeometry());
+  settings.setValue(QStringLiteral("layout"), saveState(kLayoutVersion));
+  QMainWindow::closeEvent(event);
+}
+
+void MainWindow::dragEnterEvent(QDragEnterEvent* event) {
+  if (event->mimeData()->hasUrls()) event->acceptProposedAction();
+}
+
+void MainWindow::dropEvent(QDropEvent* event) {
+  for (const QUrl& url : event->mimeData()->urls())
+    if (url.isLocalFile()) open(url.toLocalFile().toStdString());
+}
+
+}  // namespace koboshi::studio

@@ -1,0 +1,214 @@
+#include "tools/studio/window/run_controller.h"
+
+#include <QCoreApplication>
+#include <QMetaObject>
+#include <QPointer>
+#include <QThreadPool>
+#include <algorithm>
+#include <exception>
+#include <utility>
+#include <vector>
+
+#include "sim_board/scenario/reader.h"
+#include "tools/view/recording/read_recording.h"
+
+namespace koboshi::studio {
+namespace {
+
+constexpr int kPoll_ms = 16;
+constexpr qint64 kPaceWindow_ms = 1000;
+
+}  // namespace
+
+RunController::RunController(QObject* parent) : QObject(parent) {
+  timer_.setInterval(kPoll_ms);
+  connect(&timer_, &QTimer::timeout, this, &RunController::poll);
+  timer_.start();
+  pace_timer_.start();
+}
+
+RunController::~RunController() = default;
+
+template <typename Read, typename ShowResult>
+void RunController::read_in_background(Read read, ShowResult show_result) {
+  const std::uint64_t request = ++request_;
+  const QPointer<RunController> self(this);
+  QThreadPool::globalInstance()->start([self, request, read = std::move(read), show_result = std::move(show_result)] {
+    using Result = decltype(read());
+    auto result = std::make_shared<std::optional<Result>>();
+    QString error;
+    try {
+      result->emplace(read());
+    } catch (const std::exception& exception) {
+      error = QString::fromUtf8(exception.what());
+    }
+    // The application outlives its thread pool; the controller may be gone.
+    QMetaObject::invokeMethod(
+        QCoreApplication::instance(),
+        [self, request, result, error, show_result] {
+          if (!self || request != self->request_) return;
+          if (*result) {
+            show_result(*self, std::move(**result));
+          } else {
+            Q_EMIT self->failed(error);
+          }
+        },
+        Qt::QueuedConnection);
+  });
+}
+
+void RunController::open_scenario(const std::filesystem::path& file, std::span<const sim::Override> overrides) {
+  read_in_background(
+      [file, overrides = std::vector<sim::Override>(overrides.begin(), overrides.end())] {
+        return std::make_unique<Session>(sim::read_scenario(file, overrides));
+      },
+      [file](RunController& self, std::unique_ptr<Session> session) {
+        view::Recording head = session->head();
+        self.show(std::move(session), std::move(head), Source::kSimulation, file);
+      });
+}
+
+void RunController::reopen(std::span<const sim::Override> overrides) {
+  if (source_ == Source::kSimulation) open_scenario(file_, overrides);
+}
+
+void RunController::open_recording(const std::filesystem::path& run) {
+  read_in_background([run] { return view::read_recording(run); },
+                     [run](RunController& self, view::Recording recording) {
+                       self.show(nullptr, std::move(recording), Source::kRecording, run);
+                     });
+}
+
+void RunController::show(std::unique_ptr<Session> session, view::Recording recording, Source source,
+                         const std::filesystem::path& file) {
+  session_ = std::move(session);
+  recording_ = std::move(recording);
+  source_ = source;
+  file_ = file;
+  plays_recording_ = false;
+  follow_ = session_ != nullptr;
+  cursor_us_ = 0;
+  status_ = session_ ? session_->status() : SessionStatus();
+  if (session_) {
+    session_->set_speed(speed_);
+    session_->step(sim::SimBoard::kTick_us / 1000);  // so that there is something to see
+  }
+  pace_start_us_ = 0;
+  pace_ = 0.0;
+  Q_EMIT opened();
+  Q_EMIT status_changed();
+  if (!recording_.samples.empty()) {
+    Q_EMIT grown(0);
+    set_cursor(recording_.samples.front().time_us);
+  }
+}
+
+bool RunController::playing() const {
+  return session_ ? status_.state == SessionStatus::State::kRunning : plays_recording_;
+}
+
+std::uint64_t RunController::end_us() const { return recording_.samples.empty() ? 0 : recording_.samples.back().time_us; }
+
+void RunController::set_playing(bool playing) {
+  if (session_) {
+    follow_ = true;
+    if (playing) {
+      session_->start();
+    } else {
+      session_->pause();
+    }
+  } else if (source_ == Source::kRecording) {
+    if (playing && cursor_us_ >= end_us() && !recording_.samples.empty()) set_cursor(recording_.samples.front().time_us);
+    plays_recording_ = playing;
+    played_us_ = static_cast<double>(cursor_us_);
+    played_.start();
+    Q_EMIT status_changed();
+  }
+}
+
+void RunController::step(std::uint64_t milliseconds) {
+  if (session_) {
+    follow_ = true;
+    session_->step(milliseconds);
+  } else {
+    set_cursor(cursor_us_ + 1000 * milliseconds);
+  }
+}
+
+void RunController::set_speed(double speed) {
+  speed_ = speed;
+  if (session_) session_->set_speed(speed);
+}
+
+void RunController::set_cursor(std::uint64_t time_us) {
+  time_us = std::min(time_us, end_us());
+  follow_ = session_ && time_us == end_us();
+  played_us_ = static_cast<double>(time_us);
+  if (std::exchange(cursor_us_, time_us) != time_us) Q_EMIT cursor_moved(time_us);
+}
+
+void RunController::rewind_to_cursor() {
+  if (!session_) return;
+  follow_ = true;
+  session_->rewind(cursor_us_);
+}
+
+void RunController::give(Input input) {
+  if (session_) session_->give(std::move(input));
+}
+
+void RunController::poll() {
+  if (session_) {
+    take_batch();
+  } else if (plays_recording_) {
+    play_recording();
+  }
+  measure_pace();
+}
+
+void RunController::take_batch() {
+  const std::uint64_t end_before_us = end_us();
+  const std::optional<Rewind> rewind = [&] {
+    Batch batch = session_->take();
+    const auto rewound_to = batch.rewound;
+    append(std::move(batch), recording_);
+    return rewound_to;
+  }();
+  if (rewind) Q_EMIT rewound(rewind->time_us);
+  const std::uint64_t known_us = rewind ? std::min(end_before_us, rewind->time_us) : end_before_us;
+  const auto first = std::ranges::upper_bound(recording_.samples, known_us, {}, &view::Sample::time_us);
+  if (first != recording_.samples.end() || rewind) Q_EMIT grown(static_cast<std::size_t>(first - recording_.samples.begin()));
+  if (follow_ && cursor_us_ != end_us()) {
+    cursor_us_ = end_us();
+    Q_EMIT cursor_moved(cursor_us_);
+  }
+  SessionStatus status = session_->status();
+  const bool told = !status.message.empty() && status.message != status_.message;
+  const bool changed = status.state != status_.state || status.time_us != status_.time_us;
+  status_ = std::move(status);
+  if (told) Q_EMIT failed(QString::fromStdString(status_.message));
+  if (changed) Q_EMIT status_changed();
+}
+
+void RunController::play_recording() {
+  const double speed = speed_ == Session::kUnpaced ? 1.0 : speed_;
+  const double next_us = played_us_ + speed * 1e-3 * static_cast<double>(played_.nsecsElapsed());
+  played_.restart();
+  set_cursor(static_cast<std::uint64_t>(next_us));
+  played_us_ = std::min(next_us, static_cast<double>(end_us()));
+  if (cursor_us_ < end_us()) return;
+  plays_recording_ = false;
+  Q_EMIT status_changed();
+}
+
+void RunController::measure_pace() {
+  if (pace_timer_.elapsed() < kPaceWindow_ms) return;
+  const std::uint64_t now_us = session_ ? status_.time_us : cursor_us_;
+  const double wall_us = 1e-3 * static_cast<double>(pace_timer_.nsecsElapsed());
+  pace_ = now_us > pace_start_us_ ? static_cast<double>(now_us - pace_start_us_) / wall_us : 0.0;
+  pace_start_us_ = now_us;
+  pace_timer_.restart();
+  Q_EMIT status_changed();
+}
+
+}  // namespace koboshi::studio

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <QElapsedTimer>
+#include <QObject>
+#include <QString>
+#include <QTimer>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "sim_board/input/yaml_tree.h"
+#include "tools/studio/run/session.h"
+#include "tools/view/recording/recording.h"
+
+namespace koboshi::studio {
+
+// What the window shows: a simulation or a recorded run, and the cursor, the moment that all panels show. While a
+// simulation runs, the cursor is at its newest sample until somebody moves it.
+class RunController final : public QObject {
+  Q_OBJECT
+
+ public:
+  enum class Source { kNone, kSimulation, kRecording };
+
+  explicit RunController(QObject* parent = nullptr);
+  ~RunController() override;
+
+  // Both read in the background and end with opened() or failed().
+  void open_scenario(const std::filesystem::path& file, std::span<const sim::Override> overrides = {});
+  void open_recording(const std::filesystem::path& run);
+  // Opens the scenario again with these overrides.
+  void reopen(std::span<const sim::Override> overrides);
+
+  Source source() const { return source_; }
+  const std::filesystem::path& file() const { return file_; }
+  const view::Recording& recording() const { return recording_; }
+  // Null without a simulation.
+  Session* session() { return session_.get(); }
+  const SessionStatus& status() const { return status_; }
+  bool playing() const;
+  std::uint64_t cursor_us() const { return cursor_us_; }
+  // The last moment of the run so far.
+  std::uint64_t end_us() const;
+  double speed() const { return speed_; }
+  // Simulated seconds per second of the wall clock, measured over the last second.
+  double pace() const { return pace_; }
+
+  void set_playing(bool playing);
+  // Advances a simulation by this much; moves the cursor in a recording.
+  void step(std::uint64_t milliseconds);
+  void set_speed(double speed);
+  // Shows this moment.
+  void set_cursor(std::uint64_t time_us);
+  // Returns the simulation to the cursor. What came after it is forgotten.
+  void rewind_to_cursor();
+  void give(Input input);
+
+ Q_SIGNALS:
+  // Another scenario or recording: everything that was shown is gone.
+  void opened();
+  // Samples from this index on are new; frames, events and pushes may be.
+  void grown(std::size_t first_sample);
+  void rewound(std::uint64_t time_us);
+  void cursor_moved(std::uint64_t time_us);
+  void status_changed();
+  // One line for the user.
+  void failed(const QString& message);
+
+ private:
+  void poll();
+  void take_batch();
+  void play_recording();
+  void measure_pace();
+  void show(std::unique_ptr<Session> session, view::Recording recording, Source source, const std::filesystem::path& file);
+  // Runs `read` in another thread and `show_result` in this one.
+  template <typename Read, typename ShowResult>
+  void read_in_background(Read read, ShowResult show_result);
+
+  Source source_ = Source::kNone;
+  std::filesystem::path file_;
+  std::unique_ptr<Session> session_;
+  view::Recording recording_;
+  SessionStatus status_;
+  std::uint64_t cursor_us_ = 0;
+  bool follow_ = true;
+  double speed_ = 1.0;
+  bool plays_recording_ = false;
+  double played_us_ = 0.0;  // place of the playback, finer than the cursor
+  QElapsedTimer played_;
+  QTimer timer_;
+  QElapsedTimer pace_timer_;
+  std::uint64_t pace_start_us_ = 0;
+  double pace_ = 0.0;
+  std::uint64_t request_ = 0;  // the last file asked for: an earlier one that comes late is dropped
+};
+
+}  // namespace koboshi::studio
