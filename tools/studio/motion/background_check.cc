@@ -104,7 +104,9 @@ void BackgroundCheck::run(const std::stop_token& end) {
       running_ = std::stop_source();
       cancel = running_.get_token();
     }
+    has_begun_ = true;
     const auto result = check_text(request, robot, cancel);
+    has_begun_ = false;
     if (result == nullptr) {
       ++cancelled_;
       continue;

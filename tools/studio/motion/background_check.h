@@ -59,7 +59,10 @@ class BackgroundCheck final : public QObject {
   void request(Request request);
   // Cancels the last request; `finished` does not follow.
   void cancel();
+  // Whether the result of the last request is still to come.
   bool is_running() const { return is_running_; }
+  // Whether the thread works on a request.
+  bool has_begun() const { return has_begun_; }
   // Number of checks that a newer request or cancel() has stopped after they began.
   std::size_t cancelled() const { return cancelled_; }
 
@@ -72,7 +75,8 @@ class BackgroundCheck final : public QObject {
   void deliver(std::uint64_t number, const std::shared_ptr<const CheckResult>& result);
 
   std::uint64_t last_ = 0;  // number of the last request
-  std::atomic<bool> is_running_ = false;
+  bool is_running_ = false;
+  std::atomic<bool> has_begun_ = false;
   std::atomic<std::size_t> cancelled_ = 0;
   std::mutex mutex_;  // of what follows
   std::condition_variable_any has_request_;

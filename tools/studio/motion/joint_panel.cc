@@ -43,7 +43,6 @@ JointPanel::JointPanel(MotionEditor& editor, QWidget* parent) : QScrollArea(pare
   setWidgetResizable(true);
   setFrameShape(QFrame::NoFrame);
   setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-  setMinimumWidth(330);
   connect(&editor, &MotionEditor::opened, this, &JointPanel::build);
   connect(&editor, &MotionEditor::changed, this, &JointPanel::refresh);
 }
@@ -94,6 +93,7 @@ void JointPanel::build() {
   }
   add_group(*grid, tr("Other joints"), joints_in(rest));
   grid->setRowStretch(grid->rowCount(), 1);
+  setMinimumWidth(content->minimumSizeHint().width() + 2 * frameWidth());
   setWidget(content);
   refresh();
 }
@@ -115,7 +115,11 @@ void JointPanel::add_joint(QGridLayout& grid, std::size_t joint) {
   const double upper_deg = fixed::to_double(model.upper) * sim::kDegreesPerRad;
   JointRow& row = joints_[joint];
   row.name = new QLabel(readable(robot_->model.joint_names[joint]));
+  QFont bold = row.name->font();
+  bold.setBold(true);
+  row.name->setMinimumWidth(QFontMetrics(bold).horizontalAdvance(row.name->text()) + 2);
   row.slider = new QSlider(Qt::Horizontal);
+  row.slider->setMinimumWidth(70);
   row.slider->setRange(static_cast<int>(std::ceil(lower_deg * kUnitsPerDegree)),
                        static_cast<int>(std::floor(upper_deg * kUnitsPerDegree)));
   row.slider->setSingleStep(kSliderStep);

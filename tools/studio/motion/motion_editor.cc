@@ -20,15 +20,24 @@ RowFinding finding_of(const simulation::Diagnostic& diagnostic, const MotionRows
           .hint = QString::fromStdString(diagnostic.hint)};
 }
 
+bool is_in_endless_loop(const MotionRows& rows, std::size_t row) {
+  std::optional<std::size_t> at = rows.rows[row].parent;
+  for (; at; at = rows.rows[*at].parent) {
+    const MotionRow& around = rows.rows[*at];
+    if (around.kind == simulation::StepSource::Kind::kLoop && !around.times) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 MotionEditor::MotionEditor(std::filesystem::path recovery_folder, QObject* parent)
-    : QObject(parent), recovery_folder_(std::move(recovery_folder)) {
+    : QObject(parent), recovery_folder_(std::move(recovery_folder)), autosave_timer_(new QTimer(this)) {
   connect(&check_, &BackgroundCheck::finished, this, &MotionEditor::take_result);
   connect(&watcher_, &QFileSystemWatcher::fileChanged, this, &MotionEditor::look_at_disk);
   connect(&watcher_, &QFileSystemWatcher::directoryChanged, this, &MotionEditor::look_at_disk);
-  connect(&autosave_timer_, &QTimer::timeout, this, &MotionEditor::autosave);
-  autosave_timer_.setInterval(kAutosaveInterval_ms);
+  connect(autosave_timer_, &QTimer::timeout, this, &MotionEditor::autosave);
+  autosave_timer_->setInterval(kAutosaveInterval_ms);
 }
 
 MotionEditor::~MotionEditor() = default;
@@ -46,7 +55,7 @@ std::optional<QString> MotionEditor::take(const std::function<std::unique_ptr<Mo
   shown_s_.clear();
   findings_.clear();
   watch();
-  autosave_timer_.start();
+  autosave_timer_->start();
   Q_EMIT opened();
   after_change();
   return std::nullopt;
@@ -164,11 +173,13 @@ std::vector<const RowFinding*> MotionEditor::findings_of(std::size_t row) const 
 }
 
 // The check plays the motion with neutral sensors, the rows are those of the nominal path: where a step is
-// reached for the first time, both times are aligned.
+// reached for the first time, both times are aligned. Further rounds of an endless loop, which the rows do
+// not have, take no time.
 void MotionEditor::align_result() {
   shown_s_.assign(checked_->ticks.size(), 0.0);
   std::vector<bool> reached(rows().rows.size(), false);
   double offset_s = 0.0;
+  bool is_again = false;  // in a further round of an endless loop
   int line = -1;
   for (std::size_t i = 0; i < shown_s_.size(); ++i) {
     const double time_s = static_cast<double>(i) * tools::kTick_s;
@@ -179,9 +190,13 @@ void MotionEditor::align_result() {
         reached[*row] = true;
         const double aligned_s = rows().rows[*row].start_s - time_s;
         if (i == 0 || aligned_s + time_s >= shown_s_[i - 1]) offset_s = aligned_s;
+        is_again = false;
+      } else if (row) {
+        is_again = is_in_endless_loop(rows(), *row);
       }
     }
-    shown_s_[i] = time_s + offset_s;
+    shown_s_[i] = is_again && i > 0 ? shown_s_[i - 1] : time_s + offset_s;
+    if (is_again) offset_s = shown_s_[i] - time_s;
   }
 }
 

@@ -94,7 +94,7 @@ class MotionEditor final : public QObject {
   std::shared_ptr<const CheckResult> checked_;
   std::vector<double> shown_s_;
   QFileSystemWatcher watcher_;
-  QTimer autosave_timer_;
+  QTimer* autosave_timer_;
   BackgroundCheck check_;
 };
 

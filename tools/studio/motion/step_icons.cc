@@ -16,14 +16,15 @@ using Kind = simulation::StepSource::Kind;
 constexpr int kIconSize = 16;
 constexpr int kIconScale = 2;  // for displays with twice the density
 
-QIcon icon_of(const std::function<void(QPainter&)>& paint) {
+QPixmap pixmap_of(const std::function<void(QPainter&)>& paint) {
   QPixmap pixmap(kIconSize * kIconScale, kIconSize * kIconScale);
   pixmap.setDevicePixelRatio(kIconScale);
   pixmap.fill(Qt::transparent);
   QPainter painter(&pixmap);
   painter.setRenderHint(QPainter::Antialiasing);
   paint(painter);
-  return QIcon(pixmap);
+  painter.end();
+  return pixmap;
 }
 
 void arrow_head(QPainter& painter, QPointF tip, QPointF one, QPointF other) {
@@ -74,11 +75,18 @@ void paint_kind(QPainter& painter, Kind kind, const Colours& colours) {
 }  // namespace
 
 QIcon kind_icon(Kind kind, const QPalette& palette) {
-  return icon_of([&](QPainter& painter) { paint_kind(painter, kind, colours_of(palette)); });
+  const auto paint = [&](const Colours& colours) {
+    return pixmap_of([&](QPainter& painter) { paint_kind(painter, kind, colours); });
+  };
+  Colours selected = colours_of(palette);
+  selected.arrow = selected.key = selected.jump = palette.color(QPalette::HighlightedText);
+  QIcon icon(paint(colours_of(palette)));
+  icon.addPixmap(paint(selected), QIcon::Selected);
+  return icon;
 }
 
 QIcon severity_icon(Severity severity, const QPalette& palette) {
-  return icon_of([&](QPainter& painter) {
+  const QPixmap pixmap = pixmap_of([&](QPainter& painter) {
     painter.setPen(Qt::NoPen);
     painter.setBrush(colours_of(palette).of(severity));
     if (severity == Severity::kError) painter.drawEllipse(QRectF(2, 2, 12, 12));
@@ -89,6 +97,9 @@ QIcon severity_icon(Severity severity, const QPalette& palette) {
     painter.drawLine(QPointF(8, top), QPointF(8, 9));
     painter.drawPoint(QPointF(8, 11.7));
   });
+  QIcon icon(pixmap);
+  icon.addPixmap(pixmap, QIcon::Selected);  // the colour of the severity also in a selected row
+  return icon;
 }
 
 }  // namespace koboshi::studio

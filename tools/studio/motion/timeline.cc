@@ -21,7 +21,6 @@ Timeline::Timeline(MotionEditor& editor, QItemSelectionModel& selection, QWidget
     : QAbstractScrollArea(parent), editor_(editor), selection_(selection) {
   setFrameShape(QFrame::NoFrame);
   setVerticalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-  setMinimumHeight(kCurvesTop + 60);
   setFocusPolicy(Qt::StrongFocus);
   viewport()->setMouseTracking(true);
   connect(&editor, &MotionEditor::opened, this, &Timeline::fit);
@@ -35,6 +34,7 @@ Timeline::Timeline(MotionEditor& editor, QItemSelectionModel& selection, QWidget
 
 void Timeline::follow_document() {
   if (section_ >= editor_.rows().sections.size()) section_ = 0;
+  update_lanes();
   update_scroll_bar();
   viewport()->update();
 }
@@ -45,6 +45,7 @@ void Timeline::follow_selection() {
     const MotionRow& step = editor_.rows().rows[row];
     if (step.section != section_) {
       section_ = step.section;
+      update_lanes();
       update_scroll_bar();
     }
     const double x = x_of(step.start_s);
@@ -54,6 +55,30 @@ void Timeline::follow_selection() {
   }
   scrub_s_.reset();
   viewport()->update();
+}
+
+void Timeline::update_lanes() {
+  else_lanes_ = 0;
+  moving_joint_.reset();
+  if (!editor_.is_open() || section_ >= editor_.rows().sections.size()) return;
+  const MotionSection& section = editor_.rows().sections[section_];
+  std::vector<double> least = editor_.document().robot().standing_rad;
+  std::vector<double> most = least;
+  for (std::size_t i = section.first_row; i < section.first_row + section.row_count; ++i) {
+    const MotionRow& row = editor_.rows().rows[i];
+    else_lanes_ = std::max(else_lanes_, else_depth(editor_.rows(), row));
+    for (std::size_t j = 0; j < std::min(least.size(), row.angles_rad.size()); ++j) {
+      least[j] = std::min(least[j], row.angles_rad[j]);
+      most[j] = std::max(most[j], row.angles_rad[j]);
+    }
+  }
+  double widest_rad = -1.0;
+  for (std::size_t j = 0; j < least.size(); ++j) {
+    if (most[j] - least[j] <= widest_rad) continue;
+    widest_rad = most[j] - least[j];
+    moving_joint_ = j;
+  }
+  setMinimumHeight(lanes().curves + kLeastCurves + horizontalScrollBar()->sizeHint().height());
 }
 
 void Timeline::set_joint(std::optional<std::size_t> joint) {
@@ -91,6 +116,7 @@ void Timeline::fit() {
   zoom_ = 1.0;
   section_ = 0;
   scrub_s_.reset();
+  update_lanes();
   update_scroll_bar();
   viewport()->update();
 }
@@ -102,17 +128,22 @@ double Timeline::x_of(double time_s) const {
 double Timeline::time_at(double x) const { return (x - kLeft + horizontalScrollBar()->value()) / px_per_s_; }
 
 Timeline::Lanes Timeline::lanes() const {
-  return {kRuler, kRuler + kArrows, kRuler + kArrows + kSteps, kMarginTop, kCurvesTop, viewport()->height()};
+  const int steps = kRuler + kArrows;
+  const int margin = steps + kSteps + std::max(1, else_lanes_) * kOtherwise;
+  return {kRuler, steps, steps + kSteps, margin, margin + kMargin, viewport()->height()};
+}
+
+int Timeline::Lanes::middle_of(int depth) const {
+  return depth == 0 ? steps + kSteps / 2 : otherwise + (2 * depth - 1) * kOtherwise / 2;
 }
 
 QRectF Timeline::bar_of(const MotionRow& row) const {
-  const bool lower = is_in_else(editor_.rows(), row);
-  const int y = lower ? lanes().otherwise : lanes().steps;
-  const int height = lower ? kOtherwise : kSteps;
+  const int depth = else_depth(editor_.rows(), row);
+  const double height = depth > 0 ? kOtherwise - 3.0 : kSteps - 6.0;
   const double x = x_of(row.start_s);
   double end_s = row.start_s + row.duration_s;
   if (row.kind == Kind::kLoop || row.kind == Kind::kIf) end_s = row.start_s;
-  return {x, y + 3.0, std::max(x_of(end_s) - x, 0.0), height - 6.0};
+  return {x, lanes().middle_of(depth) - height / 2.0, std::max(x_of(end_s) - x, 0.0), height};
 }
 
 QPointF Timeline::key_point(std::size_t row) const {
@@ -123,7 +154,7 @@ QPointF Timeline::key_point(std::size_t row) const {
 
 bool Timeline::is_key_at(std::size_t row, QPointF point) const {
   const QPointF key = key_point(row);
-  return std::abs(key.x() - point.x()) <= kKeyReach_px && std::abs(key.y() - point.y()) <= kSteps / 2.0;
+  return std::abs(key.x() - point.x()) <= kKeyReach_px && std::abs(key.y() - point.y()) <= kOtherwise / 2.0;
 }
 
 std::optional<std::size_t> Timeline::row_at(QPointF point) const {
@@ -337,10 +368,10 @@ QString Timeline::tip_at(QPointF point) const {
                                               .arg(time_s, 0, 'f', 2)
                                               .arg(checked.margin_m * sim::kMmPerM, 0, 'f', 1);
   QString tip = tr("%1 s").arg(time_s, 0, 'f', 2);
-  if (joint_ && *joint_ < result.joints)
+  if (const auto joint = shown_joint(); joint && *joint < result.joints)
     tip += tr("\n%1: %2°")
-               .arg(QString::fromStdString(editor_.document().robot().model.joint_names[*joint_]))
-               .arg(result.targets_rad[*tick * result.joints + *joint_] * sim::kDegreesPerRad, 0, 'f', 1);
+               .arg(QString::fromStdString(editor_.document().robot().model.joint_names[*joint]))
+               .arg(result.targets_rad[*tick * result.joints + *joint] * sim::kDegreesPerRad, 0, 'f', 1);
   if (!std::isnan(checked.torque_share))
     tip +=
         tr("\ntorque of %1: %2 % of what the servo has at the lowest supply")

@@ -48,11 +48,16 @@ class Timeline final : public QAbstractScrollArea {
   // Vertical positions in the viewport.
   struct Lanes {
     int arrows, steps, otherwise, margin, curves, end;
+    // Of the steps in as many `else`.
+    int middle_of(int else_depth) const;
   };
 
   void follow_document();
   void follow_selection();
   void update_scroll_bar();
+  void update_lanes();
+  // The joint whose curves are shown: the chosen one, or that which moves most.
+  std::optional<std::size_t> shown_joint() const { return joint_ ? joint_ : moving_joint_; }
   double duration_s() const;
   double x_of(double time_s) const;
   double time_at(double x) const;
@@ -85,6 +90,8 @@ class Timeline final : public QAbstractScrollArea {
   QItemSelectionModel& selection_;
   std::size_t section_ = 0;
   std::optional<std::size_t> joint_;
+  std::optional<std::size_t> moving_joint_;
+  int else_lanes_ = 0;
   double zoom_ = 1.0;
   double px_per_s_ = 100.0;
   std::optional<double> scrub_s_;

@@ -10,10 +10,10 @@ inline constexpr int kRight = 16;
 inline constexpr int kRuler = 20;
 inline constexpr int kArrows = 30;
 inline constexpr int kSteps = 26;
-inline constexpr int kOtherwise = 18;  // the steps of `else`
-inline constexpr int kMarginTop = kRuler + kArrows + kSteps + kOtherwise;
+inline constexpr int kOtherwise = 17;  // of the steps of each `else`
+inline constexpr int kMostOtherwise = 4;
 inline constexpr int kMargin = 46;
-inline constexpr int kCurvesTop = kMarginTop + kMargin;
+inline constexpr int kLeastCurves = 60;
 inline constexpr double kKeyReach_px = 6.0;
 
 inline constexpr double kShortest_s = 0.5;       // that the timeline shows
@@ -21,11 +21,13 @@ inline constexpr double kShownRest_s = 0.6;      // of the check, after the end:
 inline constexpr double kShortestMove_s = 0.01;  // to which a drag leads
 inline constexpr double kMostZoom = 200.0;
 
-// Whether a step belongs to an `else`, at whatever depth.
-[[nodiscard]] inline bool is_in_else(const MotionRows& rows, const MotionRow& row) {
-  const MotionRow* at = &row;
-  while (!at->in_else && at->parent) at = &rows.rows[*at->parent];
-  return at->in_else;
+// The number of `else` around a step, at most kMostOtherwise: its lane.
+[[nodiscard]] inline int else_depth(const MotionRows& rows, const MotionRow& row) {
+  int depth = 0;
+  for (const MotionRow* at = &row; at != nullptr && depth < kMostOtherwise;
+       at = at->parent ? &rows.rows[*at->parent] : nullptr)
+    depth += at->in_else ? 1 : 0;
+  return depth;
 }
 
 }  // namespace koboshi::studio

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "firmware/fixed/host/convert.h"
 #include "sim_board/input/user_units.h"
@@ -18,8 +20,10 @@ namespace {
 
 using PaintKind = simulation::StepSource::Kind;
 
-constexpr double kMostMargin_mm = 25.0;  // at the upper edge of the band; it begins at -kLeastMargin_mm
+// The band of the margin shows at least these, and more where the motion has more.
+constexpr double kMostMargin_mm = 20.0;
 constexpr double kLeastMargin_mm = 10.0;
+constexpr double kMarginLimit_mm = 100.0;
 
 void paint_head(QPainter& painter, QPointF tip, QPointF direction) {
   const QPointF across(-direction.y(), direction.x());
@@ -152,6 +156,7 @@ void Timeline::paint_step(QPainter& painter, const Colours& colours, std::size_t
       painter.drawPolygon(
           QPolygonF({{bar.x(), bar.top() - 8}, {bar.x() + 8, bar.top() - 5}, {bar.x(), bar.top() - 2}}));
     }
+    if (is_flag) painter.drawText(QPointF(bar.x() + 11, bar.top() - 3), QString::fromStdString(step.label));
     if (!is_flag && marked.isValid()) {
       painter.setBrush(marked);
       painter.drawEllipse(QPointF(bar.x(), bar.center().y()), 3, 3);
@@ -167,12 +172,12 @@ void Timeline::paint_step(QPainter& painter, const Colours& colours, std::size_t
   painter.setBrush(is_move ? QBrush(fill) : QBrush(fill, Qt::BDiagPattern));
   painter.drawRoundedRect(bar.adjusted(0.5, 0, -0.5 - pause_px, 0), 3, 3);
   const QPointF key = key_point(row);
-  const double text_px = bar.width() - pause_px - 14;
+  const double text_px = bar.width() - pause_px - 16;
   if (text_px > 22) {
     painter.setPen(palette().color(QPalette::Text));
     const QString text = painter.fontMetrics().elidedText(QString::fromStdString(step.text), Qt::ElideRight,
                                                           static_cast<int>(text_px));
-    painter.drawText(bar.adjusted(5, 0, 0, 0), Qt::AlignVCenter | Qt::AlignLeft, text);
+    painter.drawText(bar.adjusted(8, 0, 0, 0), Qt::AlignVCenter | Qt::AlignLeft, text);
   }
   if (!is_move || (bar.width() < 4 && !is_selected)) return;
   const double size = bar.width() < 12 ? 3.5 : 5.5;
@@ -225,15 +230,21 @@ void Timeline::paint_arrows(QPainter& painter, const Colours& colours) const {
     const double x = x_of(row.start_s);
     if (row.kind == PaintKind::kLoop) paint_loop(painter, colours, row);
     if (row.kind == PaintKind::kIf) {
+      const int depth = else_depth(editor_.rows(), row);
+      const int from = lane.middle_of(depth);
       painter.setPen(QPen(colours.arrow, 1.3));
-      painter.drawText(QPointF(x + 4, lane.steps - 6), QString::fromStdString(row.text));
-      painter.drawLine(QPointF(x, lane.steps - 14), QPointF(x, lane.otherwise + kOtherwise / 2.0));
+      if (depth == 0) {
+        painter.drawText(QPointF(x + 4, lane.steps - 5), QString::fromStdString(row.text));
+        painter.drawLine(QPointF(x, lane.steps - 14), QPointF(x, from));
+      }
       const bool has_else = std::ranges::any_of(
           rows, [&](const MotionRow& other) { return other.parent == i && other.in_else; });
-      if (has_else) {
-        painter.drawLine(QPointF(x, lane.otherwise + kOtherwise / 2.0),
-                         QPointF(x + 8, lane.otherwise + kOtherwise / 2.0));
-        paint_head(painter, {x + 10, lane.otherwise + kOtherwise / 2.0}, {1, 0});
+      if (has_else && depth < kMostOtherwise) {
+        const double to = lane.middle_of(depth + 1);
+        painter.drawLine(QPointF(x - 6, from), QPointF(x, from));
+        painter.drawLine(QPointF(x - 6, from), QPointF(x - 6, to));
+        painter.drawLine(QPointF(x - 6, to), QPointF(x - 2, to));
+        paint_head(painter, {x, to}, {1, 0});
       }
     }
     const bool leads = row.kind == PaintKind::kJump || row.kind == PaintKind::kAwait;
@@ -270,9 +281,14 @@ void Timeline::paint_margin(QPainter& painter, const Colours& colours) const {
   const Lanes lane = lanes();
   const double height = kMargin - 6.0;
   const double top = lane.margin + 3.0;
+  double most_mm = kMostMargin_mm;
+  for (std::size_t i = 0; editor_.checked() != nullptr && i < editor_.checked()->ticks.size(); ++i) {
+    const double margin_mm = editor_.checked()->ticks[i].margin_m * sim::kMmPerM;
+    if (margin_mm > most_mm) most_mm = std::min(margin_mm, kMarginLimit_mm);
+  }
+  const double least_mm = -std::max(kLeastMargin_mm, most_mm / 4.0);
   const auto y_of = [&](double margin_mm) {
-    const double share = (std::clamp(margin_mm, -kLeastMargin_mm, kMostMargin_mm) + kLeastMargin_mm) /
-                         (kMostMargin_mm + kLeastMargin_mm);
+    const double share = (std::clamp(margin_mm, least_mm, most_mm) - least_mm) / (most_mm - least_mm);
     return top + height * (1.0 - share);
   };
   const double zero = y_of(0.0);
@@ -317,8 +333,9 @@ void Timeline::paint_margin(QPainter& painter, const Colours& colours) const {
 void Timeline::paint_curves(QPainter& painter, const Colours& colours) const {
   const Lanes lane = lanes();
   const MotionRobot& robot = editor_.document().robot();
-  if (!joint_ || *joint_ >= robot.model.joint_names.size()) return;
-  const robot::Joint& joint = robot.model.model.joints[*joint_];
+  const auto shown = shown_joint();
+  if (!shown || *shown >= robot.model.joint_names.size()) return;
+  const robot::Joint& joint = robot.model.model.joints[*shown];
   const double lower_deg = fixed::to_double(joint.lower) * sim::kDegreesPerRad;
   const double upper_deg = fixed::to_double(joint.upper) * sim::kDegreesPerRad;
   const QRectF area(kLeft, lane.curves + 18.0, viewport()->width() - kLeft, lane.end - lane.curves - 24.0);
@@ -331,20 +348,20 @@ void Timeline::paint_curves(QPainter& painter, const Colours& colours) const {
     painter.drawLine(QPointF(area.left(), y_of(limit_deg)), QPointF(area.right(), y_of(limit_deg)));
   QPolygonF curve;
   const CheckResult* const result = editor_.checked();
-  if (result != nullptr && section_ == 0 && *joint_ < result->joints) {
+  if (result != nullptr && section_ == 0 && *shown < result->joints) {
+    std::size_t drawn = editor_.shown_s().size();
     for (int x = kLeft; x < viewport()->width(); ++x) {
       const auto [first, last] = ticks_in(x);
-      if (first < last)
-        curve << QPointF(x,
-                         y_of(result->targets_rad[first * result->joints + *joint_] * sim::kDegreesPerRad));
+      if (first < last && first != std::exchange(drawn, first))
+        curve << QPointF(x, y_of(result->targets_rad[first * result->joints + *shown] * sim::kDegreesPerRad));
     }
   } else {
     const MotionSection& section = editor_.rows().sections[section_];
     for (std::size_t i = section.first_row; i < section.first_row + section.row_count; ++i) {
       const MotionRow& row = editor_.rows().rows[i];
-      if (row.angles_rad.size() > *joint_ && !is_in_else(editor_.rows(), row))
+      if (row.angles_rad.size() > *shown && else_depth(editor_.rows(), row) == 0)
         curve << QPointF(x_of(row.start_s + row.duration_s),
-                         y_of(row.angles_rad[*joint_] * sim::kDegreesPerRad));
+                         y_of(row.angles_rad[*shown] * sim::kDegreesPerRad));
     }
   }
   painter.setPen(QPen(colours.angle, 1.8));
@@ -359,13 +376,13 @@ void Timeline::paint_curves(QPainter& painter, const Colours& colours) const {
   label(lower_deg);
   label(upper_deg);
   if (lower_deg < -8 && upper_deg > 8 && area.height() > 60) label(0.0);
-  double x = kLeft;
+  double x = kLeft + 4;
   const auto legend = [&](const QString& text, const QColor& colour) {
     painter.setPen(colour);
     painter.drawText(QPointF(x, lane.curves + 13), text);
     x += painter.fontMetrics().horizontalAdvance(text) + 18;
   };
-  const QString name = QString::fromStdString(robot.model.joint_names[*joint_]).replace(u'_', u' ');
+  const QString name = QString::fromStdString(robot.model.joint_names[*shown]).replace(u'_', u' ');
   legend(tr("%1, with its limits").arg(name), colours.angle);
   legend(tr("its speed, % of the limit"), colours.speed);
   legend(tr("torque of the most loaded servo, %"), colours.torque);
@@ -374,8 +391,9 @@ void Timeline::paint_curves(QPainter& painter, const Colours& colours) const {
 
 void Timeline::paint_shares(QPainter& painter, const Colours& colours, const QRectF& area) const {
   const CheckResult* const result = editor_.checked();
-  if (result == nullptr || section_ != 0 || *joint_ >= result->joints) return;
-  const double limit = fixed::to_double(editor_.document().robot().model.model.joints[*joint_].max_speed);
+  if (result == nullptr || section_ != 0 || *shown_joint() >= result->joints) return;
+  const double limit =
+      fixed::to_double(editor_.document().robot().model.model.joints[*shown_joint()].max_speed);
   QPolygonF torques;
   QColor fill = colours.speed;
   fill.setAlpha(90);
@@ -384,7 +402,7 @@ void Timeline::paint_shares(QPainter& painter, const Colours& colours, const QRe
     double speed = 0.0;
     double torque = -1.0;
     for (std::size_t i = first; i < last; ++i) {
-      const std::size_t at = i * result->joints + *joint_;
+      const std::size_t at = i * result->joints + *shown_joint();
       if (i > 0)
         speed = std::max(speed, std::abs(result->targets_rad[at] - result->targets_rad[at - result->joints]) /
                                     tools::kTick_s / limit);
