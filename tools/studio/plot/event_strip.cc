@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kTop = 2.0;
 constexpr double kEventReach_px = 5.0;
-constexpr double kMinText_px = 24.0;
+constexpr double kMinText_px = 40.0;  // room for less than a whole text
 
 }  // namespace
 
@@ -51,10 +51,12 @@ void EventStrip::draw_states(QPainter& painter) const {
     const QRectF rect(left, kTop, right - left, state_height());
     painter.fillRect(rect, colour);
     painter.setPen(ink_on(colour));
-    if (rect.width() < kMinText_px) continue;
-    const QRectF inner = rect.adjusted(5.0, 0.0, -3.0, 0.0);
-    painter.drawText(inner, Qt::AlignLeft | Qt::AlignVCenter,
-                     painter.fontMetrics().elidedText(name, Qt::ElideRight, static_cast<int>(inner.width())));
+    const QRectF inner = rect.adjusted(4.0, 0.0, -2.0, 0.0);
+    const double whole = QFontMetricsF(painter.font()).horizontalAdvance(name);
+    if (inner.width() < std::min(whole, kMinText_px)) continue;
+    painter.drawText(
+        inner, Qt::AlignLeft | Qt::AlignVCenter,
+        painter.fontMetrics().elidedText(name, Qt::ElideRight, static_cast<int>(std::ceil(inner.width()))));
   }
 }
 
@@ -70,12 +72,13 @@ void EventStrip::draw_events(QPainter& painter) const {
     const double next =
         std::next(mark) == marks.end() ? width() : x_of(static_cast<double>(std::next(mark)->time_us));
     const double right = std::min<double>(next - 3.0, width() - kRightMargin);
-    if (right - x < kMinText_px) continue;
     const QRectF text(x + 4.0, top, right - x - 4.0, state_height());
+    const double whole = QFontMetricsF(painter.font()).horizontalAdvance(mark->text);
+    if (text.width() < std::min(whole, kMinText_px)) continue;
     painter.setPen(style.dim);
-    painter.drawText(
-        text, Qt::AlignLeft | Qt::AlignVCenter,
-        painter.fontMetrics().elidedText(mark->text, Qt::ElideRight, static_cast<int>(text.width())));
+    painter.drawText(text, Qt::AlignLeft | Qt::AlignVCenter,
+                     painter.fontMetrics().elidedText(mark->text, Qt::ElideRight,
+                                                      static_cast<int>(std::ceil(text.width()))));
   }
 }
 

@@ -94,7 +94,7 @@ void PlotPanel::set_signals(std::span<const view::Signal> signals) {
     rows_ = default_rows(samples_);
     has_users_rows_ = false;
   }
-  rebuild_rows();
+  update_rows();
 }
 
 void PlotPanel::append(std::uint64_t time_us, std::span<const float> values) {
@@ -154,33 +154,74 @@ bool PlotPanel::restore_layout(const QVariant& state) {
   if (rows.empty()) return false;
   rows_ = std::move(rows);
   has_users_rows_ = true;
-  rebuild_rows();
+  update_rows();
   return true;
 }
 
-void PlotPanel::rebuild_rows() {
-  for (PlotRow* row : row_widgets_) {
+PlotRow* PlotPanel::make_row() {
+  auto* row = new PlotRow(*view_, row_box_);
+  row->plot().set_marks(&samples_.marks());
+  connect(row, &PlotRow::dropped, this,
+          [this, row](const QStringList& names) { add_to_row(index_of(row), names); });
+  connect(row, &PlotRow::remove_requested, this,
+          [this, row](const QString& name) { remove(index_of(row), name); });
+  connect(row, &PlotRow::close_requested, this, [this, row] { remove_row(index_of(row)); });
+  return row;
+}
+
+std::size_t PlotPanel::index_of(const PlotRow* widget) const {
+  return static_cast<std::size_t>(std::ranges::find(row_widgets_, widget) - row_widgets_.begin());
+}
+
+void PlotPanel::update_rows() {
+  while (row_widgets_.size() > rows_.size()) {
+    PlotRow* row = row_widgets_.back();
+    row_widgets_.pop_back();
+    row->hide();
     row->setParent(nullptr);
     row->deleteLater();
   }
-  row_widgets_.clear();
+  while (row_widgets_.size() < rows_.size()) {
+    row_widgets_.push_back(make_row());
+    row_box_->addWidget(row_widgets_.back());
+  }
+  PlotRow* last = nullptr;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     std::vector<Trace> traces = traces_of(samples_, rows_[i]);
-    if (traces.empty()) continue;
-    auto* row = new PlotRow(*view_, row_box_);
-    row->plot().set_marks(&samples_.marks());
+    PlotRow& row = *row_widgets_[i];
+    row.setVisible(!traces.empty());
+    if (!traces.empty()) last = &row;
     // The stability margin: below zero the ZMP is outside of the support polygon.
-    const bool is_margin = traces.size() == 1 && traces.front().signal.name == "true_zmp_margin";
-    if (is_margin) row->plot().set_bands({{.low = -std::numeric_limits<double>::infinity(), .high = 0.0}});
-    row->plot().set_traces(std::move(traces));
-    connect(row, &PlotRow::dropped, this, [this, i](const QStringList& names) { add_to_row(i, names); });
-    connect(row, &PlotRow::remove_requested, this, [this, i](const QString& name) { remove(i, name); });
-    connect(row, &PlotRow::close_requested, this, [this, i] { remove_row(i); });
-    row_box_->addWidget(row);
-    row->show();
-    row_widgets_.push_back(row);
+    std::vector<ValueBand> bands;
+    if (traces.size() == 1 && traces.front().signal.name == "true_zmp_margin")
+      bands.push_back({.low = -std::numeric_limits<double>::infinity(), .high = 0.0});
+    row.plot().set_bands(std::move(bands));
+    row.plot().set_traces(std::move(traces));
   }
-  for (PlotRow* row : row_widgets_) row->plot().set_time_labels(row == row_widgets_.back());
+  for (PlotRow* row : row_widgets_) row->plot().set_time_labels(row == last);
+}
+
+void PlotPanel::insert_row(std::size_t row, const QString& name) {
+  const auto at = static_cast<std::ptrdiff_t>(row);
+  rows_.insert(rows_.begin() + at, QStringList{name});
+  row_widgets_.insert(row_widgets_.begin() + at, make_row());
+  row_box_->insertWidget(static_cast<int>(row), row_widgets_[row]);
+}
+
+// The widget may be the one whose signal is being handled.
+void PlotPanel::erase_row(std::size_t row) {
+  const auto at = static_cast<std::ptrdiff_t>(row);
+  row_widgets_[row]->hide();
+  row_widgets_[row]->setParent(nullptr);
+  row_widgets_[row]->deleteLater();
+  row_widgets_.erase(row_widgets_.begin() + at);
+  rows_.erase(rows_.begin() + at);
+}
+
+void PlotPanel::users_rows_changed() {
+  has_users_rows_ = true;
+  update_rows();
+  Q_EMIT layout_changed();
 }
 
 std::string PlotPanel::unit_of(const QStringList& names) const {
@@ -198,16 +239,14 @@ void PlotPanel::place_signal(std::size_t row, const QString& name) {
   if (unit_of(rows_[row]) == unit_of({name})) {
     rows_[row] << name;
   } else {
-    rows_.insert(rows_.begin() + static_cast<std::ptrdiff_t>(row) + 1, QStringList{name});
+    insert_row(row + 1, name);
   }
 }
 
 void PlotPanel::add_to_row(std::size_t row, const QStringList& names) {
   for (const QString& name : names)
     if (samples_.has(name)) place_signal(row, name);
-  has_users_rows_ = true;
-  rebuild_rows();
-  Q_EMIT layout_changed();
+  users_rows_changed();
 }
 
 void PlotPanel::add(const QStringList& names) {
@@ -220,27 +259,21 @@ void PlotPanel::add(const QStringList& names) {
     if (room != rows_.rend()) {
       *room << name;
     } else {
-      rows_.push_back({name});
+      insert_row(rows_.size(), name);
     }
   }
-  has_users_rows_ = true;
-  rebuild_rows();
-  Q_EMIT layout_changed();
+  users_rows_changed();
 }
 
 void PlotPanel::remove(std::size_t row, const QString& name) {
   rows_[row].removeAll(name);
-  if (rows_[row].isEmpty()) rows_.erase(rows_.begin() + static_cast<std::ptrdiff_t>(row));
-  has_users_rows_ = true;
-  rebuild_rows();
-  Q_EMIT layout_changed();
+  if (rows_[row].isEmpty()) erase_row(row);
+  users_rows_changed();
 }
 
 void PlotPanel::remove_row(std::size_t row) {
-  rows_.erase(rows_.begin() + static_cast<std::ptrdiff_t>(row));
-  has_users_rows_ = true;
-  rebuild_rows();
-  Q_EMIT layout_changed();
+  erase_row(row);
+  users_rows_changed();
 }
 
 }  // namespace koboshi::studio

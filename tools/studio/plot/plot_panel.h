@@ -61,6 +61,7 @@ class PlotPanel final : public QWidget {
   void remove(std::size_t row, const QString& name);
   void remove_row(std::size_t row);
 
+  PlotWidget& plot(std::size_t row) { return row_widgets_[row]->plot(); }
   TimeView& time_view() { return *view_; }
   const RunSamples& samples() const { return samples_; }
 
@@ -75,8 +76,13 @@ class PlotPanel final : public QWidget {
   void schedule_refresh();
   void refresh();
   void show_range();
-  // Makes the widgets of all rows anew, or only gives the existing ones their traces.
-  void rebuild_rows();
+  PlotRow* make_row();
+  // One widget per row, with the row's traces; hidden where the run has none of its signals.
+  void update_rows();
+  void insert_row(std::size_t row, const QString& name);
+  void erase_row(std::size_t row);
+  std::size_t index_of(const PlotRow* widget) const;
+  void users_rows_changed();
   void place_signal(std::size_t row, const QString& name);
   std::string unit_of(const QStringList& names) const;
 
@@ -91,7 +97,7 @@ class PlotPanel final : public QWidget {
   QSplitter* row_box_;
   QToolButton* follow_;
   QLabel* range_;
-  std::vector<PlotRow*> row_widgets_{};  // children of row_box_, for the rows with known signals
+  std::vector<PlotRow*> row_widgets_{};  // by row; children of row_box_
 };
 
 }  // namespace koboshi::studio

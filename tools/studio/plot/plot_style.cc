@@ -41,6 +41,7 @@ PlotStyle::PlotStyle(const QPalette& palette)
       ink(palette.color(QPalette::Text)),
       dim(mixed(ink, background, 0.35)),
       rule(mixed(background, ink, dark ? 0.16 : 0.11)),
+      zero(mixed(background, ink, dark ? 0.4 : 0.35)),
       cursor(dark ? 0xffff5c6c : 0xffd0021b),
       warning(dark ? 0xfff08c3c : 0xffd55e00) {}
 

@@ -21,6 +21,7 @@ struct PlotStyle {
   QColor ink;
   QColor dim;   // labels of axes
   QColor rule;  // grid
+  QColor zero;  // grid at zero, and events
   QColor cursor;
   QColor warning;
 };

@@ -18,7 +18,8 @@ constexpr double kCloseButtonWidth = 22.0;  // of the row around the plot
 constexpr double kLegendInset = 6.0;
 constexpr double kMinValueRange = 1e-6;  // less is noise
 constexpr double kValueMargin = 0.05;    // of the range, above and below
-constexpr double kValueTick_px = 30.0;
+constexpr double kValueTick_px = 22.0;
+constexpr double kNameTick_px = 14.0;
 constexpr double kTimeTick_px = 90.0;
 
 QFont small_font(const QWidget& widget) {
@@ -115,8 +116,9 @@ PlotArea PlotWidget::area() const {
 }
 
 double PlotWidget::step_of(const PlotArea& area, const ShownUnit& unit) const {
-  const double step = nice_step((area.high - area.low) * unit.factor, area.rect.height() / kValueTick_px);
   const bool has_names = !traces_.empty() && !traces_.front().signal.names.empty();
+  const double tick_px = has_names ? kNameTick_px : kValueTick_px;
+  const double step = nice_step((area.high - area.low) * unit.factor, area.rect.height() / tick_px);
   return has_names ? std::max(1.0, step) : step;
 }
 
@@ -206,7 +208,7 @@ void PlotWidget::draw_value_axis(QPainter& painter, const PlotArea& area, const 
   const double high = area.high * shown.factor;
   for (double i = std::ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i) {
     const double y = std::round(area.y(i * step / shown.factor));
-    painter.setPen(i == 0.0 ? QPen(style.dim, 1.0) : QPen(style.rule, 1.0));
+    painter.setPen(i == 0.0 ? QPen(style.zero, 1.0) : QPen(style.rule, 1.0));
     painter.drawLine(QPointF(area.rect.left(), y), QPointF(area.rect.right(), y));
     if (y < area.rect.top() + 0.3 * metrics.height() || y > area.rect.bottom() - 0.2 * metrics.height())
       continue;
@@ -214,17 +216,15 @@ void PlotWidget::draw_value_axis(QPainter& painter, const PlotArea& area, const 
     QString text = number_text(i * step, decimals);
     if (!traces_.empty() && !traces_.front().signal.names.empty())
       text = metrics.elidedText(value_text(traces_.front().signal, value, {}, 0), Qt::ElideRight,
-                                kAxisWidth - 22.0);
+                                kAxisWidth - 8.0);
     painter.setPen(style.dim);
     painter.drawText(QRectF(0.0, y - 20.0, kAxisWidth - 6.0, 40.0), Qt::AlignRight | Qt::AlignVCenter, text);
   }
   if (shown.text.isEmpty()) return;
-  painter.save();
-  painter.translate(10.0, area.rect.center().y());
-  painter.rotate(-90.0);
+  // The unit stands above the labels, beside the legend.
   painter.setPen(style.ink);
-  painter.drawText(QRectF(-60.0, -10.0, 120.0, 20.0), Qt::AlignCenter, shown.text);
-  painter.restore();
+  painter.drawText(QRectF(0.0, kTopMargin, kAxisWidth - 6.0, metrics.height() + 2.0),
+                   Qt::AlignRight | Qt::AlignVCenter, QLatin1Char('[') + shown.text + QLatin1Char(']'));
 }
 
 void PlotWidget::draw_time_axis(QPainter& painter, const PlotArea& area, const PlotStyle& style) const {
@@ -238,7 +238,7 @@ void PlotWidget::draw_time_axis(QPainter& painter, const PlotArea& area, const P
     painter.setPen(style.dim);
     const QString text = tr("%1 s").arg(number_text(i * step, decimals));
     const double half = 0.5 * QFontMetricsF(painter.font()).horizontalAdvance(text);
-    const double centre = std::min(x, width() - half - 2.0);
+    const double centre = std::min(x, width() - half - 3.0);
     painter.drawText(QRectF(centre - half - 1.0, area.rect.bottom() + 2.0, 2.0 * half + 2.0, height()),
                      Qt::AlignHCenter | Qt::AlignTop, text);
   }
@@ -246,7 +246,7 @@ void PlotWidget::draw_time_axis(QPainter& painter, const PlotArea& area, const P
 
 void PlotWidget::draw_marks(QPainter& painter, const PlotArea& area, const PlotStyle& style) const {
   if (marks_ == nullptr) return;
-  painter.setPen(QPen(style.dim, 1.0, Qt::DotLine));
+  painter.setPen(QPen(style.zero, 1.0, Qt::DotLine));
   auto mark = std::ranges::lower_bound(*marks_, area.from_us, {},
                                        [](const Mark& one) { return static_cast<double>(one.time_us); });
   double last_x = -1.0;

@@ -4,6 +4,11 @@
 #include <cmath>
 
 namespace koboshi::studio {
+namespace {
+
+constexpr double kJump_us = 0.5e6;  // more than the time between two pictures of a run
+
+}  // namespace
 
 TimeView::TimeView(QObject* parent) : QObject(parent) {}
 
@@ -76,10 +81,13 @@ void TimeView::set_follow(bool follow) {
 
 void TimeView::set_cursor(std::uint64_t time_us) {
   if (cursor_us_ == time_us) return;
-  cursor_us_ = time_us;
   const auto time = static_cast<double>(time_us);
+  const double before = cursor_us_ ? static_cast<double>(*cursor_us_) : -kJump_us;
+  const bool was_shown = before >= from_us_ && before <= to_us_;
+  const bool jumps = time < before || time >= before + kJump_us;
+  cursor_us_ = time_us;
   // The cursor reappears at a tenth of the range from the side at which it left.
-  if (!follows_ && (time < from_us_ || time > to_us_))
+  if (!follows_ && (was_shown || jumps) && (time < from_us_ || time > to_us_))
     place(time < from_us_ ? time - 0.9 * range_us() : time - 0.1 * range_us(), range_us());
   Q_EMIT cursor_changed();
 }

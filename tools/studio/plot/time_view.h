@@ -38,7 +38,8 @@ class TimeView final : public QObject {
   void set_follow(bool follow);
 
   std::optional<std::uint64_t> cursor_us() const { return cursor_us_; }
-  // Places the cursor; outside of follow mode the range turns a page if the cursor leaves it.
+  // Places the cursor. Outside of follow mode the range turns a page if the cursor leaves it or jumps; the
+  // range stays if the user has moved it away from a cursor that goes on as time does.
   void set_cursor(std::uint64_t time_us);
   // The same as a deed of the user: within the data, and emits cursor_moved.
   void move_cursor(double time_us);

@@ -12,6 +12,8 @@ constexpr double kLineWidth = 1.6;
 constexpr double kDashPeriod_px = 9.0;  // the dashes stay at their times when the range moves
 constexpr double kDashLength_px = 6.0;
 constexpr double kMaxLineDensity = 0.6;  // samples per pixel that are still drawn one by one
+constexpr double kMaxDotDensity = 0.08;  // samples per pixel that are still drawn as dots, too
+constexpr double kDotRadius_px = 2.2;
 
 // Draws the parts of a line that lie in dashes, which begin at x = phase + n * kDashPeriod_px.
 void draw_dashes(QPainter& painter, const QPolygonF& line, double phase) {
@@ -59,6 +61,7 @@ class TracePainter {
     const std::size_t end = times.count_before(area_.to_us, begin, nodes);
     if (static_cast<double>(end - begin) <= kMaxLineDensity * area_.rect.width()) {
       draw_lines(begin == 0 ? 0 : begin - 1, std::min(size, end + 1));
+      if (static_cast<double>(end - begin) <= kMaxDotDensity * area_.rect.width()) draw_dots(begin, end);
     } else {
       draw_columns();
     }
@@ -93,6 +96,18 @@ class TracePainter {
       line << point;
     }
     flush();
+  }
+
+  void draw_dots(std::size_t first, std::size_t last) {
+    painter_.setPen(Qt::NoPen);
+    painter_.setBrush(colour_);
+    for (std::size_t i = first; i < last; ++i) {
+      const float value = (*trace_.values)[i];
+      if (!std::isfinite(value)) continue;
+      const QPointF centre(area_.x(static_cast<double>((*trace_.times)[i])),
+                           area_.y(static_cast<double>(value)));
+      painter_.drawEllipse(centre, kDotRadius_px, kDotRadius_px);
+    }
   }
 
   // The envelope of the samples of each column. Columns begin at multiples of their duration, so that a range
