@@ -66,8 +66,11 @@ void JointPanel::build() {
   this_step_->setToolTip(
       tr("Gives the step a copy of its pose, with a name of its own, before it changes.\n"
          "Otherwise all steps change that use the pose."));
-  grid->addWidget(pose_, 0, 0, 1, 2);
-  grid->addWidget(this_step_, 0, 2);
+  QSizePolicy policy = this_step_->sizePolicy();
+  policy.setRetainSizeWhenHidden(true);  // the sliders stay where they are
+  this_step_->setSizePolicy(policy);
+  grid->addWidget(pose_, 0, 0, 1, 3);
+  grid->addWidget(this_step_, 1, 0, 1, 3);
   const simulation::JointNames names(robot_->model);
   std::uint32_t rest = ~0U;
   struct Limb {
@@ -104,7 +107,7 @@ void JointPanel::add_group(QGridLayout& grid, const QString& title, const std::v
   QFont font = heading->font();
   font.setBold(true);
   heading->setFont(font);
-  heading->setContentsMargins(0, 4, 0, 0);
+  heading->setContentsMargins(0, 3, 0, 0);
   grid.addWidget(heading, grid.rowCount(), 0, 1, 3);
   for (const std::size_t joint : joints) add_joint(grid, joint);
 }
@@ -133,6 +136,7 @@ void JointPanel::add_joint(QGridLayout& grid, std::size_t joint) {
   row.box->setSuffix(tr("°"));
   row.box->setAlignment(Qt::AlignRight);
   row.box->setKeyboardTracking(false);
+  row.box->setSizePolicy(QSizePolicy::Fixed, QSizePolicy::Fixed);
   const QString tip = tr("%1: target angle in degrees, %2° to %3°, at most %4 °/s")
                           .arg(row.name->text())
                           .arg(lower_deg, 0, 'f', 1)

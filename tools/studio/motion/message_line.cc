@@ -19,6 +19,7 @@ MessageLine::MessageLine(MotionEditor& editor, QWidget* parent) : QWidget(parent
   row->setContentsMargins(4, 1, 8, 1);
   message_ = new QPushButton(this);
   message_->setFlat(true);
+  message_->installEventFilter(this);
   message_->setObjectName(QStringLiteral("message"));
   message_->setStyleSheet(QStringLiteral("text-align: left; padding: 2px"));
   message_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed);
@@ -46,7 +47,10 @@ MessageLine::MessageLine(MotionEditor& editor, QWidget* parent) : QWidget(parent
     if (own_text_.isEmpty() && shown_ < findings.size() && findings[shown_].row)
       Q_EMIT row_wanted(*findings[shown_].row);
   });
-  connect(&editor, &MotionEditor::changed, this, [this] { own_text_.clear(); });
+  connect(&editor, &MotionEditor::changed, this, [this] {
+    own_text_.clear();
+    refresh();
+  });
   connect(&editor, &MotionEditor::findings_changed, this, &MessageLine::refresh);
   connect(&editor, &MotionEditor::failed, this, &MessageLine::show_error);
 }
@@ -127,10 +131,9 @@ void MessageLine::elide() {
   message_->setText(message_->fontMetrics().elidedText(full_text_, Qt::ElideRight, width));
 }
 
-void MessageLine::resizeEvent(QResizeEvent* event) {
-  QWidget::resizeEvent(event);
-  layout()->activate();
-  elide();
+bool MessageLine::eventFilter(QObject* watched, QEvent* event) {
+  if (watched == message_ && event->type() == QEvent::Resize) elide();
+  return QWidget::eventFilter(watched, event);
 }
 
 void MessageLine::changeEvent(QEvent* event) {

@@ -33,8 +33,8 @@ class MessageLine final : public QWidget {
   void row_wanted(std::size_t row);
 
  protected:
-  void resizeEvent(QResizeEvent* event) override;
   void changeEvent(QEvent* event) override;
+  bool eventFilter(QObject* watched, QEvent* event) override;
 
  private:
   void refresh();

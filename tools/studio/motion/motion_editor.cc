@@ -142,7 +142,6 @@ void MotionEditor::after_change() {
     collect_findings();
   }
   Q_EMIT changed();
-  Q_EMIT findings_changed();
 }
 
 void MotionEditor::take_result(const std::shared_ptr<const CheckResult>& result) {

@@ -67,9 +67,9 @@ class MotionEditor final : public QObject {
 
  Q_SIGNALS:
   void opened();   // another document
-  void changed();  // the text
+  void changed();  // the text, and the findings with it
   void saved();
-  void findings_changed();
+  void findings_changed();  // of the same text
   void failed(const QString& error);
   void changed_on_disk(koboshi::studio::DiskChange change);
 

@@ -357,9 +357,11 @@ void Timeline::paint_curves(QPainter& painter, const Colours& colours) const {
     }
   } else {
     const MotionSection& section = editor_.rows().sections[section_];
+    curve << QPointF(x_of(0.0), y_of(robot.standing_rad.at(*shown) * sim::kDegreesPerRad));
     for (std::size_t i = section.first_row; i < section.first_row + section.row_count; ++i) {
       const MotionRow& row = editor_.rows().rows[i];
-      if (row.angles_rad.size() > *shown && else_depth(editor_.rows(), row) == 0)
+      const bool has_body = row.kind == PaintKind::kLoop || row.kind == PaintKind::kIf;
+      if (row.angles_rad.size() > *shown && !has_body && else_depth(editor_.rows(), row) == 0)
         curve << QPointF(x_of(row.start_s + row.duration_s),
                          y_of(row.angles_rad[*shown] * sim::kDegreesPerRad));
     }
