@@ -51,6 +51,8 @@ def violations(path, text):
         if bracket == "<":
             if libraries is not ANY and header not in libraries:
                 found.append(f"{path}: includes <{header}>, which is not among the headers allowed there")
+        elif header == pathlib.PurePath(path).stem + ".moc":
+            continue  # Qt generates it in the build folder
         elif not any(re.match(prefix, header) for prefix in allowed):
             found.append(f'{path}: includes "{header}", which it may not know')
         elif not (ROOT / header).is_file():

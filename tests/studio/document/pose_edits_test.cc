@@ -170,5 +170,19 @@ TEST(PoseEdits, InsertACapturedPose) {
     EXPECT_NEAR(reached[joint], angles[joint], 1e-6);
 }
 
+// The mirror image of the left arm's angle is beyond the left arm's own limits.
+TEST(PoseEdits, InsertsAPoseWithOneArmRaised) {
+  const auto document = document_of();
+  std::vector<double> angles(sample_robot()->model.joint_names.size(), 0.0);
+  angles[joint_of("left_shoulder_roll")] = 120 * kDegree;
+  angles[joint_of("right_shoulder_roll")] = -120 * kDegree;
+  document->insert_pose({StepPlace::Kind::kAfter, 0}, angles, 0.8, "arms_up");
+  EXPECT_NE(document->text().find("arms_up: {others: zero, shoulder_roll: 120}"), std::string::npos);
+  angles[joint_of("right_shoulder_roll")] = -8 * kDegree;
+  document->insert_pose({StepPlace::Kind::kAfter, 0}, angles, 0.8, "arm_up");
+  EXPECT_NE(document->text().find("arm_up: {others: zero, left_shoulder_roll: 120, right_shoulder_roll: -8}"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace koboshi::studio

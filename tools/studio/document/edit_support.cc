@@ -187,8 +187,9 @@ std::string pose_text(const MotionRobot& robot, std::span<const double> angles_r
     std::string name = names.name(joint);
     const std::size_t other = names.mirror(joint);
     const bool has_side = name.starts_with("left_") && other != joint && (done >> other & 1U) == 0;
-    if (has_side &&
-        text_of(other) == angle_text(robot, {joint, angles_rad[joint] * names.mirror_sign(joint)}, source)) {
+    // Compared as written: the mirror image of an angle can be beyond this joint's limits.
+    if (has_side && sim::parse_number(text_of(other)).value_or(0.0) ==
+                        names.mirror_sign(joint) * sim::parse_number(angle).value_or(0.0)) {
       done |= 1U << other;
       name = name.substr(5);
     }

@@ -136,7 +136,7 @@ void JointPanel::add_joint(QGridLayout& grid, std::size_t joint) {
   row.box->setSuffix(tr("°"));
   row.box->setAlignment(Qt::AlignRight);
   row.box->setKeyboardTracking(false);
-  row.box->setSizePolicy(QSizePolicy::Fixed, QSizePolicy::Fixed);
+  row.box->setFixedWidth(row.box->fontMetrics().horizontalAdvance(QStringLiteral("-180.00°")) + 34);
   const QString tip = tr("%1: target angle in degrees, %2° to %3°, at most %4 °/s")
                           .arg(row.name->text())
                           .arg(lower_deg, 0, 'f', 1)
