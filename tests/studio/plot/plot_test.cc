@@ -530,6 +530,11 @@ void PlotTest::states_and_events_have_texts() {
   QCOMPARE(strip->text_at({strip->x_of(5e6), 5.0}), QStringLiteral("standing"));
   QCOMPARE(strip->text_at({strip->x_of(2e6), 30.0}), QStringLiteral("2.000 s: Stands."));
   QCOMPARE(panel->samples().state_name(2), QStringLiteral("soft start"));
+  panel->add_event(2 * kSecond_us, QStringLiteral("Stands."));  // the same once more
+  panel->add_event(2 * kSecond_us, QStringLiteral("Is pushed."));
+  panel->add_event(1 * kSecond_us, QStringLiteral("Boots."));
+  QCOMPARE(panel->samples().marks().size(), 3U);
+  QCOMPARE(panel->samples().marks().front().text, QStringLiteral("Boots."));
 }
 
 void PlotTest::legend_shows_values_at_the_cursor() {

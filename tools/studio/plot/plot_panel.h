@@ -39,6 +39,7 @@ class PlotPanel final : public QWidget {
   void set_signals(std::span<const view::Signal> signals);
   // Appends a sample: one value per signal, later than the last sample. NaN: no value.
   void append(std::uint64_t time_us, std::span<const float> values);
+  // An event that is there already is not added again.
   void add_event(std::uint64_t time_us, const QString& text);
   // Forgets every sample and event later than this: a rewind.
   void truncate_after(std::uint64_t time_us);

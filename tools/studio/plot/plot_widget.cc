@@ -258,17 +258,19 @@ void PlotWidget::draw_marks(QPainter& painter, const PlotArea& area, const PlotS
   }
 }
 
-void PlotWidget::draw_all(QPainter& painter) const {
+void PlotWidget::draw_all() {
   const PlotStyle style(palette());
   const PlotArea shown = area();
-  painter.setFont(small_font(*this));
-  draw_bands(painter, shown, style);
-  draw_time_axis(painter, shown, style);
-  draw_value_axis(painter, shown, style);
-  draw_marks(painter, shown, style);
-  painter.setClipRect(shown.rect);
-  painter.setRenderHint(QPainter::Antialiasing);
-  for (const Trace& trace : traces_) draw_trace(painter, trace, shown, style.trace(trace.colour));
+  picture_.fill(style.background);
+  {
+    QPainter painter(&picture_);
+    painter.setFont(small_font(*this));
+    draw_bands(painter, shown, style);
+    draw_time_axis(painter, shown, style);
+    draw_value_axis(painter, shown, style);
+    draw_marks(painter, shown, style);
+  }
+  for (const Trace& trace : traces_) draw_trace(picture_, trace, shown, style.trace(trace.colour));
 }
 
 void PlotWidget::draw_legend(QPainter& painter) const {
@@ -302,16 +304,14 @@ void PlotWidget::draw_legend(QPainter& painter) const {
 void PlotWidget::paintEvent(QPaintEvent*) {
   const double scale = devicePixelRatioF();
   const QSize pixels = (QSizeF(size()) * scale).toSize();
-  if (is_stale_ || picture_.size() != pixels) {
-    if (picture_.size() != pixels) picture_ = QPixmap(pixels);
+  if (is_stale_ || picture_.size() != pixels || picture_.devicePixelRatio() != scale) {
+    if (picture_.size() != pixels) picture_ = QImage(pixels, QImage::Format_RGB32);
     picture_.setDevicePixelRatio(scale);
-    picture_.fill(PlotStyle(palette()).background);
-    QPainter painter(&picture_);
-    draw_all(painter);
+    draw_all();
     is_stale_ = false;
   }
   QPainter painter(this);
-  painter.drawPixmap(0, 0, picture_);
+  painter.drawImage(0, 0, picture_);
   draw_legend(painter);
   const double top = kTopMargin + legend_height_;
   const double bottom = height() - (time_labels_ ? time_label_height(*this) : kBottomMargin);

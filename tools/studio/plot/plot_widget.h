@@ -1,8 +1,9 @@
 #pragma once
 
-#include <QPixmap>
+#include <QImage>
 #include <vector>
 
+#include "tools/studio/plot/plot_style.h"
 #include "tools/studio/plot/run_samples.h"
 #include "tools/studio/plot/time_axis_widget.h"
 #include "tools/studio/plot/trace_painter.h"
@@ -61,7 +62,7 @@ class PlotWidget final : public TimeAxisWidget {
   ShownUnit unit() const;
   double step_of(const PlotArea& area, const ShownUnit& unit) const;
   PlotArea area() const;
-  void draw_all(QPainter& painter) const;
+  void draw_all();
   void draw_bands(QPainter& painter, const PlotArea& area, const PlotStyle& style) const;
   void draw_value_axis(QPainter& painter, const PlotArea& area, const PlotStyle& style) const;
   void draw_time_axis(QPainter& painter, const PlotArea& area, const PlotStyle& style) const;
@@ -75,7 +76,7 @@ class PlotWidget final : public TimeAxisWidget {
   bool time_labels_ = true;
   std::vector<LegendItem> legend_{};
   double legend_height_ = 0.0;
-  QPixmap picture_{};  // everything but legend, cursor and selection
+  QImage picture_{};  // everything but legend, cursor and selection
   bool is_stale_ = true;
 };
 

@@ -27,8 +27,9 @@ void RunSamples::append(std::uint64_t time_us, std::span<const float> values) {
 }
 
 void RunSamples::add_event(std::uint64_t time_us, const QString& text) {
-  const auto after = std::ranges::upper_bound(marks_, time_us, {}, &Mark::time_us);
-  marks_.insert(after, {time_us, text});
+  const auto same_time = std::ranges::equal_range(marks_, time_us, {}, &Mark::time_us);
+  if (std::ranges::find(same_time, text, &Mark::text) != same_time.end()) return;
+  marks_.insert(same_time.end(), {time_us, text});
 }
 
 void RunSamples::truncate_after(std::uint64_t time_us) {

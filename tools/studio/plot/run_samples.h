@@ -32,6 +32,7 @@ class RunSamples {
   void set_signals(std::span<const view::Signal> signals);
   // One value per signal; the time is later than that of the last sample.
   void append(std::uint64_t time_us, std::span<const float> values);
+  // An event that is there already is not added again.
   void add_event(std::uint64_t time_us, const QString& text);
   void truncate_after(std::uint64_t time_us);
 

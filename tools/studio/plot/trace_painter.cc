@@ -1,5 +1,6 @@
 #include "tools/studio/plot/trace_painter.h"
 
+#include <QPainter>
 #include <QPolygonF>
 #include <algorithm>
 #include <cmath>
@@ -11,9 +12,17 @@ namespace {
 constexpr double kLineWidth = 1.6;
 constexpr double kDashPeriod_px = 9.0;  // the dashes stay at their times when the range moves
 constexpr double kDashLength_px = 6.0;
-constexpr double kMaxLineDensity = 0.6;  // samples per pixel that are still drawn one by one
+constexpr double kMaxLineDensity = 1.0;  // samples per pixel that are still drawn one by one
 constexpr double kMaxDotDensity = 0.08;  // samples per pixel that are still drawn as dots, too
 constexpr double kDotRadius_px = 2.2;
+// Qt's time for a polyline grows with the square of the number of points in a row of pixels.
+constexpr qsizetype kPiece = 12;
+
+// Draws a line in pieces, which have a segment in common, so that their joints are filled.
+void draw_pieces(QPainter& painter, const QPolygonF& line) {
+  for (qsizetype first = 0; first + 1 < line.size(); first += kPiece - 2)
+    painter.drawPolyline(line.constData() + first, static_cast<int>(std::min(kPiece, line.size() - first)));
+}
 
 // Draws the parts of a line that lie in dashes, which begin at x = phase + n * kDashPeriod_px.
 void draw_dashes(QPainter& painter, const QPolygonF& line, double phase) {
@@ -47,8 +56,8 @@ void draw_dashes(QPainter& painter, const QPolygonF& line, double phase) {
 
 class TracePainter {
  public:
-  TracePainter(QPainter& painter, const Trace& trace, const PlotArea& area, const QColor& colour)
-      : painter_(painter), trace_(trace), area_(area), colour_(colour) {
+  TracePainter(QImage& picture, const Trace& trace, const PlotArea& area, const QColor& colour)
+      : picture_(picture), trace_(trace), area_(area), colour_(colour) {
     const double px_per_us = area.rect.width() / (area.to_us - area.from_us);
     phase_ = area.rect.left() - std::fmod(area.from_us * px_per_us, kDashPeriod_px);
   }
@@ -58,28 +67,29 @@ class TracePainter {
     const Timeline& times = *trace_.times;
     const std::size_t size = std::min(times.size(), trace_.values->size());
     const std::size_t begin = times.count_before(area_.from_us, 0, nodes);
-    const std::size_t end = times.count_before(area_.to_us, begin, nodes);
-    if (static_cast<double>(end - begin) <= kMaxLineDensity * area_.rect.width()) {
-      draw_lines(begin == 0 ? 0 : begin - 1, std::min(size, end + 1));
-      if (static_cast<double>(end - begin) <= kMaxDotDensity * area_.rect.width()) draw_dots(begin, end);
-    } else {
-      draw_columns();
-    }
+    const std::size_t end = std::min(size, times.count_before(area_.to_us, begin, nodes));
+    const double density = static_cast<double>(end - begin) / area_.rect.width();
+    if (density > kMaxLineDensity) return draw_columns();
+    QPainter painter(&picture_);
+    painter.setClipRect(area_.rect);
+    painter.setRenderHint(QPainter::Antialiasing);
+    draw_lines(painter, begin == 0 ? 0 : begin - 1, std::min(size, end + 1));
+    if (density <= kMaxDotDensity) draw_dots(painter, begin, end);
   }
 
  private:
   // The samples from first to before last as lines; gaps interrupt them.
-  void draw_lines(std::size_t first, std::size_t last) {
+  void draw_lines(QPainter& painter, std::size_t first, std::size_t last) {
     QPolygonF line;
     const auto flush = [&] {
-      painter_.setPen(QPen(colour_, kLineWidth, Qt::SolidLine, Qt::FlatCap, Qt::BevelJoin));
+      painter.setPen(QPen(colour_, kLineWidth, Qt::SolidLine, Qt::FlatCap, Qt::BevelJoin));
       if (line.size() == 1) {
-        painter_.setPen(QPen(colour_, 2.0 * kLineWidth, Qt::SolidLine, Qt::RoundCap));
-        painter_.drawPoint(line.front());
+        painter.setPen(QPen(colour_, 2.0 * kLineWidth, Qt::SolidLine, Qt::RoundCap));
+        painter.drawPoint(line.front());
       } else if (line.size() > 1 && trace_.dashed) {
-        draw_dashes(painter_, line, phase_);
+        draw_dashes(painter, line, phase_);
       } else if (line.size() > 1) {
-        painter_.drawPolyline(line);
+        draw_pieces(painter, line);
       }
       line.clear();
     };
@@ -98,79 +108,98 @@ class TracePainter {
     flush();
   }
 
-  void draw_dots(std::size_t first, std::size_t last) {
-    painter_.setPen(Qt::NoPen);
-    painter_.setBrush(colour_);
+  void draw_dots(QPainter& painter, std::size_t first, std::size_t last) {
+    painter.setPen(Qt::NoPen);
+    painter.setBrush(colour_);
     for (std::size_t i = first; i < last; ++i) {
       const float value = (*trace_.values)[i];
       if (!std::isfinite(value)) continue;
       const QPointF centre(area_.x(static_cast<double>((*trace_.times)[i])),
                            area_.y(static_cast<double>(value)));
-      painter_.drawEllipse(centre, kDotRadius_px, kDotRadius_px);
+      painter.drawEllipse(centre, kDotRadius_px, kDotRadius_px);
     }
   }
 
-  // The envelope of the samples of each column. Columns begin at multiples of their duration, so that a range
-  // that moves shows the same columns.
+  // The extent of the line within each pixel column. Columns begin at multiples of their duration, so that a
+  // range that moves shows the same columns.
   void draw_columns() {
-    const double scale = painter_.device()->devicePixelRatioF();
-    const auto count = static_cast<std::size_t>(std::ceil(area_.rect.width() * scale)) + 2;
+    const double scale = picture_.devicePixelRatio();
     const double duration_us = (area_.to_us - area_.from_us) / (area_.rect.width() * scale);
-    const double number = std::floor(area_.from_us / duration_us);
-    const double begin_us = number * duration_us;
-    std::vector<Column> columns(count);
-    summarise(*trace_.times, *trace_.values, begin_us, begin_us + static_cast<double>(count) * duration_us,
-              columns);
+    const double begin_us = (std::floor(area_.from_us / duration_us) - 1.0) * duration_us;
+    std::vector<Column> columns(static_cast<std::size_t>(std::ceil(area_.rect.width() * scale)) + 3);
+    summarise(*trace_.times, *trace_.values, begin_us,
+              begin_us + static_cast<double>(columns.size()) * duration_us, columns);
+    connect(columns);
+    const double left = area_.x(begin_us) * scale;
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const double x = left + static_cast<double>(i);
+      const double place =
+          x / scale - phase_ - kDashPeriod_px * std::floor((x / scale - phase_) / kDashPeriod_px);
+      const bool is_in_gap = trace_.dashed && place >= kDashLength_px;
+      if (is_in_gap || columns[i].extent.empty()) continue;
+      const double top = area_.y(static_cast<double>(columns[i].extent.high)) - 0.5 * kLineWidth;
+      const double bottom = area_.y(static_cast<double>(columns[i].extent.low)) + 0.5 * kLineWidth;
+      fill_column(static_cast<int>(std::lround(x)), std::max(top, area_.rect.top()) * scale,
+                  std::min(bottom, area_.rect.bottom()) * scale);
+    }
+  }
 
-    painter_.setPen(Qt::NoPen);
-    painter_.setBrush(colour_);
-    float before = std::numeric_limits<float>::quiet_NaN();
-    for (std::size_t i = 0; i < count; ++i) {
-      Column& column = columns[i];
-      if (column.samples == 0) continue;
-      if (!std::isfinite(before) || !std::isfinite(column.first)) flush();
-      const double x = area_.x(begin_us + (static_cast<double>(i) + 0.5) * duration_us);
-      if (std::isfinite(before) && std::isfinite(column.first)) column.extent.add({before, before});
-      before = column.last;
-      if (column.extent.empty()) continue;
-      const double place = std::fmod(x - phase_ + kDashPeriod_px, kDashPeriod_px);
-      if (trace_.dashed && place >= kDashLength_px) {
-        flush();
-        continue;
+  // Adds to the extents what the straight lines between the columns' samples cover. Gaps are not connected.
+  static void connect(std::span<Column> columns) {
+    const auto with_samples = [&](std::size_t i) {
+      while (i < columns.size() && columns[i].samples == 0) ++i;
+      return i;
+    };
+    std::size_t from = with_samples(0);
+    while (from < columns.size()) {
+      const std::size_t to = with_samples(from + 1);
+      if (to == columns.size()) return;
+      const float start = columns[from].last;
+      const float end = columns[to].first;
+      if (std::isfinite(start) && std::isfinite(end)) {
+        const float slope = (end - start) / static_cast<float>(to - from);
+        float edge = start + 0.5F * slope;  // at the right edge of a column
+        columns[from].extent.add({edge, edge});
+        for (std::size_t i = from + 1; i < to; ++i, edge += slope)
+          columns[i].extent.add({std::min(edge, edge + slope), std::max(edge, edge + slope)});
+        columns[to].extent.add({edge, edge});
       }
-      upper_ << QPointF(x, area_.y(static_cast<double>(column.extent.high)) - 0.5 * kLineWidth);
-      lower_ << QPointF(x, area_.y(static_cast<double>(column.extent.low)) + 0.5 * kLineWidth);
+      from = to;
     }
-    flush();
   }
 
-  void flush() {
-    if (upper_.isEmpty()) return;
-    if (upper_.size() == 1) {  // a single column keeps a width
-      upper_ = {upper_[0] - QPointF(0.5, 0.0), upper_[0] + QPointF(0.5, 0.0)};
-      lower_ = {lower_[0] - QPointF(0.5, 0.0), lower_[0] + QPointF(0.5, 0.0)};
+  // Fills a column of device pixels; pixels that are covered in part are blended.
+  void fill_column(int x, double top, double bottom) {
+    const double scale = picture_.devicePixelRatio();
+    if (x < std::lround(area_.rect.left() * scale) || x >= std::lround(area_.rect.right() * scale)) return;
+    const int first = std::max(0, static_cast<int>(std::floor(top)));
+    const int last = std::min(picture_.height() - 1, static_cast<int>(std::ceil(bottom)) - 1);
+    const qsizetype stride = picture_.bytesPerLine() / static_cast<qsizetype>(sizeof(QRgb));
+    QRgb* pixel = reinterpret_cast<QRgb*>(picture_.scanLine(first)) + x;
+    for (int y = first; y <= last; ++y, pixel += stride) {
+      const double covered = std::min(bottom, y + 1.0) - std::max(top, static_cast<double>(y));
+      *pixel = covered >= 1.0 ? colour_.rgb() : blended(*pixel, covered);
     }
-    std::ranges::reverse(lower_);
-    upper_ += lower_;
-    painter_.drawPolygon(upper_);
-    upper_.clear();
-    lower_.clear();
   }
 
-  QPainter& painter_;
+  QRgb blended(QRgb below, double share) const {
+    const auto mix = [share](int a, int b) { return a + static_cast<int>(share * (b - a)); };
+    return qRgb(mix(qRed(below), colour_.red()), mix(qGreen(below), colour_.green()),
+                mix(qBlue(below), colour_.blue()));
+  }
+
+  QImage& picture_;
   const Trace& trace_;
   const PlotArea& area_;
   QColor colour_;
   double phase_ = 0.0;
-  QPolygonF upper_{};
-  QPolygonF lower_{};
 };
 
 }  // namespace
 
-void draw_trace(QPainter& painter, const Trace& trace, const PlotArea& area, const QColor& colour) {
-  if (trace.times->empty()) return;
-  TracePainter(painter, trace, area, colour).draw();
+void draw_trace(QImage& picture, const Trace& trace, const PlotArea& area, const QColor& colour) {
+  if (trace.times->empty() || picture.isNull()) return;
+  TracePainter(picture, trace, area, colour).draw();
 }
 
 }  // namespace koboshi::studio

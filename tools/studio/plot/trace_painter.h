@@ -1,11 +1,12 @@
 #pragma once
 
-#include <QPainter>
+#include <QColor>
+#include <QImage>
 #include <QRectF>
 #include <memory>
 
-#include "tools/studio/plot/plot_style.h"
 #include "tools/studio/plot/series.h"
+#include "tools/view/recording/recording.h"
 
 namespace koboshi::studio {
 
@@ -33,8 +34,8 @@ struct PlotArea {
   double y(double value) const { return rect.bottom() - (value - low) / (high - low) * rect.height(); }
 };
 
-// Draws a trace: where samples are rare, as a line from sample to sample; else column by column from the
-// lowest to the highest value. Names of values are drawn as steps.
-void draw_trace(QPainter& painter, const Trace& trace, const PlotArea& area, const QColor& colour);
+// Draws a trace into a picture of Format_RGB32: where samples are rare, as a line from sample to sample; else
+// pixel column by pixel column from the lowest to the highest value. Names of values are drawn as steps.
+void draw_trace(QImage& picture, const Trace& trace, const PlotArea& area, const QColor& colour);
 
 }  // namespace koboshi::studio
