@@ -4,6 +4,7 @@
 #include <QDoubleSpinBox>
 #include <QEvent>
 #include <QGridLayout>
+#include <QHBoxLayout>
 #include <QKeyEvent>
 #include <QLabel>
 #include <QLineEdit>
@@ -15,7 +16,7 @@
 #include "firmware/fixed/host/convert.h"
 #include "sim_board/input/user_units.h"
 #include "simulation/motion/joints.h"
-#include "tools/studio/motion/colours.h"
+#include "tools/studio/document/edit_support.h"
 
 namespace koboshi::studio {
 namespace {
@@ -59,8 +60,11 @@ void JointPanel::build() {
   grid->setVerticalSpacing(1);
   grid->setColumnStretch(1, 1);
   pose_ = new QLabel(content);
-  pose_->setWordWrap(true);
-  pose_->setObjectName(QStringLiteral("pose"));
+  name_ = new QLineEdit(content);
+  name_->setObjectName(QStringLiteral("pose"));
+  name_->setToolTip(tr("Name of the pose in the file; a new name replaces it in all places (Ctrl+E)"));
+  uses_ = new QLabel(content);
+  connect(name_, &QLineEdit::editingFinished, this, &JointPanel::rename_pose);
   this_step_ = new QCheckBox(tr("Change this step &alone"), content);
   this_step_->setObjectName(QStringLiteral("this_step"));
   this_step_->setToolTip(
@@ -69,7 +73,13 @@ void JointPanel::build() {
   QSizePolicy policy = this_step_->sizePolicy();
   policy.setRetainSizeWhenHidden(true);  // the sliders stay where they are
   this_step_->setSizePolicy(policy);
-  grid->addWidget(pose_, 0, 0, 1, 3);
+  auto* const heading = new QHBoxLayout;
+  heading->setSpacing(8);
+  heading->addWidget(pose_);
+  heading->addWidget(name_, 1);
+  heading->addWidget(uses_);
+  grid->addLayout(heading, 0, 0, 1, 3);
+  grid->setRowMinimumHeight(0, name_->sizeHint().height());
   grid->addWidget(this_step_, 1, 0, 1, 3);
   const simulation::JointNames names(robot_->model);
   std::uint32_t rest = ~0U;
@@ -159,47 +169,77 @@ void JointPanel::add_joint(QGridLayout& grid, std::size_t joint) {
 }
 
 void JointPanel::set_row(std::optional<std::size_t> row) {
-  if (row_ != row) editor_.end_drag();
+  if (row_ != row) {
+    editor_.end_drag();
+    if (name_ != nullptr) name_->setModified(false);
+  }
   row_ = row;
   refresh();
 }
 
-QString JointPanel::describe_pose(const MotionRow& row) const {
-  if (row.kind != simulation::StepSource::Kind::kMove) return tr("Angles after this step");
-  if (row.pose.empty()) return tr("Pose of this step");
-  const QString name = QString::fromStdString(row.pose).toHtmlEscaped();
-  return row.pose_uses > 1 ? tr("Pose <b>%1</b>, %2 uses").arg(name).arg(row.pose_uses)
-                           : tr("Pose <b>%1</b>").arg(name);
+void JointPanel::edit_name() {
+  name_->setFocus();
+  name_->selectAll();
+}
+
+void JointPanel::rename_pose() {
+  if (!row_ || *row_ >= editor_.rows().rows.size()) return;
+  const std::string from = editor_.rows().rows[*row_].pose;
+  const std::string to = name_->text().toStdString();
+  name_->setModified(false);
+  if (from.empty() || from == to) return;
+  if (!editor_.edit([&](MotionDocument& document) { document.rename_pose(from, to); })) refresh();
+}
+
+void JointPanel::refresh_pose(const MotionRow* row) {
+  const bool is_move = row != nullptr && row->kind == simulation::StepSource::Kind::kMove;
+  const bool has_name = is_move && !row->pose.empty();
+  if (row == nullptr) {
+    pose_->setText(tr("No step"));
+  } else if (!is_move) {
+    pose_->setText(tr("Angles after this step"));
+  } else {
+    pose_->setText(has_name ? tr("Pose") : tr("Pose of this step"));
+  }
+  name_->setVisible(has_name);
+  if (has_name && !name_->isModified()) name_->setText(QString::fromStdString(row->pose));
+  uses_->setVisible(has_name);
+  if (has_name) uses_->setText(row->pose_uses == 1 ? tr("1 use") : tr("%1 uses").arg(row->pose_uses));
+  this_step_->setVisible(has_name && row->pose_uses > 1);
 }
 
 void JointPanel::refresh() {
   if (robot_ == nullptr) return;
   const auto& rows = editor_.rows().rows;
   const MotionRow* const row = row_ && *row_ < rows.size() ? &rows[*row_] : nullptr;
+  refresh_pose(row);
+  const sim::YamlNode* const tree = editor_.document().tree();
+  const std::uint32_t allowed = tree != nullptr ? allowed_joints(*robot_, *tree) : 0;
+  for (std::size_t joint = 0; joint < joints_.size(); ++joint)
+    refresh_joint(joint, row, (allowed >> joint & 1U) != 0);
+}
+
+void JointPanel::refresh_joint(std::size_t joint, const MotionRow* row, bool is_allowed) {
+  const JointRow& widgets = joints_[joint];
   const bool is_move = row != nullptr && row->kind == simulation::StepSource::Kind::kMove;
-  pose_->setText(row == nullptr ? tr("No step") : describe_pose(*row));
-  this_step_->setVisible(is_move && row->pose_uses > 1);
-  for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const JointRow& widgets = joints_[j];
-    const double angle_rad = row != nullptr && j < row->angles_rad.size() ? row->angles_rad[j] : 0.0;
-    const double angle_deg = angle_rad * sim::kDegreesPerRad;
-    {
-      const QSignalBlocker blocked_slider(widgets.slider);
-      const QSignalBlocker blocked_box(widgets.box);
-      if (!widgets.slider->isSliderDown())
-        widgets.slider->setValue(static_cast<int>(std::lround(angle_deg * kUnitsPerDegree)));
-      widgets.box->setValue(angle_deg);
-    }
-    widgets.slider->setEnabled(is_move);
-    widgets.box->setEnabled(is_move);
-    // Bold: the step itself gives the angle.
-    QFont font = widgets.name->font();
-    const bool is_given = is_move && (row->moved >> j & 1U) != 0;
-    if (font.bold() != is_given) {
-      font.setBold(is_given);
-      widgets.name->setFont(font);
-    }
+  const double angle_rad = row != nullptr && joint < row->angles_rad.size() ? row->angles_rad[joint] : 0.0;
+  const double angle_deg = angle_rad * sim::kDegreesPerRad;
+  {
+    const QSignalBlocker blocked_slider(widgets.slider);
+    const QSignalBlocker blocked_box(widgets.box);
+    if (!widgets.slider->isSliderDown())
+      widgets.slider->setValue(static_cast<int>(std::lround(angle_deg * kUnitsPerDegree)));
+    widgets.box->setValue(angle_deg);
   }
+  // Joints that are not in the file's list `joints` keep their angle.
+  widgets.slider->setEnabled(is_move && is_allowed);
+  widgets.box->setEnabled(is_move && is_allowed);
+  // Bold: the step itself gives the angle.
+  QFont font = widgets.name->font();
+  const bool is_given = is_move && (row->moved >> joint & 1U) != 0;
+  if (font.bold() == is_given) return;
+  font.setBold(is_given);
+  widgets.name->setFont(font);
 }
 
 void JointPanel::change(std::size_t joint, double angle_deg) {

@@ -10,6 +10,7 @@ class QCheckBox;
 class QDoubleSpinBox;
 class QGridLayout;
 class QLabel;
+class QLineEdit;
 class QSlider;
 
 namespace koboshi::studio {
@@ -22,6 +23,8 @@ class JointPanel final : public QScrollArea {
   explicit JointPanel(MotionEditor& editor, QWidget* parent = nullptr);
 
   void set_row(std::optional<std::size_t> row);
+  // Puts the cursor into the name of the pose.
+  void edit_name();
   // By joint of the robot.
   QSlider* slider(std::size_t joint) const { return joints_.at(joint).slider; }
   QDoubleSpinBox* spin_box(std::size_t joint) const { return joints_.at(joint).box; }
@@ -44,7 +47,9 @@ class JointPanel final : public QScrollArea {
   void add_group(QGridLayout& grid, const QString& title, const std::vector<std::size_t>& joints);
   void add_joint(QGridLayout& grid, std::size_t joint);
   void refresh();
-  QString describe_pose(const MotionRow& row) const;
+  void refresh_pose(const MotionRow* row);
+  void refresh_joint(std::size_t joint, const MotionRow* row, bool is_allowed);
+  void rename_pose();
   void change(std::size_t joint, double angle_deg);
   void drag_ended(std::size_t joint);
 
@@ -52,6 +57,8 @@ class JointPanel final : public QScrollArea {
   const MotionRobot* robot_ = nullptr;  // whose joints are shown
   std::optional<std::size_t> row_;
   QLabel* pose_ = nullptr;
+  QLineEdit* name_ = nullptr;
+  QLabel* uses_ = nullptr;
   QCheckBox* this_step_ = nullptr;
   std::vector<JointRow> joints_;
 };

@@ -73,8 +73,13 @@ class MotionPanel final : public QWidget {
   // panel_actions.cc
   QAction* add_action(QList<QAction*>& actions, const QString& name, const QString& text,
                       const QKeySequence& keys, const QString& tip, std::function<void()> act);
+  QAction* add_edit(const char* name, const QString& text, const QKeySequence& keys, const QString& tip,
+                    std::function<void()> act);
   void add_separator(QList<QAction*>& actions);
   void build_actions();
+  void build_step_actions();
+  void build_time_actions();
+  void build_play_actions();
   void build_file_actions();
   void build_view_actions();
   void update_actions();

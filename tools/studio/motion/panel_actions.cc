@@ -8,14 +8,18 @@
 #include <algorithm>
 #include <utility>
 
+#include "tools/studio/motion/joint_panel.h"
 #include "tools/studio/motion/message_line.h"
 #include "tools/studio/motion/motion_panel.h"
+#include "tools/studio/motion/offer_bar.h"
 #include "tools/studio/motion/step_model.h"
 #include "tools/studio/motion/timeline.h"
 
 // The actions of the motion editor.
 namespace koboshi::studio {
 namespace {
+
+using Rows = std::span<const std::size_t>;
 
 constexpr double kNewStepTime_s = 0.5;
 constexpr double kZoomStep = 1.5;
@@ -36,6 +40,11 @@ QAction* MotionPanel::add_action(QList<QAction*>& actions, const QString& name, 
   return action;
 }
 
+QAction* MotionPanel::add_edit(const char* name, const QString& text, const QKeySequence& keys,
+                               const QString& tip, std::function<void()> act) {
+  return add_action(edit_actions_, QString::fromLatin1(name), text, keys, tip, std::move(act));
+}
+
 void MotionPanel::add_separator(QList<QAction*>& actions) {
   auto* const line = new QAction(this);
   line->setSeparator(true);
@@ -43,89 +52,101 @@ void MotionPanel::add_separator(QList<QAction*>& actions) {
 }
 
 void MotionPanel::build_actions() {
-  QList<QAction*>& all = edit_actions_;
-  const auto add = [&](const char* name, const QString& text, const QKeySequence& keys, const QString& tip,
-                       std::function<void()> act) {
-    return add_action(all, QString::fromLatin1(name), text, keys, tip, std::move(act));
-  };
-  using Rows = std::span<const std::size_t>;
-  QList<QAction*> shown;
-  shown << add("undo", tr("&Undo"), QKeySequence::Undo, tr("Undo the last edit"), [this] { undo(false); });
-  shown << add("redo", tr("&Redo"), Qt::CTRL | Qt::SHIFT | Qt::Key_Z, tr("Redo the edit that was undone"),
-               [this] { undo(true); });
-  add_separator(all);
-  shown << all.back();
-  add("cut", tr("Cu&t"), QKeySequence::Cut, tr("Copy the selected steps and delete them"), [this] {
+  tools_->addAction(
+      add_edit("undo", tr("&Undo"), QKeySequence::Undo, tr("Undo the last edit"), [this] { undo(false); }));
+  tools_->addAction(add_edit("redo", tr("&Redo"), Qt::CTRL | Qt::SHIFT | Qt::Key_Z,
+                             tr("Redo the edit that was undone"), [this] { undo(true); }));
+  add_separator(edit_actions_);
+  tools_->addAction(edit_actions_.back());
+  add_edit("cut", tr("Cu&t"), QKeySequence::Cut, tr("Copy the selected steps and delete them"), [this] {
     copy();
     edit_selected([](MotionDocument& document, Rows rows) { document.erase_rows(rows); });
   });
-  shown << add("copy", tr("&Copy"), QKeySequence::Copy, tr("Copy the selected steps with their poses"),
-               [this] { copy(); });
-  shown << add("paste", tr("&Paste"), QKeySequence::Paste, tr("Insert copied steps, also of another motion"),
-               [this] { paste(); });
-  shown << add("duplicate", tr("Du&plicate"), Qt::CTRL | Qt::Key_D,
-               tr("Repeat the selected steps behind them"), [this] {
-                 add_steps([this](MotionDocument& document, const StepPlace&) {
-                   return document.duplicate_rows(selected());
-                 });
-               });
-  shown << add("delete", tr("&Delete"), QKeySequence::Delete, tr("Delete the selected steps"), [this] {
-    edit_selected([](MotionDocument& document, Rows rows) { document.erase_rows(rows); });
-  });
-  add("select_all", tr("Select &all"), QKeySequence::SelectAll, tr("Select all steps"),
-      [this] { table_->selectAll(); });
-  add_separator(all);
-  shown << all.back();
-  shown << add("insert_pose", tr("&Insert pose"), Qt::Key_Insert,
-               tr("Insert a move to a new pose with the present angles"), [this] {
-                 add_steps([this](MotionDocument& document, const StepPlace& place) {
-                   const auto& rows = document.rows().rows;
-                   const auto angles = rows.empty() ? document.robot().standing_rad
-                                                    : rows[std::min(place.index, rows.size() - 1)].angles_rad;
-                   return document.insert_pose(place, angles, kNewStepTime_s);
-                 });
-               });
-  add("insert_wait", tr("Insert &wait"), Qt::SHIFT | Qt::Key_Insert, tr("Insert a wait of 0.5 s"), [this] {
-    add_steps([](MotionDocument& document, const StepPlace& place) {
-      return document.insert_step(place, "{wait_s: 0.5}");
-    });
-  });
-  add("insert_loop", tr("Insert &loop"), Qt::CTRL | Qt::Key_L,
-      tr("Insert a loop of two rounds around a wait"), [this] {
-        add_steps([](MotionDocument& document, const StepPlace& place) {
-          return document.insert_step(place, "- loop:\n    times: 2\n    steps:\n      - {wait_s: 0.5}\n");
-        });
-      });
-  add("move_up", tr("Move u&p"), Qt::ALT | Qt::Key_Up, tr("Move the selected steps before the step above"),
-      [this] { move(-1); });
-  add("move_down", tr("Move do&wn"), Qt::ALT | Qt::Key_Down,
-      tr("Move the selected steps behind the step below"), [this] { move(1); });
-  add_separator(all);
-  shown << all.back();
-  shown << add(
-      "mirror", tr("&Mirror"), Qt::CTRL | Qt::Key_M, tr("Exchange left and right in the selected steps"),
-      [this] { edit_selected([](MotionDocument& document, Rows rows) { document.mirror_rows(rows); }); });
-  add("mirror_motion", tr("Mirror the &motion"), Qt::CTRL | Qt::SHIFT | Qt::Key_M,
-      tr("Exchange left and right in the whole motion"),
-      [this] { editor_->edit([](MotionDocument& document) { document.mirror_motion(); }); });
-  shown << add(
-      "reverse", tr("Re&verse"), Qt::CTRL | Qt::Key_R, tr("Play the selected moves in the reverse order"),
-      [this] { edit_selected([](MotionDocument& document, Rows rows) { document.reverse_rows(rows); }); });
-  shown << add("scale_time", tr("&Scale time…"), Qt::CTRL | Qt::Key_T,
-               tr("Make the selected steps slower or faster"), [this] {
-                 scale_bar_->show();
-                 scale_factor_->setFocus();
-                 scale_factor_->selectAll();
-               });
-  add_separator(all);
-  shown << all.back();
-  shown << add("play_preview", tr("Pre&view"), Qt::Key_F5, tr("Play from the current step without physics"),
-               [this] { Q_EMIT play_requested(false, std::max(0, table_->currentIndex().row())); });
-  shown << add("play_physics", tr("Simula&te"), Qt::Key_F6, tr("Play the motion in the simulation"),
-               [this] { Q_EMIT play_requested(true, 0); });
+  tools_->addAction(add_edit("copy", tr("&Copy"), QKeySequence::Copy,
+                             tr("Copy the selected steps with their poses"), [this] { copy(); }));
+  tools_->addAction(add_edit("paste", tr("&Paste"), QKeySequence::Paste,
+                             tr("Insert copied steps, also of another motion"), [this] { paste(); }));
+  tools_->addAction(add_edit("duplicate", tr("Du&plicate"), Qt::CTRL | Qt::Key_D,
+                             tr("Repeat the selected steps behind them"), [this] {
+                               add_steps([this](MotionDocument& document, const StepPlace&) {
+                                 return document.duplicate_rows(selected());
+                               });
+                             }));
+  tools_->addAction(add_edit(
+      "delete", tr("&Delete"), QKeySequence::Delete, tr("Delete the selected steps"),
+      [this] { edit_selected([](MotionDocument& document, Rows rows) { document.erase_rows(rows); }); }));
+  add_edit("select_all", tr("Select &all"), QKeySequence::SelectAll, tr("Select all steps"),
+           [this] { table_->selectAll(); });
+  build_step_actions();
+  build_time_actions();
+  build_play_actions();
   build_view_actions();
-  tools_->addActions(shown);
   build_file_actions();
+}
+
+void MotionPanel::build_step_actions() {
+  add_separator(edit_actions_);
+  tools_->addAction(edit_actions_.back());
+  tools_->addAction(add_edit("insert_pose", tr("&Insert pose"), Qt::Key_Insert,
+                             tr("Insert a move to a new pose with the present angles"), [this] {
+                               add_steps([this](MotionDocument& document, const StepPlace& place) {
+                                 const auto& rows = document.rows().rows;
+                                 const auto angles =
+                                     rows.empty() ? document.robot().standing_rad
+                                                  : rows[std::min(place.index, rows.size() - 1)].angles_rad;
+                                 return document.insert_pose(place, angles, kNewStepTime_s);
+                               });
+                             }));
+  add_edit("insert_wait", tr("Insert &wait"), Qt::SHIFT | Qt::Key_Insert, tr("Insert a wait of 0.5 s"),
+           [this] {
+             add_steps([](MotionDocument& document, const StepPlace& place) {
+               return document.insert_step(place, "{wait_s: 0.5}");
+             });
+           });
+  add_edit("insert_loop", tr("Insert &loop"), Qt::CTRL | Qt::Key_L,
+           tr("Insert a loop of two rounds around a wait"), [this] {
+             add_steps([](MotionDocument& document, const StepPlace& place) {
+               return document.insert_step(place,
+                                           "- loop:\n    times: 2\n    steps:\n      - {wait_s: 0.5}\n");
+             });
+           });
+  add_edit("rename_pose", tr("R&ename pose"), Qt::CTRL | Qt::Key_E,
+           tr("Give the pose of this step another name, in all places"), [this] { joints_->edit_name(); });
+  add_edit("move_up", tr("Move u&p"), Qt::ALT | Qt::Key_Up,
+           tr("Move the selected steps before the step above"), [this] { move(-1); });
+  add_edit("move_down", tr("Move do&wn"), Qt::ALT | Qt::Key_Down,
+           tr("Move the selected steps behind the step below"), [this] { move(1); });
+}
+
+void MotionPanel::build_time_actions() {
+  add_separator(edit_actions_);
+  tools_->addAction(edit_actions_.back());
+  tools_->addAction(add_edit(
+      "mirror", tr("&Mirror"), Qt::CTRL | Qt::Key_M, tr("Exchange left and right in the selected steps"),
+      [this] { edit_selected([](MotionDocument& document, Rows rows) { document.mirror_rows(rows); }); }));
+  add_edit("mirror_motion", tr("Mirror the &motion"), Qt::CTRL | Qt::SHIFT | Qt::Key_M,
+           tr("Exchange left and right in the whole motion"),
+           [this] { editor_->edit([](MotionDocument& document) { document.mirror_motion(); }); });
+  tools_->addAction(add_edit(
+      "reverse", tr("Re&verse"), Qt::CTRL | Qt::Key_R, tr("Play the selected moves in the reverse order"),
+      [this] { edit_selected([](MotionDocument& document, Rows rows) { document.reverse_rows(rows); }); }));
+  tools_->addAction(add_edit("scale_time", tr("&Scale time…"), Qt::CTRL | Qt::Key_T,
+                             tr("Make the selected steps slower or faster"), [this] {
+                               scale_bar_->show();
+                               scale_factor_->setFocus();
+                               scale_factor_->selectAll();
+                             }));
+}
+
+void MotionPanel::build_play_actions() {
+  add_separator(edit_actions_);
+  tools_->addAction(edit_actions_.back());
+  tools_->addAction(
+      add_edit("play_preview", tr("Pre&view"), Qt::Key_F5, tr("Play from the current step without physics"),
+               [this] { Q_EMIT play_requested(false, std::max(0, table_->currentIndex().row())); }));
+  tools_->addAction(add_edit("play_physics", tr("Simula&te"), Qt::Key_F6,
+                             tr("Play the motion in the simulation"),
+                             [this] { Q_EMIT play_requested(true, 0); }));
 }
 
 void MotionPanel::build_view_actions() {
@@ -172,8 +193,8 @@ void MotionPanel::update_actions() {
   const auto enable = [this](const char* name, bool enabled) {
     findChild<QAction*>(QString::fromLatin1(name), Qt::FindDirectChildrenOnly)->setEnabled(enabled);
   };
-  for (const char* const name :
-       {"cut", "copy", "duplicate", "delete", "move_up", "move_down", "mirror", "reverse", "scale_time"})
+  for (const char* const name : {"cut", "copy", "duplicate", "delete", "rename_pose", "move_up", "move_down",
+                                 "mirror", "reverse", "scale_time"})
     enable(name, has_rows);
   for (const char* const name : {"paste", "insert_pose", "insert_wait", "insert_loop", "mirror_motion",
                                  "play_preview", "play_physics", "new", "save", "save_as", "upgrade"})
@@ -245,7 +266,7 @@ void MotionPanel::copy() {
   editor_->edit([&](MotionDocument& document) {
     QGuiApplication::clipboard()->setText(QString::fromStdString(document.copy_rows(rows)));
   });
-  messages_->show_note(tr("Copied %n step(s)", nullptr, static_cast<int>(rows.size())));
+  messages_->show_note(rows.size() == 1 ? tr("Copied 1 step") : tr("Copied %1 steps").arg(rows.size()));
 }
 
 void MotionPanel::paste() {
@@ -284,12 +305,21 @@ void MotionPanel::scale_time() {
 }
 
 void MotionPanel::new_motion() {
-  if (modified() && !save()) return;
-  if (const auto error = editor_->begin("untitled")) {
-    messages_->show_error(*error);
+  const auto begin = [this] {
+    if (report(editor_->begin("untitled")) && model_->rowCount() > 0) show_row(0);
+  };
+  if (!modified()) {
+    begin();
     return;
   }
-  if (model_->rowCount() > 0) show_row(0);
+  QAction* const save_action = findChild<QAction*>(QStringLiteral("save"), Qt::FindDirectChildrenOnly);
+  recovery_bar_->offer(tr("This motion has changes that are not saved."), {{tr("Save"),
+                                                                            [this, save_action, begin] {
+                                                                              save_action->trigger();
+                                                                              if (!modified()) begin();
+                                                                            }},
+                                                                           {tr("Discard changes"), begin},
+                                                                           {tr("Cancel"), {}}});
 }
 
 }  // namespace koboshi::studio

@@ -35,6 +35,21 @@ QComboBox* pose_box(QWidget* parent, const MotionDocument& document) {
   return box;
 }
 
+// The labels of the section, or the routines.
+QComboBox* label_box(QWidget* parent, const MotionRows& rows, const MotionRow& row) {
+  auto* const box = new QComboBox(parent);
+  if (row.kind == simulation::StepSource::Kind::kCall) {
+    for (const MotionSection& section : rows.sections)
+      if (!section.name.empty()) box->addItem(QString::fromStdString(section.name));
+    return box;
+  }
+  for (const MotionRow& other : rows.rows) {
+    if (other.kind == simulation::StepSource::Kind::kLabel && other.section == row.section)
+      box->addItem(QString::fromStdString(other.label));
+  }
+  return box;
+}
+
 }  // namespace
 
 QWidget* StepDelegate::createEditor(QWidget* parent, const QStyleOptionViewItem& option,
@@ -67,7 +82,10 @@ QWidget* StepDelegate::createEditor(QWidget* parent, const QStyleOptionViewItem&
     box->setSuffix(tr(" times"));
     return box;
   }
-  if (row.kind == simulation::StepSource::Kind::kMove) return pose_box(parent, model->editor().document());
+  using Kind = simulation::StepSource::Kind;
+  if (row.kind == Kind::kMove) return pose_box(parent, model->editor().document());
+  if (row.kind == Kind::kJump || row.kind == Kind::kCall)
+    return label_box(parent, model->editor().rows(), row);
   return QStyledItemDelegate::createEditor(parent, option, index);
 }
 

@@ -2,8 +2,11 @@
 
 #include <QGuiApplication>
 #include <algorithm>
+#include <cctype>
+#include <string_view>
 #include <utility>
 
+#include "tools/studio/document/edit_support.h"
 #include "tools/studio/motion/colours.h"
 #include "tools/studio/motion/step_icons.h"
 
@@ -13,6 +16,16 @@ namespace {
 using Kind = simulation::StepSource::Kind;
 
 QString number(double value, int decimals) { return QString::number(value, 'f', decimals); }
+// Whether a value needs no quotes in flow style.
+bool is_plain(const std::string& text) {
+  const auto fits = [](char letter) {
+    return std::isalnum(static_cast<unsigned char>(letter)) != 0 ||
+           std::string_view(" _.<>=+-*/()").find(letter) != std::string_view::npos;
+  };
+  return !text.empty() && std::isalnum(static_cast<unsigned char>(text.front())) != 0 && text.back() != ' ' &&
+         std::ranges::all_of(text, fits);
+}
+
 // As in the file.
 QString short_number(double value) { return QString::number(value, 'g', 7); }
 
@@ -216,7 +229,7 @@ bool StepModel::is_editable(std::size_t row, Column column) const {
   const bool is_move = step.kind == Kind::kMove;
   switch (column) {
     case kStep:
-      return (is_move && !step.pose.empty()) || step.kind == Kind::kLabel || step.times.has_value();
+      return !step_value(step).key.empty();
     case kTime:
       return is_move || step.time_s.has_value();
     case kSpeed:
@@ -237,11 +250,28 @@ Qt::ItemFlags StepModel::flags(const QModelIndex& index) const {
   return flags;
 }
 
+StepModel::StepValue StepModel::step_value(const MotionRow& row) const {
+  const sim::YamlNode* const tree = editor_.document().tree();
+  const sim::YamlNode* const step = tree != nullptr ? find_node(*tree, row.path) : nullptr;
+  if (step == nullptr) return {};
+  const sim::YamlNode* const loop = step->find("loop");
+  for (const char* const key : {"times", "until", "while"}) {
+    const sim::YamlNode* const value = loop != nullptr ? loop->find(key) : nullptr;
+    if (value != nullptr && value->kind == sim::YamlNode::Kind::kScalar)
+      return {std::string("loop.") + key, value->scalar};
+  }
+  for (const char* const key : {"pose", "label", "jump", "call", "if"}) {
+    const sim::YamlNode* const value = step->find(key);
+    if (value != nullptr && value->kind == sim::YamlNode::Kind::kScalar) return {key, value->scalar};
+  }
+  return {};
+}
+
 QVariant StepModel::edit_value(const MotionRow& row, int column) const {
   switch (column) {
     case kStep:
       if (row.times) return *row.times;
-      return QString::fromStdString(row.kind == Kind::kMove ? row.pose : row.label);
+      return QString::fromStdString(step_value(row).text);
     case kTime:
       return row.time_s ? *row.time_s : row.duration_s - row.pause_s;
     case kSpeed:
@@ -275,8 +305,9 @@ void StepModel::apply(MotionDocument& document, const std::vector<std::size_t>& 
     document.set_interpolation(rows, wanted);
   }
   if (column != kStep) return;
-  const char* const key = first.times ? "loop.times" : first.kind == Kind::kMove ? "pose" : "label";
-  document.set_value(rows.front(), key, value.toString().toStdString());
+  const std::string text = value.toString().toStdString();
+  document.set_value(rows.front(), tools::YamlPath(step_value(first).key.c_str()),
+                     is_plain(text) ? text : yaml_scalar(text));
 }
 
 bool StepModel::setData(const QModelIndex& index, const QVariant& value, int role) {

@@ -6,6 +6,7 @@
 #include <QPalette>
 #include <array>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "tools/studio/motion/motion_editor.h"
@@ -62,6 +63,12 @@ class StepModel final : public QAbstractTableModel {
   QVariant edit_value(const MotionRow& row, int column) const;
   void apply(MotionDocument& document, const std::vector<std::size_t>& rows, int column,
              const QVariant& value) const;
+  // The key of the value that is edited in the column of steps, "loop.times", with its text; empty: none.
+  struct StepValue {
+    std::string key;
+    std::string text;
+  };
+  StepValue step_value(const MotionRow& row) const;
   std::vector<std::size_t> concerned(std::size_t row, Column column) const;
 
   MotionEditor& editor_;

@@ -221,6 +221,7 @@ void Timeline::select(std::size_t row, Qt::KeyboardModifiers modifiers) {
 void Timeline::mousePressEvent(QMouseEvent* event) {
   if (event->button() != Qt::LeftButton || !editor_.is_open()) return;
   press_ = pointer_ = event->position();
+  has_moved_ = false;
   if (press_.y() < kRuler || press_.y() >= lanes().margin) {
     mode_ = Mode::kScrub;
     mouseMoveEvent(event);
@@ -246,8 +247,9 @@ void Timeline::mouseMoveEvent(QMouseEvent* event) {
     scrub_s_ = std::max(0.0, time_at(pointer_.x()));
     if (const auto tick = tick_at(*scrub_s_)) Q_EMIT scrubbed(*tick);
   }
-  if (mode_ == Mode::kKey) drag_key(pointer_.x(), event->modifiers().testFlag(Qt::AltModifier));
-  if (mode_ == Mode::kScale) drag_scale(pointer_.x());
+  has_moved_ = has_moved_ || std::abs(pointer_.x() - press_.x()) >= kDragBegin_px;
+  if (mode_ == Mode::kKey && has_moved_) drag_key(pointer_.x(), event->modifiers().testFlag(Qt::AltModifier));
+  if (mode_ == Mode::kScale && has_moved_) drag_scale(pointer_.x());
   if (mode_ == Mode::kNone) {
     const auto row = row_at(pointer_);
     viewport()->setCursor(row && is_key_at(*row, pointer_) ? Qt::SizeHorCursor : Qt::ArrowCursor);
@@ -262,7 +264,6 @@ void Timeline::drag_key(double x, bool is_fine) {
   const double wish_s = time_at(x) - step.start_s;
   const double time_s = std::max(kShortestMove_s, std::round(wish_s / grid_s) * grid_s);
   if (step.time_s && std::abs(*step.time_s - time_s) < 0.0005) return;
-  if (std::abs(x - press_.x()) < 3.0 && !editor_.document().is_modified()) return;
   const std::size_t rows[]{drag_row_};
   editor_.edit([&](MotionDocument& document) {
     document.set_time(rows, time_s, "timeline " + std::to_string(rows[0]));
@@ -299,6 +300,10 @@ void Timeline::mouseReleaseEvent(QMouseEvent* event) {
   pointer_ = event->position();
   if (mode == Mode::kKey) editor_.end_drag();
   if (mode == Mode::kBox) select_box();
+  if (mode == Mode::kScale && !has_moved_) {  // a click on one of several selected steps selects it alone
+    selection_.clearSelection();
+    select(drag_row_, Qt::NoModifier);
+  }
   if (mode == Mode::kScale && std::abs(drag_factor_ - 1.0) > 0.001) {
     const std::vector<std::size_t> rows = selected();
     const double factor = drag_factor_;

@@ -79,10 +79,12 @@ class Timeline final : public QAbstractScrollArea {
   void paint_step(QPainter& painter, const Colours& colours, std::size_t row, bool is_selected) const;
   void paint_arrows(QPainter& painter, const Colours& colours) const;
   void paint_loop(QPainter& painter, const Colours& colours, const MotionRow& row) const;
+  void paint_scrub(QPainter& painter, const Colours& colours) const;
+
+  // timeline_curves.cc
   void paint_margin(QPainter& painter, const Colours& colours) const;
   void paint_curves(QPainter& painter, const Colours& colours) const;
   void paint_shares(QPainter& painter, const Colours& colours, const QRectF& area) const;
-  void paint_scrub(QPainter& painter, const Colours& colours) const;
   // The ticks that a column of pixels shows, as a half-open range.
   std::pair<std::size_t, std::size_t> ticks_in(int x) const;
 
@@ -97,6 +99,7 @@ class Timeline final : public QAbstractScrollArea {
   std::optional<double> scrub_s_;
 
   Mode mode_ = Mode::kNone;
+  bool has_moved_ = false;  // since the button was pressed
   std::size_t drag_row_ = 0;
   double drag_factor_ = 1.0;  // of kScale, applied at its end
   QPointF press_;

@@ -15,6 +15,7 @@ inline constexpr int kMostOtherwise = 4;
 inline constexpr int kMargin = 46;
 inline constexpr int kLeastCurves = 60;
 inline constexpr double kKeyReach_px = 6.0;
+inline constexpr double kDragBegin_px = 3.0;
 
 inline constexpr double kShortest_s = 0.5;       // that the timeline shows
 inline constexpr double kShownRest_s = 0.6;      // of the check, after the end: the robot comes to rest
