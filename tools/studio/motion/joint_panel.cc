@@ -247,7 +247,7 @@ void JointPanel::change(std::size_t joint, double angle_deg) {
   Q_EMIT joint_chosen(joint);
   const JointAngle angle{joint, angle_deg * sim::kRadPerDegree};
   const PoseScope scope =
-      this_step_->isVisible() && this_step_->isChecked() ? PoseScope::kThisStep : PoseScope::kAllSteps;
+      !this_step_->isHidden() && this_step_->isChecked() ? PoseScope::kThisStep : PoseScope::kAllSteps;
   const bool is_drag = joints_[joint].slider->isSliderDown();
   const std::string drag = is_drag ? "slider " + std::to_string(joint) + " " + std::to_string(*row_) : "";
   const std::size_t row = *row_;

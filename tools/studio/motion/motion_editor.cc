@@ -79,8 +79,7 @@ std::optional<QString> MotionEditor::begin(const std::string& name) {
 std::optional<QString> MotionEditor::restore(const Recovery& recovery) {
   auto error = take([&] { return MotionDocument::restore(robot_, recovery, recovery_folder_); });
   if (error) return error;
-  autosave();
-  discard_recovery(recovery);
+  if (autosave()) discard_recovery(recovery);
   return std::nullopt;
 }
 
@@ -203,8 +202,13 @@ std::vector<Recovery> MotionEditor::recoveries() const {
   std::vector<Recovery> found;
   if (recovery_folder_.empty()) return found;
   for (Recovery& recovery : find_recoveries(recovery_folder_)) {
-    if (document_ != nullptr && recovery.original == document_->file()) found.push_back(std::move(recovery));
+    if (recovery.original.empty() || (document_ != nullptr && recovery.original == document_->file()))
+      found.push_back(std::move(recovery));
   }
+  std::ranges::stable_sort(found, [](const Recovery& one, const Recovery& other) {
+    return std::pair(one.original.empty(), other.time_unix_s) <
+           std::pair(other.original.empty(), one.time_unix_s);
+  });
   return found;
 }
 
@@ -229,13 +233,16 @@ void MotionEditor::look_at_disk() {
   Q_EMIT changed_on_disk(change);
 }
 
-void MotionEditor::autosave() {
-  if (document_ == nullptr) return;
+// Returns false after an error.
+bool MotionEditor::autosave() {
+  if (document_ == nullptr) return true;
   try {
     document_->autosave(QDateTime::currentSecsSinceEpoch());
   } catch (const std::exception& error) {
     Q_EMIT failed(QString::fromStdString(error.what()));
+    return false;
   }
+  return true;
 }
 
 }  // namespace koboshi::studio

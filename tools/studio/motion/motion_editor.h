@@ -60,7 +60,8 @@ class MotionEditor final : public QObject {
   const std::vector<double>& shown_s() const { return shown_s_; }
   bool is_checking() const { return check_.is_running(); }
 
-  // Recoveries of a file that a crash has left.
+  // Recoveries that a crash has left: of the document's file, then of motions that were never saved; the
+  // newest first.
   std::vector<Recovery> recoveries() const;
   // Ends as a crash would: the recovery stays.
   void keep_recovery();
@@ -81,7 +82,7 @@ class MotionEditor final : public QObject {
   void align_result();
   void watch();
   void look_at_disk();
-  void autosave();
+  bool autosave();
 
   std::filesystem::path recovery_folder_;
   std::filesystem::path robot_file_;

@@ -179,17 +179,19 @@ bool MotionPanel::save_as(const fs::path& file) { return editor_->is_open() && r
 void MotionPanel::offer_recovery() {
   const auto found = editor_->recoveries();
   if (found.empty()) return;
-  const auto newest = std::ranges::max_element(found, {}, &Recovery::time_unix_s);
-  const Recovery recovery = *newest;
+  const Recovery& recovery = found.front();
   const QString when =
       QDateTime::fromSecsSinceEpoch(recovery.time_unix_s).toString(QStringLiteral("yyyy-MM-dd hh:mm"));
-  recovery_bar_->offer(tr("The editor ended without saving this motion. Its text of %1 was kept.").arg(when),
-                       {{tr("Restore"),
-                         [this, recovery] {
-                           if (report(editor_->restore(recovery)) && model_->rowCount() > 0) show_row(0);
-                         }},
-                        {tr("Discard"), [recovery] { discard_recovery(recovery); }},
-                        {tr("Later"), {}}});
+  const QString text = recovery.original.empty()
+                           ? tr("The editor ended without saving a new motion. Its text of %1 was kept.")
+                           : tr("The editor ended without saving this motion. Its text of %1 was kept.");
+  recovery_bar_->offer(text.arg(when), {{tr("Restore"),
+                                         [this, recovery] {
+                                           if (report(editor_->restore(recovery)) && model_->rowCount() > 0)
+                                             show_row(0);
+                                         }},
+                                        {tr("Discard"), [recovery] { discard_recovery(recovery); }},
+                                        {tr("Later"), {}}});
 }
 
 void MotionPanel::offer_reload(DiskChange change) {
