@@ -82,6 +82,7 @@ class MotionPanelTest final : public PanelFixture {
     press("scale_time");
     auto* const scale = panel_->findChild<QDoubleSpinBox*>(QStringLiteral("scale"));
     QVERIFY(scale->isVisible());
+    grab("scale_bar");
     scale->setValue(200);
     QTest::mouseClick(panel_->findChild<QPushButton*>(QStringLiteral("apply_scale")), Qt::LeftButton);
     QVERIFY(!scale->isVisible());
@@ -478,6 +479,10 @@ class MotionPanelTest final : public PanelFixture {
     measure("repaint of the timeline", [&](int) { timeline().viewport()->repaint(); });
     measure("repaint of the table", [&](int) { table().viewport()->repaint(); });
     measure("repaint of the panel", [&](int) { panel_->repaint(); });
+    wait_for_check();
+    grab("large");
+    timeline().zoom(40);
+    grab("large_zoomed");
   }
 
   void looks_right() {

@@ -11,7 +11,7 @@
 namespace koboshi::studio {
 namespace {
 
-constexpr int kNiceness = 10;
+constexpr int kNiceness = 5;
 
 // A checker with the file of its robot.
 struct RobotChecker {

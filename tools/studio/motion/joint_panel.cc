@@ -59,28 +59,7 @@ void JointPanel::build() {
   grid->setHorizontalSpacing(8);
   grid->setVerticalSpacing(1);
   grid->setColumnStretch(1, 1);
-  pose_ = new QLabel(content);
-  name_ = new QLineEdit(content);
-  name_->setObjectName(QStringLiteral("pose"));
-  name_->setToolTip(tr("Name of the pose in the file; a new name replaces it in all places (Ctrl+E)"));
-  uses_ = new QLabel(content);
-  connect(name_, &QLineEdit::editingFinished, this, &JointPanel::rename_pose);
-  this_step_ = new QCheckBox(tr("Change this step &alone"), content);
-  this_step_->setObjectName(QStringLiteral("this_step"));
-  this_step_->setToolTip(
-      tr("Gives the step a copy of its pose, with a name of its own, before it changes.\n"
-         "Otherwise all steps change that use the pose."));
-  QSizePolicy policy = this_step_->sizePolicy();
-  policy.setRetainSizeWhenHidden(true);  // the sliders stay where they are
-  this_step_->setSizePolicy(policy);
-  auto* const heading = new QHBoxLayout;
-  heading->setSpacing(8);
-  heading->addWidget(pose_);
-  heading->addWidget(name_, 1);
-  heading->addWidget(uses_);
-  grid->addLayout(heading, 0, 0, 1, 3);
-  grid->setRowMinimumHeight(0, name_->sizeHint().height());
-  grid->addWidget(this_step_, 1, 0, 1, 3);
+  add_pose(*grid);
   const simulation::JointNames names(robot_->model);
   std::uint32_t rest = ~0U;
   struct Limb {
@@ -109,6 +88,31 @@ void JointPanel::build() {
   setMinimumWidth(content->minimumSizeHint().width() + 2 * frameWidth());
   setWidget(content);
   refresh();
+}
+
+void JointPanel::add_pose(QGridLayout& grid) {
+  pose_ = new QLabel;
+  name_ = new QLineEdit;
+  name_->setObjectName(QStringLiteral("pose"));
+  name_->setToolTip(tr("Name of the pose in the file; a new name replaces it in all places (Ctrl+E)"));
+  uses_ = new QLabel;
+  connect(name_, &QLineEdit::editingFinished, this, &JointPanel::rename_pose);
+  this_step_ = new QCheckBox(tr("Change this step &alone"));
+  this_step_->setObjectName(QStringLiteral("this_step"));
+  this_step_->setToolTip(
+      tr("Gives the step a copy of its pose, with a name of its own, before it changes.\n"
+         "Otherwise all steps change that use the pose."));
+  QSizePolicy policy = this_step_->sizePolicy();
+  policy.setRetainSizeWhenHidden(true);  // the sliders stay where they are
+  this_step_->setSizePolicy(policy);
+  auto* const heading = new QHBoxLayout;
+  heading->setSpacing(8);
+  heading->addWidget(pose_);
+  heading->addWidget(name_, 1);
+  heading->addWidget(uses_);
+  grid.addLayout(heading, 0, 0, 1, 3);
+  grid.setRowMinimumHeight(0, name_->sizeHint().height());
+  grid.addWidget(this_step_, 1, 0, 1, 3);
 }
 
 void JointPanel::add_group(QGridLayout& grid, const QString& title, const std::vector<std::size_t>& joints) {

@@ -44,6 +44,7 @@ class JointPanel final : public QScrollArea {
   };
 
   void build();
+  void add_pose(QGridLayout& grid);
   void add_group(QGridLayout& grid, const QString& title, const std::vector<std::size_t>& joints);
   void add_joint(QGridLayout& grid, std::size_t joint);
   void refresh();

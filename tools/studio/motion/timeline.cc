@@ -105,10 +105,21 @@ void Timeline::update_scroll_bar() {
 }
 
 void Timeline::zoom(double factor) {
-  const double middle_s = time_at(viewport()->width() / 2.0);
+  double x = viewport()->width() / 2.0;
+  const auto row = static_cast<std::size_t>(selection_.currentIndex().row());
+  if (selection_.currentIndex().isValid() && row < editor_.rows().rows.size()) {
+    const double current = x_of(editor_.rows().rows[row].start_s);
+    if (current >= kLeft && current < viewport()->width()) x = current;
+  }
+  zoom_at(x, factor);
+}
+
+// The time at `x` stays there.
+void Timeline::zoom_at(double x, double factor) {
+  const double time_s = time_at(x);
   zoom_ = std::clamp(zoom_ * factor, 1.0, kMostZoom);
   update_scroll_bar();
-  horizontalScrollBar()->setValue(static_cast<int>(kLeft + middle_s * px_per_s_ - viewport()->width() / 2.0));
+  horizontalScrollBar()->setValue(static_cast<int>(kLeft + time_s * px_per_s_ - x));
   viewport()->update();
 }
 
@@ -322,7 +333,7 @@ void Timeline::mouseDoubleClickEvent(QMouseEvent* event) {
 
 void Timeline::wheelEvent(QWheelEvent* event) {
   if (event->modifiers().testFlag(Qt::ControlModifier)) {
-    zoom(std::pow(1.25, event->angleDelta().y() / 120.0));
+    zoom_at(event->position().x(), std::pow(1.25, event->angleDelta().y() / 120.0));
   } else {
     const QPoint delta = event->angleDelta();
     horizontalScrollBar()->setValue(horizontalScrollBar()->value() - delta.x() - delta.y());

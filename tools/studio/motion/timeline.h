@@ -21,7 +21,7 @@ class Timeline final : public QAbstractScrollArea {
 
   // The joint whose curves are shown.
   void set_joint(std::optional<std::size_t> joint);
-  // Multiplies the scale; 1 is all of the section.
+  // Multiplies the scale, around the current step if it is in view.
   void zoom(double factor);
   void fit();
   // Where the pose of a move is reached, or a step ends, in the viewport.
@@ -56,6 +56,7 @@ class Timeline final : public QAbstractScrollArea {
   void follow_selection();
   void update_scroll_bar();
   void update_lanes();
+  void zoom_at(double x, double factor);
   // The joint whose curves are shown: the chosen one, or that which moves most.
   std::optional<std::size_t> shown_joint() const { return joint_ ? joint_ : moving_joint_; }
   double duration_s() const;

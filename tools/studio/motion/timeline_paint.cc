@@ -158,9 +158,10 @@ void Timeline::paint_step(QPainter& painter, const Colours& colours, std::size_t
   if (marked.isValid()) fill = marked;
   fill.setAlpha(is_selected ? 130 : 55);
   const double pause_px = step.pause_s * px_per_s_;
+  const double gap_px = bar.width() > 4.0 ? 0.5 : 0.0;
   painter.setPen(is_selected ? QPen(highlight, 1.5) : QPen(Qt::NoPen));
   painter.setBrush(is_move ? QBrush(fill) : QBrush(fill, Qt::BDiagPattern));
-  painter.drawRoundedRect(bar.adjusted(0.5, 0, -0.5 - pause_px, 0), 3, 3);
+  painter.drawRoundedRect(bar.adjusted(gap_px, 0, -gap_px - pause_px, 0), 3, 3);
   const QPointF key = key_point(row);
   const double text_px = bar.width() - pause_px - 16;
   if (text_px > 22) {
