@@ -58,7 +58,6 @@ QWidget* StepDelegate::createEditor(QWidget* parent, const QStyleOptionViewItem&
   if (model == nullptr) return QStyledItemDelegate::createEditor(parent, option, index);
   switch (index.column()) {
     case StepModel::kTime:
-      return spin_box(parent, kLongestTime_s, 0.05, 3, tr(" s"));
     case StepModel::kPause:
       return spin_box(parent, kLongestTime_s, 0.05, 3, tr(" s"));
     case StepModel::kSpeed:
