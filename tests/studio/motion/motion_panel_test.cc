@@ -1,5 +1,6 @@
 #include "tools/studio/motion/motion_panel.h"
 
+#include <QAbstractButton>
 #include <QCheckBox>
 #include <QClipboard>
 #include <QDoubleSpinBox>
@@ -140,7 +141,7 @@ class MotionPanelTest final : public PanelFixture {
     QTest::keyClick(&table(), Qt::Key_F8, Qt::ShiftModifier);
     press("next_finding");
     grab("finding");
-    QTest::mouseClick(panel_->findChild<QPushButton*>(QStringLiteral("message")), Qt::LeftButton);
+    QTest::mouseClick(panel_->findChild<QAbstractButton*>(QStringLiteral("message")), Qt::LeftButton);
     QVERIFY(!finding(table().currentIndex().row()).isEmpty());
     press("undo");
     QTRY_VERIFY_WITH_TIMEOUT(finding(1).isEmpty(), kPatience_ms);
@@ -501,6 +502,10 @@ class MotionPanelTest final : public PanelFixture {
       }
     }
     QApplication::setPalette(light);
+    panel_->resize(640, 560);
+    QCoreApplication::processEvents();
+    qInfo("at least %d x %d", panel_->minimumSizeHint().width(), panel_->minimumSizeHint().height());
+    grab("narrow");
   }
 };
 

@@ -17,11 +17,11 @@ using simulation::Severity;
 MessageLine::MessageLine(MotionEditor& editor, QWidget* parent) : QWidget(parent), editor_(editor) {
   auto* const row = new QHBoxLayout(this);
   row->setContentsMargins(4, 1, 8, 1);
-  message_ = new QPushButton(this);
-  message_->setFlat(true);
+  message_ = new QToolButton(this);
+  message_->setAutoRaise(true);
+  message_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
   message_->installEventFilter(this);
   message_->setObjectName(QStringLiteral("message"));
-  message_->setStyleSheet(QStringLiteral("text-align: left; padding: 2px"));
   message_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed);
   count_ = new QLabel(this);
   previous_ = new QToolButton(this);
@@ -42,7 +42,7 @@ MessageLine::MessageLine(MotionEditor& editor, QWidget* parent) : QWidget(parent
     row->addWidget(widget);
   connect(previous_, &QToolButton::clicked, this, [this] { show_next(-1); });
   connect(next_, &QToolButton::clicked, this, [this] { show_next(1); });
-  connect(message_, &QPushButton::clicked, this, [this] {
+  connect(message_, &QToolButton::clicked, this, [this] {
     const auto& findings = editor_.findings();
     if (own_text_.isEmpty() && shown_ < findings.size() && findings[shown_].row)
       Q_EMIT row_wanted(*findings[shown_].row);
@@ -106,23 +106,25 @@ void MessageLine::refresh() {
   previous_->setVisible(findings.size() > 1);
   next_->setVisible(findings.size() > 1);
   verdict_->setText(verdict());
+  const auto icon = [this](Severity severity) { return severity_icon(severity, palette()); };
   if (!own_text_.isEmpty()) {
-    present(own_text_, own_is_error_ ? Severity::kError : Severity::kNote, own_text_);
+    present(own_text_, icon(own_is_error_ ? Severity::kError : Severity::kNote), own_text_);
   } else if (!findings.empty()) {
     const RowFinding& finding = findings[shown_];
     const QString where = finding.row ? tr("step %1: ").arg(*finding.row + 1) : QString();
-    present(finding.code + u' ' + where + finding.text, finding.severity,
+    present(finding.code + u' ' + where + finding.text, icon(finding.severity),
             finding.hint.isEmpty() ? finding.text : finding.text + u'\n' + finding.hint);
+  } else if (editor_.is_open() && editor_.checked() != nullptr && !editor_.is_checking()) {
+    present(tr("No findings"), good_icon(palette()), {});
   } else {
-    const bool is_done = editor_.is_open() && editor_.checked() != nullptr && !editor_.is_checking();
-    present(is_done ? tr("No findings") : QString(), std::nullopt, {});
+    present({}, {}, {});
   }
 }
 
-void MessageLine::present(const QString& text, std::optional<Severity> severity, const QString& tip) {
+void MessageLine::present(const QString& text, const QIcon& icon, const QString& tip) {
   full_text_ = text;
   message_->setToolTip(tip);
-  message_->setIcon(severity ? severity_icon(*severity, palette()) : QIcon());
+  message_->setIcon(icon);
   elide();
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <QPushButton>
+#include <QIcon>
 #include <QWidget>
 
 #include "tools/studio/motion/motion_editor.h"
@@ -38,7 +38,7 @@ class MessageLine final : public QWidget {
 
  private:
   void refresh();
-  void present(const QString& text, std::optional<simulation::Severity> severity, const QString& tip);
+  void present(const QString& text, const QIcon& icon, const QString& tip);
   void elide();
 
   MotionEditor& editor_;
@@ -46,7 +46,7 @@ class MessageLine final : public QWidget {
   QString own_text_;       // an error or a note; empty: the finding is shown
   bool own_is_error_ = false;
   QString full_text_;
-  QPushButton* message_;
+  QToolButton* message_;
   QLabel* count_;
   QToolButton* previous_;
   QToolButton* next_;

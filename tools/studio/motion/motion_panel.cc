@@ -104,7 +104,7 @@ void MotionPanel::build_layout() {
   middle->addWidget(joints_);
   middle->setStretchFactor(0, 1);
   middle->setStretchFactor(1, 0);
-  middle->setChildrenCollapsible(false);
+  middle->setCollapsible(0, false);
   middle->setSizes({920, 360});
   auto* const column = new QVBoxLayout(this);
   column->setContentsMargins(0, 0, 0, 0);

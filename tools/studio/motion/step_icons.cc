@@ -102,4 +102,11 @@ QIcon severity_icon(Severity severity, const QPalette& palette) {
   return icon;
 }
 
+QIcon good_icon(const QPalette& palette) {
+  return QIcon(pixmap_of([&](QPainter& painter) {
+    painter.setPen(QPen(colours_of(palette).stable, 2.2, Qt::SolidLine, Qt::RoundCap, Qt::RoundJoin));
+    painter.drawPolyline(QPolygonF({{3, 8.5}, {6.5, 12}, {13, 4.5}}));
+  }));
+}
+
 }  // namespace koboshi::studio

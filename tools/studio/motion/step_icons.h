@@ -12,5 +12,7 @@ namespace koboshi::studio {
 [[nodiscard]] QIcon kind_icon(simulation::StepSource::Kind kind, const QPalette& palette);
 // A round error, a triangular warning, a square note.
 [[nodiscard]] QIcon severity_icon(simulation::Severity severity, const QPalette& palette);
+// A tick: nothing is found.
+[[nodiscard]] QIcon good_icon(const QPalette& palette);
 
 }  // namespace koboshi::studio
