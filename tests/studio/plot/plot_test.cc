@@ -92,23 +92,32 @@ struct SinglePlot {
       values->append(samples[i]);
     }
     plot.resize(700, 200);
-    plot.set_traces({{.signal = {.name = "x", .unit = "N"}, .times = times, .values = values}});
+    set_dashed(false);
     view.set_extent(static_cast<double>(kTick_us), static_cast<double>(samples.size() * kTick_us));
   }
-  // Whether any pixel between two heights (0: top of the widget, 1: bottom) at a time has about the trace's
-  // colour.
+  void set_dashed(bool dashed = true) {
+    plot.set_traces(
+        {{.signal = {.name = "x", .unit = "N"}, .times = times, .values = values, .dashed = dashed}});
+  }
+  // Whether a pixel of a column has about the trace's colour.
+  bool is_drawn_at(const QImage& image, int x, int top, int bottom) const {
+    const QColor colour = PlotStyle(plot.palette()).trace(0);
+    for (int y = top; y < bottom; ++y) {
+      const QColor other = image.pixelColor(x, y);
+      if (std::abs(colour.red() - other.red()) + std::abs(colour.green() - other.green()) +
+              std::abs(colour.blue() - other.blue()) <
+          150)
+        return true;
+    }
+    return false;
+  }
+  // Whether the trace is drawn at a time between two heights (0: top of the widget, 1: bottom).
   bool is_drawn(double time_us, double top, double bottom) {
     const QImage image = plot.grab().toImage();
-    const QColor colour = PlotStyle(plot.palette()).trace(0);
-    const auto distance = [&colour](const QColor& other) {
-      return std::abs(colour.red() - other.red()) + std::abs(colour.green() - other.green()) +
-             std::abs(colour.blue() - other.blue());
-    };
     const int x = static_cast<int>(plot.x_of(time_us));
-    for (int y = static_cast<int>(top * 200.0); y < static_cast<int>(bottom * 200.0); ++y)
-      for (int column = x - 1; column <= x + 1; ++column)
-        if (distance(image.pixelColor(column, y)) < 150) return true;
-    return false;
+    const auto y = [](double height) { return static_cast<int>(height * 200.0); };
+    return is_drawn_at(image, x - 1, y(top), y(bottom)) || is_drawn_at(image, x, y(top), y(bottom)) ||
+           is_drawn_at(image, x + 1, y(top), y(bottom));
   }
 };
 
@@ -158,6 +167,8 @@ class PlotTest final : public QObject {
   void rewind_forgets_what_is_later();
   void states_and_events_have_texts();
   void legend_shows_values_at_the_cursor();
+  void dashes_have_gaps_data();
+  void dashes_have_gaps();
   void gaps_are_not_drawn_data();
   void gaps_are_not_drawn();
   void a_single_spike_in_an_hour_is_drawn();
@@ -549,6 +560,29 @@ void PlotTest::legend_shows_values_at_the_cursor() {
   QVERIFY(lines[1].endsWith(QStringLiteral("°")));
   QCOMPARE(plot->legend_at({80.0, 8.0}), QStringLiteral("left_knee_target"));
   QCOMPARE(plot->legend_at({80.0, 80.0}), QString());
+}
+
+void PlotTest::dashes_have_gaps_data() {
+  QTest::addColumn<std::size_t>("samples");
+  QTest::newRow("segments of many dashes") << std::size_t{5};
+  QTest::newRow("a pixel between samples")
+      << std::size_t{701 - TimeAxisWidget::kAxisWidth - TimeAxisWidget::kRightMargin};
+  QTest::newRow("columns of samples") << std::size_t{20'000};
+}
+
+void PlotTest::dashes_have_gaps() {
+  QFETCH(std::size_t, samples);
+  SinglePlot single(std::vector<float>(samples, 1.0F));
+  const auto share = [&single] {
+    int drawn = 0;
+    const QImage image = single.plot.grab().toImage();
+    for (int x = TimeAxisWidget::kAxisWidth + 1; x < 700 - TimeAxisWidget::kRightMargin - 1; ++x)
+      drawn += single.is_drawn_at(image, x, 40, 190) ? 1 : 0;
+    return drawn / (700.0 - TimeAxisWidget::kAxisWidth - TimeAxisWidget::kRightMargin - 2.0);
+  };
+  QVERIFY(share() > 0.99);
+  single.set_dashed();
+  QVERIFY2(share() > 0.55 && share() < 0.8, qPrintable(QString::number(share())));
 }
 
 void PlotTest::gaps_are_not_drawn_data() {

@@ -3,14 +3,18 @@
 #include <QPainter>
 #include <QPolygonF>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace koboshi::studio {
 namespace {
 
 constexpr double kLineWidth = 1.6;
-constexpr double kDashPeriod_px = 9.0;  // the dashes stay at their times when the range moves
+constexpr double kColumnLineWidth = 1.5;   // of a line in columns, horizontally
+constexpr double kColumnLineHeight = 1.5;  // and vertically
+constexpr double kDashPeriod_px = 9.0;     // the dashes stay at their times when the range moves
 constexpr double kDashLength_px = 6.0;
 constexpr double kMaxLineDensity = 1.0;  // samples per pixel that are still drawn one by one
 constexpr double kMaxDotDensity = 0.08;  // samples per pixel that are still drawn as dots, too
@@ -42,17 +46,29 @@ void draw_dashes(QPainter& painter, const QPolygonF& line, double phase) {
       const auto at = [&](double px) {
         return b.x() > a.x() ? a + (px - a.x()) / (b.x() - a.x()) * (b - a) : b;
       };
+      if (!is_dash) flush();  // a dash may have ended at the end of a segment
       if (is_dash) {
         if (dash.isEmpty()) dash << at(x);
         dash << (next < b.x() ? at(next) : b);
       }
       if (next >= b.x()) break;
-      if (is_dash) flush();
       x = next;
     }
   }
   flush();
 }
+
+constexpr std::size_t kHalves = 2;
+
+// The part of a column of pixels that a line covers, in pixels; top >= bottom: nothing.
+struct Reach {
+  double top = std::numeric_limits<double>::infinity();
+  double bottom = 0.0;
+
+  double share_of(int y) const {
+    return std::clamp(std::min(bottom, y + 1.0) - std::max(top, static_cast<double>(y)), 0.0, 1.0);
+  }
+};
 
 class TracePainter {
  public:
@@ -120,28 +136,44 @@ class TracePainter {
     }
   }
 
-  // The extent of the line within each pixel column. Columns begin at multiples of their duration, so that a
-  // range that moves shows the same columns.
+  // The extent of the line within each half of a pixel column, which the line's width joins with its
+  // neighbours'. Halves begin at multiples of their duration, so that a range that moves shows the same ones.
   void draw_columns() {
     const double scale = picture_.devicePixelRatio();
-    const double duration_us = (area_.to_us - area_.from_us) / (area_.rect.width() * scale);
-    const double begin_us = (std::floor(area_.from_us / duration_us) - 1.0) * duration_us;
-    std::vector<Column> columns(static_cast<std::size_t>(std::ceil(area_.rect.width() * scale)) + 3);
+    const double duration_us = (area_.to_us - area_.from_us) / (area_.rect.width() * scale * kHalves);
+    const double begin_us =
+        (std::floor(area_.from_us / (duration_us * kHalves)) - 1.0) * duration_us * kHalves;
+    const auto pixels = static_cast<std::size_t>(std::ceil(area_.rect.width() * scale)) + 3;
+    std::vector<Column> halves(kHalves * pixels);
     summarise(*trace_.times, *trace_.values, begin_us,
-              begin_us + static_cast<double>(columns.size()) * duration_us, columns);
-    connect(columns);
+              begin_us + static_cast<double>(halves.size()) * duration_us, halves);
+    connect(halves);
     const double left = area_.x(begin_us) * scale;
-    for (std::size_t i = 0; i < columns.size(); ++i) {
+    const auto reach = static_cast<std::size_t>(kColumnLineWidth * scale - 0.5);  // halves on each side
+    for (std::size_t i = 1; i + 1 < pixels; ++i) {
       const double x = left + static_cast<double>(i);
       const double place =
           x / scale - phase_ - kDashPeriod_px * std::floor((x / scale - phase_) / kDashPeriod_px);
-      const bool is_in_gap = trace_.dashed && place >= kDashLength_px;
-      if (is_in_gap || columns[i].extent.empty()) continue;
-      const double top = area_.y(static_cast<double>(columns[i].extent.high)) - 0.5 * kLineWidth;
-      const double bottom = area_.y(static_cast<double>(columns[i].extent.low)) + 0.5 * kLineWidth;
-      fill_column(static_cast<int>(std::lround(x)), std::max(top, area_.rect.top()) * scale,
-                  std::min(bottom, area_.rect.bottom()) * scale);
+      if (trace_.dashed && place >= kDashLength_px) continue;
+      std::array<Reach, kHalves> reaches;
+      for (std::size_t half = 0; half < kHalves; ++half) {
+        const std::size_t middle = kHalves * i + half;
+        Extent extent;
+        for (std::size_t k = middle - std::min(reach, middle); k <= middle + reach && k < halves.size(); ++k)
+          extent.add(halves[k].extent);
+        reaches[half] = reach_of(extent);
+      }
+      fill_column(static_cast<int>(std::lround(x)), reaches);
     }
+  }
+
+  // The part of a column of device pixels that the line covers.
+  Reach reach_of(const Extent& extent) const {
+    if (extent.empty()) return {};
+    const double scale = picture_.devicePixelRatio();
+    const double top = area_.y(static_cast<double>(extent.high)) - 0.5 * kColumnLineHeight;
+    const double bottom = area_.y(static_cast<double>(extent.low)) + 0.5 * kColumnLineHeight;
+    return {std::max(top, area_.rect.top()) * scale, std::min(bottom, area_.rect.bottom()) * scale};
   }
 
   // Adds to the extents what the straight lines between the columns' samples cover. Gaps are not connected.
@@ -169,16 +201,22 @@ class TracePainter {
   }
 
   // Fills a column of device pixels; pixels that are covered in part are blended.
-  void fill_column(int x, double top, double bottom) {
+  void fill_column(int x, std::span<const Reach, kHalves> reaches) {
     const double scale = picture_.devicePixelRatio();
     if (x < std::lround(area_.rect.left() * scale) || x >= std::lround(area_.rect.right() * scale)) return;
-    const int first = std::max(0, static_cast<int>(std::floor(top)));
+    const double top = std::min(reaches[0].top, reaches[1].top);
+    const double bottom = std::max(reaches[0].bottom, reaches[1].bottom);
+    const int first = std::max(0, static_cast<int>(std::floor(std::min(top, 1e6))));
     const int last = std::min(picture_.height() - 1, static_cast<int>(std::ceil(bottom)) - 1);
+    if (first > last) return;
     const qsizetype stride = picture_.bytesPerLine() / static_cast<qsizetype>(sizeof(QRgb));
     QRgb* pixel = reinterpret_cast<QRgb*>(picture_.scanLine(first)) + x;
+    const double whole_top = std::max(reaches[0].top, reaches[1].top);
+    const double whole_bottom = std::min(reaches[0].bottom, reaches[1].bottom);
+    const QRgb colour = colour_.rgb();
     for (int y = first; y <= last; ++y, pixel += stride) {
-      const double covered = std::min(bottom, y + 1.0) - std::max(top, static_cast<double>(y));
-      *pixel = covered >= 1.0 ? colour_.rgb() : blended(*pixel, covered);
+      const bool is_whole = y >= whole_top && y + 1 <= whole_bottom;
+      *pixel = is_whole ? colour : blended(*pixel, 0.5 * (reaches[0].share_of(y) + reaches[1].share_of(y)));
     }
   }
 
