@@ -7,7 +7,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,8 +16,6 @@
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
 #include "sim_board/robot/load.h"
-#include "sim_board/scenario/paths.h"
-#include "sim_board/scenario/reader.h"
 #include "simulation/model/robot_model.h"
 #include "simulation/motion/compile.h"
 #include "tools/can/frame_text.h"
@@ -27,6 +24,7 @@
 #include "tools/cli/run_and_report.h"
 #include "tools/motion/check/check.h"
 #include "tools/motion/remote/robot_motions.h"
+#include "tools/motion/stage/stage.h"
 
 namespace koboshi::tools {
 namespace {
@@ -41,11 +39,6 @@ struct RobotMotionArguments {
   RunArguments run;
 };
 using Arguments = std::shared_ptr<RobotMotionArguments>;
-
-// When the robot of scenarios/motion.yaml is enabled.
-constexpr double kEnable_s = 2.0;
-// After the motion, for the robot to come to rest or to fall.
-constexpr double kRest_s = 2.0;
 
 // Returns the image in a file: compiled from a source, or as it is in a .kmot file.
 std::vector<std::byte> image_of(const RobotMotionArguments& arguments, const simulation::NamedModel& robot) {
@@ -85,26 +78,9 @@ void download(const RobotMotionArguments& arguments) {
 // the file with this motion, so that its record is complete.
 int play_in_simulation(const RobotMotionArguments& arguments) {
   const MotionReport checked = MotionChecker(arguments.robot).check(arguments.motion);
-  const auto stage = sim::repository_root(std::filesystem::current_path()) / "scenarios/motion.yaml";
-  std::vector<sim::Override> overrides = scenario_overrides(arguments.run);
-  const sim::Scenario empty = sim::read_scenario(stage, overrides);
-  const std::string name = arguments.motion.stem().string();
-  nlohmann::json motions = nlohmann::json::array();
-  for (const sim::MotionChoice& motion : empty.motions) {
-    if (motion.name() != name) motions.push_back(motion.file.string());
-  }
-  motions.push_back(std::filesystem::absolute(arguments.motion).string());
-  const double begin_s = 1e-6 * static_cast<double>(empty.duration_us);
-  const double end_s = begin_s + checked.duration_s;
-  nlohmann::json commands = {{{"at_s", kEnable_s}, {"enable", true}}, {{"at_s", begin_s}, {"play", name}}};
-  if (checked.endless) commands.push_back({{"at_s", end_s}, {"stop", true}});
-  const double duration_s = (checked.endless ? end_s + checked.duration_s : end_s) + kRest_s;
-  overrides.push_back({"motions", motions.dump(), "MOTION"});
-  overrides.push_back({"commands", commands.dump(), "MOTION"});
-  overrides.push_back({"duration_s", fmt::format("{:.2f}", duration_s), "MOTION"});
   RunArguments run = arguments.run;
-  if (run.out.empty()) run.out = std::filesystem::path("runs") / name;
-  return run_and_report(run, sim::read_scenario(stage, overrides));
+  if (run.out.empty()) run.out = std::filesystem::path("runs") / arguments.motion.stem();
+  return run_and_report(run, stage_scenario(arguments.motion, checked, scenario_overrides(arguments.run)));
 }
 
 // A file is played in the simulation; what is no file is a number or a name on the robot.

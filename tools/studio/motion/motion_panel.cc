@@ -160,6 +160,8 @@ bool MotionPanel::modified() const { return editor_->is_open() && editor_->docum
 
 fs::path MotionPanel::file() const { return editor_->is_open() ? editor_->document().file() : fs::path(); }
 
+std::string MotionPanel::text() const { return editor_->is_open() ? editor_->document().text() : std::string(); }
+
 bool MotionPanel::report(const std::optional<QString>& error) {
   if (error) messages_->show_error(*error);
   return !error;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "tools/studio/motion/motion_editor.h"
@@ -45,6 +46,9 @@ class MotionPanel final : public QWidget {
   bool save_as(const std::filesystem::path& file);
   // Empty: none, or a new motion.
   std::filesystem::path file() const;
+
+  // The motion's source as it is now.
+  std::string text() const;
 
   // Selects one row and shows it.
   void show_row(std::size_t row);

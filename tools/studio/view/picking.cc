@@ -13,19 +13,19 @@ namespace {
 
 constexpr double kNowhere = std::numeric_limits<double>::infinity();
 
-// Distances along a ray to a box about the origin, by the slab method (Kay and Kajiya 1986).
-double distance_to(const view::Box& box, const Ray& ray) {
+// Distance along a ray to a box, by the slab method (Kay and Kajiya 1986).
+double distance_to(const Eigen::AlignedBox3d& box, const Ray& ray) {
   double enters = 0.0;
   double leaves = kNowhere;
   for (int axis = 0; axis < 3; ++axis) {
-    const double half_m = 0.5 * box.size_m[axis];
     const double speed = ray.direction_W[axis];
-    const double place_m = ray.origin_W_m[axis];
+    const double low_m = box.min()[axis] - ray.origin_W_m[axis];
+    const double high_m = box.max()[axis] - ray.origin_W_m[axis];
     if (speed == 0.0) {
-      if (std::abs(place_m) > half_m) return kNowhere;
+      if (low_m > 0.0 || high_m < 0.0) return kNowhere;
       continue;
     }
-    auto [first, second] = std::minmax((-half_m - place_m) / speed, (half_m - place_m) / speed);
+    const auto [first, second] = std::minmax({low_m / speed, high_m / speed});
     enters = std::max(enters, first);
     leaves = std::min(leaves, second);
   }
@@ -49,16 +49,22 @@ double distance_to_triangle(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b
 }
 
 double distance_to(const view::Mesh& mesh, const Ray& ray) {
-  Eigen::AlignedBox3d bounds;
-  for (const Eigen::Vector3f& vertex : mesh.vertices_m) bounds.extend(vertex.cast<double>());
-  if (bounds.isEmpty()) return kNowhere;
-  const Ray from_centre{ray.origin_W_m - bounds.center(), ray.direction_W};
-  if (distance_to(view::Box{bounds.sizes()}, from_centre) == kNowhere) return kNowhere;
   double nearest_m = kNowhere;
   for (const auto& [a, b, c] : mesh.triangles)
     nearest_m = std::min(nearest_m, distance_to_triangle(mesh.vertices_m[a].cast<double>(), mesh.vertices_m[b].cast<double>(),
                                                          mesh.vertices_m[c].cast<double>(), ray));
   return nearest_m;
+}
+
+Eigen::AlignedBox3d bounds_of(const view::Shape& shape) {
+  Eigen::AlignedBox3d bounds;
+  if (const auto* box = std::get_if<view::Box>(&shape.geometry)) {
+    bounds.extend(Eigen::Vector3d(0.5 * box->size_m));
+    bounds.extend(Eigen::Vector3d(-0.5 * box->size_m));
+  } else {
+    for (const Eigen::Vector3f& vertex : std::get<view::Mesh>(shape.geometry).vertices_m) bounds.extend(vertex.cast<double>());
+  }
+  return bounds;
 }
 
 Ray transformed(const Eigen::Isometry3d& transform, const Ray& ray) {
@@ -67,19 +73,27 @@ Ray transformed(const Eigen::Isometry3d& transform, const Ray& ray) {
 
 }  // namespace
 
-std::optional<Hit> pick(const view::Scene& scene, std::span<const view::Pose> links, const Ray& ray) {
+Picker::Picker(const view::Scene& scene) {
+  for (std::size_t link = 0; link < scene.links.size(); ++link)
+    for (const view::Shape& shape : scene.links[link].visuals)
+      targets_.push_back({&shape, static_cast<int>(link), bounds_of(shape)});
+}
+
+std::optional<Hit> Picker::pick(std::span<const view::Pose> links, const Ray& ray) const {
   std::optional<Hit> nearest;
-  for (std::size_t i = 0; i < std::min(scene.links.size(), links.size()); ++i) {
+  for (const Target& target : targets_) {
+    const auto link = static_cast<std::size_t>(target.link);
+    if (link >= links.size() || target.bounds.isEmpty()) continue;
     Eigen::Isometry3d X_WL = Eigen::Isometry3d::Identity();
-    X_WL.linear() = links[i].q_WL.cast<double>().normalized().toRotationMatrix();
-    X_WL.translation() = links[i].p_WL_m.cast<double>();
+    X_WL.linear() = links[link].q_WL.cast<double>().normalized().toRotationMatrix();
+    X_WL.translation() = links[link].p_WL_m.cast<double>();
     const Ray ray_L = transformed(X_WL.inverse(), ray);
-    for (const view::Shape& shape : scene.links[i].visuals) {
-      const Ray ray_G = transformed(shape.X_LG.inverse(), ray_L);
-      const double distance_m = std::visit([&](const auto& geometry) { return distance_to(geometry, ray_G); }, shape.geometry);
-      if (distance_m == kNowhere || (nearest && nearest->distance_m <= distance_m)) continue;
-      nearest = {static_cast<int>(i), distance_m, ray_L.origin_W_m + distance_m * ray_L.direction_W};
-    }
+    const Ray ray_G = transformed(target.shape->X_LG.inverse(), ray_L);
+    double distance_m = distance_to(target.bounds, ray_G);
+    if (distance_m >= (nearest ? nearest->distance_m : kNowhere)) continue;
+    if (const auto* mesh = std::get_if<view::Mesh>(&target.shape->geometry)) distance_m = distance_to(*mesh, ray_G);
+    if (distance_m >= (nearest ? nearest->distance_m : kNowhere)) continue;
+    nearest = {target.link, distance_m, ray_L.origin_W_m + distance_m * ray_L.direction_W};
   }
   return nearest;
 }

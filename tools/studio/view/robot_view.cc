@@ -65,7 +65,9 @@ void RobotView::release_gl() {
 
 void RobotView::set_scene(view::Scene scene) {
   scene_ = std::move(scene);
+  picker_ = Picker(scene_);
   picture_.links.clear();
+  picture_.ghost.clear();
   picture_.marks = {};
   scene_changed_ = true;
   framed_ = false;
@@ -79,6 +81,11 @@ void RobotView::show_robot(std::vector<view::Pose> links, view::Marks marks) {
   picture_.marks = std::move(marks);
   if (!framed_) look_at_robot();
   follow_robot();
+  redraw_moving();
+}
+
+void RobotView::show_ghost(std::vector<view::Pose> links) {
+  picture_.ghost = std::move(links);
   redraw_moving();
 }
 
@@ -134,7 +141,12 @@ void RobotView::initializeGL() {
 }
 
 void RobotView::paintGL() {
-  if (!error_.isEmpty()) return;
+  if (!error_.isEmpty() || picture_.links.size() != scene_.links.size() || scene_.links.empty()) {
+    const QColor background = palette().color(QPalette::Mid);
+    glClearColor(background.redF(), background.greenF(), background.blueF(), 1.0F);
+    glClear(GL_COLOR_BUFFER_BIT);
+    return;
+  }
   const double ratio = devicePixelRatioF();
   const int width_px = std::max(1, static_cast<int>(std::lround(width() * ratio)));
   const int height_px = std::max(1, static_cast<int>(std::lround(height() * ratio)));
@@ -179,7 +191,7 @@ Eigen::Vector3d RobotView::point_W_m(const Hit& hit) const {
 }
 
 std::optional<Hit> RobotView::link_at(const QPointF& place) const {
-  return pick(scene_, picture_.links, ray_through(picture_.camera, width(), height(), pixels(place)));
+  return picker_.pick(picture_.links, ray_through(picture_.camera, width(), height(), pixels(place)));
 }
 
 void RobotView::mousePressEvent(QMouseEvent* event) {

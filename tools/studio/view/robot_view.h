@@ -37,6 +37,8 @@ class RobotView final : public QOpenGLWidget {
   void set_scene(view::Scene scene);
   // Poses by index of Scene::links, and marks of this instant.
   void show_robot(std::vector<view::Pose> links, view::Marks marks);
+  // A second robot in the scene, translucent; empty: none.
+  void show_ghost(std::vector<view::Pose> links);
   void set_collisions(bool collisions);
   // The camera goes with the robot.
   void set_follow(bool follow);
@@ -84,6 +86,7 @@ class RobotView final : public QOpenGLWidget {
   view::Marks marks_with_push() const;
 
   view::Scene scene_;
+  Picker picker_;
   view::Picture picture_;
   bool scene_changed_ = false;
   bool framed_ = false;  // the camera has looked at this robot

@@ -24,7 +24,11 @@
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
 #include "sim_board/input/yaml_tree.h"
+#include "sim_board/record/output_file.h"
 #include "tools/dictionary/network.h"
+#include "tools/motion/check/check.h"
+#include "tools/motion/stage/stage.h"
+#include "tools/motion/view/preview.h"
 #include "tools/studio/motion/motion_panel.h"
 #include "tools/studio/plot/plot_panel.h"
 #include "tools/studio/window/can_panel.h"
@@ -100,7 +104,7 @@ MainWindow::MainWindow(const std::filesystem::path& robot)
   setAcceptDrops(true);
   setDockOptions(AnimatedDocks | AllowNestedDocks | AllowTabbedDocks);
   setCorner(Qt::BottomLeftCorner, Qt::LeftDockWidgetArea);
-  setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
+  setCorner(Qt::BottomRightCorner, Qt::BottomDockWidgetArea);
   make_panels();
   make_menus();
   link_name_ = new QLabel(this);
@@ -132,11 +136,11 @@ QDockWidget* MainWindow::add_panel(const QString& name, const QString& title, QW
 }
 
 void MainWindow::make_panels() {
-  addToolBar(Qt::BottomToolBarArea, new TransportBar(*run_, this));
+  addToolBar(Qt::TopToolBarArea, new TransportBar(*run_, this));
   operator_ = new OperatorPanel(*run_);
   auto* operator_dock = add_panel(QStringLiteral("operator"), tr("Operator"), operator_, Qt::LeftDockWidgetArea);
   motion_ = new MotionPanel;
-  auto* motion_dock = add_panel(QStringLiteral("motion"), tr("Motion"), motion_, Qt::RightDockWidgetArea);
+  auto* motion_dock = add_panel(QStringLiteral("motion"), tr("Motion"), motion_, Qt::BottomDockWidgetArea);
   plots_ = new PlotPanel;
   auto* plot_dock = add_panel(QStringLiteral("plots"), tr("Plots"), plots_, Qt::RightDockWidgetArea);
   events_ = new QStandardItemModel(0, 2, this);
@@ -148,16 +152,14 @@ void MainWindow::make_panels() {
   event_table_->verticalHeader()->hide();
   event_table_->horizontalHeader()->setStretchLastSection(true);
   event_table_->setAccessibleName(tr("Events"));
-  auto* event_dock = add_panel(QStringLiteral("events"), tr("Events"), event_table_, Qt::RightDockWidgetArea);
+  auto* event_dock = add_panel(QStringLiteral("events"), tr("Events"), event_table_, Qt::BottomDockWidgetArea);
   can_ = new CanPanel;
-  auto* can_dock = add_panel(QStringLiteral("can"), tr("CAN bus"), can_, Qt::RightDockWidgetArea);
-  splitDockWidget(plot_dock, event_dock, Qt::Vertical);
+  auto* can_dock = add_panel(QStringLiteral("can"), tr("CAN bus"), can_, Qt::BottomDockWidgetArea);
   tabifyDockWidget(event_dock, can_dock);
-  tabifyDockWidget(plot_dock, motion_dock);
+  tabifyDockWidget(event_dock, motion_dock);
   event_dock->raise();
-  plot_dock->raise();
-  resizeDocks({operator_dock, plot_dock}, {240, 460}, Qt::Horizontal);
-  resizeDocks({plot_dock, event_dock}, {460, 240}, Qt::Vertical);
+  resizeDocks({operator_dock, plot_dock}, {230, 400}, Qt::Horizontal);
+  resizeDocks({event_dock}, {270}, Qt::Vertical);
 }
 
 QAction* MainWindow::add_action(QMenu& menu, const QString& text, const QKeySequence& shortcut,
@@ -278,6 +280,7 @@ void MainWindow::connect_run() {
     run_->set_cursor(run_->recording().events[static_cast<std::size_t>(index.row())].time_us);
   });
   connect(motion_, &MotionPanel::title_changed, this, &MainWindow::update_title);
+  connect(motion_, &MotionPanel::pose_changed, this, &MainWindow::show_pose);
   connect(motion_, &MotionPanel::play_requested, this, [this](bool physics, int /*from_row*/) { play_motion(physics); });
 }
 
@@ -294,7 +297,10 @@ void MainWindow::open(const std::filesystem::path& file) {
       case FileKind::kRecording: return run_->open_recording(file);
       case FileKind::kMotion:
         if (const auto error = motion_->open(file, robot_file_)) return messages_->show_message(*error);
-        if (auto* dock = findChild<QDockWidget*>(QStringLiteral("motion"))) dock->raise();
+        ghost_.emplace(robot_file_);
+        if (run_->source() == RunController::Source::kNone) view_->set_scene(ghost_->scene());
+        motion_->show_row(0);
+        findChild<QDockWidget*>(QStringLiteral("motion"))->raise();
         return;
     }
   } catch (const std::exception& error) {
@@ -315,6 +321,7 @@ void MainWindow::show_opened() {
                                                              : view::network_of(recording, tools::Network()));
   show_marks();
   update_title();
+  if (std::exchange(play_when_opened_, false)) run_->set_playing(true);
 }
 
 void MainWindow::show_grown(std::size_t first_sample) {
@@ -379,7 +386,32 @@ void MainWindow::push(int link, const Eigen::Vector3d& p_L_m, const Eigen::Vecto
                                .arg(1e-6 * static_cast<double>(kPush_us)), 3000);
 }
 
-void MainWindow::play_motion(bool /*physics*/) {}
+// Shows the pose of the motion editor: alone, or as a ghost in the place of the robot of a run.
+void MainWindow::show_pose(const std::vector<double>& angles_rad) {
+  if (angles_rad.empty() || !ghost_) return view_->show_ghost({});
+  if (run_->source() == RunController::Source::kNone) return view_->show_robot(ghost_->stand(angles_rad), {});
+  const view::Recording& recording = run_->recording();
+  if (recording.samples.empty() || recording.scene.links.size() != ghost_->scene().links.size()) return;
+  const std::vector<view::Pose> links = view::poses_at(recording, run_->cursor_us());
+  view_->show_ghost(ghost_->stand(angles_rad, &links.front()));
+}
+
+// Plays the text of the motion as it is in the editor, saved or not.
+void MainWindow::play_motion(bool physics) {
+  const std::filesystem::path copy = std::filesystem::path(played_.path().toStdString()) / motion_->file().filename();
+  try {
+    sim::write_whole_file(copy, motion_->text());
+  } catch (const std::exception& error) {
+    return messages_->show_message(QString::fromUtf8(error.what()));
+  }
+  run_->open(motion_->file(), [copy, physics, robot = robot_file_]() -> RunController::Opened {
+    tools::MotionChecker checker(robot);
+    const tools::MotionReport report = checker.check(copy);
+    if (!physics) return {nullptr, tools::preview_recording(report, checker)};
+    return {std::make_unique<Session>(tools::stage_scenario(copy, report)), {}};
+  });
+  play_when_opened_ = true;
+}
 
 void MainWindow::update_title() {
   QStringList parts;

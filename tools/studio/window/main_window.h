@@ -2,6 +2,7 @@
 
 #include <QList>
 #include <QMainWindow>
+#include <QTemporaryDir>
 #include <QTimer>
 #include <array>
 #include <filesystem>
@@ -10,6 +11,7 @@
 #include <optional>
 
 #include "tools/studio/view/robot_view.h"
+#include "tools/studio/window/pose_ghost.h"
 #include "tools/studio/window/run_controller.h"
 #include "tools/view/render/overlay.h"
 
@@ -89,8 +91,11 @@ class MainWindow final : public QMainWindow {
   std::size_t shown_events_ = 0;
   std::array<QAction*, view::kOverlayNames.size()> overlay_actions_{};
   std::optional<view::OverlayMarks> marks_;
+  std::optional<PoseGhost> ghost_;  // of the motion editor's robot
+  QTemporaryDir played_;            // texts of motions that are played before they are saved
   QByteArray default_layout_;
   QTimer can_timer_;  // the table of frames is updated less often than the view
+  bool play_when_opened_ = false;
   QLabel* link_name_ = nullptr;
 };
 

@@ -200,11 +200,11 @@ void OperatorPanel::update_run() {
 
 void OperatorPanel::update_state() {
   const view::Recording& recording = run_.recording();
-  const auto state = view::find_signal(recording, "state");
+  const auto state = view::find_signal(recording, "state_name");
   const QString name = state && !recording.samples.empty()
                            ? QString::fromStdString(view::name_of_value(recording, *state, recording.samples.size() - 1))
                            : QString();
-  state_->setText(name.isEmpty() ? tr("no simulation") : tr("Controller: <b>%1</b>").arg(name));
+  state_->setText(name.isEmpty() ? tr("No controller runs.") : tr("Controller: <b>%1</b>").arg(name));
 }
 
 }  // namespace koboshi::studio

@@ -15,7 +15,7 @@
 namespace koboshi::studio {
 namespace {
 
-constexpr int kPoll_ms = 16;
+constexpr int kPoll_ms = 33;  // 30 pictures a second; the simulation has the rest of the machine
 constexpr qint64 kPaceWindow_ms = 1000;
 
 }  // namespace
@@ -29,26 +29,24 @@ RunController::RunController(QObject* parent) : QObject(parent) {
 
 RunController::~RunController() = default;
 
-template <typename Read, typename ShowResult>
-void RunController::read_in_background(Read read, ShowResult show_result) {
+void RunController::open(const std::filesystem::path& file, std::function<Opened()> make) {
   const std::uint64_t request = ++request_;
   const QPointer<RunController> self(this);
-  QThreadPool::globalInstance()->start([self, request, read = std::move(read), show_result = std::move(show_result)] {
-    using Result = decltype(read());
-    auto result = std::make_shared<std::optional<Result>>();
+  QThreadPool::globalInstance()->start([self, request, file, make = std::move(make)] {
+    auto opened = std::make_shared<std::optional<Opened>>();
     QString error;
     try {
-      result->emplace(read());
+      opened->emplace(make());
     } catch (const std::exception& exception) {
-      error = QString::fromUtf8(exception.what());
+      error = QString::fromUtf8(exception.what()).trimmed();
     }
     // The application outlives its thread pool; the controller may be gone.
     QMetaObject::invokeMethod(
         QCoreApplication::instance(),
-        [self, request, result, error, show_result] {
+        [self, request, file, opened, error] {
           if (!self || request != self->request_) return;
-          if (*result) {
-            show_result(*self, std::move(**result));
+          if (*opened) {
+            self->show(std::move(**opened), file);
           } else {
             Q_EMIT self->failed(error);
           }
@@ -58,14 +56,9 @@ void RunController::read_in_background(Read read, ShowResult show_result) {
 }
 
 void RunController::open_scenario(const std::filesystem::path& file, std::span<const sim::Override> overrides) {
-  read_in_background(
-      [file, overrides = std::vector<sim::Override>(overrides.begin(), overrides.end())] {
-        return std::make_unique<Session>(sim::read_scenario(file, overrides));
-      },
-      [file](RunController& self, std::unique_ptr<Session> session) {
-        view::Recording head = session->head();
-        self.show(std::move(session), std::move(head), Source::kSimulation, file);
-      });
+  open(file, [file, overrides = std::vector<sim::Override>(overrides.begin(), overrides.end())]() -> Opened {
+    return {std::make_unique<Session>(sim::read_scenario(file, overrides)), {}};
+  });
 }
 
 void RunController::reopen(std::span<const sim::Override> overrides) {
@@ -73,17 +66,13 @@ void RunController::reopen(std::span<const sim::Override> overrides) {
 }
 
 void RunController::open_recording(const std::filesystem::path& run) {
-  read_in_background([run] { return view::read_recording(run); },
-                     [run](RunController& self, view::Recording recording) {
-                       self.show(nullptr, std::move(recording), Source::kRecording, run);
-                     });
+  open(run, [run]() -> Opened { return {nullptr, view::read_recording(run)}; });
 }
 
-void RunController::show(std::unique_ptr<Session> session, view::Recording recording, Source source,
-                         const std::filesystem::path& file) {
-  session_ = std::move(session);
-  recording_ = std::move(recording);
-  source_ = source;
+void RunController::show(Opened opened, const std::filesystem::path& file) {
+  session_ = std::move(opened.session);
+  recording_ = session_ ? session_->head() : std::move(opened.recording);
+  source_ = session_ ? Source::kSimulation : Source::kRecording;
   file_ = file;
   plays_recording_ = false;
   follow_ = session_ != nullptr;
@@ -95,7 +84,7 @@ void RunController::show(std::unique_ptr<Session> session, view::Recording recor
   }
   pace_start_us_ = 0;
   pace_ = 0.0;
-  Q_EMIT opened();
+  Q_EMIT this->opened();
   Q_EMIT status_changed();
   if (!recording_.samples.empty()) {
     Q_EMIT grown(0);

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -29,9 +30,17 @@ class RunController final : public QObject {
   explicit RunController(QObject* parent = nullptr);
   ~RunController() override;
 
-  // Both read in the background and end with opened() or failed().
+  // What open() shows: a session, or a recording without one.
+  struct Opened {
+    std::unique_ptr<Session> session;
+    view::Recording recording;
+  };
+
+  // All read in the background and end with opened() or failed().
   void open_scenario(const std::filesystem::path& file, std::span<const sim::Override> overrides = {});
   void open_recording(const std::filesystem::path& run);
+  // Shows what this function makes, in another thread; `file` is for the title.
+  void open(const std::filesystem::path& file, std::function<Opened()> make);
   // Opens the scenario again with these overrides.
   void reopen(std::span<const sim::Override> overrides);
 
@@ -75,10 +84,7 @@ class RunController final : public QObject {
   void take_batch();
   void play_recording();
   void measure_pace();
-  void show(std::unique_ptr<Session> session, view::Recording recording, Source source, const std::filesystem::path& file);
-  // Runs `read` in another thread and `show_result` in this one.
-  template <typename Read, typename ShowResult>
-  void read_in_background(Read read, ShowResult show_result);
+  void show(Opened opened, const std::filesystem::path& file);
 
   Source source_ = Source::kNone;
   std::filesystem::path file_;

@@ -20,6 +20,7 @@ constexpr double kRadiusStep_m = 0.1;  // the shadow's resolution changes in ste
 const Eigen::Vector3d kToLight = Eigen::Vector3d(0.62, 0.25, 1.0).normalized();
 
 constexpr float kGhost = 0.6F;  // opacity of a mark that something hides
+constexpr float kGhostRobot = 0.4F;
 constexpr Colour kGroundColour{0.900F, 0.905F, 0.915F};
 const Eigen::Vector3f kTop(0.985F, 0.988F, 0.992F);
 const Eigen::Vector3f kBottom(0.905F, 0.918F, 0.935F);
@@ -363,6 +364,8 @@ void Renderer::Implementation::draw(const Picture& picture, int width_px, int he
   glDisable(GL_BLEND);
   if (picture.opacity < 1.0F) draw_solid_marks(picture);  // seen through the robot
   draw_robot(picture);
+  if (!picture.ghost.empty())
+    draw_robot({.camera = picture.camera, .links = picture.ghost, .collisions = picture.collisions, .opacity = kGhostRobot});
   if (picture.opacity >= 1.0F) draw_solid_marks(picture);
   check_gl("drawing");
 }

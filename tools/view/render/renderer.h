@@ -17,6 +17,7 @@ struct Picture {
   Marks marks{};
   bool collisions = false;  // the shapes that collide in place of those that are seen
   float opacity = 1.0F;     // of the robot
+  std::vector<Pose> ghost{};  // the same robot once more, translucent and without shadow; empty: none
 };
 
 // Draws pictures of a scene with OpenGL 3.3 core. A context must be current when it is made, used and

@@ -1,0 +1,350 @@
+#include <QAction>
+#include <QApplication>
+#include <QAbstractItemView>
+#include <QComboBox>
+#include <QCompleter>
+#include <QDir>
+#include <QDockWidget>
+#include <QDragEnterEvent>
+#include <QDropEvent>
+#include <QElapsedTimer>
+#include <QLabel>
+#include <QLineEdit>
+#include <QMenuBar>
+#include <QMimeData>
+#include <QPushButton>
+#include <QRegularExpression>
+#include <QSettings>
+#include <QSignalSpy>
+#include <QSlider>
+#include <QSpinBox>
+#include <QSurfaceFormat>
+#include <QTableView>
+#include <QTemporaryDir>
+#include <QTest>
+#include <QToolButton>
+#include <QTranslator>
+#include <QUrl>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "sim_board/scenario/reader.h"
+#include "tools/studio/motion/motion_panel.h"
+#include "tools/studio/window/can_panel.h"
+#include "tools/studio/window/command_search.h"
+#include "tools/studio/window/main_window.h"
+#include "tools/studio/window/message_bar.h"
+#include "tools/studio/window/theme.h"
+#include "tools/view/render/camera.h"
+
+namespace koboshi::studio {
+namespace {
+
+constexpr int kPatience_ms = 20'000;
+const std::filesystem::path kRoot = KOBOSHI_SOURCE_DIR;
+
+// Marks every translated text, so that one that is not translated shows.
+class PseudoLocale final : public QTranslator {
+ public:
+  QString translate(const char* /*context*/, const char* source, const char* /*meaning*/, int /*n*/) const override {
+    return QStringLiteral("«") + QString::fromUtf8(source) + QStringLiteral("»");
+  }
+  bool isEmpty() const override { return false; }
+};
+
+}  // namespace
+
+class WindowTest final : public QObject {
+  Q_OBJECT
+
+ private:
+  std::unique_ptr<MainWindow> window_;
+
+  void open(const std::filesystem::path& file) {
+    QSignalSpy opened(&window_->run(), &RunController::opened);
+    window_->open(file);
+    QVERIFY(opened.wait(kPatience_ms));
+  }
+  // Runs the simulation as fast as possible up to this time, and pauses it.
+  void run_to(std::uint64_t time_us) {
+    RunController& run = window_->run();
+    run.step((time_us - run.status().time_us) / 1000);
+    QTRY_VERIFY_WITH_TIMEOUT(run.end_us() >= time_us, kPatience_ms);
+  }
+  QAction* action(const char* text) {
+    for (QAction* one : window_->all_actions())
+      if (plain_text(*one) == QLatin1String(text)) return one;
+    return nullptr;
+  }
+  // A place of the view at which there is the trunk: near its origin.
+  std::optional<QPoint> trunk_place() {
+    RobotView& view = window_->view();
+    if (window_->run().recording().samples.empty()) return std::nullopt;
+    const Eigen::Vector3d trunk_m = window_->run().recording().samples.back().links[0].p_WL_m.cast<double>();
+    const Eigen::Vector2d place_px = view::project(view.camera(), view.width(), view.height(), trunk_m);
+    for (int dy = -60; dy <= 20; dy += 10)
+      for (int dx = -20; dx <= 20; dx += 10) {
+        const QPointF place(place_px.x() + dx, place_px.y() + dy);
+        if (const auto hit = view.link_at(place); hit && hit->link == 0) return place.toPoint();
+      }
+    return std::nullopt;
+  }
+
+ private Q_SLOTS:
+  void init() {
+    QSettings().clear();
+    window_ = std::make_unique<MainWindow>(kRoot / "robots/koboshi/robot.sdf");
+    window_->resize(1280, 800);
+    window_->show();
+    QVERIFY(QTest::qWaitForWindowExposed(window_.get()));
+    window_->activateWindow();
+    QVERIFY(QTest::qWaitForWindowActive(window_.get()));
+  }
+  void cleanup() { window_.reset(); }
+
+  void draws_the_robot() {
+    open(kRoot / "scenarios/walk.yaml");
+    QTRY_VERIFY_WITH_TIMEOUT(window_->view().frames() > 0, kPatience_ms);
+    QVERIFY2(window_->view().error().isEmpty(), qPrintable(window_->view().error()));
+    QTRY_VERIFY(trunk_place());  // the trunk is in the picture
+    const QImage picture = window_->view().grabFramebuffer();
+    const QPoint trunk = *trunk_place();
+    const double ratio = window_->devicePixelRatioF();
+    const QColor there = picture.pixelColor((QPointF(trunk) * ratio).toPoint());
+    const QColor sky = picture.pixelColor(5, 5);
+    QVERIFY2(there != sky, "the picture is empty where the trunk should be");
+  }
+
+  void space_starts_and_pauses() {
+    open(kRoot / "scenarios/walk.yaml");
+    QTest::keyClick(window_.get(), Qt::Key_Space);
+    QTRY_VERIFY_WITH_TIMEOUT(window_->run().end_us() > 300'000, kPatience_ms);
+    QVERIFY(window_->run().playing());
+    QTest::keyClick(window_.get(), Qt::Key_Space);
+    QTRY_VERIFY_WITH_TIMEOUT(!window_->run().playing(), kPatience_ms);
+    QTRY_COMPARE(window_->run().cursor_us(), window_->run().end_us());
+  }
+
+  void pushes_with_the_mouse_and_rewinds() {
+    open(kRoot / "scenarios/walk.yaml");
+    run_to(3'300'000);
+    QTRY_VERIFY(trunk_place());
+    const QPoint start = *trunk_place();
+    RobotView& view = window_->view();
+    QTest::mousePress(&view, Qt::LeftButton, Qt::ControlModifier, start);
+    for (int i = 1; i <= 10; ++i) {
+      QMouseEvent move(QEvent::MouseMove, QPointF(start + QPoint(12 * i, 0)), view.mapToGlobal(QPointF(start + QPoint(12 * i, 0))),
+                       Qt::NoButton, Qt::LeftButton, Qt::ControlModifier);
+      QApplication::sendEvent(&view, &move);
+    }
+    QTest::mouseRelease(&view, Qt::LeftButton, Qt::ControlModifier, start + QPoint(120, 0));
+    run_to(4'000'000);
+    QTRY_COMPARE(window_->run().recording().pushes.size(), std::size_t{1});
+    const std::uint64_t pushed = window_->run().session()->state_hash();
+
+    // Back with the slider and a key: the push is gone.
+    auto* slider = window_->findChild<QSlider*>();
+    slider->setValue(330);
+    QCOMPARE(window_->run().cursor_us(), std::uint64_t{3'300'000});
+    QTest::keyClick(window_.get(), Qt::Key_Backspace);
+    QTRY_COMPARE_WITH_TIMEOUT(window_->run().end_us(), std::uint64_t{3'300'000}, kPatience_ms);
+    QVERIFY(window_->run().recording().pushes.empty());
+    run_to(4'000'000);
+    QVERIFY(window_->run().session()->state_hash() != pushed);
+  }
+
+  void scrubbing_shows_the_past_in_every_panel() {
+    open(kRoot / "scenarios/walk.yaml");
+    run_to(3'200'000);
+    auto* slider = window_->findChild<QSlider*>();
+    QSignalSpy moved(&window_->run(), &RunController::cursor_moved);
+    slider->setValue(100);
+    QCOMPARE(moved.count(), 1);
+    QCOMPARE(window_->run().cursor_us(), std::uint64_t{1'000'000});
+    auto* frames = window_->findChild<CanPanel*>()->findChild<QTableView*>();
+    const QString time = frames->currentIndex().siblingAtColumn(FrameModel::kTime).data().toString();
+    QVERIFY2(time.toDouble() <= 1.0 && time.toDouble() > 0.9, qPrintable(time));
+  }
+
+  void filters_frames() {
+    open(kRoot / "scenarios/walk.yaml");
+    run_to(2'500'000);
+    auto* panel = window_->findChild<CanPanel*>();
+    auto* table = panel->findChild<QTableView*>();
+    panel->update_frames();
+    const int all = table->model()->rowCount();
+    QVERIFY(all > 1000);
+    QTest::keyClicks(panel->findChild<QLineEdit*>(), QStringLiteral("heartbeat"));
+    const int heartbeats = table->model()->rowCount();
+    QVERIFY(heartbeats > 0 && heartbeats < all / 4);
+    for (int row = 0; row < heartbeats; row += 7)
+      QVERIFY(table->model()->index(row, FrameModel::kIdentifier).data().toString().startsWith(QLatin1Char('7')));
+    panel->findChild<QLineEdit*>()->clear();
+    QCOMPARE(table->model()->rowCount(), all);
+  }
+
+  void restarts_with_another_seed() {
+    open(kRoot / "scenarios/walk.yaml");
+    window_->findChild<QSpinBox*>()->setValue(7);
+    QSignalSpy opened(&window_->run(), &RunController::opened);
+    QTest::mouseClick(window_->findChild<QPushButton*>(QStringLiteral("restart")), Qt::LeftButton);
+    QVERIFY(opened.wait(kPatience_ms));
+    QCOMPARE(window_->run().session()->scenario().seed, std::uint64_t{7});
+    QTRY_COMPARE(window_->run().end_us(), std::uint64_t{10'000});
+  }
+
+  void bad_files_end_in_the_message_bar() {
+    QTemporaryDir folder;
+    const QString file = folder.filePath(QStringLiteral("bad.yaml"));
+    QFile bad(file);
+    QVERIFY(bad.open(QIODevice::WriteOnly));
+    bad.write("version: 1\nrobot: nowhere.sdf\nduration_s: 1\n");
+    bad.close();
+    QSignalSpy failed(&window_->run(), &RunController::failed);
+    window_->open(file.toStdString());
+    QVERIFY(failed.wait(kPatience_ms));
+    QVERIFY2(window_->messages().text().contains(QStringLiteral("nowhere.sdf")), qPrintable(window_->messages().text()));
+    QVERIFY(QApplication::activeModalWidget() == nullptr);
+    window_->open(folder.path().toStdString() + "/none.yaml");
+    QVERIFY(window_->messages().text().contains(QStringLiteral("none.yaml")));
+  }
+
+  void opens_dropped_files() {
+    QMimeData files;
+    files.setUrls({QUrl::fromLocalFile(QString::fromStdString((kRoot / "scenarios/squat.yaml").string()))});
+    QSignalSpy opened(&window_->run(), &RunController::opened);
+    QDropEvent drop(QPointF(400, 300), Qt::CopyAction, &files, Qt::LeftButton, Qt::NoModifier);
+    QApplication::sendEvent(window_.get(), &drop);
+    QVERIFY(opened.wait(kPatience_ms));
+    QVERIFY(window_->windowTitle().contains(QStringLiteral("squat.yaml")));
+  }
+
+  void plays_a_motion_as_preview_and_in_physics() {
+    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
+    QTRY_VERIFY(window_->view().link_at(QPointF(0.5 * window_->view().width(), 0.5 * window_->view().height())));  // the pose
+    for (const bool physics : {false, true}) {
+      QSignalSpy opened(&window_->run(), &RunController::opened);
+      Q_EMIT window_->motion().play_requested(physics, 0);
+      QVERIFY(opened.wait(kPatience_ms));
+      QVERIFY2(window_->messages().text().isEmpty(), qPrintable(window_->messages().text()));
+      QCOMPARE(window_->run().session() != nullptr, physics);
+      QTRY_VERIFY_WITH_TIMEOUT(window_->run().cursor_us() > 200'000, kPatience_ms);
+    }
+  }
+
+  void finds_and_triggers_commands() {
+    auto* search = window_->findChild<CommandSearch*>();
+    QTest::keyClick(window_.get(), Qt::Key_K, Qt::ControlModifier);
+    QTRY_VERIFY(search->hasFocus());
+    QAction* collisions = action("Collision shapes");
+    QVERIFY(collisions != nullptr && !collisions->isChecked());
+    QTest::keyClicks(search, QStringLiteral("collision"));
+    QTest::keyClick(search->completer()->popup(), Qt::Key_Down);
+    QTest::keyClick(search->completer()->popup(), Qt::Key_Return);
+    QTRY_VERIFY(collisions->isChecked());
+    QVERIFY(search->text().isEmpty());
+  }
+
+  void actions_have_distinct_shortcuts_and_texts() {
+    QMap<QString, QString> shortcuts;
+    for (const QAction* one : window_->all_actions()) {
+      QVERIFY(!one->text().isEmpty());
+      for (const QKeySequence& keys : one->shortcuts()) {
+        const QString text = keys.toString();
+        QVERIFY2(!shortcuts.contains(text),
+                 qPrintable(text + QStringLiteral(": ") + one->text() + QStringLiteral(" and ") + shortcuts.value(text)));
+        shortcuts.insert(text, one->text());
+      }
+    }
+    QVERIFY(shortcuts.size() > 25);
+  }
+
+  void remembers_its_layout() {
+    auto* dock = window_->findChild<QDockWidget*>(QStringLiteral("operator"));
+    QVERIFY(dock->isVisible());
+    dock->hide();
+    window_->close();
+    window_ = std::make_unique<MainWindow>(kRoot / "robots/koboshi/robot.sdf");
+    window_->show();
+    QVERIFY(QTest::qWaitForWindowExposed(window_.get()));
+    QVERIFY(!window_->findChild<QDockWidget*>(QStringLiteral("operator"))->isVisible());
+    action("Default layout")->trigger();
+    QVERIFY(window_->findChild<QDockWidget*>(QStringLiteral("operator"))->isVisible());
+  }
+
+  void every_text_can_be_translated() {
+    window_.reset();
+    PseudoLocale locale;
+    QApplication::installTranslator(&locale);
+    window_ = std::make_unique<MainWindow>(kRoot / "robots/koboshi/robot.sdf");
+    QStringList missing;
+    const auto require = [&](const QString& text) {
+      // Numbers, units and the operator's key names of the firmware stay as they are.
+      static const QRegularExpression letters(QStringLiteral("[A-Za-z]{3,}"));
+      if (letters.match(text).hasMatch() && !text.contains(QChar(u'«'))) missing << text;
+    };
+    for (const QAction* one : window_->all_actions()) require(one->text());
+    for (const QPushButton* one : window_->findChildren<QPushButton*>()) require(one->text());
+    for (const QToolButton* one : window_->findChildren<QToolButton*>()) require(one->toolTip());
+    for (const QDockWidget* one : window_->findChildren<QDockWidget*>()) require(one->windowTitle());
+    for (const QLineEdit* one : window_->findChildren<QLineEdit*>()) require(one->placeholderText());
+    QApplication::removeTranslator(&locale);
+    missing.removeDuplicates();
+    QVERIFY2(missing.isEmpty(), qPrintable(missing.join(QStringLiteral(" | "))));
+  }
+
+  // For eyes: KOBOSHI_PICTURES names a folder for pictures of the window.
+  void pictures() {
+    const QString folder = qEnvironmentVariable("KOBOSHI_PICTURES");
+    if (folder.isEmpty()) return;
+    open(kRoot / "scenarios/walk.yaml");
+    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
+    run_to(6'500'000);
+    for (const char* name : {"events", "can", "motion"}) {
+      window_->findChild<QDockWidget*>(QLatin1String(name))->raise();
+      QTest::qWait(800);
+      window_->grab().save(folder + QStringLiteral("/studio-") + QLatin1String(name) + QStringLiteral(".png"));
+    }
+    apply_theme(Theme::kDark);
+    QTest::qWait(500);
+    window_->grab().save(folder + QStringLiteral("/studio-dark.png"));
+    apply_theme(Theme::kLight);
+  }
+
+  // Frames per second of the view: printed, since machines differ. KOBOSHI_BENCH runs it.
+  void frame_rate() {
+    if (qEnvironmentVariableIsEmpty("KOBOSHI_BENCH")) return;
+    open(kRoot / "scenarios/walk.yaml");
+    run_to(4'000'000);
+    const auto measure = [&](const char* what, const std::function<void(int)>& each) {
+      const std::uint64_t before = window_->view().frames();
+      QElapsedTimer timer;
+      timer.start();
+      for (int i = 0; timer.elapsed() < 5000; ++i) {
+        each(i);
+        QApplication::processEvents(QEventLoop::AllEvents, 5);
+      }
+      qInfo("%s: %.1f frames/s at %dx%d", what, static_cast<double>(window_->view().frames() - before) / (1e-3 * static_cast<double>(timer.elapsed())),
+            window_->width(), window_->height());
+    };
+    measure("paused, camera turning", [&](int i) { window_->view().look_from(0.01 * i, 0.2); });
+    window_->run().set_playing(true);
+    measure("running in real time", [](int) {});
+    qInfo("pace %.2f", window_->run().pace());
+  }
+};
+
+}  // namespace koboshi::studio
+
+int main(int argc, char** argv) {
+  QSurfaceFormat::setDefaultFormat(koboshi::studio::RobotView::format());
+  QApplication application(argc, argv);
+  QApplication::setOrganizationName(QStringLiteral("Koboshi"));
+  QApplication::setApplicationName(QStringLiteral("Koboshi Studio Test"));
+  koboshi::studio::WindowTest test;
+  return QTest::qExec(&test, argc, argv);
+}
+
+#include "window_test.moc"

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sim_board/robot/description.h"
+#include "tools/view/recording/recording.h"
+
+namespace koboshi::studio {
+
+// A robot with given joint angles, standing on its soles without physics.
+class PoseGhost {
+ public:
+  // Reads the robot's file. Throws sim::InputError.
+  explicit PoseGhost(const std::filesystem::path& robot_file);
+
+  // The robot on level ground.
+  view::Scene scene() const;
+  // The poses of all links; joint angles by the robot's order of joints. The trunk is above the origin of the world, or where
+  // this trunk is, with its heading.
+  std::vector<view::Pose> stand(std::span<const double> angles_rad, const view::Pose* trunk = nullptr) const;
+
+ private:
+  std::shared_ptr<const sim::RobotDescription> robot_;
+};
+
+}  // namespace koboshi::studio
