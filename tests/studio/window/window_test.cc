@@ -215,6 +215,9 @@ class WindowTest final : public QObject {
     QMimeData files;
     files.setUrls({QUrl::fromLocalFile(QString::fromStdString((kRoot / "scenarios/squat.yaml").string()))});
     QSignalSpy opened(&window_->run(), &RunController::opened);
+    QDragEnterEvent enter(QPoint(400, 300), Qt::CopyAction, &files, Qt::LeftButton, Qt::NoModifier);
+    QApplication::sendEvent(window_.get(), &enter);
+    QVERIFY(enter.isAccepted());
     QDropEvent drop(QPointF(400, 300), Qt::CopyAction, &files, Qt::LeftButton, Qt::NoModifier);
     QApplication::sendEvent(window_.get(), &drop);
     QVERIFY(opened.wait(kPatience_ms));

@@ -70,7 +70,7 @@ void PlotPanel::make_toolbar(QHBoxLayout& layout) {
   QToolButton* signal_list =
       add_button(new QToolButton(this), tr("Signals"), tr("Show or hide the list of signals"));
   signal_list->setCheckable(true);
-  signal_list->setChecked(true);
+  list_->hide();  // plots first: the panel is narrow at the side of a window
   connect(signal_list, &QToolButton::toggled, list_, &QWidget::setVisible);
   add_button(follow_, tr("Follow"), tr("Keep the newest sample at the right"));
   follow_->setCheckable(true);

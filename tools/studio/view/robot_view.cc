@@ -102,7 +102,7 @@ void RobotView::set_follow(bool follow) {
 void RobotView::look_from(double azimuth_rad, double elevation_rad) {
   picture_.camera.azimuth_rad = azimuth_rad;
   picture_.camera.elevation_rad = elevation_rad;
-  update();
+  redraw_moving();
 }
 
 void RobotView::look_at_robot() {

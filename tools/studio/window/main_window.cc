@@ -111,6 +111,9 @@ MainWindow::MainWindow(const std::filesystem::path& robot)
   statusBar()->addPermanentWidget(link_name_);
   connect_run();
   resize(1280, 800);
+  const auto dock = [this](const char* name) { return findChild<QDockWidget*>(QLatin1String(name)); };
+  resizeDocks({dock("operator"), dock("plots")}, {230, 430}, Qt::Horizontal);
+  resizeDocks({dock("events")}, {240}, Qt::Vertical);
   default_layout_ = saveState(kLayoutVersion);
   restore_layout();
   update_title();
@@ -138,11 +141,11 @@ QDockWidget* MainWindow::add_panel(const QString& name, const QString& title, QW
 void MainWindow::make_panels() {
   addToolBar(Qt::TopToolBarArea, new TransportBar(*run_, this));
   operator_ = new OperatorPanel(*run_);
-  auto* operator_dock = add_panel(QStringLiteral("operator"), tr("Operator"), operator_, Qt::LeftDockWidgetArea);
+  add_panel(QStringLiteral("operator"), tr("Operator"), operator_, Qt::LeftDockWidgetArea);
   motion_ = new MotionPanel;
   auto* motion_dock = add_panel(QStringLiteral("motion"), tr("Motion"), motion_, Qt::BottomDockWidgetArea);
   plots_ = new PlotPanel;
-  auto* plot_dock = add_panel(QStringLiteral("plots"), tr("Plots"), plots_, Qt::RightDockWidgetArea);
+  add_panel(QStringLiteral("plots"), tr("Plots"), plots_, Qt::RightDockWidgetArea);
   events_ = new QStandardItemModel(0, 2, this);
   events_->setHorizontalHeaderLabels({tr("Time [s]"), tr("Event")});
   event_table_ = new QTableView;
@@ -150,6 +153,7 @@ void MainWindow::make_panels() {
   event_table_->setEditTriggers(QAbstractItemView::NoEditTriggers);
   event_table_->setSelectionBehavior(QAbstractItemView::SelectRows);
   event_table_->verticalHeader()->hide();
+  event_table_->verticalHeader()->setDefaultSectionSize(event_table_->fontMetrics().height() + 6);
   event_table_->horizontalHeader()->setStretchLastSection(true);
   event_table_->setAccessibleName(tr("Events"));
   auto* event_dock = add_panel(QStringLiteral("events"), tr("Events"), event_table_, Qt::BottomDockWidgetArea);
@@ -158,15 +162,13 @@ void MainWindow::make_panels() {
   tabifyDockWidget(event_dock, can_dock);
   tabifyDockWidget(event_dock, motion_dock);
   event_dock->raise();
-  resizeDocks({operator_dock, plot_dock}, {230, 400}, Qt::Horizontal);
-  resizeDocks({event_dock}, {270}, Qt::Vertical);
 }
 
 QAction* MainWindow::add_action(QMenu& menu, const QString& text, const QKeySequence& shortcut,
                                 const std::function<void()>& does) {
   QAction* action = menu.addAction(text);
   action->setShortcut(shortcut);
-  connect(action, &QAction::triggered, this, does);
+  if (does) connect(action, &QAction::triggered, this, does);
   return action;
 }
 
@@ -181,7 +183,7 @@ void MainWindow::make_menus() {
   edit->addActions(motion_->edit_actions());
   QMenu* run = menuBar()->addMenu(tr("&Run"));
   run->addActions(findChild<TransportBar*>()->actions());
-  add_action(*run, tr("Start &again with seed and stepper"), QKeySequence(tr("Ctrl+R")), [this] { operator_->restart(); });
+  add_action(*run, tr("Start &again with seed and stepper"), QKeySequence(tr("Ctrl+Shift+R")), [this] { operator_->restart(); });
   add_action(*run, tr("To the &beginning"), Qt::Key_Home, [this] { run_->set_cursor(0); });
   add_action(*run, tr("To the &end"), Qt::Key_End, [this] { run_->set_cursor(run_->end_us()); });
   make_robot_menu();
@@ -195,7 +197,7 @@ void MainWindow::make_menus() {
   search_->set_actions(all_actions());
 }
 
-// The operator's keys, as in a terminal and in the live page; Alt keeps them apart from the keys of other panels.
+// The operator's keys, as in a terminal and in the live page; Ctrl+Alt keeps them apart from the keys of other panels.
 void MainWindow::make_robot_menu() {
   QMenu* menu = menuBar()->addMenu(tr("R&obot"));
   for (const tools::KeyHelp& help : tools::key_help()) {
@@ -204,9 +206,9 @@ void MainWindow::make_robot_menu() {
     std::string name = help.browser_keys.front();
     if (name.starts_with("Arrow")) name.erase(0, 5);
     if (name == " ") name = "Space";
-    QString text = QString::fromUtf8(help.name.data(), static_cast<int>(help.name.size()));
-    text[0] = text[0].toUpper();
-    add_action(*menu, text, QKeySequence(QStringLiteral("Alt+") + QString::fromStdString(name)),
+    QString text = QCoreApplication::translate("Key", std::string(help.name).c_str());
+    if (!text.isEmpty()) text[0] = text[0].toUpper();
+    add_action(*menu, text, QKeySequence(QStringLiteral("Ctrl+Alt+") + QString::fromStdString(name)),
                [this, key = *key] { operator_->press(key); });
   }
 }
@@ -296,9 +298,9 @@ void MainWindow::open(const std::filesystem::path& file) {
       case FileKind::kScenario: return run_->open_scenario(file);
       case FileKind::kRecording: return run_->open_recording(file);
       case FileKind::kMotion:
-        if (const auto error = motion_->open(file, robot_file_)) return messages_->show_message(*error);
         ghost_.emplace(robot_file_);
         if (run_->source() == RunController::Source::kNone) view_->set_scene(ghost_->scene());
+        if (const auto error = motion_->open(file, robot_file_)) return messages_->show_message(*error);
         motion_->show_row(0);
         findChild<QDockWidget*>(QStringLiteral("motion"))->raise();
         return;
@@ -426,6 +428,7 @@ void MainWindow::restore_layout() {
   const QSettings settings;
   restoreGeometry(settings.value(QStringLiteral("geometry")).toByteArray());
   restoreState(settings.value(QStringLiteral("layout")).toByteArray(), kLayoutVersion);
+  plots_->restore_layout(settings.value(QStringLiteral("plots")));
 }
 
 void MainWindow::reset_layout() { restoreState(default_layout_, kLayoutVersion); }
@@ -434,6 +437,7 @@ void MainWindow::closeEvent(QCloseEvent* event) {
   QSettings settings;
   settings.setValue(QStringLiteral("geometry"), saveGeometry());
   settings.setValue(QStringLiteral("layout"), saveState(kLayoutVersion));
+  settings.setValue(QStringLiteral("plots"), plots_->layout_state());
   QMainWindow::closeEvent(event);
 }
 
