@@ -1,10 +1,13 @@
 #!/usr/bin/python3
-"""make_pictures.py [PROGRAM]: runs scenarios and draws all pictures of the robot in README and docs with `koboshi render`.
+"""make_pictures.py [PROGRAM]: runs scenarios and draws all pictures of the robot in README and docs with `koboshi render`, and
+those of the studio's window with its test, where that is built.
 
 PROGRAM defaults to build/release/bin/koboshi. Takes a few minutes; call it from anywhere. The seeds are those of the scenarios.
 """
 
+import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -26,6 +29,15 @@ PICTURES = {
     "docs/guide/okiagari.webp": ["okiagari", "--from", "3.5", "--to", "13.5", "--camera", "follow", "--azimuth", "55",
                                  "--size", "640x360", "--fps", "20", "--overlay", "time,events,pushes,footprints"],
 }
+# Picture: name in the pictures of the test.
+STUDIO = {"docs/guide/studio.png": "studio-events.png", "docs/guide/studio-motion.png": "studio-motion.png"}
+
+
+def draw_studio(test, folder):
+    subprocess.run([ROOT / "tests/support/with_display.sh", test, "pictures"], check=True, stdout=subprocess.DEVNULL,
+                   env=os.environ | {"KOBOSHI_PICTURES": folder})
+    for file, picture in STUDIO.items():
+        shutil.copyfile(f"{folder}/{picture}", ROOT / file)
 
 
 def main():
@@ -35,6 +47,9 @@ def main():
             subprocess.run([program, "run", *arguments, "--out", f"{folder}/{name}"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
         for file, (run, *options) in PICTURES.items():
             subprocess.run([program, "render", f"{folder}/{run}", "--out", file, *options], cwd=ROOT, check=True)
+        test = program.parent / "studio_window_test"
+        if test.exists():
+            draw_studio(test, folder)
 
 
 if __name__ == "__main__":

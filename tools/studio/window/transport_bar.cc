@@ -2,10 +2,14 @@
 
 #include <QAction>
 #include <QComboBox>
+#include <QEvent>
+#include <QIcon>
 #include <QLabel>
+#include <QPainter>
+#include <QPixmap>
+#include <QPolygonF>
 #include <QSignalBlocker>
 #include <QSlider>
-#include <QStyle>
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -19,6 +23,40 @@ constexpr std::uint64_t kTick_us = sim::SimBoard::kTick_us;
 constexpr std::array<double, 7> kSpeeds{0.05, 0.1, 0.25, 0.5, 1.0, 2.0, Session::kUnpaced};
 constexpr int kNormalSpeed = 4;
 
+enum class Sign { kPlay, kPause, kTick, kRewind };
+
+// The signs of a recorder, in the colour of texts.
+QIcon icon(Sign sign, const QColor& colour) {
+  constexpr int kSide_px = 64;
+  QPixmap pixmap(kSide_px, kSide_px);
+  pixmap.fill(Qt::transparent);
+  QPainter painter(&pixmap);
+  painter.setRenderHint(QPainter::Antialiasing);
+  painter.setPen(Qt::NoPen);
+  painter.setBrush(colour);
+  const auto triangle = [&](qreal from, qreal to) {
+    painter.drawPolygon(QPolygonF({QPointF(from, 12), QPointF(from, 52), QPointF(to, 32)}));
+  };
+  switch (sign) {
+    case Sign::kPlay: triangle(16, 54); break;
+    case Sign::kPause:
+      painter.drawRect(QRectF(16, 12, 11, 40));
+      painter.drawRect(QRectF(37, 12, 11, 40));
+      break;
+    case Sign::kTick:
+      painter.drawRect(QRectF(12, 12, 9, 40));
+      triangle(26, 56);
+      break;
+    case Sign::kRewind:
+      painter.drawRect(QRectF(8, 12, 7, 40));
+      triangle(35, 15);
+      triangle(57, 37);
+      break;
+  }
+  painter.end();
+  return QIcon(pixmap);
+}
+
 QString seconds(std::uint64_t time_us) { return QString::number(1e-6 * static_cast<double>(time_us), 'f', 2); }
 
 }  // namespace
@@ -30,15 +68,15 @@ TransportBar::TransportBar(RunController& run, QWidget* parent)
       slider_(new QSlider(Qt::Horizontal, this)),
       time_(new QLabel(this)) {
   setObjectName(QStringLiteral("transport_bar"));
-  play_ = addAction(style()->standardIcon(QStyle::SP_MediaPlay), tr("Start"));
+  play_ = addAction(tr("Start"));
   play_->setObjectName(QStringLiteral("play"));
   play_->setShortcut(Qt::Key_Space);
   connect(play_, &QAction::triggered, this, [this] { run_.set_playing(!run_.playing()); });
-  tick_ = addAction(style()->standardIcon(QStyle::SP_MediaSeekForward), tr("Advance one control tick (10 ms)"));
+  tick_ = addAction(tr("Advance one control tick (10 ms)"));
   tick_->setObjectName(QStringLiteral("tick"));
   tick_->setShortcut(Qt::Key_Period);
   connect(tick_, &QAction::triggered, this, [this] { run_.step(kTick_us / 1000); });
-  rewind_ = addAction(style()->standardIcon(QStyle::SP_MediaSkipBackward), tr("Rewind to the cursor"));
+  rewind_ = addAction(tr("Rewind to the cursor"));
   rewind_->setObjectName(QStringLiteral("rewind"));
   rewind_->setShortcut(Qt::Key_Backspace);
   connect(rewind_, &QAction::triggered, this, [this] { run_.rewind_to_cursor(); });
@@ -67,7 +105,7 @@ TransportBar::TransportBar(RunController& run, QWidget* parent)
   connect(&run_, &RunController::opened, this, &TransportBar::update_slider);
   connect(&run_, &RunController::status_changed, this, &TransportBar::update_state);
   update_slider();
-  update_state();
+  update_icons();
 }
 
 void TransportBar::update_slider() {
@@ -77,11 +115,23 @@ void TransportBar::update_slider() {
   update_state();
 }
 
+void TransportBar::changeEvent(QEvent* event) {
+  if (event->type() == QEvent::PaletteChange && rewind_ != nullptr) update_icons();
+  QToolBar::changeEvent(event);
+}
+
+void TransportBar::update_icons() {
+  const QColor colour = palette().color(QPalette::ButtonText);
+  tick_->setIcon(icon(Sign::kTick, colour));
+  rewind_->setIcon(icon(Sign::kRewind, colour));
+  update_state();
+}
+
 void TransportBar::update_state() {
   const bool playing = run_.playing();
   const bool simulates = run_.session() != nullptr;
   play_->setText(playing ? tr("Pause") : tr("Start"));
-  play_->setIcon(style()->standardIcon(playing ? QStyle::SP_MediaPause : QStyle::SP_MediaPlay));
+  play_->setIcon(icon(playing ? Sign::kPause : Sign::kPlay, palette().color(QPalette::ButtonText)));
   play_->setEnabled(run_.source() != RunController::Source::kNone);
   tick_->setEnabled(play_->isEnabled() && !playing);
   rewind_->setEnabled(simulates && run_.cursor_us() < run_.end_us());

@@ -19,14 +19,19 @@ class TransportBar final : public QToolBar {
   // The controller must outlive the bar.
   explicit TransportBar(RunController& run, QWidget* parent = nullptr);
 
+ protected:
+  void changeEvent(QEvent* event) override;
+
  private:
+  void update_icons();
   void update_state();
   void update_slider();
 
   RunController& run_;
-  QAction* play_;
-  QAction* tick_;
-  QAction* rewind_;
+  // Null while the bar is made.
+  QAction* play_ = nullptr;
+  QAction* tick_ = nullptr;
+  QAction* rewind_ = nullptr;
   QComboBox* speed_;
   QSlider* slider_;
   QLabel* time_;
