@@ -1,7 +1,8 @@
 // Compares the verdict of `koboshi motion check` with simulated falls of random slow motions:
-//   motion_check_trials FIRST_SEED COUNT STEPPER [THREADS]
+//   motion_check_trials FIRST_SEED COUNT STEPPER [THREADS [STEP_MS]]
 // prints a line for each motion and the table of docs/experiment/motion-check.md. STEPPER is one of
-// world, lumped, quick, mujoco, or none: then nothing is simulated.
+// world, lumped, quick, mujoco, or none: then nothing is simulated. STEP_MS is the time step of the
+// physics, 1 by default.
 
 #include <fmt/core.h>
 
@@ -25,6 +26,12 @@
 namespace koboshi {
 namespace {
 
+// The physics of the simulated trials.
+struct Physics {
+  std::string stepper;
+  double step_ms = 1.0;
+};
+
 struct Trial {
   tools::Balance balance = tools::Balance::kNotJudged;
   double margin_mm = 0.0;
@@ -35,10 +42,10 @@ struct Trial {
 
 constexpr double kAfter_s = 2.0;  // a robot that tips slowly falls within this time
 
-bool falls(const std::filesystem::path& motion, const std::string& stepper, double duration_s) {
+bool falls(const std::filesystem::path& motion, const Physics& physics, double duration_s) {
   const std::filesystem::path scenario = motion.parent_path() / (motion.stem().string() + "_scenario.yaml");
   const double end_s = test::kTrialPlay_s + duration_s + kAfter_s;
-  std::ofstream(scenario) << test::trial_scenario(motion, stepper, end_s);
+  std::ofstream(scenario) << test::trial_scenario(motion, physics.stepper, end_s, physics.step_ms);
   simulation::WatchedSimulation run(sim::read_scenario(scenario));
   const auto end_us = static_cast<std::uint64_t>(1e6 * end_s);
   while (run.now_us() < end_us && !run.recorder().fell()) run.step(10);
@@ -48,7 +55,7 @@ bool falls(const std::filesystem::path& motion, const std::string& stepper, doub
 }
 
 Trial run_trial(tools::MotionChecker& checker, const std::filesystem::path& folder, std::uint64_t seed,
-                const std::string& stepper) {
+                const Physics& physics) {
   const std::filesystem::path file = folder / fmt::format("trial_{}.yaml", seed);
   std::ofstream(file) << test::random_motion(seed);
   Trial trial;
@@ -66,11 +73,11 @@ Trial run_trial(tools::MotionChecker& checker, const std::filesystem::path& fold
     trial.refused = trial.refused || (diagnostic.severity == simulation::Severity::kError &&
                                       diagnostic.code != "C006" && diagnostic.code != "C009");
   }
-  if (!trial.refused && stepper != "none") trial.fell = falls(file, stepper, report.duration_s);
+  if (!trial.refused && physics.stepper != "none") trial.fell = falls(file, physics, report.duration_s);
   return trial;
 }
 
-int run(std::uint64_t first_seed, int count, const std::string& stepper, int threads) {
+int run(std::uint64_t first_seed, int count, const Physics& physics, int threads) {
   const test::TemporaryFolder folder;
   std::vector<Trial> trials(static_cast<std::size_t>(count));
   std::atomic<int> next = 0;
@@ -80,7 +87,7 @@ int run(std::uint64_t first_seed, int count, const std::string& stepper, int thr
       tools::MotionChecker checker(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
       for (int n = next++; n < count; n = next++) {
         const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(n);
-        trials[static_cast<std::size_t>(n)] = run_trial(checker, folder.path, seed, stepper);
+        trials[static_cast<std::size_t>(n)] = run_trial(checker, folder.path, seed, physics);
       }
     });
   }
@@ -112,9 +119,10 @@ int run(std::uint64_t first_seed, int count, const std::string& stepper, int thr
 
 int main(int argc, char** argv) {
   if (argc < 4) {
-    fmt::print(stderr, "motion_check_trials FIRST_SEED COUNT STEPPER [THREADS]\n");
+    fmt::print(stderr, "motion_check_trials FIRST_SEED COUNT STEPPER [THREADS [STEP_MS]]\n");
     return 2;
   }
-  return koboshi::run(std::strtoull(argv[1], nullptr, 10), std::atoi(argv[2]), argv[3],
+  const koboshi::Physics physics{.stepper = argv[3], .step_ms = argc > 5 ? std::atof(argv[5]) : 1.0};
+  return koboshi::run(std::strtoull(argv[1], nullptr, 10), std::atoi(argv[2]), physics,
                       argc > 4 ? std::atoi(argv[4]) : 1);
 }
