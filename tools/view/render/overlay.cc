@@ -40,7 +40,7 @@ OverlayMarks::OverlayMarks(const Recording& recording, const Overlays& overlays)
   for (const ZmpMark& mark : kZmpMarks) {
     const auto x = find_signal(recording, std::string(mark.signal) + "_x");
     const auto y = find_signal(recording, std::string(mark.signal) + "_y");
-    if (x && y) zmps_.push_back({{*x, *y}, mark.colour, mark.radius_m, mark.inner_radius_m});
+    if (x && y) zmps_.push_back({{*x, *y}, &mark});
   }
 }
 
@@ -86,8 +86,8 @@ void OverlayMarks::add_zmp(Marks& marks, const Sample& sample) const {
     const Eigen::Vector2d p_m(static_cast<double>(sample.values[zmp.signals[0]]),
                               static_cast<double>(sample.values[zmp.signals[1]]));
     if (!p_m.allFinite()) continue;
-    add_solid_disc(marks, {p_m.x(), p_m.y(), ground_m(sample, p_m) + kLift_m}, zmp.radius_m,
-                   zmp.inner_radius_m, zmp.colour);
+    add_solid_disc(marks, {p_m.x(), p_m.y(), ground_m(sample, p_m) + kLift_m}, zmp.mark->radius_m,
+                   zmp.mark->inner_radius_m, zmp.mark->colour);
   }
 }
 

@@ -71,9 +71,7 @@ class OverlayMarks {
  private:
   struct PointSignal {  // of the ground plane
     std::array<std::size_t, 2> signals;
-    Colour colour;
-    double radius_m;
-    double inner_radius_m;
+    const ZmpMark* mark;  // in kZmpMarks
   };
   void add_footprints_at(Marks& marks, std::uint64_t time_us) const;
   void add_support(Marks& marks, const Sample& sample) const;
