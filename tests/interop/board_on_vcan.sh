@@ -10,7 +10,7 @@ here=$(dirname "$0")
 log=$(mktemp -p /mnt)
 
 candump -r 16777216 -L vcan0 >"$log" &
-"$here/await_receiver.sh"
+"$here/await_receiver.sh" "$!"
 "$koboshi" board --can socketcan:vcan0 --set physics.stepper=lumped >/mnt/board 2>&1 &
 board=$!
 until grep -q 'CAN bus on' /mnt/board; do

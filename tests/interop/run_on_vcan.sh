@@ -11,7 +11,7 @@ stepper=${4:-lumped}
 # On a single processor candump takes half of it. It therefore gets the highest priority and may finish seconds late.
 nice -n -20 candump -r 67108864 -L vcan0 >/mnt/can.log &
 candump=$!
-"$(dirname "$0")/await_receiver.sh"
+"$(dirname "$0")/await_receiver.sh" "$candump"
 "$koboshi" run scenarios/walk.yaml --set physics.stepper="$stepper" --can socketcan:vcan0 --speed "$speed" --duration "$seconds" --out /mnt/run
 compare() {
   /usr/bin/python3 -B "$(dirname "$0")/compare_heard.py" /mnt/run/timing.json "$(wc -l </mnt/can.log)"
