@@ -63,6 +63,8 @@ class Interpreter {
   // Adds the corrections of kMix to these targets, one for each joint, within their limits. After the end
   // the last ones fade (Mixer::kFade_us).
   void add_corrections(std::span<fixed::Angle> targets, const estimation::RobotState& robot);
+  // Returns the corrections in force, without those that fade.
+  [[nodiscard]] std::span<const Mix> mixes() const { return mixer_.mixes(); }
   // Returns whether the motion has ended and its corrections still fade.
   [[nodiscard]] bool fading() const { return !running_ && mixer_.fading(); }
   // Returns the declared lean; after the end, none.

@@ -36,6 +36,8 @@ class Mixer {
   }
   // Returns whether a correction that was removed still fades.
   [[nodiscard]] bool fading() const { return fading_ != 0; }
+  // Returns the corrections in force, without those that fade.
+  [[nodiscard]] std::span<const Mix> mixes() const { return std::span(mixes_).first(count_); }
   // Adds the corrections to the targets, by joint, and keeps them within the limits. `lean`: the declared
   // one, from which roll and pitch are measured.
   void add_to(std::span<fixed::Angle> targets, const robot::RobotModel& model,

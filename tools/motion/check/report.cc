@@ -26,6 +26,7 @@ constexpr double kYielding_m = 0.002;   // by which the servos of a chain of joi
 constexpr double kRoll_rad = 2.0 / kDegreesPerRad;  // a roll onto an edge that the targets do not intend
 constexpr double kSuddenRoll_rad = 1.0 / kDegreesPerRad;  // in one tick: faster than targets turn a sole
 constexpr double kLeanRounding_rad = 6.3 / (1 << 16);     // of a declared lean in the image, 2^-16 turn
+constexpr double kNotedClamp_rad = 0.1 / kDegreesPerRad;  // poses are rounded to 0.02 degrees
 // Motions begin with a move from the pose in force: the other ones are written for a start near standing.
 constexpr double kAtStanding_rad = 10.0 / kDegreesPerRad;
 
@@ -48,6 +49,7 @@ class Judge {
     list_steps();
     name_late_steps();
     check_targets();
+    check_mixes();
     check_torques();
     check_overlaps();
     check_balance();
@@ -141,6 +143,18 @@ class Judge {
           fmt::format("at most {:.1f} deg, the drive's largest cyclic step (object 2001h)",
                       limits_.largest_cyclic_step_rad * kDegreesPerRad),
           "Give the step more time.");
+    }
+  }
+
+  void check_mixes() {
+    for (const auto& [joint, clamp] : trajectory_.clamps) {
+      if (clamp.excess_rad < kNotedClamp_rad) continue;
+      add("C012", Severity::kWarning, clamp.tick,
+          fmt::format(
+              "a mix that may be clamped from here on: its bound is up to {:.1f} deg beyond the limit of {}",
+              clamp.excess_rad * kDegreesPerRad, joint_name(joint)),
+          "the pose and the mix's bound within the joint's limits",
+          "Keep the pose away from the limit, or reduce limit_deg.");
     }
   }
 

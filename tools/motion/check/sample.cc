@@ -1,6 +1,7 @@
 #include "tools/motion/check/sample.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <map>
@@ -191,8 +192,29 @@ class Player {
     for (const fixed::Angle target : at.targets()) row.push_back(fixed::to_double(target));
     const std::size_t ticks = trajectory_.ticks();
     if (ticks > 0 && !std::ranges::equal(row, trajectory_.row(ticks - 1))) moved_tick_ = ticks;
+    note_clamps(at);
     const motion::Lean lean = at.lean();
     trajectory_.add(row, step, on_feet, fixed::to_double(lean.pitch), fixed::to_double(lean.roll));
+  }
+
+  // Notes the joints that corrections of kMix may turn beyond their limits, if each reaches its bound.
+  void note_clamps(const Interpreter& at) {
+    std::array<std::int64_t, robot::kMaxJoints> bounds_raw{};
+    for (const motion::Mix& mix : at.mixes())
+      bounds_raw[mix.joint] += std::int64_t{mix.limit} << (fixed::Angle::kFractionBits - 16);
+    for (std::size_t j = 0; j < at.targets().size(); ++j) {
+      if (bounds_raw[j] == 0) continue;
+      const robot::Joint& joint = robot_.model.joints[j];
+      const std::int64_t target_raw = at.targets()[j].raw();
+      const std::int64_t excess_raw = std::max(target_raw + bounds_raw[j] - joint.upper.raw(),
+                                               joint.lower.raw() - (target_raw - bounds_raw[j]));
+      if (excess_raw <= 0) continue;
+      Trajectory::Clamp& clamp =
+          trajectory_.clamps.try_emplace(j, Trajectory::Clamp{trajectory_.ticks(), 0.0}).first->second;
+      const double excess_rad =
+          std::ldexp(2.0 * std::numbers::pi * static_cast<double>(excess_raw), -fixed::Angle::kFractionBits);
+      clamp.excess_rad = std::max(clamp.excess_rad, excess_rad);
+    }
   }
 
   // The visits of this path in one pose.

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -30,6 +31,12 @@ struct Trajectory {
   // By tick: the declared lean in rad, forward and to the right.
   std::vector<double> lean_pitch_rad{};
   std::vector<double> lean_roll_rad{};
+  // A joint whose corrections of kMix may turn it beyond one of its limits, where the firmware clamps it.
+  struct Clamp {
+    std::size_t tick = 0;     // the first one
+    double excess_rad = 0.0;  // the most, on the whole path
+  };
+  std::map<std::size_t, Clamp> clamps{};  // by joint
   // How the path differs from the one before it from which it branches off: the outcome of this condition.
   // Empty: the first path, that of neutral sensors.
   struct Outcome {

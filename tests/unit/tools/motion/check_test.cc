@@ -6,12 +6,14 @@
 
 #include <chrono>
 #include <fstream>
+#include <numbers>
 #include <optional>
 #include <random>
 #include <stop_token>
 #include <string>
 #include <thread>
 
+#include "sim_board/robot/load.h"
 #include "tests/support/seed.h"
 #include "tests/support/temporary_folder.h"
 
@@ -58,6 +60,12 @@ class MotionCheckerTest : public testing::Test {
     for (const simulation::Diagnostic& diagnostic : report.diagnostics)
       if (diagnostic.code == code) return diagnostic;
     throw std::runtime_error("no " + code);
+  }
+
+  static double head_tilt_limit_deg() {
+    const sim::RobotDescription robot = sim::load_robot(kRobot);
+    const auto joint = std::ranges::find(robot.joints, "head_tilt", &sim::JointDescription::name);
+    return joint->upper_rad * 180.0 / std::numbers::pi;
   }
 
   const test::TemporaryFolder folder_;
@@ -167,6 +175,23 @@ TEST_F(MotionCheckerTest, ACancelledCheckReturnsNothing) {
 }
 
 // Cancelled at whatever place, a check leaves nothing behind that changes a later one.
+// The pose is 4 degrees below the upper limit of the joint: one bound of 3 degrees is within it, two are not.
+TEST_F(MotionCheckerTest, WarnsOfAMixThatMayBeClamped) {
+  const double near_deg = head_tilt_limit_deg() - 4.0;
+  const auto report = [&](double limit_deg, const std::string& more) {
+    return check(fmt::format("  near: {{from: stand, head_tilt: {}}}\n", near_deg) +
+                 "steps:\n  - {pose: stand, time_s: 1}\n" +
+                 fmt::format("  - {{mix: {{head_tilt: {{pitch_rate: 0.05, limit_deg: {}}}}}}}\n", limit_deg) +
+                 more + "  - {pose: near, time_s: 1}\n  - {pose: stand, time_s: 1}\n");
+  };
+  EXPECT_THAT(codes(report(3, "")), IsEmpty());
+  EXPECT_THAT(codes(report(5, "  - {mix: none}\n")), IsEmpty());
+  EXPECT_THAT(codes(report(5, "")), UnorderedElementsAre("C012"));
+  const MotionReport two = report(3, "  - {mix: {head_tilt: {pitch: 0.5, limit_deg: 3}}}\n");
+  EXPECT_THAT(find(two, "C012").found, HasSubstr("up to 2.0 deg beyond the limit of head_tilt"));
+  EXPECT_EQ(find(two, "C012").place.line, 13) << "the move";
+}
+
 TEST_F(MotionCheckerTest, GoesOnAfterACancelledCheck) {
   std::string steps = "steps:\n";
   for (int i = 0; i < 30; ++i)
