@@ -28,7 +28,7 @@ function(koboshi_qt_test name)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(${name} PRIVATE KOBOSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   koboshi_use_moc(${name})
-  koboshi_command_test(gui.${name} LABEL gui NEEDS xvfb-run
+  koboshi_command_test(gui.${name} LABEL gui NEEDS Xvfb
     COMMAND ${PROJECT_SOURCE_DIR}/tests/support/with_display.sh $<TARGET_FILE:${name}>)
 endfunction()
 

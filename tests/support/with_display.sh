@@ -1,10 +1,28 @@
 #!/usr/bin/env bash
 # with_display.sh COMMAND...: runs a program with a virtual display of its own, settings and cache in a folder that is removed
-# afterwards, and OpenGL in software.
+# afterwards, and OpenGL in software. The server chooses the number of its display itself (-displayfd), so that tests beside each
+# other never share one, as those of xvfb-run may.
 set -euo pipefail
 folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
 export XDG_CONFIG_HOME=$folder/config XDG_CACHE_HOME=$folder/cache XDG_DATA_HOME=$folder/data XDG_STATE_HOME=$folder/state
 export XDG_RUNTIME_DIR=$folder/runtime TMPDIR=$folder QT_QPA_PLATFORM=xcb LIBGL_ALWAYS_SOFTWARE=1 LC_ALL=C.UTF-8
 mkdir -m 700 "$XDG_RUNTIME_DIR"
-xvfb-run --auto-servernum --server-args="-screen 0 1600x1200x24 -nolisten tcp" "$@"
+Xvfb -displayfd 3 -screen 0 1600x1200x24 -nolisten tcp 3>"$folder/display" >"$folder/server.log" 2>&1 &
+server=$!
+stop() {
+  kill "$server" 2>/dev/null || true
+  wait "$server" 2>/dev/null || true
+  rm -rf "$folder"
+}
+trap stop EXIT
+for ((tries = 0; tries < 300; ++tries)); do
+  [[ ! -s $folder/display ]] || break
+  kill -0 "$server" 2>/dev/null || break
+  sleep 0.1
+done
+if [[ ! -s $folder/display ]]; then
+  echo "with_display.sh: no display from Xvfb:" >&2
+  cat "$folder/server.log" >&2
+  exit 1
+fi
+DISPLAY=:$(<"$folder/display") "$@"

@@ -36,8 +36,13 @@ int main(int argc, char** argv) {
   program.set_version_flag("--version", "koboshi studio " KOBOSHI_VERSION);
   std::vector<std::filesystem::path> files;
   std::filesystem::path robot = "robots/koboshi/robot.sdf";
-  program.add_option("FILE", files, "Scenarios, motions, and folders or files of recorded runs to open")->check(CLI::ExistingPath);
-  program.add_option("--robot", robot, "The robot whose motions are edited")->capture_default_str()->check(CLI::ExistingFile);
+  program.add_option("FILE", files, "Scenarios, motions, and folders or files of recorded runs to open")
+      ->type_name("")
+      ->check(CLI::ExistingPath.description(""));
+  program.add_option("--robot", robot, "The robot whose motions are edited")
+      ->type_name("ROBOT")
+      ->capture_default_str()
+      ->check(CLI::ExistingFile.description(""));
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
