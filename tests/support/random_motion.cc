@@ -162,11 +162,12 @@ class Generator {
 
 std::string random_motion(std::uint64_t seed) { return Generator(seed).motion(seed); }
 
-std::string trial_scenario(const std::filesystem::path& motion, const std::string& stepper,
-                           double duration_s, double step_ms) {
+std::string trial_scenario(const std::filesystem::path& motion, const std::string& stepper, double duration_s,
+                           double step_ms) {
   std::string text = fmt::format(
       "version: 1\nrobot: robots/koboshi/robot.sdf\nmotions: [robots/koboshi/motions/stand.yaml, {}]\n"
-      "duration_s: {}\nseed: 1\nphysics: {{stepper: {}, step_ms: {}}}\ninitial:\n  held_until_s: 1.6\n  joints_deg:\n",
+      "duration_s: {}\nseed: 1\nphysics: {{stepper: {}, step_ms: {}}}\ninitial:\n  held_until_s: 1.6\n  "
+      "joints_deg:\n",
       motion.string(), duration_s, stepper, step_ms);
   for (const auto& [joint, angle_deg] : standing()) text += fmt::format("    {}: {}\n", joint, angle_deg);
   return text + fmt::format("commands:\n  - {{at_s: 0.8, enable: true}}\n  - {{at_s: {}, play: {}}}\n",

@@ -17,8 +17,8 @@ std::string random_motion(std::uint64_t seed);
 
 // The text of a scenario in which the robot stands up from its stand and plays `motion`; it does not get up
 // from a fall. `step_ms`: the time step of the physics.
-std::string trial_scenario(const std::filesystem::path& motion, const std::string& stepper,
-                           double duration_s, double step_ms = 1.0);
+std::string trial_scenario(const std::filesystem::path& motion, const std::string& stepper, double duration_s,
+                           double step_ms = 1.0);
 inline constexpr double kTrialPlay_s = 2.2;  // when the motion begins
 
 }  // namespace koboshi::test

@@ -17,10 +17,12 @@ constexpr int kMissing = 2;
 
 // The studio is a program of its own beside this one, so that this one needs no Qt.
 int start_studio(std::vector<std::string> arguments) {
-  const std::filesystem::path studio = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "koboshi-studio";
+  const std::filesystem::path studio =
+      std::filesystem::read_symlink("/proc/self/exe").parent_path() / "koboshi-studio";
   if (!std::filesystem::exists(studio)) {
     fmt::print(stderr,
-               "koboshi studio: this build has no window because Qt 6 was missing; `./run studio` installs it and builds, "
+               "koboshi studio: this build has no window because Qt 6 was missing; `./run studio` installs "
+               "it and builds, "
                "and `koboshi replay RUN --html` writes replay.html for a browser\n");
     return kMissing;
   }
@@ -35,7 +37,8 @@ int start_studio(std::vector<std::string> arguments) {
 }  // namespace
 
 void add_studio_command(CLI::App& program, Invocation& invocation) {
-  CLI::App* command = program.add_subcommand("studio", "Open the window: run, watch and push the robot, edit motions");
+  CLI::App* command =
+      program.add_subcommand("studio", "Open the window: run, watch and push the robot, edit motions");
   command->prefix_command();
   command->set_help_flag();  // the studio's own --help
   command->footer(R"(Examples:

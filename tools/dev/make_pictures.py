@@ -30,11 +30,12 @@ PICTURES = {
                                  "--size", "640x360", "--fps", "20", "--overlay", "time,events,pushes,footprints"],
 }
 # Picture: name in the pictures of the test.
-STUDIO = {"docs/guide/studio.png": "studio-events.png", "docs/guide/studio-motion.png": "studio-motion.png"}
+STUDIO = {"docs/guide/studio.png": "studio-events.png", "docs/guide/studio-motion.png": "studio-motion.png",
+          "docs/tutorial/studio-refused.png": "make-refused.png", "docs/tutorial/studio-played.png": "make-played.png"}
 
 
 def draw_studio(test, folder):
-    subprocess.run([ROOT / "tests/support/with_display.sh", test, "pictures"], check=True, stdout=subprocess.DEVNULL,
+    subprocess.run([ROOT / "tests/support/with_display.sh", test, "pictures", "makes_a_motion"], check=True, stdout=subprocess.DEVNULL,
                    env=os.environ | {"KOBOSHI_PICTURES": folder})
     for file, picture in STUDIO.items():
         shutil.copyfile(f"{folder}/{picture}", ROOT / file)

@@ -20,7 +20,8 @@ view::Camera camera() {
 }
 
 TEST(CameraControl, ARayHitsThePointThatItsPixelShows) {
-  for (const Eigen::Vector3d& p_W_m : {Eigen::Vector3d(0.3, -0.2, 0.25), Eigen::Vector3d(0.1, 0.05, 0.4), Eigen::Vector3d(0.5, -0.3, 0.0)}) {
+  for (const Eigen::Vector3d& p_W_m :
+       {Eigen::Vector3d(0.3, -0.2, 0.25), Eigen::Vector3d(0.1, 0.05, 0.4), Eigen::Vector3d(0.5, -0.3, 0.0)}) {
     const Eigen::Vector2d pixel = view::project(camera(), kWidth_px, kHeight_px, p_W_m);
     const Ray ray = ray_through(camera(), kWidth_px, kHeight_px, pixel);
     EXPECT_NEAR(ray.direction_W.norm(), 1.0, 1e-9);

@@ -1,10 +1,11 @@
+#include <QAbstractItemView>
 #include <QAction>
 #include <QApplication>
-#include <QAbstractItemView>
 #include <QComboBox>
 #include <QCompleter>
 #include <QDir>
 #include <QDockWidget>
+#include <QDoubleSpinBox>
 #include <QDragEnterEvent>
 #include <QDropEvent>
 #include <QElapsedTimer>
@@ -25,13 +26,16 @@
 #include <QToolButton>
 #include <QTranslator>
 #include <QUrl>
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
 
 #include "sim_board/scenario/reader.h"
+#include "tools/studio/motion/joint_panel.h"
 #include "tools/studio/motion/motion_panel.h"
+#include "tools/studio/motion/step_model.h"
 #include "tools/studio/window/can_panel.h"
 #include "tools/studio/window/command_search.h"
 #include "tools/studio/window/main_window.h"
@@ -48,7 +52,8 @@ const std::filesystem::path kRoot = KOBOSHI_SOURCE_DIR;
 // Marks every translated text, so that one that is not translated shows.
 class PseudoLocale final : public QTranslator {
  public:
-  QString translate(const char* /*context*/, const char* source, const char* /*meaning*/, int /*n*/) const override {
+  QString translate(const char* /*context*/, const char* source, const char* /*meaning*/,
+                    int /*n*/) const override {
     return QStringLiteral("«") + QString::fromUtf8(source) + QStringLiteral("»");
   }
   bool isEmpty() const override { return false; }
@@ -135,8 +140,9 @@ class WindowTest final : public QObject {
     RobotView& view = window_->view();
     QTest::mousePress(&view, Qt::LeftButton, Qt::ControlModifier, start);
     for (int i = 1; i <= 10; ++i) {
-      QMouseEvent move(QEvent::MouseMove, QPointF(start + QPoint(12 * i, 0)), view.mapToGlobal(QPointF(start + QPoint(12 * i, 0))),
-                       Qt::NoButton, Qt::LeftButton, Qt::ControlModifier);
+      QMouseEvent move(QEvent::MouseMove, QPointF(start + QPoint(12 * i, 0)),
+                       view.mapToGlobal(QPointF(start + QPoint(12 * i, 0))), Qt::NoButton, Qt::LeftButton,
+                       Qt::ControlModifier);
       QApplication::sendEvent(&view, &move);
     }
     QTest::mouseRelease(&view, Qt::LeftButton, Qt::ControlModifier, start + QPoint(120, 0));
@@ -180,7 +186,8 @@ class WindowTest final : public QObject {
     const int heartbeats = table->model()->rowCount();
     QVERIFY(heartbeats > 0 && heartbeats < all / 4);
     for (int row = 0; row < heartbeats; row += 7)
-      QVERIFY(table->model()->index(row, FrameModel::kIdentifier).data().toString().startsWith(QLatin1Char('7')));
+      QVERIFY(
+          table->model()->index(row, FrameModel::kIdentifier).data().toString().startsWith(QLatin1Char('7')));
     panel->findChild<QLineEdit*>()->clear();
     QCOMPARE(table->model()->rowCount(), all);
   }
@@ -205,7 +212,8 @@ class WindowTest final : public QObject {
     QSignalSpy failed(&window_->run(), &RunController::failed);
     window_->open(file.toStdString());
     QVERIFY(failed.wait(kPatience_ms));
-    QVERIFY2(window_->messages().text().contains(QStringLiteral("nowhere.sdf")), qPrintable(window_->messages().text()));
+    QVERIFY2(window_->messages().text().contains(QStringLiteral("nowhere.sdf")),
+             qPrintable(window_->messages().text()));
     QVERIFY(QApplication::activeModalWidget() == nullptr);
     window_->open(folder.path().toStdString() + "/none.yaml");
     QVERIFY(window_->messages().text().contains(QStringLiteral("none.yaml")));
@@ -226,7 +234,8 @@ class WindowTest final : public QObject {
 
   void plays_a_motion_as_preview_and_in_physics() {
     window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
-    QTRY_VERIFY(window_->view().link_at(QPointF(0.5 * window_->view().width(), 0.5 * window_->view().height())));  // the pose
+    QTRY_VERIFY(window_->view().link_at(
+        QPointF(0.5 * window_->view().width(), 0.5 * window_->view().height())));  // the pose
     for (const bool physics : {false, true}) {
       QSignalSpy opened(&window_->run(), &RunController::opened);
       Q_EMIT window_->motion().play_requested(physics, 0);
@@ -235,6 +244,105 @@ class WindowTest final : public QObject {
       QCOMPARE(window_->run().session() != nullptr, physics);
       QTRY_VERIFY_WITH_TIMEOUT(window_->run().cursor_us() > 200'000, kPatience_ms);
     }
+  }
+
+  // A user's whole way: a motion of three poses, mirrored, scaled, refused by the check, mended, undone and
+  // done again, saved, read again and played.
+  void makes_a_motion() {
+    QTemporaryDir folder;
+    const std::filesystem::path file = std::filesystem::path(folder.path().toStdString()) / "wave_both.yaml";
+    MotionPanel& motion = window_->motion();
+    auto* editor = motion.findChild<MotionEditor*>();
+    const auto trigger = [&](const char* name) {
+      motion.findChild<QAction*>(QLatin1String(name))->trigger();
+    };
+    const auto undo_count = [&] { return editor->document().history().undo_count(); };
+    const auto set_joint = [&](const char* joint, double degrees) {
+      const auto& names = editor->document().robot().model.joint_names;
+      const auto index = static_cast<std::size_t>(std::ranges::find(names, joint) - names.begin());
+      auto* box = motion.findChild<JointPanel*>()->spin_box(index);
+      box->setFocus();
+      box->selectAll();
+      QTest::keyClicks(box, QString::number(degrees));
+      QTest::keyClick(box, Qt::Key_Return);
+    };
+    const auto set_time = [&](int row, double seconds) {
+      auto* model = motion.findChild<StepModel*>();
+      QVERIFY(model->setData(model->index(row, StepModel::kTime), seconds, Qt::EditRole));
+    };
+    const auto finding_starts = [&](QChar kind) {
+      for (const RowFinding& finding : editor->findings())
+        if (finding.code.startsWith(kind) && finding.severity == simulation::Severity::kError) return true;
+      return false;
+    };
+    const auto wait_for_check = [&] { QTRY_VERIFY_WITH_TIMEOUT(!editor->is_checking(), kPatience_ms); };
+    const auto picture = [&](const char* name) {
+      const QString pictures = qEnvironmentVariable("KOBOSHI_PICTURES");
+      if (pictures.isEmpty()) return;
+      QTest::qWait(500);
+      window_->grab().save(pictures + QStringLiteral("/make-") + QLatin1String(name) +
+                           QStringLiteral(".png"));
+    };
+    window_->findChild<QDockWidget*>(QStringLiteral("motion"))->raise();
+
+    action("New motion")->trigger();
+    QVERIFY(editor->is_open());
+    // Poses: the arm up, bent, and down again by the mirror.
+    trigger("insert_pose");
+    set_joint("right_shoulder_roll", -80.0);
+    trigger("insert_pose");
+    set_joint("right_elbow", -70.0);
+    trigger("insert_pose");
+    set_joint("right_elbow", -20.0);
+    trigger("mirror");
+    const std::size_t rows = editor->rows().rows.size();
+    for (std::size_t row = 0; row < rows; ++row) set_time(static_cast<int>(row), 0.5);
+    wait_for_check();
+    picture("poses");
+
+    // Too fast: the compiler or the check says which step.
+    set_time(1, 0.02);
+    QTRY_VERIFY_WITH_TIMEOUT(finding_starts(u'M') || finding_starts(u'C'), kPatience_ms);
+    picture("refused");
+    set_time(1, 1.0);
+    wait_for_check();
+    QTRY_VERIFY_WITH_TIMEOUT(!finding_starts(u'M') && !finding_starts(u'C'), kPatience_ms);
+
+    const std::string made = motion.text();
+    QVERIFY2(undo_count() >= 10, qPrintable(QString::number(undo_count())));
+    for (int i = 0; i < 10; ++i) trigger("undo");
+    QVERIFY(motion.text() != made);
+    for (int i = 0; i < 10; ++i) trigger("redo");
+    QCOMPARE(motion.text(), made);
+
+    QVERIFY(motion.save_as(file));
+    QVERIFY(!motion.modified());
+    window_->open(file);
+    QCOMPARE(motion.text(), made);
+    QSignalSpy opened(&window_->run(), &RunController::opened);
+    trigger("play_physics");
+    QVERIFY(opened.wait(kPatience_ms));
+    QVERIFY2(window_->messages().text().isEmpty(), qPrintable(window_->messages().text()));
+    window_->run().set_playing(false);
+    run_to(8'000'000);
+    QVERIFY(window_->run().status().state != SessionStatus::State::kFailed);
+    bool played = false;
+    for (const view::Event& event : window_->run().recording().events) {
+      played = played || event.text.find("wave_both") != std::string::npos ||
+               event.text.find("untitled") != std::string::npos;
+      QVERIFY2(event.text.find("fall") == std::string::npos, event.text.c_str());
+    }
+    QVERIFY(played);
+    picture("played");
+  }
+
+  void asks_before_changes_are_lost() {
+    action("New motion")->trigger();
+    window_->motion().findChild<QAction*>(QStringLiteral("insert_pose"))->trigger();
+    QVERIFY(window_->motion().modified());
+    QVERIFY(!window_->close());
+    QVERIFY(window_->messages().text().contains(QStringLiteral("not saved")));
+    QVERIFY(window_->close());
   }
 
   void finds_and_triggers_commands() {
@@ -256,8 +364,8 @@ class WindowTest final : public QObject {
       QVERIFY(!one->text().isEmpty());
       for (const QKeySequence& keys : one->shortcuts()) {
         const QString text = keys.toString();
-        QVERIFY2(!shortcuts.contains(text),
-                 qPrintable(text + QStringLiteral(": ") + one->text() + QStringLiteral(" and ") + shortcuts.value(text)));
+        QVERIFY2(!shortcuts.contains(text), qPrintable(text + QStringLiteral(": ") + one->text() +
+                                                       QStringLiteral(" and ") + shortcuts.value(text)));
         shortcuts.insert(text, one->text());
       }
     }
@@ -308,7 +416,8 @@ class WindowTest final : public QObject {
     for (const char* name : {"events", "can", "motion"}) {
       window_->findChild<QDockWidget*>(QLatin1String(name))->raise();
       QTest::qWait(800);
-      window_->grab().save(folder + QStringLiteral("/studio-") + QLatin1String(name) + QStringLiteral(".png"));
+      window_->grab().save(folder + QStringLiteral("/studio-") + QLatin1String(name) +
+                           QStringLiteral(".png"));
     }
     apply_theme(Theme::kDark);
     QTest::qWait(500);
@@ -329,7 +438,9 @@ class WindowTest final : public QObject {
         each(i);
         QApplication::processEvents(QEventLoop::AllEvents, 5);
       }
-      qInfo("%s: %.1f frames/s at %dx%d", what, static_cast<double>(window_->view().frames() - before) / (1e-3 * static_cast<double>(timer.elapsed())),
+      qInfo("%s: %.1f frames/s at %dx%d", what,
+            static_cast<double>(window_->view().frames() - before) /
+                (1e-3 * static_cast<double>(timer.elapsed())),
             window_->width(), window_->height());
     };
     measure("paused, camera turning", [&](int i) { window_->view().look_from(0.01 * i, 0.2); });

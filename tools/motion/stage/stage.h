@@ -9,9 +9,9 @@
 
 namespace koboshi::tools {
 
-// The scenario in which a motion is played: scenarios/motion.yaml of this checkout with the motion in place of one of the
-// same name. The motion begins once the robot stands; a motion without an end is stopped after twice its duration. `checked`
-// is the motion's report. Throws sim::InputError.
+// The scenario in which a motion is played: scenarios/motion.yaml of this checkout with the motion in place
+// of one of the same name. The motion begins once the robot stands; a motion without an end is stopped after
+// twice its duration. `checked` is the motion's report. Throws sim::InputError.
 [[nodiscard]] sim::Scenario stage_scenario(const std::filesystem::path& motion, const MotionReport& checked,
                                            std::vector<sim::Override> overrides = {});
 

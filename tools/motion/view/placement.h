@@ -11,8 +11,8 @@
 
 namespace koboshi::tools {
 
-// Places a robot without physics: at rest on its soles, with the support foot where it was in the pose before. The first pose
-// has the trunk above the world's origin, heading along the x axis.
+// Places a robot without physics: at rest on its soles, with the support foot where it was in the pose
+// before. The first pose has the trunk above the world's origin, heading along the x axis.
 class Placement {
  public:
   // The robot must outlive this.

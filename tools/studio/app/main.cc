@@ -49,7 +49,9 @@ int main(int argc, char** argv) {
     return program.exit(error) == 0 ? 0 : kBadInput;
   }
   if (!has_display()) {
-    fmt::print(stderr, "koboshi studio: no display here; `koboshi replay RUN --html` writes replay.html, which shows a recorded run in a browser elsewhere\n");
+    fmt::print(stderr,
+               "koboshi studio: no display here; `koboshi replay RUN --html` writes replay.html, which shows "
+               "a recorded run in a browser elsewhere\n");
     return kBadInput;
   }
   QSurfaceFormat::setDefaultFormat(koboshi::studio::RobotView::format());

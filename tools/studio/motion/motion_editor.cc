@@ -72,6 +72,16 @@ std::optional<QString> MotionEditor::open(const std::filesystem::path& file,
   });
 }
 
+std::optional<QString> MotionEditor::set_robot(const std::filesystem::path& robot_file) {
+  try {
+    robot_ = load_motion_robot(robot_file);
+  } catch (const std::exception& error) {
+    return QString::fromStdString(error.what());
+  }
+  robot_file_ = robot_file;
+  return std::nullopt;
+}
+
 std::optional<QString> MotionEditor::begin(const std::string& name) {
   return take([&] { return MotionDocument::begin(robot_, name, recovery_folder_); });
 }

@@ -36,12 +36,15 @@ class MotionEditor final : public QObject {
 
   // Each returns an error of one line, or nothing.
   std::optional<QString> open(const std::filesystem::path& file, const std::filesystem::path& robot_file);
+  // Reads the robot for which begin() begins.
+  std::optional<QString> set_robot(const std::filesystem::path& robot_file);
   std::optional<QString> begin(const std::string& name);  // a new motion of the present robot
   std::optional<QString> restore(const Recovery& recovery);
   // Empty: saves to the document's file.
   std::optional<QString> save(const std::filesystem::path& file = {});
   std::optional<QString> reload();
 
+  bool has_robot() const { return robot_ != nullptr; }
   bool is_open() const { return document_ != nullptr; }
   const MotionDocument& document() const { return *document_; }
   const MotionRows& rows() const { return document_->rows(); }

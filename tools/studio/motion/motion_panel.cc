@@ -160,7 +160,15 @@ bool MotionPanel::modified() const { return editor_->is_open() && editor_->docum
 
 fs::path MotionPanel::file() const { return editor_->is_open() ? editor_->document().file() : fs::path(); }
 
-std::string MotionPanel::text() const { return editor_->is_open() ? editor_->document().text() : std::string(); }
+std::optional<QString> MotionPanel::set_robot(const fs::path& robot) {
+  auto error = editor_->set_robot(robot);
+  update_actions();
+  return error;
+}
+
+std::string MotionPanel::text() const {
+  return editor_->is_open() ? editor_->document().text() : std::string();
+}
 
 bool MotionPanel::report(const std::optional<QString>& error) {
   if (error) messages_->show_error(*error);

@@ -197,8 +197,9 @@ void MotionPanel::update_actions() {
                                  "mirror", "reverse", "scale_time"})
     enable(name, has_rows);
   for (const char* const name : {"paste", "insert_pose", "insert_wait", "insert_loop", "mirror_motion",
-                                 "play_preview", "play_physics", "new", "save", "save_as", "upgrade"})
+                                 "play_preview", "play_physics", "save", "save_as", "upgrade"})
     enable(name, is_open);
+  enable("new", editor_->has_robot());
   const auto name_edit = [&](const char* name, const QString& verb, bool can, std::string_view label) {
     auto* const action = findChild<QAction*>(QString::fromLatin1(name), Qt::FindDirectChildrenOnly);
     action->setEnabled(can);

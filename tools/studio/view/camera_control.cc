@@ -11,7 +11,9 @@ namespace {
 constexpr double kMaxElevation_rad = std::numbers::pi / 2.0;
 
 // Rows: the camera's right, up and backward axes in the world.
-Eigen::Matrix3d axes_W(const view::Camera& camera) { return camera.view().topLeftCorner<3, 3>().cast<double>(); }
+Eigen::Matrix3d axes_W(const view::Camera& camera) {
+  return camera.view().topLeftCorner<3, 3>().cast<double>();
+}
 
 // The height of the picture at this distance in front of the eye, per pixel.
 double metres_per_pixel(const view::Camera& camera, int height_px, double depth_m) {
@@ -37,7 +39,8 @@ void zoom(view::Camera& camera, double factor) {
 
 Ray ray_through(const view::Camera& camera, int width_px, int height_px, const Eigen::Vector2d& pixel) {
   const double scale = metres_per_pixel(camera, height_px, 1.0);
-  const Eigen::Vector3d direction_C(scale * (pixel.x() - 0.5 * width_px), scale * (0.5 * height_px - pixel.y()), -1.0);
+  const Eigen::Vector3d direction_C(scale * (pixel.x() - 0.5 * width_px),
+                                    scale * (0.5 * height_px - pixel.y()), -1.0);
   return {camera.eye_W_m(), (axes_W(camera).transpose() * direction_C).normalized()};
 }
 

@@ -33,8 +33,8 @@ double distance_to(const Eigen::AlignedBox3d& box, const Ray& ray) {
 }
 
 // Möller and Trumbore 1997.
-double distance_to_triangle(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m, const Eigen::Vector3d& c_m,
-                            const Ray& ray) {
+double distance_to_triangle(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m,
+                            const Eigen::Vector3d& c_m, const Ray& ray) {
   const Eigen::Vector3d ab = b_m - a_m;
   const Eigen::Vector3d ac = c_m - a_m;
   const Eigen::Vector3d p = ray.direction_W.cross(ac);
@@ -51,8 +51,9 @@ double distance_to_triangle(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b
 double distance_to(const view::Mesh& mesh, const Ray& ray) {
   double nearest_m = kNowhere;
   for (const auto& [a, b, c] : mesh.triangles)
-    nearest_m = std::min(nearest_m, distance_to_triangle(mesh.vertices_m[a].cast<double>(), mesh.vertices_m[b].cast<double>(),
-                                                         mesh.vertices_m[c].cast<double>(), ray));
+    nearest_m = std::min(
+        nearest_m, distance_to_triangle(mesh.vertices_m[a].cast<double>(), mesh.vertices_m[b].cast<double>(),
+                                        mesh.vertices_m[c].cast<double>(), ray));
   return nearest_m;
 }
 
@@ -62,7 +63,8 @@ Eigen::AlignedBox3d bounds_of(const view::Shape& shape) {
     bounds.extend(Eigen::Vector3d(0.5 * box->size_m));
     bounds.extend(Eigen::Vector3d(-0.5 * box->size_m));
   } else {
-    for (const Eigen::Vector3f& vertex : std::get<view::Mesh>(shape.geometry).vertices_m) bounds.extend(vertex.cast<double>());
+    for (const Eigen::Vector3f& vertex : std::get<view::Mesh>(shape.geometry).vertices_m)
+      bounds.extend(vertex.cast<double>());
   }
   return bounds;
 }
@@ -91,7 +93,8 @@ std::optional<Hit> Picker::pick(std::span<const view::Pose> links, const Ray& ra
     const Ray ray_G = transformed(target.shape->X_LG.inverse(), ray_L);
     double distance_m = distance_to(target.bounds, ray_G);
     if (distance_m >= (nearest ? nearest->distance_m : kNowhere)) continue;
-    if (const auto* mesh = std::get_if<view::Mesh>(&target.shape->geometry)) distance_m = distance_to(*mesh, ray_G);
+    if (const auto* mesh = std::get_if<view::Mesh>(&target.shape->geometry))
+      distance_m = distance_to(*mesh, ray_G);
     if (distance_m >= (nearest ? nearest->distance_m : kNowhere)) continue;
     nearest = {target.link, distance_m, ray_L.origin_W_m + distance_m * ray_L.direction_W};
   }

@@ -21,7 +21,8 @@ namespace koboshi::studio {
 namespace {
 
 constexpr int kRest_ms = 150;
-constexpr double kFrame_s = 1.0 / 40.0;  // of the picture alone, so that a window of several panels keeps its 25 frames/s
+constexpr double kFrame_s =
+    1.0 / 40.0;  // of the picture alone, so that a window of several panels keeps its 25 frames/s
 constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 constexpr double kArrowRadius_m = 0.004;
 
@@ -42,7 +43,8 @@ RobotView::RobotView(QWidget* parent) : QOpenGLWidget(parent), resolution_(kFram
   setMouseTracking(true);
   setMinimumSize(200, 150);
   setAccessibleName(tr("View of the robot"));
-  setToolTip(tr("Drag: turn. Shift+drag: move. Wheel: distance. Double click: look there. Ctrl+drag a link: push it."));
+  setToolTip(tr(
+      "Drag: turn. Shift+drag: move. Wheel: distance. Double click: look there. Ctrl+drag a link: push it."));
   rest_.setSingleShot(true);
   rest_.setInterval(kRest_ms);
   connect(&rest_, &QTimer::timeout, this, [this] {
@@ -111,8 +113,9 @@ void RobotView::look_at_robot() {
   for (const view::Pose& pose : picture_.links) box.extend(pose.p_WL_m.cast<double>());
   constexpr double kAroundOrigins_m = 0.06;  // limbs reach beyond the origins of their links
   picture_.camera.target_W_m = box.center();
-  picture_.camera.distance_m = view::distance_to_fit(picture_.camera, std::max(1.0, double(width()) / std::max(height(), 1)),
-                                                     0.5 * box.diagonal().norm() + kAroundOrigins_m);
+  picture_.camera.distance_m =
+      view::distance_to_fit(picture_.camera, std::max(1.0, double(width()) / std::max(height(), 1)),
+                            0.5 * box.diagonal().norm() + kAroundOrigins_m);
   framed_ = true;
   followed_W_m_.reset();
   update();
@@ -180,7 +183,8 @@ view::Marks RobotView::marks_with_push() const {
   view::Marks marks = picture_.marks;
   if (push_) {
     const Eigen::Vector3d tip_m = point_W_m(push_->hit);
-    view::add_arrow(marks, tip_m, tip_m + view::kForceScale_m_per_N * push_->force_W_N, kArrowRadius_m, view::kPushColour);
+    view::add_arrow(marks, tip_m, tip_m + view::kForceScale_m_per_N * push_->force_W_N, kArrowRadius_m,
+                    view::kPushColour);
   }
   return marks;
 }
@@ -264,11 +268,20 @@ void RobotView::keyPressEvent(QKeyEvent* event) {
   constexpr double kTurn_px = 20.0;
   Eigen::Vector2d turn = Eigen::Vector2d::Zero();
   switch (event->key()) {
-    case Qt::Key_Left: turn.x() = kTurn_px; break;
-    case Qt::Key_Right: turn.x() = -kTurn_px; break;
-    case Qt::Key_Up: turn.y() = kTurn_px; break;
-    case Qt::Key_Down: turn.y() = -kTurn_px; break;
-    default: return QOpenGLWidget::keyPressEvent(event);
+    case Qt::Key_Left:
+      turn.x() = kTurn_px;
+      break;
+    case Qt::Key_Right:
+      turn.x() = -kTurn_px;
+      break;
+    case Qt::Key_Up:
+      turn.y() = kTurn_px;
+      break;
+    case Qt::Key_Down:
+      turn.y() = -kTurn_px;
+      break;
+    default:
+      return QOpenGLWidget::keyPressEvent(event);
   }
   orbit(picture_.camera, turn, height());
   redraw_moving();

@@ -16,9 +16,9 @@
 
 namespace koboshi::studio {
 
-// Shows a robot and its ground. Drag: turn; drag with Shift or the middle button: move; wheel: distance; double click: look
-// at that place; drag a link with Ctrl: push it. While the picture moves, its resolution follows the machine's speed; 150 ms
-// after that it is drawn in full.
+// Shows a robot and its ground. Drag: turn; drag with Shift or the middle button: move; wheel: distance;
+// double click: look at that place; drag a link with Ctrl: push it. While the picture moves, its resolution
+// follows the machine's speed; 150 ms after that it is drawn in full.
 class RobotView final : public QOpenGLWidget {
   Q_OBJECT
 

@@ -38,8 +38,8 @@ void ScaledFramebuffer::stretch_into(unsigned framebuffer, int width_px, int hei
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
 }
 
-// The time of a frame grows with the number of its pixels, the square of the scale; half of a correction at a time, so that
-// one slow frame does not show.
+// The time of a frame grows with the number of its pixels, the square of the scale; half of a correction at a
+// time, so that one slow frame does not show.
 void AdaptiveResolution::drawn_in(double seconds) {
   const double wanted = scale_ * std::sqrt(frame_s_ / std::max(seconds, 1e-6));
   scale_ = std::clamp(0.5 * (scale_ + wanted), kLowest, 1.0);

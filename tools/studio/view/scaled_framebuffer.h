@@ -25,7 +25,8 @@ class ScaledFramebuffer {
   int height_px_ = 0;
 };
 
-// Chooses the resolution so that a frame takes its time at most, and the full resolution when the picture rests.
+// Chooses the resolution so that a frame takes its time at most, and the full resolution when the picture
+// rests.
 class AdaptiveResolution {
  public:
   static constexpr double kLowest = 0.4;

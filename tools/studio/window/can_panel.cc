@@ -18,14 +18,22 @@ namespace {
 
 QString kind_name(tools::FrameKind kind) {
   switch (kind) {
-    case tools::FrameKind::kNmt: return QStringLiteral("NMT");
-    case tools::FrameKind::kSync: return QStringLiteral("SYNC");
-    case tools::FrameKind::kEmergency: return QStringLiteral("EMCY");
-    case tools::FrameKind::kTime: return QStringLiteral("TIME");
-    case tools::FrameKind::kPdo: return QStringLiteral("PDO");
-    case tools::FrameKind::kSdo: return QStringLiteral("SDO");
-    case tools::FrameKind::kHeartbeat: return QStringLiteral("heartbeat");
-    case tools::FrameKind::kOther: return QStringLiteral("other");
+    case tools::FrameKind::kNmt:
+      return QStringLiteral("NMT");
+    case tools::FrameKind::kSync:
+      return QStringLiteral("SYNC");
+    case tools::FrameKind::kEmergency:
+      return QStringLiteral("EMCY");
+    case tools::FrameKind::kTime:
+      return QStringLiteral("TIME");
+    case tools::FrameKind::kPdo:
+      return QStringLiteral("PDO");
+    case tools::FrameKind::kSdo:
+      return QStringLiteral("SDO");
+    case tools::FrameKind::kHeartbeat:
+      return QStringLiteral("heartbeat");
+    case tools::FrameKind::kOther:
+      return QStringLiteral("other");
   }
   return {};
 }
@@ -85,13 +93,15 @@ bool FrameModel::passes(const hal::CanFrame& frame) {
                              .arg(frame.identifier, 3, 16, QLatin1Char('0'))
                              .arg(sender_of(frame), kind_name(tools::kind_of(frame)));
     const QStringList words = filter_.split(QLatin1Char(' '), Qt::SkipEmptyParts);
-    passing = std::ranges::all_of(words, [&](const QString& word) { return text.contains(word, Qt::CaseInsensitive); });
+    passing = std::ranges::all_of(
+        words, [&](const QString& word) { return text.contains(word, Qt::CaseInsensitive); });
   }
   return passing == 1;
 }
 
 int FrameModel::row_at(std::uint64_t time_us) const {
-  const auto after = std::ranges::upper_bound(rows_, time_us, {}, [this](std::uint32_t i) { return recording_->frames[i].end_us; });
+  const auto after = std::ranges::upper_bound(
+      rows_, time_us, {}, [this](std::uint32_t i) { return recording_->frames[i].end_us; });
   return static_cast<int>(after - rows_.begin()) - 1;
 }
 
@@ -99,14 +109,18 @@ std::uint64_t FrameModel::time_us(int row) const {
   return recording_->frames[rows_[static_cast<std::size_t>(row)]].end_us;
 }
 
-int FrameModel::rowCount(const QModelIndex& parent) const { return parent.isValid() ? 0 : static_cast<int>(rows_.size()); }
+int FrameModel::rowCount(const QModelIndex& parent) const {
+  return parent.isValid() ? 0 : static_cast<int>(rows_.size());
+}
 
 int FrameModel::columnCount(const QModelIndex& parent) const { return parent.isValid() ? 0 : kColumns; }
 
 QString FrameModel::sender_of(const hal::CanFrame& frame) const {
-  if (const tools::Message* message = network_.find(frame.identifier)) return QString::fromStdString(message->name);
+  if (const tools::Message* message = network_.find(frame.identifier))
+    return QString::fromStdString(message->name);
   const int node = tools::node_of(frame);
-  const auto known = std::ranges::find(network_.nodes, node, [](const tools::NetworkNode& one) { return int{one.node_id}; });
+  const auto known =
+      std::ranges::find(network_.nodes, node, [](const tools::NetworkNode& one) { return int{one.node_id}; });
   if (node != 0 && known != network_.nodes.end()) return QString::fromStdString(known->name);
   return kind_name(tools::kind_of(frame));
 }
@@ -116,10 +130,12 @@ QString FrameModel::meaning_of(const hal::CanFrame& frame) const {
   if (!described.empty()) return QString::fromStdString(described);
   QStringList readings;
   for (const tools::Reading& reading : tools::decode(network_, frame)) {
-    const QString value = reading.name.empty() ? QString::number(reading.value, 'g', 6)
-                                               : QString::fromUtf8(reading.name.data(), static_cast<int>(reading.name.size()));
+    const QString value = reading.name.empty()
+                              ? QString::number(reading.value, 'g', 6)
+                              : QString::fromUtf8(reading.name.data(), static_cast<int>(reading.name.size()));
     readings << QStringLiteral("%1 %2 %3")
-                    .arg(QString::fromStdString(reading.signal->name), value, QString::fromStdString(reading.signal->unit))
+                    .arg(QString::fromStdString(reading.signal->name), value,
+                         QString::fromStdString(reading.signal->unit))
                     .trimmed();
   }
   return readings.join(QStringLiteral(", "));
@@ -132,14 +148,18 @@ QVariant FrameModel::data(const QModelIndex& index, int role) const {
     return QFontDatabase::systemFont(QFontDatabase::FixedFont);
   if (role != Qt::DisplayRole && role != Qt::ToolTipRole) return {};
   switch (index.column()) {
-    case kTime: return QString::number(1e-6 * static_cast<double>(frame.end_us), 'f', 6);
-    case kIdentifier: return QStringLiteral("%1").arg(frame.frame.identifier, 3, 16, QLatin1Char('0')).toUpper();
-    case kSender: return sender_of(frame.frame);
+    case kTime:
+      return QString::number(1e-6 * static_cast<double>(frame.end_us), 'f', 6);
+    case kIdentifier:
+      return QStringLiteral("%1").arg(frame.frame.identifier, 3, 16, QLatin1Char('0')).toUpper();
+    case kSender:
+      return sender_of(frame.frame);
     case kData: {
       const QString text = QString::fromStdString(tools::frame_text(frame.frame));
       return text.mid(text.indexOf(QLatin1Char('#')) + 1);
     }
-    case kMeaning: return meaning_of(frame.frame);
+    case kMeaning:
+      return meaning_of(frame.frame);
   }
   return {};
 }
@@ -147,11 +167,16 @@ QVariant FrameModel::data(const QModelIndex& index, int role) const {
 QVariant FrameModel::headerData(int section, Qt::Orientation orientation, int role) const {
   if (orientation != Qt::Horizontal || role != Qt::DisplayRole) return {};
   switch (section) {
-    case kTime: return tr("Time [s]");
-    case kIdentifier: return tr("COB-ID");
-    case kSender: return tr("Message or node");
-    case kData: return tr("Data");
-    case kMeaning: return tr("Meaning");
+    case kTime:
+      return tr("Time [s]");
+    case kIdentifier:
+      return tr("COB-ID");
+    case kSender:
+      return tr("Message or node");
+    case kData:
+      return tr("Data");
+    case kMeaning:
+      return tr("Meaning");
   }
   return {};
 }
@@ -199,9 +224,10 @@ void CanPanel::set_recording(const view::Recording* recording, tools::Network ne
 
 void CanPanel::update_frames() {
   model_->update();
-  count_->setText(recording_ == nullptr
-                      ? QString()
-                      : tr("%1 of %2 frames").arg(model_->rowCount()).arg(static_cast<qulonglong>(recording_->frames.size())));
+  count_->setText(recording_ == nullptr ? QString()
+                                        : tr("%1 of %2 frames")
+                                              .arg(model_->rowCount())
+                                              .arg(static_cast<qulonglong>(recording_->frames.size())));
 }
 
 void CanPanel::set_cursor(std::uint64_t time_us) {

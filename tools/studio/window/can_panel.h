@@ -17,7 +17,8 @@ class QTableView;
 
 namespace koboshi::studio {
 
-// The frames of a run that pass a filter, decoded when they are shown: time, identifier, node or message, data, meaning.
+// The frames of a run that pass a filter, decoded when they are shown: time, identifier, node or message,
+// data, meaning.
 class FrameModel final : public QAbstractTableModel {
   Q_OBJECT
 

@@ -54,10 +54,11 @@ struct NamedView {
   double azimuth_deg;
   double elevation_deg;
 };
-constexpr std::array<NamedView, 4> kViews{{{QT_TRANSLATE_NOOP("MainWindow", "From the front"), Qt::Key_1, 0.0, 6.0},
-                                           {QT_TRANSLATE_NOOP("MainWindow", "From the left"), Qt::Key_2, 90.0, 6.0},
-                                           {QT_TRANSLATE_NOOP("MainWindow", "From above"), Qt::Key_3, 180.0, 90.0},
-                                           {QT_TRANSLATE_NOOP("MainWindow", "Diagonally"), Qt::Key_4, 50.0, 14.0}}};
+constexpr std::array<NamedView, 4> kViews{
+    {{QT_TRANSLATE_NOOP("MainWindow", "From the front"), Qt::Key_1, 0.0, 6.0},
+     {QT_TRANSLATE_NOOP("MainWindow", "From the left"), Qt::Key_2, 90.0, 6.0},
+     {QT_TRANSLATE_NOOP("MainWindow", "From above"), Qt::Key_3, 180.0, 90.0},
+     {QT_TRANSLATE_NOOP("MainWindow", "Diagonally"), Qt::Key_4, 50.0, 14.0}}};
 
 // The texts of Overlay that belong to the world; time, events and legend have panels of their own.
 struct OverlayText {
@@ -83,7 +84,8 @@ FileKind kind_of_file(const std::filesystem::path& file) {
   const sim::YamlNode document = sim::parse_yaml(sim::read_text_file(file, "a scenario or a motion"), file);
   if (document.find("steps") != nullptr) return FileKind::kMotion;
   if (document.find("duration_s") != nullptr) return FileKind::kScenario;
-  throw sim::InputError(file, 0, "neither duration_s nor steps", "a scenario, a motion, or the folder of a run");
+  throw sim::InputError(file, 0, "neither duration_s nor steps",
+                        "a scenario, a motion, or the folder of a run");
 }
 
 }  // namespace
@@ -116,6 +118,13 @@ MainWindow::MainWindow(const std::filesystem::path& robot)
   resizeDocks({dock("events")}, {240}, Qt::Vertical);
   default_layout_ = saveState(kLayoutVersion);
   restore_layout();
+  try {
+    ghost_.emplace(robot_file_);
+    view_->set_scene(ghost_->scene());
+    if (const auto error = motion_->set_robot(robot_file_)) messages_->show_message(*error);
+  } catch (const std::exception& error) {
+    messages_->show_message(QString::fromUtf8(error.what()));
+  }
   update_title();
   can_timer_.setInterval(kCanPeriod_ms);
   connect(&can_timer_, &QTimer::timeout, this, [this] {
@@ -127,10 +136,12 @@ MainWindow::MainWindow(const std::filesystem::path& robot)
   can_timer_.start();
 }
 
-// The panels refer to the recording of the controller, and children are destroyed in the order of their making.
+// The panels refer to the recording of the controller, and children are destroyed in the order of their
+// making.
 MainWindow::~MainWindow() { can_->set_recording(nullptr, {}); }
 
-QDockWidget* MainWindow::add_panel(const QString& name, const QString& title, QWidget* widget, Qt::DockWidgetArea area) {
+QDockWidget* MainWindow::add_panel(const QString& name, const QString& title, QWidget* widget,
+                                   Qt::DockWidgetArea area) {
   auto* dock = new QDockWidget(title, this);
   dock->setObjectName(name);
   dock->setWidget(widget);
@@ -156,7 +167,8 @@ void MainWindow::make_panels() {
   event_table_->verticalHeader()->setDefaultSectionSize(event_table_->fontMetrics().height() + 6);
   event_table_->horizontalHeader()->setStretchLastSection(true);
   event_table_->setAccessibleName(tr("Events"));
-  auto* event_dock = add_panel(QStringLiteral("events"), tr("Events"), event_table_, Qt::BottomDockWidgetArea);
+  auto* event_dock =
+      add_panel(QStringLiteral("events"), tr("Events"), event_table_, Qt::BottomDockWidgetArea);
   can_ = new CanPanel;
   auto* can_dock = add_panel(QStringLiteral("can"), tr("CAN bus"), can_, Qt::BottomDockWidgetArea);
   tabifyDockWidget(event_dock, can_dock);
@@ -183,21 +195,22 @@ void MainWindow::make_menus() {
   edit->addActions(motion_->edit_actions());
   QMenu* run = menuBar()->addMenu(tr("&Run"));
   run->addActions(findChild<TransportBar*>()->actions());
-  add_action(*run, tr("Start &again with seed and stepper"), QKeySequence(tr("Ctrl+Shift+R")), [this] { operator_->restart(); });
+  add_action(*run, tr("Start &again with seed and stepper"), QKeySequence(tr("Ctrl+Shift+R")),
+             [this] { operator_->restart(); });
   add_action(*run, tr("To the &beginning"), Qt::Key_Home, [this] { run_->set_cursor(0); });
   add_action(*run, tr("To the &end"), Qt::Key_End, [this] { run_->set_cursor(run_->end_us()); });
   make_robot_menu();
   make_view_menu();
   QMenu* help = menuBar()->addMenu(tr("&Help"));
   add_action(*help, tr("&Search commands"), QKeySequence(tr("Ctrl+K")), [this] { search_->setFocus(); });
-  add_action(*help, tr("&About Koboshi"), {}, [this] {
-    statusBar()->showMessage(tr("Koboshi %1").arg(QStringLiteral(KOBOSHI_VERSION)));
-  });
+  add_action(*help, tr("&About Koboshi"), {},
+             [this] { statusBar()->showMessage(tr("Koboshi %1").arg(QStringLiteral(KOBOSHI_VERSION))); });
   menuBar()->setCornerWidget(search_);
   search_->set_actions(all_actions());
 }
 
-// The operator's keys, as in a terminal and in the live page; Ctrl+Alt keeps them apart from the keys of other panels.
+// The operator's keys, as in a terminal and in the live page; Ctrl+Alt keeps them apart from the keys of
+// other panels.
 void MainWindow::make_robot_menu() {
   QMenu* menu = menuBar()->addMenu(tr("R&obot"));
   for (const tools::KeyHelp& help : tools::key_help()) {
@@ -251,14 +264,17 @@ void MainWindow::make_view_menu() {
   apply_theme(dark->isChecked() ? Theme::kDark : Theme::kLight);
   QAction* full = add_action(*menu, tr("Full &screen"), QKeySequence(Qt::Key_F11), {});
   full->setCheckable(true);
-  connect(full, &QAction::toggled, this, [this](bool on) { setWindowState(windowState().setFlag(Qt::WindowFullScreen, on)); });
+  connect(full, &QAction::toggled, this,
+          [this](bool on) { setWindowState(windowState().setFlag(Qt::WindowFullScreen, on)); });
 }
 
 QList<QAction*> MainWindow::all_actions() const {
   QList<QAction*> all;
   for (const QMenu* menu : menuBar()->findChildren<QMenu*>()) {
     for (QAction* action : menu->actions())
-      if (!action->isSeparator() && action->menu() == nullptr && !action->text().isEmpty() && !all.contains(action)) all << action;
+      if (!action->isSeparator() && action->menu() == nullptr && !action->text().isEmpty() &&
+          !all.contains(action))
+        all << action;
   }
   return all;
 }
@@ -266,7 +282,8 @@ QList<QAction*> MainWindow::all_actions() const {
 void MainWindow::connect_run() {
   connect(run_, &RunController::opened, this, &MainWindow::show_opened);
   connect(run_, &RunController::grown, this, &MainWindow::show_grown);
-  connect(run_, &RunController::rewound, this, [this](std::uint64_t time_us) { plots_->truncate_after(time_us); });
+  connect(run_, &RunController::rewound, this,
+          [this](std::uint64_t time_us) { plots_->truncate_after(time_us); });
   connect(run_, &RunController::cursor_moved, this, &MainWindow::show_cursor);
   connect(run_, &RunController::failed, messages_, &MessageBar::show_message);
   connect(view_, &RobotView::failed, messages_, &MessageBar::show_message);
@@ -274,31 +291,37 @@ void MainWindow::connect_run() {
   connect(view_, &RobotView::hovered, this, [this](int link) {
     const auto& links = run_->recording().scene.links;
     const auto index = static_cast<std::size_t>(link);
-    link_name_->setText(link >= 0 && index < links.size() ? QString::fromStdString(links[index].name) : QString());
+    link_name_->setText(link >= 0 && index < links.size() ? QString::fromStdString(links[index].name)
+                                                          : QString());
   });
   connect(plots_, &PlotPanel::cursor_moved, run_, &RunController::set_cursor);
   connect(can_, &CanPanel::cursor_moved, run_, &RunController::set_cursor);
   connect(event_table_, &QTableView::clicked, this, [this](const QModelIndex& index) {
     run_->set_cursor(run_->recording().events[static_cast<std::size_t>(index.row())].time_us);
   });
-  connect(motion_, &MotionPanel::title_changed, this, &MainWindow::update_title);
+  connect(motion_, &MotionPanel::title_changed, this, [this] {
+    warned_of_changes_ = false;
+    update_title();
+  });
   connect(motion_, &MotionPanel::pose_changed, this, &MainWindow::show_pose);
-  connect(motion_, &MotionPanel::play_requested, this, [this](bool physics, int /*from_row*/) { play_motion(physics); });
+  connect(motion_, &MotionPanel::play_requested, this,
+          [this](bool physics, int /*from_row*/) { play_motion(physics); });
 }
 
 void MainWindow::choose_file() {
-  const QString file = QFileDialog::getOpenFileName(this, tr("Open"), QString(),
-                                                    tr("Scenarios, motions and recorded runs (*.yaml *.mcap);;All files (*)"));
+  const QString file = QFileDialog::getOpenFileName(
+      this, tr("Open"), QString(), tr("Scenarios, motions and recorded runs (*.yaml *.mcap);;All files (*)"));
   if (!file.isEmpty()) open(std::filesystem::path(file.toStdString()));
 }
 
 void MainWindow::open(const std::filesystem::path& file) {
   try {
     switch (kind_of_file(file)) {
-      case FileKind::kScenario: return run_->open_scenario(file);
-      case FileKind::kRecording: return run_->open_recording(file);
+      case FileKind::kScenario:
+        return run_->open_scenario(file);
+      case FileKind::kRecording:
+        return run_->open_recording(file);
       case FileKind::kMotion:
-        ghost_.emplace(robot_file_);
         if (run_->source() == RunController::Source::kNone) view_->set_scene(ghost_->scene());
         if (const auto error = motion_->open(file, robot_file_)) return messages_->show_message(*error);
         motion_->show_row(0);
@@ -347,7 +370,8 @@ void MainWindow::show_events() {
     shown_events_ = 0;
   }
   for (; shown_events_ < events.size(); ++shown_events_) {
-    auto* time = new QStandardItem(QString::number(1e-6 * static_cast<double>(events[shown_events_].time_us), 'f', 3));
+    auto* time =
+        new QStandardItem(QString::number(1e-6 * static_cast<double>(events[shown_events_].time_us), 'f', 3));
     time->setTextAlignment(Qt::AlignRight | Qt::AlignVCenter);
     auto* text = new QStandardItem(row_text(shown_events_));
     text->setToolTip(text->text());
@@ -360,7 +384,8 @@ void MainWindow::show_events() {
 void MainWindow::show_marks() {
   view::Overlays overlays;
   for (std::size_t i = 0; i < overlay_actions_.size(); ++i)
-    if (overlay_actions_[i] != nullptr && overlay_actions_[i]->isChecked()) overlays.add(static_cast<view::Overlay>(i));
+    if (overlay_actions_[i] != nullptr && overlay_actions_[i]->isChecked())
+      overlays.add(static_cast<view::Overlay>(i));
   marks_.emplace(run_->recording(), overlays);
   show_cursor();
 }
@@ -383,9 +408,12 @@ void MainWindow::push(int link, const Eigen::Vector3d& p_L_m, const Eigen::Vecto
   given.force_W_N = force_W_N;
   given.p_L_m = p_L_m;
   run_->give(std::move(given));
-  statusBar()->showMessage(tr("%1 N on %2 for %3 s").arg(force_W_N.norm(), 0, 'f', 1)
-                               .arg(QString::fromStdString(run_->recording().scene.links[static_cast<std::size_t>(link)].name))
-                               .arg(1e-6 * static_cast<double>(kPush_us)), 3000);
+  statusBar()->showMessage(
+      tr("%1 N on %2 for %3 s")
+          .arg(force_W_N.norm(), 0, 'f', 1)
+          .arg(QString::fromStdString(run_->recording().scene.links[static_cast<std::size_t>(link)].name))
+          .arg(1e-6 * static_cast<double>(kPush_us)),
+      3000);
 }
 
 // Shows the pose of the motion editor: alone, or as a ghost in the place of the robot of a run.
@@ -400,13 +428,14 @@ void MainWindow::show_pose(const std::vector<double>& angles_rad) {
 
 // Plays the text of the motion as it is in the editor, saved or not.
 void MainWindow::play_motion(bool physics) {
-  const std::filesystem::path copy = std::filesystem::path(played_.path().toStdString()) / motion_->file().filename();
+  const std::filesystem::path name = motion_->file().empty() ? "untitled.yaml" : motion_->file().filename();
+  const std::filesystem::path copy = std::filesystem::path(played_.path().toStdString()) / name;
   try {
     sim::write_whole_file(copy, motion_->text());
   } catch (const std::exception& error) {
     return messages_->show_message(QString::fromUtf8(error.what()));
   }
-  run_->open(motion_->file(), [copy, physics, robot = robot_file_]() -> RunController::Opened {
+  run_->open(name, [copy, physics, robot = robot_file_]() -> RunController::Opened {
     tools::MotionChecker checker(robot);
     const tools::MotionReport report = checker.check(copy);
     if (!physics) return {nullptr, tools::preview_recording(report, checker)};
@@ -419,7 +448,8 @@ void MainWindow::update_title() {
   QStringList parts;
   if (!run_->file().empty()) parts << QString::fromStdString(run_->file().filename().string());
   if (!motion_->file().empty())
-    parts << QString::fromStdString(motion_->file().filename().string()) + (motion_->modified() ? QStringLiteral("*") : QString());
+    parts << QString::fromStdString(motion_->file().filename().string()) +
+                 (motion_->modified() ? QStringLiteral("*") : QString());
   parts << QStringLiteral("Koboshi Studio");
   setWindowTitle(parts.join(QStringLiteral(" - ")));
 }
@@ -434,6 +464,11 @@ void MainWindow::restore_layout() {
 void MainWindow::reset_layout() { restoreState(default_layout_, kLayoutVersion); }
 
 void MainWindow::closeEvent(QCloseEvent* event) {
+  if (motion_->modified() && !std::exchange(warned_of_changes_, true)) {
+    messages_->show_message(
+        tr("The motion has changes that are not saved. Save them (Ctrl+S), or close again to discard them."));
+    return event->ignore();
+  }
   QSettings settings;
   settings.setValue(QStringLiteral("geometry"), saveGeometry());
   settings.setValue(QStringLiteral("layout"), saveState(kLayoutVersion));

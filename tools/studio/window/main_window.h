@@ -29,8 +29,8 @@ class MotionPanel;
 class OperatorPanel;
 class PlotPanel;
 
-// The studio's window: the view of the robot in the middle, panels around it, every action in a menu and in the command
-// search. All panels show the moment of the run's cursor.
+// The studio's window: the view of the robot in the middle, panels around it, every action in a menu and in
+// the command search. All panels show the moment of the run's cursor.
 class MainWindow final : public QMainWindow {
   Q_OBJECT
 
@@ -39,7 +39,8 @@ class MainWindow final : public QMainWindow {
   explicit MainWindow(const std::filesystem::path& robot);
   ~MainWindow() override;
 
-  // Opens a scenario, a motion, or a recorded run by what the file holds. What cannot be opened is said in the message bar.
+  // Opens a scenario, a motion, or a recorded run by what the file holds. What cannot be opened is said in
+  // the message bar.
   void open(const std::filesystem::path& file);
 
   RunController& run() { return *run_; }
@@ -60,7 +61,8 @@ class MainWindow final : public QMainWindow {
   void make_view_menu();
   void make_robot_menu();
   QDockWidget* add_panel(const QString& name, const QString& title, QWidget* widget, Qt::DockWidgetArea area);
-  QAction* add_action(QMenu& menu, const QString& text, const QKeySequence& shortcut, const std::function<void()>& does);
+  QAction* add_action(QMenu& menu, const QString& text, const QKeySequence& shortcut,
+                      const std::function<void()>& does);
   void connect_run();
   void restore_layout();
   void reset_layout();
@@ -96,6 +98,7 @@ class MainWindow final : public QMainWindow {
   QByteArray default_layout_;
   QTimer can_timer_;  // the table of frames is updated less often than the view
   bool play_when_opened_ = false;
+  bool warned_of_changes_ = false;  // by an attempt to close
   QLabel* link_name_ = nullptr;
 };
 

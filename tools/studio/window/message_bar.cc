@@ -9,7 +9,8 @@ namespace koboshi::studio {
 
 MessageBar::MessageBar(QWidget* parent) : QFrame(parent), label_(new QLabel(this)) {
   setObjectName(QStringLiteral("message_bar"));
-  setStyleSheet(QStringLiteral("#message_bar { background: #b3261e; } #message_bar QLabel { color: white; }"));
+  setStyleSheet(
+      QStringLiteral("#message_bar { background: #b3261e; } #message_bar QLabel { color: white; }"));
   label_->setTextInteractionFlags(Qt::TextSelectableByMouse);
   label_->setWordWrap(true);
   label_->setAccessibleName(tr("Message"));

@@ -7,7 +7,8 @@ class QLabel;
 
 namespace koboshi::studio {
 
-// A line above the status bar that says what went wrong until somebody closes it; nothing is ever blocked by it.
+// A line above the status bar that says what went wrong until somebody closes it; nothing is ever blocked by
+// it.
 class MessageBar final : public QFrame {
   Q_OBJECT
 

@@ -24,7 +24,8 @@ namespace {
 
 constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 
-QDoubleSpinBox* number(double low, double high, double step, double value, const QString& unit, const QString& tip) {
+QDoubleSpinBox* number(double low, double high, double step, double value, const QString& unit,
+                       const QString& tip) {
   auto* box = new QDoubleSpinBox;
   box->setRange(low, high);
   box->setSingleStep(step);
@@ -37,7 +38,8 @@ QDoubleSpinBox* number(double low, double high, double step, double value, const
 
 }  // namespace
 
-OperatorPanel::OperatorPanel(RunController& run, QWidget* parent) : QWidget(parent), run_(run), state_(new QLabel(this)) {
+OperatorPanel::OperatorPanel(RunController& run, QWidget* parent)
+    : QWidget(parent), run_(run), state_(new QLabel(this)) {
   new QVBoxLayout(this);
   state_->setToolTip(tr("State that the controller reports"));
   state_->setAccessibleName(tr("State of the controller"));
@@ -85,7 +87,8 @@ void OperatorPanel::add_commands() {
   grid->addWidget(button(tr("Enable"), tr("Switches the drives on"), Kind::kEnable), 0, 0);
   grid->addWidget(button(tr("Stop"), tr("Ends the motion or the walk at its next exit"), Kind::kStop), 0, 1);
   grid->addWidget(button(tr("Get up"), tr("Lets a robot that lies get up"), Kind::kGetUp), 1, 0);
-  grid->addWidget(button(tr("Emergency stop"), tr("Switches the drives off at once"), Kind::kEmergencyStop), 1, 1);
+  grid->addWidget(button(tr("Emergency stop"), tr("Switches the drives off at once"), Kind::kEmergencyStop),
+                  1, 1);
   grid->addWidget(button(tr("Reset"), tr("Returns from an emergency stop or a fault"), Kind::kReset), 2, 0);
   motion_ = new QComboBox;
   motion_->setToolTip(tr("Motions of this scenario"));
@@ -109,7 +112,8 @@ void OperatorPanel::add_velocity() {
   auto* form = new QFormLayout(group);
   forward_ = number(-0.3, 0.3, 0.02, 0.1, QStringLiteral("m/s"), tr("Forward velocity"));
   left_ = number(-0.2, 0.2, 0.02, 0.0, QStringLiteral("m/s"), tr("Velocity to the left"));
-  turn_ = number(-1.5, 1.5, 0.1, 0.0, QStringLiteral("rad/s"), tr("Turning rate, counter-clockwise from above"));
+  turn_ =
+      number(-1.5, 1.5, 0.1, 0.0, QStringLiteral("rad/s"), tr("Turning rate, counter-clockwise from above"));
   form->addRow(tr("Forward"), forward_);
   form->addRow(tr("Left"), left_);
   form->addRow(tr("Turn"), turn_);
@@ -133,10 +137,12 @@ void OperatorPanel::add_push() {
   form->addRow(tr("Link"), push_link_);
   push_force_ = number(0.5, 200.0, 0.5, 6.0, QStringLiteral("N"), tr("Peak of the force"));
   form->addRow(tr("Force"), push_force_);
-  push_duration_ = number(0.01, 2.0, 0.01, 0.1, QStringLiteral("s"), tr("Duration of the force, a half sine"));
+  push_duration_ =
+      number(0.01, 2.0, 0.01, 0.1, QStringLiteral("s"), tr("Duration of the force, a half sine"));
   form->addRow(tr("Duration"), push_duration_);
-  push_direction_ = number(-180.0, 180.0, 5.0, 0.0, QStringLiteral("°"),
-                           tr("Direction in the ground plane of the world, counter-clockwise from the x axis"));
+  push_direction_ =
+      number(-180.0, 180.0, 5.0, 0.0, QStringLiteral("°"),
+             tr("Direction in the ground plane of the world, counter-clockwise from the x axis"));
   form->addRow(tr("Direction"), push_direction_);
   auto* push = new QPushButton(tr("Push"));
   push->setObjectName(QStringLiteral("push"));
@@ -147,7 +153,8 @@ void OperatorPanel::add_push() {
     given.shape = sim::Push::Shape::kHalfSine;
     given.duration_us = static_cast<std::uint64_t>(std::lround(1e3 * push_duration_->value())) * 1000;
     const double direction_rad = kRadPerDegree * push_direction_->value();
-    given.force_W_N = push_force_->value() * Eigen::Vector3d(std::cos(direction_rad), std::sin(direction_rad), 0.0);
+    given.force_W_N =
+        push_force_->value() * Eigen::Vector3d(std::cos(direction_rad), std::sin(direction_rad), 0.0);
     run_.give(std::move(given));
   });
   form->addRow(push);
@@ -201,9 +208,10 @@ void OperatorPanel::update_run() {
 void OperatorPanel::update_state() {
   const view::Recording& recording = run_.recording();
   const auto state = view::find_signal(recording, "state_name");
-  const QString name = state && !recording.samples.empty()
-                           ? QString::fromStdString(view::name_of_value(recording, *state, recording.samples.size() - 1))
-                           : QString();
+  const QString name =
+      state && !recording.samples.empty()
+          ? QString::fromStdString(view::name_of_value(recording, *state, recording.samples.size() - 1))
+          : QString();
   state_->setText(name.isEmpty() ? tr("No controller runs.") : tr("Controller: <b>%1</b>").arg(name));
 }
 

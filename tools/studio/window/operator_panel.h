@@ -19,8 +19,8 @@ namespace koboshi::studio {
 
 class RunController;
 
-// The operator of a simulated robot: commands to its controller, walking by velocity, motions, pushes, parameters, and the
-// settings with which the scenario starts.
+// The operator of a simulated robot: commands to its controller, walking by velocity, motions, pushes,
+// parameters, and the settings with which the scenario starts.
 class OperatorPanel final : public QWidget {
   Q_OBJECT
 

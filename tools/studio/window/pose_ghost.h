@@ -18,8 +18,8 @@ class PoseGhost {
 
   // The robot on level ground.
   view::Scene scene() const;
-  // The poses of all links; joint angles by the robot's order of joints. The trunk is above the origin of the world, or where
-  // this trunk is, with its heading.
+  // The poses of all links; joint angles by the robot's order of joints. The trunk is above the origin of the
+  // world, or where this trunk is, with its heading.
   std::vector<view::Pose> stand(std::span<const double> angles_rad, const view::Pose* trunk = nullptr) const;
 
  private:

@@ -55,7 +55,8 @@ void RunController::open(const std::filesystem::path& file, std::function<Opened
   });
 }
 
-void RunController::open_scenario(const std::filesystem::path& file, std::span<const sim::Override> overrides) {
+void RunController::open_scenario(const std::filesystem::path& file,
+                                  std::span<const sim::Override> overrides) {
   open(file, [file, overrides = std::vector<sim::Override>(overrides.begin(), overrides.end())]() -> Opened {
     return {std::make_unique<Session>(sim::read_scenario(file, overrides)), {}};
   });
@@ -96,7 +97,9 @@ bool RunController::playing() const {
   return session_ ? status_.state == SessionStatus::State::kRunning : plays_recording_;
 }
 
-std::uint64_t RunController::end_us() const { return recording_.samples.empty() ? 0 : recording_.samples.back().time_us; }
+std::uint64_t RunController::end_us() const {
+  return recording_.samples.empty() ? 0 : recording_.samples.back().time_us;
+}
 
 void RunController::set_playing(bool playing) {
   if (session_) {
@@ -107,7 +110,8 @@ void RunController::set_playing(bool playing) {
       session_->pause();
     }
   } else if (source_ == Source::kRecording) {
-    if (playing && cursor_us_ >= end_us() && !recording_.samples.empty()) set_cursor(recording_.samples.front().time_us);
+    if (playing && cursor_us_ >= end_us() && !recording_.samples.empty())
+      set_cursor(recording_.samples.front().time_us);
     plays_recording_ = playing;
     played_us_ = static_cast<double>(cursor_us_);
     played_.start();
@@ -166,7 +170,8 @@ void RunController::take_batch() {
   if (rewind) Q_EMIT rewound(rewind->time_us);
   const std::uint64_t known_us = rewind ? std::min(end_before_us, rewind->time_us) : end_before_us;
   const auto first = std::ranges::upper_bound(recording_.samples, known_us, {}, &view::Sample::time_us);
-  if (first != recording_.samples.end() || rewind) Q_EMIT grown(static_cast<std::size_t>(first - recording_.samples.begin()));
+  if (first != recording_.samples.end() || rewind)
+    Q_EMIT grown(static_cast<std::size_t>(first - recording_.samples.begin()));
   if (follow_ && cursor_us_ != end_us()) {
     cursor_us_ = end_us();
     Q_EMIT cursor_moved(cursor_us_);

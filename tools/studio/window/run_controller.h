@@ -19,8 +19,8 @@
 
 namespace koboshi::studio {
 
-// What the window shows: a simulation or a recorded run, and the cursor, the moment that all panels show. While a
-// simulation runs, the cursor is at its newest sample until somebody moves it.
+// What the window shows: a simulation or a recorded run, and the cursor, the moment that all panels show.
+// While a simulation runs, the cursor is at its newest sample until somebody moves it.
 class RunController final : public QObject {
   Q_OBJECT
 

@@ -38,7 +38,9 @@ QIcon icon(Sign sign, const QColor& colour) {
     painter.drawPolygon(QPolygonF({QPointF(from, 12), QPointF(from, 52), QPointF(to, 32)}));
   };
   switch (sign) {
-    case Sign::kPlay: triangle(16, 54); break;
+    case Sign::kPlay:
+      triangle(16, 54);
+      break;
     case Sign::kPause:
       painter.drawRect(QRectF(16, 12, 11, 40));
       painter.drawRect(QRectF(37, 12, 11, 40));
@@ -57,7 +59,9 @@ QIcon icon(Sign sign, const QColor& colour) {
   return QIcon(pixmap);
 }
 
-QString seconds(std::uint64_t time_us) { return QString::number(1e-6 * static_cast<double>(time_us), 'f', 2); }
+QString seconds(std::uint64_t time_us) {
+  return QString::number(1e-6 * static_cast<double>(time_us), 'f', 2);
+}
 
 }  // namespace
 
@@ -81,7 +85,8 @@ TransportBar::TransportBar(RunController& run, QWidget* parent)
   rewind_->setShortcut(Qt::Key_Backspace);
   connect(rewind_, &QAction::triggered, this, [this] { run_.rewind_to_cursor(); });
   for (const double speed : kSpeeds)
-    speed_->addItem(speed == Session::kUnpaced ? tr("as fast as possible") : tr("%1 x real time").arg(speed), speed);
+    speed_->addItem(speed == Session::kUnpaced ? tr("as fast as possible") : tr("%1 x real time").arg(speed),
+                    speed);
   speed_->setCurrentIndex(kNormalSpeed);
   speed_->setToolTip(tr("Simulated seconds per second of the clock"));
   speed_->setAccessibleName(tr("Speed"));
@@ -95,7 +100,8 @@ TransportBar::TransportBar(RunController& run, QWidget* parent)
   connect(slider_, &QSlider::valueChanged, this,
           [this](int ticks) { run_.set_cursor(static_cast<std::uint64_t>(ticks) * kTick_us); });
   addWidget(slider_);
-  time_->setMinimumWidth(time_->fontMetrics().horizontalAdvance(QStringLiteral("0000.00 / 0000.00 s  (00.00 x)")));
+  time_->setMinimumWidth(
+      time_->fontMetrics().horizontalAdvance(QStringLiteral("0000.00 / 0000.00 s  (00.00 x)")));
   time_->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
   time_->setToolTip(tr("Cursor and end of the run; in brackets the speed reached"));
   addWidget(time_);
@@ -135,7 +141,9 @@ void TransportBar::update_state() {
   play_->setEnabled(run_.source() != RunController::Source::kNone);
   tick_->setEnabled(play_->isEnabled() && !playing);
   rewind_->setEnabled(simulates && run_.cursor_us() < run_.end_us());
-  time_->setText(tr("%1 / %2 s  (%3 x)").arg(seconds(run_.cursor_us()), seconds(run_.end_us())).arg(run_.pace(), 0, 'f', 2));
+  time_->setText(tr("%1 / %2 s  (%3 x)")
+                     .arg(seconds(run_.cursor_us()), seconds(run_.end_us()))
+                     .arg(run_.pace(), 0, 'f', 2));
 }
 
 }  // namespace koboshi::studio

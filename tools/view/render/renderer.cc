@@ -365,7 +365,10 @@ void Renderer::Implementation::draw(const Picture& picture, int width_px, int he
   if (picture.opacity < 1.0F) draw_solid_marks(picture);  // seen through the robot
   draw_robot(picture);
   if (!picture.ghost.empty())
-    draw_robot({.camera = picture.camera, .links = picture.ghost, .collisions = picture.collisions, .opacity = kGhostRobot});
+    draw_robot({.camera = picture.camera,
+                .links = picture.ghost,
+                .collisions = picture.collisions,
+                .opacity = kGhostRobot});
   if (picture.opacity >= 1.0F) draw_solid_marks(picture);
   check_gl("drawing");
 }

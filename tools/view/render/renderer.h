@@ -15,8 +15,8 @@ struct Picture {
   Camera camera{};
   std::vector<Pose> links{};  // by index of Scene::links
   Marks marks{};
-  bool collisions = false;  // the shapes that collide in place of those that are seen
-  float opacity = 1.0F;     // of the robot
+  bool collisions = false;    // the shapes that collide in place of those that are seen
+  float opacity = 1.0F;       // of the robot
   std::vector<Pose> ghost{};  // the same robot once more, translucent and without shadow; empty: none
 };
 
