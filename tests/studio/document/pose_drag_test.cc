@@ -1,0 +1,194 @@
+#include "tools/studio/document/pose_drag.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "firmware/fixed/host/convert.h"
+#include "sim_board/robot/load.h"
+#include "sim_board/world/link_tree.h"
+#include "tests/studio/document/sample_document.h"
+
+namespace koboshi::studio {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+constexpr int kTargets = 200;
+constexpr double kReached_m = 0.0005;
+constexpr double kSupport_m = 0.0001;
+
+// The bodies in double precision, from the robot's description: another way than that of the firmware.
+class Bodies {
+ public:
+  Bodies() : robot_(sim::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf")), tree_(robot_) {}
+
+  // In the trunk's frame.
+  Isometry3d pose(DragBody body, std::span<const double> angles_rad) const {
+    const auto links = tree_.poses(robot_, Isometry3d::Identity(), angles_rad);
+    return links[static_cast<std::size_t>(link(body))];
+  }
+
+ private:
+  int link(DragBody body) const {
+    const auto child = [&](const char* joint) {
+      return robot_.joints[static_cast<std::size_t>(*robot_.find_joint(joint))].child;
+    };
+    switch (body) {
+      case DragBody::kLeftFoot:
+        return child("left_ankle_roll");
+      case DragBody::kRightFoot:
+        return child("right_ankle_roll");
+      case DragBody::kLeftHand:
+        return child("left_elbow");
+      case DragBody::kRightHand:
+        return child("right_elbow");
+      default:
+        return 0;
+    }
+  }
+
+  sim::RobotDescription robot_;
+  sim::LinkTree tree_;
+};
+
+const Bodies& bodies() {
+  static const Bodies all;
+  return all;
+}
+
+class PoseDrags : public testing::TestWithParam<DragBody> {
+ protected:
+  const std::vector<double>& standing() const { return sample_robot()->standing_rad; }
+  // A point of the body, off its origin.
+  Vector3d point_L() const { return {0.01, -0.005, -0.02}; }
+  Vector3d grabbed_B() const { return bodies().pose(GetParam(), standing()) * point_L(); }
+  PoseDrag drag() const { return {*sample_robot(), standing(), GetParam(), grabbed_B()}; }
+  // Where the grabbed point is, in axes of the trunk at the start: for the trunk, as the left foot sees it.
+  Vector3d point(const std::vector<double>& angles_rad) const {
+    if (GetParam() != DragBody::kTrunk) return bodies().pose(GetParam(), angles_rad) * point_L();
+    const Isometry3d X_BF0 = bodies().pose(DragBody::kLeftFoot, standing());
+    const Isometry3d X_BF = bodies().pose(DragBody::kLeftFoot, angles_rad);
+    return X_BF0 * X_BF.inverse() * point_L();
+  }
+  void expect_support_kept(const std::vector<double>& angles_rad) const {
+    if (GetParam() == DragBody::kTrunk) {
+      const auto between = [](const std::vector<double>& angles) {
+        return Isometry3d(bodies().pose(DragBody::kLeftFoot, angles).inverse() *
+                          bodies().pose(DragBody::kRightFoot, angles));
+      };
+      const Isometry3d X = between(standing()).inverse() * between(angles_rad);
+      EXPECT_LT(X.translation().norm(), kSupport_m);
+      EXPECT_LT(Eigen::AngleAxisd(X.linear()).angle(), 1e-3);
+    } else {
+      // All others stay relative to the trunk, and so to the support foot.
+      for (const DragBody other :
+           {DragBody::kLeftFoot, DragBody::kRightFoot, DragBody::kLeftHand, DragBody::kRightHand}) {
+        if (other == GetParam()) continue;
+        EXPECT_LT(
+            (bodies().pose(other, angles_rad).translation() - bodies().pose(other, standing()).translation())
+                .norm(),
+            kSupport_m);
+      }
+    }
+  }
+  void expect_within_limits(const std::vector<double>& angles_rad) const {
+    for (std::size_t joint = 0; joint < angles_rad.size(); ++joint) {
+      const robot::Joint& model = sample_robot()->model.model.joints[joint];
+      EXPECT_GE(angles_rad[joint], fixed::to_double(model.lower) - 1e-6);
+      EXPECT_LE(angles_rad[joint], fixed::to_double(model.upper) + 1e-6);
+    }
+  }
+  std::mt19937 random_{7};
+  Vector3d random_direction() {
+    std::normal_distribution<double> normal;
+    return Vector3d(normal(random_), normal(random_), normal(random_)).normalized();
+  }
+};
+
+TEST_P(PoseDrags, ReachTargetsWithinReachAndKeepTheSupport) {
+  const PoseDrag drag = this->drag();
+  std::uniform_real_distribution<double> turn(-0.3, 0.3);
+  int reached = 0;
+  for (int i = 0; i < kTargets; ++i) {
+    // Within reach by construction: where a pose near the standing pose has the point.
+    std::vector<double> angles_rad = standing();
+    for (std::size_t joint = 0; joint < angles_rad.size(); ++joint) {
+      const robot::Joint& model = sample_robot()->model.model.joints[joint];
+      if ((drag.joints() >> joint & 1U) == 0) continue;
+      angles_rad[joint] = std::clamp(angles_rad[joint] + turn(random_), fixed::to_double(model.lower),
+                                     fixed::to_double(model.upper));
+    }
+    Vector3d displacement = point(angles_rad) - grabbed_B();
+    Vector3d rotation = Vector3d::Zero();
+    if (GetParam() == DragBody::kLeftFoot || GetParam() == DragBody::kRightFoot) {
+      const Eigen::AngleAxisd turned(bodies().pose(GetParam(), angles_rad).linear() *
+                                     bodies().pose(GetParam(), standing()).linear().transpose());
+      rotation = turned.angle() * turned.axis();
+    } else if (GetParam() == DragBody::kTrunk) {
+      displacement = 0.012 * random_direction();
+      displacement.z() = -std::abs(displacement.z());
+      rotation = 0.05 * random_direction();
+    }
+    const DraggedPose pose = drag.move(displacement, rotation);
+    expect_support_kept(pose.angles_rad);
+    expect_within_limits(pose.angles_rad);
+    if (!pose.reached) continue;
+    ++reached;
+    EXPECT_LT((point(pose.angles_rad) - grabbed_B() - displacement).norm(), kReached_m);
+  }
+  EXPECT_EQ(reached, kTargets);
+}
+
+TEST_P(PoseDrags, StopAtTheBorderOfReachWithoutJumps) {
+  // Between targets 2 mm apart. The elbow turns most: at the stretched arm, 0.2 mm of reach are 0.2 rad.
+  constexpr double kMaxJump_rad = 0.35;
+  constexpr double kPitch_m = 0.002;
+  constexpr double kFar_m = 0.4;
+  const PoseDrag drag = this->drag();
+  for (int i = 0; i < 3; ++i) {
+    const Vector3d direction = random_direction();
+    const Vector3d along = direction.unitOrthogonal();
+    std::vector<double> before;
+    for (int k = 0; k < 20; ++k) {
+      const Vector3d target = kFar_m * direction + k * kPitch_m * along;
+      const DraggedPose pose = drag.move(target);
+      EXPECT_FALSE(pose.reached);
+      expect_support_kept(pose.angles_rad);
+      expect_within_limits(pose.angles_rad);
+      // On the line to the target.
+      EXPECT_LT((point(pose.angles_rad) - grabbed_B() - pose.share * target).norm(), kReached_m);
+      for (std::size_t joint = 0; joint < before.size(); ++joint)
+        EXPECT_LT(std::abs(pose.angles_rad[joint] - before[joint]), kMaxJump_rad)
+            << sample_robot()->model.joint_names[joint] << " of target " << i << ' ' << k;
+      before = pose.angles_rad;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Bodies, PoseDrags,
+                         testing::Values(DragBody::kTrunk, DragBody::kLeftFoot, DragBody::kRightFoot,
+                                         DragBody::kLeftHand, DragBody::kRightHand));
+
+TEST(PoseDrag, NamesTheJointAtItsLimit) {
+  const auto& standing = sample_robot()->standing_rad;
+  const Vector3d foot = bodies().pose(DragBody::kLeftFoot, standing).translation();
+  const PoseDrag drag(*sample_robot(), standing, DragBody::kLeftFoot, foot);
+  const DraggedPose pose = drag.move({0.0, 0.0, 0.0}, {2.0, 0.0, 0.0});
+  EXPECT_FALSE(pose.reached);
+  EXPECT_TRUE(std::ranges::find(pose.at_limit, joint_of("left_ankle_roll")) != pose.at_limit.end());
+}
+
+TEST(PoseDrag, WithoutADisplacementChangesNothing) {
+  const auto& standing = sample_robot()->standing_rad;
+  const PoseDrag drag(*sample_robot(), standing, DragBody::kTrunk, Vector3d::Zero());
+  const DraggedPose pose = drag.move(Vector3d::Zero());
+  for (std::size_t joint = 0; joint < standing.size(); ++joint)
+    EXPECT_NEAR(pose.angles_rad[joint], standing[joint], 0.01 * kDegree);
+}
+
+}  // namespace
+}  // namespace koboshi::studio

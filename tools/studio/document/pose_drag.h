@@ -1,0 +1,69 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tools/studio/document/motion_robot.h"
+
+namespace koboshi::studio {
+
+// The bodies of a robot that can be dragged.
+enum class DragBody { kTrunk, kLeftFoot, kRightFoot, kLeftHand, kRightHand };
+
+// The pose that a drag reaches.
+struct DraggedPose {
+  std::vector<double> angles_rad = {};  // by joint, within the limits
+  // Whether the target is reached. If not, this is the last reachable pose on the straight line from the
+  // grabbed point to the target.
+  bool reached = true;
+  double share = 1.0;                      // of that line
+  std::vector<std::size_t> at_limit = {};  // joints of the dragged limbs that are at a limit
+};
+
+// Inverse kinematics of a drag (simulation/motion/body_targets.h). A foot moves its leg, and the trunk both
+// legs while the soles stay where they are relative to each other; both keep their orientation unless they
+// are rotated. A hand moves its arm so that the grabbed point reaches its target; it is not rotated. Equal
+// targets give equal poses, whatever the way of the mouse.
+class PoseDrag {
+ public:
+  // `grabbed_B_m`: a point of the body in axes and from the origin of the trunk B, in the pose `angles_rad`.
+  // `robot` must outlive this.
+  PoseDrag(const MotionRobot& robot, std::span<const double> angles_rad, DragBody body,
+           const Eigen::Vector3d& grabbed_B_m);
+
+  // Moves the grabbed point by `displacement_B_m` and rotates the body by the rotation vector
+  // `rotation_B_rad` about the grabbed point; both in axes of the trunk as it was when the drag began.
+  [[nodiscard]] DraggedPose move(const Eigen::Vector3d& displacement_B_m,
+                                 const Eigen::Vector3d& rotation_B_rad = Eigen::Vector3d::Zero()) const;
+
+  // Joints that the drag may change, as a mask.
+  std::uint32_t joints() const { return joints_; }
+
+ private:
+  struct Attempt {
+    bool reached = false;
+    std::vector<fixed::Angle> angles = {};
+  };
+  Attempt solve(const Eigen::Vector3d& displacement_B_m, const Eigen::Vector3d& rotation_B_rad,
+                std::span<const fixed::Angle> from) const;
+  bool keeps_soles(std::span<const fixed::Angle> angles) const;
+  bool is_near(std::span<const fixed::Angle> one, std::span<const fixed::Angle> other) const;
+  DraggedPose result(const Attempt& attempt, double share) const;
+
+  const MotionRobot& robot_;
+  DragBody body_;
+  simulation::NamedModel model_;  // whose hand is the grabbed point
+  std::vector<double> start_rad_;
+  std::vector<fixed::Angle> start_;
+  Eigen::Vector3d grabbed_B_m_;
+  Eigen::Isometry3d X_BS_ = Eigen::Isometry3d::Identity();     // the left sole at the start
+  Eigen::Isometry3d X_BSole_ = Eigen::Isometry3d::Identity();  // of the dragged foot
+  Eigen::Vector3d p_SRight_m_ = Eigen::Vector3d::Zero();       // the right sole in the left one's frame
+  Eigen::Vector3d hip_B_m_ = Eigen::Vector3d::Zero();          // centre between the hips
+  std::uint32_t joints_ = 0;
+};
+
+}  // namespace koboshi::studio
