@@ -179,6 +179,7 @@ std::optional<MotionReport> MotionChecker::check(const CompiledMotion& motion,
   static_cast<void>(motion::Motion::open(motion.image, model_.model, opened));
   for (Trajectory& path : sampled.paths) {
     path.path = path_text(path, opened, motion.places);
+    report.duration_cut = report.duration_cut || path.cut;
     const std::vector<TickState>& states = analysis_.analyse(path, cancel);
     if (cancel.stop_requested()) return std::nullopt;
     if (&path == &sampled.paths.front()) states_ = states;

@@ -33,7 +33,8 @@ struct MotionReport {
   double least_margin_m = 0.0;  // 0 if not judged
   double least_margin_s = 0.0;
   std::uint16_t least_margin_step = 0;
-  double duration_s = 0.0;  // the longest, with time-outs
+  double duration_s = 0.0;    // the longest, with time-outs
+  bool duration_cut = false;  // a path was cut (kMaxPathTicks): the motion takes longer
 
   bool has_errors() const;
 };

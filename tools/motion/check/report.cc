@@ -10,6 +10,7 @@
 #include "firmware/fixed/host/convert.h"
 #include "firmware/motion/interpreter.h"
 #include "sim_board/input/user_units.h"
+#include "tools/motion/check/sample.h"
 
 namespace koboshi::tools {
 namespace {
@@ -56,6 +57,7 @@ class Judge {
     name_declared_leans();
     check_fall_detector();
     check_end();
+    name_cut();
     std::ranges::stable_sort(report_.findings, {}, &Finding::time_s);
     return std::move(report_);
   }
@@ -363,7 +365,7 @@ class Judge {
   }
 
   void check_end() {
-    const bool ends = !trajectory_.failed && !trajectory_.merged;
+    const bool ends = !trajectory_.failed && !trajectory_.merged && !trajectory_.cut;
     if (!ends || limits_.standing_rad.empty() || !trajectory_.on_feet.back()) return;
     const auto end = trajectory_.row(trajectory_.ticks() - 1);
     std::size_t farthest = 0;
@@ -380,6 +382,17 @@ class Judge {
         fmt::format("an end with {} {:.0f} deg away from the standing pose", joint_name(farthest),
                     distance_rad * kDegreesPerRad),
         "the standing pose, from which motions begin");
+  }
+
+  void name_cut() {
+    if (trajectory_.stop_tick > 0)
+      add("C019", Severity::kNote, trajectory_.stop_tick,
+          fmt::format("the motion still running after {:.0f} s", time_s(kStopTick)),
+          "a shorter motion: from there on it is checked with a stop command");
+    if (trajectory_.cut)
+      add("C019", Severity::kNote, trajectory_.ticks() - 1 - kHoldTicks,
+          fmt::format("the check cut after {:.0f} s", time_s(kMaxPathTicks)),
+          "a shorter motion: its rest is not checked");
   }
 
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);

@@ -22,8 +22,6 @@ using motion::Opcode;
 
 constexpr std::uint32_t kTick_us = 10'000;
 constexpr std::uint32_t kFineTick_us = 1'000;
-// A motion that jumps back without end is stopped after this time, and after as much again it is cut.
-constexpr std::size_t kMaxTicks = 60'000;
 // The first path comes to a condition so often in one pose; then it takes the other outcome, too, so that it
 // leaves a loop that sensors end.
 constexpr int kMaxVisits = 20;
@@ -70,11 +68,18 @@ class Player {
     std::optional<Interpreter> now(decided(
         Interpreter(robot_.model), [&](Interpreter& next) { next.start(motion_.forced(), from, inputs_); }));
     add(*now, now->step_index(), on_feet_);
-    for (std::size_t tick = 0; now->running() && tick < 2 * kMaxTicks && !merged_into_; ++tick) {
+    // A cut path is played on for the time of the hold, so that the analysis does not take the cut for a
+    // stop.
+    for (std::size_t tick = 0; now->running() && tick < kMaxPathTicks + kHoldTicks && !merged_into_; ++tick) {
       if (cancel.stop_requested()) return {};
-      if (tick == kMaxTicks) stop(*now);
+      if (tick == kStopTick) stop(*now);
       const Interpreter next = advanced(*now);
       now.emplace(next);
+    }
+    if (now->running() && !merged_into_) {
+      trajectory_.cut = true;
+      std::fill(trajectory_.on_feet.end() - kHoldTicks, trajectory_.on_feet.end(), false);
+      return std::move(trajectory_);
     }
     trajectory_.merged = merged_into_.has_value();
     trajectory_.failed = !trajectory_.merged && now->failed();
@@ -92,6 +97,7 @@ class Player {
   void stop(Interpreter& interpreter) {
     interpreter.stop();
     stopping_ = true;
+    trajectory_.stop_tick = trajectory_.ticks();
   }
 
   // Returns the interpreter after the next tick.

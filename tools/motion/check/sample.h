@@ -25,6 +25,10 @@ struct SampledPaths {
 inline constexpr std::size_t kMaxPaths = 32;
 // The pose is held after the end: the robot comes to rest.
 inline constexpr std::size_t kHoldTicks = 50;
+// A path that takes longer than this, 1,200 s, is cut. A path of half of it gets a stop command there, which
+// ends a motion that jumps back without end.
+inline constexpr std::size_t kMaxPathTicks = 120'000;
+inline constexpr std::size_t kStopTick = kMaxPathTicks / 2;
 
 // Plays the motion in the firmware's interpreter, 10 ms by 10 ms, from the pose `from_rad`. Endless loops run
 // twice. Expected attitudes are met. A wait for a condition ends at once or at its time-out. `image` was

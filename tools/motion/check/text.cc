@@ -72,10 +72,10 @@ std::string report_text(const MotionReport& report, const MotionChecker& checker
       report.diagnostics, simulation::Severity::kError, &simulation::Diagnostic::severity));
   const auto warnings = static_cast<std::size_t>(std::ranges::count(
       report.diagnostics, simulation::Severity::kWarning, &simulation::Diagnostic::severity));
-  text += fmt::format("{}: {}, {:.2f} s{}, {} of {} joints, {}, {}\n", report.file.string(), report.name,
-                      report.duration_s, report.endless ? " with two rounds of endless loops" : "",
-                      report.joints.size(), checker.robot().joints.size(), count(errors, "error"),
-                      count(warnings, "warning"));
+  text += fmt::format("{}: {}, {}{:.2f} s{}, {} of {} joints, {}, {}\n", report.file.string(), report.name,
+                      report.duration_cut ? "more than " : "", report.duration_s,
+                      report.endless ? " with two rounds of endless loops" : "", report.joints.size(),
+                      checker.robot().joints.size(), count(errors, "error"), count(warnings, "warning"));
   return text + verdict_text(report) + "\n";
 }
 
@@ -90,6 +90,7 @@ std::string report_json(const MotionReport& report, const MotionChecker& checker
     json["least_margin_mm"] = rounded(report.least_margin_m * sim::kMmPerM, 0.01);
   json["least_margin_s"] = rounded(report.least_margin_s, kTick_s);
   json["duration_s"] = rounded(report.duration_s, kTick_s);
+  json["duration_cut"] = report.duration_cut;
   json["endless"] = report.endless;
   json["paths"] = report.paths.size();
   json["paths_cut"] = report.cut;

@@ -47,6 +47,8 @@ struct Trajectory {
   std::size_t first_own_tick = 0;   // the ticks before it are those of an earlier path
   bool failed = false;              // the motion ends as failed
   bool merged = false;              // the path ends where an earlier one was in the same pose
+  bool cut = false;                 // the motion goes on after the end of the path (kMaxPathTicks)
+  std::size_t stop_tick = 0;        // of the stop command (kStopTick); 0: none
   std::vector<std::size_t> late{};  // ticks after which steps are left that belong into them
   std::string path{};               // `outcome` in words
 

@@ -165,6 +165,24 @@ TEST_F(MotionCheckerTest, SaysThatThereAreMorePathsThanItFollows) {
   EXPECT_EQ(find(report, "C018").severity, simulation::Severity::kNote);
 }
 
+// The pose at the cut is not the motion's end, and the cut is no stop of the robot.
+TEST_F(MotionCheckerTest, SaysThatItCutALongMotion) {
+  const auto report = [&](int waits) {
+    std::string steps = "  aside: {from: stand, shoulder_roll: 40}\nsteps:\n  - {pose: aside, time_s: 1}\n";
+    for (int i = 0; i < waits; ++i) steps += "  - {wait_s: 60}\n";
+    return check(steps + "  - {pose: stand, time_s: 1}\n");
+  };
+  const MotionReport whole = report(19);
+  EXPECT_FALSE(whole.duration_cut);
+  EXPECT_NEAR(whole.duration_s, 1 + 19 * 60 + 1 + 0.5, 0.02);
+  EXPECT_THAT(codes(whole), UnorderedElementsAre("C019")) << "stopped";
+  const MotionReport cut = report(21);
+  EXPECT_TRUE(cut.duration_cut);
+  EXPECT_THAT(codes(cut), UnorderedElementsAre("C019", "C019"));
+  EXPECT_THAT(cut.diagnostics.back().found, HasSubstr("the check cut after 1200 s at 1200.00 s"));
+  EXPECT_NE(cut.balance, Balance::kNotJudged);
+}
+
 TEST_F(MotionCheckerTest, ACancelledCheckReturnsNothing) {
   const CompiledMotion motion = compiled("steps:\n  - {pose: stand, time_s: 1}\n");
   std::stop_source cancel;
