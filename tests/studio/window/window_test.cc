@@ -19,6 +19,7 @@
 #include <QSignalSpy>
 #include <QSlider>
 #include <QSpinBox>
+#include <QStatusBar>
 #include <QSurfaceFormat>
 #include <QTableView>
 #include <QTemporaryDir>
@@ -246,6 +247,189 @@ class WindowTest final : public QObject {
     }
   }
 
+ private:
+  // Drags in the view by real events of the mouse.
+  void drag(const QPoint& from, const QPoint& by, Qt::KeyboardModifiers modifiers = Qt::NoModifier) {
+    RobotView& view = window_->view();
+    QTest::mousePress(&view, Qt::LeftButton, modifiers, from);
+    constexpr int kMoves = 8;
+    for (int i = 1; i <= kMoves; ++i) {
+      const QPointF place = QPointF(from) + QPointF(by) * i / kMoves;
+      QMouseEvent move(QEvent::MouseMove, place, view.mapToGlobal(place), Qt::NoButton, Qt::LeftButton,
+                       modifiers);
+      QApplication::sendEvent(&view, &move);
+    }
+    QTest::mouseRelease(&view, Qt::LeftButton, modifiers, from + by);
+  }
+  // A place of the view at which this link of the edited robot is seen.
+  std::optional<QPoint> place_of(const char* name) {
+    RobotView& view = window_->view();
+    const auto& links = view.scene().links;
+    const auto found = std::ranges::find(links, std::string(name), &view::Link::name);
+    if (found == links.end() || view.posed().empty()) return std::nullopt;
+    const auto link = static_cast<std::size_t>(found - links.begin());
+    const Eigen::Vector3d p_m = view.posed()[link].p_WL_m.cast<double>();
+    const Eigen::Vector2d place_px = view::project(view.camera(), view.width(), view.height(), p_m);
+    for (int reach = 0; reach <= 60; reach += 4)
+      for (int dy = -reach; dy <= reach; dy += 4)
+        for (int dx = -reach; dx <= reach; dx += 4) {
+          const QPoint place = (QPointF(place_px.x() + dx, place_px.y() + dy)).toPoint();
+          const auto hit = view.posable_at(QPointF(place));
+          if (hit && hit->link == static_cast<int>(link)) return place;
+        }
+    return std::nullopt;
+  }
+  void hover(const QPoint& place) {
+    RobotView& view = window_->view();
+    QMouseEvent move(QEvent::MouseMove, QPointF(place), view.mapToGlobal(QPointF(place)), Qt::NoButton,
+                     Qt::NoButton, Qt::NoModifier);
+    QApplication::sendEvent(&view, &move);
+  }
+  void save_picture(const char* name) {
+    const QString pictures = qEnvironmentVariable("KOBOSHI_PICTURES");
+    if (pictures.isEmpty()) return;
+    QTest::qWait(500);
+    window_->grab().save(pictures + u'/' + QLatin1String(name) + QStringLiteral(".png"));
+  }
+  std::size_t joint(const char* name) {
+    const auto& names = window_->motion().editor().document().robot().model.joint_names;
+    return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+  }
+
+ private Q_SLOTS:
+  void drags_a_hand() {
+    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
+    MotionPanel& motion = window_->motion();
+    const std::string before = motion.text();
+    const std::vector<double> pose = motion.editable_pose();
+    QVERIFY(!pose.empty());
+    const auto undo_count = [&] { return motion.editor().document().history().undo_count(); };
+    const std::size_t undos = undo_count();
+    QTRY_VERIFY(place_of("left_forearm"));
+    drag(*place_of("left_forearm"), {40, -60});
+    const std::vector<double> dragged = motion.editable_pose();
+    QVERIFY(std::abs(dragged[joint("left_shoulder_roll")] - pose[joint("left_shoulder_roll")]) > 0.02 ||
+            std::abs(dragged[joint("left_shoulder_pitch")] - pose[joint("left_shoulder_pitch")]) > 0.02);
+    for (const char* kept : {"left_knee", "right_knee", "right_elbow", "head_pan"})
+      QCOMPARE(dragged[joint(kept)], pose[joint(kept)]);
+    QVERIFY(motion.text() != before);
+    QCOMPARE(undo_count(), undos + 1);
+    save_picture("drag-hand");
+    motion.findChild<QAction*>(QStringLiteral("undo"))->trigger();
+    QCOMPARE(motion.text(), before);
+  }
+
+  void drags_the_trunk_with_both_feet_on_the_ground() {
+    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
+    MotionPanel& motion = window_->motion();
+    RobotView& view = window_->view();
+    QTRY_VERIFY(place_of("trunk"));
+    const auto before = view.posed();
+    const auto soles = view.scene().sole_links;
+    drag(*place_of("trunk"), {0, 30});
+    const auto after = view.posed();
+    QVERIFY(after[0].p_WL_m.z() < before[0].p_WL_m.z() - 0.002F);
+    for (const int sole : soles) {
+      const auto link = static_cast<std::size_t>(sole);
+      QVERIFY((after[link].p_WL_m - before[link].p_WL_m).norm() < 1e-4F);
+    }
+    // The right button turns the view, also from the robot.
+    const std::string text = motion.text();
+    const double azimuth = view.camera().azimuth_rad;
+    const QPoint place = *place_of("trunk");
+    QTest::mousePress(&view, Qt::RightButton, {}, place);
+    QMouseEvent move(QEvent::MouseMove, QPointF(place) + QPointF(50, 0),
+                     view.mapToGlobal(QPointF(place) + QPointF(50, 0)), Qt::NoButton, Qt::RightButton, {});
+    QApplication::sendEvent(&view, &move);
+    QTest::mouseRelease(&view, Qt::RightButton, {}, place);
+    QVERIFY(view.camera().azimuth_rad != azimuth);
+    QCOMPARE(motion.text(), text);
+  }
+
+  void drags_along_an_axis_of_the_gizmo() {
+    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
+    RobotView& view = window_->view();
+    QTRY_VERIFY(place_of("left_forearm"));
+    QVERIFY(!view.gizmo());
+    const QPoint hand = *place_of("left_forearm");
+    hover(hand);
+    QTRY_VERIFY(view.gizmo());
+    const Gizmo arrows = *view.gizmo();
+    const Eigen::Vector2d tip_px =
+        view::project(view.camera(), view.width(), view.height(),
+                      arrows.p_W_m + 0.9 * arrows.length_m * Eigen::Vector3d::UnitZ());
+    const QPoint tip = QPointF(tip_px.x(), tip_px.y()).toPoint();
+    hover(tip);
+    save_picture("gizmo");
+    QCOMPARE(view.gizmo_axis_at(tip), std::optional<int>(2));
+    drag(tip, {0, -15});
+    const Eigen::Vector3d moved_m = view.gizmo()->p_W_m - arrows.p_W_m;
+    QVERIFY2(moved_m.z() > 0.003, qPrintable(QString::number(moved_m.z())));
+  }
+
+  void shows_the_joint_at_its_limit() {
+    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
+    RobotView& view = window_->view();
+    QTRY_VERIFY(place_of("trunk"));
+    const QPoint place = *place_of("trunk");
+    QTest::mousePress(&view, Qt::LeftButton, {}, place);
+    const QPointF far = QPointF(place) + QPointF(0, 500);
+    QMouseEvent move(QEvent::MouseMove, far, view.mapToGlobal(far), Qt::NoButton, Qt::LeftButton, {});
+    QApplication::sendEvent(&view, &move);
+    const QString told = window_->statusBar()->currentMessage();
+    save_picture("limit");
+    QTest::mouseRelease(&view, Qt::LeftButton, {}, far.toPoint());
+    QVERIFY2(told.contains(QStringLiteral("limit")) || told.contains(QStringLiteral("reach")),
+             qPrintable(told));
+  }
+
+  // The pose of a recorded run or a preview becomes a step with the same angles.
+  void inserts_the_pose_of_the_run() {
+    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
+    MotionPanel& motion = window_->motion();
+    QSignalSpy opened(&window_->run(), &RunController::opened);
+    Q_EMIT motion.play_requested(false, 0);
+    QVERIFY(opened.wait(kPatience_ms));
+    // At the end of the second step, the preview has the angles of its pose.
+    const auto& rows = motion.editor().rows().rows;
+    std::size_t move = 0;
+    while (rows[move].kind != simulation::StepSource::Kind::kMove) ++move;
+    const double end_s = rows[move].start_s + rows[move].duration_s;
+    const std::vector<double> wanted = rows[move].angles_rad;
+    QTRY_VERIFY_WITH_TIMEOUT(window_->run().playing(), kPatience_ms);
+    window_->run().set_playing(false);
+    window_->run().set_cursor(static_cast<std::uint64_t>(1e6 * end_s));
+    const std::size_t count = rows.size();
+    motion.show_row(move);
+    action("Insert the run's pose")->trigger();
+    QCOMPARE(motion.editor().rows().rows.size(), count + 1);
+    QCOMPARE(motion.current_row(), std::optional(move + 1));
+    const std::vector<double> captured = motion.editable_pose();
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+      QVERIFY2(std::abs(captured[i] - wanted[i]) < 0.003,
+               qPrintable(QString::number(captured[i] - wanted[i])));
+  }
+
+  void plays_from_the_current_step() {
+    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
+    MotionPanel& motion = window_->motion();
+    const std::size_t last = motion.editor().rows().sections.front().row_count - 1;
+    QVERIFY(motion.start_us(last) > 500'000);
+    {
+      QSignalSpy opened(&window_->run(), &RunController::opened);
+      Q_EMIT motion.play_requested(false, static_cast<int>(last));
+      QVERIFY(opened.wait(kPatience_ms));
+      QTRY_VERIFY_WITH_TIMEOUT(window_->run().cursor_us() >= motion.start_us(last), kPatience_ms);
+    }
+    const std::string rest = motion.text_from(last);
+    QVERIFY(rest.find("start") != std::string::npos);
+    QSignalSpy opened(&window_->run(), &RunController::opened);
+    Q_EMIT motion.play_requested(true, static_cast<int>(last));
+    QVERIFY(opened.wait(kPatience_ms));
+    QVERIFY2(window_->messages().text().isEmpty(), qPrintable(window_->messages().text()));
+    QVERIFY(window_->run().session() != nullptr);
+  }
+
   // A user's whole way: a motion of three poses, mirrored, scaled, refused by the check, mended, undone and
   // done again, saved, read again and played.
   void makes_a_motion() {
@@ -287,7 +471,17 @@ class WindowTest final : public QObject {
 
     action("New motion")->trigger();
     QVERIFY(editor->is_open());
-    // Poses: the arm up, bent, and down again by the mirror.
+    // Three dragged poses: both hands and the trunk.
+    for (const auto& [link, by] :
+         {std::pair("left_forearm", QPoint(30, -30)), std::pair("right_forearm", QPoint(-20, -30)),
+          std::pair("trunk", QPoint(0, 12))}) {
+      trigger("insert_pose");
+      QTRY_VERIFY2(place_of(link), link);
+      const std::string text = motion.text();
+      drag(*place_of(link), by);
+      QVERIFY2(motion.text() != text, link);
+    }
+    // Poses by numbers: the arm up, bent, and down again by the mirror.
     trigger("insert_pose");
     set_joint("right_shoulder_roll", -80.0);
     trigger("insert_pose");

@@ -23,6 +23,7 @@ namespace {
 
 // A slider counts in units of 0.01 degrees, as the file is written.
 constexpr double kUnitsPerDegree = 100.0;
+constexpr int kLimitUnits = 12;  // this close to its limit, a joint is marked
 constexpr int kSliderStep = 50;
 constexpr int kSliderPage = 500;
 
@@ -238,6 +239,10 @@ void JointPanel::refresh_joint(std::size_t joint, const MotionRow* row, bool is_
   // Joints that are not in the file's list `joints` keep their angle.
   widgets.slider->setEnabled(is_move && is_allowed);
   widgets.box->setEnabled(is_move && is_allowed);
+  // Red: the joint is at a limit.
+  const bool is_at_limit = is_move && (widgets.slider->value() <= widgets.slider->minimum() + kLimitUnits ||
+                                       widgets.slider->value() >= widgets.slider->maximum() - kLimitUnits);
+  widgets.name->setStyleSheet(is_at_limit ? QStringLiteral("color: #d43a2f") : QString());
   // Bold: the step itself gives the angle.
   QFont font = widgets.name->font();
   const bool is_given = is_move && (row->moved >> joint & 1U) != 0;
@@ -246,16 +251,19 @@ void JointPanel::refresh_joint(std::size_t joint, const MotionRow* row, bool is_
   widgets.name->setFont(font);
 }
 
+PoseScope JointPanel::scope() const {
+  const bool is_this_step = this_step_ != nullptr && !this_step_->isHidden() && this_step_->isChecked();
+  return is_this_step ? PoseScope::kThisStep : PoseScope::kAllSteps;
+}
+
 void JointPanel::change(std::size_t joint, double angle_deg) {
   if (!row_) return;
   Q_EMIT joint_chosen(joint);
   const JointAngle angle{joint, angle_deg * sim::kRadPerDegree};
-  const PoseScope scope =
-      !this_step_->isHidden() && this_step_->isChecked() ? PoseScope::kThisStep : PoseScope::kAllSteps;
   const bool is_drag = joints_[joint].slider->isSliderDown();
   const std::string drag = is_drag ? "slider " + std::to_string(joint) + " " + std::to_string(*row_) : "";
   const std::size_t row = *row_;
-  if (!editor_.edit([&](MotionDocument& document) { document.set_angles(row, {&angle, 1}, scope, drag); }))
+  if (!editor_.edit([&](MotionDocument& document) { document.set_angles(row, {&angle, 1}, scope(), drag); }))
     refresh();
 }
 

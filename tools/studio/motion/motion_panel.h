@@ -53,6 +53,23 @@ class MotionPanel final : public QWidget {
   // The motion's source as it is now.
   std::string text() const;
 
+  // The current step; nothing without one.
+  std::optional<std::size_t> current_row() const;
+  // The angles of the current step by joint if it is a move, whose pose can be edited; otherwise empty.
+  std::vector<double> editable_pose() const;
+  const MotionEditor& editor() const { return *editor_; }
+  // Changes angles of the current step. Calls up to end_pose_drag() are one step of the undo history.
+  bool drag_pose(std::span<const JointAngle> angles);
+  void end_pose_drag();
+  // Inserts a move to these angles, by joint, behind the selected steps.
+  void insert_pose(std::span<const double> angles_rad, const std::string& name);
+  // The motion of the steps from this row on, which begins with a move to the pose before it. A row within a
+  // loop, branch or routine stands for the step of the main program around it. Throws sim::InputError.
+  std::string text_from(std::size_t row) const;
+
+  // When a row of the main program begins on the nominal path; 0 for a row of a routine.
+  std::uint64_t start_us(std::size_t row) const;
+
   // Selects one row and shows it.
   void show_row(std::size_t row);
 

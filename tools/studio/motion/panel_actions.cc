@@ -147,6 +147,10 @@ void MotionPanel::build_play_actions() {
   tools_->addAction(add_edit("play_physics", tr("Simula&te"), Qt::Key_F6,
                              tr("Play the motion in the simulation"),
                              [this] { Q_EMIT play_requested(true, 0); }));
+  add_edit("play_physics_from", tr("Simulate &from here"), Qt::SHIFT | Qt::Key_F6,
+           tr("Play the steps from the current one in the simulation: the robot stands up, moves to the pose "
+              "before them in 1.5 s, and goes on"),
+           [this] { Q_EMIT play_requested(true, std::max(0, table_->currentIndex().row())); });
 }
 
 void MotionPanel::build_view_actions() {
@@ -196,8 +200,9 @@ void MotionPanel::update_actions() {
   for (const char* const name : {"cut", "copy", "duplicate", "delete", "rename_pose", "move_up", "move_down",
                                  "mirror", "reverse", "scale_time"})
     enable(name, has_rows);
-  for (const char* const name : {"paste", "insert_pose", "insert_wait", "insert_loop", "mirror_motion",
-                                 "play_preview", "play_physics", "save", "save_as", "upgrade"})
+  for (const char* const name :
+       {"paste", "insert_pose", "insert_wait", "insert_loop", "mirror_motion", "play_preview", "play_physics",
+        "play_physics_from", "save", "save_as", "upgrade"})
     enable(name, is_open);
   enable("new", editor_->has_robot());
   const auto name_edit = [&](const char* name, const QString& verb, bool can, std::string_view label) {

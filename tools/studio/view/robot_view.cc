@@ -44,7 +44,8 @@ RobotView::RobotView(QWidget* parent) : QOpenGLWidget(parent), resolution_(kFram
   setMinimumSize(200, 150);
   setAccessibleName(tr("View of the robot"));
   setToolTip(tr(
-      "Drag: turn. Shift+drag: move. Wheel: distance. Double click: look there. Ctrl+drag a link: push it."));
+      "Drag: turn. Shift+drag: move. Wheel: distance. Double click: look there. Ctrl+drag a link: push it.\n"
+      "Edit a motion: drag hand, foot or trunk; Ctrl+Shift+drag: rotate it; right button: turn the view."));
   rest_.setSingleShot(true);
   rest_.setInterval(kRest_ms);
   connect(&rest_, &QTimer::timeout, this, [this] {
@@ -75,6 +76,25 @@ void RobotView::set_scene(view::Scene scene) {
   framed_ = false;
   followed_W_m_.reset();
   push_.reset();
+  gizmo_link_ = -1;
+  extra_marks_ = {};
+  update();
+}
+
+void RobotView::set_posable(std::vector<Posable> links) {
+  if (links == posable_) return;
+  posable_ = std::move(links);
+  gizmo_link_ = -1;
+  update();
+}
+
+void RobotView::set_extra_marks(view::Marks marks) {
+  extra_marks_ = std::move(marks);
+  update();
+}
+
+void RobotView::set_limit_marks(view::Marks marks) {
+  limit_marks_ = std::move(marks);
   update();
 }
 
@@ -181,6 +201,12 @@ void RobotView::paintGL() {
 
 view::Marks RobotView::marks_with_push() const {
   view::Marks marks = picture_.marks;
+  for (const view::Marks* more : {&extra_marks_, &limit_marks_}) {
+    marks.flat.insert(marks.flat.end(), more->flat.begin(), more->flat.end());
+    marks.solid.insert(marks.solid.end(), more->solid.begin(), more->solid.end());
+  }
+  if (const auto arrows = gizmo())
+    add_gizmo(marks, *arrows, grab_ && !grab_->rotates ? grab_->axis : gizmo_axis_);
   if (push_) {
     const Eigen::Vector3d tip_m = point_W_m(push_->hit);
     view::add_arrow(marks, tip_m, tip_m + view::kForceScale_m_per_N * push_->force_W_N, kArrowRadius_m,
@@ -198,14 +224,81 @@ std::optional<Hit> RobotView::link_at(const QPointF& place) const {
   return picker_.pick(picture_.links, ray_through(picture_.camera, width(), height(), pixels(place)));
 }
 
+std::optional<Hit> RobotView::posable_at(const QPointF& place) const {
+  if (posable_.empty()) return std::nullopt;
+  const auto hit = picker_.pick(posed(), ray_through(picture_.camera, width(), height(), pixels(place)));
+  return hit && std::ranges::find(posable_, hit->link, &Posable::link) != posable_.end() ? hit : std::nullopt;
+}
+
+std::optional<Gizmo> RobotView::gizmo() const {
+  const auto found = std::ranges::find(posable_, gizmo_link_, &Posable::link);
+  const auto link = static_cast<std::size_t>(gizmo_link_);
+  if (found == posable_.end() || link >= posed().size()) return std::nullopt;
+  const Eigen::Vector3d p_W_m =
+      posed()[link].p_WL_m.cast<double>() + posed()[link].q_WL.cast<double>() * found->p_L_m;
+  return Gizmo{p_W_m, kGizmoShare * picture_.camera.distance_m};
+}
+
+std::optional<int> RobotView::gizmo_axis_at(const QPointF& place) const {
+  const auto arrows = gizmo();
+  return arrows ? pick_axis(*arrows, picture_.camera, width(), height(), pixels(place)) : std::nullopt;
+}
+
+void RobotView::hover(const QPointF& place) {
+  const auto hit = link_at(place);
+  const int link = hit ? hit->link : -1;
+  if (std::exchange(hovered_, link) != link) Q_EMIT hovered(link);
+  const auto axis = gizmo_axis_at(place);
+  if (std::exchange(gizmo_axis_, axis) != axis) update();
+  if (axis) return;
+  const auto posable = posable_at(place);
+  if (posable && std::exchange(gizmo_link_, posable->link) != posable->link) update();
+}
+
+bool RobotView::begin_pose_drag(const QMouseEvent& event) {
+  if (event.button() != Qt::LeftButton) return false;
+  const bool rotates = event.modifiers() == (Qt::ControlModifier | Qt::ShiftModifier);
+  if (event.modifiers() != Qt::NoModifier && !rotates) return false;
+  PoseGrab grab{.rotates = rotates};
+  if (!rotates) grab.axis = gizmo_axis_at(event.position());
+  const auto hit = grab.axis ? std::nullopt : posable_at(event.position());
+  if (!grab.axis && !hit) return false;
+  if (hit) gizmo_link_ = hit->link;
+  const view::Pose& pose = posed()[static_cast<std::size_t>(gizmo_link_)];
+  grab.p_W_m = hit ? Eigen::Vector3d(pose.p_WL_m.cast<double>() + pose.q_WL.cast<double>() * hit->p_L_m)
+                   : gizmo()->p_W_m;
+  grab_ = grab;
+  drag_ = Drag::kPose;
+  Q_EMIT pose_drag_began(gizmo_link_, grab.p_W_m);
+  return true;
+}
+
+void RobotView::continue_pose_drag(const QPointF& place) {
+  const Eigen::Vector2d drag_px = pixels(place - drag_start_);
+  const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+  if (grab_->rotates) {
+    const Eigen::Vector3d rotation = rotation_W_rad(picture_.camera, height(), drag_px);
+    Q_EMIT pose_dragged(none, rotation);
+  } else if (grab_->axis) {
+    const Gizmo arrows{grab_->p_W_m, kGizmoShare * picture_.camera.distance_m};
+    Q_EMIT pose_dragged(along_axis_W_m(arrows, *grab_->axis, picture_.camera, width(), height(), drag_px),
+                        none);
+  } else {
+    Q_EMIT pose_dragged(displacement_W_m(picture_.camera, height(), grab_->p_W_m, drag_px), none);
+  }
+}
+
 void RobotView::mousePressEvent(QMouseEvent* event) {
   drag_start_ = drag_last_ = event->position();
   const bool control = event->modifiers().testFlag(Qt::ControlModifier);
+  if (begin_pose_drag(*event)) return;
   if (event->button() == Qt::LeftButton && control) {
     const auto hit = pushable_ ? link_at(event->position()) : std::nullopt;
     if (!hit) return;
     push_ = {*hit};
     drag_ = Drag::kPush;
+  } else if (event->button() == Qt::RightButton) {
+    drag_ = Drag::kOrbit;
   } else if (event->button() == Qt::MiddleButton || event->modifiers().testFlag(Qt::ShiftModifier)) {
     drag_ = Drag::kPan;
   } else if (event->button() == Qt::LeftButton) {
@@ -217,12 +310,11 @@ void RobotView::mouseMoveEvent(QMouseEvent* event) {
   const Eigen::Vector2d step = pixels(event->position() - drag_last_);
   drag_last_ = event->position();
   switch (drag_) {
-    case Drag::kNone: {
-      const auto hit = link_at(event->position());
-      const int link = hit ? hit->link : -1;
-      if (std::exchange(hovered_, link) != link) Q_EMIT hovered(link);
-      return;
-    }
+    case Drag::kNone:
+      return hover(event->position());
+    case Drag::kPose:
+      continue_pose_drag(event->position());
+      break;
     case Drag::kOrbit:
       orbit(picture_.camera, step, height());
       break;
@@ -242,6 +334,11 @@ void RobotView::mouseMoveEvent(QMouseEvent* event) {
 
 void RobotView::mouseReleaseEvent(QMouseEvent* /*event*/) {
   const Drag drag = std::exchange(drag_, Drag::kNone);
+  if (drag == Drag::kPose) {
+    grab_.reset();
+    Q_EMIT pose_drag_ended();
+    return update();
+  }
   if (drag != Drag::kPush) return;
   const PushDrag push = *std::exchange(push_, std::nullopt);
   update();

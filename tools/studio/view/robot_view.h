@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "tools/studio/view/gizmo.h"
 #include "tools/studio/view/picking.h"
 #include "tools/studio/view/scaled_framebuffer.h"
 #include "tools/view/recording/recording.h"
@@ -17,8 +18,10 @@
 namespace koboshi::studio {
 
 // Shows a robot and its ground. Drag: turn; drag with Shift or the middle button: move; wheel: distance;
-// double click: look at that place; drag a link with Ctrl: push it. While the picture moves, its resolution
-// follows the machine's speed; 150 ms after that it is drawn in full.
+// double click: look at that place; drag a link with Ctrl: push it. Drag of a link that can be posed: move
+// it, or along an axis by the arrows at it; with Ctrl+Shift: rotate it; the right button turns the camera
+// there as well. While the picture moves, its resolution follows the machine's speed; 150 ms after that it is
+// drawn in full.
 class RobotView final : public QOpenGLWidget {
   Q_OBJECT
 
@@ -26,6 +29,13 @@ class RobotView final : public QOpenGLWidget {
   // Force of a push per length of the drag.
   static constexpr double kPush_N_per_m = 60.0;
   static constexpr double kMaxPush_N = 60.0;
+
+  // A link that can be posed, and the point of it where its arrows begin.
+  struct Posable {
+    int link = 0;
+    Eigen::Vector3d p_L_m = Eigen::Vector3d::Zero();
+    bool operator==(const Posable&) const = default;
+  };
 
   explicit RobotView(QWidget* parent = nullptr);
   ~RobotView() override;
@@ -43,12 +53,29 @@ class RobotView final : public QOpenGLWidget {
   // The camera goes with the robot.
   void set_follow(bool follow);
   void set_pushable(bool pushable) { pushable_ = pushable; }
+  // The links that can be posed by dragging: of the second robot if there is one. Empty: none.
+  void set_posable(std::vector<Posable> links);
+  // Marks beside those of the instant, such as frames and axes.
+  void set_extra_marks(view::Marks marks);
+  // Marks of joints at their limits.
+  void set_limit_marks(view::Marks marks);
   void look_from(double azimuth_rad, double elevation_rad);
   void look_at_robot();
 
+  const view::Scene& scene() const { return scene_; }
   const view::Camera& camera() const { return picture_.camera; }
+  // The robot that can be posed, by index of Scene::links: the second robot if there is one.
+  const std::vector<view::Pose>& posed() const {
+    return picture_.ghost.empty() ? picture_.links : picture_.ghost;
+  }
+  bool has_ghost() const { return !picture_.ghost.empty(); }
+  // The arrows at the link that was under the mouse last; nothing without such a link.
+  std::optional<Gizmo> gizmo() const;
   // A link under a place of the widget.
   std::optional<Hit> link_at(const QPointF& place) const;
+  // The posable link, and the axis of the arrows, under a place of the widget.
+  std::optional<Hit> posable_at(const QPointF& place) const;
+  std::optional<int> gizmo_axis_at(const QPointF& place) const;
   // Number of frames drawn so far.
   std::uint64_t frames() const { return frames_; }
   // The error of OpenGL that keeps the view empty; empty: none.
@@ -57,6 +84,11 @@ class RobotView final : public QOpenGLWidget {
  Q_SIGNALS:
   // At the end of a drag: the point in the link's frame, the force in the world.
   void push_requested(int link, const Eigen::Vector3d& p_L_m, const Eigen::Vector3d& force_W_N);
+  // A drag of a posable link begins at this point of the link, continues, and ends. Displacement of the point
+  // and rotation vector since the beginning, in the world.
+  void pose_drag_began(int link, const Eigen::Vector3d& p_W_m);
+  void pose_dragged(const Eigen::Vector3d& displacement_W_m, const Eigen::Vector3d& rotation_W_rad);
+  void pose_drag_ended();
   // The link under the mouse, -1: none.
   void hovered(int link);
   void failed(const QString& error);
@@ -72,7 +104,12 @@ class RobotView final : public QOpenGLWidget {
   void keyPressEvent(QKeyEvent* event) override;
 
  private:
-  enum class Drag { kNone, kOrbit, kPan, kPush };
+  enum class Drag { kNone, kOrbit, kPan, kPush, kPose };
+  struct PoseGrab {
+    Eigen::Vector3d p_W_m = Eigen::Vector3d::Zero();
+    std::optional<int> axis = {};  // of the world; none: in the plane of the picture
+    bool rotates = false;
+  };
   struct PushDrag {
     Hit hit;
     Eigen::Vector3d force_W_N = Eigen::Vector3d::Zero();
@@ -84,6 +121,9 @@ class RobotView final : public QOpenGLWidget {
   Eigen::Vector3d robot_W_m() const;
   Eigen::Vector3d point_W_m(const Hit& hit) const;
   view::Marks marks_with_push() const;
+  bool begin_pose_drag(const QMouseEvent& event);
+  void continue_pose_drag(const QPointF& place);
+  void hover(const QPointF& place);
 
   view::Scene scene_;
   Picker picker_;
@@ -107,6 +147,12 @@ class RobotView final : public QOpenGLWidget {
   QPointF drag_last_;
   std::optional<PushDrag> push_;
   int hovered_ = -1;
+  std::vector<Posable> posable_;
+  int gizmo_link_ = -1;
+  std::optional<int> gizmo_axis_;  // under the mouse
+  std::optional<PoseGrab> grab_;
+  view::Marks extra_marks_;
+  view::Marks limit_marks_;
 };
 
 }  // namespace koboshi::studio

@@ -35,6 +35,7 @@
 #include "tools/studio/window/command_search.h"
 #include "tools/studio/window/message_bar.h"
 #include "tools/studio/window/operator_panel.h"
+#include "tools/studio/window/pose_controller.h"
 #include "tools/studio/window/theme.h"
 #include "tools/studio/window/transport_bar.h"
 #include "tools/view/render/playback.h"
@@ -119,8 +120,8 @@ MainWindow::MainWindow(const std::filesystem::path& robot)
   default_layout_ = saveState(kLayoutVersion);
   restore_layout();
   try {
-    ghost_.emplace(robot_file_);
-    view_->set_scene(ghost_->scene());
+    poses_->set_robot(robot_file_);
+    view_->set_scene(poses_->ghost()->scene());
     if (const auto error = motion_->set_robot(robot_file_)) messages_->show_message(*error);
   } catch (const std::exception& error) {
     messages_->show_message(QString::fromUtf8(error.what()));
@@ -155,6 +156,7 @@ void MainWindow::make_panels() {
   add_panel(QStringLiteral("operator"), tr("Operator"), operator_, Qt::LeftDockWidgetArea);
   motion_ = new MotionPanel;
   auto* motion_dock = add_panel(QStringLiteral("motion"), tr("Motion"), motion_, Qt::BottomDockWidgetArea);
+  poses_ = new PoseController(*view_, *motion_, *run_, this);
   plots_ = new PlotPanel;
   add_panel(QStringLiteral("plots"), tr("Plots"), plots_, Qt::RightDockWidgetArea);
   events_ = new QStandardItemModel(0, 2, this);
@@ -193,6 +195,7 @@ void MainWindow::make_menus() {
   add_action(*file, tr("&Quit"), QKeySequence::Quit, [this] { close(); });
   QMenu* edit = menuBar()->addMenu(tr("&Edit"));
   edit->addActions(motion_->edit_actions());
+  poses_->fill_menu(*menuBar()->addMenu(tr("&Pose")));
   QMenu* run = menuBar()->addMenu(tr("&Run"));
   run->addActions(findChild<TransportBar*>()->actions());
   add_action(*run, tr("Start &again with seed and stepper"), QKeySequence(tr("Ctrl+Shift+R")),
@@ -303,9 +306,11 @@ void MainWindow::connect_run() {
     warned_of_changes_ = false;
     update_title();
   });
-  connect(motion_, &MotionPanel::pose_changed, this, &MainWindow::show_pose);
+  connect(motion_, &MotionPanel::pose_changed, poses_, &PoseController::show_pose);
+  connect(poses_, &PoseController::told, this,
+          [this](const QString& text) { statusBar()->showMessage(text, 3000); });
   connect(motion_, &MotionPanel::play_requested, this,
-          [this](bool physics, int /*from_row*/) { play_motion(physics); });
+          &MainWindow::play_motion);
 }
 
 void MainWindow::choose_file() {
@@ -322,7 +327,7 @@ void MainWindow::open(const std::filesystem::path& file) {
       case FileKind::kRecording:
         return run_->open_recording(file);
       case FileKind::kMotion:
-        if (run_->source() == RunController::Source::kNone) view_->set_scene(ghost_->scene());
+        if (run_->source() == RunController::Source::kNone) view_->set_scene(poses_->ghost()->scene());
         if (const auto error = motion_->open(file, robot_file_)) return messages_->show_message(*error);
         motion_->show_row(0);
         findChild<QDockWidget*>(QStringLiteral("motion"))->raise();
@@ -346,7 +351,18 @@ void MainWindow::show_opened() {
                                                              : view::network_of(recording, tools::Network()));
   show_marks();
   update_title();
-  if (std::exchange(play_when_opened_, false)) run_->set_playing(true);
+  if (std::exchange(play_when_opened_, false)) play_opened();
+}
+
+// The controller moves the cursor to the first sample after this.
+void MainWindow::play_opened() {
+  QMetaObject::invokeMethod(
+      this,
+      [this] {
+        if (run_->session() == nullptr) run_->set_cursor(play_from_us_);
+        run_->set_playing(true);
+      },
+      Qt::QueuedConnection);
 }
 
 void MainWindow::show_grown(std::size_t first_sample) {
@@ -416,22 +432,13 @@ void MainWindow::push(int link, const Eigen::Vector3d& p_L_m, const Eigen::Vecto
       3000);
 }
 
-// Shows the pose of the motion editor: alone, or as a ghost in the place of the robot of a run.
-void MainWindow::show_pose(const std::vector<double>& angles_rad) {
-  if (angles_rad.empty() || !ghost_) return view_->show_ghost({});
-  if (run_->source() == RunController::Source::kNone) return view_->show_robot(ghost_->stand(angles_rad), {});
-  const view::Recording& recording = run_->recording();
-  if (recording.samples.empty() || recording.scene.links.size() != ghost_->scene().links.size()) return;
-  const std::vector<view::Pose> links = view::poses_at(recording, run_->cursor_us());
-  view_->show_ghost(ghost_->stand(angles_rad, &links.front()));
-}
-
 // Plays the text of the motion as it is in the editor, saved or not.
-void MainWindow::play_motion(bool physics) {
+void MainWindow::play_motion(bool physics, int from_row) {
+  const auto row = static_cast<std::size_t>(from_row);
   const std::filesystem::path name = motion_->file().empty() ? "untitled.yaml" : motion_->file().filename();
   const std::filesystem::path copy = std::filesystem::path(played_.path().toStdString()) / name;
   try {
-    sim::write_whole_file(copy, motion_->text());
+    sim::write_whole_file(copy, physics ? motion_->text_from(row) : motion_->text());
   } catch (const std::exception& error) {
     return messages_->show_message(QString::fromUtf8(error.what()));
   }
@@ -442,6 +449,7 @@ void MainWindow::play_motion(bool physics) {
     return {std::make_unique<Session>(tools::stage_scenario(copy, report)), {}};
   });
   play_when_opened_ = true;
+  play_from_us_ = physics ? 0 : motion_->start_us(row);
 }
 
 void MainWindow::update_title() {

@@ -11,7 +11,6 @@
 #include <optional>
 
 #include "tools/studio/view/robot_view.h"
-#include "tools/studio/window/pose_ghost.h"
 #include "tools/studio/window/run_controller.h"
 #include "tools/view/render/overlay.h"
 
@@ -28,6 +27,7 @@ class MessageBar;
 class MotionPanel;
 class OperatorPanel;
 class PlotPanel;
+class PoseController;
 
 // The studio's window: the view of the robot in the middle, panels around it, every action in a menu and in
 // the command search. All panels show the moment of the run's cursor.
@@ -73,8 +73,8 @@ class MainWindow final : public QMainWindow {
   void show_cursor();
   void show_marks();
   void show_events();
-  void show_pose(const std::vector<double>& angles_rad);
-  void play_motion(bool physics);
+  void play_opened();
+  void play_motion(bool physics, int from_row);
   void push(int link, const Eigen::Vector3d& p_L_m, const Eigen::Vector3d& force_W_N);
   void update_title();
 
@@ -93,7 +93,8 @@ class MainWindow final : public QMainWindow {
   std::size_t shown_events_ = 0;
   std::array<QAction*, view::kOverlayNames.size()> overlay_actions_{};
   std::optional<view::OverlayMarks> marks_;
-  std::optional<PoseGhost> ghost_;  // of the motion editor's robot
+  PoseController* poses_ = nullptr;
+  std::uint64_t play_from_us_ = 0;  // when play_when_opened_
   QTemporaryDir played_;            // texts of motions that are played before they are saved
   QByteArray default_layout_;
   QTimer can_timer_;  // the table of frames is updated less often than the view

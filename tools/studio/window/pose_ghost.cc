@@ -1,10 +1,13 @@
 #include "tools/studio/window/pose_ghost.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "sim_board/robot/load.h"
 #include "sim_board/world/ground.h"
+#include "sim_board/world/link_tree.h"
 #include "tools/motion/view/placement.h"
 #include "tools/view/capture/scene.h"
 
@@ -25,6 +28,36 @@ std::vector<view::Pose> PoseGhost::stand(std::span<const double> angles_rad, con
   const Eigen::Vector3f shift_m(trunk->p_WL_m.x(), trunk->p_WL_m.y(), 0.0F);
   for (view::Pose& link : links) link = {turn * link.p_WL_m + shift_m, turn * link.q_WL};
   return links;
+}
+
+std::vector<view::Pose> PoseGhost::hold(std::span<const double> angles_rad, int link,
+                                        const view::Pose& at) const {
+  std::vector<view::Pose> links;
+  for (const Eigen::Isometry3d& X :
+       sim::LinkTree(*robot_).poses(*robot_, Eigen::Isometry3d::Identity(), angles_rad))
+    links.push_back({X.translation().cast<float>(), Eigen::Quaternionf(X.linear().cast<float>())});
+  const view::Pose now = links.at(static_cast<std::size_t>(link));
+  const Eigen::Quaternionf turn = (at.q_WL * now.q_WL.conjugate()).normalized();
+  const Eigen::Vector3f shift_m = at.p_WL_m - turn * now.p_WL_m;
+  for (view::Pose& pose : links) pose = {turn * pose.p_WL_m + shift_m, turn * pose.q_WL};
+  return links;
+}
+
+std::vector<double> PoseGhost::angles_of(std::span<const view::Pose> links) const {
+  std::vector<double> angles_rad;
+  for (const sim::JointDescription& joint : robot_->joints) {
+    const auto turn = [&](int link) {
+      const auto i = static_cast<std::size_t>(link);
+      return Eigen::Quaterniond(links[i].q_WL.cast<double>().normalized() *
+                                Eigen::Quaterniond(robot_->links[i].X_ML.linear()).conjugate());
+    };
+    // About the axis in the model's frame, which is the parent's up to X_ML.
+    const Eigen::Quaterniond turned = turn(joint.parent).conjugate() * turn(joint.child);
+    const double angle_rad = 2.0 * std::atan2(turned.vec().dot(joint.axis_M), turned.w());
+    angles_rad.push_back(
+        std::clamp(std::remainder(angle_rad, 2.0 * std::numbers::pi), joint.lower_rad, joint.upper_rad));
+  }
+  return angles_rad;
 }
 
 }  // namespace koboshi::studio

@@ -16,11 +16,16 @@ class PoseGhost {
   // Reads the robot's file. Throws sim::InputError.
   explicit PoseGhost(const std::filesystem::path& robot_file);
 
+  const sim::RobotDescription& robot() const { return *robot_; }
   // The robot on level ground.
   view::Scene scene() const;
   // The poses of all links; joint angles by the robot's order of joints. The trunk is above the origin of the
   // world, or where this trunk is, with its heading.
   std::vector<view::Pose> stand(std::span<const double> angles_rad, const view::Pose* trunk = nullptr) const;
+  // The poses of all links with this link at this place.
+  std::vector<view::Pose> hold(std::span<const double> angles_rad, int link, const view::Pose& at) const;
+  // The joint angles of a robot with these poses of its links, within their limits; by joint.
+  std::vector<double> angles_of(std::span<const view::Pose> links) const;
 
  private:
   std::shared_ptr<const sim::RobotDescription> robot_;

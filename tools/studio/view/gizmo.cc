@@ -1,0 +1,62 @@
+#include "tools/studio/view/gizmo.h"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+namespace koboshi::studio {
+namespace {
+
+constexpr double kReach_px = 7.0;     // of the mouse from an arrow's image
+constexpr double kInner = 0.35;       // share of an arrow that does not count
+constexpr double kRadius = 0.035;     // of an arrow's shaft, as a share of its length
+constexpr double kShortest_px = 8.0;  // image of an arrow that can be dragged
+constexpr std::array<view::Colour, 3> kColours{
+    {{0.86F, 0.15F, 0.16F}, {0.16F, 0.62F, 0.20F}, {0.16F, 0.36F, 0.85F}}};
+constexpr view::Colour kChosen{1.0F, 0.80F, 0.10F};
+
+Eigen::Vector3d tip_W_m(const Gizmo& gizmo, int axis) {
+  return gizmo.p_W_m + gizmo.length_m * Eigen::Vector3d::Unit(axis);
+}
+
+}  // namespace
+
+void add_gizmo(view::Marks& marks, const Gizmo& gizmo, std::optional<int> chosen) {
+  for (int axis = 0; axis < 3; ++axis)
+    view::add_arrow(marks, gizmo.p_W_m, tip_W_m(gizmo, axis), kRadius * gizmo.length_m,
+                    chosen == axis ? kChosen : kColours[static_cast<std::size_t>(axis)]);
+}
+
+std::optional<int> pick_axis(const Gizmo& gizmo, const view::Camera& camera, int width_px, int height_px,
+                             const Eigen::Vector2d& pixel) {
+  const Eigen::Vector2d origin_px = view::project(camera, width_px, height_px, gizmo.p_W_m);
+  std::optional<int> nearest;
+  double nearest_px = kReach_px;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector2d arrow_px =
+        view::project(camera, width_px, height_px, tip_W_m(gizmo, axis)) - origin_px;
+    if (arrow_px.norm() < kShortest_px) continue;
+    const double share = (pixel - origin_px).dot(arrow_px) / arrow_px.squaredNorm();
+    const double distance_px = (origin_px + std::clamp(share, kInner, 1.0) * arrow_px - pixel).norm();
+    if (distance_px >= nearest_px) continue;
+    nearest_px = distance_px;
+    nearest = axis;
+  }
+  return nearest;
+}
+
+Eigen::Vector3d along_axis_W_m(const Gizmo& gizmo, int axis, const view::Camera& camera, int width_px,
+                               int height_px, const Eigen::Vector2d& drag_px) {
+  const Eigen::Vector2d arrow_px = view::project(camera, width_px, height_px, tip_W_m(gizmo, axis)) -
+                                   view::project(camera, width_px, height_px, gizmo.p_W_m);
+  if (arrow_px.norm() < kShortest_px) return Eigen::Vector3d::Zero();
+  return gizmo.length_m * drag_px.dot(arrow_px) / arrow_px.squaredNorm() * Eigen::Vector3d::Unit(axis);
+}
+
+Eigen::Vector3d rotation_W_rad(const view::Camera& camera, int height_px, const Eigen::Vector2d& drag_px) {
+  const Eigen::Matrix3d axes_W = camera.view().topLeftCorner<3, 3>().cast<double>();
+  const double rad_per_px = std::numbers::pi / std::max(height_px, 1);
+  return rad_per_px * (drag_px.x() * axes_W.row(1) + drag_px.y() * axes_W.row(0)).transpose();
+}
+
+}  // namespace koboshi::studio

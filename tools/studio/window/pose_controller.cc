@@ -1,0 +1,199 @@
+#include "tools/studio/window/pose_controller.h"
+
+#include <QAction>
+#include <QActionGroup>
+#include <QMenu>
+#include <algorithm>
+
+#include "firmware/fixed/host/convert.h"
+
+#include "tools/studio/motion/motion_panel.h"
+#include "tools/studio/window/run_controller.h"
+#include "tools/view/render/marks.h"
+#include "tools/view/render/playback.h"
+
+namespace koboshi::studio {
+namespace {
+
+constexpr double kLimitMark_m = 0.012;  // radius of the spheres at joints that are at a limit
+constexpr view::Colour kLimitColour{0.83F, 0.18F, 0.16F};
+
+}  // namespace
+
+PoseController::PoseController(RobotView& view, MotionPanel& motion, RunController& run, QObject* parent)
+    : QObject(parent), view_(view), motion_(motion), run_(run) {
+  connect(&view_, &RobotView::pose_drag_began, this, &PoseController::begin);
+  connect(&view_, &RobotView::pose_dragged, this, &PoseController::drag);
+  connect(&view_, &RobotView::pose_drag_ended, this, &PoseController::end);
+}
+
+void PoseController::set_robot(const std::filesystem::path& robot_file) {
+  ghost_.emplace(robot_file);
+  const view::Scene scene = ghost_->scene();
+  links_ = {{0}, {scene.sole_links[0]}, {scene.sole_links[1]}, {-1}, {-1}};
+  const simulation::NamedModel model = simulation::load_named_model(ghost_->robot());
+  for (std::size_t side = 0; side < 2; ++side) {
+    const auto elbow =
+        model.model.find(side == 0 ? robot::JointRole::kLeftElbow : robot::JointRole::kRightElbow);
+    if (!elbow || !model.hands[side]) continue;
+    const sim::JointDescription& joint = ghost_->robot().joints[*elbow];
+    const Eigen::Vector3d tip_M = joint.p_MJ + Eigen::Vector3d(fixed::to_double(model.hands[side]->x),
+                                                               fixed::to_double(model.hands[side]->y),
+                                                               fixed::to_double(model.hands[side]->z));
+    const auto child = static_cast<std::size_t>(joint.child);
+    links_[static_cast<std::size_t>(DragBody::kLeftHand) + side] = {
+        joint.child, ghost_->robot().links[child].X_ML.inverse() * tip_M};
+  }
+}
+
+QAction* PoseController::add_choice(QMenu& menu, const QString& text, Support support) {
+  QAction* action = menu.addAction(text);
+  action->setCheckable(true);
+  action->setChecked(support == support_);
+  connect(action, &QAction::triggered, this, [this, support] { support_ = support; });
+  return action;
+}
+
+void PoseController::fill_menu(QMenu& menu) {
+  by_mouse_ = menu.addAction(tr("Edit poses by &mouse"));
+  by_mouse_->setShortcut(QKeySequence(tr("Ctrl+Shift+I")));
+  by_mouse_->setToolTip(tr("Drag hand, foot or trunk of the pose in the view; Ctrl+Shift rotates"));
+  by_mouse_->setCheckable(true);
+  by_mouse_->setChecked(true);
+  connect(by_mouse_, &QAction::toggled, this, &PoseController::update_posable);
+  QMenu* support = menu.addMenu(tr("&Support foot while dragging"));
+  auto* group = new QActionGroup(this);
+  group->addAction(add_choice(*support, tr("Support: &lower foot"), kAutomatic));
+  group->addAction(add_choice(*support, tr("Support: left &foot"), kLeft));
+  group->addAction(add_choice(*support, tr("Support: &right foot"), kRight));
+  group->addAction(add_choice(*support, tr("Support: &both feet"), kBoth));
+  QAction* insert = menu.addAction(tr("Insert the &run's pose"));
+  insert->setShortcut(QKeySequence(tr("Ctrl+Shift+Ins")));
+  insert->setToolTip(tr("Insert a move to the joint angles of the run at the cursor"));
+  connect(insert, &QAction::triggered, this, &PoseController::insert_run_pose);
+}
+
+void PoseController::update_posable() {
+  std::vector<RobotView::Posable> links;
+  const bool is_edited = ghost_ && by_mouse_ != nullptr && by_mouse_->isChecked() &&
+                         !motion_.editable_pose().empty() &&
+                         view_.posed().size() == ghost_->robot().links.size();
+  // The robot of a run is no pose: only its ghost is.
+  const bool is_pose = run_.source() == RunController::Source::kNone || view_.has_ghost();
+  for (const RobotView::Posable& body : links_)
+    if (is_edited && is_pose && body.link >= 0) links.push_back(body);
+  view_.set_posable(std::move(links));
+}
+
+void PoseController::show_pose(const std::vector<double>& angles_rad) {
+  shown_rad_ = angles_rad;
+  if (angles_rad.empty() || !ghost_) {
+    view_.show_ghost({});
+    return update_posable();
+  }
+  if (anchor_ && motion_.current_row() != anchor_->row) anchor_.reset();
+  const bool is_alone = run_.source() == RunController::Source::kNone;
+  const view::Recording& recording = run_.recording();
+  std::vector<view::Pose> links;
+  if (anchor_) {
+    links = ghost_->hold(angles_rad, anchor_->link, anchor_->at);
+  } else if (is_alone) {
+    links = ghost_->stand(angles_rad);
+  } else {
+    if (recording.samples.empty() || recording.scene.links.size() != ghost_->robot().links.size()) return;
+    const std::vector<view::Pose> run_links = view::poses_at(recording, run_.cursor_us());
+    links = ghost_->stand(angles_rad, &run_links.front());
+  }
+  if (is_alone) {
+    view_.show_robot(std::move(links), {});
+  } else {
+    view_.show_ghost(std::move(links));
+  }
+  update_posable();
+}
+
+std::optional<DragBody> PoseController::body_of(int link) const {
+  const auto found = std::ranges::find(links_, link, &RobotView::Posable::link);
+  if (link < 0 || found == links_.end()) return std::nullopt;
+  return static_cast<DragBody>(found - links_.begin());
+}
+
+// The foot that stays in its place: never the dragged one. With both feet on the ground it does not matter
+// which one of the two is held.
+int PoseController::anchor_foot(DragBody body) const {
+  const int left = links_[static_cast<std::size_t>(DragBody::kLeftFoot)].link;
+  const int right = links_[static_cast<std::size_t>(DragBody::kRightFoot)].link;
+  if (body == DragBody::kLeftFoot) return right;
+  if (body == DragBody::kRightFoot) return left;
+  if (support_ == kLeft || support_ == kRight) return support_ == kLeft ? left : right;
+  const auto height_m = [&](int link) { return view_.posed()[static_cast<std::size_t>(link)].p_WL_m.z(); };
+  return height_m(right) < height_m(left) ? right : left;
+}
+
+void PoseController::begin(int link, const Eigen::Vector3d& p_W_m) {
+  drag_.reset();
+  const auto body = body_of(link);
+  const std::vector<double> angles_rad = motion_.editable_pose();
+  const auto row = motion_.current_row();
+  if (!body || !row || angles_rad.empty()) return;
+  const bool is_foot = *body == DragBody::kLeftFoot || *body == DragBody::kRightFoot;
+  if (support_ == kBoth && is_foot) {
+    Q_EMIT told(tr("Both feet are support feet: choose another support to drag a foot."));
+    return;
+  }
+  const view::Pose& trunk = view_.posed().front();
+  q_WB_ = trunk.q_WL.cast<double>().normalized();
+  const Eigen::Vector3d grabbed_B_m = q_WB_.conjugate() * (p_W_m - trunk.p_WL_m.cast<double>());
+  const int foot = anchor_foot(*body);
+  anchor_ = {*row, foot, view_.posed()[static_cast<std::size_t>(foot)]};
+  drag_.emplace(motion_.editor().document().robot(), angles_rad, *body, grabbed_B_m);
+}
+
+void PoseController::drag(const Eigen::Vector3d& displacement_W_m, const Eigen::Vector3d& rotation_W_rad) {
+  if (!drag_) return;
+  const DraggedPose pose =
+      drag_->move(q_WB_.conjugate() * displacement_W_m, q_WB_.conjugate() * rotation_W_rad);
+  std::vector<JointAngle> angles;
+  for (std::size_t joint = 0; joint < pose.angles_rad.size(); ++joint)
+    if ((drag_->joints() >> joint & 1U) != 0) angles.push_back({joint, pose.angles_rad[joint]});
+  if (motion_.drag_pose(angles)) show_limits(pose);
+}
+
+void PoseController::show_limits(const DraggedPose& pose) {
+  view::Marks marks;
+  QStringList names;
+  const auto& model = motion_.editor().document().robot().model;
+  for (const std::size_t joint : pose.at_limit) {
+    names << QString::fromStdString(model.joint_names[joint]).replace(u'_', u' ');
+    const sim::JointDescription& description = ghost_->robot().joints[joint];
+    const view::Pose& child = view_.posed()[static_cast<std::size_t>(description.child)];
+    const Eigen::Isometry3d& X_ML = ghost_->robot().links[static_cast<std::size_t>(description.child)].X_ML;
+    const Eigen::Vector3d anchor_L = X_ML.inverse() * description.p_MJ;
+    view::add_sphere(marks, child.p_WL_m.cast<double>() + child.q_WL.cast<double>() * anchor_L, kLimitMark_m,
+                     kLimitColour);
+  }
+  view_.set_limit_marks(std::move(marks));
+  if (!names.isEmpty()) {
+    Q_EMIT told(tr("At the limit: %1").arg(names.join(QStringLiteral(", "))));
+  } else {
+    Q_EMIT told(pose.reached ? QString() : tr("Out of reach"));
+  }
+}
+
+void PoseController::end() {
+  drag_.reset();
+  view_.set_limit_marks({});
+  motion_.end_pose_drag();
+}
+
+void PoseController::insert_run_pose() {
+  const view::Recording& recording = run_.recording();
+  if (!ghost_ || !motion_.editor().is_open() || recording.samples.empty() ||
+      recording.scene.links.size() != ghost_->robot().links.size()) {
+    Q_EMIT told(tr("There is no run of this robot, or no motion is open."));
+    return;
+  }
+  motion_.insert_pose(ghost_->angles_of(view::poses_at(recording, run_.cursor_us())), "captured");
+}
+
+}  // namespace koboshi::studio
