@@ -4,6 +4,9 @@
 #include <QCheckBox>
 #include <QClipboard>
 #include <QDoubleSpinBox>
+#include <QDragEnterEvent>
+#include <QDropEvent>
+#include <QMimeData>
 #include <QPushButton>
 #include <QSignalSpy>
 #include <QStyleFactory>
@@ -261,7 +264,7 @@ class MotionPanelTest final : public PanelFixture {
   }
 
   void large_motion_repaints_what_changes() {
-    open(large_motion());
+    open(large_motion("0.5"));
     QCOMPARE(model().rowCount(), kLargeSteps);
     QTRY_VERIFY_WITH_TIMEOUT(editor().checked() != nullptr, kPatience_ms);
     QSignalSpy changes(&model(), &QAbstractItemModel::dataChanged);
@@ -335,6 +338,55 @@ class MotionPanelTest final : public PanelFixture {
     QSignalSpy poses(panel_.get(), &MotionPanel::pose_changed);
     QTest::mouseClick(view, Qt::LeftButton, {}, QPoint(200, 8));
     QCOMPARE(poses.count(), 1);
+  }
+
+  // The drop is that of a drag within the table.
+  void moves_rows_by_drag_and_drop() {
+    open_copy("wave.yaml");
+    const std::string original = text();
+    const QString moved = cell(0, StepModel::kStep);
+    const std::unique_ptr<QMimeData> data(model().mimeData({model().index(0, 0), model().index(0, 1)}));
+    QVERIFY(table().dragEnabled() && table().viewport()->acceptDrops());
+    const auto drop = [&](const QPoint& place) {
+      const auto send = [&](QEvent&& event) { QApplication::sendEvent(table().viewport(), &event); };
+      send(QDragEnterEvent(place, Qt::MoveAction, data.get(), Qt::LeftButton, Qt::NoModifier));
+      send(QDragMoveEvent(place, Qt::MoveAction, data.get(), Qt::LeftButton, Qt::NoModifier));
+      send(QDropEvent(QPointF(place), Qt::MoveAction, data.get(), Qt::LeftButton, Qt::NoModifier));
+    };
+    drop(table().visualRect(model().index(1, 0)).bottomLeft() + QPoint(30, 0));  // behind the second row
+    QCOMPARE(cell(1, StepModel::kStep), moved);
+    QCOMPARE(table().currentIndex().row(), 1);
+    QCOMPARE(undo_count(), std::size_t{1});
+    press("undo");
+    COMPARE_TEXT(text(), original);
+    QMimeData other;  // of another program
+    other.setText(QStringLiteral("0"));
+    QVERIFY(!model().dropMimeData(&other, Qt::MoveAction, 2, 0, {}));
+  }
+
+  // Steps without an editor of their own are edited as YAML; the compiler's message is in the same row.
+  void edits_steps_as_yaml() {
+    open_copy("rise_prone.yaml");
+    const auto& rows = editor().rows().rows;
+    const auto found = std::ranges::find(rows, simulation::StepSource::Kind::kExpect, &MotionRow::kind);
+    QVERIFY(found != rows.end());
+    const int row = static_cast<int>(found - rows.begin());
+    const QModelIndex step = model().index(row, StepModel::kStep);
+    QCOMPARE(step.data(Qt::EditRole).toString(), QStringLiteral("{pitch_deg: 90, within_deg: 50}"));
+    const std::string original = text();
+    type_into(row, StepModel::kStep, "{pitch_deg: 80, within_deg: 40}");
+    COMPARE_TEXT(text(),
+                 with(original, "{pitch_deg: 90, within_deg: 50}", "{pitch_deg: 80, within_deg: 40}"));
+    type_into(row, StepModel::kStep, "{pitch_deg: 80, within_deg: 400}");
+    QVERIFY2(finding(row).contains(QStringLiteral("400")), qPrintable(finding(row)));
+    press("undo");
+    press("undo");
+    COMPARE_TEXT(text(), original);
+    QVERIFY(!model().setData(step, QStringLiteral("{pitch_deg: "), Qt::EditRole));  // no YAML
+    COMPARE_TEXT(text(), original);
+    open_copy("balance.yaml");
+    QCOMPARE(model().index(1, StepModel::kStep).data(Qt::EditRole).toString(),
+             QStringLiteral("{ankle_pitch: {pitch_rate: 0.05, limit_deg: 3}}"));
   }
 
   void copies_into_another_motion() {

@@ -137,13 +137,13 @@ class PanelFixture : public QObject {
     QCoreApplication::processEvents();
     QCoreApplication::sendPostedEvents(nullptr, QEvent::DeferredDelete);
   }
-  fs::path large_motion() const {
+  fs::path large_motion(const std::string& time_s = "1.5") const {
     std::string text = "version: 2\nrobot: koboshi\nname: large\nposes:\n";
     for (int i = 0; i < kLargePoses; ++i)
       text += "  p" + std::to_string(i) + ": {head_tilt: 0." + std::to_string(1000 + i) + "}\n";
     text += "steps:\n";
     for (int i = 0; i < kLargeSteps; ++i)
-      text += "  - {pose: p" + std::to_string(i % kLargePoses) + ", time_s: 1.5}\n";
+      text += "  - {pose: p" + std::to_string(i % kLargePoses) + ", time_s: " + time_s + "}\n";
     const fs::path file = in_folder("large.yaml");
     write(file, text);
     return file;

@@ -354,13 +354,13 @@ class WindowTest final : public QObject {
     const QPoint hand = *place_of("left_forearm");
     hover(hand);
     QTRY_VERIFY(view.gizmo());
+    save_picture("gizmo");
     const Gizmo arrows = *view.gizmo();
     const Eigen::Vector2d tip_px =
         view::project(view.camera(), view.width(), view.height(),
                       arrows.p_W_m + 0.9 * arrows.length_m * Eigen::Vector3d::UnitZ());
     const QPoint tip = QPointF(tip_px.x(), tip_px.y()).toPoint();
     hover(tip);
-    save_picture("gizmo");
     QCOMPARE(view.gizmo_axis_at(tip), std::optional<int>(2));
     drag(tip, {0, -15});
     const Eigen::Vector3d moved_m = view.gizmo()->p_W_m - arrows.p_W_m;

@@ -242,7 +242,12 @@ void JointPanel::refresh_joint(std::size_t joint, const MotionRow* row, bool is_
   // Red: the joint is at a limit.
   const bool is_at_limit = is_move && (widgets.slider->value() <= widgets.slider->minimum() + kLimitUnits ||
                                        widgets.slider->value() >= widgets.slider->maximum() - kLimitUnits);
-  widgets.name->setStyleSheet(is_at_limit ? QStringLiteral("color: #d43a2f") : QString());
+  if (widgets.name->property("limit").toBool() != is_at_limit) {
+    widgets.name->setProperty("limit", is_at_limit);
+    QPalette colours = palette();
+    if (is_at_limit) colours.setColor(QPalette::WindowText, QColor(212, 58, 47));
+    widgets.name->setPalette(colours);
+  }
   // Bold: the step itself gives the angle.
   QFont font = widgets.name->font();
   const bool is_given = is_move && (row->moved >> joint & 1U) != 0;

@@ -56,6 +56,7 @@ MotionPanel::MotionPanel(QWidget* parent) : QWidget(parent) {
           &MotionPanel::follow_selection);
   connect(table_->selectionModel(), &QItemSelectionModel::selectionChanged, this,
           &MotionPanel::update_actions);
+  connect(model_, &StepModel::rows_dropped, this, &MotionPanel::select_rows);
   connect(messages_, &MessageLine::row_wanted, this, &MotionPanel::show_row);
   connect(joints_, &JointPanel::joint_chosen, timeline_, &Timeline::set_joint);
   connect(timeline_, &Timeline::scrubbed, this, &MotionPanel::show_tick);
@@ -76,6 +77,9 @@ void MotionPanel::build_layout() {
   table_->setSelectionMode(QAbstractItemView::ExtendedSelection);
   table_->setEditTriggers(QAbstractItemView::DoubleClicked | QAbstractItemView::EditKeyPressed |
                           QAbstractItemView::AnyKeyPressed);
+  table_->setDragDropMode(QAbstractItemView::DragDrop);
+  table_->setDragDropOverwriteMode(false);
+  table_->setDefaultDropAction(Qt::MoveAction);
   table_->setShowGrid(false);
   table_->setAlternatingRowColors(true);
   table_->setWordWrap(false);

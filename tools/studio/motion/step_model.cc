@@ -1,11 +1,14 @@
 #include "tools/studio/motion/step_model.h"
 
 #include <QGuiApplication>
+#include <QMimeData>
 #include <algorithm>
 #include <cctype>
+#include <set>
 #include <string_view>
 #include <utility>
 
+#include "sim_board/input/text.h"
 #include "tools/studio/document/edit_support.h"
 #include "tools/studio/motion/colours.h"
 #include "tools/studio/motion/step_icons.h"
@@ -25,6 +28,20 @@ bool is_plain(const std::string& text) {
   return !text.empty() && std::isalnum(static_cast<unsigned char>(text.front())) != 0 && text.back() != ' ' &&
          std::ranges::all_of(text, fits);
 }
+
+// A value in flow style.
+std::string flow_text(const sim::YamlNode& node) {
+  if (node.kind == sim::YamlNode::Kind::kScalar) {
+    return is_plain(node.scalar) || sim::parse_number(node.scalar) ? node.scalar : yaml_scalar(node.scalar);
+  }
+  const bool is_map = node.kind == sim::YamlNode::Kind::kMap;
+  std::string text;
+  for (const sim::YamlNode& item : node.items)
+    text += (text.empty() ? "" : ", ") + (is_map ? item.key + ": " : "") + flow_text(item);
+  return is_map ? "{" + text + "}" : "[" + text + "]";
+}
+
+constexpr const char* kRowsType = "application/x-koboshi-steps";
 
 // As in the file.
 QString short_number(double value) { return QString::number(value, 'g', 7); }
@@ -242,7 +259,8 @@ bool StepModel::is_editable(std::size_t row, Column column) const {
 }
 
 Qt::ItemFlags StepModel::flags(const QModelIndex& index) const {
-  Qt::ItemFlags flags = Qt::ItemIsSelectable | Qt::ItemIsEnabled;
+  if (!index.isValid()) return Qt::ItemIsDropEnabled;  // between the rows
+  Qt::ItemFlags flags = Qt::ItemIsSelectable | Qt::ItemIsEnabled | Qt::ItemIsDragEnabled;
   const auto row = static_cast<std::size_t>(index.row());
   if (index.isValid() && row < editor_.rows().rows.size() &&
       is_editable(row, static_cast<Column>(index.column())))
@@ -263,6 +281,10 @@ StepModel::StepValue StepModel::step_value(const MotionRow& row) const {
   for (const char* const key : {"pose", "label", "jump", "call", "if"}) {
     const sim::YamlNode* const value = step->find(key);
     if (value != nullptr && value->kind == sim::YamlNode::Kind::kScalar) return {key, value->scalar};
+  }
+  for (const char* const key : {"expect", "mix", "set", "wait", "stiffness", "lean", "fail"}) {
+    if (const sim::YamlNode* const value = step->find(key))
+      return {key, flow_text(*value), value->kind != sim::YamlNode::Kind::kScalar};
   }
   return {};
 }
@@ -306,8 +328,42 @@ void StepModel::apply(MotionDocument& document, const std::vector<std::size_t>& 
   }
   if (column != kStep) return;
   const std::string text = value.toString().toStdString();
-  document.set_value(rows.front(), tools::YamlPath(step_value(first).key.c_str()),
-                     is_plain(text) ? text : yaml_scalar(text));
+  const StepValue present = step_value(first);
+  document.set_value(rows.front(), tools::YamlPath(present.key.c_str()),
+                     present.is_flow || text.starts_with('{') || is_plain(text) ? text : yaml_scalar(text));
+}
+
+QStringList StepModel::mimeTypes() const { return {QString::fromLatin1(kRowsType)}; }
+
+QMimeData* StepModel::mimeData(const QModelIndexList& indexes) const {
+  std::set<int> rows;
+  for (const QModelIndex& index : indexes) rows.insert(index.row());
+  QByteArray bytes;
+  for (const int row : rows) bytes += QByteArray::number(row) + ' ';
+  auto* const data = new QMimeData;
+  data->setData(QString::fromLatin1(kRowsType), bytes.trimmed());
+  return data;
+}
+
+bool StepModel::canDropMimeData(const QMimeData* data, Qt::DropAction action, int /*row*/, int /*column*/,
+                                const QModelIndex& /*parent*/) const {
+  return action == Qt::MoveAction && data->hasFormat(QString::fromLatin1(kRowsType));
+}
+
+bool StepModel::dropMimeData(const QMimeData* data, Qt::DropAction action, int row, int column,
+                             const QModelIndex& parent) {
+  if (!canDropMimeData(data, action, row, column, parent)) return false;
+  std::vector<std::size_t> rows;
+  for (const QByteArray& number : data->data(QString::fromLatin1(kRowsType)).split(' '))
+    rows.push_back(number.toUInt());
+  if (row < 0) row = parent.isValid() ? parent.row() : rowCount();
+  const StepPlace place = row < rowCount()
+                              ? StepPlace{StepPlace::Kind::kBefore, static_cast<std::size_t>(row)}
+                              : StepPlace{StepPlace::Kind::kEndOf, editor_.rows().sections.size() - 1};
+  std::size_t first = 0;
+  if (!editor_.edit([&](MotionDocument& document) { first = document.move_rows(rows, place); })) return false;
+  Q_EMIT rows_dropped(first, rows.size());
+  return true;
 }
 
 bool StepModel::setData(const QModelIndex& index, const QVariant& value, int role) {

@@ -4,6 +4,7 @@
 #include <QColor>
 #include <QIcon>
 #include <QPalette>
+#include <QStringList>
 #include <array>
 #include <functional>
 #include <string>
@@ -35,8 +36,21 @@ class StepModel final : public QAbstractTableModel {
   Qt::ItemFlags flags(const QModelIndex& index) const override;
   bool setData(const QModelIndex& index, const QVariant& value, int role) override;
 
+  // Rows are moved by drag and drop within the table.
+  Qt::DropActions supportedDropActions() const override { return Qt::MoveAction; }
+  QStringList mimeTypes() const override;
+  QMimeData* mimeData(const QModelIndexList& indexes) const override;
+  bool canDropMimeData(const QMimeData* data, Qt::DropAction action, int row, int column,
+                       const QModelIndex& parent) const override;
+  bool dropMimeData(const QMimeData* data, Qt::DropAction action, int row, int column,
+                    const QModelIndex& parent) override;
+
   // Whether the cell has a value that can be edited.
   bool is_editable(std::size_t row, Column column) const;
+
+ Q_SIGNALS:
+  // Rows were moved by a drop: the first one and their number.
+  void rows_dropped(std::size_t first, std::size_t count);
 
  private:
   // What a row shows.
@@ -67,6 +81,7 @@ class StepModel final : public QAbstractTableModel {
   struct StepValue {
     std::string key;
     std::string text;
+    bool is_flow = false;  // a list or map in flow style
   };
   StepValue step_value(const MotionRow& row) const;
   std::vector<std::size_t> concerned(std::size_t row, Column column) const;
