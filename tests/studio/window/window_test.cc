@@ -420,6 +420,13 @@ class WindowTest final : public QObject {
       Q_EMIT motion.play_requested(false, static_cast<int>(last));
       QVERIFY(opened.wait(kPatience_ms));
       QTRY_VERIFY_WITH_TIMEOUT(window_->run().cursor_us() >= motion.start_us(last), kPatience_ms);
+      // At its end, a loop begins there again.
+      action("Loop the playback")->setChecked(true);
+      window_->run().set_cursor(window_->run().end_us() - 1000);
+      QTRY_VERIFY_WITH_TIMEOUT(window_->run().cursor_us() < window_->run().end_us() - 1000, kPatience_ms);
+      QVERIFY(window_->run().cursor_us() >= motion.start_us(last));
+      QVERIFY(window_->run().playing());
+      action("Loop the playback")->setChecked(false);
     }
     const std::string rest = motion.text_from(last);
     QVERIFY(rest.find("start") != std::string::npos);

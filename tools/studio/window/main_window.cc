@@ -202,6 +202,9 @@ void MainWindow::make_menus() {
              [this] { operator_->restart(); });
   add_action(*run, tr("To the &beginning"), Qt::Key_Home, [this] { run_->set_cursor(0); });
   add_action(*run, tr("To the &end"), Qt::Key_End, [this] { run_->set_cursor(run_->end_us()); });
+  loop_ = add_action(*run, tr("&Loop the playback"), QKeySequence(tr("Ctrl+Shift+L")), {});
+  loop_->setCheckable(true);
+  loop_->setToolTip(tr("Play a preview or a recorded run again from where the playback began"));
   make_robot_menu();
   make_view_menu();
   QMenu* help = menuBar()->addMenu(tr("&Help"));
@@ -288,6 +291,7 @@ void MainWindow::connect_run() {
   connect(run_, &RunController::rewound, this,
           [this](std::uint64_t time_us) { plots_->truncate_after(time_us); });
   connect(run_, &RunController::cursor_moved, this, &MainWindow::show_cursor);
+  connect(run_, &RunController::status_changed, this, &MainWindow::repeat_playback);
   connect(run_, &RunController::failed, messages_, &MessageBar::show_message);
   connect(view_, &RobotView::failed, messages_, &MessageBar::show_message);
   connect(view_, &RobotView::push_requested, this, &MainWindow::push);
@@ -309,8 +313,7 @@ void MainWindow::connect_run() {
   connect(motion_, &MotionPanel::pose_changed, poses_, &PoseController::show_pose);
   connect(poses_, &PoseController::told, this,
           [this](const QString& text) { statusBar()->showMessage(text, 3000); });
-  connect(motion_, &MotionPanel::play_requested, this,
-          &MainWindow::play_motion);
+  connect(motion_, &MotionPanel::play_requested, this, &MainWindow::play_motion);
 }
 
 void MainWindow::choose_file() {
@@ -351,7 +354,11 @@ void MainWindow::show_opened() {
                                                              : view::network_of(recording, tools::Network()));
   show_marks();
   update_title();
-  if (std::exchange(play_when_opened_, false)) play_opened();
+  if (std::exchange(play_when_opened_, false)) {
+    play_opened();
+  } else {
+    play_from_us_ = 0;
+  }
 }
 
 // The controller moves the cursor to the first sample after this.
@@ -363,6 +370,14 @@ void MainWindow::play_opened() {
         run_->set_playing(true);
       },
       Qt::QueuedConnection);
+}
+
+// A playback has stopped by itself when it is at its end; a simulation goes on without end.
+void MainWindow::repeat_playback() {
+  const bool is_playback = run_->session() == nullptr && run_->end_us() > play_from_us_;
+  if (std::exchange(was_playing_, run_->playing()) && is_playback && loop_->isChecked() && !run_->playing() &&
+      run_->cursor_us() >= run_->end_us())
+    play_opened();
 }
 
 void MainWindow::show_grown(std::size_t first_sample) {

@@ -74,6 +74,7 @@ class MainWindow final : public QMainWindow {
   void show_marks();
   void show_events();
   void play_opened();
+  void repeat_playback();
   void play_motion(bool physics, int from_row);
   void push(int link, const Eigen::Vector3d& p_L_m, const Eigen::Vector3d& force_W_N);
   void update_title();
@@ -94,8 +95,10 @@ class MainWindow final : public QMainWindow {
   std::array<QAction*, view::kOverlayNames.size()> overlay_actions_{};
   std::optional<view::OverlayMarks> marks_;
   PoseController* poses_ = nullptr;
-  std::uint64_t play_from_us_ = 0;  // when play_when_opened_
-  QTemporaryDir played_;            // texts of motions that are played before they are saved
+  std::uint64_t play_from_us_ = 0;  // of a playback
+  QAction* loop_ = nullptr;
+  bool was_playing_ = false;
+  QTemporaryDir played_;  // texts of motions that are played before they are saved
   QByteArray default_layout_;
   QTimer can_timer_;  // the table of frames is updated less often than the view
   bool play_when_opened_ = false;
