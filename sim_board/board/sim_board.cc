@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "firmware/canopen/frame.h"
+#include "sim_board/drive/pc_sdo.h"
 #include "sim_board/engine/make_world.h"
 
 namespace koboshi::sim {
@@ -15,6 +16,7 @@ constexpr std::size_t kOperatorFifo = 64;
 AcceptanceFilter sdo_answers() {
   AcceptanceFilter filter;
   filter.accept_range(canopen::kSdoResponseBase + 1, canopen::kSdoResponseBase + 127);
+  filter.accept_range(kPcSdoResponseBase + kFirstPcSdoNode, kPcSdoResponseBase + kLastPcSdoNode);
   return filter;
 }
 
@@ -231,6 +233,17 @@ void SimBoard::add_frame_fault(const FrameFault& fault) {
 }
 
 // Excludes the measured wall times and data that exist only within a step.
+std::vector<BusMember> SimBoard::bus_members() const {
+  std::vector<BusMember> members{{kControllerNode, controller_}};
+  for (std::size_t i = 0; i < drives_.size(); ++i)
+    members.push_back({robot_.joints[i].drive.node_id, drives_[i]->bus_handle()});
+  if (imu_node_) members.push_back({kInertialNode, imu_node_->bus_handle()});
+  constexpr std::array kAnkleNodes{kLeftAnkleNode, kRightAnkleNode};
+  for (std::size_t side = 0; side < ankle_nodes_.size(); ++side)
+    if (ankle_nodes_[side]) members.push_back({kAnkleNodes[side], ankle_nodes_[side]->bus_handle()});
+  return members;
+}
+
 void SimBoard::archive(StateArchive& archive) {
   archive(now_us_, host_, world_, input_, output_, bus_, drives_, imu_, ankles_, imu_node_, ankle_nodes_,
           bus_faults_, babblers_, highest_supply_V_, drawn_J_, kicked_us_, enable_line_, bitten_,

@@ -49,6 +49,14 @@ class StepListener {
   ~StepListener() = default;
 };
 
+inline constexpr std::uint8_t kControllerNode = 1;
+
+// A CANopen node on the board's bus.
+struct BusMember {
+  std::uint8_t node_id = 0;
+  NodeHandle handle{};
+};
+
 // The robot with all its electronics and the simulated clock: world, drives, sensors and bus on one side, the
 // firmware's ports on the other. A process may contain several boards.
 //
@@ -78,6 +86,8 @@ class SimBoard {
   Bus& bus() { return bus_; }
   const Bus& bus() const { return bus_; }
   NodeHandle controller_bus_handle() const { return controller_; }
+  // The controller, the drives in the order of their joints, and the sensors that are nodes.
+  std::vector<BusMember> bus_members() const;
   hal::CanStatus controller_can_status() const { return bus_.status(controller_); }
   const RobotDescription& robot() const { return robot_; }
   const GroundDescription& ground() const { return options_.world.ground; }

@@ -8,6 +8,10 @@ namespace koboshi::sim {
 // which the node id is added; for the ids 16 to 35 they fall into 0x690 to 0x6B7, which CiA 301 leaves free.
 inline constexpr std::uint16_t kPcSdoRequestBase = 0x680;
 inline constexpr std::uint16_t kPcSdoResponseBase = 0x694;
-constexpr bool has_pc_sdo(std::uint8_t node_id) { return node_id >= 16 && node_id <= 35; }
+inline constexpr std::uint8_t kFirstPcSdoNode = 16;
+inline constexpr std::uint8_t kLastPcSdoNode = 35;
+constexpr bool has_pc_sdo(std::uint8_t node_id) {
+  return node_id >= kFirstPcSdoNode && node_id <= kLastPcSdoNode;
+}
 
 }  // namespace koboshi::sim

@@ -7,7 +7,6 @@
 namespace koboshi::sim {
 namespace {
 
-constexpr std::uint8_t kControllerNodeId = 1;
 // COB-ID of the controller's commands: RPDO 1 of node 1, mapped to object 0x2000 of its dictionary.
 constexpr std::uint16_t kCommandIdentifier = 0x201;
 constexpr std::uint16_t kVelocityIdentifier = 0x301;  // RPDO 2: object 0x2110, in mm/s and mrad/s
@@ -35,7 +34,7 @@ std::uint8_t code_of(Command::Kind kind) {
 }  // namespace
 
 OperatorPc::OperatorPc(SimBoard& board, std::vector<SdoWrite> writes)
-    : board_(board), writes_(std::move(writes)), client_(*this) {
+    : board_(board), writes_(std::move(writes)), client_(*this), access_(*this) {
   board_.set_operator_listener(this);
 }
 
@@ -48,15 +47,17 @@ void OperatorPc::advance() {
     client_.reset();
     ++next_;
   }
-  if (ready() || client_.state() == canopen::SdoState::kBusy) return;
+  if (client_.state() == canopen::SdoState::kBusy) return;
+  if (ready() || access_.busy()) return access_.process(board_.now_us());
   const SdoWrite& write = writes_[next_];
   // The FIFO holds far more frames than the PC sends in a millisecond.
   static_cast<void>(
-      client_.begin_write(kControllerNodeId, write.address, write.value, write.size_bytes, board_.now_us()));
+      client_.begin_write(kControllerNode, write.address, write.value, write.size_bytes, board_.now_us()));
 }
 
 // A walk command is preceded by its velocity.
-void OperatorPc::command(const Command& command) {
+std::vector<hal::CanFrame> command_frames(const Command& command) {
+  std::vector<hal::CanFrame> frames;
   if (command.kind == Command::Kind::kWalk) {
     hal::CanFrame velocity{.identifier = kVelocityIdentifier, .size = 6};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -64,16 +65,21 @@ void OperatorPc::command(const Command& command) {
           static_cast<std::int16_t>(std::lround(1000.0 * command.velocity[static_cast<int>(axis)]));
       canopen::store_u16(velocity.data.data() + 2 * axis, static_cast<std::uint16_t>(thousandths));
     }
-    static_cast<void>(send(velocity));
+    frames.push_back(velocity);
   }
   hal::CanFrame frame{.identifier = kCommandIdentifier, .size = 3};
   frame.data[0] = code_of(command.kind);
   frame.data[1] = static_cast<std::uint8_t>(command.motion);
-  static_cast<void>(send(frame));
+  frames.push_back(frame);
+  return frames;
 }
 
-void OperatorPc::on_frame(const hal::CanFrame& frame, std::uint64_t) {
-  static_cast<void>(client_.on_frame(frame));
+void OperatorPc::command(const Command& command) {
+  for (const hal::CanFrame& frame : command_frames(command)) static_cast<void>(send(frame));
+}
+
+void OperatorPc::on_frame(const hal::CanFrame& frame, std::uint64_t time_us) {
+  if (!client_.on_frame(frame)) static_cast<void>(access_.on_frame(frame, time_us));
 }
 
 void OperatorPc::give_up() const {

@@ -7,6 +7,7 @@
 
 #include "firmware/canopen/sdo/client.h"
 #include "sim_board/board/sim_board.h"
+#include "sim_board/scenario/object_access.h"
 #include "sim_board/scenario/scenario.h"
 
 namespace koboshi::sim {
@@ -25,7 +26,11 @@ class SdoFailed : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// The operator's PC: writes the controller's parameters by SDO, one after the other, and then sends commands.
+// Returns the frames by which an operator gives a command to the controller, in their order.
+std::vector<hal::CanFrame> command_frames(const Command& command);
+
+// The operator's PC: writes the controller's parameters by SDO, one after the other, and then sends commands
+// and accesses objects.
 class OperatorPc final : private BusNode, private canopen::FrameSink {
  public:
   // The board must outlive the PC.
@@ -43,8 +48,12 @@ class OperatorPc final : private BusNode, private canopen::FrameSink {
   // Appends a parameter write. Commands wait for it.
   void write(SdoWrite write) { writes_.push_back(std::move(write)); }
 
+  // Accesses an object once all parameters are written. Writes and accesses wait for each other.
+  void request(ObjectRequest request) { access_.request(std::move(request)); }
+  [[nodiscard]] std::vector<ObjectAnswer> take_answers() { return access_.take_answers(); }
+
   void archive(StateArchive& archive) {
-    archive(writes_, next_);
+    archive(writes_, next_, access_);
     archive.in_place(client_);
   }
 
@@ -57,6 +66,7 @@ class OperatorPc final : private BusNode, private canopen::FrameSink {
   std::vector<SdoWrite> writes_;
   std::size_t next_ = 0;  // index of the write in progress
   canopen::SdoClient client_;
+  ObjectAccess access_;
 };
 
 }  // namespace koboshi::sim

@@ -46,18 +46,12 @@ ScenarioPlayer::ScenarioPlayer(const Scenario& scenario, SimBoard& board, std::v
       operator_(board, std::move(parameters)),
       commands_(scenario.commands),
       pushes_(scenario.pushes),
+      faults_(scenario.faults),
       held_(scenario.initial.release_us.has_value()) {
   for (const Push& push : pushes_) pushed_links_.push_back(*board.robot().find_link(push.link.text));
-  for (std::size_t i = 0; i < scenario.faults.size(); ++i) {
-    const Fault& fault = scenario.faults[i];
-    fault_events_.push_back({fault.at_us, true, i});
-    if (fault.duration_us) fault_events_.push_back({fault.end_us(), false, i});
-  }
-  std::ranges::sort(fault_events_, {}, [](const FaultEvent& event) {
-    return std::tuple(event.at_us, event.begins, event.fault);
-  });
+  for (std::size_t i = 0; i < faults_.size(); ++i) schedule(i);
   for (const FaultEvent& event : fault_events_) {
-    const Fault& fault = scenario.faults[event.fault];
+    const Fault& fault = faults_[event.fault];
     if (event.begins && fault.kind == Fault::Kind::kBabblingNode) add_babbler(fault);
   }
   board_.set_step_listener(this);
@@ -73,7 +67,7 @@ void ScenarioPlayer::advance() {
   for (; next_fault_event_ < fault_events_.size(); ++next_fault_event_) {
     const FaultEvent& event = fault_events_[next_fault_event_];
     if (event.at_us > now_us) break;
-    const Fault& fault = scenario_.faults[event.fault];
+    const Fault& fault = faults_[event.fault];
     if (event.begins) {
       cause(fault);
     } else {
@@ -98,6 +92,25 @@ void ScenarioPlayer::push(Push push) {
   pushed_links_.insert(pushed_links_.begin() + (place - pushes_.begin()),
                        *board_.robot().find_link(push.link.text));
   pushes_.insert(place, std::move(push));
+}
+
+void ScenarioPlayer::fault(Fault fault) {
+  fault.at_us = board_.now_us();
+  faults_.push_back(std::move(fault));
+  schedule(faults_.size() - 1);
+}
+
+// Inserts the events of a fault behind those that have happened, in order.
+void ScenarioPlayer::schedule(std::size_t fault) {
+  const auto insert = [this](FaultEvent event) {
+    const auto place = std::ranges::upper_bound(
+        fault_events_.begin() + static_cast<std::ptrdiff_t>(next_fault_event_), fault_events_.end(),
+        std::tuple(event.at_us, event.begins, event.fault), {},
+        [](const FaultEvent& other) { return std::tuple(other.at_us, other.begins, other.fault); });
+    fault_events_.insert(place, event);
+  };
+  insert({faults_[fault].at_us, true, fault});
+  if (faults_[fault].duration_us) insert({faults_[fault].end_us(), false, fault});
 }
 
 void ScenarioPlayer::before_step(World& world, std::uint64_t start_us, std::uint64_t end_us) {

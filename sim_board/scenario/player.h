@@ -35,16 +35,25 @@ class ScenarioPlayer final : private StepListener {
   // Writes a controller parameter by SDO; commands wait for it. `advance` throws SdoFailed if the controller
   // refuses it.
   void write(SdoWrite write) { operator_.write(std::move(write)); }
+  // Begins a fault at the next advance(). It has been checked against the board's robot.
+  // Precondition: not kBabblingNode, whose node must be on the bus from the start.
+  void fault(Fault fault);
+  // Accesses an object of a node by SDO.
+  void request(ObjectRequest request) { operator_.request(std::move(request)); }
+  [[nodiscard]] std::vector<ObjectAnswer> take_answers() { return operator_.take_answers(); }
   // The scenario's and the operator's commands, in order of time.
   const std::vector<Command>& commands() const { return commands_; }
   const std::vector<Push>& pushes() const { return pushes_; }
+  const std::vector<Fault>& faults() const { return faults_; }
 
   // Excludes the board, which has its own archive function.
   void archive(StateArchive& archive) {
-    archive(operator_, commands_, pushes_, pushed_links_, next_command_, next_fault_event_, held_);
+    archive(operator_, commands_, pushes_, pushed_links_, next_command_, faults_, fault_events_,
+            next_fault_event_, held_);
   }
 
  private:
+  void schedule(std::size_t fault);
   void before_step(World& world, std::uint64_t start_us, std::uint64_t end_us) override;
   void cause(const Fault& fault);
   void disturb_frames(const Fault& fault);
@@ -57,6 +66,7 @@ class ScenarioPlayer final : private StepListener {
   OperatorPc operator_;
   std::vector<Command> commands_;
   std::vector<Push> pushes_;
+  std::vector<Fault> faults_;
   std::vector<int> pushed_links_;  // indexed by push
   std::size_t next_command_ = 0;
   // Beginning or end of a fault, in order of time; at equal times the ends come first.

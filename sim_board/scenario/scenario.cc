@@ -138,6 +138,8 @@ std::vector<std::filesystem::path> input_files(const Scenario& scenario) {
 
 void check(const Push& push, const RobotDescription& robot) { find_named(robot.links, push.link, "link"); }
 
+void check(const Fault& fault, const RobotDescription& robot) { check_fault(fault, robot); }
+
 std::vector<std::string> motion_names(const Scenario& scenario) {
   std::vector<std::string> names;
   for (const MotionChoice& motion : scenario.motions) names.push_back(motion.name());

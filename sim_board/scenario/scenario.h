@@ -230,6 +230,8 @@ std::vector<std::filesystem::path> input_files(const Scenario& scenario);
 void check(const Scenario& scenario, const RobotDescription& robot);
 // Checks a single push.
 void check(const Push& push, const RobotDescription& robot);
+// Checks a single fault.
+void check(const Fault& fault, const RobotDescription& robot);
 // Returns the names of the motions for commands, in the order of the controller's numbers; a gait comes last.
 std::vector<std::string> motion_names(const Scenario& scenario);
 

@@ -44,6 +44,8 @@ class SensorNode final : private BusNode,
   // Call it once per millisecond: processes timers, storage and bus-off recovery.
   void update(std::uint64_t now_us);
 
+  NodeHandle bus_handle() const { return handle_; }
+
   void archive(StateArchive& archive) {
     archive(values_, storage_, bus_off_, started_, now_us_);
     archive.in_place(memory_, services_, node_);

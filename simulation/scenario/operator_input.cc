@@ -39,6 +39,19 @@ void push(Simulation& simulation, const std::string& text) {
   }
 }
 
+sim::Fault read_fault(const std::string& text) {
+  const sim::YamlFile document = document_of("faults", text);
+  std::vector<sim::Fault> faults = sim::read_faults(document.root());
+  document.finish();
+  return std::move(faults.front());
+}
+
+void fault(Simulation& simulation, const std::string& text) {
+  const sim::Fault fault = read_fault(text);
+  sim::check(fault, simulation.robot());
+  simulation.fault(fault);
+}
+
 void write(Simulation& simulation, const std::string& key, double value) {
   simulation.write({.name = {.text = key, .source = "parameters", .line = 0}, .value = value});
 }

@@ -14,6 +14,10 @@ namespace koboshi::simulation {
 void command(Simulation& simulation, const std::string& text);
 // `text` is one item of the list `pushes`: "{link: trunk, force_N: [30, 0, 0], duration_s: 0.1}".
 void push(Simulation& simulation, const std::string& text);
+// `text` is one item of the list `faults`: "{kind: imu_stop, duration_s: 0.03}".
+void fault(Simulation& simulation, const std::string& text);
+// Reads such an item. Simulation::fault takes it once sim::check has passed.
+sim::Fault read_fault(const std::string& text);
 // Sets a parameter of the controller (docs/reference/parameters.md), in the unit that its key ends with. The
 // step in which the controller refuses it throws sim::SdoFailed.
 void write(Simulation& simulation, const std::string& key, double value);

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sim_board/input/error.h"
 #include "simulation/host/in_process_host.h"
 #include "simulation/scenario/parameters.h"
 
@@ -94,12 +95,19 @@ void Simulation::restore(const Snapshot& snapshot) {
   sim::StateArchive::restore(snapshot.state_, parts);
 }
 
+void Simulation::fault(const sim::Fault& fault) {
+  if (fault.kind == sim::Fault::Kind::kBabblingNode)
+    throw sim::InputError("faults", 0, "babbling_node", "a kind of fault that can begin during a run");
+  player_->fault(fault);
+}
+
 sim::Scenario Simulation::played() const {
   sim::Scenario played = scenario_;
   played.teleop = false;
   played.duration_us = board_->now_us();
   played.commands = player_->commands();
   played.pushes = player_->pushes();
+  played.faults = player_->faults();
   return played;
 }
 

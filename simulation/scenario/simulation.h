@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sim_board/board/controller_host.h"
@@ -45,6 +46,13 @@ class Simulation {
   void push(const sim::Push& push) { player_->push(push); }
   // Throws sim::InputError as resolve_parameters does.
   void write(const sim::ParameterSetting& setting);
+  // Begins a fault, which has been checked against the robot, at the next advance(). Throws sim::InputError
+  // for a babbling node, which must be on the bus from the start.
+  void fault(const sim::Fault& fault);
+  // Accesses an object of a node on the bus by SDO from the operator's PC. Answers come in the order of the
+  // requests; a snapshot contains the requests under way.
+  void request(sim::ObjectRequest request) { player_->request(std::move(request)); }
+  [[nodiscard]] std::vector<sim::ObjectAnswer> take_answers() { return player_->take_answers(); }
   // The scenario's and the operator's pushes, in order of time.
   const std::vector<sim::Push>& pushes() const { return player_->pushes(); }
   // Saves the state between two calls of advance(). A restored simulation continues with the same bits as an
@@ -64,7 +72,8 @@ class Simulation {
   // board, bus and world. Throws std::logic_error while a companion is attached.
   void reset(std::uint64_t seed);
 
-  // Returns the scenario so far, including the operator's input, as a scenario without an operator.
+  // Returns the scenario so far, including the operator's input, as a scenario without an operator. A
+  // scenario cannot contain accesses to objects.
   sim::Scenario played() const;
 
   const sim::Scenario& scenario() const { return scenario_; }

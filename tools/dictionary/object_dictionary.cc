@@ -127,4 +127,11 @@ std::string data_type_name(std::uint8_t data_type) {
   return fmt::format("{}{}", is_signed(data_type) ? "INTEGER" : "UNSIGNED", size_bits(data_type));
 }
 
+std::string unit_text(const canopen::Unit& unit) {
+  if (unit.resolution != canopen::Resolution::kNone) return fmt::format("counts, in {}", unit.name);
+  if (unit.denominator == 1 && unit.numerator == 1) return std::string(unit.name);
+  if (unit.denominator == 10 && unit.numerator == 1) return fmt::format("0.1 {}", unit.name);
+  return fmt::format("{}/{} {}", unit.numerator, unit.denominator, unit.name);
+}
+
 }  // namespace koboshi::tools

@@ -81,6 +81,8 @@ NodeKind make_node_kind(std::string name, const canopen::NodeDescription& descri
 // 8, 16, 32; 0 for a text.
 unsigned size_bits(std::uint8_t data_type);
 bool is_signed(std::uint8_t data_type);
+// Formats a unit: 360/65536 deg, or for a sensor's counts its unit alone.
+std::string unit_text(const canopen::Unit& unit);
 // INTEGER16, as CiA 301 writes it.
 std::string data_type_name(std::uint8_t data_type);
 

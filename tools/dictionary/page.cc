@@ -48,14 +48,6 @@ std::string bounds(const ObjectItem& item) {
 
 constexpr const char* kPdoNames[] = {"", "TPDO", "RPDO", "both"};  // by canopen::Mappable
 
-// Formats a unit: 360/65536 deg, or for a sensor's counts its unit alone.
-std::string unit_text(const canopen::Unit& unit) {
-  if (unit.resolution != canopen::Resolution::kNone) return fmt::format("counts, in {}", unit.name);
-  if (unit.denominator == 1 && unit.numerator == 1) return std::string(unit.name);
-  if (unit.denominator == 10 && unit.numerator == 1) return fmt::format("0.1 {}", unit.name);
-  return fmt::format("{}/{} {}", unit.numerator, unit.denominator, unit.name);
-}
-
 void add_item(std::string& page, const ObjectItem& item, std::string_view index, std::string_view subindex,
               std::string_view name, std::string_view default_value) {
   fmt::format_to(Text(page), "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", index, subindex, name,

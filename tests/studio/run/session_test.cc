@@ -10,6 +10,8 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "sim_board/scenario/reader.h"
 
@@ -187,6 +189,102 @@ TEST(Session, SeveralRunSideBySide) {
   first.step(1000);
   second.step(1000);
   EXPECT_EQ(first.state_hash(), second.state_hash());
+}
+
+// Waits for the answers of the requests so far, which take a few milliseconds each.
+std::vector<sim::ObjectAnswer> answers_of(Session& session) {
+  session.step(300);
+  session.wait();
+  return session.take().answers;
+}
+
+sim::ObjectRequest request(std::uint64_t number, std::uint8_t node, canopen::ObjectAddress address,
+                           std::vector<std::uint8_t> data = {}) {
+  return {.number = number, .node_id = node, .address = address, .data = std::move(data)};
+}
+
+TEST(Session, ReadsAndWritesObjectsOfRunningNodes) {
+  constexpr std::uint8_t kKnee = 19;
+  constexpr canopen::ObjectAddress kProfileVelocity{0x6081, 0};
+  Session session(walk());
+  session.step(2000);
+  session.give(request(1, 1, {0x1005, 0}));
+  session.give(request(2, kKnee, {0x1008, 0}));
+  session.give(request(3, kKnee, kProfileVelocity, {0x10, 0x27, 0, 0}));
+  session.give(request(4, kKnee, kProfileVelocity));
+  session.give(request(5, kKnee, {0x5FFF, 0}));
+  session.give(request(6, 99, {0x1000, 0}));
+  const auto answers = answers_of(session);
+  ASSERT_EQ(answers.size(), 6U);
+  for (std::size_t i = 0; i < answers.size(); ++i) EXPECT_EQ(answers[i].number, i + 1);
+  EXPECT_EQ(answers[0].data, (std::vector<std::uint8_t>{0x80, 0x00, 0x00, 0x40}));
+  EXPECT_GT(answers[1].data.size(), 4U);
+  EXPECT_EQ(answers[2].abort, canopen::AbortCode::kNone);
+  EXPECT_EQ(answers[3].data, (std::vector<std::uint8_t>{0x10, 0x27, 0, 0}));
+  EXPECT_EQ(answers[4].abort, canopen::AbortCode::kObjectDoesNotExist);
+  EXPECT_EQ(answers[5].abort, canopen::AbortCode::kTimedOut);
+}
+
+// A reading of an object is an input as any other: it comes again after a rewind, and its answer does not.
+TEST(Session, RepeatsAccessesToObjectsInARewind) {
+  const auto play = [](Session& session) {
+    session.step(1500);
+    session.give(request(1, 1, {0x1005, 0}));
+    session.step(700);
+  };
+  Session straight(walk());
+  play(straight);
+  straight.step(800);
+  Session rewound(walk());
+  play(rewound);
+  rewound.step(300);
+  rewound.wait();
+  EXPECT_EQ(rewound.take().answers.size(), 1U);
+  rewound.rewind(2'200'000);
+  rewound.step(800);
+  EXPECT_EQ(rewound.state_hash(), straight.state_hash());
+  EXPECT_TRUE(rewound.take().answers.empty());
+}
+
+TEST(Session, CausesAFaultAndRewindsIt) {
+  sim::Fault fault;
+  fault.kind = sim::Fault::Kind::kDrivePowerLoss;
+  fault.target.text = "right_hip_pitch";
+  Session session(walk());
+  session.step(2000);
+  session.give(fault);
+  session.step(1000);
+  session.wait();
+  const auto unpowered = [&] {
+    return std::ranges::count(session.status().nodes, false, &NodeStatus::powered);
+  };
+  EXPECT_EQ(unpowered(), 1);
+  ASSERT_EQ(session.played().faults.size(), 1U);
+  EXPECT_EQ(session.played().faults[0].at_us, 2'000'000U);
+  session.rewind(1'900'000);
+  session.step(1100);
+  session.wait();
+  EXPECT_EQ(unpowered(), 0);
+  EXPECT_TRUE(session.played().faults.empty());
+  Session undisturbed(walk());
+  undisturbed.step(3000);
+  EXPECT_EQ(session.state_hash(), undisturbed.state_hash());
+}
+
+TEST(Session, RefusesFaultsThatAScenarioCouldNotContain) {
+  Session session(walk());
+  session.step(100);
+  sim::Fault fault;
+  fault.kind = sim::Fault::Kind::kEncoderBreak;
+  fault.target.text = "left_kneee";
+  session.give(fault);
+  session.wait();
+  EXPECT_NE(session.status().message.find("left_knee"), std::string::npos) << session.status().message;
+  fault.kind = sim::Fault::Kind::kBabblingNode;
+  fault.target.text.clear();
+  session.give(fault);
+  session.wait();
+  EXPECT_NE(session.status().message.find("babbling_node"), std::string::npos) << session.status().message;
 }
 
 }  // namespace

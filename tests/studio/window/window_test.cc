@@ -13,6 +13,7 @@
 #include <QLineEdit>
 #include <QMenuBar>
 #include <QMimeData>
+#include <QProcess>
 #include <QPushButton>
 #include <QRegularExpression>
 #include <QSettings>
@@ -41,6 +42,8 @@
 #include "tools/studio/window/command_search.h"
 #include "tools/studio/window/main_window.h"
 #include "tools/studio/window/message_bar.h"
+#include "tools/studio/window/node_table.h"
+#include "tools/studio/window/object_panel.h"
 #include "tools/studio/window/theme.h"
 #include "tools/view/render/camera.h"
 
@@ -170,7 +173,7 @@ class WindowTest final : public QObject {
     slider->setValue(100);
     QCOMPARE(moved.count(), 1);
     QCOMPARE(window_->run().cursor_us(), std::uint64_t{1'000'000});
-    auto* frames = window_->findChild<CanPanel*>()->findChild<QTableView*>();
+    auto* frames = window_->findChild<QTableView*>(QStringLiteral("frames"));
     const QString time = frames->currentIndex().siblingAtColumn(FrameModel::kTime).data().toString();
     QVERIFY2(time.toDouble() <= 1.0 && time.toDouble() > 0.9, qPrintable(time));
   }
@@ -179,7 +182,7 @@ class WindowTest final : public QObject {
     open(kRoot / "scenarios/walk.yaml");
     run_to(2'500'000);
     auto* panel = window_->findChild<CanPanel*>();
-    auto* table = panel->findChild<QTableView*>();
+    auto* table = panel->findChild<QTableView*>(QStringLiteral("frames"));
     panel->update_frames();
     const int all = table->model()->rowCount();
     QVERIFY(all > 1000);
@@ -191,6 +194,126 @@ class WindowTest final : public QObject {
           table->model()->index(row, FrameModel::kIdentifier).data().toString().startsWith(QLatin1Char('7')));
     panel->findChild<QLineEdit*>()->clear();
     QCOMPARE(table->model()->rowCount(), all);
+  }
+
+  void reads_and_writes_objects() {
+    open(kRoot / "scenarios/walk.yaml");
+    run_to(2'000'000);
+    auto* panel = window_->findChild<ObjectPanel*>();
+    qobject_cast<QDockWidget*>(panel->parentWidget())->raise();
+    auto* node = panel->findChild<QComboBox*>();
+    node->setCurrentIndex(node->findText(QStringLiteral("left_knee"), Qt::MatchContains));
+    auto* table = panel->findChild<QTableView*>();
+    panel->findChild<QLineEdit*>()->setText(QStringLiteral("6081"));
+    QCOMPARE(table->model()->rowCount(), 1);
+    const QModelIndex value = table->model()->index(0, ObjectModel::kValue);
+    window_->run().set_playing(true);
+    QTest::mouseClick(panel->findChild<QPushButton*>(QStringLiteral("read_objects")), Qt::LeftButton);
+    QTRY_VERIFY_WITH_TIMEOUT(!value.data().toString().isEmpty(), kPatience_ms);
+    QVERIFY(value.data().toString() != QStringLiteral("4321"));
+    // An edit as a user makes it.
+    table->scrollTo(value);
+    QTest::mouseClick(table->viewport(), Qt::LeftButton, {}, table->visualRect(value).center());
+    QTest::keyClick(table->viewport(), Qt::Key_F2);
+    auto* editor = table->findChild<QLineEdit*>();
+    QVERIFY(editor != nullptr);
+    editor->selectAll();
+    QTest::keyClicks(editor, QStringLiteral("4321"));
+    QTest::keyClick(editor, Qt::Key_Return);
+    QTRY_COMPARE_WITH_TIMEOUT(value.data().toString(), QStringLiteral("4321"), kPatience_ms);
+    // A value that the object cannot have.
+    QVERIFY(!table->model()->setData(value, QStringLiteral("fast")));
+    QVERIFY(std::ranges::any_of(panel->findChildren<QLabel*>(), [](const QLabel* label) {
+      return label->text().contains(QStringLiteral("UNSIGNED32"));
+    }));
+  }
+
+  void causes_a_fault_and_shows_it_on_the_bus() {
+    open(kRoot / "scenarios/walk.yaml");
+    run_to(2'000'000);
+    window_->findChild<QComboBox*>(QStringLiteral("fault_kind"))
+        ->setCurrentText(QStringLiteral("drive_power_loss"));
+    window_->findChild<QComboBox*>(QStringLiteral("fault_target"))
+        ->setCurrentText(QStringLiteral("left_knee"));
+    QTest::mouseClick(window_->findChild<QPushButton*>(QStringLiteral("cause_fault")), Qt::LeftButton);
+    run_to(2'500'000);
+    auto* nodes = window_->findChild<NodeModel*>();
+    const auto state = [&](const QString& node) {
+      for (int row = 0; row < nodes->rowCount(); ++row)
+        if (nodes->index(row, NodeModel::kNode).data().toString().endsWith(node))
+          return nodes->index(row, NodeModel::kState).data().toString();
+      return QString();
+    };
+    QTRY_COMPARE(state(QStringLiteral("left_knee")), QStringLiteral("no power"));
+    QCOMPARE(state(QStringLiteral("right_knee")), QStringLiteral("error-active"));
+    QVERIFY(std::ranges::any_of(window_->findChild<CanPanel*>()->findChildren<QLabel*>(), [](auto* label) {
+      return QRegularExpression(QStringLiteral("bus load [1-9]")).match(label->text()).hasMatch();
+    }));
+    const auto& events = window_->run().recording().events;
+    QVERIFY(std::ranges::any_of(
+        events, [](const view::Event& event) { return event.text.find("left_knee") != std::string::npos; }));
+    // Details that no scenario could contain.
+    window_->findChild<QLineEdit*>(QStringLiteral("fault_details"))->setText(QStringLiteral("shrae: 0.1"));
+    QTest::mouseClick(window_->findChild<QPushButton*>(QStringLiteral("cause_fault")), Qt::LeftButton);
+    QVERIFY(window_->messages().isVisible());
+  }
+
+  // A simulation of another process, by a multicast group that no other test uses.
+  void attaches_to_a_running_simulation() {
+    const QString bus =
+        QStringLiteral("udp:239.74.163.9:%1").arg(20'000 + QCoreApplication::applicationPid() % 20'000);
+    const QTemporaryDir out;
+    QProcess robot;
+    robot.setProcessChannelMode(QProcess::MergedChannels);
+    robot.start(QCoreApplication::applicationDirPath() + QStringLiteral("/koboshi"),
+                {QStringLiteral("run"), QString::fromStdString((kRoot / "scenarios/walk.yaml").string()),
+                 QStringLiteral("--can"), bus, QStringLiteral("--realtime"), QStringLiteral("--out"),
+                 out.filePath(QStringLiteral("run"))});
+    QVERIFY(robot.waitForStarted(kPatience_ms));
+    QSignalSpy opened(&window_->run(), &RunController::opened);
+    window_->attach(bus.toStdString());
+    QVERIFY(opened.wait(kPatience_ms));
+    RunController& run = window_->run();
+    QCOMPARE(run.source(), RunController::Source::kBus);
+    const view::Recording& seen = run.recording();
+    const auto knee = std::ranges::find(seen.signals, std::string("left_knee_TPDO1.position_actual_value"),
+                                        &view::Signal::name);
+    QVERIFY(knee != seen.signals.end());
+    const auto column = static_cast<std::size_t>(knee - seen.signals.begin());
+    const auto knee_deg = [&] { return seen.samples.empty() ? 0.0F : seen.samples.back().values[column]; };
+    if (!QTest::qWaitFor([&] { return knee_deg() > 5.0F; }, kPatience_ms)) QFAIL(robot.readAll().constData());
+    QVERIFY(seen.frames.size() > 100);
+    QVERIFY(window_->findChild<CanPanel*>()->findChild<FrameModel*>()->rowCount() > 0);
+    QTRY_VERIFY_WITH_TIMEOUT(!seen.events.empty(), kPatience_ms);
+    // Its objects can be read as those of a simulation in the window.
+    auto* panel = window_->findChild<ObjectPanel*>();
+    panel->findChild<QLineEdit*>()->setText(QStringLiteral("1005:00"));
+    QTest::mouseClick(panel->findChild<QPushButton*>(QStringLiteral("read_objects")), Qt::LeftButton);
+    const QModelIndex value = panel->findChild<QTableView*>()->model()->index(0, ObjectModel::kValue);
+    QTRY_VERIFY_WITH_TIMEOUT(value.data().toString() == QStringLiteral("0x40000080"), kPatience_ms);
+    // A motion goes to it from the editor, and comes back the same.
+    window_->open(kRoot / "robots/koboshi/motions/bow.yaml");
+    window_->messages().hide();
+    const QList<QAction*> actions = window_->all_actions();
+    const auto upload = std::ranges::find_if(
+        actions, [](const QAction* action) { return action->text().contains(QStringLiteral("Upload")); });
+    (*upload)->trigger();
+    QTRY_VERIFY_WITH_TIMEOUT(window_->messages().isVisible(), kPatience_ms);
+    QVERIFY2(window_->messages().text().contains(QStringLiteral("read back the same")),
+             qPrintable(window_->messages().text()));
+    // What only a simulation can do is refused.
+    run.give(sim::Push());
+    QVERIFY(window_->messages().isVisible());
+    robot.terminate();
+    QVERIFY(robot.waitForFinished(kPatience_ms));
+  }
+
+  void says_which_buses_can_be_followed() {
+    window_->attach("can0");
+    QTRY_VERIFY_WITH_TIMEOUT(window_->messages().isVisible(), kPatience_ms);
+    window_->messages().hide();
+    window_->attach("none");
+    QTRY_VERIFY_WITH_TIMEOUT(window_->messages().isVisible(), kPatience_ms);
   }
 
   void restarts_with_another_seed() {
@@ -614,7 +737,12 @@ class WindowTest final : public QObject {
     open(kRoot / "scenarios/walk.yaml");
     window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
     run_to(6'500'000);
-    for (const char* name : {"events", "can", "motion"}) {
+    auto* objects = window_->findChild<ObjectPanel*>();
+    objects->findChild<QComboBox*>()->setCurrentIndex(4);
+    objects->findChild<QLineEdit*>()->setText(QStringLiteral("60"));
+    objects->findChild<QPushButton*>(QStringLiteral("read_objects"))->click();
+    run_to(7'500'000);
+    for (const char* name : {"events", "can", "objects", "motion"}) {
       window_->findChild<QDockWidget*>(QLatin1String(name))->raise();
       QTest::qWait(800);
       window_->grab().save(folder + QStringLiteral("/studio-") + QLatin1String(name) +

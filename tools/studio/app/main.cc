@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -43,6 +44,14 @@ int main(int argc, char** argv) {
       ->type_name("ROBOT")
       ->capture_default_str()
       ->check(CLI::ExistingFile.description(""));
+  std::string can;
+  bool real_bus = false;
+  auto* can_option =
+      program
+          .add_option("--can", can, "Follow a robot on a bus: socketcan:INTERFACE, udp:ADDRESS:PORT or slcan")
+          ->type_name("BUS");
+  program.add_flag("--real-bus", real_bus, "Allow an interface that is neither vcan nor vxcan")
+      ->needs(can_option);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -61,6 +70,7 @@ int main(int argc, char** argv) {
   QApplication::setApplicationVersion(QStringLiteral(KOBOSHI_VERSION));
   koboshi::studio::MainWindow window(robot);
   for (const std::filesystem::path& file : files) window.open(file);
+  if (!can.empty()) window.attach(can, real_bus);
   window.show();
   return QApplication::exec();
 }

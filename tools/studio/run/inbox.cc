@@ -45,6 +45,11 @@ void Inbox::rewind(const Rewind& to) {
   if (!batch_.rewound || to.time_us < batch_.rewound->time_us) batch_.rewound = to;
 }
 
+void Inbox::add_answers(std::vector<sim::ObjectAnswer> answers) {
+  const std::scoped_lock lock(mutex_);
+  std::ranges::move(answers, std::back_inserter(batch_.answers));
+}
+
 void Inbox::set_events(std::vector<view::Event> events) {
   const std::scoped_lock lock(mutex_);
   batch_.events = std::move(events);

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "sim_board/scenario/object_access.h"
 #include "tools/view/recording/listener.h"
 #include "tools/view/recording/recording.h"
 
@@ -28,6 +29,7 @@ struct Batch {
   // With `all_pushes` those of the whole run so far, which replace the earlier ones.
   std::vector<view::Push> pushes{};
   bool all_pushes = false;
+  std::vector<sim::ObjectAnswer> answers{};
   // All events of the run if they have changed: the text of an event can change for a second.
   std::optional<std::vector<view::Event>> events{};
 };
@@ -43,6 +45,7 @@ class Inbox final : public view::RecordingListener {
   // Forgets all that is later, here and in the batches that were taken. Then comes a new recorder, which
   // repeats the pushes of the whole run.
   void rewind(const Rewind& to);
+  void add_answers(std::vector<sim::ObjectAnswer> answers);
   void set_events(std::vector<view::Event> events);
   // Returns when this many samples have been added, taken back or not.
   void wait_for_samples(std::uint64_t count);

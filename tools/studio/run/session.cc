@@ -35,6 +35,7 @@ Session::Session(const sim::Scenario& scenario, Options options)
       robot_(simulation_.robot()) {
   begin_recording();
   snapshots_.add(simulation_.snapshot());
+  publish_bus();
   now_.duration_us = scenario.duration_us;
   publish();
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
@@ -176,7 +177,11 @@ void Session::advance() {
   const std::uint64_t now_us = simulation_.board().now_us();
   if (now_us % kTick_us == 0) ++samples_;
   if (snapshots_.due(now_us)) snapshots_.add(simulation_.snapshot());
-  if (now_us % kEventPeriod_us == 0) publish_events();
+  if (auto answers = simulation_.take_answers(); !answers.empty()) inbox_.add_answers(std::move(answers));
+  if (now_us % kEventPeriod_us == 0) {
+    publish_events();
+    publish_bus();
+  }
   if (now_us == scenario_.duration_us) now_.state = SessionStatus::State::kPaused;
 }
 
@@ -193,6 +198,11 @@ void Session::apply(const Input& input) {
   } else if (const auto* push = std::get_if<sim::Push>(&input)) {
     sim::check(*push, simulation_.robot());
     simulation_.push(*push);
+  } else if (const auto* fault = std::get_if<sim::Fault>(&input)) {
+    sim::check(*fault, simulation_.robot());
+    simulation_.fault(*fault);
+  } else if (const auto* request = std::get_if<sim::ObjectRequest>(&input)) {
+    simulation_.request(*request);
   } else {
     simulation_.write(std::get<sim::ParameterSetting>(input));
   }
@@ -228,6 +238,8 @@ void Session::replay_to(std::uint64_t time_us) {
     simulation_.advance();
     recorder_.record();
   }
+  static_cast<void>(simulation_.take_answers());  // given before
+  usage_ = simulation_.board().bus().usage();
   inputs_.erase(std::ranges::lower_bound(inputs_, time_us, {}, input_time), inputs_.end());
   snapshots_.truncate_after(time_us);
 }
@@ -240,6 +252,16 @@ void Session::publish() {
   now_.snapshot_interval_us = snapshots_.interval_us();
   const std::scoped_lock lock(mutex_);
   status_ = now_;
+}
+
+void Session::publish_bus() {
+  const sim::Bus& bus = simulation_.board().bus();
+  now_.nodes.clear();
+  for (const sim::BusMember& member : simulation_.board().bus_members())
+    now_.nodes.push_back(
+        {member.node_id, bus.status(member.handle), bus.counters(member.handle), bus.powered(member.handle)});
+  const sim::BusUsage usage = bus.usage();
+  now_.bus_load = sim::bus_load(std::exchange(usage_, usage), usage);
 }
 
 void Session::publish_events() {

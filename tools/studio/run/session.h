@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "sim_board/can/bus.h"
 #include "sim_board/can/observer.h"
 #include "sim_board/scenario/scenario.h"
 #include "simulation/observe/run_recorder.h"
@@ -24,7 +25,15 @@
 namespace koboshi::studio {
 
 // What an operator gives to a running simulation. It takes effect at the next millisecond.
-using Input = std::variant<sim::Command, sim::Push, sim::ParameterSetting>;
+using Input = std::variant<sim::Command, sim::Push, sim::ParameterSetting, sim::Fault, sim::ObjectRequest>;
+
+// A node on the bus and its CAN controller.
+struct NodeStatus {
+  std::uint8_t node_id = 0;
+  hal::CanStatus can{};
+  sim::NodeCounters counters{};
+  bool powered = true;
+};
 
 // State of a session.
 struct SessionStatus {
@@ -37,6 +46,8 @@ struct SessionStatus {
   std::size_t snapshots = 0;
   std::size_t snapshot_bytes = 0;
   std::uint64_t snapshot_interval_us = 0;
+  std::vector<NodeStatus> nodes{};  // updated ten times per simulated second
+  double bus_load = 0.0;            // 0..1, over the last tenth of a second
   std::string message{};  // the last refused input or the error that stopped the run, one line; empty: none
 };
 
@@ -113,6 +124,7 @@ class Session final : private sim::BusObserver {
   void return_to(std::uint64_t time_us);
   void replay_to(std::uint64_t time_us);
   void publish();
+  void publish_bus();
   void publish_events();
 
   const sim::Scenario scenario_;
@@ -126,6 +138,7 @@ class Session final : private sim::BusObserver {
   SnapshotStore snapshots_;
   std::vector<GivenInput> inputs_;
   std::vector<view::Event> events_;  // as published
+  sim::BusUsage usage_;              // at the last update of the nodes
   std::uint64_t samples_ = 0;        // recorded, also those that a rewind has taken back
   SessionStatus now_;
   double speed_ = 1.0;

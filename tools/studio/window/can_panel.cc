@@ -4,6 +4,7 @@
 #include <QHeaderView>
 #include <QLabel>
 #include <QLineEdit>
+#include <QTabWidget>
 #include <QTableView>
 #include <QVBoxLayout>
 #include <algorithm>
@@ -184,8 +185,11 @@ QVariant FrameModel::headerData(int section, Qt::Orientation orientation, int ro
 CanPanel::CanPanel(QWidget* parent)
     : QWidget(parent),
       model_(new FrameModel(this)),
+      nodes_(new NodeModel(this)),
       filter_(new QLineEdit(this)),
       table_(new QTableView(this)),
+      node_table_(new QTableView(this)),
+      tables_(new QTabWidget(this)),
       count_(new QLabel(this)) {
   filter_->setPlaceholderText(tr("Filter: identifier, node or kind, such as left_knee PDO"));
   filter_->setClearButtonEnabled(true);
@@ -195,6 +199,7 @@ CanPanel::CanPanel(QWidget* parent)
     update_frames();
   });
   table_->setModel(model_);
+  table_->setObjectName(QStringLiteral("frames"));
   table_->setSelectionBehavior(QAbstractItemView::SelectRows);
   table_->setWordWrap(false);
   table_->setAlternatingRowColors(true);
@@ -207,27 +212,52 @@ CanPanel::CanPanel(QWidget* parent)
   table_->setColumnWidth(FrameModel::kSender, 24 * digit);
   table_->setColumnWidth(FrameModel::kData, 22 * digit);
   table_->setAccessibleName(tr("Frames on the CAN bus"));
+  node_table_->setModel(nodes_);
+  node_table_->setSelectionMode(QAbstractItemView::NoSelection);
+  node_table_->verticalHeader()->hide();
+  node_table_->verticalHeader()->setDefaultSectionSize(table_->verticalHeader()->defaultSectionSize());
+  node_table_->setColumnWidth(NodeModel::kNode, 24 * digit);
+  node_table_->setColumnWidth(NodeModel::kState, 14 * digit);
+  for (int column = NodeModel::kTransmitErrors; column < NodeModel::kColumns; ++column)
+    node_table_->setColumnWidth(column, 9 * digit);
+  node_table_->setAccessibleName(tr("Nodes on the CAN bus"));
   connect(table_, &QTableView::clicked, this,
           [this](const QModelIndex& index) { Q_EMIT cursor_moved(model_->time_us(index.row())); });
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(4, 4, 4, 4);
   layout->addWidget(filter_);
-  layout->addWidget(table_, 1);
+  tables_->addTab(table_, tr("Frames"));
+  tables_->addTab(node_table_, tr("Nodes"));
+  tables_->setTabPosition(QTabWidget::West);
+  layout->addWidget(tables_, 1);
   layout->addWidget(count_);
 }
 
 void CanPanel::set_recording(const view::Recording* recording, tools::Network network) {
   recording_ = recording;
+  nodes_->set_names(network.nodes);
   model_->set_recording(recording, std::move(network));
   update_frames();
 }
 
 void CanPanel::update_frames() {
   model_->update();
-  count_->setText(recording_ == nullptr ? QString()
-                                        : tr("%1 of %2 frames")
-                                              .arg(model_->rowCount())
-                                              .arg(static_cast<qulonglong>(recording_->frames.size())));
+  show_count();
+}
+
+void CanPanel::show_count() {
+  if (recording_ == nullptr) return count_->clear();
+  QString text =
+      tr("%1 of %2 frames").arg(model_->rowCount()).arg(static_cast<qulonglong>(recording_->frames.size()));
+  if (nodes_->rowCount() > 0) text += tr(", bus load %1 %").arg(100.0 * bus_load_, 0, 'f', 0);
+  count_->setText(text);
+}
+
+void CanPanel::show_nodes(const SessionStatus& status) {
+  bus_load_ = status.bus_load;
+  nodes_->show(status.nodes);
+  tables_->setTabEnabled(tables_->indexOf(node_table_), !status.nodes.empty());
+  show_count();
 }
 
 void CanPanel::set_cursor(std::uint64_t time_us) {

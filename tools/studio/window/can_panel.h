@@ -9,10 +9,12 @@
 
 #include "tools/can/describe.h"
 #include "tools/dictionary/network.h"
+#include "tools/studio/window/node_table.h"
 #include "tools/view/recording/recording.h"
 
 class QLabel;
 class QLineEdit;
+class QTabWidget;
 class QTableView;
 
 namespace koboshi::studio {
@@ -66,6 +68,8 @@ class CanPanel final : public QWidget {
   // As FrameModel::set_recording.
   void set_recording(const view::Recording* recording, tools::Network network);
   void update_frames();
+  // Nodes and load of a simulated bus; no nodes: unknown.
+  void show_nodes(const SessionStatus& status);
   // Scrolls to this moment.
   void set_cursor(std::uint64_t time_us);
 
@@ -74,11 +78,17 @@ class CanPanel final : public QWidget {
   void cursor_moved(std::uint64_t time_us);
 
  private:
+  void show_count();
+
   FrameModel* const model_;
+  NodeModel* const nodes_;
   QLineEdit* const filter_;
   QTableView* const table_;
+  QTableView* const node_table_;
+  QTabWidget* const tables_;
   QLabel* const count_;
   const view::Recording* recording_ = nullptr;
+  double bus_load_ = 0.0;
 };
 
 }  // namespace koboshi::studio

@@ -8,13 +8,19 @@
 #include <QDragEnterEvent>
 #include <QFileDialog>
 #include <QHeaderView>
+#include <QInputDialog>
 #include <QLabel>
+#include <QLineEdit>
 #include <QMenuBar>
 #include <QMimeData>
+#include <QPointer>
+#include <QScrollArea>
+#include <QScrollBar>
 #include <QSettings>
 #include <QStandardItemModel>
 #include <QStatusBar>
 #include <QTableView>
+#include <QThreadPool>
 #include <QVBoxLayout>
 #include <algorithm>
 #include <numbers>
@@ -34,6 +40,8 @@
 #include "tools/studio/window/can_panel.h"
 #include "tools/studio/window/command_search.h"
 #include "tools/studio/window/message_bar.h"
+#include "tools/studio/window/motion_upload.h"
+#include "tools/studio/window/object_panel.h"
 #include "tools/studio/window/operator_panel.h"
 #include "tools/studio/window/pose_controller.h"
 #include "tools/studio/window/theme.h"
@@ -46,36 +54,7 @@ namespace {
 
 constexpr int kCanPeriod_ms = 200;
 constexpr std::uint64_t kPush_us = 100'000;
-constexpr int kLayoutVersion = 1;  // of the saved layout: another one is ignored
-
-// Directions from which to look at the robot, as in `koboshi render --view`.
-struct NamedView {
-  const char* name;
-  Qt::Key key;
-  double azimuth_deg;
-  double elevation_deg;
-};
-constexpr std::array<NamedView, 4> kViews{
-    {{QT_TRANSLATE_NOOP("MainWindow", "From the front"), Qt::Key_1, 0.0, 6.0},
-     {QT_TRANSLATE_NOOP("MainWindow", "From the left"), Qt::Key_2, 90.0, 6.0},
-     {QT_TRANSLATE_NOOP("MainWindow", "From above"), Qt::Key_3, 180.0, 90.0},
-     {QT_TRANSLATE_NOOP("MainWindow", "Diagonally"), Qt::Key_4, 50.0, 14.0}}};
-
-// The texts of Overlay that belong to the world; time, events and legend have panels of their own.
-struct OverlayText {
-  view::Overlay overlay;
-  const char* text;
-  bool shown;
-};
-constexpr std::array<OverlayText, 6> kOverlayTexts{
-    {{view::Overlay::kZmp, QT_TRANSLATE_NOOP("MainWindow", "Zero moment point"), true},
-     {view::Overlay::kCom, QT_TRANSLATE_NOOP("MainWindow", "Centre of mass"), false},
-     {view::Overlay::kSupport, QT_TRANSLATE_NOOP("MainWindow", "Support polygon"), true},
-     {view::Overlay::kContacts, QT_TRANSLATE_NOOP("MainWindow", "Contact forces"), false},
-     {view::Overlay::kPushes, QT_TRANSLATE_NOOP("MainWindow", "Pushes"), true},
-     {view::Overlay::kFootprints, QT_TRANSLATE_NOOP("MainWindow", "Footprints of a recorded run"), true}}};
-
-QString tr_view(const char* text) { return QCoreApplication::translate("MainWindow", text); }
+constexpr int kLayoutVersion = 2;  // of the saved layout: another one is ignored
 
 enum class FileKind { kScenario, kMotion, kRecording };
 
@@ -130,6 +109,7 @@ MainWindow::MainWindow(const std::filesystem::path& robot)
   can_timer_.setInterval(kCanPeriod_ms);
   connect(&can_timer_, &QTimer::timeout, this, [this] {
     if (can_->isVisible() && run_->playing()) {
+      can_->show_nodes(run_->status());
       can_->update_frames();
       can_->set_cursor(run_->cursor_us());
     }
@@ -153,7 +133,14 @@ QDockWidget* MainWindow::add_panel(const QString& name, const QString& title, QW
 void MainWindow::make_panels() {
   addToolBar(Qt::TopToolBarArea, new TransportBar(*run_, this));
   operator_ = new OperatorPanel(*run_);
-  add_panel(QStringLiteral("operator"), tr("Operator"), operator_, Qt::LeftDockWidgetArea);
+  auto* scrolled = new QScrollArea;
+  scrolled->setWidget(operator_);
+  scrolled->setWidgetResizable(true);
+  scrolled->setFrameShape(QFrame::NoFrame);
+  scrolled->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  scrolled->setMinimumWidth(operator_->minimumSizeHint().width() +
+                            scrolled->verticalScrollBar()->sizeHint().width());
+  add_panel(QStringLiteral("operator"), tr("Operator"), scrolled, Qt::LeftDockWidgetArea);
   motion_ = new MotionPanel;
   auto* motion_dock = add_panel(QStringLiteral("motion"), tr("Motion"), motion_, Qt::BottomDockWidgetArea);
   poses_ = new PoseController(*view_, *motion_, *run_, this);
@@ -173,125 +160,30 @@ void MainWindow::make_panels() {
       add_panel(QStringLiteral("events"), tr("Events"), event_table_, Qt::BottomDockWidgetArea);
   can_ = new CanPanel;
   auto* can_dock = add_panel(QStringLiteral("can"), tr("CAN bus"), can_, Qt::BottomDockWidgetArea);
+  objects_ = new ObjectPanel;
+  auto* object_dock =
+      add_panel(QStringLiteral("objects"), tr("Object dictionary"), objects_, Qt::BottomDockWidgetArea);
   tabifyDockWidget(event_dock, can_dock);
+  tabifyDockWidget(event_dock, object_dock);
   tabifyDockWidget(event_dock, motion_dock);
   event_dock->raise();
-}
-
-QAction* MainWindow::add_action(QMenu& menu, const QString& text, const QKeySequence& shortcut,
-                                const std::function<void()>& does) {
-  QAction* action = menu.addAction(text);
-  action->setShortcut(shortcut);
-  if (does) connect(action, &QAction::triggered, this, does);
-  return action;
-}
-
-void MainWindow::make_menus() {
-  QMenu* file = menuBar()->addMenu(tr("&File"));
-  add_action(*file, tr("&Open scenario, motion or run..."), QKeySequence::Open, [this] { choose_file(); });
-  file->addSeparator();
-  file->addActions(motion_->file_actions());
-  file->addSeparator();
-  add_action(*file, tr("&Quit"), QKeySequence::Quit, [this] { close(); });
-  QMenu* edit = menuBar()->addMenu(tr("&Edit"));
-  edit->addActions(motion_->edit_actions());
-  poses_->fill_menu(*menuBar()->addMenu(tr("&Pose")));
-  QMenu* run = menuBar()->addMenu(tr("&Run"));
-  run->addActions(findChild<TransportBar*>()->actions());
-  add_action(*run, tr("Start &again with seed and stepper"), QKeySequence(tr("Ctrl+Shift+R")),
-             [this] { operator_->restart(); });
-  add_action(*run, tr("To the &beginning"), Qt::Key_Home, [this] { run_->set_cursor(0); });
-  add_action(*run, tr("To the &end"), Qt::Key_End, [this] { run_->set_cursor(run_->end_us()); });
-  loop_ = add_action(*run, tr("&Loop the playback"), QKeySequence(tr("Ctrl+Shift+L")), {});
-  loop_->setCheckable(true);
-  loop_->setToolTip(tr("Play a preview or a recorded run again from where the playback began"));
-  make_robot_menu();
-  make_view_menu();
-  QMenu* help = menuBar()->addMenu(tr("&Help"));
-  add_action(*help, tr("&Search commands"), QKeySequence(tr("Ctrl+K")), [this] { search_->setFocus(); });
-  add_action(*help, tr("&About Koboshi"), {},
-             [this] { statusBar()->showMessage(tr("Koboshi %1").arg(QStringLiteral(KOBOSHI_VERSION))); });
-  menuBar()->setCornerWidget(search_);
-  search_->set_actions(all_actions());
-}
-
-// The operator's keys, as in a terminal and in the live page; Ctrl+Alt keeps them apart from the keys of
-// other panels.
-void MainWindow::make_robot_menu() {
-  QMenu* menu = menuBar()->addMenu(tr("R&obot"));
-  for (const tools::KeyHelp& help : tools::key_help()) {
-    const std::optional<tools::Key> key = tools::key_of_browser(help.browser_keys.front());
-    if (!key || *key == tools::Key::kEnd) continue;
-    std::string name = help.browser_keys.front();
-    if (name.starts_with("Arrow")) name.erase(0, 5);
-    if (name == " ") name = "Space";
-    QString text = QCoreApplication::translate("Key", std::string(help.name).c_str());
-    if (!text.isEmpty()) text[0] = text[0].toUpper();
-    add_action(*menu, text, QKeySequence(QStringLiteral("Ctrl+Alt+") + QString::fromStdString(name)),
-               [this, key = *key] { operator_->press(key); });
-  }
-}
-
-void MainWindow::make_view_menu() {
-  QMenu* menu = menuBar()->addMenu(tr("&View"));
-  for (const NamedView& named : kViews) {
-    add_action(*menu, tr_view(named.name), QKeySequence(named.key), [this, &named] {
-      constexpr double kRad = std::numbers::pi / 180.0;  // per degree
-      view_->look_from(kRad * named.azimuth_deg, kRad * named.elevation_deg);
-    });
-  }
-  add_action(*menu, tr("Look at the &robot"), Qt::Key_F, [this] { view_->look_at_robot(); });
-  QAction* follow = add_action(*menu, tr("&Follow the robot"), QKeySequence(tr("Ctrl+F")), {});
-  follow->setCheckable(true);
-  follow->setChecked(true);
-  connect(follow, &QAction::toggled, view_, &RobotView::set_follow);
-  QAction* collisions = add_action(*menu, tr("&Collision shapes"), QKeySequence(tr("Ctrl+Shift+C")), {});
-  collisions->setCheckable(true);
-  connect(collisions, &QAction::toggled, view_, &RobotView::set_collisions);
-  menu->addSeparator();
-  for (const OverlayText& row : kOverlayTexts) {
-    QAction* action = add_action(*menu, tr_view(row.text), {}, {});
-    action->setCheckable(true);
-    action->setChecked(row.shown);
-    overlay_actions_[static_cast<std::size_t>(row.overlay)] = action;
-    connect(action, &QAction::toggled, this, &MainWindow::show_marks);
-  }
-  menu->addSeparator();
-  panels_menu_ = menu->addMenu(tr("&Panels"));
-  for (QDockWidget* dock : findChildren<QDockWidget*>()) panels_menu_->addAction(dock->toggleViewAction());
-  add_action(*panels_menu_, tr("&Default layout"), {}, [this] { reset_layout(); });
-  QAction* dark = add_action(*menu, tr("&Dark colours"), QKeySequence(tr("Ctrl+Shift+D")), {});
-  dark->setCheckable(true);
-  dark->setChecked(QSettings().value(QStringLiteral("dark"), false).toBool());
-  connect(dark, &QAction::toggled, this, [](bool on) {
-    apply_theme(on ? Theme::kDark : Theme::kLight);
-    QSettings().setValue(QStringLiteral("dark"), on);
-  });
-  apply_theme(dark->isChecked() ? Theme::kDark : Theme::kLight);
-  QAction* full = add_action(*menu, tr("Full &screen"), QKeySequence(Qt::Key_F11), {});
-  full->setCheckable(true);
-  connect(full, &QAction::toggled, this,
-          [this](bool on) { setWindowState(windowState().setFlag(Qt::WindowFullScreen, on)); });
-}
-
-QList<QAction*> MainWindow::all_actions() const {
-  QList<QAction*> all;
-  for (const QMenu* menu : menuBar()->findChildren<QMenu*>()) {
-    for (QAction* action : menu->actions())
-      if (!action->isSeparator() && action->menu() == nullptr && !action->text().isEmpty() &&
-          !all.contains(action))
-        all << action;
-  }
-  return all;
 }
 
 void MainWindow::connect_run() {
   connect(run_, &RunController::opened, this, &MainWindow::show_opened);
   connect(run_, &RunController::grown, this, &MainWindow::show_grown);
-  connect(run_, &RunController::rewound, this,
-          [this](std::uint64_t time_us) { plots_->truncate_after(time_us); });
+  connect(run_, &RunController::rewound, this, [this](std::uint64_t time_us) {
+    plots_->truncate_after(time_us);
+    objects_->forget_requests();
+  });
+  connect(run_, &RunController::answered, objects_, &ObjectPanel::take_answer);
+  connect(objects_, &ObjectPanel::requested, run_,
+          [this](const sim::ObjectRequest& request) { run_->give(request); });
   connect(run_, &RunController::cursor_moved, this, &MainWindow::show_cursor);
   connect(run_, &RunController::status_changed, this, &MainWindow::repeat_playback);
+  connect(run_, &RunController::status_changed, this, [this] {
+    if (!run_->playing()) can_->show_nodes(run_->status());
+  });
   connect(run_, &RunController::failed, messages_, &MessageBar::show_message);
   connect(view_, &RobotView::failed, messages_, &MessageBar::show_message);
   connect(view_, &RobotView::push_requested, this, &MainWindow::push);
@@ -322,6 +214,56 @@ void MainWindow::choose_file() {
   if (!file.isEmpty()) open(std::filesystem::path(file.toStdString()));
 }
 
+void MainWindow::choose_bus() {
+  bool chosen = false;
+  const QString bus = QInputDialog::getText(this, tr("Attach to a CAN bus"),
+                                            tr("socketcan:INTERFACE, udp:ADDRESS:PORT or slcan"),
+                                            QLineEdit::Normal, bus_, &chosen);
+  if (chosen) attach(bus.toStdString(), real_bus_);
+}
+
+void MainWindow::attach(const std::string& transport, bool real_bus) {
+  bus_ = QString::fromStdString(transport);
+  real_bus_ = real_bus;
+  run_->open_bus(transport, real_bus, robot_file_);
+}
+
+// Uploads the motion as it is in the editor, in another thread.
+void MainWindow::upload_motion() {
+  const auto copy = write_played_motion(motion_->text());
+  if (!copy) return;
+  const QPointer<MainWindow> self(this);
+  const MotionUpload upload{*copy, robot_file_, bus_.toStdString(), real_bus_};
+  QThreadPool::globalInstance()->start([self, upload] {
+    QString result;
+    try {
+      result = QString::fromStdString(studio::upload(upload));
+    } catch (const std::exception& error) {
+      result = QString::fromUtf8(error.what()).trimmed();
+    }
+    // The application outlives its thread pool; the window may be gone.
+    QMetaObject::invokeMethod(
+        QCoreApplication::instance(),
+        [self, result] {
+          if (self) self->messages_->show_message(result);
+        },
+        Qt::QueuedConnection);
+  });
+}
+
+// Writes a text of the editor beside the other motions that are played before they are saved.
+std::optional<std::filesystem::path> MainWindow::write_played_motion(const std::string& text) {
+  const std::filesystem::path name = motion_->file().empty() ? "untitled.yaml" : motion_->file().filename();
+  const std::filesystem::path copy = std::filesystem::path(played_.path().toStdString()) / name;
+  try {
+    sim::write_whole_file(copy, text);
+  } catch (const std::exception& error) {
+    messages_->show_message(QString::fromUtf8(error.what()));
+    return std::nullopt;
+  }
+  return copy;
+}
+
 void MainWindow::open(const std::filesystem::path& file) {
   try {
     switch (kind_of_file(file)) {
@@ -347,11 +289,13 @@ void MainWindow::show_opened() {
   view_->set_scene(recording.scene);
   view_->set_pushable(run_->session() != nullptr);
   plots_->set_signals(recording.signals);
-  plots_->set_follow(run_->session() != nullptr);
+  plots_->set_follow(run_->robot() != nullptr);
   events_->setRowCount(0);
   shown_events_ = 0;
-  can_->set_recording(&recording, run_->session() != nullptr ? tools::make_network(run_->session()->robot())
-                                                             : view::network_of(recording, tools::Network()));
+  can_->set_recording(&recording, run_->robot() != nullptr ? tools::make_network(*run_->robot())
+                                                           : view::network_of(recording, tools::Network()));
+  can_->show_nodes(run_->status());
+  objects_->set_robot(run_->robot());
   show_marks();
   update_title();
   if (std::exchange(play_when_opened_, false)) {
@@ -450,14 +394,9 @@ void MainWindow::push(int link, const Eigen::Vector3d& p_L_m, const Eigen::Vecto
 // Plays the text of the motion as it is in the editor, saved or not.
 void MainWindow::play_motion(bool physics, int from_row) {
   const auto row = static_cast<std::size_t>(from_row);
-  const std::filesystem::path name = motion_->file().empty() ? "untitled.yaml" : motion_->file().filename();
-  const std::filesystem::path copy = std::filesystem::path(played_.path().toStdString()) / name;
-  try {
-    sim::write_whole_file(copy, physics ? motion_->text_from(row) : motion_->text());
-  } catch (const std::exception& error) {
-    return messages_->show_message(QString::fromUtf8(error.what()));
-  }
-  run_->open(name, [copy, physics, robot = robot_file_]() -> RunController::Opened {
+  const auto copy = write_played_motion(physics ? motion_->text_from(row) : motion_->text());
+  if (!copy) return;
+  run_->open(copy->filename(), [copy = *copy, physics, robot = robot_file_]() -> RunController::Opened {
     tools::MotionChecker checker(robot);
     const tools::MotionReport report = checker.check(copy);
     if (!physics) return {nullptr, tools::preview_recording(report, checker)};

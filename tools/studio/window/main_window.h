@@ -25,6 +25,7 @@ class CanPanel;
 class CommandSearch;
 class MessageBar;
 class MotionPanel;
+class ObjectPanel;
 class OperatorPanel;
 class PlotPanel;
 class PoseController;
@@ -42,6 +43,9 @@ class MainWindow final : public QMainWindow {
   // Opens a scenario, a motion, or a recorded run by what the file holds. What cannot be opened is said in
   // the message bar.
   void open(const std::filesystem::path& file);
+
+  // Follows a robot on a CAN bus, named as for sim::open_transport.
+  void attach(const std::string& transport, bool real_bus = false);
 
   RunController& run() { return *run_; }
   RobotView& view() { return *view_; }
@@ -68,6 +72,9 @@ class MainWindow final : public QMainWindow {
   void reset_layout();
 
   void choose_file();
+  void choose_bus();
+  void upload_motion();
+  std::optional<std::filesystem::path> write_played_motion(const std::string& text);
   void show_opened();
   void show_grown(std::size_t first_sample);
   void show_cursor();
@@ -87,6 +94,7 @@ class MainWindow final : public QMainWindow {
   QMenu* panels_menu_ = nullptr;
   PlotPanel* plots_ = nullptr;
   CanPanel* can_ = nullptr;
+  ObjectPanel* objects_ = nullptr;
   MotionPanel* motion_ = nullptr;
   OperatorPanel* operator_ = nullptr;
   QStandardItemModel* events_ = nullptr;
@@ -102,6 +110,8 @@ class MainWindow final : public QMainWindow {
   QByteArray default_layout_;
   QTimer can_timer_;  // the table of frames is updated less often than the view
   bool play_when_opened_ = false;
+  QString bus_ = QStringLiteral("socketcan:vcan0");  // the one chosen last
+  bool real_bus_ = false;
   bool warned_of_changes_ = false;  // by an attempt to close
   QLabel* link_name_ = nullptr;
 };

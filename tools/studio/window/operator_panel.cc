@@ -6,6 +6,7 @@
 #include <QGridLayout>
 #include <QGroupBox>
 #include <QLabel>
+#include <QLineEdit>
 #include <QPushButton>
 #include <QVBoxLayout>
 #include <cmath>
@@ -14,7 +15,9 @@
 #include <variant>
 #include <vector>
 
+#include "sim_board/input/error.h"
 #include "sim_board/world/options.h"
+#include "simulation/scenario/operator_input.h"
 #include "simulation/scenario/parameters.h"
 #include "tools/studio/window/run_controller.h"
 #include "tools/view/render/playback.h"
@@ -22,6 +25,7 @@
 namespace koboshi::studio {
 namespace {
 
+constexpr const char* kGiven = "given";  // property: the scenario's value
 constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 
 QDoubleSpinBox* number(double low, double high, double step, double value, const QString& unit,
@@ -36,6 +40,10 @@ QDoubleSpinBox* number(double low, double high, double step, double value, const
   return box;
 }
 
+std::string text_of(const QDoubleSpinBox& box) {
+  return QString::number(box.value(), 'f', box.decimals()).toStdString();
+}
+
 }  // namespace
 
 OperatorPanel::OperatorPanel(RunController& run, QWidget* parent)
@@ -48,6 +56,7 @@ OperatorPanel::OperatorPanel(RunController& run, QWidget* parent)
   add_commands();
   add_velocity();
   add_push();
+  add_fault();
   static_cast<QVBoxLayout*>(layout())->addStretch();
   connect(&run_, &RunController::opened, this, &OperatorPanel::update_run);
   connect(&run_, &RunController::status_changed, this, &OperatorPanel::update_state);
@@ -65,9 +74,15 @@ void OperatorPanel::add_settings() {
   for (const std::string& name : sim::stepper_names()) stepper_->addItem(QString::fromStdString(name));
   stepper_->setToolTip(tr("Method by which the physics engine computes a step"));
   form->addRow(tr("Stepper"), stepper_);
+  ground_roll_ = number(-20.0, 20.0, 0.5, 0.0, QStringLiteral("°"), tr("Slope of the ground to the side"));
+  ground_pitch_ = number(-20.0, 20.0, 0.5, 0.0, QStringLiteral("°"), tr("Slope of the ground ahead"));
+  ground_friction_ = number(0.0, 10.0, 0.05, 1.0, QString(), tr("Coulomb's mu of the ground"));
+  form->addRow(tr("Roll"), ground_roll_);
+  form->addRow(tr("Pitch"), ground_pitch_);
+  form->addRow(tr("Friction"), ground_friction_);
   auto* again = new QPushButton(tr("Start again"));
   again->setObjectName(QStringLiteral("restart"));
-  again->setToolTip(tr("Resets the simulation and applies seed and stepper"));
+  again->setToolTip(tr("Resets the simulation and applies seed, stepper and ground"));
   connect(again, &QPushButton::clicked, this, &OperatorPanel::restart);
   form->addRow(again);
   layout()->addWidget(group);
@@ -161,10 +176,60 @@ void OperatorPanel::add_push() {
   layout()->addWidget(group);
 }
 
+void OperatorPanel::add_fault() {
+  auto* group = new QGroupBox(tr("Fault"), this);
+  auto* form = new QFormLayout(group);
+  fault_kind_ = new QComboBox;
+  fault_kind_->setObjectName(QStringLiteral("fault_kind"));
+  for (const std::string& kind : sim::Fault::kind_names())
+    if (kind != "babbling_node") fault_kind_->addItem(QString::fromStdString(kind));
+  fault_kind_->setToolTip(tr("Kind of fault, as in a scenario"));
+  form->addRow(tr("Kind"), fault_kind_);
+  fault_target_ = new QComboBox;
+  fault_target_->setObjectName(QStringLiteral("fault_target"));
+  fault_target_->setToolTip(tr("Drive, node or side that has the fault; some kinds have none"));
+  form->addRow(tr("Target"), fault_target_);
+  fault_duration_ = number(0.0, 100.0, 0.01, 0.0, QStringLiteral("s"), tr("Duration of the fault"));
+  fault_duration_->setSpecialValueText(tr("rest of the run"));
+  form->addRow(tr("Duration"), fault_duration_);
+  fault_details_ = new QLineEdit;
+  fault_details_->setObjectName(QStringLiteral("fault_details"));
+  fault_details_->setPlaceholderText(tr("such as supply_V: 3"));
+  fault_details_->setToolTip(tr("Other keys of the fault, as in a scenario"));
+  form->addRow(tr("Details"), fault_details_);
+  auto* cause = new QPushButton(tr("Cause"));
+  cause->setObjectName(QStringLiteral("cause_fault"));
+  cause->setToolTip(tr("Begins the fault now"));
+  connect(cause, &QPushButton::clicked, this, &OperatorPanel::cause_fault);
+  form->addRow(cause);
+  layout()->addWidget(group);
+}
+
+void OperatorPanel::cause_fault() {
+  QStringList keys{QStringLiteral("kind: ") + fault_kind_->currentText()};
+  if (fault_target_->currentIndex() > 0) keys << QStringLiteral("target: ") + fault_target_->currentText();
+  if (fault_duration_->value() > 0.0)
+    keys << QStringLiteral("duration_s: %1").arg(fault_duration_->value(), 0, 'f', 2);
+  if (!fault_details_->text().trimmed().isEmpty()) keys << fault_details_->text();
+  try {
+    run_.give(simulation::read_fault(
+        (QLatin1Char('{') + keys.join(QStringLiteral(", ")) + QLatin1Char('}')).toStdString()));
+  } catch (const sim::InputError& error) {
+    Q_EMIT run_.failed(QString::fromUtf8(error.what()));
+  }
+}
+
+// The ground stays that of the scenario where nobody has changed it.
 void OperatorPanel::restart() {
-  const std::vector<sim::Override> overrides{
+  std::vector<sim::Override> overrides{
       {"seed", std::to_string(seed_->value()), "--seed"},
       {"physics.stepper", stepper_->currentText().toStdString(), "--stepper"}};
+  const std::pair<const char*, const QDoubleSpinBox*> ground[] = {{"ground.roll_deg", ground_roll_},
+                                                                  {"ground.pitch_deg", ground_pitch_},
+                                                                  {"ground.friction", ground_friction_}};
+  for (const auto& [key, box] : ground)
+    if (text_of(*box) != box->property(kGiven).toString().toStdString())
+      overrides.push_back({key, text_of(*box), box->toolTip().toStdString()});
   run_.reopen(overrides);
 }
 
@@ -194,6 +259,7 @@ void OperatorPanel::update_run() {
   setEnabled(session != nullptr);
   motion_->clear();
   push_link_->clear();
+  fault_target_->clear();
   pilot_.reset();
   update_state();
   if (session == nullptr) return;
@@ -201,6 +267,15 @@ void OperatorPanel::update_run() {
   seed_->setValue(static_cast<int>(scenario.seed));
   stepper_->setCurrentText(QString::fromUtf8(sim::name_of(scenario.physics.stepper).data()));
   for (const std::string& name : sim::motion_names(scenario)) motion_->addItem(QString::fromStdString(name));
+  ground_roll_->setValue(scenario.ground.roll_rad / kRadPerDegree);
+  ground_pitch_->setValue(scenario.ground.pitch_rad / kRadPerDegree);
+  ground_friction_->setValue(scenario.ground.friction.value_or(sim::SurfaceDescription().friction));
+  for (QDoubleSpinBox* box : {ground_roll_, ground_pitch_, ground_friction_})
+    box->setProperty(kGiven, QString::fromStdString(text_of(*box)));
+  fault_target_->addItems(
+      {tr("none"), QStringLiteral("controller"), QStringLiteral("left"), QStringLiteral("right")});
+  for (const auto& joint : session->robot().joints)
+    fault_target_->addItem(QString::fromStdString(joint.name));
   for (const auto& link : session->robot().links) push_link_->addItem(QString::fromStdString(link.name));
   pilot_ = std::make_unique<tools::Pilot>(simulation::controller_values(scenario).velocity_limits);
 }

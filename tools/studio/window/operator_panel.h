@@ -12,6 +12,7 @@ class QComboBox;
 class QDoubleSpinBox;
 class QGroupBox;
 class QLabel;
+class QLineEdit;
 class QPushButton;
 class QSpinBox;
 
@@ -37,6 +38,8 @@ class OperatorPanel final : public QWidget {
   void add_commands();
   void add_velocity();
   void add_push();
+  void add_fault();
+  void cause_fault();
   void update_run();
   void update_state();
   void command(sim::Command::Kind kind);
@@ -49,6 +52,9 @@ class OperatorPanel final : public QWidget {
   QLabel* state_;
   QSpinBox* seed_;
   QComboBox* stepper_;
+  QDoubleSpinBox* ground_roll_;
+  QDoubleSpinBox* ground_pitch_;
+  QDoubleSpinBox* ground_friction_;
   QComboBox* motion_;
   QDoubleSpinBox* forward_;
   QDoubleSpinBox* left_;
@@ -57,6 +63,10 @@ class OperatorPanel final : public QWidget {
   QDoubleSpinBox* push_force_;
   QDoubleSpinBox* push_duration_;
   QDoubleSpinBox* push_direction_;
+  QComboBox* fault_kind_;
+  QComboBox* fault_target_;
+  QDoubleSpinBox* fault_duration_;
+  QLineEdit* fault_details_;
 };
 
 }  // namespace koboshi::studio

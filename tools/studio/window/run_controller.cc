@@ -6,6 +6,7 @@
 #include <QThreadPool>
 #include <algorithm>
 #include <exception>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -70,13 +71,25 @@ void RunController::open_recording(const std::filesystem::path& run) {
   open(run, [run]() -> Opened { return {nullptr, view::read_recording(run)}; });
 }
 
+void RunController::open_bus(const std::string& transport, bool real_bus,
+                             const std::filesystem::path& robot) {
+  open(transport, [transport, real_bus, robot]() -> Opened {
+    std::unique_ptr<sim::Transport> opened = sim::open_transport(transport, real_bus);
+    if (!opened || !opened->is_live())
+      throw std::invalid_argument("found the bus " + transport +
+                                  ", expected socketcan:INTERFACE, udp:ADDRESS:PORT or slcan");
+    return {nullptr, {}, std::make_unique<BusMonitor>(std::move(opened), robot)};
+  });
+}
+
 void RunController::show(Opened opened, const std::filesystem::path& file) {
   session_ = std::move(opened.session);
-  recording_ = session_ ? session_->head() : std::move(opened.recording);
-  source_ = session_ ? Source::kSimulation : Source::kRecording;
+  bus_ = std::move(opened.bus);
+  recording_ = session_ ? session_->head() : bus_ ? bus_->head() : std::move(opened.recording);
+  source_ = session_ ? Source::kSimulation : bus_ ? Source::kBus : Source::kRecording;
   file_ = file;
   plays_recording_ = false;
-  follow_ = session_ != nullptr;
+  follow_ = session_ != nullptr || bus_ != nullptr;
   cursor_us_ = 0;
   status_ = session_ ? session_->status() : SessionStatus();
   if (session_) {
@@ -94,7 +107,11 @@ void RunController::show(Opened opened, const std::filesystem::path& file) {
 }
 
 bool RunController::playing() const {
-  return session_ ? status_.state == SessionStatus::State::kRunning : plays_recording_;
+  return session_ || bus_ ? status_.state == SessionStatus::State::kRunning : plays_recording_;
+}
+
+const sim::RobotDescription* RunController::robot() const {
+  return session_ ? &session_->robot() : bus_ ? &bus_->robot() : nullptr;
 }
 
 std::uint64_t RunController::end_us() const {
@@ -135,7 +152,7 @@ void RunController::set_speed(double speed) {
 
 void RunController::set_cursor(std::uint64_t time_us) {
   time_us = std::min(time_us, end_us());
-  follow_ = session_ && time_us == end_us();
+  follow_ = (session_ || bus_) && time_us == end_us();
   played_us_ = static_cast<double>(time_us);
   if (std::exchange(cursor_us_, time_us) != time_us) Q_EMIT cursor_moved(time_us);
 }
@@ -148,25 +165,27 @@ void RunController::rewind_to_cursor() {
 
 void RunController::give(Input input) {
   if (session_) session_->give(std::move(input));
+  if (bus_ && !bus_->give(input)) Q_EMIT failed(tr("Only a simulation can do this."));
 }
 
 void RunController::poll() {
   if (session_) {
-    take_batch();
+    take_batch(session_->take());
+    take_status(session_->status());
+  } else if (bus_) {
+    take_batch(bus_->take());
+    take_status(bus_status());
   } else if (plays_recording_) {
     play_recording();
   }
   measure_pace();
 }
 
-void RunController::take_batch() {
+void RunController::take_batch(Batch batch) {
   const std::uint64_t end_before_us = end_us();
-  const std::optional<Rewind> rewind = [&] {
-    Batch batch = session_->take();
-    const auto rewound_to = batch.rewound;
-    append(std::move(batch), recording_);
-    return rewound_to;
-  }();
+  const std::optional<Rewind> rewind = batch.rewound;
+  const std::vector<sim::ObjectAnswer> answers = std::move(batch.answers);
+  append(std::move(batch), recording_);
   if (rewind) Q_EMIT rewound(rewind->time_us);
   const std::uint64_t known_us = rewind ? std::min(end_before_us, rewind->time_us) : end_before_us;
   const auto first = std::ranges::upper_bound(recording_.samples, known_us, {}, &view::Sample::time_us);
@@ -176,7 +195,19 @@ void RunController::take_batch() {
     cursor_us_ = end_us();
     Q_EMIT cursor_moved(cursor_us_);
   }
-  SessionStatus status = session_->status();
+  for (const sim::ObjectAnswer& answer : answers) Q_EMIT answered(answer);
+}
+
+// A bus runs until its monitor ends.
+SessionStatus RunController::bus_status() const {
+  SessionStatus status;
+  status.message = bus_->error();
+  status.state = status.message.empty() ? SessionStatus::State::kRunning : SessionStatus::State::kFailed;
+  status.time_us = end_us();
+  return status;
+}
+
+void RunController::take_status(SessionStatus status) {
   const bool told = !status.message.empty() && status.message != status_.message;
   const bool changed = status.state != status_.state || status.time_us != status_.time_us;
   status_ = std::move(status);
@@ -197,7 +228,7 @@ void RunController::play_recording() {
 
 void RunController::measure_pace() {
   if (pace_timer_.elapsed() < kPaceWindow_ms) return;
-  const std::uint64_t now_us = session_ ? status_.time_us : cursor_us_;
+  const std::uint64_t now_us = session_ || bus_ ? status_.time_us : cursor_us_;
   const double wall_us = 1e-3 * static_cast<double>(pace_timer_.nsecsElapsed());
   pace_ = now_us > pace_start_us_ ? static_cast<double>(now_us - pace_start_us_) / wall_us : 0.0;
   pace_start_us_ = now_us;

@@ -14,31 +14,35 @@
 #include <string>
 
 #include "sim_board/input/yaml_tree.h"
+#include "tools/studio/run/bus_monitor.h"
 #include "tools/studio/run/session.h"
 #include "tools/view/recording/recording.h"
 
 namespace koboshi::studio {
 
-// What the window shows: a simulation or a recorded run, and the cursor, the moment that all panels show.
-// While a simulation runs, the cursor is at its newest sample until somebody moves it.
+// What the window shows: a simulation, a recorded run, or a robot on a CAN bus, and the cursor, the moment
+// that all panels show. While a simulation runs, the cursor is at its newest sample until somebody moves it.
 class RunController final : public QObject {
   Q_OBJECT
 
  public:
-  enum class Source { kNone, kSimulation, kRecording };
+  enum class Source { kNone, kSimulation, kRecording, kBus };
 
   explicit RunController(QObject* parent = nullptr);
   ~RunController() override;
 
-  // What open() shows: a session, or a recording without one.
+  // What open() shows: a session, a recording, or a bus.
   struct Opened {
     std::unique_ptr<Session> session;
     view::Recording recording;
+    std::unique_ptr<BusMonitor> bus = nullptr;
   };
 
   // All read in the background and end with opened() or failed().
   void open_scenario(const std::filesystem::path& file, std::span<const sim::Override> overrides = {});
   void open_recording(const std::filesystem::path& run);
+  // Follows the robot of this file on a bus, named as for sim::open_transport.
+  void open_bus(const std::string& transport, bool real_bus, const std::filesystem::path& robot);
   // Shows what this function makes, in another thread; `file` is for the title.
   void open(const std::filesystem::path& file, std::function<Opened()> make);
   // Opens the scenario again with these overrides.
@@ -49,6 +53,10 @@ class RunController final : public QObject {
   const view::Recording& recording() const { return recording_; }
   // Null without a simulation.
   Session* session() { return session_.get(); }
+  // Null without a bus.
+  const BusMonitor* bus() const { return bus_.get(); }
+  // The robot of the simulation or on the bus; null for a recording.
+  const sim::RobotDescription* robot() const;
   const SessionStatus& status() const { return status_; }
   bool playing() const;
   std::uint64_t cursor_us() const { return cursor_us_; }
@@ -73,6 +81,7 @@ class RunController final : public QObject {
   void opened();
   // Samples from this index on are new; frames, events and pushes may be.
   void grown(std::size_t first_sample);
+  void answered(const koboshi::sim::ObjectAnswer& answer);
   void rewound(std::uint64_t time_us);
   void cursor_moved(std::uint64_t time_us);
   void status_changed();
@@ -81,7 +90,9 @@ class RunController final : public QObject {
 
  private:
   void poll();
-  void take_batch();
+  void take_batch(Batch batch);
+  void take_status(SessionStatus status);
+  SessionStatus bus_status() const;
   void play_recording();
   void measure_pace();
   void show(Opened opened, const std::filesystem::path& file);
@@ -89,6 +100,7 @@ class RunController final : public QObject {
   Source source_ = Source::kNone;
   std::filesystem::path file_;
   std::unique_ptr<Session> session_;
+  std::unique_ptr<BusMonitor> bus_;
   view::Recording recording_;
   SessionStatus status_;
   std::uint64_t cursor_us_ = 0;

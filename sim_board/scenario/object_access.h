@@ -1,0 +1,79 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "firmware/canopen/dictionary.h"
+#include "firmware/canopen/frame.h"
+#include "hal/port/can.h"
+#include "sim_board/state/archive.h"
+
+namespace koboshi::sim {
+
+// A read or write of one object of a node, as the dictionary browser of a PC makes it.
+struct ObjectRequest {
+  std::uint64_t number = 0;  // chosen by the asker; the answer has the same
+  std::uint8_t node_id = 0;  // 1..127
+  canopen::ObjectAddress address{};
+  std::vector<std::uint8_t> data{};  // 1 to 4 bytes to write, little-endian; empty: read
+};
+
+struct ObjectAnswer {
+  std::uint64_t number = 0;
+  std::uint64_t time_us = 0;
+  std::vector<std::uint8_t> data{};                      // of a read
+  canopen::AbortCode abort = canopen::AbortCode::kNone;  // kTimedOut: the node has not answered
+};
+
+// Accesses objects of any node by SDO (CiA 301, 7.2.4), one after the other, without waiting: reads of up to
+// 4 KiB, expedited or by segments, and expedited writes. It uses a drive's second channel, which is there for
+// the PC, and the default channel of every other node.
+class ObjectAccess {
+ public:
+  // Of each message. Set by hand (2026-11-24): ten control cycles, as canopen::SdoClient.
+  static constexpr std::uint64_t kTimeout_us = 100'000;
+  static constexpr std::size_t kMaxBytes = 4096;
+
+  // The sink must outlive this.
+  explicit ObjectAccess(canopen::FrameSink& sink) : sink_(sink) {}
+
+  void request(ObjectRequest request) { waiting_.push_back(std::move(request)); }
+  // Checks the time-out and begins the next access. Call it once per millisecond.
+  void process(std::uint64_t now_us);
+  // Takes every frame from the bus. True when it belongs to the access under way.
+  bool on_frame(const hal::CanFrame& frame, std::uint64_t time_us);
+  bool busy() const { return active_.has_value(); }
+  // Returns the answers since the last call, in the order of the requests.
+  [[nodiscard]] std::vector<ObjectAnswer> take_answers() { return std::exchange(answers_, {}); }
+
+  void archive(StateArchive& archive) {
+    archive(waiting_, active_, answers_, read_, toggle_, segmented_, deadline_us_);
+  }
+
+ private:
+  using Data = std::array<std::uint8_t, 8>;
+
+  void begin(std::uint64_t now_us);
+  void send(const Data& data, std::uint64_t now_us);
+  void request_segment(std::uint64_t now_us);
+  void accept(const Data& answer, std::uint64_t time_us);
+  void accept_segment(const Data& answer, std::uint64_t time_us);
+  void abort(canopen::AbortCode code, std::uint64_t time_us);
+  void end(canopen::AbortCode code, std::uint64_t time_us);
+
+  canopen::FrameSink& sink_;
+  std::deque<ObjectRequest> waiting_;
+  std::optional<ObjectRequest> active_;
+  std::vector<ObjectAnswer> answers_;
+  std::vector<std::uint8_t> read_;  // bytes of the read under way
+  std::uint8_t toggle_ = 0;
+  bool segmented_ = false;
+  std::uint64_t deadline_us_ = 0;
+};
+
+}  // namespace koboshi::sim

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "sim_board/can/transport/transport.h"
+#include "sim_board/robot/description.h"
+#include "sim_board/scenario/object_access.h"
+#include "tools/dictionary/network.h"
+#include "tools/studio/run/inbox.h"
+#include "tools/studio/run/session.h"
+#include "tools/view/recording/recording.h"
+
+namespace koboshi::studio {
+
+// Follows a robot on a CAN bus that runs elsewhere: `koboshi run --realtime`, `koboshi board`, or a real one.
+// It records what the bus carries: all frames, each value of the known messages as a signal, the joint angles
+// as poses of a robot that stands on its soles, and emergencies, NMT commands and changes of NMT states as
+// events. It sends nothing unless it is told to. A thread of its own reads the bus; times are since then.
+class BusMonitor {
+ public:
+  // The robot's file gives the nodes and their messages. Throws sim::InputError.
+  BusMonitor(std::unique_ptr<sim::Transport> transport, const std::filesystem::path& robot_file);
+  ~BusMonitor();
+  BusMonitor(const BusMonitor&) = delete;
+  BusMonitor& operator=(const BusMonitor&) = delete;
+
+  // Where the bus is, for users.
+  std::string place() const { return place_; }
+  // A recording without its samples, events and frames.
+  const view::Recording& head() const { return head_; }
+  const sim::RobotDescription& robot() const { return robot_; }
+  const tools::Network& network() const { return network_; }
+
+  [[nodiscard]] Batch take() { return inbox_.take(); }
+  // Sends commands and accesses objects. Returns false for input that only a simulation can take.
+  [[nodiscard]] bool give(const Input& input);
+  // The error that ended the monitor, one line; empty: it runs.
+  std::string error() const;
+
+ private:
+  struct Sink final : canopen::FrameSink {
+    explicit Sink(sim::Transport& to) : transport(to) {}
+    bool send(const hal::CanFrame& frame) override { return transport.send(frame, 0); }
+    sim::Transport& transport;
+  };
+
+  void run(const std::stop_token& stop);
+  void obey();
+  void take_frame(const hal::CanFrame& frame, std::uint64_t now_us);
+  void take_values(const hal::CanFrame& frame);
+  void take_event(const hal::CanFrame& frame, std::uint64_t now_us);
+  void add_sample(std::uint64_t now_us);
+
+  const sim::RobotDescription robot_;
+  const tools::Network network_;
+  const std::unique_ptr<sim::Transport> transport_;
+  const std::string place_;
+  const std::map<std::uint16_t, std::size_t> first_signals_;  // of each message, by identifier
+  const view::Recording head_;
+  Inbox inbox_;
+
+  // Of the thread.
+  struct Placer;
+  std::unique_ptr<Placer> placer_;
+  Sink sink_;
+  sim::ObjectAccess access_;
+  std::vector<float> values_;
+  std::vector<double> angles_rad_;
+  std::map<std::uint8_t, std::uint8_t> nmt_states_;  // by node
+  std::vector<view::Event> events_;
+
+  mutable std::mutex mutex_;
+  std::vector<Input> given_;
+  std::string error_;
+
+  std::jthread thread_;  // last member: it uses the others
+};
+
+}  // namespace koboshi::studio

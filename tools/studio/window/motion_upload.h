@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace koboshi::studio {
+
+// A motion on its way to a robot on a CAN bus.
+struct MotionUpload {
+  std::filesystem::path motion;  // a source
+  std::filesystem::path robot;   // the file for which it is compiled
+  std::string transport;         // as for sim::open_transport
+  bool real_bus = false;
+};
+
+// Compiles a motion, stores it in the controller and reads it back. It blocks. Returns one line for the user.
+// Throws sim::InputError for a motion with errors, what sim::open_transport throws, and what RobotMotions
+// throws.
+std::string upload(const MotionUpload& upload);
+
+}  // namespace koboshi::studio
