@@ -7,11 +7,13 @@
 #include <QDragEnterEvent>
 #include <QDropEvent>
 #include <QMimeData>
+#include <QProcess>
 #include <QPushButton>
 #include <QSignalSpy>
 #include <QStyleFactory>
 #include <ctime>
 #include <functional>
+#include <string_view>
 
 #include "tests/studio/motion/panel_fixture.h"
 #include "tools/studio/motion/joint_panel.h"
@@ -19,6 +21,8 @@
 #include "tools/studio/motion/offer_bar.h"
 
 namespace koboshi::studio {
+
+inline constexpr const char* kEditAndWait = "--edit-and-wait";
 
 class MotionPanelTest final : public PanelFixture {
   Q_OBJECT
@@ -207,6 +211,30 @@ class MotionPanelTest final : public PanelFixture {
     QVERIFY(find_recovery_files().empty());
     open(file_);
     QVERIFY(!panel_->findChild<OfferBar*>(QStringLiteral("recovery"))->isVisible());
+  }
+
+  // Another process edits and is killed; this one recovers what it wrote.
+  void recovers_after_kill_9() {
+    file_ = in_folder("wave.yaml");
+    fs::copy_file(kMotions / "wave.yaml", file_);
+    const std::string original = text_of(file_);
+    QProcess editing;
+    editing.start(QCoreApplication::applicationFilePath(),
+                  {QLatin1String(kEditAndWait), QString::fromStdString(file_.string())});
+    QVERIFY(editing.waitForStarted(kPatience_ms));
+    QTRY_VERIFY_WITH_TIMEOUT(!find_recovery_files().empty(), kPatience_ms);
+    editing.kill();
+    QVERIFY(editing.waitForFinished(kPatience_ms));
+    QCOMPARE(editing.exitStatus(), QProcess::CrashExit);
+    COMPARE_TEXT(text_of(file_), original);
+
+    open(file_);
+    auto* const bar = panel_->findChild<OfferBar*>(QStringLiteral("recovery"));
+    QVERIFY(bar->isVisible());
+    QTest::mouseClick(bar->findChild<QPushButton*>(QStringLiteral("Restore")), Qt::LeftButton);
+    QVERIFY(text() != original);
+    QVERIFY(panel_->save());
+    QVERIFY(text_of(file_).find("time_s: 1.75") != std::string::npos);
   }
 
   void recovers_a_motion_that_was_never_saved() {
@@ -563,5 +591,28 @@ class MotionPanelTest final : public PanelFixture {
 
 }  // namespace koboshi::studio
 
-QTEST_MAIN(koboshi::studio::MotionPanelTest)
+namespace koboshi::studio {
+
+// Changes the first step's time as an edit of the panel, saves automatically, and waits to be killed.
+static int edit_and_wait(const char* file) {
+  MotionPanel panel;
+  panel.show();
+  if (panel.open(file, kRobot)) return 1;
+  auto& editor = *panel.findChild<MotionEditor*>();
+  editor.findChild<QTimer*>()->setInterval(1);
+  const std::size_t first = 0;
+  editor.edit([&](MotionDocument& document) { document.set_time({&first, 1}, 1.75); });
+  return QApplication::exec();
+}
+
+}  // namespace koboshi::studio
+
+int main(int argc, char** argv) {
+  QApplication application(argc, argv);
+  if (argc == 3 && std::string_view(argv[1]) == koboshi::studio::kEditAndWait)
+    return koboshi::studio::edit_and_wait(argv[2]);
+  koboshi::studio::MotionPanelTest test;
+  return QTest::qExec(&test, argc, argv);
+}
+
 #include "motion_panel_test.moc"

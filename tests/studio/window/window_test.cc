@@ -196,6 +196,29 @@ class WindowTest final : public QObject {
     QCOMPARE(table->model()->rowCount(), all);
   }
 
+  void shows_frames_axes_and_links_apart() {
+    open(kRoot / "scenarios/walk.yaml");
+    run_to(1'000'000);
+    RobotView& view = window_->view();
+    const auto picture = [&] {
+      const std::uint64_t before = view.frames();
+      view.update();
+      if (!QTest::qWaitFor([&] { return view.frames() > before; }, kPatience_ms)) return QImage();
+      QTest::qWait(250);  // until it is drawn in full
+      return view.grabFramebuffer();
+    };
+    const QImage plain = picture();
+    QVERIFY(!plain.isNull());
+    for (const auto key : {Qt::Key_5, Qt::Key_6, Qt::Key_7}) {
+      QTest::keyClick(window_.get(), key, Qt::ControlModifier);
+      QVERIFY2(picture() != plain, qPrintable(QKeySequence(key).toString()));
+      if (const QString folder = qEnvironmentVariable("KOBOSHI_PICTURES"); !folder.isEmpty())
+        window_->grab().save(folder + QStringLiteral("/view-%1.png").arg(QKeySequence(key).toString()));
+      QTest::keyClick(window_.get(), key, Qt::ControlModifier);
+      QCOMPARE(picture(), plain);
+    }
+  }
+
   void reads_and_writes_objects() {
     open(kRoot / "scenarios/walk.yaml");
     run_to(2'000'000);

@@ -20,6 +20,8 @@
 namespace koboshi::studio {
 namespace {
 
+// Share of the distance between two links by which they are shown apart.
+constexpr double kExplosion = 0.8;
 constexpr int kRest_ms = 150;
 constexpr double kFrame_s =
     1.0 / 40.0;  // of the picture alone, so that a window of several panels keeps its 25 frames/s
@@ -71,6 +73,8 @@ void RobotView::set_scene(view::Scene scene) {
   picker_ = Picker(scene_);
   picture_.links.clear();
   picture_.ghost.clear();
+  links_.clear();
+  ghost_links_.clear();
   picture_.marks = {};
   scene_changed_ = true;
   framed_ = false;
@@ -98,8 +102,35 @@ void RobotView::set_limit_marks(view::Marks marks) {
   update();
 }
 
+void RobotView::set_link_frames(bool frames) {
+  link_frames_ = frames;
+  update();
+}
+
+void RobotView::set_joint_axes(std::vector<JointAxis> axes) {
+  axes_ = std::move(axes);
+  update();
+}
+
+void RobotView::set_show_axes(bool axes) {
+  show_axes_ = axes;
+  update();
+}
+
+void RobotView::set_exploded(bool exploded) {
+  exploded_ = exploded;
+  picture_.links = apart(links_);
+  picture_.ghost = apart(ghost_links_);
+  update();
+}
+
+std::vector<view::Pose> RobotView::apart(const std::vector<view::Pose>& links) const {
+  return exploded_ && links.size() == scene_.links.size() ? exploded(scene_, links, kExplosion) : links;
+}
+
 void RobotView::show_robot(std::vector<view::Pose> links, view::Marks marks) {
-  picture_.links = std::move(links);
+  links_ = std::move(links);
+  picture_.links = apart(links_);
   picture_.marks = std::move(marks);
   if (!framed_) look_at_robot();
   follow_robot();
@@ -107,7 +138,8 @@ void RobotView::show_robot(std::vector<view::Pose> links, view::Marks marks) {
 }
 
 void RobotView::show_ghost(std::vector<view::Pose> links) {
-  picture_.ghost = std::move(links);
+  ghost_links_ = std::move(links);
+  picture_.ghost = apart(ghost_links_);
   redraw_moving();
 }
 
@@ -205,6 +237,11 @@ view::Marks RobotView::marks_with_push() const {
     marks.flat.insert(marks.flat.end(), more->flat.begin(), more->flat.end());
     marks.solid.insert(marks.solid.end(), more->solid.begin(), more->solid.end());
   }
+  if (link_frames_) add_link_frames(marks, picture_.links);
+  if (show_axes_ && std::ranges::all_of(axes_, [this](const JointAxis& axis) {
+        return static_cast<std::size_t>(axis.link) < picture_.links.size();
+      }))
+    add_joint_axes(marks, picture_.links, axes_);
   if (const auto arrows = gizmo())
     add_gizmo(marks, *arrows, grab_ && !grab_->rotates ? grab_->axis : gizmo_axis_);
   if (push_) {

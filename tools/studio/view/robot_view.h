@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tools/studio/view/gizmo.h"
+#include "tools/studio/view/link_marks.h"
 #include "tools/studio/view/picking.h"
 #include "tools/studio/view/scaled_framebuffer.h"
 #include "tools/view/recording/recording.h"
@@ -50,6 +51,12 @@ class RobotView final : public QOpenGLWidget {
   // A second robot in the scene, translucent; empty: none.
   void show_ghost(std::vector<view::Pose> links);
   void set_collisions(bool collisions);
+  void set_link_frames(bool frames);
+  // The axes that set_show_axes() shows; empty: unknown.
+  void set_joint_axes(std::vector<JointAxis> axes);
+  void set_show_axes(bool axes);
+  // Shows the links apart from each other.
+  void set_exploded(bool exploded);
   // The camera goes with the robot.
   void set_follow(bool follow);
   void set_pushable(bool pushable) { pushable_ = pushable; }
@@ -116,6 +123,7 @@ class RobotView final : public QOpenGLWidget {
   };
 
   void redraw_moving();
+  std::vector<view::Pose> apart(const std::vector<view::Pose>& links) const;
   void release_gl();
   void follow_robot();
   Eigen::Vector3d robot_W_m() const;
@@ -128,6 +136,12 @@ class RobotView final : public QOpenGLWidget {
   view::Scene scene_;
   Picker picker_;
   view::Picture picture_;
+  std::vector<view::Pose> links_;  // as given; those of the picture may be apart
+  std::vector<view::Pose> ghost_links_;
+  std::vector<JointAxis> axes_;
+  bool link_frames_ = false;
+  bool show_axes_ = false;
+  bool exploded_ = false;
   bool scene_changed_ = false;
   bool framed_ = false;  // the camera has looked at this robot
   bool follow_ = true;

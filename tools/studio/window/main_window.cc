@@ -296,6 +296,8 @@ void MainWindow::show_opened() {
                                                            : view::network_of(recording, tools::Network()));
   can_->show_nodes(run_->status());
   objects_->set_robot(run_->robot());
+  // A recording has no axes; those of another robot do not fit.
+  view_->set_joint_axes(run_->robot() != nullptr ? joint_axes(*run_->robot()) : std::vector<JointAxis>());
   show_marks();
   update_title();
   if (std::exchange(play_when_opened_, false)) {

@@ -70,7 +70,7 @@ void MainWindow::make_menus() {
              [this] { choose_bus(); });
   file->addSeparator();
   file->addActions(motion_->file_actions());
-  add_action(*file, tr("&Upload the motion to a robot"), QKeySequence(tr("Ctrl+Shift+L")),
+  add_action(*file, tr("&Upload the motion to a robot"), QKeySequence(tr("Ctrl+Shift+T")),
              [this] { upload_motion(); });
   file->addSeparator();
   add_action(*file, tr("&Quit"), QKeySequence::Quit, [this] { close(); });
@@ -129,6 +129,14 @@ void MainWindow::make_view_menu() {
   QAction* collisions = add_action(*menu, tr("&Collision shapes"), QKeySequence(tr("Ctrl+Shift+C")), {});
   collisions->setCheckable(true);
   connect(collisions, &QAction::toggled, view_, &RobotView::set_collisions);
+  const auto add_switch = [&](const QString& text, const QKeySequence& keys, void (RobotView::*set)(bool)) {
+    QAction* action = add_action(*menu, text, keys, {});
+    action->setCheckable(true);
+    connect(action, &QAction::toggled, view_, set);
+  };
+  add_switch(tr("&Link frames"), QKeySequence(tr("Ctrl+5")), &RobotView::set_link_frames);
+  add_switch(tr("&Joint axes"), QKeySequence(tr("Ctrl+6")), &RobotView::set_show_axes);
+  add_switch(tr("&Exploded view"), QKeySequence(tr("Ctrl+7")), &RobotView::set_exploded);
   menu->addSeparator();
   for (const OverlayText& row : kOverlayTexts) {
     QAction* action = add_action(*menu, tr_view(row.text), {}, {});

@@ -1,0 +1,90 @@
+#include "tools/studio/view/link_marks.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "sim_board/robot/load.h"
+#include "tools/motion/view/placement.h"
+#include "tools/view/capture/scene.h"
+
+namespace koboshi::studio {
+namespace {
+
+struct Standing {
+  sim::RobotDescription robot = sim::load_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
+  view::Scene scene = view::make_scene(robot, sim::GroundDescription());
+
+  std::vector<view::Pose> links(const std::string& bent = {}, double angle_rad = 0.0) const {
+    std::vector<double> angles_rad(robot.joints.size(), 0.0);
+    if (!bent.empty()) angles_rad[static_cast<std::size_t>(*robot.find_joint(bent))] = angle_rad;
+    tools::Placement placement(robot);
+    placement.place(angles_rad);
+    return placement.links();
+  }
+};
+
+// The axis must stay where it is relative to both links when its joint turns.
+TEST(JointAxes, StayWhenTheirJointTurns) {
+  const Standing standing;
+  const std::vector<JointAxis> axes = joint_axes(standing.robot);
+  ASSERT_EQ(axes.size(), standing.robot.joints.size());
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const sim::JointDescription& joint = standing.robot.joints[i];
+    const auto axis_in_parent = [&](const std::vector<view::Pose>& links, const Eigen::Vector3d& p_L_m) {
+      const view::Pose& child = links[static_cast<std::size_t>(joint.child)];
+      const view::Pose& parent = links[static_cast<std::size_t>(joint.parent)];
+      const Eigen::Vector3f p_W_m = child.p_WL_m + child.q_WL * p_L_m.cast<float>();
+      return Eigen::Vector3f(parent.q_WL.conjugate() * (p_W_m - parent.p_WL_m));
+    };
+    const auto straight = standing.links();
+    const auto bent = standing.links(joint.name, 0.5 * joint.upper_rad);
+    for (const Eigen::Vector3d& p_L_m :
+         {axes[i].p_L_m, Eigen::Vector3d(axes[i].p_L_m + 0.1 * axes[i].axis_L)})
+      EXPECT_LT((axis_in_parent(straight, p_L_m) - axis_in_parent(bent, p_L_m)).norm(), 1e-5F) << joint.name;
+    const Eigen::Vector3d beside_m = axes[i].p_L_m + 0.1 * axes[i].axis_L.unitOrthogonal();
+    EXPECT_GT((axis_in_parent(straight, beside_m) - axis_in_parent(bent, beside_m)).norm(), 1e-3F)
+        << joint.name;
+  }
+}
+
+TEST(LinkMarks, AreAtTheirLinks) {
+  const Standing standing;
+  const auto links = standing.links();
+  view::Marks frames;
+  add_link_frames(frames, links);
+  EXPECT_TRUE(frames.flat.empty());
+  for (const view::Pose& link : links)
+    EXPECT_TRUE(std::ranges::any_of(frames.solid, [&](const view::MarkVertex& vertex) {
+      return (vertex.p_W_m - link.p_WL_m).norm() < 0.002F;
+    }));
+  view::Marks arrows;
+  add_joint_axes(arrows, links, joint_axes(standing.robot));
+  EXPECT_GT(arrows.solid.size(), 3 * standing.robot.joints.size());
+}
+
+TEST(Exploded, MovesEachLinkAwayFromItsCarrier) {
+  const Standing standing;
+  const auto links = standing.links();
+  const auto apart = exploded(standing.scene, links, 0.5);
+  ASSERT_EQ(apart.size(), links.size());
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    EXPECT_EQ(apart[i].q_WL.coeffs(), links[i].q_WL.coeffs());
+    const int parent = standing.scene.links[i].parent;
+    if (parent < 0) {
+      EXPECT_EQ(apart[i].p_WL_m, links[i].p_WL_m);
+      continue;
+    }
+    const auto carrier = static_cast<std::size_t>(parent);
+    const Eigen::Vector3f way_m = links[i].p_WL_m - links[carrier].p_WL_m;
+    EXPECT_LT((apart[i].p_WL_m - apart[carrier].p_WL_m - 1.5F * way_m).norm(), 1e-5F);
+  }
+  const auto same = exploded(standing.scene, links, 0.0);
+  for (std::size_t i = 0; i < links.size(); ++i) EXPECT_EQ(same[i].p_WL_m, links[i].p_WL_m);
+}
+
+}  // namespace
+}  // namespace koboshi::studio
