@@ -9,6 +9,7 @@
 
 #include "sim_board/robot/load.h"
 #include "tools/motion/view/placement.h"
+#include "tools/studio/view/overlaps.h"
 #include "tools/view/capture/scene.h"
 
 namespace koboshi::studio {
@@ -74,16 +75,32 @@ TEST(Exploded, MovesEachLinkAwayFromItsCarrier) {
   for (std::size_t i = 0; i < links.size(); ++i) {
     EXPECT_EQ(apart[i].q_WL.coeffs(), links[i].q_WL.coeffs());
     const int parent = standing.scene.links[i].parent;
-    if (parent < 0) {
-      EXPECT_EQ(apart[i].p_WL_m, links[i].p_WL_m);
-      continue;
-    }
+    if (parent < 0) continue;
     const auto carrier = static_cast<std::size_t>(parent);
     const Eigen::Vector3f way_m = links[i].p_WL_m - links[carrier].p_WL_m;
     EXPECT_LT((apart[i].p_WL_m - apart[carrier].p_WL_m - 1.5F * way_m).norm(), 1e-5F);
   }
+  const auto height = [](const view::Pose& link) { return link.p_WL_m.z(); };
+  EXPECT_NEAR(std::ranges::min(apart, {}, height).p_WL_m.z(), std::ranges::min(links, {}, height).p_WL_m.z(),
+              1e-5F);
   const auto same = exploded(standing.scene, links, 0.0);
   for (std::size_t i = 0; i < links.size(); ++i) EXPECT_EQ(same[i].p_WL_m, links[i].p_WL_m);
+}
+
+TEST(OverlapFinder, NamesTheLinksThatPenetrateEachOther) {
+  const Standing standing;
+  const OverlapFinder finder(standing.robot);
+  EXPECT_TRUE(finder.links_in_overlap(standing.links()).empty());
+  // Hips rolled inwards press the legs into each other.
+  const auto pressed = standing.links("left_hip_roll", -0.5);
+  const std::vector<int> found = finder.links_in_overlap(pressed);
+  ASSERT_GE(found.size(), 2U);
+  view::Marks marks;
+  add_outlines(marks, standing.scene, pressed, found);
+  EXPECT_FALSE(marks.solid.empty());
+  view::Marks none;
+  add_outlines(none, standing.scene, pressed, {});
+  EXPECT_TRUE(none.solid.empty());
 }
 
 }  // namespace

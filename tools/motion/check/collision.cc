@@ -48,6 +48,15 @@ double CollisionPairs::overlap_m(const LinkPlaces& places, const Pair& pair) con
   return sim::box_overlap_m(pose(a, centre_a), a.half_m, pose(b, centre_b), b.half_m);
 }
 
+std::vector<Overlap> CollisionPairs::all(const LinkPlaces& places) const {
+  std::vector<Overlap> found;
+  for (const Pair& pair : pairs_)
+    if (const double depth_m = overlap_m(places, pair); depth_m > 0.0)
+      found.push_back({depth_m, static_cast<std::uint16_t>(boxes_[pair.box].link),
+                       static_cast<std::uint16_t>(boxes_[pair.other_box].link)});
+  return found;
+}
+
 Overlap CollisionPairs::deepest(const LinkPlaces& places) const {
   Overlap deepest;
   for (const Pair& pair : pairs_) {

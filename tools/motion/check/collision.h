@@ -24,6 +24,8 @@ class CollisionPairs {
 
   // Returns the deepest overlap of links at these places, by separating axes of their boxes.
   Overlap deepest(const LinkPlaces& places) const;
+  // All of them, in the order of the boxes; a pair of links comes once for each pair of its boxes.
+  std::vector<Overlap> all(const LinkPlaces& places) const;
   std::size_t size() const { return pairs_.size(); }
 
  private:

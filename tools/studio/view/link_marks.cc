@@ -1,5 +1,6 @@
 #include "tools/studio/view/link_marks.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -55,6 +56,11 @@ std::vector<view::Pose> exploded(const view::Scene& scene, std::span<const view:
       link = parent;
     }
   }
+  const auto height = [](const view::Pose& link) { return link.p_WL_m.z(); };
+  const float lift_m = links.empty() ? 0.0F
+                                     : std::ranges::min(links, {}, height).p_WL_m.z() -
+                                           std::ranges::min(moved, {}, height).p_WL_m.z();
+  for (view::Pose& link : moved) link.p_WL_m.z() += lift_m;
   return moved;
 }
 

@@ -27,7 +27,8 @@ void add_link_frames(view::Marks& marks, std::span<const view::Pose> links);
 // An arrow along each joint's axis: a positive angle turns counter-clockwise about it.
 void add_joint_axes(view::Marks& marks, std::span<const view::Pose> links, std::span<const JointAxis> axes);
 
-// Moves each link away from the link that carries it, by this share of their distance; the trunk stays.
+// Moves each link away from the link that carries it, by this share of their distance, and lifts all of
+// them so that the origin of the lowest one keeps its height.
 [[nodiscard]] std::vector<view::Pose> exploded(const view::Scene& scene, std::span<const view::Pose> links,
                                                double share);
 

@@ -68,12 +68,15 @@ void RobotView::release_gl() {
   doneCurrent();
 }
 
-void RobotView::set_scene(view::Scene scene) {
+void RobotView::set_scene(view::Scene scene, const sim::RobotDescription* robot) {
   scene_ = std::move(scene);
   picker_ = Picker(scene_);
   picture_.links.clear();
   picture_.ghost.clear();
   links_.clear();
+  axes_ = robot == nullptr ? std::vector<JointAxis>() : joint_axes(*robot);
+  overlaps_.reset();
+  if (robot != nullptr) overlaps_.emplace(*robot);
   ghost_links_.clear();
   picture_.marks = {};
   scene_changed_ = true;
@@ -81,7 +84,6 @@ void RobotView::set_scene(view::Scene scene) {
   followed_W_m_.reset();
   push_.reset();
   gizmo_link_ = -1;
-  extra_marks_ = {};
   update();
 }
 
@@ -89,11 +91,6 @@ void RobotView::set_posable(std::vector<Posable> links) {
   if (links == posable_) return;
   posable_ = std::move(links);
   gizmo_link_ = -1;
-  update();
-}
-
-void RobotView::set_extra_marks(view::Marks marks) {
-  extra_marks_ = std::move(marks);
   update();
 }
 
@@ -107,13 +104,8 @@ void RobotView::set_link_frames(bool frames) {
   update();
 }
 
-void RobotView::set_joint_axes(std::vector<JointAxis> axes) {
-  axes_ = std::move(axes);
-  update();
-}
-
-void RobotView::set_show_axes(bool axes) {
-  show_axes_ = axes;
+void RobotView::set_joint_axes(bool axes) {
+  joint_axes_ = axes;
   update();
 }
 
@@ -233,15 +225,12 @@ void RobotView::paintGL() {
 
 view::Marks RobotView::marks_with_push() const {
   view::Marks marks = picture_.marks;
-  for (const view::Marks* more : {&extra_marks_, &limit_marks_}) {
-    marks.flat.insert(marks.flat.end(), more->flat.begin(), more->flat.end());
-    marks.solid.insert(marks.solid.end(), more->solid.begin(), more->solid.end());
-  }
+  marks.flat.insert(marks.flat.end(), limit_marks_.flat.begin(), limit_marks_.flat.end());
+  marks.solid.insert(marks.solid.end(), limit_marks_.solid.begin(), limit_marks_.solid.end());
+  if (picture_.collisions && overlaps_ && !exploded_)
+    add_outlines(marks, scene_, picture_.links, overlaps_->links_in_overlap(picture_.links));
   if (link_frames_) add_link_frames(marks, picture_.links);
-  if (show_axes_ && std::ranges::all_of(axes_, [this](const JointAxis& axis) {
-        return static_cast<std::size_t>(axis.link) < picture_.links.size();
-      }))
-    add_joint_axes(marks, picture_.links, axes_);
+  if (joint_axes_) add_joint_axes(marks, picture_.links, axes_);
   if (const auto arrows = gizmo())
     add_gizmo(marks, *arrows, grab_ && !grab_->rotates ? grab_->axis : gizmo_axis_);
   if (push_) {

@@ -11,6 +11,7 @@
 
 #include "tools/studio/view/gizmo.h"
 #include "tools/studio/view/link_marks.h"
+#include "tools/studio/view/overlaps.h"
 #include "tools/studio/view/picking.h"
 #include "tools/studio/view/scaled_framebuffer.h"
 #include "tools/view/recording/recording.h"
@@ -45,16 +46,16 @@ class RobotView final : public QOpenGLWidget {
   static QSurfaceFormat format();
 
   // Shows another robot, with the camera on it once it is posed.
-  void set_scene(view::Scene scene);
+  // `robot` gives the axes of its joints, and the pairs of links whose penetration is outlined in red beside
+  // the collision shapes; without it, neither is shown.
+  void set_scene(view::Scene scene, const sim::RobotDescription* robot = nullptr);
   // Poses by index of Scene::links, and marks of this instant.
   void show_robot(std::vector<view::Pose> links, view::Marks marks);
   // A second robot in the scene, translucent; empty: none.
   void show_ghost(std::vector<view::Pose> links);
   void set_collisions(bool collisions);
   void set_link_frames(bool frames);
-  // The axes that set_show_axes() shows; empty: unknown.
-  void set_joint_axes(std::vector<JointAxis> axes);
-  void set_show_axes(bool axes);
+  void set_joint_axes(bool axes);
   // Shows the links apart from each other.
   void set_exploded(bool exploded);
   // The camera goes with the robot.
@@ -62,8 +63,6 @@ class RobotView final : public QOpenGLWidget {
   void set_pushable(bool pushable) { pushable_ = pushable; }
   // The links that can be posed by dragging: of the second robot if there is one. Empty: none.
   void set_posable(std::vector<Posable> links);
-  // Marks beside those of the instant, such as frames and axes.
-  void set_extra_marks(view::Marks marks);
   // Marks of joints at their limits.
   void set_limit_marks(view::Marks marks);
   void look_from(double azimuth_rad, double elevation_rad);
@@ -139,8 +138,9 @@ class RobotView final : public QOpenGLWidget {
   std::vector<view::Pose> links_;  // as given; those of the picture may be apart
   std::vector<view::Pose> ghost_links_;
   std::vector<JointAxis> axes_;
+  std::optional<OverlapFinder> overlaps_;
   bool link_frames_ = false;
-  bool show_axes_ = false;
+  bool joint_axes_ = false;
   bool exploded_ = false;
   bool scene_changed_ = false;
   bool framed_ = false;  // the camera has looked at this robot
@@ -165,7 +165,6 @@ class RobotView final : public QOpenGLWidget {
   int gizmo_link_ = -1;
   std::optional<int> gizmo_axis_;  // under the mouse
   std::optional<PoseGrab> grab_;
-  view::Marks extra_marks_;
   view::Marks limit_marks_;
 };
 

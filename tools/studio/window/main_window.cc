@@ -100,7 +100,7 @@ MainWindow::MainWindow(const std::filesystem::path& robot)
   restore_layout();
   try {
     poses_->set_robot(robot_file_);
-    view_->set_scene(poses_->ghost()->scene());
+    view_->set_scene(poses_->ghost()->scene(), &poses_->ghost()->robot());
     if (const auto error = motion_->set_robot(robot_file_)) messages_->show_message(*error);
   } catch (const std::exception& error) {
     messages_->show_message(QString::fromUtf8(error.what()));
@@ -272,7 +272,8 @@ void MainWindow::open(const std::filesystem::path& file) {
       case FileKind::kRecording:
         return run_->open_recording(file);
       case FileKind::kMotion:
-        if (run_->source() == RunController::Source::kNone) view_->set_scene(poses_->ghost()->scene());
+        if (run_->source() == RunController::Source::kNone)
+          view_->set_scene(poses_->ghost()->scene(), &poses_->ghost()->robot());
         if (const auto error = motion_->open(file, robot_file_)) return messages_->show_message(*error);
         motion_->show_row(0);
         findChild<QDockWidget*>(QStringLiteral("motion"))->raise();
@@ -286,7 +287,7 @@ void MainWindow::open(const std::filesystem::path& file) {
 void MainWindow::show_opened() {
   messages_->hide();
   const view::Recording& recording = run_->recording();
-  view_->set_scene(recording.scene);
+  view_->set_scene(recording.scene, run_->robot());
   view_->set_pushable(run_->session() != nullptr);
   plots_->set_signals(recording.signals);
   plots_->set_follow(run_->robot() != nullptr);
@@ -296,8 +297,6 @@ void MainWindow::show_opened() {
                                                            : view::network_of(recording, tools::Network()));
   can_->show_nodes(run_->status());
   objects_->set_robot(run_->robot());
-  // A recording has no axes; those of another robot do not fit.
-  view_->set_joint_axes(run_->robot() != nullptr ? joint_axes(*run_->robot()) : std::vector<JointAxis>());
   show_marks();
   update_title();
   if (std::exchange(play_when_opened_, false)) {

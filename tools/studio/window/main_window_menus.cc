@@ -135,7 +135,7 @@ void MainWindow::make_view_menu() {
     connect(action, &QAction::toggled, view_, set);
   };
   add_switch(tr("&Link frames"), QKeySequence(tr("Ctrl+5")), &RobotView::set_link_frames);
-  add_switch(tr("&Joint axes"), QKeySequence(tr("Ctrl+6")), &RobotView::set_show_axes);
+  add_switch(tr("&Joint axes"), QKeySequence(tr("Ctrl+6")), &RobotView::set_joint_axes);
   add_switch(tr("&Exploded view"), QKeySequence(tr("Ctrl+7")), &RobotView::set_exploded);
   menu->addSeparator();
   for (const OverlayText& row : kOverlayTexts) {
