@@ -17,7 +17,6 @@ class PoseGhost {
   explicit PoseGhost(const std::filesystem::path& robot_file);
 
   const sim::RobotDescription& robot() const { return *robot_; }
-  const sim::RobotDescription& robot() const { return *robot_; }
   // The robot on level ground.
   view::Scene scene() const;
   // The poses of all links; joint angles by the robot's order of joints. The trunk is above the origin of the
