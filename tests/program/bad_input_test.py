@@ -2,6 +2,7 @@
 
 import pathlib
 import re
+import socket
 import tempfile
 import unittest
 
@@ -232,12 +233,24 @@ class MotionFiles(unittest.TestCase):
                 with self.subTest(f"{name}: {arguments[0]}"):
                     self.refuse(*arguments)
 
+    TOO_FAR = "version: 2\nrobot: koboshi\nname: bow\nsteps:\n  - {pose: {knee: 400}, time_s: 1}\n"
+
     def test_a_motion_that_does_not_compile_is_neither_played_nor_sent(self):
         file = self.folder / "motion.yaml"
-        file.write_text("version: 2\nrobot: koboshi\nname: bow\nsteps:\n  - {pose: {knee: 400}, time_s: 1}\n",
-                        encoding="utf-8")
+        file.write_text(self.TOO_FAR, encoding="utf-8")
         self.refuse("play", file, "--out", self.folder / "run")
         self.refuse("upload", file)
+
+    def test_the_bus_stays_silent_when_an_upload_is_refused(self):
+        file = self.folder / "motion.yaml"
+        with BusListener() as bus:
+            file.write_text(self.TOO_FAR, encoding="utf-8")
+            self.refuse("upload", file, "--can", bus.name)
+            self.assertEqual(bus.datagrams(), 0)
+            # A good motion is sent, although nobody answers: the listener hears.
+            result = PROGRAM.run("motion", "upload", MOTION, "--can", bus.name)
+            self.assertIn("no SDO answer", result.stderr)
+            self.assertGreater(bus.datagrams(), 0)
 
     def test_a_scenario_is_not_formatted(self):
         file = self.folder / "scenario.yaml"
@@ -260,6 +273,33 @@ class MotionFiles(unittest.TestCase):
         folder.mkdir()
         result = PROGRAM.run("motion", "upload", folder)
         self.assertEqual((result.returncode, result.stderr), (2, f"{folder}: found a folder, expected the image of a motion\n"))
+
+
+class BusListener:
+    """Hears what is sent on a bus of its own (udp:GROUP:PORT)."""
+
+    GROUP = "239.74.163.98"
+
+    def __enter__(self):
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self.socket.bind(("", 0))
+        self.socket.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP,
+                               socket.inet_aton(self.GROUP) + socket.inet_aton("0.0.0.0"))
+        self.socket.setblocking(False)
+        self.name = f"udp:{self.GROUP}:{self.socket.getsockname()[1]}"
+        return self
+
+    def __exit__(self, *_):
+        self.socket.close()
+
+    def datagrams(self):
+        count = 0
+        try:
+            while self.socket.recv(65536):
+                count += 1
+        except BlockingIOError:
+            return count
 
 
 class Help(unittest.TestCase):

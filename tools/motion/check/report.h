@@ -67,6 +67,11 @@ struct CheckLimits {
   static constexpr double kBeyond_m = 0.002;
 };
 
+// A finding about a tick of a path.
+[[nodiscard]] Finding finding_at(const Trajectory& trajectory, std::size_t tick, std::string code,
+                                 simulation::Severity severity, std::string found, std::string expected,
+                                 std::string hint = {});
+
 // Judges a path. `states` are those of the trajectory.
 [[nodiscard]] PathReport judge(const Trajectory& trajectory, const std::vector<TickState>& states,
                                const sim::RobotDescription& robot, const CheckLimits& limits);

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <vector>
+
+#include "tools/motion/check/report.h"
+
+namespace koboshi::tools {
+
+// Judges the balance of a path: sets the verdict and the least margin of the report, and adds a finding for
+// each step whose margin is small or that lets the robot roll onto an edge of its soles (C006 to C008).
+void judge_balance(const Trajectory& trajectory, const std::vector<TickState>& states,
+                   const CheckLimits& limits, PathReport& report);
+
+}  // namespace koboshi::tools
