@@ -76,7 +76,7 @@ class Help(unittest.TestCase):
         for path, text in self.texts.items():
             if "--json" in text:
                 # The commands on motions take several files, and print.
-                self.assertIn("--json  " if path[:1] == ("motion",) else "--json FILE", text, path)
+                self.assertIn("--json  " if path[:1] in (("motion",), ("model",)) else "--json FILE", text, path)
 
     def test_examples_are_accepted(self):
         for folder in ("runs/host", "runs/target", "runs/walk"):

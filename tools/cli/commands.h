@@ -23,6 +23,7 @@ AddCommand add_can_command;
 AddCommand add_firmware_command;
 AddCommand add_diff_command;
 AddCommand add_target_report_command;
+AddCommand add_model_command;
 AddCommand add_motion_command;
 AddCommand add_gait_command;
 AddCommand add_tune_command;
@@ -34,11 +35,11 @@ AddCommand add_validate_command;
 
 // In the order of --help.
 inline constexpr AddCommand* kCommands[] = {
-    add_run_command,           add_studio_command, add_replay_command,   add_render_command,
-    add_board_command,         add_can_command,    add_firmware_command, add_diff_command,
-    add_target_report_command, add_motion_command, add_gait_command,     add_tune_command,
-    add_dictionary_command,    add_bench_command,  add_servo_command,    add_experiment_command,
-    add_validate_command};
+    add_run_command,           add_studio_command,     add_replay_command,   add_render_command,
+    add_board_command,         add_can_command,        add_firmware_command, add_diff_command,
+    add_target_report_command, add_model_command,      add_motion_command,   add_gait_command,
+    add_tune_command,          add_dictionary_command, add_bench_command,    add_servo_command,
+    add_experiment_command,    add_validate_command};
 
 // Commands below `koboshi can`.
 AddCommand add_can_dump_command;
