@@ -59,7 +59,7 @@ class Checker {
              "the unknown attribute " + one_line(attribute->Name()) + " of " + tag(rule.name),
              alternatives(rule.attributes, "no attribute"));
       }
-      check_value(attribute->GetLineNum(), known->name, attribute->Value(), known->content, 1, known->range);
+      check_value(attribute->GetLineNum(), known->name, attribute->Value(), *known, 1);
     }
     for (const XmlAttributeRule& r : rule.attributes) {
       if (r.required && !element.Attribute(r.name.c_str())) {
@@ -105,29 +105,42 @@ class Checker {
       fail(child->GetLineNum(), "the element " + tag(child->Name()) + " in " + tag(rule.name), "a value");
     }
     const char* text = element.GetText();
-    check_value(element.GetLineNum(), tag(rule.name), text ? text : "", rule.content, rule.numbers,
-                rule.range);
+    check_value(element.GetLineNum(), tag(rule.name), text ? text : "", rule, rule.numbers);
   }
 
-  void check_value(int line, const std::string& name, const std::string& text, XmlContent content,
-                   std::size_t count, const NumberRange& range) const {
-    const std::string found = name + " = " + one_line(text);
-    if (content == XmlContent::kText && text.empty()) fail(line, found, "a text");
-    if (content == XmlContent::kInteger) {
-      const auto value = parse_integer(text);
-      const auto within = [&](std::int64_t v) {
-        return static_cast<double>(v) >= range.min && static_cast<double>(v) <= range.max;
-      };
-      if (!value || !within(*value))
-        fail(line, found, "a whole number" + describe(range).substr(std::string_view("a number").size()));
-    }
-    if (content == XmlContent::kNumbers) {
-      const auto values = parse_numbers(text);
-      const auto within = [&](double v) { return v >= range.min && v <= range.max; };
-      if (!values || values->size() != count || !std::all_of(values->begin(), values->end(), within)) {
-        fail(line, found, count == 1 ? describe(range) : std::to_string(count) + " times " + describe(range));
+  // `rule`: of an element or an attribute, whose value has `numbers` numbers.
+  template <class Rule>
+  void check_value(int line, const std::string& name, const std::string& text, const Rule& rule,
+                   std::size_t numbers) const {
+    if (!is_valid(text, rule, numbers))
+      fail(line, name + " = " + one_line(text),
+           describe_values(rule.content, numbers, rule.range, rule.choices));
+  }
+
+  template <class Rule>
+  static bool is_valid(const std::string& text, const Rule& rule, std::size_t numbers) {
+    const auto within = [&](double v) { return v >= rule.range.min && v <= rule.range.max; };
+    switch (rule.content) {
+      case XmlContent::kText:
+        return rule.choices.empty() ? !text.empty() : is_choice(text, rule.choices);
+      case XmlContent::kInteger: {
+        const auto value = parse_integer(text);
+        if (!value || !within(static_cast<double>(*value))) return false;
+        return rule.choices.empty() || is_choice(std::to_string(*value), rule.choices);
       }
+      case XmlContent::kNumbers: {
+        const auto values = parse_numbers(text);
+        return values && values->size() == numbers && std::all_of(values->begin(), values->end(), within);
+      }
+      case XmlContent::kChildren:
+      case XmlContent::kAnything:
+        break;
     }
+    return true;
+  }
+
+  static bool is_choice(const std::string& text, const std::vector<std::string>& choices) {
+    return std::find(choices.begin(), choices.end(), text) != choices.end();
   }
 
   template <class Rule>

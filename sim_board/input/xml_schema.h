@@ -19,11 +19,23 @@ enum class XmlContent {
   kAnything  // not checked
 };
 
+// Description of an element or attribute for people: pages, schemas and editors print it; the reader does not
+// use it.
+struct XmlNote {
+  std::string unit = {};  // "kg"; "1" for a ratio or a count; empty for names and for groups
+  std::string fallback =
+      {};  // value that holds if the element or attribute is missing; empty: none, or required
+  std::string meaning = {};  // a phrase without a full stop
+  std::string source = {};   // document that defines the quantity
+};
+
 struct XmlAttributeRule {
   std::string name;
   XmlContent content = XmlContent::kText;
   bool required = true;
   NumberRange range = {};
+  std::vector<std::string> choices = {};  // the only values; empty: all that `content` and `range` permit
+  XmlNote note = {};
 };
 
 struct XmlRule {
@@ -34,6 +46,13 @@ struct XmlRule {
   std::vector<XmlRule> children = {};
   std::size_t numbers = 1;
   NumberRange range = {};
+  std::vector<std::string> choices = {};  // as in XmlAttributeRule
+  XmlNote note = {};
 };
+
+// Describes the permitted values of a rule: "a number from 1e-06 to 1000", "3 times a number from -1 to 1",
+// "a whole number from 1 to 127", "left or right", "a text"; empty for elements without a value.
+std::string describe_values(XmlContent content, std::size_t numbers, const NumberRange& range,
+                            const std::vector<std::string>& choices);
 
 }  // namespace koboshi::sim

@@ -76,10 +76,6 @@ void check_link(const XmlNode& link, const Names& frames) {
 void check_joint(const XmlNode& joint, const Names& links, const Names& frames) {
   check_part_names(joint);
   check_pose(joint, frames);
-  if (joint.attribute("type") != "revolute") {
-    throw joint.error("joint " + joint.attribute("name") + " of type " + one_line(joint.attribute("type")),
-                      "revolute");
-  }
   for (const char* end : {"parent", "child"}) {
     const XmlNode node = joint.child(end);
     if (!links.contains(node.text())) {

@@ -12,8 +12,6 @@
 namespace koboshi::sim {
 namespace {
 
-const char* const kVersion = "1.9";
-
 // Loads the frames of a file that has passed the schema with libsdformat.
 void load_sdf(const XmlFile& file, sdf::Root& root) {
   sdf::ParserConfig config;
@@ -119,9 +117,6 @@ Eigen::Isometry3d resolve_pose(const sdf::SemanticPose& pose, const std::string&
 
 RobotDescription load_robot(const std::filesystem::path& file) {
   const XmlFile xml(file, sdf_rule());
-  if (xml.root().attribute("version") != kVersion) {
-    throw xml.root().error("SDF version " + one_line(xml.root().attribute("version")), kVersion);
-  }
   const XmlNode model_node = xml.root().child("model");
   check_model(model_node);
   sdf::Root root;

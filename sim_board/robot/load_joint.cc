@@ -14,7 +14,6 @@ DriveDescription load_drive(const XmlNode& node) {
   drive.product_code = static_cast<std::uint32_t>(node.attribute_integer("product_code", drive.product_code));
   drive.serial_number = static_cast<std::uint32_t>(node.attribute_integer("serial_number"));
   drive.sign = static_cast<int>(node.attribute_integer("sign", drive.sign));
-  if (drive.sign == 0) throw node.error("sign = 0", "1 or -1");
   drive.zero_rad = node.attribute_number("zero_rad", 0.0);
   return drive;
 }

@@ -36,11 +36,9 @@ SurfaceDescription load_surface(const XmlNode& node) {
 
 BoxDescription load_collision(const sdf::Collision& collision, const XmlNode& node,
                               const std::string& link_name) {
-  const auto box_node = node.child("geometry").find("box");
-  if (!box_node) throw node.error("collision " + collision.Name() + " without <box>", "a box");
   return {.name = collision.Name(),
           .X_LG = resolve_pose(collision.SemanticPose(), link_name, node),
-          .size_m = vector_of(box_node->child("size")),
+          .size_m = vector_of(node.child("geometry").child("box").child("size")),
           .surface = load_surface(node.child("surface")),
           .colour = std::nullopt};
 }

@@ -41,11 +41,6 @@ ChannelDescription load_channel(const XmlNode& sensor, const std::string& name) 
   return channel;
 }
 
-void check_type(const XmlNode& node, const std::string& type) {
-  if (node.attribute("type") != type)
-    throw node.error("a sensor of type " + one_line(node.attribute("type")), type);
-}
-
 // Height of the sensor above the lowest corner of the link's boxes, at joint angles zero.
 double height_above_sole_m(const LinkDescription& link, const Eigen::Isometry3d& X_LS, const XmlNode& node) {
   if (link.collisions.empty())
@@ -62,21 +57,10 @@ double height_above_sole_m(const LinkDescription& link, const Eigen::Isometry3d&
   return (link.X_ML * X_LS).translation().z() - lowest_m;
 }
 
-// The firmware's ZMP needs the wrench that the ground side exerts on the shank side, in the sensor's axes.
-void check_direction(const XmlNode& node) {
-  const XmlNode frame = node.child("force_torque").child("frame");
-  if (frame.text() != "sensor") throw frame.error("<frame> = " + one_line(frame.text()), "sensor");
-  const XmlNode direction = node.child("force_torque").child("measure_direction");
-  if (direction.text() != "child_to_parent") {
-    throw direction.error("<measure_direction> = " + one_line(direction.text()), "child_to_parent");
-  }
-}
-
 }  // namespace
 
 void load_imus(const sdf::Link& link, const XmlNode& link_node, RobotDescription& robot) {
   for (const XmlNode& node : link_node.children("sensor")) {
-    check_type(node, "imu");
     if (robot.imu) throw node.error("a second IMU", "one");
     const sdf::Sensor& sensor = *link.SensorByName(node.attribute("name"));
     robot.imu = ImuDescription{.name = sensor.Name(),
@@ -90,12 +74,7 @@ void load_imus(const sdf::Link& link, const XmlNode& link_node, RobotDescription
 
 void load_ankle_sensors(const sdf::Joint& joint, const XmlNode& joint_node, RobotDescription& robot) {
   for (const XmlNode& node : joint_node.children("sensor")) {
-    check_type(node, "force_torque");
-    check_direction(node);
     const std::string name = node.attribute("name");
-    if (name != "left_ankle" && name != "right_ankle") {
-      throw node.error("a force/torque sensor " + one_line(name), "left_ankle or right_ankle");
-    }
     auto& slot = name == "left_ankle" ? robot.left_ankle : robot.right_ankle;
     if (slot) throw node.error("a second sensor " + name, "one");
     const int joint_index = robot.find_joint(joint.Name()).value();

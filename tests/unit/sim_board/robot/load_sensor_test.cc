@@ -37,7 +37,7 @@ std::string sensor_complaint(const std::string& from, const std::string& to) {
 TEST(LoadSensor, RefusesSensorsItCannotSimulate) {
   EXPECT_EQ(sensor_complaint("koboshi", "koboshi"), "nothing");
   EXPECT_THAT(sensor_complaint("type=\"imu\"", "type=\"sonar\""),
-              MatchesRegex("FILE:[0-9]+: found a sensor of type sonar, expected imu"));
+              MatchesRegex("FILE:[0-9]+: found type = sonar, expected imu"));
   EXPECT_THAT(
       sensor_complaint("child_to_parent", "parent_to_child"),
       MatchesRegex("FILE:[0-9]+: found <measure_direction> = parent_to_child, expected child_to_parent"));

@@ -66,7 +66,7 @@ TEST(LoadRobot, RejectsFilesThatAreNotARobot) {
   EXPECT_EQ(complaint(""), "FILE: found XML error: empty document, expected well-formed XML");
   EXPECT_EQ(complaint("<robot name='urdf'/>"), "FILE:1: found <robot>, expected <sdf>");
   EXPECT_EQ(complaint("<sdf version='1.9'/>"), "FILE:1: found <sdf> without <model>, expected that element");
-  EXPECT_EQ(complaint(with("\"1.9\"", "\"1.6\"")), "FILE:1: found SDF version 1.6, expected 1.9");
+  EXPECT_EQ(complaint(with("\"1.9\"", "\"1.6\"")), "FILE:1: found version = 1.6, expected 1.9");
   EXPECT_EQ(complaint(with("<mass>0.1</mass>", "<mass>0.1</mas>")),
             "FILE:16: found XML error: mismatched element, expected well-formed XML");
   EXPECT_THROW(load_robot("no/such.sdf"), InputError);
@@ -111,7 +111,7 @@ TEST(LoadRobot, RejectsImpossibleBodies) {
 
 TEST(LoadRobot, RejectsImpossibleJoints) {
   EXPECT_EQ(complaint(with("\"revolute\"", "\"prismatic\"")),
-            "FILE:38: found joint wrist of type prismatic, expected revolute");
+            "FILE:38: found type = prismatic, expected revolute");
   EXPECT_EQ(complaint(with("<xyz>1 0 0", "<xyz>1 0 0.1")),
             "FILE:42: found <xyz> = 1 0 0.1, of length 1.004987562112089, expected a unit vector");
   EXPECT_EQ(complaint(with("<lower>-1", "<lower>3")),

@@ -1,0 +1,180 @@
+#include "sim_board/robot/robot_keys.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tinyxml2.h>
+
+#include <functional>
+#include <set>
+#include <sstream>
+
+#include "sim_board/robot/load.h"
+#include "tests/unit/sim_board/input/scratch_file.h"
+#include "tests/unit/sim_board/robot/full_robot.h"
+#include "tests/unit/sim_board/robot/robot_text.h"
+#include "tests/unit/sim_board/robot/small_robot.h"
+
+namespace koboshi::sim {
+namespace {
+
+using testing::HasSubstr;
+using tinyxml2::XMLElement;
+
+// kFullRobot with edits of keys that are given by their path in the table.
+class KeyedRobot {
+ public:
+  KeyedRobot() {
+    document_.Parse(replaced(replaced(kFullRobot, "FULL_MESH", mesh_.path().string()), "FULL_LIBRARY",
+                             library_.path().string())
+                        .c_str());
+  }
+
+  // The first element of the path, which may be in any of several parents; for an attribute, its element.
+  XMLElement* find(const RobotKey& key) {
+    const std::string path = key.path.substr(0, key.path.find('@'));
+    XMLElement* model = document_.RootElement()->FirstChildElement("model");
+    return path.empty() ? model : find_below(*model, path, key);
+  }
+
+  void set(const RobotKey& key, const std::string& value) {
+    XMLElement* element = find(key);
+    if (key.is_attribute) {
+      element->SetAttribute(key.name.c_str(), value.c_str());
+    } else {
+      element->SetText(value.c_str());
+    }
+  }
+
+  void remove(const RobotKey& key) {
+    XMLElement* element = find(key);
+    if (key.is_attribute) {
+      element->DeleteAttribute(key.name.c_str());
+    } else {
+      element->Parent()->DeleteChild(element);
+    }
+  }
+
+  // The value of another key that stands beside this one.
+  std::string sibling(const RobotKey& key, const std::string& name) {
+    return find(key)->Parent()->ToElement()->FirstChildElement(name.c_str())->GetText();
+  }
+
+  std::string xml() const {
+    tinyxml2::XMLPrinter printer;
+    document_.Print(&printer);
+    return printer.CStr();
+  }
+
+  std::string text() const {
+    const ScratchFile file("sdf", xml());
+    return robot_text(load_robot(file.path()));
+  }
+
+  std::string complaint() const { return sim::complaint(xml()); }
+
+ private:
+  XMLElement* find_below(XMLElement& parent, const std::string& path, const RobotKey& key) {
+    const std::size_t end = path.find('/');
+    for (XMLElement* child = parent.FirstChildElement(path.substr(0, end).c_str()); child != nullptr;
+         child = child->NextSiblingElement(path.substr(0, end).c_str())) {
+      if (end != std::string::npos) {
+        if (XMLElement* found = find_below(*child, path.substr(end + 1), key)) return found;
+      } else if (!key.is_attribute || child->Attribute(key.name.c_str()) != nullptr) {
+        return child;
+      }
+    }
+    return nullptr;
+  }
+
+  const ScratchFile mesh_{"stl", ""};
+  const ScratchFile library_{"xml", "<koboshi:servo_types xmlns:koboshi=\"https://koboshi.invalid/sdf\"/>"};
+  tinyxml2::XMLDocument document_;
+};
+
+TEST(RobotKeys, SayWhatEachKeyIs) {
+  std::set<std::string> paths;
+  for (const RobotKey& key : robot_keys()) {
+    EXPECT_TRUE(paths.insert(key.path).second) << key.path;
+    EXPECT_FALSE(key.note.meaning.empty()) << key.path;
+    EXPECT_FALSE(key.note.meaning.ends_with('.')) << key.path;
+    EXPECT_FALSE(key.note.source.empty()) << key.path;
+    const bool is_number = key.content == XmlContent::kNumbers || key.content == XmlContent::kInteger;
+    EXPECT_EQ(is_number, !key.note.unit.empty()) << key.path;
+    EXPECT_EQ(key.has_value(), !describe_values(key).empty()) << key.path;
+    if (key.count == XmlCount::kRequired) EXPECT_EQ(key.note.fallback, "") << key.path;
+    EXPECT_EQ(find_robot_key(key.path), &key);
+  }
+  EXPECT_GT(paths.size(), 150u);
+  EXPECT_EQ(find_robot_key("link/inertial/weight"), nullptr);
+  const RobotKey* mass = find_robot_key("link/inertial/mass");
+  ASSERT_NE(mass, nullptr);
+  EXPECT_EQ(mass->note.unit, "kg");
+  EXPECT_EQ(describe_values(*mass), "a number from 1e-06 to 1000");
+  EXPECT_EQ(describe_values(*find_robot_key("joint/koboshi:drive@sign")), "1 or -1");
+}
+
+TEST(RobotKeys, AreAllInTheFullRobot) {
+  for (const RobotKey& key : robot_keys()) EXPECT_NE(KeyedRobot().find(key), nullptr) << key.path;
+  EXPECT_THAT(KeyedRobot().text(), HasSubstr("robot | full"));
+}
+
+// The table says what the reader does without a key; the reader's defaults are those of description.h.
+TEST(RobotKeys, HaveTheDefaultsOfTheReader) {
+  const std::string full = KeyedRobot().text();
+  int defaults = 0;
+  for (const RobotKey& key : robot_keys()) {
+    if (key.note.fallback.empty()) continue;
+    KeyedRobot without;
+    KeyedRobot with_default;
+    const bool is_key = key.note.fallback == "mu";
+    with_default.set(key, is_key ? with_default.sibling(key, key.note.fallback) : key.note.fallback);
+    without.remove(key);
+    EXPECT_EQ(without.text(), with_default.text()) << key.path;
+    EXPECT_NE(without.text(), full) << key.path << " has no effect";
+    ++defaults;
+  }
+  EXPECT_GT(defaults, 50);
+}
+
+TEST(RobotKeys, AreOptionalAsTheTableSays) {
+  for (const RobotKey& key : robot_keys()) {
+    KeyedRobot without;
+    without.remove(key);
+    const std::string complaint = without.complaint();
+    if (key.count == XmlCount::kRequired) {
+      EXPECT_THAT(complaint,
+                  HasSubstr(key.is_attribute ? "without " + key.name : "without <" + key.name + ">"));
+    } else {
+      EXPECT_THAT(complaint, testing::Not(HasSubstr("without " + key.name + ","))) << key.path;
+      EXPECT_THAT(complaint, testing::Not(HasSubstr("without <" + key.name + ">"))) << key.path;
+    }
+  }
+}
+
+// As many numbers as the key has, each of them `value`.
+std::string repeated_value(const RobotKey& key, double value) {
+  std::string text;
+  for (std::size_t i = 0; i < key.numbers; ++i) text += (i > 0 ? " " : "") + number_text(value);
+  return text;
+}
+
+TEST(RobotKeys, HaveTheRangesOfTheReader) {
+  for (const RobotKey& key : robot_keys()) {
+    if (!key.has_value()) continue;
+    std::vector<std::string> bad{""};
+    if (key.content != XmlContent::kText || !key.choices.empty()) bad.push_back("nonsense");
+    if (key.range.min > NumberRange().min)
+      bad.push_back(repeated_value(key, key.range.min - 0.1 * std::abs(key.range.min) - 1e-13));
+    if (key.range.max < NumberRange().max) bad.push_back(repeated_value(key, 1.1 * key.range.max));
+    if (key.numbers > 1) bad.push_back("1 1");
+    for (const std::string& value : bad) {
+      KeyedRobot robot;
+      robot.set(key, value);
+      EXPECT_THAT(robot.complaint(), HasSubstr(" = " + value + ", expected " + describe_values(key)))
+          << key.path;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace koboshi::sim
