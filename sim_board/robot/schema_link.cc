@@ -58,8 +58,8 @@ XmlRule material() {
                                 "red, green, blue (sRGB) and opacity; viewers ignore the opacity and choose "
                                 "a colour themselves if the element is missing",
                                 kSdf})});
-  for (const char* unused : {"ambient", "specular", "emissive", "shininess", "render_order", "lighting",
-                             "double_sided", "script", "shader", "pbr"}) {
+  for (const char* unused : {"ambient", "specular", "emissive", "render_order", "lighting", "double_sided",
+                             "script", "shader", "pbr"}) {
     rule.children.push_back({.name = unused,
                              .content = kAnything,
                              .note = {.meaning = "accepted without effect", .source = kSdf}});

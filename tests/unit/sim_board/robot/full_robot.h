@@ -58,7 +58,7 @@ inline constexpr const char* kFullRobot = R"(<sdf version="1.9" xmlns:koboshi="h
         <material>
           <diffuse>0.1 0.2 0.3 1</diffuse>
           <ambient>1 1 1 1</ambient><specular>0 0 0 1</specular><emissive>0 0 0 1</emissive>
-          <shininess>1</shininess><render_order>1</render_order><lighting>true</lighting>
+          <render_order>1</render_order><lighting>true</lighting>
           <double_sided>false</double_sided><script><uri>a</uri><name>b</name></script>
           <shader type="pixel"/><pbr/>
         </material>
