@@ -19,10 +19,11 @@ namespace koboshi::tools {
 namespace {
 
 constexpr std::size_t kMaxJoints = 6;
-constexpr double kMaxMargin_m = 0.08;  // more on either side is not shown
+constexpr double kLeastRange_rad = 0.001;  // two units of a 14-bit angle are 0.00077
+constexpr double kMaxMargin_m = 0.08;      // more on either side is not shown
 constexpr double kPercent = 100.0;
 
-// The joints with the largest ranges, in the robot's order.
+// The joints with the largest ranges of those that move, at least one, in the robot's order.
 std::vector<std::size_t> moving_joints(const Trajectory& trajectory) {
   std::vector<double> ranges_rad(trajectory.joints);
   for (std::size_t j = 0; j < trajectory.joints; ++j) {
@@ -39,6 +40,7 @@ std::vector<std::size_t> moving_joints(const Trajectory& trajectory) {
   std::ranges::stable_sort(joints,
                            [&](std::size_t a, std::size_t b) { return ranges_rad[a] > ranges_rad[b]; });
   joints.resize(std::min(joints.size(), kMaxJoints));
+  while (joints.size() > 1 && ranges_rad[joints.back()] < kLeastRange_rad) joints.pop_back();
   std::ranges::sort(joints);
   return joints;
 }
@@ -67,7 +69,7 @@ Columns columns_of_motion(MotionChecker const& checker, const std::vector<std::s
                             shown(state.zmp),
                             shown(state.com),
                             CheckLimits::kClose_m,
-                            -CheckLimits::kClose_m,
+                            -CheckLimits::kBeyond_m,
                             0.0};
     for (const std::size_t joint : joints) row.push_back(trajectory.row(tick)[joint]);
     add_row(columns, row);
