@@ -101,7 +101,7 @@ inline XmlRule pose_rule(const std::string& frame) {
   XmlRule rule = fixed_pose_rule(frame);
   rule.attributes = {text_attribute(
       "relative_to", false,
-      {.meaning = "name of the link or joint in whose frame the pose is given", .source = kSdf})};
+      {.meaning = "name of the link or joint in whose frame the pose is given instead", .source = kSdf})};
   return rule;
 }
 

@@ -3,8 +3,10 @@
 
 #include <fmt/core.h>
 
+#include "sim_board/record/output_file.h"
 #include "tools/cli/commands.h"
 #include "tools/robot/check/model_check.h"
+#include "tools/robot/reference/reference.h"
 
 namespace koboshi::tools {
 namespace {
@@ -14,14 +16,51 @@ struct ModelCheckArguments {
   bool json = false;
 };
 
-}  // namespace
+struct ModelReferenceArguments {
+  std::filesystem::path folder = "docs/reference";
+};
 
-void add_model_command(CLI::App& program, Invocation& invocation) {
-  CLI::App* model = program.add_subcommand("model", "Check the model of a robot");
-  model->require_subcommand(1);
+void print_reference(const std::string& name) {
+  for (const RobotReferenceFile& file : robot_reference_files())
+    if (file.name == name) fmt::print("{}", file.text);
+}
+
+void write_reference(const std::filesystem::path& folder) {
+  for (const RobotReferenceFile& file : robot_reference_files()) {
+    sim::write_whole_file(folder / file.name, file.text);
+    fmt::print("{}\n", (folder / file.name).string());
+  }
+}
+
+void add_reference(CLI::App& model) {
+  auto arguments = std::make_shared<ModelReferenceArguments>();
+  CLI::App* reference =
+      model.add_subcommand("reference", "Print the reference of a robot's file: page and XML Schema");
+  reference->require_subcommand(1);
+  reference->footer(
+      R"(All of them are generated from the table by which the reader checks a robot's file. After a change of the
+table:
+  koboshi model reference write
+A test fails while docs/reference/ is out of date.
+)");
+  reference->add_subcommand("page", "Print the reference page")->callback([] {
+    print_reference("robot-file.md");
+  });
+  reference->add_subcommand("xsd", "Print the XML Schema of a robot's file")->callback([] {
+    print_reference("robot.xsd");
+  });
+  reference->add_subcommand("koboshi-xsd", "Print the XML Schema of the koboshi: elements")->callback([] {
+    print_reference("robot-koboshi.xsd");
+  });
+  CLI::App* write = reference->add_subcommand("write", "Write all of these files");
+  write->add_option("--folder", arguments->folder, "Folder of the files")->capture_default_str();
+  write->callback([arguments] { write_reference(arguments->folder); });
+}
+
+void add_check(CLI::App& model, Invocation& invocation) {
   auto arguments = std::make_shared<ModelCheckArguments>();
   CLI::App* check =
-      model->add_subcommand("check", "Check a robot's file: masses, sides, meshes, soles, servos");
+      model.add_subcommand("check", "Check a robot's file: masses, sides, meshes, soles, servos");
   check->footer(
       R"(Prints the tree of links, masses, sizes and the load of a squat, and what a robot should not have, each
 finding with its line and a proposed repair (docs/reference/model-check.md). Exit status 1 if there is an
@@ -37,6 +76,15 @@ Example:
     fmt::print("{}", arguments->json ? model_report_json(report) : model_report_text(report));
     if (report.has_errors()) invocation.exit_status = 1;
   });
+}
+
+}  // namespace
+
+void add_model_command(CLI::App& program, Invocation& invocation) {
+  CLI::App* model = program.add_subcommand("model", "Check the model of a robot; its file's reference");
+  model->require_subcommand(1);
+  add_check(*model, invocation);
+  add_reference(*model);
 }
 
 }  // namespace koboshi::tools
