@@ -12,12 +12,12 @@
 namespace koboshi::sim {
 namespace {
 
-// Loads the frames of a file that has passed the schema with libsdformat.
-void load_sdf(const XmlFile& file, sdf::Root& root) {
+// Loads the frames of a text that has passed the schema with libsdformat.
+void load_sdf(const XmlFile& file, const std::string& text, sdf::Root& root) {
   sdf::ParserConfig config;
   config.SetWarningsPolicy(sdf::EnforcementPolicy::ERR);
   config.SetUnrecognizedElementsPolicy(sdf::EnforcementPolicy::ERR);
-  const sdf::Errors errors = root.Load(file.path().string(), config);
+  const sdf::Errors errors = root.LoadSdfString(text, config);
   if (errors.empty()) return;
   const sdf::Error& first = errors.front();
   throw InputError(file.path(), first.LineNumber().value_or(file.root().child("model").line()),
@@ -116,11 +116,15 @@ Eigen::Isometry3d resolve_pose(const sdf::SemanticPose& pose, const std::string&
 }
 
 RobotDescription load_robot(const std::filesystem::path& file) {
-  const XmlFile xml(file, sdf_rule());
+  return load_robot(file, read_text_file(file, "an XML file"));
+}
+
+RobotDescription load_robot(const std::filesystem::path& file, const std::string& text) {
+  const XmlFile xml(file, text, sdf_rule());
   const XmlNode model_node = xml.root().child("model");
   check_model(model_node);
   sdf::Root root;
-  load_sdf(xml, root);
+  load_sdf(xml, text, root);
   const sdf::Model& model = *root.Model();
 
   RobotDescription robot;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "sim_board/robot/description.h"
 
@@ -11,5 +12,8 @@ namespace koboshi::sim {
 // no rigid body, axes that are not unit vectors, empty ranges, collisions that are not boxes, joints that are
 // not hinges or do not form one tree of all links, duplicate node ids or names, missing meshes.
 RobotDescription load_robot(const std::filesystem::path& file);
+// Reads a text instead of the file's, such as one that is being edited. Paths in it and errors are as in the
+// file.
+RobotDescription load_robot(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace koboshi::sim

@@ -45,6 +45,9 @@ inline constexpr AddCommand* kCommands[] = {
 AddCommand add_can_dump_command;
 AddCommand add_can_sdo_command;
 
+// Commands below `koboshi model`.
+AddCommand add_model_edit_commands;
+
 // Commands below `koboshi motion`.
 AddCommand add_motion_check_command;
 AddCommand add_motion_plot_command;

@@ -51,8 +51,8 @@ constexpr double kHighShare = 0.8;          // of a servo's torque, as in the mo
 // Lines of the named elements of a robot's file.
 class Lines {
  public:
-  explicit Lines(const std::filesystem::path& file) {
-    const sim::XmlFile document(file, sim::sdf_rule());
+  Lines(const std::filesystem::path& file, const std::string& text) {
+    const sim::XmlFile document(file, text, sim::sdf_rule());
     const sim::XmlNode model = document.root().child("model");
     for (const sim::XmlNode& link : model.children("link")) {
       lines_["link " + link.attribute("name")] = link.line();
@@ -414,15 +414,18 @@ bool ModelReport::has_errors() const {
 }
 
 ModelReport check_model(const std::filesystem::path& file) {
+  return check_model(file, sim::read_text_file(file, "an XML file"));
+}
+
+ModelReport check_model(const std::filesystem::path& file, const std::string& text) {
   ModelReport report{.file = file};
   try {
-    report.robot = sim::load_robot(file);
+    report.robot = sim::load_robot(file, text);
   } catch (const sim::InputError& error) {
-    if (!std::filesystem::is_regular_file(file)) throw;
     report.findings.push_back({"R001", Severity::kError, error.line(), error.found(), error.expected(), {}});
     return report;
   }
-  const Lines lines(file);
+  const Lines lines(file, text);
   ModelJudge(lines, report).run();
   return report;
 }

@@ -44,6 +44,8 @@ struct ModelReport {
 // Checks a robot's file for what the reader accepts and a robot should not have. An error of the reader
 // becomes the only finding.
 [[nodiscard]] ModelReport check_model(const std::filesystem::path& file);
+// Checks a text instead of the file's.
+[[nodiscard]] ModelReport check_model(const std::filesystem::path& file, const std::string& text);
 
 // For people: tree, masses, sizes, and a line for each finding, FILE:LINE: severity[CODE]: found ...,
 // expected

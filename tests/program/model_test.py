@@ -1,0 +1,87 @@
+"""Output, files and refusals of `koboshi model set` and `model get`."""
+
+import pathlib
+import re
+import subprocess
+import tempfile
+import unittest
+
+import program as support
+
+PROGRAM = None
+ROBOT = support.ROOT / "robots" / "koboshi" / "robot.sdf"
+
+
+class ModelEdit(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="koboshi_model_")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        (self.folder / "meshes").symlink_to(ROBOT.parent / "meshes")
+        self.file = self.folder / "robot.sdf"
+        self.first = ROBOT.read_text()
+        self.file.write_text(self.first)
+
+    def test_sets_values_and_no_other_byte(self):
+        result = PROGRAM.run("model", "set", self.file, "left_shank.mass=0.06", "left_knee.axis=0 1 0")
+        self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
+        head, tail = self.first.split('<link name="left_shank">')
+        self.assertEqual(self.file.read_text(),
+                         head + '<link name="left_shank">' + tail.replace("<mass>0.05<", "<mass>0.06<", 1))
+        self.assertEqual(PROGRAM.run("model", "set", self.file, "left_shank.mass=50 g").returncode, 0)
+        self.assertEqual(self.file.read_text(), self.first)
+
+    def test_prints_a_difference_that_patch_applies(self):
+        arguments = (self.file, "left_hip_roll.upper=80 deg", "left_foot.friction=0.6", "head.helmet.zoom=0.001 0.001 0.002",
+                     "left_knee.position=1 0 0 mm", "--mirror")
+        refused = PROGRAM.run("model", "set", *arguments, "--dry-run")
+        self.assertEqual(refused.returncode, 2)  # the head has no other side
+        arguments = [argument for argument in arguments if "helmet" not in str(argument)]
+        result = PROGRAM.run("model", "set", *arguments, "--dry-run")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(self.file.read_text(), self.first)
+        self.assertEqual(len(re.findall(r"^\+ ", result.stdout, re.MULTILINE)), 6, result.stdout)
+        patched = self.folder / "patched.sdf"
+        patched.write_text(self.first)
+        subprocess.run(["patch", "--silent", patched], input=result.stdout, text=True, check=True)
+        written = self.folder / "written.sdf"
+        self.assertEqual(PROGRAM.run("model", "set", *arguments, "-o", written).returncode, 0)
+        self.assertEqual(self.file.read_text(), self.first)
+        self.assertEqual(written.read_text(), patched.read_text())
+
+    def test_gets_values(self):
+        result = PROGRAM.run("model", "get", self.file, "left_shank.mass", "left_foot.friction", "left_knee.offset_rad")
+        self.assertEqual((result.returncode, result.stdout), (0, "0.05\n0.8\n0\n"))
+        result = PROGRAM.run("model", "get", self.file, "left_knee")
+        self.assertRegex(result.stdout, r"(?m)^left_knee\.upper +2\.617994 +a number from -1000 to 1000 in rad$")
+        self.assertIn("link left_shank\n", PROGRAM.run("model", "get", self.file).stdout)
+
+    def test_refuses_bad_input_in_one_line_and_writes_nothing(self):
+        bad = ("left_shank.mass", "=1", "left_shank.mass=-1", "left_shank.mass=heavy", "left_shank.mass=60 mm", "left_shank.mass=",
+               "left_shnk.mass=1", "left_shank.weight=1", "trunk.bias=1", "left_knee.axis=0 1 1", "left_knee.axis=0 1",
+               "left_knee.lower=3", "left_knee.node_id=18", "left_knee.servo=nothing", "trunk.ixx=1", "head.helmet.stl=no.stl",
+               "left_foot.mu=11", "krs_2552.stribeck.exponent=1", "left_knee.relative_to=nobody")
+        for word in bad:
+            others = (("--dry-run",), ("-o", self.folder / "out.sdf")) if word == bad[2] else ()
+            for arguments in ((), *others):
+                with self.subTest(word, arguments=arguments):
+                    result = PROGRAM.run("model", "set", self.file, "left_foot.friction=0.7", word, *arguments)
+                    self.assertEqual(result.returncode, 2, result.stderr)
+                    self.assertEqual(result.stdout, "")
+                    self.assertRegex(result.stderr, r"\A\S+\.sdf(:\d+)?: found [^\n]+, expected [^\n]+\n\Z")
+                    self.assertEqual(self.file.read_text(), self.first)
+                    self.assertFalse((self.folder / "out.sdf").exists())
+
+    def test_refuses_files_that_are_no_robot(self):
+        for text in ("", "<sdf>", "<a/>", "steps: []"):
+            self.file.write_text(text)
+            with self.subTest(text):
+                result = PROGRAM.run("model", "set", self.file, "left_shank.mass=1")
+                self.assertEqual(result.returncode, 2)
+                self.assertRegex(result.stderr, r"\A\S+\.sdf(:\d+)?: found [^\n]+, expected [^\n]+\n\Z")
+        self.assertEqual(PROGRAM.run("model", "get", pathlib.Path("nobody.sdf")).returncode, 2)
+
+
+if __name__ == "__main__":
+    PROGRAM = support.take_program_argument()
+    unittest.main()

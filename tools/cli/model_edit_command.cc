@@ -1,0 +1,121 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
+#include "sim_board/record/output_file.h"
+#include "tools/cli/commands.h"
+#include "tools/edit/unified_diff.h"
+#include "tools/robot/edit/robot_text.h"
+
+namespace koboshi::tools {
+namespace {
+
+struct ModelEditArguments {
+  std::filesystem::path robot;
+  std::vector<std::string> words;  // PATH or PATH=VALUE
+  std::filesystem::path out;
+  bool both_sides = false;
+  bool dry_run = false;
+};
+
+ModelSetting setting_of(const std::filesystem::path& file, const std::string& word) {
+  const std::size_t equals = word.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw sim::InputError(file, 0, sim::one_line(word), "PATH=VALUE, such as left_shank.mass=0.06");
+  return {word.substr(0, equals), word.substr(equals + 1)};
+}
+
+void set_model(const ModelEditArguments& arguments) {
+  const std::string text = sim::read_text_file(arguments.robot, "an XML file");
+  // The robot must load where the result will be: paths of meshes are relative to it.
+  const std::filesystem::path out = arguments.out.empty() ? arguments.robot : arguments.out;
+  XmlDocument document(out, text);
+  std::vector<ModelSetting> settings;
+  for (const std::string& word : arguments.words) settings.push_back(setting_of(arguments.robot, word));
+  apply_settings(document, settings, arguments.both_sides ? Sides::kBoth : Sides::kOne);
+  if (arguments.dry_run) {
+    fmt::print("{}", unified_diff(text, document.text(), arguments.robot.string()));
+    return;
+  }
+  if (document.text() != text || !arguments.out.empty()) document.save();
+}
+
+std::string range_text(const ModelField& field) {
+  std::string text = field.expected();
+  if (!field.value && !field.fallback().empty()) text += "; default " + field.fallback();
+  return text;
+}
+
+void print_fields(const XmlDocument& document, const ModelElement& element) {
+  for (const ModelField& field : model_fields(document, element)) {
+    if (field.part != PosePart::kWhole || !field.value) continue;
+    fmt::print("{:<44} {:<28} {}\n", field.path, *field.value, range_text(field));
+  }
+}
+
+void get_model(const ModelEditArguments& arguments) {
+  const XmlDocument document(arguments.robot);
+  const std::vector<ModelElement> elements = model_elements(document);
+  if (arguments.words.empty()) {
+    for (const ModelElement& element : elements)
+      fmt::print("{} {}\n", plain_tag(element.rule->name), element.name);
+    return;
+  }
+  for (const std::string& word : arguments.words) {
+    const auto element = std::ranges::find(elements, word, &ModelElement::name);
+    if (element != elements.end()) {
+      print_fields(document, *element);
+      continue;
+    }
+    const ModelField field = find_field(document, word);
+    if (!field.value && field.fallback().empty())
+      throw sim::InputError(arguments.robot, 0, field.path + " without a value",
+                            "a value that is in the file");
+    fmt::print("{}\n", field.value.value_or(field.fallback()));
+  }
+}
+
+}  // namespace
+
+void add_model_edit_commands(CLI::App& model, Invocation&) {
+  auto arguments = std::make_shared<ModelEditArguments>();
+  CLI::App* set = model.add_subcommand("set", "Change values in a robot's file");
+  set->footer(
+      R"(Replaces the bytes of each value: comments, order and layout of the rest stay. PATH is the name of a link,
+joint or type of servo, then a key, and names or keys between them where several fit. VALUE is in the unit of
+the file, or ends with mm, deg or g. An empty VALUE removes an optional one. The result must load: otherwise
+nothing is written and the exit status is 2 (docs/reference/model-set.md).
+
+Examples:
+  koboshi model set robots/koboshi/robot.sdf left_shank.mass=0.06 left_knee.axis="0 1 0" --dry-run
+  koboshi model set robots/koboshi/robot.sdf left_knee.upper="140 deg" --mirror --dry-run
+  koboshi model set robots/koboshi/robot.sdf head.helmet.zoom="0.001 0.001 0.0012" --dry-run
+)");
+  set->add_option("ROBOT", arguments->robot, "The robot's file")->required();
+  set->add_option("PATH=VALUE", arguments->words, "Values to set")->required();
+  set->add_flag("--mirror", arguments->both_sides, "Also set the mirror image on the other side");
+  set->add_flag("--dry-run", arguments->dry_run, "Print the difference and write nothing");
+  set->add_option("-o", arguments->out, "Write the result to this file")->type_name("FILE");
+  set->callback([arguments] { set_model(*arguments); });
+
+  CLI::App* get = model.add_subcommand("get", "Print values of a robot's file");
+  get->footer(
+      R"(PATH is as in koboshi model set. The name of a link, joint or type of servo prints all its values with
+units and ranges; without a PATH, the names are printed.
+
+Examples:
+  koboshi model get robots/koboshi/robot.sdf left_shank.mass left_foot.friction
+  koboshi model get robots/koboshi/robot.sdf left_knee
+)");
+  get->add_option("ROBOT", arguments->robot, "The robot's file")->required();
+  get->add_option("PATH", arguments->words, "Values, or names of elements");
+  get->callback([arguments] { get_model(*arguments); });
+}
+
+}  // namespace koboshi::tools
