@@ -80,7 +80,7 @@ BusMonitor::BusMonitor(std::unique_ptr<sim::Transport> transport, const std::fil
       first_signals_(first_signals_of(network_)),
       head_(make_head(robot_, network_, place_)),
       placer_(std::make_unique<Placer>(robot_)),
-      sink_(*transport_),
+      sink_(*this),
       access_(sink_),
       values_(head_.signals.size(), std::numeric_limits<float>::quiet_NaN()),
       angles_rad_(robot_.joints.size(), 0.0) {
@@ -115,7 +115,9 @@ void BusMonitor::run(const std::stop_token& stop) {
   std::uint64_t sampled_us = 0;
   try {
     while (!stop.stop_requested()) {
+      now_us_ = now_us();
       obey();
+      if (walk_us_ && now_us_ - *walk_us_ > kWalkTimeout_us) end_walk();
       access_.process(now_us());
       if (auto answers = access_.take_answers(); !answers.empty()) inbox_.add_answers(std::move(answers));
       bool sync = false;
@@ -131,6 +133,7 @@ void BusMonitor::run(const std::stop_token& stop) {
       transport_->flush();
       tools::wait_for_frames(*transport_, kWait_us);
     }
+    end_walk();
   } catch (const std::exception& error) {
     const std::scoped_lock lock(mutex_);
     error_ = error.what();
@@ -145,9 +148,35 @@ void BusMonitor::obey() {
   }
   for (Input& input : given) {
     if (auto* request = std::get_if<sim::ObjectRequest>(&input)) access_.request(std::move(*request));
-    if (const auto* command = std::get_if<sim::Command>(&input))
-      for (const hal::CanFrame& frame : sim::command_frames(*command)) tools::send_surely(*transport_, frame);
+    if (const auto* command = std::get_if<sim::Command>(&input)) {
+      send(*command);
+      walk_us_.reset();
+      if (command->kind == sim::Command::Kind::kWalk) walk_us_ = now_us_;
+    }
   }
+}
+
+// A bus does not return what this program sends, so it is recorded here.
+bool BusMonitor::send(const hal::CanFrame& frame) {
+  if (!transport_->send(frame, 0)) return false;
+  inbox_.add_frame({.end_us = now_us_, .frame = frame});
+  take_values(frame);
+  return true;
+}
+
+void BusMonitor::send(const sim::Command& command) {
+  for (const hal::CanFrame& frame : sim::command_frames(command)) {
+    tools::send_surely(*transport_, frame);
+    inbox_.add_frame({.end_us = now_us_, .frame = frame});
+    take_values(frame);
+  }
+}
+
+void BusMonitor::end_walk() {
+  if (!std::exchange(walk_us_, std::nullopt)) return;
+  sim::Command stop;
+  stop.kind = sim::Command::Kind::kStop;
+  send(stop);
 }
 
 void BusMonitor::take_frame(const hal::CanFrame& frame, std::uint64_t now_us) {

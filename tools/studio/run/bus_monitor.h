@@ -26,8 +26,14 @@ namespace koboshi::studio {
 // It records what the bus carries: all frames, each value of the known messages as a signal, the joint angles
 // as poses of a robot that stands on its soles, and emergencies, NMT commands and changes of NMT states as
 // events. It sends nothing unless it is told to. A thread of its own reads the bus; times are since then.
+//
+// It is the dead man's switch of a walk: a velocity that is not given again within kWalkTimeout_us, and the
+// end of the monitor, stop the robot.
 class BusMonitor {
  public:
+  // Four repetitions of HeldWalk. Less would end walks when a loaded machine pauses the window.
+  static constexpr std::uint64_t kWalkTimeout_us = 400'000;
+
   // The robot's file gives the nodes and their messages. Throws sim::InputError.
   BusMonitor(std::unique_ptr<sim::Transport> transport, const std::filesystem::path& robot_file);
   ~BusMonitor();
@@ -49,13 +55,16 @@ class BusMonitor {
 
  private:
   struct Sink final : canopen::FrameSink {
-    explicit Sink(sim::Transport& to) : transport(to) {}
-    bool send(const hal::CanFrame& frame) override { return transport.send(frame, 0); }
-    sim::Transport& transport;
+    explicit Sink(BusMonitor& of) : monitor(of) {}
+    bool send(const hal::CanFrame& frame) override { return monitor.send(frame); }
+    BusMonitor& monitor;
   };
 
   void run(const std::stop_token& stop);
   void obey();
+  bool send(const hal::CanFrame& frame);
+  void send(const sim::Command& command);
+  void end_walk();
   void take_frame(const hal::CanFrame& frame, std::uint64_t now_us);
   void take_values(const hal::CanFrame& frame);
   void take_event(const hal::CanFrame& frame, std::uint64_t now_us);
@@ -74,10 +83,12 @@ class BusMonitor {
   std::unique_ptr<Placer> placer_;
   Sink sink_;
   sim::ObjectAccess access_;
+  std::uint64_t now_us_ = 0;
   std::vector<float> values_;
   std::vector<double> angles_rad_;
   std::map<std::uint8_t, std::uint8_t> nmt_states_;  // by node
   std::vector<view::Event> events_;
+  std::optional<std::uint64_t> walk_us_;  // when the velocity of a walk was given last
 
   mutable std::mutex mutex_;
   std::vector<Input> given_;
