@@ -13,7 +13,6 @@
 #include <QLineEdit>
 #include <QMenuBar>
 #include <QMimeData>
-#include <QProcess>
 #include <QPushButton>
 #include <QRegularExpression>
 #include <QSettings>
@@ -25,8 +24,6 @@
 #include <QTableView>
 #include <QTemporaryDir>
 #include <QTest>
-#include <QToolButton>
-#include <QTranslator>
 #include <QUrl>
 #include <algorithm>
 #include <filesystem>
@@ -35,9 +32,11 @@
 #include <optional>
 
 #include "sim_board/scenario/reader.h"
+#include "tests/support/sample_recording.h"
 #include "tools/studio/motion/joint_panel.h"
 #include "tools/studio/motion/motion_panel.h"
 #include "tools/studio/motion/step_model.h"
+#include "tools/studio/plot/plot_panel.h"
 #include "tools/studio/window/can_panel.h"
 #include "tools/studio/window/command_search.h"
 #include "tools/studio/window/main_window.h"
@@ -45,6 +44,7 @@
 #include "tools/studio/window/node_table.h"
 #include "tools/studio/window/object_panel.h"
 #include "tools/studio/window/theme.h"
+#include "tools/view/recording/recording_file.h"
 #include "tools/view/render/camera.h"
 
 namespace koboshi::studio {
@@ -52,16 +52,6 @@ namespace {
 
 constexpr int kPatience_ms = 20'000;
 const std::filesystem::path kRoot = KOBOSHI_SOURCE_DIR;
-
-// Marks every translated text, so that one that is not translated shows.
-class PseudoLocale final : public QTranslator {
- public:
-  QString translate(const char* /*context*/, const char* source, const char* /*meaning*/,
-                    int /*n*/) const override {
-    return QStringLiteral("«") + QString::fromUtf8(source) + QStringLiteral("»");
-  }
-  bool isEmpty() const override { return false; }
-};
 
 }  // namespace
 
@@ -281,64 +271,6 @@ class WindowTest final : public QObject {
     QVERIFY(window_->messages().isVisible());
   }
 
-  // A simulation of another process, by a multicast group that no other test uses.
-  void attaches_to_a_running_simulation() {
-    const QString bus =
-        QStringLiteral("udp:239.74.163.9:%1").arg(20'000 + QCoreApplication::applicationPid() % 20'000);
-    const QTemporaryDir out;
-    QProcess robot;
-    robot.setProcessChannelMode(QProcess::MergedChannels);
-    robot.start(QCoreApplication::applicationDirPath() + QStringLiteral("/koboshi"),
-                {QStringLiteral("run"), QString::fromStdString((kRoot / "scenarios/walk.yaml").string()),
-                 QStringLiteral("--can"), bus, QStringLiteral("--realtime"), QStringLiteral("--out"),
-                 out.filePath(QStringLiteral("run"))});
-    QVERIFY(robot.waitForStarted(kPatience_ms));
-    QSignalSpy opened(&window_->run(), &RunController::opened);
-    window_->attach(bus.toStdString());
-    QVERIFY(opened.wait(kPatience_ms));
-    RunController& run = window_->run();
-    QCOMPARE(run.source(), RunController::Source::kBus);
-    const view::Recording& seen = run.recording();
-    const auto knee = std::ranges::find(seen.signals, std::string("left_knee_TPDO1.position_actual_value"),
-                                        &view::Signal::name);
-    QVERIFY(knee != seen.signals.end());
-    const auto column = static_cast<std::size_t>(knee - seen.signals.begin());
-    const auto knee_deg = [&] { return seen.samples.empty() ? 0.0F : seen.samples.back().values[column]; };
-    if (!QTest::qWaitFor([&] { return knee_deg() > 5.0F; }, kPatience_ms)) QFAIL(robot.readAll().constData());
-    QVERIFY(seen.frames.size() > 100);
-    QVERIFY(window_->findChild<CanPanel*>()->findChild<FrameModel*>()->rowCount() > 0);
-    QTRY_VERIFY_WITH_TIMEOUT(!seen.events.empty(), kPatience_ms);
-    // Its objects can be read as those of a simulation in the window.
-    auto* panel = window_->findChild<ObjectPanel*>();
-    panel->findChild<QLineEdit*>()->setText(QStringLiteral("1005:00"));
-    QTest::mouseClick(panel->findChild<QPushButton*>(QStringLiteral("read_objects")), Qt::LeftButton);
-    const QModelIndex value = panel->findChild<QTableView*>()->model()->index(0, ObjectModel::kValue);
-    QTRY_VERIFY_WITH_TIMEOUT(value.data().toString() == QStringLiteral("0x40000080"), kPatience_ms);
-    // A motion goes to it from the editor, and comes back the same.
-    window_->open(kRoot / "robots/koboshi/motions/bow.yaml");
-    window_->messages().hide();
-    const QList<QAction*> actions = window_->all_actions();
-    const auto upload = std::ranges::find_if(
-        actions, [](const QAction* action) { return action->text().contains(QStringLiteral("Upload")); });
-    (*upload)->trigger();
-    QTRY_VERIFY_WITH_TIMEOUT(window_->messages().isVisible(), kPatience_ms);
-    QVERIFY2(window_->messages().text().contains(QStringLiteral("read back the same")),
-             qPrintable(window_->messages().text()));
-    // What only a simulation can do is refused.
-    run.give(sim::Push());
-    QVERIFY(window_->messages().isVisible());
-    robot.terminate();
-    QVERIFY(robot.waitForFinished(kPatience_ms));
-  }
-
-  void says_which_buses_can_be_followed() {
-    window_->attach("can0");
-    QTRY_VERIFY_WITH_TIMEOUT(window_->messages().isVisible(), kPatience_ms);
-    window_->messages().hide();
-    window_->attach("none");
-    QTRY_VERIFY_WITH_TIMEOUT(window_->messages().isVisible(), kPatience_ms);
-  }
-
   void restarts_with_another_seed() {
     open(kRoot / "scenarios/walk.yaml");
     window_->findChild<QSpinBox*>()->setValue(7);
@@ -347,6 +279,66 @@ class WindowTest final : public QObject {
     QVERIFY(opened.wait(kPatience_ms));
     QCOMPARE(window_->run().session()->scenario().seed, std::uint64_t{7});
     QTRY_COMPARE(window_->run().end_us(), std::uint64_t{10'000});
+  }
+
+  // Every ground of the panel starts; slope and pieces stay for the next start, and go with another file.
+  void starts_again_on_another_ground() {
+    open(kRoot / "scenarios/go.yaml");
+    auto* terrain = window_->findChild<QComboBox*>(QStringLiteral("terrain"));
+    auto* roll = window_->findChild<QDoubleSpinBox*>(QStringLiteral("ground_roll"));
+    const auto restart = [&] {
+      QSignalSpy opened(&window_->run(), &RunController::opened);
+      QTest::mouseClick(window_->findChild<QPushButton*>(QStringLiteral("restart")), Qt::LeftButton);
+      return opened.wait(kPatience_ms);
+    };
+    const auto ground = [&]() -> const sim::Ground& { return window_->run().session()->scenario().ground; };
+    for (int i = 1; i < terrain->count(); ++i) {
+      terrain->setCurrentIndex(i);
+      QVERIFY2(restart(), qPrintable(terrain->currentText() + window_->messages().text()));
+      QCOMPARE(ground().shapes.empty(), i == 1);  // only the plane has no pieces
+    }
+    roll->setValue(2.5);
+    QVERIFY(restart());
+    QVERIFY(std::abs(ground().roll_rad - 2.5 * 0.0174533) < 1e-5);
+    QVERIFY(restart());
+    QVERIFY(std::abs(ground().roll_rad - 2.5 * 0.0174533) < 1e-5);
+    QCOMPARE(ground().shapes.size(), std::size_t{1});
+    run_to(100'000);
+    open(kRoot / "scenarios/walk.yaml");
+    QCOMPARE(terrain->currentIndex(), 0);
+    QCOMPARE(roll->value(), 0.0);
+  }
+
+  // A recording on the disk: the window shows it before its blocks are read, and any moment of it.
+  void opens_a_long_recording() {
+    QTemporaryDir folder;
+    const std::filesystem::path file = std::filesystem::path(folder.path().toStdString()) / "run.mcap";
+    const view::Recording whole = koboshi::test::sample_recording(12'000);  // two minutes
+    view::write_recording(file, whole);
+    open(file);
+    RunController& run = window_->run();
+    QVERIFY(run.is_windowed());
+    QCOMPARE(run.end_us(), whole.samples.back().time_us);
+    QVERIFY(run.recording().samples.size() < 300);
+    auto* plots = window_->findChild<PlotPanel*>();
+    QTRY_COMPARE_WITH_TIMEOUT(plots->samples().times()->size(), whole.samples.size(), kPatience_ms);
+    QCOMPARE(run.recording().events.size(), whole.events.size());
+    auto* frames = window_->findChild<QTableView*>(QStringLiteral("frames"));
+    for (const std::uint64_t time_us : {60'000'000u, 119'990'000u, 10'000u, 90'123'000u}) {
+      run.set_cursor(time_us);
+      const auto& samples = run.recording().samples;
+      QVERIFY(samples.front().time_us <= time_us && samples.back().time_us + 10'000 > time_us);
+      QVERIFY(run.recording().samples.size() <= 100 * RecordingWindow::kMaxBlocks + 100);
+      const double shown_s =
+          frames->currentIndex().siblingAtColumn(FrameModel::kTime).data().toString().toDouble();
+      QVERIFY2(std::abs(shown_s - 1e-6 * static_cast<double>(time_us)) < 0.011,
+               qPrintable(QString::number(shown_s)));
+    }
+    run.set_cursor(30'000'000);
+    run.set_speed(2.0);
+    run.set_playing(true);
+    QTRY_VERIFY_WITH_TIMEOUT(run.cursor_us() > 32'000'000, kPatience_ms);
+    run.set_playing(false);
   }
 
   void bad_files_end_in_the_message_bar() {
@@ -705,20 +697,6 @@ class WindowTest final : public QObject {
     QVERIFY(search->text().isEmpty());
   }
 
-  void actions_have_distinct_shortcuts_and_texts() {
-    QMap<QString, QString> shortcuts;
-    for (const QAction* one : window_->all_actions()) {
-      QVERIFY(!one->text().isEmpty());
-      for (const QKeySequence& keys : one->shortcuts()) {
-        const QString text = keys.toString();
-        QVERIFY2(!shortcuts.contains(text), qPrintable(text + QStringLiteral(": ") + one->text() +
-                                                       QStringLiteral(" and ") + shortcuts.value(text)));
-        shortcuts.insert(text, one->text());
-      }
-    }
-    QVERIFY(shortcuts.size() > 25);
-  }
-
   void remembers_its_layout() {
     auto* dock = window_->findChild<QDockWidget*>(QStringLiteral("operator"));
     QVERIFY(dock->isVisible());
@@ -730,27 +708,6 @@ class WindowTest final : public QObject {
     QVERIFY(!window_->findChild<QDockWidget*>(QStringLiteral("operator"))->isVisible());
     action("Default layout")->trigger();
     QVERIFY(window_->findChild<QDockWidget*>(QStringLiteral("operator"))->isVisible());
-  }
-
-  void every_text_can_be_translated() {
-    window_.reset();
-    PseudoLocale locale;
-    QApplication::installTranslator(&locale);
-    window_ = std::make_unique<MainWindow>(kRoot / "robots/koboshi/robot.sdf");
-    QStringList missing;
-    const auto require = [&](const QString& text) {
-      // Numbers, units and the operator's key names of the firmware stay as they are.
-      static const QRegularExpression letters(QStringLiteral("[A-Za-z]{3,}"));
-      if (letters.match(text).hasMatch() && !text.contains(QChar(u'«'))) missing << text;
-    };
-    for (const QAction* one : window_->all_actions()) require(one->text());
-    for (const QPushButton* one : window_->findChildren<QPushButton*>()) require(one->text());
-    for (const QToolButton* one : window_->findChildren<QToolButton*>()) require(one->toolTip());
-    for (const QDockWidget* one : window_->findChildren<QDockWidget*>()) require(one->windowTitle());
-    for (const QLineEdit* one : window_->findChildren<QLineEdit*>()) require(one->placeholderText());
-    QApplication::removeTranslator(&locale);
-    missing.removeDuplicates();
-    QVERIFY2(missing.isEmpty(), qPrintable(missing.join(QStringLiteral(" | "))));
   }
 
   // For eyes: KOBOSHI_PICTURES names a folder for pictures of the window.

@@ -1,5 +1,6 @@
 #include <QApplication>
 #include <QSurfaceFormat>
+#include <QTranslator>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -13,6 +14,7 @@
 
 #include "tools/studio/view/robot_view.h"
 #include "tools/studio/window/main_window.h"
+#include "tools/studio/window/translation.h"
 
 namespace {
 
@@ -68,6 +70,9 @@ int main(int argc, char** argv) {
   QApplication::setOrganizationName(QStringLiteral("Koboshi"));
   QApplication::setApplicationName(QStringLiteral("Koboshi Studio"));
   QApplication::setApplicationVersion(QStringLiteral(KOBOSHI_VERSION));
+  const auto translation = koboshi::studio::load_translation(
+      QLocale(), QApplication::applicationDirPath() + QStringLiteral("/translations"));
+  if (translation) QApplication::installTranslator(translation.get());
   koboshi::studio::MainWindow window(robot);
   for (const std::filesystem::path& file : files) window.open(file);
   if (!can.empty()) window.attach(can, real_bus);

@@ -1,18 +1,20 @@
 #include "tools/studio/window/can_panel.h"
 
 #include <QFontDatabase>
-#include <QHeaderView>
 #include <QLabel>
 #include <QLineEdit>
 #include <QTabWidget>
 #include <QTableView>
 #include <QVBoxLayout>
 #include <algorithm>
+#include <span>
 #include <string>
 #include <utility>
 
+#include "sim_board/can/frame_bits.h"
 #include "tools/can/frame_text.h"
 #include "tools/dictionary/object_names.h"
+#include "tools/studio/window/table_style.h"
 
 namespace koboshi::studio {
 namespace {
@@ -39,20 +41,27 @@ QString kind_name(tools::FrameKind kind) {
   return {};
 }
 
+// The share of the last second before a time in which these frames were on a bus of 1 Mbit/s.
+double load_of_frames(std::span<const view::Frame> frames, std::uint64_t time_us) {
+  constexpr std::uint64_t kWindow_us = 1'000'000;
+  const auto first =
+      std::ranges::upper_bound(frames, time_us - std::min(time_us, kWindow_us), {}, &view::Frame::end_us);
+  const auto last = std::ranges::upper_bound(frames, time_us, {}, &view::Frame::end_us);
+  double bits = 0.0;
+  for (const view::Frame& frame : std::span(first, last)) bits += sim::frame_bits(frame.frame);
+  return bits / static_cast<double>(kWindow_us);
+}
+
 }  // namespace
 
 FrameModel::FrameModel(QObject* parent)
     : QAbstractTableModel(parent), names_(tools::object_names()), passing_(kIdentifiers, -1) {}
 
 void FrameModel::set_recording(const view::Recording* recording, tools::Network network) {
-  beginResetModel();
   recording_ = recording;
   network_ = std::move(network);
   passing_.assign(kIdentifiers, -1);
-  seen_ = 0;
-  rows_.clear();
-  endResetModel();
-  update();
+  reset();
 }
 
 void FrameModel::update() {
@@ -77,14 +86,18 @@ void FrameModel::update() {
   endInsertRows();
 }
 
-void FrameModel::set_filter(const QString& text) {
+void FrameModel::reset() {
   beginResetModel();
-  filter_ = text.simplified();
-  passing_.assign(kIdentifiers, -1);
   seen_ = 0;
   rows_.clear();
   endResetModel();
   update();
+}
+
+void FrameModel::set_filter(const QString& text) {
+  filter_ = text.simplified();
+  passing_.assign(kIdentifiers, -1);
+  reset();
 }
 
 bool FrameModel::passes(const hal::CanFrame& frame) {
@@ -200,27 +213,10 @@ CanPanel::CanPanel(QWidget* parent)
   });
   table_->setModel(model_);
   table_->setObjectName(QStringLiteral("frames"));
-  table_->setSelectionBehavior(QAbstractItemView::SelectRows);
-  table_->setWordWrap(false);
-  table_->setAlternatingRowColors(true);
-  table_->verticalHeader()->hide();
-  table_->verticalHeader()->setDefaultSectionSize(table_->fontMetrics().height() + 6);
-  table_->horizontalHeader()->setStretchLastSection(true);
-  const int digit = table_->fontMetrics().horizontalAdvance(QLatin1Char('0'));
-  table_->setColumnWidth(FrameModel::kTime, 13 * digit);
-  table_->setColumnWidth(FrameModel::kIdentifier, 9 * digit);
-  table_->setColumnWidth(FrameModel::kSender, 24 * digit);
-  table_->setColumnWidth(FrameModel::kData, 22 * digit);
-  table_->setAccessibleName(tr("Frames on the CAN bus"));
+  style_table(*table_, tr("Frames on the CAN bus"), {13, 9, 24, 22});
   node_table_->setModel(nodes_);
+  style_table(*node_table_, tr("Nodes on the CAN bus"), {24, 14, 9, 9, 9, 9});
   node_table_->setSelectionMode(QAbstractItemView::NoSelection);
-  node_table_->verticalHeader()->hide();
-  node_table_->verticalHeader()->setDefaultSectionSize(table_->verticalHeader()->defaultSectionSize());
-  node_table_->setColumnWidth(NodeModel::kNode, 24 * digit);
-  node_table_->setColumnWidth(NodeModel::kState, 14 * digit);
-  for (int column = NodeModel::kTransmitErrors; column < NodeModel::kColumns; ++column)
-    node_table_->setColumnWidth(column, 9 * digit);
-  node_table_->setAccessibleName(tr("Nodes on the CAN bus"));
   connect(table_, &QTableView::clicked, this,
           [this](const QModelIndex& index) { Q_EMIT cursor_moved(model_->time_us(index.row())); });
   auto* layout = new QVBoxLayout(this);
@@ -233,11 +229,17 @@ CanPanel::CanPanel(QWidget* parent)
   layout->addWidget(count_);
 }
 
-void CanPanel::set_recording(const view::Recording* recording, tools::Network network) {
+void CanPanel::set_recording(const view::Recording* recording, tools::Network network, bool is_part) {
   recording_ = recording;
+  is_part_ = is_part;
   nodes_->set_names(network.nodes);
   model_->set_recording(recording, std::move(network));
   update_frames();
+}
+
+void CanPanel::reset_frames() {
+  model_->reset();
+  show_count();
 }
 
 void CanPanel::update_frames() {
@@ -245,11 +247,19 @@ void CanPanel::update_frames() {
   show_count();
 }
 
+// Of a simulated bus, the load is that of its bits. Of other buses it follows from the frames: those of the
+// last second before the cursor, at the bit rate of this project's buses.
 void CanPanel::show_count() {
   if (recording_ == nullptr) return count_->clear();
-  QString text =
-      tr("%1 of %2 frames").arg(model_->rowCount()).arg(static_cast<qulonglong>(recording_->frames.size()));
-  if (nodes_->rowCount() > 0) text += tr(", bus load %1 %").arg(100.0 * bus_load_, 0, 'f', 0);
+  const auto of = static_cast<qulonglong>(recording_->frames.size());
+  QString text = is_part_ ? tr("%1 of %2 frames around the cursor").arg(model_->rowCount()).arg(of)
+                          : tr("%1 of %2 frames").arg(model_->rowCount()).arg(of);
+  if (nodes_->rowCount() > 0) {
+    text += tr(", bus load %1 %").arg(100.0 * bus_load_, 0, 'f', 0);
+  } else if (of > 0) {
+    text += tr(", bus load %1 % at 1 Mbit/s; error counters are known of simulations only")
+                .arg(100.0 * load_of_frames(recording_->frames, cursor_us_), 0, 'f', 0);
+  }
   count_->setText(text);
 }
 
@@ -261,6 +271,8 @@ void CanPanel::show_nodes(const SessionStatus& status) {
 }
 
 void CanPanel::set_cursor(std::uint64_t time_us) {
+  cursor_us_ = time_us;
+  if (nodes_->rowCount() == 0) show_count();
   const int row = recording_ == nullptr ? -1 : model_->row_at(time_us);
   if (row < 0) return;
   table_->setCurrentIndex(model_->index(row, 0));

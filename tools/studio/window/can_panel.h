@@ -32,6 +32,8 @@ class FrameModel final : public QAbstractTableModel {
   void set_recording(const view::Recording* recording, tools::Network network);
   // Adds the frames that the recording has got since; after a rewind, drops those that it has lost.
   void update();
+  // Begins again: the recording has other frames.
+  void reset();
   // Shows frames whose identifier, sender or kind contains this text; all words must be found.
   void set_filter(const QString& text);
   // The row of the last frame at or before a time, -1: none.
@@ -65,8 +67,10 @@ class CanPanel final : public QWidget {
 
  public:
   explicit CanPanel(QWidget* parent = nullptr);
-  // As FrameModel::set_recording.
-  void set_recording(const view::Recording* recording, tools::Network network);
+  // As FrameModel::set_recording. `is_part`: the recording holds the frames around the cursor only.
+  void set_recording(const view::Recording* recording, tools::Network network, bool is_part = false);
+  // Shows the recording's frames anew: they are others.
+  void reset_frames();
   void update_frames();
   // Nodes and load of a simulated bus; no nodes: unknown.
   void show_nodes(const SessionStatus& status);
@@ -88,7 +92,9 @@ class CanPanel final : public QWidget {
   QTabWidget* const tables_;
   QLabel* const count_;
   const view::Recording* recording_ = nullptr;
+  bool is_part_ = false;
   double bus_load_ = 0.0;
+  std::uint64_t cursor_us_ = 0;
 };
 
 }  // namespace koboshi::studio

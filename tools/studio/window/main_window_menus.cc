@@ -2,7 +2,6 @@
 
 #include <QAction>
 #include <QApplication>
-#include <QDockWidget>
 #include <QMenuBar>
 #include <QSettings>
 #include <QStatusBar>
@@ -15,7 +14,9 @@
 #include "tools/studio/motion/motion_panel.h"
 #include "tools/studio/window/command_search.h"
 #include "tools/studio/window/main_window.h"
+#include "tools/studio/window/motion_playback.h"
 #include "tools/studio/window/operator_panel.h"
+#include "tools/studio/window/panels.h"
 #include "tools/studio/window/pose_controller.h"
 #include "tools/studio/window/theme.h"
 #include "tools/studio/window/transport_bar.h"
@@ -51,6 +52,39 @@ constexpr std::array<OverlayText, 6> kOverlayTexts{
      {view::Overlay::kPushes, QT_TRANSLATE_NOOP("MainWindow", "Pushes"), true},
      {view::Overlay::kFootprints, QT_TRANSLATE_NOOP("MainWindow", "Footprints of a recorded run"), true}}};
 
+// The operator's keys, apart from the one that ends a run.
+struct KeyText {
+  tools::Key key;
+  const char* text;
+};
+constexpr std::array<KeyText, 15> kKeyTexts{
+    {{tools::Key::kForward, QT_TRANSLATE_NOOP("Key", "Forward")},
+     {tools::Key::kBackward, QT_TRANSLATE_NOOP("Key", "Backward")},
+     {tools::Key::kTurnLeft, QT_TRANSLATE_NOOP("Key", "Turn left")},
+     {tools::Key::kTurnRight, QT_TRANSLATE_NOOP("Key", "Turn right")},
+     {tools::Key::kLeft, QT_TRANSLATE_NOOP("Key", "Left")},
+     {tools::Key::kRight, QT_TRANSLATE_NOOP("Key", "Right")},
+     {tools::Key::kGo, QT_TRANSLATE_NOOP("Key", "Go")},
+     {tools::Key::kStop, QT_TRANSLATE_NOOP("Key", "Stop")},
+     {tools::Key::kPush, QT_TRANSLATE_NOOP("Key", "Push")},
+     {tools::Key::kPushMore, QT_TRANSLATE_NOOP("Key", "Push more")},
+     {tools::Key::kPushLess, QT_TRANSLATE_NOOP("Key", "Push less")},
+     {tools::Key::kEnable, QT_TRANSLATE_NOOP("Key", "Enable")},
+     {tools::Key::kGetUp, QT_TRANSLATE_NOOP("Key", "Get up")},
+     {tools::Key::kEmergencyStop, QT_TRANSLATE_NOOP("Key", "Emergency stop")},
+     {tools::Key::kReset, QT_TRANSLATE_NOOP("Key", "Reset")}}};
+
+// The key on the keyboard, named as Qt does.
+QString key_name(tools::Key key) {
+  for (const tools::KeyHelp& help : tools::key_help()) {
+    if (help.name != tools::name_of(key)) continue;
+    const std::string& name = help.browser_keys.front();
+    if (name == " ") return QStringLiteral("Space");
+    return QString::fromStdString(name.starts_with("Arrow") ? name.substr(5) : name);
+  }
+  return {};
+}
+
 QString tr_view(const char* text) { return QCoreApplication::translate("MainWindow", text); }
 
 }  // namespace
@@ -69,48 +103,47 @@ void MainWindow::make_menus() {
   add_action(*file, tr("&Attach to a CAN bus..."), QKeySequence(tr("Ctrl+Shift+B")),
              [this] { choose_bus(); });
   file->addSeparator();
-  file->addActions(motion_->file_actions());
+  file->addActions(motion().file_actions());
   add_action(*file, tr("&Upload the motion to a robot"), QKeySequence(tr("Ctrl+Shift+T")),
-             [this] { upload_motion(); });
+             [this] { playback_->upload(bus_.toStdString(), real_bus_); });
   file->addSeparator();
   add_action(*file, tr("&Quit"), QKeySequence::Quit, [this] { close(); });
   QMenu* edit = menuBar()->addMenu(tr("&Edit"));
-  edit->addActions(motion_->edit_actions());
+  edit->addActions(motion().edit_actions());
   poses_->fill_menu(*menuBar()->addMenu(tr("&Pose")));
-  QMenu* run = menuBar()->addMenu(tr("&Run"));
-  run->addActions(findChild<TransportBar*>()->actions());
-  add_action(*run, tr("Start &again with seed and stepper"), QKeySequence(tr("Ctrl+Shift+R")),
-             [this] { operator_->restart(); });
-  add_action(*run, tr("To the &beginning"), Qt::Key_Home, [this] { run_->set_cursor(0); });
-  add_action(*run, tr("To the &end"), Qt::Key_End, [this] { run_->set_cursor(run_->end_us()); });
-  loop_ = add_action(*run, tr("&Loop the playback"), QKeySequence(tr("Ctrl+Shift+L")), {});
-  loop_->setCheckable(true);
-  loop_->setToolTip(tr("Play a preview or a recorded run again from where the playback began"));
+  make_run_menu();
   make_robot_menu();
   make_view_menu();
+  panels_->add_menus(*menuBar());
   QMenu* help = menuBar()->addMenu(tr("&Help"));
   add_action(*help, tr("&Search commands"), QKeySequence(tr("Ctrl+K")), [this] { search_->setFocus(); });
-  add_action(*help, tr("&About Koboshi"), {},
+  add_action(*help, tr("&About Koboshi"), QKeySequence(Qt::Key_F1),
              [this] { statusBar()->showMessage(tr("Koboshi %1").arg(QStringLiteral(KOBOSHI_VERSION))); });
   menuBar()->setCornerWidget(search_);
   search_->set_actions(all_actions());
+}
+
+void MainWindow::make_run_menu() {
+  QMenu* run = menuBar()->addMenu(tr("&Run"));
+  run->addActions(findChild<TransportBar*>()->actions());
+  add_action(*run, tr("Start &again with seed and stepper"), QKeySequence(tr("Ctrl+Shift+R")),
+             [this] { panels_->operator_panel().restart(); });
+  add_action(*run, tr("To the &beginning"), Qt::Key_Home, [this] { run_->set_cursor(0); });
+  add_action(*run, tr("To the &end"), Qt::Key_End, [this] { run_->set_cursor(run_->end_us()); });
+  QAction* loop = add_action(*run, tr("&Loop the playback"), QKeySequence(tr("Ctrl+Shift+L")), {});
+  loop->setCheckable(true);
+  loop->setToolTip(tr("Play a preview or a recorded run again from where the playback began"));
+  playback_->set_loop(loop);
 }
 
 // The operator's keys, as in a terminal and in the live page; Ctrl+Alt keeps them apart from the keys of
 // other panels.
 void MainWindow::make_robot_menu() {
   QMenu* menu = menuBar()->addMenu(tr("R&obot"));
-  for (const tools::KeyHelp& help : tools::key_help()) {
-    const std::optional<tools::Key> key = tools::key_of_browser(help.browser_keys.front());
-    if (!key || *key == tools::Key::kEnd) continue;
-    std::string name = help.browser_keys.front();
-    if (name.starts_with("Arrow")) name.erase(0, 5);
-    if (name == " ") name = "Space";
-    QString text = QCoreApplication::translate("Key", std::string(help.name).c_str());
-    if (!text.isEmpty()) text[0] = text[0].toUpper();
-    add_action(*menu, text, QKeySequence(QStringLiteral("Ctrl+Alt+") + QString::fromStdString(name)),
-               [this, key = *key] { operator_->press(key); });
-  }
+  for (const KeyText& row : kKeyTexts)
+    add_action(*menu, QCoreApplication::translate("Key", row.text),
+               QKeySequence(QStringLiteral("Ctrl+Alt+") + key_name(row.key)),
+               [this, key = row.key] { panels_->operator_panel().press(key); });
 }
 
 void MainWindow::make_view_menu() {
@@ -138,17 +171,17 @@ void MainWindow::make_view_menu() {
   add_switch(tr("&Joint axes"), QKeySequence(tr("Ctrl+6")), &RobotView::set_joint_axes);
   add_switch(tr("&Exploded view"), QKeySequence(tr("Ctrl+7")), &RobotView::set_exploded);
   menu->addSeparator();
+  int key = Qt::Key_1;
   for (const OverlayText& row : kOverlayTexts) {
-    QAction* action = add_action(*menu, tr_view(row.text), {}, {});
+    QAction* action = add_action(*menu, tr_view(row.text),
+                                 QKeySequence(Qt::CTRL | Qt::SHIFT | static_cast<Qt::Key>(key++)), {});
     action->setCheckable(true);
     action->setChecked(row.shown);
     overlay_actions_[static_cast<std::size_t>(row.overlay)] = action;
     connect(action, &QAction::toggled, this, &MainWindow::show_marks);
   }
   menu->addSeparator();
-  panels_menu_ = menu->addMenu(tr("&Panels"));
-  for (QDockWidget* dock : findChildren<QDockWidget*>()) panels_menu_->addAction(dock->toggleViewAction());
-  add_action(*panels_menu_, tr("&Default layout"), {}, [this] { reset_layout(); });
+  panels_->fill_menu(*menu->addMenu(tr("&Panels")));
   QAction* dark = add_action(*menu, tr("&Dark colours"), QKeySequence(tr("Ctrl+Shift+D")), {});
   dark->setCheckable(true);
   dark->setChecked(QSettings().value(QStringLiteral("dark"), false).toBool());

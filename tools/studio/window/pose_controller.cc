@@ -48,6 +48,8 @@ void PoseController::set_robot(const std::filesystem::path& robot_file) {
 
 QAction* PoseController::add_choice(QMenu& menu, const QString& text, Support support) {
   QAction* action = menu.addAction(text);
+  action->setShortcut(
+      QKeySequence(Qt::ALT | Qt::SHIFT | static_cast<Qt::Key>(static_cast<int>(Qt::Key_1) + support)));
   action->setCheckable(true);
   action->setChecked(support == support_);
   connect(action, &QAction::triggered, this, [this, support] { support_ = support; });

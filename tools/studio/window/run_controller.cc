@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "sim_board/scenario/reader.h"
-#include "tools/view/recording/read_recording.h"
 
 namespace koboshi::studio {
 namespace {
@@ -68,11 +67,13 @@ void RunController::reopen(std::span<const sim::Override> overrides) {
 }
 
 void RunController::open_recording(const std::filesystem::path& run) {
-  open(run, [run]() -> Opened { return {nullptr, view::read_recording(run)}; });
+  open(run, [run]() -> Opened { return {nullptr, {}, nullptr, std::make_unique<RecordedRun>(run)}; });
 }
 
 void RunController::open_bus(const std::string& transport, bool real_bus,
                              const std::filesystem::path& robot) {
+  bus_address_ = transport;
+  is_real_bus_ = real_bus;
   open(transport, [transport, real_bus, robot]() -> Opened {
     std::unique_ptr<sim::Transport> opened = sim::open_transport(transport, real_bus);
     if (!opened || !opened->is_live())
@@ -85,7 +86,11 @@ void RunController::open_bus(const std::string& transport, bool real_bus,
 void RunController::show(Opened opened, const std::filesystem::path& file) {
   session_ = std::move(opened.session);
   bus_ = std::move(opened.bus);
-  recording_ = session_ ? session_->head() : bus_ ? bus_->head() : std::move(opened.recording);
+  recorded_ = std::move(opened.recorded);
+  recording_ = session_    ? session_->head()
+               : bus_      ? bus_->head()
+               : recorded_ ? recorded_->window.head()
+                           : std::move(opened.recording);
   source_ = session_ ? Source::kSimulation : bus_ ? Source::kBus : Source::kRecording;
   file_ = file;
   plays_recording_ = false;
@@ -100,10 +105,12 @@ void RunController::show(Opened opened, const std::filesystem::path& file) {
   pace_ = 0.0;
   Q_EMIT this->opened();
   Q_EMIT status_changed();
-  if (!recording_.samples.empty()) {
+  if (recorded_) {
+    move_window([](RecordingWindow& window) { return window.show(0); });
+  } else if (!recording_.samples.empty()) {
     Q_EMIT grown(0);
-    set_cursor(recording_.samples.front().time_us);
   }
+  if (!recording_.samples.empty()) set_cursor(recording_.samples.front().time_us);
 }
 
 bool RunController::playing() const {
@@ -115,6 +122,7 @@ const sim::RobotDescription* RunController::robot() const {
 }
 
 std::uint64_t RunController::end_us() const {
+  if (recorded_) return recorded_->window.end_us();
   return recording_.samples.empty() ? 0 : recording_.samples.back().time_us;
 }
 
@@ -127,8 +135,7 @@ void RunController::set_playing(bool playing) {
       session_->pause();
     }
   } else if (source_ == Source::kRecording) {
-    if (playing && cursor_us_ >= end_us() && !recording_.samples.empty())
-      set_cursor(recording_.samples.front().time_us);
+    if (playing && cursor_us_ >= end_us()) set_cursor(0);
     plays_recording_ = playing;
     played_us_ = static_cast<double>(cursor_us_);
     played_.start();
@@ -154,6 +161,7 @@ void RunController::set_cursor(std::uint64_t time_us) {
   time_us = std::min(time_us, end_us());
   follow_ = (session_ || bus_) && time_us == end_us();
   played_us_ = static_cast<double>(time_us);
+  move_window([time_us](RecordingWindow& window) { return window.show(time_us); });
   if (std::exchange(cursor_us_, time_us) != time_us) Q_EMIT cursor_moved(time_us);
 }
 
@@ -178,7 +186,39 @@ void RunController::poll() {
   } else if (plays_recording_) {
     play_recording();
   }
+  if (recorded_) read_recording_on();
   measure_pace();
+}
+
+// Moves the window of a recorded run; an error ends the reading. Returns whether the recording has changed.
+bool RunController::move_window(const std::function<bool(RecordingWindow&)>& move) {
+  if (!recorded_) return false;
+  try {
+    if (!move(recorded_->window)) return false;
+  } catch (const std::exception& error) {
+    Q_EMIT failed(QString::fromUtf8(error.what()));
+    return false;
+  }
+  recorded_->window.copy_to(recording_);
+  Q_EMIT window_moved();
+  return true;
+}
+
+// Takes what the threads have read of a recorded run for plots and lists, and reads ahead around the cursor.
+void RunController::read_recording_on() {
+  constexpr std::size_t kBlocksPerPoll = 48;  // 20 ms of work for the plots of 250 signals
+  if (!recorded_->overview.finished()) {
+    for (const view::Recording& overview : recorded_->overview.take(kBlocksPerPoll)) {
+      recording_.events.insert(recording_.events.end(), overview.events.begin(), overview.events.end());
+      Q_EMIT overview_read(overview);
+    }
+    if (recorded_->overview.finished()) {
+      if (const std::string error = recorded_->overview.error(); !error.empty())
+        Q_EMIT failed(QString::fromStdString(error));
+      Q_EMIT status_changed();
+    }
+  }
+  move_window([](RecordingWindow& window) { return window.extend(); });
 }
 
 void RunController::take_batch(Batch batch) {

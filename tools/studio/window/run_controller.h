@@ -15,6 +15,8 @@
 
 #include "sim_board/input/yaml_tree.h"
 #include "tools/studio/run/bus_monitor.h"
+#include "tools/studio/run/overview_reader.h"
+#include "tools/studio/run/recording_window.h"
 #include "tools/studio/run/session.h"
 #include "tools/view/recording/recording.h"
 
@@ -27,15 +29,24 @@ class RunController final : public QObject {
 
  public:
   enum class Source { kNone, kSimulation, kRecording, kBus };
+  // The signal of a bus that has the state of the controller.
+  static constexpr const char* kBusState = "controller_TPDO1.state";
 
   explicit RunController(QObject* parent = nullptr);
   ~RunController() override;
 
-  // What open() shows: a session, a recording, or a bus.
+  // A recorded run on the disk, of which the blocks around the cursor are in memory.
+  struct RecordedRun {
+    explicit RecordedRun(const std::filesystem::path& run) : window(run), overview(run) {}
+    RecordingWindow window;
+    OverviewReader overview;
+  };
+  // What open() shows: a session, a recording in memory or on the disk, or a bus.
   struct Opened {
     std::unique_ptr<Session> session;
     view::Recording recording;
     std::unique_ptr<BusMonitor> bus = nullptr;
+    std::unique_ptr<RecordedRun> recorded = nullptr;
   };
 
   // All read in the background and end with opened() or failed().
@@ -50,11 +61,17 @@ class RunController final : public QObject {
 
   Source source() const { return source_; }
   const std::filesystem::path& file() const { return file_; }
+  // Of a recorded run on the disk: samples, pushes and frames around the cursor, and the events read so far.
   const view::Recording& recording() const { return recording_; }
+  // Whether recording() holds a part of the run only.
+  bool is_windowed() const { return recorded_ != nullptr; }
   // Null without a simulation.
   Session* session() { return session_.get(); }
   // Null without a bus.
   const BusMonitor* bus() const { return bus_.get(); }
+  // The bus that open_bus() was called for last.
+  const std::string& bus_address() const { return bus_address_; }
+  bool is_real_bus() const { return is_real_bus_; }
   // The robot of the simulation or on the bus; null for a recording.
   const sim::RobotDescription* robot() const;
   const SessionStatus& status() const { return status_; }
@@ -81,6 +98,10 @@ class RunController final : public QObject {
   void opened();
   // Samples from this index on are new; frames, events and pushes may be.
   void grown(std::size_t first_sample);
+  // The recording holds another part of the run: every index into it is void.
+  void window_moved();
+  // Values and times of these samples and these events of a recorded run have been read; in order of time.
+  void overview_read(const koboshi::view::Recording& overview);
   void answered(const koboshi::sim::ObjectAnswer& answer);
   void rewound(std::uint64_t time_us);
   void cursor_moved(std::uint64_t time_us);
@@ -94,6 +115,8 @@ class RunController final : public QObject {
   void take_status(SessionStatus status);
   SessionStatus bus_status() const;
   void play_recording();
+  void read_recording_on();
+  bool move_window(const std::function<bool(RecordingWindow&)>& move);
   void measure_pace();
   void show(Opened opened, const std::filesystem::path& file);
 
@@ -101,6 +124,9 @@ class RunController final : public QObject {
   std::filesystem::path file_;
   std::unique_ptr<Session> session_;
   std::unique_ptr<BusMonitor> bus_;
+  std::string bus_address_;
+  bool is_real_bus_ = false;
+  std::unique_ptr<RecordedRun> recorded_;
   view::Recording recording_;
   SessionStatus status_;
   std::uint64_t cursor_us_ = 0;

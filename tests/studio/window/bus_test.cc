@@ -1,0 +1,270 @@
+// The studio on a bus: robots of other processes, commands to them, and the gamepad.
+
+#include <QComboBox>
+#include <QDoubleSpinBox>
+#include <QLabel>
+#include <QLineEdit>
+#include <QProcess>
+#include <QTableView>
+#include <QTemporaryDir>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <optional>
+
+#include "tests/studio/window/window_fixture.h"
+#include "tools/studio/motion/motion_panel.h"
+#include "tools/studio/window/can_panel.h"
+#include "tools/studio/window/message_bar.h"
+#include "tools/studio/window/object_panel.h"
+#include "tools/studio/window/operator_commands.h"
+
+namespace koboshi::studio {
+
+using test::kPatience_ms;
+using test::kRoot;
+
+// A gamepad whose state the test sets.
+class FakeGamepads final : public Gamepads {
+ public:
+  explicit FakeGamepads(const std::optional<GamepadState>& state) : state_(state) {}
+  std::optional<GamepadState> read() override { return state_; }
+  std::string name() const override { return "fake pad"; }
+
+ private:
+  const std::optional<GamepadState>& state_;
+};
+
+class BusTest final : public QObject {
+  Q_OBJECT
+
+ private:
+  std::unique_ptr<MainWindow> window_;
+  std::unique_ptr<QProcess> robot_;
+  QTemporaryDir out_;
+  int robots_ = 0;
+
+  // A multicast group that no other test uses.
+  QString bus() const {
+    return QStringLiteral("udp:239.74.163.9:%1")
+        .arg(20'000 + (QCoreApplication::applicationPid() + 7 * robots_) % 20'000);
+  }
+  // Starts a robot in another process and attaches the window to its bus.
+  bool attach(const QStringList& arguments) {
+    ++robots_;
+    robot_ = std::make_unique<QProcess>();
+    robot_->setProcessChannelMode(QProcess::MergedChannels);
+    robot_->setWorkingDirectory(QString::fromStdString(kRoot.string()));
+    robot_->start(QCoreApplication::applicationDirPath() + QStringLiteral("/koboshi"),
+                  arguments + QStringList{QStringLiteral("--can"), bus()});
+    if (!robot_->waitForStarted(kPatience_ms)) return false;
+    QSignalSpy opened(&window_->run(), &RunController::opened);
+    window_->attach(bus().toStdString());
+    return opened.wait(kPatience_ms) && window_->run().source() == RunController::Source::kBus;
+  }
+  bool attach_run(const char* scenario, const QStringList& more = {}) {
+    return attach(QStringList{QStringLiteral("run"), QLatin1String(scenario), QStringLiteral("--realtime"),
+                              QStringLiteral("--out"), out_.filePath(QString::number(robots_))} +
+                  more);
+  }
+  // The value of a signal now; NaN: none yet.
+  float value(const char* name) const {
+    const view::Recording& seen = window_->run().recording();
+    const auto signal = std::ranges::find(seen.signals, std::string(name), &view::Signal::name);
+    if (signal == seen.signals.end() || seen.samples.empty()) return std::nanf("");
+    return seen.samples.back().values[static_cast<std::size_t>(signal - seen.signals.begin())];
+  }
+  bool wait_for_state(behaviour::State state) const {
+    const auto wanted = static_cast<float>(state);
+    return QTest::qWaitFor([&] { return value(RunController::kBusState) == wanted; }, kPatience_ms);
+  }
+  // What the controller said and was told, for the message of a failure.
+  QString story() const {
+    QStringList lines;
+    for (const view::Frame& frame : window_->run().recording().frames) {
+      const auto& can = frame.frame;
+      if (can.identifier != 0x181 && can.identifier != 0x201 && can.identifier != 0x301) continue;
+      QString line = QStringLiteral("%1 %2#")
+                         .arg(1e-6 * static_cast<double>(frame.end_us), 0, 'f', 3)
+                         .arg(can.identifier, 3, 16);
+      for (int i = 0; i < can.size; ++i)
+        line += QStringLiteral("%1").arg(can.data[static_cast<std::size_t>(i)], 2, 16, QLatin1Char('0'));
+      if (lines.isEmpty() || lines.back().section(u' ', 1) != line.section(u' ', 1)) lines << line;
+    }
+    return lines.join(u'\n') + u'\n' + QString::fromUtf8(robot_->readAll());
+  }
+  // Frames with this identifier and first byte so far; -1: any byte.
+  int count(std::uint16_t identifier, int first = -1) const {
+    return static_cast<int>(
+        std::ranges::count_if(window_->run().recording().frames, [&](const view::Frame& frame) {
+          return frame.frame.identifier == identifier && (first < 0 || frame.frame.data[0] == first);
+        }));
+  }
+
+ private Q_SLOTS:
+  void init() {
+    window_ = test::make_window();
+    QVERIFY(window_);
+  }
+  void cleanup() {
+    window_.reset();
+    if (robot_) {
+      robot_->terminate();
+      robot_->waitForFinished(kPatience_ms);
+      robot_.reset();
+    }
+  }
+
+  void follows_a_running_simulation() {
+    QVERIFY2(attach_run("scenarios/walk.yaml"), robot_->readAll().constData());
+    if (!QTest::qWaitFor([&] { return value("left_knee_TPDO1.position_actual_value") > 5.0F; }, kPatience_ms))
+      QFAIL(robot_->readAll().constData());
+    const view::Recording& seen = window_->run().recording();
+    QVERIFY(seen.frames.size() > 100);
+    QVERIFY(window_->findChild<CanPanel*>()->findChild<FrameModel*>()->rowCount() > 0);
+    QTRY_VERIFY_WITH_TIMEOUT(!seen.events.empty(), kPatience_ms);
+    // Its objects can be read as those of a simulation in the window.
+    auto* panel = window_->findChild<ObjectPanel*>();
+    panel->findChild<QLineEdit*>()->setText(QStringLiteral("1005:00"));
+    QTest::mouseClick(panel->findChild<QPushButton*>(QStringLiteral("read_objects")), Qt::LeftButton);
+    const QModelIndex read = panel->findChild<QTableView*>()->model()->index(0, ObjectModel::kValue);
+    QTRY_VERIFY_WITH_TIMEOUT(read.data().toString() == QStringLiteral("0x40000080"), kPatience_ms);
+    // Its bus has no error counters that could be shown, and the panel says so.
+    QVERIFY(std::ranges::any_of(window_->findChild<CanPanel*>()->findChildren<QLabel*>(), [](auto* label) {
+      return label->text().contains(QStringLiteral("error counters"));
+    }));
+    // A motion goes to it from the editor, and comes back the same.
+    window_->open(kRoot / "robots/koboshi/motions/bow.yaml");
+    window_->messages().hide();
+    test::action(*window_, "Upload the motion to a robot")->trigger();
+    QTRY_VERIFY_WITH_TIMEOUT(window_->messages().isVisible(), kPatience_ms);
+    QVERIFY2(window_->messages().text().contains(QStringLiteral("read back the same")),
+             qPrintable(window_->messages().text()));
+    // What only a simulation can do is refused.
+    window_->run().give(sim::Push());
+    QVERIFY(window_->messages().isVisible());
+  }
+
+  // The operator's controls command a robot of another process, by nothing but frames.
+  void commands_a_running_simulation() {
+    QVERIFY2(attach_run("scenarios/go.yaml",
+                        {QStringLiteral("--set"), QStringLiteral("commands=[]"), QStringLiteral("--set"),
+                         QStringLiteral("duration_s=120"), QStringLiteral("--set"),
+                         QStringLiteral("physics.stepper=lumped"), QStringLiteral("--set"),
+                         QStringLiteral("initial.held_until_s=119")}),
+             robot_->readAll().constData());
+    using State = behaviour::State;
+    QVERIFY2(wait_for_state(State::kLimp), qPrintable(story()));
+    // The limits and motions of the robot.
+    auto* motions = window_->findChild<QComboBox*>(QStringLiteral("motions"));
+    QTRY_VERIFY_WITH_TIMEOUT(motions->count() > 0, kPatience_ms);
+    QCOMPARE(motions->itemText(0), QStringLiteral("stand"));
+    // It measures its gyro's bias while it is limp: without it, it refuses to walk. A SYNC comes every 10 ms.
+    QTRY_VERIFY_WITH_TIMEOUT(count(0x080) >= 250, kPatience_ms);
+    QVERIFY(test::click(*window_, "enable"));
+    QVERIFY2(wait_for_state(State::kStanding), qPrintable(story()));
+    QTRY_VERIFY_WITH_TIMEOUT(window_->findChild<QLabel*>(QStringLiteral("controller_state"))
+                                 ->text()
+                                 .contains(QStringLiteral("standing")),
+                             kPatience_ms);
+    // A walk lasts as long as its button is down, and its velocity is repeated. The robot hangs on its stand.
+    auto* walk = window_->findChild<QPushButton*>(QStringLiteral("walk"));
+    QTest::mousePress(walk, Qt::LeftButton);
+    QVERIFY2(wait_for_state(State::kWalking), qPrintable(story()));
+    QTRY_VERIFY_WITH_TIMEOUT(count(0x301) >= 5, kPatience_ms);
+    QCOMPARE(count(0x201, 4), 0);
+    test::save_picture(*window_, "bus-walking");
+    QTest::mouseRelease(walk, Qt::LeftButton);
+    QTRY_COMPARE_WITH_TIMEOUT(count(0x201, 4), 1, kPatience_ms);
+    QVERIFY2(wait_for_state(State::kStanding), qPrintable(story()));
+    const int velocities = count(0x301);
+    // The gamepad does the same, and its loss stops the robot.
+    std::optional<GamepadState> pad = GamepadState{};
+    window_->findChild<OperatorCommands*>()->set_gamepads(std::make_unique<FakeGamepads>(pad));
+    QTRY_VERIFY_WITH_TIMEOUT(
+        window_->findChild<QLabel*>(QStringLiteral("gamepad"))->text().contains(QStringLiteral("fake pad")),
+        kPatience_ms);
+    pad->left_y = 0.6;
+    QVERIFY2(wait_for_state(State::kWalking), qPrintable(story()));
+    QTRY_VERIFY_WITH_TIMEOUT(count(0x301) >= velocities + 3, kPatience_ms);
+    pad.reset();
+    QTRY_COMPARE_WITH_TIMEOUT(count(0x201, 4), 2, kPatience_ms);
+    QVERIFY2(wait_for_state(State::kStanding), qPrintable(story()));
+    // The keys do so, too; their walk ends when the window is no longer active.
+    const int before = count(0x301);
+    test::action(*window_, "Forward")->trigger();
+    QTRY_VERIFY_WITH_TIMEOUT(count(0x301) >= before + 3, kPatience_ms);
+    QWidget other;
+    other.show();
+    QVERIFY(QTest::qWaitForWindowExposed(&other));
+    other.activateWindow();
+    QTRY_COMPARE_WITH_TIMEOUT(count(0x201, 4), 3, kPatience_ms);
+    other.close();
+    QVERIFY2(wait_for_state(State::kStanding), qPrintable(story()));
+    // A motion, emergency stop and its reset.
+    QVERIFY(test::click(*window_, "play_motion"));
+    QTRY_VERIFY_WITH_TIMEOUT(count(0x201, 3) == 1, kPatience_ms);
+    QVERIFY(test::click(*window_, "emergency_stop"));
+    QVERIFY(wait_for_state(State::kEmergencyStop));
+    QVERIFY(test::click(*window_, "reset"));
+    QVERIFY(wait_for_state(State::kLimp));
+    QVERIFY(test::click(*window_, "get_up"));
+    QTRY_COMPARE_WITH_TIMEOUT(count(0x201, 9), 1, kPatience_ms);
+  }
+
+  // A board without a controller: its drives can be read, and nobody takes commands.
+  void follows_a_board_without_controller() {
+    QVERIFY2(attach({QStringLiteral("board")}), robot_->readAll().constData());
+    auto* panel = window_->findChild<ObjectPanel*>();
+    auto* node = panel->findChild<QComboBox*>();
+    node->setCurrentIndex(node->findText(QStringLiteral("left_knee"), Qt::MatchContains));
+    panel->findChild<QLineEdit*>()->setText(QStringLiteral("1018:02"));
+    const QModelIndex read = panel->findChild<QTableView*>()->model()->index(0, ObjectModel::kValue);
+    const bool answered = QTest::qWaitFor(
+        [&] {
+          QTest::mouseClick(panel->findChild<QPushButton*>(QStringLiteral("read_objects")), Qt::LeftButton);
+          QTest::qWait(300);
+          return read.data().toString() == QStringLiteral("0x00000001");
+        },
+        kPatience_ms);
+    QVERIFY2(answered, qPrintable(read.data().toString() + QString::fromUtf8(robot_->readAll())));
+    QVERIFY(window_->findChild<QLabel*>(QStringLiteral("controller_state"))
+                ->text()
+                .contains(QStringLiteral("No controller")));
+    QTRY_VERIFY_WITH_TIMEOUT(!window_->run().recording().frames.empty(), kPatience_ms);
+  }
+
+  void says_which_buses_can_be_followed() {
+    for (const char* bus : {"can0", "none", "socketcan:lo"}) {
+      window_->messages().hide();
+      window_->attach(bus);
+      QTRY_VERIFY2_WITH_TIMEOUT(window_->messages().isVisible(), bus, kPatience_ms);
+      QCOMPARE(window_->run().source(), RunController::Source::kNone);
+    }
+  }
+
+  // In a simulation, the gamepad walks the robot, too.
+  void drives_a_simulation_by_gamepad() {
+    QVERIFY(test::open(*window_, kRoot / "scenarios/go.yaml"));
+    std::optional<GamepadState> pad = GamepadState{};
+    window_->findChild<OperatorCommands*>()->set_gamepads(std::make_unique<FakeGamepads>(pad));
+    QVERIFY(test::run_to(*window_, 5'000'000));
+    QTest::qWait(100);  // a reading with released sticks
+    pad->left_y = 1.0;
+    QTest::qWait(100);
+    QVERIFY(test::run_to(*window_, 5'500'000));
+    QCOMPARE(window_->run().status().said.state, behaviour::State::kWalking);
+    pad->pressed[static_cast<std::size_t>(GamepadButton::kLeftShoulder)] = true;
+    QTest::qWait(100);
+    QVERIFY(test::run_to(*window_, 6'000'000));
+    QTRY_COMPARE(window_->run().status().said.state, behaviour::State::kEmergencyStop);
+  }
+};
+
+}  // namespace koboshi::studio
+
+int main(int argc, char** argv) {
+  return koboshi::studio::test::run_window_test<koboshi::studio::BusTest>(argc, argv);
+}
+
+#include "bus_test.moc"

@@ -1,0 +1,104 @@
+#include "tools/studio/window/motion_playback.h"
+
+#include <QAction>
+#include <QCoreApplication>
+#include <QPointer>
+#include <QThreadPool>
+#include <memory>
+#include <utility>
+
+#include "sim_board/record/output_file.h"
+#include "tools/motion/check/check.h"
+#include "tools/motion/stage/stage.h"
+#include "tools/motion/view/preview.h"
+#include "tools/studio/motion/motion_panel.h"
+#include "tools/studio/window/message_bar.h"
+#include "tools/studio/window/motion_upload.h"
+#include "tools/studio/window/run_controller.h"
+
+namespace koboshi::studio {
+
+MotionPlayback::MotionPlayback(RunController& run, MotionPanel& motion, MessageBar& messages,
+                               std::filesystem::path robot_file, QObject* parent)
+    : QObject(parent), run_(run), motion_(motion), messages_(messages), robot_file_(std::move(robot_file)) {
+  connect(&motion_, &MotionPanel::play_requested, this, &MotionPlayback::play);
+  connect(&run_, &RunController::opened, this, &MotionPlayback::show_opened);
+  connect(&run_, &RunController::status_changed, this, &MotionPlayback::repeat);
+}
+
+std::optional<std::filesystem::path> MotionPlayback::write_copy(const std::string& text) {
+  const std::filesystem::path name = motion_.file().empty() ? "untitled.yaml" : motion_.file().filename();
+  const std::filesystem::path copy = std::filesystem::path(copies_.path().toStdString()) / name;
+  try {
+    sim::write_whole_file(copy, text);
+  } catch (const std::exception& error) {
+    messages_.show_message(QString::fromUtf8(error.what()));
+    return std::nullopt;
+  }
+  return copy;
+}
+
+void MotionPlayback::upload(const std::string& transport, bool real_bus) {
+  const auto copy = write_copy(motion_.text());
+  if (!copy) return;
+  const QPointer<MotionPlayback> self(this);
+  QThreadPool::globalInstance()->start(
+      [self, upload = MotionUpload{*copy, robot_file_, transport, real_bus}] {
+        QString result;
+        try {
+          result = QString::fromStdString(studio::upload(upload));
+        } catch (const std::exception& error) {
+          result = QString::fromUtf8(error.what()).trimmed();
+        }
+        // The application outlives its thread pool; the window may be gone.
+        QMetaObject::invokeMethod(
+            QCoreApplication::instance(),
+            [self, result] {
+              if (self) self->messages_.show_message(result);
+            },
+            Qt::QueuedConnection);
+      });
+}
+
+void MotionPlayback::play(bool physics, int from_row) {
+  const auto row = static_cast<std::size_t>(from_row);
+  const auto copy = write_copy(physics ? motion_.text_from(row) : motion_.text());
+  if (!copy) return;
+  run_.open(copy->filename(), [copy = *copy, physics, robot = robot_file_]() -> RunController::Opened {
+    tools::MotionChecker checker(robot);
+    const tools::MotionReport report = checker.check(copy);
+    if (!physics) return {nullptr, tools::preview_recording(report, checker)};
+    return {std::make_unique<Session>(tools::stage_scenario(copy, report)), {}};
+  });
+  play_when_opened_ = true;
+  from_us_ = physics ? 0 : motion_.start_us(row);
+}
+
+void MotionPlayback::show_opened() {
+  if (std::exchange(play_when_opened_, false)) {
+    start_opened();
+  } else {
+    from_us_ = 0;
+  }
+}
+
+// The controller moves the cursor to the first sample after this.
+void MotionPlayback::start_opened() {
+  QMetaObject::invokeMethod(
+      this,
+      [this] {
+        if (run_.session() == nullptr) run_.set_cursor(from_us_);
+        run_.set_playing(true);
+      },
+      Qt::QueuedConnection);
+}
+
+// A playback has stopped by itself when it is at its end; a simulation goes on without end.
+void MotionPlayback::repeat() {
+  const bool is_playback = run_.session() == nullptr && run_.end_us() > from_us_;
+  if (std::exchange(was_playing_, run_.playing()) && is_playback && loop_ != nullptr && loop_->isChecked() &&
+      !run_.playing() && run_.cursor_us() >= run_.end_us())
+    start_opened();
+}
+
+}  // namespace koboshi::studio

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <QObject>
+#include <QTemporaryDir>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+class QAction;
+
+namespace koboshi::studio {
+
+class MessageBar;
+class MotionPanel;
+class RunController;
+
+// Plays the motion of the editor as it is, saved or not: as a preview or in a simulation, from a step on, and
+// again at its end. Uploads it to a robot. Errors go to the message bar.
+class MotionPlayback final : public QObject {
+  Q_OBJECT
+
+ public:
+  // All must outlive this object; `robot_file` is that of the edited motions.
+  MotionPlayback(RunController& run, MotionPanel& motion, MessageBar& messages,
+                 std::filesystem::path robot_file, QObject* parent = nullptr);
+
+  // A playback that ends while this action is checked begins again.
+  void set_loop(QAction* loop) { loop_ = loop; }
+  // Compiles the motion in another thread, stores it in the controller of a robot on this bus and reads it
+  // back.
+  void upload(const std::string& transport, bool real_bus);
+
+ private:
+  std::optional<std::filesystem::path> write_copy(const std::string& text);
+  void play(bool physics, int from_row);
+  void start_opened();
+  void show_opened();
+  void repeat();
+
+  RunController& run_;
+  MotionPanel& motion_;
+  MessageBar& messages_;
+  const std::filesystem::path robot_file_;
+  QTemporaryDir copies_;  // texts of motions that are played before they are saved
+  QAction* loop_ = nullptr;
+  std::uint64_t from_us_ = 0;  // of a playback
+  bool play_when_opened_ = false;
+  bool was_playing_ = false;
+};
+
+}  // namespace koboshi::studio

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <QElapsedTimer>
+#include <QTimer>
+#include <QWidget>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim_board/scenario/object_access.h"
+#include "sim_board/scenario/scenario.h"
+#include "tools/studio/gamepad/gamepad_pilot.h"
+#include "tools/studio/gamepad/held_walk.h"
+#include "tools/teleop/key.h"
+#include "tools/teleop/pilot.h"
+
+class QComboBox;
+class QDoubleSpinBox;
+class QGridLayout;
+class QLabel;
+class QPushButton;
+
+namespace koboshi::studio {
+
+class RunController;
+
+// Commands to the controller of a simulated robot, or of a robot on a bus: by buttons, by the operator's keys
+// and by a gamepad.
+//
+// On a bus, a walk is held: it lasts while the button is down, or for the keys while the window is active.
+// Its velocity is repeated, and a stop follows. BusMonitor stops the walk if the repetition fails.
+class OperatorCommands final : public QWidget {
+  Q_OBJECT
+
+ public:
+  // The controller of the run must outlive this widget.
+  explicit OperatorCommands(RunController& run, QWidget* parent = nullptr);
+  ~OperatorCommands() override;
+
+  // Obeys a key as `koboshi run` with teleop does.
+  void press(tools::Key key);
+  // Replaces the gamepads of this machine. Null: none.
+  void set_gamepads(std::unique_ptr<Gamepads> gamepads);
+
+ protected:
+  bool eventFilter(QObject* watched, QEvent* event) override;
+
+ private:
+  void add_commands();
+  void add_walk();
+  // A push button that gives a command, with its tooltip.
+  QPushButton* button(const QString& text, const QString& tip, sim::Command::Kind kind);
+  void begin_walk();
+  void play();
+  void tick();
+  void show_source();
+  void show_gamepad(const std::optional<GamepadState>& state);
+  void ask_for_limits();
+  void take_limit(const sim::ObjectAnswer& answer);
+  void ask_for_motions();
+  void show_motions(const std::vector<std::pair<std::uint16_t, std::string>>& motions);
+  void set_limits(const walk::VelocityLimits& limits);
+  bool is_on_bus() const;
+  behaviour::State state() const;
+  double heading_rad() const;
+  Eigen::Vector3d chosen_velocity() const;
+
+  RunController& run_;
+  std::unique_ptr<tools::Pilot> pilot_;
+  HeldWalk held_;
+  std::unique_ptr<Gamepads> gamepads_;
+  GamepadPilot gamepad_pilot_;
+  walk::VelocityLimits limits_;
+  QComboBox* const motion_;
+  QDoubleSpinBox* const forward_;
+  QDoubleSpinBox* const left_;
+  QDoubleSpinBox* const turn_;
+  QPushButton* const walk_;
+  QLabel* const gamepad_;
+  QElapsedTimer clock_;
+  QTimer timer_;
+};
+
+}  // namespace koboshi::studio

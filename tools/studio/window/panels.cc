@@ -1,0 +1,179 @@
+#include "tools/studio/window/panels.h"
+
+#include <QAction>
+#include <QDockWidget>
+#include <QMainWindow>
+#include <QMenu>
+#include <QMenuBar>
+#include <QScrollArea>
+#include <QScrollBar>
+#include <QSettings>
+#include <algorithm>
+
+#include "tools/dictionary/network.h"
+#include "tools/studio/motion/motion_panel.h"
+#include "tools/studio/plot/plot_panel.h"
+#include "tools/studio/window/can_panel.h"
+#include "tools/studio/window/event_panel.h"
+#include "tools/studio/window/message_bar.h"
+#include "tools/studio/window/object_panel.h"
+#include "tools/studio/window/operator_panel.h"
+#include "tools/studio/window/run_controller.h"
+#include "tools/view/replay/replay_page.h"
+
+namespace koboshi::studio {
+namespace {
+
+constexpr int kCanPeriod_ms = 200;
+constexpr int kLayoutVersion = 2;  // of the saved layout: another one is ignored
+
+QScrollArea* scrolled(QWidget* panel) {
+  auto* area = new QScrollArea;
+  area->setWidget(panel);
+  area->setWidgetResizable(true);
+  area->setFrameShape(QFrame::NoFrame);
+  area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  area->setMinimumWidth(panel->minimumSizeHint().width() + area->verticalScrollBar()->sizeHint().width());
+  return area;
+}
+
+}  // namespace
+
+Panels::Panels(QMainWindow& window, RunController& run, MessageBar& messages)
+    : QObject(&window), window_(window), run_(run), messages_(messages) {
+  make();
+  connect_run();
+  can_timer_.setInterval(kCanPeriod_ms);
+  connect(&can_timer_, &QTimer::timeout, this, &Panels::update_bus);
+  can_timer_.start();
+}
+
+// The panels refer to the recording of the controller, which may be destroyed before them.
+Panels::~Panels() { can_timer_.stop(); }
+
+void Panels::make() {
+  // Panels of one area share it as tabs in this order; the first is in front.
+  add(operator_ = new OperatorPanel(run_), {.name = QStringLiteral("operator"),
+                                            .title = tr("Operator"),
+                                            .area = Qt::LeftDockWidgetArea,
+                                            .is_scrolled = true});
+  add(plots_ = new PlotPanel,
+      {.name = QStringLiteral("plots"), .title = tr("Plots"), .area = Qt::RightDockWidgetArea});
+  add(events_ = new EventPanel, {.name = QStringLiteral("events"), .title = tr("Events")});
+  add(can_ = new CanPanel, {.name = QStringLiteral("can"), .title = tr("CAN bus")});
+  add(objects_ = new ObjectPanel, {.name = QStringLiteral("objects"), .title = tr("Object dictionary")});
+  add(motion_ = new MotionPanel, {.name = QStringLiteral("motion"), .title = tr("Motion")});
+}
+
+void Panels::add(QWidget* panel, const Place& place) {
+  auto* dock = new QDockWidget(place.title, &window_);
+  dock->setObjectName(place.name);
+  dock->setWidget(place.is_scrolled ? scrolled(panel) : panel);
+  const auto neighbour = std::ranges::find_if(
+      docks_, [&](const Dock& other) { return window_.dockWidgetArea(other.dock) == place.area; });
+  window_.addDockWidget(place.area, dock);
+  if (neighbour != docks_.end()) {
+    window_.tabifyDockWidget(neighbour->dock, dock);
+    neighbour->dock->raise();
+  }
+  docks_.push_back({dock, panel, place.menu});
+}
+
+void Panels::raise(const QString& name) {
+  for (const Dock& dock : docks_)
+    if (dock.dock->objectName() == name) dock.dock->raise();
+}
+
+void Panels::fill_menu(QMenu& menu) {
+  int key = Qt::Key_1;
+  for (const Dock& dock : docks_) {
+    QAction* show = dock.dock->toggleViewAction();
+    show->setShortcut(QKeySequence(Qt::ALT | static_cast<Qt::Key>(key++)));
+    menu.addAction(show);
+  }
+  QAction* reset = menu.addAction(tr("&Default layout"));
+  reset->setShortcut(QKeySequence(Qt::ALT | Qt::Key_0));
+  connect(reset, &QAction::triggered, this,
+          [this] { window_.restoreState(default_layout_, kLayoutVersion); });
+}
+
+void Panels::add_menus(QMenuBar& bar) {
+  for (const Dock& dock : docks_)
+    if (!dock.menu.isEmpty()) bar.addMenu(dock.menu)->addActions(dock.panel->actions());
+}
+
+void Panels::remember_default_layout() { default_layout_ = window_.saveState(kLayoutVersion); }
+
+void Panels::restore_layout(const QSettings& settings) {
+  window_.restoreGeometry(settings.value(QStringLiteral("geometry")).toByteArray());
+  window_.restoreState(settings.value(QStringLiteral("layout")).toByteArray(), kLayoutVersion);
+  plots_->restore_layout(settings.value(QStringLiteral("plots")));
+}
+
+void Panels::save_layout(QSettings& settings) const {
+  settings.setValue(QStringLiteral("geometry"), window_.saveGeometry());
+  settings.setValue(QStringLiteral("layout"), window_.saveState(kLayoutVersion));
+  settings.setValue(QStringLiteral("plots"), plots_->layout_state());
+}
+
+void Panels::connect_run() {
+  connect(&run_, &RunController::opened, this, &Panels::show_opened);
+  connect(&run_, &RunController::grown, this, &Panels::show_grown);
+  connect(&run_, &RunController::window_moved, can_, &CanPanel::reset_frames);
+  connect(&run_, &RunController::overview_read, this, &Panels::show_overview);
+  connect(&run_, &RunController::rewound, this, [this](std::uint64_t time_us) {
+    plots_->truncate_after(time_us);
+    objects_->forget_requests();
+  });
+  connect(&run_, &RunController::answered, objects_, &ObjectPanel::take_answer);
+  connect(objects_, &ObjectPanel::requested, &run_,
+          [this](const sim::ObjectRequest& request) { run_.give(request); });
+  connect(&run_, &RunController::cursor_moved, this, &Panels::show_cursor);
+  connect(&run_, &RunController::status_changed, this, [this] {
+    if (!run_.playing()) can_->show_nodes(run_.status());
+  });
+  connect(plots_, &PlotPanel::cursor_moved, &run_, &RunController::set_cursor);
+  connect(can_, &CanPanel::cursor_moved, &run_, &RunController::set_cursor);
+  connect(events_, &EventPanel::cursor_moved, &run_, &RunController::set_cursor);
+  connect(events_, &EventPanel::added, plots_, &PlotPanel::add_event);
+}
+
+void Panels::show_opened() {
+  const view::Recording& recording = run_.recording();
+  plots_->set_signals(recording.signals);
+  plots_->set_follow(run_.robot() != nullptr);
+  events_->forget();
+  can_->set_recording(&recording,
+                      run_.robot() != nullptr ? tools::make_network(*run_.robot())
+                                              : view::network_of(recording, tools::Network()),
+                      run_.is_windowed());
+  can_->show_nodes(run_.status());
+  objects_->set_robot(run_.robot());
+}
+
+void Panels::show_grown(std::size_t first_sample) {
+  const view::Recording& recording = run_.recording();
+  for (std::size_t i = first_sample; i < recording.samples.size(); ++i)
+    plots_->append(recording.samples[i].time_us, recording.samples[i].values);
+  events_->show_events(recording.events);
+  if (!run_.playing()) can_->update_frames();
+}
+
+void Panels::show_overview(const view::Recording& overview) {
+  for (const view::Sample& sample : overview.samples) plots_->append(sample.time_us, sample.values);
+  events_->show_events(run_.recording().events);
+}
+
+void Panels::show_cursor() {
+  plots_->set_cursor(run_.cursor_us());
+  if (!run_.playing()) can_->set_cursor(run_.cursor_us());
+}
+
+void Panels::update_bus() {
+  if (!can_->isVisible() || !run_.playing()) return;
+  can_->show_nodes(run_.status());
+  can_->update_frames();
+  can_->set_cursor(run_.cursor_us());
+}
+
+}  // namespace koboshi::studio
