@@ -58,6 +58,20 @@ std::int32_t pose_number(fixed::Angle angle) {
   return static_cast<std::int32_t>(std::min(fixed::shift_rounded(angle.raw(), kPoseShift), kHighest));
 }
 
+// Returns whether the reserved fields are zero.
+bool Motion::read_counts(std::span<const std::byte> body) {
+  ImageReader counts(body.subspan(4 + kNameSize));
+  body_ = body;
+  joint_count_ = counts.u8();
+  variable_count_ = counts.u8();
+  group_count_ = counts.u8();
+  const bool reserved_1 = counts.u8() == 0;
+  pose_count_ = counts.u16();
+  step_count_ = counts.u16();
+  exit_step_ = counts.u16();
+  return counts.u16() == 0 && reserved_1;
+}
+
 MotionVerdict Motion::open(std::span<const std::byte> bytes, const robot::RobotModel& model, Motion& motion) {
   storage::Image image;
   const ImageStatus opened = storage::open_image(bytes, kMotionMagic, kMotionVersion, image);
@@ -65,21 +79,12 @@ MotionVerdict Motion::open(std::span<const std::byte> bytes, const robot::RobotM
   if (image.body.size() < kMotionFixedSize) return {MotionStatus::kBadSize};
 
   const std::uint32_t model_id = ImageReader(image.body).u32();
-  ImageReader counts(image.body.subspan(4 + kNameSize));
   Motion candidate;
-  candidate.body_ = image.body;
-  candidate.joint_count_ = counts.u8();
-  candidate.variable_count_ = counts.u8();
-  candidate.group_count_ = counts.u8();
-  const bool reserved_1 = counts.u8() == 0;
-  candidate.pose_count_ = counts.u16();
-  candidate.step_count_ = counts.u16();
-  candidate.exit_step_ = counts.u16();
-  const bool reserved_2 = counts.u16() == 0;
+  const bool reserved_are_zero = candidate.read_counts(image.body);
   if (model_id != model.id) return {MotionStatus::kOtherRobot};
   if (candidate.joint_count_ != model.joint_count || candidate.variable_count_ > kMaxVariables ||
       candidate.group_count_ > kMaxPoseGroups || candidate.pose_count_ > kMaxPoses ||
-      candidate.step_count_ == 0 || candidate.step_count_ > kMaxSteps || !reserved_1 || !reserved_2) {
+      candidate.step_count_ == 0 || candidate.step_count_ > kMaxSteps || !reserved_are_zero) {
     return {MotionStatus::kBadCount};
   }
   const std::size_t poses_at = kMotionFixedSize + candidate.group_count_ * kPoseGroupSize;
@@ -100,6 +105,19 @@ MotionVerdict Motion::open(std::span<const std::byte> bytes, const robot::RobotM
   candidate.claimed_joints_ |= joints_of_steps(candidate);
   motion = candidate;
   return checked;
+}
+
+Motion Motion::reopen(std::span<const std::byte> bytes, const Findings& findings) {
+  const std::size_t size = u32_at(bytes.data() + storage::kImageSizeOffset);
+  KOBOSHI_ASSERT(size <= bytes.size() && size >= storage::kImageHeaderSize + kMotionFixedSize);
+  Motion motion;
+  static_cast<void>(
+      motion.read_counts(bytes.subspan(storage::kImageHeaderSize, size - storage::kImageHeaderSize)));
+  motion.poses_ = motion.body_.data() + kMotionFixedSize + motion.group_count_ * kPoseGroupSize;
+  motion.steps_ = bytes.data() + size - motion.step_count_ * kStepSize;
+  motion.claimed_joints_ = findings.claimed_joints;
+  motion.main_step_count_ = findings.main_step_count;
+  return motion;
 }
 
 std::size_t Motion::image_size_bytes() const {

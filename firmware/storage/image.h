@@ -14,6 +14,7 @@ namespace koboshi::storage {
 // reserved u16 (zero), size u32 of the whole image, CRC-32 u32 of all its bytes but these four. The sectors
 // that hold an image may be longer than the image.
 inline constexpr std::size_t kImageHeaderSize = 16;
+inline constexpr std::size_t kImageSizeOffset = 8;
 inline constexpr std::size_t kImageCrcOffset = 12;
 
 enum class [[nodiscard]] ImageStatus : std::uint8_t{

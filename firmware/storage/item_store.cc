@@ -166,6 +166,7 @@ void ItemStore::on_header_written() {
   if (!read(record_, header) || header.sequence != sequence_ || header.crc != read_crc_) return on_failed();
   const bool erased = state_ == State::kErasing;
   replace(key_, erased ? kNone : place_of(record_));
+  marks_[key_ / 32] &= ~(1u << key_ % 32);
   set_head(record_ + record_size_at(record_));
   state_ = begun_ ? State::kSealed : State::kIdle;
   tidies_ = true;

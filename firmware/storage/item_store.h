@@ -62,6 +62,11 @@ class ItemStore {
   // both need calls of `process` or of a writer, so that they hold at least for the present millisecond.
   std::span<const std::byte> find(ItemKind kind, std::uint16_t number) const;
 
+  // A mark that a reader leaves on an item, for example once it has validated its bytes. It lasts while
+  // `find` returns the same bytes, wherever they move: a replacement, an erasure and a restart remove it.
+  void mark(ItemKind kind, std::uint16_t number);
+  [[nodiscard]] bool marked(ItemKind kind, std::uint16_t number) const;
+
   // Keeps the bytes of an item that `find` has returned, even if it is replaced or erased, until the holder
   // pins another or unpins it. Bytes outside the log need no pin. While pins block the space that a new item
   // needs, `begin` returns kInUse.
@@ -179,11 +184,12 @@ class ItemStore {
   const std::size_t first_;  // offset of the log in the storage
   Index index_;
   std::array<std::uint16_t, kHolders> pins_;
-  std::size_t live_bytes_ = 0;  // of all live records
-  std::uint32_t sequence_ = 0;  // the highest
-  std::size_t head_ = 0;        // where the next record starts, if it fits before the end of the ring
-  std::size_t erased_ = 0;      // the flash is erased from the head up to here
-  std::size_t operation_ = 0;   // where the range of the last operation starts
+  std::array<std::uint32_t, (kKeys + 31) / 32> marks_{};  // bit b of element i: key 32 i + b
+  std::size_t live_bytes_ = 0;                            // of all live records
+  std::uint32_t sequence_ = 0;                            // the highest
+  std::size_t head_ = 0;       // where the next record starts, if it fits before the end of the ring
+  std::size_t erased_ = 0;     // the flash is erased from the head up to here
+  std::size_t operation_ = 0;  // where the range of the last operation starts
   std::size_t operation_end_ = 0;
   State state_ = State::kIdle;
   bool begun_ = false;      // between `begin` and `release`

@@ -68,6 +68,16 @@ std::span<const std::byte> ItemStore::find(ItemKind kind, std::uint16_t number) 
   return bytes_at(start + kHeaderSize, size_field_at(start));
 }
 
+void ItemStore::mark(ItemKind kind, std::uint16_t number) {
+  const std::size_t key = key_of(static_cast<std::uint16_t>(kind), number);
+  if (key != kNoKey && index_[key] != kNone) marks_[key / 32] |= 1u << key % 32;
+}
+
+bool ItemStore::marked(ItemKind kind, std::uint16_t number) const {
+  const std::size_t key = key_of(static_cast<std::uint16_t>(kind), number);
+  return key != kNoKey && (marks_[key / 32] >> key % 32 & 1u) != 0;
+}
+
 void ItemStore::pin(Holder holder, std::span<const std::byte> item) {
   unpin(holder);
   const auto log = bytes_at(0, size_);

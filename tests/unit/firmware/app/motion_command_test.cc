@@ -65,13 +65,15 @@ TEST_F(ControllerMotion, PlayIsRefusedWithoutSuchAMotion) {
   }
 }
 
-TEST_F(ControllerMotion, PlayIsRefusedWhenTheMotionsBytesAreDamaged) {
+// A motion is validated at boot, and not again when it starts.
+TEST_F(ControllerMotion, PlayIsRefusedWhenTheBootFindsTheMotionsBytesDamaged) {
   auto storage = bench.board.storage.contents();
   std::vector<std::byte> damaged(storage.begin(), storage.end());
   const auto last = std::ranges::find_if(damaged.rbegin(), damaged.rend(),
                                          [](std::byte b) { return b != std::byte{0xFF}; });
   *(last + 4) ^= std::byte{1};
-  bench.board.storage.load(0, damaged);
+  bench.restart(damaged);
+  ASSERT_TRUE(bench.run_until_standing());
   bench.command(Command::kPlay, 1);
   EXPECT_EQ(bench.now().refusal, Reason::kNoSuchMotion);
   EXPECT_EQ(bench.now().state, State::kStanding);

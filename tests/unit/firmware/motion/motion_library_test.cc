@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/storage/image.h"
 #include "hal/fake/storage.h"
 #include "tests/unit/firmware/motion/motion_builder.h"
 #include "tests/unit/firmware/robot/test_robot.h"
@@ -61,6 +62,14 @@ class MotionLibraryTest : public testing::Test {
   }
 
   const robot::RobotModel model_ = test::make_test_robot();
+  // Inverts a bit of a stored image where it is in flash.
+  void flip_bit(std::uint16_t number, std::size_t offset) {
+    const auto image = items_.find(ItemKind::kMotion, number);
+    const std::byte changed = image[offset] ^ std::byte{1};
+    flash_.load(static_cast<std::size_t>(image.data() - flash_.contents().data()) + offset,
+                std::span(&changed, 1));
+  }
+
   hal::FakeStorage flash_{storage::kRobotLogSize_bytes / 2048, 2048};
   const storage::Catalogue factory_{std::span<const std::byte>()};
   storage::ItemStore items_{flash_, storage::kRobotLogSize_bytes};
@@ -122,6 +131,151 @@ TEST_F(MotionLibraryTest, IgnoresMotionsOfAnotherRobot) {
   erase(9);
   search();
   EXPECT_EQ(library_.number_of(Role::kRiseSeat), std::nullopt);
+}
+
+// --- Validation
+
+// The CRC of the image is wrong from then on, so that a second validation would refuse it.
+TEST_F(MotionLibraryTest, ValidatesAMotionOnceAndNotAtItsStart) {
+  store(7, "dance");
+  library_.load();
+  flip_bit(7, storage::kImageCrcOffset);
+  Motion motion;
+  EXPECT_FALSE(Motion::open(library_.image(7), model_, motion).ok());
+  ASSERT_TRUE(library_.open(7, motion));
+  EXPECT_EQ(motion.name(), "dance");
+  EXPECT_EQ(motion.step_count(), 2u);
+  EXPECT_EQ(motion.main_step_count(), 2u);
+  EXPECT_EQ(motion.claimed_joints(), 1u << test::kKnee);
+  EXPECT_EQ(motion.angle(0, test::kKnee), test::stored(10));
+}
+
+TEST_F(MotionLibraryTest, FindsABitErrorAtTheNextBoot) {
+  store(7, "dance");
+  store(8, "walk");
+  library_.load();
+  flip_bit(7, storage::kImageHeaderSize + 6);  // in its name
+  storage::ItemStore items(flash_, storage::kRobotLogSize_bytes);
+  MotionLibrary library(factory_, items, model_);
+  library.load();
+  Motion motion;
+  EXPECT_FALSE(library.open(7, motion));
+  EXPECT_TRUE(library.open(8, motion));
+  EXPECT_EQ(library.valid()[0], 1u << 8);
+}
+
+TEST_F(MotionLibraryTest, NeverPlaysAnInvalidMotionThatCameWithoutANotice) {
+  store(7, "dance");
+  library_.load();
+  store(7, "other", model_.id + 1);  // an image for another robot; `add` is not called
+  Motion motion;
+  EXPECT_FALSE(library_.open_to_play(storage::Holder::kPlayer, 7, motion));
+  store(7, "third");
+  ASSERT_TRUE(library_.open_to_play(storage::Holder::kPlayer, 7, motion));
+  EXPECT_EQ(motion.name(), "third");
+  EXPECT_FALSE(items_.marked(ItemKind::kMotion, 7));
+  add(7);
+  EXPECT_TRUE(items_.marked(ItemKind::kMotion, 7));
+  flip_bit(7, storage::kImageCrcOffset);
+  EXPECT_TRUE(library_.open(7, motion));
+}
+
+TEST_F(MotionLibraryTest, KeepsItsFindingsWhileMotionsMoveInTheLog) {
+  store(7, "dance");
+  library_.load();
+  const std::byte* const before = library_.image(7).data();
+  for (int i = 0; i < 2'000 && library_.image(7).data() == before; ++i) store(9, "other");
+  ASSERT_NE(library_.image(7).data(), before) << "the log has moved it";
+  EXPECT_TRUE(items_.marked(ItemKind::kMotion, 7));
+  EXPECT_FALSE(items_.marked(ItemKind::kMotion, 9));
+  Motion motion;
+  ASSERT_TRUE(library_.open(7, motion));
+  EXPECT_EQ(motion.name(), "dance");
+}
+
+TEST_F(MotionLibraryTest, ForgetsTheFindingsOfAnErasedMotion) {
+  store(7, "dance");
+  library_.load();
+  erase(7);
+  Motion motion;
+  EXPECT_FALSE(library_.open(7, motion));
+  EXPECT_FALSE(items_.marked(ItemKind::kMotion, 7));
+  store(7, "again");
+  EXPECT_TRUE(library_.open(7, motion));
+  EXPECT_EQ(motion.name(), "again");
+}
+
+// The factory's motion 7, and a stored one that takes its place, or cannot.
+class WithAFactory : public MotionLibraryTest {
+ protected:
+  // Puts a catalogue with the motion "factory" under number 7 at the start of `factory_bytes_`.
+  WithAFactory() {
+    test::MotionBuilder builder(model_.id);
+    builder.name = "factory";
+    const std::vector<std::byte> image =
+        builder.pose(test::kKnee, 10).step(Opcode::kMove, 0, 100'000).step(Opcode::kEnd).image();
+    const std::size_t offset = storage::kImageHeaderSize + 4 + storage::kCatalogueItemSize;
+    test::put(factory_bytes_, storage::kCatalogueMagic, 4);
+    test::put(factory_bytes_, storage::kCatalogueVersion, 4);
+    factory_bytes_.resize(storage::kImageHeaderSize);
+    test::put(factory_bytes_, 1, 4);
+    test::put(factory_bytes_, static_cast<std::uint32_t>(ItemKind::kMotion), 2);
+    test::put(factory_bytes_, 7, 2);
+    test::put(factory_bytes_, static_cast<std::uint32_t>(offset), 4);
+    test::put(factory_bytes_, static_cast<std::uint32_t>(image.size()), 4);
+    test::seal(factory_bytes_);
+    factory_bytes_.insert(factory_bytes_.end(), image.begin(), image.end());
+    catalogue_.emplace(factory_bytes_);
+    library_of_both_.emplace(*catalogue_, items_, model_);
+  }
+  // The name of motion 7; empty: there is none to play.
+  std::string playable() {
+    Motion motion;
+    return library_of_both_->open(7, motion) ? std::string(motion.name()) : "";
+  }
+  // From then on a validation refuses the factory's motion.
+  void break_the_factory() {
+    const auto image = catalogue_->find(ItemKind::kMotion, 7);
+    const auto offset = static_cast<std::size_t>(image.data() - factory_bytes_.data());
+    factory_bytes_[offset + storage::kImageCrcOffset] ^= std::byte{1};
+  }
+
+  std::vector<std::byte> factory_bytes_;
+  std::optional<storage::Catalogue> catalogue_;
+  std::optional<MotionLibrary> library_of_both_;
+};
+
+TEST_F(WithAFactory, IsValidatedOnce) {
+  library_of_both_->load();
+  break_the_factory();
+  EXPECT_EQ(playable(), "factory");
+}
+
+TEST_F(WithAFactory, IsNotPlayedBeforeItIsValidated) { EXPECT_EQ(playable(), ""); }
+
+TEST_F(WithAFactory, ReturnsWhenTheStoredOneIsErased) {
+  store(7, "stored");
+  library_of_both_->load();
+  EXPECT_EQ(playable(), "stored");
+  ASSERT_EQ(done([&] { return library_of_both_->erase(7); }), Status::kOk);
+  EXPECT_EQ(playable(), "factory");
+  break_the_factory();
+  EXPECT_EQ(playable(), "factory") << "validated again at the erasure, and not since";
+}
+
+TEST_F(WithAFactory, TakesThePlaceOfAStoredOneForAnotherRobot) {
+  store(7, "stored", model_.id + 1);
+  library_of_both_->load();
+  break_the_factory();
+  EXPECT_EQ(playable(), "factory") << "neither of them is validated again";
+}
+
+TEST_F(WithAFactory, ReturnsWhenAnInvalidMotionComesWithoutANotice) {
+  library_of_both_->load();
+  store(7, "stored", model_.id + 1);
+  EXPECT_EQ(playable(), "factory");
+  break_the_factory();
+  EXPECT_EQ(playable(), "") << "both are validated";
 }
 
 }  // namespace

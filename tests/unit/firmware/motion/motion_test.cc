@@ -65,6 +65,40 @@ TEST_F(MotionTest, ReadsTheImage) {
   EXPECT_EQ(motion.step(99).opcode, kEnd);
 }
 
+TEST_F(MotionTest, ReopensAnImageWithTheFindingsOfItsValidation) {
+  MotionBuilder calls = builder();
+  calls.variable_count = 3;
+  calls.pose(3, 20).step(kMove, 2, 40'000).step(kCall, 3).step(kEnd);
+  calls.step(Mix{.source = MixSource::kPitch, .joint = 7, .gain = 100}.step());
+  calls.step(kMove, 1, 10'000).step(kReturn);
+  calls.exit_step = 2;
+  const std::vector<std::byte> image = calls.image();
+  Motion opened;
+  ASSERT_TRUE(Motion::open(image, model_, opened).ok());
+  std::vector<std::byte> moved = image;
+  moved.resize(moved.size() + 5);  // bytes of a padding
+  const Motion again = Motion::reopen(moved, opened.findings());
+  EXPECT_EQ(again.name(), opened.name());
+  EXPECT_EQ(again.image_size_bytes(), image.size());
+  EXPECT_EQ(again.joint_count(), 20u);
+  EXPECT_EQ(again.variable_count(), 3u);
+  EXPECT_EQ(again.group_count(), 2u);
+  EXPECT_EQ(again.pose_count(), 3u);
+  EXPECT_EQ(again.exit_step(), 2u);
+  EXPECT_EQ(again.main_step_count(), 3u);
+  EXPECT_EQ(again.claimed_joints(), 1u << 3 | 1u << 7 | 1u << 18);
+  ASSERT_EQ(again.step_count(), opened.step_count());
+  for (std::size_t i = 0; i < opened.step_count(); ++i) {
+    EXPECT_EQ(again.step(i).opcode, opened.step(i).opcode) << i;
+    EXPECT_EQ(again.step(i).operand, opened.step(i).operand) << i;
+    EXPECT_EQ(again.step(i).value, opened.step(i).value) << i;
+  }
+  for (std::size_t pose = 0; pose < opened.pose_count(); ++pose) {
+    EXPECT_EQ(again.joint_mask(pose), opened.joint_mask(pose));
+    for (const std::size_t joint : {3u, 18u}) EXPECT_EQ(again.angle(pose, joint), opened.angle(pose, joint));
+  }
+}
+
 TEST_F(MotionTest, IsEmptyUntilOpened) {
   EXPECT_EQ(Motion().name(), "");
   EXPECT_EQ(Motion().image_size_bytes(), 0u);
