@@ -26,7 +26,10 @@ constexpr std::int16_t kBend = 1;   // bends the knee to and fro until stopped
 constexpr std::int16_t kNod = 2;    // tilts the head and holds it for 0.2 s
 constexpr std::int16_t kShake = 3;  // pans the head to and fro until stopped
 constexpr std::int16_t kObey = 4;   // tilts the head when the second input exceeds 1000
+constexpr std::int16_t kBow = 5;    // declares a lean of 20 degrees, tilts the head and waits
 constexpr std::uint8_t kNone = behaviour::Status::kNoOverlay;
+
+constexpr std::int16_t kTwentyDegrees = 3'641;
 
 class OverlayTest : public testing::Test {
  protected:
@@ -64,6 +67,12 @@ class OverlayTest : public testing::Test {
                   .step(kMove, 0, 50'000)
                   .step(kWait, 0, 10'000'000)
                   .step(kEnd)),
+        image("lean", MotionBuilder(model)
+                          .pose(kHeadTilt, 20)
+                          .step(motion::LeanDeclaration{kTwentyDegrees, 0}.step())
+                          .step(kMove, 0, 200'000)
+                          .step(kWait, 0, 10'000'000)
+                          .step(kEnd)),
     };
     bench.restart(test::make_storage(model_image, motions, test::encode(test::factory_values(), model.id)));
     ASSERT_TRUE(bench.run_until_ready_to_walk());
@@ -71,6 +80,16 @@ class OverlayTest : public testing::Test {
   Reason play(std::int16_t number) {
     bench.command(Command::kPlay, number);
     return bench.now().refusal;
+  }
+  // Turns the trunk forward to this pitch in 0.4 s, with consistent readings of gyro and accelerometer.
+  void pitch_to(double pitch_deg) {
+    const double pitch_rad = pitch_deg * test::kRadPerDegree;
+    bench.imu_sample.gyro_raw[1] = static_cast<std::int16_t>(pitch_rad / 0.4 * test::kCountsPerRadPerS);
+    bench.run_ms(400);
+    constexpr double kCountsPerG = 9.80665 / 39.2 * 32'768;
+    bench.imu_sample.gyro_raw = {};
+    bench.imu_sample.accelerometer_raw = {static_cast<std::int16_t>(-std::sin(pitch_rad) * kCountsPerG), 0,
+                                          static_cast<std::int16_t>(std::cos(pitch_rad) * kCountsPerG)};
   }
   double target_deg(std::size_t joint) const {
     return fixed::to_double(bench.target(joint)) / test::kRadPerDegree;
@@ -161,6 +180,27 @@ TEST_F(OverlayTest, PlaysBesideTheWalkUnlessItMovesTheLegs) {
   bench.run_ms(250);
   EXPECT_EQ(bench.now().state, State::kWalking);
   EXPECT_NEAR(target_deg(kHeadTilt), 20, 0.01);
+}
+
+// Only the first layer moves the legs: the robot does not lean because an overlay says so.
+TEST_F(OverlayTest, DoesNotMoveTheFallDetectorByItsLean) {
+  ASSERT_EQ(pc.write({0x2140, 7}, kTwentyDegrees, 2), canopen::AbortCode::kNone);
+  ASSERT_EQ(play(kBend), Reason::kNone);
+  ASSERT_EQ(play(kBow), Reason::kNone);
+  bench.run_ms(600);
+  ASSERT_EQ(bench.now().overlay, kBow);
+  pitch_to(32);
+  EXPECT_EQ(bench.now().state, State::kFalling);
+}
+
+TEST_F(OverlayTest, MovesTheFallDetectorByTheLeanOfTheFirstLayer) {
+  ASSERT_EQ(pc.write({0x2140, 7}, kTwentyDegrees, 2), canopen::AbortCode::kNone);
+  ASSERT_EQ(play(kBow), Reason::kNone);
+  ASSERT_EQ(play(kBend), Reason::kNone);
+  bench.run_ms(600);
+  ASSERT_EQ(bench.now().overlay, kBend);
+  pitch_to(32);
+  EXPECT_EQ(bench.now().state, State::kMotion);
 }
 
 TEST_F(OverlayTest, LimpEndsBothAtOnce) {

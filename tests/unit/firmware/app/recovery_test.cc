@@ -167,6 +167,34 @@ TEST_F(RecoveryTest, RisesFromChestAndBack) {
   EXPECT_EQ(bench.values().diagnosis.risen, 2);
 }
 
+// Motions of a fall and of a stand-up may soften joints; none of it is left once the robot stands.
+TEST_F(RecoveryTest, StandsWithFullTorqueAfterSoftMotions) {
+  constexpr motion::Stiffness kSoft{.percent = 40, .joints = (1u << 20) - 1};
+  give(Role::kFallFront, {kSoft.step(), {Opcode::kWait, 0, 5'000'000}});
+  give(Role::kRiseProne, {kSoft.step(), {Opcode::kWait, 0, 400'000}});
+  const auto with_limit = [&](std::uint32_t permille) {
+    return std::ranges::count_if(bench.drives,
+                                 [&](auto& drive) { return drive.object(0x6072, 0) == permille; });
+  };
+  stand();
+  turn_to(0, 60, 400);
+  ASSERT_EQ(bench.now().state, State::kFalling);
+  EXPECT_EQ(with_limit(400), 20) << "in the fall";
+  turn_to(0, 90, 100);
+  ASSERT_TRUE(bench.run_until(State::kFallen, 100));
+  bench.run_ms(60);
+  EXPECT_EQ(with_limit(1'000), 20) << "on the ground";
+  ASSERT_TRUE(bench.run_until(State::kRising, 1'000));
+  bench.run_ms(300);
+  ASSERT_EQ(bench.now().state, State::kRising);
+  EXPECT_EQ(with_limit(400), 20) << "in the stand-up";
+  turn_to(0, 0, 180);
+  ASSERT_TRUE(bench.run_until(State::kStanding, 1'000));
+  bench.run_ms(60);
+  EXPECT_EQ(with_limit(1'000), 20) << "standing";
+  EXPECT_EQ(bench.values().diagnosis.risen, 1);
+}
+
 TEST_F(RecoveryTest, RollsOverFromASideFirst) {
   lie_limp_from_standing(-90, 0);
   ASSERT_TRUE(bench.run_until(State::kRolling, 500));
