@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sim_board/world/gravity.h"
+#include "tools/motion/check/hash.h"
 #include "tools/motion/check/servo_curve.h"
 
 namespace koboshi::tools {
@@ -13,18 +14,8 @@ namespace {
 // The tail of the response that is cut off, in units of the time constant: exp(-7) (1 + 7) < 0.8 %.
 constexpr double kResponseLength = 7.0;
 
-// A hash of 64 bits: among a million windows, two are confused with a probability of 3e-8.
-constexpr std::uint64_t kHashSeed = 0x9E3779B97F4A7C15U;
 // A multiplier of 64-bit congruential generators (Steele and Vigna 2021).
 constexpr std::uint64_t kHashFactor = 0xD1342543DE82EF95U;
-
-// Adds a value to a hash (the finaliser of SplitMix64, Steele, Lea and Flood 2014).
-void mix(std::uint64_t& hash, std::uint64_t value) {
-  hash = (hash ^ value) + kHashSeed;
-  hash = (hash ^ hash >> 30) * 0xBF58476D1CE4E5B9U;
-  hash = (hash ^ hash >> 27) * 0x94D049BB133111EBU;
-  hash ^= hash >> 31;
-}
 
 // Mean over each tick of w^2 t exp(-w t), the impulse response of a critically damped oscillator.
 std::vector<double> impulse_response(double natural_rad_per_s) {
@@ -53,7 +44,11 @@ std::size_t mean_delay(const std::vector<double>& response) {
 }  // namespace
 
 MotionAnalysis::MotionAnalysis(const sim::RobotDescription& robot, const Supply& supply)
-    : robot_(robot), supply_(supply), body_(robot), pairs_(robot, body_) {
+    : robot_(robot),
+      supply_(supply),
+      body_(robot),
+      pairs_(robot, body_),
+      extremes_(robot, body_, pairs_, stiffness_Nm_) {
   for (const sim::JointDescription& joint : robot.joints)
     stiffness_Nm_.push_back(stiffness_Nm_per_rad(joint.servo, supply.nominal_V));
   double ankles_Nm = 0.0;
@@ -90,7 +85,7 @@ std::vector<std::uint64_t> MotionAnalysis::windows(const Trajectory& trajectory)
   std::vector<std::uint64_t> rows(ticks, kHashSeed);
   for (std::size_t tick = 0; tick < ticks; ++tick) {
     for (const double target_rad : trajectory.row(tick))
-      mix(rows[tick], std::bit_cast<std::uint64_t>(target_rad));
+      add_to_hash(rows[tick], std::bit_cast<std::uint64_t>(target_rad));
   }
   const auto before = static_cast<std::ptrdiff_t>(response_.size() - shift_);
   const auto after = static_cast<std::ptrdiff_t>(shift_ + 1);
@@ -109,10 +104,10 @@ std::vector<std::uint64_t> MotionAnalysis::windows(const Trajectory& trajectory)
   std::vector<std::uint64_t> result(ticks, kHashSeed);
   for (std::ptrdiff_t tick = 0; tick <= last; ++tick) {
     std::uint64_t& hash = result[static_cast<std::size_t>(tick)];
-    mix(hash, window);
+    add_to_hash(hash, window);
     // Rates are one-sided at the ends.
-    mix(hash, (trajectory.on_feet[static_cast<std::size_t>(tick)] ? 1U : 0U) | (tick == 0 ? 2U : 0U) |
-                  (tick == last ? 4U : 0U));
+    add_to_hash(hash, (trajectory.on_feet[static_cast<std::size_t>(tick)] ? 1U : 0U) | (tick == 0 ? 2U : 0U) |
+                          (tick == last ? 4U : 0U));
     window = (window - row(tick - before) * oldest_factor) * kHashFactor + row(tick + after + 1);
   }
   return result;
@@ -171,6 +166,7 @@ const std::vector<TickState>& MotionAnalysis::analyse(const Trajectory& trajecto
                                                       const std::stop_token& cancel) {
   const std::size_t ticks = trajectory.ticks();
   const std::vector<std::uint64_t> keys = windows(trajectory);
+  mix_extremes_ = extremes_.evaluate(trajectory, keys, cancel);
   smoothed_.resize(ticks * trajectory.joints);
   is_smoothed_.assign(ticks, false);
   states_.resize(ticks);
@@ -192,6 +188,7 @@ const std::vector<TickState>& MotionAnalysis::analyse(const Trajectory& trajecto
 void MotionAnalysis::forget_unused() {
   std::erase_if(known_, [&](const auto& known) { return known.second.used < time_; });
   ++time_;
+  extremes_.forget_unused();
 }
 
 }  // namespace koboshi::tools

@@ -10,6 +10,7 @@
 #include "sim_board/robot/description.h"
 #include "tools/motion/check/body.h"
 #include "tools/motion/check/collision.h"
+#include "tools/motion/check/mix_extremes.h"
 #include "tools/motion/check/trajectory.h"
 
 namespace koboshi::tools {
@@ -59,6 +60,8 @@ class MotionAnalysis {
   // Returns the state at each tick; valid until the next call. Returns early, with unusable states, once
   // `cancel` is set.
   const std::vector<TickState>& analyse(const Trajectory& trajectory, const std::stop_token& cancel = {});
+  // The poses of the last trajectory with the corrections of their mixes at the bounds.
+  const std::vector<MixExtreme>& mix_extremes() const { return mix_extremes_; }
   // Forgets the states that no trajectory has used since the last call of this function.
   void forget_unused();
   // Number of ticks that the last call computed.
@@ -92,10 +95,12 @@ class MotionAnalysis {
   std::vector<double> response_;
   std::size_t shift_ = 0;             // of the response
   std::vector<double> stiffness_Nm_;  // by joint, per rad
+  MixExtremes extremes_;
 
   std::unordered_map<std::uint64_t, Known> known_;  // by the hash of the window
   std::uint64_t time_ = 0;                          // number of calls of forget_unused
   std::vector<TickState> states_;                   // of the last trajectory
+  std::vector<MixExtreme> mix_extremes_;
   std::size_t computed_ = 0;
 
   // Scratch.

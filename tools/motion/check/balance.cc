@@ -23,12 +23,6 @@ using simulation::Severity;
 constexpr double kRoll_rad = 2.0 / kDegreesPerRad;  // a roll onto an edge that the targets do not intend
 constexpr double kSuddenRoll_rad = 1.0 / kDegreesPerRad;  // in one tick: faster than targets turn a sole
 
-// The direction of a vector in GroundAxes, in words.
-std::string_view direction_of(const Eigen::Vector2d& outward) {
-  if (std::abs(outward.x()) >= std::abs(outward.y())) return outward.x() > 0.0 ? "front" : "back";
-  return outward.y() > 0.0 ? "left" : "right";
-}
-
 std::string_view opposite_of(const Eigen::Vector2d& outward) { return direction_of(-outward); }
 
 class BalanceJudge {
@@ -157,6 +151,11 @@ class BalanceJudge {
 };
 
 }  // namespace
+
+std::string_view direction_of(const Eigen::Vector2d& outward) {
+  if (std::abs(outward.x()) >= std::abs(outward.y())) return outward.x() > 0.0 ? "front" : "back";
+  return outward.y() > 0.0 ? "left" : "right";
+}
 
 void judge_balance(const Trajectory& trajectory, const std::vector<TickState>& states,
                    const CheckLimits& limits, PathReport& report) {

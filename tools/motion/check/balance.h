@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <string_view>
 #include <vector>
 
 #include "tools/motion/check/report.h"
@@ -10,5 +12,8 @@ namespace koboshi::tools {
 // each step whose margin is small or that lets the robot roll onto an edge of its soles (C006 to C008).
 void judge_balance(const Trajectory& trajectory, const std::vector<TickState>& states,
                    const CheckLimits& limits, PathReport& report);
+
+// The direction of a vector in GroundAxes, in words: front, back, left or right.
+[[nodiscard]] std::string_view direction_of(const Eigen::Vector2d& outward);
 
 }  // namespace koboshi::tools

@@ -183,7 +183,7 @@ std::optional<MotionReport> MotionChecker::check(const CompiledMotion& motion,
     const std::vector<TickState>& states = analysis_.analyse(path, cancel);
     if (cancel.stop_requested()) return std::nullopt;
     if (&path == &sampled.paths.front()) states_ = states;
-    add_path(judge(path, states, *robot_, limits_), path, report);
+    add_path(judge(path, states, *robot_, limits_, analysis_.mix_extremes()), path, report);
   }
   analysis_.forget_unused();
   add_diagnostics(motion, report);

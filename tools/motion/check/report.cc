@@ -11,6 +11,7 @@
 #include "firmware/motion/interpreter.h"
 #include "sim_board/input/user_units.h"
 #include "tools/motion/check/balance.h"
+#include "tools/motion/check/mix_report.h"
 #include "tools/motion/check/sample.h"
 
 namespace koboshi::tools {
@@ -22,29 +23,28 @@ using simulation::Severity;
 
 // Speeds of targets are those of poses in steps of 2^-14 turn, divided by the time of a step.
 constexpr double kSpeedTolerance = 1.01;
-constexpr double kHighTorque = 0.8;     // share of the torque from which a warning is due
-constexpr double kTouching_m = 0.0005;  // collision boxes that overlap by less only touch
-constexpr double kYielding_m = 0.002;   // by which the servos of a chain of joints yield to a light contact
-constexpr double kLeanRounding_rad = 6.3 / (1 << 16);     // of a declared lean in the image, 2^-16 turn
-constexpr double kNotedClamp_rad = 0.1 / kDegreesPerRad;  // poses are rounded to 0.02 degrees
+constexpr double kHighTorque = 0.8;    // share of the torque from which a warning is due
+constexpr double kYielding_m = 0.002;  // by which the servos of a chain of joints yield to a light contact
+constexpr double kLeanRounding_rad = 6.3 / (1 << 16);  // of a declared lean in the image, 2^-16 turn
 // Motions begin with a move from the pose in force: the other ones are written for a start near standing.
 constexpr double kAtStanding_rad = 10.0 / kDegreesPerRad;
 
 class Judge {
  public:
   Judge(const Trajectory& trajectory, const std::vector<TickState>& states,
-        const sim::RobotDescription& robot, const CheckLimits& limits)
-      : trajectory_(trajectory), states_(states), robot_(robot), limits_(limits) {}
+        const std::vector<MixExtreme>& extremes, const sim::RobotDescription& robot,
+        const CheckLimits& limits)
+      : trajectory_(trajectory), states_(states), extremes_(extremes), robot_(robot), limits_(limits) {}
 
   PathReport run() {
     report_.duration_s = time_s(trajectory_.ticks() - 1);
     list_steps();
     name_late_steps();
     check_targets();
-    check_mixes();
     check_torques();
     check_overlaps();
     judge_balance(trajectory_, states_, limits_, report_);
+    judge_mixes(trajectory_, states_, extremes_, robot_, limits_, report_);
     name_declared_leans();
     check_fall_detector();
     check_end();
@@ -130,18 +130,6 @@ class Judge {
           fmt::format("at most {:.1f} deg, the drive's largest cyclic step (object 2001h)",
                       limits_.largest_cyclic_step_rad * kDegreesPerRad),
           "Give the step more time.");
-    }
-  }
-
-  void check_mixes() {
-    for (const auto& [joint, clamp] : trajectory_.clamps) {
-      if (clamp.excess_rad < kNotedClamp_rad) continue;
-      add("C012", Severity::kWarning, clamp.tick,
-          fmt::format(
-              "a mix that may be clamped from here on: its bound is up to {:.1f} deg beyond the limit of {}",
-              clamp.excess_rad * kDegreesPerRad, joint_name(joint)),
-          "the pose and the mix's bound within the joint's limits",
-          "Keep the pose away from the limit, or reduce limit_deg.");
     }
   }
 
@@ -279,6 +267,7 @@ class Judge {
 
   const Trajectory& trajectory_;
   const std::vector<TickState>& states_;
+  const std::vector<MixExtreme>& extremes_;
   const sim::RobotDescription& robot_;
   const CheckLimits& limits_;
   std::vector<std::size_t> report_of_step_;
@@ -300,9 +289,10 @@ Finding finding_at(const Trajectory& trajectory, std::size_t tick, std::string c
 }
 
 PathReport judge(const Trajectory& trajectory, const std::vector<TickState>& states,
-                 const sim::RobotDescription& robot, const CheckLimits& limits) {
+                 const sim::RobotDescription& robot, const CheckLimits& limits,
+                 const std::vector<MixExtreme>& extremes) {
   if (trajectory.ticks() == 0) return {};
-  return Judge(trajectory, states, robot, limits).run();
+  return Judge(trajectory, states, extremes, robot, limits).run();
 }
 
 }  // namespace koboshi::tools

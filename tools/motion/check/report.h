@@ -72,8 +72,12 @@ struct CheckLimits {
                                  simulation::Severity severity, std::string found, std::string expected,
                                  std::string hint = {});
 
-// Judges a path. `states` are those of the trajectory.
+// Collision boxes that overlap by less only touch.
+inline constexpr double kTouching_m = 0.0005;
+
+// Judges a path. `states` and `extremes` are those of the trajectory (MotionAnalysis).
 [[nodiscard]] PathReport judge(const Trajectory& trajectory, const std::vector<TickState>& states,
-                               const sim::RobotDescription& robot, const CheckLimits& limits);
+                               const sim::RobotDescription& robot, const CheckLimits& limits,
+                               const std::vector<MixExtreme>& extremes = {});
 
 }  // namespace koboshi::tools

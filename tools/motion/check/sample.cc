@@ -52,6 +52,20 @@ struct Explored {
   std::deque<Plan> plans{{}};
 };
 
+bool are_equal(const motion::Mix& a, const motion::Mix& b) {
+  return a.joint == b.joint && a.source == b.source && a.gain == b.gain && a.limit == b.limit;
+}
+
+MixBounds bounds_of(std::span<const motion::Mix> mixes) {
+  MixBounds bounds;
+  for (const motion::Mix& mix : mixes) {
+    const double bound_rad = 2.0 * std::numbers::pi * mix.limit / (1 << 16);
+    bounds.push_back(
+        {mix.joint, static_cast<std::uint8_t>(mix.source), mix.gain < 0 ? -bound_rad : bound_rad});
+  }
+  return bounds;
+}
+
 // Plays one path.
 class Player {
  public:
@@ -201,6 +215,15 @@ class Player {
     note_clamps(at);
     const motion::Lean lean = at.lean();
     trajectory_.add(row, step, on_feet, fixed::to_double(lean.pitch), fixed::to_double(lean.roll));
+    note_mixes(at.mixes());
+  }
+
+  void note_mixes(std::span<const motion::Mix> mixes) {
+    if (!std::ranges::equal(mixes, mixes_, are_equal)) {
+      mixes_.assign(mixes.begin(), mixes.end());
+      mix_index_ = trajectory_.index_of(bounds_of(mixes));
+    }
+    trajectory_.mixes.back() = mix_index_;
   }
 
   // Notes the joints that corrections of kMix may turn beyond their limits, if each reaches its bound.
@@ -244,7 +267,9 @@ class Player {
   const motion::Inputs inputs_{.robot = state_};
   bool on_feet_ = true;
   bool stopping_ = false;
-  std::size_t moved_tick_ = 0;  // the last one in which a target changed
+  std::size_t moved_tick_ = 0;      // the last one in which a target changed
+  std::vector<motion::Mix> mixes_;  // in force
+  std::uint32_t mix_index_ = 0;     // of them in the trajectory
   Trajectory trajectory_;
 };
 

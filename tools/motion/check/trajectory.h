@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -19,6 +20,17 @@ struct StepPlace {
   std::string text{};  // such as "move to bow"
 };
 
+// The correction that a mix adds to a joint at its bound, while the deviation that its source measures is
+// positive; the opposite one while it is negative.
+struct MixBound {
+  std::uint8_t joint = 0;
+  std::uint8_t source = 0;  // motion::MixSource
+  double bound_rad = 0.0;
+
+  bool operator==(const MixBound&) const = default;
+};
+using MixBounds = std::vector<MixBound>;
+
 // One path through a motion, sampled every 10 ms as the firmware plays it: the targets at the end of each
 // tick and the step that is then played. It knows nothing of the language in which the motion was written.
 struct Trajectory {
@@ -31,6 +43,10 @@ struct Trajectory {
   // By tick: the declared lean in rad, forward and to the right.
   std::vector<double> lean_pitch_rad{};
   std::vector<double> lean_roll_rad{};
+  // The mixes in force, without corrections that fade: by tick an index of `mix_bounds`, whose first element
+  // is empty.
+  std::vector<std::uint32_t> mixes{};
+  std::vector<MixBounds> mix_bounds{{}};
   // A joint whose corrections of kMix may turn it beyond one of its limits, where the firmware clamps it.
   struct Clamp {
     std::size_t tick = 0;     // the first one
@@ -56,6 +72,8 @@ struct Trajectory {
   std::span<const double> row(std::size_t tick) const {
     return std::span(targets_rad).subspan(tick * joints, joints);
   }
+  const MixBounds& bounds_at(std::size_t tick) const { return mix_bounds[mixes[tick]]; }
+  // Adds a tick without mixes.
   void add(std::span<const double> row_rad, std::uint16_t step, bool feet = true, double pitch_rad = 0.0,
            double roll_rad = 0.0) {
     joints = row_rad.size();
@@ -64,6 +82,14 @@ struct Trajectory {
     on_feet.push_back(feet);
     lean_pitch_rad.push_back(pitch_rad);
     lean_roll_rad.push_back(roll_rad);
+    mixes.push_back(0);
+  }
+  // Returns the index of these mixes in `mix_bounds`, to which it adds new ones.
+  std::uint32_t index_of(const MixBounds& bounds) {
+    const auto place = std::ranges::find(mix_bounds, bounds);
+    const auto index = static_cast<std::uint32_t>(place - mix_bounds.begin());
+    if (place == mix_bounds.end()) mix_bounds.push_back(bounds);
+    return index;
   }
 };
 

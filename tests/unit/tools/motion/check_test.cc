@@ -210,6 +210,76 @@ TEST_F(MotionCheckerTest, WarnsOfAMixThatMayBeClamped) {
   EXPECT_EQ(find(two, "C012").place.line, 13) << "the move";
 }
 
+// Planted examples of mixes at their bounds; `mix` is the map of a step.
+class MixesOfACheck : public MotionCheckerTest {
+ protected:
+  MotionReport check_mix(const std::string& mix, const std::string& poses = "",
+                         const std::string& pose = "stand") const {
+    return check(poses + "steps:\n  - {pose: stand, time_s: 1}\n  - {mix: {" + mix +
+                 "}}\n  - {pose: " + pose + ", time_s: 1}\n  - {mix: none}\n  - {pose: stand, time_s: 1}\n");
+  }
+};
+
+TEST_F(MixesOfACheck, AreFineWithinSmallBounds) {
+  const MotionReport report = check_mix("ankle_pitch: {pitch_rate: 0.05, limit_deg: 2}");
+  EXPECT_THAT(codes(report), IsEmpty());
+  EXPECT_EQ(report.balance, Balance::kStable);
+}
+
+// Ankles and hips that lean the trunk to the same side carry the centre of mass over the edge of the soles;
+// with the opposite gain the hips balance the ankles.
+TEST_F(MixesOfACheck, WarnOfTheCentreOfMassAndMakeTheVerdictClose) {
+  const std::string mix =
+      "ankle_pitch: {{pitch_rate: 0.05, limit_deg: 15}}, hip_pitch: {{pitch_rate: {}, limit_deg: 15}}";
+  const MotionReport report = check_mix(fmt::format(fmt::runtime(mix), "0.05"));
+  const simulation::Diagnostic& finding = find(report, "C021");
+  EXPECT_EQ(finding.severity, simulation::Severity::kWarning);
+  EXPECT_THAT(finding.found, HasSubstr("outside the support polygon to the "));
+  EXPECT_THAT(finding.found, HasSubstr("if the mixes of pitch_rate ("));
+  EXPECT_EQ(finding.place.line, 11) << "the move after the mix";
+  EXPECT_FALSE(report.has_errors()) << "a bound is a possibility";
+  EXPECT_EQ(report.balance, Balance::kClose);
+  EXPECT_GT(report.least_margin_m, 0.005) << "the margin is that without corrections";
+  const MotionReport balanced = check_mix(fmt::format(fmt::runtime(mix), "-0.05"));
+  EXPECT_THAT(codes(balanced), IsEmpty());
+  EXPECT_EQ(balanced.balance, Balance::kStable);
+}
+
+TEST_F(MixesOfACheck, WarnOfLinksThatOverlapOnlyAtTheBounds) {
+  const std::string poses = "  near: {from: stand, elbow: 0, shoulder_roll: 2}\n";
+  EXPECT_THAT(codes(check_mix("head_pan: {roll: 0.5, limit_deg: 5}", poses, "near")), IsEmpty());
+  const MotionReport report = check_mix("left_shoulder_roll: {roll: 0.5, limit_deg: 15}", poses, "near");
+  const simulation::Diagnostic& finding = find(report, "C020");
+  EXPECT_EQ(finding.severity, simulation::Severity::kWarning);
+  EXPECT_THAT(finding.found, HasSubstr("if the mixes of roll ("));
+  EXPECT_THAT(codes(report), testing::Not(testing::Contains("C005")));
+}
+
+// Joints that share a source move together: legs that follow one source in parallel never meet, whatever
+// their bounds, while legs that approach each other do.
+TEST_F(MixesOfACheck, MoveTheJointsOfASourceTogether) {
+  const std::string mix =
+      "left_hip_roll: {{roll: 0.5, limit_deg: 12}}, right_hip_roll: {{roll: {}, limit_deg: 12}}";
+  const auto overlaps = [&](const char* gain) {
+    return codes(check_mix(fmt::format(fmt::runtime(mix), gain)));
+  };
+  EXPECT_THAT(overlaps("0.5"), testing::Not(testing::Contains("C020")));
+  EXPECT_THAT(overlaps("-0.5"), testing::Contains("C020"));
+  const MotionReport two_sources =
+      check_mix("left_hip_roll: {roll: 0.5, limit_deg: 12}, right_hip_roll: {roll_rate: 0.5, limit_deg: 12}");
+  EXPECT_THAT(find(two_sources, "C020").found, HasSubstr("if the mixes of roll_rate (")) << "of both sources";
+}
+
+TEST_F(MixesOfACheck, AreAddedUpByJoint) {
+  const std::string pitch = "  - {mix: {ankle_pitch: {pitch: 0.1, limit_deg: 12}}}\n";
+  const std::string rate = "  - {mix: {ankle_pitch: {pitch_rate: 0.1, limit_deg: 12}}}\n";
+  const auto codes_with = [&](const std::string& mixes) {
+    return codes(check("steps:\n  - {pose: stand, time_s: 1}\n" + mixes + "  - {wait_s: 1}\n"));
+  };
+  EXPECT_THAT(codes_with(pitch), IsEmpty());
+  EXPECT_THAT(codes_with(pitch + rate), testing::Contains("C021"));
+}
+
 TEST_F(MotionCheckerTest, GoesOnAfterACancelledCheck) {
   std::string steps = "steps:\n";
   for (int i = 0; i < 30; ++i)
