@@ -3,8 +3,8 @@
 
 interpreter_work.py PROGRAM [COUNT]: two motions play at once, one with the 12 joints of the legs and
 one with the 8 others, without end. Prints, for each kind of move and each kind of steps between the
-moves, the instructions of the interpreter per tick: mean, 99 of 100 ticks, and the tick in which a
-motion starts, which checks its image. Needs the image of `./run target`. Takes about 5 s per row;
+moves, the instructions of the interpreter per tick in which a motion plays: mean, 99 of 100 ticks, and
+the most, in which ticks that start a motion take part. Needs the image of `./run target`. Takes about 5 s per row;
 COUNT limits the rows.
 """
 
@@ -84,7 +84,8 @@ def measure(program, folder, interpolation, duration, mixes, between):
     (folder / "scenario.yaml").write_text(scenario_text(folder))
     subprocess.run([program, "target-report", folder / "scenario.yaml", "--json", folder / "report.json"],
                    cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
-    return json.loads((folder / "report.json").read_text())["by_part"]["interpreter"]
+    report = json.loads((folder / "report.json").read_text())
+    return report["while_moving"]["by_part"]["interpreter"]
 
 
 def main():
@@ -92,7 +93,7 @@ def main():
     rows = [(move, between, 16) for between in BETWEEN for move in MOVES]
     rows += [(move, "none", 0) for move in MOVES]
     rows = rows[:int(sys.argv[2])] if len(sys.argv) > 2 else rows
-    print("| moves | between them | corrections | mean | 99 of 100 ticks | start |")
+    print("| moves | between them | corrections | mean | 99 of 100 ticks | most |")
     print("| --- | --- | ---: | ---: | ---: | ---: |")
     with tempfile.TemporaryDirectory() as folder:
         for (interpolation, duration), between, mixes in rows:

@@ -47,6 +47,14 @@ class Report(unittest.TestCase):
             self.assertGreater(part["mean"], 0)
             self.assertLessEqual(part["p99"], part["max"])
 
+    def test_has_the_same_parts_while_moving(self):
+        moving = self.figures["while_moving"]
+        parts = moving["by_part"]
+        self.assertEqual(list(parts), PARTS[:-1])
+        self.assertLessEqual(sum(part["mean"] for part in parts.values()), moving["mean"])
+        self.assertGreater(parts["behaviour"]["mean"], self.figures["by_part"]["behaviour"]["mean"])
+        self.assertLess(parts["interpreter"]["max"], self.figures["by_part"]["interpreter"]["max"])  # the boot checks motions
+
     def test_finds_the_stack_within_its_bound(self):
         self.assertLessEqual(self.figures["stack_peak_bytes"], self.figures["by_entry_point"]["reset_handler"]["stack_bytes"])
         self.assertGreater(self.figures["stack_peak_bytes"], self.figures["stack_bytes"] / 2)

@@ -79,6 +79,8 @@ nlohmann::ordered_json to_json(const TargetReport& report) {
   by_part["rest"] = to_json(report.rest);
   nlohmann::ordered_json moving = to_json(report.instructions_moving);
   moving["ticks"] = report.ticks_moving;
+  for (std::size_t part = 0; part < kPartNames.size(); ++part)
+    moving["by_part"][kPartNames[part]] = to_json(report.by_part_moving[part]);
   nlohmann::ordered_json budget{{"instructions_per_tick_mean", kMeanInstructions},
                                 {"instructions_per_tick_max", kMaxInstructions}};
   budget.update(report.image.at("budget"));

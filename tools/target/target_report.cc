@@ -99,7 +99,9 @@ TargetReport measure_target(const sim::Scenario& scenario, const std::filesystem
   report.instructions = distribution_of(ticks, [](const Tick& tick) { return tick.instructions; });
   report.instructions_moving = distribution_of(moving, [](const Tick& tick) { return tick.instructions; });
   for (std::size_t part = 0; part < report.by_part.size(); ++part) {
-    report.by_part[part] = distribution_of(ticks, [part](const Tick& tick) { return tick.parts[part]; });
+    const auto of_part = [part](const Tick& tick) { return tick.parts[part]; };
+    report.by_part[part] = distribution_of(ticks, of_part);
+    report.by_part_moving[part] = distribution_of(moving, of_part);
   }
   report.rest = distribution_of(ticks, [](const Tick& tick) { return tick.instructions - sum(tick.parts); });
   return report;

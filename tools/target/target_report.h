@@ -38,6 +38,7 @@ struct TargetReport {
   Distribution instructions;         // of all ticks
   Distribution instructions_moving;  // of ticks in which a motion plays or the robot walks
   std::array<Distribution, kPartNames.size()> by_part;
+  std::array<Distribution, kPartNames.size()> by_part_moving;  // of the ticks of `instructions_moving`
   // In the total but in no part: reading the counter before and after each exchange.
   Distribution rest;
   std::uint32_t stack_peak_bytes = 0;  // maximum in the run
