@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim_board/input/text.h"
@@ -49,6 +51,13 @@ struct XmlRule {
   std::vector<std::string> choices = {};  // as in XmlAttributeRule
   XmlNote note = {};
 };
+
+// Parses finite numbers separated by blanks. Returns nothing if any word is not a number.
+std::optional<std::vector<double>> parse_numbers(std::string_view text);
+
+// Whether a text is a value that a rule permits.
+bool is_valid_value(const std::string& text, XmlContent content, std::size_t numbers,
+                    const NumberRange& range, const std::vector<std::string>& choices);
 
 // Describes the permitted values of a rule: "a number from 1e-06 to 1000", "3 times a number from -1 to 1",
 // "a whole number from 1 to 127", "left or right", "a text"; empty for elements without a value.

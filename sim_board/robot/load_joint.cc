@@ -1,5 +1,3 @@
-#include <cmath>
-#include <numbers>
 #include <sdf/JointAxis.hh>
 
 #include "sim_board/robot/load_parts.h"
@@ -24,23 +22,6 @@ EncoderDescription load_encoder(const XmlNode& node) {
           .noise_counts = node.attribute_number("noise_counts", 0.0)};
 }
 
-// The encoder measures one turn: the shaft must stay within it over the joint's whole range.
-void check_range(const JointDescription& joint, const XmlNode& axis_node, const XmlNode& drive_node) {
-  const XmlNode limit = axis_node.child("limit");
-  if (joint.lower_rad >= joint.upper_rad) {
-    throw limit.error("lower " + number_text(joint.lower_rad) + " and upper " + number_text(joint.upper_rad),
-                      "lower below upper");
-  }
-  for (const double limit_rad : {joint.lower_rad, joint.upper_rad}) {
-    const double shaft_rad = joint.drive.sign * limit_rad + joint.drive.zero_rad;
-    if (std::abs(shaft_rad) >= std::numbers::pi) {
-      throw drive_node.error("a shaft at " + number_text(shaft_rad) + " rad where joint " + joint.name +
-                                 " is at " + number_text(limit_rad),
-                             "less than half a turn to either side");
-    }
-  }
-}
-
 }  // namespace
 
 JointDescription load_joint(const sdf::Joint& joint, const XmlNode& node, const RobotDescription& robot,
@@ -61,16 +42,9 @@ JointDescription load_joint(const sdf::Joint& joint, const XmlNode& node, const 
   description.upper_rad = axis.Upper();
   description.max_speed_rad_per_s = axis.MaxVelocity();
 
-  const XmlNode servo_node = node.child("koboshi:servo");
-  const auto servo = servo_types.find(servo_node.attribute("type"));
-  if (servo == servo_types.end()) {
-    throw servo_node.error("type = " + one_line(servo_node.attribute("type")),
-                           "the name of a koboshi:servo_type");
-  }
-  description.servo = servo->second;
+  description.servo = servo_types.at(node.child("koboshi:servo").attribute("type"));
   description.encoder = load_encoder(node.child("koboshi:encoder"));
   description.drive = load_drive(node.child("koboshi:drive"));
-  check_range(description, node.child("axis"), node.child("koboshi:drive"));
   return description;
 }
 

@@ -16,12 +16,7 @@ SurfaceDescription load_surface(const XmlNode& node) {
   const XmlNode friction = node.child("friction").child("ode");
   surface.friction = friction.number("mu");
   surface.friction_second = friction.number("mu2", surface.friction);
-  if (const auto direction = friction.find("fdir1")) {
-    surface.friction_direction = vector_of(*direction);
-    if (surface.friction_direction->norm() < 1e-4) {
-      throw direction->error("<fdir1> = " + one_line(direction->text()), "a direction, any but zero");
-    }
-  }
+  if (const auto direction = friction.find("fdir1")) surface.friction_direction = vector_of(*direction);
   if (const auto bounce = node.find("bounce")) {
     surface.bounce = bounce->number("restitution_coefficient");
     surface.bounce_threshold_m_per_s = bounce->number("threshold");
@@ -44,16 +39,10 @@ BoxDescription load_collision(const sdf::Collision& collision, const XmlNode& no
 }
 
 MeshDescription load_mesh(const XmlNode& node, const std::filesystem::path& folder) {
-  const XmlNode uri = node.child("uri");
   const auto scale = node.find("scale");
   MeshDescription mesh;
-  mesh.file = folder / uri.text();
+  mesh.file = folder / node.child("uri").text();
   if (scale) mesh.scale = vector_of(*scale);
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(mesh.file, ignored)) {
-    throw uri.error("<uri> = " + one_line(uri.text()),
-                    "a mesh file that exists, relative to this file's folder");
-  }
   return mesh;
 }
 
@@ -70,13 +59,7 @@ void load_visual(const sdf::Visual& visual, const XmlNode& node, const std::file
                  LinkDescription& link) {
   const Eigen::Isometry3d X_LG = resolve_pose(visual.SemanticPose(), link.name, node);
   const XmlNode geometry = node.child("geometry");
-  const auto box = geometry.find("box");
-  const auto mesh = geometry.find("mesh");
-  if (box.has_value() == mesh.has_value()) {
-    throw geometry.error("<geometry> of visual " + visual.Name() + " with none or several",
-                         "one box or one mesh");
-  }
-  if (mesh) {
+  if (const auto mesh = geometry.find("mesh")) {
     MeshDescription loaded = load_mesh(*mesh, folder);
     loaded.name = visual.Name();
     loaded.X_LG = X_LG;
@@ -85,7 +68,7 @@ void load_visual(const sdf::Visual& visual, const XmlNode& node, const std::file
   } else {
     link.visual_boxes.push_back({.name = visual.Name(),
                                  .X_LG = X_LG,
-                                 .size_m = vector_of(box->child("size")),
+                                 .size_m = vector_of(geometry.child("box").child("size")),
                                  .surface = {},
                                  .colour = load_colour(node)});
   }

@@ -6,18 +6,6 @@
 namespace koboshi::sim {
 namespace {
 
-// The jitter must be so small that samples keep their order.
-double load_jitter_s(const XmlNode& sensor) {
-  const double jitter_s = sensor.number("koboshi:jitter_s", 0.0);
-  const double half_period_s = 0.5 / sensor.number("update_rate");
-  if (jitter_s >= half_period_s) {
-    throw sensor.child("koboshi:jitter_s")
-        .error("<koboshi:jitter_s> = " + number_text(jitter_s),
-               "less than half the sampling period, " + number_text(half_period_s));
-  }
-  return jitter_s;
-}
-
 ChannelDescription load_channel(const XmlNode& sensor, const std::string& name) {
   const XmlNode node = sensor.child(name);
   ChannelDescription channel{.noise_density = node.number("noise_density"),
@@ -30,21 +18,13 @@ ChannelDescription load_channel(const XmlNode& sensor, const std::string& name) 
                              .range = node.number("range"),
                              .resolution = node.number("resolution"),
                              .sample_period_s = 1.0 / sensor.number("update_rate"),
-                             .jitter_s = load_jitter_s(sensor),
+                             .jitter_s = sensor.number("koboshi:jitter_s", 0.0),
                              .delay_s = node.number("delay_s")};
-  // The upper end may lack half a count; two's complement has one more value below zero.
-  if (channel.range / channel.resolution > 32768.5) {
-    throw node.error("<" + name + "> of range " + number_text(channel.range) + " at resolution " +
-                         number_text(channel.resolution),
-                     "counts that fit 16 bits");
-  }
   return channel;
 }
 
 // Height of the sensor above the lowest corner of the link's boxes, at joint angles zero.
-double height_above_sole_m(const LinkDescription& link, const Eigen::Isometry3d& X_LS, const XmlNode& node) {
-  if (link.collisions.empty())
-    throw node.error("an ankle sensor above link " + link.name + " without a box", "a sole");
+double height_above_sole_m(const LinkDescription& link, const Eigen::Isometry3d& X_LS) {
   double lowest_m = 0.0;
   bool first = true;
   for (const BoxDescription& box : link.collisions) {
@@ -61,7 +41,6 @@ double height_above_sole_m(const LinkDescription& link, const Eigen::Isometry3d&
 
 void load_imus(const sdf::Link& link, const XmlNode& link_node, RobotDescription& robot) {
   for (const XmlNode& node : link_node.children("sensor")) {
-    if (robot.imu) throw node.error("a second IMU", "one");
     const sdf::Sensor& sensor = *link.SensorByName(node.attribute("name"));
     robot.imu = ImuDescription{.name = sensor.Name(),
                                .link = robot.find_link(link.Name()).value(),
@@ -76,7 +55,6 @@ void load_ankle_sensors(const sdf::Joint& joint, const XmlNode& joint_node, Robo
   for (const XmlNode& node : joint_node.children("sensor")) {
     const std::string name = node.attribute("name");
     auto& slot = name == "left_ankle" ? robot.left_ankle : robot.right_ankle;
-    if (slot) throw node.error("a second sensor " + name, "one");
     const int joint_index = robot.find_joint(joint.Name()).value();
     const int foot_index = robot.joints[static_cast<std::size_t>(joint_index)].child;
     const LinkDescription& foot = robot.links[static_cast<std::size_t>(foot_index)];
@@ -89,7 +67,7 @@ void load_ankle_sensors(const sdf::Joint& joint, const XmlNode& joint_node, Robo
                                   .force = load_channel(node, "koboshi:force"),
                                   .torque = load_channel(node, "koboshi:torque"),
                                   .crosstalk = node.number("koboshi:crosstalk", 0.0)};
-    sensor.height_above_sole_m = height_above_sole_m(foot, sensor.X_LS, node);
+    sensor.height_above_sole_m = height_above_sole_m(foot, sensor.X_LS);
     slot = sensor;
   }
 }

@@ -1,3 +1,4 @@
+#include "sim_board/robot/fault_list.h"
 #include "sim_board/robot/load_parts.h"
 #include "sim_board/robot/sdf_schema.h"
 #include "sim_board/robot/servo_types.h"
@@ -33,12 +34,6 @@ std::optional<WindingDescription> load_winding(const XmlNode& servo_node) {
   winding.shutdown_C = node->attribute_number("shutdown_C", 0.0);
   winding.derated_share = node->attribute_number("derated_share", winding.derated_share);
   winding.copper_per_K = node->attribute_number("copper_per_K", winding.copper_per_K);
-  if (!(winding.ambient_C < winding.derating_C && winding.derating_C < winding.shutdown_C)) {
-    throw node->error("ambient_C = " + number_text(winding.ambient_C) +
-                          ", derating_C = " + number_text(winding.derating_C) +
-                          " and shutdown_C = " + number_text(winding.shutdown_C),
-                      "each above the one before");
-  }
   return winding;
 }
 
@@ -65,11 +60,6 @@ std::optional<ScalarSensorDescription> load_meter(const XmlNode& servo_node, con
   meter.offset = node->attribute_number("offset_" + difference, 0.0);
   meter.scale_error = node->attribute_number("scale_error", 0.0);
   meter.sample_period_s = node->attribute_number("sample_period_s", meter.sample_period_s);
-  if (!(meter.lowest < meter.highest)) {
-    throw node->error("lowest_" + unit + " = " + number_text(meter.lowest) + " and highest_" + unit + " = " +
-                          number_text(meter.highest),
-                      "the highest above the lowest");
-  }
   return meter;
 }
 
@@ -94,16 +84,14 @@ ServoDescription load_servo(const XmlNode& node) {
       .thermometer = load_meter(node, "thermometer", "C", "K")};
   servo.max_duty = node.number("max_duty", servo.max_duty);
   servo.current_limit_A = node.number("current_limit_A", servo.current_limit_A);
-  if (servo.backlash_rad > 0.0 && servo.rotor_inertia_kg_m2 == 0.0) {
-    throw node.child("backlash_rad")
-        .error("backlash_rad = " + number_text(servo.backlash_rad) + " with rotor_inertia_kg_m2 = 0",
-               "a rotor with inertia, which moves within its backlash");
-  }
   return servo;
 }
 
 void add_types(const XmlNode& parent, ServoTypes& types) {
   for (const XmlNode& node : parent.children("koboshi:servo_type")) {
+    FaultList faults;
+    find_servo_faults(node, faults);
+    if (!faults.faults().empty()) throw faults.faults().front().error();
     const std::string name = node.attribute("name");
     if (!types.emplace(name, load_servo(node)).second)
       throw node.error("a second servo type " + one_line(name), "each name once");

@@ -8,9 +8,9 @@ namespace {
 using enum XmlCount;
 
 XmlAttributeRule name_space() {
-  return text_attribute(
-      "xmlns:koboshi", false,
-      {.meaning = "name space of the koboshi: elements, " + std::string(kKoboshiNamespace), .source = "robot-file.md"});
+  return text_attribute("xmlns:koboshi", false,
+                        {.meaning = "name space of the koboshi: elements, " + std::string(kKoboshiNamespace),
+                         .source = "robot-file.md"});
 }
 
 XmlRule battery() {
@@ -26,27 +26,30 @@ XmlRule battery() {
 // Imports the servo types of a library.
 XmlRule servo_library() {
   return attributes_rule(
-      "koboshi:servo_types", kRepeated, {.meaning = "includes the servo types of a library", .source = kServoPage},
-      {text_attribute("file", true,
-                      {.meaning = "the library, relative to the folder of the robot's file", .source = kServoPage})});
+      "koboshi:servo_types", kRepeated,
+      {.meaning = "includes the servo types of a library", .source = kServoPage},
+      {text_attribute(
+          "file", true,
+          {.meaning = "the library, relative to the folder of the robot's file", .source = kServoPage})});
 }
 
 }  // namespace
 
 const XmlRule& sdf_rule() {
-  static const XmlRule rule = group_rule(
-      "sdf", kOptional, {.meaning = "root of the file", .source = kSdf},
-      {group_rule("model", kRequired, {.meaning = "the robot", .source = kSdf},
-                  {servo_library(), servo_type_rule(), battery(), link_rule(), joint_rule()},
-                  {name_attribute("name of the robot")})},
-      {text_attribute("version", true, {.meaning = "version of SDF", .source = kSdf}, {"1.9"}), name_space()});
+  static const XmlRule rule =
+      group_rule("sdf", kOptional, {.meaning = "root of the file", .source = kSdf},
+                 {group_rule("model", kRequired, {.meaning = "the robot", .source = kSdf},
+                             {servo_library(), servo_type_rule(), battery(), link_rule(), joint_rule()},
+                             {name_attribute("name of the robot")})},
+                 {text_attribute("version", true, {.meaning = "version of SDF", .source = kSdf}, {"1.9"}),
+                  name_space()});
   return rule;
 }
 
 const XmlRule& servo_library_rule() {
-  static const XmlRule rule = group_rule("koboshi:servo_types", kOptional,
-                                         {.meaning = "root of a library of servo types", .source = kServoPage},
-                                         {servo_type_rule()}, {name_space()});
+  static const XmlRule rule = group_rule(
+      "koboshi:servo_types", kOptional, {.meaning = "root of a library of servo types", .source = kServoPage},
+      {servo_type_rule()}, {name_space()});
   return rule;
 }
 

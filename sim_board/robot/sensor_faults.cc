@@ -1,0 +1,63 @@
+#include <map>
+
+#include "sim_board/input/text.h"
+#include "sim_board/robot/fault_list.h"
+
+namespace koboshi::sim {
+namespace {
+
+// The jitter must be so small that samples keep their order.
+void find_jitter_faults(const XmlNode& sensor, FaultList& faults) {
+  const auto jitter = sensor.find("koboshi:jitter_s");
+  if (!jitter) return;
+  const double jitter_s = jitter->numbers().front();
+  const double half_period_s = 0.5 / sensor.number("update_rate");
+  if (jitter_s < half_period_s) return;
+  faults.add(RobotFaultKind::kSensor, *jitter, "<koboshi:jitter_s> = " + number_text(jitter_s),
+             "less than half the sampling period, " + number_text(half_period_s));
+}
+
+// The upper end may lack half a count; two's complement has one more value below zero.
+void find_count_faults(const XmlNode& channel, FaultList& faults) {
+  const double range = channel.number("range");
+  const double resolution = channel.number("resolution");
+  if (range / resolution <= 32768.5) return;
+  faults.add(
+      RobotFaultKind::kSensor, channel,
+      "<" + channel.name() + "> of range " + number_text(range) + " at resolution " + number_text(resolution),
+      "counts that fit 16 bits");
+}
+
+}  // namespace
+
+void find_sensor_faults(const XmlNode& sensor, FaultList& faults) {
+  find_jitter_faults(sensor, faults);
+  for (const char* name : {"koboshi:gyro", "koboshi:accelerometer", "koboshi:force", "koboshi:torque"})
+    if (const auto channel = sensor.find(name)) find_count_faults(*channel, faults);
+}
+
+void find_sensor_set_faults(const XmlNode& model, FaultList& faults) {
+  bool has_imu = false;
+  std::map<std::string, bool> has_box;  // by link
+  for (const XmlNode& link : model.children("link")) {
+    has_box[link.attribute("name")] = link.find("collision").has_value();
+    for (const XmlNode& sensor : link.children("sensor")) {
+      if (has_imu) faults.add(RobotFaultKind::kSensor, sensor, "a second IMU", "one");
+      has_imu = true;
+    }
+  }
+  std::map<std::string, bool> has_ankle;  // by the sensor's name
+  for (const XmlNode& joint : model.children("joint")) {
+    for (const XmlNode& sensor : joint.children("sensor")) {
+      const std::string name = sensor.attribute("name");
+      if (has_ankle[name]) faults.add(RobotFaultKind::kSensor, sensor, "a second sensor " + name, "one");
+      has_ankle[name] = true;
+      const std::string foot = joint.child("child").text();
+      if (!has_box[foot])
+        faults.add(RobotFaultKind::kSensor, sensor, "an ankle sensor above link " + foot + " without a box",
+                   "a sole");
+    }
+  }
+}
+
+}  // namespace koboshi::sim
