@@ -23,7 +23,7 @@ void find_count_faults(const XmlNode& channel, FaultList& faults) {
   const double resolution = channel.number("resolution");
   if (range / resolution <= 32768.5) return;
   faults.add(
-      RobotFaultKind::kSensor, channel,
+      RobotFaultKind::kSensor, channel.child("resolution"),
       "<" + channel.name() + "> of range " + number_text(range) + " at resolution " + number_text(resolution),
       "counts that fit 16 bits");
 }

@@ -8,19 +8,10 @@
 #include <vector>
 
 #include "sim_board/robot/description.h"
-#include "simulation/motion/diagnostic.h"
+#include "tools/robot/check/finding.h"
+#include "tools/robot/check/mesh_store.h"
 
 namespace koboshi::tools {
-
-// A finding about a robot file; docs/reference/model-check.md lists the codes.
-struct ModelFinding {
-  std::string code{};  // "R003"
-  simulation::Severity severity = simulation::Severity::kWarning;
-  int line = 0;  // of the file; 0: the file as a whole
-  std::string found{};
-  std::string expected{};
-  std::string repair{};  // a whole sentence, empty if there is none
-};
 
 // The deepest squat that is judged: knees bent by a right angle, the trunk upright above the feet.
 struct Squat {
@@ -31,7 +22,9 @@ struct Squat {
 
 struct ModelReport {
   std::filesystem::path file{};
-  std::optional<sim::RobotDescription> robot{};  // none: the reader has refused the file
+  // None: the reader refuses the file, and no repair is certain enough to go on.
+  std::optional<sim::RobotDescription> robot{};
+  bool is_repaired = false;  // the reader refuses the file; `robot` is that of the file with its repairs
   Eigen::Vector3d com_M_m = Eigen::Vector3d::Zero();
   double height_m = 0.0;                         // at joint angles zero, of the collision boxes
   std::array<std::optional<double>, 2> leg_m{};  // from hip to ankle when the leg is straight, by side
@@ -41,15 +34,24 @@ struct ModelReport {
   bool has_errors() const;
 };
 
-// Checks a robot's file for what the reader accepts and a robot should not have. An error of the reader
-// becomes the only finding.
+// Checks robot files, saved or not, one after the other. Mesh files that have not changed are not read again.
+class ModelChecker {
+ public:
+  // Finds everything for which the reader would refuse the text, and what a robot should not have. Paths in
+  // it are relative to `file`, which need not exist.
+  [[nodiscard]] ModelReport check(const std::filesystem::path& file, const std::string& text);
+
+ private:
+  MeshStore meshes_;
+};
+
+// Checks a file once. Throws sim::InputError if it cannot be read.
 [[nodiscard]] ModelReport check_model(const std::filesystem::path& file);
 // Checks a text instead of the file's.
 [[nodiscard]] ModelReport check_model(const std::filesystem::path& file, const std::string& text);
 
 // For people: tree, masses, sizes, and a line for each finding, FILE:LINE: severity[CODE]: found ...,
-// expected
-// ..., with its repair below.
+// expected ..., with its repair below.
 [[nodiscard]] std::string model_report_text(const ModelReport& report);
 // An object with the same content; the keys end with their units.
 [[nodiscard]] std::string model_report_json(const ModelReport& report);

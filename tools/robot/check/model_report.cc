@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "sim_board/input/text.h"
 #include "sim_board/input/user_units.h"
 #include "tools/robot/check/model_check.h"
 
@@ -69,6 +70,22 @@ std::string tree_text(const sim::RobotDescription& robot) {
   return text;
 }
 
+nlohmann::ordered_json finding_json(const ModelFinding& finding) {
+  nlohmann::ordered_json json{{"code", finding.code},         {"severity", name_of(finding.severity)},
+                              {"line", finding.line},         {"found", finding.found},
+                              {"expected", finding.expected}, {"repair", finding.repair},
+                              {"element", finding.element},   {"key", finding.key},
+                              {"place", finding.place}};
+  json["edits"] = nlohmann::ordered_json::array();
+  for (const ModelEdit& edit : finding.edits) {
+    nlohmann::ordered_json& one = json["edits"].emplace_back();
+    one["place"] = edit.place;
+    if (!edit.attribute.empty()) one["attribute"] = edit.attribute;
+    if (edit.value) one["value"] = *edit.value;
+  }
+  return json;
+}
+
 }  // namespace
 
 std::string model_report_text(const ModelReport& report) {
@@ -90,6 +107,8 @@ std::string model_report_text(const ModelReport& report) {
       text += fmt::format(
           "squat with knees at 90 deg: {} takes {:.2f} N m, {:.0f} % of its servo at the lowest supply\n",
           report.squat->joint, report.squat->torque_Nm, 100.0 * report.squat->share);
+    if (report.is_repaired)
+      text += "The reader refuses this file. The values above are those after the repairs below.\n";
     text += "\n";
   }
   for (const ModelFinding& finding : report.findings) {
@@ -98,13 +117,15 @@ std::string model_report_text(const ModelReport& report) {
                         name_of(finding.severity), finding.code, finding.found, finding.expected);
     if (!finding.repair.empty()) text += fmt::format("  = {}\n", finding.repair);
   }
-  text += report.findings.empty() ? "no findings\n" : fmt::format("{} findings\n", report.findings.size());
+  text +=
+      report.findings.empty() ? "no findings\n" : sim::count_text(report.findings.size(), "finding") + "\n";
   return text;
 }
 
 std::string model_report_json(const ModelReport& report) {
   nlohmann::ordered_json json;
   json["file"] = report.file.string();
+  json["repaired"] = report.is_repaired;
   if (report.robot) {
     const sim::RobotDescription& robot = *report.robot;
     json["robot"] = robot.name;
@@ -130,13 +151,7 @@ std::string model_report_json(const ModelReport& report) {
     }
   }
   json["findings"] = nlohmann::ordered_json::array();
-  for (const ModelFinding& finding : report.findings)
-    json["findings"].push_back({{"code", finding.code},
-                                {"severity", name_of(finding.severity)},
-                                {"line", finding.line},
-                                {"found", finding.found},
-                                {"expected", finding.expected},
-                                {"repair", finding.repair}});
+  for (const ModelFinding& finding : report.findings) json["findings"].push_back(finding_json(finding));
   return json.dump(2) + "\n";
 }
 

@@ -12,14 +12,12 @@
 
 #include "sim_board/input/error.h"
 #include "tests/support/temporary_folder.h"
-#include "tools/robot/check/mesh_faults.h"
+#include "tests/unit/tools/robot/planted_robot.h"
 
 namespace koboshi::tools {
 namespace {
 
 namespace fs = std::filesystem;
-
-const fs::path kFolder = KOBOSHI_SOURCE_DIR "/robots/koboshi";
 
 // A binary STL without normals.
 std::string stl_of(const std::vector<std::array<std::array<float, 3>, 3>>& faces) {
@@ -36,50 +34,10 @@ std::string stl_of(const std::vector<std::array<std::array<float, 3>, 3>>& faces
   return bytes;
 }
 
-// A copy of the robot's file beside its meshes, with planted faults.
-class ModelCheckTest : public testing::Test {
- protected:
-  ModelCheckTest() {
-    fs::create_directory_symlink(kFolder / "meshes", folder_.path / "meshes");
-    fs::create_directory_symlink(kFolder.parent_path() / "servos", folder_.path / "servos");
-  }
-
-  // Replaces a text that follows another one.
-  void plant(const std::string& after, const std::string& before, const std::string& text) {
-    const std::size_t start = text_.find(after);
-    ASSERT_NE(start, std::string::npos) << after;
-    const std::size_t place = text_.find(before, start);
-    ASSERT_NE(place, std::string::npos) << before;
-    text_.replace(place, before.size(), text);
-    line_ = 1 + static_cast<int>(
-                    std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(place), '\n'));
-  }
-
-  ModelReport check() {
-    test::write_file(file_, text_);
-    return check_model(file_);
-  }
-
-  // The finding with this code; the test fails without one, and with one of another code.
-  ModelFinding finding(const std::string& code) {
-    const ModelReport report = check();
-    for (const ModelFinding& one : report.findings) EXPECT_EQ(one.code, code) << one.found;
-    if (report.findings.empty()) {
-      ADD_FAILURE() << "no finding";
-      return {};
-    }
-    EXPECT_GT(report.findings.front().line, 0);
-    return report.findings.front();
-  }
-
-  test::TemporaryFolder folder_;
-  fs::path file_ = folder_.path / "robot.sdf";
-  std::string text_ = test::read_file(kFolder / "robot.sdf");
-  int line_ = 0;  // of the last planted fault
-};
+using ModelCheckTest = PlantedRobotTest;
 
 TEST_F(ModelCheckTest, FindsNothingInTheDefaultRobot) {
-  const ModelReport report = check_model(kFolder / "robot.sdf");
+  const ModelReport report = check_model(source() / "robot.sdf");
   for (const ModelFinding& one : report.findings)
     ADD_FAILURE() << one.code << " line " << one.line << ": " << one.found << ", expected " << one.expected;
   EXPECT_FALSE(report.has_errors());
@@ -93,16 +51,14 @@ TEST_F(ModelCheckTest, FindsNothingInTheDefaultRobot) {
   EXPECT_LT(report.squat->share, 0.8);
 }
 
-TEST_F(ModelCheckTest, GivesTheReadersErrorWithItsLine) {
-  plant("<joint name=\"left_knee\"", "<xyz>", "<xyz>3 ");
-  const ModelReport report = check();
-  ASSERT_EQ(report.findings.size(), 1U);
-  EXPECT_EQ(report.findings[0].code, "R001");
-  EXPECT_EQ(report.findings[0].line, line_);
-  EXPECT_TRUE(report.has_errors());
-  EXPECT_FALSE(report.robot);
-  EXPECT_NE(model_report_text(report).find("robot.sdf:" + std::to_string(line_) + ": error[R001]: found "),
-            std::string::npos);
+TEST_F(ModelCheckTest, PrintsLineSeverityCodeAndRepair) {
+  plant("<joint name=\"left_knee\"", "<xyz>0 1 0", "<xyz>0 0.8 0");
+  const std::string text = model_report_text(check());
+  EXPECT_NE(
+      text.find("robot.sdf:" + std::to_string(line_) + ": error[R014]: found <xyz> = 0 0.8 0, of length 0.8"),
+      std::string::npos);
+  EXPECT_NE(text.find("\n  = The unit vector in this direction is 0 1 0.\n"), std::string::npos);
+  EXPECT_NE(text.find("The reader refuses this file."), std::string::npos);
 }
 
 TEST_F(ModelCheckTest, RefusesAFileThatIsMissing) {
@@ -136,7 +92,7 @@ TEST_F(ModelCheckTest, FindsMeshesInTheWrongUnit) {
 
 TEST_F(ModelCheckTest, FindsMeshesThatAreOpenOrInverted) {
   fs::remove(folder_.path / "meshes");
-  fs::copy(kFolder / "meshes", folder_.path / "meshes");
+  fs::copy(source() / "meshes", folder_.path / "meshes");
   const fs::path mesh = folder_.path / "meshes" / "chest_cover.stl";
   test::write_file(mesh, "solid in_ascii\nendsolid in_ascii\n");
   EXPECT_EQ(finding("R010").found, "chest_cover.stl, which cannot be shown");
@@ -185,6 +141,19 @@ TEST_F(ModelCheckTest, FindsSolesThatAreNotLevel) {
   const ModelReport report = check();
   EXPECT_TRUE(
       std::ranges::any_of(report.findings, [](const ModelFinding& one) { return one.code == "R008"; }));
+}
+
+TEST_F(ModelCheckTest, ReadsAMeshAgainOnlyAfterAChange) {
+  fs::remove(folder_.path / "meshes");
+  fs::copy(source() / "meshes", folder_.path / "meshes");
+  const fs::path mesh = folder_.path / "meshes" / "servo.stl";
+  MeshStore store;
+  EXPECT_TRUE(store.of(mesh).mesh);
+  EXPECT_TRUE(store.of(mesh).mesh);
+  EXPECT_EQ(store.reads(), 1U);
+  test::write_file(mesh, "solid in_ascii\nendsolid in_ascii\n");
+  EXPECT_FALSE(store.of(mesh).mesh);
+  EXPECT_EQ(store.reads(), 2U);
 }
 
 TEST_F(ModelCheckTest, WritesTheSameAsJson) {
