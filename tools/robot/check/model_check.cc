@@ -7,6 +7,8 @@
 #include <set>
 
 #include "sim_board/input/text.h"
+#include "sim_board/input/xml_draft.h"
+#include "sim_board/robot/sdf_schema.h"
 #include "tools/robot/check/checked_model.h"
 #include "tools/robot/check/reader_findings.h"
 
@@ -87,6 +89,14 @@ ModelReport ModelChecker::check(const std::filesystem::path& file, const std::st
       .file = file, .robot = std::move(reading.robot), .findings = std::move(reading.findings)};
   report.is_repaired = report.robot && !report.findings.empty();
   if (report.robot) check_robot(*reading.places, meshes_, report);
+  std::ranges::stable_sort(report.findings, {}, &ModelFinding::line);
+  return report;
+}
+
+ModelReport ModelChecker::check(const std::filesystem::path& file, const std::string& text,
+                                sim::RobotDescription robot) {
+  ModelReport report{.file = file, .robot = std::move(robot)};
+  check_robot(ModelPlaces(sim::XmlDraft(file, text, sim::sdf_rule()).root()), meshes_, report);
   std::ranges::stable_sort(report.findings, {}, &ModelFinding::line);
   return report;
 }

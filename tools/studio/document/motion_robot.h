@@ -15,7 +15,7 @@ struct MotionRobot {
   std::vector<double> standing_rad;
 };
 
-// Reads a robot's file (SDF or URDF). The standing pose is the end of `motions/stand.yaml` beside it, zero
+// Reads a robot's file (SDF). The standing pose is the end of `motions/stand.yaml` beside it, zero
 // without this file. Throws sim::InputError.
 [[nodiscard]] std::shared_ptr<const MotionRobot> load_motion_robot(const std::filesystem::path& robot_file);
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sim_board/input/error.h"
+#include "sim_board/robot/load.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/tools/robot/planted_robot.h"
 
@@ -141,6 +142,13 @@ TEST_F(ModelCheckTest, FindsSolesThatAreNotLevel) {
   const ModelReport report = check();
   EXPECT_TRUE(
       std::ranges::any_of(report.findings, [](const ModelFinding& one) { return one.code == "R008"; }));
+}
+
+TEST_F(ModelCheckTest, ChecksARobotThatIsAlreadyLoaded) {
+  plant("<link name=\"right_shank\">", "<mass>0.05</mass>", "<mass>0.06</mass>");
+  const ModelReport loaded = checker_.check(file_, text_, sim::load_robot(file_, text_));
+  EXPECT_EQ(model_report_json(loaded), model_report_json(check()));
+  EXPECT_EQ(loaded.findings.size(), 1U);
 }
 
 TEST_F(ModelCheckTest, ReadsAMeshAgainOnlyAfterAChange) {
