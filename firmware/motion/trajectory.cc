@@ -24,6 +24,12 @@ void for_each(std::uint32_t joints, Visit visit) {
 
 constexpr std::int64_t product_raw(std::int64_t a, std::int64_t b) { return a * b >> kOneBits; }
 
+// How far two angles are apart, as numbers: less than one turn.
+constexpr std::uint32_t distance(Angle a, Angle b) {
+  const auto raw = [](Angle angle) { return static_cast<std::uint32_t>(angle.raw()); };
+  return a.raw() > b.raw() ? raw(a) - raw(b) : raw(b) - raw(a);
+}
+
 // 10 s^3 - 15 s^4 + 6 s^5.
 Ratio minimum_jerk(Ratio fraction) {
   const std::int64_t s = fraction.raw();
@@ -117,13 +123,15 @@ std::uint32_t Trajectory::duration_us(Interpolation interpolation, std::uint32_t
 
 std::uint32_t Trajectory::look_ahead(PoseReader pose) {
   joints_ahead_ = pose.joints();
+  changing_ahead_ = 0;
   std::uint32_t travel = 0;
   while (pose.joints() != 0) {
     std::size_t joint = 0;
     const Angle angle = pose.read(joint);
     ahead_[joint] = clamp_to_limits(model_.joints[joint], angle);
-    const std::int64_t way = std::int64_t{ahead_[joint].raw()} - to_[joint].raw();
-    travel = std::max(travel, static_cast<std::uint32_t>(way < 0 ? -way : way));
+    const std::uint32_t way = distance(ahead_[joint], to_[joint]);
+    travel = std::max(travel, way);
+    if (way != 0) changing_ahead_ |= 1u << joint;
   }
   return travel;
 }
@@ -135,10 +143,10 @@ void Trajectory::begin_wait() {
 
 void Trajectory::begin_move(Interpolation interpolation, bool continues) {
   interpolation_ = interpolation;
-  moving_ = joints_ahead_;
+  const bool cubic = interpolation == Interpolation::kCubic;
+  moving_ = cubic ? joints_ahead_ : changing_ahead_;
   const std::uint32_t in_motion = continues ? through_ : 0;
   through_ = 0;
-  const bool cubic = interpolation == Interpolation::kCubic;
   for_each(moving_, [&](std::size_t joint) {
     to_[joint] = ahead_[joint];
     if (!cubic) return;

@@ -85,7 +85,8 @@ class Trajectory {
   std::array<fixed::Angle, robot::kMaxJoints> from_{};
   std::array<fixed::Angle, robot::kMaxJoints> to_{};
   std::array<fixed::Angle, robot::kMaxJoints> targets_{};
-  std::uint32_t joints_ahead_ = 0;  // of the pose that look_ahead read; bit i: joint i
+  std::uint32_t joints_ahead_ = 0;    // of the pose that look_ahead read; bit i: joint i
+  std::uint32_t changing_ahead_ = 0;  // those of them whose angle differs from that before
   std::array<fixed::Angle, robot::kMaxJoints> ahead_{};
   std::array<Tangents, robot::kMaxJoints> tangents_{};
 };
