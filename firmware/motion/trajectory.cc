@@ -123,16 +123,17 @@ std::uint32_t Trajectory::duration_us(Interpolation interpolation, std::uint32_t
 
 std::uint32_t Trajectory::look_ahead(PoseReader pose) {
   joints_ahead_ = pose.joints();
-  changing_ahead_ = 0;
   std::uint32_t travel = 0;
+  std::uint32_t staying = 0;
   while (pose.joints() != 0) {
     std::size_t joint = 0;
     const Angle angle = pose.read(joint);
     ahead_[joint] = clamp_to_limits(model_.joints[joint], angle);
     const std::uint32_t way = distance(ahead_[joint], to_[joint]);
     travel = std::max(travel, way);
-    if (way != 0) changing_ahead_ |= 1u << joint;
+    if (way == 0) staying |= 1u << joint;
   }
+  changing_ahead_ = joints_ahead_ & ~staying;
   return travel;
 }
 

@@ -19,9 +19,11 @@ MOTIONS = ("stand", "squat", "wave", "fall_front", "fall_back", "fall_left", "fa
 
 
 def scenario_text(sources, motion_file, name):
+    # The robot stands as in `stand` before it plays another motion.
+    stand = "" if name == "stand" else f"{sources}/robots/koboshi/motions/stand.yaml, "
     return f"""version: 1
 robot: {sources}/robots/koboshi/robot.sdf
-motions: [{motion_file}]
+motions: [{stand}{motion_file}]
 duration_s: 9
 seed: 1
 initial:
