@@ -8,6 +8,7 @@
 #include <sdf/SDFImpl.hh>
 #include <sdf/parser.hh>
 #include <set>
+#include <utility>
 
 #include "sim_board/robot/load_parts.h"
 #include "sim_board/robot/robot_faults.h"
@@ -16,17 +17,23 @@
 namespace koboshi::sim {
 namespace {
 
-// SDF's own descriptions of its elements, read once: that takes libsdformat a third of its time for a robot.
+sdf::SDFPtr read_description() {
+  auto description = std::make_shared<sdf::SDF>();
+  sdf::init(description);
+  return description;
+}
+
+// SDF's own descriptions of its elements, which a program that loads several robots reads once: a copy takes
+// a third of the time. A first robot needs no copy.
 sdf::SDFPtr empty_description() {
-  static const sdf::SDFPtr read_once = [] {
-    auto description = std::make_shared<sdf::SDF>();
-    sdf::init(description);
-    return description;
-  }();
   static std::mutex mutex;
+  static sdf::SDFPtr kept;
+  static bool is_first = true;
   const std::lock_guard lock(mutex);
+  if (std::exchange(is_first, false)) return read_description();
+  if (!kept) kept = read_description();
   auto copy = std::make_shared<sdf::SDF>();
-  copy->Root(read_once->Root()->Clone());
+  copy->Root(kept->Root()->Clone());
   return copy;
 }
 
