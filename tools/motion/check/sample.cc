@@ -13,6 +13,7 @@
 #include "firmware/motion/program_state.h"
 #include "firmware/motion/roles.h"
 #include "tools/motion/check/forced_motion.h"
+#include "tools/motion/check/longest_way.h"
 
 namespace koboshi::tools {
 namespace {
@@ -273,47 +274,6 @@ class Player {
   Trajectory trajectory_;
 };
 
-// A path as the way between visits.
-struct Leg {
-  std::size_t ticks = 0;
-  std::map<std::size_t, std::size_t> passed{};  // visits with their ticks
-  std::optional<std::size_t> merged_into{};     // a visit
-};
-
-// Finds the longest way through the legs. A way comes to a visit once: what a loop that sensors end adds is
-// not bounded.
-class LongestWay {
- public:
-  LongestWay(const std::vector<Leg>& legs, std::size_t visits) : legs_(legs), rest_(visits), open_(visits) {}
-
-  std::size_t ticks() {
-    std::size_t longest = 0;
-    for (const Leg& leg : legs_) longest = std::max(longest, leg.ticks + rest_of(leg));
-    return longest;
-  }
-
- private:
-  std::size_t rest_of(const Leg& leg) { return leg.merged_into ? rest_from(*leg.merged_into) : 0; }
-
-  std::size_t rest_from(std::size_t visit) {
-    if (rest_[visit]) return *rest_[visit];
-    if (open_[visit]) return 0;
-    open_[visit] = true;
-    std::size_t longest = 0;
-    for (const Leg& leg : legs_) {
-      const auto passed = leg.passed.find(visit);
-      if (passed != leg.passed.end()) longest = std::max(longest, leg.ticks - passed->second + rest_of(leg));
-    }
-    open_[visit] = false;
-    rest_[visit] = longest;
-    return longest;
-  }
-
-  const std::vector<Leg>& legs_;
-  std::vector<std::optional<std::size_t>> rest_;
-  std::vector<bool> open_;
-};
-
 }  // namespace
 
 SampledPaths sample_motion(std::span<const std::byte> image, const simulation::NamedModel& robot,
@@ -332,7 +292,7 @@ SampledPaths sample_motion(std::span<const std::byte> image, const simulation::N
     sampled.paths.push_back(player.play(from_rad, cancel));
     legs.push_back({sampled.paths.back().ticks(), player.passed(), player.merged_into()});
   }
-  const std::size_t ticks = LongestWay(legs, explored.visits.size()).ticks();
+  const std::size_t ticks = longest_way(legs, explored.visits.size());
   sampled.longest_s = static_cast<double>(ticks > 0 ? ticks - 1 : 0) * kTick_s;
   return sampled;
 }
