@@ -11,6 +11,7 @@
 #include <atomic>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "tests/studio/window/window_fixture.h"
 #include "tools/studio/motion/motion_panel.h"
@@ -245,7 +246,10 @@ class BusTest final : public QObject {
 
   // In a simulation, the gamepad walks the robot, too.
   void drives_a_simulation_by_gamepad() {
-    QVERIFY(test::open(*window_, kRoot / "scenarios/go.yaml"));
+    QSignalSpy opened(&window_->run(), &RunController::opened);
+    const std::vector<sim::Override> quick{{"physics.stepper", "lumped", "stepper"}};
+    window_->run().open_scenario(kRoot / "scenarios/go.yaml", quick);
+    QVERIFY(opened.wait(kPatience_ms));
     std::optional<GamepadState> pad = GamepadState{};
     window_->findChild<OperatorCommands*>()->set_gamepads(std::make_unique<FakeGamepads>(pad));
     QVERIFY(test::run_to(*window_, 5'000'000));

@@ -88,9 +88,12 @@ void EventStrip::paintEvent(QPaintEvent*) {
   painter.fillRect(rect(), style.background);
   painter.setPen(style.dim);
   const QRectF label(0.0, kTop, kAxisWidth - 6.0, state_height());
-  painter.drawText(label, Qt::AlignRight | Qt::AlignVCenter, tr("State"));
+  const auto fitting = [&](const QString& text) {
+    return painter.fontMetrics().elidedText(text, Qt::ElideRight, static_cast<int>(label.width()));
+  };
+  painter.drawText(label, Qt::AlignRight | Qt::AlignVCenter, fitting(tr("State")));
   painter.drawText(label.translated(0.0, state_height() + 2.0), Qt::AlignRight | Qt::AlignVCenter,
-                   tr("Events"));
+                   fitting(tr("Events")));
   draw_states(painter);
   draw_events(painter);
   draw_selection(painter, 0.0, height());

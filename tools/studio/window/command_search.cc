@@ -15,7 +15,8 @@ QString plain_text(const QAction& action) {
 CommandSearch::CommandSearch(QWidget* parent) : QLineEdit(parent), model_(new QStandardItemModel(this)) {
   setPlaceholderText(tr("Search commands (Ctrl+K)"));
   setClearButtonEnabled(true);
-  setMaximumWidth(320);
+  // The placeholder, and room for the button that clears the text.
+  setMinimumWidth(fontMetrics().horizontalAdvance(placeholderText()) + 3 * fontMetrics().height());
   setAccessibleName(tr("Command search"));
   auto* completer = new QCompleter(model_, this);
   completer->setFilterMode(Qt::MatchContains);

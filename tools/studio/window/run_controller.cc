@@ -218,7 +218,9 @@ void RunController::read_recording_on() {
       Q_EMIT status_changed();
     }
   }
-  move_window([](RecordingWindow& window) { return window.extend(); });
+  // While somebody drags the cursor, its place alone counts.
+  const bool is_dragged = std::exchange(polled_cursor_us_, cursor_us_) != cursor_us_ && !plays_recording_;
+  if (!is_dragged) move_window([](RecordingWindow& window) { return window.extend(); });
 }
 
 void RunController::take_batch(Batch batch) {

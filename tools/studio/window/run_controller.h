@@ -130,6 +130,7 @@ class RunController final : public QObject {
   view::Recording recording_;
   SessionStatus status_;
   std::uint64_t cursor_us_ = 0;
+  std::uint64_t polled_cursor_us_ = 0;  // at the last poll
   bool follow_ = true;
   double speed_ = 1.0;
   bool plays_recording_ = false;
