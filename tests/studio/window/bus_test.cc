@@ -173,10 +173,11 @@ class BusTest final : public QObject {
     QTest::mousePress(walk, Qt::LeftButton);
     QVERIFY2(wait_for_state(State::kWalking), qPrintable(story()));
     QTRY_VERIFY_WITH_TIMEOUT(count(0x301) >= 5, kPatience_ms);
-    QCOMPARE(count(0x201, 4), 0);
     test::save_picture(*window_, "bus-walking");
+    // On a machine that pauses this process, the monitor has stopped the robot in between.
+    int stops = count(0x201, 4);
     QTest::mouseRelease(walk, Qt::LeftButton);
-    QTRY_COMPARE_WITH_TIMEOUT(count(0x201, 4), 1, kPatience_ms);
+    QTRY_VERIFY_WITH_TIMEOUT(count(0x201, 4) > stops, kPatience_ms);
     QVERIFY2(wait_for_state(State::kStanding), qPrintable(story()));
     const int velocities = count(0x301);
     // The gamepad does the same, and its loss stops the robot.
@@ -188,18 +189,20 @@ class BusTest final : public QObject {
     pad->left_y = 0.6;
     QVERIFY2(wait_for_state(State::kWalking), qPrintable(story()));
     QTRY_VERIFY_WITH_TIMEOUT(count(0x301) >= velocities + 3, kPatience_ms);
+    stops = count(0x201, 4);
     pad.reset();
-    QTRY_COMPARE_WITH_TIMEOUT(count(0x201, 4), 2, kPatience_ms);
+    QTRY_VERIFY_WITH_TIMEOUT(count(0x201, 4) > stops, kPatience_ms);
     QVERIFY2(wait_for_state(State::kStanding), qPrintable(story()));
     // The keys do so, too; their walk ends when the window is no longer active.
     const int before = count(0x301);
     test::action(*window_, "Forward")->trigger();
     QTRY_VERIFY_WITH_TIMEOUT(count(0x301) >= before + 3, kPatience_ms);
+    stops = count(0x201, 4);
     QWidget other;
     other.show();
     QVERIFY(QTest::qWaitForWindowExposed(&other));
     other.activateWindow();
-    QTRY_COMPARE_WITH_TIMEOUT(count(0x201, 4), 3, kPatience_ms);
+    QTRY_VERIFY_WITH_TIMEOUT(count(0x201, 4) > stops, kPatience_ms);
     other.close();
     QVERIFY2(wait_for_state(State::kStanding), qPrintable(story()));
     // A motion, emergency stop and its reset.
