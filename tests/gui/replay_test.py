@@ -16,23 +16,17 @@ import tempfile
 import time
 import unittest
 
-import numpy
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
-from skimage import io as image_io
-from skimage.color import rgb2gray
-from skimage.metrics import structural_similarity
-from skimage.transform import resize
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+import compared_pictures  # noqa: E402
 from browser_page import BrowserPage  # noqa: E402
 
 REFERENCE = pathlib.Path(__file__).resolve().parent / "reference"
 
-# Pictures are compared at this width: a text that is set by another font or a line that is smoothed in another way then changes little.
-COMPARED_WIDTH = 350
 # The test of the pictures shows that a page without the robot, and one of another time, are less similar than this.
 LEAST_SIMILARITY = 0.97
 
@@ -118,23 +112,19 @@ class ReplayPage(BrowserPage, unittest.TestCase):
         """Returns the page as a grey picture of the compared width."""
         self.run_script("koboshi.view.render(); return 0")
         shot = self.browser.execute_cdp_cmd("Page.captureScreenshot", {"format": "png"})["data"]
-        pixels = image_io.imread(io.BytesIO(base64.b64decode(shot)), plugin="pil")[..., :3]
-        height = round(pixels.shape[0] * COMPARED_WIDTH / pixels.shape[1])
-        return resize(rgb2gray(pixels), (height, COMPARED_WIDTH), anti_aliasing=True)
+        return compared_pictures.grey(io.BytesIO(base64.b64decode(shot)))
 
     def similarity_to(self, name):
-        reference = image_io.imread(REFERENCE / name, plugin="pil") / 255.0
-        return structural_similarity(self.picture(), reference, data_range=1.0)
+        return compared_pictures.similarity(self.picture(), compared_pictures.read(REFERENCE / name))
 
     def check_picture(self, name):
         if self.update:
             REFERENCE.mkdir(exist_ok=True)
-            image_io.imsave(REFERENCE / name, numpy.round(255 * self.picture()).astype(numpy.uint8), plugin="pil", check_contrast=False)
+            compared_pictures.save(REFERENCE / name, self.picture())
             return
         similarity = self.similarity_to(name)
         if similarity < LEAST_SIMILARITY:
-            seen = pathlib.Path(tempfile.gettempdir()) / name
-            image_io.imsave(seen, numpy.round(255 * self.picture()).astype(numpy.uint8), plugin="pil", check_contrast=False)
+            compared_pictures.save(pathlib.Path(tempfile.gettempdir()) / name, self.picture())
         self.assertGreaterEqual(similarity, LEAST_SIMILARITY, f"{name} differs from the reference")
 
     def check_log(self):

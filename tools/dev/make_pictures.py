@@ -31,12 +31,19 @@ PICTURES = {
 }
 # Picture: name in the pictures of the test.
 STUDIO = {"docs/guide/studio.png": "studio-events.png", "docs/guide/studio-motion.png": "studio-motion.png",
+          "docs/guide/studio-soles.png": "soles.png", "docs/guide/studio-onion.png": "onion.png",
           "docs/tutorial/studio-refused.png": "make-refused.png", "docs/tutorial/studio-played.png": "make-played.png"}
 
 
-def draw_studio(test, folder):
-    subprocess.run([ROOT / "tests/support/with_display.sh", test, "pictures", "makes_a_motion"], check=True, stdout=subprocess.DEVNULL,
-                   env=os.environ | {"KOBOSHI_PICTURES": folder})
+# Program of tests: the tests that save pictures.
+STUDIO_TESTS = {"studio_window_test": ["pictures", "makes_a_motion"],
+                "studio_view_test": ["soles_and_zmp_from_above", "shows_the_poses_around_a_step"]}
+
+
+def draw_studio(programs, folder):
+    for test, names in STUDIO_TESTS.items():
+        subprocess.run([ROOT / "tests/support/with_display.sh", programs / test, *names], check=True, stdout=subprocess.DEVNULL,
+                       env=os.environ | {"KOBOSHI_PICTURES": folder})
     for file, picture in STUDIO.items():
         shutil.copyfile(f"{folder}/{picture}", ROOT / file)
 
@@ -48,9 +55,8 @@ def main():
             subprocess.run([program, "run", *arguments, "--out", f"{folder}/{name}"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
         for file, (run, *options) in PICTURES.items():
             subprocess.run([program, "render", f"{folder}/{run}", "--out", file, *options], cwd=ROOT, check=True)
-        test = program.parent / "studio_window_test"
-        if test.exists():
-            draw_studio(test, folder)
+        if all((program.parent / test).exists() for test in STUDIO_TESTS):
+            draw_studio(program.parent, folder)
 
 
 if __name__ == "__main__":

@@ -102,6 +102,53 @@ class PoseDrags : public testing::TestWithParam<DragBody> {
       EXPECT_LE(angles_rad[joint], fixed::to_double(model.upper) + 1e-6);
     }
   }
+  // A foot or the trunk that is moved keeps its orientation.
+  void expect_oriented(const std::vector<double>& angles_rad) const {
+    if (is_hand()) return;
+    const auto seen = [&](const std::vector<double>& angles) {
+      return Isometry3d(GetParam() == DragBody::kTrunk ? bodies().pose(DragBody::kLeftFoot, angles).inverse()
+                                                       : bodies().pose(GetParam(), angles));
+    };
+    const Isometry3d before = seen(standing());
+    EXPECT_LT(Eigen::AngleAxisd(before.linear().transpose() * seen(angles_rad).linear()).angle(), 2e-3);
+  }
+  bool is_hand() const { return GetParam() == DragBody::kLeftHand || GetParam() == DragBody::kRightHand; }
+  // Another search than that of the drag: all poses of an arm on a grid of angles; of legs, places nearer to
+  // the target around the one that was found, none of which may be reached.
+  void expect_none_nearer(const PoseDrag& drag, const Vector3d& target, const DraggedPose& found) {
+    if (is_hand()) {
+      EXPECT_LE(found.missing_m, nearest_on_grid_m(drag, target) + 1e-5);
+      return;
+    }
+    const Vector3d reached = point(found.angles_rad) - grabbed_B();
+    for (int i = 0; i < 40; ++i) {
+      const Vector3d tried = reached + (0.001 + 0.0005 * i) * random_direction();
+      if ((tried - target).norm() > found.missing_m - 0.0005) continue;
+      EXPECT_FALSE(drag.move(tried).reached) << "nearer by " << found.missing_m - (tried - target).norm();
+    }
+  }
+  double nearest_on_grid_m(const PoseDrag& drag, const Vector3d& target) const {
+    constexpr int kPlaces = 31;
+    std::vector<std::size_t> joints;
+    for (std::size_t joint = 0; joint < standing().size(); ++joint)
+      if ((drag.joints() >> joint & 1U) != 0) joints.push_back(joint);
+    std::vector<double> angles_rad = standing();
+    double nearest_m = 1.0;
+    int count = 1;
+    for (std::size_t i = 0; i < joints.size(); ++i) count *= kPlaces;
+    for (int n = 0; n < count; ++n) {
+      int rest = n;
+      for (const std::size_t joint : joints) {
+        const robot::Joint& model = sample_robot()->model.model.joints[joint];
+        const double lower_rad = fixed::to_double(model.lower);
+        const double share = static_cast<double>(rest % kPlaces) / (kPlaces - 1);
+        angles_rad[joint] = lower_rad + share * (fixed::to_double(model.upper) - lower_rad);
+        rest /= kPlaces;
+      }
+      nearest_m = std::min(nearest_m, (point(angles_rad) - grabbed_B() - target).norm());
+    }
+    return nearest_m;
+  }
   std::mt19937 random_{7};
   Vector3d random_direction() {
     std::normal_distribution<double> normal;
@@ -143,7 +190,7 @@ TEST_P(PoseDrags, ReachTargetsWithinReachAndKeepTheSupport) {
   EXPECT_EQ(reached, kTargets);
 }
 
-TEST_P(PoseDrags, StopAtTheBorderOfReachWithoutJumps) {
+TEST_P(PoseDrags, GoToTheNearestReachablePoseWithoutJumps) {
   // Between targets 2 mm apart. The elbow turns most: at the stretched arm, 0.2 mm of reach are 0.2 rad.
   constexpr double kMaxJump_rad = 0.35;
   constexpr double kPitch_m = 0.002;
@@ -159,12 +206,13 @@ TEST_P(PoseDrags, StopAtTheBorderOfReachWithoutJumps) {
       EXPECT_FALSE(pose.reached);
       expect_support_kept(pose.angles_rad);
       expect_within_limits(pose.angles_rad);
-      // On the line to the target.
-      EXPECT_LT((point(pose.angles_rad) - grabbed_B() - pose.share * target).norm(), kReached_m);
+      EXPECT_NEAR((point(pose.angles_rad) - grabbed_B() - target).norm(), pose.missing_m, kReached_m);
       for (std::size_t joint = 0; joint < before.size(); ++joint)
         EXPECT_LT(std::abs(pose.angles_rad[joint] - before[joint]), kMaxJump_rad)
             << sample_robot()->model.joint_names[joint] << " of target " << i << ' ' << k;
       before = pose.angles_rad;
+      expect_oriented(pose.angles_rad);
+      if (k == 0) expect_none_nearer(drag, target, pose);
     }
   }
 }
@@ -180,6 +228,45 @@ TEST(PoseDrag, NamesTheJointAtItsLimit) {
   const DraggedPose pose = drag.move({0.0, 0.0, 0.0}, {2.0, 0.0, 0.0});
   EXPECT_FALSE(pose.reached);
   EXPECT_TRUE(std::ranges::find(pose.at_limit, joint_of("left_ankle_roll")) != pose.at_limit.end());
+}
+
+TEST(PoseDrag, TurnsAsFarAsItCanAndKeepsTheGrabbedPoint) {
+  const auto& standing = sample_robot()->standing_rad;
+  const Vector3d foot = bodies().pose(DragBody::kRightFoot, standing).translation();
+  const PoseDrag drag(*sample_robot(), standing, DragBody::kRightFoot, foot);
+  const DraggedPose pose = drag.move(Vector3d::Zero(), {0.0, 0.0, 2.5});
+  EXPECT_FALSE(pose.reached);
+  EXPECT_GT(pose.missing_rad, 0.1);
+  EXPECT_EQ(pose.missing_m, 0.0);
+  const Isometry3d X = bodies().pose(DragBody::kRightFoot, pose.angles_rad);
+  EXPECT_LT((X.translation() - foot).norm(), kReached_m);
+  const Eigen::AngleAxisd turned(X.linear() *
+                                 bodies().pose(DragBody::kRightFoot, standing).linear().transpose());
+  EXPECT_NEAR(pose.missing_rad + turned.angle() * turned.axis().z(), 2.5, 0.15);
+}
+
+TEST(BoundedLeastSquares, FindTheMinimumOfAQuadraticWithinBounds) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::MatrixXd A = Eigen::MatrixXd::NullaryExpr(6, 4, [&] { return normal(random); });
+    const Eigen::MatrixXd H = A.transpose() * A + 1e-3 * Eigen::MatrixXd::Identity(4, 4);
+    const Eigen::VectorXd g = Eigen::VectorXd::NullaryExpr(4, [&] { return 3.0 * normal(random); });
+    VariableBounds bounds{Eigen::VectorXd::Constant(4, -0.5), Eigen::VectorXd::Constant(4, 0.7)};
+    bounds.lower[i % 4] = 0.0;
+    const Eigen::VectorXd d = minimise_quadratic(H, g, bounds);
+    const Eigen::VectorXd slope = H * d + g;  // Karush, Kuhn and Tucker
+    for (Eigen::Index k = 0; k < 4; ++k) {
+      ASSERT_GE(d[k], bounds.lower[k]);
+      ASSERT_LE(d[k], bounds.upper[k]);
+      if (d[k] > bounds.lower[k]) {
+        ASSERT_LT(slope[k], 1e-9);
+      }
+      if (d[k] < bounds.upper[k]) {
+        ASSERT_GT(slope[k], -1e-9);
+      }
+    }
+  }
 }
 
 TEST(PoseDrag, WithoutADisplacementChangesNothing) {

@@ -368,6 +368,35 @@ class MotionPanelTest final : public PanelFixture {
     QCOMPARE(poses.count(), 1);
   }
 
+  // The curves of a joint: what is said at the place, and that the torque is drawn where it is.
+  void timeline_shows_the_torque_of_the_joint() {
+    open_copy("squat.yaml");
+    wait_for_check();
+    panel_->findChild<JointPanel*>()->joint_chosen(joint("right_knee"));
+    const CheckResult& result = *editor().checked();
+    QCOMPARE(result.stall_torques_Nm.size(), result.joints);
+    const std::size_t knee = joint("right_knee");
+    QWidget* const view = timeline().viewport();
+    const QPointF place(0.5 * view->width(), view->height() - 20);
+    const QString tip = timeline().tip_at(place);
+    QVERIFY2(tip.contains(QStringLiteral("N m of")), qPrintable(tip));
+    bool named = false;
+    for (const CheckedTick& tick : result.ticks) {
+      if (tick.loads == nullptr) continue;
+      const tools::ServoLoad& load = tick.loads->at(knee);
+      QVERIFY(load.available_Nm > 0.0F);
+      named = named || tip.contains(QStringLiteral("%1 N m of %2 N m")
+                                        .arg(load.torque_Nm, 0, 'f', 2)
+                                        .arg(load.available_Nm, 0, 'f', 2));
+    }
+    QVERIFY2(named, qPrintable(tip));
+    const QImage with_knee = view->grab().toImage();
+    grab("torque");
+    panel_->findChild<JointPanel*>()->joint_chosen(joint("head_pan"));
+    QVERIFY(view->grab().toImage() != with_knee);
+    QVERIFY(!timeline().tip_at(place).contains(QStringLiteral("right_knee")));
+  }
+
   // The drop is that of a drag within the table.
   void moves_rows_by_drag_and_drop() {
     open_copy("wave.yaml");

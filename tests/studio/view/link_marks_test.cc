@@ -1,4 +1,4 @@
-#include "tools/studio/view/link_marks.h"
+#include "tools/studio/view/link_layers.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,6 @@
 
 #include "sim_board/robot/load.h"
 #include "tools/motion/view/placement.h"
-#include "tools/studio/view/overlaps.h"
 #include "tools/view/capture/scene.h"
 
 namespace koboshi::studio {
@@ -50,6 +49,51 @@ TEST(JointAxes, StayWhenTheirJointTurns) {
     EXPECT_GT((axis_in_parent(straight, beside_m) - axis_in_parent(bent, beside_m)).norm(), 1e-3F)
         << joint.name;
   }
+}
+
+TEST(JointAxes, GiveTheAngleOfTheirJoint) {
+  const Standing standing;
+  const std::vector<JointAxis> axes = joint_axes(standing.robot);
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    EXPECT_EQ(axes[i].name, standing.robot.joints[i].name);
+    for (const double share : {0.4, 0.9}) {
+      const double angle_rad = axes[i].lower_rad + share * (axes[i].upper_rad - axes[i].lower_rad);
+      const auto links = standing.links(axes[i].name, angle_rad);
+      EXPECT_NEAR(joint_angle_rad(axes[i], links), angle_rad, 1e-6) << axes[i].name;
+      const std::size_t other = i == 0 ? 1 : 0;
+      EXPECT_NEAR(joint_angle_rad(axes[other], links), 0.0, 1e-6);
+    }
+  }
+}
+
+TEST(LinkLayers, NameWhatIsShownUnderThePixel) {
+  const Standing standing;
+  const auto links = standing.links();
+  LinkLayers layers;
+  layers.set_robot(&standing.robot);
+  view::Camera camera;
+  camera.target_W_m = links[0].p_WL_m.cast<double>();
+  const auto at = [&](const Eigen::Vector3d& p_W_m) {
+    return layers.at(links, camera, 800, 600, view::project(camera, 800, 600, p_W_m));
+  };
+  const Eigen::Vector3d last_m = links.back().p_WL_m.cast<double>();
+  EXPECT_TRUE(at(last_m).empty()) << "nothing is shown";
+  layers.frames = true;
+  ASSERT_FALSE(at(last_m).empty());
+  EXPECT_EQ(at(last_m).front().kind, MarkName::Kind::kFrame);
+  EXPECT_EQ(at(last_m).front().index, links.size() - 1);
+  layers.frames = false;
+  layers.axes = true;
+  const auto knee = static_cast<std::size_t>(*standing.robot.find_joint("left_knee"));
+  const JointAxis& axis = layers.axis(knee);
+  const auto& shin = links[static_cast<std::size_t>(axis.link)];
+  const Eigen::Vector3d tip_m = shin.p_WL_m.cast<double>() +
+                                shin.q_WL.cast<double>() * Eigen::Vector3d(axis.p_L_m + 0.04 * axis.axis_L);
+  const auto found = at(tip_m);
+  EXPECT_TRUE(std::ranges::any_of(
+      found, [&](const MarkName& mark) { return mark.kind == MarkName::Kind::kAxis && mark.index == knee; }));
+  EXPECT_TRUE(std::ranges::is_sorted(found, {}, &MarkName::distance_px));
+  EXPECT_TRUE(at(tip_m + Eigen::Vector3d(0.0, 1.0, 1.0)).empty());
 }
 
 TEST(LinkMarks, AreAtTheirLinks) {

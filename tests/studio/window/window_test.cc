@@ -32,10 +32,12 @@
 #include <optional>
 
 #include "sim_board/scenario/reader.h"
+#include "tests/studio/window/view_fixture.h"
 #include "tests/support/sample_recording.h"
 #include "tools/studio/motion/joint_panel.h"
 #include "tools/studio/motion/motion_panel.h"
 #include "tools/studio/motion/step_model.h"
+#include "tools/studio/motion/timeline.h"
 #include "tools/studio/plot/plot_panel.h"
 #include "tools/studio/window/can_panel.h"
 #include "tools/studio/window/command_search.h"
@@ -49,59 +51,15 @@
 #include "tools/view/render/camera.h"
 
 namespace koboshi::studio {
-namespace {
 
-constexpr int kPatience_ms = 20'000;
-const std::filesystem::path kRoot = KOBOSHI_SOURCE_DIR;
+using test::kPatience_ms;
+using test::kRoot;
 
-}  // namespace
-
-class WindowTest final : public QObject {
+class WindowTest final : public ViewFixture {
   Q_OBJECT
 
- private:
-  std::unique_ptr<MainWindow> window_;
-
-  void open(const std::filesystem::path& file) {
-    QSignalSpy opened(&window_->run(), &RunController::opened);
-    window_->open(file);
-    QVERIFY(opened.wait(kPatience_ms));
-  }
-  // Runs the simulation as fast as possible up to this time, and pauses it.
-  void run_to(std::uint64_t time_us) {
-    RunController& run = window_->run();
-    run.step((time_us - run.status().time_us) / 1000);
-    QTRY_VERIFY_WITH_TIMEOUT(run.end_us() >= time_us, kPatience_ms);
-  }
-  QAction* action(const char* text) {
-    for (QAction* one : window_->all_actions())
-      if (plain_text(*one) == QLatin1String(text)) return one;
-    return nullptr;
-  }
-  // A place of the view at which there is the trunk: near its origin.
-  std::optional<QPoint> trunk_place() {
-    RobotView& view = window_->view();
-    if (window_->run().recording().samples.empty()) return std::nullopt;
-    const Eigen::Vector3d trunk_m = window_->run().recording().samples.back().links[0].p_WL_m.cast<double>();
-    const Eigen::Vector2d place_px = view::project(view.camera(), view.width(), view.height(), trunk_m);
-    for (int dy = -60; dy <= 20; dy += 10)
-      for (int dx = -20; dx <= 20; dx += 10) {
-        const QPointF place(place_px.x() + dx, place_px.y() + dy);
-        if (const auto hit = view.link_at(place); hit && hit->link == 0) return place.toPoint();
-      }
-    return std::nullopt;
-  }
-
  private Q_SLOTS:
-  void init() {
-    QSettings().clear();
-    window_ = std::make_unique<MainWindow>(kRoot / "robots/koboshi/robot.sdf");
-    window_->resize(1280, 800);
-    window_->show();
-    QVERIFY(QTest::qWaitForWindowExposed(window_.get()));
-    window_->activateWindow();
-    QVERIFY(QTest::qWaitForWindowActive(window_.get()));
-  }
+  void init() { show_window(); }
   void cleanup() { window_.reset(); }
 
   void draws_the_robot() {
@@ -387,142 +345,6 @@ class WindowTest final : public QObject {
     }
   }
 
- private:
-  // Drags in the view by real events of the mouse.
-  void drag(const QPoint& from, const QPoint& by, Qt::KeyboardModifiers modifiers = Qt::NoModifier) {
-    RobotView& view = window_->view();
-    QTest::mousePress(&view, Qt::LeftButton, modifiers, from);
-    constexpr int kMoves = 8;
-    for (int i = 1; i <= kMoves; ++i) {
-      const QPointF place = QPointF(from) + QPointF(by) * i / kMoves;
-      QMouseEvent move(QEvent::MouseMove, place, view.mapToGlobal(place), Qt::NoButton, Qt::LeftButton,
-                       modifiers);
-      QApplication::sendEvent(&view, &move);
-    }
-    QTest::mouseRelease(&view, Qt::LeftButton, modifiers, from + by);
-  }
-  // A place of the view at which this link of the edited robot is seen.
-  std::optional<QPoint> place_of(const char* name) {
-    RobotView& view = window_->view();
-    const auto& links = view.scene().links;
-    const auto found = std::ranges::find(links, std::string(name), &view::Link::name);
-    if (found == links.end() || view.posed().empty()) return std::nullopt;
-    const auto link = static_cast<std::size_t>(found - links.begin());
-    const Eigen::Vector3d p_m = view.posed()[link].p_WL_m.cast<double>();
-    const Eigen::Vector2d place_px = view::project(view.camera(), view.width(), view.height(), p_m);
-    for (int reach = 0; reach <= 60; reach += 4)
-      for (int dy = -reach; dy <= reach; dy += 4)
-        for (int dx = -reach; dx <= reach; dx += 4) {
-          const QPoint place = (QPointF(place_px.x() + dx, place_px.y() + dy)).toPoint();
-          const auto hit = view.posable_at(QPointF(place));
-          if (hit && hit->link == static_cast<int>(link)) return place;
-        }
-    return std::nullopt;
-  }
-  void hover(const QPoint& place) {
-    RobotView& view = window_->view();
-    QMouseEvent move(QEvent::MouseMove, QPointF(place), view.mapToGlobal(QPointF(place)), Qt::NoButton,
-                     Qt::NoButton, Qt::NoModifier);
-    QApplication::sendEvent(&view, &move);
-  }
-  void save_picture(const char* name) {
-    const QString pictures = qEnvironmentVariable("KOBOSHI_PICTURES");
-    if (pictures.isEmpty()) return;
-    QTest::qWait(500);
-    window_->grab().save(pictures + u'/' + QLatin1String(name) + QStringLiteral(".png"));
-  }
-  std::size_t joint(const char* name) {
-    const auto& names = window_->motion().editor().document().robot().model.joint_names;
-    return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
-  }
-
- private Q_SLOTS:
-  void drags_a_hand() {
-    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
-    MotionPanel& motion = window_->motion();
-    const std::string before = motion.text();
-    const std::vector<double> pose = motion.editable_pose();
-    QVERIFY(!pose.empty());
-    const auto undo_count = [&] { return motion.editor().document().history().undo_count(); };
-    const std::size_t undos = undo_count();
-    QTRY_VERIFY(place_of("left_forearm"));
-    drag(*place_of("left_forearm"), {40, -60});
-    const std::vector<double> dragged = motion.editable_pose();
-    QVERIFY(std::abs(dragged[joint("left_shoulder_roll")] - pose[joint("left_shoulder_roll")]) > 0.02 ||
-            std::abs(dragged[joint("left_shoulder_pitch")] - pose[joint("left_shoulder_pitch")]) > 0.02);
-    for (const char* kept : {"left_knee", "right_knee", "right_elbow", "head_pan"})
-      QCOMPARE(dragged[joint(kept)], pose[joint(kept)]);
-    QVERIFY(motion.text() != before);
-    QCOMPARE(undo_count(), undos + 1);
-    save_picture("drag-hand");
-    motion.findChild<QAction*>(QStringLiteral("undo"))->trigger();
-    QCOMPARE(motion.text(), before);
-  }
-
-  void drags_the_trunk_with_both_feet_on_the_ground() {
-    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
-    MotionPanel& motion = window_->motion();
-    RobotView& view = window_->view();
-    QTRY_VERIFY(place_of("trunk"));
-    const auto before = view.posed();
-    const auto soles = view.scene().sole_links;
-    drag(*place_of("trunk"), {0, 30});
-    const auto after = view.posed();
-    QVERIFY(after[0].p_WL_m.z() < before[0].p_WL_m.z() - 0.002F);
-    for (const int sole : soles) {
-      const auto link = static_cast<std::size_t>(sole);
-      QVERIFY((after[link].p_WL_m - before[link].p_WL_m).norm() < 1e-4F);
-    }
-    // The right button turns the view, also from the robot.
-    const std::string text = motion.text();
-    const double azimuth = view.camera().azimuth_rad;
-    const QPoint place = *place_of("trunk");
-    QTest::mousePress(&view, Qt::RightButton, {}, place);
-    QMouseEvent move(QEvent::MouseMove, QPointF(place) + QPointF(50, 0),
-                     view.mapToGlobal(QPointF(place) + QPointF(50, 0)), Qt::NoButton, Qt::RightButton, {});
-    QApplication::sendEvent(&view, &move);
-    QTest::mouseRelease(&view, Qt::RightButton, {}, place);
-    QVERIFY(view.camera().azimuth_rad != azimuth);
-    QCOMPARE(motion.text(), text);
-  }
-
-  void drags_along_an_axis_of_the_gizmo() {
-    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
-    RobotView& view = window_->view();
-    QTRY_VERIFY(place_of("left_forearm"));
-    QVERIFY(!view.gizmo());
-    const QPoint hand = *place_of("left_forearm");
-    hover(hand);
-    QTRY_VERIFY(view.gizmo());
-    save_picture("gizmo");
-    const Gizmo arrows = *view.gizmo();
-    const Eigen::Vector2d tip_px =
-        view::project(view.camera(), view.width(), view.height(),
-                      arrows.p_W_m + 0.9 * arrows.length_m * Eigen::Vector3d::UnitZ());
-    const QPoint tip = QPointF(tip_px.x(), tip_px.y()).toPoint();
-    hover(tip);
-    QCOMPARE(view.gizmo_axis_at(tip), std::optional<int>(2));
-    drag(tip, {0, -15});
-    const Eigen::Vector3d moved_m = view.gizmo()->p_W_m - arrows.p_W_m;
-    QVERIFY2(moved_m.z() > 0.003, qPrintable(QString::number(moved_m.z())));
-  }
-
-  void shows_the_joint_at_its_limit() {
-    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
-    RobotView& view = window_->view();
-    QTRY_VERIFY(place_of("trunk"));
-    const QPoint place = *place_of("trunk");
-    QTest::mousePress(&view, Qt::LeftButton, {}, place);
-    const QPointF far = QPointF(place) + QPointF(0, 500);
-    QMouseEvent move(QEvent::MouseMove, far, view.mapToGlobal(far), Qt::NoButton, Qt::LeftButton, {});
-    QApplication::sendEvent(&view, &move);
-    const QString told = window_->statusBar()->currentMessage();
-    save_picture("limit");
-    QTest::mouseRelease(&view, Qt::LeftButton, {}, far.toPoint());
-    QVERIFY2(told.contains(QStringLiteral("limit")) || told.contains(QStringLiteral("reach")),
-             qPrintable(told));
-  }
-
   // The pose of a recorded run or a preview becomes a step with the same angles.
   void inserts_the_pose_of_the_run() {
     window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
@@ -568,6 +390,15 @@ class WindowTest final : public QObject {
       QVERIFY(window_->run().playing());
       action("Loop the playback")->setChecked(false);
     }
+    // A click on the ruler of the timeline is another place to begin.
+    QTRY_VERIFY_WITH_TIMEOUT(motion.editor().checked() != nullptr, kPatience_ms);
+    QWidget* const timeline = motion.findChild<Timeline*>()->viewport();
+    QTest::mouseClick(timeline, Qt::LeftButton, {}, QPoint(timeline->width() / 3, 8));
+    QVERIFY(motion.preview_start_us(last) != motion.start_us(last));
+    QVERIFY(motion.preview_start_us(last) % 10'000 == 0 && motion.preview_start_us(last) > 0);
+    motion.show_row(0);
+    motion.show_row(last);
+    QCOMPARE(motion.preview_start_us(last), motion.start_us(last));
     const std::string rest = motion.text_from(last);
     QVERIFY(rest.find("start") != std::string::npos);
     QSignalSpy opened(&window_->run(), &RunController::opened);
@@ -802,12 +633,7 @@ class WindowTest final : public QObject {
 }  // namespace koboshi::studio
 
 int main(int argc, char** argv) {
-  QSurfaceFormat::setDefaultFormat(koboshi::studio::RobotView::format());
-  QApplication application(argc, argv);
-  QApplication::setOrganizationName(QStringLiteral("Koboshi"));
-  QApplication::setApplicationName(QStringLiteral("Koboshi Studio Test"));
-  koboshi::studio::WindowTest test;
-  return QTest::qExec(&test, argc, argv);
+  return koboshi::studio::test::run_window_test<koboshi::studio::WindowTest>(argc, argv);
 }
 
 #include "window_test.moc"

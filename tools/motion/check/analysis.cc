@@ -113,14 +113,16 @@ std::vector<std::uint64_t> MotionAnalysis::windows(const Trajectory& trajectory)
   return result;
 }
 
-JointShare MotionAnalysis::torque_share(const Stance& stance) {
-  JointShare worst;
+void MotionAnalysis::add_torques(const Stance& stance, TickState& state) const {
+  auto loads = std::make_shared<std::vector<ServoLoad>>();
+  loads->reserve(robot_.joints.size());
   for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
-    const double share =
-        tools::torque_share(robot_.joints[j].servo, stance.torques_Nm[j], speeds_[j], supply_.lowest_V);
-    if (share > worst.share) worst = {static_cast<std::uint8_t>(j), share};
+    const sim::ServoDescription& servo = robot_.joints[j].servo;
+    loads->push_back(servo_load(servo, stance.torques_Nm[j], speeds_[j], supply_.lowest_V));
+    const double share = torque_share(servo, stance.torques_Nm[j], speeds_[j], supply_.lowest_V);
+    if (share > state.torque.share) state.torque = {static_cast<std::uint8_t>(j), share};
   }
-  return worst;
+  state.loads = std::move(loads);
 }
 
 TickState MotionAnalysis::compute(const Trajectory& trajectory, std::size_t tick) {
@@ -155,7 +157,7 @@ TickState MotionAnalysis::compute(const Trajectory& trajectory, std::size_t tick
     state.rests = stance_.rest.rests;
     state.load_share = stance_.load_share;
     state.corners = stance_.rest.corners;
-    state.torque = torque_share(stance_);
+    add_torques(stance_, state);
   }
   body_.place(trajectory.row(tick), places_);
   state.overlap = pairs_.deepest(places_);

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <stop_token>
 #include <unordered_map>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "tools/motion/check/body.h"
 #include "tools/motion/check/collision.h"
 #include "tools/motion/check/mix_extremes.h"
+#include "tools/motion/check/servo_curve.h"
 #include "tools/motion/check/trajectory.h"
 
 namespace koboshi::tools {
@@ -37,7 +39,9 @@ struct TickState {
   std::array<double, 2> load_share{};  // by hal::Side
   std::uint32_t corners = 0;           // of the soles, on the ground
   JointShare torque{};                 // the greatest share of a servo's torque at the lowest supply
-  Overlap overlap{};                   // the deepest self-collision, of the targets
+  // Of each servo, by joint; null if the robot does not stand. Shared by equal ticks.
+  std::shared_ptr<const std::vector<ServoLoad>> loads{};
+  Overlap overlap{};  // the deepest self-collision, of the targets
 
   // The smaller margin: it decides.
   const Margin& margin() const { return com.distance_m < zmp.distance_m ? com : zmp; }
@@ -68,6 +72,7 @@ class MotionAnalysis {
   std::size_t computed() const { return computed_; }
 
   const Body& body() const { return body_; }
+  const Supply& supply() const { return supply_; }
   // The smoothing of targets: the impulse response of a critically damped oscillator, by tick. Its natural
   // frequency is that of the robot's mass on the stiffness of its ankles; a joint does not follow the corners
   // of its target faster. The response is shifted back by its mean delay, so that states belong to the ticks
@@ -85,7 +90,7 @@ class MotionAnalysis {
   std::vector<std::uint64_t> windows(const Trajectory& trajectory) const;
   void smooth(const Trajectory& trajectory, std::size_t tick);
   TickState compute(const Trajectory& trajectory, std::size_t tick);
-  JointShare torque_share(const Stance& stance);
+  void add_torques(const Stance& stance, TickState& state) const;
 
   const sim::RobotDescription& robot_;
   Supply supply_;

@@ -8,7 +8,8 @@ namespace koboshi::studio {
 
 std::shared_ptr<const MotionRobot> load_motion_robot(const std::filesystem::path& robot_file) {
   auto robot = std::make_shared<MotionRobot>();
-  robot->model = simulation::load_named_model(sim::load_robot(robot_file));
+  robot->description = std::make_shared<const sim::RobotDescription>(sim::load_robot(robot_file));
+  robot->model = simulation::load_named_model(*robot->description);
   robot->standing_rad.assign(robot->model.joint_names.size(), 0.0);
   const std::filesystem::path stand = robot_file.parent_path() / "motions" / "stand.yaml";
   if (!std::filesystem::exists(stand)) return robot;

@@ -4,12 +4,14 @@
 #include <memory>
 #include <vector>
 
+#include "sim_board/robot/description.h"
 #include "simulation/model/robot_model.h"
 
 namespace koboshi::studio {
 
 // The robot whose motions are edited.
 struct MotionRobot {
+  std::shared_ptr<const sim::RobotDescription> description;  // joints in the order of `model`
   simulation::NamedModel model;
   // Joint angles by joint. A new motion begins with them, and so does the first step of the timeline.
   std::vector<double> standing_rad;

@@ -82,7 +82,8 @@ PoseDrag::PoseDrag(const MotionRobot& robot, std::span<const double> angles_rad,
       model_(robot.model),
       start_rad_(angles_rad.begin(), angles_rad.end()),
       grabbed_B_m_(grabbed_B_m),
-      joints_(simulation::JointNames(robot.model).mask(group_of(body))) {
+      joints_(simulation::JointNames(robot.model).mask(group_of(body))),
+      reach_(robot, angles_rad, body, grabbed_B_m, joints_) {
   const robot::RobotModel& model = model_.model;
   for (const double angle_rad : start_rad_) start_.push_back(fixed::from_double<Angle>(angle_rad));
   robot::LinkPoses X_BLinks;
@@ -148,12 +149,20 @@ bool PoseDrag::is_near(std::span<const Angle> one, std::span<const Angle> other)
   });
 }
 
-DraggedPose PoseDrag::result(const Attempt& attempt, double share) const {
-  DraggedPose pose{.angles_rad = start_rad_, .reached = share == 1.0, .share = share};
+// Joints that do not move keep the angles of the start to the bit.
+std::vector<double> PoseDrag::angles_of(std::span<const Angle> angles) const {
+  std::vector<double> angles_rad = start_rad_;
+  for (std::size_t joint = 0; joint < start_rad_.size(); ++joint)
+    if ((joints_ >> joint & 1U) != 0 && angles[joint] != start_[joint])
+      angles_rad[joint] = to_double(angles[joint]);
+  return angles_rad;
+}
+
+DraggedPose PoseDrag::result(std::vector<double> angles_rad) const {
+  DraggedPose pose{.angles_rad = std::move(angles_rad)};
   for (std::size_t joint = 0; joint < start_rad_.size(); ++joint) {
     if ((joints_ >> joint & 1U) == 0) continue;
     const robot::Joint& model = robot_.model.model.joints[joint];
-    if (attempt.angles[joint] != start_[joint]) pose.angles_rad[joint] = to_double(attempt.angles[joint]);
     const double angle_rad = pose.angles_rad[joint];
     if (angle_rad > to_double(model.upper) - kAtLimit_rad ||
         angle_rad < to_double(model.lower) + kAtLimit_rad)
@@ -162,15 +171,15 @@ DraggedPose PoseDrag::result(const Attempt& attempt, double share) const {
   return pose;
 }
 
-DraggedPose PoseDrag::move(const Vector3d& displacement_B_m, const Vector3d& rotation_B_rad) const {
-  const Vector3d rotation = is_hand(body_) ? Vector3d::Zero() : rotation_B_rad;
-  if (const Attempt direct = solve(displacement_B_m, rotation, start_); direct.reached)
-    return result(direct, 1.0);
+// The last reachable pose on the straight line to a target out of reach: from it, the nearest one is looked
+// for, so that equal targets lead to equal poses.
+std::vector<double> PoseDrag::last_on_line(const Vector3d& displacement_B_m,
+                                           const Vector3d& rotation_B_rad) const {
   const int steps =
-      1 + static_cast<int>(std::max(displacement_B_m.norm() / kStep_m, rotation.norm() / kStep_rad));
+      1 + static_cast<int>(std::max(displacement_B_m.norm() / kStep_m, rotation_B_rad.norm() / kStep_rad));
   Attempt best{true, start_};
   const auto advance = [&](double share) {
-    Attempt next = solve(share * displacement_B_m, share * rotation, best.angles);
+    Attempt next = solve(share * displacement_B_m, share * rotation_B_rad, best.angles);
     if (!next.reached || !is_near(next.angles, best.angles)) return false;
     best = std::move(next);
     return true;
@@ -182,7 +191,24 @@ DraggedPose PoseDrag::move(const Vector3d& displacement_B_m, const Vector3d& rot
     step *= 0.5;
     if (share + step <= 1.0 && advance(share + step)) share += step;
   }
-  return result(best, std::min(share, 1.0));
+  return angles_of(best.angles);
+}
+
+DraggedPose PoseDrag::move(const Vector3d& displacement_B_m, const Vector3d& rotation_B_rad) const {
+  const Vector3d rotation = is_hand(body_) ? Vector3d::Zero() : rotation_B_rad;
+  if (const Attempt direct = solve(displacement_B_m, rotation, start_); direct.reached)
+    return result(angles_of(direct.angles));
+  const std::vector<double> last = last_on_line(displacement_B_m, rotation);
+  const DragReach::Missing last_missing = reach_.missing(displacement_B_m, rotation, last);
+  const std::vector<double> nearest = reach_.nearest(displacement_B_m, rotation, last);
+  const DragReach::Missing missing =
+      nearest.empty() ? last_missing : reach_.missing(displacement_B_m, rotation, nearest);
+  const bool is_nearer = missing.m + missing.rad < last_missing.m + last_missing.rad;
+  DraggedPose pose = result(is_nearer ? nearest : last);
+  pose.reached = false;
+  pose.missing_m = (is_nearer ? missing : last_missing).m;
+  pose.missing_rad = (is_nearer ? missing : last_missing).rad;
+  return pose;
 }
 
 }  // namespace koboshi::studio

@@ -6,20 +6,19 @@
 #include <span>
 #include <vector>
 
+#include "tools/studio/document/drag_body.h"
+#include "tools/studio/document/drag_reach.h"
 #include "tools/studio/document/motion_robot.h"
 
 namespace koboshi::studio {
 
-// The bodies of a robot that can be dragged.
-enum class DragBody { kTrunk, kLeftFoot, kRightFoot, kLeftHand, kRightHand };
-
 // The pose that a drag reaches.
 struct DraggedPose {
   std::vector<double> angles_rad = {};  // by joint, within the limits
-  // Whether the target is reached. If not, this is the last reachable pose on the straight line from the
-  // grabbed point to the target.
+  // Whether the target is reached. If not, this is the nearest reachable pose (drag_reach.h).
   bool reached = true;
-  double share = 1.0;                      // of that line
+  double missing_m = 0.0;                  // between the grabbed point and its target
+  double missing_rad = 0.0;                // of a rotation
   std::vector<std::size_t> at_limit = {};  // joints of the dragged limbs that are at a limit
 };
 
@@ -51,7 +50,10 @@ class PoseDrag {
                 std::span<const fixed::Angle> from) const;
   bool keeps_soles(std::span<const fixed::Angle> angles) const;
   bool is_near(std::span<const fixed::Angle> one, std::span<const fixed::Angle> other) const;
-  DraggedPose result(const Attempt& attempt, double share) const;
+  std::vector<double> angles_of(std::span<const fixed::Angle> angles) const;
+  std::vector<double> last_on_line(const Eigen::Vector3d& displacement_B_m,
+                                   const Eigen::Vector3d& rotation_B_rad) const;
+  DraggedPose result(std::vector<double> angles_rad) const;
 
   const MotionRobot& robot_;
   DragBody body_;
@@ -64,6 +66,7 @@ class PoseDrag {
   Eigen::Vector3d p_SRight_m_ = Eigen::Vector3d::Zero();       // the right sole in the left one's frame
   Eigen::Vector3d hip_B_m_ = Eigen::Vector3d::Zero();          // centre between the hips
   std::uint32_t joints_ = 0;
+  DragReach reach_;
 };
 
 }  // namespace koboshi::studio

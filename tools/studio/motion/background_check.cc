@@ -31,8 +31,16 @@ std::vector<CheckedTick> ticks_of(const tools::MotionReport& report, const tools
     ticks[i].margin_m = judged ? state.margin().distance_m : kNaN;
     ticks[i].torque_share = judged ? state.torque.share : kNaN;
     ticks[i].torque_joint = state.torque.joint;
+    if (judged) ticks[i].loads = state.loads;
   }
   return ticks;
+}
+
+std::vector<double> stall_torques_Nm(const tools::MotionChecker& checker) {
+  std::vector<double> torques_Nm;
+  for (const sim::JointDescription& joint : checker.robot().joints)
+    torques_Nm.push_back(tools::available_torque_Nm(joint.servo, 0.0, checker.analysis().supply().lowest_V));
+  return torques_Nm;
 }
 
 // Returns nothing if it was cancelled.
@@ -49,6 +57,7 @@ std::shared_ptr<const CheckResult> check_text(const BackgroundCheck::Request& re
     result->ticks = ticks_of(*report, checker);
     result->targets_rad = checker.trajectory().targets_rad;
     result->joints = checker.trajectory().joints;
+    result->stall_torques_Nm = stall_torques_Nm(checker);
     result->diagnostics = std::move(report->diagnostics);
     result->balance = tools::kBalanceNames.at(static_cast<std::size_t>(report->balance));
     result->is_judged = report->balance != tools::Balance::kNotJudged;

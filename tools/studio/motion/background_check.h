@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "simulation/motion/diagnostic.h"
+#include "tools/motion/check/servo_curve.h"
 
 namespace koboshi::studio {
 
@@ -24,6 +25,8 @@ struct CheckedTick {
   // The greatest share of a servo's torque at the lowest supply; NaN: not judged.
   double torque_share = 0.0;
   std::uint8_t torque_joint = 0;
+  // Of each servo, by joint; null: not judged.
+  std::shared_ptr<const std::vector<tools::ServoLoad>> loads = {};
 };
 
 // The result of `koboshi motion check` for one text.
@@ -32,6 +35,7 @@ struct CheckResult {
   std::vector<CheckedTick> ticks = {};   // of the path with neutral sensors
   std::vector<double> targets_rad = {};  // `joints` per tick
   std::size_t joints = 0;
+  std::vector<double> stall_torques_Nm = {};  // of the servos at the lowest supply, by joint
   std::string balance = "not judged";
   bool is_judged = false;
   double least_margin_m = 0.0;

@@ -249,12 +249,14 @@ void MotionPanel::follow_selection() {
 }
 
 void MotionPanel::show_pose() {
+  scrubbed_tick_.reset();
   const auto row = static_cast<std::size_t>(table_->currentIndex().row());
   if (table_->currentIndex().isValid() && row < editor_->rows().rows.size())
     Q_EMIT pose_changed(editor_->rows().rows[row].angles_rad);
 }
 
 void MotionPanel::show_tick(std::size_t tick) {
+  scrubbed_tick_ = tick;
   const CheckResult& result = *editor_->checked();
   const auto begin = result.targets_rad.begin() + static_cast<std::ptrdiff_t>(tick * result.joints);
   Q_EMIT pose_changed({begin, begin + static_cast<std::ptrdiff_t>(result.joints)});

@@ -69,6 +69,8 @@ class MotionPanel final : public QWidget {
 
   // When a row of the main program begins on the nominal path; 0 for a row of a routine.
   std::uint64_t start_us(std::size_t row) const;
+  // Where a preview begins: at the cursor of the timeline, or else with this row.
+  std::uint64_t preview_start_us(std::size_t row) const;
 
   // Selects one row and shows it.
   void show_row(std::size_t row);
@@ -126,6 +128,7 @@ class MotionPanel final : public QWidget {
   Timeline* timeline_;
   JointPanel* joints_;
   MessageLine* messages_;
+  std::optional<std::size_t> scrubbed_tick_;  // of the last check; none: the current step is shown
   OfferBar* recovery_bar_;
   OfferBar* disk_bar_;
   QWidget* scale_bar_ = nullptr;

@@ -142,7 +142,8 @@ void MotionPanel::build_play_actions() {
   add_separator(edit_actions_);
   tools_->addAction(edit_actions_.back());
   tools_->addAction(
-      add_edit("play_preview", tr("Pre&view"), Qt::Key_F5, tr("Play from the current step without physics"),
+      add_edit("play_preview", tr("Pre&view"), Qt::Key_F5,
+               tr("Play without physics from the cursor of the timeline or the current step"),
                [this] { Q_EMIT play_requested(false, std::max(0, table_->currentIndex().row())); }));
   tools_->addAction(add_edit("play_physics", tr("Simula&te"), Qt::Key_F6,
                              tr("Play the motion in the simulation"),

@@ -12,7 +12,8 @@ namespace koboshi::studio {
 namespace {
 
 constexpr double kInsertedTime_s = 0.5;
-constexpr double kApproach_s = 1.5;  // to the pose before the first step that is played
+constexpr std::uint64_t kTick_us = 10'000;  // of the check, and of a preview
+constexpr double kApproach_s = 1.5;         // to the pose before the first step that is played
 
 }  // namespace
 
@@ -49,6 +50,10 @@ std::uint64_t MotionPanel::start_us(std::size_t row) const {
   const auto& rows = editor_->rows().rows;
   if (row >= rows.size() || rows[row].section != 0) return 0;
   return static_cast<std::uint64_t>(std::llround(1e6 * rows[row].start_s));
+}
+
+std::uint64_t MotionPanel::preview_start_us(std::size_t row) const {
+  return scrubbed_tick_ ? *scrubbed_tick_ * kTick_us : start_us(row);
 }
 
 std::string MotionPanel::text_from(std::size_t row) const {

@@ -12,7 +12,8 @@ namespace koboshi::studio {
 
 // The steps of the program or of one routine over time: a bar for each step with a diamond where a move
 // reaches its pose, arrows of loops, jumps and branches, the stability margin as a band, and the curves of
-// one joint. A diamond can be dragged; a drag of several selected ones scales their time.
+// one joint: its angle, its speed and the torque of its servo. A diamond can be dragged; a drag of several
+// selected ones scales their time.
 class Timeline final : public QAbstractScrollArea {
   Q_OBJECT
 
@@ -24,6 +25,8 @@ class Timeline final : public QAbstractScrollArea {
   // Multiplies the scale, around the current step if it is in view.
   void zoom(double factor);
   void fit();
+  // What is said about this place of the viewport.
+  QString tip_at(QPointF point) const;
   // Where the pose of a move is reached, or a step ends, in the viewport.
   QPointF key_point(std::size_t row) const;
 
@@ -72,7 +75,6 @@ class Timeline final : public QAbstractScrollArea {
   void select_box();
   void drag_key(double x, bool is_fine);
   void drag_scale(double x);
-  QString tip_at(QPointF point) const;
 
   // timeline_paint.cc
   void paint_ruler(QPainter& painter, const Colours& colours) const;
@@ -85,7 +87,8 @@ class Timeline final : public QAbstractScrollArea {
   // timeline_curves.cc
   void paint_margin(QPainter& painter, const Colours& colours) const;
   void paint_curves(QPainter& painter, const Colours& colours) const;
-  void paint_shares(QPainter& painter, const Colours& colours, const QRectF& area) const;
+  void paint_speed(QPainter& painter, const Colours& colours, const QRectF& area) const;
+  void paint_torque(QPainter& painter, const Colours& colours, const QRectF& area) const;
   // The ticks that a column of pixels shows, as a half-open range.
   std::pair<std::size_t, std::size_t> ticks_in(int x) const;
 

@@ -96,7 +96,8 @@ void Timeline::paint_curves(QPainter& painter, const Colours& colours) const {
   const auto y_of = [&](double angle_deg) {
     return area.bottom() - (angle_deg - lower_deg) / (upper_deg - lower_deg) * area.height();
   };
-  paint_shares(painter, colours, area);
+  paint_speed(painter, colours, area);
+  paint_torque(painter, colours, area);
   painter.setPen(QPen(colours.angle, 1, Qt::DashLine));
   for (const double limit_deg : {lower_deg, upper_deg})
     painter.drawLine(QPointF(area.left(), y_of(limit_deg)), QPointF(area.right(), y_of(limit_deg)));
@@ -142,37 +143,68 @@ void Timeline::paint_curves(QPainter& painter, const Colours& colours) const {
   const QString name = QString::fromStdString(robot.model.joint_names[*shown]).replace(u'_', u' ');
   legend(tr("%1, with its limits").arg(name), colours.angle);
   legend(tr("its speed, % of the limit"), colours.speed);
-  legend(tr("torque of the most loaded servo, %"), colours.torque);
+  if (result != nullptr && *shown < result->stall_torques_Nm.size())
+    legend(tr("its torque, dotted: available; top: %1 N m").arg(result->stall_torques_Nm[*shown], 0, 'f', 2),
+           colours.torque);
   painter.restore();
 }
 
-void Timeline::paint_shares(QPainter& painter, const Colours& colours, const QRectF& area) const {
+void Timeline::paint_speed(QPainter& painter, const Colours& colours, const QRectF& area) const {
   const CheckResult* const result = editor_.checked();
   if (result == nullptr || section_ != 0 || *shown_joint() >= result->joints) return;
   const double limit =
       fixed::to_double(editor_.document().robot().model.model.joints[*shown_joint()].max_speed);
-  QPolygonF torques;
   QColor fill = colours.speed;
   fill.setAlpha(90);
+  painter.setPen(fill);
   for (int x = kLeft; x < viewport()->width(); ++x) {
     const auto [first, last] = ticks_in(x);
     double speed = 0.0;
-    double torque = -1.0;
-    for (std::size_t i = first; i < last; ++i) {
+    for (std::size_t i = std::max<std::size_t>(first, 1); i < last; ++i) {
       const std::size_t at = i * result->joints + *shown_joint();
-      if (i > 0)
-        speed = std::max(speed, std::abs(result->targets_rad[at] - result->targets_rad[at - result->joints]) /
-                                    tools::kTick_s / limit);
-      if (!std::isnan(result->ticks[i].torque_share))
-        torque = std::max(torque, result->ticks[i].torque_share);
+      speed = std::max(speed, std::abs(result->targets_rad[at] - result->targets_rad[at - result->joints]) /
+                                  tools::kTick_s / limit);
     }
-    const auto y_of = [&](double share) { return area.bottom() - std::min(share, 1.0) * area.height(); };
-    painter.setPen(fill);
-    if (speed > 0.0) painter.drawLine(QPointF(x, area.bottom()), QPointF(x, y_of(speed)));
-    if (torque >= 0.0) torques << QPointF(x, y_of(torque));
+    const double y = area.bottom() - std::min(speed, 1.0) * area.height();
+    if (speed > 0.0) painter.drawLine(QPointF(x, area.bottom()), QPointF(x, y));
   }
-  painter.setPen(QPen(colours.torque, 1.2));
-  painter.drawPolyline(torques);
+}
+
+// The torque of the joint's servo and, dashed, what it has at that speed; the top is its stall torque. Where
+// several ticks share a column, the highest torque and the lowest available one.
+void Timeline::paint_torque(QPainter& painter, const Colours& colours, const QRectF& area) const {
+  const CheckResult* const result = editor_.checked();
+  if (result == nullptr || section_ != 0 || *shown_joint() >= result->stall_torques_Nm.size()) return;
+  const double top_Nm = result->stall_torques_Nm[*shown_joint()];
+  const auto y_of = [&](double torque_Nm) {
+    return area.bottom() - std::clamp(torque_Nm / top_Nm, 0.0, 1.0) * area.height();
+  };
+  QPolygonF torques;
+  QPolygonF available;
+  const auto finish = [&] {
+    painter.setPen(QPen(colours.torque, 1.0, Qt::DotLine));
+    painter.drawPolyline(std::exchange(available, {}));
+    painter.setPen(QPen(colours.torque, 1.4));
+    painter.drawPolyline(std::exchange(torques, {}));
+  };
+  for (int x = kLeft; x < viewport()->width(); ++x) {
+    const auto [first, last] = ticks_in(x);
+    double torque_Nm = -1.0;
+    double available_Nm = top_Nm;
+    for (std::size_t i = first; i < last; ++i) {
+      if (result->ticks[i].loads == nullptr) continue;
+      const tools::ServoLoad& load = result->ticks[i].loads->at(*shown_joint());
+      torque_Nm = std::max(torque_Nm, std::abs(static_cast<double>(load.torque_Nm)));
+      available_Nm = std::min(available_Nm, static_cast<double>(load.available_Nm));
+    }
+    if (torque_Nm < 0.0) {
+      if (first < last) finish();  // not judged
+      continue;
+    }
+    torques << QPointF(x, y_of(torque_Nm));
+    available << QPointF(x, y_of(available_Nm));
+  }
+  finish();
 }
 
 }  // namespace koboshi::studio

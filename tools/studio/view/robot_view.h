@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "tools/studio/view/gizmo.h"
-#include "tools/studio/view/link_marks.h"
-#include "tools/studio/view/overlaps.h"
+#include "tools/studio/view/link_layers.h"
 #include "tools/studio/view/picking.h"
 #include "tools/studio/view/scaled_framebuffer.h"
 #include "tools/view/recording/recording.h"
@@ -53,6 +52,8 @@ class RobotView final : public QOpenGLWidget {
   void show_robot(std::vector<view::Pose> links, view::Marks marks);
   // A second robot in the scene, translucent; empty: none.
   void show_ghost(std::vector<view::Pose> links);
+  // More translucent robots, which cannot be dragged; each hides what is behind it of the later ones.
+  void show_onion(std::vector<view::Ghost> poses);
   void set_collisions(bool collisions);
   void set_link_frames(bool frames);
   void set_joint_axes(bool axes);
@@ -63,18 +64,19 @@ class RobotView final : public QOpenGLWidget {
   void set_pushable(bool pushable) { pushable_ = pushable; }
   // The links that can be posed by dragging: of the second robot if there is one. Empty: none.
   void set_posable(std::vector<Posable> links);
-  // Marks of joints at their limits.
-  void set_limit_marks(view::Marks marks);
+  // Marks of joints at their limits, and colours of the links of the robot that can be posed, by link; empty:
+  // their own.
+  void show_limits(view::Marks marks, std::vector<view::Tint> tints);
   void look_from(double azimuth_rad, double elevation_rad);
   void look_at_robot();
 
   const view::Scene& scene() const { return scene_; }
   const view::Camera& camera() const { return picture_.camera; }
   // The robot that can be posed, by index of Scene::links: the second robot if there is one.
-  const std::vector<view::Pose>& posed() const {
-    return picture_.ghost.empty() ? picture_.links : picture_.ghost;
-  }
-  bool has_ghost() const { return !picture_.ghost.empty(); }
+  const std::vector<view::Pose>& posed() const { return ghost_.empty() ? picture_.links : ghost_; }
+  bool has_ghost() const { return !ghost_.empty(); }
+  // All that is drawn now.
+  const view::Picture& picture() const { return picture_; }
   // The arrows at the link that was under the mouse last; nothing without such a link.
   std::optional<Gizmo> gizmo() const;
   // A link under a place of the widget.
@@ -82,6 +84,10 @@ class RobotView final : public QOpenGLWidget {
   // The posable link, and the axis of the arrows, under a place of the widget.
   std::optional<Hit> posable_at(const QPointF& place) const;
   std::optional<int> gizmo_axis_at(const QPointF& place) const;
+  // Names and places of the shown link frames and joint axes under a place of the widget; empty: none.
+  QString mark_text_at(const QPointF& place) const;
+  // Whether the picture rests, so that it is drawn in full resolution.
+  bool rests() const { return !moving_; }
   // Number of frames drawn so far.
   std::uint64_t frames() const { return frames_; }
   // The error of OpenGL that keeps the view empty; empty: none.
@@ -122,25 +128,30 @@ class RobotView final : public QOpenGLWidget {
   };
 
   void redraw_moving();
+  void update_ghosts();
+  void update_overlaps();
+  QString frame_text(std::size_t link) const;
+  QString axis_text(const JointAxis& axis) const;
   std::vector<view::Pose> apart(const std::vector<view::Pose>& links) const;
   void release_gl();
   void follow_robot();
   Eigen::Vector3d robot_W_m() const;
   Eigen::Vector3d point_W_m(const Hit& hit) const;
-  view::Marks marks_with_push() const;
+  view::Marks all_marks() const;
   bool begin_pose_drag(const QMouseEvent& event);
   void continue_pose_drag(const QPointF& place);
   void hover(const QPointF& place);
+  void name_marks(const QPointF& place);
 
   view::Scene scene_;
   Picker picker_;
   view::Picture picture_;
   std::vector<view::Pose> links_;  // as given; those of the picture may be apart
   std::vector<view::Pose> ghost_links_;
-  std::vector<JointAxis> axes_;
-  std::optional<OverlapFinder> overlaps_;
-  bool link_frames_ = false;
-  bool joint_axes_ = false;
+  std::vector<view::Pose> ghost_;  // as drawn
+  std::vector<view::Ghost> onion_;
+  std::vector<view::Tint> tints_;
+  LinkLayers layers_;
   bool exploded_ = false;
   bool scene_changed_ = false;
   bool framed_ = false;  // the camera has looked at this robot
@@ -161,6 +172,7 @@ class RobotView final : public QOpenGLWidget {
   QPointF drag_last_;
   std::optional<PushDrag> push_;
   int hovered_ = -1;
+  bool names_marks_ = false;  // the tooltip is that of a mark
   std::vector<Posable> posable_;
   int gizmo_link_ = -1;
   std::optional<int> gizmo_axis_;  // under the mouse

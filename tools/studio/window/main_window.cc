@@ -96,6 +96,9 @@ void MainWindow::arrange() {
 void MainWindow::connect_view() {
   connect(run_, &RunController::opened, this, &MainWindow::show_opened);
   connect(run_, &RunController::window_moved, this, &MainWindow::show_marks);
+  connect(run_, &RunController::grown, this, [this](std::size_t first_sample) {
+    if (marks_) marks_->follow(first_sample);
+  });
   connect(run_, &RunController::cursor_moved, this, &MainWindow::show_cursor);
   connect(run_, &RunController::failed, messages_, &MessageBar::show_message);
   connect(view_, &RobotView::failed, messages_, &MessageBar::show_message);

@@ -50,7 +50,7 @@ constexpr std::array<OverlayText, 6> kOverlayTexts{
      {view::Overlay::kSupport, QT_TRANSLATE_NOOP("MainWindow", "Support polygon"), true},
      {view::Overlay::kContacts, QT_TRANSLATE_NOOP("MainWindow", "Contact forces"), false},
      {view::Overlay::kPushes, QT_TRANSLATE_NOOP("MainWindow", "Pushes"), true},
-     {view::Overlay::kFootprints, QT_TRANSLATE_NOOP("MainWindow", "Footprints of a recorded run"), true}}};
+     {view::Overlay::kFootprints, QT_TRANSLATE_NOOP("MainWindow", "Footprints"), true}}};
 
 // The operator's keys, apart from the one that ends a run.
 struct KeyText {

@@ -71,7 +71,7 @@ void MotionPlayback::play(bool physics, int from_row) {
     return {std::make_unique<Session>(tools::stage_scenario(copy, report)), {}};
   });
   play_when_opened_ = true;
-  from_us_ = physics ? 0 : motion_.start_us(row);
+  from_us_ = physics ? 0 : motion_.preview_start_us(row);
 }
 
 void MotionPlayback::show_opened() {

@@ -13,6 +13,7 @@
 #include "tools/dictionary/network.h"
 #include "tools/studio/motion/motion_panel.h"
 #include "tools/studio/plot/plot_panel.h"
+#include "tools/studio/view/sole_panel.h"
 #include "tools/studio/window/can_panel.h"
 #include "tools/studio/window/event_panel.h"
 #include "tools/studio/window/message_bar.h"
@@ -25,7 +26,7 @@ namespace koboshi::studio {
 namespace {
 
 constexpr int kCanPeriod_ms = 200;
-constexpr int kLayoutVersion = 2;  // of the saved layout: another one is ignored
+constexpr int kLayoutVersion = 3;  // of the saved layout: another one is ignored
 
 QScrollArea* scrolled(QWidget* panel) {
   auto* area = new QScrollArea;
@@ -59,6 +60,8 @@ void Panels::make() {
                                             .is_scrolled = true});
   add(plots_ = new PlotPanel,
       {.name = QStringLiteral("plots"), .title = tr("Plots"), .area = Qt::RightDockWidgetArea});
+  add(soles_ = new SolePanel,
+      {.name = QStringLiteral("soles"), .title = tr("Soles"), .area = Qt::RightDockWidgetArea});
   add(events_ = new EventPanel, {.name = QStringLiteral("events"), .title = tr("Events")});
   add(can_ = new CanPanel, {.name = QStringLiteral("can"), .title = tr("CAN bus")});
   add(objects_ = new ObjectPanel, {.name = QStringLiteral("objects"), .title = tr("Object dictionary")});
@@ -140,6 +143,7 @@ void Panels::connect_run() {
 
 void Panels::show_opened() {
   const view::Recording& recording = run_.recording();
+  soles_->set_recording(&recording);
   plots_->set_signals(recording.signals);
   plots_->set_follow(run_.robot() != nullptr);
   events_->forget();
@@ -166,6 +170,7 @@ void Panels::show_overview(const view::Recording& overview) {
 
 void Panels::show_cursor() {
   plots_->set_cursor(run_.cursor_us());
+  soles_->set_cursor(run_.cursor_us());
   if (!run_.playing()) can_->set_cursor(run_.cursor_us());
 }
 

@@ -26,6 +26,7 @@ class ObjectPanel;
 class OperatorPanel;
 class PlotPanel;
 class RunController;
+class SolePanel;
 
 // The docks of the window and the panels in them, connected with the run, and their remembered places.
 //
@@ -83,6 +84,7 @@ class Panels final : public QObject {
   MessageBar& messages_;
   std::vector<Dock> docks_;
   PlotPanel* plots_ = nullptr;
+  SolePanel* soles_ = nullptr;
   CanPanel* can_ = nullptr;
   EventPanel* events_ = nullptr;
   ObjectPanel* objects_ = nullptr;

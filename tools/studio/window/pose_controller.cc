@@ -7,6 +7,8 @@
 
 #include "firmware/fixed/host/convert.h"
 
+#include "sim_board/input/user_units.h"
+#include "simulation/motion/joints.h"
 #include "tools/studio/motion/motion_panel.h"
 #include "tools/studio/window/run_controller.h"
 #include "tools/view/render/marks.h"
@@ -17,11 +19,13 @@ namespace {
 
 constexpr double kLimitMark_m = 0.012;  // radius of the spheres at joints that are at a limit
 constexpr view::Colour kLimitColour{0.83F, 0.18F, 0.16F};
+constexpr float kLimitShare = 0.5F;  // of that colour in the links of the limb
 
 }  // namespace
 
 PoseController::PoseController(RobotView& view, MotionPanel& motion, RunController& run, QObject* parent)
-    : QObject(parent), view_(view), motion_(motion), run_(run) {
+    : QObject(parent), view_(view), motion_(motion), run_(run), onion_(new OnionSkin(motion, this)) {
+  connect(onion_, &OnionSkin::changed, this, &PoseController::show_onion);
   connect(&view_, &RobotView::pose_drag_began, this, &PoseController::begin);
   connect(&view_, &RobotView::pose_dragged, this, &PoseController::drag);
   connect(&view_, &RobotView::pose_drag_ended, this, &PoseController::end);
@@ -73,6 +77,8 @@ void PoseController::fill_menu(QMenu& menu) {
   insert->setShortcut(QKeySequence(tr("Ctrl+Shift+Ins")));
   insert->setToolTip(tr("Insert a move to the joint angles of the run at the cursor"));
   connect(insert, &QAction::triggered, this, &PoseController::insert_run_pose);
+  menu.addSeparator();
+  onion_->fill_menu(menu);
 }
 
 void PoseController::update_posable() {
@@ -91,6 +97,7 @@ void PoseController::show_pose(const std::vector<double>& angles_rad) {
   shown_rad_ = angles_rad;
   if (angles_rad.empty() || !ghost_) {
     view_.show_ghost({});
+    view_.show_onion({});
     return update_posable();
   }
   if (anchor_ && motion_.current_row() != anchor_->row) anchor_.reset();
@@ -111,13 +118,26 @@ void PoseController::show_pose(const std::vector<double>& angles_rad) {
   } else {
     view_.show_ghost(std::move(links));
   }
+  show_onion();
   update_posable();
+}
+
+void PoseController::show_onion() {
+  const bool is_shown = ghost_ && !shown_rad_.empty() && view_.posed().size() == ghost_->robot().links.size();
+  view_.show_onion(is_shown ? onion_->poses(*ghost_, view_.posed()) : std::vector<view::Ghost>());
 }
 
 std::optional<DragBody> PoseController::body_of(int link) const {
   const auto found = std::ranges::find(links_, link, &RobotView::Posable::link);
   if (link < 0 || found == links_.end()) return std::nullopt;
   return static_cast<DragBody>(found - links_.begin());
+}
+
+// Whether the user has chosen this foot to stay where it is.
+bool PoseController::is_support(DragBody body) const {
+  if (body == DragBody::kLeftFoot) return support_ == kLeft || support_ == kBoth;
+  if (body == DragBody::kRightFoot) return support_ == kRight || support_ == kBoth;
+  return false;
 }
 
 // The foot that stays in its place: never the dragged one. With both feet on the ground it does not matter
@@ -138,9 +158,8 @@ void PoseController::begin(int link, const Eigen::Vector3d& p_W_m) {
   const std::vector<double> angles_rad = motion_.editable_pose();
   const auto row = motion_.current_row();
   if (!body || !row || angles_rad.empty()) return;
-  const bool is_foot = *body == DragBody::kLeftFoot || *body == DragBody::kRightFoot;
-  if (support_ == kBoth && is_foot) {
-    Q_EMIT told(tr("Both feet are support feet: choose another support to drag a foot."));
+  if (is_support(*body)) {
+    Q_EMIT told(tr("This is a support foot: choose another support (menu Pose) to drag it."));
     return;
   }
   const view::Pose& trunk = view_.posed().front();
@@ -174,17 +193,35 @@ void PoseController::show_limits(const DraggedPose& pose) {
     view::add_sphere(marks, child.p_WL_m.cast<double>() + child.q_WL.cast<double>() * anchor_L, kLimitMark_m,
                      kLimitColour);
   }
-  view_.set_limit_marks(std::move(marks));
-  if (!names.isEmpty()) {
-    Q_EMIT told(tr("At the limit: %1").arg(names.join(QStringLiteral(", "))));
-  } else {
-    Q_EMIT told(pose.reached ? QString() : tr("Out of reach"));
+  view_.show_limits(std::move(marks), tints_of(pose));
+  QStringList told_parts;
+  if (!pose.reached)
+    told_parts << (pose.missing_rad > 0.0
+                       ? tr("Out of reach by %1°").arg(sim::kDegreesPerRad * pose.missing_rad, 0, 'f', 1)
+                       : tr("Out of reach by %1 mm").arg(sim::kMmPerM * pose.missing_m, 0, 'f', 1));
+  if (!names.isEmpty()) told_parts << tr("At the limit: %1").arg(names.join(QStringLiteral(", ")));
+  Q_EMIT told(told_parts.join(QStringLiteral(". ")));
+}
+
+// All links of a limb that has a joint at its limit.
+std::vector<view::Tint> PoseController::tints_of(const DraggedPose& pose) const {
+  if (pose.at_limit.empty()) return {};
+  std::vector<view::Tint> tints(ghost_->robot().links.size());
+  const simulation::JointNames names(motion_.editor().document().robot().model);
+  for (const char* limb : {"left_arm", "right_arm", "left_leg", "right_leg"}) {
+    const std::uint32_t joints = names.mask(limb);
+    const auto is_in = [&](std::size_t joint) { return (joints >> joint & 1U) != 0; };
+    if (std::ranges::none_of(pose.at_limit, is_in)) continue;
+    for (std::size_t joint = 0; joint < ghost_->robot().joints.size(); ++joint)
+      if (is_in(joint))
+        tints[static_cast<std::size_t>(ghost_->robot().joints[joint].child)] = {kLimitColour, kLimitShare};
   }
+  return tints;
 }
 
 void PoseController::end() {
   drag_.reset();
-  view_.set_limit_marks({});
+  view_.show_limits({}, {});
   motion_.end_pose_drag();
 }
 

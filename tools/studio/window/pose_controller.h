@@ -8,6 +8,7 @@
 
 #include "tools/studio/document/pose_drag.h"
 #include "tools/studio/view/robot_view.h"
+#include "tools/studio/window/onion_skin.h"
 #include "tools/studio/window/pose_ghost.h"
 
 class QAction;
@@ -52,17 +53,21 @@ class PoseController final : public QObject {
   QAction* add_choice(QMenu& menu, const QString& text, Support support);
   void update_posable();
   std::optional<DragBody> body_of(int link) const;
+  bool is_support(DragBody body) const;
   int anchor_foot(DragBody body) const;
   void begin(int link, const Eigen::Vector3d& p_W_m);
   void drag(const Eigen::Vector3d& displacement_W_m, const Eigen::Vector3d& rotation_W_rad);
   void end();
   void show_limits(const DraggedPose& pose);
+  std::vector<view::Tint> tints_of(const DraggedPose& pose) const;
+  void show_onion();
 
   RobotView& view_;
   MotionPanel& motion_;
   RunController& run_;
   std::optional<PoseGhost> ghost_;
   std::vector<RobotView::Posable> links_;  // by DragBody; index -1: the robot has none
+  OnionSkin* onion_;
   Support support_ = kAutomatic;
   QAction* by_mouse_ = nullptr;
   std::optional<PoseDrag> drag_;

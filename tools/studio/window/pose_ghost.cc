@@ -3,12 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "sim_board/robot/load.h"
 #include "sim_board/world/ground.h"
 #include "sim_board/world/link_tree.h"
 #include "tools/motion/view/placement.h"
+#include "tools/studio/view/link_marks.h"
 #include "tools/view/capture/scene.h"
 
 namespace koboshi::studio {
@@ -45,18 +45,8 @@ std::vector<view::Pose> PoseGhost::hold(std::span<const double> angles_rad, int 
 
 std::vector<double> PoseGhost::angles_of(std::span<const view::Pose> links) const {
   std::vector<double> angles_rad;
-  for (const sim::JointDescription& joint : robot_->joints) {
-    const auto turn = [&](int link) {
-      const auto i = static_cast<std::size_t>(link);
-      return Eigen::Quaterniond(links[i].q_WL.cast<double>().normalized() *
-                                Eigen::Quaterniond(robot_->links[i].X_ML.linear()).conjugate());
-    };
-    // About the axis in the model's frame, which is the parent's up to X_ML.
-    const Eigen::Quaterniond turned = turn(joint.parent).conjugate() * turn(joint.child);
-    const double angle_rad = 2.0 * std::atan2(turned.vec().dot(joint.axis_M), turned.w());
-    angles_rad.push_back(
-        std::clamp(std::remainder(angle_rad, 2.0 * std::numbers::pi), joint.lower_rad, joint.upper_rad));
-  }
+  for (const JointAxis& axis : joint_axes(*robot_))
+    angles_rad.push_back(std::clamp(joint_angle_rad(axis, links), axis.lower_rad, axis.upper_rad));
   return angles_rad;
 }
 

@@ -2,15 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "sim_board/world/foot.h"
 #include "sim_board/world/support_polygon.h"
 
 namespace koboshi::view {
 namespace {
 
-constexpr double kFade_s = 8.0;      // age at which a footprint vanishes
-constexpr double kMinForce_N = 0.3;  // a smaller contact force is not drawn
-constexpr double kArrow_m = 0.0022;  // radius of an arrow's shaft
+constexpr std::uint64_t kFade_us = 8'000'000;  // age at which a footprint vanishes
+constexpr double kMinForce_N = 0.3;            // a smaller contact force is not drawn
+constexpr double kArrow_m = 0.0022;            // radius of an arrow's shaft
 constexpr double kPushArrow_m = 0.0035;
 constexpr double kLine_m = 0.0022;
 constexpr double kLift_m = 0.0008;  // of a body that lies on the ground
@@ -24,6 +26,12 @@ std::vector<Eigen::Vector3d> ground_contacts_W_m(const Sample& sample) {
   return points_W_m;
 }
 
+bool carries(const Sample& sample, int link) {
+  return std::ranges::any_of(sample.contacts, [link](const ContactForce& contact) {
+    return contact.link == link && contact.other_link < 0 && contact.f_W_N.norm() > 0.0F;
+  });
+}
+
 std::vector<Eigen::Vector2d> plan_view(const std::vector<Eigen::Vector3d>& points_m) {
   std::vector<Eigen::Vector2d> result;
   std::ranges::transform(points_m, std::back_inserter(result),
@@ -33,15 +41,48 @@ std::vector<Eigen::Vector2d> plan_view(const std::vector<Eigen::Vector3d>& point
 
 }  // namespace
 
-OverlayMarks::OverlayMarks(const Recording& recording, const Overlays& overlays)
-    : recording_(recording), overlays_(overlays) {
-  if (overlays.has(Overlay::kFootprints)) footprints_ = footprints(recording);
-  if (!overlays.has(Overlay::kZmp)) return;
+std::vector<Eigen::Vector2d> support_polygon_W_m(const Scene& scene, const Sample& sample) {
+  std::vector<Eigen::Vector2d> points_m;
+  const bool is_only_a_plane = scene.planes.size() == 1 && scene.ground.empty();
+  for (std::size_t side = 0; side < scene.sole_links.size() && is_only_a_plane; ++side) {
+    if (!carries(sample, scene.sole_links[side])) continue;
+    for (const Eigen::Vector3d& corner_m : sole_corners_W_m(scene, sample.links, side))
+      if (scene.planes[0].normal_W.dot(corner_m) - scene.planes[0].offset_m < sim::kTouching_m)
+        points_m.emplace_back(corner_m.head<2>());
+  }
+  const std::size_t corners = points_m.size();
+  for (const Eigen::Vector2d& contact_m : plan_view(ground_contacts_W_m(sample))) {
+    const auto is_at = [&](const Eigen::Vector2d& corner_m) {
+      return (corner_m - contact_m).norm() < sim::kTouching_m;
+    };
+    if (std::none_of(points_m.begin(), points_m.begin() + static_cast<std::ptrdiff_t>(corners), is_at))
+      points_m.push_back(contact_m);
+  }
+  return sim::convex_hull(std::move(points_m));
+}
+
+Eigen::Vector2d ZmpSignals::at(const Sample& sample) const {
+  return {static_cast<double>(sample.values[signals[0]]), static_cast<double>(sample.values[signals[1]])};
+}
+
+std::vector<ZmpSignals> zmp_signals(const Recording& recording) {
+  std::vector<ZmpSignals> found;
   for (const ZmpMark& mark : kZmpMarks) {
     const auto x = find_signal(recording, std::string(mark.signal) + "_x");
     const auto y = find_signal(recording, std::string(mark.signal) + "_y");
-    if (x && y) zmps_.push_back({{*x, *y}, &mark});
+    if (x && y) found.push_back({{*x, *y}, &mark});
   }
+  return found;
+}
+
+OverlayMarks::OverlayMarks(const Recording& recording, const Overlays& overlays)
+    : recording_(recording), overlays_(overlays) {
+  follow(0);
+  if (overlays.has(Overlay::kZmp)) zmps_ = zmp_signals(recording);
+}
+
+void OverlayMarks::follow(std::size_t first_sample) {
+  if (overlays_.has(Overlay::kFootprints)) footprints_.follow(recording_, first_sample);
 }
 
 double OverlayMarks::ground_m(const Sample& sample, const Eigen::Vector2d& p_W_m) const {
@@ -61,20 +102,18 @@ double OverlayMarks::ground_m(const Sample& sample, const Eigen::Vector2d& p_W_m
 }
 
 void OverlayMarks::add_footprints_at(Marks& marks, std::uint64_t time_us) const {
-  for (const Footprint& print : footprints_) {
-    if (print.start_us > time_us) break;
-    const double age_s = time_us > print.end_us ? 1e-6 * static_cast<double>(time_us - print.end_us) : 0.0;
-    if (age_s >= kFade_s || print.corners_W_m.size() < 3) continue;
-    const double opacity = 1.0 - age_s / kFade_s;
+  for (const Footprint& print : footprints_.at(time_us, kFade_us)) {
+    if (print.corners_W_m.size() < 3) continue;
+    const std::uint64_t age_us = time_us > print.end_us ? time_us - print.end_us : 0;
+    const double opacity = 1.0 - static_cast<double>(age_us) / static_cast<double>(kFade_us);
     add_polygon(marks, print.corners_W_m, kSideColours[print.side], 0.16 * opacity);
     add_line(marks, print.corners_W_m, kLine_m, true, kSideColours[print.side], 0.75 * opacity);
   }
 }
 
 void OverlayMarks::add_support(Marks& marks, const Sample& sample) const {
-  const std::vector<Eigen::Vector3d> points_W_m = ground_contacts_W_m(sample);
   std::vector<Eigen::Vector3d> hull_W_m;
-  for (const Eigen::Vector2d& corner_m : sim::convex_hull(plan_view(points_W_m)))
+  for (const Eigen::Vector2d& corner_m : support_polygon_W_m(recording_.scene, sample))
     hull_W_m.emplace_back(corner_m.x(), corner_m.y(), ground_m(sample, corner_m));
   if (hull_W_m.size() < 3) return;
   add_polygon(marks, hull_W_m, kMeasuredColour, 0.14);
@@ -82,9 +121,8 @@ void OverlayMarks::add_support(Marks& marks, const Sample& sample) const {
 }
 
 void OverlayMarks::add_zmp(Marks& marks, const Sample& sample) const {
-  for (const PointSignal& zmp : zmps_) {
-    const Eigen::Vector2d p_m(static_cast<double>(sample.values[zmp.signals[0]]),
-                              static_cast<double>(sample.values[zmp.signals[1]]));
+  for (const ZmpSignals& zmp : zmps_) {
+    const Eigen::Vector2d p_m = zmp.at(sample);
     if (!p_m.allFinite()) continue;
     add_solid_disc(marks, {p_m.x(), p_m.y(), ground_m(sample, p_m) + kLift_m}, zmp.mark->radius_m,
                    zmp.mark->inner_radius_m, zmp.mark->colour);

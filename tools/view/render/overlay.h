@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "tools/view/recording/recording.h"
+#include "tools/view/render/footprints.h"
 #include "tools/view/render/marks.h"
 #include "tools/view/render/playback.h"
 
@@ -61,18 +63,31 @@ inline constexpr std::array<ZmpMark, 3> kZmpMarks{{{"planned_zmp", "planned", kP
                                                    {"zmp", "measured", kMeasuredColour, 0.0080, 0.0052},
                                                    {"true_zmp", "true", kTrueColour, 0.0040, 0.0}}};
 
+// The support polygon: the convex hull of the points at which the ground carries the robot and, on a plane,
+// the corners of the soles that carry and touch it (sim::kTouching_m): solvers leave some corners of a sole
+// at rest without force. Seen from above, counter-clockwise. Fewer than three corners: the robot has none.
+std::vector<Eigen::Vector2d> support_polygon_W_m(const Scene& scene, const Sample& sample);
+
+// A zero moment point of kZmpMarks whose signals a recording has.
+struct ZmpSignals {
+  std::array<std::size_t, 2> signals;  // x and y in the ground plane, world
+  const ZmpMark* mark;
+
+  // NaN where the sample has none.
+  Eigen::Vector2d at(const Sample& sample) const;
+};
+std::vector<ZmpSignals> zmp_signals(const Recording& recording);
+
 // The marks of a recording at each time.
 class OverlayMarks {
  public:
   // The recording must outlive this.
   OverlayMarks(const Recording& recording, const Overlays& overlays);
   Marks at(std::uint64_t time_us) const;
+  // The recording has other samples from this index on.
+  void follow(std::size_t first_sample);
 
  private:
-  struct PointSignal {  // of the ground plane
-    std::array<std::size_t, 2> signals;
-    const ZmpMark* mark;  // in kZmpMarks
-  };
   void add_footprints_at(Marks& marks, std::uint64_t time_us) const;
   void add_support(Marks& marks, const Sample& sample) const;
   void add_zmp(Marks& marks, const Sample& sample) const;
@@ -83,8 +98,8 @@ class OverlayMarks {
 
   const Recording& recording_;
   Overlays overlays_;
-  std::vector<Footprint> footprints_;
-  std::vector<PointSignal> zmps_;
+  Footprints footprints_;
+  std::vector<ZmpSignals> zmps_;
 };
 
 }  // namespace koboshi::view

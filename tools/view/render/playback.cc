@@ -1,61 +1,17 @@
 #include "tools/view/render/playback.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 
 namespace koboshi::view {
 namespace {
 
-constexpr std::uint64_t kFootprint_us = 150'000;
-constexpr double kFootprint_m = 0.010;
-
 Eigen::Isometry3d X_WL(const Pose& pose) {
   Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
   result.linear() = pose.q_WL.cast<double>().toRotationMatrix();
   result.translation() = pose.p_WL_m.cast<double>();
   return result;
-}
-
-bool touches_ground(const Sample& sample, int link) {
-  return std::ranges::any_of(sample.contacts,
-                             [link](const ContactForce& c) { return c.link == link && c.other_link < 0; });
-}
-
-std::vector<Eigen::Vector3d> sole_corners_W_m(const Scene& scene, const Sample& sample, std::size_t side) {
-  std::vector<Eigen::Vector3d> corners_W_m;
-  const Eigen::Isometry3d X = X_WL(sample.links[static_cast<std::size_t>(scene.sole_links[side])]);
-  for (const Eigen::Vector3d& corner_L : scene.soles_L[side]) corners_W_m.push_back(X * corner_L);
-  return corners_W_m;
-}
-
-bool has_moved(const Footprint& from, const std::vector<Eigen::Vector3d>& corners_W_m) {
-  for (std::size_t i = 0; i < corners_W_m.size(); ++i) {
-    if ((from.corners_W_m[i] - corners_W_m[i]).norm() > kFootprint_m) return true;
-  }
-  return false;
-}
-
-void add_footprints(const Recording& recording, std::size_t side, std::vector<Footprint>& out) {
-  const int link = recording.scene.sole_links[side];
-  if (link < 0) return;
-  std::optional<Footprint> current;
-  const auto finish = [&] {
-    if (current && current->end_us - current->start_us >= kFootprint_us) out.push_back(*current);
-    current.reset();
-  };
-  for (const Sample& sample : recording.samples) {
-    if (!touches_ground(sample, link)) {
-      finish();
-      continue;
-    }
-    const auto corners_W_m = sole_corners_W_m(recording.scene, sample, side);
-    if (current && has_moved(*current, corners_W_m)) finish();
-    if (!current) current = Footprint{sample.time_us, sample.time_us, side, corners_W_m};
-    current->end_us = sample.time_us;
-  }
-  finish();
 }
 
 }  // namespace
@@ -104,13 +60,6 @@ Eigen::Vector3d centre_of_mass_W_m(const Scene& scene, const std::vector<Pose>& 
     mass_kg += scene.links[i].mass_kg;
   }
   return mass_kg > 0.0 ? Eigen::Vector3d(moment / mass_kg) : moment;
-}
-
-std::vector<Footprint> footprints(const Recording& recording) {
-  std::vector<Footprint> all;
-  for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) add_footprints(recording, side, all);
-  std::ranges::stable_sort(all, {}, &Footprint::start_us);
-  return all;
 }
 
 }  // namespace koboshi::view

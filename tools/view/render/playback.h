@@ -28,15 +28,4 @@ std::string name_of_value(const Recording& recording, std::size_t signal, std::s
 // The centre of mass of all links in the world.
 Eigen::Vector3d centre_of_mass_W_m(const Scene& scene, const std::vector<Pose>& links);
 
-// A sole that stood still on the ground.
-struct Footprint {
-  std::uint64_t start_us = 0;
-  std::uint64_t end_us = 0;
-  std::size_t side = 0;
-  std::vector<Eigen::Vector3d> corners_W_m;  // counter-clockwise from above
-};
-
-// All footprints in order of time: a sole that touches the ground and moves less than 10 mm for 150 ms.
-std::vector<Footprint> footprints(const Recording& recording);
-
 }  // namespace koboshi::view

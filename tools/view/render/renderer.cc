@@ -19,8 +19,7 @@ constexpr double kLightRange_m = 4.0;  // of ground and steps that cast shadows 
 constexpr double kRadiusStep_m = 0.1;  // the shadow's resolution changes in steps, so that its edges rest
 const Eigen::Vector3d kToLight = Eigen::Vector3d(0.62, 0.25, 1.0).normalized();
 
-constexpr float kGhost = 0.6F;  // opacity of a mark that something hides
-constexpr float kGhostRobot = 0.4F;
+constexpr float kHidden = 0.6F;  // opacity of a mark that something hides
 constexpr Colour kGroundColour{0.900F, 0.905F, 0.915F};
 const Eigen::Vector3f kTop(0.985F, 0.988F, 0.992F);
 const Eigen::Vector3f kBottom(0.905F, 0.918F, 0.935F);
@@ -35,14 +34,6 @@ Eigen::Matrix4f matrix_of(const Pose& pose) {
   matrix.topLeftCorner<3, 3>() = pose.q_WL.toRotationMatrix();
   matrix.topRightCorner<3, 1>() = pose.p_WL_m;
   return matrix;
-}
-
-// The linear light of an sRGB colour (IEC 61966-2-1).
-Eigen::Vector3f linear(const Colour& colour) {
-  const auto channel = [](float value) {
-    return value <= 0.04045F ? value / 12.92F : std::pow((value + 0.055F) / 1.055F, 2.4F);
-  };
-  return {channel(colour.red), channel(colour.green), channel(colour.blue)};
 }
 
 GlProgram make_program(const std::string& name, const ShaderSources& sources) {
@@ -81,9 +72,11 @@ class Renderer::Implementation {
   void draw_background();
   void draw_ground(const Picture& picture);
   void draw_robot(const Picture& picture);
+  void draw_ghosts(const Picture& picture);
   void draw_marks(const Picture& picture, const std::vector<MarkVertex>& vertices, float opacity);
   void draw_solid_marks(const Picture& picture);
   void draw_part(const GlProgram& program, const Part& part, const Picture& picture);
+  static Eigen::Vector3f albedo(const Part& part, const Picture& picture);
   void set_light(const Picture& picture);
   const std::vector<Part>& robot_parts(const Picture& picture) const {
     return picture.collisions ? collisions_ : visuals_;
@@ -267,20 +260,26 @@ void Renderer::Implementation::draw_ground(const Picture& picture) {
                           Eigen::Scaling(1.5 * fade_m));
     Part part = plane_;
     part.X_LG = place.matrix().cast<float>();
-    surface_.set("albedo", linear(part.colour));
+    surface_.set("albedo", linear_light(part.colour));
     draw_part(surface_, part, picture);
   }
   // Patches of the ground may lie in its plane.
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(-1.0F, -2.0F);
   for (const Part& part : ground_) {
-    surface_.set("albedo", linear(part.colour));
+    surface_.set("albedo", linear_light(part.colour));
     draw_part(surface_, part, picture);
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
   glDisable(GL_BLEND);
   surface_.set("fade_m", 0.0F);
   surface_.set("is_ground", 0.0F);
+}
+
+// The linear colour of a link's shape with its tint.
+Eigen::Vector3f Renderer::Implementation::albedo(const Part& part, const Picture& picture) {
+  const auto link = static_cast<std::size_t>(part.link);
+  return linear_light(part.colour, link < picture.tints.size() ? picture.tints[link] : Tint());
 }
 
 // A translucent robot shows its outermost surface alone: its depth first, then its colour.
@@ -297,11 +296,27 @@ void Renderer::Implementation::draw_robot(const Picture& picture) {
     glEnable(GL_BLEND);
   }
   for (const Part& part : robot_parts(picture)) {
-    surface_.set("albedo", linear(part.colour));
+    surface_.set("albedo", albedo(part, picture));
     draw_part(surface_, part, picture);
   }
   glDepthFunc(GL_LESS);
   glDisable(GL_BLEND);
+}
+
+// Where surfaces coincide, such as those of feet that have not moved, the earlier one shows.
+void Renderer::Implementation::draw_ghosts(const Picture& picture) {
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  float offset = 0.0F;
+  for (const Ghost& ghost : picture.ghosts) {
+    offset += 1.0F;
+    glPolygonOffset(offset, 8.0F * offset);
+    draw_robot({.camera = picture.camera,
+                .links = ghost.links,
+                .collisions = picture.collisions,
+                .opacity = ghost.opacity,
+                .tints = ghost.tints});
+  }
+  glDisable(GL_POLYGON_OFFSET_FILL);
 }
 
 void Renderer::Implementation::draw_marks(const Picture& picture, const std::vector<MarkVertex>& vertices,
@@ -324,7 +339,7 @@ void Renderer::Implementation::draw_solid_marks(const Picture& picture) {
     glEnable(GL_BLEND);
     glDepthMask(GL_FALSE);
     glDepthFunc(GL_GREATER);
-    draw_marks(picture, picture.marks.solid, kGhost);
+    draw_marks(picture, picture.marks.solid, kHidden);
     glDepthFunc(GL_LESS);
     glDepthMask(GL_TRUE);
     glDisable(GL_BLEND);
@@ -364,11 +379,7 @@ void Renderer::Implementation::draw(const Picture& picture, int width_px, int he
   glDisable(GL_BLEND);
   if (picture.opacity < 1.0F) draw_solid_marks(picture);  // seen through the robot
   draw_robot(picture);
-  if (!picture.ghost.empty())
-    draw_robot({.camera = picture.camera,
-                .links = picture.ghost,
-                .collisions = picture.collisions,
-                .opacity = kGhostRobot});
+  draw_ghosts(picture);
   if (picture.opacity >= 1.0F) draw_solid_marks(picture);
   check_gl("drawing");
 }

@@ -7,17 +7,26 @@
 #include "tools/view/recording/recording.h"
 #include "tools/view/render/camera.h"
 #include "tools/view/render/marks.h"
+#include "tools/view/render/tint.h"
 
 namespace koboshi::view {
+
+// The robot of a picture once more, translucent and without shadow.
+struct Ghost {
+  std::vector<Pose> links{};  // by index of Scene::links
+  std::vector<Tint> tints{};  // the same; empty: own colours
+  float opacity = 0.4F;
+};
 
 // A picture of a scene at one instant.
 struct Picture {
   Camera camera{};
   std::vector<Pose> links{};  // by index of Scene::links
   Marks marks{};
-  bool collisions = false;    // the shapes that collide in place of those that are seen
-  float opacity = 1.0F;       // of the robot
-  std::vector<Pose> ghost{};  // the same robot once more, translucent and without shadow; empty: none
+  bool collisions = false;      // the shapes that collide in place of those that are seen
+  float opacity = 1.0F;         // of the robot
+  std::vector<Tint> tints{};    // by index of Scene::links; empty: own colours
+  std::vector<Ghost> ghosts{};  // each hides what is behind it of the later ones
 };
 
 // Draws pictures of a scene with OpenGL 3.3 core. A context must be current when it is made, used and

@@ -249,6 +249,32 @@ TEST_F(AnalysisTest, AnEditedStepIsComputedAlone) {
     ASSERT_EQ(moved[tick].zmp_m, whole_shorter[tick].zmp_m) << tick;
 }
 
+TEST_F(AnalysisTest, GivesTheLoadOfEachServo) {
+  PoseDeg crouch = with(kStand, {{"hip_pitch", -40.0}, {"knee", 80.0}, {"ankle_pitch", -40.0}});
+  const Trajectory trajectory = linear({kStand, crouch, kStand}, 1.0);
+  const std::vector<TickState>& states = analysis_.analyse(trajectory);
+  for (std::size_t tick = 0; tick < trajectory.ticks(); ++tick) {
+    ASSERT_NE(states[tick].loads, nullptr);
+    ASSERT_EQ(states[tick].loads->size(), robot_.joints.size());
+    double greatest = 0.0;
+    for (const ServoLoad& load : *states[tick].loads)
+      greatest = std::max(greatest, static_cast<double>(std::abs(load.torque_Nm) / load.available_Nm));
+    EXPECT_NEAR(greatest, states[tick].torque.share, 1e-5) << tick;
+  }
+  // Both knees hold the crouching robot; a shoulder has its arm alone.
+  const auto held_Nm = [&](const char* joint) {
+    const auto index = static_cast<std::size_t>(*robot_.find_joint(joint));
+    return std::abs((*states[trajectory.ticks() / 2].loads)[index].torque_Nm);
+  };
+  EXPECT_GT(held_Nm("left_knee"), 0.1F);
+  EXPECT_NEAR(held_Nm("left_knee"), held_Nm("right_knee"), 0.02F);
+  EXPECT_LT(held_Nm("left_shoulder_roll"), 0.5F * held_Nm("left_knee"));
+  // A robot that does not stand has no loads.
+  Trajectory lying = trajectory;
+  lying.on_feet.assign(lying.ticks(), false);
+  EXPECT_EQ(analysis_.analyse(lying).front().loads, nullptr);
+}
+
 TEST(ServoCurve, FallsWithTheSpeedAndGrowsInBraking) {
   const sim::ServoDescription servo;
   const double stall_Nm = servo.torque_constant_Nm_per_A * 6.0 / servo.resistance_ohm;

@@ -1,4 +1,5 @@
 #include "tools/view/render/marks.h"
+#include "tools/view/render/tint.h"
 
 #include <gtest/gtest.h>
 
@@ -74,6 +75,15 @@ TEST(Marks, LineIsClosedOnlyIfAskedFor) {
   add_line(closed, corners_m, 0.002, true, kRed, 1.0);
   EXPECT_NEAR(area_m2(open.flat), 3 * 0.1 * 0.002, 1e-8);
   EXPECT_NEAR(area_m2(closed.flat), 4 * 0.1 * 0.002, 1e-8);
+}
+
+TEST(Tint, IsMixedInLinearLight) {
+  EXPECT_LT((linear_light({1.0F, 0.0F, 0.04045F}) - Eigen::Vector3f(1.0F, 0.0F, 0.04045F / 12.92F)).norm(),
+            1e-6F);
+  EXPECT_NEAR(linear_light({0.5F, 0.5F, 0.5F}).x(), 0.2140F, 1e-4F) << "IEC 61966-2-1";
+  const Tint half{.colour = {1.0F, 1.0F, 1.0F}, .share = 0.5F};
+  EXPECT_LT((linear_light({}, half) - Eigen::Vector3f::Constant(0.5F)).norm(), 1e-6F);
+  EXPECT_EQ(linear_light({0.2F, 0.4F, 0.6F}, Tint()), linear_light({0.2F, 0.4F, 0.6F}));
 }
 
 }  // namespace

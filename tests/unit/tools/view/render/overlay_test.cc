@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "tests/support/sample_recording.h"
 #include "tools/view/render/playback.h"
@@ -72,6 +73,78 @@ TEST(Footprints, AreWhereASoleStood) {
 
 TEST(Footprints, AreNotMadeBySlidingSoles) {
   EXPECT_TRUE(footprints(test::sample_recording()).empty());  // at 1 m/s
+}
+
+// A run that grows by any number of samples, and is rewound at any moment, has the footprints of its samples.
+TEST(Footprints, FollowARunThatGrowsAndIsRewound) {
+  const Recording whole = steps();
+  std::mt19937 random(11);
+  for (int run = 0; run < 50; ++run) {
+    Recording recording = whole;
+    recording.samples.clear();
+    Footprints prints;
+    std::size_t count = 0;
+    while (count < whole.samples.size()) {
+      std::size_t first = count;
+      if (random() % 4 == 0) first = random() % (count + 1);  // a rewind
+      count = std::min(first + random() % 40, whole.samples.size());
+      recording.samples.assign(whole.samples.begin(),
+                               whole.samples.begin() + static_cast<std::ptrdiff_t>(count));
+      prints.follow(recording, first);
+      const std::vector<Footprint> at_once = footprints(recording);
+      const std::vector<Footprint> followed = prints.all();
+      ASSERT_EQ(followed.size(), at_once.size()) << "seed 11, run " << run << ", " << count << " samples";
+      for (std::size_t i = 0; i < at_once.size(); ++i) {
+        ASSERT_EQ(followed[i].start_us, at_once[i].start_us);
+        ASSERT_EQ(followed[i].end_us, at_once[i].end_us);
+        ASSERT_EQ(followed[i].corners_W_m, at_once[i].corners_W_m);
+      }
+    }
+  }
+}
+
+TEST(Footprints, OfAMomentAreThoseThatHaveNotFaded) {
+  const Recording recording = steps();
+  Footprints prints;
+  prints.follow(recording, 0);
+  EXPECT_EQ(prints.at(700'000, 8'000'000).size(), 2U);
+  EXPECT_EQ(prints.at(700'000, 200'000).size(), 1U) << "the first one ended 200 ms before";
+  EXPECT_EQ(prints.at(700'000, 200'001).size(), 2U);
+  EXPECT_TRUE(prints.at(0, 8'000'000).empty());
+}
+
+// A solver may give one corner of a resting sole no force; the polygon has it all the same, unless the sole
+// is off the ground there.
+TEST(SupportPolygon, HasTheCornersThatTouch) {
+  Recording recording = test::sample_recording(1);
+  Scene& scene = recording.scene;
+  scene.planes = {{.normal_W = Eigen::Vector3d::UnitZ(), .offset_m = 0.0}};
+  scene.ground.clear();
+  scene.sole_links = {1, -1};
+  scene.soles_L[0] = {{0.05, 0.03, 0.0}, {-0.05, 0.03, 0.0}, {-0.05, -0.03, 0.0}, {0.05, -0.03, 0.0}};
+  Sample& sample = recording.samples[0];
+  sample.links[1] = {};
+  sample.contacts.clear();
+  for (const float x : {-0.05F, 0.05F})
+    for (const float y : {-0.03F, 0.03F})
+      sample.contacts.push_back(
+          {.link = 1, .p_W_m = {x, y, 0.0F}, .f_W_N = {0.0F, 0.0F, x + y > 0.07F ? 0.0F : 1.0F}});
+  EXPECT_EQ(support_polygon_W_m(scene, sample).size(), 4U);
+  sample.links[1].p_WL_m.z() = 0.002F;
+  EXPECT_EQ(support_polygon_W_m(scene, sample).size(), 3U);
+  sample.contacts.clear();
+  EXPECT_TRUE(support_polygon_W_m(scene, sample).empty());
+}
+
+TEST(OverlayMarks, FollowALiveRun) {
+  const Recording whole = steps();
+  Recording recording = whole;
+  recording.samples.resize(1);
+  OverlayMarks marks(recording, only(Overlay::kFootprints));
+  EXPECT_TRUE(marks.at(500'000).flat.empty());
+  recording.samples = whole.samples;
+  marks.follow(1);
+  EXPECT_FALSE(marks.at(500'000).flat.empty());
 }
 
 TEST(OverlayMarks, ShowAPushWhileItActs) {
