@@ -1,4 +1,5 @@
 #include <QAbstractItemView>
+#include <QAbstractScrollArea>
 #include <QAction>
 #include <QApplication>
 #include <QComboBox>
@@ -37,7 +38,6 @@
 #include "tools/studio/motion/joint_panel.h"
 #include "tools/studio/motion/motion_panel.h"
 #include "tools/studio/motion/step_model.h"
-#include "tools/studio/motion/timeline.h"
 #include "tools/studio/plot/plot_panel.h"
 #include "tools/studio/window/can_panel.h"
 #include "tools/studio/window/command_search.h"
@@ -392,7 +392,11 @@ class WindowTest final : public ViewFixture {
     }
     // A click on the ruler of the timeline is another place to begin.
     QTRY_VERIFY_WITH_TIMEOUT(motion.editor().checked() != nullptr, kPatience_ms);
-    QWidget* const timeline = motion.findChild<Timeline*>()->viewport();
+    const auto areas = motion.findChildren<QAbstractScrollArea*>();
+    const auto found = std::ranges::find_if(
+        areas, [](const QObject* area) { return area->inherits("koboshi::studio::Timeline"); });
+    QVERIFY(found != areas.end());
+    QWidget* const timeline = (*found)->viewport();
     QTest::mouseClick(timeline, Qt::LeftButton, {}, QPoint(timeline->width() / 3, 8));
     QVERIFY(motion.preview_start_us(last) != motion.start_us(last));
     QVERIFY(motion.preview_start_us(last) % 10'000 == 0 && motion.preview_start_us(last) > 0);
