@@ -15,8 +15,6 @@ QString plain_text(const QAction& action) {
 CommandSearch::CommandSearch(QWidget* parent) : QLineEdit(parent), model_(new QStandardItemModel(this)) {
   setPlaceholderText(tr("Search commands (Ctrl+K)"));
   setClearButtonEnabled(true);
-  // The placeholder, and room for the button that clears the text.
-  setMinimumWidth(fontMetrics().horizontalAdvance(placeholderText()) + 3 * fontMetrics().height());
   setAccessibleName(tr("Command search"));
   auto* completer = new QCompleter(model_, this);
   completer->setFilterMode(Qt::MatchContains);
@@ -25,6 +23,12 @@ CommandSearch::CommandSearch(QWidget* parent) : QLineEdit(parent), model_(new QS
   setCompleter(completer);
   connect(completer, qOverload<const QString&>(&QCompleter::activated), this, &CommandSearch::trigger,
           Qt::QueuedConnection);
+}
+
+// A menu bar gives its corner this width: the placeholder's, with room for the button that clears the text.
+QSize CommandSearch::sizeHint() const {
+  const int width = fontMetrics().horizontalAdvance(placeholderText()) + 3 * fontMetrics().height();
+  return {width, QLineEdit::sizeHint().height()};
 }
 
 void CommandSearch::set_actions(const QList<QAction*>& actions) {

@@ -16,6 +16,7 @@ class CommandSearch final : public QLineEdit {
   explicit CommandSearch(QWidget* parent = nullptr);
   // Offers these actions, each with its menu and shortcut. The actions outlive the field.
   void set_actions(const QList<QAction*>& actions);
+  QSize sizeHint() const override;
 
  private:
   void trigger(const QString& text);
