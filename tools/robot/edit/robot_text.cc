@@ -102,8 +102,7 @@ void erase_field(XmlDocument& document, const ModelField& field) {
   document.erase_element(*path);
 }
 
-sim::RobotDescription apply_settings(XmlDocument& document, const std::vector<ModelSetting>& settings,
-                                     Sides sides) {
+void edit_settings(XmlDocument& document, const std::vector<ModelSetting>& settings, Sides sides) {
   XmlDocument edited = document;
   for (const ModelSetting& setting : settings) {
     const ModelField field = find_field(edited, setting.path);
@@ -120,9 +119,14 @@ sim::RobotDescription apply_settings(XmlDocument& document, const std::vector<Mo
     }
     set_file_text(edited, find_field(edited, field.key()), value);
   }
-  sim::RobotDescription robot = sim::load_robot(edited.source(), edited.text());
   document = std::move(edited);
-  return robot;
+}
+
+void apply_settings(XmlDocument& document, const std::vector<ModelSetting>& settings, Sides sides) {
+  XmlDocument edited = document;
+  edit_settings(edited, settings, sides);
+  static_cast<void>(sim::load_robot(edited.source(), edited.text()));
+  document = std::move(edited);
 }
 
 }  // namespace koboshi::tools

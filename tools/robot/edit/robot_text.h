@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "sim_board/robot/description.h"
 #include "tools/robot/edit/model_field.h"
 
 namespace koboshi::tools {
@@ -25,10 +24,11 @@ enum class Sides { kOne, kBoth };
 void set_field(XmlDocument& document, const ModelField& field, const std::string& typed);
 void erase_field(XmlDocument& document, const ModelField& field);
 
-// Makes settings in their order; afterwards the robot must load. Throws sim::InputError and changes nothing
-// otherwise. Returns the robot.
-sim::RobotDescription apply_settings(XmlDocument& document, const std::vector<ModelSetting>& settings,
-                                     Sides sides);
+// Makes settings in their order. Throws sim::InputError and changes nothing for a path or a value that does
+// not fit.
+void edit_settings(XmlDocument& document, const std::vector<ModelSetting>& settings, Sides sides);
+// The same; afterwards the robot must load. Throws sim::InputError and changes nothing otherwise.
+void apply_settings(XmlDocument& document, const std::vector<ModelSetting>& settings, Sides sides);
 
 // The field of the other side with the value there that makes both sides mirror images in the plane y = 0, as
 // a text for the file. `value`: as in the file. Frames must be mirror images; joints keep the direction in

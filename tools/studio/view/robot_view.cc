@@ -69,6 +69,7 @@ void RobotView::set_scene(view::Scene scene, const sim::RobotDescription* robot)
   picture_.links.clear();
   links_.clear();
   layers_.set_robot(robot);
+  model_.set_robot(robot);
   ghost_links_.clear();
   onion_.clear();
   tints_.clear();
@@ -249,6 +250,7 @@ view::Marks RobotView::all_marks() const {
   marks.flat.insert(marks.flat.end(), limit_marks_.flat.begin(), limit_marks_.flat.end());
   marks.solid.insert(marks.solid.end(), limit_marks_.solid.begin(), limit_marks_.solid.end());
   layers_.add(marks, scene_, picture_.links);
+  model_.add(marks, picture_.links);
   if (const auto arrows = gizmo())
     add_gizmo(marks, *arrows, grab_ && !grab_->rotates ? grab_->axis : gizmo_axis_);
   if (push_) {

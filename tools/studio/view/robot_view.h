@@ -11,6 +11,7 @@
 
 #include "tools/studio/view/gizmo.h"
 #include "tools/studio/view/link_layers.h"
+#include "tools/studio/view/model_layer.h"
 #include "tools/studio/view/picking.h"
 #include "tools/studio/view/scaled_framebuffer.h"
 #include "tools/view/recording/recording.h"
@@ -48,6 +49,11 @@ class RobotView final : public QOpenGLWidget {
   // `robot` gives the axes of its joints, and the pairs of links whose penetration is outlined in red beside
   // the collision shapes; without it, neither is shown.
   void set_scene(view::Scene scene, const sim::RobotDescription* robot = nullptr);
+  // Replaces the shapes of the same links; camera, poses and marks stay.
+  void set_shapes(view::Scene scene, const sim::RobotDescription& robot);
+  // Marks a link with its frame and the axis of its joint; -1: none.
+  void set_chosen_link(int link);
+  void set_inertias(bool inertias);
   // Poses by index of Scene::links, and marks of this instant.
   void show_robot(std::vector<view::Pose> links, view::Marks marks);
   // A second robot in the scene, translucent; empty: none.
@@ -103,6 +109,8 @@ class RobotView final : public QOpenGLWidget {
   void pose_drag_ended();
   // The link under the mouse, -1: none.
   void hovered(int link);
+  // A click without a drag on a link.
+  void picked(int link);
   void failed(const QString& error);
 
  protected:
@@ -141,6 +149,7 @@ class RobotView final : public QOpenGLWidget {
   bool begin_pose_drag(const QMouseEvent& event);
   void continue_pose_drag(const QPointF& place);
   void hover(const QPointF& place);
+  void pick(const QPointF& place);
   void name_marks(const QPointF& place);
 
   view::Scene scene_;
@@ -152,6 +161,7 @@ class RobotView final : public QOpenGLWidget {
   std::vector<view::Ghost> onion_;
   std::vector<view::Tint> tints_;
   LinkLayers layers_;
+  ModelLayer model_;
   bool exploded_ = false;
   bool scene_changed_ = false;
   bool framed_ = false;  // the camera has looked at this robot

@@ -192,7 +192,8 @@ void RobotView::mouseMoveEvent(QMouseEvent* event) {
   redraw_moving();
 }
 
-void RobotView::mouseReleaseEvent(QMouseEvent* /*event*/) {
+void RobotView::mouseReleaseEvent(QMouseEvent* event) {
+  if (drag_ != Drag::kNone) pick(event->position());
   const Drag drag = std::exchange(drag_, Drag::kNone);
   if (drag == Drag::kPose) {
     grab_.reset();

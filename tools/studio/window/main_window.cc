@@ -17,10 +17,13 @@
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
 #include "sim_board/input/yaml_tree.h"
+#include "tools/studio/model/model_panel.h"
 #include "tools/studio/motion/motion_panel.h"
 #include "tools/studio/window/command_search.h"
 #include "tools/studio/window/message_bar.h"
+#include "tools/studio/window/model_controller.h"
 #include "tools/studio/window/motion_playback.h"
+#include "tools/studio/window/operator_panel.h"
 #include "tools/studio/window/panels.h"
 #include "tools/studio/window/pose_controller.h"
 #include "tools/studio/window/transport_bar.h"
@@ -53,6 +56,7 @@ MainWindow::MainWindow(const std::filesystem::path& robot)
       search_(new CommandSearch),
       panels_(new Panels(*this, *run_, *messages_)),
       poses_(new PoseController(*view_, panels_->motion(), *run_, this)),
+      models_(new ModelController(*view_, panels_->model(), *run_, this)),
       playback_(new MotionPlayback(*run_, panels_->motion(), *messages_, robot, this)),
       link_name_(new QLabel(this)) {
   arrange();
@@ -69,6 +73,8 @@ MainWindow::~MainWindow() {
 }
 
 MotionPanel& MainWindow::motion() { return panels_->motion(); }
+
+ModelPanel& MainWindow::model() { return panels_->model(); }
 
 // Places the view, the bars and the docks, as they were the last time.
 void MainWindow::arrange() {
@@ -104,10 +110,14 @@ void MainWindow::connect_view() {
   connect(view_, &RobotView::failed, messages_, &MessageBar::show_message);
   connect(view_, &RobotView::push_requested, this, &MainWindow::push);
   connect(view_, &RobotView::hovered, this, &MainWindow::show_link_name);
-  connect(&motion(), &MotionPanel::title_changed, this, [this] {
+  const auto title_changed = [this] {
     warned_of_changes_ = false;
     update_title();
-  });
+  };
+  connect(&motion(), &MotionPanel::title_changed, this, title_changed);
+  connect(&model(), &ModelPanel::title_changed, this, title_changed);
+  connect(models_, &ModelController::failed, messages_, &MessageBar::show_message);
+  connect(models_, &ModelController::restart_requested, &panels_->operator_panel(), &OperatorPanel::restart);
   connect(&motion(), &MotionPanel::pose_changed, poses_, &PoseController::show_pose);
   connect(poses_, &PoseController::told, this,
           [this](const QString& text) { statusBar()->showMessage(text, 3000); });
@@ -119,6 +129,7 @@ void MainWindow::show_edited_robot() {
     poses_->set_robot(robot_file_);
     view_->set_scene(poses_->ghost()->scene(), &poses_->ghost()->robot());
     if (const auto error = motion().set_robot(robot_file_)) messages_->show_message(*error);
+    if (const auto error = models_->open(robot_file_)) messages_->show_message(*error);
   } catch (const std::exception& error) {
     messages_->show_message(QString::fromUtf8(error.what()));
   }
@@ -216,14 +227,18 @@ void MainWindow::update_title() {
   if (!motion().file().empty())
     parts << QString::fromStdString(motion().file().filename().string()) +
                  (motion().modified() ? QStringLiteral("*") : QString());
+  if (model().modified())
+    parts << QString::fromStdString(model().document()->file().filename().string()) + QLatin1Char('*');
   parts << QStringLiteral("Koboshi Studio");
   setWindowTitle(parts.join(QStringLiteral(" - ")));
 }
 
 void MainWindow::closeEvent(QCloseEvent* event) {
-  if (motion().modified() && !std::exchange(warned_of_changes_, true)) {
+  if ((motion().modified() || model().modified()) && !std::exchange(warned_of_changes_, true)) {
+    const QString what = motion().modified() ? tr("The motion") : tr("The robot");
     messages_->show_message(
-        tr("The motion has changes that are not saved. Save them (Ctrl+S), or close again to discard them."));
+        tr("%1 has changes that are not saved. Save them (Ctrl+S), or close again to discard them.")
+            .arg(what));
     return event->ignore();
   }
   QSettings settings;

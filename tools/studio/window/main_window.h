@@ -18,6 +18,8 @@ namespace koboshi::studio {
 
 class CommandSearch;
 class MessageBar;
+class ModelController;
+class ModelPanel;
 class MotionPanel;
 class MotionPlayback;
 class Panels;
@@ -43,6 +45,7 @@ class MainWindow final : public QMainWindow {
   RunController& run() { return *run_; }
   RobotView& view() { return *view_; }
   MotionPanel& motion();
+  ModelPanel& model();
   MessageBar& messages() { return *messages_; }
   // All actions of the menus.
   QList<QAction*> all_actions() const;
@@ -79,6 +82,7 @@ class MainWindow final : public QMainWindow {
   CommandSearch* const search_;
   Panels* const panels_;
   PoseController* const poses_;
+  ModelController* const models_;
   MotionPlayback* const playback_;
   std::array<QAction*, view::kOverlayNames.size()> overlay_actions_{};
   std::optional<view::OverlayMarks> marks_;

@@ -170,6 +170,7 @@ void MainWindow::make_view_menu() {
   add_switch(tr("&Link frames"), QKeySequence(tr("Ctrl+5")), &RobotView::set_link_frames);
   add_switch(tr("&Joint axes"), QKeySequence(tr("Ctrl+6")), &RobotView::set_joint_axes);
   add_switch(tr("&Exploded view"), QKeySequence(tr("Ctrl+7")), &RobotView::set_exploded);
+  add_switch(tr("&Inertia ellipsoids"), QKeySequence(tr("Ctrl+8")), &RobotView::set_inertias);
   menu->addSeparator();
   int key = Qt::Key_1;
   for (const OverlayText& row : kOverlayTexts) {

@@ -11,6 +11,7 @@
 #include <algorithm>
 
 #include "tools/dictionary/network.h"
+#include "tools/studio/model/model_panel.h"
 #include "tools/studio/motion/motion_panel.h"
 #include "tools/studio/plot/plot_panel.h"
 #include "tools/studio/view/sole_panel.h"
@@ -62,6 +63,10 @@ void Panels::make() {
       {.name = QStringLiteral("plots"), .title = tr("Plots"), .area = Qt::RightDockWidgetArea});
   add(soles_ = new SolePanel,
       {.name = QStringLiteral("soles"), .title = tr("Soles"), .area = Qt::RightDockWidgetArea});
+  add(model_ = new ModelPanel, {.name = QStringLiteral("model"),
+                                .title = tr("Model"),
+                                .area = Qt::RightDockWidgetArea,
+                                .menu = tr("&Model")});
   add(events_ = new EventPanel, {.name = QStringLiteral("events"), .title = tr("Events")});
   add(can_ = new CanPanel, {.name = QStringLiteral("can"), .title = tr("CAN bus")});
   add(objects_ = new ObjectPanel, {.name = QStringLiteral("objects"), .title = tr("Object dictionary")});

@@ -21,6 +21,7 @@ namespace koboshi::studio {
 class CanPanel;
 class EventPanel;
 class MessageBar;
+class ModelPanel;
 class MotionPanel;
 class ObjectPanel;
 class OperatorPanel;
@@ -41,6 +42,7 @@ class Panels final : public QObject {
   ~Panels() override;
 
   MotionPanel& motion() { return *motion_; }
+  ModelPanel& model() { return *model_; }
   OperatorPanel& operator_panel() { return *operator_; }
   // Shows a panel in front of those it shares a place with; `name` is that of its dock.
   void raise(const QString& name);
@@ -89,6 +91,7 @@ class Panels final : public QObject {
   EventPanel* events_ = nullptr;
   ObjectPanel* objects_ = nullptr;
   MotionPanel* motion_ = nullptr;
+  ModelPanel* model_ = nullptr;
   OperatorPanel* operator_ = nullptr;
   QByteArray default_layout_;
   QTimer can_timer_;  // the table of frames is updated less often than the view

@@ -57,13 +57,19 @@ void RunController::open(const std::filesystem::path& file, std::function<Opened
 
 void RunController::open_scenario(const std::filesystem::path& file,
                                   std::span<const sim::Override> overrides) {
+  robot_file_.clear();
   open(file, [file, overrides = std::vector<sim::Override>(overrides.begin(), overrides.end())]() -> Opened {
     return {std::make_unique<Session>(sim::read_scenario(file, overrides)), {}};
   });
 }
 
 void RunController::reopen(std::span<const sim::Override> overrides) {
-  if (source_ == Source::kSimulation) open_scenario(file_, overrides);
+  if (source_ != Source::kSimulation) return;
+  std::vector<sim::Override> all(overrides.begin(), overrides.end());
+  const std::filesystem::path robot = robot_file_;
+  if (!robot.empty()) all.push_back({"robot", robot.string(), "the model editor"});
+  open_scenario(file_, all);
+  robot_file_ = robot;
 }
 
 void RunController::open_recording(const std::filesystem::path& run) {

@@ -56,8 +56,10 @@ class RunController final : public QObject {
   void open_bus(const std::string& transport, bool real_bus, const std::filesystem::path& robot);
   // Shows what this function makes, in another thread; `file` is for the title.
   void open(const std::filesystem::path& file, std::function<Opened()> make);
-  // Opens the scenario again with these overrides.
+  // Opens the scenario again with these overrides, and with the robot of set_robot().
   void reopen(std::span<const sim::Override> overrides);
+  // The file of the robot with which the scenario opens again, until another file is opened; empty: its own.
+  void set_robot(const std::filesystem::path& robot) { robot_file_ = robot; }
 
   Source source() const { return source_; }
   const std::filesystem::path& file() const { return file_; }
@@ -140,6 +142,7 @@ class RunController final : public QObject {
   QElapsedTimer pace_timer_;
   std::uint64_t pace_start_us_ = 0;
   double pace_ = 0.0;
+  std::filesystem::path robot_file_;  // of set_robot()
   std::uint64_t request_ = 0;  // the last file asked for: an earlier one that comes late is dropped
 };
 

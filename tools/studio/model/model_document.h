@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim_board/robot/description.h"
+#include "tools/robot/check/model_check.h"
+#include "tools/robot/edit/robot_text.h"
+#include "tools/studio/document/recovery.h"
+#include "tools/studio/document/text_history.h"
+
+namespace koboshi::studio {
+
+// A robot's file that is being edited: its text, the robot that it describes, and the edits of a model
+// editor.
+//
+// The text always loads: an edit after which it would not throws sim::InputError and changes nothing. Every
+// edit is one step of the undo history and changes the bytes of its values alone.
+class ModelDocument {
+ public:
+  // Opens a file. `recovery_folder`: for autosave; empty: none. Throws sim::InputError if the file cannot be
+  // read or does not load.
+  explicit ModelDocument(const std::filesystem::path& file, std::filesystem::path recovery_folder = {});
+  // Opens a recovery as a changed document of its original file.
+  [[nodiscard]] static std::unique_ptr<ModelDocument> restore(const Recovery& recovery,
+                                                              std::filesystem::path recovery_folder = {});
+
+  const std::filesystem::path& file() const { return file_; }
+  const std::string& text() const { return xml_.text(); }
+  // Grows with each change of the text, also by undo and redo.
+  std::uint64_t revision() const { return revision_; }
+  const tools::XmlDocument& xml() const { return xml_; }
+
+  // What the present text means, with its findings. References are valid until the next change.
+  const sim::RobotDescription& robot() const;
+  const tools::ModelReport& report() const;
+  std::vector<tools::ModelElement> elements() const { return tools::model_elements(xml_); }
+  // Everything that can be edited in the element with this name; empty: there is none.
+  std::vector<tools::ModelField> fields(const std::string& element) const;
+
+  // Name of the child of <model> in which a line of the text is; empty: none.
+  std::string element_at(int line) const;
+
+  // Sets a value, found by its path or key, to what the user has typed; empty removes an optional value.
+  void set(const std::string& path, const std::string& typed, tools::Sides sides, std::string_view drag = {});
+  // Replaces the whole text.
+  void replace_text(const std::string& text);
+
+  // Undo history.
+  const TextHistory& history() const { return history_; }
+  bool undo();
+  bool redo();
+  // Whether the text differs from that of the file.
+  bool is_modified() const { return !history_.is_saved(); }
+
+  // Saving. `save` replaces the file atomically, even if another program has changed it: ask
+  // changed_on_disk() before. Throws sim::WriteError.
+  void save();
+  [[nodiscard]] DiskChange changed_on_disk() const;
+  // Takes over the file's text as an edit that can be undone. Throws sim::InputError.
+  void reload();
+  // Writes the recovery if the document differs from its file and has changed since the last call. Returns
+  // whether it wrote. Throws sim::WriteError.
+  bool autosave(std::int64_t now_unix_s);
+  // Ends as a crash would: the recovery stays.
+  void keep_recovery();
+
+ private:
+  ModelDocument(const std::filesystem::path& file, ReadFile read, std::filesystem::path recovery_folder);
+
+  tools::ModelReport checked(const std::string& text) const;
+  void take(tools::XmlDocument edited, const std::string& label, std::string_view drag);
+  void return_to(const std::string& text);
+
+  std::filesystem::path file_;
+  std::filesystem::path recovery_folder_;
+  FileState disk_;
+  tools::XmlDocument xml_;
+  std::uint64_t revision_ = 1;
+  mutable tools::ModelChecker checker_;  // keeps the meshes that it has read
+  mutable std::optional<tools::ModelReport> report_;
+  TextHistory history_;
+  std::unique_ptr<RecoverySlot> slot_;
+  std::uint64_t autosaved_revision_ = 0;
+};
+
+// Whether two texts describe the same robot but for its visuals, so that the same simulation follows.
+[[nodiscard]] bool same_physics(const tools::XmlDocument& a, const tools::XmlDocument& b);
+
+}  // namespace koboshi::studio
