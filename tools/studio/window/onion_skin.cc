@@ -45,7 +45,7 @@ void OnionSkin::fill_menu(QMenu& menu) {
   });
   add_numbers(menu,
               {tr("Poses &before the step"), tr("Onion skin: %1 before"), QStringLiteral("onion/before"),
-               tr("Ctrl+Shift+%1")},
+               tr("Ctrl+Meta+%1")},
               before_);
   add_numbers(menu,
               {tr("Poses &after the step"), tr("Onion skin: %1 after"), QStringLiteral("onion/after"),
