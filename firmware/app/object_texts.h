@@ -11,6 +11,12 @@
 // Names of values, units and limits for the table of the controller's objects (controller_objects.h).
 namespace koboshi::app {
 
+// When a written parameter takes effect, unless at once.
+inline constexpr std::string_view kAtNextWalk = "at the next walk";
+inline constexpr std::string_view kAtNextSoftStart = "at the next soft start";
+inline constexpr std::string_view kAtNextAttempt = "at the next attempt to get up";
+inline constexpr std::string_view kOnlyWhileLimp = "at once, refused unless limp";
+
 inline constexpr canopen::ValueName kCommandNames[] = {
     canopen::value_name(Command::kNone, "none"),
     canopen::value_name(Command::kEnable, "enable"),

@@ -48,6 +48,8 @@ struct ObjectText {
   // Of a repeated row: the last word of each sub-index's name; if empty, its number.
   std::span<const std::string_view> elements = {};
   std::string_view comment = {};  // one line
+  // When a written value takes effect: "at the next walk". Empty: as the heading of its index, or at once.
+  std::string_view effect = {};
 };
 
 struct DescribedObject {
@@ -58,8 +60,10 @@ struct DescribedObject {
 };
 
 // The name of an index with sub-indices, above their rows in the table.
-constexpr DescribedObject heading(std::uint16_t index, std::string_view name, std::string_view comment = {}) {
-  return {.entry = {.index = index, .count = 0}, .text = {.name = name, .comment = comment}};
+constexpr DescribedObject heading(std::uint16_t index, std::string_view name, std::string_view comment = {},
+                                  std::string_view effect = {}) {
+  return {.entry = {.index = index, .count = 0},
+          .text = {.name = name, .comment = comment, .effect = effect}};
 }
 
 inline constexpr std::string_view kAxes[] = {"x", "y", "z"};

@@ -163,11 +163,14 @@ void add_parameters_of_file(const fs::path& file, std::vector<ParameterSetting>&
 RobotParameters read_robot_parameters(const fs::path& robot) {
   const fs::path file = robot.parent_path() / "parameters.yaml";
   if (!fs::exists(file)) return {};
-  const YamlFile yaml(file);
+  return read_robot_parameters(YamlFile(file));
+}
+
+RobotParameters read_robot_parameters(const YamlFile& yaml) {
   const YamlMap root = yaml.root();
   root.require_version(1);
-  RobotParameters parameters{.file = file, .robot = {}, .settings = {}};
-  parameters.robot = {root.text("robot"), file.string(), root.line_of("robot")};
+  RobotParameters parameters{.file = yaml.path(), .robot = {}, .settings = {}};
+  parameters.robot = {root.text("robot"), yaml.path().string(), root.line_of("robot")};
   add_parameters(root, parameters.settings);
   yaml.finish();
   return parameters;

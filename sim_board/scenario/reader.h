@@ -11,6 +11,8 @@ namespace koboshi::sim {
 // Reads the parameters of a robot from `parameters.yaml` in the folder of its file; empty if that does not
 // exist. Throws InputError.
 [[nodiscard]] RobotParameters read_robot_parameters(const std::filesystem::path& robot);
+// Reads the contents of such a file. Throws InputError.
+[[nodiscard]] RobotParameters read_robot_parameters(const YamlFile& yaml);
 
 // Reads scenarios/*.yaml (docs/reference/scenario-format.md) with the overrides of the command line. Checks
 // that referenced files exist, but not the names of joints and links, see check(). Throws InputError.

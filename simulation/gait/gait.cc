@@ -1,10 +1,14 @@
 #include "simulation/gait/gait.h"
 
 #include <array>
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "sim_board/input/user_units.h"
 #include "sim_board/input/yaml_reader.h"
+#include "simulation/gait/gait_keys.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -24,21 +28,138 @@ void check_renamed(const sim::YamlMap& root) {
   }
 }
 
-void read_pattern(const sim::YamlMap& root, Gait& gait) {
-  gait.points = static_cast<int>(root.integer("points", {.min = 2, .max = 64}, gait.points));
-  gait.period_s = root.number("period_s", {.min = 0.1, .max = 10.0});
-  gait.step_length_m = root.number("step_length_m", {.min = -0.5, .max = 0.5});
-  gait.step_width_m = root.number("step_width_m", {.min = 0.001, .max = 1.0});
-  gait.step_height_m = root.number("step_height_m", {.min = 0.0, .max = 0.5});
-  gait.swing_profile = root.number("swing_profile", {.min = 0.0, .max = 1.0}, gait.swing_profile);
-  gait.com_height_m = root.number("com_height_m", {.min = 0.01, .max = 2.0});
-  gait.double_support = root.number("double_support", {.min = 0.01, .max = 0.9});
-  gait.trunk_pitch_rad =
-      sim::kRadPerDegree * root.number("trunk_pitch_deg", {.min = -45.0, .max = 45.0}, 0.0);
-  gait.zmp_forward_m = root.number("zmp_forward_m", {.min = -0.2, .max = 0.2}, 0.0);
-  gait.zmp_inward_m = root.number("zmp_inward_m", {.min = -0.2, .max = 0.2}, 0.0);
-  gait.sag_compensation = root.number("sag_compensation", {.min = 0.0, .max = 2.0}, 0.0);
-  gait.start_steps = static_cast<int>(root.integer("start_steps", {.min = 0, .max = 20}, gait.start_steps));
+const GaitKey kGaitKeys[]{
+    {.key = "points",
+     .min = 2.0,
+     .max = 64.0,
+     .fallback = 8.0,
+     .is_integer = true,
+     .meaning =
+         "number of points in a cycle of two steps; joints move linearly between them (the paper's figure 6)",
+     .set = [](Gait& g, double v) { g.points = static_cast<int>(v); }},
+    {.key = "period_s",
+     .unit = "s",
+     .min = 0.1,
+     .max = 10.0,
+     .meaning = "duration of the cycle",
+     .set = [](Gait& g, double v) { g.period_s = v; }},
+    {.key = "step_length_m",
+     .unit = "m",
+     .min = -0.5,
+     .max = 0.5,
+     .meaning = "distance by which a foot lands in front of the other; negative: backwards",
+     .set = [](Gait& g, double v) { g.step_length_m = v; }},
+    {.key = "step_width_m",
+     .unit = "m",
+     .min = 0.001,
+     .max = 1.0,
+     .meaning = "distance between the centre lines of the soles",
+     .set = [](Gait& g, double v) { g.step_width_m = v; }},
+    {.key = "step_height_m",
+     .unit = "m",
+     .min = 0.0,
+     .max = 0.5,
+     .meaning = "largest height of the swing foot's sole",
+     .set = [](Gait& g, double v) { g.step_height_m = v; }},
+    {.key = "swing_profile",
+     .min = 0.0,
+     .max = 1.0,
+     .fallback = 0.5,
+     .meaning = "1: the swing foot lifts off and lands without forward speed (a cycloid), 0: its forward "
+                "speed is constant",
+     .set = [](Gait& g, double v) { g.swing_profile = v; }},
+    {.key = "com_height_m",
+     .unit = "m",
+     .min = 0.01,
+     .max = 2.0,
+     .meaning = "height of the centre of mass above the ground: z of the pendulum",
+     .set = [](Gait& g, double v) { g.com_height_m = v; }},
+    {.key = "double_support",
+     .min = 0.01,
+     .max = 0.9,
+     .meaning = "share of a step in which the ZMP moves from foot to foot",
+     .set = [](Gait& g, double v) { g.double_support = v; }},
+    {.key = "trunk_pitch_deg",
+     .unit = "deg",
+     .min = -45.0,
+     .max = 45.0,
+     .fallback = 0.0,
+     .meaning = "forward lean of the trunk",
+     .set = [](Gait& g, double v) { g.trunk_pitch_rad = sim::kRadPerDegree * v; }},
+    {.key = "zmp_forward_m",
+     .unit = "m",
+     .min = -0.2,
+     .max = 0.2,
+     .fallback = 0.0,
+     .meaning = "distance of the planned ZMP in front of the ankle",
+     .set = [](Gait& g, double v) { g.zmp_forward_m = v; }},
+    {.key = "zmp_inward_m",
+     .unit = "m",
+     .min = -0.2,
+     .max = 0.2,
+     .fallback = 0.0,
+     .meaning = "distance of the planned ZMP from the sole's centre line towards the other foot",
+     .set = [](Gait& g, double v) { g.zmp_inward_m = v; }},
+    {.key = "sag_compensation",
+     .min = 0.0,
+     .max = 2.0,
+     .fallback = 0.0,
+     .meaning = "share of the servos' deflection under the robot's weight that the targets compensate for",
+     .set = [](Gait& g, double v) { g.sag_compensation = v; }},
+    {.key = "start_steps",
+     .min = 0.0,
+     .max = 20.0,
+     .fallback = 2.0,
+     .is_integer = true,
+     .meaning = "number of steps that grow from standing to the full length, and shrink again at the end",
+     .set = [](Gait& g, double v) { g.start_steps = static_cast<int>(v); }},
+    {.key = "feedback.ankle_pitch_s",
+     .unit = "s",
+     .min = -1.0,
+     .max = 1.0,
+     .fallback = 0.0,
+     .meaning = "gain of the firmware's gyro feedback, of the trunk's pitch rate at the ankles",
+     .set = [](Gait& g, double v) { g.feedback.ankle_pitch_s = v; }},
+    {.key = "feedback.ankle_roll_s",
+     .unit = "s",
+     .min = -1.0,
+     .max = 1.0,
+     .fallback = 0.0,
+     .meaning = "gain of the firmware's gyro feedback, of the trunk's roll rate at the ankles",
+     .set = [](Gait& g, double v) { g.feedback.ankle_roll_s = v; }},
+    {.key = "feedback.hip_roll_s",
+     .unit = "s",
+     .min = -1.0,
+     .max = 1.0,
+     .fallback = 0.0,
+     .meaning = "gain of the firmware's gyro feedback, of the trunk's roll rate at the hips",
+     .set = [](Gait& g, double v) { g.feedback.hip_roll_s = v; }},
+    {.key = "feedback.knee_s",
+     .unit = "s",
+     .min = -1.0,
+     .max = 1.0,
+     .fallback = 0.0,
+     .meaning = "gain of the firmware's gyro feedback, of the trunk's pitch rate at the knees",
+     .set = [](Gait& g, double v) { g.feedback.knee_s = v; }},
+};
+
+void read_numbers(const sim::YamlMap& root, Gait& gait) {
+  constexpr std::string_view kFeedback = "feedback.";
+  const auto feedback = root.optional_child("feedback");
+  for (const GaitKey& key : gait_keys()) {
+    const bool is_nested = key.key.starts_with(kFeedback);
+    if (is_nested && !feedback) continue;
+    const sim::YamlMap& map = is_nested ? *feedback : root;
+    const std::string name(is_nested ? key.key.substr(kFeedback.size()) : key.key);
+    if (key.is_integer) {
+      const sim::IntegerRange range{static_cast<std::int64_t>(key.min), static_cast<std::int64_t>(key.max)};
+      const auto fallback =
+          key.fallback ? std::optional(static_cast<std::int64_t>(*key.fallback)) : std::nullopt;
+      key.set(gait, static_cast<double>(map.integer(name, range, fallback)));
+    } else {
+      key.set(gait, map.number(name, {.min = key.min, .max = key.max}, key.fallback));
+    }
+  }
 }
 
 void read_upper_body(const sim::YamlMap& root, Gait& gait) {
@@ -50,26 +171,23 @@ void read_upper_body(const sim::YamlMap& root, Gait& gait) {
   }
 }
 
-void read_feedback(const sim::YamlMap& root, GyroFeedbackGains& gains) {
-  const auto map = root.optional_child("feedback");
-  if (!map) return;
-  const auto gain = [&](const char* key) { return map->number(key, {.min = -1.0, .max = 1.0}, 0.0); };
-  gains = {gain("ankle_pitch_s"), gain("ankle_roll_s"), gain("hip_roll_s"), gain("knee_s")};
-}
-
 }  // namespace
 
+std::span<const GaitKey> gait_keys() { return kGaitKeys; }
+
 Gait read_gait(const std::filesystem::path& file, std::span<const sim::Override> overrides) {
-  const sim::YamlFile yaml(file, overrides);
+  return read_gait(sim::YamlFile(file, overrides));
+}
+
+Gait read_gait(const sim::YamlFile& yaml) {
   const sim::YamlMap root = yaml.root();
   root.require_version(1);
   check_renamed(root);
   Gait gait;
-  gait.file = file;
+  gait.file = yaml.path();
   gait.robot = root.text("robot");
-  read_pattern(root, gait);
+  read_numbers(root, gait);
   read_upper_body(root, gait);
-  read_feedback(root, gait.feedback);
   yaml.finish();
   return gait;
 }

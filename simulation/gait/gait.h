@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim_board/input/yaml_tree.h"
+#include "sim_board/input/yaml_reader.h"
 
 namespace koboshi::simulation {
 
@@ -51,5 +51,7 @@ struct Gait {
 // unknown, duplicate or out-of-range key.
 [[nodiscard]] Gait read_gait(const std::filesystem::path& file,
                              std::span<const sim::Override> overrides = {});
+// Reads the contents of such a file. Throws the same.
+[[nodiscard]] Gait read_gait(const sim::YamlFile& yaml);
 
 }  // namespace koboshi::simulation

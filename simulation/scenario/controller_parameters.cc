@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 #include "firmware/app/controller_objects.h"
+#include "firmware/canopen/dictionary.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -34,14 +36,18 @@ bool is_parameter(const canopen::DescribedObject& object) {
 
 std::vector<Parameter> make_parameters() {
   std::vector<Parameter> parameters;
+  const canopen::DescribedObject* heading = nullptr;
   for (const canopen::DescribedObject& object : app::kControllerObjects) {
+    if (object.is_heading()) heading = &object;
     if (!is_parameter(object)) continue;
+    const bool is_headed = heading != nullptr && heading->entry.index == object.entry.index;
     const std::string suffix = unit_suffix(object.text.unit.name);
     for (std::uint8_t element = 0; element < object.entry.count; ++element) {
       const std::string name = parameter_name(object, element);
       parameters.push_back({.key = suffix.empty() ? name : name + "_" + suffix,
                             .name_without_unit = name,
                             .object = &object,
+                            .heading = is_headed ? heading : nullptr,
                             .element = element});
     }
   }
@@ -71,6 +77,31 @@ std::int64_t Parameter::high() const {
   const bool is_signed = canopen::is_signed(entry.type);
   if (entry.limited) return is_signed ? static_cast<std::int32_t>(entry.high) : std::int64_t{entry.high};
   return (std::int64_t{1} << (8 * canopen::size_bytes(entry.type) - (is_signed ? 1 : 0))) - 1;
+}
+
+std::string_view Parameter::effect() const {
+  if (!object->text.effect.empty()) return object->text.effect;
+  if (heading != nullptr && !heading->text.effect.empty()) return heading->text.effect;
+  return "at once";
+}
+
+std::int64_t Parameter::raw(double value) const { return std::llround(value * raw_per_unit()); }
+
+double Parameter::value(std::int64_t raw) const { return static_cast<double>(raw) / raw_per_unit(); }
+
+std::optional<double> value_in(const app::ControllerValues& values, const Parameter& parameter) {
+  app::ControllerValues copy = values;
+  const canopen::Dictionary dictionary(app::kControllerNode.rows,
+                                       std::as_writable_bytes(std::span(&copy, 1)));
+  canopen::ObjectValue value;
+  if (dictionary.read(parameter.address(), value) != canopen::AbortCode::kNone) return std::nullopt;
+  const canopen::DataType type = parameter.object->entry.type;
+  const int spare_bits = 32 - 8 * canopen::size_bytes(type);
+  const std::int64_t raw = canopen::is_signed(type)
+                               ? static_cast<std::int32_t>(value.number() << spare_bits) >> spare_bits
+                               : std::int64_t{value.number()};
+  if (raw < parameter.low() || raw > parameter.high()) return std::nullopt;
+  return parameter.value(raw);
 }
 
 std::span<const Parameter> controller_parameters() {

@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cstddef>
 #include <iterator>
-#include <span>
+#include <optional>
 
-#include "firmware/canopen/dictionary.h"
 #include "sim_board/input/text.h"
 #include "simulation/scenario/controller_parameters.h"
 
@@ -59,18 +57,8 @@ std::string in_units(const simulation::Parameter& parameter, std::int64_t raw) {
 // The value on the robot; empty if it is the default.
 std::string robot_value_of(const simulation::Parameter& parameter, const std::string& default_value,
                            const app::ControllerValues& values) {
-  app::ControllerValues copy = values;
-  const canopen::Dictionary dictionary(app::kControllerNode.rows,
-                                       std::as_writable_bytes(std::span(&copy, 1)));
-  canopen::ObjectValue value;
-  if (dictionary.read(parameter.address(), value) != canopen::AbortCode::kNone) return {};
-  const canopen::DataType type = parameter.object->entry.type;
-  const int spare_bits = 32 - 8 * canopen::size_bytes(type);
-  const std::int64_t raw = canopen::is_signed(type)
-                               ? static_cast<std::int32_t>(value.number() << spare_bits) >> spare_bits
-                               : std::int64_t{value.number()};
-  const bool is_set = raw >= parameter.low() && raw <= parameter.high();
-  std::string text = is_set ? in_units(parameter, raw) : std::string();
+  const std::optional<double> value = simulation::value_in(values, parameter);
+  std::string text = value ? fmt::format("{:.6g}", *value) : std::string();
   return text == default_value ? std::string() : text;
 }
 
@@ -86,15 +74,16 @@ std::string parameters_page_text(const NodeKind& controller, const std::string& 
                                  const app::ControllerValues& robot_values) {
   std::string page(kParametersIntroduction);
   fmt::format_to(std::back_inserter(page),
-                 "| key | range | default | {} | object | meaning |\n| --- | --- | --- | --- | --- | --- |\n",
+                 "| key | range | default | {} | object | takes effect | meaning |\n"
+                 "| --- | --- | --- | --- | --- | --- | --- |\n",
                  robot);
   for (const simulation::Parameter& parameter : simulation::controller_parameters()) {
     const canopen::ObjectAddress address = parameter.address();
     const std::string default_value = default_of(parameter, controller);
-    fmt::format_to(std::back_inserter(page), "| `{}` | {} to {} | {} | {} | {:04X}:{:02X} | {} |\n",
+    fmt::format_to(std::back_inserter(page), "| `{}` | {} to {} | {} | {} | {:04X}:{:02X} | {} | {} |\n",
                    parameter.key, in_units(parameter, parameter.low()), in_units(parameter, parameter.high()),
                    default_value, robot_value_of(parameter, default_value, robot_values), address.index,
-                   address.subindex, parameter.object->text.comment);
+                   address.subindex, parameter.effect(), parameter.object->text.comment);
   }
   return page;
 }

@@ -1,9 +1,12 @@
 #include "simulation/gait/gait.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
+#include "simulation/gait/gait_keys.h"
 #include "tests/unit/sim_board/input/scratch_file.h"
 
 namespace koboshi::simulation {
@@ -55,6 +58,19 @@ TEST(Gait, RejectsOldKeysWithTheirNewName) {
               HasSubstr(":9: found key swing_ease, which has another name now, expected swing_profile"));
   EXPECT_THAT(refusal(std::string(kGood) + "zmp_ahead_m: 0.005\n"),
               HasSubstr(":9: found key zmp_ahead_m, which has another name now, expected zmp_forward_m"));
+}
+
+// The page repeats the table of the reader.
+TEST(Gait, HasTheUnitsRangesAndMeaningsOfItsPage) {
+  const std::string page =
+      sim::read_text_file(KOBOSHI_SOURCE_DIR "/docs/reference/gait-format.md", "the page");
+  for (const GaitKey& key : gait_keys()) {
+    const std::string unit(key.unit == "deg" ? "degrees" : key.unit);
+    const std::string row =
+        fmt::format("| `{}` | {}{:g} to {:g}{} | {} |\n", key.key, unit.empty() ? unit : unit + ", ", key.min,
+                    key.max, key.fallback ? fmt::format(", default {:g}", *key.fallback) : "", key.meaning);
+    EXPECT_THAT(page, HasSubstr(row));
+  }
 }
 
 TEST(Gait, RejectsMissingKeysWithoutDefault) {
