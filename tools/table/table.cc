@@ -37,6 +37,25 @@ std::string csv_line(const Row& row) {
   return fmt::format("{}\n", fmt::join(cells, ","));
 }
 
+Row csv_cells(std::string_view line) {
+  if (line.ends_with('\n')) line.remove_suffix(1);
+  Row cells(1);
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const bool is_quote = line[i] == '"';
+    if (quoted && is_quote && i + 1 < line.size() && line[i + 1] == '"') {
+      cells.back() += line[++i];
+    } else if (is_quote) {
+      quoted = !quoted;
+    } else if (line[i] == ',' && !quoted) {
+      cells.emplace_back();
+    } else {
+      cells.back() += line[i];
+    }
+  }
+  return cells;
+}
+
 std::string table_text(const Row& head, const std::vector<Row>& rows, TableStyle style) {
   std::vector<std::size_t> widths;
   for (std::size_t c = 0; c < head.size(); ++c) {

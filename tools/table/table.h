@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace koboshi::tools {
@@ -15,6 +16,9 @@ using Row = std::vector<std::string>;
 // Formats one line of a CSV file, for files that grow row by row. Cells with a comma, a quote or a line break
 // are quoted.
 [[nodiscard]] std::string csv_line(const Row& row);
+
+// Returns the cells of such a line, which may end with its line break.
+[[nodiscard]] Row csv_cells(std::string_view line);
 
 // Returns the shortest text that reads back as the same number; empty for NaN.
 [[nodiscard]] std::string csv_cell(double value);

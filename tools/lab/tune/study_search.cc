@@ -10,6 +10,7 @@
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
 #include "sim_board/record/output_folder.h"
+#include "sim_board/record/summary.h"
 #include "sim_board/scenario/reader.h"
 #include "tools/lab/experiment/files.h"
 #include "tools/lab/experiment/report.h"
@@ -42,7 +43,15 @@ const FieldTable<GettingUpTrial>& trial_fields() {
 class StudySearch {
  public:
   StudySearch(const Study& study, const StudyOptions& options, const ShowProgress& progress)
-      : study_(study), options_(options), search_(setup(), options, progress) {}
+      : study_(study),
+        options_(options),
+        progress_([this, progress](const SearchProgress& now) {
+          write_state(now, "running");
+          if (progress) progress(now);
+        }),
+        search_(setup(), options, progress_) {
+    write_state({.total = options.evaluations}, "running");
+  }
 
   SearchResult search() {
     const std::vector<double> start = start_of(study_.numbers);
@@ -60,6 +69,7 @@ class StudySearch {
     sim::write_whole_file(options_.out / "best.yaml", text);
     if (options_.method == Method::kNsga2) write_front();
     write_report(search_.best());
+    write_state({search_.candidates().size(), options_.evaluations, 0.0, result.score}, "finished");
     return result;
   }
 
@@ -82,6 +92,31 @@ class StudySearch {
                            .score = kInfeasibleWorth},
             .columns = columns,
             .cells = cells};
+  }
+
+  // What a program that watches or resumes the search needs to know.
+  void write_state(const SearchProgress& now, const char* state) const {
+    nlohmann::ordered_json overrides = nlohmann::ordered_json::object();
+    for (const sim::Override& item : options_.overrides) overrides[item.path] = item.value;
+    nlohmann::ordered_json numbers = nlohmann::ordered_json::array();
+    for (const SearchedNumber& number : study_.numbers) numbers.push_back(number.path);
+    nlohmann::ordered_json trials = nlohmann::ordered_json::array();
+    for (const StudiedTrial& trial : study_.trials) trials.push_back(trial.name);
+    nlohmann::ordered_json document{{"version", 1},
+                                    {"study", study_.file.string()},
+                                    {"search", options_.method == Method::kNsga2 ? "nsga-2" : "cma-es"},
+                                    {"evaluations", options_.evaluations},
+                                    {"population", options_.population},
+                                    {"spread", options_.spread},
+                                    {"first_seed", options_.first_seed},
+                                    {"seeds", options_.seeds},
+                                    {"set", overrides},
+                                    {"numbers", numbers},
+                                    {"trials", trials},
+                                    {"state", state},
+                                    {"done", now.done}};
+    if (now.done > 0) document["best"] = now.best;
+    sim::write_json(options_.out / "search.json", document);
   }
 
   // By trial, to become small.
@@ -209,6 +244,7 @@ class StudySearch {
 
   const Study& study_;
   const StudyOptions& options_;
+  const ShowProgress progress_;
   std::vector<double> durations_s_;  // of the trials that do not end with a fall
   Search search_;
 };

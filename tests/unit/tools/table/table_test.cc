@@ -12,6 +12,12 @@ TEST(CsvLine, QuotesCellsWithSeparatorsQuotesAndLineBreaks) {
             "plain text,\"a, b\",,\"say \"\"no\"\"\",\"two\nlines\"\n");
 }
 
+TEST(CsvCells, ReadsBackWhatCsvLineWrites) {
+  for (const Row& row :
+       {Row{"plain text", "a, b", "", "say \"no\"", "\"", "two\nlines"}, Row{""}, Row{"", ""}})
+    EXPECT_EQ(csv_cells(csv_line(row)), row);
+}
+
 TEST(CsvCell, RoundTripsNumbersAndIsEmptyForNaN) {
   EXPECT_EQ(csv_cell(0.1), "0.1");
   EXPECT_EQ(csv_cell(std::nan("")), "");
