@@ -110,6 +110,12 @@ std::uint64_t Session::state_hash() {
   return hash;
 }
 
+sim::RunSummary Session::summary() {
+  sim::RunSummary summary;
+  enqueue_and_wait([&] { summary = recorder_.summary(); });
+  return summary;
+}
+
 sim::Scenario Session::played() {
   sim::Scenario played;
   enqueue_and_wait([&] { played = simulation_.played(); });

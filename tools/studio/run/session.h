@@ -97,6 +97,8 @@ class Session final : private sim::BusObserver {
   void wait();
   // Waits. Hash of all frames and of the state of the world at each tick, so far (RunRecorder::state_hash).
   [[nodiscard]] std::uint64_t state_hash();
+  // Waits. Results of the run so far.
+  [[nodiscard]] sim::RunSummary summary();
   // Waits. The run so far, including the inputs, as a scenario.
   [[nodiscard]] sim::Scenario played();
 

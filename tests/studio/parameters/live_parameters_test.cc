@@ -1,0 +1,135 @@
+#include "tools/studio/parameters/live_parameters.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "simulation/scenario/parameters.h"
+#include "tests/studio/parameters/sample_walk.h"
+#include "tools/studio/parameters/comparison.h"
+#include "tools/studio/run/session.h"
+
+namespace koboshi::studio {
+namespace {
+
+std::size_t at(const char* key) { return index_of(controller_table(), key).value(); }
+
+// A simulation with the parameters of its controller.
+struct LiveRun {
+  Session session{sample_walk()};
+  view::Recording recording = session.head();
+  LiveParameters live{controller_table(),
+                      [this](const sim::ObjectRequest& request) { session.give(request); }};
+
+  LiveRun() { live.set_known(simulation::controller_values(session.scenario())); }
+
+  void advance(std::uint64_t milliseconds) {
+    session.step(milliseconds);
+    session.wait();
+    Batch batch = session.take();
+    if (batch.rewound) live.return_to(batch.rewound->time_us);
+    for (const sim::ObjectAnswer& answer : batch.answers) static_cast<void>(live.take_answer(answer));
+    append(std::move(batch), recording);
+    live.follow(session.status().said.state);
+  }
+  void rewind(std::uint64_t time_us) {
+    session.rewind(time_us);
+    advance(0);
+  }
+  double speed_m_per_s() const {
+    return trunk_quantity(recording, recording.samples.size() - 1, TrunkQuantity::kSpeed);
+  }
+};
+
+TEST(LiveParameters, AreKnownAtTheStartOfARun) {
+  LiveRun run;
+  EXPECT_EQ(run.live.state(at("step_time_ms")).in_force, 220.0);
+  EXPECT_EQ(run.live.state(at("fall_lead_ms")).in_force, 135.0);
+  run.advance(1000);
+  run.live.read(at("fall_lead_ms"));
+  run.advance(100);
+  EXPECT_EQ(run.live.state(at("fall_lead_ms")).in_force, 135.0);
+}
+
+// The walking robot obeys a lower velocity limit at once. The write is an input of the run: after a rewind
+// the run repeats it with the same bits, and a rewind to before it takes it back.
+TEST(LiveParameters, ChangeTheSpeedOfAWalkingRobotAndComeAgainAfterARewind) {
+  LiveRun run;
+  run.advance(7000);
+  const double before_m_per_s = run.speed_m_per_s();
+  EXPECT_GT(before_m_per_s, 0.15);
+  run.live.write(at("highest_velocity_forward_mm_per_s"), 60.0);
+  EXPECT_TRUE(run.live.state(at("highest_velocity_forward_mm_per_s")).is_pending);
+  run.advance(2500);
+  EXPECT_FALSE(run.live.state(at("highest_velocity_forward_mm_per_s")).is_pending);
+  EXPECT_EQ(run.live.state(at("highest_velocity_forward_mm_per_s")).in_force, 60.0);
+  EXPECT_LT(run.speed_m_per_s(), 0.09);
+  const std::uint64_t hash = run.session.state_hash();
+
+  run.rewind(8'000'000);
+  EXPECT_EQ(run.live.state(at("highest_velocity_forward_mm_per_s")).in_force, 60.0);
+  run.advance(1500);
+  EXPECT_EQ(run.session.state_hash(), hash);
+
+  run.rewind(6'900'000);
+  EXPECT_EQ(run.live.state(at("highest_velocity_forward_mm_per_s")).in_force, 300.0);
+  run.advance(2600);
+  EXPECT_GT(run.speed_m_per_s(), 0.15);
+}
+
+TEST(LiveParameters, AreRefusedByTheControllerWithItsReason) {
+  LiveRun run;
+  run.advance(3500);  // with torque
+  run.live.write(at("mounting_roll_deg"), 1.0);
+  run.advance(100);
+  const LiveParameters::State& state = run.live.state(at("mounting_roll_deg"));
+  EXPECT_FALSE(state.is_pending);
+  EXPECT_THAT(state.refusal, testing::HasSubstr("device state"));
+  EXPECT_EQ(state.in_force, 0.0);
+}
+
+TEST(LiveParameters, OfASliderFollowWithoutFillingTheBus) {
+  LiveRun run;
+  run.advance(1000);
+  for (int lead = 100; lead <= 200; ++lead) run.live.write(at("fall_lead_ms"), lead);
+  for (int i = 0; i < 5; ++i) run.advance(20);  // two writes
+  EXPECT_EQ(run.live.state(at("fall_lead_ms")).in_force, 200.0);
+  EXPECT_FALSE(run.live.state(at("fall_lead_ms")).is_pending);
+}
+
+// A controller that boots does not answer: the write is repeated.
+TEST(LiveParameters, ReachAControllerThatBoots) {
+  LiveRun run;
+  run.live.write(at("fall_lead_ms"), 150.0);
+  for (int i = 0; i < 20 && run.live.state(at("fall_lead_ms")).is_pending; ++i) run.advance(100);
+  EXPECT_EQ(run.live.state(at("fall_lead_ms")).in_force, 150.0);
+}
+
+// Says when a value is used, and keeps the promise: a gait that is written during a walk moves no joint until
+// the next walk begins.
+TEST(LiveParameters, OfTheGaitWaitForTheNextWalk) {
+  LiveRun run;
+  LiveRun other;
+  run.advance(5500);
+  other.advance(5500);
+  for (const ParameterInfo& info : controller_table()) {
+    if (info.effect != "at the next walk") continue;
+    const std::size_t index = at(info.key.c_str());
+    const double present = run.live.state(index).in_force.value_or(info.low);
+    run.live.write(index, present + 0.2 * (info.high - present));
+  }
+  run.advance(1500);
+  other.advance(1500);
+  EXPECT_TRUE(run.live.state(at("step_height_mm")).waits);
+  EXPECT_EQ(run.live.state(at("step_height_mm")).in_force, 28.0);
+  ASSERT_EQ(run.recording.samples.size(), other.recording.samples.size());
+  EXPECT_EQ(run.recording.samples.back().links.back().p_WL_m,
+            other.recording.samples.back().links.back().p_WL_m);
+  EXPECT_TRUE(run.live.follow(behaviour::State::kStanding));
+  EXPECT_FALSE(run.live.state(at("step_height_mm")).waits);
+}
+
+}  // namespace
+}  // namespace koboshi::studio
