@@ -32,6 +32,7 @@ PICTURES = {
 # Picture: name in the pictures of the test.
 STUDIO = {"docs/guide/studio.png": "studio-events.png", "docs/guide/studio-motion.png": "studio-motion.png",
           "docs/guide/studio-soles.png": "soles.png", "docs/guide/studio-onion.png": "onion.png",
+          "docs/guide/studio-parameters.png": "studio-parameters.png",
           "docs/tutorial/studio-refused.png": "make-refused.png", "docs/tutorial/studio-played.png": "make-played.png",
           "docs/tutorial/studio-model.png": "studio-model.png", "docs/tutorial/studio-model-finding.png": "studio-model-finding.png",
           "docs/tutorial/studio-model-walks.png": "studio-model-walks.png"}
@@ -39,6 +40,7 @@ STUDIO = {"docs/guide/studio.png": "studio-events.png", "docs/guide/studio-motio
 
 # Program of tests: the tests that save pictures.
 STUDIO_TESTS = {"studio_window_test": ["pictures", "makes_a_motion"], "studio_model_window_test": ["pictures"],
+                "studio_tuning_test": ["pictures"],
                 "studio_view_test": ["soles_and_zmp_from_above", "shows_the_poses_around_a_step"]}
 
 

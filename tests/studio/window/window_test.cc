@@ -47,6 +47,7 @@
 #include "tools/studio/window/object_panel.h"
 #include "tools/studio/window/scenario_settings.h"
 #include "tools/studio/window/theme.h"
+#include "tools/studio/window/transport_bar.h"
 #include "tools/view/recording/recording_file.h"
 #include "tools/view/render/camera.h"
 
@@ -104,7 +105,7 @@ class WindowTest final : public ViewFixture {
     const std::uint64_t pushed = window_->run().session()->state_hash();
 
     // Back with the slider and a key: the push is gone.
-    auto* slider = window_->findChild<QSlider*>();
+    auto* slider = window_->findChild<TransportBar*>()->findChild<QSlider*>();
     slider->setValue(330);
     QCOMPARE(window_->run().cursor_us(), std::uint64_t{3'300'000});
     QTest::keyClick(window_.get(), Qt::Key_Backspace);
@@ -117,7 +118,7 @@ class WindowTest final : public ViewFixture {
   void scrubbing_shows_the_past_in_every_panel() {
     open(kRoot / "scenarios/walk.yaml");
     run_to(3'200'000);
-    auto* slider = window_->findChild<QSlider*>();
+    auto* slider = window_->findChild<TransportBar*>()->findChild<QSlider*>();
     QSignalSpy moved(&window_->run(), &RunController::cursor_moved);
     slider->setValue(100);
     QCOMPARE(moved.count(), 1);

@@ -27,6 +27,7 @@
 #include "tools/studio/window/panels.h"
 #include "tools/studio/window/pose_controller.h"
 #include "tools/studio/window/transport_bar.h"
+#include "tools/studio/window/tuning_panels.h"
 #include "tools/view/render/playback.h"
 
 namespace koboshi::studio {
@@ -119,6 +120,7 @@ void MainWindow::connect_view() {
   connect(models_, &ModelController::failed, messages_, &MessageBar::show_message);
   connect(models_, &ModelController::restart_requested, &panels_->operator_panel(), &OperatorPanel::restart);
   connect(&motion(), &MotionPanel::pose_changed, poses_, &PoseController::show_pose);
+  connect(&panels_->tuning(), &TuningPanels::changed, this, [this] { warned_of_changes_ = false; });
   connect(poses_, &PoseController::told, this,
           [this](const QString& text) { statusBar()->showMessage(text, 3000); });
 }
@@ -130,6 +132,7 @@ void MainWindow::show_edited_robot() {
     view_->set_scene(poses_->ghost()->scene(), &poses_->ghost()->robot());
     if (const auto error = motion().set_robot(robot_file_)) messages_->show_message(*error);
     if (const auto error = models_->open(robot_file_)) messages_->show_message(*error);
+    panels_->tuning().set_robot(robot_file_);
   } catch (const std::exception& error) {
     messages_->show_message(QString::fromUtf8(error.what()));
   }
@@ -234,11 +237,15 @@ void MainWindow::update_title() {
 }
 
 void MainWindow::closeEvent(QCloseEvent* event) {
-  if ((motion().modified() || model().modified()) && !std::exchange(warned_of_changes_, true)) {
+  const bool has_parameters = panels_->tuning().has_unsaved();
+  const bool has_files = motion().modified() || model().modified();
+  if ((has_files || has_parameters) && !std::exchange(warned_of_changes_, true)) {
     const QString what = motion().modified() ? tr("The motion") : tr("The robot");
     messages_->show_message(
-        tr("%1 has changes that are not saved. Save them (Ctrl+S), or close again to discard them.")
-            .arg(what));
+        has_files
+            ? tr("%1 has changes that are not saved. Save them (Ctrl+S), or close again to discard them.").arg(what)
+            : tr("Parameters have changes that are not saved. Save them (Ctrl+Alt+Shift+S), or close again to "
+                 "discard them."));
     return event->ignore();
   }
   QSettings settings;

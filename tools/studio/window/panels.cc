@@ -15,12 +15,16 @@
 #include "tools/studio/motion/motion_panel.h"
 #include "tools/studio/plot/plot_panel.h"
 #include "tools/studio/view/sole_panel.h"
+#include "tools/studio/tuning/compare_panel.h"
+#include "tools/studio/tuning/parameter_panel.h"
+#include "tools/studio/tuning/study_panel.h"
 #include "tools/studio/window/can_panel.h"
 #include "tools/studio/window/event_panel.h"
 #include "tools/studio/window/message_bar.h"
 #include "tools/studio/window/object_panel.h"
 #include "tools/studio/window/operator_panel.h"
 #include "tools/studio/window/run_controller.h"
+#include "tools/studio/window/tuning_panels.h"
 #include "tools/view/replay/replay_page.h"
 
 namespace koboshi::studio {
@@ -42,7 +46,11 @@ QScrollArea* scrolled(QWidget* panel) {
 }  // namespace
 
 Panels::Panels(QMainWindow& window, RunController& run, MessageBar& messages)
-    : QObject(&window), window_(window), run_(run), messages_(messages) {
+    : QObject(&window),
+      window_(window),
+      run_(run),
+      messages_(messages),
+      tuning_(new TuningPanels(run, this)) {
   make();
   connect_run();
   can_timer_.setInterval(kCanPeriod_ms);
@@ -71,6 +79,14 @@ void Panels::make() {
   add(can_ = new CanPanel, {.name = QStringLiteral("can"), .title = tr("CAN bus")});
   add(objects_ = new ObjectPanel, {.name = QStringLiteral("objects"), .title = tr("Object dictionary")});
   add(motion_ = new MotionPanel, {.name = QStringLiteral("motion"), .title = tr("Motion")});
+  add(&tuning_->parameters(), {.name = QStringLiteral("parameters"),
+                               .title = tr("Parameters"),
+                               .area = Qt::RightDockWidgetArea,
+                               .menu = tr("Para&meters")});
+  add(&tuning_->comparison(), {.name = QStringLiteral("comparison"), .title = tr("Comparison")});
+  add(&tuning_->studies(), {.name = QStringLiteral("studies"), .title = tr("Studies")});
+  connect(tuning_, &TuningPanels::told, &messages_, &MessageBar::show_message);
+  connect(tuning_, &TuningPanels::restart_wanted, operator_, &OperatorPanel::restart);
 }
 
 void Panels::add(QWidget* panel, const Place& place) {
@@ -93,10 +109,14 @@ void Panels::raise(const QString& name) {
 }
 
 void Panels::fill_menu(QMenu& menu) {
-  int key = Qt::Key_1;
+  // Alt+1 to Alt+9, and then Ctrl+Alt+1 on: Alt+0 is the default layout.
+  constexpr int kDigits = 9;
+  int count = 0;
   for (const Dock& dock : docks_) {
     QAction* show = dock.dock->toggleViewAction();
-    show->setShortcut(QKeySequence(Qt::ALT | static_cast<Qt::Key>(key++)));
+    const Qt::KeyboardModifiers keys = count < kDigits ? Qt::AltModifier : Qt::AltModifier | Qt::ControlModifier;
+    show->setShortcut(QKeySequence(static_cast<int>(keys) | (Qt::Key_1 + count % kDigits)));
+    ++count;
     menu.addAction(show);
   }
   QAction* reset = menu.addAction(tr("&Default layout"));

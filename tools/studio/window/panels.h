@@ -28,6 +28,7 @@ class OperatorPanel;
 class PlotPanel;
 class RunController;
 class SolePanel;
+class TuningPanels;
 
 // The docks of the window and the panels in them, connected with the run, and their remembered places.
 //
@@ -44,6 +45,7 @@ class Panels final : public QObject {
   MotionPanel& motion() { return *motion_; }
   ModelPanel& model() { return *model_; }
   OperatorPanel& operator_panel() { return *operator_; }
+  TuningPanels& tuning() { return *tuning_; }
   // Shows a panel in front of those it shares a place with; `name` is that of its dock.
   void raise(const QString& name);
 
@@ -93,6 +95,7 @@ class Panels final : public QObject {
   MotionPanel* motion_ = nullptr;
   ModelPanel* model_ = nullptr;
   OperatorPanel* operator_ = nullptr;
+  TuningPanels* const tuning_;
   QByteArray default_layout_;
   QTimer can_timer_;  // the table of frames is updated less often than the view
 };

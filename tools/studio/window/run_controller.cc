@@ -58,9 +58,13 @@ void RunController::open(const std::filesystem::path& file, std::function<Opened
 void RunController::open_scenario(const std::filesystem::path& file,
                                   std::span<const sim::Override> overrides) {
   robot_file_.clear();
-  open(file, [file, overrides = std::vector<sim::Override>(overrides.begin(), overrides.end())]() -> Opened {
-    return {std::make_unique<Session>(sim::read_scenario(file, overrides)), {}};
-  });
+  open(file,
+       [file, prepare = preparation_ ? preparation_() : Preparation(),
+        overrides = std::vector<sim::Override>(overrides.begin(), overrides.end())]() -> Opened {
+         sim::Scenario scenario = sim::read_scenario(file, overrides);
+         if (prepare) prepare(scenario);
+         return {std::make_unique<Session>(scenario), {}};
+       });
 }
 
 void RunController::reopen(std::span<const sim::Override> overrides) {

@@ -56,6 +56,10 @@ class RunController final : public QObject {
   void open_bus(const std::string& transport, bool real_bus, const std::filesystem::path& robot);
   // Shows what this function makes, in another thread; `file` is for the title.
   void open(const std::filesystem::path& file, std::function<Opened()> make);
+  // Each scenario that is opened from now on passes through a function that `provider` gives at that time,
+  // in another thread, before it is compiled.
+  using Preparation = std::function<void(sim::Scenario&)>;
+  void set_preparation(std::function<Preparation()> provider) { preparation_ = std::move(provider); }
   // Opens the scenario again with these overrides, and with the robot of set_robot().
   void reopen(std::span<const sim::Override> overrides);
   // The file of the robot with which the scenario opens again, until another file is opened; empty: its own.
@@ -124,6 +128,7 @@ class RunController final : public QObject {
 
   Source source_ = Source::kNone;
   std::filesystem::path file_;
+  std::function<Preparation()> preparation_;
   std::unique_ptr<Session> session_;
   std::unique_ptr<BusMonitor> bus_;
   std::string bus_address_;

@@ -1,0 +1,105 @@
+#include "tools/studio/window/tuning_panels.h"
+
+#include "simulation/scenario/parameters.h"
+#include "tools/studio/tuning/compare_panel.h"
+#include "tools/studio/tuning/parameter_panel.h"
+#include "tools/studio/tuning/study_panel.h"
+#include "tools/studio/tuning/walk_again.h"
+#include "tools/studio/window/run_controller.h"
+
+namespace koboshi::studio {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The folder `studies` beside one that the robot's file is in; empty: none.
+fs::path studies_of(const fs::path& robot) {
+  for (fs::path folder = fs::absolute(robot).parent_path(); folder != folder.root_path();
+       folder = folder.parent_path())
+    if (fs::is_directory(folder / "studies")) return folder / "studies";
+  return {};
+}
+
+}  // namespace
+
+TuningPanels::TuningPanels(RunController& run, QObject* parent)
+    : QObject(parent),
+      run_(run),
+      parameters_(new ParameterPanel),
+      comparison_(new ComparePanel),
+      studies_(new StudyPanel),
+      walk_again_(new WalkAgain(this)) {
+  connect_run();
+  connect_panels();
+}
+
+void TuningPanels::connect_run() {
+  ParameterEditor& editor = parameters_->editor();
+  connect(&run_, &RunController::opened, this, &TuningPanels::show_opened);
+  connect(&run_, &RunController::answered, &editor, &ParameterEditor::take_answer);
+  connect(&run_, &RunController::answered, walk_again_, &WalkAgain::take_answer);
+  connect(&run_, &RunController::rewound, walk_again_, &WalkAgain::cancel);
+  connect(&run_, &RunController::rewound, &editor, &ParameterEditor::run_rewound);
+  connect(&run_, &RunController::status_changed, &editor, [this, &editor] {
+    if (run_.session() != nullptr) editor.follow(run_.status().said.state);
+  });
+  const auto give = [this](const sim::ObjectRequest& request) { run_.give(request); };
+  connect(&editor, &ParameterEditor::requested, this, give);
+  connect(walk_again_, &WalkAgain::requested, this, give);
+  run_.set_preparation([&editor] { return editor.preparation(); });
+}
+
+void TuningPanels::connect_panels() {
+  ParameterEditor& editor = parameters_->editor();
+  comparison_->set_edited([&editor] { return editor.preparation(); });
+  connect(&editor, &ParameterEditor::changed, this, &TuningPanels::changed);
+  connect(parameters_, &ParameterPanel::walk_again_wanted, walk_again_, &WalkAgain::start);
+  connect(parameters_, &ParameterPanel::restart_wanted, this, &TuningPanels::restart_wanted);
+  connect(walk_again_, &WalkAgain::failed, this, &TuningPanels::told);
+  connect(comparison_, &ComparePanel::failed, this, &TuningPanels::told);
+  connect(studies_, &StudyPanel::failed, this, &TuningPanels::told);
+  connect(studies_, &StudyPanel::adopted, this, &TuningPanels::adopt);
+}
+
+void TuningPanels::set_robot(const fs::path& robot) {
+  parameters_->editor().set_robot(robot);
+  studies_->set_folder(studies_of(robot));
+}
+
+bool TuningPanels::has_unsaved() const { return parameters_->editor().is_modified(); }
+
+void TuningPanels::show_opened() {
+  ParameterEditor& editor = parameters_->editor();
+  walk_again_->cancel();
+  if (Session* session = run_.session()) {
+    const sim::Scenario& scenario = session->scenario();
+    set_robot(scenario.robot);
+    editor.set_gait(scenario.gait ? scenario.gait->file : fs::path());
+    editor.run_opened(simulation::controller_values(session->played()));
+    comparison_->set_scenario(run_.file(), scenario.seed);
+    return;
+  }
+  comparison_->set_scenario({}, 1);
+  if (run_.bus() == nullptr) return editor.run_closed();
+  set_robot(run_.robot()->file);
+  editor.set_gait({});
+  editor.run_attached();
+}
+
+void TuningPanels::adopt(const StudyRun& run, const StudyEvaluation& evaluation) {
+  ParameterEditor& editor = parameters_->editor();
+  editor.show(ParameterEditor::kRobot);
+  if (editor.document() == nullptr) return;
+  const Adoption adopted = adoption(run, evaluation, editor.document()->table());
+  const QString label = tr("Adopt evaluation %1 of %2")
+                            .arg(evaluation.number)
+                            .arg(QString::fromStdString(run.settings.study.filename().string()));
+  if (!editor.adopt(adopted.values, label)) return;
+  QString text = tr("%1 parameters adopted, not saved").arg(adopted.values.size());
+  if (!adopted.left_out.empty())
+    text += tr("; not in this file: %1").arg(QString::fromStdString(adopted.left_out.front()));
+  if (adopted.left_out.size() > 1) text += tr(" and %1 more").arg(adopted.left_out.size() - 1);
+  Q_EMIT told(text);
+}
+
+}  // namespace koboshi::studio

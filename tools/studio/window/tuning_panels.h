@@ -1,0 +1,55 @@
+#pragma once
+
+#include <QObject>
+#include <cstddef>
+#include <filesystem>
+
+#include "tools/studio/parameters/study_runs.h"
+
+namespace koboshi::studio {
+
+class ComparePanel;
+class ParameterPanel;
+class RunController;
+class StudyPanel;
+class WalkAgain;
+
+// The panels of parameters, comparisons and studies, connected with the run and with each other.
+class TuningPanels final : public QObject {
+  Q_OBJECT
+
+ public:
+  // The run must outlive this object. The panels get their parents where they are shown.
+  explicit TuningPanels(RunController& run, QObject* parent = nullptr);
+
+  ParameterPanel& parameters() { return *parameters_; }
+  ComparePanel& comparison() { return *comparison_; }
+  StudyPanel& studies() { return *studies_; }
+
+  // Shows the parameters and studies of this robot while no run is open.
+  void set_robot(const std::filesystem::path& robot);
+  // Whether a file of parameters has changes that are not saved.
+  bool has_unsaved() const;
+
+ Q_SIGNALS:
+  // A parameter has changed.
+  void changed();
+  // One line for the user.
+  void told(const QString& message);
+  // The user wants the scenario to start again.
+  void restart_wanted();
+
+ private:
+  void connect_run();
+  void connect_panels();
+  void show_opened();
+  void adopt(const StudyRun& run, const StudyEvaluation& evaluation);
+
+  RunController& run_;
+  ParameterPanel* const parameters_;
+  ComparePanel* const comparison_;
+  StudyPanel* const studies_;
+  WalkAgain* const walk_again_;
+};
+
+}  // namespace koboshi::studio
