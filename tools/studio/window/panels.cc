@@ -14,10 +14,10 @@
 #include "tools/studio/model/model_panel.h"
 #include "tools/studio/motion/motion_panel.h"
 #include "tools/studio/plot/plot_panel.h"
-#include "tools/studio/view/sole_panel.h"
 #include "tools/studio/tuning/compare_panel.h"
 #include "tools/studio/tuning/parameter_panel.h"
 #include "tools/studio/tuning/study_panel.h"
+#include "tools/studio/view/sole_panel.h"
 #include "tools/studio/window/can_panel.h"
 #include "tools/studio/window/event_panel.h"
 #include "tools/studio/window/message_bar.h"
@@ -109,12 +109,13 @@ void Panels::raise(const QString& name) {
 }
 
 void Panels::fill_menu(QMenu& menu) {
-  // Alt+1 to Alt+9, and then Ctrl+Alt+1 on: Alt+0 is the default layout.
+  // Alt+1 to Alt+9, and then Alt+Shift+1 on: Alt+0 is the default layout.
   constexpr int kDigits = 9;
   int count = 0;
   for (const Dock& dock : docks_) {
     QAction* show = dock.dock->toggleViewAction();
-    const Qt::KeyboardModifiers keys = count < kDigits ? Qt::AltModifier : Qt::AltModifier | Qt::ControlModifier;
+    const Qt::KeyboardModifiers keys =
+        count < kDigits ? Qt::AltModifier : Qt::AltModifier | Qt::ShiftModifier;
     show->setShortcut(QKeySequence(static_cast<int>(keys) | (Qt::Key_1 + count % kDigits)));
     ++count;
     menu.addAction(show);
