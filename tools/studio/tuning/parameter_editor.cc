@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "sim_board/robot/load.h"
@@ -28,7 +29,14 @@ void ParameterEditor::set_robot(const std::filesystem::path& robot) {
   } catch (const std::runtime_error& error) {
     Q_EMIT refused(QString::fromUtf8(error.what()));
   }
-  open(kRobot, path.parent_path() / "parameters.yaml");
+  // A copy of the robot that the model editor has changed links to the same parameters, which stay open.
+  const std::filesystem::path parameters = path.parent_path() / "parameters.yaml";
+  std::error_code ignored;
+  const ParameterDocument* present = document(kRobot);
+  if (present != nullptr && std::filesystem::equivalent(present->file(), parameters, ignored))
+    Q_EMIT changed();
+  else
+    open(kRobot, parameters);
 }
 
 void ParameterEditor::set_gait(const std::filesystem::path& gait) {

@@ -243,8 +243,10 @@ void MainWindow::closeEvent(QCloseEvent* event) {
     const QString what = motion().modified() ? tr("The motion") : tr("The robot");
     messages_->show_message(
         has_files
-            ? tr("%1 has changes that are not saved. Save them (Ctrl+S), or close again to discard them.").arg(what)
-            : tr("Parameters have changes that are not saved. Save them (Ctrl+Alt+Shift+S), or close again to "
+            ? tr("%1 has changes that are not saved. Save them (Ctrl+S), or close again to discard them.")
+                  .arg(what)
+            : tr("Parameters have changes that are not saved. Save them (Ctrl+Alt+Shift+S), or close again "
+                 "to "
                  "discard them."));
     return event->ignore();
   }

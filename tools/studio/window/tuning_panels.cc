@@ -63,7 +63,8 @@ void TuningPanels::connect_panels() {
 
 void TuningPanels::set_robot(const fs::path& robot) {
   parameters_->editor().set_robot(robot);
-  studies_->set_folder(studies_of(robot));
+  const ParameterDocument* document = parameters_->editor().document(ParameterEditor::kRobot);
+  studies_->set_folder(studies_of(document != nullptr ? document->file() : robot));
 }
 
 bool TuningPanels::has_unsaved() const { return parameters_->editor().is_modified(); }
