@@ -16,7 +16,7 @@ constexpr std::size_t kHour = 360'000;  // samples
 
 // Six signals with a step period of 0.6 s and noise.
 struct Plot {
-  std::shared_ptr<Timeline> times = std::make_shared<Timeline>();
+  std::shared_ptr<SampleTimes> times = std::make_shared<SampleTimes>();
   TimeView view{};
   PlotWidget widget{view, nullptr};
 

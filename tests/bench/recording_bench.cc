@@ -84,7 +84,7 @@ void open(const std::filesystem::path& run) {
              window.index().mcap().chunks_read(), window.index().mcap().chunks().size(),
              1e-6 * static_cast<double>(window.index().mcap().bytes_read()));
   // As the studio's plots take them.
-  koboshi::studio::Timeline times;
+  koboshi::studio::SampleTimes times;
   std::vector<koboshi::studio::Series> series(window.head().signals.size());
   while (!overview.finished()) {
     for (const Recording& block : overview.take(64)) {

@@ -81,7 +81,7 @@ bool is_near(double a, double b, double tolerance) { return std::abs(a - b) <= t
 
 // A plot of one signal, without a panel around it.
 struct SinglePlot {
-  std::shared_ptr<Timeline> times = std::make_shared<Timeline>();
+  std::shared_ptr<SampleTimes> times = std::make_shared<SampleTimes>();
   std::shared_ptr<Series> values = std::make_shared<Series>();
   TimeView view{};
   PlotWidget plot{view, nullptr};

@@ -30,8 +30,8 @@ struct Reference {
   }
 };
 
-TEST(Timeline, CountsSamplesUntilATime) {
-  Timeline times;
+TEST(SampleTimes, CountsSamplesUntilATime) {
+  SampleTimes times;
   for (const std::uint64_t time_us : {10U, 20U, 40U}) times.append(time_us);
   EXPECT_EQ(times.count_until(9), 0U);
   EXPECT_EQ(times.count_until(10), 1U);
@@ -41,10 +41,10 @@ TEST(Timeline, CountsSamplesUntilATime) {
   EXPECT_EQ(times.count_until(1'000), 1U);
 }
 
-TEST(TimelineDeathTest, RejectsTimesThatDoNotIncrease) {
+TEST(SampleTimesDeathTest, RejectsTimesThatDoNotIncrease) {
   EXPECT_DEATH(
       {
-        Timeline times;
+        SampleTimes times;
         times.append(10);
         times.append(10);
       },
@@ -64,7 +64,7 @@ TEST(Series, AgreesWithBruteForce) {
   std::mt19937 random(test::kSeed);
   const auto below = [&random](std::size_t bound) { return std::size_t{random()} % bound; };
   for (int trial = 0; trial < 40; ++trial) {
-    Timeline times;
+    SampleTimes times;
     Series series;
     Reference reference;
     for (int step = 0; step < 30; ++step) {
@@ -115,7 +115,7 @@ TEST(Series, AgreesWithBruteForce) {
 TEST(Series, ReadsFewNodesOfAnHour) {
   constexpr std::size_t kSamples = 3'600'000;
   constexpr std::size_t kColumns = 1280;
-  Timeline times;
+  SampleTimes times;
   Series series;
   for (std::size_t i = 0; i < kSamples; ++i) {
     times.append(1'000 * i);

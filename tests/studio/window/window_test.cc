@@ -585,7 +585,7 @@ class WindowTest final : public ViewFixture {
     QVERIFY(QTest::qWaitFor([&] { return window_->view().frames() > frames; }, kPatience_ms));
     qInfo("first picture after %lld ms", static_cast<long long>(timer.elapsed()));
     const auto complete = [&] {
-      const Timeline& times = *plots->samples().times();
+      const SampleTimes& times = *plots->samples().times();
       return !times.empty() && times[times.size() - 1] + 20'000 > window_->run().end_us();
     };
     QVERIFY(QTest::qWaitFor(complete, 10 * kPatience_ms));

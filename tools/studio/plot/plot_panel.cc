@@ -132,7 +132,7 @@ void PlotPanel::schedule_refresh() {
 
 void PlotPanel::refresh() {
   is_refresh_scheduled_ = false;
-  const Timeline& times = *samples_.times();
+  const SampleTimes& times = *samples_.times();
   if (times.empty()) {
     view_->set_extent(0.0, 0.0);
   } else {

@@ -124,7 +124,7 @@ double PlotWidget::step_of(const PlotArea& area, const ShownUnit& unit) const {
 
 std::optional<std::uint64_t> PlotWidget::neighbour_us(std::uint64_t time_us, bool forward) const {
   if (traces_.empty()) return TimeAxisWidget::neighbour_us(time_us, forward);
-  const Timeline& times = *traces_.front().times;
+  const SampleTimes& times = *traces_.front().times;
   const std::size_t until = times.count_until(time_us);
   if (forward) return until < times.size() ? std::optional(times[until]) : std::nullopt;
   const bool is_at_sample = until > 0 && times[until - 1] == time_us;

@@ -9,7 +9,7 @@ namespace koboshi::studio {
 
 void RunSamples::set_signals(std::span<const view::Signal> signals) {
   signals_.assign(signals.begin(), signals.end());
-  times_ = std::make_shared<Timeline>();
+  times_ = std::make_shared<SampleTimes>();
   values_.clear();
   for (std::size_t i = 0; i < signals.size(); ++i) values_.push_back(std::make_shared<Series>());
   marks_.clear();

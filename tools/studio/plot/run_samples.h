@@ -39,7 +39,7 @@ class RunSamples {
   std::span<const view::Signal> signals() const { return signals_; }
   std::optional<std::size_t> index_of(std::string_view name) const;
   bool has(const QString& name) const { return index_of(name.toStdString()).has_value(); }
-  std::shared_ptr<const Timeline> times() const { return times_; }
+  std::shared_ptr<const SampleTimes> times() const { return times_; }
   std::shared_ptr<const Series> values(std::size_t signal) const { return values_[signal]; }
   const std::vector<Mark>& marks() const { return marks_; }  // in order of time
   // The states of the signal state_name; without such a signal, none.
@@ -48,7 +48,7 @@ class RunSamples {
 
  private:
   std::vector<view::Signal> signals_{};
-  std::shared_ptr<Timeline> times_ = std::make_shared<Timeline>();
+  std::shared_ptr<SampleTimes> times_ = std::make_shared<SampleTimes>();
   std::vector<std::shared_ptr<Series>> values_{};
   std::vector<Mark> marks_{};
   std::optional<std::size_t> state_signal_{};

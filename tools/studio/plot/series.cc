@@ -12,20 +12,20 @@ Extent extent_of(float value) { return std::isfinite(value) ? Extent{value, valu
 
 }  // namespace
 
-void Timeline::append(std::uint64_t time_us) {
+void SampleTimes::append(std::uint64_t time_us) {
   KOBOSHI_ASSERT(times_us_.empty() || time_us > times_us_.back());
   times_us_.push_back(time_us);
 }
 
-void Timeline::truncate(std::size_t size) {
+void SampleTimes::truncate(std::size_t size) {
   if (size < times_us_.size()) times_us_.resize(size);
 }
 
-std::size_t Timeline::count_until(std::uint64_t time_us) const {
+std::size_t SampleTimes::count_until(std::uint64_t time_us) const {
   return static_cast<std::size_t>(std::ranges::upper_bound(times_us_, time_us) - times_us_.begin());
 }
 
-std::size_t Timeline::count_before(double time_us, std::size_t start, std::size_t& nodes) const {
+std::size_t SampleTimes::count_before(double time_us, std::size_t start, std::size_t& nodes) const {
   const auto is_before = [&](std::size_t index) {
     ++nodes;
     return static_cast<double>(times_us_[index]) < time_us;
@@ -116,7 +116,7 @@ std::size_t Series::max_nodes(std::size_t samples) {
   return nodes + left;
 }
 
-std::size_t summarise(const Timeline& times, const Series& values, double from_us, double to_us,
+std::size_t summarise(const SampleTimes& times, const Series& values, double from_us, double to_us,
                       std::span<Column> columns) {
   std::size_t nodes = 0;
   const double duration_us = (to_us - from_us) / static_cast<double>(columns.size());

@@ -9,8 +9,8 @@
 
 namespace koboshi::studio {
 
-// The times of samples, strictly increasing; 8 bytes a sample. Several series share one timeline.
-class Timeline {
+// The times of samples, strictly increasing; 8 bytes a sample. Several series share them.
+class SampleTimes {
  public:
   void append(std::uint64_t time_us);
   // Removes the samples after the first `size`.
@@ -83,7 +83,7 @@ struct Column {
 // Divides from_us <= time < to_us into columns of equal duration. Returns the number of samples, nodes and
 // times that were read, which grows with the number of columns and with the logarithm of the samples in each,
 // not with the samples.
-std::size_t summarise(const Timeline& times, const Series& values, double from_us, double to_us,
+std::size_t summarise(const SampleTimes& times, const Series& values, double from_us, double to_us,
                       std::span<Column> columns);
 
 }  // namespace koboshi::studio

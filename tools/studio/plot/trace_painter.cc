@@ -80,7 +80,7 @@ class TracePainter {
 
   void draw() {
     std::size_t nodes = 0;
-    const Timeline& times = *trace_.times;
+    const SampleTimes& times = *trace_.times;
     const std::size_t size = std::min(times.size(), trace_.values->size());
     const std::size_t begin = times.count_before(area_.from_us, 0, nodes);
     const std::size_t end = std::min(size, times.count_before(area_.to_us, begin, nodes));

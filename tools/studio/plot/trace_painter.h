@@ -14,7 +14,7 @@ namespace koboshi::studio {
 // from.
 struct Trace {
   view::Signal signal{};
-  std::shared_ptr<const Timeline> times{};
+  std::shared_ptr<const SampleTimes> times{};
   std::shared_ptr<const Series> values{};
   int colour = 0;       // index of PlotStyle::trace
   bool dashed = false;  // planned and commanded values
