@@ -63,6 +63,7 @@ class ViewFixture : public QObject {
       for (int dy = -reach; dy <= reach; dy += 4)
         for (int dx = -reach; dx <= reach; dx += 4) {
           const QPoint place = (QPointF(place_px.x() + dx, place_px.y() + dy)).toPoint();
+          if (view.gizmo_axis_at(QPointF(place))) continue;  // a drag would grab that arrow
           const auto hit = view.posable_at(QPointF(place));
           if (hit && hit->link == static_cast<int>(link)) return place;
         }

@@ -75,11 +75,11 @@ void ParameterPanel::add_actions() {
     addAction(action);
     return action;
   };
-  save_ = add(tr("&Save parameters"), tr("Ctrl+Alt+Shift+S"), tr("Writes the changed values into the file"),
+  save_ = add(tr("&Save parameters"), tr("Ctrl+Alt+Shift+P"), tr("Writes the changed values into the file"),
               [this] { save(); });
-  undo_ = add(tr("&Undo parameter"), tr("Ctrl+Alt+Shift+Z"), tr("Takes the last change of a parameter back"),
+  undo_ = add(tr("&Undo parameter"), tr("Ctrl+Alt+Shift+U"), tr("Takes the last change of a parameter back"),
               [this] { editor_.undo(); });
-  redo_ = add(tr("&Redo parameter"), tr("Ctrl+Alt+Shift+Y"), tr("Makes the change again"),
+  redo_ = add(tr("&Redo parameter"), tr("Ctrl+Alt+Shift+E"), tr("Makes the change again"),
               [this] { editor_.redo(); });
   reset_ = add(tr("Reset &all parameters"), tr("Ctrl+Alt+Shift+R"),
                tr("Gives every parameter its value in the file"), [this] { editor_.reset_all(); });

@@ -245,7 +245,7 @@ void MainWindow::closeEvent(QCloseEvent* event) {
         has_files
             ? tr("%1 has changes that are not saved. Save them (Ctrl+S), or close again to discard them.")
                   .arg(what)
-            : tr("Parameters have changes that are not saved. Save them (Ctrl+Alt+Shift+S), or close again "
+            : tr("Parameters have changes that are not saved. Save them (Ctrl+Alt+Shift+P), or close again "
                  "to "
                  "discard them."));
     return event->ignore();

@@ -109,14 +109,14 @@ void Panels::raise(const QString& name) {
 }
 
 void Panels::fill_menu(QMenu& menu) {
-  // Alt+1 to Alt+9, and then Alt+Shift+1 on: Alt+0 is the default layout.
+  // Alt+1 to Alt+9, and then Ctrl+Shift+F1 on: Alt+0 is the default layout.
   constexpr int kDigits = 9;
   int count = 0;
   for (const Dock& dock : docks_) {
     QAction* show = dock.dock->toggleViewAction();
-    const Qt::KeyboardModifiers keys =
-        count < kDigits ? Qt::AltModifier : Qt::AltModifier | Qt::ShiftModifier;
-    show->setShortcut(QKeySequence(static_cast<int>(keys) | (Qt::Key_1 + count % kDigits)));
+    show->setShortcut(QKeySequence(count < kDigits
+                                       ? Qt::ALT | Qt::Key(Qt::Key_1 + count)
+                                       : Qt::CTRL | Qt::SHIFT | Qt::Key(Qt::Key_F1 + count - kDigits)));
     ++count;
     menu.addAction(show);
   }
