@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <concepts>
+#include <cstdint>
 #include <numbers>
 #include <stdexcept>
 
@@ -16,9 +17,11 @@ template <AnyQuantity Q>
 inline constexpr double kUnitInSi =
     std::same_as<Q, Angle> || std::same_as<Q, AngularRate> ? 2.0 * std::numbers::pi : 1.0;
 
+// Multiplied by a power of two, which is exact as std::ldexp is, without a call for each value.
 template <AnyQuantity Q>
 [[nodiscard]] double to_double(Q quantity) {
-  return std::ldexp(quantity.raw(), -Q::kFractionBits) * kUnitInSi<Q>;
+  constexpr double kLsb = 1.0 / static_cast<double>(std::uint64_t{1} << Q::kFractionBits);
+  return quantity.raw() * kLsb * kUnitInSi<Q>;
 }
 
 // Rounded to nearest. An angle is reduced to [-pi, pi] first, and pi itself becomes Angle::max(), so that a
