@@ -110,11 +110,9 @@ void set_attributes(std::span<const GLint> sizes) {
   }
 }
 
-GlProgram::GlProgram(const std::string& name, const std::string& vertex_shader,
-                     const std::string& fragment_shader)
-    : program_(glCreateProgram()) {
-  const auto vertex = compile(name, GL_VERTEX_SHADER, vertex_shader);
-  const auto fragment = compile(name, GL_FRAGMENT_SHADER, fragment_shader);
+GlProgram::GlProgram(const std::string& name, const ShaderSources& sources) : program_(glCreateProgram()) {
+  const auto vertex = compile(name, GL_VERTEX_SHADER, sources.vertex);
+  const auto fragment = compile(name, GL_FRAGMENT_SHADER, sources.fragment);
   glAttachShader(program_.name(), vertex.name());
   glAttachShader(program_.name(), fragment.name());
   glLinkProgram(program_.name());
@@ -157,6 +155,7 @@ GlStateGuard::GlStateGuard() {
   glGetBooleanv(GL_COLOR_WRITEMASK, colour_mask_.data());
   glGetBooleanv(GL_DEPTH_WRITEMASK, &depth_mask_);
   glGetIntegerv(GL_DEPTH_FUNC, &depth_function_);
+  glGetIntegerv(GL_CULL_FACE_MODE, &hidden_face_);
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &draw_framebuffer_);
   glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read_framebuffer_);
   glGetIntegerv(GL_VERTEX_ARRAY_BINDING, &vertex_array_);
@@ -180,6 +179,7 @@ GlStateGuard::~GlStateGuard() {
   glColorMask(colour_mask_[0], colour_mask_[1], colour_mask_[2], colour_mask_[3]);
   glDepthMask(depth_mask_);
   glDepthFunc(static_cast<GLenum>(depth_function_));
+  glCullFace(static_cast<GLenum>(hidden_face_));
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(draw_framebuffer_));
   glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(read_framebuffer_));
   glBindVertexArray(static_cast<GLuint>(vertex_array_));

@@ -75,11 +75,16 @@ GlTarget make_height_target(GLsizei side_px);
 // Attributes of vertices that are rows of floats: their sizes, in order of location from 0.
 void set_attributes(std::span<const GLint> sizes);
 
+struct ShaderSources {
+  std::string vertex;
+  std::string fragment;
+};
+
 // A linked program. Uniforms are set while it is in use; one that the compiler has dropped is ignored.
 class GlProgram {
  public:
   // Throws GlError with the compiler's first line. `name` is for that message.
-  GlProgram(const std::string& name, const std::string& vertex_shader, const std::string& fragment_shader);
+  GlProgram(const std::string& name, const ShaderSources& sources);
   void use() const { glUseProgram(program_.name()); }
   void set(const char* uniform, int value) const;
   void set(const char* uniform, float value) const;
@@ -117,6 +122,7 @@ class GlStateGuard {
   std::array<GLboolean, 4> colour_mask_{};
   GLboolean depth_mask_ = GL_TRUE;
   GLint depth_function_ = GL_LESS;
+  GLint hidden_face_ = GL_BACK;
   GLint draw_framebuffer_ = 0;
   GLint read_framebuffer_ = 0;
   GLint vertex_array_ = 0;

@@ -1,16 +1,11 @@
 #pragma once
 
-#include <string>
+#include "tools/view/render/gl.h"
 
 namespace koboshi::view {
 
 // Sources of the shaders, GLSL 3.30. Light is computed in linear colour; results are sRGB, so the framebuffer
 // need not convert.
-
-struct ShaderSources {
-  std::string vertex;
-  std::string fragment;
-};
 
 // A gradient over the whole picture.
 ShaderSources background_shader();

@@ -8,7 +8,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <tuple>
+#include <utility>
 
 namespace koboshi::view {
 namespace {
@@ -54,40 +56,69 @@ Faces weld(const Mesh& mesh) {
   return faces;
 }
 
+// An edge occurs once in each direction, and the volume is positive.
+bool is_closed(const Faces& faces) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+  float volume_m3 = 0.0F;
+  for (std::size_t face = 0; face < faces.normals.size(); ++face) {
+    const auto& corners = faces.vertices[face];
+    const auto& p_m = faces.p_m[face];
+    volume_m3 += p_m[0].dot(p_m[1].cross(p_m[2])) / 6.0F;
+    for (std::size_t i = 0; i < 3; ++i)
+      if (!edges.emplace(corners[i], corners[(i + 1) % 3]).second) return false;
+  }
+  return volume_m3 > 0.0F && std::ranges::all_of(edges, [&](const auto& edge) {
+           return edges.contains({edge.second, edge.first});
+         });
+}
+
+// The vertex with this position and normal among those of a welded vertex; adds it if there is none.
+std::uint32_t vertex_of(Surface& surface, std::vector<std::uint32_t>& welded, const Vertex& wanted) {
+  for (const std::uint32_t index : welded)
+    if (surface.vertices[index].normal == wanted.normal) return index;
+  const auto index = static_cast<std::uint32_t>(surface.vertices.size());
+  surface.vertices.push_back(wanted);
+  welded.push_back(index);
+  return index;
+}
+
 }  // namespace
 
 Surface smooth_surface(const Mesh& mesh, float crease_rad) {
   const Faces faces = weld(mesh);
   const float least_cosine = std::cos(crease_rad);
-  Surface surface;
-  surface.reserve(3 * faces.normals.size());
+  Surface surface{.closed = is_closed(faces)};
+  surface.triangles.resize(faces.normals.size());
+  std::vector<std::vector<std::uint32_t>> welded(faces.around.size());
   for (std::size_t face = 0; face < faces.normals.size(); ++face) {
     for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t corner = faces.vertices[face][i];
       Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-      for (const Corner& other : faces.around[faces.vertices[face][i]]) {
+      for (const Corner& other : faces.around[corner]) {
         const Eigen::Vector3f& normal = faces.normals[other.face];
         if (normal.dot(faces.normals[face]) >= least_cosine) sum += other.angle_rad * normal;
       }
-      surface.push_back({faces.p_m[face][i], sum.normalized()});
+      surface.triangles[face][i] = vertex_of(surface, welded[corner], {faces.p_m[face][i], sum.normalized()});
     }
   }
   return surface;
 }
 
 Surface box_surface(const Eigen::Vector3d& size_m) {
-  Surface surface;
-  surface.reserve(36);
+  Surface surface{.closed = true};
   const Eigen::Vector3f half_m = 0.5F * size_m.cast<float>();
   for (int axis = 0; axis < 3; ++axis) {
     for (const float sign : {-1.0F, 1.0F}) {
       const Eigen::Vector3f normal = sign * Eigen::Vector3f::Unit(axis);
       const Eigen::Vector3f right = Eigen::Vector3f::Unit((axis + 1) % 3);
       const Eigen::Vector3f up = normal.cross(right);
-      for (const auto& [u, v] : {std::pair{-1, -1}, std::pair{1, -1}, std::pair{1, 1}, std::pair{-1, -1},
-                                 std::pair{1, 1}, std::pair{-1, 1}}) {
+      const auto first = static_cast<std::uint32_t>(surface.vertices.size());
+      for (const auto& [u, v] : {std::pair{-1, -1}, std::pair{1, -1}, std::pair{1, 1}, std::pair{-1, 1}}) {
         const Eigen::Vector3f corner = normal + static_cast<float>(u) * right + static_cast<float>(v) * up;
-        surface.push_back({corner.cwiseProduct(half_m), normal});
+        surface.vertices.push_back({corner.cwiseProduct(half_m), normal});
       }
+      surface.triangles.push_back({first, first + 1, first + 2});
+      surface.triangles.push_back({first, first + 2, first + 3});
     }
   }
   return surface;
@@ -100,7 +131,7 @@ Surface surface_of(const Shape& shape) {
 
 float radius_m(const Surface& surface) {
   float radius = 0.0F;
-  for (const Vertex& vertex : surface) radius = std::max(radius, vertex.p_m.norm());
+  for (const Vertex& vertex : surface.vertices) radius = std::max(radius, vertex.p_m.norm());
   return radius;
 }
 
