@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "sim_board/input/text.h"
+#include "sim_board/robot/load.h"
 #include "tools/studio/parameters/comparison.h"
 #include "tools/studio/tuning/compare_panel.h"
 #include "tools/studio/tuning/parameter_panel.h"
@@ -136,7 +137,7 @@ class TuningTest final : public QObject {
     window_->resize(1200, 420);
     window_->show();
     QVERIFY(QTest::qWaitForWindowExposed(window_.get()));
-    panels_->set_robot(root() / "robots/koboshi/robot.sdf");
+    panels_->set_robot(sim::load_robot(root() / "robots/koboshi/robot.sdf"));
     QVERIFY(editor().document() != nullptr);
   }
   void cleanup() {

@@ -7,11 +7,16 @@
 namespace koboshi::studio {
 
 std::shared_ptr<const MotionRobot> load_motion_robot(const std::filesystem::path& robot_file) {
+  return load_motion_robot(std::make_shared<const sim::RobotDescription>(sim::load_robot(robot_file)));
+}
+
+std::shared_ptr<const MotionRobot> load_motion_robot(
+    std::shared_ptr<const sim::RobotDescription> description) {
   auto robot = std::make_shared<MotionRobot>();
-  robot->description = std::make_shared<const sim::RobotDescription>(sim::load_robot(robot_file));
+  robot->description = std::move(description);
   robot->model = simulation::load_named_model(*robot->description);
   robot->standing_rad.assign(robot->model.joint_names.size(), 0.0);
-  const std::filesystem::path stand = robot_file.parent_path() / "motions" / "stand.yaml";
+  const std::filesystem::path stand = robot->description->file.parent_path() / "motions" / "stand.yaml";
   if (!std::filesystem::exists(stand)) return robot;
   const simulation::MotionFile file = simulation::read_motion_file(stand);
   const simulation::MotionSource source = simulation::parse_motion(stand, robot->model);

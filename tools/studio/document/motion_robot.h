@@ -17,8 +17,11 @@ struct MotionRobot {
   std::vector<double> standing_rad;
 };
 
-// Reads a robot's file (SDF). The standing pose is the end of `motions/stand.yaml` beside it, zero
-// without this file. Throws sim::InputError.
+// The standing pose is the end of `motions/stand.yaml` beside the robot's file, zero without it. Throws
+// sim::InputError.
+[[nodiscard]] std::shared_ptr<const MotionRobot> load_motion_robot(
+    std::shared_ptr<const sim::RobotDescription> robot);
+// The same for a robot's file (SDF).
 [[nodiscard]] std::shared_ptr<const MotionRobot> load_motion_robot(const std::filesystem::path& robot_file);
 
 }  // namespace koboshi::studio

@@ -64,21 +64,21 @@ std::optional<QString> MotionEditor::take(const std::function<std::unique_ptr<Mo
 std::optional<QString> MotionEditor::open(const std::filesystem::path& file,
                                           const std::filesystem::path& robot_file) {
   return take([&] {
-    auto robot = robot_ != nullptr && robot_file == robot_file_ ? robot_ : load_motion_robot(robot_file);
+    const bool is_same = robot_ != nullptr && std::filesystem::absolute(robot_file) ==
+                                                  std::filesystem::absolute(this->robot_file());
+    auto robot = is_same ? robot_ : load_motion_robot(robot_file);
     auto document = std::make_unique<MotionDocument>(robot, file, recovery_folder_);
     robot_ = std::move(robot);
-    robot_file_ = robot_file;
     return document;
   });
 }
 
-std::optional<QString> MotionEditor::set_robot(const std::filesystem::path& robot_file) {
+std::optional<QString> MotionEditor::set_robot(std::shared_ptr<const sim::RobotDescription> robot) {
   try {
-    robot_ = load_motion_robot(robot_file);
+    robot_ = load_motion_robot(std::move(robot));
   } catch (const std::exception& error) {
     return QString::fromStdString(error.what());
   }
-  robot_file_ = robot_file;
   return std::nullopt;
 }
 
@@ -144,7 +144,7 @@ void MotionEditor::after_change() {
   collect_findings();
   if (document_->compiled() != nullptr) {
     check_.request(
-        {robot_file_, document_->file().empty() ? "untitled.yaml" : document_->file(), document_->text()});
+        {robot_file(), document_->file().empty() ? "untitled.yaml" : document_->file(), document_->text()});
   } else {
     check_.cancel();
     check_findings_.clear();

@@ -36,8 +36,8 @@ class MotionEditor final : public QObject {
 
   // Each returns an error of one line, or nothing.
   std::optional<QString> open(const std::filesystem::path& file, const std::filesystem::path& robot_file);
-  // Reads the robot for which begin() begins.
-  std::optional<QString> set_robot(const std::filesystem::path& robot_file);
+  // Sets the robot for which begin() begins.
+  std::optional<QString> set_robot(std::shared_ptr<const sim::RobotDescription> robot);
   std::optional<QString> begin(const std::string& name);  // a new motion of the present robot
   std::optional<QString> restore(const Recovery& recovery);
   // Empty: saves to the document's file.
@@ -48,7 +48,7 @@ class MotionEditor final : public QObject {
   bool is_open() const { return document_ != nullptr; }
   const MotionDocument& document() const { return *document_; }
   const MotionRows& rows() const { return document_->rows(); }
-  const std::filesystem::path& robot_file() const { return robot_file_; }
+  const std::filesystem::path& robot_file() const { return robot_->description->file; }
 
   // Edits the document. Returns false and emits `failed` if it does not fit.
   bool edit(const std::function<void(MotionDocument&)>& change);
@@ -88,7 +88,6 @@ class MotionEditor final : public QObject {
   bool autosave();
 
   std::filesystem::path recovery_folder_;
-  std::filesystem::path robot_file_;
   std::shared_ptr<const MotionRobot> robot_;
   std::unique_ptr<MotionDocument> document_;
   std::uint64_t seen_revision_ = 0;

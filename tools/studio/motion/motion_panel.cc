@@ -164,8 +164,8 @@ bool MotionPanel::modified() const { return editor_->is_open() && editor_->docum
 
 fs::path MotionPanel::file() const { return editor_->is_open() ? editor_->document().file() : fs::path(); }
 
-std::optional<QString> MotionPanel::set_robot(const fs::path& robot) {
-  auto error = editor_->set_robot(robot);
+std::optional<QString> MotionPanel::set_robot(std::shared_ptr<const sim::RobotDescription> robot) {
+  auto error = editor_->set_robot(std::move(robot));
   update_actions();
   return error;
 }

@@ -36,9 +36,9 @@ class MotionPanel final : public QWidget {
 
   // Opens a motion for this robot's file. Returns an error of one line, or nothing.
   std::optional<QString> open(const std::filesystem::path& motion, const std::filesystem::path& robot);
-  // Reads the robot for which new motions are begun while none is open. Returns an error of one line, or
+  // Sets the robot for which new motions are begun while none is open. Returns an error of one line, or
   // nothing.
-  std::optional<QString> set_robot(const std::filesystem::path& robot);
+  std::optional<QString> set_robot(std::shared_ptr<const sim::RobotDescription> robot);
   // Whether the motion differs from its file.
   bool modified() const;
   // Edits and ways to play, with separators.

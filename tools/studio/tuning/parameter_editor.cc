@@ -5,8 +5,6 @@
 #include <system_error>
 #include <utility>
 
-#include "sim_board/robot/load.h"
-
 namespace koboshi::studio {
 
 ParameterEditor::ParameterEditor(QObject* parent) : QObject(parent) {
@@ -17,15 +15,14 @@ ParameterEditor::ParameterEditor(QObject* parent) : QObject(parent) {
 
 // --- Files
 
-void ParameterEditor::set_robot(const std::filesystem::path& robot) {
-  const std::filesystem::path path = std::filesystem::absolute(robot).lexically_normal();
+void ParameterEditor::set_robot(const sim::RobotDescription& robot) {
+  const std::filesystem::path path = std::filesystem::absolute(robot.file).lexically_normal();
   if (path == robot_file_) return;
   robot_file_ = path;
-  robot_.reset();
+  robot_ = robot;
   model_.reset();
   try {
-    robot_ = sim::load_robot(path);
-    model_ = simulation::load_named_model(*robot_);
+    model_ = simulation::load_named_model(robot);
   } catch (const std::runtime_error& error) {
     Q_EMIT refused(QString::fromUtf8(error.what()));
   }

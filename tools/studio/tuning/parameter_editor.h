@@ -35,7 +35,7 @@ class ParameterEditor final : public QObject {
 
   // Opens the parameters beside the robot's file, unless they are open already. Without the file there is no
   // document. Errors are emitted as refused().
-  void set_robot(const std::filesystem::path& robot);
+  void set_robot(const sim::RobotDescription& robot);
   // Opens the gait of a scenario; an empty path closes it.
   void set_gait(const std::filesystem::path& gait);
   void show(File file);

@@ -128,11 +128,13 @@ void MainWindow::connect_view() {
 // Without a run, the view shows the robot of the motion editor.
 void MainWindow::show_edited_robot() {
   try {
-    poses_->set_robot(robot_file_);
+    if (const auto error = models_->open(robot_file_)) return messages_->show_message(*error);
+    const auto robot = std::make_shared<const sim::RobotDescription>(model().document()->robot());
+    poses_->set_robot(robot);
     view_->set_scene(poses_->ghost()->scene(), &poses_->ghost()->robot());
-    if (const auto error = motion().set_robot(robot_file_)) messages_->show_message(*error);
-    if (const auto error = models_->open(robot_file_)) messages_->show_message(*error);
-    panels_->tuning().set_robot(robot_file_);
+    if (const auto error = motion().set_robot(robot)) messages_->show_message(*error);
+    panels_->tuning().set_robot(*robot);
+    models_->follow_run();
   } catch (const std::exception& error) {
     messages_->show_message(QString::fromUtf8(error.what()));
   }

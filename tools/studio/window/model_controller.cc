@@ -38,7 +38,6 @@ std::optional<QString> ModelController::open(const std::filesystem::path& robot)
   auto error = panel_.open(robot);
   if (error) return error;
   copies_.emplace(robot, folder_.path().toStdString());
-  follow_run();
   return std::nullopt;
 }
 

@@ -23,8 +23,11 @@ class ModelController final : public QObject {
   // All must outlive the controller.
   ModelController(RobotView& view, ModelPanel& panel, RunController& run, QObject* parent = nullptr);
 
-  // Opens the robot that is edited. Returns an error of one line, or nothing.
+  // Opens the robot that is edited. Returns an error of one line, or nothing. The view shows it after
+  // follow_run().
   std::optional<QString> open(const std::filesystem::path& robot);
+  // Shows the shapes of the edited robot at the poses of the run, if it is the same robot.
+  void follow_run();
 
  Q_SIGNALS:
   // The run is to open again; the controller has told it with which robot.
@@ -33,7 +36,6 @@ class ModelController final : public QObject {
 
  private:
   void start_again();
-  void follow_run();
   void show_shapes();
   void choose_link(int link);
   void mark_chosen();

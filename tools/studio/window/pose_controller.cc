@@ -31,8 +31,8 @@ PoseController::PoseController(RobotView& view, MotionPanel& motion, RunControll
   connect(&view_, &RobotView::pose_drag_ended, this, &PoseController::end);
 }
 
-void PoseController::set_robot(const std::filesystem::path& robot_file) {
-  ghost_.emplace(robot_file);
+void PoseController::set_robot(std::shared_ptr<const sim::RobotDescription> robot) {
+  ghost_.emplace(std::move(robot));
   const view::Scene scene = ghost_->scene();
   links_ = {{0}, {scene.sole_links[0]}, {scene.sole_links[1]}, {-1}, {-1}};
   const simulation::NamedModel model = simulation::load_named_model(ghost_->robot());

@@ -28,7 +28,7 @@ class PoseController final : public QObject {
   PoseController(RobotView& view, MotionPanel& motion, RunController& run, QObject* parent = nullptr);
 
   // Throws sim::InputError.
-  void set_robot(const std::filesystem::path& robot_file);
+  void set_robot(std::shared_ptr<const sim::RobotDescription> robot);
   const std::optional<PoseGhost>& ghost() const { return ghost_; }
   // Adds the actions for poses.
   void fill_menu(QMenu& menu);

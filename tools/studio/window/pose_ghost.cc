@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim_board/robot/load.h"
 #include "sim_board/world/ground.h"
 #include "sim_board/world/link_tree.h"
 #include "tools/motion/view/placement.h"
@@ -12,9 +11,6 @@
 #include "tools/view/capture/scene.h"
 
 namespace koboshi::studio {
-
-PoseGhost::PoseGhost(const std::filesystem::path& robot_file)
-    : robot_(std::make_shared<const sim::RobotDescription>(sim::load_robot(robot_file))) {}
 
 view::Scene PoseGhost::scene() const { return view::make_scene(*robot_, sim::GroundDescription()); }
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sim_board/robot/description.h"
@@ -13,8 +13,7 @@ namespace koboshi::studio {
 // A robot with given joint angles, standing on its soles without physics.
 class PoseGhost {
  public:
-  // Reads the robot's file. Throws sim::InputError.
-  explicit PoseGhost(const std::filesystem::path& robot_file);
+  explicit PoseGhost(std::shared_ptr<const sim::RobotDescription> robot) : robot_(std::move(robot)) {}
 
   const sim::RobotDescription& robot() const { return *robot_; }
   // The robot on level ground.

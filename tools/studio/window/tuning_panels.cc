@@ -61,10 +61,10 @@ void TuningPanels::connect_panels() {
   connect(studies_, &StudyPanel::adopted, this, &TuningPanels::adopt);
 }
 
-void TuningPanels::set_robot(const fs::path& robot) {
+void TuningPanels::set_robot(const sim::RobotDescription& robot) {
   parameters_->editor().set_robot(robot);
   const ParameterDocument* document = parameters_->editor().document(ParameterEditor::kRobot);
-  studies_->set_folder(studies_of(document != nullptr ? document->file() : robot));
+  studies_->set_folder(studies_of(document != nullptr ? document->file() : robot.file));
 }
 
 bool TuningPanels::has_unsaved() const { return parameters_->editor().is_modified(); }
@@ -74,7 +74,7 @@ void TuningPanels::show_opened() {
   walk_again_->cancel();
   if (Session* session = run_.session()) {
     const sim::Scenario& scenario = session->scenario();
-    set_robot(scenario.robot);
+    set_robot(*run_.robot());
     editor.set_gait(scenario.gait ? scenario.gait->file : fs::path());
     editor.run_opened(simulation::controller_values(session->played()));
     comparison_->set_scenario(run_.file(), scenario.seed);
@@ -82,7 +82,7 @@ void TuningPanels::show_opened() {
   }
   comparison_->set_scenario({}, 1);
   if (run_.bus() == nullptr) return editor.run_closed();
-  set_robot(run_.robot()->file);
+  set_robot(*run_.robot());
   editor.set_gait({});
   editor.run_attached();
 }

@@ -27,7 +27,7 @@ class TuningPanels final : public QObject {
   StudyPanel& studies() { return *studies_; }
 
   // Shows the parameters and studies of this robot while no run is open.
-  void set_robot(const std::filesystem::path& robot);
+  void set_robot(const sim::RobotDescription& robot);
   // Whether a file of parameters has changes that are not saved.
   bool has_unsaved() const;
 
