@@ -30,6 +30,8 @@ function(koboshi_qt_test name)
   koboshi_use_moc(${name})
   koboshi_command_test(gui.${name} LABEL gui NEEDS Xvfb
     COMMAND ${PROJECT_SOURCE_DIR}/tests/support/with_display.sh $<TARGET_FILE:${name}>)
+  # Mesa keeps compiled shaders, as for a user, so that not every program compiles them again.
+  set_tests_properties(gui.${name} PROPERTIES ENVIRONMENT MESA_SHADER_CACHE_DIR=${PROJECT_BINARY_DIR}/shader_cache)
 endfunction()
 
 # The compiler's warnings are not for the code that moc generates, and what it includes may not be in a unity build.

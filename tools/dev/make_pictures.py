@@ -39,8 +39,8 @@ STUDIO = {"docs/guide/studio.png": "studio-events.png", "docs/guide/studio-motio
 
 
 # Program of tests: the tests that save pictures.
-STUDIO_TESTS = {"studio_window_test": ["pictures", "makes_a_motion"], "studio_model_window_test": ["pictures"],
-                "studio_tuning_test": ["pictures"],
+STUDIO_TESTS = {"studio_window_test": ["pictures"], "studio_motion_window_test": ["makes_a_motion"],
+                "studio_model_window_test": ["pictures"], "studio_tuning_test": ["pictures"],
                 "studio_view_test": ["soles_and_zmp_from_above", "shows_the_poses_around_a_step"]}
 
 

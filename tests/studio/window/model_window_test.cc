@@ -3,29 +3,20 @@
 #include <QAction>
 #include <QDockWidget>
 #include <QPushButton>
-#include <QSettings>
 #include <QSignalSpy>
-#include <QSurfaceFormat>
 #include <QTemporaryDir>
-#include <QTest>
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <optional>
 #include <sstream>
 
+#include "tests/studio/window/view_fixture.h"
 #include "tools/studio/model/field_view.h"
 #include "tools/studio/model/model_panel.h"
-#include "tools/studio/window/command_search.h"
-#include "tools/studio/window/main_window.h"
 #include "tools/studio/window/message_bar.h"
-#include "tools/view/render/camera.h"
 
 namespace koboshi::studio {
 namespace {
-
-constexpr int kModelPatience_ms = 20'000;
-const std::filesystem::path kRepository = KOBOSHI_SOURCE_DIR;
 
 std::string file_text_of(const std::filesystem::path& file) {
   std::ostringstream text;
@@ -35,32 +26,23 @@ std::string file_text_of(const std::filesystem::path& file) {
 
 }  // namespace
 
-class ModelWindowTest final : public QObject {
+using test::kPatience_ms;
+using test::kRoot;
+
+class ModelWindowTest final : public ViewFixture {
   Q_OBJECT
 
  private:
   std::unique_ptr<QTemporaryDir> folder_;
   std::filesystem::path file_;
-  std::unique_ptr<MainWindow> window_;
 
   ModelPanel& panel() { return window_->model(); }
-  void open_walk() {
-    QSignalSpy opened(&window_->run(), &RunController::opened);
-    window_->open(kRepository / "scenarios/walk.yaml");
-    QVERIFY(opened.wait(kModelPatience_ms));
-  }
-  void run_to(std::uint64_t time_us) {
-    RunController& run = window_->run();
-    run.session()->wait();  // a run begins with a step
-    run.step((time_us - run.session()->status().time_us) / 1000);
-    QTRY_VERIFY_WITH_TIMEOUT(run.end_us() >= time_us, kModelPatience_ms);
-  }
   void start_again() {
     QSignalSpy opened(&window_->run(), &RunController::opened);
     auto* button = panel().findChild<QPushButton*>(QStringLiteral("start_again_model"));
     QVERIFY(button->isEnabled());
     QTest::mouseClick(button, Qt::LeftButton);
-    QVERIFY(opened.wait(kModelPatience_ms));
+    QVERIFY(opened.wait(kPatience_ms));
   }
   void set(const char* path, const char* value) {
     QVERIFY2(panel().set(QLatin1String(path), QLatin1String(value)), qPrintable(panel().message()));
@@ -69,45 +51,23 @@ class ModelWindowTest final : public QObject {
     window_->view().repaint();
     return window_->view().grabFramebuffer();
   }
-  // A place of the view at which there is the trunk.
-  std::optional<QPoint> trunk_place() {
-    RobotView& view = window_->view();
-    if (view.posed().empty()) return std::nullopt;
-    const Eigen::Vector2d place_px =
-        view::project(view.camera(), view.width(), view.height(), view.posed()[0].p_WL_m.cast<double>());
-    for (int dy = -60; dy <= 20; dy += 10)
-      for (int dx = -20; dx <= 20; dx += 10) {
-        const QPointF place(place_px.x() + dx, place_px.y() + dy);
-        if (const auto hit = view.link_at(place); hit && hit->link == 0) return place.toPoint();
-      }
-    return std::nullopt;
-  }
-  void save_picture(const char* name) {
-    const QString pictures = qEnvironmentVariable("KOBOSHI_PICTURES");
-    if (pictures.isEmpty()) return;
-    QTest::qWait(700);
-    window_->grab().save(pictures + u'/' + QLatin1String(name) + QStringLiteral(".png"));
-  }
   void show_panel() { window_->findChild<QDockWidget*>(QStringLiteral("model"))->raise(); }
 
  private Q_SLOTS:
   void init() {
-    QSettings().clear();
+    if (test::is_for_eyes_alone()) QSKIP("KOBOSHI_PICTURES names no folder");
     folder_ = std::make_unique<QTemporaryDir>();
     file_ = std::filesystem::path(folder_->path().toStdString()) / "robot.sdf";
-    std::filesystem::create_directory_symlink(kRepository / "robots/koboshi/meshes",
+    std::filesystem::create_directory_symlink(kRoot / "robots/koboshi/meshes",
                                               file_.parent_path() / "meshes");
-    std::filesystem::copy_file(kRepository / "robots/koboshi/robot.sdf", file_);
-    window_ = std::make_unique<MainWindow>(file_);
-    window_->resize(1280, 800);
-    window_->show();
-    QVERIFY(QTest::qWaitForWindowExposed(window_.get()));
+    std::filesystem::copy_file(kRoot / "robots/koboshi/robot.sdf", file_);
+    show_window(file_);
     show_panel();
   }
   void cleanup() { window_.reset(); }
 
   void chooses_in_the_view_and_in_the_tree() {
-    QTRY_VERIFY_WITH_TIMEOUT(window_->view().frames() > 0, kModelPatience_ms);
+    QTRY_VERIFY_WITH_TIMEOUT(window_->view().frames() > 0, kPatience_ms);
     QTRY_VERIFY(trunk_place());  // without a run, the view shows the edited robot
     panel().choose(QStringLiteral("head"));
     QTest::mouseClick(&window_->view(), Qt::LeftButton, {}, *trunk_place());
@@ -120,7 +80,7 @@ class ModelWindowTest final : public QObject {
   }
 
   void shows_a_mesh_at_once_and_a_mass_after_another_start() {
-    open_walk();
+    open_scenario("walk.yaml");
     const std::string first = file_text_of(file_);
     run_to(400'000);
     const std::uint64_t hash = window_->run().session()->state_hash();
@@ -168,8 +128,7 @@ class ModelWindowTest final : public QObject {
 
   // For the tutorial: KOBOSHI_PICTURES names a folder.
   void pictures() {
-    if (qEnvironmentVariableIsEmpty("KOBOSHI_PICTURES")) return;
-    open_walk();
+    open_scenario("walk.yaml");
     run_to(1'000'000);
     for (QAction* action : window_->all_actions())
       if (plain_text(*action) == QLatin1String("Inertia ellipsoids")) action->toggle();
@@ -194,14 +153,8 @@ class ModelWindowTest final : public QObject {
 
 }  // namespace koboshi::studio
 
-// The default format must be set before the application is made.
 int main(int argc, char** argv) {
-  QSurfaceFormat::setDefaultFormat(koboshi::studio::RobotView::format());
-  QApplication application(argc, argv);
-  QApplication::setOrganizationName(QStringLiteral("Koboshi"));
-  QApplication::setApplicationName(QStringLiteral("Koboshi Studio Test"));
-  koboshi::studio::ModelWindowTest test;
-  return QTest::qExec(&test, argc, argv);
+  return koboshi::studio::test::run_window_test<koboshi::studio::ModelWindowTest>(argc, argv);
 }
 
 #include "model_window_test.moc"

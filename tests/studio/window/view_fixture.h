@@ -16,19 +16,28 @@ class ViewFixture : public QObject {
  protected:
   std::unique_ptr<MainWindow> window_;
 
-  void show_window() {
-    window_ = test::make_window();
+  void show_window(const std::filesystem::path& robot = test::kRoot / "robots/koboshi/robot.sdf") {
+    window_ = test::make_window(robot);
     QVERIFY(window_);
   }
   void open(const std::filesystem::path& file) { QVERIFY(test::open(*window_, file)); }
+  // Opens a scenario of the repository with the stepper that takes the least time.
+  void open_scenario(const char* name) {
+    QSignalSpy opened(&window_->run(), &RunController::opened);
+    const std::vector<sim::Override> quick{{"physics.stepper", "lumped", "stepper"}};
+    window_->run().open_scenario(test::kRoot / "scenarios" / name, quick);
+    QVERIFY(opened.wait(test::kPatience_ms));
+  }
   void run_to(std::uint64_t time_us) { QVERIFY(test::run_to(*window_, time_us)); }
   QAction* action(const char* text) { return test::action(*window_, text); }
   void save_picture(const char* name) { test::save_picture(*window_, name); }
   // A place of the view at which there is the trunk: near its origin.
   std::optional<QPoint> trunk_place() {
     RobotView& view = window_->view();
-    if (window_->run().recording().samples.empty()) return std::nullopt;
-    const Eigen::Vector3d trunk_m = window_->run().recording().samples.back().links[0].p_WL_m.cast<double>();
+    const auto& samples = window_->run().recording().samples;
+    const auto& links = samples.empty() ? view.posed() : samples.back().links;
+    if (links.empty()) return std::nullopt;
+    const Eigen::Vector3d trunk_m = links[0].p_WL_m.cast<double>();
     const Eigen::Vector2d place_px = view::project(view.camera(), view.width(), view.height(), trunk_m);
     for (int dy = -60; dy <= 20; dy += 10)
       for (int dx = -20; dx <= 20; dx += 10) {

@@ -39,7 +39,7 @@ class ViewTest final : public ViewFixture {
   }
   // A run with a motion whose pose is a ghost in the place of the robot.
   void open_with_ghost() {
-    open(kRoot / "scenarios/walk.yaml");
+    open_scenario("walk.yaml");
     run_to(1'000'000);
     window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
     QTRY_VERIFY(window_->view().has_ghost());
@@ -295,7 +295,7 @@ class ViewTest final : public ViewFixture {
   }
 
   void footprints_of_a_live_run_come_and_are_rewound() {
-    open(kRoot / "scenarios/walk.yaml");
+    open_scenario("walk.yaml");
     for (const char* other : {"Zero moment point", "Support polygon", "Pushes"}) action(other)->trigger();
     QVERIFY(action("Footprints")->isChecked());
     run_to(1'500'000);
@@ -311,7 +311,7 @@ class ViewTest final : public ViewFixture {
   }
 
   void soles_and_zmp_from_above() {
-    open(kRoot / "scenarios/walk.yaml");
+    open_scenario("walk.yaml");
     auto* dock = window_->findChild<QDockWidget*>(QStringLiteral("soles"));
     dock->raise();
     run_to(5'000'000);
@@ -364,7 +364,7 @@ class ViewTest final : public ViewFixture {
       QTest::qWait(100);
       QVERIFY(motion.grab().save(folder + u'/' + QLatin1String(name) + QStringLiteral(".png")));
     };
-    open(kRoot / "scenarios/walk.yaml");
+    open_scenario("walk.yaml");
     run_to(5'200'000);
     window_->run().set_cursor(5'000'000);
     save_view("studio-walk");

@@ -22,9 +22,10 @@ inline const std::filesystem::path kRoot = KOBOSHI_SOURCE_DIR;
 
 // Makes a window of the usual size with forgotten settings, shows it, and makes it the active one. Null: it
 // did not become active.
-inline std::unique_ptr<MainWindow> make_window() {
+inline std::unique_ptr<MainWindow> make_window(
+    const std::filesystem::path& robot = kRoot / "robots/koboshi/robot.sdf") {
   QSettings().clear();
-  auto window = std::make_unique<MainWindow>(kRoot / "robots/koboshi/robot.sdf");
+  auto window = std::make_unique<MainWindow>(robot);
   window->resize(1280, 800);
   window->show();
   if (!QTest::qWaitForWindowExposed(window.get())) return nullptr;
@@ -58,6 +59,12 @@ inline bool click(const MainWindow& window, const char* name) {
   if (button == nullptr) return false;
   QTest::mouseClick(button, Qt::LeftButton);
   return true;
+}
+
+// Whether the present test only saves pictures, and nobody has asked for them.
+inline bool is_for_eyes_alone() {
+  return qstrcmp(QTest::currentTestFunction(), "pictures") == 0 &&
+         qEnvironmentVariableIsEmpty("KOBOSHI_PICTURES");
 }
 
 // Grabs a picture of the window into the folder KOBOSHI_PICTURES, if there is one; for eyes.
