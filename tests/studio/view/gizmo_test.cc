@@ -20,10 +20,11 @@ TEST(Gizmo, PicksTheAxisUnderTheMouse) {
   for (int axis = 0; axis < 3; ++axis) {
     const Eigen::Vector3d on_W_m = gizmo.p_W_m + 0.8 * gizmo.length_m * Eigen::Vector3d::Unit(axis);
     const Eigen::Vector2d place_px = view::project(gizmo_camera(), kView_px, kViewHeight_px, on_W_m);
-    EXPECT_EQ(pick_axis(gizmo, gizmo_camera(), kView_px, kViewHeight_px, place_px), axis);
+    EXPECT_EQ(pick_handle(gizmo, gizmo_camera(), kView_px, kViewHeight_px, place_px),
+              (Handle{Handle::Kind::kArrow, axis}));
   }
   const Eigen::Vector2d origin_px = view::project(gizmo_camera(), kView_px, kViewHeight_px, gizmo.p_W_m);
-  EXPECT_FALSE(pick_axis(gizmo, gizmo_camera(), kView_px, kViewHeight_px, origin_px));
+  EXPECT_FALSE(pick_handle(gizmo, gizmo_camera(), kView_px, kViewHeight_px, origin_px));
 }
 
 TEST(Gizmo, MovesAlongTheAxisByTheImageOfTheDrag) {
@@ -43,8 +44,8 @@ TEST(Gizmo, MovesAlongTheAxisByTheImageOfTheDrag) {
 TEST(Gizmo, MarksTheChosenAxis) {
   view::Marks none;
   view::Marks chosen;
-  add_gizmo(none, {}, std::nullopt);
-  add_gizmo(chosen, {}, 1);
+  add_gizmo(none, {}, gizmo_camera(), std::nullopt);
+  add_gizmo(chosen, {}, gizmo_camera(), Handle{Handle::Kind::kArrow, 1});
   ASSERT_EQ(none.solid.size(), chosen.solid.size());
   std::size_t differing = 0;
   for (std::size_t i = 0; i < none.solid.size(); ++i)

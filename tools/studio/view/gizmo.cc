@@ -4,11 +4,15 @@
 #include <array>
 #include <numbers>
 
+#include "tools/studio/view/ring.h"
+
 namespace koboshi::studio {
 namespace {
 
-constexpr double kReach_px = 7.0;     // of the mouse from an arrow's image
-constexpr double kInner = 0.35;       // share of an arrow that does not count
+constexpr double kReach_px = 7.0;  // of the mouse from an arrow's image
+constexpr double kRingReach_px = 5.0;
+constexpr double kInner = 0.35;       // share of an arrow, and of a ring's radius, that does not count
+constexpr double kRing = 0.7;         // radius of the rings, as a share of an arrow's length: behind its head
 constexpr double kRadius = 0.035;     // of an arrow's shaft, as a share of its length
 constexpr double kShortest_px = 8.0;  // image of an arrow that can be dragged
 constexpr std::array<view::Colour, 3> kColours{
@@ -19,16 +23,8 @@ Eigen::Vector3d tip_W_m(const Gizmo& gizmo, int axis) {
   return gizmo.p_W_m + gizmo.length_m * Eigen::Vector3d::Unit(axis);
 }
 
-}  // namespace
-
-void add_gizmo(view::Marks& marks, const Gizmo& gizmo, std::optional<int> chosen) {
-  for (int axis = 0; axis < 3; ++axis)
-    view::add_arrow(marks, gizmo.p_W_m, tip_W_m(gizmo, axis), kRadius * gizmo.length_m,
-                    chosen == axis ? kChosen : kColours[static_cast<std::size_t>(axis)]);
-}
-
-std::optional<int> pick_axis(const Gizmo& gizmo, const view::Camera& camera, int width_px, int height_px,
-                             const Eigen::Vector2d& pixel) {
+std::optional<int> pick_arrow(const Gizmo& gizmo, const view::Camera& camera, int width_px, int height_px,
+                              const Eigen::Vector2d& pixel) {
   const Eigen::Vector2d origin_px = view::project(camera, width_px, height_px, gizmo.p_W_m);
   std::optional<int> nearest;
   double nearest_px = kReach_px;
@@ -43,6 +39,52 @@ std::optional<int> pick_axis(const Gizmo& gizmo, const view::Camera& camera, int
     nearest = axis;
   }
   return nearest;
+}
+
+std::optional<int> pick_ring(const Gizmo& gizmo, const view::Camera& camera, int width_px, int height_px,
+                             const Eigen::Vector2d& pixel) {
+  if (!gizmo.rotates) return std::nullopt;
+  const Eigen::Vector2d origin_px = view::project(camera, width_px, height_px, gizmo.p_W_m);
+  const Eigen::Vector3d right_W = camera.view().row(0).head<3>().cast<double>();
+  const double radius_px =
+      (view::project(camera, width_px, height_px, gizmo.p_W_m + gizmo.ring_m() * right_W) - origin_px).norm();
+  if ((pixel - origin_px).norm() < kInner * radius_px) return std::nullopt;
+  std::optional<int> nearest;
+  double nearest_px = kRingReach_px;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double distance_px = ring_distance_px(gizmo, axis, camera, width_px, height_px, pixel);
+    if (distance_px >= nearest_px) continue;
+    nearest_px = distance_px;
+    nearest = axis;
+  }
+  return nearest;
+}
+
+}  // namespace
+
+double Gizmo::ring_m() const { return kRing * length_m; }
+
+view::Colour gizmo_colour(int axis, bool chosen) {
+  return chosen ? kChosen : kColours[static_cast<std::size_t>(axis)];
+}
+
+void add_gizmo(view::Marks& marks, const Gizmo& gizmo, const view::Camera& camera,
+               const std::optional<Handle>& chosen) {
+  for (int axis = 0; axis < 3; ++axis)
+    view::add_arrow(marks, gizmo.p_W_m, tip_W_m(gizmo, axis), kRadius * gizmo.length_m,
+                    gizmo_colour(axis, chosen == Handle{Handle::Kind::kArrow, axis}));
+  for (int axis = 0; axis < 3 && gizmo.rotates; ++axis)
+    add_ring(marks, gizmo, axis, camera, false,
+             gizmo_colour(axis, chosen == Handle{Handle::Kind::kRing, axis}));
+}
+
+std::optional<Handle> pick_handle(const Gizmo& gizmo, const view::Camera& camera, int width_px, int height_px,
+                                  const Eigen::Vector2d& pixel) {
+  if (const auto arrow = pick_arrow(gizmo, camera, width_px, height_px, pixel))
+    return Handle{Handle::Kind::kArrow, *arrow};
+  if (const auto ring = pick_ring(gizmo, camera, width_px, height_px, pixel))
+    return Handle{Handle::Kind::kRing, *ring};
+  return std::nullopt;
 }
 
 Eigen::Vector3d along_axis_W_m(const Gizmo& gizmo, int axis, const view::Camera& camera, int width_px,

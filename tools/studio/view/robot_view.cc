@@ -42,7 +42,9 @@ RobotView::RobotView(QWidget* parent) : QOpenGLWidget(parent), resolution_(kFram
   setAccessibleName(tr("View of the robot"));
   setToolTip(tr(
       "Drag: turn. Shift+drag: move. Wheel: distance. Double click: look there. Ctrl+drag a link: push it.\n"
-      "Edit a motion: drag hand, foot or trunk; Ctrl+Shift+drag: rotate it; right button: turn the view."));
+      "Edit a motion: drag hand, foot or trunk, or an arrow or ring at it: along or about the world's axis x "
+      "(red), y (green) or z (blue).\nCtrl+Shift+drag: rotate foot or trunk freely. Right button: turn the "
+      "view."));
   rest_.setSingleShot(true);
   rest_.setInterval(kRest_ms);
   connect(&rest_, &QTimer::timeout, this, [this] {
@@ -251,8 +253,7 @@ view::Marks RobotView::all_marks() const {
   marks.solid.insert(marks.solid.end(), limit_marks_.solid.begin(), limit_marks_.solid.end());
   layers_.add(marks, scene_, picture_.links);
   model_.add(marks, picture_.links);
-  if (const auto arrows = gizmo())
-    add_gizmo(marks, *arrows, grab_ && !grab_->rotates ? grab_->axis : gizmo_axis_);
+  add_handles(marks);
   if (push_) {
     const Eigen::Vector3d tip_m = point_W_m(push_->hit);
     view::add_arrow(marks, tip_m, tip_m + view::kForceScale_m_per_N * push_->force_W_N, kArrowRadius_m,

@@ -13,6 +13,7 @@
 #include "tools/studio/view/link_layers.h"
 #include "tools/studio/view/model_layer.h"
 #include "tools/studio/view/picking.h"
+#include "tools/studio/view/ring.h"
 #include "tools/studio/view/scaled_framebuffer.h"
 #include "tools/view/recording/recording.h"
 #include "tools/view/render/renderer.h"
@@ -21,9 +22,9 @@ namespace koboshi::studio {
 
 // Shows a robot and its ground. Drag: turn; drag with Shift or the middle button: move; wheel: distance;
 // double click: look at that place; drag a link with Ctrl: push it. Drag of a link that can be posed: move
-// it, or along an axis by the arrows at it; with Ctrl+Shift: rotate it; the right button turns the camera
-// there as well. While the picture moves, its resolution follows the machine's speed; 150 ms after that it is
-// drawn in full.
+// it, or along an axis by the arrows at it; by the rings at it: rotate it about an axis, with Ctrl+Shift as
+// the picture shows; the right button turns the camera there as well. While the picture moves, its resolution
+// follows the machine's speed; 150 ms after that it is drawn in full.
 class RobotView final : public QOpenGLWidget {
   Q_OBJECT
 
@@ -32,10 +33,11 @@ class RobotView final : public QOpenGLWidget {
   static constexpr double kPush_N_per_m = 60.0;
   static constexpr double kMaxPush_N = 60.0;
 
-  // A link that can be posed, and the point of it where its arrows begin.
+  // A link that can be posed, the point of it where its arrows begin, and whether it can be rotated.
   struct Posable {
     int link = 0;
     Eigen::Vector3d p_L_m = Eigen::Vector3d::Zero();
+    bool rotates = false;
     bool operator==(const Posable&) const = default;
   };
 
@@ -83,13 +85,13 @@ class RobotView final : public QOpenGLWidget {
   bool has_ghost() const { return !ghost_.empty(); }
   // All that is drawn now.
   const view::Picture& picture() const { return picture_; }
-  // The arrows at the link that was under the mouse last; nothing without such a link.
+  // The arrows and rings at the link that was under the mouse last; nothing without such a link.
   std::optional<Gizmo> gizmo() const;
   // A link under a place of the widget.
   std::optional<Hit> link_at(const QPointF& place) const;
-  // The posable link, and the axis of the arrows, under a place of the widget.
+  // The posable link, and the arrow or ring, under a place of the widget.
   std::optional<Hit> posable_at(const QPointF& place) const;
-  std::optional<int> gizmo_axis_at(const QPointF& place) const;
+  std::optional<Handle> gizmo_handle_at(const QPointF& place) const;
   // Names and places of the shown link frames and joint axes under a place of the widget; empty: none.
   QString mark_text_at(const QPointF& place) const;
   // Whether the picture rests, so that it is drawn in full resolution.
@@ -127,8 +129,9 @@ class RobotView final : public QOpenGLWidget {
   enum class Drag { kNone, kOrbit, kPan, kPush, kPose };
   struct PoseGrab {
     Eigen::Vector3d p_W_m = Eigen::Vector3d::Zero();
-    std::optional<int> axis = {};  // of the world; none: in the plane of the picture
-    bool rotates = false;
+    std::optional<Handle> handle = {};  // none: in the plane of the picture
+    std::optional<RingDrag> turn = {};  // of a ring
+    bool rotates = false;               // freely
   };
   struct PushDrag {
     Hit hit;
@@ -146,6 +149,7 @@ class RobotView final : public QOpenGLWidget {
   Eigen::Vector3d robot_W_m() const;
   Eigen::Vector3d point_W_m(const Hit& hit) const;
   view::Marks all_marks() const;
+  void add_handles(view::Marks& marks) const;
   bool begin_pose_drag(const QMouseEvent& event);
   void continue_pose_drag(const QPointF& place);
   void hover(const QPointF& place);
@@ -185,7 +189,7 @@ class RobotView final : public QOpenGLWidget {
   bool names_marks_ = false;  // the tooltip is that of a mark
   std::vector<Posable> posable_;
   int gizmo_link_ = -1;
-  std::optional<int> gizmo_axis_;  // under the mouse
+  std::optional<Handle> gizmo_handle_;  // under the mouse
   std::optional<PoseGrab> grab_;
   view::Marks limit_marks_;
 };

@@ -43,12 +43,21 @@ std::optional<Gizmo> RobotView::gizmo() const {
   if (found == posable_.end() || link >= posed().size()) return std::nullopt;
   const Eigen::Vector3d p_W_m =
       posed()[link].p_WL_m.cast<double>() + posed()[link].q_WL.cast<double>() * found->p_L_m;
-  return Gizmo{p_W_m, kGizmoShare * picture_.camera.distance_m};
+  return Gizmo{p_W_m, kGizmoShare * picture_.camera.distance_m, found->rotates};
 }
 
-std::optional<int> RobotView::gizmo_axis_at(const QPointF& place) const {
-  const auto arrows = gizmo();
-  return arrows ? pick_axis(*arrows, picture_.camera, width(), height(), pixels(place)) : std::nullopt;
+std::optional<Handle> RobotView::gizmo_handle_at(const QPointF& place) const {
+  const auto handles = gizmo();
+  return handles ? pick_handle(*handles, picture_.camera, width(), height(), pixels(place)) : std::nullopt;
+}
+
+// During a drag, the rings make room for what is dragged.
+void RobotView::add_handles(view::Marks& marks) const {
+  if (grab_ && grab_->turn) return grab_->turn->add(marks, picture_.camera);
+  auto handles = gizmo();
+  if (!handles) return;
+  if (grab_) handles->rotates = false;
+  add_gizmo(marks, *handles, picture_.camera, grab_ ? grab_->handle : gizmo_handle_);
 }
 
 QString RobotView::frame_text(std::size_t link) const {
@@ -108,9 +117,9 @@ void RobotView::hover(const QPointF& place) {
   const int link = hit ? hit->link : -1;
   if (std::exchange(hovered_, link) != link) Q_EMIT hovered(link);
   name_marks(place);
-  const auto axis = gizmo_axis_at(place);
-  if (std::exchange(gizmo_axis_, axis) != axis) update();
-  if (axis) return;
+  const auto handle = gizmo_handle_at(place);
+  if (std::exchange(gizmo_handle_, handle) != handle) update();
+  if (handle) return;
   const auto posable = posable_at(place);
   if (posable && std::exchange(gizmo_link_, posable->link) != posable->link) update();
 }
@@ -120,13 +129,16 @@ bool RobotView::begin_pose_drag(const QMouseEvent& event) {
   const bool rotates = event.modifiers() == (Qt::ControlModifier | Qt::ShiftModifier);
   if (event.modifiers() != Qt::NoModifier && !rotates) return false;
   PoseGrab grab{.rotates = rotates};
-  if (!rotates) grab.axis = gizmo_axis_at(event.position());
-  const auto hit = grab.axis ? std::nullopt : posable_at(event.position());
-  if (!grab.axis && !hit) return false;
+  if (!rotates) grab.handle = gizmo_handle_at(event.position());
+  const auto hit = grab.handle ? std::nullopt : posable_at(event.position());
+  if (!grab.handle && !hit) return false;
   if (hit) gizmo_link_ = hit->link;
   const view::Pose& pose = posed()[static_cast<std::size_t>(gizmo_link_)];
   grab.p_W_m = hit ? Eigen::Vector3d(pose.p_WL_m.cast<double>() + pose.q_WL.cast<double>() * hit->p_L_m)
                    : gizmo()->p_W_m;
+  if (grab.handle && grab.handle->kind == Handle::Kind::kRing)
+    grab.turn.emplace(*gizmo(), grab.handle->axis, picture_.camera, width(), height(),
+                      pixels(event.position()));
   grab_ = grab;
   drag_ = Drag::kPose;
   Q_EMIT pose_drag_began(gizmo_link_, grab.p_W_m);
@@ -139,10 +151,13 @@ void RobotView::continue_pose_drag(const QPointF& place) {
   if (grab_->rotates) {
     const Eigen::Vector3d rotation = rotation_W_rad(picture_.camera, height(), drag_px);
     Q_EMIT pose_dragged(none, rotation);
-  } else if (grab_->axis) {
+  } else if (grab_->turn) {
+    grab_->turn->move_to(picture_.camera, width(), height(), pixels(place));
+    Q_EMIT pose_dragged(none, grab_->turn->rotation_W_rad());
+  } else if (grab_->handle) {
     const Gizmo arrows{grab_->p_W_m, kGizmoShare * picture_.camera.distance_m};
-    Q_EMIT pose_dragged(along_axis_W_m(arrows, *grab_->axis, picture_.camera, width(), height(), drag_px),
-                        none);
+    Q_EMIT pose_dragged(
+        along_axis_W_m(arrows, grab_->handle->axis, picture_.camera, width(), height(), drag_px), none);
   } else {
     Q_EMIT pose_dragged(displacement_W_m(picture_.camera, height(), grab_->p_W_m, drag_px), none);
   }
