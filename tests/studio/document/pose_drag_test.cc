@@ -60,22 +60,34 @@ const Bodies& bodies() {
   return all;
 }
 
-class PoseDrags : public testing::TestWithParam<DragBody> {
+struct Dragged {
+  DragBody body;
+  DragSupport support = DragSupport::kBothFeet;  // of the trunk
+};
+
+class PoseDrags : public testing::TestWithParam<Dragged> {
  protected:
+  DragBody body() const { return GetParam().body; }
+  bool is_trunk() const { return body() == DragBody::kTrunk; }
+  bool moves_over_both() const { return is_trunk() && GetParam().support == DragSupport::kBothFeet; }
+  // Of the trunk.
+  DragBody support() const {
+    return GetParam().support == DragSupport::kRightFoot ? DragBody::kRightFoot : DragBody::kLeftFoot;
+  }
   const std::vector<double>& standing() const { return sample_robot()->standing_rad; }
   // A point of the body, off its origin.
   Vector3d point_L() const { return {0.01, -0.005, -0.02}; }
-  Vector3d grabbed_B() const { return bodies().pose(GetParam(), standing()) * point_L(); }
-  PoseDrag drag() const { return {*sample_robot(), standing(), GetParam(), grabbed_B()}; }
-  // Where the grabbed point is, in axes of the trunk at the start: for the trunk, as the left foot sees it.
+  Vector3d grabbed_B() const { return bodies().pose(body(), standing()) * point_L(); }
+  PoseDrag drag() const { return {*sample_robot(), standing(), body(), grabbed_B(), GetParam().support}; }
+  // Where the grabbed point is, in axes of the trunk at the start: for the trunk, as its support sees it.
   Vector3d point(const std::vector<double>& angles_rad) const {
-    if (GetParam() != DragBody::kTrunk) return bodies().pose(GetParam(), angles_rad) * point_L();
-    const Isometry3d X_BF0 = bodies().pose(DragBody::kLeftFoot, standing());
-    const Isometry3d X_BF = bodies().pose(DragBody::kLeftFoot, angles_rad);
+    if (!is_trunk()) return bodies().pose(body(), angles_rad) * point_L();
+    const Isometry3d X_BF0 = bodies().pose(support(), standing());
+    const Isometry3d X_BF = bodies().pose(support(), angles_rad);
     return X_BF0 * X_BF.inverse() * point_L();
   }
   void expect_support_kept(const std::vector<double>& angles_rad) const {
-    if (GetParam() == DragBody::kTrunk) {
+    if (moves_over_both()) {
       const auto between = [](const std::vector<double>& angles) {
         return Isometry3d(bodies().pose(DragBody::kLeftFoot, angles).inverse() *
                           bodies().pose(DragBody::kRightFoot, angles));
@@ -87,7 +99,7 @@ class PoseDrags : public testing::TestWithParam<DragBody> {
       // All others stay relative to the trunk, and so to the support foot.
       for (const DragBody other :
            {DragBody::kLeftFoot, DragBody::kRightFoot, DragBody::kLeftHand, DragBody::kRightHand}) {
-        if (other == GetParam()) continue;
+        if (other == (is_trunk() ? support() : body())) continue;
         EXPECT_LT(
             (bodies().pose(other, angles_rad).translation() - bodies().pose(other, standing()).translation())
                 .norm(),
@@ -106,13 +118,13 @@ class PoseDrags : public testing::TestWithParam<DragBody> {
   void expect_oriented(const std::vector<double>& angles_rad) const {
     if (is_hand()) return;
     const auto seen = [&](const std::vector<double>& angles) {
-      return Isometry3d(GetParam() == DragBody::kTrunk ? bodies().pose(DragBody::kLeftFoot, angles).inverse()
-                                                       : bodies().pose(GetParam(), angles));
+      return Isometry3d(is_trunk() ? bodies().pose(support(), angles).inverse()
+                                   : bodies().pose(body(), angles));
     };
     const Isometry3d before = seen(standing());
     EXPECT_LT(Eigen::AngleAxisd(before.linear().transpose() * seen(angles_rad).linear()).angle(), 2e-3);
   }
-  bool is_hand() const { return GetParam() == DragBody::kLeftHand || GetParam() == DragBody::kRightHand; }
+  bool is_hand() const { return body() == DragBody::kLeftHand || body() == DragBody::kRightHand; }
   // Another search than that of the drag: all poses of an arm on a grid of angles; of legs, places nearer to
   // the target around the one that was found, none of which may be reached.
   void expect_none_nearer(const PoseDrag& drag, const Vector3d& target, const DraggedPose& found) {
@@ -171,11 +183,11 @@ TEST_P(PoseDrags, ReachTargetsWithinReachAndKeepTheSupport) {
     }
     Vector3d displacement = point(angles_rad) - grabbed_B();
     Vector3d rotation = Vector3d::Zero();
-    if (GetParam() == DragBody::kLeftFoot || GetParam() == DragBody::kRightFoot) {
-      const Eigen::AngleAxisd turned(bodies().pose(GetParam(), angles_rad).linear() *
-                                     bodies().pose(GetParam(), standing()).linear().transpose());
+    if (!is_trunk() && !is_hand()) {
+      const Eigen::AngleAxisd turned(bodies().pose(body(), angles_rad).linear() *
+                                     bodies().pose(body(), standing()).linear().transpose());
       rotation = turned.angle() * turned.axis();
-    } else if (GetParam() == DragBody::kTrunk) {
+    } else if (is_trunk()) {
       displacement = 0.012 * random_direction();
       displacement.z() = -std::abs(displacement.z());
       rotation = 0.05 * random_direction();
@@ -218,8 +230,11 @@ TEST_P(PoseDrags, GoToTheNearestReachablePoseWithoutJumps) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Bodies, PoseDrags,
-                         testing::Values(DragBody::kTrunk, DragBody::kLeftFoot, DragBody::kRightFoot,
-                                         DragBody::kLeftHand, DragBody::kRightHand));
+                         testing::Values(Dragged{DragBody::kTrunk},
+                                         Dragged{DragBody::kTrunk, DragSupport::kLeftFoot},
+                                         Dragged{DragBody::kTrunk, DragSupport::kRightFoot},
+                                         Dragged{DragBody::kLeftFoot}, Dragged{DragBody::kRightFoot},
+                                         Dragged{DragBody::kLeftHand}, Dragged{DragBody::kRightHand}));
 
 TEST(PoseDrag, NamesTheJointAtItsLimit) {
   const auto& standing = sample_robot()->standing_rad;
@@ -245,6 +260,20 @@ TEST(PoseDrag, TurnsAsFarAsItCanAndKeepsTheGrabbedPoint) {
   EXPECT_NEAR(pose.missing_rad + turned.angle() * turned.axis().z(), 2.5, 0.15);
 }
 
+// The orientation after 4.5 rad is that after -1.8 rad.
+TEST(PoseDrag, StaysAtItsLimitBeyondHalfATurn) {
+  const auto& standing = sample_robot()->standing_rad;
+  const Vector3d foot = bodies().pose(DragBody::kRightFoot, standing).translation();
+  const PoseDrag drag(*sample_robot(), standing, DragBody::kRightFoot, foot);
+  const DraggedPose half = drag.move(Vector3d::Zero(), {0.0, 0.0, 3.14});
+  const DraggedPose beyond = drag.move(Vector3d::Zero(), {0.0, 0.0, 4.5});
+  EXPECT_FALSE(beyond.reached);
+  EXPECT_NEAR(beyond.missing_rad - half.missing_rad, 4.5 - 3.14, 0.01);
+  for (std::size_t joint = 0; joint < standing.size(); ++joint)
+    EXPECT_NEAR(beyond.angles_rad[joint], half.angles_rad[joint], 0.01)
+        << sample_robot()->model.joint_names[joint];
+}
+
 TEST(BoundedLeastSquares, FindTheMinimumOfAQuadraticWithinBounds) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -266,6 +295,21 @@ TEST(BoundedLeastSquares, FindTheMinimumOfAQuadraticWithinBounds) {
         ASSERT_GT(slope[k], -1e-9);
       }
     }
+  }
+}
+
+// Aside, the leg of the other foot is too short: the trunk reaches the place only over the foot on that side.
+TEST(PoseDrag, OverOneFootReachesFartherThanOverBoth) {
+  const auto& standing = sample_robot()->standing_rad;
+  const auto reached = [&](DragSupport support, double left_m) {
+    return PoseDrag(*sample_robot(), standing, DragBody::kTrunk, Vector3d::Zero(), support)
+        .move({0.0, left_m, 0.0})
+        .reached;
+  };
+  for (const double left_m : {0.05, -0.05}) {
+    EXPECT_FALSE(reached(DragSupport::kBothFeet, left_m));
+    EXPECT_EQ(reached(DragSupport::kLeftFoot, left_m), left_m > 0.0);
+    EXPECT_EQ(reached(DragSupport::kRightFoot, left_m), left_m < 0.0);
   }
 }
 

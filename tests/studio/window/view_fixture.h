@@ -47,17 +47,21 @@ class ViewFixture : public QObject {
     return std::nullopt;
   }
   // Drags in the view by real events of the mouse.
-  void drag(const QPoint& from, const QPoint& by, Qt::KeyboardModifiers modifiers = Qt::NoModifier) {
+  void press_and_move(const QPoint& from, const QPoint& to,
+                      Qt::KeyboardModifiers modifiers = Qt::NoModifier) {
     RobotView& view = window_->view();
     QTest::mousePress(&view, Qt::LeftButton, modifiers, from);
     constexpr int kMoves = 8;
     for (int i = 1; i <= kMoves; ++i) {
-      const QPointF place = QPointF(from) + QPointF(by) * i / kMoves;
+      const QPointF place = QPointF(from) + QPointF(to - from) * i / kMoves;
       QMouseEvent move(QEvent::MouseMove, place, view.mapToGlobal(place), Qt::NoButton, Qt::LeftButton,
                        modifiers);
       QApplication::sendEvent(&view, &move);
     }
-    QTest::mouseRelease(&view, Qt::LeftButton, modifiers, from + by);
+  }
+  void drag(const QPoint& from, const QPoint& by, Qt::KeyboardModifiers modifiers = Qt::NoModifier) {
+    press_and_move(from, from + by, modifiers);
+    QTest::mouseRelease(&window_->view(), Qt::LeftButton, modifiers, from + by);
   }
   // A place of the view at which this link of the edited robot is seen.
   std::optional<QPoint> place_of(const char* name) {
@@ -72,12 +76,18 @@ class ViewFixture : public QObject {
       for (int dy = -reach; dy <= reach; dy += 4)
         for (int dx = -reach; dx <= reach; dx += 4) {
           const QPoint place = (QPointF(place_px.x() + dx, place_px.y() + dy)).toPoint();
-          if (view.gizmo_axis_at(QPointF(place))) continue;  // a drag would grab that arrow
+          if (view.gizmo_handle_at(QPointF(place))) continue;  // a drag would grab that arrow or ring
           const auto hit = view.posable_at(QPointF(place));
           if (hit && hit->link == static_cast<int>(link)) return place;
         }
     return std::nullopt;
   }
+  std::size_t link(const char* name) {
+    const auto& links = window_->view().scene().links;
+    return static_cast<std::size_t>(std::ranges::find(links, std::string(name), &view::Link::name) -
+                                    links.begin());
+  }
+  view::Pose pose_of(const char* name) { return window_->view().posed().at(link(name)); }
   void hover(const QPoint& place) {
     RobotView& view = window_->view();
     QMouseEvent move(QEvent::MouseMove, QPointF(place), view.mapToGlobal(QPointF(place)), Qt::NoButton,

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/studio/window/view_fixture.h"
+#include "tests/support/qt_tests.h"
 #include "tools/studio/motion/joint_panel.h"
 #include "tools/studio/view/sole_panel.h"
 #include "tools/view/render/playback.h"
@@ -26,203 +27,15 @@ class ViewTest final : public ViewFixture {
   Q_OBJECT
 
  private:
-  std::size_t link(const char* name) {
-    const auto& links = window_->view().scene().links;
-    return static_cast<std::size_t>(std::ranges::find(links, std::string(name), &view::Link::name) -
-                                    links.begin());
-  }
-  view::Pose pose_of(const char* name) { return window_->view().posed().at(link(name)); }
   void trigger_named(const char* name) {
     auto* action = window_->findChild<QAction*>(QLatin1String(name));
     QVERIFY2(action != nullptr, name);
     action->trigger();
   }
-  // A run with a motion whose pose is a ghost in the place of the robot.
-  void open_with_ghost() {
-    open_scenario("walk.yaml");
-    run_to(1'000'000);
-    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
-    QTRY_VERIFY(window_->view().has_ghost());
-    run_to(1'010'000);
-  }
 
  private Q_SLOTS:
   void init() { show_window(); }
   void cleanup() { window_.reset(); }
-
-  void drags_a_hand() {
-    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
-    MotionPanel& motion = window_->motion();
-    const std::string before = motion.text();
-    const std::vector<double> pose = motion.editable_pose();
-    QVERIFY(!pose.empty());
-    const auto undo_count = [&] { return motion.editor().document().history().undo_count(); };
-    const std::size_t undos = undo_count();
-    QTRY_VERIFY(place_of("left_forearm"));
-    drag(*place_of("left_forearm"), {40, -60});
-    const std::vector<double> dragged = motion.editable_pose();
-    QVERIFY(std::abs(dragged[joint("left_shoulder_roll")] - pose[joint("left_shoulder_roll")]) > 0.02 ||
-            std::abs(dragged[joint("left_shoulder_pitch")] - pose[joint("left_shoulder_pitch")]) > 0.02);
-    for (const char* kept : {"left_knee", "right_knee", "right_elbow", "head_pan"})
-      QCOMPARE(dragged[joint(kept)], pose[joint(kept)]);
-    QVERIFY(motion.text() != before);
-    QCOMPARE(undo_count(), undos + 1);
-    save_picture("drag-hand");
-    motion.findChild<QAction*>(QStringLiteral("undo"))->trigger();
-    QCOMPARE(motion.text(), before);
-  }
-
-  void drags_the_trunk_with_both_feet_on_the_ground() {
-    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
-    MotionPanel& motion = window_->motion();
-    RobotView& view = window_->view();
-    QTRY_VERIFY(place_of("trunk"));
-    const auto before = view.posed();
-    const auto soles = view.scene().sole_links;
-    drag(*place_of("trunk"), {0, 30});
-    const auto after = view.posed();
-    QVERIFY(after[0].p_WL_m.z() < before[0].p_WL_m.z() - 0.002F);
-    for (const int sole : soles) {
-      const auto link = static_cast<std::size_t>(sole);
-      QVERIFY((after[link].p_WL_m - before[link].p_WL_m).norm() < 1e-4F);
-    }
-    // The right button turns the view, also from the robot.
-    const std::string text = motion.text();
-    const double azimuth = view.camera().azimuth_rad;
-    const QPoint place = *place_of("trunk");
-    QTest::mousePress(&view, Qt::RightButton, {}, place);
-    QMouseEvent move(QEvent::MouseMove, QPointF(place) + QPointF(50, 0),
-                     view.mapToGlobal(QPointF(place) + QPointF(50, 0)), Qt::NoButton, Qt::RightButton, {});
-    QApplication::sendEvent(&view, &move);
-    QTest::mouseRelease(&view, Qt::RightButton, {}, place);
-    QVERIFY(view.camera().azimuth_rad != azimuth);
-    QCOMPARE(motion.text(), text);
-  }
-
-  void drags_along_an_axis_of_the_gizmo() {
-    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
-    RobotView& view = window_->view();
-    QTRY_VERIFY(place_of("left_forearm"));
-    QVERIFY(!view.gizmo());
-    const QPoint hand = *place_of("left_forearm");
-    hover(hand);
-    QTRY_VERIFY(view.gizmo());
-    save_picture("gizmo");
-    const Gizmo arrows = *view.gizmo();
-    const Eigen::Vector2d tip_px =
-        view::project(view.camera(), view.width(), view.height(),
-                      arrows.p_W_m + 0.9 * arrows.length_m * Eigen::Vector3d::UnitZ());
-    const QPoint tip = QPointF(tip_px.x(), tip_px.y()).toPoint();
-    hover(tip);
-    QCOMPARE(view.gizmo_axis_at(tip), std::optional<int>(2));
-    drag(tip, {0, -15});
-    const Eigen::Vector3d moved_m = view.gizmo()->p_W_m - arrows.p_W_m;
-    QVERIFY2(moved_m.z() > 0.003, qPrintable(QString::number(moved_m.z())));
-  }
-
-  // Far below the ground: the knees are bent as far as they go.
-  void recolours_the_limbs_at_their_limits() {
-    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
-    RobotView& view = window_->view();
-    QTRY_VERIFY(place_of("trunk"));
-    const QPoint place = *place_of("trunk");
-    QTest::mousePress(&view, Qt::LeftButton, {}, place);
-    const QPointF far = QPointF(place) + QPointF(0, 500);
-    QMouseEvent move(QEvent::MouseMove, far, view.mapToGlobal(far), Qt::NoButton, Qt::LeftButton, {});
-    QApplication::sendEvent(&view, &move);
-    const QString told = window_->statusBar()->currentMessage();
-    const std::vector<view::Tint> tints = view.picture().tints;
-    save_picture("limit");
-    QTest::mouseRelease(&view, Qt::LeftButton, {}, far.toPoint());
-    QVERIFY2(
-        told.contains(QStringLiteral("Out of reach by")) && told.contains(QStringLiteral("At the limit")),
-        qPrintable(told));
-    QCOMPARE(tints.size(), view.scene().links.size());
-    const auto share = [&](const char* name) {
-      const auto& links = view.scene().links;
-      const auto found = std::ranges::find(links, std::string(name), &view::Link::name);
-      return tints[static_cast<std::size_t>(found - links.begin())].share;
-    };
-    for (const char* name : {"left_thigh", "right_thigh", "left_foot"}) QVERIFY2(share(name) > 0.0F, name);
-    for (const char* name : {"trunk", "head", "left_forearm"}) QVERIFY2(share(name) == 0.0F, name);
-    QVERIFY(view.picture().tints.empty());
-  }
-
-  void rotates_a_foot_with_control_and_shift() {
-    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
-    MotionPanel& motion = window_->motion();
-    QTRY_VERIFY(place_of("left_foot"));
-    const view::Pose foot = pose_of("left_foot");
-    const view::Pose support = pose_of("right_foot");
-    const QPoint place = *place_of("left_foot");
-    const Hit hit = *window_->view().posable_at(place);
-    const auto grabbed_m = [&] {
-      const view::Pose pose = pose_of("left_foot");
-      return Eigen::Vector3d(pose.p_WL_m.cast<double>() + pose.q_WL.cast<double>() * hit.p_L_m);
-    };
-    const Eigen::Vector3d before_m = grabbed_m();
-    const std::size_t undos = motion.editor().document().history().undo_count();
-    drag(place, {30, 0}, Qt::ControlModifier | Qt::ShiftModifier);
-    const auto turned_rad = static_cast<double>(pose_of("left_foot").q_WL.angularDistance(foot.q_WL));
-    // Half a turn across the height of the picture.
-    const double asked_rad = 30.0 * std::numbers::pi / window_->view().height();
-    QVERIFY2(std::abs(turned_rad - asked_rad) < 0.02, qPrintable(QString::number(turned_rad)));
-    QVERIFY((grabbed_m() - before_m).norm() < 1e-3);
-    QVERIFY((pose_of("right_foot").p_WL_m - support.p_WL_m).norm() < 1e-4F);
-    QCOMPARE(motion.editor().document().history().undo_count(), undos + 1);
-    // Nothing is pushed or turned instead.
-    QVERIFY(window_->run().recording().pushes.empty());
-  }
-
-  void keeps_the_chosen_support_foot() {
-    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
-    MotionPanel& motion = window_->motion();
-    QTRY_VERIFY(place_of("left_foot"));
-    const auto dragged = [&](const char* foot, const char* support) {
-      action(support)->trigger();
-      const std::string text = motion.text();
-      const view::Pose left = pose_of("left_foot");
-      const view::Pose right = pose_of("right_foot");
-      drag(*place_of(foot), {0, -15});
-      const bool changed = motion.text() != text;
-      const bool is_left = std::string(foot) == "left_foot";
-      const view::Pose kept = pose_of(is_left ? "right_foot" : "left_foot");
-      const bool is_kept = (kept.p_WL_m - (is_left ? right : left).p_WL_m).norm() < 1e-4F;
-      if (changed) motion.findChild<QAction*>(QStringLiteral("undo"))->trigger();
-      return changed && is_kept;
-    };
-    QVERIFY(dragged("left_foot", "Support: lower foot"));
-    QVERIFY(dragged("left_foot", "Support: right foot"));
-    QVERIFY(dragged("right_foot", "Support: left foot"));
-    // A support foot is not dragged; the status line says so.
-    QVERIFY(!dragged("left_foot", "Support: left foot"));
-    QVERIFY(window_->statusBar()->currentMessage().contains(QStringLiteral("support")));
-    QVERIFY(!dragged("right_foot", "Support: right foot"));
-    QVERIFY(!dragged("right_foot", "Support: both feet"));
-  }
-
-  void drags_the_ghost_of_a_run() {
-    open_with_ghost();
-    MotionPanel& motion = window_->motion();
-    RobotView& view = window_->view();
-    QTRY_VERIFY(place_of("left_forearm"));
-    const std::string text = motion.text();
-    const std::vector<double> pose = motion.editable_pose();
-    const std::vector<view::Pose> robot = view.picture().links;
-    const view::Pose foot = pose_of("right_foot");
-    const std::size_t elbow = joint("left_elbow");
-    drag(*place_of("left_forearm"), {40, -40});
-    QVERIFY(motion.text() != text);
-    const std::vector<double> after = motion.editable_pose();
-    QVERIFY(std::abs(after[elbow] - pose[elbow]) +
-                std::abs(after[joint("left_shoulder_pitch")] - pose[joint("left_shoulder_pitch")]) >
-            0.05);
-    QVERIFY((pose_of("right_foot").p_WL_m - foot.p_WL_m).norm() < 1e-4F);
-    // The robot of the run stays, and is not pushed.
-    for (std::size_t i = 0; i < robot.size(); ++i) QCOMPARE(view.picture().links[i].p_WL_m, robot[i].p_WL_m);
-    QVERIFY(window_->run().recording().pushes.empty());
-    save_picture("drag-ghost");
-  }
 
   void shows_the_poses_around_a_step() {
     window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
@@ -385,10 +198,16 @@ class ViewTest final : public ViewFixture {
   }
 };
 
+static const koboshi::test::AddQtTest<ViewTest> kViewTest;
+
 }  // namespace koboshi::studio
 
 int main(int argc, char** argv) {
-  return koboshi::studio::test::run_window_test<koboshi::studio::ViewTest>(argc, argv);
+  QSurfaceFormat::setDefaultFormat(koboshi::studio::RobotView::format());
+  QApplication application(argc, argv);
+  QApplication::setOrganizationName(QStringLiteral("Koboshi"));
+  QApplication::setApplicationName(QStringLiteral("Koboshi Studio Test"));
+  return koboshi::test::run_qt_tests(argc, argv);
 }
 
 #include "view_test.moc"

@@ -61,15 +61,16 @@ std::size_t link_of(const MotionRobot& robot, DragBody body) {
 
 }  // namespace
 
-DragReach::DragReach(const MotionRobot& robot, std::span<const double> angles_rad, DragBody body,
+DragReach::DragReach(const MotionRobot& robot, std::span<const double> angles_rad, const Dragged& dragged,
                      const Vector3d& grabbed_B_m, std::uint32_t joints)
     : robot_(robot),
-      body_(body),
+      dragged_(dragged),
       tree_(*robot.description),
       start_rad_(angles_rad.begin(), angles_rad.end()),
-      link_(link_of(robot, body)),
+      link_(link_of(robot, dragged.body)),
       feet_{link_of(robot, DragBody::kLeftFoot), link_of(robot, DragBody::kRightFoot)},
       grabbed_B_m_(grabbed_B_m) {
+  if (dragged.support == DragSupport::kRightFoot) std::swap(feet_[0], feet_[1]);
   for (std::size_t joint = 0; joint < start_rad_.size(); ++joint)
     if ((joints >> joint & 1U) != 0) joints_.push_back(joint);
   const auto limits = [&](fixed::Angle robot::Joint::*which) {
@@ -81,8 +82,8 @@ DragReach::DragReach(const MotionRobot& robot, std::span<const double> angles_ra
   bounds_ = {limits(&robot::Joint::lower), limits(&robot::Joint::upper)};
   const Links links = tree_.poses(*robot_.description, Isometry3d::Identity(), start_rad_);
   X_BBody_ = links[link_];
-  X_BLeft_ = links[feet_[0]];
-  X_LeftRight_ = links[feet_[0]].inverse() * links[feet_[1]];
+  X_BSupport_ = links[feet_[0]];
+  X_SupportOther_ = links[feet_[0]].inverse() * links[feet_[1]];
 }
 
 VectorXd DragReach::variables(std::span<const double> angles_rad) const {
@@ -97,13 +98,14 @@ std::vector<double> DragReach::with_variables(const VectorXd& q) const {
   return angles_rad;
 }
 
-// The dragged body in axes of the trunk as it was at the start; the trunk, as the left foot sees it.
+// The dragged body in axes of the trunk as it was at the start; the trunk, as its support sees it.
 Isometry3d DragReach::moved_body(const Links& links) const {
-  return body_ == DragBody::kTrunk ? Isometry3d(X_BLeft_ * links[feet_[0]].inverse()) : links[link_];
+  return dragged_.body == DragBody::kTrunk ? Isometry3d(X_BSupport_ * links[feet_[0]].inverse())
+                                           : links[link_];
 }
 
 VectorXd DragReach::soles_error_m(const Links& links) const {
-  const Isometry3d X = X_LeftRight_.inverse() * links[feet_[0]].inverse() * links[feet_[1]];
+  const Isometry3d X = X_SupportOther_.inverse() * links[feet_[0]].inverse() * links[feet_[1]];
   VectorXd error(6);
   error << X.translation(), kLever_m * rotation_vector(X.linear());
   return error;
@@ -114,13 +116,13 @@ Residuals DragReach::residuals(const Vector3d& displacement_B_m, const Vector3d&
   const Links links = tree_.poses(*robot_.description, Isometry3d::Identity(), angles_rad);
   const Isometry3d X_BNow = moved_body(links);
   const Vector3d place_m = X_BNow * (X_BBody_.inverse() * grabbed_B_m_) - grabbed_B_m_ - displacement_B_m;
-  if (is_arm(body_)) return {VectorXd(0), place_m};
+  if (is_arm(dragged_.body)) return {VectorXd(0), place_m};
   const Vector3d turn_m =
       kLever_m *
       rotation_vector(X_BNow.linear() * (matrix_of(rotation_B_rad) * X_BBody_.linear()).transpose());
   Residuals result{turn_m, place_m};
   if (rotates(displacement_B_m, rotation_B_rad)) std::swap(result.hard, result.soft);
-  if (body_ == DragBody::kTrunk) {
+  if (dragged_.body == DragBody::kTrunk && dragged_.support == DragSupport::kBothFeet) {
     VectorXd hard(9);
     hard << result.hard, soles_error_m(links);
     result.hard = hard;
@@ -130,7 +132,7 @@ Residuals DragReach::residuals(const Vector3d& displacement_B_m, const Vector3d&
 
 // Whether the rotation is to come near to its target, and the grabbed point is kept.
 bool DragReach::rotates(const Vector3d& displacement_B_m, const Vector3d& rotation_B_rad) const {
-  return !is_arm(body_) && displacement_B_m.isZero() && !rotation_B_rad.isZero();
+  return !is_arm(dragged_.body) && displacement_B_m.isZero() && !rotation_B_rad.isZero();
 }
 
 DragReach::Missing DragReach::missing(const Vector3d& displacement_B_m, const Vector3d& rotation_B_rad,
@@ -143,7 +145,7 @@ DragReach::Missing DragReach::missing(const Vector3d& displacement_B_m, const Ve
 std::vector<double> DragReach::nearest(const Vector3d& displacement_B_m, const Vector3d& rotation_B_rad,
                                        std::span<const double> from) const {
   std::vector<VectorXd> starts{variables(from)};
-  if (is_arm(body_))
+  if (is_arm(dragged_.body))
     for (const double share : kStarts)
       starts.emplace_back(bounds_.lower + share * (bounds_.upper - bounds_.lower));
   const ResidualFunction function = [&](const VectorXd& q) {

@@ -17,12 +17,16 @@ namespace koboshi::studio {
 //
 // Of a hand, the grabbed point comes as near to its target as it can. A foot or the trunk that is moved keeps
 // its orientation, and its grabbed point comes as near as it then can; one that is rotated keeps the grabbed
-// point, and turns as far as it then can. While the trunk moves, the soles stay where they are relative to
-// each other.
+// point, and turns as far as it then can. While the trunk moves over both feet, the soles stay where they are
+// relative to each other.
 class DragReach {
  public:
+  struct Dragged {
+    DragBody body = DragBody::kTrunk;
+    DragSupport support = DragSupport::kBothFeet;
+  };
   // As PoseDrag; `joints` is the mask of the joints that may move. `robot` must outlive this.
-  DragReach(const MotionRobot& robot, std::span<const double> angles_rad, DragBody body,
+  DragReach(const MotionRobot& robot, std::span<const double> angles_rad, const Dragged& dragged,
             const Eigen::Vector3d& grabbed_B_m, std::uint32_t joints);
 
   // The local minima to which two or more poses lead; the nearest of them. Empty if none keeps what has to be
@@ -51,17 +55,17 @@ class DragReach {
                       std::span<const double> angles_rad) const;
 
   const MotionRobot& robot_;
-  DragBody body_;
+  Dragged dragged_;
   sim::LinkTree tree_;
   std::vector<double> start_rad_;
   std::vector<std::size_t> joints_;
   VariableBounds bounds_;
   std::size_t link_ = 0;               // the dragged one
-  std::array<std::size_t, 2> feet_{};  // links
+  std::array<std::size_t, 2> feet_{};  // links; the support of the trunk, and the other one
   Eigen::Vector3d grabbed_B_m_;
-  Eigen::Isometry3d X_BBody_;  // at the start, as X_BLeft_
-  Eigen::Isometry3d X_BLeft_;
-  Eigen::Isometry3d X_LeftRight_;  // of the feet
+  Eigen::Isometry3d X_BBody_;  // at the start, as X_BSupport_
+  Eigen::Isometry3d X_BSupport_;
+  Eigen::Isometry3d X_SupportOther_;  // of the feet
 };
 
 }  // namespace koboshi::studio

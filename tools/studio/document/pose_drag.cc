@@ -31,6 +31,8 @@ constexpr double kMaxTurn_rad = 0.6;
 constexpr int kHalvings = 8;  // of the last step: 0.04 mm
 // The search ends this close to a limit: 0.1 degrees.
 constexpr double kAtLimit_rad = 0.002;
+// Just under half a turn.
+constexpr double kMaxRotation_rad = std::numbers::pi - 1e-3;
 // By which the soles may move relative to each other when the trunk is dragged: half of what a user is
 // promised, 0.1 mm. The tolerance of BodySolution is coarser.
 constexpr double kSoles_m = 5e-5;
@@ -63,27 +65,32 @@ simulation::Target target_of(const Isometry3d& X) {
   return target;
 }
 
-std::size_t side_of(DragBody body) {
+// Of the limb that moves; of the trunk, of its support, and of both feet the left one.
+std::size_t side_of(DragBody body, DragSupport support) {
+  if (body == DragBody::kTrunk) return support == DragSupport::kRightFoot ? 1 : 0;
   return body == DragBody::kRightFoot || body == DragBody::kRightHand ? 1 : 0;
 }
 bool is_hand(DragBody body) { return body == DragBody::kLeftHand || body == DragBody::kRightHand; }
 
-const char* group_of(DragBody body) {
+const char* group_of(DragBody body, DragSupport support) {
   constexpr std::array kGroups{"legs", "left_leg", "right_leg", "left_arm", "right_arm"};
-  return kGroups[static_cast<std::size_t>(body)];
+  return kGroups[body == DragBody::kTrunk ? static_cast<std::size_t>(support)
+                                          : static_cast<std::size_t>(body)];
 }
 
 }  // namespace
 
 PoseDrag::PoseDrag(const MotionRobot& robot, std::span<const double> angles_rad, DragBody body,
-                   const Vector3d& grabbed_B_m)
+                   const Vector3d& grabbed_B_m, DragSupport support)
     : robot_(robot),
       body_(body),
+      support_(support),
+      side_(side_of(body, support)),
       model_(robot.model),
       start_rad_(angles_rad.begin(), angles_rad.end()),
       grabbed_B_m_(grabbed_B_m),
-      joints_(simulation::JointNames(robot.model).mask(group_of(body))),
-      reach_(robot, angles_rad, body, grabbed_B_m, joints_) {
+      joints_(simulation::JointNames(robot.model).mask(group_of(body, support))),
+      reach_(robot, angles_rad, {body, support}, grabbed_B_m, joints_) {
   const robot::RobotModel& model = model_.model;
   for (const double angle_rad : start_rad_) start_.push_back(fixed::from_double<Angle>(angle_rad));
   robot::LinkPoses X_BLinks;
@@ -91,7 +98,7 @@ PoseDrag::PoseDrag(const MotionRobot& robot, std::span<const double> angles_rad,
   X_BS_ = isometry_of(robot::sole_pose(model, hal::Side::kLeft, X_BLinks));
   p_SRight_m_ =
       X_BS_.inverse() * isometry_of(robot::sole_pose(model, hal::Side::kRight, X_BLinks)).translation();
-  X_BSole_ = isometry_of(robot::sole_pose(model, static_cast<hal::Side>(side_of(body)), X_BLinks));
+  X_BSole_ = isometry_of(robot::sole_pose(model, static_cast<hal::Side>(side_), X_BLinks));
   for (const hal::Side side : {hal::Side::kLeft, hal::Side::kRight}) {
     robot::LegGeometry leg;
     if (robot::make_leg_geometry(model, side, leg)) hip_B_m_ += 0.5 * vector_of(leg.p_BH_B);
@@ -100,9 +107,9 @@ PoseDrag::PoseDrag(const MotionRobot& robot, std::span<const double> angles_rad,
   const auto elbow = model.find(body == DragBody::kLeftHand ? JointRole::kLeftElbow : JointRole::kRightElbow);
   if (!elbow) return;
   const Vector3d tip = isometry_of(X_BLinks[*elbow]).inverse() * grabbed_B_m;
-  model_.hands[side_of(body)] = {fixed::from_double<fixed::Length>(tip.x()),
-                                 fixed::from_double<fixed::Length>(tip.y()),
-                                 fixed::from_double<fixed::Length>(tip.z())};
+  model_.hands[side_] = {fixed::from_double<fixed::Length>(tip.x()),
+                         fixed::from_double<fixed::Length>(tip.y()),
+                         fixed::from_double<fixed::Length>(tip.z())};
 }
 
 PoseDrag::Attempt PoseDrag::solve(const Vector3d& displacement_B_m, const Vector3d& rotation_B_rad,
@@ -115,20 +122,21 @@ PoseDrag::Attempt PoseDrag::solve(const Vector3d& displacement_B_m, const Vector
   simulation::BodyTargets targets;
   targets.support = simulation::BodyTargets::Support::kLeft;
   std::span<const Angle> begin = start_;
-  if (body_ == DragBody::kTrunk) {
+  if (moves_over_both()) {
     targets.trunk = target_of(Isometry3d(X_SB * X * Eigen::Translation3d(hip_B_m_)));
+  } else if (body_ == DragBody::kTrunk) {  // as the trunk sees it, its support moves the other way
+    targets.feet[side_] = target_of(X_SB * X.inverse() * X_BSole_);
   } else if (is_hand(body_)) {
     begin = from;  // an iterative solution stays in the branch in which it begins
     const Vector3d p_S = X_SB * (grabbed_B_m_ + displacement_B_m);
-    targets.hands[side_of(body_)].position_m = {p_S.x(), p_S.y(), p_S.z()};
+    targets.hands[side_].position_m = {p_S.x(), p_S.y(), p_S.z()};
   } else {
-    targets.feet[side_of(body_)] = target_of(X_SB * X * X_BSole_);
+    targets.feet[side_] = target_of(X_SB * X * X_BSole_);
   }
   simulation::BodySolution solution = simulation::solve_targets(model_, targets, begin);
   for (std::size_t joint = 0; joint < start_.size(); ++joint)
     if ((joints_ >> joint & 1U) == 0) solution.angles[joint] = start_[joint];
-  const bool reached =
-      solution.unreached.empty() && (body_ != DragBody::kTrunk || keeps_soles(solution.angles));
+  const bool reached = solution.unreached.empty() && (!moves_over_both() || keeps_soles(solution.angles));
   return {reached, std::move(solution.angles)};
 }
 
@@ -194,8 +202,20 @@ std::vector<double> PoseDrag::last_on_line(const Vector3d& displacement_B_m,
   return angles_of(best.angles);
 }
 
+// A rotation by more than half a turn has the orientation of a smaller one in the other direction, to which
+// the body must not jump.
 DraggedPose PoseDrag::move(const Vector3d& displacement_B_m, const Vector3d& rotation_B_rad) const {
-  const Vector3d rotation = is_hand(body_) ? Vector3d::Zero() : rotation_B_rad;
+  const double excess_rad = rotation_B_rad.norm() - kMaxRotation_rad;
+  if (excess_rad > 0.0 && !is_hand(body_)) {
+    DraggedPose pose = move_within(displacement_B_m, kMaxRotation_rad * rotation_B_rad.normalized());
+    pose.reached = false;
+    pose.missing_rad += excess_rad;
+    return pose;
+  }
+  return move_within(displacement_B_m, is_hand(body_) ? Vector3d(Vector3d::Zero()) : rotation_B_rad);
+}
+
+DraggedPose PoseDrag::move_within(const Vector3d& displacement_B_m, const Vector3d& rotation) const {
   if (const Attempt direct = solve(displacement_B_m, rotation, start_); direct.reached)
     return result(angles_of(direct.angles));
   const std::vector<double> last = last_on_line(displacement_B_m, rotation);

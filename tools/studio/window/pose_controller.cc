@@ -4,6 +4,7 @@
 #include <QActionGroup>
 #include <QMenu>
 #include <algorithm>
+#include <cmath>
 
 #include "firmware/fixed/host/convert.h"
 
@@ -19,6 +20,7 @@ namespace {
 
 constexpr double kLimitMark_m = 0.012;  // radius of the spheres at joints that are at a limit
 constexpr view::Colour kLimitColour{0.83F, 0.18F, 0.16F};
+constexpr float kLevel_m = 0.005F;   // between feet that stand on the same ground
 constexpr float kLimitShare = 0.5F;  // of that colour in the links of the limb
 
 }  // namespace
@@ -35,6 +37,7 @@ void PoseController::set_robot(std::shared_ptr<const sim::RobotDescription> robo
   ghost_.emplace(std::move(robot));
   const view::Scene scene = ghost_->scene();
   links_ = {{0}, {scene.sole_links[0]}, {scene.sole_links[1]}, {-1}, {-1}};
+  for (std::size_t body = 0; body < 3; ++body) links_[body].rotates = true;  // trunk and feet
   const simulation::NamedModel model = simulation::load_named_model(ghost_->robot());
   for (std::size_t side = 0; side < 2; ++side) {
     const auto elbow =
@@ -52,6 +55,14 @@ void PoseController::set_robot(std::shared_ptr<const sim::RobotDescription> robo
 
 QAction* PoseController::add_choice(QMenu& menu, const QString& text, Support support) {
   QAction* action = menu.addAction(text);
+  action->setToolTip(
+      support == kBoth
+          ? tr("The trunk moves over both feet, which stay where they are. A hand moves its arm only.")
+      : support == kAutomatic
+          ? tr("The trunk moves over the lower foot, or over both if they stand at the same height "
+               "(5 mm). A hand moves its arm only.")
+          : tr("The trunk moves over this foot; the other leg keeps its joint angles and goes with "
+               "the trunk. A hand moves its arm only."));
   action->setShortcut(
       QKeySequence(Qt::ALT | Qt::SHIFT | static_cast<Qt::Key>(static_cast<int>(Qt::Key_1) + support)));
   action->setCheckable(true);
@@ -63,11 +74,14 @@ QAction* PoseController::add_choice(QMenu& menu, const QString& text, Support su
 void PoseController::fill_menu(QMenu& menu) {
   by_mouse_ = menu.addAction(tr("Edit poses by &mouse"));
   by_mouse_->setShortcut(QKeySequence(tr("Ctrl+Shift+I")));
-  by_mouse_->setToolTip(tr("Drag hand, foot or trunk of the pose in the view; Ctrl+Shift rotates"));
+  by_mouse_->setToolTip(
+      tr("Drag hand, foot or trunk of the pose in the view, by the arrows along and by the rings about the "
+         "world's axes; Ctrl+Shift rotates freely"));
   by_mouse_->setCheckable(true);
   by_mouse_->setChecked(true);
   connect(by_mouse_, &QAction::toggled, this, &PoseController::update_posable);
   QMenu* support = menu.addMenu(tr("&Support foot while dragging"));
+  support->setToolTipsVisible(true);
   auto* group = new QActionGroup(this);
   group->addAction(add_choice(*support, tr("Support: &lower foot"), kAutomatic));
   group->addAction(add_choice(*support, tr("Support: left &foot"), kLeft));
@@ -140,16 +154,28 @@ bool PoseController::is_support(DragBody body) const {
   return false;
 }
 
-// The foot that stays in its place: never the dragged one. With both feet on the ground it does not matter
-// which one of the two is held.
-int PoseController::anchor_foot(DragBody body) const {
-  const int left = links_[static_cast<std::size_t>(DragBody::kLeftFoot)].link;
-  const int right = links_[static_cast<std::size_t>(DragBody::kRightFoot)].link;
-  if (body == DragBody::kLeftFoot) return right;
-  if (body == DragBody::kRightFoot) return left;
-  if (support_ == kLeft || support_ == kRight) return support_ == kLeft ? left : right;
-  const auto height_m = [&](int link) { return view_.posed()[static_cast<std::size_t>(link)].p_WL_m.z(); };
-  return height_m(right) < height_m(left) ? right : left;
+// The feet over which the trunk moves.
+DragSupport PoseController::trunk_support() const {
+  if (support_ == kLeft) return DragSupport::kLeftFoot;
+  if (support_ == kRight) return DragSupport::kRightFoot;
+  const float lower_m = foot_height_m(DragBody::kRightFoot) - foot_height_m(DragBody::kLeftFoot);
+  if (support_ == kBoth || std::abs(lower_m) < kLevel_m) return DragSupport::kBothFeet;
+  return lower_m < 0.0F ? DragSupport::kRightFoot : DragSupport::kLeftFoot;
+}
+
+float PoseController::foot_height_m(DragBody foot) const {
+  const int link = links_[static_cast<std::size_t>(foot)].link;
+  return view_.posed()[static_cast<std::size_t>(link)].p_WL_m.z();
+}
+
+// The foot that stays in its place: never the dragged one. Of both feet it does not matter which one is held.
+DragBody PoseController::anchor_foot(DragBody body) const {
+  if (body == DragBody::kLeftFoot) return DragBody::kRightFoot;
+  if (body == DragBody::kRightFoot) return DragBody::kLeftFoot;
+  if (support_ == kLeft || support_ == kRight)
+    return support_ == kLeft ? DragBody::kLeftFoot : DragBody::kRightFoot;
+  return foot_height_m(DragBody::kRightFoot) < foot_height_m(DragBody::kLeftFoot) ? DragBody::kRightFoot
+                                                                                  : DragBody::kLeftFoot;
 }
 
 void PoseController::begin(int link, const Eigen::Vector3d& p_W_m) {
@@ -165,9 +191,9 @@ void PoseController::begin(int link, const Eigen::Vector3d& p_W_m) {
   const view::Pose& trunk = view_.posed().front();
   q_WB_ = trunk.q_WL.cast<double>().normalized();
   const Eigen::Vector3d grabbed_B_m = q_WB_.conjugate() * (p_W_m - trunk.p_WL_m.cast<double>());
-  const int foot = anchor_foot(*body);
+  const int foot = links_[static_cast<std::size_t>(anchor_foot(*body))].link;
   anchor_ = {*row, foot, view_.posed()[static_cast<std::size_t>(foot)]};
-  drag_.emplace(motion_.editor().document().robot(), angles_rad, *body, grabbed_B_m);
+  drag_.emplace(motion_.editor().document().robot(), angles_rad, *body, grabbed_B_m, trunk_support());
 }
 
 void PoseController::drag(const Eigen::Vector3d& displacement_W_m, const Eigen::Vector3d& rotation_W_rad) {
@@ -177,10 +203,21 @@ void PoseController::drag(const Eigen::Vector3d& displacement_W_m, const Eigen::
   std::vector<JointAngle> angles;
   for (std::size_t joint = 0; joint < pose.angles_rad.size(); ++joint)
     if ((drag_->joints() >> joint & 1U) != 0) angles.push_back({joint, pose.angles_rad[joint]});
-  if (motion_.drag_pose(angles)) show_limits(pose);
+  if (motion_.drag_pose(angles)) show_limits(pose, rotation_text(rotation_W_rad));
 }
 
-void PoseController::show_limits(const DraggedPose& pose) {
+// A rotation about one axis has a sign; another one is an angle. Empty: none.
+QString PoseController::rotation_text(const Eigen::Vector3d& rotation_W_rad) {
+  const auto degrees = [](double angle_rad) {
+    return QString::number(sim::kDegreesPerRad * angle_rad, 'f', 1);
+  };
+  for (int axis = 0; axis < 3; ++axis)
+    if (rotation_W_rad[axis] != 0.0 && std::abs(rotation_W_rad[axis]) == rotation_W_rad.norm())
+      return tr("Rotation by %1° about %2").arg(degrees(rotation_W_rad[axis])).arg(QChar(u"xyz"[axis]));
+  return rotation_W_rad.isZero() ? QString() : tr("Rotation by %1°").arg(degrees(rotation_W_rad.norm()));
+}
+
+void PoseController::show_limits(const DraggedPose& pose, const QString& drag_text) {
   view::Marks marks;
   QStringList names;
   const auto& model = motion_.editor().document().robot().model;
@@ -195,6 +232,7 @@ void PoseController::show_limits(const DraggedPose& pose) {
   }
   view_.show_limits(std::move(marks), tints_of(pose));
   QStringList told_parts;
+  if (!drag_text.isEmpty()) told_parts << drag_text;
   if (!pose.reached)
     told_parts << (pose.missing_rad > 0.0
                        ? tr("Out of reach by %1°").arg(sim::kDegreesPerRad * pose.missing_rad, 0, 'f', 1)

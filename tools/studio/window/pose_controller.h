@@ -54,11 +54,14 @@ class PoseController final : public QObject {
   void update_posable();
   std::optional<DragBody> body_of(int link) const;
   bool is_support(DragBody body) const;
-  int anchor_foot(DragBody body) const;
+  DragSupport trunk_support() const;
+  float foot_height_m(DragBody foot) const;
+  DragBody anchor_foot(DragBody body) const;
   void begin(int link, const Eigen::Vector3d& p_W_m);
   void drag(const Eigen::Vector3d& displacement_W_m, const Eigen::Vector3d& rotation_W_rad);
   void end();
-  void show_limits(const DraggedPose& pose);
+  static QString rotation_text(const Eigen::Vector3d& rotation_W_rad);
+  void show_limits(const DraggedPose& pose, const QString& drag_text);
   std::vector<view::Tint> tints_of(const DraggedPose& pose) const;
   void show_onion();
 
