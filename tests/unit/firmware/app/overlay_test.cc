@@ -86,10 +86,10 @@ class OverlayTest : public testing::Test {
     const double pitch_rad = pitch_deg * test::kRadPerDegree;
     bench.imu_sample.gyro_raw[1] = static_cast<std::int16_t>(pitch_rad / 0.4 * test::kCountsPerRadPerS);
     bench.run_ms(400);
-    constexpr double kCountsPerG = 9.80665 / 39.2 * 32'768;
     bench.imu_sample.gyro_raw = {};
-    bench.imu_sample.accelerometer_raw = {static_cast<std::int16_t>(-std::sin(pitch_rad) * kCountsPerG), 0,
-                                          static_cast<std::int16_t>(std::cos(pitch_rad) * kCountsPerG)};
+    bench.imu_sample.accelerometer_raw = {static_cast<std::int16_t>(-std::sin(pitch_rad) * test::kCountsPerG),
+                                          0,
+                                          static_cast<std::int16_t>(std::cos(pitch_rad) * test::kCountsPerG)};
   }
   double target_deg(std::size_t joint) const {
     return fixed::to_double(bench.target(joint)) / test::kRadPerDegree;

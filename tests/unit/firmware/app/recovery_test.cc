@@ -1,91 +1,16 @@
 // From a predicted fall to standing, on a fake board. Tests the decisions, not the movement.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
-#include "firmware/motion/roles.h"
-#include "tests/support/controller_bench.h"
-#include "tests/support/robot_storage.h"
-#include "tests/support/sdo_pc.h"
-#include "tests/unit/firmware/robot/test_robot.h"
+#include "tests/unit/firmware/app/recovery_fixture.h"
 
 namespace koboshi::app {
 namespace {
 
 using motion::ExpectedAttitude;
-using motion::Opcode;
-using motion::Role;
 using test::ControllerBench;
-using test::kCountsPerRadPerS;
-using test::kRadPerDegree;
-using test::SdoPc;
+using test::kCountsPerG;
 
-constexpr double kCountsPerG = 9.80665 / 39.2 * 32'768;
-constexpr std::uint8_t kFirstMotion = 8;
 constexpr ExpectedAttitude kUprightAttitude{.up_B = {0, 0, 127}, .min_cosine = 28'378};  // tilt of at most 30
                                                                                          // degrees
-
-class RecoveryTest : public testing::Test {
- protected:
-  void SetUp() override {
-    bench.board.storage.complete_after(1);
-    ASSERT_TRUE(bench.run_until(State::kLimp));
-    for (std::size_t role = 0; role < motion::kMotionNames.size(); ++role) give(static_cast<Role>(role), {});
-    bench.run_ms(1'100);  // the estimate of the gyro bias needs one second
-  }
-  // Stores a motion of 0.2 s that ends with these steps.
-  void give(Role role, const std::vector<motion::Step>& last_steps) {
-    const auto index = static_cast<std::size_t>(role);
-    std::vector<fixed::Angle> pose(bench.model().joint_count);
-    pose[3] = test::degrees(10);
-    test::TestMotion motion{.name = std::string(motion::kMotionNames[index]),
-                            .poses = {pose},
-                            .steps = {{Opcode::kMove, 0, 200'000}}};
-    motion.steps.insert(motion.steps.end(), last_steps.begin(), last_steps.end());
-    motion.steps.push_back({Opcode::kEnd});
-    const canopen::ObjectAddress object{kMotionObject, static_cast<std::uint8_t>(kFirstMotion + index + 1)};
-    ASSERT_EQ(pc.download_blocks(object, test::encode(motion, bench.model().id)), canopen::AbortCode::kNone);
-  }
-  std::uint8_t number_of(Role role) const { return kFirstMotion + static_cast<std::uint8_t>(role); }
-  void stand() {
-    bench.command(Command::kEnable);
-    ASSERT_TRUE(bench.run_until(State::kStanding));
-  }
-  // Turns the trunk to this attitude within `time_ms`, with consistent gyro readings, and holds it.
-  void turn_to(double roll_deg, double pitch_deg, int time_ms = 200) {
-    const double per_s = 1e3 / time_ms;
-    bench.imu_sample.gyro_raw[0] = counts((roll_deg - roll_deg_) * kRadPerDegree * per_s * kCountsPerRadPerS);
-    bench.imu_sample.gyro_raw[1] =
-        counts((pitch_deg - pitch_deg_) * kRadPerDegree * per_s * kCountsPerRadPerS);
-    bench.run_ms(time_ms);
-    bench.imu_sample.gyro_raw = {};
-    roll_deg_ = roll_deg;
-    pitch_deg_ = pitch_deg;
-    const double roll = roll_deg * kRadPerDegree;
-    const double pitch = pitch_deg * kRadPerDegree;
-    bench.imu_sample.accelerometer_raw = {counts(-std::sin(pitch) * kCountsPerG),
-                                          counts(std::sin(roll) * std::cos(pitch) * kCountsPerG),
-                                          counts(std::cos(roll) * std::cos(pitch) * kCountsPerG)};
-  }
-  static std::int16_t counts(double value) { return static_cast<std::int16_t>(std::lround(value)); }
-  void expect_state(State state, Reason reason) const {
-    EXPECT_EQ(bench.now().state, state);
-    EXPECT_EQ(bench.now().reason, reason);
-  }
-  void lie_limp_from_standing(double roll_deg, double pitch_deg) {
-    stand();
-    turn_to(roll_deg, pitch_deg);
-    ASSERT_TRUE(bench.run_until(State::kFallen, 100));
-  }
-
-  ControllerBench bench;
-  SdoPc pc{bench};
-
- private:
-  double roll_deg_ = 0.0;
-  double pitch_deg_ = 0.0;
-};
 
 TEST_F(RecoveryTest, LandsInThePoseOfItsDirectionAndGoesLimp) {
   stand();
@@ -312,109 +237,6 @@ TEST(WithoutGyroBias, TheRobotDoesNotWalk) {
   bench.command(Command::kWalk);
   EXPECT_EQ(bench.now().state, State::kWalking);
 }
-
-// Each fault and command in each state of a fall and of standing up.
-class RecoveryState : public RecoveryTest, public testing::WithParamInterface<State> {
- protected:
-  void SetUp() override {
-    RecoveryTest::SetUp();
-    give(Role::kRiseProne, {{Opcode::kWait, 0, 300'000}});
-    stand();
-    const State wanted = GetParam();
-    if (wanted == State::kRolling) {
-      turn_to(-90, 0);
-    } else {
-      turn_to(0, 40);
-      if (wanted != State::kFalling) turn_to(0, 90, 100);
-    }
-    if (wanted == State::kSteadying) {
-      ASSERT_TRUE(bench.run_until(State::kRising, 1'000));
-      turn_to(0, 0, 300);
-    }
-    ASSERT_TRUE(bench.run_until(wanted, 1'000));
-  }
-  void expect_limp(State state) {
-    bench.run_ms(320);
-    EXPECT_EQ(bench.now().state, state);
-    EXPECT_FALSE(bench.board.drive_enable.enabled());
-    bench.run_ms(1'000);
-    EXPECT_EQ(bench.now().state, state);
-  }
-};
-
-TEST_P(RecoveryState, EndsInFaultWhenADriveIsLost) {
-  bench.drives[5].hangs = true;
-  ASSERT_TRUE(bench.run_until(State::kFault, 400));
-  EXPECT_EQ(bench.now().reason, Reason::kDriveFault);
-  expect_limp(State::kFault);
-}
-
-TEST_P(RecoveryState, EndsInFaultWhenADriveFails) {
-  bench.board.can.deliver(bench.drives[0].emergency(0xFF01));
-  ASSERT_TRUE(bench.run_until(State::kFault, 20));
-  expect_limp(State::kFault);
-}
-
-TEST_P(RecoveryState, EndsInFaultWithoutABus) {
-  bench.board.can.set_error_state(hal::CanErrorState::kBusOff);
-  ASSERT_TRUE(bench.run_until(State::kFault, 20));
-  EXPECT_EQ(bench.now().reason, Reason::kBusOff);
-}
-
-TEST_P(RecoveryState, EndsInFaultWithoutTheInertialUnit) {
-  bench.imu_speaks = false;
-  ASSERT_TRUE(bench.run_until(State::kFault, 100));
-  EXPECT_EQ(bench.now().reason, Reason::kImuSilent);
-  expect_limp(State::kFault);
-}
-
-TEST_P(RecoveryState, EndsInFaultWithoutAnAnkleSensor) {
-  bench.ankle_speaks[1] = false;
-  ASSERT_TRUE(bench.run_until(State::kFault, 100));
-  EXPECT_EQ(bench.now().reason, Reason::kAnkleSilent);
-  expect_limp(State::kFault);
-}
-
-TEST_P(RecoveryState, EndsInFaultWhenAnotherMasterStopsTheController) {
-  bench.board.can.deliver({.identifier = 0x000, .size = 2, .data = {128, 1}});  // enter pre-operational
-  ASSERT_TRUE(bench.run_until(State::kFault, 20));
-  EXPECT_EQ(bench.now().reason, Reason::kNotOperational);
-}
-
-TEST_P(RecoveryState, BootsWhenAnotherMasterResetsTheController) {
-  bench.board.can.deliver({.identifier = 0x000, .size = 2, .data = {129, 1}});
-  bench.run_ms(1);
-  EXPECT_EQ(bench.now().state, State::kBoot);
-  EXPECT_FALSE(bench.board.drive_enable.enabled());
-  ASSERT_TRUE(bench.run_until(State::kLimp, 700));
-  EXPECT_FALSE(bench.board.drive_enable.enabled());
-}
-
-TEST_P(RecoveryState, StopsInAnEmergency) {
-  bench.command(Command::kEmergencyStop);
-  EXPECT_FALSE(bench.board.drive_enable.enabled());
-  expect_limp(State::kEmergencyStop);
-}
-
-TEST_P(RecoveryState, GoesLimpByCommand) {
-  bench.command(Command::kLimp);
-  expect_limp(State::kLimp);
-}
-
-TEST_P(RecoveryState, RefusesOtherCommands) {
-  for (const Command command :
-       {Command::kEnable, Command::kPlay, Command::kWalk, Command::kGetUp, Command::kReset}) {
-    bench.command(command);
-    EXPECT_EQ(bench.now().refusal, Reason::kNotInThisState);
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(EveryState, RecoveryState,
-                         testing::Values(State::kFalling, State::kFallen, State::kRighting, State::kRolling,
-                                         State::kRising, State::kSteadying),
-                         [](const auto& info) {
-                           return "State" + std::to_string(static_cast<int>(info.param));
-                         });
 
 }  // namespace
 }  // namespace koboshi::app

@@ -34,6 +34,7 @@ robot::RobotModel make_test_robot();
 inline constexpr std::size_t kKnee = 3;
 inline constexpr std::size_t kHeadTilt = 19;
 inline constexpr double kCountsPerRadPerS = 1'878;
+inline constexpr double kCountsPerG = 9.80665 / 39.2 * 32'768;
 
 // Encodes a model field by field in the format of docs/reference/robot-model-format.md.
 std::vector<std::byte> encode(const robot::RobotModel& model);
