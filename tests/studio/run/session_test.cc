@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "sim_board/scenario/reader.h"
+#include "tools/studio/run/bus_load.h"
 
 namespace koboshi::studio {
 namespace {
@@ -68,6 +69,18 @@ TEST(Session, RecordsASampleForEachTick) {
   EXPECT_FALSE(shown.recording.events.empty());
   EXPECT_EQ(session.status().state, State::kPaused);
   EXPECT_EQ(session.status().time_us, 2'500'000U);
+}
+
+// Two ways: the simulated bus counts its bits while it is busy, and the recorded frames have theirs.
+TEST(Session, MeasuresTheLoadOfItsBus) {
+  Session session(walk());
+  Shown shown(session);
+  session.step(2500);
+  shown.update(session);
+  const double of_frames = load_of_frames(shown.recording.frames, 2'500'000, 100'000);
+  EXPECT_NEAR(session.status().bus_load, of_frames, 0.003);
+  EXPECT_GT(of_frames, 0.2);
+  EXPECT_LT(of_frames, 0.9);
 }
 
 TEST(Session, GoesOnAfterARewindWithTheSameBits) {

@@ -15,6 +15,7 @@
 #include <QTemporaryDir>
 #include <QTest>
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
@@ -107,7 +108,7 @@ class RunWindowTest final : public ViewFixture {
     QVERIFY2(time.toDouble() <= 1.0 && time.toDouble() > 0.9, qPrintable(time));
   }
 
-  void filters_frames() {
+  void filters_frames_and_shows_the_load() {
     open_scenario("walk.yaml");
     run_to(2'500'000);
     auto* panel = window_->findChild<CanPanel*>();
@@ -123,6 +124,23 @@ class RunWindowTest final : public ViewFixture {
           table->model()->index(row, FrameModel::kIdentifier).data().toString().startsWith(QLatin1Char('7')));
     panel->findChild<QLineEdit*>()->clear();
     QCOMPARE(table->model()->rowCount(), all);
+    // The load follows from the frames where the nodes are unknown, as on a real bus.
+    const auto load_in = [](const CanPanel& shown, const QString& behind) {
+      static const QRegularExpression load(QStringLiteral("bus load (\\d+) %"));
+      for (const QLabel* label : shown.findChildren<QLabel*>())
+        if (const auto match = load.match(label->text());
+            match.hasMatch() && label->text().mid(match.capturedEnd()).startsWith(behind))
+          return match.captured(1).toInt();
+      return -1;
+    };
+    CanPanel of_frames;
+    of_frames.set_recording(&window_->run().recording(), {});
+    of_frames.set_cursor(2'500'000);
+    const int simulated = load_in(*panel, QString());
+    QVERIFY2(simulated > 20 && simulated < 90, qPrintable(QString::number(simulated)));
+    QVERIFY(std::abs(load_in(of_frames, QStringLiteral(" at 1 Mbit/s")) - simulated) <= 1);
+    of_frames.set_cursor(0);
+    QCOMPARE(load_in(of_frames, QStringLiteral(" at 1 Mbit/s")), 0);
   }
 
   void shows_frames_axes_and_links_apart() {

@@ -7,13 +7,12 @@
 #include <QTableView>
 #include <QVBoxLayout>
 #include <algorithm>
-#include <span>
 #include <string>
 #include <utility>
 
-#include "sim_board/can/frame_bits.h"
 #include "tools/can/frame_text.h"
 #include "tools/dictionary/object_names.h"
+#include "tools/studio/run/bus_load.h"
 #include "tools/studio/window/table_style.h"
 
 namespace koboshi::studio {
@@ -39,17 +38,6 @@ QString kind_name(tools::FrameKind kind) {
       return QStringLiteral("other");
   }
   return {};
-}
-
-// The share of the last second before a time in which these frames were on a bus of 1 Mbit/s.
-double load_of_frames(std::span<const view::Frame> frames, std::uint64_t time_us) {
-  constexpr std::uint64_t kWindow_us = 1'000'000;
-  const auto first =
-      std::ranges::upper_bound(frames, time_us - std::min(time_us, kWindow_us), {}, &view::Frame::end_us);
-  const auto last = std::ranges::upper_bound(frames, time_us, {}, &view::Frame::end_us);
-  double bits = 0.0;
-  for (const view::Frame& frame : std::span(first, last)) bits += sim::frame_bits(frame.frame);
-  return bits / static_cast<double>(kWindow_us);
 }
 
 }  // namespace
@@ -247,8 +235,8 @@ void CanPanel::update_frames() {
   show_count();
 }
 
-// Of a simulated bus, the load is that of its bits. Of other buses it follows from the frames: those of the
-// last second before the cursor, at the bit rate of this project's buses.
+// The load of a simulated bus is that of its bits; of other buses it follows from the frames of the last
+// second before the cursor.
 void CanPanel::show_count() {
   if (recording_ == nullptr) return count_->clear();
   const auto of = static_cast<qulonglong>(recording_->frames.size());
