@@ -1,11 +1,12 @@
 // What the window shows in words: translations, shortcuts, tooltips, colours and resolution.
 
 #include <QAbstractItemModel>
+#include <QAbstractItemView>
+#include <QAbstractScrollArea>
 #include <QAbstractSpinBox>
 #include <QComboBox>
 #include <QDockWidget>
 #include <QDoubleSpinBox>
-#include <QFile>
 #include <QGroupBox>
 #include <QHeaderView>
 #include <QLabel>
@@ -23,78 +24,16 @@
 #include <functional>
 #include <utility>
 
+#include "tests/studio/window/painted_text.h"
+#include "tests/studio/window/pseudo_locale.h"
 #include "tests/studio/window/window_fixture.h"
+#include "tools/studio/motion/motion_panel.h"
+#include "tools/studio/plot/plot_widget.h"
 #include "tools/studio/window/theme.h"
-#include "tools/studio/window/translation.h"
 
 namespace koboshi::studio {
 
 using test::kRoot;
-
-// A text in a language whose texts are 40 % longer and in guillemets, so that a text that is not translated
-// shows. Shortcuts stay.
-QString pseudo(const QString& text) {
-  static const QRegularExpression keys(QStringLiteral("^(Ctrl|Alt|Shift)\\+"));
-  if (keys.match(text).hasMatch()) return text;
-  const int more = static_cast<int>(std::ceil(0.4 * static_cast<double>(text.size())));
-  return QChar(u'«') + text + QString(more, QLatin1Char('o')) + QChar(u'»');
-}
-
-// The language without files, where Qt's tools for translations are not installed.
-class PseudoLocale final : public QTranslator {
- public:
-  QString translate(const char* /*context*/, const char* source, const char* /*meaning*/,
-                    int /*n*/) const override {
-    return pseudo(QString::fromUtf8(source));
-  }
-  bool isEmpty() const override { return false; }
-};
-
-#ifdef KOBOSHI_LUPDATE
-bool run_tool(const char* program, const QStringList& arguments) {
-  QProcess tool;
-  tool.setProcessChannelMode(QProcess::ForwardedErrorChannel);
-  tool.start(QLatin1String(program), arguments);
-  return tool.waitForFinished(test::kPatience_ms) && tool.exitCode() == 0;
-}
-
-// Translates the studio as a translator does: lupdate collects the texts, lrelease compiles them. Null: it
-// did not work.
-std::unique_ptr<QTranslator> translate_studio(const QString& folder) {
-  const QString root = QString::fromStdString(kRoot.string());
-  const QString texts = folder + QStringLiteral("/koboshi_de.ts");
-  if (!run_tool(KOBOSHI_LUPDATE, {QStringLiteral("-silent"), QStringLiteral("-recursive"),
-                                  root + QStringLiteral("/tools/studio"), QStringLiteral("-I"), root,
-                                  QStringLiteral("-ts"), texts}))
-    return nullptr;
-  QFile file(texts);
-  if (!file.open(QIODevice::ReadOnly)) return nullptr;
-  const QString found = QString::fromUtf8(file.readAll());
-  file.close();
-  static const QRegularExpression message(
-      QStringLiteral("<source>([^<]*)</source>(.*?)<translation type=\"unfinished\"></translation>"),
-      QRegularExpression::DotMatchesEverythingOption);
-  QString translated;
-  qsizetype end = 0;
-  for (auto all = message.globalMatch(found); all.hasNext();) {
-    const QRegularExpressionMatch one = all.next();
-    translated += found.mid(end, one.capturedStart() - end) + QStringLiteral("<source>") + one.captured(1) +
-                  QStringLiteral("</source>") + one.captured(2) + QStringLiteral("<translation>") +
-                  pseudo(one.captured(1)) + QStringLiteral("</translation>");
-    end = one.capturedEnd();
-  }
-  translated += found.mid(end);
-  if (!file.open(QIODevice::WriteOnly)) return nullptr;
-  file.write(translated.toUtf8());
-  file.close();
-  if (!run_tool(KOBOSHI_LRELEASE, {QStringLiteral("-silent"), texts})) return nullptr;
-  return load_translation(QLocale(QStringLiteral("de_AT")), folder);
-}
-#else
-std::unique_ptr<QTranslator> translate_studio(const QString& /*folder*/) {
-  return std::make_unique<PseudoLocale>();
-}
-#endif
 
 class TextTest final : public QObject {
   Q_OBJECT
@@ -125,6 +64,37 @@ class TextTest final : public QObject {
       QTest::qWait(30);
       look(*dock);
     }
+  }
+  // Of the classes of the studio; every_text_is_translated() looks at those of Qt.
+  QStringList painted_by_widgets() {
+    QStringList texts;
+    show_every_dock([&](QDockWidget& dock) {
+      for (QWidget* one : dock.findChildren<QWidget*>()) {
+        const bool is_own = QByteArray(one->metaObject()->className()).startsWith("koboshi::studio::");
+        if (!is_own || !one->isVisible() || one->inherits("QOpenGLWidget")) continue;
+        if (qobject_cast<QAbstractItemView*>(one) != nullptr) continue;
+        texts += test::painted_texts(*one);
+        if (const auto* area = qobject_cast<const QAbstractScrollArea*>(one))
+          texts += test::painted_texts(*area->viewport());
+      }
+    });
+    return texts;
+  }
+  // Names of files and words of the firmware, which stay as they are.
+  QStringList words_of_files() {
+    QStringList words;
+    const auto add = [&](const std::string& word) { words << QString::fromStdString(word); };
+    for (const view::Signal& signal : window_->run().recording().signals) {
+      add(signal.name);
+      for (const auto& [value, name] : signal.names) add(name);
+    }
+    for (const view::Event& event : window_->run().recording().events) add(event.text);
+    for (const MotionRow& row : window_->motion().editor().rows().rows) {
+      add(row.text);
+      add(row.pose);
+      add(row.label);
+    }
+    return words;
   }
 
  private Q_SLOTS:
@@ -213,6 +183,41 @@ class TextTest final : public QObject {
         for (int i = 0; i < box->count(); ++i) require(box->itemText(i), one);
     }
     QVERIFY2(missing.isEmpty(), qPrintable(join(missing)));
+  }
+
+  // Walks the texts that widgets paint themselves, in an empty window and in one with a motion and a run.
+  void every_painted_text_is_translated() {
+    QVERIFY(show_translated());
+    QStringList painted = painted_by_widgets();
+    window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
+    QVERIFY(test::open(*window_, kRoot / "scenarios/walk.yaml"));
+    QVERIFY(test::run_to(*window_, 2'500'000));
+    QTRY_VERIFY_WITH_TIMEOUT(!window_->motion().editor().is_checking(), test::kPatience_ms);
+    painted += painted_by_widgets();
+    TimeView time;
+    PlotWidget empty(time, nullptr);
+    painted += test::painted_texts(empty);
+    painted.removeDuplicates();
+    const QStringList words = words_of_files();
+    // Also in part: with an ellipsis, or without the part of a signal's name that a plot has in common.
+    const auto is_word = [&](QString text) {
+      const bool is_cut = text.endsWith(u'…');
+      if (is_cut) text.chop(1);
+      return std::ranges::any_of(words, [&](const QString& word) {
+        return is_cut ? word.startsWith(text) : word == text || word.endsWith(u'_' + text);
+      });
+    };
+    static const QRegularExpression letters(QStringLiteral("[A-Za-z]{3,}"));
+    QStringList missing;
+    for (const QString& text : std::as_const(painted))
+      if (letters.match(text).hasMatch() && !text.contains(u'«') && !is_word(text)) missing << text;
+    QVERIFY2(missing.isEmpty(), qPrintable(join(missing)));
+    // Of each widget that paints texts there is one: nothing was hidden.
+    for (const char* text :
+         {"State", "Drop signals", "forward", "A run shows", "margin", "its speed", "evaluation"})
+      QVERIFY2(std::ranges::any_of(
+                   painted, [&](const QString& one) { return one.startsWith(u'«' + QLatin1String(text)); }),
+               text);
   }
 
   // Texts that are 40 % longer still fit.
