@@ -1,32 +1,22 @@
 #pragma once
 
+#include <string>
+
+#include "tests/unit/sim_board/robot/small_robot.h"
+
 namespace koboshi::sim {
 
 // A robot that has every key of the table (robot_keys.h) at least once, each optional one with another value
 // than its default. FULL_MESH stands for the path of a mesh.
-inline constexpr const char* kFullRobot = R"(<sdf version="1.9" xmlns:koboshi="https://koboshi.invalid/sdf">
+inline const std::string kFullRobot =
+    R"(<sdf version="1.9" xmlns:koboshi="https://koboshi.invalid/sdf">
   <model name="full">
     <koboshi:servo_types file="FULL_LIBRARY"/>
     <koboshi:servo_type name="small">
-      <torque_constant_Nm_per_A>1</torque_constant_Nm_per_A>
-      <resistance_ohm>5</resistance_ohm>
-      <supply_V>7.5</supply_V>
-      <rotor_inertia_kg_m2>0.001</rotor_inertia_kg_m2>
-      <coulomb_friction_Nm>0.02</coulomb_friction_Nm>
-      <viscous_friction_Nm_s>0.003</viscous_friction_Nm_s>
-      <full_voltage_error_rad>0.1</full_voltage_error_rad>
-      <velocity_gain_V_s_per_rad>0.2</velocity_gain_V_s_per_rad>
-      <max_duty>0.9</max_duty>
-      <current_limit_A>1.5</current_limit_A>
-      <stribeck friction_Nm="0.02" speed_rad_per_s="2" exponent="1.7"/>
-      <load_friction motor="0.1" external="0.2"/>
-      <stribeck_load_friction motor="0.3" external="0.4"/>
-      <quadratic_load_friction motor_per_Nm="0.01" external_per_Nm="0.02"/>
-      <backlash_rad>0.01</backlash_rad>
-      <winding thermal_resistance_K_per_W="10" heat_capacity_J_per_K="5" ambient_C="20" derating_C="70"
-               shutdown_C="90" derated_share="0.3" copper_per_K="0.004"/>
-      <command period_ms="10" write_delay_ms="2" read_delay_ms="3" dead_band_rad="0.004"/>
-      <voltmeter lowest_V="0" highest_V="15" resolution_V="0.02" noise_V="0.01" offset_V="0.03"
+)" + kServoNumbers +
+    R"(      <velocity_gain_V_s_per_rad>0.2</velocity_gain_V_s_per_rad>
+)" + kServoEffects +
+    R"(      <voltmeter lowest_V="0" highest_V="15" resolution_V="0.02" noise_V="0.01" offset_V="0.03"
                  scale_error="0.04" sample_period_s="0.2"/>
       <thermometer lowest_C="-40" highest_C="125" resolution_K="0.5" noise_K="0.2" offset_K="2"
                    scale_error="0.05" sample_period_s="0.1"/>

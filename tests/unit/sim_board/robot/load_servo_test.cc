@@ -12,22 +12,13 @@
 namespace koboshi::sim {
 namespace {
 
-const char* const kEffects = R"(<full_voltage_error_rad>0.1</full_voltage_error_rad>
-      <max_duty>0.9</max_duty>
-      <current_limit_A>1.5</current_limit_A>
-      <stribeck friction_Nm="0.02" speed_rad_per_s="2" exponent="1.7"/>
-      <load_friction motor="0.1" external="0.2"/>
-      <stribeck_load_friction motor="0.3" external="0.4"/>
-      <quadratic_load_friction motor_per_Nm="0.01" external_per_Nm="0.02"/>
-      <backlash_rad>0.01</backlash_rad>
-      <winding thermal_resistance_K_per_W="10" heat_capacity_J_per_K="5" ambient_C="20" derating_C="70" shutdown_C="90"
-               derated_share="0.3" copper_per_K="0.004"/>
-      <command period_ms="10" write_delay_ms="2" read_delay_ms="3" dead_band_rad="0.004"/>
-      <voltmeter lowest_V="0" highest_V="15" resolution_V="0.02" noise_V="0.01" offset_V="0.03" scale_error="0.04"/>
-      <thermometer lowest_C="-40" highest_C="125" resolution_K="0.5" noise_K="0.2" offset_K="2" sample_period_s="0.1"/>)";
+const char* const kMeters =
+    R"(      <voltmeter lowest_V="0" highest_V="15" resolution_V="0.02" noise_V="0.01" offset_V="0.03" scale_error="0.04"/>
+      <thermometer lowest_C="-40" highest_C="125" resolution_K="0.5" noise_K="0.2" offset_K="2" sample_period_s="0.1"/>
+)";
 
 std::string with_effects(const std::string& from, const std::string& to) {
-  return replaced(with("<full_voltage_error_rad>0.1</full_voltage_error_rad>", kEffects), from, to);
+  return replaced(with(kServoNumbers, kServoNumbers + kServoEffects + kMeters), from, to);
 }
 
 TEST(LoadServo, ReadsTheEffectsOfAServo) {

@@ -4,18 +4,34 @@
 
 namespace koboshi::sim {
 
-// Two links and a hinge, with frames that take some turning.
-inline constexpr const char* kSmallRobot = R"(<sdf version="1.9" xmlns:koboshi="https://koboshi.invalid/sdf">
-  <model name="arm">
-    <koboshi:servo_type name="small">
-      <torque_constant_Nm_per_A>1</torque_constant_Nm_per_A>
+// What a servo type must have.
+inline const std::string kServoNumbers = R"(      <torque_constant_Nm_per_A>1</torque_constant_Nm_per_A>
       <resistance_ohm>5</resistance_ohm>
       <supply_V>7.5</supply_V>
       <rotor_inertia_kg_m2>0.001</rotor_inertia_kg_m2>
       <coulomb_friction_Nm>0.02</coulomb_friction_Nm>
       <viscous_friction_Nm_s>0.003</viscous_friction_Nm_s>
       <full_voltage_error_rad>0.1</full_voltage_error_rad>
-    </koboshi:servo_type>
+)";
+
+// Its optional effects but for the meters of voltage and temperature.
+inline const std::string kServoEffects = R"(      <max_duty>0.9</max_duty>
+      <current_limit_A>1.5</current_limit_A>
+      <stribeck friction_Nm="0.02" speed_rad_per_s="2" exponent="1.7"/>
+      <load_friction motor="0.1" external="0.2"/>
+      <stribeck_load_friction motor="0.3" external="0.4"/>
+      <quadratic_load_friction motor_per_Nm="0.01" external_per_Nm="0.02"/>
+      <backlash_rad>0.01</backlash_rad>
+      <winding thermal_resistance_K_per_W="10" heat_capacity_J_per_K="5" ambient_C="20" derating_C="70"
+               shutdown_C="90" derated_share="0.3" copper_per_K="0.004"/>
+      <command period_ms="10" write_delay_ms="2" read_delay_ms="3" dead_band_rad="0.004"/>
+)";
+
+// Two links and a hinge, with frames that take some turning.
+inline const std::string kSmallRobot = R"(<sdf version="1.9" xmlns:koboshi="https://koboshi.invalid/sdf">
+  <model name="arm">
+    <koboshi:servo_type name="small">
+)" + kServoNumbers + R"(    </koboshi:servo_type>
     <link name="hand">
       <pose relative_to="base">0 0 0.1 0 0 1.5707963267948966</pose>
       <inertial>
