@@ -101,7 +101,7 @@ void MotionDocument::mirror_rows(std::span<const std::size_t> rows) {
 
 void MotionDocument::mirror_motion() {
   static_cast<void>(yaml());
-  replace(tools::mirror_motion(source_name(), text_, JointNames(robot_->model), {}), "Mirror motion", {});
+  replace(tools::mirror_motion(source_name(), text_, JointNames(robot_->model), {}), "Mirror motion");
 }
 
 }  // namespace koboshi::studio

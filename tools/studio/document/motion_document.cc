@@ -5,7 +5,6 @@
 
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
-#include "sim_board/record/output_file.h"
 #include "simulation/motion/parse.h"
 #include "tools/motion/edit/format.h"
 #include "tools/studio/document/edit_support.h"
@@ -34,10 +33,9 @@ std::string new_motion(const MotionRobot& robot, const std::string& name) {
 
 MotionDocument::MotionDocument(std::shared_ptr<const MotionRobot> robot, Start start,
                                fs::path recovery_folder)
-    : robot_(std::move(robot)),
-      file_(std::move(start.file)),
-      recovery_folder_(std::move(recovery_folder)),
-      disk_(start.disk) {
+    : TextDocument(std::move(start.file), start.disk),
+      robot_(std::move(robot)),
+      autosave_(std::move(recovery_folder)) {
   take_text(std::move(start.text));
 }
 
@@ -56,7 +54,7 @@ std::unique_ptr<MotionDocument> MotionDocument::begin(std::shared_ptr<const Moti
   Start start{{}, new_motion(*robot, name), {}};
   std::unique_ptr<MotionDocument> document(
       new MotionDocument(std::move(robot), std::move(start), std::move(recovery_folder)));
-  document->history_.forget_saved();
+  document->forget_saved();
   return document;
 }
 
@@ -65,17 +63,15 @@ std::unique_ptr<MotionDocument> MotionDocument::restore(std::shared_ptr<const Mo
   if (!recovery.original.empty() && fs::exists(recovery.original)) {
     auto document =
         std::make_unique<MotionDocument>(std::move(robot), recovery.original, std::move(recovery_folder));
-    document->replace(recovery.text, "Restore", {});
+    document->replace(recovery.text, "Restore");
     return document;
   }
   Start start{recovery.original, recovery.text, {}};
   std::unique_ptr<MotionDocument> document(
       new MotionDocument(std::move(robot), std::move(start), std::move(recovery_folder)));
-  document->history_.forget_saved();
+  document->forget_saved();
   return document;
 }
-
-MotionDocument::~MotionDocument() = default;
 
 const sim::YamlNode* MotionDocument::tree() const { return yaml_ ? &yaml_->tree() : nullptr; }
 const simulation::MotionSource* MotionDocument::source() const { return source_ ? &*source_ : nullptr; }
@@ -83,7 +79,7 @@ const simulation::CompiledMotion* MotionDocument::compiled() const {
   return compiled_ ? &*compiled_ : nullptr;
 }
 
-fs::path MotionDocument::source_name() const { return file_.empty() ? fs::path("untitled.yaml") : file_; }
+fs::path MotionDocument::source_name() const { return file().empty() ? fs::path("untitled.yaml") : file(); }
 
 const tools::YamlDocument& MotionDocument::yaml() const {
   if (yaml_) return *yaml_;
@@ -118,15 +114,13 @@ void MotionDocument::edit(std::string_view label, std::string_view drag,
     throw;
   }
   if (yaml_->text() == text_) return;
-  history_.record(text_, yaml_->text(), label, drag);
-  text_ = yaml_->text();
-  ++revision_;
+  const std::string before = std::exchange(text_, yaml_->text());
+  record(before, label, drag);
   analyse();
 }
 
 void MotionDocument::take_text(std::string text) {
   text_ = std::move(text);
-  ++revision_;
   try {
     if (yaml_) {
       yaml_->replace_text(text_);
@@ -170,87 +164,20 @@ void MotionDocument::analyse() {
   if (yaml_) rows_ = make_rows(yaml_->tree(), source(), diagnostics_, *robot_);
 }
 
-void MotionDocument::replace(std::string text, std::string_view label, std::string_view drag) {
-  if (text == text_) return;
-  history_.record(text_, text, label, drag);
-  take_text(std::move(text));
-}
-
 void MotionDocument::replace_text(std::string text, std::string_view drag) {
   replace(std::move(text), "Edit text", drag);
 }
 
-void MotionDocument::upgrade() { replace(tools::upgrade_motion(source_name(), text_), "Upgrade", {}); }
+void MotionDocument::upgrade() { replace(tools::upgrade_motion(source_name(), text_), "Upgrade"); }
 
-bool MotionDocument::undo() {
-  std::string text = text_;
-  if (!history_.undo(text)) return false;
-  take_text(std::move(text));
-  return true;
-}
-
-bool MotionDocument::redo() {
-  std::string text = text_;
-  if (!history_.redo(text)) return false;
-  take_text(std::move(text));
-  return true;
-}
-
-// --- File
-
-void MotionDocument::require_file() const {
-  if (file_.empty()) throw sim::InputError(source_name(), 0, "a motion without a file", "one that was saved");
-}
-
-void MotionDocument::save() {
-  require_file();
-  if (!is_modified() && changed_on_disk() == DiskChange::kNone) return;
-  sim::write_whole_file(file_, text_);
-  disk_ = {.size = text_.size(), .time = fs::last_write_time(file_), .hash = hash_text(text_)};
-  history_.mark_saved();
-  if (slot_) slot_->remove();
-}
-
+// Messages name the new file.
 void MotionDocument::save_as(const fs::path& file) {
   const fs::path absolute = fs::absolute(file);
-  sim::write_whole_file(absolute, text_);
-  const bool is_other = absolute != file_;
-  file_ = absolute;
-  disk_ = {.size = text_.size(), .time = fs::last_write_time(file_), .hash = hash_text(text_)};
-  history_.mark_saved();
-  if (slot_) slot_->remove();
+  const bool is_other = absolute != this->file();
+  write_to(absolute);
   if (!is_other) return;
-  slot_.reset();
-  yaml_.reset();  // messages name the new file
-  take_text(text_);
-}
-
-DiskChange MotionDocument::changed_on_disk() const {
-  return file_.empty() ? DiskChange::kNone : compare_with_disk(file_, disk_);
-}
-
-void MotionDocument::reload() {
-  require_file();
-  ReadFile read = read_file_with_state(file_);
-  disk_ = read.state;
-  replace(std::move(read.text), "Reload", {});
-  history_.mark_saved();
-}
-
-bool MotionDocument::autosave(std::int64_t now_unix_s) {
-  if (recovery_folder_.empty() || autosaved_revision_ == revision_) return false;
-  if (!is_modified()) {
-    if (slot_) slot_->remove();
-    return false;
-  }
-  if (!slot_) slot_ = std::make_unique<RecoverySlot>(recovery_folder_, file_);
-  slot_->write(text_, disk_.hash, now_unix_s);
-  autosaved_revision_ = revision_;
-  return true;
-}
-
-void MotionDocument::keep_recovery() {
-  if (slot_) slot_->keep();
+  yaml_.reset();
+  renew();
 }
 
 }  // namespace koboshi::studio

@@ -17,8 +17,7 @@
 #include "tools/edit/yaml_document.h"
 #include "tools/studio/document/motion_robot.h"
 #include "tools/studio/document/motion_rows.h"
-#include "tools/studio/document/recovery.h"
-#include "tools/studio/document/text_history.h"
+#include "tools/studio/document/text_document.h"
 
 namespace koboshi::studio {
 
@@ -54,7 +53,7 @@ struct StepPlace {
 // replace_text while the text is no YAML. A text with errors of the motion language stays editable. Rows are
 // indices into rows() of the present revision; `rows` of one edit may be in any order, and a row stands for
 // its body as well. Edits with one non-empty `drag` merge into one step until end_drag() or another edit.
-class MotionDocument {
+class MotionDocument final : public TextDocument {
  public:
   // Opens a file. `recovery_folder`: for autosave; empty: none. Throws sim::InputError if the file cannot be
   // read; a file with errors opens.
@@ -68,13 +67,9 @@ class MotionDocument {
   [[nodiscard]] static std::unique_ptr<MotionDocument> restore(std::shared_ptr<const MotionRobot> robot,
                                                                const Recovery& recovery,
                                                                std::filesystem::path recovery_folder = {});
-  ~MotionDocument();
 
   const MotionRobot& robot() const { return *robot_; }
-  const std::filesystem::path& file() const { return file_; }  // empty: never saved
-  const std::string& text() const { return text_; }
-  // Grows with each change of the text, also by undo and redo.
-  std::uint64_t revision() const { return revision_; }
+  const std::string& text() const override { return text_; }
 
   // What the present text means. Pointers and references are valid until the next change.
   const sim::YamlNode* tree() const;  // nullptr: no YAML
@@ -136,26 +131,10 @@ class MotionDocument {
   // Converts a file of version 1 to version 2.
   void upgrade();
 
-  // Undo history.
-  const TextHistory& history() const { return history_; }
-  void end_drag() { history_.end_merge(); }
-  bool undo();
-  bool redo();
-  // Whether the text differs from that of the file.
-  bool is_modified() const { return !history_.is_saved(); }
-
-  // Saving. `save` needs a file; it replaces it atomically, even if another program has changed it: ask
-  // changed_on_disk() before. Throws sim::WriteError.
-  void save();
   void save_as(const std::filesystem::path& file);
-  [[nodiscard]] DiskChange changed_on_disk() const;
-  // Takes over the file's text as an edit that can be undone. Throws sim::InputError.
-  void reload();
-  // Writes the recovery if the document differs from its file and has changed since the last call. Returns
-  // whether it wrote. Throws sim::WriteError.
-  bool autosave(std::int64_t now_unix_s);
-  // Ends as a crash would: the recovery stays.
-  void keep_recovery();
+  // As Autosave.
+  bool autosave(std::int64_t now_unix_s) { return autosave_.write(*this, now_unix_s); }
+  void keep_recovery() { autosave_.keep(); }
 
  private:
   struct Start {
@@ -169,14 +148,14 @@ class MotionDocument {
   // Makes an edit of the YAML one change of the history.
   void edit(std::string_view label, std::string_view drag,
             const std::function<void(tools::YamlDocument&)>& change);
-  void replace(std::string text, std::string_view label, std::string_view drag);
-  void take_text(std::string text);
+  void check(const std::string& /*text*/) const override {}  // a text with errors can be edited
+  void take_text(std::string text) override;
+  void match_file() override { autosave_.match_file(file()); }
   void analyse();
   const tools::YamlDocument& yaml() const;
   // The name of the file in messages.
   std::filesystem::path source_name() const;
   const MotionRow& row(std::size_t row) const;
-  void require_file() const;
   void require_version_2(const std::string& construct) const;
 
   // Index in the list of steps with this path.
@@ -195,19 +174,13 @@ class MotionDocument {
                              std::map<std::string, std::string>& images, std::string& new_poses) const;
 
   std::shared_ptr<const MotionRobot> robot_;
-  std::filesystem::path file_;
-  std::filesystem::path recovery_folder_;
   std::string text_;
-  std::uint64_t revision_ = 1;
   std::optional<tools::YamlDocument> yaml_;  // none: the text is no YAML
   std::optional<simulation::MotionSource> source_;
   std::optional<simulation::CompiledMotion> compiled_;
   std::vector<simulation::Diagnostic> diagnostics_;
   MotionRows rows_;
-  TextHistory history_;
-  FileState disk_;
-  std::unique_ptr<RecoverySlot> slot_;
-  std::uint64_t autosaved_revision_ = 0;
+  Autosave autosave_;
 };
 
 }  // namespace koboshi::studio

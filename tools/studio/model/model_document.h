@@ -11,8 +11,7 @@
 #include "sim_board/robot/description.h"
 #include "tools/robot/check/model_check.h"
 #include "tools/robot/edit/robot_text.h"
-#include "tools/studio/document/recovery.h"
-#include "tools/studio/document/text_history.h"
+#include "tools/studio/document/text_document.h"
 
 namespace koboshi::studio {
 
@@ -21,7 +20,7 @@ namespace koboshi::studio {
 //
 // The text always loads: an edit after which it would not throws sim::InputError and changes nothing. Every
 // edit is one step of the undo history and changes the bytes of its values alone.
-class ModelDocument {
+class ModelDocument final : public TextDocument {
  public:
   // Opens a file. `recovery_folder`: for autosave; empty: none. Throws sim::InputError if the file cannot be
   // read or does not load.
@@ -30,10 +29,7 @@ class ModelDocument {
   [[nodiscard]] static std::unique_ptr<ModelDocument> restore(const Recovery& recovery,
                                                               std::filesystem::path recovery_folder = {});
 
-  const std::filesystem::path& file() const { return file_; }
-  const std::string& text() const { return xml_.text(); }
-  // Grows with each change of the text, also by undo and redo.
-  std::uint64_t revision() const { return revision_; }
+  const std::string& text() const override { return xml_.text(); }
   const tools::XmlDocument& xml() const { return xml_; }
 
   // What the present text means, with its findings. References are valid until the next change.
@@ -51,42 +47,23 @@ class ModelDocument {
   // Replaces the whole text.
   void replace_text(const std::string& text);
 
-  // Undo history.
-  const TextHistory& history() const { return history_; }
-  bool undo();
-  bool redo();
-  // Whether the text differs from that of the file.
-  bool is_modified() const { return !history_.is_saved(); }
-
-  // Saving. `save` replaces the file atomically, even if another program has changed it: ask
-  // changed_on_disk() before. Throws sim::WriteError.
-  void save();
-  [[nodiscard]] DiskChange changed_on_disk() const;
-  // Takes over the file's text as an edit that can be undone. Throws sim::InputError.
-  void reload();
-  // Writes the recovery if the document differs from its file and has changed since the last call. Returns
-  // whether it wrote. Throws sim::WriteError.
-  bool autosave(std::int64_t now_unix_s);
-  // Ends as a crash would: the recovery stays.
-  void keep_recovery();
+  // As Autosave.
+  bool autosave(std::int64_t now_unix_s) { return autosave_.write(*this, now_unix_s); }
+  void keep_recovery() { autosave_.keep(); }
 
  private:
   ModelDocument(const std::filesystem::path& file, ReadFile read, std::filesystem::path recovery_folder);
 
   tools::ModelReport checked(const std::string& text) const;
   void take(tools::XmlDocument edited, const std::string& label, std::string_view drag);
-  void return_to(const std::string& text);
+  void check(const std::string& text) const override { static_cast<void>(checked(text)); }
+  void take_text(std::string text) override;
+  void match_file() override { autosave_.match_file(file()); }
 
-  std::filesystem::path file_;
-  std::filesystem::path recovery_folder_;
-  FileState disk_;
   tools::XmlDocument xml_;
-  std::uint64_t revision_ = 1;
   mutable tools::ModelChecker checker_;  // keeps the meshes that it has read
   mutable std::optional<tools::ModelReport> report_;
-  TextHistory history_;
-  std::unique_ptr<RecoverySlot> slot_;
-  std::uint64_t autosaved_revision_ = 0;
+  Autosave autosave_;
 };
 
 // Whether two texts describe the same robot but for its visuals, so that the same simulation follows.

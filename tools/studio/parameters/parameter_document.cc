@@ -5,7 +5,6 @@
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
 #include "sim_board/input/yaml_reader.h"
-#include "sim_board/record/output_file.h"
 #include "sim_board/scenario/reader.h"
 #include "simulation/gait/gait.h"
 #include "simulation/gait/gait_motion.h"
@@ -27,15 +26,14 @@ ParameterDocument::Opened ParameterDocument::open(const fs::path& file) {
 ParameterDocument::ParameterDocument(const fs::path& file)
     : ParameterDocument(fs::absolute(file), open(file)) {}
 
-ParameterDocument::ParameterDocument(fs::path file, Opened opened)
-    : file_(std::move(file)),
+ParameterDocument::ParameterDocument(fs::path path, Opened opened)
+    : TextDocument(std::move(path), opened.read.state),
       yaml_(opened.yaml),
       saved_(std::move(opened.yaml)),
-      disk_(opened.read.state),
       is_gait_(yaml_.tree().find("period_s") != nullptr),
       table_(is_gait_ ? gait_table() : controller_table()) {
   if (!is_gait_ && yaml_.tree().find("parameters") == nullptr)
-    throw sim::InputError(file_, 0, "neither parameters nor period_s", "parameters of a robot, or a gait");
+    throw sim::InputError(file(), 0, "neither parameters nor period_s", "parameters of a robot, or a gait");
 }
 
 std::optional<double> ParameterDocument::value_in(const tools::YamlDocument& yaml, std::size_t index) const {
@@ -65,18 +63,15 @@ std::vector<std::size_t> ParameterDocument::changed() const {
 
 // --- Edits
 
-// Every change of the text passes here.
-void ParameterDocument::replace(std::string text, std::string_view label, std::string_view drag) {
-  const std::string before = yaml_.text();
-  if (text != before) yaml_.replace_text(std::move(text));
-  history_.record(before, yaml_.text(), label, drag);
+void ParameterDocument::check(const std::string& text) const {
+  static_cast<void>(tools::YamlDocument(file(), text).places());  // refuses what cannot be edited
 }
 
 std::string ParameterDocument::checked_text(std::size_t index, double value) const {
   const ParameterInfo& info = table_[index];
   const std::int64_t steps = info.steps(value);
   if (!(steps >= info.steps(info.low) && steps <= info.steps(info.high)))
-    throw sim::InputError(file_, 0, fmt::format("{} = {:.6g}", info.key, value),
+    throw sim::InputError(file(), 0, fmt::format("{} = {:.6g}", info.key, value),
                           fmt::format("{:.6g} to {:.6g} {}", info.low, info.high, info.unit));
   return info.text(value);
 }
@@ -117,7 +112,7 @@ void ParameterDocument::reset_to_file(std::size_t index) {
 void ParameterDocument::reset_to_default(std::size_t index) {
   const ParameterInfo& info = table_[index];
   if (is_gait_ && !info.fallback)
-    throw sim::InputError(file_, 0, "no value of " + info.key, "one: it has no default");
+    throw sim::InputError(file(), 0, "no value of " + info.key, "one: it has no default");
   if (!is_given(index)) return;
   tools::YamlDocument edited = yaml_;
   edited.erase(info.path);
@@ -126,51 +121,17 @@ void ParameterDocument::reset_to_default(std::size_t index) {
 
 void ParameterDocument::reset_all_to_file() { replace(saved_.text(), "Reset all"); }
 
-bool ParameterDocument::undo() {
-  std::string text = yaml_.text();
-  if (!history_.undo(text)) return false;
-  yaml_.replace_text(std::move(text));
-  return true;
-}
-
-bool ParameterDocument::redo() {
-  std::string text = yaml_.text();
-  if (!history_.redo(text)) return false;
-  yaml_.replace_text(std::move(text));
-  return true;
-}
-
-// --- File
-
-void ParameterDocument::save() {
-  if (!is_modified() && changed_on_disk() == DiskChange::kNone) return;
-  yaml_.save();
-  saved_ = yaml_;
-  disk_ = {.size = text().size(), .time = fs::last_write_time(file_), .hash = hash_text(text())};
-  history_.mark_saved();
-}
-
-DiskChange ParameterDocument::changed_on_disk() const { return compare_with_disk(file_, disk_); }
-
-void ParameterDocument::reload() {
-  Opened opened = open(file_);
-  replace(opened.read.text, "Reload");
-  saved_ = std::move(opened.yaml);
-  disk_ = opened.read.state;
-  history_.mark_saved();
-}
-
 // --- Use
 
 sim::RobotParameters ParameterDocument::robot_parameters() const {
-  return sim::read_robot_parameters(sim::YamlFile(file_, yaml_.tree()));
+  return sim::read_robot_parameters(sim::YamlFile(file(), yaml_.tree()));
 }
 
 std::string ParameterDocument::problem(const sim::RobotDescription& robot,
                                        const simulation::NamedModel& model) const {
   try {
     if (is_gait_) {
-      const simulation::Gait gait = simulation::read_gait(sim::YamlFile(file_, yaml_.tree()));
+      const simulation::Gait gait = simulation::read_gait(sim::YamlFile(file(), yaml_.tree()));
       static_cast<void>(simulation::compile_motion(make_gait_motion(gait, robot, model), model));
     } else {
       static_cast<void>(simulation::compile_robot_parameters(robot_parameters(), model.model));
@@ -184,16 +145,16 @@ std::string ParameterDocument::problem(const sim::RobotDescription& robot,
 void ParameterDocument::apply_to(sim::Scenario& scenario) const {
   std::error_code ignored;
   if (!is_gait_) {
-    if (fs::equivalent(scenario.robot_parameters.file, file_, ignored))
+    if (fs::equivalent(scenario.robot_parameters.file, file(), ignored))
       scenario.robot_parameters = robot_parameters();
     return;
   }
-  if (!scenario.gait || !fs::equivalent(scenario.gait->file, file_, ignored)) return;
+  if (!scenario.gait || !fs::equivalent(scenario.gait->file, file(), ignored)) return;
   // Before the scenario's own, which replace values of the file.
   std::vector<sim::Override> overrides;
   for (const std::size_t index : changed())
     if (const auto number = value(index))
-      overrides.push_back({table_[index].key, table_[index].text(*number), file_.string()});
+      overrides.push_back({table_[index].key, table_[index].text(*number), file().string()});
   scenario.gait->overrides.insert(scenario.gait->overrides.begin(), overrides.begin(), overrides.end());
 }
 

@@ -14,8 +14,7 @@
 #include "sim_board/scenario/scenario.h"
 #include "simulation/model/robot_model.h"
 #include "tools/edit/yaml_document.h"
-#include "tools/studio/document/recovery.h"
-#include "tools/studio/document/text_history.h"
+#include "tools/studio/document/text_document.h"
 #include "tools/studio/parameters/parameter_table.h"
 
 namespace koboshi::studio {
@@ -31,7 +30,7 @@ struct ParameterValue {
 // Every edit is one step of the undo history and changes as few bytes as it can: comments, order and layout
 // of the rest stay. An edit that does not fit throws sim::InputError and changes nothing. Indices are those
 // of table().
-class ParameterDocument {
+class ParameterDocument final : public TextDocument {
  public:
   // Opens a file, whose keys tell which of the two it is. Throws sim::InputError if it cannot be read.
   explicit ParameterDocument(const std::filesystem::path& file);
@@ -39,8 +38,7 @@ class ParameterDocument {
   ParameterTable table() const { return table_; }
   // Whether it holds the numbers of a gait.
   bool is_gait() const { return is_gait_; }
-  const std::filesystem::path& file() const { return file_; }
-  const std::string& text() const { return yaml_.text(); }
+  const std::string& text() const override { return yaml_.text(); }
 
   // Whether the text has the key.
   bool is_given(std::size_t index) const;
@@ -62,19 +60,6 @@ class ParameterDocument {
   void reset_to_default(std::size_t index);
   void reset_all_to_file();
 
-  const TextHistory& history() const { return history_; }
-  void end_drag() { history_.end_merge(); }
-  bool undo();
-  bool redo();
-  bool is_modified() const { return !history_.is_saved(); }
-
-  // Replaces the file atomically, also if another program has changed it: ask changed_on_disk() before.
-  // Throws sim::WriteError.
-  void save();
-  [[nodiscard]] DiskChange changed_on_disk() const;
-  // Takes over the file's text as an edit that can be undone. Throws sim::InputError.
-  void reload();
-
   // What the compiler says of these values on this robot: one line; empty if they are good.
   [[nodiscard]] std::string problem(const sim::RobotDescription& robot,
                                     const simulation::NamedModel& model) const;
@@ -89,21 +74,20 @@ class ParameterDocument {
     ReadFile read;
     tools::YamlDocument yaml;
   };
-  ParameterDocument(std::filesystem::path file, Opened opened);
+  ParameterDocument(std::filesystem::path path, Opened opened);
   static Opened open(const std::filesystem::path& file);
 
-  void replace(std::string text, std::string_view label, std::string_view drag = {});
+  void check(const std::string& text) const override;
+  void take_text(std::string text) override { yaml_.replace_text(std::move(text)); }
+  void match_file() override { saved_ = yaml_; }
   std::optional<double> value_in(const tools::YamlDocument& yaml, std::size_t index) const;
   std::string checked_text(std::size_t index, double value) const;
   void set_in(tools::YamlDocument& yaml, const ParameterValue& value) const;
 
-  std::filesystem::path file_;
   tools::YamlDocument yaml_;
   tools::YamlDocument saved_;  // the file, as it was read or saved last
-  FileState disk_;
   bool is_gait_ = false;
   ParameterTable table_;
-  TextHistory history_;
 };
 
 }  // namespace koboshi::studio
