@@ -132,8 +132,18 @@ TEST_F(ModelDocumentTest, NoticesAndTakesOverChangesByOtherPrograms) {
   document->reload();
   EXPECT_EQ(document->text(), other);
   EXPECT_FALSE(document->is_modified());
+  EXPECT_EQ(document->history().undo_label(), "Reload");
   ASSERT_TRUE(document->undo());
   EXPECT_EQ(document->text(), first_);
+  // A file that does not load changes nothing.
+  for (const std::string& broken : {other.substr(0, 500), std::string("<sdf/>")}) {
+    test::write_file(file_, broken);
+    const std::uint64_t revision = document->revision();
+    EXPECT_THROW(document->reload(), sim::InputError);
+    EXPECT_EQ(document->text(), first_);
+    EXPECT_EQ(document->revision(), revision);
+    EXPECT_EQ(document->changed_on_disk(), DiskChange::kChanged);
+  }
 }
 
 TEST_F(ModelDocumentTest, CopiesOfTheFileLoadBeforeTheyAreSaved) {

@@ -240,6 +240,11 @@ TEST_F(Parameters, NoticeAnotherProgramAndReload) {
   EXPECT_FALSE(document.is_modified());
   EXPECT_TRUE(document.undo());
   EXPECT_TRUE(document.is_modified());
+  const std::string mine = document.text();
+  test::write_file(file("parameters.yaml"), "parameters: {step_height_mm: [");
+  EXPECT_THROW(document.reload(), sim::InputError);
+  EXPECT_EQ(document.text(), mine);
+  EXPECT_EQ(document.file_value(at(document, "step_height_mm")), 24.0);
 }
 
 TEST_F(Parameters, TakeTheirPlaceInAScenario) {
