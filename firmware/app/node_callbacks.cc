@@ -33,6 +33,11 @@ void NodeCallbacks::on_rpdo(std::size_t number) {
   execute_decision();
 }
 
+// Whoever repeats the velocity of a walk is gone: nobody could stop the robot.
+void NodeCallbacks::on_rpdo_timeout(std::size_t number) {
+  if (number == kVelocityRpdo) parts_.behaviour.stop_walk();
+}
+
 void NodeCallbacks::execute_decision() {
   parts_.executor.execute(parts_.behaviour.decision(), now_us_);
   show(parts_.behaviour, parts_.values);

@@ -314,10 +314,7 @@ void Behaviour::stop_motions() {
 }
 
 void Behaviour::run_walking(const Cycle& cycle) {
-  if (battery_low()) {
-    walker_.stop();
-    overlay_.stop();
-  }
+  if (battery_low()) stop_walk();
   const estimation::RobotState& robot = cycle.robot;
   walker_.advance(velocity_, {.roll = robot.roll,
                               .pitch = robot.pitch,

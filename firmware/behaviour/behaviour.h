@@ -102,6 +102,8 @@ class Behaviour {
   bool request_velocity(const walk::Velocity& velocity);
   // Sets the commanded velocity without a check: it passed one before.
   void set_velocity(const walk::Velocity& velocity) { velocity_ = velocity; }
+  // Ends a walk as kStop does. Nothing happens in other states.
+  void stop_walk();
   // Records a refusal that was found only after the command had been obeyed.
   void refuse(Reason reason) { status_.refusal = reason; }
   // A fault that the controller has found between two cycles; `drive_fault`: the drives' first, if any.

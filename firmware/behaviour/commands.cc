@@ -148,14 +148,19 @@ Reason Behaviour::get_up(const Judgement& judgement) {
   return refusal == Reason::kNone ? obey_event(Event::kGetUp, judgement.now_us) : refusal;
 }
 
+void Behaviour::stop_walk() {
+  if (status_.state != State::kWalking) return;
+  walker_.stop();
+  overlay_.stop();
+}
+
 Reason Behaviour::stop() {
   switch (status_.state) {
     case State::kMotion:
       stop_motions();
       return Reason::kNone;
     case State::kWalking:
-      walker_.stop();
-      overlay_.stop();
+      stop_walk();
       return Reason::kNone;
     case State::kStanding:
       if (!overlay_.playing()) return Reason::kNotInThisState;

@@ -324,7 +324,10 @@ void Node::on_rpdo_changed(std::size_t number) {
 
 void Node::watch_rpdos(std::uint64_t now_us) {
   std::size_t number = 0;
-  while (rpdos_.check(now_us, number)) note_reception(number, Reception::kTimedOut);
+  while (rpdos_.check(now_us, number)) {
+    note_reception(number, Reception::kTimedOut);
+    application_.on_rpdo_timeout(number);
+  }
 }
 
 void Node::on_communication_error(std::uint64_t now_us) {

@@ -67,6 +67,8 @@ class NodeApplication {
   virtual void on_sync(std::uint64_t /*now_us*/) {}
   // RPDO `number` (from 0) has taken effect.
   virtual void on_rpdo(std::size_t /*number*/) {}
+  // RPDO `number` has been silent for longer than its event timer: once, until it is received again.
+  virtual void on_rpdo_timeout(std::size_t /*number*/) {}
   virtual void on_heartbeat(const HeartbeatEvent&) {}
   // Another node's emergency message.
   virtual void on_emergency(const Emergency&) {}

@@ -196,7 +196,9 @@ Object pdo_communication(std::uint16_t index, std::string_view family, std::size
     items.push_back(item(index, 6, "SYNC start value", DataType::kUnsigned8, "rw", decimal(pdo.sync_start)));
     items.back().comment = "0: the counter of SYNC does not matter.";
   } else {
-    items.back().comment = "Longer silence is error 8250.";
+    items.back().comment =
+        "0: none. Longer silence after a reception is error 8250, and ends a walk if it is that of "
+        "the controller's velocity, 1401.";
   }
   Object made = record(index, fmt::format("{} {}", family, number + 1), std::move(items));
   made.family = family;

@@ -240,10 +240,12 @@ TEST(NodeRpdoTimer, ReportsAPdoThatFallsSilent) {
   device.node.on_frame(can_frame(0x310, {7, 0}), 55'000);
   device.node.process(64'999);
   EXPECT_TRUE(device.sink.take().empty());
+  EXPECT_TRUE(device.silent_rpdos.empty());
   device.node.process(65'000);
   EXPECT_EQ(device.sink.take(), std::vector{emergency(0x8250, 0x11, 2)});
   device.node.process(200'000);
   EXPECT_TRUE(device.sink.take().empty());
+  EXPECT_EQ(device.silent_rpdos, std::vector<std::size_t>{1});
   EXPECT_EQ(device.ask(can_frame(0x310, {7, 0}), 200'000), std::vector{emergency(0, 0)});
 }
 
