@@ -26,6 +26,8 @@ struct VelocityLimits {
             static_cast<std::int16_t>(-turn_mrad_per_s)};
   }
   constexpr Velocity highest() const { return {forward_mm_per_s, lateral_mm_per_s, turn_mrad_per_s}; }
+
+  friend bool operator==(const VelocityLimits&, const VelocityLimits&) = default;
 };
 
 constexpr Velocity clamped(const Velocity& velocity, const VelocityLimits& limits) {

@@ -44,7 +44,7 @@ void ObjectAccess::begin(std::uint64_t now_us) {
 }
 
 void ObjectAccess::send(const Data& data, std::uint64_t now_us) {
-  deadline_us_ = now_us + kTimeout_us;
+  deadline_us_ = now_us + timeout_us_;
   // Without room for the frame, the node does not answer either.
   static_cast<void>(
       sink_.send({.identifier = request_identifier(active_->node_id), .size = 8, .data = data}));

@@ -24,6 +24,13 @@ struct ObjectRequest {
 };
 
 struct ObjectAnswer {
+  // Whether no valid answer has come: after a time-out, or in a transfer that another client has disturbed.
+  bool is_lost() const {
+    using enum canopen::AbortCode;
+    return abort == kTimedOut || abort == kGeneralError || abort == kCommandSpecifierUnknown ||
+           abort == kToggleBitNotAlternated;
+  }
+
   std::uint64_t number = 0;
   std::uint64_t time_us = 0;
   std::vector<std::uint8_t> data{};                      // of a read
@@ -39,10 +46,13 @@ class ObjectAccess {
   static constexpr std::uint64_t kTimeout_us = 100'000;
   static constexpr std::size_t kMaxBytes = 4096;
 
-  // The sink must outlive this.
-  explicit ObjectAccess(canopen::FrameSink& sink) : sink_(sink) {}
+  // The sink must outlive this. A bus that other processes serve needs a longer time-out.
+  explicit ObjectAccess(canopen::FrameSink& sink, std::uint64_t timeout_us = kTimeout_us)
+      : sink_(sink), timeout_us_(timeout_us) {}
 
   void request(ObjectRequest request) { waiting_.push_back(std::move(request)); }
+  // Before all that wait.
+  void request_first(ObjectRequest request) { waiting_.push_front(std::move(request)); }
   // Checks the time-out and begins the next access. Call it once per millisecond.
   void process(std::uint64_t now_us);
   // Takes every frame from the bus. True when it belongs to the access under way.
@@ -67,6 +77,7 @@ class ObjectAccess {
   void end(canopen::AbortCode code, std::uint64_t time_us);
 
   canopen::FrameSink& sink_;
+  const std::uint64_t timeout_us_;
   std::deque<ObjectRequest> waiting_;
   std::optional<ObjectRequest> active_;
   std::vector<ObjectAnswer> answers_;

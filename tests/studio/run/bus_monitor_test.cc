@@ -5,43 +5,80 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <thread>
+#include <utility>
+
+#include "firmware/canopen/frame.h"
 
 namespace koboshi::studio {
 namespace {
 
 using Kind = sim::Command::Kind;
 
-// What is sent to a bus on which nobody answers.
+// How the controller on the bus answers accesses to the event timer of its velocity.
+enum class Sdo { kAnswers, kRefuses, kSilent };
+
+// What is sent to the bus.
 struct SentFrames {
   std::vector<hal::CanFrame> take_all() {
     const std::scoped_lock lock(mutex);
     return frames;
   }
-  // Waits until this many frames have been sent.
+  // The bytes of the commands that have been sent.
+  std::vector<int> commands() {
+    const std::scoped_lock lock(mutex);
+    return commands_now();
+  }
+  // Waits until this many commands have been sent.
   bool wait_for(std::size_t count) {
     std::unique_lock lock(mutex);
-    return sent.wait_for(lock, std::chrono::seconds(20), [&] { return frames.size() >= count; });
+    return sent.wait_for(lock, std::chrono::seconds(20), [&] { return commands_now().size() >= count; });
+  }
+  std::vector<int> commands_now() const {
+    std::vector<int> codes;
+    for (const hal::CanFrame& frame : frames)
+      if (frame.identifier == 0x201) codes.push_back(frame.data[0]);
+    return codes;
   }
 
   std::mutex mutex;
   std::condition_variable sent;
   std::vector<hal::CanFrame> frames;
+  Sdo sdo = Sdo::kAnswers;
+  std::uint16_t timer_ms = 0;  // of the controller's 0x1401:05
 };
 
-class SilentBus final : public sim::Transport {
+class RobotBus final : public sim::Transport {
  public:
-  explicit SilentBus(SentFrames& sent) : sent_(sent) {}
+  explicit RobotBus(SentFrames& sent) : sent_(sent) {}
   bool send(const hal::CanFrame& frame, std::uint64_t /*time_us*/) override {
     const std::scoped_lock lock(sent_.mutex);
+    if (frame.identifier == 0x601 && sent_.sdo != Sdo::kSilent) answer(frame.data);
     sent_.frames.push_back(frame);
     sent_.sent.notify_all();
     return true;
   }
-  std::optional<hal::CanFrame> receive() override { return std::nullopt; }
-  std::string place() const override { return "silent"; }
+  std::optional<hal::CanFrame> receive() override { return std::exchange(answer_, std::nullopt); }
+  std::string place() const override { return "test"; }
 
  private:
+  void answer(const std::array<std::uint8_t, 8>& request) {
+    answer_ = {.identifier = 0x581, .size = 8, .data = {0, request[1], request[2], request[3]}};
+    const bool reads = request[0] == 0x40;
+    if (sent_.sdo == Sdo::kRefuses) {
+      answer_->data[0] = 0x80;
+      canopen::store_u32(&answer_->data[4], 0x06090011);  // sub-index does not exist
+    } else if (reads) {
+      answer_->data[0] = 0x4B;
+      canopen::store_u16(&answer_->data[4], sent_.timer_ms);
+    } else {
+      answer_->data[0] = 0x60;
+      sent_.timer_ms = canopen::load_u16(&request[4]);
+    }
+  }
+
   SentFrames& sent_;
+  std::optional<hal::CanFrame> answer_;
 };
 
 sim::Command command(Kind kind) {
@@ -54,15 +91,8 @@ class BusMonitorTest : public ::testing::Test {
  protected:
   BusMonitorTest()
       : monitor(std::make_unique<BusMonitor>(
-            std::make_unique<SilentBus>(sent),
+            std::make_unique<RobotBus>(sent),
             std::filesystem::path(KOBOSHI_SOURCE_DIR) / "robots/koboshi/robot.sdf")) {}
-  // The bytes of the commands that have been sent.
-  std::vector<int> commands() {
-    std::vector<int> codes;
-    for (const hal::CanFrame& frame : sent.take_all())
-      if (frame.identifier == 0x201) codes.push_back(frame.data[0]);
-    return codes;
-  }
 
   SentFrames sent;
   std::unique_ptr<BusMonitor> monitor;
@@ -78,23 +108,58 @@ TEST_F(BusMonitorTest, SendsNothingByItself) {
 
 TEST_F(BusMonitorTest, StopsAWalkThatIsNotRepeated) {
   ASSERT_TRUE(monitor->give(command(Kind::kWalk)));
-  ASSERT_TRUE(sent.wait_for(3));  // velocity, walk, stop
-  EXPECT_EQ(commands(), (std::vector{kWalkCode, kStopCode}));
+  ASSERT_TRUE(sent.wait_for(2));
+  EXPECT_EQ(sent.commands(), (std::vector{kWalkCode, kStopCode}));
 }
 
 TEST_F(BusMonitorTest, StopsAWalkAtItsEnd) {
   ASSERT_TRUE(monitor->give(command(Kind::kWalk)));
-  ASSERT_TRUE(sent.wait_for(2));
+  ASSERT_TRUE(sent.wait_for(1));
   monitor.reset();
-  EXPECT_EQ(commands(), (std::vector{kWalkCode, kStopCode}));
+  EXPECT_EQ(sent.commands(), (std::vector{kWalkCode, kStopCode}));
 }
 
 TEST_F(BusMonitorTest, LeavesARobotThatDoesNotWalkAlone) {
   ASSERT_TRUE(monitor->give(command(Kind::kWalk)));
+  ASSERT_TRUE(sent.wait_for(1));
   ASSERT_TRUE(monitor->give(command(Kind::kEmergencyStop)));
-  ASSERT_TRUE(sent.wait_for(3));
+  ASSERT_TRUE(sent.wait_for(2));
   monitor.reset();
-  EXPECT_EQ(commands(), (std::vector{kWalkCode, 5}));
+  EXPECT_EQ(sent.commands(), (std::vector{kWalkCode, 5}));
+}
+
+// Accesses, the velocity and the walk, in this order; a stop and the former value at the end.
+TEST_F(BusMonitorTest, ArmsTheRobotsDeadlineBeforeAWalkOnly) {
+  sent.timer_ms = 7'000;
+  ASSERT_TRUE(monitor->give(command(Kind::kWalk)));
+  ASSERT_TRUE(sent.wait_for(1));
+  std::vector<int> identifiers;
+  for (const hal::CanFrame& frame : sent.take_all()) identifiers.push_back(frame.identifier);
+  EXPECT_EQ(identifiers, (std::vector{0x601, 0x601, 0x301, 0x201}));
+  EXPECT_EQ(sent.timer_ms, WalkDeadline::kDeadline_ms);
+  EXPECT_EQ(monitor->walk_deadline(), WalkDeadline::State::kWorks);
+  monitor.reset();
+  EXPECT_EQ(sent.timer_ms, 7'000);
+  EXPECT_EQ(sent.take_all().back().identifier, 0x601);
+}
+
+TEST_F(BusMonitorTest, WalksARobotThatRefusesTheDeadlineAndSaysSo) {
+  sent.sdo = Sdo::kRefuses;
+  ASSERT_TRUE(monitor->give(command(Kind::kWalk)));
+  ASSERT_TRUE(sent.wait_for(1));
+  EXPECT_EQ(sent.commands().front(), kWalkCode);
+  EXPECT_EQ(monitor->walk_deadline(), WalkDeadline::State::kRefused);
+}
+
+// Nobody answers, and the velocity is not repeated: neither walk nor stop.
+TEST_F(BusMonitorTest, WalksNoRobotThatDoesNotAnswer) {
+  sent.sdo = Sdo::kSilent;
+  ASSERT_TRUE(monitor->give(command(Kind::kWalk)));
+  for (int i = 0; i < 2'000 && monitor->walk_deadline() != WalkDeadline::State::kSilent; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(monitor->walk_deadline(), WalkDeadline::State::kSilent);
+  monitor.reset();
+  EXPECT_TRUE(sent.commands().empty());
 }
 
 TEST_F(BusMonitorTest, TakesCommandsAndAccessesOnly) {

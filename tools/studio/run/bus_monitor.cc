@@ -12,6 +12,7 @@
 #include "sim_board/robot/load.h"
 #include "sim_board/scenario/operator_pc.h"
 #include "tools/can/describe.h"
+#include "tools/can/sdo_transfer.h"
 #include "tools/can/source.h"
 #include "tools/dictionary/object_names.h"
 #include "tools/motion/view/placement.h"
@@ -22,6 +23,8 @@ namespace {
 
 constexpr std::uint16_t kSyncIdentifier = 0x080;
 constexpr std::uint64_t kWait_us = 1000;
+// The robot's process or this one may pause for longer than the 100 ms that a simulation allows.
+constexpr std::uint64_t kSdoTimeout_us = tools::SdoTransfer::kTimeout_us;
 // Without SYNC, as after a stop of the controller, samples come at this interval.
 constexpr std::uint64_t kLongestSample_us = 100'000;
 constexpr const char* kPosition = "position_actual_value";
@@ -81,7 +84,7 @@ BusMonitor::BusMonitor(std::unique_ptr<sim::Transport> transport, const std::fil
       head_(make_head(robot_, network_, place_)),
       placer_(std::make_unique<Placer>(robot_)),
       sink_(*this),
-      access_(sink_),
+      access_(sink_, kSdoTimeout_us),
       values_(head_.signals.size(), std::numeric_limits<float>::quiet_NaN()),
       angles_rad_(robot_.joints.size(), 0.0) {
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
@@ -118,8 +121,9 @@ void BusMonitor::run(const std::stop_token& stop) {
       now_us_ = now_us();
       obey();
       if (walk_us_ && now_us_ - *walk_us_ > kWalkTimeout_us) end_walk();
+      arm_deadline();
       access_.process(now_us());
-      if (auto answers = access_.take_answers(); !answers.empty()) inbox_.add_answers(std::move(answers));
+      take_answers(now_us());
       bool sync = false;
       while (const auto frame = transport_->receive()) {
         // The SYNC ends a cycle: the values are those that came before it.
@@ -134,6 +138,8 @@ void BusMonitor::run(const std::stop_token& stop) {
       tools::wait_for_frames(*transport_, kWait_us);
     }
     end_walk();
+    restore_deadline();
+    transport_->flush();
   } catch (const std::exception& error) {
     const std::scoped_lock lock(mutex_);
     error_ = error.what();
@@ -148,12 +154,35 @@ void BusMonitor::obey() {
   }
   for (Input& input : given) {
     if (auto* request = std::get_if<sim::ObjectRequest>(&input)) access_.request(std::move(*request));
-    if (const auto* command = std::get_if<sim::Command>(&input)) {
-      send(*command);
-      walk_us_.reset();
-      if (command->kind == sim::Command::Kind::kWalk) walk_us_ = now_us_;
-    }
+    if (const auto* command = std::get_if<sim::Command>(&input)) obey(*command);
   }
+}
+
+// A walk waits for the deadline; its last velocity counts.
+void BusMonitor::obey(const sim::Command& command) {
+  awaiting_walk_.reset();
+  walk_us_.reset();
+  if (command.kind != sim::Command::Kind::kWalk) {
+    deadline_.disarm();
+    return send(command);
+  }
+  walk_us_ = now_us_;
+  awaiting_walk_ = command;
+  deadline_.arm();
+}
+
+void BusMonitor::arm_deadline() {
+  if (auto request = deadline_.due(now_us_)) access_.request_first(std::move(*request));
+  if (!awaiting_walk_ || !deadline_.permits_walk()) return;
+  send(*awaiting_walk_);
+  awaiting_walk_.reset();
+}
+
+void BusMonitor::take_answers(std::uint64_t now_us) {
+  std::vector<sim::ObjectAnswer> answers = access_.take_answers();
+  std::erase_if(answers, [&](const sim::ObjectAnswer& answer) { return deadline_.take(answer, now_us); });
+  deadline_state_ = deadline_.state();
+  if (!answers.empty()) inbox_.add_answers(std::move(answers));
 }
 
 // A bus does not return what this program sends, so it is recorded here.
@@ -172,11 +201,23 @@ void BusMonitor::send(const sim::Command& command) {
   }
 }
 
+// A walk that still waits for the deadline has not begun.
 void BusMonitor::end_walk() {
-  if (!std::exchange(walk_us_, std::nullopt)) return;
+  deadline_.disarm();
+  const bool walks = std::exchange(walk_us_, std::nullopt) && !std::exchange(awaiting_walk_, std::nullopt);
+  if (!walks) return;
   sim::Command stop;
   stop.kind = sim::Command::Kind::kStop;
   send(stop);
+}
+
+// At the end, nobody waits for the robot's answer. A transfer that is under way ends with this request.
+void BusMonitor::restore_deadline() {
+  const auto request = deadline_.restoring();
+  if (!request) return;
+  sim::ObjectAccess last(sink_);
+  last.request(*request);
+  last.process(now_us_);
 }
 
 void BusMonitor::take_frame(const hal::CanFrame& frame, std::uint64_t now_us) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -18,6 +19,7 @@
 #include "tools/dictionary/network.h"
 #include "tools/studio/run/inbox.h"
 #include "tools/studio/run/session.h"
+#include "tools/studio/run/walk_deadline.h"
 #include "tools/view/recording/recording.h"
 
 namespace koboshi::studio {
@@ -28,7 +30,8 @@ namespace koboshi::studio {
 // events. It sends nothing unless it is told to. A thread of its own reads the bus; times are since then.
 //
 // It is the dead man's switch of a walk: a velocity that is not given again within kWalkTimeout_us, and the
-// end of the monitor, stop the robot.
+// end of the monitor, stop the robot. For the case that this program is killed, it arms a deadline of the
+// controller's own (WalkDeadline) before each walk. A walk begins once the robot has answered that.
 class BusMonitor {
  public:
   // Four repetitions of HeldWalk. Less would end walks when a loaded machine pauses the window.
@@ -50,6 +53,8 @@ class BusMonitor {
   [[nodiscard]] Batch take() { return inbox_.take(); }
   // Sends commands and accesses objects. Returns false for input that only a simulation can take.
   [[nodiscard]] bool give(const Input& input);
+  // Whether the robot has the deadline that ends a walk if this program is killed.
+  WalkDeadline::State walk_deadline() const { return deadline_state_; }
   // The error that ended the monitor, one line; empty: it runs.
   std::string error() const;
 
@@ -64,7 +69,11 @@ class BusMonitor {
   void obey();
   bool send(const hal::CanFrame& frame);
   void send(const sim::Command& command);
+  void obey(const sim::Command& command);
+  void take_answers(std::uint64_t now_us);
+  void arm_deadline();
   void end_walk();
+  void restore_deadline();
   void take_frame(const hal::CanFrame& frame, std::uint64_t now_us);
   void take_values(const hal::CanFrame& frame);
   void take_event(const hal::CanFrame& frame, std::uint64_t now_us);
@@ -88,7 +97,10 @@ class BusMonitor {
   std::vector<double> angles_rad_;
   std::map<std::uint8_t, std::uint8_t> nmt_states_;  // by node
   std::vector<view::Event> events_;
-  std::optional<std::uint64_t> walk_us_;  // when the velocity of a walk was given last
+  std::optional<std::uint64_t> walk_us_;       // when the velocity of a walk was given last
+  std::optional<sim::Command> awaiting_walk_;  // waits for the deadline
+  WalkDeadline deadline_;
+  std::atomic<WalkDeadline::State> deadline_state_ = WalkDeadline::State::kUnknown;
 
   mutable std::mutex mutex_;
   std::vector<Input> given_;

@@ -1,22 +1,18 @@
 #include "tools/studio/window/operator_commands.h"
 
 #include <QComboBox>
-#include <QCoreApplication>
 #include <QEvent>
 #include <QFormLayout>
 #include <QGridLayout>
 #include <QGroupBox>
 #include <QLabel>
-#include <QPointer>
 #include <QPushButton>
-#include <QThreadPool>
 #include <QVBoxLayout>
-#include <algorithm>
 #include <cmath>
+#include <utility>
 #include <variant>
 
 #include "simulation/scenario/parameters.h"
-#include "tools/motion/remote/robot_motions.h"
 #include "tools/studio/window/run_controller.h"
 #include "tools/studio/window/spin_box.h"
 #include "tools/view/render/playback.h"
@@ -25,19 +21,8 @@ namespace koboshi::studio {
 namespace {
 
 constexpr int kTick_ms = 20;
-constexpr std::uint16_t kLimitsObject = 0x2111;  // forward, backward, lateral, turn
-// Numbers of requests that no other panel uses.
-constexpr std::uint64_t kLimitRequests = std::uint64_t{1} << 40;
-constexpr std::size_t kLimits = 4;
 
 double metres_per_s(std::int16_t thousandths) { return 1e-3 * static_cast<double>(thousandths); }
-
-std::int16_t walk::VelocityLimits::*limit_at(std::size_t index) {
-  using Limits = walk::VelocityLimits;
-  constexpr std::int16_t Limits::*kFields[kLimits] = {&Limits::forward_mm_per_s, &Limits::backward_mm_per_s,
-                                                      &Limits::lateral_mm_per_s, &Limits::turn_mrad_per_s};
-  return kFields[index];
-}
 
 }  // namespace
 
@@ -51,13 +36,14 @@ OperatorCommands::OperatorCommands(RunController& run, QWidget* parent)
       turn_(number_box(-1.5, 1.5, 0.1, 0.0, QStringLiteral("rad/s"),
                        tr("Turning rate in rad/s, counter-clockwise from above"))),
       walk_(new QPushButton(tr("Walk"))),
+      deadline_(new QLabel),
       gamepad_(new QLabel) {
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(0, 0, 0, 0);
   add_commands();
   add_walk();
   connect(&run_, &RunController::opened, this, &OperatorCommands::show_source);
-  connect(&run_, &RunController::answered, this, &OperatorCommands::take_limit);
+  connect(&run_, &RunController::answered, this, &OperatorCommands::take_answer);
   clock_.start();
   timer_.setInterval(kTick_ms);
   connect(&timer_, &QTimer::timeout, this, &OperatorCommands::tick);
@@ -126,6 +112,11 @@ void OperatorCommands::add_walk() {
   connect(walk_, &QPushButton::pressed, this, &OperatorCommands::begin_walk);
   connect(walk_, &QPushButton::released, this, [this] { held_.release(); });
   form->addRow(walk_);
+  deadline_->setObjectName(QStringLiteral("walk_deadline"));
+  deadline_->setAccessibleName(tr("Deadline of the velocity"));
+  deadline_->setWordWrap(true);
+  deadline_->hide();
+  form->addRow(deadline_);
   gamepad_->setObjectName(QStringLiteral("gamepad"));
   gamepad_->setWordWrap(true);
   gamepad_->setTextFormat(Qt::PlainText);
@@ -173,11 +164,31 @@ bool OperatorCommands::eventFilter(QObject* watched, QEvent* event) {
 }
 
 void OperatorCommands::tick() {
-  const auto now_us = static_cast<std::uint64_t>(clock_.nsecsElapsed() / 1000);
-  if (const auto walk_command = held_.due(now_us)) run_.give(*walk_command);
+  if (const auto walk_command = held_.due(now_us())) run_.give(*walk_command);
   const auto pad = gamepads_ ? gamepads_->read() : std::nullopt;
-  for (const sim::Command& command : gamepad_pilot_.take(pad, now_us)) run_.give(command);
+  for (const sim::Command& command : gamepad_pilot_.take(pad, now_us())) run_.give(command);
   show_gamepad(pad);
+  show_deadline();
+  ask_controller();
+}
+
+// Says why a robot on a bus does not begin to walk, or that it would walk on without this program.
+void OperatorCommands::show_deadline() {
+  const BusMonitor* const bus = run_.bus();
+  const auto state = bus != nullptr ? bus->walk_deadline() : WalkDeadline::State::kUnknown;
+  QString text;
+  if (state == WalkDeadline::State::kRefused)
+    text = tr(
+        "This robot accepts no deadline of the velocity (0x1401:05). It walks on if this program is killed.");
+  if (state == WalkDeadline::State::kSilent)
+    text = tr("The robot does not answer by SDO. It walks once it has answered.");
+  if (deadline_->text() == text) return;
+  deadline_->setText(text);
+  deadline_->setVisible(!text.isEmpty());
+}
+
+std::uint64_t OperatorCommands::now_us() const {
+  return static_cast<std::uint64_t>(clock_.nsecsElapsed() / 1000);
 }
 
 void OperatorCommands::set_gamepads(std::unique_ptr<Gamepads> gamepads) { gamepads_ = std::move(gamepads); }
@@ -199,11 +210,16 @@ void OperatorCommands::show_source() {
   held_ = HeldWalk();
   gamepad_pilot_.release();
   pilot_.reset();
+  inquiry_.reset();
   motion_->clear();
   Session* session = run_.session();
   setEnabled(session != nullptr || is_on_bus());
-  walk_->setToolTip(is_on_bus() ? tr("Walks at this velocity as long as the button is held")
-                                : tr("Walks at this velocity; the controller clamps it to its limits"));
+  walk_->setToolTip(
+      is_on_bus()
+          ? tr("Walks at this velocity as long as the button is held. The robot stops by itself %1 ms "
+               "after the last velocity, also if this program is killed.")
+                .arg(WalkDeadline::kDeadline_ms)
+          : tr("Walks at this velocity; the controller clamps it to its limits"));
   walk_->setText(is_on_bus() ? tr("Hold to walk") : tr("Walk"));
   window()->installEventFilter(this);
   if (session != nullptr) {
@@ -215,7 +231,7 @@ void OperatorCommands::show_source() {
     set_limits(simulation::controller_values(scenario).velocity_limits);
   } else if (is_on_bus()) {
     set_limits({});
-    ask_for_limits();
+    inquiry_.emplace();
   }
 }
 
@@ -226,44 +242,18 @@ void OperatorCommands::set_limits(const walk::VelocityLimits& limits) {
                              metres_per_s(limits.lateral_mm_per_s), metres_per_s(limits.turn_mrad_per_s)});
 }
 
-// The controller tells its limits by SDO.
-void OperatorCommands::ask_for_limits() {
-  for (std::size_t i = 0; i < kLimits; ++i)
-    run_.give(sim::ObjectRequest{.number = kLimitRequests + i,
-                                 .node_id = 1,
-                                 .address = {kLimitsObject, static_cast<std::uint8_t>(i + 1)}});
+// A robot may start later than the window; before it sends, nobody answers.
+void OperatorCommands::ask_controller() {
+  if (!inquiry_ || std::isnan(bus_state())) return;
+  for (sim::ObjectRequest& request : inquiry_->due(now_us())) run_.give(std::move(request));
 }
 
-// After the last limit, the channel is free for the names of the motions.
-void OperatorCommands::take_limit(const sim::ObjectAnswer& answer) {
-  if (answer.number < kLimitRequests || answer.number >= kLimitRequests + kLimits) return;
-  const std::size_t index = answer.number - kLimitRequests;
-  if (answer.data.size() == 2) {
-    limits_.*limit_at(index) = static_cast<std::int16_t>(answer.data[0] | answer.data[1] << 8);
-    set_limits(limits_);
-  }
-  if (index + 1 == kLimits) ask_for_motions();
-}
-
-// Reads the names of the robot's motions with a connection of its own, in another thread.
-void OperatorCommands::ask_for_motions() {
-  const QPointer<OperatorCommands> self(this);
-  QThreadPool::globalInstance()->start([self, bus = run_.bus_address(), real = run_.is_real_bus()] {
-    std::vector<std::pair<std::uint16_t, std::string>> motions;
-    try {
-      if (const auto transport = sim::open_transport(bus, real))
-        for (const tools::RobotMotion& motion : tools::RobotMotions(*transport).list())
-          motions.emplace_back(motion.number, motion.name);
-    } catch (const std::exception&) {
-      return;  // no controller answers: it has no motions to choose
-    }
-    QMetaObject::invokeMethod(
-        QCoreApplication::instance(),
-        [self, motions, bus] {
-          if (self && self->is_on_bus() && self->run_.bus_address() == bus) self->show_motions(motions);
-        },
-        Qt::QueuedConnection);
-  });
+void OperatorCommands::take_answer(const sim::ObjectAnswer& answer) {
+  if (!inquiry_ || !inquiry_->take(answer, now_us())) return;
+  if (inquiry_->limits() != limits_) set_limits(inquiry_->limits());
+  if (!inquiry_->complete()) return;
+  show_motions(inquiry_->motions());
+  inquiry_.reset();
 }
 
 void OperatorCommands::show_motions(const std::vector<std::pair<std::uint16_t, std::string>>& motions) {
@@ -274,12 +264,16 @@ void OperatorCommands::show_motions(const std::vector<std::pair<std::uint16_t, s
 
 behaviour::State OperatorCommands::state() const {
   if (run_.session() != nullptr) return run_.status().said.state;
-  const view::Recording& recording = run_.recording();
-  const auto signal = view::find_signal(recording, RunController::kBusState);
-  if (!signal || recording.samples.empty()) return behaviour::State::kBoot;
-  const float value = recording.samples.back().values[*signal];
+  const float value = bus_state();
   return std::isnan(value) ? behaviour::State::kBoot
                            : static_cast<behaviour::State>(static_cast<std::uint8_t>(value));
+}
+
+// What the controller on the bus reported last; NaN: nothing yet.
+float OperatorCommands::bus_state() const {
+  const view::Recording& recording = run_.recording();
+  const auto signal = view::find_signal(recording, RunController::kBusState);
+  return signal && !recording.samples.empty() ? recording.samples.back().values[*signal] : std::nanf("");
 }
 
 double OperatorCommands::heading_rad() const {

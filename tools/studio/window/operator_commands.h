@@ -14,6 +14,7 @@
 #include "sim_board/scenario/scenario.h"
 #include "tools/studio/gamepad/gamepad_pilot.h"
 #include "tools/studio/gamepad/held_walk.h"
+#include "tools/studio/run/controller_inquiry.h"
 #include "tools/teleop/key.h"
 #include "tools/teleop/pilot.h"
 
@@ -31,7 +32,8 @@ class RunController;
 // and by a gamepad.
 //
 // On a bus, a walk is held: it lasts while the button is down, or for the keys while the window is active.
-// Its velocity is repeated, and a stop follows. BusMonitor stops the walk if the repetition fails.
+// Its velocity is repeated, and a stop follows. BusMonitor stops the walk if the repetition fails, and the
+// robot stops by itself if this program is killed; a robot that cannot is pointed out.
 class OperatorCommands final : public QWidget {
   Q_OBJECT
 
@@ -58,13 +60,15 @@ class OperatorCommands final : public QWidget {
   void tick();
   void show_source();
   void show_gamepad(const std::optional<GamepadState>& state);
-  void ask_for_limits();
-  void take_limit(const sim::ObjectAnswer& answer);
-  void ask_for_motions();
+  void show_deadline();
+  void ask_controller();
+  void take_answer(const sim::ObjectAnswer& answer);
   void show_motions(const std::vector<std::pair<std::uint16_t, std::string>>& motions);
   void set_limits(const walk::VelocityLimits& limits);
   bool is_on_bus() const;
   behaviour::State state() const;
+  float bus_state() const;
+  std::uint64_t now_us() const;
   double heading_rad() const;
   Eigen::Vector3d chosen_velocity() const;
 
@@ -74,11 +78,13 @@ class OperatorCommands final : public QWidget {
   std::unique_ptr<Gamepads> gamepads_;
   GamepadPilot gamepad_pilot_;
   walk::VelocityLimits limits_;
+  std::optional<ControllerInquiry> inquiry_;  // on a bus, until it is complete
   QComboBox* const motion_;
   QDoubleSpinBox* const forward_;
   QDoubleSpinBox* const left_;
   QDoubleSpinBox* const turn_;
   QPushButton* const walk_;
+  QLabel* const deadline_;
   QLabel* const gamepad_;
   QElapsedTimer clock_;
   QTimer timer_;
