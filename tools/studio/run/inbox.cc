@@ -51,6 +51,8 @@ void Inbox::add_answers(std::vector<sim::ObjectAnswer> answers) {
 }
 
 void Inbox::set_events(std::vector<view::Event> events) {
+  // A run reports some events later than others that happen after them.
+  std::ranges::stable_sort(events, {}, &view::Event::time_us);
   const std::scoped_lock lock(mutex_);
   batch_.events = std::move(events);
 }

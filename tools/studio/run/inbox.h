@@ -46,6 +46,7 @@ class Inbox final : public view::RecordingListener {
   // repeats the pushes of the whole run.
   void rewind(const Rewind& to);
   void add_answers(std::vector<sim::ObjectAnswer> answers);
+  // Gives all events of the run so far, in any order.
   void set_events(std::vector<view::Event> events);
   // Returns when this many samples have been added, taken back or not.
   void wait_for_samples(std::uint64_t count);

@@ -21,7 +21,7 @@ class EventPanel final : public QTableView {
 
   // Begins a run without events.
   void forget();
-  // Shows the events of the run so far, in order of time. New ones are added at the end.
+  // Shows the events of the run so far, in order of time.
   void show_events(std::span<const view::Event> events);
 
  Q_SIGNALS:
