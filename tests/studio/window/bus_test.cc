@@ -50,23 +50,34 @@ class BusTest final : public QObject {
     return QStringLiteral("udp:239.74.163.9:%1")
         .arg(20'000 + (QCoreApplication::applicationPid() + 7 * robots_) % 20'000);
   }
-  // Starts a robot in another process and attaches the window to its bus.
-  bool attach(const QStringList& arguments) {
-    ++robots_;
+  bool start_robot(const QStringList& arguments) {
     robot_ = std::make_unique<QProcess>();
     robot_->setProcessChannelMode(QProcess::MergedChannels);
     robot_->setWorkingDirectory(QString::fromStdString(kRoot.string()));
     robot_->start(QCoreApplication::applicationDirPath() + QStringLiteral("/koboshi"),
                   arguments + QStringList{QStringLiteral("--can"), bus()});
-    if (!robot_->waitForStarted(kPatience_ms)) return false;
+    return robot_->waitForStarted(kPatience_ms);
+  }
+  bool attach_window() {
     QSignalSpy opened(&window_->run(), &RunController::opened);
     window_->attach(bus().toStdString());
     return opened.wait(kPatience_ms) && window_->run().source() == RunController::Source::kBus;
   }
-  bool attach_run(const char* scenario, const QStringList& more = {}) {
-    return attach(QStringList{QStringLiteral("run"), QLatin1String(scenario), QStringLiteral("--realtime"),
-                              QStringLiteral("--out"), out_.filePath(QString::number(robots_))} +
-                  more);
+  // Starts a robot in another process and attaches the window to its bus.
+  bool attach(const QStringList& arguments) {
+    ++robots_;
+    return start_robot(arguments) && attach_window();
+  }
+  // Arguments of a run of a robot that hangs on its stand and awaits commands. It runs three times as fast as
+  // real time.
+  QStringList run_arguments() const {
+    QStringList arguments{QStringLiteral("run"),     QStringLiteral("scenarios/go.yaml"),
+                          QStringLiteral("--speed"), QStringLiteral("3"),
+                          QStringLiteral("--out"),   out_.filePath(QString::number(robots_))};
+    for (const char* one :
+         {"commands=[]", "duration_s=400", "physics.stepper=lumped", "initial.held_until_s=399"})
+      arguments << QStringLiteral("--set") << QLatin1String(one);
+    return arguments;
   }
   // The value of a signal now; NaN: none yet.
   float value(const char* name) const {
@@ -103,23 +114,42 @@ class BusTest final : public QObject {
   }
 
  private Q_SLOTS:
-  void init() {
+  // One window shows all robots, one after the other: to make it takes longer than most of the tests.
+  void initTestCase() {
     window_ = test::make_window();
     QVERIFY(window_);
   }
+  void init() {
+    window_->messages().hide();
+    window_->activateWindow();
+    QVERIFY(QTest::qWaitForWindowActive(window_.get()));
+  }
+  void cleanupTestCase() { window_.reset(); }
   void cleanup() {
-    window_.reset();
+    window_->findChild<OperatorCommands*>()->set_gamepads(nullptr);
     if (robot_) {
-      robot_->terminate();
+      robot_->kill();  // without drawing figures
       robot_->waitForFinished(kPatience_ms);
       robot_.reset();
     }
   }
 
+  void says_which_buses_can_be_followed() {
+    for (const char* bus : {"can0", "none", "socketcan:lo"}) {
+      window_->messages().hide();
+      window_->attach(bus);
+      QTRY_VERIFY2_WITH_TIMEOUT(window_->messages().isVisible(), bus, kPatience_ms);
+      QCOMPARE(window_->run().source(), RunController::Source::kNone);
+    }
+  }
+
   void follows_a_running_simulation() {
-    QVERIFY2(attach_run("scenarios/walk.yaml"), robot_->readAll().constData());
-    if (!QTest::qWaitFor([&] { return value("left_knee_TPDO1.position_actual_value") > 5.0F; }, kPatience_ms))
-      QFAIL(robot_->readAll().constData());
+    QVERIFY2(attach(run_arguments()), robot_->readAll().constData());
+    QVERIFY2(wait_for_state(behaviour::State::kLimp), qPrintable(story()));
+    QVERIFY(test::click(*window_, "enable"));  // it bends its knees
+    QVERIFY2(QTest::qWaitFor([&] { return value("left_knee_TPDO1.position_actual_value") < -20.0F; },
+                             kPatience_ms),
+             qPrintable(story()));
     const view::Recording& seen = window_->run().recording();
     QVERIFY(seen.frames.size() > 100);
     QVERIFY(window_->findChild<CanPanel*>()->findChild<FrameModel*>()->rowCount() > 0);
@@ -148,17 +178,15 @@ class BusTest final : public QObject {
 
   // The operator's controls command a robot of another process, by nothing but frames.
   void commands_a_running_simulation() {
-    QVERIFY2(attach_run("scenarios/go.yaml",
-                        {QStringLiteral("--set"), QStringLiteral("commands=[]"), QStringLiteral("--set"),
-                         QStringLiteral("duration_s=120"), QStringLiteral("--set"),
-                         QStringLiteral("physics.stepper=lumped"), QStringLiteral("--set"),
-                         QStringLiteral("initial.held_until_s=119")}),
-             robot_->readAll().constData());
+    // The robot starts later than a studio that asks only once would wait for its limits and motions.
+    ++robots_;
+    QVERIFY(attach_window());
+    QTest::qWait(1'500);
+    QVERIFY(start_robot(run_arguments()));
     using State = behaviour::State;
     QVERIFY2(wait_for_state(State::kLimp), qPrintable(story()));
-    // The limits and motions of the robot.
     auto* motions = window_->findChild<QComboBox*>(QStringLiteral("motions"));
-    QTRY_VERIFY_WITH_TIMEOUT(motions->count() > 0, kPatience_ms);
+    QVERIFY2(QTest::qWaitFor([&] { return motions->count() > 0; }, kPatience_ms), qPrintable(story()));
     QCOMPARE(motions->itemText(0), QStringLiteral("stand"));
     // It measures its gyro's bias while it is limp: without it, it refuses to walk. A SYNC comes every 10 ms.
     QTRY_VERIFY_WITH_TIMEOUT(count(0x080) >= 250, kPatience_ms);
@@ -173,6 +201,9 @@ class BusTest final : public QObject {
     QTest::mousePress(walk, Qt::LeftButton);
     QVERIFY2(wait_for_state(State::kWalking), qPrintable(story()));
     QTRY_VERIFY_WITH_TIMEOUT(count(0x301) >= 5, kPatience_ms);
+    // The robot would stop by itself, and nothing needs to be said about it.
+    QCOMPARE(window_->run().bus()->walk_deadline(), WalkDeadline::State::kWorks);
+    QVERIFY(!window_->findChild<QLabel*>(QStringLiteral("walk_deadline"))->isVisible());
     test::save_picture(*window_, "bus-walking");
     // On a machine that pauses this process, the monitor has stopped the robot in between.
     int stops = count(0x201, 4);
@@ -236,15 +267,6 @@ class BusTest final : public QObject {
                 ->text()
                 .contains(QStringLiteral("No controller")));
     QTRY_VERIFY_WITH_TIMEOUT(!window_->run().recording().frames.empty(), kPatience_ms);
-  }
-
-  void says_which_buses_can_be_followed() {
-    for (const char* bus : {"can0", "none", "socketcan:lo"}) {
-      window_->messages().hide();
-      window_->attach(bus);
-      QTRY_VERIFY2_WITH_TIMEOUT(window_->messages().isVisible(), bus, kPatience_ms);
-      QCOMPARE(window_->run().source(), RunController::Source::kNone);
-    }
   }
 
   // In a simulation, the gamepad walks the robot, too.
