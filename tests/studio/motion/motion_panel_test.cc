@@ -6,6 +6,7 @@
 #include <QPushButton>
 #include <QSignalSpy>
 #include <QStyleFactory>
+#include <QWheelEvent>
 
 #include "tests/studio/motion/panel_fixture.h"
 #include "tests/support/qt_tests.h"
@@ -48,6 +49,22 @@ class MotionPanelTest final : public PanelFixture {
     QVERIFY(text() != original);
     QVERIFY(std::abs(pose.at(joint("right_elbow")) - elbow->value() / 100.0 * 3.14159265358979 / 180.0) <
             1e-4);
+    press("undo");
+    COMPARE_TEXT(text(), original);
+
+    // The wheel scrolls the panel. It turns only a slider that is chosen.
+    const auto turn_wheel = [elbow] {
+      const QPointF centre = elbow->rect().center();
+      QWheelEvent wheel(centre, elbow->mapToGlobal(centre), {}, {0, 120}, Qt::NoButton, Qt::NoModifier,
+                        Qt::NoScrollPhase, false);
+      QApplication::sendEvent(elbow, &wheel);
+    };
+    elbow->clearFocus();
+    turn_wheel();
+    COMPARE_TEXT(text(), original);
+    elbow->setFocus();
+    turn_wheel();
+    QVERIFY(text() != original);
     press("undo");
     COMPARE_TEXT(text(), original);
 

@@ -5,7 +5,6 @@
 #include <QEvent>
 #include <QGridLayout>
 #include <QHBoxLayout>
-#include <QKeyEvent>
 #include <QLabel>
 #include <QLineEdit>
 #include <QSignalBlocker>
@@ -17,6 +16,7 @@
 #include "sim_board/input/user_units.h"
 #include "simulation/motion/joints.h"
 #include "tools/studio/document/edit_support.h"
+#include "tools/studio/widgets/value_filter.h"
 
 namespace koboshi::studio {
 namespace {
@@ -27,13 +27,6 @@ constexpr int kLimitUnits = 12;  // this close to its limit, a joint is marked
 constexpr int kSliderStep = 50;
 constexpr int kSliderPage = 500;
 
-// Undo and redo concern the motion, not the letters of the spin box.
-bool is_undo_key(const QEvent& event) {
-  if (event.type() != QEvent::ShortcutOverride) return false;
-  const auto& key = static_cast<const QKeyEvent&>(event);
-  return key.matches(QKeySequence::Undo) || key.matches(QKeySequence::Redo);
-}
-
 QString readable(const std::string& joint) {
   QString name = QString::fromStdString(joint);
   return name.replace(u'_', u' ');
@@ -41,7 +34,8 @@ QString readable(const std::string& joint) {
 
 }  // namespace
 
-JointPanel::JointPanel(MotionEditor& editor, QWidget* parent) : QScrollArea(parent), editor_(editor) {
+JointPanel::JointPanel(MotionEditor& editor, QWidget* parent)
+    : QScrollArea(parent), editor_(editor), filter_(new ValueFilter(this)) {
   setWidgetResizable(true);
   setFrameShape(QFrame::NoFrame);
   setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
@@ -162,10 +156,9 @@ void JointPanel::add_joint(QGridLayout& grid, std::size_t joint) {
   for (QWidget* const widget : std::initializer_list<QWidget*>{row.name, row.slider, row.box}) {
     widget->setToolTip(tip);
     widget->installEventFilter(this);
+    filter_->watch(*widget);
     grid.addWidget(widget, line, column++);
   }
-  // The line edit is the spin box's only child widget.
-  if (auto* const edit = row.box->findChild<QLineEdit*>()) edit->installEventFilter(this);
   connect(row.slider, &QSlider::valueChanged, this,
           [this, joint](int value) { change(joint, value / kUnitsPerDegree); });
   connect(row.slider, &QSlider::sliderReleased, this, [this, joint] { drag_ended(joint); });
@@ -279,16 +272,6 @@ void JointPanel::drag_ended(std::size_t joint) {
 }
 
 bool JointPanel::eventFilter(QObject* watched, QEvent* event) {
-  if (is_undo_key(*event)) {
-    event->ignore();
-    return true;
-  }
-  // The wheel scrolls the panel, unless the user has chosen the joint.
-  auto* const widget = qobject_cast<QWidget*>(watched);
-  if (event->type() == QEvent::Wheel && widget != nullptr && !widget->hasFocus()) {
-    event->ignore();
-    return true;
-  }
   const bool is_chosen = event->type() == QEvent::FocusIn || event->type() == QEvent::MouseButtonPress;
   if (is_chosen) {
     const auto found = std::ranges::find_if(joints_, [&](const JointRow& row) {

@@ -15,6 +15,8 @@ class QSlider;
 
 namespace koboshi::studio {
 
+class ValueFilter;
+
 // A slider and a spin box for each joint, by limb, which show and change the pose of a step.
 class JointPanel final : public QScrollArea {
   Q_OBJECT
@@ -57,6 +59,7 @@ class JointPanel final : public QScrollArea {
   void drag_ended(std::size_t joint);
 
   MotionEditor& editor_;
+  ValueFilter* const filter_;           // of sliders and boxes
   const MotionRobot* robot_ = nullptr;  // whose joints are shown
   std::optional<std::size_t> row_;
   QLabel* pose_ = nullptr;

@@ -1,12 +1,10 @@
 #include "tools/studio/tuning/parameter_row.h"
+#include "tools/studio/widgets/value_filter.h"
 
 #include <QAction>
 #include <QDoubleSpinBox>
-#include <QEvent>
 #include <QGridLayout>
-#include <QKeyEvent>
 #include <QLabel>
-#include <QLineEdit>
 #include <QSignalBlocker>
 #include <QSlider>
 #include <QToolButton>
@@ -32,13 +30,6 @@ QString readable_key(const ParameterInfo& info) {
 // Decimals with which every step of the parameter can be told apart.
 int decimals_of(const ParameterInfo& info) {
   return std::clamp(static_cast<int>(std::ceil(std::log10(info.steps_per_unit) - 1e-9)), 0, 6);
-}
-
-// Undo and redo concern the file, not the digits of the spin box.
-bool is_undo(const QEvent& event) {
-  if (event.type() != QEvent::ShortcutOverride) return false;
-  const auto& key = static_cast<const QKeyEvent&>(event);
-  return key.matches(QKeySequence::Undo) || key.matches(QKeySequence::Redo);
 }
 
 QString number_text(const ParameterInfo& info, double value) {
@@ -86,11 +77,11 @@ ParameterRow::ParameterRow(const ParameterInfo& info, bool tells_effect, QGridLa
   reset_->addActions({to_file, to_default});
   const int line = grid.rowCount();
   int column = 0;
+  auto* const filter = new ValueFilter(this);
   for (QWidget* widget : std::initializer_list<QWidget*>{name_, slider_, box_, reset_, live_}) {
     grid.addWidget(widget, line, column++);
-    widget->installEventFilter(this);
+    filter->watch(*widget);
   }
-  if (auto* const edit = box_->findChild<QLineEdit*>()) edit->installEventFilter(this);
   connect(slider_, &QSlider::valueChanged, this,
           [this](int position) { Q_EMIT edited(value_of_slider(position), slider_->isSliderDown()); });
   connect(slider_, &QSlider::sliderReleased, this, &ParameterRow::drag_ended);
@@ -192,20 +183,6 @@ void ParameterRow::set_visible(bool visible) {
   is_visible_ = visible;
   for (QWidget* widget : std::initializer_list<QWidget*>{name_, slider_, box_, reset_, live_})
     widget->setVisible(visible);
-}
-
-bool ParameterRow::eventFilter(QObject* watched, QEvent* event) {
-  if (is_undo(*event)) {
-    event->ignore();
-    return true;
-  }
-  // The wheel scrolls the panel, unless the user has chosen the number.
-  auto* const widget = qobject_cast<QWidget*>(watched);
-  if (event->type() == QEvent::Wheel && widget != nullptr && !widget->hasFocus()) {
-    event->ignore();
-    return true;
-  }
-  return QObject::eventFilter(watched, event);
 }
 
 }  // namespace koboshi::studio

@@ -48,9 +48,6 @@ class ParameterRow final : public QObject {
   void reset_wanted();
   void default_wanted();
 
- protected:
-  bool eventFilter(QObject* watched, QEvent* event) override;
-
  private:
   QString unit_word() const;
   QString tip(const ShownParameter& shown) const;
