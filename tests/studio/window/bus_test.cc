@@ -181,7 +181,7 @@ class BusTest final : public QObject {
     // The robot starts later than a studio that asks only once would wait for its limits and motions.
     ++robots_;
     QVERIFY(attach_window());
-    QTest::qWait(1'500);
+    QTest::qWait(1'000);
     QVERIFY(start_robot(run_arguments()));
     using State = behaviour::State;
     QVERIFY2(wait_for_state(State::kLimp), qPrintable(story()));
@@ -250,6 +250,7 @@ class BusTest final : public QObject {
   // A board without a controller: its drives can be read, and nobody takes commands.
   void follows_a_board_without_controller() {
     QVERIFY2(attach({QStringLiteral("board")}), robot_->readAll().constData());
+    QTRY_VERIFY_WITH_TIMEOUT(!window_->run().recording().frames.empty(), kPatience_ms);
     auto* panel = window_->findChild<ObjectPanel*>();
     auto* node = panel->findChild<QComboBox*>();
     node->setCurrentIndex(node->findText(QStringLiteral("left_knee"), Qt::MatchContains));
@@ -266,7 +267,6 @@ class BusTest final : public QObject {
     QVERIFY(window_->findChild<QLabel*>(QStringLiteral("controller_state"))
                 ->text()
                 .contains(QStringLiteral("No controller")));
-    QTRY_VERIFY_WITH_TIMEOUT(!window_->run().recording().frames.empty(), kPatience_ms);
   }
 
   // In a simulation, the gamepad walks the robot, too.
