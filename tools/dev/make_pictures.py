@@ -32,6 +32,7 @@ PICTURES = {
 # Picture: name in the pictures of the test.
 STUDIO = {"docs/guide/studio.png": "studio-events.png", "docs/guide/studio-motion.png": "studio-motion.png",
           "docs/guide/studio-soles.png": "soles.png", "docs/guide/studio-onion.png": "onion.png",
+          "docs/guide/studio-rings.png": "rings.png",
           "docs/guide/studio-parameters.png": "studio-parameters.png",
           "docs/tutorial/studio-refused.png": "make-refused.png", "docs/tutorial/studio-played.png": "make-played.png",
           "docs/tutorial/studio-model.png": "studio-model.png", "docs/tutorial/studio-model-finding.png": "studio-model-finding.png",
@@ -41,7 +42,7 @@ STUDIO = {"docs/guide/studio.png": "studio-events.png", "docs/guide/studio-motio
 # Program of tests: the tests that save pictures.
 STUDIO_TESTS = {"studio_window_test": ["pictures"], "studio_motion_window_test": ["makes_a_motion"],
                 "studio_model_window_test": ["pictures"], "studio_tuning_test": ["pictures"],
-                "studio_view_test": ["soles_and_zmp_from_above", "shows_the_poses_around_a_step"]}
+                "studio_view_test": ["soles_and_zmp_from_above", "shows_the_poses_around_a_step", "rotates_a_foot_by_a_ring"]}
 
 
 def draw_studio(programs, folder):

@@ -53,6 +53,10 @@ std::optional<Handle> picked(const Gizmo& gizmo, const view::Camera& camera, con
   return pick_handle(gizmo, camera, kRingView_px, kRingViewHeight_px, pixel);
 }
 
+double distance_px(const Gizmo& gizmo, int axis, const view::Camera& camera, const Eigen::Vector2d& pixel) {
+  return nearest_on_ring(gizmo, axis, camera, kRingView_px, kRingViewHeight_px, pixel).distance_px;
+}
+
 RingDrag drag_from(int axis, const view::Camera& camera, const Eigen::Vector2d& pixel) {
   return {kRings, axis, camera, kRingView_px, kRingViewHeight_px, pixel};
 }
@@ -73,17 +77,15 @@ TEST(Ring, IsPickedWhereItFacesTheCamera) {
       for (double angle_rad = 0.0; angle_rad < 2.0 * kPi; angle_rad += 0.1) {
         const Eigen::Vector3d p_W_m = on_ring_W_m(axis, angle_rad);
         const Eigen::Vector2d pixel = image_px(camera, p_W_m);
-        const double distance_px =
-            ring_distance_px(kRings, axis, camera, kRingView_px, kRingViewHeight_px, pixel);
+        const double from_ring_px = distance_px(kRings, axis, camera, pixel);
         if (in_front(camera, p_W_m) < 0.05) continue;
         ++on_near_side;
-        EXPECT_LT(distance_px, 0.5);
+        EXPECT_LT(from_ring_px, 0.5);
         // What is picked there is this ring, or something that crosses it.
         const auto handle = picked(kRings, camera, pixel);
         const double from_centre_px = (pixel - image_px(camera, kRings.p_W_m)).norm();
         if (handle && handle->kind == Handle::Kind::kRing && handle->axis != axis) {
-          EXPECT_LT(ring_distance_px(kRings, handle->axis, camera, kRingView_px, kRingViewHeight_px, pixel),
-                    1.0);
+          EXPECT_LT(distance_px(kRings, handle->axis, camera, pixel), 1.0);
         } else if (!handle) {
           EXPECT_LT(from_centre_px, 0.36 * 100.0);
         }
@@ -112,7 +114,22 @@ TEST(Ring, LeavesTheBodyToTheMouse) {
   const double far_rad =
       std::atan2(camera.eye_W_m().y() - kRings.p_W_m.y(), camera.eye_W_m().x() - kRings.p_W_m.x()) + kPi;
   const Eigen::Vector2d far_px = image_px(camera, on_ring_W_m(2, far_rad));
-  EXPECT_GT(ring_distance_px(kRings, 2, camera, kRingView_px, kRingViewHeight_px, far_px), 5.0);
+  EXPECT_GT(distance_px(kRings, 2, camera, far_px), 5.0);
+}
+
+// A body in front of a ring is grabbed instead; an arrow is drawn through the body, and picked there.
+TEST(Ring, IsNotPickedBehindABody) {
+  const view::Camera camera = ring_cameras()[10];
+  const double near_rad =
+      std::atan2(camera.eye_W_m().y() - kRings.p_W_m.y(), camera.eye_W_m().x() - kRings.p_W_m.x());
+  const Eigen::Vector3d p_W_m = on_ring_W_m(2, near_rad + 0.3);
+  const double from_eye_m = (camera.eye_W_m() - p_W_m).norm();
+  const auto picked_before = [&](double surface_m) {
+    return pick_handle(kRings, camera, kRingView_px, kRingViewHeight_px, image_px(camera, p_W_m), surface_m);
+  };
+  EXPECT_EQ(picked_before(from_eye_m + 0.02), (Handle{Handle::Kind::kRing, 2}));
+  EXPECT_EQ(picked_before(from_eye_m), (Handle{Handle::Kind::kRing, 2}));
+  EXPECT_FALSE(picked_before(from_eye_m - 0.02));
 }
 
 TEST(Ring, TurnsByTheAngleThatTheMouseSweeps) {

@@ -191,7 +191,7 @@ class TextTest final : public QObject {
     QStringList painted = painted_by_widgets();
     window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
     QVERIFY(test::open(*window_, kRoot / "scenarios/walk.yaml"));
-    QVERIFY(test::run_to(*window_, 2'500'000));
+    QVERIFY(test::run_to(*window_, 800'000));
     QTRY_VERIFY_WITH_TIMEOUT(!window_->motion().editor().is_checking(), test::kPatience_ms);
     painted += painted_by_widgets();
     TimeView time;

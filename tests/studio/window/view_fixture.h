@@ -31,6 +31,13 @@ class ViewFixture : public QObject {
   void run_to(std::uint64_t time_us) { QVERIFY(test::run_to(*window_, time_us)); }
   QAction* action(const char* text) { return test::action(*window_, text); }
   void save_picture(const char* name) { test::save_picture(*window_, name); }
+  // The same of the view alone.
+  void save_view(const char* name) {
+    const QString pictures = qEnvironmentVariable("KOBOSHI_PICTURES");
+    if (pictures.isEmpty()) return;
+    QTest::qWait(500);
+    window_->view().grabFramebuffer().save(pictures + u'/' + QLatin1String(name) + QStringLiteral(".png"));
+  }
   // A place of the view at which there is the trunk: near its origin.
   std::optional<QPoint> trunk_place() {
     RobotView& view = window_->view();

@@ -9,9 +9,9 @@
 namespace koboshi::studio {
 namespace {
 
-constexpr double kReach_px = 7.0;  // of the mouse from an arrow's image
-constexpr double kRingReach_px = 5.0;
-constexpr double kInner = 0.35;       // share of an arrow, and of a ring's radius, that does not count
+constexpr double kReach_px = 7.0;      // of the mouse from an arrow's image
+constexpr double kRingReach_px = 4.0;  // the lines are 2 to 3 pixels wide
+constexpr double kInner = 0.35;        // share of an arrow, and of a ring's radius, that does not count
 constexpr double kRing = 0.7;         // radius of the rings, as a share of an arrow's length: behind its head
 constexpr double kRadius = 0.035;     // of an arrow's shaft, as a share of its length
 constexpr double kShortest_px = 8.0;  // image of an arrow that can be dragged
@@ -42,7 +42,7 @@ std::optional<int> pick_arrow(const Gizmo& gizmo, const view::Camera& camera, in
 }
 
 std::optional<int> pick_ring(const Gizmo& gizmo, const view::Camera& camera, int width_px, int height_px,
-                             const Eigen::Vector2d& pixel) {
+                             const Eigen::Vector2d& pixel, double surface_m) {
   if (!gizmo.rotates) return std::nullopt;
   const Eigen::Vector2d origin_px = view::project(camera, width_px, height_px, gizmo.p_W_m);
   const Eigen::Vector3d right_W = camera.view().row(0).head<3>().cast<double>();
@@ -52,9 +52,9 @@ std::optional<int> pick_ring(const Gizmo& gizmo, const view::Camera& camera, int
   std::optional<int> nearest;
   double nearest_px = kRingReach_px;
   for (int axis = 0; axis < 3; ++axis) {
-    const double distance_px = ring_distance_px(gizmo, axis, camera, width_px, height_px, pixel);
-    if (distance_px >= nearest_px) continue;
-    nearest_px = distance_px;
+    const RingPoint point = nearest_on_ring(gizmo, axis, camera, width_px, height_px, pixel);
+    if (point.distance_px >= nearest_px || point.from_eye_m > surface_m + kRadius * gizmo.length_m) continue;
+    nearest_px = point.distance_px;
     nearest = axis;
   }
   return nearest;
@@ -79,10 +79,10 @@ void add_gizmo(view::Marks& marks, const Gizmo& gizmo, const view::Camera& camer
 }
 
 std::optional<Handle> pick_handle(const Gizmo& gizmo, const view::Camera& camera, int width_px, int height_px,
-                                  const Eigen::Vector2d& pixel) {
+                                  const Eigen::Vector2d& pixel, double surface_m) {
   if (const auto arrow = pick_arrow(gizmo, camera, width_px, height_px, pixel))
     return Handle{Handle::Kind::kArrow, *arrow};
-  if (const auto ring = pick_ring(gizmo, camera, width_px, height_px, pixel))
+  if (const auto ring = pick_ring(gizmo, camera, width_px, height_px, pixel, surface_m))
     return Handle{Handle::Kind::kRing, *ring};
   return std::nullopt;
 }

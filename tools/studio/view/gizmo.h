@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 
 #include "tools/view/render/camera.h"
@@ -35,9 +36,11 @@ inline constexpr double kGizmoShare = 0.09;
 void add_gizmo(view::Marks& marks, const Gizmo& gizmo, const view::Camera& camera,
                const std::optional<Handle>& chosen);
 // The arrow under the pixel; without one, the ring under it. Only the outer part of the gizmo counts, so that
-// the body can be grabbed at its centre; and only what add_gizmo shows.
+// the body can be grabbed at its centre; only what add_gizmo shows; and no ring behind `surface_m`, the
+// distance from the eye to what is seen at the pixel.
 [[nodiscard]] std::optional<Handle> pick_handle(const Gizmo& gizmo, const view::Camera& camera, int width_px,
-                                                int height_px, const Eigen::Vector2d& pixel);
+                                                int height_px, const Eigen::Vector2d& pixel,
+                                                double surface_m = std::numeric_limits<double>::infinity());
 // The displacement along an axis whose image is the drag's share along the arrow's image; zero for an axis
 // that points at the camera.
 [[nodiscard]] Eigen::Vector3d along_axis_W_m(const Gizmo& gizmo, int axis, const view::Camera& camera,

@@ -60,14 +60,16 @@ void add_tube(std::vector<view::MarkVertex>& out, const Gizmo& gizmo, int axis, 
 
 }  // namespace
 
-double ring_distance_px(const Gizmo& gizmo, int axis, const view::Camera& camera, int width_px, int height_px,
-                        const Eigen::Vector2d& pixel) {
+RingPoint nearest_on_ring(const Gizmo& gizmo, int axis, const view::Camera& camera, int width_px,
+                          int height_px, const Eigen::Vector2d& pixel) {
   const Eigen::Vector3d eye = to_eye(gizmo, camera);
-  const auto image = [&](int segment) -> Eigen::Vector2d {
-    return view::project(camera, width_px, height_px,
-                         gizmo.p_W_m + gizmo.ring_m() * radial_of(axis, segment));
+  const auto point_W_m = [&](int segment) -> Eigen::Vector3d {
+    return gizmo.p_W_m + gizmo.ring_m() * radial_of(axis, segment);
   };
-  double nearest_px = std::numeric_limits<double>::infinity();
+  const auto image = [&](int segment) {
+    return view::project(camera, width_px, height_px, point_W_m(segment));
+  };
+  RingPoint nearest{.distance_px = std::numeric_limits<double>::infinity()};
   for (int segment = 0; segment < kSegments; ++segment) {
     if (!is_shown(axis, segment, eye)) continue;
     const Eigen::Vector2d from_px = image(segment);
@@ -75,9 +77,11 @@ double ring_distance_px(const Gizmo& gizmo, int axis, const view::Camera& camera
     const double length2 = along_px.squaredNorm();
     const double share =
         length2 > 0.0 ? std::clamp((pixel - from_px).dot(along_px) / length2, 0.0, 1.0) : 0.0;
-    nearest_px = std::min(nearest_px, (from_px + share * along_px - pixel).norm());
+    const double distance_px = (from_px + share * along_px - pixel).norm();
+    if (distance_px < nearest.distance_px)
+      nearest = {distance_px, (camera.eye_W_m() - point_W_m(segment)).norm()};
   }
-  return nearest_px;
+  return nearest;
 }
 
 void add_ring(view::Marks& marks, const Gizmo& gizmo, int axis, const view::Camera& camera, bool entire,

@@ -7,10 +7,13 @@
 
 namespace koboshi::studio {
 
-// The image of a ring of a gizmo: the distance of a pixel from the shown part of it, in pixels. Nothing if no
-// part is shown.
-[[nodiscard]] double ring_distance_px(const Gizmo& gizmo, int axis, const view::Camera& camera, int width_px,
-                                      int height_px, const Eigen::Vector2d& pixel);
+// The point of the shown part of a ring whose image is nearest to a pixel.
+struct RingPoint {
+  double distance_px = 0.0;  // from the pixel; infinite if no part is shown
+  double from_eye_m = 0.0;
+};
+[[nodiscard]] RingPoint nearest_on_ring(const Gizmo& gizmo, int axis, const view::Camera& camera,
+                                        int width_px, int height_px, const Eigen::Vector2d& pixel);
 // The half of a ring that faces the camera; the whole ring if its axis is within 6 degrees of the line of
 // sight, or if `entire`.
 void add_ring(view::Marks& marks, const Gizmo& gizmo, int axis, const view::Camera& camera, bool entire,

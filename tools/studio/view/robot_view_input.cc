@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -48,7 +49,10 @@ std::optional<Gizmo> RobotView::gizmo() const {
 
 std::optional<Handle> RobotView::gizmo_handle_at(const QPointF& place) const {
   const auto handles = gizmo();
-  return handles ? pick_handle(*handles, picture_.camera, width(), height(), pixels(place)) : std::nullopt;
+  if (!handles) return std::nullopt;
+  const auto hit = picker_.pick(posed(), ray_through(picture_.camera, width(), height(), pixels(place)));
+  return pick_handle(*handles, picture_.camera, width(), height(), pixels(place),
+                     hit ? hit->distance_m : std::numeric_limits<double>::infinity());
 }
 
 // During a drag, the rings make room for what is dragged.
