@@ -7,12 +7,14 @@
 #include <QProcess>
 #include <QTableView>
 #include <QTemporaryDir>
+#include <QTimer>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <optional>
 #include <vector>
 
+#include "sim_board/can/transport/transport.h"
 #include "tests/studio/window/window_fixture.h"
 #include "tools/studio/motion/motion_panel.h"
 #include "tools/studio/window/can_panel.h"
@@ -34,6 +36,35 @@ class FakeGamepads final : public Gamepads {
 
  private:
   const std::optional<GamepadState>& state_;
+};
+
+// A controller that stands, and aborts or ignores every access to an object.
+class PlainController final : public QObject {
+ public:
+  PlainController(const std::string& bus, bool answers)
+      : transport_(sim::open_transport(bus, false)), answers_(answers) {
+    connect(&timer_, &QTimer::timeout, this, &PlainController::exchange);
+    timer_.start(10);
+  }
+
+ private:
+  void exchange() {
+    constexpr auto kStanding = static_cast<std::uint8_t>(behaviour::State::kStanding);
+    send({.identifier = 0x181, .size = 8, .data = {kStanding}});
+    while (const auto frame = transport_->receive()) {
+      if (frame->identifier != 0x601 || !answers_) continue;
+      const auto& asked = frame->data;
+      send({.identifier = 0x581,
+            .size = 8,
+            .data = {0x80, asked[1], asked[2], asked[3], 0x11, 0x00, 0x09, 0x06}});  // no such sub-index
+    }
+    transport_->flush();
+  }
+  void send(const hal::CanFrame& frame) { static_cast<void>(transport_->send(frame, 0)); }
+
+  const std::unique_ptr<sim::Transport> transport_;
+  const bool answers_;
+  QTimer timer_;
 };
 
 class BusTest final : public QObject {
@@ -245,6 +276,26 @@ class BusTest final : public QObject {
     QVERIFY(wait_for_state(State::kLimp));
     QVERIFY(test::click(*window_, "get_up"));
     QTRY_COMPARE_WITH_TIMEOUT(count(0x201, 9), 1, kPatience_ms);
+  }
+
+  // A robot that would walk on without the studio is pointed out; one that does not answer does not walk.
+  void says_whether_a_robot_stops_by_itself() {
+    for (const bool answers : {true, false}) {
+      ++robots_;
+      const PlainController robot(bus().toStdString(), answers);
+      QVERIFY(attach_window());
+      QVERIFY2(wait_for_state(behaviour::State::kStanding), "no telemetry");
+      auto* deadline = window_->findChild<QLabel*>(QStringLiteral("walk_deadline"));
+      QVERIFY(!deadline->isVisible());
+      auto* walk = window_->findChild<QPushButton*>(QStringLiteral("walk"));
+      QTest::mousePress(walk, Qt::LeftButton);
+      QTRY_VERIFY_WITH_TIMEOUT(deadline->isVisible(), kPatience_ms);
+      QVERIFY(deadline->text().contains(answers ? QStringLiteral("killed") : QStringLiteral("No answer")));
+      if (answers) QTRY_VERIFY_WITH_TIMEOUT(count(0x201, 7) > 0, kPatience_ms);
+      if (!answers) QCOMPARE(count(0x201, 7), 0);
+      test::save_picture(*window_, answers ? "bus-no-deadline" : "bus-no-answer");
+      QTest::mouseRelease(walk, Qt::LeftButton);
+    }
   }
 
   // A board without a controller: its drives can be read, and nobody takes commands.

@@ -177,13 +177,17 @@ void OperatorCommands::show_deadline() {
   const BusMonitor* const bus = run_.bus();
   const auto state = bus != nullptr ? bus->walk_deadline() : WalkDeadline::State::kUnknown;
   QString text;
-  if (state == WalkDeadline::State::kRefused)
-    text = tr(
-        "This robot accepts no deadline of the velocity (0x1401:05). It walks on if this program is killed.");
-  if (state == WalkDeadline::State::kSilent)
-    text = tr("The robot does not answer by SDO. It walks once it has answered.");
+  QString tip;
+  if (state == WalkDeadline::State::kRefused) {
+    text = tr("Walks on if this program is killed");
+    tip = tr("The robot does not accept a deadline of the velocity (event timer, object 0x1401:05)");
+  } else if (state == WalkDeadline::State::kSilent) {
+    text = tr("No answer by SDO: no walk begins");
+    tip = tr("The robot walks once it has accepted a deadline of the velocity");
+  }
   if (deadline_->text() == text) return;
   deadline_->setText(text);
+  deadline_->setToolTip(tip);
   deadline_->setVisible(!text.isEmpty());
 }
 
