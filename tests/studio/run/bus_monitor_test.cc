@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -33,6 +34,11 @@ struct SentFrames {
   bool wait_for(std::size_t count) {
     std::unique_lock lock(mutex);
     return sent.wait_for(lock, std::chrono::seconds(20), [&] { return commands_now().size() >= count; });
+  }
+  bool wait_for_access() {
+    std::unique_lock lock(mutex);
+    return sent.wait_for(lock, std::chrono::seconds(20),
+                         [&] { return std::ranges::count(frames, 0x601, &hal::CanFrame::identifier) > 0; });
   }
   std::vector<int> commands_now() const {
     std::vector<int> codes;
@@ -160,6 +166,21 @@ TEST_F(BusMonitorTest, WalksNoRobotThatDoesNotAnswer) {
   EXPECT_EQ(monitor->walk_deadline(), WalkDeadline::State::kSilent);
   monitor.reset();
   EXPECT_TRUE(sent.commands().empty());
+}
+
+// The upload of a motion is such a client: while it uses the channel, the monitor does not.
+TEST_F(BusMonitorTest, AccessesNoObjectWhileAnotherClientHasTheChannel) {
+  auto loan = monitor->borrow_sdo();
+  loan->wait();
+  ASSERT_TRUE(monitor->give(sim::ObjectRequest{.number = 1, .node_id = 1, .address = {0x1401, 5}}));
+  for (std::size_t commands = 1; commands <= 3; ++commands) {
+    ASSERT_TRUE(monitor->give(command(Kind::kEnable)));
+    ASSERT_TRUE(sent.wait_for(commands));
+  }
+  EXPECT_EQ(sent.take_all().size(), 3U);  // nothing but commands
+  loan.reset();
+  ASSERT_TRUE(sent.wait_for_access());
+  EXPECT_EQ(sent.take_all().back().identifier, 0x601);
 }
 
 TEST_F(BusMonitorTest, TakesCommandsAndAccessesOnly) {

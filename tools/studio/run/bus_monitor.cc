@@ -103,6 +103,26 @@ bool BusMonitor::give(const Input& input) {
   return true;
 }
 
+std::shared_ptr<SdoLoan> BusMonitor::borrow_sdo() {
+  const std::scoped_lock lock(mutex_);
+  if (auto lent = loan_.lock()) return lent;
+  auto loan = std::make_shared<SdoLoan>();
+  loan_ = loan;
+  return loan;
+}
+
+// The access under way ends first.
+bool BusMonitor::is_sdo_lent() {
+  std::shared_ptr<SdoLoan> loan;
+  {
+    const std::scoped_lock lock(mutex_);
+    loan = loan_.lock();
+  }
+  if (!loan || access_.busy()) return false;
+  loan->grant();
+  return true;
+}
+
 std::string BusMonitor::error() const {
   const std::scoped_lock lock(mutex_);
   return error_;
@@ -122,7 +142,7 @@ void BusMonitor::run(const std::stop_token& stop) {
       obey();
       if (walk_us_ && now_us_ - *walk_us_ > kWalkTimeout_us) end_walk();
       arm_deadline();
-      access_.process(now_us());
+      if (!is_sdo_lent()) access_.process(now_us());
       take_answers(now_us());
       bool sync = false;
       while (const auto frame = transport_->receive()) {

@@ -18,6 +18,7 @@
 #include "sim_board/scenario/object_access.h"
 #include "tools/dictionary/network.h"
 #include "tools/studio/run/inbox.h"
+#include "tools/studio/run/sdo_loan.h"
 #include "tools/studio/run/session.h"
 #include "tools/studio/run/walk_deadline.h"
 #include "tools/view/recording/recording.h"
@@ -53,6 +54,8 @@ class BusMonitor {
   [[nodiscard]] Batch take() { return inbox_.take(); }
   // Sends commands and accesses objects. Returns false for input that only a simulation can take.
   [[nodiscard]] bool give(const Input& input);
+  // Accesses wait until the loan is gone.
+  [[nodiscard]] std::shared_ptr<SdoLoan> borrow_sdo();
   // Whether the robot has the deadline that ends a walk if this program is killed.
   WalkDeadline::State walk_deadline() const { return deadline_state_; }
   // The error that ended the monitor, one line; empty: it runs.
@@ -70,6 +73,7 @@ class BusMonitor {
   bool send(const hal::CanFrame& frame);
   void send(const sim::Command& command);
   void obey(const sim::Command& command);
+  bool is_sdo_lent();
   void take_answers(std::uint64_t now_us);
   void arm_deadline();
   void end_walk();
@@ -104,6 +108,7 @@ class BusMonitor {
 
   mutable std::mutex mutex_;
   std::vector<Input> given_;
+  std::weak_ptr<SdoLoan> loan_;
   std::string error_;
 
   std::jthread thread_;  // last member: it uses the others

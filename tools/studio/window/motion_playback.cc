@@ -43,7 +43,7 @@ void MotionPlayback::upload(const std::string& transport, bool real_bus) {
   if (!copy) return;
   const QPointer<MotionPlayback> self(this);
   QThreadPool::globalInstance()->start(
-      [self, upload = MotionUpload{*copy, robot_file_, transport, real_bus}] {
+      [self, upload = MotionUpload{*copy, robot_file_, transport, real_bus, run_.borrow_sdo()}] {
         QString result;
         try {
           result = QString::fromStdString(studio::upload(upload));

@@ -25,6 +25,7 @@ std::string upload(const MotionUpload& upload) {
     throw sim::InputError(upload.motion, 0, simulation::describe(verdict.status), "a motion for this robot");
   const std::unique_ptr<sim::Transport> transport = sim::open_transport(upload.transport, upload.real_bus);
   if (!transport) throw std::invalid_argument("found no bus, expected one to which a robot is connected");
+  if (upload.channel) upload.channel->wait();
   tools::RobotMotions motions(*transport);
   const std::uint16_t number = motions.number_for(motion.name());
   motions.upload(number, {reinterpret_cast<const std::uint8_t*>(image.data()), image.size()});

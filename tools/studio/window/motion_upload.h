@@ -1,7 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
+
+#include "tools/studio/run/sdo_loan.h"
 
 namespace koboshi::studio {
 
@@ -11,6 +14,7 @@ struct MotionUpload {
   std::filesystem::path robot;   // the file for which it is compiled
   std::string transport;         // as for sim::open_transport
   bool real_bus = false;
+  std::shared_ptr<SdoLoan> channel{};  // of a bus that the window follows; null: none
 };
 
 // Compiles a motion, stores it in the controller and reads it back. It blocks. Returns one line for the user.

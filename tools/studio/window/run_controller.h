@@ -75,6 +75,8 @@ class RunController final : public QObject {
   Session* session() { return session_.get(); }
   // Null without a bus.
   const BusMonitor* bus() const { return bus_.get(); }
+  // The SDO channels of the bus for a client of one's own; null without a bus.
+  std::shared_ptr<SdoLoan> borrow_sdo() { return bus_ ? bus_->borrow_sdo() : nullptr; }
   // The bus that open_bus() was called for last.
   const std::string& bus_address() const { return bus_address_; }
   bool is_real_bus() const { return is_real_bus_; }
@@ -148,7 +150,7 @@ class RunController final : public QObject {
   std::uint64_t pace_start_us_ = 0;
   double pace_ = 0.0;
   std::filesystem::path robot_file_;  // of set_robot()
-  std::uint64_t request_ = 0;  // the last file asked for: an earlier one that comes late is dropped
+  std::uint64_t request_ = 0;         // the last file asked for: an earlier one that comes late is dropped
 };
 
 }  // namespace koboshi::studio
