@@ -34,7 +34,7 @@ class OverviewReader {
 
  private:
   // Blocks that wait to be taken: 0.1 MB each for 250 signals at 100 Hz.
-  static constexpr std::size_t kMaxWaiting = 256;
+  static constexpr std::size_t kMaxWaiting = 384;
   static constexpr std::size_t kThreads = 2;
 
   void run(const std::stop_token& stop, const std::filesystem::path& run);

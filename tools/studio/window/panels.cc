@@ -189,8 +189,9 @@ void Panels::show_grown(std::size_t first_sample) {
   if (!run_.playing()) can_->update_frames();
 }
 
-void Panels::show_overview(const view::Recording& overview) {
-  for (const view::Sample& sample : overview.samples) plots_->append(sample.time_us, sample.values);
+void Panels::show_overview(const std::vector<view::Recording>& blocks) {
+  for (const view::Recording& block : blocks)
+    for (const view::Sample& sample : block.samples) plots_->append(sample.time_us, sample.values);
   events_->show_events(run_.recording().events);
 }
 

@@ -73,7 +73,7 @@ class Panels final : public QObject {
   void connect_run();
   void show_opened();
   void show_grown(std::size_t first_sample);
-  void show_overview(const view::Recording& overview);
+  void show_overview(const std::vector<view::Recording>& blocks);
   void show_cursor();
   void update_bus();
 

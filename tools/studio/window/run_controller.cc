@@ -216,12 +216,12 @@ bool RunController::move_window(const std::function<bool(RecordingWindow&)>& mov
 
 // Takes what the threads have read of a recorded run for plots and lists, and reads ahead around the cursor.
 void RunController::read_recording_on() {
-  constexpr std::size_t kBlocksPerPoll = 48;  // 20 ms of work for the plots of 250 signals
+  constexpr std::size_t kBlocksPerPoll = 160;  // 50 ms of work for the plots of 135 signals
   if (!recorded_->overview.finished()) {
-    for (const view::Recording& overview : recorded_->overview.take(kBlocksPerPoll)) {
-      recording_.events.insert(recording_.events.end(), overview.events.begin(), overview.events.end());
-      Q_EMIT overview_read(overview);
-    }
+    const std::vector<view::Recording> blocks = recorded_->overview.take(kBlocksPerPoll);
+    for (const view::Recording& block : blocks)
+      recording_.events.insert(recording_.events.end(), block.events.begin(), block.events.end());
+    if (!blocks.empty()) Q_EMIT overview_read(blocks);
     if (recorded_->overview.finished()) {
       if (const std::string error = recorded_->overview.error(); !error.empty())
         Q_EMIT failed(QString::fromStdString(error));

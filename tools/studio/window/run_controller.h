@@ -109,7 +109,7 @@ class RunController final : public QObject {
   // The recording holds another part of the run: every index into it is void.
   void window_moved();
   // Values and times of these samples and these events of a recorded run have been read; in order of time.
-  void overview_read(const koboshi::view::Recording& overview);
+  void overview_read(const std::vector<koboshi::view::Recording>& blocks);
   void answered(const koboshi::sim::ObjectAnswer& answer);
   void rewound(std::uint64_t time_us);
   void cursor_moved(std::uint64_t time_us);
