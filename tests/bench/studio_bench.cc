@@ -1,11 +1,18 @@
 // Times of the window: printed, since machines differ. `tests/support/with_display.sh PROGRAM`.
 
 #include <QApplication>
+#include <QDoubleSpinBox>
 #include <QElapsedTimer>
+#include <QTemporaryDir>
 #include <QTest>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 
 #include "tests/studio/window/view_fixture.h"
+#include "tests/support/large_motion.h"
+#include "tools/studio/motion/joint_panel.h"
+#include "tools/studio/motion/motion_panel.h"
 #include "tools/studio/plot/plot_panel.h"
 
 namespace koboshi::studio {
@@ -55,6 +62,30 @@ class StudioBench final : public ViewFixture {
     measure("jumps of the cursor", [&](int i) {
       window_->run().set_cursor(end_us / kSteps * static_cast<std::uint64_t>(37 * i % kSteps));
     });
+  }
+
+  // Edits of an angle in a motion of 1,000 steps, each followed by what it changes in the picture of the window.
+  void long_motion() {
+    QTemporaryDir folder;
+    const std::filesystem::path file = std::filesystem::path(folder.path().toStdString()) / "long.yaml";
+    std::ofstream(file) << koboshi::test::large_motion(1000);
+    window_->open(file);
+    MotionPanel& motion = window_->motion();
+    QCOMPARE(motion.editor().rows().rows.size(), std::size_t{1000});
+    QTRY_VERIFY_WITH_TIMEOUT(motion.editor().checked() != nullptr, kPatience_ms);
+    motion.show_row(500);
+    auto* box = motion.findChild<JointPanel*>()->spin_box(joint("left_shoulder_pitch"));
+    constexpr int kEdits = 100;
+    const std::uint64_t before = window_->view().frames();
+    QElapsedTimer timer;
+    timer.start();
+    for (int i = 0; i < kEdits; ++i) {
+      box->setValue(10.0 + 0.5 * i);
+      QApplication::processEvents();
+    }
+    const double seconds = 1e-3 * static_cast<double>(timer.elapsed());
+    qInfo("edits of a motion of 1,000 steps: %.1f a second, %.1f frames/s of the view", kEdits / seconds,
+          static_cast<double>(window_->view().frames() - before) / seconds);
   }
 
   // Frames per second of the view.

@@ -1,9 +1,9 @@
 #include <benchmark/benchmark.h>
-#include <fmt/core.h>
 
 #include <array>
 #include <string>
 
+#include "tests/support/large_motion.h"
 #include "tools/studio/document/motion_document.h"
 
 // Edits of a motion of 1,000 steps with 500 poses, each with the rows after it. A motion editor needs 25 a
@@ -11,8 +11,7 @@
 namespace koboshi::studio {
 namespace {
 
-constexpr std::size_t kPoses = 500;
-constexpr std::size_t kSteps = 1000;
+constexpr int kSteps = 1000;
 
 std::shared_ptr<const MotionRobot> robot() {
   static const auto loaded = load_motion_robot(KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf");
@@ -20,17 +19,8 @@ std::shared_ptr<const MotionRobot> robot() {
 }
 
 std::unique_ptr<MotionDocument> large_motion() {
-  std::string text = "version: 2\nrobot: koboshi\nname: large\nposes:\n";
-  for (std::size_t i = 0; i < kPoses; ++i) {
-    text += fmt::format(
-        "  p{}: {{hip_roll: 4, hip_pitch: -15.90, knee: {}.5, ankle_pitch: -27.82, shoulder_roll: 8, elbow: "
-        "-20}}\n",
-        i, 20 + i % 30);
-  }
-  text += "steps:\n";
-  for (std::size_t i = 0; i < kSteps; ++i)
-    text += fmt::format("  - {{pose: p{}, time_s: 0.5}}\n", i % kPoses);
-  return MotionDocument::restore(robot(), {.recovery_file = {}, .original = {}, .text = text});
+  return MotionDocument::restore(robot(),
+                                 {.recovery_file = {}, .original = {}, .text = test::large_motion(kSteps)});
 }
 
 void BM_DragJoint(benchmark::State& state) {

@@ -2,6 +2,8 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
+#include <chrono>
 #include <exception>
 #include <limits>
 #include <utility>
@@ -12,6 +14,10 @@ namespace koboshi::studio {
 namespace {
 
 constexpr int kNiceness = 5;
+
+// The longest pause of the edits for which a check waits. While a joint is dragged in a long motion, each
+// check would be cancelled by the next edit, and would only take a processor from the window.
+constexpr std::chrono::milliseconds kLongestPause{120};
 
 // A checker with the file of its robot.
 struct RobotChecker {
@@ -106,6 +112,7 @@ void BackgroundCheck::run(const std::stop_token& end) {
   // On Linux, of this thread alone: edits come first.
   static_cast<void>(setpriority(PRIO_PROCESS, 0, kNiceness));
   RobotChecker robot;
+  std::chrono::steady_clock::duration pause{};  // as long as the last check took: short ones follow a drag
   while (true) {
     Request request;
     std::uint64_t number = 0;
@@ -113,14 +120,22 @@ void BackgroundCheck::run(const std::stop_token& end) {
     {
       std::unique_lock lock(mutex_);
       has_request_.wait(lock, end, [this] { return pending_.has_value(); });
+      for (std::uint64_t seen = 0; pending_ && seen != pending_number_;) {
+        seen = pending_number_;
+        has_request_.wait_for(lock, end, pause, [&] { return !pending_ || pending_number_ != seen; });
+      }
       if (end.stop_requested()) return;
+      if (!pending_) continue;
       request = *std::exchange(pending_, std::nullopt);
       number = pending_number_;
       running_ = std::stop_source();
       cancel = running_.get_token();
     }
     has_begun_ = true;
+    const auto begin = std::chrono::steady_clock::now();
     const auto result = check_text(request, robot, cancel);
+    const auto took = std::min<decltype(pause)>(std::chrono::steady_clock::now() - begin, kLongestPause);
+    pause = result != nullptr ? took : std::max(pause, took);  // a cancelled one would have taken longer
     has_begun_ = false;
     if (result == nullptr) {
       ++cancelled_;

@@ -45,7 +45,8 @@ struct CheckResult {
   std::string error = {};  // of a robot or motion that cannot be checked
 };
 
-// Runs `koboshi motion check` in a thread of its own. A newer request cancels an older one.
+// Runs `koboshi motion check` in a thread of its own. A newer request cancels an older one. A check begins
+// when no newer request has come for as long as the last check took, at most 0.12 s.
 class BackgroundCheck final : public QObject {
   Q_OBJECT
 
