@@ -27,7 +27,6 @@
 #include "tools/studio/tuning/parameter_panel.h"
 #include "tools/studio/tuning/parameter_row.h"
 #include "tools/studio/tuning/study_panel.h"
-#include "tools/studio/view/robot_view.h"
 #include "tools/studio/window/main_window.h"
 #include "tools/studio/window/run_controller.h"
 #include "tools/studio/window/tuning_panels.h"
@@ -364,7 +363,6 @@ class TuningTest final : public QObject {
 }  // namespace koboshi::studio
 
 int main(int argc, char** argv) {
-  QSurfaceFormat::setDefaultFormat(koboshi::studio::RobotView::format());
   QApplication application(argc, argv);
   koboshi::studio::TuningTest test;
   return QTest::qExec(&test, argc, argv);

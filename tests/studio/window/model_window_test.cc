@@ -49,7 +49,7 @@ class ModelWindowTest final : public ViewFixture {
   }
   QImage picture() {
     window_->view().repaint();
-    return window_->view().grabFramebuffer();
+    return window_->view().grab().toImage();
   }
   void show_panel() { window_->findChild<QDockWidget*>(QStringLiteral("model"))->raise(); }
 

@@ -48,7 +48,7 @@ class RunWindowTest final : public ViewFixture {
     QTRY_VERIFY_WITH_TIMEOUT(window_->view().frames() > 0, kPatience_ms);
     QVERIFY2(window_->view().error().isEmpty(), qPrintable(window_->view().error()));
     QTRY_VERIFY(trunk_place());  // the trunk is in the picture
-    const QImage picture = window_->view().grabFramebuffer();
+    const QImage picture = window_->view().grab().toImage();
     const QPoint trunk = *trunk_place();
     const double ratio = window_->devicePixelRatioF();
     const QColor there = picture.pixelColor((QPointF(trunk) * ratio).toPoint());
@@ -152,7 +152,7 @@ class RunWindowTest final : public ViewFixture {
       const std::uint64_t before = view.frames();
       view.update();
       const bool is_drawn = QTest::qWaitFor([&] { return view.frames() > before; }, kPatience_ms);
-      return is_drawn ? view.grabFramebuffer() : QImage();
+      return is_drawn ? view.grab().toImage() : QImage();
     };
     const QImage plain = picture();
     QVERIFY(!plain.isNull());

@@ -317,7 +317,7 @@ class TextTest final : public QObject {
     QVERIFY(test::open(*window_, kRoot / "scenarios/walk.yaml"));
     RobotView& view = window_->view();
     QVERIFY(QTest::qWaitFor([&] { return view.frames() > 0; }, test::kPatience_ms));
-    QCOMPARE(view.grabFramebuffer().width(), 2 * view.width());
+    QCOMPARE(view.grab().toImage().width(), 2 * view.width());
     QCOMPARE(window_->grab().width(), 2 * window_->width());
   }
 };

@@ -2,7 +2,6 @@
 #include <QApplication>
 #include <QDockWidget>
 #include <QStatusBar>
-#include <QSurfaceFormat>
 #include <QTest>
 #include <QToolTip>
 #include <algorithm>
@@ -168,7 +167,7 @@ class ViewTest final : public ViewFixture {
       view.setFixedSize(640, 480);
       view.look_at_robot();
       QTRY_VERIFY(view.rests());
-      QVERIFY(view.grabFramebuffer().save(folder + u'/' + QLatin1String(name) + QStringLiteral(".png")));
+      QVERIFY(view.grab().toImage().save(folder + u'/' + QLatin1String(name) + QStringLiteral(".png")));
     };
     const auto save_panel = [&](const char* name) {
       MotionPanel& motion = window_->motion();

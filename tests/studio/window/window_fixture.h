@@ -5,7 +5,6 @@
 #include <QPushButton>
 #include <QSettings>
 #include <QSignalSpy>
-#include <QSurfaceFormat>
 #include <QTest>
 #include <filesystem>
 #include <memory>
@@ -78,7 +77,6 @@ inline void save_picture(MainWindow& window, const char* name) {
 // The main function of a test program with a window.
 template <typename Test>
 int run_window_test(int argc, char** argv) {
-  QSurfaceFormat::setDefaultFormat(RobotView::format());
   QApplication application(argc, argv);
   QApplication::setOrganizationName(QStringLiteral("Koboshi"));
   QApplication::setApplicationName(QStringLiteral("Koboshi Studio Test"));

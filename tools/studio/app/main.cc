@@ -1,5 +1,4 @@
 #include <QApplication>
-#include <QSurfaceFormat>
 #include <QTranslator>
 
 #include <CLI/CLI.hpp>
@@ -12,7 +11,6 @@
 
 #include <fmt/core.h>
 
-#include "tools/studio/view/robot_view.h"
 #include "tools/studio/window/main_window.h"
 #include "tools/studio/window/translation.h"
 
@@ -65,7 +63,6 @@ int main(int argc, char** argv) {
                "a recorded run in a browser elsewhere\n");
     return kBadInput;
   }
-  QSurfaceFormat::setDefaultFormat(koboshi::studio::RobotView::format());
   QApplication application(argc, argv);
   QApplication::setOrganizationName(QStringLiteral("Koboshi"));
   QApplication::setApplicationName(QStringLiteral("Koboshi Studio"));

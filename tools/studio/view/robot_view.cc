@@ -2,8 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <QElapsedTimer>
-#include <QOpenGLContext>
-#include <QSurfaceFormat>
+#include <QPainter>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -27,15 +26,7 @@ constexpr double kArrowRadius_m = 0.004;
 
 }  // namespace
 
-QSurfaceFormat RobotView::format() {
-  QSurfaceFormat format;
-  format.setVersion(3, 3);
-  format.setProfile(QSurfaceFormat::CoreProfile);
-  format.setDepthBufferSize(24);
-  return format;
-}
-
-RobotView::RobotView(QWidget* parent) : QOpenGLWidget(parent), resolution_(kFrame_s) {
+RobotView::RobotView(QWidget* parent) : QWidget(parent), resolution_(kFrame_s) {
   setFocusPolicy(Qt::StrongFocus);
   setMouseTracking(true);
   setMinimumSize(200, 150);
@@ -55,14 +46,13 @@ RobotView::RobotView(QWidget* parent) : QOpenGLWidget(parent), resolution_(kFram
   picture_.camera.elevation_rad = 14.0 * kRadPerDegree;
 }
 
-RobotView::~RobotView() { release_gl(); }
-
-void RobotView::release_gl() {
-  if (!renderer_ && !framebuffer_) return;
-  makeCurrent();
-  renderer_.reset();
-  framebuffer_.reset();
-  doneCurrent();
+// What OpenGL has made goes while its context is current.
+RobotView::~RobotView() {
+  try {
+    if (gl_) gl_->make_current();
+  } catch (const std::runtime_error&) {
+    return;  // the display has gone, and everything with it
+  }
 }
 
 void RobotView::set_scene(view::Scene scene, const sim::RobotDescription* robot) {
@@ -205,23 +195,21 @@ void RobotView::redraw_moving() {
   update();
 }
 
-void RobotView::initializeGL() {
-  // The context is made anew when the widget moves to another window.
-  connect(context(), &QOpenGLContext::aboutToBeDestroyed, this, &RobotView::release_gl);
-  scene_changed_ = true;
+void RobotView::paintEvent(QPaintEvent* /*event*/) {
+  QPainter painter(this);
+  const bool has_picture =
+      error_.isEmpty() && !scene_.links.empty() && picture_.links.size() == scene_.links.size();
+  if (has_picture) draw();
+  if (!has_picture || !error_.isEmpty()) return painter.fillRect(rect(), palette().color(QPalette::Mid));
+  painter.setRenderHint(QPainter::SmoothPixmapTransform);
+  painter.drawImage(rect(), image_);
 }
 
-void RobotView::paintGL() {
-  if (!error_.isEmpty() || picture_.links.size() != scene_.links.size() || scene_.links.empty()) {
-    const QColor background = palette().color(QPalette::Mid);
-    glClearColor(background.redF(), background.greenF(), background.blueF(), 1.0F);
-    glClear(GL_COLOR_BUFFER_BIT);
-    return;
-  }
-  const double ratio = devicePixelRatioF();
-  const int width_px = std::max(1, static_cast<int>(std::lround(width() * ratio)));
-  const int height_px = std::max(1, static_cast<int>(std::lround(height() * ratio)));
+// Draws the picture into image_, or sets the error.
+void RobotView::draw() {
   try {
+    if (!gl_) gl_ = std::make_unique<GlContext>();
+    gl_->make_current();
     if (scene_changed_) {
       renderer_ = std::make_unique<view::Renderer>(scene_);
       scene_changed_ = false;
@@ -229,16 +217,17 @@ void RobotView::paintGL() {
     if (!framebuffer_) framebuffer_ = std::make_unique<ScaledFramebuffer>();
     QElapsedTimer timer;
     timer.start();
-    const double scale = moving_ ? resolution_.scale() : 1.0;
-    const int scaled_width_px = std::max(1, static_cast<int>(std::lround(width_px * scale)));
-    const int scaled_height_px = std::max(1, static_cast<int>(std::lround(height_px * scale)));
-    framebuffer_->bind(scaled_width_px, scaled_height_px);
+    const double scale = devicePixelRatioF() * (moving_ ? resolution_.scale() : 1.0);
+    const int width_px = std::max(1, static_cast<int>(std::lround(width() * scale)));
+    const int height_px = std::max(1, static_cast<int>(std::lround(height() * scale)));
+    framebuffer_->bind(width_px, height_px);
     view::Marks marks = all_marks();
     std::swap(picture_.marks, marks);
-    renderer_->draw(picture_, scaled_width_px, scaled_height_px);
+    renderer_->draw(picture_, width_px, height_px);
     std::swap(picture_.marks, marks);
-    framebuffer_->stretch_into(defaultFramebufferObject(), width_px, height_px);
-    glFinish();  // otherwise the time is not that of the picture
+    QImage drawn(width_px, height_px, QImage::Format_RGB32);
+    framebuffer_->read({drawn.bits(), static_cast<std::size_t>(drawn.sizeInBytes())});
+    image_ = drawn.mirrored();
     if (moving_) resolution_.drawn_in(1e-9 * static_cast<double>(timer.nsecsElapsed()));
     ++frames_;
   } catch (const std::runtime_error& error) {

@@ -1,15 +1,17 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <QOpenGLWidget>
+#include <QImage>
 #include <QPoint>
 #include <QString>
 #include <QTimer>
+#include <QWidget>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "tools/studio/view/gizmo.h"
+#include "tools/studio/view/gl_context.h"
 #include "tools/studio/view/link_layers.h"
 #include "tools/studio/view/model_layer.h"
 #include "tools/studio/view/picking.h"
@@ -25,7 +27,7 @@ namespace koboshi::studio {
 // it, or along an axis by the arrows at it; by the rings at it: rotate it about an axis, with Ctrl+Shift as
 // the picture shows; the right button turns the camera there as well. While the picture moves, its resolution
 // follows the machine's speed; 150 ms after that it is drawn in full.
-class RobotView final : public QOpenGLWidget {
+class RobotView final : public QWidget {
   Q_OBJECT
 
  public:
@@ -43,9 +45,6 @@ class RobotView final : public QOpenGLWidget {
 
   explicit RobotView(QWidget* parent = nullptr);
   ~RobotView() override;
-
-  // The format that windows with this view need; set it as default before the application is made.
-  static QSurfaceFormat format();
 
   // Shows another robot, with the camera on it once it is posed.
   // `robot` gives the axes of its joints, and the pairs of links whose penetration is outlined in red beside
@@ -116,8 +115,7 @@ class RobotView final : public QOpenGLWidget {
   void failed(const QString& error);
 
  protected:
-  void initializeGL() override;
-  void paintGL() override;
+  void paintEvent(QPaintEvent* event) override;
   void mousePressEvent(QMouseEvent* event) override;
   void mouseMoveEvent(QMouseEvent* event) override;
   void mouseReleaseEvent(QMouseEvent* event) override;
@@ -144,7 +142,7 @@ class RobotView final : public QOpenGLWidget {
   QString frame_text(std::size_t link) const;
   QString axis_text(const JointAxis& axis) const;
   std::vector<view::Pose> apart(const std::vector<view::Pose>& links) const;
-  void release_gl();
+  void draw();
   void follow_robot();
   Eigen::Vector3d robot_W_m() const;
   Eigen::Vector3d point_W_m(const Hit& hit) const;
@@ -173,8 +171,10 @@ class RobotView final : public QOpenGLWidget {
   bool pushable_ = false;
   std::optional<Eigen::Vector3d> followed_W_m_;
 
+  std::unique_ptr<GlContext> gl_;  // before everything that is made in it
   std::unique_ptr<view::Renderer> renderer_;
   std::unique_ptr<ScaledFramebuffer> framebuffer_;
+  QImage image_;  // as drawn last
   AdaptiveResolution resolution_;
   bool moving_ = false;
   QTimer rest_;

@@ -258,7 +258,7 @@ void RobotView::keyPressEvent(QKeyEvent* event) {
       turn.y() = -kTurn_px;
       break;
     default:
-      return QOpenGLWidget::keyPressEvent(event);
+      return QWidget::keyPressEvent(event);
   }
   orbit(picture_.camera, turn, height());
   redraw_moving();

@@ -31,11 +31,11 @@ void ScaledFramebuffer::bind(int width_px, int height_px) {
   height_px_ = height_px;
 }
 
-void ScaledFramebuffer::stretch_into(unsigned framebuffer, int width_px, int height_px) {
+void ScaledFramebuffer::read(std::span<std::uint8_t> pixels) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, parts_->framebuffer.name());
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
-  glBlitFramebuffer(0, 0, width_px_, height_px_, 0, 0, width_px, height_px, GL_COLOR_BUFFER_BIT, GL_LINEAR);
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glReadPixels(0, 0, width_px_, height_px_, GL_BGRA, GL_UNSIGNED_BYTE, pixels.data());
+  view::check_gl("reading a picture");
 }
 
 // The time of a frame grows with the number of its pixels, the square of the scale; half of a correction at a

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <span>
 
 namespace koboshi::studio {
 
-// A framebuffer of fewer pixels than the window, stretched into it. It needs the context of the window.
+// A framebuffer whose picture can be read. The context in which it was made must be current.
 class ScaledFramebuffer {
  public:
   ScaledFramebuffer();
@@ -14,8 +16,9 @@ class ScaledFramebuffer {
 
   // Binds it for drawing, with this size. Throws view::GlError.
   void bind(int width_px, int height_px);
-  // Stretches its picture over the framebuffer of this name and size.
-  void stretch_into(unsigned framebuffer, int width_px, int height_px);
+  // Reads the picture: rows from the bottom, four bytes a pixel: blue, green, red, opacity. Throws
+  // view::GlError.
+  void read(std::span<std::uint8_t> pixels) const;
 
  private:
   struct Parts;  // the headers of OpenGL do not go with Qt's
