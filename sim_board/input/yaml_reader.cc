@@ -11,7 +11,7 @@ void check_all_known(const YamlNode& node) {
   for (const YamlNode& item : node.items) {
     if (node.kind == YamlNode::Kind::kMap && !node.asked.contains(item.key)) {
       const std::vector<std::string> known(node.asked.begin(), node.asked.end());
-      throw InputError(item.source, item.line, "the unknown key " + one_line(item.path),
+      throw InputError(item.source.path(), item.line, "the unknown key " + one_line(item.path),
                        known.empty() ? "no key here" : expected_names(item.key, known));
     }
     check_all_known(item);
@@ -39,7 +39,7 @@ std::string describe_found(const YamlNode& node) {
 double YamlValue::number(const NumberRange& range) const {
   const auto value = is_plain(*node_) ? parse_number(node_->scalar) : std::nullopt;
   if (value && *value >= range.min && *value <= range.max) return *value;
-  throw InputError(node_->source, node_->line, describe_found(*node_), describe(range),
+  throw InputError(node_->source.path(), node_->line, describe_found(*node_), describe(range),
                    node_->path + ", " + describe(range));
 }
 
@@ -91,7 +91,7 @@ InputError YamlValue::error(const std::string& expected) const {
 }
 
 InputError YamlValue::error(const std::string& found, const std::string& expected) const {
-  return InputError(node_->source, node_->line, found, expected);
+  return InputError(node_->source.path(), node_->line, found, expected);
 }
 
 const YamlNode* YamlMap::find(const std::string& key) const {
@@ -102,7 +102,7 @@ const YamlNode* YamlMap::find(const std::string& key) const {
 const YamlNode& YamlMap::require(const std::string& key, const std::string& expected) const {
   const YamlNode* node = find(key);
   const std::string path = node_->path.empty() ? key : node_->path + "." + key;
-  if (!node) throw InputError(node_->source, node_->line, "no key " + one_line(path), expected);
+  if (!node) throw InputError(node_->source.path(), node_->line, "no key " + one_line(path), expected);
   return *node;
 }
 

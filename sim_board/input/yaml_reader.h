@@ -49,7 +49,7 @@ class YamlValue {
   bool is_map() const { return node_->kind == YamlNode::Kind::kMap; }
   bool is_list() const { return node_->kind == YamlNode::Kind::kList; }
   // Source of the value: the file, or the option of the command line. The line of an option is 0.
-  const std::filesystem::path& source() const { return node_->source; }
+  const std::filesystem::path& source() const { return node_->source.path(); }
   int line() const { return node_->line; }
   // Returns an error with this value and its path, for the caller to throw.
   InputError error(const std::string& expected) const;

@@ -27,7 +27,7 @@ int column_of(const YAML::Mark& mark, const Source& source) { return source.has_
 // scalar was quoted.
 class TreeBuilder final : public YAML::EventHandler {
  public:
-  explicit TreeBuilder(const Source& source) : source_(source) {}
+  explicit TreeBuilder(const Source& source) : source_(source), shared_source_(source.name) {}
 
   YamlNode take_root() { return std::move(root_); }
 
@@ -119,7 +119,7 @@ class TreeBuilder final : public YAML::EventHandler {
   YamlNode make_node(YamlNode::Kind kind, const YAML::Mark& mark) const {
     YamlNode node;
     node.kind = kind;
-    node.source = source_.name;
+    node.source = shared_source_;
     node.line = line_of(mark, source_);
     node.column = column_of(mark, source_);
     node.value_line = node.line;
@@ -148,6 +148,7 @@ class TreeBuilder final : public YAML::EventHandler {
   }
 
   Source source_;
+  YamlSource shared_source_;
   std::vector<Level> levels_;
   YamlNode root_;
 };
@@ -224,7 +225,7 @@ YamlNode& step_into_map(YamlNode& map, const std::string& key, const Override& o
       std::find_if(map.items.begin(), map.items.end(), [&](const YamlNode& item) { return item.key == key; });
   if (place != map.items.end()) return *place;
   YamlNode added;
-  added.source = override_value.option;
+  added.source = YamlSource(override_value.option);
   added.key = key;
   added.path = map.path.empty() ? key : map.path + "." + key;
   map.items.push_back(std::move(added));

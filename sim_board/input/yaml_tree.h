@@ -1,20 +1,39 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace koboshi::sim {
+
+// The file or the command-line option that set a value. All values of a document share it: an editor copies
+// thousands of them for each edit.
+class YamlSource {
+ public:
+  YamlSource() = default;
+  explicit YamlSource(std::filesystem::path path)
+      : path_(std::make_shared<const std::filesystem::path>(std::move(path))) {}
+
+  const std::filesystem::path& path() const {
+    static const std::filesystem::path kNone;
+    return path_ ? *path_ : kNone;
+  }
+
+ private:
+  std::shared_ptr<const std::filesystem::path> path_;
+};
 
 // A value of a YAML document with its location.
 struct YamlNode {
   enum class Kind { kNull, kScalar, kMap, kList };
 
   Kind kind = Kind::kNull;
-  std::filesystem::path source;  // the file or the command-line option that set the value
-  int line = 0;                  // of the key, in a map; 0: from the command line
-  int column = 0;                // of the key, in a map; from 1
+  YamlSource source;
+  int line = 0;    // of the key, in a map; 0: from the command line
+  int column = 0;  // of the key, in a map; from 1
   int value_line = 0;            // of the value itself
   int value_column = 0;
   std::string path;  // dotted path from the root: pushes[0].force_N; empty at the root

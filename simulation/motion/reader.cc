@@ -13,7 +13,7 @@ namespace {
 
 Place place_of(const YamlNode& node, int line, int column, std::size_t length) {
   Place place{.line = line, .column = column, .length = static_cast<int>(std::max<std::size_t>(length, 1))};
-  if (node.line == 0) place.option = node.source.string();
+  if (node.line == 0) place.option = node.source.path().string();
   return place;
 }
 

@@ -12,6 +12,8 @@ namespace {
 constexpr GLsizei kDepth_px = 1024;
 constexpr GLsizei kProximity_px = 256;
 constexpr double kLightRange_m = 4.0;  // of ground and steps that cast shadows onto the robot
+constexpr double kHighest_m =
+    5.0 * static_cast<double>(kProximity_m);  // links above it darken the ground by less than 1 in 255
 
 bool same(const Pose& a, const Pose& b) { return a.p_WL_m == b.p_WL_m && a.q_WL.coeffs() == b.q_WL.coeffs(); }
 
@@ -83,7 +85,11 @@ void Shadows::draw_proximity(const Shapes& shapes, const Picture& picture, const
                                                     look_along(robot.centre_W_m, -Eigen::Vector3d::UnitZ(),
                                                                Eigen::Vector3d::UnitY())));
   proximity_.set("lowest_m", proximity_place_.w());
-  Shapes::draw_all(proximity_, shapes.outlines(picture.collisions), picture.links, GL_FRONT);
+  for (const Shapes::Part& part : shapes.outlines(picture.collisions)) {
+    if (shapes.lowest_W_m(part, picture.links) > robot.lowest_W_m + kHighest_m) continue;
+    Shapes::place(proximity_, part, picture.links);
+    Shapes::draw(part, GL_FRONT);
+  }
   glBlendEquation(GL_FUNC_ADD);
   glDisable(GL_BLEND);
   glActiveTexture(GL_TEXTURE1);

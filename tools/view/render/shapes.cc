@@ -125,6 +125,11 @@ RobotBounds Shapes::bounds(std::span<const Pose> links) const {
   return {box.center(), std::max(radius_m, kRadiusStep_m), box.min().z()};
 }
 
+double Shapes::lowest_W_m(const Part& part, std::span<const Pose> links) const {
+  const auto link = static_cast<std::size_t>(part.link);
+  return static_cast<double>(links[link].p_WL_m.z() - radii_m_[link]);
+}
+
 void Shapes::place(const GlProgram& program, const Part& part, std::span<const Pose> links) {
   Eigen::Matrix4f model = Eigen::Matrix4f::Identity();
   if (part.link >= 0) {

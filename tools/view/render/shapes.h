@@ -43,6 +43,8 @@ class Shapes {
   // The square [-1, 1]^2 at z = 0.
   const Part& plane() const { return plane_; }
   RobotBounds bounds(std::span<const Pose> links) const;
+  // A height below which no point of the part is.
+  double lowest_W_m(const Part& part, std::span<const Pose> links) const;
 
   // Sets the uniform "model" of the program in use to the part's pose.
   static void place(const GlProgram& program, const Part& part, std::span<const Pose> links);
