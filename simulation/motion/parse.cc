@@ -19,9 +19,10 @@ constexpr std::size_t kMaxVariables = 16;
 
 class MotionParser {
  public:
-  MotionParser(const MotionFile& file, const NamedModel& robot, Diagnostics& diagnostics)
-      : root_(file.tree), joints_(robot), reader_(diagnostics) {
-    motion_.file = file.path;
+  MotionParser(const std::filesystem::path& file, const YamlNode& tree, const NamedModel& robot,
+               Diagnostics& diagnostics)
+      : root_(tree), joints_(robot), reader_(diagnostics) {
+    motion_.file = file;
   }
 
   MotionSource parse() {
@@ -180,7 +181,12 @@ MotionFile read_motion_file(const std::filesystem::path& file, std::span<const s
 }
 
 MotionSource parse_motion(const MotionFile& file, const NamedModel& robot, Diagnostics& diagnostics) {
-  return MotionParser(file, robot, diagnostics).parse();
+  return parse_motion(file.path, file.tree, robot, diagnostics);
+}
+
+MotionSource parse_motion(const std::filesystem::path& file, const sim::YamlNode& tree,
+                          const NamedModel& robot, Diagnostics& diagnostics) {
+  return MotionParser(file, tree, robot, diagnostics).parse();
 }
 
 MotionSource parse_motion(const std::filesystem::path& file, const NamedModel& robot,

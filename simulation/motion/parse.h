@@ -28,6 +28,9 @@ struct MotionFile {
 // none. Throws MotionError at the 20th.
 [[nodiscard]] MotionSource parse_motion(const MotionFile& file, const NamedModel& robot,
                                         Diagnostics& diagnostics);
+// The same for the tree of a file that the caller keeps.
+[[nodiscard]] MotionSource parse_motion(const std::filesystem::path& file, const sim::YamlNode& tree,
+                                        const NamedModel& robot, Diagnostics& diagnostics);
 
 // Reads and parses a motion file. Throws MotionError with all errors of a missing, unknown or duplicate key,
 // of a value beyond a joint's limits, or if the file is for another robot.

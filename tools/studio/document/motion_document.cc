@@ -145,8 +145,7 @@ void MotionDocument::analyse() {
       // Only libfyaml refuses it.
       static_cast<void>(tools::YamlDocument(source_name(), text_).places());
     }
-    const simulation::MotionFile file{source_name(), text_, yaml_->tree()};
-    source_ = simulation::parse_motion(file, robot_->model, diagnostics);
+    source_ = simulation::parse_motion(source_name(), yaml_->tree(), robot_->model, diagnostics);
     if (!diagnostics.has_errors()) {
       simulation::CompiledMotion compiled = simulation::compile_motion(*source_, robot_->model, diagnostics);
       if (!diagnostics.has_errors()) compiled_ = std::move(compiled);
