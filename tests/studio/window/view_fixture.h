@@ -36,7 +36,7 @@ class ViewFixture : public QObject {
     const QString pictures = qEnvironmentVariable("KOBOSHI_PICTURES");
     if (pictures.isEmpty()) return;
     QTest::qWait(500);
-    window_->view().grabFramebuffer().save(pictures + u'/' + QLatin1String(name) + QStringLiteral(".png"));
+    window_->view().grab().save(pictures + u'/' + QLatin1String(name) + QStringLiteral(".png"));
   }
   // A place of the view at which there is the trunk: near its origin.
   std::optional<QPoint> trunk_place() {

@@ -202,7 +202,6 @@ static const koboshi::test::AddQtTest<ViewTest> kViewTest;
 }  // namespace koboshi::studio
 
 int main(int argc, char** argv) {
-  QSurfaceFormat::setDefaultFormat(koboshi::studio::RobotView::format());
   QApplication application(argc, argv);
   QApplication::setOrganizationName(QStringLiteral("Koboshi"));
   QApplication::setApplicationName(QStringLiteral("Koboshi Studio Test"));
