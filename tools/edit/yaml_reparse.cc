@@ -149,15 +149,17 @@ std::optional<YamlDocument::Parsed> YamlDocument::reparse_items(const std::strin
     const int above = lines_between(text_, 0, region.begin);
     const int old_lines = lines_between(text_, region.begin, region.end);
     const int new_count = lines_between(text, region.begin, new_end);
-    shift_lines(parsed.tree, above + old_lines, new_count - old_lines);
+    if (new_count != old_lines) shift_lines(parsed.tree, above + old_lines, new_count - old_lines);
+    const std::size_t old_count = region.last - region.first + 1;
     const auto at = collection.items.begin() + static_cast<std::ptrdiff_t>(region.first);
-    collection.items.erase(at, at + static_cast<std::ptrdiff_t>(region.last - region.first + 1));
+    collection.items.erase(at, at + static_cast<std::ptrdiff_t>(old_count));
     collection.items.insert(collection.items.begin() + static_cast<std::ptrdiff_t>(region.first),
                             std::make_move_iterator(items.items.begin()),
                             std::make_move_iterator(items.items.end()));
     for (std::size_t i = region.first; i < collection.items.size(); ++i) {
       YamlNode& item = collection.items[i];
       const bool is_new = i < region.first + count;
+      if (!is_new && count == old_count) break;  // those behind keep their places
       if (is_new && !fits(new_place.items[i], item)) return std::nullopt;
       relocate(item, is_new ? above - 1 : 0, item.path.size(), item_path(collection, i));
     }
