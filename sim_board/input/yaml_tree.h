@@ -21,6 +21,7 @@ class YamlSource {
     static const std::filesystem::path kNone;
     return path_ ? *path_ : kNone;
   }
+  bool operator==(const YamlSource& other) const { return path() == other.path(); }
 
  private:
   std::shared_ptr<const std::filesystem::path> path_;
