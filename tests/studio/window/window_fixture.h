@@ -41,7 +41,10 @@ inline bool open(MainWindow& window, const std::filesystem::path& file) {
 // Runs the simulation as fast as possible up to this time, and pauses it.
 inline bool run_to(MainWindow& window, std::uint64_t time_us) {
   RunController& run = window.run();
-  run.step((time_us - run.status().time_us) / 1000);
+  if (run.session() != nullptr) run.session()->wait();  // a run begins with a step of its own
+  const std::uint64_t now_us =
+      run.session() != nullptr ? run.session()->status().time_us : run.status().time_us;
+  run.step((time_us - now_us) / 1000);
   return QTest::qWaitFor([&] { return run.end_us() >= time_us; }, kPatience_ms);
 }
 
