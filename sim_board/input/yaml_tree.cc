@@ -16,7 +16,7 @@ namespace {
 
 // Source of the text, for messages.
 struct Source {
-  std::filesystem::path name;
+  YamlSource name;
   bool has_lines = true;  // false: a value of the command line
 };
 
@@ -27,7 +27,7 @@ int column_of(const YAML::Mark& mark, const Source& source) { return source.has_
 // scalar was quoted.
 class TreeBuilder final : public YAML::EventHandler {
  public:
-  explicit TreeBuilder(const Source& source) : source_(source), shared_source_(source.name) {}
+  explicit TreeBuilder(const Source& source) : source_(source) {}
 
   YamlNode take_root() { return std::move(root_); }
 
@@ -72,7 +72,7 @@ class TreeBuilder final : public YAML::EventHandler {
 
   [[noreturn]] void fail(const YAML::Mark& mark, const std::string& found,
                          const std::string& expected) const {
-    throw InputError(source_.name, line_of(mark, source_), found, expected);
+    throw InputError(source_.name.path(), line_of(mark, source_), found, expected);
   }
   void refuse_tag(const YAML::Mark& mark, const std::string& tag) const {
     if (!tag.empty() && tag != "?") fail(mark, "the tag " + one_line(tag), "a value without a tag");
@@ -119,7 +119,7 @@ class TreeBuilder final : public YAML::EventHandler {
   YamlNode make_node(YamlNode::Kind kind, const YAML::Mark& mark) const {
     YamlNode node;
     node.kind = kind;
-    node.source = shared_source_;
+    node.source = source_.name;
     node.line = line_of(mark, source_);
     node.column = column_of(mark, source_);
     node.value_line = node.line;
@@ -148,7 +148,6 @@ class TreeBuilder final : public YAML::EventHandler {
   }
 
   Source source_;
-  YamlSource shared_source_;
   std::vector<Level> levels_;
   YamlNode root_;
 };
@@ -156,8 +155,8 @@ class TreeBuilder final : public YAML::EventHandler {
 YamlNode parse_any(const std::string& text, const Source& source) {
   if (const std::size_t bad = find_invalid_utf8(text); bad != std::string_view::npos) {
     const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(bad), '\n') + 1;
-    throw InputError(source.name, source.has_lines ? static_cast<int>(line) : 0, "a byte that is not UTF-8",
-                     "UTF-8 text");
+    throw InputError(source.name.path(), source.has_lines ? static_cast<int>(line) : 0,
+                     "a byte that is not UTF-8", "UTF-8 text");
   }
   TreeBuilder builder(source);
   TreeBuilder rest(source);
@@ -166,10 +165,11 @@ YamlNode parse_any(const std::string& text, const Source& source) {
     YAML::Parser parser(stream);
     if (!parser.HandleNextDocument(builder)) return builder.take_root();
     if (parser.HandleNextDocument(rest)) {
-      throw InputError(source.name, rest.take_root().line, "a second document", "one document");
+      throw InputError(source.name.path(), rest.take_root().line, "a second document", "one document");
     }
   } catch (const YAML::Exception& error) {
-    throw InputError(source.name, line_of(error.mark, source), one_line(error.msg), "well-formed YAML");
+    throw InputError(source.name.path(), line_of(error.mark, source), one_line(error.msg),
+                     "well-formed YAML");
   }
   return builder.take_root();
 }
@@ -249,7 +249,7 @@ Override parse_override(const std::string& argument) {
 }
 
 YamlNode parse_yaml(const std::string& text, const std::filesystem::path& source) {
-  YamlNode root = parse_any(text, {source});
+  YamlNode root = parse_any(text, {YamlSource(source)});
   if (root.kind == YamlNode::Kind::kNull)
     throw InputError(source, 0, "an empty file", "a map of keys and values");
   if (root.kind != YamlNode::Kind::kMap) {
@@ -279,7 +279,7 @@ void apply_override(YamlNode& root, const Override& override_value) {
     node = node->kind == YamlNode::Kind::kList ? &step_into_list(*node, step, override_value)
                                                : &step_into_map(*node, step, override_value);
   }
-  YamlNode value = parse_any(override_value.value, {override_value.option, false});
+  YamlNode value = parse_any(override_value.value, {YamlSource(override_value.option), false});
   value.key = node->key;
   relocate(value, node->path);
   *node = std::move(value);

@@ -33,9 +33,9 @@ struct YamlNode {
 
   Kind kind = Kind::kNull;
   YamlSource source;
-  int line = 0;    // of the key, in a map; 0: from the command line
-  int column = 0;  // of the key, in a map; from 1
-  int value_line = 0;            // of the value itself
+  int line = 0;        // of the key, in a map; 0: from the command line
+  int column = 0;      // of the key, in a map; from 1
+  int value_line = 0;  // of the value itself
   int value_column = 0;
   std::string path;  // dotted path from the root: pushes[0].force_N; empty at the root
   std::string key;   // in the parent map
