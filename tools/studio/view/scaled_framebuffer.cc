@@ -33,9 +33,7 @@ void ScaledFramebuffer::bind(int width_px, int height_px) {
 
 void ScaledFramebuffer::read(std::span<std::uint8_t> pixels) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, parts_->framebuffer.name());
-  glPixelStorei(GL_PACK_ALIGNMENT, 4);
-  glReadPixels(0, 0, width_px_, height_px_, GL_BGRA, GL_UNSIGNED_BYTE, pixels.data());
-  view::check_gl("reading a picture");
+  view::read_pixels(width_px_, height_px_, pixels);
 }
 
 // The time of a frame grows with the number of its pixels, the square of the scale; half of a correction at a

@@ -86,9 +86,7 @@ void OffscreenFramebuffer::read(std::span<std::uint8_t> pixels) const {
   glBlitFramebuffer(0, 0, width_px_, height_px_, 0, 0, width_px_, height_px_, GL_COLOR_BUFFER_BIT,
                     GL_NEAREST);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, parts_->resolved.name());
-  glPixelStorei(GL_PACK_ALIGNMENT, 4);
-  glReadPixels(0, 0, width_px_, height_px_, GL_BGRA, GL_UNSIGNED_BYTE, pixels.data());
-  check_gl("reading a picture");
+  read_pixels(width_px_, height_px_, pixels);
   const auto row_bytes = static_cast<std::ptrdiff_t>(4) * width_px_;
   for (int row = 0; row < height_px_ / 2; ++row) {  // OpenGL's rows begin at the bottom
     const auto upper = pixels.begin() + row * row_bytes;

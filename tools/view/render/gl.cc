@@ -96,6 +96,12 @@ GlTarget make_height_target(GLsizei side_px) {
   return target;
 }
 
+void read_pixels(GLsizei width_px, GLsizei height_px, std::span<std::uint8_t> pixels) {
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glReadPixels(0, 0, width_px, height_px, GL_BGRA, GL_UNSIGNED_BYTE, pixels.data());
+  check_gl("reading a picture");
+}
+
 void set_attributes(std::span<const GLint> sizes) {
   GLsizei stride_bytes = 0;
   for (const GLint size : sizes) stride_bytes += size * static_cast<GLsizei>(sizeof(float));

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -71,6 +72,10 @@ struct GlTarget {
 // bind their framebuffer, and throw GlError if the driver does not support it.
 GlTarget make_depth_target(GLsizei side_px);
 GlTarget make_height_target(GLsizei side_px);
+
+// Reads a picture of this size from the framebuffer that is bound for reading: rows from the bottom, four
+// bytes a pixel: blue, green, red, opacity. Throws GlError.
+void read_pixels(GLsizei width_px, GLsizei height_px, std::span<std::uint8_t> pixels);
 
 // Attributes of vertices that are rows of floats: their sizes, in order of location from 0.
 void set_attributes(std::span<const GLint> sizes);

@@ -152,11 +152,10 @@ void Shapes::draw(const Part& part, GLenum hidden_face) {
   glDisable(GL_CULL_FACE);
 }
 
-void Shapes::draw_all(const GlProgram& program, std::span<const Part> parts, std::span<const Pose> links,
-                      GLenum hidden_face) {
+void Shapes::draw_all(const GlProgram& program, std::span<const Part> parts, std::span<const Pose> links) {
   for (const Part& part : parts) {
     place(program, part, links);
-    draw(part, hidden_face);
+    draw(part);
   }
 }
 

@@ -51,8 +51,7 @@ class Shapes {
   // Draws a part; of a closed one only its front, or only its back.
   static void draw(const Part& part, GLenum hidden_face = GL_BACK);
   // Both, for a list of parts.
-  static void draw_all(const GlProgram& program, std::span<const Part> parts, std::span<const Pose> links,
-                       GLenum hidden_face = GL_BACK);
+  static void draw_all(const GlProgram& program, std::span<const Part> parts, std::span<const Pose> links);
 
  private:
   std::vector<Part> visuals_;
