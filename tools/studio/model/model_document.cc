@@ -81,8 +81,10 @@ void ModelDocument::replace_text(const std::string& text) {
 void ModelDocument::take(tools::XmlDocument edited, const std::string& label, std::string_view drag) {
   if (edited.text() == text()) return;
   tools::ModelReport report = checked(edited.text());
-  replace(edited.text(), label, drag);
+  const std::string before = text();
+  xml_ = std::move(edited);
   report_ = std::move(report);
+  record(before, label, drag);
 }
 
 // The report of a text that has been loaded before is made when it is asked for.
