@@ -111,8 +111,8 @@ std::shared_ptr<SdoLoan> BusMonitor::borrow_sdo() {
   return loan;
 }
 
-// The access under way ends first.
-bool BusMonitor::is_sdo_lent() {
+// Grants a loan that was asked for, once the access under way has ended. Returns whether it is granted.
+bool BusMonitor::lends_sdo() {
   std::shared_ptr<SdoLoan> loan;
   {
     const std::scoped_lock lock(mutex_);
@@ -142,7 +142,7 @@ void BusMonitor::run(const std::stop_token& stop) {
       obey();
       if (walk_us_ && now_us_ - *walk_us_ > kWalkTimeout_us) end_walk();
       arm_deadline();
-      if (!is_sdo_lent()) access_.process(now_us());
+      if (!lends_sdo()) access_.process(now_us());
       take_answers(now_us());
       bool sync = false;
       while (const auto frame = transport_->receive()) {

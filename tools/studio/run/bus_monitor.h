@@ -73,7 +73,7 @@ class BusMonitor {
   bool send(const hal::CanFrame& frame);
   void send(const sim::Command& command);
   void obey(const sim::Command& command);
-  bool is_sdo_lent();
+  bool lends_sdo();
   void take_answers(std::uint64_t now_us);
   void arm_deadline();
   void end_walk();

@@ -1,5 +1,4 @@
 #include "tools/studio/tuning/parameter_row.h"
-#include "tools/studio/widgets/value_filter.h"
 
 #include <QAction>
 #include <QDoubleSpinBox>
@@ -10,6 +9,8 @@
 #include <QToolButton>
 #include <algorithm>
 #include <cmath>
+
+#include "tools/studio/widgets/value_filter.h"
 
 namespace koboshi::studio {
 namespace {
