@@ -64,11 +64,12 @@ class StudioBench final : public ViewFixture {
     });
   }
 
-  // Edits of an angle in a motion of 1,000 steps, each followed by what it changes in the picture of the window.
+  // Edits of an angle in a motion of 1,000 steps, each followed by what it changes in the picture of the
+  // window.
   void long_motion() {
     QTemporaryDir folder;
     const std::filesystem::path file = std::filesystem::path(folder.path().toStdString()) / "long.yaml";
-    std::ofstream(file) << koboshi::test::large_motion(1000);
+    std::ofstream(file) << koboshi::test::large_motion(1000, koboshi::test::bent_legs);
     window_->open(file);
     MotionPanel& motion = window_->motion();
     QCOMPARE(motion.editor().rows().rows.size(), std::size_t{1000});

@@ -19,8 +19,8 @@ std::shared_ptr<const MotionRobot> robot() {
 }
 
 std::unique_ptr<MotionDocument> large_motion() {
-  return MotionDocument::restore(robot(),
-                                 {.recovery_file = {}, .original = {}, .text = test::large_motion(kSteps)});
+  return MotionDocument::restore(
+      robot(), {.recovery_file = {}, .original = {}, .text = test::large_motion(kSteps, test::bent_legs)});
 }
 
 void BM_DragJoint(benchmark::State& state) {

@@ -70,7 +70,7 @@ class PoseDrags : public testing::TestWithParam<Dragged> {
   DragBody body() const { return GetParam().body; }
   bool is_trunk() const { return body() == DragBody::kTrunk; }
   bool moves_over_both() const { return is_trunk() && GetParam().support == DragSupport::kBothFeet; }
-  // Of the trunk.
+  // A foot that stays while the trunk moves; of both feet the left one.
   DragBody support() const {
     return GetParam().support == DragSupport::kRightFoot ? DragBody::kRightFoot : DragBody::kLeftFoot;
   }

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/large_motion.h"
 #include "tools/studio/motion/motion_panel.h"
 #include "tools/studio/motion/step_model.h"
 #include "tools/studio/motion/timeline.h"
@@ -26,7 +27,6 @@ namespace fs = std::filesystem;
 inline const fs::path kRobot = KOBOSHI_SOURCE_DIR "/robots/koboshi/robot.sdf";
 inline const fs::path kMotions = KOBOSHI_SOURCE_DIR "/robots/koboshi/motions";
 inline constexpr int kLargeSteps = 1000;
-inline constexpr int kLargePoses = 500;
 inline constexpr int kPatience_ms = 30'000;  // only a failed test waits as long
 
 inline std::string text_of(const fs::path& file) {
@@ -138,14 +138,9 @@ class PanelFixture : public QObject {
     QCoreApplication::sendPostedEvents(nullptr, QEvent::DeferredDelete);
   }
   fs::path large_motion(const std::string& time_s = "1.5") const {
-    std::string text = "version: 2\nrobot: koboshi\nname: large\nposes:\n";
-    for (int i = 0; i < kLargePoses; ++i)
-      text += "  p" + std::to_string(i) + ": {head_tilt: 0." + std::to_string(1000 + i) + "}\n";
-    text += "steps:\n";
-    for (int i = 0; i < kLargeSteps; ++i)
-      text += "  - {pose: p" + std::to_string(i % kLargePoses) + ", time_s: " + time_s + "}\n";
+    const auto nod = [](int i) { return "{head_tilt: 0." + std::to_string(1000 + i) + "}"; };
     const fs::path file = in_folder("large.yaml");
-    write(file, text);
+    write(file, koboshi::test::large_motion(kLargeSteps, nod, time_s));
     return file;
   }
   // Also those of open documents.

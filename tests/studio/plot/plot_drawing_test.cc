@@ -1,7 +1,7 @@
 #include "tests/studio/plot/plot_fixture.h"
 #include "tests/support/walking_recording.h"
 
-// What the plots draw and say.
+// Plots: their pixels, legends and accessible texts.
 namespace koboshi::studio {
 
 class PlotDrawingTest final : public QObject {

@@ -19,7 +19,7 @@ using Kind = sim::Command::Kind;
 // How the controller on the bus answers accesses to the event timer of its velocity.
 enum class Sdo { kAnswers, kRefuses, kSilent };
 
-// What is sent to the bus.
+// Records what the monitor sends to the bus.
 struct SentFrames {
   std::vector<hal::CanFrame> take_all() {
     const std::scoped_lock lock(mutex);

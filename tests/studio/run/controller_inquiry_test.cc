@@ -80,7 +80,7 @@ TEST(ControllerInquiry, AsksAgainUntilItIsAnswered) {
   }
 }
 
-// One name is lost: only this one is asked for again.
+// A name that is lost is asked for again, and no other.
 TEST(ControllerInquiry, RepeatsOnlyWhatIsMissing) {
   ControllerInquiry inquiry;
   const Robot robot;

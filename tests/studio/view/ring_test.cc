@@ -81,7 +81,7 @@ TEST(Ring, IsPickedWhereItFacesTheCamera) {
         if (in_front(camera, p_W_m) < 0.05) continue;
         ++on_near_side;
         EXPECT_LT(from_ring_px, 0.5);
-        // What is picked there is this ring, or something that crosses it.
+        // The pixel picks this ring, or an arrow or ring that crosses it.
         const auto handle = picked(kRings, camera, pixel);
         const double from_centre_px = (pixel - image_px(camera, kRings.p_W_m)).norm();
         if (handle && handle->kind == Handle::Kind::kRing && handle->axis != axis) {
@@ -109,7 +109,7 @@ TEST(Ring, LeavesTheBodyToTheMouse) {
     }
   }
   EXPECT_EQ(picked_far, 0);
-  // Of a ring seen obliquely, the far side is neither shown nor picked.
+  // The far side of a ring that is seen obliquely is neither shown nor picked.
   const view::Camera camera = ring_cameras()[10];
   const double far_rad =
       std::atan2(camera.eye_W_m().y() - kRings.p_W_m.y(), camera.eye_W_m().x() - kRings.p_W_m.x()) + kPi;

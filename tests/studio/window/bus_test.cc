@@ -145,7 +145,7 @@ class BusTest final : public QObject {
   }
 
  private Q_SLOTS:
-  // One window shows all robots, one after the other: to make it takes longer than most of the tests.
+  // All tests share a window, because making one takes longer than most of them.
   void initTestCase() {
     window_ = test::make_window();
     QVERIFY(window_);

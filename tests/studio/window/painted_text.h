@@ -23,7 +23,7 @@ class TextEngine final : public QPaintEngine {
   void drawPath(const QPainterPath& /*path*/) override {}
   void drawPolygon(const QPointF* /*points*/, int /*count*/, PolygonDrawMode /*mode*/) override {}
   void drawTextItem(const QPointF& place, const QTextItem& item) override {
-    // One text in several fonts, for a letter that one of them lacks, is one line.
+    // A text comes in parts if its font lacks a letter that another font has.
     if (!texts_.isEmpty() && place.y() == last_.y() && place.x() == last_.x() + last_width_) {
       texts_.back() += item.text();
     } else {

@@ -122,7 +122,7 @@ class PoseDragTest final : public ViewFixture {
     QVERIFY2(moved_m.z() > 0.003, qPrintable(QString::number(moved_m.z())));
   }
 
-  // By the ring about z, whose angle is counted from x.
+  // The ring about z rotates the foot; its angle is counted from x.
   void rotates_a_foot_by_a_ring() {
     window_->open(kRoot / "robots/koboshi/motions/squat.yaml");
     MotionPanel& motion = window_->motion();

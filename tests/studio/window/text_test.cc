@@ -65,7 +65,7 @@ class TextTest final : public QObject {
       look(*dock);
     }
   }
-  // Of the classes of the studio; every_text_is_translated() looks at those of Qt.
+  // The texts that widgets of the studio paint; every_text_is_translated() checks widgets of Qt.
   QStringList painted_by_widgets() {
     QStringList texts;
     show_every_dock([&](QDockWidget& dock) {

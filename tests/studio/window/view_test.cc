@@ -202,10 +202,8 @@ static const koboshi::test::AddQtTest<ViewTest> kViewTest;
 }  // namespace koboshi::studio
 
 int main(int argc, char** argv) {
-  QApplication application(argc, argv);
-  QApplication::setOrganizationName(QStringLiteral("Koboshi"));
-  QApplication::setApplicationName(QStringLiteral("Koboshi Studio Test"));
-  return koboshi::test::run_qt_tests(argc, argv);
+  return koboshi::studio::test::run_in_application(argc, argv,
+                                                   [&] { return koboshi::test::run_qt_tests(argc, argv); });
 }
 
 #include "view_test.moc"

@@ -77,14 +77,22 @@ inline void save_picture(MainWindow& window, const char* name) {
   window.grab().save(pictures + u'/' + QLatin1String(name) + QStringLiteral(".png"));
 }
 
-// The main function of a test program with a window.
-template <typename Test>
-int run_window_test(int argc, char** argv) {
+// Runs tests in an application whose settings are not those of the studio.
+template <typename Run>
+int run_in_application(int argc, char** argv, const Run& run) {
   QApplication application(argc, argv);
   QApplication::setOrganizationName(QStringLiteral("Koboshi"));
   QApplication::setApplicationName(QStringLiteral("Koboshi Studio Test"));
-  Test test;
-  return QTest::qExec(&test, argc, argv);
+  return run();
+}
+
+// The main function of a test program with a window.
+template <typename Test>
+int run_window_test(int argc, char** argv) {
+  return run_in_application(argc, argv, [&] {
+    Test test;
+    return QTest::qExec(&test, argc, argv);
+  });
 }
 
 }  // namespace koboshi::studio::test
