@@ -2,7 +2,7 @@
 
 A block of ```console is run from the repository's root: each line that begins with "$ " is a command, a trailing backslash
 continues it. The lines between a command and the next one are its output: they must occur in the command's output one after the
-other, in which a line "..." stands for any lines. ```console not-run is only parsed; the commands of ```console fails must end
+other, in which a line "..." stands for any lines, and "..." within a line for any text. ```console not-run is only parsed; the commands of ```console fails must end
 with status 1. A block of ```cpp PATH, ```cmake PATH, ```ld PATH or ```python PATH must occur in that file word for word; a block
 of ```python without a path is only parsed. A block of ```yaml runs/FILE is what the reader writes into that file at this point.
 build/release is replaced by this test's build folder, and runs/ by a temporary folder.
@@ -17,7 +17,7 @@ A comment of the page, which the reader does not see, computes what its sentence
 
 The text in quotation marks must occur in the page. With =, its first number must be the value of the expression, rounded to the
 digits of the page; with `in`, the expression's value must contain the text. run("fell") is recorded_run.Run of runs/fell, and
-output("COMMAND") what a command prints.
+output("COMMAND") what a command prints, in which number_after(TEXT, output) is the first number after a text.
 """
 
 import pathlib
@@ -63,7 +63,9 @@ def differing_line(expected, output):
         if line == "...":
             anywhere = True
             continue
-        found = next((i for i in range(place, len(output) if anywhere else min(place + 1, len(output))) if output[i] == line), None)
+        pattern = ".*".join(re.escape(part) for part in line.split("..."))
+        candidates = range(place, len(output)) if anywhere else range(place, min(place + 1, len(output)))
+        found = next((i for i in candidates if re.fullmatch(pattern, output[i])), None)
         if found is None:
             return line
         place, anywhere = found + 1, False
@@ -73,6 +75,11 @@ def differing_line(expected, output):
 def quotations(text):
     """Returns the lines of a page's comments about its quotations."""
     return [line for comment in QUOTED.findall(text) for line in comment.splitlines() if line]
+
+
+def number_after(phrase, text):
+    """Returns the first number after the first occurrence of a phrase."""
+    return float(NUMBER.search(text, text.index(phrase) + len(phrase))[0].replace(",", ""))
 
 
 def disagreement(line, page, names):
@@ -117,7 +124,8 @@ class Page(unittest.TestCase):
                 self.assertEqual(status, outcome, output)
                 line = differing_line(lines, output.splitlines())
                 self.assertIsNone(line, f"the page shows a line that the command does not print there; its output:\n{output}")
-        names = {"run": lambda name: recorded_run.Run(pathlib.Path(runs, name)), "output": lambda command: self.run_command(command, runs)[1]}
+        names = {"run": lambda name: recorded_run.Run(pathlib.Path(runs, name)), "number_after": number_after,
+                 "output": lambda command: self.run_command(command, runs)[1]}
         page = re.sub(r"<!--.*?-->", "", self.text, flags=re.DOTALL)
         for line in quotations(self.text):
             with self.subTest(quotation=line):
@@ -151,10 +159,13 @@ class Reader(unittest.TestCase):
 
     def test_compares_output(self):
         output = ["a", "b", "c", "d"]
-        for lines in ([], ["b"], ["a", "b"], ["a", "...", "d"], ["...", "d"], ["b", "..."]):
+        for lines in ([], ["b"], ["a", "b"], ["a", "...", "d"], ["...", "d"], ["b", "..."], ["a...", "b"]):
             self.assertIsNone(differing_line(lines, output), lines)
         for lines, line in ((["e"], "e"), (["a", "c"], "c"), (["c", "...", "a"], "a"), (["d", "a"], "a")):
             self.assertEqual(differing_line(lines, output), line)
+
+    def test_finds_numbers_in_messages(self):
+        self.assertEqual(number_after("at most", "at most once, at 7: -1,200.5 m"), 7.0)
 
     def test_compares_quotations(self):
         page = "It slips by 1,234.50 mm and says: cut off\nat once."

@@ -25,7 +25,7 @@ class Run:
 
     @functools.cached_property
     def times_s(self):
-        return [float(time) for time in self._columns["t_s"]]
+        return [float(time) for time in self._columns["time_s"]]
 
     def signal(self, name, begin_s=0.0, end_s=float("inf")):
         """Returns the (time, value) pairs of a column between two times, without those that have no value."""
