@@ -11,4 +11,15 @@ namespace koboshi::sim {
 [[nodiscard]] double box_overlap_m(const Eigen::Isometry3d& X_WA, const Eigen::Vector3d& half_A_m,
                                    const Eigen::Isometry3d& X_WB, const Eigen::Vector3d& half_B_m);
 
+// Distance along the axis that separates two boxes most.
+struct BoxSeparation {
+  double gap_m = 0.0;                              // negative if they overlap
+  Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();  // unit vector of the axis, from B to A
+};
+
+// Returns the separation of the boxes A and B, by the same axes. Separate boxes are at least this far apart;
+// farther if they are next to each other with a corner or an edge that lies beside the other's faces.
+[[nodiscard]] BoxSeparation box_separation(const Eigen::Isometry3d& X_WA, const Eigen::Vector3d& half_A_m,
+                                           const Eigen::Isometry3d& X_WB, const Eigen::Vector3d& half_B_m);
+
 }  // namespace koboshi::sim

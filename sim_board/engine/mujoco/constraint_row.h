@@ -23,6 +23,9 @@ struct ConstraintRow {
 // CFM from 1e-7 to 10 m/(N s).
 inline constexpr double kInverseInertia = 1.0;
 
+// Smallest R per unit of A: MuJoCo keeps d below 0.9999.
+inline constexpr double kMinRegularisation = 1e-4;
+
 // `moving` is the number of movable bodies in the row: 1 for the ground and a link, 2 for two links.
 inline ConstraintRow constraint_row(const Softness& softness, int moving, double step_s) {
   const double R = softness.constraint_force_mixing / step_s;

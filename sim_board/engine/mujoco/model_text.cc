@@ -27,9 +27,10 @@ constexpr double kTangentHardness = 10.0;
 // MB with up to 68 rows (mjData::maxuse_stack, 2026-11-23); the use grows with the rows, at most 340.
 constexpr int kStack_numbers = 1 << 16;
 
-// The relative speed up to which links that meet are slowed down before they overlap (Scene::approach). Two
-// hands that swing at the servos' no-load speed meet at 2.5 m/s.
+// The relative speed up to which surfaces that meet are slowed down before they overlap (Scene::aim_normals).
+// Two hands that swing at the servos' no-load speed meet at 2.5 m/s; a body that falls 2 m, at 6.3 m/s.
 constexpr double kMaxMeetingSpeed_m_per_s = 5.0;
+constexpr double kMaxLandingSpeed_m_per_s = 10.0;
 
 constexpr int kRowsOfContact = 3;
 constexpr int kRowsOfJoint = 2;  // friction and stop
@@ -200,8 +201,8 @@ void Writer::add_pair(const TouchingPair& pair) {
   push(xml_, "condim", "3");
   push(xml_, "friction", text_of({first, second, 0.0, 0.0, 0.0}));
   push_row(xml_, "", constraint_row(pair.surface.softness, pair.with_ground() ? 1 : 2, options_.step_s));
-  if (!pair.with_ground() && pair.surface.bounce == 0.0)
-    push(xml_, "margin", text_of({kMaxMeetingSpeed_m_per_s * options_.step_s}));
+  const double speed_m_per_s = pair.with_ground() ? kMaxLandingSpeed_m_per_s : kMaxMeetingSpeed_m_per_s;
+  push(xml_, "margin", text_of({speed_m_per_s * options_.step_s}));
   xml_.CloseElement();
 }
 

@@ -1,10 +1,15 @@
 #include "sim_board/engine/mujoco/scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
+#include <tuple>
 
+#include "sim_board/engine/impact_search.h"
 #include "sim_board/engine/model_constants.h"
 #include "sim_board/engine/mujoco/constraint_row.h"
+#include "sim_board/engine/normal_row.h"
 #include "sim_board/world/box_overlap.h"
 
 namespace koboshi::sim {
@@ -44,15 +49,13 @@ Scene::Scene(const RobotDescription& robot, const std::vector<TouchingPair>& pai
   // MuJoCo would compute "simple" joints with the inertia at compile time and ignore changes of the armature.
   std::fill_n(model_->dof_simplenum, model_->nv, 0);
   find_numbers(robot);
-  bouncing_of_geoms_.assign(index(model_->ngeom * model_->ngeom), -1);
-  for (const TouchingPair& pair : pairs) {
-    if (pair.surface.bounce == 0.0) continue;
-    const int geom = geom_of(*model_, pair.box);
-    const int other = geom_of(*model_, pair.other_box);
-    const int place = static_cast<int>(bouncing_.size());
-    bouncing_of_geoms_[index(geom * model_->ngeom + other)] = place;
-    bouncing_of_geoms_[index(other * model_->ngeom + geom)] = place;
-    bouncing_.push_back(pair);
+  pairs_ = pairs;
+  pair_of_geoms_.assign(index(model_->ngeom * model_->ngeom), -1);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const int geom = geom_of(*model_, pairs[i].box);
+    const int other = geom_of(*model_, pairs[i].other_box);
+    pair_of_geoms_[index(geom * model_->ngeom + other)] = static_cast<int>(i);
+    pair_of_geoms_[index(other * model_->ngeom + geom)] = static_cast<int>(i);
   }
   for (std::size_t j = 0; j < numbers_.size(); ++j)
     data_->qpos[numbers_[j].position] = options.joint_positions_rad[j];
@@ -70,6 +73,7 @@ void Scene::find_numbers(const RobotDescription& robot) {
   sliding_Nm_.resize(numbers_.size());
   integrated_.resize(index(model_->nq));
   lift_m_per_s_.resize(index(model_->nconmax));
+  is_impact_.resize(index(model_->nconmax));
   slip_m_per_s_.resize(index(model_->nconmax));
   row_acceleration_.resize(index(model_->njmax));
   links_.resize(index(model_->ngeom));
@@ -115,12 +119,17 @@ void Scene::solve() {
   mj_factorM(model_.get(), data_.get());
   mj_collision(model_.get(), data_.get());
   drop_false_contacts();
+  drop_far_contacts();
   mj_makeConstraint(model_.get(), data_.get());
   mj_fwdVelocity(model_.get(), data_.get());
-  approach();
-  if (!bouncing_.empty()) bounce();
   mj_fwdAcceleration(model_.get(), data_.get());
-  solve_sliding();
+  solve_contacts(1.0);
+  const auto solve_again = [this](double share) {
+    solve_contacts(share);
+    return true;
+  };
+  std::ignore = settle_impacts(solve_again, [this] { return impact_work_J(); });
+  if (!iteration_.settled()) ++unsettled_;
   mj_rnePostConstraint(model_.get(), data_.get());
   if (data_->solver_iter >= model_->opt.iterations) ++unconverged_;
 }
@@ -146,38 +155,75 @@ void Scene::drop_false_contacts() {
   }
 }
 
-// Links that are apart by less than their margin may close that gap within the step, but not overlap: their
-// normal row asks for v' >= -gap/h, with the row's own softness. Without it, links that meet at 2.5 m/s
-// overlap by 2.5 mm in the step in which they meet, since a contact would exist only after it. MuJoCo itself
-// would repel them from the margin on, so that part of its target is taken out.
-void Scene::approach() {
-  const double step_s = model_->opt.timestep;
+// The margins hold for the highest speeds. Of the contacts with a gap only those within the reach of these
+// bodies in this step have rows (kReach_steps).
+void Scene::drop_far_contacts() {
+  const auto speed_m_per_s = [&](int geom) {
+    std::array<mjtNum, 6> velocity{};  // of the geom's centre, angular part first
+    mj_objectVelocity(model_.get(), data_.get(), mjOBJ_GEOM, geom, velocity.data(), 0);
+    const bool is_ground = links_[index(geom)] < 0;  // a plane has no radius
+    return vector_at(velocity.data(), 1).norm() +
+           (is_ground ? 0.0 : model_->geom_rbound[geom] * vector_at(velocity.data(), 0).norm());
+  };
   for (int i = 0; i < data_->ncon; ++i) {
-    const mjContact& contact = data_->contact[i];
-    const int row = contact.efc_address;
-    if (row < 0 || contact.includemargin <= 0.0) continue;
-    mjtNum& aim = data_->efc_aref[row];
-    if (contact.dist > 0.0) {
-      aim = -(data_->efc_vel[row] + contact.dist / step_s) / step_s;
-    } else {
-      aim -= data_->efc_KBIP[4 * row] * data_->efc_KBIP[4 * row + 2] * contact.includemargin;
-    }
+    mjContact& contact = data_->contact[i];
+    if (contact.dist <= 0.0) continue;
+    const double reach_m =
+        kReach_steps * model_->opt.timestep * (speed_m_per_s(contact.geom1) + speed_m_per_s(contact.geom2));
+    if (contact.dist > reach_m) contact.exclude = 1;
   }
 }
 
-// MuJoCo does not model restitution. If bouncing surfaces meet fast enough, the target of the normal row is
-// the separation speed when it exceeds the correction of the penetration, as in ODE.
-void Scene::bounce() {
+// MuJoCo has no restitution, and would repel surfaces from the margin on. The target of each contact's normal
+// is that of its NormalRow, with ODE's row in MuJoCo's terms (constraint_row.h).
+void Scene::aim_normals(double impact_share) {
+  // Of a point that exerts no force: no impact makes it as fast.
+  constexpr double kOpen_m_per_s = -1e3;
+  const double step_s = model_->opt.timestep;
   for (int i = 0; i < data_->ncon; ++i) {
     const mjContact& contact = data_->contact[i];
-    const int place = bouncing_of_geoms_[index(contact.geom1 * model_->ngeom + contact.geom2)];
-    if (place < 0 || contact.efc_address < 0) continue;
-    const SurfaceContact& surface = bouncing_[index(place)].surface;
+    if (contact.efc_address < 0) continue;
+    const int pair = pair_of_geoms_[index(contact.geom1 * model_->ngeom + contact.geom2)];
+    const SurfaceContact& surface = pairs_[index(pair)].surface;
     const double speed_m_per_s = data_->efc_vel[contact.efc_address];
-    if (speed_m_per_s > -surface.bounce_threshold_m_per_s) continue;
-    mjtNum& aim = data_->efc_aref[contact.efc_address];
-    aim = std::max(aim, -(1.0 + surface.bounce) * speed_m_per_s / model_->opt.timestep);
+    const std::optional<NormalRow> row = normal_row(surface, -contact.dist, -speed_m_per_s, step_s);
+    is_impact_[index(i)] = row && row->is_impact;
+    const double target_m_per_s =
+        row ? row->target_m_per_s * (row->is_impact ? impact_share : 1.0) : kOpen_m_per_s;
+    data_->efc_aref[contact.efc_address] = (target_m_per_s - speed_m_per_s) / step_s;
+    if (row && row->is_impact) harden(contact);
   }
+}
+
+// Makes a contact as stiff as MuJoCo's contacts can be. Friction keeps its share of the stiffness.
+void Scene::harden(const mjContact& contact) {
+  const int moving = links_[index(contact.geom1)] < 0 || links_[index(contact.geom2)] < 0 ? 1 : 2;
+  const mjtNum stiffest = moving * kInverseInertia * kMinRegularisation;
+  const mjtNum share = std::min(1.0, stiffest / data_->efc_R[contact.efc_address]);
+  for (int row = contact.efc_address; row < contact.efc_address + contact.dim; ++row) {
+    data_->efc_R[row] *= share;
+    data_->efc_D[row] /= share;
+  }
+}
+
+void Scene::solve_contacts(double impact_share) {
+  std::fill(is_impact_.begin(), is_impact_.end(), 0);
+  aim_normals(impact_share);
+  solve_sliding();
+}
+
+// Energy in J that the forces of impacts add: force times mean velocity.
+double Scene::impact_work_J() const {
+  const double step_s = model_->opt.timestep;
+  double work_J = 0.0;
+  for (int i = 0; i < data_->ncon; ++i) {
+    const mjContact& contact = data_->contact[i];
+    if (is_impact_[index(i)] == 0) continue;
+    for (int row = contact.efc_address; row < contact.efc_address + contact.dim; ++row)
+      work_J += step_s * data_->efc_force[row] *
+                (data_->efc_vel[row] + 0.5 * step_s * row_acceleration_[index(row)]);
+  }
+  return work_J;
 }
 
 // Solves Coulomb's law: see LiftIteration.
@@ -194,7 +240,6 @@ void Scene::solve_sliding() {
     mj_fwdConstraint(model_.get(), data_.get());
     mj_mulJacVec(model_.get(), data_.get(), row_acceleration_.data(), data_->qacc);
   }
-  if (!iteration_.settled()) ++unsettled_;
 }
 
 // Returns mu |v_t| of each contact at the end of the step, from its rows' accelerations.

@@ -76,8 +76,11 @@ class Scene {
   void find_numbers(const RobotDescription& robot);
   void update_poses();
   void drop_false_contacts();
-  void approach();
-  void bounce();
+  void drop_far_contacts();
+  void aim_normals(double impact_share);
+  void solve_contacts(double impact_share);
+  double impact_work_J() const;
+  void harden(const mjContact& contact);
   void solve_sliding();
   std::span<const double> slips();
   void lower_aims();
@@ -91,9 +94,9 @@ class Scene {
   // and a second normalisation would change its last bits.
   std::vector<double> integrated_;
   std::vector<int> links_;  // by geom; -1: the ground
-  std::vector<TouchingPair> bouncing_;
-  std::vector<int> bouncing_of_geoms_;  // by the one geom times their number plus the other; -1: no
-                                        // restitution
+  std::vector<TouchingPair> pairs_;
+  std::vector<char> is_impact_;     // by contact
+  std::vector<int> pair_of_geoms_;  // by the one geom times their number plus the other; -1: none
   LiftIteration iteration_{kMaxContacts};
   std::vector<double> lift_m_per_s_;      // by contact: lift of its normal row
   std::vector<double> slip_m_per_s_;      // by contact: mu |v_t| of the solution

@@ -16,7 +16,8 @@ constexpr int kMaxContactsOfPair = 8;
 dSurfaceParameters ode_surface(const SurfaceContact& surface) {
   dSurfaceParameters ode{};
   // Approx1: friction is bounded by mu times the present normal force, a pyramid instead of a cone.
-  ode.mode = dContactApprox1 | dContactMu2 | dContactSoftERP | dContactSoftCFM | dContactBounce;
+  // MotionN: the normal's target is that of its NormalRow.
+  ode.mode = dContactApprox1 | dContactMu2 | dContactSoftCFM | dContactMotionN;
   ode.mu = surface.friction;
   ode.mu2 = surface.friction_second;
   ode.bounce = surface.bounce;
@@ -65,12 +66,11 @@ std::uint64_t row_id(const Contact& contact, int ordinal) {
   return bits(1, 60) | bits(contact.link, 40) | bits(contact.other_link + 1, 20) | bits(ordinal, 2);
 }
 
-bool apart(dGeomID geom, dGeomID other) {
-  std::array<dReal, 6> a;  // min x, max x, min y, ...
-  std::array<dReal, 6> b;
-  dGeomGetAABB(geom, a.data());
-  dGeomGetAABB(other, b.data());
-  return a[0] > b[1] || b[0] > a[1] || a[2] > b[3] || b[2] > a[3] || a[4] > b[5] || b[4] > a[5];
+// Speed of a body's point, of the ground if the body is null.
+Eigen::Vector3d speed_at(dBodyID body, const dVector3 p_W) {
+  dVector3 v_W{};
+  if (body != nullptr) dBodyGetPointVel(body, p_W[0], p_W[1], p_W[2], v_W);
+  return vector_of(v_W);
 }
 
 }  // namespace
@@ -99,7 +99,8 @@ std::vector<Collider::Box> Collider::make_boxes(const RobotDescription& robot, c
       dMatrix3 R;
       copy_rotation(box.X_LG.linear(), R);
       dGeomSetOffsetRotation(geom.get(), R);
-      boxes.push_back({std::move(geom), static_cast<int>(l), 0.5 * box.size_m, box.surface});
+      boxes.push_back({std::move(geom), static_cast<int>(l), 0.5 * box.size_m, box.surface,
+                       p_ComG.norm() + 0.5 * box.size_m.norm(), 0.0});
     }
   }
   return boxes;
@@ -111,25 +112,28 @@ void Collider::make_ground() {
 }
 
 void Collider::make_pairs(const LinkTree& tree) {
-  for (auto box = boxes_.begin(); box != boxes_.end(); ++box) {
-    make_ground_pairs(*box);
-    for (auto other = box + 1; other != boxes_.end(); ++other)
-      if (tree.distance(box->link, other->link) >= kMinJointsBetween)
-        pairs_.push_back(
-            {box->geom.get(), other->geom.get(), box->link, other->link, meet_box(*box, *other), false});
+  for (std::size_t b = 0; b < boxes_.size(); ++b) {
+    const Box& box = boxes_[b];
+    make_ground_pairs(b);
+    for (std::size_t o = b + 1; o < boxes_.size(); ++o) {
+      const Box& other = boxes_[o];
+      if (tree.distance(box.link, other.link) >= kMinJointsBetween)
+        pairs_.push_back({box.geom.get(), other.geom.get(), b, o, meet_box(box, other), false});
+    }
   }
 }
 
-void Collider::make_ground_pairs(const Box& box) {
+void Collider::make_ground_pairs(std::size_t number) {
+  const Box& box = boxes_[number];
   const GroundDescription& ground = options_.ground;
   if (plane_) {
     const std::size_t meeting = meet_ground(box, ground.surface, Eigen::Matrix3d::Identity());
     for (const FrictionPatch& patch : ground.patches) meet_ground(box, patch.surface, patch.X_WP.linear());
-    pairs_.push_back({box.geom.get(), plane_.get(), box.link, -1, meeting, true});
+    pairs_.push_back({box.geom.get(), plane_.get(), number, kGround, meeting, true});
   }
   for (std::size_t i = 0; i < ground_boxes_.size(); ++i) {
     const std::size_t meeting = meet_ground(box, ground.boxes[i].surface, ground.boxes[i].X_WG.linear());
-    pairs_.push_back({box.geom.get(), ground_boxes_[i].get(), box.link, -1, meeting, false});
+    pairs_.push_back({box.geom.get(), ground_boxes_[i].get(), number, kGround, meeting, false});
   }
 }
 
@@ -145,7 +149,8 @@ void Collider::make_fields() {
 std::size_t Collider::meet_ground(const Box& box, const SurfaceDescription& ground,
                                   const Eigen::Matrix3d& R_W) {
   Meeting meeting;
-  meeting.surface = ode_surface(meet(box.surface, ground, options_.step_s, options_.material_pairs));
+  meeting.contact = meet(box.surface, ground, options_.step_s, options_.material_pairs);
+  meeting.surface = ode_surface(meeting.contact);
   const bool is_of_box = box.surface.friction_direction.has_value();
   meeting.direction = is_of_box ? *box.surface.friction_direction
                                 : R_W * ground.friction_direction.value_or(Eigen::Vector3d::UnitX());
@@ -156,40 +161,59 @@ std::size_t Collider::meet_ground(const Box& box, const SurfaceDescription& grou
 
 std::size_t Collider::meet_box(const Box& box, const Box& other) {
   const Box& directed = box.surface.friction_direction ? box : other;
-  meetings_.push_back(
-      {ode_surface(meet(box.surface, other.surface, options_.step_s, options_.material_pairs)),
-       directed.surface.friction_direction.value_or(Eigen::Vector3d::UnitX()), directed.geom.get()});
+  const SurfaceContact contact = meet(box.surface, other.surface, options_.step_s, options_.material_pairs);
+  meetings_.push_back({ode_surface(contact), contact,
+                       directed.surface.friction_direction.value_or(Eigen::Vector3d::UnitX()),
+                       directed.geom.get()});
   return meetings_.size() - 1;
 }
 
 void Collider::find_contacts() {
   contacts_.clear();
   touches_.clear();
-  for (const Pair& pair : pairs_)
-    if (pair.is_plane || !apart(pair.geom, pair.other_geom)) find_contacts_of(pair);
+  impact_share_ = 1.0;
+  find_reaches();
+  for (const Pair& pair : pairs_) find_contacts_of(pair);
   find_contacts_with_fields();
+}
+
+void Collider::find_reaches() {
+  for (Box& box : boxes_) {
+    const dBodyID body = dGeomGetBody(box.geom.get());
+    const double speed_m_per_s =
+        vector_of(dBodyGetLinearVel(body)).norm() + box.radius_m * vector_of(dBodyGetAngularVel(body)).norm();
+    box.reach_m = kReach_steps * options_.step_s * speed_m_per_s;
+  }
 }
 
 void Collider::find_contacts_of(const Pair& pair) {
   std::array<dContactGeom, kMaxContactsOfPair> points;
+  const Box& box = boxes_[pair.box];
+  const Box* const other = pair.other_box == kGround ? nullptr : &boxes_[pair.other_box];
+  const double reach_m = box.reach_m + (other != nullptr ? other->reach_m : 0.0);
+  const std::size_t count =
+      pair.is_plane ? touch_plane(box, points) : near_.find(pair.geom, pair.other_geom, reach_m, points);
+  for (const dContactGeom& point : std::span(points).first(count))
+    add_contact(point, box.link, other != nullptr ? other->link : -1, dGeomGetBody(pair.geom),
+                dGeomGetBody(pair.other_geom), meeting_at(pair, point));
+}
+
+// The plane is raised by the reach, so that ODE also finds the corners above it.
+std::size_t Collider::touch_plane(const Box& box, std::span<dContactGeom> points) {
+  const Eigen::Vector3d n_W = options_.ground.normal_W.normalized();
+  dGeomPlaneSetParams(plane_.get(), n_W.x(), n_W.y(), n_W.z(), options_.ground.offset_m + box.reach_m);
   const int count =
-      dCollide(pair.geom, pair.other_geom, kMaxContactsOfPair, points.data(), sizeof(dContactGeom));
-  for (int i = 0; i < count; ++i) {
-    const dContactGeom& point = points[static_cast<std::size_t>(i)];
-    add_contact(point, pair.link, pair.other_link, dGeomGetBody(pair.geom), dGeomGetBody(pair.other_geom),
-                meeting_at(pair, point));
-  }
+      dCollide(box.geom.get(), plane_.get(), kMaxContactsOfPair, points.data(), sizeof(dContactGeom));
+  for (dContactGeom& point : points.first(static_cast<std::size_t>(count))) point.depth -= box.reach_m;
+  return static_cast<std::size_t>(count);
 }
 
 void Collider::find_contacts_with_fields() {
   for (Field& field : fields_) {
     for (std::size_t i = 0; i < boxes_.size(); ++i) {
       const Box& box = boxes_[i];
-      Eigen::Isometry3d X_WG = Eigen::Isometry3d::Identity();
-      X_WG.linear() = rotation_of(dGeomGetRotation(box.geom.get()));
-      X_WG.translation() = vector_of(dGeomGetPosition(box.geom.get()));
       for (const HeightFieldContact::Point& point :
-           field.contact.touch(X_WG, box.half_m, kMaxContactsOfPair)) {
+           field.contact.touch(pose_of(box.geom.get()), box.half_m, box.reach_m, kMaxContactsOfPair)) {
         dContactGeom geom{};
         copy_vector(point.p_W, geom.pos);
         copy_vector(point.n_W, geom.normal);
@@ -213,6 +237,11 @@ const Collider::Meeting& Collider::meeting_at(const Pair& pair, const dContactGe
 
 void Collider::add_contact(const dContactGeom& point, int link, int other_link, dBodyID body,
                            dBodyID other_body, const Meeting& meeting) {
+  const Eigen::Vector3d v_W = speed_at(body, point.pos) - speed_at(other_body, point.pos);
+  const double approach_m_per_s = -vector_of(point.normal).dot(v_W);
+  const std::optional<NormalRow> normal =
+      normal_row(meeting.contact, point.depth, approach_m_per_s, options_.step_s);
+  if (!normal) return;
   dContact contact{};
   contact.surface = meeting.surface;
   contact.geom = point;
@@ -221,7 +250,7 @@ void Collider::add_contact(const dContactGeom& point, int link, int other_link, 
     contact.surface.mode &= ~dContactFDir1;
   const bool same_pair =
       !contacts_.empty() && contacts_.back().link == link && contacts_.back().other_link == other_link;
-  touches_.push_back({contact, body, other_body, same_pair ? touches_.back().ordinal + 1 : 0});
+  touches_.push_back({contact, body, other_body, same_pair ? touches_.back().ordinal + 1 : 0, v_W, *normal});
   contacts_.push_back({link, other_link, vector_of(contact.geom.pos), vector_of(contact.geom.normal),
                        Eigen::Vector3d::Zero(), contact.geom.depth});
 }
@@ -229,7 +258,11 @@ void Collider::add_contact(const dContactGeom& point, int link, int other_link, 
 void Collider::make_joints() {
   dJointGroupEmpty(joints_.get());
   for (std::size_t i = 0; i < touches_.size(); ++i) {
-    const dJointID joint = dJointCreateContact(world_, joints_.get(), &touches_[i].contact);
+    dContact contact = touches_[i].contact;
+    contact.geom.depth = 0.0;
+    contact.surface.motionN = target_m_per_s(touches_[i].normal);
+    contact.surface.soft_cfm = touches_[i].normal.force_mixing;
+    const dJointID joint = dJointCreateContact(world_, joints_.get(), &contact);
     dJointAttach(joint, touches_[i].body, touches_[i].other_body);
     dJointSetFeedback(joint, &feedbacks_[i]);
   }
@@ -241,7 +274,7 @@ void Collider::read_joint_forces() {
 
 // Equations and friction directions are those of ODE's contact joint.
 void Collider::add_rows(std::size_t contact, std::vector<TreeRow>& rows, const Bodies& bodies,
-                        const Eigen::Vector3d& p_WO_W, std::span<const Vector6> velocities) {
+                        const Eigen::Vector3d& p_WO_W) {
   Touch& touch = touches_[contact];
   const Contact& point = contacts_[contact];
   const dSurfaceParameters& surface = touch.contact.surface;
@@ -257,13 +290,8 @@ void Collider::add_rows(std::size_t contact, std::vector<TreeRow>& rows, const B
 
   lay_along(point.n_W);
   const double step_s = options_.step_s;
-  row.target = surface.soft_erp / step_s * point.depth_m;
-  if (surface.bounce > 0.0) {
-    const double approach_m_per_s = -row.speed(velocities);
-    if (approach_m_per_s > surface.bounce_vel)
-      row.target = std::max(row.target, surface.bounce * approach_m_per_s);
-  }
-  row.softness = surface.soft_cfm / step_s;
+  row.target = target_m_per_s(touch.normal);
+  row.softness = touch.normal.force_mixing / step_s;
   row.lower = 0.0;
   rows.push_back(row);
 
@@ -301,6 +329,29 @@ void Collider::read_row_forces(const TreeSolver& solver) {
 
 void Collider::set_forces(std::size_t first, std::span<const Eigen::Vector3d> forces_W) {
   for (std::size_t i = 0; i < forces_W.size(); ++i) contacts_[first + i].f_W = forces_W[i];
+}
+
+bool Collider::has_impacts() const {
+  return std::ranges::any_of(touches_, [](const Touch& touch) { return touch.normal.is_impact; });
+}
+
+double Collider::impact_work_J() const {
+  double work_J = 0.0;
+  for (std::size_t i = 0; i < touches_.size(); ++i) {
+    const Touch& touch = touches_[i];
+    if (!touch.normal.is_impact) continue;
+    const Eigen::Vector3d after_W =
+        speed_at(touch.body, touch.contact.geom.pos) - speed_at(touch.other_body, touch.contact.geom.pos);
+    work_J += 0.5 * options_.step_s * contacts_[i].f_W.dot(touch.v_W + after_W);
+  }
+  return work_J;
+}
+
+void Collider::drop_gaps() {
+  std::erase_if(contacts_, [](const Contact& contact) {
+    return contact.depth_m < 0.0 && contact.f_W.dot(contact.n_W) <= 0.0;
+  });
+  for (Contact& contact : contacts_) contact.depth_m = std::max(contact.depth_m, 0.0);
 }
 
 }  // namespace koboshi::sim

@@ -6,9 +6,11 @@
 #include <span>
 #include <vector>
 
+#include "sim_board/engine/normal_row.h"
 #include "sim_board/engine/ode/bodies.h"
 #include "sim_board/engine/ode/height_field_contact.h"
 #include "sim_board/engine/ode/library.h"
+#include "sim_board/engine/ode/near_boxes.h"
 #include "sim_board/engine/tree/tree_solver.h"
 #include "sim_board/robot/description.h"
 #include "sim_board/state/archive.h"
@@ -22,8 +24,10 @@ namespace koboshi::sim {
 struct Touch {
   dContact contact;
   dBodyID body;
-  dBodyID other_body;  // null: the ground
-  int ordinal;         // among the contacts of the two links
+  dBodyID other_body;   // null: the ground
+  int ordinal;          // among the contacts of the two links
+  Eigen::Vector3d v_W;  // relative velocity at the point before the step
+  NormalRow normal;     // replaces ODE's, which has no restitution of soft surfaces and no gap
   // Rows of the tree's solver; none if a held sole replaces the contact.
   std::size_t first_row = 0;
   std::size_t rows = 0;
@@ -38,16 +42,17 @@ class Collider {
   Collider(dWorldID world, const RobotDescription& robot, const LinkTree& tree, const Bodies& bodies,
            const WorldOptions& options);
 
-  // Detects the contacts for the bodies' present poses.
+  // Detects the contacts for the bodies' present poses: surfaces that touch, and those that are about to
+  // (kReach_steps). The latter have a negative depth.
   void find_contacts();
   // Replaces ODE's contact joints by those of the present contacts.
   void make_joints();
   // Reads the forces of the contact joints after ODE's solver has run.
   void read_joint_forces();
   // Appends the rows of one contact: its normal, then one or two directions of friction. `p_WO_W` is the
-  // origin of the tree's spatial vectors, `velocities` are those of the bodies before the step.
+  // origin of the tree's spatial vectors.
   void add_rows(std::size_t contact, std::vector<TreeRow>& rows, const Bodies& bodies,
-                const Eigen::Vector3d& p_WO_W, std::span<const Vector6> velocities);
+                const Eigen::Vector3d& p_WO_W);
   // Reads the forces of these rows after the tree's solver has run.
   void read_row_forces(const TreeSolver& solver);
   std::span<const Contact> contacts() const { return contacts_; }
@@ -57,13 +62,26 @@ class Collider {
   // joints.
   void set_forces(std::size_t first, std::span<const Eigen::Vector3d> forces_W);
 
+  // Whether a contact of this step is an impact with restitution.
+  bool has_impacts() const;
+  // Energy in J that the impacts' forces add to the links in the present solution: force times mean velocity.
+  double impact_work_J() const;
+  // Scales the coefficients of restitution of this step's impacts.
+  void scale_impacts(double share) { impact_share_ = share; }
+
+  // Ends a step: removes the contacts of surfaces that did not meet in it. touches() is then no longer valid.
+  void drop_gaps();
+
   // Archives the contacts of the last step. Their joints or rows are created anew in each step.
   void archive(StateArchive& archive) { archive(contacts_); }
 
  private:
+  static constexpr std::size_t kGround = static_cast<std::size_t>(-1);
+
   // Contact properties of a pair of shapes.
   struct Meeting {
     dSurfaceParameters surface;
+    SurfaceContact contact;
     // First friction direction, if friction is anisotropic.
     Eigen::Vector3d direction;
     dGeomID direction_frame;  // null: the world
@@ -72,10 +90,10 @@ class Collider {
   struct Pair {
     dGeomID geom;
     dGeomID other_geom;
-    int link;
-    int other_link;       // -1: the ground
-    std::size_t meeting;  // index into meetings_
-    bool is_plane;        // the meetings with its patches follow the one with the plane
+    std::size_t box;        // index into boxes_
+    std::size_t other_box;  // kGround: the ground
+    std::size_t meeting;    // index into meetings_
+    bool is_plane;          // the meetings with its patches follow the one with the plane
   };
 
   struct Box {
@@ -83,6 +101,8 @@ class Collider {
     int link;
     Eigen::Vector3d half_m;
     SurfaceDescription surface;
+    double radius_m;  // of its farthest corner from the body's centre of mass
+    double reach_m;   // in this step
   };
 
   struct Field {
@@ -93,13 +113,18 @@ class Collider {
   static std::vector<Box> make_boxes(const RobotDescription& robot, const Bodies& bodies);
   void make_ground();
   void make_pairs(const LinkTree& tree);
-  void make_ground_pairs(const Box& box);
+  void make_ground_pairs(std::size_t number);
   void make_fields();
   // Each function appends to meetings_. `R_W` rotates the friction direction of the ground's surface to the
   // world.
   std::size_t meet_ground(const Box& box, const SurfaceDescription& ground, const Eigen::Matrix3d& R_W);
   std::size_t meet_box(const Box& box, const Box& other);
+  void find_reaches();
+  double target_m_per_s(const NormalRow& row) const {
+    return row.is_impact ? impact_share_ * row.target_m_per_s : row.target_m_per_s;
+  }
   void find_contacts_of(const Pair& pair);
+  std::size_t touch_plane(const Box& box, std::span<dContactGeom> points);
   void find_contacts_with_fields();
   const Meeting& meeting_at(const Pair& pair, const dContactGeom& point) const;
   void add_contact(const dContactGeom& point, int link, int other_link, dBodyID body, dBodyID other_body,
@@ -110,10 +135,12 @@ class Collider {
   OdeJointGroup joints_;
   OdeGeom plane_;
   std::vector<OdeGeom> ground_boxes_;  // as in the options
+  NearBoxes near_;
   std::vector<Box> boxes_;
   std::vector<Pair> pairs_;
   std::vector<Field> fields_;  // as in the options
   std::vector<Meeting> meetings_;
+  double impact_share_ = 1.0;
   std::vector<Contact> contacts_;
   std::vector<Touch> touches_;
   std::vector<dJointFeedback> feedbacks_;  // by contact; must not move, because ODE writes into it

@@ -37,6 +37,13 @@ inline Eigen::Isometry3d pose_of(dBodyID body) {
   return pose;
 }
 
+inline Eigen::Isometry3d pose_of(dGeomID geom) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = rotation_of(dGeomGetRotation(geom));
+  pose.translation() = vector_of(dGeomGetPosition(geom));
+  return pose;
+}
+
 inline void set_pose(dBodyID body, const Eigen::Isometry3d& pose) {
   dMatrix3 R;
   copy_rotation(pose.linear(), R);

@@ -35,17 +35,17 @@ HeightFieldContact::HeightFieldContact(const HeightField& field, const Vector3d&
 }
 
 std::span<const HeightFieldContact::Point> HeightFieldContact::touch(const Isometry3d& X_WG,
-                                                                     const Vector3d& half_m,
+                                                                     const Vector3d& half_m, double reach_m,
                                                                      std::size_t most) {
   points_.clear();
   const Isometry3d X_FG = X_FW_ * X_WG;
-  const Vector3d reach_m = X_FG.linear().cwiseAbs() * half_m;
+  const Vector3d extent_m = (X_FG.linear().cwiseAbs() * half_m).array() + reach_m;
   const bool beside =
-      ((X_FG.translation().head<2>().cwiseAbs() - reach_m.head<2>()).array() > 0.5 * field_.size_m.array())
+      ((X_FG.translation().head<2>().cwiseAbs() - extent_m.head<2>()).array() > 0.5 * field_.size_m.array())
           .any();
-  if (beside || X_FG.translation().z() - reach_m.z() > highest_m_) return {};
-  add_corners(X_FG, half_m);
-  add_grid_points(X_FG, half_m);
+  if (beside || X_FG.translation().z() - extent_m.z() > highest_m_) return {};
+  add_corners(X_FG, half_m, reach_m);
+  add_grid_points(X_FG, half_m, reach_m);
   spread(most);
   for (Point& point : points_) {
     point.p_W = field_.X_WF * point.p_W;
@@ -54,33 +54,36 @@ std::span<const HeightFieldContact::Point> HeightFieldContact::touch(const Isome
   return points_;
 }
 
-void HeightFieldContact::add_corners(const Isometry3d& X_FG, const Vector3d& half_m) {
+void HeightFieldContact::add_corners(const Isometry3d& X_FG, const Vector3d& half_m, double reach_m) {
   for (std::size_t number = 0; number < kCorners; ++number) {
     const Vector3d p_F = X_FG * corner(number, half_m);
     const auto place = field_.at(p_F.head<2>());
-    if (!place || p_F.z() >= place->height_m) continue;
-    points_.push_back({p_F, place->normal_F, (place->height_m - p_F.z()) * place->normal_F.z()});
+    if (!place) continue;
+    const double depth_m = (place->height_m - p_F.z()) * place->normal_F.z();
+    if (depth_m > -reach_m) points_.push_back({p_F, place->normal_F, depth_m});
   }
 }
 
-void HeightFieldContact::add_grid_points(const Isometry3d& X_FG, const Vector3d& half_m) {
-  const Vector2d reach_m = (X_FG.linear().cwiseAbs() * half_m).head<2>();
+void HeightFieldContact::add_grid_points(const Isometry3d& X_FG, const Vector3d& half_m, double reach_m) {
+  const Vector2d extent_m = (X_FG.linear().cwiseAbs() * half_m).head<2>().array() + reach_m;
   const Vector2d spacing_m = field_.spacing_m();
   const Vector2d first =
-      (X_FG.translation().head<2>() - reach_m + 0.5 * field_.size_m).cwiseQuotient(spacing_m);
+      (X_FG.translation().head<2>() - extent_m + 0.5 * field_.size_m).cwiseQuotient(spacing_m);
   const Vector2d last =
-      (X_FG.translation().head<2>() + reach_m + 0.5 * field_.size_m).cwiseQuotient(spacing_m);
+      (X_FG.translation().head<2>() + extent_m + 0.5 * field_.size_m).cwiseQuotient(spacing_m);
   const int last_row = static_cast<int>(std::min(last.y(), field_.rows - 1.0));
   const int last_column = static_cast<int>(std::min(last.x(), field_.columns - 1.0));
   for (int row = static_cast<int>(std::ceil(std::max(first.y(), 0.0))); row <= last_row; ++row)
     for (int column = static_cast<int>(std::ceil(std::max(first.x(), 0.0))); column <= last_column; ++column)
-      add_grid_point(field_.point_F(column, row), X_FG, half_m);
+      add_grid_point(field_.point_F(column, row), X_FG, half_m, reach_m);
 }
 
-void HeightFieldContact::add_grid_point(const Vector3d& p_F, const Isometry3d& X_FG, const Vector3d& half_m) {
+// A point below a face is outside along the axis of that face only.
+void HeightFieldContact::add_grid_point(const Vector3d& p_F, const Isometry3d& X_FG, const Vector3d& half_m,
+                                        double reach_m) {
   const Vector3d p_G = X_FG.linear().transpose() * (p_F - X_FG.translation());
   const Vector3d inside_m = half_m - p_G.cwiseAbs();
-  if (inside_m.minCoeff() <= 0.0) return;
+  if (inside_m.minCoeff() <= -reach_m || (inside_m.array() <= 0.0).count() > 1) return;
   double depth_m = std::numeric_limits<double>::infinity();
   Vector3d n_F = Vector3d::UnitZ();
   for (int axis = 0; axis < 3; ++axis) {
@@ -90,7 +93,8 @@ void HeightFieldContact::add_grid_point(const Vector3d& p_F, const Isometry3d& X
     depth_m = inside_m[axis];
     n_F = into_box_F;
   }
-  if (std::isfinite(depth_m)) points_.push_back({p_F, n_F, depth_m});
+  const bool is_beside = inside_m.minCoeff() <= 0.0 && depth_m > 0.0;
+  if (std::isfinite(depth_m) && !is_beside) points_.push_back({p_F, n_F, depth_m});
 }
 
 void HeightFieldContact::spread(std::size_t most) {

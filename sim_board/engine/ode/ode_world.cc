@@ -6,7 +6,9 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 
+#include "sim_board/engine/impact_search.h"
 #include "sim_board/engine/limits.h"
 #include "sim_board/engine/ode/bodies.h"
 #include "sim_board/engine/ode/collider.h"
@@ -64,6 +66,8 @@ class OdeWorld final : public World {
   void make_world();
   void make_joints(std::span<const HingeChain> chains);
   void step_with_ode();
+  void solve_with_ode();
+  bool settle_impacts_of_tree();
   bool solve_guessing_friction();
   void solve_bounding_friction();
   void step_as_tree();
@@ -176,12 +180,27 @@ void OdeWorld::step() {
       step_with_ode();
     }
   }
+  collider_->drop_gaps();
   ++steps_;
   for (JointChain& chain : chains_) chain.finish_step();
   check_bodies();
 }
 
 void OdeWorld::step_with_ode() {
+  const bool has_impacts = collider_->has_impacts();
+  if (has_impacts) saved_.save(bodies_->all());
+  solve_with_ode();
+  if (!has_impacts) return;
+  const auto solve_again = [&](double share) {
+    collider_->scale_impacts(share);
+    saved_.restore(bodies_->all());
+    solve_with_ode();
+    return true;
+  };
+  std::ignore = settle_impacts(solve_again, [&] { return collider_->impact_work_J(); });
+}
+
+void OdeWorld::solve_with_ode() {
   collider_->make_joints();
   if (!solve_guessing_friction()) solve_bounding_friction();
   collider_->read_joint_forces();
@@ -217,7 +236,7 @@ void OdeWorld::solve_bounding_friction() {
 void OdeWorld::step_as_tree() {
   tree_->soles.guess(*collider_);
   tree_->step.begin();
-  if (solve_tree()) {
+  if (solve_tree() && settle_impacts_of_tree()) {
     tree_->step.finish(chains_);
     collider_->read_row_forces(tree_->step.solver());
   } else {
@@ -228,6 +247,18 @@ void OdeWorld::step_as_tree() {
     collider_->read_joint_forces();
   }
   tree_->soles.finish_step(*collider_);
+}
+
+bool OdeWorld::settle_impacts_of_tree() {
+  if (!collider_->has_impacts()) return true;
+  collider_->read_row_forces(tree_->step.solver());
+  const auto solve_again = [&](double share) {
+    collider_->scale_impacts(share);
+    if (!solve_tree()) return false;
+    collider_->read_row_forces(tree_->step.solver());
+    return true;
+  };
+  return settle_impacts(solve_again, [&] { return collider_->impact_work_J(); });
 }
 
 bool OdeWorld::solve_tree() {

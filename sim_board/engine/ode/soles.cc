@@ -84,7 +84,8 @@ void Soles::look_at(Sole& sole, const Collider& collider) {
   const auto touches = collider.touches().subspan(sole.first, sole.count);
   sole.friction = dInfinity;
   for (std::size_t i = 0; i < sole.count; ++i) {
-    if (contacts[i].link != contacts[0].link || contacts[i].other_link >= 0) return;
+    if (contacts[i].link != contacts[0].link || contacts[i].other_link >= 0 || contacts[i].depth_m < 0.0)
+      return;
     if (!can_be_held(touches[i].contact.surface) ||
         !alike(touches[i].contact.surface, touches[0].contact.surface))
       return;

@@ -79,7 +79,7 @@ bool TreeStep::solve(std::span<JointChain> chains, Collider& collider, Soles& so
   for (std::size_t i = 0; i < collider.contacts().size(); ++i) {
     const Contact& contact = collider.contacts()[i];
     if (contact.other_link < 0 && soles.holds(contact.link)) continue;
-    collider.add_rows(i, rows, bodies_, p_WO_W_, spatial_velocities_);
+    collider.add_rows(i, rows, bodies_, p_WO_W_);
   }
   if (!solver_.solve()) {
     restore_velocities();

@@ -15,7 +15,7 @@ constexpr double kRestitution = 0.7;
 constexpr double kDrop_m = 0.5;
 constexpr double kHalf_m = 0.05;  // of the cube
 
-// The hardest surface of the engine: the subject is the impact, not the spring.
+// The hardest surface of the engine. The coefficient of restitution does not depend on it, but the rest does.
 sim::SurfaceDescription hard(double restitution) {
   sim::SurfaceDescription surface;
   surface.bounce = restitution;
@@ -81,7 +81,8 @@ void check_bounces(const ValidationSetup& setup, Findings& findings) {
   double speed_off = 0.0;                                       // its error bound by then
   double height_off = 0.0;
   for (int n = 1; n <= impacts; ++n) {
-    // An impact is noticed up to a step late, g h faster and up to v h below the ground.
+    // An impact is up to half a step early or late, g h/2 slower or faster and v h/2 off; these are bounds for
+    // a whole step.
     speed_off = kRestitution * (speed_off + kGravity_m_per_s2 * h);
     height_off = kRestitution * kRestitution * (height_off + speed * h) + speed * h;
     speed *= kRestitution;
@@ -98,9 +99,9 @@ void check_bounces(const ValidationSetup& setup, Findings& findings) {
   for (const double time_s : trace.time_s) ideal_m.push_back(ideal_height_m(time_s));
   findings.plots.push_back(
       {.name = "bounce",
-       .caption =
-           "Heights shrink by e^2 = 0.49 from bounce to bounce; the curves agree up to the step by which "
-           "each impact is late.",
+       .caption = "Heights shrink by e^2 = 0.49 from bounce to bounce; the curves agree up to the half step "
+                  "by which "
+                  "an impact is early or late.",
        .columns = {{"time_s", trace.time_s}, {"simulated_m", trace.height_m}, {"theory_m", ideal_m}},
        .figure = {.title = "A cube dropped from 0.5 m, restitution 0.7",
                   .panels = {{.y_label = "height [m]",
@@ -159,9 +160,11 @@ Validation bounce() {
           "rad, falls 0.2 m onto the edge of its end, e = 0.6, no friction: an impulse j = (1 + e) v / "
           "(1/m + x^2/I) at x from its centre. Surfaces as hard as the engine has them.",
       .tolerances =
-          "An impact is noticed up to a step late: g h faster and up to v h below the ground; from "
-          "bounce to bounce what this does to speed, height and time adds up. On the rod's edge gravity of "
-          "the impact's own step is taken up by the impulse as well.",
+          "An impact is up to half a step early or late: g h/2 slower or faster, and up to v h/2 above or "
+          "below "
+          "the ground; the bounds are those of a whole step. From bounce to bounce what this does to speed, "
+          "height and time adds up. On the rod's edge gravity of the impact's own step is taken up by the "
+          "impulse as well.",
       .run = run_bounce};
 }
 
