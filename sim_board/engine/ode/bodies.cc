@@ -14,13 +14,9 @@ Eigen::Matrix3d of_point(const Eigen::Vector3d& r) {
 
 }  // namespace
 
-void Bodies::Inertia::add(const Inertia& other) {
-  const double sum_kg = mass_kg + other.mass_kg;
-  const Eigen::Vector3d com = (mass_kg * p_LCom_L + other.mass_kg * other.p_LCom_L) / sum_kg;
-  I_LCom_L +=
-      mass_kg * of_point(p_LCom_L - com) + other.I_LCom_L + other.mass_kg * of_point(other.p_LCom_L - com);
-  p_LCom_L = com;
-  mass_kg = sum_kg;
+void Bodies::Inertia::carry(const Inertia& other) {
+  I_LCom_L += other.I_LCom_L + other.mass_kg * of_point(other.p_LCom_L - p_LCom_L);
+  mass_kg += other.mass_kg;
 }
 
 Bodies::Bodies(dWorldID world, const RobotDescription& robot, std::span<const HingeChain> chains) {
@@ -57,9 +53,9 @@ void Bodies::let_ride(const RobotDescription& robot, int link, int carrier) {
   const Eigen::Isometry3d X_CL =
       links[static_cast<std::size_t>(carrier)].X_ML.inverse() * links[static_cast<std::size_t>(link)].X_ML;
   const Inertia& own = at(link).inertia;
-  at(carrier).inertia.add({.mass_kg = own.mass_kg,
-                           .p_LCom_L = X_CL * own.p_LCom_L,
-                           .I_LCom_L = X_CL.linear() * own.I_LCom_L * X_CL.linear().transpose()});
+  at(carrier).inertia.carry({.mass_kg = own.mass_kg,
+                             .p_LCom_L = X_CL * own.p_LCom_L,
+                             .I_LCom_L = X_CL.linear() * own.I_LCom_L * X_CL.linear().transpose()});
   at(link).rides_on = carrier;
 }
 
@@ -72,14 +68,10 @@ void Bodies::set_pose(int link, const Eigen::Isometry3d& X_WL) {
   sim::set_pose(of(link), X_WL * Eigen::Translation3d(p_LCom_L(link)));
 }
 
-BodyState Bodies::state(const RobotDescription& robot, int link) const {
+BodyState Bodies::state(int link) const {
   const dBodyID body = of(link);
-  const Eigen::Vector3d w_W = vector_of(dBodyGetAngularVel(body));
-  const Eigen::Isometry3d X_WBody = pose_of(body);
-  const Eigen::Vector3d& p_LLinkCom_L = robot.links[static_cast<std::size_t>(link)].p_LCom_L;
-  return {X_WBody * Eigen::Translation3d(-p_LCom_L(link)),
-          vector_of(dBodyGetLinearVel(body)) + w_W.cross(X_WBody.linear() * (p_LLinkCom_L - p_LCom_L(link))),
-          w_W};
+  return {pose_of(body) * Eigen::Translation3d(-p_LCom_L(link)), vector_of(dBodyGetLinearVel(body)),
+          vector_of(dBodyGetAngularVel(body))};
 }
 
 }  // namespace koboshi::sim

@@ -14,9 +14,10 @@
 
 namespace koboshi::sim {
 
-// ODE bodies of the links. Each frame is at the body's centre of mass with the axes of its link. A link
-// between the hinges of a chain has no body: its mass and inertia, in the pose at joint angles zero, are
-// added to the link that carries it.
+// ODE bodies of the links. Each frame is at the link's centre of mass with its axes. A link between the
+// hinges of a chain has no body. The tree's solver knows it where it is (TreeStep); for ODE, its mass is at
+// the centre of mass of the link that carries it, with the moment of inertia of the pose at joint angles
+// zero.
 class Bodies {
  public:
   // Throws std::invalid_argument for a link without positive mass and inertia. The initial poses are those at
@@ -28,16 +29,13 @@ class Bodies {
   dBodyID of(int link) const { return bodies_[index_of(link)].get(); }
   // Index of that body in all(). The base's is 0.
   std::size_t index_of(int link) const;
-  // Position of the body's centre of mass in the frame of its link.
+  // Position of the centre of mass of a link with a body, in its frame.
   const Eigen::Vector3d& p_LCom_L(int link) const { return at(link).inertia.p_LCom_L; }
   void set_pose(int link, const Eigen::Isometry3d& X_WL);
   // State of a link with a body.
-  BodyState state(const RobotDescription& robot, int link) const;
+  BodyState state(int link) const;
 
   std::span<const OdeBody> all() const { return bodies_; }
-  // Mass of all()[index], and its inertia about the centre of mass in its own axes.
-  double mass_kg(std::size_t index) const { return at(links_[index]).inertia.mass_kg; }
-  const Eigen::Matrix3d& I_Com(std::size_t index) const { return at(links_[index]).inertia.I_LCom_L; }
   // Returns the link whose body is all()[index].
   int link_of(std::size_t index) const { return links_[index]; }
 
@@ -47,7 +45,8 @@ class Bodies {
     Eigen::Vector3d p_LCom_L = Eigen::Vector3d::Zero();
     Eigen::Matrix3d I_LCom_L = Eigen::Matrix3d::Zero();
 
-    void add(const Inertia& other);
+    // Adds the inertia of a carried link; the centre of mass stays.
+    void carry(const Inertia& other);
   };
   struct Entry {
     Inertia inertia;       // of the body, including carried links

@@ -9,7 +9,9 @@
 namespace koboshi::sim {
 
 // Consecutive hinges that intersect in one point and connect the same two bodies, such as the three of a hip
-// or the two of an ankle. The links between them have no body: those before the cut are carried by the
+// or the two of an ankle. The links between them have no body of ODE: their poses follow from those of the
+// first and the last link, and the tree's solver has their inertia where they are (TreeStep). Only in a step
+// that ODE solves, because the tree's solver found no solution, are those before the cut carried by the
 // chain's first link, those after it by its last.
 struct HingeChain {
   std::vector<int> joints;  // from the parent side to the child side; at most three

@@ -163,7 +163,7 @@ JointChain::Motion JointChain::motion(std::size_t i, const Vectors& axes_W) cons
 
 BodyState JointChain::link_between(std::size_t i) const {
   const Motion motion = this->motion(i, axes_W());
-  BodyState state{.v_WCom_W = motion.v_WCom_W, .w_WL_W = motion.w_W};
+  BodyState state{.v_WCom_W = between_[i].v_WCom_W, .w_WL_W = between_[i].w_W};
   state.X_WL.linear() = motion.R_WL;
   state.X_WL.translation() = p_WAnchor_W() + motion.p_ACom_W - motion.R_WL * link(i).p_LCom_L;
   return state;
@@ -175,7 +175,6 @@ void JointChain::begin_step() {
   const Eigen::Vector3d turning_W = turning_of_axes_W(axes_W_);
   for (std::size_t i = 0; i < size(); ++i) motors_[i].begin_step(b[i], -step_s_ * b[i].dot(turning_W));
   p_AnchorParentCom_W_ = vector_of(dBodyGetPosition(parent_)) - p_WAnchor_W();
-  for (std::size_t i = 0; i + 1 < size(); ++i) before_[i] = motion(i, axes_W_);
 }
 
 void JointChain::bound_friction() {
@@ -202,10 +201,10 @@ void JointChain::write_tree_joint(const Eigen::Vector3d& p_WO_W, JointSpace& tre
   const Eigen::Vector3d p_OAnchor_W = p_WAnchor - p_WO_W;
   const Eigen::Vector3d p_WChildAnchor =
       vector_of(dBodyGetPosition(child_)) + rotation_of(dBodyGetRotation(child_)) * p_ChildAnchor_;
-  tree.slip(index) = spatial_velocity(correcting_rate_W(), p_OAnchor_W,
-                                      kJointErrorReduction / step_s_ * (p_WAnchor - p_WChildAnchor));
+  tree.slip(index + size() - 1) = spatial_velocity(
+      correcting_rate_W(), p_OAnchor_W, kJointErrorReduction / step_s_ * (p_WAnchor - p_WChildAnchor));
   for (std::size_t i = 0; i < size(); ++i) {
-    const std::size_t dof = tree.first_dof(index) + i;
+    const std::size_t dof = tree.first_dof(index + i);
     JointSpace::Axis& axis = tree.axis(dof);
     axis.motion = spatial_velocity(axes_W_[i], p_OAnchor_W, Eigen::Vector3d::Zero());
     motors_[i].write_tree_axis(axis);
@@ -216,18 +215,6 @@ void JointChain::write_tree_joint(const Eigen::Vector3d& p_WO_W, JointSpace& tre
 void JointChain::read_tree_torques(const TreeSolver& solver, std::size_t index) {
   const std::size_t first = solver.tree().first_dof(index);
   for (std::size_t i = 0; i < size(); ++i) motors_[i].read_tree(solver, solver.tree().speed(first + i));
-}
-
-// The impulse through the tree's joint includes the torques of its axes, but not those of the bounded rows.
-void JointChain::read_tree_constraint(const Eigen::Vector3d& p_WO_W, const TreeSolver& solver,
-                                      std::size_t index) {
-  Eigen::Vector3d axes_Nm = Eigen::Vector3d::Zero();
-  for (const ServoMotor& motor : motors_) axes_Nm += motor.tree_torque_W_Nm();
-  const Vector6 wrench = solver.tree().joint_impulse(index) / step_s_;  // on the child, about the origin
-  const Eigen::Vector3d force_N = wrench.tail<3>();
-  const Eigen::Vector3d p_OParent_W = vector_of(dBodyGetPosition(parent_)) - p_WO_W;
-  copy_vector(-force_N, feedback_->f2);
-  copy_vector(axes_Nm - wrench.head<3>() + p_OParent_W.cross(force_N), feedback_->t2);
 }
 
 bool JointChain::confirm_friction() {
@@ -249,27 +236,35 @@ void JointChain::finish_step() {
   for (std::size_t i = 0; i < size(); ++i) motors_[i].set_speed(b[i].dot(w_W));
 }
 
-// The solver gives the wrench at the cut. From one hinge to the next it changes by the dynamics of the link
-// in between: m (a - g), and the rate of its angular momentum about the anchor less the moment of its weight.
-Wrench JointChain::wrench(std::size_t i, const Eigen::Vector3d& gravity_W_m_per_s2) const {
+// Wrench on the parent's side. What the tree's joint does not transmit are the torques of the bounded rows,
+// which act on parent and child.
+void JointChain::read_tree_joints(const Eigen::Vector3d& p_WO_W, const TreeSolver& solver, std::size_t index,
+                                  std::size_t between) {
+  const Eigen::Vector3d p_OAnchor_W = p_WAnchor_W() - p_WO_W;
+  Eigen::Vector3d rows_Nm = Eigen::Vector3d::Zero();
+  for (const ServoMotor& motor : motors_) rows_Nm += motor.on_parent_Nm() + motor.tree_torque_W_Nm();
+  for (std::size_t i = 0; i < size(); ++i) {
+    const Vector6 wrench =
+        solver.tree().joint_impulse(index + i) / step_s_;  // on the child, about the origin
+    const Eigen::Vector3d force_N = wrench.tail<3>();
+    wrenches_[i] = {-force_N, rows_Nm - wrench.head<3>() + p_OAnchor_W.cross(force_N)};
+  }
+  for (std::size_t i = 0; i < links_between(); ++i) {
+    const Vector6& velocity = solver.tree().velocity(between + i);
+    const Eigen::Vector3d p_ACom_W = motion(i, axes_W_).p_ACom_W;
+    between_[i] = {velocity_at(velocity, p_OAnchor_W + p_ACom_W), velocity.head<3>()};
+  }
+}
+
+void JointChain::read_ode_joint() {
   Wrench wrench{.force_N = vector_of(feedback_->f2), .torque_Nm = vector_of(feedback_->t2)};
   for (const ServoMotor& motor : motors_) wrench.torque_Nm += motor.on_parent_Nm();
   wrench.torque_Nm += p_AnchorParentCom_W_.cross(wrench.force_N);
-
-  const std::size_t from = std::min(i, chain_.cut);
-  const std::size_t to = std::max(i, chain_.cut);
-  const double sign = i > chain_.cut ? 1.0 : -1.0;
-  for (std::size_t k = from; k < to; ++k) {
-    const Motion& before = before_[k];
-    const Motion after = motion(k, axes_W());
-    const Eigen::Matrix3d I_W = before.R_WL * link(k).I_LCom_L * before.R_WL.transpose();
-    const Eigen::Vector3d force_N =
-        link(k).mass_kg * ((after.v_WCom_W - before.v_WCom_W) / step_s_ - gravity_W_m_per_s2);
-    wrench.force_N += sign * force_N;
-    wrench.torque_Nm += sign * (I_W * (after.w_W - before.w_W) / step_s_ +
-                                before.w_W.cross(I_W * before.w_W) + before.p_ACom_W.cross(force_N));
+  wrenches_.fill(wrench);
+  for (std::size_t i = 0; i < links_between(); ++i) {
+    const Motion motion = this->motion(i, axes_W());
+    between_[i] = {motion.v_WCom_W, motion.w_W};
   }
-  return wrench;
 }
 
 }  // namespace koboshi::sim

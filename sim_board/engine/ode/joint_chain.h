@@ -47,39 +47,51 @@ class JointChain {
   void begin_step();
   void bound_friction();
   void write_ode_rows();
-  // Writes the tree's joint `index` and appends the chain's bounded rows. `p_WO_W` is the origin of the
-  // tree's spatial vectors.
+  // Writes the tree's joints from `index` on, one for each hinge, and appends the chain's bounded rows.
+  // `p_WO_W` is the origin of the tree's spatial vectors.
   void write_tree_joint(const Eigen::Vector3d& p_WO_W, JointSpace& tree, std::size_t index,
                         std::vector<TreeRow>& rows);
-  // Reads the torques of the tree's solution.
+  // Reads the torques of the tree's solution. `index` is that of the chain's first joint.
   void read_tree_torques(const TreeSolver& solver, std::size_t index);
-  // Reads the force of the joint itself from the accepted solution, after the solver has found the joints'
-  // impulses.
-  void read_tree_constraint(const Eigen::Vector3d& p_WO_W, const TreeSolver& solver, std::size_t index);
+  // Reads the wrenches at the hinges and the velocities of the links between them from the accepted solution,
+  // after the solver has found the joints' impulses. `between` is the tree's body of the first of these
+  // links.
+  void read_tree_joints(const Eigen::Vector3d& p_WO_W, const TreeSolver& solver, std::size_t index,
+                        std::size_t between);
+  // The same after ODE's solution and finish_step(). ODE carries the links between the hinges (HingeChain);
+  // the wrench is the same at all of them.
+  void read_ode_joint();
   // Returns whether the solution satisfies Coulomb's law at all hinges. Corrects the guesses of those where
   // it does not.
   bool confirm_friction();
   void finish_step();
 
-  // World::joint_wrench of hinge i, with this gravity.
-  Wrench wrench(std::size_t i, const Eigen::Vector3d& gravity_W_m_per_s2) const;
+  // World::joint_wrench of hinge i.
+  const Wrench& wrench(std::size_t i) const { return wrenches_[i]; }
+  // Number of links between the hinges: behind each but the last.
+  std::size_t links_between() const { return size() - 1; }
+  // Link behind hinge i.
+  const LinkDescription& link(std::size_t i) const;
   // State of the link behind hinge i, which must not be the last.
   BodyState link_between(std::size_t i) const;
 
-  void archive(StateArchive& archive) { archive(*feedback_, motors_, p_AnchorParentCom_W_, before_); }
+  void archive(StateArchive& archive) { archive(motors_, wrenches_, between_); }
 
  private:
   using Vectors = std::array<Eigen::Vector3d, kMaxHinges>;
-  // Motion of a link between the hinges, for the Newton-Euler equations.
+  // Pose of a link between the hinges, and its velocity by those of parent and hinges.
   struct Motion {
     Eigen::Matrix3d R_WL = Eigen::Matrix3d::Identity();
     Eigen::Vector3d p_ACom_W = Eigen::Vector3d::Zero();  // from the anchor to its centre of mass
     Eigen::Vector3d v_WCom_W = Eigen::Vector3d::Zero();
     Eigen::Vector3d w_W = Eigen::Vector3d::Zero();
   };
+  struct Velocity {
+    Eigen::Vector3d v_WCom_W = Eigen::Vector3d::Zero();
+    Eigen::Vector3d w_W = Eigen::Vector3d::Zero();
+  };
 
   const JointDescription& joint(std::size_t i) const;
-  const LinkDescription& link(std::size_t i) const;
   std::size_t size() const { return chain_.joints.size(); }
   Eigen::Matrix3d R_WParent() const;  // of the model frame attached to the parent
   Eigen::Matrix3d R_WChild() const;
@@ -111,7 +123,12 @@ class JointChain {
   // Values at the beginning of the step:
   Vectors axes_W_{};
   Eigen::Vector3d p_AnchorParentCom_W_ = Eigen::Vector3d::Zero();
-  std::array<Motion, kMaxHinges - 1> before_;
+  // Of the last solution:
+  std::array<Wrench, kMaxHinges> wrenches_;  // by hinge
+  // By link between the hinges: its velocity, as ODE keeps those of its bodies. The velocity that follows
+  // from those of the hinges in the pose after the step differs by a term of the order of the step, and so
+  // would the sum of momenta.
+  std::array<Velocity, kMaxHinges - 1> between_;
 };
 
 }  // namespace koboshi::sim

@@ -70,7 +70,7 @@ class OdeWorld final : public World {
   bool settle_impacts_of_tree();
   bool solve_guessing_friction();
   void solve_bounding_friction();
-  void step_as_tree();
+  bool step_as_tree();
   bool solve_tree();
   bool solve_tree_once() { return tree_->step.solve(chains_, *collider_, tree_->soles); }
   void pose_bodies(const std::vector<Eigen::Isometry3d>& X_WLs);
@@ -115,7 +115,7 @@ OdeWorld::OdeWorld(const RobotDescription& robot, const WorldOptions& options)
   if (options_.fixed_base) dBodySetKinematic(bodies_->of(0));
   collider_ = std::make_unique<Collider>(world_.get(), robot_, tree, *bodies_, options_);
   if (options_.stepper == Stepper::kLumped) {
-    tree_.emplace(Tree{TreeStep(*bodies_, chains_, options_.gravity_W_m_per_s2, options_.step_s),
+    tree_.emplace(Tree{TreeStep(robot_, *bodies_, chains_, options_.gravity_W_m_per_s2, options_.step_s),
                        Soles(robot_, *bodies_, options_.step_s)});
   }
 }
@@ -171,18 +171,19 @@ void OdeWorld::step() {
   start_ode_in_this_thread();
   check_inputs();
   for (JointChain& chain : chains_) chain.begin_step();
+  bool as_tree = false;
   {
     const OdeWarningCount count(solver_warnings_);
     collider_->find_contacts();
-    if (tree_) {
-      step_as_tree();
-    } else {
-      step_with_ode();
-    }
+    as_tree = tree_ && step_as_tree();
+    if (!tree_) step_with_ode();
   }
   collider_->drop_gaps();
   ++steps_;
-  for (JointChain& chain : chains_) chain.finish_step();
+  for (JointChain& chain : chains_) {
+    chain.finish_step();
+    if (!as_tree) chain.read_ode_joint();
+  }
   check_bodies();
 }
 
@@ -233,10 +234,12 @@ void OdeWorld::solve_bounding_friction() {
 }
 
 // ODE's solver does the step if the tree's finds no solution within rounding. This counts as a warning.
-void OdeWorld::step_as_tree() {
+// Returns whether the tree's found one.
+bool OdeWorld::step_as_tree() {
   tree_->soles.guess(*collider_);
-  tree_->step.begin();
-  if (solve_tree() && settle_impacts_of_tree()) {
+  tree_->step.begin(chains_);
+  const bool solved = solve_tree() && settle_impacts_of_tree();
+  if (solved) {
     tree_->step.finish(chains_);
     collider_->read_row_forces(tree_->step.solver());
   } else {
@@ -247,6 +250,7 @@ void OdeWorld::step_as_tree() {
     collider_->read_joint_forces();
   }
   tree_->soles.finish_step(*collider_);
+  return solved;
 }
 
 bool OdeWorld::settle_impacts_of_tree() {
@@ -275,15 +279,12 @@ bool OdeWorld::solve_tree() {
 }
 
 BodyState OdeWorld::body(int link) const {
-  if (bodies_->has_own(link)) return bodies_->state(robot_, link);
+  if (bodies_->has_own(link)) return bodies_->state(link);
   const Place& place = at(places_, at(joint_above_, link));
   return chains_[place.chain].link_between(place.hinge);
 }
 
-Wrench OdeWorld::joint_wrench(int joint) const {
-  if (steps_ == 0) return {};
-  return chain_of(joint).wrench(at(places_, joint).hinge, options_.gravity_W_m_per_s2);
-}
+Wrench OdeWorld::joint_wrench(int joint) const { return chain_of(joint).wrench(at(places_, joint).hinge); }
 
 // ODE's joints have no state between steps: their parameters are written before each solution, and ODE's
 // solver has no warm start.

@@ -28,53 +28,86 @@ void turn(dBodyID body, const Eigen::Vector3d& w_W, double step_s) {
   dBodySetQuaternion(body, turned);  // normalises it
 }
 
-std::vector<JointSpace::Joint> tree_joints(std::span<const JointChain> chains) {
+std::size_t count_between(std::span<const JointChain> chains) {
+  std::size_t count = 0;
+  for (const JointChain& chain : chains) count += chain.links_between();
+  return count;
+}
+
+// One joint for each hinge. Links between the hinges follow the `bodies` of ODE.
+std::vector<JointSpace::Joint> tree_joints(std::span<const JointChain> chains, std::size_t bodies) {
   std::vector<JointSpace::Joint> joints;
-  for (const JointChain& chain : chains)
-    joints.push_back({chain.parent_index(), chain.child_index(), chain.hinges().joints.size()});
+  for (const JointChain& chain : chains) {
+    std::size_t parent = chain.parent_index();
+    for (std::size_t i = 0; i < chain.links_between(); ++i, ++bodies) {
+      joints.push_back({.parent = parent, .child = bodies});
+      parent = bodies;
+    }
+    joints.push_back({.parent = parent, .child = chain.child_index()});
+  }
   return joints;
 }
 
 }  // namespace
 
-TreeStep::TreeStep(const Bodies& bodies, std::span<const JointChain> chains,
+TreeStep::TreeStep(const RobotDescription& robot, const Bodies& bodies, std::span<const JointChain> chains,
                    const Eigen::Vector3d& gravity_W_m_per_s2, double step_s)
-    : bodies_(bodies),
+    : robot_(robot),
+      bodies_(bodies),
       gravity_W_m_per_s2_(gravity_W_m_per_s2),
       step_s_(step_s),
-      solver_(bodies.all().size(), tree_joints(chains)),
-      velocities_(bodies.all().size()),
-      spatial_velocities_(bodies.all().size()) {}
+      solver_(bodies.all().size() + count_between(chains), tree_joints(chains, bodies.all().size())),
+      velocities_(bodies.all().size()) {
+  Place next{.joint = 0, .between = bodies.all().size()};
+  for (const JointChain& chain : chains) {
+    places_.push_back(next);
+    next.joint += chain.links_between() + 1;
+    next.between += chain.links_between();
+  }
+}
 
-void TreeStep::begin() {
+void TreeStep::begin(std::span<const JointChain> chains) {
   const dBodyID base = bodies_.all().front().get();
   p_WO_W_ = vector_of(dBodyGetPosition(base));
   solver_.tree().fix_root(dBodyIsKinematic(base) != 0);
   for (std::size_t b = 0; b < velocities_.size(); ++b) read_body(b);
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    for (std::size_t i = 0; i < chains[c].links_between(); ++i) {
+      const LinkDescription& link = chains[c].link(i);
+      const BodyState state = chains[c].link_between(i);
+      set_body(places_[c].between + i, link, state.X_WL.linear(), state.X_WL * link.p_LCom_L - p_WO_W_,
+               state.v_WCom_W, state.w_WL_W);
+    }
+  }
 }
 
 void TreeStep::read_body(std::size_t index) {
   const dBodyID body = bodies_.all()[index].get();
+  const LinkDescription& link = robot_.links[static_cast<std::size_t>(bodies_.link_of(index))];
   velocities_[index] = {vector_of(dBodyGetLinearVel(body)), vector_of(dBodyGetAngularVel(body))};
   const auto& [v_W, w_W] = velocities_[index];
   const Eigen::Vector3d p_OCom_W = vector_of(dBodyGetPosition(body)) - p_WO_W_;
-  const Eigen::Matrix3d R = rotation_of(dBodyGetRotation(body));
-  const Eigen::Matrix3d I_W = R * bodies_.I_Com(index) * R.transpose();
-  const double mass_kg = bodies_.mass_kg(index);
-  const Eigen::Vector3d force_N = vector_of(dBodyGetForce(body)) + mass_kg * gravity_W_m_per_s2_;
-  const Eigen::Vector3d torque_Nm = vector_of(dBodyGetTorque(body)) + gyroscopic_torque_Nm(I_W, w_W, step_s_);
-  spatial_velocities_[index] = spatial_velocity(w_W, p_OCom_W, v_W);
-  JointSpace::Body& part = solver_.tree().body(index);
-  part.inertia = SpatialInertia(mass_kg, p_OCom_W, I_W);
-  part.momentum = spatial_force(p_OCom_W, mass_kg * v_W + step_s_ * force_N);
-  part.momentum.head<3>() += I_W * w_W + step_s_ * torque_Nm;
+  set_body(index, link, rotation_of(dBodyGetRotation(body)), p_OCom_W, v_W, w_W);
+  Vector6 force = spatial_force(p_OCom_W, vector_of(dBodyGetForce(body)));
+  force.head<3>() += vector_of(dBodyGetTorque(body));
+  solver_.tree().body(index).momentum += step_s_ * force;
+}
+
+void TreeStep::set_body(std::size_t index, const LinkDescription& link, const Eigen::Matrix3d& R_WL,
+                        const Eigen::Vector3d& p_OCom_W, const Eigen::Vector3d& v_WCom_W,
+                        const Eigen::Vector3d& w_W) {
+  const Eigen::Matrix3d I_W = R_WL * link.I_LCom_L * R_WL.transpose();
+  JointSpace::Body& body = solver_.tree().body(index);
+  body.inertia = SpatialInertia(link.mass_kg, p_OCom_W, I_W);
+  body.momentum = spatial_force(p_OCom_W, link.mass_kg * (v_WCom_W + step_s_ * gravity_W_m_per_s2_));
+  body.momentum.head<3>() += I_W * w_W + step_s_ * gyroscopic_torque_Nm(I_W, w_W, step_s_);
 }
 
 bool TreeStep::solve(std::span<JointChain> chains, Collider& collider, Soles& soles) {
   std::vector<TreeRow>& rows = solver_.rows();
   rows.clear();
-  for (std::size_t j = 0; j < chains.size(); ++j)
-    chains[j].write_tree_joint(p_WO_W_, solver_.tree(), j, rows);
+  for (std::size_t c = 0; c < chains.size(); ++c)
+    chains[c].write_tree_joint(p_WO_W_, solver_.tree(), places_[c].joint, rows);
   soles.add_rows(rows, p_WO_W_);
   for (std::size_t i = 0; i < collider.contacts().size(); ++i) {
     const Contact& contact = collider.contacts()[i];
@@ -86,7 +119,7 @@ bool TreeStep::solve(std::span<JointChain> chains, Collider& collider, Soles& so
     return false;
   }
   write_velocities();
-  for (std::size_t j = 0; j < chains.size(); ++j) chains[j].read_tree_torques(solver_, j);
+  for (std::size_t c = 0; c < chains.size(); ++c) chains[c].read_tree_torques(solver_, places_[c].joint);
   return true;
 }
 
@@ -111,7 +144,8 @@ void TreeStep::restore_velocities() {
 
 void TreeStep::finish(std::span<JointChain> chains) {
   solver_.find_joint_impulses();
-  for (std::size_t j = 0; j < chains.size(); ++j) chains[j].read_tree_constraint(p_WO_W_, solver_, j);
+  for (std::size_t c = 0; c < chains.size(); ++c)
+    chains[c].read_tree_joints(p_WO_W_, solver_, places_[c].joint, places_[c].between);
   for (const OdeBody& owned : bodies_.all()) {
     const dBodyID body = owned.get();
     turn(body, vector_of(dBodyGetAngularVel(body)), step_s_);

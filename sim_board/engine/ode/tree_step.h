@@ -17,14 +17,17 @@ namespace koboshi::sim {
 // and servos, and the same integration. The robot's joints are eliminated instead of being rows of a dense
 // matrix, whose factorisation takes time with the third power of their number. The result differs by the
 // compliance of ODE's joints (its default CFM, 1e-10) and by rounding.
+//
+// The tree's bodies are those of ODE, each without the links that it carries, and then these links, which lie
+// between the hinges of a chain: they cost no degree of freedom.
 class TreeStep {
  public:
-  // `bodies` must outlive this object.
-  TreeStep(const Bodies& bodies, std::span<const JointChain> chains,
+  // `robot` and `bodies` must outlive this object.
+  TreeStep(const RobotDescription& robot, const Bodies& bodies, std::span<const JointChain> chains,
            const Eigen::Vector3d& gravity_W_m_per_s2, double step_s);
 
   // Reads the bodies before the step: poses, velocities and accumulated forces.
-  void begin();
+  void begin(std::span<const JointChain> chains);
   // Solves for the present guesses of the chains and soles. Writes the new velocities to the bodies and the
   // torques to the chains, so that the guesses can be checked. Returns false, and leaves the bodies
   // unchanged, if the solver finds no solution.
@@ -43,17 +46,26 @@ class TreeStep {
   };
 
   void read_body(std::size_t index);
+  // Writes inertia and momentum of the tree's body `index`, which has its centre of mass at p_OCom_W.
+  void set_body(std::size_t index, const LinkDescription& link, const Eigen::Matrix3d& R_WL,
+                const Eigen::Vector3d& p_OCom_W, const Eigen::Vector3d& v_WCom_W, const Eigen::Vector3d& w_W);
   void write_velocities();
   void restore_velocities();
 
+  const RobotDescription& robot_;
   const Bodies& bodies_;
   const Eigen::Vector3d gravity_W_m_per_s2_;
   const double step_s_;
+  // By chain: its first joint, and the tree's body of the first link between its hinges.
+  struct Place {
+    std::size_t joint = 0;
+    std::size_t between = 0;
+  };
+  std::vector<Place> places_;
   TreeSolver solver_;
   // Values at the beginning of the step:
   Eigen::Vector3d p_WO_W_ = Eigen::Vector3d::Zero();  // the tree's origin: the base's centre of mass
   std::vector<Velocity> velocities_;
-  std::vector<Vector6> spatial_velocities_;
 };
 
 }  // namespace koboshi::sim

@@ -8,6 +8,7 @@
 
 #include "sim_board/engine/make_world.h"
 #include "sim_board/engine/ode/hinge_chains.h"
+#include "sim_board/world/ground_truth.h"
 #include "sim_board/world/link_tree.h"
 #include "tests/support/sample_robots.h"
 #include "tests/unit/sim_board/engine/engines.h"
@@ -79,10 +80,10 @@ TEST_P(Gimbal, IsOneChain) {
   EXPECT_EQ(chains[0].joints.size(), GetParam());
 }
 
-// With rings that weigh nothing both worlds have the same equations, but for what a step leaves out: the
-// difference shrinks with the step.
-double largest_difference_rad(std::size_t hinges, double step_s) {
-  const RobotDescription robot = gimbal(hinges, 1e-5);
+// Both worlds have the same equations, but for what a step leaves out: the difference shrinks with the step.
+// The rings are lopsided, so that their centres of mass move as the hinges turn.
+double largest_difference_rad(std::size_t hinges, double ring_kg, double step_s) {
+  const RobotDescription robot = gimbal(hinges, ring_kg, {0.02, -0.01, 0.015});
   std::vector<double> starts_rad{0.3, 0.9, -0.5};
   starts_rad.resize(hinges);
   const auto lumped = hung(robot, Stepper::kLumped, starts_rad, step_s);
@@ -103,10 +104,12 @@ double largest_difference_rad(std::size_t hinges, double step_s) {
 }
 
 TEST_P(Gimbal, MovesLikeSeparateHinges) {
-  const double coarse_rad = largest_difference_rad(GetParam(), 0.0005);
-  const double fine_rad = largest_difference_rad(GetParam(), 0.00005);
-  EXPECT_LT(coarse_rad, 0.01);
-  EXPECT_LT(fine_rad, 0.15 * coarse_rad + 1e-6);
+  for (const double ring_kg : {1e-5, 0.05}) {
+    const double coarse_rad = largest_difference_rad(GetParam(), ring_kg, 0.0005);
+    const double fine_rad = largest_difference_rad(GetParam(), ring_kg, 0.00005);
+    EXPECT_LT(coarse_rad, 0.01) << ring_kg;
+    EXPECT_LT(fine_rad, 0.15 * coarse_rad + 1e-6) << ring_kg;
+  }
 }
 
 TEST_P(Gimbal, ReportsThePosesOfTheLinksBetween) {
@@ -193,6 +196,33 @@ TEST(Lumped, MergesHipsAnklesAndShoulders) {
   // With boxes that could collide nothing can be left out.
   const RobotDescription boxed = sample_humanoid();
   EXPECT_EQ(lumped_hinges(boxed, LinkTree(boxed)).size(), 20u);
+}
+
+// Whatever the joints do is internal, and the links between the hinges take part in it where they are.
+TEST(Lumped, KeepsTheMomentumOfAFreeRobot) {
+  const RobotDescription robot = framed_humanoid();
+  WorldOptions options;
+  options.stepper = Stepper::kLumped;
+  options.ground.present = false;
+  for (const double step_s : {0.001, 0.00025}) {
+    options.step_s = step_s;
+    const auto world = make_world(robot, options);
+    double fastest_rad_per_s = 0.0;
+    while (world->time_s() < 0.3) {
+      for (int j = 0; j < static_cast<int>(robot.joints.size()); ++j) {
+        world->set_servo(j, {.drive_Nm = 0.4 * std::sin(40.0 * world->time_s() + j),
+                             .damping_Nm_s = 0.01,
+                             .rotor_inertia_kg_m2 = 5e-4,
+                             .friction_Nm = 0.02});
+        fastest_rad_per_s = std::max(fastest_rad_per_s, std::abs(world->joint(j).speed_rad_per_s));
+      }
+      world->step();
+      const Vector3d v_W = centre_of_mass(robot, *world).v_WCom_W;
+      ASSERT_LT((v_W - world->time_s() * options.gravity_W_m_per_s2).norm(), 1e-10)
+          << "step " << step_s << " at " << world->time_s();
+    }
+    EXPECT_GT(fastest_rad_per_s, 3.0);
+  }
 }
 
 class Standing {
