@@ -81,8 +81,8 @@ void check_bounces(const ValidationSetup& setup, Findings& findings) {
   double speed_off = 0.0;                                       // its error bound by then
   double height_off = 0.0;
   for (int n = 1; n <= impacts; ++n) {
-    // An impact is up to half a step early or late, g h/2 slower or faster and v h/2 off; these are bounds for
-    // a whole step.
+    // An impact is up to half a step early or late, g h/2 slower or faster and v h/2 off; these are bounds
+    // for a whole step.
     speed_off = kRestitution * (speed_off + kGravity_m_per_s2 * h);
     height_off = kRestitution * kRestitution * (height_off + speed * h) + speed * h;
     speed *= kRestitution;
@@ -100,8 +100,7 @@ void check_bounces(const ValidationSetup& setup, Findings& findings) {
   findings.plots.push_back(
       {.name = "bounce",
        .caption = "Heights shrink by e^2 = 0.49 from bounce to bounce; the curves agree up to the half step "
-                  "by which "
-                  "an impact is early or late.",
+                  "by which an impact is early or late.",
        .columns = {{"time_s", trace.time_s}, {"simulated_m", trace.height_m}, {"theory_m", ideal_m}},
        .figure = {.title = "A cube dropped from 0.5 m, restitution 0.7",
                   .panels = {{.y_label = "height [m]",
@@ -161,10 +160,9 @@ Validation bounce() {
           "(1/m + x^2/I) at x from its centre. Surfaces as hard as the engine has them.",
       .tolerances =
           "An impact is up to half a step early or late: g h/2 slower or faster, and up to v h/2 above or "
-          "below "
-          "the ground; the bounds are those of a whole step. From bounce to bounce what this does to speed, "
-          "height and time adds up. On the rod's edge gravity of the impact's own step is taken up by the "
-          "impulse as well.",
+          "below the ground; the bounds are those of a whole step. From bounce to bounce what this does to "
+          "speed, height and time adds up. On the rod's edge gravity of the impact's own step is taken up by "
+          "the impulse as well.",
       .run = run_bounce};
 }
 
