@@ -13,11 +13,19 @@ namespace {
 // A box has eight corners, and the contact area of two boxes face to face has at most eight.
 constexpr int kMaxContactsOfPair = 8;
 
+// Contacts of the same links in two steps are the same one if they are nearer than this.
+constexpr double kSameContact_m = 0.005;
+
+// A smaller normal force is rounding.
+constexpr double kLeastNormal_N = 1e-6;
+
+// Error of friction that is taken for a solution of ODE's, as a share of the largest normal force.
+constexpr double kFrictionTolerance = 2e-3;
+
 dSurfaceParameters ode_surface(const SurfaceContact& surface) {
   dSurfaceParameters ode{};
-  // Approx1: friction is bounded by mu times the present normal force, a pyramid instead of a cone.
   // MotionN: the normal's target is that of its NormalRow.
-  ode.mode = dContactApprox1 | dContactMu2 | dContactSoftCFM | dContactMotionN;
+  ode.mode = dContactMu2 | dContactSoftCFM | dContactMotionN;
   ode.mu = surface.friction;
   ode.mu2 = surface.friction_second;
   ode.bounce = surface.bounce;
@@ -73,6 +81,61 @@ Eigen::Vector3d speed_at(dBodyID body, const dVector3 p_W) {
   return vector_of(v_W);
 }
 
+// A surface without friction along the first direction exchanges the directions, since a law has always a
+// first one.
+bool exchanges_directions(const dSurfaceParameters& surface) { return !(surface.mu > 0.0); }
+
+FrictionLaw friction_law(const dSurfaceParameters& surface) {
+  return exchanges_directions(surface) ? FrictionLaw{surface.mu2, 0.0} : FrictionLaw{surface.mu, surface.mu2};
+}
+
+// Directions of friction in the contact plane. If the surface has none, ODE chooses them.
+std::array<Eigen::Vector3d, 2> friction_axes(const dContact& contact) {
+  dVector3 first;
+  dVector3 second;
+  dPlaneSpace(contact.geom.normal, first, second);
+  if ((contact.surface.mode & dContactFDir1) != 0) {
+    copy_vector(vector_of(contact.fdir1), first);
+    copy_vector(vector_of(contact.geom.normal).cross(vector_of(contact.fdir1)), second);
+  }
+  const Eigen::Vector3d first_W = vector_of(first);
+  const Eigen::Vector3d second_W = vector_of(second);
+  if (exchanges_directions(contact.surface)) return {second_W, -first_W};
+  return {first_W, second_W};
+}
+
+Eigen::Vector2d along(const std::array<Eigen::Vector3d, 2>& axes_W, const Eigen::Vector3d& vector_W) {
+  return {axes_W[0].dot(vector_W), axes_W[1].dot(vector_W)};
+}
+
+// Relative velocity at the contact point after ODE has moved the bodies for `step_s`.
+Eigen::Vector3d velocity_after(const Touch& touch, const Eigen::Vector3d& p_W, double step_s) {
+  const auto velocity = [&](dBodyID body) {
+    const Eigen::Vector3d v_W = vector_of(dBodyGetLinearVel(body));
+    const Eigen::Vector3d p_WCom_W = vector_of(dBodyGetPosition(body)) - step_s * v_W;
+    return Eigen::Vector3d(v_W + vector_of(dBodyGetAngularVel(body)).cross(p_W - p_WCom_W));
+  };
+  Eigen::Vector3d velocity_W = velocity(touch.body);
+  if (touch.other_body != nullptr) velocity_W -= velocity(touch.other_body);
+  return velocity_W;
+}
+
+// What a solution found. With force-dependent slip, the law is about the velocity beyond it.
+FrictionSolution solution_at(const Touch& touch, const Contact& contact, const Eigen::Vector3d& f_W,
+                             const Eigen::Vector3d& v_W) {
+  FrictionSolution solution{.normal = f_W.dot(contact.n_W), .friction = along(touch.axes_W, f_W)};
+  solution.velocity = along(touch.axes_W, v_W);
+  if ((touch.contact.surface.mode & dContactSlip1) != 0)
+    solution.velocity += touch.contact.surface.slip1 * solution.friction;
+  return solution;
+}
+
+double mass_kg(dBodyID body) {
+  dMass mass;
+  dBodyGetMass(body, &mass);
+  return mass.mass;
+}
+
 }  // namespace
 
 Collider::Collider(dWorldID world, const RobotDescription& robot, const LinkTree& tree, const Bodies& bodies,
@@ -83,6 +146,7 @@ Collider::Collider(dWorldID world, const RobotDescription& robot, const LinkTree
   make_fields();
   const std::size_t most_contacts = (pairs_.size() + fields_.size() * boxes_.size()) * kMaxContactsOfPair;
   contacts_.reserve(most_contacts);
+  last_contacts_.reserve(most_contacts);
   touches_.reserve(most_contacts);
   feedbacks_.resize(most_contacts);
 }
@@ -169,6 +233,7 @@ std::size_t Collider::meet_box(const Box& box, const Box& other) {
 }
 
 void Collider::find_contacts() {
+  last_contacts_.swap(contacts_);
   contacts_.clear();
   touches_.clear();
   impact_share_ = 1.0;
@@ -250,31 +315,90 @@ void Collider::add_contact(const dContactGeom& point, int link, int other_link, 
     contact.surface.mode &= ~dContactFDir1;
   const bool same_pair =
       !contacts_.empty() && contacts_.back().link == link && contacts_.back().other_link == other_link;
-  touches_.push_back({contact, body, other_body, same_pair ? touches_.back().ordinal + 1 : 0, v_W, *normal});
+  touches_.push_back({contact, body, other_body, same_pair ? touches_.back().ordinal + 1 : 0, v_W, *normal,
+                      friction_law(contact.surface), friction_axes(contact)});
   contacts_.push_back({link, other_link, vector_of(contact.geom.pos), vector_of(contact.geom.normal),
                        Eigen::Vector3d::Zero(), contact.geom.depth});
+  touches_.back().guess = guess_friction(touches_.back(), contacts_.back());
+}
+
+// Starts from the force that the contact had in the last step. The normal force of a new one is unknown.
+FrictionGuess Collider::guess_friction(const Touch& touch, const Contact& contact) const {
+  if (!(touch.friction.mu > 0.0)) return {};
+  Eigen::Vector3d last_f_W = Eigen::Vector3d::Zero();
+  double nearest_m = kSameContact_m;
+  for (const Contact& last : last_contacts_) {
+    if (last.link != contact.link || last.other_link != contact.other_link) continue;
+    const double distance_m = (last.p_W - contact.p_W).norm();
+    if (distance_m >= nearest_m) continue;
+    nearest_m = distance_m;
+    last_f_W = last.f_W;
+  }
+  return better_guess(touch.friction, solution_at(touch, contact, last_f_W, touch.v_W),
+                      mass_kg(touch.body) / options_.step_s);
 }
 
 void Collider::make_joints() {
   dJointGroupEmpty(joints_.get());
   for (std::size_t i = 0; i < touches_.size(); ++i) {
-    dContact contact = touches_[i].contact;
-    contact.geom.depth = 0.0;
-    contact.surface.motionN = target_m_per_s(touches_[i].normal);
-    contact.surface.soft_cfm = touches_[i].normal.force_mixing;
+    const dContact contact = ode_contact(touches_[i]);
     const dJointID joint = dJointCreateContact(world_, joints_.get(), &contact);
     dJointAttach(joint, touches_[i].body, touches_[i].other_body);
     dJointSetFeedback(joint, &feedbacks_[i]);
   }
 }
 
+// Without a guess of the normal force, ODE bounds friction by the normal force in the absence of friction.
+// Its iterative solver always bounds it by the present one.
+dContact Collider::ode_contact(const Touch& touch) const {
+  dContact contact = touch.contact;
+  contact.geom.depth = 0.0;
+  dSurfaceParameters& surface = contact.surface;
+  surface.motionN = target_m_per_s(touch.normal);
+  surface.soft_cfm = touch.normal.force_mixing;
+  const FrictionRows rows = friction_rows(touch.friction, touch.guess);
+  const bool is_loaded = touch.guess.normal > kLeastNormal_N;
+  const bool is_known = is_loaded && options_.stepper != Stepper::kQuick;
+  const FrictionRows per_normal =
+      friction_rows(touch.friction, {.normal = 1.0, .against = touch.guess.against});
+  if (!is_known) surface.mode |= dContactApprox1;
+  surface.mu = (is_known ? rows : per_normal).bounds[0];
+  surface.mu2 = (is_known ? rows : per_normal).bounds[1];
+  surface.mode |= dContactFDir1;
+  copy_vector(rows.first.x() * touch.axes_W[0] + rows.first.y() * touch.axes_W[1], contact.fdir1);
+  if (is_loaded && rows.softness > 0.0) {
+    surface.mode |= dContactSlip2 | dContactMotion2;
+    surface.slip2 =
+        rows.softness + ((surface.mode & dContactSlip1) != 0 ? surface.slip1 : kStickingForceMixing);
+    surface.motion2 = rows.target;
+  }
+  return contact;
+}
+
+bool Collider::improve_friction() {
+  double largest_error_N = 0.0;
+  double largest_normal_N = 0.0;
+  for (std::size_t i = 0; i < touches_.size(); ++i) {
+    Touch& touch = touches_[i];
+    if (!(touch.friction.mu > 0.0)) continue;
+    const FrictionSolution solution = solution_at(touch, contacts_[i], contacts_[i].f_W,
+                                                  velocity_after(touch, contacts_[i].p_W, options_.step_s));
+    const double mass = mass_kg(touch.body) / options_.step_s;
+    largest_normal_N = std::max(largest_normal_N, solution.normal);
+    largest_error_N = std::max(largest_error_N, friction_error(touch.friction, solution, mass));
+    touch.guess = better_guess(touch.friction, solution, mass);
+  }
+  return largest_error_N <= kFrictionTolerance * largest_normal_N;
+}
+
 void Collider::read_joint_forces() {
   for (std::size_t i = 0; i < contacts_.size(); ++i) contacts_[i].f_W = vector_of(feedbacks_[i].f1);
 }
 
-// Equations and friction directions are those of ODE's contact joint.
-void Collider::add_rows(std::size_t contact, std::vector<TreeRow>& rows, const Bodies& bodies,
+// Equations are those of ODE's contact joint.
+void Collider::add_rows(std::size_t contact, TreeSolver& solver, const Bodies& bodies,
                         const Eigen::Vector3d& p_WO_W) {
+  std::vector<TreeRow>& rows = solver.rows();
   Touch& touch = touches_[contact];
   const Contact& point = contacts_[contact];
   const dSurfaceParameters& surface = touch.contact.surface;
@@ -295,25 +419,18 @@ void Collider::add_rows(std::size_t contact, std::vector<TreeRow>& rows, const B
   row.lower = 0.0;
   rows.push_back(row);
 
-  std::array<Eigen::Vector3d, 2> directions_W;
-  if ((surface.mode & dContactFDir1) != 0) {
-    directions_W = {vector_of(touch.contact.fdir1), point.n_W.cross(vector_of(touch.contact.fdir1))};
-  } else {
-    dVector3 first;
-    dVector3 second;
-    dPlaneSpace(touch.contact.geom.normal, first, second);
-    directions_W = {vector_of(first), vector_of(second)};
-  }
-  row.target = 0.0;
-  const bool slips = (surface.mode & dContactSlip1) != 0;
-  row.softness = (slips ? surface.slip1 : kStickingForceMixing) / step_s;
-  row.normal = static_cast<int>(touch.first_row);
-  for (std::size_t i = 0; i < directions_W.size(); ++i) {
-    row.upper = i == 0 ? surface.mu : surface.mu2;
-    if (!(row.upper > 0.0)) continue;
-    lay_along(directions_W[i]);
-    ++row.id;
-    rows.push_back(row);
+  if (touch.friction.mu > 0.0) {
+    row.target = 0.0;
+    const bool slips = (surface.mode & dContactSlip1) != 0;
+    row.softness = (slips ? surface.slip1 : kStickingForceMixing) / step_s;
+    solver.frictions().push_back({touch.first_row, touch.friction, touch.guess});
+    TreeFriction& friction = solver.frictions().back();
+    friction.guess.normal *= step_s;
+    for (std::size_t i = 0; i < friction.rows(); ++i) {
+      lay_along(touch.axes_W[i]);
+      ++row.id;
+      rows.push_back(row);
+    }
   }
   touch.rows = rows.size() - touch.first_row;
 }

@@ -3,9 +3,11 @@
 #include <ode/ode.h>
 
 #include <Eigen/Core>
+#include <array>
 #include <span>
 #include <vector>
 
+#include "sim_board/engine/friction.h"
 #include "sim_board/engine/normal_row.h"
 #include "sim_board/engine/ode/bodies.h"
 #include "sim_board/engine/ode/height_field_contact.h"
@@ -20,7 +22,7 @@
 
 namespace koboshi::sim {
 
-// ODE's description of a contact: point, surface and first friction direction.
+// A contact for the solvers: ODE's description of its point and surface, and its friction.
 struct Touch {
   dContact contact;
   dBodyID body;
@@ -28,6 +30,9 @@ struct Touch {
   int ordinal;          // among the contacts of the two links
   Eigen::Vector3d v_W;  // relative velocity at the point before the step
   NormalRow normal;     // replaces ODE's, which has no restitution of soft surfaces and no gap
+  FrictionLaw friction;
+  std::array<Eigen::Vector3d, 2> axes_W;  // directions of friction
+  FrictionGuess guess{};                  // of the present solution; forces
   // Rows of the tree's solver; none if a held sole replaces the contact.
   std::size_t first_row = 0;
   std::size_t rows = 0;
@@ -45,14 +50,16 @@ class Collider {
   // Detects the contacts for the bodies' present poses: surfaces that touch, and those that are about to
   // (kReach_steps). The latter have a negative depth.
   void find_contacts();
-  // Replaces ODE's contact joints by those of the present contacts.
+  // Replaces ODE's contact joints by those of the present contacts and guesses of their friction.
   void make_joints();
   // Reads the forces of the contact joints after ODE's solver has run.
   void read_joint_forces();
+  // Improves the guesses of friction by the forces and the bodies' velocities after ODE's solver has run.
+  // Returns whether the solution obeys the law of friction.
+  bool improve_friction();
   // Appends the rows of one contact: its normal, then one or two directions of friction. `p_WO_W` is the
   // origin of the tree's spatial vectors.
-  void add_rows(std::size_t contact, std::vector<TreeRow>& rows, const Bodies& bodies,
-                const Eigen::Vector3d& p_WO_W);
+  void add_rows(std::size_t contact, TreeSolver& solver, const Bodies& bodies, const Eigen::Vector3d& p_WO_W);
   // Reads the forces of these rows after the tree's solver has run.
   void read_row_forces(const TreeSolver& solver);
   std::span<const Contact> contacts() const { return contacts_; }
@@ -129,6 +136,8 @@ class Collider {
   const Meeting& meeting_at(const Pair& pair, const dContactGeom& point) const;
   void add_contact(const dContactGeom& point, int link, int other_link, dBodyID body, dBodyID other_body,
                    const Meeting& meeting);
+  FrictionGuess guess_friction(const Touch& touch, const Contact& contact) const;
+  dContact ode_contact(const Touch& touch) const;
 
   dWorldID world_;
   const WorldOptions& options_;
@@ -142,6 +151,7 @@ class Collider {
   std::vector<Meeting> meetings_;
   double impact_share_ = 1.0;
   std::vector<Contact> contacts_;
+  std::vector<Contact> last_contacts_;  // of the step before
   std::vector<Touch> touches_;
   std::vector<dJointFeedback> feedbacks_;  // by contact; must not move, because ODE writes into it
 };

@@ -30,6 +30,9 @@ constexpr unsigned kStepMemory_bytes = 768u << 10;
 // 1.17.
 constexpr int kMaxGuesses = 4;
 
+// Maximum number of solutions of ODE's per step; then the friction of the contacts remains as it is.
+constexpr int kMaxOdeSolutions = 16;
+
 template <typename List>
 auto& at(List& list, int index) {
   return list.at(static_cast<std::size_t>(index));
@@ -55,6 +58,7 @@ class OdeWorld final : public World {
   Wrench joint_wrench(int joint) const override;
   std::span<const Contact> contacts() const override { return collider_->contacts(); }
   std::uint64_t solver_warnings() const override { return solver_warnings_; }
+  std::uint64_t unsettled_steps() const override { return unsettled_steps_; }
   void archive(StateArchive& archive) override;
 
  private:
@@ -68,8 +72,10 @@ class OdeWorld final : public World {
   void step_with_ode();
   void solve_with_ode();
   bool settle_impacts_of_tree();
-  bool solve_guessing_friction();
-  void solve_bounding_friction();
+  void solve_quickly();
+  void write_ode_rows();
+  void bound_friction();
+  bool confirm_joints();
   bool step_as_tree();
   bool solve_tree();
   bool solve_tree_once() { return tree_->step.solve(chains_, *collider_, tree_->soles); }
@@ -83,6 +89,8 @@ class OdeWorld final : public World {
   const WorldOptions options_;
   std::uint64_t steps_ = 0;
   std::uint64_t solver_warnings_ = 0;
+  std::uint64_t unsettled_steps_ = 0;
+  bool settled_ = true;  // this step's contacts obey the law of friction
   unsigned long quick_seed_ = 0;
   SavedBodies saved_;
   OdeThreading threading_;
@@ -178,6 +186,7 @@ void OdeWorld::step() {
     as_tree = tree_ && step_as_tree();
     if (!tree_) step_with_ode();
   }
+  if (!settled_) ++unsettled_steps_;
   collider_->drop_gaps();
   ++steps_;
   for (JointChain& chain : chains_) {
@@ -201,36 +210,48 @@ void OdeWorld::step_with_ode() {
   std::ignore = settle_impacts(solve_again, [&] { return collider_->impact_work_J(); });
 }
 
+// Repeats the step until the guesses are confirmed: which joints stick, and the friction of the contacts.
 void OdeWorld::solve_with_ode() {
-  collider_->make_joints();
-  if (!solve_guessing_friction()) solve_bounding_friction();
+  if (options_.stepper == Stepper::kQuick) return solve_quickly();
+  int guesses = options_.friction == FrictionMethod::kRows ? 0 : kMaxGuesses;
+  if (guesses == 0) bound_friction();
+  saved_.save(bodies_->all());
+  for (int solution = 1;; ++solution) {
+    write_ode_rows();
+    dWorldStep(world_.get(), options_.step_s);
+    collider_->read_joint_forces();
+    bool confirmed = collider_->improve_friction();
+    if (guesses > 0 && !confirm_joints()) {
+      confirmed = false;
+      if (--guesses == 0) bound_friction();
+    }
+    settled_ = confirmed;
+    if (confirmed || solution == kMaxOdeSolutions) return;
+    saved_.restore(bodies_->all());
+  }
+}
+
+void OdeWorld::solve_quickly() {
+  bound_friction();
+  write_ode_rows();
+  quick_step(world_.get(), options_.step_s, quick_seed_);
   collider_->read_joint_forces();
 }
 
-bool OdeWorld::solve_guessing_friction() {
-  if (options_.stepper == Stepper::kQuick || options_.friction == FrictionMethod::kRows) return false;
-  saved_.save(bodies_->all());
-  for (int guess = 0; guess < kMaxGuesses; ++guess) {
-    for (JointChain& chain : chains_) chain.write_ode_rows();
-    dWorldStep(world_.get(), options_.step_s);
-    bool confirmed = true;
-    for (JointChain& chain : chains_) confirmed = chain.confirm_friction() && confirmed;
-    if (confirmed) return true;
-    saved_.restore(bodies_->all());
-  }
-  return false;
+void OdeWorld::write_ode_rows() {
+  for (JointChain& chain : chains_) chain.write_ode_rows();
+  collider_->make_joints();
 }
 
-void OdeWorld::solve_bounding_friction() {
-  for (JointChain& chain : chains_) {
-    chain.bound_friction();
-    chain.write_ode_rows();
-  }
-  if (options_.stepper == Stepper::kQuick) {
-    quick_step(world_.get(), options_.step_s, quick_seed_);
-  } else {
-    dWorldStep(world_.get(), options_.step_s);
-  }
+// Corrects the guesses that were wrong.
+bool OdeWorld::confirm_joints() {
+  bool confirmed = true;
+  for (JointChain& chain : chains_) confirmed = chain.confirm_friction() && confirmed;
+  return confirmed;
+}
+
+void OdeWorld::bound_friction() {
+  for (JointChain& chain : chains_) chain.bound_friction();
 }
 
 // ODE's solver does the step if the tree's finds no solution within rounding. This counts as a warning.
@@ -240,14 +261,13 @@ bool OdeWorld::step_as_tree() {
   tree_->step.begin(chains_);
   const bool solved = solve_tree() && settle_impacts_of_tree();
   if (solved) {
+    settled_ = tree_->step.solver().settled();
     tree_->step.finish(chains_);
     collider_->read_row_forces(tree_->step.solver());
   } else {
     ++solver_warnings_;
     tree_->soles.let_go();
-    collider_->make_joints();
-    solve_bounding_friction();
-    collider_->read_joint_forces();
+    step_with_ode();
   }
   tree_->soles.finish_step(*collider_);
   return solved;
@@ -270,11 +290,11 @@ bool OdeWorld::solve_tree() {
   for (int guess = 0; guess < guesses; ++guess) {
     if (!solve_tree_once()) return false;
     bool confirmed = tree_->soles.confirm(tree_->step.solver());
-    for (JointChain& chain : chains_) confirmed = chain.confirm_friction() && confirmed;
+    confirmed = confirm_joints() && confirmed;
     if (confirmed) return true;
   }
   tree_->soles.let_go();
-  for (JointChain& chain : chains_) chain.bound_friction();
+  bound_friction();
   return solve_tree_once();
 }
 
@@ -291,7 +311,7 @@ Wrench OdeWorld::joint_wrench(int joint) const { return chain_of(joint).wrench(a
 void OdeWorld::archive(StateArchive& archive) {
   bool held = dBodyIsKinematic(bodies_->of(0)) != 0;
   if (archive.writes()) saved_.save(bodies_->all());
-  archive(steps_, solver_warnings_, quick_seed_, held, saved_, chains_, collider_, tree_);
+  archive(steps_, solver_warnings_, unsettled_steps_, quick_seed_, held, saved_, chains_, collider_, tree_);
   if (archive.writes()) return;
   if (held) {
     dBodySetKinematic(bodies_->of(0));

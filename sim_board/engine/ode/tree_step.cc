@@ -106,13 +106,14 @@ void TreeStep::set_body(std::size_t index, const LinkDescription& link, const Ei
 bool TreeStep::solve(std::span<JointChain> chains, Collider& collider, Soles& soles) {
   std::vector<TreeRow>& rows = solver_.rows();
   rows.clear();
+  solver_.frictions().clear();
   for (std::size_t c = 0; c < chains.size(); ++c)
     chains[c].write_tree_joint(p_WO_W_, solver_.tree(), places_[c].joint, rows);
   soles.add_rows(rows, p_WO_W_);
   for (std::size_t i = 0; i < collider.contacts().size(); ++i) {
     const Contact& contact = collider.contacts()[i];
     if (contact.other_link < 0 && soles.holds(contact.link)) continue;
-    collider.add_rows(i, rows, bodies_, p_WO_W_);
+    collider.add_rows(i, solver_, bodies_, p_WO_W_);
   }
   if (!solver_.solve()) {
     restore_velocities();

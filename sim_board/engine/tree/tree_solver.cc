@@ -9,7 +9,17 @@ namespace {
 // the memory is enlarged in the step that needs it.
 constexpr std::size_t kUsualRows = 128;
 
+// Solutions of a step before the friction is left as it is, and the error that is taken for a solution, as a
+// share of the largest normal impulse.
+constexpr int kMaxTreeSolutions = 40;
+constexpr double kTolerance = 1e-5;
+
 std::size_t to_index(int number) { return static_cast<std::size_t>(number); }
+
+double dot(const double* one, const double* other, std::size_t size) {
+  const auto length = static_cast<Eigen::Index>(size);
+  return Eigen::VectorXd::Map(one, length).dot(Eigen::VectorXd::Map(other, length));
+}
 
 }  // namespace
 
@@ -20,6 +30,11 @@ TreeSolver::TreeSolver(std::size_t bodies, std::span<const JointSpace::Joint> jo
       body_impulses_(bodies, Vector6::Zero()),
       lcp_(kUsualRows) {
   rows_.reserve(kUsualRows);
+  frictions_.reserve(kUsualRows);
+  friction_rows_.reserve(kUsualRows);
+  A_.resize(kUsualRows * kUsualRows);
+  b_.resize(kUsualRows);
+  impulses_.resize(kUsualRows);
   solutions_.reserve(kUsualRows);
   last_.reserve(kUsualRows);
 }
@@ -40,8 +55,10 @@ bool TreeSolver::solve() {
 void TreeSolver::fill_problem() {
   const std::size_t count = rows_.size();
   const auto dofs = static_cast<Eigen::Index>(tree_.dofs());
-  lcp_.resize(count);
   if (reduced_.size() < count * tree_.dofs()) reduced_.resize(count * tree_.dofs());
+  if (A_.size() < count * count) A_.resize(count * count);
+  for (auto* vector : {&b_, &impulses_})
+    if (vector->size() < count) vector->resize(count);
   for (std::size_t r = 0; r < count; ++r) {
     const TreeRow& row = rows_[r];
     const std::span<double> y = reduced(r);
@@ -53,14 +70,13 @@ void TreeSolver::fill_problem() {
       tree_.add_to_jacobian(to_index(row.other_body), row.other_jacobian, y);
     }
     tree_.reduce(y);
-    lcp_.b()[r] = row.target - speed;
-    const std::span<double> A = lcp_.A();
+    b_[r] = row.target - speed;
     for (std::size_t s = 0; s <= r; ++s) {
       const double product =
           Eigen::VectorXd::Map(y.data(), dofs).dot(Eigen::VectorXd::Map(reduced(s).data(), dofs));
-      A[r * count + s] = A[s * count + r] = product;
+      A_[r * count + s] = A_[s * count + r] = product;
     }
-    A[r * count + r] += row.softness;
+    A_[r * count + r] += row.softness;
   }
 }
 
@@ -82,37 +98,94 @@ void TreeSolver::find_starts() {
   }
 }
 
-bool TreeSolver::solve_from(Impulse Solution::*impulses) {
+bool TreeSolver::solve_rows() {
+  find_starts();
+  lcp_.resize(rows_.size());
   for (std::size_t r = 0; r < rows_.size(); ++r) {
-    lcp_.x()[r] = (solutions_[r].*impulses).x;
-    lcp_.sides()[r] = (solutions_[r].*impulses).side;
+    lcp_.sides()[r] = solutions_[r].side;
+    impulses_[r] = solutions_[r].x;
   }
-  if (!lcp_.solve()) return false;
-  for (std::size_t r = 0; r < rows_.size(); ++r) solutions_[r].*impulses = {lcp_.x()[r], lcp_.sides()[r]};
+  settled_ = false;
+  for (int solution = 0; solution < kMaxTreeSolutions && !settled_; ++solution) {
+    write_problem();
+    if (!lcp_.solve()) return false;
+    read_impulses();
+    settled_ = frictions_.empty() || improve_guesses() <= kTolerance;
+  }
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    solutions_[r].x = impulses_[r];
+    solutions_[r].side = lcp_.sides()[r];
+  }
   return true;
 }
 
-// Friction is bounded by the normal impulses in the absence of friction, as in ODE's solver.
-bool TreeSolver::solve_rows() {
-  find_starts();
-  const std::span<BoxLcp::Bounds> bounds = lcp_.bounds();
-  bool has_friction = false;
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
-    const bool is_friction = rows_[r].normal >= 0;
-    bounds[r] = is_friction ? BoxLcp::Bounds{0.0, 0.0} : BoxLcp::Bounds{rows_[r].lower, rows_[r].upper};
-    has_friction = has_friction || is_friction;
+void TreeSolver::write_problem() {
+  const std::size_t count = rows_.size();
+  lcp_.resize(count);
+  std::copy_n(A_.begin(), count * count, lcp_.A().begin());
+  std::copy_n(b_.begin(), count, lcp_.b().begin());
+  std::copy_n(impulses_.begin(), count, lcp_.x().begin());
+  for (std::size_t r = 0; r < count; ++r) lcp_.bounds()[r] = {rows_[r].lower, rows_[r].upper};
+  friction_rows_.clear();
+  for (const TreeFriction& friction : frictions_) {
+    friction_rows_.push_back(friction_rows(friction.law, friction.guess));
+    const FrictionRows& rows = friction_rows_.back();
+    for (std::size_t i = 0; i < friction.rows(); ++i)
+      lcp_.bounds()[friction.row(i)] = {-rows.bounds[i], rows.bounds[i]};
+    if (friction.law.is_planar()) turn_rows(friction, rows);
   }
-  if (!solve_from(&Solution::frictionless)) return false;
-  if (!has_friction) {
-    for (Solution& solution : solutions_) solution.final = solution.frictionless;
-    return true;
+}
+
+void TreeSolver::turn_rows(const TreeFriction& friction, const FrictionRows& rows) {
+  const std::size_t count = rows_.size();
+  const std::size_t one = friction.row(0);
+  const std::size_t two = friction.row(1);
+  const auto turn = [&](double& x, double& y) {
+    const Eigen::Vector2d vector(x, y);
+    x = rows.first.dot(vector);
+    y = rows.second().dot(vector);
+  };
+  const std::span<double> A = lcp_.A();
+  for (std::size_t r = 0; r < count; ++r) turn(A[one * count + r], A[two * count + r]);
+  for (std::size_t r = 0; r < count; ++r) turn(A[r * count + one], A[r * count + two]);
+  turn(lcp_.b()[one], lcp_.b()[two]);
+  turn(lcp_.x()[one], lcp_.x()[two]);
+  A[two * count + two] += rows.softness;
+  lcp_.b()[two] += rows.target;
+}
+
+void TreeSolver::read_impulses() {
+  std::ranges::copy(lcp_.x(), impulses_.begin());
+  for (std::size_t i = 0; i < frictions_.size(); ++i) {
+    if (!frictions_[i].law.is_planar()) continue;
+    const FrictionRows& rows = friction_rows_[i];
+    double& x = impulses_[frictions_[i].row(0)];
+    double& y = impulses_[frictions_[i].row(1)];
+    const Eigen::Vector2d impulse = x * rows.first + y * rows.second();
+    x = impulse.x();
+    y = impulse.y();
   }
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
-    if (rows_[r].normal < 0) continue;
-    const double limit = rows_[r].upper * std::max(lcp_.x()[to_index(rows_[r].normal)], 0.0);
-    bounds[r] = {-limit, limit};
+}
+
+double TreeSolver::improve_guesses() {
+  const std::size_t count = rows_.size();
+  double largest_error = 0.0;
+  double largest_normal = 0.0;
+  for (TreeFriction& friction : frictions_) {
+    FrictionSolution solution{.normal = impulses_[friction.normal_row]};
+    double inverse_mass = 0.0;
+    for (std::size_t i = 0; i < friction.rows(); ++i) {
+      const std::size_t row = friction.row(i);
+      const auto axis = static_cast<Eigen::Index>(i);
+      solution.friction[axis] = impulses_[row];
+      solution.velocity[axis] = dot(&A_[row * count], impulses_.data(), count) - b_[row];
+      inverse_mass += A_[row * count + row] / static_cast<double>(friction.rows());
+    }
+    largest_normal = std::max(largest_normal, solution.normal);
+    largest_error = std::max(largest_error, friction_error(friction.law, solution, 1.0 / inverse_mass));
+    friction.guess = better_guess(friction.law, solution, 1.0 / inverse_mass);
   }
-  return solve_from(&Solution::final);
+  return largest_normal > 0.0 ? largest_error / largest_normal : 0.0;
 }
 
 void TreeSolver::apply_impulses() {

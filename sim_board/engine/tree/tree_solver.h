@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "sim_board/engine/friction.h"
 #include "sim_board/engine/tree/box_lcp.h"
 #include "sim_board/engine/tree/joint_space.h"
 #include "sim_board/engine/tree/spatial.h"
@@ -25,9 +26,6 @@ struct TreeRow {
   double softness = 0.0;  // per unit of impulse: 1/kg or 1/(kg m^2)
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
-  // For a friction row, the index of the row of its normal: `upper` is then the coefficient of friction times
-  // the impulse of that row in the absence of friction, and `lower` its opposite. Otherwise -1.
-  int normal = -1;
   // Identifies the row among those of the last solution, where the search for its impulse starts; 0: none.
   std::uint64_t id = 0;
 
@@ -39,10 +37,22 @@ struct TreeRow {
   }
 };
 
+// Friction of a contact point. Its rows, one or two as the law has directions, follow the row of the normal;
+// the solver bounds them.
+struct TreeFriction {
+  std::size_t normal_row = 0;
+  FrictionLaw law;
+  FrictionGuess guess;  // where the search starts; impulses
+
+  std::size_t rows() const { return law.is_planar() ? 2 : 1; }
+  std::size_t row(std::size_t direction) const { return normal_row + 1 + direction; }
+};
+
 // Solves one step of a tree of bodies with constraints (contacts, stops). The tree is eliminated, which
 // leaves a small dense problem in the rows:
 //   A = J (H + damping)^-1 J' + softness,  b = target - J v_free,
-// where v_free are the velocities without the rows.
+// where v_free are the velocities without the rows. With friction, the problem is solved again, each time
+// with the guesses that follow from the last solution, until all contact points obey the law of friction.
 class TreeSolver {
  public:
   TreeSolver(std::size_t bodies, std::span<const JointSpace::Joint> joints);
@@ -52,32 +62,37 @@ class TreeSolver {
   // Rows of the next solution.
   std::vector<TreeRow>& rows() { return rows_; }
   const TreeRow& row(std::size_t index) const { return rows_[index]; }
+  // Friction of the next solution, in the order of its rows.
+  std::vector<TreeFriction>& frictions() { return frictions_; }
 
   // Computes velocities and impulses. Returns false if it finds no solution within rounding.
   [[nodiscard]] bool solve();
-  double impulse(std::size_t row) const { return lcp_.x()[row]; }
+  double impulse(std::size_t row) const { return impulses_[row]; }
+  // Returns whether the last solution obeys the law of friction.
+  bool settled() const { return settled_; }
   // Computes the impulses through the joints.
   void find_joint_impulses();
 
   void archive(StateArchive& archive) { archive(solutions_); }
 
  private:
-  struct Impulse {
-    double x = 0.0;
-    BoxLcp::Side side = BoxLcp::Side::kFree;
-  };
   struct Solution {
     std::uint64_t id = 0;
-    Impulse frictionless;  // in the absence of contact friction
-    Impulse final;
+    double x = 0.0;
+    BoxLcp::Side side = BoxLcp::Side::kFree;
   };
 
   std::span<double> reduced(std::size_t row) { return {&reduced_[row * tree_.dofs()], tree_.dofs()}; }
   void fill_problem();
   void find_starts();
   bool solve_rows();
-  // Solves from these impulses of each row, and writes the solution to them.
-  bool solve_from(Impulse Solution::*impulses);
+  // Writes the problem for the present guesses of friction, whose rows it turns.
+  void write_problem();
+  void turn_rows(const TreeFriction& friction, const FrictionRows& rows);
+  void read_impulses();
+  // Improves the guesses. Returns the largest error of a contact point relative to the largest normal
+  // impulse.
+  double improve_guesses();
   void apply_impulses();
 
   JointSpace tree_;
@@ -85,8 +100,14 @@ class TreeSolver {
   std::vector<double> reduced_;         // by row: reduced Jacobian
   std::vector<double> reduced_sum_;     // by dof
   std::vector<Vector6> body_impulses_;  // by body
-  std::vector<Solution> solutions_;     // by row
-  std::vector<Solution> last_;          // of the last call
+  std::vector<TreeFriction> frictions_;
+  std::vector<FrictionRows> friction_rows_;  // of the present solution
+  std::vector<double> A_;                    // as in lcp_, but with rows that are not turned
+  std::vector<double> b_;
+  std::vector<double> impulses_;
+  bool settled_ = true;
+  std::vector<Solution> solutions_;  // by row
+  std::vector<Solution> last_;       // of the last call
   BoxLcp lcp_;
 };
 

@@ -178,31 +178,55 @@ TEST(JointSpace, RejectsABodyWithoutInertia) {
   EXPECT_FALSE(tree.factorise());
 }
 
-// A body that slides on a plane: one contact row along z, two of friction.
-TEST(TreeSolver, BoundsFrictionByTheNormalImpulseInItsAbsence) {
-  TreeSolver solver(1, {});
-  JointSpace::Body& body = solver.tree().body(0);
-  body.inertia = SpatialInertia(2.0, Eigen::Vector3d::Zero(), 0.01 * Eigen::Matrix3d::Identity());
-  body.momentum = spatial(Eigen::Vector3d::Zero(), {6.0, 0.1, -2.0});
-  const auto row = [&](const Eigen::Vector3d& direction, double lower, double upper, int normal) {
-    TreeRow one{.jacobian = spatial_force(Eigen::Vector3d::Zero(), direction)};
-    one.lower = lower;
-    one.upper = upper;
-    one.normal = normal;
-    solver.rows().push_back(one);
-  };
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  row(Eigen::Vector3d::UnitZ(), 0.0, kInfinity, -1);
-  row(Eigen::Vector3d::UnitX(), 0.0, 0.5, 0);
-  row(Eigen::Vector3d::UnitY(), 0.0, 0.5, 0);
-  for (int again = 0; again < 2; ++again) {  // from no start, and from the solution
-    ASSERT_TRUE(solver.solve());
-    EXPECT_NEAR(solver.impulse(0), 2.0, 1e-12);   // stops the fall
-    EXPECT_NEAR(solver.impulse(1), -1.0, 1e-12);  // slides: 0.5 of it
-    EXPECT_NEAR(solver.impulse(2), -0.1, 1e-12);  // sticks
-    EXPECT_NEAR(solver.tree().velocity(0)[3], 2.5, 1e-12);
-    EXPECT_NEAR(solver.tree().velocity(0)[4], 0.0, 1e-12);
+// A body that falls and slides on a plane: one contact row along z, two of friction. Friction presses the
+// corner into the plane, so that the normal impulse is larger than without it.
+class SlidingPoint : public testing::Test {
+ protected:
+  SlidingPoint() {
+    JointSpace::Body& body = solver.tree().body(0);
+    body.inertia = SpatialInertia(2.0, Eigen::Vector3d::Zero(), 0.01 * Eigen::Matrix3d::Identity());
+    row(Eigen::Vector3d::UnitZ());
+    solver.rows()[0].lower = 0.0;
+    row(Eigen::Vector3d::UnitX());
+    row(Eigen::Vector3d::UnitY());
   }
+  void row(const Eigen::Vector3d& direction) {
+    solver.rows().push_back({.jacobian = spatial_force(corner, direction)});
+  }
+  void solve(const FrictionLaw& law, const Eigen::Vector3d& momentum) {
+    solver.tree().body(0).momentum = spatial(Eigen::Vector3d::Zero(), momentum);
+    solver.frictions() = {{.normal_row = 0, .law = law, .guess = {}}};
+    ASSERT_TRUE(solver.solve());
+    EXPECT_TRUE(solver.settled());
+  }
+  Eigen::Vector2d friction() const { return {solver.impulse(1), solver.impulse(2)}; }
+  Eigen::Vector3d velocity() const { return velocity_at(solver.tree().velocity(0), corner); }
+
+  const Eigen::Vector3d corner{0.03, 0.0, -0.04};
+  TreeSolver solver{1, {}};
+};
+
+TEST_F(SlidingPoint, HasMuTimesTheFinalNormalImpulseAgainstItsVelocity) {
+  for (int again = 0; again < 2; ++again) {  // from no start, and from the solution
+    solve({0.5, 0.5}, {6.0, 2.0, -2.0});
+    EXPECT_NEAR(friction().norm(), 0.5 * solver.impulse(0), 1e-4);
+    EXPECT_GT(velocity().head<2>().norm(), 0.1);
+    EXPECT_LT((friction().normalized() + velocity().head<2>().normalized()).norm(), 1e-3);
+    EXPECT_NEAR(velocity().z(), 0.0, 1e-12);
+  }
+}
+
+TEST_F(SlidingPoint, SticksWithinTheDisc) {
+  solve({0.5, 0.5}, {0.1, 0.1, -2.0});
+  EXPECT_LT(velocity().norm(), 1e-12);
+  EXPECT_LT(friction().norm(), 0.5 * solver.impulse(0));
+}
+
+TEST_F(SlidingPoint, HasOneRowOfFrictionAlongGrooves) {
+  solver.rows().pop_back();
+  solve({0.5, 0.0}, {6.0, 2.0, -2.0});
+  EXPECT_NEAR(solver.impulse(1), -0.5 * solver.impulse(0), 1e-4);
+  EXPECT_NEAR(solver.tree().velocity(0)[4], 1.0, 1e-12);  // nothing slows it across
 }
 
 }  // namespace
