@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "firmware/storage/catalogue.h"
+#include "firmware/storage/image.h"
 #include "firmware/storage/item_store.h"
 #include "hal/linux/file_descriptor.h"
 #include "sim_board/input/error.h"
@@ -44,6 +46,49 @@ bool make_long_enough(const std::filesystem::path& file) {
   return true;
 }
 
+// The factory contents begin with a catalogue, of whichever version of the program.
+bool has_catalogue(std::span<const std::byte> flash) {
+  using enum storage::ImageStatus;
+  storage::Image image;
+  const auto found = storage::open_image(flash, storage::kCatalogueMagic, storage::kCatalogueVersion, image);
+  return found == kOk || found == kBadVersion;
+}
+
+// The header of a record ends with the CRC-32 of the bytes before it (ItemStore).
+bool has_record(std::span<const std::byte> log) {
+  constexpr std::size_t kChecked = storage::ItemStore::kHeaderSize - 4;
+  for (std::size_t start = 0; start + storage::ItemStore::kHeaderSize <= log.size();
+       start += hal::StoragePort::kWriteUnit_bytes) {
+    const auto header = log.subspan(start, storage::ItemStore::kHeaderSize);
+    if (storage::crc32(header.first(kChecked)) == storage::ImageReader(header.subspan(kChecked)).u32())
+      return true;
+  }
+  return false;
+}
+
+// Whether so few bytes have been written that a program which ended in the middle of its first item may have
+// left them.
+bool is_nearly_erased(std::span<const std::byte> log) {
+  const auto written =
+      static_cast<std::size_t>(std::ranges::count_if(log, [](std::byte byte) { return byte != kErased; }));
+  return written <= storage::ItemStore::kMaxItemSize_bytes + hal::FlashModel::kSectorSize_bytes;
+}
+
+bool is_erased(std::span<const std::byte> flash) {
+  return std::ranges::all_of(flash, [](std::byte byte) { return byte == kErased; });
+}
+
+// Throws sim::InputError unless a run has written the file.
+void check_origin(std::span<const std::byte> flash, const std::filesystem::path& file) {
+  constexpr const char* kExpected = "a storage that a run has written, or no file yet";
+  const auto log = flash.last(storage::kRobotLogSize_bytes);
+  // A program that ended before it had written its contents leaves an erased header.
+  if (!has_catalogue(flash) && !is_erased(flash.first(storage::kImageHeaderSize)))
+    throw sim::InputError(file, 0, "contents without a catalogue of items", kExpected);
+  if (!has_record(log) && !is_nearly_erased(log))
+    throw sim::InputError(file, 0, "a log without a single record", kExpected);
+}
+
 std::byte* map(int file_number) {
   const int flags = file_number >= 0 ? MAP_SHARED : MAP_PRIVATE | MAP_ANONYMOUS;
   void* const bytes =
@@ -73,6 +118,7 @@ FlashMemory::FlashMemory(std::span<const std::byte> contents, const std::filesys
     throw sim::InputError(file, 0, "items in slots of 6 KiB, as an earlier version stored them",
                           "a storage of this version, or no file yet");
   }
+  if (!fresh) check_origin(bytes(), file);
   std::ranges::fill(bytes().first(fresh ? kSize_bytes : kFactory_bytes), kErased);
   std::ranges::copy(contents, bytes().begin());
 }

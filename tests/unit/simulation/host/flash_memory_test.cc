@@ -3,10 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+#include <span>
 #include <vector>
 
 #include "firmware/storage/item_store.h"
+#include "hal/flash/flash_model.h"
 #include "sim_board/input/error.h"
+#include "simulation/scenario/storage_contents.h"
 #include "tests/support/temporary_folder.h"
 
 namespace koboshi::simulation {
@@ -18,7 +23,36 @@ class FlashFile : public testing::Test {
  protected:
   const koboshi::test::TemporaryFolder folder;
   const std::filesystem::path file = folder.path / "test.flash";
-  const std::vector<std::byte> contents = std::vector<std::byte>(100, std::byte{7});
+  const std::vector<std::byte> contents =
+      make_storage_contents(std::vector<std::byte>(100, std::byte{7}), {});
+
+  void expect_refusal(const std::vector<std::byte>& bytes, const char* found) {
+    koboshi::test::write_file(file, std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    try {
+      const FlashMemory flash(contents, file);
+      FAIL() << found;
+    } catch (const sim::InputError& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr(found));
+    }
+  }
+  static void store(storage::ItemStore& items, std::uint16_t motion, std::size_t size) {
+    const auto await = [&items](auto step) {
+      while (step() == storage::Status::kBusy) items.process();
+    };
+    const std::vector<std::byte> bytes(storage::ItemStore::kMaxAppendSize, std::byte{42});
+    await([&] { return items.begin(storage::ItemKind::kMotion, motion, size); });
+    for (std::size_t done = 0; done < size; done += bytes.size()) {
+      const auto part = std::span(bytes).first(std::min(bytes.size(), size - done));
+      await([&] { return items.append(part); });
+    }
+    await([&] { return items.commit(); });
+    items.release();
+  }
+  std::vector<std::byte> stored() const {
+    const std::string text = koboshi::test::read_file(file);
+    const auto bytes = std::as_bytes(std::span(text));
+    return {bytes.begin(), bytes.end()};
+  }
 };
 
 TEST(FlashMemory, HoldsItsContentsAndIsErasedAfterThem) {
@@ -41,9 +75,10 @@ TEST_F(FlashFile, KeepsStoredItemsAndReplacesTheFactoryContents) {
     flash.bytes()[kStored] = std::byte{1};
     flash.bytes().back() = std::byte{2};
   }
-  FlashMemory flash(std::vector<std::byte>(50, std::byte{8}), file);
-  EXPECT_EQ(flash.bytes()[49], std::byte{8});
-  EXPECT_EQ(flash.bytes()[50], std::byte{0xFF});
+  const auto others = make_storage_contents(std::vector<std::byte>(50, std::byte{8}), {});
+  FlashMemory flash(others, file);
+  EXPECT_EQ(flash.bytes()[others.size() - 1], std::byte{8});
+  EXPECT_EQ(flash.bytes()[others.size()], std::byte{0xFF});
   EXPECT_EQ(flash.bytes()[kStored], std::byte{1});
   EXPECT_EQ(flash.bytes().back(), std::byte{2});
 }
@@ -53,6 +88,40 @@ TEST_F(FlashFile, RejectsAnyOtherFile) {
   EXPECT_THROW(FlashMemory(contents, file), sim::InputError);
   EXPECT_EQ(std::filesystem::file_size(file), 14u);  // unchanged
   EXPECT_THROW(FlashMemory(contents, folder.path), sim::InputError);
+}
+
+// Of the right size, but nothing that a run has written.
+TEST_F(FlashFile, RejectsOtherContentsOfItsSize) {
+  std::mt19937 random(20261125);
+  std::vector<std::byte> noise(FlashMemory::kSize_bytes);
+  for (std::byte& byte : noise) byte = static_cast<std::byte>(random());
+  expect_refusal(noise, "contents without a catalogue");
+  EXPECT_EQ(stored(), noise);  // unchanged
+  expect_refusal(std::vector<std::byte>(FlashMemory::kSize_bytes), "contents without a catalogue");
+  std::filesystem::remove(file);
+  { FlashMemory flash(contents, file); }
+  std::vector<std::byte> damaged = stored();
+  std::ranges::copy(std::span(noise).subspan(kStored), damaged.begin() + kStored);
+  expect_refusal(damaged, "a log without a single record");
+}
+
+TEST_F(FlashFile, AcceptsAnErasedFlash) {
+  const std::vector<std::byte> erased(FlashMemory::kSize_bytes, std::byte{0xFF});
+  koboshi::test::write_file(file, std::string(erased.size(), '\xFF'));
+  EXPECT_EQ(FlashMemory(contents, file).bytes()[contents.size() - 1], std::byte{7});
+}
+
+TEST_F(FlashFile, AcceptsALogThatHasItems) {
+  {
+    FlashMemory flash(contents, file);
+    hal::FlashModel model(flash.bytes());
+    storage::ItemStore items(model, storage::kRobotLogSize_bytes);
+    for (std::uint16_t motion = 0; motion < 5; ++motion) store(items, motion, 4'000);
+  }
+  FlashMemory flash(contents, file);
+  hal::FlashModel model(flash.bytes());
+  const storage::ItemStore items(model, storage::kRobotLogSize_bytes);
+  EXPECT_EQ(items.find(storage::ItemKind::kMotion, 4).size(), 4'000u);
 }
 
 TEST_F(FlashFile, RejectsTheSlotsOfAnEarlierVersion) {
