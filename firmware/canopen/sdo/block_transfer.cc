@@ -18,7 +18,7 @@ AbortCode SdoServer::begin_block_download(const sdo::Data& request) {
   begin(sdo::address_of(request));
   const bool announced = (request[0] & sdo::kBlockSizeIndicated) != 0;
   const AbortCode begun =
-      transfer_.begin_download(address_, announced ? sdo::data_of(request) : Domain::kUnknownSize);
+      transfer_.begin_download(address_, announced ? std::optional(sdo::data_of(request)) : std::nullopt);
   if (begun != AbortCode::kNone) return begun;
   block_.with_crc = (request[0] & sdo::kBlockCrc) != 0;
   block_.size = sdo::kMaxBlockSize;

@@ -32,23 +32,25 @@ std::size_t SdoTransfer::read(std::uint32_t position, std::span<std::uint8_t> by
   return size;
 }
 
-AbortCode SdoTransfer::begin_download(ObjectAddress address, std::uint32_t size) {
+AbortCode SdoTransfer::begin_download(ObjectAddress address, std::optional<std::uint32_t> size) {
   end();
   address_ = address;
-  size_ = size;
+  size_ = size.value_or(Domain::kUnknownSize);
   position_ = 0;
   number_ = {};
   Domain* domain = nullptr;
   const AbortCode opened = objects_.open_domain(address, Access::kWriteOnly, domain);
   if (opened != AbortCode::kNone) return opened;
   if (domain != nullptr) {
-    const AbortCode begun = domain->begin_download(size);
+    // The largest number means something else to a Domain.
+    if (size == Domain::kUnknownSize) return AbortCode::kLengthTooHigh;
+    const AbortCode begun = domain->begin_download(size_);
     if (begun == AbortCode::kNone) domain_ = domain;
     return begun;
   }
   // Longer than any number: the attempt returns the first reason to refuse it.
-  const bool too_long = size != Domain::kUnknownSize && size > number_.size();
-  return too_long ? objects_.write_object(address, 0, size) : AbortCode::kNone;
+  const bool too_long = size && *size > number_.size();
+  return too_long ? objects_.write_object(address, 0, *size) : AbortCode::kNone;
 }
 
 AbortCode SdoTransfer::write(std::span<const std::uint8_t> bytes) {
@@ -134,7 +136,7 @@ AbortCode SdoServer::begin_download(const sdo::Data& request) {
   if (sdo::is_expedited(request[0], sdo::kInitiateDownloadRequest)) return download_expedited(request);
   const bool announced = (request[0] & sdo::kSizeIndicated) != 0;
   const AbortCode begun =
-      transfer_.begin_download(address_, announced ? sdo::data_of(request) : Domain::kUnknownSize);
+      transfer_.begin_download(address_, announced ? std::optional(sdo::data_of(request)) : std::nullopt);
   if (begun != AbortCode::kNone) return begun;
   state_ = State::kDownload;
   send(sdo::message(sdo::kInitiateDownloadResponse, address_, 0));

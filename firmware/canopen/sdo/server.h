@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "firmware/canopen/dictionary.h"
@@ -29,8 +30,8 @@ class SdoTransfer {
   bool fits_expedited() const { return domain_ == nullptr && !value_.is_text() && size_ >= 1 && size_ <= 4; }
   const ObjectValue& value() const { return value_; }
 
-  // `size` in bytes as indicated, or Domain::kUnknownSize.
-  AbortCode begin_download(ObjectAddress address, std::uint32_t size);
+  // `size` in bytes as the client indicates it; nullopt: it does not. kLengthTooHigh if no object is so long.
+  AbortCode begin_download(ObjectAddress address, std::optional<std::uint32_t> size);
   AbortCode write(std::span<const std::uint8_t> bytes);
   // Makes the object take the bytes written. Without `size_indicated` a number takes as many as its type has.
   AbortCode commit(bool size_indicated = true);
