@@ -77,7 +77,7 @@ constexpr bool stays_in_quick_stop(std::int16_t option) { return option > kStayI
 inline constexpr std::uint16_t kErrorOverCurrent = 0x2310;   // continuous, at the device's output
 inline constexpr std::uint16_t kErrorUnderVoltage = 0x3220;  // of the DC link
 inline constexpr std::uint16_t kErrorTemperature = 0x4310;   // excess temperature of the drive
-inline constexpr std::uint16_t kErrorParameter = 0x6320;     // parameters that contradict each other
+inline constexpr std::uint16_t kErrorParameter = 0x6320;     // also of limits that contradict each other
 inline constexpr std::uint16_t kErrorEncoder = 0x7305;       // incremental sensor 1
 inline constexpr std::uint16_t kErrorFollowing = 0x8611;
 inline constexpr std::uint16_t kErrorHeartbeatLost = 0x8130;

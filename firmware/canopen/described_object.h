@@ -52,6 +52,16 @@ struct ObjectText {
   std::string_view effect = {};
 };
 
+// The row, which refuses every value that has no name, whichever service writes it. The names are in
+// ascending order; the last exceeds the first by 31 at most.
+constexpr Entry named_only(Entry row, std::span<const ValueName> names) {
+  row.listed = true;
+  row.low = static_cast<std::uint32_t>(names.front().value);
+  row.high = 0;
+  for (const ValueName& name : names) row.high |= 1u << (static_cast<std::uint32_t>(name.value) - row.low);
+  return row;
+}
+
 struct DescribedObject {
   Entry entry;  // count 0: a heading, without a row
   ObjectText text;
@@ -120,7 +130,7 @@ inline constexpr ValueName kErrorCodeNames[] = {
     value_name(cia402::kErrorUnderVoltage, "under-voltage"),
     value_name(cia402::kErrorTemperature, "drive too hot"),
     value_name(error_code::kDataSet, "data set"),
-    value_name(cia402::kErrorParameter, "contradictory parameters"),
+    value_name(cia402::kErrorParameter, "parameter error"),
     value_name(cia402::kErrorEncoder, "encoder"),
     value_name(error_code::kCanOverrun, "CAN overrun"),
     value_name(error_code::kCanErrorPassive, "CAN error passive"),

@@ -66,16 +66,9 @@ TimeOfDay TimeStamp::advanced(std::uint64_t now_us) const {
 
 // --- Services
 
-void DeviceServices::start(Node& node, std::uint8_t node_id) {
-  lss_.restart(node_id);
-  reset(node);
-}
-
-void DeviceServices::on_state(Node& node, NmtState state) {
-  if (state == NmtState::kInitialising) reset(node);
-}
-
-void DeviceServices::reset(Node& node) {
+// Reset node forgets a node id that has not been stored; reset communication activates it (CiA 305).
+void DeviceServices::on_reset(Node& node, NmtCommand reset) {
+  if (reset == NmtCommand::kResetNode) lss_.restart(stored_node_id_);
   time_.load_defaults();
   verification_ = {};
   node.set_node_id(lss_.node_id());
@@ -97,12 +90,11 @@ void DeviceServices::on_lss(Node& node, const hal::CanFrame& frame, std::uint64_
     case LssSlave::Event::kNone:
       return;
     case LssSlave::Event::kStore:
-      node_id_to_store_ = true;
+      node_id_to_store_ = lss_.node_id();
       return store_node_id(node);
     case LssSlave::Event::kLeft:
       // A node without id boots with the one just assigned; others wait for a reset (CiA 305, figure 4).
       if (node.node_id() == kUnconfiguredNodeId && lss_.node_id() != kUnconfiguredNodeId) {
-        reset(node);
         node.command(NmtCommand::kResetCommunication, now_us);
       }
       return;
@@ -110,9 +102,10 @@ void DeviceServices::on_lss(Node& node, const hal::CanFrame& frame, std::uint64_
 }
 
 void DeviceServices::store_node_id(Node& node) {
-  const AbortCode stored = owner_.on_store_node_id(lss_.node_id());
+  const AbortCode stored = owner_.on_store_node_id(*node_id_to_store_);
   if (stored == AbortCode::kBusy) return;
-  node_id_to_store_ = false;
+  if (stored == AbortCode::kNone) stored_node_id_ = *node_id_to_store_;
+  node_id_to_store_.reset();
   lss_.stored(stored, node.sink());
 }
 

@@ -78,8 +78,8 @@ class DeviceServices final : public NodeServices {
   // The owner must outlive the services.
   DeviceServices(const LssSlave::Address& address, DeviceOwner& owner) : owner_(owner), lss_(address) {}
 
-  // Power-on, before Node::start: takes the stored node id.
-  void start(Node& node, std::uint8_t node_id);
+  // Power-on, before Node::start: takes the stored node id, or the factory's.
+  void start(std::uint8_t node_id) { stored_node_id_ = node_id; }
   // Calls visit(identifier) for each frame that the services act on, as Node::for_each_identifier.
   template <typename Visit>
   void for_each_identifier(Visit visit) const {
@@ -92,19 +92,17 @@ class DeviceServices final : public NodeServices {
   void process(Node& node) {
     if (node_id_to_store_) store_node_id(node);
   }
-  // To be called from NodeApplication::on_state.
-  void on_state(Node& node, NmtState state);
   // The time of day by the last TIME message; nullopt before the first.
   std::optional<TimeOfDay> time_of_day(std::uint64_t now_us) const { return time_.at(now_us); }
 
  private:
+  void on_reset(Node& node, NmtCommand reset) override;
   AbortCode read(ObjectAddress address, ObjectValue& value) const override;
   AbortCode write(Node& node, ObjectAddress address, std::uint32_t value, std::size_t size) override;
   AbortCode write_own(ObjectAddress address, std::uint32_t value, std::size_t size);
   bool parameter(Node& node, std::size_t number, ParameterValue& parameter) const override;
   void restore(Node& node, const ParameterValue& parameter) override;
 
-  void reset(Node& node);
   void on_lss(Node& node, const hal::CanFrame& frame, std::uint64_t now_us);
   void store_node_id(Node& node);
   class ParameterList;
@@ -115,7 +113,8 @@ class DeviceServices final : public NodeServices {
   LssSlave lss_;
   TimeStamp time_;
   std::array<std::uint32_t, 2> verification_{};  // 0x1020: date and time of the configuration
-  bool node_id_to_store_ = false;                // the LSS master waits for it
+  std::uint8_t stored_node_id_ = kUnconfiguredNodeId;
+  std::optional<std::uint8_t> node_id_to_store_;  // the LSS master waits for it
 };
 
 }  // namespace koboshi::canopen

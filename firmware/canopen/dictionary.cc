@@ -23,6 +23,10 @@ std::uint32_t widened(std::uint32_t value, DataType type) {
 
 AbortCode check_limits(const Entry& row, std::uint32_t value) {
   if (row.type == DataType::kBoolean && value > 1) return AbortCode::kValueTooHigh;
+  if (row.listed) {
+    const std::uint32_t bit = value - row.low;
+    return bit < 32 && (row.high >> bit & 1u) != 0 ? AbortCode::kNone : AbortCode::kInvalidValue;
+  }
   if (!row.limited) return AbortCode::kNone;
   // With the sign bit flipped, signed numbers compare as unsigned ones.
   const std::uint32_t bias = is_signed(row.type) ? 0x8000'0000u : 0;
@@ -32,6 +36,11 @@ AbortCode check_limits(const Entry& row, std::uint32_t value) {
 }
 
 }  // namespace
+
+AbortCode Dictionary::check_value(const Entry& row, std::uint32_t& value) {
+  value = widened(value, row.type);
+  return check_limits(row, value);
+}
 
 AbortCode Dictionary::find(ObjectAddress address, Location& location) const {
   const auto row = first_candidate(rows_, address);
@@ -83,8 +92,7 @@ AbortCode Dictionary::check_write(ObjectAddress address, std::uint32_t& value, s
   if (row.type == DataType::kDomain) return AbortCode::kUnsupportedAccess;
   const AbortCode sized = check_size(size, size_bytes(row.type));
   if (sized != AbortCode::kNone) return sized;
-  value = widened(value, row.type);
-  return check_limits(row, value);
+  return check_value(row, value);
 }
 
 void Dictionary::store(const Location& location, std::uint32_t value) {

@@ -146,14 +146,17 @@ struct Entry {
   Access access = Access::kReadOnly;
   Mappable mappable = Mappable::kNo;
   bool limited : 1 = false;
-  bool kept : 1 = false;  // is_parameter although a PDO may write it
-  std::uint32_t low = 0;  // limits of what may be written, sign-extended for a signed type
+  bool listed : 1 = false;  // limited to the values low + i for which bit i of `high` is set
+  bool kept : 1 = false;    // is_parameter although a PDO may write it
+  std::uint32_t low = 0;    // limits of what may be written, sign-extended for a signed type
   std::uint32_t high = 0;
 
   constexpr bool is_in_ram() const { return offset < kComputed; }
 
-  // The same row, which refuses values outside [minimum, maximum] from SDO clients. A PDO cannot be refused:
-  // the owner clamps its values.
+  // Whether some values of the type may not be written.
+  constexpr bool restricts() const { return limited || listed || type == DataType::kBoolean; }
+
+  // The same row, which refuses values outside [minimum, maximum], whichever service writes them.
   template <typename T>
   constexpr Entry within(T minimum, T maximum) const {
     Entry row = *this;
@@ -284,6 +287,11 @@ class Dictionary {
 
   // kObjectDoesNotExist or kSubindexDoesNotExist when there is no such row. O(log n).
   AbortCode find(ObjectAddress address, Location& location) const;
+
+  // Judges a value for an object, whichever service brings it: an SDO client, an RPDO, or storage.
+  // Sign-extends it if the object is signed, and drops bytes beyond the object's size. kValueTooHigh,
+  // kValueTooLow or kInvalidValue if it must not be stored.
+  static AbortCode check_value(const Entry& row, std::uint32_t& value);
 
   // Reads a value. kUnsupportedAccess for a DOMAIN, here and below, and for a computed object, which is not
   // here.

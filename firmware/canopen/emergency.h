@@ -26,6 +26,8 @@ inline constexpr std::uint8_t kManufacturer = 1 << 7;
 namespace error_code {
 inline constexpr std::uint16_t kNoError = 0x0000;
 inline constexpr std::uint16_t kDataSet = 0x6300;  // a PDO of the NodeDescription cannot be
+// CiA 402-2: parameter error. CiA 301 has no code of its own for a value in an RPDO that must not be stored.
+inline constexpr std::uint16_t kParameter = 0x6320;
 inline constexpr std::uint16_t kCanOverrun = 0x8110;
 inline constexpr std::uint16_t kCanErrorPassive = 0x8120;
 inline constexpr std::uint16_t kHeartbeat = 0x8130;
@@ -45,7 +47,7 @@ enum class ErrorReporter : std::uint8_t { kOwner = 1, kStack = 2 };
 class ErrorLog {
  public:
   static constexpr std::size_t kHistory = 8;  // set by hand (2026-11-21)
-  // All errors of a drive at once: nine of the stack (error_code), seven of its own (cia402.h).
+  // All errors of a drive at once: ten of the stack (error_code), six more of its own (cia402.h).
   static constexpr std::size_t kMaxActive = 16;
 
   // Reports an error. True when it is new, so that an emergency message is due. `register_bits` are those of

@@ -33,8 +33,8 @@ enum class LssCommand : std::uint8_t {
 };
 
 // An LSS slave (CiA 305): the master finds it by its 128-bit LSS address, the four numbers of 0x1018, and
-// assigns its node id over the bus. The new node id takes effect with the next reset. The only bit timing is
-// 1 Mbit/s.
+// assigns its node id over the bus. The new node id takes effect with the next reset communication; reset
+// node returns to the stored one. The only bit timing is 1 Mbit/s.
 //
 // Requests are served in every NMT state; fastscan only by slaves without node id. A request that the present
 // LSS state does not permit is not answered.
@@ -53,9 +53,9 @@ class LssSlave {
 
   explicit LssSlave(const Address& address) : address_(address) {}
 
-  // Power-on: LSS state waiting. `node_id`: 1 to 127, or kUnconfiguredNodeId.
+  // Power-on and reset node: LSS state waiting, and the stored node id, 1 to 127 or kUnconfiguredNodeId.
   void restart(std::uint8_t node_id);
-  // The node id that takes effect with the next reset.
+  // The node id that takes effect with the next reset communication.
   std::uint8_t node_id() const { return node_id_; }
   State state() const { return state_; }
 

@@ -115,6 +115,7 @@ void Node::reset(NmtCommand reset, std::uint64_t now_us) {
     errors_ = ErrorLog();
     can_status_ = {.receive_overruns = can_status_.receive_overruns};
   }
+  if (services_ != nullptr) services_->on_reset(*this, reset);
   load_defaults();
   application_.on_reset(reset);
   if (node_id_ == kUnconfiguredNodeId) return;
@@ -218,7 +219,8 @@ void Node::on_rpdo(std::size_t number, const hal::CanFrame& frame, std::uint64_t
 
 void Node::take_effect(std::size_t number, Rpdo& pdo, const std::array<std::uint8_t, 8>& data) {
   pdo.pending = false;
-  pdo.record.unpack(dictionary_, data.data());
+  const ObjectAddress refused = pdo.record.unpack(dictionary_, data.data());
+  if (refused != pdo.refused) note_refusal(number, refused);
   application_.on_rpdo(number);
 }
 
@@ -290,6 +292,19 @@ void Node::note_reception(std::size_t number, Reception reception) {
   }
 }
 
+// Each object that is refused anew is an event of its own, although the error is present already.
+void Node::note_refusal(std::size_t number, ObjectAddress refused) {
+  rpdos_[number].refused = refused;
+  if (refused.index == 0) {
+    if (!rpdos_.any_refused()) report(error_code::kParameter, false);
+    return;
+  }
+  static_cast<void>(errors_.raise(error_code::kParameter, 0, refused.index, ErrorReporter::kStack));
+  send_emergency(error_code::kParameter,
+                 {static_cast<std::uint8_t>(refused.index), static_cast<std::uint8_t>(refused.index >> 8),
+                  refused.subindex, static_cast<std::uint8_t>(number + 1)});
+}
+
 // Heartbeats have nearly the lowest priority: on a bus that is full of SDO messages none gets through. So no
 // node counts as lost while this node's own heartbeats do not get through either. If none of its own is due,
 // the node sends one early, before another node would count as lost, to find out. An error-passive node
@@ -320,6 +335,7 @@ void Node::watch_heartbeats(std::uint64_t now_us) {
 void Node::on_rpdo_changed(std::size_t number) {
   rpdos_.on_changed(number);
   note_reception(number, Reception::kRight);
+  note_refusal(number, {});
 }
 
 void Node::watch_rpdos(std::uint64_t now_us) {

@@ -65,7 +65,9 @@ class NodeApplication {
   // A SYNC, in pre-operational or operational: after synchronous RPDOs have taken effect, before synchronous
   // TPDOs are packed.
   virtual void on_sync(std::uint64_t /*now_us*/) {}
-  // RPDO `number` (from 0) has taken effect.
+  // RPDO `number` (from 0) has taken effect, but for values that its objects do not take: these are ignored,
+  // with EMCY 0x6320 and the object's index and sub-index and the PDO's number (from 1) in its manufacturer
+  // field.
   virtual void on_rpdo(std::size_t /*number*/) {}
   // RPDO `number` has been silent for longer than its event timer: once, until it is received again.
   virtual void on_rpdo_timeout(std::size_t /*number*/) {}
@@ -97,6 +99,8 @@ struct ParameterValue {
 // linked. The node calls these functions from within its own.
 class NodeServices {
  public:
+  // A reset has begun; called before the node's defaults are loaded.
+  virtual void on_reset(Node& node, NmtCommand reset) = 0;
   // Reads one of the services' objects of the communication profile area; kObjectDoesNotExist for others.
   virtual AbortCode read(ObjectAddress address, ObjectValue& value) const = 0;
   // Receives every write of an SDO client: to one of the services' objects, else by Node::write_own. `size`
@@ -216,7 +220,8 @@ class Node final : private ObjectServer {
   std::uint32_t sync_period_us() const { return sync_.period_us(); }
   // kUnconfiguredNodeId: the node stays in initialising, and is silent.
   std::uint8_t node_id() const { return node_id_; }
-  // Sets the node id from the next reset on; from within on_state(kInitialising), for the present reset.
+  // Sets the node id from the next reset on; from within on_state(kInitialising) or NodeServices::on_reset,
+  // for the present reset.
   void set_node_id(std::uint8_t node_id) { node_id_ = node_id; }
   const NodeDescription& description() const { return description_; }
 
@@ -258,6 +263,11 @@ class Node final : private ObjectServer {
   // Another value after each reset and each change of the communication profile area: the identifiers may be
   // others then.
   std::uint32_t configuration() const { return configuration_; }
+
+  // Whether RPDO `number` (from 0) writes this object.
+  bool receives(std::size_t number, ObjectAddress address) const {
+    return number < rpdos_.size() && rpdos_[number].record.maps(address);
+  }
 
   // Access the whole dictionary as an SDO client does, with the same checks and errors. `size` in bytes.
   AbortCode read_object(ObjectAddress address, ObjectValue& value) override;
@@ -311,6 +321,7 @@ class Node final : private ObjectServer {
   // Errors that the stack itself detects. `detail` goes into the message's manufacturer field.
   void report(std::uint16_t code, bool present, std::uint8_t detail = 0);
   void note_reception(std::size_t number, Reception reception);
+  void note_refusal(std::size_t number, ObjectAddress refused);
   void watch_own_beats(std::uint64_t now_us);
   void take_can_status(const hal::CanStatus& status, std::uint64_t now_us);
   void watch_heartbeats(std::uint64_t now_us);

@@ -37,7 +37,7 @@ AbortCode PdoRecord::configure(const PdoConfiguration& configuration, std::uint8
     const AbortCode mapped = resolve(configuration.mapping[count], dictionary, objects_[count]);
     if (mapped != AbortCode::kNone) return mapped;
   }
-  const AbortCode counted = write_mapped_count(count);
+  const AbortCode counted = write_mapped_count(count, dictionary);
   if (counted != AbortCode::kNone) return counted;
   const std::uint32_t flags = direction_ == PdoDirection::kTransmit ? kCobIdNoRemote : 0;
   return write_cob_id((configuration.cob_id + (configuration.plus_node_id ? node_id : 0u)) | flags);
@@ -103,10 +103,13 @@ AbortCode PdoRecord::write_communication(std::uint8_t subindex, std::uint32_t va
 // Bit 30 is stored as written and has no effect, since no remote frame is ever answered. By CiA 301
 // (7.5.2.37) a TPDO with the bit clear is to be refused; but common masters (lely-core's dcfgen) write it
 // clear and send no remote frames.
+// A PDO without objects exists only while it is invalid: empty frames would cost bus time and say nothing.
 AbortCode PdoRecord::write_cob_id(std::uint32_t cob_id) {
   const AbortCode checked = check_cob_id(cob_id_, cob_id, kCobIdNoRemote);
-  if (checked == AbortCode::kNone) cob_id_ = cob_id;
-  return checked;
+  if (checked != AbortCode::kNone) return checked;
+  if (mapped_count_ == 0 && (cob_id & kCobIdInvalid) == 0) return AbortCode::kParameterIncompatibility;
+  cob_id_ = cob_id;
+  return AbortCode::kNone;
 }
 
 AbortCode PdoRecord::read_mapping(std::uint8_t subindex, ObjectValue& value) const {
@@ -124,7 +127,7 @@ AbortCode PdoRecord::read_mapping(std::uint8_t subindex, ObjectValue& value) con
 AbortCode PdoRecord::write_mapping(std::uint8_t subindex, std::uint32_t value, const Dictionary& dictionary) {
   if (subindex > kMaxMappedObjects) return AbortCode::kSubindexDoesNotExist;
   if (valid()) return AbortCode::kUnsupportedAccess;
-  if (subindex == 0) return write_mapped_count(value & 0xFF);
+  if (subindex == 0) return write_mapped_count(value & 0xFF, dictionary);
   if (mapped_count_ != 0) return AbortCode::kUnsupportedAccess;
   MappedObject object;
   const AbortCode resolved = resolve(value, dictionary, object);
@@ -132,7 +135,7 @@ AbortCode PdoRecord::write_mapping(std::uint8_t subindex, std::uint32_t value, c
   return resolved;
 }
 
-AbortCode PdoRecord::write_mapped_count(std::uint32_t count) {
+AbortCode PdoRecord::write_mapped_count(std::uint32_t count, const Dictionary& dictionary) {
   if (count > kMaxMappedObjects) return AbortCode::kPdoLengthExceeded;
   unsigned total_bytes = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -142,7 +145,30 @@ AbortCode PdoRecord::write_mapped_count(std::uint32_t count) {
   if (total_bytes > kMaxPdoBytes) return AbortCode::kPdoLengthExceeded;
   mapped_count_ = static_cast<std::uint8_t>(count);
   size_bytes_ = static_cast<std::uint8_t>(total_bytes);
+  restricted_ = std::ranges::any_of(mapped(), [&dictionary](const MappedObject& object) {
+    Location location;
+    return dictionary.find({object.index, object.subindex}, location) == AbortCode::kNone &&
+           location.entry->restricts();
+  });
   return AbortCode::kNone;
+}
+
+ObjectAddress PdoRecord::unpack_checked(Dictionary& dictionary, const std::uint8_t* data) const {
+  ObjectAddress refused;
+  for (const MappedObject& object : mapped()) {
+    const ObjectAddress address{object.index, object.subindex};
+    std::uint32_t value = 0;
+    std::memcpy(&value, data, object.size_bytes);
+    data += object.size_bytes;
+    Location location;
+    if (dictionary.find(address, location) != AbortCode::kNone) continue;  // a gap
+    if (Dictionary::check_value(*location.entry, value) == AbortCode::kNone) {
+      dictionary.store(location, value);
+    } else if (refused.index == 0) {
+      refused = address;
+    }
+  }
+  return refused;
 }
 
 AbortCode PdoRecord::resolve(std::uint32_t entry, const Dictionary& dictionary, MappedObject& object) const {
@@ -195,6 +221,10 @@ void RpdoSet::stop() {
 
 bool RpdoSet::any(Reception reception) const {
   return std::ranges::any_of(pdos_, [reception](const Rpdo& pdo) { return pdo.reception == reception; });
+}
+
+bool RpdoSet::any_refused() const {
+  return std::ranges::any_of(pdos_, [](const Rpdo& pdo) { return pdo.refused.index != 0; });
 }
 
 void RpdoSet::set_deadline(Rpdo& pdo, std::uint64_t deadline_us) {

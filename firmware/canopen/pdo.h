@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -66,14 +67,15 @@ class PdoRecord {
   explicit PdoRecord(PdoDirection direction) : direction_(direction) {}
 
   // Sets both records, as a reset does. An error leaves the PDO invalid: kInvalidValue for a transmission
-  // type or a COB-ID that is not supported; kObjectDoesNotExist, kSubindexDoesNotExist or kNotMappable for a
+  // type or a COB-ID that is not supported; kParameterIncompatibility for a valid COB-ID of a PDO without
+  // objects; kObjectDoesNotExist, kSubindexDoesNotExist or kNotMappable for a
   // mapped object; kPdoLengthExceeded for more than 8 bytes.
   AbortCode configure(const PdoConfiguration& configuration, std::uint8_t node_id,
                       const Dictionary& dictionary);
 
   // kSubindexDoesNotExist if the record has no such sub-index, here and below. Writing sub-index 0:
   // kWriteOfReadOnly; a value that is not supported, or that may not change while the PDO is valid:
-  // kInvalidValue.
+  // kInvalidValue; a valid COB-ID while no object is mapped: kParameterIncompatibility.
   AbortCode read_communication(std::uint8_t subindex, ObjectValue& value) const;
   AbortCode write_communication(std::uint8_t subindex, std::uint32_t value);
   // Writing while the PDO is valid, or an entry while the number of objects is not 0: kUnsupportedAccess;
@@ -98,7 +100,16 @@ class PdoRecord {
   bool untimed() const { return (inhibit_time_100us_ | event_timer_ms_) == 0; }
   std::uint8_t size_bytes() const { return size_bytes_; }
 
-  // Copy the mapped values to or from `size_bytes()` bytes of data.
+  // Whether an object is mapped.
+  bool maps(ObjectAddress address) const {
+    return std::ranges::any_of(mapped(), [address](const MappedObject& object) {
+      return object.index == address.index && object.subindex == address.subindex;
+    });
+  }
+
+  // Copy the mapped values to or from `size_bytes()` bytes of data. `unpack` leaves an object as it is if
+  // Dictionary::check_value refuses its value, processes the others, and returns the first one refused; index
+  // 0: none.
   void pack(const Dictionary& dictionary, std::uint8_t* data) const {
     const std::byte* const values = dictionary.value_at(0);
     for (const MappedObject& object : mapped()) {
@@ -107,13 +118,15 @@ class PdoRecord {
       data += size;
     }
   }
-  void unpack(Dictionary& dictionary, const std::uint8_t* data) const {
+  ObjectAddress unpack(Dictionary& dictionary, const std::uint8_t* data) const {
+    if (restricted_) return unpack_checked(dictionary, data);
     std::byte* const values = dictionary.value_at(0);
     for (const MappedObject& object : mapped()) {
       const std::size_t size = object.size_bytes;
       if (object.offset != MappedObject::kDummy) copy_value(values + object.offset, data, size);
       data += size;
     }
+    return {};
   }
 
  private:
@@ -128,8 +141,9 @@ class PdoRecord {
     }
   }
   std::span<const MappedObject> mapped() const { return {objects_.data(), mapped_count_}; }
+  ObjectAddress unpack_checked(Dictionary& dictionary, const std::uint8_t* data) const;
   AbortCode write_cob_id(std::uint32_t cob_id);
-  AbortCode write_mapped_count(std::uint32_t count);
+  AbortCode write_mapped_count(std::uint32_t count, const Dictionary& dictionary);
   AbortCode resolve(std::uint32_t entry, const Dictionary& dictionary, MappedObject& object) const;
 
   std::uint32_t cob_id_ = kCobIdInvalid;
@@ -140,6 +154,7 @@ class PdoRecord {
   std::uint8_t mapped_count_ = 0;
   std::uint8_t size_bytes_ = 0;
   PdoDirection direction_;
+  bool restricted_ = false;  // some mapped object does not take every value
   std::array<MappedObject, kMaxMappedObjects> objects_{};
 };
 
@@ -154,6 +169,7 @@ struct Rpdo {
   PdoRecord record{PdoDirection::kReceive};
   bool pending = false;  // data wait for the next SYNC
   Reception reception = Reception::kRight;
+  ObjectAddress refused;  // the first object in the last reception whose value was refused; index 0: none
   std::array<std::uint8_t, 8> data{};
   std::uint64_t deadline_us = kNever;  // of its event timer
 };
@@ -176,6 +192,8 @@ class RpdoSet {
   std::size_t find(std::uint16_t identifier) const { return slots_.find(identifier); }
   // Whether this was the last reception of any PDO.
   bool any(Reception reception) const;
+  // Whether the last reception of any PDO had a value that was refused.
+  bool any_refused() const;
 
   // To be called when a frame for this PDO of the set has arrived.
   void restart_timer(Rpdo& pdo, std::uint64_t now_us) {

@@ -21,6 +21,7 @@ namespace error_register = canopen::error_register;
 constexpr double kStopTime_s = 0.05;
 // A profile that nobody has changed gets there in five times that: a motion that is easy on the gears.
 constexpr double kProfileTime_s = 0.25;
+constexpr canopen::ObjectAddress kTarget{cia402::kTargetPosition, 0};
 // Communication error, generic (CiA 301, table 26).
 constexpr std::uint16_t kErrorCommunication = 0x8100;
 
@@ -45,28 +46,6 @@ DriveValues power_on_values(const JointDescription& joint) {
   values.quick_stop_deceleration =
       static_cast<std::uint32_t>(std::lround(joint.max_speed_rad_per_s / kStopTime_s / kRadPerPositionUnit));
   return values;
-}
-
-// Modes and option codes: CiA 402-2 has more of them than this drive.
-bool is_supported(std::uint16_t index, std::int32_t value) {
-  switch (index) {
-    case cia402::kModeOfOperation:
-      return is_supported_mode(value);
-    case cia402::kHomingMethod:
-      return value == cia402::kHomeOnPositionOld || value == cia402::kHomeOnPosition;
-    case cia402::kHaltOption:
-      return value == cia402::kStopOnSlowDownRamp || value == cia402::kStopOnQuickStopRamp;
-    case cia402::kShutdownOption:
-    case cia402::kDisableOperationOption:
-      return value == cia402::kDisableDrive || value == cia402::kStopOnSlowDownRamp;
-    case cia402::kQuickStopOption:
-      return value >= cia402::kDisableDrive &&
-             value <= cia402::kStopAtVoltageLimit + cia402::kStayInQuickStop;
-    case cia402::kFaultReactionOption:
-      return value >= cia402::kDisableDrive && value <= cia402::kStopOnQuickStopRamp;
-    default:
-      return true;
-  }
 }
 
 }  // namespace
@@ -120,7 +99,7 @@ void Drive::update(const JointState& joint, std::uint64_t now_us) {
   if (powered_ && !hanging_) {
     if (!started_ && now_us >= start_us_) {
       started_ = true;
-      services_.start(node_, storage_.node_id(joint_.drive.node_id));
+      services_.start(storage_.node_id(joint_.drive.node_id));
       node_.start(now_us);
       filter_.set(bus_, handle_, node_, services_);
     }
@@ -135,9 +114,10 @@ void Drive::update(const JointState& joint, std::uint64_t now_us) {
 }
 
 void Drive::archive(StateArchive& archive) {
-  archive(servo_, voltmeter_, thermometer_, state_, leaving_by_, demand_, target_limited_, profile_, homing_,
-          home_units_, watch_, velocity_, shown_current_A_, monitor_, description_, values_, storage_,
-          powered_, hanging_, started_, enable_line_, start_us_, now_us_, last_sync_us_, bus_off_);
+  archive(servo_, voltmeter_, thermometer_, state_, leaving_by_, demand_, target_given_, target_limited_,
+          profile_, homing_, home_units_, watch_, velocity_, shown_current_A_, monitor_, description_,
+          values_, storage_, powered_, hanging_, started_, enable_line_, start_us_, now_us_, last_sync_us_,
+          bus_off_);
   archive.in_place(memory_, services_, node_);
   if (!archive.writes()) filter_.set(bus_, handle_, node_, services_);
 }
@@ -148,8 +128,7 @@ void Drive::run_loop() {
   services_.process(node_);
   node_.process(now_us_);
   change_mode();
-  if (values_.mode_display == cia402::kProfilePosition && follows_targets())
-    profile_.step(values_, now_us_, demand_);
+  if (values_.mode_display == cia402::kProfilePosition && follows_targets()) step_profile();
   if (values_.mode_display == cia402::kHoming && follows_targets() &&
       homing_.step(values_.controlword, !servo_.encoder_broken())) {
     make_home();
@@ -194,7 +173,12 @@ bool Drive::send(const hal::CanFrame& frame) { return bus_.queue(handle_, frame,
 
 void Drive::on_reset(NmtCommand reset) {
   last_sync_us_.reset();
-  if (reset == NmtCommand::kResetNode) forget_motion();
+  if (reset == NmtCommand::kResetNode) {
+    forget_motion();
+  } else {
+    demand_.await_stream();
+    forget_target();
+  }
   storage_.load(reset);
   show();
 }
@@ -207,8 +191,10 @@ void Drive::forget_motion() {
   home_units_ = 0;
   state_ = DriveStateMachine();
   state_.initialised();
-  profile_.restart(0, 0);
-  target_limited_ = false;
+  leaving_by_.reset();
+  demand_.hold(position_units());
+  restart_motion(0);
+  homing_.restart(0);
   watch_.restart();
 }
 
@@ -217,13 +203,16 @@ AbortCode Drive::on_write(canopen::ObjectAddress address, std::uint32_t value) {
     obey(static_cast<std::uint16_t>(value));
     show();
   }
-  return is_supported(address.index, static_cast<std::int32_t>(value)) ? AbortCode::kNone
-                                                                       : AbortCode::kInvalidValue;
+  if (address == kTarget) target_given_ = true;
+  return AbortCode::kNone;
 }
 
-// Whichever it was, it may carry a controlword, and it has waited for the SYNC already if it had to.
-void Drive::on_rpdo(std::size_t) {
+// Whichever it was, it may carry a controlword, and it has waited for the SYNC already if it had to. A target
+// beside the controlword is for the operation that the controlword enables.
+void Drive::on_rpdo(std::size_t number) {
+  const std::int32_t target = values_.target_position;
   obey(values_.controlword);
+  if (node_.receives(number, kTarget)) give_target(target);
   show();
 }
 
@@ -238,7 +227,6 @@ void Drive::on_heartbeat(const canopen::HeartbeatEvent& event) {
 }
 
 void Drive::on_state(canopen::NmtState state) {
-  services_.on_state(node_, state);
   if (state != canopen::NmtState::kOperational && state_.makes_torque())
     abort_connection(kErrorCommunication);
 }

@@ -96,6 +96,11 @@ class Drive final : private BusNode,
   void check_parameters(canopen::cia402::State before);
   void report_parameters(bool contradict);
   void restart_motion(std::uint16_t controlword);
+  void forget_target();
+  void give_target(std::int32_t target) {
+    values_.target_position = target;
+    target_given_ = true;
+  }
   void fault(std::uint16_t error_code, std::uint8_t register_bits);
   // What 0x6007 asks for when the controller is lost, or takes the node out of operational.
   void abort_connection(std::uint16_t error_code);
@@ -104,6 +109,7 @@ class Drive final : private BusNode,
     return state_.state() == canopen::cia402::State::kOperationEnabled && !leaving_by_;
   }
   void begin_stop(std::int16_t option);
+  void brake(double deceleration_units_per_s2);
   double deceleration(std::int16_t option) const;  // units/s^2
   void finish_stop();
   void run_loop();
@@ -117,6 +123,7 @@ class Drive final : private BusNode,
   void watch_position();
   void measure();
   void follow_target();
+  void step_profile();
   bool limited() const;
   std::uint16_t mode_bits() const;  // of the statusword
   void show();
@@ -135,6 +142,7 @@ class Drive final : private BusNode,
   DriveStateMachine state_;
   std::optional<std::uint16_t> leaving_by_;  // the controlword that takes effect at the end of a ramp
   PositionDemand demand_;
+  bool target_given_ = false;    // since the motion restarted
   bool target_limited_ = false;  // the last one of a cyclic mode
   ProfilePosition profile_;
   Homing homing_;

@@ -46,11 +46,6 @@ canopen::SdoChannel pc_channel(std::uint8_t node_id) {
   return {.request_cob_id = kPcSdoRequestBase, .response_cob_id = kPcSdoResponseBase, .plus_node_id = true};
 }
 
-bool is_supported_mode(std::int32_t mode) {
-  return mode == cia402::kNoMode || mode == cia402::kProfilePosition || mode == cia402::kHoming ||
-         mode == cia402::kCyclicSynchronousPosition;
-}
-
 canopen::NodeDescription drive_node_description(const DriveDescription& drive) {
   return {
       .device_type = cia402::kDeviceType,

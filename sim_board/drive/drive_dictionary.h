@@ -76,9 +76,6 @@ struct DriveValues {
   std::uint16_t time_days = 0;                               // since 1 January 1984
 };
 
-// Profile position, homing, cyclic synchronous position, and none of them.
-bool is_supported_mode(std::int32_t mode);
-
 // Manufacturer-specific: CiA 402 has none of them.
 inline constexpr std::uint16_t kWindingTemperature = 0x2000;
 inline constexpr std::uint16_t kMaxCyclicStep = 0x2001;

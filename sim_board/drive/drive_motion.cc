@@ -14,10 +14,6 @@ namespace cia402 = canopen::cia402;
 
 namespace {
 
-// units/s^2: the demand stands within microseconds, and the position loop brakes with all that current limit
-// and supply let it.
-constexpr double kAtOnce = 1e12;
-
 // `rated` in thousandths of the value's unit.
 std::int16_t share_permille(double value, std::uint32_t rated) {
   return static_cast<std::int16_t>(nearest(std::clamp(1e6 * value / rated, -32768.0, 32767.0)));
@@ -66,10 +62,17 @@ void Drive::report_parameters(bool contradict) {
   }
 }
 
-// Forgets what was asked for: the demand is where it is.
+// Forgets what was asked for: the demand is where it is, and nothing moves before the next target.
 void Drive::restart_motion(std::uint16_t controlword) {
   profile_.restart(demand_.at(now_us_), controlword);
   demand_.await_stream();
+  forget_target();
+}
+
+// A target that was given before the last reset, enabling, change of the mode, or homing may lie anywhere.
+void Drive::forget_target() {
+  values_.target_position = makes_torque() ? demand_.at(now_us_) : position_units();
+  target_given_ = false;
   target_limited_ = false;
 }
 
@@ -103,7 +106,19 @@ void Drive::fault(std::uint16_t error_code, std::uint8_t register_bits) {
 
 void Drive::begin_stop(std::int16_t option) {
   if (option == cia402::kDisableDrive) return state_.torque_off();
-  demand_.stop(now_us_, deceleration(option));
+  brake(deceleration(option));
+}
+
+// Where the error is so large that the position loop gives the full voltage, the demand is far ahead of a
+// shaft that is as fast as it can be: the ramp then begins at the shaft.
+void Drive::brake(double deceleration_units_per_s2) {
+  const double lead_units = joint_.servo.full_voltage_error_rad / kRadPerPositionUnit;
+  const double ahead_units = static_cast<double>(demand_.at(now_us_)) - position_units();
+  if (std::abs(ahead_units) > lead_units) {
+    demand_.continue_from(position_units() + std::copysign(lead_units, ahead_units), velocity_.units_per_s(),
+                          now_us_);
+  }
+  demand_.stop(now_us_, deceleration_units_per_s2, position_range(values_));
 }
 
 double Drive::deceleration(std::int16_t option) const {
@@ -137,16 +152,22 @@ void Drive::finish_stop() {
 
 void Drive::follow_target() {
   if (!follows_targets()) return;
-  if (values_.mode_display != cia402::kCyclicSynchronousPosition) return;
+  if (values_.mode_display != cia402::kCyclicSynchronousPosition || !target_given_) return;
   const std::int32_t target = within_limits(values_, values_.target_position, demand_.at(now_us_));
   const bool reached =
       demand_.follow(target, now_us_, values_.interpolation_period * 1000u, cyclic_limits(values_));
   target_limited_ = !reached || target != values_.target_position;
 }
 
+void Drive::step_profile() {
+  const bool halted = profile_.halted();
+  profile_.step(values_, target_given_, now_us_, demand_);
+  if (profile_.halted() && !halted && !demand_.stands(now_us_)) brake(deceleration(values_.halt_option));
+}
+
 // A drive in operation changes its mode only at rest, so that no motion ends in a jerk.
 void Drive::change_mode() {
-  if (values_.mode == values_.mode_display || !is_supported_mode(values_.mode)) return;
+  if (values_.mode == values_.mode_display) return;
   if (state_.makes_torque() && !demand_.at_rest(now_us_)) return;
   values_.mode_display = values_.mode;
   restart_motion(values_.controlword);
@@ -172,6 +193,7 @@ void Drive::watch_position() {
 }
 
 bool Drive::limited() const {
+  if (makes_torque() && demand_.steepened(now_us_)) return true;
   if (!follows_targets()) return false;
   if (values_.mode_display == cia402::kCyclicSynchronousPosition) return target_limited_;
   return values_.mode_display == cia402::kProfilePosition && profile_.limited();
@@ -179,11 +201,10 @@ bool Drive::limited() const {
 
 std::uint16_t Drive::mode_bits() const {
   if (!follows_targets()) return 0;
-  const std::uint16_t limit = limited() ? cia402::kInternalLimit : std::uint16_t{0};
-  if (values_.mode_display == cia402::kCyclicSynchronousPosition) return cia402::kFollowsCommand | limit;
+  if (values_.mode_display == cia402::kCyclicSynchronousPosition) return cia402::kFollowsCommand;
   if (values_.mode_display == cia402::kHoming) return homing_.bits();
   if (values_.mode_display != cia402::kProfilePosition) return 0;
-  return static_cast<std::uint16_t>(limit | (watch_.target_reached() ? cia402::kTargetReached : 0u) |
+  return static_cast<std::uint16_t>((watch_.target_reached() ? cia402::kTargetReached : 0u) |
                                     (profile_.acknowledges() ? cia402::kSetPointAcknowledge : 0u));
 }
 
@@ -191,6 +212,7 @@ void Drive::show() {
   values_.statusword = static_cast<std::uint16_t>(cia402::statusword_of(state_.state()) | cia402::kRemote);
   if (state_.makes_torque()) values_.statusword |= cia402::kVoltageEnabled;
   values_.statusword |= mode_bits();
+  if (limited()) values_.statusword |= cia402::kInternalLimit;
   if (!enable_line_) values_.statusword |= cia402::kTorqueOff;
   if (watch_.following_fault()) values_.statusword |= cia402::kFollowingError;
   values_.following_error = watch_.following_error();

@@ -12,6 +12,7 @@
 namespace koboshi::sim {
 
 namespace cia402 = canopen::cia402;
+using canopen::named_only;
 using enum canopen::Access;
 using enum canopen::Mappable;
 
@@ -30,6 +31,9 @@ inline constexpr canopen::ValueName kQuickStopNames[] = {kStopNames[0],
                                                          {7, "stop at the current limit and stay"},
                                                          {8, "stop at the voltage limit and stay"}};
 inline constexpr canopen::ValueName kMotionProfileNames[] = {{0, "linear ramps"}};
+inline constexpr canopen::ValueName kHomingMethodNames[] = {
+    {cia402::kHomeOnPositionOld, "present position (older number)"},
+    {cia402::kHomeOnPosition, "present position"}};
 inline constexpr auto kDisableNames = std::span(kStopNames).first<2>();
 inline constexpr auto kHaltNames = std::span(kStopNames).last<2>();
 
@@ -72,26 +76,26 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
     {OBJECT(kStatusword, 0, statusword, kReadOnly, kTpdo),
      {.name = "Statusword",
       .values = cia402::kStatuswordNames,
-      .comment =
-          "Bit 11: a limit holds the drive back (607D, 6080, 60C5, 2001). Bit 14: the drive-enable line "
-          "is low, there is no torque."}},
-    {OBJECT(kQuickStopOption, 0, quick_stop_option, kReadWrite),
+      .comment = "Bit 11: a limit holds the drive back (607D, 6080, 60C5, 2001), or a stop is steeper than "
+                 "its ramp. "
+                 "Bit 14: the drive-enable line is low, there is no torque."}},
+    {named_only(OBJECT(kQuickStopOption, 0, quick_stop_option, kReadWrite), kQuickStopNames),
      {.name = "Quick stop option code",
       .values = kQuickStopNames,
       .comment = "Switch on disabled follows, or quick stop active stays."}},
-    {OBJECT(kShutdownOption, 0, shutdown_option, kReadWrite),
+    {named_only(OBJECT(kShutdownOption, 0, shutdown_option, kReadWrite), kDisableNames),
      {.name = "Shutdown option code", .values = kDisableNames, .comment = "From operation enabled."}},
-    {OBJECT(kDisableOperationOption, 0, disable_operation_option, kReadWrite),
+    {named_only(OBJECT(kDisableOperationOption, 0, disable_operation_option, kReadWrite), kDisableNames),
      {.name = "Disable operation option code", .values = kDisableNames}},
-    {OBJECT(kHaltOption, 0, halt_option, kReadWrite),
+    {named_only(OBJECT(kHaltOption, 0, halt_option, kReadWrite), kHaltNames),
      {.name = "Halt option code",
       .values = kHaltNames,
       .comment = "Profile position mode; operation stays enabled."}},
-    {OBJECT(kFaultReactionOption, 0, fault_reaction_option, kReadWrite),
+    {named_only(OBJECT(kFaultReactionOption, 0, fault_reaction_option, kReadWrite), kStopNames),
      {.name = "Fault reaction option code",
       .values = kStopNames,
       .comment = "Without a position the drive is disabled at once."}},
-    {OBJECT(kModeOfOperation, 0, mode, kReadWrite, kRpdo).parameter(),
+    {named_only(OBJECT(kModeOfOperation, 0, mode, kReadWrite, kRpdo).parameter(), cia402::kModeNames),
      {.name = "Modes of operation",
       .values = cia402::kModeNames,
       .comment = "Takes effect when no motion is under way, see the display."}},
@@ -137,7 +141,8 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
     {OBJECT(kTargetPosition, 0, target_position, kReadWrite, kRpdo),
      {.name = "Target position",
       .unit = kShaftUnit,
-      .comment = "Reached by interpolation over a cycle, or by a profile."}},
+      .comment = "Reached by interpolation over a cycle, or by a profile. Enabling, homing, a change of the "
+                 "mode and a reset set it to the present position."}},
     {OBJECT(kHomeOffset, 0, home_offset, kReadWrite).within<std::int32_t>(-(1 << 30), 1 << 30),
      {.name = "Home offset",
       .unit = kShaftUnit,
@@ -163,16 +168,19 @@ inline constexpr canopen::DescribedObject kDriveObjects[] = {
          .parameter(),
      {.name = "Profile deceleration",
       .unit = kShaftAccelerationUnit,
-      .comment = "Also applies to slow-down ramps."}},
+      .comment = "Also applies to slow-down ramps; a stop takes 1 s at most."}},
     {OBJECT(kQuickStopDeceleration, 0, quick_stop_deceleration, kReadWrite)
          .within<std::uint32_t>(1'000, 0x7FFF'FFFF),
      {.name = "Quick stop deceleration",
       .unit = kShaftAccelerationUnit,
-      .comment = "After a reset from the joint's highest speed, see the robot's file."}},
+      .comment = "After a reset from the joint's highest speed, see the robot's file. A stop takes 1 s at "
+                 "most."}},
     {OBJECT(kMotionProfileType, 0, motion_profile_type, kReadWrite).within<std::int16_t>(0, 0),
      {.name = "Motion profile type", .values = kMotionProfileNames}},
-    {OBJECT(kHomingMethod, 0, homing_method, kReadWrite),
-     {.name = "Homing method", .comment = "35 or 37: the present position is home; nothing moves."}},
+    {named_only(OBJECT(kHomingMethod, 0, homing_method, kReadWrite), kHomingMethodNames),
+     {.name = "Homing method",
+      .values = kHomingMethodNames,
+      .comment = "35 or 37: the present position is home; nothing moves."}},
     canopen::heading(cia402::kHomingSpeeds, "Homing speeds", "Not used: no homing method moves."),
     {OBJECT(kHomingSpeeds, 1, homing_speed[0], kReadWrite).repeated(2, 4),
      {.name = "Homing speed", .unit = kShaftSpeedUnit, .elements = kHomingSpeedNames}},

@@ -5,13 +5,14 @@
 
 namespace koboshi::sim {
 
-MotionProfile::MotionProfile(double distance_units, double speed_units_per_s, const ProfileLimits& limits)
+MotionProfile::MotionProfile(double distance_units, double speed_units_per_s, const ProfileLimits& limits,
+                             double braking_units_per_s2)
     : speed_units_per_s_(speed_units_per_s) {
   const double acceleration = limits.acceleration_units_per_s2;
   const double deceleration = limits.deceleration_units_per_s2;
   const double braking_units = 0.5 * speed_units_per_s * std::abs(speed_units_per_s) / deceleration;
   const bool away = speed_units_per_s * (distance_units - braking_units) < 0.0;
-  if (away) change_speed(0.0, deceleration);
+  if (away) change_speed(0.0, std::max(deceleration, braking_units_per_s2));
   const double way_units = distance_units - position_units_;
   const double start = std::abs(speed_units_per_s_);
   // v^2 of the triangle: (v^2 - start^2) / 2a + v^2 / 2d = way.

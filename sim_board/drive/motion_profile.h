@@ -20,7 +20,9 @@ struct ProfileLimits {
 // direction, brakes to rest first; too short a way for the profile velocity makes a triangle.
 class MotionProfile {
  public:
-  MotionProfile(double distance_units, double speed_units_per_s, const ProfileLimits& limits);
+  // `braking_units_per_s2`: the least deceleration of a move that brakes to rest first.
+  MotionProfile(double distance_units, double speed_units_per_s, const ProfileLimits& limits,
+                double braking_units_per_s2 = 0.0);
 
   double duration_s() const;
   // Both from the start of the move, 0 <= t_s <= duration_s().

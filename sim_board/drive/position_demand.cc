@@ -22,6 +22,8 @@ void PositionDemand::approach(std::int32_t target, std::uint64_t now_us, std::ui
   end_speed_ = speed_;
   wait_us_ = period_us;
   target_ = end_;
+  steepened_ = false;
+  stop_by_us_.reset();
   profile_.reset();
 }
 
@@ -46,30 +48,53 @@ bool PositionDemand::follow(std::int32_t target, std::uint64_t now_us, std::uint
     joins_ = false;
     return true;
   }
-  if (!on_its_way) move(target, now_us, jumps_ ? limits.jump : limits.motion);
+  if (!on_its_way) move(target, now_us, jumps_ ? limits.jump : limits.motion, limits.range);
   return false;
 }
 
-void PositionDemand::stop(std::uint64_t now_us, double deceleration_units_per_s2) {
-  const double speed = speed_units_per_s(now_us);
+void PositionDemand::stop(std::uint64_t now_us, double deceleration_units_per_s2,
+                          const PositionRange& range) {
+  const double speed = stream_speed(now_us);
   start_ = position_at(now_us);
+  if (!stop_by_us_ || stands(now_us)) stop_by_us_ = now_us + kLongestStop_us;
+  const double left_s = 1e-6 * static_cast<double>(*stop_by_us_ - std::min(now_us, *stop_by_us_ - 1));
+  const double least = speed == 0.0 ? kAtOnce : least_deceleration(speed, start_, range, left_s);
+  const double deceleration = std::max(deceleration_units_per_s2, least);
+  steepened_ = deceleration > deceleration_units_per_s2;
   start_us_ = now_us;
   speed_ = speed;
-  deceleration_ = std::copysign(deceleration_units_per_s2, speed);
-  const double time_s = std::abs(speed) / deceleration_units_per_s2;
+  deceleration_ = std::copysign(deceleration, speed);
+  const double time_s = std::abs(speed) / deceleration;
   end_ = start_ + 0.5 * speed * time_s;
   end_us_ = now_us + static_cast<std::uint64_t>(std::ceil(1e6 * time_s));
   end_speed_ = 0.0;
   profile_.reset();
 }
 
-void PositionDemand::move(std::int32_t target, std::uint64_t now_us, const ProfileLimits& limits) {
+void PositionDemand::continue_from(double position_units, double speed_units_per_s, std::uint64_t now_us) {
+  // Long enough not to end before the stop, at the same instant.
+  constexpr std::uint64_t kUntilStop_us = 1'000;
+  if (stands(now_us)) stop_by_us_.reset();
+  start_ = position_units;
+  speed_ = speed_units_per_s;
+  deceleration_ = 0.0;
+  start_us_ = now_us;
+  end_us_ = now_us + kUntilStop_us;
+  end_ = start_ + 1e-6 * kUntilStop_us * speed_;
+  profile_.reset();
+}
+
+void PositionDemand::move(std::int32_t target, std::uint64_t now_us, const ProfileLimits& limits,
+                          const PositionRange& range) {
   const double speed = stream_speed(now_us);
   start_ = position_at(now_us);
   start_us_ = now_us;
   end_ = target;
   end_speed_ = 0.0;
-  profile_.emplace(end_ - start_, speed, limits);
+  const double braking = speed == 0.0 ? 0.0 : least_deceleration(speed, start_, range);
+  profile_.emplace(end_ - start_, speed, limits, braking);
+  steepened_ = braking > limits.deceleration_units_per_s2;
+  stop_by_us_.reset();
   end_us_ = now_us + static_cast<std::uint64_t>(std::ceil(1e6 * profile_->duration_s()));
 }
 

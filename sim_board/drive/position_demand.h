@@ -11,10 +11,17 @@ namespace koboshi::sim {
 // The position that a drive asks of its servo between two targets of the bus, in units of the bus (2^-20
 // turn). Cyclic synchronous position mode: each new target is approached linearly over one interpolation
 // period (CiA 402, 0x60C2), starting where the demand stands, as long as that keeps the limits; else on a
-// trapezoidal profile. After `stop` the demand's speed falls with a constant deceleration (0x6085). Profile
-// position mode: `move` follows a trapezoidal profile from whatever the demand does to rest at its target.
+// trapezoidal profile. After `stop` the demand's speed falls with a constant deceleration (0x6084 or 0x6085).
+// Profile position mode: `move` follows a trapezoidal profile from whatever the demand does to rest at its
+// target.
+//
+// No ramp leaves the range of positions: one that is too flat for that is steepened.
 class PositionDemand {
  public:
+  // The longest ramp of a stop; a flatter one is steepened. With the time that the drive then holds
+  // (Drive::kStandTime_us) and the lag of the shaft, a stop ends within 1 s. Set by hand (2026-11-25).
+  static constexpr std::uint64_t kLongestStop_us = 800'000;
+
   // Stands at `position`.
   void hold(std::int32_t position);
   void approach(std::int32_t target, std::uint64_t now_us, std::uint32_t period_us);
@@ -27,13 +34,19 @@ class PositionDemand {
   // behind a stream that moves on by what it takes to brake. Where a stream ends, the demand ends, at
   // whatever speed: it runs past no target.
   bool follow(std::int32_t target, std::uint64_t now_us, std::uint32_t period_us, const CyclicLimits& limits);
-  void stop(std::uint64_t now_us, double deceleration_units_per_s2);
-  void move(std::int32_t target, std::uint64_t now_us, const ProfileLimits& limits);
+  // Ends within kLongestStop_us of the first of several stops in a row.
+  void stop(std::uint64_t now_us, double deceleration_units_per_s2, const PositionRange& range);
+  void move(std::int32_t target, std::uint64_t now_us, const ProfileLimits& limits,
+            const PositionRange& range);
+  // Continues at this position and speed until the `stop` that must follow.
+  void continue_from(double position_units, double speed_units_per_s, std::uint64_t now_us);
 
   // Position at `now_us`, never before the last call's time.
   std::int32_t at(std::uint64_t now_us) const;
   double speed_units_per_s(std::uint64_t now_us) const;
   bool stands(std::uint64_t now_us) const { return now_us >= end_us_; }
+  // Is under way on a ramp that has been steepened.
+  bool steepened(std::uint64_t now_us) const { return steepened_ && !stands(now_us); }
   // Stands, and not only because the next target of a stream has yet to come: for that it has a period.
   bool at_rest(std::uint64_t now_us) const { return stands(now_us) && stream_speed(now_us) == 0.0; }
 
@@ -48,11 +61,13 @@ class PositionDemand {
   std::uint64_t start_us_ = 0;
   std::uint64_t end_us_ = 0;  // from here on the demand stands at end_
   double end_ = 0.0;
-  double end_speed_ = 0.0;     // with which it arrives there
-  std::uint32_t wait_us_ = 0;  // how long a stream of targets may pause there
-  double target_ = 0.0;        // of the stream, the last
-  bool joins_ = true;          // a stream, and has not followed it yet
-  bool jumps_ = false;         // is on its way to where the stream has jumped
+  double end_speed_ = 0.0;                   // with which it arrives there
+  std::uint32_t wait_us_ = 0;                // how long a stream of targets may pause there
+  double target_ = 0.0;                      // of the stream, the last
+  bool joins_ = true;                        // a stream, and has not followed it yet
+  bool jumps_ = false;                       // is on its way to where the stream has jumped
+  bool steepened_ = false;                   // the ramp or the profile followed
+  std::optional<std::uint64_t> stop_by_us_;  // of a stop in progress
   std::optional<MotionProfile> profile_;
 };
 

@@ -13,18 +13,21 @@ void ProfilePosition::restart(std::int32_t position, std::uint16_t controlword) 
   controlword_ = controlword;
 }
 
-void ProfilePosition::step(const DriveValues& values, std::uint64_t now_us, PositionDemand& demand) {
+void ProfilePosition::step(const DriveValues& values, bool target_given, std::uint64_t now_us,
+                           PositionDemand& demand) {
   const bool edge = (values.controlword & ~controlword_ & cia402::kNewSetPoint) != 0;
   controlword_ = values.controlword;
   if (moving_ && started_ && demand.stands(now_us)) moving_.reset();
-  if (edge) take_set_point(values, demand.at(now_us));
-  obey_halt(values, now_us, demand);
+  if (edge && target_given) take_set_point(values, demand.at(now_us));
+  if (edge && !target_given) acknowledges_ = true;
+  halted_ = (values.controlword & cia402::kHalt) != 0;
+  if (halted_) started_ = false;  // what is left of the way goes on when the halt is taken back
   if (!moving_ && waiting_) {
     moving_.swap(waiting_);
     started_ = false;
   }
   if (moving_ && !started_ && !halted_) {
-    demand.move(moving_->target, now_us, moving_->limits);
+    demand.move(moving_->target, now_us, moving_->limits, position_range(values));
     started_ = true;
   }
   // The next one may come when the controller has seen this one's acknowledge and there is room.
@@ -45,17 +48,6 @@ void ProfilePosition::take_set_point(const DriveValues& values, std::int32_t dem
   if (!at_once) return;
   waiting_.reset();
   started_ = false;
-}
-
-void ProfilePosition::obey_halt(const DriveValues& values, std::uint64_t now_us, PositionDemand& demand) {
-  const bool halt = (values.controlword & cia402::kHalt) != 0;
-  if (halt && !halted_ && !demand.stands(now_us)) {
-    const bool quick = values.halt_option == cia402::kStopOnQuickStopRamp;
-    demand.stop(now_us,
-                quick ? values.quick_stop_deceleration : profile_limits(values).deceleration_units_per_s2);
-  }
-  if (halt) started_ = false;  // what is left of the way is gone when the halt is taken back
-  halted_ = halt;
 }
 
 }  // namespace koboshi::sim

@@ -16,8 +16,9 @@ class ProfilePosition {
  public:
   // Forgets all set-points: the drive holds `position`. A bit 4 that is already set gives none.
   void restart(std::int32_t position, std::uint16_t controlword);
-  // One loop in operation enabled.
-  void step(const DriveValues& values, std::uint64_t now_us, PositionDemand& demand);
+  // One loop in operation enabled. Without a `target_given` since the restart, a set-point is acknowledged
+  // and moves nothing. Where `halted` becomes true, the caller stops the demand.
+  void step(const DriveValues& values, bool target_given, std::uint64_t now_us, PositionDemand& demand);
 
   bool acknowledges() const { return acknowledges_; }  // statusword bit 12
   bool halted() const { return halted_; }
@@ -34,7 +35,6 @@ class ProfilePosition {
   };
 
   void take_set_point(const DriveValues& values, std::int32_t demand);
-  void obey_halt(const DriveValues& values, std::uint64_t now_us, PositionDemand& demand);
 
   std::uint16_t controlword_ = 0;
   bool acknowledges_ = false;

@@ -29,7 +29,7 @@ void SensorNode::update(std::uint64_t now_us) {
   now_us_ = now_us;
   if (!started_ && now_us >= kBootTime_us) {
     started_ = true;
-    services_.start(node_, node_.node_id());
+    services_.start(node_.node_id());
     node_.start(now_us);
     filter_.set(bus_, handle_, node_, services_);
   }

@@ -63,7 +63,6 @@ class SensorNode final : private BusNode,
   canopen::AbortCode on_store_node_id(std::uint8_t node_id) override {
     return storage_.store_node_id(node_id);
   }
-  void on_state(canopen::NmtState state) override { services_.on_state(node_, state); }
   void on_reset(canopen::NmtCommand reset) override { storage_.load(reset); }
   bool send(const hal::CanFrame& frame) override { return bus_.queue(handle_, frame, now_us_); }
 

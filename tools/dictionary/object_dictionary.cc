@@ -1,6 +1,7 @@
 #include "tools/dictionary/object_dictionary.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 #include <fmt/core.h>
@@ -65,7 +66,9 @@ ObjectItem make_item(const DescribedObject& described, std::size_t element,
   item.data_type = static_cast<std::uint8_t>(row.type);
   item.access = access_of(row);
   item.mappable = row.mappable;
-  if (row.limited) item.limits = {sign_extended(row.low, row.type), sign_extended(row.high, row.type)};
+  const std::uint32_t highest = row.listed ? row.low + std::bit_width(row.high) - 1 : row.high;
+  if (row.limited || row.listed)
+    item.limits = {sign_extended(row.low, row.type), sign_extended(highest, row.type)};
   item.default_value = default_of(item, row, values);
   item.unit = described.text.unit;
   item.values = described.text.values;

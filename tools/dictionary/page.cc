@@ -247,7 +247,20 @@ bound speed, acceleration and, on a profile, deceleration in every mode; quick s
 ramps. A cyclic target beyond them is approached on a profile, and the demand stays behind a stream that moves on by
 what it takes to brake. A stream may slow down and end as it likes: the demand does not run past its last target.
 
-Bit 11 of the statusword is set while any of these limits or 607D holds the drive back, and 2002 adds up that time.
+A stop (605A to 605E) follows 6084 or 6085. Whatever they hold, it ends within 1 s and within 607D: a ramp that is too
+flat for that is steepened. So is the ramp on which a drive in motion turns back. A stop begins at the shaft where the
+demand is far ahead of it.
+
+Enabling, a change of the mode, homing and a reset set the target position (607A) to the present position: the drive then
+holds it until a target is written, by SDO or by an RPDO that carries 607A. A set-point before that moves nothing. The
+target in the RPDO that brings the enabling controlword counts.
+
+The same check judges a value whichever service brings it: SDO, an RPDO, or stored parameters. A value in an RPDO that its
+object does not take is ignored, with error 6320 and, in the manufacturer field of the emergency message, the object's
+index (2 bytes), its sub-index and the number of the RPDO from 1. The rest of the RPDO is processed.
+
+Bit 11 of the statusword is set while any of these limits or 607D holds the drive back and while a ramp is steepened, and
+2002 adds up that time.
 
 | object | default | highest of the scenarios | margin |
 | --- | --- | --- | --- |

@@ -113,15 +113,57 @@ TEST(NodeLss, WaitsAgainWithoutAnId) {
   EXPECT_EQ(owner.node.state(), NmtState::kInitialising);
 }
 
-TEST(NodeLss, LosesItsIdWithAReset) {
+TEST(NodeLss, LosesItsIdWithAResetOfTheCommunication) {
   TestNode owner(0x10, kTestDevice);
   owner.start(0x10, 0);
   owner.node.command(NmtCommand::kStart, 0);
   owner.ask(lss({0x04, 1}));
   owner.ask(lss({0x11, 0xFF}));
-  EXPECT_TRUE(owner.ask(can_frame(0x000, {0x81, 0x10})).empty());
+  EXPECT_TRUE(owner.ask(can_frame(0x000, {0x82, 0x10})).empty());
   EXPECT_EQ(owner.node.node_id(), kUnconfiguredNodeId);
   EXPECT_EQ(owner.node.state(), NmtState::kInitialising);
+}
+
+// An id that is active, or waits for its activation, and is not stored.
+TEST(NodeLss, ReturnsToTheStoredIdWithAResetOfTheNode) {
+  for (const bool active : {false, true}) {
+    TestNode owner(0x10, kTestDevice);
+    owner.start(0x10, 0);
+    owner.node.command(NmtCommand::kStart, 0);
+    owner.ask(lss({0x04, 1}));
+    owner.ask(lss({0x11, 0x22}));
+    owner.ask(lss({0x04, 0}));
+    if (active) owner.ask(can_frame(0x000, {0x82, 0x00}));
+    EXPECT_EQ(owner.node.node_id(), active ? 0x22 : 0x10);
+    EXPECT_EQ(owner.ask(can_frame(0x000, {0x81, 0x00})), std::vector{can_frame(0x710, {0x00})});
+    EXPECT_EQ(owner.node.node_id(), 0x10);
+    EXPECT_EQ(owner.node_ids.back(), 0x10);
+    EXPECT_EQ(owner.ask(can_frame(0x000, {0x82, 0x00})), std::vector{can_frame(0x710, {0x00})});
+  }
+}
+
+TEST(NodeLss, KeepsAStoredIdOverAResetOfTheNode) {
+  TestNode owner(0x10, kTestDevice);
+  owner.start(0x10, 0);
+  owner.ask(lss({0x04, 1}));
+  owner.ask(lss({0x11, 0x22}));
+  owner.verdict = AbortCode::kBusy;
+  owner.ask(lss({0x17}));
+  owner.ask(lss({0x11, 0x33}));  // is not the one to store
+  owner.verdict = AbortCode::kNone;
+  owner.services.process(owner.node);
+  EXPECT_EQ(owner.stored_node_ids.back(), 0x22);
+  EXPECT_EQ(owner.ask(can_frame(0x000, {0x81, 0x00})), std::vector{can_frame(0x722, {0x00})});
+}
+
+TEST(NodeLss, ReturnsToTheOldIdIfTheNewOneCannotBeStored) {
+  TestNode owner(0x10, kTestDevice);
+  owner.start(0x10, 0);
+  owner.ask(lss({0x04, 1}));
+  owner.ask(lss({0x11, 0x22}));
+  owner.verdict = AbortCode::kHardwareError;
+  owner.ask(lss({0x17}));
+  EXPECT_EQ(owner.ask(can_frame(0x000, {0x81, 0x00})), std::vector{can_frame(0x710, {0x00})});
 }
 
 TEST(NodeLss, StartsWithTheIdThatWasStored) {

@@ -10,12 +10,12 @@ const hal::CanFrame kSync = can_frame(0x080, {});
 TEST(NodeRpdo, SynchronousDataTakeEffectAtTheNextSync) {
   TestNode device;
   device.make_operational();
-  device.node.on_frame(can_frame(0x210, {0x0F, 0x00, 0x78, 0x56, 0x34, 0x12}), 0);
+  device.node.on_frame(can_frame(0x210, {0x0F, 0x00, 0x18, 0xFC, 0xFF, 0xFF}), 0);
   EXPECT_EQ(device.values.controlword, 0);
   EXPECT_TRUE(device.rpdos.empty());
   device.node.on_frame(kSync, 100);
   EXPECT_EQ(device.values.controlword, 0x000F);
-  EXPECT_EQ(device.values.target, 0x12345678);
+  EXPECT_EQ(device.values.target, -1000);
   EXPECT_EQ(device.rpdos, std::vector<std::size_t>{0});
   device.node.on_frame(kSync, 200);
   EXPECT_EQ(device.rpdos.size(), 1u);
@@ -80,6 +80,40 @@ TEST(NodeRpdo, TooLongIsProcessedAndReported) {
             std::vector{can_frame(0x090, {0x20, 0x82, 0x11, 2, 0, 0, 0, 0})});
   EXPECT_EQ(device.values.controlword, 7);
   EXPECT_EQ(device.values.target, 0);
+}
+
+// The target is limited to [-1000, 1000].
+TEST(NodeRpdo, IgnoresAValueThatItsObjectDoesNotTakeAndReportsItOnce) {
+  TestNode device;
+  device.make_operational();
+  device.values.target = 7;
+  device.ask(can_frame(0x210, {0x0F, 0x00, 0xE9, 0x03, 0, 0}));
+  EXPECT_EQ(device.ask(kSync).front(), can_frame(0x090, {0x20, 0x63, 0x01, 0x7A, 0x60, 0, 1, 0}));
+  EXPECT_EQ(device.values.controlword, 0x0F);  // the rest of the PDO
+  EXPECT_EQ(device.values.target, 7);
+  EXPECT_EQ(device.rpdos, std::vector<std::size_t>{0});
+  device.ask(can_frame(0x210, {0x0F, 0x00, 0x17, 0xFC, 0xFF, 0xFF}));
+  EXPECT_EQ(device.ask(kSync).size(), 1u);  // the TPDO alone
+  EXPECT_EQ(device.values.target, 7);
+  device.ask(can_frame(0x210, {0x0F, 0x00, 0x18, 0xFC, 0xFF, 0xFF}));
+  EXPECT_EQ(device.ask(kSync).front(), can_frame(0x090, {0, 0, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(device.values.target, -1000);
+}
+
+TEST(NodeRpdo, ReportsEachObjectThatRefusesItsValue) {
+  TestNode device;
+  device.make_operational();
+  ASSERT_EQ(device.node.write_object({0x1402, 2}, 255, 1), AbortCode::kNone);
+  ASSERT_EQ(device.node.configure_rpdo(2, {.cob_id = 0x410, .mapping = {mapping(0x607A, 0, 32)}}),
+            AbortCode::kNone);
+  device.node.raise_error(0x6320, 0);  // by the owner, for a reason of its own
+  device.sink.take();
+  EXPECT_EQ(device.ask(can_frame(0x410, {0xFF, 0xFF, 0xFF, 0x7F})),
+            std::vector{can_frame(0x090, {0x20, 0x63, 0x01, 0x7A, 0x60, 0, 3, 0})});
+  EXPECT_TRUE(device.ask(can_frame(0x410, {0, 0, 0, 0})).empty());
+  EXPECT_TRUE(device.node.errors().active(0x6320));
+  device.node.clear_error(0x6320);
+  EXPECT_FALSE(device.node.errors().active(0x6320));
 }
 
 TEST(NodeRpdo, RejectsAnIdentifierInUse) {

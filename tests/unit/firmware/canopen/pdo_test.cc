@@ -50,7 +50,6 @@ TEST_F(PdoRecordTest, RefusesRestrictedAndExtendedIdentifiers) {
     EXPECT_EQ(receive_.write_communication(1, cob_id), AbortCode::kInvalidValue) << cob_id;
     EXPECT_EQ(transmit_.write_communication(1, cob_id | kCobIdNoRemote), AbortCode::kInvalidValue) << cob_id;
   }
-  EXPECT_EQ(transmit_.write_communication(1, 0x40000190), AbortCode::kNone);
 }
 
 // Masters that never send remote frames, such as lely-core's, write this value. The bit is not among those
@@ -65,7 +64,7 @@ TEST_F(PdoRecordTest, KeepsAnIdentifierThatAllowsRemoteFramesAsItIsWritten) {
 }
 
 TEST_F(PdoRecordTest, ChangesIdentifierAndInhibitTimeOnlyWhileInvalid) {
-  ASSERT_EQ(transmit_.write_communication(1, 0x40000190), AbortCode::kNone);
+  ASSERT_EQ(transmit_.configure(kTestTpdos[0], 0x10, dictionary_), AbortCode::kNone);
   EXPECT_EQ(transmit_.write_communication(1, 0x40000191), AbortCode::kInvalidValue);
   EXPECT_EQ(transmit_.write_communication(3, 10), AbortCode::kInvalidValue);
   EXPECT_EQ(transmit_.write_communication(5, 10), AbortCode::kNone);
@@ -103,6 +102,20 @@ TEST_F(PdoRecordTest, AnEntryOfZeroRemovesTheMapping) {
   ASSERT_EQ(receive_.read_mapping(1, value), AbortCode::kNone);
   EXPECT_EQ(value.number(), 0u);
   EXPECT_EQ(map(receive_, 0, 1), AbortCode::kObjectDoesNotExist);
+}
+
+// It would be an empty frame.
+TEST_F(PdoRecordTest, StaysInvalidWithoutAnObject) {
+  for (PdoRecord* const record : {&receive_, &transmit_}) {
+    EXPECT_EQ(record->write_communication(1, 0x210), AbortCode::kParameterIncompatibility);
+    EXPECT_FALSE(record->valid());
+    EXPECT_EQ(record->write_communication(1, 0x8000'0210), AbortCode::kNone);
+  }
+  EXPECT_EQ(transmit_.configure({.cob_id = 0x190}, 0x10, dictionary_), AbortCode::kParameterIncompatibility);
+  EXPECT_FALSE(transmit_.valid());
+  ASSERT_EQ(map(receive_, 1, mapping(0x0005, 0, 8)), AbortCode::kNone);  // a gap is one
+  ASSERT_EQ(map(receive_, 0, 1), AbortCode::kNone);
+  EXPECT_EQ(receive_.write_communication(1, 0x210), AbortCode::kNone);
 }
 
 TEST_F(PdoRecordTest, StaysInvalidWithAnInvalidDescription) {
@@ -153,7 +166,7 @@ TEST_F(PdoRecordTest, HasTheSubindicesOfItsDirection) {
 TEST_F(PdoRecordTest, PacksAndUnpacksLittleEndian) {
   ASSERT_EQ(receive_.configure(kTestRpdos[0], 0x10, dictionary_), AbortCode::kNone);
   const std::uint8_t received[] = {0x34, 0x12, 0x18, 0xFC, 0xFF, 0xFF};
-  receive_.unpack(dictionary_, received);
+  EXPECT_EQ(receive_.unpack(dictionary_, received), ObjectAddress{});
   EXPECT_EQ(values_.controlword, 0x1234);
   EXPECT_EQ(values_.target, -1000);
   ASSERT_EQ(transmit_.configure(kTestTpdos[0], 0x10, dictionary_), AbortCode::kNone);

@@ -55,13 +55,12 @@ class Device final : public NodeApplication, public DeviceOwner {
              memory.buffers(), sink, *this),
         items(flash, kSectors * 2048),
         parameters(items, node) {
-    services.start(node, node_id);
+    services.start(node_id);
     node.start(0);
   }
 
   AbortCode on_store(ParameterGroup group) override { return parameters.store(group); }
   AbortCode on_restore(ParameterGroup group) override { return parameters.restore(group); }
-  void on_state(NmtState state) override { services.on_state(node, state); }
   void on_reset(NmtCommand reset) override {
     if (reset == NmtCommand::kResetNode) values = {};
     parameters.load(reset == NmtCommand::kResetNode ? ParameterGroup::kAll : ParameterGroup::kCommunication);

@@ -194,13 +194,13 @@ class TestNode final : public NodeApplication, public DeviceOwner {
 
   // Brings the node to operational and clears the recorded frames.
   void make_operational(std::uint64_t now_us = 0) {
-    node.start(now_us);
+    start(node.node_id(), now_us);
     node.command(NmtCommand::kStart, now_us);
     sink.frames.clear();
   }
   // Powers on a device with this stored node id.
   void start(std::uint8_t node_id, std::uint64_t now_us) {
-    services.start(node, node_id);
+    services.start(node_id);
     node.start(now_us);
   }
   // Passes a frame to the node, as a device's owner does.
@@ -235,10 +235,7 @@ class TestNode final : public NodeApplication, public DeviceOwner {
   void on_node_id(std::uint8_t node_id) override { node_ids.push_back(node_id); }
   void on_time(const TimeOfDay& time) override { times.push_back(time); }
   void on_reset(NmtCommand reset) override { resets.push_back(reset); }
-  void on_state(NmtState state) override {
-    states.push_back(state);
-    if (node.description().field_device) services.on_state(node, state);
-  }
+  void on_state(NmtState state) override { states.push_back(state); }
   void on_sync(std::uint64_t) override {
     ++syncs;
     values.statusword = next_statusword;

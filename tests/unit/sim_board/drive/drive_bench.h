@@ -19,6 +19,7 @@ using canopen::ObjectAddress;
 inline constexpr std::uint8_t kNode = 20;
 inline constexpr std::uint64_t kLoop_us = 1'000;
 inline constexpr std::uint64_t kCycle_us = 10'000;
+inline constexpr std::int32_t kDegree = 2913;  // 2^-20 turn
 inline constexpr std::uint16_t kWayToOperation[] = {cia402::kControlShutdown, cia402::kControlSwitchOn,
                                                     cia402::kControlEnableOperation};
 

@@ -7,7 +7,6 @@
 namespace koboshi::sim {
 namespace {
 
-constexpr std::int32_t kDegree = 2913;  // 2^-20 turn
 constexpr double kRpm = (1 << 20) / 60.0;
 
 // Here the shaft is where the drive asks it to be.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -83,7 +84,7 @@ TEST(PositionDemand, MovesToAnUnreachableTargetOnOneProfile) {
     EXPECT_EQ(way.joined && demand.follow(0, 0, kCycle_us, kStreamLimits), way.joined);
     PositionDemand planned;
     planned.hold(0);
-    planned.move(way.target, 0, way.limits);
+    planned.move(way.target, 0, way.limits, {});
     std::uint64_t now_us = 0;
     for (; !planned.stands(now_us); now_us += kCycle_us) {
       EXPECT_FALSE(demand.follow(way.target, now_us, kCycle_us, kStreamLimits));
@@ -171,7 +172,7 @@ TEST(PositionDemand, StopsWithAConstantDeceleration) {
     PositionDemand demand;
     demand.hold(0);
     demand.approach(direction * 2'000, 0, kCycle_us);
-    demand.stop(5'000, 4e6);
+    demand.stop(5'000, 4e6, {});
     EXPECT_NEAR(demand.speed_units_per_s(5'000), direction * 200'000, 1e-6);
     EXPECT_NEAR(demand.speed_units_per_s(30'000), direction * 100'000, 1e-6);
     EXPECT_EQ(demand.at(30'000), direction * (1'000 + 3'750));
@@ -185,9 +186,60 @@ TEST(PositionDemand, StopsWithAConstantDeceleration) {
 TEST(PositionDemand, StopsAtOnceAtRest) {
   PositionDemand demand;
   demand.hold(123);
-  demand.stop(7'000, 4e6);
+  demand.stop(7'000, 4e6, {});
   EXPECT_TRUE(demand.stands(7'000));
   EXPECT_EQ(demand.at(7'000), 123);
+}
+
+// From 200,000 units/s: 1,000 units are left, or all of them.
+TEST(PositionDemand, SteepensARampThatIsTooFlat) {
+  for (const int direction : {1, -1}) {
+    for (const bool limited : {true, false}) {
+      PositionDemand demand;
+      demand.hold(0);
+      demand.approach(direction * 2'000, 0, kCycle_us);
+      const PositionRange range = limited ? PositionRange{-2'000.0, 2'000.0} : PositionRange{};
+      demand.stop(5'000, 1'000.0, range);
+      EXPECT_TRUE(demand.steepened(6'000));
+      const std::uint64_t end_us = 5'000 + (limited ? 10'000 : PositionDemand::kLongestStop_us);
+      EXPECT_FALSE(demand.stands(end_us - 10));
+      EXPECT_TRUE(demand.stands(end_us + 10));
+      EXPECT_FALSE(demand.steepened(end_us + 10));
+      EXPECT_EQ(demand.at(end_us + 10), direction * (limited ? 2'000 : 81'000));
+    }
+  }
+}
+
+TEST(PositionDemand, StandsWhereItIsBeyondItsRange) {
+  PositionDemand demand;
+  demand.hold(5'000);
+  demand.approach(6'000, 0, kCycle_us);
+  demand.stop(5'000, 1'000.0, {-2'000.0, 2'000.0});
+  EXPECT_EQ(demand.at(6'000), 5'500);
+}
+
+TEST(PositionDemand, HasOneTimeForSeveralStopsInARow) {
+  PositionDemand demand;
+  demand.hold(0);
+  demand.approach(2'000, 0, kCycle_us);
+  for (const std::uint64_t now_us : {5'000u, 300'000u, 600'000u, 804'999u}) demand.stop(now_us, 1'000.0, {});
+  EXPECT_TRUE(demand.stands(5'010 + PositionDemand::kLongestStop_us));
+}
+
+// Back to where it came from, out of full motion and with a deceleration that is far too small.
+TEST(PositionDemand, TurnsBackWithinItsRange) {
+  PositionDemand demand;
+  demand.hold(0);
+  demand.approach(2'000, 0, kCycle_us);
+  const ProfileLimits flat{
+      .velocity_units_per_s = 50e3, .acceleration_units_per_s2 = 1e3, .deceleration_units_per_s2 = 1e3};
+  demand.move(0, 5'000, flat, {-2'000.0, 2'500.0});
+  EXPECT_TRUE(demand.steepened(6'000));
+  std::int32_t furthest = 0;
+  for (std::uint64_t now_us = 5'000; !demand.stands(now_us); now_us += 1'000)
+    furthest = std::max(furthest, demand.at(now_us));
+  EXPECT_LE(furthest, 2'500);
+  EXPECT_GE(furthest, 2'490);
 }
 
 }  // namespace

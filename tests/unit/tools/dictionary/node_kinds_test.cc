@@ -38,7 +38,7 @@ class RealNode final : private canopen::NodeApplication, private canopen::Device
               .values = std::as_writable_bytes(std::span(&values_, 1)),
               .services = kind.description.field_device ? &services_ : nullptr},
              memory_.buffers(), sink_, *this) {
-    services_.start(node, kNodeId);
+    services_.start(kNodeId);
     node.start(0);
   }
 
