@@ -169,6 +169,8 @@ class ReplayPage(BrowserPage, unittest.TestCase):
         self.assertEqual((after["contacts"], after["corners"]), (4, 4))
         self.assertNotEqual(before["frame"], after["frame"])
         self.assertTrue(after["frame"].startswith("2.04"), after["frame"])
+        self.check_that_signals_are_added_by_name()
+        self.check_colours_and_angles_of_plots()
 
     def test_frames_are_decoded_and_filtered(self):
         self.open("sample.html")
@@ -197,6 +199,7 @@ class ReplayPage(BrowserPage, unittest.TestCase):
         frame_s = float(row.text.split()[0])
         row.click()
         self.assertAlmostEqual(1e-6 * self.time_us(), frame_s, delta=1e-6)
+        self.check_that_escape_empties_a_filter()
 
     def test_keyboard(self):
         self.open("sample.html", fragment="#t=1.5")
@@ -213,17 +216,20 @@ class ReplayPage(BrowserPage, unittest.TestCase):
         self.assertEqual(self.time_us(), 10_000)
         self.press("n")
         self.assertEqual(self.time_us(), 500_000)
-        settings = "const v = koboshi.view; return [v.follow, v.viewNumber, v.robot.links[0].collisions.visible, [...v.robot.materials_.values()][0].transparent]"
-        self.assertEqual(self.run_script(settings), [True, 1, False, False])
-        self.press("f", "4", "b", "t")
-        self.assertEqual(self.run_script(settings), [False, 4, True, True])
+        settings = "const v = koboshi.view; return [v.follow, v.viewKey, v.robot.links[0].collisions.visible, [...v.robot.materials_.values()][0].transparent]"
+        self.assertEqual(self.run_script(settings), [True, "4", False, False])
+        self.press("F", "2", "b", "t")
+        self.assertEqual(self.run_script(settings), [False, "2", True, True])
+        self.press(".", ".", ",")
+        self.assertEqual(self.time_us(), 510_000)
+        self.press("n", "p")
         self.press("z")
         self.assertEqual(self.run_script("return koboshi.plots.range.to - koboshi.plots.range.from"), 2_000_000)
         self.press("?")
         self.assertTrue(self.run_script("return document.getElementById('help').open"))
         self.press(Keys.ESCAPE)
         self.wait_until("return !document.getElementById('help').open && document.activeElement === document.body")
-        self.press(",", ",", ",", " ")
+        self.press("<", "<", "<", " ")
         self.assertEqual(self.run_script("return [koboshi.playing, koboshi.speed]"), [True, 0.1])
         self.wait_until("return koboshi.time > 500000")
         self.press(" ")
@@ -234,6 +240,78 @@ class ReplayPage(BrowserPage, unittest.TestCase):
         before = self.time_us()
         self.press("n", " ", "f")
         self.assertEqual(self.time_us(), before)
+        self.press(Keys.ESCAPE)
+        self.check_that_the_camera_stays_above_the_floor()
+
+    # --- checks within the tests: opening a page takes seconds ---
+
+    def check_that_escape_empties_a_filter(self):
+        shown = {"events": "return document.querySelectorAll('#event-list li:not([hidden])').length",
+                 "signals": "return document.querySelectorAll('#signal-list button:not([hidden])').length",
+                 "can": "return koboshi.can.shown.length"}
+        for tab, box in (("events", "event-filter"), ("signals", "signal-filter"), ("can", "can-filter")):
+            with self.subTest(tab):
+                self.run_script(f"koboshi.showTab('{tab}')")
+                everything = self.run_script(shown[tab])
+                self.browser.find_element(By.ID, box).send_keys("push emcy")
+                self.wait_until(f"{shown[tab].replace('return', 'return 1 *')} < {everything}")
+                self.press(Keys.ESCAPE)
+                self.wait_until(f"{shown[tab].replace('return', 'return 1 *')} === {everything}")
+                self.assertEqual(self.run_script(f"return [document.getElementById('{box}').value, document.activeElement.id]"), ["", ""])
+
+    def check_that_signals_are_added_by_name(self):
+        box = self.browser.find_element(By.ID, "add-signal")
+        note = lambda: self.run_script("const n = document.getElementById('signal-note'); return n.hidden ? '' : n.textContent")
+        box.send_keys("no_such_signal", Keys.ENTER)
+        self.assertIn("No signal is named “no_such_signal”", note())
+        self.press(Keys.ESCAPE)
+        self.assertEqual((note(), box.get_attribute("value")), ("", ""))
+        box.send_keys("true_", Keys.ENTER)
+        self.assertRegex(note(), "“true_” is in the names of [0-9]+ signals")
+        self.press(Keys.ESCAPE)
+        box.send_keys("left load imu_pitch", Keys.ENTER)
+        self.assertIn("No signal", note())
+
+    def check_colours_and_angles_of_plots(self):
+        places = """
+            const pane = koboshi.plots.panes[0];
+            return [...arguments].map((names) => { pane.names = names; pane.makeLegend(); return pane.series_; });"""
+        examples = {"planned_zmp_y zmp_y true_zmp_y": [1, 0, 7], "true_left_load true_right_load": [2, 3],
+                    "right_load left_load": [3, 2], "left_load right_knee": [0, 1], "left_zmp_y right_zmp_y": [2, 3]}
+        self.assertEqual(self.browser.execute_script(places, *[names.split() for names in examples]), list(examples.values()))
+        plotted = """
+            const signal = Object.assign(Object.create(Object.getPrototypeOf(koboshi.run.signals[0])), {unit: arguments[0]});
+            signal.values_ = [3.1, 3.2 - 2 * Math.PI, NaN, 3.3 - 2 * Math.PI, 0.5];
+            return [...signal.plotted].map((value) => Number.isFinite(value) ? Math.round(1e6 * value) / 1e6 : null);"""
+        self.assertEqual(self.browser.execute_script(plotted, "rad"), [3.1, 3.2, None, 3.3, 0.5])
+        self.assertEqual(self.browser.execute_script(plotted, "N"), [3.1, -3.083185, None, -2.983185, 0.5])
+
+    def drag(self, button, by):
+        """Drags from the middle of the view."""
+        x, y = self.run_script("const b = document.getElementById('canvas3d').getBoundingClientRect(); return [b.left + b.width / 2, b.top + b.height / 2]")
+        for kind, share in (("mousePressed", 0), ("mouseMoved", 0.5), ("mouseMoved", 1), ("mouseReleased", 1)):
+            self.browser.execute_cdp_cmd("Input.dispatchMouseEvent", {
+                "type": kind, "x": x + share * by[0], "y": y + share * by[1], "button": button, "clickCount": 1,
+                "buttons": {"left": 1, "right": 2}[button] if kind != "mouseReleased" else 0})
+
+    def check_that_the_camera_stays_above_the_floor(self):
+        heights = lambda: self.run_script("return [koboshi.view.camera.position.z, koboshi.view.controls.target.z]")
+        for button, by in (("left", (0, -400)), ("left", (100, -400)), ("right", (0, -400)), ("right", (0, -400)), ("left", (0, -400))):
+            self.drag(button, by)
+            eye, target = heights()
+            self.assertGreaterEqual(eye, 0.0199, (button, by))
+            self.assertGreaterEqual(target, -1e-9, (button, by))
+        # F shows the robot again.
+        self.press("f")
+        look = self.run_script("""
+            const v = koboshi.view;
+            return [v.controls.target.distanceTo(v.robot.links[0].position), v.camera.position.distanceTo(v.controls.target), v.height_]""")
+        self.assertLess(look[0], look[2])
+        self.assertTrue(2 < look[1] / look[2] < 3.5, look)
+        # The list of layers stands below the picture.
+        self.assertGreaterEqual(self.run_script("""
+            const box = (id) => document.getElementById(id).getBoundingClientRect();
+            return box("layers").top - box("canvas3d").bottom"""), -0.5)
 
     def test_controls_have_names_and_can_be_reached(self):
         self.open("sample.html")
@@ -308,10 +386,28 @@ class ReplayPage(BrowserPage, unittest.TestCase):
             points = [{"x": box[0] + box[2] / 2, "y": box[1] + 12}] if kind == "touchStart" else []
             self.browser.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
         self.assertAlmostEqual(self.time_us(), 2_005_000, delta=20_000)
+        self.check_tabs()
+        # In landscape, view and plots are beside each other.
+        for size in ((844, 390), (667, 375)):
+            with self.subTest(size):
+                self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                             {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": True})
+                self.wait_until(f"return window.innerWidth === {size[0]}")
+                view, plot = self.run_script("""
+                    const box = (e) => { const b = e.getBoundingClientRect(); return [b.left, b.top, b.right, b.bottom]; };
+                    return [box(document.getElementById("stage")), box(koboshi.plots.panes[0].canvas)];""")
+                for left, top, right, bottom in (view, plot):
+                    self.assertGreater(right - left, 0.35 * size[0])
+                    self.assertGreater(bottom - top, 55)
+                    self.assertLessEqual(right, size[0] + 0.5)
+                    self.assertLessEqual(bottom, self.run_script("return document.querySelector('footer').getBoundingClientRect().top") + 0.5)
+        self.check_tabs()
+
+    def check_tabs(self):
         for tab in ("events", "can", "signals", "about", "plots"):
             self.browser.find_element(By.ID, "tab-" + tab).click()
             self.assertTrue(self.browser.find_element(By.ID, tab).is_displayed(), tab)
-            self.assertLess(self.run_script("return document.getElementById('side').offsetHeight"), PHONE[1], tab)
+            self.assertLess(self.run_script("return document.getElementById('side').offsetHeight - window.innerHeight"), 0, tab)
 
 
 if __name__ == "__main__":

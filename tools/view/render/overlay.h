@@ -10,6 +10,7 @@
 
 #include "tools/view/recording/recording.h"
 #include "tools/view/render/footprints.h"
+#include "tools/view/render/looks.h"
 #include "tools/view/render/marks.h"
 #include "tools/view/render/playback.h"
 
@@ -40,14 +41,6 @@ class Overlays {
   unsigned bits_ = 0;
 };
 
-// Colours of the marks, those of the figures (tools/lab/plot/legend.h).
-inline constexpr Colour kPlannedColour{0.835F, 0.369F, 0.0F};
-inline constexpr Colour kMeasuredColour{0.0F, 0.447F, 0.698F};
-inline constexpr Colour kTrueColour{0.08F, 0.08F, 0.09F};
-inline constexpr Colour kComColour{0.902F, 0.624F, 0.0F};
-inline constexpr Colour kContactColour{0.0F, 0.62F, 0.451F};
-inline constexpr Colour kPushColour{0.80F, 0.12F, 0.16F};
-inline constexpr std::array<Colour, 2> kSideColours{{{0.0F, 0.62F, 0.451F}, {0.8F, 0.475F, 0.655F}}};
 inline constexpr double kForceScale_m_per_N = 0.008;  // length of arrows; the legend shows it
 
 // A zero moment point of a recording: the signals NAME_x and NAME_y. Rings in each other, so that coincident

@@ -4,12 +4,15 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
 #include "sim_board/record/output_file.h"
+#include "tools/view/render/looks.h"
 #include "tools/view/replay/page_parts.h"
 #include "tools/view/replay/replay_data.h"
 
@@ -88,6 +91,28 @@ std::string filled(std::string_view text,
   }
 }
 
+// The page's LOOKS (looks.h).
+std::string looks() {
+  using nlohmann::ordered_json;
+  ordered_json views = ordered_json::array();
+  for (const NamedView& view : kNamedViews)
+    views.push_back({{"key", std::string(1, view.key)},
+                     {"name", view.name},
+                     {"azimuth_deg", view.azimuth_deg},
+                     {"elevation_deg", view.elevation_deg}});
+  ordered_json keys;
+  for (const SharedKey& shared : kSharedKeys) keys[std::string(shared.action)] = shared.key;
+  const auto css = [](const Colour& colour) {
+    const auto byte = [](float share) { return static_cast<int>(std::lround(255.0F * share)); };
+    return fmt::format("#{:02x}{:02x}{:02x}", byte(colour.red), byte(colour.green), byte(colour.blue));
+  };
+  const ordered_json colours{
+      {"planned", css(kPlannedColour)},  {"measured", css(kMeasuredColour)}, {"true", css(kTrueColour)},
+      {"com", css(kComColour)},          {"contact", css(kContactColour)},   {"push", css(kPushColour)},
+      {"support", css(kMeasuredColour)}, {"left", css(kSideColours[0])},     {"right", css(kSideColours[1])}};
+  return ordered_json{{"views", views}, {"keys", keys}, {"colours", colours}}.dump();
+}
+
 // Nothing is loaded from anywhere, and the data cannot become code.
 constexpr const char* kPolicy =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:";
@@ -99,6 +124,7 @@ std::string page_of(const std::string& title, const std::string& policy, std::st
                              {"title", escaped(title)},
                              {"style", parts.style},
                              {"three", parts.three},
+                             {"looks", looks()},
                              {"scripts", parts.scripts},
                              {"data", data}});
 }

@@ -9,9 +9,9 @@ const TRAIL_US = 1e6;
 const LIFT_M = 0.0004;           // of marks above the ground
 
 const ZMP_MARKS = [
-  {name: "planned ZMP", signals: ["planned_zmp_x", "planned_zmp_y"]},
-  {name: "measured ZMP", signals: ["zmp_x", "zmp_y"]},
-  {name: "true ZMP", signals: ["true_zmp_x", "true_zmp_y"]},
+  {name: "planned ZMP", colour: "planned", signals: ["planned_zmp_x", "planned_zmp_y"]},
+  {name: "measured ZMP", colour: "measured", signals: ["zmp_x", "zmp_y"]},
+  {name: "true ZMP", colour: "true", signals: ["true_zmp_x", "true_zmp_y"]},
 ];
 
 // Convex hull of points {x, y}, counter-clockwise (Andrew's monotone chain).
@@ -65,7 +65,7 @@ class Footprints {
     this.run = run;
     this.group = group;
     const phases = supportPhases(run);
-    this.sides = run.scene.soles.map((sole, side) => this.side_(sole, phases[side], SIDES[side % 2]));
+    this.sides = run.scene.soles.map((sole, side) => this.side_(sole, phases[side], MARKS[["left", "right"][side % 2]]));
   }
   side_(sole, phases, colour) {
     const corners = sole.corners.length;
@@ -205,7 +205,7 @@ class Balance {
   get groups() { return Object.values(this.layers); }
 
   makePolygon_() {
-    const colour = linearColour("#00825f");
+    const colour = linearColour(MARKS.support);
     this.polygonEdge_ = new MovingLine(64, new THREE.LineBasicMaterial({color: colour, transparent: true}), true);
     this.polygonArea_ = new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshBasicMaterial(
         {color: colour, transparent: true, opacity: 0.22, side: THREE.DoubleSide, depthWrite: false}));
@@ -217,7 +217,7 @@ class Balance {
     this.zmp_ = ZMP_MARKS.filter((mark) => mark.signals.every((name) => this.run.signalByName.has(name)))
       .map((mark) => {
         const index = ZMP_MARKS.indexOf(mark);
-        const colour = SERIES.light[index];
+        const colour = markColour(mark.colour);
         const object = zmpMark(index, colour);
         const trail = new MovingLine(256, new THREE.LineBasicMaterial(
             {color: linearColour(colour), transparent: true, opacity: 0.7, depthTest: false}));
@@ -227,8 +227,13 @@ class Balance {
         return {mark, object, trail};
       });
   }
+  setTheme() {
+    for (const {mark, object, trail} of this.zmp_) {
+      for (const material of [object.material, trail.object.material]) material.color = linearColour(markColour(mark.colour));
+    }
+  }
   makeCom_() {
-    const colour = linearColour("#e69f00");
+    const colour = linearColour(MARKS.com);
     this.com_ = new THREE.Mesh(new THREE.SphereBufferGeometry(0.0085, 24, 16), new THREE.MeshBasicMaterial(
         {color: colour, depthTest: false, transparent: true, opacity: 0.95}));
     this.comFoot_ = new THREE.Mesh(new THREE.CircleBufferGeometry(0.0065, 24), new THREE.MeshBasicMaterial(
@@ -276,7 +281,7 @@ class Balance {
       }
       if (f.length() < SHORTEST_ARROW_N) continue;
       if (used === this.contactArrows_.length) {
-        const arrow = new Arrow("#d55e00", 0.0016);
+        const arrow = new Arrow(MARKS.contact, 0.0016);
         this.layers.contacts.add(arrow.group);
         this.contactArrows_.push(arrow);
       }
@@ -334,7 +339,7 @@ class Balance {
     this.now.pushes = 0;
     this.run.pushes.forEach((push, i) => {
       if (i === this.pushArrows_.length) {
-        this.pushArrows_.push(new Arrow("#b2467f", 0.0042));
+        this.pushArrows_.push(new Arrow(MARKS.push, 0.0042));
         this.layers.pushes.add(this.pushArrows_[i].group);
       }
       const arrow = this.pushArrows_[i];

@@ -66,6 +66,14 @@ class Signal {
     if (!this.values_) this.values_ = decodeColumn(this.bytes_, this.json_);
     return this.values_;
   }
+  // The values as plots show them: without the jumps of an angle.
+  get plotted() {
+    if (this.plottedOf_ !== this.values) {
+      this.plottedOf_ = this.values;
+      this.plotted_ = unwrapped(this.values, this.unit);
+    }
+    return this.plotted_;
+  }
 }
 
 // The frames on the bus. A frame belongs to a group (identifier, length); groups share what all frames have in
@@ -181,6 +189,10 @@ class Run {
   value(name, sample) {
     const signal = this.signalByName.get(name);
     return signal && sample < this.times.length ? signal.values[sample] : NaN;
+  }
+  plottedValue(name, sample) {
+    const signal = this.signalByName.get(name);
+    return signal && sample < this.times.length ? signal.plotted[sample] : NaN;
   }
   vector(names, sample) { return names.map((name) => this.value(name, sample)); }
   // The signal whose value names are the states of the controller.

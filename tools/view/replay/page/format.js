@@ -48,8 +48,37 @@ const SERIES = {
   light: ["#0072b2", "#d55e00", "#00825f", "#b2467f", "#8a6a00", "#3b9bd6", "#5b4bc4", "#555555"],
   dark: ["#56b4e9", "#f08c3c", "#2fc79a", "#e892c0", "#f0e442", "#7aa5ff", "#b7a4ff", "#c0c4cc"],
 };
-// Left and right.
-const SIDES = ["#0072b2", "#d55e00"];
+// The colours of marks, those of the studio and of the figures (looks.h).
+const MARKS = LOOKS.colours;
+const DARK_TRUE = "#e4e9f0";  // of the true ZMP, on a dark background
+function markColour(name) { return name === "true" && darkQuery.matches ? DARK_TRUE : MARKS[name]; }
+
+// The places in SERIES of the signals of a plot: the roles and sides of MARKS where there are any.
+function seriesOf(names) {
+  const mirrored = names.length === 2 && names[0] !== names[1] &&
+      names[0].replace(/left_/, "right_") === names[1].replace(/left_/, "right_");
+  const roles = {planned_: 1, true_: 7, "": 0};
+  return names.map((name, i) => {
+    if (mirrored) return name.includes("left_") ? 2 : 3;
+    const zmp = /^(planned_|true_|)zmp_[xy]$/.exec(name);
+    return zmp ? roles[zmp[1]] : i;
+  });
+}
+
+// A whole turn in the unit of an angle, 0 for any other unit; and the values of a signal without the jumps of a turn at
+// the ends of an angle's range.
+function turnOf(unit) { return {rad: 2 * Math.PI, deg: 360}[unit] || 0; }
+function unwrapped(values, unit) {
+  const turn = turnOf(unit);
+  if (turn === 0) return values;
+  let last = NaN;
+  return Float64Array.from(values, (value) => {
+    if (!Number.isFinite(value)) return value;
+    const continued = value + turn * Math.round((last - value) / turn);
+    last = Math.abs(continued - last) < turn / 4 ? continued : value;
+    return last;
+  });
+}
 
 // States that mean the same look the same in every run; others get colours in their order.
 const STATE_COLOURS = {

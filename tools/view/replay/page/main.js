@@ -5,7 +5,7 @@ const FRAME_MS = 17;
 const MAX_REST_MS = 2000;     // between drawings
 const SLOW_GROWTH_MS = 200;   // between updates of time line, footprints and lists
 
-const PHONE = window.matchMedia("(max-width: 760px)");
+const PHONE = window.matchMedia("(max-width: 760px), (max-height: 500px) and (orientation: landscape)");  // style.css
 
 class Page {
   constructor({run, other, difference, stream = null}) {
@@ -23,6 +23,7 @@ class Page {
     this.parts = [this.view, this.plots, this.timeline, this.events, this.can, this.signalList];
     this.describe_();
     this.makeLayers_();
+    this.makeViews_();
     this.listen_();
     this.showTab(PHONE.matches ? "plots" : "events");
     this.following = false;  // a live run's newest moment
@@ -118,7 +119,6 @@ class Page {
   makeLayers_() {
     const {robot, balance, ghost} = this.view;
     const layer = (name) => (on) => { balance.layers[name].visible = on; };
-    const zmp = SERIES.light;
     this.layers = new Map();
     const add = (key, text, mark, colour, on, set) => {
       const box = element("input", {type: "checkbox", checked: on});
@@ -141,19 +141,29 @@ class Page {
     });
     add("translucent", "translucent", "◫", "", false, (on) => robot.setTranslucent(on));
     if (ghost) add("ghost", "second run", "▣", GHOST_COLOUR, true, (on) => { ghost.group.visible = on; });
-    add("footprints", "footprints", "▭", SIDES[0], true, layer("footprints"));
-    add("polygon", "support polygon", "⬠", "#00825f", true, layer("polygon"));
-    add("zmp", "ZMP", "", "", true, layer("zmp"));
-    const legend = byId("layer-list").lastElementChild;
-    legend.append(": ", ...[["○", "planned"], ["✕", "measured"], ["●", "true"]].map(([mark, text], i) => {
-      const part = element("span", {textContent: mark + " " + text});
-      part.style.color = zmp[i];
+    const parts = (marks) => byId("layer-list").lastElementChild.append(...marks.map(([mark, name]) => {
+      const part = element("span", {textContent: mark + " " + name});
+      part.style.color = name === "true" ? "" : MARKS[name];  // the true ZMP is as dark or light as texts
       return part;
     }));
-    add("com", "centre of mass", "●", "#e69f00", true, layer("com"));
-    add("contacts", "contact forces, 12 mm/N", "↑", "#d55e00", true, layer("contacts"));
-    add("pushes", "pushes, 20 mm/N", "→", "#b2467f", true, layer("pushes"));
+    add("footprints", "footprints:", "", "", true, layer("footprints"));
+    parts([["▭", "left"], ["▭", "right"]]);
+    add("polygon", "support polygon", "⬠", MARKS.support, true, layer("polygon"));
+    add("zmp", "ZMP:", "", "", true, layer("zmp"));
+    parts([["○", "planned"], ["✕", "measured"], ["●", "true"]]);
+    add("com", "centre of mass", "●", MARKS.com, true, layer("com"));
+    add("contacts", "contact forces, 12 mm/N", "↑", MARKS.contact, true, layer("contacts"));
+    add("pushes", "pushes, 20 mm/N", "→", MARKS.push, true, layer("pushes"));
     if (PHONE.matches) byId("layers").open = false;
+  }
+  // Buttons and keys of the directions to look from.
+  makeViews_() {
+    byId("follow").before(...LOOKS.views.map(({key, name}) => {
+      const button = element("button", {textContent: name, title: `View: ${name} (${key})`});
+      button.addEventListener("click", () => this.view.look(key));
+      return button;
+    }));
+    byId("view-names").textContent = "views: " + LOOKS.views.map((view) => view.name).join(", ");
   }
   toggleLayer(key) {
     const {box, apply} = this.layers.get(key);
@@ -258,7 +268,6 @@ class Page {
     if (this.signalList) this.signalList.showPlotted();
     if (this.timeline) this.timeline.draw();
   }
-  setView(number) { this.view.look(number); }
   toggleFollow() {
     this.view.setFollow(!this.view.follow);
     byId("follow").setAttribute("aria-pressed", String(this.view.follow));
@@ -285,11 +294,9 @@ class Page {
     click("to-start", () => this.setTime(this.run.start));
     click("to-end", () => this.goLive());
     click("follow", () => this.toggleFollow());
+    click("look", () => this.view.lookAtRobot());
     click("degrees", () => this.toggleDegrees());
     click("help-button", () => this.showHelp());
-    for (const button of document.querySelectorAll("[data-view]")) {
-      button.addEventListener("click", () => this.setView(Number(button.dataset.view)));
-    }
     const tabs = [...document.querySelectorAll("[role=tab]")];
     for (const tab of tabs) tab.addEventListener("click", () => this.showTab(tab.dataset.tab));
     byId("tabs").addEventListener("keydown", (event) => {
@@ -321,25 +328,36 @@ class Page {
     const target = event.target;
     const types = target instanceof HTMLInputElement && target.type !== "checkbox";
     if (types || target instanceof HTMLSelectElement) {
-      if (event.key === "Escape") target.blur();
+      if (event.key !== "Escape") return;
+      // Browsers empty a search field without saying so to its listeners.
+      if (target.type === "search" && target.value) {
+        target.value = "";
+        target.dispatchEvent(new Event("input", {bubbles: true}));
+      }
+      target.blur();
+      event.preventDefault();
       return;
     }
     if (this.panel && this.panel.takes(event)) return;
     if (target.getAttribute && target.getAttribute("role") === "separator") return;
     const onButton = target instanceof HTMLButtonElement || target instanceof HTMLInputElement || target.tagName === "SUMMARY";
     if (onButton && event.key === " ") return;  // presses the button
+    const {keys: shared} = LOOKS;  // with the studio
     const keys = {
-      " ": () => this.togglePlay(),
+      [shared.play]: () => this.togglePlay(),
+      [shared.tick]: () => this.step(1),
+      [shared.tick_back]: () => this.step(-1),
+      [shared.begin]: () => this.setTime(this.run.start),
+      [shared.end]: () => this.goLive(),
+      [shared.look]: () => this.view.lookAtRobot(),
+      [shared.follow]: () => this.toggleFollow(),
+      ...Object.fromEntries(LOOKS.views.map(({key}) => [key, () => this.view.look(key)])),
       ArrowLeft: () => (event.shiftKey ? this.jump(-1e6) : this.step(-1)),
       ArrowRight: () => (event.shiftKey ? this.jump(1e6) : this.step(1)),
-      Home: () => this.setTime(this.run.start),
-      End: () => this.goLive(),
-      ",": () => this.changeSpeed(-1),
-      ".": () => this.changeSpeed(1),
+      "<": () => this.changeSpeed(-1),
+      ">": () => this.changeSpeed(1),
       n: () => this.jumpToEvent(1),
       p: () => this.jumpToEvent(-1),
-      1: () => this.setView(1), 2: () => this.setView(2), 3: () => this.setView(3), 4: () => this.setView(4),
-      f: () => this.toggleFollow(),
       b: () => this.toggleLayer("boxes"),
       t: () => this.toggleLayer("translucent"),
       w: () => this.plots.setRange(this.plots.whole.from, this.plots.whole.to),
@@ -347,7 +365,7 @@ class Page {
       d: () => this.showDifference(),
       "?": () => this.showHelp(),
     };
-    const action = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+    const action = keys[event.key] || keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
     if (!action) return;
     action();
     event.preventDefault();

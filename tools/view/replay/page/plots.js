@@ -96,9 +96,10 @@ class Pane {
   makeLegend() {
     const colours = theme();
     this.values_ = this.names.map(() => element("b"));
+    this.series_ = seriesOf(this.names);
     this.legend.replaceChildren(...this.names.map((name, i) => {
       const swatch = element("i");
-      swatch.style.background = colours.series[i % colours.series.length];
+      swatch.style.background = colours.series[this.series_[i] % colours.series.length];
       const remove = element("button", {className: "chip", title: "Remove " + name},
                              [swatch, name + " ", this.values_[i], element("span", {textContent: "×"})]);
       remove.addEventListener("click", () => this.plots.toggle(name));
@@ -110,8 +111,8 @@ class Pane {
     this.names.forEach((name, i) => {
       const {run, other} = this.plots;
       const signal = run.signalByName.get(name);
-      let text = valueText(signal, run.value(name, sample));
-      if (other && other.signalByName.has(name)) text += " | " + valueText(signal, other.value(name, otherSample));
+      let text = valueText(signal, run.plottedValue(name, sample));
+      if (other && other.signalByName.has(name)) text += " | " + valueText(signal, other.plottedValue(name, otherSample));
       this.values_[i].textContent = text;
     });
   }
@@ -126,7 +127,7 @@ class Pane {
       for (const name of this.names) {
         const signal = run.signalByName.get(name);
         if (!signal) continue;
-        const values = signal.values;
+        const values = signal.plotted;
         for (let i = first; i <= last; ++i) {
           if (values[i] < low) low = values[i];
           if (values[i] > high) high = values[i];
@@ -183,11 +184,11 @@ class Pane {
     context.lineJoin = "round";
     runs.forEach((one, r) => this.names.forEach((name, i) => {
       if (!one.signalByName.has(name)) return;
-      context.strokeStyle = colours.series[i % colours.series.length];
+      context.strokeStyle = colours.series[this.series_[i] % colours.series.length];
       context.lineWidth = r === 0 ? 1.5 : 1.1;
       context.globalAlpha = r === 0 ? 1 : 0.75;
       context.setLineDash(r === 0 ? DASHES[Math.floor(i / colours.series.length) % DASHES.length] : [4, 3]);
-      drawSignal(context, one.times, one.signalByName.get(name).values, range, x, y);
+      drawSignal(context, one.times, one.signalByName.get(name).plotted, range, x, y);
     }));
     context.restore();
     this.bottom_ = bottom;
@@ -287,14 +288,34 @@ class Plots {
       .filter((names) => names.length > 0).map((names) => new Pane(this, names));
     this.fill_();
     byId("signal-names").replaceChildren(...this.run.signals.map((signal) => element("option", {value: signal.name})));
-    byId("add-signal").addEventListener("input", (event) => {
-      if (!this.run.signalByName.has(event.target.value)) return;
-      if (!this.shows(event.target.value)) this.toggle(event.target.value);
-      event.target.value = "";
+    const box = byId("add-signal");
+    box.addEventListener("input", () => {
+      this.note_("");
+      if (this.run.signalByName.has(box.value)) this.addFrom_(box, box.value);
     });
+    // Enter, or another way to finish a name.
+    box.addEventListener("change", () => this.addNamed_(box));
     byId("whole").addEventListener("click", () => this.setRange(this.whole.from, this.whole.to));
     byId("two-seconds").addEventListener("click", () => this.showTwoSeconds());
     new ResizeObserver(() => this.draw()).observe(this.box);
+  }
+  addFrom_(box, name) {
+    if (!this.shows(name)) this.toggle(name);
+    box.value = "";
+    this.note_("");
+  }
+  // Adds the signal whose name has all words of a text, or says why there is no such signal.
+  addNamed_(box) {
+    const words = box.value.trim().toLowerCase().split(/\s+/).filter(Boolean);
+    if (!words.length) return;
+    const found = this.run.signals.filter((signal) => words.every((word) => signal.name.toLowerCase().includes(word)));
+    if (found.length === 1) this.addFrom_(box, found[0].name);
+    else if (found.length === 0) this.note_(`No signal is named “${box.value.trim()}”: the tab Signals lists all.`);
+    else this.note_(`“${box.value.trim()}” is in the names of ${found.length} signals, such as ${found[0].name}: choose one.`);
+  }
+  note_(text) {
+    byId("signal-note").textContent = text;
+    byId("signal-note").hidden = !text;
   }
   wholeRange_() { return {from: this.run.start, to: Math.max(this.run.end, this.run.start + SHORTEST_RANGE_US)}; }
   // After a run has grown: at its end, the range moves along.
@@ -396,7 +417,7 @@ class Plots {
       return;
     }
     const sample = this.run.sampleAt(time);
-    const lines = pane.names.map((name) => name + "  " + valueText(this.run.signalByName.get(name), this.run.value(name, sample)));
+    const lines = pane.names.map((name) => name + "  " + valueText(this.run.signalByName.get(name), this.run.plottedValue(name, sample)));
     tooltip.show([secondsText(this.run.times[sample]), ...lines].join("\n"), event.clientX, event.clientY);
   }
 }

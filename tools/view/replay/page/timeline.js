@@ -3,7 +3,7 @@
 // Events by what they mean: mark and colour.
 const EVENT_LOOKS = {
   command: {mark: "▸", colour: "#0072b2"}, velocity: {mark: "▸", colour: "#0072b2"},
-  push: {mark: "◆", colour: "#b2467f"}, release: {mark: "◇", colour: "#00825f"},
+  push: {mark: "◆", colour: MARKS.push}, release: {mark: "◇", colour: "#00825f"},
   state: {mark: "|", colour: "#6b7280"}, end: {mark: "■", colour: "#6b7280"},
 };
 const BAD_EVENTS = new Set(["fall", "fall_foreseen", "cut_off", "recovery_failed", "fault", "emergency_stop",
@@ -116,7 +116,7 @@ class Timeline {
     }
     drawTimeTicks(context, this.plots.whole, (time) => this.toX_(time), rows.band, rows.ticks, colours, true);
     this.bands.forEach((band, r) => this.drawBand_(context, band, rows.band + r * (rows.bandHeight + 1), rows.bandHeight));
-    context.fillStyle = "#b2467f";
+    context.fillStyle = MARKS.push;
     for (const push of this.run.pushes) {
       const left = this.toX_(push.start);
       context.fillRect(left, rows.marks + 6, Math.max(2, this.toX_(push.end) - left), 3);

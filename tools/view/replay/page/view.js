@@ -1,12 +1,15 @@
 // --- view: camera, light and layers -----------------------------------------------------------------------
 
-// Directions from which the standard views look, and their distance in robot heights.
-const VIEWS = {
-  1: {name: "three-quarter", from: [0.86, 0.78, 0.42], distance: 2.5},
-  2: {name: "front", from: [1, 0, 0.1], distance: 2.3},
-  3: {name: "left", from: [0, 1, 0.1], distance: 2.3},
-  4: {name: "top", from: [-0.001, 0, 1], distance: 2.3},
-};
+const VIEW_HEIGHTS = 2.4;      // distance of the views of LOOKS, in heights of the robot
+const FIRST_VIEW = "4";        // three-quarter
+const CLEARANCE_M = 0.02;      // of the camera above the floor, as in the studio (camera_control.h)
+const LOWEST_LOOK = 6 * Math.PI / 180;  // above the horizon, after a look at the robot
+
+// The direction from which a camera of this azimuth and elevation looks, in radians; not quite from the zenith.
+function direction(azimuth, elevation) {
+  const above = Math.min(elevation, Math.PI / 2 - 1e-3);
+  return new THREE.Vector3(Math.cos(above) * Math.cos(azimuth), Math.cos(above) * Math.sin(azimuth), Math.sin(above));
+}
 const GHOST_COLOUR = "#8a5cf6";
 
 class View {
@@ -47,14 +50,18 @@ class View {
     this.controls.screenSpacePanning = true;
     this.controls.minDistance = 0.08;
     this.controls.maxDistance = 20;
-    this.controls.addEventListener("change", () => this.request());
+    this.controls.addEventListener("change", () => {
+      this.keepAboveFloor_();
+      this.request();
+    });
+    this.target_ = this.controls.target.clone();  // when the camera was looked at last
     this.follow = true;
     this.base_ = new THREE.Vector3();
     this.height_ = this.robotHeight_();
     this.robot.setTime(page.run.start);
     this.base_.copy(this.basePosition_());
     this.setTheme();
-    this.look(1);
+    this.look(FIRST_VIEW);
     this.listen_();
   }
 
@@ -92,17 +99,54 @@ class View {
     return base ? new THREE.Vector3(base.position.x, base.position.y, 0) : new THREE.Vector3();
   }
 
-  look(number) {
-    const view = VIEWS[number];
+  // Looks at the robot from the direction of a key of LOOKS.
+  look(key) {
+    const {azimuth_deg: azimuth, elevation_deg: elevation} = LOOKS.views.find((view) => view.key === key);
     const target = this.basePosition_();
     target.z = 0.5 * this.height_;
+    this.viewKey = key;
+    this.aim_(target, direction(azimuth * Math.PI / 180, elevation * Math.PI / 180));
+  }
+  // Looks at the robot, wherever it and the camera are, from about the same direction.
+  lookAtRobot() {
+    const box = new THREE.Box3().setFromPoints(this.robot.links.map((link) => link.position));
+    const target = box.isEmpty() ? this.basePosition_() : box.getCenter(new THREE.Vector3());
+    const from = this.camera.position.clone().sub(this.controls.target);
+    const elevation = Math.atan2(from.z, Math.hypot(from.x, from.y));
+    this.aim_(target, direction(Math.atan2(from.y, from.x), Math.max(LOWEST_LOOK, elevation)));
+  }
+  aim_(target, from) {
     const narrow = Math.max(1, 0.9 / this.camera.aspect);
     this.controls.target.copy(target);
-    this.camera.position.fromArray(view.from).normalize()
-      .multiplyScalar(view.distance * this.height_ * narrow).add(target);
+    this.camera.position.copy(from).multiplyScalar(VIEW_HEIGHTS * this.height_ * narrow).add(target);
+    this.target_.copy(target);
     this.controls.update();
-    this.viewNumber = number;
+    this.keepAboveFloor_();
     this.request();
+  }
+
+  // Keeps the camera above the floor and its target not below: a movement is lifted, a turn raised, as raise_above() and
+  // lift_above() of the studio do (camera_control.cc).
+  keepAboveFloor_() {
+    const {target} = this.controls;
+    const {position} = this.camera;
+    const moves = !target.equals(this.target_);
+    for (const {normal, offset} of this.page.run.scene.planes) {
+      const n = new THREE.Vector3().fromArray(normal);
+      const deep = Math.max(0, offset - n.dot(target), moves ? offset + CLEARANCE_M - n.dot(position) : 0) / n.z;
+      target.z += deep;
+      position.z += deep;
+      const from = position.clone().sub(target);
+      const distance = from.length();
+      const azimuth = Math.atan2(from.y, from.x);
+      const along = n.x * Math.cos(azimuth) + n.y * Math.sin(azimuth);
+      const wanted = (offset + CLEARANCE_M - n.dot(target)) / distance / Math.hypot(along, n.z);
+      const lowest = Math.atan2(n.z, along) - Math.acos(Math.min(1, Math.max(-1, wanted)));
+      if (wanted <= -1 || Math.atan2(from.z, Math.hypot(from.x, from.y)) >= lowest - 1e-9) continue;
+      position.copy(direction(azimuth, lowest)).multiplyScalar(distance).add(target);
+      this.camera.lookAt(target);
+    }
+    this.target_.copy(target);
   }
 
   setTheme() {
@@ -114,6 +158,7 @@ class View {
       uniforms.lineColour.value.set(colours.line);
       uniforms.backColour.value.set(colours.background);
     }
+    this.balance.setTheme();
     this.makeMetreLabels_(colours.dim);
     this.request();
   }
@@ -164,6 +209,7 @@ class View {
       const moved = base.clone().sub(this.base_);
       this.camera.position.add(moved);
       this.controls.target.add(moved);
+      this.keepAboveFloor_();
     }
     this.base_.copy(base);
     this.request();
@@ -204,7 +250,7 @@ class View {
       this.camera.updateProjectionMatrix();
       if (!this.sized_) {
         this.sized_ = true;
-        this.look(this.viewNumber);
+        this.look(this.viewKey);
       }
     }
     const target = this.basePosition_();

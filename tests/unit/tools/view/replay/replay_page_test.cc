@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "tests/support/walking_recording.h"
+#include "tools/view/render/looks.h"
 #include "tools/view/replay/column_pack.h"
 #include "tools/view/replay/replay_data.h"
 
@@ -178,6 +179,25 @@ TEST(ReplayPage, AMinuteTakesAtMostEightMegabytes) {
   const std::size_t bytes = replay_page(minute, nullptr, walking_network()).size();
   EXPECT_LT(bytes, 8'000'000U);
   EXPECT_GT(bytes, 2'000'000U) << "the sample's noise cannot be that small";
+}
+
+// Keys, directions and colours are those of the studio and of films.
+TEST(ReplayPage, HasTheLooksOfTheStudio) {
+  const std::string page = replay_page(walking_recording({.duration_s = 0.1}), nullptr, {});
+  const std::string begin = "const LOOKS = ";
+  const std::size_t at = page.find(begin) + begin.size();
+  const auto looks = ordered_json::parse(page.substr(at, page.find(";\n", at) - at));
+  ASSERT_EQ(looks["views"].size(), kNamedViews.size());
+  for (std::size_t i = 0; i < kNamedViews.size(); ++i) {
+    EXPECT_EQ(looks["views"][i]["key"], std::string(1, kNamedViews[i].key));
+    EXPECT_EQ(looks["views"][i]["azimuth_deg"], kNamedViews[i].azimuth_deg);
+    EXPECT_EQ(looks["views"][i]["elevation_deg"], kNamedViews[i].elevation_deg);
+  }
+  for (const SharedKey& shared : kSharedKeys)
+    EXPECT_EQ(looks["keys"][std::string(shared.action)], std::string(shared.key));
+  EXPECT_EQ(looks["colours"]["left"], "#009e73");
+  EXPECT_EQ(looks["colours"]["right"], "#cc79a7");
+  EXPECT_EQ(looks["colours"]["planned"], "#d55e00");
 }
 
 }  // namespace
