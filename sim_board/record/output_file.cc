@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <string>
 #include <utility>
 
 #include "sim_board/input/error.h"
@@ -55,6 +56,53 @@ void write_and_close(int descriptor, const fs::path& file, std::string_view text
   if (!complete) throw WriteError(file, error);
 }
 
+// Replaces the contents in place: the inode keeps its names, owner, mode and attributes. Reserves the space
+// first, so that a full disk leaves the file as it was.
+void overwrite(const fs::path& target, const fs::path& file, std::string_view text) {
+  const int descriptor = open_to_write(target, 0);
+  const auto size = static_cast<off_t>(text.size());
+  struct stat old {};
+  int error = ::fstat(descriptor, &old) == 0 ? 0 : errno;
+  if (error == 0 && size > old.st_size) {
+    error = ::posix_fallocate(descriptor, old.st_size, size - old.st_size);
+    if (error != 0) static_cast<void>(!::ftruncate(descriptor, old.st_size));
+  }
+  if (error == 0 && (write_bytes(descriptor, text) != text.size() || ::ftruncate(descriptor, size) != 0))
+    error = errno;
+  if (::close(descriptor) != 0 && error == 0) error = errno;
+  if (error != 0) throw WriteError(file, error);
+}
+
+// A new file in the folder of another one.
+struct Beside {
+  fs::path path;
+  int descriptor = -1;  // below 0: errno gives the reason
+};
+
+// Opens a file of a name that is free. With `old`, it gets the owner and the mode of that file.
+Beside open_beside(const fs::path& target, const struct stat* old) {
+  constexpr int kMaxLeftBehind = 100;  // by programs that were killed
+  Beside beside;
+  for (int i = 1; beside.descriptor < 0 && i <= kMaxLeftBehind; ++i) {
+    beside.path = target;
+    beside.path += i == 1 ? ".part" : ".part" + std::to_string(i);
+    beside.descriptor = ::open(beside.path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC,
+                               old != nullptr ? mode_t{0600} : mode_t{0666});
+    if (beside.descriptor < 0 && errno != EEXIST) return beside;
+  }
+  if (beside.descriptor < 0 || old == nullptr) return beside;
+  // fchown() clears the set-user-ID bit, so it comes first.
+  if (::fchown(beside.descriptor, old->st_uid, old->st_gid) == 0 &&
+      ::fchmod(beside.descriptor, old->st_mode & 07777) == 0)
+    return beside;
+  const int error = errno;
+  ::close(beside.descriptor);
+  ::unlink(beside.path.c_str());
+  errno = error;
+  beside.descriptor = -1;
+  return beside;
+}
+
 }  // namespace
 
 OutputFile::OutputFile(const fs::path& file, Mode mode)
@@ -98,13 +146,22 @@ void write_whole_file(const fs::path& file, std::string_view text) {
   if (is_special(file)) return write_and_close(open_to_write(file, 0), file, text);
   std::error_code ignored;
   const fs::path target = fs::is_symlink(file, ignored) ? fs::weakly_canonical(file) : file;
-  fs::path beside = target;
-  beside += ".part";
+  struct stat old {};
+  const bool exists = ::stat(target.c_str(), &old) == 0;
+  // A read-only file stays as it is, although its folder would permit to replace it.
+  if (exists && ::access(target.c_str(), W_OK) != 0) throw WriteError(file, errno);
+  if (exists && old.st_nlink > 1) return overwrite(target, file, text);
+  const Beside beside = exists ? open_beside(target, &old) : open_beside(target, nullptr);
+  if (beside.descriptor < 0) {
+    const int error = errno;
+    if (exists) return overwrite(target, file, text);
+    throw WriteError(file, error);
+  }
   try {
-    write_and_close(open_to_write(beside, O_TRUNC), file, text);
-    if (std::rename(beside.c_str(), target.c_str()) != 0) throw WriteError(file, errno);
+    write_and_close(beside.descriptor, file, text);
+    if (std::rename(beside.path.c_str(), target.c_str()) != 0) throw WriteError(file, errno);
   } catch (...) {
-    fs::remove(beside, ignored);
+    fs::remove(beside.path, ignored);
     throw;
   }
 }

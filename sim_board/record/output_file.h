@@ -47,8 +47,11 @@ class OutputFile {
   std::string buffer_;
 };
 
-// Replaces a file atomically: writes a temporary file next to it and renames it. A symbolic link stays one.
-// Special files, such as pipes or terminals, are written directly. Throws WriteError.
+// Replaces a file atomically: writes a temporary file next to it and renames it. Owner and mode stay, and a
+// symbolic link stays one. A file with several names (hard links), and one whose folder or owner forbids a
+// replacement, is overwritten in place, after its space has been reserved. Special files, such as pipes or
+// terminals, are written directly. Throws WriteError, also for a file that is read-only; the file is then
+// unchanged.
 void write_whole_file(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace koboshi::sim

@@ -42,7 +42,8 @@ nlohmann::ordered_json to_json(const RunSummary& summary) {
 }
 
 void write_json(const std::filesystem::path& file, const nlohmann::ordered_json& document) {
-  write_whole_file(file, document.dump(2) + '\n');
+  write_whole_file(file,
+                   document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
 }
 
 }  // namespace koboshi::sim

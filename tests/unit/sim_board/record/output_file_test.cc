@@ -38,6 +38,55 @@ TEST(WholeFile, FollowsASymbolicLink) {
   EXPECT_EQ(read_file(folder.path / "a.txt"), "new");
 }
 
+fs::perms mode_of(const fs::path& file) { return fs::status(file).permissions(); }
+
+TEST(WholeFile, KeepsTheMode) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path / "a.txt";
+  test::write_file(file, "old");
+  for (const unsigned mode : {0600U, 0640U, 0755U}) {
+    fs::permissions(file, fs::perms(mode));
+    write_whole_file(file, "new");
+    EXPECT_EQ(mode_of(file), fs::perms(mode));
+  }
+}
+
+TEST(WholeFile, KeepsHardLinks) {
+  const TemporaryFolder folder;
+  test::write_file(folder.path / "a.txt", "a long old text");
+  fs::permissions(folder.path / "a.txt", fs::perms(0600U));
+  fs::create_hard_link(folder.path / "a.txt", folder.path / "b.txt");
+  for (const std::string text : {"new", "a text that is longer than the old one"}) {
+    write_whole_file(folder.path / "a.txt", text);
+    EXPECT_EQ(read_file(folder.path / "b.txt"), text);
+    EXPECT_EQ(fs::hard_link_count(folder.path / "a.txt"), 2u);
+    EXPECT_EQ(mode_of(folder.path / "a.txt"), fs::perms(0600U));
+  }
+}
+
+TEST(WholeFile, LeavesFilesOfOthersAlone) {
+  const TemporaryFolder folder;
+  test::write_file(folder.path / "a.txt.part", "mine");
+  write_whole_file(folder.path / "a.txt", "new");
+  EXPECT_EQ(read_file(folder.path / "a.txt.part"), "mine");
+}
+
+// A limit of the file's size stands for a full disk.
+TEST(WholeFile, LeavesALinkedFileAsItWasWhenTheDiskIsFull) {
+  const TemporaryFolder folder;
+  test::write_file(folder.path / "a.txt", "old");
+  fs::create_hard_link(folder.path / "a.txt", folder.path / "b.txt");
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit limit{.rlim_cur = 10, .rlim_max = before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &limit);
+  EXPECT_THROW(write_whole_file(folder.path / "a.txt", "more than ten bytes"), WriteError);
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(read_file(folder.path / "b.txt"), "old");
+}
+
 TEST(WholeFile, WritesADeviceDirectly) {
   write_whole_file("/dev/null", "text");
   EXPECT_TRUE(fs::is_character_file("/dev/null"));

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
+#include <sys/resource.h>
 
+#include <csignal>
+#include <limits>
 #include <system_error>
 
 #include "tests/support/temporary_folder.h"
@@ -89,11 +91,28 @@ TEST(Summary, ReplacesTheFileAtomically) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path), {}), 1);
 }
 
+TEST(Summary, IsWrittenWhateverBytesANameHas) {
+  test::TemporaryFolder folder;
+  write_json(folder.path / "summary.json", {{"robot",
+                                             "k\xF6"
+                                             "boshi"}});
+  EXPECT_EQ(test::read_file(folder.path / "summary.json"),
+            "{\n  \"robot\": \"k\uFFFD"
+            "boshi\"\n}\n");
+}
+
 TEST(Summary, KeepsTheOldFileWhenWritingFails) {
   test::TemporaryFolder folder;
   test::write_file(folder.path / "summary.json", "old");
-  std::filesystem::create_symlink("/dev/full", folder.path / "summary.json.part");
+  // A limit of the file's size stands for a full disk.
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit limit{.rlim_cur = 10, .rlim_max = before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &limit);
   EXPECT_THROW(write_json(folder.path / "summary.json", to_json(kSummary)), std::system_error);
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
   EXPECT_EQ(test::read_file(folder.path / "summary.json"), "old");
   EXPECT_FALSE(std::filesystem::exists(folder.path / "summary.json.part"));
 }
