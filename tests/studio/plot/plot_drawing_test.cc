@@ -10,6 +10,7 @@ class PlotDrawingTest final : public QObject {
  private Q_SLOTS:
   void states_and_events_have_texts();
   void legend_shows_values_at_the_cursor();
+  void the_legend_leaves_room_for_the_curves();
   void dashes_have_gaps_data();
   void dashes_have_gaps();
   void gaps_are_not_drawn_data();
@@ -50,6 +51,35 @@ void PlotDrawingTest::legend_shows_values_at_the_cursor() {
   QVERIFY(lines[1].endsWith(QStringLiteral("°")));
   QCOMPARE(plot->legend_at({80.0, 8.0}), QStringLiteral("left_knee_target"));
   QCOMPARE(plot->legend_at({80.0, 80.0}), QString());
+}
+
+void PlotDrawingTest::the_legend_leaves_room_for_the_curves() {
+  std::vector<Trace> traces;
+  const auto times = std::make_shared<SampleTimes>();
+  times->append(kTick_us);
+  int colour = 0;
+  for (const char* joint : {"left_hip_pitch", "left_knee", "left_ankle_pitch"}) {
+    for (const char* role : {"_target", "_true"}) {
+      auto values = std::make_shared<Series>();
+      values->append(0.1F);
+      traces.push_back({.signal = {.name = std::string(joint) + role, .unit = "rad"},
+                        .times = times,
+                        .values = values,
+                        .colour = colour,
+                        .dashed = role == std::string("_target")});
+    }
+    ++colour;
+  }
+  TimeView view;
+  PlotWidget plot(view, nullptr);
+  plot.set_traces(traces);
+  for (const QSize size : {QSize(900, 300), QSize(430, 150), QSize(430, 120), QSize(240, 84)}) {
+    plot.resize(size);
+    plot.grab();
+    const double room = plot.curve_height() / size.height();
+    QVERIFY2(room >= 0.37,
+             qPrintable(QStringLiteral("%1x%2: %3").arg(size.width()).arg(size.height()).arg(room)));
+  }
 }
 
 void PlotDrawingTest::dashes_have_gaps_data() {

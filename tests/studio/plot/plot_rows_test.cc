@@ -20,6 +20,8 @@ class PlotRowsTest final : public QObject {
   void colours_are_those_of_the_replay_page();
   void a_new_user_sees_leg_trunk_and_zmp();
   void commanded_values_share_the_colour_of_true_ones();
+  void zmp_and_sides_have_the_colours_of_their_marks();
+  void angles_have_no_jumps();
   void rows_stay_for_the_next_run();
   void layout_is_restored();
   void layout_rejects_anything_else();
@@ -103,6 +105,49 @@ void PlotRowsTest::commanded_values_share_the_colour_of_true_ones() {
   QVERIFY(traces[0].colour != traces[1].colour);
   QCOMPARE(traces[1].colour, traces[2].colour);
   QVERIFY(traces[1].dashed && !traces[2].dashed);
+}
+
+// The replay page has the same rule: tests/gui/replay_test.py has these examples, too.
+void PlotRowsTest::zmp_and_sides_have_the_colours_of_their_marks() {
+  const auto colours = [](const QStringList& names) {
+    RunSamples samples;
+    std::vector<view::Signal> signals;
+    for (const QString& name : names) signals.push_back({.name = name.toStdString(), .unit = "m"});
+    samples.set_signals(signals);
+    std::vector<int> found;
+    for (const Trace& trace : traces_of(samples, names)) found.push_back(trace.colour);
+    return found;
+  };
+  const auto text = [](const char* names) { return QString::fromLatin1(names).split(QLatin1Char(' ')); };
+  QCOMPARE(colours(text("planned_zmp_y zmp_y true_zmp_y")), (std::vector{1, 0, 7}));
+  QCOMPARE(colours(text("true_left_load true_right_load")), (std::vector{2, 3}));
+  QCOMPARE(colours(text("right_load left_load")), (std::vector{3, 2}));
+  QCOMPARE(colours(text("left_load right_knee")), (std::vector{0, 1}));
+  QCOMPARE(colours(text("left_zmp_y right_zmp_y")), (std::vector{2, 3}));
+}
+
+// A heading that passes 180 degrees, also after a rewind to the other side of it.
+void PlotRowsTest::angles_have_no_jumps() {
+  RunSamples samples;
+  const std::vector<view::Signal> signals{{.name = "true_yaw", .unit = "rad"}, {.name = "load", .unit = "N"}};
+  samples.set_signals(signals);
+  const float turn = 6.2831853F;
+  const auto append = [&](std::uint64_t tick, float value) {
+    const std::vector<float> values{value, value};
+    samples.append(tick * kTick_us, values);
+  };
+  append(1, 3.1F);
+  append(2, 3.2F - turn);
+  append(3, std::nanf(""));
+  append(4, 3.3F - turn);
+  QVERIFY(is_near(static_cast<double>((*samples.values(0))[1]), 3.2, 1e-5));
+  QVERIFY(is_near(static_cast<double>((*samples.values(0))[3]), 3.3, 1e-5));
+  QVERIFY(is_near(static_cast<double>((*samples.values(1))[1]), 3.2 - 6.2831853, 1e-5));
+  samples.truncate_after(3 * kTick_us);
+  append(5, 3.3F - turn);
+  QVERIFY(is_near(static_cast<double>((*samples.values(0))[3]), 3.3, 1e-5));
+  append(6, 0.5F);  // no turn: a real step
+  QVERIFY(is_near(static_cast<double>((*samples.values(0))[4]), 0.5, 1e-5));
 }
 
 void PlotRowsTest::rows_stay_for_the_next_run() {

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 
 namespace koboshi::studio {
 namespace {
@@ -22,6 +25,37 @@ std::vector<std::string> counterparts(const std::string& name) {
     return {"true_" + stem, stem};
   }
   return {};
+}
+
+// Places in trace_colours().
+enum Place { kBlue, kOrange, kGreen, kPurple, kGrey = 7 };
+
+std::optional<int> colour_of_role(std::string_view name) {
+  constexpr std::pair<std::string_view, Place> kRoles[] = {
+      {"planned_zmp_", kOrange}, {"true_zmp_", kGrey}, {"zmp_", kBlue}};
+  if (!name.ends_with("_x") && !name.ends_with("_y")) return std::nullopt;
+  for (const auto& [role, place] : kRoles)
+    if (name.substr(0, name.size() - 1) == role) return place;
+  return std::nullopt;
+}
+
+// Whether one name is that of the other side's quantity.
+bool is_mirrored(const std::string& left, const std::string& right) {
+  const std::size_t at = left.find("left_");
+  return at != std::string::npos && std::string(left).replace(at, 5, "right_") == right;
+}
+
+// Colours of quantities by name, in their order.
+std::map<std::string, int> colours_of(const std::vector<std::string>& names) {
+  std::map<std::string, int> colours;
+  if (names.size() == 2) {
+    const bool left_first = is_mirrored(names[0], names[1]);
+    if (left_first || is_mirrored(names[1], names[0]))
+      return {{names[0], left_first ? kGreen : kPurple}, {names[1], left_first ? kPurple : kGreen}};
+  }
+  int next = 0;
+  for (const std::string& name : names) colours[name] = colour_of_role(name).value_or(next++);
+  return colours;
 }
 
 }  // namespace
@@ -56,19 +90,21 @@ std::vector<Trace> traces_of(const RunSamples& samples, const QStringList& names
     traces.push_back(
         {.signal = samples.signals()[*index], .times = samples.times(), .values = samples.values(*index)});
   }
-  std::map<std::string, int> colours;
-  int next = 0;
+  std::vector<std::string> quantities;  // by trace
   for (Trace& trace : traces) {
     const std::vector<std::string> others = counterparts(trace.signal.name);
     trace.dashed = !others.empty();
     const auto shared = std::ranges::find_if(others, [&](const std::string& other) {
-      return std::ranges::any_of(traces, [&](const Trace& one) { return one.signal.name == other; });
+      return !colour_of_role(trace.signal.name) &&
+             std::ranges::any_of(traces, [&](const Trace& one) { return one.signal.name == other; });
     });
-    const std::string key = shared == others.end() ? trace.signal.name : *shared;
-    const auto [entry, is_new] = colours.try_emplace(key, next);
-    if (is_new) ++next;
-    trace.colour = entry->second;
+    quantities.push_back(shared == others.end() ? trace.signal.name : *shared);
   }
+  std::vector<std::string> distinct;
+  for (const std::string& quantity : quantities)
+    if (std::ranges::find(distinct, quantity) == distinct.end()) distinct.push_back(quantity);
+  const std::map<std::string, int> colours = colours_of(distinct);
+  for (std::size_t i = 0; i < traces.size(); ++i) traces[i].colour = colours.at(quantities[i]);
   return traces;
 }
 

@@ -17,7 +17,9 @@ using PlotRows = std::vector<QStringList>;
 PlotRows default_rows(const RunSamples& samples);
 
 // Returns the traces of a row. Commanded and planned values are dashed, in the colour of what is measured
-// against them.
+// against them. The planned, measured and true ZMP have the colours of their marks (view/render/looks.h) as
+// far as a plot has them, and so have one quantity of the left and of the right side; the replay page does
+// the same (seriesOf in format.js).
 std::vector<Trace> traces_of(const RunSamples& samples, const QStringList& names);
 
 // Rows as a value for QSettings. Anything else than rows gives no rows.

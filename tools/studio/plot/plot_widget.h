@@ -1,6 +1,7 @@
 #pragma once
 
 #include <QImage>
+#include <QStringList>
 #include <vector>
 
 #include "tools/studio/plot/plot_style.h"
@@ -16,7 +17,10 @@ struct ValueBand {
   double high = 0.0;
 };
 
-// Traces of one unit over a common time axis, with a legend that shows the values at the cursor.
+// Traces of one unit over a common time axis, with a legend that shows the values at the cursor. The legend
+// leaves at least 60 % of the height to the curves: where it would need more, it shortens the second name of
+// a pair such as target and true, then drops the values, and at last folds names into "+3". Traces without
+// any value are not in it.
 class PlotWidget final : public TimeAxisWidget {
   Q_OBJECT
 
@@ -36,6 +40,11 @@ class PlotWidget final : public TimeAxisWidget {
 
   // The shown range of values, in the unit of the traces.
   std::pair<double, double> limits() const;
+  // Height of the legend, and of the curves below it.
+  double legend_height() const { return legend_height_; }
+  double curve_height() const { return area().rect.height(); }
+  // The texts of the legend, without the values.
+  QStringList legend_texts() const;
   // The name of the trace at a place of the legend; empty if there is none.
   QString legend_at(const QPointF& place) const;
   // The values of all traces at a time, as text with units.
@@ -54,10 +63,22 @@ class PlotWidget final : public TimeAxisWidget {
  private:
   struct LegendItem {
     QRectF rect{};
-    QString name{};  // elided
+    QString text{};      // a name, shortened or elided; "+3" for three that have no room
+    int trace = -1;      // none: those that have no room
+    bool value = false;  // whether the value at the cursor stands behind it
+  };
+  enum class LegendDetail { kFull, kShortNames, kNamesOnly };
+  struct Legend {
+    std::vector<LegendItem> items{};
+    int lines = 0;
   };
 
   void lay_out_legend();
+  Legend legend_of(LegendDetail detail) const;
+  void fold(Legend& legend, int lines) const;
+  bool is_fold(const QPointF& place) const;
+  QString legend_name(std::size_t trace, LegendDetail detail) const;
+  std::vector<bool> have_values() const;
   void update_accessible_text();
   ShownUnit unit() const;
   double step_of(const PlotArea& area, const ShownUnit& unit) const;
@@ -74,6 +95,7 @@ class PlotWidget final : public TimeAxisWidget {
   std::vector<ValueBand> bands_{};
   const std::vector<Mark>* marks_ = nullptr;
   bool time_labels_ = true;
+  std::vector<bool> have_values_{};  // by trace
   std::vector<LegendItem> legend_{};
   double legend_height_ = 0.0;
   QImage picture_{};  // everything but legend, cursor and selection

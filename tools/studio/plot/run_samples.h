@@ -30,7 +30,8 @@ class RunSamples {
  public:
   // Forgets everything.
   void set_signals(std::span<const view::Signal> signals);
-  // One value per signal; the time is later than that of the last sample.
+  // One value per signal; the time is later than that of the last sample. Of angles, the jumps of a whole
+  // turn at the ends of their range are removed.
   void append(std::uint64_t time_us, std::span<const float> values);
   // An event that is there already is not added again.
   void add_event(std::uint64_t time_us, const QString& text);
@@ -50,6 +51,8 @@ class RunSamples {
   std::vector<view::Signal> signals_{};
   std::shared_ptr<SampleTimes> times_ = std::make_shared<SampleTimes>();
   std::vector<std::shared_ptr<Series>> values_{};
+  std::vector<double> turns_{};  // by signal: a whole turn in its unit; 0: no angle
+  std::vector<float> last_{};    // by signal: the last value of an angle
   std::vector<Mark> marks_{};
   std::optional<std::size_t> state_signal_{};
   std::vector<StateSpan> states_{};
