@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
+#include "sim_board/engine/friction.h"
 #include "sim_board/engine/make_world.h"
 #include "tests/support/sample_robots.h"
 #include "tests/unit/sim_board/engine/engines.h"
@@ -12,6 +14,58 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+
+// The law, written once more: the force at a point that slides.
+Vector2d sliding_force(const FrictionLaw& law, double normal, const Vector2d& velocity) {
+  const Vector2d M(law.mu, law.mu2);
+  return -normal * M.cwiseProduct(M).cwiseProduct(velocity) / M.cwiseProduct(velocity).norm();
+}
+
+TEST(FrictionRows, AreTheLinearisedLawOfSliding) {
+  const FrictionLaw law{0.3, 0.7};
+  const double normal_N = 5.0;
+  for (int i = 0; i < 8; ++i) {
+    const Vector2d velocity = 0.2 * Vector2d(std::cos(0.8 * i), std::sin(0.8 * i));
+    const FrictionRows rows =
+        friction_rows(law, {.normal = normal_N, .against = -velocity.normalized(), .speed = velocity.norm()});
+    const Vector2d force = sliding_force(law, normal_N, velocity);
+    EXPECT_NEAR(rows.first.dot(force), rows.bounds[0], 1e-9) << i;
+    EXPECT_NEAR(rows.softness * rows.second().dot(force), rows.target, 1e-9) << i;
+    const double aside_m_per_s = 1e-7;
+    const Vector2d turned = sliding_force(law, normal_N, velocity + aside_m_per_s * rows.second());
+    EXPECT_NEAR(rows.softness * rows.second().dot(turned) + aside_m_per_s, rows.target, 1e-10) << i;
+    EXPECT_NEAR(rows.first.dot(turned - force), 0.0, 1e-9) << i;
+  }
+}
+
+TEST(FrictionRows, HaveABoundAlongGroovesWithoutFrictionAcross) {
+  const FrictionRows rows = friction_rows({0.5, 0.0}, {.normal = 4.0});
+  EXPECT_EQ(rows.first, Vector2d::UnitX());
+  EXPECT_EQ(rows.bounds, (std::array{2.0, 0.0}));
+}
+
+TEST(FrictionError, IsZeroOnlyForTheLaw) {
+  const FrictionLaw law{0.3, 0.7};
+  const Vector2d velocity(0.1, -0.2);
+  const Vector2d force = sliding_force(law, 5.0, velocity);
+  EXPECT_LT(friction_error(law, {5.0, force, velocity}, 1.0), 1e-12);
+  EXPECT_LT(friction_error(law, {5.0, {1.0, 2.0}, Vector2d::Zero()}, 1.0), 1e-12);  // sticks
+  EXPECT_GT(friction_error(law, {4.5, force, velocity}, 1.0), 0.4);                 // too large a force
+  EXPECT_GT(friction_error(law, {5.5, force, velocity}, 1.0), 0.1);                 // too small a one
+  EXPECT_GT(friction_error(law, {5.0, force, {0.2, -0.1}}, 1.0), 0.1);              // sideways
+  EXPECT_GT(friction_error(law, {5.0, {0.0, 0.0}, velocity}, 1.0), 0.1);            // slides without force
+}
+
+TEST(FrictionGuess, FollowsFromTheSolution) {
+  const FrictionLaw law{0.5, 0.5};
+  const FrictionGuess sticks = better_guess(law, {4.0, {0.6, 0.8}, Vector2d::Zero()}, 1.0);
+  EXPECT_EQ(sticks.speed, 0.0);
+  EXPECT_LT((sticks.against - Vector2d(0.6, 0.8)).norm(), 1e-12);
+  const FrictionGuess slides = better_guess(law, {4.0, {1.2, 1.6}, {-0.3, -0.4}}, 1.0);
+  EXPECT_NEAR(slides.speed, 0.5, 1e-12);
+  EXPECT_LT((slides.against - Vector2d(0.6, 0.8)).norm(), 1e-12);
+  EXPECT_EQ(better_guess(law, {-1e-9, {0.0, 0.0}, {0.3, 0.0}}, 1.0).normal, 0.0);  // an open contact
+}
 
 constexpr int kDirections = 16;
 constexpr double kSettle_s = 0.1;
