@@ -34,14 +34,14 @@ void run_firmware(const FirmwareArguments& arguments) {
   fmt::print("firmware on {}\n", transport->place());
   std::fflush(stdout);
   const auto end_us = static_cast<std::uint64_t>(1e6 * arguments.duration_s);
-  Pacer pacer(0, arguments.speed);
+  Pacer pacer(0, arguments.speed, interruptible(interrupt));
   bool warned = false;
   for (std::uint64_t now_us = 0; now_us < end_us; now_us += sim::SimBoard::kService_us) {
     pacer.wait_for(now_us);
+    if (now_us % sim::SimBoard::kTick_us == 0 && interrupt.requested()) break;
     firmware.service(now_us);
     if (firmware.found_second_master() && !std::exchange(warned, true))
       warn("another controller is on the bus: the drives are left to it until command 6, reset");
-    if (now_us % sim::SimBoard::kTick_us == 0 && interrupt.requested()) break;
   }
   warn_of_overruns(pacer.overruns(), pacer.largest_delay_us());
   warn_of_lost_frames(firmware.frames_lost());

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -104,8 +105,8 @@ std::vector<std::string> overlay_names() {
   return names;
 }
 
-void show_progress(int frames, int total) {
-  if (isatty(STDERR_FILENO) == 0) return;
+void show_progress(int frames, int total, int& shown) {
+  if (isatty(STDERR_FILENO) == 0 || std::exchange(shown, frames) == frames) return;
   fmt::print(stderr, "\r{} of {} frames{}", frames, total, frames == total ? "\n" : " ");
 }
 
@@ -115,11 +116,12 @@ void render_run(RenderArguments& arguments) {
   arguments.options.overlays = overlays_of(arguments.overlays);
   const view::Recording recording = view::read_recording(arguments.run);
   Interrupt interrupt;
+  int shown = 0;
   view::render(recording, arguments.options, [&](int frames, int total) {
     if (const auto signal = interrupt.requested())
       throw Interrupted(*signal, fmt::format("interrupted after {} of {} frames, no {}", frames, total,
                                              arguments.options.out.string()));
-    show_progress(frames, total);
+    show_progress(frames, total, shown);
   });
   fmt::print("{}\n", arguments.options.out.string());
 }

@@ -39,6 +39,8 @@ void LiveLink::attach(sim::Bus& bus, const WallClock& wall) {
   if (live_) pacer_.emplace(bus.now_us(), speed_, wall);
 }
 
+void LiveLink::attach(sim::Bus& bus) { attach(bus, interruptible(interrupt_)); }
+
 void LiveLink::check_for_losses() {
   if (pacer_) {
     const std::uint64_t delay_us = pacer_->delay_us();

@@ -39,8 +39,9 @@ class LiveLink {
   // Takes an open transport, or null.
   LiveLink(const LiveOptions& options, std::unique_ptr<sim::Transport> transport, Warn warn = {});
 
-  // Connects the bus, from its present time on.
-  void attach(sim::Bus& bus, const WallClock& wall = {});
+  // Connects the bus, from its present time on. By default a signal ends the waits for the wall clock.
+  void attach(sim::Bus& bus, const WallClock& wall);
+  void attach(sim::Bus& bus);
   // Call these before and after each millisecond of the simulation.
   void before(std::uint64_t now_us) {
     if (node_) node_->poll(now_us, pacer_ && pacer_->delay_us() > kLate_us);
@@ -54,6 +55,8 @@ class LiveLink {
   std::optional<int> interrupted() {
     return ++calls_ % kCallsPerPoll == 0 ? interrupt_.requested() : std::nullopt;
   }
+  // Lets signals end the program from now on, without its knowledge.
+  void release_signals() { interrupt_.release(); }
 
   bool is_live() const { return live_; }
   // Null without a transport.

@@ -6,6 +6,8 @@
 #include <thread>
 #include <utility>
 
+#include "tools/run/interrupt.h"
+
 namespace koboshi::tools {
 
 // The wall clock; tests replace it.
@@ -15,6 +17,13 @@ struct WallClock {
   std::function<Time()> now = std::chrono::steady_clock::now;
   std::function<void(Time)> sleep_until = [](Time due) { std::this_thread::sleep_until(due); };
 };
+
+// The wall clock, whose waits a signal ends. The interrupt must outlive it.
+inline WallClock interruptible(Interrupt& interrupt) {
+  WallClock wall;
+  wall.sleep_until = [&interrupt](WallClock::Time due) { interrupt.sleep_until(due); };
+  return wall;
+}
 
 // Keeps simulated time from running ahead of the wall clock.
 class Pacer {

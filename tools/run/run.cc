@@ -149,6 +149,7 @@ RunResult run(const RunOptions& options, const std::function<void(const RunProgr
     sim::write_whole_file(options.out / "played.yaml", sim::played_text(simulation.played(), options.out));
   }
   if (ending.signal && !live.is_live()) throw Interrupted(*ending.signal, how_far(simulation, options.out));
+  live.release_signals();
   try {
     draw_figures(simulation, trace.columns(), options.out);
   } catch (const PlotError& error) {

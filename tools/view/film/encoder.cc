@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
@@ -23,6 +24,9 @@ extern char** environ;
 
 namespace koboshi::view {
 namespace {
+
+constexpr int kPatience_ms = 100;  // between two calls of while_waiting
+constexpr int kPause_ms = 5;       // between two looks at whether ffmpeg has ended
 
 // ffmpeg would take a name like 2:1.mp4 for a protocol.
 std::string name_of(const std::filesystem::path& file) { return "file:" + file.string(); }
@@ -82,7 +86,7 @@ Encoder Encoder::palette_of(const Film& film, const std::filesystem::path& palet
 }
 
 Encoder::Encoder(const Film& film, const std::filesystem::path& file, const std::vector<std::string>& output)
-    : file_(file), beside_(file) {
+    : file_(file), beside_(file), while_waiting_(film.while_waiting) {
   beside_ += ".part";
   sim::OutputFile(beside_).close();  // ffmpeg's own message would be about its parts
   std::vector<std::string> arguments{"ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo"};
@@ -134,6 +138,16 @@ int Encoder::wait() {
   return status;
 }
 
+int Encoder::wait_patiently() {
+  if (!while_waiting_) return wait();
+  int status = 0;
+  while (::waitpid(child_, &status, WNOHANG) == 0) {
+    while_waiting_();
+    ::poll(nullptr, 0, kPause_ms);
+  }
+  return status;
+}
+
 void Encoder::fail() {
   input_ = hal::FileDescriptor();
   wait();
@@ -150,8 +164,10 @@ void Encoder::fail() {
 
 void Encoder::add(std::span<const std::uint8_t> pixels) {
   while (!pixels.empty()) {
-    const ssize_t sent = ::send(input_.number(), pixels.data(), pixels.size(), MSG_NOSIGNAL);
-    if (sent < 0 && errno == EINTR) continue;
+    pollfd room{.fd = input_.number(), .events = POLLOUT, .revents = 0};
+    if (::poll(&room, 1, kPatience_ms) == 0 && while_waiting_) while_waiting_();
+    const ssize_t sent = ::send(input_.number(), pixels.data(), pixels.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent < 0 && (errno == EINTR || errno == EAGAIN)) continue;
     if (sent < 0) fail();
     pixels = pixels.subspan(static_cast<std::size_t>(sent));
   }
@@ -159,7 +175,7 @@ void Encoder::add(std::span<const std::uint8_t> pixels) {
 
 void Encoder::finish() {
   input_ = hal::FileDescriptor();  // the end of its input
-  const int status = wait();
+  const int status = wait_patiently();
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) fail();
   child_ = 0;
   if (std::rename(beside_.c_str(), file_.c_str()) != 0) {

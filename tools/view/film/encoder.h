@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,6 +22,8 @@ class Encoder {
     int width_px = 0;
     int height_px = 0;
     double frames_per_s = 0.0;
+    // Called again and again while ffmpeg lets the caller wait. It may throw, which abandons the film.
+    std::function<void()> while_waiting{};
   };
 
   // Starts to encode. A GIF needs the palette of palette_of(). Throws sim::InputError where there is no
@@ -45,11 +48,13 @@ class Encoder {
   void start(const std::vector<std::string>& arguments);
   [[noreturn]] void fail();
   int wait();
+  int wait_patiently();
 
   std::filesystem::path file_;
   std::filesystem::path beside_;
   hal::FileDescriptor input_;
   hal::FileDescriptor messages_;
+  std::function<void()> while_waiting_;
   pid_t child_ = 0;
 };
 

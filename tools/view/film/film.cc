@@ -205,10 +205,12 @@ class PaletteFile {
 
 void write_film(Painter& painter, const Plan& plan, const FilmOptions& options,
                 const FilmProgress& progress) {
-  const Encoder::Film film{options.out, plan.size.width_px, plan.size.height_px, plan.frames_per_s};
+  const int total = static_cast<int>(plan.times_us.size());
+  int done = 0;
+  const Encoder::Film film{options.out, plan.size.width_px, plan.size.height_px, plan.frames_per_s,
+                           [&] { progress(done, total); }};
   Canvas canvas(plan.size.width_px, plan.size.height_px);
   const PaletteFile palette(options.out);
-  const int total = static_cast<int>(plan.times_us.size());
   if (options.out.extension() == ".gif") {
     Encoder encoder = Encoder::palette_of(film, palette.path());
     const std::size_t step = std::max<std::size_t>(1, plan.times_us.size() / kPaletteFrames);
@@ -223,7 +225,7 @@ void write_film(Painter& painter, const Plan& plan, const FilmOptions& options,
   for (int i = 0; i < total; ++i) {
     painter.paint(plan.times_us[static_cast<std::size_t>(i)], canvas);
     encoder.add(canvas.pixels());
-    progress(i + 1, total);
+    progress(done = i + 1, total);
   }
   encoder.finish();
 }

@@ -29,7 +29,7 @@ struct FilmOptions {
   bool translucent = false;
 };
 
-// Called after each frame.
+// Called after each frame, and again while ffmpeg lets the caller wait.
 using FilmProgress = std::function<void(int frames, int total)>;
 
 // Writes the file. Throws sim::InputError for options that do not fit the recording, sim::WriteError,

@@ -51,6 +51,15 @@ TEST_F(LiveLinkTest, IsOffByDefault) {
   EXPECT_FALSE(is_interrupted(link));
 }
 
+// A signal ends the wait for the clock, which would take 100 s here.
+TEST_F(LiveLinkTest, IsInterruptedWhileItWaits) {
+  LiveLink link({.realtime = true, .speed = 0.01});
+  link.attach(bus_);
+  raise(SIGINT);
+  link.after(1'000'000);
+  EXPECT_TRUE(is_interrupted(link));
+}
+
 TEST_F(LiveLinkTest, CountsTransmittedFrames) {
   const sim::ScratchFile log("log", "");
   LiveLink link({.can = "log:" + log.path().string()});
