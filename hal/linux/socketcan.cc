@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include "hal/linux/interface_kind.h"
 #include "hal/linux/socket_option.h"
@@ -17,11 +18,12 @@ namespace {
 constexpr int kBuffer_bytes = 4 << 20;
 
 // A sendmmsg/recvmmsg message for each of these frames, which must outlive it.
+template <typename Frame>
 class Messages {
  public:
-  explicit Messages(std::span<can_frame> frames) : count_(static_cast<unsigned>(frames.size())) {
+  explicit Messages(std::span<Frame> frames) : count_(static_cast<unsigned>(frames.size())) {
     for (std::size_t i = 0; i < frames.size(); ++i) {
-      parts_[i] = {&frames[i], sizeof(can_frame)};
+      parts_[i] = {&frames[i], sizeof(Frame)};
       headers_[i].msg_hdr.msg_iov = &parts_[i];
       headers_[i].msg_hdr.msg_iovlen = 1;
     }
@@ -35,10 +37,10 @@ class Messages {
   unsigned count_;
 };
 
-std::optional<CanFrame> from_kernel(const can_frame& raw) {
-  if ((raw.can_id & (CAN_EFF_FLAG | CAN_ERR_FLAG)) != 0 || raw.can_dlc > CAN_MAX_DLEN) return std::nullopt;
+std::optional<CanFrame> from_kernel(const canfd_frame& raw) {
+  if ((raw.can_id & (CAN_EFF_FLAG | CAN_ERR_FLAG)) != 0 || raw.len > CAN_MAX_DLEN) return std::nullopt;
   CanFrame frame{.identifier = static_cast<std::uint16_t>(raw.can_id & CAN_SFF_MASK),
-                 .size = raw.can_dlc,
+                 .size = raw.len,
                  .remote = (raw.can_id & CAN_RTR_FLAG) != 0};
   if (!frame.remote) std::copy_n(raw.data, frame.size, frame.data.begin());
   return frame;
@@ -58,6 +60,14 @@ SocketCan::SocketCan(const std::string& interface) {
           "the CAN interface " + interface);
 }
 
+void SocketCan::watch_foreign(TakeForeign take) {
+  // An interface or a kernel without CAN FD carries no such frames.
+  const int on = 1;
+  static_cast<void>(::setsockopt(socket_.number(), SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on));
+  set_option(socket_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, can_err_mask_t{CAN_ERR_MASK});
+  take_foreign_ = std::move(take);
+}
+
 bool SocketCan::send(const CanFrame& frame) {
   if (outgoing_count_ == kBatch) flush();
   if (outgoing_count_ == kBatch) return false;
@@ -71,7 +81,7 @@ bool SocketCan::send(const CanFrame& frame) {
 
 void SocketCan::flush() {
   if (outgoing_count_ == 0) return;
-  Messages messages{std::span(outgoing_).first(outgoing_count_)};
+  Messages<can_frame> messages{std::span(outgoing_).first(outgoing_count_)};
   const int sent = ::sendmmsg(socket_.number(), messages.headers(), messages.count(), 0);
   if (sent < 0 && errno != ENOBUFS && errno != EAGAIN) checked(-1, "sending on a CAN interface");
   const auto done = static_cast<std::size_t>(std::max(sent, 0));
@@ -83,17 +93,23 @@ void SocketCan::flush() {
 std::optional<CanFrame> SocketCan::receive() {
   for (;;) {
     if (incoming_next_ == incoming_count_ && !fetch()) return std::nullopt;
-    if (const auto frame = from_kernel(incoming_[incoming_next_++])) return frame;
+    const std::size_t next = incoming_next_++;
+    const bool is_fd = incoming_is_fd_[next];
+    const auto frame = is_fd ? std::nullopt : from_kernel(incoming_[next]);
+    if (frame) return frame;
+    if (take_foreign_) take_foreign_(incoming_[next], is_fd);
   }
 }
 
 // Receives a batch of frames. Returns false if there is none.
 bool SocketCan::fetch() {
-  Messages messages{incoming_};
+  Messages<canfd_frame> messages{incoming_};
   incoming_next_ = incoming_count_ = 0;
   const int got = ::recvmmsg(socket_.number(), messages.headers(), messages.count(), MSG_DONTWAIT, nullptr);
   if (got < 0 && errno == EAGAIN) return false;
   incoming_count_ = static_cast<std::size_t>(checked(got, "receiving from a CAN interface"));
+  for (std::size_t i = 0; i < incoming_count_; ++i)
+    incoming_is_fd_[i] = messages.headers()[i].msg_len == CANFD_MTU;
   return incoming_count_ > 0;
 }
 

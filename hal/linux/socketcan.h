@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -27,8 +28,12 @@ class SocketCan {
   [[nodiscard]] bool send(const CanFrame& frame);
   // Sends the buffered frames in order. Frames for which the interface has no room stay buffered.
   void flush();
-  // Returns the oldest received frame, nothing if there is none. Skips frames with 29-bit identifiers and
-  // error frames. Throws std::system_error if the interface is gone or down.
+  // Passes frames with 29-bit identifiers, CAN FD frames and error frames that `receive` skips to this
+  // function. `is_fd`: in the format of CAN FD. Throws std::system_error if the kernel refuses.
+  using TakeForeign = std::function<void(const canfd_frame& frame, bool is_fd)>;
+  void watch_foreign(TakeForeign take);
+  // Returns the oldest received frame, nothing if there is none. Skips frames with 29-bit identifiers, CAN FD
+  // frames and error frames. Throws std::system_error if the interface is gone or down.
   [[nodiscard]] std::optional<CanFrame> receive();
   // Returns the number of frames lost because this socket's buffer was full.
   std::uint64_t dropped() const { return drops(socket_); }
@@ -41,7 +46,9 @@ class SocketCan {
   FileDescriptor socket_;
   std::array<can_frame, kBatch> outgoing_{};
   std::size_t outgoing_count_ = 0;
-  std::array<can_frame, kBatch> incoming_{};
+  TakeForeign take_foreign_;
+  std::array<canfd_frame, kBatch> incoming_{};  // classic frames are shorter, with the same beginning
+  std::array<bool, kBatch> incoming_is_fd_{};
   std::size_t incoming_count_ = 0;
   std::size_t incoming_next_ = 0;
 };

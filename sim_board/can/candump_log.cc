@@ -5,6 +5,7 @@
 #include <cassert>
 #include <charconv>
 #include <cstring>
+#include <utility>
 
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
@@ -14,7 +15,9 @@ namespace {
 
 constexpr std::uint64_t kMicrosecondsPerSecond = 1'000'000;
 constexpr std::uint64_t kMaxPaddedSeconds = 9'999'999'999;  // candump pads to ten digits
-constexpr int kMaxSecondDigits = 13;                        // so that microseconds fit in 64 bits
+// Frames of several interfaces in disorder by less are no sign of a clock that was set.
+constexpr std::uint64_t kMaxDisorder_us = kMicrosecondsPerSecond;
+constexpr const char* kLog = "a CAN log";
 constexpr std::string_view kHexDigits = "0123456789ABCDEF";
 
 // The two digits of each number below base * base.
@@ -38,6 +41,17 @@ char* put_seconds(char* out, std::uint64_t seconds) {
   return std::to_chars(out, out + 20, seconds).ptr;
 }
 
+// (SECONDS.MICROSECONDS) and a blank.
+char* put_time(char* out, std::uint64_t time_us) {
+  *out++ = '(';
+  out = put_seconds(out, time_us / kMicrosecondsPerSecond);
+  *out++ = '.';
+  out = put_decimal(out, time_us % kMicrosecondsPerSecond, 3);
+  *out++ = ')';
+  *out++ = ' ';
+  return out;
+}
+
 char* put_byte(char* out, std::uint8_t byte) {
   std::memcpy(out, kHexPairs[byte].data(), 2);
   return out + 2;
@@ -53,87 +67,13 @@ char* put_content(char* out, const hal::CanFrame& frame) {
   return out;
 }
 
-// Parses a line from its beginning; each function returns false if the next part does not match.
-class LineParser {
- public:
-  explicit LineParser(std::string_view line) : rest_(line) {}
-
-  bool literal(char expected) {
-    if (rest_.empty() || rest_.front() != expected) return false;
-    rest_.remove_prefix(1);
-    return true;
-  }
-  bool decimal(std::size_t min_digits, std::size_t max_digits, std::uint64_t& value) {
-    const std::size_t digits = std::min(rest_.find_first_not_of("0123456789"), rest_.size());
-    return digits >= min_digits && digits <= max_digits && number(digits, 10, value);
-  }
-  bool hexadecimal(std::size_t digits, std::uint64_t& value) {
-    if (rest_.size() < digits) return false;
-    return rest_.substr(0, digits).find_first_not_of("0123456789abcdefABCDEF") == std::string_view::npos &&
-           number(digits, 16, value);
-  }
-  bool word(std::string& value) {
-    const std::size_t size = std::min(rest_.find(' '), rest_.size());
-    value = rest_.substr(0, size);
-    rest_.remove_prefix(size);
-    return size > 0;
-  }
-  bool at_end() const { return rest_.empty(); }
-
- private:
-  bool number(std::size_t digits, int base, std::uint64_t& value) {
-    std::from_chars(rest_.data(), rest_.data() + digits, value, base);
-    rest_.remove_prefix(digits);
-    return true;
-  }
-
-  std::string_view rest_;
-};
-
-bool parse_content(LineParser& line, hal::CanFrame& frame) {
-  std::uint64_t value = 0;
-  frame.remote = line.literal('R');
-  if (frame.remote) {
-    if (line.at_end()) return true;
-    if (!line.decimal(1, 1, value) || value > frame.data.size()) return false;
-    frame.size = static_cast<std::uint8_t>(value);
-    return line.at_end();
-  }
-  while (!line.at_end()) {
-    if (frame.size == frame.data.size() || !line.hexadecimal(2, value)) return false;
-    frame.data[frame.size++] = static_cast<std::uint8_t>(value);
-  }
-  return true;
-}
-
-bool parse_line(std::string_view text, LoggedFrame& logged) {
-  LineParser line(text);
-  std::uint64_t seconds = 0;
-  std::uint64_t microseconds = 0;
-  std::uint64_t identifier = 0;
-  if (!line.literal('(') || !line.decimal(1, kMaxSecondDigits, seconds) || !line.literal('.') ||
-      !line.decimal(6, 6, microseconds) || !line.literal(')') || !line.literal(' ')) {
-    return false;
-  }
-  if (!line.word(logged.interface) || !line.literal(' ')) return false;
-  if (!line.hexadecimal(3, identifier) || identifier > 0x7FF || !line.literal('#')) return false;
-  logged.time_us = seconds * kMicrosecondsPerSecond + microseconds;
-  logged.frame.identifier = static_cast<std::uint16_t>(identifier);
-  return parse_content(line, logged.frame);
-}
-
 }  // namespace
 
 std::size_t format_log_line(std::span<char, kMaxLogLineBytes> line, const hal::CanFrame& frame,
                             std::uint64_t time_us, std::string_view interface) {
   assert(interface.size() <= 15);
   char* out = line.data();
-  *out++ = '(';
-  out = put_seconds(out, time_us / kMicrosecondsPerSecond);
-  *out++ = '.';
-  out = put_decimal(out, time_us % kMicrosecondsPerSecond, 3);
-  *out++ = ')';
-  *out++ = ' ';
+  out = put_time(out, time_us);
   out = std::copy(interface.begin(), interface.end(), out);
   *out++ = ' ';
   *out++ = kHexDigits[frame.identifier >> 8 & 0xFu];
@@ -144,30 +84,100 @@ std::size_t format_log_line(std::span<char, kMaxLogLineBytes> line, const hal::C
   return static_cast<std::size_t>(out - line.data());
 }
 
-CandumpReader::CandumpReader(const std::filesystem::path& file)
-    : file_(file), stream_(file, std::ios::binary) {
-  if (!stream_ || std::filesystem::is_directory(file)) {
-    throw InputError(file, 0, "no readable file", "a CAN log as `candump -L` writes it");
-  }
+std::string log_line(const LoggedFrame& logged) {
+  std::array<char, kMaxLogLineBytes> time;
+  char* const end = put_time(time.data(), logged.time_us);
+  const char* const direction = logged.direction == Direction::kSent       ? " T\n"
+                                : logged.direction == Direction::kReceived ? " R\n"
+                                                                           : "\n";
+  return std::string(time.data(), end) + logged.interface + " " + frame_notation(logged.frame) + direction;
+}
+
+CandumpReader::CandumpReader(const std::filesystem::path& file, Times times)
+    : file_(file), opened_(std::make_unique<std::ifstream>(file, std::ios::binary)), stream_(*opened_) {
+  differences_ = times == Times::kDifferences;
+  if (!stream_ || std::filesystem::is_directory(file)) throw InputError(file, 0, "no readable file", kLog);
+}
+
+CandumpReader::CandumpReader(std::istream& stream, const std::filesystem::path& name, Times times)
+    : file_(name), stream_(stream) {
+  differences_ = times == Times::kDifferences;
 }
 
 std::optional<LoggedFrame> CandumpReader::next() {
-  if (!std::getline(stream_, line_)) {
-    if (stream_.bad()) throw InputError(file_, line_number_, "a read error", "a readable file");
-    return std::nullopt;
+  while (std::getline(stream_, text_)) {
+    ++line_number_;
+    LogLine line = parse_log_line(text_);
+    if (stream_.eof() && line.kind != LineKind::kBlank) {
+      remark("the last line has no end, as after a crash; it is left out");
+      return std::nullopt;
+    }
+    switch (line.kind) {
+      case LineKind::kFrame:
+        line.logged.time_us = time_of(line);
+        return std::move(line.logged);
+      case LineKind::kBlank:
+        break;
+      case LineKind::kDropped:
+        remark(count_text(line.dropped, "frame") + " lost by candump");
+        break;
+      case LineKind::kScreen:
+        throw InputError(file_, line_number_, "candump's format for the screen",
+                         std::string(kLog) + ": record it with `candump -L` or `candump -l`");
+      case LineKind::kMalformed:
+        throw InputError(file_, line_number_, one_line(text_),
+                         "`(SECONDS.MICROSECONDS) INTERFACE IDENTIFIER#DATA`, as `candump -L` writes it");
+    }
   }
-  ++line_number_;
-  if (stream_.eof()) throw InputError(file_, line_number_, "a line without end", "whole lines");
-  LoggedFrame logged;
-  if (!parse_line(line_, logged)) {
-    throw InputError(file_, line_number_, one_line(line_),
-                     "`(SECONDS.MICROSECONDS) INTERFACE IDENTIFIER#DATA` with a 3-digit identifier");
+  if (stream_.bad()) throw InputError(file_, line_number_, "a read error", "a readable file");
+  return std::nullopt;
+}
+
+void CandumpReader::remark(const std::string& text) {
+  remarks_.push_back(file_.string() + ":" + std::to_string(line_number_) + ": " + text);
+}
+
+std::uint64_t CandumpReader::time_of(const LogLine& line) {
+  const std::uint64_t time_us = line.logged.time_us;
+  if (!std::exchange(begun_, true)) {
+    relative_ = line.zero_padded && time_us == 0;
+    if (relative_ && !differences_) differences_ = differences_follow(line.logged.interface);
+    return last_us_ = time_us;
   }
-  if (logged.time_us < last_us_) {
-    throw InputError(file_, line_number_, "a time before the previous frame's", "times that do not decrease");
+  if (differences_) return last_us_ += time_us;
+  if (time_us + offset_us_ >= last_us_) return last_us_ = time_us + offset_us_;
+  if (relative_) {
+    throw InputError(file_, line_number_, "a time before the previous frame's",
+                     "times since the first frame; --differences reads those of `candump -t d`");
   }
-  last_us_ = logged.time_us;
-  return logged;
+  // Frames of two interfaces may be in disorder; more is a clock that was set back.
+  const std::uint64_t back_us = last_us_ - time_us - offset_us_;
+  if (back_us > kMaxDisorder_us) {
+    remark("the clock was set back by " + number_text(1e-6 * static_cast<double>(back_us)) + " s");
+    offset_us_ += back_us;
+  }
+  return last_us_;
+}
+
+// Reads ahead: returns whether the times that follow are differences. Times since the first frame neither
+// decrease nor repeat, since a frame takes at least 47 us.
+bool CandumpReader::differences_follow(const std::string& first_interface) {
+  const std::istream::pos_type here = stream_.tellg();
+  if (here == std::istream::pos_type(-1)) return false;
+  bool found = false;
+  std::string text;
+  LoggedFrame last{.frame = {}, .interface = first_interface};
+  while (!found && std::getline(stream_, text)) {
+    const LogLine line = parse_log_line(text);
+    if (line.kind != LineKind::kFrame) continue;
+    const LoggedFrame& next = line.logged;
+    found = next.time_us < last.time_us ||
+            (next.time_us == last.time_us && next.time_us > 0 && next.interface == last.interface);
+    last = next;
+  }
+  stream_.clear();
+  stream_.seekg(here);
+  return found;
 }
 
 }  // namespace koboshi::sim

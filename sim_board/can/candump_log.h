@@ -4,12 +4,15 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "hal/port/can.h"
+#include "sim_board/can/candump_line.h"
 
 namespace koboshi::sim {
 
@@ -27,30 +30,46 @@ inline constexpr std::size_t kMaxLogLineBytes = 1 + 20 + 1 + 6 + 2 + 15 + 1 + 4 
 std::size_t format_log_line(std::span<char, kMaxLogLineBytes> line, const hal::CanFrame& frame,
                             std::uint64_t time_us, std::string_view interface = kLogInterface);
 
-struct LoggedFrame {
-  hal::CanFrame frame;
-  std::uint64_t time_us = 0;
-  std::string interface;
+// Returns the line of any frame, with its newline.
+std::string log_line(const LoggedFrame& logged);
 
-  friend bool operator==(const LoggedFrame&, const LoggedFrame&) = default;
-};
-
-// Reads a log line by line. Strict: a line that is not a classic frame with an 11-bit identifier in the above
-// format, or with an earlier time than its predecessor, is an error. Hexadecimal digits may be upper or lower
-// case; seconds may have up to 13 digits.
+// Reads a log of can-utils line by line: all that parse_log_line accepts, and
+// - times since the first frame (candump -t z) or since the previous one (-t d, recognised by reading ahead);
+// - a clock that was set back: the times go on from the last one. Frames in disorder by up to a second have
+//   the time of the latest;
+// - a last line without end, as after a crash: it is left out.
 class CandumpReader {
  public:
+  // Whether to recognise differences of times (candump -t d), which a pipe does not permit.
+  enum class Times { kRecognised, kDifferences };
+
   // Throws InputError if the file cannot be opened.
-  explicit CandumpReader(const std::filesystem::path& file);
-  // Returns the next frame, or nothing at the end. Throws InputError.
+  explicit CandumpReader(const std::filesystem::path& file, Times times = Times::kRecognised);
+  // Reads a stream, which must outlive the reader. `name`: for messages.
+  CandumpReader(std::istream& stream, const std::filesystem::path& name, Times times = Times::kRecognised);
+
+  // Returns the next frame, or nothing at the end. Throws InputError for a line that is neither a frame nor
+  // a comment.
   std::optional<LoggedFrame> next();
+  // What the user should know about the part read so far, one line for each: FILE:LINE: TEXT.
+  const std::vector<std::string>& remarks() const { return remarks_; }
 
  private:
+  void remark(const std::string& text);
+  std::uint64_t time_of(const LogLine& line);
+  bool differences_follow(const std::string& first_interface);
+
   std::filesystem::path file_;
-  std::ifstream stream_;
-  std::string line_;
+  std::unique_ptr<std::ifstream> opened_;
+  std::istream& stream_;
+  std::string text_;
   int line_number_ = 0;
+  std::vector<std::string> remarks_;
+  bool begun_ = false;
+  bool relative_ = false;     // the first time is zero, padded to three digits
+  bool differences_ = false;  // of times
   std::uint64_t last_us_ = 0;
+  std::uint64_t offset_us_ = 0;  // of a clock that was set back
 };
 
 }  // namespace koboshi::sim

@@ -3,6 +3,8 @@
 #include <array>
 #include <cassert>
 
+#include "sim_board/can/foreign_frame.h"
+
 namespace koboshi::sim {
 namespace {
 
@@ -118,6 +120,32 @@ int stuff_bits(const hal::CanFrame& frame) {
 
 int frame_bits(const hal::CanFrame& frame) {
   return kHeaderBits + 8 * data_bytes(frame) + kCrcBits + stuff_bits(frame) + kUnstuffedTailBits;
+}
+
+int frame_bits(const ForeignFrame& frame) {
+  if (frame.kind != ForeignFrame::Kind::kExtended) return 0;
+  StuffState state = 0b100;  // the bus was recessive before SOF
+  unsigned crc = 0;
+  int bits = 0;
+  const auto push = [&](std::uint64_t value, int count) {
+    for (int i = count - 1; i >= 0; --i) {
+      const auto bit = static_cast<unsigned>(value >> i & 1u);
+      const bool feedback = ((crc >> (kCrcBits - 1) ^ bit) & 1u) != 0;
+      crc = (crc << 1 & 0x7FFFu) ^ (feedback ? 0x4599u : 0u);
+      const StuffStep step = push_bit(state, bit);
+      state = step.state;
+      bits += step.stuffed ? 2 : 1;
+    }
+  };
+  push(0, 1);                            // SOF
+  push(frame.identifier >> 18, 11);      // base identifier
+  push(0b11, 2);                         // SRR and IDE are recessive
+  push(frame.identifier & 0x3FFFF, 18);  // identifier extension
+  push(frame.remote ? 0b100 : 0, 3);     // RTR, r1, r0
+  push(frame.size, 4);
+  for (std::size_t i = 0; !frame.remote && i < frame.size; ++i) push(frame.data[i], 8);
+  push(crc, kCrcBits);
+  return bits + kUnstuffedTailBits;
 }
 
 int bits_to_difference(const hal::CanFrame& first, const hal::CanFrame& second) {

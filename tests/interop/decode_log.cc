@@ -14,7 +14,9 @@ int main(int argc, char** argv) {
   const koboshi::tools::Network network = koboshi::tools::make_network(koboshi::sim::load_robot(argv[1]));
   koboshi::sim::CandumpReader log(argv[2]);
   for (int number = 0; const auto logged = log.next(); ++number) {
-    for (const koboshi::tools::Reading& reading : koboshi::tools::decode(network, logged->frame)) {
+    const auto* frame = std::get_if<koboshi::hal::CanFrame>(&logged->frame);
+    if (frame == nullptr) continue;
+    for (const koboshi::tools::Reading& reading : koboshi::tools::decode(network, *frame)) {
       fmt::print("{}\t{}\t{}\t{}\t{}\n", number, reading.signal->name, reading.raw, reading.value,
                  reading.name);
     }

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <functional>
 #include <string>
 
 #include "firmware/canopen/dictionary.h"
 #include "hal/port/can.h"
+#include "sim_board/can/foreign_frame.h"
 
 namespace koboshi::tools {
 
@@ -22,5 +25,21 @@ using ObjectNames = std::function<std::string(int node, canopen::ObjectAddress a
 // Describes an NMT, SYNC, EMCY, heartbeat or SDO frame; the objects of SDO frames have their names if `names`
 // is given. Empty for a PDO and for frames that are not CANopen.
 std::string describe(const hal::CanFrame& frame, const ObjectNames& names = {});
+
+// Describes a foreign frame by its format: `29-bit identifier`, `CAN FD, bit rate switch`. An error frame is
+// decoded (linux/can/error.h).
+std::string describe(const sim::ForeignFrame& frame);
+
+// Counts the frames that no decoder of CANopen reads: foreign frames, and remote frames.
+class ForeignCount {
+ public:
+  void add(const sim::BusFrame& frame);
+  bool empty() const;
+  // `3 with 29-bit identifiers, 1 error frame`.
+  std::string text() const;
+
+ private:
+  std::array<std::uint64_t, 5> counts_{};
+};
 
 }  // namespace koboshi::tools

@@ -1,18 +1,30 @@
 #include "tools/can/source.h"
 
+#include <fcntl.h>
 #include <poll.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <cerrno>
 #include <chrono>
+#include <deque>
+#include <istream>
 #include <stdexcept>
+#include <streambuf>
 #include <thread>
+#include <utility>
 
-#include "sim_board/can/candump_log.h"
+#include "hal/linux/file_descriptor.h"
+#include "sim_board/input/error.h"
+#include "sim_board/input/text.h"
 
 namespace koboshi::tools {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr const char* kStandardInput = "-";
 constexpr std::uint64_t kRoomTimeout_us = 1'000'000;
 
 std::uint64_t since_us(Clock::time_point start) {
@@ -20,49 +32,174 @@ std::uint64_t since_us(Clock::time_point start) {
       std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start).count());
 }
 
-class LogSource final : public FrameSource {
- public:
-  explicit LogSource(const std::filesystem::path& file) : reader_(file) {}
+// Returns whether the descriptor is readable within this time.
+bool poll_for_input(int descriptor, std::uint64_t timeout_us) {
+  pollfd file{.fd = descriptor, .events = POLLIN, .revents = 0};
+  const timespec timeout{.tv_sec = static_cast<time_t>(timeout_us / 1'000'000),
+                         .tv_nsec = static_cast<long>(timeout_us % 1'000'000 * 1000)};
+  return ppoll(&file, 1, &timeout, nullptr) > 0;
+}
 
-  std::optional<TimedFrame> next(std::uint64_t) override {
-    const auto logged = reader_.next();
-    if (!logged) return std::nullopt;
-    return TimedFrame{logged->frame, logged->time_us};
+// Reads a pipe, a terminal or a device. Ends when the user ends the command, also before a pipe has a writer.
+class PipeBuffer final : public std::streambuf {
+ public:
+  PipeBuffer(const std::filesystem::path& file, WaitForInput wait)
+      : descriptor_(file == kStandardInput ? dup(STDIN_FILENO)
+                                           : ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)),
+        wait_(std::move(wait)) {}
+
+  bool is_open() const { return descriptor_.number() >= 0; }
+  bool is_ended_by_user() const { return ended_by_user_; }
+
+ protected:
+  int_type underflow() override {
+    ssize_t got = -1;
+    do {
+      if (!wait_for_input()) return traits_type::eof();
+      got = ::read(descriptor_.number(), bytes_.data(), bytes_.size());
+    } while (got < 0 && errno == EAGAIN);
+    if (got <= 0) return traits_type::eof();
+    setg(bytes_.data(), bytes_.data(), bytes_.data() + got);
+    return traits_type::to_int_type(bytes_.front());
   }
-  bool is_live() const override { return false; }
 
  private:
-  sim::CandumpReader reader_;
+  static constexpr std::uint64_t kPatience_us = 1'000'000;
+
+  bool wait_for_input() {
+    while (!poll_for_input(descriptor_.number(), wait_ ? 0 : kPatience_us)) {
+      ended_by_user_ = wait_ && !wait_(descriptor_.number(), kPatience_us);
+      if (ended_by_user_) return false;
+    }
+    return true;
+  }
+
+  hal::FileDescriptor descriptor_;
+  WaitForInput wait_;
+  bool ended_by_user_ = false;
+  std::array<char, 65536> bytes_;
 };
+
+std::filesystem::path file_of(const LogChoice& log) {
+  return std::filesystem::is_directory(log.place) ? log.place / "can.log" : log.place;
+}
+
+// Whether the file can be read only once.
+bool is_pipe(const std::filesystem::path& file) {
+  return file == kStandardInput || (std::filesystem::exists(file) && !std::filesystem::is_regular_file(file));
+}
+
+class LogSource final : public FrameSource {
+ public:
+  LogSource(const LogChoice& log, const WaitForInput& wait) : interface_(log.interface) {
+    const std::filesystem::path file = file_of(log);
+    const auto times =
+        log.differences ? sim::CandumpReader::Times::kDifferences : sim::CandumpReader::Times::kRecognised;
+    if (!is_pipe(file)) {
+      reader_.emplace(file, times);
+      return;
+    }
+    pipe_.emplace(file, wait);
+    if (!pipe_->is_open()) throw sim::InputError(file, 0, "no readable file", "a CAN log");
+    stream_.emplace(&*pipe_);
+    reader_.emplace(*stream_, file == kStandardInput ? "standard input" : file, times);
+  }
+
+  std::optional<TimedFrame> next(std::uint64_t) override {
+    while (auto logged = reader_->next()) {
+      if (!interface_.empty() && logged->interface != interface_) continue;
+      return TimedFrame{logged->frame, logged->time_us, std::move(logged->interface), logged->direction};
+    }
+    return std::nullopt;
+  }
+  bool is_live() const override { return false; }
+  std::vector<std::string> remarks() const override {
+    std::vector<std::string> remarks = reader_->remarks();
+    // The end of the reading is not that of the log.
+    if (pipe_ && pipe_->is_ended_by_user() && !remarks.empty()) remarks.pop_back();
+    return remarks;
+  }
+
+ private:
+  std::string interface_;
+  std::optional<PipeBuffer> pipe_;
+  std::optional<std::istream> stream_;
+  std::optional<sim::CandumpReader> reader_;
+};
+
+void collect_interfaces(const LogChoice& log, std::vector<std::string>& names) {
+  const std::filesystem::path file = file_of(log);
+  if (is_pipe(file)) return;
+  LogSource source({.place = file, .differences = log.differences}, {});
+  while (const auto timed = source.next(0)) {
+    if (std::ranges::find(names, timed->interface) == names.end()) names.push_back(timed->interface);
+  }
+}
 
 class LiveSource final : public FrameSource {
  public:
-  explicit LiveSource(sim::Transport& transport) : transport_(transport), start_(Clock::now()) {}
+  LiveSource(sim::Transport& transport, WaitForInput wait)
+      : transport_(transport), wait_(std::move(wait)), start_(Clock::now()) {
+    transport.watch_foreign([this](const sim::ForeignFrame& frame) { arrived_.emplace_back(frame); });
+  }
+  ~LiveSource() override { transport_.watch_foreign({}); }
 
   std::optional<TimedFrame> next(std::uint64_t timeout_us) override {
     const Clock::time_point asked = Clock::now();
     for (;;) {
-      if (const auto frame = transport_.receive()) return TimedFrame{*frame, since_us(start_)};
+      if (arrived_.empty()) {
+        if (const auto frame = transport_.receive()) arrived_.emplace_back(*frame);  // after foreign ones
+      }
+      if (!arrived_.empty()) {
+        TimedFrame timed{arrived_.front(), since_us(start_)};
+        arrived_.pop_front();
+        return timed;
+      }
       const std::uint64_t waited_us = since_us(asked);
-      if (waited_us >= timeout_us) return std::nullopt;
-      wait_for_frames(transport_, timeout_us - waited_us);
+      if (waited_us >= timeout_us || !wait(timeout_us - waited_us)) return std::nullopt;
     }
   }
   bool is_live() const override { return true; }
 
  private:
+  bool wait(std::uint64_t timeout_us) {
+    if (wait_) return wait_(transport_.descriptor(), timeout_us);
+    wait_for_frames(transport_, timeout_us);
+    return true;
+  }
+
   sim::Transport& transport_;
+  WaitForInput wait_;
   Clock::time_point start_;
+  std::deque<sim::BusFrame> arrived_;
 };
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_log(const std::filesystem::path& place) {
-  return std::make_unique<LogSource>(std::filesystem::is_directory(place) ? place / "can.log" : place);
+std::unique_ptr<FrameSource> open_log(const LogChoice& log, const WaitForInput& wait) {
+  return std::make_unique<LogSource>(log, wait);
 }
 
-std::unique_ptr<FrameSource> listen_to(sim::Transport& transport) {
-  return std::make_unique<LiveSource>(transport);
+std::vector<std::string> interfaces_of(const LogChoice& log) {
+  std::vector<std::string> names;
+  try {
+    collect_interfaces(log, names);
+  } catch (const sim::InputError&) {  // reported when it is read in earnest
+  }
+  return names;
+}
+
+std::vector<std::string> check_log(const LogChoice& log) {
+  std::vector<std::string> names;
+  collect_interfaces(log, names);
+  if (!log.interface.empty() && !names.empty() && std::ranges::find(names, log.interface) == names.end())
+    throw sim::InputError(file_of(log), 0, "no frames of " + log.interface,
+                          "an interface of the log: " + sim::join_alternatives(names));
+  return names;
+}
+
+std::unique_ptr<FrameSource> listen_to(sim::Transport& transport, const WaitForInput& wait) {
+  return std::make_unique<LiveSource>(transport, wait);
 }
 
 void send_surely(sim::Transport& transport, const hal::CanFrame& frame) {
@@ -75,10 +212,7 @@ void send_surely(sim::Transport& transport, const hal::CanFrame& frame) {
 }
 
 void wait_for_frames(const sim::Transport& transport, std::uint64_t timeout_us) {
-  pollfd file{.fd = transport.descriptor(), .events = POLLIN, .revents = 0};
-  const timespec timeout{.tv_sec = static_cast<time_t>(timeout_us / 1'000'000),
-                         .tv_nsec = static_cast<long>(timeout_us % 1'000'000 * 1000)};
-  ppoll(&file, 1, &timeout, nullptr);
+  poll_for_input(transport.descriptor(), timeout_us);
 }
 
 }  // namespace koboshi::tools

@@ -2,17 +2,26 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "hal/port/can.h"
+#include "sim_board/can/candump_log.h"
 #include "sim_board/can/transport/transport.h"
 
 namespace koboshi::tools {
 
 struct TimedFrame {
-  hal::CanFrame frame;
+  sim::BusFrame frame;
   std::uint64_t time_us = 0;  // the log's own, or since the live bus was opened
+  std::string interface {};   // of a log
+  sim::Direction direction = sim::Direction::kUnknown;
+
+  // Null for a foreign frame.
+  const hal::CanFrame* standard() const { return std::get_if<hal::CanFrame>(&frame); }
 };
 
 // A sequence of frames, from a log or a live bus.
@@ -20,16 +29,38 @@ class FrameSource {
  public:
   virtual ~FrameSource() = default;
 
-  // Returns the next frame; nothing at the end of a log, or after a live bus was silent for this long.
+  // Returns the next frame; nothing at the end of a log, after a live bus was silent for this long, or when
+  // the user ends the command.
   virtual std::optional<TimedFrame> next(std::uint64_t timeout_us) = 0;
   virtual bool is_live() const = 0;
+  // What the user should know about the part of a log read so far, a line for each.
+  virtual std::vector<std::string> remarks() const { return {}; }
 };
 
-// Opens a log of candump -L, or the can.log in the folder of a run. Throws sim::InputError.
-std::unique_ptr<FrameSource> open_log(const std::filesystem::path& place);
+// Waits until the descriptor is readable or this time has passed. Returns false, and at once, when the user
+// ends the command.
+using WaitForInput = std::function<bool(int descriptor, std::uint64_t timeout_us)>;
+
+// A log and how to read it.
+struct LogChoice {
+  std::filesystem::path
+      place;  // a log of can-utils, the folder of a run with its can.log, or - for standard input
+  std::string interface {};  // only frames of this one; empty: of all
+  bool differences = false;  // its times are differences (candump -t d), also where they seem absolute
+};
+
+// Opens a log. Throws sim::InputError.
+std::unique_ptr<FrameSource> open_log(const LogChoice& log, const WaitForInput& wait = {});
+
+// Returns the interfaces in a log, in the order of their first frames; none for a pipe. Reads up to the first
+// line that is neither a frame nor a comment.
+std::vector<std::string> interfaces_of(const LogChoice& log);
+// The same for a command that must not begin with a log that it cannot read to its end. Throws
+// sim::InputError for such a log, and where there are frames, but none of the chosen interface.
+std::vector<std::string> check_log(const LogChoice& log);
 
 // Reads the frames that arrive on a transport, which must outlive the source.
-std::unique_ptr<FrameSource> listen_to(sim::Transport& transport);
+std::unique_ptr<FrameSource> listen_to(sim::Transport& transport, const WaitForInput& wait = {});
 
 // Sends a frame, and waits up to a second for room. Throws std::runtime_error if there is none.
 void send_surely(sim::Transport& transport, const hal::CanFrame& frame);

@@ -4,17 +4,17 @@
 
 #include <algorithm>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "firmware/canopen/frame.h"
 #include "sim_board/can/frame_bits.h"
+#include "sim_board/input/text.h"
 #include "tools/can/describe.h"
 #include "tools/table/table.h"
 
 namespace koboshi::tools {
 namespace {
-
-constexpr double kBitsPerSecond = 1e6;
 
 constexpr const char* kKindNames[] = {"NMT", "SYNC", "EMCY", "TIME", "PDO", "SDO", "heartbeat", ""};
 
@@ -28,11 +28,17 @@ const char* name_of(FrameKind kind) { return kKindNames[static_cast<std::size_t>
 }  // namespace
 
 void BusStatistics::add(const TimedFrame& timed) {
-  const std::uint16_t identifier = timed.frame.identifier;
-  const auto bits = static_cast<std::uint64_t>(sim::frame_bits(timed.frame) + sim::kIntermissionBits);
-  if (frames_++ == 0) first_us_ = timed.time_us;
+  const int length = std::visit([](const auto& frame) { return sim::frame_bits(frame); }, timed.frame);
+  const auto bits = static_cast<std::uint64_t>(length > 0 ? length + sim::kIntermissionBits : 0);
+  if (frames_++ == 0) {
+    first_us_ = timed.time_us;
+  } else {
+    bits_ += bits;
+  }
   last_us_ = timed.time_us;
-  bits_ += bits;
+  foreign_.add(timed.frame);
+  if (timed.standard() == nullptr || timed.standard()->remote) return;
+  const std::uint16_t identifier = timed.standard()->identifier;
   IdentifierStatistics& one = identifiers_[identifier];
   if (one.frames == 0) {
     one.first_us = timed.time_us;
@@ -51,17 +57,21 @@ void BusStatistics::add(const TimedFrame& timed) {
   }
 }
 
-double BusStatistics::load() const {
-  return duration_s() > 0.0 ? static_cast<double>(bits_) / kBitsPerSecond / duration_s() : 0.0;
+double BusStatistics::load(double bits_per_s) const {
+  return duration_s() > 0.0 ? static_cast<double>(bits_) / bits_per_s / duration_s() : 0.0;
 }
 
-std::string statistics_table(const BusStatistics& statistics) {
-  std::string text = fmt::format("{} frames in {:.3f} s, {:.0f} frames/s, load {:.1f} %\n\n",
-                                 statistics.frames(), statistics.duration_s(),
-                                 statistics.duration_s() > 0.0
-                                     ? static_cast<double>(statistics.frames()) / statistics.duration_s()
-                                     : 0.0,
-                                 100.0 * statistics.load());
+std::string statistics_table(const BusStatistics& statistics, double bits_per_s) {
+  const double load = statistics.load(bits_per_s);
+  const double frames = static_cast<double>(statistics.frames());
+  std::string text = fmt::format(
+      "{} in {:.3f} s, {:.0f} frames/s, load {}\n", sim::count_text(statistics.frames(), "frame"),
+      statistics.duration_s(), statistics.duration_s() > 0.0 ? frames / statistics.duration_s() : 0.0,
+      load <= 1.0 ? fmt::format("{:.1f} %", 100.0 * load)
+                  : fmt::format("above 100 %: the times are closer than the frames are long at {:g} kbit/s",
+                                1e-3 * bits_per_s));
+  if (!statistics.foreign().empty()) text += fmt::format("not decoded: {}\n", statistics.foreign().text());
+  text += '\n';
   std::vector<Row> rows;
   for (const auto& [identifier, one] : statistics.identifiers()) {
     const bool repeats = one.frames > 1;

@@ -2,21 +2,15 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <filesystem>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "firmware/canopen/frame.h"
 #include "tools/can/frame_text.h"
 #include "tools/can/source.h"
-#include "tools/can/statistics.h"
 #include "tools/cli/options.h"
-#include "tools/run/interrupt.h"
-#include "tools/run/pacer.h"
 
 namespace koboshi::tools {
 namespace {
@@ -70,67 +64,6 @@ void add_nmt(CLI::App& can) {
   });
 }
 
-void add_statistics(CLI::App& can) {
-  struct Arguments {
-    std::filesystem::path log;
-    double duration_s = 10.0;
-    CanOptions can;
-  };
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      can.add_subcommand("stats", "Show frame rates, the bus load, and the jitter of SYNC and PDOs");
-  CLI::Option* log = command->add_option(
-      "LOG", arguments->log, "A log of candump -L or the folder of a run (default: the live bus)");
-  command->add_option("--duration", arguments->duration_s, "Seconds to listen to a live bus (default: 10)")
-      ->check(CLI::Range(0.1, 86400.0))
-      ->excludes(log);
-  add_can_options(*command, arguments->can, log);
-  command->callback([arguments] {
-    const OpenedSource opened = open_source(arguments->log, arguments->can);
-    const auto end_us = static_cast<std::uint64_t>(1e6 * arguments->duration_s);
-    Interrupt interrupt;
-    BusStatistics statistics;
-    for (std::uint64_t last_us = 0; !interrupt.requested();) {
-      if (opened.source->is_live() && last_us >= end_us) break;
-      const auto timed = opened.source->next(end_us - std::min(last_us, end_us));
-      if (!timed) break;
-      last_us = timed->time_us;
-      statistics.add(*timed);
-    }
-    fmt::print("{}", statistics_table(statistics));
-  });
-}
-
-void add_replay(CLI::App& can) {
-  struct Arguments {
-    std::filesystem::path log;
-    double speed = 1.0;
-    CanOptions can;
-  };
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = can.add_subcommand("replay", "Send the frames of a log with their timing");
-  command->add_option("LOG", arguments->log, "A log of candump -L, or the folder of a run")->required();
-  command->add_option("--speed", arguments->speed, "Speed relative to the log (default: 1)")
-      ->check(CLI::Range(0.01, 1000.0));
-  add_can_options(*command, arguments->can);
-  command->callback([arguments] {
-    const auto source = open_log(arguments->log);
-    const auto transport = open_can(arguments->can);
-    Interrupt interrupt;
-    std::optional<std::uint64_t> first_us;
-    Pacer pacer(0, arguments->speed);
-    std::uint64_t frames = 0;
-    while (const auto timed = source->next(0)) {
-      if (interrupt.requested()) break;
-      if (!first_us) first_us = timed->time_us;
-      pacer.wait_for(timed->time_us - *first_us);
-      send_surely(*transport, timed->frame);
-      ++frames;
-    }
-    fmt::print("{} frames sent\n", frames);
-  });
-}
-
 }  // namespace
 
 void add_can_command(CLI::App& program, Invocation& invocation) {
@@ -148,6 +81,7 @@ Examples:
   koboshi can sdo read 1 1008
   koboshi can nmt start all
   koboshi can stats runs/walk
+  koboshi can export runs/walk --out walk.asc
   koboshi can replay runs/walk/can.log --can udp:239.74.163.2:43113
 )",
       kSampleFrame));
@@ -155,8 +89,7 @@ Examples:
   add_send(*can);
   add_can_sdo_command(*can, invocation);
   add_nmt(*can);
-  add_statistics(*can);
-  add_replay(*can);
+  add_can_log_commands(*can, invocation);
 }
 
 }  // namespace koboshi::tools

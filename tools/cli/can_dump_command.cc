@@ -14,6 +14,7 @@
 
 #include "tools/can/describe.h"
 #include "tools/can/frame_text.h"
+#include "tools/cli/frame_description.h"
 #include "tools/cli/options.h"
 #include "tools/dictionary/network.h"
 #include "tools/run/interrupt.h"
@@ -21,10 +22,10 @@
 namespace koboshi::tools {
 namespace {
 
-constexpr std::uint64_t kPatience_us = 100'000;  // between two checks for Ctrl-C
+constexpr std::uint64_t kPatience_us = 100'000;  // of the live bus, without effect on Ctrl-C
 
 struct CanDumpArguments {
-  std::filesystem::path log;
+  LogChoice log;
   std::vector<std::string> nodes;
   std::vector<std::string> kinds;
   std::vector<std::string> identifiers;
@@ -40,25 +41,51 @@ const std::map<std::string, FrameKind>& kinds() {
   return names;
 }
 
+constexpr const char* kForeign = "foreign";
+constexpr std::size_t kExtendedDigits = 8;
+constexpr std::uint64_t kExtendedMark = std::uint64_t{1} << 32;  // apart from 11-bit identifiers
+
+// An identifier of three digits has 11 bits, one of eight has 29, as for candump.
+std::uint64_t parse_identifier(const std::string& text) {
+  if (text.size() != kExtendedDigits) return parse_hexadecimal(text, "the identifier", 0x7FF, 3);
+  return kExtendedMark | parse_hexadecimal(text, "the identifier", 0x1FFF'FFFF, kExtendedDigits);
+}
+
 // The frames that the options select; all frames without such options.
 class Filter {
  public:
   explicit Filter(const CanDumpArguments& arguments) {
     for (const std::string& text : arguments.nodes) nodes_.insert(parse_node(text));
-    for (const std::string& name : arguments.kinds) kinds_.insert(kinds().at(name));
-    for (const std::string& text : arguments.identifiers)
-      identifiers_.insert(parse_hexadecimal(text, "the identifier", 0x7FF, 3));
+    for (const std::string& name : arguments.kinds) {
+      if (name == kForeign) {
+        foreign_ = true;
+      } else {
+        kinds_.insert(kinds().at(name));
+      }
+    }
+    for (const std::string& text : arguments.identifiers) identifiers_.insert(parse_identifier(text));
   }
 
-  bool passes(const hal::CanFrame& frame) const {
-    return (nodes_.empty() || nodes_.contains(node_of(frame))) &&
-           (kinds_.empty() || kinds_.contains(kind_of(frame))) &&
-           (identifiers_.empty() || identifiers_.contains(frame.identifier));
+  bool passes(const sim::BusFrame& frame) const {
+    return std::visit([this](const auto& one) { return passes(one); }, frame);
   }
 
  private:
+  bool any_kind() const { return kinds_.empty() && !foreign_; }
+  bool passes(const sim::ForeignFrame& frame) const {
+    const std::uint64_t identifier = frame.identifier | (frame.extended ? kExtendedMark : 0);
+    return (any_kind() || foreign_) && nodes_.empty() &&
+           (identifiers_.empty() || identifiers_.contains(identifier));
+  }
+  bool passes(const hal::CanFrame& frame) const {
+    const bool of_kind = any_kind() || kinds_.contains(kind_of(frame)) || (foreign_ && frame.remote);
+    return of_kind && (nodes_.empty() || nodes_.contains(node_of(frame))) &&
+           (identifiers_.empty() || identifiers_.contains(frame.identifier));
+  }
+
   std::set<int> nodes_;
   std::set<FrameKind> kinds_;
+  bool foreign_ = false;
   std::set<std::uint64_t> identifiers_;
 };
 
@@ -77,48 +104,55 @@ fmt::color color_of(FrameKind kind) {
   }
 }
 
-// Decodes a PDO by the robot's object dictionaries: its name, then each value with its unit or its name.
-std::string values_text(const Network& network, const hal::CanFrame& frame) {
-  const Message* message = network.find(frame.identifier);
-  if (message == nullptr) return {};
-  std::string text = message->name + ":";
-  for (const Reading& reading : decode(network, frame)) {
-    text += fmt::format(" {}=", reading.signal->name);
-    text += reading.name.empty() ? fmt::format("{:.6g}", reading.value) : fmt::format("'{}'", reading.name);
-    if (reading.name.empty() && !reading.signal->unit.empty()) text += " " + reading.signal->unit;
-  }
-  return text;
+fmt::color color_of(const sim::BusFrame& frame) {
+  const auto* standard = std::get_if<hal::CanFrame>(&frame);
+  return standard != nullptr ? color_of(kind_of(*standard)) : fmt::color::gray;
 }
 
-void print(const TimedFrame& timed, const Network& network, bool colored) {
-  std::string text = describe(timed.frame);
-  if (text.empty()) text = values_text(network, timed.frame);
-  const std::string line = fmt::format("{:12.6f}  {:<22}{}{}\n", 1e-6 * static_cast<double>(timed.time_us),
-                                       frame_text(timed.frame), text.empty() ? "" : "  ", text);
-  if (colored) {
-    fmt::print(fmt::fg(color_of(kind_of(timed.frame))), "{}", line);
-  } else {
-    std::fwrite(line.data(), 1, line.size(), stdout);
+// Prints frames, a line for each.
+class Printer {
+ public:
+  // `with_interface`: the log has several.
+  Printer(const Network& network, bool with_interface) : network_(network), with_interface_(with_interface) {}
+
+  void print(const TimedFrame& timed) const {
+    const std::string text = frame_description(timed.frame, network_);
+    const std::string line =
+        fmt::format("{:12.6f}  {}{:<22}{}{}\n", 1e-6 * static_cast<double>(timed.time_us),
+                    with_interface_ ? fmt::format("{:<6} ", timed.interface) : "",
+                    sim::frame_notation(timed.frame), text.empty() ? "" : "  ", text);
+    if (colored_) {
+      fmt::print(fmt::fg(color_of(timed.frame)), "{}", line);
+    } else {
+      std::fwrite(line.data(), 1, line.size(), stdout);
+    }
   }
-}
+
+ private:
+  const Network& network_;
+  bool with_interface_;
+  bool colored_ = isatty(STDOUT_FILENO) != 0;
+};
 
 void dump(const CanDumpArguments& arguments) {
   const Filter filter(arguments);
   const Network network = network_of(arguments.robot);
-  const OpenedSource opened = open_source(arguments.log, arguments.can);
-  const bool colored = isatty(STDOUT_FILENO) != 0;
+  const bool several = !arguments.log.place.empty() && arguments.log.interface.empty() &&
+                       interfaces_of(arguments.log).size() > 1;
+  const Printer printer(network, several);
   Interrupt interrupt;
+  const OpenedSource opened = open_source(arguments.log, arguments.can, interrupt);
+  ForeignCount foreign;
   for (std::uint64_t shown = 0; arguments.count == 0 || shown < arguments.count;) {
     const auto timed = opened.source->next(kPatience_us);
-    if (interrupt.requested() || (!timed && !opened.source->is_live())) return;
-    if (!timed) {
-      std::fflush(stdout);
-      continue;
-    }
-    if (!filter.passes(timed->frame)) continue;
-    print(*timed, network, colored);
+    if (interrupt.requested() || (!timed && !opened.source->is_live())) break;
+    if (!timed || !filter.passes(timed->frame)) continue;
+    foreign.add(timed->frame);
+    printer.print(*timed);
     ++shown;
   }
+  print_remarks(*opened.source);
+  if (!foreign.empty()) fmt::print(stderr, "koboshi: not decoded: {}\n", foreign.text());
 }
 
 }  // namespace
@@ -126,20 +160,21 @@ void dump(const CanDumpArguments& arguments) {
 void add_can_dump_command(CLI::App& can, Invocation&) {
   auto arguments = std::make_shared<CanDumpArguments>();
   CLI::App* command = can.add_subcommand("dump", "Show frames and decode them");
-  CLI::Option* log = command->add_option(
-      "LOG", arguments->log, "A log of candump -L or the folder of a run (default: the live bus)");
+  CLI::Option* log = add_log_options(*command, arguments->log, kLogOrBusHelp);
   command->add_option("--node", arguments->nodes, "Show only frames of this node; may be repeated")
       ->allow_extra_args(false);
   std::vector<std::string> names;
   for (const auto& [name, kind] : kinds()) names.push_back(name);
+  names.emplace_back(kForeign);
   command
       ->add_option("--kind", arguments->kinds,
-                   "Show only nmt, sync, emcy, pdo, sdo or heartbeat; may be repeated")
+                   "Show only nmt, sync, emcy, pdo, sdo, heartbeat or foreign (29-bit identifiers, CAN FD, "
+                   "remote\nand error frames); may be repeated")
       ->allow_extra_args(false)
       ->check(CLI::IsMember(names));
   command
       ->add_option("--id", arguments->identifiers,
-                   "Show only this identifier, in hexadecimal; may be repeated")
+                   "Show only this identifier, in hexadecimal; eight digits: of 29 bits; may be repeated")
       ->allow_extra_args(false);
   command->add_option(
       "--robot", arguments->robot,

@@ -44,6 +44,7 @@ inline constexpr AddCommand* kCommands[] = {
 // Commands below `koboshi can`.
 AddCommand add_can_dump_command;
 AddCommand add_can_sdo_command;
+AddCommand add_can_log_commands;  // stats, replay, export
 
 // Commands below `koboshi model`.
 AddCommand add_model_edit_commands;

@@ -55,11 +55,33 @@ std::unique_ptr<sim::Transport> open_can(const CanOptions& options) {
   return transport;
 }
 
-OpenedSource open_source(const std::filesystem::path& log, const CanOptions& options) {
-  if (!log.empty()) return {nullptr, open_log(log)};
-  auto transport = open_can(options);
-  auto source = listen_to(*transport);
+CLI::Option* add_log_options(CLI::App& command, LogChoice& log, const std::string& help) {
+  CLI::Option* place = command.add_option("LOG", log.place, help);
+  command
+      .add_option("--interface", log.interface,
+                  "Read only the frames of this interface: a log of candump may hold several buses")
+      ->needs(place);
+  command
+      .add_flag("--differences", log.differences,
+                "The log's times are differences (candump -t d); recognised, except from a pipe")
+      ->needs(place);
+  return place;
+}
+
+OpenedSource open_source(const LogChoice& log, const CanOptions& options, Interrupt& interrupt) {
+  const WaitForInput wait = [&interrupt](int descriptor, std::uint64_t timeout_us) {
+    std::fflush(stdout);
+    return interrupt.wait_for_input(descriptor, timeout_us);
+  };
+  if (!log.place.empty()) return {nullptr, open_log(log, wait)};
+  auto transport = open_can({options.can, true});  // what only listens moves no servo
+  auto source = listen_to(*transport, wait);
   return {std::move(transport), std::move(source)};
+}
+
+void print_remarks(const FrameSource& source) {
+  std::fflush(stdout);
+  for (const std::string& remark : source.remarks()) warn(remark);
 }
 
 std::uint8_t parse_node(const std::string& text) {

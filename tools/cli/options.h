@@ -12,6 +12,7 @@
 #include "sim_board/input/yaml_tree.h"
 #include "tools/can/source.h"
 #include "tools/dictionary/network.h"
+#include "tools/run/interrupt.h"
 #include "tools/run/live_link.h"
 #include "tools/view/live/live_view.h"
 
@@ -37,12 +38,22 @@ void add_can_options(CLI::App& command, CanOptions& options, CLI::Option* log = 
 // join, and what sim::open_transport throws.
 std::unique_ptr<sim::Transport> open_can(const CanOptions& options);
 
+inline constexpr const char* kLogHelp = "A log of candump -L, the folder of a run, or - for standard input";
+inline constexpr const char* kLogOrBusHelp =
+    "A log of candump -L, the folder of a run, or - for standard input\n(default: the live bus)";
+
+// Adds LOG, and with it --interface and --differences. Returns the option of LOG.
+CLI::Option* add_log_options(CLI::App& command, LogChoice& log, const std::string& help);
+
 // Frames from a log, if one is named, else from the bus.
 struct OpenedSource {
   std::unique_ptr<sim::Transport> transport;  // null for a log
   std::unique_ptr<FrameSource> source;
 };
-OpenedSource open_source(const std::filesystem::path& log, const CanOptions& options);
+// Signals end the waits; standard output is flushed before each.
+OpenedSource open_source(const LogChoice& log, const CanOptions& options, Interrupt& interrupt);
+// Prints on standard error what the user should know about a log that was read.
+void print_remarks(const FrameSource& source);
 
 // The messages on the bus of a robot's file; without one, of Koboshi from the repository of this folder or of
 // the program, and empty if there is none.

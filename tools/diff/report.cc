@@ -1,7 +1,6 @@
 #include "tools/diff/report.h"
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 
 #include <fmt/core.h>
@@ -13,12 +12,6 @@ namespace koboshi::tools {
 namespace {
 
 constexpr std::size_t kMaxCells = 12;  // shown of a tick; the report counts the others
-
-std::string frame_text(const sim::LoggedFrame& logged) {
-  std::array<char, sim::kMaxLogLineBytes> line;
-  const std::size_t size = sim::format_log_line(line, logged.frame, logged.time_us, logged.interface);
-  return {line.data(), size};
-}
 
 std::string describe(const TraceDifference& difference) {
   if (difference.ended) {
@@ -41,10 +34,10 @@ std::string describe(const TraceDifference& difference) {
 
 std::string describe(const LogDifference& difference) {
   std::string text = fmt::format("can.log: line {}\n", difference.line);
-  for (const sim::LoggedFrame& frame : difference.before) text += "    " + frame_text(frame);
-  for (const sim::LoggedFrame& frame : difference.a) text += "  A " + frame_text(frame);
+  for (const sim::LoggedFrame& frame : difference.before) text += "    " + sim::log_line(frame);
+  for (const sim::LoggedFrame& frame : difference.a) text += "  A " + sim::log_line(frame);
   if (difference.a.empty()) text += "  A ends here\n";
-  for (const sim::LoggedFrame& frame : difference.b) text += "  B " + frame_text(frame);
+  for (const sim::LoggedFrame& frame : difference.b) text += "  B " + sim::log_line(frame);
   if (difference.b.empty()) text += "  B ends here\n";
   return text;
 }
@@ -60,7 +53,7 @@ std::string frames_before(const std::filesystem::path& log, const std::string& t
     last.push_back(*frame);
   }
   std::string text = "can.log: the same; before that tick\n";
-  for (const sim::LoggedFrame& frame : last) text += "    " + frame_text(frame);
+  for (const sim::LoggedFrame& frame : last) text += "    " + sim::log_line(frame);
   return text;
 }
 

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "hal/port/can.h"
+#include "sim_board/can/foreign_frame.h"
 
 namespace koboshi::sim {
 
@@ -19,6 +21,10 @@ class Transport {
   [[nodiscard]] virtual bool send(const hal::CanFrame& frame, std::uint64_t time_us) = 0;
   // Sends buffered frames. Call it once per millisecond, and after the last frame.
   virtual void flush() {}
+  // Passes the foreign frames that `receive` finds before its next frame to this function, as far as the
+  // transport carries any. Without it they are skipped.
+  using TakeForeign = std::function<void(const ForeignFrame&)>;
+  virtual void watch_foreign(TakeForeign) {}
   // Returns the oldest received frame, or nothing.
   [[nodiscard]] virtual std::optional<hal::CanFrame> receive() = 0;
   // Number of incoming frames that the system has dropped because they were not read fast enough, as far as

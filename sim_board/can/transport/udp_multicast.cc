@@ -26,6 +26,7 @@ using hal::set_option;
 
 constexpr int kBuffer_bytes = 4 << 20;
 constexpr unsigned kStandardIdentifiers = 0x800;
+constexpr unsigned kExtendedIdentifiers = 0x2000'0000;
 
 double epoch_s() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -153,23 +154,37 @@ Datagram pack_datagram(const hal::CanFrame& frame, double timestamp_s) {
   return datagram;
 }
 
-std::optional<hal::CanFrame> unpack_datagram(std::span<const std::uint8_t> datagram) {
+std::optional<BusFrame> unpack_datagram(std::span<const std::uint8_t> datagram) {
   const Json message = Json::from_msgpack(datagram.begin(), datagram.end(), true, false);
   if (!message.is_object()) return std::nullopt;
   try {
-    if (is_true(message, "is_extended_id") || is_true(message, "is_error_frame") || is_true(message, "is_fd"))
-      return std::nullopt;
+    const bool extended = is_true(message, "is_extended_id");
+    const bool error = is_true(message, "is_error_frame");
+    const bool fd = is_true(message, "is_fd");
+    const bool remote = is_true(message, "is_remote_frame");
     const auto identifier = message.at("arbitration_id").get<unsigned>();
-    const auto size = message.at("dlc").get<unsigned>();
-    hal::CanFrame frame{.identifier = static_cast<std::uint16_t>(identifier),
-                        .size = static_cast<std::uint8_t>(size),
-                        .remote = is_true(message, "is_remote_frame")};
-    if (identifier >= kStandardIdentifiers || size > frame.data.size()) return std::nullopt;
-    if (frame.remote) return frame;
-    const auto& data = message.at("data").get_binary();
-    if (data.size() != size) return std::nullopt;
-    std::ranges::copy(data, frame.data.begin());
-    return frame;
+    const auto size = message.at("dlc").get<unsigned>();  // python-can's dlc is the number of bytes
+    const bool standard = !extended && !error;
+    if (identifier >= (standard ? kStandardIdentifiers : kExtendedIdentifiers)) return std::nullopt;
+    if (size > (fd ? ForeignFrame::kMaxBytes : hal::CanFrame{}.data.size())) return std::nullopt;
+    const auto fill = [&](auto frame) -> std::optional<BusFrame> {
+      frame.size = static_cast<std::uint8_t>(size);
+      frame.remote = remote;
+      if (remote) return frame;
+      const auto& data = message.at("data").get_binary();
+      if (data.size() != size) return std::nullopt;
+      std::ranges::copy(data, frame.data.begin());
+      return frame;
+    };
+    if (standard && !fd) return fill(hal::CanFrame{.identifier = static_cast<std::uint16_t>(identifier)});
+    const unsigned flags = (is_true(message, "bitrate_switch") ? 1u : 0u) |
+                           (is_true(message, "error_state_indicator") ? 2u : 0u);
+    return fill(ForeignFrame{.kind = error ? ForeignFrame::Kind::kError
+                                     : fd  ? ForeignFrame::Kind::kFd
+                                           : ForeignFrame::Kind::kExtended,
+                             .extended = extended && !error,
+                             .flags = static_cast<std::uint8_t>(fd ? flags : 0),
+                             .identifier = identifier});
   } catch (const Json::exception&) {
     return std::nullopt;
   }
@@ -247,7 +262,10 @@ std::optional<hal::CanFrame> UdpMulticast::receive() {
   while (!incoming_.empty() || fetch()) {
     const auto datagram = incoming_.first(std::min(incoming_size_, incoming_.size()));
     incoming_ = incoming_.subspan(datagram.size());
-    if (const auto frame = unpack_datagram(datagram)) return frame;
+    const auto frame = unpack_datagram(datagram);
+    if (!frame) continue;
+    if (const auto* standard = std::get_if<hal::CanFrame>(&*frame)) return *standard;
+    if (take_foreign_) take_foreign_(std::get<ForeignFrame>(*frame));
   }
   return std::nullopt;
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "hal/linux/file_descriptor.h"
 #include "sim_board/can/transport/transport.h"
@@ -25,8 +26,8 @@ struct Datagram {
   std::size_t size = 0;
 };
 Datagram pack_datagram(const hal::CanFrame& frame, double timestamp_s);
-// Returns nothing for other datagrams and for frames that are not classic ones with an 11-bit identifier.
-std::optional<hal::CanFrame> unpack_datagram(std::span<const std::uint8_t> datagram);
+// Returns nothing for a datagram that holds no frame.
+std::optional<BusFrame> unpack_datagram(std::span<const std::uint8_t> datagram);
 
 // A bus between processes and machines in the same multicast group. The kernel drops the datagrams that this
 // object sent itself.
@@ -47,6 +48,7 @@ class UdpMulticast final : public Transport {
   // Frames that the system has no room for stay buffered.
   void flush() override;
   std::optional<hal::CanFrame> receive() override;
+  void watch_foreign(TakeForeign take) override { take_foreign_ = std::move(take); }
   std::uint64_t dropped() const override;
   std::string place() const override { return place_; }
   int descriptor() const override { return receiver_.number(); }
@@ -57,6 +59,7 @@ class UdpMulticast final : public Transport {
   bool fetch();
 
   std::string place_;
+  TakeForeign take_foreign_;
   hal::FileDescriptor receiver_;
   hal::FileDescriptor sender_;  // bound to its own port, which identifies our datagrams
   bool trains_ = false;         // whether the system supports them

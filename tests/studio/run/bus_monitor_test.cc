@@ -50,6 +50,7 @@ struct SentFrames {
   std::mutex mutex;
   std::condition_variable sent;
   std::vector<hal::CanFrame> frames;
+  std::vector<sim::ForeignFrame> foreign{};  // set before the monitor starts: others on the bus
   Sdo sdo = Sdo::kAnswers;
   std::uint16_t timer_ms = 0;  // of the controller's 0x1401:05
 };
@@ -64,7 +65,11 @@ class RobotBus final : public sim::Transport {
     sent_.sent.notify_all();
     return true;
   }
-  std::optional<hal::CanFrame> receive() override { return std::exchange(answer_, std::nullopt); }
+  void watch_foreign(TakeForeign take) override { take_foreign_ = std::move(take); }
+  std::optional<hal::CanFrame> receive() override {
+    for (const sim::ForeignFrame& frame : std::exchange(sent_.foreign, {})) take_foreign_(frame);
+    return std::exchange(answer_, std::nullopt);
+  }
   std::string place() const override { return "test"; }
 
  private:
@@ -84,6 +89,7 @@ class RobotBus final : public sim::Transport {
   }
 
   SentFrames& sent_;
+  TakeForeign take_foreign_;
   std::optional<hal::CanFrame> answer_;
 };
 
@@ -187,6 +193,24 @@ TEST_F(BusMonitorTest, TakesCommandsAndAccessesOnly) {
   EXPECT_FALSE(monitor->give(sim::Push()));
   EXPECT_FALSE(monitor->give(sim::Fault()));
   EXPECT_TRUE(monitor->give(sim::ObjectRequest{.number = 1, .node_id = 1, .address = {0x1000, 0}}));
+}
+
+// Others on the bus are reported once for each format, and the monitor goes on.
+TEST(BusMonitorForeignFrames, AreReportedOnce) {
+  SentFrames sent;
+  const sim::ForeignFrame extended{.extended = true, .identifier = 0x18FEF100};
+  sent.foreign = {extended, extended, {.kind = sim::ForeignFrame::Kind::kFd, .identifier = 0x123}};
+  BusMonitor monitor(std::make_unique<RobotBus>(sent),
+                     std::filesystem::path(KOBOSHI_SOURCE_DIR) / "robots/koboshi/robot.sdf");
+  std::vector<view::Event> events;
+  for (int i = 0; events.size() < 2 && i < 2'000; ++i) {
+    if (auto batch = monitor.take(); batch.events) events = *batch.events;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[0].text, "not decoded: 18FEF100#, 29-bit identifier; further ones are skipped");
+  EXPECT_EQ(events[1].text, "not decoded: 123##0, CAN FD; further ones are skipped");
+  EXPECT_EQ(monitor.error(), "");
 }
 
 }  // namespace

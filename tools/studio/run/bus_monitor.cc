@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "firmware/canopen/frame.h"
+#include "sim_board/can/candump_line.h"
 #include "sim_board/robot/load.h"
 #include "sim_board/scenario/operator_pc.h"
 #include "tools/can/describe.h"
@@ -137,6 +138,7 @@ void BusMonitor::run(const std::stop_token& stop) {
   };
   std::uint64_t sampled_us = 0;
   try {
+    transport_->watch_foreign([&](const sim::ForeignFrame& frame) { take_foreign(frame, now_us()); });
     while (!stop.stop_requested()) {
       now_us_ = now_us();
       obey();
@@ -147,7 +149,7 @@ void BusMonitor::run(const std::stop_token& stop) {
       bool sync = false;
       while (const auto frame = transport_->receive()) {
         // The SYNC ends a cycle: the values are those that came before it.
-        if (frame->identifier == kSyncIdentifier) {
+        if (frame->identifier == kSyncIdentifier && !frame->remote) {
           sync = true;
           add_sample(sampled_us = now_us());
         }
@@ -264,6 +266,7 @@ void BusMonitor::take_values(const hal::CanFrame& frame) {
 
 void BusMonitor::take_event(const hal::CanFrame& frame, std::uint64_t now_us) {
   const tools::FrameKind kind = tools::kind_of(frame);
+  if (frame.remote) return;  // node guarding asks; the answer is the event
   if (kind == tools::FrameKind::kHeartbeat) {
     const auto node = static_cast<std::uint8_t>(tools::node_of(frame));
     const std::uint8_t state = frame.data[0] & 0x7F;
@@ -277,6 +280,15 @@ void BusMonitor::take_event(const hal::CanFrame& frame, std::uint64_t now_us) {
       std::ranges::find(network_.nodes, id, [](const tools::NetworkNode& one) { return int{one.node_id}; });
   const std::string name = id != 0 && node != network_.nodes.end() ? node->name + ": " : std::string();
   events_.push_back({now_us, "can", name + tools::describe(frame)});
+  inbox_.set_events(events_);
+}
+
+// Only the first frame of each kind is an event: others may fill the bus.
+void BusMonitor::take_foreign(const sim::ForeignFrame& frame, std::uint64_t now_us) {
+  if (std::exchange(foreign_seen_.at(static_cast<std::size_t>(frame.kind)), true)) return;
+  events_.push_back({now_us, "can",
+                     "not decoded: " + sim::frame_notation(frame) + ", " + tools::describe(frame) +
+                         "; further ones are skipped"});
   inbox_.set_events(events_);
 }
 

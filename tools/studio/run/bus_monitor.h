@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
@@ -81,6 +82,7 @@ class BusMonitor {
   void take_frame(const hal::CanFrame& frame, std::uint64_t now_us);
   void take_values(const hal::CanFrame& frame);
   void take_event(const hal::CanFrame& frame, std::uint64_t now_us);
+  void take_foreign(const sim::ForeignFrame& frame, std::uint64_t now_us);
   void add_sample(std::uint64_t now_us);
 
   const sim::RobotDescription robot_;
@@ -101,6 +103,7 @@ class BusMonitor {
   std::vector<double> angles_rad_;
   std::map<std::uint8_t, std::uint8_t> nmt_states_;  // by node
   std::vector<view::Event> events_;
+  std::array<bool, 4> foreign_seen_{};  // by the kind of the frame
   std::optional<std::uint64_t> walk_us_;       // when the velocity of a walk was given last
   std::optional<sim::Command> awaiting_walk_;  // waits for the deadline
   WalkDeadline deadline_;

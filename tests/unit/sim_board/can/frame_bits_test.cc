@@ -6,6 +6,7 @@
 #include <random>
 #include <utility>
 
+#include "sim_board/can/foreign_frame.h"
 #include "tests/unit/sim_board/can/reference_encoder.h"
 
 namespace koboshi::sim {
@@ -64,6 +65,22 @@ TEST(FrameBits, IgnoreTheDataOfARemoteFrame) {
   with_rest.data.fill(0xFF);
   EXPECT_EQ(frame_bits(with_rest), frame_bits(asked));
   EXPECT_EQ(frame_bits(asked), static_cast<int>(test::encode(asked).wire.size()));
+}
+
+// 39 bits from SOF to DLC, 15 of the CRC and 10 of the tail. Alternating bits need no stuff bits up to the
+// control field, whose zeros and CRC cause a few.
+TEST(FrameBits, CountThoseOfA29BitIdentifier) {
+  ForeignFrame frame{.extended = true, .identifier = 0x0AAAAAAA};
+  EXPECT_GE(frame_bits(frame), 64);
+  EXPECT_LE(frame_bits(frame), 64 + 5);
+  frame.identifier = 0;  // two stuff bits before SRR and IDE, and at least four behind
+  EXPECT_GE(frame_bits(frame), 64 + 6);
+  const int empty = frame_bits(frame);
+  frame.size = 8;
+  EXPECT_GE(frame_bits(frame), empty + 64);
+  frame.remote = true;
+  EXPECT_LT(frame_bits(frame), 64 + 14);
+  EXPECT_EQ(frame_bits(ForeignFrame{.kind = ForeignFrame::Kind::kFd}), 0);
 }
 
 // The bound of the literature, 8 n + 44 + floor((34 + 8 n - 1) / 4) = 132 for 8 bytes, is one that data reach

@@ -35,7 +35,7 @@ TEST(Recorder, WritesTraceAndLog) {
   EXPECT_EQ(test::read_file(folder.path / "trace.csv"), "time_s,base_z_m,phase\n0.01,0.25,3\n0.02,0.5,-4\n");
   CandumpReader log(folder.path / "can.log");
   EXPECT_EQ(log.next()->time_us, 1'000'048u) << "the end of its last bit";
-  EXPECT_TRUE(log.next()->frame.remote);
+  EXPECT_TRUE(std::get<hal::CanFrame>(log.next()->frame).remote);
   EXPECT_FALSE(log.next().has_value());
   EXPECT_EQ(recorder.dropped(), 0u);
 }
@@ -56,8 +56,9 @@ TEST(Recorder, LosesNothingWithASmallRing) {
     const auto logged = log.next();
     ASSERT_TRUE(logged.has_value());
     ASSERT_EQ(logged->time_us, i + 1);
-    ASSERT_EQ(logged->frame.identifier, i % 2048);
-    ASSERT_EQ(logged->frame.data[0], static_cast<std::uint8_t>(i));
+    const auto& frame = std::get<hal::CanFrame>(logged->frame);
+    ASSERT_EQ(frame.identifier, i % 2048);
+    ASSERT_EQ(frame.data[0], static_cast<std::uint8_t>(i));
   }
 }
 

@@ -35,8 +35,8 @@ TEST_F(LogDiff, ShowsTheFramesAroundTheFirstDifference) {
   EXPECT_EQ(difference->before.back().time_us, 1009u);
   ASSERT_EQ(difference->a.size(), kFramesAfter);
   ASSERT_EQ(difference->b.size(), kFramesAfter);
-  EXPECT_EQ(difference->a[0].frame.data[0], 0x00);
-  EXPECT_EQ(difference->b[0].frame.data[0], 0xFF);
+  EXPECT_EQ(std::get<hal::CanFrame>(difference->a[0].frame).data[0], 0x00);
+  EXPECT_EQ(std::get<hal::CanFrame>(difference->b[0].frame).data[0], 0xFF);
   EXPECT_EQ(difference->a[1], difference->b[1]);
 }
 

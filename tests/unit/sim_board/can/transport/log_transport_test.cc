@@ -22,7 +22,7 @@ TEST(LogTransport, RoundTrips) {
   CandumpReader reader(scratch.path());
   const auto logged = reader.next();
   ASSERT_TRUE(logged);
-  EXPECT_EQ(logged->frame, frame);
+  EXPECT_EQ(logged->frame, BusFrame(frame));
   EXPECT_EQ(logged->time_us, 12'345u);
   EXPECT_EQ(reader.next(), std::nullopt);
 }

@@ -35,8 +35,8 @@ std::vector<std::uint8_t> bytes_of(std::string_view hex) {
 }
 
 TEST(Datagram, IsReadAsPythonWritesIt) {
-  EXPECT_EQ(unpack_datagram(bytes_of(kDataOfPython)), kData);
-  EXPECT_EQ(unpack_datagram(bytes_of(kRemoteOfPython)), kRemote);
+  EXPECT_EQ(unpack_datagram(bytes_of(kDataOfPython)), BusFrame(kData));
+  EXPECT_EQ(unpack_datagram(bytes_of(kRemoteOfPython)), BusFrame(kRemote));
 }
 
 TEST(Datagram, IsWrittenAsPythonWritesIt) {
@@ -49,7 +49,7 @@ TEST(Datagram, RoundTrips) {
     for (std::uint8_t size = 0; size <= 8; ++size) {
       hal::CanFrame frame{.identifier = identifier, .size = size};
       for (std::uint8_t i = 0; i < size; ++i) frame.data[i] = static_cast<std::uint8_t>(identifier + 31 * i);
-      ASSERT_EQ(unpack_datagram(pack_datagram(frame, 1.7e9).view()), frame);
+      ASSERT_EQ(unpack_datagram(pack_datagram(frame, 1.7e9).view()), BusFrame(frame));
     }
   }
 }
@@ -65,17 +65,29 @@ TEST(Datagram, HasALengthThatDependsOnItsDataOnly) {
   EXPECT_EQ(pack_datagram({.size = 8}, 0.0).size, Datagram::kCapacity_bytes);
 }
 
-TEST(Datagram, IsRejectedUnlessItIsAClassicFrame) {
+TEST(Datagram, IsRejectedUnlessItIsAFrame) {
   EXPECT_EQ(unpack_datagram({}), std::nullopt);
   const std::vector<std::uint8_t> whole = bytes_of(kDataOfPython);
   for (std::size_t size = 0; size < whole.size(); ++size)
     EXPECT_EQ(unpack_datagram(std::span(whole).first(size)), std::nullopt) << size;
-  std::vector<std::uint8_t> extended = whole;
-  extended[53] = 0xC3;
-  EXPECT_EQ(unpack_datagram(extended), std::nullopt);
   std::vector<std::uint8_t> longer = whole;  // dlc 4 of 3 bytes
   longer[100] = 0x04;
   EXPECT_EQ(unpack_datagram(longer), std::nullopt);
+}
+
+// The same bytes with other marks: a 29-bit identifier, an error frame, CAN FD.
+TEST(Datagram, MayHoldAForeignFrame) {
+  const auto kind_with = [](std::string_view mark) -> std::optional<ForeignFrame::Kind> {
+    std::vector<std::uint8_t> datagram = bytes_of(kDataOfPython);
+    const auto name = std::ranges::search(datagram, mark);
+    *name.end() = 0xC3;  // true
+    const auto frame = unpack_datagram(datagram);
+    if (!frame || !std::holds_alternative<ForeignFrame>(*frame)) return std::nullopt;
+    return std::get<ForeignFrame>(*frame).kind;
+  };
+  EXPECT_EQ(kind_with("is_extended_id"), ForeignFrame::Kind::kExtended);
+  EXPECT_EQ(kind_with("is_error_frame"), ForeignFrame::Kind::kError);
+  EXPECT_EQ(kind_with("is_fd"), ForeignFrame::Kind::kFd);
 }
 
 // Whatever each byte of a datagram is, nothing worse happens than that it is none.
@@ -86,7 +98,12 @@ TEST(Datagram, SurvivesArbitraryBytes) {
       std::vector<std::uint8_t> changed = whole;
       changed[place] = static_cast<std::uint8_t>(value);
       const auto frame = unpack_datagram(changed);
-      EXPECT_LE(frame.value_or(hal::CanFrame{}).size, 8);
+      if (!frame) continue;
+      if (const auto* standard = std::get_if<hal::CanFrame>(&*frame)) {
+        EXPECT_LE(standard->size, 8);
+      } else {
+        EXPECT_LE(std::get<ForeignFrame>(*frame).size, ForeignFrame::kMaxBytes);
+      }
     }
   }
 }
