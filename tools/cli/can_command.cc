@@ -80,6 +80,9 @@ Examples:
   koboshi can send {:<32} tells the controller to enable the drives
   koboshi can sdo read 1 1008
   koboshi can nmt start all
+  koboshi can scan --can socketcan:vcan0
+  koboshi can lss find --can socketcan:vcan0
+  koboshi can dcf 16 docs/reference/drive.eds
   koboshi can stats runs/walk
   koboshi can export runs/walk --out walk.asc
   koboshi can replay runs/walk/can.log --can udp:239.74.163.2:43113
@@ -89,6 +92,9 @@ Examples:
   add_send(*can);
   add_can_sdo_command(*can, invocation);
   add_nmt(*can);
+  add_can_scan_command(*can, invocation);
+  add_can_lss_command(*can, invocation);
+  add_can_dcf_command(*can, invocation);
   add_can_log_commands(*can, invocation);
 }
 

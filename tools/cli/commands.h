@@ -44,6 +44,9 @@ inline constexpr AddCommand* kCommands[] = {
 // Commands below `koboshi can`.
 AddCommand add_can_dump_command;
 AddCommand add_can_sdo_command;
+AddCommand add_can_scan_command;
+AddCommand add_can_lss_command;
+AddCommand add_can_dcf_command;
 AddCommand add_can_log_commands;  // stats, replay, export
 
 // Commands below `koboshi model`.

@@ -1,0 +1,223 @@
+"""koboshi can against a live bus and the logs of real buses.
+
+can_commands.py KOBOSHI, in a network namespace of its own. `koboshi board` is the bus, python-can the others on it.
+"""
+
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import can
+
+KOBOSHI = sys.argv[1]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+GROUP, PORT = "239.74.163.2", 43113
+BUS = f"udp:{GROUP}:{PORT}"
+PATIENCE_S = 60.0  # a loaded machine is slow
+# The variants of can-utils, and frames of others on the bus.
+REAL_LOG = """\
+# recorded with candump -l
+(1700000000.000100) can0 080# R
+(1700000000.000300) can0 181#0102030405060708 T\r
+(1700000000.000500) can0 18FEF100#01020304
+
+(1700000000.000700)  can0 123##1AABB
+(1700000000.000900) can0 20000004#0001000000000000
+(1700000000.001100) can0 701#R
+(1700000000.001300) can0 701#05
+(1700000000.0015"""
+
+
+def run(*arguments, **options):
+    return subprocess.run([KOBOSHI, *map(str, arguments)], cwd=ROOT, capture_output=True, text=True, timeout=PATIENCE_S,
+                          check=False, **options)
+
+
+def open_bus():
+    return can.Bus(interface="udp_multicast", channel=GROUP, port=PORT)
+
+
+class Files(unittest.TestCase):
+    """A folder for the test's files."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="koboshi_can_")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.log = self.write("real.log", REAL_LOG)
+
+    def write(self, name, text):
+        file = self.folder / name
+        file.write_text(text, newline="")
+        return file
+
+    def start(self, *arguments):
+        process = subprocess.Popen([KOBOSHI, *map(str, arguments)], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   text=True)
+        self.addCleanup(lambda: process.communicate() if process.poll() is not None else (process.kill(), process.communicate()))
+        return process
+
+
+class Logs(Files):
+    def test_dump_shows_foreign_frames_and_goes_on(self):
+        result = run("can", "dump", self.log)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        lines = result.stdout.splitlines()
+        self.assertEqual([line.split()[1] for line in lines],
+                         ["080#", "181#0102030405060708", "18FEF100#01020304", "123##1AABB", "20000004#0001000000000000",
+                          "701#R", "701#05"])
+        self.assertIn("29-bit identifier", lines[2])
+        self.assertIn("CAN FD, bit rate switch", lines[3])
+        self.assertIn("error frame: controller (receive overflow)", lines[4])
+        self.assertIn(f"{self.log}:10: the last line has no end", result.stderr)
+        self.assertIn("1 with a 29-bit identifier, 1 in the format of CAN FD, 1 error frame, 1 remote frame", result.stderr)
+        for choice, count in (("--kind=foreign", 4), ("--id=18FEF100", 1), ("--id=181", 1), ("--node=1", 3)):
+            self.assertEqual(len(run("can", "dump", self.log, choice).stdout.splitlines()), count, choice)
+
+    def test_two_buses_are_kept_apart(self):
+        log = self.write("two.log", "(1.000000) can0 181#0102030405060708\n(1.000001) can1 181#0102030405060708\n")
+        result = run("can", "stats", log)
+        self.assertIn("can0: 1 frame in", result.stdout)
+        self.assertIn("can1: 1 frame in", result.stdout)
+        self.assertNotIn("11400", result.stdout)
+        self.assertIn("can1   181#", run("can", "dump", log).stdout)
+        self.assertEqual(len(run("can", "dump", log, "--interface", "can1").stdout.splitlines()), 1)
+        refused = run("can", "replay", log, "--can", BUS)
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("expected --interface with one of can0 or can1", refused.stderr)
+
+    def test_refuses_the_screen_format(self):
+        result = run("can", "stats", self.write("screen.log", "  vcan0  123   [2]  00 11\n"))
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("record it with `candump -L`", result.stderr)
+
+    def test_reads_a_pipe_as_it_comes_and_ends_by_a_signal(self):
+        fifo = self.folder / "fifo"
+        os.mkfifo(fifo)
+        dump = self.start("can", "dump", fifo)
+        with open(fifo, "w") as writer:
+            writer.write("(000.000000) can0 080#\n")
+            writer.flush()
+            self.assertIn("080#", dump.stdout.readline())
+            dump.send_signal(signal.SIGTERM)
+            self.assertEqual(dump.wait(PATIENCE_S), 0)
+
+    def test_asc2log_gives_the_exported_log_again(self):
+        frames = [line for line in REAL_LOG.splitlines() if line.startswith("(") and "#" in line and "20000004" not in line]
+        log = self.write("whole.log", "\n".join(frames) + "\n")
+        asc = self.folder / "whole.asc"
+        self.assertEqual(run("can", "export", log, "--out", asc).returncode, 0)
+        subprocess.run(["asc2log", "-I", asc, "-O", self.folder / "back.log"], check=True)
+        words = [line.split()[:3] for line in (self.folder / "back.log").read_text().splitlines()]
+        self.assertEqual(words, [line.split()[:3] for line in frames])
+        # Our own log, whose times begin at zero, and the table.
+        self.assertEqual(run("can", "export", log, "--out", self.folder / "whole.csv").returncode, 0)
+        table = (self.folder / "whole.csv").read_text().splitlines()
+        self.assertEqual(len(table), len(frames) + 1)
+        self.assertEqual(table[1], "1700000000.000100,can0,R,080,standard,0,0,,SYNC")
+
+
+class Signals(Files):
+    def test_replay_ends_in_a_pause(self):
+        log = self.write("pause.log", "(1.000000) can0 123#\n(3601.000000) can0 124#\n")
+        for number, status in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
+            with open_bus() as bus:
+                replay = self.start("can", "replay", log, "--can", BUS)
+                self.assertEqual(bus.recv(PATIENCE_S).arbitration_id, 0x123)
+                replay.send_signal(number)
+                self.assertEqual(replay.wait(PATIENCE_S), status)
+            self.assertIn("interrupted after 1 frame", replay.stderr.read())
+
+    def test_stats_ends_on_a_silent_bus(self):
+        stats = self.start("can", "stats", "--can", BUS, "--duration", 3600)
+        with open_bus() as bus:
+            while stats.poll() is None:  # it may not listen yet
+                bus.send(can.Message(arbitration_id=0x80, is_extended_id=False))
+                time.sleep(0.1)
+                stats.send_signal(signal.SIGINT)
+        self.assertIn(stats.returncode, (0, -signal.SIGINT))
+
+    def test_a_slow_run_ends(self):
+        slow = self.start("run", "scenarios/squat.yaml", "--realtime", "--speed", 0.01, "--out", self.folder / "run", "--record",
+                          "no", "--set", "initial.held_until_s=3599")
+        while not (self.folder / "run" / "can.log").exists():
+            time.sleep(0.05)
+        slow.send_signal(signal.SIGINT)
+        slow.wait(PATIENCE_S)
+        self.assertIsNotNone(slow.returncode)
+
+
+class LiveBus(Files):
+    def setUp(self):
+        super().setUp()
+        self.board = self.start("board", "--can", BUS)
+        self.board.stdout.readline()
+
+    def test_scan_finds_every_node(self):
+        result = run("can", "scan", "--can", BUS, "--duration", 2)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        rows = [line.split() for line in result.stdout.splitlines()]
+        self.assertEqual([row[0] for row in rows if row[0].isdigit()], [str(node) for node in range(16, 39)])
+        drive = next(row for row in rows if row[0] == "16")
+        self.assertIn("4B4F4249", drive)
+        self.assertTrue(" ".join(drive).endswith("Koboshi servo drive"), drive)
+
+    def test_lss_sets_a_node_id(self):
+        inquired = run("can", "lss", "inquire", "--node", 16, "--can", BUS)
+        self.assertEqual(inquired.returncode, 0, inquired.stderr)
+        address, node = inquired.stdout.split(maxsplit=1)
+        self.assertEqual(node, "node 16\n")
+        several = run("can", "lss", "set-node", 40, "--can", BUS)
+        self.assertEqual(several.returncode, 1)
+        self.assertIn("several LSS slaves", several.stderr)
+        refused = run("can", "lss", "bit-rate", 500, "--address", address, "--can", BUS)
+        self.assertEqual((refused.returncode, refused.stderr),
+                         (1, "koboshi: the LSS slave refuses the bit timing: it does not support this bit rate\n"))
+        self.assertEqual(run("can", "lss", "find", "--can", BUS).returncode, 1)
+        self.assertEqual(run("can", "lss", "set-node", 40, "--address", address, "--can", BUS).returncode, 0)
+        run("can", "nmt", "reset-communication", 16, "--can", BUS)
+        self.assertEqual(run("can", "sdo", "read", 40, "1018:1", "--can", BUS).returncode, 0)
+
+    def test_dcf_compares_and_writes(self):
+        eds = ROOT / "docs/reference/drive.eds"
+        compared = run("can", "dcf", 16, eds, "--can", BUS)
+        self.assertNotEqual(compared.returncode, 2, compared.stderr)
+        self.assertEqual(run("can", "dcf", 16, eds, "--write", "--can", BUS).returncode, 2)
+        dcf = self.folder / "drive.dcf"
+        text = eds.read_text()
+        for section, value in (("1017", "200"), ("6083", "5000"), ("1400sub1", "$NODEID+0x80000200"), ("1600sub0", "1"),
+                               ("1600sub1", "0x60400010")):
+            head = f"[{section}]\n"
+            self.assertIn(head, text)
+            text = text.replace(head, f"{head}ParameterValue={value}\n")
+        dcf.write_text(text)
+        self.assertEqual(run("can", "dcf", 17, dcf, "--can", BUS).returncode, 1)
+        written = run("can", "dcf", 17, dcf, "--write", "--can", BUS)
+        self.assertEqual(written.returncode, 0, written.stdout + written.stderr)
+        self.assertEqual(run("can", "dcf", 17, dcf, "--can", BUS).returncode, 0)
+        self.assertTrue(run("can", "sdo", "read", 17, "1017", "--can", BUS).stdout.startswith("0x00C8"))
+        other = run("can", "dcf", 36, dcf, "--write", "--can", BUS)
+        self.assertEqual(other.returncode, 1)
+        self.assertIn("nothing is written", other.stderr)
+
+    def test_foreign_frames_do_not_end_the_reading(self):
+        dump = self.start("can", "dump", "--can", BUS, "--kind", "foreign", "--count", 3)
+        with open_bus() as bus:
+            while dump.poll() is None:  # it may not listen yet
+                bus.send(can.Message(arbitration_id=0x18FEF100, data=[1, 2], is_extended_id=True))
+                bus.send(can.Message(arbitration_id=0x123, data=bytes(12), is_fd=True, is_extended_id=False, bitrate_switch=True))
+                bus.send(can.Message(arbitration_id=0x4, data=bytes(8), is_error_frame=True))
+                time.sleep(0.05)
+        shown = {line.split(maxsplit=1)[1].rstrip() for line in dump.stdout.read().splitlines()}
+        self.assertEqual({line.split()[0] for line in shown},
+                         {"18FEF100#0102", "123##1" + 12 * "00", "20000004#" + 8 * "00"})
+        self.assertEqual(run("can", "sdo", "read", 16, "1000", "--can", BUS).returncode, 0)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
