@@ -5,6 +5,7 @@ import itertools
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import unittest
 
@@ -59,6 +60,7 @@ class Help(unittest.TestCase):
         for name in ("scenarios", "robots", "studies"):
             (cls.folder / name).symlink_to(support.ROOT / name)
         (cls.folder / "docs" / "reference").mkdir(parents=True)
+        shutil.copy(support.ROOT / "docs" / "reference" / "drive.eds", cls.folder / "docs" / "reference")
 
     def test_knows_all_commands(self):
         self.assertGreater(len(self.texts), 30)

@@ -82,7 +82,7 @@ Examples:
   koboshi can nmt start all
   koboshi can scan --can socketcan:vcan0
   koboshi can lss find --can socketcan:vcan0
-  koboshi can dcf 16 docs/reference/drive.eds
+  koboshi can dcf 16 docs/reference/drive.eds --can socketcan:vcan0
   koboshi can stats runs/walk
   koboshi can export runs/walk --out walk.asc
   koboshi can replay runs/walk/can.log --can udp:239.74.163.2:43113

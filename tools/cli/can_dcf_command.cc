@@ -74,9 +74,8 @@ DefaultValues of an electronic data sheet (EDS), CiA 306-1. With --write, it fir
 node has not yet; a PDO is disabled while it changes. Exit status: 0 all objects are as in the file; 1 some differ, or
 the file is for another device; 2 bad file.
 
-Examples:
-  koboshi can dcf 16 docs/reference/drive.eds
-  koboshi can dcf 16 left_hip_yaw.dcf --write
+Example:
+  koboshi can dcf 16 docs/reference/drive.eds --can socketcan:vcan0
 )");
   command->add_option("NODE", arguments->node, "1 to 127, decimal")->required();
   command->add_option("FILE", arguments->file, "A DCF or EDS file")->required();

@@ -202,9 +202,9 @@ takes it at once.
 
 Examples:
   koboshi can lss find --can socketcan:vcan0
-  koboshi can lss find --assign 40 --store
-  koboshi can lss inquire --node 16
-  koboshi can lss set-node 17 --address 4B4F4249:00000001:00010000:0F360D10 --store
+  koboshi can lss find --assign 40 --store --can socketcan:vcan0
+  koboshi can lss inquire --node 16 --can socketcan:vcan0
+  koboshi can lss set-node 40 --node 16 --store --can socketcan:vcan0
 )");
   const auto arguments = std::make_shared<LssArguments>();
 

@@ -60,6 +60,7 @@ CLI::Option* add_log_options(CLI::App& command, LogChoice& log, const std::strin
   command
       .add_option("--interface", log.interface,
                   "Read only the frames of this interface: a log of candump may hold several buses")
+      ->type_name("NAME")
       ->needs(place);
   command
       .add_flag("--differences", log.differences,
