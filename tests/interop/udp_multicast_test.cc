@@ -1,9 +1,13 @@
 // Members of a multicast group in one process. Needs a network with a multicast route: see in_network.sh.
 
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 
 #include <vector>
 
+#include "hal/linux/file_descriptor.h"
 #include "sim_board/can/transport/udp_multicast.h"
 
 namespace koboshi::sim {
@@ -47,6 +51,34 @@ TEST(UdpMulticast, ReachesOtherSocketsInOrderButNotItsOwn) {
   std::size_t heard_by_third = 0;
   while (third.receive()) ++heard_by_third;
   EXPECT_EQ(heard_by_third, frames.size() + 1);
+}
+
+// A program that sends a frame with an ordinary socket.
+void send_to(const char* host, const hal::CanFrame& frame) {
+  const hal::FileDescriptor socket(hal::checked(::socket(AF_INET, SOCK_DGRAM, 0), "a UDP socket"));
+  sockaddr_in there{};
+  there.sin_family = AF_INET;
+  there.sin_port = htons(kPort);
+  ASSERT_EQ(inet_pton(AF_INET, host, &there.sin_addr), 1);
+  const Datagram datagram = pack_datagram(frame, 0.0);
+  ASSERT_EQ(::sendto(socket.number(), datagram.bytes.data(), datagram.size, 0,
+                     reinterpret_cast<const sockaddr*>(&there), sizeof there),
+            static_cast<ssize_t>(datagram.size));
+}
+
+TEST(UdpMulticast, HearsNeitherOtherGroupsNorUnicast) {
+  UdpMulticast ours(kGroup, kPort);
+  UdpMulticast other("239.74.163.3", kPort);
+  const hal::CanFrame stop{.identifier = 0x201, .size = 3, .data = {5}};
+  send_to("127.0.0.1", stop);
+  EXPECT_EQ(ours.receive(), std::nullopt);
+  EXPECT_EQ(other.receive(), std::nullopt);
+  send_to("239.74.163.3", stop);
+  EXPECT_EQ(ours.receive(), std::nullopt);
+  EXPECT_EQ(other.receive(), stop);
+  send_to(kGroup, stop);
+  EXPECT_EQ(ours.receive(), stop);
+  EXPECT_EQ(other.receive(), std::nullopt);
 }
 
 }  // namespace

@@ -11,12 +11,10 @@
 #include "sim_board/robot/load.h"
 #include "sim_board/scenario/paths.h"
 #include "tools/can/frame_text.h"
+#include "tools/cli/transport_options.h"
 
 namespace koboshi::tools {
 namespace {
-
-constexpr const char* kRealBusHelp =
-    "Allow an interface other than vcan and vxcan. Frames that are sent there may move real servos";
 
 constexpr const char* kRobot = "robots/koboshi/robot.sdf";
 
@@ -41,14 +39,14 @@ void add_can_options(CLI::App& command, CanOptions& options, CLI::Option* log) {
   CLI::Option* can = command.add_option(
       "--can", options.can,
       "The bus: socketcan:vcan0 (default) or udp:239.74.163.2:43113 (python-can's udp_multicast)");
-  CLI::Option* real_bus = command.add_flag("--real-bus", options.real_bus, kRealBusHelp);
+  const auto transport = add_transport_options(command, options.transport);
   if (log == nullptr) return;
   can->excludes(log);
-  real_bus->excludes(log);
+  for (CLI::Option* option : transport) option->excludes(log);
 }
 
 std::unique_ptr<sim::Transport> open_can(const CanOptions& options) {
-  auto transport = sim::open_transport(options.can, options.real_bus);
+  auto transport = sim::open_transport(options.can, options.transport);
   if (!transport || !transport->is_live() || options.can == "slcan")
     throw std::invalid_argument("found --can " + options.can +
                                 ", expected socketcan:INTERFACE or udp:GROUP:PORT");
@@ -102,7 +100,7 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
       .add_option("--speed", options.speed,
                   "Simulated seconds per second of real time (default: 1); less on a slow machine")
       ->check(CLI::Range(0.01, 100.0));
-  command.add_flag("--real-bus", options.real_bus, kRealBusHelp);
+  static_cast<void>(add_transport_options(command, options.transport));
 }
 
 void add_view_options(CLI::App& command, ViewOptions& options) {

@@ -28,10 +28,11 @@ std::vector<sim::Override> overrides_of(std::span<const std::string> sets,
 // The bus that a command listens to or sends on.
 struct CanOptions {
   std::string can = "socketcan:vcan0";
-  bool real_bus = false;
+  sim::TransportOptions transport{};
 };
 
-// Adds --can and --real-bus. They exclude `log`, the option of a command that can read a log instead.
+// Adds --can, --real-bus, --ttl and --interface. They exclude `log`, the option of a command that can read a
+// log instead.
 void add_can_options(CLI::App& command, CanOptions& options, CLI::Option* log = nullptr);
 
 // Opens the bus of these options. Throws std::invalid_argument for a transport that no other program can
@@ -62,7 +63,7 @@ Network network_of(const std::filesystem::path& robot);
 // A node id, 1 to 127. Throws std::invalid_argument.
 std::uint8_t parse_node(const std::string& text);
 
-// Adds --can, --realtime, --speed and --real-bus of a simulation.
+// Adds --can, --realtime, --speed, --real-bus, --ttl and --interface of a simulation.
 void add_live_options(CLI::App& command, LiveOptions& options);
 
 // Adds --view and --view-port.

@@ -70,7 +70,7 @@ void report(const RunResult& result, const std::filesystem::path& out) {
 
 // Why the keys of a page have no effect on this run; empty if they have one.
 std::string refusal_of_keys(const RunOptions& options) {
-  if (options.live.real_bus) return "Keys are refused: this run is on a real bus (--real-bus).";
+  if (options.live.transport.real_bus) return "Keys are refused: this run is on a real bus (--real-bus).";
   if (!options.scenario.teleop) return "This run takes no keys: --set teleop=true lets a page drive.";
   return {};
 }

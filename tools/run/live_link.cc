@@ -20,7 +20,7 @@ std::unique_ptr<sim::Transport> in_background(std::unique_ptr<sim::Transport> tr
 }  // namespace
 
 LiveLink::LiveLink(const LiveOptions& options, Warn warn)
-    : LiveLink(options, sim::open_transport(options.can, options.real_bus), std::move(warn)) {}
+    : LiveLink(options, sim::open_transport(options.can, options.transport), std::move(warn)) {}
 
 LiveLink::LiveLink(const LiveOptions& options, std::unique_ptr<sim::Transport> transport, Warn warn)
     : transport_(std::move(transport)),

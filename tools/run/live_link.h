@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "sim_board/can/transport/transport.h"
 #include "sim_board/can/transport/transport_node.h"
 #include "tools/run/interrupt.h"
 #include "tools/run/pacer.h"
@@ -15,8 +16,8 @@ namespace koboshi::tools {
 // The connection of a simulation to other programs and to the wall clock.
 struct LiveOptions {
   std::string can = "none";  // see sim::open_transport
-  bool real_bus = false;     // allows an interface that is neither vcan nor vxcan
-  bool realtime = false;     // in real time; implied by a live transport
+  sim::TransportOptions transport{};
+  bool realtime = false;  // in real time; implied by a live transport
   // Simulated seconds per second of the wall clock, 1 by default. Only in real time.
   std::optional<double> speed{};
 

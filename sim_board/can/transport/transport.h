@@ -40,13 +40,23 @@ class Transport {
   virtual bool is_slow() const { return false; }
 };
 
+// Settings of the transports.
+struct TransportOptions {
+  bool real_bus = false;  // allows an interface that is neither vcan nor vxcan
+  // UDP: the number of routers that pass a datagram, plus one; 0, the default, keeps it on this machine.
+  std::optional<std::uint8_t> ttl{};
+  std::string interface {};  // UDP: the network interface; empty: the one that the routing table chooses
+
+  friend bool operator==(const TransportOptions&, const TransportOptions&) = default;
+};
+
 // Opens a transport by its name:
 //   socketcan:vcan0             a Linux interface; only vcan or vxcan unless `real_bus` is set
-//   udp:239.74.163.2:43113      python-can's udp_multicast
+//   udp:239.74.163.2:43113      python-can's udp_multicast; an IPv6 group is in brackets: udp:[ff15::1]:43113
 //   slcan                       Lawicel's ASCII protocol on a pseudo-terminal
 //   log:FILE                    writes a log in the format of candump -L
-// Returns null for "none". Throws std::invalid_argument for any other name and for a refused bus, and
-// std::system_error if a system call fails.
-std::unique_ptr<Transport> open_transport(const std::string& name, bool real_bus = false);
+// Returns null for "none". Throws std::invalid_argument for any other name, for a refused bus and for an
+// option that the transport does not have, and std::system_error if a system call fails.
+std::unique_ptr<Transport> open_transport(const std::string& name, const TransportOptions& options = {});
 
 }  // namespace koboshi::sim

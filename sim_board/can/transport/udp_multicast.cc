@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <linux/filter.h>
+#include <net/if.h>
 #include <netinet/in.h>
 #include <netinet/udp.h>
 #include <sys/socket.h>
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <bit>
 #include <chrono>
+#include <cstddef>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -32,17 +34,14 @@ double epoch_s() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-sockaddr_in address_of(in_addr host, std::uint16_t port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr = host;
-  address.sin_port = htons(port);
-  return address;
-}
-
-hal::FileDescriptor udp_socket() {
-  return hal::FileDescriptor(
-      checked(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0), "a UDP socket"));
+// Returns 0, the choice of the routing table, for an empty name.
+int index_of(const std::string& interface) {
+  if (interface.empty()) return 0;
+  const unsigned index = if_nametoindex(interface.c_str());
+  if (index == 0)
+    throw std::invalid_argument("found --interface " + interface +
+                                ", expected a network interface, as `ip link` " + "lists them");
+  return static_cast<int>(index);
 }
 
 // Returns a boolean field, which may be missing.
@@ -190,24 +189,40 @@ std::optional<BusFrame> unpack_datagram(std::span<const std::uint8_t> datagram) 
   }
 }
 
-UdpMulticast::UdpMulticast(const std::string& group, std::uint16_t port)
-    : place_(group + ":" + std::to_string(port)), receiver_(udp_socket()), sender_(udp_socket()) {
-  in_addr host{};
-  if (inet_pton(AF_INET, group.c_str(), &host) != 1 || !IN_MULTICAST(ntohl(host.s_addr)))
-    throw std::invalid_argument(group + " is no IPv4 multicast address");
+UdpMulticast::Group::Group(const std::string& text, std::uint16_t port) {
+  if (auto& v4 = reinterpret_cast<sockaddr_in&>(address);
+      inet_pton(AF_INET, text.c_str(), &v4.sin_addr) == 1) {
+    v4.sin_family = AF_INET;
+    v4.sin_port = htons(port);
+    if (IN_MULTICAST(ntohl(v4.sin_addr.s_addr))) return;
+  }
+  address = {};
+  if (auto& v6 = reinterpret_cast<sockaddr_in6&>(address);
+      inet_pton(AF_INET6, text.c_str(), &v6.sin6_addr) == 1) {
+    v6.sin6_family = AF_INET6;
+    v6.sin6_port = htons(port);
+    if (IN6_IS_ADDR_MULTICAST(&v6.sin6_addr)) return;
+  }
+  throw std::invalid_argument(text + " is no multicast address, such as 239.74.163.2");
+}
+
+UdpMulticast::UdpMulticast(const std::string& group, std::uint16_t port, const UdpOptions& options)
+    : group_(group, port),
+      place_((group_.is_ipv6() ? "[" + group + "]" : group) + ":" + std::to_string(port)),
+      receiver_(udp_socket()),
+      sender_(udp_socket()) {
+  const int interface_index = index_of(options.interface);
+  if (group_.is_ipv6())  // links have their own groups ff02::
+    reinterpret_cast<sockaddr_in6&>(group_.address).sin6_scope_id =
+        static_cast<std::uint32_t>(interface_index);
   set_option(receiver_, SOL_SOCKET, SO_REUSEADDR, 1);
   set_option(receiver_, SOL_SOCKET, SO_RCVBUF, kBuffer_bytes);
-  const sockaddr_in here = address_of({htonl(INADDR_ANY)}, port);
-  checked(::bind(receiver_.number(), reinterpret_cast<const sockaddr*>(&here), sizeof here),
-          "UDP port of " + place_);
-  set_option(receiver_, IPPROTO_IP, IP_ADD_MEMBERSHIP,
-             ip_mreq{.imr_multiaddr = host, .imr_interface = {htonl(INADDR_ANY)}});
+  checked(::bind(receiver_.number(), group_.pointer(), group_.length()), "UDP port of " + place_);
+  join(interface_index);
 
   set_option(sender_, SOL_SOCKET, SO_SNDBUF, kBuffer_bytes);
-  set_option(sender_, IPPROTO_IP, IP_MULTICAST_TTL, 1);
-  const sockaddr_in there = address_of(host, port);
-  checked(::connect(sender_.number(), reinterpret_cast<const sockaddr*>(&there), sizeof there),
-          "a route to " + place_);
+  choose_route(interface_index, options.ttl);
+  checked(::connect(sender_.number(), group_.pointer(), group_.length()), "a route to " + place_);
   // Fails on a system without segmentation offload; each message gives its own segment size.
   const int none = 0;
   trains_ = ::setsockopt(sender_.number(), SOL_UDP, UDP_SEGMENT, &none, sizeof none) == 0;
@@ -217,11 +232,45 @@ UdpMulticast::UdpMulticast(const std::string& group, std::uint16_t port)
   drop_own_datagrams();
 }
 
+hal::FileDescriptor UdpMulticast::udp_socket() const {
+  return hal::FileDescriptor(checked(
+      ::socket(group_.address.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0), "a UDP socket"));
+}
+
+// The socket receives what arrives by its own membership only, with the destination of each datagram.
+void UdpMulticast::join(int interface_index) {
+  if (group_.is_ipv6()) {
+    set_option(receiver_, IPPROTO_IPV6, IPV6_MULTICAST_ALL, 0);
+    set_option(receiver_, IPPROTO_IPV6, IPV6_RECVPKTINFO, 1);
+    set_option(receiver_, IPPROTO_IPV6, IPV6_JOIN_GROUP,
+               ipv6_mreq{.ipv6mr_multiaddr = group_.ipv6(),
+                         .ipv6mr_interface = static_cast<unsigned>(interface_index)});
+  } else {
+    set_option(receiver_, IPPROTO_IP, IP_MULTICAST_ALL, 0);
+    set_option(receiver_, IPPROTO_IP, IP_PKTINFO, 1);
+    set_option(receiver_, IPPROTO_IP, IP_ADD_MEMBERSHIP,
+               ip_mreqn{.imr_multiaddr = group_.ipv4(), .imr_address = {}, .imr_ifindex = interface_index});
+  }
+}
+
+void UdpMulticast::choose_route(int interface_index, int ttl) {
+  if (group_.is_ipv6()) {
+    set_option(sender_, IPPROTO_IPV6, IPV6_MULTICAST_HOPS, ttl);
+    if (interface_index != 0) set_option(sender_, IPPROTO_IPV6, IPV6_MULTICAST_IF, interface_index);
+  } else {
+    set_option(sender_, IPPROTO_IP, IP_MULTICAST_TTL, ttl);
+    const ip_mreqn interface { .imr_multiaddr = {}, .imr_address = {}, .imr_ifindex = interface_index };
+    if (interface_index != 0) set_option(sender_, IPPROTO_IP, IP_MULTICAST_IF, interface);
+  }
+}
+
 // The group returns our own datagrams. A filter drops them without a copy or a system call.
 void UdpMulticast::drop_own_datagrams() {
-  sockaddr_in own{};
-  socklen_t length = sizeof own;
-  checked(::getsockname(sender_.number(), reinterpret_cast<sockaddr*>(&own), &length), "a UDP socket");
+  // The port is at the same place in the addresses of both families.
+  sockaddr_storage address{};
+  socklen_t length = sizeof address;
+  checked(::getsockname(sender_.number(), reinterpret_cast<sockaddr*>(&address), &length), "a UDP socket");
+  const auto& own = reinterpret_cast<const sockaddr_in&>(address);
   sock_filter program[] = {
       BPF_STMT(BPF_LD | BPF_H | BPF_ABS, 0),  // the source port, the first field of the UDP header
       BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, ntohs(own.sin_port), 0, 1),
@@ -274,22 +323,39 @@ std::optional<hal::CanFrame> UdpMulticast::receive() {
 // none.
 bool UdpMulticast::fetch() {
   iovec part{incoming_bytes_.data(), incoming_bytes_.size()};
-  alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(int))> control_bytes;
-  msghdr message{};
-  message.msg_iov = &part;
-  message.msg_iovlen = 1;
-  message.msg_control = control_bytes.data();
-  message.msg_controllen = control_bytes.size();
-  const ssize_t got = ::recvmsg(receiver_.number(), &message, 0);
-  if (got < 0) return false;
-  incoming_ = std::span(incoming_bytes_).first(static_cast<std::size_t>(got));
-  incoming_size_ = incoming_.size();
-  const cmsghdr* const control = CMSG_FIRSTHDR(&message);
-  if (control == nullptr || control->cmsg_level != SOL_UDP || control->cmsg_type != UDP_GRO) return true;
-  int size = 0;
-  std::memcpy(&size, CMSG_DATA(control), sizeof size);
-  incoming_size_ = static_cast<std::size_t>(size);
-  return true;
+  alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(int)) + CMSG_SPACE(sizeof(in6_pktinfo))>
+      control_bytes;
+  for (;;) {
+    msghdr message{};
+    message.msg_iov = &part;
+    message.msg_iovlen = 1;
+    message.msg_control = control_bytes.data();
+    message.msg_controllen = control_bytes.size();
+    const ssize_t got = ::recvmsg(receiver_.number(), &message, 0);
+    if (got < 0) return false;
+    incoming_ = std::span(incoming_bytes_).first(static_cast<std::size_t>(got));
+    incoming_size_ = incoming_.size();
+    if (is_for_group(message)) return true;
+  }
+}
+
+// Reads the control data of a datagram: its destination, and the size of the datagrams of a train.
+bool UdpMulticast::is_for_group(msghdr& message) {
+  bool to_group = false;
+  for (cmsghdr* control = CMSG_FIRSTHDR(&message); control != nullptr;
+       control = CMSG_NXTHDR(&message, control)) {
+    const std::uint8_t* const data = CMSG_DATA(control);
+    if (control->cmsg_level == SOL_UDP && control->cmsg_type == UDP_GRO) {
+      int size = 0;
+      std::memcpy(&size, data, sizeof size);
+      incoming_size_ = static_cast<std::size_t>(size);
+    } else if (control->cmsg_level == IPPROTO_IP && control->cmsg_type == IP_PKTINFO) {
+      to_group = std::memcmp(data + offsetof(in_pktinfo, ipi_addr), &group_.ipv4(), sizeof(in_addr)) == 0;
+    } else if (control->cmsg_level == IPPROTO_IPV6 && control->cmsg_type == IPV6_PKTINFO) {
+      to_group = std::memcmp(data + offsetof(in6_pktinfo, ipi6_addr), &group_.ipv6(), sizeof(in6_addr)) == 0;
+    }
+  }
+  return to_group;
 }
 
 }  // namespace koboshi::sim

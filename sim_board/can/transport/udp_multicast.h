@@ -1,5 +1,8 @@
 #pragma once
 
+#include <netinet/in.h>
+#include <sys/socket.h>
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -29,8 +32,16 @@ Datagram pack_datagram(const hal::CanFrame& frame, double timestamp_s);
 // Returns nothing for a datagram that holds no frame.
 std::optional<BusFrame> unpack_datagram(std::span<const std::uint8_t> datagram);
 
-// A bus between processes and machines in the same multicast group. The kernel drops the datagrams that this
-// object sent itself.
+struct UdpOptions {
+  // Time to live, IPv6: hop limit. 0: datagrams stay on this machine; 1: in the network segment.
+  std::uint8_t ttl = 0;
+  std::string interface {};  // empty: the one that the routing table chooses for the group
+};
+
+// A bus between processes and machines in the same multicast group, of IPv4 or IPv6. Takes only datagrams
+// that were sent to this group: Linux would deliver others to the port, too, those of every group that a
+// process of the host has joined (ip(7): IP_MULTICAST_ALL) and those to the host itself. The kernel drops the
+// datagrams that this object sent itself.
 //
 // Each datagram in the kernel costs microseconds. All datagrams of a millisecond are therefore sent in one
 // system call, and consecutive ones of equal size as one train, which the kernel splits only for receivers
@@ -39,9 +50,9 @@ class UdpMulticast final : public Transport {
  public:
   static constexpr std::size_t kBatch = 64;  // also the kernel's UDP_MAX_SEGMENTS
 
-  // Throws std::invalid_argument if the group is not an IPv4 multicast address, and std::system_error if a
-  // system call fails, for example without a route to the group.
-  UdpMulticast(const std::string& group, std::uint16_t port);
+  // Throws std::invalid_argument if the group is not a multicast address or there is no such interface, and
+  // std::system_error if a system call fails, for example without a route to the group.
+  UdpMulticast(const std::string& group, std::uint16_t port, const UdpOptions& options = {});
 
   // Buffers the frame until the next flush.
   bool send(const hal::CanFrame& frame, std::uint64_t time_us) override;
@@ -55,9 +66,28 @@ class UdpMulticast final : public Transport {
   bool is_slow() const override { return true; }
 
  private:
+  // The group's address and port.
+  struct Group {
+    // Throws std::invalid_argument.
+    Group(const std::string& text, std::uint16_t port);
+
+    bool is_ipv6() const { return address.ss_family == AF_INET6; }
+    const sockaddr* pointer() const { return reinterpret_cast<const sockaddr*>(&address); }
+    socklen_t length() const { return is_ipv6() ? sizeof(sockaddr_in6) : sizeof(sockaddr_in); }
+    const in_addr& ipv4() const { return reinterpret_cast<const sockaddr_in&>(address).sin_addr; }
+    const in6_addr& ipv6() const { return reinterpret_cast<const sockaddr_in6&>(address).sin6_addr; }
+
+    sockaddr_storage address{};
+  };
+
+  hal::FileDescriptor udp_socket() const;
+  void join(int interface_index);
+  void choose_route(int interface_index, int ttl);
   void drop_own_datagrams();
   bool fetch();
+  bool is_for_group(msghdr& message);
 
+  Group group_;
   std::string place_;
   TakeForeign take_foreign_;
   hal::FileDescriptor receiver_;

@@ -42,7 +42,7 @@ class FakeGamepads final : public Gamepads {
 class PlainController final : public QObject {
  public:
   PlainController(const std::string& bus, bool answers)
-      : transport_(sim::open_transport(bus, false)), answers_(answers) {
+      : transport_(sim::open_transport(bus)), answers_(answers) {
     connect(&timer_, &QTimer::timeout, this, &PlainController::exchange);
     timer_.start(10);
   }

@@ -11,6 +11,7 @@
 
 #include <fmt/core.h>
 
+#include "tools/cli/transport_options.h"
 #include "tools/studio/window/main_window.h"
 #include "tools/studio/window/translation.h"
 
@@ -45,13 +46,13 @@ int main(int argc, char** argv) {
       ->capture_default_str()
       ->check(CLI::ExistingFile.description(""));
   std::string can;
-  bool real_bus = false;
+  koboshi::sim::TransportOptions transport;
   auto* can_option =
       program
           .add_option("--can", can, "Follow a robot on a bus: socketcan:INTERFACE, udp:ADDRESS:PORT or slcan")
           ->type_name("BUS");
-  program.add_flag("--real-bus", real_bus, "Allow an interface that is neither vcan nor vxcan")
-      ->needs(can_option);
+  for (CLI::Option* option : koboshi::tools::add_transport_options(program, transport))
+    option->needs(can_option);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -72,7 +73,7 @@ int main(int argc, char** argv) {
   if (translation) QApplication::installTranslator(translation.get());
   koboshi::studio::MainWindow window(robot);
   for (const std::filesystem::path& file : files) window.open(file);
-  if (!can.empty()) window.attach(can, real_bus);
+  if (!can.empty()) window.attach(can, transport);
   window.show();
   return QApplication::exec();
 }

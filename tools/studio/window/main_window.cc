@@ -158,13 +158,13 @@ void MainWindow::choose_bus() {
   const QString bus = QInputDialog::getText(this, tr("Attach to a CAN bus"),
                                             tr("socketcan:INTERFACE, udp:ADDRESS:PORT or slcan"),
                                             QLineEdit::Normal, bus_, &chosen);
-  if (chosen) attach(bus.toStdString(), real_bus_);
+  if (chosen) attach(bus.toStdString(), bus_options_);
 }
 
-void MainWindow::attach(const std::string& transport, bool real_bus) {
+void MainWindow::attach(const std::string& transport, const sim::TransportOptions& options) {
   bus_ = QString::fromStdString(transport);
-  real_bus_ = real_bus;
-  run_->open_bus(transport, real_bus, robot_file_);
+  bus_options_ = options;
+  run_->open_bus(transport, options, robot_file_);
 }
 
 void MainWindow::open(const std::filesystem::path& file) {

@@ -40,7 +40,7 @@ class MainWindow final : public QMainWindow {
   void open(const std::filesystem::path& file);
 
   // Follows a robot on a CAN bus, named as for sim::open_transport.
-  void attach(const std::string& transport, bool real_bus = false);
+  void attach(const std::string& transport, const sim::TransportOptions& options = {});
 
   RunController& run() { return *run_; }
   RobotView& view() { return *view_; }
@@ -87,7 +87,7 @@ class MainWindow final : public QMainWindow {
   std::array<QAction*, view::kOverlayNames.size()> overlay_actions_{};
   std::optional<view::OverlayMarks> marks_;
   QString bus_ = QStringLiteral("socketcan:vcan0");  // the one chosen last
-  bool real_bus_ = false;
+  sim::TransportOptions bus_options_;
   bool warned_of_changes_ = false;  // by an attempt to close
   QLabel* const link_name_;
 };

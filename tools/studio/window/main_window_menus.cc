@@ -105,7 +105,7 @@ void MainWindow::make_menus() {
   file->addSeparator();
   file->addActions(motion().file_actions());
   add_action(*file, tr("&Upload the motion to a robot"), QKeySequence(tr("Ctrl+Shift+T")),
-             [this] { playback_->upload(bus_.toStdString(), real_bus_); });
+             [this] { playback_->upload(bus_.toStdString(), bus_options_); });
   file->addSeparator();
   add_action(*file, tr("&Quit"), QKeySequence::Quit, [this] { close(); });
   QMenu* edit = menuBar()->addMenu(tr("&Edit"));

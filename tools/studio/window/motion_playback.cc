@@ -38,12 +38,12 @@ std::optional<std::filesystem::path> MotionPlayback::write_copy(const std::strin
   return copy;
 }
 
-void MotionPlayback::upload(const std::string& transport, bool real_bus) {
+void MotionPlayback::upload(const std::string& transport, const sim::TransportOptions& options) {
   const auto copy = write_copy(motion_.text());
   if (!copy) return;
   const QPointer<MotionPlayback> self(this);
   QThreadPool::globalInstance()->start(
-      [self, upload = MotionUpload{*copy, robot_file_, transport, real_bus, run_.borrow_sdo()}] {
+      [self, upload = MotionUpload{*copy, robot_file_, transport, options, run_.borrow_sdo()}] {
         QString result;
         try {
           result = QString::fromStdString(studio::upload(upload));

@@ -7,6 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "sim_board/can/transport/transport.h"
+
 class QAction;
 
 namespace koboshi::studio {
@@ -29,7 +31,7 @@ class MotionPlayback final : public QObject {
   void set_loop(QAction* loop) { loop_ = loop; }
   // Compiles the motion in another thread, stores it in the controller of a robot on this bus and reads it
   // back.
-  void upload(const std::string& transport, bool real_bus);
+  void upload(const std::string& transport, const sim::TransportOptions& options);
 
  private:
   std::optional<std::filesystem::path> write_copy(const std::string& text);

@@ -23,7 +23,7 @@ std::string upload(const MotionUpload& upload) {
   motion::Motion motion;
   if (const auto verdict = motion::Motion::open(image, robot.model, motion); !verdict.ok())
     throw sim::InputError(upload.motion, 0, simulation::describe(verdict.status), "a motion for this robot");
-  const std::unique_ptr<sim::Transport> transport = sim::open_transport(upload.transport, upload.real_bus);
+  const std::unique_ptr<sim::Transport> transport = sim::open_transport(upload.transport, upload.options);
   if (!transport) throw std::invalid_argument("found no bus, expected one to which a robot is connected");
   if (upload.channel) upload.channel->wait();
   tools::RobotMotions motions(*transport);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "sim_board/can/transport/transport.h"
 #include "tools/studio/run/sdo_loan.h"
 
 namespace koboshi::studio {
@@ -13,7 +14,7 @@ struct MotionUpload {
   std::filesystem::path motion;  // a source
   std::filesystem::path robot;   // the file for which it is compiled
   std::string transport;         // as for sim::open_transport
-  bool real_bus = false;
+  sim::TransportOptions options{};
   std::shared_ptr<SdoLoan> channel{};  // of a bus that the window follows; null: none
 };
 

@@ -80,12 +80,12 @@ void RunController::open_recording(const std::filesystem::path& run) {
   open(run, [run]() -> Opened { return {nullptr, {}, nullptr, std::make_unique<RecordedRun>(run)}; });
 }
 
-void RunController::open_bus(const std::string& transport, bool real_bus,
+void RunController::open_bus(const std::string& transport, const sim::TransportOptions& options,
                              const std::filesystem::path& robot) {
   bus_address_ = transport;
-  is_real_bus_ = real_bus;
-  open(transport, [transport, real_bus, robot]() -> Opened {
-    std::unique_ptr<sim::Transport> opened = sim::open_transport(transport, real_bus);
+  is_real_bus_ = options.real_bus;
+  open(transport, [transport, options, robot]() -> Opened {
+    std::unique_ptr<sim::Transport> opened = sim::open_transport(transport, options);
     if (!opened || !opened->is_live())
       throw std::invalid_argument("found the bus " + transport +
                                   ", expected socketcan:INTERFACE, udp:ADDRESS:PORT or slcan");

@@ -53,7 +53,8 @@ class RunController final : public QObject {
   void open_scenario(const std::filesystem::path& file, std::span<const sim::Override> overrides = {});
   void open_recording(const std::filesystem::path& run);
   // Follows the robot of this file on a bus, named as for sim::open_transport.
-  void open_bus(const std::string& transport, bool real_bus, const std::filesystem::path& robot);
+  void open_bus(const std::string& transport, const sim::TransportOptions& options,
+                const std::filesystem::path& robot);
   // Shows what this function makes, in another thread; `file` is for the title.
   void open(const std::filesystem::path& file, std::function<Opened()> make);
   // Each scenario that is opened from now on passes through a function that `provider` gives at that time,
