@@ -31,6 +31,7 @@ void FirmwareProcess::service(std::uint64_t now_us) {
     input_.ankle_fresh[static_cast<std::size_t>(side)] = true;
   }
   host_.exchange(input_, output_);
+  booted_ = booted_ || host_.values().behaviour.state == behaviour::State::kLimp;
   for (const hal::CanFrame& frame : output_.frames.view()) send(frame);
   transport_.flush();
 }

@@ -35,6 +35,8 @@ class FirmwareProcess {
     return behaviour.state == behaviour::State::kFault &&
            behaviour.reason == behaviour::Reason::kSecondMaster;
   }
+  // Returns whether it has detected it in its first boot: it has sent nothing to the drives.
+  bool has_given_way() const { return !booted_ && found_second_master(); }
 
  private:
   void receive(std::uint64_t now_us);
@@ -45,6 +47,7 @@ class FirmwareProcess {
   hal::CanSensors sensors_;
   hal::BatchInput input_;
   hal::BatchOutput output_;
+  bool booted_ = false;  // the robot was ready once
   std::uint64_t services_ = 0;
   std::uint64_t frames_lost_ = 0;
 };

@@ -30,6 +30,14 @@ constexpr std::uint16_t kVelocityIdentifier = kCommandIdentifier + canopen::kPdo
 constexpr std::uint16_t kStateIdentifier = canopen::kTpdo1Base + drive::kControllerNodeId;
 constexpr std::uint16_t kSdoIdentifier = canopen::kSdoRequestBase + drive::kControllerNodeId;
 
+constexpr const char* kNotOfTheRobot = ", which the robot does not have";
+
+// Events whose texts differ only in their numbers have the same cause.
+std::string without_digits(std::string text) {
+  std::erase_if(text, [](char letter) { return letter >= '0' && letter <= '9'; });
+  return text;
+}
+
 walk::Velocity velocity_of(const hal::CanFrame& frame) {
   const auto part = [&](std::size_t at) {
     return static_cast<std::int16_t>(canopen::load_u16(&frame.data[at]));
@@ -55,11 +63,7 @@ EventLog::EventLog(const sim::Scenario& scenario, const NamedModel& model, const
 void EventLog::add(std::uint64_t time_us, const std::string& kind, const std::string& text,
                    nlohmann::ordered_json fields) {
   if (kind != "command" && kind != "velocity") last_text_ = text;
-  if (events_.size() >= kMaxEvents) {
-    ++left_out_;
-    return;
-  }
-  events_.push_back({time_us, kind, text, std::move(fields)});
+  static_cast<void>(events_.add({time_us, kind, text, std::move(fields)}, without_digits(text)));
 }
 
 void EventLog::on_bus_frame(const hal::CanFrame& frame, std::uint64_t end_us, const Telemetry& said) {
@@ -166,21 +170,30 @@ void EventLog::hear_emergency(const hal::CanFrame& frame, std::uint64_t time_us)
   if (frame.size != 8) return;
   const std::uint16_t code = canopen::load_u16(frame.data.data());
   if (code == 0) return;  // error reset
-  const std::string node = node_name(static_cast<std::uint8_t>(frame.identifier & 0x7F));
+  const auto number = static_cast<std::uint8_t>(frame.identifier & 0x7F);
+  const bool exists = has_node(model_.model, number);
+  const std::string node = node_name(number);
   const std::string name(canopen::name_of(canopen::kErrorCodeNames, code));
   const std::string what = fmt::format("Emergency message 0x{:04X}{}", code, name.empty() ? "" : ", " + name);
-  const auto group = emergencies_.find(code);
+  const auto group = emergencies_.find({code, exists});
   if (group != emergencies_.end() && time_us <= group->second.last_us + kSameEmergency_us) {
     group->second.last_us = time_us;
-    sim::RunEvent& event = events_[group->second.event];
+    if (!group->second.event) return;
+    sim::RunEvent& event = events_[*group->second.event];
     auto& nodes = event.fields["nodes"];
     if (std::ranges::find(nodes, nlohmann::ordered_json(node)) == nodes.end()) nodes.push_back(node);
-    if (nodes.size() > 1) event.text = fmt::format("{}, from {} nodes.", what, nodes.size());
+    if (nodes.size() > 1)
+      event.text = fmt::format("{}, from {} nodes{}.", what, nodes.size(), exists ? "" : kNotOfTheRobot);
     return;
   }
-  if (events_.size() < kMaxEvents) emergencies_[code] = {events_.size(), time_us};
-  add(time_us, "emergency", what + ", from " + node + ".",
-      {{"code", fmt::format("0x{:04X}", code)}, {"name", name}, {"nodes", {node}}});
+  last_text_ = what + ", from " + node + (exists ? "" : kNotOfTheRobot) + ".";
+  const auto event =
+      events_.add({time_us,
+                   "emergency",
+                   last_text_,
+                   {{"code", fmt::format("0x{:04X}", code)}, {"name", name}, {"nodes", {node}}}},
+                  exists ? fmt::format("0x{:04X}", code) : kNotOfTheRobot);
+  emergencies_[{code, exists}] = {event, time_us};
 }
 
 void EventLog::follow_state(std::uint64_t time_us, const Telemetry& said) {
@@ -369,10 +382,10 @@ std::string events_text(std::span<const sim::RunEvent> events) {
 }
 
 void EventLog::archive(sim::StateArchive& archive) {
-  archive(events_, left_out_, said_, truth_, now_us_, heard_state_, entered_us_, given_, velocity_,
-          velocity_us_, reported_velocity_, sdo_argument_, last_command_, last_text_, refused_, emergencies_,
-          falls_, is_down_, was_upright_, down_us_, down_by_, attempts_, cut_offs_, next_push_, begun_,
-          ended_, released_);
+  archive(events_, said_, truth_, now_us_, heard_state_, entered_us_, given_, velocity_, velocity_us_,
+          reported_velocity_, sdo_argument_, last_command_, last_text_, refused_, emergencies_, falls_,
+          is_down_, was_upright_, down_us_, down_by_, attempts_, cut_offs_, next_push_, begun_, ended_,
+          released_);
 }
 
 }  // namespace koboshi::simulation

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "firmware/app/dictionary.h"
@@ -15,6 +16,7 @@
 #include "sim_board/record/summary.h"
 #include "sim_board/scenario/scenario.h"
 #include "simulation/model/robot_model.h"
+#include "simulation/observe/event_store.h"
 #include "simulation/observe/ground_truth.h"
 #include "simulation/observe/telemetry.h"
 
@@ -24,9 +26,6 @@ namespace koboshi::simulation {
 // Observes only the frames on the bus and the ground truth, not the firmware's internals.
 class EventLog {
  public:
-  // Maximum number of stored events; later ones are only counted.
-  static constexpr std::size_t kMaxEvents = 2000;
-
   // Scenario and model must outlive the log. `limits` are the velocity limits of the controller.
   EventLog(const sim::Scenario& scenario, const NamedModel& model, const walk::VelocityLimits& limits = {});
 
@@ -44,7 +43,7 @@ class EventLog {
   std::vector<sim::RunEvent> events(bool controller_is_dead = false) const;
   // Returns the events so far, in order of detection. A group of emergency messages still changes the text of
   // its event; the end adds others (`events`).
-  std::span<const sim::RunEvent> so_far() const { return events_; }
+  std::span<const sim::RunEvent> so_far() const { return events_.stored(); }
   // Returns the verdict, for example "stands; fell once at 3.2 s and got up in 3.4 s; 0 faults".
   std::string verdict(bool controller_is_dead = false) const;
   // Number of times the trunk's lean has exceeded 60 degrees. A robot that starts beyond this lean has not
@@ -75,7 +74,7 @@ class EventLog {
     behaviour::State state;  // as reported at that time
   };
   struct EmergencyGroup {
-    std::size_t event;
+    std::optional<std::size_t> event;  // nothing: left out
     std::uint64_t last_us;
   };
 
@@ -102,8 +101,7 @@ class EventLog {
   const sim::Scenario& scenario_;
   const NamedModel& model_;
   const walk::VelocityLimits limits_;
-  std::vector<sim::RunEvent> events_;
-  std::size_t left_out_ = 0;
+  EventStore events_;
 
   Telemetry said_{};  // at the last tick; state and motion as before the present frame
   GroundTruth truth_{};
@@ -120,7 +118,7 @@ class EventLog {
   std::string last_text_;
   std::size_t refused_ = 0;
 
-  std::map<std::uint16_t, EmergencyGroup> emergencies_;  // by error code
+  std::map<std::pair<std::uint16_t, bool>, EmergencyGroup> emergencies_;  // by error code and has_node()
   std::vector<Fall> falls_;
   bool is_down_ = false;  // set at a lean of more than 60 degrees, cleared below 30
   bool was_upright_ = false;

@@ -1,11 +1,15 @@
 #include "simulation/observe/telemetry.h"
 
+#include <algorithm>
+#include <iterator>
 #include <numbers>
+#include <span>
 
 #include "firmware/app/dictionary.h"
 #include "firmware/canopen/frame.h"
 #include "firmware/drive/configuration.h"
 #include "firmware/fixed/host/convert.h"
+#include "sim_board/sensor/sensor_node.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -32,6 +36,15 @@ std::int32_t signed_32(const hal::CanFrame& frame, std::size_t at) {
 
 }  // namespace
 
+bool has_node(const robot::RobotModel& model, std::uint8_t node_id) {
+  constexpr std::uint8_t kOthers[] = {drive::kControllerNodeId, sim::kInertialNode, sim::kLeftAnkleNode,
+                                      sim::kRightAnkleNode};
+  const auto joints = std::span(model.joints).first(model.joint_count);
+  return std::ranges::find(kOthers, node_id) != std::end(kOthers) ||
+         std::ranges::any_of(joints,
+                             [&](const robot::Joint& joint) { return joint.drive.node_id == node_id; });
+}
+
 TelemetryReader::TelemetryReader(const robot::RobotModel& model) : model_(model) {
   joint_of_node_.fill(kNoJoint);
   for (std::size_t joint = 0; joint < model.joint_count; ++joint) {
@@ -43,7 +56,8 @@ void TelemetryReader::on_bus_frame(const hal::CanFrame& frame, std::uint64_t, st
   const auto node = static_cast<std::uint8_t>(frame.identifier & 0x7F);
   const auto base = static_cast<std::uint16_t>(frame.identifier & ~0x7F);
   if (base == canopen::kEmergencyBase && node != 0) {
-    if (frame.size == 8 && canopen::load_u16(frame.data.data()) != 0) ++telemetry_.emergencies;
+    const bool is_error = frame.size == 8 && canopen::load_u16(frame.data.data()) != 0;
+    if (is_error && has_node(model_, node)) ++telemetry_.emergencies;
     return;
   }
   if (node == drive::kControllerNodeId) return read_controller(base, frame);

@@ -47,8 +47,12 @@ struct Telemetry {
     std::uint16_t statusword = 0;
   };
   std::array<Joint, robot::kMaxJoints> joints{};
-  std::uint64_t emergencies = 0;  // number of messages with an error
+  std::uint64_t emergencies = 0;  // number of messages with an error, of nodes that the robot has
 };
+
+// Returns whether a node id belongs to the robot: to its controller, a drive, or one of the places of its
+// sensors.
+[[nodiscard]] bool has_node(const robot::RobotModel& model, std::uint8_t node_id);
 
 class TelemetryReader final : public sim::BusObserver {
  public:

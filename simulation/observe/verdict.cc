@@ -14,7 +14,7 @@
 namespace koboshi::simulation {
 
 std::vector<sim::RunEvent> EventLog::events(bool controller_is_dead) const {
-  std::vector<sim::RunEvent> events = events_;
+  std::vector<sim::RunEvent> events = events_.all();
   for (const GivenCommand& given : given_) {
     const std::string verb(canopen::name_of(app::kCommandNames, static_cast<std::int64_t>(given.command)));
     events.push_back({given.time_us,
@@ -23,12 +23,6 @@ std::vector<sim::RunEvent> EventLog::events(bool controller_is_dead) const {
                       {{"command", verb}, {"outcome", "unanswered"}}});
   }
   std::ranges::stable_sort(events, {}, &sim::RunEvent::time_us);
-  if (left_out_ > 0) {
-    events.push_back({now_us_,
-                      "left_out",
-                      fmt::format("{} more, which are not listed.", count_text(left_out_, "event")),
-                      {{"count", left_out_}}});
-  }
   events.push_back({now_us_,
                     "end",
                     "End: " + verdict(controller_is_dead) + ".",

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 #include <utility>
 
 #include "sim_board/board/sim_board.h"
@@ -40,6 +41,9 @@ void run_firmware(const FirmwareArguments& arguments) {
     pacer.wait_for(now_us);
     if (now_us % sim::SimBoard::kTick_us == 0 && interrupt.requested()) break;
     firmware.service(now_us);
+    if (firmware.has_given_way())
+      throw std::runtime_error(transport->place() +
+                               ": another controller is on this bus, and a bus has one controller");
     if (firmware.found_second_master() && !std::exchange(warned, true))
       warn("another controller is on the bus: the drives are left to it until command 6, reset");
   }
@@ -55,7 +59,8 @@ void add_firmware_command(CLI::App& program, Invocation&) {
       program.add_subcommand("firmware", "Run the controller's firmware as a process on a CAN bus");
   command->footer(
       R"(Drives and sensors are nodes of the same bus: those of `koboshi board`, or real ones. The controller boots
-limp and waits for commands over the bus (docs/guide/live-bus.md).
+limp and waits for commands over the bus (docs/guide/live-bus.md). It ends with status 1 if another controller,
+such as that of `koboshi run`, is on the bus already.
 
 Examples:
   koboshi board --can socketcan:vcan0 &

@@ -78,6 +78,7 @@ TEST_F(FirmwareProcessTest, StepsAsideForAnExistingController) {
   outside_.said.push_back({.identifier = canopen::kSyncCobId});
   play(5);
   EXPECT_TRUE(firmware_.found_second_master());
+  EXPECT_TRUE(firmware_.has_given_way());
   outside_.heard.clear();
   play(1'000);
   EXPECT_TRUE(outside_.heard.empty());

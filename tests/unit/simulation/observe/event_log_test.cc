@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <string>
+
+#include "firmware/canopen/frame.h"
 
 namespace koboshi::simulation {
 namespace {
@@ -323,11 +326,41 @@ TEST_F(EventLogTest, ReportsThatTheRobotHangs) {
   EXPECT_EQ(log_.posture(), "hangs on its stand, limp");
 }
 
-TEST_F(EventLogTest, CountsExcessEvents) {
-  for (std::size_t i = 0; i < EventLog::kMaxEvents + 7; ++i) log_.add(i, "note", "Again.");
+TEST_F(EventLogTest, CountsExcessEventsOfACause) {
+  for (std::size_t i = 0; i < EventStore::kMaxOfCause + 9; ++i)
+    log_.add(i, "note", "Again, number " + std::to_string(i) + ".");
   const std::vector<sim::RunEvent> events = log_.events();
-  EXPECT_EQ(events.size(), EventLog::kMaxEvents + 2);
-  EXPECT_EQ(events[events.size() - 2].text, "7 events more, which are not listed.");
+  EXPECT_EQ(events.size(), EventStore::kMaxOfCause + 3);
+  EXPECT_EQ(events[events.size() - 3].text, "8 more events like the next, not listed.");
+  EXPECT_EQ(events[events.size() - 2].text, "Again, number 108.");
+}
+
+// A babbling node that the robot does not have, with many codes: the fault of a real one comes after it.
+TEST_F(EventLogTest, ShowsAFaultAfterAFloodOfEmergencyMessages) {
+  for (std::uint16_t i = 0; i < 5'000; ++i) {
+    hal::CanFrame frame{.identifier = static_cast<std::uint16_t>(0x0C0 + i % 0x20), .size = 8};
+    canopen::store_u16(frame.data.data(), static_cast<std::uint16_t>(0x1000 + i));
+    log_.on_bus_frame(frame, 1'000 * i, said_);
+  }
+  log_.on_bus_frame({.identifier = 0x090, .size = 8, .data = {0x10, 0x23}}, 6'000'000, said_);
+  now_us_ = 6'000'000;
+  change(State::kFault, Reason::kDriveFault);
+  const std::string text = events_text(log_.events());
+  EXPECT_THAT(text, HasSubstr("Emergency message 0x2310, over-current, from left_knee."));
+  EXPECT_THAT(text, HasSubstr("from node 64, which the robot does not have."));
+  EXPECT_THAT(text, HasSubstr("more events like the next, not listed."));
+  EXPECT_THAT(text, HasSubstr("0x2387, from node 71, which the robot does not have."));  // the last
+  EXPECT_THAT(event_of("fault").text, HasSubstr("Fault"));
+  EXPECT_LT(log_.events().size(), 200u);
+}
+
+TEST_F(EventLogTest, ShowsEachCauseOfManyKindsOfEvents) {
+  for (std::size_t i = 0; i < 50'000; ++i)
+    log_.add(i, "note", "Cause " + std::string(1 + i % 3'000, 'x') + ".");
+  log_.add(60'000, "fault", "A real fault.");
+  const std::vector<sim::RunEvent> events = log_.events();
+  EXPECT_LT(events.size(), EventStore::kMaxEvents + 4 * EventStore::kMaxCauses);
+  EXPECT_EQ(events[events.size() - 2].text, "A real fault.");
 }
 
 }  // namespace

@@ -90,7 +90,9 @@ TEST_F(TelemetryOfFrames, CountsEmergenciesButNotTheirEnds) {
   hear(0x090, 8, {0x30, 0x81, 0x11});
   hear(0x081, 8, {0x00, 0xFF, 0x81});
   hear(0x090, 8, {0x00, 0x00, 0x00});
-  EXPECT_EQ(reader_.now().emergencies, 2u);
+  hear(0x0A4, 8, {0x00, 0xFF, 0x81});  // the inertial unit
+  hear(0x0E3, 8, {0x00, 0xFF, 0x81});  // node 99, which the robot does not have
+  EXPECT_EQ(reader_.now().emergencies, 3u);
 }
 
 TEST_F(TelemetryOfFrames, IgnoresUnknownFrames) {
