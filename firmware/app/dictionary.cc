@@ -24,6 +24,7 @@ constexpr PdoConfiguration kRpdos[] = {
     {.cob_id = canopen::kRpdo1Base + canopen::kPdoStep,
      .plus_node_id = true,
      .transmission_type = canopen::kEventProfile,
+     .event_timer_ms = kVelocityDeadline_ms,
      .mapping = {mapping(0x2110, 1, 16), mapping(0x2110, 2, 16), mapping(0x2110, 3, 16)}},
     {.cob_id = canopen::kRpdo1Base + 2 * canopen::kPdoStep,
      .plus_node_id = true,
@@ -77,39 +78,33 @@ const canopen::NodeDescription kControllerNode{
     .sync_by_owner = true,
     // The behaviour state machine decides about a lost drive or bus; until then the drives need SYNC.
     .communication_error = canopen::CommunicationError::kNoChange,
-    // All parameters are of kManufacturer, and each of these groups covers all of them.
-    .stored_groups = canopen::group_bit(canopen::ParameterGroup::kAll) |
-                     canopen::group_bit(canopen::ParameterGroup::kApplication) |
-                     canopen::group_bit(canopen::ParameterGroup::kManufacturer),
+    .stored_groups = canopen::kAllGroups,
     .rows = kRows,
     .rpdos = kRpdos,
     .tpdos = kTpdos,
     .watched_tpdos = kTelemetryTpdos,  // those of the drives are triggered in each cycle
 };
 
-canopen::PdoConfiguration drive_rpdo(std::size_t joint, std::uint8_t node_id) {
+canopen::PdoConfiguration drive_pdo(canopen::PdoDirection direction, std::size_t number,
+                                    const robot::RobotModel& model) {
+  const bool receive = direction == canopen::PdoDirection::kReceive;
+  const std::size_t joint = number - (receive ? kFirstDriveRpdo : kFirstDriveTpdo);
+  if (joint >= model.joint_count) return {};
+  const std::uint8_t node_id = model.joints[joint].drive.node_id;
   const auto subindex = static_cast<std::uint8_t>(joint + 1);
+  if (!receive)
+    return {.cob_id = static_cast<std::uint32_t>(canopen::kRpdo1Base + node_id) | canopen::kCobIdNoRemote,
+            .transmission_type = canopen::kEventManufacturer,
+            .mapping = {mapping(0x2300, subindex, 16), mapping(0x2301, subindex, 32)}};
   return {.cob_id = static_cast<std::uint32_t>(canopen::kTpdo1Base + node_id),
           .transmission_type = canopen::kEventProfile,
           .mapping = {mapping(0x2302, subindex, 16), mapping(0x2303, subindex, 32),
                       mapping(0x2304, subindex, 16)}};
 }
 
-canopen::PdoConfiguration drive_tpdo(std::size_t joint, std::uint8_t node_id) {
-  const auto subindex = static_cast<std::uint8_t>(joint + 1);
-  return {.cob_id = static_cast<std::uint32_t>(canopen::kRpdo1Base + node_id) | canopen::kCobIdNoRemote,
-          .transmission_type = canopen::kEventManufacturer,
-          .mapping = {mapping(0x2300, subindex, 16), mapping(0x2301, subindex, 32)}};
-}
-
-void connect_drives(canopen::Node& node, const robot::RobotModel& model) {
-  for (std::size_t joint = 0; joint < model.joint_count; ++joint) {
-    const std::uint8_t node_id = model.joints[joint].drive.node_id;
-    // There is room and the model is valid, so none of these can fail.
-    static_cast<void>(node.configure_rpdo(kFirstDriveRpdo + joint, drive_rpdo(joint, node_id)));
-    static_cast<void>(node.configure_tpdo(kFirstDriveTpdo + joint, drive_tpdo(joint, node_id)));
-    static_cast<void>(node.configure_consumer(joint, node_id, drive::kDriveHeartbeatLost_ms));
-  }
+std::uint32_t drive_consumer(std::size_t number, const robot::RobotModel& model) {
+  if (number >= model.joint_count) return 0;
+  return std::uint32_t{model.joints[number].drive.node_id} << 16 | drive::kDriveHeartbeatLost_ms;
 }
 
 }  // namespace koboshi::app

@@ -125,13 +125,19 @@ inline constexpr std::size_t kFirstDriveRpdo = 3;
 inline constexpr std::size_t kTelemetryTpdos = 7;
 inline constexpr std::size_t kFirstDriveTpdo = kTelemetryTpdos;
 
+// The event timer of the velocity's RPDO (0x1401:5) after a reset: a walk ends when its velocity is not
+// repeated within it. Five repetitions of a program that sends ten a second: four in a row may be lost. Set
+// by hand (2026-11-25).
+inline constexpr std::uint16_t kVelocityDeadline_ms = 500;
+
 extern const canopen::NodeDescription kControllerNode;
 
-// The controller's PDOs of one joint's drive: its answers, and its commands.
-canopen::PdoConfiguration drive_rpdo(std::size_t joint, std::uint8_t node_id);
-canopen::PdoConfiguration drive_tpdo(std::size_t joint, std::uint8_t node_id);
-// Configures the PDOs and heartbeat consumers of the model's drives in the controller's node; needed after
-// each reset. The node must have room for kMaxJoints of each.
-void connect_drives(canopen::Node& node, const robot::RobotModel& model);
+// The controller's PDOs of the model's drives after a reset: RPDO kFirstDriveRpdo + i has the answers of
+// joint i's drive, TPDO kFirstDriveTpdo + i its commands. Those beyond the model's joints are not in use.
+canopen::PdoConfiguration drive_pdo(canopen::PdoDirection direction, std::size_t number,
+                                    const robot::RobotModel& model);
+// Entry `number` (from 0) of the controller's 0x1016 after a reset: the heartbeat of joint `number`'s drive;
+// 0 beyond the model's joints.
+std::uint32_t drive_consumer(std::size_t number, const robot::RobotModel& model);
 
 }  // namespace koboshi::app

@@ -17,25 +17,40 @@ std::uint16_t motion_number(canopen::ObjectAddress address) {
   return static_cast<std::uint16_t>(address.subindex - 1);
 }
 
+// The parameters of the application are manufacturer specific: the robot has no standard profile.
+canopen::ParameterGroup stored_group(canopen::ParameterGroup group) {
+  using enum canopen::ParameterGroup;
+  return group == kApplication ? kManufacturer : group;
+}
+
 }  // namespace
 
 canopen::AbortCode NodeCallbacks::on_write(canopen::ObjectAddress address, std::uint32_t value) {
   if (address.index == kMotionCrcObject) return erase_motion(motion_number(address), value);
   const canopen::AbortCode answer = parts_.requests.write(address, value, now_us_);
+  const bool walks = address.index == kRequestObject && static_cast<Command>(value) == Command::kWalk;
+  if (answer == AbortCode::kNone && (address.index == kVelocityObject || walks)) await_velocity();
   execute_decision();
   return answer;
 }
 
+// The deadline of the velocity covers every service that brings one, and a walk before the first one.
+void NodeCallbacks::await_velocity() { parts_.node.restart_rpdo_timer(kVelocityRpdo, now_us_); }
+
 void NodeCallbacks::on_rpdo(std::size_t number) {
   if (number >= kFirstDriveRpdo) return parts_.drives.on_answer(number - kFirstDriveRpdo);
   if (number == kVelocityRpdo) parts_.requests.take_velocity();
-  if (number == kCommandRpdo) parts_.requests.take_command(now_us_);
+  if (number == kCommandRpdo) {
+    parts_.requests.take_command(now_us_);
+    if (parts_.values.request.command == Command::kWalk) await_velocity();
+  }
   execute_decision();
 }
 
-// Whoever repeats the velocity of a walk is gone: nobody could stop the robot.
-void NodeCallbacks::on_rpdo_timeout(std::size_t number) {
-  if (number == kVelocityRpdo) parts_.behaviour.stop_walk();
+// The program that repeats the velocity of a walk is gone: nobody could stop the robot. A robot that does not
+// walk needs no velocity.
+bool NodeCallbacks::on_rpdo_timeout(std::size_t number) {
+  return number != kVelocityRpdo || parts_.behaviour.stop_walk();
 }
 
 void NodeCallbacks::execute_decision() {
@@ -73,13 +88,12 @@ canopen::AbortCode NodeCallbacks::erase_motion(std::uint16_t number, std::uint32
   return canopen::abort_code_of(parts_.motions.erase(number));
 }
 
-// All parameters are the manufacturer's, so each group that the node knows means all of them.
-canopen::AbortCode NodeCallbacks::on_store(canopen::ParameterGroup) {
-  return parameters_.store(canopen::ParameterGroup::kAll, may_store());
+canopen::AbortCode NodeCallbacks::on_store(canopen::ParameterGroup group) {
+  return parameters_.store(stored_group(group), may_store());
 }
 
-canopen::AbortCode NodeCallbacks::on_restore(canopen::ParameterGroup) {
-  return parameters_.restore(canopen::ParameterGroup::kAll, may_store());
+canopen::AbortCode NodeCallbacks::on_restore(canopen::ParameterGroup group) {
+  return parameters_.restore(stored_group(group), may_store());
 }
 
 // --- The network
@@ -101,7 +115,6 @@ void NodeCallbacks::on_reset(NmtCommand reset) {
     parts_.values.nmt_startup = kNmtMaster;
     parameters_.load(canopen::ParameterGroup::kCommunication);
   }
-  connect_drives(parts_.node, parts_.model);
 }
 
 FactoryStatus NodeCallbacks::load_factory_parameters() {

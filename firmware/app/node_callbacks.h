@@ -58,17 +58,22 @@ class NodeCallbacks final : public canopen::NodeApplication {
   canopen::Domain* domain(canopen::ObjectAddress address) override;
   canopen::AbortCode on_store(canopen::ParameterGroup group) override;
   canopen::AbortCode on_restore(canopen::ParameterGroup group) override;
+  canopen::PdoConfiguration default_pdo(canopen::PdoDirection direction, std::size_t number) override {
+    return drive_pdo(direction, number, parts_.model);
+  }
+  std::uint32_t default_consumer(std::size_t number) override { return drive_consumer(number, parts_.model); }
   void on_reset(canopen::NmtCommand reset) override;
   bool starts_itself() override { return (parts_.values.nmt_startup & kNoSelfStart) == 0; }
   void on_state(canopen::NmtState state) override;
   void on_rpdo(std::size_t number) override;
-  void on_rpdo_timeout(std::size_t number) override;
+  bool on_rpdo_timeout(std::size_t number) override;
   void on_heartbeat(const canopen::HeartbeatEvent& event) override;
   void on_emergency(const canopen::Emergency& emergency) override { parts_.drives.on_emergency(emergency); }
   void on_impostor(std::uint16_t identifier) override;
 
   bool may_store() const { return behaviour::kMayStore.contains(parts_.behaviour.state()); }
   canopen::AbortCode erase_motion(std::uint16_t number, std::uint32_t value);
+  void await_velocity();
   void execute_decision();
   FactoryStatus load_factory_parameters();
   void report_factory_parameters();

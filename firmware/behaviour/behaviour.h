@@ -102,8 +102,9 @@ class Behaviour {
   bool request_velocity(const walk::Velocity& velocity);
   // Sets the commanded velocity without a check: it passed one before.
   void set_velocity(const walk::Velocity& velocity) { velocity_ = velocity; }
-  // Ends a walk as kStop does. Nothing happens in other states.
-  void stop_walk();
+  // Ends a walk as kStop does. Returns whether the robot walked and was not to stop yet. Nothing happens in
+  // other states.
+  bool stop_walk();
   // Records a refusal that was found only after the command had been obeyed.
   void refuse(Reason reason) { status_.refusal = reason; }
   // A fault that the controller has found between two cycles; `drive_fault`: the drives' first, if any.

@@ -148,10 +148,12 @@ Reason Behaviour::get_up(const Judgement& judgement) {
   return refusal == Reason::kNone ? obey_event(Event::kGetUp, judgement.now_us) : refusal;
 }
 
-void Behaviour::stop_walk() {
-  if (status_.state != State::kWalking) return;
+bool Behaviour::stop_walk() {
+  if (status_.state != State::kWalking) return false;
+  const bool walked = !walker_.stopping();
   walker_.stop();
   overlay_.stop();
+  return walked;
 }
 
 Reason Behaviour::stop() {

@@ -8,7 +8,6 @@
 #include "firmware/canopen/frame.h"
 #include "firmware/canopen/lss_slave.h"
 #include "firmware/canopen/node.h"
-#include "firmware/canopen/pdo.h"
 
 // Services of a field device that a controller's node lacks: TIME (CiA 301, 7.2.6), LSS (CiA 305), and
 // object 0x1020, verify configuration.
@@ -100,14 +99,9 @@ class DeviceServices final : public NodeServices {
   AbortCode read(ObjectAddress address, ObjectValue& value) const override;
   AbortCode write(Node& node, ObjectAddress address, std::uint32_t value, std::size_t size) override;
   AbortCode write_own(ObjectAddress address, std::uint32_t value, std::size_t size);
-  bool parameter(Node& node, std::size_t number, ParameterValue& parameter) const override;
-  void restore(Node& node, const ParameterValue& parameter) override;
 
   void on_lss(Node& node, const hal::CanFrame& frame, std::uint64_t now_us);
   void store_node_id(Node& node);
-  class ParameterList;
-  static bool list_pdo(ParameterList& list, Node& node, PdoDirection direction, std::uint16_t number);
-  static bool is_as_after_reset(Node& node, PdoDirection direction, std::uint16_t number);
 
   DeviceOwner& owner_;
   LssSlave lss_;

@@ -44,6 +44,8 @@ class HeartbeatMonitor {
   HeartbeatMonitor(std::span<HeartbeatConsumer> consumers, std::span<SlotMap::Item> slots)
       : consumers_(consumers), slots_(slots) {}
 
+  // Number of consumers.
+  std::size_t size() const { return consumers_.size(); }
   // Object 0x1016, sub-indices 1..n: node id in bits 16..23, time in ms in bits 0..15. kSubindexDoesNotExist
   // beyond n. Writing sub-index 0: kWriteOfReadOnly; a node id above 127: kInvalidValue; a node that another
   // sub-index monitors: kParameterIncompatibility.

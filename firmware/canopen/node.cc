@@ -133,25 +133,35 @@ void Node::load_defaults() {
   emergencies_.load_defaults(node_id_);
   servers_[0].configure({static_cast<std::uint32_t>(kSdoRequestBase + node_id_),
                          static_cast<std::uint32_t>(kSdoResponseBase + node_id_)});
+  servers_[1].configure(second_sdo());
+  second_client_ = 0;
+  heartbeats_.clear();
+  report(error_code::kHeartbeat, false);
+  bool possible = true;
+  for (std::size_t i = 0; i < rpdos_.size(); ++i)
+    possible &= configure_rpdo(i, default_pdo(PdoDirection::kReceive, i)) == AbortCode::kNone;
+  for (std::size_t i = 0; i < tpdos_.size(); ++i)
+    possible &= configure_tpdo(i, default_pdo(PdoDirection::kTransmit, i)) == AbortCode::kNone;
+  for (std::size_t i = 0; i < heartbeats_.size(); ++i) {
+    const std::uint32_t consumer = application_.default_consumer(i);
+    if (consumer == 0) continue;
+    possible &= heartbeats_.write(static_cast<std::uint8_t>(i + 1), consumer) == AbortCode::kNone;
+  }
+  if (!possible) raise_error(error_code::kDataSet, error_register::kManufacturer);
+}
+
+PdoConfiguration Node::default_pdo(PdoDirection direction, std::size_t number) const {
+  const auto described = direction == PdoDirection::kReceive ? description_.rpdos : description_.tpdos;
+  return number < described.size() ? described[number] : application_.default_pdo(direction, number);
+}
+
+SdoChannel Node::second_sdo() const {
   SdoChannel second = description_.second_sdo;
   if (second.plus_node_id) {
     second.request_cob_id += node_id_;
     second.response_cob_id += node_id_;
   }
-  servers_[1].configure(second);
-  second_client_ = 0;
-  heartbeats_.clear();
-  report(error_code::kHeartbeat, false);
-  bool possible = true;
-  for (std::size_t i = 0; i < rpdos_.size(); ++i) {
-    const bool described = i < description_.rpdos.size();
-    possible &= configure_rpdo(i, described ? description_.rpdos[i] : PdoConfiguration{}) == AbortCode::kNone;
-  }
-  for (std::size_t i = 0; i < tpdos_.size(); ++i) {
-    const bool described = i < description_.tpdos.size();
-    possible &= configure_tpdo(i, described ? description_.tpdos[i] : PdoConfiguration{}) == AbortCode::kNone;
-  }
-  if (!possible) raise_error(error_code::kDataSet, error_register::kManufacturer);
+  return second;
 }
 
 AbortCode Node::configure_rpdo(std::size_t number, const PdoConfiguration& configuration) {
@@ -338,11 +348,16 @@ void Node::on_rpdo_changed(std::size_t number) {
   note_refusal(number, {});
 }
 
+void Node::restart_rpdo_timer(std::size_t number, std::uint64_t now_us) {
+  Rpdo& pdo = rpdos_[number];
+  if (pdo.reception == Reception::kTimedOut) note_reception(number, Reception::kRight);
+  rpdos_.restart_timer(pdo, now_us);
+}
+
 void Node::watch_rpdos(std::uint64_t now_us) {
   std::size_t number = 0;
   while (rpdos_.check(now_us, number)) {
-    note_reception(number, Reception::kTimedOut);
-    application_.on_rpdo_timeout(number);
+    if (application_.on_rpdo_timeout(number)) note_reception(number, Reception::kTimedOut);
   }
 }
 

@@ -53,6 +53,10 @@ class NodeApplication {
   // called again, and the client waits (CiA 301, 7.5.2.13).
   virtual AbortCode on_store(ParameterGroup) { return AbortCode::kCannotTransfer; }
   virtual AbortCode on_restore(ParameterGroup) { return AbortCode::kCannotTransfer; }
+  // The configuration after a reset of PDO `number` (from 0), which is beyond those of the description; and
+  // of entry `number` (from 0) of 0x1016.
+  virtual PdoConfiguration default_pdo(PdoDirection, std::size_t /*number*/) { return {}; }
+  virtual std::uint32_t default_consumer(std::size_t /*number*/) { return 0; }
   // A reset, kResetNode (also at start) or kResetCommunication: the communication parameters have their
   // defaults again, and the owner may change them with write_object. On kResetNode the owner also resets its
   // own values.
@@ -69,8 +73,9 @@ class NodeApplication {
   // with EMCY 0x6320 and the object's index and sub-index and the PDO's number (from 1) in its manufacturer
   // field.
   virtual void on_rpdo(std::size_t /*number*/) {}
-  // RPDO `number` has been silent for longer than its event timer: once, until it is received again.
-  virtual void on_rpdo_timeout(std::size_t /*number*/) {}
+  // RPDO `number` has been silent for longer than its event timer: once, until the timer starts again.
+  // Returns whether that is an error, which the node then reports.
+  virtual bool on_rpdo_timeout(std::size_t /*number*/) { return true; }
   virtual void on_heartbeat(const HeartbeatEvent&) {}
   // Another node's emergency message.
   virtual void on_emergency(const Emergency&) {}
@@ -95,7 +100,7 @@ struct ParameterValue {
   friend bool operator==(const ParameterValue&, const ParameterValue&) = default;
 };
 
-// Optional services of a node, with their objects and parameters; the code of a node without them is not
+// Optional services of a node, with their objects; the code of a node without them is not
 // linked. The node calls these functions from within its own.
 class NodeServices {
  public:
@@ -106,11 +111,6 @@ class NodeServices {
   // Receives every write of an SDO client: to one of the services' objects, else by Node::write_own. `size`
   // in bytes; 0: that of the object.
   virtual AbortCode write(Node& node, ObjectAddress address, std::uint32_t value, std::size_t size) = 0;
-  // Write `number`, from 0, of the node's communication parameters, in the order in which they are to be
-  // written. Leaves out those that depend on the node id and are as after a reset. False past the last.
-  virtual bool parameter(Node& node, std::size_t number, ParameterValue& parameter) const = 0;
-  // Restores one of them from storage.
-  virtual void restore(Node& node, const ParameterValue& parameter) = 0;
 
  protected:
   ~NodeServices() = default;
@@ -281,14 +281,20 @@ class Node final : private ObjectServer {
   // without a heartbeat; 0 ends the monitoring. Errors as of HeartbeatMonitor::write.
   AbortCode configure_consumer(std::size_t number, std::uint8_t node_id, std::uint16_t time_ms);
 
-  // Write `number`, from 0, of the node's parameters, in the order in which they are to be written: those of
-  // the owner's rows, then the communication parameters of the services. False past the last.
-  bool parameter(std::size_t number, ParameterValue& parameter);
+  // The next write from `place` on, which is 0 at first and is moved on behind it, of the node's parameters
+  // in the order in which they are to be written: those of the owner's rows, then the communication
+  // parameters. Leaves out those that depend on the node id or on the owner and are as after a reset. False
+  // past the last.
+  bool next_parameter(std::size_t& place, ParameterValue& parameter);
   // Restores one of them from storage, with the checks of a client's write; on_write is not called. Ignores
   // one that the node does not have.
   void restore(const ParameterValue& parameter);
   // Writes an object as write_object does, without the services.
   AbortCode write_own(ObjectAddress address, std::uint32_t value, std::size_t size);
+
+  // Starts the event timer of RPDO `number` (from 0) again, as a reception does: its values have arrived by
+  // another service.
+  void restart_rpdo_timer(std::size_t number, std::uint64_t now_us);
 
   // Suspends the monitoring of a node until its next heartbeat.
   void await_heartbeat(std::uint8_t node_id) { heartbeats_.await(node_id); }
@@ -343,6 +349,15 @@ class Node final : private ObjectServer {
   AbortCode write_parameter(ObjectAddress address, std::uint32_t value);
   AbortCode write_consumer(std::uint8_t subindex, std::uint32_t value);
   AbortCode write_second_sdo(std::uint8_t subindex, std::uint32_t value);
+  // The sequence of next_parameter (node_parameters.cc).
+  bool row_parameter(const Entry& row, std::size_t step, ParameterValue& parameter) const;
+  std::size_t communication_parts() const;
+  bool communication_parameter(std::size_t part, std::size_t& step, ParameterValue& parameter);
+  bool identifier_parameter(std::size_t& step, ParameterValue& parameter);
+  bool consumer_parameter(std::size_t& step, ParameterValue& parameter);
+  bool pdo_parameter(std::size_t pdo, bool again, std::size_t& step, ParameterValue& parameter);
+  PdoConfiguration default_pdo(PdoDirection direction, std::size_t number) const;
+  SdoChannel second_sdo() const;
   AbortCode store_or_restore(ObjectAddress address, std::uint32_t signature);
   bool stores(std::uint8_t group) const { return (description_.stored_groups << 1 >> group & 1) != 0; }
 

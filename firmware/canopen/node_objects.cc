@@ -7,12 +7,7 @@
 namespace koboshi::canopen {
 namespace {
 
-// The records of PDOs, 0x200 indices of each sort (CiA 301, 7.5.2.35 to 7.5.2.38).
-constexpr std::uint16_t kFirstRpdoRecord = 0x1400;
-constexpr std::uint16_t kFirstTpdoRecord = 0x1800;
-constexpr std::uint16_t kEndOfPdoRecords = 0x1C00;
-
-bool is_mapping_record(std::uint16_t index) { return (index & 0x200) != 0; }
+bool is_mapping_record(std::uint16_t index) { return (index & kMappingRecord) != 0; }
 std::size_t pdo_number(std::uint16_t index) { return index & 0x1FFu; }
 
 // Signatures of 0x1010 and 0x1011: "save" and "load" in the order of the bus (CiA 301, 7.5.2.13, 7.5.2.14).
@@ -92,33 +87,6 @@ AbortCode Node::write_own(ObjectAddress address, std::uint32_t value, std::size_
   const AbortCode accepted = application_.on_write(address, value);
   if (accepted == AbortCode::kNone) dictionary_.store(location, value);
   return accepted;
-}
-
-bool Node::parameter(std::size_t number, ParameterValue& parameter) {
-  for (const Entry& row : description_.rows) {
-    if (!is_parameter(row)) continue;
-    if (number >= row.count) {
-      number -= row.count;
-      continue;
-    }
-    const ObjectAddress address{row.index, static_cast<std::uint8_t>(row.subindex + number)};
-    ObjectValue value;
-    if (dictionary_.read(address, value) != AbortCode::kNone) return false;
-    parameter = {address, static_cast<std::uint8_t>(value.size()), value.number()};
-    return true;
-  }
-  return services_ != nullptr && services_->parameter(*this, number, parameter);
-}
-
-void Node::restore(const ParameterValue& parameter) {
-  if (is_communication_area(parameter.address.index)) {
-    if (services_ != nullptr) services_->restore(*this, parameter);
-    return;
-  }
-  std::uint32_t value = parameter.value;
-  Location location;
-  const AbortCode checked = dictionary_.check_write(parameter.address, value, parameter.size_bytes, location);
-  if (checked == AbortCode::kNone && is_parameter(*location.entry)) dictionary_.store(location, value);
 }
 
 AbortCode Node::open_domain(ObjectAddress address, Access access, Domain*& domain) {

@@ -20,6 +20,13 @@ namespace koboshi::canopen {
 
 inline constexpr std::size_t kMaxMappedObjects = 8;  // one byte each
 
+// Indices of the records, one for each PDO of a node: the communication records of RPDOs and TPDOs, and
+// behind each its mapping.
+inline constexpr std::uint16_t kFirstRpdoRecord = 0x1400;
+inline constexpr std::uint16_t kFirstTpdoRecord = 0x1800;
+inline constexpr std::uint16_t kMappingRecord = 0x200;
+inline constexpr std::uint16_t kEndOfPdoRecords = 0x1C00;
+
 // Transmission types (CiA 301, 7.5.2.35 and 7.5.2.37). 1..240 mean every n-th SYNC.
 inline constexpr std::uint8_t kSynchronousAcyclic = 0;
 inline constexpr std::uint8_t kSynchronousEverySync = 1;
@@ -83,6 +90,7 @@ class PdoRecord {
   AbortCode read_mapping(std::uint8_t subindex, ObjectValue& value) const;
   AbortCode write_mapping(std::uint8_t subindex, std::uint32_t value, const Dictionary& dictionary);
 
+  PdoDirection direction() const { return direction_; }
   bool valid() const { return (cob_id_ & kCobIdInvalid) == 0; }
   std::uint16_t identifier() const { return static_cast<std::uint16_t>(cob_id_ & kCobIdMask); }
   bool synchronous() const { return transmission_type_ <= kMaxSynchronous; }
@@ -128,6 +136,8 @@ class PdoRecord {
     }
     return {};
   }
+
+  friend bool operator==(const PdoRecord&, const PdoRecord&) = default;
 
  private:
   // One load and one store: no data type has another size than 1, 2 and 4. Most values have 2 bytes.

@@ -29,7 +29,7 @@ constexpr AbortCode abort_code_of(storage::Status status) {
 }
 
 // Objects 0x1010, store parameters, and 0x1011, restore default parameters (CiA 301, 7.5.2.13 and 7.5.2.14):
-// a node's parameters, in the order of Node::parameter, in a store.
+// a node's parameters, in the order of Node::next_parameter, in a store.
 class StoredParameters final : private storage::ParameterOwner {
  public:
   // Both must outlive this object.
@@ -65,9 +65,9 @@ class StoredParameters final : private storage::ParameterOwner {
     return {};
   }
 
-  bool parameter(std::size_t number, storage::ParameterRecord& record) const override {
+  bool next_parameter(std::size_t& place, storage::ParameterRecord& record) const override {
     ParameterValue parameter;
-    if (!node_.parameter(number, parameter)) return false;
+    if (!node_.next_parameter(place, parameter)) return false;
     record = {parameter.address.index, parameter.address.subindex, parameter.size_bytes, parameter.value};
     return true;
   }

@@ -37,8 +37,7 @@ bool ParameterStore::next(Change wanted, Cursor& cursor, ParameterRecord& record
     cursor.stored_bytes += ParameterRecord::kSize_bytes;
     if (!wanted.range.contains(record.index)) return true;
   }
-  while (wanted.keeps && owner_.parameter(cursor.present, record)) {
-    ++cursor.present;
+  while (wanted.keeps && owner_.next_parameter(cursor.present, record)) {
     if (wanted.range.contains(record.index)) return true;
   }
   return false;

@@ -27,9 +27,9 @@ struct ParameterRecord {
 // The device whose parameters are stored.
 class ParameterOwner {
  public:
-  // The present value of parameter `number`, from 0, in the order in which they are to be restored. False
-  // past the last.
-  virtual bool parameter(std::size_t number, ParameterRecord& record) const = 0;
+  // The present value of the next parameter from `place` on, which is 0 at first and is moved on behind it,
+  // in the order in which they are to be restored. False past the last.
+  virtual bool next_parameter(std::size_t& place, ParameterRecord& record) const = 0;
   // Takes a stored value over; the owner ignores those that it does not know or that its limits refuse.
   virtual void restore(const ParameterRecord& record) = 0;
 
@@ -80,7 +80,7 @@ class ParameterStore {
   // How far a walk through the records of the wanted item has come.
   struct Cursor {
     std::size_t stored_bytes = 0;  // of the item in storage
-    std::size_t present = 0;       // parameters of the owner
+    std::size_t present = 0;       // place in the owner's parameters
   };
 
   std::span<const std::byte> stored() const { return items_.find(ItemKind::kParameters, 0); }

@@ -54,6 +54,7 @@ class Walker {
   void start(const WalkParameters& parameters, std::span<const fixed::Angle> targets);
   // Brings the robot to a stand: it slows down, puts its feet side by side and ends the walk.
   void stop() { stopping_ = true; }
+  bool stopping() const { return stopping_; }
   // Takes the stop back. Without effect once the closing step has begun.
   void resume() { stopping_ = false; }
   // Ends the walk at once; the targets stay as they are.

@@ -13,8 +13,9 @@ namespace {
 
 constexpr std::size_t kOperatorFifo = 64;
 
-AcceptanceFilter sdo_answers() {
-  AcceptanceFilter filter;
+// What the operator's PC hears: the answers to its requests, and the commands of other operators.
+AcceptanceFilter operators_frames() {
+  AcceptanceFilter filter{kCommandIdentifier, kVelocityIdentifier};
   filter.accept_range(canopen::kSdoResponseBase + 1, canopen::kSdoResponseBase + 127);
   filter.accept_range(kPcSdoResponseBase + kFirstPcSdoNode, kPcSdoResponseBase + kLastPcSdoNode);
   return filter;
@@ -59,7 +60,7 @@ SimBoard::SimBoard(const RobotDescription& robot, const BoardOptions& options, C
       world_(make_world(robot, options.world)),
       step_us_(static_cast<std::uint64_t>(std::llround(1e6 * world_->step_s()))),
       controller_(bus_.attach(receiver_, AcceptanceFilter::all(), kTransmitFifo)),
-      operator_(bus_.attach(operator_node_, sdo_answers(), kOperatorFifo)),
+      operator_(bus_.attach(operator_node_, operators_frames(), kOperatorFifo)),
       bus_faults_(options.seed) {
   const SensorErrors errors{.seed = options.seed, .scale = options.noise_scale};
   const ServoOptions servo_options{

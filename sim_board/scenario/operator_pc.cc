@@ -7,9 +7,9 @@
 namespace koboshi::sim {
 namespace {
 
-// COB-ID of the controller's commands: RPDO 1 of node 1, mapped to object 0x2000 of its dictionary.
-constexpr std::uint16_t kCommandIdentifier = 0x201;
-constexpr std::uint16_t kVelocityIdentifier = 0x301;  // RPDO 2: object 0x2110, in mm/s and mrad/s
+// Time in a control cycle at which the bus is idle, so that a repeated velocity delays no other frame: the
+// frames of a cycle end 6.6 ms after its start (measured on scenarios/go.yaml, 2026-11-25).
+constexpr std::uint64_t kIdle_us = 8'000;
 
 std::uint8_t code_of(Command::Kind kind) {
   switch (kind) {
@@ -39,6 +39,7 @@ OperatorPc::OperatorPc(SimBoard& board, std::vector<SdoWrite> writes)
 }
 
 void OperatorPc::advance() {
+  repeat_velocity();
   client_.process(board_.now_us());
   if (client_.state() == canopen::SdoState::kAborted || client_.state() == canopen::SdoState::kTimedOut) {
     give_up();
@@ -75,10 +76,27 @@ std::vector<hal::CanFrame> command_frames(const Command& command) {
 }
 
 void OperatorPc::command(const Command& command) {
-  for (const hal::CanFrame& frame : command_frames(command)) static_cast<void>(send(frame));
+  const std::vector<hal::CanFrame> frames = command_frames(command);
+  for (const hal::CanFrame& frame : frames) static_cast<void>(send(frame));
+  // A motion is played beside the walk.
+  if (command.kind == Command::Kind::kPlay) return;
+  velocity_.reset();
+  if (command.kind != Command::Kind::kWalk) return;
+  velocity_ = frames.front();
+  const std::uint64_t due_us = board_.now_us() + kVelocityPeriod_us;
+  velocity_due_us_ = due_us - due_us % SimBoard::kTick_us + kIdle_us;
+}
+
+void OperatorPc::repeat_velocity() {
+  if (!velocity_ || board_.now_us() < velocity_due_us_) return;
+  static_cast<void>(send(*velocity_));
+  velocity_due_us_ += kVelocityPeriod_us;
 }
 
 void OperatorPc::on_frame(const hal::CanFrame& frame, std::uint64_t time_us) {
+  const bool takes_over =
+      frame.identifier == kCommandIdentifier && frame.data[0] != code_of(Command::Kind::kPlay);
+  if (takes_over || frame.identifier == kVelocityIdentifier) velocity_.reset();
   if (!client_.on_frame(frame)) static_cast<void>(access_.on_frame(frame, time_us));
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -30,9 +31,15 @@ class SdoFailed : public std::runtime_error {
 std::vector<hal::CanFrame> command_frames(const Command& command);
 
 // The operator's PC: writes the controller's parameters by SDO, one after the other, and then sends commands
-// and accesses objects.
+// and accesses objects. It repeats the velocity of a walk until another command ends the walk, because the
+// controller ends a walk whose velocity is not repeated (0x1401:5). It leaves the walk to another operator
+// whose command or velocity it hears on the bus.
 class OperatorPc final : private BusNode, private canopen::FrameSink {
  public:
+  // Period of the velocity of a walk: one of two may be lost within the controller's default deadline of
+  // 500 ms.
+  static constexpr std::uint64_t kVelocityPeriod_us = 200'000;
+
   // The board must outlive the PC.
   OperatorPc(SimBoard& board, std::vector<SdoWrite> writes);
   ~OperatorPc() { board_.set_operator_listener(nullptr); }
@@ -53,13 +60,14 @@ class OperatorPc final : private BusNode, private canopen::FrameSink {
   [[nodiscard]] std::vector<ObjectAnswer> take_answers() { return access_.take_answers(); }
 
   void archive(StateArchive& archive) {
-    archive(writes_, next_, access_);
+    archive(writes_, next_, access_, velocity_, velocity_due_us_);
     archive.in_place(client_);
   }
 
  private:
   void on_frame(const hal::CanFrame& frame, std::uint64_t time_us) override;
   bool send(const hal::CanFrame& frame) override { return board_.send_as_operator(frame); }
+  void repeat_velocity();
   [[noreturn]] void give_up() const;
 
   SimBoard& board_;
@@ -67,6 +75,8 @@ class OperatorPc final : private BusNode, private canopen::FrameSink {
   std::size_t next_ = 0;  // index of the write in progress
   canopen::SdoClient client_;
   ObjectAccess access_;
+  std::optional<hal::CanFrame> velocity_;  // of the walk that this operator holds
+  std::uint64_t velocity_due_us_ = 0;
 };
 
 }  // namespace koboshi::sim

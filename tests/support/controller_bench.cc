@@ -60,6 +60,7 @@ void ControllerBench::restart(std::span<const std::byte> storage) {
 void ControllerBench::run_ms(int duration_ms) {
   for (int i = 0; i < duration_ms; ++i) {
     feed_sensors();
+    repeat_velocity();
     controller_->service(now_us_);
     if (now_us_ % app::Controller::kTick_us == 0) controller_->tick(now_us_);
     exchange_frames();
@@ -122,6 +123,17 @@ void ControllerBench::exchange_frames() {
   for (const DriveStub& drive : drives) {
     if (drive.beats && !drive.hangs) board.can.deliver(drive.heartbeat());
   }
+}
+
+void ControllerBench::repeat_velocity() {
+  constexpr std::uint64_t kRepetition_us = 100'000;
+  if (!velocity_repeats || now().state != behaviour::State::kWalking || now_us_ % kRepetition_us != 0) return;
+  const walk::Velocity& velocity = values().velocity;
+  hal::CanFrame frame{.identifier = kVelocityIdentifier, .size = 6};
+  canopen::store_u16(&frame.data[0], static_cast<std::uint16_t>(velocity.forward_mm_per_s));
+  canopen::store_u16(&frame.data[2], static_cast<std::uint16_t>(velocity.left_mm_per_s));
+  canopen::store_u16(&frame.data[4], static_cast<std::uint16_t>(velocity.turn_mrad_per_s));
+  board.can.deliver(frame);
 }
 
 void ControllerBench::feed_sensors() {

@@ -71,12 +71,15 @@ class ControllerBench {
   std::vector<DriveStub> drives;
   std::vector<SentFrame> sent;
   bool imu_speaks = true;
+  // An operator repeats the velocity of a walk ten times a second (0x1401:5).
+  bool velocity_repeats = true;
   std::array<bool, 2> ankle_speaks{true, true};
   hal::ImuSample imu_sample;  // upright and at rest
 
  private:
   void exchange_frames();
   void feed_sensors();
+  void repeat_velocity();
 
   std::unique_ptr<app::Controller> controller_;
   std::uint64_t now_us_ = 0;

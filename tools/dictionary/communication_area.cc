@@ -197,8 +197,9 @@ Object pdo_communication(std::uint16_t index, std::string_view family, std::size
     items.back().comment = "0: the counter of SYNC does not matter.";
   } else {
     items.back().comment =
-        "0: none. Longer silence after a reception is error 8250, and ends a walk if it is that of "
-        "the controller's velocity, 1401.";
+        "0: none. Longer silence after a reception is error 8250. That of the controller's velocity, 1401, "
+        "is "
+        "the deadline of a walk, which ends when no velocity has come for so long, by PDO or SDO.";
   }
   Object made = record(index, fmt::format("{} {}", family, number + 1), std::move(items));
   made.family = family;

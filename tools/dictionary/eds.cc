@@ -54,8 +54,8 @@ void add_comments(std::string& eds, const NodeKind& kind) {
       "Written by `koboshi dictionary write` from the table that the node itself is made of.",
       "What the values mean: docs/reference/object-dictionary.md"};
   if (kind.name == "controller") {
-    lines.emplace_back(
-        "PDOs and heartbeat consumers of drives are those of the default robot (robots/koboshi).");
+    lines.emplace_back("Defaults are those of one robot: PDOs and heartbeats of its drives, and its factory");
+    lines.emplace_back("parameters. Another robot: koboshi dictionary --robot FILE eds controller");
   }
   fmt::format_to(Text(eds), "\n[Comments]\nLines={}\n", lines.size());
   for (std::size_t i = 0; i < lines.size(); ++i) {

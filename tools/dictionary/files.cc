@@ -9,10 +9,13 @@ namespace koboshi::tools {
 
 std::vector<GeneratedFile> dictionary_files(const sim::RobotDescription& robot,
                                             const app::ControllerValues& values) {
-  const std::vector<NodeKind> kinds = documented_kinds(simulation::load_named_model(robot).model);
+  const robot::RobotModel model = simulation::load_named_model(robot).model;
+  // The pages describe the program; the data sheets are of this robot's nodes, which tools configure.
+  const std::vector<NodeKind> kinds = documented_kinds(model);
   const Network network = make_network(robot);
   std::vector<GeneratedFile> files;
-  for (const NodeKind& kind : kinds) files.push_back({kind.name + ".eds", eds_text(kind)});
+  for (const NodeKind& kind : documented_kinds(model, values))
+    files.push_back({kind.name + ".eds", eds_text(kind)});
   files.push_back({"bus.yml", bus_text(robot)});
   files.push_back({"koboshi.dbc", dbc_text(network)});
   files.push_back({"object-dictionary.md", page_text(kinds, network)});

@@ -4,7 +4,6 @@
 
 #include "firmware/app/controller_objects.h"
 #include "firmware/app/dictionary.h"
-#include "firmware/drive/configuration.h"
 #include "sim_board/drive/drive_objects.h"
 #include "sim_board/sensor/sensor_objects.h"
 
@@ -21,29 +20,27 @@ constexpr NodeCapacity kSensorCapacity{.rpdos = 0, .tpdos = 2, .heartbeat_consum
 template <typename Values>
 NodeKind make_kind(std::string name, const canopen::NodeDescription& description,
                    const NodeCapacity& capacity, std::span<const canopen::DescribedObject> table,
-                   const InstanceDefaults& instance = {}) {
-  const Values values;
+                   const InstanceDefaults& instance = {}, const Values& values = {}) {
   return make_node_kind(std::move(name), description, capacity, table, std::as_bytes(std::span(&values, 1)),
                         instance);
 }
 
-// As app::connect_drives has it.
 InstanceDefaults drive_connections(const robot::RobotModel& robot) {
   InstanceDefaults made;
   for (std::size_t joint = 0; joint < robot.joint_count; ++joint) {
-    const std::uint8_t node_id = robot.joints[joint].drive.node_id;
-    made.rpdos.push_back(app::drive_rpdo(joint, node_id));
-    made.tpdos.push_back(app::drive_tpdo(joint, node_id));
-    made.heartbeat_consumers.push_back(std::uint32_t{node_id} << 16 | drive::kDriveHeartbeatLost_ms);
+    using enum canopen::PdoDirection;
+    made.rpdos.push_back(app::drive_pdo(kReceive, app::kFirstDriveRpdo + joint, robot));
+    made.tpdos.push_back(app::drive_pdo(kTransmit, app::kFirstDriveTpdo + joint, robot));
+    made.heartbeat_consumers.push_back(app::drive_consumer(joint, robot));
   }
   return made;
 }
 
 }  // namespace
 
-NodeKind controller_kind(const robot::RobotModel& robot) {
+NodeKind controller_kind(const robot::RobotModel& robot, const app::ControllerValues& values) {
   return make_kind<app::ControllerValues>("controller", app::kControllerNode, kControllerCapacity,
-                                          app::kControllerObjects, drive_connections(robot));
+                                          app::kControllerObjects, drive_connections(robot), values);
 }
 
 NodeKind drive_kind() {
@@ -61,8 +58,8 @@ NodeKind ankle_kind() {
                                       kSensorCapacity, sim::kAnkleObjects);
 }
 
-std::vector<NodeKind> documented_kinds(const robot::RobotModel& robot) {
-  return {controller_kind(robot), drive_kind(), inertial_kind(), ankle_kind()};
+std::vector<NodeKind> documented_kinds(const robot::RobotModel& robot, const app::ControllerValues& values) {
+  return {controller_kind(robot, values), drive_kind(), inertial_kind(), ankle_kind()};
 }
 
 }  // namespace koboshi::tools

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <vector>
 
 #include "tests/support/controller_bench.h"
 #include "tests/support/sdo_pc.h"
@@ -78,13 +79,83 @@ TEST_F(ControllerParameters, AreWrittenOnlyWhenTheyHaveChanged) {
 TEST_F(ControllerParameters, ReportWhichGroupsAreStored) {
   for (const std::uint16_t index : {std::uint16_t{0x1010}, std::uint16_t{0x1011}}) {
     EXPECT_EQ(pc.read({index, 0}), 4u);
-    for (const std::uint8_t group : std::to_array<std::uint8_t>({1, 3, 4}))
+    for (const std::uint8_t group : std::to_array<std::uint8_t>({1, 2, 3, 4}))
       EXPECT_EQ(pc.read({index, group}), 1u);
-    EXPECT_EQ(pc.read({index, 2}), 0u);
   }
-  EXPECT_EQ(pc.write({0x1010, 2}, 0x65766173, 4), AbortCode::kCannotTransfer);
   EXPECT_EQ(pc.write({0x1010, 3}, 0x65766174, 4), AbortCode::kCannotTransfer);  // wrong signature
   EXPECT_EQ(pc.write({0x1010, 3}, 0x65766173, 4), AbortCode::kNone);
+}
+
+struct CommunicationWrite {
+  canopen::ObjectAddress address;
+  std::int32_t value;
+  std::size_t size_bytes;
+};
+
+// The deadline of the velocity, heartbeat, EMCY, second SDO channel, telemetry by time instead of SYNC and
+// with another mapping, an answer of a drive that waits for SYNC, and NMT startup.
+constexpr CommunicationWrite kCommunicationWrites[] = {
+    {{0x1401, 5}, 700, 2},
+    {{0x1015, 0}, 20, 2},
+    {{0x1017, 0}, 40, 2},
+    {{0x1029, 1}, 0, 1},
+    {{0x1014, 0}, static_cast<std::int32_t>(0x8000'0081), 4},
+    {{0x1014, 0}, 0x91, 4},
+    {{0x1201, 1}, 0x6A0, 4},
+    {{0x1201, 2}, 0x6B0, 4},
+    {{0x1801, 1}, static_cast<std::int32_t>(0xC000'0281), 4},
+    {{0x1801, 2}, 254, 1},
+    {{0x1801, 3}, 30, 2},
+    {{0x1801, 5}, 50, 2},
+    {{0x1A01, 0}, 0, 1},
+    {{0x1A01, 1}, 0x2010'0210, 4},
+    {{0x1A01, 0}, 1, 1},
+    {{0x1801, 1}, 0x4000'0281, 4},
+    {{0x1403, 2}, 1, 1},
+    {{0x1F80, 0}, 3, 4},
+};
+
+std::vector<std::uint32_t> communication_values(SdoPc& pc) {
+  std::vector<std::uint32_t> values;
+  for (const CommunicationWrite& write : kCommunicationWrites) values.push_back(pc.read(write.address));
+  return values;
+}
+
+TEST_F(ControllerParameters, IncludeThoseOfTheCommunication) {
+  for (const std::uint8_t group : std::to_array<std::uint8_t>({1, 2})) {
+    const std::vector<std::uint32_t> defaults = communication_values(pc);
+    for (const auto& [address, value, size_bytes] : kCommunicationWrites)
+      ASSERT_EQ(pc.write(address, value, size_bytes), AbortCode::kNone) << std::hex << address.index;
+    const std::vector<std::uint32_t> written = communication_values(pc);
+    EXPECT_EQ(written.front(), 700u);
+    ASSERT_EQ(pc.write({0x1010, group}, 0x65766173, 4), AbortCode::kNone);
+    power_cycle();
+    EXPECT_EQ(communication_values(pc), written);
+    ASSERT_EQ(pc.write({0x1401, 5}, 0, 2), AbortCode::kNone);
+    bench.board.can.deliver({.identifier = 0x000, .size = 2, .data = {130, 1}});  // reset communication
+    ASSERT_TRUE(bench.run_until(State::kBoot));
+    ASSERT_TRUE(bench.run_until(State::kLimp));
+    EXPECT_EQ(communication_values(pc), written);
+    ASSERT_EQ(pc.write({0x1011, group}, 0x64616F6C, 4), AbortCode::kNone);
+    EXPECT_EQ(communication_values(pc), written);  // until the reset
+    power_cycle();
+    EXPECT_EQ(communication_values(pc), defaults);
+  }
+}
+
+TEST_F(ControllerParameters, AreSavedByGroups) {
+  ASSERT_EQ(pc.write({0x1401, 5}, 700, 2), AbortCode::kNone);
+  ASSERT_EQ(pc.write(kKneeGain, -300, 2), AbortCode::kNone);
+  ASSERT_EQ(pc.write({0x1010, 4}, 0x65766173, 4), AbortCode::kNone);
+  power_cycle();
+  EXPECT_EQ(pc.read({0x1401, 5}), kVelocityDeadline_ms);
+  EXPECT_EQ(bench.values().feedback.motion.knee, -300);
+  ASSERT_EQ(pc.write({0x1401, 5}, 700, 2), AbortCode::kNone);
+  ASSERT_EQ(pc.write(kKneeGain, 0, 2), AbortCode::kNone);
+  ASSERT_EQ(pc.write({0x1010, 2}, 0x65766173, 4), AbortCode::kNone);
+  power_cycle();
+  EXPECT_EQ(pc.read({0x1401, 5}), 700u);
+  EXPECT_EQ(bench.values().feedback.motion.knee, -300);
 }
 
 TEST_F(ControllerParameters, AreNotSavedWhileTheRobotWalks) {

@@ -1,4 +1,5 @@
-// The event timer of the velocity's RPDO (0x1401:05): a walk ends when nobody repeats its velocity any more.
+// The deadline of the velocity (event timer of its RPDO, 0x1401:05), which is on after a reset: a walk ends
+// when its velocity is not repeated.
 
 #include <gtest/gtest.h>
 
@@ -6,6 +7,7 @@
 
 #include "firmware/canopen/frame.h"
 #include "tests/support/controller_bench.h"
+#include "tests/support/sdo_pc.h"
 
 namespace koboshi::app {
 namespace {
@@ -14,13 +16,15 @@ using test::ControllerBench;
 
 constexpr std::uint16_t kControllerEmergency = 0x081;
 constexpr std::uint16_t kVelocityTimeout = 0x8250;
-constexpr std::uint16_t kVelocityDeadline_ms = 500;
 // A walk that is stopped finishes its step and brings the feet together.
 constexpr int kWalkEnds_ms = 5'000;
 
 class VelocityDeadline : public testing::Test {
  protected:
-  void SetUp() override { ASSERT_TRUE(bench.run_until_ready_to_walk()); }
+  void SetUp() override {
+    bench.velocity_repeats = false;
+    ASSERT_TRUE(bench.run_until_ready_to_walk());
+  }
 
   void deliver(const hal::CanFrame& frame) {
     bench.board.can.deliver(frame);
@@ -28,12 +32,7 @@ class VelocityDeadline : public testing::Test {
   }
   // Writes 0x1401:05 by SDO.
   void set_deadline(std::uint16_t time_ms) {
-    hal::CanFrame request{.identifier = 0x601, .size = 8, .data = {0x2B, 0x01, 0x14, 5}};
-    canopen::store_u16(&request.data[4], time_ms);
-    deliver(request);
-    const auto answer = bench.last_sent(0x581);
-    ASSERT_TRUE(answer);
-    ASSERT_EQ(answer->data[0], 0x60);
+    ASSERT_EQ(pc.write({0x1401, 5}, time_ms, 2), canopen::AbortCode::kNone);
   }
   void send_velocity() {
     hal::CanFrame frame{.identifier = test::kVelocityIdentifier, .size = 6};
@@ -54,10 +53,10 @@ class VelocityDeadline : public testing::Test {
   }
 
   ControllerBench bench;
+  test::SdoPc pc{bench};
 };
 
 TEST_F(VelocityDeadline, EndsAWalkWhoseVelocityIsNotRepeated) {
-  set_deadline(kVelocityDeadline_ms);
   send_velocity();
   walk_for(kVelocityDeadline_ms - 10);
   EXPECT_TRUE(emergencies().empty());
@@ -72,7 +71,6 @@ TEST_F(VelocityDeadline, EndsAWalkWhoseVelocityIsNotRepeated) {
 }
 
 TEST_F(VelocityDeadline, LetsAWalkGoOnWhoseVelocityIsRepeated) {
-  set_deadline(kVelocityDeadline_ms);
   send_velocity();
   bench.command(Command::kWalk);
   for (int repetition = 0; repetition < 20; ++repetition) {
@@ -84,37 +82,66 @@ TEST_F(VelocityDeadline, LetsAWalkGoOnWhoseVelocityIsRepeated) {
 }
 
 TEST_F(VelocityDeadline, IsOffAtZero) {
+  set_deadline(0);
   send_velocity();
   walk_for(30'000);
   EXPECT_TRUE(emergencies().empty());
-  set_deadline(kVelocityDeadline_ms);
-  send_velocity();
-  set_deadline(0);
-  bench.run_ms(10'000);
-  EXPECT_EQ(bench.now().state, State::kWalking);
-  EXPECT_TRUE(emergencies().empty());
 }
 
-// CiA 301, 7.5.2.35: the timer starts with the first reception.
-TEST_F(VelocityDeadline, DoesNotStartBeforeAReception) {
-  set_deadline(kVelocityDeadline_ms);
+TEST_F(VelocityDeadline, IsOffAtZeroFromTheNextVelocityOn) {
+  send_velocity();
+  set_deadline(0);
   walk_for(10'000);
   EXPECT_TRUE(emergencies().empty());
 }
 
-TEST_F(VelocityDeadline, OnlyReportsARobotThatDoesNotWalk) {
-  set_deadline(kVelocityDeadline_ms);
+TEST_F(VelocityDeadline, CoversAVelocityBySdo) {
+  ASSERT_EQ(pc.write({0x2110, 1}, 150, 2), canopen::AbortCode::kNone);
+  ASSERT_EQ(pc.write({0x2000, 1}, static_cast<int>(Command::kWalk), 1), canopen::AbortCode::kNone);
+  for (int repetition = 0; repetition < 10; ++repetition) {
+    bench.run_ms(kVelocityDeadline_ms - 20);
+    ASSERT_EQ(pc.write({0x2110, 1}, 150, 2), canopen::AbortCode::kNone);
+  }
+  EXPECT_EQ(bench.now().state, State::kWalking);
+  EXPECT_TRUE(emergencies().empty());
+  bench.run_ms(kVelocityDeadline_ms + 20);
+  EXPECT_EQ(emergencies(), std::vector<int>{kVelocityTimeout});
+  EXPECT_TRUE(bench.run_until(State::kStanding, kWalkEnds_ms));
+}
+
+// A walk without any velocity, or with one of long ago, ends as well.
+TEST_F(VelocityDeadline, CoversAWalkByCommandAlone) {
+  walk_for(kVelocityDeadline_ms - 10);
+  EXPECT_TRUE(emergencies().empty());
+  bench.run_ms(20);
+  EXPECT_EQ(emergencies(), std::vector<int>{kVelocityTimeout});
+  ASSERT_TRUE(bench.run_until(State::kStanding, kWalkEnds_ms));
+  walk_for(kVelocityDeadline_ms + 20);
+  EXPECT_EQ(emergencies(), (std::vector<int>{kVelocityTimeout, 0, kVelocityTimeout}));
+  EXPECT_TRUE(bench.run_until(State::kStanding, kWalkEnds_ms));
+}
+
+TEST_F(VelocityDeadline, IsNoErrorOfARobotThatDoesNotWalk) {
   send_velocity();
   bench.command(Command::kPlay, 1);  // until it is stopped
   ASSERT_EQ(bench.now().state, State::kMotion);
   bench.run_ms(3'000);
-  EXPECT_EQ(emergencies(), std::vector<int>{kVelocityTimeout});
+  EXPECT_TRUE(emergencies().empty());
   EXPECT_EQ(bench.now().state, State::kMotion);
+}
+
+// The operator who has ended the walk repeats no velocity.
+TEST_F(VelocityDeadline, IsNoErrorOfAWalkThatIsToEnd) {
+  send_velocity();
+  walk_for(400);
+  bench.command(Command::kStop);
+  ASSERT_TRUE(bench.run_until(State::kStanding, kWalkEnds_ms));
+  bench.run_ms(2'000);
+  EXPECT_TRUE(emergencies().empty());
 }
 
 // A velocity that comes late ends the error; the stopped walk goes on by the command, not by itself.
 TEST_F(VelocityDeadline, WalksOnByCommandAfterALateVelocity) {
-  set_deadline(kVelocityDeadline_ms);
   send_velocity();
   walk_for(kVelocityDeadline_ms + 100);
   send_velocity();
@@ -128,7 +155,6 @@ TEST_F(VelocityDeadline, WalksOnByCommandAfterALateVelocity) {
 }
 
 TEST_F(VelocityDeadline, DoesNotResumeAWalkByALateVelocityAlone) {
-  set_deadline(kVelocityDeadline_ms);
   send_velocity();
   walk_for(kVelocityDeadline_ms + 100);
   send_velocity();

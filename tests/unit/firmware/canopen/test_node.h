@@ -241,7 +241,10 @@ class TestNode final : public NodeApplication, public DeviceOwner {
     values.statusword = next_statusword;
   }
   void on_rpdo(std::size_t number) override { rpdos.push_back(number); }
-  void on_rpdo_timeout(std::size_t number) override { silent_rpdos.push_back(number); }
+  bool on_rpdo_timeout(std::size_t number) override {
+    silent_rpdos.push_back(number);
+    return true;
+  }
   void on_heartbeat(const HeartbeatEvent& event) override { heartbeats.push_back(event); }
   void on_emergency(const Emergency& emergency) override { emergencies.push_back(emergency); }
   void on_impostor(std::uint16_t identifier) override { impostors.push_back(identifier); }

@@ -70,8 +70,9 @@ TEST(ConfiguredDrive, AgreesWithTheControllersOwnPdos) {
     const ConfiguredDrive drive = configure_drive(model.model.joints[joint], description);
     ASSERT_EQ(drive.rpdos.size(), 1u);
     ASSERT_EQ(drive.tpdos.size(), 1u);
-    expect_same(app::drive_tpdo(joint, description.node_id), drive.rpdos[0]);
-    expect_same(app::drive_rpdo(joint, description.node_id), drive.tpdos[0]);
+    using enum canopen::PdoDirection;
+    expect_same(app::drive_pdo(kTransmit, app::kFirstDriveTpdo + joint, model.model), drive.rpdos[0]);
+    expect_same(app::drive_pdo(kReceive, app::kFirstDriveRpdo + joint, model.model), drive.tpdos[0]);
   }
 }
 

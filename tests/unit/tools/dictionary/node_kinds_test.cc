@@ -43,7 +43,10 @@ class RealNode final : private canopen::NodeApplication, private canopen::Device
   }
 
  private:
-  void on_reset(canopen::NmtCommand) override { app::connect_drives(node, robot_); }
+  canopen::PdoConfiguration default_pdo(canopen::PdoDirection direction, std::size_t number) override {
+    return app::drive_pdo(direction, number, robot_);
+  }
+  std::uint32_t default_consumer(std::size_t number) override { return app::drive_consumer(number, robot_); }
 
   const robot::RobotModel robot_;
   Values values_;
