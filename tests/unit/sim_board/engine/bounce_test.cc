@@ -205,6 +205,82 @@ TEST_P(BounceInEachStepper, LandsOnTheEdgeOfABlockWithoutAKick) {
   }
 }
 
+// A lid on a hinge that falls on its base. Two more hinges, which stick, lie between them, so that they
+// collide.
+RobotDescription lid_on_base(const SurfaceDescription& surface) {
+  RobotDescription robot = sample_box(1.0, {0.3, 0.1, 0.02});
+  robot.links.push_back(sample_box(0.01, {0.02, 0.02, 0.02}).links[0]);
+  robot.links[1].collisions.clear();
+  robot.links.push_back(robot.links[1]);
+  robot.links.push_back(sample_box(0.3, {0.02, 0.1, 0.02}).links[0]);
+  const Vector3d p_hinge(0.0, 0.0, 0.05);
+  for (std::size_t l = 1; l < robot.links.size(); ++l) {
+    robot.links[l].X_ML.translation() = p_hinge;
+    JointDescription joint;
+    joint.parent = static_cast<int>(l) - 1;
+    joint.child = static_cast<int>(l);
+    joint.p_MJ = p_hinge;
+    joint.axis_M = Vector3d::UnitY();
+    joint.lower_rad = -1.0;
+    joint.upper_rad = 1.0;
+    robot.joints.push_back(joint);
+  }
+  robot.links[3].X_ML.translation().x() = 0.1;
+  for (const std::size_t l : {0U, 3U}) robot.links[l].collisions[0].surface = surface;
+  return robot;
+}
+
+TEST_P(BounceInEachStepper, LinksLeaveEachOtherWithTheCoefficientOfRestitution) {
+  if (GetParam() == Stepper::kQuick) return;  // its iteration does not converge through three joints
+  for (const Surface& sole : {kHard, kSoft}) {
+    for (const double step_s : kSteps_s) {
+      WorldOptions options = options_of(step_s);
+      options.ground.present = false;
+      options.fixed_base = true;
+      const auto world = make_world(lid_on_base(surface_of(sole, 0.5)), options);
+      for (const int joint : {0, 1}) world->set_servo(joint, {.friction_Nm = 1e4});
+      double before = 0.0;
+      while (world->joint(2).speed_rad_per_s >= 0.0 && world->time_s() < 1.0) {
+        before = world->joint(2).speed_rad_per_s;
+        world->step();
+      }
+      EXPECT_GT(before, 3.0) << sole.name << ", step " << step_s;
+      EXPECT_NEAR(world->joint(2).speed_rad_per_s, -0.5 * before, 0.01 * 0.5 * before)
+          << sole.name << ", step " << step_s;
+    }
+  }
+}
+
+TEST_P(BounceInEachStepper, LeavesABlockAsItLeavesThePlane) {
+  for (const double step_s : kSteps_s) {
+    WorldOptions options = options_of(step_s);
+    const SurfaceDescription surface = surface_of(kSoft, 0.5);
+    options.ground.boxes.push_back(
+        {.X_WG = Isometry3d(Translation3d(0, 0, 0.05)), .size_m = {0.06, 0.2, 0.1}, .surface = surface});
+    EXPECT_NEAR(restitution_of_fall(options, 0.2, surface), 0.5, 0.005) << step_s;  // 0.1 m above the block
+  }
+}
+
+// The energy guard ends a run that gains energy.
+TEST_P(BounceInEachStepper, ARobotLandsOnOneFootAndComesToRest) {
+  for (const double e : {0.0, 0.5, 0.9}) {
+    RobotDescription robot = sample_humanoid();
+    for (LinkDescription& link : robot.links)
+      for (BoxDescription& box : link.collisions) box.surface = surface_of(kDefault, e);
+    WorldOptions options = options_of(0.001);
+    options.ground.surface = surface_of(kDefault, e);
+    options.X_WB =
+        Translation3d(0, 0, kSampleHumanoidHeight_m + 0.1) * Eigen::AngleAxisd(0.2, Vector3d::UnitX());
+    const auto world = make_world(robot, options);
+    for (int j = 0; j < static_cast<int>(robot.joints.size()); ++j)
+      world->set_servo(j, {.damping_Nm_s = 0.05, .rotor_inertia_kg_m2 = 1e-3, .friction_Nm = 0.3});
+    const double start_J = energy_J(robot, *world, options.gravity_W_m_per_s2);
+    EXPECT_NO_THROW(run(*world, 3.0)) << e;
+    EXPECT_LT(energy_J(robot, *world, options.gravity_W_m_per_s2), start_J) << e;
+    EXPECT_LT(centre_of_mass(robot, *world).v_WCom_W.norm(), 0.3) << e;
+  }
+}
+
 // The row of a point.
 SurfaceContact contact_of(const Surface& sole, double restitution) {
   const SurfaceDescription surface = surface_of(sole, restitution);
