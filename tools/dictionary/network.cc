@@ -79,6 +79,7 @@ class Builder {
   void add_pdo(const NodeKind& kind, const NetworkNode& node, std::string_view name, PdoConfiguration pdo,
                const std::string& sender, const std::string& receiver) {
     if (pdo.plus_node_id) pdo.cob_id += node.node_id;
+    if (sender != node.name) pdo.event_timer_ms = 0;  // of an RPDO it is a deadline
     Message message;
     message.identifier = static_cast<std::uint16_t>(pdo.cob_id & canopen::kCobIdMask);
     message.name = fmt::format("{}_{}", node.name, name);
