@@ -142,15 +142,6 @@ class Signals(Files):
                 stats.send_signal(signal.SIGINT)
         self.assertIn(stats.returncode, (0, -signal.SIGINT))
 
-    def test_a_slow_run_ends(self):
-        slow = self.start("run", "scenarios/squat.yaml", "--realtime", "--speed", 0.01, "--out", self.folder / "run", "--record",
-                          "no", "--set", "initial.held_until_s=3599")
-        while not (self.folder / "run" / "can.log").exists():
-            time.sleep(0.05)
-        slow.send_signal(signal.SIGINT)
-        slow.wait(PATIENCE_S)
-        self.assertIsNotNone(slow.returncode)
-
 
 class LiveBus(Files):
     def setUp(self):
