@@ -80,12 +80,13 @@ class OnLoopback(unittest.TestCase):
                 subprocess.run(["ip", "route", "add", "239.0.0.0/8", "dev", "lo"], check=True)
 
 
-def frames_out():
-    """Packets that have left the host through the interface `wire`, by its other end."""
+def bytes_out():
+    """Bytes that have left the host through the interface `wire`, by its other end. Packets would not do: the kernel counts a
+    train of datagrams once."""
     for line in pathlib.Path("/proc/net/dev").read_text().splitlines():
         name, _, counts = line.partition(":")
         if name.strip() == "far":
-            return int(counts.split()[1])
+            return int(counts.split()[0])
     raise AssertionError("no interface `far`")
 
 
@@ -108,31 +109,31 @@ class OnAHostWithADefaultRoute(unittest.TestCase):
         subprocess.run(["ip", "route", "add", "239.0.0.0/8", "dev", "lo"], check=True)
 
     def heard(self, count, *arguments, group=OURS):
-        """Starts a board; python-can hears its frames, reads an object, and returns how many packets left the host."""
+        """Starts a board; python-can hears its frames, reads an object, and returns how many bytes left the host."""
         place = f"udp:[{group}]:{PORT}" if ":" in group else f"udp:{group}:{PORT}"
         board = start(["board"], place, "--set", "physics.stepper=lumped", *arguments)
         try:
             with can.Bus(interface="udp_multicast", channel=group, port=PORT, hop_limit=0) as bus:
-                before = frames_out()
+                before = bytes_out()
                 for _ in range(count):
                     self.assertIsNotNone(bus.recv(PATIENCE_S))
                 bus.send(can.Message(arbitration_id=0x610, data=[0x40, 0, 0x10, 0, 0, 0, 0, 0], is_extended_id=False))
                 while (answer := bus.recv(PATIENCE_S)).arbitration_id != 0x590:
                     pass
                 self.assertEqual(bytes(answer.data), bytes.fromhex("4300100092010200"))
-                return frames_out() - before
+                return bytes_out() - before
         finally:
             board.terminate()
             board.communicate()
 
     def test_talks_to_python_can_and_stays_on_the_host(self):
-        self.assertLess(self.heard(200), 20)
+        self.assertLess(self.heard(200), 5_000)
 
     def test_joins_a_group_of_ipv6(self):
-        self.assertLess(self.heard(200, group="ff15::74:163:2"), 20)
+        self.assertLess(self.heard(200, group="ff15::74:163:2"), 5_000)
 
     def test_reaches_the_network_segment_if_it_is_to(self):
-        self.assertGreater(self.heard(200, "--ttl", "1"), 150)
+        self.assertGreater(self.heard(200, "--ttl", "1"), 20_000)
 
 
 if __name__ == "__main__":
