@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <mutex>
+#include <sdf/Console.hh>
 #include <sdf/ParserConfig.hh>
 #include <sdf/Root.hh>
 #include <sdf/SDFImpl.hh>
@@ -30,6 +31,8 @@ sdf::SDFPtr empty_description() {
   static sdf::SDFPtr kept;
   static bool is_first = true;
   const std::lock_guard lock(mutex);
+  // libsdformat would print each error a second time, in colour; they are returned, too.
+  sdf::Console::Instance()->SetQuiet(true);
   if (std::exchange(is_first, false)) return read_description();
   if (!kept) kept = read_description();
   auto copy = std::make_shared<sdf::SDF>();
@@ -62,7 +65,7 @@ void load_links(const sdf::Model& model, const XmlNode& model_node, RobotDescrip
   std::set<std::string> children;
   for (const XmlNode& joint : model_node.children("joint")) children.insert(joint.child("child").text());
   for (const XmlNode& node : model_node.children("link")) {
-    const sdf::Link& link = *model.LinkByName(node.attribute("name"));
+    const sdf::Link& link = found_part(model.LinkByName(node.attribute("name")), node);
     robot.links.push_back(load_link(link, node, robot.file.parent_path()));
     if (!children.contains(link.Name()))
       std::rotate(robot.links.begin(), robot.links.end() - 1, robot.links.end());
@@ -72,7 +75,8 @@ void load_links(const sdf::Model& model, const XmlNode& model_node, RobotDescrip
 void load_joints(const sdf::Model& model, const XmlNode& model_node, RobotDescription& robot) {
   const ServoTypes servo_types = load_servo_types(model_node, robot.file.parent_path());
   for (const XmlNode& node : model_node.children("joint"))
-    robot.joints.push_back(load_joint(*model.JointByName(node.attribute("name")), node, robot, servo_types));
+    robot.joints.push_back(
+        load_joint(found_part(model.JointByName(node.attribute("name")), node), node, robot, servo_types));
   std::sort(
       robot.joints.begin(), robot.joints.end(),
       [](const JointDescription& a, const JointDescription& b) { return a.drive.node_id < b.drive.node_id; });
@@ -80,10 +84,10 @@ void load_joints(const sdf::Model& model, const XmlNode& model_node, RobotDescri
 
 void load_sensors(const sdf::Model& model, const XmlNode& model_node, RobotDescription& robot) {
   for (const XmlNode& node : model_node.children("link")) {
-    load_imus(*model.LinkByName(node.attribute("name")), node, robot);
+    load_imus(found_part(model.LinkByName(node.attribute("name")), node), node, robot);
   }
   for (const XmlNode& node : model_node.children("joint")) {
-    load_ankle_sensors(*model.JointByName(node.attribute("name")), node, robot);
+    load_ankle_sensors(found_part(model.JointByName(node.attribute("name")), node), node, robot);
   }
 }
 
@@ -95,6 +99,17 @@ Eigen::Isometry3d to_isometry(const ignition::math::Pose3d& pose) {
   isometry.linear() = Eigen::Quaterniond(q.W(), q.X(), q.Y(), q.Z()).normalized().toRotationMatrix();
   isometry.translation() = Eigen::Vector3d(pose.Pos().X(), pose.Pos().Y(), pose.Pos().Z());
   return isometry;
+}
+
+InputError unknown_to_libsdformat(const XmlNode& node) {
+  return node.error("the name '" + one_line(node.attribute("name")) + "'",
+                    "a name by which libsdformat finds it, without white space at its ends and without ::");
+}
+
+int found_link(const RobotDescription& robot, const XmlNode& node, const std::string& name) {
+  const auto link = robot.find_link(name);
+  if (!link) throw node.error("<" + node.name() + "> = " + one_line(name), "the name of a link");
+  return *link;
 }
 
 Eigen::Isometry3d resolve_pose(const sdf::SemanticPose& pose, const std::string& frame, const XmlNode& node) {
@@ -116,6 +131,7 @@ RobotDescription load_robot(const std::filesystem::path& file, const std::string
   if (!faults.empty()) throw faults.front().error();
   sdf::Root root;
   load_sdf(xml, text, root);
+  if (root.Model() == nullptr) throw model_node.error("no model that libsdformat finds", "one");
   const sdf::Model& model = *root.Model();
 
   RobotDescription robot;

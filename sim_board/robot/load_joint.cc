@@ -28,11 +28,11 @@ JointDescription load_joint(const sdf::Joint& joint, const XmlNode& node, const 
                             const ServoTypes& servo_types) {
   JointDescription description;
   description.name = joint.Name();
-  description.parent = robot.find_link(node.child("parent").text()).value();
-  description.child = robot.find_link(node.child("child").text()).value();
+  description.parent = found_link(robot, node.child("parent"), node.child("parent").text());
+  description.child = found_link(robot, node.child("child"), node.child("child").text());
   description.p_MJ = resolve_pose(joint.SemanticPose(), "__model__", node).translation();
 
-  const sdf::JointAxis& axis = *joint.Axis(0);
+  const sdf::JointAxis& axis = found_part(joint.Axis(0), node);
   ignition::math::Vector3d axis_M;
   if (const auto errors = axis.ResolveXyz(axis_M, "__model__"); !errors.empty()) {
     throw node.error(one_line(errors.front().Message()), "an axis in a frame of this model");
@@ -42,7 +42,11 @@ JointDescription load_joint(const sdf::Joint& joint, const XmlNode& node, const 
   description.upper_rad = axis.Upper();
   description.max_speed_rad_per_s = axis.MaxVelocity();
 
-  description.servo = servo_types.at(node.child("koboshi:servo").attribute("type"));
+  const XmlNode servo = node.child("koboshi:servo");
+  const auto type = servo_types.find(servo.attribute("type"));
+  if (type == servo_types.end())
+    throw servo.error("type = " + one_line(servo.attribute("type")), "the name of a koboshi:servo_type");
+  description.servo = type->second;
   description.encoder = load_encoder(node.child("koboshi:encoder"));
   description.drive = load_drive(node.child("koboshi:drive"));
   return description;

@@ -95,10 +95,11 @@ LinkDescription load_link(const sdf::Link& link, const XmlNode& node, const std:
 
   for (const XmlNode& collision : node.children("collision")) {
     description.collisions.push_back(
-        load_collision(*link.CollisionByName(collision.attribute("name")), collision, description.name));
+        load_collision(found_part(link.CollisionByName(collision.attribute("name")), collision), collision,
+                       description.name));
   }
   for (const XmlNode& visual : node.children("visual")) {
-    load_visual(*link.VisualByName(visual.attribute("name")), visual, folder, description);
+    load_visual(found_part(link.VisualByName(visual.attribute("name")), visual), visual, folder, description);
   }
   return description;
 }

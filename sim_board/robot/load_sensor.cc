@@ -41,9 +41,9 @@ double height_above_sole_m(const LinkDescription& link, const Eigen::Isometry3d&
 
 void load_imus(const sdf::Link& link, const XmlNode& link_node, RobotDescription& robot) {
   for (const XmlNode& node : link_node.children("sensor")) {
-    const sdf::Sensor& sensor = *link.SensorByName(node.attribute("name"));
+    const sdf::Sensor& sensor = found_part(link.SensorByName(node.attribute("name")), node);
     robot.imu = ImuDescription{.name = sensor.Name(),
-                               .link = robot.find_link(link.Name()).value(),
+                               .link = found_link(robot, link_node, link.Name()),
                                .X_LS = resolve_pose(sensor.SemanticPose(), link.Name(), node),
                                .gyro = load_channel(node, "koboshi:gyro"),
                                .accelerometer = load_channel(node, "koboshi:accelerometer"),
@@ -55,7 +55,9 @@ void load_ankle_sensors(const sdf::Joint& joint, const XmlNode& joint_node, Robo
   for (const XmlNode& node : joint_node.children("sensor")) {
     const std::string name = node.attribute("name");
     auto& slot = name == "left_ankle" ? robot.left_ankle : robot.right_ankle;
-    const int joint_index = robot.find_joint(joint.Name()).value();
+    const auto found = robot.find_joint(joint.Name());
+    if (!found) throw unknown_to_libsdformat(joint_node);
+    const int joint_index = *found;
     const int foot_index = robot.joints[static_cast<std::size_t>(joint_index)].child;
     const LinkDescription& foot = robot.links[static_cast<std::size_t>(foot_index)];
     AnkleSensorDescription sensor{.name = name,
@@ -63,7 +65,7 @@ void load_ankle_sensors(const sdf::Joint& joint, const XmlNode& joint_node, Robo
                                   // libsdformat 12 does not resolve the frame of a joint's sensor: its pose
                                   // is relative to the joint's frame.
                                   .X_LS = resolve_pose(joint.SemanticPose(), foot.name, node) *
-                                          to_isometry(joint.SensorByName(name)->RawPose()),
+                                          to_isometry(found_part(joint.SensorByName(name), node).RawPose()),
                                   .force = load_channel(node, "koboshi:force"),
                                   .torque = load_channel(node, "koboshi:torque"),
                                   .crosstalk = node.number("koboshi:crosstalk", 0.0)};
