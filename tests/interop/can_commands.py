@@ -86,10 +86,10 @@ class Logs(Files):
         self.assertIn("can1: 1 frame in", result.stdout)
         self.assertNotIn("11400", result.stdout)
         self.assertIn("can1   181#", run("can", "dump", log).stdout)
-        self.assertEqual(len(run("can", "dump", log, "--interface", "can1").stdout.splitlines()), 1)
+        self.assertEqual(len(run("can", "dump", log, "--bus", "can1").stdout.splitlines()), 1)
         refused = run("can", "replay", log, "--can", BUS)
         self.assertEqual(refused.returncode, 2)
-        self.assertIn("expected --interface with one of can0 or can1", refused.stderr)
+        self.assertIn("expected --bus with one of can0 or can1", refused.stderr)
 
     def test_refuses_the_screen_format(self):
         result = run("can", "stats", self.write("screen.log", "  vcan0  123   [2]  00 11\n"))

@@ -85,7 +85,7 @@ void check_before_replay(const LogChoice& log) {
   const std::vector<std::string> interfaces = check_log(log);
   if (log.interface.empty() && interfaces.size() > 1)
     throw sim::InputError(log.place, 0, "frames of several buses",
-                          "--interface with one of " + sim::join_alternatives(interfaces));
+                          "--bus with one of " + sim::join_alternatives(interfaces));
 }
 
 void replay_log(const CanReplayArguments& arguments) {
@@ -96,12 +96,17 @@ void replay_log(const CanReplayArguments& arguments) {
     return interrupt.wait_for_input(descriptor, timeout_us);
   });
   std::optional<std::uint64_t> first_us;
+  std::string interface;
   Pacer pacer(0, arguments.speed, interruptible(interrupt));
   ForeignCount skipped;
   std::uint64_t frames = 0;
   for (;;) {
     const auto timed = source->next(0);
     if (timed) {
+      if (!first_us) interface = timed->interface;
+      if (timed->interface != interface)  // of a pipe, which was not read before
+        throw sim::InputError(arguments.log.place, 0, "frames of " + interface + " and " + timed->interface,
+                              "--bus with one of them");
       if (!first_us) first_us = timed->time_us;
       pacer.wait_for(timed->time_us - *first_us);
     }

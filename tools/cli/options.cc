@@ -56,7 +56,7 @@ std::unique_ptr<sim::Transport> open_can(const CanOptions& options) {
 CLI::Option* add_log_options(CLI::App& command, LogChoice& log, const std::string& help) {
   CLI::Option* place = command.add_option("LOG", log.place, help);
   command
-      .add_option("--interface", log.interface,
+      .add_option("--bus", log.interface,
                   "Read only the frames of this interface: a log of candump may hold several buses")
       ->type_name("NAME")
       ->needs(place);
@@ -73,7 +73,9 @@ OpenedSource open_source(const LogChoice& log, const CanOptions& options, Interr
     return interrupt.wait_for_input(descriptor, timeout_us);
   };
   if (!log.place.empty()) return {nullptr, open_log(log, wait)};
-  auto transport = open_can({options.can, true});  // what only listens moves no servo
+  CanOptions listening = options;
+  listening.transport.real_bus = true;  // what only listens moves no servo
+  auto transport = open_can(listening);
   auto source = listen_to(*transport, wait);
   return {std::move(transport), std::move(source)};
 }

@@ -43,7 +43,7 @@ inline constexpr const char* kLogHelp = "A log of candump -L, the folder of a ru
 inline constexpr const char* kLogOrBusHelp =
     "A log of candump -L, the folder of a run, or - for standard input\n(default: the live bus)";
 
-// Adds LOG, and with it --interface and --differences. Returns the option of LOG.
+// Adds LOG, and with it --bus and --differences. Returns the option of LOG.
 CLI::Option* add_log_options(CLI::App& command, LogChoice& log, const std::string& help);
 
 // Frames from a log, if one is named, else from the bus.
