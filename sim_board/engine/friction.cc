@@ -8,6 +8,9 @@ namespace {
 
 using Eigen::Vector2d;
 
+// A smaller normal force or impulse, in N or N s, is rounding.
+constexpr double kLeastNormal = 1e-12;
+
 Vector2d scales(const FrictionLaw& law) { return {law.mu, law.mu2}; }
 
 // In scaled coordinates, M^-1 t for forces and M v for velocities, the ellipse is a disc of radius N, and t
@@ -30,11 +33,10 @@ FrictionRows friction_rows(const FrictionLaw& law, const FrictionGuess& guess) {
   const Vector2d M = scales(law);
   const double reach = M.cwiseProduct(rows.first).norm();
   rows.bounds = {guess.normal * reach, guess.normal * M.cwiseProduct(rows.second()).norm()};
-  if (guess.speed > 0.0 && guess.normal > 0.0) {
+  rows.aside = guess.normal / reach * M.cwiseProduct(rows.first).dot(M.cwiseProduct(rows.second()));
+  if (guess.speed > 0.0 && guess.normal > kLeastNormal) {
     const double product = law.mu * law.mu2;
     rows.softness = guess.speed * reach * reach * reach / (guess.normal * product * product);
-    const double force = guess.normal / reach * M.cwiseProduct(rows.first).dot(M.cwiseProduct(rows.second()));
-    rows.target = rows.softness * force;
   }
   return rows;
 }

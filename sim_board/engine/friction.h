@@ -35,9 +35,10 @@ struct FrictionGuess {
 struct FrictionRows {
   Eigen::Vector2d first = Eigen::Vector2d::UnitX();
   std::array<double, 2> bounds{};  // of the forces' magnitudes
-  // Of the second row: velocity + softness * force = target.
+  double aside = 0.0;              // the second row's force while the point slides as guessed
+  // Of the second row: velocity + softness * force = target().
   double softness = 0.0;
-  double target = 0.0;
+  double target() const { return softness * aside; }
 
   Eigen::Vector2d second() const { return {-first.y(), first.x()}; }
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "sim_board/engine/model_constants.h"
 #include "sim_board/engine/ode/eigen.h"
@@ -18,6 +19,10 @@ constexpr double kSameContact_m = 0.005;
 
 // A smaller normal force is rounding.
 constexpr double kLeastNormal_N = 1e-6;
+
+// The iterative stepper turns a sliding point's friction by at most this in a step, in radians; otherwise the
+// points of a sole can alternate between the corners of their bounds. The force exceeds the ellipse by 1 %.
+constexpr double kMaxTurn = 0.14;
 
 // Error of friction that is taken for a solution of ODE's, as a share of the largest normal force.
 constexpr double kFrictionTolerance = 2e-3;
@@ -356,21 +361,25 @@ dContact Collider::ode_contact(const Touch& touch) const {
   dSurfaceParameters& surface = contact.surface;
   surface.motionN = target_m_per_s(touch.normal);
   surface.soft_cfm = touch.normal.force_mixing;
-  const FrictionRows rows = friction_rows(touch.friction, touch.guess);
+  const bool is_quick = options_.stepper == Stepper::kQuick;
   const bool is_loaded = touch.guess.normal > kLeastNormal_N;
-  const bool is_known = is_loaded && options_.stepper != Stepper::kQuick;
-  const FrictionRows per_normal =
-      friction_rows(touch.friction, {.normal = 1.0, .against = touch.guess.against});
-  if (!is_known) surface.mode |= dContactApprox1;
-  surface.mu = (is_known ? rows : per_normal).bounds[0];
-  surface.mu2 = (is_known ? rows : per_normal).bounds[1];
+  const FrictionRows rows = friction_rows(touch.friction, touch.guess);
+  FrictionRows bounds = rows;
+  if (is_quick || !is_loaded) {
+    bounds = friction_rows(touch.friction, {.normal = 1.0, .against = touch.guess.against});
+    surface.mode |= dContactApprox1;
+  }
+  surface.mu = bounds.bounds[0];
+  surface.mu2 = bounds.bounds[1];
+  if (is_quick && touch.guess.speed > 0.0)
+    surface.mu2 = std::min(surface.mu2, std::abs(bounds.aside) + kMaxTurn * surface.mu2);
   surface.mode |= dContactFDir1;
   copy_vector(rows.first.x() * touch.axes_W[0] + rows.first.y() * touch.axes_W[1], contact.fdir1);
   if (is_loaded && rows.softness > 0.0) {
     surface.mode |= dContactSlip2 | dContactMotion2;
     surface.slip2 =
         rows.softness + ((surface.mode & dContactSlip1) != 0 ? surface.slip1 : kStickingForceMixing);
-    surface.motion2 = rows.target;
+    surface.motion2 = rows.target();
   }
   return contact;
 }

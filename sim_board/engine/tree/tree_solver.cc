@@ -151,7 +151,7 @@ void TreeSolver::turn_rows(const TreeFriction& friction, const FrictionRows& row
   turn(lcp_.b()[one], lcp_.b()[two]);
   turn(lcp_.x()[one], lcp_.x()[two]);
   A[two * count + two] += rows.softness;
-  lcp_.b()[two] += rows.target;
+  lcp_.b()[two] += rows.target();
 }
 
 void TreeSolver::read_impulses() {
