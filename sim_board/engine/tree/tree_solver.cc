@@ -45,6 +45,7 @@ bool TreeSolver::solve() {
   fill_problem();
   if (rows_.empty()) {
     solutions_.clear();
+    settled_ = true;
     return true;
   }
   if (!solve_rows()) return false;
