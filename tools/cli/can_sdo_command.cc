@@ -1,3 +1,4 @@
+#include "sim_board/record/standard_streams.h"
 #include "tools/cli/commands.h"
 
 #include <fmt/core.h>
@@ -97,10 +98,10 @@ SdoProgress progress_of(const char* what) {
   if (isatty(STDERR_FILENO) == 0) return {};
   return [what](std::size_t done, std::size_t total) {
     if (total == 0) {
-      fmt::print(stderr, "\r{} {} bytes ", what, done);
+      sim::print_error("\r{} {} bytes ", what, done);
     } else {
-      fmt::print(stderr, "\r{} {} of {} bytes ({} %) ", what, done, total, 100 * done / total);
-      if (done >= total) fmt::print(stderr, "\n");
+      sim::print_error("\r{} {} of {} bytes ({} %) ", what, done, total, 100 * done / total);
+      if (done >= total) sim::print_error("\n");
     }
   };
 }

@@ -1,26 +1,13 @@
 #include <CLI/CLI.hpp>
-#include <cerrno>
-#include <csignal>
-#include <cstdio>
-#include <exception>
-#include <filesystem>
-#include <stdexcept>
+#include <cstddef>
 #include <string>
 
-#include <fmt/core.h>
-
-#include "sim_board/input/error.h"
-#include "sim_board/record/output_file.h"
-#include "simulation/motion/diagnostic.h"
+#include "sim_board/record/standard_streams.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/help.h"
-#include "tools/run/interrupt.h"
+#include "tools/run/exit_status.h"
 
 namespace {
-
-constexpr int kFailed = 1;
-constexpr int kBadInput = 2;
-constexpr int kSignalled = 128;  // plus the signal's number, as in shells
 
 constexpr const char* kFooter = R"(Begin with
   koboshi run scenarios/walk.yaml
@@ -50,51 +37,20 @@ int run_program(int argc, char** argv) {
   for (koboshi::tools::AddCommand* add_command : koboshi::tools::kCommands) add_command(program, invocation);
   koboshi::tools::name_placeholders(program);
   if (const auto message = koboshi::tools::unknown_command(program, argc, argv)) {
-    fmt::print(stderr, "{}\n", *message);
-    return kBadInput;
+    koboshi::sim::print_error("{}\n", *message);
+    return koboshi::tools::kBadInput;
   }
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return program.exit(error) == 0 ? 0 : kBadInput;
+    return program.exit(error) == 0 ? 0 : koboshi::tools::kBadInput;
   }
   return invocation.exit_status;
-}
-
-// Throws WriteError where printed text cannot be written: it may still be in a buffer, and the disk full.
-void close_standard_output() {
-  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
-    throw koboshi::sim::WriteError("standard output", errno);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error like a full disk
-  try {
-    const int exit_status = run_program(argc, argv);
-    close_standard_output();
-    return exit_status;
-  } catch (const koboshi::simulation::MotionError& error) {
-    fmt::print(stderr, "{}", koboshi::simulation::print(error.diagnostics()));
-    return kBadInput;
-  } catch (const koboshi::sim::InputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return kBadInput;
-  } catch (const koboshi::sim::WriteError& error) {
-    fmt::print(stderr, "koboshi: {}\n", error.what());
-    return kBadInput;
-  } catch (const std::filesystem::filesystem_error& error) {
-    fmt::print(stderr, "koboshi: {}\n", error.what());
-    return kBadInput;
-  } catch (const koboshi::tools::Interrupted& interrupted) {
-    fmt::print(stderr, "koboshi: {}\n", interrupted.what());
-    return kSignalled + interrupted.signal();
-  } catch (const std::invalid_argument& error) {
-    fmt::print(stderr, "koboshi: {}\n", error.what());
-    return kBadInput;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "koboshi: {}\n", error.what());
-    return kFailed;
-  }
+  return koboshi::tools::exit_status_of("koboshi", {argv, static_cast<std::size_t>(argc)},
+                                        [&] { return run_program(argc, argv); });
 }

@@ -14,6 +14,7 @@
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
 #include "sim_board/record/output_file.h"
+#include "sim_board/record/standard_streams.h"
 #include "sim_board/robot/load.h"
 #include "sim_board/scenario/paths.h"
 #include "simulation/model/robot_model.h"
@@ -96,7 +97,7 @@ int compile(const MotionArguments& arguments) {
   if (arguments.json) {
     fmt::print("{}", simulation::json_text(messages));
   } else {
-    fmt::print(stderr, "{}", simulation::print(messages));
+    sim::print_error("{}", simulation::print(messages));
   }
   if (image.empty()) return kBadMotion;
   std::filesystem::path out = arguments.out;
@@ -179,7 +180,7 @@ int list(const MotionArguments& arguments) {
       fmt::print("{:24}  {:5}  {:5}  {:5}  {:6}  {}\n", motion.name(), motion.pose_count(),
                  motion.step_count(), image.size(), std::popcount(motion.claimed_joints()), file.string());
     } catch (const simulation::MotionError& error) {
-      fmt::print(stderr, "{}", simulation::print(error.diagnostics()));
+      sim::print_error("{}", simulation::print(error.diagnostics()));
       status = kBadMotion;
     }
   }

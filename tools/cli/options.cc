@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "firmware/canopen/frame.h"
+#include "sim_board/record/standard_streams.h"
 #include "sim_board/robot/load.h"
 #include "sim_board/scenario/paths.h"
 #include "tools/can/frame_text.h"
@@ -132,16 +133,21 @@ void print_bus_address(const LiveLink& link) {
   std::fflush(stdout);
 }
 
-void warn(const std::string& text) { fmt::print(stderr, "koboshi: warning: {}\n", text); }
+void warn(const std::string& text) { sim::print_error("koboshi: warning: {}\n", text); }
+
+void warn_of_meshes(const view::Recording& recording) {
+  for (const view::Event& event : recording.events)
+    if (event.kind == "mesh") warn(event.text);
+}
 
 void warn_of_overruns(std::uint64_t overruns, std::uint64_t largest_delay_us) {
   if (overruns == 0) return;
-  fmt::print(stderr, "koboshi: {} times more than {} ms behind the clock, {} ms at most\n", overruns,
-             Pacer::kTolerance_us / 1000, largest_delay_us / 1000);
+  sim::print_error("koboshi: {} times more than {} ms behind the clock, {} ms at most\n", overruns,
+                   Pacer::kTolerance_us / 1000, largest_delay_us / 1000);
 }
 
 void warn_of_lost_frames(std::uint64_t frames) {
-  if (frames > 0) fmt::print(stderr, "koboshi: {} frames found no room outside\n", frames);
+  if (frames > 0) sim::print_error("koboshi: {} frames found no room outside\n", frames);
 }
 
 void warn_of_losses(const nlohmann::ordered_json& report) {
@@ -154,13 +160,13 @@ void warn_of_losses(const nlohmann::ordered_json& report) {
   const std::uint64_t sent_late = can["frames_sent_late"];
   const std::uint64_t received_late = can["frames_received_late"];
   if (refused + dropped > 0)
-    fmt::print(stderr,
-               "koboshi: {} frames from outside were lost: {} found no room on the bus, {} came too fast\n",
-               refused + dropped, refused, dropped);
+    sim::print_error(
+        "koboshi: {} frames from outside were lost: {} found no room on the bus, {} came too fast\n",
+        refused + dropped, refused, dropped);
   if (sent_late + received_late > 0)
-    fmt::print(stderr, "koboshi: frames more than {} ms late: {} of {} sent, {} of {} received\n",
-               LiveLink::kLate_us / 1000, sent_late, can["frames_sent"].get<std::uint64_t>(), received_late,
-               can["frames_received"].get<std::uint64_t>());
+    sim::print_error("koboshi: frames more than {} ms late: {} of {} sent, {} of {} received\n",
+                     LiveLink::kLate_us / 1000, sent_late, can["frames_sent"].get<std::uint64_t>(),
+                     received_late, can["frames_received"].get<std::uint64_t>());
 }
 
 }  // namespace koboshi::tools

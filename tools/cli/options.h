@@ -15,6 +15,7 @@
 #include "tools/run/interrupt.h"
 #include "tools/run/live_link.h"
 #include "tools/view/live/live_view.h"
+#include "tools/view/recording/recording.h"
 
 namespace koboshi::tools {
 
@@ -84,6 +85,8 @@ void print_bus_address(const LiveLink& link);
 
 // Prints a warning on standard error, while the simulation runs.
 void warn(const std::string& text);
+// Repeats what a run has recorded about meshes that it could not show.
+void warn_of_meshes(const view::Recording& recording);
 // The same after the run, from LiveLink::report: frames lost or late, overruns. Prints nothing if all went
 // well.
 void warn_of_losses(const nlohmann::ordered_json& report);

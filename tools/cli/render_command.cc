@@ -17,7 +17,9 @@
 
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
+#include "sim_board/record/standard_streams.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/options.h"
 #include "tools/run/interrupt.h"
 #include "tools/view/film/film.h"
 #include "tools/view/recording/read_recording.h"
@@ -107,7 +109,7 @@ std::vector<std::string> overlay_names() {
 
 void show_progress(int frames, int total, int& shown) {
   if (isatty(STDERR_FILENO) == 0 || std::exchange(shown, frames) == frames) return;
-  fmt::print(stderr, "\r{} of {} frames{}", frames, total, frames == total ? "\n" : " ");
+  sim::print_error("\r{} of {} frames{}", frames, total, frames == total ? "\n" : " ");
 }
 
 void render_run(RenderArguments& arguments) {
@@ -115,6 +117,7 @@ void render_run(RenderArguments& arguments) {
   set_camera(arguments, arguments.options.camera);
   arguments.options.overlays = overlays_of(arguments.overlays);
   const view::Recording recording = view::read_recording(arguments.run);
+  warn_of_meshes(recording);
   Interrupt interrupt;
   int shown = 0;
   view::render(recording, arguments.options, [&](int frames, int total) {

@@ -31,7 +31,8 @@ void make_page(const ReplayArguments& arguments, const view::Recording& recordin
   }
   std::optional<view::Recording> other;
   if (!arguments.other.empty()) other = view::read_recording(arguments.other);
-  view::write_replay_page(recording, other ? &*other : nullptr, view::network_of(recording, network_of({})), file);
+  view::write_replay_page(recording, other ? &*other : nullptr, view::network_of(recording, network_of({})),
+                          file);
   fmt::print("replay page in {}\n", file.string());
 }
 
@@ -47,6 +48,7 @@ void describe(const view::Recording& recording, const std::filesystem::path& run
 void replay(const ReplayArguments& arguments) {
   const view::Recording recording = view::read_recording(arguments.run);
   describe(recording, arguments.run);
+  warn_of_meshes(recording);
   if (arguments.make_page) make_page(arguments, recording);
   if (!arguments.gltf.empty()) {
     view::write_gltf(recording, arguments.gltf);

@@ -16,6 +16,7 @@
 
 #include "sim_board/input/error.h"
 #include "sim_board/input/text.h"
+#include "sim_board/record/standard_streams.h"
 #include "sim_board/world/options.h"
 #include "simulation/host/qemu_host.h"
 #include "simulation/observe/event_log.h"
@@ -41,10 +42,10 @@ class ProgressBar {
     if (percent == percent_) return;
     percent_ = percent;
     const int filled = percent * kWidth / 100;
-    fmt::print(stderr, "\r[{:#<{}}{:<{}}] {:7.2f} s of {:.2f} s, {:.1f} x real time ", "", filled, "",
-               kWidth - filled, progress.simulated_s, progress.duration_s,
-               progress.simulated_s / progress.wall_s);
-    if (percent == 100) fmt::print(stderr, "\n");
+    sim::print_error("\r[{:#<{}}{:<{}}] {:7.2f} s of {:.2f} s, {:.1f} x real time ", "", filled, "",
+                     kWidth - filled, progress.simulated_s, progress.duration_s,
+                     progress.simulated_s / progress.wall_s);
+    if (percent == 100) sim::print_error("\n");
   }
 
  private:
@@ -63,8 +64,8 @@ void report(const RunResult& result, const std::filesystem::path& out) {
              100.0 * summary.can_bus_load, summary.state_hash, out.string());
   std::fflush(stdout);  // before what follows on standard error
   warn_of_losses(result.live);
-  if (result.plot_warning) fmt::print(stderr, "koboshi: no figures: {}\n", *result.plot_warning);
-  if (result.failure) fmt::print(stderr, "koboshi: {}\n", *result.failure);
+  if (result.plot_warning) sim::print_error("koboshi: no figures: {}\n", *result.plot_warning);
+  if (result.failure) sim::print_error("koboshi: {}\n", *result.failure);
   fmt::print("{}\n", summary.verdict);
 }
 

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <vector>
 
+#include "sim_board/record/standard_streams.h"
 #include "tools/cli/commands.h"
 
 namespace koboshi::tools {
@@ -20,10 +21,10 @@ int start_studio(std::vector<std::string> arguments) {
   const std::filesystem::path studio =
       std::filesystem::read_symlink("/proc/self/exe").parent_path() / "koboshi-studio";
   if (!std::filesystem::exists(studio)) {
-    fmt::print(stderr,
-               "koboshi studio: this build has no window because Qt 6 was missing; `./run studio` installs "
-               "it and builds, "
-               "and `koboshi replay RUN --html` writes replay.html for a browser\n");
+    sim::print_error(
+        "koboshi studio: this build has no window because Qt 6 was missing; `./run studio` installs "
+        "it and builds, "
+        "and `koboshi replay RUN --html` writes replay.html for a browser\n");
     return kMissing;
   }
   arguments.insert(arguments.begin(), studio.string());

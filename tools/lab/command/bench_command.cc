@@ -1,3 +1,4 @@
+#include "sim_board/record/standard_streams.h"
 #include "tools/cli/commands.h"
 
 #include <fmt/core.h>
@@ -34,7 +35,7 @@ void play_bench(BenchArguments arguments) {
   arguments.options.steppers = chosen(arguments.names);
   arguments.options.reference_step_s = 1e-3 * arguments.reference_step_ms;
   const std::vector<BenchResult> results = bench(
-      arguments.options, [](const std::string& what) { fmt::print(stderr, "koboshi: bench: {}\n", what); });
+      arguments.options, [](const std::string& what) { sim::print_error("koboshi: bench: {}\n", what); });
   fmt::print("{}", bench_table(results));
   if (!arguments.json.empty()) sim::write_json(arguments.json, bench_json(results));
 }

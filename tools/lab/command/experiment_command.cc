@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "sim_board/record/standard_streams.h"
 #include "tools/cli/commands.h"
 #include "tools/lab/catalogue/contacts.h"
 #include "tools/lab/catalogue/fall_detection.h"
@@ -97,7 +98,7 @@ std::string draw_walks(const GyroFeedbackOptions& options, const SessionOptions&
     const std::string name = gyro_feedback_cell(points, feedback);
     const std::filesystem::path folder = session.out / name;
     const RunResult walk = run({.scenario = world.scenario, .out = folder, .change = world.change}, {});
-    if (walk.plot_warning) fmt::print(stderr, "koboshi: no figures: {}\n", *walk.plot_warning);
+    if (walk.plot_warning) sim::print_error("koboshi: no figures: {}\n", *walk.plot_warning);
     if (session.page.empty() || !std::filesystem::exists(folder / "zmp.png")) continue;
     const std::string image = session.section + "-" + name + ".png";
     std::filesystem::copy_file(folder / "zmp.png", session.page.parent_path() / image,

@@ -7,6 +7,7 @@
 
 #include "sim_board/input/error.h"
 #include "sim_board/record/output_file.h"
+#include "sim_board/record/standard_streams.h"
 #include "sim_board/record/summary.h"
 #include "sim_board/world/options.h"
 #include "simulation/batch/parallel.h"
@@ -79,7 +80,7 @@ std::string draw_figure(const PlaneFigure& figure, const SessionOptions& session
   try {
     draw(figure, session.out / "figure");
   } catch (const PlotError& error) {
-    fmt::print(stderr, "koboshi: no figure: {}\n", error.what());
+    sim::print_error("koboshi: no figure: {}\n", error.what());
     return {};
   }
   if (session.page.empty()) return {};
@@ -144,12 +145,12 @@ std::vector<sim::Override> overrides_of(const SessionOptions& session) {
 ProgressLine::ProgressLine() : terminal_(isatty(STDERR_FILENO) != 0) {}
 
 ProgressLine::~ProgressLine() {
-  if (terminal_) fmt::print(stderr, "\n");
+  if (terminal_) sim::print_error("\n");
 }
 
 void ProgressLine::show(const std::string& text) const {
   if (!terminal_) return;
-  fmt::print(stderr, "\r{} ", text);
+  sim::print_error("\r{} ", text);
   std::fflush(stderr);
 }
 

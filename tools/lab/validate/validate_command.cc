@@ -1,3 +1,4 @@
+#include "sim_board/record/standard_streams.h"
 #include "tools/cli/commands.h"
 
 #include <fmt/chrono.h>
@@ -50,7 +51,7 @@ bool draw_all(const std::vector<ValidationResult>& results, const fs::path& fold
     for (const ValidationResult& result : results) draw_plots(result, folder);
     return true;
   } catch (const PlotError& error) {
-    fmt::print(stderr, "koboshi: {}\n", error.what());
+    sim::print_error("koboshi: {}\n", error.what());
     return false;
   }
 }

@@ -2,22 +2,21 @@
 #include <QTranslator>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
+#include <cstddef>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <fmt/core.h>
-
+#include "sim_board/input/text.h"
+#include "sim_board/record/standard_streams.h"
 #include "tools/cli/transport_options.h"
+#include "tools/run/exit_status.h"
 #include "tools/studio/window/main_window.h"
 #include "tools/studio/window/translation.h"
 
 namespace {
-
-constexpr int kBadInput = 2;
 
 bool is_set(const char* variable) {
   const char* value = std::getenv(variable);
@@ -31,9 +30,14 @@ bool has_display() {
   return is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
 }
 
-}  // namespace
+// Qt aborts the process after a fatal message, such as of a display that does not answer.
+void take_message(QtMsgType type, const QMessageLogContext& /*context*/, const QString& text) {
+  if (type != QtFatalMsg) return koboshi::sim::print_error("{}\n", text.toStdString());
+  koboshi::sim::print_error("koboshi studio: {}\n", koboshi::sim::one_line(text.toStdString()));
+  std::_Exit(koboshi::tools::kBadInput);
+}
 
-int main(int argc, char** argv) {
+int run_program(int argc, char** argv) {
   CLI::App program("Koboshi Studio: run, watch and push the robot, and edit its motions.", "koboshi studio");
   program.set_version_flag("--version", "koboshi studio " KOBOSHI_VERSION);
   std::vector<std::filesystem::path> files;
@@ -56,14 +60,15 @@ int main(int argc, char** argv) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return program.exit(error) == 0 ? 0 : kBadInput;
+    return program.exit(error) == 0 ? 0 : koboshi::tools::kBadInput;
   }
   if (!has_display()) {
-    fmt::print(stderr,
-               "koboshi studio: no display here; `koboshi replay RUN --html` writes replay.html, which shows "
-               "a recorded run in a browser elsewhere\n");
-    return kBadInput;
+    koboshi::sim::print_error(
+        "koboshi studio: no display here; `koboshi replay RUN --html` writes replay.html, which shows "
+        "a recorded run in a browser elsewhere\n");
+    return koboshi::tools::kBadInput;
   }
+  qInstallMessageHandler(take_message);
   QApplication application(argc, argv);
   QApplication::setOrganizationName(QStringLiteral("Koboshi"));
   QApplication::setApplicationName(QStringLiteral("Koboshi Studio"));
@@ -76,4 +81,11 @@ int main(int argc, char** argv) {
   if (!can.empty()) window.attach(can, transport);
   window.show();
   return QApplication::exec();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return koboshi::tools::exit_status_of("koboshi studio", {argv, static_cast<std::size_t>(argc)},
+                                        [&] { return run_program(argc, argv); });
 }

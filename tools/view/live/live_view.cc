@@ -16,6 +16,7 @@
 #include <thread>
 #include <utility>
 
+#include "sim_board/record/standard_streams.h"
 #include "tools/view/live/access.h"
 #include "tools/view/live/batch.h"
 #include "tools/view/live/connection.h"
@@ -107,7 +108,7 @@ class LiveView::Server {
     try {
       context_.run();
     } catch (const std::exception& error) {
-      fmt::print(stderr, "koboshi: warning: the live view has ended: {}\n", error.what());
+      sim::print_error("koboshi: warning: the live view has ended: {}\n", error.what());
     }
   }
 
